@@ -1,1 +1,6 @@
 //! `Fx`.
+
+/// x
+pub struct Fx;
+/// x
+pub struct MathError;

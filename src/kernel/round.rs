@@ -1,0 +1,60 @@
+//! Division by a power of two, rounded to nearest, ties to even: the rounding of every product and public value.
+
+/// `a / 2^s`, rounded to nearest, ties to even. For every `a` and `0 <= s <= 127`.
+#[inline]
+pub(crate) const fn shr_round(a: i128, s: u32) -> i128 {
+    if s == 0 {
+        return a;
+    }
+    let floor = a >> s;
+    let rest = a as u128 & ((1 << s) - 1);
+    // Up if rest > half, or rest == half and floor is odd. In one comparison, since half >= 1; unlike adding
+    // half to `a` first it has nothing that could wrap: |floor| <= 2^126.
+    let half = 1 << (s - 1);
+    floor + (rest > half - (floor as u128 & 1)) as i128
+}
+
+/// `a / 2^s`, rounded to nearest, ties to even. For every `a` and `0 <= s <= 127`.
+#[inline]
+pub(crate) const fn shr_round_u(a: u128, s: u32) -> u128 {
+    if s == 0 {
+        return a;
+    }
+    let floor = a >> s;
+    let rest = a & ((1 << s) - 1);
+    // As above; floor < 2^127.
+    let half = 1 << (s - 1);
+    floor + (rest > half - (floor & 1)) as u128
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ties_go_to_even_on_both_sides_of_zero() {
+        let halves = [-5, -3, -1, 1, 3, 5].map(|odd: i128| shr_round(odd << 31, 32));
+        assert_eq!(halves, [-2, -2, 0, 0, 2, 2]);
+        let eighths = [-13, -12, -11, -5, -4, -3, 3, 4, 5, 11, 12, 13].map(|n: i128| shr_round(n, 3));
+        assert_eq!(eighths, [-2, -2, -1, -1, 0, 0, 0, 0, 1, 1, 2, 2]);
+    }
+
+    #[test]
+    fn the_ends_of_the_range_round_without_wrapping() {
+        for s in 0..=127 {
+            let nearest = |a: i128| {
+                let (floor, rest) = (a >> s, a & ((1i128 << s).wrapping_sub(1)));
+                let up = match (rest as u128 * 2).cmp(&(1 << s)) {
+                    core::cmp::Ordering::Less => false,
+                    core::cmp::Ordering::Equal => floor & 1 == 1,
+                    core::cmp::Ordering::Greater => true,
+                };
+                floor + i128::from(up)
+            };
+            for a in [i128::MIN, i128::MIN + 1, -1, 0, 1, i128::MAX - 1, i128::MAX] {
+                assert_eq!(shr_round(a, s), nearest(a), "{a} >> {s}");
+            }
+            assert_eq!(shr_round_u(u128::MAX, s), if s == 0 { u128::MAX } else { 1 << (128 - s) });
+        }
+    }
+}

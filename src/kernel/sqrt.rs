@@ -1,0 +1,164 @@
+//! Square roots of integers, exact.
+//!
+//! With x scaled by an even power of two to v in [¼, 1): y ≈ 1/√v from a table of chords (relative error 2^-14.4), one
+//! or two Newton steps y += y·(1 - v·y²)/2, each of which takes a relative error e to ³⁄₂·e², then s = v·y and one
+//! step s += (v - s²)·y/2 towards √v. That leaves less than one unit of the last place, and one comparison with the
+//! exact square settles it. No division, no loop.
+
+use super::round::shr_round_u;
+use super::tables::RSQRT_Q30;
+use super::{mul_high, mul_high_signed};
+
+/// 1/√v in Q3.61 with a relative error below 2^-28, for v = `m`·2^-64 in [¼, 1).
+#[inline]
+const fn reciprocal_root(m: u64) -> i64 {
+    let (left, fall) = RSQRT_Q30[(m >> 57) as usize - 32];
+    let along = (m >> 41) & 0xffff;
+    // fall <= 2^25 + 2^18, so the product has less than 42 bits; left <= 2^31.
+    let y_q30 = left as u64 - ((fall as u64 * along) >> 16);
+    // y² <= 2^62. |1 - v·y²| < 2^-13 makes the difference less than 2^47, its upper part 2^31, and times y 2^62.
+    let miss_q60 = (1 << 60) - mul_high(m, y_q30 * y_q30) as i64;
+    ((y_q30 << 31) as i64) + ((y_q30 as i64 * (miss_q60 >> 16)) >> 14)
+}
+
+/// The square root, rounded down.
+#[inline]
+pub(crate) const fn isqrt(x: u128) -> u64 {
+    if x == 0 {
+        return 0;
+    }
+    let twice_shift = x.leading_zeros() & !1;
+    floor_root(x << twice_shift) >> (twice_shift / 2)
+}
+
+/// The square root of `x` >= 2^126, rounded down.
+const fn floor_root(x: u128) -> u64 {
+    let m = (x >> 64) as u64;
+    let y = reciprocal_root(m);
+    // y <= 2^62 + 2^34, so y² (Q58) has 61 bits; |1 - v·y²| < 2^-27 leaves 31 bits of the difference,
+    // and 31 bits of y beside them keep the product below 2^62. Relative error after it: 2^-55.
+    let miss_q58 = (1 << 58) - mul_high(m, mul_high_signed(y, y) as u64) as i64;
+    let y = y + (((y >> 32) * miss_q58) >> 27);
+    // s < 2^61 up to the error of y: capped, so that it fits 64 bits as Q64.
+    let s_q61 = mul_high(m, y as u64);
+    let s = if s_q61 >> 61 == 0 { s_q61 << 3 } else { u64::MAX };
+    // |x - s²| < 2·2^64·2^10 = 2^75, and y < 2^63, so the factors have 36 and 28 bits.
+    let rest = x.wrapping_sub(s as u128 * s as u128) as i128;
+    let step = ((rest >> 40) as i64 * (y >> 35)) >> 51;
+    let s = s as i128 + step as i128;
+    let s = if s >> 64 == 0 { s as u64 } else { u64::MAX };
+    // Now s is at most one off. s² fits, and the rest is below 2^66 in magnitude.
+    let rest = x.wrapping_sub(s as u128 * s as u128) as i128;
+    if rest < 0 {
+        s - 1
+    } else if rest > 2 * s as i128 {
+        s + 1
+    } else {
+        s
+    }
+}
+
+/// The square root, rounded to nearest (no tie is possible); from 2^128 - 2^64 + 1 on it is 2^64.
+#[inline]
+pub(crate) const fn sqrt_round(x: u128) -> u128 {
+    let floor = isqrt(x) as u128;
+    // (floor + ½)² = floor² + floor + ¼. floor² <= x.
+    floor + (x - floor * floor > floor) as u128
+}
+
+/// The square root in units of 2^-32, that is √(x·2^64), within 0.501 of a unit.
+#[inline]
+pub(crate) const fn root_fine(x: u128) -> u128 {
+    if x == 0 {
+        return 0;
+    }
+    let twice_shift = x.leading_zeros() & !1;
+    let x = x << twice_shift;
+    let floor = floor_root(x) as u128;
+    // √x = floor + f with f = rest/(2·floor + f); leaving out that f makes less than 2^-64 of error. rest <= 2·floor < 2^65.
+    let rest = x - floor * floor;
+    let root_q48 = (floor << 48) + (rest << 48) / (2 * floor);
+    shr_round_u(root_q48, 16 + twice_shift / 2)
+}
+
+/// The square root of an I32F32 value, rounded to nearest: √(raw·2^32) (no tie is possible).
+#[inline]
+pub(crate) const fn sqrt_fx(raw: u64) -> u64 {
+    if raw == 0 {
+        return 0;
+    }
+    let twice_shift = raw.leading_zeros() & !1;
+    let m = raw << twice_shift;
+    let y = reciprocal_root(m);
+    // s = v·y with 32 bits, |s - √v| < 2^-27. Should s reach 1, its square wraps to 0 and the rest is still right,
+    // since |m - s²| < 2^38.
+    let s_q32 = mul_high(m, y as u64) >> 29;
+    let rest_q64 = m.wrapping_sub(s_q32.wrapping_mul(s_q32)) as i64;
+    // y has 26 bits as Q3.24, so the product is below 2^64·2^-1. The step keeps 24 bits: 2^-51 of √v.
+    let s_q61 = (s_q32 << 29).wrapping_add_signed((rest_q64 * (y >> 37)) >> 28);
+    // √(raw·2^32) = √v·2^(48 - shift), at most 2^48: rounded, it is at most one off.
+    let drop = 13 + twice_shift / 2;
+    let root = (s_q61 + (1 << (drop - 1))) >> drop;
+    // |raw·2^32 - root²| < 2^50, so 64 bits hold it though they do not hold the terms.
+    let rest = (raw << 32).wrapping_sub(root.wrapping_mul(root)) as i64;
+    let up = (rest > root as i64) as u64;
+    let down = (rest <= -(root as i64)) as u64;
+    root + up - down
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every power of two and square with their neighbours, and a million from a generator, all sizes alike.
+    fn inputs() -> impl Iterator<Item = u128> {
+        let powers = (0..128).flat_map(|k| (0..5).map(move |d| (1u128 << k).wrapping_add(d).wrapping_sub(2)));
+        let mut state = 1u64;
+        let random = (0..if cfg!(debug_assertions) { 50_000 } else { 1_000_000 }).flat_map(move |i| {
+            let mut next = || {
+                state = state.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
+                (state ^ state >> 29).wrapping_mul(0xbf58_476d_1ce4_e5b9)
+            };
+            let x = (u128::from(next()) << 64 | u128::from(next())) >> (i % 128);
+            let root = u128::from(next()) >> (i % 64);
+            [x, root * root, (root * root).wrapping_sub(1), root * root + root, root * root + root + 1]
+        });
+        powers.chain(random).chain((0..200).map(|d| u128::MAX - d))
+    }
+
+    #[test]
+    fn the_floor_squared_is_the_largest_square_below() {
+        for x in inputs() {
+            assert_eq!(u128::from(isqrt(x)), x.isqrt(), "{x}");
+        }
+    }
+
+    #[test]
+    fn the_nearest_root_is_less_than_half_away() {
+        for x in inputs() {
+            let root = sqrt_round(x);
+            // (root - ½)² < x < (root + ½)², less a quarter. root² - root <= (2^64)² - 2^64.
+            assert!(root == 0 || root * (root - 1) < x, "{x}");
+            assert!(root.checked_mul(root + 1).is_none_or(|next| x <= next), "{x}");
+            let raw = x as u64;
+            assert_eq!(u128::from(sqrt_fx(raw)), sqrt_round(u128::from(raw) << 32), "{raw}");
+        }
+    }
+
+    #[test]
+    fn the_fine_root_agrees_with_the_exact_one_where_that_fits() {
+        for x in inputs() {
+            let fine = root_fine(x);
+            if x >> 64 == 0 {
+                assert!(fine.abs_diff(sqrt_round(x << 64)) <= 1, "{x}");
+            } else {
+                // √(x·2^64)·2^-16 = √(x·2^32) for those up to 96 bits, the whole part for the rest.
+                let coarse = if x >> 96 == 0 { isqrt(x << 32) } else { isqrt(x) };
+                let floor = (fine >> if x >> 96 == 0 { 16 } else { 32 }) as u64;
+                assert!(floor.wrapping_sub(coarse) <= 1, "{x}");
+            }
+        }
+        assert_eq!(root_fine(u128::MAX), 1 << 96);
+        assert_eq!(root_fine(1 << 126), 1 << 95);
+    }
+}
