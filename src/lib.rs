@@ -8,4 +8,4 @@ extern crate std;
 mod kernel;
 mod scalar;
 
-pub use scalar::fx::{Fx, MathError};
+pub use scalar::fx::{Fx, MathError, ParseFxError};

@@ -1,6 +1,0 @@
-//! `Fx`.
-
-/// x
-pub struct Fx;
-/// x
-pub struct MathError;
