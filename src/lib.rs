@@ -1,11 +1,55 @@
-//! Deterministic 2D rigid-body physics in fixed point.
+//! Deterministic 2D rigid-body physics in fixed point: the same bits on every machine, in every build.
+//!
+//! A [`World`] holds bodies and force fields and moves them tick by tick. Its state is I32F32 fixed point ([`Fx`]) with
+//! finer fractions where remainders are carried, so that lockstep, rollback and replays agree to the bit.
+//!
+//! ```
+//! use umbra_physics::{BodyDef, Mass, Shape, TimeStep, Vec2, World, WorldDef, fx, vec2};
+//!
+//! let mut world = World::new(WorldDef { time_step: TimeStep::hz(60), gravity: vec2(0, -10), ..WorldDef::default() })?;
+//! let ball = world.add_body(BodyDef {
+//!     shape: Some(Shape::circle(fx!(0.5))?),
+//!     mass: Mass::Density(fx!(1)),
+//!     position: vec2(0, 10),
+//!     ..BodyDef::dynamic()
+//! })?;
+//! for _ in 0..60 {
+//!     world.step();
+//! }
+//! // After a second it has fallen ½·10·1² = 5 m, exactly.
+//! assert_eq!(world.body(ball)?.position(), vec2(0, 5));
+//! # Ok::<(), umbra_physics::Error>(())
+//! ```
+//!
+//! Units are m, kg, s and rad. One ulp is 2^-32 of them, and error bounds are given in ulps.
 #![no_std]
 
 extern crate alloc;
 #[cfg(feature = "std")]
 extern crate std;
 
+mod body;
+mod error;
+mod force;
+mod handle;
+mod integrate;
 mod kernel;
-mod scalar;
+pub mod limits;
+mod math;
+mod replay;
+pub mod scalar;
+mod shape;
+mod step;
+mod world;
 
+pub use body::{Activity, BodyDef, BodyKind, Mass};
+pub use error::{Cause, Error, Fault, Quantity};
+pub use force::{AppliedForce, Attachment, BodyState, Dependence, End, Field, ForceLaw, Law, LawFault, Push, Region};
+pub use handle::{BodyId, FieldId};
+pub use integrate::{Integrator, Stage, Verb};
+pub use math::{Elapsed, Rot, TimeStep, Vec2, vec2};
+pub use replay::LAW;
 pub use scalar::fx::{Fx, MathError, ParseFxError};
+pub use scalar::{FxAccumulator, FxFactor, FxWide, Scalar, SpringLaw, Turn};
+pub use shape::{Geometry, Part, Shape};
+pub use world::{Action, BodyRef, Command, Frame, Made, Manner, StepReport, World, WorldDef};

@@ -9,6 +9,7 @@ pub(crate) mod round;
 pub(crate) mod sqrt;
 mod tables;
 pub(crate) mod trig;
+pub(crate) mod wide;
 
 /// The upper half of a product: `floor(a·b / 2^64)`.
 #[inline]

@@ -1,1 +1,285 @@
-pub(crate) mod fx;
+//! The number types of the engine: what it asks of a scalar, and no more.
+//!
+//! [`Fx`] is the type that carries the promises; `f32` and `f64` (feature `float`) build the same engine to compare
+//! with. A quantity that does not fit in the scalar itself has a type of its own beside it: positions and velocities
+//! are [`Accumulator`]s; the time step, 1/m and moments of inertia are [`Factor`]s; forces, torques, accelerations and
+//! energies are [`Wide`]; angles are [`Angle`]s. For a float all of them are the float.
+//!
+//! The traits are open so that a study can put in another rounding; only `Fx` carries the promises.
+
+use core::fmt::{Debug, Display};
+use core::ops::{Add, Neg, Sub};
+
+use fx::Fx;
+
+mod accumulator;
+mod factor;
+mod fixed_laws;
+#[cfg(feature = "float")]
+mod float;
+pub mod fx;
+mod moments;
+mod turn;
+mod wide;
+
+pub use accumulator::FxAccumulator;
+pub use factor::FxFactor;
+#[cfg(feature = "float")]
+pub use float::ToF64;
+pub use turn::Turn;
+pub use wide::{FxSum, FxWide};
+
+/// The velocity that one kick may add stays below two to this, in m/s or rad/s.
+pub(crate) const KICK_LOG2: i32 = 21;
+/// Velocities between the stages of a step stay below two to this, and a few kicks.
+pub(crate) const TRANSIENT_SPEED_LOG2: i32 = 24;
+
+/// Bounds that every number of the engine meets.
+pub trait Number: Copy + Debug + Default + PartialEq + Send + Sync + 'static {}
+impl<T: Copy + Debug + Default + PartialEq + Send + Sync + 'static> Number for T {}
+
+/// A multiple of the time step that an integrator moves over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Weight {
+    /// The whole step.
+    Whole,
+    /// 1 / (2 − ∛2) = 1.3512…, the first and third sub-step of the fourth-order composition (Yoshida 1990).
+    YoshidaOuter,
+    /// −∛2 / (2 − ∛2) = −1.7024…, its second.
+    YoshidaInner,
+}
+
+/// A duration: a multiple of the time step, or half of one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Span {
+    /// The time step as a ratio in seconds, num / den.
+    pub ratio: (u32, u32),
+    /// The multiple of it.
+    pub weight: Weight,
+    /// Half of that, for the outer stages of a symmetric step.
+    pub half: bool,
+}
+
+impl Span {
+    /// Whether time runs backwards in it. Factors made from a span are made from its magnitude.
+    #[must_use]
+    pub const fn is_negative(self) -> bool {
+        matches!(self.weight, Weight::YoshidaInner)
+    }
+}
+
+/// A component of a position or a velocity: the scalar and a finer fraction below it.
+pub trait Accumulator<S: Scalar>: Number {
+    /// The accumulator of this value, with nothing below it.
+    fn from_scalar(value: S) -> Self;
+    /// The scalar nearest to it, ties to even. *Domain* the value fits in the scalar; inside the envelope it does.
+    fn value(self) -> S;
+    /// The sum. *Domain* it fits; inside the envelope it does.
+    #[must_use]
+    fn plus(self, other: Self) -> Self;
+    /// The same on the other side of zero.
+    #[must_use]
+    fn negated(self) -> Self;
+    /// The product, or zero if its public value is zero. `None` from a magnitude of 2^24
+    /// on.
+    fn scaled(self, factor: S::Factor) -> Option<Self>;
+    /// Whether its magnitude is at most `limit`.
+    fn is_within(self, limit: S) -> bool;
+    /// Its bits, for hashes and files.
+    fn to_bits(self) -> i128;
+}
+
+/// A factor of at least zero with 64 significant bits, whatever its size: a duration, 1/m, a moment of inertia.
+pub trait Factor<S: Scalar>: Number + PartialOrd {
+    /// 0.
+    const ZERO: Self;
+    /// 1.
+    const ONE: Self;
+    /// π.
+    const PI: Self;
+    /// The magnitude of `value`, exactly.
+    fn from_scalar(value: S) -> Self;
+    /// The magnitude of `value`.
+    fn from_wide(value: S::Wide) -> Self;
+    /// num / den. *Domain* den > 0.
+    fn from_ratio(num: u64, den: u64) -> Self;
+    /// The scalar nearest to it; `None` if it does not fit.
+    fn to_scalar(self) -> Option<S>;
+    /// The product.
+    #[must_use]
+    fn times(self, other: Self) -> Self;
+    /// The quotient. *Domain* `other` is not zero.
+    #[must_use]
+    fn over(self, other: Self) -> Self;
+    /// The sum.
+    #[must_use]
+    fn plus(self, other: Self) -> Self;
+    /// The difference, or zero if `other` is the larger.
+    #[must_use]
+    fn minus(self, other: Self) -> Self;
+    /// The square root.
+    #[must_use]
+    fn root(self) -> Self;
+    /// Its bits, for hashes and files.
+    fn to_bits(self) -> i128;
+    /// Whether it is zero.
+    fn is_zero(self) -> bool {
+        self == Self::ZERO
+    }
+}
+
+/// A signed quantity that outgrows the scalar: a force, torque, acceleration, momentum or energy.
+pub trait Wide<S: Scalar>: Number + PartialOrd {
+    /// The same value, exactly.
+    fn from_scalar(value: S) -> Self;
+    /// The value nearest to plus or minus `magnitude`; `None` if it does not fit.
+    fn from_factor(magnitude: S::Factor, negative: bool) -> Option<Self>;
+    /// The scalar nearest to it; `None` if it does not fit.
+    fn to_scalar(self) -> Option<S>;
+    /// The sum; `None` if it does not fit.
+    fn plus(self, other: Self) -> Option<Self>;
+    /// The same on the other side of zero.
+    #[must_use]
+    fn negated(self) -> Self;
+    /// The product; `None` if it does not fit.
+    fn times(self, factor: S::Factor) -> Option<Self>;
+    /// Whether it is below zero.
+    fn is_negative(self) -> bool;
+    /// Its bits, for hashes and files.
+    fn to_bits(self) -> i128;
+}
+
+/// A sum of up to 2^31 wide values, checked once at its end, so that the order of the terms never matters.
+pub trait Sum<S: Scalar>: Number {
+    /// Adds a term.
+    fn add(&mut self, term: S::Wide);
+    /// The total; `None` if it does not fit.
+    fn total(self) -> Option<S::Wide>;
+    /// Its bits, for hashes and files: low part, carries.
+    fn to_bits(self) -> (i128, i32);
+}
+
+/// An angle, kept within one turn.
+pub trait Angle<S: Scalar>: Number {
+    /// The angle of so many radians, any number of turns.
+    fn from_radians(radians: S) -> Self;
+    /// Radians in [0, 2π).
+    fn radians(self) -> S;
+    /// Sine and cosine.
+    fn sin_cos(self) -> (S, S);
+    /// What turns an angular velocity into an angle passed in this span.
+    fn drift_factor(span: Span) -> S::Factor;
+    /// The angle after turning at `velocity` rad/s for `drift_factor`'s span, backwards if `negative`.
+    #[must_use]
+    fn drifted(self, velocity: S, drift_factor: S::Factor, negative: bool) -> Self;
+    /// The angle turned by so many radians.
+    #[must_use]
+    fn turned(self, radians: S::Accumulator) -> Self;
+    /// The vector turned by this angle; `None` if a component does not fit in the scalar.
+    fn rotate(self, x: S, y: S) -> Option<(S::Wide, S::Wide)>;
+    /// Its bits, for hashes and files.
+    fn to_bits(self) -> u64;
+}
+
+/// Area, centroid and second moment of area of a polygon.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AreaMoments<S: Scalar> {
+    /// Area in m².
+    pub area: S::Factor,
+    /// Centroid in m.
+    pub centroid: (S, S),
+    /// Second moment about the origin of the coordinates, in m⁴.
+    pub second: S::Factor,
+}
+
+/// What stretches between two points, as a law of force sees it: the offset from one to the other in m.
+pub type Offset<S> = (<S as Scalar>::Wide, <S as Scalar>::Wide);
+
+/// A number type the engine can be built on.
+///
+/// Operators panic on overflow in every profile; the engine's own arithmetic goes through the associated types, whose
+/// ranges are proved where the limits stand.
+pub trait Scalar: Number + Display + PartialOrd + Add<Output = Self> + Sub<Output = Self> + Neg<Output = Self> {
+    /// Components of positions and velocities.
+    type Accumulator: Accumulator<Self>;
+    /// Durations, inverse masses, moments of inertia.
+    type Factor: Factor<Self>;
+    /// Angles.
+    type Angle: Angle<Self>;
+    /// Forces, torques, accelerations, momenta, energies.
+    type Wide: Wide<Self>;
+    /// Sums of them.
+    type Sum: Sum<Self>;
+
+    /// 0.
+    const ZERO: Self;
+    /// 1.
+    const ONE: Self;
+    /// The name in tables and on the command line.
+    const NAME: &'static str;
+
+    /// The same value; rounded to nearest in a float. How scenes and limits enter every build.
+    fn from_fx(value: Fx) -> Self;
+    /// The bits, for hashes and files.
+    fn to_bits(self) -> i64;
+    /// Whether it is a number; a float may not be.
+    fn is_finite(self) -> bool;
+    /// Sine and cosine of an angle in radians.
+    fn sin_cos(self) -> (Self, Self);
+    /// The product, exactly.
+    fn product(self, other: Self) -> Self::Wide;
+    /// The difference `self − other`, exactly.
+    fn offset(self, other: Self) -> Self::Wide;
+    /// The product of a difference in m and a force in N, in N·m; `None` if it does not fit.
+    fn torque(arm: Self::Wide, force: Self::Wide) -> Option<Self::Wide>;
+    /// The product, rounded to nearest, ties to even; `None` if it does not fit.
+    fn times(self, other: Self) -> Option<Self>;
+
+    /// A span in seconds, its magnitude.
+    fn seconds(span: Span) -> Self::Factor;
+    /// ½·dt² of the whole step, in s².
+    fn half_square_seconds(ratio: (u32, u32)) -> Self::Factor;
+    /// What is left of 1 after a span at `kept` a second, kept^span: the exact solution of dv/dt = v·ln kept.
+    /// *Domain* 0 ≤ kept ≤ 1, kept > 0 where the span is negative.
+    fn decay(kept: Self, span: Span) -> Self::Factor;
+    /// The way covered at this velocity in `seconds`. *Domain* |v| < 2^24 m/s, seconds < 2.
+    fn drift(self, seconds: Self::Factor) -> Self::Accumulator;
+    /// The velocity gained at this acceleration in `seconds`; `None` from 2^21
+    /// on.
+    fn kick(acceleration: Self::Wide, seconds: Self::Factor) -> Option<Self::Accumulator>;
+
+    /// The acceleration towards an attractor: mu·d / (d² + softening²)^(3/2); zero at its centre.
+    fn attraction(mu: Self::Factor, to_centre: Offset<Self>, softening: Self) -> Option<Offset<Self>>;
+    /// The force of a spring on its near end, whose far end is at `offset` and moves at `velocity` relative to it:
+    /// stiffness·(length − rest) + damping·(d length/dt) along the spring; zero where the ends coincide.
+    fn tension(offset: Offset<Self>, velocity: Offset<Self>, spring: &SpringLaw<Self>) -> Option<Offset<Self>>;
+    /// √(x² + y² + z²).
+    fn length(offset: Offset<Self>, third: Self) -> Self::Factor;
+    /// What is left of a velocity relative to the medium: du/dt = −(α + β·|u|)·u solved exactly over `seconds`, with
+    /// α = linear·inverse_mass and β = quadratic·inverse_mass. `None` where a negative span reaches the singularity.
+    fn drag(
+        speed: Self::Factor,
+        alpha: Self::Factor,
+        beta: Self::Factor,
+        seconds: Self::Factor,
+        negative: bool,
+    ) -> Option<Self::Factor>;
+    /// Area, centroid and second moment of a polygon, from sums that do not depend on its first corner or winding.
+    /// `None` if it has no area.
+    fn polygon_moments(corners: &[(Self, Self)]) -> Option<AreaMoments<Self>>;
+    /// Twice the signed area of the triangle, its sign alone: counter-clockwise, none, clockwise.
+    fn orientation(a: (Self, Self), b: (Self, Self), c: (Self, Self)) -> core::cmp::Ordering;
+    /// The mean of `values` by `weights`; `None` without weight.
+    fn weighted_mean(weights: &[Self::Factor], values: &[Self]) -> Option<Self>;
+}
+
+/// The constants of a spring.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpringLaw<S> {
+    /// Length at which it pulls nothing, m.
+    pub rest: S,
+    /// N/m.
+    pub stiffness: S,
+    /// N·s/m, along the spring.
+    pub damping: S,
+}

@@ -1,0 +1,301 @@
+//! The state of all bodies, one array per quantity, those that move first.
+
+use alloc::vec::Vec;
+
+use super::tuning::{Climate, Tunings};
+use super::{Activity, BodyDef, BodyKind, Mass, MassProperties};
+use crate::error::Error;
+use crate::handle::BodyId;
+use crate::limits;
+use crate::math::Vec2;
+use crate::scalar::{Accumulator, Angle, Scalar};
+use crate::shape::Shape;
+
+/// Linear and angular acceleration, m/s² and rad/s².
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Acceleration<S: Scalar> {
+    pub(crate) linear: Vec2<S::Wide>,
+    pub(crate) angular: S::Wide,
+}
+
+/// What a step changes.
+#[derive(Clone, Debug)]
+pub(crate) struct Motion<S: Scalar> {
+    pub(crate) position: Vec<Vec2<S::Accumulator>>,
+    pub(crate) velocity: Vec<Vec2<S::Accumulator>>,
+    pub(crate) angle: Vec<S::Angle>,
+    pub(crate) spin: Vec<S::Accumulator>,
+    /// The acceleration of the step before: state of `PublishedVerlet`, empty otherwise.
+    pub(crate) last: Vec<Acceleration<S>>,
+}
+
+impl<S: Scalar> Default for Motion<S> {
+    fn default() -> Self {
+        Self { position: Vec::new(), velocity: Vec::new(), angle: Vec::new(), spin: Vec::new(), last: Vec::new() }
+    }
+}
+
+impl<S: Scalar> Motion<S> {
+    /// Takes over the first `count` bodies of `other`, into the memory that is there.
+    pub(crate) fn copy_first(&mut self, other: &Self, count: usize) {
+        fn copy<T: Copy>(to: &mut Vec<T>, from: &[T], count: usize) {
+            to.clear();
+            to.extend_from_slice(&from[..count.min(from.len())]);
+        }
+        copy(&mut self.position, &other.position, count);
+        copy(&mut self.velocity, &other.velocity, count);
+        copy(&mut self.angle, &other.angle, count);
+        copy(&mut self.spin, &other.spin, count);
+        copy(&mut self.last, &other.last, count);
+    }
+
+    /// Takes over one body of `other`, at the same index.
+    pub(crate) fn copy_one(&mut self, other: &Self, i: usize) {
+        self.position[i] = other.position[i];
+        self.velocity[i] = other.velocity[i];
+        self.angle[i] = other.angle[i];
+        self.spin[i] = other.spin[i];
+        if let Some(last) = other.last.get(i) {
+            self.last[i] = *last;
+        }
+    }
+
+    /// Whether body `i` is the same in both, to the bit.
+    pub(crate) fn same(&self, other: &Self, i: usize) -> bool {
+        self.position[i] == other.position[i]
+            && self.velocity[i] == other.velocity[i]
+            && self.angle[i] == other.angle[i]
+            && self.spin[i] == other.spin[i]
+            && self.last.get(i) == other.last.get(i)
+    }
+
+    /// Whether the public velocities of body `i` are zero.
+    pub(crate) fn is_still(&self, i: usize) -> bool {
+        let still = |v: S::Accumulator| v.value() == S::ZERO;
+        still(self.velocity[i].x) && still(self.velocity[i].y) && still(self.spin[i])
+    }
+}
+
+/// What a step does not change, and rarely reads.
+#[derive(Clone, Debug)]
+pub(crate) struct Card<S: Scalar> {
+    pub(crate) kind: BodyKind,
+    pub(crate) activity: Activity,
+    pub(crate) groups: u32,
+    /// Where its applied forces are, or [`NONE`].
+    pub(crate) applied: u32,
+    pub(crate) key: u64,
+    pub(crate) user_data: u64,
+    pub(crate) mass: Mass<S>,
+    pub(crate) properties: MassProperties<S>,
+    pub(crate) shape: Option<Shape<S>>,
+    pub(crate) gravity_scale: S,
+    pub(crate) linear_damping: Option<S>,
+    pub(crate) angular_damping: Option<S>,
+}
+
+/// No index.
+pub(crate) const NONE: u32 = u32::MAX;
+
+/// All columns.
+#[derive(Clone, Debug)]
+pub(crate) struct Columns<S: Scalar> {
+    pub(crate) motion: Motion<S>,
+    /// Which of the [`Tunings`](super::Tunings) a body has.
+    pub(crate) tuning: Vec<u32>,
+    /// Ticks at rest.
+    pub(crate) rest: Vec<u32>,
+    pub(crate) slot: Vec<u32>,
+    pub(crate) card: Vec<Card<S>>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Slot {
+    generation: u32,
+    /// Its index in the columns, or [`NONE`].
+    dense: u32,
+}
+
+/// The bodies of a world. The allocator of handles is part of its state.
+#[derive(Clone, Debug)]
+pub(crate) struct Bodies<S: Scalar> {
+    pub(crate) columns: Columns<S>,
+    /// The bodies before this index are the ones a step moves.
+    moving: usize,
+    slots: Vec<Slot>,
+    /// Free slots; the last one freed is used first.
+    free: Vec<u32>,
+    /// Whether bodies have a last acceleration.
+    keeps_last: bool,
+}
+
+impl<S: Scalar> Default for Bodies<S> {
+    fn default() -> Self {
+        let columns = Columns {
+            motion: Motion::default(),
+            tuning: Vec::new(),
+            rest: Vec::new(),
+            slot: Vec::new(),
+            card: Vec::new(),
+        };
+        Self { columns, moving: 0, slots: Vec::new(), free: Vec::new(), keeps_last: false }
+    }
+}
+
+impl<S: Scalar> Bodies<S> {
+    pub(crate) fn len(&self) -> usize {
+        self.columns.card.len()
+    }
+
+    pub(crate) fn moving(&self) -> usize {
+        self.moving
+    }
+
+    /// The index of a body in the columns.
+    pub(crate) fn find(&self, body: BodyId) -> Result<usize, Error> {
+        match self.slots.get(body.slot as usize) {
+            Some(slot) if slot.generation == body.generation && slot.dense != NONE => Ok(slot.dense as usize),
+            _ => Err(Error::NoSuchBody { body }),
+        }
+    }
+
+    /// The handle of the body at this index in the columns.
+    pub(crate) fn id(&self, dense: usize) -> BodyId {
+        let slot = self.columns.slot[dense];
+        BodyId { slot, generation: self.slots[slot as usize].generation }
+    }
+
+    /// Indices in the columns in the order of the slots, which is the order of everything public.
+    pub(crate) fn in_order(&self) -> impl Iterator<Item = usize> {
+        self.slots.iter().filter(|s| s.dense != NONE).map(|s| s.dense as usize)
+    }
+
+    /// Generations and whether they are taken, by slot; then the free slots in the order they will not be used.
+    pub(crate) fn allocator(&self) -> (impl Iterator<Item = (u32, bool)>, &[u32]) {
+        (self.slots.iter().map(|s| (s.generation, s.dense != NONE)), &self.free)
+    }
+
+    /// Adds a body. *Domain* the definition was checked.
+    pub(crate) fn insert(
+        &mut self,
+        def: BodyDef<S>,
+        properties: MassProperties<S>,
+        tunings: &mut Tunings<S>,
+        climate: &Climate<'_, S>,
+    ) -> Result<BodyId, Error> {
+        let dense = self.len();
+        if dense >= limits::BODIES {
+            return Err(Error::Full);
+        }
+        let slot = self.free.pop().unwrap_or_else(|| {
+            self.slots.push(Slot { generation: 0, dense: NONE });
+            (self.slots.len() - 1) as u32
+        });
+        self.slots[slot as usize].dense = dense as u32;
+        let accumulators = |v: Vec2<S>| v.map(S::Accumulator::from_scalar);
+        let columns = &mut self.columns;
+        columns.motion.position.push(accumulators(def.position));
+        columns.motion.velocity.push(accumulators(def.velocity));
+        columns.motion.angle.push(S::Angle::from_radians(def.angle));
+        columns.motion.spin.push(S::Accumulator::from_scalar(def.angular_velocity));
+        if self.keeps_last {
+            columns.motion.last.push(Acceleration::default());
+        }
+        let card = Card {
+            kind: def.kind,
+            activity: Activity::Awake,
+            groups: def.groups,
+            applied: NONE,
+            key: def.key,
+            user_data: def.user_data,
+            mass: def.mass,
+            properties,
+            shape: def.shape,
+            gravity_scale: def.gravity_scale,
+            linear_damping: def.linear_damping,
+            angular_damping: def.angular_damping,
+        };
+        columns.tuning.push(tunings.acquire(&card, climate));
+        columns.rest.push(0);
+        columns.slot.push(slot);
+        columns.card.push(card);
+        if def.kind != BodyKind::Static {
+            self.swap(dense, self.moving);
+            self.moving += 1;
+        }
+        Ok(BodyId { slot, generation: self.slots[slot as usize].generation })
+    }
+
+    /// Removes a body; its slot is free for the next one, with the next generation.
+    pub(crate) fn remove(&mut self, body: BodyId) -> Result<(), Error> {
+        let dense = self.find(body)?;
+        let dense = self.set_moving(dense, false);
+        let last = self.len() - 1;
+        self.swap(dense, last);
+        let columns = &mut self.columns;
+        columns.motion.position.pop();
+        columns.motion.velocity.pop();
+        columns.motion.angle.pop();
+        columns.motion.spin.pop();
+        columns.motion.last.pop();
+        columns.tuning.pop();
+        columns.rest.pop();
+        columns.slot.pop();
+        columns.card.pop();
+        let slot = &mut self.slots[body.slot as usize];
+        slot.dense = NONE;
+        // A slot whose generations are used up is never taken again: no handle names two bodies.
+        if let Some(next) = slot.generation.checked_add(1) {
+            slot.generation = next;
+            self.free.push(body.slot);
+        }
+        Ok(())
+    }
+
+    /// Moves a body among those that move, or out of them; returns its new index.
+    pub(crate) fn set_moving(&mut self, dense: usize, moving: bool) -> usize {
+        match (dense < self.moving, moving) {
+            (false, true) => {
+                self.swap(dense, self.moving);
+                self.moving += 1;
+                self.moving - 1
+            }
+            (true, false) => {
+                self.moving -= 1;
+                self.swap(dense, self.moving);
+                self.moving
+            }
+            _ => dense,
+        }
+    }
+
+    /// Gives every body a last acceleration of zero, or none any room for one.
+    pub(crate) fn keep_last_acceleration(&mut self, keep: bool) {
+        self.keeps_last = keep;
+        let last = &mut self.columns.motion.last;
+        last.clear();
+        if keep {
+            last.resize(self.columns.card.len(), Acceleration::default());
+        }
+    }
+
+    fn swap(&mut self, a: usize, b: usize) {
+        if a == b {
+            return;
+        }
+        let columns = &mut self.columns;
+        columns.motion.position.swap(a, b);
+        columns.motion.velocity.swap(a, b);
+        columns.motion.angle.swap(a, b);
+        columns.motion.spin.swap(a, b);
+        if !columns.motion.last.is_empty() {
+            columns.motion.last.swap(a, b);
+        }
+        columns.tuning.swap(a, b);
+        columns.rest.swap(a, b);
+        columns.slot.swap(a, b);
+        columns.card.swap(a, b);
+        self.slots[columns.slot[a] as usize].dense = a as u32;
+        self.slots[columns.slot[b] as usize].dense = b as u32;
+    }
+}

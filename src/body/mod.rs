@@ -1,0 +1,213 @@
+//! Bodies: their definitions, handles, and the columns their state is kept in.
+
+mod columns;
+mod tuning;
+
+use crate::error::{Error, Quantity};
+use crate::limits;
+use crate::math::Vec2;
+use crate::scalar::{Factor, Scalar, fx::Fx};
+use crate::shape::Shape;
+
+pub(crate) use columns::{Acceleration, Bodies, Card, Motion, NONE};
+pub(crate) use tuning::{Climate, SPANS, Tuning, Tunings};
+
+/// What moves a body.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+pub enum BodyKind {
+    /// Nothing.
+    Static,
+    /// The velocity it is given; no force and no damping.
+    Kinematic,
+    /// Everything.
+    #[default]
+    Dynamic,
+}
+
+/// Whether a body takes part in steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Activity {
+    /// It does.
+    #[default]
+    Awake,
+    /// It is at rest and skipped, until something wakes it.
+    Asleep,
+    /// It left the envelope: back at its last good state and out of the simulation, until it is released.
+    Quarantined,
+}
+
+/// Where a dynamic body's mass and moment of inertia come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Mass<S = Fx> {
+    /// kg/m² times the area of the shape, kg/m for a segment; the inertia from the shape.
+    Density(S),
+    /// kg; the inertia from the shape, or infinite without one: such a body does not turn.
+    Of(S),
+    /// kg and kg·m².
+    WithInertia(S, S),
+}
+
+/// What a body is made from. Start from [`BodyDef::dynamic`], [`kinematic`](Self::kinematic) or
+/// [`fixed`](Self::fixed) and change what differs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BodyDef<S: Scalar = Fx> {
+    /// What moves it.
+    pub kind: BodyKind,
+    /// Where its centre of mass is, m.
+    pub position: Vec2<S>,
+    /// How far it is turned, rad.
+    pub angle: S,
+    /// Its velocity, m/s. Zero for a static body.
+    pub velocity: Vec2<S>,
+    /// Its angular velocity, rad/s. Zero for a static body.
+    pub angular_velocity: S,
+    /// Its shape, which gives it inertia and an outline to draw.
+    pub shape: Option<Shape<S>>,
+    /// Its mass, if it is dynamic.
+    pub mass: Mass<S>,
+    /// How much of the world's gravity it feels: 1 all, 0 none, −1 upwards.
+    pub gravity_scale: S,
+    /// What is left of its velocity after a second, 0 to 1, in place of the world's.
+    pub linear_damping: Option<S>,
+    /// What is left of its angular velocity after a second, 0 to 1, in place of the world's.
+    pub angular_damping: Option<S>,
+    /// The groups it is in: a force field with one of these bits acts on it.
+    pub groups: u32,
+    /// A name of the caller's, by which worlds built in another order are compared.
+    pub key: u64,
+    /// Anything of the caller's.
+    pub user_data: u64,
+}
+
+impl<S: Scalar> BodyDef<S> {
+    /// A body of 1 kg that everything moves, at rest at the origin.
+    #[must_use]
+    pub fn dynamic() -> Self {
+        Self {
+            kind: BodyKind::Dynamic,
+            position: Vec2::ZERO,
+            angle: S::ZERO,
+            velocity: Vec2::ZERO,
+            angular_velocity: S::ZERO,
+            shape: None,
+            mass: Mass::Of(S::ONE),
+            gravity_scale: S::ONE,
+            linear_damping: None,
+            angular_damping: None,
+            groups: 1,
+            key: 0,
+            user_data: 0,
+        }
+    }
+
+    /// A body that moves with the velocity it is given.
+    #[must_use]
+    pub fn kinematic() -> Self {
+        Self { kind: BodyKind::Kinematic, ..Self::dynamic() }
+    }
+
+    /// A body that never moves.
+    #[must_use]
+    pub fn fixed() -> Self {
+        Self { kind: BodyKind::Static, ..Self::dynamic() }
+    }
+
+    /// Refuses what a world would.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] naming the quantity; [`Error::NoShape`] for a density without a shape.
+    pub fn check(&self) -> Result<(), Error> {
+        check_position(self.position)?;
+        check_angle(self.angle)?;
+        check_velocity(self.velocity)?;
+        check_angular_velocity(self.angular_velocity)?;
+        let still = self.velocity == Vec2::ZERO && self.angular_velocity == S::ZERO;
+        if self.kind == BodyKind::Static && !still {
+            return Err(Error::OutOfRange { quantity: Quantity::Velocity });
+        }
+        check_gravity_scale(self.gravity_scale)?;
+        self.linear_damping.map_or(Ok(()), check_damping)?;
+        self.angular_damping.map_or(Ok(()), check_damping)?;
+        mass_properties(self.kind, self.mass, self.shape.as_ref()).map(drop)
+    }
+}
+
+/// Mass, inertia and their inverses; zero stands for infinite (the inverses) or unknown (the mass).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct MassProperties<S: Scalar> {
+    pub(crate) mass: S,
+    pub(crate) inertia: S::Factor,
+    pub(crate) inverse_mass: S::Factor,
+    pub(crate) inverse_inertia: S::Factor,
+}
+
+/// The properties that follow from a definition.
+pub(crate) fn mass_properties<S: Scalar>(
+    kind: BodyKind,
+    mass: Mass<S>,
+    shape: Option<&Shape<S>>,
+) -> Result<MassProperties<S>, Error> {
+    let out_of = |quantity| Error::OutOfRange { quantity };
+    let zero = S::Factor::ZERO;
+    if kind != BodyKind::Dynamic {
+        return Ok(MassProperties { mass: S::ZERO, inertia: zero, inverse_mass: zero, inverse_inertia: zero });
+    }
+    let (kilograms, inertia) = match mass {
+        Mass::Density(density) => {
+            if !(density > S::ZERO && density.is_finite()) {
+                return Err(out_of(Quantity::Density));
+            }
+            let area = shape.ok_or(Error::NoShape)?.measure();
+            let mass = S::Factor::from_scalar(density).times(area).to_scalar().ok_or(out_of(Quantity::Mass))?;
+            (mass, None)
+        }
+        Mass::Of(mass) => (mass, None),
+        Mass::WithInertia(mass, inertia) if inertia > S::ZERO && inertia.is_finite() => (mass, Some(inertia)),
+        Mass::WithInertia(..) => return Err(out_of(Quantity::Inertia)),
+    };
+    if !(kilograms >= S::from_fx(limits::MASS_MIN) && kilograms <= S::from_fx(limits::MASS_MAX)) {
+        return Err(out_of(Quantity::Mass));
+    }
+    let factor = S::Factor::from_scalar(kilograms);
+    let inertia = match (inertia, shape) {
+        (Some(inertia), _) => S::Factor::from_scalar(inertia),
+        (None, Some(shape)) => factor.times(shape.gyration()),
+        (None, None) => zero,
+    };
+    let inverse = |f: S::Factor| if f.is_zero() { f } else { S::Factor::ONE.over(f) };
+    Ok(MassProperties { mass: kilograms, inertia, inverse_mass: inverse(factor), inverse_inertia: inverse(inertia) })
+}
+
+fn check(ok: bool, quantity: Quantity) -> Result<(), Error> {
+    if ok { Ok(()) } else { Err(Error::OutOfRange { quantity }) }
+}
+
+fn within<S: Scalar>(value: S, limit: Fx) -> bool {
+    let limit = S::from_fx(limit);
+    -limit <= value && value <= limit
+}
+
+pub(crate) fn check_position<S: Scalar>(position: Vec2<S>) -> Result<(), Error> {
+    check(within(position.x, limits::POSITION) && within(position.y, limits::POSITION), Quantity::Position)
+}
+
+pub(crate) fn check_angle<S: Scalar>(angle: S) -> Result<(), Error> {
+    check(angle.is_finite(), Quantity::Angle)
+}
+
+pub(crate) fn check_velocity<S: Scalar>(velocity: Vec2<S>) -> Result<(), Error> {
+    check(within(velocity.x, limits::SPEED) && within(velocity.y, limits::SPEED), Quantity::Velocity)
+}
+
+pub(crate) fn check_angular_velocity<S: Scalar>(velocity: S) -> Result<(), Error> {
+    check(within(velocity, limits::ANGULAR_SPEED), Quantity::AngularVelocity)
+}
+
+pub(crate) fn check_gravity_scale<S: Scalar>(scale: S) -> Result<(), Error> {
+    check(within(scale, limits::GRAVITY_SCALE), Quantity::GravityScale)
+}
+
+pub(crate) fn check_damping<S: Scalar>(kept: S) -> Result<(), Error> {
+    check(kept >= S::ZERO && kept <= S::ONE, Quantity::Damping)
+}

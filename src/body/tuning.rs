@@ -1,0 +1,158 @@
+//! What bodies share: gravity scale and damping, and the factors that follow from them and the time step.
+
+use alloc::collections::BTreeMap;
+use alloc::vec::Vec;
+
+use super::{BodyKind, Card};
+use crate::math::Vec2;
+use crate::scalar::{Factor, Scalar, Span};
+
+/// The most spans an integrator's stages name.
+pub(crate) const SPANS: usize = 4;
+
+/// What the factors are made from besides the body's own numbers.
+#[derive(Clone, Copy)]
+pub(crate) struct Climate<'a, S> {
+    pub(crate) gravity: Vec2<S>,
+    pub(crate) linear_damping: S,
+    pub(crate) angular_damping: S,
+    /// The spans of the integrator's stages.
+    pub(crate) spans: &'a [Span],
+}
+
+/// The factors of the bodies that have the same gravity scale and damping. All of it is derived.
+#[derive(Clone, Debug)]
+pub(crate) struct Tuning<S: Scalar> {
+    key: Key<S>,
+    users: u32,
+    /// Gravity as it feels it, m/s².
+    pub(crate) gravity: Vec2<S::Wide>,
+    pub(crate) has_gravity: bool,
+    /// The velocity gained from it, by span.
+    pub(crate) fall: [Vec2<S::Accumulator>; SPANS],
+    /// What is left of the velocities, by span.
+    pub(crate) linear: [S::Factor; SPANS],
+    pub(crate) angular: [S::Factor; SPANS],
+    pub(crate) is_damped: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Key<S> {
+    dynamic: bool,
+    gravity_scale: S,
+    linear: Option<S>,
+    angular: Option<S>,
+}
+
+type KeyBits = (bool, i64, Option<i64>, Option<i64>);
+
+impl<S: Scalar> Key<S> {
+    fn of(card: &Card<S>) -> Self {
+        if card.kind != BodyKind::Dynamic {
+            return Self { dynamic: false, gravity_scale: S::ZERO, linear: None, angular: None };
+        }
+        let (linear, angular) = (card.linear_damping, card.angular_damping);
+        Self { dynamic: true, gravity_scale: card.gravity_scale, linear, angular }
+    }
+
+    fn bits(&self) -> KeyBits {
+        (self.dynamic, self.gravity_scale.to_bits(), self.linear.map(S::to_bits), self.angular.map(S::to_bits))
+    }
+}
+
+impl<S: Scalar> Tuning<S> {
+    fn new(key: Key<S>, climate: &Climate<'_, S>) -> Self {
+        let none = S::Accumulator::default();
+        let mut tuning = Self {
+            key,
+            users: 0,
+            gravity: Vec2::default(),
+            has_gravity: false,
+            fall: [Vec2::new(none, none); SPANS],
+            linear: [S::Factor::ONE; SPANS],
+            angular: [S::Factor::ONE; SPANS],
+            is_damped: false,
+        };
+        if !key.dynamic {
+            return tuning;
+        }
+        tuning.gravity = climate.gravity.map(|g| g.product(key.gravity_scale));
+        for (i, &span) in climate.spans.iter().enumerate() {
+            let seconds = S::seconds(span);
+            // Gravity and its scale are limited so that no span's kick reaches the limit of kicks.
+            let fall = |g| S::kick(g, seconds).unwrap_or_default();
+            let fall = tuning.gravity.map(fall);
+            tuning.fall[i] = if span.is_negative() { fall.map(crate::scalar::Accumulator::negated) } else { fall };
+            tuning.linear[i] = S::decay(key.linear.unwrap_or(climate.linear_damping), span);
+            tuning.angular[i] = S::decay(key.angular.unwrap_or(climate.angular_damping), span);
+        }
+        tuning.has_gravity = tuning.gravity != Vec2::default();
+        tuning.is_damped = tuning.linear.iter().chain(&tuning.angular).any(|f| *f != S::Factor::ONE);
+        tuning
+    }
+}
+
+/// The tunings in use. Which index one has is no state: it changes no bit of what follows.
+#[derive(Clone, Debug)]
+pub(crate) struct Tunings<S: Scalar> {
+    rows: Vec<Tuning<S>>,
+    index: BTreeMap<KeyBits, u32>,
+    free: Vec<u32>,
+}
+
+impl<S: Scalar> Default for Tunings<S> {
+    fn default() -> Self {
+        Self { rows: Vec::new(), index: BTreeMap::new(), free: Vec::new() }
+    }
+}
+
+impl<S: Scalar> Tunings<S> {
+    pub(crate) fn rows(&self) -> &[Tuning<S>] {
+        &self.rows
+    }
+
+    /// Whether anything is damped.
+    pub(crate) fn any_damped(&self) -> bool {
+        self.rows.iter().any(|row| row.users > 0 && row.is_damped)
+    }
+
+    /// Whether anything falls.
+    pub(crate) fn any_gravity(&self) -> bool {
+        self.rows.iter().any(|row| row.users > 0 && row.has_gravity)
+    }
+
+    /// The index for a body like this one; it is given back by [`release`](Self::release).
+    pub(crate) fn acquire(&mut self, card: &Card<S>, climate: &Climate<'_, S>) -> u32 {
+        let key = Key::of(card);
+        let index = *self.index.entry(key.bits()).or_insert_with(|| {
+            let row = Tuning::new(key, climate);
+            if let Some(free) = self.free.pop() {
+                self.rows[free as usize] = row;
+                free
+            } else {
+                self.rows.push(row);
+                (self.rows.len() - 1) as u32
+            }
+        });
+        self.rows[index as usize].users += 1;
+        index
+    }
+
+    pub(crate) fn release(&mut self, index: u32) {
+        let row = &mut self.rows[index as usize];
+        row.users -= 1;
+        if row.users == 0 {
+            self.index.remove(&row.key.bits());
+            self.free.push(index);
+        }
+    }
+
+    /// Makes all factors anew.
+    pub(crate) fn refresh(&mut self, climate: &Climate<'_, S>) {
+        for row in &mut self.rows {
+            let users = row.users;
+            *row = Tuning::new(row.key, climate);
+            row.users = users;
+        }
+    }
+}

@@ -1,0 +1,229 @@
+//! What can be refused, and why.
+
+use core::fmt;
+
+use crate::handle::{BodyId, FieldId};
+
+/// Why a call was refused. The world is as it was before the call.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Error {
+    /// A value is outside the range that [`limits`](crate::limits) gives for its kind.
+    OutOfRange {
+        /// What the value is.
+        quantity: Quantity,
+    },
+    /// The handle names no body: it was removed, or never in this world.
+    NoSuchBody {
+        /// The handle.
+        body: BodyId,
+    },
+    /// The handle names no force field.
+    NoSuchField {
+        /// The handle.
+        field: FieldId,
+    },
+    /// A time step is num/den seconds with den/num between 1 and 10,000 steps a second.
+    TimeStep,
+    /// A polygon's corner is not convex, or repeats its neighbour.
+    NotConvex {
+        /// Its index in the list given.
+        corner: usize,
+    },
+    /// A mass from a density, or a moment of inertia, was asked of a body without a shape.
+    NoShape,
+    /// The call needs a dynamic body.
+    NotDynamic {
+        /// The body.
+        body: BodyId,
+    },
+    /// A static body has no velocity.
+    NotMovable {
+        /// The body.
+        body: BodyId,
+    },
+    /// The body is quarantined: set its state and release it first.
+    Quarantined {
+        /// The body.
+        body: BodyId,
+    },
+    /// The body is not quarantined, so there is nothing to release.
+    NotQuarantined {
+        /// The body.
+        body: BodyId,
+    },
+    /// `Yoshida4` runs its middle sub-step backwards, which a damping of 0 (nothing left after a step) has no way back from.
+    DampingHasNoInverse,
+    /// A spring or thruster is attached to the same body twice.
+    SameBody {
+        /// The body.
+        body: BodyId,
+    },
+    /// No law of force with this id is registered, or one is already.
+    ForceLaw {
+        /// The id.
+        id: u64,
+    },
+    /// The world holds as many of them as it can.
+    Full,
+    /// The elapsed time is no longer a ratio of 128-bit integers: too many different time steps were used.
+    ElapsedTime,
+}
+
+/// What a value that was refused is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Quantity {
+    /// A position or a point.
+    Position,
+    /// An angle.
+    Angle,
+    /// A velocity, or what it would become.
+    Velocity,
+    /// An angular velocity, or what it would become.
+    AngularVelocity,
+    /// A mass.
+    Mass,
+    /// A moment of inertia.
+    Inertia,
+    /// A density.
+    Density,
+    /// A size of a shape.
+    Size,
+    /// The number of corners or parts of a shape.
+    Count,
+    /// A force.
+    Force,
+    /// A torque.
+    Torque,
+    /// An impulse.
+    Impulse,
+    /// A gravity.
+    Gravity,
+    /// A gravity scale.
+    GravityScale,
+    /// A damping: what is left of a velocity after a second, 0 to 1.
+    Damping,
+    /// A gravitational parameter.
+    Mu,
+    /// A softening length.
+    Softening,
+    /// The stiffness of a spring.
+    Stiffness,
+    /// A coefficient of drag or of a damper.
+    Drag,
+    /// The rest length of a spring.
+    RestLength,
+    /// The number of ticks after which bodies fall asleep.
+    SleepAfter,
+    /// A total of energy or momentum.
+    Total,
+}
+
+impl Quantity {
+    /// Its name and range as a message gives them.
+    const fn range(self) -> &'static str {
+        match self {
+            Self::Position => "position within ±2^30 m",
+            Self::Angle => "angle that is a number",
+            Self::Velocity => "velocity within ±2^20 m/s a component",
+            Self::AngularVelocity => "angular velocity within ±2^20 rad/s",
+            Self::Mass => "mass from 2^-16 to 2^24 kg",
+            Self::Inertia => "moment of inertia above zero",
+            Self::Density => "density above zero",
+            Self::Size => "size from 2^-7 to 2^12 m",
+            Self::Count => "number of corners from 3 to 64, of parts from 1 to 256",
+            Self::Force => "force within ±2^31 N a component",
+            Self::Torque => "torque within ±2^62 N·m",
+            Self::Impulse => "impulse within ±2^31 N·s a component",
+            Self::Gravity => "gravity within ±2^16 m/s² a component",
+            Self::GravityScale => "gravity scale within ±16",
+            Self::Damping => "damping from 0 to 1",
+            Self::Mu => "gravitational parameter from 0 to 2^64 m³/s²",
+            Self::Softening => "softening length from 0 to 2^12 m",
+            Self::Stiffness => "stiffness of at least zero",
+            Self::Drag => "coefficient of at least zero",
+            Self::RestLength => "rest length from 0 to 2^30 m",
+            Self::SleepAfter => "number of ticks from 1",
+            Self::Total => "total that fits in 64 bits before and after the point",
+        }
+    }
+}
+
+impl fmt::Display for Quantity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.range())
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::OutOfRange { quantity } => write!(f, "out of range: expected a {quantity}"),
+            Self::NoSuchBody { body } => write!(f, "no such body: {body}"),
+            Self::NoSuchField { field } => write!(f, "no such force field: {field}"),
+            Self::TimeStep => f.write_str("the time step must be num/den seconds, from 1 to 10,000 steps a second"),
+            Self::NotConvex { corner } => write!(f, "the polygon is not convex at corner {corner}"),
+            Self::NoShape => f.write_str("a density needs a shape"),
+            Self::NotDynamic { body } => write!(f, "{body} is not dynamic"),
+            Self::NotMovable { body } => write!(f, "{body} is static and has no velocity"),
+            Self::Quarantined { body } => write!(f, "{body} is quarantined"),
+            Self::NotQuarantined { body } => write!(f, "{body} is not quarantined"),
+            Self::DampingHasNoInverse => f.write_str("Yoshida4 cannot go with a damping of 0"),
+            Self::SameBody { body } => write!(f, "both ends are attached to {body}"),
+            Self::ForceLaw { id } => write!(f, "force law {id:#x} is not registered, or registered twice"),
+            Self::Full => f.write_str("the world holds no more of these"),
+            Self::ElapsedTime => f.write_str("the elapsed time is no longer a ratio of 128-bit integers"),
+        }
+    }
+}
+
+impl core::error::Error for Error {}
+
+/// A body that was quarantined in a step, and why.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Fault {
+    /// The body.
+    pub body: BodyId,
+    /// The first thing that went wrong with it.
+    pub cause: Cause,
+}
+
+/// What went wrong with a body in a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[non_exhaustive]
+pub enum Cause {
+    /// It left the positions of the envelope.
+    Position,
+    /// It became too fast.
+    Velocity,
+    /// It spun too fast.
+    AngularVelocity,
+    /// The forces on it sum to more than can be.
+    Force,
+    /// A field's force on it does not fit.
+    Field {
+        /// The field.
+        field: FieldId,
+    },
+    /// A law of the user's own had no answer.
+    Law {
+        /// Its field.
+        field: FieldId,
+        /// The code it gave.
+        code: u32,
+    },
+}
+
+impl fmt::Display for Cause {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Position => f.write_str("position beyond 2^30 m"),
+            Self::Velocity => f.write_str("velocity beyond 2^20 m/s"),
+            Self::AngularVelocity => f.write_str("angular velocity beyond 2^20 rad/s"),
+            Self::Force => f.write_str("sum of forces too large"),
+            Self::Field { field } => write!(f, "{field} gave a force too large"),
+            Self::Law { field, code } => write!(f, "the law of {field} gave fault {code}"),
+        }
+    }
+}

@@ -1,0 +1,233 @@
+//! Force fields as data.
+
+use super::Laws;
+use crate::body::{Bodies, BodyKind, check_velocity};
+use crate::error::{Error, Quantity};
+use crate::handle::BodyId;
+use crate::limits;
+use crate::math::Vec2;
+use crate::scalar::{Factor, Scalar, SpringLaw, fx::Fx};
+
+/// What of a body a force depends on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Dependence {
+    /// Nothing.
+    Nothing,
+    /// Position or angle: evaluated once a step.
+    Position,
+    /// Velocity as well: evaluated again in the closing half kick, of order 2 at most, and not reversible.
+    Velocity,
+}
+
+/// A point of a body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Attachment<S = Fx> {
+    /// The body.
+    pub body: BodyId,
+    /// The point relative to its centre of mass, turning with it, m.
+    pub point: Vec2<S>,
+}
+
+impl<S: Scalar> Attachment<S> {
+    /// The centre of mass.
+    #[must_use]
+    pub fn centre(body: BodyId) -> Self {
+        Self { body, point: Vec2::ZERO }
+    }
+}
+
+/// Where the far end of a spring, or the centre of an attractor, is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum End<S = Fx> {
+    /// A point of the world, m.
+    World(Vec2<S>),
+    /// A point of a body.
+    Body(Attachment<S>),
+}
+
+/// A closed region: its edge belongs to it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Region<S = Fx> {
+    /// Around a centre, m.
+    Disc {
+        /// Its centre, m.
+        centre: Vec2<S>,
+        /// Its radius, m.
+        radius: S,
+    },
+    /// From one corner to the opposite one.
+    Box {
+        /// Its lower left corner, m.
+        min: Vec2<S>,
+        /// Its upper right corner, m.
+        max: Vec2<S>,
+    },
+}
+
+/// A law of force.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Law<S: Scalar = Fx> {
+    /// Acceleration mu·d / (d² + softening²)^(3/2) towards a point, the same for every mass. A body does not attract itself.
+    Attractor {
+        /// The point.
+        centre: End<S>,
+        /// The gravitational parameter G·M, m³/s².
+        mu: S::Factor,
+        /// The distance below which it softens, m; 0 for none.
+        softening: S,
+    },
+    /// A spring with a damper along it. At zero length it has no direction and pulls nothing.
+    Spring {
+        /// One end.
+        near: Attachment<S>,
+        /// The other.
+        far: End<S>,
+        /// Its constants.
+        spring: SpringLaw<S>,
+    },
+    /// Drag against a medium: F = −(linear + quadratic·|u|)·u with u the velocity relative to it. Solved exactly.
+    Drag {
+        /// N·s/m.
+        linear: S,
+        /// N·s²/m².
+        quadratic: S,
+        /// The velocity of the medium, m/s.
+        wind: Vec2<S>,
+    },
+    /// A force that turns with the body.
+    Thrust {
+        /// Where it acts.
+        at: Attachment<S>,
+        /// The force in the body's frame, N.
+        force: Vec2<S>,
+    },
+    /// A constant acceleration of the bodies whose centre of mass is in a region, the same for every mass.
+    Zone {
+        /// The region.
+        region: Region<S>,
+        /// m/s².
+        acceleration: Vec2<S>,
+    },
+    /// A [`ForceLaw`](super::ForceLaw) of the user's own.
+    Custom {
+        /// Its id.
+        id: u64,
+    },
+}
+
+/// A force field: a law and whom it acts on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Field<S: Scalar = Fx> {
+    /// The law.
+    pub law: Law<S>,
+    /// It acts on dynamic bodies with one of these group bits; springs and thrusts act on their bodies alone.
+    pub groups: u32,
+}
+
+impl<S: Scalar> From<Law<S>> for Field<S> {
+    /// The law, for all bodies that are in any group.
+    fn from(law: Law<S>) -> Self {
+        Self { law, groups: u32::MAX }
+    }
+}
+
+fn check(ok: bool, quantity: Quantity) -> Result<(), Error> {
+    if ok { Ok(()) } else { Err(Error::OutOfRange { quantity }) }
+}
+
+fn within<S: Scalar>(point: Vec2<S>, limit: Fx) -> bool {
+    point.is_within(S::from_fx(limit))
+}
+
+fn not_negative<S: Scalar>(value: S) -> bool {
+    value >= S::ZERO && value.is_finite()
+}
+
+impl<S: Scalar> Field<S> {
+    /// Refuses what a world would.
+    pub(crate) fn check(&self, bodies: &Bodies<S>, laws: &Laws<S>) -> Result<(), Error> {
+        let attachment = |a: &Attachment<S>| {
+            bodies.find(a.body)?;
+            check(within(a.point, limits::SIZE_MAX), Quantity::Position)
+        };
+        let dynamic = |body| match bodies.columns.card[bodies.find(body)?].kind {
+            BodyKind::Dynamic => Ok(()),
+            _ => Err(Error::NotDynamic { body }),
+        };
+        let end = |e: &End<S>| match e {
+            End::World(point) => check(within(*point, limits::POSITION), Quantity::Position),
+            End::Body(a) => attachment(a),
+        };
+        match &self.law {
+            Law::Attractor { centre, mu, softening } => {
+                end(centre)?;
+                let most = S::Factor::from_ratio(1 << 32, 1);
+                check(S::Factor::ZERO <= *mu && *mu <= most.times(most), Quantity::Mu)?;
+                let soft = *softening >= S::ZERO && *softening <= S::from_fx(limits::SIZE_MAX);
+                check(soft, Quantity::Softening)
+            }
+            Law::Spring { near, far, spring } => {
+                attachment(near)?;
+                end(far)?;
+                match far {
+                    End::Body(a) if a.body == near.body => return Err(Error::SameBody { body: a.body }),
+                    // One end has to give.
+                    End::Body(a) => dynamic(near.body).or_else(|_| dynamic(a.body))?,
+                    End::World(_) => dynamic(near.body)?,
+                }
+                let rest = not_negative(spring.rest) && spring.rest <= S::from_fx(limits::POSITION);
+                check(rest, Quantity::RestLength)?;
+                check(not_negative(spring.stiffness), Quantity::Stiffness)?;
+                check(not_negative(spring.damping), Quantity::Drag)
+            }
+            Law::Drag { linear, quadratic, wind } => {
+                check(not_negative(*linear) && not_negative(*quadratic), Quantity::Drag)?;
+                check_velocity(*wind)
+            }
+            Law::Thrust { at, force } => {
+                attachment(at)?;
+                dynamic(at.body)?;
+                check(force.is_finite(), Quantity::Force)
+            }
+            Law::Zone { region, acceleration } => {
+                let placed = match *region {
+                    Region::Disc { centre, radius } => {
+                        within(centre, limits::POSITION)
+                            && not_negative(radius)
+                            && radius <= S::from_fx(limits::POSITION)
+                    }
+                    Region::Box { min, max } => within(min, limits::POSITION) && within(max, limits::POSITION),
+                };
+                check(placed, Quantity::Position)?;
+                check(within(*acceleration, limits::GRAVITY), Quantity::Gravity)
+            }
+            Law::Custom { id } => laws.get(id).map(drop).ok_or(Error::ForceLaw { id: *id }),
+        }
+    }
+
+    /// What it depends on. A spring's damper is evaluated apart from its elastic force.
+    pub(crate) fn depends_on(&self, laws: &Laws<S>) -> Dependence {
+        match &self.law {
+            Law::Spring { spring, .. } if spring.damping != S::ZERO => Dependence::Velocity,
+            Law::Custom { id } => laws.get(id).map_or(Dependence::Nothing, |law| law.depends_on()),
+            Law::Drag { .. } => Dependence::Velocity,
+            Law::Zone { .. } | Law::Spring { .. } | Law::Attractor { .. } | Law::Thrust { .. } => Dependence::Position,
+        }
+    }
+
+    /// The bodies it is attached to.
+    pub(crate) fn bodies(&self) -> impl Iterator<Item = BodyId> {
+        let end = |e: &End<S>| match e {
+            End::World(_) => None,
+            End::Body(a) => Some(a.body),
+        };
+        let (a, b) = match &self.law {
+            Law::Attractor { centre, .. } => (end(centre), None),
+            Law::Spring { near, far, .. } => (Some(near.body), end(far)),
+            Law::Thrust { at, .. } => (Some(at.body), None),
+            Law::Drag { .. } | Law::Zone { .. } | Law::Custom { .. } => (None, None),
+        };
+        a.into_iter().chain(b)
+    }
+}

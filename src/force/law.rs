@@ -1,0 +1,72 @@
+//! The hook for a law of the user's own.
+
+use core::fmt;
+
+use super::Dependence;
+use crate::math::Vec2;
+use crate::scalar::{Scalar, fx::Fx};
+
+/// What a law sees of a body: public values, and what the caller gave it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BodyState<S = Fx> {
+    /// Its centre of mass, m.
+    pub position: Vec2<S>,
+    /// Its angle in [0, 2π), rad.
+    pub angle: S,
+    /// Its velocity, m/s.
+    pub velocity: Vec2<S>,
+    /// Its angular velocity, rad/s.
+    pub angular_velocity: S,
+    /// Its mass, kg.
+    pub mass: S,
+    /// The caller's name for it.
+    pub key: u64,
+    /// The caller's data.
+    pub user_data: u64,
+}
+
+/// A force in N and a torque in N·m.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Push<S = Fx> {
+    /// Through the centre of mass, world axes.
+    pub force: Vec2<S>,
+    /// About it.
+    pub torque: S,
+}
+
+/// A law's word that it has no answer for a body; the body is quarantined at the end of the step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct LawFault {
+    /// A number of the law's own, handed on to the report.
+    pub code: u32,
+}
+
+impl fmt::Display for LawFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "the law of force gave fault {}", self.code)
+    }
+}
+
+impl core::error::Error for LawFault {}
+
+/// A law of force of the user's own. It acts through a field with [`Law::Custom`](super::Law::Custom).
+///
+/// It must be a function of what it is given alone: the same on every machine, without floats, clocks, random numbers or
+/// memory of earlier calls; it is called as often as an integrator needs it. Checked arithmetic is its own duty:
+/// what overflows is a [`LawFault`].
+pub trait ForceLaw<S: Scalar = Fx>: Send + Sync {
+    /// Names the law in scenes, hashes, snapshots and replays.
+    fn id(&self) -> u64;
+
+    /// Moves when the law's results do.
+    fn version(&self) -> u32;
+
+    /// What of a body the force depends on. A law that reads the velocity and does not say so loses its order.
+    fn depends_on(&self) -> Dependence;
+
+    /// The force on a body.
+    ///
+    /// # Errors
+    /// A [`LawFault`] where it has no answer.
+    fn push(&self, body: &BodyState<S>) -> Result<Push<S>, LawFault>;
+}

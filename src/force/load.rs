@@ -1,0 +1,336 @@
+//! Evaluating force fields.
+
+use alloc::vec::Vec;
+
+use super::{Attachment, BodyState, Dependence, End, Field, FieldSet, Law, Laws, Push, Region};
+use crate::body::{Activity, Bodies, BodyKind, Motion};
+use crate::error::{Cause, Fault};
+use crate::handle::FieldId;
+use crate::math::Vec2;
+use crate::scalar::{Accumulator, Angle, Factor, Offset, Scalar, SpringLaw, Sum, Wide};
+
+/// What the fields do to a body: accelerations that do not depend on its mass, forces and a torque, each summed so that
+/// the order of the fields never matters.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Load<S: Scalar> {
+    pub(crate) acceleration: Vec2<S::Sum>,
+    pub(crate) force: Vec2<S::Sum>,
+    pub(crate) torque: S::Sum,
+}
+
+impl<S: Scalar> Load<S> {
+    fn accelerate(&mut self, (x, y): Offset<S>) {
+        self.acceleration.x.add(x);
+        self.acceleration.y.add(y);
+    }
+
+    /// Adds a force that acts at `arm` from the centre of mass. `None` if its torque does not fit.
+    fn push(&mut self, arm: Offset<S>, force: Offset<S>) -> Option<()> {
+        if arm != Offset::<S>::default() {
+            self.torque.add(S::torque(arm.0, force.1)?);
+            self.torque.add(S::torque(arm.1, force.0)?.negated());
+        }
+        self.force.x.add(force.0);
+        self.force.y.add(force.1);
+        Some(())
+    }
+}
+
+/// What fields see.
+#[derive(Clone, Copy)]
+pub(crate) struct Scene<'a, S: Scalar> {
+    pub(crate) bodies: &'a Bodies<S>,
+    pub(crate) fields: &'a FieldSet<S>,
+    pub(crate) laws: &'a Laws<S>,
+}
+
+/// A point of the world or of a body, and how it moves.
+struct Anchor<S: Scalar> {
+    /// Its body's index in the columns, if a force on it moves something.
+    dense: Option<usize>,
+    position: Vec2<S>,
+    /// From there to the point.
+    arm: Offset<S>,
+    velocity: Vec2<S>,
+    spin: S,
+}
+
+impl<S: Scalar> Anchor<S> {
+    /// The way from here to `far`.
+    fn offset_to(&self, far: &Self) -> Option<Offset<S>> {
+        let component =
+            |to: S, from: S, to_arm: S::Wide, from_arm: S::Wide| to.offset(from).plus(to_arm)?.plus(from_arm.negated());
+        Some((
+            component(far.position.x, self.position.x, far.arm.0, self.arm.0)?,
+            component(far.position.y, self.position.y, far.arm.1, self.arm.1)?,
+        ))
+    }
+
+    /// The velocity of the point: v + ω × arm.
+    fn point_velocity(&self) -> Option<Offset<S>> {
+        let spin = S::Wide::from_scalar(self.spin);
+        Some((
+            S::Wide::from_scalar(self.velocity.x).plus(S::torque(self.arm.1, spin)?.negated())?,
+            S::Wide::from_scalar(self.velocity.y).plus(S::torque(self.arm.0, spin)?)?,
+        ))
+    }
+}
+
+impl<S: Scalar> Scene<'_, S> {
+    /// Whether a field with these groups acts on the body at this index.
+    fn acts_on(&self, i: usize, groups: u32) -> bool {
+        let card = &self.bodies.columns.card[i];
+        card.kind == BodyKind::Dynamic && card.groups & groups != 0
+    }
+
+    /// `None` if its body is quarantined, and whatever is attached to it inert.
+    fn attached(&self, attachment: &Attachment<S>) -> Option<Anchor<S>> {
+        let dense = self.bodies.find(attachment.body).ok()?;
+        let columns = &self.bodies.columns;
+        let card = &columns.card[dense];
+        if card.activity == Activity::Quarantined {
+            return None;
+        }
+        let motion = &columns.motion;
+        let arm = if attachment.point == Vec2::ZERO {
+            Offset::<S>::default()
+        } else {
+            // Attachments are within 2^12 m a component, far inside what turns without overflow.
+            motion.angle[dense].rotate(attachment.point.x, attachment.point.y)?
+        };
+        let gives = card.kind == BodyKind::Dynamic && dense < self.bodies.moving();
+        Some(Anchor {
+            dense: gives.then_some(dense),
+            position: motion.position[dense].map(Accumulator::value),
+            arm,
+            velocity: motion.velocity[dense].map(Accumulator::value),
+            spin: motion.spin[dense].value(),
+        })
+    }
+
+    fn end(&self, end: &End<S>) -> Option<Anchor<S>> {
+        match end {
+            End::Body(attachment) => self.attached(attachment),
+            End::World(point) => Some(Anchor {
+                dense: None,
+                position: *point,
+                arm: Offset::<S>::default(),
+                velocity: Vec2::ZERO,
+                spin: S::ZERO,
+            }),
+        }
+    }
+
+    /// From one end to another; `None` if either is on a quarantined body.
+    pub(crate) fn offset_between(&self, from: &End<S>, to: &End<S>) -> Option<Offset<S>> {
+        self.end(from)?.offset_to(&self.end(to)?)
+    }
+
+    fn position(&self, i: usize) -> Vec2<S> {
+        self.bodies.columns.motion.position[i].map(Accumulator::value)
+    }
+
+    fn is_inside(&self, i: usize, region: &Region<S>) -> bool {
+        let at = self.position(i);
+        match *region {
+            Region::Box { min, max } => min.x <= at.x && at.x <= max.x && min.y <= at.y && at.y <= max.y,
+            Region::Disc { centre, radius } => {
+                S::length((at.x.offset(centre.x), at.y.offset(centre.y)), S::ZERO) <= S::Factor::from_scalar(radius)
+            }
+        }
+    }
+
+    fn state(&self, i: usize) -> BodyState<S> {
+        let columns = &self.bodies.columns;
+        let card = &columns.card[i];
+        BodyState {
+            position: self.position(i),
+            angle: columns.motion.angle[i].radians(),
+            velocity: columns.motion.velocity[i].map(Accumulator::value),
+            angular_velocity: columns.motion.spin[i].value(),
+            mass: card.properties.mass,
+            key: card.key,
+            user_data: card.user_data,
+        }
+    }
+}
+
+/// Adds what the fields of one dependence do to the bodies that move. `Position` takes in what depends on nothing, and the
+/// elastic part of a spring, whose damper comes with `Velocity`. Drag is no part of either: it is [`resist`]ed.
+pub(crate) fn accumulate<S: Scalar>(
+    scene: Scene<'_, S>,
+    pass: Dependence,
+    loads: &mut [Load<S>],
+    faults: &mut Vec<Fault>,
+) {
+    for (id, field) in scene.fields.iter() {
+        let own_pass = match field.depends_on(scene.laws) {
+            Dependence::Velocity => Dependence::Velocity,
+            Dependence::Nothing | Dependence::Position => Dependence::Position,
+        };
+        match &field.law {
+            Law::Spring { near, far, spring } if own_pass == pass || pass == Dependence::Position => {
+                let law = match pass {
+                    Dependence::Velocity => SpringLaw { stiffness: S::ZERO, ..*spring },
+                    _ => SpringLaw { damping: S::ZERO, ..*spring },
+                };
+                let (Some(near), Some(far)) = (scene.attached(near), scene.end(far)) else { continue };
+                if pull(&near, &far, &law, loads).is_none() {
+                    blame(scene, [&near, &far], id, faults);
+                }
+            }
+            _ if own_pass != pass => {}
+            Law::Attractor { centre, mu, softening } => {
+                let Some(centre) = scene.end(centre) else { continue };
+                let own = field.bodies().next().and_then(|body| scene.bodies.find(body).ok());
+                for i in (0..loads.len()).filter(|&i| own != Some(i) && scene.acts_on(i, field.groups)) {
+                    let body = Anchor {
+                        dense: None,
+                        position: scene.position(i),
+                        arm: Offset::<S>::default(),
+                        velocity: Vec2::ZERO,
+                        spin: S::ZERO,
+                    };
+                    let attraction = body.offset_to(&centre).and_then(|d| S::attraction(*mu, d, *softening));
+                    match attraction {
+                        Some(acceleration) => loads[i].accelerate(acceleration),
+                        None => faults.push(Fault { body: scene.bodies.id(i), cause: Cause::Field { field: id } }),
+                    }
+                }
+            }
+            Law::Thrust { at, force } => {
+                let Some(at) = scene.attached(at) else { continue };
+                let Some(i) = at.dense else { continue };
+                let turned = scene.bodies.columns.motion.angle[i].rotate(force.x, force.y);
+                if turned.and_then(|force| loads[i].push(at.arm, force)).is_none() {
+                    blame(scene, [&at, &at], id, faults);
+                }
+            }
+            Law::Zone { region, acceleration } => {
+                let acceleration = acceleration.map(S::Wide::from_scalar);
+                for i in (0..loads.len()).filter(|&i| scene.acts_on(i, field.groups)) {
+                    if scene.is_inside(i, region) {
+                        loads[i].accelerate(acceleration.into());
+                    }
+                }
+            }
+            Law::Custom { id: law } => {
+                let Some(law) = scene.laws.get(law) else { continue };
+                for i in (0..loads.len()).filter(|&i| scene.acts_on(i, field.groups)) {
+                    match law.push(&scene.state(i)) {
+                        Ok(Push { force, torque }) => {
+                            loads[i].force.x.add(S::Wide::from_scalar(force.x));
+                            loads[i].force.y.add(S::Wide::from_scalar(force.y));
+                            loads[i].torque.add(S::Wide::from_scalar(torque));
+                        }
+                        Err(fault) => faults.push(Fault {
+                            body: scene.bodies.id(i),
+                            cause: Cause::Law { field: id, code: fault.code },
+                        }),
+                    }
+                }
+            }
+            Law::Drag { .. } | Law::Spring { .. } => {}
+        }
+    }
+}
+
+/// A spring's force on both its ends, equal and opposite to the bit.
+fn pull<S: Scalar>(near: &Anchor<S>, far: &Anchor<S>, spring: &SpringLaw<S>, loads: &mut [Load<S>]) -> Option<()> {
+    let offset = near.offset_to(far)?;
+    let velocity = if spring.damping == S::ZERO {
+        Offset::<S>::default()
+    } else {
+        let (v, w) = (far.point_velocity()?, near.point_velocity()?);
+        (v.0.plus(w.0.negated())?, v.1.plus(w.1.negated())?)
+    };
+    let force = S::tension(offset, velocity, spring)?;
+    if let Some(i) = near.dense {
+        loads[i].push(near.arm, force)?;
+    }
+    if let Some(i) = far.dense {
+        loads[i].push(far.arm, (force.0.negated(), force.1.negated()))?;
+    }
+    Some(())
+}
+
+fn blame<S: Scalar>(scene: Scene<'_, S>, anchors: [&Anchor<S>; 2], field: FieldId, faults: &mut Vec<Fault>) {
+    for i in anchors.into_iter().filter_map(|anchor| anchor.dense) {
+        faults.push(Fault { body: scene.bodies.id(i), cause: Cause::Field { field } });
+    }
+}
+
+/// Drag over a span: the exact solution for each field, one after the other, in reverse order if `closing`.
+///
+/// Bodies marked in `outside` are left alone if `inside` a composition, and are the only ones taken otherwise.
+pub(crate) fn resist<S: Scalar>(
+    fields: &FieldSet<S>,
+    bodies: &mut Bodies<S>,
+    span: (S::Factor, bool),
+    closing: bool,
+    only: impl Fn(usize) -> bool,
+    faults: &mut Vec<Fault>,
+) {
+    let mut one = |id: FieldId, field: &Field<S>| {
+        let Law::Drag { linear, quadratic, wind } = &field.law else { return };
+        for i in 0..bodies.moving() {
+            let card = &bodies.columns.card[i];
+            if card.kind != BodyKind::Dynamic || card.groups & field.groups == 0 || !only(i) {
+                continue;
+            }
+            let inverse_mass = card.properties.inverse_mass;
+            let velocity = &mut bodies.columns.motion.velocity[i];
+            let speed = S::length(relative(*velocity, *wind), S::ZERO);
+            let (alpha, beta) = (
+                S::Factor::from_scalar(*linear).times(inverse_mass),
+                S::Factor::from_scalar(*quadratic).times(inverse_mass),
+            );
+            let slowed = S::drag(speed, alpha, beta, span.0, span.1).and_then(|left| {
+                let component = |v: S::Accumulator, w: S| {
+                    let w = S::Accumulator::from_scalar(w);
+                    Some(v.plus(w.negated()).scaled(left)?.plus(w))
+                };
+                Some(Vec2::new(component(velocity.x, wind.x)?, component(velocity.y, wind.y)?))
+            });
+            match slowed {
+                Some(slowed) => *velocity = slowed,
+                None => faults.push(Fault { body: bodies.id(i), cause: Cause::Field { field: id } }),
+            }
+        }
+    };
+    if closing {
+        fields.iter().rev().for_each(|(id, field)| one(id, field));
+    } else {
+        fields.iter().for_each(|(id, field)| one(id, field));
+    }
+}
+
+/// The public velocity relative to a medium.
+fn relative<S: Scalar>(velocity: Vec2<S::Accumulator>, wind: Vec2<S>) -> Offset<S> {
+    (velocity.x.value().offset(wind.x), velocity.y.value().offset(wind.y))
+}
+
+/// Marks the bodies whose quadratic drag is too stiff to run backwards, those with quadratic·|u|/m·dt > ½, and counts them.
+pub(crate) fn outer_drag<S: Scalar>(
+    fields: &FieldSet<S>,
+    bodies: &Bodies<S>,
+    time_step: S::Factor,
+    outside: &mut Vec<bool>,
+) -> u32 {
+    outside.clear();
+    outside.resize(bodies.moving(), false);
+    let half = S::Factor::from_ratio(1, 2);
+    let Motion { velocity, .. } = &bodies.columns.motion;
+    for (_, field) in fields.iter() {
+        let Law::Drag { quadratic, wind, .. } = &field.law else { continue };
+        for (i, outside) in outside.iter_mut().enumerate() {
+            let card = &bodies.columns.card[i];
+            if card.kind == BodyKind::Dynamic && card.groups & field.groups != 0 {
+                let beta = S::Factor::from_scalar(*quadratic).times(card.properties.inverse_mass);
+                let speed = S::length(relative(velocity[i], *wind), S::ZERO);
+                *outside |= beta.times(speed).times(time_step) > half;
+            }
+        }
+    }
+    outside.iter().map(|&is| u32::from(is)).sum()
+}

@@ -1,0 +1,72 @@
+//! The fields of a world and their handles.
+
+use alloc::vec::Vec;
+
+use super::Field;
+use crate::error::Error;
+use crate::handle::FieldId;
+use crate::limits;
+use crate::scalar::Scalar;
+
+/// The fields in the order of their slots, which is the order drags act in.
+#[derive(Clone, Debug)]
+pub(crate) struct FieldSet<S: Scalar> {
+    slots: Vec<(u32, Option<Field<S>>)>,
+    free: Vec<u32>,
+}
+
+impl<S: Scalar> Default for FieldSet<S> {
+    fn default() -> Self {
+        Self { slots: Vec::new(), free: Vec::new() }
+    }
+}
+
+impl<S: Scalar> FieldSet<S> {
+    pub(crate) fn insert(&mut self, field: Field<S>) -> Result<FieldId, Error> {
+        if self.free.is_empty() && self.slots.len() >= limits::FIELDS {
+            return Err(Error::Full);
+        }
+        let slot = self.free.pop().unwrap_or_else(|| {
+            self.slots.push((0, None));
+            (self.slots.len() - 1) as u32
+        });
+        let entry = &mut self.slots[slot as usize];
+        entry.1 = Some(field);
+        Ok(FieldId { slot, generation: entry.0 })
+    }
+
+    pub(crate) fn get(&self, id: FieldId) -> Result<&Field<S>, Error> {
+        match self.slots.get(id.slot as usize) {
+            Some((generation, Some(field))) if *generation == id.generation => Ok(field),
+            _ => Err(Error::NoSuchField { field: id }),
+        }
+    }
+
+    pub(crate) fn replace(&mut self, id: FieldId, field: Field<S>) -> Result<(), Error> {
+        self.get(id)?;
+        self.slots[id.slot as usize].1 = Some(field);
+        Ok(())
+    }
+
+    pub(crate) fn remove(&mut self, id: FieldId) -> Result<Field<S>, Error> {
+        let field = *self.get(id)?;
+        self.slots[id.slot as usize].1 = None;
+        let generation = &mut self.slots[id.slot as usize].0;
+        if let Some(next) = generation.checked_add(1) {
+            *generation = next;
+            self.free.push(id.slot);
+        }
+        Ok(field)
+    }
+
+    pub(crate) fn iter(&self) -> impl DoubleEndedIterator<Item = (FieldId, &Field<S>)> {
+        self.slots.iter().enumerate().filter_map(|(slot, (generation, field))| {
+            Some((FieldId { slot: slot as u32, generation: *generation }, field.as_ref()?))
+        })
+    }
+
+    /// Generations by slot, and the free slots in the order they will not be used.
+    pub(crate) fn allocator(&self) -> (impl Iterator<Item = u32>, &[u32]) {
+        (self.slots.iter().map(|(generation, _)| *generation), &self.free)
+    }
+}

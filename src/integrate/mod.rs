@@ -1,0 +1,209 @@
+//! The integrators: which stages a step has, in which order, and over which part of the time step.
+
+mod rules;
+
+pub(crate) use rules::{damp, drift, kick_by, kick_gravity, sum};
+
+use crate::body::SPANS;
+use crate::math::TimeStep;
+use crate::scalar::{Angle, Scalar, Span, Weight};
+
+/// How a world moves from tick to tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+pub enum Integrator {
+    /// The position with the old velocity. Order 1; gains energy. For comparison.
+    ExplicitEuler,
+    /// The velocity first, then the position with the new one. Order 1, symplectic.
+    SymplecticEuler,
+    /// Kick, drift, kick. Order 2, symplectic, reversible.
+    ///
+    /// *Source* Swope, Andersen, Berens, Wilson, J. Chem. Phys. 76, 637 (1982).
+    #[default]
+    VelocityVerlet,
+    /// UMBRA's four stages as its devlog prints them. Its positions are those of `SymplecticEuler` for forces of position,
+    /// its velocity lags a step behind. Order 1.
+    PublishedVerlet,
+    /// Three Verlet steps, the middle one backwards. Order 4, symplectic, reversible.
+    ///
+    /// *Source* Yoshida, Phys. Lett. A 150, 262 (1990).
+    Yoshida4,
+}
+
+/// What a stage does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Verb {
+    /// Evaluates the force fields at the positions now. Reads positions and angles; writes accelerations.
+    Fields,
+    /// Lets damping and drag act. Reads and writes velocities.
+    Damp,
+    /// Accelerations to velocities. Reads forces, accelerations, masses; writes velocities.
+    Kick,
+    /// Velocities to positions. Reads velocities; writes positions and angles.
+    Drift,
+    /// Forgets the forces applied over the tick.
+    Clear,
+}
+
+impl Verb {
+    /// Its name in traces, hashes and benches.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Fields => "fields",
+            Self::Damp => "damp",
+            Self::Kick => "kick",
+            Self::Drift => "drift",
+            Self::Clear => "clear",
+        }
+    }
+}
+
+/// A stage of a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Stage {
+    /// What it does.
+    pub verb: Verb,
+    /// Over which of the integrator's [`spans`](Integrator::spans).
+    pub span: usize,
+    /// Whether it mirrors an earlier stage: then what that did in order is done in reverse, and forces of velocity are
+    /// evaluated a second time.
+    pub closing: bool,
+}
+
+const fn stage(verb: Verb, span: usize) -> Stage {
+    Stage { verb, span, closing: false }
+}
+
+const fn closing(verb: Verb, span: usize) -> Stage {
+    Stage { verb, span, closing: true }
+}
+
+impl Integrator {
+    /// All of them.
+    pub const ALL: [Self; 5] =
+        [Self::ExplicitEuler, Self::SymplecticEuler, Self::VelocityVerlet, Self::PublishedVerlet, Self::Yoshida4];
+
+    /// Its name in scenes and on the command line.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::ExplicitEuler => "explicit_euler",
+            Self::SymplecticEuler => "symplectic_euler",
+            Self::VelocityVerlet => "velocity_verlet",
+            Self::PublishedVerlet => "published_verlet",
+            Self::Yoshida4 => "yoshida4",
+        }
+    }
+
+    /// The integrator of this name.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|integrator| integrator.name() == name)
+    }
+
+    /// Its order of convergence for forces of position.
+    #[must_use]
+    pub const fn order(self) -> u32 {
+        match self {
+            Self::ExplicitEuler | Self::SymplecticEuler | Self::PublishedVerlet => 1,
+            Self::VelocityVerlet => 2,
+            Self::Yoshida4 => 4,
+        }
+    }
+
+    /// The spans its stages name: weights of the time step, and whether they are halved.
+    #[must_use]
+    pub const fn spans(self) -> &'static [(Weight, bool)] {
+        match self {
+            Self::Yoshida4 => {
+                use Weight::{YoshidaInner, YoshidaOuter};
+                &[(YoshidaOuter, false), (YoshidaOuter, true), (YoshidaInner, false), (YoshidaInner, true)]
+            }
+            _ => &[(Weight::Whole, false), (Weight::Whole, true)],
+        }
+    }
+
+    /// The step, in order. Changing a list changes results: see CHANGELOG, "Results changed".
+    ///
+    /// Of UMBRA's eleven stages these are the first four; collision and solving, 5 to 11, come after them.
+    #[must_use]
+    pub const fn stages(self) -> &'static [Stage] {
+        use Verb::{Clear, Damp, Drift, Fields, Kick};
+        const WHOLE: usize = 0;
+        const HALF: usize = 1;
+        const INNER: usize = 2;
+        const INNER_HALF: usize = 3;
+        const fn verlet<const WHOLE: usize, const HALF: usize>() -> [Stage; 6] {
+            [
+                stage(Damp, HALF),
+                stage(Kick, HALF),
+                stage(Drift, WHOLE),
+                stage(Fields, WHOLE),
+                closing(Kick, HALF),
+                closing(Damp, HALF),
+            ]
+        }
+        const OUTER_STEP: [Stage; 6] = verlet::<WHOLE, HALF>();
+        const INNER_STEP: [Stage; 6] = verlet::<INNER, INNER_HALF>();
+        const VERLET: [Stage; 7] = {
+            let [a, b, c, d, e, f] = OUTER_STEP;
+            [a, b, c, d, e, f, stage(Clear, WHOLE)]
+        };
+        const YOSHIDA: [Stage; 19] = {
+            let [a, b, c, d, e, f] = OUTER_STEP;
+            let [g, h, i, j, k, l] = INNER_STEP;
+            [a, b, c, d, e, f, g, h, i, j, k, l, a, b, c, d, e, f, stage(Clear, WHOLE)]
+        };
+        const EXPLICIT: [Stage; 5] =
+            [stage(Fields, WHOLE), stage(Drift, WHOLE), stage(Kick, WHOLE), stage(Damp, WHOLE), stage(Clear, WHOLE)];
+        const IN_TURN: [Stage; 5] =
+            [stage(Fields, WHOLE), stage(Kick, WHOLE), stage(Drift, WHOLE), stage(Damp, WHOLE), stage(Clear, WHOLE)];
+        match self {
+            Self::ExplicitEuler => &EXPLICIT,
+            Self::SymplecticEuler | Self::PublishedVerlet => &IN_TURN,
+            Self::VelocityVerlet => &VERLET,
+            Self::Yoshida4 => &YOSHIDA,
+        }
+    }
+}
+
+/// The factors of a span. All derived.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Timing<S: Scalar> {
+    pub(crate) seconds: S::Factor,
+    /// From an angular velocity to the part of a turn that is passed.
+    pub(crate) turn: S::Factor,
+    pub(crate) negative: bool,
+}
+
+/// The factors of an integrator at a time step. All derived.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Plan<S: Scalar> {
+    pub(crate) spans: [Span; SPANS],
+    pub(crate) timing: [Timing<S>; SPANS],
+    /// The whole step, halved or not.
+    pub(crate) whole: S::Factor,
+    pub(crate) half: S::Factor,
+    /// ½·dt².
+    pub(crate) half_square: S::Factor,
+}
+
+impl<S: Scalar> Plan<S> {
+    pub(crate) fn new(integrator: Integrator, time_step: TimeStep) -> Self {
+        let ratio = time_step.seconds();
+        let span = |i: usize| {
+            let spans = integrator.spans();
+            let (weight, half) = spans[i % spans.len()];
+            Span { ratio, weight, half }
+        };
+        let spans = [span(0), span(1), span(2), span(3)];
+        let timing = spans.map(|span| Timing {
+            seconds: S::seconds(span),
+            turn: <S::Angle as Angle<S>>::drift_factor(span),
+            negative: span.is_negative(),
+        });
+        let whole = |half| S::seconds(Span { ratio, weight: Weight::Whole, half });
+        Self { spans, timing, whole: whole(false), half: whole(true), half_square: S::half_square_seconds(ratio) }
+    }
+}

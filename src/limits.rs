@@ -1,0 +1,63 @@
+//! The envelope: every range the engine admits, and why nothing wraps inside it.
+//!
+//! A value beyond its bound is refused where it enters, by a typed error and with the world unchanged. A body that leaves
+//! the envelope during a step is quarantined at the end of it. Hence the arithmetic of a step, which is neither checked
+//! nor saturating, never wraps:
+//!
+//! - *Velocity.* At the start of a step at most [`SPEED`] = 2^20 m/s a component. A step has at most six kicks of less
+//!   than [`KICK`] = 2^21 m/s (a larger one is left out, and the body is quarantined), and damping backwards in time is
+//!   cut off at [`TRANSIENT_SPEED`] = 2^24 m/s: |v| < 2^24 + 6·2^21 < 2^25 throughout. As an accumulator, in units of
+//!   2^-96, that is below 2^121.
+//! - *Position.* At most [`POSITION`] = 2^30 m before, and a step drifts for at most 1.36 + 1.71 + 1.36 = 4.43 s in all:
+//!   |x| < 2^30 + 4.43·2^25 < 2^30 + 2^27.2 m throughout, and an accumulator holds 2^31 m.
+//! - *Offsets.* Between two such points, less than 2^31.2 m = 2^63.2 ulps a component; the sum of two squares is below
+//!   2^127.4 and fits in u128.
+//! - *Forces.* A call adds at most 2^31 N a component or 2^62 N·m; sums of 2^31 calls are held in 160 bits and checked
+//!   once, in the step.
+//!
+//! Rotation has the same bounds in rad/s; its angle wraps by itself.
+
+use crate::scalar::{KICK_LOG2, TRANSIENT_SPEED_LOG2, fx::Fx};
+
+const fn power(exponent: i32) -> Fx {
+    Fx::from_bits(1 << (32 + exponent))
+}
+
+/// The largest coordinate of a position: 2^30 m either way.
+pub const POSITION: Fx = power(30);
+/// The largest component of a velocity: 2^20 m/s either way.
+pub const SPEED: Fx = power(20);
+/// The largest angular velocity: 2^20 rad/s either way.
+pub const ANGULAR_SPEED: Fx = power(20);
+/// A kick within a step stays below this: 2^21 m/s, or rad/s.
+pub const KICK: Fx = power(KICK_LOG2);
+/// Velocities between the stages of a step: damping backwards in time stays below 2^24 m/s, or rad/s.
+pub const TRANSIENT_SPEED: Fx = power(TRANSIENT_SPEED_LOG2);
+/// The smallest mass of a dynamic body: 2^-16 kg, 15 mg.
+pub const MASS_MIN: Fx = power(-16);
+/// The largest mass: 2^24 kg, 16,777 t.
+pub const MASS_MAX: Fx = power(24);
+/// The smallest extent of a shape (radius, side, length): 2^-7 m.
+pub const SIZE_MIN: Fx = power(-7);
+/// The largest extent of a shape, and the farthest a corner, part or attachment is from its origin: 2^12 m.
+pub const SIZE_MAX: Fx = power(12);
+/// The largest component of gravity or of the acceleration of a region: 2^16 m/s² either way.
+///
+/// With [`GRAVITY_SCALE`] a kick of gravity over the longest half step, 0.86 s, is below 2^20 m/s: never a fault.
+pub const GRAVITY: Fx = power(16);
+/// The largest gravity scale of a body, either way.
+pub const GRAVITY_SCALE: Fx = power(4);
+/// The largest gravitational parameter: 2^64 m³/s² (the Sun has 2^66.9; scale the scene).
+pub const MU_MAX_LOG2: u32 = 64;
+/// The slowest rate, steps a second.
+pub const RATE_MIN: u32 = 1;
+/// The fastest rate, steps a second.
+pub const RATE_MAX: u32 = 10_000;
+/// The most corners a polygon has.
+pub const CORNERS: usize = 64;
+/// The most parts a compound has.
+pub const PARTS: usize = 256;
+/// The most bodies a world has: handles are 32-bit.
+pub const BODIES: usize = 1 << 24;
+/// The most force fields a world has; together with the user's calls their terms stay below the 2^31 a sum holds.
+pub const FIELDS: usize = 1 << 24;

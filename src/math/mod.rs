@@ -1,0 +1,9 @@
+//! Vectors, rotations and the time step.
+
+mod rot;
+mod time;
+mod vec2;
+
+pub use rot::Rot;
+pub use time::{Elapsed, TimeStep};
+pub use vec2::{Vec2, vec2};

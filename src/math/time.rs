@@ -1,0 +1,99 @@
+//! Time as ratios of integers.
+
+use crate::error::Error;
+use crate::limits::{RATE_MAX, RATE_MIN};
+
+/// The length of a step in seconds, an exact ratio: 1/60 is 1/60.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct TimeStep {
+    num: u32,
+    den: u32,
+}
+
+impl TimeStep {
+    /// A step of 1/rate seconds.
+    #[must_use]
+    pub const fn hz(rate: u32) -> Self {
+        Self { num: 1, den: rate }
+    }
+
+    /// A step of num/den seconds; 1001/60000 is the rate of NTSC video.
+    ///
+    /// A ratio outside 1 to 10,000 steps a second is refused by the world it is given to.
+    #[must_use]
+    pub const fn ratio(num: u32, den: u32) -> Self {
+        Self { num, den }
+    }
+
+    /// (num, den) in lowest terms, in seconds.
+    #[must_use]
+    pub const fn seconds(self) -> (u32, u32) {
+        let divisor = gcd(self.num as u128, self.den as u128) as u32;
+        if divisor == 0 { (self.num, self.den) } else { (self.num / divisor, self.den / divisor) }
+    }
+
+    /// The same in lowest terms, if it is within the limits.
+    pub(crate) const fn checked(self) -> Result<Self, Error> {
+        let (num, den) = self.seconds();
+        let (n, d) = (num as u64, den as u64);
+        // A step of zero would have an infinite rate.
+        if num == 0 || d < n * RATE_MIN as u64 || d > n * RATE_MAX as u64 {
+            return Err(Error::TimeStep);
+        }
+        Ok(Self { num, den })
+    }
+}
+
+/// A time in seconds as a ratio in lowest terms.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Elapsed {
+    /// Numerator.
+    pub num: u128,
+    /// Denominator.
+    pub den: u128,
+}
+
+impl Elapsed {
+    /// No time.
+    pub const ZERO: Self = Self { num: 0, den: 1 };
+
+    /// This time and so many steps; `None` if the ratio does not fit.
+    pub(crate) fn plus(self, ticks: u64, step: TimeStep) -> Option<Self> {
+        let (num, den) = step.seconds();
+        let (n, d) = (u128::from(num) * u128::from(ticks), u128::from(den));
+        let common = self.den / gcd(self.den, d);
+        let den = common.checked_mul(d)?;
+        let num = self.num.checked_mul(den / self.den)?.checked_add(n.checked_mul(den / d)?)?;
+        let divisor = gcd(num, den);
+        Some(Self { num: num / divisor, den: den / divisor })
+    }
+}
+
+const fn gcd(mut a: u128, mut b: u128) -> u128 {
+    while b != 0 {
+        (a, b) = (b, a % b);
+    }
+    a
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn elapsed_time_stays_exact_over_steps_of_different_length() {
+        let time = Elapsed::ZERO.plus(59, TimeStep::hz(60)).and_then(|t| t.plus(1, TimeStep::ratio(1001, 60_000)));
+        assert_eq!(time, Some(Elapsed { num: 60_001, den: 60_000 }));
+    }
+
+    #[test]
+    fn steps_outside_the_rates_are_refused() {
+        for (num, den) in [(0, 1), (1, 0), (0, 0), (2, 1), (1, 10_001), (u32::MAX, 1)] {
+            assert_eq!(TimeStep::ratio(num, den).checked(), Err(Error::TimeStep), "{num}/{den}");
+        }
+        for (num, den) in [(1, 1), (1, 10_000), (1001, 60_000), (7, 420)] {
+            assert!(TimeStep::ratio(num, den).checked().is_ok(), "{num}/{den}");
+        }
+    }
+}

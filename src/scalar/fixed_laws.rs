@@ -1,0 +1,298 @@
+//! The engine's arithmetic in fixed point: spans, kicks and drifts, and the laws of force.
+
+use core::cmp::Ordering;
+
+use super::accumulator::FxAccumulator;
+use super::factor::FxFactor;
+use super::fx::Fx;
+use super::moments;
+use super::turn::Turn;
+use super::wide::{FxSum, FxWide};
+use super::{AreaMoments, Factor, KICK_LOG2, Offset, Scalar, Span, SpringLaw, Weight};
+use crate::kernel::div::div_round;
+use crate::kernel::exp_log::{exp2_fine, log2_fine};
+use crate::kernel::round::shr_round;
+use crate::kernel::sqrt::root_fine;
+use crate::kernel::wide::{div_256, mul_128, mul_div_round, mul_shift, shr_round_256};
+
+/// log2 e, within 2^-64 relative.
+const LOG2_E: (u128, i32) = (0xb8aa_3b29_5c17_f0bc, 63);
+
+impl Weight {
+    /// Its magnitude in units of 2^-126.
+    const fn magnitude(self) -> u128 {
+        match self {
+            Self::Whole => 1 << 126,
+            Self::YoshidaOuter => 0x567a_2dba_e58c_e184_a563_4b09_526b_4a60,
+            Self::YoshidaInner => 0x6cf4_5b75_cb19_c309_4ac6_9612_a4d6_94c1,
+        }
+    }
+}
+
+/// constant · 2^-shift · num / den of the span, halved or not.
+pub(super) const fn span_factor(constant: u128, shift: i32, span: Span) -> FxFactor {
+    let (num, den) = span.ratio;
+    let (high, low) = mul_128(constant, num as u128);
+    // A time step is at most 1 s, so num <= den; constant < 2^127, so the high half is below num / 2 < den.
+    let (quotient, rest) = div_256(high, low, den as u128);
+    // The quotient has over 110 bits, so that gathering what is left in its last bit leaves one rounding.
+    FxFactor::new(quotient | (rest != 0) as u128, shift + span.half as i32)
+}
+
+/// 2^±exponent, the exponent in units of 2^-120; `None` if it is 2^128 or more.
+fn power_of_two(exponent: u128, negative: bool) -> FxFactor {
+    let (whole, fraction) = ((exponent >> 120) as i32, exponent << 8);
+    match (negative, fraction) {
+        (true, 0) => FxFactor::new(1, whole),
+        // 2^-(n + f) = 2^-(n + 1) · 2^(1 − f).
+        (true, _) => FxFactor::new(exp2_fine(fraction.wrapping_neg()), 127 + whole + 1),
+        (false, _) => FxFactor::new(exp2_fine(fraction), 127 - whole),
+    }
+}
+
+/// e^-z, or e^z if `growth`; `None` beyond 2^255.
+fn exponential(z: FxFactor, growth: bool) -> Option<FxFactor> {
+    let exponent = z.times(FxFactor::new(LOG2_E.0, LOG2_E.1));
+    match exponent.to_fixed(120) {
+        Some(exponent) => Some(power_of_two(exponent, !growth)),
+        None => (!growth).then_some(FxFactor::ZERO),
+    }
+}
+
+/// (1 − e^-z) / z, or (e^z − 1) / z if `growth`, given that exponential.
+fn mean_exponential(z: FxFactor, exponential: FxFactor, growth: bool) -> FxFactor {
+    // Below 2^-16 the difference would lose more than the series does: 1 ∓ z/2 + z²/6 ∓ z³/24, next term z⁴/120 < 2^-70.
+    if z < FxFactor::new(1, 16) {
+        let series = |terms: FxFactor, divisor: u64| z.times(terms).over(FxFactor::from_ratio(divisor, 1));
+        let third = FxFactor::ONE;
+        let join = |next: FxFactor| if growth { FxFactor::ONE.plus(next) } else { FxFactor::ONE.minus(next) };
+        return join(series(join(series(join(series(third, 4)), 3)), 2));
+    }
+    let change = if growth { exponential.minus(FxFactor::ONE) } else { FxFactor::ONE.minus(exponential) };
+    change.over(z)
+}
+
+/// An offset in ulps, the sum of the squares of its components, and of a third.
+///
+/// *Domain* components below 2^31.38 m: positions inside a step stay below 2^30 + 2^27.2 m, and attachments within 2^12 m
+/// of them, so a difference is below 2^31.2 m.
+fn squares(offset: Offset<Fx>, third: Fx) -> Option<(i128, i128, u128)> {
+    const MOST: u128 = 12_000_000_000_000_000_000; // 2^63.38: 2·MOST² + 2^124 < 2^128
+    let (x, y) = (offset.0.ulps(), offset.1.ulps());
+    if x.unsigned_abs() > MOST || y.unsigned_abs() > MOST || third.to_bits().unsigned_abs() > 1 << 62 {
+        return None;
+    }
+    let square = |c: u128| c * c;
+    Some((
+        x,
+        y,
+        square(x.unsigned_abs()) + square(y.unsigned_abs()) + square(u128::from(third.to_bits().unsigned_abs())),
+    ))
+}
+
+/// `magnitude` with the sign of `of`.
+const fn signed(magnitude: i128, of: i128) -> i128 {
+    if of < 0 { -magnitude } else { magnitude }
+}
+
+impl Scalar for Fx {
+    type Accumulator = FxAccumulator;
+    type Factor = FxFactor;
+    type Angle = Turn;
+    type Wide = FxWide;
+    type Sum = FxSum;
+
+    const ZERO: Self = Self::ZERO;
+    const ONE: Self = Self::ONE;
+    const NAME: &'static str = "fx";
+
+    #[inline]
+    fn from_fx(value: Fx) -> Self {
+        value
+    }
+
+    #[inline]
+    fn to_bits(self) -> i64 {
+        Self::to_bits(self)
+    }
+
+    #[inline]
+    fn is_finite(self) -> bool {
+        true
+    }
+
+    fn sin_cos(self) -> (Self, Self) {
+        Self::sin_cos(self)
+    }
+
+    #[inline]
+    fn product(self, other: Self) -> FxWide {
+        // At most 2^63 · 2^63.
+        FxWide::from_bits(i128::from(self.to_bits()) * i128::from(other.to_bits()))
+    }
+
+    #[inline]
+    fn offset(self, other: Self) -> FxWide {
+        // Below 2^64 ulps.
+        FxWide::from_bits((i128::from(self.to_bits()) - i128::from(other.to_bits())) << 32)
+    }
+
+    #[inline]
+    fn torque(arm: FxWide, force: FxWide) -> Option<FxWide> {
+        let magnitude = mul_shift(arm.to_bits(), force.to_bits().unsigned_abs(), 64)?;
+        Some(FxWide::from_bits(signed(magnitude, force.to_bits())))
+    }
+
+    #[inline]
+    fn times(self, other: Self) -> Option<Self> {
+        self.checked_mul(other)
+    }
+
+    fn seconds(span: Span) -> FxFactor {
+        span_factor(span.weight.magnitude(), 126, span)
+    }
+
+    fn half_square_seconds((num, den): (u32, u32)) -> FxFactor {
+        let square = |n: u32| u64::from(n) * u64::from(n);
+        FxFactor::from_ratio(square(num), square(den)).times(FxFactor::new(1, 1))
+    }
+
+    fn decay(kept: Self, span: Span) -> FxFactor {
+        let bits = kept.to_bits().unsigned_abs();
+        if bits == 0 {
+            return FxFactor::ZERO;
+        }
+        // −log2 kept is in [0, 32]; in units of 2^-120 it is below 2^126, times a weight below 2 it is below 2^127.
+        let (high, low) = mul_128(log2_fine(bits).unsigned_abs(), span.weight.magnitude());
+        let Some(whole) = shr_round_256(high, low, 126) else { return FxFactor::ZERO };
+        let (high, low) = mul_128(whole, u128::from(span.ratio.0));
+        // num <= den, so the quotient is at most `whole`.
+        let (exponent, _) = div_256(high, low, u128::from(span.ratio.1));
+        power_of_two(if span.half { exponent >> 1 } else { exponent }, !span.is_negative())
+    }
+
+    #[inline]
+    fn drift(self, seconds: FxFactor) -> FxAccumulator {
+        let (mantissa, shift) = seconds.parts();
+        // |v| < 2^24 m/s = 2^56 ulps, so the product is below 2^120; below 2 s the shift is at least −1.
+        let way = i128::from(self.to_bits()) * i128::from(mantissa);
+        let shift = shift - 64;
+        FxAccumulator::from_bits(if shift >= 0 {
+            shr_round(way, shift.unsigned_abs())
+        } else {
+            way << shift.unsigned_abs()
+        })
+    }
+
+    #[inline]
+    fn kick(acceleration: FxWide, seconds: FxFactor) -> Option<FxAccumulator> {
+        const MOST: u128 = 1 << (96 + KICK_LOG2);
+        let (mantissa, shift) = seconds.parts();
+        let gained = mul_shift(acceleration.to_bits(), u128::from(mantissa), shift - 32)?;
+        (gained.unsigned_abs() < MOST).then_some(FxAccumulator::from_bits(gained))
+    }
+
+    /// *Error* within 2^-64 + 2^-90 relative of the exact value for these inputs, then rounded to 2^-64 m/s².
+    fn attraction(mu: FxFactor, to_centre: Offset<Self>, softening: Self) -> Option<Offset<Self>> {
+        let (x, y, sum) = squares(to_centre, softening)?;
+        let (mantissa, mu_shift) = mu.parts();
+        if sum == 0 || (x == 0 && y == 0) || mantissa == 0 {
+            return Some(Offset::<Self>::default());
+        }
+        // s = sum · 2^even in [2^126, 2^128), and its root in [2^95, 2^96).
+        let even = sum.leading_zeros() & !1;
+        let s = sum << even;
+        // d³ / 2^(64 − 3·even/2) in [2^125, 2^128), cut below 2^-125 relative.
+        let (cube, _) = mul_128(s, root_fine(s) << 32);
+        // mu / d³ with 95 bits or more: mantissa · 2^160 < 2^224, so its high half is below 2^96 < cube.
+        let (quotient, _) = div_256(u128::from(mantissa) << 32, 0, cube);
+        let shift = 96 + mu_shift - 3 * (even as i32) / 2;
+        let component = |c: i128| {
+            let magnitude = mul_shift(quotient as i128, c.unsigned_abs(), shift)?;
+            Some(FxWide::from_bits(signed(magnitude, c)))
+        };
+        Some((component(x)?, component(y)?))
+    }
+
+    /// *Error* each component within ½ ulp of `FxWide` of the exact product of the tension and the direction; the tension
+    /// within stiffness · 2^-64 m.
+    fn tension(offset: Offset<Self>, velocity: Offset<Self>, spring: &SpringLaw<Self>) -> Option<Offset<Self>> {
+        let (x, y, sum) = squares(offset, Self::ZERO)?;
+        if sum == 0 {
+            return Some(Offset::<Self>::default());
+        }
+        // In units of 2^-64 m, below 2^97.
+        let length = root_fine(sum);
+        let stretch = length as i128 - (i128::from(spring.rest.to_bits()) << 32);
+        let mut tension = mul_shift(stretch, u128::from(spring.stiffness.to_bits().unsigned_abs()), 32)?;
+        if spring.damping != Self::ZERO {
+            // Velocities are below 2^25 m/s = 2^57 ulps, offsets below 2^63.2: the dot product is below 2^122.
+            let dot = x.checked_mul(velocity.0.ulps())?.checked_add(y.checked_mul(velocity.1.ulps())?)?;
+            let rate = signed(i128::try_from(mul_div_round(dot.unsigned_abs(), 1 << 64, length)?).ok()?, dot);
+            let damping = mul_shift(rate, u128::from(spring.damping.to_bits().unsigned_abs()), 32)?;
+            tension = tension.checked_add(damping)?;
+        }
+        let component = |c: i128| {
+            let magnitude =
+                i128::try_from(mul_div_round(tension.unsigned_abs(), c.unsigned_abs() << 32, length)?).ok()?;
+            Some(FxWide::from_bits(signed(signed(magnitude, c), tension)))
+        };
+        Some((component(x)?, component(y)?))
+    }
+
+    fn length(offset: Offset<Self>, third: Self) -> FxFactor {
+        match squares(offset, third) {
+            Some((_, _, sum)) => FxFactor::new(root_fine(sum), 64),
+            // Twice as far as any two points of the envelope: by halves, one bit coarser.
+            None => {
+                let half = |c: FxWide| FxWide::from_bits(c.to_bits() / 4);
+                let third = Self::from_bits(third.to_bits() / 4);
+                match squares((half(offset.0), half(offset.1)), third) {
+                    Some((_, _, sum)) => FxFactor::new(root_fine(sum), 62),
+                    None => FxFactor::new(1, -32),
+                }
+            }
+        }
+    }
+
+    fn drag(speed: FxFactor, alpha: FxFactor, beta: FxFactor, seconds: FxFactor, negative: bool) -> Option<FxFactor> {
+        // 1/u obeys dw/dt = α·w + β, so u(h) = u·e^-αh / (1 + β·u·(1 − e^-αh)/α); backwards both signs turn.
+        let (left, mean) = if alpha.is_zero() {
+            (FxFactor::ONE, FxFactor::ONE)
+        } else {
+            let z = alpha.times(seconds);
+            let left = exponential(z, negative)?;
+            (left, mean_exponential(z, left, negative))
+        };
+        let slowed = beta.times(speed).times(seconds).times(mean);
+        if negative {
+            // Beyond three quarters the flow backwards nears its pole; no body comes here that the split does not catch.
+            let singular = FxFactor::new(3, 2);
+            return (slowed < singular).then(|| left.over(FxFactor::ONE.minus(slowed)));
+        }
+        Some(left.over(FxFactor::ONE.plus(slowed)))
+    }
+
+    fn polygon_moments(corners: &[(Self, Self)]) -> Option<AreaMoments<Self>> {
+        moments::of_polygon(corners)
+    }
+
+    fn orientation(a: (Self, Self), b: (Self, Self), c: (Self, Self)) -> Ordering {
+        let minus = |p: Self, q: Self| i128::from(p.to_bits()) - i128::from(q.to_bits());
+        // Shapes are within 2^13 m, so each product is below 2^92.
+        (minus(b.0, a.0) * minus(c.1, a.1)).cmp(&(minus(b.1, a.1) * minus(c.0, a.0)))
+    }
+
+    fn weighted_mean(weights: &[FxFactor], values: &[Self]) -> Option<Self> {
+        let finest = weights.iter().filter(|w| !w.is_zero()).map(|w| w.parts().1).min()?;
+        let (mut sum, mut total) = (0i128, 0i128);
+        for (weight, value) in weights.iter().zip(values) {
+            let (mantissa, shift) = weight.parts();
+            // Weights to 2^-60 of the largest; values are within 2^13 m = 2^45 ulps, so 2^20 parts stay below 2^126.
+            let weight = i128::from(mantissa >> 4) >> (shift - finest).min(63);
+            sum += weight * i128::from(value.to_bits());
+            total += weight;
+        }
+        Some(Self::from_bits(div_round(sum, total) as i64))
+    }
+}

@@ -1,0 +1,344 @@
+//! `f32` and `f64` as scalars, to compare the engine with, and floats for tools and drawing.
+//!
+//! None of the promises hold here: these builds show what the fixed-point one costs and gains. Every type beside the
+//! scalar is the float itself, and every law the textbook's formula.
+
+use core::cmp::Ordering;
+
+use super::accumulator::FxAccumulator;
+use super::factor::FxFactor;
+use super::fx::Fx;
+use super::turn::Turn;
+use super::wide::FxWide;
+use super::{
+    Accumulator, Angle, AreaMoments, Factor, KICK_LOG2, Offset, Scalar, Span, SpringLaw, Sum, TRANSIENT_SPEED_LOG2,
+    Weight, Wide,
+};
+
+/// The double nearest to a number of the engine, for drawing, tables and studies; never back into the state.
+pub trait ToF64 {
+    /// The double nearest to it; where more than 53 bits are cut, by one rounding of what `as` does.
+    fn to_f64(self) -> f64;
+}
+
+/// 2^-32, 2^-64 and 2^-96, exactly.
+const ULP: f64 = 1.0 / 4_294_967_296.0;
+
+impl ToF64 for Fx {
+    fn to_f64(self) -> f64 {
+        self.to_bits() as f64 * ULP
+    }
+}
+
+impl ToF64 for FxAccumulator {
+    fn to_f64(self) -> f64 {
+        Accumulator::to_bits(self) as f64 * (ULP * ULP * ULP)
+    }
+}
+
+impl ToF64 for FxWide {
+    fn to_f64(self) -> f64 {
+        self.to_bits() as f64 * (ULP * ULP)
+    }
+}
+
+impl ToF64 for FxFactor {
+    fn to_f64(self) -> f64 {
+        let (mantissa, shift) = self.parts();
+        libm::scalbn(mantissa as f64, -shift)
+    }
+}
+
+/// In radians, [0, 2π).
+impl ToF64 for Turn {
+    fn to_f64(self) -> f64 {
+        Angle::to_bits(self) as f64 * (ULP * ULP) * core::f64::consts::TAU
+    }
+}
+
+impl ToF64 for f32 {
+    fn to_f64(self) -> f64 {
+        self.into()
+    }
+}
+
+impl ToF64 for f64 {
+    fn to_f64(self) -> f64 {
+        self
+    }
+}
+
+impl Fx {
+    /// The value nearest to a double, ties to even; `None` for what is no number or does not fit. For tools: a float that
+    /// gets into a simulation is a desync waiting for its machine.
+    #[must_use]
+    pub fn from_f64_for_tools(value: f64) -> Option<Self> {
+        // Scaling by a power of two is exact; below 2^63 so is the cast.
+        let ulps = libm::rint(value / ULP);
+        (libm::fabs(ulps) < 9_223_372_036_854_775_808.0).then(|| Self::from_bits(ulps as i64))
+    }
+
+    /// The single nearest to it, for drawing.
+    #[must_use]
+    pub fn to_f32(self) -> f32 {
+        self.to_bits() as f32 * ULP as f32
+    }
+}
+
+macro_rules! float_scalar {
+    ($float:ident, $name:literal, $pow:ident, $exp:ident, $expm1:ident, $sqrt:ident, $sin:ident, $cos:ident, $fabs:ident) => {
+        impl Accumulator<$float> for $float {
+            fn from_scalar(value: $float) -> Self {
+                value
+            }
+            fn value(self) -> $float {
+                self
+            }
+            fn plus(self, other: Self) -> Self {
+                self + other
+            }
+            fn negated(self) -> Self {
+                -self
+            }
+            fn scaled(self, factor: $float) -> Option<Self> {
+                let product = self * factor;
+                (libm::$fabs(product) < (1u32 << TRANSIENT_SPEED_LOG2) as $float).then_some(product)
+            }
+            fn is_within(self, limit: $float) -> bool {
+                libm::$fabs(self) <= limit
+            }
+            fn to_bits(self) -> i128 {
+                <$float>::to_bits(self).into()
+            }
+        }
+
+        impl Factor<$float> for $float {
+            const ZERO: Self = 0.0;
+            const ONE: Self = 1.0;
+            const PI: Self = core::$float::consts::PI;
+            fn from_scalar(value: $float) -> Self {
+                libm::$fabs(value)
+            }
+            fn from_wide(value: $float) -> Self {
+                libm::$fabs(value)
+            }
+            fn from_ratio(num: u64, den: u64) -> Self {
+                num as $float / den as $float
+            }
+            fn to_scalar(self) -> Option<$float> {
+                self.is_finite().then_some(self)
+            }
+            fn times(self, other: Self) -> Self {
+                self * other
+            }
+            fn over(self, other: Self) -> Self {
+                self / other
+            }
+            fn plus(self, other: Self) -> Self {
+                self + other
+            }
+            fn minus(self, other: Self) -> Self {
+                if self > other { self - other } else { 0.0 }
+            }
+            fn root(self) -> Self {
+                libm::$sqrt(self)
+            }
+            fn to_bits(self) -> i128 {
+                <$float>::to_bits(self).into()
+            }
+        }
+
+        impl Wide<$float> for $float {
+            fn from_scalar(value: $float) -> Self {
+                value
+            }
+            fn from_factor(magnitude: $float, negative: bool) -> Option<Self> {
+                magnitude.is_finite().then_some(if negative { -magnitude } else { magnitude })
+            }
+            fn to_scalar(self) -> Option<$float> {
+                self.is_finite().then_some(self)
+            }
+            fn plus(self, other: Self) -> Option<Self> {
+                let sum = self + other;
+                sum.is_finite().then_some(sum)
+            }
+            fn negated(self) -> Self {
+                -self
+            }
+            fn times(self, factor: $float) -> Option<Self> {
+                let product = self * factor;
+                product.is_finite().then_some(product)
+            }
+            fn is_negative(self) -> bool {
+                self < 0.0
+            }
+            fn to_bits(self) -> i128 {
+                <$float>::to_bits(self).into()
+            }
+        }
+
+        impl Sum<$float> for $float {
+            fn add(&mut self, term: $float) {
+                *self += term;
+            }
+            fn total(self) -> Option<$float> {
+                self.is_finite().then_some(self)
+            }
+            fn to_bits(self) -> (i128, i32) {
+                (<$float>::to_bits(self).into(), 0)
+            }
+        }
+
+        impl Angle<$float> for $float {
+            fn from_radians(radians: $float) -> Self {
+                let rest = radians % core::$float::consts::TAU;
+                let angle = if rest < 0.0 { rest + core::$float::consts::TAU } else { rest };
+                // A tiny negative one rounds up to the whole turn.
+                if angle < core::$float::consts::TAU { angle } else { 0.0 }
+            }
+            fn radians(self) -> $float {
+                self
+            }
+            fn sin_cos(self) -> ($float, $float) {
+                (libm::$sin(self), libm::$cos(self))
+            }
+            fn drift_factor(span: Span) -> $float {
+                <$float as Scalar>::seconds(span)
+            }
+            fn drifted(self, velocity: $float, drift_factor: $float, negative: bool) -> Self {
+                let passed = velocity * drift_factor;
+                Self::from_radians(if negative { self - passed } else { self + passed })
+            }
+            fn turned(self, radians: $float) -> Self {
+                Self::from_radians(self + radians)
+            }
+            fn rotate(self, x: $float, y: $float) -> Option<($float, $float)> {
+                let (sin, cos) = (libm::$sin(self), libm::$cos(self));
+                let (x, y) = (x * cos - y * sin, x * sin + y * cos);
+                (x.is_finite() && y.is_finite()).then_some((x, y))
+            }
+            fn to_bits(self) -> u64 {
+                <$float>::to_bits(self).into()
+            }
+        }
+
+        impl Scalar for $float {
+            type Accumulator = Self;
+            type Factor = Self;
+            type Angle = Self;
+            type Wide = Self;
+            type Sum = Self;
+
+            const ZERO: Self = 0.0;
+            const ONE: Self = 1.0;
+            const NAME: &'static str = $name;
+
+            fn from_fx(value: Fx) -> Self {
+                value.to_f64() as $float
+            }
+            fn to_bits(self) -> i64 {
+                <$float>::to_bits(self) as i64
+            }
+            fn is_finite(self) -> bool {
+                <$float>::is_finite(self)
+            }
+            fn sin_cos(self) -> (Self, Self) {
+                (libm::$sin(self), libm::$cos(self))
+            }
+            fn product(self, other: Self) -> Self {
+                self * other
+            }
+            fn offset(self, other: Self) -> Self {
+                self - other
+            }
+            fn torque(arm: Self, force: Self) -> Option<Self> {
+                let torque = arm * force;
+                torque.is_finite().then_some(torque)
+            }
+            fn times(self, other: Self) -> Option<Self> {
+                let product = self * other;
+                product.is_finite().then_some(product)
+            }
+            fn seconds(span: Span) -> Self {
+                let weight = match span.weight {
+                    Weight::Whole => 1.0,
+                    Weight::YoshidaOuter => 1.351_207_191_959_657_6,
+                    Weight::YoshidaInner => 1.702_414_383_919_315_3,
+                };
+                let (num, den) = span.ratio;
+                weight * (num as $float) / (den as $float) * if span.half { 0.5 } else { 1.0 }
+            }
+            fn half_square_seconds((num, den): (u32, u32)) -> Self {
+                let seconds = num as $float / den as $float;
+                0.5 * seconds * seconds
+            }
+            fn decay(kept: Self, span: Span) -> Self {
+                let seconds = Self::seconds(span);
+                libm::$pow(kept, if span.is_negative() { -seconds } else { seconds })
+            }
+            fn drift(self, seconds: Self) -> Self {
+                self * seconds
+            }
+            fn kick(acceleration: Self, seconds: Self) -> Option<Self> {
+                let gained = acceleration * seconds;
+                (libm::$fabs(gained) < (1u32 << KICK_LOG2) as $float).then_some(gained)
+            }
+            fn attraction(mu: Self, (x, y): Offset<Self>, softening: Self) -> Option<Offset<Self>> {
+                let square = x * x + y * y + softening * softening;
+                if square == 0.0 {
+                    return Some((0.0, 0.0));
+                }
+                let share = mu / (square * libm::$sqrt(square));
+                let (x, y) = (x * share, y * share);
+                (x.is_finite() && y.is_finite()).then_some((x, y))
+            }
+            fn tension((x, y): Offset<Self>, v: Offset<Self>, spring: &SpringLaw<Self>) -> Option<Offset<Self>> {
+                let length = libm::$sqrt(x * x + y * y);
+                if length == 0.0 {
+                    return Some((0.0, 0.0));
+                }
+                let (x, y) = (x / length, y / length);
+                let force = spring.stiffness * (length - spring.rest) + spring.damping * (x * v.0 + y * v.1);
+                force.is_finite().then_some((force * x, force * y))
+            }
+            fn length((x, y): Offset<Self>, third: Self) -> Self {
+                libm::$sqrt(x * x + y * y + third * third)
+            }
+            fn drag(speed: Self, alpha: Self, beta: Self, seconds: Self, negative: bool) -> Option<Self> {
+                let h = if negative { -seconds } else { seconds };
+                let z = alpha * h;
+                let mean = if z == 0.0 { 1.0 } else { -libm::$expm1(-z) / z };
+                let slowed = 1.0 + beta * speed * h * mean;
+                (slowed > 0.25).then(|| libm::$exp(-z) / slowed)
+            }
+            fn polygon_moments(corners: &[(Self, Self)]) -> Option<AreaMoments<Self>> {
+                let (mut twice, mut first, mut second) = (0.0, (0.0, 0.0), 0.0);
+                for (i, p) in corners.iter().enumerate() {
+                    let q = corners[(i + 1) % corners.len()];
+                    let cross = p.0 * q.1 - q.0 * p.1;
+                    twice += cross;
+                    first = (first.0 + (p.0 + q.0) * cross, first.1 + (p.1 + q.1) * cross);
+                    let squares = |p: Self, q: Self| p * p + p * q + q * q;
+                    second += (squares(p.0, q.0) + squares(p.1, q.1)) * cross;
+                }
+                (twice != 0.0).then(|| AreaMoments {
+                    area: libm::$fabs(twice) / 2.0,
+                    centroid: (first.0 / (3.0 * twice), first.1 / (3.0 * twice)),
+                    second: libm::$fabs(second) / 12.0,
+                })
+            }
+            fn orientation(a: (Self, Self), b: (Self, Self), c: (Self, Self)) -> Ordering {
+                let (left, right) = ((b.0 - a.0) * (c.1 - a.1), (b.1 - a.1) * (c.0 - a.0));
+                left.partial_cmp(&right).unwrap_or(Ordering::Equal)
+            }
+            fn weighted_mean(weights: &[Self], values: &[Self]) -> Option<Self> {
+                let total: Self = weights.iter().sum();
+                let sum: Self = weights.iter().zip(values).map(|(w, v)| w * v).sum();
+                (total > 0.0).then(|| sum / total)
+            }
+        }
+    };
+}
+
+float_scalar!(f64, "f64", pow, exp, expm1, sqrt, sin, cos, fabs);
+float_scalar!(f32, "f32", powf, expf, expm1f, sqrtf, sinf, cosf, fabsf);

@@ -1,0 +1,86 @@
+//! Angles in fixed point: fractions of a turn.
+
+use super::accumulator::FxAccumulator;
+use super::factor::FxFactor;
+use super::fixed_laws::span_factor;
+use super::fx::Fx;
+use super::wide::FxWide;
+use super::{Accumulator, Angle, Span, Weight};
+use crate::kernel::round::shr_round;
+use crate::kernel::trig;
+use crate::kernel::wide::mul_shift;
+
+/// A multiple of 2^-64 turns. It wraps by itself, and quarter turns and mirror images are exact.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[repr(transparent)]
+pub struct Turn(u64);
+
+impl Turn {
+    /// A quarter turn, π/2.
+    pub const QUARTER: Self = Self(1 << 62);
+
+    /// The angle of this multiple of 2^-64 turns.
+    #[inline]
+    #[must_use]
+    pub const fn from_bits(bits: u64) -> Self {
+        Self(bits)
+    }
+}
+
+impl Angle<Fx> for Turn {
+    fn from_radians(radians: Fx) -> Self {
+        Self(trig::turn_from_radians(radians.to_bits()))
+    }
+
+    fn radians(self) -> Fx {
+        Fx::from_bits(trig::radians_from_turn(self.0))
+    }
+
+    fn sin_cos(self) -> (Fx, Fx) {
+        let (sin, cos) = trig::sin_cos_turn(self.0);
+        (Fx::from_bits(shr_round(i128::from(sin), 30) as i64), Fx::from_bits(shr_round(i128::from(cos), 30) as i64))
+    }
+
+    fn drift_factor(span: Span) -> FxFactor {
+        // weight / 2π in units of 2^-128.
+        let per_turn = match span.weight {
+            Weight::Whole => 0x28be_60db_9391_054a_7f09_d5f4_7d4d_3770,
+            Weight::YoshidaOuter => 0x370d_9a2c_8862_f00c_50b2_97e1_c987_8b32,
+            Weight::YoshidaInner => 0x455c_d37d_7d34_dace_225b_59cf_15c1_def4,
+        };
+        span_factor(per_turn, 128, span)
+    }
+
+    #[inline]
+    fn drifted(self, velocity: Fx, drift_factor: FxFactor, negative: bool) -> Self {
+        let (mantissa, shift) = drift_factor.parts();
+        // |velocity| < 2^24 rad/s, so the product is below 2^120; the span is below 2 s = 0.32 turns per rad/s, so the
+        // shift is above 32. The cut to 64 bits takes whole turns away.
+        let passed =
+            shr_round(i128::from(velocity.to_bits()) * i128::from(mantissa), (shift - 32).unsigned_abs()) as u64;
+        Self(if negative { self.0.wrapping_sub(passed) } else { self.0.wrapping_add(passed) })
+    }
+
+    fn turned(self, radians: FxAccumulator) -> Self {
+        // 1/2π = mantissa · 2^-66; from units of 2^-96 rad to units of 2^-64 turns.
+        const PER_TURN: u128 = 0xa2f9_836e_4e44_152a;
+        let turns = mul_shift(radians.to_bits(), PER_TURN, 66 + 96 - 64).unwrap_or(0);
+        Self(self.0.wrapping_add(turns as u64))
+    }
+
+    fn rotate(self, x: Fx, y: Fx) -> Option<(FxWide, FxWide)> {
+        let (sin, cos) = trig::sin_cos_turn(self.0);
+        let (x, y) = (i128::from(x.to_bits()), i128::from(y.to_bits()));
+        let (sin, cos) = (i128::from(sin), i128::from(cos));
+        // Each product is at most 2^63 · 2^62, their sum 2^126; from units of 2^-94 to units of 2^-64.
+        let component = |sum: i128| {
+            let bits = shr_round(sum, 30);
+            (bits.unsigned_abs() < 1 << 95).then_some(FxWide::from_bits(bits))
+        };
+        Some((component(x * cos - y * sin)?, component(x * sin + y * cos)?))
+    }
+
+    fn to_bits(self) -> u64 {
+        self.0
+    }
+}

@@ -1,0 +1,196 @@
+//! Making shapes: the checks, and the centre of mass.
+
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+use core::cmp::Ordering;
+
+use super::{Geometry, Part, Shape, mass};
+use crate::error::{Error, Quantity};
+use crate::limits::{CORNERS, PARTS, SIZE_MAX, SIZE_MIN};
+use crate::math::Vec2;
+use crate::scalar::{Angle, Factor, Scalar, Wide};
+
+/// Refuses a size outside the limits.
+fn check_size<S: Scalar>(size: S) -> Result<(), Error> {
+    if size >= S::from_fx(SIZE_MIN) && size <= S::from_fx(SIZE_MAX) {
+        return Ok(());
+    }
+    Err(Error::OutOfRange { quantity: Quantity::Size })
+}
+
+/// Refuses a point farther out than any shape reaches.
+fn check_point<S: Scalar>(point: Vec2<S>) -> Result<(), Error> {
+    if point.is_within(S::from_fx(SIZE_MAX)) {
+        return Ok(());
+    }
+    Err(Error::OutOfRange { quantity: Quantity::Size })
+}
+
+impl<S: Scalar> Shape<S> {
+    /// A disc of this radius in m.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] with [`Quantity::Size`].
+    ///
+    /// ```
+    /// use umbra_physics::{Shape, fx};
+    /// let wheel = Shape::circle(fx!(0.5))?;
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    pub fn circle(radius: S) -> Result<Self, Error> {
+        check_size(radius)?;
+        let (measure, gyration) = mass::circle(radius);
+        Ok(Self { geometry: Geometry::Circle { radius }, shift: Vec2::ZERO, measure, gyration })
+    }
+
+    /// A rectangle of this width (along x) and height in m.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] with [`Quantity::Size`].
+    pub fn rectangle(width: S, height: S) -> Result<Self, Error> {
+        check_size(width)?;
+        check_size(height)?;
+        let (measure, gyration) = mass::rectangle(width, height);
+        Ok(Self { geometry: Geometry::Rectangle { width, height }, shift: Vec2::ZERO, measure, gyration })
+    }
+
+    /// A capsule along x: `length` in m between the centres of its round ends, `radius` in m.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] with [`Quantity::Size`].
+    pub fn capsule(length: S, radius: S) -> Result<Self, Error> {
+        check_size(length)?;
+        check_size(radius)?;
+        let (measure, gyration) = mass::capsule(length, radius);
+        Ok(Self { geometry: Geometry::Capsule { length, radius }, shift: Vec2::ZERO, measure, gyration })
+    }
+
+    /// A thin rod between two points. Its density is in kg/m.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] with [`Quantity::Size`] for its length or a coordinate.
+    pub fn segment(a: Vec2<S>, b: Vec2<S>) -> Result<Self, Error> {
+        check_point(a)?;
+        check_point(b)?;
+        let even = [S::Factor::ONE, S::Factor::ONE];
+        let middle = |p: S, q: S| S::weighted_mean(&even, &[p, q]).unwrap_or(S::ZERO);
+        let shift = Vec2::new(middle(a.x, b.x), middle(a.y, b.y));
+        let ends = [a - shift, b - shift];
+        let length = (b - a).length();
+        if length < S::Factor::from_scalar(S::from_fx(SIZE_MIN)) {
+            return Err(Error::OutOfRange { quantity: Quantity::Size });
+        }
+        let (measure, gyration) = mass::segment::<S>(length);
+        Ok(Self { geometry: Geometry::Segment { ends }, shift, measure, gyration })
+    }
+
+    /// A convex polygon with these corners in either order; re-centred at its centroid.
+    ///
+    /// Its area, centroid and inertia come from exact sums, so that neither the first corner nor the winding changes a bit.
+    ///
+    /// # Errors
+    /// [`Error::NotConvex`] at the first corner that does not turn the way the others do, or repeats another;
+    /// [`Error::OutOfRange`] with [`Quantity::Count`] or [`Quantity::Size`].
+    pub fn polygon(corners: &[Vec2<S>]) -> Result<Self, Error> {
+        if !(3..=CORNERS).contains(&corners.len()) {
+            return Err(Error::OutOfRange { quantity: Quantity::Count });
+        }
+        corners.iter().try_for_each(|&corner| check_point(corner))?;
+        let winding = check_convex(corners)?;
+        let pairs: Vec<(S, S)> = corners.iter().map(|&c| c.into()).collect();
+        // Convex with three corners or more: its area is not zero.
+        let given = S::polygon_moments(&pairs).ok_or(Error::NotConvex { corner: 0 })?;
+        let shift = Vec2::from(given.centroid);
+        let mut centred: Vec<Vec2<S>> = corners.iter().map(|&c| c - shift).collect();
+        if winding == Ordering::Less {
+            centred.reverse();
+        }
+        check_extent(&centred)?;
+        let pairs: Vec<(S, S)> = centred.iter().map(|&c| c.into()).collect();
+        let moments = S::polygon_moments(&pairs).ok_or(Error::NotConvex { corner: 0 })?;
+        let gyration = moments.second.over(moments.area);
+        Ok(Self { geometry: Geometry::Polygon { corners: centred.into() }, shift, measure: moments.area, gyration })
+    }
+
+    /// Several shapes as one, re-centred at their common centre of mass.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] with [`Quantity::Count`] for no parts, too many, or a compound among them; with
+    /// [`Quantity::Density`] or [`Quantity::Size`] for a part's.
+    pub fn compound(parts: &[Part<S>]) -> Result<Self, Error> {
+        let nested = parts.iter().any(|p| matches!(p.shape.geometry, Geometry::Compound { .. }));
+        if parts.is_empty() || parts.len() > PARTS || nested {
+            return Err(Error::OutOfRange { quantity: Quantity::Count });
+        }
+        for part in parts {
+            check_point(part.position)?;
+            if !part.angle.is_finite() {
+                return Err(Error::OutOfRange { quantity: Quantity::Angle });
+            }
+            if !(part.density > S::ZERO && part.density.is_finite()) {
+                return Err(Error::OutOfRange { quantity: Quantity::Density });
+            }
+        }
+        let weights: Vec<S::Factor> =
+            parts.iter().map(|p| S::Factor::from_scalar(p.density).times(p.shape.measure)).collect();
+        let mean = |pick: fn(&Part<S>) -> S| {
+            let values: Vec<S> = parts.iter().map(pick).collect();
+            S::weighted_mean(&weights, &values).unwrap_or(S::ZERO)
+        };
+        let shift = Vec2::new(mean(|p| p.position.x), mean(|p| p.position.y));
+        let parts: Arc<[Part<S>]> = parts.iter().map(|p| Part { position: p.position - shift, ..p.clone() }).collect();
+        let (measure, gyration) = mass::compound(&parts, &weights);
+        Ok(Self { geometry: Geometry::Compound { parts }, shift, measure, gyration })
+    }
+
+    /// The corners of it turned by `angle` about its centre of mass and moved there, for drawing and bounds: none for
+    /// round shapes.
+    #[must_use]
+    pub fn corners_at(&self, position: Vec2<S>, angle: S::Angle) -> Vec<Vec2<S>> {
+        let place = |corner: Vec2<S>| {
+            let turned = angle.rotate(corner.x, corner.y);
+            let (x, y) = turned.and_then(|(x, y)| Some((x.to_scalar()?, y.to_scalar()?))).unwrap_or((S::ZERO, S::ZERO));
+            position + Vec2::new(x, y)
+        };
+        match &self.geometry {
+            Geometry::Polygon { corners } => corners.iter().map(|&c| place(c)).collect(),
+            Geometry::Segment { ends } => ends.iter().map(|&c| place(c)).collect(),
+            Geometry::Rectangle { width, height } => {
+                let even = [S::Factor::ONE, S::Factor::ONE];
+                let half = |s: S| S::weighted_mean(&even, &[s, S::ZERO]).unwrap_or(S::ZERO);
+                let (w, h) = (half(*width), half(*height));
+                [Vec2::new(-w, -h), Vec2::new(w, -h), Vec2::new(w, h), Vec2::new(-w, h)].map(place).to_vec()
+            }
+            Geometry::Circle { .. } | Geometry::Capsule { .. } | Geometry::Compound { .. } => Vec::new(),
+        }
+    }
+}
+
+/// The way the corners turn, the same at each of them, and once around in all.
+fn check_convex<S: Scalar>(corners: &[Vec2<S>]) -> Result<Ordering, Error> {
+    let n = corners.len();
+    let pair = |i: usize| <(S, S)>::from(corners[i % n]);
+    let winding = S::orientation(pair(n - 1), pair(0), pair(1));
+    for i in 0..n {
+        let turn = S::orientation(pair(i + n - 1), pair(i), pair(i + 1));
+        if turn == Ordering::Equal || turn != winding {
+            return Err(Error::NotConvex { corner: i });
+        }
+        // A star turns one way throughout as well, but goes round twice: then a corner is behind the first edge, or the
+        // fan of triangles from the first corner folds back.
+        let behind = |p: usize, q: usize| S::orientation(pair(0), pair(p), pair(q)) != winding;
+        if i >= 2 && (behind(1, i) || behind(i - 1, i)) {
+            return Err(Error::NotConvex { corner: i });
+        }
+    }
+    Ok(winding)
+}
+
+/// A polygon is at least as large as the smallest size along some axis.
+fn check_extent<S: Scalar>(corners: &[Vec2<S>]) -> Result<(), Error> {
+    let small = S::from_fx(SIZE_MIN);
+    if corners.iter().any(|c| !c.is_within(small)) {
+        return Ok(());
+    }
+    Err(Error::OutOfRange { quantity: Quantity::Size })
+}

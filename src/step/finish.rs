@@ -1,0 +1,143 @@
+//! The end of a step: quarantine and sleep.
+
+use super::{Context, Scratch};
+use crate::body::{Activity, Bodies, BodyKind};
+use crate::error::{Cause, Fault};
+use crate::force::{End, FieldSet, Law};
+use crate::limits;
+use crate::scalar::{Accumulator, Scalar};
+
+impl<S: Scalar> Context<'_, S> {
+    pub(super) fn finish(&mut self) {
+        self.find_strays();
+        self.name_faults();
+        // The first fault of a body is its cause; the sort is stable.
+        let faults = &mut self.scratch.faults;
+        faults.sort_by_key(|fault| fault.body);
+        faults.dedup_by_key(|fault| fault.body);
+        for Fault { body, .. } in faults.iter() {
+            if let Ok(i) = self.bodies.find(*body) {
+                self.bodies.columns.motion.copy_one(&self.scratch.before, i);
+            }
+        }
+        if let Some(ticks) = self.sleep_after {
+            self.find_sleepers(ticks);
+        }
+        let Scratch { faults, fell_asleep, fields_hold, .. } = &mut *self.scratch;
+        let taken_out = faults
+            .iter()
+            .map(|fault| (fault.body, Activity::Quarantined))
+            .chain(fell_asleep.iter().map(|&body| (body, Activity::Asleep)));
+        for (body, activity) in taken_out {
+            if let Ok(i) = self.bodies.find(body) {
+                let i = self.bodies.set_moving(i, false);
+                let columns = &mut self.bodies.columns;
+                columns.card[i].activity = activity;
+                columns.rest[i] = 0;
+                *fields_hold = false;
+            }
+        }
+    }
+
+    /// Bodies beyond the envelope.
+    fn find_strays(&mut self) {
+        let motion = &self.bodies.columns.motion;
+        let [position, speed, spin] = [limits::POSITION, limits::SPEED, limits::ANGULAR_SPEED].map(S::from_fx);
+        for i in 0..self.bodies.moving() {
+            let (x, v) = (motion.position[i], motion.velocity[i]);
+            let cause = if !(v.x.is_within(speed) && v.y.is_within(speed)) {
+                Cause::Velocity
+            } else if !(x.x.is_within(position) && x.y.is_within(position)) {
+                Cause::Position
+            } else if !motion.spin[i].is_within(spin) {
+                Cause::AngularVelocity
+            } else {
+                continue;
+            };
+            self.scratch.stage_faults.push((i, cause));
+        }
+    }
+
+    /// Bodies that the next step would leave as they are, to the bit, and that were so for `ticks` steps. Skipping them
+    /// changes nothing: their public velocities are zero, the step changed nothing below them either, no force was
+    /// applied, and no body that might still move acts on them.
+    fn find_sleepers(&mut self, ticks: u32) {
+        let Scratch { before, faults, fell_asleep, links, pushed, .. } = &mut *self.scratch;
+        let moving = self.bodies.moving();
+        let columns = &mut self.bodies.columns;
+        for i in 0..moving {
+            let at_rest = columns.motion.same(before, i) && columns.motion.is_still(i);
+            columns.rest[i] = if at_rest { columns.rest[i].saturating_add(1) } else { 0 };
+        }
+        for (i, _) in pushed.iter() {
+            columns.rest[*i] = 0;
+        }
+        for fault in faults.iter() {
+            if let Ok(i) = self.bodies.find(fault.body) {
+                self.bodies.columns.rest[i] = 0;
+            }
+        }
+        keep_awake_around_wanderers(self.bodies, self.fields);
+        let rest = &self.bodies.columns.rest;
+        if rest[..moving].iter().all(|&rest| rest < ticks) {
+            return;
+        }
+        island_roots(self.bodies, self.fields, links);
+        // An island sleeps as a whole: one that is awake keeps it up.
+        let mut sleeps = alloc::vec![true; moving];
+        for i in 0..moving {
+            let root = links[i] as usize;
+            if root < moving && rest[i] < ticks {
+                sleeps[root] = false;
+            }
+        }
+        let ready = (0..moving).filter(|&i| rest[i] >= ticks && sleeps[links[i] as usize]);
+        fell_asleep.extend(ready.map(|i| self.bodies.id(i)));
+        fell_asleep.sort_unstable();
+    }
+}
+
+/// A body that an attractor carried by another, movable body acts on does not sleep: what acts on it may change.
+fn keep_awake_around_wanderers<S: Scalar>(bodies: &mut Bodies<S>, fields: &FieldSet<S>) {
+    for (_, field) in fields.iter() {
+        let Law::Attractor { centre: End::Body(carrier), .. } = &field.law else { continue };
+        let Ok(own) = bodies.find(carrier.body) else { continue };
+        if bodies.columns.card[own].kind == BodyKind::Static {
+            continue;
+        }
+        for i in 0..bodies.moving() {
+            if i != own && bodies.columns.card[i].groups & field.groups != 0 {
+                bodies.columns.rest[i] = 0;
+            }
+        }
+    }
+}
+
+/// For each body, by index in the columns, the lowest index among those that springs join it to, over any number of
+/// springs. Static and quarantined bodies join nothing.
+pub(crate) fn island_roots<S: Scalar>(bodies: &Bodies<S>, fields: &FieldSet<S>, links: &mut alloc::vec::Vec<u32>) {
+    fn root(links: &mut [u32], mut i: usize) -> usize {
+        while links[i] as usize != i {
+            links[i] = links[links[i] as usize];
+            i = links[i] as usize;
+        }
+        i
+    }
+    links.clear();
+    links.extend(0..bodies.len() as u32);
+    for (_, field) in fields.iter() {
+        let Law::Spring { near, far: End::Body(far), .. } = &field.law else { continue };
+        let (Ok(a), Ok(b)) = (bodies.find(near.body), bodies.find(far.body)) else { continue };
+        let joins = |i: usize| {
+            let card = &bodies.columns.card[i];
+            card.kind != BodyKind::Static && card.activity != Activity::Quarantined
+        };
+        if joins(a) && joins(b) {
+            let (a, b) = (root(links, a), root(links, b));
+            links[a.max(b)] = a.min(b) as u32;
+        }
+    }
+    for i in 0..links.len() {
+        links[i] = root(links, i) as u32;
+    }
+}

@@ -1,0 +1,241 @@
+//! Adding, removing and changing bodies. Each call checks first and changes nothing if it refuses.
+
+use alloc::vec::Vec;
+
+use super::World;
+use crate::body::{
+    Activity, BodyDef, BodyKind, Mass, check_angle, check_angular_velocity, check_damping, check_gravity_scale,
+    check_position, check_velocity, mass_properties,
+};
+use crate::error::Error;
+use crate::handle::BodyId;
+use crate::integrate::Integrator;
+use crate::math::Vec2;
+use crate::scalar::{Accumulator, Angle, Scalar};
+use crate::shape::Shape;
+
+impl<S: Scalar> World<S> {
+    /// Adds a body.
+    ///
+    /// # Errors
+    /// As [`BodyDef::check`]; [`Error::DampingHasNoInverse`] for a damping of 0 under `Yoshida4`; [`Error::Full`].
+    pub fn add_body(&mut self, def: BodyDef<S>) -> Result<BodyId, Error> {
+        def.check()?;
+        self.check_own_damping(def.linear_damping, def.angular_damping)?;
+        let properties = mass_properties(def.kind, def.mass, def.shape.as_ref())?;
+        let climate = Self::climate(&self.def, &self.plan);
+        let body = self.bodies.insert(def, properties, &mut self.tunings, &climate)?;
+        self.scratch.fields_hold = false;
+        Ok(body)
+    }
+
+    /// Removes a body and the force fields attached to it, and wakes what they joined it to.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchBody`].
+    pub fn remove_body(&mut self, body: BodyId) -> Result<(), Error> {
+        self.touch(body)?;
+        self.woken.retain(|&woken| woken != body);
+        let attached = self.fields.iter().filter(|(_, field)| field.bodies().any(|b| b == body));
+        let attached: Vec<_> = attached.map(|(id, _)| id).collect();
+        for field in attached {
+            self.remove_field(field)?;
+        }
+        let dense = self.bodies.find(body)?;
+        self.applied.forget(&mut self.bodies, dense);
+        self.tunings.release(self.bodies.columns.tuning[dense]);
+        self.bodies.remove(body)
+    }
+
+    /// Puts a body somewhere else; wakes it. The fraction below the ulp is dropped.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchBody`]; [`Error::OutOfRange`] with [`Quantity::Position`](crate::Quantity::Position).
+    pub fn set_position(&mut self, body: BodyId, position: Vec2<S>) -> Result<(), Error> {
+        self.bodies.find(body)?;
+        check_position(position)?;
+        let dense = self.touch(body)?;
+        self.bodies.columns.motion.position[dense] = position.map(Accumulator::from_scalar);
+        Ok(())
+    }
+
+    /// Turns a body to an angle in radians, of any size; wakes it.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchBody`]; [`Error::OutOfRange`] for a float that is no number.
+    pub fn set_angle(&mut self, body: BodyId, angle: S) -> Result<(), Error> {
+        self.bodies.find(body)?;
+        check_angle(angle)?;
+        let dense = self.touch(body)?;
+        self.bodies.columns.motion.angle[dense] = S::Angle::from_radians(angle);
+        Ok(())
+    }
+
+    /// Gives a body a velocity, m/s; wakes it.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchBody`]; [`Error::NotMovable`]; [`Error::OutOfRange`] with
+    /// [`Quantity::Velocity`](crate::Quantity::Velocity).
+    pub fn set_velocity(&mut self, body: BodyId, velocity: Vec2<S>) -> Result<(), Error> {
+        self.check_movable(body)?;
+        check_velocity(velocity)?;
+        let dense = self.touch(body)?;
+        self.bodies.columns.motion.velocity[dense] = velocity.map(Accumulator::from_scalar);
+        Ok(())
+    }
+
+    /// Gives a body an angular velocity, rad/s; wakes it.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchBody`]; [`Error::NotMovable`]; [`Error::OutOfRange`] with
+    /// [`Quantity::AngularVelocity`](crate::Quantity::AngularVelocity).
+    pub fn set_angular_velocity(&mut self, body: BodyId, velocity: S) -> Result<(), Error> {
+        self.check_movable(body)?;
+        check_angular_velocity(velocity)?;
+        let dense = self.touch(body)?;
+        self.bodies.columns.motion.spin[dense] = S::Accumulator::from_scalar(velocity);
+        Ok(())
+    }
+
+    /// Gives a body a mass; its inertia follows. A body that is not dynamic keeps it for when it is.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchBody`]; [`Error::NoShape`]; [`Error::OutOfRange`].
+    pub fn set_mass(&mut self, body: BodyId, mass: Mass<S>) -> Result<(), Error> {
+        let card = &self.bodies.columns.card[self.bodies.find(body)?];
+        let properties = mass_properties(card.kind, mass, card.shape.as_ref())?;
+        let dense = self.touch(body)?;
+        let card = &mut self.bodies.columns.card[dense];
+        (card.mass, card.properties) = (mass, properties);
+        Ok(())
+    }
+
+    /// Gives a body a shape, or none; its inertia follows, and its mass if that is a density. Its centre of mass stays
+    /// where it is.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchBody`]; [`Error::NoShape`]; [`Error::OutOfRange`].
+    pub fn set_shape(&mut self, body: BodyId, shape: Option<Shape<S>>) -> Result<(), Error> {
+        let card = &self.bodies.columns.card[self.bodies.find(body)?];
+        let properties = mass_properties(card.kind, card.mass, shape.as_ref())?;
+        let dense = self.touch(body)?;
+        let card = &mut self.bodies.columns.card[dense];
+        (card.shape, card.properties) = (shape, properties);
+        Ok(())
+    }
+
+    /// Changes what moves a body. One that becomes static stops; what was applied to it this tick is forgotten.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchBody`]; [`Error::Quarantined`]; [`Error::NoShape`] or [`Error::OutOfRange`] if it becomes dynamic
+    /// without a mass it can have.
+    pub fn set_kind(&mut self, body: BodyId, kind: BodyKind) -> Result<(), Error> {
+        let card = &self.bodies.columns.card[self.bodies.find(body)?];
+        if card.activity == Activity::Quarantined {
+            return Err(Error::Quarantined { body });
+        }
+        let properties = mass_properties(kind, card.mass, card.shape.as_ref())?;
+        self.touch(body)?;
+        self.wake_joined(body);
+        let dense = self.bodies.find(body)?;
+        self.applied.forget(&mut self.bodies, dense);
+        let card = &mut self.bodies.columns.card[dense];
+        (card.kind, card.properties) = (kind, properties);
+        let dense = self.bodies.set_moving(dense, kind != BodyKind::Static);
+        let motion = &mut self.bodies.columns.motion;
+        if kind == BodyKind::Static {
+            motion.velocity[dense] = Vec2::default();
+            motion.spin[dense] = S::Accumulator::default();
+        }
+        if let Some(last) = motion.last.get_mut(dense) {
+            *last = Default::default();
+        }
+        self.retune(dense);
+        Ok(())
+    }
+
+    /// Changes how much of gravity a body feels; wakes it.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchBody`]; [`Error::OutOfRange`] with [`Quantity::GravityScale`](crate::Quantity::GravityScale).
+    pub fn set_gravity_scale(&mut self, body: BodyId, scale: S) -> Result<(), Error> {
+        self.bodies.find(body)?;
+        check_gravity_scale(scale)?;
+        let dense = self.touch(body)?;
+        self.bodies.columns.card[dense].gravity_scale = scale;
+        self.retune(dense);
+        Ok(())
+    }
+
+    /// Gives a body a damping of its own, or the world's again: what is left of its linear and angular velocity after a
+    /// second. Wakes it.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchBody`]; [`Error::OutOfRange`] with [`Quantity::Damping`](crate::Quantity::Damping);
+    /// [`Error::DampingHasNoInverse`].
+    pub fn set_body_damping(&mut self, body: BodyId, linear: Option<S>, angular: Option<S>) -> Result<(), Error> {
+        self.bodies.find(body)?;
+        linear.map_or(Ok(()), check_damping)?;
+        angular.map_or(Ok(()), check_damping)?;
+        self.check_own_damping(linear, angular)?;
+        let dense = self.touch(body)?;
+        let card = &mut self.bodies.columns.card[dense];
+        (card.linear_damping, card.angular_damping) = (linear, angular);
+        self.retune(dense);
+        Ok(())
+    }
+
+    /// Changes the groups a body is in; wakes it.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchBody`].
+    pub fn set_groups(&mut self, body: BodyId, groups: u32) -> Result<(), Error> {
+        let dense = self.touch(body)?;
+        self.bodies.columns.card[dense].groups = groups;
+        Ok(())
+    }
+
+    /// Changes the caller's name for a body; wakes it, as a law of force may read it.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchBody`].
+    pub fn set_key(&mut self, body: BodyId, key: u64) -> Result<(), Error> {
+        let dense = self.touch(body)?;
+        self.bodies.columns.card[dense].key = key;
+        Ok(())
+    }
+
+    /// Changes the caller's data for a body; wakes it, as a law of force may read it.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchBody`].
+    pub fn set_user_data(&mut self, body: BodyId, user_data: u64) -> Result<(), Error> {
+        let dense = self.touch(body)?;
+        self.bodies.columns.card[dense].user_data = user_data;
+        Ok(())
+    }
+
+    fn check_own_damping(&self, linear: Option<S>, angular: Option<S>) -> Result<(), Error> {
+        let stops = |kept: Option<S>| kept == Some(S::ZERO);
+        if self.def.integrator == Integrator::Yoshida4 && (stops(linear) || stops(angular)) {
+            return Err(Error::DampingHasNoInverse);
+        }
+        Ok(())
+    }
+
+    fn check_movable(&self, body: BodyId) -> Result<(), Error> {
+        match self.bodies.columns.card[self.bodies.find(body)?].kind {
+            BodyKind::Static => Err(Error::NotMovable { body }),
+            _ => Ok(()),
+        }
+    }
+
+    /// Gives a body the factors that go with its card.
+    fn retune(&mut self, dense: usize) {
+        let climate = Self::climate(&self.def, &self.plan);
+        let old = self.bodies.columns.tuning[dense];
+        let new = self.tunings.acquire(&self.bodies.columns.card[dense], &climate);
+        self.tunings.release(old);
+        self.bodies.columns.tuning[dense] = new;
+    }
+}

@@ -1,0 +1,210 @@
+//! Reading bodies.
+
+use super::World;
+use crate::body::{Activity, BodyKind, Card};
+use crate::error::Error;
+use crate::handle::BodyId;
+use crate::math::{Rot, Vec2};
+use crate::scalar::{Accumulator, Angle, Factor, Scalar, Wide, fx::Fx};
+use crate::shape::Shape;
+
+/// A look at a body.
+#[derive(Clone, Copy)]
+pub struct BodyRef<'a, S: Scalar = Fx> {
+    world: &'a World<S>,
+    dense: usize,
+}
+
+impl<'a, S: Scalar> BodyRef<'a, S> {
+    fn card(&self) -> &'a Card<S> {
+        &self.world.bodies.columns.card[self.dense]
+    }
+
+    /// Its handle.
+    #[must_use]
+    pub fn id(&self) -> BodyId {
+        self.world.bodies.id(self.dense)
+    }
+
+    /// Where its centre of mass is, m: the exact position to nearest, ties to even.
+    #[must_use]
+    pub fn position(&self) -> Vec2<S> {
+        self.position_exact().map(Accumulator::value)
+    }
+
+    /// Where its centre of mass is, with the remainders that are carried from step to step.
+    #[must_use]
+    pub fn position_exact(&self) -> Vec2<S::Accumulator> {
+        self.world.bodies.columns.motion.position[self.dense]
+    }
+
+    /// Where the origin of its shape's own coordinates is, m; its position if it has no shape.
+    #[must_use]
+    pub fn origin(&self) -> Vec2<S> {
+        let Some(shape) = self.shape() else { return self.position() };
+        let shift = shape.shift();
+        let turned = self.angle_exact().rotate(shift.x, shift.y);
+        let (x, y) = turned.and_then(|(x, y)| Some((x.to_scalar()?, y.to_scalar()?))).unwrap_or((S::ZERO, S::ZERO));
+        self.position() - Vec2::new(x, y)
+    }
+
+    /// How far it is turned, rad in [0, 2π).
+    #[must_use]
+    pub fn angle(&self) -> S {
+        self.angle_exact().radians()
+    }
+
+    /// How far it is turned, as it is kept.
+    #[must_use]
+    pub fn angle_exact(&self) -> S::Angle {
+        self.world.bodies.columns.motion.angle[self.dense]
+    }
+
+    /// Its rotation; computed when asked for.
+    #[must_use]
+    pub fn rotation(&self) -> Rot<S> {
+        Rot::from_angle(self.angle_exact())
+    }
+
+    /// Its velocity, m/s.
+    #[must_use]
+    pub fn velocity(&self) -> Vec2<S> {
+        self.velocity_exact().map(Accumulator::value)
+    }
+
+    /// Its velocity with the remainders that are carried.
+    #[must_use]
+    pub fn velocity_exact(&self) -> Vec2<S::Accumulator> {
+        self.world.bodies.columns.motion.velocity[self.dense]
+    }
+
+    /// Its angular velocity, rad/s.
+    #[must_use]
+    pub fn angular_velocity(&self) -> S {
+        self.angular_velocity_exact().value()
+    }
+
+    /// Its angular velocity with the remainder that is carried.
+    #[must_use]
+    pub fn angular_velocity_exact(&self) -> S::Accumulator {
+        self.world.bodies.columns.motion.spin[self.dense]
+    }
+
+    /// What moves it.
+    #[must_use]
+    pub fn kind(&self) -> BodyKind {
+        self.card().kind
+    }
+
+    /// Whether it takes part in steps.
+    #[must_use]
+    pub fn activity(&self) -> Activity {
+        self.card().activity
+    }
+
+    /// Its mass, kg; `None` unless it is dynamic.
+    #[must_use]
+    pub fn mass(&self) -> Option<S> {
+        (self.kind() == BodyKind::Dynamic).then_some(self.card().properties.mass)
+    }
+
+    /// Its moment of inertia, kg·m²; `None` if it is infinite. *Error* 2^-58 relative.
+    #[must_use]
+    pub fn inertia(&self) -> Option<S::Factor> {
+        let inertia = self.card().properties.inertia;
+        (!inertia.is_zero()).then_some(inertia)
+    }
+
+    /// 1/m, 1/kg; zero for a body that no force moves. *Error* 2^-64 relative.
+    #[must_use]
+    pub fn inverse_mass(&self) -> S::Factor {
+        self.card().properties.inverse_mass
+    }
+
+    /// 1/I, 1/(kg·m²); zero for a body that no torque turns. *Error* 2^-58 relative.
+    #[must_use]
+    pub fn inverse_inertia(&self) -> S::Factor {
+        self.card().properties.inverse_inertia
+    }
+
+    /// Its shape.
+    #[must_use]
+    pub fn shape(&self) -> Option<&'a Shape<S>> {
+        self.card().shape.as_ref()
+    }
+
+    /// How much of the world's gravity it feels.
+    #[must_use]
+    pub fn gravity_scale(&self) -> S {
+        self.card().gravity_scale
+    }
+
+    /// Its own linear damping, if it has one.
+    #[must_use]
+    pub fn linear_damping(&self) -> Option<S> {
+        self.card().linear_damping
+    }
+
+    /// Its own angular damping, if it has one.
+    #[must_use]
+    pub fn angular_damping(&self) -> Option<S> {
+        self.card().angular_damping
+    }
+
+    /// The groups it is in.
+    #[must_use]
+    pub fn groups(&self) -> u32 {
+        self.card().groups
+    }
+
+    /// The caller's name for it.
+    #[must_use]
+    pub fn key(&self) -> u64 {
+        self.card().key
+    }
+
+    /// The caller's data.
+    #[must_use]
+    pub fn user_data(&self) -> u64 {
+        self.card().user_data
+    }
+
+    /// The sum of the forces applied to it since the last step, N; `None` if it does not fit.
+    #[must_use]
+    pub fn applied_force(&self) -> Option<Vec2<S::Wide>> {
+        self.world.applied.row(self.card().applied).map_or(Some(Vec2::default()), |row| row.force())
+    }
+
+    /// The sum of the torques applied to it since the last step, N·m; `None` if it does not fit.
+    #[must_use]
+    pub fn applied_torque(&self) -> Option<S::Wide> {
+        self.world.applied.row(self.card().applied).map_or(Some(S::Wide::default()), |row| row.torque())
+    }
+}
+
+impl<S: Scalar> World<S> {
+    /// A look at a body.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchBody`].
+    pub fn body(&self, body: BodyId) -> Result<BodyRef<'_, S>, Error> {
+        Ok(BodyRef { world: self, dense: self.bodies.find(body)? })
+    }
+
+    /// All bodies, in the order of their slots.
+    pub fn bodies(&self) -> impl Iterator<Item = BodyRef<'_, S>> {
+        self.bodies.in_order().map(|dense| BodyRef { world: self, dense })
+    }
+
+    /// The number of bodies.
+    #[must_use]
+    pub fn body_count(&self) -> usize {
+        self.bodies.len()
+    }
+
+    /// The number of bodies a step moves: not static, not asleep, not quarantined.
+    #[must_use]
+    pub fn moving_count(&self) -> usize {
+        self.bodies.moving()
+    }
+}

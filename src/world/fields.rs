@@ -1,0 +1,69 @@
+//! Adding, removing and changing force fields.
+
+use super::World;
+use crate::error::Error;
+use crate::force::{Field, Law};
+use crate::handle::FieldId;
+use crate::scalar::Scalar;
+
+impl<S: Scalar> World<S> {
+    /// Adds a force field; wakes what it may act on.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchBody`], [`Error::NotDynamic`] or [`Error::SameBody`] for what it is attached to;
+    /// [`Error::ForceLaw`] for a law that is not registered; [`Error::OutOfRange`] naming the quantity; [`Error::Full`].
+    pub fn add_field(&mut self, field: impl Into<Field<S>>) -> Result<FieldId, Error> {
+        let field = field.into();
+        field.check(&self.bodies, &self.laws)?;
+        let id = self.fields.insert(field)?;
+        self.wake_for(&field);
+        Ok(id)
+    }
+
+    /// A force field.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchField`].
+    pub fn field(&self, id: FieldId) -> Result<&Field<S>, Error> {
+        self.fields.get(id)
+    }
+
+    /// All force fields, in the order of their slots: the order in which drags act.
+    pub fn fields(&self) -> impl Iterator<Item = (FieldId, &Field<S>)> {
+        self.fields.iter()
+    }
+
+    /// Puts another field in the place of one; wakes what either may act on.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchField`], and as [`add_field`](Self::add_field).
+    pub fn set_field(&mut self, id: FieldId, field: impl Into<Field<S>>) -> Result<(), Error> {
+        let field = field.into();
+        let old = *self.fields.get(id)?;
+        field.check(&self.bodies, &self.laws)?;
+        self.wake_for(&old);
+        self.fields.replace(id, field)?;
+        self.wake_for(&field);
+        Ok(())
+    }
+
+    /// Removes a force field; wakes what it may have acted on.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchField`].
+    pub fn remove_field(&mut self, id: FieldId) -> Result<(), Error> {
+        let field = *self.fields.get(id)?;
+        self.wake_for(&field);
+        self.fields.remove(id).map(drop)
+    }
+
+    fn wake_for(&mut self, field: &Field<S>) {
+        match field.law {
+            Law::Spring { .. } | Law::Thrust { .. } => {
+                let bodies: alloc::vec::Vec<_> = field.bodies().collect();
+                bodies.into_iter().for_each(|body| self.wake_joined(body));
+            }
+            _ => self.wake_all(),
+        }
+    }
+}

@@ -1,0 +1,242 @@
+//! Applying forces and impulses.
+
+use super::World;
+use crate::body::{Activity, BodyKind};
+use crate::error::{Error, Quantity};
+use crate::handle::BodyId;
+use crate::limits;
+use crate::math::Vec2;
+use crate::scalar::{Accumulator, Angle, Offset, Scalar, Wide, fx::Fx};
+
+/// What a vector is relative to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+pub enum Frame {
+    /// The axes and the origin of the world.
+    #[default]
+    World,
+    /// The axes of the body, which turn with it, from its centre of mass.
+    Body,
+}
+
+/// How an action is meant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Manner {
+    /// What its vectors are relative to.
+    pub frame: Frame,
+    /// Whether it wakes a sleeping body; if not, a sleeping body does not feel it.
+    pub wake: bool,
+}
+
+impl Manner {
+    /// In the body's frame, waking it.
+    pub const BODY: Self = Self { frame: Frame::Body, wake: true };
+}
+
+impl Default for Manner {
+    /// In the world's frame, waking the body.
+    fn default() -> Self {
+        Self { frame: Frame::World, wake: true }
+    }
+}
+
+/// What is done to a body. Forces and torques add up over a tick and act over its step; impulses act at once.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+pub enum Action<S = Fx> {
+    /// A force in N, at a point or through the centre of mass.
+    Force {
+        /// The force.
+        force: Vec2<S>,
+        /// Where it acts, m.
+        point: Option<Vec2<S>>,
+    },
+    /// A torque in N·m.
+    Torque(S),
+    /// An impulse in N·s, at a point or through the centre of mass.
+    Impulse {
+        /// The impulse.
+        impulse: Vec2<S>,
+        /// Where it acts, m.
+        point: Option<Vec2<S>>,
+    },
+    /// An angular impulse in N·m·s.
+    AngularImpulse(S),
+}
+
+const fn out_of(quantity: Quantity) -> Error {
+    Error::OutOfRange { quantity }
+}
+
+impl<S: Scalar> World<S> {
+    /// Applies a force through the centre of mass, N, over the next step.
+    ///
+    /// # Errors
+    /// As [`apply`](Self::apply).
+    pub fn apply_force(&mut self, body: BodyId, force: Vec2<S>) -> Result<(), Error> {
+        self.apply(body, Action::Force { force, point: None }, Manner::default())
+    }
+
+    /// Applies a force at a point of the world over the next step: τ = r × F besides, r from the centre of mass as it is now.
+    ///
+    /// # Errors
+    /// As [`apply`](Self::apply).
+    pub fn apply_force_at_point(&mut self, body: BodyId, force: Vec2<S>, point: Vec2<S>) -> Result<(), Error> {
+        self.apply(body, Action::Force { force, point: Some(point) }, Manner::default())
+    }
+
+    /// Applies a torque, N·m, over the next step.
+    ///
+    /// # Errors
+    /// As [`apply`](Self::apply).
+    pub fn apply_torque(&mut self, body: BodyId, torque: S) -> Result<(), Error> {
+        self.apply(body, Action::Torque(torque), Manner::default())
+    }
+
+    /// Changes the velocity by J/m at once.
+    ///
+    /// # Errors
+    /// As [`apply`](Self::apply).
+    pub fn apply_impulse(&mut self, body: BodyId, impulse: Vec2<S>) -> Result<(), Error> {
+        self.apply(body, Action::Impulse { impulse, point: None }, Manner::default())
+    }
+
+    /// Changes the velocity by J/m and the angular velocity by (r × J)/I at once, r from the centre of mass to a point of
+    /// the world.
+    ///
+    /// # Errors
+    /// As [`apply`](Self::apply).
+    pub fn apply_impulse_at_point(&mut self, body: BodyId, impulse: Vec2<S>, point: Vec2<S>) -> Result<(), Error> {
+        self.apply(body, Action::Impulse { impulse, point: Some(point) }, Manner::default())
+    }
+
+    /// Changes the angular velocity by L/I at once.
+    ///
+    /// # Errors
+    /// As [`apply`](Self::apply).
+    pub fn apply_angular_impulse(&mut self, body: BodyId, impulse: S) -> Result<(), Error> {
+        self.apply(body, Action::AngularImpulse(impulse), Manner::default())
+    }
+
+    /// Does something to a body.
+    ///
+    /// *Error* forces and torques are exact in the world's frame, within 2^-60 relative in the body's; torques of forces
+    /// at a point are rounded to 2^-64 N·m; the change by an impulse to 2^-64 relative.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchBody`]; [`Error::NotDynamic`]; [`Error::Quarantined`]; [`Error::OutOfRange`] naming the quantity,
+    /// also when a velocity would leave the envelope.
+    pub fn apply(&mut self, body: BodyId, action: Action<S>, manner: Manner) -> Result<(), Error> {
+        let dense = self.bodies.find(body)?;
+        let card = &self.bodies.columns.card[dense];
+        match (card.kind, card.activity) {
+            (_, Activity::Quarantined) => return Err(Error::Quarantined { body }),
+            (BodyKind::Static | BodyKind::Kinematic, _) => return Err(Error::NotDynamic { body }),
+            _ => {}
+        }
+        let unfelt = card.activity == Activity::Asleep && !manner.wake;
+        let none = Vec2::default();
+        match action {
+            Action::Force { force, point } => {
+                let (force, torque) = self.lever(dense, force, point, manner.frame, Quantity::Force)?;
+                if !unfelt {
+                    let dense = self.rouse(body)?;
+                    self.applied.add(&mut self.bodies, dense, force, torque);
+                }
+            }
+            Action::Torque(torque) => {
+                check_finite(torque, Quantity::Torque)?;
+                if !unfelt {
+                    let dense = self.rouse(body)?;
+                    self.applied.add(&mut self.bodies, dense, none, S::Wide::from_scalar(torque));
+                }
+            }
+            Action::Impulse { impulse, point } => {
+                let (impulse, angular) = self.lever(dense, impulse, point, manner.frame, Quantity::Impulse)?;
+                self.strike(body, dense, impulse, angular, unfelt)?;
+            }
+            Action::AngularImpulse(impulse) => {
+                check_finite(impulse, Quantity::Impulse)?;
+                self.strike(body, dense, none, S::Wide::from_scalar(impulse), unfelt)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// A force or impulse in the world's frame, and its moment about the centre of mass.
+    fn lever(
+        &self,
+        dense: usize,
+        vector: Vec2<S>,
+        point: Option<Vec2<S>>,
+        frame: Frame,
+        quantity: Quantity,
+    ) -> Result<(Vec2<S::Wide>, S::Wide), Error> {
+        if !vector.is_finite() {
+            return Err(out_of(quantity));
+        }
+        let motion = &self.bodies.columns.motion;
+        let wide = |v: Vec2<S>| Some(v.map(S::Wide::from_scalar).into());
+        let turn = |v: Vec2<S>| match frame {
+            Frame::World => wide(v),
+            Frame::Body => motion.angle[dense].rotate(v.x, v.y),
+        };
+        let world: Offset<S> = turn(vector).ok_or(out_of(quantity))?;
+        let Some(point) = point else { return Ok((world.into(), S::Wide::default())) };
+        if !point.is_finite() {
+            return Err(out_of(Quantity::Position));
+        }
+        let arm: Offset<S> = match frame {
+            Frame::Body => turn(point).ok_or(out_of(Quantity::Position))?,
+            Frame::World => {
+                let centre = motion.position[dense].map(Accumulator::value);
+                (point.x.offset(centre.x), point.y.offset(centre.y))
+            }
+        };
+        let moment = || S::torque(arm.0, world.1)?.plus(S::torque(arm.1, world.0)?.negated());
+        Ok((world.into(), moment().ok_or(out_of(Quantity::Torque))?))
+    }
+
+    /// Changes the velocities of a body, if they stay within the envelope.
+    fn strike(
+        &mut self,
+        body: BodyId,
+        dense: usize,
+        impulse: Vec2<S::Wide>,
+        angular: S::Wide,
+        unfelt: bool,
+    ) -> Result<(), Error> {
+        let columns = &self.bodies.columns;
+        let properties = &columns.card[dense].properties;
+        let gained = |impulse| S::kick(impulse, properties.inverse_mass);
+        let gained = impulse.try_map(gained).ok_or(out_of(Quantity::Velocity))?;
+        let spun = S::kick(angular, properties.inverse_inertia).ok_or(out_of(Quantity::AngularVelocity))?;
+        let old = columns.motion.velocity[dense];
+        let velocity = Vec2::new(old.x.plus(gained.x), old.y.plus(gained.y));
+        let spin = columns.motion.spin[dense].plus(spun);
+        let speed = S::from_fx(limits::SPEED);
+        if !(velocity.x.is_within(speed) && velocity.y.is_within(speed)) {
+            return Err(out_of(Quantity::Velocity));
+        }
+        if !spin.is_within(S::from_fx(limits::ANGULAR_SPEED)) {
+            return Err(out_of(Quantity::AngularVelocity));
+        }
+        if !unfelt {
+            let dense = self.touch(body)?;
+            let motion = &mut self.bodies.columns.motion;
+            (motion.velocity[dense], motion.spin[dense]) = (velocity, spin);
+        }
+        Ok(())
+    }
+
+    /// Wakes a body that a force is applied to. Unlike a change of its state that leaves the fields' forces as they are.
+    fn rouse(&mut self, body: BodyId) -> Result<usize, Error> {
+        let dense = self.bodies.find(body)?;
+        if self.bodies.columns.card[dense].activity == Activity::Asleep { self.touch(body) } else { Ok(dense) }
+    }
+}
+
+fn check_finite<S: Scalar>(value: S, quantity: Quantity) -> Result<(), Error> {
+    if value.is_finite() { Ok(()) } else { Err(out_of(quantity)) }
+}

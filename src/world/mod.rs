@@ -1,0 +1,224 @@
+//! The world: bodies, force fields, and the parameters of the step.
+
+mod bodies;
+mod body_ref;
+mod command;
+mod fields;
+mod forces;
+mod settings;
+mod totals;
+mod wake;
+
+use alloc::vec::Vec;
+
+use crate::body::{Bodies, Climate, Tunings, check_damping};
+use crate::error::{Error, Fault, Quantity};
+use crate::force::{Applied, AppliedForce, FieldSet, Laws};
+use crate::handle::BodyId;
+use crate::integrate::{Integrator, Plan};
+use crate::limits;
+use crate::math::{Elapsed, TimeStep, Vec2};
+use crate::scalar::{Scalar, fx::Fx};
+use crate::step::{Context, Scratch};
+
+pub use body_ref::BodyRef;
+pub use command::{Command, Made};
+pub use forces::{Action, Frame, Manner};
+
+/// What a world is made from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WorldDef<S: Scalar = Fx> {
+    /// The length of a step.
+    pub time_step: TimeStep,
+    /// Gravity, m/s².
+    pub gravity: Vec2<S>,
+    /// How bodies move from tick to tick.
+    pub integrator: Integrator,
+    /// What is left of a velocity after a second, 0 to 1, unless the body says otherwise. 1 is no damping.
+    pub linear_damping: S,
+    /// What is left of an angular velocity after a second, 0 to 1, unless the body says otherwise.
+    pub angular_damping: S,
+    /// The number of ticks at rest after which a body falls asleep; `None` for never.
+    pub sleep_after: Option<u32>,
+}
+
+impl<S: Scalar> Default for WorldDef<S> {
+    /// 60 steps a second by velocity Verlet, no gravity, no damping, asleep after half a second at rest.
+    fn default() -> Self {
+        Self {
+            time_step: TimeStep::hz(60),
+            gravity: Vec2::ZERO,
+            integrator: Integrator::default(),
+            linear_damping: S::ONE,
+            angular_damping: S::ONE,
+            sleep_after: Some(30),
+        }
+    }
+}
+
+impl<S: Scalar> WorldDef<S> {
+    /// Refuses what no world can be.
+    ///
+    /// # Errors
+    /// [`Error::TimeStep`]; [`Error::OutOfRange`] naming the quantity; [`Error::DampingHasNoInverse`].
+    pub fn check(&self) -> Result<(), Error> {
+        self.time_step.checked()?;
+        check_gravity(self.gravity)?;
+        check_damping(self.linear_damping)?;
+        check_damping(self.angular_damping)?;
+        check_sleep_after(self.sleep_after)?;
+        let stops = self.linear_damping == S::ZERO || self.angular_damping == S::ZERO;
+        if self.integrator == Integrator::Yoshida4 && stops {
+            return Err(Error::DampingHasNoInverse);
+        }
+        Ok(())
+    }
+}
+
+fn check_gravity<S: Scalar>(gravity: Vec2<S>) -> Result<(), Error> {
+    if gravity.is_within(S::from_fx(limits::GRAVITY)) {
+        return Ok(());
+    }
+    Err(Error::OutOfRange { quantity: Quantity::Gravity })
+}
+
+fn check_sleep_after(ticks: Option<u32>) -> Result<(), Error> {
+    if ticks == Some(0) {
+        return Err(Error::OutOfRange { quantity: Quantity::SleepAfter });
+    }
+    Ok(())
+}
+
+/// Bodies and force fields, moved tick by tick.
+///
+/// The next step depends on the state and the inputs alone, and no body's bits depend on bodies it does not interact with.
+#[derive(Clone)]
+pub struct World<S: Scalar = Fx> {
+    pub(crate) def: WorldDef<S>,
+    pub(crate) tick: u64,
+    /// The time at which the present time step began to count, and the tick of it.
+    pub(crate) counted: (Elapsed, u64),
+    pub(crate) bodies: Bodies<S>,
+    pub(crate) fields: FieldSet<S>,
+    pub(crate) laws: Laws<S>,
+    pub(crate) applied: Applied<S>,
+    // From here on all is derived, scratch, or a report.
+    pub(crate) tunings: Tunings<S>,
+    pub(crate) plan: Plan<S>,
+    pub(crate) scratch: Scratch<S>,
+    pub(crate) woken: Vec<BodyId>,
+    pub(crate) woke: Vec<BodyId>,
+}
+
+/// What a step did. It borrows from the world: take out what is to be kept.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepReport<'a, S: Scalar = Fx> {
+    /// The tick the world is at now.
+    pub tick: u64,
+    /// Bodies that were quarantined, in the order of their handles.
+    pub faults: &'a [Fault],
+    /// Bodies that fell asleep, in the order of their handles.
+    pub fell_asleep: &'a [BodyId],
+    /// Bodies that calls since the step before woke, in the order of the calls.
+    pub woke: &'a [BodyId],
+    /// What was applied to bodies over the tick, in the order of their handles: what undoing the step needs.
+    pub applied: &'a [AppliedForce<S>],
+    /// With `Yoshida4`, the number of bodies whose quadratic drag was too stiff for its backward sub-step and acted
+    /// around the whole step instead.
+    pub drag_outside: u32,
+}
+
+impl<S: Scalar> World<S> {
+    /// An empty world.
+    ///
+    /// # Errors
+    /// As [`WorldDef::check`].
+    pub fn new(def: WorldDef<S>) -> Result<Self, Error> {
+        def.check()?;
+        let def = WorldDef { time_step: def.time_step.checked()?, ..def };
+        let mut bodies = Bodies::default();
+        bodies.keep_last_acceleration(def.integrator == Integrator::PublishedVerlet);
+        Ok(Self {
+            def,
+            tick: 0,
+            counted: (Elapsed::ZERO, 0),
+            bodies,
+            fields: FieldSet::default(),
+            laws: Laws::default(),
+            applied: Applied::default(),
+            tunings: Tunings::default(),
+            plan: Plan::new(def.integrator, def.time_step),
+            scratch: Scratch::default(),
+            woken: Vec::new(),
+            woke: Vec::new(),
+        })
+    }
+
+    /// Moves the world on by a tick.
+    pub fn step(&mut self) -> StepReport<'_, S> {
+        core::mem::swap(&mut self.woke, &mut self.woken);
+        self.woken.clear();
+        Context {
+            bodies: &mut self.bodies,
+            tunings: &self.tunings,
+            fields: &self.fields,
+            laws: &self.laws,
+            applied: &mut self.applied,
+            plan: &self.plan,
+            integrator: self.def.integrator,
+            sleep_after: self.def.sleep_after,
+            scratch: &mut self.scratch,
+        }
+        .step();
+        self.tick += 1;
+        self.last_report()
+    }
+
+    /// The report of the last step.
+    #[must_use]
+    pub fn last_report(&self) -> StepReport<'_, S> {
+        StepReport {
+            tick: self.tick,
+            faults: &self.scratch.faults,
+            fell_asleep: &self.scratch.fell_asleep,
+            woke: &self.woke,
+            applied: self.applied.done(),
+            drag_outside: self.scratch.drag_outside,
+        }
+    }
+
+    /// The number of steps made.
+    #[must_use]
+    pub fn tick(&self) -> u64 {
+        self.tick
+    }
+
+    /// The time simulated, an exact ratio in seconds, also when the time step was changed on the way.
+    #[must_use]
+    pub fn elapsed(&self) -> Elapsed {
+        // A change of the time step makes sure that the ratio fits for 2^64 steps more.
+        self.counted.0.plus(self.tick - self.counted.1, self.def.time_step).unwrap_or(self.counted.0)
+    }
+
+    /// What the world was made from, as changed since.
+    #[must_use]
+    pub fn def(&self) -> &WorldDef<S> {
+        &self.def
+    }
+
+    /// What the factors of bodies are made from.
+    fn climate<'a>(def: &WorldDef<S>, plan: &'a Plan<S>) -> Climate<'a, S> {
+        let WorldDef { gravity, linear_damping, angular_damping, .. } = *def;
+        Climate { gravity, linear_damping, angular_damping, spans: &plan.spans }
+    }
+}
+
+impl<S: Scalar> core::fmt::Debug for World<S> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("World")
+            .field("def", &self.def)
+            .field("tick", &self.tick)
+            .field("bodies", &self.bodies.len())
+            .finish_non_exhaustive()
+    }
+}

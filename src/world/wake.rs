@@ -1,0 +1,97 @@
+//! Waking bodies: a change to a body wakes it and whatever it may move.
+
+use alloc::vec::Vec;
+
+use super::World;
+use crate::body::{Activity, BodyKind};
+use crate::error::Error;
+use crate::force::Law;
+use crate::handle::BodyId;
+use crate::scalar::Scalar;
+use crate::step::island_roots;
+
+impl<S: Scalar> World<S> {
+    /// Wakes a body, and those that springs join it to.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchBody`]; [`Error::Quarantined`].
+    pub fn wake(&mut self, body: BodyId) -> Result<(), Error> {
+        let dense = self.bodies.find(body)?;
+        if self.bodies.columns.card[dense].activity == Activity::Quarantined {
+            return Err(Error::Quarantined { body });
+        }
+        self.touch(body).map(drop)
+    }
+
+    /// Takes a quarantined body back into the simulation, at the state it has: its last good one, or what was set since.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchBody`]; [`Error::NotQuarantined`].
+    pub fn release(&mut self, body: BodyId) -> Result<(), Error> {
+        let dense = self.bodies.find(body)?;
+        let card = &mut self.bodies.columns.card[dense];
+        if card.activity != Activity::Quarantined {
+            return Err(Error::NotQuarantined { body });
+        }
+        card.activity = Activity::Awake;
+        let movable = card.kind != BodyKind::Static;
+        self.bodies.set_moving(dense, movable);
+        self.wake_joined(body);
+        Ok(())
+    }
+
+    /// Drops what is cached, wakes the body if it sleeps, and gives its index. The body is about to be changed.
+    pub(super) fn touch(&mut self, body: BodyId) -> Result<usize, Error> {
+        let dense = self.bodies.find(body)?;
+        self.scratch.fields_hold = false;
+        let card = &self.bodies.columns.card[dense];
+        // Neighbours of an awake dynamic body are awake. Those of a body that keeps nothing awake may sleep, and what a
+        // quarantined one is changed to will move them when it is released.
+        if card.activity == Activity::Asleep || card.kind != BodyKind::Dynamic {
+            self.wake_joined(body);
+        }
+        let dense = self.bodies.find(body)?;
+        self.bodies.columns.rest[dense] = 0;
+        Ok(dense)
+    }
+
+    /// Wakes a body and all that a field reaches from it, over any number of springs.
+    pub(super) fn wake_joined(&mut self, body: BodyId) {
+        self.scratch.fields_hold = false;
+        let mut reached = alloc::vec![body];
+        let mut attracts = false;
+        for (_, field) in self.fields.iter().filter(|(_, field)| field.bodies().any(|b| b == body)) {
+            attracts |= matches!(field.law, Law::Attractor { .. });
+            reached.extend(field.bodies());
+        }
+        if attracts {
+            return self.wake_all();
+        }
+        let mut links = Vec::new();
+        island_roots(&self.bodies, &self.fields, &mut links);
+        let mut roots: Vec<u32> =
+            reached.into_iter().filter_map(|body| Some(links[self.bodies.find(body).ok()?])).collect();
+        roots.sort_unstable();
+        let sleepers = |i: &usize| {
+            self.bodies.columns.card[*i].activity == Activity::Asleep && roots.binary_search(&links[*i]).is_ok()
+        };
+        let sleepers: Vec<BodyId> = self.bodies.in_order().filter(sleepers).map(|i| self.bodies.id(i)).collect();
+        sleepers.into_iter().for_each(|body| self.wake_one(body));
+    }
+
+    /// Wakes all that sleeps.
+    pub(super) fn wake_all(&mut self) {
+        self.scratch.fields_hold = false;
+        let asleep = |i: &usize| self.bodies.columns.card[*i].activity == Activity::Asleep;
+        let asleep: Vec<BodyId> = self.bodies.in_order().filter(asleep).map(|i| self.bodies.id(i)).collect();
+        asleep.into_iter().for_each(|body| self.wake_one(body));
+    }
+
+    fn wake_one(&mut self, body: BodyId) {
+        let Ok(dense) = self.bodies.find(body) else { return };
+        self.bodies.columns.card[dense].activity = Activity::Awake;
+        self.bodies.columns.rest[dense] = 0;
+        self.bodies.set_moving(dense, true);
+        self.woken.push(body);
+    }
+}
