@@ -51,7 +51,7 @@ fn power_of_two(exponent: u128, negative: bool) -> FxFactor {
 }
 
 /// e^-z, or e^z if `growth`; `None` beyond 2^255.
-fn exponential(z: FxFactor, growth: bool) -> Option<FxFactor> {
+pub(super) fn exponential(z: FxFactor, growth: bool) -> Option<FxFactor> {
     let exponent = z.times(FxFactor::new(LOG2_E.0, LOG2_E.1));
     match exponent.to_fixed(120) {
         Some(exponent) => Some(power_of_two(exponent, !growth)),
@@ -60,7 +60,7 @@ fn exponential(z: FxFactor, growth: bool) -> Option<FxFactor> {
 }
 
 /// (1 − e^-z) / z, or (e^z − 1) / z if `growth`, given that exponential.
-fn mean_exponential(z: FxFactor, exponential: FxFactor, growth: bool) -> FxFactor {
+pub(super) fn mean_exponential(z: FxFactor, exponential: FxFactor, growth: bool) -> FxFactor {
     // Below 2^-16 the difference would lose more than the series does: 1 ∓ z/2 + z²/6 ∓ z³/24, next term z⁴/120 < 2^-70.
     if z < FxFactor::new(1, 16) {
         let series = |terms: FxFactor, divisor: u64| z.times(terms).over(FxFactor::from_ratio(divisor, 1));
@@ -214,8 +214,7 @@ impl Scalar for Fx {
         Some((component(x)?, component(y)?))
     }
 
-    /// *Error* each component within ½ ulp of `FxWide` of the exact product of the tension and the direction; the tension
-    /// within stiffness · 2^-64 m.
+    /// *Error* the force of a spring whose length is up to 0.501 · 2^-64 m off, rounded to 2^-64 N twice.
     fn tension(offset: Offset<Self>, velocity: Offset<Self>, spring: &SpringLaw<Self>) -> Option<Offset<Self>> {
         let (x, y, sum) = squares(offset, Self::ZERO)?;
         if sum == 0 {

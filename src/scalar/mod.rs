@@ -13,6 +13,8 @@ use core::ops::{Add, Neg, Sub};
 use fx::Fx;
 
 mod accumulator;
+#[cfg(test)]
+mod checks;
 mod factor;
 mod fixed_laws;
 #[cfg(feature = "float")]

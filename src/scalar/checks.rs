@@ -1,0 +1,236 @@
+//! The arithmetic of the engine against exact references.
+
+use core::ops::Neg;
+
+use dashu_float::FBig;
+use dashu_float::round::mode::HalfEven;
+use dashu_int::IBig;
+use proptest::prelude::*;
+
+use super::fixed_laws::{exponential, mean_exponential};
+use super::*;
+
+type Real = FBig<HalfEven, 2>;
+
+const PRECISION: usize = 256;
+
+fn real(mantissa: impl Into<IBig>, exponent: i32) -> Real {
+    Real::from_parts(mantissa.into(), exponent as isize).with_precision(PRECISION).value()
+}
+
+fn exact(f: FxFactor) -> Real {
+    let (mantissa, shift) = f.parts();
+    real(mantissa, -shift)
+}
+
+/// log2 of the relative error of a factor; very small for none.
+fn error_log2(f: FxFactor, reference: &Real) -> f64 {
+    let ratio = exact(f) / reference - real(1, 0);
+    let error = ratio.to_f64().value().abs();
+    if error == 0.0 { -200.0 } else { error.log2() }
+}
+
+/// Half an ulp of a mantissa of 64 bits is at most 2^-64 of it.
+fn is_nearest(f: FxFactor, reference: &Real) -> bool {
+    let (mantissa, shift) = f.parts();
+    assert!(mantissa >> 63 == 1, "not normalised");
+    let away = exact(f) - reference;
+    let away = if away < real(0, 0) { away.neg() } else { away };
+    // The spacing below a power of two is half as wide, and a neighbour there is nearer.
+    away <= real(1, -shift - 1)
+}
+
+fn factor() -> impl Strategy<Value = FxFactor> {
+    (any::<u64>(), 0u32..64, -40i32..120).prop_map(|(m, cut, shift)| FxFactor::new(u128::from((m >> cut).max(1)), shift))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(if cfg!(debug_assertions) { 500 } else { 5_000 }))]
+
+    #[test]
+    fn factors_multiply_divide_and_add_to_the_nearest(a in factor(), b in factor()) {
+        prop_assert!(is_nearest(a.times(b), &(exact(a) * exact(b))));
+        prop_assert!(is_nearest(a.over(b), &(exact(a) / exact(b))));
+        prop_assert!(is_nearest(Factor::<Fx>::plus(a, b), &(exact(a) + exact(b))));
+        let (large, small) = if a >= b { (a, b) } else { (b, a) };
+        if large > small {
+            let difference = Factor::<Fx>::minus(large, small);
+            // A sticky bit in place of what is far below may turn a tie: one part in 2^62 of half an ulp.
+            prop_assert!(error_log2(difference, &(exact(large) - exact(small))) < -63.9);
+        }
+        prop_assert!(Factor::<Fx>::minus(small, large).is_zero());
+    }
+
+    #[test]
+    fn roots_are_good_to_64_bits(a in factor()) {
+        let root = Factor::<Fx>::root(a);
+        prop_assert!(error_log2(Factor::<Fx>::times(root, root), &exact(a)) < -62.0);
+    }
+
+    #[test]
+    fn order_is_that_of_the_values(a in factor(), b in factor()) {
+        prop_assert_eq!(a.cmp(&b), exact(a).cmp(&exact(b)));
+    }
+
+    #[test]
+    fn exponentials_are_good_to_2_to_the_minus_61(m in 1u64.., size in 0i32..40) {
+        // z from 2^-36 to 16.
+        let z = FxFactor::new(u128::from(m), 60 + size);
+        let reference = exact(z);
+        let decayed = exponential(z, false).expect("never too large");
+        prop_assert!(error_log2(decayed, &reference.clone().neg().exp()) < -59.0);
+        let grown = exponential(z, true).expect("e^16 fits");
+        prop_assert!(error_log2(grown, &reference.clone().exp()) < -59.0);
+        let one = real(1, 0);
+        let mean = (&one - reference.clone().neg().exp()) / &reference;
+        prop_assert!(error_log2(mean_exponential(z, decayed, false), &mean) < -45.0);
+        let mean = (reference.clone().exp() - &one) / &reference;
+        prop_assert!(error_log2(mean_exponential(z, grown, true), &mean) < -45.0);
+    }
+
+    #[test]
+    fn damping_factors_are_good_to_2_to_the_minus_64(kept in 1i64..1 << 32, num in 1u32..=60, den in 60u32..=600_000) {
+        for weight in [Weight::Whole, Weight::YoshidaOuter, Weight::YoshidaInner] {
+            for half in [false, true] {
+                let span = Span { ratio: (num, den), weight, half };
+                let f = <Fx as Scalar>::decay(Fx::from_bits(kept), span);
+                let log = real(kept, -32).ln() * seconds(span);
+                let log = if span.is_negative() { log.neg() } else { log };
+                prop_assert!(error_log2(f, &log.exp()) < -63.99, "{}", error_log2(f, &log.exp()));
+            }
+        }
+    }
+
+    #[test]
+    fn durations_are_good_to_2_to_the_minus_64(num in 1u32..=100_000, den in 100_000u32..) {
+        let two_pi = real(1, 0).asin() * real(4, 0);
+        for weight in [Weight::Whole, Weight::YoshidaOuter, Weight::YoshidaInner] {
+            for half in [false, true] {
+                let span = Span { ratio: (num, den), weight, half };
+                prop_assert!(error_log2(<Fx as Scalar>::seconds(span), &seconds(span)) <= -64.0);
+                let turns = seconds(span) / &two_pi;
+                prop_assert!(error_log2(<Turn as Angle<Fx>>::drift_factor(span), &turns) <= -64.0);
+            }
+        }
+        let square = real(num, 0) * real(num, 0) / (real(den, 0) * real(den, 0)) / real(2, 0);
+        prop_assert!(error_log2(<Fx as Scalar>::half_square_seconds((num, den)), &square) <= -64.0);
+    }
+
+    #[test]
+    fn kicks_and_drifts_are_rounded_once(a: i64, v in -(1i64 << 56)..1 << 56, num in 1u32..=60, den in 60u32..=600_000) {
+        let h = <Fx as Scalar>::seconds(Span { ratio: (num, den), weight: Weight::Whole, half: true });
+        let nearest = |bits: i128, exact: Real| {
+            let away = real(bits, -96) - exact;
+            away <= real(1, -97) && away >= real(-1, -97)
+        };
+        let way = Scalar::drift(Fx::from_bits(v), h);
+        prop_assert!(nearest(Accumulator::to_bits(way), real(v, -32) * exact(h)));
+        prop_assert_eq!(Scalar::drift(Fx::from_bits(-v), h), way.negated());
+        let acceleration = FxWide::from_bits(i128::from(a) << 20);
+        let gained = <Fx as Scalar>::kick(acceleration, h).expect("below 2^19 m/s");
+        prop_assert!(nearest(Accumulator::to_bits(gained), real(a, -44) * exact(h)));
+        prop_assert_eq!(<Fx as Scalar>::kick(acceleration.negated(), h), Some(gained.negated()));
+    }
+
+    #[test]
+    fn scaling_an_accumulator_is_rounded_once(bits in -(1i128 << 119)..1 << 119, m in 1u64 << 63.., shift in 63i32..80) {
+        let factor = FxFactor::new(u128::from(m), shift);
+        let Some(scaled) = FxAccumulator::from_bits(bits).scaled(factor) else {
+            prop_assert!(shift == 63);
+            return Ok(());
+        };
+        let exact = real(bits, -96) * exact(factor);
+        let away = real(Accumulator::to_bits(scaled), -96) - &exact;
+        if scaled == FxAccumulator::default() {
+            prop_assert!(exact <= real(1, -33) && exact >= real(-1, -33));
+        } else {
+            prop_assert!(away <= real(1, -97) && away >= real(-1, -97));
+        }
+        prop_assert_eq!(FxAccumulator::from_bits(-bits).scaled(factor), Some(scaled.negated()));
+    }
+
+    #[test]
+    fn sums_do_not_depend_on_the_order(mut terms in prop::collection::vec(any::<i128>(), 0..40)) {
+        let total = |terms: &[i128]| {
+            let mut sum = FxSum::default();
+            terms.iter().for_each(|&term| sum.add(FxWide::from_bits(term)));
+            sum
+        };
+        let first = total(&terms);
+        terms.reverse();
+        prop_assert_eq!(first, total(&terms));
+        let exact: IBig = terms.iter().map(|&term| IBig::from(term)).sum();
+        prop_assert_eq!(first.total().map(|sum| IBig::from(sum.to_bits())), i128::try_from(&exact).ok().map(IBig::from));
+    }
+
+    #[test]
+    fn springs_pull_with_the_exact_force(
+        x in -(1i64 << 62)..1 << 62, y in -(1i64 << 62)..1 << 62, cut in 0u32..50,
+        rest in 0i64..1 << 40, stiffness in 0i64..1 << 44,
+    ) {
+        let (x, y) = (x >> cut, y >> cut);
+        prop_assume!((x, y) != (0, 0));
+        let offset = (FxWide::from_bits(i128::from(x) << 32), FxWide::from_bits(i128::from(y) << 32));
+        let (rest, stiffness) = (Fx::from_bits(rest), Fx::from_bits(stiffness));
+        let spring = SpringLaw { rest, stiffness, damping: Fx::ZERO };
+        let none = Offset::<Fx>::default();
+        let force = <Fx as Scalar>::tension(offset, none, &spring).expect("below 2^43 N");
+        let (x, y) = (real(x, -32), real(y, -32));
+        let length = (x.clone() * &x + y.clone() * &y).sqrt();
+        let pull = real(stiffness.to_bits(), -32) * (length.clone() - real(rest.to_bits(), -32)) / &length;
+        for (component, exact) in [(force.0, pull.clone() * x), (force.1, pull * y)] {
+            let away = (real(component.to_bits(), -64) - exact).to_f64().value();
+            // An ulp of 2^-64 N for two roundings, and what the length's 0.501 · 2^-64 m make in k·(1 − rest/length)·x.
+            let slope = (real(stiffness.to_bits(), -32) * real(rest.to_bits(), -32) / &length).to_f64().value();
+            let bound = 2f64.powi(-64) * (1.001 + 0.501 * slope);
+            prop_assert!(away.abs() <= bound, "{away:e} {bound:e}");
+        }
+        let mirrored = (offset.0.negated(), offset.1);
+        prop_assert_eq!(<Fx as Scalar>::tension(mirrored, none, &spring), Some((force.0.negated(), force.1)));
+    }
+
+    #[test]
+    fn drag_leaves_the_exact_share(
+        speed in 1u64..1 << 52, alpha in 0u64..1 << 34, beta in 0u64..1 << 34, num in 1u32..60,
+    ) {
+        let [u, a, b] = [speed, alpha, beta].map(|bits| FxFactor::new(u128::from(bits), 32));
+        let h = FxFactor::from_ratio(u64::from(num), 60);
+        let left = <Fx as Scalar>::drag(u, a, b, h, false).expect("forwards it always is");
+        let (u, a, b, h) = (exact(u), exact(a), exact(b), exact(h));
+        let z = a.clone() * &h;
+        let decayed = z.clone().neg().exp();
+        let mean = if z == real(0, 0) { real(1, 0) } else { (real(1, 0) - decayed.clone()) / z };
+        let reference = decayed / (real(1, 0) + b * u * h * mean);
+        prop_assert!(error_log2(left, &reference) < -45.0, "{}", error_log2(left, &reference));
+    }
+}
+
+fn seconds(span: Span) -> Real {
+    // ∛2 by Newton's method: each step doubles the digits, from 53 bits.
+    let mut root = real(5_674_179_970_822_795i64, -52);
+    for _ in 0..4 {
+        root = (&root + &root + real(2, 0) / (&root * &root)) / real(3, 0);
+    }
+    let outer = real(1, 0) / (real(2, 0) - &root);
+    let weight = match span.weight {
+        Weight::Whole => real(1, 0),
+        Weight::YoshidaOuter => outer,
+        Weight::YoshidaInner => outer * root,
+    };
+    let whole = weight * real(span.ratio.0, 0) / real(span.ratio.1, 0);
+    if span.half { whole / real(2, 0) } else { whole }
+}
+
+#[test]
+fn factors_read_back_what_they_were_made_from() {
+    for bits in [1, 2, 3, 1 << 32, i64::MAX, 0x0123_4567_89ab_cdef] {
+        let value = Fx::from_bits(bits);
+        assert_eq!(FxFactor::from_scalar(value).to_scalar(), Some(value));
+        assert_eq!(FxWide::from_factor(FxFactor::from_scalar(value), true), Some(FxWide::from_scalar(value).negated()));
+    }
+    assert_eq!(FxFactor::new(1, -31).to_scalar(), None, "2^31 does not fit");
+    assert_eq!(FxFactor::new(1, 33).to_scalar(), Some(Fx::ZERO), "half an ulp is a tie");
+    assert_eq!(FxFactor::new(3, 34).to_scalar(), Some(Fx::DELTA));
+    assert_eq!(FxFactor::new(u128::MAX, 0), FxFactor::new(1, -128), "a carry out of the mantissa");
+    assert!(is_nearest(<FxFactor as Factor<Fx>>::PI, &(real(1, 0).asin() * real(2, 0))));
+}
