@@ -134,9 +134,7 @@ impl<S: Scalar> Scene<'_, S> {
         let at = self.position(i);
         match *region {
             Region::Box { min, max } => min.x <= at.x && at.x <= max.x && min.y <= at.y && at.y <= max.y,
-            Region::Disc { centre, radius } => {
-                S::length((at.x.offset(centre.x), at.y.offset(centre.y)), S::ZERO) <= S::Factor::from_scalar(radius)
-            }
+            Region::Disc { centre, radius } => radius.reaches((at.x.offset(centre.x), at.y.offset(centre.y))),
         }
     }
 

@@ -29,8 +29,10 @@ impl TimeStep {
     /// (num, den) in lowest terms, in seconds.
     #[must_use]
     pub const fn seconds(self) -> (u32, u32) {
-        let divisor = gcd(self.num as u128, self.den as u128) as u32;
-        if divisor == 0 { (self.num, self.den) } else { (self.num / divisor, self.den / divisor) }
+        match gcd(self.num as u128, self.den as u128) as u32 {
+            0 => (0, 0),
+            divisor => (self.num / divisor, self.den / divisor),
+        }
     }
 
     /// The same in lowest terms, if it is within the limits.

@@ -41,7 +41,8 @@ fn is_nearest(f: FxFactor, reference: &Real) -> bool {
 }
 
 fn factor() -> impl Strategy<Value = FxFactor> {
-    (any::<u64>(), 0u32..64, -40i32..120).prop_map(|(m, cut, shift)| FxFactor::new(u128::from((m >> cut).max(1)), shift))
+    (any::<u64>(), 0u32..64, -40i32..120)
+        .prop_map(|(m, cut, shift)| FxFactor::new(u128::from((m >> cut).max(1)), shift))
 }
 
 proptest! {

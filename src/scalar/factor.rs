@@ -51,7 +51,7 @@ impl FxFactor {
         let (quotient, rest) = (top / divisor as u128, top % divisor as u128);
         if quotient >> 66 == 0 {
             // Only a sum that fits in 128 bits is this small, so nothing was lost above: exact to 2^-62 by two more bits.
-            let wider = (quotient << 60) | (rest << 60) / divisor as u128;
+            let wider = (quotient << 60) | ((rest << 60) / divisor as u128);
             return Self::new(wider | ((rest << 60) % divisor as u128 != 0) as u128, shift - exponent + 60);
         }
         Self::new(quotient | (rest != 0) as u128, shift - exponent)

@@ -254,6 +254,12 @@ impl Scalar for Fx {
         }
     }
 
+    fn reaches(self, offset: Offset<Self>) -> bool {
+        // A sum of squares that does not fit is beyond every radius.
+        let square = u128::from(self.to_bits().unsigned_abs()).pow(2);
+        self >= Self::ZERO && squares(offset, Self::ZERO).is_some_and(|(_, _, sum)| sum <= square)
+    }
+
     fn drag(speed: FxFactor, alpha: FxFactor, beta: FxFactor, seconds: FxFactor, negative: bool) -> Option<FxFactor> {
         // 1/u obeys dw/dt = α·w + β, so u(h) = u·e^-αh / (1 + β·u·(1 − e^-αh)/α); backwards both signs turn.
         let (left, mean) = if alpha.is_zero() {

@@ -262,8 +262,8 @@ macro_rules! float_scalar {
             fn seconds(span: Span) -> Self {
                 let weight = match span.weight {
                     Weight::Whole => 1.0,
-                    Weight::YoshidaOuter => 1.351_207_191_959_657_6,
-                    Weight::YoshidaInner => 1.702_414_383_919_315_3,
+                    Weight::YoshidaOuter => 1.351_207_191_959_657_6_f64 as $float,
+                    Weight::YoshidaInner => 1.702_414_383_919_315_3_f64 as $float,
                 };
                 let (num, den) = span.ratio;
                 weight * (num as $float) / (den as $float) * if span.half { 0.5 } else { 1.0 }
@@ -303,6 +303,9 @@ macro_rules! float_scalar {
             }
             fn length((x, y): Offset<Self>, third: Self) -> Self {
                 libm::$sqrt(x * x + y * y + third * third)
+            }
+            fn reaches(self, (x, y): Offset<Self>) -> bool {
+                self >= 0.0 && x * x + y * y <= self * self
             }
             fn drag(speed: Self, alpha: Self, beta: Self, seconds: Self, negative: bool) -> Option<Self> {
                 let h = if negative { -seconds } else { seconds };

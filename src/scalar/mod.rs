@@ -257,6 +257,8 @@ pub trait Scalar: Number + Display + PartialOrd + Add<Output = Self> + Sub<Outpu
     fn tension(offset: Offset<Self>, velocity: Offset<Self>, spring: &SpringLaw<Self>) -> Option<Offset<Self>>;
     /// √(x² + y² + z²).
     fn length(offset: Offset<Self>, third: Self) -> Self::Factor;
+    /// Whether an offset is no longer than this, exactly.
+    fn reaches(self, offset: Offset<Self>) -> bool;
     /// What is left of a velocity relative to the medium: du/dt = −(α + β·|u|)·u solved exactly over `seconds`, with
     /// α = linear·inverse_mass and β = quadratic·inverse_mass. `None` where a negative span reaches the singularity.
     fn drag(

@@ -62,7 +62,7 @@ impl<S: Scalar> Context<'_, S> {
     /// changes nothing: their public velocities are zero, the step changed nothing below them either, no force was
     /// applied, and no body that might still move acts on them.
     fn find_sleepers(&mut self, ticks: u32) {
-        let Scratch { before, faults, fell_asleep, links, pushed, .. } = &mut *self.scratch;
+        let Scratch { before, faults, fell_asleep, links, kept_up, pushed, .. } = &mut *self.scratch;
         let moving = self.bodies.moving();
         let columns = &mut self.bodies.columns;
         for i in 0..moving {
@@ -83,15 +83,13 @@ impl<S: Scalar> Context<'_, S> {
             return;
         }
         island_roots(self.bodies, self.fields, links);
-        // An island sleeps as a whole: one that is awake keeps it up.
-        let mut sleeps = alloc::vec![true; moving];
-        for i in 0..moving {
-            let root = links[i] as usize;
-            if root < moving && rest[i] < ticks {
-                sleeps[root] = false;
-            }
+        // An island sleeps as a whole: one body that is not ready keeps it up.
+        kept_up.clear();
+        kept_up.resize(links.len(), false);
+        for i in (0..moving).filter(|&i| rest[i] < ticks) {
+            kept_up[links[i] as usize] = true;
         }
-        let ready = (0..moving).filter(|&i| rest[i] >= ticks && sleeps[links[i] as usize]);
+        let ready = (0..moving).filter(|&i| !kept_up[links[i] as usize]);
         fell_asleep.extend(ready.map(|i| self.bodies.id(i)));
         fell_asleep.sort_unstable();
     }

@@ -1,5 +1,7 @@
 //! The kick stage: forces to velocities.
 
+use alloc::vec::Vec;
+
 use super::{Context, Has, Scratch};
 use crate::body::{Acceleration, Bodies, MassProperties};
 use crate::error::Cause;
@@ -49,7 +51,7 @@ impl<S: Scalar> Context<'_, S> {
         self.name_faults();
     }
 
-    fn evaluate(&mut self, pass: Dependence, into: &mut alloc::vec::Vec<Acceleration<S>>) {
+    fn evaluate(&mut self, pass: Dependence, into: &mut Vec<Acceleration<S>>) {
         let moving = self.bodies.moving();
         let scratch = &mut *self.scratch;
         scratch.loads.clear();
@@ -98,7 +100,7 @@ impl<S: Scalar> Context<'_, S> {
                     kick(self.bodies, i, acceleration);
                 }
                 if stage.closing {
-                    self.correct(stage, &mut resisting);
+                    self.correct(stage, &resisting);
                 }
             }
         }
@@ -108,10 +110,9 @@ impl<S: Scalar> Context<'_, S> {
     /// The second evaluation of the forces of velocity: the closing half kick is the implicit one, v' = v + ½h·a(x', v'),
     /// to within O(h³). The first, explicit half takes its value at the old velocity, so that the two together are the
     /// trapezoidal rule, of order 2.
-    fn correct(&mut self, stage: &Stage, first: &mut alloc::vec::Vec<Acceleration<S>>) {
+    fn correct(&mut self, stage: &Stage, first: &[Acceleration<S>]) {
         let timing = self.plan.timing[stage.span];
-        let mut second = alloc::vec::Vec::new();
-        core::mem::swap(&mut second, &mut self.scratch.spare);
+        let mut second = core::mem::take(&mut self.scratch.spare);
         self.evaluate(Dependence::Velocity, &mut second);
         for (i, (first, second)) in first.iter().zip(&second).enumerate() {
             // The first kick is taken back to the bit; one that was left out for its size stays out.

@@ -53,6 +53,7 @@ pub(crate) struct Scratch<S: Scalar> {
     pub(crate) drag_outside: u32,
     /// For islands of springs.
     links: Vec<u32>,
+    kept_up: Vec<bool>,
 }
 
 impl<S: Scalar> Default for Scratch<S> {
@@ -71,6 +72,7 @@ impl<S: Scalar> Default for Scratch<S> {
             fell_asleep: Vec::new(),
             drag_outside: 0,
             links: Vec::new(),
+            kept_up: Vec::new(),
         }
     }
 }

@@ -10,7 +10,7 @@ use crate::math::{TimeStep, Vec2};
 use crate::scalar::Scalar;
 
 impl<S: Scalar> World<S> {
-    /// Changes the length of a step. Damping keeps acting alike over time.
+    /// Changes the length of a step; wakes all bodies. Damping keeps acting alike over time.
     ///
     /// # Errors
     /// [`Error::TimeStep`]; [`Error::ElapsedTime`] if the elapsed time could not stay exact.
@@ -32,11 +32,10 @@ impl<S: Scalar> World<S> {
         check_gravity(gravity)?;
         self.def.gravity = gravity;
         self.refresh();
-        self.wake_all();
         Ok(())
     }
 
-    /// Changes the integrator. `PublishedVerlet` starts from a last acceleration of zero.
+    /// Changes the integrator; wakes all bodies. `PublishedVerlet` starts from a last acceleration of zero.
     ///
     /// # Errors
     /// [`Error::DampingHasNoInverse`] for `Yoshida4` where the world or a body has a damping of 0.
@@ -65,7 +64,6 @@ impl<S: Scalar> World<S> {
         def.check()?;
         self.def = def;
         self.refresh();
-        self.wake_all();
         Ok(())
     }
 
@@ -94,10 +92,11 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
-    /// Makes all that is derived from the definition anew.
+    /// Makes all that is derived from the definition anew, and wakes all bodies: what was too little to move one may be
+    /// enough now, also over a longer step.
     fn refresh(&mut self) {
         self.plan = Plan::new(self.def.integrator, self.def.time_step);
         self.tunings.refresh(&Self::climate(&self.def, &self.plan));
-        self.scratch.fields_hold = false;
+        self.wake_all();
     }
 }
