@@ -2,60 +2,46 @@
 
 use core::fmt;
 
-/// A handle to a body. It stays good until the body is removed, and never names another one afterwards.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct BodyId {
-    pub(crate) slot: u32,
-    pub(crate) generation: u32,
+macro_rules! handle {
+    ($(#[$doc:meta])* $name:ident, $noun:literal) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+        pub struct $name {
+            pub(crate) slot: u32,
+            pub(crate) generation: u32,
+        }
+
+        impl $name {
+            /// (slot, generation): slots are used again, each time with the next generation.
+            #[must_use]
+            pub const fn parts(self) -> (u32, u32) {
+                (self.slot, self.generation)
+            }
+
+            /// The handle of these parts, as it was sent or saved.
+            #[must_use]
+            pub const fn from_parts(slot: u32, generation: u32) -> Self {
+                Self { slot, generation }
+            }
+        }
+
+        impl fmt::Display for $name {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                write!(f, concat!($noun, " {}"), self.slot)?;
+                if self.generation > 0 { write!(f, " (generation {})", self.generation) } else { Ok(()) }
+            }
+        }
+    };
 }
 
-impl BodyId {
-    /// (slot, generation): slots are used again, each time with the next generation.
-    #[must_use]
-    pub const fn parts(self) -> (u32, u32) {
-        (self.slot, self.generation)
-    }
-
-    /// The handle of these parts, as it was sent or saved.
-    #[must_use]
-    pub const fn from_parts(slot: u32, generation: u32) -> Self {
-        Self { slot, generation }
-    }
-}
-
-impl fmt::Display for BodyId {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "body {}", self.slot)?;
-        if self.generation > 0 { write!(f, " (generation {})", self.generation) } else { Ok(()) }
-    }
-}
-
-/// A handle to a force field, like a [`BodyId`] to a body.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct FieldId {
-    pub(crate) slot: u32,
-    pub(crate) generation: u32,
-}
-
-impl FieldId {
-    /// (slot, generation).
-    #[must_use]
-    pub const fn parts(self) -> (u32, u32) {
-        (self.slot, self.generation)
-    }
-
-    /// The handle of these parts, as it was sent or saved.
-    #[must_use]
-    pub const fn from_parts(slot: u32, generation: u32) -> Self {
-        Self { slot, generation }
-    }
-}
-
-impl fmt::Display for FieldId {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "force field {}", self.slot)?;
-        if self.generation > 0 { write!(f, " (generation {})", self.generation) } else { Ok(()) }
-    }
-}
+handle!(
+    /// A handle to a body. It stays good until the body is removed, and never names another one afterwards.
+    BodyId,
+    "body"
+);
+handle!(
+    /// A handle to a force field. It stays good until the field is removed, and never names another one afterwards.
+    FieldId,
+    "force field"
+);

@@ -34,6 +34,12 @@ impl<S: Scalar> Load<S> {
         self.force.y.add(force.1);
         Some(())
     }
+
+    fn push_freely(&mut self, push: &Push<S>) {
+        self.force.x.add(S::Wide::from_scalar(push.force.x));
+        self.force.y.add(S::Wide::from_scalar(push.force.y));
+        self.torque.add(S::Wide::from_scalar(push.torque));
+    }
 }
 
 /// What fields see.
@@ -56,6 +62,11 @@ struct Anchor<S: Scalar> {
 }
 
 impl<S: Scalar> Anchor<S> {
+    /// A point of the world.
+    fn at(position: Vec2<S>) -> Self {
+        Self { dense: None, position, arm: Offset::<S>::default(), velocity: Vec2::ZERO, spin: S::ZERO }
+    }
+
     /// The way from here to `far`.
     fn offset_to(&self, far: &Self) -> Option<Offset<S>> {
         let component =
@@ -81,6 +92,11 @@ impl<S: Scalar> Scene<'_, S> {
     fn acts_on(&self, i: usize, groups: u32) -> bool {
         let card = &self.bodies.columns.card[i];
         card.kind == BodyKind::Dynamic && card.groups & groups != 0
+    }
+
+    /// The first `moving` bodies that a field with these groups acts on.
+    fn targets(&self, moving: usize, groups: u32) -> impl Iterator<Item = usize> {
+        (0..moving).filter(move |&i| self.acts_on(i, groups))
     }
 
     /// `None` if its body is quarantined, and whatever is attached to it inert.
@@ -111,13 +127,7 @@ impl<S: Scalar> Scene<'_, S> {
     fn end(&self, end: &End<S>) -> Option<Anchor<S>> {
         match end {
             End::Body(attachment) => self.attached(attachment),
-            End::World(point) => Some(Anchor {
-                dense: None,
-                position: *point,
-                arm: Offset::<S>::default(),
-                velocity: Vec2::ZERO,
-                spin: S::ZERO,
-            }),
+            End::World(point) => Some(Anchor::at(*point)),
         }
     }
 
@@ -166,6 +176,8 @@ pub(crate) fn accumulate<S: Scalar>(
             Dependence::Velocity => Dependence::Velocity,
             Dependence::Nothing | Dependence::Position => Dependence::Position,
         };
+        let mut fault = |i: usize, cause| faults.push(Fault { body: scene.bodies.id(i), cause });
+        let too_large = Cause::Field { field: id };
         match &field.law {
             Law::Spring { near, far, spring } if own_pass == pass || pass == Dependence::Position => {
                 let law = match pass {
@@ -174,25 +186,18 @@ pub(crate) fn accumulate<S: Scalar>(
                 };
                 let (Some(near), Some(far)) = (scene.attached(near), scene.end(far)) else { continue };
                 if pull(&near, &far, &law, loads).is_none() {
-                    blame(scene, [&near, &far], id, faults);
+                    [near.dense, far.dense].into_iter().flatten().for_each(|i| fault(i, too_large));
                 }
             }
             _ if own_pass != pass => {}
             Law::Attractor { centre, mu, softening } => {
                 let Some(centre) = scene.end(centre) else { continue };
-                let own = field.bodies().next().and_then(|body| scene.bodies.find(body).ok());
-                for i in (0..loads.len()).filter(|&i| own != Some(i) && scene.acts_on(i, field.groups)) {
-                    let body = Anchor {
-                        dense: None,
-                        position: scene.position(i),
-                        arm: Offset::<S>::default(),
-                        velocity: Vec2::ZERO,
-                        spin: S::ZERO,
-                    };
-                    let attraction = body.offset_to(&centre).and_then(|d| S::attraction(*mu, d, *softening));
-                    match attraction {
+                let carrier = field.bodies().next().and_then(|body| scene.bodies.find(body).ok());
+                for i in scene.targets(loads.len(), field.groups).filter(|&i| carrier != Some(i)) {
+                    let offset = Anchor::at(scene.position(i)).offset_to(&centre);
+                    match offset.and_then(|offset| S::attraction(*mu, offset, *softening)) {
                         Some(acceleration) => loads[i].accelerate(acceleration),
-                        None => faults.push(Fault { body: scene.bodies.id(i), cause: Cause::Field { field: id } }),
+                        None => fault(i, too_large),
                     }
                 }
             }
@@ -201,30 +206,21 @@ pub(crate) fn accumulate<S: Scalar>(
                 let Some(i) = at.dense else { continue };
                 let turned = scene.bodies.columns.motion.angle[i].rotate(force.x, force.y);
                 if turned.and_then(|force| loads[i].push(at.arm, force)).is_none() {
-                    blame(scene, [&at, &at], id, faults);
+                    fault(i, too_large);
                 }
             }
             Law::Zone { region, acceleration } => {
                 let acceleration = acceleration.map(S::Wide::from_scalar);
-                for i in (0..loads.len()).filter(|&i| scene.acts_on(i, field.groups)) {
-                    if scene.is_inside(i, region) {
-                        loads[i].accelerate(acceleration.into());
-                    }
+                for i in scene.targets(loads.len(), field.groups).filter(|&i| scene.is_inside(i, region)) {
+                    loads[i].accelerate(acceleration.into());
                 }
             }
             Law::Custom { id: law } => {
                 let Some(law) = scene.laws.get(law) else { continue };
-                for i in (0..loads.len()).filter(|&i| scene.acts_on(i, field.groups)) {
+                for i in scene.targets(loads.len(), field.groups) {
                     match law.push(&scene.state(i)) {
-                        Ok(Push { force, torque }) => {
-                            loads[i].force.x.add(S::Wide::from_scalar(force.x));
-                            loads[i].force.y.add(S::Wide::from_scalar(force.y));
-                            loads[i].torque.add(S::Wide::from_scalar(torque));
-                        }
-                        Err(fault) => faults.push(Fault {
-                            body: scene.bodies.id(i),
-                            cause: Cause::Law { field: id, code: fault.code },
-                        }),
+                        Ok(push) => loads[i].push_freely(&push),
+                        Err(answer) => fault(i, Cause::Law { field: id, code: answer.code }),
                     }
                 }
             }
@@ -252,15 +248,9 @@ fn pull<S: Scalar>(near: &Anchor<S>, far: &Anchor<S>, spring: &SpringLaw<S>, loa
     Some(())
 }
 
-fn blame<S: Scalar>(scene: Scene<'_, S>, anchors: [&Anchor<S>; 2], field: FieldId, faults: &mut Vec<Fault>) {
-    for i in anchors.into_iter().filter_map(|anchor| anchor.dense) {
-        faults.push(Fault { body: scene.bodies.id(i), cause: Cause::Field { field } });
-    }
-}
-
 /// Drag over a span: the exact solution for each field, one after the other, in reverse order if `closing`.
 ///
-/// Bodies marked in `outside` are left alone if `inside` a composition, and are the only ones taken otherwise.
+/// `only` says which bodies feel it: with `Yoshida4` some feel theirs around the whole step.
 pub(crate) fn resist<S: Scalar>(
     fields: &FieldSet<S>,
     bodies: &mut Bodies<S>,
@@ -308,7 +298,8 @@ fn relative<S: Scalar>(velocity: Vec2<S::Accumulator>, wind: Vec2<S>) -> Offset<
     (velocity.x.value().offset(wind.x), velocity.y.value().offset(wind.y))
 }
 
-/// Marks the bodies whose quadratic drag is too stiff to run backwards, those with quadratic·|u|/m·dt > ½, and counts them.
+/// Marks the bodies whose drag is too stiff to run backwards, those with (linear + quadratic·|u|)/m·dt > ½ for one of
+/// the fields, and counts them.
 pub(crate) fn outer_drag<S: Scalar>(
     fields: &FieldSet<S>,
     bodies: &Bodies<S>,
@@ -320,13 +311,13 @@ pub(crate) fn outer_drag<S: Scalar>(
     let half = S::Factor::from_ratio(1, 2);
     let Motion { velocity, .. } = &bodies.columns.motion;
     for (_, field) in fields.iter() {
-        let Law::Drag { quadratic, wind, .. } = &field.law else { continue };
+        let Law::Drag { linear, quadratic, wind } = &field.law else { continue };
         for (i, outside) in outside.iter_mut().enumerate() {
             let card = &bodies.columns.card[i];
             if card.kind == BodyKind::Dynamic && card.groups & field.groups != 0 {
-                let beta = S::Factor::from_scalar(*quadratic).times(card.properties.inverse_mass);
                 let speed = S::length(relative(velocity[i], *wind), S::ZERO);
-                *outside |= beta.times(speed).times(time_step) > half;
+                let slope = S::Factor::from_scalar(*linear).plus(S::Factor::from_scalar(*quadratic).times(speed));
+                *outside |= slope.times(card.properties.inverse_mass).times(time_step) > half;
             }
         }
     }

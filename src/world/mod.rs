@@ -123,7 +123,7 @@ pub struct StepReport<'a, S: Scalar = Fx> {
     pub woke: &'a [BodyId],
     /// What was applied to bodies over the tick, in the order of their handles: what undoing the step needs.
     pub applied: &'a [AppliedForce<S>],
-    /// With `Yoshida4`, the number of bodies whose quadratic drag was too stiff for its backward sub-step and acted
+    /// With `Yoshida4`, the number of bodies whose drag was too stiff for its backward sub-step and acted
     /// around the whole step instead.
     pub drag_outside: u32,
 }
