@@ -55,3 +55,8 @@ pub use scalar::fx::{Fx, MathError, ParseFxError};
 pub use scalar::{FxAccumulator, FxFactor, FxWide, Scalar, SpringLaw, Turn};
 pub use shape::{Geometry, Part, Shape};
 pub use world::{Action, BodyRef, Command, Frame, Made, Manner, StepReport, World, WorldDef};
+
+/// The README's examples, compiled and run as tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
