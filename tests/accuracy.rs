@@ -192,7 +192,7 @@ const FUNCTIONS: [Function; 10] = [
             }
             let log = reference.log2(base) * real(exponent, -32);
             let near = log.to_f64().value();
-            if near > 31.5 || near < -80.0 {
+            if !(-80.0..=31.5).contains(&near) {
                 assert_eq!(power, if near > 0.0 { Err(MathError::Overflow) } else { Ok(Fx::ZERO) });
                 return Some(0.0).filter(|_| near < 0.0);
             }

@@ -87,7 +87,7 @@ impl Reference {
         let along = &x * &cos + &y * &sin;
         let across = x * sin - y * cos;
         // tan z = z + z³/3; z is below 2^-32 or the test fails anyway.
-        if float(&along) <= 0.0 { f64::INFINITY } else { float(&(across / along << 32)) }
+        if float(&along) <= 0.0 { f64::INFINITY } else { float(&((across / along) << 32)) }
     }
 }
 
