@@ -117,11 +117,14 @@ pub(crate) fn text() -> String {
     );
     text.table(
         "1/√v over [i/128, (i+1)/128] for i = 32..128, in Q2.30: (value at the left end, fall over the interval) of the\n\
-         /// chord, lowered by half its height over the curve at the middle.",
+         /// chord, lowered by half its height over the curve at the middle. The entries below 32 are for v = 0.",
         "RSQRT_Q30",
         "(u32, u32)",
-        (32..128)
+        (0..128)
             .map(|i| {
+                if i < 32 {
+                    return format!("({}, {})", hex(IBig::ZERO, 8), hex(IBig::ZERO, 8));
+                }
                 let at = |half_steps: i64| real(1) / (real(half_steps) / real(256)).sqrt();
                 let (left, middle, right) = (at(2 * i), at(2 * i + 1), at(2 * i + 2));
                 let height = (&left + &right) / real(2) - middle;

@@ -9,10 +9,10 @@ use super::round::shr_round_u;
 use super::tables::RSQRT_Q30;
 use super::{mul_high, mul_high_signed};
 
-/// 1/√v in Q3.61 with a relative error below 2^-28, for v = `m`·2^-64 in [¼, 1).
+/// 1/√v in Q3.61 with a relative error below 2^-28, for v = `m`·2^-64 in [¼, 1); 0 for 0.
 #[inline]
 const fn reciprocal_root(m: u64) -> i64 {
-    let (left, fall) = RSQRT_Q30[(m >> 57) as usize - 32];
+    let (left, fall) = RSQRT_Q30[(m >> 57) as usize];
     let along = (m >> 41) & 0xffff;
     // fall <= 2^25 + 2^18, so the product has less than 42 bits; left <= 2^31.
     let y_q30 = left as u64 - ((fall as u64 * along) >> 16);
@@ -24,14 +24,12 @@ const fn reciprocal_root(m: u64) -> i64 {
 /// The square root, rounded down.
 #[inline]
 pub(crate) const fn isqrt(x: u128) -> u64 {
-    if x == 0 {
-        return 0;
-    }
-    let twice_shift = x.leading_zeros() & !1;
+    // Zero has 128 leading zeros: it is shifted by none, and its root comes out as zero.
+    let twice_shift = x.leading_zeros() & 126;
     floor_root(x << twice_shift) >> (twice_shift / 2)
 }
 
-/// The square root of `x` >= 2^126, rounded down.
+/// The square root of `x` >= 2^126, rounded down; 0 for 0.
 const fn floor_root(x: u128) -> u64 {
     let m = (x >> 64) as u64;
     let y = reciprocal_root(m);
@@ -84,10 +82,10 @@ pub(crate) const fn root_fine(x: u128) -> u128 {
 /// The square root of an I32F32 value, rounded to nearest: √(raw·2^32) (no tie is possible).
 #[inline]
 pub(crate) const fn sqrt_fx(raw: u64) -> u64 {
-    if raw == 0 {
-        return 0;
-    }
-    let twice_shift = raw.leading_zeros() & !1;
+    // Zero, with 64 leading zeros, is shifted by none and goes through as zero. A branch for it would cost time: where the
+    // compiler knows that there is a one, x86's bit scan keeps the old value of its register alive, and so ties this call
+    // to the end of the last one.
+    let twice_shift = raw.leading_zeros() & 62;
     let m = raw << twice_shift;
     let y = reciprocal_root(m);
     // s = v·y with 32 bits, |s - √v| < 2^-27. Should s reach 1, its square wraps to 0 and the rest is still right,
@@ -96,14 +94,15 @@ pub(crate) const fn sqrt_fx(raw: u64) -> u64 {
     let rest_q64 = m.wrapping_sub(s_q32.wrapping_mul(s_q32)) as i64;
     // y has 26 bits as Q3.24, so the product is below 2^64·2^-1. The step keeps 24 bits: 2^-51 of √v.
     let s_q61 = (s_q32 << 29).wrapping_add_signed((rest_q64 * (y >> 37)) >> 28);
-    // √(raw·2^32) = √v·2^(48 - shift), at most 2^48: rounded, it is at most one off.
+    // √(raw·2^32) = √v·2^(48 - shift), at most 2^48. Rounded, s is right or one too low, never too high: with s = √v·(1 - d)
+    // before the step and y = (1 + e)/√v, e < 2^-59 (Newton's own step stays below 1/√v), it leads to at most
+    // √v·(1 - d²/2 + d·e) <= √v·(1 + 2^-119), all shifts round down, and no root is within 2^-99·√v of a tie. (Where d < 0,
+    // and then above -2^-59, the step goes down from a multiple of 2^-32, past which no tie lies as near.)
     let drop = 13 + twice_shift / 2;
     let root = (s_q61 + (1 << (drop - 1))) >> drop;
     // |raw·2^32 - root²| < 2^50, so 64 bits hold it though they do not hold the terms.
     let rest = (raw << 32).wrapping_sub(root.wrapping_mul(root)) as i64;
-    let up = (rest > root as i64) as u64;
-    let down = (rest <= -(root as i64)) as u64;
-    root + up - down
+    root + (rest > root as i64) as u64
 }
 
 #[cfg(test)]

@@ -98,15 +98,18 @@ const fn q32_from_q62(value: i64) -> i64 {
 #[inline]
 pub(crate) const fn atan2_turn(y: i64, x: i64) -> u64 {
     let (along, across) = (x.unsigned_abs(), y.unsigned_abs());
-    let turn = if across > along {
-        QUARTER - atan_turn(along, across)
-    } else if along > 0 {
-        atan_turn(across, along)
-    } else {
-        0
-    };
-    let turn = if x < 0 { 2 * QUARTER - turn } else { turn };
-    if y < 0 { turn.wrapping_neg() } else { turn }
+    let steep = across > along;
+    let (n, d) = if steep { (along, across) } else { (across, along) };
+    // The zero vector stands for (1, 0): the turn 0, and no branch.
+    let turn = mirrored(atan_turn(n, d | (d == 0) as u64), QUARTER, steep);
+    mirrored(mirrored(turn, 2 * QUARTER, x < 0), 0, y < 0)
+}
+
+/// `about - turn` if `mirror`, else `turn`. Without a branch: the octants of a stream of vectors cannot be predicted.
+#[inline]
+const fn mirrored(turn: u64, about: u64, mirror: bool) -> u64 {
+    let mask = (mirror as u64).wrapping_neg();
+    (turn ^ mask).wrapping_sub(mask).wrapping_add(about & mask)
 }
 
 /// The turn of atan(n/d), for n <= d, d > 0: in [0, ⅛], and exact for 0 and 1.
@@ -133,7 +136,7 @@ const fn atan_turn(n: u64, d: u64) -> u64 {
     let atan_q71 = z_q71 - (mul_high(z3_q85, third_q64) >> 14);
     let turn = (mul_high(atan_q71, INV_TAU_Q66) + (1 << 8)) >> 9;
     let base = ATAN_TURN[index as usize];
-    if across < 0 { base - turn } else { base + turn }
+    base.wrapping_add(mirrored(turn, 0, across < 0))
 }
 
 /// The angle of the vector (x, y) in I32F32 radians, in [-π, π] as rounded, within 0.5001 ulp; 0 for the zero vector.

@@ -5,11 +5,73 @@ use super::inputs::Random;
 use super::reference::{Real, Reference, real};
 use dashu_int::IBig;
 
-/// The hardest for sine or cosine among 2·10^9 (the search below, carried on): within 2^-28 ulp of a tie or nearer.
-pub(crate) const SIN_COS: [i64; 0] = [];
+/// The hardest for sine or cosine among 10^9, from the search below.
+pub(crate) const SIN_COS: [i64; 40] = [
+    -5627267875664254094,
+    -1398491770088663455,
+    -30837519820,
+    -66844583,
+    196608,
+    66844583,
+    -8672932831175384259,
+    -8514099950950755268,
+    -5382541759010230027,
+    -196608,
+    65536,
+    8626911251,
+    -7414770589064908072,
+    -65536,
+    2298392970191541264,
+    5707872909964788969,
+    6354342954940785858,
+    9780064392,
+    -7730996412250942965,
+    -113986481953636336,
+    -327680,
+    136130905296,
+    4428703408646852925,
+    327680,
+    2800215285922534176,
+    5113841929853183721,
+    -1737005346907934475,
+    -2801429566320349993,
+    -132244595905436882,
+    -33225147818,
+    31236036723,
+    132804891582,
+    3260692061852430053,
+    1386233263,
+    22385985046415,
+    -8109960282295504049,
+    -1627319125291375347,
+    48574807759885481,
+    869729567404544732,
+    -6523806664402067832,
+];
 
-/// The hardest for 2^x among 2·10^9.
-pub(crate) const EXP2: [i64; 0] = [];
+/// The hardest for 2^x among 10^9.
+pub(crate) const EXP2: [i64; 20] = [
+    -11205856445,
+    -23786942695,
+    -15430331663,
+    -1104889355,
+    -23835583710,
+    -25316949460,
+    -5302155581,
+    -19056502554,
+    -26024393109,
+    -6345667823,
+    -7966341842,
+    -33706992635,
+    -11971537974,
+    -10774485346,
+    -28729851805,
+    -23608250819,
+    -13837938304,
+    -7003147889,
+    -17235512283,
+    -17619095331,
+];
 
 /// Keeps the inputs with the least distances.
 struct Nearest {
@@ -24,17 +86,22 @@ impl Nearest {
 
     fn offer(&mut self, distance: u64, raw: i64) {
         if self.kept.len() == 2 * self.capacity {
-            self.kept.sort_unstable();
-            self.kept.truncate(self.capacity);
+            self.tidy();
         }
         if self.kept.len() < self.capacity || distance < self.kept[self.capacity - 1].0 {
             self.kept.push((distance, raw));
         }
     }
 
-    fn into_inputs(mut self) -> Vec<i64> {
+    /// Sorts, and drops what is twice there, as small arguments are, or too far.
+    fn tidy(&mut self) {
         self.kept.sort_unstable();
+        self.kept.dedup();
         self.kept.truncate(self.capacity);
+    }
+
+    fn into_inputs(mut self) -> Vec<i64> {
+        self.tidy();
         self.kept.into_iter().map(|(_, raw)| raw).collect()
     }
 }
@@ -47,13 +114,12 @@ pub(crate) fn search_sin_cos(random: &mut Random, count: usize, keep: usize) -> 
     for i in 0..count {
         let raw = if i % 2 == 0 { random.next() } else { random.next_by_exponent() };
         let (sin, cos) = cordic.sin_cos_q62(raw);
-        // Near 0 and 1 the results are near representable values or ties by nature: of small angles only few are new.
         nearest.offer(distance(sin).min(distance(cos)), raw);
     }
     nearest.into_inputs()
 }
 
-/// The hardest for 2^x among `count` random ones with results of all sizes, by products of four table entries.
+/// The hardest for 2^x among `count` random ones with results from 2^-8 to 1, by products of four table entries.
 pub(crate) fn search_exp2(reference: &Reference, random: &mut Random, count: usize, keep: usize) -> Vec<i64> {
     let tables: Vec<Vec<u64>> = (0..4)
         .map(|place| {
@@ -63,8 +129,8 @@ pub(crate) fn search_exp2(reference: &Reference, random: &mut Random, count: usi
         .collect();
     let mut nearest = Nearest::new(keep);
     for _ in 0..count {
-        // Results below 2^-8 have few bits, above 2^20 more than these products settle.
-        let raw = random.within(-8 << 32, 20 << 32);
+        // Results below 2^-8 have few bits, above 1 these products leave too few below the ulp.
+        let raw = random.within(-8 << 32, 0);
         let value = tables
             .iter()
             .zip((raw as u32).to_le_bytes())
