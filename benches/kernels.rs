@@ -102,6 +102,51 @@ mod sin_cos {
     }
 }
 
+/// The rotations alone, of angles within ±π/4: how many single steps of CORDIC to keep between the table's rotation and the
+/// residual's. A residual below 2^-n rad leaves an error near 2^-3n.
+mod rotation {
+    use super::*;
+
+    fn angles() -> Vec<i64> {
+        values(1, 64).into_iter().map(|value| value.to_bits() / 3).collect()
+    }
+
+    /// All 24 steps single.
+    #[divan::bench]
+    fn steps_0_to_24(bencher: Bencher) {
+        let cordic = plain::Cordic::new();
+        one(bencher, angles(), |angle| cordic.rotate(angle));
+    }
+
+    /// 102 entries for the first 7 steps, 17 single ones.
+    #[divan::bench]
+    fn table_7_steps_to_24(bencher: Bencher) {
+        let cordic = plain::Cordic::merged(7, 24);
+        one(bencher, angles(), |angle| cordic.rotate(angle));
+    }
+
+    /// 102 entries for the first 7 steps, 11 single ones.
+    #[divan::bench]
+    fn table_7_steps_to_18(bencher: Bencher) {
+        let cordic = plain::Cordic::merged(7, 18);
+        one(bencher, angles(), |angle| cordic.rotate(angle));
+    }
+
+    /// No single step. As exact as the others with two more terms of the residual's series, which is what the kernel has.
+    #[divan::bench]
+    fn table_7_no_steps(bencher: Bencher) {
+        let cordic = plain::Cordic::merged(7, 7);
+        one(bencher, angles(), |angle| cordic.rotate(angle));
+    }
+
+    /// The kernel, reduction and rounding included.
+    #[divan::bench]
+    fn fx(bencher: Bencher) {
+        let angles = angles().into_iter().map(|angle| Fx::from_bits(angle >> 30)).collect();
+        one(bencher, angles, Fx::sin_cos);
+    }
+}
+
 mod atan2 {
     use super::*;
 
