@@ -18,8 +18,8 @@ pub(crate) const RATE: f64 = 3.75;
 /// A scene and its equations.
 pub(crate) struct Problem {
     pub(crate) name: &'static str,
-    /// How long it is watched, s.
-    pub(crate) seconds: u32,
+    /// How long it is watched, in tenths of a second.
+    pub(crate) tenths: u32,
     /// The scene in a world, all lengths times 2^scale.
     pub(crate) scene: fn(WorldDef, Scale) -> (World, Vec<BodyId>),
     /// The torque applied at each tick, N·m.
@@ -86,7 +86,7 @@ const WIND: (Fx, Fx) = (fx!(30), fx!(10));
 /// Gravity, linear and quadratic drag, and a wind: a shell at 1,000 m/s.
 pub(crate) const FALL: Problem = Problem {
     name: "fall with drag and wind",
-    seconds: 2,
+    tenths: 20,
     scene: |def, scale| {
         let def = WorldDef { gravity: scale.vector(fx!(0), GRAVITY), ..def };
         let body = BodyDef { mass: Mass::Of(MASS), velocity: scale.vector(fx!(800), fx!(600)), ..BodyDef::dynamic() };
@@ -120,7 +120,7 @@ fn tied(def: WorldDef, scale: Scale, damping: Fx) -> (World, Vec<BodyId>) {
 /// A harmonic oscillator in both axes.
 pub(crate) const OSCILLATOR: Problem = Problem {
     name: "oscillator",
-    seconds: 2,
+    tenths: 20,
     scene: |def, scale| tied(def, scale, fx!(0)),
     torque: None,
     enlarged: Enlarged::Lengths,
@@ -177,7 +177,7 @@ fn attracted(state: &[Real], mu: Fx) -> Vec<Real> {
 /// A circle, but for the rounding of the start.
 pub(crate) const CIRCLE: Problem = Problem {
     name: "Kepler, e = 0",
-    seconds: 2,
+    tenths: 20,
     scene: |def, scale| orbit(def, scale, fx!(14.0625), fx!(1), fx!(3.75)),
     torque: None,
     enlarged: Enlarged::Lengths,
@@ -187,7 +187,7 @@ pub(crate) const CIRCLE: Problem = Problem {
 /// From the nearest point of an ellipse with the half axis 1 m: there it turns five times as fast as on average.
 pub(crate) const ELLIPSE: Problem = Problem {
     name: "Kepler, e = 0.6",
-    seconds: 8,
+    tenths: 80,
     scene: |def, scale| orbit(def, scale, fx!(0.5625), fx!(0.4), fx!(1.5)),
     slope: |state| attracted(state, fx!(0.5625)),
     ..CIRCLE
@@ -201,7 +201,7 @@ pub(crate) const SPIN_KEPT: Fx = fx!(0.0235);
 /// A constant torque against angular damping.
 pub(crate) const SPUN_UP: Problem = Problem {
     name: "spin under torque and damping",
-    seconds: 1,
+    tenths: 10,
     scene: |def, scale| {
         let def = WorldDef { angular_damping: SPIN_KEPT, ..def };
         let mass = Mass::WithInertia(fx!(1), INERTIA);
@@ -225,7 +225,7 @@ const OFF_CENTRE_INERTIA: Fx = fx!(0.25);
 /// Pulled at a point off its centre of mass: the torque depends on the angle.
 pub(crate) const PULLED_ROUND: Problem = Problem {
     name: "spin under the torque of a spring",
-    seconds: 2,
+    tenths: 20,
     scene: |def, scale| {
         // kg·m² grow with the square of lengths.
         let inertia = scale.of(scale.of(OFF_CENTRE_INERTIA));
@@ -264,7 +264,7 @@ const HEAVIER: Fx = fx!(3);
 /// Two bodies of 1 and 3 kg that turn about each other and drift along.
 pub(crate) const PAIR: Problem = Problem {
     name: "two bodies on a spring",
-    seconds: 3,
+    tenths: 30,
     scene: |def, scale| {
         let light = BodyDef {
             position: scale.vector(fx!(1.25), fx!(0.5)),
@@ -316,13 +316,13 @@ fn plus(state: &[Real], slope: &[Real], times: &Real) -> Vec<Real> {
 pub(crate) fn solve(
     slope: fn(&[Real]) -> Vec<Real>,
     start: Vec<Real>,
-    seconds: u32,
+    tenths: u32,
     steps_per_second: i64,
 ) -> Vec<Real> {
     const COLUMNS: usize = 9;
     let step = ratio(1, steps_per_second);
     let mut state = start;
-    for _ in 0..i64::from(seconds) * steps_per_second {
+    for _ in 0..i64::from(tenths) * steps_per_second / 10 {
         let mut row: Vec<Vec<Real>> = Vec::new();
         let first = slope(&state);
         for k in 1..=COLUMNS {
