@@ -90,6 +90,15 @@ fn squares(offset: Offset<Fx>, third: Fx) -> Option<(i128, i128, u128)> {
     ))
 }
 
+/// √sum · 2^(32 − shift), with all its bits for small sums as well.
+fn root(sum: u128, shift: i32) -> FxFactor {
+    if sum == 0 {
+        return FxFactor::ZERO;
+    }
+    let even = sum.leading_zeros() & !1;
+    FxFactor::new(root_fine(sum << even), shift + (even / 2) as i32)
+}
+
 /// `magnitude` with the sign of `of`.
 const fn signed(magnitude: i128, of: i128) -> i128 {
     if of < 0 { -magnitude } else { magnitude }
@@ -242,13 +251,13 @@ impl Scalar for Fx {
 
     fn length(offset: Offset<Self>, third: Self) -> FxFactor {
         match squares(offset, third) {
-            Some((_, _, sum)) => FxFactor::new(root_fine(sum), 64),
+            Some((_, _, sum)) => root(sum, 64),
             // Twice as far as any two points of the envelope: by halves, one bit coarser.
             None => {
                 let half = |c: FxWide| FxWide::from_bits(c.to_bits() / 4);
                 let third = Self::from_bits(third.to_bits() / 4);
                 match squares((half(offset.0), half(offset.1)), third) {
-                    Some((_, _, sum)) => FxFactor::new(root_fine(sum), 62),
+                    Some((_, _, sum)) => root(sum, 62),
                     None => FxFactor::new(1, -32),
                 }
             }
