@@ -1,11 +1,14 @@
 //! The exact reference: arbitrary precision, and the engine's numbers in it without loss.
 
+// Each test takes what it needs.
+#![allow(dead_code)]
+
 use std::sync::LazyLock;
 
 use dashu_float::FBig;
 use dashu_float::round::mode::HalfEven;
 use dashu_int::IBig;
-use umbra_physics::Fx;
+use umbra_physics::{Fx, FxFactor};
 
 pub(crate) type Real = FBig<HalfEven, 2>;
 
@@ -31,6 +34,12 @@ pub(crate) fn real(value: i64) -> Real {
 
 pub(crate) fn ratio(num: i64, den: i64) -> Real {
     real(num) / real(den)
+}
+
+/// mantissa · 2^-shift.
+pub(crate) fn factor(value: FxFactor) -> Real {
+    let (mantissa, shift) = value.parts();
+    if shift >= 0 { units(mantissa, shift as isize) } else { units(mantissa, 0) << shift.unsigned_abs() as isize }
 }
 
 /// For what is measured, not for what is compared to the bit.
