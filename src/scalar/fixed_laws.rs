@@ -11,7 +11,7 @@ use super::wide::{FxSum, FxWide};
 use super::{AreaMoments, Factor, KICK_LOG2, Offset, Scalar, Span, SpringLaw, Weight};
 use crate::kernel::div::div_round;
 use crate::kernel::exp_log::{exp2_fine, log2_fine};
-use crate::kernel::round::shr_round;
+use crate::kernel::round::{shr_round, shr_round_u};
 use crate::kernel::sqrt::root_fine;
 use crate::kernel::wide::{div_256, mul_128, mul_div_round, mul_shift, shr_round_256};
 
@@ -88,6 +88,15 @@ fn squares(offset: Offset<Fx>, third: Fx) -> Option<(i128, i128, u128)> {
         y,
         square(x.unsigned_abs()) + square(y.unsigned_abs()) + square(u128::from(third.to_bits().unsigned_abs())),
     ))
+}
+
+/// √sum · 2^(32 − shift), with all its bits for small sums as well.
+fn root(sum: u128, shift: i32) -> FxFactor {
+    if sum == 0 {
+        return FxFactor::ZERO;
+    }
+    let even = sum.leading_zeros() & !1;
+    FxFactor::new(root_fine(sum << even), shift + (even / 2) as i32)
 }
 
 /// `magnitude` with the sign of `of`.
@@ -220,20 +229,25 @@ impl Scalar for Fx {
         if sum == 0 {
             return Some(Offset::<Self>::default());
         }
+        // The direction of a short spring needs all bits of its length: that in units of 2^-64 m / 2^up, in [2^95, 2^96].
+        let up = sum.leading_zeros() / 2;
+        let fine = root_fine(sum << (2 * up));
         // In units of 2^-64 m, below 2^97.
-        let length = root_fine(sum);
+        let length = shr_round_u(fine, up);
         let stretch = length as i128 - (i128::from(spring.rest.to_bits()) << 32);
         let mut tension = mul_shift(stretch, u128::from(spring.stiffness.to_bits().unsigned_abs()), 32)?;
         if spring.damping != Self::ZERO {
             // Velocities are below 2^25 m/s = 2^57 ulps, offsets below 2^63.2: the dot product is below 2^122.
             let dot = x.checked_mul(velocity.0.ulps())?.checked_add(y.checked_mul(velocity.1.ulps())?)?;
-            let rate = signed(i128::try_from(mul_div_round(dot.unsigned_abs(), 1 << 64, length)?).ok()?, dot);
+            // up < 64, as the sum is not zero.
+            let rate = signed(i128::try_from(mul_div_round(dot.unsigned_abs(), 1 << (64 + up), fine)?).ok()?, dot);
             let damping = mul_shift(rate, u128::from(spring.damping.to_bits().unsigned_abs()), 32)?;
             tension = tension.checked_add(damping)?;
         }
         let component = |c: i128| {
-            let magnitude =
-                i128::try_from(mul_div_round(tension.unsigned_abs(), c.unsigned_abs() << 32, length)?).ok()?;
+            // |c| · 2^up is at most √(sum · 2^(2·up)) < 2^64.
+            let share = c.unsigned_abs() << (32 + up);
+            let magnitude = i128::try_from(mul_div_round(tension.unsigned_abs(), share, fine)?).ok()?;
             Some(FxWide::from_bits(signed(signed(magnitude, c), tension)))
         };
         Some((component(x)?, component(y)?))
@@ -241,13 +255,13 @@ impl Scalar for Fx {
 
     fn length(offset: Offset<Self>, third: Self) -> FxFactor {
         match squares(offset, third) {
-            Some((_, _, sum)) => FxFactor::new(root_fine(sum), 64),
+            Some((_, _, sum)) => root(sum, 64),
             // Twice as far as any two points of the envelope: by halves, one bit coarser.
             None => {
                 let half = |c: FxWide| FxWide::from_bits(c.to_bits() / 4);
                 let third = Self::from_bits(third.to_bits() / 4);
                 match squares((half(offset.0), half(offset.1)), third) {
-                    Some((_, _, sum)) => FxFactor::new(root_fine(sum), 62),
+                    Some((_, _, sum)) => root(sum, 62),
                     None => FxFactor::new(1, -32),
                 }
             }

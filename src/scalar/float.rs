@@ -324,10 +324,11 @@ macro_rules! float_scalar {
                     let squares = |p: Self, q: Self| p * p + p * q + q * q;
                     second += (squares(p.0, q.0) + squares(p.1, q.1)) * cross;
                 }
-                (twice != 0.0).then(|| AreaMoments {
-                    area: libm::$fabs(twice) / 2.0,
-                    centroid: (first.0 / (3.0 * twice), first.1 / (3.0 * twice)),
-                    second: libm::$fabs(second) / 12.0,
+                (twice != 0.0).then(|| {
+                    let area = libm::$fabs(twice) / 2.0;
+                    let centroid = (first.0 / (3.0 * twice), first.1 / (3.0 * twice));
+                    let out = centroid.0 * centroid.0 + centroid.1 * centroid.1;
+                    AreaMoments { area, centroid, second: libm::$fabs(second) / 12.0 - area * out }
                 })
             }
             fn orientation(a: (Self, Self), b: (Self, Self), c: (Self, Self)) -> Ordering {

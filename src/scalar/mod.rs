@@ -190,7 +190,7 @@ pub struct AreaMoments<S: Scalar> {
     pub area: S::Factor,
     /// Centroid in m.
     pub centroid: (S, S),
-    /// Second moment about the origin of the coordinates, in m⁴.
+    /// Second moment about the centroid, in m⁴; it loses bits if that is far from the origin of the coordinates.
     pub second: S::Factor,
 }
 

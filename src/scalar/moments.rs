@@ -2,9 +2,9 @@
 
 use alloc::vec::Vec;
 
-use super::AreaMoments;
 use super::factor::FxFactor;
 use super::fx::Fx;
+use super::{AreaMoments, Factor};
 use crate::kernel::wide::{div_256, mul_128};
 
 /// A signed integer of 256 bits, as far as a sum of products needs one.
@@ -67,9 +67,14 @@ pub(super) fn of_polygon(corners: &[(Fx, Fx)]) -> Option<AreaMoments<Fx>> {
         Fx::from_bits(if negative == (area < 0) { bits } else { -bits })
     });
     let (_, high, low) = second.magnitude();
-    Some(AreaMoments {
-        area: FxFactor::new(area.unsigned_abs(), 65),
-        centroid: (centroid[0], centroid[1]),
-        second: FxFactor::from_256(high, low, 12, 128),
-    })
+    let about_origin = FxFactor::from_256(high, low, 12, 128);
+    let area = FxFactor::new(area.unsigned_abs(), 65);
+    // From the origin to the centroid by the parallel-axis theorem: half an ulp counts in the smallest shapes.
+    let out = first.map(|sum| {
+        let (_, high, low) = sum.magnitude();
+        let out = FxFactor::from_256(high, low, 1, 32).over(FxFactor::new(divisor, 0));
+        out.times(out)
+    });
+    let second = about_origin.minus(area.times(out[0].plus(out[1])));
+    Some(AreaMoments { area, centroid: (centroid[0], centroid[1]), second })
 }

@@ -51,6 +51,13 @@ impl<S: Scalar> Context<'_, S> {
         self.name_faults();
     }
 
+    /// What the fields of velocity do here and now.
+    pub(super) fn evaluate_resisting(&mut self) {
+        let mut resisting = core::mem::take(&mut self.scratch.resisting);
+        self.evaluate(Dependence::Velocity, &mut resisting);
+        self.scratch.resisting = resisting;
+    }
+
     fn evaluate(&mut self, pass: Dependence, into: &mut Vec<Acceleration<S>>) {
         let moving = self.bodies.moving();
         let scratch = &mut *self.scratch;
@@ -68,13 +75,15 @@ impl<S: Scalar> Context<'_, S> {
     }
 
     pub(super) fn kick(&mut self, stage: &Stage, has: Has) {
-        if has.position && !self.scratch.fields_hold {
+        // ExplicitEuler has moved on since its fields were evaluated, and means them as they were.
+        let moved_on = self.integrator == Integrator::ExplicitEuler;
+        if has.position && !self.scratch.fields_hold && !moved_on {
             self.evaluate_fields();
         }
-        let mut resisting = core::mem::take(&mut self.scratch.resisting);
-        if has.velocity {
-            self.evaluate(Dependence::Velocity, &mut resisting);
+        if has.velocity && !moved_on {
+            self.evaluate_resisting();
         }
+        let mut resisting = core::mem::take(&mut self.scratch.resisting);
         if self.integrator == Integrator::PublishedVerlet {
             self.kick_by_mean(has, &resisting);
         } else {

@@ -153,6 +153,9 @@ impl<S: Scalar> Context<'_, S> {
                 if has.position {
                     self.evaluate_fields();
                 }
+                if has.velocity && self.integrator == Integrator::ExplicitEuler {
+                    self.evaluate_resisting();
+                }
             }
             Verb::Clear => self.applied.finish(self.bodies),
         }

@@ -1,0 +1,304 @@
+//! Areas, centroids and moments of inertia against their exact values.
+
+#[path = "support/random.rs"]
+mod random;
+#[path = "support/real.rs"]
+mod real;
+
+use random::SplitMix;
+use real::{Real, TAU, exact, factor, ratio, real, to_f64};
+use umbra_physics::{BodyDef, Fx, Geometry, Mass, Part, Shape, Vec2, World, WorldDef, fx, vec2};
+
+/// log2 of the relative error.
+fn bits_off(value: &Real, right: &Real) -> f64 {
+    to_f64(&((value - right) / right)).abs().log2()
+}
+
+/// What is promised: of an area 2^-61, of a moment of inertia per mass 2^-58, relative.
+const AREA: f64 = -61.0;
+const GYRATION: f64 = -58.0;
+
+/// The largest errors seen, log2 of them.
+struct Worst {
+    name: &'static str,
+    area: f64,
+    gyration: f64,
+}
+
+impl Worst {
+    fn new(name: &'static str) -> Self {
+        Self { name, area: f64::NEG_INFINITY, gyration: f64::NEG_INFINITY }
+    }
+
+    fn look(&mut self, shape: &Shape, area: &Real, gyration: &Real) {
+        let area_off = bits_off(&factor(shape.measure()), area);
+        let gyration_off = bits_off(&factor(shape.gyration()), gyration);
+        assert!(area_off <= AREA, "{}: area off by 2^{area_off} in {shape:?}", self.name);
+        assert!(gyration_off <= GYRATION, "{}: inertia off by 2^{gyration_off} in {shape:?}", self.name);
+        self.area = self.area.max(area_off);
+        self.gyration = self.gyration.max(gyration_off);
+    }
+}
+
+impl Drop for Worst {
+    fn drop(&mut self) {
+        println!("{}: area within 2^{:.1}, inertia within 2^{:.1}", self.name, self.area, self.gyration);
+    }
+}
+
+const CASES: usize = if cfg!(debug_assertions) { 1_000 } else { 20_000 };
+
+fn pi() -> Real {
+    &*TAU / real(2)
+}
+
+/// A length between 2^-7 and 2^12 m, uniform in its exponent.
+fn size(random: &mut SplitMix) -> Fx {
+    let exponent = random.between(25, 44);
+    Fx::from_bits(random.between(1 << exponent, 1 << (exponent + 1)))
+}
+
+#[test]
+fn a_circle_has_half_its_squared_radius() {
+    let (mut random, mut worst) = (SplitMix(1), Worst::new("circle"));
+    for _ in 0..CASES {
+        let radius = size(&mut random);
+        let square = exact(radius) * exact(radius);
+        worst.look(&Shape::circle(radius).expect("a fair size"), &(pi() * &square), &(square / real(2)));
+    }
+}
+
+#[test]
+fn a_rectangle_has_a_twelfth_of_its_squared_diagonal() {
+    let (mut random, mut worst) = (SplitMix(2), Worst::new("rectangle"));
+    for _ in 0..CASES {
+        let (width, height) = (size(&mut random), size(&mut random));
+        let (w, h) = (exact(width), exact(height));
+        let shape = Shape::rectangle(width, height).expect("fair sizes");
+        worst.look(&shape, &(&w * &h), &((&w * &w + &h * &h) / real(12)));
+    }
+}
+
+#[test]
+fn a_capsule_is_a_rectangle_and_two_half_discs() {
+    let (mut random, mut worst) = (SplitMix(3), Worst::new("capsule"));
+    for _ in 0..CASES {
+        let (length, radius) = (size(&mut random), size(&mut random));
+        let (l, r) = (exact(length), exact(radius));
+        let (bar, disc) = (real(2) * &l * &r, pi() * &r * &r);
+        let bar_inertia = &bar * (&l * &l + real(4) * &r * &r) / real(12);
+        // A half disc about its own centroid, which is 4r/3π from the diameter, then moved out by l/2.
+        let centroid = real(4) * &r / (real(3) * pi());
+        let own = &r * &r / real(2) - &centroid * &centroid;
+        let out = &l / real(2) + &centroid;
+        let disc_inertia = &disc * (own + &out * &out);
+        let area = &bar + &disc;
+        let shape = Shape::capsule(length, radius).expect("fair sizes");
+        worst.look(&shape, &area, &((bar_inertia + disc_inertia) / &area));
+    }
+}
+
+#[test]
+fn a_segment_has_a_twelfth_of_its_squared_length() {
+    let (mut random, mut worst) = (SplitMix(4), Worst::new("segment"));
+    for _ in 0..CASES {
+        let mut coordinate = || Fx::from_bits(random.of_bits(44));
+        let (a, b) = (Vec2::new(coordinate(), coordinate()), Vec2::new(coordinate(), coordinate()));
+        let Ok(shape) = Shape::segment(a, b) else { continue };
+        let (x, y) = (exact(a.x) - exact(b.x), exact(a.y) - exact(b.y));
+        let square = x.clone() * x + y.clone() * y;
+        worst.look(&shape, &square.sqrt(), &(square / real(12)));
+    }
+}
+
+/// Area, centroid and second moment about it per area, by triangles from the first corner.
+fn polygon(corners: &[Vec2]) -> (Real, [Real; 2], Real) {
+    let points: Vec<[Real; 2]> = corners.iter().map(|c| [exact(c.x), exact(c.y)]).collect();
+    let origin = &points[0];
+    let (mut area, mut first, mut second) = (real(0), [real(0), real(0)], real(0));
+    for pair in points[1..].windows(2) {
+        let [p, q] = [0, 1].map(|i| [&pair[i][0] - &origin[0], &pair[i][1] - &origin[1]]);
+        let triangle = (&p[0] * &q[1] - &p[1] * &q[0]) / real(2);
+        for axis in [0, 1] {
+            first[axis] += &triangle * (&p[axis] + &q[axis]) / real(3);
+            second += &triangle * (&p[axis] * &p[axis] + &p[axis] * &q[axis] + &q[axis] * &q[axis]) / real(6);
+        }
+        area += triangle;
+    }
+    let from_origin = first.map(|f| f / &area);
+    let about_centroid = second / &area - &from_origin[0] * &from_origin[0] - &from_origin[1] * &from_origin[1];
+    let [x, y] = from_origin;
+    (if area < real(0) { -area } else { area }, [x + &origin[0], y + &origin[1]], about_centroid)
+}
+
+/// A convex polygon of up to `most` corners about a random place: points on an ellipse.
+fn random_polygon(random: &mut SplitMix, most: i64) -> Vec<Vec2> {
+    let (width, height) = (size(random), size(random));
+    let half = |s: Fx| s.to_bits() as f64 / 2.0 / 1.5;
+    let centre = [random.between(-1 << 42, 1 << 42), random.between(-1 << 42, 1 << 42)];
+    let mut angles: Vec<f64> = (0..random.between(3, most + 1))
+        .map(|_| random.next() as f64 / 2f64.powi(64) * core::f64::consts::TAU)
+        .collect();
+    angles.sort_by(f64::total_cmp);
+    let place = |angle: &f64| {
+        let (sin, cos) = angle.sin_cos();
+        vec2(
+            Fx::from_bits(centre[0] + (half(width) * cos) as i64),
+            Fx::from_bits(centre[1] + (half(height) * sin) as i64),
+        )
+    };
+    angles.iter().map(place).collect()
+}
+
+#[test]
+fn a_polygon_has_the_moments_of_its_triangles() {
+    let (mut random, mut worst) = (SplitMix(5), Worst::new("polygon"));
+    let (mut made, mut shifted) = (0, 0.0f64);
+    for _ in 0..CASES {
+        let corners = random_polygon(&mut random, 12);
+        let Ok(shape) = Shape::polygon(&corners) else { continue };
+        made += 1;
+        let (area, centroid, gyration) = polygon(&corners);
+        for (shift, right) in [shape.shift().x, shape.shift().y].into_iter().zip(&centroid) {
+            let off = to_f64(&((exact(shift) - right) << 32)).abs();
+            assert!(off <= 0.5, "the centroid is {off} ulps off in {corners:?}");
+            shifted = shifted.max(off);
+        }
+        worst.look(&shape, &area, &gyration);
+    }
+    assert!(made > CASES / 2, "{made} were convex");
+    println!("{made} polygons, the centroid within {shifted:.3} ulps");
+}
+
+/// The corners of a polygon's geometry, from the least on.
+fn from_the_least(shape: &Shape) -> Vec<(i64, i64)> {
+    let Geometry::Polygon { corners } = shape.geometry() else { panic!("it is a polygon") };
+    let mut corners: Vec<_> = corners.iter().map(|c| (c.x.to_bits(), c.y.to_bits())).collect();
+    let least = (0..corners.len()).min_by_key(|&i| corners[i]).expect("there are some");
+    corners.rotate_left(least);
+    corners
+}
+
+#[test]
+fn a_polygon_does_not_depend_on_its_first_corner_or_winding() {
+    let mut random = SplitMix(6);
+    let mut made = 0;
+    for _ in 0..CASES / 10 {
+        let mut corners = random_polygon(&mut random, 9);
+        let Ok(shape) = Shape::polygon(&corners) else { continue };
+        made += 1;
+        for _ in 0..2 {
+            for _ in 0..corners.len() {
+                corners.rotate_left(1);
+                let other = Shape::polygon(&corners).expect("as convex as before");
+                assert_eq!(other.shift(), shape.shift(), "{corners:?}");
+                assert_eq!(other.measure(), shape.measure(), "{corners:?}");
+                assert_eq!(other.gyration(), shape.gyration(), "{corners:?}");
+                assert_eq!(from_the_least(&other), from_the_least(&shape), "{corners:?}");
+            }
+            corners.reverse();
+        }
+    }
+    assert!(made > CASES / 20, "{made} were convex");
+}
+
+#[test]
+fn a_compound_follows_the_parallel_axis_theorem() {
+    let (mut random, mut worst) = (SplitMix(7), Worst::new("compound"));
+    for _ in 0..CASES / 4 {
+        let parts: Vec<Part> = (0..random.between(1, 6))
+            .map(|_| {
+                let shape = match random.between(0, 3) {
+                    0 => Shape::circle(size(&mut random)),
+                    1 => Shape::rectangle(size(&mut random), size(&mut random)),
+                    _ => Shape::capsule(size(&mut random), size(&mut random)),
+                };
+                Part {
+                    shape: shape.expect("fair sizes"),
+                    position: Vec2::new(Fx::from_bits(random.of_bits(43)), Fx::from_bits(random.of_bits(43))),
+                    angle: Fx::from_bits(random.of_bits(35)),
+                    density: Fx::from_bits(random.of_bits(45).abs() + 1),
+                }
+            })
+            .collect();
+        let shape = Shape::compound(&parts).expect("fair parts");
+        let weight = |p: &Part| exact(p.density) * factor(p.shape.measure());
+        let total = parts.iter().fold(real(0), |sum, p| sum + weight(p));
+        let mean =
+            |pick: fn(&Part) -> Fx| parts.iter().fold(real(0), |sum, p| sum + weight(p) * exact(pick(p))) / &total;
+        let centre = [mean(|p| p.position.x), mean(|p| p.position.y)];
+        for (shift, right) in [shape.shift().x, shape.shift().y].into_iter().zip(&centre) {
+            let off = to_f64(&((exact(shift) - right) << 32)).abs();
+            assert!(off <= 0.51, "the centre is {off} ulps off in {parts:?}");
+        }
+        let inertia = parts.iter().fold(real(0), |sum, p| {
+            let (x, y) = (exact(p.position.x) - &centre[0], exact(p.position.y) - &centre[1]);
+            sum + weight(p) * (factor(p.shape.gyration()) + &x * &x + &y * &y)
+        });
+        worst.look(&shape, &total, &(inertia / &total));
+    }
+}
+
+#[test]
+fn two_halves_make_a_whole() {
+    let whole = Shape::rectangle(fx!(3), fx!(2)).expect("fair sizes");
+    let half = Shape::rectangle(fx!(1.5), fx!(2)).expect("fair sizes");
+    let at = |x: Fx| Part { shape: half.clone(), position: vec2(x, fx!(5)), angle: fx!(0), density: fx!(1) };
+    let joined = Shape::compound(&[at(fx!(6.25)), at(fx!(7.75))]).expect("fair parts");
+    assert_eq!(joined.shift(), vec2(7, 5));
+    assert!(bits_off(&factor(joined.measure()), &factor(whole.measure())) <= AREA);
+    assert!(bits_off(&factor(joined.gyration()), &factor(whole.gyration())) <= GYRATION);
+}
+
+#[test]
+fn a_body_has_mass_and_inertia_of_its_shape_and_density() {
+    let mut world = World::<Fx>::new(WorldDef::default()).expect("a fair definition");
+    let mut random = SplitMix(8);
+    let mut made = 0;
+    for _ in 0..CASES / 10 {
+        let shape = Shape::capsule(size(&mut random), size(&mut random)).expect("fair sizes");
+        let density = Fx::from_bits(random.of_bits(40).abs() + 1);
+        let def = BodyDef { shape: Some(shape.clone()), mass: Mass::Density(density), ..BodyDef::dynamic() };
+        let Ok(body) = world.add_body(def) else { continue };
+        made += 1;
+        let body = world.body(body).expect("it is there");
+        let mass = exact(density) * factor(shape.measure());
+        let off = to_f64(&((exact(body.mass().expect("it is dynamic")) - &mass) << 32)).abs();
+        assert!(off <= 0.51 + to_f64(&mass) * 2f64.powi(32 - 61), "{off} ulps");
+        // The inertia goes with the mass it has, and the inverses with both.
+        let mass = exact(body.mass().expect("it is dynamic"));
+        let inertia = mass.clone() * factor(shape.gyration());
+        assert!(bits_off(&factor(body.inertia().expect("it turns")), &inertia) <= GYRATION);
+        assert!(bits_off(&factor(body.inverse_inertia()), &(real(1) / inertia)) <= GYRATION);
+        assert!(bits_off(&factor(body.inverse_mass()), &(real(1) / mass)) <= -64.0);
+    }
+    assert!(made > CASES / 40, "{made} had a mass within the limits");
+}
+
+#[test]
+fn a_disc_of_a_centimetre_and_one_of_a_kilometre_keep_their_inertia() {
+    // 3 ulps of kg·m², and 8.8e12 kg·m²: neither fits in the public format.
+    for (radius, mass) in [(fx!(0.0078125), fx!(0.0000152587890625)), (fx!(1000), fx!(16000000))] {
+        let mut world = World::<Fx>::new(WorldDef::default()).expect("a fair definition");
+        let shape = Some(Shape::circle(radius).expect("a fair size"));
+        let body = world.add_body(BodyDef { shape, mass: Mass::Of(mass), ..BodyDef::dynamic() }).expect("a fair body");
+        let inertia = factor(world.body(body).expect("it is there").inertia().expect("it turns"));
+        let right = ratio(1, 2) * exact(mass) * exact(radius) * exact(radius);
+        assert!(bits_off(&inertia, &right) <= GYRATION, "{radius} m");
+    }
+}
+
+#[test]
+fn a_length_has_all_its_bits_however_short_it_is() {
+    let mut random = SplitMix(9);
+    for _ in 0..CASES {
+        let v = vec2(Fx::from_bits(random.of_bits(63)), Fx::from_bits(random.of_bits(63)));
+        let (x, y) = (exact(v.x), exact(v.y));
+        let right = (&x * &x + &y * &y).sqrt();
+        if right != real(0) {
+            // Beyond 2^31 m a bit is lost.
+            let off = bits_off(&factor(v.length()), &right);
+            assert!(off <= -62.0, "2^{off} in {v}");
+        }
+    }
+}

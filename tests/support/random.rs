@@ -1,0 +1,27 @@
+//! Random numbers, the same in every run.
+
+/// A generator of test inputs (Steele, Lea and Flood 2014).
+pub(crate) struct SplitMix(pub(crate) u64);
+
+// Each test takes what it needs.
+#[allow(dead_code)]
+impl SplitMix {
+    pub(crate) fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// Between the two, the first included.
+    pub(crate) fn between(&mut self, low: i64, high: i64) -> i64 {
+        low + (self.next() % high.abs_diff(low)) as i64
+    }
+
+    /// Of either sign, uniform in its number of bits.
+    pub(crate) fn of_bits(&mut self, most: u32) -> i64 {
+        let bits = 1 + self.next() % u64::from(most);
+        let magnitude = (self.next() >> (64 - bits)) as i64;
+        if self.next() & 1 == 0 { magnitude } else { -magnitude }
+    }
+}
