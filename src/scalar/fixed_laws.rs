@@ -223,7 +223,8 @@ impl Scalar for Fx {
         Some((component(x)?, component(y)?))
     }
 
-    /// *Error* the force of a spring whose length is up to 0.501 · 2^-64 m off, rounded to 2^-64 N twice.
+    /// *Error* the tension is that of a spring 0.501 · 2^-64 m longer or shorter, rounded to 2^-64 N; each component is then
+    /// rounded once more.
     fn tension(offset: Offset<Self>, velocity: Offset<Self>, spring: &SpringLaw<Self>) -> Option<Offset<Self>> {
         let (x, y, sum) = squares(offset, Self::ZERO)?;
         if sum == 0 {

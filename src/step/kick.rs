@@ -83,7 +83,7 @@ impl<S: Scalar> Context<'_, S> {
         if has.velocity && !moved_on {
             self.evaluate_resisting();
         }
-        let mut resisting = core::mem::take(&mut self.scratch.resisting);
+        let resisting = core::mem::take(&mut self.scratch.resisting);
         if self.integrator == Integrator::PublishedVerlet {
             self.kick_by_mean(has, &resisting);
         } else {
