@@ -15,7 +15,7 @@ pub enum Dependence {
     Nothing,
     /// Position or angle: evaluated once a step.
     Position,
-    /// Velocity as well: evaluated again in the closing half kick, of order 2 at most, and not reversible.
+    /// Velocity as well: evaluated again in the closing half kick, of order 2, in `Yoshida4` 3, and not reversible.
     Velocity,
 }
 

@@ -4,12 +4,13 @@
 //! which leaves all as it was but for what is rounded: the difference between a scene and one 2^7 times as large or more
 //! is what rounding adds.
 
-use std::sync::LazyLock;
+use std::sync::{Arc, LazyLock};
 
 use crate::real::{Real, TAU, exact, ratio, real, units};
 use umbra_physics::scalar::{Accumulator, Angle, Factor};
 use umbra_physics::{
-    Attachment, BodyDef, BodyId, End, Fx, FxFactor, Law, Mass, SpringLaw, Vec2, World, WorldDef, fx, vec2,
+    Attachment, BodyDef, BodyId, BodyState, Dependence, End, ForceLaw, Fx, FxFactor, Law, LawFault, Mass, Push,
+    SpringLaw, Vec2, World, WorldDef, fx, vec2,
 };
 
 /// The fastest rate of each problem, rad/s.
@@ -153,6 +154,49 @@ pub(crate) const SPRING_DAMPER: Problem = Problem {
         let rate = (&state[0] * &state[2] + &state[1] * &state[3]) / (square(&state[0]) + square(&state[1]));
         let share = exact(STIFFNESS) + exact(DAMPER) * rate;
         moving(state, [-(&share * &state[0]), -(&share * &state[1])])
+    },
+    ..OSCILLATOR
+};
+
+/// A force of the velocity, by the hook: across it, as on a charge in a magnetic field, N·s/m.
+struct Across(Fx);
+
+impl ForceLaw for Across {
+    fn id(&self) -> u64 {
+        1
+    }
+
+    fn version(&self) -> u32 {
+        1
+    }
+
+    fn depends_on(&self) -> Dependence {
+        Dependence::Velocity
+    }
+
+    fn push(&self, body: &BodyState) -> Result<Push, LawFault> {
+        let fault = LawFault { code: 0 };
+        let force = body.velocity.perp().checked_scale(self.0).ok_or(fault)?;
+        Ok(Push { force, torque: Fx::ZERO })
+    }
+}
+
+const ACROSS: Fx = fx!(1.5);
+
+/// The oscillator, turned by a force across its velocity.
+pub(crate) const TURNED: Problem = Problem {
+    name: "law of velocity by the hook",
+    scene: |def, scale| {
+        let (mut world, bodies) = tied(def, scale, fx!(0));
+        world.register_law(Arc::new(Across(ACROSS))).expect("the first of its id");
+        world.add_field(Law::Custom { id: 1 }).expect("a registered law");
+        (world, bodies)
+    },
+    slope: |state| {
+        let across = exact(ACROSS);
+        let x = -(&across * &state[3]) - exact(STIFFNESS) * &state[0];
+        let y = across * &state[2] - exact(STIFFNESS) * &state[1];
+        moving(state, [x, y])
     },
     ..OSCILLATOR
 };
