@@ -16,6 +16,7 @@ mod accumulator;
 #[cfg(test)]
 mod checks;
 mod factor;
+mod factor_text;
 mod fixed_laws;
 #[cfg(feature = "float")]
 mod float;
@@ -131,7 +132,7 @@ pub trait Factor<S: Scalar>: Number + PartialOrd {
 }
 
 /// A signed quantity that outgrows the scalar: a force, torque, acceleration, momentum or energy.
-pub trait Wide<S: Scalar>: Number + PartialOrd {
+pub trait Wide<S: Scalar>: Number + PartialOrd + Display {
     /// The same value, exactly.
     fn from_scalar(value: S) -> Self;
     /// The value nearest to plus or minus `magnitude`; `None` if it does not fit.

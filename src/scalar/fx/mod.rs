@@ -15,6 +15,7 @@ mod serde;
 mod text;
 
 pub use maths::MathError;
+pub(crate) use text::Decimal;
 pub use text::ParseFxError;
 
 /// A number in I32F32 fixed point: a multiple of 2^-32 from −2^31 to 2^31 − 2^-32.

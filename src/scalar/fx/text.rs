@@ -110,19 +110,19 @@ macro_rules! fx {
 }
 
 /// A decimal number as written: where its digits are, and what they are worth.
-struct Decimal<'t> {
+pub(crate) struct Decimal<'t> {
     text: &'t [u8],
-    negative: bool,
+    pub(crate) negative: bool,
     /// The digits, with a point or `_` among them: text[start..end].
     start: usize,
     end: usize,
     /// How many of the digits stand before the point once the exponent has moved it; may be negative or past the end.
-    whole_digits: i64,
+    pub(crate) whole_digits: i64,
 }
 
 impl<'t> Decimal<'t> {
     /// Checks the grammar.
-    const fn scan(text: &'t [u8], underscores: bool) -> Result<Self, ParseFxError> {
+    pub(crate) const fn scan(text: &'t [u8], underscores: bool) -> Result<Self, ParseFxError> {
         if text.is_empty() {
             return Err(ParseFxError::Empty);
         }
@@ -161,6 +161,11 @@ impl<'t> Decimal<'t> {
             None => digits,
         };
         Ok(Self { text, negative, start, end, whole_digits: written.saturating_add(exponent) })
+    }
+
+    /// Its digits in order, the zeros in front included.
+    pub(crate) fn digits(&self) -> impl Iterator<Item = u8> {
+        self.text[self.start..self.end].iter().filter(|byte| byte.is_ascii_digit()).map(|byte| byte - b'0')
     }
 
     /// Rounds to a multiple of 2^-32, to nearest, ties to even.
