@@ -40,6 +40,8 @@ pub mod limits;
 mod math;
 mod replay;
 pub mod scalar;
+#[cfg(feature = "scene")]
+pub mod scene;
 mod shape;
 mod step;
 mod world;

@@ -1,1 +1,220 @@
-fn a() {}
+//! The scenes of the repository run, and text that is no scene is refused without harm.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use proptest::prelude::*;
+use umbra_physics::scalar::ToF64;
+use umbra_physics::scene::{Scene, SceneError, SceneRun};
+use umbra_physics::{Activity, Fx, Scalar, Vec2, fx};
+
+/// The scenes by name.
+fn texts() -> BTreeMap<String, String> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    let files = fs::read_dir(folder).expect("there are scenes").map(|entry| entry.expect("an entry").path());
+    let scenes = files.filter(|path| path.extension().is_some_and(|extension| extension == "json"));
+    let named = scenes.map(|path| {
+        let name = path.file_stem().and_then(|name| name.to_str()).expect("a name").to_owned();
+        (name, fs::read_to_string(path).expect("a scene is text"))
+    });
+    named.collect()
+}
+
+fn scenes() -> BTreeMap<String, Scene> {
+    let parse = |(name, text): (String, String)| match Scene::parse(&text) {
+        Ok(scene) => (name, scene),
+        Err(error) => panic!("{name}: {error}"),
+    };
+    texts().into_iter().map(parse).collect()
+}
+
+/// Runs a scene for so many ticks; the number of faults on the way.
+fn run<S: Scalar>(scene: &Scene, ticks: u64) -> (SceneRun<'_, S>, usize) {
+    let mut run = scene.start::<S>().unwrap_or_else(|error| panic!("{}: {error}", scene.title));
+    let mut faults = 0;
+    for _ in 0..ticks {
+        match run.advance() {
+            Ok(report) => faults += report.faults.len(),
+            Err(error) => panic!("{}: {error}", scene.title),
+        }
+    }
+    (run, faults)
+}
+
+/// So many ticks that all scenes together take seconds in a debug build too.
+fn short(scene: &Scene) -> u64 {
+    scene.ticks.min(200_000 / (scene.bodies.len() as u64 + 100))
+}
+
+#[test]
+fn there_are_a_dozen_and_each_says_what_to_see() {
+    let scenes = scenes();
+    assert!(scenes.len() >= 12, "{}", scenes.len());
+    for (name, scene) in scenes {
+        assert!(!scene.title.is_empty(), "{name}");
+        assert!(scene.about.len() > 60, "{name}");
+        assert!(scene.starting_bodies > 0 && scene.ticks > 0, "{name}");
+    }
+    let count = |name: &str| Scene::parse(&texts()[name]).map(|scene| scene.bodies.len());
+    assert_eq!(count("shots"), Ok(10_000));
+    assert_eq!(count("spring-net"), Ok(1_000));
+}
+
+#[test]
+fn each_runs_without_faults_and_twice_the_same() {
+    for (name, scene) in scenes() {
+        let ticks = if cfg!(debug_assertions) { short(&scene) } else { scene.ticks };
+        let (first, faults) = run::<Fx>(&scene, ticks);
+        assert_eq!(faults, usize::from(name == "too-stiff"), "{name}");
+        let quarantined = first.world().bodies().filter(|body| body.activity() == Activity::Quarantined).count();
+        assert_eq!(quarantined, faults, "{name}");
+        let (second, _) = run::<Fx>(&scene, ticks);
+        assert_eq!(first.world().state_hash(), second.world().state_hash(), "{name}");
+    }
+}
+
+#[test]
+fn fixed_point_and_doubles_agree() {
+    for (name, scene) in scenes() {
+        // The spring beyond its step grows without bound, and so does every difference.
+        let ticks = if name == "too-stiff" { 5 } else { short(&scene) };
+        let ((fixed, _), (float, _)) = (run::<Fx>(&scene, ticks), run::<f64>(&scene, ticks));
+        let mut worst = 0.0f64;
+        for (a, b) in fixed.world().bodies().zip(float.world().bodies()) {
+            let (p, q) = (a.position(), b.position());
+            worst = worst.max((p.x.to_f64() - q.x).abs()).max((p.y.to_f64() - q.y).abs());
+        }
+        assert!(worst < 2e-6, "{name} after {ticks} ticks: {worst:e} m");
+    }
+}
+
+#[test]
+fn sleepers_sleep_and_wake() {
+    let scene = &scenes()["sleepers"];
+    let asleep = |run: &SceneRun<'_, Fx>| run.world().bodies().filter(|b| b.activity() == Activity::Asleep).count();
+    let (run, _) = run::<Fx>(scene, 60);
+    assert_eq!(asleep(&run), 100, "all boxes, before the first is struck");
+    let mut run = run;
+    assert_eq!(run.advance().map(|report| report.woke.len()), Ok(10));
+    assert_eq!(asleep(&run), 90);
+}
+
+#[test]
+fn the_net_hangs_in_mirrored_bits() {
+    let scene = &scenes()["spring-net"];
+    let ticks = if cfg!(debug_assertions) { short(scene) } else { scene.ticks };
+    let (run, _) = run::<Fx>(scene, ticks);
+    let places: BTreeMap<&str, Vec2> = run.world().bodies().map(|b| (run.name(b.id()), b.position())).collect();
+    for i in 0..20 {
+        for j in 0..25 {
+            let (left, right) = (places[&*format!("n-{i}-{j}")], places[&*format!("n-{}-{j}", 39 - i)]);
+            assert_eq!((left.x + right.x, left.y), (fx!(9.75), right.y), "node {i}, {j} at tick {ticks}");
+        }
+    }
+}
+
+/// Everything the format has, in few bodies.
+const RICH: &str = r#"{
+  "title": "All of it", "about": "…", "ticks": 20, "time_step": {"num": 1, "den": 120}, "gravity": [0, -9.81],
+  "integrator": "velocity_verlet", "damping": {"linear": 0.9, "angular": 0.5}, "sleep_after": null,
+  "bodies": [
+    {"name": "s", "kind": "static", "shape": {"segment": [[-5, 0], [5, 0]]}, "position": [0, -3]},
+    {"name": "k", "kind": "kinematic", "velocity": [1, 0], "angular_velocity": 2, "shape": {"capsule": {"length": 1, "radius": 0.5}}},
+    {"repeat": {"i": 2, "j": [-1, 1]}, "name": "r-{i}-{j}-{n}", "position": [{"start": 0.1, "i": 0.1, "j": 1e-3}, {"random": [-1, 1], "seed": 7}],
+     "velocity": {"length": 3, "angle": {"j": 0.5}}, "mass": 2, "inertia": 0.5, "key": {"i": 5}, "user_data": 9, "groups": [0, 31]},
+    {"name": "c", "angle": 1, "gravity_scale": -1, "damping": {"linear": 0.1}, "density": 3, "shape": {"compound": [
+      {"shape": {"polygon": [[0, 0], [1, 0], [0, 1]]}, "position": [1, 0], "angle": 0.5, "density": 2},
+      {"shape": {"rectangle": {"width": 1, "height": 2}}}, {"shape": {"circle": {"radius": 0.25}}, "position": [0, 1]}]}}
+  ],
+  "fields": [
+    {"name": "sun", "attractor": {"at": [10, 10], "mu": 3.986004418e3, "softening": 0.5}, "groups": [0]},
+    {"attractor": {"at": {"body": "c", "point": [0, 1]}, "mu": 1}},
+    {"spring": {"from": {"body": "c", "point": [0, 1]}, "to": [0, 5], "rest": 1, "stiffness": 10, "damping": 0.5}},
+    {"repeat": {"i": [0, 0]}, "spring": {"from": "r-{i}-0-2", "to": "r-{i+1}-0-3", "stiffness": 10}},
+    {"drag": {"linear": 0.1, "quadratic": 0.2, "wind": [3, 0]}},
+    {"thrust": {"at": {"body": "c", "point": [1, 0]}, "force": [0, 1]}},
+    {"zone": {"disc": {"centre": [0, 0], "radius": 2}, "acceleration": [1, 0]}},
+    {"zone": {"box": {"min": [0, 0], "max": [2, 2]}, "acceleration": [1, 0]}}
+  ],
+  "inputs": [
+    {"at": 1, "body": "c", "force": [1, 2], "torque": 3, "impulse": [0.1, 0], "angular_impulse": 0.1, "point": [0, 1], "frame": "body", "wake": false},
+    {"from": 2, "to": 10, "every": 3, "body": "c", "force": [1, 2]},
+    {"repeat": {"i": 2}, "at": {"start": 3, "i": 2}, "add": {"name": "new-{i}", "position": [{"i": 1}, 9]}},
+    {"at": 6, "add_field": {"name": "late", "drag": {"linear": 1}}},
+    {"at": 7, "field": "late", "replace": {"drag": {"linear": 2}}},
+    {"at": 8, "field": "late", "do": "remove"},
+    {"at": 9, "body": "new-0", "do": "remove"},
+    {"at": 9, "body": "new-1", "do": "wake"},
+    {"at": 10, "set": {"time_step": "1/60", "gravity": [0, 1], "integrator": "yoshida4", "damping": {"linear": 0.5}, "sleep_after": 9}},
+    {"at": 11, "body": "c", "set": {"kind": "dynamic", "mass": 3, "position": [0, 0], "angle": 0, "velocity": [0, 0], "angular_velocity": 0,
+      "gravity_scale": 1, "damping": {}, "groups": [1], "key": 18446744073709551615, "user_data": 1, "shape": null}}
+  ],
+  "plot": {"view": [[-9, -9], [9, 9]], "trails": ["c", "k"], "exposures": 3}
+}"#;
+
+/// Puts something else in the place of a few characters.
+fn mutate(text: &str, at: usize, cut: usize, put: &str) -> String {
+    let chars: Vec<char> = text.chars().collect();
+    let at = at % chars.len();
+    let rest = chars.len().min(at + cut);
+    chars[..at].iter().copied().chain(put.chars()).chain(chars[rest..].iter().copied()).collect()
+}
+
+/// Parses, and runs what is a scene; the place of what is not.
+fn try_out(text: &str) -> Result<(), SceneError> {
+    let scene = Scene::parse(text)?;
+    let mut run = scene.start::<Fx>()?;
+    for _ in 0..scene.ticks.min(20) {
+        run.advance()?;
+    }
+    scene.start::<f32>().map(drop)
+}
+
+#[test]
+fn the_rich_scene_is_one() {
+    assert_eq!(try_out(RICH), Ok(()));
+    let scene = Scene::parse(RICH).expect("it is one");
+    assert_eq!((scene.starting_bodies, scene.bodies.len()), (9, 11));
+    let (run, _) = run::<Fx>(&scene, 20);
+    assert_eq!(run.world().body_count(), 10, "two were added, one was removed");
+    assert_eq!(run.world().fields().count(), 8);
+    // 10 steps of 1/120 s and 10 of 1/60.
+    let time = run.world().elapsed();
+    assert_eq!((time.num, time.den), (1, 4));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(if cfg!(debug_assertions) { 400 } else { 5_000 }))]
+
+    #[test]
+    fn arbitrary_text_is_refused_in_one_line(text in "\\PC{0,200}") {
+        let is_empty_scene = text.trim() == "{}";
+        match Scene::parse(&text) {
+            Ok(_) => prop_assert!(is_empty_scene),
+            Err(error) => prop_assert_eq!(error.to_string().lines().count(), 1, "{}", error),
+        }
+    }
+
+    #[test]
+    fn arbitrary_json_like_text_does_no_harm(parts in prop::collection::vec(
+        prop::sample::select(vec!["{", "}", "[", "]", ",", ":", "\"", "\\", "1", "-", "e", ".", "null", "true", " ", "\n",
+            "\"bodies\"", "\"name\"", "\"fields\"", "\"repeat\"", "\"i\"", "\u{1F600}"]), 0..60)) {
+        let _ = Scene::parse(&parts.concat());
+    }
+
+    #[test]
+    fn a_mutated_scene_does_no_harm(
+        changes in prop::collection::vec((0usize..8_000, 0usize..4, prop::sample::select(vec![
+            "", "", "-", "0", "1e9", "0.5", "1e-40", "{", "}", "[", "]", "\"", ",", ":", "null", "{i}", "x", "c", "\n",
+            "\"mass\": 0,", "99999999999999999999", "\\u0000", "\\n", "\"at\": 0,",
+        ])), 1..4),
+    ) {
+        let text = changes.iter().fold(RICH.to_owned(), |text, &(at, cut, put)| mutate(&text, at, cut, put));
+        if let Err(error) = try_out(&text) {
+            let line = error.place.line;
+            prop_assert!(line >= 1 && line <= text.lines().count().max(1), "line {line} of {}", text.lines().count());
+            prop_assert_eq!(error.to_string().lines().count(), 1, "{}", error);
+        }
+    }
+}

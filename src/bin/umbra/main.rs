@@ -1,2 +1,43 @@
-//! x
-fn main() {}
+//! `umbra`: runs scenes of `umbra-physics` from files.
+//!
+//! Exit status 0: done; 1: a check failed; 2: bad usage or input.
+
+mod csv;
+mod failure;
+mod picture;
+mod run;
+mod summary;
+
+use std::io::Write;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// Deterministic 2D physics in fixed point: scenes in, exact results and pictures out.
+#[derive(Parser)]
+#[command(version, about)]
+struct Arguments {
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(Subcommand)]
+enum Task {
+    /// Runs a scene and prints what came out.
+    Run(run::Options),
+}
+
+fn main() -> ExitCode {
+    let Arguments { task } = Arguments::parse();
+    let done = match task {
+        Task::Run(options) => run::run(&options),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            // Without anybody to read it there is still the status.
+            let _ = writeln!(std::io::stderr(), "{failure}");
+            ExitCode::from(failure.status())
+        }
+    }
+}

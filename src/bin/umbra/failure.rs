@@ -1,0 +1,45 @@
+//! Why a task ended early: one line, and an exit status.
+
+use std::fmt;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use umbra_physics::scene::SceneError;
+
+#[derive(Debug)]
+pub(crate) enum Failure {
+    /// A scene is wrong, or goes wrong on the way.
+    Scene { file: PathBuf, error: SceneError },
+    /// A file cannot be read or written.
+    File { file: PathBuf, doing: &'static str, error: io::Error },
+    /// An option does not go with the scene.
+    Option { what: String },
+    /// The picture cannot be drawn.
+    Picture { file: PathBuf, what: String },
+}
+
+impl Failure {
+    pub(crate) fn scene(file: &Path) -> impl Fn(SceneError) -> Self + '_ {
+        |error| Self::Scene { file: file.into(), error }
+    }
+
+    pub(crate) fn file<'a>(file: &'a Path, doing: &'static str) -> impl Fn(io::Error) -> Self + 'a {
+        move |error| Self::File { file: file.into(), doing, error }
+    }
+
+    /// 2: all of these are bad usage or input.
+    pub(crate) const fn status(&self) -> u8 {
+        2
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Scene { file, error } => write!(f, "{}:{error}", file.display()),
+            Self::File { file, doing, error } => write!(f, "{}: cannot {doing}: {error}", file.display()),
+            Self::Option { what } => f.write_str(what),
+            Self::Picture { file, what } => write!(f, "{}: cannot draw: {what}", file.display()),
+        }
+    }
+}

@@ -1,0 +1,219 @@
+//! Pictures of a run: the ways of the bodies, and their outlines at its end.
+
+mod clip;
+mod draw;
+mod layout;
+mod outline;
+mod simplify;
+
+use std::collections::BTreeMap;
+
+use umbra_physics::scalar::ToF64;
+use umbra_physics::scene::{Scene, SceneRun, Trails};
+use umbra_physics::{Activity, Attachment, BodyKind, BodyRef, End, Law, Region, Scalar, World};
+
+use outline::{Outline, outline};
+
+/// A point of a picture, m.
+type Point = (f64, f64);
+
+/// Ways with more points than this in all are recorded each few ticks.
+const POINTS: u64 = 2_000_000;
+/// More ways than this are no picture: an even choice of them is drawn.
+const WAYS: usize = 600;
+
+/// What is drawn of a run, gathered while it goes on.
+pub(crate) struct Recorder<'a> {
+    scene: &'a Scene,
+    chosen: Vec<bool>,
+    stride: u64,
+    exposed_each: u64,
+    ticks: u64,
+    /// By index of the body in the scene.
+    ways: BTreeMap<usize, Vec<Point>>,
+    exposures: Vec<Outline>,
+    start: Vec<Outline>,
+}
+
+impl<'a> Recorder<'a> {
+    pub(crate) fn new(scene: &'a Scene, ticks: u64) -> Self {
+        let count = scene.bodies.len();
+        let mut chosen = vec![false; count];
+        match &scene.plot.trails {
+            Trails::All => {
+                let step = count.div_ceil(WAYS).max(1);
+                chosen.iter_mut().step_by(step).for_each(|chosen| *chosen = true);
+            }
+            Trails::Of(bodies) => bodies.iter().for_each(|&index| chosen[index] = true),
+            Trails::None => {}
+        }
+        let drawn = chosen.iter().filter(|&&chosen| chosen).count() as u64;
+        let exposures = u64::from(scene.plot.exposures);
+        Self {
+            scene,
+            chosen,
+            stride: (drawn.saturating_mul(ticks) / POINTS).max(1),
+            exposed_each: if exposures == 0 { u64::MAX } else { (ticks / (exposures + 1)).max(1) },
+            ticks,
+            ways: BTreeMap::new(),
+            exposures: Vec::new(),
+            start: Vec::new(),
+        }
+    }
+
+    /// Keeps where the bodies are now.
+    pub(crate) fn record<S: Scalar + ToF64>(&mut self, run: &SceneRun<'_, S>) {
+        let world = run.world();
+        let tick = world.tick();
+        let last = tick == self.ticks;
+        if tick == 0 {
+            self.start = world.bodies().map(|body| shape_of(&body)).collect();
+        } else if tick % self.exposed_each == 0 && !last {
+            self.exposures.extend(world.bodies().filter(|body| body.kind() != BodyKind::Static).map(|b| shape_of(&b)));
+        }
+        if tick % self.stride != 0 && !last {
+            return;
+        }
+        for body in world.bodies().filter(|body| body.kind() != BodyKind::Static) {
+            let Some(index) = run.index(body.id()) else { continue };
+            if self.chosen[index] {
+                let way = self.ways.entry(index).or_default();
+                let point = position(&body);
+                if way.last() != Some(&point) {
+                    way.push(point);
+                }
+            }
+        }
+    }
+
+    /// The picture as SVG.
+    pub(crate) fn draw<S: Scalar + ToF64>(&self, run: &SceneRun<'_, S>) -> Result<String, String> {
+        let world = run.world();
+        let bodies = world.bodies().map(|body| {
+            let index = run.index(body.id()).unwrap_or(usize::MAX);
+            let way = self.ways.contains_key(&index).then_some(index);
+            let quarantined = body.activity() == Activity::Quarantined;
+            EndState {
+                way,
+                fixed: body.kind() == BodyKind::Static,
+                quarantined,
+                at: position(&body),
+                outline: shape_of(&body),
+            }
+        });
+        let picture = Picture {
+            title: if self.scene.title.is_empty() { "Scene" } else { &self.scene.title },
+            caption: caption(world),
+            view: self.scene.plot.view.map(|[least, most]| [point(least.x, least.y), point(most.x, most.y)]),
+            ways: self
+                .ways
+                .iter()
+                .map(|(&index, points)| Way { index, name: &self.scene.bodies[index].name, points })
+                .collect(),
+            bodies: bodies.collect(),
+            start: &self.start,
+            exposures: &self.exposures,
+            springs: springs(world),
+            centres: centres(world),
+            zones: zones(world),
+        };
+        draw::draw(&picture)
+    }
+}
+
+/// The way of a body.
+struct Way<'a> {
+    index: usize,
+    name: &'a str,
+    points: &'a [Point],
+}
+
+/// A body at the end.
+struct EndState {
+    /// The index of its way, if that is drawn.
+    way: Option<usize>,
+    fixed: bool,
+    quarantined: bool,
+    at: Point,
+    outline: Outline,
+}
+
+/// All that is drawn.
+struct Picture<'a> {
+    title: &'a str,
+    caption: String,
+    view: Option<[Point; 2]>,
+    ways: Vec<Way<'a>>,
+    bodies: Vec<EndState>,
+    start: &'a [Outline],
+    exposures: &'a [Outline],
+    springs: Vec<[Point; 2]>,
+    /// Of attractors that no body carries.
+    centres: Vec<Point>,
+    zones: Vec<Vec<Point>>,
+}
+
+fn point<S: ToF64>(x: S, y: S) -> Point {
+    (x.to_f64(), y.to_f64())
+}
+
+fn position<S: Scalar + ToF64>(body: &BodyRef<'_, S>) -> Point {
+    let at = body.position();
+    point(at.x, at.y)
+}
+
+fn shape_of<S: Scalar + ToF64>(body: &BodyRef<'_, S>) -> Outline {
+    body.shape().map_or_else(Outline::default, |shape| outline(shape.geometry(), position(body), body.angle().to_f64()))
+}
+
+fn caption<S: Scalar>(world: &World<S>) -> String {
+    let (num, den) = world.def().time_step.seconds();
+    let seconds = world.elapsed();
+    let seconds = seconds.num as f64 / seconds.den as f64;
+    let time = format!("{seconds:.3}");
+    let time = time.trim_end_matches('0').trim_end_matches('.');
+    let bodies = world.body_count();
+    let plural = if bodies == 1 { "body" } else { "bodies" };
+    format!("{bodies} {plural}, {time} s in steps of {num}/{den} s, {}, {}", world.def().integrator.name(), S::NAME)
+}
+
+/// Where a point of a body is.
+fn attached<S: Scalar + ToF64>(world: &World<S>, at: &Attachment<S>) -> Option<Point> {
+    let body = world.body(at.body).ok()?;
+    let (centre, angle) = (position(&body), body.angle().to_f64());
+    Some(outline::placed(point(at.point.x, at.point.y), centre, angle))
+}
+
+fn springs<S: Scalar + ToF64>(world: &World<S>) -> Vec<[Point; 2]> {
+    let ends = world.fields().filter_map(|(_, field)| {
+        let Law::Spring { near, far, .. } = &field.law else { return None };
+        let far = match far {
+            End::World(at) => point(at.x, at.y),
+            End::Body(at) => attached(world, at)?,
+        };
+        Some([attached(world, near)?, far])
+    });
+    ends.collect()
+}
+
+fn centres<S: Scalar + ToF64>(world: &World<S>) -> Vec<Point> {
+    let centres = world.fields().filter_map(|(_, field)| match &field.law {
+        Law::Attractor { centre: End::World(at), .. } => Some(point(at.x, at.y)),
+        _ => None,
+    });
+    centres.collect()
+}
+
+fn zones<S: Scalar + ToF64>(world: &World<S>) -> Vec<Vec<Point>> {
+    let zones = world.fields().filter_map(|(_, field)| match &field.law {
+        Law::Zone { region: Region::Disc { centre, radius }, .. } => {
+            Some(outline::circle(point(centre.x, centre.y), radius.to_f64()))
+        }
+        Law::Zone { region: Region::Box { min, max }, .. } => {
+            let ((left, bottom), (right, top)) = (point(min.x, min.y), point(max.x, max.y));
+            Some(vec![(left, bottom), (right, bottom), (right, top), (left, top)])
+        }
+        _ => None,
+    });
+    zones.collect()
+}

@@ -1,0 +1,135 @@
+//! `umbra run`: a scene from a file, to its end.
+
+use std::fs;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use clap::{Args, ValueEnum};
+use indicatif::{ProgressBar, ProgressStyle};
+use umbra_physics::scalar::ToF64;
+use umbra_physics::scene::{Scene, SceneRun};
+use umbra_physics::{Fx, Integrator, Scalar, WorldDef};
+
+use crate::csv::Table;
+use crate::failure::Failure;
+use crate::picture::Recorder;
+use crate::summary::{FaultLine, Summary, Totals};
+
+#[derive(Args)]
+pub(crate) struct Options {
+    /// The scene, a JSON file.
+    scene: PathBuf,
+    /// Number of steps [default: what the scene says].
+    #[arg(long, value_name = "N")]
+    ticks: Option<u64>,
+    /// The numbers to compute with.
+    #[arg(long, value_enum, default_value_t = Numbers::Fx)]
+    scalar: Numbers,
+    /// The integrator [default: what the scene says].
+    #[arg(long, value_name = "NAME", value_parser = integrator)]
+    integrator: Option<Integrator>,
+    /// Writes all bodies to a table, in exact decimals.
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+    /// Writes them each so many ticks.
+    #[arg(long, value_name = "K", default_value_t = 1, requires = "csv", value_parser = clap::value_parser!(u64).range(1..))]
+    every: u64,
+    /// Draws the ways of the bodies.
+    #[arg(long, value_name = "FILE.svg")]
+    plot: Option<PathBuf>,
+    /// Prints the result as a JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Numbers {
+    /// I32F32 fixed point: the same bits on every machine.
+    Fx,
+    /// Double precision, to compare with.
+    F64,
+    /// Single precision, to compare with.
+    F32,
+}
+
+fn integrator(name: &str) -> Result<Integrator, String> {
+    Integrator::from_name(name)
+        .ok_or_else(|| format!("expected one of {}", Integrator::ALL.map(Integrator::name).join(", ")))
+}
+
+pub(crate) fn run(options: &Options) -> Result<(), Failure> {
+    let bytes = fs::read(&options.scene).map_err(Failure::file(&options.scene, "read"))?;
+    let text = String::from_utf8(bytes).map_err(|error| {
+        let error = std::io::Error::new(std::io::ErrorKind::InvalidData, error.utf8_error());
+        Failure::file(&options.scene, "read")(error)
+    })?;
+    let mut scene = Scene::parse(&text).map_err(Failure::scene(&options.scene))?;
+    if let Some(integrator) = options.integrator {
+        scene.world = WorldDef { integrator, ..scene.world };
+        scene.build::<Fx>().map_err(|error| Failure::Option {
+            what: format!(
+                "--integrator {} does not go with {}: {}",
+                integrator.name(),
+                options.scene.display(),
+                error.message
+            ),
+        })?;
+    }
+    match options.scalar {
+        Numbers::Fx => simulate::<Fx>(&scene, options),
+        Numbers::F64 => simulate::<f64>(&scene, options),
+        Numbers::F32 => simulate::<f32>(&scene, options),
+    }
+}
+
+fn simulate<S: Scalar + ToF64>(scene: &Scene, options: &Options) -> Result<(), Failure>
+where
+    S::Wide: ToF64,
+{
+    let at_fault = Failure::scene(&options.scene);
+    let mut run = scene.start::<S>().map_err(&at_fault)?;
+    let ticks = options.ticks.unwrap_or(scene.ticks);
+    let mut table = options.csv.as_deref().map(|file| Table::create(file, options.every)).transpose()?;
+    let mut recorder = options.plot.as_ref().map(|_| Recorder::new(scene, ticks));
+    let before = Totals::of(run.world());
+    let (mut faults, mut body_steps, mut stepping) = (Vec::new(), 0u64, Duration::ZERO);
+    let progress = progress(ticks);
+    let mut observe = |run: &SceneRun<'_, S>| {
+        if let Some(recorder) = &mut recorder {
+            recorder.record(run);
+        }
+        table.as_mut().map_or(Ok(()), |table| table.write(run))
+    };
+    observe(&run)?;
+    for tick in 0..ticks {
+        let started = Instant::now();
+        let report = run.advance().map_err(&at_fault)?;
+        stepping += started.elapsed();
+        let tick_faults = report.faults.to_vec();
+        for fault in tick_faults {
+            let name = run.name(fault.body).to_owned();
+            faults.push(FaultLine { tick: tick + 1, name, cause: fault.cause.to_string() });
+        }
+        body_steps += run.world().body_count() as u64;
+        observe(&run)?;
+        progress.set_position(tick + 1);
+    }
+    progress.finish_and_clear();
+    if let Some(table) = table {
+        table.finish()?;
+    }
+    let summary = Summary::new(scene, run.world(), before, faults, stepping, body_steps);
+    if let (Some(recorder), Some(file)) = (&recorder, &options.plot) {
+        let svg = recorder.draw(&run).map_err(|what| Failure::Picture { file: file.clone(), what })?;
+        fs::write(file, svg).map_err(Failure::file(file, "write"))?;
+    }
+    summary.print(options.json);
+    Ok(())
+}
+
+/// A bar on a terminal; nothing elsewhere.
+fn progress(ticks: u64) -> ProgressBar {
+    let style = ProgressStyle::with_template("{bar:40} tick {pos} of {len}, {eta} to go");
+    let bar = ProgressBar::new(ticks);
+    style.map_or(bar.clone(), |style| bar.with_style(style))
+}

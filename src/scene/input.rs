@@ -1,0 +1,210 @@
+//! What is done to a scene's world at which tick.
+
+use alloc::vec::Vec;
+
+use super::body::{body, groups, kind, mass, own_damping};
+use super::error::Place;
+use super::field::{field, named, symbol};
+use super::node::{Node, Object, Result};
+use super::settings::{integrator, time_step, world_damping};
+use super::shape::{ShapeDef, shape};
+use super::{Scene, Tables};
+use crate::handle::{BodyId, FieldId};
+use crate::world::{Action, Command, Frame, Manner};
+
+/// Something done to a world, at one tick or at several.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Input {
+    /// The first tick at which it is done, before the step from that tick to the next.
+    pub from: u64,
+    /// The last one.
+    pub to: u64,
+    /// It is done at `from` and each so many ticks after it; at least 1.
+    pub every: u64,
+    /// What is done.
+    pub deed: Deed,
+    /// Where it stands.
+    pub place: Place,
+}
+
+/// What an input does. Handles in it are indices in [`Scene::bodies`] and [`Scene::fields`].
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Deed {
+    /// A command of the world's.
+    Command(Command),
+    /// The body of this index is added.
+    AddBody(usize),
+    /// The force field of this index is added.
+    AddField(usize),
+    /// A body gets a shape, or none.
+    SetShape {
+        /// The body.
+        body: BodyId,
+        /// Its shape.
+        shape: Option<ShapeDef>,
+    },
+}
+
+/// Reads an input, which may do several things in the order in which they stand here.
+pub(super) fn input(object: &Object<'_>, scene: &mut Scene, tables: &mut Tables) -> Result<()> {
+    let mut deeds = Vec::new();
+    let mut push = |node: &Node<'_>, deed| deeds.push((node.place(), deed));
+    if let Some(node) = object.get("add") {
+        push(node, Deed::AddBody(scene.add_body(body(&node.object()?)?, node, tables)?));
+    }
+    if let Some(node) = object.get("add_field") {
+        let field = field(&node.object()?, &tables.bodies)?;
+        push(node, Deed::AddField(scene.add_field(field, node, tables)?));
+    }
+    if let Some(node) = object.get("body") {
+        let target = symbol(named(node, &tables.bodies, "body")?);
+        actions(object, target, &mut push)?;
+        if let Some(set) = object.get("set") {
+            set_body(&set.object()?, target, &mut push)?;
+        }
+        if let Some(node) = object.get("do") {
+            let command = match node.choice(&[("remove", 0), ("release", 1), ("wake", 2)])? {
+                0 => Command::RemoveBody(target),
+                1 => Command::Release(target),
+                _ => Command::Wake(target),
+            };
+            push(node, Deed::Command(command));
+        }
+    } else if let Some(node) = object.get("field") {
+        let target = FieldId::from_parts(named(node, &tables.fields, "force field")? as u32, 0);
+        if let Some(node) = object.get("replace") {
+            let field = field(&node.object()?, &tables.bodies)?.field;
+            push(node, Deed::Command(Command::SetField { id: target, field }));
+        }
+        if let Some(node) = object.get("do") {
+            node.choice(&[("remove", ())])?;
+            push(node, Deed::Command(Command::RemoveField(target)));
+        }
+    } else if let Some(set) = object.get("set") {
+        set_world(&set.object()?, &mut push)?;
+    }
+    // Last, so that what is unknown is known to be.
+    let (from, to, every) = span(object)?;
+    object.finish()?;
+    if deeds.is_empty() {
+        return Err(object.node.fault("this input does nothing"));
+    }
+    let inputs = deeds.into_iter().map(|(place, deed)| Input { from, to, every, deed, place });
+    scene.inputs.extend(inputs);
+    Ok(())
+}
+
+/// `at` one tick, or `from` one `to` another, `every` so many.
+fn span(object: &Object<'_>) -> Result<(u64, u64, u64)> {
+    let (name, node) = object.one_of(&["at", "from"])?;
+    let first: u64 = node.whole()?;
+    if name == "at" {
+        return Ok((first, first, 1));
+    }
+    let to = object.need("to")?;
+    let (last, every): (u64, u64) = (to.whole()?, object.or("every", 1, Node::whole)?);
+    if last < first {
+        return Err(to.fault("out of range: the last tick is before the first"));
+    }
+    if every == 0 {
+        return Err(object.at(&["every"]).fault("out of range: expected a number of ticks from 1"));
+    }
+    Ok((first, last, every))
+}
+
+/// Forces and impulses.
+fn actions(object: &Object<'_>, target: BodyId, push: &mut impl FnMut(&Node<'_>, Deed)) -> Result<()> {
+    let frame = |node: &Node<'_>| node.choice(&[("world", Frame::World), ("body", Frame::Body)]);
+    let manner =
+        Manner { frame: object.or("frame", Frame::World, frame)?, wake: object.or("wake", true, Node::boolean)? };
+    let point = object.get("point").map(Node::point).transpose()?;
+    let mut apply = |node: &Node<'_>, action| {
+        push(node, Deed::Command(Command::Apply { body: target, action, manner }));
+    };
+    if let Some(node) = object.get("force") {
+        apply(node, Action::Force { force: node.point()?, point });
+    }
+    if let Some(node) = object.get("torque") {
+        apply(node, Action::Torque(node.number()?));
+    }
+    if let Some(node) = object.get("impulse") {
+        apply(node, Action::Impulse { impulse: node.point()?, point });
+    }
+    if let Some(node) = object.get("angular_impulse") {
+        apply(node, Action::AngularImpulse(node.number()?));
+    }
+    Ok(())
+}
+
+fn set_body(object: &Object<'_>, body: BodyId, push: &mut impl FnMut(&Node<'_>, Deed)) -> Result<()> {
+    let mut set = |node: &Node<'_>, command| push(node, Deed::Command(command));
+    if let Some(node) = object.get("kind") {
+        set(node, Command::SetKind { body, kind: kind(node)? });
+    }
+    if let Some(mass) = mass(object)? {
+        set(object.at(&["mass", "density"]), Command::SetMass { body, mass });
+    }
+    if let Some(node) = object.get("position") {
+        set(node, Command::SetPosition { body, position: node.point()? });
+    }
+    if let Some(node) = object.get("angle") {
+        set(node, Command::SetAngle { body, angle: node.number()? });
+    }
+    if let Some(node) = object.get("velocity") {
+        set(node, Command::SetVelocity { body, velocity: node.point()? });
+    }
+    if let Some(node) = object.get("angular_velocity") {
+        set(node, Command::SetAngularVelocity { body, velocity: node.number()? });
+    }
+    if let Some(node) = object.get("gravity_scale") {
+        set(node, Command::SetGravityScale { body, scale: node.number()? });
+    }
+    if let Some(node) = object.get("damping") {
+        let (linear, angular) = own_damping(node)?;
+        set(node, Command::SetBodyDamping { body, linear, angular });
+    }
+    if let Some(node) = object.get("groups") {
+        set(node, Command::SetGroups { body, groups: groups(node)? });
+    }
+    if let Some(node) = object.get("key") {
+        set(node, Command::SetKey { body, key: node.whole()? });
+    }
+    if let Some(node) = object.get("user_data") {
+        set(node, Command::SetUserData { body, user_data: node.whole()? });
+    }
+    if let Some(node) = object.get("shape") {
+        let shape = if node.raw() == "null" { None } else { Some(shape(node)?) };
+        push(node, Deed::SetShape { body, shape });
+    }
+    object.finish()
+}
+
+fn set_world(object: &Object<'_>, push: &mut impl FnMut(&Node<'_>, Deed)) -> Result<()> {
+    let mut set = |node: &Node<'_>, command| push(node, Deed::Command(command));
+    if let Some(node) = object.get("time_step") {
+        set(node, Command::SetTimeStep(time_step(node)?));
+    }
+    if let Some(node) = object.get("gravity") {
+        set(node, Command::SetGravity(node.point()?));
+    }
+    if let Some(node) = object.get("integrator") {
+        set(node, Command::SetIntegrator(integrator(node)?));
+    }
+    if let Some(node) = object.get("damping") {
+        let (linear, angular) = world_damping(node)?;
+        set(node, Command::SetDamping { linear, angular });
+    }
+    if let Some(node) = object.get("sleep_after") {
+        set(node, Command::SetSleepAfter(super::settings::sleep_after(node)?));
+    }
+    object.finish()
+}
+
+impl Input {
+    /// Whether it is done at this tick.
+    #[must_use]
+    pub const fn is_due(&self, tick: u64) -> bool {
+        self.from <= tick && tick <= self.to && (tick - self.from) % self.every == 0
+    }
+}

@@ -1,0 +1,245 @@
+//! A scene on its way: its world, and its inputs as their ticks come.
+
+use alloc::collections::{BTreeMap, BTreeSet};
+use alloc::format;
+use alloc::string::{String, ToString};
+use alloc::vec::Vec;
+
+use super::body::convert_mass;
+use super::error::SceneError;
+use super::field::convert_field;
+use super::input::{Deed, Input};
+use super::node::quoted;
+use super::shape::vector;
+use super::{Scene, ShapeDef};
+use crate::error::Error;
+use crate::handle::{BodyId, FieldId};
+use crate::scalar::{Scalar, fx::Fx};
+use crate::world::{Action, Command, Made, StepReport, World, WorldDef};
+
+/// The world of a scene and what is still to be done to it.
+#[derive(Clone, Debug)]
+pub struct SceneRun<'a, S: Scalar = Fx> {
+    scene: &'a Scene,
+    world: World<S>,
+    bodies: Vec<Option<BodyId>>,
+    fields: Vec<Option<FieldId>>,
+    indices: BTreeMap<BodyId, usize>,
+    /// The inputs in the order of their first ticks, and how many of them have begun.
+    order: Vec<usize>,
+    begun: usize,
+    /// Those that have begun and not ended, in the order of the file.
+    active: BTreeSet<usize>,
+}
+
+impl<'a, S: Scalar> SceneRun<'a, S> {
+    pub(super) fn new(scene: &'a Scene) -> Result<Self, SceneError> {
+        let def = &scene.world;
+        let world = World::new(WorldDef {
+            time_step: def.time_step,
+            gravity: vector(def.gravity),
+            integrator: def.integrator,
+            linear_damping: S::from_fx(def.linear_damping),
+            angular_damping: S::from_fx(def.angular_damping),
+            sleep_after: def.sleep_after,
+        });
+        let world = world.map_err(|error| scene.place.fault(error))?;
+        let mut order: Vec<usize> = (0..scene.inputs.len()).collect();
+        order.sort_by_key(|&index| scene.inputs[index].from);
+        let mut run = Self {
+            scene,
+            world,
+            bodies: Vec::new(),
+            fields: Vec::new(),
+            indices: BTreeMap::new(),
+            order,
+            begun: 0,
+            active: BTreeSet::new(),
+        };
+        run.bodies.resize(scene.bodies.len(), None);
+        run.fields.resize(scene.fields.len(), None);
+        for index in 0..scene.starting_bodies {
+            run.carry_out(&Deed::AddBody(index)).map_err(|e| scene.bodies[index].place.fault(run.explain(e)))?;
+        }
+        for index in 0..scene.starting_fields {
+            run.carry_out(&Deed::AddField(index)).map_err(|e| scene.fields[index].place.fault(run.explain(e)))?;
+        }
+        Ok(run)
+    }
+
+    /// The world.
+    #[must_use]
+    pub fn world(&self) -> &World<S> {
+        &self.world
+    }
+
+    /// The world, without what is still to be done to it.
+    #[must_use]
+    pub fn into_world(self) -> World<S> {
+        self.world
+    }
+
+    /// The index in [`Scene::bodies`] of a body.
+    #[must_use]
+    pub fn index(&self, body: BodyId) -> Option<usize> {
+        self.indices.get(&body).copied()
+    }
+
+    /// The name of a body; empty if it is none of the scene's.
+    #[must_use]
+    pub fn name(&self, body: BodyId) -> &'a str {
+        self.index(body).map_or("", |index| &self.scene.bodies[index].name)
+    }
+
+    /// Does what is to be done at this tick, and moves the world on to the next.
+    ///
+    /// # Errors
+    /// A [`SceneError`] at an input that the world refuses. What stood before it is done.
+    pub fn advance(&mut self) -> Result<StepReport<'_, S>, SceneError> {
+        let tick = self.world.tick();
+        let scene = self.scene;
+        while let Some(&index) = self.order.get(self.begun).filter(|&&index| scene.inputs[index].from <= tick) {
+            self.active.insert(index);
+            self.begun += 1;
+        }
+        let due: Vec<usize> = self.active.iter().copied().filter(|&i| scene.inputs[i].is_due(tick)).collect();
+        for index in due {
+            let Input { deed, place, .. } = &scene.inputs[index];
+            let done = self.carry_out(deed);
+            done.map_err(|error| place.fault(format_args!("at tick {tick}: {}", self.explain(error))))?;
+        }
+        self.active.retain(|&index| scene.inputs[index].to > tick);
+        Ok(self.world.step())
+    }
+
+    /// Tries all inputs in their order, on a world that does not move on.
+    pub(super) fn rehearse(mut self) -> Result<(), SceneError> {
+        for index in core::mem::take(&mut self.order) {
+            let Input { from, deed, place, .. } = &self.scene.inputs[index];
+            // What these are refused for depends on the motion before.
+            let depends = matches!(
+                deed,
+                Deed::Command(Command::Release(_))
+                    | Deed::Command(Command::Apply {
+                        action: Action::Impulse { .. }
+                            | Action::AngularImpulse(_)
+                            | Action::Force { point: Some(_), .. },
+                        ..
+                    })
+            );
+            if !depends {
+                let done = self.carry_out(deed);
+                done.map_err(|error| place.fault(format_args!("at tick {from}: {}", self.explain(error))))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn carry_out(&mut self, deed: &Deed) -> Result<(), Error> {
+        match deed {
+            Deed::AddBody(index) => {
+                let body = self.world.add_body(self.scene.bodies[*index].def()?)?;
+                self.bodies[*index] = Some(body);
+                self.indices.insert(body, *index);
+            }
+            Deed::AddField(index) => {
+                let field = convert_field(&self.scene.fields[*index].field, &|body| self.body(body))?;
+                self.fields[*index] = Some(self.world.add_field(field)?);
+            }
+            Deed::SetShape { body, shape } => {
+                let shape = shape.as_ref().map(ShapeDef::make).transpose()?;
+                self.world.set_shape(self.body(*body)?, shape)?;
+            }
+            Deed::Command(command) => {
+                let made = self.world.execute(&self.convert(command)?)?;
+                debug_assert_eq!(made, Made::Nothing, "what makes something is a deed of its own");
+            }
+        }
+        Ok(())
+    }
+
+    /// The handle of a body that a scene names by its index.
+    fn body(&self, symbol: BodyId) -> Result<BodyId, Error> {
+        let known = self.bodies.get(symbol.parts().0 as usize).copied().flatten();
+        known.ok_or(Error::NoSuchBody { body: BodyId::from_parts(u32::MAX, 0) })
+    }
+
+    fn field(&self, symbol: FieldId) -> Result<FieldId, Error> {
+        let known = self.fields.get(symbol.parts().0 as usize).copied().flatten();
+        known.ok_or(Error::NoSuchField { field: symbol })
+    }
+
+    fn convert(&self, command: &Command) -> Result<Command<S>, Error> {
+        let scalar = S::from_fx;
+        Ok(match *command {
+            Command::RemoveBody(body) => Command::RemoveBody(self.body(body)?),
+            Command::Apply { body, action, manner } => {
+                Command::Apply { body: self.body(body)?, action: convert_action(action), manner }
+            }
+            Command::SetPosition { body, position } => {
+                Command::SetPosition { body: self.body(body)?, position: vector(position) }
+            }
+            Command::SetAngle { body, angle } => Command::SetAngle { body: self.body(body)?, angle: scalar(angle) },
+            Command::SetVelocity { body, velocity } => {
+                Command::SetVelocity { body: self.body(body)?, velocity: vector(velocity) }
+            }
+            Command::SetAngularVelocity { body, velocity } => {
+                Command::SetAngularVelocity { body: self.body(body)?, velocity: scalar(velocity) }
+            }
+            Command::SetMass { body, mass } => Command::SetMass { body: self.body(body)?, mass: convert_mass(mass) },
+            Command::SetKind { body, kind } => Command::SetKind { body: self.body(body)?, kind },
+            Command::SetGravityScale { body, scale } => {
+                Command::SetGravityScale { body: self.body(body)?, scale: scalar(scale) }
+            }
+            Command::SetBodyDamping { body, linear, angular } => Command::SetBodyDamping {
+                body: self.body(body)?,
+                linear: linear.map(scalar),
+                angular: angular.map(scalar),
+            },
+            Command::SetGroups { body, groups } => Command::SetGroups { body: self.body(body)?, groups },
+            Command::SetKey { body, key } => Command::SetKey { body: self.body(body)?, key },
+            Command::SetUserData { body, user_data } => Command::SetUserData { body: self.body(body)?, user_data },
+            Command::Wake(body) => Command::Wake(self.body(body)?),
+            Command::Release(body) => Command::Release(self.body(body)?),
+            Command::SetField { id, ref field } => {
+                Command::SetField { id: self.field(id)?, field: convert_field(field, &|body| self.body(body))? }
+            }
+            Command::RemoveField(field) => Command::RemoveField(self.field(field)?),
+            Command::SetTimeStep(time_step) => Command::SetTimeStep(time_step),
+            Command::SetGravity(gravity) => Command::SetGravity(vector(gravity)),
+            Command::SetIntegrator(integrator) => Command::SetIntegrator(integrator),
+            Command::SetDamping { linear, angular } => {
+                Command::SetDamping { linear: scalar(linear), angular: scalar(angular) }
+            }
+            Command::SetSleepAfter(ticks) => Command::SetSleepAfter(ticks),
+            // The scene has deeds of its own for what makes something or has a shape in it.
+            Command::AddBody(_) | Command::AddField(_) | Command::SetShape { .. } => {
+                return Err(Error::Full);
+            }
+        })
+    }
+
+    /// An error of the engine's, with names in place of handles.
+    fn explain(&self, error: Error) -> String {
+        let (body, what) = match error {
+            Error::NoSuchBody { .. } => return "the body is not there at that tick".to_string(),
+            Error::NoSuchField { .. } => return "the force field is not there at that tick".to_string(),
+            Error::NotDynamic { body } => (body, "is not dynamic"),
+            Error::NotMovable { body } => (body, "is static and has no velocity"),
+            Error::Quarantined { body } => (body, "is quarantined"),
+            Error::NotQuarantined { body } => (body, "is not quarantined"),
+            Error::SameBody { body } => (body, "is at both ends"),
+            other => return other.to_string(),
+        };
+        format!("{} {what}", quoted(self.name(body)))
+    }
+}
+
+fn convert_action<S: Scalar>(action: Action) -> Action<S> {
+    match action {
+        Action::Force { force, point } => Action::Force { force: vector(force), point: point.map(vector) },
+        Action::Torque(torque) => Action::Torque(S::from_fx(torque)),
+        Action::Impulse { impulse, point } => Action::Impulse { impulse: vector(impulse), point: point.map(vector) },
+        Action::AngularImpulse(impulse) => Action::AngularImpulse(S::from_fx(impulse)),
+    }
+}

@@ -1,0 +1,157 @@
+//! Shapes as a scene gives them.
+
+use alloc::vec::Vec;
+
+use super::node::{Node, Result};
+use crate::error::{Error, Quantity};
+use crate::limits::{SIZE_MAX, SIZE_MIN};
+use crate::math::Vec2;
+use crate::scalar::{Scalar, fx::Fx};
+use crate::shape::{Part, Shape};
+
+/// A shape in the coordinates of the file, to be made for any scalar. Sizes in m.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+#[allow(missing_docs, reason = "as in `Geometry`, before re-centring")]
+pub enum ShapeDef {
+    Circle { radius: Fx },
+    Rectangle { width: Fx, height: Fx },
+    Capsule { length: Fx, radius: Fx },
+    Polygon { corners: Vec<Vec2> },
+    Segment { ends: [Vec2; 2] },
+    Compound { parts: Vec<PartDef> },
+}
+
+/// A part of a compound.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PartDef {
+    /// Its shape.
+    pub shape: ShapeDef,
+    /// Where its centre of mass is, m.
+    pub position: Vec2,
+    /// How far it is turned, rad.
+    pub angle: Fx,
+    /// Its density relative to the other parts.
+    pub density: Fx,
+}
+
+pub(super) fn vector<S: Scalar>(v: Vec2) -> Vec2<S> {
+    v.map(S::from_fx)
+}
+
+impl ShapeDef {
+    /// The shape.
+    ///
+    /// # Errors
+    /// As the constructors of [`Shape`].
+    pub fn make<S: Scalar>(&self) -> core::result::Result<Shape<S>, Error> {
+        match self {
+            Self::Circle { radius } => Shape::circle(S::from_fx(*radius)),
+            Self::Rectangle { width, height } => Shape::rectangle(S::from_fx(*width), S::from_fx(*height)),
+            Self::Capsule { length, radius } => Shape::capsule(S::from_fx(*length), S::from_fx(*radius)),
+            Self::Polygon { corners } => {
+                let corners: Vec<_> = corners.iter().map(|&corner| vector(corner)).collect();
+                Shape::polygon(&corners)
+            }
+            Self::Segment { ends: [a, b] } => Shape::segment(vector(*a), vector(*b)),
+            Self::Compound { parts } => {
+                let part = |part: &PartDef| {
+                    let PartDef { shape, position, angle, density } = part;
+                    Ok(Part {
+                        shape: shape.make()?,
+                        position: vector(*position),
+                        angle: S::from_fx(*angle),
+                        density: S::from_fx(*density),
+                    })
+                };
+                let parts: core::result::Result<Vec<_>, Error> = parts.iter().map(part).collect();
+                Shape::compound(&parts?)
+            }
+        }
+    }
+}
+
+fn size(node: &Node<'_>) -> Result<Fx> {
+    let size = node.number()?;
+    if (SIZE_MIN..=SIZE_MAX).contains(&size) {
+        return Ok(size);
+    }
+    Err(node.fault(Error::OutOfRange { quantity: Quantity::Size }))
+}
+
+/// Reads a shape and makes sure that it can be made.
+pub(super) fn shape(node: &Node<'_>) -> Result<ShapeDef> {
+    read(node, false)
+}
+
+fn read(node: &Node<'_>, part_of_one: bool) -> Result<ShapeDef> {
+    let object = node.object()?;
+    let (name, inner) = object.one_of(&["circle", "rectangle", "capsule", "polygon", "segment", "compound"])?;
+    object.finish()?;
+    if part_of_one && name == "compound" {
+        // Refused before it is looked into: the depth of a file is no depth of calls.
+        return Err(inner.fault("a part cannot be a compound itself"));
+    }
+    let def = match name {
+        "polygon" => polygon(inner)?,
+        "segment" => {
+            let [a, b] = inner.tuple()?;
+            ShapeDef::Segment { ends: [a.point()?, b.point()?] }
+        }
+        "compound" => ShapeDef::Compound { parts: inner.list()?.iter().map(part).collect::<Result<_>>()? },
+        _ => {
+            let object = inner.object()?;
+            let sized = |name| size(object.need(name)?);
+            let def = match name {
+                "circle" => ShapeDef::Circle { radius: sized("radius")? },
+                "rectangle" => ShapeDef::Rectangle { width: sized("width")?, height: sized("height")? },
+                _ => ShapeDef::Capsule { length: sized("length")?, radius: sized("radius")? },
+            };
+            object.finish()?;
+            def
+        }
+    };
+    def.make::<Fx>().map_err(|error| inner.fault(error))?;
+    Ok(def)
+}
+
+fn polygon(node: &Node<'_>) -> Result<ShapeDef> {
+    let nodes = node.list()?;
+    let corners = nodes.iter().map(Node::point).collect::<Result<Vec<_>>>()?;
+    match Shape::polygon(&corners) {
+        Err(Error::NotConvex { corner }) => Err(nodes[corner].fault(Error::NotConvex { corner })),
+        Err(error) => Err(node.fault(error)),
+        Ok(_) => Ok(ShapeDef::Polygon { corners }),
+    }
+}
+
+fn part(node: &Node<'_>) -> Result<PartDef> {
+    let object = node.object()?;
+    let part = PartDef {
+        shape: read(object.need("shape")?, true)?,
+        position: object.or("position", Vec2::ZERO, Node::point)?,
+        angle: object.or("angle", Fx::ZERO, Node::number)?,
+        density: object.or("density", Fx::ONE, Node::number)?,
+    };
+    if part.density <= Fx::ZERO {
+        return Err(object.at(&["density"]).fault(Error::OutOfRange { quantity: Quantity::Density }));
+    }
+    object.finish()?;
+    Ok(part)
+}
+
+impl Node<'_> {
+    /// A vector: [x, y], or {length, angle} in rad.
+    pub(super) fn point(&self) -> Result<Vec2> {
+        if self.kind() != super::node::Kind::Object {
+            let [x, y] = self.tuple()?;
+            return Ok(Vec2::new(x.number()?, y.number()?));
+        }
+        let object = self.object()?;
+        let (length, angle) = (object.need("length")?.number()?, object.need("angle")?.number()?);
+        object.finish()?;
+        let (sin, cos) = angle.sin_cos();
+        // |sin| and |cos| are at most 1: the products fit.
+        Ok(Vec2::new(length * cos, length * sin))
+    }
+}
