@@ -10,7 +10,8 @@ use crate::math::{TimeStep, Vec2};
 use crate::scalar::Scalar;
 
 impl<S: Scalar> World<S> {
-    /// Changes the length of a step. Damping keeps acting alike over time.
+    /// Changes the length of a step. Damping keeps acting alike over time. Wakes all bodies: a force that moved nothing in a
+    /// short step may move something in a long one.
     ///
     /// # Errors
     /// [`Error::TimeStep`]; [`Error::ElapsedTime`] if the elapsed time could not stay exact.
@@ -21,6 +22,7 @@ impl<S: Scalar> World<S> {
         self.counted = (now, self.tick);
         self.def.time_step = time_step;
         self.refresh();
+        self.wake_all();
         Ok(())
     }
 
@@ -36,7 +38,7 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
-    /// Changes the integrator. `PublishedVerlet` starts from a last acceleration of zero.
+    /// Changes the integrator; wakes all bodies. `PublishedVerlet` starts from a last acceleration of zero.
     ///
     /// # Errors
     /// [`Error::DampingHasNoInverse`] for `Yoshida4` where the world or a body has a damping of 0.
@@ -52,6 +54,7 @@ impl<S: Scalar> World<S> {
         self.def = def;
         self.bodies.keep_last_acceleration(integrator == Integrator::PublishedVerlet);
         self.refresh();
+        self.wake_all();
         Ok(())
     }
 
