@@ -241,7 +241,9 @@ fn strangers_in_any_number_change_no_bit_of_a_body() {
                 }
                 ids.push(world.add_body(def).expect("a body"));
             }
-            fields(&ids).into_iter().for_each(|field| drop(world.add_field(field).expect("a field")));
+            for field in fields(&ids) {
+                world.add_field(field).expect("a field");
+            }
             let (mut gone, mut faults) = (0, 0);
             for (tick, wanted) in history.iter().enumerate() {
                 if strangers.len() + gone < count && tick % 7 == 0 {
