@@ -256,6 +256,22 @@ fn a_sleeper_feels_what_wakes_it_and_nothing_else() {
 }
 
 #[test]
+fn a_body_that_is_pushed_every_tick_stays_awake_even_where_the_push_moves_nothing() {
+    let mut world = world(WorldDef { sleep_after: Some(3), ..sixty_four() });
+    let (pushed, other) = (ball(&mut world), ball(&mut world));
+    let gently = Manner { wake: false, ..Manner::default() };
+    for _ in 0..10 {
+        for x in [fx!(1), fx!(-1)] {
+            world.apply(pushed, Action::Force { force: vec2(x, 0), point: None }, gently).unwrap();
+        }
+        world.step();
+    }
+    // Asleep it would no longer feel what does not wake it.
+    assert_eq!(world.body(pushed).unwrap().activity(), Activity::Awake);
+    assert_eq!(world.body(other).unwrap().activity(), Activity::Asleep);
+}
+
+#[test]
 fn every_setter_wakes_and_a_sleeper_is_woken_through_its_springs() {
     let mut world = world(WorldDef { sleep_after: Some(2), ..sixty_four() });
     let chain = [0, 1, 2]

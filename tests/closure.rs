@@ -491,6 +491,53 @@ fn a_longer_time_step_moves_a_sleeper_that_a_shorter_one_left_at_rest() {
 }
 
 #[test]
+fn another_integrator_moves_a_sleeper_that_the_one_before_left_at_rest() {
+    // 24 ulp/s²: 0.4 ulp/s a step, which damping clears; the first of Yoshida's sub-steps gains 0.54, which it does not.
+    let make = |sleep_after| {
+        let gravity = Vec2::new(Fx::ZERO, Fx::from_bits(-24));
+        let mut world = World::new(WorldDef { gravity, linear_damping: fx!(0.5), sleep_after, ..WorldDef::default() })
+            .expect("a world");
+        let body = world.add_body(BodyDef::dynamic()).expect("a body");
+        (world, body)
+    };
+    let ((mut awake, body), (mut sleepy, _)) = (make(None), make(Some(2)));
+    for integrator in [Integrator::VelocityVerlet, Integrator::Yoshida4] {
+        for world in [&mut awake, &mut sleepy] {
+            world.set_integrator(integrator).expect("any");
+            for _ in 0..5 {
+                world.step();
+            }
+        }
+        let ((a, ..), (b, ..)) = (bits(&awake, body), bits(&sleepy, body));
+        assert_eq!(a, b, "{integrator:?}");
+        assert_eq!(a[3] != 0, integrator == Integrator::Yoshida4, "{integrator:?}: {a:?}");
+    }
+}
+
+#[test]
+fn no_body_sleeps_while_an_attractor_may_come_by() {
+    // From 4000 m its pull is cleared by damping, so that the body stays where it is to the bit; from near it is not.
+    let make = |sleep_after| {
+        let mut world =
+            World::new(WorldDef { linear_damping: fx!(0.5), sleep_after, ..WorldDef::default() }).expect("a world");
+        let body = world.add_body(BodyDef { position: vec2(0, 1), ..BodyDef::dynamic() }).expect("a body");
+        let comet = BodyDef { position: vec2(4_000, 0), velocity: vec2(-1_000, 0), ..BodyDef::kinematic() };
+        let centre = End::Body(Attachment::centre(world.add_body(comet).expect("a body")));
+        world.add_field(Law::Attractor { centre, mu: mu(fx!(0.01)), softening: fx!(0) }).expect("a field");
+        (world, body)
+    };
+    let ((mut awake, body), (mut sleepy, _)) = (make(None), make(Some(2)));
+    let start = bits(&awake, body);
+    for tick in 0..300 {
+        awake.step();
+        sleepy.step();
+        assert_eq!(bits(&awake, body), bits(&sleepy, body), "tick {tick}");
+        assert!(tick > 30 || bits(&awake, body) == start, "tick {tick}: it is to be at rest at first");
+    }
+    assert_ne!(bits(&awake, body), start);
+}
+
+#[test]
 fn a_stale_handle_is_refused_after_removal_and_after_its_slot_is_taken_again() {
     let mut world = World::new(WorldDef::default()).expect("a world");
     let first = world.add_body(BodyDef::dynamic()).expect("a body");

@@ -289,7 +289,7 @@ fn sizes_of_shapes_have_their_bounds() {
     assert_eq!(size(Shape::compound(&vec![part.clone(); PARTS])), Ok(()));
     assert_eq!(size(Shape::compound(&vec![part.clone(); PARTS + 1])), out_of(Quantity::Count));
     assert_eq!(size(Shape::compound(&[])), out_of(Quantity::Count));
-    let compound = Shape::compound(&[part.clone()]).unwrap();
+    let compound = Shape::compound(std::slice::from_ref(&part)).unwrap();
     assert_eq!(size(Shape::compound(&[Part { shape: compound, ..part.clone() }])), out_of(Quantity::Count));
     assert_eq!(size(Shape::compound(&[Part { density: Fx::ZERO, ..part.clone() }])), out_of(Quantity::Density));
     assert_eq!(size(Shape::compound(&[Part { position: vec2(0, SIZE_MAX + ULP), ..part }])), refused());
