@@ -134,7 +134,7 @@ impl Quantity {
             Self::Size => "size from 2^-7 to 2^12 m",
             Self::Count => "number of corners from 3 to 64, of parts from 1 to 256",
             Self::Force => "force within ±2^31 N a component",
-            Self::Torque => "torque within ±2^62 N·m",
+            Self::Torque => "torque within ±2^63 N·m",
             Self::Impulse => "impulse within ±2^31 N·s a component",
             Self::Gravity => "gravity within ±2^16 m/s² a component",
             Self::GravityScale => "gravity scale within ±16",

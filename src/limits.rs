@@ -4,15 +4,16 @@
 //! the envelope during a step is quarantined at the end of it. Hence the arithmetic of a step, which is neither checked
 //! nor saturating, never wraps:
 //!
-//! - *Velocity.* At the start of a step at most [`SPEED`] = 2^20 m/s a component. A step has at most six kicks of less
-//!   than [`KICK`] = 2^21 m/s (a larger one is left out, and the body is quarantined), and damping backwards in time is
-//!   cut off at [`TRANSIENT_SPEED`] = 2^24 m/s: |v| < 2^24 + 6·2^21 < 2^25 throughout. As an accumulator, in units of
-//!   2^-96, that is below 2^121.
+//! - *Velocity.* At the start of a step at most [`SPEED`] = 2^20 m/s a component. A step has at most six kick stages, each
+//!   of at most four kicks: gravity below 2^20 m/s ([`GRAVITY`]), and what was applied, the fields of position and those of
+//!   velocity, each below [`KICK`] = 2^21 m/s (a larger one is left out, and the body is quarantined). Damping backwards in
+//!   time is cut off at [`TRANSIENT_SPEED`] = 2^24 m/s: |v| < 2^24 + 6·(2^20 + 3·2^21) < 2^26 throughout. As an
+//!   accumulator, in units of 2^-96, that is below 2^122.
 //! - *Position.* At most [`POSITION`] = 2^30 m before, and a step drifts for at most 1.36 + 1.71 + 1.36 = 4.43 s in all:
-//!   |x| < 2^30 + 4.43·2^25 < 2^30 + 2^27.2 m throughout, and an accumulator holds 2^31 m.
-//! - *Offsets.* Between two such points, less than 2^31.2 m = 2^63.2 ulps a component; the sum of two squares is below
-//!   2^127.4 and fits in u128.
-//! - *Forces.* A call adds at most 2^31 N a component or 2^62 N·m; sums of 2^31 calls are held in 160 bits and checked
+//!   |x| < 2^30 + 4.43·2^26 < 2^30.35 m throughout, and an accumulator holds 2^31 m.
+//! - *Offsets.* Between two such points, less than 2^31.36 m = 2^63.36 ulps a component; the sum of two squares is below
+//!   2^127.8 and fits in u128.
+//! - *Forces.* A call adds at most 2^31 N a component or 2^63 N·m; sums of 2^31 calls are held in 160 bits and checked
 //!   once, in the step.
 //!
 //! Rotation has the same bounds in rad/s; its angle wraps by itself.

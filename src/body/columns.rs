@@ -171,7 +171,7 @@ impl<S: Scalar> Bodies<S> {
     }
 
     /// Generations and whether they are taken, by slot; then the free slots in the order they will not be used.
-    pub(crate) fn allocator(&self) -> (impl Iterator<Item = (u32, bool)>, &[u32]) {
+    pub(crate) fn allocator(&self) -> (impl ExactSizeIterator<Item = (u32, bool)>, &[u32]) {
         (self.slots.iter().map(|s| (s.generation, s.dense != NONE)), &self.free)
     }
 

@@ -66,7 +66,7 @@ impl<S: Scalar> FieldSet<S> {
     }
 
     /// Generations by slot, and the free slots in the order they will not be used.
-    pub(crate) fn allocator(&self) -> (impl Iterator<Item = u32>, &[u32]) {
+    pub(crate) fn allocator(&self) -> (impl ExactSizeIterator<Item = u32>, &[u32]) {
         (self.slots.iter().map(|(generation, _)| *generation), &self.free)
     }
 }

@@ -30,6 +30,14 @@ impl Sink {
     fn u128(&mut self, value: u128) {
         self.0.update(&value.to_le_bytes());
     }
+    /// The length of what follows; no list has 2^32 entries.
+    fn count(&mut self, count: usize) {
+        self.u32(count as u32);
+    }
+    fn slots(&mut self, slots: &[u32]) {
+        self.count(slots.len());
+        slots.iter().for_each(|&slot| self.u32(slot));
+    }
     fn scalar<S: Scalar>(&mut self, value: S) {
         self.0.update(&value.to_bits().to_le_bytes());
     }
@@ -84,7 +92,7 @@ impl Sink {
             }
             Geometry::Polygon { corners } => {
                 self.u8(3);
-                self.u32(corners.len() as u32);
+                self.count(corners.len());
                 corners.iter().for_each(|&corner| self.vector(corner));
             }
             Geometry::Segment { ends } => {
@@ -93,7 +101,7 @@ impl Sink {
             }
             Geometry::Compound { parts } => {
                 self.u8(5);
-                self.u32(parts.len() as u32);
+                self.count(parts.len());
                 for part in parts.iter() {
                     self.shape(&part.shape);
                     self.vector(part.position);
@@ -203,12 +211,14 @@ impl<S: Scalar> World<S> {
         self.write_head(&mut sink);
         self.write_bodies(&mut sink);
         let (generations, free) = self.fields.allocator();
+        sink.count(generations.len());
         generations.for_each(|generation| sink.u32(generation));
-        free.iter().for_each(|&slot| sink.u32(slot));
+        sink.slots(free);
         for (id, field) in self.fields.iter() {
             sink.u32(id.parts().0);
             sink.field(field);
         }
+        sink.count(self.laws.len());
         for law in self.laws.values() {
             sink.u64(law.id());
             sink.u32(law.version());
@@ -233,11 +243,12 @@ impl<S: Scalar> World<S> {
 
     fn write_bodies(&self, sink: &mut Sink) {
         let (slots, free) = self.bodies.allocator();
+        sink.count(slots.len());
         for (generation, taken) in slots {
             sink.u32(generation);
             sink.u8(u8::from(taken));
         }
-        free.iter().for_each(|&slot| sink.u32(slot));
+        sink.slots(free);
         let columns = &self.bodies.columns;
         for i in self.bodies.in_order() {
             let motion = &columns.motion;

@@ -34,7 +34,7 @@ impl Accumulator<Fx> for FxAccumulator {
 
     #[inline]
     fn plus(self, other: Self) -> Self {
-        // Positions stay below 2^31 m = 2^127 / 2^96, velocities below 2^24 m/s: see `limits`.
+        // Positions stay below 2^31 m = 2^127 / 2^96, velocities below 2^26 m/s: see `limits`.
         Self(self.0.wrapping_add(other.0))
     }
 

@@ -74,8 +74,8 @@ pub(super) fn mean_exponential(z: FxFactor, exponential: FxFactor, growth: bool)
 
 /// An offset in ulps, the sum of the squares of its components, and of a third.
 ///
-/// *Domain* components below 2^31.38 m: positions inside a step stay below 2^30 + 2^27.2 m, and attachments within 2^12 m
-/// of them, so a difference is below 2^31.2 m.
+/// *Domain* components below 2^31.38 m; `None` beyond. Positions inside a step stay below 2^30.35 m, and attachments within
+/// 2^12 m of them, so that no two points of one are farther apart.
 fn squares(offset: Offset<Fx>, third: Fx) -> Option<(i128, i128, u128)> {
     const MOST: u128 = 12_000_000_000_000_000_000; // 2^63.38: 2·MOST² + 2^124 < 2^128
     let (x, y) = (offset.0.ulps(), offset.1.ulps());
@@ -183,7 +183,7 @@ impl Scalar for Fx {
     #[inline]
     fn drift(self, seconds: FxFactor) -> FxAccumulator {
         let (mantissa, shift) = seconds.parts();
-        // |v| < 2^24 m/s = 2^56 ulps, so the product is below 2^120; below 2 s the shift is at least −1.
+        // |v| < 2^26 m/s = 2^58 ulps, so the product is below 2^122; below 2 s the shift is at least −1.
         let way = i128::from(self.to_bits()) * i128::from(mantissa);
         let shift = shift - 64;
         FxAccumulator::from_bits(if shift >= 0 {
@@ -238,7 +238,7 @@ impl Scalar for Fx {
         let stretch = length as i128 - (i128::from(spring.rest.to_bits()) << 32);
         let mut tension = mul_shift(stretch, u128::from(spring.stiffness.to_bits().unsigned_abs()), 32)?;
         if spring.damping != Self::ZERO {
-            // Velocities are below 2^25 m/s = 2^57 ulps, offsets below 2^63.2: the dot product is below 2^122.
+            // Velocities are below 2^27 m/s = 2^59 ulps, offsets below 2^63.4: the dot product is below 2^124.
             let dot = x.checked_mul(velocity.0.ulps())?.checked_add(y.checked_mul(velocity.1.ulps())?)?;
             // up < 64, as the sum is not zero.
             let rate = signed(i128::try_from(mul_div_round(dot.unsigned_abs(), 1 << (64 + up), fine)?).ok()?, dot);

@@ -245,7 +245,7 @@ pub trait Scalar: Number + Display + PartialOrd + Add<Output = Self> + Sub<Outpu
     /// What is left of 1 after a span at `kept` a second, kept^span: the exact solution of dv/dt = v·ln kept.
     /// *Domain* 0 ≤ kept ≤ 1, kept > 0 where the span is negative.
     fn decay(kept: Self, span: Span) -> Self::Factor;
-    /// The way covered at this velocity in `seconds`. *Domain* |v| < 2^24 m/s, seconds < 2.
+    /// The way covered at this velocity in `seconds`. *Domain* |v| < 2^26 m/s, seconds < 2.
     fn drift(self, seconds: Self::Factor) -> Self::Accumulator;
     /// The velocity gained at this acceleration in `seconds`; `None` from 2^21
     /// on.

@@ -54,7 +54,7 @@ impl Angle<Fx> for Turn {
     #[inline]
     fn drifted(self, velocity: Fx, drift_factor: FxFactor, negative: bool) -> Self {
         let (mantissa, shift) = drift_factor.parts();
-        // |velocity| < 2^24 rad/s, so the product is below 2^120; the span is below 2 s = 0.32 turns per rad/s, so the
+        // |velocity| < 2^26 rad/s, so the product is below 2^122; the span is below 2 s = 0.32 turns per rad/s, so the
         // shift is above 32. The cut to 64 bits takes whole turns away.
         let passed =
             shr_round(i128::from(velocity.to_bits()) * i128::from(mantissa), (shift - 32).unsigned_abs()) as u64;

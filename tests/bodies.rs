@@ -1,0 +1,563 @@
+//! What the calls of a world do to its bodies.
+
+use umbra_physics::scalar::{Accumulator, Angle, Factor, Wide};
+use umbra_physics::{
+    Action, Activity, Attachment, BodyDef, BodyId, BodyKind, Command, End, Error, Field, FieldId, Frame, Fx, FxFactor,
+    FxWide, Integrator, Law, Made, Manner, Mass, Shape, SpringLaw, TimeStep, Turn, Vec2, World, WorldDef, fx, vec2,
+};
+
+fn world(def: WorldDef) -> World {
+    World::new(def).expect("a world")
+}
+
+fn disc(radius: Fx) -> Option<Shape> {
+    Some(Shape::circle(radius).expect("a disc"))
+}
+
+fn ball(world: &mut World) -> BodyId {
+    world.add_body(BodyDef { shape: disc(fx!(2)), mass: Mass::Of(fx!(4)), ..BodyDef::dynamic() }).expect("a ball")
+}
+
+fn factor(value: Fx) -> Option<FxFactor> {
+    Some(<FxFactor as Factor<Fx>>::from_scalar(value))
+}
+
+fn wide(value: Fx) -> FxWide {
+    <FxWide as Wide<Fx>>::from_scalar(value)
+}
+
+fn sixty_four() -> WorldDef {
+    WorldDef { time_step: TimeStep::hz(64), sleep_after: None, ..WorldDef::default() }
+}
+
+#[test]
+fn a_new_mass_or_shape_changes_the_inertia_and_both_inverses() {
+    let mut world = world(WorldDef::default());
+    let body = ball(&mut world);
+    let of = |world: &World| {
+        let body = world.body(body).unwrap();
+        (body.mass(), body.inertia(), Some(body.inverse_mass()), Some(body.inverse_inertia()))
+    };
+    // ½mr²
+    assert_eq!(of(&world), (Some(fx!(4)), factor(fx!(8)), factor(fx!(0.25)), factor(fx!(0.125))));
+    world.set_mass(body, Mass::Of(fx!(2))).unwrap();
+    assert_eq!(of(&world), (Some(fx!(2)), factor(fx!(4)), factor(fx!(0.5)), factor(fx!(0.25))));
+    world.set_shape(body, disc(fx!(4))).unwrap();
+    assert_eq!(of(&world), (Some(fx!(2)), factor(fx!(16)), factor(fx!(0.5)), factor(fx!(0.0625))));
+    world.set_mass(body, Mass::WithInertia(fx!(2), fx!(0.5))).unwrap();
+    assert_eq!(of(&world), (Some(fx!(2)), factor(fx!(0.5)), factor(fx!(0.5)), factor(fx!(2))));
+    world.set_shape(body, None).unwrap();
+    assert_eq!(of(&world).1, factor(fx!(0.5)), "an inertia that was given stays");
+    world.set_mass(body, Mass::Of(fx!(2))).unwrap();
+    assert_eq!(of(&world), (Some(fx!(2)), None, factor(fx!(0.5)), factor(fx!(0))), "without a shape it does not turn");
+    assert_eq!(world.set_mass(body, Mass::Density(fx!(1))), Err(Error::NoShape));
+    world.set_shape(body, Some(Shape::rectangle(fx!(2), fx!(3)).unwrap())).unwrap();
+    world.set_mass(body, Mass::Density(fx!(2))).unwrap();
+    assert_eq!(world.body(body).unwrap().mass(), Some(fx!(12)));
+    world.set_shape(body, Some(Shape::rectangle(fx!(1), fx!(3)).unwrap())).unwrap();
+    assert_eq!(world.body(body).unwrap().mass(), Some(fx!(6)), "a density gives another mass to another shape");
+    assert_eq!(world.set_shape(body, None), Err(Error::NoShape));
+}
+
+#[test]
+fn a_new_mass_acts_from_the_next_step_on() {
+    let mut world = world(sixty_four());
+    let body = ball(&mut world);
+    world.apply_force(body, vec2(fx!(64), 0)).unwrap();
+    world.set_mass(body, Mass::Of(fx!(8))).unwrap();
+    world.step();
+    assert_eq!(world.body(body).unwrap().velocity(), vec2(fx!(0.125), 0), "64 N on 8 kg over 1/64 s");
+}
+
+#[test]
+fn a_new_time_step_damps_alike_over_time_and_keeps_the_elapsed_time_exact() {
+    let def = WorldDef { linear_damping: fx!(0.25), angular_damping: fx!(0.5), ..sixty_four() };
+    let mut world = world(def);
+    let body = ball(&mut world);
+    world.set_velocity(body, vec2(fx!(1024), 0)).unwrap();
+    world.set_angular_velocity(body, fx!(1024)).unwrap();
+    for (rate, seconds, left, spin) in [(64, 1, 256, 512), (10, 1, 64, 256), (1, 1, 16, 128), (1000, 1, 4, 64)] {
+        world.set_time_step(TimeStep::hz(rate)).unwrap();
+        for _ in 0..rate * seconds {
+            world.step();
+        }
+        let body = world.body(body).unwrap();
+        // 2^-64 relative a step: far below the ulp these are compared to.
+        let near = |value: Fx, wanted: i32| (value - Fx::from(wanted)).to_bits().abs() <= 1;
+        assert!(near(body.velocity().x, left), "{} at {rate}", body.velocity());
+        assert!(near(body.angular_velocity(), spin), "{} at {rate}", body.angular_velocity());
+    }
+    assert_eq!((world.elapsed().num, world.elapsed().den), (4, 1));
+    assert_eq!(world.tick(), 64 + 10 + 1 + 1000);
+    world.set_time_step(TimeStep::ratio(1001, 60_000)).unwrap();
+    world.step();
+    assert_eq!((world.elapsed().num, world.elapsed().den), (4 * 60_000 + 1001, 60_000));
+}
+
+#[test]
+fn a_damping_of_its_own_overrides_the_worlds_each_for_itself_and_not_at_all_for_kinematic_bodies() {
+    let def = WorldDef {
+        time_step: TimeStep::hz(1),
+        linear_damping: fx!(0.5),
+        angular_damping: fx!(0.25),
+        sleep_after: None,
+        ..WorldDef::default()
+    };
+    let mut world = world(def);
+    let start = BodyDef { velocity: vec2(64, 0), angular_velocity: fx!(64), shape: disc(fx!(1)), ..BodyDef::dynamic() };
+    let defs = [
+        start.clone(),
+        BodyDef { linear_damping: Some(Fx::ONE), ..start.clone() },
+        BodyDef { angular_damping: Some(Fx::ONE), ..start.clone() },
+        BodyDef { linear_damping: Some(Fx::ZERO), angular_damping: Some(fx!(0.5)), ..start.clone() },
+        BodyDef { kind: BodyKind::Kinematic, ..start },
+    ];
+    let bodies = defs.map(|def| world.add_body(def).unwrap());
+    world.step();
+    let now = |world: &World| bodies.map(|b| world.body(b).map(|b| (b.velocity().x, b.angular_velocity())).unwrap());
+    let pairs = |list: [(i32, i32); 5]| list.map(|(v, w)| (Fx::from(v), Fx::from(w)));
+    assert_eq!(now(&world), pairs([(32, 16), (64, 16), (32, 64), (0, 32), (64, 64)]));
+    world.set_body_damping(bodies[1], None, None).unwrap();
+    world.set_damping(fx!(0.25), fx!(1)).unwrap();
+    world.step();
+    assert_eq!(now(&world), pairs([(8, 16), (16, 16), (8, 64), (0, 16), (64, 64)]));
+}
+
+#[test]
+fn gravity_is_scaled_by_the_body_and_felt_by_dynamic_ones_alone() {
+    let mut world = world(WorldDef { gravity: vec2(0, -64), ..sixty_four() });
+    let scaled = |scale| BodyDef { gravity_scale: scale, ..BodyDef::dynamic() };
+    let defs = [scaled(fx!(1)), scaled(fx!(0)), scaled(fx!(-2)), BodyDef::kinematic(), BodyDef::fixed()];
+    let bodies = defs.map(|def| world.add_body(def).unwrap());
+    world.step();
+    let fallen = bodies.map(|body| world.body(body).unwrap().velocity().y);
+    assert_eq!(fallen, [fx!(-1), fx!(0), fx!(2), fx!(0), fx!(0)]);
+    world.set_gravity_scale(bodies[1], fx!(16)).unwrap();
+    world.set_gravity(vec2(64, 0)).unwrap();
+    world.step();
+    assert_eq!(world.body(bodies[1]).unwrap().velocity(), vec2(16, 0));
+}
+
+#[test]
+fn a_force_acts_over_one_step_and_is_gone() {
+    for integrator in Integrator::ALL {
+        let mut world = world(WorldDef { integrator, ..sixty_four() });
+        let body = ball(&mut world);
+        world.apply_force(body, vec2(256, 0)).unwrap();
+        world.apply_torque(body, fx!(512)).unwrap();
+        assert_eq!(world.body(body).unwrap().applied_force(), Some(Vec2::new(wide(fx!(256)), wide(fx!(0)))));
+        let applied = world.step().applied.to_vec();
+        assert_eq!(applied.len(), 1);
+        assert_eq!(applied[0].body, body);
+        assert_eq!(applied[0].force(), Some(Vec2::new(wide(fx!(256)), wide(fx!(0)))), "{integrator:?}");
+        assert_eq!(applied[0].torque(), Some(wide(fx!(512))));
+        assert_eq!(world.body(body).unwrap().applied_force(), Some(Vec2::default()));
+        assert_eq!(world.body(body).unwrap().applied_torque(), Some(FxWide::default()));
+        assert_eq!(world.step().applied, [], "{integrator:?}");
+        world.step();
+        let body = world.body(body).unwrap();
+        // 256 N on 4 kg, 512 N·m on 8 kg·m², over 1/64 s. Yoshida's three weights sum to one within their last bit.
+        let near = |value: Fx| (value - Fx::ONE).to_bits().abs() <= i64::from(integrator == Integrator::Yoshida4);
+        assert!(near(body.velocity().x) && near(body.angular_velocity()), "{integrator:?}: {}", body.velocity());
+    }
+}
+
+#[test]
+fn calls_add_up_to_the_bit_in_any_order_and_the_report_has_the_sums_in_order_of_handles() {
+    let mut world = world(sixty_four());
+    let bodies = [0, 1, 2].map(|_| ball(&mut world));
+    let mut other = world.clone();
+    let calls =
+        [(2, fx!(0.1)), (0, fx!(-0.7)), (2, fx!(2147483647)), (0, fx!(0.3)), (2, fx!(-2147483647)), (1, fx!(5))];
+    for &(i, f) in &calls {
+        world.apply_force_at_point(bodies[i], Vec2::new(f, -f), vec2(fx!(0.3), fx!(1.1))).unwrap();
+    }
+    for &(i, f) in calls.iter().rev() {
+        other.apply_force_at_point(bodies[i], Vec2::new(f, -f), vec2(fx!(0.3), fx!(1.1))).unwrap();
+    }
+    assert_eq!(world.state_hash(), other.state_hash());
+    let applied = world.step().applied.to_vec();
+    assert_eq!(applied.iter().map(|row| row.body).collect::<Vec<_>>(), bodies);
+    assert_eq!(applied, other.step().applied);
+    let tenth = fx!(0.1);
+    assert_eq!(applied[2].force(), Some(Vec2::new(wide(tenth), wide(-tenth))), "large forces cancel to the bit");
+    assert_eq!(world.state_hash(), other.state_hash());
+}
+
+#[test]
+fn an_impulse_acts_at_once_and_at_a_point_turns_as_well() {
+    let mut world = world(sixty_four());
+    let body = ball(&mut world);
+    world.set_position(body, vec2(10, 10)).unwrap();
+    world.apply_impulse(body, vec2(4, 8)).unwrap();
+    let now = |world: &World| world.body(body).map(|b| (b.velocity(), b.angular_velocity())).unwrap();
+    assert_eq!(now(&world), (vec2(1, 2), fx!(0)));
+    // r × J = 2·8 − 0·4 on 8 kg·m².
+    world.apply_impulse_at_point(body, vec2(4, 8), vec2(12, 10)).unwrap();
+    assert_eq!(now(&world), (vec2(2, 4), fx!(2)));
+    world.apply_angular_impulse(body, fx!(-16)).unwrap();
+    assert_eq!(now(&world), (vec2(2, 4), fx!(0)));
+    assert_eq!(world.step().applied, [], "impulses are not forces");
+    assert_eq!(world.body(body).unwrap().position(), vec2(fx!(10.03125), fx!(10.0625)));
+}
+
+#[test]
+fn vectors_in_the_frame_of_the_body_turn_with_it() {
+    let mut world = world(sixty_four());
+    let body = ball(&mut world);
+    world.set_position(body, vec2(100, -7)).unwrap();
+    // As near to a quarter turn as an angle comes: 411,301,173 quarters.
+    world.set_angle(body, Fx::from_bits(2_774_851_117_601_566_901)).unwrap();
+    assert_eq!(world.body(body).unwrap().angle_exact(), Turn::QUARTER);
+    let force = |vector, point| Action::Force { force: vector, point };
+    world.apply(body, force(vec2(256, 0), Some(vec2(0, fx!(-2)))), Manner::BODY).unwrap();
+    let sums = world.body(body).map(|b| (b.applied_force(), b.applied_torque())).unwrap();
+    assert_eq!(sums, (Some(Vec2::new(wide(fx!(0)), wide(fx!(256)))), Some(wide(fx!(512)))));
+    let impulse = Action::Impulse { impulse: vec2(0, 4), point: Some(vec2(2, 0)) };
+    world.apply(body, impulse, Manner::BODY).unwrap();
+    let body = world.body(body).unwrap();
+    assert_eq!((body.velocity(), body.angular_velocity()), (vec2(fx!(-1), 0), fx!(1)));
+}
+
+#[test]
+fn a_sleeper_feels_what_wakes_it_and_nothing_else() {
+    let mut world = world(WorldDef { sleep_after: Some(3), ..sixty_four() });
+    let body = ball(&mut world);
+    let mut fell = Vec::new();
+    for tick in 1..=5 {
+        let report = world.step();
+        if report.fell_asleep == [body] {
+            fell.push(tick);
+        }
+        assert_eq!(report.tick, tick);
+    }
+    assert_eq!(fell, [3]);
+    assert_eq!((world.moving_count(), world.body(body).unwrap().activity()), (0, Activity::Asleep));
+    let before = world.state_hash();
+    let gently = Manner { wake: false, ..Manner::default() };
+    for action in [
+        Action::Force { force: vec2(1, 0), point: None },
+        Action::Torque(fx!(1)),
+        Action::Impulse { impulse: vec2(1, 0), point: Some(vec2(0, 1)) },
+        Action::AngularImpulse(fx!(1)),
+    ] {
+        world.apply(body, action, gently).unwrap();
+        assert_eq!(world.state_hash(), before, "{action:?}");
+        let mut woken = world.clone();
+        woken.apply(body, action, Manner::default()).unwrap();
+        assert_eq!(woken.body(body).unwrap().activity(), Activity::Awake, "{action:?}");
+        assert_eq!(woken.step().woke, [body], "{action:?}");
+        assert_eq!(woken.step().woke, [], "reported once");
+    }
+    world.wake(body).unwrap();
+    assert_eq!(world.step().woke, [body]);
+    world.apply(body, Action::Impulse { impulse: vec2(4, 0), point: None }, gently).unwrap();
+    assert_eq!(world.body(body).unwrap().velocity(), vec2(1, 0), "one awake feels it");
+}
+
+#[test]
+fn a_body_that_is_pushed_every_tick_stays_awake_even_where_the_push_moves_nothing() {
+    let mut world = world(WorldDef { sleep_after: Some(3), ..sixty_four() });
+    let (pushed, other) = (ball(&mut world), ball(&mut world));
+    let gently = Manner { wake: false, ..Manner::default() };
+    for _ in 0..10 {
+        for x in [fx!(1), fx!(-1)] {
+            world.apply(pushed, Action::Force { force: vec2(x, 0), point: None }, gently).unwrap();
+        }
+        world.step();
+    }
+    // Asleep it would no longer feel what does not wake it.
+    assert_eq!(world.body(pushed).unwrap().activity(), Activity::Awake);
+    assert_eq!(world.body(other).unwrap().activity(), Activity::Asleep);
+}
+
+#[test]
+fn every_setter_wakes_and_a_sleeper_is_woken_through_its_springs() {
+    let mut world = world(WorldDef { sleep_after: Some(2), ..sixty_four() });
+    let chain = [0, 1, 2]
+        .map(|i| world.add_body(BodyDef { position: vec2(i, 0), shape: disc(fx!(1)), ..BodyDef::dynamic() }).unwrap());
+    let lone = ball(&mut world);
+    for (a, b) in [(0, 1), (1, 2)] {
+        let far = End::Body(Attachment::centre(chain[b]));
+        let spring = SpringLaw { rest: fx!(1), stiffness: fx!(1), damping: fx!(1) };
+        world.add_field(Law::Spring { near: Attachment::centre(chain[a]), far, spring }).unwrap();
+    }
+    for _ in 0..4 {
+        world.step();
+    }
+    assert_eq!(world.moving_count(), 0);
+    type Set = fn(&mut World, BodyId) -> Result<(), Error>;
+    let sets: [Set; 14] = [
+        |w, b| w.set_position(b, Vec2::ZERO),
+        |w, b| w.set_angle(b, Fx::ZERO),
+        |w, b| w.set_velocity(b, Vec2::ZERO),
+        |w, b| w.set_angular_velocity(b, Fx::ZERO),
+        |w, b| w.set_mass(b, Mass::Of(fx!(1))),
+        |w, b| w.set_shape(b, None),
+        |w, b| w.set_kind(b, BodyKind::Dynamic),
+        |w, b| w.set_gravity_scale(b, fx!(1)),
+        |w, b| w.set_body_damping(b, None, None),
+        |w, b| w.set_groups(b, 1),
+        |w, b| w.set_key(b, 0),
+        |w, b| w.set_user_data(b, 0),
+        |w, b| w.wake(b),
+        |w, b| w.remove_body(b),
+    ];
+    for (i, set) in sets.iter().enumerate() {
+        let mut world = world.clone();
+        set(&mut world, chain[0]).unwrap();
+        for &body in &chain[if i == 13 { 1 } else { 0 }..] {
+            assert_eq!(world.body(body).unwrap().activity(), Activity::Awake, "setter {i}, {body}");
+        }
+        assert_eq!(world.body(lone).unwrap().activity(), Activity::Asleep, "setter {i}");
+        assert!(!world.step().woke.contains(&lone));
+    }
+    world.set_gravity(vec2(0, 0)).unwrap();
+    assert_eq!(world.moving_count(), 4, "gravity wakes all");
+}
+
+#[test]
+fn kinds_move_as_they_say_and_change_into_each_other() {
+    let mut world = world(WorldDef { gravity: vec2(0, -64), ..sixty_four() });
+    let body = world
+        .add_body(BodyDef {
+            velocity: vec2(64, 0),
+            angular_velocity: fx!(1),
+            shape: disc(fx!(1)),
+            ..BodyDef::dynamic()
+        })
+        .unwrap();
+    let other = ball(&mut world);
+    world.set_kind(body, BodyKind::Kinematic).unwrap();
+    assert_eq!(world.body(body).unwrap().mass(), None);
+    let spring = SpringLaw { rest: fx!(0), stiffness: fx!(100), damping: fx!(0) };
+    let far = End::Body(Attachment::centre(body));
+    world.add_field(Law::Spring { near: Attachment::centre(other), far, spring }).unwrap();
+    world.step();
+    assert_eq!(world.body(body).unwrap().position(), vec2(1, 0), "with the velocity it was given");
+    assert_eq!(world.body(body).unwrap().velocity(), vec2(64, 0));
+    world.set_kind(body, BodyKind::Static).unwrap();
+    world.step();
+    let still = world.body(body).unwrap();
+    assert_eq!((still.position(), still.velocity(), still.angular_velocity()), (vec2(1, 0), Vec2::ZERO, Fx::ZERO));
+    assert_eq!(world.moving_count(), 1);
+    world.set_kind(body, BodyKind::Dynamic).unwrap();
+    assert_eq!(world.body(body).unwrap().mass(), Some(Fx::ONE), "its mass was kept");
+    world.apply_force(body, vec2(64, 0)).unwrap();
+    world.set_kind(body, BodyKind::Dynamic).unwrap();
+    assert_eq!(world.step().applied, [], "a change of kind forgets what was applied");
+    assert!(world.body(body).unwrap().velocity().y < fx!(-0.9), "it falls now");
+}
+
+#[test]
+fn a_removed_body_takes_its_fields_along_and_slots_are_used_again() {
+    let mut world = world(sixty_four());
+    let bodies = [0, 1, 2].map(|_| ball(&mut world));
+    let spring = |a: usize, b: usize| Law::Spring {
+        near: Attachment::centre(bodies[a]),
+        far: End::Body(Attachment::centre(bodies[b])),
+        spring: SpringLaw { rest: fx!(1), stiffness: fx!(1), damping: fx!(1) },
+    };
+    let own = Law::Thrust { at: Attachment::centre(bodies[0]), force: Vec2::X };
+    let mu = <FxFactor as Factor<Fx>>::ONE;
+    let carried = Law::Attractor { centre: End::Body(Attachment::centre(bodies[0])), mu, softening: fx!(1) };
+    let drag = Law::Drag { linear: fx!(1), quadratic: fx!(0), wind: Vec2::ZERO };
+    let laws = [spring(0, 1), spring(1, 0), spring(1, 2), own, carried, drag];
+    let fields: Vec<FieldId> = laws.into_iter().map(|law| world.add_field(law).unwrap()).collect();
+    world.remove_body(bodies[0]).unwrap();
+    let left: Vec<FieldId> = world.fields().map(|(id, _)| id).collect();
+    assert_eq!(left, [fields[2], fields[5]]);
+    let again = world.add_field(drag).unwrap();
+    assert_eq!(again.parts(), (4, 1), "the last slot freed, in its next generation");
+    assert_eq!(world.field(fields[4]).err(), Some(Error::NoSuchField { field: fields[4] }));
+    world.set_field(again, Field { groups: 0, ..drag.into() }).unwrap();
+    assert_eq!(world.field(again).unwrap().groups, 0);
+    world.remove_body(bodies[1]).unwrap();
+    assert_eq!(world.fields().count(), 2);
+    assert_eq!((world.body_count(), world.moving_count()), (1, 1));
+    assert_eq!(ball(&mut world).parts(), (1, 1));
+    assert_eq!(ball(&mut world).parts(), (0, 1));
+}
+
+#[test]
+fn a_body_removed_with_forces_on_it_leaves_the_others_theirs() {
+    let mut world = world(sixty_four());
+    let bodies = [0, 1, 2].map(|_| ball(&mut world));
+    for (i, &body) in bodies.iter().enumerate() {
+        world.apply_force(body, vec2(256 * (1 + i as i32), 0)).unwrap();
+    }
+    world.remove_body(bodies[0]).unwrap();
+    let new = ball(&mut world);
+    assert_eq!(world.body(new).unwrap().applied_force(), Some(Vec2::default()), "it has its slot, and not its forces");
+    assert_eq!(world.step().applied.len(), 2);
+    let moved = [new, bodies[1], bodies[2]].map(|body| world.body(body).unwrap().velocity().x);
+    assert_eq!(moved, [fx!(0), fx!(2), fx!(3)]);
+}
+
+#[test]
+fn what_is_set_is_what_is_read() {
+    let mut world = world(WorldDef::default());
+    let corners = [vec2(1, 1), vec2(3, 1), vec2(3, 2), vec2(1, 2)];
+    let def = BodyDef {
+        position: vec2(fx!(-3.7), fx!(1073741824)),
+        angle: fx!(6.283),
+        velocity: vec2(fx!(1048576), fx!(-0.1)),
+        angular_velocity: fx!(0.3),
+        shape: Some(Shape::polygon(&corners).unwrap()),
+        mass: Mass::Density(fx!(3)),
+        gravity_scale: fx!(-0.3),
+        linear_damping: Some(fx!(0.7)),
+        angular_damping: None,
+        groups: 6,
+        key: 5,
+        user_data: u64::MAX,
+        kind: BodyKind::Dynamic,
+    };
+    let id = world.add_body(def.clone()).unwrap();
+    let body = world.body(id).unwrap();
+    assert_eq!((body.id(), body.kind(), body.activity()), (id, def.kind, Activity::Awake));
+    assert_eq!((body.position(), body.velocity()), (def.position, def.velocity));
+    assert_eq!((body.angle(), body.angular_velocity()), (def.angle, def.angular_velocity));
+    assert_eq!((body.mass(), body.gravity_scale()), (Some(fx!(6)), def.gravity_scale));
+    assert_eq!((body.linear_damping(), body.angular_damping()), (def.linear_damping, None));
+    assert_eq!((body.groups(), body.key(), body.user_data()), (6, 5, u64::MAX));
+    assert_eq!(body.shape(), def.shape.as_ref());
+    assert_eq!(body.position_exact().x.to_bits(), i128::from(fx!(-3.7).to_bits()) << 64);
+    assert_eq!(world.bodies().count(), 1);
+    world.set_angle(id, fx!(-1)).unwrap();
+    assert_eq!(world.body(id).unwrap().angle(), Fx::TAU - fx!(1), "angles are read in [0, 2π)");
+    assert_eq!(world.body(id).unwrap().angle_exact().to_bits(), Turn::from_radians(fx!(-1)).to_bits());
+}
+
+#[test]
+fn the_origin_of_a_shape_is_where_its_coordinates_began() {
+    let mut world = world(WorldDef::default());
+    let corners = [vec2(1, 1), vec2(3, 1), vec2(3, 2), vec2(1, 2)];
+    let shape = Shape::polygon(&corners).unwrap();
+    assert_eq!(shape.shift(), vec2(2, fx!(1.5)));
+    let body = world.add_body(BodyDef { shape: Some(shape), position: vec2(7, 7), ..BodyDef::dynamic() }).unwrap();
+    assert_eq!(world.body(body).unwrap().origin(), vec2(5, fx!(5.5)));
+    world.set_angle(body, Fx::from_bits(2_774_851_117_601_566_901)).unwrap();
+    assert_eq!(world.body(body).unwrap().origin(), vec2(fx!(8.5), 5));
+}
+
+/// The call of the method that a command stands for.
+fn by_method(world: &mut World, command: &Command) -> Result<Made, Error> {
+    let nothing = |result: Result<(), Error>| result.map(|()| Made::Nothing);
+    match command.clone() {
+        Command::AddBody(def) => world.add_body(def).map(Made::Body),
+        Command::RemoveBody(body) => nothing(world.remove_body(body)),
+        Command::Apply { body, action, manner } if manner == Manner::default() => nothing(match action {
+            Action::Force { force, point: None } => world.apply_force(body, force),
+            Action::Force { force, point: Some(point) } => world.apply_force_at_point(body, force, point),
+            Action::Torque(torque) => world.apply_torque(body, torque),
+            Action::Impulse { impulse, point: None } => world.apply_impulse(body, impulse),
+            Action::Impulse { impulse, point: Some(point) } => world.apply_impulse_at_point(body, impulse, point),
+            Action::AngularImpulse(impulse) => world.apply_angular_impulse(body, impulse),
+        }),
+        Command::Apply { body, action, manner } => nothing(world.apply(body, action, manner)),
+        Command::SetPosition { body, position } => nothing(world.set_position(body, position)),
+        Command::SetAngle { body, angle } => nothing(world.set_angle(body, angle)),
+        Command::SetVelocity { body, velocity } => nothing(world.set_velocity(body, velocity)),
+        Command::SetAngularVelocity { body, velocity } => nothing(world.set_angular_velocity(body, velocity)),
+        Command::SetMass { body, mass } => nothing(world.set_mass(body, mass)),
+        Command::SetShape { body, shape } => nothing(world.set_shape(body, shape)),
+        Command::SetKind { body, kind } => nothing(world.set_kind(body, kind)),
+        Command::SetGravityScale { body, scale } => nothing(world.set_gravity_scale(body, scale)),
+        Command::SetBodyDamping { body, linear, angular } => nothing(world.set_body_damping(body, linear, angular)),
+        Command::SetGroups { body, groups } => nothing(world.set_groups(body, groups)),
+        Command::SetKey { body, key } => nothing(world.set_key(body, key)),
+        Command::SetUserData { body, user_data } => nothing(world.set_user_data(body, user_data)),
+        Command::Wake(body) => nothing(world.wake(body)),
+        Command::Release(body) => nothing(world.release(body)),
+        Command::AddField(field) => world.add_field(field).map(Made::Field),
+        Command::SetField { id, field } => nothing(world.set_field(id, field)),
+        Command::RemoveField(id) => nothing(world.remove_field(id)),
+        Command::SetTimeStep(time_step) => nothing(world.set_time_step(time_step)),
+        Command::SetGravity(gravity) => nothing(world.set_gravity(gravity)),
+        Command::SetIntegrator(integrator) => nothing(world.set_integrator(integrator)),
+        Command::SetDamping { linear, angular } => nothing(world.set_damping(linear, angular)),
+        Command::SetSleepAfter(ticks) => nothing(world.set_sleep_after(ticks)),
+        other => panic!("{other:?} has no case here"),
+    }
+}
+
+#[test]
+fn a_command_does_what_the_method_of_its_name_does() {
+    let mut world = world(WorldDef::default());
+    let body = ball(&mut world);
+    let gone = BodyId::from_parts(77, 0);
+    let id = world.add_field(Law::Drag { linear: fx!(1), quadratic: fx!(0), wind: Vec2::ZERO }).unwrap();
+    let far = world
+        .add_body(BodyDef { position: vec2(fx!(1073741824), 0), velocity: vec2(1, 0), ..BodyDef::dynamic() })
+        .unwrap();
+    world.step();
+    assert_eq!(world.body(far).unwrap().activity(), Activity::Quarantined);
+    let manner = Manner::default();
+    let apply = |action| Command::Apply { body, action, manner };
+    let field = Field::from(Law::Thrust { at: Attachment::centre(body), force: Vec2::X });
+    let force = Vec2::new(fx!(2), fx!(1));
+    let commands = [
+        Command::AddBody(BodyDef { position: vec2(4, 4), ..BodyDef::dynamic() }),
+        Command::AddBody(BodyDef { gravity_scale: fx!(17), ..BodyDef::dynamic() }),
+        apply(Action::Force { force, point: None }),
+        apply(Action::Force { force, point: Some(vec2(1, 3)) }),
+        apply(Action::Torque(fx!(3))),
+        apply(Action::Impulse { impulse: force, point: None }),
+        apply(Action::Impulse { impulse: force, point: Some(vec2(1, 3)) }),
+        apply(Action::AngularImpulse(fx!(3))),
+        Command::Apply { body, action: Action::Force { force, point: Some(force) }, manner: Manner::BODY },
+        Command::Apply { body, action: Action::Torque(fx!(1)), manner: Manner { frame: Frame::World, wake: false } },
+        Command::SetPosition { body, position: force },
+        Command::SetAngle { body, angle: fx!(2) },
+        Command::SetVelocity { body, velocity: force },
+        Command::SetAngularVelocity { body, velocity: fx!(2) },
+        Command::SetMass { body, mass: Mass::Of(fx!(9)) },
+        Command::SetShape { body, shape: disc(fx!(3)) },
+        Command::SetKind { body, kind: BodyKind::Kinematic },
+        Command::SetKind { body, kind: BodyKind::Dynamic },
+        Command::SetGravityScale { body, scale: fx!(2) },
+        Command::SetBodyDamping { body, linear: Some(fx!(0.5)), angular: Some(fx!(0.25)) },
+        Command::SetGroups { body, groups: 3 },
+        Command::SetKey { body, key: 4 },
+        Command::SetUserData { body, user_data: 5 },
+        Command::Wake(body),
+        Command::Wake(gone),
+        Command::Release(far),
+        Command::Release(body),
+        Command::AddField(field),
+        Command::SetField { id, field },
+        Command::RemoveField(id),
+        Command::SetTimeStep(TimeStep::hz(50)),
+        Command::SetGravity(force),
+        Command::SetIntegrator(Integrator::SymplecticEuler),
+        Command::SetDamping { linear: fx!(0.5), angular: fx!(0.25) },
+        Command::SetSleepAfter(Some(9)),
+        Command::RemoveBody(body),
+        Command::RemoveBody(gone),
+    ];
+    // The enum is open to more variants, so no match from outside has to name them all: its own text says which there are.
+    let text = include_str!("../src/world/command.rs");
+    let variants = text.split("pub enum Command").nth(1).and_then(|rest| rest.split("\n}").next()).unwrap();
+    let name = |line: &str| line.trim().split([' ', '(', '{', ',']).next().unwrap_or_default().to_owned();
+    let is_variant = |name: &String| name.starts_with(char::is_uppercase);
+    let variants: Vec<String> = variants.lines().skip(1).map(name).filter(is_variant).collect();
+    assert!(variants.len() >= 25, "{variants:?}");
+    for variant in variants {
+        let covers = |command: &Command| name(&format!("{command:?}")) == variant;
+        assert!(commands.iter().any(covers), "no case for {variant}");
+    }
+    for command in commands {
+        let mut other = world.clone();
+        let before = world.state_hash();
+        let (made, same) = (world.execute(&command), by_method(&mut other, &command));
+        assert_eq!(made, same, "{command:?}");
+        assert_eq!(world.state_hash(), other.state_hash(), "{command:?}");
+        let without_effect = matches!(command, Command::Wake(_) | Command::RemoveBody(_)) || made.is_err();
+        assert!(without_effect || world.state_hash() != before, "{command:?} changed nothing");
+        world.step();
+        other.step();
+        assert_eq!(world.state_hash(), other.state_hash(), "{command:?}, a step later");
+        assert_eq!(world.last_report(), other.last_report());
+    }
+}

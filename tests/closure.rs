@@ -1,0 +1,835 @@
+//! The next step depends on the state and the inputs alone, and a body's bits on nothing it does not interact with.
+
+use umbra_physics::scalar::{Accumulator, Angle, Factor};
+use umbra_physics::{
+    Activity, Attachment, BodyDef, BodyId, BodyKind, BodyState, Dependence, End, Error, Field, FieldId, ForceLaw, Fx,
+    FxFactor, Integrator, Law, LawFault, Mass, Push, Region, Shape, SpringLaw, TimeStep, Vec2, World, WorldDef, fx,
+    vec2,
+};
+
+type Bits = ([i128; 5], u64, Activity);
+
+fn bits(world: &World, body: BodyId) -> Bits {
+    let body = world.body(body).expect("it is there");
+    let (x, v) = (body.position_exact(), body.velocity_exact());
+    let sums = [x.x, x.y, v.x, v.y, body.angular_velocity_exact()].map(Accumulator::to_bits);
+    (sums, body.angle_exact().to_bits(), body.activity())
+}
+
+/// Random numbers for orders and choices: xorshift (Marsaglia 2003).
+struct Dice(u64);
+
+impl Dice {
+    fn throw(&mut self, sides: usize) -> usize {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        ((self.0 >> 16) % sides as u64) as usize
+    }
+
+    /// Within ±size.
+    fn number(&mut self, size: Fx) -> Fx {
+        let size = size.to_bits();
+        Fx::from_bits(self.throw(2 * size as usize) as i64 - size)
+    }
+
+    fn vector(&mut self, size: Fx) -> Vec2 {
+        Vec2::new(self.number(size), self.number(size))
+    }
+
+    fn shuffled(&mut self, count: usize) -> Vec<usize> {
+        let mut order: Vec<usize> = (0..count).collect();
+        for i in (1..count).rev() {
+            order.swap(i, self.throw(i + 1));
+        }
+        order
+    }
+}
+
+fn mu(value: Fx) -> FxFactor {
+    <FxFactor as Factor<Fx>>::from_scalar(value)
+}
+
+fn spring(near: BodyId, point: Vec2, far: End, rest: Fx, stiffness: Fx, damping: Fx) -> Law {
+    Law::Spring { near: Attachment { body: near, point }, far, spring: SpringLaw { rest, stiffness, damping } }
+}
+
+fn world_def(integrator: Integrator) -> WorldDef {
+    WorldDef {
+        gravity: vec2(fx!(0.1), fx!(-2)),
+        linear_damping: fx!(0.8),
+        angular_damping: fx!(0.9),
+        integrator,
+        ..WorldDef::default()
+    }
+}
+
+/// Nine bodies that act on each other in every way there is.
+fn cast() -> Vec<BodyDef> {
+    let at = |i: u32| vec2(fx!(1.7) * Fx::from(i as i32) - fx!(6), fx!(0.31) * Fx::from((i * i % 7) as i32));
+    let mut bodies: Vec<BodyDef> = (0..9u32)
+        .map(|i| BodyDef {
+            position: at(i),
+            velocity: vec2(fx!(0.3) * Fx::from(i as i32 % 3 - 1), fx!(-0.2)),
+            angle: fx!(0.7) * Fx::from(i as i32),
+            angular_velocity: fx!(1.1) - fx!(0.4) * Fx::from(i as i32),
+            shape: Some(Shape::rectangle(fx!(0.5), fx!(0.25) + fx!(0.1) * Fx::from(i as i32)).expect("a shape")),
+            mass: Mass::Of(fx!(0.3) + fx!(0.37) * Fx::from(i as i32)),
+            key: u64::from(i),
+            ..BodyDef::dynamic()
+        })
+        .collect();
+    bodies[3] =
+        BodyDef { velocity: Vec2::ZERO, angular_velocity: Fx::ZERO, key: 3, position: at(3), ..BodyDef::fixed() };
+    bodies[5] = BodyDef { kind: BodyKind::Kinematic, ..bodies[5].clone() };
+    bodies[6] = BodyDef { linear_damping: Some(fx!(0.5)), gravity_scale: fx!(-0.5), ..bodies[6].clone() };
+    bodies
+}
+
+/// The fields between them, with the bodies' handles by their place in the cast.
+fn fields(id: &[BodyId]) -> Vec<Field> {
+    let body = |i: usize, point| End::Body(Attachment { body: id[i], point });
+    let drag = |linear, quadratic| Law::Drag { linear, quadratic, wind: vec2(fx!(-0.5), fx!(0.2)) };
+    let laws = [
+        spring(id[0], vec2(fx!(0.1), fx!(0.2)), body(1, vec2(0, fx!(0.3))), fx!(1), fx!(4), fx!(0.2)),
+        spring(id[1], Vec2::ZERO, body(2, vec2(fx!(0.2), 0)), fx!(1.5), fx!(2.3), fx!(0)),
+        spring(id[2], vec2(fx!(-0.3), fx!(0.1)), body(3, Vec2::ZERO), fx!(1), fx!(6), fx!(0.1)),
+        spring(id[4], Vec2::ZERO, body(5, vec2(fx!(0.2), fx!(0.2))), fx!(1), fx!(6), fx!(0.3)),
+        spring(id[6], vec2(0, fx!(0.1)), End::World(vec2(4, 1)), fx!(0.5), fx!(3), fx!(0)),
+        Law::Attractor { centre: End::World(vec2(0, -1)), mu: mu(fx!(5)), softening: fx!(0.5) },
+        Law::Attractor { centre: body(7, vec2(fx!(0.1), 0)), mu: mu(fx!(1.5)), softening: fx!(0.7) },
+        Law::Thrust { at: Attachment { body: id[8], point: vec2(fx!(0.2), 0) }, force: vec2(fx!(0.3), fx!(1)) },
+        Law::Zone { region: Region::Disc { centre: vec2(0, 0), radius: fx!(3) }, acceleration: vec2(fx!(0.3), fx!(1)) },
+        drag(fx!(0.1), fx!(0.02)),
+        drag(fx!(0.03), fx!(0.1)),
+    ];
+    // The medium is there for the dragged strangers too.
+    let groups = |law: &Law| if matches!(law, Law::Drag { .. }) { 1 | DRAGGED } else { 1 };
+    laws.into_iter().map(|law| Field { groups: groups(&law), law }).collect()
+}
+
+/// The cast and its fields in a world, added in some order.
+fn stage(integrator: Integrator, order: &[usize]) -> (World, Vec<BodyId>) {
+    let mut world = World::new(world_def(integrator)).expect("a world");
+    let mut ids = vec![BodyId::from_parts(u32::MAX, 0); 9];
+    for &i in order {
+        ids[i] = world.add_body(cast()[i].clone()).expect("a body");
+    }
+    for field in fields(&ids) {
+        world.add_field(field).expect("a field");
+    }
+    (world, ids)
+}
+
+/// What is applied at a tick: body, force, point.
+fn pushes(tick: u32) -> Vec<(usize, Vec2, Vec2)> {
+    let mut dice = Dice(0x9e37_79b9_7f4a_7c15 + u64::from(tick));
+    (0..dice.throw(6))
+        .map(|_| ([0, 1, 2, 4, 6, 7, 8][dice.throw(7)], dice.vector(fx!(3)), dice.vector(fx!(2))))
+        .collect()
+}
+
+fn push_all(world: &mut World, ids: &[BodyId], tick: u32, order: impl Fn(usize) -> Vec<usize>) {
+    let pushes = pushes(tick);
+    for i in order(pushes.len()) {
+        let (body, force, point) = pushes[i];
+        world.apply_force_at_point(ids[body], force, point).expect("a force");
+    }
+}
+
+fn in_order(count: usize) -> Vec<usize> {
+    (0..count).collect()
+}
+
+const TICKS: u32 = if cfg!(debug_assertions) { 150 } else { 1_000 };
+
+#[test]
+fn the_order_of_adding_bodies_and_of_calling_changes_no_bit_of_a_body() {
+    for integrator in Integrator::ALL {
+        let (mut straight, ids) = stage(integrator, &in_order(9));
+        let mut others: Vec<_> = (1..5)
+            .map(|seed| {
+                let mut dice = Dice(seed * 77);
+                stage(integrator, &dice.shuffled(9))
+            })
+            .collect();
+        for tick in 0..TICKS {
+            push_all(&mut straight, &ids, tick, in_order);
+            straight.step();
+            for (seed, (world, other)) in others.iter_mut().enumerate() {
+                push_all(world, other, tick, |count| Dice(u64::from(tick) * 31 + seed as u64 + 1).shuffled(count));
+                world.step();
+                for i in 0..9 {
+                    let (is, wanted) = (bits(world, other[i]), bits(&straight, ids[i]));
+                    assert_eq!(is, wanted, "{integrator:?}, tick {tick}, order {seed}, body {i}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_order_of_adding_fields_changes_no_bit_but_for_drags_among_themselves() {
+    for integrator in Integrator::ALL {
+        let (mut straight, ids) = stage(integrator, &in_order(9));
+        let (mut other, same) = stage(integrator, &in_order(9));
+        let all: Vec<FieldId> = other.fields().map(|(id, _)| id).collect();
+        all.into_iter().for_each(|id| other.remove_field(id).expect("it is there"));
+        let fields = fields(&same);
+        let is_drag = |i: usize| matches!(fields[i].law, Law::Drag { .. });
+        let mut order = Dice(5).shuffled(fields.len());
+        // The drags change places until they are in order.
+        let (places, mut drags): (Vec<_>, Vec<_>) =
+            order.iter().copied().enumerate().filter(|&(_, i)| is_drag(i)).unzip();
+        drags.sort_unstable();
+        places.into_iter().zip(drags).for_each(|(place, drag)| order[place] = drag);
+        // Free slots are taken from the last one freed on.
+        order.reverse();
+        let mut handles = Vec::new();
+        for &i in &order {
+            handles.push(other.add_field(fields[i]).expect("a field"));
+        }
+        assert!(handles.is_sorted_by(|a, b| a.parts().0 > b.parts().0));
+        for tick in 0..TICKS {
+            push_all(&mut straight, &ids, tick, in_order);
+            push_all(&mut other, &same, tick, in_order);
+            straight.step();
+            other.step();
+            for i in 0..9 {
+                assert_eq!(bits(&other, same[i]), bits(&straight, ids[i]), "{integrator:?}, tick {tick}, body {i}");
+            }
+        }
+    }
+}
+
+/// The group of strangers that only drags act on.
+const DRAGGED: u32 = 8;
+
+/// Bodies that no field of the cast's acts on, or the drags alone: sleepers, static ones, some on springs, some that leave
+/// the envelope, some so fast that `Yoshida4` has their drag around the step.
+fn add_stranger(world: &mut World, i: usize, last: Option<BodyId>) -> BodyId {
+    let position = vec2(50 + i as i32, -3);
+    let base = BodyDef { position, groups: 2, ..BodyDef::dynamic() };
+    let def = match i % 6 {
+        0 => BodyDef { gravity_scale: Fx::ZERO, ..base },
+        1 => BodyDef { position, ..BodyDef::fixed() },
+        2 => BodyDef { velocity: vec2(fx!(1), 0), linear_damping: Some(Fx::ONE), mass: Mass::Of(fx!(77)), ..base },
+        3 => BodyDef { position: vec2(fx!(1073741823), 0), velocity: vec2(fx!(900000), 0), ..base },
+        4 => BodyDef { kind: BodyKind::Kinematic, velocity: vec2(0, fx!(3)), ..base },
+        _ => BodyDef {
+            velocity: vec2(fx!(9000), 0),
+            angular_velocity: fx!(50),
+            angular_damping: Some(fx!(0.1)),
+            groups: DRAGGED,
+            ..base
+        },
+    };
+    let body = world.add_body(def).expect("a stranger");
+    if let Some(last) = last {
+        // Where neither end gives there is no spring.
+        let _ = world.add_field(spring(body, Vec2::ZERO, End::Body(Attachment::centre(last)), fx!(1), fx!(9), fx!(1)));
+    }
+    body
+}
+
+#[test]
+fn strangers_in_any_number_change_no_bit_of_a_body() {
+    for integrator in Integrator::ALL {
+        let (mut alone, ids) = stage(integrator, &in_order(9));
+        let mut history = Vec::new();
+        for tick in 0..TICKS / 2 {
+            push_all(&mut alone, &ids, tick, in_order);
+            alone.step();
+            history.push(ids.iter().map(|&id| bits(&alone, id)).collect::<Vec<_>>());
+        }
+        for count in 0..=17 {
+            let mut world = World::new(world_def(integrator)).expect("a world");
+            let mut strangers: Vec<BodyId> = Vec::new();
+            let mut ids = Vec::new();
+            for (i, def) in cast().into_iter().enumerate() {
+                // Half of them come in between.
+                if i < count / 2 {
+                    strangers.push(add_stranger(&mut world, i, strangers.last().copied()));
+                }
+                ids.push(world.add_body(def).expect("a body"));
+            }
+            for field in fields(&ids) {
+                world.add_field(field).expect("a field");
+            }
+            let (mut gone, mut faults, mut outside) = (0, 0, 0);
+            for (tick, wanted) in history.iter().enumerate() {
+                if strangers.len() + gone < count && tick % 7 == 0 {
+                    let i = strangers.len() + gone;
+                    strangers.push(add_stranger(&mut world, i, strangers.last().copied()));
+                }
+                if tick % 23 == 22 && strangers.len() > 3 {
+                    world.remove_body(strangers.remove(tick % 3)).expect("it is there");
+                    gone += 1;
+                }
+                push_all(&mut world, &ids, tick as u32, in_order);
+                let report = world.step();
+                faults += report.faults.len();
+                outside += report.drag_outside;
+                for (i, (&id, wanted)) in ids.iter().zip(wanted).enumerate() {
+                    assert_eq!(bits(&world, id), *wanted, "{integrator:?}, {count} strangers, tick {tick}, body {i}");
+                }
+            }
+            assert!(
+                count < 8 || integrator != Integrator::Yoshida4 || outside > 0,
+                "no drag of a stranger is that stiff"
+            );
+            assert!(count < 8 || faults > 0, "one of the strangers is to be taken out");
+        }
+    }
+}
+
+#[test]
+fn the_cache_of_fields_is_no_state() {
+    for integrator in Integrator::ALL {
+        let (mut world, ids) = stage(integrator, &in_order(9));
+        let mut dropping = world.clone();
+        for tick in 0..TICKS {
+            push_all(&mut world, &ids, tick, in_order);
+            push_all(&mut dropping, &ids, tick, in_order);
+            // It changes nothing, but whatever is cached has to go.
+            dropping.set_key(ids[0], 0).expect("it is there");
+            world.step();
+            dropping.step();
+            assert_eq!(world.state_hash(), dropping.state_hash(), "{integrator:?}, tick {tick}");
+        }
+    }
+}
+
+#[test]
+fn a_clone_has_the_same_future_and_leaves_the_original_alone() {
+    for integrator in Integrator::ALL {
+        let (mut world, ids) = stage(integrator, &in_order(9));
+        for tick in 0..37 {
+            push_all(&mut world, &ids, tick, in_order);
+            world.step();
+        }
+        let mut into = World::new(WorldDef::default()).expect("a world");
+        into.clone_from(&world);
+        let mut straight = world.clone();
+        let futures: Vec<u64> = (37..97)
+            .map(|tick| {
+                push_all(&mut world, &ids, tick, in_order);
+                world.step();
+                world.state_hash()
+            })
+            .collect();
+        for (tick, wanted) in (37..97).zip(futures) {
+            for other in [&mut straight, &mut into] {
+                push_all(other, &ids, tick, in_order);
+                other.step();
+                assert_eq!(other.state_hash(), wanted, "{integrator:?}, tick {tick}");
+            }
+        }
+    }
+}
+
+/// A pool of bodies at rest or nearly so, on springs, that strong damping brings to rest to the bit.
+fn pool(integrator: Integrator, sleep_after: Option<u32>) -> (World, Vec<BodyId>) {
+    let def = WorldDef {
+        sleep_after,
+        linear_damping: fx!(0.0001),
+        angular_damping: fx!(0.0001),
+        integrator,
+        ..WorldDef::default()
+    };
+    let mut world = World::new(def).expect("a world");
+    let bodies: Vec<BodyId> = (0..12)
+        .map(|i| {
+            let shape = Some(Shape::circle(fx!(0.5)).expect("a disc"));
+            let kind = [BodyKind::Dynamic, BodyKind::Kinematic, BodyKind::Static][[0, 0, 0, 1, 0, 2][i as usize % 6]];
+            let def = BodyDef { kind, shape, position: vec2(3 * i, i % 5), groups: 1 << (i % 3), ..BodyDef::dynamic() };
+            world.add_body(def).expect("a body")
+        })
+        .collect();
+    for (a, b) in [(0, 1), (1, 2), (2, 3), (4, 5), (6, 7), (8, 9), (8, 10)] {
+        let far = End::Body(Attachment { body: bodies[b], point: vec2(0, fx!(0.25)) });
+        world.add_field(spring(bodies[a], vec2(fx!(0.3), 0), far, fx!(3), fx!(20), fx!(1))).expect("a spring");
+    }
+    (world, bodies)
+}
+
+/// One of many changes, the same in both worlds; forces and impulses wake, as those that do not are for sleepers alone.
+fn change(world: &mut World, bodies: &[BodyId], dice: &mut Dice) -> Result<(), Error> {
+    let body = bodies[dice.throw(bodies.len())];
+    let other = bodies[dice.throw(bodies.len())];
+    let fields: Vec<FieldId> = world.fields().map(|(id, _)| id).collect();
+    let tiny = Fx::from_bits(dice.throw(64) as i64);
+    match dice.throw(26) {
+        0 => world.apply_force(body, dice.vector(fx!(2))),
+        1 => world.apply_torque(body, dice.number(fx!(2))),
+        2 => world.apply_impulse_at_point(body, dice.vector(fx!(2)), dice.vector(fx!(5))),
+        3 => world.apply_angular_impulse(body, dice.number(fx!(1))),
+        4 => world.set_position(body, dice.vector(fx!(20))),
+        5 => world.set_angle(body, dice.number(fx!(7))),
+        6 => world.set_velocity(body, dice.vector(fx!(1))),
+        7 => world.set_angular_velocity(body, dice.number(fx!(1))),
+        8 => world.set_mass(body, Mass::Of(fx!(1) + dice.number(fx!(0.9)))),
+        9 => world.set_shape(body, Some(Shape::circle(fx!(1) + dice.number(fx!(0.9)))?)),
+        10 => world.set_kind(body, [BodyKind::Dynamic, BodyKind::Static, BodyKind::Kinematic][dice.throw(3)]),
+        11 => world.set_gravity_scale(body, dice.number(fx!(1))),
+        12 => world.set_body_damping(body, Some(fx!(0.001)), [None, Some(fx!(0.01))][dice.throw(2)]),
+        13 => world.set_groups(body, dice.throw(8) as u32),
+        14 => world.wake(body),
+        15 => world.set_time_step(TimeStep::ratio(1, [1, 10, 60, 64, 1000][dice.throw(5)])),
+        // Gravity so small that what it gives in a short step is damped away, and in a long one is not.
+        16 => world.set_gravity(Vec2::new(tiny, -tiny)),
+        17 => world.set_integrator(Integrator::ALL[dice.throw(5)]),
+        18 => world.set_damping(fx!(0.0001), [fx!(0.0001), fx!(0.01)][dice.throw(2)]),
+        19 => {
+            let far = End::Body(Attachment::centre(other));
+            world.add_field(spring(body, vec2(0, fx!(0.1)), far, fx!(2), fx!(5), fx!(0.5))).map(drop)
+        }
+        20 => {
+            let centre = End::Body(Attachment::centre(body));
+            let law = Law::Attractor { centre, mu: mu(dice.number(fx!(0.0001))), softening: fx!(1) };
+            world.add_field(Field { law, groups: 2 }).map(drop)
+        }
+        21 => {
+            let region = Region::Disc { centre: dice.vector(fx!(20)), radius: fx!(4) };
+            let law = Law::Zone { region, acceleration: Vec2::new(tiny, tiny) };
+            world.add_field(Field { law, groups: 4 }).map(drop)
+        }
+        22..=24 if !fields.is_empty() => world.remove_field(fields[dice.throw(fields.len())]),
+        _ => Ok(()),
+    }
+}
+
+#[test]
+fn sleeping_off_equals_sleeping_on_bit_for_bit_in_motion() {
+    let runs = if cfg!(debug_assertions) { 6 } else { 60 };
+    let (mut slept, mut woken) = (0, 0);
+    for seed in 1..=runs {
+        let integrator = Integrator::ALL[seed as usize % 5];
+        let (mut awake, bodies) = pool(integrator, None);
+        let (mut sleepy, same) = pool(integrator, Some(1 + seed as u32 % 3));
+        assert_eq!(bodies, same);
+        let mut dice = [Dice(seed * 0x1234_5678_9abc_def1), Dice(seed * 0x1234_5678_9abc_def1)];
+        for tick in 0..2_000 {
+            // Pauses long enough to fall asleep.
+            if tick % 40 == 0 {
+                for _ in 0..1 + tick / 40 % 3 {
+                    let [first, second] = &mut dice;
+                    let (a, b) = (change(&mut awake, &bodies, first), change(&mut sleepy, &bodies, second));
+                    assert_eq!(a, b, "run {seed}, tick {tick}");
+                }
+            }
+            awake.step();
+            let report = sleepy.step();
+            slept += report.fell_asleep.len();
+            woken += report.woke.len();
+            for &body in &bodies {
+                let ((a, turn, activity), (b, same, _)) = (bits(&awake, body), bits(&sleepy, body));
+                let is = sleepy.body(body).expect("it is there").activity();
+                assert!((activity == Activity::Quarantined) == (is == Activity::Quarantined));
+                assert_eq!(
+                    (a, turn),
+                    (b, same),
+                    "run {seed}, {:?}, tick {tick}, {body}, {is:?}",
+                    sleepy.def().integrator
+                );
+            }
+        }
+    }
+    println!("{slept} fell asleep, {woken} woke");
+    assert!(slept > 100 && woken > 100, "{slept} fell asleep, {woken} woke: too few to show anything");
+}
+
+#[test]
+fn no_cache_outlives_a_change() {
+    let runs = if cfg!(debug_assertions) { 5 } else { 40 };
+    for seed in 1..=runs {
+        let (mut keeping, bodies) = pool(Integrator::ALL[seed as usize % 5], None);
+        let mut dropping = keeping.clone();
+        let mut dice = [Dice(seed * 0x0fed_cba9_8765_4321), Dice(seed * 0x0fed_cba9_8765_4321)];
+        for tick in 0..600 {
+            let [first, second] = &mut dice;
+            if tick % 3 == 0 {
+                let (a, b) = (change(&mut keeping, &bodies, first), change(&mut dropping, &bodies, second));
+                assert_eq!(a, b, "run {seed}, tick {tick}");
+            }
+            // The same gravity: all that is derived is made anew.
+            let gravity = dropping.def().gravity;
+            dropping.set_gravity(gravity).expect("it was there before");
+            keeping.step();
+            dropping.step();
+            assert_eq!(keeping.state_hash(), dropping.state_hash(), "run {seed}, tick {tick}");
+        }
+    }
+}
+
+#[test]
+fn a_longer_time_step_moves_a_sleeper_that_a_shorter_one_left_at_rest() {
+    // 8 ulp/s²: in 1/1000 s less than half an ulp/s, which damping clears; in 1 s eight of them.
+    let make = |sleep_after| {
+        let def = WorldDef {
+            time_step: TimeStep::hz(1_000),
+            gravity: Vec2::new(Fx::ZERO, Fx::from_bits(-8)),
+            linear_damping: fx!(0.5),
+            sleep_after,
+            ..WorldDef::default()
+        };
+        let mut world = World::new(def).expect("a world");
+        let body = world.add_body(BodyDef::dynamic()).expect("a body");
+        (world, body)
+    };
+    let ((mut awake, body), (mut sleepy, _)) = (make(None), make(Some(2)));
+    for step in [TimeStep::hz(1_000), TimeStep::hz(1)] {
+        for world in [&mut awake, &mut sleepy] {
+            world.set_time_step(step).expect("a time step");
+            for _ in 0..5 {
+                world.step();
+            }
+        }
+        let ((a, ..), (b, ..)) = (bits(&awake, body), bits(&sleepy, body));
+        assert_eq!(a, b, "{step:?}");
+    }
+}
+
+#[test]
+fn another_integrator_moves_a_sleeper_that_the_one_before_left_at_rest() {
+    // 24 ulp/s²: 0.4 ulp/s a step, which damping clears; the first of Yoshida's sub-steps gains 0.54, which it does not.
+    let make = |sleep_after| {
+        let gravity = Vec2::new(Fx::ZERO, Fx::from_bits(-24));
+        let mut world = World::new(WorldDef { gravity, linear_damping: fx!(0.5), sleep_after, ..WorldDef::default() })
+            .expect("a world");
+        let body = world.add_body(BodyDef::dynamic()).expect("a body");
+        (world, body)
+    };
+    let ((mut awake, body), (mut sleepy, _)) = (make(None), make(Some(2)));
+    for integrator in [Integrator::VelocityVerlet, Integrator::Yoshida4] {
+        for world in [&mut awake, &mut sleepy] {
+            world.set_integrator(integrator).expect("any");
+            for _ in 0..5 {
+                world.step();
+            }
+        }
+        let ((a, ..), (b, ..)) = (bits(&awake, body), bits(&sleepy, body));
+        assert_eq!(a, b, "{integrator:?}");
+        assert_eq!(a[3] != 0, integrator == Integrator::Yoshida4, "{integrator:?}: {a:?}");
+    }
+}
+
+#[test]
+fn no_body_sleeps_while_an_attractor_may_come_by() {
+    // From 4000 m its pull is cleared by damping, so that the body stays where it is to the bit; from near it is not.
+    let make = |sleep_after| {
+        let mut world =
+            World::new(WorldDef { linear_damping: fx!(0.5), sleep_after, ..WorldDef::default() }).expect("a world");
+        let body = world.add_body(BodyDef { position: vec2(0, 1), ..BodyDef::dynamic() }).expect("a body");
+        let comet = BodyDef { position: vec2(4_000, 0), velocity: vec2(-1_000, 0), ..BodyDef::kinematic() };
+        let centre = End::Body(Attachment::centre(world.add_body(comet).expect("a body")));
+        world.add_field(Law::Attractor { centre, mu: mu(fx!(0.01)), softening: fx!(0) }).expect("a field");
+        (world, body)
+    };
+    let ((mut awake, body), (mut sleepy, _)) = (make(None), make(Some(2)));
+    let start = bits(&awake, body);
+    for tick in 0..300 {
+        awake.step();
+        sleepy.step();
+        assert_eq!(bits(&awake, body), bits(&sleepy, body), "tick {tick}");
+        assert!(tick > 30 || bits(&awake, body) == start, "tick {tick}: it is to be at rest at first");
+    }
+    assert_ne!(bits(&awake, body), start);
+}
+
+#[test]
+fn a_stale_handle_is_refused_after_removal_and_after_its_slot_is_taken_again() {
+    let mut world = World::new(WorldDef::default()).expect("a world");
+    let first = world.add_body(BodyDef::dynamic()).expect("a body");
+    let field = world.add_field(Law::Thrust { at: Attachment::centre(first), force: vec2(1, 0) }).expect("a field");
+    world.remove_body(first).expect("it is there");
+    let check = |world: &mut World| {
+        let before = world.state_hash();
+        assert_eq!(world.body(first).err(), Some(Error::NoSuchBody { body: first }));
+        assert_eq!(world.set_key(first, 1), Err(Error::NoSuchBody { body: first }));
+        assert_eq!(world.apply_force(first, Vec2::X), Err(Error::NoSuchBody { body: first }));
+        assert_eq!(world.remove_body(first), Err(Error::NoSuchBody { body: first }));
+        assert_eq!(world.release(first), Err(Error::NoSuchBody { body: first }));
+        let law = spring(first, Vec2::ZERO, End::World(Vec2::ZERO), fx!(1), fx!(1), fx!(0));
+        assert_eq!(world.add_field(law), Err(Error::NoSuchBody { body: first }));
+        assert_eq!(world.field(field).err(), Some(Error::NoSuchField { field }));
+        assert_eq!(world.remove_field(field), Err(Error::NoSuchField { field }));
+        assert_eq!(world.state_hash(), before);
+    };
+    check(&mut world);
+    let second = world.add_body(BodyDef::dynamic()).expect("a body");
+    let thrust = world.add_field(Law::Thrust { at: Attachment::centre(second), force: vec2(1, 0) }).expect("a field");
+    assert_eq!((first.parts().0, second.parts()), (second.parts().0, (0, 1)), "the slot is taken again");
+    assert_eq!((field.parts().0, thrust.parts()), (thrust.parts().0, (0, 1)));
+    check(&mut world);
+}
+
+#[test]
+fn the_hash_tells_histories_apart_that_lead_to_other_handles() {
+    let make = |removed: [usize; 2]| {
+        let mut world = World::new(WorldDef::default()).expect("a world");
+        let bodies = [0, 1, 2].map(|_| world.add_body(BodyDef::dynamic()).expect("a body"));
+        removed.into_iter().for_each(|i| world.remove_body(bodies[i]).expect("it is there"));
+        world
+    };
+    let (mut one, mut two) = (make([0, 1]), make([1, 0]));
+    let left = |world: &World| world.bodies().map(|body| bits(world, body.id())).collect::<Vec<_>>();
+    assert_eq!(left(&one), left(&two), "the bodies that are left are the same");
+    assert_ne!(one.state_hash(), two.state_hash(), "and yet the next handle is not");
+    let next =
+        [one.add_body(BodyDef::dynamic()), two.add_body(BodyDef::dynamic())].map(|id| id.expect("a body").parts().0);
+    assert_eq!(next, [1, 0], "the last slot freed is taken first");
+    let make = |removed: [usize; 2]| {
+        let mut world = World::new(WorldDef::default()).expect("a world");
+        let zone = Law::Zone { region: Region::Disc { centre: Vec2::ZERO, radius: fx!(1) }, acceleration: Vec2::X };
+        let fields = [0, 1, 2].map(|_| world.add_field(zone).expect("a field"));
+        removed.into_iter().for_each(|i| world.remove_field(fields[i]).expect("it is there"));
+        world.state_hash()
+    };
+    assert_ne!(make([0, 1]), make([1, 0]), "the same for fields");
+}
+
+struct Push1(u64, u32);
+
+impl ForceLaw for Push1 {
+    fn id(&self) -> u64 {
+        self.0
+    }
+    fn version(&self) -> u32 {
+        self.1
+    }
+    fn depends_on(&self) -> Dependence {
+        Dependence::Nothing
+    }
+    fn push(&self, _: &BodyState) -> Result<Push, LawFault> {
+        Ok(Push::default())
+    }
+}
+
+#[test]
+fn equal_worlds_hash_alike_and_any_single_difference_shows() {
+    type Change = (&'static str, fn(&mut World, BodyId, FieldId));
+    const FIRST: BodyId = BodyId::from_parts(0, 0);
+    const OTHER: End = End::Body(Attachment { body: FIRST, point: Vec2::ZERO });
+    const SPRING: SpringLaw<Fx> = SpringLaw { rest: fx!(1), stiffness: fx!(2), damping: fx!(0.5) };
+    fn law(world: &mut World, field: FieldId, law: Law) {
+        world.set_field(field, law).expect("a field");
+    }
+    let make = |def: WorldDef, body: BodyDef| {
+        let mut world = World::new(def).expect("a world");
+        let other = world.add_body(BodyDef::dynamic()).expect("a body");
+        let body = world.add_body(body).expect("a body");
+        let far = End::Body(Attachment::centre(other));
+        let law = Law::Spring { near: Attachment::centre(body), far, spring: SPRING };
+        let field = world.add_field(law).expect("a field");
+        (world, body, field)
+    };
+    let plain = BodyDef { shape: Some(Shape::circle(fx!(1)).expect("a disc")), ..BodyDef::dynamic() };
+    let changes: &[Change] = &[
+        ("nothing", |_, _, _| {}),
+        ("add_body", |w, _, _| w.add_body(BodyDef::dynamic()).map(drop).unwrap()),
+        ("remove_body", |w, b, _| w.remove_body(b).unwrap()),
+        ("add and remove", |w, _, _| {
+            let body = w.add_body(BodyDef::dynamic()).unwrap();
+            w.remove_body(body).unwrap();
+        }),
+        ("force", |w, b, _| w.apply_force(b, Vec2::X).unwrap()),
+        ("force y", |w, b, _| w.apply_force(b, Vec2::Y).unwrap()),
+        ("force at a point", |w, b, _| w.apply_force_at_point(b, Vec2::X, Vec2::Y).unwrap()),
+        ("force to overflow", |w, b, _| (0..6).for_each(|_| w.apply_force(b, vec2(Fx::MAX, 0)).unwrap())),
+        ("torque", |w, b, _| w.apply_torque(b, Fx::ONE).unwrap()),
+        ("impulse", |w, b, _| w.apply_impulse(b, Vec2::X).unwrap()),
+        ("angular impulse", |w, b, _| w.apply_angular_impulse(b, Fx::DELTA).unwrap()),
+        ("position x", |w, b, _| w.set_position(b, Vec2::new(Fx::DELTA, Fx::ZERO)).unwrap()),
+        ("position y", |w, b, _| w.set_position(b, Vec2::new(Fx::ZERO, Fx::DELTA)).unwrap()),
+        ("angle", |w, b, _| w.set_angle(b, Fx::DELTA).unwrap()),
+        ("velocity x", |w, b, _| w.set_velocity(b, Vec2::new(Fx::DELTA, Fx::ZERO)).unwrap()),
+        ("velocity y", |w, b, _| w.set_velocity(b, Vec2::new(Fx::ZERO, Fx::DELTA)).unwrap()),
+        ("spin", |w, b, _| w.set_angular_velocity(b, -Fx::DELTA).unwrap()),
+        ("mass", |w, b, _| w.set_mass(b, Mass::Of(fx!(2))).unwrap()),
+        ("mass by density", |w, b, _| w.set_mass(b, Mass::Density(fx!(1))).unwrap()),
+        ("mass and inertia", |w, b, _| w.set_mass(b, Mass::WithInertia(fx!(1), fx!(1))).unwrap()),
+        ("mass and another inertia", |w, b, _| w.set_mass(b, Mass::WithInertia(fx!(1), fx!(2))).unwrap()),
+        ("no shape", |w, b, _| w.set_shape(b, None).unwrap()),
+        ("circle", |w, b, _| w.set_shape(b, Some(Shape::circle(fx!(2)).unwrap())).unwrap()),
+        ("rectangle", |w, b, _| w.set_shape(b, Some(Shape::rectangle(fx!(1), fx!(2)).unwrap())).unwrap()),
+        ("another rectangle", |w, b, _| w.set_shape(b, Some(Shape::rectangle(fx!(2), fx!(1)).unwrap())).unwrap()),
+        ("capsule", |w, b, _| w.set_shape(b, Some(Shape::capsule(fx!(1), fx!(2)).unwrap())).unwrap()),
+        ("segment", |w, b, _| w.set_shape(b, Some(Shape::segment(Vec2::ZERO, Vec2::X).unwrap())).unwrap()),
+        ("shifted segment", |w, b, _| {
+            w.set_shape(b, Some(Shape::segment(vec2(fx!(1), 0), vec2(fx!(2), 0)).unwrap())).unwrap();
+        }),
+        ("polygon", |w, b, _| {
+            w.set_shape(b, Some(Shape::polygon(&[Vec2::ZERO, Vec2::X, Vec2::Y]).unwrap())).unwrap();
+        }),
+        ("static", |w, b, _| {
+            w.set_kind(b, BodyKind::Static).unwrap();
+        }),
+        ("kinematic", |w, b, _| w.set_kind(b, BodyKind::Kinematic).unwrap()),
+        ("gravity scale", |w, b, _| w.set_gravity_scale(b, fx!(2)).unwrap()),
+        ("own damping", |w, b, _| w.set_body_damping(b, Some(Fx::ONE), None).unwrap()),
+        ("own angular damping", |w, b, _| w.set_body_damping(b, None, Some(Fx::ONE)).unwrap()),
+        ("groups", |w, b, _| w.set_groups(b, 2).unwrap()),
+        ("key", |w, b, _| w.set_key(b, 1).unwrap()),
+        ("user data", |w, b, _| w.set_user_data(b, 1).unwrap()),
+        ("remove_field", |w, _, f| w.remove_field(f).unwrap()),
+        ("groups of a field", |w, _, f| {
+            let field = *w.field(f).unwrap();
+            w.set_field(f, Field { groups: 3, ..field }).unwrap();
+        }),
+        ("rest", |w, b, f| {
+            law(
+                w,
+                f,
+                Law::Spring { near: Attachment::centre(b), far: OTHER, spring: SpringLaw { rest: fx!(2), ..SPRING } },
+            )
+        }),
+        ("stiffness", |w, b, f| {
+            law(
+                w,
+                f,
+                Law::Spring {
+                    near: Attachment::centre(b),
+                    far: OTHER,
+                    spring: SpringLaw { stiffness: fx!(1), ..SPRING },
+                },
+            )
+        }),
+        ("damper", |w, b, f| {
+            law(
+                w,
+                f,
+                Law::Spring {
+                    near: Attachment::centre(b),
+                    far: OTHER,
+                    spring: SpringLaw { damping: fx!(1), ..SPRING },
+                },
+            )
+        }),
+        ("other way round", |w, b, f| {
+            law(
+                w,
+                f,
+                Law::Spring { near: Attachment::centre(FIRST), far: End::Body(Attachment::centre(b)), spring: SPRING },
+            )
+        }),
+        ("attachment", |w, b, f| {
+            law(w, f, Law::Spring { near: Attachment { body: b, point: Vec2::X }, far: OTHER, spring: SPRING })
+        }),
+        ("anchor", |w, b, f| {
+            law(w, f, Law::Spring { near: Attachment::centre(b), far: End::World(Vec2::ZERO), spring: SPRING })
+        }),
+        ("another anchor", |w, b, f| {
+            law(w, f, Law::Spring { near: Attachment::centre(b), far: End::World(Vec2::Y), spring: SPRING })
+        }),
+        ("drag", |w, _, f| law(w, f, Law::Drag { linear: fx!(1), quadratic: fx!(0), wind: Vec2::ZERO })),
+        ("quadratic drag", |w, _, f| law(w, f, Law::Drag { linear: fx!(0), quadratic: fx!(1), wind: Vec2::ZERO })),
+        ("wind", |w, _, f| law(w, f, Law::Drag { linear: fx!(1), quadratic: fx!(0), wind: Vec2::X })),
+        ("thrust", |w, b, f| law(w, f, Law::Thrust { at: Attachment::centre(b), force: Vec2::X })),
+        ("thrust elsewhere", |w, b, f| {
+            law(w, f, Law::Thrust { at: Attachment { body: b, point: Vec2::Y }, force: Vec2::X })
+        }),
+        ("more thrust", |w, b, f| law(w, f, Law::Thrust { at: Attachment::centre(b), force: vec2(2, 0) })),
+        ("attractor", |w, _, f| {
+            law(w, f, Law::Attractor { centre: End::World(Vec2::ZERO), mu: mu(fx!(1)), softening: fx!(0) })
+        }),
+        ("mu", |w, _, f| {
+            law(w, f, Law::Attractor { centre: End::World(Vec2::ZERO), mu: mu(fx!(2)), softening: fx!(0) })
+        }),
+        ("softening", |w, _, f| {
+            law(w, f, Law::Attractor { centre: End::World(Vec2::ZERO), mu: mu(fx!(1)), softening: fx!(1) })
+        }),
+        ("centre", |w, _, f| {
+            law(w, f, Law::Attractor { centre: End::World(Vec2::X), mu: mu(fx!(1)), softening: fx!(0) })
+        }),
+        ("carried", |w, b, f| {
+            law(w, f, Law::Attractor { centre: End::Body(Attachment::centre(b)), mu: mu(fx!(1)), softening: fx!(0) })
+        }),
+        ("disc", |w, _, f| {
+            law(w, f, Law::Zone { region: Region::Disc { centre: Vec2::ZERO, radius: fx!(1) }, acceleration: Vec2::X })
+        }),
+        ("larger disc", |w, _, f| {
+            law(w, f, Law::Zone { region: Region::Disc { centre: Vec2::ZERO, radius: fx!(2) }, acceleration: Vec2::X })
+        }),
+        ("acceleration", |w, _, f| {
+            law(w, f, Law::Zone { region: Region::Disc { centre: Vec2::ZERO, radius: fx!(1) }, acceleration: Vec2::Y })
+        }),
+        ("box", |w, _, f| {
+            law(w, f, Law::Zone { region: Region::Box { min: Vec2::ZERO, max: Vec2::X }, acceleration: Vec2::X })
+        }),
+        ("larger box", |w, _, f| {
+            law(w, f, Law::Zone { region: Region::Box { min: Vec2::ZERO, max: vec2(2, 0) }, acceleration: Vec2::X })
+        }),
+        ("law", |w, _, _| w.register_law(std::sync::Arc::new(Push1(1, 1))).unwrap()),
+        ("version of a law", |w, _, _| w.register_law(std::sync::Arc::new(Push1(1, 2))).unwrap()),
+        ("another law", |w, _, _| w.register_law(std::sync::Arc::new(Push1(2, 1))).unwrap()),
+        ("field of a law", |w, _, f| {
+            w.register_law(std::sync::Arc::new(Push1(2, 1))).unwrap();
+            law(w, f, Law::Custom { id: 2 });
+        }),
+        ("time step", |w, _, _| w.set_time_step(TimeStep::hz(61)).unwrap()),
+        ("gravity x", |w, _, _| w.set_gravity(Vec2::X).unwrap()),
+        ("gravity y", |w, _, _| w.set_gravity(Vec2::Y).unwrap()),
+        ("explicit Euler", |w, _, _| w.set_integrator(Integrator::ExplicitEuler).unwrap()),
+        ("symplectic Euler", |w, _, _| w.set_integrator(Integrator::SymplecticEuler).unwrap()),
+        ("published", |w, _, _| w.set_integrator(Integrator::PublishedVerlet).unwrap()),
+        ("Yoshida", |w, _, _| w.set_integrator(Integrator::Yoshida4).unwrap()),
+        ("damping", |w, _, _| w.set_damping(fx!(0.5), Fx::ONE).unwrap()),
+        ("angular damping", |w, _, _| w.set_damping(Fx::ONE, fx!(0.5)).unwrap()),
+        ("never sleeps", |w, _, _| w.set_sleep_after(None).unwrap()),
+        ("sleeps later", |w, _, _| w.set_sleep_after(Some(31)).unwrap()),
+        ("a step", |w, _, _| {
+            w.step();
+        }),
+    ];
+    let mut seen: Vec<(u64, String)> = Vec::new();
+    let mut note = |hash: u64, name: String| {
+        if let Some((_, same)) = seen.iter().find(|(h, _)| *h == hash) {
+            panic!("`{name}` and `{same}` hash alike");
+        }
+        seen.push((hash, name));
+    };
+    for (name, change) in changes {
+        let hashes = [0, 1].map(|_| {
+            let (mut world, body, field) = make(WorldDef::default(), plain.clone());
+            change(&mut world, body, field);
+            world.state_hash()
+        });
+        assert_eq!(hashes[0], hashes[1], "{name}: equal worlds");
+        note(hashes[0], (*name).to_owned());
+    }
+    // The definition of a body: what its setters set is the same state.
+    let defs: [(&str, BodyDef); 5] = [
+        ("defined position", BodyDef { position: vec2(fx!(7), 0), ..plain.clone() }),
+        ("defined angle", BodyDef { angle: fx!(1), ..plain.clone() }),
+        ("defined velocity", BodyDef { velocity: vec2(fx!(7), 0), ..plain.clone() }),
+        ("defined kind", BodyDef { kind: BodyKind::Kinematic, key: 8, ..plain.clone() }),
+        ("defined user data", BodyDef { user_data: 9, ..plain.clone() }),
+    ];
+    for (name, def) in defs {
+        let (world, ..) = make(WorldDef::default(), def);
+        note(world.state_hash(), name.to_owned());
+    }
+    let (mut set, body, _) = make(WorldDef::default(), plain.clone());
+    set.set_position(body, vec2(fx!(7), 0)).unwrap();
+    let (defined, ..) = make(WorldDef::default(), BodyDef { position: vec2(fx!(7), 0), ..plain });
+    assert_eq!(set.state_hash(), defined.state_hash(), "how a state came to be is not in it");
+}
+
+#[test]
+fn a_body_asleep_and_one_about_to_be_are_told_apart() {
+    let mut world = World::<Fx>::new(WorldDef { sleep_after: Some(3), ..WorldDef::default() }).expect("a world");
+    let body = world.add_body(BodyDef::dynamic()).expect("a body");
+    let mut hashes = vec![world.state_hash()];
+    for _ in 0..4 {
+        world.step();
+        hashes.push(world.state_hash());
+    }
+    assert_eq!(world.body(body).unwrap().activity(), Activity::Asleep);
+    hashes.sort_unstable();
+    hashes.dedup();
+    assert_eq!(hashes.len(), 5, "the ticks at rest are state: when it falls asleep depends on them");
+    let before = world.state_hash();
+    world.wake(body).unwrap();
+    assert_ne!(world.state_hash(), before);
+}

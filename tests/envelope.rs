@@ -1,0 +1,966 @@
+//! Nothing overflows or panics: each bound at it and one past it, quarantine, and worlds at the edge of everything.
+
+use std::sync::Arc;
+
+use proptest::prelude::*;
+use umbra_physics::limits::{
+    ANGULAR_SPEED, CORNERS, GRAVITY, GRAVITY_SCALE, MASS_MAX, MASS_MIN, PARTS, POSITION, RATE_MAX, RATE_MIN, SIZE_MAX,
+    SIZE_MIN, SPEED,
+};
+use umbra_physics::scalar::{Accumulator, Angle, Factor};
+use umbra_physics::{
+    Action, Activity, Attachment, BodyDef, BodyId, BodyKind, BodyState, Cause, Command, Dependence, End, Error, Fault,
+    Field, FieldId, ForceLaw, Frame, Fx, FxFactor, Integrator, Law, LawFault, Manner, Mass, Part, Push, Quantity,
+    Region, Shape, SpringLaw, TimeStep, Vec2, World, WorldDef, fx, vec2,
+};
+
+const ULP: Fx = Fx::DELTA;
+
+fn world() -> World {
+    World::new(WorldDef::default()).expect("a world")
+}
+
+fn out_of<T>(quantity: Quantity) -> Result<T, Error> {
+    Err(Error::OutOfRange { quantity })
+}
+
+fn mu(value: Fx) -> FxFactor {
+    <FxFactor as Factor<Fx>>::from_scalar(value)
+}
+
+fn spring(near: BodyId, far: End, rest: Fx, stiffness: Fx, damping: Fx) -> Law {
+    Law::Spring { near: Attachment::centre(near), far, spring: SpringLaw { rest, stiffness, damping } }
+}
+
+/// A world with a dynamic, a kinematic and a static body, and a field.
+fn stage() -> (World, [BodyId; 3], FieldId) {
+    let mut world = world();
+    let shape = Some(Shape::circle(fx!(1)).expect("a disc"));
+    let bodies = [BodyDef { shape, ..BodyDef::dynamic() }, BodyDef::kinematic(), BodyDef::fixed()]
+        .map(|def| world.add_body(def).expect("a body"));
+    let field = world.add_field(Law::Drag { linear: fx!(1), quadratic: fx!(0), wind: Vec2::ZERO }).expect("a field");
+    (world, bodies, field)
+}
+
+/// The command is accepted, or refused with this error and the world as it was.
+fn expect(world: &mut World, command: &Command, wanted: Result<(), Error>) {
+    let before = world.state_hash();
+    let is = world.execute(command).map(drop);
+    assert_eq!(is, wanted, "{command:?}");
+    if wanted.is_err() {
+        assert_eq!(world.state_hash(), before, "refused, and yet changed by {command:?}");
+    }
+}
+
+/// ±bound is accepted, ±(bound + an ulp) is not, in either component.
+fn try_vector(bound: Fx, quantity: Quantity, command: impl Fn(Vec2, BodyId, FieldId) -> Command) {
+    let (mut world, [body, ..], field) = stage();
+    for good in [bound, -bound] {
+        for v in [vec2(good, 0), vec2(0, good), Vec2::new(good, -good)] {
+            expect(&mut world, &command(v, body, field), Ok(()));
+        }
+    }
+    for bad in [bound + ULP, -bound - ULP, Fx::MAX, Fx::MIN] {
+        for v in [vec2(bad, 0), vec2(0, bad)] {
+            expect(&mut world, &command(v, body, field), out_of(quantity));
+        }
+    }
+}
+
+/// From least to most is accepted, an ulp beyond is not.
+fn try_scalar(range: [Fx; 2], quantity: Quantity, command: impl Fn(Fx, BodyId, FieldId) -> Command) {
+    let (mut world, [body, ..], field) = stage();
+    for good in range {
+        expect(&mut world, &command(good, body, field), Ok(()));
+    }
+    let bad = [range[0].checked_sub(ULP), range[1].checked_add(ULP), Some(Fx::MIN)];
+    for bad in bad.into_iter().flatten() {
+        expect(&mut world, &command(bad, body, field), out_of(quantity));
+    }
+}
+
+fn body(change: impl FnOnce(&mut BodyDef)) -> Command {
+    let mut def = BodyDef { shape: Some(Shape::circle(fx!(1)).expect("a disc")), ..BodyDef::dynamic() };
+    change(&mut def);
+    Command::AddBody(def)
+}
+
+#[test]
+fn each_bound_of_a_vector_is_accepted_and_one_ulp_past_it_refused() {
+    try_vector(POSITION, Quantity::Position, |position, body, _| Command::SetPosition { body, position });
+    try_vector(POSITION, Quantity::Position, |position, _, _| body(|def| def.position = position));
+    try_vector(SPEED, Quantity::Velocity, |velocity, body, _| Command::SetVelocity { body, velocity });
+    try_vector(SPEED, Quantity::Velocity, |velocity, _, _| body(|def| def.velocity = velocity));
+    try_vector(GRAVITY, Quantity::Gravity, |gravity, _, _| Command::SetGravity(gravity));
+    let set = |id, law: Law| Command::SetField { id, field: law.into() };
+    try_vector(SPEED, Quantity::Velocity, |wind, _, id| set(id, Law::Drag { linear: fx!(1), quadratic: fx!(1), wind }));
+    try_vector(GRAVITY, Quantity::Gravity, |acceleration, _, id| {
+        set(id, Law::Zone { region: Region::Disc { centre: Vec2::ZERO, radius: fx!(1) }, acceleration })
+    });
+    try_vector(POSITION, Quantity::Position, |centre, _, id| {
+        set(id, Law::Zone { region: Region::Disc { centre, radius: POSITION }, acceleration: Vec2::X })
+    });
+    try_vector(POSITION, Quantity::Position, |corner, _, id| {
+        set(id, Law::Zone { region: Region::Box { min: corner, max: Vec2::ZERO }, acceleration: Vec2::X })
+    });
+    try_vector(POSITION, Quantity::Position, |corner, _, id| {
+        set(id, Law::Zone { region: Region::Box { min: Vec2::ZERO, max: corner }, acceleration: Vec2::X })
+    });
+    try_vector(POSITION, Quantity::Position, |point, body, id| {
+        set(id, spring(body, End::World(point), fx!(1), fx!(1), fx!(1)))
+    });
+    try_vector(POSITION, Quantity::Position, |point, _, id| {
+        set(id, Law::Attractor { centre: End::World(point), mu: mu(fx!(1)), softening: fx!(1) })
+    });
+    try_vector(SIZE_MAX, Quantity::Position, |point, body, id| {
+        set(id, Law::Thrust { at: Attachment { body, point }, force: vec2(Fx::MAX, Fx::MIN) })
+    });
+    try_vector(SIZE_MAX, Quantity::Position, |point, body, id| {
+        let far = End::World(Vec2::ZERO);
+        set(
+            id,
+            Law::Spring {
+                near: Attachment { body, point },
+                far,
+                spring: SpringLaw { rest: fx!(1), stiffness: fx!(1), damping: fx!(1) },
+            },
+        )
+    });
+}
+
+#[test]
+fn each_bound_of_a_number_is_accepted_and_one_ulp_past_it_refused() {
+    let set = |id, law: Law| Command::SetField { id, field: law.into() };
+    let turning = [-ANGULAR_SPEED, ANGULAR_SPEED];
+    try_scalar(turning, Quantity::AngularVelocity, |velocity, body, _| Command::SetAngularVelocity { body, velocity });
+    try_scalar(turning, Quantity::AngularVelocity, |spin, _, _| body(|def| def.angular_velocity = spin));
+    let masses = [MASS_MIN, MASS_MAX];
+    try_scalar(masses, Quantity::Mass, |mass, body, _| Command::SetMass { body, mass: Mass::Of(mass) });
+    try_scalar(masses, Quantity::Mass, |mass, body, _| Command::SetMass { body, mass: Mass::WithInertia(mass, ULP) });
+    try_scalar(masses, Quantity::Mass, |mass, _, _| body(|def| def.mass = Mass::Of(mass)));
+    try_scalar([ULP, Fx::MAX], Quantity::Inertia, |inertia, body, _| Command::SetMass {
+        body,
+        mass: Mass::WithInertia(MASS_MIN, inertia),
+    });
+    let scales = [-GRAVITY_SCALE, GRAVITY_SCALE];
+    try_scalar(scales, Quantity::GravityScale, |scale, body, _| Command::SetGravityScale { body, scale });
+    try_scalar(scales, Quantity::GravityScale, |scale, _, _| body(|def| def.gravity_scale = scale));
+    let kept = [Fx::ZERO, Fx::ONE];
+    try_scalar(kept, Quantity::Damping, |kept, _, _| Command::SetDamping { linear: kept, angular: Fx::ONE });
+    try_scalar(kept, Quantity::Damping, |kept, _, _| Command::SetDamping { linear: Fx::ONE, angular: kept });
+    try_scalar(kept, Quantity::Damping, |kept, body, _| Command::SetBodyDamping {
+        body,
+        linear: Some(kept),
+        angular: None,
+    });
+    try_scalar(kept, Quantity::Damping, |kept, body, _| Command::SetBodyDamping {
+        body,
+        linear: None,
+        angular: Some(kept),
+    });
+    try_scalar(kept, Quantity::Damping, |kept, _, _| body(|def| def.linear_damping = Some(kept)));
+    try_scalar(kept, Quantity::Damping, |kept, _, _| body(|def| def.angular_damping = Some(kept)));
+    let none = Fx::ZERO;
+    try_scalar([none, POSITION], Quantity::RestLength, |rest, body, id| {
+        set(id, spring(body, End::World(Vec2::ZERO), rest, fx!(1), fx!(1)))
+    });
+    try_scalar([none, Fx::MAX], Quantity::Stiffness, |stiffness, body, id| {
+        set(id, spring(body, End::World(Vec2::ZERO), fx!(1), stiffness, fx!(1)))
+    });
+    try_scalar([none, Fx::MAX], Quantity::Drag, |damping, body, id| {
+        set(id, spring(body, End::World(Vec2::ZERO), fx!(1), fx!(1), damping))
+    });
+    try_scalar([none, Fx::MAX], Quantity::Drag, |linear, _, id| {
+        set(id, Law::Drag { linear, quadratic: fx!(1), wind: Vec2::ZERO })
+    });
+    try_scalar([none, Fx::MAX], Quantity::Drag, |quadratic, _, id| {
+        set(id, Law::Drag { linear: fx!(1), quadratic, wind: Vec2::ZERO })
+    });
+    try_scalar([none, SIZE_MAX], Quantity::Softening, |softening, _, id| {
+        set(id, Law::Attractor { centre: End::World(Vec2::ZERO), mu: mu(fx!(1)), softening })
+    });
+    try_scalar([none, POSITION], Quantity::Position, |radius, _, id| {
+        set(id, Law::Zone { region: Region::Disc { centre: Vec2::ZERO, radius }, acceleration: Vec2::X })
+    });
+}
+
+#[test]
+fn mu_is_accepted_up_to_two_to_the_64_and_not_a_bit_further() {
+    let (mut world, _, id) = stage();
+    let most = {
+        let root = <FxFactor as Factor<Fx>>::from_ratio(1 << 32, 1);
+        Factor::<Fx>::times(root, root)
+    };
+    // The next factor is one part in 2^63 more.
+    let past = Factor::<Fx>::plus(most, <FxFactor as Factor<Fx>>::from_ratio(2, 1));
+    assert!(past > most);
+    let attract = |mu| Command::SetField {
+        id,
+        field: Law::Attractor { centre: End::World(Vec2::X), mu, softening: fx!(0) }.into(),
+    };
+    expect(&mut world, &attract(most), Ok(()));
+    expect(&mut world, &attract(<FxFactor as Factor<Fx>>::ZERO), Ok(()));
+    expect(&mut world, &attract(past), out_of(Quantity::Mu));
+}
+
+#[test]
+fn rates_and_sleeping_times_have_their_bounds() {
+    let (mut world, ..) = stage();
+    for good in [TimeStep::hz(RATE_MIN), TimeStep::hz(RATE_MAX), TimeStep::ratio(u32::MAX, u32::MAX)] {
+        expect(&mut world, &Command::SetTimeStep(good), Ok(()));
+    }
+    for bad in [
+        TimeStep::hz(0),
+        TimeStep::hz(RATE_MAX + 1),
+        TimeStep::ratio(0, 1),
+        TimeStep::ratio(0, 0),
+        TimeStep::ratio(u32::MAX, u32::MAX - 1),
+        TimeStep::ratio(429_496, u32::MAX),
+    ] {
+        expect(&mut world, &Command::SetTimeStep(bad), Err(Error::TimeStep));
+        assert!(World::<Fx>::new(WorldDef { time_step: bad, ..WorldDef::default() }).is_err(), "{bad:?}");
+    }
+    expect(&mut world, &Command::SetSleepAfter(Some(u32::MAX)), Ok(()));
+    expect(&mut world, &Command::SetSleepAfter(Some(0)), out_of(Quantity::SleepAfter));
+    let zero = WorldDef { sleep_after: Some(0), ..WorldDef::default() };
+    assert_eq!(World::<Fx>::new(zero).err(), out_of::<()>(Quantity::SleepAfter).err());
+    let steep = WorldDef { gravity: vec2(0, GRAVITY + ULP), ..WorldDef::default() };
+    assert_eq!(World::<Fx>::new(steep).err(), out_of::<()>(Quantity::Gravity).err());
+}
+
+#[test]
+fn yoshida4_and_a_damping_of_zero_refuse_each_other_either_way() {
+    let refused = Err(Error::DampingHasNoInverse);
+    let (mut world, [one, ..], _) = stage();
+    expect(&mut world, &Command::SetDamping { linear: Fx::ZERO, angular: Fx::ONE }, Ok(()));
+    expect(&mut world, &Command::SetIntegrator(Integrator::Yoshida4), refused);
+    expect(&mut world, &Command::SetDamping { linear: Fx::ONE, angular: Fx::ONE }, Ok(()));
+    expect(&mut world, &Command::SetBodyDamping { body: one, linear: None, angular: Some(Fx::ZERO) }, Ok(()));
+    expect(&mut world, &Command::SetIntegrator(Integrator::Yoshida4), refused);
+    expect(&mut world, &Command::SetBodyDamping { body: one, linear: None, angular: Some(ULP) }, Ok(()));
+    expect(&mut world, &Command::SetIntegrator(Integrator::Yoshida4), Ok(()));
+    expect(&mut world, &Command::SetBodyDamping { body: one, linear: Some(Fx::ZERO), angular: None }, refused);
+    expect(&mut world, &Command::SetDamping { linear: Fx::ONE, angular: Fx::ZERO }, refused);
+    expect(&mut world, &body(|def| def.linear_damping = Some(Fx::ZERO)), refused);
+}
+
+#[test]
+fn sizes_of_shapes_have_their_bounds() {
+    let size = |result: Result<Shape, Error>| result.map(drop);
+    let refused = || out_of(Quantity::Size);
+    for good in [SIZE_MIN, SIZE_MAX] {
+        assert_eq!(size(Shape::circle(good)), Ok(()));
+        assert_eq!(size(Shape::rectangle(good, SIZE_MIN)), Ok(()));
+        assert_eq!(size(Shape::rectangle(SIZE_MAX, good)), Ok(()));
+        assert_eq!(size(Shape::capsule(good, SIZE_MIN)), Ok(()));
+        assert_eq!(size(Shape::capsule(SIZE_MAX, good)), Ok(()));
+        assert_eq!(size(Shape::segment(Vec2::ZERO, vec2(good, 0))), Ok(()));
+        assert_eq!(size(Shape::polygon(&[vec2(-good, -good), vec2(good, -good), vec2(0, good)])), Ok(()));
+    }
+    for bad in [SIZE_MIN - ULP, SIZE_MAX + ULP, Fx::ZERO, -SIZE_MIN, Fx::MAX, Fx::MIN] {
+        assert_eq!(size(Shape::circle(bad)), refused());
+        assert_eq!(size(Shape::rectangle(bad, SIZE_MIN)), refused());
+        assert_eq!(size(Shape::rectangle(SIZE_MAX, bad)), refused());
+        assert_eq!(size(Shape::capsule(bad, SIZE_MIN)), refused());
+        assert_eq!(size(Shape::capsule(SIZE_MAX, bad)), refused());
+    }
+    assert_eq!(size(Shape::segment(Vec2::ZERO, vec2(SIZE_MIN - ULP, 0))), refused());
+    assert_eq!(size(Shape::segment(Vec2::ZERO, vec2(SIZE_MAX + ULP, 0))), refused());
+    assert_eq!(size(Shape::segment(vec2(Fx::MIN, Fx::MIN), vec2(Fx::MAX, Fx::MAX))), refused());
+    assert_eq!(size(Shape::polygon(&[Vec2::ZERO, vec2(SIZE_MAX + ULP, 0), Vec2::Y])), refused());
+    assert_eq!(size(Shape::polygon(&[Vec2::ZERO, vec2(ULP, 0), vec2(0, ULP)])), refused());
+    let corners = |n: usize| -> Vec<Vec2> {
+        (0..n)
+            .map(|i| {
+                let (sin, cos) = (Fx::TAU / Fx::from(n as i32) * Fx::from(i as i32)).sin_cos();
+                Vec2::new(cos * fx!(100), sin * fx!(100))
+            })
+            .collect()
+    };
+    assert_eq!(size(Shape::polygon(&corners(CORNERS))), Ok(()));
+    assert_eq!(size(Shape::polygon(&corners(CORNERS + 1))), out_of(Quantity::Count));
+    assert_eq!(size(Shape::polygon(&corners(2))), out_of(Quantity::Count));
+    assert_eq!(size(Shape::polygon(&[])), out_of(Quantity::Count));
+    let star: Vec<Vec2> = [0, 2, 4, 1, 3].map(|i| corners(5)[i]).to_vec();
+    assert!(matches!(Shape::polygon(&star), Err(Error::NotConvex { .. })));
+    let line = [Vec2::ZERO, Vec2::X, vec2(2, 0)];
+    assert_eq!(size(Shape::polygon(&line)), Err(Error::NotConvex { corner: 0 }));
+    let part = Part { shape: Shape::circle(fx!(1)).unwrap(), position: vec2(SIZE_MAX, 0), angle: fx!(0), density: ULP };
+    assert_eq!(size(Shape::compound(&vec![part.clone(); PARTS])), Ok(()));
+    assert_eq!(size(Shape::compound(&vec![part.clone(); PARTS + 1])), out_of(Quantity::Count));
+    assert_eq!(size(Shape::compound(&[])), out_of(Quantity::Count));
+    let compound = Shape::compound(std::slice::from_ref(&part)).unwrap();
+    assert_eq!(size(Shape::compound(&[Part { shape: compound, ..part.clone() }])), out_of(Quantity::Count));
+    assert_eq!(size(Shape::compound(&[Part { density: Fx::ZERO, ..part.clone() }])), out_of(Quantity::Density));
+    assert_eq!(size(Shape::compound(&[Part { position: vec2(0, SIZE_MAX + ULP), ..part }])), refused());
+}
+
+#[test]
+fn what_a_body_cannot_take_is_refused_by_its_kind() {
+    let (mut world, [ball, rail, wall], _) = stage();
+    let force = |body| Command::Apply {
+        body,
+        action: Action::Force { force: Vec2::X, point: None },
+        manner: Manner::default(),
+    };
+    expect(&mut world, &force(rail), Err(Error::NotDynamic { body: rail }));
+    expect(&mut world, &force(wall), Err(Error::NotDynamic { body: wall }));
+    let still = Command::SetVelocity { body: wall, velocity: Vec2::ZERO };
+    expect(&mut world, &still, Err(Error::NotMovable { body: wall }));
+    let moving = Command::AddBody(BodyDef { velocity: vec2(ULP, 0), ..BodyDef::fixed() });
+    expect(&mut world, &moving, out_of(Quantity::Velocity));
+    let loop_ = spring(ball, End::Body(Attachment::centre(ball)), fx!(1), fx!(1), fx!(1));
+    expect(&mut world, &Command::AddField(loop_.into()), Err(Error::SameBody { body: ball }));
+    let stiff = spring(rail, End::Body(Attachment::centre(wall)), fx!(1), fx!(1), fx!(1));
+    expect(&mut world, &Command::AddField(stiff.into()), Err(Error::NotDynamic { body: wall }));
+    let law = Law::Custom { id: 7 };
+    expect(&mut world, &Command::AddField(law.into()), Err(Error::ForceLaw { id: 7 }));
+    let dense = Command::AddBody(BodyDef { mass: Mass::Density(fx!(1)), ..BodyDef::dynamic() });
+    expect(&mut world, &dense, Err(Error::NoShape));
+    expect(&mut world, &Command::SetMass { body: ball, mass: Mass::Density(Fx::ZERO) }, out_of(Quantity::Density));
+    expect(&mut world, &Command::SetMass { body: ball, mass: Mass::Density(Fx::MAX) }, out_of(Quantity::Mass));
+    expect(&mut world, &Command::SetMass { body: ball, mass: Mass::Density(ULP) }, out_of(Quantity::Mass));
+    expect(&mut world, &Command::Release(ball), Err(Error::NotQuarantined { body: ball }));
+    // Nothing is too much for a single force; its torque, or an impulse, may be.
+    let far = |vector: Vec2, point| Action::Force { force: vector, point: Some(point) };
+    let apply = |action| Command::Apply { body: ball, action, manner: Manner::default() };
+    expect(&mut world, &apply(far(vec2(Fx::MAX, Fx::MIN), vec2(Fx::MIN, Fx::MAX))), Ok(()));
+    // From the far corner the two parts of the moment are 1.5·2^62 N·m each.
+    world.set_position(ball, vec2(POSITION, -POSITION)).unwrap();
+    let both = far(vec2(Fx::MIN, Fx::MIN), vec2(Fx::MIN, Fx::MAX));
+    expect(&mut world, &apply(both), out_of(Quantity::Torque));
+    let impulse = Action::Impulse { impulse: vec2(Fx::MAX, 0), point: None };
+    expect(&mut world, &apply(impulse), out_of(Quantity::Velocity));
+    expect(&mut world, &apply(Action::AngularImpulse(Fx::MIN)), out_of(Quantity::AngularVelocity));
+    let exact = Action::Impulse { impulse: vec2(SPEED, -SPEED), point: None };
+    expect(&mut world, &apply(exact), Ok(()));
+    let more = Action::Impulse { impulse: vec2(ULP, 0), point: None };
+    expect(&mut world, &apply(more), out_of(Quantity::Velocity));
+}
+
+type Bits = ([i128; 5], u64);
+
+fn bits(world: &World, body: BodyId) -> Bits {
+    let body = world.body(body).expect("it is there");
+    let (x, v) = (body.position_exact(), body.velocity_exact());
+    ([x.x, x.y, v.x, v.y, body.angular_velocity_exact()].map(Accumulator::to_bits), body.angle_exact().to_bits())
+}
+
+struct Faulty;
+
+impl ForceLaw for Faulty {
+    fn id(&self) -> u64 {
+        99
+    }
+    fn version(&self) -> u32 {
+        1
+    }
+    fn depends_on(&self) -> Dependence {
+        Dependence::Position
+    }
+    fn push(&self, body: &BodyState) -> Result<Push, LawFault> {
+        if body.key == 1 { Err(LawFault { code: 42 }) } else { Ok(Push { force: Vec2::X, torque: Fx::ONE }) }
+    }
+}
+
+/// A doomed body with neighbours on springs, and how it comes to leave the envelope.
+fn doom(integrator: Integrator, way: usize) -> (World, [BodyId; 3], Option<Cause>) {
+    let mut world = World::new(WorldDef { integrator, ..WorldDef::default() }).expect("a world");
+    let base = BodyDef { groups: 2, shape: Some(Shape::circle(fx!(1)).expect("a disc")), ..BodyDef::dynamic() };
+    let at = |position, velocity, spin| BodyDef {
+        position,
+        velocity,
+        angular_velocity: spin,
+        key: 1,
+        groups: 1,
+        ..base.clone()
+    };
+    let edge = POSITION - ULP;
+    let def = match way {
+        0 => at(Vec2::new(edge, Fx::ZERO), vec2(SPEED, 0), fx!(3)),
+        1 => at(Vec2::ZERO, Vec2::new(fx!(0), -SPEED), fx!(0)),
+        2 => at(Vec2::ZERO, Vec2::ZERO, ANGULAR_SPEED),
+        _ => at(vec2(fx!(0.5), 0), vec2(fx!(0.1), 0), fx!(1)),
+    };
+    let (doomed, near, far) = (
+        world.add_body(def).unwrap(),
+        world.add_body(BodyDef { position: vec2(3, 1), ..base.clone() }).unwrap(),
+        world.add_body(BodyDef { position: vec2(9, 1), velocity: vec2(1, 0), ..base.clone() }).unwrap(),
+    );
+    let cause = match way {
+        0 => Some(Cause::Position),
+        1 => {
+            world.apply_force(doomed, vec2(0, -1)).unwrap();
+            Some(Cause::Velocity)
+        }
+        2 => {
+            world.apply_torque(doomed, fx!(1)).unwrap();
+            Some(Cause::AngularVelocity)
+        }
+        3 => {
+            // Wide forces are below 2^63 N: 2^32 times the most is past it, and 2^17 times a torque of 2^46 N·m·… is too.
+            let lever = vec2(Fx::MAX, 0);
+            for _ in 0..6 {
+                world.apply_force_at_point(doomed, vec2(0, Fx::MAX), lever).unwrap();
+            }
+            Some(Cause::Force)
+        }
+        4 => {
+            let field = world
+                .add_field(Law::Attractor {
+                    centre: End::World(vec2(fx!(0.5), ULP)),
+                    mu: mu(fx!(2147483647)),
+                    softening: fx!(0),
+                })
+                .unwrap();
+            world.set_field(field, Field { groups: 1, ..*world.field(field).unwrap() }).unwrap();
+            Some(Cause::Field { field })
+        }
+        5 => {
+            world.register_law(Arc::new(Faulty)).unwrap();
+            let field = world.add_field(Field { law: Law::Custom { id: 99 }, groups: 1 }).unwrap();
+            Some(Cause::Law { field, code: 42 })
+        }
+        _ => {
+            world.apply_force(doomed, vec2(Fx::MAX, 0)).unwrap();
+            Some(Cause::Velocity)
+        }
+    };
+    (world, [doomed, near, far], cause)
+}
+
+#[test]
+fn a_body_that_leaves_the_envelope_is_put_back_taken_out_and_reported() {
+    for integrator in Integrator::ALL {
+        for way in 0..7 {
+            let (mut world, [doomed, near, far], cause) = doom(integrator, way);
+            let link =
+                world.add_field(spring(near, End::Body(Attachment::centre(doomed)), fx!(1), fx!(0), fx!(0))).unwrap();
+            let mut alone = world.clone();
+            let (before, tick) = (bits(&world, doomed), world.tick());
+            let report = world.step();
+            assert_eq!(report.faults.iter().map(|f| f.body).collect::<Vec<_>>(), [doomed], "{integrator:?}, way {way}");
+            assert_eq!(Some(report.faults[0].cause), cause, "{integrator:?}, way {way}");
+            assert_eq!(world.tick(), tick + 1);
+            assert_eq!(bits(&world, doomed), before, "{integrator:?}, way {way}: back to the bit");
+            assert_eq!(world.body(doomed).unwrap().activity(), Activity::Quarantined);
+            let applied = world.apply_force(doomed, Vec2::X);
+            assert_eq!(applied, Err(Error::Quarantined { body: doomed }));
+            assert_eq!(world.wake(doomed), Err(Error::Quarantined { body: doomed }));
+            assert_eq!(world.set_kind(doomed, BodyKind::Static), Err(Error::Quarantined { body: doomed }));
+            // The others are where they are without it.
+            alone.remove_body(doomed).unwrap();
+            alone.step();
+            for other in [near, far] {
+                assert_eq!(bits(&world, other), bits(&alone, other), "{integrator:?}, way {way}");
+            }
+            // A spring with a pull is inert from the next tick on.
+            let pull = spring(near, End::Body(Attachment::centre(doomed)), fx!(1), fx!(50), fx!(1));
+            world.set_field(link, pull).unwrap();
+            for _ in 0..10 {
+                assert_eq!(world.step().faults, []);
+                alone.step();
+            }
+            for other in [near, far] {
+                assert_eq!(bits(&world, other), bits(&alone, other), "{integrator:?}, way {way}: the spring is inert");
+            }
+            assert_eq!(bits(&world, doomed), before);
+            // Put somewhere good it is released, and pulls again.
+            world.set_position(doomed, vec2(5, 5)).unwrap();
+            world.set_velocity(doomed, Vec2::ZERO).unwrap();
+            world.set_angular_velocity(doomed, Fx::ZERO).unwrap();
+            world.set_key(doomed, 0).unwrap();
+            world.set_groups(doomed, 2).unwrap();
+            world.release(doomed).unwrap();
+            assert_eq!(world.body(doomed).unwrap().activity(), Activity::Awake);
+            assert_eq!(world.step().faults, [], "{integrator:?}, way {way}");
+            assert_eq!(world.step().faults, [], "{integrator:?}, way {way}");
+            assert_ne!(bits(&world, doomed).0[2], 0, "{integrator:?}, way {way}: it moves");
+            alone.step();
+            alone.step();
+            assert_ne!(bits(&world, near), bits(&alone, near), "{integrator:?}, way {way}: and pulls");
+        }
+    }
+}
+
+#[test]
+fn a_sum_of_forces_past_what_fits_is_found_in_the_step_whatever_the_order() {
+    // 2^31 N at most a call and 2^63 N in all: the sum itself cannot overflow in calls that anyone makes, torques can.
+    let mut world = world();
+    let body = world.add_body(BodyDef { mass: Mass::WithInertia(MASS_MAX, Fx::MAX), ..BodyDef::dynamic() }).unwrap();
+    let push = |world: &mut World, sign: bool| {
+        let force = if sign { vec2(0, Fx::MAX) } else { vec2(0, -Fx::MAX) };
+        world.apply_force_at_point(body, force, vec2(Fx::MAX, 0)).unwrap();
+    };
+    (0..40).for_each(|_| push(&mut world, true));
+    assert_eq!(world.body(body).unwrap().applied_torque(), None, "the sum does not fit now");
+    (0..40).for_each(|_| push(&mut world, false));
+    assert_eq!(world.body(body).unwrap().applied_torque().map(|t| t.to_bits()), Some(0), "and cancels to the bit");
+    assert_eq!(world.step().faults, []);
+    (0..40).for_each(|_| push(&mut world, true));
+    assert_eq!(world.step().faults, [Fault { body, cause: Cause::Force }]);
+}
+
+#[test]
+fn two_bodies_of_a_spring_that_pulls_too_hard_are_both_taken_out() {
+    for integrator in Integrator::ALL {
+        let mut world = World::new(WorldDef { integrator, ..WorldDef::default() }).unwrap();
+        let ends = [POSITION, -POSITION].map(|x| {
+            world.add_body(BodyDef { position: vec2(x, 0), mass: Mass::Of(MASS_MIN), ..BodyDef::dynamic() }).unwrap()
+        });
+        world.add_field(spring(ends[0], End::Body(Attachment::centre(ends[1])), Fx::ZERO, Fx::MAX, Fx::MAX)).unwrap();
+        let before = ends.map(|end| bits(&world, end));
+        let faults: Vec<BodyId> = world.step().faults.iter().map(|fault| fault.body).collect();
+        assert_eq!(faults, ends, "{integrator:?}");
+        assert_eq!(ends.map(|end| bits(&world, end)), before, "{integrator:?}");
+    }
+}
+
+fn edge() -> impl Strategy<Value = Fx> {
+    // Bounds and their neighbours as often as anything between.
+    let named = prop_oneof![
+        Just(0i64),
+        Just(1),
+        Just(-1),
+        Just(1 << 16),
+        Just(1 << 31),
+        Just(1 << 32),
+        Just(-(1 << 32)),
+        Just(1 << 44),
+        Just(1 << 48),
+        Just(1 << 52),
+        Just(-(1 << 52)),
+        Just(1 << 56),
+        Just(1 << 62),
+        Just(-(1 << 62)),
+        Just(i64::MAX),
+        Just(i64::MIN)
+    ];
+    let near = (named, -1i64..=1).prop_map(|(bits, by)| bits.saturating_add(by));
+    let spread = (any::<i64>(), 0u32..63).prop_map(|(bits, by)| bits >> by);
+    prop_oneof![near, spread].prop_map(Fx::from_bits)
+}
+
+fn edge_vector() -> impl Strategy<Value = Vec2> {
+    (edge(), edge()).prop_map(|(x, y)| Vec2::new(x, y))
+}
+
+/// Anything the call takes at the bound; what is past it is cut off, so that worlds come to be.
+fn within(bound: Fx) -> impl Strategy<Value = Fx> {
+    edge().prop_map(move |value| {
+        if value > bound {
+            bound
+        } else if value < -bound {
+            -bound
+        } else {
+            value
+        }
+    })
+}
+
+fn vector_within(bound: Fx) -> impl Strategy<Value = Vec2> {
+    (within(bound), within(bound)).prop_map(|(x, y)| Vec2::new(x, y))
+}
+
+fn positive(bound: Fx) -> impl Strategy<Value = Fx> {
+    within(bound).prop_map(|value| if value < Fx::ZERO { -value } else { value })
+}
+
+fn shape() -> impl Strategy<Value = Option<Shape>> {
+    (0..6, positive(SIZE_MAX), positive(SIZE_MAX)).prop_map(|(which, a, b)| match which {
+        0 => None,
+        1 => Shape::circle(a).ok(),
+        2 => Shape::rectangle(a, b).ok(),
+        3 => Shape::capsule(a, b).ok(),
+        4 => Shape::segment(Vec2::new(-a, b), Vec2::new(b, a)).ok(),
+        _ => Shape::polygon(&[Vec2::new(-a, -b), Vec2::new(a, -b), Vec2::new(Fx::ZERO, b)]).ok(),
+    })
+}
+
+fn mass() -> impl Strategy<Value = Mass> {
+    let kilograms = || prop_oneof![Just(MASS_MIN), Just(MASS_MAX), Just(Fx::ONE), edge()];
+    prop_oneof![
+        kilograms().prop_map(Mass::Of),
+        edge().prop_map(Mass::Density),
+        (kilograms(), edge()).prop_map(|(mass, inertia)| Mass::WithInertia(mass, inertia)),
+    ]
+}
+
+fn damping() -> impl Strategy<Value = Option<Fx>> {
+    prop_oneof![
+        Just(None),
+        Just(Some(ULP)),
+        Just(Some(Fx::ZERO)),
+        Just(Some(Fx::ONE)),
+        positive(Fx::ONE).prop_map(Some)
+    ]
+}
+
+fn kind() -> impl Strategy<Value = BodyKind> {
+    prop_oneof![4 => Just(BodyKind::Dynamic), 1 => Just(BodyKind::Kinematic), 1 => Just(BodyKind::Static)]
+}
+
+prop_compose! {
+    fn body_def()(
+        kind in kind(),
+        position in vector_within(POSITION),
+        angle in edge(),
+        velocity in vector_within(SPEED),
+        angular_velocity in within(ANGULAR_SPEED),
+        (shape, mass) in (shape(), mass()),
+        gravity_scale in within(GRAVITY_SCALE),
+        (linear_damping, angular_damping) in (damping(), damping()),
+        groups in 0u32..4,
+    ) -> BodyDef {
+        let still = kind == BodyKind::Static;
+        let velocity = if still { Vec2::ZERO } else { velocity };
+        let angular_velocity = if still { Fx::ZERO } else { angular_velocity };
+        BodyDef { kind, position, angle, velocity, angular_velocity, shape, mass, gravity_scale, linear_damping,
+            angular_damping, groups, key: 0, user_data: 0 }
+    }
+}
+
+fn handle() -> impl Strategy<Value = BodyId> {
+    (0u32..6, 0u32..2).prop_map(|(slot, generation)| BodyId::from_parts(slot, generation * (slot % 2)))
+}
+
+fn attachment() -> impl Strategy<Value = Attachment> {
+    (handle(), prop_oneof![Just(Vec2::ZERO), vector_within(SIZE_MAX)])
+        .prop_map(|(body, point)| Attachment { body, point })
+}
+
+fn end() -> impl Strategy<Value = End> {
+    prop_oneof![vector_within(POSITION).prop_map(End::World), attachment().prop_map(End::Body)]
+}
+
+fn law() -> impl Strategy<Value = Law> {
+    let any_mu = (any::<u64>(), 0u32..64, any::<bool>()).prop_map(|(value, by, past)| {
+        let value = <FxFactor as Factor<Fx>>::from_ratio((value >> by).max(1), 1);
+        if past { Factor::<Fx>::times(value, <FxFactor as Factor<Fx>>::from_ratio(1, 1 << 60)) } else { value }
+    });
+    prop_oneof![
+        (end(), any_mu, positive(SIZE_MAX)).prop_map(|(centre, mu, softening)| Law::Attractor {
+            centre,
+            mu,
+            softening
+        }),
+        (attachment(), end(), positive(POSITION), positive(Fx::MAX), positive(Fx::MAX)).prop_map(
+            |(near, far, rest, stiffness, damping)| {
+                let spring = SpringLaw { rest, stiffness, damping };
+                Law::Spring { near, far, spring }
+            }
+        ),
+        (positive(Fx::MAX), positive(Fx::MAX), vector_within(SPEED)).prop_map(|(linear, quadratic, wind)| Law::Drag {
+            linear,
+            quadratic,
+            wind
+        }),
+        (attachment(), edge_vector()).prop_map(|(at, force)| Law::Thrust { at, force }),
+        (vector_within(POSITION), positive(POSITION), vector_within(GRAVITY)).prop_map(
+            |(centre, radius, acceleration)| { Law::Zone { region: Region::Disc { centre, radius }, acceleration } }
+        ),
+        (vector_within(POSITION), vector_within(POSITION), vector_within(GRAVITY))
+            .prop_map(|(min, max, acceleration)| Law::Zone { region: Region::Box { min, max }, acceleration }),
+        (98u64..101).prop_map(|id| Law::Custom { id }),
+    ]
+}
+
+fn field() -> impl Strategy<Value = Field> {
+    (law(), prop_oneof![Just(u32::MAX), 0u32..4]).prop_map(|(law, groups)| Field { law, groups })
+}
+
+fn time_step() -> impl Strategy<Value = TimeStep> {
+    prop_oneof![
+        Just(TimeStep::hz(1)),
+        Just(TimeStep::hz(10_000)),
+        Just(TimeStep::hz(60)),
+        Just(TimeStep::ratio(1001, 60_000)),
+        Just(TimeStep::ratio(u32::MAX - 1, u32::MAX)),
+        (any::<u32>(), any::<u32>()).prop_map(|(num, den)| TimeStep::ratio(num, den)),
+    ]
+}
+
+fn integrator() -> impl Strategy<Value = Integrator> {
+    (0usize..5).prop_map(|i| Integrator::ALL[i])
+}
+
+fn action() -> impl Strategy<Value = Action> {
+    prop_oneof![
+        (edge_vector(), prop::option::of(edge_vector())).prop_map(|(force, point)| Action::Force { force, point }),
+        edge().prop_map(Action::Torque),
+        (edge_vector(), prop::option::of(edge_vector()))
+            .prop_map(|(impulse, point)| Action::Impulse { impulse, point }),
+        edge().prop_map(Action::AngularImpulse),
+    ]
+}
+
+fn manner() -> impl Strategy<Value = Manner> {
+    (any::<bool>(), any::<bool>())
+        .prop_map(|(own, wake)| Manner { frame: if own { Frame::Body } else { Frame::World }, wake })
+}
+
+fn command() -> impl Strategy<Value = Command> {
+    let field_id = || (0u32..4, 0u32..2).prop_map(|(slot, generation)| FieldId::from_parts(slot, generation));
+    prop_oneof![
+        6 => body_def().prop_map(Command::AddBody),
+        1 => handle().prop_map(Command::RemoveBody),
+        6 => (handle(), action(), manner()).prop_map(|(body, action, manner)| Command::Apply { body, action, manner }),
+        1 => (handle(), edge_vector()).prop_map(|(body, position)| Command::SetPosition { body, position }),
+        1 => (handle(), edge()).prop_map(|(body, angle)| Command::SetAngle { body, angle }),
+        1 => (handle(), edge_vector()).prop_map(|(body, velocity)| Command::SetVelocity { body, velocity }),
+        1 => (handle(), edge()).prop_map(|(body, velocity)| Command::SetAngularVelocity { body, velocity }),
+        1 => (handle(), mass()).prop_map(|(body, mass)| Command::SetMass { body, mass }),
+        1 => (handle(), shape()).prop_map(|(body, shape)| Command::SetShape { body, shape }),
+        1 => (handle(), kind()).prop_map(|(body, kind)| Command::SetKind { body, kind }),
+        1 => (handle(), edge()).prop_map(|(body, scale)| Command::SetGravityScale { body, scale }),
+        1 => (handle(), damping(), damping())
+            .prop_map(|(body, linear, angular)| Command::SetBodyDamping { body, linear, angular }),
+        1 => (handle(), any::<u32>()).prop_map(|(body, groups)| Command::SetGroups { body, groups }),
+        1 => (handle(), 0u64..3).prop_map(|(body, key)| Command::SetKey { body, key }),
+        1 => (handle(), any::<u64>()).prop_map(|(body, user_data)| Command::SetUserData { body, user_data }),
+        1 => handle().prop_map(Command::Wake),
+        3 => handle().prop_map(Command::Release),
+        8 => field().prop_map(Command::AddField),
+        2 => (field_id(), field()).prop_map(|(id, field)| Command::SetField { id, field }),
+        1 => field_id().prop_map(Command::RemoveField),
+        1 => time_step().prop_map(Command::SetTimeStep),
+        1 => edge_vector().prop_map(Command::SetGravity),
+        2 => integrator().prop_map(Command::SetIntegrator),
+        1 => (edge(), edge()).prop_map(|(linear, angular)| Command::SetDamping { linear, angular }),
+        1 => prop::option::of(0u32..4).prop_map(Command::SetSleepAfter),
+    ]
+}
+
+/// What may not be after a step, whatever came before.
+fn check(world: &World) {
+    for body in world.bodies() {
+        let (x, v, spin) = (body.position_exact(), body.velocity_exact(), body.angular_velocity_exact());
+        assert!(x.x.is_within(POSITION) && x.y.is_within(POSITION), "{} is at {}", body.id(), body.position());
+        assert!(v.x.is_within(SPEED) && v.y.is_within(SPEED), "{} moves at {}", body.id(), body.velocity());
+        assert!(spin.is_within(ANGULAR_SPEED), "{} spins at {}", body.id(), body.angular_velocity());
+        let _ = (body.origin(), body.rotation(), body.inertia(), body.applied_force(), body.applied_torque());
+    }
+    let _ = (world.energy(), world.momentum(), world.angular_momentum(), world.elapsed(), world.state_hash());
+}
+
+fn config(cases: [u32; 2]) -> ProptestConfig {
+    ProptestConfig {
+        cases: cases[usize::from(!cfg!(debug_assertions))],
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    }
+}
+
+proptest! {
+    #![proptest_config(config([1_500, 12_000]))]
+
+    #[test]
+    fn no_world_within_the_bounds_panics_in_a_step(
+        time_step in time_step(),
+        integrator in integrator(),
+        gravity in vector_within(GRAVITY),
+        (linear, angular) in (positive(Fx::ONE), positive(Fx::ONE)),
+        bodies in prop::collection::vec(body_def(), 1..5),
+        fields in prop::collection::vec(field(), 0..6),
+        pushes in prop::collection::vec((handle(), action()), 0..4),
+    ) {
+        let def = WorldDef { time_step, integrator, gravity, linear_damping: linear, angular_damping: angular, sleep_after: Some(2) };
+        if let Ok(mut world) = World::new(def) {
+            world.register_law(Arc::new(Faulty)).unwrap();
+            for body in bodies { let _ = world.add_body(body); }
+            for field in fields { let _ = world.add_field(field); }
+            for (body, action) in pushes {
+                let _ = world.apply(body, action, Manner::default());
+            }
+            for _ in 0..4 {
+                let faults = world.step().faults.to_vec();
+                check(&world);
+                // Released where they are, they are to be caught once more.
+                faults.into_iter().for_each(|fault| world.release(fault.body).unwrap());
+            }
+        }
+    }
+
+    #[test]
+    fn no_sequence_of_calls_panics_and_what_is_refused_changes_nothing(
+        calls in prop::collection::vec(prop_oneof![6 => command().prop_map(Some), 1 => Just(None)], 1..60),
+    ) {
+        let mut world = world();
+        world.register_law(Arc::new(Faulty)).unwrap();
+        for call in calls {
+            match call {
+                Some(command) => {
+                    let before = world.state_hash();
+                    if world.execute(&command).is_err() {
+                        prop_assert_eq!(world.state_hash(), before, "{:?}", command);
+                    }
+                }
+                None => drop(world.step().tick),
+            }
+            check(&world);
+        }
+    }
+}
+
+#[test]
+fn the_corners_of_the_envelope_are_stepped_through_without_a_panic() {
+    let rates = [TimeStep::hz(1), TimeStep::hz(10_000), TimeStep::ratio(u32::MAX - 1, u32::MAX)];
+    let mut faults = 0;
+    for integrator in Integrator::ALL {
+        for time_step in rates {
+            for mass in [MASS_MIN, MASS_MAX] {
+                for kept in [ULP, Fx::HALF, Fx::ONE - ULP, Fx::ONE] {
+                    let def = WorldDef {
+                        time_step,
+                        integrator,
+                        gravity: vec2(GRAVITY, -GRAVITY),
+                        linear_damping: kept,
+                        angular_damping: kept,
+                        sleep_after: Some(1),
+                    };
+                    let mut world = World::new(def).unwrap();
+                    let corner = |x, y| BodyDef {
+                        position: vec2(x, y),
+                        mass: Mass::WithInertia(mass, ULP),
+                        ..BodyDef::dynamic()
+                    };
+                    let fast = |v: Fx, w: Fx| BodyDef {
+                        velocity: vec2(v, -v),
+                        angular_velocity: w,
+                        gravity_scale: GRAVITY_SCALE,
+                        ..corner(Fx::ZERO, Fx::ZERO)
+                    };
+                    let ids = [
+                        corner(POSITION, POSITION),
+                        corner(-POSITION, -POSITION),
+                        fast(SPEED, ANGULAR_SPEED),
+                        fast(-SPEED, -ANGULAR_SPEED),
+                        corner(ULP, Fx::ZERO),
+                    ]
+                    .map(|def| world.add_body(def).unwrap());
+                    let arm = |body, x| Attachment { body, point: vec2(x, -SIZE_MAX) };
+                    let spring = SpringLaw { rest: POSITION, stiffness: Fx::MAX, damping: Fx::MAX };
+                    for (a, b) in [(0, 1), (2, 3), (0, 4), (2, 4)] {
+                        world
+                            .add_field(Law::Spring {
+                                near: arm(ids[a], SIZE_MAX),
+                                far: End::Body(arm(ids[b], -SIZE_MAX)),
+                                spring,
+                            })
+                            .unwrap();
+                    }
+                    let most = <FxFactor as Factor<Fx>>::from_ratio(u64::MAX, 1);
+                    world
+                        .add_field(Law::Attractor { centre: End::World(Vec2::ZERO), mu: most, softening: Fx::ZERO })
+                        .unwrap();
+                    world
+                        .add_field(Law::Drag { linear: Fx::MAX, quadratic: Fx::MAX, wind: vec2(SPEED, SPEED) })
+                        .unwrap();
+                    world.add_field(Law::Drag { linear: Fx::ZERO, quadratic: ULP, wind: vec2(-SPEED, SPEED) }).unwrap();
+                    world.add_field(Law::Thrust { at: arm(ids[3], SIZE_MAX), force: vec2(Fx::MAX, Fx::MIN) }).unwrap();
+                    for _ in 0..6 {
+                        let out = world.step().faults.to_vec();
+                        faults += out.len();
+                        check(&world);
+                        out.into_iter().for_each(|fault| world.release(fault.body).unwrap());
+                    }
+                }
+            }
+        }
+    }
+    assert!(faults > 1_000, "{faults} faults: these are no corners");
+}
+
+#[cfg(feature = "float")]
+mod floats {
+    use super::*;
+
+    #[test]
+    fn what_is_no_number_is_refused_wherever_it_enters() {
+        let mut world = World::<f64>::new(WorldDef::default()).unwrap();
+        let shape = Some(Shape::circle(1.0).unwrap());
+        let body = world.add_body(BodyDef { shape: shape.clone(), ..BodyDef::dynamic() }).unwrap();
+        let id = world.add_field(Law::Drag { linear: 1.0, quadratic: 0.0, wind: Vec2::ZERO }).unwrap();
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            for v in [Vec2::new(bad, 0.0), Vec2::new(0.0, bad)] {
+                let at = Attachment { body, point: v };
+                let set = |law: Law<f64>| Command::SetField { id, field: law.into() };
+                let spring = SpringLaw { rest: 1.0, stiffness: 1.0, damping: 1.0 };
+                let near = Attachment::centre(body);
+                let origin = End::World(Vec2::ZERO);
+                let disc = Region::Disc { centre: Vec2::ZERO, radius: 1.0 };
+                let own = |action| Command::Apply { body, action, manner: Manner::default() };
+                let add = |change: fn(&mut BodyDef<f64>, Vec2<f64>)| {
+                    let mut def = BodyDef { shape: shape.clone(), ..BodyDef::dynamic() };
+                    change(&mut def, v);
+                    Command::AddBody(def)
+                };
+                for command in [
+                    add(|def, v| def.position = v),
+                    add(|def, v| def.velocity = v),
+                    add(|def, v| def.angle = v.x + v.y),
+                    add(|def, v| def.angular_velocity = v.x + v.y),
+                    add(|def, v| def.gravity_scale = v.x + v.y),
+                    add(|def, v| def.linear_damping = Some(v.x + v.y)),
+                    add(|def, v| def.mass = Mass::Of(v.x + v.y)),
+                    Command::SetPosition { body, position: v },
+                    Command::SetVelocity { body, velocity: v },
+                    Command::SetAngle { body, angle: bad },
+                    Command::SetAngularVelocity { body, velocity: bad },
+                    Command::SetMass { body, mass: Mass::Of(bad) },
+                    Command::SetMass { body, mass: Mass::Density(bad) },
+                    Command::SetMass { body, mass: Mass::WithInertia(1.0, bad) },
+                    Command::SetGravityScale { body, scale: bad },
+                    Command::SetBodyDamping { body, linear: Some(bad), angular: None },
+                    Command::SetBodyDamping { body, linear: None, angular: Some(bad) },
+                    Command::SetGravity(v),
+                    Command::SetDamping { linear: bad, angular: 1.0 },
+                    Command::SetDamping { linear: 1.0, angular: bad },
+                    own(Action::Force { force: v, point: None }),
+                    own(Action::Force { force: Vec2::X, point: Some(v) }),
+                    own(Action::Torque(bad)),
+                    own(Action::Impulse { impulse: v, point: None }),
+                    own(Action::Impulse { impulse: Vec2::X, point: Some(v) }),
+                    own(Action::AngularImpulse(bad)),
+                    set(Law::Drag { linear: bad, quadratic: 0.0, wind: Vec2::ZERO }),
+                    set(Law::Drag { linear: 0.0, quadratic: bad, wind: Vec2::ZERO }),
+                    set(Law::Drag { linear: 0.0, quadratic: 0.0, wind: v }),
+                    set(Law::Thrust { at, force: Vec2::X }),
+                    set(Law::Thrust { at: near, force: v }),
+                    set(Law::Spring { near: at, far: origin, spring }),
+                    set(Law::Spring { near, far: End::World(v), spring }),
+                    set(Law::Spring { near, far: origin, spring: SpringLaw { rest: bad, ..spring } }),
+                    set(Law::Spring { near, far: origin, spring: SpringLaw { stiffness: bad, ..spring } }),
+                    set(Law::Spring { near, far: origin, spring: SpringLaw { damping: bad, ..spring } }),
+                    set(Law::Attractor { centre: End::World(v), mu: 1.0, softening: 0.0 }),
+                    set(Law::Attractor { centre: origin, mu: bad, softening: 0.0 }),
+                    set(Law::Attractor { centre: origin, mu: 1.0, softening: bad }),
+                    set(Law::Zone { region: Region::Disc { centre: v, radius: 1.0 }, acceleration: Vec2::X }),
+                    set(Law::Zone { region: Region::Disc { centre: Vec2::ZERO, radius: bad }, acceleration: Vec2::X }),
+                    set(Law::Zone { region: Region::Box { min: v, max: Vec2::X }, acceleration: Vec2::X }),
+                    set(Law::Zone { region: Region::Box { min: Vec2::ZERO, max: v }, acceleration: Vec2::X }),
+                    set(Law::Zone { region: disc, acceleration: v }),
+                ] {
+                    let before = world.state_hash();
+                    let refused = world.execute(&command);
+                    assert!(matches!(refused, Err(Error::OutOfRange { .. })), "{command:?}: {refused:?}");
+                    assert_eq!(world.state_hash(), before, "{command:?}");
+                }
+                assert!(Shape::circle(bad).is_err() && Shape::rectangle(1.0, bad).is_err());
+                assert!(Shape::capsule(bad, 1.0).is_err() && Shape::segment(v, Vec2::ZERO).is_err());
+                assert!(Shape::polygon(&[Vec2::ZERO, Vec2::X, v]).is_err());
+            }
+        }
+    }
+
+    #[test]
+    fn a_float_body_that_leaves_the_envelope_is_quarantined_too() {
+        for integrator in Integrator::ALL {
+            let mut world = World::<f64>::new(WorldDef { integrator, ..WorldDef::default() }).unwrap();
+            let body = world.add_body(BodyDef { mass: Mass::Of(1.0 / 65_536.0), ..BodyDef::dynamic() }).unwrap();
+            world.apply_force(body, Vec2::new(f64::MAX, 0.0)).unwrap();
+            assert_eq!(world.step().faults.len(), 1, "{integrator:?}");
+            assert_eq!(world.body(body).unwrap().position(), Vec2::ZERO);
+        }
+    }
+}

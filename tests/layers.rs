@@ -1,0 +1,284 @@
+//! The layers of the crate, left to right: a module names modules to its left only, and none beside it.
+//!
+//! Comments and strings are taken out first: documentation may link anywhere. Inline test modules count like the rest of
+//! their file: what a layer's tests need, the layer itself may as well use.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Modules on one level do not name each other.
+const LEVELS: [&[&str]; 12] = [
+    &["kernel", "handle"],
+    &["error"],
+    &["scalar"],
+    &["limits"],
+    &["math"],
+    &["shape"],
+    &["body"],
+    &["force", "integrate"],
+    &["step"],
+    &["world"],
+    &["replay", "scene"],
+    &["bin"],
+];
+
+fn level(module: &str) -> Option<usize> {
+    LEVELS.iter().position(|modules| modules.contains(&module))
+}
+
+/// The source with comments, strings and characters blanked, line by line as it was.
+fn code_of(source: &str) -> String {
+    let (mut code, bytes) = (String::with_capacity(source.len()), source.as_bytes());
+    let mut i = 0;
+    let blank = |code: &mut String, from: usize, to: usize| {
+        code.extend(bytes[from..to].iter().map(|&b| if b == b'\n' { '\n' } else { ' ' }));
+    };
+    while i < bytes.len() {
+        let start = i;
+        let rest = &bytes[i..];
+        if rest.starts_with(b"//") {
+            i += rest.iter().position(|&b| b == b'\n').unwrap_or(rest.len());
+        } else if rest.starts_with(b"/*") {
+            i += source[i..].find("*/").map_or(rest.len(), |at| at + 2);
+        } else if rest[0] == b'"' {
+            i += 1;
+            while i < bytes.len() && bytes[i] != b'"' {
+                i += if bytes[i] == b'\\' { 2 } else { 1 };
+            }
+            i = (i + 1).min(bytes.len());
+        } else if rest[0] == b'\'' && rest.len() > 2 && (rest[1] == b'\\' || rest[2] == b'\'') {
+            // A character, not a lifetime.
+            i += 2 + rest[2..].iter().position(|&b| b == b'\'').map_or(0, |at| at + 1);
+        } else {
+            code.push(rest[0] as char);
+            i += 1;
+            continue;
+        }
+        blank(&mut code, start, i);
+    }
+    code
+}
+
+fn is_word(byte: u8) -> bool {
+    byte.is_ascii_alphanumeric() || byte == b'_'
+}
+
+/// Where `word` stands as a word of its own.
+fn words<'a>(code: &'a str, word: &'a str) -> impl Iterator<Item = usize> + 'a {
+    code.match_indices(word).map(|(at, _)| at).filter(move |&at| {
+        let before = at.checked_sub(1).map(|i| code.as_bytes()[i]);
+        let after = code.as_bytes().get(at + word.len());
+        !before.is_some_and(is_word) && !after.copied().is_some_and(is_word)
+    })
+}
+
+fn first_word(code: &str) -> &str {
+    let code = code.trim_start();
+    &code[..code.bytes().position(|b| !is_word(b)).unwrap_or(code.len())]
+}
+
+/// The first names of a path's continuation: of `{a::b, c}` a and c.
+fn heads(code: &str) -> Vec<String> {
+    let code = code.trim_start();
+    let Some(group) = code.strip_prefix('{') else { return vec![first_word(code).to_owned()] };
+    let (mut depth, mut heads, mut fresh) = (0, Vec::new(), true);
+    for (at, byte) in group.bytes().enumerate() {
+        match byte {
+            b'{' => depth += 1,
+            b'}' if depth == 0 => break,
+            b'}' => depth -= 1,
+            b',' if depth == 0 => fresh = true,
+            b if fresh && is_word(b) => {
+                heads.push(first_word(&group[at..]).to_owned());
+                fresh = false;
+            }
+            _ => {}
+        }
+    }
+    heads
+}
+
+/// What is wrong with the imports of a file, given its path below `src`.
+fn wrong_imports(path: &str, source: &str) -> Vec<String> {
+    let parts: Vec<&str> = path.trim_end_matches(".rs").split('/').filter(|part| *part != "mod").collect();
+    let own = parts[0];
+    let Some(own_level) = level(own) else {
+        return if own == "lib" { Vec::new() } else { vec![format!("{path}: {own} is on no level")] };
+    };
+    let code = code_of(source);
+    let mut wrong = Vec::new();
+    let mut check = |named: &str| match level(named) {
+        Some(level) if named == own || level < own_level => {}
+        Some(_) => wrong.push(format!("{path}: {own} names {named}")),
+        None => wrong.push(format!("{path}: `crate::{named}` is no module: name the one it is in")),
+    };
+    for at in words(&code, "crate") {
+        // `$crate::…` in a macro is expanded in the user's crate.
+        let is_macro = at > 0 && code.as_bytes()[at - 1] == b'$';
+        if let Some(rest) = code[at + 5..].strip_prefix("::").filter(|_| !is_macro) {
+            heads(rest).iter().for_each(|head| check(head));
+        }
+    }
+    // `super` from a module at the top leads to the crate as well; inside `mod tests` it leads to the module itself.
+    let outside_tests = code.split("mod tests {").next().unwrap_or_default();
+    for at in words(outside_tests, "super") {
+        let mut rest = &outside_tests[at + 5..];
+        let mut up = 1;
+        while let Some(next) = rest.strip_prefix("::super") {
+            (rest, up) = (next, up + 1);
+        }
+        let counted_before = outside_tests[..at].ends_with("super::");
+        // `pub(super)` names nothing.
+        if let Some(rest) = rest.strip_prefix("::").filter(|_| up >= parts.len() && !counted_before) {
+            heads(rest).iter().for_each(|head| check(head));
+        }
+    }
+    wrong
+}
+
+fn sources() -> Vec<(String, String)> {
+    fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
+        for entry in fs::read_dir(folder).expect("a folder of the crate") {
+            let path = entry.expect("an entry").path();
+            if path.is_dir() {
+                collect(&path, files);
+            } else if path.extension().is_some_and(|extension| extension == "rs") {
+                files.push(path);
+            }
+        }
+    }
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut files = Vec::new();
+    collect(&root, &mut files);
+    assert!(files.len() > 40, "only {} files found", files.len());
+    let named = |path: &PathBuf| {
+        let below = path.strip_prefix(&root).expect("below src");
+        let name = below.iter().map(|part| part.to_string_lossy()).collect::<Vec<_>>().join("/");
+        (name, fs::read_to_string(path).expect("readable text"))
+    };
+    files.iter().map(named).collect()
+}
+
+/// The library's files: all but the binaries'.
+fn library() -> Vec<(String, String)> {
+    sources().into_iter().filter(|(path, _)| !path.starts_with("bin/")).collect()
+}
+
+#[test]
+fn imports_run_to_the_left_only() {
+    let wrong: Vec<_> = sources().iter().flat_map(|(path, source)| wrong_imports(path, source)).collect();
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn the_checker_sees_an_import_to_the_right_in_every_form() {
+    for (path, source) in [
+        ("kernel/div.rs", "use crate::scalar::Scalar;"),
+        ("kernel/div.rs", "fn f() -> crate::error::Error { todo!() }"),
+        ("scalar/mod.rs", "use crate::{kernel::div, limits};"),
+        ("scalar/fx/ops.rs", "use crate::{\n    kernel::{div, wide},\n    world::World,\n};"),
+        ("force/load.rs", "use crate::integrate::Plan;"),
+        ("integrate/rules.rs", "use crate::force::Load;"),
+        ("step/mod.rs", "use super::world::World;"),
+        ("error.rs", "use super::limits;"),
+        ("step/finish.rs", "use super::super::world::World;"),
+        ("body/mod.rs", "use crate::World;"),
+        ("body/mod.rs", "mod tests { use crate::world::World; }"),
+        ("sideways/mod.rs", ""),
+    ] {
+        assert_eq!(wrong_imports(path, source).len(), 1, "{path}: {source}");
+    }
+    for (path, source) in [
+        ("body/mod.rs", "//! See [`World`](crate::world::World).\nuse crate::shape::Shape;"),
+        ("step/kick.rs", "use super::Context;\npub(super) fn f() {}\nuse crate::{body::{A, B}, force};"),
+        ("world/mod.rs", "const TEXT: &str = \"crate::replay\"; const Q: char = '\"'; use crate::step::Context;"),
+        ("limits.rs", "mod tests { use super::*; }"),
+        ("scalar/fx/ops.rs", "macro_rules! m { () => { $crate::Fx }; }"),
+    ] {
+        assert_eq!(wrong_imports(path, source), [""; 0], "{path}: {source}");
+    }
+}
+
+#[test]
+fn every_level_names_modules_that_are_there() {
+    let paths: Vec<String> = sources().into_iter().map(|(path, _)| path).collect();
+    for module in LEVELS.into_iter().flatten() {
+        let is_there = |path: &String| *path == format!("{module}.rs") || path.starts_with(&format!("{module}/"));
+        assert!(paths.iter().any(is_there), "{module}");
+    }
+}
+
+/// Files of the library in which the word stands in code.
+fn files_with(word: &str) -> Vec<String> {
+    let has = |(_, source): &(String, String)| words(&code_of(source), word).next().is_some();
+    library().into_iter().filter(has).map(|(path, _)| path).collect()
+}
+
+#[test]
+fn one_file_names_the_crate_fixed() {
+    let names = |(_, source): &(String, String)| {
+        let code = code_of(source);
+        words(&code, "fixed").any(|at| code[at + 5..].starts_with("::")) || code.contains("extern crate fixed")
+    };
+    let files: Vec<_> = library().into_iter().filter(names).map(|(path, _)| path).collect();
+    assert_eq!(files, ["scalar/fx/mod.rs"]);
+}
+
+#[test]
+fn floats_stay_in_the_files_of_the_float_feature() {
+    for word in ["f32", "f64", "libm"] {
+        let files = files_with(word);
+        assert!(files.iter().all(|file| file == "scalar/float.rs"), "{word}: {files:?}");
+    }
+}
+
+#[test]
+fn a_float_literal_stands_in_the_file_of_the_float_feature_alone() {
+    for (path, source) in library().iter().filter(|(path, _)| path != "scalar/float.rs") {
+        let code = code_of(source);
+        let bytes = code.as_bytes();
+        let literal = |at: usize| {
+            // Digits, a point, a digit: not `x.0.1`, a field of a field, nor a literal the macro `fx!` takes.
+            let digits = bytes[..at].iter().rev().take_while(|b| is_word(**b)).count();
+            let first = at - digits;
+            let is_field = first > 0 && bytes[first - 1] == b'.';
+            let in_macro = code[..first].ends_with("fx!(") || code[..first].ends_with("fx!(-");
+            digits > 0 && bytes[first].is_ascii_digit() && !is_field && !in_macro
+        };
+        for (at, _) in code.match_indices('.') {
+            let next = bytes.get(at + 1).is_some_and(u8::is_ascii_digit);
+            assert!(!(next && literal(at)), "{path}: {}", &code[at.saturating_sub(20)..at + 10]);
+        }
+    }
+}
+
+#[test]
+fn kernels_are_raw_integers() {
+    for (path, source) in library().iter().filter(|(path, _)| path.starts_with("kernel/")) {
+        let code = code_of(source);
+        let code = code.split("mod tests {").next().unwrap_or_default();
+        for word in ["trait", "impl", "dyn", "struct", "enum", "Fx", "Scalar", "Factor", "Accumulator", "Wide", "Vec2"]
+        {
+            assert_eq!(words(code, word).next(), None, "{path} names {word}");
+        }
+    }
+}
+
+#[test]
+fn the_library_uses_neither_std_nor_the_outside() {
+    for (path, source) in library().iter().filter(|(path, _)| path != "lib.rs") {
+        let code = code_of(source);
+        let code = code.split("mod tests {").next().unwrap_or_default();
+        assert_eq!(words(code, "std").next(), None, "{path} names std");
+        for word in ["println", "eprintln", "dbg", "HashMap", "HashSet", "unsafe", "static mut"] {
+            assert_eq!(words(code, word).next(), None, "{path} names {word}");
+        }
+    }
+    let root = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("src/lib.rs")).expect("the root");
+    assert!(root.contains("#![no_std]"));
+    let code = code_of(&root);
+    // The one use of std: linking it for the feature of its name.
+    assert_eq!(words(&code, "std").count(), 1, "{:?}", words(&code, "std").map(|at| &code[at..]).collect::<Vec<_>>());
+    let manifest = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml")).expect("the manifest");
+    assert!(manifest.contains("unsafe_code = \"forbid\""));
+}

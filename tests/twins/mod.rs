@@ -1,0 +1,284 @@
+//! Scalars that are `Fx` but for the rounding of what positions and velocities show, to see tests of symmetry fail.
+
+use core::cmp::Ordering;
+use core::fmt;
+use core::ops::{Add, Neg, Sub};
+
+use umbra_physics::scalar::{Accumulator, Angle, AreaMoments, Factor, FxSum, Offset, Scalar, Span, Sum, Wide};
+use umbra_physics::{Fx, FxAccumulator, FxFactor, FxWide, SpringLaw, Turn};
+
+/// To nearest, ties to even: what `Fx` does, as a control of the twin itself.
+pub(crate) const EVEN: u8 = 0;
+/// Down.
+pub(crate) const FLOOR: u8 = 1;
+/// To nearest, ties up.
+pub(crate) const HALF_UP: u8 = 2;
+/// To nearest, ties away from zero.
+pub(crate) const HALF_AWAY: u8 = 3;
+
+/// An `Fx` whose accumulators round as `MODE` says.
+#[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
+pub(crate) struct Twin<const MODE: u8>(pub(crate) Fx);
+
+/// Its accumulator: a multiple of 2^-96, as the one of `Fx`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct TwinAccumulator<const MODE: u8>(i128);
+
+/// value / 2^shift, shift from 1 to 126.
+fn shifted<const MODE: u8>(value: i128, shift: u32) -> i128 {
+    let (floor, half) = (value >> shift, 1i128 << (shift - 1));
+    let rest = value - (floor << shift);
+    let up = match rest.cmp(&half) {
+        Ordering::Less => false,
+        Ordering::Greater => MODE != FLOOR,
+        Ordering::Equal => match MODE {
+            EVEN => floor & 1 == 1,
+            HALF_UP => true,
+            HALF_AWAY => value >= 0,
+            _ => false,
+        },
+    };
+    floor + i128::from(up)
+}
+
+impl<const MODE: u8> fmt::Display for Twin<MODE> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+impl<const MODE: u8> Add for Twin<MODE> {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self(self.0 + other.0)
+    }
+}
+
+impl<const MODE: u8> Sub for Twin<MODE> {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        Self(self.0 - other.0)
+    }
+}
+
+impl<const MODE: u8> Neg for Twin<MODE> {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self(-self.0)
+    }
+}
+
+impl<const MODE: u8> Accumulator<Twin<MODE>> for TwinAccumulator<MODE> {
+    fn from_scalar(value: Twin<MODE>) -> Self {
+        Self(i128::from(value.0.to_bits()) << 64)
+    }
+    fn value(self) -> Twin<MODE> {
+        Twin(Fx::from_bits(shifted::<MODE>(self.0, 64) as i64))
+    }
+    fn plus(self, other: Self) -> Self {
+        Self(self.0 + other.0)
+    }
+    fn negated(self) -> Self {
+        Self(-self.0)
+    }
+    fn scaled(self, factor: FxFactor) -> Option<Self> {
+        Accumulator::<Fx>::scaled(FxAccumulator::from_bits(self.0), factor).map(|a| Self(Accumulator::<Fx>::to_bits(a)))
+    }
+    fn is_within(self, limit: Twin<MODE>) -> bool {
+        FxAccumulator::from_bits(self.0).is_within(limit.0)
+    }
+    fn to_bits(self) -> i128 {
+        self.0
+    }
+}
+
+impl<const MODE: u8> Factor<Twin<MODE>> for FxFactor {
+    const ZERO: Self = <Self as Factor<Fx>>::ZERO;
+    const ONE: Self = <Self as Factor<Fx>>::ONE;
+    const PI: Self = <Self as Factor<Fx>>::PI;
+    fn from_scalar(value: Twin<MODE>) -> Self {
+        Factor::<Fx>::from_scalar(value.0)
+    }
+    fn from_wide(value: FxWide) -> Self {
+        Factor::<Fx>::from_wide(value)
+    }
+    fn from_ratio(num: u64, den: u64) -> Self {
+        Factor::<Fx>::from_ratio(num, den)
+    }
+    fn to_scalar(self) -> Option<Twin<MODE>> {
+        Factor::<Fx>::to_scalar(self).map(Twin)
+    }
+    fn times(self, other: Self) -> Self {
+        Factor::<Fx>::times(self, other)
+    }
+    fn over(self, other: Self) -> Self {
+        Factor::<Fx>::over(self, other)
+    }
+    fn plus(self, other: Self) -> Self {
+        Factor::<Fx>::plus(self, other)
+    }
+    fn minus(self, other: Self) -> Self {
+        Factor::<Fx>::minus(self, other)
+    }
+    fn root(self) -> Self {
+        Factor::<Fx>::root(self)
+    }
+    fn to_bits(self) -> i128 {
+        Factor::<Fx>::to_bits(self)
+    }
+}
+
+impl<const MODE: u8> Wide<Twin<MODE>> for FxWide {
+    fn from_scalar(value: Twin<MODE>) -> Self {
+        Wide::<Fx>::from_scalar(value.0)
+    }
+    fn from_factor(magnitude: FxFactor, negative: bool) -> Option<Self> {
+        Wide::<Fx>::from_factor(magnitude, negative)
+    }
+    fn to_scalar(self) -> Option<Twin<MODE>> {
+        Wide::<Fx>::to_scalar(self).map(Twin)
+    }
+    fn plus(self, other: Self) -> Option<Self> {
+        Wide::<Fx>::plus(self, other)
+    }
+    fn negated(self) -> Self {
+        Wide::<Fx>::negated(self)
+    }
+    fn times(self, factor: FxFactor) -> Option<Self> {
+        Wide::<Fx>::times(self, factor)
+    }
+    fn is_negative(self) -> bool {
+        Wide::<Fx>::is_negative(self)
+    }
+    fn to_bits(self) -> i128 {
+        Wide::<Fx>::to_bits(self)
+    }
+}
+
+impl<const MODE: u8> Sum<Twin<MODE>> for FxSum {
+    fn add(&mut self, term: FxWide) {
+        Sum::<Fx>::add(self, term);
+    }
+    fn total(self) -> Option<FxWide> {
+        Sum::<Fx>::total(self)
+    }
+    fn to_bits(self) -> (i128, i32) {
+        Sum::<Fx>::to_bits(self)
+    }
+}
+
+impl<const MODE: u8> Angle<Twin<MODE>> for Turn {
+    fn from_radians(radians: Twin<MODE>) -> Self {
+        Angle::<Fx>::from_radians(radians.0)
+    }
+    fn radians(self) -> Twin<MODE> {
+        Twin(Angle::<Fx>::radians(self))
+    }
+    fn sin_cos(self) -> (Twin<MODE>, Twin<MODE>) {
+        let (sin, cos) = Angle::<Fx>::sin_cos(self);
+        (Twin(sin), Twin(cos))
+    }
+    fn drift_factor(span: Span) -> FxFactor {
+        <Self as Angle<Fx>>::drift_factor(span)
+    }
+    fn drifted(self, velocity: Twin<MODE>, drift_factor: FxFactor, negative: bool) -> Self {
+        Angle::<Fx>::drifted(self, velocity.0, drift_factor, negative)
+    }
+    fn turned(self, radians: TwinAccumulator<MODE>) -> Self {
+        Angle::<Fx>::turned(self, FxAccumulator::from_bits(radians.0))
+    }
+    fn rotate(self, x: Twin<MODE>, y: Twin<MODE>) -> Option<(FxWide, FxWide)> {
+        Angle::<Fx>::rotate(self, x.0, y.0)
+    }
+    fn to_bits(self) -> u64 {
+        Angle::<Fx>::to_bits(self)
+    }
+}
+
+fn corners<const MODE: u8>(corners: &[(Twin<MODE>, Twin<MODE>)]) -> Vec<(Fx, Fx)> {
+    corners.iter().map(|(x, y)| (x.0, y.0)).collect()
+}
+
+impl<const MODE: u8> Scalar for Twin<MODE> {
+    type Accumulator = TwinAccumulator<MODE>;
+    type Factor = FxFactor;
+    type Angle = Turn;
+    type Wide = FxWide;
+    type Sum = FxSum;
+
+    const ZERO: Self = Self(Fx::ZERO);
+    const ONE: Self = Self(Fx::ONE);
+    const NAME: &'static str = "twin";
+
+    fn from_fx(value: Fx) -> Self {
+        Self(value)
+    }
+    fn to_bits(self) -> i64 {
+        self.0.to_bits()
+    }
+    fn is_finite(self) -> bool {
+        true
+    }
+    fn sin_cos(self) -> (Self, Self) {
+        let (sin, cos) = self.0.sin_cos();
+        (Self(sin), Self(cos))
+    }
+    fn product(self, other: Self) -> FxWide {
+        self.0.product(other.0)
+    }
+    fn offset(self, other: Self) -> FxWide {
+        self.0.offset(other.0)
+    }
+    fn torque(arm: FxWide, force: FxWide) -> Option<FxWide> {
+        Fx::torque(arm, force)
+    }
+    fn times(self, other: Self) -> Option<Self> {
+        Scalar::times(self.0, other.0).map(Self)
+    }
+    fn seconds(span: Span) -> FxFactor {
+        Fx::seconds(span)
+    }
+    fn half_square_seconds(ratio: (u32, u32)) -> FxFactor {
+        Fx::half_square_seconds(ratio)
+    }
+    fn decay(kept: Self, span: Span) -> FxFactor {
+        Fx::decay(kept.0, span)
+    }
+    fn drift(self, seconds: FxFactor) -> TwinAccumulator<MODE> {
+        let (mantissa, shift) = seconds.parts();
+        let way = i128::from(self.0.to_bits()) * i128::from(mantissa);
+        // Steps of a second or more have a shift below 64; the scenes here have shorter ones.
+        TwinAccumulator(if shift > 64 { shifted::<MODE>(way, (shift - 64) as u32) } else { way << (64 - shift) })
+    }
+    fn kick(acceleration: FxWide, seconds: FxFactor) -> Option<TwinAccumulator<MODE>> {
+        Fx::kick(acceleration, seconds).map(|a| TwinAccumulator(Accumulator::<Fx>::to_bits(a)))
+    }
+    fn attraction(mu: FxFactor, to_centre: Offset<Self>, softening: Self) -> Option<Offset<Self>> {
+        Fx::attraction(mu, to_centre, softening.0)
+    }
+    fn tension(offset: Offset<Self>, velocity: Offset<Self>, spring: &SpringLaw<Self>) -> Option<Offset<Self>> {
+        let SpringLaw { rest, stiffness, damping } = *spring;
+        Fx::tension(offset, velocity, &SpringLaw { rest: rest.0, stiffness: stiffness.0, damping: damping.0 })
+    }
+    fn length(offset: Offset<Self>, third: Self) -> FxFactor {
+        Fx::length(offset, third.0)
+    }
+    fn reaches(self, offset: Offset<Self>) -> bool {
+        self.0.reaches(offset)
+    }
+    fn drag(a: FxFactor, b: FxFactor, c: FxFactor, d: FxFactor, negative: bool) -> Option<FxFactor> {
+        Fx::drag(a, b, c, d, negative)
+    }
+    fn polygon_moments(given: &[(Self, Self)]) -> Option<AreaMoments<Self>> {
+        let AreaMoments { area, centroid: (x, y), second } = Fx::polygon_moments(&corners(given))?;
+        Some(AreaMoments { area, centroid: (Self(x), Self(y)), second })
+    }
+    fn orientation(a: (Self, Self), b: (Self, Self), c: (Self, Self)) -> Ordering {
+        let [a, b, c] = [a, b, c].map(|(x, y)| (x.0, y.0));
+        Fx::orientation(a, b, c)
+    }
+    fn weighted_mean(weights: &[FxFactor], values: &[Self]) -> Option<Self> {
+        let values: Vec<Fx> = values.iter().map(|v| v.0).collect();
+        Fx::weighted_mean(weights, &values).map(Self)
+    }
+}
