@@ -144,12 +144,20 @@ struct Cast {
     light: BodyId,
     sleeper: BodyId,
     rail: BodyId,
+    weights: [BodyId; 3],
 }
 
 /// Groups: fields act on the first two, drag on the second, the short-numbered bodies are in the third.
 const FIELDS: u32 = 1;
 const DRAGGED: u32 = 2;
 const SHORT: u32 = 4;
+
+/// Where the bodies with short numbers start, and how fast: x, y, vx, vy.
+const STARTS: [[Fx; 4]; 3] = [
+    [fx!(1), fx!(1), Fx::from_bits((1 << 31) + 1), fx!(0)],
+    [fx!(1.5), fx!(1), fx!(0), Fx::from_bits((1 << 30) - 1)],
+    [fx!(2), fx!(1), Fx::from_bits(1 - (1 << 29)), fx!(0)],
+];
 
 /// All there is in one scene, kept in bounds by springs, drags and dampings.
 fn scene<S: Scalar>(image: &Symmetry, integrator: Integrator, rate: u32) -> (World<S>, Cast) {
@@ -230,11 +238,7 @@ fn scene<S: Scalar>(image: &Symmetry, integrator: Integrator, rate: u32) -> (Wor
         groups: SHORT,
         ..dynamic()
     };
-    let weights = [
-        add(short(fx!(1), fx!(1), fx!(0.5) + ULP, fx!(0))),
-        add(short(fx!(1.5), fx!(1), fx!(0), fx!(0.25) - ULP)),
-        add(short(fx!(2), fx!(1), fx!(-0.125) + ULP, fx!(0))),
-    ];
+    let weights = STARTS.map(|[x, y, vx, vy]| add(short(x, y, vx, vy)));
     add(BodyDef { gravity_scale: S::ONE, ..short(fx!(0), fx!(0), ULP, -ULP) });
 
     let mut field = |law: Law<S>, groups| world.add_field(Field { law, groups }).map(drop).expect("a field");
@@ -275,7 +279,7 @@ fn scene<S: Scalar>(image: &Symmetry, integrator: Integrator, rate: u32) -> (Wor
     for (body, (x, y)) in weights.into_iter().zip([(fx!(-1), fx!(1)), (fx!(1.5), fx!(-2)), (fx!(6), fx!(1))]) {
         field(anchored(body, Vec2::ZERO, End::World(p(x, y)), spring(fx!(1), fx!(1), fx!(0))), 0);
     }
-    (world, Cast { wheel, slab, light, sleeper, rail })
+    (world, Cast { wheel, slab, light, sleeper, rail, weights })
 }
 
 /// What the user does at a tick.
@@ -306,6 +310,16 @@ fn drive<S: Scalar>(world: &mut World<S>, cast: &Cast, image: &Symmetry, tick: u
     if tick % 1_000 == 400 {
         let (impulse, point) = image.push(Frame::Body, vec2(sign(fx!(2)), sign(fx!(1))), vec2(fx!(0.5), fx!(-0.5)));
         act(cast.sleeper, Action::Impulse { impulse, point }, Frame::Body);
+    }
+    if tick % 4_096 == 4_095 {
+        // Nothing damps these, and explicit Euler drives them out.
+        for (body, [x, y, vx, vy]) in cast.weights.into_iter().zip(STARTS) {
+            let position = image.point(Vec2::new(x, y));
+            let velocity = image.vector(Vec2::new(vx, vy));
+            for command in [Command::SetPosition { body, position }, Command::SetVelocity { body, velocity }] {
+                world.execute(&command).expect("it is dynamic");
+            }
+        }
     }
     if tick % 500 == 0 {
         let back = (tick / 500) % 2 == 1;
