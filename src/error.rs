@@ -54,7 +54,7 @@ pub enum Error {
     },
     /// `Yoshida4` runs its middle sub-step backwards, which a damping of 0 (nothing left after a step) has no way back from.
     DampingHasNoInverse,
-    /// A spring or thruster is attached to the same body twice.
+    /// Both ends of a spring are attached to the same body.
     SameBody {
         /// The body.
         body: BodyId,

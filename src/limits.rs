@@ -5,15 +5,15 @@
 //! nor saturating, never wraps:
 //!
 //! - *Velocity.* At the start of a step at most [`SPEED`] = 2^20 m/s a component. A step has at most six kick stages, each
-//!   of at most four kicks: gravity below 2^20 m/s ([`GRAVITY`]), and what was applied, the fields of position and those of
-//!   velocity, each below [`KICK`] = 2^21 m/s (a larger one is left out, and the body is quarantined). Damping backwards in
-//!   time is cut off at [`TRANSIENT_SPEED`] = 2^24 m/s: |v| < 2^24 + 6·(2^20 + 3·2^21) < 2^26 throughout. As an
+//!   of at most four kicks: gravity ([`GRAVITY`]), what was applied, the fields of position and those of velocity, each
+//!   below [`KICK`] = 2^21 m/s (a larger one is left out, and the body is quarantined). Damping backwards in
+//!   time is cut off at [`TRANSIENT_SPEED`] = 2^24 m/s: |v| < 2^24 + 6·4·2^21 = 2^26 throughout. As an
 //!   accumulator, in units of 2^-96, that is below 2^122.
 //! - *Position.* At most [`POSITION`] = 2^30 m before, and a step drifts for at most 1.36 + 1.71 + 1.36 = 4.43 s in all:
 //!   |x| < 2^30 + 4.43·2^26 < 2^30.35 m throughout, and an accumulator holds 2^31 m.
 //! - *Offsets.* Between two such points, less than 2^31.36 m = 2^63.36 ulps a component; the sum of two squares is below
 //!   2^127.8 and fits in u128.
-//! - *Forces.* A call adds at most 2^31 N a component or 2^63 N·m; sums of 2^31 calls are held in 160 bits and checked
+//! - *Forces.* A call adds at most 2^31 N a component or 2^63 N·m; sums are held in 192 bits and checked
 //!   once, in the step.
 //!
 //! Rotation has the same bounds in rad/s; its angle wraps by itself.
@@ -40,11 +40,11 @@ pub const MASS_MIN: Fx = power(-16);
 pub const MASS_MAX: Fx = power(24);
 /// The smallest extent of a shape (radius, side, length): 2^-7 m.
 pub const SIZE_MIN: Fx = power(-7);
-/// The largest extent of a shape, and the farthest a corner, part or attachment is from its origin: 2^12 m.
+/// The largest radius, side or length of a shape, and the largest coordinate of a corner, part or attachment: 2^12 m.
 pub const SIZE_MAX: Fx = power(12);
 /// The largest component of gravity or of the acceleration of a region: 2^16 m/s² either way.
 ///
-/// With [`GRAVITY_SCALE`] a kick of gravity over the longest half step, 0.86 s, is below 2^20 m/s: never a fault.
+/// With [`GRAVITY_SCALE`] a kick of gravity over the longest span, 1.71 s, is below 2^21 m/s: never a fault.
 pub const GRAVITY: Fx = power(16);
 /// The largest gravity scale of a body, either way.
 pub const GRAVITY_SCALE: Fx = power(4);
@@ -60,5 +60,5 @@ pub const CORNERS: usize = 64;
 pub const PARTS: usize = 256;
 /// The most bodies a world has: handles are 32-bit.
 pub const BODIES: usize = 1 << 24;
-/// The most force fields a world has; together with the user's calls their terms stay below the 2^31 a sum holds.
+/// The most force fields a world has: handles are 32-bit.
 pub const FIELDS: usize = 1 << 24;

@@ -127,6 +127,8 @@ pub(crate) struct Bodies<S: Scalar> {
     free: Vec<u32>,
     /// Whether bodies have a last acceleration.
     keeps_last: bool,
+    /// How many are asleep; derived, so that waking costs nothing where nobody sleeps.
+    asleep: usize,
 }
 
 impl<S: Scalar> Default for Bodies<S> {
@@ -138,7 +140,7 @@ impl<S: Scalar> Default for Bodies<S> {
             slot: Vec::new(),
             card: Vec::new(),
         };
-        Self { columns, moving: 0, slots: Vec::new(), free: Vec::new(), keeps_last: false }
+        Self { columns, moving: 0, slots: Vec::new(), free: Vec::new(), keeps_last: false, asleep: 0 }
     }
 }
 
@@ -149,6 +151,21 @@ impl<S: Scalar> Bodies<S> {
 
     pub(crate) fn moving(&self) -> usize {
         self.moving
+    }
+
+    pub(crate) fn any_asleep(&self) -> bool {
+        self.asleep > 0
+    }
+
+    /// Changes whether a body takes part; returns its new index.
+    pub(crate) fn set_activity(&mut self, dense: usize, activity: Activity) -> usize {
+        let card = &mut self.columns.card[dense];
+        self.asleep -= usize::from(card.activity == Activity::Asleep);
+        self.asleep += usize::from(activity == Activity::Asleep);
+        card.activity = activity;
+        self.columns.rest[dense] = 0;
+        let moves = activity == Activity::Awake && card.kind != BodyKind::Static;
+        self.set_moving(dense, moves)
     }
 
     /// The index of a body in the columns.

@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 
 use super::{Attachment, BodyState, Dependence, End, Field, FieldSet, Law, Laws, Push, Region};
 use crate::body::{Activity, Bodies, BodyKind, Motion};
-use crate::error::{Cause, Fault};
+use crate::error::Cause;
 use crate::handle::FieldId;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, Angle, Factor, Offset, Scalar, SpringLaw, Sum, Wide};
@@ -169,14 +169,14 @@ pub(crate) fn accumulate<S: Scalar>(
     scene: Scene<'_, S>,
     pass: Dependence,
     loads: &mut [Load<S>],
-    faults: &mut Vec<Fault>,
+    faults: &mut Vec<(usize, Cause)>,
 ) {
     for (id, field) in scene.fields.iter() {
         let own_pass = match field.depends_on(scene.laws) {
             Dependence::Velocity => Dependence::Velocity,
             Dependence::Nothing | Dependence::Position => Dependence::Position,
         };
-        let mut fault = |i: usize, cause| faults.push(Fault { body: scene.bodies.id(i), cause });
+        let mut fault = |i: usize, cause| faults.push((i, cause));
         let too_large = Cause::Field { field: id };
         match &field.law {
             Law::Spring { near, far, spring } if own_pass == pass || pass == Dependence::Position => {
@@ -257,7 +257,7 @@ pub(crate) fn resist<S: Scalar>(
     span: (S::Factor, bool),
     closing: bool,
     only: impl Fn(usize) -> bool,
-    faults: &mut Vec<Fault>,
+    faults: &mut Vec<(usize, Cause)>,
 ) {
     let mut one = |id: FieldId, field: &Field<S>| {
         let Law::Drag { linear, quadratic, wind } = &field.law else { return };
@@ -273,7 +273,11 @@ pub(crate) fn resist<S: Scalar>(
                 S::Factor::from_scalar(*linear).times(inverse_mass),
                 S::Factor::from_scalar(*quadratic).times(inverse_mass),
             );
-            let slowed = S::drag(speed, alpha, beta, span.0, span.1).and_then(|left| {
+            let left = S::drag(speed, alpha, beta, span.0, span.1);
+            if left == Some(S::Factor::ONE) {
+                continue;
+            }
+            let slowed = left.and_then(|left| {
                 let component = |v: S::Accumulator, w: S| {
                     let w = S::Accumulator::from_scalar(w);
                     Some(v.plus(w.negated()).scaled(left)?.plus(w))
@@ -282,7 +286,7 @@ pub(crate) fn resist<S: Scalar>(
             });
             match slowed {
                 Some(slowed) => *velocity = slowed,
-                None => faults.push(Fault { body: bodies.id(i), cause: Cause::Field { field: id } }),
+                None => faults.push((i, Cause::Field { field: id })),
             }
         }
     };
@@ -299,11 +303,12 @@ fn relative<S: Scalar>(velocity: Vec2<S::Accumulator>, wind: Vec2<S>) -> Offset<
 }
 
 /// Marks the bodies whose drag is too stiff to run backwards, those with (linear + quadratic·|u|)/m·dt > ½ for one of
-/// the fields, and counts them.
+/// the fields, and counts them. |u| is the speed at the start and what `gain` says that the step may add.
 pub(crate) fn outer_drag<S: Scalar>(
     fields: &FieldSet<S>,
     bodies: &Bodies<S>,
     time_step: S::Factor,
+    gain: impl Fn(usize) -> S::Factor,
     outside: &mut Vec<bool>,
 ) -> u32 {
     outside.clear();
@@ -315,7 +320,7 @@ pub(crate) fn outer_drag<S: Scalar>(
         for (i, outside) in outside.iter_mut().enumerate() {
             let card = &bodies.columns.card[i];
             if card.kind == BodyKind::Dynamic && card.groups & field.groups != 0 {
-                let speed = S::length(relative(velocity[i], *wind), S::ZERO);
+                let speed = S::length(relative(velocity[i], *wind), S::ZERO).plus(gain(i));
                 let slope = S::Factor::from_scalar(*linear).plus(S::Factor::from_scalar(*quadratic).times(speed));
                 *outside |= slope.times(card.properties.inverse_mass).times(time_step) > half;
             }

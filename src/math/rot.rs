@@ -34,6 +34,9 @@ impl<S: Scalar> Rot<S> {
     }
 
     /// The other way round.
+    ///
+    /// # Panics
+    /// If the sine is `Fx::MIN`, which no rotation's is.
     #[must_use]
     pub fn inverse(self) -> Self {
         Self { cos: self.cos, sin: -self.sin }
@@ -43,7 +46,8 @@ impl<S: Scalar> Rot<S> {
     /// the length.
     #[must_use]
     pub fn checked_rotate(self, v: Vec2<S>) -> Option<Vec2<S>> {
-        let component = |a: S, b: S, c: S, d: S| a.product(b).plus(c.product(d))?.to_scalar();
-        Some(Vec2::new(component(self.cos, v.x, -self.sin, v.y)?, component(self.sin, v.x, self.cos, v.y)?))
+        let (cos_x, sin_x) = (self.cos.product(v.x), self.sin.product(v.x));
+        let (cos_y, sin_y) = (self.cos.product(v.y), self.sin.product(v.y));
+        Some(Vec2::new(cos_x.plus(sin_y.negated())?.to_scalar()?, sin_x.plus(cos_y)?.to_scalar()?))
     }
 }

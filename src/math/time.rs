@@ -15,7 +15,7 @@ impl TimeStep {
     /// A step of 1/rate seconds.
     #[must_use]
     pub const fn hz(rate: u32) -> Self {
-        Self { num: 1, den: rate }
+        Self::ratio(1, rate)
     }
 
     /// A step of num/den seconds; 1001/60000 is the rate of NTSC video.
@@ -23,19 +23,19 @@ impl TimeStep {
     /// A ratio outside 1 to 10,000 steps a second is refused by the world it is given to.
     #[must_use]
     pub const fn ratio(num: u32, den: u32) -> Self {
-        Self { num, den }
+        match gcd(num as u128, den as u128) as u32 {
+            0 => Self { num: 0, den: 0 },
+            divisor => Self { num: num / divisor, den: den / divisor },
+        }
     }
 
     /// (num, den) in lowest terms, in seconds.
     #[must_use]
     pub const fn seconds(self) -> (u32, u32) {
-        match gcd(self.num as u128, self.den as u128) as u32 {
-            0 => (0, 0),
-            divisor => (self.num / divisor, self.den / divisor),
-        }
+        (self.num, self.den)
     }
 
-    /// The same in lowest terms, if it is within the limits.
+    /// The same, if it is within the limits.
     pub(crate) const fn checked(self) -> Result<Self, Error> {
         let (num, den) = self.seconds();
         let (n, d) = (num as u64, den as u64);
@@ -43,7 +43,7 @@ impl TimeStep {
         if num == 0 || d < n * RATE_MIN as u64 || d > n * RATE_MAX as u64 {
             return Err(Error::TimeStep);
         }
-        Ok(Self { num, den })
+        Ok(self)
     }
 }
 

@@ -236,9 +236,9 @@ impl<S: Scalar> World<S> {
         sink.scalar(self.def.angular_damping);
         sink.option(self.def.sleep_after, Sink::u32);
         sink.u64(self.tick);
-        sink.u128(self.counted.0.num);
-        sink.u128(self.counted.0.den);
-        sink.u64(self.counted.1);
+        let elapsed = self.elapsed();
+        sink.u128(elapsed.num);
+        sink.u128(elapsed.den);
     }
 
     fn write_bodies(&self, sink: &mut Sink) {
@@ -268,7 +268,7 @@ impl<S: Scalar> World<S> {
                 for sum in [row.force.x, row.force.y, row.torque] {
                     let (low, carries) = sum.to_bits();
                     sink.i128(low);
-                    sink.u32(carries as u32);
+                    sink.u64(carries as u64);
                 }
             });
         }

@@ -63,12 +63,6 @@ proptest! {
     }
 
     #[test]
-    fn roots_are_good_to_64_bits(a in factor()) {
-        let root = Factor::<Fx>::root(a);
-        prop_assert!(error_log2(Factor::<Fx>::times(root, root), &exact(a)) < -62.0);
-    }
-
-    #[test]
     fn order_is_that_of_the_values(a in factor(), b in factor()) {
         prop_assert_eq!(a.cmp(&b), exact(a).cmp(&exact(b)));
     }
@@ -233,4 +227,38 @@ fn factors_read_back_what_they_were_made_from() {
     assert_eq!(FxFactor::new(3, 34).to_scalar(), Some(Fx::DELTA));
     assert_eq!(FxFactor::new(u128::MAX, 0), FxFactor::new(1, -128), "a carry out of the mantissa");
     assert!(is_nearest(<FxFactor as Factor<Fx>>::PI, &(real(1, 0).asin() * real(2, 0))));
+}
+
+#[test]
+fn exponents_end_in_zero_and_in_the_largest_factor() {
+    let (mut small, mut large) = (FxFactor::from_ratio(1, 1 << 63), FxFactor::from_ratio(1 << 63, 1));
+    for _ in 0..40 {
+        (small, large) = (small.times(small), large.times(large));
+    }
+    assert!(small.is_zero());
+    assert_eq!(large, large.times(large));
+    assert!(large > FxFactor::new(1, -16_000));
+}
+
+#[test]
+fn attraction_is_defined_where_the_root_rounds_up_to_the_next_power_of_two() {
+    // x² + y² is a few below a power of four.
+    for (x, y) in [
+        (1_125_567_983_927_385i64, 27_337_040_547_056i64),
+        (15_317_334_545_335_951, 9_481_445_885_764_714),
+        (228_477_151_555_757_253, 175_712_665_888_161_782),
+        (1_064_345_167_551_132_376, 443_167_417_682_604_259),
+        (2_274_117_029_588_772_901, 381_187_249_096_818_150),
+    ] {
+        let offset = (FxWide::from_bits(i128::from(x) << 32), FxWide::from_bits(i128::from(y) << 32));
+        let mu = FxFactor::new(1, -60);
+        let (ax, ay) = <Fx as Scalar>::attraction(mu, offset, Fx::ZERO).expect("it fits");
+        let (x, y) = (real(x, -32), real(y, -32));
+        let square = x.clone() * &x + y.clone() * &y;
+        let cube = square.clone() * square.sqrt();
+        for (component, exact) in [(ax, x / &cube), (ay, y / &cube)] {
+            let away = (real(component.to_bits(), -124) - exact).to_f64().value() * 2f64.powi(124);
+            assert!(away.abs() <= 0.51, "{away}");
+        }
+    }
 }

@@ -6,12 +6,12 @@ use super::Factor;
 use super::fx::Fx;
 use super::wide::FxWide;
 use crate::kernel::round::shr_round_u;
-use crate::kernel::sqrt::root_fine;
 use crate::kernel::wide::shr_round_256;
 
 /// mantissa · 2^-shift with the top bit of the mantissa set, or zero.
 ///
-/// *Error* a result is the factor nearest to the exact one, ties to even: within 2^-64 relative.
+/// *Error* a result is the factor nearest to the exact one, ties to even: within 2^-64 relative. Below 2^-16320 it is zero,
+/// from 2^16448 on the largest factor there is; nothing in the engine comes near.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct FxFactor {
     mantissa: u64,
@@ -19,7 +19,7 @@ pub struct FxFactor {
 }
 
 impl FxFactor {
-    /// The factor nearest to value · 2^-shift.
+    /// The factor nearest to value · 2^-shift. *Domain* |shift| below 2^20, so that no sum of a few shifts wraps.
     #[must_use]
     pub(crate) const fn new(value: u128, shift: i32) -> Self {
         if value == 0 {
@@ -27,14 +27,26 @@ impl FxFactor {
         }
         let zeros = value.leading_zeros();
         if zeros >= 64 {
-            return Self { mantissa: (value as u64) << (zeros - 64), shift: shift + (zeros as i32 - 64) };
+            return Self::bounded((value as u64) << (zeros - 64), shift + (zeros as i32 - 64));
         }
         let cut = 64 - zeros;
         let rounded = shr_round_u(value, cut);
         if rounded >> 64 != 0 {
-            return Self { mantissa: 1 << 63, shift: shift - cut as i32 - 1 };
+            return Self::bounded(1 << 63, shift - cut as i32 - 1);
         }
-        Self { mantissa: rounded as u64, shift: shift - cut as i32 }
+        Self::bounded(rounded as u64, shift - cut as i32)
+    }
+
+    /// The factor with its exponent kept within ±2^14.
+    const fn bounded(mantissa: u64, shift: i32) -> Self {
+        const MOST: i32 = 1 << 14;
+        if shift > MOST {
+            Self { mantissa: 0, shift: 0 }
+        } else if shift < -MOST {
+            Self { mantissa: u64::MAX, shift: -MOST }
+        } else {
+            Self { mantissa, shift }
+        }
     }
 
     /// The factor nearest to (high·2^128 + low) / divisor · 2^-shift.
@@ -158,15 +170,6 @@ impl Factor<Fx> for FxFactor {
         let (aligned, lost) = align(other.mantissa, gap);
         let rest = (u128::from(self.mantissa) << 63) - aligned - u128::from(lost);
         Self::new(rest | u128::from(lost), self.shift + 63)
-    }
-
-    fn root(self) -> Self {
-        if self.mantissa == 0 {
-            return self;
-        }
-        // An even exponent, and an argument in [2^126, 2^128), whose fine root has 96 bits.
-        let up = if self.shift % 2 == 0 { 64 } else { 63 };
-        Self::new(root_fine(u128::from(self.mantissa) << up), (self.shift + up) / 2 + 32)
     }
 
     fn to_bits(self) -> i128 {

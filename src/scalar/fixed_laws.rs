@@ -39,7 +39,7 @@ pub(super) const fn span_factor(constant: u128, shift: i32, span: Span) -> FxFac
     FxFactor::new(quotient | (rest != 0) as u128, shift + span.half as i32)
 }
 
-/// 2^±exponent, the exponent in units of 2^-120; `None` if it is 2^128 or more.
+/// 2^±exponent, the exponent in units of 2^-120.
 fn power_of_two(exponent: u128, negative: bool) -> FxFactor {
     let (whole, fraction) = ((exponent >> 120) as i32, exponent << 8);
     match (negative, fraction) {
@@ -211,8 +211,10 @@ impl Scalar for Fx {
         // s = sum · 2^even in [2^126, 2^128), and its root in [2^95, 2^96).
         let even = sum.leading_zeros() & !1;
         let s = sum << even;
-        // d³ / 2^(64 − 3·even/2) in [2^125, 2^128), cut below 2^-125 relative.
-        let (cube, _) = mul_128(s, root_fine(s) << 32);
+        // d³ / 2^(64 − 3·even/2) in [2^125, 2^128), cut below 2^-125 relative. The root of the largest s rounds up to 2^96,
+        // which is one too many: 2^-96 relative.
+        let root = root_fine(s).min((1 << 96) - 1);
+        let (cube, _) = mul_128(s, root << 32);
         // mu / d³ with 95 bits or more: mantissa · 2^160 < 2^224, so its high half is below 2^96 < cube.
         let (quotient, _) = div_256(u128::from(mantissa) << 32, 0, cube);
         let shift = 96 + mu_shift - 3 * (even as i32) / 2;
@@ -236,22 +238,18 @@ impl Scalar for Fx {
         // In units of 2^-64 m, below 2^97.
         let length = shr_round_u(fine, up);
         let stretch = length as i128 - (i128::from(spring.rest.to_bits()) << 32);
+        // The part of a magnitude that goes with a component of the offset; |c| · 2^up is at most √(sum · 2^(2·up)) < 2^64.
+        let along = |magnitude: i128, c: i128| {
+            let part = mul_div_round(magnitude.unsigned_abs(), c.unsigned_abs() << (32 + up), fine)?;
+            Some(signed(signed(i128::try_from(part).ok()?, c), magnitude))
+        };
         let mut tension = mul_shift(stretch, u128::from(spring.stiffness.to_bits().unsigned_abs()), 32)?;
         if spring.damping != Self::ZERO {
-            // Velocities are below 2^27 m/s = 2^59 ulps, offsets below 2^63.4: the dot product is below 2^124.
-            let dot = x.checked_mul(velocity.0.ulps())?.checked_add(y.checked_mul(velocity.1.ulps())?)?;
-            // up < 64, as the sum is not zero.
-            let rate = signed(i128::try_from(mul_div_round(dot.unsigned_abs(), 1 << (64 + up), fine)?).ok()?, dot);
+            let rate = along(velocity.0.to_bits(), x)?.checked_add(along(velocity.1.to_bits(), y)?)?;
             let damping = mul_shift(rate, u128::from(spring.damping.to_bits().unsigned_abs()), 32)?;
             tension = tension.checked_add(damping)?;
         }
-        let component = |c: i128| {
-            // |c| · 2^up is at most √(sum · 2^(2·up)) < 2^64.
-            let share = c.unsigned_abs() << (32 + up);
-            let magnitude = i128::try_from(mul_div_round(tension.unsigned_abs(), share, fine)?).ok()?;
-            Some(FxWide::from_bits(signed(signed(magnitude, c), tension)))
-        };
-        Some((component(x)?, component(y)?))
+        Some((FxWide::from_bits(along(tension, x)?), FxWide::from_bits(along(tension, y)?)))
     }
 
     fn length(offset: Offset<Self>, third: Self) -> FxFactor {
@@ -286,9 +284,8 @@ impl Scalar for Fx {
         };
         let slowed = beta.times(speed).times(seconds).times(mean);
         if negative {
-            // Beyond three quarters the flow backwards nears its pole; no body comes here that the split does not catch.
-            let singular = FxFactor::new(3, 2);
-            return (slowed < singular).then(|| left.over(FxFactor::ONE.minus(slowed)));
+            // The flow backwards has a pole at 1; short of it a body's speed grows fourfold at most.
+            return Some(left.over(FxFactor::ONE.minus(slowed.min(FxFactor::new(3, 2)))));
         }
         Some(left.over(FxFactor::ONE.plus(slowed)))
     }
@@ -304,12 +301,12 @@ impl Scalar for Fx {
     }
 
     fn weighted_mean(weights: &[FxFactor], values: &[Self]) -> Option<Self> {
-        let finest = weights.iter().filter(|w| !w.is_zero()).map(|w| w.parts().1).min()?;
+        let largest = weights.iter().filter(|w| !w.is_zero()).map(|w| w.parts().1).min()?;
         let (mut sum, mut total) = (0i128, 0i128);
-        for (weight, value) in weights.iter().zip(values) {
+        for (weight, value) in weights.iter().zip(values).filter(|(weight, _)| !weight.is_zero()) {
             let (mantissa, shift) = weight.parts();
             // Weights to 2^-60 of the largest; values are within 2^13 m = 2^45 ulps, so 2^20 parts stay below 2^126.
-            let weight = i128::from(mantissa >> 4) >> (shift - finest).min(63);
+            let weight = i128::from(mantissa >> 4) >> (shift - largest).min(63);
             sum += weight * i128::from(value.to_bits());
             total += weight;
         }

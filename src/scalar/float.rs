@@ -140,9 +140,6 @@ macro_rules! float_scalar {
             fn minus(self, other: Self) -> Self {
                 if self > other { self - other } else { 0.0 }
             }
-            fn root(self) -> Self {
-                libm::$sqrt(self)
-            }
             fn to_bits(self) -> i128 {
                 <$float>::to_bits(self).into()
             }
@@ -184,7 +181,7 @@ macro_rules! float_scalar {
             fn total(self) -> Option<$float> {
                 self.is_finite().then_some(self)
             }
-            fn to_bits(self) -> (i128, i32) {
+            fn to_bits(self) -> (i128, i64) {
                 (<$float>::to_bits(self).into(), 0)
             }
         }
@@ -312,7 +309,8 @@ macro_rules! float_scalar {
                 let z = alpha * h;
                 let mean = if z == 0.0 { 1.0 } else { -libm::$expm1(-z) / z };
                 let slowed = 1.0 + beta * speed * h * mean;
-                (slowed > 0.25).then(|| libm::$exp(-z) / slowed)
+                let left = libm::$exp(-z) / if negative { slowed.max(0.25) } else { slowed };
+                left.is_finite().then_some(left)
             }
             fn polygon_moments(corners: &[(Self, Self)]) -> Option<AreaMoments<Self>> {
                 let (mut twice, mut first, mut second) = (0.0, (0.0, 0.0), 0.0);

@@ -120,9 +120,12 @@ pub trait Factor<S: Scalar>: Number + PartialOrd {
     /// The difference, or zero if `other` is the larger.
     #[must_use]
     fn minus(self, other: Self) -> Self;
-    /// The square root.
+    /// The distance between the two, either way.
     #[must_use]
-    fn root(self) -> Self;
+    fn abs_diff(self, other: Self) -> Self {
+        // One of the two is zero.
+        self.minus(other).plus(other.minus(self))
+    }
     /// Its bits, for hashes and files.
     fn to_bits(self) -> i128;
     /// Whether it is zero.
@@ -152,14 +155,14 @@ pub trait Wide<S: Scalar>: Number + PartialOrd + Display {
     fn to_bits(self) -> i128;
 }
 
-/// A sum of up to 2^31 wide values, checked once at its end, so that the order of the terms never matters.
+/// A sum of wide values, as many as a step has time for, checked once at its end, so that the order of the terms never matters.
 pub trait Sum<S: Scalar>: Number {
     /// Adds a term.
     fn add(&mut self, term: S::Wide);
     /// The total; `None` if it does not fit.
     fn total(self) -> Option<S::Wide>;
     /// Its bits, for hashes and files: low part, carries.
-    fn to_bits(self) -> (i128, i32);
+    fn to_bits(self) -> (i128, i64);
 }
 
 /// An angle, kept within one turn.
@@ -261,7 +264,8 @@ pub trait Scalar: Number + Display + PartialOrd + Add<Output = Self> + Sub<Outpu
     /// Whether an offset is no longer than this, exactly.
     fn reaches(self, offset: Offset<Self>) -> bool;
     /// What is left of a velocity relative to the medium: du/dt = −(α + β·|u|)·u solved exactly over `seconds`, with
-    /// α = linear·inverse_mass and β = quadratic·inverse_mass. `None` where a negative span reaches the singularity.
+    /// α = linear·inverse_mass and β = quadratic·inverse_mass. Backwards the quadratic
+    /// part is cut off short of its pole, where a speed grows fourfold. `None` if the linear part grows beyond 2^255.
     fn drag(
         speed: Self::Factor,
         alpha: Self::Factor,

@@ -35,27 +35,39 @@ impl FxWide {
     }
 }
 
-/// The exact decimal, all digits of it.
+/// The exact decimal, all digits of it; with a precision, that many, rounded to nearest, ties to even.
 impl fmt::Display for FxWide {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // 2^63 has 19 digits, and a multiple of 2^-64 at most 64 behind the point.
+        let mut text = [b'0'; 19 + 1 + 64];
         let magnitude = self.0.unsigned_abs();
-        let mut digits = [b'0'; 64];
-        let mut fraction = magnitude as u64;
+        let (mut whole, mut fraction) = ((magnitude >> 64) as u64, magnitude as u64);
+        let wanted = f.precision().unwrap_or(64).min(64);
         let mut count = 0;
-        while fraction != 0 {
+        while count < wanted && (fraction != 0 || f.precision().is_some()) {
             // Ten times a fraction below 2^64: the digit is what is above.
             let ten = u128::from(fraction) * 10;
-            digits[count] = b'0' + (ten >> 64) as u8;
+            text[20 + count] = b'0' + (ten >> 64) as u8;
             fraction = ten as u64;
             count += 1;
         }
-        if let Some(wanted) = f.precision() {
-            // Tools that ask for fewer digits want a column, not a bound: cut, and pad up to what there is.
-            count = wanted.min(64);
+        let last = if count == 0 { whole as u8 } else { text[19 + count] };
+        if fraction > 1 << 63 || (fraction == 1 << 63 && last % 2 == 1) {
+            let nines = text[20..20 + count].iter().rev().take_while(|&&digit| digit == b'9').count();
+            text[20 + count - nines..20 + count].fill(b'0');
+            if nines == count { whole += 1 } else { text[19 + count - nines] += 1 }
         }
-        let digits = core::str::from_utf8(&digits[..count]).unwrap_or_default();
-        let (sign, point) = (if self.0 < 0 { "-" } else { "" }, if count == 0 { "" } else { "." });
-        write!(f, "{sign}{}{point}{digits}", magnitude >> 64)
+        text[19] = b'.';
+        let mut start = 19;
+        while whole != 0 || start == 19 {
+            start -= 1;
+            text[start] = b'0' + (whole % 10) as u8;
+            whole /= 10;
+        }
+        let end = if count == 0 { 19 } else { 20 + count };
+        // What rounds to zero has no sign.
+        let is_zero = text[start..end].iter().all(|&byte| byte == b'0' || byte == b'.');
+        f.pad_integral(self.0 >= 0 || is_zero, "", core::str::from_utf8(&text[start..end]).unwrap_or_default())
     }
 }
 
@@ -108,7 +120,7 @@ impl Wide<Fx> for FxWide {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct FxSum {
     low: i128,
-    carries: i32,
+    carries: i64,
 }
 
 impl Sum<Fx> for FxSum {
@@ -116,7 +128,7 @@ impl Sum<Fx> for FxSum {
     fn add(&mut self, term: FxWide) {
         let (low, wrapped) = self.low.overflowing_add(term.0);
         self.low = low;
-        // A wrap goes the way of the term's sign; 2^31 terms cannot wrap this count. That pair is one integer of 160
+        // A wrap goes the way of the term's sign, and 2^63 of them are never reached. The pair is one integer of 192
         // bits, so the order of the terms does not matter.
         self.carries = self.carries.wrapping_add(if wrapped { if term.0 < 0 { -1 } else { 1 } } else { 0 });
     }
@@ -126,7 +138,29 @@ impl Sum<Fx> for FxSum {
         (self.carries == 0).then_some(FxWide(self.low))
     }
 
-    fn to_bits(self) -> (i128, i32) {
+    fn to_bits(self) -> (i128, i64) {
         (self.low, self.carries)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use alloc::format;
+
+    use super::FxWide;
+
+    #[test]
+    fn decimals_are_exact_and_shorter_ones_rounded_once() {
+        let wide = |ulps: i128| FxWide::from_bits(ulps << 32);
+        assert_eq!(format!("{}", wide(-5 << 30)), "-1.25");
+        assert_eq!(format!("{:.1}", wide(-5 << 30)), "-1.2");
+        assert_eq!(format!("{:.1}", wide(7 << 30)), "1.8");
+        assert_eq!(format!("{:.0}|{:.0}|{:.0}", wide(1 << 31), wide(3 << 31), wide(5 << 31)), "0|2|2");
+        assert_eq!(format!("{:.3}", wide((10 << 32) - 1)), "10.000");
+        assert_eq!(format!("{:.0}", FxWide::from_bits(-1)), "0");
+        assert_eq!(format!("{:8.2}|{:<6}|", wide(1 << 32), wide(0)), "    1.00|0     |");
+        assert_eq!(format!("{}", FxWide::from_bits(i128::MIN)), "-9223372036854775808");
+        assert_eq!(format!("{}", FxWide::from_bits(1)).len(), 66);
+        assert_eq!(format!("{:.2}", FxWide::from_bits(i128::MAX)), "9223372036854775808.00");
     }
 }

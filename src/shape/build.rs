@@ -8,7 +8,7 @@ use super::{Geometry, Part, Shape, mass};
 use crate::error::{Error, Quantity};
 use crate::limits::{CORNERS, PARTS, SIZE_MAX, SIZE_MIN};
 use crate::math::Vec2;
-use crate::scalar::{Angle, Factor, Scalar, Wide};
+use crate::scalar::{Factor, Scalar};
 
 /// Refuses a size outside the limits.
 fn check_size<S: Scalar>(size: S) -> Result<(), Error> {
@@ -142,28 +142,6 @@ impl<S: Scalar> Shape<S> {
         let (measure, gyration) = mass::compound(&parts, &weights);
         Ok(Self { geometry: Geometry::Compound { parts }, shift, measure, gyration })
     }
-
-    /// The corners of it turned by `angle` about its centre of mass and moved there, for drawing and bounds: none for
-    /// round shapes.
-    #[must_use]
-    pub fn corners_at(&self, position: Vec2<S>, angle: S::Angle) -> Vec<Vec2<S>> {
-        let place = |corner: Vec2<S>| {
-            let turned = angle.rotate(corner.x, corner.y);
-            let (x, y) = turned.and_then(|(x, y)| Some((x.to_scalar()?, y.to_scalar()?))).unwrap_or((S::ZERO, S::ZERO));
-            position + Vec2::new(x, y)
-        };
-        match &self.geometry {
-            Geometry::Polygon { corners } => corners.iter().map(|&c| place(c)).collect(),
-            Geometry::Segment { ends } => ends.iter().map(|&c| place(c)).collect(),
-            Geometry::Rectangle { width, height } => {
-                let even = [S::Factor::ONE, S::Factor::ONE];
-                let half = |s: S| S::weighted_mean(&even, &[s, S::ZERO]).unwrap_or(S::ZERO);
-                let (w, h) = (half(*width), half(*height));
-                [Vec2::new(-w, -h), Vec2::new(w, -h), Vec2::new(w, h), Vec2::new(-w, h)].map(place).to_vec()
-            }
-            Geometry::Circle { .. } | Geometry::Capsule { .. } | Geometry::Compound { .. } => Vec::new(),
-        }
-    }
 }
 
 /// The way the corners turn, the same at each of them, and once around in all.
@@ -186,10 +164,14 @@ fn check_convex<S: Scalar>(corners: &[Vec2<S>]) -> Result<Ordering, Error> {
     Ok(winding)
 }
 
-/// A polygon is at least as large as the smallest size along some axis.
+/// A polygon is at least as large as the smallest size along one of the axes.
 fn check_extent<S: Scalar>(corners: &[Vec2<S>]) -> Result<(), Error> {
-    let small = S::from_fx(SIZE_MIN);
-    if corners.iter().any(|c| !c.is_within(small)) {
+    // Corners are within the largest size of the origin, so that their differences fit.
+    let is_wide = |pick: fn(&Vec2<S>) -> S| {
+        let far = |p| corners.iter().any(|q| pick(q) - p >= S::from_fx(SIZE_MIN));
+        corners.iter().map(pick).any(far)
+    };
+    if is_wide(|c| c.x) || is_wide(|c| c.y) {
         return Ok(());
     }
     Err(Error::OutOfRange { quantity: Quantity::Size })

@@ -63,8 +63,7 @@ pub(super) fn compound<S: Scalar>(parts: &[Part<S>], weights: &[S::Factor]) -> (
             let side = if at < S::ZERO { &mut below } else { &mut above };
             *side = side.plus(weight.times(S::Factor::from_scalar(at)));
         }
-        // One of the two differences is zero.
-        let out = above.minus(below).plus(below.minus(above)).over(total);
+        let out = above.abs_diff(below).over(total);
         out.times(out)
     };
     let gyration = inertia.over(total);

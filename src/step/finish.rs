@@ -30,10 +30,7 @@ impl<S: Scalar> Context<'_, S> {
             .chain(fell_asleep.iter().map(|&body| (body, Activity::Asleep)));
         for (body, activity) in taken_out {
             if let Ok(i) = self.bodies.find(body) {
-                let i = self.bodies.set_moving(i, false);
-                let columns = &mut self.bodies.columns;
-                columns.card[i].activity = activity;
-                columns.rest[i] = 0;
+                self.bodies.set_activity(i, activity);
                 *fields_hold = false;
             }
         }
@@ -79,10 +76,11 @@ impl<S: Scalar> Context<'_, S> {
         }
         keep_awake_around_wanderers(self.bodies, self.fields);
         let rest = &self.bodies.columns.rest;
-        if rest[..moving].iter().all(|&rest| rest < ticks) {
+        // Whoever is ready last has been at rest for `ticks`; one that others keep up tries again every so often.
+        if !rest[..moving].iter().any(|&rest| rest >= ticks && rest % ticks == 0) {
             return;
         }
-        island_roots(self.bodies, self.fields, links);
+        island_roots(self.bodies, self.fields, moving, links);
         // An island sleeps as a whole: one body that is not ready keeps it up.
         kept_up.clear();
         kept_up.resize(links.len(), false);
@@ -111,9 +109,14 @@ fn keep_awake_around_wanderers<S: Scalar>(bodies: &mut Bodies<S>, fields: &Field
     }
 }
 
-/// For each body, by index in the columns, the lowest index among those that springs join it to, over any number of
-/// springs. Static and quarantined bodies join nothing.
-pub(crate) fn island_roots<S: Scalar>(bodies: &Bodies<S>, fields: &FieldSet<S>, links: &mut alloc::vec::Vec<u32>) {
+/// For each of the first `count` bodies of the columns, the lowest index among those of them that springs join it to, over
+/// any number of springs. Static and quarantined bodies join nothing.
+pub(crate) fn island_roots<S: Scalar>(
+    bodies: &Bodies<S>,
+    fields: &FieldSet<S>,
+    count: usize,
+    links: &mut alloc::vec::Vec<u32>,
+) {
     fn root(links: &mut [u32], mut i: usize) -> usize {
         while links[i] as usize != i {
             links[i] = links[links[i] as usize];
@@ -122,13 +125,13 @@ pub(crate) fn island_roots<S: Scalar>(bodies: &Bodies<S>, fields: &FieldSet<S>, 
         i
     }
     links.clear();
-    links.extend(0..bodies.len() as u32);
+    links.extend(0..count as u32);
     for (_, field) in fields.iter() {
         let Law::Spring { near, far: End::Body(far), .. } = &field.law else { continue };
         let (Ok(a), Ok(b)) = (bodies.find(near.body), bodies.find(far.body)) else { continue };
         let joins = |i: usize| {
             let card = &bodies.columns.card[i];
-            card.kind != BodyKind::Static && card.activity != Activity::Quarantined
+            i < count && card.kind != BodyKind::Static && card.activity != Activity::Quarantined
         };
         if joins(a) && joins(b) {
             let (a, b) = (root(links, a), root(links, b));

@@ -64,7 +64,7 @@ impl<S: Scalar> Context<'_, S> {
         scratch.loads.clear();
         scratch.loads.resize(moving, Load::default());
         let scene = Scene { bodies: self.bodies, fields: self.fields, laws: self.laws };
-        accumulate(scene, pass, &mut scratch.loads, &mut scratch.faults);
+        accumulate(scene, pass, &mut scratch.loads, &mut scratch.stage_faults);
         into.clear();
         for (i, load) in scratch.loads.iter().enumerate() {
             into.push(acceleration(load, &self.bodies.columns.card[i].properties).unwrap_or_else(|| {

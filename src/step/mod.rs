@@ -15,7 +15,7 @@ use crate::force::{Applied, FieldSet, Laws, Load, outer_drag, resist};
 use crate::handle::BodyId;
 use crate::integrate::{Integrator, Plan, Stage, Verb, damp, drift, kick_gravity};
 use crate::math::Vec2;
-use crate::scalar::{Accumulator, Scalar};
+use crate::scalar::{Accumulator, Factor, Scalar};
 
 /// What a step works on.
 pub(crate) struct Context<'a, S: Scalar> {
@@ -97,9 +97,9 @@ impl<S: Scalar> Context<'_, S> {
         let has = self.has();
         self.take_applied();
         if has.drag && self.integrator == Integrator::Yoshida4 {
-            let scratch = &mut *self.scratch;
-            scratch.drag_outside = outer_drag(self.fields, self.bodies, self.plan.whole, &mut scratch.outside);
+            self.find_stiff_drag(has);
             self.resist_outside(false);
+            self.name_faults();
         }
         for stage in self.integrator.stages() {
             self.run(stage, has);
@@ -107,6 +107,7 @@ impl<S: Scalar> Context<'_, S> {
         }
         if self.scratch.drag_outside > 0 {
             self.resist_outside(true);
+            self.name_faults();
         }
         self.finish();
     }
@@ -184,14 +185,34 @@ impl<S: Scalar> Context<'_, S> {
             return;
         }
         let timing = self.plan.timing[stage.span];
-        let Scratch { outside, drag_outside, faults, .. } = &mut *self.scratch;
+        let Scratch { outside, drag_outside, stage_faults, .. } = &mut *self.scratch;
         let only = |i: usize| *drag_outside == 0 || !outside[i];
-        resist(self.fields, self.bodies, (timing.seconds, timing.negative), stage.closing, only, faults);
+        resist(self.fields, self.bodies, (timing.seconds, timing.negative), stage.closing, only, stage_faults);
+    }
+
+    /// Finds the bodies whose drag is to act around the whole step, judged by what gravity, the forces applied and the
+    /// fields of position here may add to their speed in twice the time step.
+    fn find_stiff_drag(&mut self, has: Has) {
+        if has.position && !self.scratch.fields_hold {
+            self.evaluate_fields();
+        }
+        let Scratch { fields, pushed, outside, drag_outside, .. } = &mut *self.scratch;
+        let size = |a: Vec2<S::Wide>| S::Factor::from_wide(a.x).plus(S::Factor::from_wide(a.y));
+        let twice = self.plan.whole.plus(self.plan.whole);
+        let rows = self.tunings.rows();
+        let gain = |i: usize| {
+            let gravity = size(rows[self.bodies.columns.tuning[i] as usize].gravity);
+            let field = if has.position { size(fields[i].linear) } else { S::Factor::ZERO };
+            let applied = pushed.binary_search_by_key(&i, |(at, _)| *at);
+            let applied = applied.map_or(S::Factor::ZERO, |at| size(pushed[at].1.linear));
+            gravity.plus(field).plus(applied).times(twice)
+        };
+        *drag_outside = outer_drag(self.fields, self.bodies, self.plan.whole, gain, outside);
     }
 
     fn resist_outside(&mut self, closing: bool) {
-        let Scratch { outside, faults, .. } = &mut *self.scratch;
-        resist(self.fields, self.bodies, (self.plan.half, false), closing, |i| outside[i], faults);
+        let Scratch { outside, stage_faults, .. } = &mut *self.scratch;
+        resist(self.fields, self.bodies, (self.plan.half, false), closing, |i| outside[i], stage_faults);
     }
 
     /// PublishedVerlet's x += ½·a·dt² beside x += v·dt.

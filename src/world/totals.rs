@@ -1,13 +1,16 @@
-//! Energy and momentum of a world. *Error* of each term 2^-61 relative, then rounded to 2^-64 of its unit.
+//! Energy and momentum of a world. *Error* of each term 2^-61 relative, then rounded to 2^-64 of its unit; the sums are
+//! exact.
 
 use super::World;
 use crate::body::{Activity, BodyKind};
 use crate::error::{Error, Quantity};
 use crate::force::{Attachment, End, Law, Scene};
 use crate::math::Vec2;
-use crate::scalar::{Accumulator, Factor, Scalar, Wide};
+use crate::scalar::{Accumulator, Factor, Scalar, SpringLaw, Sum, Wide};
 
-const TOO_LARGE: Error = Error::OutOfRange { quantity: Quantity::Total };
+fn total<S: Scalar>(sum: Option<S::Sum>) -> Result<S::Wide, Error> {
+    sum.and_then(Sum::total).ok_or(Error::OutOfRange { quantity: Quantity::Total })
+}
 
 impl<S: Scalar> World<S> {
     /// The kinetic energy of the dynamic bodies, ½mv² + ½Iω², J.
@@ -15,18 +18,8 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::OutOfRange`] with [`Quantity::Total`] beyond 2^63 J.
     pub fn kinetic_energy(&self) -> Result<S::Wide, Error> {
-        let half = S::Factor::from_ratio(1, 2);
-        self.sum(|i| {
-            let (motion, properties) = (&self.bodies.columns.motion, &self.bodies.columns.card[i].properties);
-            let square = |v: S::Accumulator| {
-                let v = S::Factor::from_scalar(v.value());
-                v.times(v)
-            };
-            let moving = square(motion.velocity[i].x).plus(square(motion.velocity[i].y));
-            let turning = square(motion.spin[i]).times(properties.inertia);
-            let twice = moving.times(S::Factor::from_scalar(properties.mass)).plus(turning);
-            S::Wide::from_factor(twice.times(half), false)
-        })
+        let mut sum = S::Sum::default();
+        total::<S>(self.add_kinetic(&mut sum).map(|()| sum))
     }
 
     /// The potential energy of the dynamic bodies in gravity (zero at y = 0 and x = 0), attractors (zero far away) and
@@ -36,59 +29,8 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::OutOfRange`] with [`Quantity::Total`] beyond 2^63 J.
     pub fn potential_energy(&self) -> Result<S::Wide, Error> {
-        let mut total = self.sum(|i| {
-            let columns = &self.bodies.columns;
-            let mass = S::Factor::from_scalar(columns.card[i].properties.mass);
-            let gravity = self.tunings.rows()[columns.tuning[i] as usize].gravity;
-            let at = columns.motion.position[i];
-            let height = |g: S::Wide, x: S::Accumulator| {
-                let x = x.value();
-                let energy = S::Factor::from_wide(g).times(S::Factor::from_scalar(x)).times(mass);
-                // Against the field is uphill.
-                S::Wide::from_factor(energy, g.is_negative() == (x < S::ZERO))
-            };
-            height(gravity.x, at.x)?.plus(height(gravity.y, at.y)?)
-        })?;
-        let scene = Scene { bodies: &self.bodies, fields: &self.fields, laws: &self.laws };
-        let half = S::Factor::from_ratio(1, 2);
-        for (_, field) in self.fields.iter() {
-            match &field.law {
-                Law::Spring { near, far, spring } => {
-                    let Some(offset) = scene.offset_between(&End::Body(*near), far) else { continue };
-                    let (length, rest) = (S::length(offset, S::ZERO), S::Factor::from_scalar(spring.rest));
-                    // One of the two differences is zero.
-                    let stretch = length.minus(rest).plus(rest.minus(length));
-                    let energy = stretch.times(stretch).times(S::Factor::from_scalar(spring.stiffness)).times(half);
-                    let energy = S::Wide::from_factor(energy, false).ok_or(TOO_LARGE)?;
-                    total = total.plus(energy).ok_or(TOO_LARGE)?;
-                }
-                Law::Attractor { centre, mu, softening } => {
-                    let carrier = match centre {
-                        End::Body(at) => self.bodies.find(at.body).ok(),
-                        End::World(_) => None,
-                    };
-                    let mutual = carrier.is_some_and(|i| self.bodies.columns.card[i].kind == BodyKind::Dynamic);
-                    let mu = if mutual { mu.times(half) } else { *mu };
-                    let energy = self.sum(|i| {
-                        let card = &self.bodies.columns.card[i];
-                        if carrier == Some(i) || card.groups & field.groups == 0 {
-                            return Some(S::Wide::default());
-                        }
-                        let own = End::Body(Attachment::centre(self.bodies.id(i)));
-                        let Some(offset) = scene.offset_between(&own, centre) else { return Some(S::Wide::default()) };
-                        let distance = S::length(offset, *softening);
-                        if distance.is_zero() {
-                            return None;
-                        }
-                        let energy = mu.times(S::Factor::from_scalar(card.properties.mass)).over(distance);
-                        S::Wide::from_factor(energy, true)
-                    })?;
-                    total = total.plus(energy).ok_or(TOO_LARGE)?;
-                }
-                Law::Drag { .. } | Law::Thrust { .. } | Law::Zone { .. } | Law::Custom { .. } => {}
-            }
-        }
-        Ok(total)
+        let mut sum = S::Sum::default();
+        total::<S>(self.add_potential(&mut sum).map(|()| sum))
     }
 
     /// Kinetic and potential energy together, J.
@@ -96,7 +38,8 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::OutOfRange`] with [`Quantity::Total`] beyond 2^63 J.
     pub fn energy(&self) -> Result<S::Wide, Error> {
-        self.kinetic_energy()?.plus(self.potential_energy()?).ok_or(TOO_LARGE)
+        let mut sum = S::Sum::default();
+        total::<S>(self.add_kinetic(&mut sum).and_then(|()| self.add_potential(&mut sum)).map(|()| sum))
     }
 
     /// The momentum of the dynamic bodies, Σ m·v, kg·m/s; exact for the public velocities.
@@ -105,10 +48,13 @@ impl<S: Scalar> World<S> {
     /// [`Error::OutOfRange`] with [`Quantity::Total`] beyond 2^63.
     pub fn momentum(&self) -> Result<Vec2<S::Wide>, Error> {
         let columns = &self.bodies.columns;
-        let component = |pick: fn(Vec2<S::Accumulator>) -> S::Accumulator| {
-            self.sum(|i| Some(columns.card[i].properties.mass.product(pick(columns.motion.velocity[i]).value())))
-        };
-        Ok(Vec2::new(component(|v| v.x)?, component(|v| v.y)?))
+        let (mut x, mut y) = (S::Sum::default(), S::Sum::default());
+        for i in self.counted_bodies() {
+            let (mass, velocity) = (columns.card[i].properties.mass, columns.motion.velocity[i]);
+            x.add(mass.product(velocity.x.value()));
+            y.add(mass.product(velocity.y.value()));
+        }
+        Ok(Vec2::new(total::<S>(Some(x))?, total::<S>(Some(y))?))
     }
 
     /// The angular momentum of the dynamic bodies about the origin of the world, Σ m·(x × v) + I·ω, kg·m²/s.
@@ -116,23 +62,109 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::OutOfRange`] with [`Quantity::Total`] beyond 2^63.
     pub fn angular_momentum(&self) -> Result<S::Wide, Error> {
-        self.sum(|i| {
+        let mut sum = S::Sum::default();
+        let mut add = |i: usize| {
             let (motion, properties) = (&self.bodies.columns.motion, &self.bodies.columns.card[i].properties);
             let (x, v) = (motion.position[i].map(Accumulator::value), motion.velocity[i].map(Accumulator::value));
             let spin = motion.spin[i].value();
-            let orbital = x.cross(v)?.times(S::Factor::from_scalar(properties.mass))?;
-            let own = properties.inertia.times(S::Factor::from_scalar(spin));
-            orbital.plus(S::Wide::from_factor(own, spin < S::ZERO)?)
-        })
+            sum.add(x.cross(v)?.times(S::Factor::from_scalar(properties.mass))?);
+            sum.add(S::Wide::from_factor(properties.inertia.times(S::Factor::from_scalar(spin)), spin < S::ZERO)?);
+            Some(())
+        };
+        let all: Option<()> = self.counted_bodies().try_for_each(&mut add);
+        total::<S>(all.map(|()| sum))
     }
 
-    /// A sum over the dynamic bodies that take part, in the order of their slots.
-    fn sum(&self, term: impl Fn(usize) -> Option<S::Wide>) -> Result<S::Wide, Error> {
-        let counts = |&i: &usize| {
+    fn add_kinetic(&self, sum: &mut S::Sum) -> Option<()> {
+        let half = S::Factor::from_ratio(1, 2);
+        let square = |v: S::Accumulator| {
+            let v = S::Factor::from_scalar(v.value());
+            v.times(v)
+        };
+        for i in self.counted_bodies() {
+            let (motion, properties) = (&self.bodies.columns.motion, &self.bodies.columns.card[i].properties);
+            let moving = square(motion.velocity[i].x).plus(square(motion.velocity[i].y));
+            let turning = square(motion.spin[i]).times(properties.inertia);
+            let twice = moving.times(S::Factor::from_scalar(properties.mass)).plus(turning);
+            sum.add(S::Wide::from_factor(twice.times(half), false)?);
+        }
+        Some(())
+    }
+
+    fn add_potential(&self, sum: &mut S::Sum) -> Option<()> {
+        let columns = &self.bodies.columns;
+        for i in self.counted_bodies() {
+            let mass = S::Factor::from_scalar(columns.card[i].properties.mass);
+            let gravity = self.tunings.rows()[columns.tuning[i] as usize].gravity;
+            let at = columns.motion.position[i];
+            for (g, x) in [(gravity.x, at.x.value()), (gravity.y, at.y.value())] {
+                let energy = S::Factor::from_wide(g).times(S::Factor::from_scalar(x)).times(mass);
+                // Against the field is uphill.
+                sum.add(S::Wide::from_factor(energy, g.is_negative() == (x < S::ZERO))?);
+            }
+        }
+        let scene = Scene { bodies: &self.bodies, fields: &self.fields, laws: &self.laws };
+        for (_, field) in self.fields.iter() {
+            match &field.law {
+                Law::Spring { near, far, spring } => sum.add(spring_energy(scene, near, far, spring)?),
+                Law::Attractor { centre, mu, softening } => {
+                    self.add_attraction(sum, (centre, *mu, *softening), field.groups)?;
+                }
+                Law::Drag { .. } | Law::Thrust { .. } | Law::Zone { .. } | Law::Custom { .. } => {}
+            }
+        }
+        Some(())
+    }
+
+    fn add_attraction(
+        &self,
+        sum: &mut S::Sum,
+        (centre, mu, softening): (&End<S>, S::Factor, S),
+        groups: u32,
+    ) -> Option<()> {
+        let scene = Scene { bodies: &self.bodies, fields: &self.fields, laws: &self.laws };
+        let carrier = match centre {
+            End::Body(at) => self.bodies.find(at.body).ok(),
+            End::World(_) => None,
+        };
+        let mutual = carrier.is_some_and(|i| self.bodies.columns.card[i].kind == BodyKind::Dynamic);
+        let mu = if mutual { mu.times(S::Factor::from_ratio(1, 2)) } else { mu };
+        for i in self.counted_bodies() {
+            let card = &self.bodies.columns.card[i];
+            let own = End::Body(Attachment::centre(self.bodies.id(i)));
+            if carrier == Some(i) || card.groups & groups == 0 {
+                continue;
+            }
+            // One that a quarantined body carries attracts nothing.
+            let Some(offset) = scene.offset_between(&own, centre) else { continue };
+            let distance = S::length(offset, softening);
+            if distance.is_zero() {
+                return None;
+            }
+            let energy = mu.times(S::Factor::from_scalar(card.properties.mass)).over(distance);
+            sum.add(S::Wide::from_factor(energy, true)?);
+        }
+        Some(())
+    }
+
+    /// The dynamic bodies that take part, in the order of their slots.
+    fn counted_bodies(&self) -> impl Iterator<Item = usize> {
+        self.bodies.in_order().filter(|&i| {
             let card = &self.bodies.columns.card[i];
             card.kind == BodyKind::Dynamic && card.activity != Activity::Quarantined
-        };
-        let mut terms = self.bodies.in_order().filter(counts);
-        terms.try_fold(S::Wide::default(), |sum, i| sum.plus(term(i)?)).ok_or(TOO_LARGE)
+        })
     }
+}
+
+/// ½·k·(length − rest)²; nothing for a spring on a quarantined body.
+fn spring_energy<S: Scalar>(
+    scene: Scene<'_, S>,
+    near: &Attachment<S>,
+    far: &End<S>,
+    spring: &SpringLaw<S>,
+) -> Option<S::Wide> {
+    let Some(offset) = scene.offset_between(&End::Body(*near), far) else { return Some(S::Wide::default()) };
+    let stretch = S::length(offset, S::ZERO).abs_diff(S::Factor::from_scalar(spring.rest));
+    let energy = stretch.times(stretch).times(S::Factor::from_scalar(spring.stiffness));
+    S::Wide::from_factor(energy.times(S::Factor::from_ratio(1, 2)), false)
 }

@@ -29,13 +29,10 @@ impl<S: Scalar> World<S> {
     /// [`Error::NoSuchBody`]; [`Error::NotQuarantined`].
     pub fn release(&mut self, body: BodyId) -> Result<(), Error> {
         let dense = self.bodies.find(body)?;
-        let card = &mut self.bodies.columns.card[dense];
-        if card.activity != Activity::Quarantined {
+        if self.bodies.columns.card[dense].activity != Activity::Quarantined {
             return Err(Error::NotQuarantined { body });
         }
-        card.activity = Activity::Awake;
-        let movable = card.kind != BodyKind::Static;
-        self.bodies.set_moving(dense, movable);
+        self.bodies.set_activity(dense, Activity::Awake);
         self.wake_joined(body);
         Ok(())
     }
@@ -58,6 +55,9 @@ impl<S: Scalar> World<S> {
     /// Wakes a body and all that a field reaches from it, over any number of springs.
     pub(super) fn wake_joined(&mut self, body: BodyId) {
         self.scratch.fields_hold = false;
+        if !self.bodies.any_asleep() {
+            return;
+        }
         let mut reached = alloc::vec![body];
         let mut attracts = false;
         for (_, field) in self.fields.iter().filter(|(_, field)| field.bodies().any(|b| b == body)) {
@@ -68,7 +68,7 @@ impl<S: Scalar> World<S> {
             return self.wake_all();
         }
         let mut links = Vec::new();
-        island_roots(&self.bodies, &self.fields, &mut links);
+        island_roots(&self.bodies, &self.fields, self.bodies.len(), &mut links);
         let mut roots: Vec<u32> =
             reached.into_iter().filter_map(|body| Some(links[self.bodies.find(body).ok()?])).collect();
         roots.sort_unstable();
@@ -82,6 +82,9 @@ impl<S: Scalar> World<S> {
     /// Wakes all that sleeps.
     pub(super) fn wake_all(&mut self) {
         self.scratch.fields_hold = false;
+        if !self.bodies.any_asleep() {
+            return;
+        }
         let asleep = |i: &usize| self.bodies.columns.card[*i].activity == Activity::Asleep;
         let asleep: Vec<BodyId> = self.bodies.in_order().filter(asleep).map(|i| self.bodies.id(i)).collect();
         asleep.into_iter().for_each(|body| self.wake_one(body));
@@ -89,9 +92,7 @@ impl<S: Scalar> World<S> {
 
     fn wake_one(&mut self, body: BodyId) {
         let Ok(dense) = self.bodies.find(body) else { return };
-        self.bodies.columns.card[dense].activity = Activity::Awake;
-        self.bodies.columns.rest[dense] = 0;
-        self.bodies.set_moving(dense, true);
+        self.bodies.set_activity(dense, Activity::Awake);
         self.woken.push(body);
     }
 }

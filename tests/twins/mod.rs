@@ -120,9 +120,6 @@ impl<const MODE: u8> Factor<Twin<MODE>> for FxFactor {
     fn minus(self, other: Self) -> Self {
         Factor::<Fx>::minus(self, other)
     }
-    fn root(self) -> Self {
-        Factor::<Fx>::root(self)
-    }
     fn to_bits(self) -> i128 {
         Factor::<Fx>::to_bits(self)
     }
@@ -162,7 +159,7 @@ impl<const MODE: u8> Sum<Twin<MODE>> for FxSum {
     fn total(self) -> Option<FxWide> {
         Sum::<Fx>::total(self)
     }
-    fn to_bits(self) -> (i128, i32) {
+    fn to_bits(self) -> (i128, i64) {
         Sum::<Fx>::to_bits(self)
     }
 }
