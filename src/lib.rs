@@ -30,6 +30,21 @@ extern crate alloc;
 #[cfg(feature = "std")]
 extern crate std;
 
+/// `Clone` field by field, also for `clone_from`, which a derive does not hand on: it reuses the memory that is there.
+macro_rules! clone_by_field {
+    ($type:ident { $($field:ident),* $(,)? }) => {
+        impl<S: crate::scalar::Scalar> Clone for $type<S> {
+            fn clone(&self) -> Self {
+                Self { $($field: self.$field.clone()),* }
+            }
+
+            fn clone_from(&mut self, source: &Self) {
+                $(self.$field.clone_from(&source.$field);)*
+            }
+        }
+    };
+}
+
 mod body;
 mod error;
 mod force;

@@ -561,3 +561,105 @@ fn a_command_does_what_the_method_of_its_name_does() {
         assert_eq!(world.last_report(), other.last_report());
     }
 }
+
+/// A body of this mass that starts at rest, under drag of the square of the speed.
+fn heavy_drag(integrator: Integrator, rate: u32, mass: Fx, quadratic: Fx, gravity: Fx) -> (World, BodyId) {
+    let gravity = Vec2::new(Fx::ZERO, gravity);
+    let mut world = world(WorldDef {
+        time_step: TimeStep::hz(rate),
+        integrator,
+        gravity,
+        sleep_after: None,
+        ..WorldDef::default()
+    });
+    let body = world.add_body(BodyDef { mass: Mass::Of(mass), ..BodyDef::dynamic() }).unwrap();
+    world.add_field(Law::Drag { linear: Fx::ZERO, quadratic, wind: Vec2::ZERO }).unwrap();
+    (world, body)
+}
+
+#[test]
+fn drag_too_stiff_to_run_backwards_acts_around_the_step_under_yoshida4_also_from_rest() {
+    for (rate, mass, quadratic) in [(60, fx!(0.0001), fx!(0.1)), (60, fx!(0.001), fx!(1)), (1, fx!(1), fx!(1))] {
+        let speed = |integrator| {
+            let (mut world, body) = heavy_drag(integrator, rate, mass, quadratic, fx!(-10));
+            for _ in 0..600 {
+                let report = world.step();
+                assert!(report.faults.is_empty(), "{rate} Hz, {mass} kg, {quadratic}");
+                assert_eq!(report.drag_outside, u32::from(integrator == Integrator::Yoshida4));
+            }
+            -world.body(body).unwrap().velocity().y
+        };
+        // Under a constant force that is what Verlet does, but for the rounding of three falls in place of one.
+        let (yoshida, verlet) = (speed(Integrator::Yoshida4), speed(Integrator::VelocityVerlet));
+        assert!((yoshida - verlet).abs() <= Fx::from_bits(4), "{rate} Hz, {mass} kg: {yoshida} against {verlet}");
+    }
+    // A bullet, then a ball that drag holds back gently: √(F/c) and √(m·g/c).
+    let (mut bullet, body) = heavy_drag(Integrator::Yoshida4, 60, fx!(0.01), fx!(0.001), Fx::ZERO);
+    for _ in 0..60 {
+        bullet.apply_force(body, vec2(1_000, 0)).unwrap();
+        assert!(bullet.step().faults.is_empty());
+    }
+    let speed = bullet.body(body).unwrap().velocity().x;
+    assert!(speed > fx!(500) && speed < fx!(1_000), "{speed}");
+    let (mut ball, body) = heavy_drag(Integrator::Yoshida4, 60, fx!(1), fx!(0.01), fx!(-10));
+    for _ in 0..3_600 {
+        assert_eq!(ball.step().drag_outside, 0);
+    }
+    let off = -ball.body(body).unwrap().velocity().y - fx!(1_000).sqrt();
+    assert!(off.abs() < fx!(0.000001), "{off}");
+}
+
+#[test]
+fn drag_without_coefficients_changes_no_bit() {
+    let fall = |with_field: bool| {
+        let def = WorldDef { gravity: Vec2::new(Fx::ZERO, -Fx::DELTA), ..WorldDef::default() };
+        let mut world = World::new(def).expect("a world");
+        let body = world.add_body(BodyDef::dynamic()).expect("a body");
+        if with_field {
+            let law = Law::Drag { linear: Fx::ZERO, quadratic: Fx::ZERO, wind: Vec2::ZERO };
+            world.add_field(law).expect("a field");
+        }
+        for _ in 0..600 {
+            world.step();
+        }
+        world.body(body).expect("it is there").velocity_exact()
+    };
+    assert_eq!(fall(true), fall(false));
+}
+
+#[test]
+fn totals_do_not_depend_on_the_order_of_the_bodies() {
+    let far = Fx::from_int(1 << 22);
+    let energy = |heights: [Fx; 3]| {
+        let def = WorldDef { gravity: Vec2::new(Fx::ZERO, -umbra_physics::limits::GRAVITY), ..WorldDef::default() };
+        let mut world = World::new(def).expect("a world");
+        for height in heights {
+            let mass = Mass::Of(umbra_physics::limits::MASS_MAX);
+            let position = Vec2::new(Fx::ZERO, height);
+            world.add_body(BodyDef { position, mass, ..BodyDef::dynamic() }).expect("a body");
+        }
+        world.potential_energy()
+    };
+    let total = energy([far, -far, far]);
+    assert!(total.is_ok());
+    assert_eq!(energy([far, far, -far]), total);
+}
+
+#[test]
+fn setting_the_time_step_it_has_changes_nothing_of_a_world() {
+    let mut world = World::<Fx>::new(WorldDef::default()).expect("a world");
+    world.step();
+    let before = world.state_hash();
+    world.set_time_step(TimeStep::ratio(2, 120)).expect("a time step");
+    assert_eq!(world.state_hash(), before);
+}
+
+#[test]
+fn the_smallest_square_is_a_polygon_as_well_as_a_rectangle() {
+    let side = umbra_physics::limits::SIZE_MIN;
+    let (o, s) = (Fx::ZERO, side);
+    assert!(Shape::rectangle(s, s).is_ok());
+    assert!(Shape::polygon(&[Vec2::new(o, o), Vec2::new(s, o), Vec2::new(s, s), Vec2::new(o, s)]).is_ok());
+    let s = side - Fx::DELTA;
+    assert!(Shape::polygon(&[Vec2::new(o, o), Vec2::new(s, o), Vec2::new(s, s), Vec2::new(o, s)]).is_err());
+}

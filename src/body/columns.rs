@@ -19,7 +19,7 @@ pub(crate) struct Acceleration<S: Scalar> {
 }
 
 /// What a step changes.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(crate) struct Motion<S: Scalar> {
     pub(crate) position: Vec<Vec2<S::Accumulator>>,
     pub(crate) velocity: Vec<Vec2<S::Accumulator>>,
@@ -28,6 +28,8 @@ pub(crate) struct Motion<S: Scalar> {
     /// The acceleration of the step before: state of `PublishedVerlet`, empty otherwise.
     pub(crate) last: Vec<Acceleration<S>>,
 }
+
+clone_by_field!(Motion { position, velocity, angle, spin, last });
 
 impl<S: Scalar> Default for Motion<S> {
     fn default() -> Self {
@@ -98,7 +100,7 @@ pub(crate) struct Card<S: Scalar> {
 pub(crate) const NONE: u32 = u32::MAX;
 
 /// All columns.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(crate) struct Columns<S: Scalar> {
     pub(crate) motion: Motion<S>,
     /// Which of the [`Tunings`](super::Tunings) a body has.
@@ -109,6 +111,8 @@ pub(crate) struct Columns<S: Scalar> {
     pub(crate) card: Vec<Card<S>>,
 }
 
+clone_by_field!(Columns { motion, tuning, rest, slot, card });
+
 #[derive(Clone, Copy, Debug)]
 struct Slot {
     generation: u32,
@@ -117,7 +121,7 @@ struct Slot {
 }
 
 /// The bodies of a world. The allocator of handles is part of its state.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(crate) struct Bodies<S: Scalar> {
     pub(crate) columns: Columns<S>,
     /// The bodies before this index are the ones a step moves.
@@ -130,6 +134,8 @@ pub(crate) struct Bodies<S: Scalar> {
     /// How many are asleep; derived, so that waking costs nothing where nobody sleeps.
     asleep: usize,
 }
+
+clone_by_field!(Bodies { columns, moving, slots, free, keeps_last, asleep });
 
 impl<S: Scalar> Default for Bodies<S> {
     fn default() -> Self {

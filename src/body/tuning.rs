@@ -93,12 +93,14 @@ impl<S: Scalar> Tuning<S> {
 }
 
 /// The tunings in use. Which index one has is no state: it changes no bit of what follows.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(crate) struct Tunings<S: Scalar> {
     rows: Vec<Tuning<S>>,
     index: BTreeMap<KeyBits, u32>,
     free: Vec<u32>,
 }
+
+clone_by_field!(Tunings { rows, index, free });
 
 impl<S: Scalar> Default for Tunings<S> {
     fn default() -> Self {

@@ -31,11 +31,13 @@ impl<S: Scalar> AppliedForce<S> {
 }
 
 /// The sums of this tick, and those of the last step. Only bodies that were pushed have one.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(crate) struct Applied<S: Scalar> {
     rows: Vec<AppliedForce<S>>,
     done: Vec<AppliedForce<S>>,
 }
+
+clone_by_field!(Applied { rows, done });
 
 impl<S: Scalar> Default for Applied<S> {
     fn default() -> Self {

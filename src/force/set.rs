@@ -9,11 +9,13 @@ use crate::limits;
 use crate::scalar::Scalar;
 
 /// The fields in the order of their slots, which is the order drags act in.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(crate) struct FieldSet<S: Scalar> {
     slots: Vec<(u32, Option<Field<S>>)>,
     free: Vec<u32>,
 }
+
+clone_by_field!(FieldSet { slots, free });
 
 impl<S: Scalar> Default for FieldSet<S> {
     fn default() -> Self {

@@ -31,7 +31,7 @@ pub(crate) struct Context<'a, S: Scalar> {
 }
 
 /// Memory that a step uses again, and what the last one reported. None of it is state.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(crate) struct Scratch<S: Scalar> {
     /// The bodies that move, as they were before the step.
     before: Motion<S>,
@@ -55,6 +55,23 @@ pub(crate) struct Scratch<S: Scalar> {
     links: Vec<u32>,
     kept_up: Vec<bool>,
 }
+
+clone_by_field!(Scratch {
+    before,
+    loads,
+    fields,
+    fields_hold,
+    resisting,
+    spare,
+    pushed,
+    outside,
+    stage_faults,
+    faults,
+    fell_asleep,
+    drag_outside,
+    links,
+    kept_up
+});
 
 impl<S: Scalar> Default for Scratch<S> {
     fn default() -> Self {

@@ -92,7 +92,9 @@ fn check_sleep_after(ticks: Option<u32>) -> Result<(), Error> {
 /// Bodies and force fields, moved tick by tick.
 ///
 /// The next step depends on the state and the inputs alone, and no body's bits depend on bodies it does not interact with.
-#[derive(Clone)]
+///
+/// `clone` makes a world with the same future; `clone_from` does so in the memory another world has. Reports of what calls
+/// and steps did are no state: they are not in the hash.
 pub struct World<S: Scalar = Fx> {
     pub(crate) def: WorldDef<S>,
     pub(crate) tick: u64,
@@ -109,6 +111,8 @@ pub struct World<S: Scalar = Fx> {
     pub(crate) woken: Vec<BodyId>,
     pub(crate) woke: Vec<BodyId>,
 }
+
+clone_by_field!(World { def, tick, counted, bodies, fields, laws, applied, tunings, plan, scratch, woken, woke });
 
 /// What a step did. It borrows from the world: take out what is to be kept.
 #[derive(Clone, Copy, Debug, PartialEq)]
