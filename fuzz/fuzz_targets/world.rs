@@ -136,15 +136,15 @@ fn command(u: &mut Unstructured<'_>, bodies: &[BodyId]) -> Result<Command> {
     })
 }
 
-struct Session(World, Vec<Command>, Vec<u8>);
+struct Play(World, Vec<Command>, Vec<u8>);
 
-impl std::fmt::Debug for Session {
+impl std::fmt::Debug for Play {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_tuple("Session").field(&self.0).field(&self.1).finish()
+        f.debug_tuple("Play").field(&self.0).field(&self.1).finish()
     }
 }
 
-impl<'a> Arbitrary<'a> for Session {
+impl<'a> Arbitrary<'a> for Play {
     fn arbitrary(u: &mut Unstructured<'a>) -> Result<Self> {
         let def = WorldDef {
             time_step: TimeStep::hz(*u.choose(&[1, 50, 60, 64, 10_000])?),
@@ -171,8 +171,8 @@ impl<'a> Arbitrary<'a> for Session {
     }
 }
 
-fuzz_target!(|session: Session| {
-    let Session(mut world, commands, steps) = session;
+fuzz_target!(|play: Play| {
+    let Play(mut world, commands, steps) = play;
     for (command, steps) in commands.iter().zip(steps) {
         let before = world.state_hash();
         if world.execute(command).is_err() {

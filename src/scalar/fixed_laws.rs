@@ -238,18 +238,21 @@ impl Scalar for Fx {
         // In units of 2^-64 m, below 2^97.
         let length = shr_round_u(fine, up);
         let stretch = length as i128 - (i128::from(spring.rest.to_bits()) << 32);
-        // The part of a magnitude that goes with a component of the offset; |c| · 2^up is at most √(sum · 2^(2·up)) < 2^64.
-        let along = |magnitude: i128, c: i128| {
-            let part = mul_div_round(magnitude.unsigned_abs(), c.unsigned_abs() << (32 + up), fine)?;
+        // The part of a magnitude that goes with a component of the offset, with `more` bits behind its last. |c| · 2^up is
+        // at most √(sum · 2^(2·up)) < 2^64, so there is room for 32.
+        let along = |magnitude: i128, c: i128, more: u32| {
+            let part = mul_div_round(magnitude.unsigned_abs(), c.unsigned_abs() << (32 + up + more), fine)?;
             Some(signed(signed(i128::try_from(part).ok()?, c), magnitude))
         };
         let mut tension = mul_shift(stretch, u128::from(spring.stiffness.to_bits().unsigned_abs()), 32)?;
         if spring.damping != Self::ZERO {
-            let rate = along(velocity.0.to_bits(), x)?.checked_add(along(velocity.1.to_bits(), y)?)?;
+            // Velocities of points are below 2^34 m/s, so each part is below 2^34 · 2^(64 + 16) and a little.
+            let rate = along(velocity.0.to_bits(), x, 16)?.checked_add(along(velocity.1.to_bits(), y, 16)?)?;
+            let rate = shr_round(rate, 16);
             let damping = mul_shift(rate, u128::from(spring.damping.to_bits().unsigned_abs()), 32)?;
             tension = tension.checked_add(damping)?;
         }
-        Some((FxWide::from_bits(along(tension, x)?), FxWide::from_bits(along(tension, y)?)))
+        Some((FxWide::from_bits(along(tension, x, 0)?), FxWide::from_bits(along(tension, y, 0)?)))
     }
 
     fn length(offset: Offset<Self>, third: Self) -> FxFactor {
