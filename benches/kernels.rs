@@ -11,7 +11,7 @@ use umbra_physics::Fx;
 mod plain;
 
 #[path = "../tests/support/inputs.rs"]
-#[allow(dead_code)]
+#[allow(dead_code, reason = "the benches use a part of the inputs")]
 mod inputs;
 
 const CALLS: usize = 1000;

@@ -4,7 +4,7 @@
 pub(crate) struct SplitMix(pub(crate) u64);
 
 // Each test takes what it needs.
-#[allow(dead_code)]
+#[allow(dead_code, reason = "each test that takes this file in uses a part of it")]
 impl SplitMix {
     pub(crate) fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);

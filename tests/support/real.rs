@@ -1,7 +1,7 @@
 //! The exact reference: arbitrary precision, and the engine's numbers in it without loss.
 
 // Each test takes what it needs.
-#![allow(dead_code)]
+#![allow(dead_code, reason = "each test that takes this file in uses a part of it")]
 
 use std::sync::LazyLock;
 
