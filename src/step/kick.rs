@@ -87,7 +87,7 @@ impl<S: Scalar> Context<'_, S> {
         if self.integrator == Integrator::PublishedVerlet {
             self.kick_by_mean(has, &resisting);
         } else {
-            self.fall(stage);
+            self.fall(stage, has);
             let timing = self.plan.timing[stage.span];
             let Scratch { fields, pushed, stage_faults, .. } = &mut *self.scratch;
             let mut kick = |bodies: &mut Bodies<S>, i: usize, a: &Acceleration<S>| {

@@ -94,12 +94,14 @@ impl<S: Scalar> Default for Scratch<S> {
     }
 }
 
-/// Which kinds of fields a scene has; a stage of a kind it lacks is passed over.
+/// What a scene has; a stage of a kind it lacks is passed over.
 #[derive(Clone, Copy, Debug, Default)]
 struct Has {
     position: bool,
     velocity: bool,
     drag: bool,
+    gravity: bool,
+    damping: bool,
 }
 
 impl<S: Scalar> Context<'_, S> {
@@ -131,7 +133,8 @@ impl<S: Scalar> Context<'_, S> {
 
     fn has(&self) -> Has {
         use crate::force::{Dependence, Law};
-        let mut has = Has::default();
+        let (gravity, damping) = (self.tunings.any_gravity(), self.tunings.any_damped());
+        let mut has = Has { gravity, damping, ..Has::default() };
         for (_, field) in self.fields.iter() {
             let depends_on = field.depends_on(self.laws);
             match field.law {
@@ -153,10 +156,10 @@ impl<S: Scalar> Context<'_, S> {
         match stage.verb {
             Verb::Damp if stage.closing => {
                 self.resist_inside(stage, has);
-                self.damp(stage);
+                self.damp(stage, has);
             }
             Verb::Damp => {
-                self.damp(stage);
+                self.damp(stage, has);
                 self.resist_inside(stage, has);
             }
             Verb::Kick => self.kick(stage, has),
@@ -179,8 +182,8 @@ impl<S: Scalar> Context<'_, S> {
         }
     }
 
-    fn damp(&mut self, stage: &Stage) {
-        if !self.tunings.any_damped() {
+    fn damp(&mut self, stage: &Stage, has: Has) {
+        if !has.damping {
             return;
         }
         let moving = self.bodies.moving();
@@ -189,8 +192,8 @@ impl<S: Scalar> Context<'_, S> {
         damp(&mut columns.motion, tuning, self.tunings.rows(), stage.span, &mut self.scratch.stage_faults);
     }
 
-    fn fall(&mut self, stage: &Stage) {
-        if self.tunings.any_gravity() {
+    fn fall(&mut self, stage: &Stage, has: Has) {
+        if has.gravity {
             let moving = self.bodies.moving();
             let columns = &mut self.bodies.columns;
             kick_gravity(&mut columns.motion, &columns.tuning[..moving], self.tunings.rows(), stage.span);
