@@ -24,12 +24,15 @@ const fn power(exponent: i32) -> Fx {
     Fx::from_bits(1 << (32 + exponent))
 }
 
+pub(crate) const POSITION_LOG2: u32 = 30;
+pub(crate) const SPEED_LOG2: u32 = 20;
+
 /// The largest coordinate of a position: 2^30 m either way.
-pub const POSITION: Fx = power(30);
+pub const POSITION: Fx = power(POSITION_LOG2 as i32);
 /// The largest component of a velocity: 2^20 m/s either way.
-pub const SPEED: Fx = power(20);
+pub const SPEED: Fx = power(SPEED_LOG2 as i32);
 /// The largest angular velocity: 2^20 rad/s either way.
-pub const ANGULAR_SPEED: Fx = power(20);
+pub const ANGULAR_SPEED: Fx = power(SPEED_LOG2 as i32);
 /// A kick within a step stays below this: 2^21 m/s, or rad/s.
 pub const KICK: Fx = power(KICK_LOG2);
 /// Velocities between the stages of a step: damping backwards in time stays below 2^24 m/s, or rad/s.

@@ -163,8 +163,10 @@ fn sources() -> Vec<(String, String)> {
     files.iter().map(named).collect()
 }
 
-/// The library's files: all but the binaries'.
-/// The library's, without the file of tests that compares with arbitrary precision.
+/// The file with the wide vectors.
+const LANES: &str = "scalar/lanes.rs";
+
+/// The library's files, without the file of tests that compares with arbitrary precision.
 fn library() -> Vec<(String, String)> {
     sources().into_iter().filter(|(path, _)| !path.starts_with("bin/") && path != "scalar/checks.rs").collect()
 }
@@ -243,11 +245,11 @@ fn a_float_literal_stands_in_the_file_of_the_float_feature_alone() {
         let code = code_of(source);
         let bytes = code.as_bytes();
         let literal = |at: usize| {
-            // Digits, a point, a digit: not `x.0.1`, a field of a field, nor a literal the macro `fx!` takes.
+            // Digits, a point, a digit: not `x.0.1`, a field of a field, a literal the macro `fx!` takes, nor a version.
             let digits = bytes[..at].iter().rev().take_while(|b| is_word(**b)).count();
             let first = at - digits;
             let is_field = first > 0 && bytes[first - 1] == b'.';
-            let in_macro = code[..first].ends_with("fx!(") || code[..first].ends_with("fx!(-");
+            let in_macro = ["fx!(", "fx!(-", "since(", "before("].iter().any(|start| code[..first].ends_with(start));
             digits > 0 && bytes[first].is_ascii_digit() && !is_field && !in_macro
         };
         for (at, _) in code.match_indices('.') {
@@ -285,5 +287,6 @@ fn the_library_uses_neither_std_nor_the_outside() {
     // The one use of std: linking it for the feature of its name.
     assert_eq!(words(&code, "std").count(), 1, "{:?}", words(&code, "std").map(|at| &code[at..]).collect::<Vec<_>>());
     let manifest = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml")).expect("the manifest");
-    assert!(manifest.contains("unsafe_code = \"forbid\""));
+    assert!(manifest.contains("unsafe_code = \"deny\""));
+    assert_eq!(files_with("unsafe_code"), ["lib.rs", LANES], "who allows what is denied");
 }

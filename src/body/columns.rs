@@ -2,81 +2,14 @@
 
 use alloc::vec::Vec;
 
+use super::motion::{Acceleration, Block, Motion};
 use super::tuning::{Climate, Tunings};
 use super::{Activity, BodyDef, BodyKind, Mass, MassProperties};
 use crate::error::Error;
 use crate::handle::BodyId;
 use crate::limits;
-use crate::math::Vec2;
-use crate::scalar::{Accumulator, Angle, Scalar};
+use crate::scalar::{Angle, Scalar};
 use crate::shape::Shape;
-
-/// Linear and angular acceleration, m/s² and rad/s².
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Acceleration<S: Scalar> {
-    pub(crate) linear: Vec2<S::Wide>,
-    pub(crate) angular: S::Wide,
-}
-
-/// What a step changes.
-#[derive(Debug)]
-pub(crate) struct Motion<S: Scalar> {
-    pub(crate) position: Vec<Vec2<S::Accumulator>>,
-    pub(crate) velocity: Vec<Vec2<S::Accumulator>>,
-    pub(crate) angle: Vec<S::Angle>,
-    pub(crate) spin: Vec<S::Accumulator>,
-    /// The acceleration of the step before: state of `PublishedVerlet`, empty otherwise.
-    pub(crate) last: Vec<Acceleration<S>>,
-}
-
-clone_by_field!(Motion { position, velocity, angle, spin, last });
-
-impl<S: Scalar> Default for Motion<S> {
-    fn default() -> Self {
-        Self { position: Vec::new(), velocity: Vec::new(), angle: Vec::new(), spin: Vec::new(), last: Vec::new() }
-    }
-}
-
-impl<S: Scalar> Motion<S> {
-    /// Takes over the first `count` bodies of `other`, into the memory that is there.
-    pub(crate) fn copy_first(&mut self, other: &Self, count: usize) {
-        fn copy<T: Copy>(to: &mut Vec<T>, from: &[T], count: usize) {
-            to.clear();
-            to.extend_from_slice(&from[..count.min(from.len())]);
-        }
-        copy(&mut self.position, &other.position, count);
-        copy(&mut self.velocity, &other.velocity, count);
-        copy(&mut self.angle, &other.angle, count);
-        copy(&mut self.spin, &other.spin, count);
-        copy(&mut self.last, &other.last, count);
-    }
-
-    /// Takes over one body of `other`, at the same index.
-    pub(crate) fn copy_one(&mut self, other: &Self, i: usize) {
-        self.position[i] = other.position[i];
-        self.velocity[i] = other.velocity[i];
-        self.angle[i] = other.angle[i];
-        self.spin[i] = other.spin[i];
-        if let Some(last) = other.last.get(i) {
-            self.last[i] = *last;
-        }
-    }
-
-    /// Whether body `i` is the same in both, to the bit.
-    pub(crate) fn same(&self, other: &Self, i: usize) -> bool {
-        self.position[i] == other.position[i]
-            && self.velocity[i] == other.velocity[i]
-            && self.angle[i] == other.angle[i]
-            && self.spin[i] == other.spin[i]
-            && self.last.get(i) == other.last.get(i)
-    }
-
-    /// Whether the public velocities of body `i` are zero.
-    pub(crate) fn is_still(&self, i: usize) -> bool {
-        let still = |v: S::Accumulator| v.value() == S::ZERO;
-        still(self.velocity[i].x) && still(self.velocity[i].y) && still(self.spin[i])
-    }
-}
 
 /// What a step does not change, and rarely reads.
 #[derive(Clone, Debug)]
@@ -105,13 +38,11 @@ pub(crate) struct Columns<S: Scalar> {
     pub(crate) motion: Motion<S>,
     /// Which of the [`Tunings`](super::Tunings) a body has.
     pub(crate) tuning: Vec<u32>,
-    /// Ticks at rest.
-    pub(crate) rest: Vec<u32>,
     pub(crate) slot: Vec<u32>,
     pub(crate) card: Vec<Card<S>>,
 }
 
-clone_by_field!(Columns { motion, tuning, rest, slot, card });
+clone_by_field!(Columns { motion, tuning, slot, card });
 
 #[derive(Clone, Copy, Debug)]
 struct Slot {
@@ -139,13 +70,7 @@ clone_by_field!(Bodies { columns, moving, slots, free, keeps_last, asleep });
 
 impl<S: Scalar> Default for Bodies<S> {
     fn default() -> Self {
-        let columns = Columns {
-            motion: Motion::default(),
-            tuning: Vec::new(),
-            rest: Vec::new(),
-            slot: Vec::new(),
-            card: Vec::new(),
-        };
+        let columns = Columns { motion: Motion::default(), tuning: Vec::new(), slot: Vec::new(), card: Vec::new() };
         Self { columns, moving: 0, slots: Vec::new(), free: Vec::new(), keeps_last: false, asleep: 0 }
     }
 }
@@ -159,6 +84,16 @@ impl<S: Scalar> Bodies<S> {
         self.moving
     }
 
+    /// The bodies that move.
+    pub(crate) fn all_moving(&mut self) -> Block<'_, S> {
+        self.block(0, self.moving)
+    }
+
+    /// Some of the bodies that move, by their indices.
+    pub(crate) fn block(&mut self, first: usize, end: usize) -> Block<'_, S> {
+        Block::new(&mut self.columns.motion, &self.columns.tuning, first, end)
+    }
+
     pub(crate) fn any_asleep(&self) -> bool {
         self.asleep > 0
     }
@@ -169,7 +104,7 @@ impl<S: Scalar> Bodies<S> {
         self.asleep -= usize::from(card.activity == Activity::Asleep);
         self.asleep += usize::from(activity == Activity::Asleep);
         card.activity = activity;
-        self.columns.rest[dense] = 0;
+        self.columns.motion.rest[dense] = 0;
         let moves = activity == Activity::Awake && card.kind != BodyKind::Static;
         self.set_moving(dense, moves)
     }
@@ -215,12 +150,8 @@ impl<S: Scalar> Bodies<S> {
             (self.slots.len() - 1) as u32
         });
         self.slots[slot as usize].dense = dense as u32;
-        let accumulators = |v: Vec2<S>| v.map(S::Accumulator::from_scalar);
         let columns = &mut self.columns;
-        columns.motion.position.push(accumulators(def.position));
-        columns.motion.velocity.push(accumulators(def.velocity));
-        columns.motion.angle.push(S::Angle::from_radians(def.angle));
-        columns.motion.spin.push(S::Accumulator::from_scalar(def.angular_velocity));
+        columns.motion.push(def.position, def.velocity, S::Angle::from_radians(def.angle), def.angular_velocity);
         if self.keeps_last {
             columns.motion.last.push(Acceleration::default());
         }
@@ -239,7 +170,6 @@ impl<S: Scalar> Bodies<S> {
             angular_damping: def.angular_damping,
         };
         columns.tuning.push(tunings.acquire(&card, climate));
-        columns.rest.push(0);
         columns.slot.push(slot);
         columns.card.push(card);
         if def.kind != BodyKind::Static {
@@ -256,13 +186,8 @@ impl<S: Scalar> Bodies<S> {
         let last = self.len() - 1;
         self.swap(dense, last);
         let columns = &mut self.columns;
-        columns.motion.position.pop();
-        columns.motion.velocity.pop();
-        columns.motion.angle.pop();
-        columns.motion.spin.pop();
-        columns.motion.last.pop();
+        columns.motion.pop();
         columns.tuning.pop();
-        columns.rest.pop();
         columns.slot.pop();
         columns.card.pop();
         let slot = &mut self.slots[body.slot as usize];
@@ -307,15 +232,8 @@ impl<S: Scalar> Bodies<S> {
             return;
         }
         let columns = &mut self.columns;
-        columns.motion.position.swap(a, b);
-        columns.motion.velocity.swap(a, b);
-        columns.motion.angle.swap(a, b);
-        columns.motion.spin.swap(a, b);
-        if !columns.motion.last.is_empty() {
-            columns.motion.last.swap(a, b);
-        }
+        columns.motion.swap(a, b);
         columns.tuning.swap(a, b);
-        columns.rest.swap(a, b);
         columns.slot.swap(a, b);
         columns.card.swap(a, b);
         self.slots[columns.slot[a] as usize].dense = a as u32;

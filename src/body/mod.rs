@@ -1,6 +1,7 @@
 //! Bodies: their definitions, handles, and the columns their state is kept in.
 
 mod columns;
+mod motion;
 mod tuning;
 
 use crate::error::{Error, Quantity};
@@ -9,7 +10,8 @@ use crate::math::Vec2;
 use crate::scalar::{Factor, Scalar, fx::Fx};
 use crate::shape::Shape;
 
-pub(crate) use columns::{Acceleration, Bodies, Card, Motion, NONE};
+pub(crate) use columns::{Bodies, Card, NONE};
+pub(crate) use motion::{Acceleration, BLOCK, Block, Frame};
 pub(crate) use tuning::{Climate, SPANS, Tuning, Tunings};
 
 /// What moves a body.

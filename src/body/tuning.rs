@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 
 use super::{BodyKind, Card};
 use crate::math::Vec2;
-use crate::scalar::{Factor, Scalar, Span};
+use crate::scalar::{Accumulator, Factor, Scalar, Span, fx::Fx};
 
 /// The most spans an integrator's stages name.
 pub(crate) const SPANS: usize = 4;
@@ -27,13 +27,16 @@ pub(crate) struct Tuning<S: Scalar> {
     users: u32,
     /// Gravity as it feels it, m/s².
     pub(crate) gravity: Vec2<S::Wide>,
-    pub(crate) has_gravity: bool,
     /// The velocity gained from it, by span.
     pub(crate) fall: [Vec2<S::Accumulator>; SPANS],
     /// What is left of the velocities, by span.
     pub(crate) linear: [S::Factor; SPANS],
     pub(crate) angular: [S::Factor; SPANS],
     pub(crate) is_damped: bool,
+    /// Whether no factor is above 1: one is where damping runs backwards.
+    pub(crate) decays: bool,
+    /// Whether besides the falls of a step are small beside the limit of speeds.
+    pub(crate) is_gentle: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,11 +70,12 @@ impl<S: Scalar> Tuning<S> {
             key,
             users: 0,
             gravity: Vec2::default(),
-            has_gravity: false,
             fall: [Vec2::new(none, none); SPANS],
             linear: [S::Factor::ONE; SPANS],
             angular: [S::Factor::ONE; SPANS],
             is_damped: false,
+            decays: true,
+            is_gentle: true,
         };
         if !key.dynamic {
             return tuning;
@@ -82,12 +86,17 @@ impl<S: Scalar> Tuning<S> {
             // Gravity and its scale are limited so that no span's kick reaches the limit of kicks.
             let fall = |g| S::kick(g, seconds).unwrap_or_default();
             let fall = tuning.gravity.map(fall);
-            tuning.fall[i] = if span.is_negative() { fall.map(crate::scalar::Accumulator::negated) } else { fall };
+            tuning.fall[i] = if span.is_negative() { fall.map(Accumulator::negated) } else { fall };
             tuning.linear[i] = S::decay(key.linear.unwrap_or(climate.linear_damping), span);
             tuning.angular[i] = S::decay(key.angular.unwrap_or(climate.angular_damping), span);
         }
-        tuning.has_gravity = tuning.gravity != Vec2::default();
-        tuning.is_damped = tuning.linear.iter().chain(&tuning.angular).any(|f| *f != S::Factor::ONE);
+        let mut factors = tuning.linear.iter().chain(&tuning.angular);
+        tuning.is_damped = factors.clone().any(|f| *f != S::Factor::ONE);
+        tuning.decays = factors.all(|f| *f <= S::Factor::ONE);
+        // A step has at most six kicks: 6·2^15 is below 2^18, a quarter of the limit.
+        let small = S::from_fx(Fx::from_int(1 << 15));
+        tuning.is_gentle =
+            tuning.decays && tuning.fall.iter().all(|fall| [fall.x, fall.y].iter().all(|f| f.is_within(small)));
         tuning
     }
 }
@@ -111,16 +120,6 @@ impl<S: Scalar> Default for Tunings<S> {
 impl<S: Scalar> Tunings<S> {
     pub(crate) fn rows(&self) -> &[Tuning<S>] {
         &self.rows
-    }
-
-    /// Whether anything is damped.
-    pub(crate) fn any_damped(&self) -> bool {
-        self.rows.iter().any(|row| row.users > 0 && row.is_damped)
-    }
-
-    /// Whether anything falls.
-    pub(crate) fn any_gravity(&self) -> bool {
-        self.rows.iter().any(|row| row.users > 0 && row.has_gravity)
     }
 
     /// The index for a body like this one; it is given back by [`release`](Self::release).

@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 
 use super::{Attachment, BodyState, Dependence, End, Field, FieldSet, Law, Laws, Push, Region};
-use crate::body::{Activity, Bodies, BodyKind, Motion};
+use crate::body::{Activity, Bodies, BodyKind, NONE};
 use crate::error::Cause;
 use crate::handle::FieldId;
 use crate::math::Vec2;
@@ -39,6 +39,43 @@ impl<S: Scalar> Load<S> {
         self.force.x.add(S::Wide::from_scalar(push.force.x));
         self.force.y.add(S::Wide::from_scalar(push.force.y));
         self.torque.add(S::Wide::from_scalar(push.torque));
+    }
+}
+
+/// The loads of the bodies that a field reaches, in the order in which it reached them.
+#[derive(Debug)]
+pub(crate) struct Loads<S: Scalar> {
+    /// Where the load of a body is, by its index in the columns, or [`NONE`].
+    at: Vec<u32>,
+    rows: Vec<(usize, Load<S>)>,
+}
+
+impl<S: Scalar> Default for Loads<S> {
+    fn default() -> Self {
+        Self { at: Vec::new(), rows: Vec::new() }
+    }
+}
+
+impl<S: Scalar> Loads<S> {
+    /// Forgets all, and makes room for so many bodies.
+    pub(crate) fn reset(&mut self, moving: usize) {
+        for (i, _) in self.rows.drain(..) {
+            self.at[i] = NONE;
+        }
+        self.at.resize(moving, NONE);
+    }
+
+    /// With the indices of their bodies.
+    pub(crate) fn rows(&self) -> &[(usize, Load<S>)] {
+        &self.rows
+    }
+
+    fn of(&mut self, i: usize) -> &mut Load<S> {
+        if self.at[i] == NONE {
+            self.at[i] = self.rows.len() as u32;
+            self.rows.push((i, Load::default()));
+        }
+        &mut self.rows[self.at[i] as usize].1
     }
 }
 
@@ -117,9 +154,9 @@ impl<S: Scalar> Scene<'_, S> {
         let gives = card.kind == BodyKind::Dynamic && dense < self.bodies.moving();
         Some(Anchor {
             dense: gives.then_some(dense),
-            position: motion.position[dense].map(Accumulator::value),
+            position: motion.position.get(dense).map(Accumulator::value),
             arm,
-            velocity: motion.velocity[dense].map(Accumulator::value),
+            velocity: motion.velocity.get(dense).map(Accumulator::value),
             spin: motion.spin[dense].value(),
         })
     }
@@ -137,7 +174,7 @@ impl<S: Scalar> Scene<'_, S> {
     }
 
     fn position(&self, i: usize) -> Vec2<S> {
-        self.bodies.columns.motion.position[i].map(Accumulator::value)
+        self.bodies.columns.motion.position.get(i).map(Accumulator::value)
     }
 
     fn is_inside(&self, i: usize, region: &Region<S>) -> bool {
@@ -154,7 +191,7 @@ impl<S: Scalar> Scene<'_, S> {
         BodyState {
             position: self.position(i),
             angle: columns.motion.angle[i].radians(),
-            velocity: columns.motion.velocity[i].map(Accumulator::value),
+            velocity: columns.motion.velocity.get(i).map(Accumulator::value),
             angular_velocity: columns.motion.spin[i].value(),
             mass: card.properties.mass,
             key: card.key,
@@ -168,9 +205,10 @@ impl<S: Scalar> Scene<'_, S> {
 pub(crate) fn accumulate<S: Scalar>(
     scene: Scene<'_, S>,
     pass: Dependence,
-    loads: &mut [Load<S>],
+    loads: &mut Loads<S>,
     faults: &mut Vec<(usize, Cause)>,
 ) {
+    let moving = scene.bodies.moving();
     for (id, field) in scene.fields.iter() {
         let own_pass = match field.depends_on(scene.laws) {
             Dependence::Velocity => Dependence::Velocity,
@@ -193,10 +231,10 @@ pub(crate) fn accumulate<S: Scalar>(
             Law::Attractor { centre, mu, softening } => {
                 let Some(centre) = scene.end(centre) else { continue };
                 let carrier = field.bodies().next().and_then(|body| scene.bodies.find(body).ok());
-                for i in scene.targets(loads.len(), field.groups).filter(|&i| carrier != Some(i)) {
+                for i in scene.targets(moving, field.groups).filter(|&i| carrier != Some(i)) {
                     let offset = Anchor::at(scene.position(i)).offset_to(&centre);
                     match offset.and_then(|offset| S::attraction(*mu, offset, *softening)) {
-                        Some(acceleration) => loads[i].accelerate(acceleration),
+                        Some(acceleration) => loads.of(i).accelerate(acceleration),
                         None => fault(i, too_large),
                     }
                 }
@@ -205,21 +243,21 @@ pub(crate) fn accumulate<S: Scalar>(
                 let Some(at) = scene.attached(at) else { continue };
                 let Some(i) = at.dense else { continue };
                 let turned = scene.bodies.columns.motion.angle[i].rotate(force.x, force.y);
-                if turned.and_then(|force| loads[i].push(at.arm, force)).is_none() {
+                if turned.and_then(|force| loads.of(i).push(at.arm, force)).is_none() {
                     fault(i, too_large);
                 }
             }
             Law::Zone { region, acceleration } => {
                 let acceleration = acceleration.map(S::Wide::from_scalar);
-                for i in scene.targets(loads.len(), field.groups).filter(|&i| scene.is_inside(i, region)) {
-                    loads[i].accelerate(acceleration.into());
+                for i in scene.targets(moving, field.groups).filter(|&i| scene.is_inside(i, region)) {
+                    loads.of(i).accelerate(acceleration.into());
                 }
             }
             Law::Custom { id: law } => {
                 let Some(law) = scene.laws.get(law) else { continue };
-                for i in scene.targets(loads.len(), field.groups) {
+                for i in scene.targets(moving, field.groups) {
                     match law.push(&scene.state(i)) {
-                        Ok(push) => loads[i].push_freely(&push),
+                        Ok(push) => loads.of(i).push_freely(&push),
                         Err(answer) => fault(i, Cause::Law { field: id, code: answer.code }),
                     }
                 }
@@ -230,7 +268,7 @@ pub(crate) fn accumulate<S: Scalar>(
 }
 
 /// A spring's force on both its ends, equal and opposite to the bit.
-fn pull<S: Scalar>(near: &Anchor<S>, far: &Anchor<S>, spring: &SpringLaw<S>, loads: &mut [Load<S>]) -> Option<()> {
+fn pull<S: Scalar>(near: &Anchor<S>, far: &Anchor<S>, spring: &SpringLaw<S>, loads: &mut Loads<S>) -> Option<()> {
     let offset = near.offset_to(far)?;
     let velocity = if spring.damping == S::ZERO {
         Offset::<S>::default()
@@ -240,10 +278,10 @@ fn pull<S: Scalar>(near: &Anchor<S>, far: &Anchor<S>, spring: &SpringLaw<S>, loa
     };
     let force = S::tension(offset, velocity, spring)?;
     if let Some(i) = near.dense {
-        loads[i].push(near.arm, force)?;
+        loads.of(i).push(near.arm, force)?;
     }
     if let Some(i) = far.dense {
-        loads[i].push(far.arm, (force.0.negated(), force.1.negated()))?;
+        loads.of(i).push(far.arm, (force.0.negated(), force.1.negated()))?;
     }
     Some(())
 }
@@ -267,8 +305,9 @@ pub(crate) fn resist<S: Scalar>(
                 continue;
             }
             let inverse_mass = card.properties.inverse_mass;
-            let velocity = &mut bodies.columns.motion.velocity[i];
-            let speed = S::length(relative(*velocity, *wind), S::ZERO);
+            let velocities = &mut bodies.columns.motion.velocity;
+            let velocity = velocities.get(i);
+            let speed = S::length(relative(velocity, *wind), S::ZERO);
             let (alpha, beta) = (
                 S::Factor::from_scalar(*linear).times(inverse_mass),
                 S::Factor::from_scalar(*quadratic).times(inverse_mass),
@@ -285,7 +324,7 @@ pub(crate) fn resist<S: Scalar>(
                 Some(Vec2::new(component(velocity.x, wind.x)?, component(velocity.y, wind.y)?))
             });
             match slowed {
-                Some(slowed) => *velocity = slowed,
+                Some(slowed) => velocities.set(i, slowed),
                 None => faults.push((i, Cause::Field { field: id })),
             }
         }
@@ -314,13 +353,13 @@ pub(crate) fn outer_drag<S: Scalar>(
     outside.clear();
     outside.resize(bodies.moving(), false);
     let half = S::Factor::from_ratio(1, 2);
-    let Motion { velocity, .. } = &bodies.columns.motion;
+    let velocities = &bodies.columns.motion.velocity;
     for (_, field) in fields.iter() {
         let Law::Drag { linear, quadratic, wind } = &field.law else { continue };
         for (i, outside) in outside.iter_mut().enumerate() {
             let card = &bodies.columns.card[i];
             if card.kind == BodyKind::Dynamic && card.groups & field.groups != 0 {
-                let speed = S::length(relative(velocity[i], *wind), S::ZERO).plus(gain(i));
+                let speed = S::length(relative(velocities.get(i), *wind), S::ZERO).plus(gain(i));
                 let slope = S::Factor::from_scalar(*linear).plus(S::Factor::from_scalar(*quadratic).times(speed));
                 *outside |= slope.times(card.properties.inverse_mass).times(time_step) > half;
             }

@@ -2,7 +2,7 @@
 
 mod rules;
 
-pub(crate) use rules::{damp, drift, kick_by, kick_gravity, sum};
+pub(crate) use rules::{Tuned, damp, drift, fall, kick_by, sum};
 
 use crate::body::SPANS;
 use crate::math::TimeStep;
@@ -110,6 +110,12 @@ impl Integrator {
             Self::VelocityVerlet => 2,
             Self::Yoshida4 => 4,
         }
+    }
+
+    /// Whether a step begins with evaluating the fields, and all its kicks take them from there; otherwise kicks at its
+    /// start go with the fields as they were at the end of the step before.
+    pub(crate) fn opens_with_fields(self) -> bool {
+        self.stages()[0].verb == Verb::Fields
     }
 
     /// The spans its stages name: weights of the time step, and whether they are halved.

@@ -1,82 +1,145 @@
-//! The update rules of the stages, over the columns of the bodies that move.
+//! The update rules of the stages, over a block of the bodies that move.
 
 use alloc::vec::Vec;
+use core::slice;
 
 use super::Timing;
-use crate::body::{Acceleration, Motion, Tuning};
+use crate::body::{Acceleration, Block, Tuning};
 use crate::error::Cause;
 use crate::math::Vec2;
-use crate::scalar::{Accumulator, Angle, Factor, Scalar, Wide};
+use crate::scalar::{Accumulator, Factor, Scalar, Wide};
+
+/// The factors of a block's bodies: mostly all have the same.
+#[derive(Clone, Copy)]
+pub(crate) enum Tuned<'a, S: Scalar> {
+    Alike(&'a Tuning<S>),
+    Each(&'a [Tuning<S>]),
+}
+
+impl<'a, S: Scalar> Tuned<'a, S> {
+    pub(crate) fn of(block: &Block<'_, S>, rows: &'a [Tuning<S>]) -> Self {
+        let first = block.tuning.first().copied().unwrap_or_default();
+        // Without a branch a body: the compiler compares many at once.
+        let differ = block.tuning.iter().fold(0, |differ, row| differ | (row ^ first));
+        match rows.get(first as usize) {
+            Some(row) if differ == 0 => Self::Alike(row),
+            _ => Self::Each(rows),
+        }
+    }
+
+    /// Whether no stage could take a body out of the envelope that is far inside it.
+    pub(crate) fn is_gentle(&self) -> bool {
+        matches!(self, Self::Alike(row) if row.is_gentle)
+    }
+}
 
 /// v *= d^h, linear and angular.
 pub(crate) fn damp<S: Scalar>(
-    motion: &mut Motion<S>,
-    tuning: &[u32],
-    rows: &[Tuning<S>],
+    block: &mut Block<'_, S>,
+    tuned: Tuned<'_, S>,
+    span: usize,
+    spins: bool,
+    faults: &mut Vec<(usize, Cause)>,
+) {
+    match tuned {
+        Tuned::Alike(row) if !row.is_damped => {}
+        Tuned::Alike(row) if row.decays => {
+            let one = S::Factor::ONE;
+            if row.linear[span] != one {
+                block.velocity.iter_mut().for_each(|v| S::damp_all(v, row.linear[span]));
+            }
+            if spins && row.angular[span] != one {
+                S::damp_all(block.spin, row.angular[span]);
+            }
+        }
+        Tuned::Alike(row) => (0..block.len()).for_each(|i| damp_one(block, i, row, span, faults)),
+        Tuned::Each(rows) => {
+            (0..block.len()).for_each(|i| damp_one(block, i, &rows[block.tuning[i] as usize], span, faults));
+        }
+    }
+}
+
+fn damp_one<S: Scalar>(
+    block: &mut Block<'_, S>,
+    i: usize,
+    row: &Tuning<S>,
     span: usize,
     faults: &mut Vec<(usize, Cause)>,
 ) {
-    for (i, &row) in tuning.iter().enumerate() {
-        let row = &rows[row as usize];
-        if !row.is_damped {
-            continue;
+    let damped = |v: S::Accumulator, kept: S::Factor| {
+        if kept > S::Factor::ONE {
+            return v.scaled(kept);
         }
-        let one = S::Factor::ONE;
-        if row.linear[span] != one {
-            match motion.velocity[i].try_map(|v| v.scaled(row.linear[span])) {
-                Some(velocity) => motion.velocity[i] = velocity,
-                None => faults.push((i, Cause::Velocity)),
-            }
+        let mut v = v;
+        S::damp_all(slice::from_mut(&mut v), kept);
+        Some(v)
+    };
+    let one = S::Factor::ONE;
+    if row.linear[span] != one {
+        let [x, y] = &mut block.velocity;
+        match (damped(x[i], row.linear[span]), damped(y[i], row.linear[span])) {
+            (Some(vx), Some(vy)) => (x[i], y[i]) = (vx, vy),
+            _ => faults.push((block.first + i, Cause::Velocity)),
         }
-        if row.angular[span] != one {
-            match motion.spin[i].scaled(row.angular[span]) {
-                Some(spin) => motion.spin[i] = spin,
-                None => faults.push((i, Cause::AngularVelocity)),
-            }
+    }
+    if row.angular[span] != one {
+        match damped(block.spin[i], row.angular[span]) {
+            Some(spin) => block.spin[i] = spin,
+            None => faults.push((block.first + i, Cause::AngularVelocity)),
         }
     }
 }
 
 /// v += g·h, from the factors that bodies share: the same bits for every mass.
-pub(crate) fn kick_gravity<S: Scalar>(motion: &mut Motion<S>, tuning: &[u32], rows: &[Tuning<S>], span: usize) {
-    for (velocity, &row) in motion.velocity.iter_mut().zip(tuning) {
-        let fall = rows[row as usize].fall[span];
-        *velocity = Vec2::new(velocity.x.plus(fall.x), velocity.y.plus(fall.y));
+pub(crate) fn fall<S: Scalar>(block: &mut Block<'_, S>, tuned: Tuned<'_, S>, span: usize) {
+    let none = S::Accumulator::default();
+    let [x, y] = &mut block.velocity;
+    match tuned {
+        Tuned::Alike(row) => {
+            for (v, gained) in [(x, row.fall[span].x), (y, row.fall[span].y)] {
+                if gained != none {
+                    S::kick_all(v, gained);
+                }
+            }
+        }
+        Tuned::Each(rows) => {
+            for (i, &row) in block.tuning.iter().enumerate() {
+                let gained = rows[row as usize].fall[span];
+                (x[i], y[i]) = (x[i].plus(gained.x), y[i].plus(gained.y));
+            }
+        }
     }
 }
 
-/// v += a·h and ω += α·h for one body. What is beyond the limit of a kick is left out.
+/// v += a·h and ω += α·h for the body at this index of the columns. What is beyond the limit of a kick is left out.
 pub(crate) fn kick_by<S: Scalar>(
-    motion: &mut Motion<S>,
-    i: usize,
+    block: &mut Block<'_, S>,
+    index: usize,
     acceleration: &Acceleration<S>,
     seconds: S::Factor,
     negative: bool,
 ) -> Result<(), Cause> {
+    let i = index - block.first;
     let gained = |a: S::Wide| S::kick(a, seconds).map(|v| if negative { v.negated() } else { v });
     if acceleration.linear != Vec2::default() {
         let gained = acceleration.linear.try_map(gained).ok_or(Cause::Velocity)?;
-        let velocity = &mut motion.velocity[i];
-        *velocity = Vec2::new(velocity.x.plus(gained.x), velocity.y.plus(gained.y));
+        let [x, y] = &mut block.velocity;
+        (x[i], y[i]) = (x[i].plus(gained.x), y[i].plus(gained.y));
     }
     if acceleration.angular != S::Wide::default() {
         let gained = gained(acceleration.angular).ok_or(Cause::AngularVelocity)?;
-        motion.spin[i] = motion.spin[i].plus(gained);
+        block.spin[i] = block.spin[i].plus(gained);
     }
     Ok(())
 }
 
 /// x += v·h and θ += ω·h with the public velocities, so that what is below half an ulp a second moves nothing.
-pub(crate) fn drift<S: Scalar>(motion: &mut Motion<S>, moving: usize, timing: &Timing<S>) {
-    let way = |v: S::Accumulator| {
-        let way = v.value().drift(timing.seconds);
-        if timing.negative { way.negated() } else { way }
-    };
-    for i in 0..moving {
-        let velocity = motion.velocity[i];
-        let position = &mut motion.position[i];
-        *position = Vec2::new(position.x.plus(way(velocity.x)), position.y.plus(way(velocity.y)));
-        motion.angle[i] = motion.angle[i].drifted(motion.spin[i].value(), timing.turn, timing.negative);
+pub(crate) fn drift<S: Scalar>(block: &mut Block<'_, S>, timing: &Timing<S>, spins: bool) {
+    for (x, v) in block.position.iter_mut().zip(&block.velocity) {
+        S::drift_all(x, v, timing.seconds, timing.negative);
+    }
+    if spins {
+        S::turn_all(block.angle, block.spin, timing.turn, timing.negative);
     }
 }
 

@@ -252,7 +252,7 @@ impl<S: Scalar> World<S> {
         let columns = &self.bodies.columns;
         for i in self.bodies.in_order() {
             let motion = &columns.motion;
-            for component in [motion.position[i].x, motion.position[i].y, motion.velocity[i].x, motion.velocity[i].y] {
+            for component in [motion.position.x[i], motion.position.y[i], motion.velocity.x[i], motion.velocity.y[i]] {
                 sink.i128(component.to_bits());
             }
             sink.u64(motion.angle[i].to_bits());
@@ -262,7 +262,7 @@ impl<S: Scalar> World<S> {
                     sink.i128(component.to_bits());
                 }
             }
-            sink.u32(columns.rest[i]);
+            sink.u32(motion.rest[i]);
             sink.card(&columns.card[i]);
             sink.option(self.applied.row(columns.card[i].applied), |sink, row| {
                 for sum in [row.force.x, row.force.y, row.torque] {

@@ -7,71 +7,92 @@ use crate::kernel::round::shr_round;
 use crate::kernel::wide::mul_shift;
 
 /// A multiple of 2^-96: an [`Fx`] and 64 bits below its ulp, where the remainders of every step are carried.
+///
+/// It is kept as two words, so that loops over many of them can be compiled to vector instructions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
-#[repr(transparent)]
-pub struct FxAccumulator(i128);
+pub struct FxAccumulator {
+    /// Multiples of 2^-32, rounded down. First, for the order.
+    pub(super) high: i64,
+    /// Multiples of 2^-96 above that.
+    pub(super) low: u64,
+}
 
 impl FxAccumulator {
     /// The accumulator of this multiple of 2^-96.
     #[inline]
     #[must_use]
     pub const fn from_bits(bits: i128) -> Self {
-        Self(bits)
+        Self { high: (bits >> 64) as i64, low: bits as u64 }
+    }
+
+    #[inline]
+    const fn bits(self) -> i128 {
+        (self.high as i128) << 64 | self.low as i128
+    }
+
+    /// Nothing where the public value is zero: half an ulp rounds to zero, ties to even.
+    #[inline]
+    const fn settled(bits: i128) -> Self {
+        Self::from_bits(if bits.unsigned_abs() <= 1 << 63 { 0 } else { bits })
+    }
+
+    /// The product with a factor of at most 1, or zero if its public value is zero.
+    #[inline]
+    pub(super) fn shrunk(self, factor: FxFactor) -> Self {
+        let (mantissa, shift) = factor.parts();
+        // At most as large as it was, so it fits.
+        Self::settled(mul_shift(self.bits(), u128::from(mantissa), shift).unwrap_or(0))
     }
 }
 
 impl Accumulator<Fx> for FxAccumulator {
     #[inline]
     fn from_scalar(value: Fx) -> Self {
-        Self((value.to_bits() as i128) << 64)
+        Self { high: value.to_bits(), low: 0 }
     }
 
     #[inline]
     fn value(self) -> Fx {
         // A body that left the envelope is still below 2^31 here: `limits` has the proof.
-        Fx::from_bits(shr_round(self.0, 64) as i64)
+        Fx::from_bits(shr_round(self.bits(), 64) as i64)
+    }
+
+    #[inline]
+    fn is_still(self) -> bool {
+        // From −½ to ½ ulp.
+        match self.high {
+            0 => self.low <= 1 << 63,
+            -1 => self.low >= 1 << 63,
+            _ => false,
+        }
     }
 
     #[inline]
     fn plus(self, other: Self) -> Self {
         // Positions stay below 2^31 m = 2^127 / 2^96, velocities below 2^26 m/s: see `limits`.
-        Self(self.0.wrapping_add(other.0))
+        Self::from_bits(self.bits().wrapping_add(other.bits()))
     }
 
     #[inline]
     fn negated(self) -> Self {
-        Self(self.0.wrapping_neg())
+        Self::from_bits(self.bits().wrapping_neg())
     }
 
     #[inline]
     fn scaled(self, factor: FxFactor) -> Option<Self> {
         let (mantissa, shift) = factor.parts();
-        let product = if shift == 64 && self.0.unsigned_abs() < TRANSIENT {
-            // A factor in [½, 1), as damping has it. |high| < 2^56, so high·mantissa < 2^120.
-            let (high, low) = ((self.0 >> 64) as i64, self.0 as u64);
-            let low = u128::from(low) * u128::from(mantissa);
-            let floor = i128::from(high) * i128::from(mantissa) + (low >> 64) as i128;
-            let rest = low as u64;
-            const TIE: u64 = 1 << 63;
-            floor + i128::from(rest > TIE || (rest == TIE && floor & 1 == 1))
-        } else {
-            mul_shift(self.0, u128::from(mantissa), shift)?
-        };
-        if product.unsigned_abs() >= TRANSIENT {
-            return None;
-        }
-        // Half an ulp rounds to zero, ties to even.
-        Some(Self(if product.unsigned_abs() <= 1 << 63 { 0 } else { product }))
+        let product = mul_shift(self.bits(), u128::from(mantissa), shift)?;
+        (product.unsigned_abs() < TRANSIENT).then_some(Self::settled(product))
     }
 
     #[inline]
     fn is_within(self, limit: Fx) -> bool {
-        self.0.unsigned_abs() <= (limit.to_bits() as u128) << 64
+        self.bits().unsigned_abs() <= (limit.to_bits() as u128) << 64
     }
 
     #[inline]
     fn to_bits(self) -> i128 {
-        self.0
+        self.bits()
     }
 }
 

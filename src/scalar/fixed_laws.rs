@@ -6,6 +6,7 @@ use super::accumulator::FxAccumulator;
 use super::factor::FxFactor;
 use super::fx::Fx;
 use super::moments;
+use super::sweep;
 use super::turn::Turn;
 use super::wide::{FxSum, FxWide};
 use super::{AreaMoments, Factor, KICK_LOG2, Offset, Scalar, Span, SpringLaw, Weight};
@@ -199,6 +200,26 @@ impl Scalar for Fx {
         let (mantissa, shift) = seconds.parts();
         let gained = mul_shift(acceleration.to_bits(), u128::from(mantissa), shift - 32)?;
         (gained.unsigned_abs() < MOST).then_some(FxAccumulator::from_bits(gained))
+    }
+
+    fn damp_all(values: &mut [FxAccumulator], kept: FxFactor) {
+        sweep::damp(values, kept);
+    }
+
+    fn kick_all(values: &mut [FxAccumulator], gained: FxAccumulator) {
+        sweep::kick(values, gained);
+    }
+
+    fn drift_all(positions: &mut [FxAccumulator], velocities: &[FxAccumulator], seconds: FxFactor, negative: bool) {
+        sweep::drift(positions, velocities, seconds, negative);
+    }
+
+    fn turn_all(angles: &mut [Turn], velocities: &[FxAccumulator], drift_factor: FxFactor, negative: bool) {
+        sweep::turn(angles, velocities, drift_factor, negative);
+    }
+
+    fn are_within(values: &[FxAccumulator], log2: u32) -> bool {
+        sweep::are_within(values, log2)
     }
 
     /// *Error* within 2^-64 + 2^-90 relative of the exact value for these inputs, then rounded to 2^-64 m/s².

@@ -280,6 +280,17 @@ macro_rules! float_scalar {
                 let gained = acceleration * seconds;
                 (libm::$fabs(gained) < (1u32 << KICK_LOG2) as $float).then_some(gained)
             }
+            fn damp_all(values: &mut [Self], kept: Self) {
+                values.iter_mut().for_each(|v| *v *= kept);
+            }
+            fn turn_all(angles: &mut [Self], velocities: &[Self], seconds: Self, negative: bool) {
+                let seconds = if negative { -seconds } else { seconds };
+                for (angle, v) in angles.iter_mut().zip(velocities) {
+                    let turned = *angle + v * seconds;
+                    let whole = (0.0..core::$float::consts::TAU).contains(&turned);
+                    *angle = if whole { turned } else { Self::from_radians(turned) };
+                }
+            }
             fn attraction(mu: Self, (x, y): Offset<Self>, softening: Self) -> Option<Offset<Self>> {
                 let square = x * x + y * y + softening * softening;
                 if square == 0.0 {

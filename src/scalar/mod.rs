@@ -21,7 +21,9 @@ mod fixed_laws;
 #[cfg(feature = "float")]
 mod float;
 pub mod fx;
+mod lanes;
 mod moments;
+mod sweep;
 mod turn;
 mod wide;
 
@@ -77,6 +79,10 @@ pub trait Accumulator<S: Scalar>: Number {
     fn from_scalar(value: S) -> Self;
     /// The scalar nearest to it, ties to even. *Domain* the value fits in the scalar; inside the envelope it does.
     fn value(self) -> S;
+    /// Whether that is zero.
+    fn is_still(self) -> bool {
+        self.value() == S::ZERO
+    }
     /// The sum. *Domain* it fits; inside the envelope it does.
     #[must_use]
     fn plus(self, other: Self) -> Self;
@@ -253,6 +259,45 @@ pub trait Scalar: Number + Display + PartialOrd + Add<Output = Self> + Sub<Outpu
     /// The velocity gained at this acceleration in `seconds`; `None` from 2^21
     /// on.
     fn kick(acceleration: Self::Wide, seconds: Self::Factor) -> Option<Self::Accumulator>;
+
+    /// Each times `kept`, or zero if its public value is then zero. *Domain* kept <= 1, values below 2^24.
+    fn damp_all(values: &mut [Self::Accumulator], kept: Self::Factor) {
+        values.iter_mut().for_each(|v| *v = v.scaled(kept).unwrap_or(*v));
+    }
+    /// Each plus `gained`. *Domain* the sums fit, as for [`Accumulator::plus`].
+    fn kick_all(values: &mut [Self::Accumulator], gained: Self::Accumulator) {
+        values.iter_mut().for_each(|v| *v = v.plus(gained));
+    }
+    /// Each position plus the way covered at the public velocity in `seconds`, backwards if `negative`. *Domain* that of
+    /// [`drift`](Self::drift).
+    fn drift_all(
+        positions: &mut [Self::Accumulator],
+        velocities: &[Self::Accumulator],
+        seconds: Self::Factor,
+        negative: bool,
+    ) {
+        for (x, v) in positions.iter_mut().zip(velocities) {
+            let way = v.value().drift(seconds);
+            *x = x.plus(if negative { way.negated() } else { way });
+        }
+    }
+    /// Each angle after turning at the public velocity for `drift_factor`'s span, as [`Angle::drifted`].
+    fn turn_all(
+        angles: &mut [Self::Angle],
+        velocities: &[Self::Accumulator],
+        drift_factor: Self::Factor,
+        negative: bool,
+    ) {
+        for (angle, v) in angles.iter_mut().zip(velocities) {
+            *angle = angle.drifted(v.value(), drift_factor, negative);
+        }
+    }
+    /// Whether all are numbers of a magnitude of at most two to this; one that is may also be refused at the limit itself.
+    /// *Domain* log2 < 31.
+    fn are_within(values: &[Self::Accumulator], log2: u32) -> bool {
+        let limit = Self::from_fx(Fx::from_bits(1 << (32 + log2)));
+        values.iter().fold(true, |all, v| all & v.is_within(limit))
+    }
 
     /// The acceleration towards an attractor: mu·d / (d² + softening²)^(3/2); zero at its centre.
     fn attraction(mu: Self::Factor, to_centre: Offset<Self>, softening: Self) -> Option<Offset<Self>>;

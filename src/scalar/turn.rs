@@ -13,7 +13,7 @@ use crate::kernel::wide::mul_shift;
 /// A multiple of 2^-64 turns. It wraps by itself, and quarter turns and mirror images are exact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[repr(transparent)]
-pub struct Turn(u64);
+pub struct Turn(pub(super) u64);
 
 impl Turn {
     /// A quarter turn, π/2.

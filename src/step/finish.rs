@@ -1,27 +1,22 @@
 //! The end of a step: quarantine and sleep.
 
-use super::{Context, Scratch};
+use super::march::is_ready;
+use super::{Context, Has, Scratch};
 use crate::body::{Activity, Bodies, BodyKind};
-use crate::error::{Cause, Fault};
+use crate::error::Fault;
 use crate::force::{End, FieldSet, Law};
-use crate::limits;
-use crate::scalar::{Accumulator, Scalar};
+use crate::scalar::Scalar;
 
 impl<S: Scalar> Context<'_, S> {
-    pub(super) fn finish(&mut self) {
-        self.find_strays();
+    pub(super) fn finish(&mut self, has: Has) {
         self.name_faults();
-        // The first fault of a body is its cause; the sort is stable.
-        let faults = &mut self.scratch.faults;
-        faults.sort_by_key(|fault| fault.body);
-        faults.dedup_by_key(|fault| fault.body);
-        for Fault { body, .. } in faults.iter() {
-            if let Ok(i) = self.bodies.find(*body) {
-                self.bodies.columns.motion.copy_one(&self.scratch.before, i);
-            }
-        }
         if let Some(ticks) = self.sleep_after {
-            self.find_sleepers(ticks);
+            if has.wanderers {
+                keep_awake_around_wanderers(self.bodies, self.fields);
+            }
+            if self.scratch.found.ready {
+                self.find_sleepers(ticks);
+            }
         }
         let Scratch { faults, fell_asleep, fields_hold, .. } = &mut *self.scratch;
         let taken_out = faults
@@ -36,48 +31,27 @@ impl<S: Scalar> Context<'_, S> {
         }
     }
 
-    /// Bodies beyond the envelope.
-    fn find_strays(&mut self) {
-        let motion = &self.bodies.columns.motion;
-        let [position, speed, spin] = [limits::POSITION, limits::SPEED, limits::ANGULAR_SPEED].map(S::from_fx);
-        for i in 0..self.bodies.moving() {
-            let (x, v) = (motion.position[i], motion.velocity[i]);
-            let cause = if !(v.x.is_within(speed) && v.y.is_within(speed)) {
-                Cause::Velocity
-            } else if !(x.x.is_within(position) && x.y.is_within(position)) {
-                Cause::Position
-            } else if !motion.spin[i].is_within(spin) {
-                Cause::AngularVelocity
-            } else {
-                continue;
-            };
-            self.scratch.stage_faults.push((i, cause));
+    /// The faults by their bodies' names and in their order; the first of a body is its cause.
+    fn name_faults(&mut self) {
+        let Scratch { found, faults, .. } = &mut *self.scratch;
+        if found.faults.is_empty() {
+            return;
         }
+        // Stable, which matters within a body alone.
+        found.faults.sort_by_key(|(i, _)| *i);
+        found.faults.dedup_by_key(|(i, _)| *i);
+        faults.extend(found.faults.iter().map(|&(i, cause)| Fault { body: self.bodies.id(i), cause }));
+        faults.sort_unstable_by_key(|fault| fault.body);
     }
 
     /// Bodies that the next step would leave as they are, to the bit, and that were so for `ticks` steps. Skipping them
     /// changes nothing: their public velocities are zero, the step changed nothing below them either, no force was
     /// applied, and no body that might still move acts on them.
     fn find_sleepers(&mut self, ticks: u32) {
-        let Scratch { before, faults, fell_asleep, links, kept_up, pushed, .. } = &mut *self.scratch;
+        let Scratch { fell_asleep, links, kept_up, .. } = &mut *self.scratch;
         let moving = self.bodies.moving();
-        let columns = &mut self.bodies.columns;
-        for i in 0..moving {
-            let at_rest = columns.motion.same(before, i) && columns.motion.is_still(i);
-            columns.rest[i] = if at_rest { columns.rest[i].saturating_add(1) } else { 0 };
-        }
-        for (i, _) in pushed.iter() {
-            columns.rest[*i] = 0;
-        }
-        for fault in faults.iter() {
-            if let Ok(i) = self.bodies.find(fault.body) {
-                self.bodies.columns.rest[i] = 0;
-            }
-        }
-        keep_awake_around_wanderers(self.bodies, self.fields);
-        let rest = &self.bodies.columns.rest;
-        // Whoever is ready last has been at rest for `ticks`; one that others keep up tries again every so often.
-        if !rest[..moving].iter().any(|&rest| rest >= ticks && rest % ticks == 0) {
+        let rest = &self.bodies.columns.motion.rest;
+        if !rest[..moving].iter().any(|&rest| is_ready(rest, ticks)) {
             return;
         }
         island_roots(self.bodies, self.fields, moving, links);
@@ -103,7 +77,7 @@ fn keep_awake_around_wanderers<S: Scalar>(bodies: &mut Bodies<S>, fields: &Field
         }
         for i in 0..bodies.moving() {
             if i != own && bodies.columns.card[i].groups & field.groups != 0 {
-                bodies.columns.rest[i] = 0;
+                bodies.columns.motion.rest[i] = 0;
             }
         }
     }

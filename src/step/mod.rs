@@ -1,21 +1,26 @@
-//! The step: walks the integrator's stages, then takes out what left the envelope and lets sleep what is at rest.
+//! The step: takes the bodies through the integrator's stages, then takes out what left the envelope and lets sleep what
+//! is at rest.
 //!
-//! Stages see columns and a context, never the world.
+//! Stages see columns and a context, never the world. Bodies that no field reaches march through all stages a block at a
+//! time ([`march`]); those that one may reach are *engaged*: they go stage by stage, together, because fields look at
+//! many bodies at once. Which way a body goes changes no bit.
 
+mod engaged;
 mod finish;
 mod kick;
+mod march;
 
 pub(crate) use finish::island_roots;
 
 use alloc::vec::Vec;
 
-use crate::body::{Acceleration, Bodies, Motion, Tunings};
-use crate::error::{Cause, Fault};
-use crate::force::{Applied, FieldSet, Laws, Load, outer_drag, resist};
+use crate::body::{Acceleration, BLOCK, Bodies, BodyKind, Frame, Tunings};
+use crate::error::Fault;
+use crate::force::{Applied, Dependence, End, FieldSet, Law, Laws, Loads};
 use crate::handle::BodyId;
-use crate::integrate::{Integrator, Plan, Stage, Verb, damp, drift, kick_gravity};
-use crate::math::Vec2;
-use crate::scalar::{Accumulator, Factor, Scalar};
+use crate::integrate::{Integrator, Plan};
+use crate::scalar::Scalar;
+use march::{Found, March};
 
 /// What a step works on.
 pub(crate) struct Context<'a, S: Scalar> {
@@ -30,24 +35,33 @@ pub(crate) struct Context<'a, S: Scalar> {
     pub(crate) scratch: &'a mut Scratch<S>,
 }
 
+/// Accelerations of some bodies, by their indices in the columns.
+type Accelerations<S> = Vec<(usize, Acceleration<S>)>;
+
 /// Memory that a step uses again, and what the last one reported. None of it is state.
 #[derive(Debug)]
 pub(crate) struct Scratch<S: Scalar> {
-    /// The bodies that move, as they were before the step.
-    before: Motion<S>,
-    loads: Vec<Load<S>>,
+    /// Whether a field may reach a body of a block, by the number of the block; none at all if it is empty.
+    engaged: Vec<bool>,
+    /// The engaged blocks as they were before the step; or the first holds one block after the other.
+    frames: Vec<Frame<S>>,
+    loads: Loads<S>,
     /// What the fields of position do at the positions now, if `fields_hold`.
-    fields: Vec<Acceleration<S>>,
+    fields: Accelerations<S>,
     /// Dropped by whatever changes a body or a field: a step that finds it false has the same bits.
     pub(crate) fields_hold: bool,
     /// What the fields of velocity did in the kick before.
-    resisting: Vec<Acceleration<S>>,
-    spare: Vec<Acceleration<S>>,
-    /// What the forces applied this tick do, by index in the columns.
-    pushed: Vec<(usize, Acceleration<S>)>,
+    resisting: Accelerations<S>,
+    spare: Accelerations<S>,
+    /// What the forces applied this tick do, in the order of the indices.
+    pushed: Accelerations<S>,
+    /// For `PublishedVerlet`, by index: all accelerations of a body, if their sum fits.
+    total: Vec<Option<Acceleration<S>>>,
+    /// What a step may add to the speed of a body, by index.
+    gain: Vec<S::Factor>,
     /// Bodies whose drag acts around the whole step.
     outside: Vec<bool>,
-    stage_faults: Vec<(usize, Cause)>,
+    found: Found,
     pub(crate) faults: Vec<Fault>,
     pub(crate) fell_asleep: Vec<BodyId>,
     pub(crate) drag_outside: u32,
@@ -56,35 +70,21 @@ pub(crate) struct Scratch<S: Scalar> {
     kept_up: Vec<bool>,
 }
 
-clone_by_field!(Scratch {
-    before,
-    loads,
-    fields,
-    fields_hold,
-    resisting,
-    spare,
-    pushed,
-    outside,
-    stage_faults,
-    faults,
-    fell_asleep,
-    drag_outside,
-    links,
-    kept_up
-});
-
 impl<S: Scalar> Default for Scratch<S> {
     fn default() -> Self {
         Self {
-            before: Motion::default(),
-            loads: Vec::new(),
+            engaged: Vec::new(),
+            frames: Vec::new(),
+            loads: Loads::default(),
             fields: Vec::new(),
             fields_hold: false,
             resisting: Vec::new(),
             spare: Vec::new(),
             pushed: Vec::new(),
+            total: Vec::new(),
+            gain: Vec::new(),
             outside: Vec::new(),
-            stage_faults: Vec::new(),
+            found: Found::default(),
             faults: Vec::new(),
             fell_asleep: Vec::new(),
             drag_outside: 0,
@@ -94,50 +94,63 @@ impl<S: Scalar> Default for Scratch<S> {
     }
 }
 
-/// What a scene has; a stage of a kind it lacks is passed over.
+/// The reports alone: a step makes the rest anew.
+impl<S: Scalar> Clone for Scratch<S> {
+    fn clone(&self) -> Self {
+        let mut copy = Self::default();
+        copy.clone_from(self);
+        copy
+    }
+
+    fn clone_from(&mut self, source: &Self) {
+        self.fields_hold = false;
+        self.faults.clone_from(&source.faults);
+        self.fell_asleep.clone_from(&source.fell_asleep);
+        self.drag_outside = source.drag_outside;
+    }
+}
+
+/// What the fields of a scene are; a stage of a kind it lacks is passed over.
 #[derive(Clone, Copy, Debug, Default)]
 struct Has {
     position: bool,
     velocity: bool,
     drag: bool,
-    gravity: bool,
-    damping: bool,
+    /// Attractors that a movable body carries.
+    wanderers: bool,
 }
 
 impl<S: Scalar> Context<'_, S> {
     /// One tick.
     pub(crate) fn step(mut self) {
-        let moving = self.bodies.moving();
         self.scratch.faults.clear();
-        self.scratch.stage_faults.clear();
+        self.scratch.found.faults.clear();
+        self.scratch.found.ready = false;
         self.scratch.fell_asleep.clear();
         self.scratch.drag_outside = 0;
-        self.scratch.before.copy_first(&self.bodies.columns.motion, moving);
-        let has = self.has();
+        let has = self.survey();
         self.take_applied();
-        if has.drag && self.integrator == Integrator::Yoshida4 {
-            self.find_stiff_drag(has);
-            self.resist_outside(false);
-            self.name_faults();
+        self.march();
+        if !self.scratch.engaged.is_empty() {
+            self.run_engaged(has);
         }
-        for stage in self.integrator.stages() {
-            self.run(stage, has);
-            self.name_faults();
-        }
-        if self.scratch.drag_outside > 0 {
-            self.resist_outside(true);
-            self.name_faults();
-        }
-        self.finish();
+        self.applied.finish(self.bodies);
+        self.finish(has);
     }
 
-    fn has(&self) -> Has {
-        use crate::force::{Dependence, Law};
-        let (gravity, damping) = (self.tunings.any_gravity(), self.tunings.any_damped());
-        let mut has = Has { gravity, damping, ..Has::default() };
+    /// Says what fields there are, and marks the blocks with bodies that one may reach.
+    fn survey(&mut self) -> Has {
+        let moving = self.bodies.moving();
+        let engaged = &mut self.scratch.engaged;
+        engaged.clear();
+        let mut has = Has::default();
+        let all = self.integrator == Integrator::PublishedVerlet;
+        if all || self.fields.iter().next().is_some() {
+            engaged.resize(moving.div_ceil(BLOCK), all);
+        }
         for (_, field) in self.fields.iter() {
             let depends_on = field.depends_on(self.laws);
-            match field.law {
+            match &field.law {
                 Law::Drag { .. } => has.drag = true,
                 Law::Spring { .. } => {
                     has.position = true;
@@ -146,115 +159,40 @@ impl<S: Scalar> Context<'_, S> {
                 _ if depends_on == Dependence::Velocity => has.velocity = true,
                 _ => has.position = true,
             }
+            match &field.law {
+                // Only the bodies it is attached to.
+                Law::Spring { .. } | Law::Thrust { .. } => {
+                    for i in field.bodies().filter_map(|body| self.bodies.find(body).ok()).filter(|&i| i < moving) {
+                        engaged[i / BLOCK] = true;
+                    }
+                }
+                law => {
+                    engaged.fill(true);
+                    if let Law::Attractor { centre: End::Body(at), .. } = law {
+                        has.wanderers |= self
+                            .bodies
+                            .find(at.body)
+                            .is_ok_and(|i| self.bodies.columns.card[i].kind != BodyKind::Static);
+                    }
+                }
+            }
         }
         has
     }
 
-    fn run(&mut self, stage: &Stage, has: Has) {
-        let moving = self.bodies.moving();
-        let timing = self.plan.timing[stage.span];
-        match stage.verb {
-            Verb::Damp if stage.closing => {
-                self.resist_inside(stage, has);
-                self.damp(stage, has);
-            }
-            Verb::Damp => {
-                self.damp(stage, has);
-                self.resist_inside(stage, has);
-            }
-            Verb::Kick => self.kick(stage, has),
-            Verb::Drift => {
-                drift(&mut self.bodies.columns.motion, moving, &timing);
-                if self.integrator == Integrator::PublishedVerlet {
-                    self.drift_by_acceleration();
-                }
-                self.scratch.fields_hold = false;
-            }
-            Verb::Fields => {
-                if has.position {
-                    self.evaluate_fields();
-                }
-                if has.velocity && self.integrator == Integrator::ExplicitEuler {
-                    self.evaluate_resisting();
-                }
-            }
-            Verb::Clear => self.applied.finish(self.bodies),
+    /// Takes the bodies that no field reaches through the step.
+    fn march(&mut self) {
+        let Scratch { engaged, frames, pushed, found, .. } = &mut *self.scratch;
+        if frames.is_empty() {
+            frames.push(Frame::default());
         }
-    }
-
-    fn damp(&mut self, stage: &Stage, has: Has) {
-        if !has.damping {
-            return;
-        }
-        let moving = self.bodies.moving();
-        let columns = &mut self.bodies.columns;
-        let tuning = &columns.tuning[..moving];
-        damp(&mut columns.motion, tuning, self.tunings.rows(), stage.span, &mut self.scratch.stage_faults);
-    }
-
-    fn fall(&mut self, stage: &Stage, has: Has) {
-        if has.gravity {
-            let moving = self.bodies.moving();
-            let columns = &mut self.bodies.columns;
-            kick_gravity(&mut columns.motion, &columns.tuning[..moving], self.tunings.rows(), stage.span);
-        }
-    }
-
-    fn resist_inside(&mut self, stage: &Stage, has: Has) {
-        if !has.drag {
-            return;
-        }
-        let timing = self.plan.timing[stage.span];
-        let Scratch { outside, drag_outside, stage_faults, .. } = &mut *self.scratch;
-        let only = |i: usize| *drag_outside == 0 || !outside[i];
-        resist(self.fields, self.bodies, (timing.seconds, timing.negative), stage.closing, only, stage_faults);
-    }
-
-    /// Finds the bodies whose drag is to act around the whole step, judged by what gravity, the forces applied and the
-    /// fields of position here may add to their speed in twice the time step.
-    fn find_stiff_drag(&mut self, has: Has) {
-        if has.position && !self.scratch.fields_hold {
-            self.evaluate_fields();
-        }
-        let Scratch { fields, pushed, outside, drag_outside, .. } = &mut *self.scratch;
-        let size = |a: Vec2<S::Wide>| S::Factor::from_wide(a.x).plus(S::Factor::from_wide(a.y));
-        let twice = self.plan.whole.plus(self.plan.whole);
-        let rows = self.tunings.rows();
-        let gain = |i: usize| {
-            let gravity = size(rows[self.bodies.columns.tuning[i] as usize].gravity);
-            let field = if has.position { size(fields[i].linear) } else { S::Factor::ZERO };
-            let applied = pushed.binary_search_by_key(&i, |(at, _)| *at);
-            let applied = applied.map_or(S::Factor::ZERO, |at| size(pushed[at].1.linear));
-            gravity.plus(field).plus(applied).times(twice)
+        let march = March {
+            stages: self.integrator.stages(),
+            plan: self.plan,
+            rows: self.tunings.rows(),
+            pushed,
+            sleep_after: self.sleep_after,
         };
-        *drag_outside = outer_drag(self.fields, self.bodies, self.plan.whole, gain, outside);
-    }
-
-    fn resist_outside(&mut self, closing: bool) {
-        let Scratch { outside, stage_faults, .. } = &mut *self.scratch;
-        resist(self.fields, self.bodies, (self.plan.half, false), closing, |i| outside[i], stage_faults);
-    }
-
-    /// PublishedVerlet's x += ½·a·dt² beside x += v·dt.
-    fn drift_by_acceleration(&mut self) {
-        let half_square = self.plan.half_square;
-        let moving = self.bodies.moving();
-        let Motion { position, angle, last, .. } = &mut self.bodies.columns.motion;
-        for (i, acceleration) in last[..moving].iter().enumerate() {
-            let way = |a: S::Wide| S::kick(a, half_square);
-            match (acceleration.linear.try_map(way), way(acceleration.angular)) {
-                (Some(linear), Some(angular)) => {
-                    position[i] = Vec2::new(position[i].x.plus(linear.x), position[i].y.plus(linear.y));
-                    angle[i] = crate::scalar::Angle::turned(angle[i], angular);
-                }
-                _ => self.scratch.stage_faults.push((i, Cause::Velocity)),
-            }
-        }
-    }
-
-    /// Gives the faults of a stage the names of their bodies.
-    fn name_faults(&mut self) {
-        let Scratch { stage_faults, faults, .. } = &mut *self.scratch;
-        faults.extend(stage_faults.drain(..).map(|(i, cause)| Fault { body: self.bodies.id(i), cause }));
+        march.run(self.bodies.all_moving(), engaged, &mut frames[0], found);
     }
 }

@@ -55,7 +55,7 @@ impl<S: Scalar> World<S> {
         self.bodies.find(body)?;
         check_position(position)?;
         let dense = self.touch(body)?;
-        self.bodies.columns.motion.position[dense] = position.map(Accumulator::from_scalar);
+        self.bodies.columns.motion.position.set(dense, position.map(Accumulator::from_scalar));
         Ok(())
     }
 
@@ -80,7 +80,7 @@ impl<S: Scalar> World<S> {
         self.check_movable(body)?;
         check_velocity(velocity)?;
         let dense = self.touch(body)?;
-        self.bodies.columns.motion.velocity[dense] = velocity.map(Accumulator::from_scalar);
+        self.bodies.columns.motion.velocity.set(dense, velocity.map(Accumulator::from_scalar));
         Ok(())
     }
 
@@ -144,7 +144,7 @@ impl<S: Scalar> World<S> {
         let dense = self.bodies.set_moving(dense, kind != BodyKind::Static);
         let motion = &mut self.bodies.columns.motion;
         if kind == BodyKind::Static {
-            motion.velocity[dense] = Vec2::default();
+            motion.velocity.set(dense, Vec2::default());
             motion.spin[dense] = S::Accumulator::default();
         }
         if let Some(last) = motion.last.get_mut(dense) {

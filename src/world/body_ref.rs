@@ -35,7 +35,7 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
     /// Where its centre of mass is, with the remainders that are carried from step to step.
     #[must_use]
     pub fn position_exact(&self) -> Vec2<S::Accumulator> {
-        self.world.bodies.columns.motion.position[self.dense]
+        self.world.bodies.columns.motion.position.get(self.dense)
     }
 
     /// Where the origin of its shape's own coordinates is, m; its position if it has no shape.
@@ -75,7 +75,7 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
     /// Its velocity with the remainders that are carried.
     #[must_use]
     pub fn velocity_exact(&self) -> Vec2<S::Accumulator> {
-        self.world.bodies.columns.motion.velocity[self.dense]
+        self.world.bodies.columns.motion.velocity.get(self.dense)
     }
 
     /// Its angular velocity, rad/s.

@@ -190,7 +190,7 @@ impl<S: Scalar> World<S> {
         let arm: Offset<S> = match frame {
             Frame::Body => turn(point).ok_or(out_of(Quantity::Position))?,
             Frame::World => {
-                let centre = motion.position[dense].map(Accumulator::value);
+                let centre = motion.position.get(dense).map(Accumulator::value);
                 (point.x.offset(centre.x), point.y.offset(centre.y))
             }
         };
@@ -212,7 +212,7 @@ impl<S: Scalar> World<S> {
         let gained = |impulse| S::kick(impulse, properties.inverse_mass);
         let gained = impulse.try_map(gained).ok_or(out_of(Quantity::Velocity))?;
         let spun = S::kick(angular, properties.inverse_inertia).ok_or(out_of(Quantity::AngularVelocity))?;
-        let old = columns.motion.velocity[dense];
+        let old = columns.motion.velocity.get(dense);
         let velocity = Vec2::new(old.x.plus(gained.x), old.y.plus(gained.y));
         let spin = columns.motion.spin[dense].plus(spun);
         let speed = S::from_fx(limits::SPEED);
@@ -225,7 +225,8 @@ impl<S: Scalar> World<S> {
         if !unfelt {
             let dense = self.touch(body)?;
             let motion = &mut self.bodies.columns.motion;
-            (motion.velocity[dense], motion.spin[dense]) = (velocity, spin);
+            motion.velocity.set(dense, velocity);
+            motion.spin[dense] = spin;
         }
         Ok(())
     }

@@ -75,7 +75,7 @@ impl<S: Scalar> World<S> {
         check_sleep_after(ticks)?;
         self.def.sleep_after = ticks;
         self.wake_all();
-        self.bodies.columns.rest.fill(0);
+        self.bodies.columns.motion.rest.fill(0);
         Ok(())
     }
 

@@ -50,7 +50,7 @@ impl<S: Scalar> World<S> {
         let columns = &self.bodies.columns;
         let (mut x, mut y) = (S::Sum::default(), S::Sum::default());
         for i in self.counted_bodies() {
-            let (mass, velocity) = (columns.card[i].properties.mass, columns.motion.velocity[i]);
+            let (mass, velocity) = (columns.card[i].properties.mass, columns.motion.velocity.get(i));
             x.add(mass.product(velocity.x.value()));
             y.add(mass.product(velocity.y.value()));
         }
@@ -65,7 +65,8 @@ impl<S: Scalar> World<S> {
         let mut sum = S::Sum::default();
         let mut add = |i: usize| {
             let (motion, properties) = (&self.bodies.columns.motion, &self.bodies.columns.card[i].properties);
-            let (x, v) = (motion.position[i].map(Accumulator::value), motion.velocity[i].map(Accumulator::value));
+            let (x, v) =
+                (motion.position.get(i).map(Accumulator::value), motion.velocity.get(i).map(Accumulator::value));
             let spin = motion.spin[i].value();
             sum.add(x.cross(v)?.times(S::Factor::from_scalar(properties.mass))?);
             sum.add(S::Wide::from_factor(properties.inertia.times(S::Factor::from_scalar(spin)), spin < S::ZERO)?);
@@ -83,7 +84,7 @@ impl<S: Scalar> World<S> {
         };
         for i in self.counted_bodies() {
             let (motion, properties) = (&self.bodies.columns.motion, &self.bodies.columns.card[i].properties);
-            let moving = square(motion.velocity[i].x).plus(square(motion.velocity[i].y));
+            let moving = square(motion.velocity.x[i]).plus(square(motion.velocity.y[i]));
             let turning = square(motion.spin[i]).times(properties.inertia);
             let twice = moving.times(S::Factor::from_scalar(properties.mass)).plus(turning);
             sum.add(S::Wide::from_factor(twice.times(half), false)?);
@@ -96,7 +97,7 @@ impl<S: Scalar> World<S> {
         for i in self.counted_bodies() {
             let mass = S::Factor::from_scalar(columns.card[i].properties.mass);
             let gravity = self.tunings.rows()[columns.tuning[i] as usize].gravity;
-            let at = columns.motion.position[i];
+            let at = columns.motion.position.get(i);
             for (g, x) in [(gravity.x, at.x.value()), (gravity.y, at.y.value())] {
                 let energy = S::Factor::from_wide(g).times(S::Factor::from_scalar(x)).times(mass);
                 // Against the field is uphill.

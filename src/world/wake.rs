@@ -48,7 +48,7 @@ impl<S: Scalar> World<S> {
             self.wake_joined(body);
         }
         let dense = self.bodies.find(body)?;
-        self.bodies.columns.rest[dense] = 0;
+        self.bodies.columns.motion.rest[dense] = 0;
         Ok(dense)
     }
 

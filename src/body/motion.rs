@@ -1,0 +1,252 @@
+//! What a step changes, one array per quantity and component.
+
+use alloc::vec::Vec;
+
+use crate::math::Vec2;
+use crate::scalar::{Accumulator, Scalar};
+
+/// Linear and angular acceleration, m/s² and rad/s².
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Acceleration<S: Scalar> {
+    pub(crate) linear: Vec2<S::Wide>,
+    pub(crate) angular: S::Wide,
+}
+
+/// Vectors, one array a component.
+#[derive(Debug, Default)]
+pub(crate) struct Plane<T> {
+    pub(crate) x: Vec<T>,
+    pub(crate) y: Vec<T>,
+}
+
+impl<T: Clone> Clone for Plane<T> {
+    fn clone(&self) -> Self {
+        Self { x: self.x.clone(), y: self.y.clone() }
+    }
+
+    fn clone_from(&mut self, source: &Self) {
+        self.x.clone_from(&source.x);
+        self.y.clone_from(&source.y);
+    }
+}
+
+impl<T: Copy> Plane<T> {
+    pub(crate) fn get(&self, i: usize) -> Vec2<T> {
+        Vec2::new(self.x[i], self.y[i])
+    }
+
+    pub(crate) fn set(&mut self, i: usize, value: Vec2<T>) {
+        (self.x[i], self.y[i]) = (value.x, value.y);
+    }
+
+    fn push(&mut self, value: Vec2<T>) {
+        self.x.push(value.x);
+        self.y.push(value.y);
+    }
+
+    fn pop(&mut self) {
+        self.x.pop();
+        self.y.pop();
+    }
+
+    fn swap(&mut self, a: usize, b: usize) {
+        self.x.swap(a, b);
+        self.y.swap(a, b);
+    }
+}
+
+/// What a step changes of the bodies.
+#[derive(Debug)]
+pub(crate) struct Motion<S: Scalar> {
+    pub(crate) position: Plane<S::Accumulator>,
+    pub(crate) velocity: Plane<S::Accumulator>,
+    pub(crate) angle: Vec<S::Angle>,
+    pub(crate) spin: Vec<S::Accumulator>,
+    /// Ticks at rest.
+    pub(crate) rest: Vec<u32>,
+    /// The acceleration of the step before: state of `PublishedVerlet`, empty otherwise.
+    pub(crate) last: Vec<Acceleration<S>>,
+}
+
+clone_by_field!(Motion { position, velocity, angle, spin, rest, last });
+
+impl<S: Scalar> Default for Motion<S> {
+    fn default() -> Self {
+        Self {
+            position: Plane::default(),
+            velocity: Plane::default(),
+            angle: Vec::new(),
+            spin: Vec::new(),
+            rest: Vec::new(),
+            last: Vec::new(),
+        }
+    }
+}
+
+impl<S: Scalar> Motion<S> {
+    /// Adds a body; `last` is the caller's.
+    pub(super) fn push(&mut self, position: Vec2<S>, velocity: Vec2<S>, angle: S::Angle, spin: S) {
+        self.position.push(position.map(S::Accumulator::from_scalar));
+        self.velocity.push(velocity.map(S::Accumulator::from_scalar));
+        self.angle.push(angle);
+        self.spin.push(S::Accumulator::from_scalar(spin));
+        self.rest.push(0);
+    }
+
+    /// Removes the last body.
+    pub(super) fn pop(&mut self) {
+        self.position.pop();
+        self.velocity.pop();
+        self.angle.pop();
+        self.spin.pop();
+        self.rest.pop();
+        self.last.pop();
+    }
+
+    pub(super) fn swap(&mut self, a: usize, b: usize) {
+        self.position.swap(a, b);
+        self.velocity.swap(a, b);
+        self.angle.swap(a, b);
+        self.spin.swap(a, b);
+        self.rest.swap(a, b);
+        if !self.last.is_empty() {
+            self.last.swap(a, b);
+        }
+    }
+}
+
+/// Bodies that move together through the stages of a step: few enough that they stay in the nearest cache.
+pub(crate) const BLOCK: usize = 128;
+
+/// Some of the bodies that move, one after the other in the columns.
+pub(crate) struct Block<'a, S: Scalar> {
+    /// The index of the first in the columns.
+    pub(crate) first: usize,
+    pub(crate) position: [&'a mut [S::Accumulator]; 2],
+    pub(crate) velocity: [&'a mut [S::Accumulator]; 2],
+    pub(crate) angle: &'a mut [S::Angle],
+    pub(crate) spin: &'a mut [S::Accumulator],
+    pub(crate) rest: &'a mut [u32],
+    /// Empty but with `PublishedVerlet`.
+    pub(crate) last: &'a mut [Acceleration<S>],
+    /// Which of the [`Tunings`](super::Tunings) they have.
+    pub(crate) tuning: &'a [u32],
+}
+
+impl<'a, S: Scalar> Block<'a, S> {
+    pub(super) fn new(motion: &'a mut Motion<S>, tuning: &'a [u32], first: usize, end: usize) -> Self {
+        let range = first..end;
+        let Motion { position, velocity, angle, spin, rest, last } = motion;
+        Self {
+            first,
+            position: [&mut position.x[range.clone()], &mut position.y[range.clone()]],
+            velocity: [&mut velocity.x[range.clone()], &mut velocity.y[range.clone()]],
+            angle: &mut angle[range.clone()],
+            spin: &mut spin[range.clone()],
+            rest: &mut rest[range.clone()],
+            last: if last.is_empty() { last } else { &mut last[range.clone()] },
+            tuning: &tuning[range],
+        }
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.tuning.len()
+    }
+
+    /// The first `count` of them, and the others.
+    pub(crate) fn split(self, count: usize) -> (Self, Self) {
+        fn pair<T>([x, y]: [&mut [T]; 2], count: usize) -> ([&mut [T]; 2], [&mut [T]; 2]) {
+            let ((x, x2), (y, y2)) = (x.split_at_mut(count), y.split_at_mut(count));
+            ([x, y], [x2, y2])
+        }
+        let (position, position2) = pair(self.position, count);
+        let (velocity, velocity2) = pair(self.velocity, count);
+        let (angle, angle2) = self.angle.split_at_mut(count);
+        let (spin, spin2) = self.spin.split_at_mut(count);
+        let (rest, rest2) = self.rest.split_at_mut(count);
+        let (last, last2) = self.last.split_at_mut(count.min(self.last.len()));
+        let (tuning, tuning2) = self.tuning.split_at(count);
+        let first = self.first;
+        (
+            Self { first, position, velocity, angle, spin, rest, last, tuning },
+            Self {
+                first: first + count,
+                position: position2,
+                velocity: velocity2,
+                angle: angle2,
+                spin: spin2,
+                rest: rest2,
+                last: last2,
+                tuning: tuning2,
+            },
+        )
+    }
+
+    /// Whether any of them turns.
+    pub(crate) fn any_spins(&self) -> bool {
+        self.spin.iter().any(|spin| *spin != S::Accumulator::default())
+    }
+
+    /// Whether the public velocities of body `i` of the block are zero.
+    pub(crate) fn is_still(&self, i: usize) -> bool {
+        self.velocity[0][i].is_still() && self.velocity[1][i].is_still() && self.spin[i].is_still()
+    }
+}
+
+/// A block as it was before a step.
+#[derive(Clone, Debug)]
+pub(crate) struct Frame<S: Scalar> {
+    position: [[S::Accumulator; BLOCK]; 2],
+    velocity: [[S::Accumulator; BLOCK]; 2],
+    angle: [S::Angle; BLOCK],
+    spin: [S::Accumulator; BLOCK],
+    last: Vec<Acceleration<S>>,
+}
+
+impl<S: Scalar> Default for Frame<S> {
+    fn default() -> Self {
+        let none = [S::Accumulator::default(); BLOCK];
+        Self {
+            position: [none; 2],
+            velocity: [none; 2],
+            angle: [S::Angle::default(); BLOCK],
+            spin: none,
+            last: Vec::new(),
+        }
+    }
+}
+
+impl<S: Scalar> Frame<S> {
+    pub(crate) fn keep(&mut self, block: &Block<'_, S>) {
+        let n = block.len();
+        for c in 0..2 {
+            self.position[c][..n].copy_from_slice(block.position[c]);
+            self.velocity[c][..n].copy_from_slice(block.velocity[c]);
+        }
+        self.angle[..n].copy_from_slice(block.angle);
+        self.spin[..n].copy_from_slice(block.spin);
+        self.last.clear();
+        self.last.extend_from_slice(block.last);
+    }
+
+    /// Takes body `i` of the block back to what it was.
+    pub(crate) fn restore(&self, block: &mut Block<'_, S>, i: usize) {
+        for c in 0..2 {
+            block.position[c][i] = self.position[c][i];
+            block.velocity[c][i] = self.velocity[c][i];
+        }
+        block.angle[i] = self.angle[i];
+        block.spin[i] = self.spin[i];
+        if let Some(last) = self.last.get(i) {
+            block.last[i] = *last;
+        }
+    }
+
+    /// Whether body `i` of the block is what it was, to the bit.
+    pub(crate) fn is_same(&self, block: &Block<'_, S>, i: usize) -> bool {
+        (0..2).all(|c| block.position[c][i] == self.position[c][i] && block.velocity[c][i] == self.velocity[c][i])
+            && block.angle[i] == self.angle[i]
+            && block.spin[i] == self.spin[i]
+            && block.last.get(i) == self.last.get(i)
+    }
+}

@@ -1,0 +1,246 @@
+//! The rules of a step over many bodies at once, in fixed point.
+//!
+//! These loops are most of what a step of free bodies costs. They give the bits of the one-by-one operations
+//! ([`Accumulator::scaled`](super::Accumulator::scaled), [`Scalar::drift`](super::Scalar::drift),
+//! [`Angle::drifted`](super::Angle::drifted)), which a test compares them with; where the CPU has wide vectors
+//! [`lanes`](super::lanes) takes over, with the same bits again.
+
+use super::accumulator::FxAccumulator;
+use super::factor::FxFactor;
+use super::fx::Fx;
+use super::lanes;
+use super::turn::Turn;
+use super::{Accumulator, Angle, Scalar};
+
+/// Half of the low word.
+const TIE: u64 = 1 << 63;
+
+/// A 128-bit number in two's complement, the low word first.
+type Words = (u64, u64);
+
+#[inline(always)]
+const fn add_word(a: Words, b: u64) -> Words {
+    let (low, carry) = a.0.overflowing_add(b);
+    (low, a.1.wrapping_add(carry as u64))
+}
+
+/// a·b with a signed.
+#[inline(always)]
+const fn product(a: u64, b: u64) -> Words {
+    let product = a as u128 * b as u128;
+    let sign = (a as i64 >> 63) as u64;
+    (product as u64, ((product >> 64) as u64).wrapping_sub(sign & b))
+}
+
+/// v·kept for a factor in [½, 1): its mantissa.
+#[inline(always)]
+fn scaled(v: FxAccumulator, mantissa: u64) -> FxAccumulator {
+    let low = u128::from(v.low) * u128::from(mantissa);
+    let rest = low as u64;
+    let floor = add_word(product(v.high as u64, mantissa), (low >> 64) as u64);
+    let rounded = add_word(floor, u64::from(rest > TIE - (floor.0 & 1)));
+    // Within an ulp of zero its public value may be zero.
+    if rounded.1.wrapping_add(1) <= 1 {
+        return settled(rounded);
+    }
+    FxAccumulator { high: rounded.1 as i64, low: rounded.0 }
+}
+
+#[cold]
+fn settled((low, high): Words) -> FxAccumulator {
+    let v = FxAccumulator { high: high as i64, low };
+    if v.value() == Fx::ZERO { FxAccumulator::default() } else { v }
+}
+
+/// v·mantissa / 2^shift, to nearest, ties to even. *Domain* 1 <= shift <= 63.
+#[inline(always)]
+fn passed(v: i64, mantissa: u64, shift: u32) -> i128 {
+    let shift = shift & 63;
+    let (low, high) = product(v as u64, mantissa);
+    let odd = low >> shift & 1;
+    // Half, or one less where the floor is even: then a tie stays below.
+    let (low, high) = add_word((low, high), (1 << shift >> 1) - 1 + odd);
+    ((i128::from(high as i64) << 64) | i128::from(low)) >> shift
+}
+
+/// See [`Scalar::damp_all`].
+pub(super) fn damp(values: &mut [FxAccumulator], kept: FxFactor) {
+    match kept.parts() {
+        (mantissa, 64) if lanes::damp(values, mantissa) => {}
+        (mantissa, 64) => values.iter_mut().for_each(|v| *v = scaled(*v, mantissa)),
+        // Less than half is kept.
+        _ => values.iter_mut().for_each(|v| *v = v.shrunk(kept)),
+    }
+}
+
+/// See [`Scalar::kick_all`].
+pub(super) fn kick(values: &mut [FxAccumulator], gained: FxAccumulator) {
+    if !lanes::kick(values, gained) {
+        values.iter_mut().for_each(|v| *v = v.plus(gained));
+    }
+}
+
+/// All bits if so, none if not: x ^ mask − mask is −x or x. Rounding is odd, so the way back is the way there negated.
+fn mask(negative: bool) -> u64 {
+    0u64.wrapping_sub(u64::from(negative))
+}
+
+/// The public velocity, or its opposite.
+fn velocity(v: &FxAccumulator, backwards: u64) -> i64 {
+    (v.value().to_bits() as u64 ^ backwards).wrapping_sub(backwards) as i64
+}
+
+/// See [`Scalar::drift_all`].
+pub(super) fn drift(positions: &mut [FxAccumulator], velocities: &[FxAccumulator], seconds: FxFactor, negative: bool) {
+    let ((mantissa, shift), backwards) = (seconds.parts(), mask(negative));
+    // From units of 2^-32 and 2^-shift to units of 2^-96. A span of ½ s or more, or of none, is rare.
+    let shift = shift.wrapping_sub(64) as u32;
+    if !(1..64).contains(&shift) {
+        for (x, v) in positions.iter_mut().zip(velocities) {
+            *x = x.plus(Fx::from_bits(velocity(v, backwards)).drift(seconds));
+        }
+    } else if !lanes::drift(positions, velocities, mantissa, shift, backwards) {
+        for (x, v) in positions.iter_mut().zip(velocities) {
+            *x = x.plus(FxAccumulator::from_bits(passed(velocity(v, backwards), mantissa, shift)));
+        }
+    }
+}
+
+/// See [`Scalar::turn_all`].
+pub(super) fn turn(angles: &mut [Turn], velocities: &[FxAccumulator], factor: FxFactor, negative: bool) {
+    let ((mantissa, shift), backwards) = (factor.parts(), mask(negative));
+    // From units of 2^-32 and 2^-shift to units of 2^-64.
+    let shift = shift.wrapping_sub(32) as u32;
+    if !(1..64).contains(&shift) {
+        for (angle, v) in angles.iter_mut().zip(velocities) {
+            *angle = angle.drifted(Fx::from_bits(velocity(v, backwards)), factor, false);
+        }
+    } else if !lanes::turn(angles, velocities, mantissa, shift, backwards) {
+        for (angle, v) in angles.iter_mut().zip(velocities) {
+            angle.0 = angle.0.wrapping_add(passed(velocity(v, backwards), mantissa, shift) as u64);
+        }
+    }
+}
+
+/// See [`Scalar::are_within`].
+pub(super) fn are_within(values: &[FxAccumulator], log2: u32) -> bool {
+    // A magnitude's bits, or those of one ulp less.
+    let bits = values.iter().fold(0, |bits, v| bits | (v.high ^ (v.high >> 63)));
+    bits >> (32 + log2) == 0
+}
+
+#[cfg(test)]
+mod tests {
+    use alloc::vec::Vec;
+    use proptest::prelude::*;
+
+    use super::super::lanes::loops;
+    use super::super::{Scalar, Span, Weight};
+    use super::*;
+
+    /// Velocities of every size, with the low words where roundings turn.
+    fn accumulators() -> impl Strategy<Value = Vec<FxAccumulator>> {
+        let low = prop_oneof![any::<u64>(), Just(0), Just(1), Just(TIE - 1), Just(TIE), Just(TIE + 1), Just(u64::MAX)];
+        let high = (any::<i64>(), 6u32..64).prop_map(|(bits, cut)| bits >> cut);
+        let one = (high, low).prop_map(|(high, low)| FxAccumulator { high, low });
+        prop::collection::vec(one, 33)
+    }
+
+    fn factor(mantissa: u64, shift: i32) -> FxFactor {
+        FxFactor::new(u128::from(mantissa | TIE), shift)
+    }
+
+    /// What each way of going through the values makes of them: all at once, few at a time, by the loops for lanes.
+    fn alike<T: Copy + PartialEq + core::fmt::Debug>(
+        values: &[T],
+        sweep: impl Fn(usize, &mut [T]),
+        loops: impl Fn(&mut [T]),
+        one: impl Fn(usize, T) -> T,
+    ) -> Result<(), TestCaseError> {
+        let expected: Vec<T> = values.iter().enumerate().map(|(i, v)| one(i, *v)).collect();
+        let (mut long, mut short, mut lanes) = (values.to_vec(), values.to_vec(), values.to_vec());
+        sweep(0, &mut long);
+        short.chunks_mut(5).enumerate().for_each(|(k, few)| sweep(5 * k, few));
+        loops(&mut lanes);
+        prop_assert_eq!(&long, &expected, "all at once");
+        prop_assert_eq!(&short, &expected, "few at a time");
+        prop_assert_eq!(&lanes, &expected, "lanes");
+        Ok(())
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(512))]
+
+        #[test]
+        fn damping_many_is_damping_each(values in accumulators(), mantissa: u64, close in 0u32..64) {
+            // Factors near 1 as well.
+            let kept = factor(!(!mantissa >> close), 64);
+            alike(
+                &values,
+                |_, v| damp(v, kept),
+                |v| loops::damp(v, kept.parts().0),
+                |_, v| v.shrunk(kept),
+            )?;
+        }
+
+        #[test]
+        fn damping_to_nearly_nothing_is_damping_each(values in accumulators(), mantissa: u64, shift in 65i32..200) {
+            let kept = factor(mantissa, shift);
+            alike(&values, |_, v| damp(v, kept), |v| damp(v, kept), |_, v| v.shrunk(kept))?;
+        }
+
+        #[test]
+        fn kicking_many_is_kicking_each(values in accumulators(), gained in accumulators()) {
+            let gained = gained[0];
+            alike(&values, |_, v| kick(v, gained), |v| loops::kick(v, gained), |_, v| v.plus(gained))?;
+        }
+
+        #[test]
+        fn moving_many_is_moving_each(
+            positions in accumulators(),
+            velocities in accumulators(),
+            angles in prop::collection::vec(any::<u64>(), 33),
+            (num, den) in (1u32..=10_000).prop_flat_map(|den| (1..=den, Just(den))),
+            weight in prop_oneof![Just(Weight::Whole), Just(Weight::YoshidaOuter), Just(Weight::YoshidaInner)],
+            half: bool,
+        ) {
+            let span = Span { ratio: (num, den), weight, half };
+            let (seconds, negative) = (Fx::seconds(span), span.is_negative());
+            let (mantissa, shift) = seconds.parts();
+            let backwards = mask(negative);
+            alike(
+                &positions,
+                |at, x| drift(x, &velocities[at..at + x.len()], seconds, negative),
+                |x| match shift - 64 {
+                    shift @ 1.. => loops::drift(x, &velocities, mantissa, shift as u32, backwards),
+                    _ => drift(x, &velocities, seconds, negative),
+                },
+                |at, x| {
+                    let way = velocities[at].value().drift(seconds);
+                    x.plus(if negative { way.negated() } else { way })
+                },
+            )?;
+            let angles: Vec<Turn> = angles.into_iter().map(Turn::from_bits).collect();
+            let per_turn = Turn::drift_factor(span);
+            let (mantissa, shift) = per_turn.parts();
+            alike(
+                &angles,
+                |at, angle| turn(angle, &velocities[at..at + angle.len()], per_turn, negative),
+                |angle| loops::turn(angle, &velocities, mantissa, shift as u32 - 32, backwards),
+                |at, angle| angle.drifted(velocities[at].value(), per_turn, negative),
+            )?;
+        }
+
+        #[test]
+        fn what_is_said_to_be_within_is(values in accumulators(), log2 in 0u32..31) {
+            let limit = Fx::from_bits(1 << (32 + log2));
+            if are_within(&values, log2) {
+                prop_assert!(values.iter().all(|v| v.is_within(limit)));
+            } else {
+                // Refused at the limit itself or beyond.
+                let smaller = FxAccumulator { high: limit.to_bits() - 1, low: u64::MAX };
+                prop_assert!(values.iter().any(|v| *v > smaller || v.negated() >= smaller));
+            }
+        }
+    }
+}

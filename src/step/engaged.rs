@@ -1,0 +1,167 @@
+//! The bodies that force fields may reach: all of them stage by stage.
+
+use super::march::{March, take_back};
+use super::{Context, Has, Scratch};
+use crate::body::{BLOCK, Block, Frame};
+use crate::error::Cause;
+use crate::force::{outer_drag, resist};
+use crate::integrate::{Integrator, Stage, Tuned, Verb};
+use crate::math::Vec2;
+use crate::scalar::{Accumulator, Angle, Factor, Scalar};
+
+impl<S: Scalar> Context<'_, S> {
+    pub(super) fn run_engaged(&mut self, has: Has) {
+        self.keep_frames();
+        if has.position && !self.scratch.fields_hold && !self.integrator.opens_with_fields() {
+            self.evaluate_fields();
+        }
+        if has.drag && self.integrator == Integrator::Yoshida4 {
+            self.find_stiff_drag(has);
+            self.resist_outside(false);
+        }
+        for stage in self.integrator.stages() {
+            self.run(stage, has);
+        }
+        if self.scratch.drag_outside > 0 {
+            self.resist_outside(true);
+        }
+        self.judge_engaged();
+    }
+
+    fn run(&mut self, stage: &Stage, has: Has) {
+        match stage.verb {
+            Verb::Damp if stage.closing => {
+                self.resist_inside(stage, has);
+                self.run_blocks(stage);
+            }
+            Verb::Damp => {
+                self.run_blocks(stage);
+                self.resist_inside(stage, has);
+            }
+            Verb::Kick if self.integrator == Integrator::PublishedVerlet => self.kick_by_mean(has),
+            Verb::Kick => {
+                if has.velocity && !stage.closing && !self.integrator.opens_with_fields() {
+                    self.evaluate_resisting();
+                }
+                self.run_blocks(stage);
+                self.kick_by_fields(stage, has);
+            }
+            Verb::Drift => {
+                self.run_blocks(stage);
+                if self.integrator == Integrator::PublishedVerlet {
+                    self.drift_by_acceleration();
+                }
+                self.scratch.fields_hold = false;
+            }
+            Verb::Fields => {
+                if has.position {
+                    self.evaluate_fields();
+                }
+                if has.velocity {
+                    self.evaluate_resisting();
+                }
+            }
+            Verb::Clear => {}
+        }
+    }
+
+    /// The engaged blocks, one after the other, with how they were before the step.
+    fn each_block(&mut self, mut act: impl FnMut(&March<'_, S>, &mut Block<'_, S>, &mut Frame<S>, &mut super::Found)) {
+        let Scratch { engaged, frames, pushed, found, .. } = &mut *self.scratch;
+        let march = March {
+            stages: self.integrator.stages(),
+            plan: self.plan,
+            rows: self.tunings.rows(),
+            pushed,
+            sleep_after: self.sleep_after,
+        };
+        let moving = self.bodies.moving();
+        let numbers = engaged.iter().enumerate().filter(|(_, is)| **is).map(|(number, _)| number);
+        for (number, frame) in numbers.zip(frames) {
+            let first = number * BLOCK;
+            act(&march, &mut self.bodies.block(first, moving.min(first + BLOCK)), frame, found);
+        }
+    }
+
+    fn keep_frames(&mut self) {
+        let count = self.scratch.engaged.iter().filter(|is| **is).count();
+        if self.scratch.frames.len() < count {
+            self.scratch.frames.resize_with(count, Frame::default);
+        }
+        self.each_block(|_, block, frame, _| frame.keep(block));
+    }
+
+    /// What a stage does to each body by itself.
+    fn run_blocks(&mut self, stage: &Stage) {
+        self.each_block(|march, block, _, found| {
+            let tuned = Tuned::of(block, march.rows);
+            let spins = block.any_spins();
+            march.local(stage, block, tuned, spins, &mut found.faults);
+        });
+    }
+
+    fn judge_engaged(&mut self) {
+        self.each_block(|march, block, frame, found| march.judge(block, frame, found));
+        let Scratch { engaged, frames, found, .. } = &mut *self.scratch;
+        let moving = self.bodies.moving();
+        for &(i, _) in &found.faults {
+            let number = i / BLOCK;
+            if engaged[number] {
+                let frame = &frames[engaged[..number].iter().filter(|is| **is).count()];
+                let first = number * BLOCK;
+                take_back(&mut self.bodies.block(first, moving.min(first + BLOCK)), i, frame);
+            }
+        }
+    }
+
+    fn resist_inside(&mut self, stage: &Stage, has: Has) {
+        if !has.drag {
+            return;
+        }
+        let timing = self.plan.timing[stage.span];
+        let Scratch { outside, drag_outside, found, .. } = &mut *self.scratch;
+        let only = |i: usize| *drag_outside == 0 || !outside[i];
+        let span = (timing.seconds, timing.negative);
+        resist(self.fields, self.bodies, span, stage.closing, only, &mut found.faults);
+    }
+
+    fn resist_outside(&mut self, closing: bool) {
+        let Scratch { outside, found, .. } = &mut *self.scratch;
+        let span = (self.plan.half, false);
+        resist(self.fields, self.bodies, span, closing, |i| outside[i], &mut found.faults);
+    }
+
+    /// Finds the bodies whose drag is to act around the whole step, judged by what gravity, the forces applied and the
+    /// fields of position here may add to their speed in twice the time step.
+    fn find_stiff_drag(&mut self, has: Has) {
+        let Scratch { fields, pushed, gain, outside, drag_outside, .. } = &mut *self.scratch;
+        let size = |a: Vec2<S::Wide>| S::Factor::from_wide(a.x).plus(S::Factor::from_wide(a.y));
+        let rows = self.tunings.rows();
+        gain.clear();
+        let moving = &self.bodies.columns.tuning[..self.bodies.moving()];
+        gain.extend(moving.iter().map(|&row| size(rows[row as usize].gravity)));
+        let fields = if has.position { &fields[..] } else { &[] };
+        for (i, acceleration) in fields.iter().chain(&*pushed) {
+            gain[*i] = gain[*i].plus(size(acceleration.linear));
+        }
+        let twice = self.plan.whole.plus(self.plan.whole);
+        *drag_outside = outer_drag(self.fields, self.bodies, self.plan.whole, |i| gain[i].times(twice), outside);
+    }
+
+    /// PublishedVerlet's x += ½·a·dt² beside x += v·dt.
+    fn drift_by_acceleration(&mut self) {
+        let half_square = self.plan.half_square;
+        let block = self.bodies.all_moving();
+        let [x, y] = block.position;
+        for (i, acceleration) in block.last.iter().enumerate() {
+            let way = |a: S::Wide| S::kick(a, half_square);
+            match (acceleration.linear.try_map(way), way(acceleration.angular)) {
+                (Some(linear), Some(angular)) => {
+                    (x[i], y[i]) = (x[i].plus(linear.x), y[i].plus(linear.y));
+                    block.angle[i] = block.angle[i].turned(angular);
+                }
+                _ => self.scratch.found.faults.push((i, Cause::Velocity)),
+            }
+        }
+    }
+}

@@ -1,0 +1,157 @@
+//! Taking a block of bodies through what the stages do to each body by itself.
+//!
+//! A body that no force field reaches needs nothing of the others. Its block goes through all stages of the step at
+//! once, while it is in the nearest cache; and one whose bodies are all far inside the envelope, as nearly every block is,
+//! needs no copy of what it was and no look at what it is, as no stage could take it out.
+
+use alloc::vec::Vec;
+
+use crate::body::{Acceleration, BLOCK, Block, Frame, Tuning};
+use crate::error::Cause;
+use crate::integrate::{Plan, Stage, Tuned, Verb, damp, drift, fall, kick_by};
+use crate::limits;
+use crate::scalar::{Accumulator, Scalar};
+
+/// What all blocks share in a step.
+#[derive(Clone, Copy)]
+pub(super) struct March<'a, S: Scalar> {
+    pub(super) stages: &'static [Stage],
+    pub(super) plan: &'a Plan<S>,
+    pub(super) rows: &'a [Tuning<S>],
+    /// What the forces applied this tick do, by index in the columns, in its order.
+    pub(super) pushed: &'a [(usize, Acceleration<S>)],
+    pub(super) sleep_after: Option<u32>,
+}
+
+/// What was found on the way.
+#[derive(Debug, Default)]
+pub(super) struct Found {
+    /// In the order in which they happened to a body.
+    pub(super) faults: Vec<(usize, Cause)>,
+    /// Whether a body has been at rest for long enough to try to sleep.
+    pub(super) ready: bool,
+}
+
+impl<'a, S: Scalar> March<'a, S> {
+    /// Takes the blocks that are not `engaged`, by their number, through the whole step.
+    pub(super) fn run(&self, mut blocks: Block<'_, S>, engaged: &[bool], frame: &mut Frame<S>, found: &mut Found) {
+        while blocks.len() > 0 {
+            let count = BLOCK.min(blocks.len());
+            let (mut block, others) = blocks.split(count);
+            blocks = others;
+            if !engaged.get(block.first / BLOCK).is_some_and(|is| *is) {
+                self.run_block(&mut block, frame, found);
+            }
+        }
+    }
+
+    fn run_block(&self, block: &mut Block<'_, S>, frame: &mut Frame<S>, found: &mut Found) {
+        let tuned = Tuned::of(block, self.rows);
+        let pushed = self.pushed_in(block);
+        let may_rest = self.sleep_after.is_some() && (0..block.len()).any(|i| block.is_still(i));
+        let guarded = may_rest || !pushed.is_empty() || !tuned.is_gentle() || !is_far_inside(block);
+        if guarded {
+            frame.keep(block);
+        }
+        let first_fault = found.faults.len();
+        let mut spins = block.any_spins();
+        for stage in self.stages {
+            self.local(stage, block, tuned, spins, &mut found.faults);
+            spins = spins || (!pushed.is_empty() && block.any_spins());
+        }
+        if guarded {
+            self.judge(block, frame, found);
+            for i in first_fault..found.faults.len() {
+                let (at, _) = found.faults[i];
+                take_back(block, at, frame);
+            }
+        } else if self.sleep_after.is_some() {
+            block.rest.fill(0);
+        }
+    }
+
+    /// What a stage does to each body of a block by itself.
+    pub(super) fn local(
+        &self,
+        stage: &Stage,
+        block: &mut Block<'_, S>,
+        tuned: Tuned<'_, S>,
+        spins: bool,
+        faults: &mut Vec<(usize, Cause)>,
+    ) {
+        let timing = &self.plan.timing[stage.span];
+        match stage.verb {
+            Verb::Damp => damp(block, tuned, stage.span, spins, faults),
+            Verb::Kick => {
+                fall(block, tuned, stage.span);
+                for (i, acceleration) in self.pushed_in(block) {
+                    if let Err(cause) = kick_by(block, *i, acceleration, timing.seconds, timing.negative) {
+                        faults.push((*i, cause));
+                    }
+                }
+            }
+            Verb::Drift => drift(block, timing, spins),
+            Verb::Fields | Verb::Clear => {}
+        }
+    }
+
+    /// The forces applied to the bodies of a block.
+    fn pushed_in(&self, block: &Block<'_, S>) -> &'a [(usize, Acceleration<S>)] {
+        let before = |end: usize| self.pushed.partition_point(|(i, _)| *i < end);
+        if self.pushed.is_empty() { &[] } else { &self.pushed[before(block.first)..before(block.first + block.len())] }
+    }
+
+    /// Looks at a block at the end of a step: who left the envelope, and who is at rest.
+    pub(super) fn judge(&self, block: &mut Block<'_, S>, frame: &Frame<S>, found: &mut Found) {
+        find_strays(block, &mut found.faults);
+        let Some(ticks) = self.sleep_after else { return };
+        for i in 0..block.len() {
+            // The next step would leave it as it is, to the bit: its public velocities are zero, and the step changed
+            // nothing below them either.
+            let at_rest = block.is_still(i) && frame.is_same(block, i);
+            block.rest[i] = if at_rest { block.rest[i].saturating_add(1) } else { 0 };
+        }
+        for (i, _) in self.pushed_in(block) {
+            block.rest[i - block.first] = 0;
+        }
+        found.ready |= block.rest.iter().any(|&rest| is_ready(rest, ticks));
+    }
+}
+
+/// Who is ready last has been at rest for `ticks`; one that others keep up tries again every so often.
+pub(super) fn is_ready(rest: u32, ticks: u32) -> bool {
+    rest >= ticks && rest % ticks == 0
+}
+
+/// Takes a body back to what it was before the step.
+pub(super) fn take_back<S: Scalar>(block: &mut Block<'_, S>, index: usize, frame: &Frame<S>) {
+    let i = index - block.first;
+    frame.restore(block, i);
+    block.rest[i] = 0;
+}
+
+/// Whether all are so far inside the envelope that a step of gentle factors cannot take them out: half of each limit. A
+/// step's falls add less than a quarter of the limit of speeds, and the way of 4.43 s at that limit is short beside 2^29 m.
+fn is_far_inside<S: Scalar>(block: &Block<'_, S>) -> bool {
+    let half = |limit: u32| limit - 1;
+    block.velocity.iter().all(|v| S::are_within(v, half(limits::SPEED_LOG2)))
+        && S::are_within(block.spin, half(limits::SPEED_LOG2))
+        && block.position.iter().all(|x| S::are_within(x, half(limits::POSITION_LOG2)))
+}
+
+/// Bodies beyond the envelope.
+fn find_strays<S: Scalar>(block: &Block<'_, S>, faults: &mut Vec<(usize, Cause)>) {
+    let [position, speed, spin] = [limits::POSITION, limits::SPEED, limits::ANGULAR_SPEED].map(S::from_fx);
+    for i in 0..block.len() {
+        let cause = if !block.velocity.iter().all(|v| v[i].is_within(speed)) {
+            Cause::Velocity
+        } else if !block.position.iter().all(|x| x[i].is_within(position)) {
+            Cause::Position
+        } else if !block.spin[i].is_within(spin) {
+            Cause::AngularVelocity
+        } else {
+            continue;
+        };
+        faults.push((block.first + i, cause));
+    }
+}
