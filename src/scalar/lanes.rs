@@ -11,21 +11,41 @@
 use super::accumulator::FxAccumulator;
 use super::turn::Turn;
 
-/// Whether to use what the CPU has.
-#[cfg(all(feature = "std", target_arch = "x86_64"))]
-mod cpu {
-    extern crate std;
+/// Whether a process uses wide vectors.
+pub mod wide_vectors {
+    use core::sync::atomic::{AtomicBool, Ordering};
 
+    static ALLOWED: AtomicBool = AtomicBool::new(true);
+
+    /// Allows or forbids them in this process. They change no bit: this is for tests that show so and for measurements.
+    pub fn allow(yes: bool) {
+        ALLOWED.store(yes, Ordering::Relaxed);
+    }
+
+    /// Whether they are used: they are allowed, the CPU has them (AVX-512), and so had the compiler (1.89 or newer, with the
+    /// feature `std`).
+    #[must_use]
+    pub fn are_used() -> bool {
+        ALLOWED.load(Ordering::Relaxed) && has()
+    }
+
+    #[cfg(all(feature = "std", target_arch = "x86_64"))]
     #[rustversion::since(1.89)]
-    pub(super) fn has_lanes() -> bool {
+    fn has() -> bool {
+        extern crate std;
         std::is_x86_feature_detected!("avx512f")
             && std::is_x86_feature_detected!("avx512dq")
             && std::is_x86_feature_detected!("bmi2")
     }
 
-    /// Older compilers do not know the instructions.
+    #[cfg(all(feature = "std", target_arch = "x86_64"))]
     #[rustversion::before(1.89)]
-    pub(super) fn has_lanes() -> bool {
+    fn has() -> bool {
+        false
+    }
+
+    #[cfg(not(all(feature = "std", target_arch = "x86_64")))]
+    fn has() -> bool {
         false
     }
 }
@@ -40,7 +60,7 @@ macro_rules! where_wide {
                 loops::$name($values $(, $argument)*);
             }
 
-            let pays = $values.len() >= FEWEST && cpu::has_lanes();
+            let pays = $values.len() >= FEWEST && wide_vectors::are_used();
             if pays {
                 // SAFETY: the CPU has the instructions that the function is compiled for.
                 unsafe { wide($values $(, $argument)*) };

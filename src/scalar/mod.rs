@@ -31,6 +31,7 @@ pub use accumulator::FxAccumulator;
 pub use factor::FxFactor;
 #[cfg(feature = "float")]
 pub use float::ToF64;
+pub use lanes::wide_vectors;
 pub use turn::Turn;
 pub use wide::{FxSum, FxWide};
 
