@@ -1,13 +1,16 @@
-//! Stability under stress: the largest mass ratios, ten million steps. Beside what has to hold stands what must fail the same test: explicit Euler, singles or doubles.
+//! Stability under stress: the stiffest springs, the largest mass ratios, the slowest and the
+//! fastest steps, ten million steps. Beside what has to hold stands what must fail the same test: explicit Euler, singles or doubles.
 
 #[path = "../support/random.rs"]
 mod random;
 #[path = "../support/real.rs"]
 mod real;
 
+mod limit;
 mod long;
 mod masses;
 mod momentum;
+mod rates;
 mod scene;
 
 /// Unoptimised builds run a part.
