@@ -1,5 +1,5 @@
-//! Stability under stress: the stiffest springs, the largest mass ratios, the slowest and the
-//! fastest steps, ten million steps. Beside what has to hold stands what must fail the same test: explicit Euler, singles or doubles.
+//! Stability under stress: the stiffest springs, the largest mass ratios, the slowest and the fastest steps and speeds, ten
+//! million steps. Beside what has to hold stands what must fail the same test: explicit Euler, singles or doubles.
 
 #[path = "../support/random.rs"]
 mod random;
@@ -12,6 +12,7 @@ mod masses;
 mod momentum;
 mod rates;
 mod scene;
+mod speeds;
 
 /// Unoptimised builds run a part.
 const QUICK: bool = cfg!(debug_assertions);
