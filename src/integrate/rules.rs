@@ -7,7 +7,7 @@ use super::Timing;
 use crate::body::{Acceleration, Block, Tuning};
 use crate::error::Cause;
 use crate::math::Vec2;
-use crate::scalar::{Accumulator, Factor, Scalar, Wide};
+use crate::scalar::{Accumulator, Factor, Glide, Scalar, Spin, Wide};
 
 /// The factors of a block's bodies: mostly all have the same.
 #[derive(Clone, Copy)]
@@ -140,6 +140,25 @@ pub(crate) fn drift<S: Scalar>(block: &mut Block<'_, S>, timing: &Timing<S>, spi
     }
     if spins {
         S::turn_all(block.angle, block.spin, timing.turn, timing.negative);
+    }
+}
+
+/// The stages damp, kick, drift, kick, damp of one span, of which `half` is the half, for bodies that are alike and whose
+/// damping decays.
+pub(crate) fn glide<S: Scalar>(
+    block: &mut Block<'_, S>,
+    row: &Tuning<S>,
+    (half, timing): (usize, &Timing<S>),
+    spins: bool,
+) {
+    let fall = [row.fall[half].x, row.fall[half].y];
+    for ((x, v), fall) in block.position.iter_mut().zip(&mut block.velocity).zip(fall) {
+        let glide = Glide { kept: row.linear[half], fall, seconds: timing.seconds, negative: timing.negative };
+        S::glide_all(x, v, &glide);
+    }
+    if spins {
+        let spin = Spin { kept: row.angular[half], turn: timing.turn, negative: timing.negative };
+        S::spin_all(block.angle, block.spin, &spin);
     }
 }
 

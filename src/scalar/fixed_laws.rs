@@ -9,7 +9,7 @@ use super::moments;
 use super::sweep;
 use super::turn::Turn;
 use super::wide::{FxSum, FxWide};
-use super::{AreaMoments, Factor, KICK_LOG2, Offset, Scalar, Span, SpringLaw, Weight};
+use super::{AreaMoments, Factor, Glide, KICK_LOG2, Offset, Scalar, Span, Spin, SpringLaw, Weight};
 use crate::kernel::div::div_round;
 use crate::kernel::exp_log::{exp2_fine, log2_fine};
 use crate::kernel::round::{shr_round, shr_round_u};
@@ -212,6 +212,14 @@ impl Scalar for Fx {
 
     fn drift_all(positions: &mut [FxAccumulator], velocities: &[FxAccumulator], seconds: FxFactor, negative: bool) {
         sweep::drift(positions, velocities, seconds, negative);
+    }
+
+    fn glide_all(positions: &mut [FxAccumulator], velocities: &mut [FxAccumulator], glide: &Glide<Self>) {
+        sweep::glide(positions, velocities, glide);
+    }
+
+    fn spin_all(angles: &mut [Turn], velocities: &mut [FxAccumulator], spin: &Spin<Self>) {
+        sweep::spin(angles, velocities, spin);
     }
 
     fn turn_all(angles: &mut [Turn], velocities: &[FxAccumulator], drift_factor: FxFactor, negative: bool) {

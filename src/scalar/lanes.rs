@@ -50,27 +50,28 @@ pub mod wide_vectors {
     }
 }
 
-/// A loop where the CPU has wide vectors; `false`, and nothing done, where it has not or where there are few values.
+/// A loop where the CPU has wide vectors; `None`, and nothing done, where it has not or where there are few values.
 macro_rules! where_wide {
-    (fn $name:ident($values:ident: $slice:ty $(, $argument:ident: $type:ty)*)) => {
+    (fn $name:ident($values:ident: $slice:ty $(, $argument:ident: $type:ty)*) $(-> $result:ty)?) => {
         #[cfg(all(feature = "std", target_arch = "x86_64"))]
-        pub(super) fn $name($values: $slice $(, $argument: $type)*) -> bool {
+        #[allow(unused_parens, reason = "the result may be none")]
+        pub(super) fn $name($values: $slice $(, $argument: $type)*) -> Option<($($result)?)> {
             #[rustversion::attr(since(1.89), target_feature(enable = "avx512f,avx512dq,bmi2"))]
-            unsafe fn wide($values: $slice $(, $argument: $type)*) {
-                loops::$name($values $(, $argument)*);
+            unsafe fn wide($values: $slice $(, $argument: $type)*) $(-> $result)? {
+                loops::$name($values $(, $argument)*)
             }
 
-            let pays = $values.len() >= FEWEST && wide_vectors::are_used();
-            if pays {
-                // SAFETY: the CPU has the instructions that the function is compiled for.
-                unsafe { wide($values $(, $argument)*) };
+            if !pay($values.len()) {
+                return None;
             }
-            pays
+            // SAFETY: the CPU has the instructions that the function is compiled for.
+            Some(unsafe { wide($values $(, $argument)*) })
         }
 
         #[cfg(not(all(feature = "std", target_arch = "x86_64")))]
-        pub(super) fn $name(_: $slice $(, _: $type)*) -> bool {
-            false
+        #[allow(unused_parens, reason = "the result may be none")]
+        pub(super) fn $name(_: $slice $(, _: $type)*) -> Option<($($result)?)> {
+            None
         }
     };
 }
@@ -84,14 +85,16 @@ where_wide!(fn drift(
     shift: u32,
     backwards: u64
 ));
+where_wide!(fn spread(values: &[FxAccumulator], limit: u64) -> u64);
 where_wide!(fn turn(angles: &mut [Turn], velocities: &[FxAccumulator], mantissa: u64, shift: u32, backwards: u64));
 
-/// Fewer values than this are done sooner without vectors.
-#[cfg(all(feature = "std", target_arch = "x86_64"))]
-const FEWEST: usize = 16;
+/// Whether so many values are done sooner with wide vectors.
+pub(super) fn pay(count: usize) -> bool {
+    count >= 16 && wide_vectors::are_used()
+}
 
 /// The loops, for every machine, so that every machine can test them.
-#[cfg(any(test, all(feature = "std", target_arch = "x86_64")))]
+#[cfg_attr(not(all(feature = "std", target_arch = "x86_64")), allow(dead_code, reason = "only tests call them"))]
 pub(super) mod loops {
     use super::{FxAccumulator, Turn};
 
@@ -184,6 +187,12 @@ pub(super) mod loops {
             let (low, high) = sum((x.low, x.high as u64), passed(v, mantissa, shift & 63));
             *x = FxAccumulator { high: high as i64, low };
         }
+    }
+
+    /// The bits of all values plus `limit`.
+    #[inline(always)]
+    pub(in crate::scalar) fn spread(values: &[FxAccumulator], limit: u64) -> u64 {
+        values.iter().fold(0, |bits, v| bits | (v.high as u64).wrapping_add(limit))
     }
 
     /// angle + v·mantissa / 2^shift with the public velocity, taken negative if `backwards` has all bits set.

@@ -74,6 +74,61 @@ impl Span {
     }
 }
 
+/// A step of kick, drift, kick, in which nothing acts but damping and a constant acceleration.
+#[derive(Clone, Copy, Debug)]
+pub struct Glide<S: Scalar> {
+    /// What is left of the velocity after half of the span, at most 1.
+    pub kept: S::Factor,
+    /// The velocity gained in half of it.
+    pub fall: S::Accumulator,
+    /// Its length.
+    pub seconds: S::Factor,
+    /// Whether time runs backwards in it.
+    pub negative: bool,
+}
+
+/// The same of an angle, without acceleration.
+#[derive(Clone, Copy, Debug)]
+pub struct Spin<S: Scalar> {
+    /// What is left of the angular velocity after half of the span, at most 1.
+    pub kept: S::Factor,
+    /// [`Angle::drift_factor`] of the span.
+    pub turn: S::Factor,
+    /// Whether time runs backwards in it.
+    pub negative: bool,
+}
+
+/// [`Scalar::spin_all`] by its stages.
+fn spin_in_stages<S: Scalar>(angles: &mut [S::Angle], velocities: &mut [S::Accumulator], spin: &Spin<S>) {
+    let damped = spin.kept != S::Factor::ONE;
+    if damped {
+        S::damp_all(velocities, spin.kept);
+    }
+    S::turn_all(angles, velocities, spin.turn, spin.negative);
+    if damped {
+        S::damp_all(velocities, spin.kept);
+    }
+}
+
+/// [`Scalar::glide_all`] by its stages.
+fn glide_in_stages<S: Scalar>(positions: &mut [S::Accumulator], velocities: &mut [S::Accumulator], glide: &Glide<S>) {
+    let damped = glide.kept != S::Factor::ONE;
+    let falls = glide.fall != S::Accumulator::default();
+    if damped {
+        S::damp_all(velocities, glide.kept);
+    }
+    if falls {
+        S::kick_all(velocities, glide.fall);
+    }
+    S::drift_all(positions, velocities, glide.seconds, glide.negative);
+    if falls {
+        S::kick_all(velocities, glide.fall);
+    }
+    if damped {
+        S::damp_all(velocities, glide.kept);
+    }
+}
+
 /// A component of a position or a velocity: the scalar and a finer fraction below it.
 pub trait Accumulator<S: Scalar>: Number {
     /// The accumulator of this value, with nothing below it.
@@ -281,6 +336,14 @@ pub trait Scalar: Number + Display + PartialOrd + Add<Output = Self> + Sub<Outpu
             let way = v.value().drift(seconds);
             *x = x.plus(if negative { way.negated() } else { way });
         }
+    }
+    /// Damps, kicks, drifts, kicks, damps.
+    fn glide_all(positions: &mut [Self::Accumulator], velocities: &mut [Self::Accumulator], glide: &Glide<Self>) {
+        glide_in_stages(positions, velocities, glide);
+    }
+    /// Damps, turns, damps.
+    fn spin_all(angles: &mut [Self::Angle], velocities: &mut [Self::Accumulator], spin: &Spin<Self>) {
+        spin_in_stages(angles, velocities, spin);
     }
     /// Each angle after turning at the public velocity for `drift_factor`'s span, as [`Angle::drifted`].
     fn turn_all(

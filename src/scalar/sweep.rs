@@ -10,7 +10,7 @@ use super::factor::FxFactor;
 use super::fx::Fx;
 use super::lanes;
 use super::turn::Turn;
-use super::{Accumulator, Angle, Scalar};
+use super::{Accumulator, Angle, Factor, Glide, Scalar, Spin, glide_in_stages, spin_in_stages};
 
 /// Half of the low word.
 const TIE: u64 = 1 << 63;
@@ -56,17 +56,17 @@ fn settled((low, high): Words) -> FxAccumulator {
 #[inline(always)]
 fn passed(v: i64, mantissa: u64, shift: u32) -> i128 {
     let shift = shift & 63;
-    let (low, high) = product(v as u64, mantissa);
-    let odd = low >> shift & 1;
-    // Half, or one less where the floor is even: then a tie stays below.
-    let (low, high) = add_word((low, high), (1 << shift >> 1) - 1 + odd);
-    ((i128::from(high as i64) << 64) | i128::from(low)) >> shift
+    let product = product(v as u64, mantissa);
+    let odd = product.0 >> shift & 1;
+    // Half is added, or one less where the floor is even: then a tie stays below.
+    let (low, high) = add_word(product, (1 << shift >> 1) - 1 + odd);
+    (i128::from(high as i64) << 64 | i128::from(low)) >> shift
 }
 
 /// See [`Scalar::damp_all`].
 pub(super) fn damp(values: &mut [FxAccumulator], kept: FxFactor) {
     match kept.parts() {
-        (mantissa, 64) if lanes::damp(values, mantissa) => {}
+        (mantissa, 64) if lanes::damp(values, mantissa).is_some() => {}
         (mantissa, 64) => values.iter_mut().for_each(|v| *v = scaled(*v, mantissa)),
         // Less than half is kept.
         _ => values.iter_mut().for_each(|v| *v = v.shrunk(kept)),
@@ -75,7 +75,7 @@ pub(super) fn damp(values: &mut [FxAccumulator], kept: FxFactor) {
 
 /// See [`Scalar::kick_all`].
 pub(super) fn kick(values: &mut [FxAccumulator], gained: FxAccumulator) {
-    if !lanes::kick(values, gained) {
+    if lanes::kick(values, gained).is_none() {
         values.iter_mut().for_each(|v| *v = v.plus(gained));
     }
 }
@@ -99,7 +99,7 @@ pub(super) fn drift(positions: &mut [FxAccumulator], velocities: &[FxAccumulator
         for (x, v) in positions.iter_mut().zip(velocities) {
             *x = x.plus(Fx::from_bits(velocity(v, backwards)).drift(seconds));
         }
-    } else if !lanes::drift(positions, velocities, mantissa, shift, backwards) {
+    } else if lanes::drift(positions, velocities, mantissa, shift, backwards).is_none() {
         for (x, v) in positions.iter_mut().zip(velocities) {
             *x = x.plus(FxAccumulator::from_bits(passed(velocity(v, backwards), mantissa, shift)));
         }
@@ -115,18 +115,70 @@ pub(super) fn turn(angles: &mut [Turn], velocities: &[FxAccumulator], factor: Fx
         for (angle, v) in angles.iter_mut().zip(velocities) {
             *angle = angle.drifted(Fx::from_bits(velocity(v, backwards)), factor, false);
         }
-    } else if !lanes::turn(angles, velocities, mantissa, shift, backwards) {
+    } else if lanes::turn(angles, velocities, mantissa, shift, backwards).is_none() {
         for (angle, v) in angles.iter_mut().zip(velocities) {
             angle.0 = angle.0.wrapping_add(passed(velocity(v, backwards), mantissa, shift) as u64);
         }
     }
 }
 
+/// See [`Scalar::spin_all`].
+pub(super) fn spin(angles: &mut [Turn], velocities: &mut [FxAccumulator], spin: &Spin<Fx>) {
+    let shift = spin.turn.parts().1.wrapping_sub(32);
+    let usual = (1..64).contains(&shift) && !spin.negative && spin.kept.parts().1 == 64;
+    if !usual || lanes::pay(velocities.len()) {
+        return spin_in_stages(angles, velocities, spin);
+    }
+    let (kept, mantissa, shift) = (spin.kept.parts().0, spin.turn.parts().0, shift.unsigned_abs());
+    for (angle, v) in angles.iter_mut().zip(velocities) {
+        let midway = scaled(*v, kept);
+        angle.0 = angle.0.wrapping_add(passed(midway.value().to_bits(), mantissa, shift) as u64);
+        *v = scaled(midway, kept);
+    }
+}
+
 /// See [`Scalar::are_within`].
 pub(super) fn are_within(values: &[FxAccumulator], log2: u32) -> bool {
-    // A magnitude's bits, or those of one ulp less.
-    let bits = values.iter().fold(0, |bits, v| bits | (v.high ^ (v.high >> 63)));
-    bits >> (32 + log2) == 0
+    let limit = 1 << (32 + log2);
+    // Below twice the limit, which is a power of two, if all are from −limit to limit.
+    let bits = lanes::spread(values, limit).unwrap_or_else(|| lanes::loops::spread(values, limit));
+    bits < 2 * limit
+}
+
+/// See [`Scalar::glide_all`].
+pub(super) fn glide(positions: &mut [FxAccumulator], velocities: &mut [FxAccumulator], glide: &Glide<Fx>) {
+    let damped = glide.kept != FxFactor::ONE;
+    let falls = glide.fall != FxAccumulator::default();
+    let shift = glide.seconds.parts().1.wrapping_sub(64);
+    let usual = (1..64).contains(&shift) && !glide.negative && (!damped || glide.kept.parts().1 == 64);
+    // Wide vectors do better stage by stage: in a shorter loop more of its turns are on their way at once.
+    if !usual || lanes::pay(velocities.len()) {
+        return glide_in_stages(positions, velocities, glide);
+    }
+    match (damped, falls) {
+        (false, false) => drift(positions, velocities, glide.seconds, false),
+        (false, true) => glide_at_once::<false, true>(positions, velocities, glide),
+        (true, false) => glide_at_once::<true, false>(positions, velocities, glide),
+        (true, true) => glide_at_once::<true, true>(positions, velocities, glide),
+    }
+}
+
+/// All stages of one value after the other, without leaving the registers.
+fn glide_at_once<const DAMPED: bool, const FALLS: bool>(
+    positions: &mut [FxAccumulator],
+    velocities: &mut [FxAccumulator],
+    glide: &Glide<Fx>,
+) {
+    let (kept, fall) = (glide.kept.parts().0, glide.fall);
+    let (mantissa, shift) = glide.seconds.parts();
+    let shift = (shift - 64).unsigned_abs();
+    let damped = |v: FxAccumulator| if DAMPED { scaled(v, kept) } else { v };
+    let fallen = |v: FxAccumulator| if FALLS { v.plus(fall) } else { v };
+    for (x, v) in positions.iter_mut().zip(velocities) {
+        let midway = fallen(damped(*v));
+        *x = x.plus(FxAccumulator::from_bits(passed(midway.value().to_bits(), mantissa, shift)));
+        *v = damped(fallen(midway));
+    }
 }
 
 #[cfg(test)]
@@ -229,6 +281,33 @@ mod tests {
                 |angle| loops::turn(angle, &velocities, mantissa, shift as u32 - 32, backwards),
                 |at, angle| angle.drifted(velocities[at].value(), per_turn, negative),
             )?;
+        }
+
+        #[test]
+        fn all_at_once_is_stage_by_stage(
+            positions in accumulators(),
+            velocities in accumulators(),
+            angles in prop::collection::vec(any::<u64>(), 33),
+            fall in prop_oneof![Just(FxAccumulator::default()), accumulators().prop_map(|v| v[0])],
+            kept in prop_oneof![Just(FxFactor::ONE), any::<u64>().prop_map(|m| factor(!(!m >> 8), 64)), Just(FxFactor::ZERO)],
+            den in 1u32..=10_000,
+            negative: bool,
+        ) {
+            let span = Span { ratio: (1, den), weight: Weight::Whole, half: false };
+            let glide_over = Glide { kept, fall, seconds: Fx::seconds(span), negative };
+            let spin_over = Spin { kept, turn: Turn::drift_factor(span), negative };
+            let angles: Vec<Turn> = angles.into_iter().map(Turn::from_bits).collect();
+            let start = (positions, velocities.clone(), angles, velocities);
+            let (mut one, mut many, mut few) = (start.clone(), start.clone(), start);
+            glide_in_stages(&mut one.0, &mut one.1, &glide_over);
+            spin_in_stages(&mut one.2, &mut one.3, &spin_over);
+            glide(&mut many.0, &mut many.1, &glide_over);
+            spin(&mut many.2, &mut many.3, &spin_over);
+            // Too few for wide vectors.
+            few.0.chunks_mut(7).zip(few.1.chunks_mut(7)).for_each(|(x, v)| glide(x, v, &glide_over));
+            few.2.chunks_mut(7).zip(few.3.chunks_mut(7)).for_each(|(x, v)| spin(x, v, &spin_over));
+            prop_assert_eq!(&many, &one, "many");
+            prop_assert_eq!(&few, &one, "few");
         }
 
         #[test]

@@ -8,7 +8,7 @@ use alloc::vec::Vec;
 
 use crate::body::{Acceleration, BLOCK, Block, Frame, Tuning};
 use crate::error::Cause;
-use crate::integrate::{Plan, Stage, Tuned, Verb, damp, drift, fall, kick_by};
+use crate::integrate::{Plan, Stage, Tuned, Verb, damp, drift, fall, glide, kick_by};
 use crate::limits;
 use crate::scalar::{Accumulator, Scalar};
 
@@ -55,9 +55,19 @@ impl<'a, S: Scalar> March<'a, S> {
         }
         let first_fault = found.faults.len();
         let mut spins = block.any_spins();
-        for stage in self.stages {
-            self.local(stage, block, tuned, spins, &mut found.faults);
-            spins = spins || (!pushed.is_empty() && block.any_spins());
+        let mut stages = self.stages;
+        while let [stage, others @ ..] = stages {
+            stages = match (tuned, whole_beat(stages)) {
+                (Tuned::Alike(row), Some((half, whole, others))) if row.decays && pushed.is_empty() => {
+                    glide(block, row, (half, &self.plan.timing[whole]), spins);
+                    others
+                }
+                _ => {
+                    self.local(stage, block, tuned, spins, &mut found.faults);
+                    spins = spins || (!pushed.is_empty() && block.any_spins());
+                    others
+                }
+            };
         }
         if guarded {
             self.judge(block, frame, found);
@@ -116,6 +126,15 @@ impl<'a, S: Scalar> March<'a, S> {
         }
         found.ready |= block.rest.iter().any(|&rest| is_ready(rest, ticks));
     }
+}
+
+/// If the stages begin with damp, kick, drift, kick, damp: the spans of the first and of the drift, and the stages after.
+fn whole_beat(stages: &'static [Stage]) -> Option<(usize, usize, &'static [Stage])> {
+    use Verb::{Damp, Drift, Fields, Kick};
+    let [a, b, c, d, e, f, others @ ..] = stages else { return None };
+    let is_one = [a, b, c, d, e, f].map(|stage| stage.verb) == [Damp, Kick, Drift, Fields, Kick, Damp]
+        && [b, e, f].iter().all(|stage| stage.span == a.span);
+    is_one.then_some((a.span, c.span, others))
 }
 
 /// Who is ready last has been at rest for `ticks`; one that others keep up tries again every so often.
