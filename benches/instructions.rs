@@ -1,0 +1,177 @@
+//! Instruction counts of steps under callgrind: exact, and the same however busy the machine is. `tests/costs.rs` runs
+//! this and asserts that a scene does not pay for what it lacks.
+//!
+//! Needs valgrind and gungraun-runner, which has to be of gungraun's version:
+//! `cargo bench --features float --bench instructions`.
+
+use std::hint::black_box;
+
+use gungraun::{Callgrind, EntryPoint, LibraryBenchmarkConfig, library_benchmark, library_benchmark_group, main};
+use umbra_physics::scalar::{Accumulator, Angle, Factor, Span, Weight, Wide};
+use umbra_physics::{Fx, FxAccumulator, FxFactor, FxWide, Scalar, Turn, World, fx};
+
+#[allow(dead_code, reason = "the benches of time have scenes of their own")]
+mod scenes;
+
+use scenes::Scene;
+
+/// How many steps a measurement counts, and values the arithmetic.
+const STEPS: usize = 4;
+const VALUES: usize = 1_000;
+
+const INSTRUCTIONS: [&str; 1] = ["--cache-sim=no"];
+/// Indirect jumps and calls: what goes through a table of functions.
+const BRANCHES: [&str; 2] = ["--cache-sim=no", "--branch-sim=yes"];
+/// The caches of no machine in particular. The last one holds 2,000 bodies and not 100,000.
+const CACHES: [&str; 4] = ["--cache-sim=yes", "--I1=32768,8,64", "--D1=32768,8,64", "--LL=1048576,16,64"];
+
+/// All that is counted of a step.
+#[inline(never)]
+fn one_step<S: Scalar>(world: &mut World<S>) {
+    black_box(world).step();
+}
+
+/// Counts in `one_step` alone.
+fn stepping(options: &[&str]) -> LibraryBenchmarkConfig {
+    counting(Callgrind::with_args(options).entry_point(EntryPoint::Custom("*one_step*".into())))
+}
+
+/// Counts in the function under test.
+fn whole() -> LibraryBenchmarkConfig {
+    counting(&mut Callgrind::with_args(INSTRUCTIONS))
+}
+
+fn counting(callgrind: &mut Callgrind) -> LibraryBenchmarkConfig {
+    let mut config = LibraryBenchmarkConfig::default();
+    config.tool(callgrind.clone());
+    config
+}
+
+/// After a first step, which allocates and has no forces of the fields from the step before.
+fn warm<S: Scalar>(mut scene: Scene<S>) -> Scene<S> {
+    scene.advance();
+    scene
+}
+
+fn steps<S: Scalar>(mut scene: Scene<S>) -> Scene<S> {
+    for _ in 0..STEPS {
+        scene.push();
+        one_step(&mut scene.world);
+    }
+    scene
+}
+
+#[library_benchmark(config = stepping(&INSTRUCTIONS), setup = warm)]
+#[bench::free_10(scenes::free(10))]
+#[bench::free_1k(scenes::free(1_000))]
+#[bench::free_2k(scenes::free(2_000))]
+#[bench::free_10k(scenes::free(10_000))]
+#[bench::free_100k(scenes::free(100_000))]
+#[bench::free_1m(scenes::free(1_000_000))]
+#[bench::free_1k_beside_100k_static(scenes::beside_static(1_000, 100_000))]
+#[bench::asleep_10k(scenes::beside_sleepers(0, 10_000))]
+#[bench::at_rest_10k(scenes::at_rest(10_000))]
+#[bench::plain_1k(scenes::plain(1_000))]
+#[bench::kinematic_1k(scenes::kinematic(1_000))]
+#[bench::pushed_1k(scenes::pushed(1_000, 1_000))]
+#[bench::spinning_1k(scenes::spinning(1_000))]
+#[bench::damped_1k(scenes::damped(1_000))]
+#[bench::thrusters_1k(scenes::thrusters(1_000, 1))]
+#[bench::thrusters_one_on_each_of_1k(scenes::thrusters_on_some(1_000, 1_000, 1))]
+#[bench::thrusters_two_on_500_of_1k(scenes::thrusters_on_some(1_000, 500, 2))]
+fn fx(scene: Scene<Fx>) -> Scene<Fx> {
+    steps(scene)
+}
+
+// Of a step that follows one with forces.
+#[library_benchmark(config = stepping(&INSTRUCTIONS))]
+#[bench::plain_1k(warm(scenes::plain(1_000)))]
+#[bench::pushed_before_1k(scenes::pushed_before(1_000))]
+fn after(mut scene: Scene<Fx>) -> Scene<Fx> {
+    one_step(&mut scene.world);
+    scene
+}
+
+#[library_benchmark(config = stepping(&INSTRUCTIONS), setup = warm)]
+#[bench::free_10(scenes::free(10))]
+#[bench::free_1k(scenes::free(1_000))]
+fn f64(scene: Scene<f64>) -> Scene<f64> {
+    steps(scene)
+}
+
+#[library_benchmark(config = stepping(&BRANCHES), setup = warm)]
+#[bench::free_1k(scenes::free(1_000))]
+#[bench::free_2k(scenes::free(2_000))]
+#[bench::custom_law_1k(scenes::custom(1_000))]
+fn branches(scene: Scene<Fx>) -> Scene<Fx> {
+    steps(scene)
+}
+
+// Each step begins with nothing in the caches.
+#[library_benchmark(config = stepping(&CACHES), setup = warm)]
+#[bench::free_1k(scenes::free(1_000))]
+#[bench::free_2k(scenes::free(2_000))]
+#[bench::free_100k(scenes::free(100_000))]
+fn caches(mut scene: Scene<Fx>) -> Scene<Fx> {
+    let mut others = vec![0u8; 4 << 20];
+    for _ in 0..STEPS {
+        others.iter_mut().step_by(64).for_each(|line| *line = line.wrapping_add(1));
+        black_box(&mut others);
+        one_step(&mut scene.world);
+    }
+    scene
+}
+
+// The arithmetic of the things that a scene may lack, by itself, on the values of a scene that has them.
+
+const STEP: Span = Span { ratio: (1, 60), weight: Weight::Whole, half: false };
+const HALF_STEP: Span = Span { half: true, ..STEP };
+
+fn free() -> World {
+    warm(scenes::free(VALUES)).world
+}
+
+fn turning() -> Vec<(Turn, Fx)> {
+    free().bodies().map(|body| (body.angle_exact(), body.angular_velocity())).collect()
+}
+
+fn velocities() -> Vec<FxAccumulator> {
+    free().bodies().map(|body| body.velocity_exact().x).collect()
+}
+
+fn forces() -> Vec<FxWide> {
+    free().bodies().map(|body| FxWide::from_scalar(body.velocity().x)).collect()
+}
+
+fn sum(bits: impl Iterator<Item = i128>) -> i128 {
+    bits.fold(0, i128::wrapping_add)
+}
+
+#[library_benchmark(config = whole())]
+#[bench::values(turning())]
+fn sine_and_cosine(values: Vec<(Turn, Fx)>) -> i128 {
+    let bits = |(sin, cos): (Fx, Fx)| (sin.to_bits() ^ cos.to_bits()).into();
+    sum(values.iter().map(|(angle, _)| bits(angle.sin_cos())))
+}
+
+#[library_benchmark(config = whole())]
+#[bench::values(turning(), <Turn as Angle<Fx>>::drift_factor(STEP))]
+fn angle_drift(values: Vec<(Turn, Fx)>, factor: FxFactor) -> i128 {
+    sum(values.iter().map(|(angle, spin)| angle.drifted(*spin, factor, false).to_bits().into()))
+}
+
+#[library_benchmark(config = whole())]
+#[bench::values(velocities(), Fx::decay(fx!(0.9), HALF_STEP))]
+fn damping(values: Vec<FxAccumulator>, factor: FxFactor) -> i128 {
+    sum(values.iter().map(|velocity| velocity.scaled(factor).map_or(0, Accumulator::to_bits)))
+}
+
+#[library_benchmark(config = whole())]
+#[bench::values(forces(), FxFactor::from_ratio(1, 3))]
+fn inverse_mass(values: Vec<FxWide>, factor: FxFactor) -> i128 {
+    sum(values.iter().map(|force| force.times(factor).map_or(0, Wide::to_bits)))
+}
+
+library_benchmark_group!(name = step; benchmarks = fx, after, f64, branches, caches);
+library_benchmark_group!(name = arithmetic; benchmarks = sine_and_cosine, angle_drift, damping, inverse_mass);
+main!(library_benchmark_groups = step, arithmetic);

@@ -1,0 +1,199 @@
+//! Box2D v3 (C), the copy bundled by boxdd, through its raw C API.
+
+use crate::engine::{Engine, Hash, Info, Snapshot, State, World, locked_version};
+use crate::scene::{Kind, Scene, Shape};
+use boxdd_sys::ffi::*;
+use std::collections::HashSet;
+
+// Keeps the safe crate linked, so both crates stay at one release.
+use boxdd as _;
+
+pub struct Box2d;
+
+const SUBSTEPS: u32 = 4;
+
+impl Engine for Box2d {
+    fn id(&self) -> &'static str {
+        "box2d"
+    }
+    fn info(&self) -> Info {
+        let v = unsafe { b2GetVersion() };
+        Info {
+            version: format!("Box2D {}.{}.{} in boxdd {}", v.major, v.minor, v.revision, locked_version("boxdd")),
+            number: "f32",
+            build: format!(
+                "C, -O2 -ffp-contract=off, then CFLAGS={:?}; SSE2 SIMD of 4 lanes, 1 worker",
+                option_env!("CFLAGS").unwrap_or("")
+            ),
+            solver: "defaults: soft step, 4 substeps, contacts 30 Hz, contact recycling, continuous on",
+            damping_law: "v *= 1/(1+c*h), every substep h",
+            damped: |v0, c, dt, steps, sub| v0 * (1.0 / (1.0 + c * dt / sub as f64)).powi((steps * sub) as i32),
+            default_substeps: SUBSTEPS,
+            body_struct_bytes: None,
+        }
+    }
+    fn build(&self, scene: &Scene) -> Box<dyn World> {
+        unsafe {
+            let mut wd = b2DefaultWorldDef();
+            wd.gravity = v2(scene.gravity[0], scene.gravity[1]);
+            wd.enableSleep = scene.sleep;
+            wd.workerCount = 1;
+            let world = b2CreateWorld(&wd);
+            let mut ids = Vec::with_capacity(scene.bodies.len());
+            for b in &scene.bodies {
+                let mut bd = b2DefaultBodyDef();
+                bd.type_ = match b.kind {
+                    Kind::Fixed => b2BodyType_b2_staticBody,
+                    Kind::Dynamic => b2BodyType_b2_dynamicBody,
+                };
+                bd.position = v2(b.x, b.y);
+                bd.rotation = b2Rot { c: b.angle.cos() as f32, s: b.angle.sin() as f32 };
+                bd.linearVelocity = v2(b.vx, b.vy);
+                bd.angularVelocity = b.w as f32;
+                bd.linearDamping = b.lin_damp as f32;
+                bd.angularDamping = b.ang_damp as f32;
+                bd.enableSleep = scene.sleep;
+                let id = b2CreateBody(world, &bd);
+                let mut sd = b2DefaultShapeDef();
+                sd.density = 1.0;
+                sd.material.friction = scene.friction as f32;
+                sd.material.restitution = 0.0;
+                match b.shape {
+                    Shape::None { mass, inertia } => {
+                        if b.kind == Kind::Dynamic {
+                            b2Body_SetMassData(
+                                id,
+                                b2MassData {
+                                    mass: mass as f32,
+                                    center: v2(0.0, 0.0),
+                                    rotationalInertia: inertia as f32,
+                                },
+                            );
+                        }
+                    }
+                    Shape::Circle { r } => {
+                        b2CreateCircleShape(id, &sd, &b2Circle { center: v2(0.0, 0.0), radius: r as f32 });
+                    }
+                    Shape::Box { hx, hy } => {
+                        let p = b2MakeBox(hx as f32, hy as f32);
+                        b2CreatePolygonShape(id, &sd, &p);
+                    }
+                }
+                ids.push(id);
+            }
+            for j in &scene.joints {
+                let (a, b) = (&scene.bodies[j.a], &scene.bodies[j.b]);
+                let mut jd = b2DefaultRevoluteJointDef();
+                jd.base.bodyIdA = ids[j.a];
+                jd.base.bodyIdB = ids[j.b];
+                jd.base.localFrameA.p = v2(j.x - a.x, j.y - a.y);
+                jd.base.localFrameB.p = v2(j.x - b.x, j.y - b.y);
+                jd.base.collideConnected = false;
+                b2CreateRevoluteJoint(world, &jd);
+            }
+            Box::new(B2World { world, ids, dt: scene.dt as f32, substeps: scene.substeps.unwrap_or(SUBSTEPS) as i32 })
+        }
+    }
+}
+
+fn v2(x: f64, y: f64) -> b2Vec2 {
+    b2Vec2 { x: x as f32, y: y as f32 }
+}
+
+struct B2World {
+    world: b2WorldId,
+    ids: Vec<b2BodyId>,
+    dt: f32,
+    substeps: i32,
+}
+
+impl Drop for B2World {
+    fn drop(&mut self) {
+        unsafe { b2DestroyWorld(self.world) }
+    }
+}
+
+impl World for B2World {
+    fn step(&mut self) {
+        unsafe { b2World_Step(self.world, self.dt, self.substeps) }
+    }
+    fn body_count(&self) -> usize {
+        self.ids.len()
+    }
+    fn state(&self, i: usize) -> State {
+        unsafe {
+            let id = self.ids[i];
+            let t = b2Body_GetTransform(id);
+            let v = b2Body_GetLinearVelocity(id);
+            State {
+                x: t.p.x as f64,
+                y: t.p.y as f64,
+                angle: (t.q.s as f64).atan2(t.q.c as f64),
+                vx: v.x as f64,
+                vy: v.y as f64,
+                w: b2Body_GetAngularVelocity(id) as f64,
+            }
+        }
+    }
+    fn hash(&self) -> u64 {
+        let mut h = Hash::new();
+        for &id in &self.ids {
+            unsafe {
+                let t = b2Body_GetTransform(id);
+                let v = b2Body_GetLinearVelocity(id);
+                for f in [t.p.x, t.p.y, t.q.c, t.q.s, v.x, v.y, b2Body_GetAngularVelocity(id)] {
+                    h.word(f.to_bits() as u64);
+                }
+            }
+        }
+        h.finish()
+    }
+    fn push(&mut self, i: usize, fx: f64, fy: f64) {
+        // Box2D clears forces after every step.
+        unsafe { b2Body_ApplyForceToCenter(self.ids[i], v2(fx, fy), true) }
+    }
+    fn awake(&self) -> Option<usize> {
+        Some(unsafe { b2World_GetAwakeBodyCount(self.world) } as usize)
+    }
+    fn contact_points(&self) -> Option<usize> {
+        let mut seen = HashSet::new();
+        let mut points = 0;
+        let mut buf: Vec<b2ContactData> = Vec::new();
+        unsafe {
+            for &id in &self.ids {
+                if b2Body_GetType(id) != b2BodyType_b2_dynamicBody {
+                    continue;
+                }
+                let cap = b2Body_GetContactCapacity(id);
+                buf.clear();
+                buf.reserve(cap as usize);
+                let n = b2Body_GetContactData(id, buf.as_mut_ptr(), cap);
+                buf.set_len(n as usize);
+                for c in &buf {
+                    if seen.insert((c.shapeIdA.index1, c.shapeIdB.index1)) {
+                        points += c.manifold.pointCount as usize;
+                    }
+                }
+            }
+        }
+        Some(points)
+    }
+    fn snapshot_kinds(&self) -> &'static [&'static str] {
+        &["b2World_Snapshot"]
+    }
+    fn snapshot(&mut self, _kind: usize) -> Snapshot {
+        unsafe {
+            let n = b2World_Snapshot(self.world, std::ptr::null_mut(), 0);
+            let mut v: Vec<u8> = Vec::with_capacity(n as usize);
+            let m = b2World_Snapshot(self.world, v.as_mut_ptr(), n);
+            assert!(m > 0 && m <= n, "snapshot failed");
+            v.set_len(m as usize);
+            Snapshot { bytes: Some(v.len()), data: Box::new(v) }
+        }
+    }
+    fn restore(&mut self, _kind: usize, snap: &Snapshot) {
+        let v = snap.data.downcast_ref::<Vec<u8>>().unwrap();
+        let ok = unsafe { b2World_Restore(self.world, v.as_ptr(), v.len() as i32) };
+        assert!(ok, "restore failed");
+    }
+}

@@ -1,0 +1,27 @@
+//! The peers. A further engine: add its file here and one line in `all`.
+
+#[cfg(feature = "alice")]
+mod alice2d;
+#[cfg(feature = "alice")]
+mod alice3d;
+mod box2d;
+mod rapier_f32;
+mod rapier_f64;
+mod umbra;
+
+use crate::engine::Engine;
+
+pub fn all() -> Vec<Box<dyn Engine>> {
+    vec![
+        Box::<umbra::Build<umbra_physics::Fx>>::default(),
+        Box::<umbra::Build<f64>>::default(),
+        Box::<umbra::Build<f32>>::default(),
+        Box::new(rapier_f32::Rapier),
+        Box::new(rapier_f64::Rapier),
+        Box::new(box2d::Box2d),
+        #[cfg(feature = "alice")]
+        Box::new(alice3d::Alice3d),
+        #[cfg(feature = "alice")]
+        Box::new(alice2d::Alice2d),
+    ]
+}

@@ -1,0 +1,178 @@
+// Included by rapier_f32.rs and rapier_f64.rs: the two crates have the same API.
+
+use crate::engine::{Engine, Hash, Info, Snapshot, State, World, locked_version};
+use crate::scene::{Kind, Scene, Shape};
+use rapier::math::{Real, Vector};
+use rapier::parry::mass_properties::MassProperties;
+use rapier::prelude::*;
+
+pub struct Rapier;
+
+impl Engine for Rapier {
+    fn id(&self) -> &'static str {
+        ID
+    }
+    fn info(&self) -> Info {
+        Info {
+            version: locked_version(CRATE),
+            number: NUMBER,
+            build: "enhanced-determinism, serde-serialize; default SIMD of 4 lanes (wide), target baseline".into(),
+            solver: "defaults: 4 substeps (num_solver_iterations) x 1 PGS + 1 stabilization, soft contacts 30 Hz, \
+                     block solver, contact recycling, speculative CCD (max_ccd_substeps 1)",
+            damping_law: "v *= 1/(1+c*dt), once per step",
+            damped: |v0, c, dt, steps, _| v0 * (1.0 / (1.0 + c * dt)).powi(steps as i32),
+            default_substeps: 4,
+            body_struct_bytes: Some(std::mem::size_of::<RigidBody>()),
+        }
+    }
+    fn build(&self, scene: &Scene) -> Box<dyn World> {
+        let mut w = PhysicsWorld::new();
+        w.gravity = vec2(scene.gravity[0], scene.gravity[1]);
+        w.integration_parameters.dt = scene.dt as Real;
+        if let Some(n) = scene.substeps {
+            w.integration_parameters.num_solver_iterations = n as usize;
+        }
+        let mut handles = Vec::with_capacity(scene.bodies.len());
+        for b in &scene.bodies {
+            let rb = match b.kind {
+                Kind::Fixed => RigidBodyBuilder::fixed(),
+                Kind::Dynamic => RigidBodyBuilder::dynamic(),
+            };
+            let mut rb = rb
+                .translation(vec2(b.x, b.y))
+                .rotation(b.angle as Real)
+                .linvel(vec2(b.vx, b.vy))
+                .angvel(b.w as Real)
+                .linear_damping(b.lin_damp as Real)
+                .angular_damping(b.ang_damp as Real)
+                .can_sleep(scene.sleep);
+            if let Shape::None { mass, inertia } = b.shape {
+                rb = rb.additional_mass_properties(MassProperties::new(vec2(0.0, 0.0), mass as Real, inertia as Real));
+            }
+            let h = w.bodies.insert(rb);
+            let co = match b.shape {
+                Shape::None { .. } => None,
+                Shape::Circle { r } => Some(ColliderBuilder::ball(r as Real)),
+                Shape::Box { hx, hy } => Some(ColliderBuilder::cuboid(hx as Real, hy as Real)),
+            };
+            if let Some(co) = co {
+                let co = co.density(1.0).friction(scene.friction as Real).restitution(0.0);
+                w.colliders.insert_with_parent(co, h, &mut w.bodies);
+            }
+            handles.push(h);
+        }
+        for j in &scene.joints {
+            let (a, b) = (&scene.bodies[j.a], &scene.bodies[j.b]);
+            let joint = RevoluteJointBuilder::new()
+                .local_anchor1(vec2(j.x - a.x, j.y - a.y))
+                .local_anchor2(vec2(j.x - b.x, j.y - b.y))
+                .contacts_enabled(false);
+            w.impulse_joints.insert(handles[j.a], handles[j.b], joint, true);
+        }
+        Box::new(RapierWorld { w, handles })
+    }
+}
+
+fn vec2(x: f64, y: f64) -> Vector {
+    Vector::new(x as Real, y as Real)
+}
+
+struct RapierWorld {
+    w: PhysicsWorld,
+    handles: Vec<RigidBodyHandle>,
+}
+
+/// Everything a step reads, without the pipelines (workspace only).
+fn clone_world(w: &PhysicsWorld) -> PhysicsWorld {
+    PhysicsWorld {
+        gravity: w.gravity,
+        integration_parameters: w.integration_parameters,
+        physics_pipeline: PhysicsPipeline::new(),
+        collision_pipeline: CollisionPipeline::new(),
+        islands: w.islands.clone(),
+        broad_phase: w.broad_phase.clone(),
+        narrow_phase: w.narrow_phase.clone(),
+        bodies: w.bodies.clone(),
+        colliders: w.colliders.clone(),
+        impulse_joints: w.impulse_joints.clone(),
+        multibody_joints: w.multibody_joints.clone(),
+        soft_bodies: w.soft_bodies.clone(),
+        ccd_solver: CCDSolver::new(),
+    }
+}
+
+impl World for RapierWorld {
+    fn step(&mut self) {
+        self.w.step();
+    }
+    fn body_count(&self) -> usize {
+        self.w.bodies.len()
+    }
+    fn state(&self, i: usize) -> State {
+        let b = &self.w.bodies[self.handles[i]];
+        let (p, v) = (b.translation(), b.linvel());
+        State {
+            x: p.x as f64,
+            y: p.y as f64,
+            angle: b.rotation().angle() as f64,
+            vx: v.x as f64,
+            vy: v.y as f64,
+            w: b.angvel() as f64,
+        }
+    }
+    fn hash(&self) -> u64 {
+        let mut h = Hash::new();
+        for &k in &self.handles {
+            let b = &self.w.bodies[k];
+            let (p, v, q) = (b.translation(), b.linvel(), b.rotation());
+            for f in [p.x, p.y, v.x, v.y, q.re, q.im, b.angvel()] {
+                h.word(f.to_bits() as u64);
+            }
+        }
+        h.finish()
+    }
+    fn push(&mut self, i: usize, fx: f64, fy: f64) {
+        let b = &mut self.w.bodies[self.handles[i]];
+        b.reset_forces(false);
+        b.add_force(vec2(fx, fy), true);
+    }
+    fn awake(&self) -> Option<usize> {
+        Some(
+            self.handles
+                .iter()
+                .filter(|&&h| {
+                    let b = &self.w.bodies[h];
+                    b.is_dynamic() && !b.is_sleeping()
+                })
+                .count(),
+        )
+    }
+    fn contact_points(&self) -> Option<usize> {
+        Some(
+            self.w
+                .narrow_phase
+                .contact_pairs()
+                .flat_map(|p| p.manifolds().iter())
+                .map(|m| m.data.solver_contacts.len())
+                .sum(),
+        )
+    }
+    fn snapshot_kinds(&self) -> &'static [&'static str] {
+        &["clone", "bincode"]
+    }
+    fn snapshot(&mut self, kind: usize) -> Snapshot {
+        if kind == 0 {
+            Snapshot { bytes: None, data: Box::new(clone_world(&self.w)) }
+        } else {
+            let v = bincode::serialize(&self.w).expect("serialize");
+            Snapshot { bytes: Some(v.len()), data: Box::new(v) }
+        }
+    }
+    fn restore(&mut self, kind: usize, snap: &Snapshot) {
+        self.w = if kind == 0 {
+            clone_world(snap.data.downcast_ref::<PhysicsWorld>().unwrap())
+        } else {
+            bincode::deserialize(snap.data.downcast_ref::<Vec<u8>>().unwrap()).expect("deserialize")
+        };
+    }
+}

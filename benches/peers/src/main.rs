@@ -1,0 +1,123 @@
+//! Benchmark of the peer physics engines, so that a new engine can be measured
+//! beside them in one run. See README.md.
+
+mod bench;
+mod engine;
+mod engines;
+mod report;
+mod scene;
+
+use bench::Opt;
+use engine::Engine;
+use report::Report;
+use std::time::Instant;
+
+type Bench = fn(&mut Report, bench::Engines, &Opt);
+
+const SCENES: &[(&str, Bench)] = &[
+    ("free", bench::free),
+    ("free_static", bench::free_static),
+    ("sleeping", bench::sleeping),
+    ("pyramid", bench::pyramid),
+    ("rain", bench::rain),
+    ("joints", bench::joints),
+    ("snapshot", bench::snapshot),
+    ("accuracy", bench::accuracy),
+    ("memory", bench::memory),
+];
+
+fn usage() -> ! {
+    eprintln!("peers [--scene A,B] [--engine A,B] [--quick] [--wall] [--table min] [--csv FILE] [--list]");
+    std::process::exit(2)
+}
+
+fn main() {
+    let all = engines::all();
+    let mut scenes: Option<Vec<String>> = None;
+    let mut only: Option<Vec<String>> = None;
+    let mut quick = false;
+    let mut table_min = false;
+    let mut csv: Option<String> = None;
+    let mut args = std::env::args().skip(1);
+    let list = |s: Option<String>| s.unwrap_or_else(|| usage()).split(',').map(str::to_string).collect::<Vec<_>>();
+    while let Some(a) = args.next() {
+        match a.as_str() {
+            "--scene" => scenes = Some(list(args.next())),
+            "--engine" => only = Some(list(args.next())),
+            "--csv" => csv = Some(args.next().unwrap_or_else(|| usage())),
+            "--quick" => quick = true,
+            "--wall" => bench::WALL.store(true, std::sync::atomic::Ordering::Relaxed),
+            "--table" => match args.next().as_deref() {
+                Some("min") => table_min = true,
+                Some("median") => table_min = false,
+                _ => usage(),
+            },
+            "--list" => {
+                println!("scenes:  {}", SCENES.iter().map(|s| s.0).collect::<Vec<_>>().join(" "));
+                println!("engines: {}", all.iter().map(|e| e.id()).collect::<Vec<_>>().join(" "));
+                return;
+            }
+            "--mem-child" => {
+                let (e, s, n) = (args.next(), args.next(), args.next());
+                let e = all.iter().find(|x| Some(x.id()) == e.as_deref()).unwrap_or_else(|| usage());
+                bench::mem_child(e.as_ref(), &s.unwrap_or_default(), n.and_then(|n| n.parse().ok()).unwrap_or(1000));
+                return;
+            }
+            _ => usage(),
+        }
+    }
+    let known_scene = |s: &String| SCENES.iter().any(|k| k.0 == s);
+    let known_engine = |s: &String| all.iter().any(|k| k.id() == s);
+    if !scenes.iter().flatten().all(known_scene) || !only.iter().flatten().all(known_engine) {
+        eprintln!("unknown scene or engine; --list names them");
+        usage();
+    }
+    let chosen: Vec<&dyn Engine> = all
+        .iter()
+        .map(|e| e.as_ref())
+        .filter(|e| only.as_ref().is_none_or(|o| o.iter().any(|x| x == e.id())))
+        .collect();
+
+    for e in &chosen {
+        let i = e.info();
+        println!("# {}: {}; {}; {}", e.id(), i.version, i.number, i.build);
+        println!("#   {}; damping: {}", i.solver, i.damping_law);
+    }
+    println!(
+        "# all scenes: one thread, dt 1/60 unless the scene says otherwise, friction 0.5, restitution 0, density 1"
+    );
+    let clock = if bench::WALL.load(std::sync::atomic::Ordering::Relaxed) {
+        "wall clock"
+    } else {
+        "CPU time of the measuring thread (--wall for the wall clock)"
+    };
+    println!("# clock: {clock}");
+    println!("{}", report::CSV_HEAD);
+    let t0 = Instant::now();
+    let mut rep = Report::default();
+    let opt = Opt { quick };
+    for (name, f) in SCENES {
+        if scenes.as_ref().is_none_or(|o| o.iter().any(|x| x == name)) {
+            let t = Instant::now();
+            f(&mut rep, &chosen, &opt);
+            eprintln!("[{name}: {:.1} s]", t.elapsed().as_secs_f64());
+        }
+    }
+    let ids: Vec<&str> = chosen.iter().map(|e| e.id()).collect();
+    println!("{}", rep.tables(&ids, table_min));
+    println!("total {:.0} s", t0.elapsed().as_secs_f64());
+    if let Some(path) = csv {
+        let mut text = String::from(report::CSV_HEAD);
+        text.push('\n');
+        for r in &rep.rows {
+            text.push_str(&format!(
+                "{},{},{},{},{:e},{},{:e},{:e},{},{}\n",
+                r.engine, r.scene, r.n, r.metric, r.value, r.unit, r.min, r.max, r.samples, r.note
+            ));
+        }
+        if let Err(e) = std::fs::write(&path, text) {
+            eprintln!("{path}: {e}");
+            std::process::exit(1);
+        }
+    }
+}

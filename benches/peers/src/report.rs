@@ -1,0 +1,164 @@
+//! Rows of results: printed as CSV as they come, and as tables at the end.
+
+use std::fmt::Write as _;
+
+pub struct Row {
+    pub engine: String,
+    pub scene: String,
+    pub n: usize,
+    pub metric: String,
+    pub value: f64,
+    pub unit: &'static str,
+    pub min: f64,
+    pub max: f64,
+    pub samples: usize,
+    pub note: String,
+}
+
+#[derive(Default)]
+pub struct Report {
+    pub rows: Vec<Row>,
+    pub notes: Vec<String>,
+}
+
+pub const CSV_HEAD: &str = "engine,scene,n,metric,value,unit,min,max,samples,note";
+
+pub fn num(v: f64) -> String {
+    if !v.is_finite() {
+        return format!("{v}");
+    }
+    let a = v.abs();
+    if a == 0.0 {
+        "0".into()
+    } else if v.fract() == 0.0 && a < 1e9 {
+        format!("{v:.0}")
+    } else if a < 1e-3 || a >= 1e9 {
+        format!("{v:.3e}")
+    } else if a < 10.0 {
+        format!("{v:.4}")
+    } else if a < 1000.0 {
+        format!("{v:.2}")
+    } else {
+        format!("{v:.0}")
+    }
+}
+
+impl Report {
+    /// Median with min and max.
+    pub fn add(
+        &mut self,
+        engine: &str,
+        scene: &str,
+        n: usize,
+        metric: &str,
+        unit: &'static str,
+        samples: &[f64],
+        note: impl Into<String>,
+    ) {
+        let mut s: Vec<f64> = samples.to_vec();
+        s.sort_by(f64::total_cmp);
+        let (value, min, max) = match s.len() {
+            0 => (f64::NAN, f64::NAN, f64::NAN),
+            k => (if k % 2 == 1 { s[k / 2] } else { 0.5 * (s[k / 2 - 1] + s[k / 2]) }, s[0], s[k - 1]),
+        };
+        let r = Row {
+            engine: engine.into(),
+            scene: scene.into(),
+            n,
+            metric: metric.into(),
+            value,
+            unit,
+            min,
+            max,
+            samples: s.len(),
+            note: note.into().replace(',', ";"),
+        };
+        println!(
+            "{},{},{},{},{},{},{},{},{},{}",
+            r.engine,
+            r.scene,
+            r.n,
+            r.metric,
+            num(r.value),
+            r.unit,
+            num(r.min),
+            num(r.max),
+            r.samples,
+            r.note
+        );
+        self.rows.push(r);
+    }
+    pub fn one(
+        &mut self,
+        engine: &str,
+        scene: &str,
+        n: usize,
+        metric: &str,
+        unit: &'static str,
+        value: f64,
+        note: impl Into<String>,
+    ) {
+        self.add(engine, scene, n, metric, unit, &[value], note);
+    }
+    pub fn skip(&mut self, engine: &str, scene: &str, n: usize, why: &str) {
+        println!("# skipped: {engine} {scene} {n}: {why}");
+        self.notes.push(format!("{engine} {scene} {n}: {why}"));
+    }
+
+    pub fn tables(&self, engines: &[&str], min: bool) -> String {
+        let mut out = String::new();
+        let mut keys: Vec<(String, usize, String, &'static str)> = Vec::new();
+        for r in &self.rows {
+            let k = (r.scene.clone(), r.n, r.metric.clone(), r.unit);
+            if !keys.contains(&k) {
+                keys.push(k);
+            }
+        }
+        // Metrics of one scene stay together, whatever order they were measured in.
+        let mut scenes: Vec<(String, usize)> = Vec::new();
+        for k in &keys {
+            let s = (k.0.clone(), k.1);
+            if !scenes.contains(&s) {
+                scenes.push(s);
+            }
+        }
+        let w = 15;
+        let _ = write!(out, "\n{:<16}{:>7}  {:<26}{:<10}", "scene", "n", "metric", "unit");
+        for e in engines {
+            let _ = write!(out, "{e:>w$}");
+        }
+        out.push('\n');
+        for (s, n) in scenes {
+            for k in keys.iter().filter(|k| k.0 == s && k.1 == n) {
+                let _ = write!(out, "{:<16}{:>7}  {:<26}{:<10}", k.0, k.1, k.2, k.3);
+                for e in engines {
+                    let r =
+                        self.rows.iter().find(|r| r.engine == *e && r.scene == k.0 && r.n == k.1 && r.metric == k.2);
+                    let cell = match r {
+                        None => "-".to_string(),
+                        Some(r) => {
+                            let v = if min { r.min } else { r.value };
+                            format!(
+                                "{}{}{}",
+                                num(v),
+                                if r.note.contains("first ") { "*" } else { "" },
+                                if r.note.contains("INVALID") { "!" } else { "" }
+                            )
+                        }
+                    };
+                    let _ = write!(out, "{cell:>w$}");
+                }
+                out.push('\n');
+            }
+        }
+        out.push_str(if min { "\nSmallest of the samples." } else { "\nMedians." });
+        out.push_str(" * = the run was cut by the time cap: see the note of its CSV line.\n! = the end state is wrong (note of the CSV line): its times are not comparable.\n");
+        if !self.notes.is_empty() {
+            out.push_str("\nSkipped:\n");
+            for n in &self.notes {
+                let _ = writeln!(out, "  {n}");
+            }
+        }
+        out
+    }
+}

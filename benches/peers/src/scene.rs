@@ -1,0 +1,327 @@
+//! Engine-neutral scene descriptions, in f64. Everything is generated from integer
+//! arithmetic and a fixed LCG, so every engine gets the same numbers.
+
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Kind {
+    Fixed,
+    Dynamic,
+}
+
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Shape {
+    /// No collider at all: mass and moment of inertia are given.
+    None {
+        mass: f64,
+        inertia: f64,
+    },
+    Circle {
+        r: f64,
+    },
+    Box {
+        hx: f64,
+        hy: f64,
+    },
+}
+
+#[derive(Clone, Copy, Debug)]
+pub struct Body {
+    pub kind: Kind,
+    pub x: f64,
+    pub y: f64,
+    pub angle: f64,
+    pub vx: f64,
+    pub vy: f64,
+    pub w: f64,
+    /// Coefficients c of dv/dt = -c v.
+    pub lin_damp: f64,
+    pub ang_damp: f64,
+    pub shape: Shape,
+}
+
+impl Body {
+    pub fn dynamic(x: f64, y: f64, shape: Shape) -> Self {
+        Body { kind: Kind::Dynamic, x, y, angle: 0.0, vx: 0.0, vy: 0.0, w: 0.0, lin_damp: 0.0, ang_damp: 0.0, shape }
+    }
+    pub fn fixed(x: f64, y: f64, shape: Shape) -> Self {
+        Body { kind: Kind::Fixed, ..Body::dynamic(x, y, shape) }
+    }
+    /// Mass and inertia about the centre at density 1.
+    pub fn mass_inertia(&self) -> (f64, f64) {
+        match self.shape {
+            Shape::None { mass, inertia } => (mass, inertia),
+            Shape::Circle { r } => {
+                let m = std::f64::consts::PI * r * r;
+                (m, 0.5 * m * r * r)
+            }
+            Shape::Box { hx, hy } => {
+                let m = 4.0 * hx * hy;
+                (m, m * (hx * hx + hy * hy) / 3.0)
+            }
+        }
+    }
+}
+
+/// A force field about the origin, on a body of mass 1.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Field {
+    /// The gravity of a point of this GM.
+    Attractor(f64),
+    /// A spring without length of this stiffness.
+    Spring(f64),
+}
+
+impl Field {
+    /// The force on a body at (x, y).
+    pub fn force(self, x: f64, y: f64) -> (f64, f64) {
+        let k = match self {
+            Field::Attractor(gm) => gm / x.hypot(y).powi(3),
+            Field::Spring(k) => k,
+        };
+        (-k * x, -k * y)
+    }
+}
+
+/// A revolute joint at a world point of the initial configuration. The joined
+/// bodies do not collide with each other.
+#[derive(Clone, Copy, Debug)]
+pub struct Joint {
+    pub a: usize,
+    pub b: usize,
+    pub x: f64,
+    pub y: f64,
+}
+
+#[derive(Clone, Debug)]
+pub struct Scene {
+    pub name: String,
+    pub n: usize,
+    pub gravity: [f64; 2],
+    pub dt: f64,
+    pub sleep: bool,
+    /// Whether bodies touch.
+    pub contacts: bool,
+    /// None: the engine's default.
+    pub substeps: Option<u32>,
+    pub friction: f64,
+    /// Keep a global damping that the engine has on by default. Off where the scene
+    /// itself says what damps.
+    pub engine_damping: bool,
+    pub bodies: Vec<Body>,
+    pub joints: Vec<Joint>,
+    /// A force field that acts on all bodies.
+    pub field: Option<Field>,
+    /// Whether the field is pushed by the harness, before each step, in place of being the engine's own.
+    pub pushed: bool,
+}
+
+impl Scene {
+    fn new(name: &str, n: usize) -> Self {
+        Scene {
+            name: name.to_string(),
+            n,
+            gravity: [0.0, -10.0],
+            dt: 1.0 / 60.0,
+            sleep: false,
+            contacts: false,
+            substeps: None,
+            friction: 0.5,
+            engine_damping: true,
+            bodies: Vec::new(),
+            joints: Vec::new(),
+            field: None,
+            pushed: false,
+        }
+    }
+}
+
+/// Deterministic numbers in [-1, 1).
+struct Lcg(u64);
+impl Lcg {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        ((self.0 >> 33) as f64) / ((1u64 << 30) as f64) - 1.0
+    }
+}
+
+fn disc(r: f64) -> Shape {
+    let m = std::f64::consts::PI * r * r;
+    Shape::None { mass: m, inertia: 0.5 * m * r * r }
+}
+
+/// Dynamic bodies without colliders: integration and nothing else.
+pub fn free(n: usize) -> Scene {
+    let mut s = Scene::new("free", n);
+    s.engine_damping = false;
+    let side = (n as f64).sqrt().ceil() as usize;
+    let mut g = Lcg(1);
+    for i in 0..n {
+        let mut b = Body::dynamic((i % side) as f64 * 4.0, (i / side) as f64 * 4.0, disc(0.5));
+        b.vx = 3.0 * g.next();
+        b.vy = 3.0 * g.next();
+        b.w = 5.0 * g.next();
+        b.lin_damp = 0.1;
+        b.ang_damp = 0.1;
+        s.bodies.push(b);
+    }
+    s
+}
+
+/// The same with circle colliders that never come near each other: adds the price
+/// of keeping the broad phase current. No gravity and no damping, so that it costs
+/// the same however many steps an engine is given.
+pub fn free_far(n: usize) -> Scene {
+    let mut s = free(n);
+    s.name = "free_far".into();
+    s.gravity = [0.0, 0.0];
+    for b in &mut s.bodies {
+        b.shape = Shape::Circle { r: 0.5 };
+        b.vx = 3.0;
+        b.vy = 2.0;
+        b.lin_damp = 0.0;
+        b.ang_damp = 0.0;
+    }
+    s
+}
+
+/// `n` fixed bodies and 100 dynamic ones far above them.
+pub fn free_static(n: usize, colliders: bool) -> Scene {
+    let mut s = Scene::new(if colliders { "free_static_col" } else { "free_static" }, n);
+    let side = (n as f64).sqrt().ceil() as usize;
+    let shape = if colliders { Shape::Circle { r: 0.5 } } else { disc(0.5) };
+    for i in 0..n {
+        s.bodies.push(Body::fixed((i % side) as f64 * 4.0, -((i / side) as f64) * 4.0, shape));
+    }
+    let mut g = Lcg(2);
+    s.gravity = [0.0, 0.0];
+    s.engine_damping = false;
+    for i in 0..100 {
+        let mut b = Body::dynamic((i % 10) as f64 * 4.0, 1000.0 + (i / 10) as f64 * 4.0, shape);
+        b.vy = 2.0;
+        b.w = 5.0 * g.next();
+        b.lin_damp = 0.1;
+        b.ang_damp = 0.1;
+        s.bodies.push(b);
+    }
+    s
+}
+
+/// Boxes, each resting alone on one of many static floors, that fall asleep.
+pub fn sleeping(n: usize) -> Scene {
+    let mut s = Scene::new("sleeping", n);
+    s.sleep = true;
+    s.contacts = true;
+    let per = 100.min(n);
+    let floors = n.div_ceil(per);
+    for f in 0..floors {
+        s.bodies.push(Body::fixed(0.0, f as f64 * 5.0 - 0.5, Shape::Box { hx: per as f64 * 1.5 + 2.0, hy: 0.5 }));
+    }
+    for i in 0..n {
+        let (f, k) = (i / per, i % per);
+        s.bodies.push(Body::dynamic(
+            (k as f64 - (per as f64 - 1.0) / 2.0) * 3.0,
+            f as f64 * 5.0 + 0.5,
+            Shape::Box { hx: 0.5, hy: 0.5 },
+        ));
+    }
+    s
+}
+
+/// Bodies without colliders at rest where nothing pulls, which fall asleep.
+pub fn sleeping_free(n: usize) -> Scene {
+    let mut s = free(n);
+    s.name = "sleeping_free".into();
+    s.sleep = true;
+    s.gravity = [0.0, 0.0];
+    for b in &mut s.bodies {
+        (b.vx, b.vy, b.w) = (0.0, 0.0, 0.0);
+    }
+    s
+}
+
+/// A pyramid of unit boxes. Body 0 is the ground, the last body is the top box.
+pub fn pyramid(base: usize) -> Scene {
+    let mut s = Scene::new("pyramid", base);
+    s.contacts = true;
+    s.bodies.push(Body::fixed(0.0, -1.0, Shape::Box { hx: 100.0, hy: 1.0 }));
+    for row in 0..base {
+        let k = base - row;
+        for j in 0..k {
+            let x = (j as f64 - (k as f64 - 1.0) / 2.0) * 1.05;
+            s.bodies.push(Body::dynamic(x, 0.5 + row as f64, Shape::Box { hx: 0.5, hy: 0.5 }));
+        }
+    }
+    s
+}
+
+pub fn rain_half_width(n: usize) -> f64 {
+    (n as f64).sqrt() * 0.65
+}
+
+/// Circles and boxes dropped into a container of three static walls.
+pub fn rain(n: usize) -> Scene {
+    let mut s = Scene::new("rain", n);
+    s.contacts = true;
+    let hw = rain_half_width(n);
+    let hh = 400.0;
+    s.bodies.push(Body::fixed(0.0, -2.0, Shape::Box { hx: hw + 8.0, hy: 2.0 }));
+    s.bodies.push(Body::fixed(-hw - 2.0, hh, Shape::Box { hx: 2.0, hy: hh }));
+    s.bodies.push(Body::fixed(hw + 2.0, hh, Shape::Box { hx: 2.0, hy: hh }));
+    let cols = ((2.0 * hw - 1.0) / 1.25) as usize;
+    let mut g = Lcg(3);
+    for i in 0..n {
+        let (r, c) = (i / cols, i % cols);
+        let x = (c as f64 - (cols as f64 - 1.0) / 2.0) * 1.25 + 0.1 * g.next();
+        let y = 1.0 + r as f64 * 1.3;
+        // The box's half diagonal (0.53) stays below half of the spacing.
+        let shape = if (i + r) % 2 == 0 { Shape::Circle { r: 0.4 } } else { Shape::Box { hx: 0.375, hy: 0.375 } };
+        let mut b = Body::dynamic(x, y, shape);
+        b.angle = 0.5 * g.next();
+        s.bodies.push(b);
+    }
+    s
+}
+
+/// A chain of `n` links hung from a fixed body, starting horizontal.
+pub fn chain(n: usize) -> Scene {
+    let mut s = Scene::new("chain", n);
+    let shape = Shape::None { mass: 1.0, inertia: (0.5 * 0.5 + 0.2 * 0.2) / 12.0 };
+    s.bodies.push(Body::fixed(0.0, 0.0, shape));
+    for i in 0..n {
+        s.bodies.push(Body::dynamic(0.25 + 0.5 * i as f64, 0.0, shape));
+        s.joints.push(Joint { a: i, b: i + 1, x: 0.5 * i as f64, y: 0.0 });
+    }
+    s
+}
+
+/// A hanging net of side x side bodies, the two top corners fixed:
+/// 2 side (side - 1) revolute joints (15 gives 420).
+pub fn grid(side: usize) -> Scene {
+    let mut s = Scene::new("grid", 2 * side * (side - 1));
+    let shape = Shape::None { mass: 1.0, inertia: 0.08 };
+    for r in 0..side {
+        for c in 0..side {
+            let (x, y) = (c as f64, -(r as f64));
+            let fixed = r == 0 && (c == 0 || c == side - 1);
+            s.bodies.push(if fixed { Body::fixed(x, y, shape) } else { Body::dynamic(x, y, shape) });
+            let me = r * side + c;
+            if c > 0 {
+                s.joints.push(Joint { a: me - 1, b: me, x: x - 0.5, y });
+            }
+            if r > 0 {
+                s.joints.push(Joint { a: me - side, b: me, x, y: y + 0.5 });
+            }
+        }
+    }
+    s
+}
+
+/// One free body of mass 1, for the accuracy scenes.
+pub fn single(name: &str, gravity: [f64; 2], dt: f64, substeps: Option<u32>) -> Scene {
+    let mut s = Scene::new(name, 1);
+    s.engine_damping = false;
+    s.gravity = gravity;
+    s.dt = dt;
+    s.substeps = substeps;
+    s.bodies.push(Body::dynamic(0.0, 0.0, Shape::None { mass: 1.0, inertia: 1.0 }));
+    s
+}

@@ -1,0 +1,273 @@
+//! The worlds that the benches measure, in any scalar. Each has what its name says and nothing else, so that two of them
+//! differ by one thing.
+
+use std::sync::Arc;
+
+use umbra_physics::scalar::Factor;
+use umbra_physics::{
+    Attachment, BodyDef, BodyId, BodyState, Dependence, End, Field, ForceLaw, Fx, Law, LawFault, Push, Scalar,
+    SpringLaw, Vec2, World, WorldDef, fx,
+};
+
+#[path = "../../tests/support/inputs.rs"]
+#[allow(dead_code, reason = "the scenes use a part of the inputs")]
+mod inputs;
+
+use inputs::Random;
+
+/// A world and what a step of it begins with.
+pub(crate) struct Scene<S: Scalar> {
+    pub(crate) world: World<S>,
+    /// The bodies that are pushed before each step.
+    pub(crate) pushed: Vec<BodyId>,
+}
+
+impl<S: Scalar> Scene<S> {
+    /// Applies the forces of a tick.
+    pub(crate) fn push(&mut self) {
+        let force = vector(fx!(0.25), fx!(-0.5));
+        for &body in &self.pushed {
+            self.world.apply_force(body, force).expect("a fair force");
+        }
+    }
+
+    /// A whole tick.
+    pub(crate) fn advance(&mut self) {
+        self.push();
+        self.world.step();
+    }
+}
+
+fn vector<S: Scalar>(x: Fx, y: Fx) -> Vec2<S> {
+    Vec2::new(S::from_fx(x), S::from_fx(y))
+}
+
+/// No gravity, no damping, no sleep.
+fn calm<S: Scalar>() -> WorldDef<S> {
+    WorldDef { sleep_after: None, ..WorldDef::default() }
+}
+
+/// What is left of a velocity after a second.
+const KEPT: Fx = fx!(0.9);
+
+/// Gravity and damping for all.
+fn rough<S: Scalar>() -> WorldDef<S> {
+    let gravity = vector(Fx::ZERO, fx!(-9.81));
+    WorldDef { gravity, linear_damping: S::from_fx(KEPT), angular_damping: S::from_fx(KEPT), ..calm() }
+}
+
+fn scene<S: Scalar>(def: WorldDef<S>, bodies: impl IntoIterator<Item = BodyDef<S>>) -> Scene<S> {
+    let mut world = World::new(def).expect("a fair definition");
+    for body in bodies {
+        world.add_body(body).expect("a fair body");
+    }
+    Scene { world, pushed: Vec::new() }
+}
+
+/// Bodies 4 m apart in a square, at rest.
+fn resting<S: Scalar>(count: usize) -> impl Iterator<Item = BodyDef<S>> {
+    let side = count.isqrt().max(1);
+    let metres = |i: usize| Fx::from(4 * i as i32);
+    (0..count).map(move |i| {
+        let position = vector(metres(i % side), metres(i / side));
+        BodyDef { position, ..BodyDef::dynamic() }
+    })
+}
+
+/// Up to 4 m/s a component.
+fn random_velocity<S: Scalar>(random: &mut Random) -> Vec2<S> {
+    let mut component = || Fx::from_bits(random.next() >> 29);
+    vector(component(), component())
+}
+
+/// The same bodies, each on its way.
+fn moving<S: Scalar>(count: usize) -> impl Iterator<Item = BodyDef<S>> {
+    let mut random = Random(1);
+    resting(count).map(move |body| BodyDef { velocity: random_velocity(&mut random), ..body })
+}
+
+/// The same bodies, each turning as well, by up to 4 rad/s.
+fn tumbling<S: Scalar>(count: usize) -> impl Iterator<Item = BodyDef<S>> {
+    let mut random = Random(2);
+    // An odd number of ulps is not zero.
+    moving(count)
+        .map(move |body| BodyDef { angular_velocity: S::from_fx(Fx::from_bits(random.next() >> 29 | 1)), ..body })
+}
+
+/// Everything that a body alone can have: gravity, damping, spin.
+pub(crate) fn free<S: Scalar>(count: usize) -> Scene<S> {
+    scene(rough(), tumbling(count))
+}
+
+/// Bodies that move on straight: none of the things that the scenes below have one each of.
+pub(crate) fn plain<S: Scalar>(count: usize) -> Scene<S> {
+    scene(calm(), moving(count))
+}
+
+/// As `plain`, moved by no force: they have no mass.
+pub(crate) fn kinematic<S: Scalar>(count: usize) -> Scene<S> {
+    let velocities = moving::<S>(count);
+    scene(
+        calm(),
+        velocities.map(|BodyDef { position, velocity, .. }| BodyDef { position, velocity, ..BodyDef::kinematic() }),
+    )
+}
+
+/// As `free`, with bodies that never move.
+pub(crate) fn beside_static<S: Scalar>(count: usize, fixed: usize) -> Scene<S> {
+    let fixed = resting(fixed).map(|BodyDef { position, .. }| BodyDef { position, ..BodyDef::fixed() });
+    scene(rough(), fixed.chain(tumbling(count)))
+}
+
+/// Bodies at rest which are awake.
+pub(crate) fn at_rest<S: Scalar>(count: usize) -> Scene<S> {
+    scene(calm(), resting(count))
+}
+
+/// As `free`, beside bodies that are asleep.
+pub(crate) fn beside_sleepers<S: Scalar>(count: usize, sleepers: usize) -> Scene<S> {
+    let weightless = resting(sleepers).map(|body| BodyDef { gravity_scale: S::ZERO, ..body });
+    let def = WorldDef { sleep_after: Some(1), ..rough() };
+    let mut scene = scene(def, weightless.chain(tumbling(count)));
+    // At rest since the first step, asleep by the end of the second at the latest.
+    scene.world.step();
+    scene.world.step();
+    assert_eq!(scene.world.moving_count(), count, "they are not asleep");
+    scene
+}
+
+/// As `plain`, the first so many pushed each tick.
+pub(crate) fn pushed<S: Scalar>(count: usize, pushed: usize) -> Scene<S> {
+    let mut scene = plain(count);
+    scene.pushed = scene.world.bodies().map(|body| body.id()).take(pushed).collect();
+    scene
+}
+
+/// As `plain`, all pushed in the tick before.
+pub(crate) fn pushed_before<S: Scalar>(count: usize) -> Scene<S> {
+    let mut scene = pushed(count, count);
+    scene.advance();
+    scene.pushed.clear();
+    scene
+}
+
+/// As `plain`, turning.
+pub(crate) fn spinning<S: Scalar>(count: usize) -> Scene<S> {
+    scene(calm(), tumbling(count))
+}
+
+/// As `plain`, damped.
+pub(crate) fn damped<S: Scalar>(count: usize) -> Scene<S> {
+    scene(WorldDef { linear_damping: S::from_fx(KEPT), ..calm() }, moving(count))
+}
+
+fn with_fields<S: Scalar, F: Into<Field<S>>>(
+    mut scene: Scene<S>,
+    fields: impl FnOnce(&[BodyId]) -> Vec<F>,
+) -> Scene<S> {
+    let bodies: Vec<BodyId> = scene.world.bodies().map(|body| body.id()).collect();
+    for field in fields(&bodies) {
+        scene.world.add_field(field).expect("a fair field");
+    }
+    scene
+}
+
+/// So many thrusts fixed in the frame of each of the first `some` bodies.
+fn with_thrusters<S: Scalar>(scene: Scene<S>, some: usize, each: usize) -> Scene<S> {
+    with_fields(scene, |bodies| {
+        let thrust = |&body| Law::Thrust { at: Attachment::centre(body), force: vector(fx!(0.25), fx!(0.5)) };
+        bodies[..some].iter().flat_map(|body| std::iter::repeat_n(thrust(body), each)).collect()
+    })
+}
+
+/// As `plain`, with so many thrusts on each body.
+pub(crate) fn thrusters<S: Scalar>(count: usize, each: usize) -> Scene<S> {
+    with_thrusters(plain(count), count, each)
+}
+
+/// As `thrusters`, one each, and all pushed each tick besides.
+pub(crate) fn pushed_thrusters<S: Scalar>(count: usize) -> Scene<S> {
+    let mut scene = thrusters(count, 1);
+    scene.pushed = scene.world.bodies().map(|body| body.id()).collect();
+    scene
+}
+
+/// As `free`, around three attractors.
+pub(crate) fn orbits<S: Scalar>(count: usize) -> Scene<S> {
+    with_fields(free(count), |_| {
+        let centres = [(-1000, 0), (1000, 0), (0, 1000)];
+        let attractor = |(x, y): (i32, i32)| Law::Attractor {
+            centre: End::World(vector(Fx::from(x), Fx::from(y))),
+            mu: S::Factor::from_ratio(100_000, 1),
+            softening: S::from_fx(fx!(1)),
+        };
+        centres.map(attractor).into()
+    })
+}
+
+/// As `free`, against a wind.
+pub(crate) fn drag<S: Scalar>(count: usize) -> Scene<S> {
+    with_fields(free(count), |_| {
+        let (linear, quadratic) = (S::from_fx(fx!(0.125)), S::from_fx(fx!(0.0078125)));
+        vec![Law::Drag { linear, quadratic, wind: vector(fx!(5), fx!(1)) }]
+    })
+}
+
+/// A net of springs, as long at rest as they are at first, that springs to and fro.
+pub(crate) fn net<S: Scalar>(columns: usize, rows: usize) -> Scene<S> {
+    let nodes = (0..columns * rows).map(|i| (i % columns, i / columns));
+    let place = |(x, y): (usize, usize)| vector(Fx::from(x as i32), Fx::from(y as i32));
+    let mut random = Random(3);
+    let bodies = nodes.clone().map(|node| BodyDef {
+        position: place(node),
+        velocity: random_velocity(&mut random),
+        ..BodyDef::dynamic()
+    });
+    with_fields(scene(calm(), bodies), |bodies| {
+        let spring = SpringLaw { rest: S::ONE, stiffness: S::from_fx(fx!(100)), damping: S::ZERO };
+        let join = |a: usize, b: usize| Law::Spring {
+            near: Attachment::centre(bodies[a]),
+            far: End::Body(Attachment::centre(bodies[b])),
+            spring,
+        };
+        let across = nodes.clone().filter(|&(x, _)| x > 0).map(|(x, y)| (y * columns + x, 1));
+        let down = nodes.clone().filter(|&(_, y)| y > 0).map(|(x, y)| (y * columns + x, columns));
+        across.chain(down).map(|(node, stride)| join(node - stride, node)).collect()
+    })
+}
+
+/// A law of the caller's own: the same force on each body.
+struct Steady;
+
+impl<S: Scalar> ForceLaw<S> for Steady {
+    fn id(&self) -> u64 {
+        1
+    }
+
+    fn version(&self) -> u32 {
+        1
+    }
+
+    fn depends_on(&self) -> Dependence {
+        Dependence::Position
+    }
+
+    fn push(&self, _: &BodyState<S>) -> Result<Push<S>, LawFault> {
+        Ok(Push { force: vector(fx!(0.25), fx!(0.5)), torque: S::ZERO })
+    }
+}
+
+fn with_steady_law<S: Scalar>(mut scene: Scene<S>) -> Scene<S> {
+    scene.world.register_law(Arc::new(Steady)).expect("the first of its id");
+    with_fields(scene, |_| vec![Law::Custom { id: 1 }])
+}
+
+/// As `free`, with a law of the caller's own.
+pub(crate) fn custom<S: Scalar>(count: usize) -> Scene<S> {
+    with_steady_law(free(count))
+}
+
+/// As `thrusters` on the first so many bodies, with a law of the caller's own, so that a force acts on each.
+pub(crate) fn thrusters_on_some<S: Scalar>(count: usize, some: usize, each: usize) -> Scene<S> {
+    with_thrusters(with_steady_law(plain(count)), some, each)
+}

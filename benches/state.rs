@@ -1,0 +1,77 @@
+//! Time of what a rollback does besides steps: keeping a copy of the world, going back to it, and the hash of the state.
+//!
+//! Ids are paths such as `state/copy_100k/fx`. Bytes a second count the motion of the bodies alone: positions, velocities,
+//! angles, spins. Compare within one run only.
+
+use divan::counter::BytesCount;
+use divan::{Bencher, black_box};
+use umbra_physics::{Fx, Scalar, World};
+
+#[allow(dead_code, reason = "these benches use one of the scenes")]
+mod scenes;
+
+fn main() {
+    divan::main();
+}
+
+fn motion<S: Scalar>(bodies: usize) -> BytesCount {
+    BytesCount::new(bodies * (5 * size_of::<S::Accumulator>() + size_of::<S::Angle>()))
+}
+
+/// A world, and a copy of it from eight ticks ago.
+fn rolled<S: Scalar>(bodies: usize) -> (World<S>, World<S>) {
+    let mut world = scenes::free(bodies).world;
+    world.step();
+    let kept = world.clone();
+    for _ in 0..8 {
+        world.step();
+    }
+    (world, kept)
+}
+
+/// Into the memory of an older copy, as at every tick of a match.
+fn copy<S: Scalar>(bencher: Bencher, bodies: usize) {
+    let (world, mut kept) = rolled::<S>(bodies);
+    bencher.counter(motion::<S>(bodies)).bench_local(|| black_box(&mut kept).clone_from(black_box(&world)));
+}
+
+fn restore<S: Scalar>(bencher: Bencher, bodies: usize) {
+    let (mut world, kept) = rolled::<S>(bodies);
+    bencher.counter(motion::<S>(bodies)).bench_local(|| black_box(&mut world).clone_from(black_box(&kept)));
+}
+
+fn hash<S: Scalar>(bencher: Bencher, bodies: usize) {
+    let (world, _) = rolled::<S>(bodies);
+    bencher.counter(motion::<S>(bodies)).bench_local(|| black_box(&world).state_hash());
+}
+
+/// One module a bench and size, with a bench a scalar.
+macro_rules! sizes {
+    ($($name:ident: $bench:ident($bodies:expr);)*) => {$(
+        mod $name {
+            use super::*;
+
+            #[divan::bench]
+            fn fx(bencher: Bencher) {
+                $bench::<Fx>(bencher, $bodies);
+            }
+
+            #[divan::bench]
+            fn f64(bencher: Bencher) {
+                $bench::<f64>(bencher, $bodies);
+            }
+        }
+    )*};
+}
+
+sizes! {
+    copy_10: copy(10);
+    copy_1k: copy(1_000);
+    copy_100k: copy(100_000);
+    restore_10: restore(10);
+    restore_1k: restore(1_000);
+    restore_100k: restore(100_000);
+    hash_10: hash(10);
+    hash_1k: hash(1_000);
+    hash_100k: hash(100_000);
+}

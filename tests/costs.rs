@@ -1,0 +1,209 @@
+//! A scene does not pay for what it lacks: counts of instructions, each beside a control that has the thing and pays.
+//!
+//! `benches/instructions.rs` does the counting, in the scenes of `benches/scenes`. Where valgrind or gungraun-runner is
+//! missing the tests say that they are skipped, and with UMBRA_REQUIRE_COUNTS=1 they fail.
+
+use std::collections::BTreeMap;
+use std::io::Write as _;
+use std::process::Command;
+use std::sync::LazyLock;
+
+use serde_json::Value;
+
+/// As in the bench: the steps of a measurement, and the values that arithmetic by itself is counted over.
+const STEPS: i64 = 4;
+const VALUES: i64 = 1_000;
+
+/// Events by measurement, such as `fx/free_1k`, and name.
+struct Counts(BTreeMap<String, BTreeMap<String, i64>>);
+
+impl Counts {
+    /// An event's count over all steps of a measurement.
+    fn event(&self, name: &str, measurement: &str) -> i64 {
+        let count = self.0.get(measurement).and_then(|events| events.get(name));
+        *count.unwrap_or_else(|| panic!("the bench counts no {name} in {measurement}"))
+    }
+
+    fn instructions(&self, measurement: &str) -> i64 {
+        self.event("Ir", measurement)
+    }
+
+    /// What arithmetic on so many values in each step has to cost, from its count by itself. Half of that: within a loop
+    /// that does more it shares loads and stores.
+    fn share(&self, arithmetic: &str, values_a_step: i64) -> i64 {
+        STEPS * values_a_step * self.instructions(arithmetic) / VALUES / 2
+    }
+}
+
+/// The version of gungraun, which its runner has to have.
+fn locked_version() -> &'static str {
+    let lock = include_str!("../Cargo.lock");
+    let (_, rest) = lock.split_once("name = \"gungraun\"\nversion = \"").expect("it is a dependency");
+    rest.split('"').next().expect("a version")
+}
+
+fn missing_tool() -> Option<String> {
+    let runner = format!("gungraun-runner {}", locked_version());
+    for (tool, wanted) in [("valgrind", "valgrind-"), ("gungraun-runner", runner.as_str())] {
+        let said = Command::new(tool).arg("--version").output().map(|output| output.stdout).unwrap_or_default();
+        if !String::from_utf8_lossy(&said).starts_with(wanted) {
+            return Some(format!("there is no {}", wanted.trim_end_matches('-')));
+        }
+    }
+    None
+}
+
+fn count() -> Counts {
+    let bench = ["bench", "--quiet", "--features", "float", "--bench", "instructions", "--", "--output-format=json"];
+    let output = Command::new(env!("CARGO")).args(bench).current_dir(env!("CARGO_MANIFEST_DIR")).output();
+    let output = output.expect("cargo starts");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = String::from_utf8(output.stdout).expect("JSON is UTF-8");
+    Counts(text.lines().map(read).collect())
+}
+
+/// A measurement and its events from a line of the bench.
+fn read(line: &str) -> (String, BTreeMap<String, i64>) {
+    let summary: Value = serde_json::from_str(line).expect("a summary a line");
+    let word = |key: &str| summary[key].as_str().expect("a word");
+    let events = &summary["profiles"][0]["summaries"]["total"]["summary"]["Callgrind"];
+    let count = |(event, found): (&String, &Value)| {
+        // Beside that of the run before, if there was one.
+        let metrics = &found["metrics"];
+        let new = metrics.get("Left").unwrap_or(&metrics["Both"][0]);
+        Some((event.clone(), new["Int"].as_i64()?))
+    };
+    let events = events.as_object().expect("events by name").iter().filter_map(count).collect();
+    (format!("{}/{}", word("function_name"), word("id")), events)
+}
+
+/// The counts, made once for all tests; `None` where they cannot be made.
+fn counts() -> Option<&'static Counts> {
+    static COUNTS: LazyLock<Option<Counts>> = LazyLock::new(|| {
+        let Some(missing) = missing_tool() else { return Some(count()) };
+        assert!(std::env::var_os("UMBRA_REQUIRE_COUNTS").is_none(), "{missing}");
+        // Past the harness, which keeps what is printed by tests that pass.
+        writeln!(std::io::stderr(), "instruction counts: SKIPPED, {missing}").expect("stderr is open");
+        None
+    });
+    COUNTS.as_ref()
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "counts optimised code: in release builds")]
+fn static_bodies_cost_nothing() {
+    let Some(counts) = counts() else { return };
+    let without = counts.instructions("fx/free_1k");
+    let with = counts.instructions("fx/free_1k_beside_100k_static");
+    assert!((with - without).abs() * 100 <= without, "{with} beside 100,000 static bodies, {without} without");
+    // As many again that move cost as much again, within what a body may cost more or less.
+    let control = counts.instructions("fx/free_2k");
+    assert!(control * 100 >= without * 198, "{control} for 2,000 bodies, {without} for 1,000");
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "counts optimised code: in release builds")]
+fn sleeping_bodies_cost_nothing() {
+    let Some(counts) = counts() else { return };
+    let asleep = counts.instructions("fx/asleep_10k") / STEPS;
+    assert!(asleep < 1_000, "{asleep} a step");
+    // At rest but awake each is looked at, if with a single instruction.
+    let control = counts.instructions("fx/at_rest_10k") / STEPS;
+    assert!(control >= 10_000, "{control} a step awake");
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "counts optimised code: in release builds")]
+fn forces_not_applied_cost_nothing() {
+    let Some(counts) = counts() else { return };
+    // No inverse mass is multiplied by where none is: kinematic bodies have no mass, and cost the same.
+    let (dynamic, kinematic) = (counts.instructions("fx/plain_1k"), counts.instructions("fx/kinematic_1k"));
+    assert!((dynamic - kinematic).abs() * 1_000 <= dynamic, "{dynamic} dynamic, {kinematic} kinematic");
+    // Those of the tick before leave nothing to clear body by body: a list or two is emptied as a whole.
+    let (never, before) = (counts.instructions("after/plain_1k"), counts.instructions("after/pushed_before_1k"));
+    assert!((before - never).abs() <= 100, "{never} without forces, {before} a step later");
+    let control = counts.instructions("fx/pushed_1k") - dynamic;
+    let share = counts.share("inverse_mass/values", 2_000);
+    assert!(control >= share, "{control} for forces on all, {share} for their products alone");
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "counts optimised code: in release builds")]
+fn angles_of_bodies_that_do_not_turn_cost_nothing() {
+    let Some(counts) = counts() else { return };
+    // Were they integrated all the same, spin would cost nothing more.
+    let spin = counts.instructions("fx/spinning_1k") - counts.instructions("fx/plain_1k");
+    let share = counts.share("angle_drift/values", 1_000);
+    assert!(spin >= share, "{spin} for spin, {share} for its products alone");
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "counts optimised code: in release builds")]
+fn damping_by_a_factor_of_1_costs_nothing() {
+    let Some(counts) = counts() else { return };
+    // Were it multiplied all the same, damping would cost nothing more: two components, in two half steps.
+    let damping = counts.instructions("fx/damped_1k") - counts.instructions("fx/plain_1k");
+    let share = counts.share("damping/values", 4_000);
+    assert!(damping >= share, "{damping} for damping, {share} for its products alone");
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "counts optimised code: in release builds")]
+fn a_rotation_nobody_asks_for_costs_nothing() {
+    let Some(counts) = counts() else { return };
+    let plain = counts.instructions("fx/plain_1k");
+    let sine = STEPS * counts.instructions("sine_and_cosine/values");
+    let spin = counts.instructions("fx/spinning_1k") - plain;
+    assert!(spin < sine / 2, "{spin} for spin has room for a sine and cosine: {sine}");
+    let control = counts.instructions("fx/thrusters_1k") - plain;
+    assert!(control >= sine / 2, "{control} for thrusters has no room for a sine and cosine: {sine}");
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "counts optimised code: in release builds")]
+fn a_rotation_is_computed_once_a_body_and_step() {
+    let Some(counts) = counts() else { return };
+    // As many thrusters on as many bodies: those on one body share its sine and cosine.
+    let alone = counts.instructions("fx/thrusters_one_on_each_of_1k");
+    let paired = counts.instructions("fx/thrusters_two_on_500_of_1k");
+    let share = counts.share("sine_and_cosine/values", 500);
+    assert!(alone - paired >= share, "{alone} alone, {paired} in pairs, {share} for 500 sines and cosines");
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "counts optimised code: in release builds")]
+fn without_force_fields_no_body_goes_through_a_table_of_functions() {
+    let Some(counts) = counts() else { return };
+    let indirect = |scene: &str| counts.event("Bi", &format!("branches/{scene}"));
+    let (once, twice) = (indirect("free_1k"), indirect("free_2k"));
+    assert_eq!(once, twice, "for twice the bodies");
+    let control = indirect("custom_law_1k") - once;
+    assert!(control >= STEPS * 1_000, "{control} for a law of the caller's own on all");
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "counts optimised code: in release builds")]
+fn without_force_fields_a_step_is_one_pass() {
+    let Some(counts) = counts() else { return };
+    let misses = |scene: &str| {
+        let event = |name| counts.event(name, &format!("caches/{scene}"));
+        (event("DLmr") + event("DLmw")) as f64 / STEPS as f64
+    };
+    // A world that fits in the cache brings each line in once; what is there in any world drops out of the difference.
+    let fits = (misses("free_2k") - misses("free_1k")) / 1e3;
+    // One that does not fit brings in each line once a pass. A hundredth is the ends of columns, in lines they share.
+    let does_not = misses("free_100k") / 1e5;
+    assert!(does_not <= 1.01 * fits, "{does_not:.2} lines a body, of {fits:.2} that it is in");
+    // The cache does not hold the large world: two positions and two velocities of 16 bytes each are one line.
+    assert!(does_not >= 1.0, "{does_not:.2} lines a body");
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "counts optimised code: in release builds")]
+fn a_body_costs_the_same_in_worlds_of_all_sizes() {
+    let Some(counts) = counts() else { return };
+    let sizes = [("fx/free_1k", 1_000), ("fx/free_10k", 10_000), ("fx/free_100k", 100_000), ("fx/free_1m", 1_000_000)];
+    let each = sizes.map(|(scene, bodies)| counts.instructions(scene) as f64 / (STEPS * bodies) as f64);
+    let (least, most) = (each.into_iter().fold(f64::MAX, f64::min), each.into_iter().fold(0.0, f64::max));
+    assert!(most <= 1.02 * least, "a body and step: {each:.1?}");
+}
