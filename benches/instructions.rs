@@ -162,8 +162,9 @@ fn angle_drift(values: Vec<(Turn, Fx)>, factor: FxFactor) -> i128 {
 
 #[library_benchmark(config = whole())]
 #[bench::values(velocities(), Fx::decay(fx!(0.9), HALF_STEP))]
-fn damping(values: Vec<FxAccumulator>, factor: FxFactor) -> i128 {
-    sum(values.iter().map(|velocity| velocity.scaled(factor).map_or(0, Accumulator::to_bits)))
+fn damping(mut values: Vec<FxAccumulator>, factor: FxFactor) -> Vec<FxAccumulator> {
+    Fx::damp_all(&mut values, factor);
+    values
 }
 
 #[library_benchmark(config = whole())]

@@ -176,7 +176,8 @@ fn without_force_fields_no_body_goes_through_a_table_of_functions() {
     let Some(counts) = counts() else { return };
     let indirect = |scene: &str| counts.event("Bi", &format!("branches/{scene}"));
     let (once, twice) = (indirect("free_1k"), indirect("free_2k"));
-    assert_eq!(once, twice, "for twice the bodies");
+    // What is there once a block of bodies, such as a jump by the kind of a stage, is no table a body goes through.
+    assert!((twice - once) * 10 < STEPS * 1_000, "{once} for 1,000 bodies, {twice} for twice as many");
     let control = indirect("custom_law_1k") - once;
     assert!(control >= STEPS * 1_000, "{control} for a law of the caller's own on all");
 }

@@ -42,42 +42,49 @@ impl<S: Scalar> Load<S> {
     }
 }
 
-/// The loads of the bodies that a field reaches, in the order in which it reached them.
+/// A value for some bodies, in the order in which they were asked for.
 #[derive(Debug)]
-pub(crate) struct Loads<S: Scalar> {
-    /// Where the load of a body is, by its index in the columns, or [`NONE`].
+pub(crate) struct Sparse<T> {
+    /// Where the value of a body is, by its index in the columns, or [`NONE`].
     at: Vec<u32>,
-    rows: Vec<(usize, Load<S>)>,
+    rows: Vec<(usize, T)>,
 }
 
-impl<S: Scalar> Default for Loads<S> {
+impl<T> Default for Sparse<T> {
     fn default() -> Self {
         Self { at: Vec::new(), rows: Vec::new() }
     }
 }
 
-impl<S: Scalar> Loads<S> {
-    /// Forgets all, and makes room for so many bodies.
-    pub(crate) fn reset(&mut self, moving: usize) {
+impl<T> Sparse<T> {
+    pub(crate) fn clear(&mut self) {
         for (i, _) in self.rows.drain(..) {
             self.at[i] = NONE;
         }
-        self.at.resize(moving, NONE);
     }
 
     /// With the indices of their bodies.
-    pub(crate) fn rows(&self) -> &[(usize, Load<S>)] {
+    pub(crate) fn rows(&self) -> &[(usize, T)] {
         &self.rows
     }
 
-    fn of(&mut self, i: usize) -> &mut Load<S> {
+    fn of(&mut self, i: usize, make: impl FnOnce() -> T) -> &mut T {
+        if self.at.len() <= i {
+            self.at.resize(i + 1, NONE);
+        }
         if self.at[i] == NONE {
             self.at[i] = self.rows.len() as u32;
-            self.rows.push((i, Load::default()));
+            self.rows.push((i, make()));
         }
         &mut self.rows[self.at[i] as usize].1
     }
 }
+
+/// What the fields do to the bodies that one reaches.
+pub(crate) type Loads<S> = Sparse<Load<S>>;
+
+/// Sines and cosines that were computed already: at most once for a body as long as it does not turn.
+pub(crate) type Directions<S> = Sparse<<<S as Scalar>::Angle as Angle<S>>::Direction>;
 
 /// What fields see.
 #[derive(Clone, Copy)]
@@ -137,7 +144,7 @@ impl<S: Scalar> Scene<'_, S> {
     }
 
     /// `None` if its body is quarantined, and whatever is attached to it inert.
-    fn attached(&self, attachment: &Attachment<S>) -> Option<Anchor<S>> {
+    fn attached(&self, attachment: &Attachment<S>, directions: &mut Directions<S>) -> Option<Anchor<S>> {
         let dense = self.bodies.find(attachment.body).ok()?;
         let columns = &self.bodies.columns;
         let card = &columns.card[dense];
@@ -149,7 +156,7 @@ impl<S: Scalar> Scene<'_, S> {
             Offset::<S>::default()
         } else {
             // Attachments are within 2^12 m a component, far inside what turns without overflow.
-            motion.angle[dense].rotate(attachment.point.x, attachment.point.y)?
+            self.turned(dense, attachment.point, directions)?
         };
         let gives = card.kind == BodyKind::Dynamic && dense < self.bodies.moving();
         Some(Anchor {
@@ -161,16 +168,27 @@ impl<S: Scalar> Scene<'_, S> {
         })
     }
 
-    fn end(&self, end: &End<S>) -> Option<Anchor<S>> {
+    /// A vector of a body's frame in the world's.
+    fn turned(&self, i: usize, vector: Vec2<S>, directions: &mut Directions<S>) -> Option<Offset<S>> {
+        let direction = directions.of(i, || self.bodies.columns.motion.angle[i].direction());
+        S::Angle::turn(*direction, vector.x, vector.y)
+    }
+
+    fn end(&self, end: &End<S>, directions: &mut Directions<S>) -> Option<Anchor<S>> {
         match end {
-            End::Body(attachment) => self.attached(attachment),
+            End::Body(attachment) => self.attached(attachment, directions),
             End::World(point) => Some(Anchor::at(*point)),
         }
     }
 
     /// From one end to another; `None` if either is on a quarantined body.
-    pub(crate) fn offset_between(&self, from: &End<S>, to: &End<S>) -> Option<Offset<S>> {
-        self.end(from)?.offset_to(&self.end(to)?)
+    pub(crate) fn offset_between(
+        &self,
+        from: &End<S>,
+        to: &End<S>,
+        directions: &mut Directions<S>,
+    ) -> Option<Offset<S>> {
+        self.end(from, directions)?.offset_to(&self.end(to, directions)?)
     }
 
     fn position(&self, i: usize) -> Vec2<S> {
@@ -205,6 +223,7 @@ impl<S: Scalar> Scene<'_, S> {
 pub(crate) fn accumulate<S: Scalar>(
     scene: Scene<'_, S>,
     pass: Dependence,
+    directions: &mut Directions<S>,
     loads: &mut Loads<S>,
     faults: &mut Vec<(usize, Cause)>,
 ) {
@@ -222,42 +241,43 @@ pub(crate) fn accumulate<S: Scalar>(
                     Dependence::Velocity => SpringLaw { stiffness: S::ZERO, ..*spring },
                     _ => SpringLaw { damping: S::ZERO, ..*spring },
                 };
-                let (Some(near), Some(far)) = (scene.attached(near), scene.end(far)) else { continue };
+                let (near, far) = (scene.attached(near, directions), scene.end(far, directions));
+                let (Some(near), Some(far)) = (near, far) else { continue };
                 if pull(&near, &far, &law, loads).is_none() {
                     [near.dense, far.dense].into_iter().flatten().for_each(|i| fault(i, too_large));
                 }
             }
             _ if own_pass != pass => {}
             Law::Attractor { centre, mu, softening } => {
-                let Some(centre) = scene.end(centre) else { continue };
+                let Some(centre) = scene.end(centre, directions) else { continue };
                 let carrier = field.bodies().next().and_then(|body| scene.bodies.find(body).ok());
                 for i in scene.targets(moving, field.groups).filter(|&i| carrier != Some(i)) {
                     let offset = Anchor::at(scene.position(i)).offset_to(&centre);
                     match offset.and_then(|offset| S::attraction(*mu, offset, *softening)) {
-                        Some(acceleration) => loads.of(i).accelerate(acceleration),
+                        Some(acceleration) => loads.of(i, Load::default).accelerate(acceleration),
                         None => fault(i, too_large),
                     }
                 }
             }
             Law::Thrust { at, force } => {
-                let Some(at) = scene.attached(at) else { continue };
+                let Some(at) = scene.attached(at, directions) else { continue };
                 let Some(i) = at.dense else { continue };
-                let turned = scene.bodies.columns.motion.angle[i].rotate(force.x, force.y);
-                if turned.and_then(|force| loads.of(i).push(at.arm, force)).is_none() {
+                let turned = scene.turned(i, *force, directions);
+                if turned.and_then(|force| loads.of(i, Load::default).push(at.arm, force)).is_none() {
                     fault(i, too_large);
                 }
             }
             Law::Zone { region, acceleration } => {
                 let acceleration = acceleration.map(S::Wide::from_scalar);
                 for i in scene.targets(moving, field.groups).filter(|&i| scene.is_inside(i, region)) {
-                    loads.of(i).accelerate(acceleration.into());
+                    loads.of(i, Load::default).accelerate(acceleration.into());
                 }
             }
             Law::Custom { id: law } => {
                 let Some(law) = scene.laws.get(law) else { continue };
                 for i in scene.targets(moving, field.groups) {
                     match law.push(&scene.state(i)) {
-                        Ok(push) => loads.of(i).push_freely(&push),
+                        Ok(push) => loads.of(i, Load::default).push_freely(&push),
                         Err(answer) => fault(i, Cause::Law { field: id, code: answer.code }),
                     }
                 }
@@ -278,10 +298,10 @@ fn pull<S: Scalar>(near: &Anchor<S>, far: &Anchor<S>, spring: &SpringLaw<S>, loa
     };
     let force = S::tension(offset, velocity, spring)?;
     if let Some(i) = near.dense {
-        loads.of(i).push(near.arm, force)?;
+        loads.of(i, Load::default).push(near.arm, force)?;
     }
     if let Some(i) = far.dense {
-        loads.of(i).push(far.arm, (force.0.negated(), force.1.negated()))?;
+        loads.of(i, Load::default).push(far.arm, (force.0.negated(), force.1.negated()))?;
     }
     Some(())
 }

@@ -209,8 +209,12 @@ macro_rules! float_scalar {
             fn turned(self, radians: $float) -> Self {
                 Self::from_radians(self + radians)
             }
-            fn rotate(self, x: $float, y: $float) -> Option<($float, $float)> {
-                let (sin, cos) = (libm::$sin(self), libm::$cos(self));
+            type Direction = ($float, $float);
+
+            fn direction(self) -> ($float, $float) {
+                (libm::$sin(self), libm::$cos(self))
+            }
+            fn turn((sin, cos): ($float, $float), x: $float, y: $float) -> Option<($float, $float)> {
                 let (x, y) = (x * cos - y * sin, x * sin + y * cos);
                 (x.is_finite() && y.is_finite()).then_some((x, y))
             }

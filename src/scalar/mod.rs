@@ -243,8 +243,16 @@ pub trait Angle<S: Scalar>: Number {
     /// The angle turned by so many radians.
     #[must_use]
     fn turned(self, radians: S::Accumulator) -> Self;
+    /// Sine and cosine with all the bits they are computed with: what turns vectors.
+    type Direction: Number;
+    /// That of this angle.
+    fn direction(self) -> Self::Direction;
+    /// A vector turned by the angle of a direction; `None` if a component does not fit in the scalar.
+    fn turn(direction: Self::Direction, x: S, y: S) -> Option<(S::Wide, S::Wide)>;
     /// The vector turned by this angle; `None` if a component does not fit in the scalar.
-    fn rotate(self, x: S, y: S) -> Option<(S::Wide, S::Wide)>;
+    fn rotate(self, x: S, y: S) -> Option<(S::Wide, S::Wide)> {
+        Self::turn(self.direction(), x, y)
+    }
     /// Its bits, for hashes and files.
     fn to_bits(self) -> u64;
 }

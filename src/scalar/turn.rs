@@ -68,8 +68,14 @@ impl Angle<Fx> for Turn {
         Self(self.0.wrapping_add(turns as u64))
     }
 
-    fn rotate(self, x: Fx, y: Fx) -> Option<(FxWide, FxWide)> {
-        let (sin, cos) = trig::sin_cos_turn(self.0);
+    /// In units of 2^-62.
+    type Direction = (i64, i64);
+
+    fn direction(self) -> (i64, i64) {
+        trig::sin_cos_turn(self.0)
+    }
+
+    fn turn((sin, cos): (i64, i64), x: Fx, y: Fx) -> Option<(FxWide, FxWide)> {
         let (x, y) = (i128::from(x.to_bits()), i128::from(y.to_bits()));
         let (sin, cos) = (i128::from(sin), i128::from(cos));
         // Each product is at most 2^63 · 2^62, their sum 2^126; from units of 2^-94 to units of 2^-64.

@@ -51,7 +51,7 @@ impl<S: Scalar> Context<'_, S> {
                 if self.integrator == Integrator::PublishedVerlet {
                     self.drift_by_acceleration();
                 }
-                self.scratch.fields_hold = false;
+                self.scratch.forget();
             }
             Verb::Fields => {
                 if has.position {

@@ -18,16 +18,20 @@ impl<S: Scalar> Context<'_, S> {
                 self.find_sleepers(ticks);
             }
         }
-        let Scratch { faults, fell_asleep, fields_hold, .. } = &mut *self.scratch;
+        let Scratch { faults, fell_asleep, .. } = &*self.scratch;
         let taken_out = faults
             .iter()
             .map(|fault| (fault.body, Activity::Quarantined))
             .chain(fell_asleep.iter().map(|&body| (body, Activity::Asleep)));
+        let mut any = false;
         for (body, activity) in taken_out {
             if let Ok(i) = self.bodies.find(body) {
                 self.bodies.set_activity(i, activity);
-                *fields_hold = false;
+                any = true;
             }
+        }
+        if any {
+            self.scratch.forget();
         }
     }
 

@@ -55,10 +55,10 @@ impl<S: Scalar> Context<'_, S> {
     }
 
     fn evaluate(&mut self, pass: Dependence, into: &mut Accelerations<S>) {
-        let Scratch { loads, found, .. } = &mut *self.scratch;
-        loads.reset(self.bodies.moving());
+        let Scratch { directions, loads, found, .. } = &mut *self.scratch;
+        loads.clear();
         let scene = Scene { bodies: self.bodies, fields: self.fields, laws: self.laws };
-        accumulate(scene, pass, loads, &mut found.faults);
+        accumulate(scene, pass, directions, loads, &mut found.faults);
         into.clear();
         for (i, load) in loads.rows() {
             match acceleration(load, &self.bodies.columns.card[*i].properties) {

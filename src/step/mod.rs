@@ -16,7 +16,7 @@ use alloc::vec::Vec;
 
 use crate::body::{Acceleration, BLOCK, Bodies, BodyKind, Frame, Tunings};
 use crate::error::Fault;
-use crate::force::{Applied, Dependence, End, FieldSet, Law, Laws, Loads};
+use crate::force::{Applied, Dependence, Directions, End, FieldSet, Law, Laws, Loads};
 use crate::handle::BodyId;
 use crate::integrate::{Integrator, Plan};
 use crate::scalar::Scalar;
@@ -46,10 +46,11 @@ pub(crate) struct Scratch<S: Scalar> {
     /// The engaged blocks as they were before the step; or the first holds one block after the other.
     frames: Vec<Frame<S>>,
     loads: Loads<S>,
+    /// Those of the angles now.
+    directions: Directions<S>,
     /// What the fields of position do at the positions now, if `fields_hold`.
     fields: Accelerations<S>,
-    /// Dropped by whatever changes a body or a field: a step that finds it false has the same bits.
-    pub(crate) fields_hold: bool,
+    fields_hold: bool,
     /// What the fields of velocity did in the kick before.
     resisting: Accelerations<S>,
     spare: Accelerations<S>,
@@ -76,6 +77,7 @@ impl<S: Scalar> Default for Scratch<S> {
             engaged: Vec::new(),
             frames: Vec::new(),
             loads: Loads::default(),
+            directions: Directions::<S>::default(),
             fields: Vec::new(),
             fields_hold: false,
             resisting: Vec::new(),
@@ -94,6 +96,14 @@ impl<S: Scalar> Default for Scratch<S> {
     }
 }
 
+impl<S: Scalar> Scratch<S> {
+    /// Drops what is cached. Whatever changes a body or a field does so; a step that finds nothing has the same bits.
+    pub(crate) fn forget(&mut self) {
+        self.fields_hold = false;
+        self.directions.clear();
+    }
+}
+
 /// The reports alone: a step makes the rest anew.
 impl<S: Scalar> Clone for Scratch<S> {
     fn clone(&self) -> Self {
@@ -103,7 +113,7 @@ impl<S: Scalar> Clone for Scratch<S> {
     }
 
     fn clone_from(&mut self, source: &Self) {
-        self.fields_hold = false;
+        self.forget();
         self.faults.clone_from(&source.faults);
         self.fell_asleep.clone_from(&source.fell_asleep);
         self.drag_outside = source.drag_outside;

@@ -25,7 +25,7 @@ impl<S: Scalar> World<S> {
         let properties = mass_properties(def.kind, def.mass, def.shape.as_ref())?;
         let climate = Self::climate(&self.def, &self.plan);
         let body = self.bodies.insert(def, properties, &mut self.tunings, &climate)?;
-        self.scratch.fields_hold = false;
+        self.scratch.forget();
         Ok(body)
     }
 

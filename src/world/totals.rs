@@ -4,7 +4,7 @@
 use super::World;
 use crate::body::{Activity, BodyKind};
 use crate::error::{Error, Quantity};
-use crate::force::{Attachment, End, Law, Scene};
+use crate::force::{Attachment, Directions, End, Law, Scene};
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, Factor, Scalar, SpringLaw, Sum, Wide};
 
@@ -105,9 +105,10 @@ impl<S: Scalar> World<S> {
             }
         }
         let scene = Scene { bodies: &self.bodies, fields: &self.fields, laws: &self.laws };
+        let mut directions = Directions::<S>::default();
         for (_, field) in self.fields.iter() {
             match &field.law {
-                Law::Spring { near, far, spring } => sum.add(spring_energy(scene, near, far, spring)?),
+                Law::Spring { near, far, spring } => sum.add(spring_energy(scene, near, far, spring, &mut directions)?),
                 Law::Attractor { centre, mu, softening } => {
                     self.add_attraction(sum, (centre, *mu, *softening), field.groups)?;
                 }
@@ -130,6 +131,7 @@ impl<S: Scalar> World<S> {
         };
         let mutual = carrier.is_some_and(|i| self.bodies.columns.card[i].kind == BodyKind::Dynamic);
         let mu = if mutual { mu.times(S::Factor::from_ratio(1, 2)) } else { mu };
+        let mut directions = Directions::<S>::default();
         for i in self.counted_bodies() {
             let card = &self.bodies.columns.card[i];
             let own = End::Body(Attachment::centre(self.bodies.id(i)));
@@ -137,7 +139,7 @@ impl<S: Scalar> World<S> {
                 continue;
             }
             // One that a quarantined body carries attracts nothing.
-            let Some(offset) = scene.offset_between(&own, centre) else { continue };
+            let Some(offset) = scene.offset_between(&own, centre, &mut directions) else { continue };
             let distance = S::length(offset, softening);
             if distance.is_zero() {
                 return None;
@@ -163,8 +165,11 @@ fn spring_energy<S: Scalar>(
     near: &Attachment<S>,
     far: &End<S>,
     spring: &SpringLaw<S>,
+    directions: &mut Directions<S>,
 ) -> Option<S::Wide> {
-    let Some(offset) = scene.offset_between(&End::Body(*near), far) else { return Some(S::Wide::default()) };
+    let Some(offset) = scene.offset_between(&End::Body(*near), far, directions) else {
+        return Some(S::Wide::default());
+    };
     let stretch = S::length(offset, S::ZERO).abs_diff(S::Factor::from_scalar(spring.rest));
     let energy = stretch.times(stretch).times(S::Factor::from_scalar(spring.stiffness));
     S::Wide::from_factor(energy.times(S::Factor::from_ratio(1, 2)), false)

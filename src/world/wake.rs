@@ -40,7 +40,7 @@ impl<S: Scalar> World<S> {
     /// Drops what is cached, wakes the body if it sleeps, and gives its index. The body is about to be changed.
     pub(super) fn touch(&mut self, body: BodyId) -> Result<usize, Error> {
         let dense = self.bodies.find(body)?;
-        self.scratch.fields_hold = false;
+        self.scratch.forget();
         let card = &self.bodies.columns.card[dense];
         // Neighbours of an awake dynamic body are awake. Those of a body that keeps nothing awake may sleep, and what a
         // quarantined one is changed to will move them when it is released.
@@ -54,7 +54,7 @@ impl<S: Scalar> World<S> {
 
     /// Wakes a body and all that a field reaches from it, over any number of springs.
     pub(super) fn wake_joined(&mut self, body: BodyId) {
-        self.scratch.fields_hold = false;
+        self.scratch.forget();
         if !self.bodies.any_asleep() {
             return;
         }
@@ -81,7 +81,7 @@ impl<S: Scalar> World<S> {
 
     /// Wakes all that sleeps.
     pub(super) fn wake_all(&mut self) {
-        self.scratch.fields_hold = false;
+        self.scratch.forget();
         if !self.bodies.any_asleep() {
             return;
         }

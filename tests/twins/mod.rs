@@ -184,8 +184,13 @@ impl<const MODE: u8> Angle<Twin<MODE>> for Turn {
     fn turned(self, radians: TwinAccumulator<MODE>) -> Self {
         Angle::<Fx>::turned(self, FxAccumulator::from_bits(radians.0))
     }
-    fn rotate(self, x: Twin<MODE>, y: Twin<MODE>) -> Option<(FxWide, FxWide)> {
-        Angle::<Fx>::rotate(self, x.0, y.0)
+    type Direction = <Self as Angle<Fx>>::Direction;
+
+    fn direction(self) -> Self::Direction {
+        Angle::<Fx>::direction(self)
+    }
+    fn turn(direction: Self::Direction, x: Twin<MODE>, y: Twin<MODE>) -> Option<(FxWide, FxWide)> {
+        <Self as Angle<Fx>>::turn(direction, x.0, y.0)
     }
     fn to_bits(self) -> u64 {
         Angle::<Fx>::to_bits(self)
