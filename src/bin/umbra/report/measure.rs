@@ -47,7 +47,8 @@ impl<S: Scalar> Run<S> {
         is_whole.then(|| problem.error(&world, truth))
     }
 
-    /// The CPU time of a run, s, from one batch. Going back to the start is counted in: less than a step.
+    /// The CPU time of a run, s, from one batch. Going back to the start is counted in: a few steps,
+    /// a twentieth of the shortest runs at most.
     pub(crate) fn cost(&mut self) -> f64 {
         let mut batch = self.batch;
         let mut world = self.start.clone();

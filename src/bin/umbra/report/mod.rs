@@ -89,11 +89,11 @@ pub(crate) fn report(options: &Options) -> Result<(), Failure> {
     for problem in chosen {
         all.push(Experiment::new(problem, &effort, &progress).map_err(built_in)?);
     }
+    let parting = Parting::measure(effort.parting.0, effort.parting.1).map_err(built_in)?;
     // Batches of the same run lie apart in time: what disturbs one will have passed.
     for _ in 0..effort.batches {
         all.iter_mut().for_each(|experiment| experiment.time(&progress));
     }
-    let parting = Parting::measure(effort.parting.0, effort.parting.1).map_err(built_in)?;
     progress.finish_and_clear();
     let report = Report {
         version: env!("CARGO_PKG_VERSION"),
