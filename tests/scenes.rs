@@ -218,3 +218,47 @@ proptest! {
         }
     }
 }
+
+/// A body that turns and is pushed, at 10 ticks a second, in so many steps a tick; in f64, whose sums are all but exact.
+fn pushed(inputs: &str, steps: u32) -> (Vec2<f64>, Vec2<f64>) {
+    let text = format!(
+        r#"{{"time_step": "1/10", "sleep_after": 3, "bodies": [{{"name": "a", "mass": 2, "inertia": 1, "angular_velocity": 5}}], "inputs": [{inputs}]}}"#
+    );
+    let scene = Scene::parse(&text).expect("a scene");
+    let mut run = scene.start_finer::<f64>(steps).expect("it starts");
+    for tick in 0..10 {
+        assert_eq!(run.tick(), tick);
+        run.advance().expect("it goes on");
+    }
+    let elapsed = run.world().elapsed();
+    assert_eq!((elapsed.num, elapsed.den, run.world().tick()), (1, 1, u64::from(10 * steps)));
+    let body = run.world().bodies().next().expect("it is there");
+    (body.velocity(), body.position())
+}
+
+#[test]
+fn finer_steps_get_the_inputs_of_a_tick_at_its_moment_and_over_all_of_it() {
+    for input in [
+        r#"{"at": 3, "body": "a", "impulse": [1, 2]}"#,
+        r#"{"at": 3, "body": "a", "set": {"velocity": [1, 2]}}"#,
+        r#"{"from": 2, "to": 8, "every": 3, "body": "a", "force": [20, -5]}"#,
+        // In the body's frame, which turns by 0.5 rad in a tick: the force does not.
+        r#"{"from": 2, "to": 4, "body": "a", "frame": "body", "force": [20, 0]}"#,
+    ] {
+        let ((v, x), (finer_v, finer_x)) = (pushed(input, 1), pushed(input, 8));
+        // Velocity Verlet is exact for constant forces. What rounds: 80 sums of numbers below 16, each to 2^-50.
+        let apart = [finer_v.x - v.x, finer_v.y - v.y, finer_x.x - x.x, finer_x.y - x.y].map(f64::abs);
+        assert!(apart.iter().all(|apart| *apart < 80.0 / (1u64 << 50) as f64), "{input}: {apart:?}");
+        assert!(v != Vec2::default(), "{input}");
+    }
+}
+
+#[test]
+fn steps_that_are_too_fine_are_refused() {
+    let scene = Scene::parse(r#"{"time_step": "1/5000"}"#).expect("a scene");
+    assert!(scene.start_finer::<Fx>(2).is_ok());
+    for steps in [0, 3, u32::MAX] {
+        let error = scene.start_finer::<Fx>(steps).expect_err("too fine");
+        assert!(error.message.starts_with("the time step must be"), "{steps}: {error}");
+    }
+}

@@ -184,6 +184,16 @@ impl Scene {
     /// # Errors
     /// As [`build`](Self::build).
     pub fn start<S: Scalar>(&self) -> Result<SceneRun<'_, S>, SceneError> {
-        SceneRun::new(self)
+        SceneRun::new(self, 1)
+    }
+
+    /// The same with so many equal steps to each tick, to see what the time step costs. Inputs come at the same moments.
+    /// What is applied for a tick acts over all of its steps as it did over the first: a force in the body's frame does not
+    /// turn with it meanwhile, one at a point keeps its torque. It is rounded to the scalar.
+    ///
+    /// # Errors
+    /// As [`build`](Self::build); also if the steps are too short for a world.
+    pub fn start_finer<S: Scalar>(&self, steps: u32) -> Result<SceneRun<'_, S>, SceneError> {
+        SceneRun::new(self, steps)
     }
 }

@@ -12,16 +12,20 @@ use super::input::{Deed, Input};
 use super::node::quoted;
 use super::shape::vector;
 use super::{Scene, ShapeDef};
-use crate::error::Error;
+use crate::body::Activity;
+use crate::error::{Error, Quantity};
 use crate::handle::{BodyId, FieldId};
-use crate::scalar::{Scalar, fx::Fx};
-use crate::world::{Action, Command, Made, StepReport, World, WorldDef};
+use crate::math::TimeStep;
+use crate::scalar::{Scalar, Wide, fx::Fx};
+use crate::world::{Action, Command, Made, Manner, StepReport, World, WorldDef};
 
 /// The world of a scene and what is still to be done to it.
 #[derive(Clone, Debug)]
 pub struct SceneRun<'a, S: Scalar = Fx> {
     scene: &'a Scene,
     world: World<S>,
+    /// Steps to a tick of the scene.
+    steps: u32,
     bodies: Vec<Option<BodyId>>,
     fields: Vec<Option<FieldId>>,
     indices: BTreeMap<BodyId, usize>,
@@ -33,15 +37,15 @@ pub struct SceneRun<'a, S: Scalar = Fx> {
 }
 
 impl<'a, S: Scalar> SceneRun<'a, S> {
-    pub(super) fn new(scene: &'a Scene) -> Result<Self, SceneError> {
+    pub(super) fn new(scene: &'a Scene, steps: u32) -> Result<Self, SceneError> {
         let def = &scene.world;
         let world = World::new(WorldDef {
-            time_step: def.time_step,
+            time_step: divided(def.time_step, steps),
             gravity: vector(def.gravity),
             integrator: def.integrator,
             linear_damping: S::from_fx(def.linear_damping),
             angular_damping: S::from_fx(def.angular_damping),
-            sleep_after: def.sleep_after,
+            sleep_after: def.sleep_after.map(|ticks| ticks.saturating_mul(steps)),
         });
         let world = world.map_err(|error| scene.place.fault(error))?;
         let mut order: Vec<usize> = (0..scene.inputs.len()).collect();
@@ -49,6 +53,7 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
         let mut run = Self {
             scene,
             world,
+            steps,
             bodies: Vec::new(),
             fields: Vec::new(),
             indices: BTreeMap::new(),
@@ -91,12 +96,19 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
         self.index(body).map_or("", |index| &self.scene.bodies[index].name)
     }
 
-    /// Does what is to be done at this tick, and moves the world on to the next.
+    /// The number of ticks of the scene that were made.
+    #[must_use]
+    pub fn tick(&self) -> u64 {
+        self.world.tick() / u64::from(self.steps)
+    }
+
+    /// Does what is to be done at this tick, and moves the world on to the next. Where a tick has several steps, the
+    /// report is that of the last.
     ///
     /// # Errors
     /// A [`SceneError`] at an input that the world refuses. What stood before it is done.
     pub fn advance(&mut self) -> Result<StepReport<'_, S>, SceneError> {
-        let tick = self.world.tick();
+        let tick = self.tick();
         let scene = self.scene;
         while let Some(&index) = self.order.get(self.begun).filter(|&&index| scene.inputs[index].from <= tick) {
             self.active.insert(index);
@@ -109,7 +121,31 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
             done.map_err(|error| place.fault(format_args!("at tick {tick}: {}", self.explain(error))))?;
         }
         self.active.retain(|&index| scene.inputs[index].to > tick);
-        Ok(self.world.step())
+        self.world.step();
+        for _ in 1..self.steps {
+            let held = self.hold();
+            held.map_err(|error| scene.place.fault(format_args!("at tick {tick}: {}", self.explain(error))))?;
+            self.world.step();
+        }
+        Ok(self.world.last_report())
+    }
+
+    /// Applies over the next step what was applied over the last.
+    fn hold(&mut self) -> Result<(), Error> {
+        let manner = Manner { wake: false, ..Manner::default() };
+        for applied in self.world.last_report().applied.to_vec() {
+            let body = applied.body;
+            if self.world.body(body)?.activity() == Activity::Quarantined {
+                continue;
+            }
+            let force = applied.force().and_then(|force| force.try_map(S::Wide::to_scalar));
+            let force = force.ok_or(Error::OutOfRange { quantity: Quantity::Force })?;
+            let torque = applied.torque().and_then(S::Wide::to_scalar);
+            let torque = torque.ok_or(Error::OutOfRange { quantity: Quantity::Torque })?;
+            self.world.apply(body, Action::Force { force, point: None }, manner)?;
+            self.world.apply(body, Action::Torque(torque), manner)?;
+        }
+        Ok(())
     }
 
     /// Tries all inputs in their order, on a world that does not move on.
@@ -205,13 +241,15 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
                 Command::SetField { id: self.field(id)?, field: convert_field(field, &|body| self.body(body))? }
             }
             Command::RemoveField(field) => Command::RemoveField(self.field(field)?),
-            Command::SetTimeStep(time_step) => Command::SetTimeStep(time_step),
+            Command::SetTimeStep(time_step) => Command::SetTimeStep(divided(time_step, self.steps)),
             Command::SetGravity(gravity) => Command::SetGravity(vector(gravity)),
             Command::SetIntegrator(integrator) => Command::SetIntegrator(integrator),
             Command::SetDamping { linear, angular } => {
                 Command::SetDamping { linear: scalar(linear), angular: scalar(angular) }
             }
-            Command::SetSleepAfter(ticks) => Command::SetSleepAfter(ticks),
+            Command::SetSleepAfter(ticks) => {
+                Command::SetSleepAfter(ticks.map(|ticks| ticks.saturating_mul(self.steps)))
+            }
             // The scene has deeds of its own for what makes something or has a shape in it.
             Command::AddBody(_) | Command::AddField(_) | Command::SetShape { .. } => {
                 return Err(Error::Full);
@@ -233,6 +271,12 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
         };
         format!("{} {what}", quoted(self.name(body)))
     }
+}
+
+/// A part of a time step; what has none is refused by the world.
+fn divided(time_step: TimeStep, by: u32) -> TimeStep {
+    let (num, den) = time_step.seconds();
+    TimeStep::ratio(num, den.checked_mul(by).unwrap_or(0))
 }
 
 fn convert_action<S: Scalar>(action: Action) -> Action<S> {

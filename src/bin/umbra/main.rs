@@ -2,11 +2,18 @@
 //!
 //! Exit status 0: done; 1: a check failed; 2: bad usage or input.
 
+mod chart;
+mod compare;
+mod cost;
 mod csv;
 mod failure;
+mod load;
 mod picture;
+mod progress;
+mod report;
 mod run;
 mod summary;
+mod truth;
 
 use std::io::Write;
 use std::process::ExitCode;
@@ -25,12 +32,18 @@ struct Arguments {
 enum Task {
     /// Runs a scene and prints what came out.
     Run(run::Options),
+    /// Runs a scene in every scalar with every integrator, and measures how far each is from a converged reference.
+    Compare(compare::Options),
+    /// Measures time against error, for every integrator, scalar and time step.
+    Report(report::Options),
 }
 
 fn main() -> ExitCode {
     let Arguments { task } = Arguments::parse();
     let done = match task {
         Task::Run(options) => run::run(&options),
+        Task::Compare(options) => compare::compare(&options),
+        Task::Report(options) => report::report(&options),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -5,14 +5,15 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use clap::{Args, ValueEnum};
-use indicatif::{ProgressBar, ProgressStyle};
 use umbra_physics::scalar::ToF64;
 use umbra_physics::scene::{Scene, SceneRun};
 use umbra_physics::{Fx, Integrator, Scalar, WorldDef};
 
 use crate::csv::Table;
 use crate::failure::Failure;
+use crate::load;
 use crate::picture::Recorder;
+use crate::progress::progress;
 use crate::summary::{FaultLine, Summary, Totals};
 
 #[derive(Args)]
@@ -58,12 +59,7 @@ fn integrator(name: &str) -> Result<Integrator, String> {
 }
 
 pub(crate) fn run(options: &Options) -> Result<(), Failure> {
-    let bytes = fs::read(&options.scene).map_err(Failure::file(&options.scene, "read"))?;
-    let text = String::from_utf8(bytes).map_err(|error| {
-        let error = std::io::Error::new(std::io::ErrorKind::InvalidData, error.utf8_error());
-        Failure::file(&options.scene, "read")(error)
-    })?;
-    let mut scene = Scene::parse(&text).map_err(Failure::scene(&options.scene))?;
+    let mut scene = load::scene(&options.scene)?;
     if let Some(integrator) = options.integrator {
         scene.world = WorldDef { integrator, ..scene.world };
         scene.build::<Fx>().map_err(|error| Failure::Option {
@@ -93,7 +89,7 @@ where
     let mut recorder = options.plot.as_ref().map(|_| Recorder::new(scene, ticks));
     let before = Totals::of(run.world());
     let (mut faults, mut body_steps, mut stepping) = (Vec::new(), 0u64, Duration::ZERO);
-    let progress = progress(ticks);
+    let progress = progress(ticks, "tick");
     let mut observe = |run: &SceneRun<'_, S>| {
         if let Some(recorder) = &mut recorder {
             recorder.record(run);
@@ -125,11 +121,4 @@ where
     }
     summary.print(options.json);
     Ok(())
-}
-
-/// A bar on a terminal; nothing elsewhere.
-fn progress(ticks: u64) -> ProgressBar {
-    let style = ProgressStyle::with_template("{bar:40} tick {pos} of {len}, {eta} to go");
-    let bar = ProgressBar::new(ticks);
-    style.map_or(bar.clone(), |style| bar.with_style(style))
 }
