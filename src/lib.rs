@@ -46,6 +46,7 @@ macro_rules! clone_by_field {
 }
 
 mod body;
+mod digest;
 mod error;
 mod force;
 mod handle;

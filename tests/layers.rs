@@ -7,12 +7,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules on one level do not name each other.
-const LEVELS: [&[&str]; 12] = [
+const LEVELS: [&[&str]; 13] = [
     &["kernel", "handle"],
     &["error"],
     &["scalar"],
     &["limits"],
     &["math"],
+    &["digest"],
     &["shape"],
     &["body"],
     &["force", "integrate"],

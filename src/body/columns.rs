@@ -1,33 +1,19 @@
-//! The state of all bodies, one array per quantity, those that move first.
+//! All bodies: what steps change in columns, those that move first; what they do not change by slot.
 
+use alloc::sync::Arc;
 use alloc::vec::Vec;
+use core::ops::Range;
 
+use super::card::{Card, Roster};
 use super::motion::{Acceleration, Block, Motion};
-use super::tuning::{Climate, Tunings};
-use super::{Activity, BodyDef, BodyKind, Mass, MassProperties};
+use super::tuning::{Climate, Key, Tunings};
+use super::{Activity, BodyDef, BodyKind, MassProperties};
+use crate::digest::Sink;
 use crate::error::Error;
 use crate::handle::BodyId;
 use crate::limits;
-use crate::scalar::{Angle, Scalar};
+use crate::scalar::{Accumulator, Angle, Scalar, Wide};
 use crate::shape::Shape;
-
-/// What a step does not change, and rarely reads.
-#[derive(Clone, Debug)]
-pub(crate) struct Card<S: Scalar> {
-    pub(crate) kind: BodyKind,
-    pub(crate) activity: Activity,
-    pub(crate) groups: u32,
-    /// Where its applied forces are, or [`NONE`].
-    pub(crate) applied: u32,
-    pub(crate) key: u64,
-    pub(crate) user_data: u64,
-    pub(crate) mass: Mass<S>,
-    pub(crate) properties: MassProperties<S>,
-    pub(crate) shape: Option<Shape<S>>,
-    pub(crate) gravity_scale: S,
-    pub(crate) linear_damping: Option<S>,
-    pub(crate) angular_damping: Option<S>,
-}
 
 /// No index.
 pub(crate) const NONE: u32 = u32::MAX;
@@ -36,13 +22,13 @@ pub(crate) const NONE: u32 = u32::MAX;
 #[derive(Debug)]
 pub(crate) struct Columns<S: Scalar> {
     pub(crate) motion: Motion<S>,
-    /// Which of the [`Tunings`](super::Tunings) a body has.
+    /// Which of the [`Tunings`] a body has.
     pub(crate) tuning: Vec<u32>,
     pub(crate) slot: Vec<u32>,
-    pub(crate) card: Vec<Card<S>>,
+    activity: Vec<Activity>,
 }
 
-clone_by_field!(Columns { motion, tuning, slot, card });
+clone_by_field!(Columns { motion, tuning, slot, activity });
 
 #[derive(Clone, Copy, Debug)]
 struct Slot {
@@ -55,6 +41,7 @@ struct Slot {
 #[derive(Debug)]
 pub(crate) struct Bodies<S: Scalar> {
     pub(crate) columns: Columns<S>,
+    roster: Arc<Roster<S>>,
     /// The bodies before this index are the ones a step moves.
     moving: usize,
     slots: Vec<Slot>,
@@ -66,18 +53,34 @@ pub(crate) struct Bodies<S: Scalar> {
     asleep: usize,
 }
 
-clone_by_field!(Bodies { columns, moving, slots, free, keeps_last, asleep });
+clone_by_field!(Bodies { columns, roster, moving, slots, free, keeps_last, asleep });
 
 impl<S: Scalar> Default for Bodies<S> {
     fn default() -> Self {
-        let columns = Columns { motion: Motion::default(), tuning: Vec::new(), slot: Vec::new(), card: Vec::new() };
-        Self { columns, moving: 0, slots: Vec::new(), free: Vec::new(), keeps_last: false, asleep: 0 }
+        let columns = Columns { motion: Motion::default(), tuning: Vec::new(), slot: Vec::new(), activity: Vec::new() };
+        Self {
+            columns,
+            roster: Arc::default(),
+            moving: 0,
+            slots: Vec::new(),
+            free: Vec::new(),
+            keeps_last: false,
+            asleep: 0,
+        }
     }
+}
+
+/// Adds a value. A column grows by a quarter, not to twice its size: of many bodies little is kept for those to come.
+pub(super) fn push<T>(column: &mut Vec<T>, value: T) {
+    if column.len() == column.capacity() {
+        column.reserve_exact(16.max(column.len() / 4));
+    }
+    column.push(value);
 }
 
 impl<S: Scalar> Bodies<S> {
     pub(crate) fn len(&self) -> usize {
-        self.columns.card.len()
+        self.columns.slot.len()
     }
 
     pub(crate) fn moving(&self) -> usize {
@@ -98,14 +101,58 @@ impl<S: Scalar> Bodies<S> {
         self.asleep > 0
     }
 
+    /// What no step changes of the body at this index in the columns.
+    pub(crate) fn card(&self, dense: usize) -> &Card<S> {
+        &self.roster.cards[self.columns.slot[dense] as usize]
+    }
+
+    /// Changes what no step does.
+    pub(crate) fn edit(&mut self, dense: usize, tunings: &Tunings<S>, edit: impl FnOnce(&mut Card<S>)) {
+        let key = &tunings.rows()[self.columns.tuning[dense] as usize].key;
+        let slot = self.columns.slot[dense] as usize;
+        let Roster { cards, digests, .. } = Arc::make_mut(&mut self.roster);
+        edit(&mut cards[slot]);
+        digests[slot] = cards[slot].digest(key);
+    }
+
+    /// Gives a body a shape, or none, and the properties that follow.
+    pub(crate) fn set_shape(
+        &mut self,
+        dense: usize,
+        tunings: &Tunings<S>,
+        shape: Option<Shape<S>>,
+        properties: MassProperties<S>,
+    ) {
+        let shapes = &mut Arc::make_mut(&mut self.roster).shapes;
+        let new = shape.map(|shape| shapes.acquire(shape));
+        let mut old = None;
+        self.edit(dense, tunings, |card| {
+            old = core::mem::replace(&mut card.shape, new);
+            card.properties = properties;
+        });
+        if let Some(old) = old {
+            Arc::make_mut(&mut self.roster).shapes.release(&old);
+        }
+    }
+
+    /// Gives a body the factors that go with a key.
+    pub(crate) fn retune(&mut self, dense: usize, tunings: &mut Tunings<S>, key: Key<S>, climate: &Climate<'_, S>) {
+        let new = tunings.acquire(key, climate);
+        tunings.release(core::mem::replace(&mut self.columns.tuning[dense], new));
+        self.edit(dense, tunings, |_| {});
+    }
+
+    pub(crate) fn activity(&self, dense: usize) -> Activity {
+        self.columns.activity[dense]
+    }
+
     /// Changes whether a body takes part; returns its new index.
     pub(crate) fn set_activity(&mut self, dense: usize, activity: Activity) -> usize {
-        let card = &mut self.columns.card[dense];
-        self.asleep -= usize::from(card.activity == Activity::Asleep);
+        let old = core::mem::replace(&mut self.columns.activity[dense], activity);
+        self.asleep -= usize::from(old == Activity::Asleep);
         self.asleep += usize::from(activity == Activity::Asleep);
-        card.activity = activity;
         self.columns.motion.rest[dense] = 0;
-        let moves = activity == Activity::Awake && card.kind != BodyKind::Static;
+        let moves = activity == Activity::Awake && self.card(dense).kind != BodyKind::Static;
         self.set_moving(dense, moves)
     }
 
@@ -128,9 +175,40 @@ impl<S: Scalar> Bodies<S> {
         self.slots.iter().filter(|s| s.dense != NONE).map(|s| s.dense as usize)
     }
 
-    /// Generations and whether they are taken, by slot; then the free slots in the order they will not be used.
-    pub(crate) fn allocator(&self) -> (impl ExactSizeIterator<Item = (u32, bool)>, &[u32]) {
-        (self.slots.iter().map(|s| (s.generation, s.dense != NONE)), &self.free)
+    /// The same as ranges of indices that follow each other.
+    fn runs(&self) -> Vec<Range<usize>> {
+        let mut runs: Vec<Range<usize>> = Vec::new();
+        for i in self.in_order() {
+            match runs.last_mut() {
+                Some(run) if run.end == i => run.end += 1,
+                _ => runs.push(i..i + 1),
+            }
+        }
+        runs
+    }
+
+    /// Adds to a hash all bodies and how their handles are given out.
+    pub(crate) fn write(&self, sink: &mut Sink) {
+        sink.count(self.slots.len());
+        sink.all(&self.slots, |slot| (u64::from(slot.generation) << 1 | u64::from(slot.dense != NONE)).to_le_bytes());
+        sink.count(self.free.len());
+        sink.all(&self.free, u32::to_le_bytes);
+        let Columns { motion, slot, activity, .. } = &self.columns;
+        let runs = self.runs();
+        let [x, y, vx, vy] = [&motion.position.x, &motion.position.y, &motion.velocity.x, &motion.velocity.y];
+        for column in [x, y, vx, vy, &motion.spin] {
+            runs.iter().for_each(|run| sink.all(&column[run.clone()], Accumulator::to_bytes));
+        }
+        runs.iter().for_each(|run| sink.all(&motion.angle[run.clone()], |a| a.to_bits().to_le_bytes()));
+        runs.iter().for_each(|run| sink.all(&motion.rest[run.clone()], u32::to_le_bytes));
+        runs.iter().for_each(|run| sink.all(&activity[run.clone()], |activity| [activity as u8]));
+        let digest = |slot: u32| self.roster.digests[slot as usize].to_le_bytes();
+        runs.iter().for_each(|run| sink.all(&slot[run.clone()], digest));
+        if self.keeps_last {
+            for last in runs.iter().flat_map(|run| &motion.last[run.clone()]) {
+                [last.linear.x, last.linear.y, last.angular].iter().for_each(|a| sink.i128(a.to_bits()));
+            }
+        }
     }
 
     /// Adds a body. *Domain* the definition was checked.
@@ -146,32 +224,33 @@ impl<S: Scalar> Bodies<S> {
             return Err(Error::Full);
         }
         let slot = self.free.pop().unwrap_or_else(|| {
-            self.slots.push(Slot { generation: 0, dense: NONE });
+            push(&mut self.slots, Slot { generation: 0, dense: NONE });
             (self.slots.len() - 1) as u32
         });
         self.slots[slot as usize].dense = dense as u32;
         let columns = &mut self.columns;
         columns.motion.push(def.position, def.velocity, S::Angle::from_radians(def.angle), def.angular_velocity);
         if self.keeps_last {
-            columns.motion.last.push(Acceleration::default());
+            push(&mut columns.motion.last, Acceleration::default());
         }
-        let card = Card {
-            kind: def.kind,
-            activity: Activity::Awake,
-            groups: def.groups,
-            applied: NONE,
-            key: def.key,
-            user_data: def.user_data,
-            mass: def.mass,
-            properties,
-            shape: def.shape,
+        let key = Key {
+            dynamic: def.kind == BodyKind::Dynamic,
             gravity_scale: def.gravity_scale,
-            linear_damping: def.linear_damping,
-            angular_damping: def.angular_damping,
+            linear: def.linear_damping,
+            angular: def.angular_damping,
         };
-        columns.tuning.push(tunings.acquire(&card, climate));
-        columns.slot.push(slot);
-        columns.card.push(card);
+        push(&mut columns.tuning, tunings.acquire(key, climate));
+        push(&mut columns.slot, slot);
+        push(&mut columns.activity, Activity::Awake);
+        let Roster { cards, digests, shapes } = Arc::make_mut(&mut self.roster);
+        let card = Card::new(&def, def.shape.clone().map(|shape| shapes.acquire(shape)), properties);
+        let digest = card.digest(&key);
+        if let Some(old) = cards.get_mut(slot as usize) {
+            (*old, digests[slot as usize]) = (card, digest);
+        } else {
+            push(cards, card);
+            push(digests, digest);
+        }
         if def.kind != BodyKind::Static {
             self.swap(dense, self.moving);
             self.moving += 1;
@@ -189,7 +268,11 @@ impl<S: Scalar> Bodies<S> {
         columns.motion.pop();
         columns.tuning.pop();
         columns.slot.pop();
-        columns.card.pop();
+        columns.activity.pop();
+        let Roster { cards, shapes, .. } = Arc::make_mut(&mut self.roster);
+        if let Some(shape) = cards[body.slot as usize].shape.take() {
+            shapes.release(&shape);
+        }
         let slot = &mut self.slots[body.slot as usize];
         slot.dense = NONE;
         // A slot whose generations are used up is never taken again: no handle names two bodies.
@@ -220,10 +303,11 @@ impl<S: Scalar> Bodies<S> {
     /// Gives every body a last acceleration of zero, or none any room for one.
     pub(crate) fn keep_last_acceleration(&mut self, keep: bool) {
         self.keeps_last = keep;
+        let count = self.len();
         let last = &mut self.columns.motion.last;
         last.clear();
         if keep {
-            last.resize(self.columns.card.len(), Acceleration::default());
+            last.resize(count, Acceleration::default());
         }
     }
 
@@ -235,7 +319,7 @@ impl<S: Scalar> Bodies<S> {
         columns.motion.swap(a, b);
         columns.tuning.swap(a, b);
         columns.slot.swap(a, b);
-        columns.card.swap(a, b);
+        columns.activity.swap(a, b);
         self.slots[columns.slot[a] as usize].dense = a as u32;
         self.slots[columns.slot[b] as usize].dense = b as u32;
     }

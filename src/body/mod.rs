@@ -1,5 +1,6 @@
 //! Bodies: their definitions, handles, and the columns their state is kept in.
 
+mod card;
 mod columns;
 mod motion;
 mod tuning;
@@ -10,9 +11,10 @@ use crate::math::Vec2;
 use crate::scalar::{Factor, Scalar, fx::Fx};
 use crate::shape::Shape;
 
-pub(crate) use columns::{Bodies, Card, NONE};
+pub(crate) use card::Card;
+pub(crate) use columns::{Bodies, NONE};
 pub(crate) use motion::{Acceleration, BLOCK, Block, Frame};
-pub(crate) use tuning::{Climate, SPANS, Tuning, Tunings};
+pub(crate) use tuning::{Climate, Key, SPANS, Tuning, Tunings};
 
 /// What moves a body.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -135,13 +137,35 @@ impl<S: Scalar> BodyDef<S> {
     }
 }
 
-/// Mass, inertia and their inverses; zero stands for infinite (the inverses) or unknown (the mass).
+/// 1/m and 1/I; zero for what no force moves or no torque turns.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct MassProperties<S: Scalar> {
-    pub(crate) mass: S,
-    pub(crate) inertia: S::Factor,
     pub(crate) inverse_mass: S::Factor,
     pub(crate) inverse_inertia: S::Factor,
+}
+
+/// kg, of a dynamic body.
+fn mass_of<S: Scalar>(mass: Mass<S>, shape: Option<&Shape<S>>) -> Result<S, Error> {
+    let out_of = |quantity| Error::OutOfRange { quantity };
+    match mass {
+        Mass::Density(density) => {
+            if !(density > S::ZERO && density.is_finite()) {
+                return Err(out_of(Quantity::Density));
+            }
+            let area = shape.ok_or(Error::NoShape)?.measure();
+            S::Factor::from_scalar(density).times(area).to_scalar().ok_or(out_of(Quantity::Mass))
+        }
+        Mass::Of(mass) | Mass::WithInertia(mass, _) => Ok(mass),
+    }
+}
+
+/// kg·m², of a body of this mass in kg; zero for infinite.
+fn inertia_of<S: Scalar>(kilograms: S, mass: Mass<S>, shape: Option<&Shape<S>>) -> S::Factor {
+    match (mass, shape) {
+        (Mass::WithInertia(_, inertia), _) => S::Factor::from_scalar(inertia),
+        (_, Some(shape)) => S::Factor::from_scalar(kilograms).times(shape.gyration()),
+        (_, None) => S::Factor::ZERO,
+    }
 }
 
 /// The properties that follow from a definition.
@@ -150,35 +174,22 @@ pub(crate) fn mass_properties<S: Scalar>(
     mass: Mass<S>,
     shape: Option<&Shape<S>>,
 ) -> Result<MassProperties<S>, Error> {
-    let out_of = |quantity| Error::OutOfRange { quantity };
     let zero = S::Factor::ZERO;
     if kind != BodyKind::Dynamic {
-        return Ok(MassProperties { mass: S::ZERO, inertia: zero, inverse_mass: zero, inverse_inertia: zero });
+        return Ok(MassProperties { inverse_mass: zero, inverse_inertia: zero });
     }
-    let (kilograms, inertia) = match mass {
-        Mass::Density(density) => {
-            if !(density > S::ZERO && density.is_finite()) {
-                return Err(out_of(Quantity::Density));
-            }
-            let area = shape.ok_or(Error::NoShape)?.measure();
-            let mass = S::Factor::from_scalar(density).times(area).to_scalar().ok_or(out_of(Quantity::Mass))?;
-            (mass, None)
-        }
-        Mass::Of(mass) => (mass, None),
-        Mass::WithInertia(mass, inertia) if inertia > S::ZERO && inertia.is_finite() => (mass, Some(inertia)),
-        Mass::WithInertia(..) => return Err(out_of(Quantity::Inertia)),
-    };
+    if matches!(mass, Mass::WithInertia(_, inertia) if !(inertia > S::ZERO && inertia.is_finite())) {
+        return Err(Error::OutOfRange { quantity: Quantity::Inertia });
+    }
+    let kilograms = mass_of(mass, shape)?;
     if !(kilograms >= S::from_fx(limits::MASS_MIN) && kilograms <= S::from_fx(limits::MASS_MAX)) {
-        return Err(out_of(Quantity::Mass));
+        return Err(Error::OutOfRange { quantity: Quantity::Mass });
     }
-    let factor = S::Factor::from_scalar(kilograms);
-    let inertia = match (inertia, shape) {
-        (Some(inertia), _) => S::Factor::from_scalar(inertia),
-        (None, Some(shape)) => factor.times(shape.gyration()),
-        (None, None) => zero,
-    };
     let inverse = |f: S::Factor| if f.is_zero() { f } else { S::Factor::ONE.over(f) };
-    Ok(MassProperties { mass: kilograms, inertia, inverse_mass: inverse(factor), inverse_inertia: inverse(inertia) })
+    Ok(MassProperties {
+        inverse_mass: inverse(S::Factor::from_scalar(kilograms)),
+        inverse_inertia: inverse(inertia_of(kilograms, mass, shape)),
+    })
 }
 
 fn check(ok: bool, quantity: Quantity) -> Result<(), Error> {

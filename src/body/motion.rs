@@ -2,6 +2,7 @@
 
 use alloc::vec::Vec;
 
+use super::columns::push;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, Scalar};
 
@@ -40,8 +41,8 @@ impl<T: Copy> Plane<T> {
     }
 
     fn push(&mut self, value: Vec2<T>) {
-        self.x.push(value.x);
-        self.y.push(value.y);
+        push(&mut self.x, value.x);
+        push(&mut self.y, value.y);
     }
 
     fn pop(&mut self) {
@@ -88,9 +89,9 @@ impl<S: Scalar> Motion<S> {
     pub(super) fn push(&mut self, position: Vec2<S>, velocity: Vec2<S>, angle: S::Angle, spin: S) {
         self.position.push(position.map(S::Accumulator::from_scalar));
         self.velocity.push(velocity.map(S::Accumulator::from_scalar));
-        self.angle.push(angle);
-        self.spin.push(S::Accumulator::from_scalar(spin));
-        self.rest.push(0);
+        push(&mut self.angle, angle);
+        push(&mut self.spin, S::Accumulator::from_scalar(spin));
+        push(&mut self.rest, 0);
     }
 
     /// Removes the last body.

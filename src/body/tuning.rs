@@ -3,7 +3,6 @@
 use alloc::collections::BTreeMap;
 use alloc::vec::Vec;
 
-use super::{BodyKind, Card};
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, Factor, Scalar, Span, fx::Fx};
 
@@ -23,7 +22,7 @@ pub(crate) struct Climate<'a, S> {
 /// The factors of the bodies that have the same gravity scale and damping. All of it is derived.
 #[derive(Clone, Debug)]
 pub(crate) struct Tuning<S: Scalar> {
-    key: Key<S>,
+    pub(crate) key: Key<S>,
     users: u32,
     /// Gravity as it feels it, m/s².
     pub(crate) gravity: Vec2<S::Wide>,
@@ -39,25 +38,18 @@ pub(crate) struct Tuning<S: Scalar> {
     pub(crate) is_gentle: bool,
 }
 
+/// What a body has of its own that its factors are made from.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Key<S> {
-    dynamic: bool,
-    gravity_scale: S,
-    linear: Option<S>,
-    angular: Option<S>,
+pub(crate) struct Key<S> {
+    pub(crate) dynamic: bool,
+    pub(crate) gravity_scale: S,
+    pub(crate) linear: Option<S>,
+    pub(crate) angular: Option<S>,
 }
 
 type KeyBits = (bool, i64, Option<i64>, Option<i64>);
 
 impl<S: Scalar> Key<S> {
-    fn of(card: &Card<S>) -> Self {
-        if card.kind != BodyKind::Dynamic {
-            return Self { dynamic: false, gravity_scale: S::ZERO, linear: None, angular: None };
-        }
-        let (linear, angular) = (card.linear_damping, card.angular_damping);
-        Self { dynamic: true, gravity_scale: card.gravity_scale, linear, angular }
-    }
-
     fn bits(&self) -> KeyBits {
         (self.dynamic, self.gravity_scale.to_bits(), self.linear.map(S::to_bits), self.angular.map(S::to_bits))
     }
@@ -122,9 +114,13 @@ impl<S: Scalar> Tunings<S> {
         &self.rows
     }
 
-    /// The index for a body like this one; it is given back by [`release`](Self::release).
-    pub(crate) fn acquire(&mut self, card: &Card<S>, climate: &Climate<'_, S>) -> u32 {
-        let key = Key::of(card);
+    /// Those that a body has.
+    pub(crate) fn used(&self) -> impl Iterator<Item = &Tuning<S>> {
+        self.rows.iter().filter(|row| row.users > 0)
+    }
+
+    /// The index for a body like this; it is given back by [`release`](Self::release).
+    pub(crate) fn acquire(&mut self, key: Key<S>, climate: &Climate<'_, S>) -> u32 {
         let index = *self.index.entry(key.bits()).or_insert_with(|| {
             let row = Tuning::new(key, climate);
             if let Some(free) = self.free.pop() {

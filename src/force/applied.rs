@@ -2,7 +2,8 @@
 
 use alloc::vec::Vec;
 
-use crate::body::{Bodies, NONE};
+use crate::body::NONE;
+use crate::digest::Sink;
 use crate::handle::BodyId;
 use crate::math::Vec2;
 use crate::scalar::{Scalar, Sum, fx::Fx};
@@ -34,14 +35,16 @@ impl<S: Scalar> AppliedForce<S> {
 #[derive(Debug)]
 pub(crate) struct Applied<S: Scalar> {
     rows: Vec<AppliedForce<S>>,
+    /// Where the row of a body is, by its slot, or [`NONE`]; as long as it had to be.
+    at: Vec<u32>,
     done: Vec<AppliedForce<S>>,
 }
 
-clone_by_field!(Applied { rows, done });
+clone_by_field!(Applied { rows, at, done });
 
 impl<S: Scalar> Default for Applied<S> {
     fn default() -> Self {
-        Self { rows: Vec::new(), done: Vec::new() }
+        Self { rows: Vec::new(), at: Vec::new(), done: Vec::new() }
     }
 }
 
@@ -55,46 +58,63 @@ impl<S: Scalar> Applied<S> {
         &self.done
     }
 
-    pub(crate) fn row(&self, index: u32) -> Option<&AppliedForce<S>> {
+    /// That of a body, if it was pushed.
+    pub(crate) fn row(&self, body: BodyId) -> Option<&AppliedForce<S>> {
+        let index = *self.at.get(body.slot as usize)?;
         self.rows.get(index as usize)
     }
 
-    /// Adds to the sums of the body at this index in the columns.
-    pub(crate) fn add(&mut self, bodies: &mut Bodies<S>, dense: usize, force: Vec2<S::Wide>, torque: S::Wide) {
-        let body = bodies.id(dense);
-        let index = &mut bodies.columns.card[dense].applied;
-        if *index == NONE {
-            *index = self.rows.len() as u32;
+    /// Adds to the sums of a body.
+    pub(crate) fn add(&mut self, body: BodyId, force: Vec2<S::Wide>, torque: S::Wide) {
+        let slot = body.slot as usize;
+        if self.at.len() <= slot {
+            self.at.resize(slot + 1, NONE);
+        }
+        if self.at[slot] == NONE {
+            self.at[slot] = self.rows.len() as u32;
             self.rows.push(AppliedForce { body, force: Vec2::default(), torque: S::Sum::default() });
         }
-        let row = &mut self.rows[*index as usize];
+        let row = &mut self.rows[self.at[slot] as usize];
         row.force.x.add(force.x);
         row.force.y.add(force.y);
         row.torque.add(torque);
     }
 
     /// Forgets what was applied to a body.
-    pub(crate) fn forget(&mut self, bodies: &mut Bodies<S>, dense: usize) {
-        let index = core::mem::replace(&mut bodies.columns.card[dense].applied, NONE);
+    pub(crate) fn forget(&mut self, body: BodyId) {
+        let Some(index) = self.at.get_mut(body.slot as usize).map(|at| core::mem::replace(at, NONE)) else { return };
         if index == NONE {
             return;
         }
         self.rows.swap_remove(index as usize);
-        let moved = self.rows.get(index as usize).and_then(|moved| bodies.find(moved.body).ok());
-        if let Some(dense) = moved {
-            bodies.columns.card[dense].applied = index;
+        if let Some(moved) = self.rows.get(index as usize) {
+            self.at[moved.body.slot as usize] = index;
         }
     }
 
     /// Ends the tick: the sums become those of the last step, in the order of the bodies.
-    pub(crate) fn finish(&mut self, bodies: &mut Bodies<S>) {
+    pub(crate) fn finish(&mut self) {
         for row in &self.rows {
-            if let Ok(dense) = bodies.find(row.body) {
-                bodies.columns.card[dense].applied = NONE;
-            }
+            self.at[row.body.slot as usize] = NONE;
         }
         core::mem::swap(&mut self.rows, &mut self.done);
         self.rows.clear();
         self.done.sort_unstable_by_key(|row| row.body);
+    }
+
+    /// Adds to a hash what was applied since the last step, in the order of the slots.
+    pub(crate) fn write(&self, sink: &mut Sink) {
+        sink.count(self.rows.len());
+        if self.rows.is_empty() {
+            return;
+        }
+        for row in self.at.iter().filter_map(|&index| self.rows.get(index as usize)) {
+            sink.u32(row.body.slot);
+            for sum in [row.force.x, row.force.y, row.torque] {
+                let (low, carries) = sum.to_bits();
+                sink.i128(low);
+                sink.u64(carries as u64);
+            }
+        }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::Laws;
 use crate::body::{Bodies, BodyKind, check_velocity};
+use crate::digest::Sink;
 use crate::error::{Error, Quantity};
 use crate::handle::BodyId;
 use crate::limits;
@@ -29,6 +30,11 @@ pub struct Attachment<S = Fx> {
 }
 
 impl<S: Scalar> Attachment<S> {
+    fn write(&self, sink: &mut Sink) {
+        sink.id(self.body);
+        sink.vector(self.point);
+    }
+
     /// The centre of mass.
     #[must_use]
     pub fn centre(body: BodyId) -> Self {
@@ -43,6 +49,21 @@ pub enum End<S = Fx> {
     World(Vec2<S>),
     /// A point of a body.
     Body(Attachment<S>),
+}
+
+impl<S: Scalar> End<S> {
+    fn write(&self, sink: &mut Sink) {
+        match self {
+            End::World(point) => {
+                sink.u8(0);
+                sink.vector(*point);
+            }
+            End::Body(at) => {
+                sink.u8(1);
+                at.write(sink);
+            }
+        }
+    }
 }
 
 /// A closed region: its edge belongs to it.
@@ -151,7 +172,7 @@ impl<S: Scalar> Field<S> {
             bodies.find(a.body)?;
             check(within(a.point, limits::SIZE_MAX), Quantity::Position)
         };
-        let dynamic = |body| match bodies.columns.card[bodies.find(body)?].kind {
+        let dynamic = |body| match bodies.card(bodies.find(body)?).kind {
             BodyKind::Dynamic => Ok(()),
             _ => Err(Error::NotDynamic { body }),
         };
@@ -214,6 +235,60 @@ impl<S: Scalar> Field<S> {
             Law::Drag { .. } => Dependence::Velocity,
             Law::Zone { .. } | Law::Spring { .. } | Law::Attractor { .. } | Law::Thrust { .. } => Dependence::Position,
         }
+    }
+
+    /// A hash of all of it.
+    pub(crate) fn digest(&self) -> u64 {
+        let sink = &mut Sink::new();
+        sink.u32(self.groups);
+        match &self.law {
+            Law::Attractor { centre, mu, softening } => {
+                sink.u8(0);
+                centre.write(sink);
+                sink.i128(mu.to_bits());
+                sink.scalar(*softening);
+            }
+            Law::Spring { near, far, spring } => {
+                sink.u8(1);
+                near.write(sink);
+                far.write(sink);
+                sink.scalar(spring.rest);
+                sink.scalar(spring.stiffness);
+                sink.scalar(spring.damping);
+            }
+            Law::Drag { linear, quadratic, wind } => {
+                sink.u8(2);
+                sink.scalar(*linear);
+                sink.scalar(*quadratic);
+                sink.vector(*wind);
+            }
+            Law::Thrust { at, force } => {
+                sink.u8(3);
+                at.write(sink);
+                sink.vector(*force);
+            }
+            Law::Zone { region, acceleration } => {
+                sink.u8(4);
+                match *region {
+                    Region::Disc { centre, radius } => {
+                        sink.u8(0);
+                        sink.vector(centre);
+                        sink.scalar(radius);
+                    }
+                    Region::Box { min, max } => {
+                        sink.u8(1);
+                        sink.vector(min);
+                        sink.vector(max);
+                    }
+                }
+                sink.vector(*acceleration);
+            }
+            Law::Custom { id } => {
+                sink.u8(5);
+                sink.u64(*id);
+            }
+        }
+        sink.finish()
     }
 
     /// The bodies it is attached to.

@@ -134,7 +134,7 @@ impl<S: Scalar> Anchor<S> {
 impl<S: Scalar> Scene<'_, S> {
     /// Whether a field with these groups acts on the body at this index.
     fn acts_on(&self, i: usize, groups: u32) -> bool {
-        let card = &self.bodies.columns.card[i];
+        let card = self.bodies.card(i);
         card.kind == BodyKind::Dynamic && card.groups & groups != 0
     }
 
@@ -146,19 +146,17 @@ impl<S: Scalar> Scene<'_, S> {
     /// `None` if its body is quarantined, and whatever is attached to it inert.
     fn attached(&self, attachment: &Attachment<S>, directions: &mut Directions<S>) -> Option<Anchor<S>> {
         let dense = self.bodies.find(attachment.body).ok()?;
-        let columns = &self.bodies.columns;
-        let card = &columns.card[dense];
-        if card.activity == Activity::Quarantined {
+        if self.bodies.activity(dense) == Activity::Quarantined {
             return None;
         }
-        let motion = &columns.motion;
+        let motion = &self.bodies.columns.motion;
         let arm = if attachment.point == Vec2::ZERO {
             Offset::<S>::default()
         } else {
             // Attachments are within 2^12 m a component, far inside what turns without overflow.
             self.turned(dense, attachment.point, directions)?
         };
-        let gives = card.kind == BodyKind::Dynamic && dense < self.bodies.moving();
+        let gives = self.bodies.card(dense).kind == BodyKind::Dynamic && dense < self.bodies.moving();
         Some(Anchor {
             dense: gives.then_some(dense),
             position: motion.position.get(dense).map(Accumulator::value),
@@ -205,13 +203,13 @@ impl<S: Scalar> Scene<'_, S> {
 
     fn state(&self, i: usize) -> BodyState<S> {
         let columns = &self.bodies.columns;
-        let card = &columns.card[i];
+        let card = self.bodies.card(i);
         BodyState {
             position: self.position(i),
             angle: columns.motion.angle[i].radians(),
             velocity: columns.motion.velocity.get(i).map(Accumulator::value),
             angular_velocity: columns.motion.spin[i].value(),
-            mass: card.properties.mass,
+            mass: card.kilograms(),
             key: card.key,
             user_data: card.user_data,
         }
@@ -320,7 +318,7 @@ pub(crate) fn resist<S: Scalar>(
     let mut one = |id: FieldId, field: &Field<S>| {
         let Law::Drag { linear, quadratic, wind } = &field.law else { return };
         for i in 0..bodies.moving() {
-            let card = &bodies.columns.card[i];
+            let card = bodies.card(i);
             if card.kind != BodyKind::Dynamic || card.groups & field.groups == 0 || !only(i) {
                 continue;
             }
@@ -377,7 +375,7 @@ pub(crate) fn outer_drag<S: Scalar>(
     for (_, field) in fields.iter() {
         let Law::Drag { linear, quadratic, wind } = &field.law else { continue };
         for (i, outside) in outside.iter_mut().enumerate() {
-            let card = &bodies.columns.card[i];
+            let card = bodies.card(i);
             if card.kind == BodyKind::Dynamic && card.groups & field.groups != 0 {
                 let speed = S::length(relative(velocities.get(i), *wind), S::ZERO).plus(gain(i));
                 let slope = S::Factor::from_scalar(*linear).plus(S::Factor::from_scalar(*quadratic).times(speed));

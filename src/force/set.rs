@@ -3,6 +3,7 @@
 use alloc::vec::Vec;
 
 use super::Field;
+use crate::digest::Sink;
 use crate::error::Error;
 use crate::handle::FieldId;
 use crate::limits;
@@ -11,8 +12,21 @@ use crate::scalar::Scalar;
 /// The fields in the order of their slots, which is the order drags act in.
 #[derive(Debug)]
 pub(crate) struct FieldSet<S: Scalar> {
-    slots: Vec<(u32, Option<Field<S>>)>,
+    slots: Vec<(u32, Option<Entry<S>>)>,
     free: Vec<u32>,
+}
+
+/// A field and its hash, so that a hash of the world need not look at what no step changes.
+#[derive(Clone, Copy, Debug)]
+struct Entry<S: Scalar> {
+    field: Field<S>,
+    digest: u64,
+}
+
+impl<S: Scalar> Entry<S> {
+    fn new(field: Field<S>) -> Self {
+        Self { digest: field.digest(), field }
+    }
 }
 
 clone_by_field!(FieldSet { slots, free });
@@ -33,20 +47,20 @@ impl<S: Scalar> FieldSet<S> {
             (self.slots.len() - 1) as u32
         });
         let entry = &mut self.slots[slot as usize];
-        entry.1 = Some(field);
+        entry.1 = Some(Entry::new(field));
         Ok(FieldId { slot, generation: entry.0 })
     }
 
     pub(crate) fn get(&self, id: FieldId) -> Result<&Field<S>, Error> {
         match self.slots.get(id.slot as usize) {
-            Some((generation, Some(field))) if *generation == id.generation => Ok(field),
+            Some((generation, Some(entry))) if *generation == id.generation => Ok(&entry.field),
             _ => Err(Error::NoSuchField { field: id }),
         }
     }
 
     pub(crate) fn replace(&mut self, id: FieldId, field: Field<S>) -> Result<(), Error> {
         self.get(id)?;
-        self.slots[id.slot as usize].1 = Some(field);
+        self.slots[id.slot as usize].1 = Some(Entry::new(field));
         Ok(())
     }
 
@@ -62,13 +76,19 @@ impl<S: Scalar> FieldSet<S> {
     }
 
     pub(crate) fn iter(&self) -> impl DoubleEndedIterator<Item = (FieldId, &Field<S>)> {
-        self.slots.iter().enumerate().filter_map(|(slot, (generation, field))| {
-            Some((FieldId { slot: slot as u32, generation: *generation }, field.as_ref()?))
+        self.slots.iter().enumerate().filter_map(|(slot, (generation, entry))| {
+            Some((FieldId { slot: slot as u32, generation: *generation }, &entry.as_ref()?.field))
         })
     }
 
-    /// Generations by slot, and the free slots in the order they will not be used.
-    pub(crate) fn allocator(&self) -> (impl ExactSizeIterator<Item = u32>, &[u32]) {
-        (self.slots.iter().map(|(generation, _)| *generation), &self.free)
+    /// Adds to a hash all fields and how their handles are given out.
+    pub(crate) fn write(&self, sink: &mut Sink) {
+        sink.count(self.slots.len());
+        for (generation, entry) in &self.slots {
+            sink.u32(*generation);
+            sink.option(entry.as_ref(), |sink, entry| sink.u64(entry.digest));
+        }
+        sink.count(self.free.len());
+        sink.all(&self.free, u32::to_le_bytes);
     }
 }

@@ -2,5 +2,5 @@
 
 mod hash;
 
-/// The number of the laws of physics: it moves when the results of a step do.
-pub const LAW: u32 = 1;
+/// The number of the laws of physics: it moves when the results of a step or of a hash do.
+pub const LAW: u32 = 2;

@@ -150,8 +150,12 @@ pub trait Accumulator<S: Scalar>: Number {
     fn scaled(self, factor: S::Factor) -> Option<Self>;
     /// Whether its magnitude is at most `limit`.
     fn is_within(self, limit: S) -> bool;
-    /// Its bits, for hashes and files.
+    /// Its bits, for files.
     fn to_bits(self) -> i128;
+    /// Its bits in the order that is fastest to hash, the same on every machine.
+    fn to_bytes(self) -> [u8; 16] {
+        self.to_bits().to_le_bytes()
+    }
 }
 
 /// A factor of at least zero with 64 significant bits, whatever its size: a duration, 1/m, a moment of inertia.

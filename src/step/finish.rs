@@ -76,11 +76,11 @@ fn keep_awake_around_wanderers<S: Scalar>(bodies: &mut Bodies<S>, fields: &Field
     for (_, field) in fields.iter() {
         let Law::Attractor { centre: End::Body(carrier), .. } = &field.law else { continue };
         let Ok(own) = bodies.find(carrier.body) else { continue };
-        if bodies.columns.card[own].kind == BodyKind::Static {
+        if bodies.card(own).kind == BodyKind::Static {
             continue;
         }
         for i in 0..bodies.moving() {
-            if i != own && bodies.columns.card[i].groups & field.groups != 0 {
+            if i != own && bodies.card(i).groups & field.groups != 0 {
                 bodies.columns.motion.rest[i] = 0;
             }
         }
@@ -108,8 +108,7 @@ pub(crate) fn island_roots<S: Scalar>(
         let Law::Spring { near, far: End::Body(far), .. } = &field.law else { continue };
         let (Ok(a), Ok(b)) = (bodies.find(near.body), bodies.find(far.body)) else { continue };
         let joins = |i: usize| {
-            let card = &bodies.columns.card[i];
-            i < count && card.kind != BodyKind::Static && card.activity != Activity::Quarantined
+            i < count && bodies.card(i).kind != BodyKind::Static && bodies.activity(i) != Activity::Quarantined
         };
         if joins(a) && joins(b) {
             let (a, b) = (root(links, a), root(links, b));

@@ -30,7 +30,7 @@ impl<S: Scalar> Context<'_, S> {
         for row in self.applied.rows() {
             let Ok(i) = self.bodies.find(row.body) else { continue };
             let load = Load { acceleration: Vec2::default(), force: row.force, torque: row.torque };
-            match acceleration(&load, &self.bodies.columns.card[i].properties) {
+            match acceleration(&load, &self.bodies.card(i).properties) {
                 Some(acceleration) => pushed.push((i, acceleration)),
                 None => found.faults.push((i, Cause::Force)),
             }
@@ -61,7 +61,7 @@ impl<S: Scalar> Context<'_, S> {
         accumulate(scene, pass, directions, loads, &mut found.faults);
         into.clear();
         for (i, load) in loads.rows() {
-            match acceleration(load, &self.bodies.columns.card[*i].properties) {
+            match acceleration(load, &self.bodies.card(*i).properties) {
                 Some(acceleration) => into.push((*i, acceleration)),
                 None => found.faults.push((*i, Cause::Force)),
             }

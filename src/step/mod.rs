@@ -144,7 +144,7 @@ impl<S: Scalar> Context<'_, S> {
         if !self.scratch.engaged.is_empty() {
             self.run_engaged(has);
         }
-        self.applied.finish(self.bodies);
+        self.applied.finish();
         self.finish(has);
     }
 
@@ -179,10 +179,8 @@ impl<S: Scalar> Context<'_, S> {
                 law => {
                     engaged.fill(true);
                     if let Law::Attractor { centre: End::Body(at), .. } = law {
-                        has.wanderers |= self
-                            .bodies
-                            .find(at.body)
-                            .is_ok_and(|i| self.bodies.columns.card[i].kind != BodyKind::Static);
+                        has.wanderers |=
+                            self.bodies.find(at.body).is_ok_and(|i| self.bodies.card(i).kind != BodyKind::Static);
                     }
                 }
             }

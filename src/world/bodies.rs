@@ -1,11 +1,12 @@
 //! Adding, removing and changing bodies. Each call checks first and changes nothing if it refuses.
 
+use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use super::World;
 use crate::body::{
-    Activity, BodyDef, BodyKind, Mass, check_angle, check_angular_velocity, check_damping, check_gravity_scale,
-    check_position, check_velocity, mass_properties,
+    Activity, BodyDef, BodyKind, Card, Key, Mass, check_angle, check_angular_velocity, check_damping,
+    check_gravity_scale, check_position, check_velocity, mass_properties,
 };
 use crate::error::Error;
 use crate::handle::BodyId;
@@ -24,7 +25,7 @@ impl<S: Scalar> World<S> {
         self.check_own_damping(def.linear_damping, def.angular_damping)?;
         let properties = mass_properties(def.kind, def.mass, def.shape.as_ref())?;
         let climate = Self::climate(&self.def, &self.plan);
-        let body = self.bodies.insert(def, properties, &mut self.tunings, &climate)?;
+        let body = self.bodies.insert(def, properties, Arc::make_mut(&mut self.tunings), &climate)?;
         self.scratch.forget();
         Ok(body)
     }
@@ -42,8 +43,8 @@ impl<S: Scalar> World<S> {
             self.remove_field(field)?;
         }
         let dense = self.bodies.find(body)?;
-        self.applied.forget(&mut self.bodies, dense);
-        self.tunings.release(self.bodies.columns.tuning[dense]);
+        self.applied.forget(body);
+        Arc::make_mut(&mut self.tunings).release(self.bodies.columns.tuning[dense]);
         self.bodies.remove(body)
     }
 
@@ -102,12 +103,9 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::NoSuchBody`]; [`Error::NoShape`]; [`Error::OutOfRange`].
     pub fn set_mass(&mut self, body: BodyId, mass: Mass<S>) -> Result<(), Error> {
-        let card = &self.bodies.columns.card[self.bodies.find(body)?];
-        let properties = mass_properties(card.kind, mass, card.shape.as_ref())?;
-        let dense = self.touch(body)?;
-        let card = &mut self.bodies.columns.card[dense];
-        (card.mass, card.properties) = (mass, properties);
-        Ok(())
+        let card = self.bodies.card(self.bodies.find(body)?);
+        let properties = mass_properties(card.kind, mass, card.shape.as_deref())?;
+        self.edit(body, |card| (card.mass, card.properties) = (mass, properties))
     }
 
     /// Gives a body a shape, or none; its inertia follows, and its mass if that is a density. Its centre of mass stays
@@ -116,11 +114,10 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::NoSuchBody`]; [`Error::NoShape`]; [`Error::OutOfRange`].
     pub fn set_shape(&mut self, body: BodyId, shape: Option<Shape<S>>) -> Result<(), Error> {
-        let card = &self.bodies.columns.card[self.bodies.find(body)?];
+        let card = self.bodies.card(self.bodies.find(body)?);
         let properties = mass_properties(card.kind, card.mass, shape.as_ref())?;
         let dense = self.touch(body)?;
-        let card = &mut self.bodies.columns.card[dense];
-        (card.shape, card.properties) = (shape, properties);
+        self.bodies.set_shape(dense, &self.tunings, shape, properties);
         Ok(())
     }
 
@@ -130,17 +127,17 @@ impl<S: Scalar> World<S> {
     /// [`Error::NoSuchBody`]; [`Error::Quarantined`]; [`Error::NoShape`] or [`Error::OutOfRange`] if it becomes dynamic
     /// without a mass it can have.
     pub fn set_kind(&mut self, body: BodyId, kind: BodyKind) -> Result<(), Error> {
-        let card = &self.bodies.columns.card[self.bodies.find(body)?];
-        if card.activity == Activity::Quarantined {
+        let dense = self.bodies.find(body)?;
+        if self.bodies.activity(dense) == Activity::Quarantined {
             return Err(Error::Quarantined { body });
         }
-        let properties = mass_properties(kind, card.mass, card.shape.as_ref())?;
+        let card = self.bodies.card(dense);
+        let properties = mass_properties(kind, card.mass, card.shape.as_deref())?;
         self.touch(body)?;
         self.wake_joined(body);
         let dense = self.bodies.find(body)?;
-        self.applied.forget(&mut self.bodies, dense);
-        let card = &mut self.bodies.columns.card[dense];
-        (card.kind, card.properties) = (kind, properties);
+        self.applied.forget(body);
+        self.bodies.edit(dense, &self.tunings, |card| (card.kind, card.properties) = (kind, properties));
         let dense = self.bodies.set_moving(dense, kind != BodyKind::Static);
         let motion = &mut self.bodies.columns.motion;
         if kind == BodyKind::Static {
@@ -150,7 +147,7 @@ impl<S: Scalar> World<S> {
         if let Some(last) = motion.last.get_mut(dense) {
             *last = Default::default();
         }
-        self.retune(dense);
+        self.retune(dense, |key| key.dynamic = kind == BodyKind::Dynamic);
         Ok(())
     }
 
@@ -162,8 +159,7 @@ impl<S: Scalar> World<S> {
         self.bodies.find(body)?;
         check_gravity_scale(scale)?;
         let dense = self.touch(body)?;
-        self.bodies.columns.card[dense].gravity_scale = scale;
-        self.retune(dense);
+        self.retune(dense, |key| key.gravity_scale = scale);
         Ok(())
     }
 
@@ -179,9 +175,7 @@ impl<S: Scalar> World<S> {
         angular.map_or(Ok(()), check_damping)?;
         self.check_own_damping(linear, angular)?;
         let dense = self.touch(body)?;
-        let card = &mut self.bodies.columns.card[dense];
-        (card.linear_damping, card.angular_damping) = (linear, angular);
-        self.retune(dense);
+        self.retune(dense, |key| (key.linear, key.angular) = (linear, angular));
         Ok(())
     }
 
@@ -190,9 +184,7 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::NoSuchBody`].
     pub fn set_groups(&mut self, body: BodyId, groups: u32) -> Result<(), Error> {
-        let dense = self.touch(body)?;
-        self.bodies.columns.card[dense].groups = groups;
-        Ok(())
+        self.edit(body, |card| card.groups = groups)
     }
 
     /// Changes the caller's name for a body; wakes it, as a law of force may read it.
@@ -200,9 +192,7 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::NoSuchBody`].
     pub fn set_key(&mut self, body: BodyId, key: u64) -> Result<(), Error> {
-        let dense = self.touch(body)?;
-        self.bodies.columns.card[dense].key = key;
-        Ok(())
+        self.edit(body, |card| card.key = key)
     }
 
     /// Changes the caller's data for a body; wakes it, as a law of force may read it.
@@ -210,9 +200,7 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::NoSuchBody`].
     pub fn set_user_data(&mut self, body: BodyId, user_data: u64) -> Result<(), Error> {
-        let dense = self.touch(body)?;
-        self.bodies.columns.card[dense].user_data = user_data;
-        Ok(())
+        self.edit(body, |card| card.user_data = user_data)
     }
 
     fn check_own_damping(&self, linear: Option<S>, angular: Option<S>) -> Result<(), Error> {
@@ -224,18 +212,24 @@ impl<S: Scalar> World<S> {
     }
 
     fn check_movable(&self, body: BodyId) -> Result<(), Error> {
-        match self.bodies.columns.card[self.bodies.find(body)?].kind {
+        match self.bodies.card(self.bodies.find(body)?).kind {
             BodyKind::Static => Err(Error::NotMovable { body }),
             _ => Ok(()),
         }
     }
 
-    /// Gives a body the factors that go with its card.
-    fn retune(&mut self, dense: usize) {
+    /// Touches a body and changes what no step does.
+    fn edit(&mut self, body: BodyId, edit: impl FnOnce(&mut Card<S>)) -> Result<(), Error> {
+        let dense = self.touch(body)?;
+        self.bodies.edit(dense, &self.tunings, edit);
+        Ok(())
+    }
+
+    /// Changes what a body's factors are made from.
+    fn retune(&mut self, dense: usize, edit: impl FnOnce(&mut Key<S>)) {
+        let mut key = self.tunings.rows()[self.bodies.columns.tuning[dense] as usize].key;
+        edit(&mut key);
         let climate = Self::climate(&self.def, &self.plan);
-        let old = self.bodies.columns.tuning[dense];
-        let new = self.tunings.acquire(&self.bodies.columns.card[dense], &climate);
-        self.tunings.release(old);
-        self.bodies.columns.tuning[dense] = new;
+        self.bodies.retune(dense, Arc::make_mut(&mut self.tunings), key, &climate);
     }
 }

@@ -1,7 +1,7 @@
 //! Reading bodies.
 
 use super::World;
-use crate::body::{Activity, BodyKind, Card};
+use crate::body::{Activity, BodyKind, Card, Key};
 use crate::error::Error;
 use crate::handle::BodyId;
 use crate::math::{Rot, Vec2};
@@ -17,7 +17,11 @@ pub struct BodyRef<'a, S: Scalar = Fx> {
 
 impl<'a, S: Scalar> BodyRef<'a, S> {
     fn card(&self) -> &'a Card<S> {
-        &self.world.bodies.columns.card[self.dense]
+        self.world.bodies.card(self.dense)
+    }
+
+    fn tuning_key(&self) -> &'a Key<S> {
+        &self.world.tunings.rows()[self.world.bodies.columns.tuning[self.dense] as usize].key
     }
 
     /// Its handle.
@@ -99,19 +103,19 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
     /// Whether it takes part in steps.
     #[must_use]
     pub fn activity(&self) -> Activity {
-        self.card().activity
+        self.world.bodies.activity(self.dense)
     }
 
     /// Its mass, kg; `None` unless it is dynamic.
     #[must_use]
     pub fn mass(&self) -> Option<S> {
-        (self.kind() == BodyKind::Dynamic).then_some(self.card().properties.mass)
+        (self.kind() == BodyKind::Dynamic).then_some(self.card().kilograms())
     }
 
     /// Its moment of inertia, kg·m²; `None` if it is infinite. *Error* 2^-58 relative.
     #[must_use]
     pub fn inertia(&self) -> Option<S::Factor> {
-        let inertia = self.card().properties.inertia;
+        let inertia = self.card().inertia();
         (!inertia.is_zero()).then_some(inertia)
     }
 
@@ -130,25 +134,25 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
     /// Its shape.
     #[must_use]
     pub fn shape(&self) -> Option<&'a Shape<S>> {
-        self.card().shape.as_ref()
+        self.card().shape.as_deref()
     }
 
     /// How much of the world's gravity it feels.
     #[must_use]
     pub fn gravity_scale(&self) -> S {
-        self.card().gravity_scale
+        self.tuning_key().gravity_scale
     }
 
     /// Its own linear damping, if it has one.
     #[must_use]
     pub fn linear_damping(&self) -> Option<S> {
-        self.card().linear_damping
+        self.tuning_key().linear
     }
 
     /// Its own angular damping, if it has one.
     #[must_use]
     pub fn angular_damping(&self) -> Option<S> {
-        self.card().angular_damping
+        self.tuning_key().angular
     }
 
     /// The groups it is in.
@@ -172,13 +176,13 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
     /// The sum of the forces applied to it since the last step, N; `None` if it does not fit.
     #[must_use]
     pub fn applied_force(&self) -> Option<Vec2<S::Wide>> {
-        self.world.applied.row(self.card().applied).map_or(Some(Vec2::default()), |row| row.force())
+        self.world.applied.row(self.id()).map_or(Some(Vec2::default()), |row| row.force())
     }
 
     /// The sum of the torques applied to it since the last step, N·m; `None` if it does not fit.
     #[must_use]
     pub fn applied_torque(&self) -> Option<S::Wide> {
-        self.world.applied.row(self.card().applied).map_or(Some(S::Wide::default()), |row| row.torque())
+        self.world.applied.row(self.id()).map_or(Some(S::Wide::default()), |row| row.torque())
     }
 }
 

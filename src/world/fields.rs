@@ -5,6 +5,7 @@ use crate::error::Error;
 use crate::force::{Field, Law};
 use crate::handle::FieldId;
 use crate::scalar::Scalar;
+use alloc::sync::Arc;
 
 impl<S: Scalar> World<S> {
     /// Adds a force field; wakes what it may act on.
@@ -15,7 +16,7 @@ impl<S: Scalar> World<S> {
     pub fn add_field(&mut self, field: impl Into<Field<S>>) -> Result<FieldId, Error> {
         let field = field.into();
         field.check(&self.bodies, &self.laws)?;
-        let id = self.fields.insert(field)?;
+        let id = Arc::make_mut(&mut self.fields).insert(field)?;
         self.wake_for(&field);
         Ok(id)
     }
@@ -42,7 +43,7 @@ impl<S: Scalar> World<S> {
         let old = *self.fields.get(id)?;
         field.check(&self.bodies, &self.laws)?;
         self.wake_for(&old);
-        self.fields.replace(id, field)?;
+        Arc::make_mut(&mut self.fields).replace(id, field)?;
         self.wake_for(&field);
         Ok(())
     }
@@ -54,7 +55,7 @@ impl<S: Scalar> World<S> {
     pub fn remove_field(&mut self, id: FieldId) -> Result<(), Error> {
         let field = *self.fields.get(id)?;
         self.wake_for(&field);
-        self.fields.remove(id).map(drop)
+        Arc::make_mut(&mut self.fields).remove(id).map(drop)
     }
 
     fn wake_for(&mut self, field: &Field<S>) {

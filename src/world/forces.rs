@@ -129,27 +129,27 @@ impl<S: Scalar> World<S> {
     /// also when a velocity would leave the envelope.
     pub fn apply(&mut self, body: BodyId, action: Action<S>, manner: Manner) -> Result<(), Error> {
         let dense = self.bodies.find(body)?;
-        let card = &self.bodies.columns.card[dense];
-        match (card.kind, card.activity) {
+        let activity = self.bodies.activity(dense);
+        match (self.bodies.card(dense).kind, activity) {
             (_, Activity::Quarantined) => return Err(Error::Quarantined { body }),
             (BodyKind::Static | BodyKind::Kinematic, _) => return Err(Error::NotDynamic { body }),
             _ => {}
         }
-        let unfelt = card.activity == Activity::Asleep && !manner.wake;
+        let unfelt = activity == Activity::Asleep && !manner.wake;
         let none = Vec2::default();
         match action {
             Action::Force { force, point } => {
                 let (force, torque) = self.lever(dense, force, point, manner.frame, Quantity::Force)?;
                 if !unfelt {
-                    let dense = self.rouse(body)?;
-                    self.applied.add(&mut self.bodies, dense, force, torque);
+                    self.rouse(body)?;
+                    self.applied.add(body, force, torque);
                 }
             }
             Action::Torque(torque) => {
                 check_finite(torque, Quantity::Torque)?;
                 if !unfelt {
-                    let dense = self.rouse(body)?;
-                    self.applied.add(&mut self.bodies, dense, none, S::Wide::from_scalar(torque));
+                    self.rouse(body)?;
+                    self.applied.add(body, none, S::Wide::from_scalar(torque));
                 }
             }
             Action::Impulse { impulse, point } => {
@@ -208,7 +208,7 @@ impl<S: Scalar> World<S> {
         unfelt: bool,
     ) -> Result<(), Error> {
         let columns = &self.bodies.columns;
-        let properties = &columns.card[dense].properties;
+        let properties = &self.bodies.card(dense).properties;
         let gained = |impulse| S::kick(impulse, properties.inverse_mass);
         let gained = impulse.try_map(gained).ok_or(out_of(Quantity::Velocity))?;
         let spun = S::kick(angular, properties.inverse_inertia).ok_or(out_of(Quantity::AngularVelocity))?;
@@ -232,9 +232,11 @@ impl<S: Scalar> World<S> {
     }
 
     /// Wakes a body that a force is applied to. Unlike a change of its state that leaves the fields' forces as they are.
-    fn rouse(&mut self, body: BodyId) -> Result<usize, Error> {
-        let dense = self.bodies.find(body)?;
-        if self.bodies.columns.card[dense].activity == Activity::Asleep { self.touch(body) } else { Ok(dense) }
+    fn rouse(&mut self, body: BodyId) -> Result<(), Error> {
+        if self.bodies.activity(self.bodies.find(body)?) == Activity::Asleep {
+            self.touch(body)?;
+        }
+        Ok(())
     }
 }
 

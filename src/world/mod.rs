@@ -9,6 +9,7 @@ mod settings;
 mod totals;
 mod wake;
 
+use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use crate::body::{Bodies, Climate, Tunings, check_damping};
@@ -101,11 +102,12 @@ pub struct World<S: Scalar = Fx> {
     /// The time at which the present time step began to count, and the tick of it.
     pub(crate) counted: (Elapsed, u64),
     pub(crate) bodies: Bodies<S>,
-    pub(crate) fields: FieldSet<S>,
-    pub(crate) laws: Laws<S>,
+    /// Shared, like the laws and tunings, with the worlds that are copies, until one changes it.
+    pub(crate) fields: Arc<FieldSet<S>>,
+    pub(crate) laws: Arc<Laws<S>>,
     pub(crate) applied: Applied<S>,
     // From here on all is derived, scratch, or a report.
-    pub(crate) tunings: Tunings<S>,
+    pub(crate) tunings: Arc<Tunings<S>>,
     pub(crate) plan: Plan<S>,
     pub(crate) scratch: Scratch<S>,
     pub(crate) woken: Vec<BodyId>,
@@ -147,10 +149,10 @@ impl<S: Scalar> World<S> {
             tick: 0,
             counted: (Elapsed::ZERO, 0),
             bodies,
-            fields: FieldSet::default(),
-            laws: Laws::default(),
+            fields: Arc::default(),
+            laws: Arc::default(),
             applied: Applied::default(),
-            tunings: Tunings::default(),
+            tunings: Arc::default(),
             plan: Plan::new(def.integrator, def.time_step),
             scratch: Scratch::default(),
             woken: Vec::new(),

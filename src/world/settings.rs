@@ -41,8 +41,7 @@ impl<S: Scalar> World<S> {
     /// [`Error::DampingHasNoInverse`] for `Yoshida4` where the world or a body has a damping of 0.
     pub fn set_integrator(&mut self, integrator: Integrator) -> Result<(), Error> {
         let stops = |kept: Option<S>| kept == Some(S::ZERO);
-        let mut cards = self.bodies.columns.card.iter();
-        let body_stops = cards.any(|card| stops(card.linear_damping) || stops(card.angular_damping));
+        let body_stops = self.tunings.used().any(|row| stops(row.key.linear) || stops(row.key.angular));
         if integrator == Integrator::Yoshida4 && body_stops {
             return Err(Error::DampingHasNoInverse);
         }
@@ -88,7 +87,7 @@ impl<S: Scalar> World<S> {
         if self.laws.contains_key(&id) {
             return Err(Error::ForceLaw { id });
         }
-        self.laws.insert(id, law);
+        Arc::make_mut(&mut self.laws).insert(id, law);
         Ok(())
     }
 
@@ -96,7 +95,7 @@ impl<S: Scalar> World<S> {
     /// enough now, also over a longer step.
     fn refresh(&mut self) {
         self.plan = Plan::new(self.def.integrator, self.def.time_step);
-        self.tunings.refresh(&Self::climate(&self.def, &self.plan));
+        Arc::make_mut(&mut self.tunings).refresh(&Self::climate(&self.def, &self.plan));
         self.wake_all();
     }
 }

@@ -50,7 +50,7 @@ impl<S: Scalar> World<S> {
         let columns = &self.bodies.columns;
         let (mut x, mut y) = (S::Sum::default(), S::Sum::default());
         for i in self.counted_bodies() {
-            let (mass, velocity) = (columns.card[i].properties.mass, columns.motion.velocity.get(i));
+            let (mass, velocity) = (self.bodies.card(i).kilograms(), columns.motion.velocity.get(i));
             x.add(mass.product(velocity.x.value()));
             y.add(mass.product(velocity.y.value()));
         }
@@ -64,12 +64,12 @@ impl<S: Scalar> World<S> {
     pub fn angular_momentum(&self) -> Result<S::Wide, Error> {
         let mut sum = S::Sum::default();
         let mut add = |i: usize| {
-            let (motion, properties) = (&self.bodies.columns.motion, &self.bodies.columns.card[i].properties);
+            let (motion, card) = (&self.bodies.columns.motion, self.bodies.card(i));
             let (x, v) =
                 (motion.position.get(i).map(Accumulator::value), motion.velocity.get(i).map(Accumulator::value));
             let spin = motion.spin[i].value();
-            sum.add(x.cross(v)?.times(S::Factor::from_scalar(properties.mass))?);
-            sum.add(S::Wide::from_factor(properties.inertia.times(S::Factor::from_scalar(spin)), spin < S::ZERO)?);
+            sum.add(x.cross(v)?.times(S::Factor::from_scalar(card.kilograms()))?);
+            sum.add(S::Wide::from_factor(card.inertia().times(S::Factor::from_scalar(spin)), spin < S::ZERO)?);
             Some(())
         };
         let all: Option<()> = self.counted_bodies().try_for_each(&mut add);
@@ -83,10 +83,10 @@ impl<S: Scalar> World<S> {
             v.times(v)
         };
         for i in self.counted_bodies() {
-            let (motion, properties) = (&self.bodies.columns.motion, &self.bodies.columns.card[i].properties);
+            let (motion, card) = (&self.bodies.columns.motion, self.bodies.card(i));
             let moving = square(motion.velocity.x[i]).plus(square(motion.velocity.y[i]));
-            let turning = square(motion.spin[i]).times(properties.inertia);
-            let twice = moving.times(S::Factor::from_scalar(properties.mass)).plus(turning);
+            let turning = square(motion.spin[i]).times(card.inertia());
+            let twice = moving.times(S::Factor::from_scalar(card.kilograms())).plus(turning);
             sum.add(S::Wide::from_factor(twice.times(half), false)?);
         }
         Some(())
@@ -95,7 +95,7 @@ impl<S: Scalar> World<S> {
     fn add_potential(&self, sum: &mut S::Sum) -> Option<()> {
         let columns = &self.bodies.columns;
         for i in self.counted_bodies() {
-            let mass = S::Factor::from_scalar(columns.card[i].properties.mass);
+            let mass = S::Factor::from_scalar(self.bodies.card(i).kilograms());
             let gravity = self.tunings.rows()[columns.tuning[i] as usize].gravity;
             let at = columns.motion.position.get(i);
             for (g, x) in [(gravity.x, at.x.value()), (gravity.y, at.y.value())] {
@@ -129,11 +129,11 @@ impl<S: Scalar> World<S> {
             End::Body(at) => self.bodies.find(at.body).ok(),
             End::World(_) => None,
         };
-        let mutual = carrier.is_some_and(|i| self.bodies.columns.card[i].kind == BodyKind::Dynamic);
+        let mutual = carrier.is_some_and(|i| self.bodies.card(i).kind == BodyKind::Dynamic);
         let mu = if mutual { mu.times(S::Factor::from_ratio(1, 2)) } else { mu };
         let mut directions = Directions::<S>::default();
         for i in self.counted_bodies() {
-            let card = &self.bodies.columns.card[i];
+            let card = self.bodies.card(i);
             let own = End::Body(Attachment::centre(self.bodies.id(i)));
             if carrier == Some(i) || card.groups & groups == 0 {
                 continue;
@@ -144,7 +144,7 @@ impl<S: Scalar> World<S> {
             if distance.is_zero() {
                 return None;
             }
-            let energy = mu.times(S::Factor::from_scalar(card.properties.mass)).over(distance);
+            let energy = mu.times(S::Factor::from_scalar(card.kilograms())).over(distance);
             sum.add(S::Wide::from_factor(energy, true)?);
         }
         Some(())
@@ -153,8 +153,7 @@ impl<S: Scalar> World<S> {
     /// The dynamic bodies that take part, in the order of their slots.
     fn counted_bodies(&self) -> impl Iterator<Item = usize> {
         self.bodies.in_order().filter(|&i| {
-            let card = &self.bodies.columns.card[i];
-            card.kind == BodyKind::Dynamic && card.activity != Activity::Quarantined
+            self.bodies.card(i).kind == BodyKind::Dynamic && self.bodies.activity(i) != Activity::Quarantined
         })
     }
 }

@@ -17,7 +17,7 @@ impl<S: Scalar> World<S> {
     /// [`Error::NoSuchBody`]; [`Error::Quarantined`].
     pub fn wake(&mut self, body: BodyId) -> Result<(), Error> {
         let dense = self.bodies.find(body)?;
-        if self.bodies.columns.card[dense].activity == Activity::Quarantined {
+        if self.bodies.activity(dense) == Activity::Quarantined {
             return Err(Error::Quarantined { body });
         }
         self.touch(body).map(drop)
@@ -29,7 +29,7 @@ impl<S: Scalar> World<S> {
     /// [`Error::NoSuchBody`]; [`Error::NotQuarantined`].
     pub fn release(&mut self, body: BodyId) -> Result<(), Error> {
         let dense = self.bodies.find(body)?;
-        if self.bodies.columns.card[dense].activity != Activity::Quarantined {
+        if self.bodies.activity(dense) != Activity::Quarantined {
             return Err(Error::NotQuarantined { body });
         }
         self.bodies.set_activity(dense, Activity::Awake);
@@ -41,10 +41,9 @@ impl<S: Scalar> World<S> {
     pub(super) fn touch(&mut self, body: BodyId) -> Result<usize, Error> {
         let dense = self.bodies.find(body)?;
         self.scratch.forget();
-        let card = &self.bodies.columns.card[dense];
         // Neighbours of an awake dynamic body are awake. Those of a body that keeps nothing awake may sleep, and what a
         // quarantined one is changed to will move them when it is released.
-        if card.activity == Activity::Asleep || card.kind != BodyKind::Dynamic {
+        if self.bodies.activity(dense) == Activity::Asleep || self.bodies.card(dense).kind != BodyKind::Dynamic {
             self.wake_joined(body);
         }
         let dense = self.bodies.find(body)?;
@@ -72,9 +71,8 @@ impl<S: Scalar> World<S> {
         let mut roots: Vec<u32> =
             reached.into_iter().filter_map(|body| Some(links[self.bodies.find(body).ok()?])).collect();
         roots.sort_unstable();
-        let sleepers = |i: &usize| {
-            self.bodies.columns.card[*i].activity == Activity::Asleep && roots.binary_search(&links[*i]).is_ok()
-        };
+        let sleepers =
+            |i: &usize| self.bodies.activity(*i) == Activity::Asleep && roots.binary_search(&links[*i]).is_ok();
         let sleepers: Vec<BodyId> = self.bodies.in_order().filter(sleepers).map(|i| self.bodies.id(i)).collect();
         sleepers.into_iter().for_each(|body| self.wake_one(body));
     }
@@ -85,7 +83,7 @@ impl<S: Scalar> World<S> {
         if !self.bodies.any_asleep() {
             return;
         }
-        let asleep = |i: &usize| self.bodies.columns.card[*i].activity == Activity::Asleep;
+        let asleep = |i: &usize| self.bodies.activity(*i) == Activity::Asleep;
         let asleep: Vec<BodyId> = self.bodies.in_order().filter(asleep).map(|i| self.bodies.id(i)).collect();
         asleep.into_iter().for_each(|body| self.wake_one(body));
     }

@@ -1,0 +1,135 @@
+//! What a step does not change of a body.
+
+use alloc::collections::BTreeMap;
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+
+use super::tuning::Key;
+use super::{BodyDef, BodyKind, Mass, MassProperties, inertia_of, mass_of};
+use crate::digest::Sink;
+use crate::scalar::Scalar;
+use crate::shape::Shape;
+
+/// What a step does not change of a body, and rarely reads.
+#[derive(Clone, Debug)]
+pub(crate) struct Card<S: Scalar> {
+    pub(crate) kind: BodyKind,
+    pub(crate) groups: u32,
+    pub(crate) key: u64,
+    pub(crate) user_data: u64,
+    pub(crate) mass: Mass<S>,
+    /// Of a dynamic body; zero for others.
+    pub(crate) properties: MassProperties<S>,
+    pub(crate) shape: Option<Arc<Shape<S>>>,
+}
+
+impl<S: Scalar> Card<S> {
+    pub(super) fn new(def: &BodyDef<S>, shape: Option<Arc<Shape<S>>>, properties: MassProperties<S>) -> Self {
+        Self {
+            kind: def.kind,
+            groups: def.groups,
+            key: def.key,
+            user_data: def.user_data,
+            mass: def.mass,
+            properties,
+            shape,
+        }
+    }
+
+    /// kg; zero unless it is dynamic.
+    pub(crate) fn kilograms(&self) -> S {
+        // A dynamic body's mass was found in range when it was given.
+        match self.kind {
+            BodyKind::Dynamic => mass_of(self.mass, self.shape.as_deref()).unwrap_or(S::ZERO),
+            _ => S::ZERO,
+        }
+    }
+
+    /// kg·m²; zero for infinite, or unless it is dynamic.
+    pub(crate) fn inertia(&self) -> S::Factor {
+        inertia_of(self.kilograms(), self.mass, self.shape.as_deref())
+    }
+
+    /// A hash of all of it and of what its factors are made from.
+    pub(super) fn digest(&self, key: &Key<S>) -> u64 {
+        let mut sink = Sink::new();
+        sink.u8(match self.kind {
+            BodyKind::Static => 0,
+            BodyKind::Kinematic => 1,
+            BodyKind::Dynamic => 2,
+        });
+        sink.u32(self.groups);
+        sink.u64(self.key);
+        sink.u64(self.user_data);
+        match self.mass {
+            Mass::Density(density) => {
+                sink.u8(0);
+                sink.scalar(density);
+            }
+            Mass::Of(mass) => {
+                sink.u8(1);
+                sink.scalar(mass);
+            }
+            Mass::WithInertia(mass, inertia) => {
+                sink.u8(2);
+                sink.scalar(mass);
+                sink.scalar(inertia);
+            }
+        }
+        sink.scalar(key.gravity_scale);
+        sink.option(key.linear, Sink::scalar);
+        sink.option(key.angular, Sink::scalar);
+        sink.option(self.shape.as_deref(), |sink, shape| shape.write(sink));
+        sink.finish()
+    }
+}
+
+/// The shapes in use, each kept once however many bodies have one like it.
+#[derive(Clone, Debug)]
+pub(super) struct Shapes<S: Scalar>(BTreeMap<u64, (Arc<Shape<S>>, u32)>);
+
+impl<S: Scalar> Default for Shapes<S> {
+    fn default() -> Self {
+        Self(BTreeMap::new())
+    }
+}
+
+impl<S: Scalar> Shapes<S> {
+    /// The shape that is kept; it is given back by [`release`](Self::release).
+    pub(super) fn acquire(&mut self, shape: Shape<S>) -> Arc<Shape<S>> {
+        let (kept, users) = self.0.entry(shape.digest()).or_insert_with(|| (Arc::new(shape.clone()), 0));
+        if **kept == shape {
+            *users += 1;
+            kept.clone()
+        } else {
+            // Another shape has the same hash: this one is kept by its body alone.
+            Arc::new(shape)
+        }
+    }
+
+    pub(super) fn release(&mut self, shape: &Arc<Shape<S>>) {
+        let digest = shape.digest();
+        if let Some((kept, users)) = self.0.get_mut(&digest).filter(|(kept, _)| Arc::ptr_eq(kept, shape)) {
+            *users -= 1;
+            if *users == 0 {
+                debug_assert!(**kept == **shape);
+                self.0.remove(&digest);
+            }
+        }
+    }
+}
+
+/// What no step changes of any body, by slot. Worlds that are copies of each other share it until one is changed.
+#[derive(Clone, Debug)]
+pub(super) struct Roster<S: Scalar> {
+    pub(super) cards: Vec<Card<S>>,
+    /// Those of the cards, so that a hash of the world need not look at what no step changes.
+    pub(super) digests: Vec<u64>,
+    pub(super) shapes: Shapes<S>,
+}
+
+impl<S: Scalar> Default for Roster<S> {
+    fn default() -> Self {
+        Self { cards: Vec::new(), digests: Vec::new(), shapes: Shapes::default() }
+    }
+}
