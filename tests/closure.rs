@@ -833,3 +833,70 @@ fn a_body_asleep_and_one_about_to_be_are_told_apart() {
     world.wake(body).unwrap();
     assert_ne!(world.state_hash(), before);
 }
+
+/// What an outlook and the world say of a body.
+#[track_caller]
+fn assert_foreseen(world: &World, body: BodyId, ticks: u32) -> usize {
+    let mut ahead = world.look_ahead(body).expect("it is there");
+    let taken = ahead.world_mut().body_count();
+    let mut world = world.clone();
+    for tick in 0..ticks {
+        ahead.step();
+        world.step();
+        let there = ahead.id();
+        let (seen, is) = (bits(ahead.world_mut(), there), bits(&world, body));
+        assert_eq!(seen, is, "{body}, {:?}, tick {tick}", world.def().integrator);
+    }
+    taken
+}
+
+#[test]
+fn looking_ahead_with_one_body_is_its_future() {
+    for integrator in Integrator::ALL {
+        let mut dice = Dice(0x5eed_0a11);
+        let mut world = World::new(world_def(integrator)).expect("a fair definition");
+        let body = |dice: &mut Dice, groups| BodyDef {
+            position: dice.vector(fx!(20)),
+            velocity: dice.vector(fx!(3)),
+            angular_velocity: dice.number(fx!(2)),
+            mass: Mass::WithInertia(fx!(2), fx!(0.5)),
+            groups,
+            ..BodyDef::dynamic()
+        };
+        let strangers: Vec<_> = (0..150).map(|_| world.add_body(body(&mut dice, 1)).expect("fair")).collect();
+        let chain: Vec<_> = (0..6).map(|_| world.add_body(body(&mut dice, 2)).expect("fair")).collect();
+        let suns: Vec<_> = (0..2).map(|_| world.add_body(body(&mut dice, 4)).expect("fair")).collect();
+        let anchor = world.add_body(BodyDef { position: vec2(1, 2), ..BodyDef::fixed() }).expect("fair");
+        world.remove_body(strangers[17]).expect("it is there");
+        let links = chain.windows(2).map(|pair| {
+            let far = End::Body(Attachment::centre(pair[1]));
+            spring(pair[0], vec2(fx!(0.25), fx!(-0.5)), far, fx!(2), fx!(15), fx!(0.5))
+        });
+        let mut laws: Vec<Field> = links.map(Field::from).collect();
+        let tied = spring(chain[5], vec2(0, 0), End::Body(Attachment::centre(anchor)), fx!(1), fx!(10), fx!(0));
+        laws.push(tied.into());
+        // The chain feels a sun, which feels the other one; the strangers feel drag, and so does the chain.
+        let attractor =
+            |sun| Law::Attractor { centre: End::Body(Attachment::centre(sun)), mu: mu(fx!(50)), softening: fx!(1) };
+        laws.push(Field { law: attractor(suns[0]), groups: 2 });
+        laws.push(Field { law: attractor(suns[1]), groups: 4 });
+        laws.push(Field { law: Law::Drag { linear: fx!(0.25), quadratic: fx!(0.125), wind: vec2(1, 0) }, groups: 3 });
+        laws.push(Field { law: Law::Drag { linear: fx!(0.5), quadratic: fx!(0), wind: vec2(0, 1) }, groups: 2 });
+        let at = Attachment { body: chain[0], point: vec2(0, 1) };
+        laws.push(Law::Thrust { at, force: vec2(3, 0) }.into());
+        for law in laws {
+            world.add_field(law).expect("a fair field");
+        }
+        for _ in 0..5 {
+            world.step();
+        }
+        world.apply_force(chain[2], vec2(7, -3)).expect("a fair force");
+        world.apply_torque(suns[0], fx!(2)).expect("a fair torque");
+        // The chain, its anchor, and both suns.
+        assert_eq!(assert_foreseen(&world, chain[3], 100), 9);
+        assert_eq!(assert_foreseen(&world, suns[0], 100), 2);
+        // Nothing acts on the second.
+        assert_eq!(assert_foreseen(&world, suns[1], 100), 1);
+        assert_eq!(assert_foreseen(&world, strangers[40], 100), 1);
+    }
+}

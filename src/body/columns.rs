@@ -70,10 +70,10 @@ impl<S: Scalar> Default for Bodies<S> {
     }
 }
 
-/// Adds a value. A column grows by a quarter, not to twice its size: of many bodies little is kept for those to come.
+/// Adds a value. A column grows by an eighth, not to twice its size: little is kept for bodies to come.
 pub(super) fn push<T>(column: &mut Vec<T>, value: T) {
     if column.len() == column.capacity() {
-        column.reserve_exact(16.max(column.len() / 4));
+        column.reserve_exact(16.max(column.len() / 8));
     }
     column.push(value);
 }
@@ -256,6 +256,34 @@ impl<S: Scalar> Bodies<S> {
             self.moving += 1;
         }
         Ok(BodyId { slot, generation: self.slots[slot as usize].generation })
+    }
+
+    /// Adds a body of another world with the same parameters, with all that it is but its handle.
+    pub(crate) fn adopt(
+        &mut self,
+        (other, body): (&Self, BodyId),
+        (other_tunings, tunings): (&Tunings<S>, &mut Tunings<S>),
+        climate: &Climate<'_, S>,
+    ) -> Result<BodyId, Error> {
+        let from = other.find(body)?;
+        let (card, key) = (other.card(from), &other_tunings.rows()[other.columns.tuning[from] as usize].key);
+        let def = BodyDef {
+            kind: card.kind,
+            shape: card.shape.as_deref().cloned(),
+            mass: card.mass,
+            gravity_scale: key.gravity_scale,
+            linear_damping: key.linear,
+            angular_damping: key.angular,
+            groups: card.groups,
+            key: card.key,
+            user_data: card.user_data,
+            ..BodyDef::dynamic()
+        };
+        let adopted = self.insert(def, card.properties, tunings, climate)?;
+        let dense = self.find(adopted)?;
+        let dense = self.set_activity(dense, other.activity(from));
+        self.columns.motion.copy(dense, &other.columns.motion, from);
+        Ok(adopted)
     }
 
     /// Removes a body; its slot is free for the next one, with the next generation.

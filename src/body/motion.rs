@@ -94,6 +94,18 @@ impl<S: Scalar> Motion<S> {
         push(&mut self.rest, 0);
     }
 
+    /// Takes over a body of `other`, to the bit.
+    pub(super) fn copy(&mut self, i: usize, other: &Self, j: usize) {
+        self.position.set(i, other.position.get(j));
+        self.velocity.set(i, other.velocity.get(j));
+        self.angle[i] = other.angle[j];
+        self.spin[i] = other.spin[j];
+        self.rest[i] = other.rest[j];
+        if let (Some(own), Some(other)) = (self.last.get_mut(i), other.last.get(j)) {
+            *own = *other;
+        }
+    }
+
     /// Removes the last body.
     pub(super) fn pop(&mut self) {
         self.position.pop();

@@ -80,6 +80,14 @@ impl<S: Scalar> Applied<S> {
         row.torque.add(torque);
     }
 
+    /// Takes over what was applied to a body of another world.
+    pub(crate) fn adopt(&mut self, body: BodyId, row: &AppliedForce<S>) {
+        self.add(body, Vec2::default(), S::Wide::default());
+        if let Some(own) = self.rows.last_mut() {
+            (own.force, own.torque) = (row.force, row.torque);
+        }
+    }
+
     /// Forgets what was applied to a body.
     pub(crate) fn forget(&mut self, body: BodyId) {
         let Some(index) = self.at.get_mut(body.slot as usize).map(|at| core::mem::replace(at, NONE)) else { return };

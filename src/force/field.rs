@@ -291,6 +291,22 @@ impl<S: Scalar> Field<S> {
         sink.finish()
     }
 
+    /// The same on other bodies; `None` if one of its own has no other.
+    pub(crate) fn moved(&self, other: impl Fn(BodyId) -> Option<BodyId>) -> Option<Self> {
+        let attachment = |a: &Attachment<S>| Some(Attachment { body: other(a.body)?, ..*a });
+        let end = |e: &End<S>| match e {
+            End::World(point) => Some(End::World(*point)),
+            End::Body(a) => Some(End::Body(attachment(a)?)),
+        };
+        let law = match self.law {
+            Law::Attractor { centre, mu, softening } => Law::Attractor { centre: end(&centre)?, mu, softening },
+            Law::Spring { near, far, spring } => Law::Spring { near: attachment(&near)?, far: end(&far)?, spring },
+            Law::Thrust { at, force } => Law::Thrust { at: attachment(&at)?, force },
+            law @ (Law::Drag { .. } | Law::Zone { .. } | Law::Custom { .. }) => law,
+        };
+        Some(Self { law, groups: self.groups })
+    }
+
     /// The bodies it is attached to.
     pub(crate) fn bodies(&self) -> impl Iterator<Item = BodyId> {
         let end = |e: &End<S>| match e {

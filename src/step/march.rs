@@ -45,6 +45,25 @@ impl<'a, S: Scalar> March<'a, S> {
         }
     }
 
+    /// The same on all cores: a body's way depends on itself alone, and what was found is put together in order.
+    #[cfg(feature = "parallel")]
+    pub(super) fn run_side_by_side(&self, blocks: Block<'_, S>, engaged: &[bool], found: &mut Found) {
+        // Some tens of microseconds, so that handing it to another core is worth it.
+        const FEW: usize = 32 * BLOCK;
+        if blocks.len() <= FEW {
+            return self.run(blocks, engaged, &mut Frame::default(), found);
+        }
+        let half = (blocks.len() / 2).next_multiple_of(BLOCK);
+        let (blocks, others) = blocks.split(half);
+        let mut found_there = Found::default();
+        rayon::join(
+            || self.run_side_by_side(blocks, engaged, found),
+            || self.run_side_by_side(others, engaged, &mut found_there),
+        );
+        found.faults.append(&mut found_there.faults);
+        found.ready |= found_there.ready;
+    }
+
     fn run_block(&self, block: &mut Block<'_, S>, frame: &mut Frame<S>, found: &mut Found) {
         let tuned = Tuned::of(block, self.rows);
         let pushed = self.pushed_in(block);

@@ -35,6 +35,10 @@ pub(crate) struct Context<'a, S: Scalar> {
     pub(crate) scratch: &'a mut Scratch<S>,
 }
 
+/// Fewer bodies than this are done sooner by one core.
+#[cfg(feature = "parallel")]
+const MANY: usize = 64 * BLOCK;
+
 /// Accelerations of some bodies, by their indices in the columns.
 type Accelerations<S> = Vec<(usize, Acceleration<S>)>;
 
@@ -201,6 +205,10 @@ impl<S: Scalar> Context<'_, S> {
             pushed,
             sleep_after: self.sleep_after,
         };
+        #[cfg(feature = "parallel")]
+        if self.bodies.moving() >= MANY {
+            return march.run_side_by_side(self.bodies.all_moving(), engaged, found);
+        }
         march.run(self.bodies.all_moving(), engaged, &mut frames[0], found);
     }
 }

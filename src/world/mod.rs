@@ -5,6 +5,7 @@ mod body_ref;
 mod command;
 mod fields;
 mod forces;
+mod outlook;
 mod settings;
 mod totals;
 mod wake;
@@ -25,6 +26,7 @@ use crate::step::{Context, Scratch};
 pub use body_ref::BodyRef;
 pub use command::{Command, Made};
 pub use forces::{Action, Frame, Manner};
+pub use outlook::Outlook;
 
 /// What a world is made from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -217,6 +219,18 @@ impl<S: Scalar> World<S> {
         let WorldDef { gravity, linear_damping, angular_damping, .. } = *def;
         Climate { gravity, linear_damping, angular_damping, spans: &plan.spans }
     }
+}
+
+/// Moves each of these worlds on by a tick, with the feature `parallel` side by side; [`World::last_report`] says what each
+/// step did.
+pub fn step_all<S: Scalar>(worlds: &mut [World<S>]) {
+    #[cfg(feature = "parallel")]
+    {
+        use rayon::iter::{IntoParallelRefMutIterator as _, ParallelIterator as _};
+        worlds.par_iter_mut().for_each(|world| _ = world.step());
+    }
+    #[cfg(not(feature = "parallel"))]
+    worlds.iter_mut().for_each(|world| _ = world.step());
 }
 
 impl<S: Scalar> core::fmt::Debug for World<S> {

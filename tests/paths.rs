@@ -1,0 +1,254 @@
+//! A step has several ways to the same bits: with wide vectors and without, on one core and on many, block by block and
+//! stage by stage, skipping what a scene lacks and not. Which one a body goes depends on its neighbours and on the machine, and
+//! must not show.
+
+use umbra_physics::scalar::wide_vectors;
+use umbra_physics::{
+    Attachment, BodyDef, BodyId, End, Field, Fx, Integrator, Law, Mass, Region, SpringLaw, TimeStep, Vec2, World,
+    WorldDef, fx, step_all, vec2,
+};
+
+#[path = "support/inputs.rs"]
+#[allow(dead_code, reason = "this file uses a part of the inputs")]
+mod inputs;
+
+const TICKS: u32 = 240;
+
+/// A few blocks of bodies of one kind, and the last block not full.
+const COUNT: usize = 300;
+
+fn def(integrator: Integrator) -> WorldDef {
+    WorldDef {
+        time_step: TimeStep::hz(60),
+        gravity: vec2(fx!(0.5), fx!(-9.81)),
+        integrator,
+        linear_damping: fx!(0.75),
+        angular_damping: fx!(0.5),
+        sleep_after: None,
+    }
+}
+
+fn number(random: &mut inputs::Random, bits: u32) -> Fx {
+    Fx::from_bits(random.next() >> (64 - bits))
+}
+
+/// Bodies that fly and spin, one in three not spinning.
+fn bodies() -> impl Iterator<Item = BodyDef> {
+    let mut random = inputs::Random(7);
+    (0..COUNT).map(move |i| BodyDef {
+        position: Vec2::new(number(&mut random, 45), number(&mut random, 45)),
+        velocity: Vec2::new(number(&mut random, 38), number(&mut random, 38)),
+        angular_velocity: if i % 3 == 0 { fx!(0) } else { number(&mut random, 36) },
+        angle: number(&mut random, 34),
+        mass: Mass::WithInertia(fx!(2), fx!(0.5)),
+        ..BodyDef::dynamic()
+    })
+}
+
+/// The world, and the bodies that are compared, with what `beside` adds after each of them.
+fn world(def: WorldDef, mut beside: impl FnMut(&mut World, usize)) -> (World, Vec<BodyId>) {
+    let mut world = World::new(def).expect("a fair definition");
+    let mut ids = Vec::new();
+    for (i, body) in bodies().enumerate() {
+        ids.push(world.add_body(body).expect("a fair body"));
+        beside(&mut world, i);
+    }
+    (world, ids)
+}
+
+/// All the bits of these bodies that a step changes.
+fn bits(world: &World, ids: &[BodyId]) -> Vec<impl PartialEq + std::fmt::Debug> {
+    let of = |&id: &BodyId| {
+        let body = world.body(id).expect("it is there");
+        (body.position_exact(), body.velocity_exact(), body.angle_exact(), body.angular_velocity_exact())
+    };
+    ids.iter().map(of).collect()
+}
+
+/// Runs a world beside the plain one, and compares the bodies they have in common.
+fn same(case: &str, beside: impl Fn(&mut World, usize), each_tick: impl Fn(&mut World, &[BodyId])) {
+    for integrator in Integrator::ALL {
+        let (mut plain, ids) = world(def(integrator), |_, _| {});
+        let (mut other, others) = world(def(integrator), &beside);
+        for tick in 0..TICKS {
+            each_tick(&mut other, &others);
+            plain.step();
+            other.step();
+            assert!(bits(&plain, &ids) == bits(&other, &others), "{case}, {integrator:?}: tick {tick}");
+        }
+    }
+}
+
+#[test]
+fn wide_vectors_change_nothing() {
+    for integrator in Integrator::ALL {
+        let (mut wide, ids) = world(def(integrator), |_, _| {});
+        let (mut plain, _) = world(def(integrator), |_, _| {});
+        for tick in 0..TICKS {
+            wide_vectors::allow(true);
+            wide.step();
+            wide_vectors::allow(false);
+            assert!(!wide_vectors::are_used());
+            plain.step();
+            assert!(bits(&wide, &ids) == bits(&plain, &ids), "{integrator:?}: tick {tick}");
+            assert_eq!(wide.state_hash(), plain.state_hash());
+        }
+    }
+    wide_vectors::allow(true);
+}
+
+#[test]
+fn a_field_that_acts_on_nobody_changes_nothing() {
+    let zone = |world: &mut World, i: usize| {
+        if i == 0 {
+            let region = Region::Disc { centre: vec2(0, 0), radius: fx!(1000) };
+            let law = Law::Zone { region, acceleration: vec2(1, 1) };
+            world.add_field(Field { law, groups: 0 }).expect("a fair field");
+        }
+    };
+    same("stage by stage", zone, |_, _| {});
+}
+
+#[test]
+fn a_spring_in_the_same_block_changes_nothing() {
+    let spring = |world: &mut World, i: usize| {
+        if i % 100 == 50 {
+            let near = world.add_body(BodyDef::dynamic()).expect("a fair body");
+            let far = End::World(vec2(1, 2));
+            let spring = SpringLaw { rest: fx!(1), stiffness: fx!(10), damping: fx!(0.25) };
+            world.add_field(Law::Spring { near: Attachment::centre(near), far, spring }).expect("a fair field");
+        }
+    };
+    same("some blocks stage by stage", spring, |_, _| {});
+}
+
+#[test]
+fn a_neighbour_at_the_edge_of_the_envelope_changes_nothing() {
+    let fast = |world: &mut World, i: usize| {
+        if i % 100 == 50 {
+            let velocity = vec2(1_048_575, -1_048_575);
+            world.add_body(BodyDef { velocity, ..BodyDef::dynamic() }).expect("a fair body");
+        }
+    };
+    same("guarded", fast, |_, _| {});
+}
+
+#[test]
+fn neighbours_with_other_damping_and_gravity_change_nothing() {
+    let other = |world: &mut World, i: usize| {
+        let body = match i % 4 {
+            0 => BodyDef { linear_damping: Some(fx!(1)), angular_damping: Some(fx!(1)), ..BodyDef::dynamic() },
+            1 => BodyDef { gravity_scale: fx!(-2), linear_damping: Some(fx!(0.001)), ..BodyDef::dynamic() },
+            2 => BodyDef { velocity: vec2(1, 1), angular_velocity: fx!(3), ..BodyDef::kinematic() },
+            _ => BodyDef::fixed(),
+        };
+        world.add_body(body).expect("a fair body");
+    };
+    same("each its own factors", other, |_, _| {});
+}
+
+#[test]
+fn forces_of_zero_change_nothing() {
+    let push = |world: &mut World, ids: &[BodyId]| {
+        for id in ids.iter().step_by(7) {
+            world.apply_force(*id, vec2(0, 0)).expect("a fair force");
+            world.apply_torque(*id, fx!(0)).expect("a fair torque");
+        }
+    };
+    same("pushed", |_, _| {}, push);
+}
+
+#[test]
+fn forces_on_neighbours_change_nothing() {
+    let neighbour = |world: &mut World, _| {
+        world.add_body(BodyDef { key: 1, ..BodyDef::dynamic() }).expect("a fair body");
+    };
+    let push = |world: &mut World, _: &[BodyId]| {
+        let pushed: Vec<BodyId> = world.bodies().filter(|body| body.key() == 1).map(|body| body.id()).collect();
+        for id in pushed.into_iter().step_by(5) {
+            world.apply_force(id, vec2(3, -4)).expect("a fair force");
+            world.apply_torque(id, fx!(0.5)).expect("a fair torque");
+        }
+    };
+    same("beside pushed ones", neighbour, push);
+}
+
+#[test]
+fn asking_for_rotations_changes_nothing() {
+    let ask = |world: &mut World, _: &[BodyId]| {
+        world.bodies().for_each(|body| assert!(body.rotation() != umbra_physics::Rot { cos: fx!(0), sin: fx!(0) }));
+    };
+    same("asked for rotations", |_, _| {}, ask);
+}
+
+#[test]
+fn sleep_changes_no_motion() {
+    for integrator in Integrator::ALL {
+        let still = WorldDef {
+            gravity: vec2(0, 0),
+            linear_damping: fx!(0.0001),
+            angular_damping: fx!(0.0001),
+            ..def(integrator)
+        };
+        let (mut awake, ids) = world(still, |_, _| {});
+        let (mut sleepy, _) = world(WorldDef { sleep_after: Some(3), ..still }, |_, _| {});
+        for tick in 0..4 * TICKS {
+            awake.step();
+            sleepy.step();
+            assert!(bits(&awake, &ids) == bits(&sleepy, &ids), "{integrator:?}: tick {tick}");
+        }
+        assert!(sleepy.moving_count() < COUNT, "{integrator:?}: nobody slept");
+    }
+}
+
+#[test]
+fn worlds_side_by_side_are_worlds_one_by_one() {
+    let make = || Integrator::ALL.map(|integrator| world(def(integrator), |_, _| {}).0);
+    let (mut together, mut alone) = (make(), make());
+    for _ in 0..20 {
+        step_all(&mut together);
+        alone.iter_mut().for_each(|world| _ = world.step());
+    }
+    assert_eq!(together.map(|world| world.state_hash()), alone.map(|world| world.state_hash()));
+}
+
+#[cfg(feature = "parallel")]
+#[test]
+fn the_number_of_threads_changes_nothing() {
+    let mut random = inputs::Random(11);
+    let mut start = World::new(WorldDef { sleep_after: Some(30), ..def(Integrator::VelocityVerlet) }).expect("fair");
+    for i in 0..30_000 {
+        let body = BodyDef {
+            position: Vec2::new(number(&mut random, 45), number(&mut random, 45)),
+            // Some leave the envelope on the way, some are at rest from the start.
+            velocity: match i % 1_000 {
+                0 => vec2(1_048_500, -1_048_570),
+                1 => vec2(0, 0),
+                _ => Vec2::new(number(&mut random, 38), number(&mut random, 38)),
+            },
+            gravity_scale: if i % 1_000 == 1 { fx!(0) } else { fx!(1) },
+            linear_damping: Some(fx!(1)),
+            ..BodyDef::dynamic()
+        };
+        start.add_body(body).expect("a fair body");
+    }
+    let run = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        let mut world = start.clone();
+        pool.install(|| {
+            (0..60)
+                .map(|_| {
+                    let report = world.step();
+                    let found = (report.faults.to_vec(), report.fell_asleep.to_vec());
+                    (found, world.state_hash())
+                })
+                .collect::<Vec<_>>()
+        })
+    };
+    let one = run(1);
+    assert!(one.iter().any(|((faults, _), _)| !faults.is_empty()), "nobody left the envelope");
+    assert!(one.iter().any(|((_, asleep), _)| !asleep.is_empty()), "nobody fell asleep");
+    for threads in [2, 3, 8] {
+        assert!(run(threads) == one, "{threads} threads");
+    }
+}
