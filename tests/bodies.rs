@@ -663,3 +663,27 @@ fn the_smallest_square_is_a_polygon_as_well_as_a_rectangle() {
     let s = side - Fx::DELTA;
     assert!(Shape::polygon(&[Vec2::new(o, o), Vec2::new(s, o), Vec2::new(s, s), Vec2::new(o, s)]).is_err());
 }
+
+#[cfg(feature = "timers")]
+#[test]
+fn timers_say_where_the_time_of_steps_went() {
+    let mut world = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() }).expect("fair");
+    for _ in 0..1_000 {
+        world.add_body(BodyDef::dynamic()).expect("a fair body");
+    }
+    for _ in 0..10 {
+        world.step();
+    }
+    let timers = world.timers();
+    assert_eq!(timers.steps, 10);
+    assert!(timers.march > timers.survey && timers.march > timers.finish, "{timers:?}");
+    assert!(timers.fields.is_zero() && timers.drift.is_zero(), "{timers:?}");
+    let drag = Law::Drag { linear: fx!(1), quadratic: fx!(1), wind: vec2(3, 0) };
+    world.add_field(drag).expect("a fair field");
+    for _ in 0..10 {
+        world.step();
+    }
+    let later = world.timers();
+    assert!(later.damp > later.drift && !later.drift.is_zero(), "{later:?}");
+    assert_eq!(world.clone().timers().steps, 0);
+}

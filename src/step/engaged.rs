@@ -1,6 +1,7 @@
 //! The bodies that force fields may reach: all of them stage by stage.
 
 use super::march::{March, take_back};
+use super::timers::timed;
 use super::{Context, Has, Scratch};
 use crate::body::{BLOCK, Block, Frame};
 use crate::error::Cause;
@@ -13,14 +14,20 @@ impl<S: Scalar> Context<'_, S> {
     pub(super) fn run_engaged(&mut self, has: Has) {
         self.keep_frames();
         if has.position && !self.scratch.fields_hold && !self.integrator.opens_with_fields() {
-            self.evaluate_fields();
+            timed!(self.scratch, fields, self.evaluate_fields());
         }
         if has.drag && self.integrator == Integrator::Yoshida4 {
             self.find_stiff_drag(has);
             self.resist_outside(false);
         }
         for stage in self.integrator.stages() {
-            self.run(stage, has);
+            match stage.verb {
+                Verb::Fields => timed!(self.scratch, fields, self.run(stage, has)),
+                Verb::Damp => timed!(self.scratch, damp, self.run(stage, has)),
+                Verb::Kick => timed!(self.scratch, kick, self.run(stage, has)),
+                Verb::Drift => timed!(self.scratch, drift, self.run(stage, has)),
+                Verb::Clear => {}
+            }
         }
         if self.scratch.drag_outside > 0 {
             self.resist_outside(true);

@@ -9,8 +9,11 @@ mod engaged;
 mod finish;
 mod kick;
 mod march;
+mod timers;
 
 pub(crate) use finish::island_roots;
+#[cfg(feature = "timers")]
+pub use timers::Timers;
 
 use alloc::vec::Vec;
 
@@ -21,6 +24,7 @@ use crate::handle::BodyId;
 use crate::integrate::{Integrator, Plan};
 use crate::scalar::Scalar;
 use march::{Found, March};
+use timers::timed;
 
 /// What a step works on.
 pub(crate) struct Context<'a, S: Scalar> {
@@ -73,6 +77,8 @@ pub(crate) struct Scratch<S: Scalar> {
     /// For islands of springs.
     links: Vec<u32>,
     kept_up: Vec<bool>,
+    #[cfg(feature = "timers")]
+    pub(crate) timers: Timers,
 }
 
 impl<S: Scalar> Default for Scratch<S> {
@@ -96,6 +102,8 @@ impl<S: Scalar> Default for Scratch<S> {
             drag_outside: 0,
             links: Vec::new(),
             kept_up: Vec::new(),
+            #[cfg(feature = "timers")]
+            timers: Timers::default(),
         }
     }
 }
@@ -142,14 +150,18 @@ impl<S: Scalar> Context<'_, S> {
         self.scratch.found.ready = false;
         self.scratch.fell_asleep.clear();
         self.scratch.drag_outside = 0;
-        let has = self.survey();
-        self.take_applied();
-        self.march();
+        #[cfg(feature = "timers")]
+        {
+            self.scratch.timers.steps += 1;
+        }
+        let has = timed!(self.scratch, survey, self.survey());
+        timed!(self.scratch, survey, self.take_applied());
+        timed!(self.scratch, march, self.march());
         if !self.scratch.engaged.is_empty() {
             self.run_engaged(has);
         }
         self.applied.finish();
-        self.finish(has);
+        timed!(self.scratch, finish, self.finish(has));
     }
 
     /// Says what fields there are, and marks the blocks with bodies that one may reach.

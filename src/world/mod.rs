@@ -195,6 +195,13 @@ impl<S: Scalar> World<S> {
         }
     }
 
+    /// Where the time of this world's steps went. A copy starts from none.
+    #[cfg(feature = "timers")]
+    #[must_use]
+    pub fn timers(&self) -> crate::step::Timers {
+        self.scratch.timers
+    }
+
     /// The number of steps made.
     #[must_use]
     pub fn tick(&self) -> u64 {

@@ -1,0 +1,45 @@
+//! Where the time of steps goes, behind the feature `timers`; without it nothing of this is compiled.
+
+/// Runs an expression, and adds the time it takes to a part of the timers.
+macro_rules! timed {
+    ($scratch:expr, $part:ident, $run:expr) => {{
+        #[cfg(feature = "timers")]
+        let start = crate::step::timers::now();
+        let done = $run;
+        #[cfg(feature = "timers")]
+        {
+            $scratch.timers.$part += start.elapsed();
+        }
+        done
+    }};
+}
+
+pub(super) use timed;
+
+#[cfg(feature = "timers")]
+pub(super) fn now() -> std::time::Instant {
+    std::time::Instant::now()
+}
+
+/// The time that the parts of all steps so far took.
+#[cfg(feature = "timers")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Timers {
+    /// Steps.
+    pub steps: u64,
+    /// What was applied over the tick to accelerations, and which bodies a field may reach.
+    pub survey: core::time::Duration,
+    /// All stages of the bodies that no field reaches.
+    pub march: core::time::Duration,
+    /// Of the others: evaluating the fields of position.
+    pub fields: core::time::Duration,
+    /// Damping and drag.
+    pub damp: core::time::Duration,
+    /// Gravity, forces and fields to velocities; evaluates the fields of velocity.
+    pub kick: core::time::Duration,
+    /// Velocities to positions.
+    pub drift: core::time::Duration,
+    /// Quarantine and sleep.
+    pub finish: core::time::Duration,
+}
