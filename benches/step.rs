@@ -6,6 +6,8 @@
 use divan::Bencher;
 use divan::counter::ItemsCount;
 use umbra_physics::scene::Scene as File;
+#[cfg(feature = "parallel")]
+use umbra_physics::step_all;
 use umbra_physics::{Fx, Scalar};
 
 #[allow(dead_code, reason = "some scenes are for counts of instructions")]
@@ -82,6 +84,27 @@ scenes! {
     drag_1k: scenes::drag(1_000);
     thrusters_1k_pushed: scenes::pushed_thrusters(1_000);
     free_1k_beside_10k_asleep: scenes::beside_sleepers(1_000, 10_000);
+}
+
+/// The same on one core and on two.
+#[cfg(feature = "parallel")]
+mod threads {
+    use super::*;
+
+    #[divan::bench(args = [1, 2])]
+    fn free_100k_fx(bencher: Bencher, threads: usize) {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        let mut scene = scenes::free::<Fx>(100_000);
+        bencher.counter(ItemsCount::new(100_000usize)).bench_local(|| pool.install(|| scene.advance()));
+    }
+
+    /// 64 worlds of 1,000 bodies each.
+    #[divan::bench(args = [1, 2])]
+    fn worlds_64_of_1k_fx(bencher: Bencher, threads: usize) {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        let mut worlds: Vec<_> = (0..64).map(|_| scenes::free::<Fx>(1_000).world).collect();
+        bencher.counter(ItemsCount::new(64_000usize)).bench_local(|| pool.install(|| step_all(&mut worlds)));
+    }
 }
 
 /// The first second of the scene files, their inputs included.

@@ -13,9 +13,10 @@ use crate::engine::Engine;
 
 pub fn all() -> Vec<Box<dyn Engine>> {
     vec![
-        Box::<umbra::Build<umbra_physics::Fx>>::default(),
-        Box::<umbra::Build<f64>>::default(),
-        Box::<umbra::Build<f32>>::default(),
+        Box::new(umbra::Build::<umbra_physics::Fx>::new()),
+        Box::new(umbra::Build::portable()),
+        Box::new(umbra::Build::<f64>::new()),
+        Box::new(umbra::Build::<f32>::new()),
         Box::new(rapier_f32::Rapier),
         Box::new(rapier_f64::Rapier),
         Box::new(box2d::Box2d),

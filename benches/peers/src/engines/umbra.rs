@@ -5,7 +5,7 @@ use crate::scene::{self, Field, Kind, Scene, Shape};
 use std::cell::RefCell;
 use std::marker::PhantomData;
 use std::rc::Rc;
-use umbra_physics::scalar::{Factor, ToF64};
+use umbra_physics::scalar::{Factor, ToF64, wide_vectors};
 use umbra_physics::{
     Activity, Attachment, BodyDef, BodyId, BodyKind, End, Fx, Integrator, Law, Mass, Scalar, Shape as Form, SpringLaw,
     TimeStep, Vec2, World as Umbra, WorldDef,
@@ -98,18 +98,38 @@ fn law<S: Number>(field: Field, body: BodyId) -> Law<S> {
     }
 }
 
-#[derive(Default)]
-pub struct Build<S>(PhantomData<S>);
+pub struct Build<S> {
+    id: &'static str,
+    wide: bool,
+    scalar: PhantomData<S>,
+}
+
+impl<S: Number> Build<S> {
+    /// With the wide vectors of the CPU, where it has them.
+    pub fn new() -> Self {
+        Self { id: S::ID, wide: true, scalar: PhantomData }
+    }
+}
+
+impl Build<Fx> {
+    /// The code for every CPU, everywhere.
+    pub fn portable() -> Self {
+        Self { id: "umbra-fx-portable", wide: false, scalar: PhantomData }
+    }
+}
 
 impl<S: Number> Engine for Build<S> {
     fn id(&self) -> &'static str {
-        S::ID
+        self.id
     }
     fn info(&self) -> Info {
         Info {
             version: format!("umbra-physics {}", locked_version("umbra-physics")),
             number: S::FORMAT,
-            build: "feature float".into(),
+            build: format!(
+                "feature float; {} wide vectors",
+                if self.wide && wide_vectors::are_used() { "with" } else { "without" }
+            ),
             solver: "defaults: velocity Verlet, no substeps, no collision yet; symplectic Euler where the harness \
                      pushes what depends on the position: a push is constant over its step",
             damping_law: "v *= d^dt with d = exp(-c) as the scalar holds it",
@@ -148,7 +168,7 @@ impl<S: Number> Engine for Build<S> {
                 world.add_field(law(field, id)).expect("a field within the limits");
             }
         }
-        Box::new(Built { world, ids, spare: Rc::default() })
+        Box::new(Built { world, ids, spare: Rc::default(), wide: self.wide })
     }
 }
 
@@ -159,6 +179,7 @@ struct Built<S: Number> {
     world: Umbra<S>,
     ids: Vec<BodyId>,
     spare: Spare<S>,
+    wide: bool,
 }
 
 /// A saved world, which gives its memory back.
@@ -177,7 +198,9 @@ const REUSED: usize = 0;
 
 impl<S: Number> World for Built<S> {
     fn step(&mut self) {
+        wide_vectors::allow(self.wide);
         self.world.step();
+        wide_vectors::allow(true);
     }
     fn body_count(&self) -> usize {
         self.world.body_count()
