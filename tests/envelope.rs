@@ -964,3 +964,81 @@ mod floats {
         }
     }
 }
+
+/// The faults of each of the next steps.
+fn faults_of(world: &mut World, steps: u32) -> Vec<Vec<Fault>> {
+    (0..steps).map(|_| world.step().faults.to_vec()).collect()
+}
+
+#[test]
+fn a_body_that_leaves_is_caught_at_once_however_calm_its_block_was() {
+    type Change = fn(&mut World, BodyId) -> Result<(), Error>;
+    let changes: [(&str, Change); 9] = [
+        ("velocity", |world, body| world.set_velocity(body, vec2(fx!(0), fx!(-1_048_575.999)))),
+        ("impulse", |world, body| world.apply_impulse(body, vec2(fx!(0), fx!(-1_046_000)))),
+        ("position", |world, body| world.set_position(body, vec2(fx!(0), fx!(-1_073_741_823)))),
+        ("spin", |world, body| {
+            world.set_angular_velocity(body, fx!(1_048_575.999))?;
+            world.apply_torque(body, fx!(1))
+        }),
+        ("force", |world, body| world.apply_force(body, vec2(fx!(0), fx!(-2_147_000_000)))),
+        ("gravity", |world, _| world.set_gravity(vec2(fx!(0), fx!(-65_536)))),
+        ("gravity scale", |world, body| {
+            world.set_velocity(body, vec2(0, -1_000_000))?;
+            world.set_gravity_scale(body, fx!(16))
+        }),
+        ("a new one", |world, _| {
+            let velocity = vec2(fx!(0), fx!(-1_048_575.999));
+            world.add_body(BodyDef { velocity, ..BodyDef::dynamic() }).map(drop)
+        }),
+        ("kind", |world, body| {
+            world.set_kind(body, BodyKind::Kinematic)?;
+            world.set_velocity(body, vec2(fx!(0), fx!(-1_048_575.999)))?;
+            world.set_kind(body, BodyKind::Dynamic)
+        }),
+    ];
+    for (name, change) in changes {
+        let def =
+            WorldDef { gravity: vec2(0, -100), sleep_after: None, time_step: TimeStep::hz(2), ..WorldDef::default() };
+        let mut world = World::new(def).expect("a world");
+        let ids: Vec<BodyId> = (0..200)
+            .map(|_| {
+                let mass = Mass::WithInertia(fx!(1), fx!(1));
+                world.add_body(BodyDef { mass, ..BodyDef::dynamic() }).expect("a body")
+            })
+            .collect();
+        // In the midst of a calm time, or at its end.
+        for calm in [1, 7, 31, 32, 33, 40] {
+            let mut kept = world.clone();
+            assert!(faults_of(&mut kept, calm).concat().is_empty());
+            change(&mut kept, ids[150]).expect("a fair change");
+            // A copy keeps nothing of what is cached.
+            let mut fresh = kept.clone();
+            let found = faults_of(&mut kept, 80);
+            assert_eq!(found, faults_of(&mut fresh, 80), "{name}, after {calm} steps");
+            assert!(!found.concat().is_empty(), "{name}, after {calm} steps: nobody left");
+            assert_eq!(kept.state_hash(), fresh.state_hash(), "{name}, after {calm} steps");
+        }
+    }
+}
+
+#[test]
+fn a_body_that_only_falls_is_caught_at_the_same_step_as_one_that_is_watched() {
+    // 2,047 m/s a kick is gentle still; one more a second is not, and such a body is looked at in each step.
+    for gravity in [fx!(-4_094), fx!(-4_097), fx!(-60_000)] {
+        let def = WorldDef {
+            gravity: Vec2::new(fx!(0), gravity),
+            sleep_after: None,
+            time_step: TimeStep::hz(1),
+            ..WorldDef::default()
+        };
+        let mut world = World::new(def).expect("a world");
+        let body = world.add_body(BodyDef::dynamic()).expect("a body");
+        let last = SPEED.to_bits() / -gravity.to_bits();
+        for tick in 1..=last + 1 {
+            let faults = world.step().faults.to_vec();
+            assert_eq!(faults.is_empty(), tick <= last, "{gravity}, tick {tick}: {faults:?}");
+        }
+        assert_eq!(world.body(body).expect("it is there").activity(), Activity::Quarantined);
+    }
+}

@@ -14,7 +14,7 @@ use crate::shape::Shape;
 pub(crate) use card::Card;
 pub(crate) use columns::{Bodies, NONE};
 pub(crate) use motion::{Acceleration, BLOCK, Block, Frame};
-pub(crate) use tuning::{Climate, Key, SPANS, Tuning, Tunings};
+pub(crate) use tuning::{Climate, GENTLE_STEPS, Key, SPANS, Tuning, Tunings};
 
 /// What moves a body.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

@@ -9,6 +9,9 @@ use crate::scalar::{Accumulator, Factor, Scalar, Span, fx::Fx};
 /// The most spans an integrator's stages name.
 pub(crate) const SPANS: usize = 4;
 
+/// Over so many steps the falls of a gentle tuning stay below half the limit of speeds.
+pub(crate) const GENTLE_STEPS: u8 = 32;
+
 /// What the factors are made from besides the body's own numbers.
 #[derive(Clone, Copy)]
 pub(crate) struct Climate<'a, S> {
@@ -34,7 +37,7 @@ pub(crate) struct Tuning<S: Scalar> {
     pub(crate) is_damped: bool,
     /// Whether no factor is above 1: one is where damping runs backwards.
     pub(crate) decays: bool,
-    /// Whether besides the falls of a step are small beside the limit of speeds.
+    /// Whether besides the falls of [`GENTLE_STEPS`] steps are small beside the limit of speeds.
     pub(crate) is_gentle: bool,
 }
 
@@ -85,8 +88,8 @@ impl<S: Scalar> Tuning<S> {
         let mut factors = tuning.linear.iter().chain(&tuning.angular);
         tuning.is_damped = factors.clone().any(|f| *f != S::Factor::ONE);
         tuning.decays = factors.all(|f| *f <= S::Factor::ONE);
-        // A step has at most six kicks: 6·2^15 is below 2^18, a quarter of the limit.
-        let small = S::from_fx(Fx::from_int(1 << 15));
+        // A step has at most six kicks: 32·6·2^11 is below 2^19, half of the limit.
+        let small = S::from_fx(Fx::from_int(1 << 11));
         tuning.is_gentle =
             tuning.decays && tuning.fall.iter().all(|fall| [fall.x, fall.y].iter().all(|f| f.is_within(small)));
         tuning

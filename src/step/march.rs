@@ -6,7 +6,7 @@
 
 use alloc::vec::Vec;
 
-use crate::body::{Acceleration, BLOCK, Block, Frame, Tuning};
+use crate::body::{Acceleration, BLOCK, Block, Frame, GENTLE_STEPS, Tuning};
 use crate::error::Cause;
 use crate::integrate::{Plan, Stage, Tuned, Verb, damp, drift, fall, glide, kick_by};
 use crate::limits;
@@ -33,43 +33,60 @@ pub(super) struct Found {
 }
 
 impl<'a, S: Scalar> March<'a, S> {
-    /// Takes the blocks that are not `engaged`, by their number, through the whole step.
-    pub(super) fn run(&self, mut blocks: Block<'_, S>, engaged: &[bool], frame: &mut Frame<S>, found: &mut Found) {
-        while blocks.len() > 0 {
+    /// Takes the blocks that are not `engaged`, by their number, through the whole step. `calm` has one entry a block.
+    pub(super) fn run(
+        &self,
+        mut blocks: Block<'_, S>,
+        calm: &mut [Calm],
+        engaged: &[bool],
+        frame: &mut Frame<S>,
+        found: &mut Found,
+    ) {
+        for calm in calm {
             let count = BLOCK.min(blocks.len());
             let (mut block, others) = blocks.split(count);
             blocks = others;
-            if !engaged.get(block.first / BLOCK).is_some_and(|is| *is) {
-                self.run_block(&mut block, frame, found);
+            if engaged.get(block.first / BLOCK).is_some_and(|is| *is) {
+                calm.0 = 0;
+            } else {
+                self.run_block(&mut block, calm, frame, found);
             }
         }
     }
 
     /// The same on all cores: a body's way depends on itself alone, and what was found is put together in order.
     #[cfg(feature = "parallel")]
-    pub(super) fn run_side_by_side(&self, blocks: Block<'_, S>, engaged: &[bool], found: &mut Found) {
+    pub(super) fn run_side_by_side(
+        &self,
+        blocks: Block<'_, S>,
+        calm: &mut [Calm],
+        engaged: &[bool],
+        found: &mut Found,
+    ) {
         // Some tens of microseconds, so that handing it to another core is worth it.
         const FEW: usize = 32 * BLOCK;
         if blocks.len() <= FEW {
-            return self.run(blocks, engaged, &mut Frame::default(), found);
+            return self.run(blocks, calm, engaged, &mut Frame::default(), found);
         }
         let half = (blocks.len() / 2).next_multiple_of(BLOCK);
         let (blocks, others) = blocks.split(half);
+        let (calm, calm_there) = calm.split_at_mut(half / BLOCK);
         let mut found_there = Found::default();
         rayon::join(
-            || self.run_side_by_side(blocks, engaged, found),
-            || self.run_side_by_side(others, engaged, &mut found_there),
+            || self.run_side_by_side(blocks, calm, engaged, found),
+            || self.run_side_by_side(others, calm_there, engaged, &mut found_there),
         );
         found.faults.append(&mut found_there.faults);
         found.ready |= found_there.ready;
     }
 
-    fn run_block(&self, block: &mut Block<'_, S>, frame: &mut Frame<S>, found: &mut Found) {
+    fn run_block(&self, block: &mut Block<'_, S>, calm: &mut Calm, frame: &mut Frame<S>, found: &mut Found) {
         let tuned = Tuned::of(block, self.rows);
         let pushed = self.pushed_in(block);
         let may_rest = self.sleep_after.is_some() && (0..block.len()).any(|i| block.is_still(i));
-        let guarded = may_rest || !pushed.is_empty() || !tuned.is_gentle() || !is_far_inside(block);
+        let guarded = !pushed.is_empty() || !tuned.is_gentle() || !calm.pass(block) || may_rest;
         if guarded {
+            calm.0 = 0;
             frame.keep(block);
         }
         let first_fault = found.faults.len();
@@ -168,8 +185,26 @@ pub(super) fn take_back<S: Scalar>(block: &mut Block<'_, S>, index: usize, frame
     block.rest[i] = 0;
 }
 
-/// Whether all are so far inside the envelope that a step of gentle factors cannot take them out: half of each limit. A
-/// step's falls add less than a quarter of the limit of speeds, and the way of 4.43 s at that limit is short beside 2^29 m.
+/// For how many steps more no body of a block can leave the envelope, if they are gentle and nothing else acts. Cached:
+/// dropped by whatever changes a body.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Calm(u8);
+
+impl Calm {
+    /// Whether it is so for the step to come.
+    fn pass<S: Scalar>(&mut self, block: &Block<'_, S>) -> bool {
+        if self.0 == 0 && is_far_inside(block) {
+            self.0 = GENTLE_STEPS;
+        }
+        let passes = self.0 > 0;
+        self.0 = self.0.saturating_sub(1);
+        passes
+    }
+}
+
+/// Whether all are so far inside the envelope that [`GENTLE_STEPS`] steps of gentle factors cannot take them out: half of
+/// each limit. Their falls add less than half the limit of speeds, and the way of 32 · 4.43 s at that limit is less than
+/// 2^28 m.
 fn is_far_inside<S: Scalar>(block: &Block<'_, S>) -> bool {
     let half = |limit: u32| limit - 1;
     block.velocity.iter().all(|v| S::are_within(v, half(limits::SPEED_LOG2)))

@@ -23,7 +23,7 @@ use crate::force::{Applied, Dependence, Directions, End, FieldSet, Law, Laws, Lo
 use crate::handle::BodyId;
 use crate::integrate::{Integrator, Plan};
 use crate::scalar::Scalar;
-use march::{Found, March};
+use march::{Calm, Found, March};
 use timers::timed;
 
 /// What a step works on.
@@ -51,6 +51,8 @@ type Accelerations<S> = Vec<(usize, Acceleration<S>)>;
 pub(crate) struct Scratch<S: Scalar> {
     /// Whether a field may reach a body of a block, by the number of the block; none at all if it is empty.
     engaged: Vec<bool>,
+    /// By the number of the block.
+    calm: Vec<Calm>,
     /// The engaged blocks as they were before the step; or the first holds one block after the other.
     frames: Vec<Frame<S>>,
     loads: Loads<S>,
@@ -85,6 +87,7 @@ impl<S: Scalar> Default for Scratch<S> {
     fn default() -> Self {
         Self {
             engaged: Vec::new(),
+            calm: Vec::new(),
             frames: Vec::new(),
             loads: Loads::default(),
             directions: Directions::<S>::default(),
@@ -113,6 +116,7 @@ impl<S: Scalar> Scratch<S> {
     pub(crate) fn forget(&mut self) {
         self.fields_hold = false;
         self.directions.clear();
+        self.calm.clear();
     }
 }
 
@@ -206,7 +210,8 @@ impl<S: Scalar> Context<'_, S> {
 
     /// Takes the bodies that no field reaches through the step.
     fn march(&mut self) {
-        let Scratch { engaged, frames, pushed, found, .. } = &mut *self.scratch;
+        let Scratch { engaged, calm, frames, pushed, found, .. } = &mut *self.scratch;
+        calm.resize(self.bodies.moving().div_ceil(BLOCK), Calm::default());
         if frames.is_empty() {
             frames.push(Frame::default());
         }
@@ -219,8 +224,8 @@ impl<S: Scalar> Context<'_, S> {
         };
         #[cfg(feature = "parallel")]
         if self.bodies.moving() >= MANY {
-            return march.run_side_by_side(self.bodies.all_moving(), engaged, found);
+            return march.run_side_by_side(self.bodies.all_moving(), calm, engaged, found);
         }
-        march.run(self.bodies.all_moving(), engaged, &mut frames[0], found);
+        march.run(self.bodies.all_moving(), calm, engaged, &mut frames[0], found);
     }
 }
