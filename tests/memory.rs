@@ -1,0 +1,177 @@
+//! Memory: what a body takes, what a copy takes, and that a step takes none.
+
+use allocation_counter::{AllocationInfo, measure};
+use umbra_physics::{
+    Attachment, BodyDef, BodyId, End, Field, Fx, FxFactor, Integrator, Law, Mass, Shape, SpringLaw, Vec2, World,
+    WorldDef, fx, scalar::Factor, vec2,
+};
+
+fn world(integrator: Integrator) -> World {
+    let def = WorldDef {
+        gravity: vec2(0, -10),
+        linear_damping: fx!(0.75),
+        angular_damping: fx!(0.75),
+        integrator,
+        ..WorldDef::default()
+    };
+    World::new(def).expect("a fair definition")
+}
+
+/// Bodies with discs, none like another.
+fn discs(world: &mut World, count: i32) -> Vec<BodyId> {
+    let disc = |i: i32| {
+        let radius = fx!(0.5) + Fx::from_bits(i64::from(i) << 12);
+        BodyDef {
+            shape: Some(Shape::circle(radius).expect("a fair radius")),
+            mass: Mass::Density(fx!(1)),
+            position: vec2(i % 1_000, i / 1_000),
+            velocity: vec2(1, i % 3),
+            angular_velocity: fx!(1),
+            ..BodyDef::dynamic()
+        }
+    };
+    (0..count).map(|i| world.add_body(disc(i)).expect("a fair body")).collect()
+}
+
+#[test]
+fn a_free_body_with_a_disc_takes_at_most_256_bytes() {
+    // Just above a size the columns grew to, where most room is to spare.
+    for count in [10_000, 100_000] {
+        let mut kept = None;
+        let taken = measure(|| {
+            let mut world = world(Integrator::VelocityVerlet);
+            let shape = Some(Shape::circle(fx!(0.5)).expect("a fair radius"));
+            for i in 0..count {
+                let def = BodyDef { shape: shape.clone(), position: vec2(i, 0), ..BodyDef::dynamic() };
+                world.add_body(def).expect("a fair body");
+            }
+            world.step();
+            world.step();
+            kept = Some(world);
+        });
+        assert!(taken.bytes_current <= 256 * i64::from(count), "{} for {count}", taken.bytes_current);
+    }
+}
+
+#[test]
+fn equal_polygons_share_their_corners() {
+    let corners: Vec<Vec2> = (0..64)
+        .map(|i| {
+            let angle = Fx::from_int(i).checked_div(fx!(10.25)).expect("not zero");
+            let (sin, cos) = angle.sin_cos();
+            Vec2::new(cos, sin)
+        })
+        .collect();
+    let bodies = |equal: bool| {
+        let mut kept = None;
+        let taken = measure(|| {
+            let mut world = world(Integrator::VelocityVerlet);
+            for i in 0..1_000 {
+                let mut corners = corners.clone();
+                if !equal {
+                    corners[0] = corners[0] + Vec2::new(Fx::from_bits(i), fx!(0));
+                }
+                // Each made by itself.
+                let shape = Some(Shape::polygon(&corners).expect("convex"));
+                world.add_body(BodyDef { shape, ..BodyDef::dynamic() }).expect("a fair body");
+            }
+            kept = Some(world);
+        });
+        taken.bytes_current
+    };
+    let (equal, different) = (bodies(true), bodies(false));
+    assert!(equal <= 300 * 1_000, "{equal} for equal ones");
+    assert!(different - equal >= 64 * 16 * 999, "{different} for different ones, {equal} for equal ones");
+}
+
+#[test]
+fn a_copy_takes_at_most_128_bytes_a_body_and_none_where_there_is_one() {
+    let mut world = world(Integrator::VelocityVerlet);
+    discs(&mut world, 10_000);
+    world.step();
+    let mut copy = None;
+    let taken = measure(|| copy = Some(world.clone()));
+    assert!(taken.bytes_current <= 128 * 10_000, "{}", taken.bytes_current);
+    let mut copy = copy.expect("it was made");
+    world.step();
+    let there_and_back = measure(|| {
+        copy.clone_from(&world);
+        world.step();
+        world.clone_from(&copy);
+    });
+    assert_eq!(there_and_back.count_total, 0);
+    // Shared until it is changed.
+    let body = world.bodies().next().expect("there are some").id();
+    let change = measure(|| world.set_user_data(body, 1).expect("it is there"));
+    assert!(change.bytes_total >= 80 * 10_000, "{}", change.bytes_total);
+    let again = measure(|| world.set_user_data(body, 2).expect("it is there"));
+    assert!(again.bytes_total <= 1_024, "{}", again.bytes_total);
+}
+
+/// A world with everything in it, and forces applied in each tick.
+fn busy(integrator: Integrator) -> impl FnMut() -> AllocationInfo {
+    let mut world = world(integrator);
+    let ids = discs(&mut world, 500);
+    for pair in ids[..100].windows(2) {
+        let near = Attachment { body: pair[0], point: vec2(fx!(0.25), 0) };
+        let spring = SpringLaw { rest: fx!(1), stiffness: fx!(5), damping: fx!(0.5) };
+        let far = End::Body(Attachment::centre(pair[1]));
+        world.add_field(Law::Spring { near, far, spring }).expect("a fair field");
+    }
+    let centre = End::Body(Attachment::centre(ids[200]));
+    let mu = <FxFactor as Factor<Fx>>::from_scalar(fx!(100));
+    let drag = Law::Drag { linear: fx!(1), quadratic: fx!(0.5), wind: vec2(3, 0) };
+    let at = Attachment { body: ids[300], point: vec2(0, 1) };
+    for law in [Law::Attractor { centre, mu, softening: fx!(1) }, drag, Law::Thrust { at, force: vec2(1, 0) }] {
+        world.add_field(Field { law, groups: 1 }).expect("a fair field");
+    }
+    move || {
+        measure(|| {
+            for id in &ids[400..] {
+                world.apply_force(*id, vec2(1, 2)).expect("a fair force");
+            }
+            assert!(world.step().faults.is_empty());
+        })
+    }
+}
+
+#[test]
+fn a_step_takes_nothing_from_the_heap_after_the_first() {
+    for integrator in Integrator::ALL {
+        let mut free = world(integrator);
+        discs(&mut free, 1_000);
+        let mut tick = busy(integrator);
+        // Two lists take turns: what was applied in this tick, and in the one before.
+        for _ in 0..2 {
+            free.step();
+            tick();
+        }
+        for _ in 0..50 {
+            let taken = measure(|| drop(free.step().faults.is_empty()));
+            assert_eq!(taken.count_total, 0, "{integrator:?}, free");
+            assert_eq!(tick().count_total, 0, "{integrator:?}, with everything");
+        }
+    }
+}
+
+#[test]
+fn falling_asleep_takes_nothing_from_the_heap_a_second_time() {
+    let mut world = world(Integrator::VelocityVerlet);
+    world.set_gravity(vec2(0, 0)).expect("a fair gravity");
+    let ids: Vec<BodyId> = (0..100).map(|_| world.add_body(BodyDef::dynamic()).expect("a fair body")).collect();
+    let mut fell_asleep = |world: &mut World| {
+        let mut count = 0;
+        let taken = measure(|| {
+            for _ in 0..40 {
+                count += world.step().fell_asleep.len();
+            }
+        });
+        assert_eq!(count, 100);
+        taken.count_total
+    };
+    fell_asleep(&mut world);
+    for id in ids {
+        world.wake(id).expect("it is there");
+    }
+    assert_eq!(fell_asleep(&mut world), 0);
+}
