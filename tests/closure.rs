@@ -515,6 +515,32 @@ fn another_integrator_moves_a_sleeper_that_the_one_before_left_at_rest() {
 }
 
 #[test]
+fn a_stranger_that_falls_asleep_puts_nobody_else_to_sleep() {
+    let asleep_at = |stranger: Option<u64>| {
+        let mut world = World::new(WorldDef { sleep_after: Some(10), ..WorldDef::default() }).expect("a world");
+        let still = world.add_body(BodyDef::dynamic()).expect("a body");
+        let spinning = world.add_body(BodyDef { angular_velocity: fx!(1), ..BodyDef::dynamic() }).expect("a body");
+        let link = spring(still, Vec2::ZERO, End::Body(Attachment::centre(spinning)), fx!(0), fx!(0), fx!(0));
+        let link = world.add_field(link).expect("a spring");
+        (1..100)
+            .find(|&tick| {
+                if Some(tick) == stranger {
+                    world.add_body(BodyDef::dynamic()).expect("a body");
+                }
+                // Kept up by the other one till here, at rest for longer than it takes.
+                if tick == 14 {
+                    world.remove_field(link).expect("it is there");
+                }
+                world.step().fell_asleep.contains(&still)
+            })
+            .expect("it falls asleep")
+    };
+    for stranger in 1..20 {
+        assert_eq!(asleep_at(Some(stranger)), asleep_at(None), "a stranger from tick {stranger} on");
+    }
+}
+
+#[test]
 fn no_body_sleeps_while_an_attractor_may_come_by() {
     // From 4000 m its pull is cleared by damping, so that the body stays where it is to the bit; from near it is not.
     let make = |sleep_after| {

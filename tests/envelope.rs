@@ -484,6 +484,25 @@ fn a_body_that_leaves_the_envelope_is_put_back_taken_out_and_reported() {
 }
 
 #[test]
+fn a_body_that_no_field_reaches_is_put_back_as_well() {
+    for integrator in Integrator::ALL {
+        for way in [0, 1, 2, 3, 6] {
+            let (mut world, [doomed, near, far], cause) = doom(integrator, way);
+            let mut alone = world.clone();
+            alone.remove_body(doomed).unwrap();
+            let before = bits(&world, doomed);
+            let faults = world.step().faults.to_vec();
+            assert_eq!(faults, [Fault { body: doomed, cause: cause.unwrap() }], "{integrator:?}, way {way}");
+            assert_eq!(bits(&world, doomed), before, "{integrator:?}, way {way}: back to the bit");
+            alone.step();
+            for other in [near, far] {
+                assert_eq!(bits(&world, other), bits(&alone, other), "{integrator:?}, way {way}");
+            }
+        }
+    }
+}
+
+#[test]
 fn a_sum_of_forces_past_what_fits_is_found_in_the_step_whatever_the_order() {
     // 2^31 N at most a call and 2^63 N in all: the sum itself cannot overflow in calls that anyone makes, torques can.
     let mut world = world();

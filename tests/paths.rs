@@ -133,6 +133,65 @@ fn a_neighbour_at_the_edge_of_the_envelope_changes_nothing() {
     same("guarded", fast, |_, _| {});
 }
 
+/// From −2^log2 to 2^log2: near either end, near zero, near half of it.
+fn up_to(random: &mut inputs::Random, log2: u32) -> Fx {
+    let limit = 1i64 << (32 + log2);
+    let off = random.next() >> (1 + (random.next() & 62));
+    let bits = match random.next() & 3 {
+        0 => limit - off.abs(),
+        1 => off.abs() - limit,
+        2 => off,
+        _ => limit / 2 + off,
+    };
+    Fx::from_bits(bits.clamp(-limit, limit))
+}
+
+/// The way a block goes is chosen by how far its bodies are from the envelope: here they are next to it, and next to half
+/// of it, and some leave it.
+#[test]
+fn next_to_the_envelope_and_to_half_of_it_every_way_is_the_same() {
+    let mut random = inputs::Random(23);
+    let mut faults = 0;
+    let time_steps = [TimeStep::hz(1), TimeStep::hz(2), TimeStep::hz(60), TimeStep::hz(10_000)];
+    let dampings = [fx!(0), fx!(0.001), fx!(0.75), fx!(1)];
+    for case in 0..400 {
+        let [a, b, c] = [0, 1, 2].map(|_| random.next().unsigned_abs() as usize);
+        let definition = WorldDef {
+            time_step: time_steps[a % 4],
+            gravity: Vec2::new(up_to(&mut random, 16), up_to(&mut random, (c % 17) as u32)),
+            linear_damping: dampings[b % 4],
+            angular_damping: dampings[c % 4],
+            ..def(Integrator::ALL[case % 5])
+        };
+        // Yoshida4 refuses a damping of zero.
+        let Ok(mut plain) = World::new(definition) else { continue };
+        for i in 0..150 {
+            let far = [20, 29, 30][(a >> 8) % 3];
+            let fast = [10, 19, 20][(b >> 8) % 3];
+            let body = BodyDef {
+                position: Vec2::new(up_to(&mut random, far), up_to(&mut random, far)),
+                velocity: Vec2::new(up_to(&mut random, fast), up_to(&mut random, fast)),
+                angular_velocity: if i < 128 { fx!(0) } else { up_to(&mut random, fast) },
+                ..BodyDef::dynamic()
+            };
+            plain.add_body(body).expect("a fair body");
+        }
+        let mut staged = plain.clone();
+        let law =
+            Law::Zone { region: Region::Disc { centre: vec2(0, 0), radius: fx!(1000) }, acceleration: vec2(1, 1) };
+        staged.add_field(Field { law, groups: 0 }).expect("a fair field");
+        let ids: Vec<BodyId> = plain.bodies().map(|body| body.id()).collect();
+        for tick in 0..10 {
+            plain.step();
+            staged.step();
+            assert!(bits(&plain, &ids) == bits(&staged, &ids), "{definition:?}, tick {tick}");
+            assert_eq!(plain.last_report().faults, staged.last_report().faults, "{definition:?}, tick {tick}");
+            faults += plain.last_report().faults.len();
+        }
+    }
+    assert!(faults > 1_000, "only {faults} bodies left the envelope");
+}
+
 #[test]
 fn neighbours_with_other_damping_and_gravity_change_nothing() {
     let other = |world: &mut World, i: usize| {

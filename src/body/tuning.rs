@@ -37,7 +37,7 @@ pub(crate) struct Tuning<S: Scalar> {
     pub(crate) is_damped: bool,
     /// Whether no factor is above 1: one is where damping runs backwards.
     pub(crate) decays: bool,
-    /// Whether besides the falls of [`GENTLE_STEPS`] steps are small beside the limit of speeds.
+    /// Whether moreover the falls of [`GENTLE_STEPS`] steps are small beside the limit of speeds.
     pub(crate) is_gentle: bool,
 }
 
@@ -147,9 +147,9 @@ impl<S: Scalar> Tunings<S> {
         }
     }
 
-    /// Makes all factors anew.
+    /// Makes all factors anew, but of rows nobody has: those may have a damping that the integrator refuses.
     pub(crate) fn refresh(&mut self, climate: &Climate<'_, S>) {
-        for row in &mut self.rows {
+        for row in self.rows.iter_mut().filter(|row| row.users > 0) {
             let users = row.users;
             *row = Tuning::new(row.key, climate);
             row.users = users;

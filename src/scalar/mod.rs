@@ -145,8 +145,7 @@ pub trait Accumulator<S: Scalar>: Number {
     /// The same on the other side of zero.
     #[must_use]
     fn negated(self) -> Self;
-    /// The product, or zero if its public value is zero. `None` from a magnitude of 2^24
-    /// on.
+    /// The product, or zero if its public value is zero. `None` from a magnitude of 2^24 on.
     fn scaled(self, factor: S::Factor) -> Option<Self>;
     /// Whether its magnitude is at most `limit`.
     fn is_within(self, limit: S) -> bool;
@@ -324,11 +323,10 @@ pub trait Scalar: Number + Display + PartialOrd + Add<Output = Self> + Sub<Outpu
     fn decay(kept: Self, span: Span) -> Self::Factor;
     /// The way covered at this velocity in `seconds`. *Domain* |v| < 2^26 m/s, seconds < 2.
     fn drift(self, seconds: Self::Factor) -> Self::Accumulator;
-    /// The velocity gained at this acceleration in `seconds`; `None` from 2^21
-    /// on.
+    /// The velocity gained at this acceleration in `seconds`; `None` from 2^21 on.
     fn kick(acceleration: Self::Wide, seconds: Self::Factor) -> Option<Self::Accumulator>;
 
-    /// Each times `kept`, or zero if its public value is then zero. *Domain* kept <= 1, values below 2^24.
+    /// Each times `kept`, or zero if its public value is then zero. *Domain* kept <= 1, values below 2^26.
     fn damp_all(values: &mut [Self::Accumulator], kept: Self::Factor) {
         values.iter_mut().for_each(|v| *v = v.scaled(kept).unwrap_or(*v));
     }

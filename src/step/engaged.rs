@@ -74,12 +74,13 @@ impl<S: Scalar> Context<'_, S> {
 
     /// The engaged blocks, one after the other, with how they were before the step.
     fn each_block(&mut self, mut act: impl FnMut(&March<'_, S>, &mut Block<'_, S>, &mut Frame<S>, &mut super::Found)) {
-        let Scratch { engaged, frames, pushed, found, .. } = &mut *self.scratch;
+        let Scratch { engaged, frames, pushed, overloaded, found, .. } = &mut *self.scratch;
         let march = March {
             stages: self.integrator.stages(),
             plan: self.plan,
             rows: self.tunings.rows(),
             pushed,
+            overloaded,
             sleep_after: self.sleep_after,
         };
         let moving = self.bodies.moving();
@@ -95,7 +96,10 @@ impl<S: Scalar> Context<'_, S> {
         if self.scratch.frames.len() < count {
             self.scratch.frames.resize_with(count, Frame::default);
         }
-        self.each_block(|_, block, frame, _| frame.keep(block));
+        self.each_block(|march, block, frame, found| {
+            frame.keep(block);
+            march.report_overloaded(block, found);
+        });
     }
 
     /// What a stage does to each body by itself.

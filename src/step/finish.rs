@@ -59,9 +59,12 @@ impl<S: Scalar> Context<'_, S> {
             return;
         }
         island_roots(self.bodies, self.fields, moving, links);
-        // An island sleeps as a whole: one body that is not ready keeps it up.
+        // An island sleeps as a whole, when one of its own bodies tries, and one that is not ready keeps it up.
         kept_up.clear();
-        kept_up.resize(links.len(), false);
+        kept_up.resize(links.len(), true);
+        for i in (0..moving).filter(|&i| is_ready(rest[i], ticks)) {
+            kept_up[links[i] as usize] = false;
+        }
         for i in (0..moving).filter(|&i| rest[i] < ticks) {
             kept_up[links[i] as usize] = true;
         }

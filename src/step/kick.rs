@@ -25,18 +25,20 @@ fn acceleration<S: Scalar>(load: &Load<S>, properties: &MassProperties<S>) -> Op
 impl<S: Scalar> Context<'_, S> {
     /// The accelerations from what was applied this tick, constant over it.
     pub(super) fn take_applied(&mut self) {
-        let Scratch { pushed, found, .. } = &mut *self.scratch;
+        let Scratch { pushed, overloaded, .. } = &mut *self.scratch;
         pushed.clear();
+        overloaded.clear();
         for row in self.applied.rows() {
             let Ok(i) = self.bodies.find(row.body) else { continue };
             let load = Load { acceleration: Vec2::default(), force: row.force, torque: row.torque };
             match acceleration(&load, &self.bodies.card(i).properties) {
                 Some(acceleration) => pushed.push((i, acceleration)),
-                None => found.faults.push((i, Cause::Force)),
+                None => overloaded.push(i),
             }
         }
         // In the order of the columns, whatever the order of the calls.
         pushed.sort_unstable_by_key(|(i, _)| *i);
+        overloaded.sort_unstable();
     }
 
     /// What the fields of position do here and now.

@@ -20,6 +20,8 @@ pub(super) struct March<'a, S: Scalar> {
     pub(super) rows: &'a [Tuning<S>],
     /// What the forces applied this tick do, by index in the columns, in its order.
     pub(super) pushed: &'a [(usize, Acceleration<S>)],
+    /// The bodies that are applied more than fits, by index, in order.
+    pub(super) overloaded: &'a [usize],
     pub(super) sleep_after: Option<u32>,
 }
 
@@ -84,12 +86,14 @@ impl<'a, S: Scalar> March<'a, S> {
         let tuned = Tuned::of(block, self.rows);
         let pushed = self.pushed_in(block);
         let may_rest = self.sleep_after.is_some() && (0..block.len()).any(|i| block.is_still(i));
-        let guarded = !pushed.is_empty() || !tuned.is_gentle() || !calm.pass(block) || may_rest;
+        let overloaded = !self.overloaded_in(block).is_empty();
+        let guarded = overloaded || !pushed.is_empty() || !tuned.is_gentle() || !calm.pass(block) || may_rest;
         if guarded {
             calm.0 = 0;
             frame.keep(block);
         }
         let first_fault = found.faults.len();
+        self.report_overloaded(block, found);
         let mut spins = block.any_spins();
         let mut stages = self.stages;
         while let [stage, others @ ..] = stages {
@@ -143,8 +147,16 @@ impl<'a, S: Scalar> March<'a, S> {
 
     /// The forces applied to the bodies of a block.
     fn pushed_in(&self, block: &Block<'_, S>) -> &'a [(usize, Acceleration<S>)] {
-        let before = |end: usize| self.pushed.partition_point(|(i, _)| *i < end);
-        if self.pushed.is_empty() { &[] } else { &self.pushed[before(block.first)..before(block.first + block.len())] }
+        part_in(block, self.pushed, |(i, _)| *i)
+    }
+
+    fn overloaded_in(&self, block: &Block<'_, S>) -> &'a [usize] {
+        part_in(block, self.overloaded, |i| *i)
+    }
+
+    /// The bodies of a block that are taken out for what was applied to them, whatever else befalls them.
+    pub(super) fn report_overloaded(&self, block: &Block<'_, S>, found: &mut Found) {
+        found.faults.extend(self.overloaded_in(block).iter().map(|&i| (i, Cause::Force)));
     }
 
     /// Looks at a block at the end of a step: who left the envelope, and who is at rest.
@@ -162,6 +174,12 @@ impl<'a, S: Scalar> March<'a, S> {
         }
         found.ready |= block.rest.iter().any(|&rest| is_ready(rest, ticks));
     }
+}
+
+/// The entries of a list, in the order of the indices it goes by, that are about bodies of a block.
+fn part_in<'a, S: Scalar, T>(block: &Block<'_, S>, list: &'a [T], index: impl Fn(&T) -> usize) -> &'a [T] {
+    let before = |end: usize| list.partition_point(|entry| index(entry) < end);
+    if list.is_empty() { list } else { &list[before(block.first)..before(block.first + block.len())] }
 }
 
 /// If the stages begin with damp, kick, drift, kick, damp: the spans of the first and of the drift, and the stages after.

@@ -66,6 +66,8 @@ pub(crate) struct Scratch<S: Scalar> {
     spare: Accelerations<S>,
     /// What the forces applied this tick do, in the order of the indices.
     pushed: Accelerations<S>,
+    /// The bodies whose applied forces sum up to more than fits, in the order of the indices.
+    overloaded: Vec<usize>,
     /// For `PublishedVerlet`, by index: all accelerations of a body, if their sum fits.
     total: Vec<Option<Acceleration<S>>>,
     /// What a step may add to the speed of a body, by index.
@@ -96,6 +98,7 @@ impl<S: Scalar> Default for Scratch<S> {
             resisting: Vec::new(),
             spare: Vec::new(),
             pushed: Vec::new(),
+            overloaded: Vec::new(),
             total: Vec::new(),
             gain: Vec::new(),
             outside: Vec::new(),
@@ -210,7 +213,7 @@ impl<S: Scalar> Context<'_, S> {
 
     /// Takes the bodies that no field reaches through the step.
     fn march(&mut self) {
-        let Scratch { engaged, calm, frames, pushed, found, .. } = &mut *self.scratch;
+        let Scratch { engaged, calm, frames, pushed, overloaded, found, .. } = &mut *self.scratch;
         calm.resize(self.bodies.moving().div_ceil(BLOCK), Calm::default());
         if frames.is_empty() {
             frames.push(Frame::default());
@@ -220,6 +223,7 @@ impl<S: Scalar> Context<'_, S> {
             plan: self.plan,
             rows: self.tunings.rows(),
             pushed,
+            overloaded,
             sleep_after: self.sleep_after,
         };
         #[cfg(feature = "parallel")]
