@@ -12,13 +12,15 @@ use crate::scalar::{Accumulator, Angle, Factor, Scalar};
 
 impl<S: Scalar> Context<'_, S> {
     pub(super) fn run_engaged(&mut self, has: Has) {
-        self.keep_frames();
+        timed!(self.scratch, finish, self.keep_frames());
         if has.position && !self.scratch.fields_hold && !self.integrator.opens_with_fields() {
             timed!(self.scratch, fields, self.evaluate_fields());
         }
         if has.drag && self.integrator == Integrator::Yoshida4 {
-            self.find_stiff_drag(has);
-            self.resist_outside(false);
+            timed!(self.scratch, damp, {
+                self.find_stiff_drag(has);
+                self.resist_outside(false);
+            });
         }
         for stage in self.integrator.stages() {
             match stage.verb {
@@ -30,9 +32,9 @@ impl<S: Scalar> Context<'_, S> {
             }
         }
         if self.scratch.drag_outside > 0 {
-            self.resist_outside(true);
+            timed!(self.scratch, damp, self.resist_outside(true));
         }
-        self.judge_engaged();
+        timed!(self.scratch, finish, self.judge_engaged());
     }
 
     fn run(&mut self, stage: &Stage, has: Has) {
