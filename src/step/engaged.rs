@@ -1,6 +1,6 @@
 //! The bodies that force fields may reach: all of them stage by stage.
 
-use super::march::{March, take_back};
+use super::march::{March, part_in, take_back};
 use super::timers::timed;
 use super::{Context, Has, Scratch};
 use crate::body::{BLOCK, Block, Frame};
@@ -115,16 +115,13 @@ impl<S: Scalar> Context<'_, S> {
 
     fn judge_engaged(&mut self) {
         self.each_block(|march, block, frame, found| march.judge(block, frame, found));
-        let Scratch { engaged, frames, found, .. } = &mut *self.scratch;
-        let moving = self.bodies.moving();
-        for &(i, _) in &found.faults {
-            let number = i / BLOCK;
-            if engaged[number] {
-                let frame = &frames[engaged[..number].iter().filter(|is| **is).count()];
-                let first = number * BLOCK;
-                take_back(&mut self.bodies.block(first, moving.min(first + BLOCK)), i, frame);
+        // Stable: the first fault of a body stays its first.
+        self.scratch.found.faults.sort_by_key(|(i, _)| *i);
+        self.each_block(|_, block, frame, found| {
+            for (i, _) in part_in(block, &found.faults, |(i, _)| *i) {
+                take_back(block, *i, frame);
             }
-        }
+        });
     }
 
     fn resist_inside(&mut self, stage: &Stage, has: Has) {
