@@ -1,6 +1,6 @@
 //! The bodies that force fields may reach: all of them stage by stage.
 
-use super::march::{March, take_back};
+use super::march::{March, part_in, take_back};
 use super::timers::timed;
 use super::{Context, Has, Scratch};
 use crate::body::{BLOCK, Block, Frame};
@@ -12,13 +12,15 @@ use crate::scalar::{Accumulator, Angle, Factor, Scalar};
 
 impl<S: Scalar> Context<'_, S> {
     pub(super) fn run_engaged(&mut self, has: Has) {
-        self.keep_frames();
+        timed!(self.scratch, finish, self.keep_frames());
         if has.position && !self.scratch.fields_hold && !self.integrator.opens_with_fields() {
             timed!(self.scratch, fields, self.evaluate_fields());
         }
         if has.drag && self.integrator == Integrator::Yoshida4 {
-            self.find_stiff_drag(has);
-            self.resist_outside(false);
+            timed!(self.scratch, damp, {
+                self.find_stiff_drag(has);
+                self.resist_outside(false);
+            });
         }
         for stage in self.integrator.stages() {
             match stage.verb {
@@ -30,9 +32,9 @@ impl<S: Scalar> Context<'_, S> {
             }
         }
         if self.scratch.drag_outside > 0 {
-            self.resist_outside(true);
+            timed!(self.scratch, damp, self.resist_outside(true));
         }
-        self.judge_engaged();
+        timed!(self.scratch, finish, self.judge_engaged());
     }
 
     fn run(&mut self, stage: &Stage, has: Has) {
@@ -113,16 +115,13 @@ impl<S: Scalar> Context<'_, S> {
 
     fn judge_engaged(&mut self) {
         self.each_block(|march, block, frame, found| march.judge(block, frame, found));
-        let Scratch { engaged, frames, found, .. } = &mut *self.scratch;
-        let moving = self.bodies.moving();
-        for &(i, _) in &found.faults {
-            let number = i / BLOCK;
-            if engaged[number] {
-                let frame = &frames[engaged[..number].iter().filter(|is| **is).count()];
-                let first = number * BLOCK;
-                take_back(&mut self.bodies.block(first, moving.min(first + BLOCK)), i, frame);
+        // Stable: the first fault of a body stays its first.
+        self.scratch.found.faults.sort_by_key(|(i, _)| *i);
+        self.each_block(|_, block, frame, found| {
+            for (i, _) in part_in(block, &found.faults, |(i, _)| *i) {
+                take_back(block, *i, frame);
             }
-        }
+        });
     }
 
     fn resist_inside(&mut self, stage: &Stage, has: Has) {

@@ -177,7 +177,7 @@ impl<'a, S: Scalar> March<'a, S> {
 }
 
 /// The entries of a list, in the order of the indices it goes by, that are about bodies of a block.
-fn part_in<'a, S: Scalar, T>(block: &Block<'_, S>, list: &'a [T], index: impl Fn(&T) -> usize) -> &'a [T] {
+pub(super) fn part_in<'a, S: Scalar, T>(block: &Block<'_, S>, list: &'a [T], index: impl Fn(&T) -> usize) -> &'a [T] {
     let before = |end: usize| list.partition_point(|entry| index(entry) < end);
     if list.is_empty() { list } else { &list[before(block.first)..before(block.first + block.len())] }
 }

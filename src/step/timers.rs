@@ -40,6 +40,6 @@ pub struct Timers {
     pub kick: core::time::Duration,
     /// Velocities to positions.
     pub drift: core::time::Duration,
-    /// Quarantine and sleep.
+    /// Quarantine and sleep, of the others also keeping what they were before the step.
     pub finish: core::time::Duration,
 }

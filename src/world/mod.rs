@@ -195,7 +195,7 @@ impl<S: Scalar> World<S> {
         }
     }
 
-    /// Where the time of this world's steps went. A copy starts from none.
+    /// Where the time of this world's steps went. A clone starts from none; `clone_from` goes on counting.
     #[cfg(feature = "timers")]
     #[must_use]
     pub fn timers(&self) -> crate::step::Timers {
