@@ -11,7 +11,7 @@ use super::turn::Turn;
 use super::wide::{FxSum, FxWide};
 use super::{AreaMoments, Factor, Glide, KICK_LOG2, Offset, Scalar, Span, Spin, SpringLaw, Weight};
 use crate::kernel::div::div_round;
-use crate::kernel::exp_log::{exp2_fine, log2_fine};
+use crate::kernel::exp_log::{exp2_for_64_bits, log2_fine};
 use crate::kernel::round::{shr_round, shr_round_u};
 use crate::kernel::sqrt::root_fine;
 use crate::kernel::wide::{div_256, mul_128, mul_div_round, mul_shift, shr_round_256};
@@ -46,8 +46,8 @@ fn power_of_two(exponent: u128, negative: bool) -> FxFactor {
     match (negative, fraction) {
         (true, 0) => FxFactor::new(1, whole),
         // 2^-(n + f) = 2^-(n + 1) · 2^(1 − f).
-        (true, _) => FxFactor::new(exp2_fine(fraction.wrapping_neg()), 127 + whole + 1),
-        (false, _) => FxFactor::new(exp2_fine(fraction), 127 - whole),
+        (true, _) => FxFactor::new(exp2_for_64_bits(fraction.wrapping_neg()), 127 + whole + 1),
+        (false, _) => FxFactor::new(exp2_for_64_bits(fraction), 127 - whole),
     }
 }
 
