@@ -10,11 +10,11 @@ use super::sweep;
 use super::turn::Turn;
 use super::wide::{FxSum, FxWide};
 use super::{AreaMoments, Factor, Glide, KICK_LOG2, Offset, Scalar, Span, Spin, SpringLaw, Weight};
-use crate::kernel::div::div_round;
+use crate::kernel::div::{div_round, div_round_by, reciprocal};
 use crate::kernel::exp_log::{exp2_for_64_bits, log2_fine};
-use crate::kernel::round::{shr_round, shr_round_u};
+use crate::kernel::round::{shr_round, shr_round_short};
 use crate::kernel::sqrt::root_fine;
-use crate::kernel::wide::{div_256, mul_128, mul_div_round, mul_shift, shr_round_256};
+use crate::kernel::wide::{div_256, magnitude, mul_128, mul_192, mul_shift, shr_round_256, with_sign};
 
 /// log2 e, within 2^-64 relative.
 const LOG2_E: (u128, i32) = (0xb8aa_3b29_5c17_f0bc, 63);
@@ -80,15 +80,13 @@ pub(super) fn mean_exponential(z: FxFactor, exponential: FxFactor, growth: bool)
 fn squares(offset: Offset<Fx>, third: Fx) -> Option<(i128, i128, u128)> {
     const MOST: u128 = 12_000_000_000_000_000_000; // 2^63.38: 2·MOST² + 2^124 < 2^128
     let (x, y) = (offset.0.ulps(), offset.1.ulps());
-    if x.unsigned_abs() > MOST || y.unsigned_abs() > MOST || third.to_bits().unsigned_abs() > 1 << 62 {
+    let third = third.to_bits().unsigned_abs();
+    let (along, across) = (magnitude(x), magnitude(y));
+    if along > MOST || across > MOST || third > 1 << 62 {
         return None;
     }
-    let square = |c: u128| c * c;
-    Some((
-        x,
-        y,
-        square(x.unsigned_abs()) + square(y.unsigned_abs()) + square(u128::from(third.to_bits().unsigned_abs())),
-    ))
+    let square = |c: u64| u128::from(c) * u128::from(c);
+    Some((x, y, square(along as u64) + square(across as u64) + square(third)))
 }
 
 /// √sum · 2^(32 − shift), with all its bits for small sums as well.
@@ -100,9 +98,41 @@ fn root(sum: u128, shift: i32) -> FxFactor {
     FxFactor::new(root_fine(sum << even), shift + (even / 2) as i32)
 }
 
-/// `magnitude` with the sign of `of`.
-const fn signed(magnitude: i128, of: i128) -> i128 {
-    if of < 0 { -magnitude } else { magnitude }
+/// The direction of an offset: takes the parts of a vector along it, and of a magnitude along the axes.
+struct Direction {
+    /// The length with its top bit set.
+    length: u128,
+    /// Its reciprocal, to divide by.
+    reciprocal: u64,
+    /// A component in ulps, shifted by this, is 2^-64 of what it is in the units of that length.
+    scale: u32,
+}
+
+impl Direction {
+    /// *Domain* `fine` = √(sum · 2^(2·up)) in units of 2^-32, in [2^95, 2^96], for the sum of the squares of two components.
+    #[inline]
+    fn new(fine: u128, up: u32) -> Self {
+        // 32, or 31 where the length rounds up to 2^96. The sum of two squares is below 0.9 · 2^128, so that it has been scaled
+        // there, and `up` is at least 1.
+        let spare = fine.leading_zeros();
+        let length = fine << spare;
+        Self { length, reciprocal: reciprocal(length), scale: up + spare - 32 }
+    }
+
+    /// `whole` times a component over the length, with `more` bits behind the last; `None` if it does not fit.
+    // Inlined for `more`, which is a constant.
+    #[inline(always)]
+    fn part(&self, whole: i128, component: i128, more: u32) -> Option<i128> {
+        // |component| · 2^up is at most √(sum · 2^(2·up)) < 2^64.
+        let (high, low) = mul_192(magnitude(whole), (magnitude(component) as u64) << self.scale);
+        if high.leading_zeros() < more {
+            return None;
+        }
+        let low = u128::from(low) << 64;
+        let (high, low) = ((high << more) | (low >> 1 >> (127 - more)), low << more);
+        let part = div_round_by(high, low, self.length, self.reciprocal)?;
+        Some(with_sign(i128::try_from(part).ok()?, component ^ whole))
+    }
 }
 
 impl Scalar for Fx {
@@ -149,8 +179,8 @@ impl Scalar for Fx {
 
     #[inline]
     fn torque(arm: FxWide, force: FxWide) -> Option<FxWide> {
-        let magnitude = mul_shift(arm.to_bits(), force.to_bits().unsigned_abs(), 64)?;
-        Some(FxWide::from_bits(signed(magnitude, force.to_bits())))
+        let torque = mul_shift(arm.to_bits(), magnitude(force.to_bits()), 64)?;
+        Some(FxWide::from_bits(with_sign(torque, force.to_bits())))
     }
 
     #[inline]
@@ -248,8 +278,8 @@ impl Scalar for Fx {
         let (quotient, _) = div_256(u128::from(mantissa) << 32, 0, cube);
         let shift = 96 + mu_shift - 3 * (even as i32) / 2;
         let component = |c: i128| {
-            let magnitude = mul_shift(quotient as i128, c.unsigned_abs(), shift)?;
-            Some(FxWide::from_bits(signed(magnitude, c)))
+            let part = mul_shift(quotient as i128, magnitude(c), shift)?;
+            Some(FxWide::from_bits(with_sign(part, c)))
         };
         Some((component(x)?, component(y)?))
     }
@@ -265,23 +295,19 @@ impl Scalar for Fx {
         let up = sum.leading_zeros() / 2;
         let fine = root_fine(sum << (2 * up));
         // In units of 2^-64 m, below 2^97.
-        let length = shr_round_u(fine, up);
+        let length = shr_round_short(fine, up);
         let stretch = length as i128 - (i128::from(spring.rest.to_bits()) << 32);
-        // The part of a magnitude that goes with a component of the offset, with `more` bits behind its last. |c| · 2^up is
-        // at most √(sum · 2^(2·up)) < 2^64, so there is room for 32.
-        let along = |magnitude: i128, c: i128, more: u32| {
-            let part = mul_div_round(magnitude.unsigned_abs(), c.unsigned_abs() << (32 + up + more), fine)?;
-            Some(signed(signed(i128::try_from(part).ok()?, c), magnitude))
-        };
+        let direction = Direction::new(fine, up);
         let mut tension = mul_shift(stretch, u128::from(spring.stiffness.to_bits().unsigned_abs()), 32)?;
         if spring.damping != Self::ZERO {
             // Velocities of points are below 2^34 m/s, so each part is below 2^34 · 2^(64 + 16) and a little.
-            let rate = along(velocity.0.to_bits(), x, 16)?.checked_add(along(velocity.1.to_bits(), y, 16)?)?;
-            let rate = shr_round(rate, 16);
+            let part = |v: FxWide, c: i128| direction.part(v.to_bits(), c, 16);
+            let rate = shr_round(part(velocity.0, x)?.checked_add(part(velocity.1, y)?)?, 16);
             let damping = mul_shift(rate, u128::from(spring.damping.to_bits().unsigned_abs()), 32)?;
             tension = tension.checked_add(damping)?;
         }
-        Some((FxWide::from_bits(along(tension, x, 0)?), FxWide::from_bits(along(tension, y, 0)?)))
+        let part = |c: i128| Some(FxWide::from_bits(direction.part(tension, c, 0)?));
+        Some((part(x)?, part(y)?))
     }
 
     fn length(offset: Offset<Self>, third: Self) -> FxFactor {
