@@ -7,9 +7,9 @@ use dashu_float::round::mode::HalfEven;
 use dashu_int::{IBig, UBig};
 use proptest::prelude::*;
 
-use super::fixed_laws::{exponential, mean_exponential};
+use super::fixed_laws::{exponential, mean_exponential, near_share, share};
 use super::*;
-use crate::kernel::sqrt::root_fine;
+use crate::kernel::sqrt::{root_and_reciprocal, root_fine};
 
 type Real = FBig<HalfEven, 2>;
 
@@ -153,6 +153,14 @@ proptest! {
         let size = 128 - (ulps.0.unsigned_abs() | ulps.1.unsigned_abs()).leading_zeros() as i32;
         let mu = FxFactor::new(m.into(), 64 - 2 * (size - 32) + near);
         prop_assert_eq!(bits(<Fx as Scalar>::attraction(mu, offset(ulps), softening)), attraction(mu, ulps, softening));
+    }
+
+    #[test]
+    fn the_near_share_is_at_most_one_off(mantissa in 1u64 << 63.., s in 1u128 << 126..) {
+        let (root, reciprocal) = root_and_reciprocal(s);
+        let cube = (UBig::from(s) * UBig::from(root.min((1 << 96) - 1))) >> 96;
+        let cube = u128::try_from(cube).expect("below 2^128");
+        prop_assert!(near_share(mantissa, cube, reciprocal).abs_diff(share(mantissa, cube)) <= 1);
     }
 }
 

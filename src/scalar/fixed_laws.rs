@@ -13,8 +13,8 @@ use super::{AreaMoments, Factor, Glide, KICK_LOG2, Offset, Scalar, Span, Spin, S
 use crate::kernel::div::{div_round, div_round_by, reciprocal};
 use crate::kernel::exp_log::{exp2_for_64_bits, log2_fine};
 use crate::kernel::round::{shr_round, shr_round_short};
-use crate::kernel::sqrt::root_fine;
-use crate::kernel::wide::{div_256, magnitude, mul_128, mul_192, mul_shift, shr_round_256, with_sign};
+use crate::kernel::sqrt::{root_and_reciprocal, root_fine};
+use crate::kernel::wide::{div_256, magnitude, mul_128, mul_192, mul_shift, mul_shift_near, shr_round_256, with_sign};
 
 /// log2 e, within 2^-64 relative.
 const LOG2_E: (u128, i32) = (0xb8aa_3b29_5c17_f0bc, 63);
@@ -96,6 +96,30 @@ fn root(sum: u128, shift: i32) -> FxFactor {
     }
     let even = sum.leading_zeros() & !1;
     FxFactor::new(root_fine(sum << even), shift + (even / 2) as i32)
+}
+
+/// ⌊mantissa · 2^160 / cube⌋, what mu / d³ is made of, with 95 bits or more. *Domain* cube >= 2^125.
+#[cold]
+pub(super) fn share(mantissa: u64, cube: u128) -> u128 {
+    // mantissa · 2^160 < 2^224: its high half is below 2^96, which is below the cube.
+    div_256(u128::from(mantissa) << 32, 0, cube).0
+}
+
+/// The [`share`], or one more or less, without a division.
+///
+/// *Domain* cube = v^(3/2) · 2^128 within 2^-94 relative, and inverse = 2^61 / √v within 2^-55, for a v in [¼, 1).
+#[inline]
+pub(super) fn near_share(mantissa: u64, cube: u128, inverse: u64) -> u128 {
+    let high = |a: u64, b: u64| ((u128::from(a) * u128::from(b)) >> 64) as u64;
+    // 1/v^(3/2) <= 2^3 within 3 · 2^-55 + 2^-58 + 2^-60 < 2^-53.3.
+    let power_q60 = ((u128::from(high(inverse, inverse)) * u128::from(inverse)) >> 59) as u64;
+    // In units of 2^36, with 59 to 63 bits: rounded down within 2^-53.2.
+    let first = high(mantissa, power_q60);
+    // What that leaves of mantissa · 2^160, in units of 2^100 and less than one too much: below 2^(124 − 53.2) = 2^70.8.
+    let rest = (i128::from(mantissa) << 60) - mul_192(cube, first).0 as i128;
+    // rest · 2^100 / cube, below 2^45.8. The power is 2^-7.5 of it off, the bits cut off make 2^-16, and rounding down one.
+    let second = ((rest >> 8) * i128::from(power_q60)) >> 80;
+    ((u128::from(first) << 36) as i128 + second) as u128
 }
 
 /// The direction of an offset: takes the parts of a vector along it, and of a magnitude along the axes.
@@ -272,13 +296,16 @@ impl Scalar for Fx {
         let s = sum << even;
         // d³ / 2^(64 − 3·even/2) in [2^125, 2^128), cut below 2^-125 relative. The root of the largest s rounds up to 2^96,
         // which is one too many: 2^-96 relative.
-        let root = root_fine(s).min((1 << 96) - 1);
-        let (cube, _) = mul_128(s, root << 32);
-        // mu / d³ with 95 bits or more: mantissa · 2^160 < 2^224, so its high half is below 2^96 < cube.
-        let (quotient, _) = div_256(u128::from(mantissa) << 32, 0, cube);
+        let (root, inverse) = root_and_reciprocal(s);
+        let (cube, _) = mul_128(s, root.min((1 << 96) - 1) << 32);
+        let near = near_share(mantissa, cube, inverse);
         let shift = 96 + mu_shift - 3 * (even as i32) / 2;
         let component = |c: i128| {
-            let part = mul_shift(quotient as i128, magnitude(c), shift)?;
+            let size = magnitude(c) as u64;
+            let part = match mul_shift_near(near, size, shift) {
+                Some(part) => part,
+                None => mul_shift(share(mantissa, cube) as i128, size.into(), shift)?,
+            };
             Some(FxWide::from_bits(with_sign(part, c)))
         };
         Some((component(x)?, component(y)?))
