@@ -5,7 +5,8 @@
 
 use divan::{Bencher, black_box};
 use fixed::types::I32F32;
-use umbra_physics::Fx;
+use umbra_physics::scalar::{Factor, Wide};
+use umbra_physics::{Fx, FxFactor, FxWide, Scalar, SpringLaw, fx};
 
 #[path = "../tests/support/cordic.rs"]
 mod plain;
@@ -48,8 +49,12 @@ fn one<T: Copy + Sync, R>(bencher: Bencher, inputs: Vec<T>, function: impl Fn(T)
 }
 
 /// Times `function` on each pair of inputs.
-fn two<T: Copy + Sync, R>(bencher: Bencher, (a, b): (Vec<T>, Vec<T>), function: impl Fn(T, T) -> R + Sync) {
-    let inputs: Vec<(T, T)> = a.into_iter().zip(b).collect();
+fn two<T: Copy + Sync, U: Copy + Sync, R>(
+    bencher: Bencher,
+    (a, b): (Vec<T>, Vec<U>),
+    function: impl Fn(T, U) -> R + Sync,
+) {
+    let inputs: Vec<(T, U)> = a.into_iter().zip(b).collect();
     one(bencher, inputs, |(a, b)| function(a, b));
 }
 
@@ -290,5 +295,74 @@ mod pow {
     #[divan::bench]
     fn f64(bencher: Bencher) {
         two(bencher, (floats(positive(1, 40)), floats(values(2, 34))), f64::powf);
+    }
+}
+
+/// The laws of force, metres apart.
+mod laws {
+    use super::*;
+
+    type Pair = (FxWide, FxWide);
+
+    /// Vectors of either sign with `bits` random bits a component.
+    fn vectors(seed: u64, bits: u32) -> Vec<Pair> {
+        let component = |seed| values(seed, bits).into_iter().map(FxWide::from_scalar);
+        component(seed).zip(component(seed + 1)).collect()
+    }
+
+    fn factors(seed: u64, divisor: u64) -> Vec<FxFactor> {
+        positive(seed, 36).into_iter().map(|bits| FxFactor::from_ratio(bits.to_bits() as u64, divisor)).collect()
+    }
+
+    const SPRING: SpringLaw<Fx> = SpringLaw { rest: fx!(1), stiffness: fx!(100), damping: Fx::ZERO };
+
+    #[divan::bench]
+    fn spring(bencher: Bencher) {
+        one(bencher, vectors(1, 34), |offset| Fx::tension(offset, Pair::default(), &SPRING));
+    }
+
+    #[divan::bench]
+    fn spring_with_damper(bencher: Bencher) {
+        let spring = SpringLaw { damping: fx!(1.5), ..SPRING };
+        two(bencher, (vectors(1, 34), vectors(3, 35)), |offset, velocity| Fx::tension(offset, velocity, &spring));
+    }
+
+    #[divan::bench]
+    fn attraction(bencher: Bencher) {
+        let mu = FxFactor::from_ratio(400, 3);
+        one(bencher, vectors(1, 36), |offset| Fx::attraction(mu, offset, fx!(0.25)));
+    }
+
+    /// At up to 16 m/s, with coefficients of ¼ a second and a metre, over 1/120 s.
+    fn drag(bencher: Bencher, linear: FxFactor, quadratic: FxFactor) {
+        let seconds = FxFactor::from_ratio(1, 120);
+        one(bencher, factors(1, 1 << 31), |speed| Fx::drag(speed, linear, quadratic, seconds, false));
+    }
+
+    #[divan::bench]
+    fn drag_linear(bencher: Bencher) {
+        drag(bencher, FxFactor::from_ratio(1, 4), FxFactor::ZERO);
+    }
+
+    #[divan::bench]
+    fn drag_quadratic(bencher: Bencher) {
+        drag(bencher, FxFactor::ZERO, FxFactor::from_ratio(1, 4));
+    }
+
+    #[divan::bench]
+    fn drag_of_both_kinds(bencher: Bencher) {
+        drag(bencher, FxFactor::from_ratio(1, 4), FxFactor::from_ratio(1, 4));
+    }
+
+    /// A force over a mass.
+    #[divan::bench]
+    fn force_times_factor(bencher: Bencher) {
+        let forces: Vec<FxWide> = vectors(1, 40).into_iter().map(|(force, _)| force).collect();
+        two(bencher, (forces, factors(3, 1 << 40)), |force, factor: FxFactor| force.times(factor));
+    }
+
+    #[divan::bench]
+    fn factor_over_factor(bencher: Bencher) {
+        two(bencher, (factors(1, 3), factors(2, 7)), FxFactor::over);
     }
 }

@@ -30,7 +30,14 @@ pub(crate) const fn isqrt(x: u128) -> u64 {
 }
 
 /// The square root of `x` >= 2^126, rounded down; 0 for 0.
+#[inline]
 const fn floor_root(x: u128) -> u64 {
+    floor_and_reciprocal(x).0
+}
+
+/// That, and 1/√v in Q3.61 with a relative error below 2^-55, for v = `x`·2^-128 in [¼, 1).
+#[inline]
+const fn floor_and_reciprocal(x: u128) -> (u64, u64) {
     let m = (x >> 64) as u64;
     let y = reciprocal_root(m);
     // y <= 2^62 + 2^34, so y² (Q58) has 61 bits; |1 - v·y²| < 2^-27 leaves 31 bits of the difference,
@@ -47,13 +54,9 @@ const fn floor_root(x: u128) -> u64 {
     let s = if s >> 64 == 0 { s as u64 } else { u64::MAX };
     // Now s is at most one off. s² fits, and the rest is below 2^66 in magnitude.
     let rest = x.wrapping_sub(s as u128 * s as u128) as i128;
-    if rest < 0 {
-        s - 1
-    } else if rest > 2 * s as i128 {
-        s + 1
-    } else {
-        s
-    }
+    // Without a branch: which of the three it is cannot be predicted.
+    let (below, above) = ((rest < 0) as u64, (rest > 2 * s as i128) as u64);
+    (s + above - below, y as u64)
 }
 
 /// The square root, rounded to nearest (no tie is possible); from 2^128 - 2^64 + 1 on it is 2^64.
@@ -64,19 +67,24 @@ pub(crate) const fn sqrt_round(x: u128) -> u128 {
     floor + (x - floor * floor > floor) as u128
 }
 
-/// The square root in units of 2^-32, that is √(x·2^64), within 0.501 of a unit.
+/// The square root of `x` >= 2^126 in units of 2^-32, that is √(x·2^64), within 0.501 of a unit.
 #[inline]
 pub(crate) const fn root_fine(x: u128) -> u128 {
-    if x == 0 {
-        return 0;
-    }
-    let twice_shift = x.leading_zeros() & !1;
-    let x = x << twice_shift;
-    let floor = floor_root(x) as u128;
+    root_and_reciprocal(x).0
+}
+
+/// That, and 1/√v in Q3.61 with a relative error below 2^-55, for v = `x`·2^-128 in [¼, 1).
+#[inline]
+pub(crate) const fn root_and_reciprocal(x: u128) -> (u128, u64) {
+    let (floor, y) = floor_and_reciprocal(x);
     // √x = floor + f with f = rest/(2·floor + f); leaving out that f makes less than 2^-64 of error. rest <= 2·floor < 2^65.
-    let rest = x - floor * floor;
-    let root_q48 = (floor << 48) + (rest << 48) / (2 * floor);
-    shr_round_u(root_q48, 16 + twice_shift / 2)
+    let rest = x - floor as u128 * floor as u128;
+    // f in units of 2^-48 is rest·2^47/floor <= 2^48. 1/floor is y·2^-125 within 2^-54, and |2^48·2^-54| = 2^-6: rounded down
+    // the estimate is at most one off. ⌊rest/2⌋ <= floor, so its product is below 2^127, and so is rest·2^47 < 2^112.
+    let estimate = ((rest >> 1) * y as u128) >> 77;
+    let miss = (rest << 47) as i128 - (estimate * floor as u128) as i128;
+    let (below, above) = ((miss < 0) as u128, (miss >= floor as i128) as u128);
+    (shr_round_u(((floor as u128) << 48) + estimate + above - below, 16), y)
 }
 
 /// The square root of an I32F32 value, rounded to nearest: √(raw·2^32) (no tie is possible).
@@ -108,6 +116,7 @@ pub(crate) const fn sqrt_fx(raw: u64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use dashu_int::UBig;
 
     /// Every power of two and square with their neighbours, and a million from a generator, all sizes alike.
     fn inputs() -> impl Iterator<Item = u128> {
@@ -145,19 +154,24 @@ mod tests {
     }
 
     #[test]
-    fn the_fine_root_agrees_with_the_exact_one_where_that_fits() {
-        for x in inputs() {
-            let fine = root_fine(x);
-            if x >> 64 == 0 {
-                assert!(fine.abs_diff(sqrt_round(x << 64)) <= 1, "{x}");
-            } else {
-                // √(x·2^64)·2^-16 = √(x·2^32) for those up to 96 bits, the whole part for the rest.
-                let coarse = if x >> 96 == 0 { isqrt(x << 32) } else { isqrt(x) };
-                let floor = (fine >> if x >> 96 == 0 { 16 } else { 32 }) as u64;
-                assert!(floor.wrapping_sub(coarse) <= 1, "{x}");
-            }
+    fn the_fine_root_is_that_by_division() {
+        for x in inputs().filter(|&x| x > 0) {
+            let x = x << (x.leading_zeros() & !1);
+            let floor = u128::from(isqrt(x));
+            let by_division = (floor << 48) + ((x - floor * floor) << 48) / (2 * floor);
+            assert_eq!(root_fine(x), shr_round_u(by_division, 16), "{x}");
         }
         assert_eq!(root_fine(u128::MAX), 1 << 96);
         assert_eq!(root_fine(1 << 126), 1 << 95);
+    }
+
+    #[test]
+    fn the_fine_root_is_within_half_a_unit() {
+        for x in inputs().filter(|&x| x > 0).step_by(10) {
+            let x = x << (x.leading_zeros() & !1);
+            // In thousandths: (root ± 0.501)² around x · 2^64.
+            let (root, exact) = (UBig::from(root_fine(x)) * 1000u32, (UBig::from(x) << 64) * 1_000_000u32);
+            assert!((&root - 501u32).pow(2) < exact && exact < (&root + 501u32).pow(2), "{x}");
+        }
     }
 }

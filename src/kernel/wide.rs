@@ -1,6 +1,9 @@
 //! Products of 192 and 256 bits, and the few things done to them: shift with rounding, divide.
 
+use super::div::{div_by, reciprocal};
+
 /// a·b as (high, low) halves of 128 bits.
+#[inline]
 pub(crate) const fn mul_128(a: u128, b: u128) -> (u128, u128) {
     const LOW: u128 = u64::MAX as u128;
     let (a1, a0, b1, b0) = (a >> 64, a & LOW, b >> 64, b & LOW);
@@ -9,6 +12,14 @@ pub(crate) const fn mul_128(a: u128, b: u128) -> (u128, u128) {
     let mid = a1 * b0 + (low >> 64);
     let mid2 = a0 * b1 + (mid & LOW);
     (a1 * b1 + (mid >> 64) + (mid2 >> 64), (mid2 << 64) | (low & LOW))
+}
+
+/// a·b as (high, low), the low part of 64 bits.
+#[inline]
+pub(crate) const fn mul_192(a: u128, b: u64) -> (u128, u64) {
+    let low = (a as u64) as u128 * b as u128;
+    // At most (2^64 − 1)² + 2^64 − 1: it does not wrap.
+    ((a >> 64) * b as u128 + (low >> 64), low as u64)
 }
 
 /// (high·2^128 + low) / 2^shift to nearest, ties to even; `None` if the result exceeds 128 bits.
@@ -46,63 +57,73 @@ pub(crate) const fn shift_round_256(high: u128, low: u128, shift: i32) -> Option
 }
 
 /// a·b / 2^shift to nearest, ties to even; `None` if it leaves i128. Odd in `a`.
+#[inline]
 pub(crate) const fn mul_shift(a: i128, b: u128, shift: i32) -> Option<i128> {
-    let (high, low) = mul_128(a.unsigned_abs(), b);
-    match shift_round_256(high, low, shift) {
-        Some(magnitude) if magnitude <= i128::MAX as u128 => {
-            let magnitude = magnitude as i128;
-            Some(if a < 0 { -magnitude } else { magnitude })
+    let (high, low) = mul_128(magnitude(a), b);
+    let rounded = if 0 < shift && shift < 128 {
+        // Nearly every product comes this way: it is worth its own few shifts.
+        let s = shift as u32;
+        if high >> (s - 1) != 0 {
+            return None;
         }
-        _ => None,
+        // floor < 2^127; the rest is in units of 2^-128, half is 2^127.
+        let floor = (high << (128 - s)) | (low >> s);
+        let rest = low << (128 - s);
+        floor + (rest > (1 << 127) - (floor & 1)) as u128
+    } else {
+        match shift_round_256(high, low, shift) {
+            Some(rounded) => rounded,
+            None => return None,
+        }
+    };
+    if rounded > i128::MAX as u128 { None } else { Some(with_sign(rounded as i128, a)) }
+}
+
+/// [`mul_shift`] where it is the same for `a` − 1, `a` and `a` + 1; `None` where it may not be, and from 2^126 on.
+#[inline]
+pub(crate) const fn mul_shift_near(a: u128, b: u64, shift: i32) -> Option<i128> {
+    if shift < 2 || shift > 127 {
+        return None;
     }
+    let (high, low) = mul_192(a, b);
+    let (high, low) = (high >> 64, high << 64 | low as u128);
+    let s = shift as u32;
+    if high >> (s - 2) != 0 {
+        return None;
+    }
+    let floor = (high << (128 - s)) | (low >> s);
+    let (rest, half) = (low & ((1 << s) - 1), 1 << (s - 1));
+    // The three products are `b` apart, and what they round to changes at half a unit alone.
+    if rest.abs_diff(half) > b as u128 { Some((floor + (rest > half) as u128) as i128) } else { None }
+}
+
+/// |a|, without a branch.
+#[inline]
+pub(crate) const fn magnitude(a: i128) -> u128 {
+    with_sign(a, a) as u128
+}
+
+/// `magnitude` with the sign of `of`. Without a branch: the signs of offsets cannot be predicted.
+#[inline]
+pub(crate) const fn with_sign(magnitude: i128, of: i128) -> i128 {
+    let mask = of >> 127;
+    (magnitude ^ mask).wrapping_sub(mask)
 }
 
 /// (high·2^128 + low) / d, rounded down, and the remainder. *Domain* high < d, so that the quotient has 128 bits.
-///
-/// *Source* Knuth, The Art of Computer Programming 2, 4.3.1, algorithm D, with two digits of 64 bits.
 pub(crate) const fn div_256(high: u128, low: u128, d: u128) -> (u128, u128) {
-    if high == 0 {
-        return (low / d, low % d);
-    }
     let s = d.leading_zeros();
-    let d = d << s;
-    let (high, low) = if s == 0 { (high, low) } else { ((high << s) | (low >> (128 - s)), low << s) };
-    let (q1, r) = div_digit(high, low >> 64, d);
-    let (q0, r) = div_digit(r, low & (u64::MAX as u128), d);
-    ((q1 << 64) | q0, r >> s)
-}
-
-/// One digit: (high·2^64 + next) / d with d's top bit set, high < d, next < 2^64.
-const fn div_digit(high: u128, next: u128, d: u128) -> (u128, u128) {
-    let (d1, d0) = (d >> 64, d & (u64::MAX as u128));
-    let mut q = high / d1;
-    let mut r = high % d1;
-    // Knuth's step D3: the guess is too large by at most two; r < 2^64 keeps r << 64 within 128 bits.
-    while q >> 64 != 0 || q * d0 > ((r << 64) | next) {
-        q -= 1;
-        r += d1;
-        if r >> 64 != 0 {
-            break;
-        }
-    }
-    // The true remainder is below d < 2^128, so the wrapped difference is it.
-    (q, (high << 64 | next).wrapping_sub(q.wrapping_mul(d)))
-}
-
-/// a·b / d to nearest, ties to even; `None` if it leaves u128. *Domain* d > 0.
-pub(crate) const fn mul_div_round(a: u128, b: u128, d: u128) -> Option<u128> {
-    let (high, low) = mul_128(a, b);
-    if high >= d {
-        return None;
-    }
-    let (q, r) = div_256(high, low, d);
-    let rest = d - r;
-    if r > rest || (r == rest && q & 1 == 1) { q.checked_add(1) } else { Some(q) }
+    let (d, high, low) = (d << s, (high << s) | (low >> 1 >> (127 - s)), low << s);
+    let (q, r) = div_by(high, low, d, reciprocal(d));
+    (q, r >> s)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use core::cmp::Ordering;
+    use dashu_int::UBig;
+    use dashu_int::ops::BitTest;
     use proptest::prelude::*;
 
     proptest! {
@@ -116,10 +137,73 @@ mod tests {
         }
 
         #[test]
+        fn shifted_products_are_the_nearest(a: i128, b: u128, cut in (0u32..128, 0u32..128), shift in -130i32..260, tie: bool) {
+            let (a, b) = (a >> cut.0, b >> cut.1);
+            // Odd multiples of half a unit among them.
+            let b = if tie && (1..128).contains(&shift) { (b >> (shift - 1) | 1) << (shift - 1) } else { b };
+            let product = UBig::from(a.unsigned_abs()) * UBig::from(b);
+            let exact = if shift <= 0 {
+                product << shift.unsigned_abs() as usize
+            } else {
+                let unit = UBig::ONE << shift as usize;
+                let (floor, rest) = (&product / &unit, &product % &unit);
+                let up = match (rest * 2u8).cmp(&unit) {
+                    Ordering::Less => false,
+                    Ordering::Equal => &floor % 2u8 == 1,
+                    Ordering::Greater => true,
+                };
+                floor + u8::from(up)
+            };
+            let fits = i128::try_from(&exact).ok().map(|exact| if a < 0 { -exact } else { exact });
+            prop_assert_eq!(mul_shift(a, b, shift), fits);
+        }
+
+        #[test]
+        fn products_that_are_sure_are_those_of_the_neighbours(a in 1..i128::MAX, b: u64, cut in (0u32..127, 0u32..64), shift: i8) {
+            let (a, b, shift) = ((a >> cut.0).max(1), b >> cut.1, i32::from(shift));
+            if let Some(sure) = mul_shift_near(a as u128, b, shift) {
+                for a in [a - 1, a, a + 1] {
+                    prop_assert_eq!(mul_shift(a, b.into(), shift), Some(sure));
+                }
+            }
+        }
+
+        #[test]
+        fn products_away_from_a_tie_are_sure(a in 1u128..1 << 127, b: u64, cut in (0u32..127, 0u32..64), shift in 2usize..128) {
+            let (a, b) = ((a >> cut.0).max(1), b >> cut.1);
+            let (product, half) = (UBig::from(a) * UBig::from(b), UBig::ONE << (shift - 1));
+            prop_assume!(product.bit_len() <= shift + 126);
+            let rest = &product % (UBig::ONE << shift);
+            let away = if rest > half { rest - half } else { half - rest };
+            prop_assert_eq!(mul_shift_near(a, b, shift as i32).is_some(), away > UBig::from(b));
+        }
+
+        #[test]
+        fn narrow_products_are_the_wide_ones(a: u128, b: u64) {
+            let (high, low) = mul_192(a, b);
+            prop_assert_eq!((high >> 64, high << 64 | u128::from(low)), mul_128(a, b.into()));
+        }
+
+        #[test]
         fn a_product_shifted_back_is_the_factor(a: i128, s in 0u32..128) {
             prop_assume!(a != i128::MIN);
             prop_assert_eq!(mul_shift(a, 1 << s, s as i32), Some(a));
         }
+    }
+
+    #[test]
+    fn products_at_the_ends_of_the_range_fit_or_do_not() {
+        assert_eq!(mul_shift(i128::MAX, 1, 0), Some(i128::MAX));
+        assert_eq!(mul_shift(i128::MIN, 1, 0), None);
+        assert_eq!(mul_shift(i128::MIN, 1, 1), Some(-1 << 126));
+        assert_eq!(mul_shift(i128::MAX, 3, 1), None);
+        assert_eq!(mul_shift(i128::MAX, u128::MAX, 128), Some(i128::MAX));
+        assert_eq!(mul_shift((1 << 126) + 1, (1 << 127) - 2, 127), Some(1 << 126));
+        assert_eq!(mul_shift(i128::MAX, (1 << 64) - 1, 63), None);
+        assert_eq!(
+            [magnitude(i128::MIN), magnitude(-1), magnitude(0), magnitude(i128::MAX)],
+            [1 << 127, 1, 0, i128::MAX as u128]
+        );
     }
 
     #[test]

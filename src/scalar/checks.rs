@@ -4,11 +4,12 @@ use core::ops::Neg;
 
 use dashu_float::FBig;
 use dashu_float::round::mode::HalfEven;
-use dashu_int::IBig;
+use dashu_int::{IBig, UBig};
 use proptest::prelude::*;
 
-use super::fixed_laws::{exponential, mean_exponential};
+use super::fixed_laws::{exponential, mean_exponential, near_share, share};
 use super::*;
+use crate::kernel::sqrt::{root_and_reciprocal, root_fine};
 
 type Real = FBig<HalfEven, 2>;
 
@@ -43,6 +44,124 @@ fn is_nearest(f: FxFactor, reference: &Real) -> bool {
 fn factor() -> impl Strategy<Value = FxFactor> {
     (any::<u64>(), 0u32..64, -40i32..120)
         .prop_map(|(m, cut, shift)| FxFactor::new(u128::from((m >> cut).max(1)), shift))
+}
+
+/// A number of up to `bits` bits of either sign, small ones, zero and powers of two among them.
+fn number(bits: u32) -> impl Strategy<Value = i128> {
+    let cut = (any::<i128>(), 128 - bits..128).prop_map(|(value, cut)| value >> cut);
+    let power = (0..bits - 1, any::<bool>(), -1i128..=1).prop_map(|(k, negative, off)| {
+        let power = (1 << k) + off;
+        if negative { -power } else { power }
+    });
+    prop_oneof![4 => cut, 1 => power]
+}
+
+/// Components in ulps of an offset: any two, and the sides of triangles whose third is a whole number.
+fn components() -> impl Strategy<Value = (i128, i128)> {
+    let whole = (number(60), any::<bool>()).prop_map(|(k, swap)| if swap { (4 * k, 3 * k) } else { (3 * k, -4 * k) });
+    prop_oneof![3 => (number(64), number(64)), 1 => whole]
+}
+
+/// ±num / den to nearest, ties to even; `None` if it leaves i128.
+fn quotient(num: UBig, den: &UBig, negative: bool) -> Option<i128> {
+    let (floor, twice) = (&num / den, (&num % den) * 2u8);
+    let up = twice > *den || (twice == *den && &floor % 2u8 == 1);
+    let rounded = i128::try_from(&(floor + u8::from(up))).ok()?;
+    Some(if negative { -rounded } else { rounded })
+}
+
+fn size(value: i128) -> UBig {
+    UBig::from(value.unsigned_abs())
+}
+
+/// The tension as it is defined: each quotient and product of integers rounded once.
+fn tension((x, y): (i128, i128), velocity: (i128, i128), spring: &SpringLaw<Fx>) -> Option<(i128, i128)> {
+    let square = |c: i128| c.unsigned_abs().pow(2);
+    let sum = square(x) + square(y);
+    if sum == 0 {
+        return Some((0, 0));
+    }
+    let up = sum.leading_zeros() as usize / 2;
+    let fine = UBig::from(root_fine(sum << (2 * up)));
+    let times = |a: i128, b: Fx| quotient(size(a) * b.to_bits().unsigned_abs(), &(UBig::ONE << 32), a < 0);
+    let part = |whole: i128, c: i128, more: usize| {
+        quotient((size(whole) * size(c)) << (32 + up + more), &fine, (whole < 0) != (c < 0))
+    };
+    let length = quotient(fine.clone(), &(UBig::ONE << up), false)?;
+    let mut tension = times(length - (i128::from(spring.rest.to_bits()) << 32), spring.stiffness)?;
+    if spring.damping != Fx::ZERO {
+        let rate = part(velocity.0, x, 16)?.checked_add(part(velocity.1, y, 16)?)?;
+        tension = tension.checked_add(times(quotient(size(rate), &(UBig::ONE << 16), rate < 0)?, spring.damping)?)?;
+    }
+    Some((part(tension, x, 0)?, part(tension, y, 0)?))
+}
+
+/// The attraction as it is defined: mu / d³ rounded down to 95 bits or more, times each component rounded once.
+fn attraction(mu: FxFactor, (x, y): (i128, i128), softening: Fx) -> Option<(i128, i128)> {
+    let square = |c: i128| c.unsigned_abs().pow(2);
+    let sum = square(x) + square(y) + square(softening.to_bits().into());
+    let (mantissa, shift) = mu.parts();
+    if (x, y) == (0, 0) || mantissa == 0 {
+        return Some((0, 0));
+    }
+    let even = sum.leading_zeros() & !1;
+    let root = root_fine(sum << even).min((1 << 96) - 1);
+    let cube = (UBig::from(sum << even) * UBig::from(root)) >> 96;
+    let share = (UBig::from(mantissa) << 160) / cube;
+    let shift = 96 + shift - 3 * (even as i32) / 2;
+    let part = |c: i128| {
+        let (left, right) = (shift.min(0).unsigned_abs() as usize, shift.max(0) as usize);
+        quotient((&share * size(c)) << left, &(UBig::ONE << right), c < 0)
+    };
+    Some((part(x)?, part(y)?))
+}
+
+/// An offset of so many ulps.
+fn offset((x, y): (i128, i128)) -> Offset<Fx> {
+    (FxWide::from_bits(x << 32), FxWide::from_bits(y << 32))
+}
+
+fn bits(vector: Option<Offset<Fx>>) -> Option<(i128, i128)> {
+    vector.map(|(x, y)| (x.to_bits(), y.to_bits()))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(if cfg!(debug_assertions) { 1_000 } else { 30_000 }))]
+
+    #[test]
+    fn a_tension_has_the_bits_of_its_definition(
+        ulps in components(), v in (number(128), number(128)), wide: bool,
+        (rest, stiffness, damping) in (0i64.., 0i64.., 0i64..), cut in (0u32..63, 0u32..63, 0u32..64),
+    ) {
+        let spring = SpringLaw {
+            rest: Fx::from_bits(rest >> cut.0),
+            stiffness: Fx::from_bits(stiffness >> cut.1),
+            damping: Fx::from_bits(damping >> cut.2),
+        };
+        // Of bodies, or whatever fits.
+        let v = if wide { v } else { (v.0 >> 30, v.1 >> 30) };
+        let velocity = (FxWide::from_bits(v.0), FxWide::from_bits(v.1));
+        prop_assert_eq!(bits(<Fx as Scalar>::tension(offset(ulps), velocity, &spring)), tension(ulps, v, &spring));
+    }
+
+    #[test]
+    fn an_attraction_has_the_bits_of_its_definition(
+        ulps in components(), m in 1u64.., near in -40i32..40, softening in 0i64..1 << 62, cut in 1u32..64,
+    ) {
+        let softening = Fx::from_bits(softening >> cut);
+        // From what is next to nothing at this distance to what does not fit.
+        let size = 128 - (ulps.0.unsigned_abs() | ulps.1.unsigned_abs()).leading_zeros() as i32;
+        let mu = FxFactor::new(m.into(), 64 - 2 * (size - 32) + near);
+        prop_assert_eq!(bits(<Fx as Scalar>::attraction(mu, offset(ulps), softening)), attraction(mu, ulps, softening));
+    }
+
+    #[test]
+    fn the_near_share_is_at_most_one_off(mantissa in 1u64 << 63.., s in 1u128 << 126..) {
+        let (root, reciprocal) = root_and_reciprocal(s);
+        let cube = (UBig::from(s) * UBig::from(root.min((1 << 96) - 1))) >> 96;
+        let cube = u128::try_from(cube).expect("below 2^128");
+        prop_assert!(near_share(mantissa, cube, reciprocal).abs_diff(share(mantissa, cube)) <= 1);
+    }
 }
 
 proptest! {

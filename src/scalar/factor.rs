@@ -5,7 +5,7 @@ use core::cmp::Ordering;
 use super::Factor;
 use super::fx::Fx;
 use super::wide::FxWide;
-use crate::kernel::round::shr_round_u;
+use crate::kernel::div::div_word;
 use crate::kernel::wide::shr_round_256;
 
 /// mantissa · 2^-shift with the top bit of the mantissa set, or zero.
@@ -18,6 +18,9 @@ pub struct FxFactor {
     shift: i32,
 }
 
+/// The largest exponent, either way.
+const MOST_SHIFT: i32 = 1 << 14;
+
 impl FxFactor {
     /// The factor nearest to value · 2^-shift. *Domain* |shift| below 2^20, so that no sum of a few shifts wraps.
     #[must_use]
@@ -26,27 +29,32 @@ impl FxFactor {
             return Self { mantissa: 0, shift: 0 };
         }
         let zeros = value.leading_zeros();
-        if zeros >= 64 {
-            return Self::bounded((value as u64) << (zeros - 64), shift + (zeros as i32 - 64));
+        Self::nearest(value << zeros, shift + zeros as i32)
+    }
+
+    /// The same of a value with its top bit set.
+    #[inline]
+    const fn nearest(value: u128, shift: i32) -> Self {
+        let (mantissa, rest) = ((value >> 64) as u64, value as u64);
+        // Up if the rest is above half, or half and the mantissa odd.
+        match mantissa.overflowing_add((rest > (1 << 63) - (mantissa & 1)) as u64) {
+            (_, true) => Self::bounded(1 << 63, shift - 65),
+            (rounded, false) => Self::bounded(rounded, shift - 64),
         }
-        let cut = 64 - zeros;
-        let rounded = shr_round_u(value, cut);
-        if rounded >> 64 != 0 {
-            return Self::bounded(1 << 63, shift - cut as i32 - 1);
-        }
-        Self::bounded(rounded as u64, shift - cut as i32)
     }
 
     /// The factor with its exponent kept within ±2^14.
+    #[inline]
     const fn bounded(mantissa: u64, shift: i32) -> Self {
-        const MOST: i32 = 1 << 14;
-        if shift > MOST {
-            Self { mantissa: 0, shift: 0 }
-        } else if shift < -MOST {
-            Self { mantissa: u64::MAX, shift: -MOST }
-        } else {
-            Self { mantissa, shift }
+        if shift.unsigned_abs() > MOST_SHIFT.unsigned_abs() {
+            return Self::beyond(shift);
         }
+        Self { mantissa, shift }
+    }
+
+    #[cold]
+    const fn beyond(shift: i32) -> Self {
+        if shift > 0 { Self { mantissa: 0, shift: 0 } } else { Self { mantissa: u64::MAX, shift: -MOST_SHIFT } }
     }
 
     /// The factor nearest to (high·2^128 + low) / divisor · 2^-shift.
@@ -135,17 +143,29 @@ impl Factor<Fx> for FxFactor {
         i64::try_from(bits).ok().map(Fx::from_bits)
     }
 
+    #[inline]
     fn times(self, other: Self) -> Self {
-        Self::new(u128::from(self.mantissa) * u128::from(other.mantissa), self.shift + other.shift)
+        let product = u128::from(self.mantissa) * u128::from(other.mantissa);
+        if product == 0 {
+            return Self::ZERO;
+        }
+        // Of two mantissas with their top bits set, the product lacks one bit at most; which it is cannot be predicted.
+        let lacks = (product >> 127) as u32 ^ 1;
+        let doubled = u128::from(lacks).wrapping_neg() & product;
+        Self::nearest(product + doubled, self.shift + other.shift + lacks as i32)
     }
 
     fn over(self, other: Self) -> Self {
-        // 64 or 65 bits of quotient, one more for the half, one that says whether anything is below.
-        let (n, d) = (u128::from(self.mantissa) << 64, u128::from(other.mantissa));
-        let (q, r) = (n / d, n % d);
-        let half = u128::from(2 * r >= d);
-        let below = u128::from(2 * r != half * d);
-        Self::new((q << 2) | (half << 1) | below, self.shift - other.shift + 66)
+        if self.mantissa == 0 {
+            return Self::ZERO;
+        }
+        // A quotient of 64 bits with its top bit set, whichever mantissa is the larger.
+        let halved = self.mantissa >= other.mantissa;
+        let (q, r) = div_word(u128::from(self.mantissa) << (64 - u32::from(halved)), other.mantissa);
+        let rest = other.mantissa - r;
+        // Of different mantissas the quotient is below 2^64 − 1, that of 2^64 − 2 and 2^64 − 1: there is no carry.
+        let rounded = q + u64::from(r > rest - (q & 1));
+        Self::bounded(rounded, self.shift - other.shift + 64 - i32::from(halved))
     }
 
     fn plus(self, other: Self) -> Self {
@@ -181,4 +201,80 @@ impl Factor<Fx> for FxFactor {
 fn align(mantissa: u64, gap: u32) -> (u128, bool) {
     let value = u128::from(mantissa) << 63;
     if gap >= 128 { (0, true) } else { (value >> gap, gap > 0 && value << (128 - gap) != 0) }
+}
+
+#[cfg(test)]
+mod tests {
+    use dashu_int::UBig;
+    use dashu_int::ops::BitTest;
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// num · 2^-shift / den to nearest, ties to even, from exact integers.
+    fn nearest(num: &UBig, den: &UBig, shift: i32) -> FxFactor {
+        if *num == UBig::ZERO {
+            return FxFactor::ZERO;
+        }
+        // A quotient of 130 bits or more: its last bit says whether anything is below, which is far from any tie.
+        let up = 130 + den.bit_len();
+        let (n, one) = (num << up, UBig::ONE);
+        let (quotient, rest) = (&n / den, &n % den);
+        let quotient = if rest == UBig::ZERO { quotient } else { quotient | &one };
+        let cut = quotient.bit_len() - 64;
+        let (floor, rest, half) = (&quotient >> cut, &quotient % (&one << cut), &one << (cut - 1));
+        let is_odd = &floor % UBig::from(2u8) == one;
+        let rounded = if rest > half || (rest == half && is_odd) { floor + one } else { floor };
+        let shift = shift + up as i32 - cut as i32;
+        match u64::try_from(&rounded) {
+            Ok(mantissa) => FxFactor { mantissa, shift },
+            Err(_) => FxFactor { mantissa: 1 << 63, shift: shift - 1 },
+        }
+    }
+
+    /// Mantissas next to the ends of their range, with long runs of zeros, and any.
+    fn mantissa() -> impl Strategy<Value = u64> {
+        let ends = (0u64..5, any::<bool>()).prop_map(|(off, low)| if low { (1 << 63) + off } else { u64::MAX - off });
+        let short = (any::<u64>(), 0u32..63).prop_map(|(word, k)| word >> k << k);
+        prop_oneof![any::<u64>(), ends, short].prop_map(|word| word | 1 << 63)
+    }
+
+    fn factor() -> impl Strategy<Value = FxFactor> {
+        (mantissa(), -200i32..200).prop_map(|(mantissa, shift)| FxFactor { mantissa, shift })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(if cfg!(debug_assertions) { 2_000 } else { 50_000 }))]
+
+        #[test]
+        fn values_round_to_nearest_and_ties_to_even(mantissa in mantissa(), below: u64, tie in 0u8..4, cut in 0u32..128) {
+            let below = [below, 1 << 63, (1 << 63) - 1, (1 << 63) + 1][usize::from(tie)];
+            let value = (u128::from(mantissa) << 64 | u128::from(below)) >> cut;
+            prop_assert_eq!(FxFactor::new(value, 7), nearest(&UBig::from(value), &UBig::ONE, 7));
+        }
+
+        #[test]
+        fn products_and_quotients_round_to_nearest_and_ties_to_even(a in factor(), b in factor()) {
+            let (m, n) = (UBig::from(a.mantissa), UBig::from(b.mantissa));
+            prop_assert_eq!(a.times(b), nearest(&(&m * &n), &UBig::ONE, a.shift + b.shift));
+            prop_assert_eq!(a.over(b), nearest(&m, &n, a.shift - b.shift));
+            prop_assert_eq!(a.over(a), FxFactor::ONE);
+        }
+    }
+
+    #[test]
+    fn zero_times_and_over_anything_is_zero() {
+        let (zero, large) = (FxFactor::ZERO, FxFactor::new(u128::MAX, 3));
+        assert_eq!([zero.times(large), large.times(zero), zero.times(zero), zero.over(large)], [zero; 4]);
+    }
+
+    #[test]
+    fn quotients_next_to_one_do_not_carry() {
+        for (a, b) in
+            [(u64::MAX - 1, u64::MAX), (u64::MAX, u64::MAX - 1), (1 << 63, (1 << 63) + 1), (u64::MAX, 1 << 63)]
+        {
+            let quotient = FxFactor { mantissa: a, shift: 0 }.over(FxFactor { mantissa: b, shift: 0 });
+            assert_eq!(quotient, nearest(&UBig::from(a), &UBig::from(b), 0), "{a} / {b}");
+        }
+    }
 }

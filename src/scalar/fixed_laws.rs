@@ -10,11 +10,11 @@ use super::sweep;
 use super::turn::Turn;
 use super::wide::{FxSum, FxWide};
 use super::{AreaMoments, Factor, Glide, KICK_LOG2, Offset, Scalar, Span, Spin, SpringLaw, Weight};
-use crate::kernel::div::div_round;
-use crate::kernel::exp_log::{exp2_fine, log2_fine};
-use crate::kernel::round::{shr_round, shr_round_u};
-use crate::kernel::sqrt::root_fine;
-use crate::kernel::wide::{div_256, mul_128, mul_div_round, mul_shift, shr_round_256};
+use crate::kernel::div::{div_round, div_round_by, reciprocal};
+use crate::kernel::exp_log::{exp2_for_64_bits, log2_fine};
+use crate::kernel::round::{shr_round, shr_round_short};
+use crate::kernel::sqrt::{root_and_reciprocal, root_fine};
+use crate::kernel::wide::{div_256, magnitude, mul_128, mul_192, mul_shift, mul_shift_near, shr_round_256, with_sign};
 
 /// log2 e, within 2^-64 relative.
 const LOG2_E: (u128, i32) = (0xb8aa_3b29_5c17_f0bc, 63);
@@ -46,8 +46,8 @@ fn power_of_two(exponent: u128, negative: bool) -> FxFactor {
     match (negative, fraction) {
         (true, 0) => FxFactor::new(1, whole),
         // 2^-(n + f) = 2^-(n + 1) · 2^(1 − f).
-        (true, _) => FxFactor::new(exp2_fine(fraction.wrapping_neg()), 127 + whole + 1),
-        (false, _) => FxFactor::new(exp2_fine(fraction), 127 - whole),
+        (true, _) => FxFactor::new(exp2_for_64_bits(fraction.wrapping_neg()), 127 + whole + 1),
+        (false, _) => FxFactor::new(exp2_for_64_bits(fraction), 127 - whole),
     }
 }
 
@@ -80,15 +80,13 @@ pub(super) fn mean_exponential(z: FxFactor, exponential: FxFactor, growth: bool)
 fn squares(offset: Offset<Fx>, third: Fx) -> Option<(i128, i128, u128)> {
     const MOST: u128 = 12_000_000_000_000_000_000; // 2^63.38: 2·MOST² + 2^124 < 2^128
     let (x, y) = (offset.0.ulps(), offset.1.ulps());
-    if x.unsigned_abs() > MOST || y.unsigned_abs() > MOST || third.to_bits().unsigned_abs() > 1 << 62 {
+    let third = third.to_bits().unsigned_abs();
+    let (along, across) = (magnitude(x), magnitude(y));
+    if along > MOST || across > MOST || third > 1 << 62 {
         return None;
     }
-    let square = |c: u128| c * c;
-    Some((
-        x,
-        y,
-        square(x.unsigned_abs()) + square(y.unsigned_abs()) + square(u128::from(third.to_bits().unsigned_abs())),
-    ))
+    let square = |c: u64| u128::from(c) * u128::from(c);
+    Some((x, y, square(along as u64) + square(across as u64) + square(third)))
 }
 
 /// √sum · 2^(32 − shift), with all its bits for small sums as well.
@@ -100,9 +98,65 @@ fn root(sum: u128, shift: i32) -> FxFactor {
     FxFactor::new(root_fine(sum << even), shift + (even / 2) as i32)
 }
 
-/// `magnitude` with the sign of `of`.
-const fn signed(magnitude: i128, of: i128) -> i128 {
-    if of < 0 { -magnitude } else { magnitude }
+/// ⌊mantissa · 2^160 / cube⌋, what mu / d³ is made of, with 95 bits or more. *Domain* cube >= 2^125.
+#[cold]
+pub(super) fn share(mantissa: u64, cube: u128) -> u128 {
+    // mantissa · 2^160 < 2^224: its high half is below 2^96, which is below the cube.
+    div_256(u128::from(mantissa) << 32, 0, cube).0
+}
+
+/// The [`share`], or one more or less, without a division.
+///
+/// *Domain* cube = v^(3/2) · 2^128 within 2^-94 relative, and inverse = 2^61 / √v within 2^-55, for a v in [¼, 1).
+#[inline]
+pub(super) fn near_share(mantissa: u64, cube: u128, inverse: u64) -> u128 {
+    let high = |a: u64, b: u64| ((u128::from(a) * u128::from(b)) >> 64) as u64;
+    // 1/v^(3/2) <= 2^3 within 3 · 2^-55 + 2^-58 + 2^-60 < 2^-53.3.
+    let power_q60 = ((u128::from(high(inverse, inverse)) * u128::from(inverse)) >> 59) as u64;
+    // In units of 2^36, with 59 to 63 bits: rounded down within 2^-53.2.
+    let first = high(mantissa, power_q60);
+    // What that leaves of mantissa · 2^160, in units of 2^100 and less than one too much: below 2^(124 − 53.2) = 2^70.8.
+    let rest = (i128::from(mantissa) << 60) - mul_192(cube, first).0 as i128;
+    // rest · 2^100 / cube, below 2^45.8. The power is 2^-7.5 of it off, the bits cut off make 2^-16, and rounding down one.
+    let second = ((rest >> 8) * i128::from(power_q60)) >> 80;
+    ((u128::from(first) << 36) as i128 + second) as u128
+}
+
+/// The direction of an offset: takes the parts of a vector along it, and of a magnitude along the axes.
+struct Direction {
+    /// The length with its top bit set.
+    length: u128,
+    /// Its reciprocal, to divide by.
+    reciprocal: u64,
+    /// A component in ulps, shifted by this, is 2^-64 of what it is in the units of that length.
+    scale: u32,
+}
+
+impl Direction {
+    /// *Domain* `fine` = √(sum · 2^(2·up)) in units of 2^-32, in [2^95, 2^96], for the sum of the squares of two components.
+    #[inline]
+    fn new(fine: u128, up: u32) -> Self {
+        // 32, or 31 where the length rounds up to 2^96. The sum of two squares is below 0.9 · 2^128, so that it has been scaled
+        // there, and `up` is at least 1.
+        let spare = fine.leading_zeros();
+        let length = fine << spare;
+        Self { length, reciprocal: reciprocal(length), scale: up + spare - 32 }
+    }
+
+    /// `whole` times a component over the length, with `more` bits behind the last; `None` if it does not fit.
+    // Inlined for `more`, which is a constant.
+    #[inline(always)]
+    fn part(&self, whole: i128, component: i128, more: u32) -> Option<i128> {
+        // |component| · 2^up is at most √(sum · 2^(2·up)) < 2^64.
+        let (high, low) = mul_192(magnitude(whole), (magnitude(component) as u64) << self.scale);
+        if high.leading_zeros() < more {
+            return None;
+        }
+        let low = u128::from(low) << 64;
+        let (high, low) = ((high << more) | (low >> 1 >> (127 - more)), low << more);
+        let part = div_round_by(high, low, self.length, self.reciprocal)?;
+        Some(with_sign(i128::try_from(part).ok()?, component ^ whole))
+    }
 }
 
 impl Scalar for Fx {
@@ -149,8 +203,8 @@ impl Scalar for Fx {
 
     #[inline]
     fn torque(arm: FxWide, force: FxWide) -> Option<FxWide> {
-        let magnitude = mul_shift(arm.to_bits(), force.to_bits().unsigned_abs(), 64)?;
-        Some(FxWide::from_bits(signed(magnitude, force.to_bits())))
+        let torque = mul_shift(arm.to_bits(), magnitude(force.to_bits()), 64)?;
+        Some(FxWide::from_bits(with_sign(torque, force.to_bits())))
     }
 
     #[inline]
@@ -242,14 +296,17 @@ impl Scalar for Fx {
         let s = sum << even;
         // d³ / 2^(64 − 3·even/2) in [2^125, 2^128), cut below 2^-125 relative. The root of the largest s rounds up to 2^96,
         // which is one too many: 2^-96 relative.
-        let root = root_fine(s).min((1 << 96) - 1);
-        let (cube, _) = mul_128(s, root << 32);
-        // mu / d³ with 95 bits or more: mantissa · 2^160 < 2^224, so its high half is below 2^96 < cube.
-        let (quotient, _) = div_256(u128::from(mantissa) << 32, 0, cube);
+        let (root, inverse) = root_and_reciprocal(s);
+        let (cube, _) = mul_128(s, root.min((1 << 96) - 1) << 32);
+        let near = near_share(mantissa, cube, inverse);
         let shift = 96 + mu_shift - 3 * (even as i32) / 2;
         let component = |c: i128| {
-            let magnitude = mul_shift(quotient as i128, c.unsigned_abs(), shift)?;
-            Some(FxWide::from_bits(signed(magnitude, c)))
+            let size = magnitude(c) as u64;
+            let part = match mul_shift_near(near, size, shift) {
+                Some(part) => part,
+                None => mul_shift(share(mantissa, cube) as i128, size.into(), shift)?,
+            };
+            Some(FxWide::from_bits(with_sign(part, c)))
         };
         Some((component(x)?, component(y)?))
     }
@@ -265,23 +322,19 @@ impl Scalar for Fx {
         let up = sum.leading_zeros() / 2;
         let fine = root_fine(sum << (2 * up));
         // In units of 2^-64 m, below 2^97.
-        let length = shr_round_u(fine, up);
+        let length = shr_round_short(fine, up);
         let stretch = length as i128 - (i128::from(spring.rest.to_bits()) << 32);
-        // The part of a magnitude that goes with a component of the offset, with `more` bits behind its last. |c| · 2^up is
-        // at most √(sum · 2^(2·up)) < 2^64, so there is room for 32.
-        let along = |magnitude: i128, c: i128, more: u32| {
-            let part = mul_div_round(magnitude.unsigned_abs(), c.unsigned_abs() << (32 + up + more), fine)?;
-            Some(signed(signed(i128::try_from(part).ok()?, c), magnitude))
-        };
+        let direction = Direction::new(fine, up);
         let mut tension = mul_shift(stretch, u128::from(spring.stiffness.to_bits().unsigned_abs()), 32)?;
         if spring.damping != Self::ZERO {
             // Velocities of points are below 2^34 m/s, so each part is below 2^34 · 2^(64 + 16) and a little.
-            let rate = along(velocity.0.to_bits(), x, 16)?.checked_add(along(velocity.1.to_bits(), y, 16)?)?;
-            let rate = shr_round(rate, 16);
+            let part = |v: FxWide, c: i128| direction.part(v.to_bits(), c, 16);
+            let rate = shr_round(part(velocity.0, x)?.checked_add(part(velocity.1, y)?)?, 16);
             let damping = mul_shift(rate, u128::from(spring.damping.to_bits().unsigned_abs()), 32)?;
             tension = tension.checked_add(damping)?;
         }
-        Some((FxWide::from_bits(along(tension, x, 0)?), FxWide::from_bits(along(tension, y, 0)?)))
+        let part = |c: i128| Some(FxWide::from_bits(direction.part(tension, c, 0)?));
+        Some((part(x)?, part(y)?))
     }
 
     fn length(offset: Offset<Self>, third: Self) -> FxFactor {
