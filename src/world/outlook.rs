@@ -59,7 +59,7 @@ impl<S: Scalar> World<S> {
     /// ```
     /// use umbra_physics::{BodyDef, World, WorldDef, vec2};
     ///
-    /// let mut world = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() })?;
+    /// let mut world: World = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() })?;
     /// let ball = world.add_body(BodyDef::dynamic())?;
     /// let mut ahead = world.look_ahead(ball)?;
     /// let shot = ahead.id();
