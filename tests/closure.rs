@@ -864,13 +864,13 @@ fn a_body_asleep_and_one_about_to_be_are_told_apart() {
 #[track_caller]
 fn assert_foreseen(world: &World, body: BodyId, ticks: u32) -> usize {
     let mut ahead = world.look_ahead(body).expect("it is there");
-    let taken = ahead.world_mut().body_count();
+    let taken = ahead.world().body_count();
     let mut world = world.clone();
     for tick in 0..ticks {
         ahead.step();
         world.step();
         let there = ahead.id();
-        let (seen, is) = (bits(ahead.world_mut(), there), bits(&world, body));
+        let (seen, is) = (bits(ahead.world(), there), bits(&world, body));
         assert_eq!(seen, is, "{body}, {:?}, tick {tick}", world.def().integrator);
     }
     taken
@@ -910,6 +910,10 @@ fn looking_ahead_with_one_body_is_its_future() {
         laws.push(Field { law: Law::Drag { linear: fx!(0.5), quadratic: fx!(0), wind: vec2(0, 1) }, groups: 2 });
         let at = Attachment { body: chain[0], point: vec2(0, 1) };
         laws.push(Law::Thrust { at, force: vec2(3, 0) }.into());
+        // Tied to the same anchor, and no company for that: the anchor never moves.
+        laws.push(
+            spring(strangers[3], vec2(0, 0), End::Body(Attachment::centre(anchor)), fx!(1), fx!(2), fx!(0)).into(),
+        );
         for law in laws {
             world.add_field(law).expect("a fair field");
         }
@@ -924,5 +928,6 @@ fn looking_ahead_with_one_body_is_its_future() {
         // Nothing acts on the second.
         assert_eq!(assert_foreseen(&world, suns[1], 100), 1);
         assert_eq!(assert_foreseen(&world, strangers[40], 100), 1);
+        assert_eq!(assert_foreseen(&world, strangers[3], 100), 2);
     }
 }

@@ -61,7 +61,8 @@ pub trait ForceLaw<S: Scalar = Fx>: Send + Sync {
     /// Moves when the law's results do.
     fn version(&self) -> u32;
 
-    /// What of a body the force depends on. A law that reads the velocity and does not say so loses its order.
+    /// What of a body the force depends on. It must say no less than what `push` reads: a law that reads the velocity and
+    /// does not say so loses its order, and its forces, kept from one step for the next, make a copy of a world go another way.
     fn depends_on(&self) -> Dependence;
 
     /// The force on a body.

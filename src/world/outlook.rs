@@ -41,6 +41,12 @@ impl<S: Scalar> Outlook<S> {
         self.body
     }
 
+    /// The small world.
+    #[must_use]
+    pub fn world(&self) -> &World<S> {
+        &self.world
+    }
+
     /// The small world, to try something out: an impulse, another velocity.
     pub fn world_mut(&mut self) -> &mut World<S> {
         &mut self.world
@@ -114,7 +120,9 @@ impl<S: Scalar> World<S> {
         let (mut company, mut to_ask) = (BTreeSet::from([body]), Vec::from([body]));
         while let Some(one) = to_ask.pop() {
             let carriers = attractors.iter().filter(|(field, _)| self.acts_on(field, one)).map(|&(_, carrier)| carrier);
-            let neighbours = joined.get(&one).into_iter().flatten().copied();
+            // What never moves hands nothing on from one spring to another.
+            let hands_on = self.bodies.find(one).is_ok_and(|i| self.bodies.card(i).kind != BodyKind::Static);
+            let neighbours = joined.get(&one).filter(|_| hands_on).into_iter().flatten().copied();
             to_ask.extend(neighbours.chain(carriers).filter(|&other| company.insert(other)));
         }
         company
