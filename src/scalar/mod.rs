@@ -151,9 +151,9 @@ pub trait Accumulator<S: Scalar>: Number {
     fn is_within(self, limit: S) -> bool;
     /// Its bits, for files.
     fn to_bits(self) -> i128;
-    /// Its bits in the order that is fastest to hash, the same on every machine.
+    /// Its bits for a hash, the same on every machine: the high word first, as accumulators lie in memory.
     fn to_bytes(self) -> [u8; 16] {
-        self.to_bits().to_le_bytes()
+        self.to_bits().rotate_left(64).to_le_bytes()
     }
 }
 
