@@ -155,6 +155,20 @@ fn a_step_takes_nothing_from_the_heap_after_the_first() {
 }
 
 #[test]
+fn a_step_takes_nothing_from_the_heap_when_a_body_first_comes_near_the_envelope() {
+    let mut world = world(Integrator::VelocityVerlet);
+    let ids = discs(&mut world, 200);
+    world.set_damping(fx!(1), fx!(1)).expect("a fair damping");
+    // Half way to the edge in its 40th step or so, and out of the calm before that.
+    world.set_position(ids[150], vec2(fx!(536_870_900), fx!(0))).expect("a fair position");
+    world.set_velocity(ids[150], vec2(20, 0)).expect("a fair velocity");
+    world.step();
+    let taken = measure(|| (0..100).for_each(|_| assert!(world.step().faults.is_empty())));
+    assert_eq!(taken.count_total, 0);
+    assert!(world.body(ids[150]).expect("it is there").position().x > fx!(536_870_912));
+}
+
+#[test]
 fn falling_asleep_takes_nothing_from_the_heap_a_second_time() {
     let mut world = world(Integrator::VelocityVerlet);
     world.set_gravity(vec2(0, 0)).expect("a fair gravity");

@@ -13,7 +13,7 @@ use crate::shape::Shape;
 
 pub(crate) use card::Card;
 pub(crate) use columns::{Bodies, NONE};
-pub(crate) use motion::{Acceleration, BLOCK, Block, Frame};
+pub(crate) use motion::{Acceleration, BLOCK, Block, Motion};
 pub(crate) use tuning::{Climate, GENTLE_STEPS, Key, SPANS, Tuning, Tunings};
 
 /// What moves a body.

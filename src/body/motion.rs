@@ -106,6 +106,56 @@ impl<S: Scalar> Motion<S> {
         }
     }
 
+    /// Makes room to [`keep`](Self::keep) so many bodies.
+    pub(crate) fn make_room(&mut self, count: usize) {
+        fn reserve<T>(column: &mut Vec<T>, count: usize) {
+            column.reserve(count.saturating_sub(column.len()));
+        }
+        let Plane { x, y } = &mut self.position;
+        let Plane { x: vx, y: vy } = &mut self.velocity;
+        [x, y, vx, vy, &mut self.spin].into_iter().for_each(|column| reserve(column, count));
+        reserve(&mut self.angle, count);
+    }
+
+    /// Takes over the bodies of a block, in the memory that is there.
+    pub(crate) fn keep(&mut self, block: &Block<'_, S>) {
+        fn copy<T: Copy>(to: &mut Vec<T>, from: &[T]) {
+            to.clear();
+            to.extend_from_slice(from);
+        }
+        let [x, y] = &block.position;
+        let [vx, vy] = &block.velocity;
+        copy(&mut self.position.x, x);
+        copy(&mut self.position.y, y);
+        copy(&mut self.velocity.x, vx);
+        copy(&mut self.velocity.y, vy);
+        copy(&mut self.angle, block.angle);
+        copy(&mut self.spin, block.spin);
+        copy(&mut self.last, block.last);
+    }
+
+    /// Takes body `i` of the block that was kept back to what it was; its ticks at rest begin anew.
+    pub(crate) fn restore(&self, block: &mut Block<'_, S>, i: usize) {
+        let (position, velocity) = (self.position.get(i), self.velocity.get(i));
+        (block.position[0][i], block.position[1][i]) = (position.x, position.y);
+        (block.velocity[0][i], block.velocity[1][i]) = (velocity.x, velocity.y);
+        block.angle[i] = self.angle[i];
+        block.spin[i] = self.spin[i];
+        block.rest[i] = 0;
+        if let Some(last) = self.last.get(i) {
+            block.last[i] = *last;
+        }
+    }
+
+    /// Whether body `i` of the block that was kept is what it was, to the bit.
+    pub(crate) fn is_same(&self, block: &Block<'_, S>, i: usize) -> bool {
+        self.position.get(i) == Vec2::new(block.position[0][i], block.position[1][i])
+            && self.velocity.get(i) == Vec2::new(block.velocity[0][i], block.velocity[1][i])
+            && self.angle[i] == block.angle[i]
+            && self.spin[i] == block.spin[i]
+            && self.last.get(i) == block.last.get(i)
+    }
+
     /// Removes the last body.
     pub(super) fn pop(&mut self) {
         self.position.pop();
@@ -203,63 +253,5 @@ impl<'a, S: Scalar> Block<'a, S> {
     /// Whether the public velocities of body `i` of the block are zero.
     pub(crate) fn is_still(&self, i: usize) -> bool {
         self.velocity[0][i].is_still() && self.velocity[1][i].is_still() && self.spin[i].is_still()
-    }
-}
-
-/// A block as it was before a step.
-#[derive(Clone, Debug)]
-pub(crate) struct Frame<S: Scalar> {
-    position: [[S::Accumulator; BLOCK]; 2],
-    velocity: [[S::Accumulator; BLOCK]; 2],
-    angle: [S::Angle; BLOCK],
-    spin: [S::Accumulator; BLOCK],
-    last: Vec<Acceleration<S>>,
-}
-
-impl<S: Scalar> Default for Frame<S> {
-    fn default() -> Self {
-        let none = [S::Accumulator::default(); BLOCK];
-        Self {
-            position: [none; 2],
-            velocity: [none; 2],
-            angle: [S::Angle::default(); BLOCK],
-            spin: none,
-            last: Vec::new(),
-        }
-    }
-}
-
-impl<S: Scalar> Frame<S> {
-    pub(crate) fn keep(&mut self, block: &Block<'_, S>) {
-        let n = block.len();
-        for c in 0..2 {
-            self.position[c][..n].copy_from_slice(block.position[c]);
-            self.velocity[c][..n].copy_from_slice(block.velocity[c]);
-        }
-        self.angle[..n].copy_from_slice(block.angle);
-        self.spin[..n].copy_from_slice(block.spin);
-        self.last.clear();
-        self.last.extend_from_slice(block.last);
-    }
-
-    /// Takes body `i` of the block back to what it was.
-    pub(crate) fn restore(&self, block: &mut Block<'_, S>, i: usize) {
-        for c in 0..2 {
-            block.position[c][i] = self.position[c][i];
-            block.velocity[c][i] = self.velocity[c][i];
-        }
-        block.angle[i] = self.angle[i];
-        block.spin[i] = self.spin[i];
-        if let Some(last) = self.last.get(i) {
-            block.last[i] = *last;
-        }
-    }
-
-    /// Whether body `i` of the block is what it was, to the bit.
-    pub(crate) fn is_same(&self, block: &Block<'_, S>, i: usize) -> bool {
-        (0..2).all(|c| block.position[c][i] == self.position[c][i] && block.velocity[c][i] == self.velocity[c][i])
-            && block.angle[i] == self.angle[i]
-            && block.spin[i] == self.spin[i]
-            && block.last.get(i) == self.last.get(i)
     }
 }

@@ -1,9 +1,9 @@
 //! The bodies that force fields may reach: all of them stage by stage.
 
-use super::march::{March, part_in, take_back};
+use super::march::{Found, March, accelerations, part_in};
 use super::timers::timed;
 use super::{Context, Has, Scratch};
-use crate::body::{BLOCK, Block, Frame};
+use crate::body::{BLOCK, Block, Motion};
 use crate::error::Cause;
 use crate::force::{outer_drag, resist};
 use crate::integrate::{Integrator, Stage, Tuned, Verb};
@@ -11,56 +11,56 @@ use crate::math::Vec2;
 use crate::scalar::{Accumulator, Angle, Factor, Scalar};
 
 impl<S: Scalar> Context<'_, S> {
-    pub(super) fn run_engaged(&mut self, has: Has) {
-        timed!(self.scratch, finish, self.keep_frames());
+    pub(super) fn run_engaged(&mut self, march: &March<'_, S>, has: Has) {
+        timed!(self.scratch, finish, self.keep_frames(march));
         if has.position && !self.scratch.fields_hold && !self.integrator.opens_with_fields() {
             timed!(self.scratch, fields, self.evaluate_fields());
         }
         if has.drag && self.integrator == Integrator::Yoshida4 {
             timed!(self.scratch, damp, {
-                self.find_stiff_drag(has);
+                self.find_stiff_drag(march, has);
                 self.resist_outside(false);
             });
         }
-        for stage in self.integrator.stages() {
+        for stage in march.stages {
             match stage.verb {
-                Verb::Fields => timed!(self.scratch, fields, self.run(stage, has)),
-                Verb::Damp => timed!(self.scratch, damp, self.run(stage, has)),
-                Verb::Kick => timed!(self.scratch, kick, self.run(stage, has)),
-                Verb::Drift => timed!(self.scratch, drift, self.run(stage, has)),
+                Verb::Fields => timed!(self.scratch, fields, self.run(march, stage, has)),
+                Verb::Damp => timed!(self.scratch, damp, self.run(march, stage, has)),
+                Verb::Kick => timed!(self.scratch, kick, self.run(march, stage, has)),
+                Verb::Drift => timed!(self.scratch, drift, self.run(march, stage, has)),
                 Verb::Clear => {}
             }
         }
         if self.scratch.drag_outside > 0 {
             timed!(self.scratch, damp, self.resist_outside(true));
         }
-        timed!(self.scratch, finish, self.judge_engaged());
+        timed!(self.scratch, finish, self.judge_engaged(march));
     }
 
-    fn run(&mut self, stage: &Stage, has: Has) {
+    fn run(&mut self, march: &March<'_, S>, stage: &Stage, has: Has) {
         match stage.verb {
             Verb::Damp if stage.closing => {
                 self.resist_inside(stage, has);
-                self.run_blocks(stage);
+                self.run_blocks(march, stage);
             }
             Verb::Damp => {
-                self.run_blocks(stage);
+                self.run_blocks(march, stage);
                 self.resist_inside(stage, has);
             }
-            Verb::Kick if self.integrator == Integrator::PublishedVerlet => self.kick_by_mean(has),
+            Verb::Kick if self.integrator == Integrator::PublishedVerlet => self.kick_by_mean(march, has),
             Verb::Kick => {
                 if has.velocity && !stage.closing && !self.integrator.opens_with_fields() {
                     self.evaluate_resisting();
                 }
-                self.run_blocks(stage);
+                self.run_blocks(march, stage);
                 self.kick_by_fields(stage, has);
             }
             Verb::Drift => {
-                self.run_blocks(stage);
+                self.run_blocks(march, stage);
                 if self.integrator == Integrator::PublishedVerlet {
                     self.drift_by_acceleration();
                 }
-                self.scratch.forget();
+                self.scratch.forget_places();
             }
             Verb::Fields => {
                 if has.position {
@@ -75,51 +75,43 @@ impl<S: Scalar> Context<'_, S> {
     }
 
     /// The engaged blocks, one after the other, with how they were before the step.
-    fn each_block(&mut self, mut act: impl FnMut(&March<'_, S>, &mut Block<'_, S>, &mut Frame<S>, &mut super::Found)) {
-        let Scratch { engaged, frames, pushed, overloaded, found, .. } = &mut *self.scratch;
-        let march = March {
-            stages: self.integrator.stages(),
-            plan: self.plan,
-            rows: self.tunings.rows(),
-            pushed,
-            overloaded,
-            sleep_after: self.sleep_after,
-        };
+    fn each_block(&mut self, mut act: impl FnMut(&mut Block<'_, S>, &mut Motion<S>, &mut Found)) {
+        let Scratch { engaged, frames, found, .. } = &mut *self.scratch;
         let moving = self.bodies.moving();
         let numbers = engaged.iter().enumerate().filter(|(_, is)| **is).map(|(number, _)| number);
         for (number, frame) in numbers.zip(frames) {
             let first = number * BLOCK;
-            act(&march, &mut self.bodies.block(first, moving.min(first + BLOCK)), frame, found);
+            act(&mut self.bodies.block(first, moving.min(first + BLOCK)), frame, found);
         }
     }
 
-    fn keep_frames(&mut self) {
+    fn keep_frames(&mut self, march: &March<'_, S>) {
         let count = self.scratch.engaged.iter().filter(|is| **is).count();
         if self.scratch.frames.len() < count {
-            self.scratch.frames.resize_with(count, Frame::default);
+            self.scratch.frames.resize_with(count, Motion::default);
         }
-        self.each_block(|march, block, frame, found| {
+        self.each_block(|block, frame, found| {
             frame.keep(block);
             march.report_overloaded(block, found);
         });
     }
 
     /// What a stage does to each body by itself.
-    fn run_blocks(&mut self, stage: &Stage) {
-        self.each_block(|march, block, _, found| {
+    fn run_blocks(&mut self, march: &March<'_, S>, stage: &Stage) {
+        self.each_block(|block, _, found| {
             let tuned = Tuned::of(block, march.rows);
             let spins = block.any_spins();
             march.local(stage, block, tuned, spins, &mut found.faults);
         });
     }
 
-    fn judge_engaged(&mut self) {
-        self.each_block(|march, block, frame, found| march.judge(block, frame, found));
+    fn judge_engaged(&mut self, march: &March<'_, S>) {
+        self.each_block(|block, frame, found| march.judge(block, frame, found));
         // Stable: the first fault of a body stays its first.
         self.scratch.found.faults.sort_by_key(|(i, _)| *i);
-        self.each_block(|_, block, frame, found| {
-            for (i, _) in part_in(block, &found.faults, |(i, _)| *i) {
-                take_back(block, *i, frame);
+        self.each_block(|block, frame, found| {
+            for (i, _) in part_in(block, &found.faults) {
+                frame.restore(block, *i - block.first);
             }
         });
     }
@@ -143,15 +135,15 @@ impl<S: Scalar> Context<'_, S> {
 
     /// Finds the bodies whose drag is to act around the whole step, judged by what gravity, the forces applied and the
     /// fields of position here may add to their speed in twice the time step.
-    fn find_stiff_drag(&mut self, has: Has) {
-        let Scratch { fields, pushed, gain, outside, drag_outside, .. } = &mut *self.scratch;
+    fn find_stiff_drag(&mut self, march: &March<'_, S>, has: Has) {
+        let Scratch { fields, gain, outside, drag_outside, .. } = &mut *self.scratch;
         let size = |a: Vec2<S::Wide>| S::Factor::from_wide(a.x).plus(S::Factor::from_wide(a.y));
-        let rows = self.tunings.rows();
         gain.clear();
         let moving = &self.bodies.columns.tuning[..self.bodies.moving()];
-        gain.extend(moving.iter().map(|&row| size(rows[row as usize].gravity)));
+        gain.extend(moving.iter().map(|&row| size(march.rows[row as usize].gravity)));
         let fields = if has.position { &fields[..] } else { &[] };
-        for (i, acceleration) in fields.iter().chain(&*pushed) {
+        let fields = fields.iter().map(|(i, acceleration)| (i, acceleration));
+        for (i, acceleration) in fields.chain(accelerations(march.pushed)) {
             gain[*i] = gain[*i].plus(size(acceleration.linear));
         }
         let twice = self.plan.whole.plus(self.plan.whole);

@@ -1,5 +1,8 @@
 //! The kick stage: forces to velocities.
 
+use alloc::vec::Vec;
+
+use super::march::{March, Pushed, accelerations};
 use super::{Accelerations, Context, Has, Scratch};
 use crate::body::{Acceleration, MassProperties};
 use crate::error::Cause;
@@ -23,22 +26,18 @@ fn acceleration<S: Scalar>(load: &Load<S>, properties: &MassProperties<S>) -> Op
 }
 
 impl<S: Scalar> Context<'_, S> {
-    /// The accelerations from what was applied this tick, constant over it.
-    pub(super) fn take_applied(&mut self) {
-        let Scratch { pushed, overloaded, .. } = &mut *self.scratch;
+    /// The accelerations from what was applied this tick, constant over it; in the order of the columns, whatever the order
+    /// of the calls. The list is lent by the scratch.
+    pub(super) fn take_applied(&mut self) -> Vec<Pushed<S>> {
+        let mut pushed = core::mem::take(&mut self.scratch.pushed);
         pushed.clear();
-        overloaded.clear();
         for row in self.applied.rows() {
             let Ok(i) = self.bodies.find(row.body) else { continue };
             let load = Load { acceleration: Vec2::default(), force: row.force, torque: row.torque };
-            match acceleration(&load, &self.bodies.card(i).properties) {
-                Some(acceleration) => pushed.push((i, acceleration)),
-                None => overloaded.push(i),
-            }
+            pushed.push((i, acceleration(&load, &self.bodies.card(i).properties)));
         }
-        // In the order of the columns, whatever the order of the calls.
         pushed.sort_unstable_by_key(|(i, _)| *i);
-        overloaded.sort_unstable();
+        pushed
     }
 
     /// What the fields of position do here and now.
@@ -117,21 +116,20 @@ impl<S: Scalar> Context<'_, S> {
     }
 
     /// PublishedVerlet's v += (a + a')/2·dt; the new acceleration is kept for the next step.
-    pub(super) fn kick_by_mean(&mut self, has: Has) {
+    pub(super) fn kick_by_mean(&mut self, march: &March<'_, S>, has: Has) {
         let half = self.plan.half;
-        let rows = self.tunings.rows();
-        let Scratch { fields, resisting, pushed, total, found, .. } = &mut *self.scratch;
+        let Scratch { fields, resisting, total, found, .. } = &mut *self.scratch;
         let mut block = self.bodies.all_moving();
         total.clear();
         total.extend(
-            block
-                .tuning
-                .iter()
-                .map(|&row| Some(Acceleration { linear: rows[row as usize].gravity, angular: S::Wide::default() })),
+            block.tuning.iter().map(|&row| {
+                Some(Acceleration { linear: march.rows[row as usize].gravity, angular: S::Wide::default() })
+            }),
         );
         let fields = if has.position { &fields[..] } else { &[] };
         let resisting = if has.velocity { &resisting[..] } else { &[] };
-        for (i, part) in fields.iter().chain(resisting).chain(&*pushed) {
+        let fields = fields.iter().chain(resisting).map(|(i, part)| (i, part));
+        for (i, part) in fields.chain(accelerations(march.pushed)) {
             total[*i] = total[*i].and_then(|total| sum(&total, part));
         }
         for (i, total) in total.iter().enumerate() {

@@ -6,7 +6,7 @@
 
 use alloc::vec::Vec;
 
-use crate::body::{Acceleration, BLOCK, Block, Frame, GENTLE_STEPS, Tuning};
+use crate::body::{Acceleration, BLOCK, Block, GENTLE_STEPS, Motion, Tuning};
 use crate::error::Cause;
 use crate::integrate::{Plan, Stage, Tuned, Verb, damp, drift, fall, glide, kick_by};
 use crate::limits;
@@ -18,10 +18,8 @@ pub(super) struct March<'a, S: Scalar> {
     pub(super) stages: &'static [Stage],
     pub(super) plan: &'a Plan<S>,
     pub(super) rows: &'a [Tuning<S>],
-    /// What the forces applied this tick do, by index in the columns, in its order.
-    pub(super) pushed: &'a [(usize, Acceleration<S>)],
-    /// The bodies that are applied more than fits, by index, in order.
-    pub(super) overloaded: &'a [usize],
+    /// What the forces applied this tick do, in the order of the columns; `None` where their sum does not fit.
+    pub(super) pushed: &'a [Pushed<S>],
     pub(super) sleep_after: Option<u32>,
 }
 
@@ -41,7 +39,7 @@ impl<'a, S: Scalar> March<'a, S> {
         mut blocks: Block<'_, S>,
         calm: &mut [Calm],
         engaged: &[bool],
-        frame: &mut Frame<S>,
+        frame: &mut Motion<S>,
         found: &mut Found,
     ) {
         for calm in calm {
@@ -68,7 +66,7 @@ impl<'a, S: Scalar> March<'a, S> {
         // Some tens of microseconds, so that handing it to another core is worth it.
         const FEW: usize = 32 * BLOCK;
         if blocks.len() <= FEW {
-            return self.run(blocks, calm, engaged, &mut Frame::default(), found);
+            return self.run(blocks, calm, engaged, &mut Motion::default(), found);
         }
         let half = (blocks.len() / 2).next_multiple_of(BLOCK);
         let (blocks, others) = blocks.split(half);
@@ -82,12 +80,11 @@ impl<'a, S: Scalar> March<'a, S> {
         found.ready |= found_there.ready;
     }
 
-    fn run_block(&self, block: &mut Block<'_, S>, calm: &mut Calm, frame: &mut Frame<S>, found: &mut Found) {
+    fn run_block(&self, block: &mut Block<'_, S>, calm: &mut Calm, frame: &mut Motion<S>, found: &mut Found) {
         let tuned = Tuned::of(block, self.rows);
         let pushed = self.pushed_in(block);
         let may_rest = self.sleep_after.is_some() && (0..block.len()).any(|i| block.is_still(i));
-        let overloaded = !self.overloaded_in(block).is_empty();
-        let guarded = overloaded || !pushed.is_empty() || !tuned.is_gentle() || !calm.pass(block) || may_rest;
+        let guarded = !pushed.is_empty() || !tuned.is_gentle() || !calm.pass(block) || may_rest;
         if guarded {
             calm.0 = 0;
             frame.keep(block);
@@ -113,7 +110,7 @@ impl<'a, S: Scalar> March<'a, S> {
             self.judge(block, frame, found);
             for i in first_fault..found.faults.len() {
                 let (at, _) = found.faults[i];
-                take_back(block, at, frame);
+                frame.restore(block, at - block.first);
             }
         } else if self.sleep_after.is_some() {
             block.rest.fill(0);
@@ -134,7 +131,7 @@ impl<'a, S: Scalar> March<'a, S> {
             Verb::Damp => damp(block, tuned, stage.span, spins, faults),
             Verb::Kick => {
                 fall(block, tuned, stage.span);
-                for (i, acceleration) in self.pushed_in(block) {
+                for (i, acceleration) in accelerations(self.pushed_in(block)) {
                     if let Err(cause) = kick_by(block, *i, acceleration, timing.seconds, timing.negative) {
                         faults.push((*i, cause));
                     }
@@ -146,21 +143,18 @@ impl<'a, S: Scalar> March<'a, S> {
     }
 
     /// The forces applied to the bodies of a block.
-    fn pushed_in(&self, block: &Block<'_, S>) -> &'a [(usize, Acceleration<S>)] {
-        part_in(block, self.pushed, |(i, _)| *i)
-    }
-
-    fn overloaded_in(&self, block: &Block<'_, S>) -> &'a [usize] {
-        part_in(block, self.overloaded, |i| *i)
+    fn pushed_in(&self, block: &Block<'_, S>) -> &'a [Pushed<S>] {
+        part_in(block, self.pushed)
     }
 
     /// The bodies of a block that are taken out for what was applied to them, whatever else befalls them.
     pub(super) fn report_overloaded(&self, block: &Block<'_, S>, found: &mut Found) {
-        found.faults.extend(self.overloaded_in(block).iter().map(|&i| (i, Cause::Force)));
+        let overloaded = self.pushed_in(block).iter().filter(|(_, acceleration)| acceleration.is_none());
+        found.faults.extend(overloaded.map(|&(i, _)| (i, Cause::Force)));
     }
 
     /// Looks at a block at the end of a step: who left the envelope, and who is at rest.
-    pub(super) fn judge(&self, block: &mut Block<'_, S>, frame: &Frame<S>, found: &mut Found) {
+    pub(super) fn judge(&self, block: &mut Block<'_, S>, frame: &Motion<S>, found: &mut Found) {
         find_strays(block, &mut found.faults);
         let Some(ticks) = self.sleep_after else { return };
         for i in 0..block.len() {
@@ -176,9 +170,17 @@ impl<'a, S: Scalar> March<'a, S> {
     }
 }
 
+/// What the forces applied to a body do, by its index; `None` if their sum does not fit.
+pub(super) type Pushed<S> = (usize, Option<Acceleration<S>>);
+
+/// Those that fit.
+pub(super) fn accelerations<S: Scalar>(pushed: &[Pushed<S>]) -> impl Iterator<Item = (&usize, &Acceleration<S>)> {
+    pushed.iter().filter_map(|(i, acceleration)| Some((i, acceleration.as_ref()?)))
+}
+
 /// The entries of a list, in the order of the indices it goes by, that are about bodies of a block.
-pub(super) fn part_in<'a, S: Scalar, T>(block: &Block<'_, S>, list: &'a [T], index: impl Fn(&T) -> usize) -> &'a [T] {
-    let before = |end: usize| list.partition_point(|entry| index(entry) < end);
+pub(super) fn part_in<'a, S: Scalar, T>(block: &Block<'_, S>, list: &'a [(usize, T)]) -> &'a [(usize, T)] {
+    let before = |end: usize| list.partition_point(|(index, _)| *index < end);
     if list.is_empty() { list } else { &list[before(block.first)..before(block.first + block.len())] }
 }
 
@@ -194,13 +196,6 @@ fn whole_beat(stages: &'static [Stage]) -> Option<(usize, usize, &'static [Stage
 /// Who is ready last has been at rest for `ticks`; one that others keep up tries again every so often.
 pub(super) fn is_ready(rest: u32, ticks: u32) -> bool {
     rest >= ticks && rest % ticks == 0
-}
-
-/// Takes a body back to what it was before the step.
-pub(super) fn take_back<S: Scalar>(block: &mut Block<'_, S>, index: usize, frame: &Frame<S>) {
-    let i = index - block.first;
-    frame.restore(block, i);
-    block.rest[i] = 0;
 }
 
 /// For how many steps more no body of a block can leave the envelope, if they are gentle and nothing else acts. Cached:

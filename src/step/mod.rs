@@ -17,13 +17,13 @@ pub use timers::Timers;
 
 use alloc::vec::Vec;
 
-use crate::body::{Acceleration, BLOCK, Bodies, BodyKind, Frame, Tunings};
+use crate::body::{Acceleration, BLOCK, Bodies, BodyKind, Motion, Tunings};
 use crate::error::Fault;
 use crate::force::{Applied, Dependence, Directions, End, FieldSet, Law, Laws, Loads};
 use crate::handle::BodyId;
 use crate::integrate::{Integrator, Plan};
 use crate::scalar::Scalar;
-use march::{Calm, Found, March};
+use march::{Calm, Found, March, Pushed};
 use timers::timed;
 
 /// What a step works on.
@@ -54,7 +54,7 @@ pub(crate) struct Scratch<S: Scalar> {
     /// By the number of the block.
     calm: Vec<Calm>,
     /// The engaged blocks as they were before the step; or the first holds one block after the other.
-    frames: Vec<Frame<S>>,
+    frames: Vec<Motion<S>>,
     loads: Loads<S>,
     /// Those of the angles now.
     directions: Directions<S>,
@@ -65,9 +65,7 @@ pub(crate) struct Scratch<S: Scalar> {
     resisting: Accelerations<S>,
     spare: Accelerations<S>,
     /// What the forces applied this tick do, in the order of the indices.
-    pushed: Accelerations<S>,
-    /// The bodies whose applied forces sum up to more than fits, in the order of the indices.
-    overloaded: Vec<usize>,
+    pushed: Vec<Pushed<S>>,
     /// For `PublishedVerlet`, by index: all accelerations of a body, if their sum fits.
     total: Vec<Option<Acceleration<S>>>,
     /// What a step may add to the speed of a body, by index.
@@ -98,7 +96,6 @@ impl<S: Scalar> Default for Scratch<S> {
             resisting: Vec::new(),
             spare: Vec::new(),
             pushed: Vec::new(),
-            overloaded: Vec::new(),
             total: Vec::new(),
             gain: Vec::new(),
             outside: Vec::new(),
@@ -117,9 +114,14 @@ impl<S: Scalar> Default for Scratch<S> {
 impl<S: Scalar> Scratch<S> {
     /// Drops what is cached. Whatever changes a body or a field does so; a step that finds nothing has the same bits.
     pub(crate) fn forget(&mut self) {
+        self.forget_places();
+        self.calm.clear();
+    }
+
+    /// Drops what goes with the positions and angles of engaged bodies.
+    fn forget_places(&mut self) {
         self.fields_hold = false;
         self.directions.clear();
-        self.calm.clear();
     }
 }
 
@@ -162,11 +164,20 @@ impl<S: Scalar> Context<'_, S> {
             self.scratch.timers.steps += 1;
         }
         let has = timed!(self.scratch, survey, self.survey());
-        timed!(self.scratch, survey, self.take_applied());
-        timed!(self.scratch, march, self.march());
+        let pushed = timed!(self.scratch, survey, self.take_applied());
+        let march = March {
+            stages: self.integrator.stages(),
+            plan: self.plan,
+            rows: self.tunings.rows(),
+            pushed: &pushed,
+            sleep_after: self.sleep_after,
+        };
+        timed!(self.scratch, march, self.march(&march));
         if !self.scratch.engaged.is_empty() {
-            self.run_engaged(has);
+            self.run_engaged(&march, has);
         }
+        self.scratch.pushed = pushed;
+        // The last stage of each list, for all bodies at once.
         self.applied.finish();
         timed!(self.scratch, finish, self.finish(has));
     }
@@ -212,20 +223,14 @@ impl<S: Scalar> Context<'_, S> {
     }
 
     /// Takes the bodies that no field reaches through the step.
-    fn march(&mut self) {
-        let Scratch { engaged, calm, frames, pushed, overloaded, found, .. } = &mut *self.scratch;
+    fn march(&mut self, march: &March<'_, S>) {
+        let Scratch { engaged, calm, frames, found, .. } = &mut *self.scratch;
         calm.resize(self.bodies.moving().div_ceil(BLOCK), Calm::default());
         if frames.is_empty() {
-            frames.push(Frame::default());
+            frames.push(Motion::default());
         }
-        let march = March {
-            stages: self.integrator.stages(),
-            plan: self.plan,
-            rows: self.tunings.rows(),
-            pushed,
-            overloaded,
-            sleep_after: self.sleep_after,
-        };
+        // Now, not in the step in which a block first needs it.
+        frames[0].make_room(BLOCK.min(self.bodies.moving()));
         #[cfg(feature = "parallel")]
         if self.bodies.moving() >= MANY {
             return march.run_side_by_side(self.bodies.all_moving(), calm, engaged, found);

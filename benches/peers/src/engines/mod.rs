@@ -1,9 +1,5 @@
 //! The peers. A further engine: add its file here and one line in `all`.
 
-#[cfg(feature = "alice")]
-mod alice2d;
-#[cfg(feature = "alice")]
-mod alice3d;
 mod box2d;
 mod rapier_f32;
 mod rapier_f64;
@@ -20,9 +16,5 @@ pub fn all() -> Vec<Box<dyn Engine>> {
         Box::new(rapier_f32::Rapier),
         Box::new(rapier_f64::Rapier),
         Box::new(box2d::Box2d),
-        #[cfg(feature = "alice")]
-        Box::new(alice3d::Alice3d),
-        #[cfg(feature = "alice")]
-        Box::new(alice2d::Alice2d),
     ]
 }
