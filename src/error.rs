@@ -68,6 +68,8 @@ pub enum Error {
     Full,
     /// The elapsed time is no longer a ratio of 128-bit integers: too many different time steps were used.
     ElapsedTime,
+    /// A snapshot says things of a world that cannot be so together.
+    Inconsistent,
 }
 
 /// What a value that was refused is.
@@ -118,6 +120,8 @@ pub enum Quantity {
     SleepAfter,
     /// A total of energy or momentum.
     Total,
+    /// The number of bytes of a game's own data.
+    Blob,
 }
 
 impl Quantity {
@@ -146,6 +150,7 @@ impl Quantity {
             Self::RestLength => "rest length from 0 to 2^30 m",
             Self::SleepAfter => "number of ticks from 1",
             Self::Total => "total that fits in 64 bits before and after the point",
+            Self::Blob => "blob of at most 2^24 bytes",
         }
     }
 }
@@ -173,6 +178,7 @@ impl fmt::Display for Error {
             Self::SameBody { body } => write!(f, "both ends are attached to {body}"),
             Self::ForceLaw { id } => write!(f, "force law {id:#x} is not registered, or registered twice"),
             Self::Full => f.write_str("the world holds no more of these"),
+            Self::Inconsistent => f.write_str("the parts of the snapshot do not fit together"),
             Self::ElapsedTime => f.write_str("the elapsed time is no longer a ratio of 128-bit integers"),
         }
     }

@@ -1,12 +1,14 @@
 //! Changes to a world as plain data.
 
+use alloc::vec::Vec;
+
 use super::{Action, Manner, World};
 use crate::body::{BodyDef, BodyKind, Mass};
 use crate::error::Error;
 use crate::force::Field;
 use crate::handle::{BodyId, FieldId};
 use crate::integrate::Integrator;
-use crate::math::{TimeStep, Vec2};
+use crate::math::{Random, TimeStep, Vec2};
 use crate::scalar::{Scalar, fx::Fx};
 use crate::shape::Shape;
 
@@ -41,6 +43,8 @@ pub enum Command<S: Scalar = Fx> {
     SetIntegrator(Integrator),
     SetDamping { linear: S, angular: S },
     SetSleepAfter(Option<u32>),
+    SetRandom(Random),
+    SetBlob(Vec<u8>),
 }
 
 /// What a command made.
@@ -86,6 +90,11 @@ impl<S: Scalar> World<S> {
             Command::SetIntegrator(integrator) => self.set_integrator(integrator),
             Command::SetDamping { linear, angular } => self.set_damping(linear, angular),
             Command::SetSleepAfter(ticks) => self.set_sleep_after(ticks),
+            Command::SetRandom(random) => {
+                self.set_random(random);
+                Ok(())
+            }
+            Command::SetBlob(bytes) => self.set_blob(&bytes),
         }
         .map(|()| Made::Nothing)
     }
