@@ -211,18 +211,20 @@ impl<S: Scalar> Bodies<S> {
         }
     }
 
-    /// Adds a body. *Domain* the definition was checked.
+    /// Refuses where there is no room for another body.
+    pub(crate) fn check_room(&self) -> Result<(), Error> {
+        if self.len() < limits::BODIES { Ok(()) } else { Err(Error::Full) }
+    }
+
+    /// Adds a body. *Domain* the definition was checked, and there is room.
     pub(crate) fn insert(
         &mut self,
         def: BodyDef<S>,
         properties: MassProperties<S>,
         tunings: &mut Tunings<S>,
         climate: &Climate<'_, S>,
-    ) -> Result<BodyId, Error> {
+    ) -> BodyId {
         let dense = self.len();
-        if dense >= limits::BODIES {
-            return Err(Error::Full);
-        }
         let slot = self.free.pop().unwrap_or_else(|| {
             push(&mut self.slots, Slot { generation: 0, dense: NONE });
             (self.slots.len() - 1) as u32
@@ -255,7 +257,7 @@ impl<S: Scalar> Bodies<S> {
             self.swap(dense, self.moving);
             self.moving += 1;
         }
-        Ok(BodyId { slot, generation: self.slots[slot as usize].generation })
+        BodyId { slot, generation: self.slots[slot as usize].generation }
     }
 
     /// Adds a body of another world with the same parameters, with all that it is but its handle.
@@ -279,7 +281,7 @@ impl<S: Scalar> Bodies<S> {
             user_data: card.user_data,
             ..BodyDef::dynamic()
         };
-        let adopted = self.insert(def, card.properties, tunings, climate)?;
+        let adopted = self.insert(def, card.properties, tunings, climate);
         let dense = self.find(adopted)?;
         let dense = self.set_activity(dense, other.activity(from));
         self.columns.motion.copy(dense, &other.columns.motion, from);

@@ -55,6 +55,41 @@ pub enum Made {
 }
 
 impl<S: Scalar> World<S> {
+    /// Whether a command would be carried out now: refuses exactly what [`execute`](Self::execute) would, with the same
+    /// error. Nothing changes, and nothing is copied.
+    ///
+    /// # Errors
+    /// Those of the method it stands for.
+    pub fn check(&self, command: &Command<S>) -> Result<(), Error> {
+        match *command {
+            Command::AddBody(ref def) => self.check_new_body(def).map(drop),
+            Command::AddField(ref field) => self.check_new_field(field),
+            Command::Apply { body, action, manner } => self.effect(body, action, manner.frame).map(drop),
+            Command::SetPosition { body, position } => self.check_body_position(body, position),
+            Command::SetAngle { body, angle } => self.check_body_angle(body, angle),
+            Command::SetVelocity { body, velocity } => self.check_body_velocity(body, velocity),
+            Command::SetAngularVelocity { body, velocity } => self.check_body_angular_velocity(body, velocity),
+            Command::SetMass { body, mass } => self.check_body_mass(body, mass).map(drop),
+            Command::SetShape { body, ref shape } => self.check_body_shape(body, shape.as_ref()).map(drop),
+            Command::SetKind { body, kind } => self.check_body_kind(body, kind).map(drop),
+            Command::SetGravityScale { body, scale } => self.check_body_gravity_scale(body, scale),
+            Command::SetBodyDamping { body, linear, angular } => self.check_body_damping(body, linear, angular),
+            Command::RemoveBody(body)
+            | Command::SetGroups { body, .. }
+            | Command::SetKey { body, .. }
+            | Command::SetUserData { body, .. } => self.bodies.find(body).map(drop),
+            Command::Wake(body) => self.check_taking_part(body).map(drop),
+            Command::Release(body) => self.check_quarantined(body).map(drop),
+            Command::SetField { id, ref field } => self.check_next_field(id, field).map(drop),
+            Command::RemoveField(field) => self.check_field(field).map(drop),
+            Command::SetTimeStep(time_step) => self.check_time_step(time_step).map(drop),
+            Command::SetGravity(gravity) => self.check_gravity(gravity).map(drop),
+            Command::SetIntegrator(integrator) => self.check_integrator(integrator).map(drop),
+            Command::SetDamping { linear, angular } => self.check_damping(linear, angular).map(drop),
+            Command::SetSleepAfter(ticks) => self.check_sleep_after(ticks).map(drop),
+        }
+    }
+
     /// Carries out a command.
     ///
     /// # Errors

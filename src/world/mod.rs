@@ -2,6 +2,7 @@
 
 mod bodies;
 mod body_ref;
+mod check;
 mod command;
 mod fields;
 mod forces;
