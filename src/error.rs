@@ -68,6 +68,13 @@ pub enum Error {
     Full,
     /// The elapsed time is no longer a ratio of 128-bit integers: too many different time steps were used.
     ElapsedTime,
+    /// A tick has an input of this player and sequence already.
+    DuplicateInput {
+        /// The player.
+        player: u32,
+        /// The sequence.
+        sequence: u32,
+    },
 }
 
 /// What a value that was refused is.
@@ -174,6 +181,7 @@ impl fmt::Display for Error {
             Self::ForceLaw { id } => write!(f, "force law {id:#x} is not registered, or registered twice"),
             Self::Full => f.write_str("the world holds no more of these"),
             Self::ElapsedTime => f.write_str("the elapsed time is no longer a ratio of 128-bit integers"),
+            Self::DuplicateInput { player, sequence } => write!(f, "player {player} has an input {sequence} already"),
         }
     }
 }

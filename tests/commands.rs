@@ -11,8 +11,8 @@ use std::sync::Arc;
 use commands::{Author, KINDS};
 use random::SplitMix;
 use umbra_physics::{
-    BodyDef, BodyId, BodyState, Command, Dependence, Error, ForceLaw, Fx, Integrator, LawFault, Made, Push, TimeStep,
-    Vec2, World, WorldDef, fx, limits, vec2,
+    BodyDef, BodyId, BodyState, Command, Dependence, Error, ForceLaw, Fx, Input, Inputs, Integrator, LawFault, Made,
+    Outcome, Push, TimeStep, Vec2, World, WorldDef, fx, limits, vec2,
 };
 
 /// The name of a variant.
@@ -127,4 +127,133 @@ fn a_command_is_checked_against_the_world_as_it_is_now() {
     assert_eq!(world.check(&wake), Ok(()));
     let step = Command::SetTimeStep(TimeStep::hz(0));
     assert_eq!((world.check(&step), world.execute(&step)), (Err(Error::TimeStep), Err(Error::TimeStep)));
+}
+
+/// What some players do in a tick.
+fn inputs_of_a_tick(author: &mut Author, world: &World) -> Vec<Input> {
+    let sequences = [(0, 0), (0, 1), (0, 7), (1, 0), (2, 0), (2, u32::MAX), (u32::MAX, 3)];
+    let input = |(player, sequence)| Input { player, sequence, command: author.any(world) };
+    sequences.map(input).into()
+}
+
+/// Each order of so many things once (Heap 1963).
+fn permutations(count: usize, visit: &mut impl FnMut(&[usize])) {
+    fn permute(order: &mut [usize], count: usize, visit: &mut impl FnMut(&[usize])) {
+        if count <= 1 {
+            return visit(order);
+        }
+        for i in 0..count {
+            permute(order, count - 1, visit);
+            order.swap(if count % 2 == 0 { i } else { 0 }, count - 1);
+        }
+    }
+    permute(&mut (0..count).collect::<Vec<_>>(), count, visit);
+}
+
+#[test]
+fn the_order_in_which_inputs_arrive_never_matters() {
+    let mut author = Author { random: SplitMix(2), unfair: 40 };
+    let (mut made_a_difference, mut refused) = (0, 0);
+    for run in 0..4 {
+        let world = world(&mut author, Integrator::ALL[run]);
+        let written = inputs_of_a_tick(&mut author, &world);
+        let mut expected = None;
+        let mut unordered = BTreeSet::new();
+        let mut count = 0;
+        permutations(written.len(), &mut |order| {
+            let mut inputs = Inputs::new();
+            for &i in order {
+                inputs.insert(written[i].clone()).expect("each has a place of its own");
+            }
+            assert!(inputs.iter().eq(&written), "they are not in their order");
+            let mut end = world.clone();
+            let outcomes = end.carry_out(&inputs);
+            refused += outcomes.iter().filter(|outcome| outcome.result.is_err()).count();
+            end.step();
+            let end = (end.state_hash(), outcomes);
+            assert_eq!(*expected.get_or_insert_with(|| end.clone()), end);
+            let mut naive = world.clone();
+            for &i in order {
+                let _ = naive.execute(&written[i].command);
+            }
+            naive.step();
+            unordered.insert(naive.state_hash());
+            count += 1;
+        });
+        assert_eq!(count, 5040);
+        made_a_difference += usize::from(unordered.len() > 1);
+    }
+    // Otherwise this shows nothing.
+    assert!(made_a_difference > 0 && refused > 0, "{made_a_difference} of 4 depend on the order, {refused} refused");
+}
+
+#[test]
+fn an_input_that_is_there_already_is_refused_by_name_and_the_first_one_stays() {
+    let input =
+        |player, sequence, ticks| Input::<Fx> { player, sequence, command: Command::SetSleepAfter(Some(ticks)) };
+    let mut inputs = Inputs::new();
+    for (player, sequence) in [(1, 1), (0, 2), (1, 0)] {
+        assert_eq!(inputs.insert(input(player, sequence, 1)), Ok(()));
+    }
+    let before = inputs.clone();
+    assert_eq!(inputs.insert(input(1, 0, 2)), Err(Error::DuplicateInput { player: 1, sequence: 0 }));
+    assert_eq!(inputs, before);
+    let places: Vec<_> = inputs.iter().map(|input| (input.player, input.sequence)).collect();
+    assert_eq!(places, [(0, 2), (1, 0), (1, 1)]);
+    inputs.clear();
+    assert!(inputs.is_empty() && !before.is_empty() && before.len() == 3);
+}
+
+#[test]
+fn what_is_refused_is_named_and_stops_no_other() {
+    let mut world: World = World::new(WorldDef::default()).expect("a fair definition");
+    let gone = BodyId::from_parts(5, 0);
+    let mut inputs = Inputs::new();
+    for (player, command) in
+        [(2, Command::AddBody(BodyDef::dynamic())), (1, Command::Wake(gone)), (0, Command::SetGravity(vec2(0, 1)))]
+    {
+        inputs.insert(Input { player, sequence: 9, command }).expect("each has a place of its own");
+    }
+    let outcome = |player, result| Outcome { player, sequence: 9, result };
+    let body = BodyId::from_parts(0, 0);
+    let expected = [Ok(Made::Nothing), Err(Error::NoSuchBody { body: gone }), Ok(Made::Body(body))];
+    let expected: Vec<Outcome> = (0..).zip(expected).map(|(player, result)| outcome(player, result)).collect();
+    assert_eq!(world.carry_out(&inputs), expected);
+    assert_eq!(world.def().gravity, vec2(0, 1));
+}
+
+#[test]
+fn a_players_inputs_are_replaced_and_nobody_elses() {
+    let command = |ticks: u32| Command::<Fx>::SetSleepAfter(Some(ticks));
+    let listed = |inputs: &Inputs| -> Vec<(u32, u32, Command)> {
+        inputs.iter().map(|input| (input.player, input.sequence, input.command.clone())).collect()
+    };
+    // A player between two others, one before all, one after all, one alone; with fewer, as many and more commands.
+    for player in 0..4 {
+        for before in 0..4 {
+            for after in 0..4 {
+                let mut inputs = Inputs::new();
+                let mut expected = Vec::new();
+                for other in 0..4 {
+                    for sequence in 0..if other == player { before } else { 2 } {
+                        let input = Input { player: other, sequence, command: command(1 + sequence) };
+                        inputs.insert(input).expect("each has a place of its own");
+                    }
+                    for sequence in 0..if other == player { after } else { 2 } {
+                        expected.push((other, sequence, command(1 + sequence)));
+                    }
+                }
+                assert_eq!(inputs.replace(player, (0..after).map(|i| command(1 + i))), before != after);
+                assert_eq!(listed(&inputs), expected);
+                assert!(!inputs.replace(player, (0..after).map(|i| command(1 + i))));
+                let changes = inputs.replace(player, (0..after).map(|i| command(2 + i)));
+                assert_eq!(changes, after > 0);
+            }
+        }
+    }
+    // Also where the sequence numbers alone differ.
+    let mut inputs = Inputs::new();
+    inputs.insert(Input { player: 0, sequence: 5, command: command(1) }).expect("the first");
+    assert!(inputs.replace(0, [command(1)]));
+    assert_eq!(listed(&inputs), [(0, 0, command(1))]);
 }

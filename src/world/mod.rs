@@ -6,6 +6,7 @@ mod check;
 mod command;
 mod fields;
 mod forces;
+mod inputs;
 mod outlook;
 mod settings;
 mod totals;
@@ -27,6 +28,7 @@ use crate::step::{Context, Scratch};
 pub use body_ref::BodyRef;
 pub use command::{Command, Made};
 pub use forces::{Action, Frame, Manner};
+pub use inputs::{Input, Inputs, Outcome};
 pub use outlook::Outlook;
 
 /// What a world is made from.
