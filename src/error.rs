@@ -70,6 +70,13 @@ pub enum Error {
     ElapsedTime,
     /// A snapshot says things of a world that cannot be so together.
     Inconsistent,
+    /// A tick has an input of this player and sequence already.
+    DuplicateInput {
+        /// The player.
+        player: u32,
+        /// The sequence.
+        sequence: u32,
+    },
 }
 
 /// What a value that was refused is.
@@ -180,6 +187,7 @@ impl fmt::Display for Error {
             Self::Full => f.write_str("the world holds no more of these"),
             Self::Inconsistent => f.write_str("the parts of the snapshot do not fit together"),
             Self::ElapsedTime => f.write_str("the elapsed time is no longer a ratio of 128-bit integers"),
+            Self::DuplicateInput { player, sequence } => write!(f, "player {player} has an input {sequence} already"),
         }
     }
 }

@@ -75,7 +75,10 @@ pub use shape::{Geometry, Part, Shape};
 #[cfg(feature = "timers")]
 pub use step::Timers;
 pub use wire::Malformed;
-pub use world::{Action, BodyRef, Command, Frame, Made, Manner, Outlook, StepReport, World, WorldDef, step_all};
+pub use world::{
+    Action, BodyRef, Command, Frame, Input, Inputs, Made, Manner, Outcome, Outlook, StepReport, World, WorldDef,
+    step_all,
+};
 
 /// The README's examples, compiled and run as tests.
 #[cfg(doctest)]

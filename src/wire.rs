@@ -516,18 +516,21 @@ impl Read for Random {
 }
 
 /// Bytes of the caller's, after their number.
-pub(crate) fn blob(out: &mut impl Out, bytes: &[u8]) {
-    count(out, bytes.len());
-    // In pieces, so that an index can name them.
-    for (i, piece) in bytes.chunks(64).enumerate() {
-        out.enter(Part::Entry(i as u32));
-        out.bytes(piece);
-        out.leave();
+impl Write for Vec<u8> {
+    fn write(&self, out: &mut impl Out) {
+        count(out, self.len());
+        // In pieces, so that an index can name them.
+        for (i, piece) in self.chunks(64).enumerate() {
+            out.enter(Part::Entry(i as u32));
+            out.bytes(piece);
+            out.leave();
+        }
     }
 }
 
-pub(crate) fn read_blob(reader: &mut Reader<'_>, most: usize) -> Result<Vec<u8>, Malformed> {
-    let malformed = reader.malformed("fewer bytes");
-    let count = reader.count(1)?;
-    if count > most { Err(malformed) } else { reader.take(count).map(<[u8]>::to_vec) }
+impl Read for Vec<u8> {
+    fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {
+        let count = reader.count(1)?;
+        reader.take(count).map(<[u8]>::to_vec)
+    }
 }

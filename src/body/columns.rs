@@ -211,24 +211,25 @@ impl<S: Scalar> Bodies<S> {
         }
     }
 
-    /// Adds a body. *Domain* the definition was checked.
+    /// Refuses where there is no room for another body.
+    pub(crate) fn check_room(&self) -> Result<(), Error> {
+        if self.len() < limits::BODIES { Ok(()) } else { Err(Error::Full) }
+    }
+
+    /// Adds a body. *Domain* the definition was checked, and there is room.
     pub(crate) fn insert(
         &mut self,
         def: BodyDef<S>,
         properties: MassProperties<S>,
         tunings: &mut Tunings<S>,
         climate: &Climate<'_, S>,
-    ) -> Result<BodyId, Error> {
-        let dense = self.len();
-        if dense >= limits::BODIES {
-            return Err(Error::Full);
-        }
+    ) -> BodyId {
         let slot = match self.free.pop() {
             Some(slot) => slot,
             None => self.new_slot(0),
         };
         self.insert_at(slot, def, properties, tunings, climate);
-        Ok(BodyId { slot, generation: self.slots[slot as usize].generation })
+        BodyId { slot, generation: self.slots[slot as usize].generation }
     }
 
     /// Adds a slot without a body.
@@ -331,7 +332,7 @@ impl<S: Scalar> Bodies<S> {
             user_data: card.user_data,
             ..BodyDef::dynamic()
         };
-        let adopted = self.insert(def, card.properties, tunings, climate)?;
+        let adopted = self.insert(def, card.properties, tunings, climate);
         let dense = self.find(adopted)?;
         let dense = self.set_activity(dense, other.activity(from));
         self.columns.motion.copy(dense, &other.columns.motion, from);

@@ -148,6 +148,11 @@ impl<S: Scalar> BodyDef<S> {
     /// # Errors
     /// [`Error::OutOfRange`] naming the quantity; [`Error::NoShape`] for a density without a shape.
     pub fn check(&self) -> Result<(), Error> {
+        self.checked().map(drop)
+    }
+
+    /// The properties that follow from it, if no world would refuse it.
+    pub(crate) fn checked(&self) -> Result<MassProperties<S>, Error> {
         check_position(self.position)?;
         check_angle(self.angle)?;
         check_velocity(self.velocity)?;
@@ -159,7 +164,7 @@ impl<S: Scalar> BodyDef<S> {
         check_gravity_scale(self.gravity_scale)?;
         self.linear_damping.map_or(Ok(()), check_damping)?;
         self.angular_damping.map_or(Ok(()), check_damping)?;
-        mass_properties(self.kind, self.mass, self.shape.as_ref()).map(drop)
+        mass_properties(self.kind, self.mass, self.shape.as_ref())
     }
 }
 

@@ -38,17 +38,20 @@ impl<S: Scalar> Default for FieldSet<S> {
 }
 
 impl<S: Scalar> FieldSet<S> {
-    pub(crate) fn insert(&mut self, field: Field<S>) -> Result<FieldId, Error> {
-        if self.free.is_empty() && self.slots.len() >= limits::FIELDS {
-            return Err(Error::Full);
-        }
+    /// Refuses where there is no room for another field.
+    pub(crate) fn check_room(&self) -> Result<(), Error> {
+        if self.free.is_empty() && self.slots.len() >= limits::FIELDS { Err(Error::Full) } else { Ok(()) }
+    }
+
+    /// Adds a field. *Domain* it was checked, and there is room.
+    pub(crate) fn insert(&mut self, field: Field<S>) -> FieldId {
         let slot = self.free.pop().unwrap_or_else(|| {
             self.slots.push((0, None));
             (self.slots.len() - 1) as u32
         });
         let entry = &mut self.slots[slot as usize];
         entry.1 = Some(Entry::new(field));
-        Ok(FieldId { slot, generation: entry.0 })
+        FieldId { slot, generation: entry.0 }
     }
 
     pub(crate) fn get(&self, id: FieldId) -> Result<&Field<S>, Error> {

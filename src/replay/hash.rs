@@ -18,7 +18,7 @@ impl<S: Scalar> World<S> {
         self.tick.write(&mut sink);
         self.elapsed().write(&mut sink);
         self.random.write(&mut sink);
-        wire::blob(&mut sink, &self.blob);
+        self.blob.write(&mut sink);
         self.bodies.write(&mut sink);
         self.applied.write(&mut sink);
         self.fields.write(&mut sink);

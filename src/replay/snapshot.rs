@@ -239,9 +239,7 @@ impl<S: Scalar> Write for State<'_, S> {
         wire::field(out, "elapsed", elapsed);
         wire::field(out, "elapsed_at_tick", since);
         wire::field(out, "random", &world.random);
-        out.enter(Part::Name("blob"));
-        wire::blob(out, &world.blob);
-        out.leave();
+        wire::field(out, "blob", &world.blob);
         part(out, "laws", |out| {
             wire::count(out, world.laws.len());
             for (i, law) in world.laws.values().enumerate() {
@@ -367,7 +365,7 @@ fn read_state(reader: &mut Reader<'_>, laws: &[Arc<dyn ForceLaw>]) -> Result<Wor
         return Err(Error::ElapsedTime.into());
     }
     world.random = Random::read(reader)?;
-    world.blob = wire::read_blob(reader, limits::BLOB)?;
+    world.set_blob(&Vec::read(reader)?)?;
     world.laws = Arc::new(read_laws(reader, laws)?);
     let (slots, pushed) = read_bodies(reader)?;
     let free = read_list(reader, 4, u32::read)?;

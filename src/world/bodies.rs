@@ -4,13 +4,9 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use super::World;
-use crate::body::{
-    Activity, BodyDef, BodyKind, Card, Key, Mass, check_angle, check_angular_velocity, check_damping,
-    check_gravity_scale, check_position, check_velocity, mass_properties,
-};
+use crate::body::{BodyDef, BodyKind, Card, Key, Mass};
 use crate::error::Error;
 use crate::handle::BodyId;
-use crate::integrate::Integrator;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, Angle, Scalar};
 use crate::shape::Shape;
@@ -21,11 +17,9 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// As [`BodyDef::check`]; [`Error::DampingHasNoInverse`] for a damping of 0 under `Yoshida4`; [`Error::Full`].
     pub fn add_body(&mut self, def: BodyDef<S>) -> Result<BodyId, Error> {
-        def.check()?;
-        self.check_own_damping(def.linear_damping, def.angular_damping)?;
-        let properties = mass_properties(def.kind, def.mass, def.shape.as_ref())?;
+        let properties = self.check_new_body(&def)?;
         let climate = Self::climate(&self.def, &self.plan);
-        let body = self.bodies.insert(def, properties, Arc::make_mut(&mut self.tunings), &climate)?;
+        let body = self.bodies.insert(def, properties, Arc::make_mut(&mut self.tunings), &climate);
         self.scratch.forget();
         Ok(body)
     }
@@ -53,8 +47,7 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::NoSuchBody`]; [`Error::OutOfRange`] with [`Quantity::Position`](crate::Quantity::Position).
     pub fn set_position(&mut self, body: BodyId, position: Vec2<S>) -> Result<(), Error> {
-        self.bodies.find(body)?;
-        check_position(position)?;
+        self.check_body_position(body, position)?;
         let dense = self.touch(body)?;
         self.bodies.columns.motion.position.set(dense, position.map(Accumulator::from_scalar));
         Ok(())
@@ -65,8 +58,7 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::NoSuchBody`]; [`Error::OutOfRange`] for a float that is no number.
     pub fn set_angle(&mut self, body: BodyId, angle: S) -> Result<(), Error> {
-        self.bodies.find(body)?;
-        check_angle(angle)?;
+        self.check_body_angle(body, angle)?;
         let dense = self.touch(body)?;
         self.bodies.columns.motion.angle[dense] = S::Angle::from_radians(angle);
         Ok(())
@@ -78,8 +70,7 @@ impl<S: Scalar> World<S> {
     /// [`Error::NoSuchBody`]; [`Error::NotMovable`]; [`Error::OutOfRange`] with
     /// [`Quantity::Velocity`](crate::Quantity::Velocity).
     pub fn set_velocity(&mut self, body: BodyId, velocity: Vec2<S>) -> Result<(), Error> {
-        self.check_movable(body)?;
-        check_velocity(velocity)?;
+        self.check_body_velocity(body, velocity)?;
         let dense = self.touch(body)?;
         self.bodies.columns.motion.velocity.set(dense, velocity.map(Accumulator::from_scalar));
         Ok(())
@@ -91,8 +82,7 @@ impl<S: Scalar> World<S> {
     /// [`Error::NoSuchBody`]; [`Error::NotMovable`]; [`Error::OutOfRange`] with
     /// [`Quantity::AngularVelocity`](crate::Quantity::AngularVelocity).
     pub fn set_angular_velocity(&mut self, body: BodyId, velocity: S) -> Result<(), Error> {
-        self.check_movable(body)?;
-        check_angular_velocity(velocity)?;
+        self.check_body_angular_velocity(body, velocity)?;
         let dense = self.touch(body)?;
         self.bodies.columns.motion.spin[dense] = S::Accumulator::from_scalar(velocity);
         Ok(())
@@ -103,8 +93,7 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::NoSuchBody`]; [`Error::NoShape`]; [`Error::OutOfRange`].
     pub fn set_mass(&mut self, body: BodyId, mass: Mass<S>) -> Result<(), Error> {
-        let card = self.bodies.card(self.bodies.find(body)?);
-        let properties = mass_properties(card.kind, mass, card.shape.as_deref())?;
+        let properties = self.check_body_mass(body, mass)?;
         self.edit(body, |card| (card.mass, card.properties) = (mass, properties))
     }
 
@@ -114,8 +103,7 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::NoSuchBody`]; [`Error::NoShape`]; [`Error::OutOfRange`].
     pub fn set_shape(&mut self, body: BodyId, shape: Option<Shape<S>>) -> Result<(), Error> {
-        let card = self.bodies.card(self.bodies.find(body)?);
-        let properties = mass_properties(card.kind, card.mass, shape.as_ref())?;
+        let properties = self.check_body_shape(body, shape.as_ref())?;
         let dense = self.touch(body)?;
         self.bodies.set_shape(dense, &self.tunings, shape, properties);
         Ok(())
@@ -127,12 +115,7 @@ impl<S: Scalar> World<S> {
     /// [`Error::NoSuchBody`]; [`Error::Quarantined`]; [`Error::NoShape`] or [`Error::OutOfRange`] if it becomes dynamic
     /// without a mass it can have.
     pub fn set_kind(&mut self, body: BodyId, kind: BodyKind) -> Result<(), Error> {
-        let dense = self.bodies.find(body)?;
-        if self.bodies.activity(dense) == Activity::Quarantined {
-            return Err(Error::Quarantined { body });
-        }
-        let card = self.bodies.card(dense);
-        let properties = mass_properties(kind, card.mass, card.shape.as_deref())?;
+        let properties = self.check_body_kind(body, kind)?;
         self.touch(body)?;
         self.wake_joined(body);
         let dense = self.bodies.find(body)?;
@@ -156,8 +139,7 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::NoSuchBody`]; [`Error::OutOfRange`] with [`Quantity::GravityScale`](crate::Quantity::GravityScale).
     pub fn set_gravity_scale(&mut self, body: BodyId, scale: S) -> Result<(), Error> {
-        self.bodies.find(body)?;
-        check_gravity_scale(scale)?;
+        self.check_body_gravity_scale(body, scale)?;
         let dense = self.touch(body)?;
         self.retune(dense, |key| key.gravity_scale = scale);
         Ok(())
@@ -170,10 +152,7 @@ impl<S: Scalar> World<S> {
     /// [`Error::NoSuchBody`]; [`Error::OutOfRange`] with [`Quantity::Damping`](crate::Quantity::Damping);
     /// [`Error::DampingHasNoInverse`].
     pub fn set_body_damping(&mut self, body: BodyId, linear: Option<S>, angular: Option<S>) -> Result<(), Error> {
-        self.bodies.find(body)?;
-        linear.map_or(Ok(()), check_damping)?;
-        angular.map_or(Ok(()), check_damping)?;
-        self.check_own_damping(linear, angular)?;
+        self.check_body_damping(body, linear, angular)?;
         let dense = self.touch(body)?;
         self.retune(dense, |key| (key.linear, key.angular) = (linear, angular));
         Ok(())
@@ -201,21 +180,6 @@ impl<S: Scalar> World<S> {
     /// [`Error::NoSuchBody`].
     pub fn set_user_data(&mut self, body: BodyId, user_data: u64) -> Result<(), Error> {
         self.edit(body, |card| card.user_data = user_data)
-    }
-
-    fn check_own_damping(&self, linear: Option<S>, angular: Option<S>) -> Result<(), Error> {
-        let stops = |kept: Option<S>| kept == Some(S::ZERO);
-        if self.def.integrator == Integrator::Yoshida4 && (stops(linear) || stops(angular)) {
-            return Err(Error::DampingHasNoInverse);
-        }
-        Ok(())
-    }
-
-    fn check_movable(&self, body: BodyId) -> Result<(), Error> {
-        match self.bodies.card(self.bodies.find(body)?).kind {
-            BodyKind::Static => Err(Error::NotMovable { body }),
-            _ => Ok(()),
-        }
     }
 
     /// Touches a body and changes what no step does.

@@ -11,6 +11,7 @@ use crate::integrate::Integrator;
 use crate::math::{Random, TimeStep, Vec2};
 use crate::scalar::{Scalar, fx::Fx};
 use crate::shape::Shape;
+use crate::wire::{Malformed, Read as _, Reader, Write as _, wire_enum};
 
 /// A call that changes a world, as data to send, record and replay. The methods of [`World`] of the same names say what
 /// each does and when it is refused.
@@ -58,7 +59,109 @@ pub enum Made {
     Field(FieldId),
 }
 
+wire_enum!(Command<S>, "the number of a command", {
+    0 => AddBody(def),
+    1 => RemoveBody(body),
+    2 => Apply { body, action, manner },
+    3 => SetPosition { body, position },
+    4 => SetAngle { body, angle },
+    5 => SetVelocity { body, velocity },
+    6 => SetAngularVelocity { body, velocity },
+    7 => SetMass { body, mass },
+    8 => SetShape { body, shape },
+    9 => SetKind { body, kind },
+    10 => SetGravityScale { body, scale },
+    11 => SetBodyDamping { body, linear, angular },
+    12 => SetGroups { body, groups },
+    13 => SetKey { body, key },
+    14 => SetUserData { body, user_data },
+    15 => Wake(body),
+    16 => Release(body),
+    17 => AddField(field),
+    18 => SetField { id, field },
+    19 => RemoveField(id),
+    20 => SetTimeStep(time_step),
+    21 => SetGravity(gravity),
+    22 => SetIntegrator(integrator),
+    23 => SetDamping { linear, angular },
+    24 => SetSleepAfter(ticks),
+    25 => SetRandom(random),
+    26 => SetBlob(bytes),
+});
+
+impl Command {
+    /// The most bytes of a command without a shape or a blob. A circle takes 9 more, a polygon 5 and 16 a corner, a blob 4
+    /// and its length.
+    pub const BYTES: usize = 114;
+
+    /// As bytes to send, the same on every machine; `docs/formats.md` has them one by one.
+    #[must_use]
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        self.write(&mut bytes);
+        bytes
+    }
+
+    /// The command that is these bytes. Whether a world refuses it, [`World::check`] says.
+    ///
+    /// # Errors
+    /// [`Malformed`] says where they are no command.
+    ///
+    /// ```
+    /// use umbra_physics::{BodyId, Command, vec2};
+    ///
+    /// let command: Command = Command::SetVelocity { body: BodyId::from_parts(3, 0), velocity: vec2(1, 0) };
+    /// let bytes = command.to_bytes();
+    /// assert_eq!(bytes.len(), 25);
+    /// assert_eq!(Command::from_bytes(&bytes), Ok(command));
+    /// assert!(Command::from_bytes(&bytes[..24]).is_err());
+    /// ```
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, Malformed> {
+        let mut reader = Reader::new(bytes);
+        let command = Self::read(&mut reader)?;
+        reader.end()?;
+        Ok(command)
+    }
+}
+
 impl<S: Scalar> World<S> {
+    /// Whether a command would be carried out now: refuses exactly what [`execute`](Self::execute) would, with the same
+    /// error. Nothing changes, and nothing is copied.
+    ///
+    /// # Errors
+    /// Those of the method it stands for.
+    pub fn check(&self, command: &Command<S>) -> Result<(), Error> {
+        match *command {
+            Command::AddBody(ref def) => self.check_new_body(def).map(drop),
+            Command::AddField(ref field) => self.check_new_field(field),
+            Command::Apply { body, action, manner } => self.effect(body, action, manner.frame).map(drop),
+            Command::SetPosition { body, position } => self.check_body_position(body, position),
+            Command::SetAngle { body, angle } => self.check_body_angle(body, angle),
+            Command::SetVelocity { body, velocity } => self.check_body_velocity(body, velocity),
+            Command::SetAngularVelocity { body, velocity } => self.check_body_angular_velocity(body, velocity),
+            Command::SetMass { body, mass } => self.check_body_mass(body, mass).map(drop),
+            Command::SetShape { body, ref shape } => self.check_body_shape(body, shape.as_ref()).map(drop),
+            Command::SetKind { body, kind } => self.check_body_kind(body, kind).map(drop),
+            Command::SetGravityScale { body, scale } => self.check_body_gravity_scale(body, scale),
+            Command::SetBodyDamping { body, linear, angular } => self.check_body_damping(body, linear, angular),
+            Command::RemoveBody(body)
+            | Command::SetGroups { body, .. }
+            | Command::SetKey { body, .. }
+            | Command::SetUserData { body, .. } => self.bodies.find(body).map(drop),
+            Command::Wake(body) => self.check_taking_part(body).map(drop),
+            Command::Release(body) => self.check_quarantined(body).map(drop),
+            Command::SetField { id, ref field } => self.check_next_field(id, field).map(drop),
+            Command::RemoveField(field) => self.check_field(field).map(drop),
+            Command::SetTimeStep(time_step) => self.check_time_step(time_step).map(drop),
+            Command::SetGravity(gravity) => self.check_gravity(gravity).map(drop),
+            Command::SetIntegrator(integrator) => self.check_integrator(integrator).map(drop),
+            Command::SetDamping { linear, angular } => self.check_damping(linear, angular).map(drop),
+            Command::SetSleepAfter(ticks) => self.check_sleep_after(ticks).map(drop),
+            Command::SetRandom(_) => Ok(()),
+            Command::SetBlob(ref bytes) => Self::check_blob(bytes),
+        }
+    }
+
     /// Carries out a command.
     ///
     /// # Errors

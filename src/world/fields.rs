@@ -15,8 +15,8 @@ impl<S: Scalar> World<S> {
     /// [`Error::ForceLaw`] for a law that is not registered; [`Error::OutOfRange`] naming the quantity; [`Error::Full`].
     pub fn add_field(&mut self, field: impl Into<Field<S>>) -> Result<FieldId, Error> {
         let field = field.into();
-        field.check(&self.bodies, &self.laws)?;
-        let id = Arc::make_mut(&mut self.fields).insert(field)?;
+        self.check_new_field(&field)?;
+        let id = Arc::make_mut(&mut self.fields).insert(field);
         self.wake_for(&field);
         Ok(id)
     }
@@ -40,8 +40,7 @@ impl<S: Scalar> World<S> {
     /// [`Error::NoSuchField`], and as [`add_field`](Self::add_field).
     pub fn set_field(&mut self, id: FieldId, field: impl Into<Field<S>>) -> Result<(), Error> {
         let field = field.into();
-        let old = *self.fields.get(id)?;
-        field.check(&self.bodies, &self.laws)?;
+        let old = self.check_next_field(id, &field)?;
         self.wake_for(&old);
         Arc::make_mut(&mut self.fields).replace(id, field)?;
         self.wake_for(&field);
@@ -53,7 +52,7 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::NoSuchField`].
     pub fn remove_field(&mut self, id: FieldId) -> Result<(), Error> {
-        let field = *self.fields.get(id)?;
+        let field = self.check_field(id)?;
         self.wake_for(&field);
         Arc::make_mut(&mut self.fields).remove(id).map(drop)
     }

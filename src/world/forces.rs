@@ -7,6 +7,7 @@ use crate::handle::BodyId;
 use crate::limits;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, Angle, Offset, Scalar, Wide, fx::Fx};
+use crate::wire::{self, Malformed, Out, Read, Reader, Write, wire_enum};
 
 /// What a vector is relative to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -63,6 +64,36 @@ pub enum Action<S = Fx> {
     },
     /// An angular impulse in N·m·s.
     AngularImpulse(S),
+}
+
+/// What an action does to the body that it was found for.
+pub(super) enum Effect<S: Scalar> {
+    /// Adds to what acts over the next step, in the world's frame.
+    Push { force: Vec2<S::Wide>, torque: S::Wide },
+    /// Gives it these velocities.
+    Strike { velocity: Vec2<S::Accumulator>, spin: S::Accumulator },
+}
+
+wire_enum!(Frame, "0 or 1 for a frame", { 0 => World, 1 => Body });
+wire_enum!(Action<S>, "the number of an action", {
+    0 => Force { force, point },
+    1 => Torque(torque),
+    2 => Impulse { impulse, point },
+    3 => AngularImpulse(impulse),
+});
+
+impl Write for Manner {
+    fn write(&self, out: &mut impl Out) {
+        let Self { frame, wake } = self;
+        wire::field(out, "frame", frame);
+        wire::field(out, "wake", wake);
+    }
+}
+
+impl Read for Manner {
+    fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {
+        Ok(Self { frame: Frame::read(reader)?, wake: bool::read(reader)? })
+    }
 }
 
 const fn out_of(quantity: Quantity) -> Error {
@@ -128,40 +159,55 @@ impl<S: Scalar> World<S> {
     /// [`Error::NoSuchBody`]; [`Error::NotDynamic`]; [`Error::Quarantined`]; [`Error::OutOfRange`] naming the quantity,
     /// also when a velocity would leave the envelope.
     pub fn apply(&mut self, body: BodyId, action: Action<S>, manner: Manner) -> Result<(), Error> {
-        let dense = self.bodies.find(body)?;
-        let activity = self.bodies.activity(dense);
-        match (self.bodies.card(dense).kind, activity) {
-            (_, Activity::Quarantined) => return Err(Error::Quarantined { body }),
-            (BodyKind::Static | BodyKind::Kinematic, _) => return Err(Error::NotDynamic { body }),
-            _ => {}
+        let (dense, effect) = self.effect(body, action, manner.frame)?;
+        let asleep = self.bodies.activity(dense) == Activity::Asleep;
+        if asleep && !manner.wake {
+            return Ok(());
         }
-        let unfelt = activity == Activity::Asleep && !manner.wake;
-        let none = Vec2::default();
-        match action {
-            Action::Force { force, point } => {
-                let (force, torque) = self.lever(dense, force, point, manner.frame, Quantity::Force)?;
-                if !unfelt {
-                    self.rouse(body)?;
-                    self.applied.add(body, force, torque);
+        match effect {
+            Effect::Push { force, torque } => {
+                // Unlike a change of its state, a force leaves what the fields do as it is.
+                if asleep {
+                    self.touch(body)?;
                 }
+                self.applied.add(body, force, torque);
             }
-            Action::Torque(torque) => {
-                check_finite(torque, Quantity::Torque)?;
-                if !unfelt {
-                    self.rouse(body)?;
-                    self.applied.add(body, none, S::Wide::from_scalar(torque));
-                }
-            }
-            Action::Impulse { impulse, point } => {
-                let (impulse, angular) = self.lever(dense, impulse, point, manner.frame, Quantity::Impulse)?;
-                self.strike(body, dense, impulse, angular, unfelt)?;
-            }
-            Action::AngularImpulse(impulse) => {
-                check_finite(impulse, Quantity::Impulse)?;
-                self.strike(body, dense, none, S::Wide::from_scalar(impulse), unfelt)?;
+            Effect::Strike { velocity, spin } => {
+                let dense = self.touch(body)?;
+                let motion = &mut self.bodies.columns.motion;
+                motion.velocity.set(dense, velocity);
+                motion.spin[dense] = spin;
             }
         }
         Ok(())
+    }
+
+    /// The index of a body, and what an action would do to it.
+    pub(super) fn effect(&self, body: BodyId, action: Action<S>, frame: Frame) -> Result<(usize, Effect<S>), Error> {
+        let dense = self.check_taking_part(body)?;
+        if self.bodies.card(dense).kind != BodyKind::Dynamic {
+            return Err(Error::NotDynamic { body });
+        }
+        let none = Vec2::default();
+        let effect = match action {
+            Action::Force { force, point } => {
+                let (force, torque) = self.lever(dense, force, point, frame, Quantity::Force)?;
+                Effect::Push { force, torque }
+            }
+            Action::Torque(torque) => {
+                check_finite(torque, Quantity::Torque)?;
+                Effect::Push { force: none, torque: S::Wide::from_scalar(torque) }
+            }
+            Action::Impulse { impulse, point } => {
+                let (impulse, angular) = self.lever(dense, impulse, point, frame, Quantity::Impulse)?;
+                self.strike(dense, impulse, angular)?
+            }
+            Action::AngularImpulse(impulse) => {
+                check_finite(impulse, Quantity::Impulse)?;
+                self.strike(dense, none, S::Wide::from_scalar(impulse))?
+            }
+        };
+        Ok((dense, effect))
     }
 
     /// A force or impulse in the world's frame, and its moment about the centre of mass.
@@ -198,15 +244,8 @@ impl<S: Scalar> World<S> {
         Ok((world.into(), moment().ok_or(out_of(Quantity::Torque))?))
     }
 
-    /// Changes the velocities of a body, if they stay within the envelope.
-    fn strike(
-        &mut self,
-        body: BodyId,
-        dense: usize,
-        impulse: Vec2<S::Wide>,
-        angular: S::Wide,
-        unfelt: bool,
-    ) -> Result<(), Error> {
+    /// The velocities of a body after an impulse, if they stay within the envelope.
+    fn strike(&self, dense: usize, impulse: Vec2<S::Wide>, angular: S::Wide) -> Result<Effect<S>, Error> {
         let columns = &self.bodies.columns;
         let properties = &self.bodies.card(dense).properties;
         let gained = |impulse| S::kick(impulse, properties.inverse_mass);
@@ -222,21 +261,7 @@ impl<S: Scalar> World<S> {
         if !spin.is_within(S::from_fx(limits::ANGULAR_SPEED)) {
             return Err(out_of(Quantity::AngularVelocity));
         }
-        if !unfelt {
-            let dense = self.touch(body)?;
-            let motion = &mut self.bodies.columns.motion;
-            motion.velocity.set(dense, velocity);
-            motion.spin[dense] = spin;
-        }
-        Ok(())
-    }
-
-    /// Wakes a body that a force is applied to. Unlike a change of its state that leaves the fields' forces as they are.
-    fn rouse(&mut self, body: BodyId) -> Result<(), Error> {
-        if self.bodies.activity(self.bodies.find(body)?) == Activity::Asleep {
-            self.touch(body)?;
-        }
-        Ok(())
+        Ok(Effect::Strike { velocity, spin })
     }
 }
 

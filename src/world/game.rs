@@ -47,11 +47,13 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::OutOfRange`] with [`Quantity::Blob`].
     pub fn set_blob(&mut self, bytes: &[u8]) -> Result<(), Error> {
-        if bytes.len() > limits::BLOB {
-            return Err(Error::OutOfRange { quantity: Quantity::Blob });
-        }
+        Self::check_blob(bytes)?;
         self.blob.clear();
         self.blob.extend_from_slice(bytes);
         Ok(())
+    }
+
+    pub(super) fn check_blob(bytes: &[u8]) -> Result<(), Error> {
+        if bytes.len() > limits::BLOB { Err(Error::OutOfRange { quantity: Quantity::Blob }) } else { Ok(()) }
     }
 }

@@ -2,10 +2,12 @@
 
 mod bodies;
 mod body_ref;
+mod check;
 mod command;
 mod fields;
 mod forces;
 mod game;
+mod inputs;
 mod outlook;
 mod settings;
 mod totals;
@@ -28,6 +30,7 @@ use crate::wire::wire_struct;
 pub use body_ref::BodyRef;
 pub use command::{Command, Made};
 pub use forces::{Action, Frame, Manner};
+pub use inputs::{Input, Inputs, Outcome};
 pub use outlook::Outlook;
 
 /// What a world is made from.

@@ -96,7 +96,7 @@ impl<S: Scalar> World<S> {
         let fields = Arc::make_mut(&mut world.fields);
         for (_, field) in self.fields.iter().filter(|(_, field)| self.acts_on_any(field, &bodies)) {
             if let Some(field) = field.moved(|body| adopted.get(&body).copied()) {
-                fields.insert(field)?;
+                fields.insert(field);
             }
         }
         Ok(Outlook { body: adopted[&body], world })

@@ -2,7 +2,7 @@
 
 use alloc::sync::Arc;
 
-use super::{World, WorldDef, check_gravity, check_sleep_after};
+use super::World;
 use crate::error::Error;
 use crate::force::ForceLaw;
 use crate::integrate::{Integrator, Plan};
@@ -15,11 +15,8 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::TimeStep`]; [`Error::ElapsedTime`] if the elapsed time could not stay exact.
     pub fn set_time_step(&mut self, time_step: TimeStep) -> Result<(), Error> {
-        let time_step = time_step.checked()?;
-        let now = self.counted.0.plus(self.tick - self.counted.1, self.def.time_step).ok_or(Error::ElapsedTime)?;
-        now.plus(u64::MAX, time_step).ok_or(Error::ElapsedTime)?;
-        self.counted = (now, self.tick);
-        self.def.time_step = time_step;
+        let (def, now) = self.check_time_step(time_step)?;
+        (self.def, self.counted) = (def, (now, self.tick));
         self.refresh();
         Ok(())
     }
@@ -29,8 +26,7 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::OutOfRange`] with [`Quantity::Gravity`](crate::Quantity::Gravity).
     pub fn set_gravity(&mut self, gravity: Vec2<S>) -> Result<(), Error> {
-        check_gravity(gravity)?;
-        self.def.gravity = gravity;
+        self.def = self.check_gravity(gravity)?;
         self.refresh();
         Ok(())
     }
@@ -40,14 +36,7 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::DampingHasNoInverse`] for `Yoshida4` where the world or a body has a damping of 0.
     pub fn set_integrator(&mut self, integrator: Integrator) -> Result<(), Error> {
-        let stops = |kept: Option<S>| kept == Some(S::ZERO);
-        let body_stops = self.tunings.used().any(|row| stops(row.key.linear) || stops(row.key.angular));
-        if integrator == Integrator::Yoshida4 && body_stops {
-            return Err(Error::DampingHasNoInverse);
-        }
-        let def = WorldDef { integrator, ..self.def };
-        def.check()?;
-        self.def = def;
+        self.def = self.check_integrator(integrator)?;
         self.bodies.keep_last_acceleration(integrator == Integrator::PublishedVerlet);
         self.refresh();
         Ok(())
@@ -59,9 +48,7 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::OutOfRange`] with [`Quantity::Damping`](crate::Quantity::Damping); [`Error::DampingHasNoInverse`].
     pub fn set_damping(&mut self, linear: S, angular: S) -> Result<(), Error> {
-        let def = WorldDef { linear_damping: linear, angular_damping: angular, ..self.def };
-        def.check()?;
-        self.def = def;
+        self.def = self.check_damping(linear, angular)?;
         self.refresh();
         Ok(())
     }
@@ -71,8 +58,7 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::OutOfRange`] with [`Quantity::SleepAfter`](crate::Quantity::SleepAfter) for zero.
     pub fn set_sleep_after(&mut self, ticks: Option<u32>) -> Result<(), Error> {
-        check_sleep_after(ticks)?;
-        self.def.sleep_after = ticks;
+        self.def = self.check_sleep_after(ticks)?;
         self.wake_all();
         self.bodies.columns.motion.rest.fill(0);
         Ok(())

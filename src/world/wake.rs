@@ -16,10 +16,7 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::NoSuchBody`]; [`Error::Quarantined`].
     pub fn wake(&mut self, body: BodyId) -> Result<(), Error> {
-        let dense = self.bodies.find(body)?;
-        if self.bodies.activity(dense) == Activity::Quarantined {
-            return Err(Error::Quarantined { body });
-        }
+        self.check_taking_part(body)?;
         self.touch(body).map(drop)
     }
 
@@ -28,10 +25,7 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::NoSuchBody`]; [`Error::NotQuarantined`].
     pub fn release(&mut self, body: BodyId) -> Result<(), Error> {
-        let dense = self.bodies.find(body)?;
-        if self.bodies.activity(dense) != Activity::Quarantined {
-            return Err(Error::NotQuarantined { body });
-        }
+        let dense = self.check_quarantined(body)?;
         self.bodies.set_activity(dense, Activity::Awake);
         self.wake_joined(body);
         Ok(())

@@ -1,0 +1,164 @@
+//! What calls refuse. Each call that changes a world asks here first, and goes on with what it is given back; so does
+//! [`World::check`], which goes no further.
+
+use super::{World, WorldDef, check_gravity, check_sleep_after};
+use crate::body::{
+    Activity, BodyDef, BodyKind, Mass, MassProperties, check_angle, check_angular_velocity, check_damping,
+    check_gravity_scale, check_position, check_velocity, mass_properties,
+};
+use crate::error::Error;
+use crate::force::Field;
+use crate::handle::{BodyId, FieldId};
+use crate::integrate::Integrator;
+use crate::math::{Elapsed, TimeStep, Vec2};
+use crate::scalar::Scalar;
+use crate::shape::Shape;
+
+// The calls on bodies; forces and impulses are in `forces.rs`.
+impl<S: Scalar> World<S> {
+    pub(super) fn check_new_body(&self, def: &BodyDef<S>) -> Result<MassProperties<S>, Error> {
+        let properties = def.checked()?;
+        self.check_own_damping(def.linear_damping, def.angular_damping)?;
+        self.bodies.check_room()?;
+        Ok(properties)
+    }
+
+    pub(super) fn check_body_position(&self, body: BodyId, position: Vec2<S>) -> Result<(), Error> {
+        self.bodies.find(body)?;
+        check_position(position)
+    }
+
+    pub(super) fn check_body_angle(&self, body: BodyId, angle: S) -> Result<(), Error> {
+        self.bodies.find(body)?;
+        check_angle(angle)
+    }
+
+    pub(super) fn check_body_velocity(&self, body: BodyId, velocity: Vec2<S>) -> Result<(), Error> {
+        self.check_movable(body)?;
+        check_velocity(velocity)
+    }
+
+    pub(super) fn check_body_angular_velocity(&self, body: BodyId, velocity: S) -> Result<(), Error> {
+        self.check_movable(body)?;
+        check_angular_velocity(velocity)
+    }
+
+    pub(super) fn check_body_mass(&self, body: BodyId, mass: Mass<S>) -> Result<MassProperties<S>, Error> {
+        let card = self.bodies.card(self.bodies.find(body)?);
+        mass_properties(card.kind, mass, card.shape.as_deref())
+    }
+
+    pub(super) fn check_body_shape(&self, body: BodyId, shape: Option<&Shape<S>>) -> Result<MassProperties<S>, Error> {
+        let card = self.bodies.card(self.bodies.find(body)?);
+        mass_properties(card.kind, card.mass, shape)
+    }
+
+    pub(super) fn check_body_kind(&self, body: BodyId, kind: BodyKind) -> Result<MassProperties<S>, Error> {
+        let card = self.bodies.card(self.check_taking_part(body)?);
+        mass_properties(kind, card.mass, card.shape.as_deref())
+    }
+
+    pub(super) fn check_body_gravity_scale(&self, body: BodyId, scale: S) -> Result<(), Error> {
+        self.bodies.find(body)?;
+        check_gravity_scale(scale)
+    }
+
+    pub(super) fn check_body_damping(&self, body: BodyId, linear: Option<S>, angular: Option<S>) -> Result<(), Error> {
+        self.bodies.find(body)?;
+        linear.map_or(Ok(()), check_damping)?;
+        angular.map_or(Ok(()), check_damping)?;
+        self.check_own_damping(linear, angular)
+    }
+
+    /// Refuses a body that is quarantined.
+    pub(super) fn check_taking_part(&self, body: BodyId) -> Result<usize, Error> {
+        let dense = self.bodies.find(body)?;
+        match self.bodies.activity(dense) {
+            Activity::Quarantined => Err(Error::Quarantined { body }),
+            _ => Ok(dense),
+        }
+    }
+
+    /// Refuses a body that is not quarantined.
+    pub(super) fn check_quarantined(&self, body: BodyId) -> Result<usize, Error> {
+        let dense = self.bodies.find(body)?;
+        match self.bodies.activity(dense) {
+            Activity::Quarantined => Ok(dense),
+            _ => Err(Error::NotQuarantined { body }),
+        }
+    }
+
+    fn check_own_damping(&self, linear: Option<S>, angular: Option<S>) -> Result<(), Error> {
+        if self.def.integrator == Integrator::Yoshida4 && (stops(linear) || stops(angular)) {
+            return Err(Error::DampingHasNoInverse);
+        }
+        Ok(())
+    }
+
+    fn check_movable(&self, body: BodyId) -> Result<(), Error> {
+        match self.bodies.card(self.bodies.find(body)?).kind {
+            BodyKind::Static => Err(Error::NotMovable { body }),
+            _ => Ok(()),
+        }
+    }
+}
+
+// The calls on force fields.
+impl<S: Scalar> World<S> {
+    pub(super) fn check_new_field(&self, field: &Field<S>) -> Result<(), Error> {
+        field.check(&self.bodies, &self.laws)?;
+        self.fields.check_room()
+    }
+
+    /// The field in its place until now.
+    pub(super) fn check_next_field(&self, id: FieldId, field: &Field<S>) -> Result<Field<S>, Error> {
+        let old = self.check_field(id)?;
+        field.check(&self.bodies, &self.laws)?;
+        Ok(old)
+    }
+
+    pub(super) fn check_field(&self, id: FieldId) -> Result<Field<S>, Error> {
+        self.fields.get(id).copied()
+    }
+}
+
+// The calls on the parameters of the step. Each gives the definition as it would be.
+impl<S: Scalar> World<S> {
+    /// And the time elapsed until now.
+    pub(super) fn check_time_step(&self, time_step: TimeStep) -> Result<(WorldDef<S>, Elapsed), Error> {
+        let time_step = time_step.checked()?;
+        let now = self.counted.0.plus(self.tick - self.counted.1, self.def.time_step).ok_or(Error::ElapsedTime)?;
+        now.plus(u64::MAX, time_step).ok_or(Error::ElapsedTime)?;
+        Ok((WorldDef { time_step, ..self.def }, now))
+    }
+
+    pub(super) fn check_gravity(&self, gravity: Vec2<S>) -> Result<WorldDef<S>, Error> {
+        check_gravity(gravity)?;
+        Ok(WorldDef { gravity, ..self.def })
+    }
+
+    pub(super) fn check_integrator(&self, integrator: Integrator) -> Result<WorldDef<S>, Error> {
+        let body_stops = self.tunings.used().any(|row| stops(row.key.linear) || stops(row.key.angular));
+        if integrator == Integrator::Yoshida4 && body_stops {
+            return Err(Error::DampingHasNoInverse);
+        }
+        let def = WorldDef { integrator, ..self.def };
+        def.check()?;
+        Ok(def)
+    }
+
+    pub(super) fn check_damping(&self, linear: S, angular: S) -> Result<WorldDef<S>, Error> {
+        let def = WorldDef { linear_damping: linear, angular_damping: angular, ..self.def };
+        def.check()?;
+        Ok(def)
+    }
+
+    pub(super) fn check_sleep_after(&self, ticks: Option<u32>) -> Result<WorldDef<S>, Error> {
+        check_sleep_after(ticks)?;
+        Ok(WorldDef { sleep_after: ticks, ..self.def })
+    }
+}
+
+fn stops<S: Scalar>(kept: Option<S>) -> bool {
+    kept == Some(S::ZERO)
+}

@@ -1,0 +1,189 @@
+//! The inputs of a tick, in an order of their own.
+
+use alloc::vec::Vec;
+
+use super::{Command, Made, World};
+use crate::error::Error;
+use crate::scalar::{Scalar, fx::Fx};
+use crate::wire::{self, Malformed, Out, Read, Reader, Write, wire_struct};
+
+/// A command of a player's.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Input<S: Scalar = Fx> {
+    /// Whose it is. Players that are let go first have lower numbers.
+    pub player: u32,
+    /// Its place among the inputs of this player in this tick.
+    pub sequence: u32,
+    /// What it does.
+    pub command: Command<S>,
+}
+
+wire_struct!(Input { player, sequence, command });
+
+impl<S: Scalar> Input<S> {
+    fn place(&self) -> (u32, u32) {
+        (self.player, self.sequence)
+    }
+}
+
+/// The inputs of one tick: by player, then by sequence, in whatever order they arrived. Peers that have the same inputs
+/// carry them out in the same order.
+///
+/// ```
+/// use umbra_physics::{BodyDef, Command, Input, Inputs, Made, World, WorldDef};
+///
+/// let mut inputs = Inputs::new();
+/// let command = Command::AddBody(BodyDef { user_data: 7, ..BodyDef::dynamic() });
+/// inputs.insert(Input { player: 1, sequence: 0, command })?;
+/// inputs.insert(Input { player: 0, sequence: 0, command: Command::AddBody(BodyDef::dynamic()) })?;
+///
+/// let mut world: World = World::new(WorldDef::default())?;
+/// for outcome in world.carry_out(&inputs) {
+///     if let (1, Ok(Made::Body(body))) = (outcome.player, outcome.result) {
+///         assert_eq!(world.body(body)?.user_data(), 7);
+///         assert_eq!(body.parts(), (1, 0)); // the second body of the world
+///     }
+/// }
+/// # Ok::<(), umbra_physics::Error>(())
+/// ```
+#[derive(Debug, PartialEq)]
+pub struct Inputs<S: Scalar = Fx> {
+    rows: Vec<Input<S>>,
+}
+
+clone_by_field!(Inputs { rows });
+
+impl<S: Scalar> Default for Inputs<S> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<S: Scalar> Inputs<S> {
+    /// No inputs.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { rows: Vec::new() }
+    }
+
+    /// Adds an input in its place.
+    ///
+    /// # Errors
+    /// [`Error::DuplicateInput`] if there is one of the same player and sequence; that one stays.
+    pub fn insert(&mut self, input: Input<S>) -> Result<(), Error> {
+        match self.rows.binary_search_by_key(&input.place(), Input::place) {
+            Ok(_) => Err(Error::DuplicateInput { player: input.player, sequence: input.sequence }),
+            Err(index) => {
+                self.rows.insert(index, input);
+                Ok(())
+            }
+        }
+    }
+
+    /// Puts these commands, with sequences from 0, in the place of all inputs of a player. Says whether that changed
+    /// anything.
+    pub fn replace(&mut self, player: u32, commands: impl IntoIterator<Item = Command<S>>) -> bool {
+        let first = self.rows.partition_point(|input| input.player < player);
+        let old = self.rows[first..].partition_point(|input| input.player == player);
+        let mut changed = false;
+        let mut sequence = 0;
+        for command in commands {
+            let (index, input) = (first + sequence as usize, Input { player, sequence, command });
+            if (sequence as usize) < old {
+                changed |= self.rows[index] != input;
+                self.rows[index] = input;
+            } else {
+                changed = true;
+                self.rows.insert(index, input);
+            }
+            sequence += 1;
+        }
+        let new = sequence as usize;
+        changed |= new < old;
+        self.rows.drain(first + new.min(old)..first + old);
+        changed
+    }
+
+    /// In their order.
+    pub fn iter(&self) -> core::slice::Iter<'_, Input<S>> {
+        self.rows.iter()
+    }
+
+    /// How many there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
+
+    /// Removes all, and keeps the memory for those of another tick.
+    pub fn clear(&mut self) {
+        self.rows.clear();
+    }
+}
+
+impl<S: Scalar> Write for Inputs<S> {
+    fn write(&self, out: &mut impl Out) {
+        wire::list(out, self.rows.iter());
+    }
+}
+
+impl Read for Inputs<Fx> {
+    fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {
+        let mut inputs = Self::new();
+        // A player, a sequence, and the shortest command.
+        for _ in 0..reader.count(8 + 2)? {
+            let malformed = reader.malformed("inputs by player and sequence");
+            let input = Input::read(reader)?;
+            if inputs.rows.last().is_some_and(|last| last.place() >= input.place()) {
+                return Err(malformed);
+            }
+            inputs.rows.push(input);
+        }
+        Ok(inputs)
+    }
+}
+
+impl<'a, S: Scalar> IntoIterator for &'a Inputs<S> {
+    type Item = &'a Input<S>;
+    type IntoIter = core::slice::Iter<'a, Input<S>>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.iter()
+    }
+}
+
+/// What became of an input.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Outcome {
+    /// Whose it was.
+    pub player: u32,
+    /// Its place among the inputs of this player.
+    pub sequence: u32,
+    /// What it made, or why it was refused: then it changed nothing.
+    pub result: Result<Made, Error>,
+}
+
+impl<S: Scalar> World<S> {
+    /// Carries out the inputs of a tick in their order, and says what became of each, in the same order. One that is
+    /// refused changes nothing and stops no other: it is the same for every peer.
+    pub fn carry_out(&mut self, inputs: &Inputs<S>) -> Vec<Outcome> {
+        let mut outcomes = Vec::with_capacity(inputs.len());
+        self.carry_out_into(inputs, &mut outcomes);
+        outcomes
+    }
+
+    /// The same, in memory that is there.
+    pub(super) fn carry_out_into(&mut self, inputs: &Inputs<S>, outcomes: &mut Vec<Outcome>) {
+        outcomes.clear();
+        outcomes.extend(inputs.iter().map(|input| {
+            let result = self.execute(&input.command);
+            Outcome { player: input.player, sequence: input.sequence, result }
+        }));
+    }
+}
