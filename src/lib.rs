@@ -68,7 +68,10 @@ pub use force::{AppliedForce, Attachment, BodyState, Dependence, End, Field, For
 pub use handle::{BodyId, FieldId};
 pub use integrate::{Integrator, Stage, Verb};
 pub use math::{Elapsed, Random, Rot, TimeStep, Vec2, vec2};
-pub use replay::{Difference, HashTree, LAW, Place, Snapshot, SnapshotError};
+pub use replay::{
+    Difference, Divergence, Finding, HashTree, LAW, Moment, Place, Playback, RecordOptions, Recorder, Replay,
+    ReplayError, Snapshot, SnapshotError,
+};
 pub use scalar::fx::{Fx, MathError, ParseFxError};
 pub use scalar::{FxAccumulator, FxFactor, FxWide, Scalar, SpringLaw, Turn};
 pub use shape::{Geometry, Part, Shape};

@@ -41,6 +41,7 @@ wire_enum!(Integrator, "the number of an integrator", {
 
 /// What a stage does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Verb {
     /// Evaluates the force fields at the positions now. Reads positions and angles; writes accelerations.
     Fields,

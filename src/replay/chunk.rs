@@ -1,16 +1,13 @@
 //! The frame of files: chunks, each with a code that finds damage and tells what was there before.
 //!
-//! A chunk is a word that says what it is and how long, the same word with every bit turned over, its bytes, and a seal: the XXH3 of word and bytes,
-//! and two sums over the bytes taken as 64-bit words wₖ: Σ wₖ and Σ (k + 1)·wₖ. If one word was changed by d, the sums are
-//! off by d and by (k + 1)·d: their ratio says which word it is, their size what it was, and the hash that this is so.
+//! A chunk is a word that says what it is and how long, the same word with every bit turned over, its bytes, and a seal:
+//! the XXH3 of word and bytes, and two sums over the bytes taken as words wₖ of 64 bits: Σ wₖ and Σ (k + 1)·wₖ. If one word
+//! was changed by d, the sums are off by d and by (k + 1)·d: their ratio says which word it is, their size what it was, and
+//! the hash that this is so.
 
 use alloc::vec::Vec;
 
 use crate::wire::{Malformed, Out as _, Read, Reader, Sink};
-
-/// The word before a chunk, twice, and the seal behind it.
-pub(super) const FRAME: usize = 16 + SEAL;
-const SEAL: usize = 8 + 16 + 16;
 
 /// What a chunk holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,8 +17,6 @@ pub(super) struct Tag(pub(super) [u8; 4]);
 #[derive(Clone, Debug)]
 pub(super) struct Chunk {
     pub(super) tag: Tag,
-    /// Where its bytes begin in the file.
-    pub(super) at: usize,
     pub(super) bytes: Vec<u8>,
     pub(super) damage: Option<Damage>,
 }
@@ -30,11 +25,11 @@ pub(super) struct Chunk {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Damage {
     /// The word before it, or its double.
-    Word { at: usize, recorded: u64, found: u64 },
+    Word { recorded: u64, found: u64, double: bool },
     /// A word of its bytes, at this index of them; the bytes are as they were again.
-    Bytes { at: usize, recorded: u64, found: u64 },
+    Bytes { at: usize, found: u64 },
     /// The seal.
-    Seal { at: usize, recorded: u128, found: u128, part: &'static str },
+    Seal { part: &'static str, recorded: u128, found: u128 },
     /// More than that.
     Unknown,
 }
@@ -89,54 +84,50 @@ pub(super) fn write(file: &mut Vec<u8>, tag: Tag, bytes: &[u8]) {
     file.extend_from_slice(&weighted.to_le_bytes());
 }
 
-/// Reads the next chunk.
-pub(super) fn read(reader: &mut Reader<'_>) -> Result<Chunk, Malformed> {
-    let at = reader.at();
-    let (word, double) = (u64::read(reader)?, !u64::read(reader)?);
-    if word == double {
-        return body(reader, word);
-    }
-    // One of the two was changed: the one that a whole chunk follows is right.
-    let changed = [
-        (double, Damage::Word { at, recorded: double, found: word }),
-        (word, Damage::Word { at: at + 8, recorded: !word, found: !double }),
-    ];
-    for (right, damage) in changed {
-        let mut attempt = reader.clone();
-        if let Ok(mut chunk) = body(&mut attempt, right) {
-            if chunk.damage.is_none() {
-                *reader = attempt;
-                chunk.damage = Some(damage);
-                return Ok(chunk);
-            }
-        }
-    }
-    Err(Malformed { at: at as u64, expected: "the beginning of a chunk" })
+/// Reads the next chunk; `None` where none follows whole.
+pub(super) fn read(reader: &mut Reader<'_>) -> Option<Chunk> {
+    let mut attempt = reader.clone();
+    let (word, double) = (u64::read(&mut attempt).ok()?, !u64::read(&mut attempt).ok()?);
+    // If one of the two was changed, the one that a whole chunk follows is right.
+    let chunk = if word == double {
+        body(&mut attempt, word).ok()?
+    } else {
+        let changed = [
+            (double, Damage::Word { recorded: double, found: word, double: false }),
+            (word, Damage::Word { recorded: !word, found: !double, double: true }),
+        ];
+        changed.into_iter().find_map(|(right, damage)| {
+            let mut after = attempt.clone();
+            let chunk = body(&mut after, right).ok().filter(|chunk| chunk.damage.is_none())?;
+            attempt = after;
+            Some(Chunk { damage: Some(damage), ..chunk })
+        })?
+    };
+    *reader = attempt;
+    Some(chunk)
 }
 
 fn body(reader: &mut Reader<'_>, word: u64) -> Result<Chunk, Malformed> {
     let tag = Tag((word as u32).to_le_bytes());
-    let at = reader.at();
     let mut bytes = reader.take((word >> 32) as usize)?.to_vec();
-    let end = reader.at();
     let (recorded, found) = (Seal::read(reader)?, Seal::of(word, &bytes));
-    let damage = (recorded != found).then(|| repair(word, &mut bytes, end, recorded, found));
-    Ok(Chunk { tag, at, bytes, damage })
+    let damage = (recorded != found).then(|| repair(word, &mut bytes, recorded, found));
+    Ok(Chunk { tag, bytes, damage })
 }
 
 /// Finds out what was changed, and undoes it.
-fn repair(word: u64, bytes: &mut [u8], end: usize, recorded: Seal, found: Seal) -> Damage {
+fn repair(word: u64, bytes: &mut [u8], recorded: Seal, found: Seal) -> Damage {
     if recorded.hash == found.hash {
-        let (at, recorded, found, part) = if recorded.sum == found.sum {
-            (end + 24, recorded.weighted, found.weighted, "weighted_sum")
+        let (part, found, recorded) = if recorded.sum == found.sum {
+            ("weighted_sum", recorded.weighted, found.weighted)
         } else {
-            (end + 8, recorded.sum, found.sum, "sum")
+            ("sum", recorded.sum, found.sum)
         };
-        // What is there was the change, what the bytes give was recorded.
-        return Damage::Seal { at, recorded: found, found: recorded, part };
+        // What the bytes give was recorded, what is there is the change.
+        return Damage::Seal { part, recorded, found };
     }
     if recorded.sum == found.sum && recorded.weighted == found.weighted {
-        return Damage::Seal { at: end, recorded: found.hash.into(), found: recorded.hash.into(), part: "hash" };
+        return Damage::Seal { part: "hash", recorded: found.hash.into(), found: recorded.hash.into() };
     }
     let change = found.sum.wrapping_sub(recorded.sum) as i128;
     let weighted = found.weighted.wrapping_sub(recorded.weighted) as i128;
@@ -150,7 +141,7 @@ fn repair(word: u64, bytes: &mut [u8], end: usize, recorded: Seal, found: Seal) 
     let length = 8.min(bytes.len() - at);
     bytes[at..at + length].copy_from_slice(&was.to_le_bytes()[..length]);
     if Seal::of(word, bytes) == recorded {
-        return Damage::Bytes { at, recorded: was, found: is };
+        return Damage::Bytes { at, found: is };
     }
     bytes[at..at + length].copy_from_slice(&is.to_le_bytes()[..length]);
     Damage::Unknown

@@ -179,7 +179,7 @@ impl<S: Scalar> World<S> {
     }
 
     /// The same, in memory that is there.
-    pub(super) fn carry_out_into(&mut self, inputs: &Inputs<S>, outcomes: &mut Vec<Outcome>) {
+    pub(crate) fn carry_out_into(&mut self, inputs: &Inputs<S>, outcomes: &mut Vec<Outcome>) {
         outcomes.clear();
         outcomes.extend(inputs.iter().map(|input| {
             let result = self.execute(&input.command);
