@@ -18,3 +18,6 @@ pub use snapshot::{Snapshot, SnapshotError};
 
 /// The number of the laws of physics: it moves when the results of a step or of a hash do.
 pub const LAW: u32 = 3;
+
+#[cfg(test)]
+mod tests;
