@@ -6,6 +6,7 @@ mod check;
 mod command;
 mod fields;
 mod forces;
+mod history;
 mod inputs;
 mod outlook;
 mod settings;
@@ -28,6 +29,7 @@ use crate::step::{Context, Scratch};
 pub use body_ref::BodyRef;
 pub use command::{Command, Made};
 pub use forces::{Action, Frame, Manner};
+pub use history::{History, TickReport};
 pub use inputs::{Input, Inputs, Outcome};
 pub use outlook::Outlook;
 
