@@ -1,11 +1,13 @@
-//! Time of what a rollback does besides steps: keeping a copy of the world, going back to it, and the hash of the state.
+//! Time of what a rollback does besides steps: keeping a copy of the world, going back to it, and the hash of the state; and
+//! of a whole rollback, beside the steps that are in it.
 //!
 //! Ids are paths such as `state/copy_100k/fx`. Bytes a second count the motion of the bodies alone: positions, velocities,
 //! angles, spins. Compare within one run only.
 
 use divan::counter::BytesCount;
 use divan::{Bencher, black_box};
-use umbra_physics::{Fx, Scalar, World};
+use scenes::Scene;
+use umbra_physics::{Fx, History, Inputs, Scalar, World};
 
 #[allow(dead_code, reason = "these benches use one of the scenes")]
 mod scenes;
@@ -74,4 +76,61 @@ sizes! {
     hash_10: hash(10);
     hash_1k: hash(1_000);
     hash_100k: hash(100_000);
+}
+
+/// How far a rollback goes back.
+const BACK: u64 = 8;
+
+/// A world and its last ticks, without inputs.
+fn kept<S: Scalar>(mut world: World<S>) -> (World<S>, History<S>) {
+    let mut history = History::new(BACK as usize + 1);
+    for _ in 0..32 {
+        history.advance(&mut world, &Inputs::new());
+    }
+    (world, history)
+}
+
+/// Back by eight ticks and to the present again.
+fn roll_back<S: Scalar>(bencher: Bencher, scene: Scene<S>) {
+    let (mut world, mut history) = kept(scene.world);
+    bencher.bench_local(|| {
+        let tick = world.tick() - BACK;
+        history.inputs_mut(tick).expect("it is kept");
+        black_box(&mut history).redo(black_box(&mut world), |tick| _ = black_box(tick.step.faults))
+    });
+}
+
+/// The steps alone.
+fn eight_steps<S: Scalar>(bencher: Bencher, scene: Scene<S>) {
+    let (mut world, _) = kept(scene.world);
+    bencher.bench_local(|| {
+        for _ in 0..BACK {
+            black_box(&mut world).step();
+        }
+    });
+}
+
+macro_rules! rollbacks {
+    ($($name:ident: $scene:expr;)*) => {$(
+        mod $name {
+            use super::*;
+
+            #[divan::bench]
+            fn eight_steps(bencher: Bencher) {
+                super::eight_steps::<Fx>(bencher, $scene);
+            }
+
+            #[divan::bench]
+            fn roll_back(bencher: Bencher) {
+                super::roll_back::<Fx>(bencher, $scene);
+            }
+        }
+    )*};
+}
+
+rollbacks! {
+    rollback_free_1k: scenes::free(1_000);
+    rollback_net_1k: scenes::net(40, 25);
+    rollback_orbits_1k: scenes::orbits(1_000);
+    rollback_free_10: scenes::free(10);
 }

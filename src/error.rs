@@ -77,6 +77,20 @@ pub enum Error {
         /// The sequence.
         sequence: u32,
     },
+    /// A history does not go back so far.
+    TickForgotten {
+        /// The tick that was asked for.
+        tick: u64,
+        /// The oldest that is kept.
+        oldest: u64,
+    },
+    /// A history has not come so far.
+    TickToCome {
+        /// The tick that was asked for.
+        tick: u64,
+        /// The tick that the world is at.
+        present: u64,
+    },
 }
 
 /// What a value that was refused is.
@@ -188,6 +202,8 @@ impl fmt::Display for Error {
             Self::Inconsistent => f.write_str("the parts of the snapshot do not fit together"),
             Self::ElapsedTime => f.write_str("the elapsed time is no longer a ratio of 128-bit integers"),
             Self::DuplicateInput { player, sequence } => write!(f, "player {player} has an input {sequence} already"),
+            Self::TickForgotten { tick, oldest } => write!(f, "tick {tick} is forgotten: the oldest kept is {oldest}"),
+            Self::TickToCome { tick, present } => write!(f, "tick {tick} is still to come: it is tick {present}"),
         }
     }
 }

@@ -2,8 +2,8 @@
 
 use allocation_counter::{AllocationInfo, measure};
 use umbra_physics::{
-    Attachment, BodyDef, BodyId, End, Field, Fx, FxFactor, Integrator, Law, Mass, Shape, SpringLaw, Vec2, World,
-    WorldDef, fx, scalar::Factor, vec2,
+    Action, Attachment, BodyDef, BodyId, Command, End, Field, Fx, FxFactor, History, Inputs, Integrator, Law, Manner,
+    Mass, Shape, SpringLaw, Vec2, World, WorldDef, fx, scalar::Factor, vec2,
 };
 
 fn world(integrator: Integrator) -> World {
@@ -188,4 +188,48 @@ fn falling_asleep_takes_nothing_from_the_heap_a_second_time() {
         world.wake(id).expect("it is there");
     }
     assert_eq!(fell_asleep(&mut world), 0);
+}
+
+/// What players do that adds and removes nothing.
+fn pushes(ids: &[BodyId], tick: u64) -> impl Iterator<Item = Command> {
+    let pushed = ids.iter().skip(tick as usize % 7).step_by(7);
+    pushed.flat_map(|&body| {
+        let force = Action::Force { force: vec2(1, 2), point: Some(vec2(3, 4)) };
+        let impulse = Action::Impulse { impulse: vec2(fx!(0.125), 0), point: None };
+        [force, impulse].map(|action| Command::Apply { body, action, manner: Manner::default() })
+    })
+}
+
+#[test]
+fn a_history_takes_nothing_from_the_heap_once_it_is_full() {
+    let mut world = world(Integrator::VelocityVerlet);
+    let ids = discs(&mut world, 300);
+    for pair in ids[..40].windows(2) {
+        let (near, far) = (Attachment::centre(pair[0]), End::Body(Attachment::centre(pair[1])));
+        let spring = SpringLaw { rest: fx!(1), stiffness: fx!(5), damping: fx!(0.5) };
+        world.add_field(Law::Spring { near, far, spring }).expect("a fair field");
+    }
+    let mut history = History::new(12);
+    let mut inputs = Inputs::new();
+    let (mut taken, mut done_over) = (0, 0);
+    for round in 0..400 {
+        inputs.replace(0, pushes(&ids, round));
+        taken += measure(|| _ = history.advance(&mut world, &inputs)).count_total;
+        // Back by 1 to 12 ticks, or not at all, so that states on the way are missing when the oldest is forgotten.
+        let late = world.tick().saturating_sub(1 + round * 5 % 12);
+        if round % 3 < 2 {
+            let mut commands = pushes(&ids, round + 1).collect::<Vec<_>>().into_iter();
+            taken += measure(|| {
+                let again = history.correct(&mut world, late, 1, &mut commands, |_| ());
+                done_over += again.expect("it is kept");
+            })
+            .count_total;
+        }
+        // By then every tick that is kept has had as many inputs as any has.
+        if round == 200 {
+            (taken, done_over) = (0, 0);
+        }
+    }
+    assert!(done_over > 500, "{done_over}");
+    assert_eq!(taken, 0);
 }

@@ -118,6 +118,16 @@ impl<S: Scalar> Scratch<S> {
         self.calm.clear();
     }
 
+    /// As `clone_from`, with what is cached: for a copy of the world that `source` belongs to.
+    pub(crate) fn clone_cached_from(&mut self, source: &Self) {
+        self.clone_from(source);
+        self.calm.clone_from(&source.calm);
+        self.fields_hold = source.fields_hold;
+        if source.fields_hold {
+            self.fields.clone_from(&source.fields);
+        }
+    }
+
     /// Drops what goes with the positions and angles of engaged bodies.
     fn forget_places(&mut self) {
         self.fields_hold = false;

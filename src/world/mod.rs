@@ -7,6 +7,7 @@ mod command;
 mod fields;
 mod forces;
 mod game;
+mod history;
 mod inputs;
 mod outlook;
 mod settings;
@@ -30,6 +31,7 @@ use crate::wire::wire_struct;
 pub use body_ref::BodyRef;
 pub use command::{Command, Made};
 pub use forces::{Action, Frame, Manner};
+pub use history::{History, TickReport};
 pub use inputs::{Input, Inputs, Outcome};
 pub use outlook::Outlook;
 
