@@ -1,0 +1,390 @@
+// The picture: a part of the plane on a canvas.
+
+const canvas = $("canvas"), pen = canvas.getContext("2d");
+const camera = { x: 0, y: 0, scale: 1 };
+let size = { width: 1, height: 1 };
+let colours = {};
+
+// Reads the colours of the theme that is on.
+function readColours() {
+  const style = getComputedStyle(document.documentElement);
+  colours = {};
+  for (const name of ["ink", "soft", "faint", "grid", "paper", "accent", ...LOOKS]) {
+    colours[name] = style.getPropertyValue(`--${name}`).trim();
+  }
+}
+
+const screenX = x => (x - camera.x) * camera.scale + size.width / 2;
+const screenY = y => (camera.y - y) * camera.scale + size.height / 2;
+const worldX = x => (x - size.width / 2) / camera.scale + camera.x;
+const worldY = y => camera.y - (y - size.height / 2) / camera.scale;
+
+// The distance from a shape's centre of mass to what of it is farthest.
+function reach(shape) {
+  if (!shape) return 0;
+  const [letter, a, b] = shape;
+  switch (letter) {
+    case "c": return a;
+    case "r": return Math.hypot(a, b) / 2;
+    case "l": return a / 2 + b;
+    case "p": case "s": return Math.max(...a.map(([x, y]) => Math.hypot(x, y)));
+    case "m": return Math.max(...a.map(([part, [x, y]]) => Math.hypot(x, y) + reach(part)));
+    default: return 0;
+  }
+}
+const reaches = run.shapes.map(reach);
+const reachOf = look => look.shape === null ? 0 : reaches[look.shape];
+
+// Adds a shape to a path of areas and one of lines, its centre of mass at x, y on the canvas.
+function trace(shape, areas, lines, x, y, angle) {
+  const [letter, a, b] = shape;
+  const scale = camera.scale, cos = Math.cos(angle) * scale, sin = Math.sin(angle) * scale;
+  const point = ([px, py]) => [x + px * cos - py * sin, y - px * sin - py * cos];
+  const ring = corners => {
+    corners.map(point).forEach(([px, py], i) => i ? areas.lineTo(px, py) : areas.moveTo(px, py));
+    areas.closePath();
+  };
+  switch (letter) {
+    case "c":
+      areas.moveTo(x + a * scale, y);
+      areas.arc(x, y, a * scale, 0, 2 * Math.PI);
+      // A spoke shows that it turns.
+      if (a * scale > 2.5) {
+        lines.moveTo(x, y);
+        lines.lineTo(...point([a, 0]));
+      }
+      break;
+    case "r":
+      ring([[-a / 2, -b / 2], [a / 2, -b / 2], [a / 2, b / 2], [-a / 2, b / 2]]);
+      break;
+    case "l": {
+      const [rx, ry] = point([a / 2, 0]), [lx, ly] = point([-a / 2, 0]);
+      areas.moveTo(...point([a / 2, b]));
+      areas.arc(rx, ry, b * scale, -angle - Math.PI / 2, -angle + Math.PI / 2);
+      areas.arc(lx, ly, b * scale, -angle + Math.PI / 2, -angle + 1.5 * Math.PI);
+      areas.closePath();
+      break;
+    }
+    case "p":
+      ring(a);
+      break;
+    case "s":
+      lines.moveTo(...point(a[0]));
+      lines.lineTo(...point(a[1]));
+      break;
+    case "m":
+      for (const [part, place, turn] of a) trace(part, areas, lines, ...point(place), angle + turn);
+      break;
+  }
+}
+
+// How large what is drawn of a body is at least, px.
+const leastDot = bodies.length > 500 ? 1.3 : 3;
+
+function traceBody(body, frame, shape, radius, areas, lines) {
+  const x = screenX(body.near(frame, X)), y = screenY(body.near(frame, Y));
+  if (radius * camera.scale < leastDot) {
+    areas.moveTo(x + leastDot, y);
+    areas.arc(x, y, leastDot, 0, 2 * Math.PI);
+  } else trace(run.shapes[shape], areas, lines, x, y, body.near(frame, ANGLE));
+}
+
+// A length that is 1, 2 or 5 times a power of ten, at least this.
+function rounded(least) {
+  const power = 10 ** Math.floor(Math.log10(least));
+  return power * ([1, 2, 5].find(digit => digit * power >= least * 0.999999) ?? 10);
+}
+
+function drawGrid() {
+  const each = rounded(70 / camera.scale);
+  pen.lineWidth = 1;
+  for (const [from, to, screen, length, isAcross] of [
+    [worldX(0), worldX(size.width), screenX, size.height, false],
+    [worldY(size.height), worldY(0), screenY, size.width, true],
+  ]) {
+    // Beyond 2^53 lines from the origin they are no more told apart.
+    const first = Math.ceil(from / each), last = Math.floor(to / each);
+    if (!(last - first < 1000)) continue;
+    for (let n = first; n <= last; n++) {
+      const at = Math.round(screen(n * each)) + 0.5;
+      pen.strokeStyle = n === 0 ? colours.faint : colours.grid;
+      pen.beginPath();
+      pen.moveTo(isAcross ? 0 : at, isAcross ? at : 0);
+      pen.lineTo(isAcross ? length : at, isAcross ? at : length);
+      pen.stroke();
+    }
+  }
+  drawScale(each);
+}
+
+function drawScale(each) {
+  const length = each * camera.scale, right = size.width - 14, top = 20;
+  pen.strokeStyle = pen.fillStyle = colours.soft;
+  pen.lineWidth = 1.5;
+  pen.beginPath();
+  pen.moveTo(right - length, top - 4);
+  pen.lineTo(right - length, top);
+  pen.lineTo(right, top);
+  pen.lineTo(right, top - 4);
+  pen.stroke();
+  pen.font = "12px system-ui, sans-serif";
+  pen.textAlign = "right";
+  pen.fillText(`${Number(each.toPrecision(3))} m`, right, top + 16);
+}
+
+// Where a point of the world, or of a body, is on the canvas; null if the body is not there.
+function anchor([[x, y], index], frame) {
+  if (index === undefined) return [screenX(x), screenY(y)];
+  const body = bodies[index];
+  if (!body.isThere(frame)) return null;
+  const angle = body.near(frame, ANGLE), cos = Math.cos(angle), sin = Math.sin(angle);
+  return [
+    screenX(body.near(frame, X) + x * cos - y * sin),
+    screenY(body.near(frame, Y) + x * sin + y * cos),
+    angle,
+  ];
+}
+
+function arrow(path, x, y, dx, dy) {
+  const length = Math.hypot(dx, dy);
+  if (length < 2) return;
+  const head = Math.min(8, length * 0.45), ux = dx / length, uy = dy / length;
+  path.moveTo(x, y);
+  path.lineTo(x + dx, y + dy);
+  for (const side of [0.5, -0.5]) {
+    path.moveTo(x + dx, y + dy);
+    path.lineTo(x + dx - head * (ux + side * uy), y + dy - head * (uy - side * ux));
+  }
+}
+
+function drawFields(frame, tick) {
+  const springs = new Path2D(), centres = new Path2D(), zones = new Path2D(), pushes = new Path2D();
+  for (const [from, to, [letter, a, b, c]] of run.fields) {
+    if (tick < from || tick > to) continue;
+    if (letter === "s") {
+      const near = anchor(a, frame), far = anchor(b, frame);
+      if (!near || !far) continue;
+      springs.moveTo(near[0], near[1]);
+      springs.lineTo(far[0], far[1]);
+    } else if (letter === "a") {
+      const at = anchor(a, frame);
+      for (const radius of at ? [4, 9, 15] : []) {
+        centres.moveTo(at[0] + radius, at[1]);
+        centres.arc(at[0], at[1], radius, 0, 2 * Math.PI);
+      }
+    } else if (letter === "t") {
+      const at = anchor(a, frame), length = Math.hypot(...b);
+      if (!at || length === 0) continue;
+      const angle = at[2] + Math.atan2(b[1], b[0]), cos = 26 * Math.cos(angle), sin = 26 * Math.sin(angle);
+      arrow(pushes, at[0] - cos, at[1] + sin, cos, -sin);
+    } else {
+      let middle;
+      if (letter === "d") {
+        middle = [screenX(a[0]), screenY(a[1])];
+        zones.moveTo(middle[0] + b * camera.scale, middle[1]);
+        zones.arc(...middle, b * camera.scale, 0, 2 * Math.PI);
+      } else {
+        const [left, top, right, bottom] = [screenX(a[0]), screenY(b[1]), screenX(b[0]), screenY(a[1])];
+        middle = [(left + right) / 2, (top + bottom) / 2];
+        zones.rect(left, top, right - left, bottom - top);
+      }
+      const length = Math.hypot(...c);
+      if (length > 0) arrow(pushes, ...middle, 30 * c[0] / length, -30 * c[1] / length);
+    }
+  }
+  pen.lineWidth = 1;
+  pen.fillStyle = pen.strokeStyle = colours.kinematic;
+  pen.globalAlpha = 0.08;
+  pen.fill(zones);
+  pen.globalAlpha = 0.4;
+  pen.stroke(zones);
+  pen.globalAlpha = 0.6;
+  pen.stroke(pushes);
+  pen.strokeStyle = colours.soft;
+  pen.stroke(centres);
+  pen.globalAlpha = bodies.length > 300 ? 0.35 : 0.6;
+  pen.stroke(springs);
+  pen.globalAlpha = 1;
+}
+
+// Points of ways on a picture, at most about.
+const TRAIL_POINTS = 60000;
+const trailStep = Math.max(1, Math.ceil(run.frames * bodies.length / TRAIL_POINTS));
+
+function drawTrails(frame, tick, selected) {
+  const many = new Path2D(), one = new Path2D();
+  for (const body of bodies) {
+    if (!body.isThere(frame) || body.look(tick).kind === 2) continue;
+    const path = body === selected ? one : many;
+    path.moveTo(screenX(body.near(body.first, X)), screenY(body.near(body.first, Y)));
+    for (let f = Math.ceil((body.first + 1) / trailStep) * trailStep; f < frame; f += trailStep) {
+      path.lineTo(screenX(body.near(f, X)), screenY(body.near(f, Y)));
+    }
+    path.lineTo(screenX(body.near(frame, X)), screenY(body.near(frame, Y)));
+  }
+  pen.strokeStyle = colours.dynamic;
+  pen.lineWidth = 1.2;
+  pen.lineJoin = "round";
+  pen.globalAlpha = bodies.length > 300 ? 0.15 : 0.4;
+  pen.stroke(many);
+  pen.globalAlpha = 0.9;
+  pen.stroke(one);
+  pen.globalAlpha = 1;
+}
+
+// How each look is drawn: the opacity of its area, and the dashes of its outline.
+const FILLS = [0.3, 0.3, 0.45, 0.08, 0.15], DASHES = [[], [5, 3], [], [2, 3], []];
+
+// Returns how many bodies there are of each look.
+function drawBodies(frame, tick) {
+  const areas = LOOKS.map(() => new Path2D()), lines = LOOKS.map(() => new Path2D()), counts = LOOKS.map(() => 0);
+  for (const body of bodies) {
+    if (!body.isThere(frame)) continue;
+    const look = body.look(tick), radius = reachOf(look);
+    counts[look.index]++;
+    const x = screenX(body.near(frame, X)), y = screenY(body.near(frame, Y)), margin = radius * camera.scale + 10;
+    if (x < -margin || y < -margin || x > size.width + margin || y > size.height + margin) continue;
+    traceBody(body, frame, look.shape, radius, areas[look.index], lines[look.index]);
+    if (look.index === 4) {
+      for (const side of [6, -6]) {
+        lines[4].moveTo(x - side, y - 6);
+        lines[4].lineTo(x + side, y + 6);
+      }
+    }
+  }
+  // What moves is drawn over what does not.
+  for (const look of [2, 3, 1, 0, 4]) {
+    pen.fillStyle = pen.strokeStyle = colours[LOOKS[look]];
+    pen.lineWidth = 1.4;
+    pen.setLineDash(DASHES[look]);
+    pen.globalAlpha = FILLS[look];
+    pen.fill(areas[look]);
+    pen.globalAlpha = 1;
+    pen.stroke(areas[look]);
+    pen.setLineDash([]);
+    pen.stroke(lines[look]);
+  }
+  return counts;
+}
+
+// The speed that an arrow of 60 px stands for: few of all are faster.
+const fastSpeed = (() => {
+  const speeds = sampled((body, frame) => Math.hypot(body.near(frame, VX), body.near(frame, VY))).filter(v => v > 0);
+  speeds.sort((a, b) => a - b);
+  return speeds[Math.floor(speeds.length * 0.95)] ?? 1;
+})();
+
+function drawArrows(frame) {
+  const path = new Path2D(), each = 60 / fastSpeed;
+  for (const body of bodies) {
+    if (!body.isThere(frame)) continue;
+    let dx = body.near(frame, VX) * each, dy = -body.near(frame, VY) * each;
+    const length = Math.hypot(dx, dy);
+    if (length > 180) [dx, dy] = [dx * 180 / length, dy * 180 / length];
+    arrow(path, screenX(body.near(frame, X)), screenY(body.near(frame, Y)), dx, dy);
+  }
+  pen.strokeStyle = colours.ink;
+  pen.lineWidth = 1.3;
+  pen.stroke(path);
+}
+
+function drawNamed(body, frame, isSelected) {
+  const look = body.look(tickOf(frame));
+  const x = screenX(body.near(frame, X)), y = screenY(body.near(frame, Y));
+  const radius = Math.max(reachOf(look) * camera.scale, leastDot) + 5;
+  pen.strokeStyle = pen.fillStyle = colours.ink;
+  pen.lineWidth = isSelected ? 1.6 : 1;
+  pen.beginPath();
+  pen.arc(x, y, radius, 0, 2 * Math.PI);
+  pen.setLineDash(isSelected ? [] : [3, 3]);
+  pen.stroke();
+  pen.setLineDash([]);
+  pen.font = "12px system-ui, sans-serif";
+  pen.textAlign = "left";
+  const [left, top] = [x + Math.min(radius * 0.75 + 4, size.width), y - Math.min(radius * 0.75 + 4, size.height)];
+  pen.lineWidth = 3;
+  pen.strokeStyle = colours.paper;
+  pen.strokeText(body.label, left, top);
+  pen.fillText(body.label, left, top);
+}
+
+// Values of bodies at frames spread over the run: some thousands.
+function sampled(value) {
+  const values = [];
+  const total = bodies.reduce((sum, body) => sum + body.count, 0), step = Math.max(1, Math.floor(total / 20000));
+  let next = 0, seen = 0;
+  for (const body of bodies) {
+    for (; next < seen + body.count; next += step) values.push(value(body, body.first + next - seen));
+    seen += body.count;
+  }
+  return values;
+}
+
+// What to show at first: what the scene says, or where bodies are most of the time.
+const wholeView = (() => {
+  if (run.view) return run.view;
+  const box = (xs, ys) => {
+    const most = list => list.sort((a, b) => a - b) && [list[Math.floor(list.length * 0.01)], list[Math.ceil(list.length * 0.99) - 1]];
+    const [[left, right], [bottom, top]] = [most(xs), most(ys)];
+    return [left, bottom, right, top];
+  };
+  const isMoving = body => body.looks[0][1] !== 2;
+  const extents = [[], []];
+  const add = (body, frame) => {
+    const radius = isMoving(body) ? reachOf(body.look(tickOf(frame))) : 0;
+    [X, Y].forEach((axis, i) => {
+      const at = body.near(frame, axis);
+      extents[i].push(at - radius, at + radius);
+    });
+  };
+  sampled(add);
+  if (extents[0].length === 0) return [[-5, -5], [5, 5]];
+  let [left, bottom, right, top] = box(...extents);
+  // Where they start is seen, and all of what is fixed unless it is much larger than the rest.
+  const room = 3 * Math.max(right - left, top - bottom, 1);
+  for (const body of bodies.filter(body => body.isThere(0))) {
+    const radius = reachOf(body.look(run.start)), x = body.near(0, X), y = body.near(0, Y);
+    if (radius > room || Math.hypot(x - (left + right) / 2, y - (top + bottom) / 2) > 2 * room) continue;
+    left = Math.min(left, x - radius);
+    right = Math.max(right, x + radius);
+    bottom = Math.min(bottom, y - radius);
+    top = Math.max(top, y + radius);
+  }
+  return [[left, bottom], [right, top]];
+})();
+
+function fit() {
+  const [[left, bottom], [right, top]] = wholeView;
+  camera.x = (left + right) / 2;
+  camera.y = (bottom + top) / 2;
+  // Room for what stands over the picture.
+  const [width, height] = [Math.max(size.width - 48, 40), Math.max(size.height - 112, 40)];
+  camera.scale = Math.min(width / Math.max(right - left, 1e-6), height / Math.max(top - bottom, 1e-6), 1e5);
+}
+
+// The smallest body at a point of the canvas.
+function bodyAt(x, y, frame) {
+  const tick = tickOf(frame);
+  let best = null, least = Infinity;
+  for (const body of bodies) {
+    if (!body.isThere(frame)) continue;
+    const look = body.look(tick), radius = reachOf(look);
+    const away = Math.hypot(screenX(body.near(frame, X)) - x, screenY(body.near(frame, Y)) - y);
+    if (away > Math.max(radius * camera.scale, 8)) continue;
+    if (away > 8) {
+      const areas = new Path2D(), lines = new Path2D();
+      traceBody(body, frame, look.shape, radius, areas, lines);
+      // The pen counts in pixels of the device.
+      const ratio = canvas.width / size.width;
+      pen.save();
+      pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+      pen.lineWidth = 12;
+      const isHit = pen.isPointInPath(areas, x * ratio, y * ratio) || pen.isPointInStroke(lines, x * ratio, y * ratio);
+      pen.restore();
+      if (!isHit) continue;
+    }
+    const rank = radius + away / camera.scale * 1e-3;
+    if (rank < least) [best, least] = [body, rank];
+  }
+  return best;
+}
