@@ -9,7 +9,7 @@ let colours = {};
 function readColours() {
   const style = getComputedStyle(document.documentElement);
   colours = {};
-  for (const name of ["ink", "soft", "faint", "grid", "paper", "accent", ...LOOKS]) {
+  for (const name of ["ink", "soft", "faint", "grid", "paper", "field", ...LOOKS]) {
     colours[name] = style.getPropertyValue(`--${name}`).trim();
   }
 }
@@ -114,22 +114,35 @@ function drawGrid() {
       pen.stroke();
     }
   }
-  drawScale(each);
 }
 
-function drawScale(each) {
-  const length = each * camera.scale, right = size.width - 14, top = 20;
-  pen.strokeStyle = pen.fillStyle = colours.soft;
-  pen.lineWidth = 1.5;
-  pen.beginPath();
-  pen.moveTo(right - length, top - 4);
-  pen.lineTo(right - length, top);
-  pen.lineTo(right, top);
-  pen.lineTo(right, top - 4);
-  pen.stroke();
+// How long a metre is and, where velocities are drawn, a metre a second.
+function drawScales(hasArrows) {
+  const each = rounded(36 / camera.scale), length = each * camera.scale, right = size.width - 14;
+  let bottom = size.height - 18;
+  const path = new Path2D();
+  path.moveTo(right - length, bottom - 4);
+  path.lineTo(right - length, bottom);
+  path.lineTo(right, bottom);
+  path.lineTo(right, bottom - 4);
+  const label = text => {
+    pen.lineWidth = 3;
+    pen.strokeStyle = colours.paper;
+    pen.strokeText(text, right, bottom - 8);
+    pen.fillText(text, right, bottom - 8);
+  };
+  pen.fillStyle = colours.soft;
   pen.font = "12px system-ui, sans-serif";
   pen.textAlign = "right";
-  pen.fillText(`${Number(each.toPrecision(3))} m`, right, top + 16);
+  label(`${Number(each.toPrecision(3))} m`);
+  if (hasArrows) {
+    bottom -= 36;
+    arrow(path, right - FAST, bottom, FAST, 0);
+    label(`${Number(fastSpeed.toPrecision(3))} m/s`);
+  }
+  pen.strokeStyle = colours.soft;
+  pen.lineWidth = 1.5;
+  pen.stroke(path);
 }
 
 // Where a point of the world, or of a body, is on the canvas; null if the body is not there.
@@ -193,7 +206,7 @@ function drawFields(frame, tick) {
     }
   }
   pen.lineWidth = 1;
-  pen.fillStyle = pen.strokeStyle = colours.kinematic;
+  pen.fillStyle = pen.strokeStyle = colours.field;
   pen.globalAlpha = 0.08;
   pen.fill(zones);
   pen.globalAlpha = 0.4;
@@ -225,7 +238,7 @@ function drawTrails(frame, tick, selected) {
   pen.strokeStyle = colours.dynamic;
   pen.lineWidth = 1.2;
   pen.lineJoin = "round";
-  pen.globalAlpha = bodies.length > 300 ? 0.15 : 0.4;
+  pen.globalAlpha = bodies.length > 300 ? 0.15 : 0.5;
   pen.stroke(many);
   pen.globalAlpha = 0.9;
   pen.stroke(one);
@@ -267,7 +280,8 @@ function drawBodies(frame, tick) {
   return counts;
 }
 
-// The speed that an arrow of 60 px stands for: few of all are faster.
+// The length of an arrow, px, and the speed that it stands for: few bodies are ever faster.
+const FAST = 60;
 const fastSpeed = (() => {
   const speeds = sampled((body, frame) => Math.hypot(body.near(frame, VX), body.near(frame, VY))).filter(v => v > 0);
   speeds.sort((a, b) => a - b);
@@ -275,7 +289,7 @@ const fastSpeed = (() => {
 })();
 
 function drawArrows(frame) {
-  const path = new Path2D(), each = 60 / fastSpeed;
+  const path = new Path2D(), each = FAST / fastSpeed;
   for (const body of bodies) {
     if (!body.isThere(frame)) continue;
     let dx = body.near(frame, VX) * each, dy = -body.near(frame, VY) * each;
@@ -353,7 +367,10 @@ const wholeView = (() => {
   return [[left, bottom], [right, top]];
 })();
 
+let isFitted = true;
+
 function fit() {
+  isFitted = true;
   const [[left, bottom], [right, top]] = wholeView;
   camera.x = (left + right) / 2;
   camera.y = (bottom + top) / 2;

@@ -24,6 +24,7 @@ function redraw() {
 function draw() {
   const tick = tickOf(frame), ratio = canvas.width / size.width;
   if ($("follow").checked && selected?.isThere(frame)) {
+    isFitted = false;
     camera.x = selected.near(frame, X);
     camera.y = selected.near(frame, Y);
   }
@@ -37,6 +38,7 @@ function draw() {
   if ($("arrows").checked) drawArrows(frame);
   if (hovered && hovered !== selected && hovered.isThere(frame)) drawNamed(hovered, frame, false);
   if (selected?.isThere(frame)) drawNamed(selected, frame, true);
+  drawScales($("arrows").checked);
   say(tick, counts);
 }
 
@@ -130,6 +132,7 @@ function step(by) {
 function select(body) {
   selected = body;
   $("who").value = body === null ? "" : String(body.index);
+  $("follow").disabled = body === null;
   redraw();
 }
 
@@ -248,6 +251,7 @@ let dragged = 0;
 
 function zoom(by, x, y) {
   const [wx, wy] = [worldX(x), worldY(y)];
+  isFitted = false;
   camera.scale = Math.min(1e6, Math.max(1e-8, camera.scale * by));
   camera.x += wx - worldX(x);
   camera.y += wy - worldY(y);
@@ -276,7 +280,7 @@ canvas.addEventListener("pointermove", event => {
   if (dragged < 4) return;
   canvas.classList.add("dragged");
   // Who drags the picture no longer follows.
-  $("follow").checked = false;
+  $("follow").checked = isFitted = false;
   camera.x -= dx / camera.scale / fingers.size;
   camera.y += dy / camera.scale / fingers.size;
   const other = [...fingers].find(([id]) => id !== event.pointerId)?.[1];
@@ -379,32 +383,22 @@ function legend() {
 }
 
 function resize() {
-  const isFirst = canvas.width !== Math.round(size.width * devicePixelRatio);
-  const wasFitted = fitted();
   size = { width: canvas.clientWidth || 1, height: canvas.clientHeight || 1 };
   canvas.width = Math.round(size.width * devicePixelRatio);
   canvas.height = Math.round(size.height * devicePixelRatio);
-  if (isFirst || wasFitted) fit();
+  if (isFitted) fit();
   drawMarks();
   draw();
-}
-
-// Whether the picture is as `fit` left it.
-function fitted() {
-  const before = { ...camera };
-  fit();
-  const isSame = before.x === camera.x && before.y === camera.y && before.scale === camera.scale;
-  Object.assign(camera, before);
-  return isSame;
 }
 
 function start() {
   const { num, den } = clock[0], changes = clock.length > 1 ? " at first" : "";
   const ticks = plural(run.last - run.start, "tick");
-  $("facts").textContent = `${plural(bodies.length, "body")}, ${ticks} of ${num}/${den} s${changes} · ${run.made}`;
-  $("thinned").hidden = run.thinned === null;
+  $("facts").textContent = `${plural(bodies.length, "body")}, ${ticks} of ${num}/${den} s${changes}, ${run.integrator} · ${run.made}`;
   $("thinned").textContent = run.thinned ?? "";
+  $("thinned").hidden = run.thinned === null;
   scrub.max = lastFrame;
+  $("list").style.setProperty("--digits", String(run.last).length);
   $("trails").checked = bodies.length <= 200;
   $("who").append(option("", "none selected"), ...bodies.map(body => option(body.index, body.label)));
   const kinds = Object.keys(WORDS).filter(what => events.some(event => event.what === what));
@@ -414,6 +408,7 @@ function start() {
   readColours();
   legend();
   filter();
+  select(null);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
     readColours();
     drawMarks();

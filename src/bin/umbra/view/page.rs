@@ -49,13 +49,25 @@ impl Recording {
         let mut parts = Vec::new();
         if self.stride > 1 {
             let ticks = self.last - self.start;
-            parts.push(format!("every {}. of {ticks} ticks kept, as all would be too large for a page", self.stride));
+            let each = ordinal(self.stride);
+            parts.push(format!("every {each} of {ticks} ticks is in the page: all would make it too large"));
         }
         if self.untold > 0 {
-            parts.push(format!("{} more events than it lists", self.untold));
+            parts.push(format!("{} events more than are listed", self.untold));
         }
         (!parts.is_empty()).then(|| parts.join("; "))
     }
+}
+
+fn ordinal(n: u64) -> String {
+    let suffix = match (n % 10, n % 100) {
+        (_, 11..=13) => "th",
+        (1, _) => "st",
+        (2, _) => "nd",
+        (3, _) => "rd",
+        _ => "th",
+    };
+    format!("{n}{suffix}")
 }
 
 /// What the program reads: a value for what there is once, and bytes for each tick. The bytes are the hashes of the frames
@@ -70,6 +82,7 @@ fn contents(recording: Recording, heading: &Heading, thinned: Option<String>) ->
         "view": heading.view.map(|corners| corners.map(point)),
         "thinned": thinned,
         "made": format!("umbra-physics {}, law {LAW}", env!("CARGO_PKG_VERSION")),
+        "integrator": recording.integrator,
         "start": recording.start,
         "last": recording.last,
         "stride": recording.stride,
@@ -147,6 +160,11 @@ fn base64(bytes: &[u8]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn ordinals_are_english() {
+        assert_eq!([1, 2, 3, 4, 12, 32, 512, 1024].map(ordinal).join(" "), "1st 2nd 3rd 4th 12th 32nd 512th 1024th");
+    }
 
     #[test]
     fn base64_is_that_of_the_rfc() {

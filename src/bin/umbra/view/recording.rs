@@ -35,6 +35,8 @@ const EVENTS: usize = 10_000;
 #[derive(Clone, Debug)]
 pub(crate) struct Recording {
     budget: Budget,
+    /// The integrator at the start.
+    pub(super) integrator: &'static str,
     pub(super) start: u64,
     /// The last tick seen.
     pub(super) last: u64,
@@ -131,6 +133,7 @@ impl Recording {
     pub(crate) fn new(budget: Budget) -> Self {
         Self {
             budget,
+            integrator: "",
             start: 0,
             last: 0,
             stride: 1,
@@ -153,7 +156,7 @@ impl Recording {
     pub(crate) fn see(&mut self, world: &World<Fx>, recorded: Option<u64>, name: impl Fn(BodyId) -> String) {
         let tick = world.tick();
         if self.clock.is_empty() {
-            self.start = tick;
+            (self.start, self.integrator) = (tick, world.def().integrator.name());
         }
         let is_frame = (tick - self.start) % self.stride == 0;
         self.see_clock(world);
