@@ -14,7 +14,7 @@ use serde_json::Value;
 use umbra_physics::Fx;
 use umbra_physics::scene::Scene;
 
-/// A page of a test's own; it goes when the test is over.
+/// A page, or another file, of a test's own; it goes when the test is over.
 struct Page(PathBuf);
 
 impl Page {
@@ -34,6 +34,13 @@ impl Page {
         assert_eq!(output.status.code(), Some(0), "{said}");
         assert!(output.stdout.is_empty());
         (page, said)
+    }
+
+    /// A scene, which goes as well.
+    fn scene(name: &str, text: &str) -> Self {
+        let file = Self(Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{}-{name}.json", std::process::id())));
+        fs::write(&file.0, text).expect("the scene can be written");
+        file
     }
 
     fn path(&self) -> &str {
@@ -186,7 +193,20 @@ fn it_listens_to_the_keyboard() {
 fn every_value_is_exact() {
     let Some(mut browser) = Browser::start() else { return };
     let table = Page(Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{}-exact.csv", std::process::id())));
-    for (scene, ticks, every) in [("scenes/tumbling.json", "299", "13"), ("scenes/too-stiff.json", "40", "2")] {
+    // Thrown from one end of the world to the other each tick: what is stored wraps around.
+    let jumps = (0..24).map(|tick| {
+        let far = "1073741823.9999999997671694";
+        let sign = |bit: u32| if tick >> bit & 1 == 1 { "-" } else { "" };
+        let place = format!("[{}{far}, {}{far}]", sign(0), sign(1));
+        let velocity = format!("[{}1048575.3, {}1048575.7]", sign(2), sign(0));
+        format!("{{\"at\": {tick}, \"body\": \"a\", \"set\": {{\"position\": {place}, \"velocity\": {velocity}}}}}")
+    });
+    let jumps = jumps.collect::<Vec<_>>().join(", ");
+    let text = format!("{{\"time_step\": \"1/10000\", \"bodies\": [{{\"name\": \"a\"}}], \"inputs\": [{jumps}]}}");
+    let jumping = Page::scene("jumping", &text);
+    let scenes =
+        [("scenes/tumbling.json", "299", "13"), ("scenes/too-stiff.json", "40", "2"), (jumping.path(), "30", "1")];
+    for (scene, ticks, every) in scenes {
         let (page, _) = Page::of(scene, ticks.parse().ok());
         assert!(umbra(&["run", scene, "--ticks", ticks, "--csv", table.path(), "--every", every]).status.success());
         let rows = table.text();
@@ -224,6 +244,26 @@ fn every_value_is_exact() {
         }
         browser.assert_clean();
     }
+}
+
+#[test]
+fn time_is_exact_when_the_step_changes() {
+    let Some(mut browser) = Browser::start() else { return };
+    let inputs = r#"{"at": 9, "set": {"time_step": "1001/60000"}}, {"at": 10, "set": {"time_step": "1/7"}}"#;
+    let scene = Page::scene("steps", &format!("{{\"ticks\": 20, \"inputs\": [{inputs}]}}"));
+    let (page, _) = Page::of(scene.path(), None);
+    browser.open(&page.0, "");
+    for tick in [1, 8, 9, 10, 11, 20] {
+        browser.press(HOME.0, HOME.1, false);
+        (0..tick).for_each(|_| browser.press(RIGHT.0, RIGHT.1, false));
+        let (shown, exact) = (browser.text("#time"), ran(scene.path(), tick)["time"].clone());
+        let exact = exact.as_str().expect("a ratio");
+        let (num, den) = exact.split_once('/').expect("no whole number");
+        let value = num.parse::<f64>().expect("a number") / den.parse::<f64>().expect("a number");
+        let decimal = format!("{value} s");
+        assert!(shown == decimal || shown == format!("{exact} s ≈ {value:.3} s"), "{shown} for {exact}");
+    }
+    browser.assert_clean();
 }
 
 #[test]
@@ -320,8 +360,7 @@ fn texts_of_a_scene_stay_texts() {
         "bodies": [{"name": hostile, "shape": {"circle": {"radius": 1}}}],
         "inputs": [{"at": 1, "body": hostile, "force": [1, 0]}, {"at": 2, "body": hostile, "do": "remove"}],
     });
-    let file = Page(Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{}-hostile.json", std::process::id())));
-    fs::write(&file.0, scene.to_string()).expect("the scene can be written");
+    let file = Page::scene("hostile", &scene.to_string());
     let (page, _) = Page::of(file.path(), None);
     assert!(!page.text().contains("<img"), "no tag of theirs");
     let Some(mut browser) = Browser::start() else { return };
