@@ -72,7 +72,11 @@ fn ran(scene: &str, ticks: u64) -> Value {
 /// The state hash at each tick, as the page writes them.
 fn hashes(scene: &str, ticks: u64) -> Vec<String> {
     let text = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(scene)).expect("the scene is there");
-    let scene = Scene::parse(&text).expect("a scene");
+    hashes_of(&text, ticks)
+}
+
+fn hashes_of(text: &str, ticks: u64) -> Vec<String> {
+    let scene = Scene::parse(text).expect("a scene");
     let mut run = scene.start::<Fx>().expect("it starts");
     let mut hashes = vec![format!("{:016x}", run.world().state_hash())];
     for _ in 0..ticks {
@@ -347,6 +351,24 @@ fn the_picture_pans_zooms_and_follows() {
         assert!(picture(&mut browser) != before, "{toggle}");
     }
     browser.assert_clean();
+}
+
+#[test]
+fn nothing_at_all_is_a_page_too() {
+    let Some(mut browser) = Browser::start() else { return };
+    let scene = Page::scene("nothing", "{}");
+    for ticks in [0, 3] {
+        let (page, _) = Page::of(scene.path(), Some(ticks));
+        browser.open(&page.0, "");
+        assert_eq!(browser.text("#counts"), "none");
+        assert_eq!(browser.text("#hash"), hashes_of("{}", 0)[0]);
+        browser.press(END.0, END.1, false);
+        assert_eq!(tick(&mut browser) as u64, ticks);
+        browser.press(SPACE.0, SPACE.1, false);
+        browser.wait_for("document.querySelector('#play').getAttribute('aria-label') === 'Play'");
+        assert_eq!(tick(&mut browser) as u64, ticks);
+        browser.assert_clean();
+    }
 }
 
 #[test]

@@ -78,16 +78,8 @@ function trace(shape, areas, lines, x, y, angle) {
   }
 }
 
-// How large what is drawn of a body is at least, px.
-const leastDot = bodies.length > 500 ? 1.3 : 3;
-
-function traceBody(body, frame, shape, radius, areas, lines) {
-  const x = screenX(body.near(frame, X)), y = screenY(body.near(frame, Y));
-  if (radius * camera.scale < leastDot) {
-    areas.moveTo(x + leastDot, y);
-    areas.arc(x, y, leastDot, 0, 2 * Math.PI);
-  } else trace(run.shapes[shape], areas, lines, x, y, body.near(frame, ANGLE));
-}
+// A body with a smaller radius than this, px, is a dot: a square one where there are thousands, which take less time.
+const areMany = bodies.length > 500, DOT = areMany ? 1.3 : 3;
 
 // A length that is 1, 2 or 5 times a power of ten, at least this.
 function rounded(least) {
@@ -250,14 +242,21 @@ const FILLS = [0.3, 0.3, 0.45, 0.08, 0.15], DASHES = [[], [5, 3], [], [2, 3], []
 
 // Returns how many bodies there are of each look.
 function drawBodies(frame, tick) {
-  const areas = LOOKS.map(() => new Path2D()), lines = LOOKS.map(() => new Path2D()), counts = LOOKS.map(() => 0);
+  const areas = LOOKS.map(() => new Path2D()), lines = LOOKS.map(() => new Path2D());
+  const dots = LOOKS.map(() => []), counts = LOOKS.map(() => 0);
   for (const body of bodies) {
     if (!body.isThere(frame)) continue;
     const look = body.look(tick), radius = reachOf(look);
     counts[look.index]++;
     const x = screenX(body.near(frame, X)), y = screenY(body.near(frame, Y)), margin = radius * camera.scale + 10;
     if (x < -margin || y < -margin || x > size.width + margin || y > size.height + margin) continue;
-    traceBody(body, frame, look.shape, radius, areas[look.index], lines[look.index]);
+    if (radius * camera.scale >= DOT) {
+      trace(run.shapes[look.shape], areas[look.index], lines[look.index], x, y, body.near(frame, ANGLE));
+    } else if (areMany) dots[look.index].push(x, y);
+    else {
+      areas[look.index].moveTo(x + DOT, y);
+      areas[look.index].arc(x, y, DOT, 0, 2 * Math.PI);
+    }
     if (look.index === 4) {
       for (const side of [6, -6]) {
         lines[4].moveTo(x - side, y - 6);
@@ -273,6 +272,9 @@ function drawBodies(frame, tick) {
     pen.globalAlpha = FILLS[look];
     pen.fill(areas[look]);
     pen.globalAlpha = 1;
+    for (let i = 0; i < dots[look].length; i += 2) {
+      pen.fillRect(dots[look][i] - DOT, dots[look][i + 1] - DOT, 2 * DOT, 2 * DOT);
+    }
     pen.stroke(areas[look]);
     pen.setLineDash([]);
     pen.stroke(lines[look]);
@@ -305,7 +307,7 @@ function drawArrows(frame) {
 function drawNamed(body, frame, isSelected) {
   const look = body.look(tickOf(frame));
   const x = screenX(body.near(frame, X)), y = screenY(body.near(frame, Y));
-  const radius = Math.max(reachOf(look) * camera.scale, leastDot) + 5;
+  const radius = Math.max(reachOf(look) * camera.scale, DOT) + 5;
   pen.strokeStyle = pen.fillStyle = colours.ink;
   pen.lineWidth = isSelected ? 1.6 : 1;
   pen.beginPath();
@@ -354,15 +356,18 @@ const wholeView = (() => {
   sampled(add);
   if (extents[0].length === 0) return [[-5, -5], [5, 5]];
   let [left, bottom, right, top] = box(...extents);
-  // Where they start is seen, and all of what is fixed unless it is much larger than the rest.
-  const room = 3 * Math.max(right - left, top - bottom, 1);
-  for (const body of bodies.filter(body => body.isThere(0))) {
-    const radius = reachOf(body.look(run.start)), x = body.near(0, X), y = body.near(0, Y);
-    if (radius > room || Math.hypot(x - (left + right) / 2, y - (top + bottom) / 2) > 2 * room) continue;
-    left = Math.min(left, x - radius);
-    right = Math.max(right, x + radius);
-    bottom = Math.min(bottom, y - radius);
-    top = Math.max(top, y + radius);
+  // Where they start is seen, and what is fixed, unless it is much larger than the rest or far away.
+  const room = 3 * Math.max(right - left, top - bottom, 1), [x0, y0] = [(left + right) / 2, (bottom + top) / 2];
+  const include = (x, y, radius) => {
+    if (radius > room || Math.hypot(x - x0, y - y0) > 2 * room) return;
+    [left, right] = [Math.min(left, x - radius), Math.max(right, x + radius)];
+    [bottom, top] = [Math.min(bottom, y - radius), Math.max(top, y + radius)];
+  };
+  for (const body of bodies) {
+    if (body.isThere(0)) include(body.near(0, X), body.near(0, Y), reachOf(body.look(run.start)));
+  }
+  for (const [, , [letter, ...ends]] of run.fields) {
+    for (const [point, body] of "as".includes(letter) ? ends : []) if (body === undefined) include(...point, 0);
   }
   return [[left, bottom], [right, top]];
 })();
@@ -390,7 +395,8 @@ function bodyAt(x, y, frame) {
     if (away > Math.max(radius * camera.scale, 8)) continue;
     if (away > 8) {
       const areas = new Path2D(), lines = new Path2D();
-      traceBody(body, frame, look.shape, radius, areas, lines);
+      const [left, top] = [screenX(body.near(frame, X)), screenY(body.near(frame, Y))];
+      trace(run.shapes[look.shape], areas, lines, left, top, body.near(frame, ANGLE));
       // The pen counts in pixels of the device.
       const ratio = canvas.width / size.width;
       pen.save();

@@ -56,7 +56,7 @@ function say(tick, counts) {
   $("home").disabled = $("back").disabled = frame === 0;
   $("end").disabled = $("forth").disabled = frame === lastFrame;
   describe(selected ?? hovered, tick);
-  for (const item of $("list").children) item.firstChild.classList.toggle("past", Number(item.dataset.tick) > tick);
+  for (const item of $("list").children) item.firstChild.classList.toggle("later", Number(item.dataset.tick) > tick);
 }
 
 const described = {};
