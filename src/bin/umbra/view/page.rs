@@ -18,8 +18,14 @@ pub(crate) struct Heading {
 
 const BODY: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
-/// One program in three files.
-const PROGRAM: [&str; 3] = [include_str!("data.js"), include_str!("draw.js"), include_str!("page.js")];
+/// One program in five files, which share their names.
+const PROGRAM: [&str; 5] = [
+    include_str!("data.js"),
+    include_str!("camera.js"),
+    include_str!("draw.js"),
+    include_str!("events.js"),
+    include_str!("page.js"),
+];
 /// What a browser may do for the page: run what is in it, and fetch nothing.
 const POLICY: &str =
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'";
@@ -39,7 +45,7 @@ pub(super) fn page(recording: Recording, heading: &Heading) -> String {
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n<meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<meta name=\"color-scheme\" content=\"light dark\">\n<title>{title}</title>\n<style>\n{STYLE}</style></head>\n<body>\n{body}<script type=\"application/json\" id=\"run\">{run}</script>\n<script type=\"text/plain\" id=\"bytes\">{}</script>\n<script>\n\"use strict\";\n(() => {{\n{}}})();\n</script>\n</body></html>\n",
         base64(&bytes),
-        PROGRAM.concat()
+        PROGRAM.map(str::trim_end).join("\n\n") + "\n"
     )
 }
 
