@@ -400,6 +400,7 @@ fn texts_of_a_scene_stay_texts() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "steps a net of 1,000 nodes twice: in release builds")]
 fn a_large_run_is_thinned_and_the_page_says_so() {
     let Some(mut browser) = Browser::start() else { return };
     let (page, said) = Page::of("scenes/spring-net.json", None);
