@@ -14,6 +14,7 @@ mod report;
 mod run;
 mod summary;
 mod truth;
+mod view;
 
 use std::io::Write;
 use std::process::ExitCode;
@@ -36,6 +37,8 @@ enum Task {
     Compare(compare::Options),
     /// Measures time against error, for every integrator, scalar and time step.
     Report(report::Options),
+    /// Writes a page that plays a run.
+    View(view::Options),
 }
 
 fn main() -> ExitCode {
@@ -44,6 +47,7 @@ fn main() -> ExitCode {
         Task::Run(options) => run::run(&options),
         Task::Compare(options) => compare::compare(&options),
         Task::Report(options) => report::report(&options),
+        Task::View(options) => view::view(&options),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
