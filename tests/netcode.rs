@@ -4,9 +4,10 @@
 use std::cell::Cell;
 use std::collections::BTreeSet;
 use std::env::consts::EXE_SUFFIX;
-use std::io::Write as _;
+use std::fs;
+use std::io::{ErrorKind, Write as _};
 use std::net::{Ipv4Addr, TcpStream};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use allocation_counter::measure;
@@ -24,11 +25,15 @@ mod peers;
 mod random;
 #[path = "../examples/ggrs/session.rs"]
 mod session;
+#[path = "../examples/lockstep/wire.rs"]
+#[allow(dead_code, reason = "whether two agree is for peers")]
+mod wire;
 
 use adapter::{Failure, Rollback};
 use game::{Controls, Game, Tally, bot};
 use peers::{Ended, Peer};
 use session::{Match, WINDOW, sync_test};
+use wire::{Hello, Turn};
 
 /// A process of a test that is not over by then never will be: the slowest takes 3 s.
 const LIMIT: Duration = Duration::from_secs(120);
@@ -51,13 +56,20 @@ fn straight(seed: u64, ticks: u64, delay: u64) -> (Vec<u64>, Tally) {
     (hashes, total)
 }
 
-/// An example, beside this test.
+/// An example, beside this test, made from the sources as they are: `cargo test --test netcode` runs this file without it.
 fn example(name: &str) -> PathBuf {
     let test = std::env::current_exe().expect("a test has a file");
-    let folder = test.ancestors().nth(2).expect("…/target/PROFILE/deps/TEST").join("examples");
+    let folder = test.ancestors().nth(2).expect("it is target/PROFILE/deps/TEST").join("examples");
     let program = folder.join(format!("{name}{EXE_SUFFIX}"));
-    let how = "`cargo test` without `--test` builds it, and so does `cargo build --example`, in the same profile";
-    assert!(program.exists(), "{} is missing: {how}", program.display());
+    let how = format!("run `cargo test` without `--test`, or first `cargo build --example {name}` in the same profile");
+    let changed = |file: &Path| fs::metadata(file).and_then(|file| file.modified());
+    let Ok(made) = changed(&program) else { panic!("{} is missing: {how}", program.display()) };
+    // Cargo's list of what it is made from: `PROGRAM: SOURCE SOURCE…`, with spaces in names as `\ `.
+    let list = fs::read_to_string(folder.join(format!("{name}.d"))).expect("cargo lists the sources");
+    let (_, sources) = list.trim_end().split_once(": ").expect("a program and its sources");
+    for source in sources.replace("\\ ", "\0").split(' ').map(|source| source.replace('\0', " ")) {
+        assert!(changed(source.as_ref()).is_ok_and(|at| at <= made), "{name} is older than {source}: {how}");
+    }
     program
 }
 
@@ -291,6 +303,30 @@ fn peers_of_different_matches_do_not_start() {
     assert!(ended.iter().all(|side| side.status == Some(2) && hashes(side).is_empty()));
     let ended = lockstep_match([&["--ticks", "10"], &["--ticks", "20"]]);
     assert!(ended.iter().all(|side| side.status == Some(2) && hashes(side).is_empty()));
+}
+
+#[test]
+fn what_peers_send_comes_back_whole_or_not_at_all() {
+    let hello = Hello { law: 7, seed: 1 << 40, ticks: 600, start: u64::MAX };
+    let turn = Turn { tick: 300, hash: 0x0123_4567_89ab_cdef, controls: 9 };
+    let (mut greeting, mut word) = (Vec::new(), Vec::new());
+    hello.send(&mut greeting).expect("there is room");
+    turn.send(&mut word).expect("there is room");
+    assert_eq!(Hello::receive(&mut &greeting[..]).ok(), Some(hello));
+    assert_eq!(Turn::receive(&mut &word[..], 300).ok(), Some(turn));
+    for length in 0..greeting.len() {
+        let cut = Hello::receive(&mut &greeting[..length]).map_err(|error| error.kind());
+        assert_eq!(cut, Err(ErrorKind::UnexpectedEof), "cut at {length}");
+    }
+    // One for the other; a turn of another tick; a byte too many; and more than there is, which is not waited for.
+    let invalid = |of: Result<(), std::io::Error>| assert_eq!(of.map_err(|e| e.kind()), Err(ErrorKind::InvalidData));
+    invalid(Hello::receive(&mut &word[..]).map(drop));
+    invalid(Turn::receive(&mut &greeting[..], 300).map(drop));
+    invalid(Turn::receive(&mut &word[..], 301).map(drop));
+    word[0] += 1;
+    word.push(0);
+    invalid(Turn::receive(&mut &word[..], 300).map(drop));
+    invalid(Hello::receive(&mut &[0xff, 0xff][..]).map(drop));
 }
 
 #[test]

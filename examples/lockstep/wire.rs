@@ -134,19 +134,3 @@ impl Frame {
         if self.0.is_empty() { Ok(()) } else { Err(wrong("a frame that is too long")) }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn frames_come_back_whole_and_never_otherwise() {
-        let hello = Hello { law: 7, seed: 1 << 40, ticks: 600, start: u64::MAX };
-        let mut bytes = Vec::new();
-        hello.send(&mut bytes).unwrap();
-        assert_eq!(Hello::receive(&mut &bytes[..]).unwrap(), hello);
-        for length in 0..bytes.len() {
-            assert!(Hello::receive(&mut &bytes[..length]).is_err(), "cut at {length}");
-        }
-    }
-}
