@@ -24,9 +24,11 @@ mod wire;
 
 use std::env;
 use std::error::Error;
+use std::io;
 use std::net::{Ipv4Addr, TcpListener, TcpStream};
 use std::process::ExitCode;
-use std::time::Duration;
+use std::thread;
+use std::time::{Duration, Instant};
 
 use options::Options;
 use peers::Peer;
@@ -49,7 +51,7 @@ fn run(role: Option<&str>, arguments: impl Iterator<Item = String>) -> Result<Ex
         Some("serve") => {
             let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?;
             println!("port {}", listener.local_addr()?.port());
-            (0, listener.accept()?.0)
+            (0, accept(&listener)?)
         }
         Some("join") => {
             let port: u16 = options.get("port")?.ok_or("join needs --port")?;
@@ -62,6 +64,21 @@ fn run(role: Option<&str>, arguments: impl Iterator<Item = String>) -> Result<Ex
         Outcome::Agreed => ExitCode::SUCCESS,
         Outcome::Parted => ExitCode::FAILURE,
     })
+}
+
+/// The first to come, within a minute: nobody may be left to stop a process that waits for ever.
+fn accept(listener: &TcpListener) -> io::Result<TcpStream> {
+    listener.set_nonblocking(true)?;
+    let deadline = Instant::now() + Duration::from_secs(60);
+    loop {
+        match listener.accept() {
+            Err(error) if error.kind() == io::ErrorKind::WouldBlock && Instant::now() < deadline => {
+                thread::sleep(Duration::from_millis(5));
+            }
+            // On some systems a connection is as its listener is.
+            accepted => return accepted.and_then(|(stream, _)| stream.set_nonblocking(false).map(|()| stream)),
+        }
+    }
 }
 
 /// Starts two sides, and compares what they say.
@@ -82,7 +99,7 @@ fn both(options: &Options) -> Result<ExitCode, Box<dyn Error>> {
         said.filter(move |line| line.starts_with("hash") == of_hashes).collect::<Vec<_>>()
     };
     let same = of(0, true).iter().zip(of(1, true)).take_while(|(a, b)| **a == *b).count();
-    println!("{same} hashes of every tenth tick are the same");
+    println!("{same} hashes, one every tenth tick, are the same");
     let (ours, theirs) = (of(0, false), of(1, false));
     for (player, (said, other)) in [(&ours, &theirs), (&theirs, &ours)].into_iter().enumerate() {
         println!("player {player} ends with status {:?}", sides[player].status);

@@ -61,7 +61,7 @@ pub(crate) struct Game {
     engines: [FieldId; 2],
 }
 
-/// Where two ends of a spring with a damper are, and how long it is.
+/// A spring with a damper between the centres of two bodies.
 fn spring(near: BodyId, far: BodyId, rest: Fx) -> Law {
     let spring = SpringLaw { rest, stiffness: fx!(30), damping: fx!(0.5) };
     Law::Spring { near: Attachment::centre(near), far: End::Body(Attachment::centre(far)), spring }
