@@ -1,0 +1,93 @@
+//! Rollback with [GGRS](https://docs.rs/ggrs): a match of two processes over UDP, on a line that is late and loses messages.
+//!
+//! ```sh
+//! cargo run --release --example ggrs                  # starts both sides, and compares what they say
+//! cargo run --release --example ggrs -- --desync 100  # the same, and one side cheats by an ulp at frame 100
+//! cargo run --release --example ggrs -- synctest      # both players here, and before each frame seven are undone
+//! ```
+//!
+//! `adapter.rs` is what a game needs and can take as it is; `session.rs` tells GGRS about this game; `peer.rs` is a loop of
+//! a game; `socket.rs` makes a good line bad.
+
+mod adapter;
+#[path = "../shared/game.rs"]
+mod game;
+#[path = "../shared/options.rs"]
+mod options;
+mod peer;
+#[path = "../shared/peers.rs"]
+mod peers;
+#[path = "../../tests/support/random.rs"]
+mod random;
+mod session;
+mod socket;
+
+use std::env;
+use std::error::Error;
+use std::process::ExitCode;
+use std::time::Duration;
+
+use game::Game;
+use options::Options;
+use peers::Peer;
+
+fn main() -> ExitCode {
+    let mut arguments = env::args().skip(1).peekable();
+    let role = arguments.next_if(|first| !first.starts_with("--"));
+    let done = match role.as_deref() {
+        None => both(arguments),
+        Some("peer") => Options::read(arguments, &peer::OPTIONS).map_err(Into::into).and_then(|o| peer::play(&o)),
+        Some("synctest") => {
+            Options::read(arguments, &["frames", "seed"]).map_err(Into::into).and_then(|o| synctest(&o))
+        }
+        Some(other) => Err(format!("unknown role {other}: peer, synctest, or none for both peers").into()),
+    };
+    done.unwrap_or_else(|error| {
+        eprintln!("ggrs: {error}");
+        ExitCode::from(2)
+    })
+}
+
+/// Plays a match in this process alone.
+fn synctest(options: &Options) -> Result<ExitCode, Box<dyn Error>> {
+    let frames = options.get("frames")?.unwrap_or(1_000);
+    let (game, world) = Game::start()?;
+    let seed = options.get("seed")?.unwrap_or(1);
+    let rollback = session::sync_test(world, frames, seed, |world, controls| game.advance(world, controls).map(drop))?;
+    let (work, hash) = (rollback.work(), rollback.world().state_hash());
+    println!("{frames} frames, {} undone and made again with the same hashes; {hash:016x} at the end", work.undone);
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Starts two peers, tells them of each other, and compares what they say.
+fn both(arguments: impl Iterator<Item = String>) -> Result<ExitCode, Box<dyn Error>> {
+    let options = Options::read(arguments, &["frames", "seed", "latency", "lost", "desync"])?;
+    let program = env::current_exe()?;
+    let start = |player: &str| {
+        // They part if one side alone does something.
+        let orders = options.pairs().filter(|(name, _)| player == "1" || *name != "desync");
+        let orders = orders.flat_map(|(name, value)| [format!("--{name}"), value.to_owned()]);
+        let all: Vec<_> = ["peer", "--player", player].map(String::from).into_iter().chain(orders).collect();
+        Peer::start(&program, &all, Duration::from_secs(70))
+    };
+    let mut peers = [start("0")?, start("1")?];
+    let ports = [peers[0].hear("port")?, peers[1].hear("port")?];
+    peers[0].tell(&ports[1])?;
+    peers[1].tell(&ports[0])?;
+    for (player, peer) in peers.iter_mut().enumerate() {
+        println!("player {player}: {}", peer.hear("done")?);
+    }
+    let [a, b] = peers;
+    let (a, b) = (a.end()?, b.end()?);
+    let of = |said: &[String], word| said.iter().filter(|line| line.starts_with(word)).cloned().collect::<Vec<_>>();
+    let (hashes, others) = (of(&a.said, "hash"), of(&b.said, "hash"));
+    let same = hashes.iter().zip(&others).take_while(|(a, b)| a == b).count();
+    println!("{same} of {} hashes are the same; the last is {:?}", hashes.len(), hashes.last());
+    for (player, said) in [a.said, b.said].iter().enumerate() {
+        if let Some(first) = of(said, "desync").first() {
+            println!("player {player}: {first}");
+        }
+    }
+    let agree = hashes == others && a.status == Some(0) && b.status == Some(0);
+    Ok(if agree { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}

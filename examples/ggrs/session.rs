@@ -1,0 +1,57 @@
+//! The sessions of this game: what GGRS is told of it, and the test without a network.
+
+use std::net::SocketAddr;
+
+use ggrs::{Config, InputStatus, PlayerType, PredictRepeatLast, SessionBuilder};
+use umbra_physics::{Error, World};
+
+use crate::adapter::{Rollback, Saved};
+use crate::game::{Controls, bot};
+
+/// The game as GGRS sees it.
+pub(crate) struct Match;
+
+impl Config for Match {
+    type Input = Controls;
+    // Buttons are held rather than tapped.
+    type InputPredictor = PredictRepeatLast;
+    type State = Saved;
+    type Address = SocketAddr;
+}
+
+/// The most frames that are predicted, and so undone at a time.
+pub(crate) const WINDOW: usize = 8;
+
+/// The inputs of the two players, whatever GGRS knows of them: a player who is gone holds nothing.
+pub(crate) fn controls(inputs: &[(Controls, InputStatus)]) -> [Controls; 2] {
+    [0, 1].map(|player| inputs.get(player).map_or(Controls::default(), |(held, _)| *held))
+}
+
+/// Plays a match of two bots alone. Before each frame it goes back by seven and comes again by the same inputs: the hashes
+/// have to be the same.
+///
+/// # Errors
+/// [`MismatchedChecksum`](ggrs::GgrsError::MismatchedChecksum) if they are not; what the adapter could not do.
+pub(crate) fn sync_test(
+    world: World,
+    frames: u32,
+    seed: u64,
+    mut advance: impl FnMut(&mut World, [Controls; 2]) -> Result<(), Error>,
+) -> Result<Rollback, Box<dyn std::error::Error>> {
+    let mut session = SessionBuilder::<Match>::new()
+        .with_num_players(2)?
+        .with_max_prediction_window(WINDOW)
+        .with_check_distance(WINDOW - 1)
+        .add_player(PlayerType::Local, 0)?
+        .add_player(PlayerType::Local, 1)?
+        .start_synctest_session()?;
+    let mut rollback = Rollback::new(world);
+    for frame in 0..frames {
+        for player in [0, 1] {
+            session.add_local_input(player, bot(seed, player, frame.into()))?;
+        }
+        let requests = session.advance_frame()?;
+        rollback.fulfil(requests, |world, inputs| advance(world, controls(inputs)))?;
+    }
+    Ok(rollback)
+}

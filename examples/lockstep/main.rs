@@ -1,0 +1,111 @@
+//! Lockstep without rollback: two processes over TCP. A tick is stepped when both sides' inputs for it are there; inputs are
+//! given for a few ticks ahead, so that they are on their way meanwhile. Each side sends the hash of its state at every tick.
+//!
+//! ```sh
+//! cargo run --release --example lockstep                  # starts both sides, and compares what they say
+//! cargo run --release --example lockstep -- --desync ulp  # the same, and one side cheats by an ulp; or `drop`: it misses an input
+//! cargo run --release --example lockstep -- serve         # or each side by itself: prints a port,
+//! cargo run --release --example lockstep -- join --port PORT  # which the other one takes
+//! ```
+//!
+//! Exit status 0 if they agree to the end, 1 if they part, 2 if there is no match.
+
+#[path = "../shared/game.rs"]
+mod game;
+#[path = "../shared/options.rs"]
+mod options;
+#[path = "../shared/peers.rs"]
+#[allow(dead_code, reason = "a peer is told nothing here")]
+mod peers;
+#[path = "../../tests/support/random.rs"]
+mod random;
+mod side;
+mod wire;
+
+use std::env;
+use std::error::Error;
+use std::io;
+use std::net::{Ipv4Addr, TcpListener, TcpStream};
+use std::process::ExitCode;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use options::Options;
+use peers::Peer;
+use side::{Cheat, Outcome, play};
+
+fn main() -> ExitCode {
+    let mut arguments = env::args().skip(1).peekable();
+    let role = arguments.next_if(|first| !first.starts_with("--"));
+    run(role.as_deref(), arguments).unwrap_or_else(|error| {
+        eprintln!("lockstep: {error}");
+        ExitCode::from(2)
+    })
+}
+
+fn run(role: Option<&str>, arguments: impl Iterator<Item = String>) -> Result<ExitCode, Box<dyn Error>> {
+    let known = ["ticks", "seed", "desync", "port"];
+    let options = Options::read(arguments, if role == Some("join") { &known } else { &known[..3] })?;
+    let (player, stream) = match role {
+        None => return both(&options),
+        Some("serve") => {
+            let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?;
+            println!("port {}", listener.local_addr()?.port());
+            (0, accept(&listener)?)
+        }
+        Some("join") => {
+            let port: u16 = options.get("port")?.ok_or("join needs --port")?;
+            (1, TcpStream::connect((Ipv4Addr::LOCALHOST, port))?)
+        }
+        Some(other) => return Err(format!("unknown role {other}: serve, join, or none for both").into()),
+    };
+    let (ticks, seed) = (options.get("ticks")?.unwrap_or(600), options.get("seed")?.unwrap_or(1));
+    Ok(match play(player, stream, ticks, seed, options.get::<Cheat>("desync")?)? {
+        Outcome::Agreed => ExitCode::SUCCESS,
+        Outcome::Parted => ExitCode::FAILURE,
+    })
+}
+
+/// The first to come, within a minute: nobody may be left to stop a process that waits for ever.
+fn accept(listener: &TcpListener) -> io::Result<TcpStream> {
+    listener.set_nonblocking(true)?;
+    let deadline = Instant::now() + Duration::from_secs(60);
+    loop {
+        match listener.accept() {
+            Err(error) if error.kind() == io::ErrorKind::WouldBlock && Instant::now() < deadline => {
+                thread::sleep(Duration::from_millis(5));
+            }
+            // On some systems a connection is as its listener is.
+            accepted => return accepted.and_then(|(stream, _)| stream.set_nonblocking(false).map(|()| stream)),
+        }
+    }
+}
+
+/// Starts two sides, and compares what they say.
+fn both(options: &Options) -> Result<ExitCode, Box<dyn Error>> {
+    let program = env::current_exe()?;
+    let start = |role: &[&str], cheats: bool| {
+        let given = options.pairs().filter(|(name, _)| cheats || *name != "desync");
+        let given = given.flat_map(|(name, value)| [format!("--{name}"), value.to_owned()]);
+        let all: Vec<_> = role.iter().map(|&word| word.to_owned()).chain(given).collect();
+        Peer::start(&program, &all, Duration::from_secs(60))
+    };
+    let mut server = start(&["serve"], false)?;
+    let port = server.hear("port")?;
+    let client = start(&["join", "--port", &port], true)?;
+    let sides = [server.end()?, client.end()?];
+    let of = |side: usize, of_hashes: bool| {
+        let said = sides[side].said.iter().filter(|line| !line.starts_with("port"));
+        said.filter(move |line| line.starts_with("hash") == of_hashes).collect::<Vec<_>>()
+    };
+    let same = of(0, true).iter().zip(of(1, true)).take_while(|(a, b)| **a == *b).count();
+    println!("{same} hashes, one every tenth tick, are the same");
+    let (ours, theirs) = (of(0, false), of(1, false));
+    for (player, (said, other)) in [(&ours, &theirs), (&theirs, &ours)].into_iter().enumerate() {
+        println!("player {player} ends with status {:?}", sides[player].status);
+        // Of the states of two that part, what differs.
+        said.iter().filter(|line| !other.contains(line)).for_each(|line| println!("  {line}"));
+    }
+    let agree = of(0, true) == of(1, true) && ours == theirs && sides.iter().all(|side| side.status == Some(0));
+    Ok(if agree { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}

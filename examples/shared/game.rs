@@ -1,0 +1,234 @@
+//! A game small enough to read: two ships in the pull of a star, each with a ball on a spring, among rocks that sleep until
+//! something hits them.
+//!
+//! All of its state is in the world, the game's own numbers as the bodies' user data. So a copy of the world is a copy of
+//! the game, and the hash of the world finds whatever differs between two peers.
+
+use umbra_physics::{
+    Action, Attachment, BodyDef, BodyId, End, Error, Field, FieldId, Fx, FxFactor, Law, Manner, Mass, Shape, SpringLaw,
+    TimeStep, Vec2, World, WorldDef, fx, scalar::Factor as _, vec2,
+};
+
+use crate::random::SplitMix;
+
+/// The bits of [`BodyDef::groups`].
+const SHIP: u32 = 1;
+const ROCK: u32 = 2;
+const SHOT: u32 = 4;
+
+const PUSH: Fx = fx!(40); // N
+const TURN: Fx = fx!(6); // N·m
+const SHOT_SPEED: Fx = fx!(30); // m/s, from the ship
+const SHOT_MASS: Fx = fx!(0.125); // kg
+const REACH: Fx = fx!(1.25); // m, from the centre of what a shot hits
+const SHOT_TICKS: u32 = 45;
+const RELOAD_TICKS: u32 = 12;
+
+/// What a player holds down over a tick. The default is nothing: what GGRS takes for a player who is gone.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub(crate) struct Controls(pub(crate) u8);
+
+impl Controls {
+    const ENGINE: u8 = 1;
+    const LEFT: u8 = 2;
+    const RIGHT: u8 = 4;
+    const FIRE: u8 = 8;
+
+    fn holds(self, button: u8) -> bool {
+        self.0 & button != 0
+    }
+}
+
+/// A player who never tires: buttons at random, another hand of them every six ticks.
+pub(crate) fn bot(seed: u64, player: usize, tick: u64) -> Controls {
+    let held = tick / 6;
+    Controls((SplitMix(seed ^ (held << 8) ^ player as u64).next() & 15) as u8)
+}
+
+/// What happened in a tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Tally {
+    pub(crate) fired: usize,
+    pub(crate) hits: usize,
+    pub(crate) fell_asleep: usize,
+    pub(crate) woke: usize,
+}
+
+/// The handles that hold for a whole match, the same on every peer.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Game {
+    pub(crate) ships: [BodyId; 2],
+    engines: [FieldId; 2],
+}
+
+/// A spring with a damper between the centres of two bodies.
+fn spring(near: BodyId, far: BodyId, rest: Fx) -> Law {
+    let spring = SpringLaw { rest, stiffness: fx!(30), damping: fx!(0.5) };
+    Law::Spring { near: Attachment::centre(near), far: End::Body(Attachment::centre(far)), spring }
+}
+
+fn engine(ship: BodyId, on: bool) -> Law {
+    let force = vec2(if on { PUSH } else { Fx::ZERO }, 0);
+    Law::Thrust { at: Attachment { body: ship, point: vec2(fx!(-0.75), 0) }, force }
+}
+
+/// A ship's user data: the tick from which it may fire again, and how often it was hit.
+fn ship_data(ready: u32, hits: u32) -> u64 {
+    u64::from(ready) << 32 | u64::from(hits)
+}
+
+fn ready_and_hits(user_data: u64) -> (u32, u32) {
+    ((user_data >> 32) as u32, user_data as u32)
+}
+
+impl Game {
+    /// A match at its first tick.
+    ///
+    /// # Errors
+    /// None, unless the definitions below are edited to what a world refuses.
+    pub(crate) fn start() -> Result<(Self, World), Error> {
+        let mut world = World::new(WorldDef {
+            time_step: TimeStep::hz(60),
+            linear_damping: fx!(0.75),
+            angular_damping: fx!(0.25),
+            ..WorldDef::default()
+        })?;
+        let star =
+            Law::Attractor { centre: End::World(Vec2::ZERO), mu: FxFactor::from_ratio(400, 1), softening: fx!(2) };
+        world.add_field(Field { law: star, groups: SHIP | SHOT })?;
+        let ship = BodyDef {
+            shape: Some(Shape::rectangle(fx!(1.5), fx!(1))?),
+            mass: Mass::Of(fx!(2)),
+            groups: SHIP,
+            ..BodyDef::dynamic()
+        };
+        // Opposite each other, on their way around the star.
+        let mut add_ship = |key: u64, side: i32, angle: Fx| -> Result<_, Error> {
+            let def =
+                BodyDef { position: vec2(-12 * side, 0), velocity: vec2(0, 5 * side), angle, key, ..ship.clone() };
+            let (position, velocity) = (def.position, def.velocity);
+            let ship = world.add_body(def)?;
+            let ball = BodyDef {
+                shape: Some(Shape::circle(fx!(0.5))?),
+                mass: Mass::Of(fx!(0.5)),
+                position: position - vec2(2 * side, 0),
+                velocity,
+                groups: SHIP,
+                key: key + 2,
+                ..BodyDef::dynamic()
+            };
+            let ball = world.add_body(ball)?;
+            world.add_field(spring(ship, ball, fx!(2)))?;
+            Ok((ship, world.add_field(engine(ship, false))?))
+        };
+        let (left, right) = (add_ship(0, 1, Fx::ZERO)?, add_ship(1, -1, fx!(3.1415926535))?);
+        let rock = BodyDef {
+            shape: Some(Shape::circle(fx!(1))?),
+            mass: Mass::Of(fx!(4)),
+            // Soon at rest again, and asleep.
+            linear_damping: Some(fx!(0.0001)),
+            angular_damping: Some(fx!(0.0001)),
+            groups: ROCK,
+            ..BodyDef::dynamic()
+        };
+        for (key, (x, y)) in (10..).zip([(0, 7), (6, 4), (6, -4), (0, -7), (-6, -4), (-6, 4)]) {
+            world.add_body(BodyDef { position: vec2(x, y), key, ..rock.clone() })?;
+        }
+        // Two that are bound to each other sleep and wake together.
+        let bound = [(20, 1), (21, -1)].map(|(key, x)| BodyDef { position: vec2(x, 18), key, ..rock.clone() });
+        let [a, b] = bound.map(|def| world.add_body(def));
+        world.add_field(spring(a?, b?, fx!(2)))?;
+        Ok((Self { ships: [left.0, right.0], engines: [left.1, right.1] }, world))
+    }
+
+    /// Moves the match on by a tick.
+    ///
+    /// # Errors
+    /// What the world refuses: the same for every peer.
+    pub(crate) fn advance(&self, world: &mut World, controls: [Controls; 2]) -> Result<Tally, Error> {
+        let mut tally = Tally::default();
+        for (player, held) in controls.into_iter().enumerate() {
+            tally.fired += usize::from(self.steer(world, player, held)?);
+        }
+        tally.hits = self.strike(world)?;
+        let report = world.step();
+        (tally.fell_asleep, tally.woke) = (report.fell_asleep.len(), report.woke.len());
+        Ok(tally)
+    }
+
+    /// What a player's buttons do to the ship; whether it fired.
+    fn steer(&self, world: &mut World, player: usize, held: Controls) -> Result<bool, Error> {
+        let (ship, engine_field) = (self.ships[player], self.engines[player]);
+        let torque = match (held.holds(Controls::LEFT), held.holds(Controls::RIGHT)) {
+            (true, false) => TURN,
+            (false, true) => -TURN,
+            _ => Fx::ZERO,
+        };
+        if torque != Fx::ZERO {
+            world.apply_torque(ship, torque)?;
+        }
+        let wanted = engine(ship, held.holds(Controls::ENGINE));
+        if world.field(engine_field)?.law != wanted {
+            world.set_field(engine_field, wanted)?;
+        }
+        let look = world.body(ship)?;
+        let (ready, hits) = ready_and_hits(look.user_data());
+        // A match is over long before its ticks leave 32 bits.
+        let now = world.tick() as u32;
+        if !held.holds(Controls::FIRE) || now < ready {
+            return Ok(false);
+        }
+        let ahead = |length: Fx| look.rotation().checked_rotate(vec2(length, 0)).unwrap_or(Vec2::ZERO);
+        let shot = BodyDef {
+            shape: Some(Shape::circle(fx!(0.125))?),
+            mass: Mass::Of(SHOT_MASS),
+            position: look.position() + ahead(fx!(1)),
+            velocity: look.velocity() + ahead(SHOT_SPEED),
+            linear_damping: Some(Fx::ONE),
+            groups: SHOT,
+            key: 100 + player as u64,
+            user_data: u64::from(now + SHOT_TICKS),
+            ..BodyDef::dynamic()
+        };
+        world.add_body(shot)?;
+        let recoil = Action::Impulse { impulse: vec2(-(SHOT_SPEED * SHOT_MASS), 0), point: None };
+        world.apply(ship, recoil, Manner::BODY)?;
+        world.set_user_data(ship, ship_data(now + RELOAD_TICKS, hits))?;
+        Ok(true)
+    }
+
+    /// Takes out the shots that hit something or have flown for long enough; the number of hits.
+    fn strike(&self, world: &mut World) -> Result<usize, Error> {
+        let mut hits = 0;
+        let shots: Vec<BodyId> = world.bodies().filter(|b| b.groups() == SHOT).map(|b| b.id()).collect();
+        for shot in shots {
+            let look = world.body(shot)?;
+            let (at, velocity, owner) = (look.position(), look.velocity(), look.key() - 100);
+            if let Some(target) = self.target(world, at, owner as usize) {
+                let impulse = velocity.checked_scale(SHOT_MASS).unwrap_or(Vec2::ZERO);
+                world.apply_impulse_at_point(target, impulse, at)?;
+                if self.ships.contains(&target) {
+                    let (ready, hits) = ready_and_hits(world.body(target)?.user_data());
+                    world.set_user_data(target, ship_data(ready, hits + 1))?;
+                }
+                world.remove_body(shot)?;
+                hits += 1;
+            } else if world.body(shot)?.user_data() <= world.tick() {
+                world.remove_body(shot)?;
+            }
+        }
+        Ok(hits)
+    }
+
+    /// The first body, by its handle, that a shot of this player's is in reach of.
+    fn target(&self, world: &World, at: Vec2, owner: usize) -> Option<BodyId> {
+        let near = |p: Vec2| {
+            let apart = Vec2::new(p.x.saturating_sub(at.x), p.y.saturating_sub(at.y));
+            apart.checked_length().is_some_and(|distance| distance <= REACH)
+        };
+        let hit = |b: &umbra_physics::BodyRef<'_>| {
+            (b.groups() == ROCK || b.id() == self.ships[1 - owner]) && near(b.position())
+        };
+        world.bodies().find(hit).map(|b| b.id())
+    }
+}
