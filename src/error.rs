@@ -7,6 +7,11 @@ use crate::handle::{BodyId, FieldId};
 /// Why a call was refused. The world is as it was before the call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 pub enum Error {
     /// A value is outside the range that [`limits`](crate::limits) gives for its kind.
     OutOfRange {
@@ -94,6 +99,11 @@ pub enum Error {
 /// What a value that was refused is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 pub enum Quantity {
     /// A position or a point.
     Position,
@@ -206,6 +216,7 @@ impl core::error::Error for Error {}
 
 /// A body that was quarantined in a step, and why.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Fault {
     /// The body.
     pub body: BodyId,
@@ -216,6 +227,11 @@ pub struct Fault {
 /// What went wrong with a body in a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 pub enum Cause {
     /// It left the positions of the envelope.
     Position,

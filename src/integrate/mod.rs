@@ -32,6 +32,11 @@ pub enum Integrator {
 
 /// What a stage does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 pub enum Verb {
     /// Evaluates the force fields at the positions now. Reads positions and angles; writes accelerations.
     Fields,
@@ -61,6 +66,7 @@ impl Verb {
 
 /// A stage of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Stage {
     /// What it does.
     pub verb: Verb,

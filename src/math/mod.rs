@@ -1,6 +1,8 @@
 //! Vectors, rotations and the time step.
 
 mod rot;
+#[cfg(feature = "serde")]
+mod serial;
 mod time;
 mod vec2;
 

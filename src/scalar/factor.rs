@@ -77,6 +77,13 @@ impl FxFactor {
         Self::new(quotient | (rest != 0) as u128, shift - exponent)
     }
 
+    /// The factor of these parts; `None` if none has them.
+    #[cfg(feature = "serde")]
+    pub(super) fn from_parts(mantissa: u64, shift: i32) -> Option<Self> {
+        let is_normal = mantissa >> 63 == 1 && shift.unsigned_abs() <= MOST_SHIFT.unsigned_abs();
+        (is_normal || (mantissa, shift) == (0, 0)).then_some(Self { mantissa, shift })
+    }
+
     /// (mantissa, shift).
     #[inline]
     #[must_use]

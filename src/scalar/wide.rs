@@ -123,6 +123,13 @@ pub struct FxSum {
     carries: i64,
 }
 
+#[cfg(feature = "serde")]
+impl FxSum {
+    pub(super) const fn from_bits(low: i128, carries: i64) -> Self {
+        Self { low, carries }
+    }
+}
+
 impl Sum<Fx> for FxSum {
     #[inline]
     fn add(&mut self, term: FxWide) {
