@@ -7,6 +7,11 @@ use crate::handle::{BodyId, FieldId};
 /// Why a call was refused. The world is as it was before the call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 pub enum Error {
     /// A value is outside the range that [`limits`](crate::limits) gives for its kind.
     OutOfRange {
@@ -96,6 +101,11 @@ pub enum Error {
 /// What a value that was refused is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 pub enum Quantity {
     /// A position or a point.
     Position,
@@ -143,6 +153,8 @@ pub enum Quantity {
     Total,
     /// The number of bytes of a game's own data.
     Blob,
+    /// The state of a generator of random numbers.
+    Random,
 }
 
 impl Quantity {
@@ -171,6 +183,7 @@ impl Quantity {
             Self::RestLength => "rest length from 0 to 2^30 m",
             Self::SleepAfter => "number of ticks from 1",
             Self::Total => "total that fits in 64 bits before and after the point",
+            Self::Random => "state of the generator that is not zero",
             Self::Blob => "blob of at most 2^24 bytes",
         }
     }
@@ -212,6 +225,7 @@ impl core::error::Error for Error {}
 
 /// A body that was quarantined in a step, and why.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Fault {
     /// The body.
     pub body: BodyId,
@@ -222,6 +236,11 @@ pub struct Fault {
 /// What went wrong with a body in a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 pub enum Cause {
     /// It left the positions of the envelope.
     Position,

@@ -34,6 +34,11 @@ pub enum BodyKind {
 
 /// Whether a body takes part in steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 pub enum Activity {
     /// It does.
     #[default]
@@ -46,6 +51,11 @@ pub enum Activity {
 
 /// Where a dynamic body's mass and moment of inertia come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 pub enum Mass<S = Fx> {
     /// kg/m² times the area of the shape, kg/m for a segment; the inertia from the shape.
     Density(S),
@@ -58,6 +68,7 @@ pub enum Mass<S = Fx> {
 /// What a body is made from. Start from [`BodyDef::dynamic`], [`kinematic`](Self::kinematic) or
 /// [`fixed`](Self::fixed) and change what differs.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct BodyDef<S: Scalar = Fx> {
     /// What moves it.
     pub kind: BodyKind,

@@ -10,6 +10,14 @@ use crate::wire::{self, Sink, Write as _};
 
 /// The sum of the forces and torques applied to a body over a tick; what undoing that step needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(
+        deny_unknown_fields,
+        bound(serialize = "S::Sum: serde::Serialize", deserialize = "S::Sum: serde::Deserialize<'de>")
+    )
+)]
 pub struct AppliedForce<S: Scalar = Fx> {
     /// The body.
     pub body: BodyId,

@@ -11,6 +11,11 @@ use crate::wire::{wire_enum, wire_struct};
 
 /// What of a body a force depends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 pub enum Dependence {
     /// Nothing.
     Nothing,
@@ -22,6 +27,7 @@ pub enum Dependence {
 
 /// A point of a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Attachment<S = Fx> {
     /// The body.
     pub body: BodyId,
@@ -39,6 +45,11 @@ impl<S: Scalar> Attachment<S> {
 
 /// Where the far end of a spring, or the centre of an attractor, is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 pub enum End<S = Fx> {
     /// A point of the world, m.
     World(Vec2<S>),
@@ -48,6 +59,11 @@ pub enum End<S = Fx> {
 
 /// A closed region: its edge belongs to it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 pub enum Region<S = Fx> {
     /// Around a centre, m.
     Disc {
@@ -68,6 +84,18 @@ pub enum Region<S = Fx> {
 /// A law of force.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(
+        rename_all = "snake_case",
+        deny_unknown_fields,
+        bound(
+            serialize = "S: serde::Serialize, S::Factor: serde::Serialize",
+            deserialize = "S: serde::Deserialize<'de>, S::Factor: serde::Deserialize<'de>"
+        )
+    )
+)]
 pub enum Law<S: Scalar = Fx> {
     /// Acceleration mu·d / (d² + softening²)^(3/2) towards a point, the same for every mass. A body does not attract itself.
     Attractor {
@@ -119,6 +147,17 @@ pub enum Law<S: Scalar = Fx> {
 
 /// A force field: a law and whom it acts on.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(
+        deny_unknown_fields,
+        bound(
+            serialize = "S: serde::Serialize, S::Factor: serde::Serialize",
+            deserialize = "S: serde::Deserialize<'de>, S::Factor: serde::Deserialize<'de>"
+        )
+    )
+)]
 pub struct Field<S: Scalar = Fx> {
     /// The law.
     pub law: Law<S>,

@@ -8,6 +8,7 @@ use crate::scalar::{Scalar, fx::Fx};
 
 /// What a law sees of a body: public values, and what the caller gave it.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct BodyState<S = Fx> {
     /// Its centre of mass, m.
     pub position: Vec2<S>,
@@ -27,6 +28,7 @@ pub struct BodyState<S = Fx> {
 
 /// A force in N and a torque in N·m.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Push<S = Fx> {
     /// Through the centre of mass, world axes.
     pub force: Vec2<S>,
@@ -36,6 +38,7 @@ pub struct Push<S = Fx> {
 
 /// A law's word that it has no answer for a body; the body is quarantined at the end of the step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct LawFault {
     /// A number of the law's own, handed on to the report.
     pub code: u32,

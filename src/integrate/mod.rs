@@ -41,7 +41,11 @@ wire_enum!(Integrator, "the number of an integrator", {
 
 /// What a stage does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 pub enum Verb {
     /// Evaluates the force fields at the positions now. Reads positions and angles; writes accelerations.
     Fields,
@@ -71,6 +75,7 @@ impl Verb {
 
 /// A stage of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Stage {
     /// What it does.
     pub verb: Verb,

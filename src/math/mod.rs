@@ -2,6 +2,8 @@
 
 mod random;
 mod rot;
+#[cfg(feature = "serde")]
+mod serial;
 mod time;
 mod vec2;
 

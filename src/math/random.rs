@@ -2,6 +2,7 @@
 
 use core::ops::RangeInclusive;
 
+use crate::error::{Error, Quantity};
 use crate::scalar::{Turn, fx::Fx};
 
 /// A generator of random numbers: xoshiro256**, of period 2^256 − 1. Not for secrets: its future follows from its past.
@@ -19,6 +20,11 @@ use crate::scalar::{Turn, fx::Fx};
 /// assert!((fx!(0)..fx!(1)).contains(&dice.fraction()));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "[u64; 4]", into = "[u64; 4]")
+)]
 pub struct Random {
     state: [u64; 4],
 }
@@ -27,6 +33,24 @@ impl Default for Random {
     /// Seeded with 0.
     fn default() -> Self {
         Self::seeded(0)
+    }
+}
+
+impl From<Random> for [u64; 4] {
+    fn from(random: Random) -> Self {
+        random.state
+    }
+}
+
+impl TryFrom<[u64; 4]> for Random {
+    type Error = Error;
+
+    /// As [`Random::from_state`].
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] with [`Quantity::Random`].
+    fn try_from(state: [u64; 4]) -> Result<Self, Error> {
+        Self::from_state(state).ok_or(Error::OutOfRange { quantity: Quantity::Random })
     }
 }
 

@@ -7,7 +7,7 @@ use crate::scalar::{Angle, Scalar, Wide, fx::Fx};
 ///
 /// The engine itself turns vectors by the [`Angle`], whose sine and cosine have 30 bits more.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Rot<S = Fx> {
     /// Cosine of the angle.
     pub cos: S,

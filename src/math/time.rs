@@ -5,10 +5,27 @@ use crate::limits::{RATE_MAX, RATE_MIN};
 
 /// The length of a step in seconds, an exact ratio: 1/60 is 1/60.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(from = "Ratio"))]
 pub struct TimeStep {
     num: u32,
     den: u32,
+}
+
+/// A time step as it is written.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+#[serde(rename = "TimeStep", deny_unknown_fields)]
+struct Ratio {
+    num: u32,
+    den: u32,
+}
+
+#[cfg(feature = "serde")]
+impl From<Ratio> for TimeStep {
+    /// In lowest terms, whatever was written: equal steps are equal.
+    fn from(Ratio { num, den }: Ratio) -> Self {
+        Self::ratio(num, den)
+    }
 }
 
 impl TimeStep {
@@ -77,7 +94,7 @@ impl Elapsed {
     }
 }
 
-const fn gcd(mut a: u128, mut b: u128) -> u128 {
+pub(super) const fn gcd(mut a: u128, mut b: u128) -> u128 {
     while b != 0 {
         (a, b) = (b, a % b);
     }

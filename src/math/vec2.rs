@@ -7,7 +7,7 @@ use crate::scalar::{Factor, Scalar, Wide, fx::Fx};
 
 /// A vector of two components, or a pair of whatever `T` is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Vec2<T = Fx> {
     /// To the right.
     pub x: T,

@@ -10,7 +10,7 @@ use super::chunk::{self, Chunk, Tag};
 use super::difference::name_of;
 use super::file::{DONE, Done, FORMAT, HEAD, Head, MAGIC, SNAPSHOT, Segment, TICKS};
 use super::snapshot::{self, Saved};
-use super::{Divergence, Moment, Place, RecordOptions, Recorder, Replay, ReplayError};
+use super::{Divergence, LAW, Moment, Place, RecordOptions, Recorder, Replay, ReplayError};
 use crate::body::{BodyDef, BodyKind, Mass};
 use crate::force::{Attachment, BodyState, Dependence, End, Field, ForceLaw, Law, LawFault, Push, Region};
 use crate::handle::{BodyId, FieldId};
@@ -20,7 +20,7 @@ use crate::scalar::{FxFactor, SpringLaw, fx::Fx};
 use crate::shape::{Part, Shape};
 use crate::wire::{Index, Read as _, Reader};
 use crate::world::{Action, Command, Frame, Input, Inputs, Manner, World, WorldDef};
-use crate::{LAW, fx};
+use crate::fx;
 
 struct Still;
 
@@ -168,7 +168,9 @@ fn recording() -> Vec<u8> {
     }
     let gone = world.add_body(BodyDef::fixed()).expect("a body");
     world.remove_body(gone).expect("it is there");
-    fields().into_iter().for_each(|field| drop(world.add_field(field).expect("a field")));
+    for field in fields() {
+        world.add_field(field).expect("a field");
+    }
     let gone = world.add_field(fields()[3]).expect("a field");
     world.remove_field(gone).expect("it is there");
     world.set_blob(b"some bytes of the game's").expect("few");

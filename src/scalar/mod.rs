@@ -24,6 +24,8 @@ mod float;
 pub mod fx;
 mod lanes;
 mod moments;
+#[cfg(feature = "serde")]
+mod serial;
 mod sweep;
 mod turn;
 mod wide;
@@ -51,6 +53,11 @@ pub trait Number: Copy + Debug + Display + Default + PartialEq + Send + Sync + '
 
 /// A multiple of the time step that an integrator moves over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 pub enum Weight {
     /// The whole step.
     Whole,
@@ -62,6 +69,7 @@ pub enum Weight {
 
 /// A duration: a multiple of the time step, or half of one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Span {
     /// The time step as a ratio in seconds, num / den.
     pub ratio: (u32, u32),
@@ -402,6 +410,7 @@ pub trait Scalar: Number + Display + PartialOrd + Add<Output = Self> + Sub<Outpu
 
 /// The constants of a spring.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct SpringLaw<S> {
     /// Length at which it pulls nothing, m.
     pub rest: S,

@@ -6,6 +6,8 @@
 mod build;
 mod bytes;
 mod mass;
+#[cfg(feature = "serde")]
+mod serial;
 
 use alloc::sync::Arc;
 
@@ -26,6 +28,7 @@ pub struct Shape<S: Scalar = Fx> {
 /// What a shape looks like, in coordinates relative to its centre of mass.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
 pub enum Geometry<S: Scalar = Fx> {
     /// A disc.
     Circle {
@@ -49,6 +52,7 @@ pub enum Geometry<S: Scalar = Fx> {
     /// A convex polygon.
     Polygon {
         /// Its corners, counter-clockwise.
+        #[cfg_attr(feature = "serde", serde(serialize_with = "serial::all"))]
         corners: Arc<[Vec2<S>]>,
     },
     /// A thin rod.
@@ -59,12 +63,14 @@ pub enum Geometry<S: Scalar = Fx> {
     /// Several shapes in one.
     Compound {
         /// Its parts, placed relative to the centre of mass of the whole.
+        #[cfg_attr(feature = "serde", serde(serialize_with = "serial::all"))]
         parts: Arc<[Part<S>]>,
     },
 }
 
 /// A part of a compound.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Part<S: Scalar = Fx> {
     /// Its shape; parts are not compounds themselves.
     pub shape: Shape<S>,

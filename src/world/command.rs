@@ -18,6 +18,18 @@ use crate::wire::{Malformed, Read as _, Reader, Write as _, wire_enum};
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 #[allow(missing_docs, reason = "each stands for the method of its name, with that method's arguments")]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(
+        rename_all = "snake_case",
+        deny_unknown_fields,
+        bound(
+            serialize = "S: serde::Serialize, S::Factor: serde::Serialize",
+            deserialize = "S: serde::Deserialize<'de>, S::Factor: serde::Deserialize<'de>"
+        )
+    )
+)]
 pub enum Command<S: Scalar = Fx> {
     AddBody(BodyDef<S>),
     RemoveBody(BodyId),
@@ -50,6 +62,11 @@ pub enum Command<S: Scalar = Fx> {
 
 /// What a command made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 pub enum Made {
     /// Nothing new.
     Nothing,

@@ -22,7 +22,7 @@ pub enum Frame {
 
 /// How an action is meant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Manner {
     /// What its vectors are relative to.
     pub frame: Frame,
@@ -44,7 +44,11 @@ impl Default for Manner {
 
 /// What is done to a body. Forces and torques add up over a tick and act over its step; impulses act at once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 pub enum Action<S = Fx> {
     /// A force in N, at a point or through the centre of mass.
     Force {

@@ -9,6 +9,17 @@ use crate::wire::{self, Malformed, Out, Read, Reader, Write, wire_struct};
 
 /// A command of a player's.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(
+        deny_unknown_fields,
+        bound(
+            serialize = "S: serde::Serialize, S::Factor: serde::Serialize",
+            deserialize = "S: serde::Deserialize<'de>, S::Factor: serde::Deserialize<'de>"
+        )
+    )
+)]
 pub struct Input<S: Scalar = Fx> {
     /// Whose it is. Players that are let go first have lower numbers.
     pub player: u32,
@@ -47,6 +58,14 @@ impl<S: Scalar> Input<S> {
 /// # Ok::<(), umbra_physics::Error>(())
 /// ```
 #[derive(Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Deserialize),
+    serde(
+        try_from = "Vec<Input<S>>",
+        bound(deserialize = "S: serde::Deserialize<'de>, S::Factor: serde::Deserialize<'de>")
+    )
+)]
 pub struct Inputs<S: Scalar = Fx> {
     rows: Vec<Input<S>>,
 }
@@ -149,6 +168,32 @@ impl Read for Inputs<Fx> {
     }
 }
 
+impl<S: Scalar> TryFrom<Vec<Input<S>>> for Inputs<S> {
+    type Error = Error;
+
+    /// Inputs in any order.
+    ///
+    /// # Errors
+    /// [`Error::DuplicateInput`] for the first two of the same player and sequence.
+    fn try_from(mut rows: Vec<Input<S>>) -> Result<Self, Error> {
+        rows.sort_by_key(Input::place);
+        match rows.windows(2).find(|pair| pair[0].place() == pair[1].place()) {
+            Some(pair) => Err(Error::DuplicateInput { player: pair[0].player, sequence: pair[0].sequence }),
+            None => Ok(Self { rows }),
+        }
+    }
+}
+
+#[cfg(feature = "serde")]
+impl<S: Scalar + serde::Serialize> serde::Serialize for Inputs<S>
+where
+    S::Factor: serde::Serialize,
+{
+    fn serialize<W: serde::Serializer>(&self, serializer: W) -> Result<W::Ok, W::Error> {
+        self.rows.serialize(serializer)
+    }
+}
+
 impl<'a, S: Scalar> IntoIterator for &'a Inputs<S> {
     type Item = &'a Input<S>;
     type IntoIter = core::slice::Iter<'a, Input<S>>;
@@ -160,6 +205,7 @@ impl<'a, S: Scalar> IntoIterator for &'a Inputs<S> {
 
 /// What became of an input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Outcome {
     /// Whose it was.
     pub player: u32,

@@ -37,6 +37,7 @@ pub use outlook::Outlook;
 
 /// What a world is made from.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct WorldDef<S: Scalar = Fx> {
     /// The length of a step.
     pub time_step: TimeStep,
@@ -146,6 +147,7 @@ clone_by_field!(World {
 
 /// What a step did. It borrows from the world: take out what is to be kept.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound(serialize = "S::Sum: serde::Serialize")))]
 pub struct StepReport<'a, S: Scalar = Fx> {
     /// The tick the world is at now.
     pub tick: u64,

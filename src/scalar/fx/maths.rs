@@ -8,6 +8,11 @@ use crate::kernel::{exp_log, sqrt, trig};
 /// Why a function has no value for its argument.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 pub enum MathError {
     /// The argument is zero or negative, where the function has none or no real value.
     NotPositive,

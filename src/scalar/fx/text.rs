@@ -9,6 +9,11 @@ use super::Fx;
 /// Why a text is not a number in I32F32.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 pub enum ParseFxError {
     /// There is no text.
     Empty,

@@ -1,0 +1,529 @@
+//! Plain data goes through text formats and binary ones and comes back equal; nothing comes back that could not be made.
+
+#[path = "support/commands.rs"]
+#[allow(dead_code, reason = "this test needs no world at odds with its commands")]
+mod commands;
+#[path = "support/random.rs"]
+mod random;
+
+use std::collections::BTreeSet;
+use std::fmt::Debug;
+
+use commands::{Author, KINDS};
+use proptest::prelude::*;
+use random::SplitMix;
+use serde::Serialize;
+use serde::de::{DeserializeOwned, Deserializer, Visitor, value::Error as NoValue};
+use serde_json::Value;
+use umbra_physics::scalar::{Factor, FxSum, Span, Sum, Weight};
+use umbra_physics::{
+    Action, Activity, AppliedForce, Attachment, BodyDef, BodyId, BodyKind, BodyState, Cause, Command, Dependence,
+    Elapsed, End, Error, Fault, Field, FieldId, Frame, Fx, FxAccumulator, FxFactor, FxWide, Geometry, Input, Inputs,
+    Integrator, Law, LawFault, Made, Manner, Mass, MathError, Outcome, ParseFxError, Part, Push, Quantity, Region, Rot,
+    Shape, SpringLaw, Stage, TimeStep, Turn, Vec2, Verb, World, WorldDef, fx, vec2,
+};
+
+fn through_both<T: Serialize + DeserializeOwned + PartialEq + Debug>(value: &T) {
+    let json = serde_json::to_string(value).expect("JSON can say it");
+    let back: T = serde_json::from_str(&json).unwrap_or_else(|error| panic!("{error} in {json}"));
+    assert_eq!(&back, value, "{json}");
+    // As readers do that look at it first.
+    let looked_at: Value = serde_json::from_str(&json).expect("JSON");
+    assert_eq!(&serde_json::from_value::<T>(looked_at).expect("the same"), value, "{json}");
+    let bytes = postcard::to_allocvec(value).expect("bytes can say it");
+    assert_eq!(&postcard::from_bytes::<T>(&bytes).expect("what was written"), value, "{bytes:?}");
+}
+
+/// Writes no value, and finds out the names of the variants there are.
+struct Variants<'a>(&'a mut Vec<&'static str>);
+
+impl<'de> Deserializer<'de> for Variants<'_> {
+    type Error = NoValue;
+
+    fn deserialize_any<V: Visitor<'de>>(self, _: V) -> Result<V::Value, NoValue> {
+        Err(serde::de::Error::custom("no enum"))
+    }
+
+    fn deserialize_enum<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        variants: &'static [&'static str],
+        _: V,
+    ) -> Result<V::Value, NoValue> {
+        self.0.extend_from_slice(variants);
+        Err(serde::de::Error::custom("the names are all there is"))
+    }
+
+    serde::forward_to_deserialize_any! {
+        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf option unit unit_struct
+        newtype_struct seq tuple tuple_struct map struct identifier ignored_any
+    }
+}
+
+/// Takes a list with every variant of an enum through both, and fails if one is missing.
+fn every_variant<T: Serialize + DeserializeOwned + PartialEq + Debug>(values: impl IntoIterator<Item = T>) {
+    let mut all = Vec::new();
+    assert!(T::deserialize(Variants(&mut all)).is_err());
+    assert!(!all.is_empty(), "it is no enum");
+    let mut seen = BTreeSet::new();
+    for value in values {
+        through_both(&value);
+        seen.insert(match serde_json::to_value(&value).expect("JSON can say it") {
+            Value::String(name) => name,
+            Value::Object(one) => one.keys().next().expect("a variant has a name").clone(),
+            other => panic!("{other} is no variant"),
+        });
+    }
+    assert_eq!(seen, all.iter().map(|&name| name.to_owned()).collect());
+}
+
+fn body(slot: u32) -> BodyId {
+    BodyId::from_parts(slot, u32::MAX)
+}
+
+fn field(slot: u32) -> FieldId {
+    FieldId::from_parts(slot, 3)
+}
+
+fn attachment() -> Attachment {
+    Attachment { body: body(1), point: vec2(fx!(0.1), -1) }
+}
+
+fn quantities() -> Vec<Quantity> {
+    use Quantity::*;
+    vec![
+        Position,
+        Angle,
+        Velocity,
+        AngularVelocity,
+        Mass,
+        Inertia,
+        Density,
+        Size,
+        Count,
+        Force,
+        Torque,
+        Impulse,
+        Gravity,
+        GravityScale,
+        Damping,
+        Mu,
+        Softening,
+        Stiffness,
+        Drag,
+        RestLength,
+        SleepAfter,
+        Total,
+    ]
+}
+
+fn errors() -> Vec<Error> {
+    let (body, field) = (body(4), field(5));
+    vec![
+        Error::OutOfRange { quantity: Quantity::Mu },
+        Error::NoSuchBody { body },
+        Error::NoSuchField { field },
+        Error::TimeStep,
+        Error::NotConvex { corner: 63 },
+        Error::NoShape,
+        Error::NotDynamic { body },
+        Error::NotMovable { body },
+        Error::Quarantined { body },
+        Error::NotQuarantined { body },
+        Error::DampingHasNoInverse,
+        Error::SameBody { body },
+        Error::ForceLaw { id: u64::MAX },
+        Error::Full,
+        Error::ElapsedTime,
+        Error::DuplicateInput { player: 1, sequence: u32::MAX },
+        Error::TickForgotten { tick: 1, oldest: u64::MAX },
+        Error::TickToCome { tick: 9, present: 8 },
+    ]
+}
+
+fn laws() -> Vec<Law> {
+    let spring = SpringLaw { rest: fx!(0.1), stiffness: Fx::MAX, damping: Fx::DELTA };
+    let (near, at) = (attachment(), attachment());
+    let mu = <FxFactor as Factor<Fx>>::from_ratio(1, 3);
+    let region = Region::Disc { centre: vec2(1, 2), radius: fx!(0.1) };
+    vec![
+        Law::Attractor { centre: End::Body(near), mu, softening: fx!(0.1) },
+        Law::Spring { near, far: End::World(vec2(1, 2)), spring },
+        Law::Drag { linear: fx!(1), quadratic: fx!(2), wind: vec2(3, fx!(-0.1)) },
+        Law::Thrust { at, force: vec2(3, fx!(-0.1)) },
+        Law::Zone { region, acceleration: vec2(3, fx!(-0.1)) },
+        Law::Custom { id: u64::MAX },
+    ]
+}
+
+fn shapes() -> Vec<Shape> {
+    let corners = [vec2(fx!(0.1), 0), vec2(1, fx!(0.3)), vec2(fx!(0.7), 2), vec2(0, fx!(1.1))];
+    let part = |shape: Shape, x: i32| Part { shape, position: vec2(x, fx!(0.1)), angle: fx!(-7.3), density: fx!(0.3) };
+    let mut shapes = vec![
+        Shape::circle(fx!(0.1)).expect("fair"),
+        Shape::rectangle(fx!(0.1), fx!(3)).expect("fair"),
+        Shape::capsule(fx!(0.1), fx!(3)).expect("fair"),
+        Shape::polygon(&corners).expect("convex"),
+        Shape::polygon(&[corners[2], corners[1], corners[0]]).expect("convex"),
+        Shape::segment(corners[0], corners[1]).expect("fair"),
+    ];
+    let parts: Vec<Part> = shapes.iter().zip(0..).map(|(shape, x)| part(shape.clone(), x)).collect();
+    shapes.push(Shape::compound(&parts).expect("fair"));
+    shapes
+}
+
+fn bodies() -> Vec<BodyDef> {
+    let def = |shape: Option<Shape>| BodyDef {
+        shape,
+        angle: fx!(-0.1),
+        linear_damping: Some(fx!(0.1)),
+        angular_damping: None,
+        groups: u32::MAX,
+        key: u64::MAX,
+        user_data: 1 << 63,
+        ..BodyDef::dynamic()
+    };
+    shapes().into_iter().map(Some).chain([None]).map(def).collect()
+}
+
+fn a_world() -> (Author, World) {
+    let mut author = Author { random: SplitMix(5), unfair: 9 };
+    let mut world: World = World::new(WorldDef::default()).expect("fair");
+    while world.bodies().count() < 5 || world.fields().count() < 3 {
+        let _ = world.add_body(author.body());
+        let _ = world.add_field(author.field(&world));
+    }
+    (author, world)
+}
+
+#[test]
+fn every_variant_of_every_enum_comes_back() {
+    every_variant([BodyKind::Static, BodyKind::Kinematic, BodyKind::Dynamic]);
+    every_variant([Activity::Awake, Activity::Asleep, Activity::Quarantined]);
+    every_variant([Mass::Density(fx!(0.1)), Mass::Of(Fx::MIN), Mass::WithInertia(Fx::MAX, Fx::DELTA)]);
+    every_variant(quantities());
+    every_variant(errors());
+    let (field, code) = (field(1), u32::MAX);
+    every_variant(
+        [Cause::Position, Cause::Velocity, Cause::AngularVelocity, Cause::Force]
+            .into_iter()
+            .chain([Cause::Field { field }, Cause::Law { field, code }]),
+    );
+    every_variant([Dependence::Nothing, Dependence::Position, Dependence::Velocity]);
+    every_variant([End::World(vec2(fx!(0.1), 0)), End::Body(attachment())]);
+    let (centre, radius) = (vec2(fx!(0.1), 0), fx!(0.1));
+    every_variant([Region::Disc { centre, radius }, Region::Box { min: centre, max: vec2(1, 2) }]);
+    every_variant(laws());
+    every_variant(Integrator::ALL);
+    every_variant([Verb::Fields, Verb::Kick, Verb::Drift, Verb::Damp, Verb::Clear]);
+    every_variant([Frame::World, Frame::Body]);
+    let (force, point) = (vec2(fx!(0.1), 0), Some(vec2(fx!(0.1), 0)));
+    every_variant([
+        Action::Force { force, point },
+        Action::Torque(fx!(0.1)),
+        Action::Impulse { impulse: force, point: None },
+        Action::AngularImpulse(Fx::MIN),
+    ]);
+    every_variant([Made::Nothing, Made::Body(body(1)), Made::Field(field)]);
+    every_variant([Weight::Whole, Weight::YoshidaOuter, Weight::YoshidaInner]);
+    every_variant([ParseFxError::Empty, ParseFxError::InvalidDigit { position: 7 }, ParseFxError::OutOfRange]);
+    every_variant([MathError::NotPositive, MathError::Overflow]);
+    every_variant(shapes());
+    let (mut author, world) = a_world();
+    every_variant((0..KINDS).map(|kind| author.of_kind(kind, &world)));
+}
+
+#[test]
+fn every_plain_struct_comes_back() {
+    through_both(&Vec2::new(fx!(0.1), Fx::MIN));
+    through_both(&Rot::from_radians(fx!(0.1)));
+    through_both(&TimeStep::ratio(1001, 60_000));
+    through_both(&Elapsed { num: u128::MAX, den: u128::MAX - 1 });
+    through_both(&Manner::BODY);
+    through_both(&WorldDef::<Fx> { gravity: vec2(0, fx!(-9.81)), sleep_after: None, ..WorldDef::default() });
+    through_both(&attachment());
+    laws().into_iter().for_each(|law| through_both(&Field { law, groups: 5 }));
+    bodies().iter().for_each(through_both);
+    for integrator in Integrator::ALL {
+        integrator.stages().iter().for_each(through_both::<Stage>);
+        for &(weight, half) in integrator.spans() {
+            through_both(&Span { ratio: (1, 60), weight, half });
+        }
+    }
+    through_both(&SpringLaw { rest: fx!(0.1), stiffness: Fx::MAX, damping: Fx::ZERO });
+    through_both(&Fault { body: body(1), cause: Cause::Field { field: field(2) } });
+    let position = vec2(fx!(0.1), 0);
+    let (velocity, angle, angular_velocity) = (position, fx!(0.1), fx!(-0.1));
+    through_both(&BodyState { position, angle, velocity, angular_velocity, mass: fx!(3), key: 4, user_data: u64::MAX });
+    through_both(&Push { force: position, torque: fx!(0.1) });
+    through_both(&LawFault { code: u32::MAX });
+    through_both(&Outcome { player: 1, sequence: 2, result: Ok(Made::Body(body(3))) });
+    errors().into_iter().for_each(|error| through_both(&Outcome { player: 1, sequence: 2, result: Err(error) }));
+    let (mut author, world) = a_world();
+    let mut inputs = Inputs::new();
+    for player in [3, 1, 2] {
+        let input = Input { player, sequence: 7, command: author.any(&world) };
+        through_both(&input);
+        inputs.insert(input).expect("each has a place of its own");
+    }
+    through_both(&inputs);
+}
+
+#[test]
+fn what_was_applied_over_a_tick_comes_back() {
+    let mut world: World = World::new(WorldDef::default()).expect("fair");
+    let ids = [0, 1].map(|_| world.add_body(BodyDef::dynamic()).expect("fair"));
+    for _ in 0..5 {
+        world.apply_force_at_point(ids[0], vec2(fx!(-0.1), Fx::MAX), vec2(fx!(0.3), 7)).expect("fair");
+        // More than a `Wide` holds, so that the sum is carried.
+        world.apply_force_at_point(ids[1], Vec2::new(Fx::MIN, Fx::MAX), Vec2::new(fx!(-1e9), fx!(-1e9))).expect("fair");
+    }
+    let report = world.step();
+    assert_eq!(report.applied.iter().map(|row| row.torque().is_some()).collect::<Vec<_>>(), [true, false]);
+    report.applied.iter().for_each(through_both::<AppliedForce>);
+    let json = serde_json::to_value(report).expect("JSON can say it");
+    assert_eq!(json["tick"], 1);
+    assert_eq!(json["applied"].as_array().map(Vec::len), Some(2));
+}
+
+#[test]
+fn any_command_comes_back() {
+    let (mut author, world) = a_world();
+    for _ in 0..4_000 {
+        through_both(&author.any(&world));
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2_000))]
+
+    #[test]
+    fn any_number_comes_back(bits: i128, word: u64, small: i64, shift in -16_384i32..=16_384, cut in 0u32..128) {
+        for bits in [bits, bits >> cut, i128::MIN, i128::MAX, -1] {
+            through_both(&FxAccumulator::from_bits(bits));
+            through_both(&FxWide::from_bits(bits));
+        }
+        through_both(&Turn::from_bits(word));
+        through_both(&Fx::from_bits(small));
+        through_both(&(BodyId::from_parts(word as u32, (word >> 32) as u32), FieldId::from_parts(word as u32, 0)));
+        let factor = format!(r#"{{"mantissa":{},"shift":{shift}}}"#, word | 1 << 63);
+        through_both(&serde_json::from_str::<FxFactor>(&factor).expect("a factor"));
+        let mut sum = FxSum::default();
+        for _ in 0..word % 9 {
+            sum.add(FxWide::from_bits(bits));
+        }
+        through_both(&sum);
+    }
+
+    #[test]
+    fn any_shape_comes_back_to_the_bit(
+        corners in proptest::collection::vec((-(1i64 << 44)..=1 << 44, -(1i64 << 44)..=1 << 44), 3..6),
+        scale in 0u32..36,
+        parts in proptest::collection::vec((any::<i64>(), any::<i64>(), any::<i64>(), 1i64..), 1..9),
+    ) {
+        let point = |&(x, y): &(i64, i64)| Vec2::new(Fx::from_bits(x >> scale), Fx::from_bits(y >> scale));
+        let corners: Vec<Vec2> = corners.iter().map(point).collect();
+        let simple: Vec<Shape> = [Shape::polygon(&corners), Shape::polygon(&corners[..3]), Shape::segment(corners[0], corners[1])]
+            .into_iter().flatten().chain(Shape::circle(fx!(0.3))).collect();
+        simple.iter().for_each(through_both);
+        let part = |(i, &(x, y, angle, density)): (usize, &(i64, i64, i64, i64))| Part {
+            shape: simple[i % simple.len()].clone(),
+            position: point(&(x >> 19, y >> 19)),
+            angle: Fx::from_bits(angle),
+            density: Fx::from_bits(density),
+        };
+        let parts: Vec<Part> = parts.iter().enumerate().map(part).collect();
+        parts.iter().for_each(through_both);
+        through_both(&Shape::compound(&parts).expect("all are within the limits"));
+    }
+}
+
+fn json(value: &impl Serialize) -> String {
+    serde_json::to_string(value).expect("JSON can say it")
+}
+
+#[test]
+fn numbers_are_exact_decimals_where_people_read() {
+    assert_eq!(json(&FxWide::from_bits(-5 << 62)), r#""-1.25""#);
+    assert_eq!(json(&FxAccumulator::from_bits(3 << 95)), r#""1.5""#);
+    assert_eq!(json(&FxAccumulator::from_bits(i128::MIN)), r#""-2147483648""#);
+    assert_eq!(json(&Turn::QUARTER), r#""0.25""#);
+    assert_eq!(json(&Elapsed { num: 60_001, den: 60_000 }), r#"{"num":"60001","den":"60000"}"#);
+    assert_eq!(json(&TimeStep::hz(60)), r#"{"num":1,"den":60}"#);
+    let least = FxAccumulator::from_bits(1);
+    // 2^-96 has 96 digits behind the point, and 5^96 is what they end with.
+    let text = json(&least);
+    assert!(text.len() == 96 + 4 && text.ends_with("4462890625\""), "{text}");
+    for (text, bits) in [("-0", Some(0)), ("007.50", Some(15 << 63)), ("1.", None), (".5", None), ("", None)] {
+        let read = serde_json::from_str::<FxWide>(&format!("{text:?}"));
+        assert_eq!(read.ok(), bits.map(FxWide::from_bits), "{text}");
+    }
+    for text in ["+1", "1e3", "0x1", "-", "--1", "1_0", "9223372036854775808", "-9223372036854775808.5", "0.1", "٣"] {
+        let error = serde_json::from_str::<FxWide>(&format!("{text:?}")).expect_err("no such number");
+        assert!(error.to_string().contains("multiple of 2^-64"), "{text}: {error}");
+    }
+    assert!(serde_json::from_str::<FxWide>(&format!("\"0.{}\"", "0".repeat(300))).is_ok());
+    assert!(serde_json::from_str::<FxWide>(&format!("\"0.{}1\"", "0".repeat(300))).is_err());
+    assert!(serde_json::from_str::<FxWide>(&format!("\"{}\"", "9".repeat(300))).is_err());
+}
+
+fn refused<T: DeserializeOwned + Debug>(json: &str, why: &str) {
+    let error = serde_json::from_str::<T>(json).expect_err(json);
+    assert!(error.to_string().contains(why), "{json}: {error}");
+}
+
+#[test]
+fn what_could_not_be_made_is_not_read() {
+    // A factor in any other form would not be equal to the same one.
+    for (mantissa, shift) in
+        [(1u64, 0), (0, 1), (1 << 62, 62), (1 << 63, 16_385), (1 << 63, -16_385), (1 << 63, i32::MIN)]
+    {
+        refused::<FxFactor>(&format!(r#"{{"mantissa":{mantissa},"shift":{shift}}}"#), "a factor is");
+    }
+    for text in ["1", "-0.5"] {
+        refused::<Turn>(&format!("{text:?}"), "below 1 turn");
+    }
+    for (num, den) in [(1, 0), (0, 0), (0, 2), (2, 4)] {
+        refused::<Elapsed>(&format!(r#"{{"num":"{num}","den":"{den}"}}"#), "lowest terms");
+    }
+    let step: TimeStep = serde_json::from_str(r#"{"num":2,"den":120}"#).expect("a time step");
+    assert_eq!(step, TimeStep::hz(60));
+    let step: TimeStep =
+        postcard::from_bytes(&postcard::to_allocvec(&(0u32, 5u32)).expect("bytes")).expect("a time step");
+    assert_eq!(step, TimeStep::ratio(0, 5));
+    for (json, why) in [
+        (r#"{"circle":{"radius":"0"}}"#, "expected a size"),
+        (r#"{"polygon":{"corners":[{"x":0,"y":0},{"x":1,"y":0},{"x":2,"y":0}]}}"#, "not convex at corner"),
+        (r#"{"compound":{"parts":[]}}"#, "of parts from 1 to 256"),
+        (r#"{"segment":{"ends":[{"x":0,"y":0}]}}"#, "invalid length 1"),
+    ] {
+        refused::<Shape>(json, why);
+    }
+    let input = |player: u32| format!(r#"{{"player":{player},"sequence":0,"command":{{"set_sleep_after":null}}}}"#);
+    refused::<Inputs>(&format!("[{0},{1},{0}]", input(2), input(1)), "player 2 has an input 0 already");
+    let inputs: Inputs = serde_json::from_str(&format!("[{},{}]", input(2), input(1))).expect("in any order");
+    assert_eq!(inputs.iter().map(|input| input.player).collect::<Vec<_>>(), [1, 2]);
+}
+
+#[test]
+fn a_compound_has_no_compounds_however_deep() {
+    let compound = |inner: &str| {
+        format!(r#"{{"compound":{{"parts":[{{"shape":{inner},"position":{{"x":0,"y":0}},"angle":0,"density":1}}]}}}}"#)
+    };
+    let one = compound(r#"{"circle":{"radius":1}}"#);
+    assert!(serde_json::from_str::<Shape>(&one).is_ok());
+    refused::<Shape>(&compound(&one), "no compound");
+    // Variant 5 with one part, whose shape is variant 5 with one part, and so on: bytes enough for any stack.
+    let bytes = [5, 1].repeat(1 << 20);
+    assert!(postcard::from_bytes::<Shape>(&bytes).is_err());
+    // A part that stands alone may have one, as a compound refuses it.
+    assert!(postcard::from_bytes::<Part>(&bytes).is_err());
+    // More corners than there are bytes for.
+    assert!(postcard::from_bytes::<Shape>(&[3, 255, 255, 255, 255, 15]).is_err());
+}
+
+/// Each object within a value, once with a field that it does not have.
+fn with_strangers(value: &Value) -> Vec<Value> {
+    match value {
+        Value::Object(fields) => {
+            let mut all = vec![{
+                let mut fields = fields.clone();
+                fields.insert("stranger".into(), Value::from(1));
+                Value::Object(fields)
+            }];
+            for (name, inner) in fields {
+                all.extend(with_strangers(inner).into_iter().map(|inner| {
+                    let mut fields = fields.clone();
+                    fields.insert(name.clone(), inner);
+                    Value::Object(fields)
+                }));
+            }
+            all
+        }
+        Value::Array(items) => {
+            let inside = |(i, item): (usize, &Value)| {
+                let put = move |inner: Value| {
+                    let mut items = items.clone();
+                    items[i] = inner;
+                    Value::Array(items)
+                };
+                with_strangers(item).into_iter().map(put).collect::<Vec<_>>()
+            };
+            items.iter().enumerate().flat_map(inside).collect()
+        }
+        _ => Vec::new(),
+    }
+}
+
+fn refuses_strangers<T: Serialize + DeserializeOwned + Debug>(value: &T) {
+    let json = serde_json::to_value(value).expect("JSON can say it");
+    for json in with_strangers(&json) {
+        let read = serde_json::from_value::<T>(json.clone());
+        assert!(read.is_err(), "{json} was read as {read:?}");
+    }
+}
+
+#[test]
+fn a_field_that_is_not_there_is_refused_wherever_it_stands() {
+    let (mut author, world) = a_world();
+    (0..KINDS * 40).for_each(|kind| refuses_strangers(&author.of_kind(kind % KINDS, &world)));
+    bodies().iter().for_each(refuses_strangers);
+    errors().iter().for_each(refuses_strangers);
+    laws().iter().for_each(refuses_strangers);
+    refuses_strangers(&WorldDef::<Fx>::default());
+    refuses_strangers(&Elapsed::ZERO);
+    refuses_strangers(&FxSum::default());
+    refuses_strangers(&Rot::<Fx>::IDENTITY);
+    refuses_strangers(&Fault { body: body(1), cause: Cause::Field { field: field(2) } });
+    refuses_strangers(&Outcome { player: 1, sequence: 2, result: Ok(Made::Body(body(3))) });
+    refuses_strangers(&Integrator::Yoshida4.stages()[0]);
+    refuses_strangers(&Push::<Fx>::default());
+    refuses_strangers(&LawFault { code: 1 });
+}
+
+#[test]
+fn bytes_that_were_damaged_are_read_as_something_else_or_refused_and_no_world_minds() {
+    let (mut author, world) = a_world();
+    let mut read = 0;
+    for _ in 0..20_000 {
+        let mut bytes = postcard::to_allocvec(&author.any(&world)).expect("bytes can say it");
+        for _ in 0..1 + author.random.next() % 3 {
+            let at = author.random.next() as usize % bytes.len();
+            match author.random.next() % 3 {
+                0 => bytes[at] = author.random.next() as u8,
+                1 => bytes[at] ^= 1 << (author.random.next() % 8),
+                _ => bytes.truncate(at + 1),
+            }
+        }
+        if let Ok(command) = postcard::from_bytes::<Command>(&bytes) {
+            read += 1;
+            through_both(&command);
+            let mut world = world.clone();
+            assert_eq!(world.check(&command), world.execute(&command).map(drop));
+            world.step();
+        }
+    }
+    assert!(read > 1_000, "{read}");
+}
+
+#[test]
+fn the_geometry_of_a_shape_can_be_written() {
+    let geometry = |shape: &Shape| serde_json::to_value(shape.geometry()).expect("JSON can say it");
+    let corners: Vec<Value> = shapes().iter().map(geometry).collect();
+    assert_eq!(corners[0]["circle"]["radius"], fx!(0.1).to_string());
+    // About the centre of mass, as it is used.
+    let Geometry::Polygon { corners: used } = shapes()[3].geometry().clone() else { panic!("a polygon") };
+    assert_eq!(corners[3]["polygon"]["corners"][0]["x"], used[0].x.to_string());
+    assert_eq!(corners[6]["compound"]["parts"].as_array().map(Vec::len), Some(6));
+}
+
+#[cfg(feature = "float")]
+#[test]
+fn commands_of_the_float_builds_come_back() {
+    let shape = Shape::<f64>::rectangle(0.5, 1.5).expect("fair");
+    let body: BodyDef<f64> = BodyDef { shape: Some(shape), angle: 0.1, ..BodyDef::dynamic() };
+    through_both(&Command::AddBody(body));
+    let law = Law::<f64>::Attractor { centre: End::World(vec2(0.25, 3.0)), mu: 0.1, softening: 0.5 };
+    through_both(&Command::AddField(Field::from(law)));
+    through_both(&WorldDef::<f32>::default());
+}
