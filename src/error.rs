@@ -73,6 +73,8 @@ pub enum Error {
     Full,
     /// The elapsed time is no longer a ratio of 128-bit integers: too many different time steps were used.
     ElapsedTime,
+    /// A snapshot says things of a world that cannot be so together.
+    Inconsistent,
     /// A tick has an input of this player and sequence already.
     DuplicateInput {
         /// The player.
@@ -149,6 +151,8 @@ pub enum Quantity {
     SleepAfter,
     /// A total of energy or momentum.
     Total,
+    /// The number of bytes of a game's own data.
+    Blob,
 }
 
 impl Quantity {
@@ -177,6 +181,7 @@ impl Quantity {
             Self::RestLength => "rest length from 0 to 2^30 m",
             Self::SleepAfter => "number of ticks from 1",
             Self::Total => "total that fits in 64 bits before and after the point",
+            Self::Blob => "blob of at most 2^24 bytes",
         }
     }
 }
@@ -204,6 +209,7 @@ impl fmt::Display for Error {
             Self::SameBody { body } => write!(f, "both ends are attached to {body}"),
             Self::ForceLaw { id } => write!(f, "force law {id:#x} is not registered, or registered twice"),
             Self::Full => f.write_str("the world holds no more of these"),
+            Self::Inconsistent => f.write_str("the parts of the snapshot do not fit together"),
             Self::ElapsedTime => f.write_str("the elapsed time is no longer a ratio of 128-bit integers"),
             Self::DuplicateInput { player, sequence } => write!(f, "player {player} has an input {sequence} already"),
             Self::TickForgotten { tick, oldest } => write!(f, "tick {tick} is forgotten: the oldest kept is {oldest}"),

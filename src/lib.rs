@@ -46,7 +46,6 @@ macro_rules! clone_by_field {
 }
 
 mod body;
-mod digest;
 mod error;
 mod force;
 mod handle;
@@ -60,6 +59,7 @@ pub mod scalar;
 pub mod scene;
 mod shape;
 mod step;
+mod wire;
 mod world;
 
 pub use body::{Activity, BodyDef, BodyKind, Mass};
@@ -67,13 +67,17 @@ pub use error::{Cause, Error, Fault, Quantity};
 pub use force::{AppliedForce, Attachment, BodyState, Dependence, End, Field, ForceLaw, Law, LawFault, Push, Region};
 pub use handle::{BodyId, FieldId};
 pub use integrate::{Integrator, Stage, Verb};
-pub use math::{Elapsed, Rot, TimeStep, Vec2, vec2};
-pub use replay::LAW;
+pub use math::{Elapsed, Random, Rot, TimeStep, Vec2, vec2};
+pub use replay::{
+    Difference, Divergence, Finding, HashTree, LAW, Moment, Place, Playback, RecordOptions, Recorder, Replay,
+    ReplayError, Snapshot, SnapshotError,
+};
 pub use scalar::fx::{Fx, MathError, ParseFxError};
 pub use scalar::{FxAccumulator, FxFactor, FxWide, Scalar, SpringLaw, Turn};
 pub use shape::{Geometry, Part, Shape};
 #[cfg(feature = "timers")]
 pub use step::Timers;
+pub use wire::Malformed;
 pub use world::{
     Action, BodyRef, Command, Frame, History, Input, Inputs, Made, Manner, Outcome, Outlook, StepReport, TickReport,
     World, WorldDef, step_all,

@@ -65,3 +65,5 @@ pub const PARTS: usize = 256;
 pub const BODIES: usize = 1 << 24;
 /// The most force fields a world has: handles are 32-bit.
 pub const FIELDS: usize = 1 << 24;
+/// The most bytes of a game's own data a world carries along: 16 MiB.
+pub const BLOB: usize = 1 << 24;

@@ -13,7 +13,7 @@ const LEVELS: [&[&str]; 13] = [
     &["scalar"],
     &["limits"],
     &["math"],
-    &["digest"],
+    &["wire"],
     &["shape"],
     &["body"],
     &["force", "integrate"],

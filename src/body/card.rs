@@ -6,9 +6,9 @@ use alloc::vec::Vec;
 
 use super::tuning::Key;
 use super::{BodyDef, BodyKind, Mass, MassProperties, inertia_of, mass_of};
-use crate::digest::Sink;
 use crate::scalar::Scalar;
 use crate::shape::Shape;
+use crate::wire::{Sink, Write as _};
 
 /// What a step does not change of a body, and rarely reads.
 #[derive(Clone, Debug)]
@@ -53,33 +53,15 @@ impl<S: Scalar> Card<S> {
     /// A hash of all of it and of what its factors are made from.
     pub(super) fn digest(&self, key: &Key<S>) -> u64 {
         let mut sink = Sink::new();
-        sink.u8(match self.kind {
-            BodyKind::Static => 0,
-            BodyKind::Kinematic => 1,
-            BodyKind::Dynamic => 2,
-        });
-        sink.u32(self.groups);
-        sink.u64(self.key);
-        sink.u64(self.user_data);
-        match self.mass {
-            Mass::Density(density) => {
-                sink.u8(0);
-                sink.scalar(density);
-            }
-            Mass::Of(mass) => {
-                sink.u8(1);
-                sink.scalar(mass);
-            }
-            Mass::WithInertia(mass, inertia) => {
-                sink.u8(2);
-                sink.scalar(mass);
-                sink.scalar(inertia);
-            }
-        }
-        sink.scalar(key.gravity_scale);
-        sink.option(key.linear, Sink::scalar);
-        sink.option(key.angular, Sink::scalar);
-        sink.option(self.shape.as_deref(), |sink, shape| shape.write(sink));
+        self.kind.write(&mut sink);
+        self.groups.write(&mut sink);
+        self.key.write(&mut sink);
+        self.user_data.write(&mut sink);
+        self.mass.write(&mut sink);
+        key.gravity_scale.write(&mut sink);
+        key.linear.write(&mut sink);
+        key.angular.write(&mut sink);
+        self.shape.write(&mut sink);
         sink.finish()
     }
 }

@@ -8,12 +8,12 @@ use super::card::{Card, Roster};
 use super::motion::{Acceleration, Block, Motion};
 use super::tuning::{Climate, Key, Tunings};
 use super::{Activity, BodyDef, BodyKind, MassProperties};
-use crate::digest::Sink;
 use crate::error::Error;
 use crate::handle::BodyId;
 use crate::limits;
-use crate::scalar::{Accumulator, Angle, Scalar, Wide};
+use crate::scalar::{Accumulator, Angle, Scalar};
 use crate::shape::Shape;
+use crate::wire::{self, Sink, Write as _};
 
 /// No index.
 pub(crate) const NONE: u32 = u32::MAX;
@@ -189,9 +189,9 @@ impl<S: Scalar> Bodies<S> {
 
     /// Adds to a hash all bodies and how their handles are given out.
     pub(crate) fn write(&self, sink: &mut Sink) {
-        sink.count(self.slots.len());
+        wire::count(sink, self.slots.len());
         sink.all(&self.slots, |slot| (u64::from(slot.generation) << 1 | u64::from(slot.dense != NONE)).to_le_bytes());
-        sink.count(self.free.len());
+        wire::count(sink, self.free.len());
         sink.all(&self.free, u32::to_le_bytes);
         let Columns { motion, slot, activity, .. } = &self.columns;
         let runs = self.runs();
@@ -206,7 +206,7 @@ impl<S: Scalar> Bodies<S> {
         runs.iter().for_each(|run| sink.all(&slot[run.clone()], digest));
         if self.keeps_last {
             for last in runs.iter().flat_map(|run| &motion.last[run.clone()]) {
-                [last.linear.x, last.linear.y, last.angular].iter().for_each(|a| sink.i128(a.to_bits()));
+                [last.linear.x, last.linear.y, last.angular].iter().for_each(|a| a.write(sink));
             }
         }
     }
@@ -224,11 +224,30 @@ impl<S: Scalar> Bodies<S> {
         tunings: &mut Tunings<S>,
         climate: &Climate<'_, S>,
     ) -> BodyId {
+        let slot = match self.free.pop() {
+            Some(slot) => slot,
+            None => self.new_slot(0),
+        };
+        self.insert_at(slot, def, properties, tunings, climate);
+        BodyId { slot, generation: self.slots[slot as usize].generation }
+    }
+
+    /// Adds a slot without a body.
+    pub(super) fn new_slot(&mut self, generation: u32) -> u32 {
+        push(&mut self.slots, Slot { generation, dense: NONE });
+        (self.slots.len() - 1) as u32
+    }
+
+    /// Puts a body into a slot without one. *Domain* the definition was checked.
+    pub(super) fn insert_at(
+        &mut self,
+        slot: u32,
+        def: BodyDef<S>,
+        properties: MassProperties<S>,
+        tunings: &mut Tunings<S>,
+        climate: &Climate<'_, S>,
+    ) {
         let dense = self.len();
-        let slot = self.free.pop().unwrap_or_else(|| {
-            push(&mut self.slots, Slot { generation: 0, dense: NONE });
-            (self.slots.len() - 1) as u32
-        });
         self.slots[slot as usize].dense = dense as u32;
         let columns = &mut self.columns;
         columns.motion.push(def.position, def.velocity, S::Angle::from_radians(def.angle), def.angular_velocity);
@@ -244,20 +263,52 @@ impl<S: Scalar> Bodies<S> {
         push(&mut columns.tuning, tunings.acquire(key, climate));
         push(&mut columns.slot, slot);
         push(&mut columns.activity, Activity::Awake);
-        let Roster { cards, digests, shapes } = Arc::make_mut(&mut self.roster);
+        let shapes = &mut Arc::make_mut(&mut self.roster).shapes;
         let card = Card::new(&def, def.shape.clone().map(|shape| shapes.acquire(shape)), properties);
         let digest = card.digest(&key);
-        if let Some(old) = cards.get_mut(slot as usize) {
-            (*old, digests[slot as usize]) = (card, digest);
-        } else {
-            push(cards, card);
-            push(digests, digest);
-        }
+        self.place_card(slot as usize, card, digest);
         if def.kind != BodyKind::Static {
             self.swap(dense, self.moving);
             self.moving += 1;
         }
-        BodyId { slot, generation: self.slots[slot as usize].generation }
+    }
+
+    pub(super) fn place_card(&mut self, slot: usize, card: Card<S>, digest: u64) {
+        let Roster { cards, digests, .. } = Arc::make_mut(&mut self.roster);
+        if let Some(old) = cards.get_mut(slot) {
+            (*old, digests[slot]) = (card, digest);
+        } else {
+            push(cards, card);
+            push(digests, digest);
+        }
+    }
+
+    /// The index of the body in a slot.
+    pub(super) fn slot_index(&self, slot: usize) -> usize {
+        self.slots[slot].dense as usize
+    }
+
+    /// The slots: how often each was taken before, and the index of its body in the columns.
+    pub(crate) fn slots(&self) -> impl ExactSizeIterator<Item = (u32, Option<usize>)> {
+        self.slots.iter().map(|slot| (slot.generation, (slot.dense != NONE).then_some(slot.dense as usize)))
+    }
+
+    /// The slots to take next, the last one first.
+    pub(crate) fn free(&self) -> &[u32] {
+        &self.free
+    }
+
+    /// Says which slots to take next: each one without a body, and once.
+    pub(super) fn set_free(&mut self, free: Vec<u32>) -> Result<(), Error> {
+        let mut is_free = alloc::vec![false; self.slots.len()];
+        for &slot in &free {
+            match (self.slots.get(slot as usize), is_free.get_mut(slot as usize)) {
+                (Some(Slot { dense: NONE, .. }), Some(seen @ false)) => *seen = true,
+                _ => return Err(Error::Inconsistent),
+            }
+        }
+        self.free = free;
+        Ok(())
     }
 
     /// Adds a body of another world with the same parameters, with all that it is but its handle.

@@ -3,17 +3,20 @@
 mod card;
 mod columns;
 mod motion;
+mod record;
 mod tuning;
 
 use crate::error::{Error, Quantity};
 use crate::limits;
 use crate::math::Vec2;
-use crate::scalar::{Factor, Scalar, fx::Fx};
+use crate::scalar::{Accumulator, Factor, Scalar, fx::Fx};
 use crate::shape::Shape;
+use crate::wire::{wire_enum, wire_struct};
 
 pub(crate) use card::Card;
 pub(crate) use columns::{Bodies, NONE};
 pub(crate) use motion::{Acceleration, BLOCK, Block, Motion};
+pub(crate) use record::{Occupant, Record, ShapeSource};
 pub(crate) use tuning::{Climate, GENTLE_STEPS, Key, SPANS, Tuning, Tunings};
 
 /// What moves a body.
@@ -94,6 +97,29 @@ pub struct BodyDef<S: Scalar = Fx> {
     /// Anything of the caller's.
     pub user_data: u64,
 }
+
+wire_enum!(BodyKind, "the number of a kind of body", { 0 => Static, 1 => Kinematic, 2 => Dynamic });
+wire_enum!(Activity, "the number of an activity", { 0 => Awake, 1 => Asleep, 2 => Quarantined });
+wire_enum!(Mass<S>, "the number of a way to give a mass", {
+    0 => Density(density),
+    1 => Of(mass),
+    2 => WithInertia(mass, inertia),
+});
+wire_struct!(BodyDef {
+    kind,
+    position,
+    angle,
+    velocity,
+    angular_velocity,
+    shape,
+    mass,
+    gravity_scale,
+    linear_damping,
+    angular_damping,
+    groups,
+    key,
+    user_data,
+});
 
 impl<S: Scalar> BodyDef<S> {
     /// A body of 1 kg that everything moves, at rest at the origin.
@@ -215,6 +241,12 @@ fn check(ok: bool, quantity: Quantity) -> Result<(), Error> {
 fn within<S: Scalar>(value: S, limit: Fx) -> bool {
     let limit = S::from_fx(limit);
     -limit <= value && value <= limit
+}
+
+/// What [`check_position`] and its like ask, of what a step left.
+fn within_envelope<S: Scalar>(pair: Vec2<S::Accumulator>, limit: Fx, quantity: Quantity) -> Result<(), Error> {
+    let limit = S::from_fx(limit);
+    check(pair.x.is_within(limit) && pair.y.is_within(limit), quantity)
 }
 
 pub(crate) fn check_position<S: Scalar>(position: Vec2<S>) -> Result<(), Error> {

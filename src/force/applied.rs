@@ -3,10 +3,10 @@
 use alloc::vec::Vec;
 
 use crate::body::NONE;
-use crate::digest::Sink;
 use crate::handle::BodyId;
 use crate::math::Vec2;
 use crate::scalar::{Scalar, Sum, fx::Fx};
+use crate::wire::{self, Sink, Write as _};
 
 /// The sum of the forces and torques applied to a body over a tick; what undoing that step needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,10 +89,10 @@ impl<S: Scalar> Applied<S> {
     }
 
     /// Takes over what was applied to a body of another world.
-    pub(crate) fn adopt(&mut self, body: BodyId, row: &AppliedForce<S>) {
+    pub(crate) fn adopt(&mut self, body: BodyId, force: Vec2<S::Sum>, torque: S::Sum) {
         self.add(body, Vec2::default(), S::Wide::default());
         if let Some(own) = self.rows.last_mut() {
-            (own.force, own.torque) = (row.force, row.torque);
+            (own.force, own.torque) = (force, torque);
         }
     }
 
@@ -120,17 +120,14 @@ impl<S: Scalar> Applied<S> {
 
     /// Adds to a hash what was applied since the last step, in the order of the slots.
     pub(crate) fn write(&self, sink: &mut Sink) {
-        sink.count(self.rows.len());
+        wire::count(sink, self.rows.len());
         if self.rows.is_empty() {
             return;
         }
         for row in self.at.iter().filter_map(|&index| self.rows.get(index as usize)) {
-            sink.u32(row.body.slot);
-            for sum in [row.force.x, row.force.y, row.torque] {
-                let (low, carries) = sum.to_bits();
-                sink.i128(low);
-                sink.u64(carries as u64);
-            }
+            row.body.slot.write(sink);
+            row.force.write(sink);
+            row.torque.write(sink);
         }
     }
 }

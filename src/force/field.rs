@@ -2,12 +2,12 @@
 
 use super::Laws;
 use crate::body::{Bodies, BodyKind, check_velocity};
-use crate::digest::Sink;
 use crate::error::{Error, Quantity};
 use crate::handle::BodyId;
 use crate::limits;
 use crate::math::Vec2;
 use crate::scalar::{Factor, Scalar, SpringLaw, fx::Fx};
+use crate::wire::{wire_enum, wire_struct};
 
 /// What of a body a force depends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -36,11 +36,6 @@ pub struct Attachment<S = Fx> {
 }
 
 impl<S: Scalar> Attachment<S> {
-    fn write(&self, sink: &mut Sink) {
-        sink.id(self.body);
-        sink.vector(self.point);
-    }
-
     /// The centre of mass.
     #[must_use]
     pub fn centre(body: BodyId) -> Self {
@@ -60,21 +55,6 @@ pub enum End<S = Fx> {
     World(Vec2<S>),
     /// A point of a body.
     Body(Attachment<S>),
-}
-
-impl<S: Scalar> End<S> {
-    fn write(&self, sink: &mut Sink) {
-        match self {
-            End::World(point) => {
-                sink.u8(0);
-                sink.vector(*point);
-            }
-            End::Body(at) => {
-                sink.u8(1);
-                at.write(sink);
-            }
-        }
-    }
 }
 
 /// A closed region: its edge belongs to it.
@@ -192,6 +172,20 @@ impl<S: Scalar> From<Law<S>> for Field<S> {
     }
 }
 
+wire_struct!(Attachment { body, point });
+wire_struct!(SpringLaw { rest, stiffness, damping });
+wire_struct!(Field { groups, law });
+wire_enum!(End<S>, "0 or 1 for an end", { 0 => World(point), 1 => Body(attachment) });
+wire_enum!(Region<S>, "0 or 1 for a region", { 0 => Disc { centre, radius }, 1 => Box { min, max } });
+wire_enum!(Law<S>, "the number of a law of force", {
+    0 => Attractor { centre, mu, softening },
+    1 => Spring { near, far, spring },
+    2 => Drag { linear, quadratic, wind },
+    3 => Thrust { at, force },
+    4 => Zone { region, acceleration },
+    5 => Custom { id },
+});
+
 fn check(ok: bool, quantity: Quantity) -> Result<(), Error> {
     if ok { Ok(()) } else { Err(Error::OutOfRange { quantity }) }
 }
@@ -207,13 +201,24 @@ fn not_negative<S: Scalar>(value: S) -> bool {
 impl<S: Scalar> Field<S> {
     /// Refuses what a world would.
     pub(crate) fn check(&self, bodies: &Bodies<S>, laws: &Laws<S>) -> Result<(), Error> {
-        let attachment = |a: &Attachment<S>| {
-            bodies.find(a.body)?;
-            check(within(a.point, limits::SIZE_MAX), Quantity::Position)
-        };
+        self.check_values(bodies, laws)?;
         let dynamic = |body| match bodies.card(bodies.find(body)?).kind {
             BodyKind::Dynamic => Ok(()),
             _ => Err(Error::NotDynamic { body }),
+        };
+        match &self.law {
+            // One end has to give.
+            Law::Spring { near, far: End::Body(far), .. } => dynamic(near.body).or_else(|_| dynamic(far.body)),
+            Law::Spring { near: at, .. } | Law::Thrust { at, .. } => dynamic(at.body),
+            Law::Attractor { .. } | Law::Drag { .. } | Law::Zone { .. } | Law::Custom { .. } => Ok(()),
+        }
+    }
+
+    /// Refuses what cannot be, also after the bodies it is attached to were changed.
+    pub(crate) fn check_values(&self, bodies: &Bodies<S>, laws: &Laws<S>) -> Result<(), Error> {
+        let attachment = |a: &Attachment<S>| {
+            bodies.find(a.body)?;
+            check(within(a.point, limits::SIZE_MAX), Quantity::Position)
         };
         let end = |e: &End<S>| match e {
             End::World(point) => check(within(*point, limits::POSITION), Quantity::Position),
@@ -230,11 +235,8 @@ impl<S: Scalar> Field<S> {
             Law::Spring { near, far, spring } => {
                 attachment(near)?;
                 end(far)?;
-                match far {
-                    End::Body(a) if a.body == near.body => return Err(Error::SameBody { body: a.body }),
-                    // One end has to give.
-                    End::Body(a) => dynamic(near.body).or_else(|_| dynamic(a.body))?,
-                    End::World(_) => dynamic(near.body)?,
+                if matches!(far, End::Body(a) if a.body == near.body) {
+                    return Err(Error::SameBody { body: near.body });
                 }
                 let rest = not_negative(spring.rest) && spring.rest <= S::from_fx(limits::POSITION);
                 check(rest, Quantity::RestLength)?;
@@ -247,7 +249,6 @@ impl<S: Scalar> Field<S> {
             }
             Law::Thrust { at, force } => {
                 attachment(at)?;
-                dynamic(at.body)?;
                 check(force.is_finite(), Quantity::Force)
             }
             Law::Zone { region, acceleration } => {
@@ -274,60 +275,6 @@ impl<S: Scalar> Field<S> {
             Law::Drag { .. } => Dependence::Velocity,
             Law::Zone { .. } | Law::Spring { .. } | Law::Attractor { .. } | Law::Thrust { .. } => Dependence::Position,
         }
-    }
-
-    /// A hash of all of it.
-    pub(crate) fn digest(&self) -> u64 {
-        let sink = &mut Sink::new();
-        sink.u32(self.groups);
-        match &self.law {
-            Law::Attractor { centre, mu, softening } => {
-                sink.u8(0);
-                centre.write(sink);
-                sink.i128(mu.to_bits());
-                sink.scalar(*softening);
-            }
-            Law::Spring { near, far, spring } => {
-                sink.u8(1);
-                near.write(sink);
-                far.write(sink);
-                sink.scalar(spring.rest);
-                sink.scalar(spring.stiffness);
-                sink.scalar(spring.damping);
-            }
-            Law::Drag { linear, quadratic, wind } => {
-                sink.u8(2);
-                sink.scalar(*linear);
-                sink.scalar(*quadratic);
-                sink.vector(*wind);
-            }
-            Law::Thrust { at, force } => {
-                sink.u8(3);
-                at.write(sink);
-                sink.vector(*force);
-            }
-            Law::Zone { region, acceleration } => {
-                sink.u8(4);
-                match *region {
-                    Region::Disc { centre, radius } => {
-                        sink.u8(0);
-                        sink.vector(centre);
-                        sink.scalar(radius);
-                    }
-                    Region::Box { min, max } => {
-                        sink.u8(1);
-                        sink.vector(min);
-                        sink.vector(max);
-                    }
-                }
-                sink.vector(*acceleration);
-            }
-            Law::Custom { id } => {
-                sink.u8(5);
-                sink.u64(*id);
-            }
-        }
-        sink.finish()
     }
 
     /// The same on other bodies; `None` if one of its own has no other.

@@ -3,11 +3,11 @@
 use alloc::vec::Vec;
 
 use super::Field;
-use crate::digest::Sink;
 use crate::error::Error;
 use crate::handle::FieldId;
 use crate::limits;
 use crate::scalar::Scalar;
+use crate::wire::{self, Sink, Write as _};
 
 /// The fields in the order of their slots, which is the order drags act in.
 #[derive(Debug)]
@@ -25,7 +25,7 @@ struct Entry<S: Scalar> {
 
 impl<S: Scalar> Entry<S> {
     fn new(field: Field<S>) -> Self {
-        Self { digest: field.digest(), field }
+        Self { digest: Sink::of(&field), field }
     }
 }
 
@@ -84,14 +84,37 @@ impl<S: Scalar> FieldSet<S> {
         })
     }
 
+    /// The slots: how often each was taken before, and its field.
+    pub(crate) fn slots(&self) -> impl ExactSizeIterator<Item = (u32, Option<&Field<S>>)> {
+        self.slots.iter().map(|(generation, entry)| (*generation, entry.as_ref().map(|entry| &entry.field)))
+    }
+
+    /// The slots to take next, the last one first.
+    pub(crate) fn free(&self) -> &[u32] {
+        &self.free
+    }
+
+    /// Fields and how their handles are given out, made from what a snapshot says. *Domain* the fields were checked.
+    pub(crate) fn rebuilt(slots: Vec<(u32, Option<Field<S>>)>, free: Vec<u32>) -> Result<Self, Error> {
+        let mut is_free: Vec<bool> = alloc::vec![false; slots.len()];
+        for &slot in &free {
+            match (slots.get(slot as usize), is_free.get_mut(slot as usize)) {
+                (Some((_, None)), Some(seen @ false)) => *seen = true,
+                _ => return Err(Error::Inconsistent),
+            }
+        }
+        let entries = slots.into_iter().map(|(generation, field)| (generation, field.map(Entry::new)));
+        Ok(Self { slots: entries.collect(), free })
+    }
+
     /// Adds to a hash all fields and how their handles are given out.
     pub(crate) fn write(&self, sink: &mut Sink) {
-        sink.count(self.slots.len());
+        wire::count(sink, self.slots.len());
         for (generation, entry) in &self.slots {
-            sink.u32(*generation);
-            sink.option(entry.as_ref(), |sink, entry| sink.u64(entry.digest));
+            generation.write(sink);
+            entry.as_ref().map(|entry| entry.digest).write(sink);
         }
-        sink.count(self.free.len());
+        wire::count(sink, self.free.len());
         sink.all(&self.free, u32::to_le_bytes);
     }
 }

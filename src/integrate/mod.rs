@@ -7,6 +7,7 @@ pub(crate) use rules::{Tuned, damp, drift, fall, glide, kick_by, sum};
 use crate::body::SPANS;
 use crate::math::TimeStep;
 use crate::scalar::{Angle, Scalar, Span, Weight};
+use crate::wire::wire_enum;
 
 /// How a world moves from tick to tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -29,6 +30,14 @@ pub enum Integrator {
     /// *Source* Yoshida, Phys. Lett. A 150, 262 (1990).
     Yoshida4,
 }
+
+wire_enum!(Integrator, "the number of an integrator", {
+    0 => ExplicitEuler,
+    1 => SymplecticEuler,
+    2 => VelocityVerlet,
+    3 => PublishedVerlet,
+    4 => Yoshida4,
+});
 
 /// What a stage does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

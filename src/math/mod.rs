@@ -1,11 +1,13 @@
 //! Vectors, rotations and the time step.
 
+mod random;
 mod rot;
 #[cfg(feature = "serde")]
 mod serial;
 mod time;
 mod vec2;
 
+pub use random::Random;
 pub use rot::Rot;
 pub use time::{Elapsed, TimeStep};
 pub use vec2::{Vec2, vec2};

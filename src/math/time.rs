@@ -77,6 +77,12 @@ impl Elapsed {
     /// No time.
     pub const ZERO: Self = Self { num: 0, den: 1 };
 
+    /// In lowest terms. *Domain* the denominator is not zero.
+    pub(crate) fn reduced(self) -> Self {
+        let divisor = gcd(self.num, self.den);
+        Self { num: self.num / divisor, den: self.den / divisor }
+    }
+
     /// This time and so many steps; `None` if the ratio does not fit.
     pub(crate) fn plus(self, ticks: u64, step: TimeStep) -> Option<Self> {
         let (num, den) = step.seconds();
@@ -84,8 +90,7 @@ impl Elapsed {
         let common = self.den / gcd(self.den, d);
         let den = common.checked_mul(d)?;
         let num = self.num.checked_mul(den / self.den)?.checked_add(n.checked_mul(den / d)?)?;
-        let divisor = gcd(num, den);
-        Some(Self { num: num / divisor, den: den / divisor })
+        Some(Self { num, den }.reduced())
     }
 }
 

@@ -1,8 +1,8 @@
 //! The hash of a world's state: over a canonical sequence of little-endian bytes, the same on every machine.
 
 use super::LAW;
-use crate::digest::Sink;
 use crate::scalar::Scalar;
+use crate::wire::{self, Sink, Write as _};
 use crate::world::World;
 
 impl<S: Scalar> World<S> {
@@ -13,31 +13,20 @@ impl<S: Scalar> World<S> {
     #[must_use]
     pub fn state_hash(&self) -> u64 {
         let mut sink = Sink::new();
-        sink.u32(LAW);
-        self.write_head(&mut sink);
+        LAW.write(&mut sink);
+        self.def.write(&mut sink);
+        self.tick.write(&mut sink);
+        self.elapsed().write(&mut sink);
+        self.random.write(&mut sink);
+        self.blob.write(&mut sink);
         self.bodies.write(&mut sink);
         self.applied.write(&mut sink);
         self.fields.write(&mut sink);
-        sink.count(self.laws.len());
+        wire::count(&mut sink, self.laws.len());
         for law in self.laws.values() {
-            sink.u64(law.id());
-            sink.u32(law.version());
+            law.id().write(&mut sink);
+            law.version().write(&mut sink);
         }
         sink.finish()
-    }
-
-    fn write_head(&self, sink: &mut Sink) {
-        let (num, den) = self.def.time_step.seconds();
-        sink.u32(num);
-        sink.u32(den);
-        sink.vector(self.def.gravity);
-        sink.u8(self.def.integrator as u8);
-        sink.scalar(self.def.linear_damping);
-        sink.scalar(self.def.angular_damping);
-        sink.option(self.def.sleep_after, Sink::u32);
-        sink.u64(self.tick);
-        let elapsed = self.elapsed();
-        sink.u128(elapsed.num);
-        sink.u128(elapsed.den);
     }
 }

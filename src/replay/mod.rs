@@ -1,6 +1,23 @@
-//! The state as bits: hashes now; snapshots and replays have their place here.
+//! The state as bits: hashes, snapshots, replays.
 
+mod chunk;
+mod difference;
+mod file;
+mod finding;
 mod hash;
+mod recorder;
+#[allow(clippy::module_inception, reason = "what the layer is named after")]
+mod replay;
+mod snapshot;
+
+pub use difference::{Difference, HashTree, Place};
+pub use finding::{Finding, Moment};
+pub use recorder::{RecordOptions, Recorder};
+pub use replay::{Divergence, Playback, Replay, ReplayError};
+pub use snapshot::{Snapshot, SnapshotError};
 
 /// The number of the laws of physics: it moves when the results of a step or of a hash do.
-pub const LAW: u32 = 2;
+pub const LAW: u32 = 3;
+
+#[cfg(test)]
+mod tests;

@@ -1,8 +1,11 @@
 //! Components of positions and velocities in fixed point.
 
+use core::fmt;
+
+use super::decimal;
 use super::factor::FxFactor;
 use super::fx::Fx;
-use super::{Accumulator, TRANSIENT_SPEED_LOG2};
+use super::{Accumulator, Number, TRANSIENT_SPEED_LOG2};
 use crate::kernel::round::shr_round;
 use crate::kernel::wide::mul_shift;
 
@@ -26,7 +29,7 @@ impl FxAccumulator {
     }
 
     #[inline]
-    const fn bits(self) -> i128 {
+    pub(super) const fn bits(self) -> i128 {
         (self.high as i128) << 64 | self.low as i128
     }
 
@@ -42,6 +45,22 @@ impl FxAccumulator {
         let (mantissa, shift) = factor.parts();
         // At most as large as it was, so it fits.
         Self::settled(mul_shift(self.bits(), u128::from(mantissa), shift).unwrap_or(0))
+    }
+}
+
+/// The exact decimal, all digits of it; with a precision, that many, rounded to nearest, ties to even.
+impl fmt::Display for FxAccumulator {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (bits, magnitude) = (self.bits(), self.bits().unsigned_abs());
+        decimal::write(f, bits < 0, (magnitude >> 96) as u64, magnitude << 32)
+    }
+}
+
+impl Number for FxAccumulator {
+    const WORDS: usize = 2;
+
+    fn to_words(self) -> [u64; 3] {
+        [self.high as u64, self.low, 0]
     }
 }
 

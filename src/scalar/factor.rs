@@ -1,10 +1,11 @@
 //! Normalised factors in fixed point: 64 significant bits at any size.
 
 use core::cmp::Ordering;
+use core::fmt;
 
-use super::Factor;
 use super::fx::Fx;
 use super::wide::FxWide;
+use super::{Factor, Number};
 use crate::kernel::div::div_word;
 use crate::kernel::wide::shr_round_256;
 
@@ -22,6 +23,14 @@ pub struct FxFactor {
 const MOST_SHIFT: i32 = 1 << 14;
 
 impl FxFactor {
+    /// The factor of these words, as [`Number::to_words`] gives them; `None` if no factor has them.
+    pub(crate) fn from_words([shift, mantissa]: [u64; 2]) -> Option<Self> {
+        let shift =
+            i32::try_from(shift as i64).ok().filter(|shift| shift.unsigned_abs() <= MOST_SHIFT.unsigned_abs())?;
+        let is_normal = mantissa >> 63 == 1 || (mantissa == 0 && shift == 0);
+        is_normal.then_some(Self { mantissa, shift })
+    }
+
     /// The factor nearest to value · 2^-shift. *Domain* |shift| below 2^20, so that no sum of a few shifts wraps.
     #[must_use]
     pub(crate) const fn new(value: u128, shift: i32) -> Self {
@@ -75,13 +84,6 @@ impl FxFactor {
             return Self::new(wider | ((rest << 60) % divisor as u128 != 0) as u128, shift - exponent + 60);
         }
         Self::new(quotient | (rest != 0) as u128, shift - exponent)
-    }
-
-    /// The factor of these parts; `None` if none has them.
-    #[cfg(feature = "serde")]
-    pub(super) fn from_parts(mantissa: u64, shift: i32) -> Option<Self> {
-        let is_normal = mantissa >> 63 == 1 && shift.unsigned_abs() <= MOST_SHIFT.unsigned_abs();
-        (is_normal || (mantissa, shift) == (0, 0)).then_some(Self { mantissa, shift })
     }
 
     /// (mantissa, shift).
@@ -198,9 +200,22 @@ impl Factor<Fx> for FxFactor {
         let rest = (u128::from(self.mantissa) << 63) - aligned - u128::from(lost);
         Self::new(rest | u128::from(lost), self.shift + 63)
     }
+}
 
-    fn to_bits(self) -> i128 {
-        (i128::from(self.shift) << 64) | i128::from(self.mantissa)
+impl Number for FxFactor {
+    const WORDS: usize = 2;
+
+    fn to_words(self) -> [u64; 3] {
+        [i64::from(self.shift) as u64, self.mantissa, 0]
+    }
+}
+
+/// The exact value as an integer times a power of two.
+impl fmt::Display for FxFactor {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // In lowest terms: 1 is 1·2^0.
+        let zeros = if self.mantissa == 0 { 0 } else { self.mantissa.trailing_zeros() };
+        write!(f, "{}·2^{}", self.mantissa >> zeros, i64::from(zeros) - i64::from(self.shift))
     }
 }
 

@@ -9,7 +9,7 @@ use super::moments;
 use super::sweep;
 use super::turn::Turn;
 use super::wide::{FxSum, FxWide};
-use super::{AreaMoments, Factor, Glide, KICK_LOG2, Offset, Scalar, Span, Spin, SpringLaw, Weight};
+use super::{AreaMoments, Factor, Glide, KICK_LOG2, Number, Offset, Scalar, Span, Spin, SpringLaw, Weight};
 use crate::kernel::div::{div_round, div_round_by, reciprocal};
 use crate::kernel::exp_log::{exp2_for_64_bits, log2_fine};
 use crate::kernel::round::{shr_round, shr_round_short};
@@ -156,6 +156,14 @@ impl Direction {
         let (high, low) = ((high << more) | (low >> 1 >> (127 - more)), low << more);
         let part = div_round_by(high, low, self.length, self.reciprocal)?;
         Some(with_sign(i128::try_from(part).ok()?, component ^ whole))
+    }
+}
+
+impl Number for Fx {
+    const WORDS: usize = 1;
+
+    fn to_words(self) -> [u64; 3] {
+        [self.to_bits() as u64, 0, 0]
     }
 }
 

@@ -11,8 +11,8 @@ use super::fx::Fx;
 use super::turn::Turn;
 use super::wide::FxWide;
 use super::{
-    Accumulator, Angle, AreaMoments, Factor, KICK_LOG2, Offset, Scalar, Span, SpringLaw, Sum, TRANSIENT_SPEED_LOG2,
-    Weight, Wide,
+    Accumulator, Angle, AreaMoments, Factor, KICK_LOG2, Number, Offset, Scalar, Span, SpringLaw, Sum,
+    TRANSIENT_SPEED_LOG2, Weight, Wide,
 };
 
 /// The double nearest to a number of the engine, for drawing, tables and studies; never back into the state.
@@ -87,6 +87,14 @@ impl Fx {
 
 macro_rules! float_scalar {
     ($float:ident, $name:literal, $pow:ident, $exp:ident, $expm1:ident, $sqrt:ident, $sin:ident, $cos:ident, $fabs:ident) => {
+        impl Number for $float {
+            const WORDS: usize = 1;
+
+            fn to_words(self) -> [u64; 3] {
+                [<$float>::to_bits(self).into(), 0, 0]
+            }
+        }
+
         impl Accumulator<$float> for $float {
             fn from_scalar(value: $float) -> Self {
                 value
@@ -140,9 +148,6 @@ macro_rules! float_scalar {
             fn minus(self, other: Self) -> Self {
                 if self > other { self - other } else { 0.0 }
             }
-            fn to_bits(self) -> i128 {
-                <$float>::to_bits(self).into()
-            }
         }
 
         impl Wide<$float> for $float {
@@ -169,9 +174,6 @@ macro_rules! float_scalar {
             fn is_negative(self) -> bool {
                 self < 0.0
             }
-            fn to_bits(self) -> i128 {
-                <$float>::to_bits(self).into()
-            }
         }
 
         impl Sum<$float> for $float {
@@ -180,9 +182,6 @@ macro_rules! float_scalar {
             }
             fn total(self) -> Option<$float> {
                 self.is_finite().then_some(self)
-            }
-            fn to_bits(self) -> (i128, i64) {
-                (<$float>::to_bits(self).into(), 0)
             }
         }
 

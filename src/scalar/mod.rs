@@ -15,6 +15,7 @@ use fx::Fx;
 mod accumulator;
 #[cfg(test)]
 mod checks;
+mod decimal;
 mod factor;
 mod factor_text;
 mod fixed_laws;
@@ -42,9 +43,13 @@ pub(crate) const KICK_LOG2: i32 = 21;
 /// Velocities between the stages of a step stay below two to this, and a few kicks.
 pub(crate) const TRANSIENT_SPEED_LOG2: i32 = 24;
 
-/// Bounds that every number of the engine meets.
-pub trait Number: Copy + Debug + Default + PartialEq + Send + Sync + 'static {}
-impl<T: Copy + Debug + Default + PartialEq + Send + Sync + 'static> Number for T {}
+/// What every number of the engine is: plain, printed exactly, and the same words on every machine.
+pub trait Number: Copy + Debug + Display + Default + PartialEq + Send + Sync + 'static {
+    /// How many words of 64 bits it takes in hashes and files, at most three.
+    const WORDS: usize;
+    /// Its bits in the first [`WORDS`](Self::WORDS) words, the most significant first.
+    fn to_words(self) -> [u64; 3];
+}
 
 /// A multiple of the time step that an integrator moves over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -157,9 +162,9 @@ pub trait Accumulator<S: Scalar>: Number {
     fn scaled(self, factor: S::Factor) -> Option<Self>;
     /// Whether its magnitude is at most `limit`.
     fn is_within(self, limit: S) -> bool;
-    /// Its bits, for files.
+    /// Its bits.
     fn to_bits(self) -> i128;
-    /// Its bits for a hash, the same on every machine: the high word first, as accumulators lie in memory.
+    /// Its words as bytes for a hash: the high word first, as accumulators lie in memory.
     fn to_bytes(self) -> [u8; 16] {
         self.to_bits().rotate_left(64).to_le_bytes()
     }
@@ -199,8 +204,6 @@ pub trait Factor<S: Scalar>: Number + PartialOrd {
         // One of the two is zero.
         self.minus(other).plus(other.minus(self))
     }
-    /// Its bits, for hashes and files.
-    fn to_bits(self) -> i128;
     /// Whether it is zero.
     fn is_zero(self) -> bool {
         self == Self::ZERO
@@ -224,8 +227,6 @@ pub trait Wide<S: Scalar>: Number + PartialOrd + Display {
     fn times(self, factor: S::Factor) -> Option<Self>;
     /// Whether it is below zero.
     fn is_negative(self) -> bool;
-    /// Its bits, for hashes and files.
-    fn to_bits(self) -> i128;
 }
 
 /// A sum of wide values, as many as a step has time for, checked once at its end, so that the order of the terms never matters.
@@ -234,8 +235,6 @@ pub trait Sum<S: Scalar>: Number {
     fn add(&mut self, term: S::Wide);
     /// The total; `None` if it does not fit.
     fn total(self) -> Option<S::Wide>;
-    /// Its bits, for hashes and files: low part, carries.
-    fn to_bits(self) -> (i128, i64);
 }
 
 /// An angle, kept within one turn.
@@ -255,7 +254,7 @@ pub trait Angle<S: Scalar>: Number {
     #[must_use]
     fn turned(self, radians: S::Accumulator) -> Self;
     /// Sine and cosine with all the bits they are computed with: what turns vectors.
-    type Direction: Number;
+    type Direction: Copy + Debug + Default + Send + Sync;
     /// That of this angle.
     fn direction(self) -> Self::Direction;
     /// A vector turned by the angle of a direction; `None` if a component does not fit in the scalar.
@@ -264,7 +263,7 @@ pub trait Angle<S: Scalar>: Number {
     fn rotate(self, x: S, y: S) -> Option<(S::Wide, S::Wide)> {
         Self::turn(self.direction(), x, y)
     }
-    /// Its bits, for hashes and files.
+    /// Its bits.
     fn to_bits(self) -> u64;
 }
 
@@ -307,7 +306,7 @@ pub trait Scalar: Number + Display + PartialOrd + Add<Output = Self> + Sub<Outpu
 
     /// The same value; rounded to nearest in a float. How scenes and limits enter every build.
     fn from_fx(value: Fx) -> Self;
-    /// The bits, for hashes and files.
+    /// The bits.
     fn to_bits(self) -> i64;
     /// Whether it is a number; a float may not be.
     fn is_finite(self) -> bool;

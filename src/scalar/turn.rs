@@ -1,11 +1,14 @@
 //! Angles in fixed point: fractions of a turn.
 
+use core::fmt;
+
 use super::accumulator::FxAccumulator;
+use super::decimal;
 use super::factor::FxFactor;
 use super::fixed_laws::span_factor;
 use super::fx::Fx;
 use super::wide::FxWide;
-use super::{Accumulator, Angle, Span, Weight};
+use super::{Accumulator, Angle, Number, Span, Weight};
 use crate::kernel::round::shr_round;
 use crate::kernel::trig;
 use crate::kernel::wide::mul_shift;
@@ -24,6 +27,21 @@ impl Turn {
     #[must_use]
     pub const fn from_bits(bits: u64) -> Self {
         Self(bits)
+    }
+}
+
+/// In turns, from 0 to below 1: the exact decimal; with a precision, that many digits, rounded to nearest, ties to even.
+impl fmt::Display for Turn {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        decimal::write(f, false, 0, u128::from(self.0) << 64)
+    }
+}
+
+impl Number for Turn {
+    const WORDS: usize = 1;
+
+    fn to_words(self) -> [u64; 3] {
+        [self.0, 0, 0]
     }
 }
 

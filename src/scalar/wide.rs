@@ -2,9 +2,10 @@
 
 use core::fmt;
 
+use super::decimal;
 use super::factor::FxFactor;
 use super::fx::Fx;
-use super::{Sum, Wide};
+use super::{Number, Sum, Wide};
 use crate::kernel::round::shr_round;
 use crate::kernel::wide::{mul_shift, shift_round_256};
 
@@ -38,36 +39,16 @@ impl FxWide {
 /// The exact decimal, all digits of it; with a precision, that many, rounded to nearest, ties to even.
 impl fmt::Display for FxWide {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // 2^63 has 19 digits, and a multiple of 2^-64 at most 64 behind the point.
-        let mut text = [b'0'; 19 + 1 + 64];
         let magnitude = self.0.unsigned_abs();
-        let (mut whole, mut fraction) = ((magnitude >> 64) as u64, magnitude as u64);
-        let wanted = f.precision().unwrap_or(64).min(64);
-        let mut count = 0;
-        while count < wanted && (fraction != 0 || f.precision().is_some()) {
-            // Ten times a fraction below 2^64: the digit is what is above.
-            let ten = u128::from(fraction) * 10;
-            text[20 + count] = b'0' + (ten >> 64) as u8;
-            fraction = ten as u64;
-            count += 1;
-        }
-        let last = if count == 0 { whole as u8 } else { text[19 + count] };
-        if fraction > 1 << 63 || (fraction == 1 << 63 && last % 2 == 1) {
-            let nines = text[20..20 + count].iter().rev().take_while(|&&digit| digit == b'9').count();
-            text[20 + count - nines..20 + count].fill(b'0');
-            if nines == count { whole += 1 } else { text[19 + count - nines] += 1 }
-        }
-        text[19] = b'.';
-        let mut start = 19;
-        while whole != 0 || start == 19 {
-            start -= 1;
-            text[start] = b'0' + (whole % 10) as u8;
-            whole /= 10;
-        }
-        let end = if count == 0 { 19 } else { 20 + count };
-        // What rounds to zero has no sign.
-        let is_zero = text[start..end].iter().all(|&byte| byte == b'0' || byte == b'.');
-        f.pad_integral(self.0 >= 0 || is_zero, "", core::str::from_utf8(&text[start..end]).unwrap_or_default())
+        decimal::write(f, self.0 < 0, (magnitude >> 64) as u64, magnitude << 64)
+    }
+}
+
+impl Number for FxWide {
+    const WORDS: usize = 2;
+
+    fn to_words(self) -> [u64; 3] {
+        [(self.0 >> 64) as u64, self.0 as u64, 0]
     }
 }
 
@@ -109,11 +90,6 @@ impl Wide<Fx> for FxWide {
     fn is_negative(self) -> bool {
         self.0 < 0
     }
-
-    #[inline]
-    fn to_bits(self) -> i128 {
-        self.0
-    }
 }
 
 /// A sum of wide values modulo 2^64, and how often it went round.
@@ -121,13 +97,6 @@ impl Wide<Fx> for FxWide {
 pub struct FxSum {
     low: i128,
     carries: i64,
-}
-
-#[cfg(feature = "serde")]
-impl FxSum {
-    pub(super) const fn from_bits(low: i128, carries: i64) -> Self {
-        Self { low, carries }
-    }
 }
 
 impl Sum<Fx> for FxSum {
@@ -144,9 +113,30 @@ impl Sum<Fx> for FxSum {
     fn total(self) -> Option<FxWide> {
         (self.carries == 0).then_some(FxWide(self.low))
     }
+}
 
-    fn to_bits(self) -> (i128, i64) {
-        (self.low, self.carries)
+impl FxSum {
+    /// The sum of these words, as [`Number::to_words`] gives them.
+    pub(crate) const fn from_words([carries, high, low]: [u64; 3]) -> Self {
+        Self { low: (high as i128) << 64 | low as i128, carries: carries as i64 }
+    }
+}
+
+impl Number for FxSum {
+    const WORDS: usize = 3;
+
+    fn to_words(self) -> [u64; 3] {
+        [self.carries as u64, (self.low >> 64) as u64, self.low as u64]
+    }
+}
+
+/// Its total as an exact decimal, or that it does not fit.
+impl fmt::Display for FxSum {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.total() {
+            Some(total) => total.fmt(f),
+            None => write!(f, "{} times 2^64 and {}", self.carries, FxWide(self.low)),
+        }
     }
 }
 

@@ -250,6 +250,8 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
             Command::SetSleepAfter(ticks) => {
                 Command::SetSleepAfter(ticks.map(|ticks| ticks.saturating_mul(self.steps)))
             }
+            Command::SetRandom(random) => Command::SetRandom(random),
+            Command::SetBlob(ref bytes) => Command::SetBlob(bytes.clone()),
             // The scene has deeds of its own for what makes something or has a shape in it.
             Command::AddBody(_) | Command::AddField(_) | Command::SetShape { .. } => {
                 return Err(Error::Full);

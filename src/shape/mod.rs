@@ -4,13 +4,13 @@
 //! where that was in the coordinates given.
 
 mod build;
+mod bytes;
 mod mass;
 #[cfg(feature = "serde")]
 mod serial;
 
 use alloc::sync::Arc;
 
-use crate::digest::Sink;
 use crate::math::Vec2;
 use crate::scalar::{Scalar, fx::Fx};
 
@@ -106,51 +106,5 @@ impl<S: Scalar> Shape<S> {
     #[must_use]
     pub fn gyration(&self) -> S::Factor {
         self.gyration
-    }
-
-    /// As bytes for a hash.
-    pub(crate) fn write(&self, sink: &mut Sink) {
-        sink.vector(self.shift);
-        match &self.geometry {
-            Geometry::Circle { radius } => {
-                sink.u8(0);
-                sink.scalar(*radius);
-            }
-            Geometry::Rectangle { width, height } => {
-                sink.u8(1);
-                sink.scalar(*width);
-                sink.scalar(*height);
-            }
-            Geometry::Capsule { length, radius } => {
-                sink.u8(2);
-                sink.scalar(*length);
-                sink.scalar(*radius);
-            }
-            Geometry::Polygon { corners } => {
-                sink.u8(3);
-                sink.count(corners.len());
-                corners.iter().for_each(|&corner| sink.vector(corner));
-            }
-            Geometry::Segment { ends } => {
-                sink.u8(4);
-                ends.iter().for_each(|&end| sink.vector(end));
-            }
-            Geometry::Compound { parts } => {
-                sink.u8(5);
-                sink.count(parts.len());
-                for part in parts.iter() {
-                    part.shape.write(sink);
-                    sink.vector(part.position);
-                    sink.scalar(part.angle);
-                    sink.scalar(part.density);
-                }
-            }
-        }
-    }
-
-    pub(crate) fn digest(&self) -> u64 {
-        let mut sink = Sink::new();
-        self.write(&mut sink);
-        sink.finish()
     }
 }

@@ -7,6 +7,7 @@ use crate::handle::BodyId;
 use crate::limits;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, Angle, Offset, Scalar, Wide, fx::Fx};
+use crate::wire::{self, Malformed, Out, Read, Reader, Write, wire_enum};
 
 /// What a vector is relative to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -75,6 +76,28 @@ pub(super) enum Effect<S: Scalar> {
     Push { force: Vec2<S::Wide>, torque: S::Wide },
     /// Gives it these velocities.
     Strike { velocity: Vec2<S::Accumulator>, spin: S::Accumulator },
+}
+
+wire_enum!(Frame, "0 or 1 for a frame", { 0 => World, 1 => Body });
+wire_enum!(Action<S>, "the number of an action", {
+    0 => Force { force, point },
+    1 => Torque(torque),
+    2 => Impulse { impulse, point },
+    3 => AngularImpulse(impulse),
+});
+
+impl Write for Manner {
+    fn write(&self, out: &mut impl Out) {
+        let Self { frame, wake } = self;
+        wire::field(out, "frame", frame);
+        wire::field(out, "wake", wake);
+    }
+}
+
+impl Read for Manner {
+    fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {
+        Ok(Self { frame: Frame::read(reader)?, wake: bool::read(reader)? })
+    }
 }
 
 const fn out_of(quantity: Quantity) -> Error {

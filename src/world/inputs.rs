@@ -5,6 +5,7 @@ use alloc::vec::Vec;
 use super::{Command, Made, World};
 use crate::error::Error;
 use crate::scalar::{Scalar, fx::Fx};
+use crate::wire::{self, Malformed, Out, Read, Reader, Write, wire_struct};
 
 /// A command of a player's.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,6 +28,8 @@ pub struct Input<S: Scalar = Fx> {
     /// What it does.
     pub command: Command<S>,
 }
+
+wire_struct!(Input { player, sequence, command });
 
 impl<S: Scalar> Input<S> {
     fn place(&self) -> (u32, u32) {
@@ -169,6 +172,28 @@ where
     }
 }
 
+impl<S: Scalar> Write for Inputs<S> {
+    fn write(&self, out: &mut impl Out) {
+        wire::list(out, self.rows.iter());
+    }
+}
+
+impl Read for Inputs<Fx> {
+    fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {
+        let mut inputs = Self::new();
+        // A player, a sequence, and the shortest command.
+        for _ in 0..reader.count(8 + 2)? {
+            let malformed = reader.malformed("inputs by player and sequence");
+            let input = Input::read(reader)?;
+            if inputs.rows.last().is_some_and(|last| last.place() >= input.place()) {
+                return Err(malformed);
+            }
+            inputs.rows.push(input);
+        }
+        Ok(inputs)
+    }
+}
+
 impl<'a, S: Scalar> IntoIterator for &'a Inputs<S> {
     type Item = &'a Input<S>;
     type IntoIter = core::slice::Iter<'a, Input<S>>;
@@ -200,7 +225,7 @@ impl<S: Scalar> World<S> {
     }
 
     /// The same, in memory that is there.
-    pub(super) fn carry_out_into(&mut self, inputs: &Inputs<S>, outcomes: &mut Vec<Outcome>) {
+    pub(crate) fn carry_out_into(&mut self, inputs: &Inputs<S>, outcomes: &mut Vec<Outcome>) {
         outcomes.clear();
         outcomes.extend(inputs.iter().map(|input| {
             let result = self.execute(&input.command);

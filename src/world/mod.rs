@@ -6,6 +6,7 @@ mod check;
 mod command;
 mod fields;
 mod forces;
+mod game;
 mod history;
 mod inputs;
 mod outlook;
@@ -22,9 +23,10 @@ use crate::force::{Applied, AppliedForce, FieldSet, Laws};
 use crate::handle::BodyId;
 use crate::integrate::{Integrator, Plan};
 use crate::limits;
-use crate::math::{Elapsed, TimeStep, Vec2};
+use crate::math::{Elapsed, Random, TimeStep, Vec2};
 use crate::scalar::{Scalar, fx::Fx};
 use crate::step::{Context, Scratch};
+use crate::wire::wire_struct;
 
 pub use body_ref::BodyRef;
 pub use command::{Command, Made};
@@ -64,6 +66,8 @@ impl<S: Scalar> Default for WorldDef<S> {
         }
     }
 }
+
+wire_struct!(WorldDef { time_step, gravity, integrator, linear_damping, angular_damping, sleep_after });
 
 impl<S: Scalar> WorldDef<S> {
     /// Refuses what no world can be.
@@ -114,6 +118,8 @@ pub struct World<S: Scalar = Fx> {
     pub(crate) fields: Arc<FieldSet<S>>,
     pub(crate) laws: Arc<Laws<S>>,
     pub(crate) applied: Applied<S>,
+    pub(crate) random: Random,
+    pub(crate) blob: Vec<u8>,
     // From here on all is derived, scratch, or a report.
     pub(crate) tunings: Arc<Tunings<S>>,
     pub(crate) plan: Plan<S>,
@@ -122,7 +128,22 @@ pub struct World<S: Scalar = Fx> {
     pub(crate) woke: Vec<BodyId>,
 }
 
-clone_by_field!(World { def, tick, counted, bodies, fields, laws, applied, tunings, plan, scratch, woken, woke });
+clone_by_field!(World {
+    def,
+    tick,
+    counted,
+    bodies,
+    fields,
+    laws,
+    applied,
+    random,
+    blob,
+    tunings,
+    plan,
+    scratch,
+    woken,
+    woke,
+});
 
 /// What a step did. It borrows from the world: take out what is to be kept.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -161,6 +182,8 @@ impl<S: Scalar> World<S> {
             fields: Arc::default(),
             laws: Arc::default(),
             applied: Applied::default(),
+            random: Random::default(),
+            blob: Vec::new(),
             tunings: Arc::default(),
             plan: Plan::new(def.integrator, def.time_step),
             scratch: Scratch::default(),
@@ -229,7 +252,7 @@ impl<S: Scalar> World<S> {
     }
 
     /// What the factors of bodies are made from.
-    fn climate<'a>(def: &WorldDef<S>, plan: &'a Plan<S>) -> Climate<'a, S> {
+    pub(crate) fn climate<'a>(def: &WorldDef<S>, plan: &'a Plan<S>) -> Climate<'a, S> {
         let WorldDef { gravity, linear_damping, angular_damping, .. } = *def;
         Climate { gravity, linear_damping, angular_damping, spans: &plan.spans }
     }

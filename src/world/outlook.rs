@@ -89,7 +89,7 @@ impl<S: Scalar> World<S> {
             let tunings = (&*self.tunings, Arc::make_mut(&mut world.tunings));
             let new = world.bodies.adopt((&self.bodies, old), tunings, &climate)?;
             if let Some(row) = self.applied.row(old) {
-                world.applied.adopt(new, row);
+                world.applied.adopt(new, row.force, row.torque);
             }
             adopted.insert(old, new);
         }

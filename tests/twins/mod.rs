@@ -4,7 +4,7 @@ use core::cmp::Ordering;
 use core::fmt;
 use core::ops::{Add, Neg, Sub};
 
-use umbra_physics::scalar::{Accumulator, Angle, AreaMoments, Factor, FxSum, Offset, Scalar, Span, Sum, Wide};
+use umbra_physics::scalar::{Accumulator, Angle, AreaMoments, Factor, FxSum, Number, Offset, Scalar, Span, Sum, Wide};
 use umbra_physics::{Fx, FxAccumulator, FxFactor, FxWide, SpringLaw, Turn};
 
 /// To nearest, ties to even: what `Fx` does, as a control of the twin itself.
@@ -68,6 +68,28 @@ impl<const MODE: u8> Neg for Twin<MODE> {
     }
 }
 
+impl<const MODE: u8> Number for Twin<MODE> {
+    const WORDS: usize = 1;
+
+    fn to_words(self) -> [u64; 3] {
+        self.0.to_words()
+    }
+}
+
+impl<const MODE: u8> Number for TwinAccumulator<MODE> {
+    const WORDS: usize = 2;
+
+    fn to_words(self) -> [u64; 3] {
+        FxAccumulator::from_bits(self.0).to_words()
+    }
+}
+
+impl<const MODE: u8> fmt::Display for TwinAccumulator<MODE> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        FxAccumulator::from_bits(self.0).fmt(f)
+    }
+}
+
 impl<const MODE: u8> Accumulator<Twin<MODE>> for TwinAccumulator<MODE> {
     fn from_scalar(value: Twin<MODE>) -> Self {
         Self(i128::from(value.0.to_bits()) << 64)
@@ -120,9 +142,6 @@ impl<const MODE: u8> Factor<Twin<MODE>> for FxFactor {
     fn minus(self, other: Self) -> Self {
         Factor::<Fx>::minus(self, other)
     }
-    fn to_bits(self) -> i128 {
-        Factor::<Fx>::to_bits(self)
-    }
 }
 
 impl<const MODE: u8> Wide<Twin<MODE>> for FxWide {
@@ -147,9 +166,6 @@ impl<const MODE: u8> Wide<Twin<MODE>> for FxWide {
     fn is_negative(self) -> bool {
         Wide::<Fx>::is_negative(self)
     }
-    fn to_bits(self) -> i128 {
-        Wide::<Fx>::to_bits(self)
-    }
 }
 
 impl<const MODE: u8> Sum<Twin<MODE>> for FxSum {
@@ -158,9 +174,6 @@ impl<const MODE: u8> Sum<Twin<MODE>> for FxSum {
     }
     fn total(self) -> Option<FxWide> {
         Sum::<Fx>::total(self)
-    }
-    fn to_bits(self) -> (i128, i64) {
-        Sum::<Fx>::to_bits(self)
     }
 }
 

@@ -1,0 +1,201 @@
+//! A body with all that is state of it, apart from the others: how snapshots have bodies.
+
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+
+use super::card::Card;
+use super::columns::{Bodies, NONE};
+use super::motion::Acceleration;
+use super::tuning::{Climate, Tunings};
+use super::{
+    Activity, BodyDef, BodyKind, Mass, MassProperties, check_damping, check_gravity_scale, mass_properties,
+    within_envelope,
+};
+use crate::error::{Error, Quantity};
+use crate::limits;
+use crate::math::Vec2;
+use crate::scalar::{Factor, Scalar, fx::Fx};
+use crate::shape::Shape;
+use crate::wire::{self, Malformed, Out, Part, Read, Reader, Write, wire_struct};
+
+wire_struct!(Acceleration { linear, angular });
+
+/// All that is state of a body but its shape and its handle.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Record<S: Scalar> {
+    pub(crate) kind: BodyKind,
+    pub(crate) activity: Activity,
+    pub(crate) position: Vec2<S::Accumulator>,
+    pub(crate) velocity: Vec2<S::Accumulator>,
+    pub(crate) angle: S::Angle,
+    pub(crate) angular_velocity: S::Accumulator,
+    pub(crate) ticks_at_rest: u32,
+    pub(crate) last_acceleration: Option<Acceleration<S>>,
+    pub(crate) mass: Mass<S>,
+    pub(crate) gravity_scale: S,
+    pub(crate) linear_damping: Option<S>,
+    pub(crate) angular_damping: Option<S>,
+    pub(crate) groups: u32,
+    pub(crate) key: u64,
+    pub(crate) user_data: u64,
+}
+
+wire_struct!(Record {
+    kind,
+    activity,
+    position,
+    velocity,
+    angle,
+    angular_velocity,
+    ticks_at_rest,
+    last_acceleration,
+    mass,
+    gravity_scale,
+    linear_damping,
+    angular_damping,
+    groups,
+    key,
+    user_data,
+});
+
+impl<S: Scalar> Record<S> {
+    /// Refuses what no call and no step makes of a body.
+    fn check(&self, shape: Option<&Shape<S>>) -> Result<MassProperties<S>, Error> {
+        within_envelope::<S>(self.position, limits::POSITION, Quantity::Position)?;
+        within_envelope::<S>(self.velocity, limits::SPEED, Quantity::Velocity)?;
+        let spin = Vec2::new(self.angular_velocity, self.angular_velocity);
+        within_envelope::<S>(spin, limits::ANGULAR_SPEED, Quantity::AngularVelocity)?;
+        let none = S::Accumulator::default();
+        let moves = self.velocity != Vec2::new(none, none) || self.angular_velocity != none;
+        if self.kind == BodyKind::Static && moves {
+            return Err(Error::OutOfRange { quantity: Quantity::Velocity });
+        }
+        check_gravity_scale(self.gravity_scale)?;
+        self.linear_damping.map_or(Ok(()), check_damping)?;
+        self.angular_damping.map_or(Ok(()), check_damping)?;
+        mass_properties(self.kind, self.mass, shape)
+    }
+
+    fn def(&self, shape: Option<Shape<S>>) -> BodyDef<S> {
+        BodyDef {
+            kind: self.kind,
+            shape,
+            mass: self.mass,
+            gravity_scale: self.gravity_scale,
+            linear_damping: self.linear_damping,
+            angular_damping: self.angular_damping,
+            groups: self.groups,
+            key: self.key,
+            user_data: self.user_data,
+            ..BodyDef::dynamic()
+        }
+    }
+}
+
+/// What is in a slot: a body and its shape, or none.
+pub(crate) type Occupant<S> = Option<(Record<S>, Option<Arc<Shape<S>>>)>;
+
+impl<S: Scalar> Bodies<S> {
+    /// The body at this index in the columns.
+    pub(crate) fn record(&self, dense: usize, tunings: &Tunings<S>) -> Record<S> {
+        let (card, motion) = (self.card(dense), &self.columns.motion);
+        let key = &tunings.rows()[self.columns.tuning[dense] as usize].key;
+        Record {
+            kind: card.kind,
+            activity: self.activity(dense),
+            position: motion.position.get(dense),
+            velocity: motion.velocity.get(dense),
+            angle: motion.angle[dense],
+            angular_velocity: motion.spin[dense],
+            ticks_at_rest: motion.rest[dense],
+            last_acceleration: motion.last.get(dense).copied(),
+            mass: card.mass,
+            gravity_scale: key.gravity_scale,
+            linear_damping: key.linear,
+            angular_damping: key.angular,
+            groups: card.groups,
+            key: card.key,
+            user_data: card.user_data,
+        }
+    }
+
+    /// Bodies and how their handles are given out, made from what a snapshot says. What the world's own parameters forbid
+    /// is for the world to refuse.
+    pub(crate) fn rebuilt(
+        slots: &[(u32, Occupant<S>)],
+        free: Vec<u32>,
+        keep_last: bool,
+        tunings: &mut Tunings<S>,
+        climate: &Climate<'_, S>,
+    ) -> Result<Self, Error> {
+        let mut bodies = Self::default();
+        bodies.keep_last_acceleration(keep_last);
+        let count = slots.iter().filter(|(_, occupant)| occupant.is_some()).count();
+        if count > limits::BODIES || slots.len() >= NONE as usize {
+            return Err(Error::Full);
+        }
+        for (slot, (generation, occupant)) in slots.iter().enumerate() {
+            bodies.new_slot(*generation);
+            let Some((record, shape)) = occupant else {
+                let unmoved = MassProperties { inverse_mass: S::Factor::ZERO, inverse_inertia: S::Factor::ZERO };
+                bodies.place_card(slot, Card::new(&BodyDef::dynamic(), None, unmoved), 0);
+                continue;
+            };
+            let properties = record.check(shape.as_deref())?;
+            let def = record.def(shape.as_deref().cloned());
+            bodies.insert_at(slot as u32, def, properties, tunings, climate);
+            let dense = bodies.slot_index(slot);
+            let dense = bodies.set_activity(dense, record.activity);
+            let motion = &mut bodies.columns.motion;
+            motion.position.set(dense, record.position);
+            motion.velocity.set(dense, record.velocity);
+            motion.angle[dense] = record.angle;
+            motion.spin[dense] = record.angular_velocity;
+            motion.rest[dense] = record.ticks_at_rest;
+            match (motion.last.get_mut(dense), record.last_acceleration) {
+                (Some(own), Some(last)) => *own = last,
+                (None, None) => {}
+                _ => return Err(Error::Inconsistent),
+            }
+        }
+        bodies.set_free(free)?;
+        Ok(bodies)
+    }
+}
+
+/// How a snapshot has the shapes of bodies: each once, and where it is used again the slot of the body it came with.
+pub(crate) enum ShapeSource<S: Scalar> {
+    None,
+    New(Arc<Shape<S>>),
+    AsOf(u32),
+}
+
+impl<S: Scalar> Write for ShapeSource<S> {
+    fn write(&self, out: &mut impl Out) {
+        let (tag, source) = match self {
+            Self::None => (0, "none"),
+            Self::New(_) => (1, "its own"),
+            Self::AsOf(_) => (2, "that of another body"),
+        };
+        out.enter(Part::Name("source"));
+        out.leaf(&[tag], &source);
+        out.leave();
+        match self {
+            Self::None => {}
+            Self::New(shape) => shape.write(out),
+            Self::AsOf(slot) => wire::field(out, "slot", slot),
+        }
+    }
+}
+
+impl Read for ShapeSource<Fx> {
+    fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {
+        let malformed = reader.malformed("0 to 2 for a shape");
+        match u8::read(reader)? {
+            0 => Ok(Self::None),
+            1 => Shape::read(reader).map(|shape| Self::New(Arc::new(shape))),
+            2 => u32::read(reader).map(Self::AsOf),
+            _ => Err(malformed),
+        }
+    }
+}

@@ -1,0 +1,148 @@
+//! The frame of files: chunks, each with a code that finds damage and tells what was there before.
+//!
+//! A chunk is a word that says what it is and how long, the same word with every bit turned over, its bytes, and a seal:
+//! the XXH3 of word and bytes, and two sums over the bytes taken as words wₖ of 64 bits: Σ wₖ and Σ (k + 1)·wₖ. If one word
+//! was changed by d, the sums are off by d and by (k + 1)·d: their ratio says which word it is, their size what it was, and
+//! the hash that this is so.
+
+use alloc::vec::Vec;
+
+use crate::wire::{Malformed, Out as _, Read, Reader, Sink};
+
+/// What a chunk holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Tag(pub(super) [u8; 4]);
+
+/// A chunk of a file, whole again if it could be made so.
+#[derive(Clone, Debug)]
+pub(super) struct Chunk {
+    pub(super) tag: Tag,
+    pub(super) bytes: Vec<u8>,
+    pub(super) damage: Option<Damage>,
+}
+
+/// How a chunk was changed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Damage {
+    /// The word before it, or its double.
+    Word { recorded: u64, found: u64, double: bool },
+    /// A word of its bytes, at this index of them; the bytes are as they were again.
+    Bytes { at: usize, found: u64 },
+    /// The seal.
+    Seal { part: &'static str, recorded: u128, found: u128 },
+    /// More than that.
+    Unknown,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Seal {
+    hash: u64,
+    sum: u128,
+    weighted: u128,
+}
+
+fn words(bytes: &[u8]) -> impl Iterator<Item = u64> {
+    bytes.chunks(8).map(|chunk| {
+        let mut word = [0; 8];
+        word[..chunk.len()].copy_from_slice(chunk);
+        u64::from_le_bytes(word)
+    })
+}
+
+impl Seal {
+    fn of(word: u64, bytes: &[u8]) -> Self {
+        let mut sink = Sink::new();
+        sink.bytes(&word.to_le_bytes());
+        sink.bytes(bytes);
+        // Fewer than 2^29 words: no sum wraps.
+        let (mut sum, mut weighted) = (0, 0);
+        for (k, word) in words(bytes).enumerate() {
+            sum += u128::from(word);
+            weighted += (k as u128 + 1) * u128::from(word);
+        }
+        Self { hash: sink.finish(), sum, weighted }
+    }
+
+    fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {
+        Ok(Self { hash: u64::read(reader)?, sum: u128::read(reader)?, weighted: u128::read(reader)? })
+    }
+}
+
+fn word_of(tag: Tag, length: u32) -> u64 {
+    u64::from(u32::from_le_bytes(tag.0)) | u64::from(length) << 32
+}
+
+/// Puts a chunk at the end of a file. *Domain* fewer than 2^32 bytes.
+pub(super) fn write(file: &mut Vec<u8>, tag: Tag, bytes: &[u8]) {
+    let word = word_of(tag, bytes.len() as u32);
+    let Seal { hash, sum, weighted } = Seal::of(word, bytes);
+    file.extend_from_slice(&word.to_le_bytes());
+    file.extend_from_slice(&(!word).to_le_bytes());
+    file.extend_from_slice(bytes);
+    file.extend_from_slice(&hash.to_le_bytes());
+    file.extend_from_slice(&sum.to_le_bytes());
+    file.extend_from_slice(&weighted.to_le_bytes());
+}
+
+/// Reads the next chunk; `None` where none follows whole.
+pub(super) fn read(reader: &mut Reader<'_>) -> Option<Chunk> {
+    let mut attempt = reader.clone();
+    let (word, double) = (u64::read(&mut attempt).ok()?, !u64::read(&mut attempt).ok()?);
+    // If one of the two was changed, the one that a whole chunk follows is right.
+    let chunk = if word == double {
+        body(&mut attempt, word).ok()?
+    } else {
+        let changed = [
+            (double, Damage::Word { recorded: double, found: word, double: false }),
+            (word, Damage::Word { recorded: !word, found: !double, double: true }),
+        ];
+        changed.into_iter().find_map(|(right, damage)| {
+            let mut after = attempt.clone();
+            let chunk = body(&mut after, right).ok().filter(|chunk| chunk.damage.is_none())?;
+            attempt = after;
+            Some(Chunk { damage: Some(damage), ..chunk })
+        })?
+    };
+    *reader = attempt;
+    Some(chunk)
+}
+
+fn body(reader: &mut Reader<'_>, word: u64) -> Result<Chunk, Malformed> {
+    let tag = Tag((word as u32).to_le_bytes());
+    let mut bytes = reader.take((word >> 32) as usize)?.to_vec();
+    let (recorded, found) = (Seal::read(reader)?, Seal::of(word, &bytes));
+    let damage = (recorded != found).then(|| repair(word, &mut bytes, recorded, found));
+    Ok(Chunk { tag, bytes, damage })
+}
+
+/// Finds out what was changed, and undoes it.
+fn repair(word: u64, bytes: &mut [u8], recorded: Seal, found: Seal) -> Damage {
+    if recorded.hash == found.hash {
+        let (part, found, recorded) = if recorded.sum == found.sum {
+            ("weighted_sum", recorded.weighted, found.weighted)
+        } else {
+            ("sum", recorded.sum, found.sum)
+        };
+        // What the bytes give was recorded, what is there is the change.
+        return Damage::Seal { part, recorded, found };
+    }
+    if recorded.sum == found.sum && recorded.weighted == found.weighted {
+        return Damage::Seal { part: "hash", recorded: found.hash.into(), found: recorded.hash.into() };
+    }
+    let change = found.sum.wrapping_sub(recorded.sum) as i128;
+    let weighted = found.weighted.wrapping_sub(recorded.weighted) as i128;
+    let Some(k) = weighted.checked_div(change).filter(|k| k.checked_mul(change) == Some(weighted)) else {
+        return Damage::Unknown;
+    };
+    let Some(k) = usize::try_from(k - 1).ok().filter(|k| *k < bytes.len().div_ceil(8)) else { return Damage::Unknown };
+    let at = 8 * k;
+    let is = words(&bytes[at..]).next().unwrap_or_default();
+    let Ok(was) = u64::try_from(i128::from(is) - change) else { return Damage::Unknown };
+    let length = 8.min(bytes.len() - at);
+    bytes[at..at + length].copy_from_slice(&was.to_le_bytes()[..length]);
+    if Seal::of(word, bytes) == recorded {
+        return Damage::Bytes { at, found: is };
+    }
+    bytes[at..at + length].copy_from_slice(&is.to_le_bytes()[..length]);
+    Damage::Unknown
+}

@@ -1,0 +1,203 @@
+//! What two states differ in, by body and field, and trees of hashes to find that out from afar.
+
+use alloc::collections::BTreeMap;
+use alloc::format;
+use alloc::string::{String, ToString};
+use alloc::vec::Vec;
+use core::fmt;
+
+use super::snapshot::State;
+use crate::handle::{BodyId, FieldId};
+use crate::scalar::Scalar;
+use crate::wire::{Index, Leaf, Out as _, Part, Sink};
+use crate::world::World;
+
+/// What of a world a value belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+pub enum Place {
+    /// The world as a whole.
+    World,
+    /// A body.
+    Body(BodyId),
+    /// A force field.
+    Field(FieldId),
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::World => f.write_str("the world"),
+            Self::Body(body) => body.fmt(f),
+            Self::Field(field) => field.fmt(f),
+        }
+    }
+}
+
+/// A value in which two states differ.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Difference {
+    /// What it belongs to.
+    pub place: Place,
+    /// Its name there, as `position.x`.
+    pub field: String,
+    /// What it is in the first state, exactly; `None` where that has no such value.
+    pub left: Option<String>,
+    /// What it is in the second.
+    pub right: Option<String>,
+}
+
+impl fmt::Display for Difference {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let value = |value: &Option<String>| value.clone().unwrap_or_else(|| "nothing".to_string());
+        write!(f, "{}, {}: {} and {}", self.place, self.field, value(&self.left), value(&self.right))
+    }
+}
+
+/// A path as a name: `bodies[3].position.x`.
+pub(super) fn name_of(path: &[Part]) -> String {
+    let mut name = String::new();
+    for part in path {
+        match part {
+            Part::Name(part) if name.is_empty() => name.push_str(part),
+            Part::Name(part) => name.push_str(&format!(".{part}")),
+            Part::Entry(index) => name.push_str(&format!("[{index}]")),
+        }
+    }
+    name
+}
+
+impl<S: Scalar> World<S> {
+    /// Every value in which the states of two worlds differ, in the order of a snapshot: the world's own, then those of
+    /// its bodies, then those of its force fields. Equal states have none.
+    ///
+    /// It is for finding out what went wrong, and takes its time.
+    #[must_use]
+    pub fn differences(&self, other: &Self) -> Vec<Difference> {
+        let (left, right) = (Index::of(&State(self)).leaves, Index::of(&State(other)).leaves);
+        let mut rest: BTreeMap<&[Part], &Leaf> = right.iter().map(|leaf| (&leaf.path[..], leaf)).collect();
+        let mut found = Vec::new();
+        for leaf in &left {
+            let there = rest.remove(&leaf.path[..]);
+            if there.is_none_or(|there| there.bytes != leaf.bytes) {
+                found.push(self.difference(&leaf.path, Some(leaf), there));
+            }
+        }
+        found.extend(rest.into_iter().map(|(path, there)| other.difference(path, None, Some(there))));
+        found
+    }
+
+    fn difference(&self, path: &[Part], left: Option<&Leaf>, right: Option<&Leaf>) -> Difference {
+        let (place, path) = self.place(path);
+        let text = |leaf: Option<&Leaf>| leaf.map(|leaf| leaf.text.clone());
+        Difference { place, field: name_of(path), left: text(left), right: text(right) }
+    }
+
+    /// What the value at a path belongs to, and the rest of the path.
+    pub(super) fn place<'p>(&self, path: &'p [Part]) -> (Place, &'p [Part]) {
+        let generation = |slot: u32| self.bodies.slots().nth(slot as usize).map_or(0, |(generation, _)| generation);
+        match path {
+            &[Part::Name("bodies"), Part::Entry(slot), ..] => {
+                (Place::Body(BodyId::from_parts(slot, generation(slot))), &path[2..])
+            }
+            &[Part::Name("fields"), Part::Entry(slot), ..] => {
+                let generation = self.fields.slots().nth(slot as usize).map_or(0, |(generation, _)| generation);
+                (Place::Field(FieldId::from_parts(slot, generation)), &path[2..])
+            }
+            _ => (Place::World, path),
+        }
+    }
+}
+
+/// A tree of hashes over a state or a step: a peer that has another root asks for one level after the other, and finds
+/// where the two part without sending either state.
+///
+/// XXH3, 64 bits: of a value its bytes, of a node the hashes below it.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct HashTree {
+    /// The name of the part: `bodies`, `3`, `position`, `x`.
+    pub name: String,
+    /// The hash of all that is below, or of the value.
+    pub hash: u64,
+    /// Its parts; none for a value.
+    pub parts: Vec<HashTree>,
+}
+
+impl HashTree {
+    /// The tree of a state, by its parts, bodies and fields.
+    #[must_use]
+    pub fn of<S: Scalar>(world: &World<S>) -> Self {
+        let leaves = Index::of(&State(world)).leaves;
+        Self::over(format!("tick {}", world.tick()), &leaves, 0)
+    }
+
+    /// A node over trees that were made before.
+    #[must_use]
+    pub fn group(name: String, parts: Vec<Self>) -> Self {
+        let mut sink = Sink::new();
+        parts.iter().for_each(|part| sink.bytes(&part.hash.to_le_bytes()));
+        Self { name, hash: sink.finish(), parts }
+    }
+
+    /// The node over leaves that have the first `depth` parts of their paths in common.
+    fn over(name: String, leaves: &[Leaf], depth: usize) -> Self {
+        let mut parts = Vec::new();
+        let mut rest = leaves;
+        while let Some(first) = rest.first() {
+            let Some(part) = first.path.get(depth) else {
+                // The value of the node itself: the number of a list, the variant of a choice.
+                let mut sink = Sink::new();
+                sink.bytes(&first.bytes);
+                parts.push(Self { name: String::new(), hash: sink.finish(), parts: Vec::new() });
+                rest = &rest[1..];
+                continue;
+            };
+            let count = rest.iter().take_while(|leaf| leaf.path.get(depth) == Some(part)).count();
+            let (own, others) = rest.split_at(count);
+            let name = match part {
+                Part::Name(name) => (*name).to_string(),
+                Part::Entry(index) => index.to_string(),
+            };
+            parts.push(Self::over(name, own, depth + 1));
+            rest = others;
+        }
+        match <[Self; 1]>::try_from(parts) {
+            // A lone value is the node.
+            Ok([lone]) if lone.name.is_empty() => Self { name, ..lone },
+            Ok(lone) => Self::group(name, lone.into()),
+            Err(parts) => Self::group(name, parts),
+        }
+    }
+
+    /// The names on the way to the first value in which two trees differ; `None` if they are equal.
+    #[must_use]
+    pub fn first_difference<'a>(&'a self, other: &'a Self) -> Option<Vec<&'a str>> {
+        if self.hash == other.hash {
+            return None;
+        }
+        let mut path = alloc::vec![&self.name[..]];
+        let (mut left, mut right) = (self, other);
+        loop {
+            let here = left.parts.iter().zip(&right.parts).find(|(a, b)| a.hash != b.hash || a.name != b.name);
+            match here {
+                Some((a, b)) if a.name == b.name => {
+                    (left, right) = (a, b);
+                    path.push(&a.name);
+                }
+                Some((a, _)) => {
+                    path.push(&a.name);
+                    return Some(path);
+                }
+                None => {
+                    // One has more parts than the other, or they are values.
+                    let longer = if left.parts.len() > right.parts.len() { left } else { right };
+                    let more = longer.parts.get(left.parts.len().min(right.parts.len()));
+                    path.extend(more.map(|part| &part.name[..]));
+                    return Some(path);
+                }
+            }
+        }
+    }
+}

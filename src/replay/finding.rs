@@ -1,0 +1,70 @@
+//! Where and in what two runs, or a run and its recording, part.
+
+use alloc::string::String;
+use core::fmt;
+
+use super::Place;
+use crate::integrate::Verb;
+
+/// A moment of a tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+pub enum Moment {
+    /// Before all ticks: the snapshot that a replay begins with, or what stands over the file.
+    Start,
+    /// Calls outside of the players' inputs.
+    Calls,
+    /// The players' inputs.
+    Inputs,
+    /// A stage of the step, by its place in [`Integrator::stages`](crate::Integrator::stages).
+    Stage {
+        /// Its place, from 0.
+        index: u32,
+        /// What it does.
+        verb: Verb,
+    },
+    /// The end of the tick, with quarantine and sleep.
+    End,
+}
+
+impl fmt::Display for Moment {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Start => f.write_str("start"),
+            Self::Calls => f.write_str("calls"),
+            Self::Inputs => f.write_str("inputs"),
+            Self::Stage { index, verb } => write!(f, "stage {} ({})", index + 1, verb.name()),
+            Self::End => f.write_str("end"),
+        }
+    }
+}
+
+/// The first value in which two runs, or a run and its recording, are not the same.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Finding {
+    /// The tick that was being made: 0 makes the world of tick 1.
+    pub tick: u64,
+    /// When in the tick.
+    pub moment: Moment,
+    /// What the value belongs to.
+    pub place: Place,
+    /// Its name there, as `position.x`; empty where more was changed than can be told apart.
+    pub field: String,
+    /// What was recorded, or is in the first of the two, exactly; `None` where that is unknown or no value.
+    pub recorded: Option<String>,
+    /// What is there instead, or in the second.
+    pub found: Option<String>,
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { tick, moment, place, field, .. } = self;
+        write!(f, "tick {tick}, {moment}, {place}")?;
+        if !field.is_empty() {
+            write!(f, ", {field}")?;
+        }
+        let value = |value: &'_ Option<String>| value.clone().unwrap_or_else(|| "unknown".into());
+        write!(f, ": {} and {}", value(&self.recorded), value(&self.found))
+    }
+}

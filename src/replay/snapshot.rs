@@ -1,0 +1,450 @@
+//! Snapshots: a world to come back to, in memory or as bytes.
+
+use alloc::collections::BTreeMap;
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+use core::fmt;
+
+use super::LAW;
+use crate::body::{Activity, Bodies, BodyKind, Occupant, Record, ShapeSource, Tunings};
+use crate::error::Error;
+use crate::force::{Field, FieldSet, ForceLaw, Laws};
+use crate::handle::BodyId;
+use crate::integrate::Integrator;
+use crate::limits;
+use crate::math::{Elapsed, Random, Vec2};
+use crate::scalar::{FxSum, Scalar, fx::Fx};
+use crate::shape::Shape;
+use crate::wire::{self, Malformed, Out, Part, Read, Reader, Sink, Write};
+use crate::world::{World, WorldDef};
+
+/// The first bytes of a snapshot.
+const MAGIC: [u8; 8] = *b"UMBRASNP";
+/// The number of the format, in the second four bytes after them. It moves when the layout does.
+const FORMAT: u32 = 1;
+
+/// A world as it was: to go back to, to send, to keep.
+///
+/// In memory it costs a copy of what steps change, 109 bytes a body; all else is shared until the world changes it. As
+/// bytes it is the same on every machine, and takes less than 256 bytes for a body with a circle.
+///
+/// A world that is restored is that world: it has the same hash, handles and future, in another process or on another
+/// machine as well. Its reports start anew, but for the bodies that calls had woken. What was made after the snapshot is
+/// gone with it: a handle from that abandoned future may come to name another body.
+///
+/// ```
+/// use umbra_physics::{BodyDef, Snapshot, World, WorldDef, vec2};
+///
+/// let mut world: World = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() })?;
+/// let ball = world.add_body(BodyDef::dynamic())?;
+/// let saved = world.snapshot();
+/// for _ in 0..60 {
+///     world.step();
+/// }
+/// let after = world.state_hash();
+///
+/// world.restore(&saved);
+/// for _ in 0..60 {
+///     world.step();
+/// }
+/// assert_eq!(world.state_hash(), after);
+///
+/// // The same over the network or from a file.
+/// let bytes = saved.to_bytes();
+/// let mut there = Snapshot::from_bytes(&bytes, &[])?.into_world();
+/// for _ in 0..60 {
+///     there.step();
+/// }
+/// assert_eq!(there.state_hash(), after);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct Snapshot<S: Scalar = Fx> {
+    world: World<S>,
+}
+
+clone_by_field!(Snapshot { world });
+
+impl<S: Scalar> fmt::Debug for Snapshot<S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("Snapshot").field(&self.world).finish()
+    }
+}
+
+/// Why bytes are no snapshot that this build can go on from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum SnapshotError {
+    /// They are something else.
+    Foreign,
+    /// Their layout is another.
+    Format {
+        /// Its number.
+        found: u32,
+        /// The one this build knows.
+        known: u32,
+    },
+    /// They were made under other laws of physics: what follows from them would be something else here.
+    Law {
+        /// Those they were made under.
+        found: u32,
+        /// Those of this build.
+        own: u32,
+    },
+    /// They are cut off, or damaged.
+    Malformed(Malformed),
+    /// They say of a world what cannot be.
+    Invalid(Error),
+    /// A law of force of the user's own is not given, or in another version.
+    ForceLaw {
+        /// Its id.
+        id: u64,
+        /// The version that is needed.
+        version: u32,
+    },
+    /// The world they make does not have the hash they give: they were changed.
+    Changed {
+        /// The hash they give.
+        recorded: u64,
+        /// That of the world.
+        computed: u64,
+    },
+}
+
+impl fmt::Display for SnapshotError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Foreign => f.write_str("not a snapshot of umbra-physics"),
+            Self::Format { found, known } => write!(f, "a snapshot of format {found}; this build reads format {known}"),
+            Self::Law { found, own } => {
+                write!(f, "a snapshot made under law {found} of physics; this build has law {own}")
+            }
+            Self::Malformed(malformed) => malformed.fmt(f),
+            Self::Invalid(error) => write!(f, "no world can be so: {error}"),
+            Self::ForceLaw { id, version } => write!(f, "force law {id:#x} in version {version} is not given"),
+            Self::Changed { recorded, computed } => {
+                write!(f, "the hash recorded is {recorded:016x}, that of what is there {computed:016x}")
+            }
+        }
+    }
+}
+
+impl core::error::Error for SnapshotError {}
+
+impl From<Malformed> for SnapshotError {
+    fn from(malformed: Malformed) -> Self {
+        Self::Malformed(malformed)
+    }
+}
+
+impl From<Error> for SnapshotError {
+    fn from(error: Error) -> Self {
+        Self::Invalid(error)
+    }
+}
+
+impl<S: Scalar> World<S> {
+    /// The world as it is, to go back to.
+    #[must_use]
+    pub fn snapshot(&self) -> Snapshot<S> {
+        Snapshot { world: self.clone() }
+    }
+
+    /// The same in the memory another snapshot has.
+    pub fn snapshot_into(&self, snapshot: &mut Snapshot<S>) {
+        snapshot.world.clone_from(self);
+    }
+
+    /// Goes back to a snapshot, of this world or another.
+    pub fn restore(&mut self, snapshot: &Snapshot<S>) {
+        self.clone_from(&snapshot.world);
+    }
+}
+
+impl<S: Scalar> Snapshot<S> {
+    /// The world as it was.
+    #[must_use]
+    pub fn world(&self) -> &World<S> {
+        &self.world
+    }
+
+    /// The world as it was, to go on with.
+    #[must_use]
+    pub fn into_world(self) -> World<S> {
+        self.world
+    }
+}
+
+impl Snapshot {
+    /// As bytes, the same on every machine; `docs/formats.md` has them one by one.
+    #[must_use]
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        self.write_to(&mut bytes);
+        bytes
+    }
+
+    /// Puts the bytes at the end of a buffer.
+    pub fn write_to(&self, bytes: &mut Vec<u8>) {
+        Saved(&self.world).write(bytes);
+    }
+
+    /// The snapshot that is these bytes, of a world in which these laws of force may act.
+    ///
+    /// Nothing is believed: what no world can be is refused, however the bytes came about.
+    ///
+    /// # Errors
+    /// A [`SnapshotError`].
+    pub fn from_bytes(bytes: &[u8], laws: &[Arc<dyn ForceLaw>]) -> Result<Self, SnapshotError> {
+        let mut reader = Reader::new(bytes);
+        let world = read(&mut reader, laws)?;
+        reader.end()?;
+        Ok(Self { world })
+    }
+}
+
+/// A world as the bytes of a snapshot.
+pub(super) struct Saved<'a, S: Scalar>(pub(super) &'a World<S>);
+
+impl<S: Scalar> Write for Saved<'_, S> {
+    fn write(&self, out: &mut impl Out) {
+        let unsealed = Unsealed(self.0);
+        unsealed.write(out);
+        wire::field(out, "seal", &Sink::of(&unsealed));
+    }
+}
+
+struct Unsealed<'a, S: Scalar>(&'a World<S>);
+
+impl<S: Scalar> Write for Unsealed<'_, S> {
+    fn write(&self, out: &mut impl Out) {
+        out.enter(Part::Name("magic"));
+        out.bytes(&MAGIC);
+        out.leave();
+        wire::field(out, "format", &FORMAT);
+        wire::field(out, "law", &LAW);
+        State(self.0).write(out);
+        wire::field(out, "hash", &self.0.state_hash());
+    }
+}
+
+/// All that the future of a world depends on, body by body.
+pub(super) struct State<'a, S: Scalar>(pub(super) &'a World<S>);
+
+impl<S: Scalar> Write for State<'_, S> {
+    fn write(&self, out: &mut impl Out) {
+        let world = self.0;
+        wire::field(out, "settings", &world.def);
+        wire::field(out, "tick", &world.tick);
+        let (elapsed, since) = &world.counted;
+        wire::field(out, "elapsed", elapsed);
+        wire::field(out, "elapsed_at_tick", since);
+        wire::field(out, "random", &world.random);
+        wire::field(out, "blob", &world.blob);
+        part(out, "laws", |out| {
+            wire::count(out, world.laws.len());
+            for (i, law) in world.laws.values().enumerate() {
+                entry(out, i, |out| {
+                    wire::field(out, "id", &law.id());
+                    wire::field(out, "version", &law.version());
+                });
+            }
+        });
+        part(out, "bodies", |out| self.write_bodies(out));
+        part(out, "free_slots", |out| wire::list(out, world.bodies.free().iter()));
+        part(out, "fields", |out| {
+            wire::count(out, world.fields.slots().len());
+            for (slot, (generation, field)) in world.fields.slots().enumerate() {
+                entry(out, slot, |out| {
+                    wire::field(out, "generation", &generation);
+                    wire::field(out, "field", &field.copied());
+                });
+            }
+        });
+        part(out, "free_fields", |out| wire::list(out, world.fields.free().iter()));
+        part(out, "woken", |out| wire::list(out, world.woken.iter()));
+    }
+}
+
+impl<S: Scalar> State<'_, S> {
+    fn write_bodies(&self, out: &mut impl Out) {
+        let world = self.0;
+        let mut seen: BTreeMap<*const Shape<S>, u32> = BTreeMap::new();
+        wire::count(out, world.bodies.slots().len());
+        for (slot, (generation, dense)) in world.bodies.slots().enumerate() {
+            entry(out, slot, |out| {
+                wire::field(out, "generation", &generation);
+                wire::field(out, "present", &dense.is_some());
+                let Some(dense) = dense else { return };
+                world.bodies.record(dense, &world.tunings).write(out);
+                // Shapes that are alike are one in memory. Where it is decides nothing but who is named first.
+                let source = match &world.bodies.card(dense).shape {
+                    None => ShapeSource::None,
+                    Some(shape) => match seen.get(&Arc::as_ptr(shape)) {
+                        Some(&first) => ShapeSource::AsOf(first),
+                        None => {
+                            seen.insert(Arc::as_ptr(shape), slot as u32);
+                            ShapeSource::New(shape.clone())
+                        }
+                    },
+                };
+                wire::field(out, "shape", &source);
+                let row = world.applied.row(BodyId::from_parts(slot as u32, generation));
+                wire::field(out, "applied", &row.map(|row| Pushed::<S> { force: row.force, torque: row.torque }));
+            });
+        }
+    }
+}
+
+fn part<O: Out>(out: &mut O, name: &'static str, write: impl FnOnce(&mut O)) {
+    out.enter(Part::Name(name));
+    write(out);
+    out.leave();
+}
+
+fn entry<O: Out>(out: &mut O, index: usize, write: impl FnOnce(&mut O)) {
+    out.enter(Part::Entry(index as u32));
+    write(out);
+    out.leave();
+}
+
+/// The sums of what was applied to a body since the last step.
+struct Pushed<S: Scalar> {
+    force: Vec2<S::Sum>,
+    torque: S::Sum,
+}
+
+impl<S: Scalar> Write for Pushed<S> {
+    fn write(&self, out: &mut impl Out) {
+        wire::field(out, "force", &self.force);
+        wire::field(out, "torque", &self.torque);
+    }
+}
+
+impl Read for Pushed<Fx> {
+    fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {
+        Ok(Self { force: Vec2::read(reader)?, torque: FxSum::read(reader)? })
+    }
+}
+
+/// Reads a snapshot, and what may come after it is left.
+pub(super) fn read(reader: &mut Reader<'_>, laws: &[Arc<dyn ForceLaw>]) -> Result<World, SnapshotError> {
+    let start = reader.at();
+    if reader.take(MAGIC.len()).ok() != Some(&MAGIC) {
+        return Err(SnapshotError::Foreign);
+    }
+    match u32::read(reader)? {
+        FORMAT => {}
+        found => return Err(SnapshotError::Format { found, known: FORMAT }),
+    }
+    match u32::read(reader)? {
+        LAW => {}
+        found => return Err(SnapshotError::Law { found, own: LAW }),
+    }
+    let world = read_state(reader, laws)?;
+    let (recorded, computed) = (u64::read(reader)?, world.state_hash());
+    if recorded != computed {
+        return Err(SnapshotError::Changed { recorded, computed });
+    }
+    let malformed = reader.malformed("the hash of the bytes before it");
+    let seal = Sink::of_bytes(reader.since(start));
+    if u64::read(reader)? != seal {
+        return Err(malformed.into());
+    }
+    Ok(world)
+}
+
+fn read_state(reader: &mut Reader<'_>, laws: &[Arc<dyn ForceLaw>]) -> Result<World, SnapshotError> {
+    let def = WorldDef::read(reader)?;
+    let mut world = World::new(def)?;
+    world.tick = u64::read(reader)?;
+    world.counted = (Elapsed::read(reader)?, u64::read(reader)?);
+    let (elapsed, since) = world.counted;
+    // As a change of the time step leaves it: in lowest terms, and with room for all ticks to come.
+    let is_reduced = elapsed.den != 0 && elapsed == elapsed.reduced();
+    if !is_reduced || elapsed.plus(u64::MAX, def.time_step).is_none() || since > world.tick {
+        return Err(Error::ElapsedTime.into());
+    }
+    world.random = Random::read(reader)?;
+    world.set_blob(&Vec::read(reader)?)?;
+    world.laws = Arc::new(read_laws(reader, laws)?);
+    let (slots, pushed) = read_bodies(reader)?;
+    let free = read_list(reader, 4, u32::read)?;
+    let stops = |kept: Option<Fx>| def.integrator == Integrator::Yoshida4 && kept == Some(Fx::ZERO);
+    let mut tunings = Tunings::default();
+    let climate = World::climate(&world.def, &world.plan);
+    let keep_last = def.integrator == Integrator::PublishedVerlet;
+    world.bodies = Bodies::rebuilt(&slots, free, keep_last, &mut tunings, &climate)?;
+    world.tunings = Arc::new(tunings);
+    for (record, _) in slots.iter().filter_map(|(_, occupant)| occupant.as_ref()) {
+        if stops(record.linear_damping) || stops(record.angular_damping) {
+            return Err(Error::DampingHasNoInverse.into());
+        }
+    }
+    for (body, Pushed { force, torque }) in pushed {
+        let dense = world.bodies.find(body)?;
+        if world.bodies.card(dense).kind != BodyKind::Dynamic || world.bodies.activity(dense) != Activity::Awake {
+            return Err(Error::Inconsistent.into());
+        }
+        world.applied.adopt(body, force, torque);
+    }
+    let fields = read_list(reader, 5, |reader| Ok((u32::read(reader)?, Option::<Field>::read(reader)?)))?;
+    if fields.len() > limits::FIELDS {
+        return Err(Error::Full.into());
+    }
+    for (_, field) in &fields {
+        field.as_ref().map_or(Ok(()), |field| field.check_values(&world.bodies, &world.laws))?;
+    }
+    world.fields = Arc::new(FieldSet::rebuilt(fields, read_list(reader, 4, u32::read)?)?);
+    world.woken = read_list(reader, 8, BodyId::read)?;
+    world.woken.iter().try_for_each(|&body| world.bodies.find(body).map(drop))?;
+    Ok(world)
+}
+
+/// The laws of force a world has: each must be among those given, in the same version.
+fn read_laws(reader: &mut Reader<'_>, given: &[Arc<dyn ForceLaw>]) -> Result<Laws<Fx>, SnapshotError> {
+    let mut laws = Laws::new();
+    for (id, version) in read_list(reader, 12, |reader| Ok((u64::read(reader)?, u32::read(reader)?)))? {
+        let law = given.iter().find(|law| law.id() == id && law.version() == version);
+        let law = law.ok_or(SnapshotError::ForceLaw { id, version })?;
+        if laws.insert(id, law.clone()).is_some() {
+            return Err(Error::Inconsistent.into());
+        }
+    }
+    Ok(laws)
+}
+
+type Bodily = (Vec<(u32, Occupant<Fx>)>, Vec<(BodyId, Pushed<Fx>)>);
+
+fn read_bodies(reader: &mut Reader<'_>) -> Result<Bodily, SnapshotError> {
+    let mut slots: Vec<(u32, Occupant<Fx>)> = Vec::new();
+    let mut pushed = Vec::new();
+    for slot in 0..reader.count(5)? {
+        let generation = u32::read(reader)?;
+        if !bool::read(reader)? {
+            slots.push((generation, None));
+            continue;
+        }
+        let record = Record::read(reader)?;
+        let shape = match ShapeSource::read(reader)? {
+            ShapeSource::None => None,
+            ShapeSource::New(shape) => Some(shape),
+            ShapeSource::AsOf(first) => match slots.get(first as usize) {
+                Some((_, Some((_, Some(shape))))) => Some(shape.clone()),
+                _ => return Err(Error::Inconsistent.into()),
+            },
+        };
+        if let Some(row) = Option::<Pushed<Fx>>::read(reader)? {
+            pushed.push((BodyId::from_parts(slot as u32, generation), row));
+        }
+        slots.push((generation, Some((record, shape))));
+    }
+    Ok((slots, pushed))
+}
+
+fn read_list<T>(
+    reader: &mut Reader<'_>,
+    least: usize,
+    mut read: impl FnMut(&mut Reader<'_>) -> Result<T, Malformed>,
+) -> Result<Vec<T>, Malformed> {
+    (0..reader.count(least)?).map(|_| read(reader)).collect()
+}

@@ -1,0 +1,411 @@
+//! What is changed in a replay is named: every value of the format, one bit at a time, as it is and with its seal made new.
+
+use alloc::boxed::Box;
+use alloc::string::{String, ToString};
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+use alloc::{format, vec};
+
+use super::chunk::{self, Chunk, Tag};
+use super::difference::name_of;
+use super::file::{DONE, Done, FORMAT, HEAD, Head, MAGIC, SNAPSHOT, Segment, TICKS};
+use super::snapshot::{self, Saved};
+use super::{Divergence, Moment, Place, RecordOptions, Recorder, Replay, ReplayError};
+use crate::body::{BodyDef, BodyKind, Mass};
+use crate::force::{Attachment, BodyState, Dependence, End, Field, ForceLaw, Law, LawFault, Push, Region};
+use crate::handle::{BodyId, FieldId};
+use crate::integrate::Integrator;
+use crate::math::{Random, TimeStep, vec2};
+use crate::scalar::{FxFactor, SpringLaw, fx::Fx};
+use crate::shape::{Part, Shape};
+use crate::wire::{Index, Read as _, Reader};
+use crate::world::{Action, Command, Frame, Input, Inputs, Manner, World, WorldDef};
+use crate::{LAW, fx};
+
+struct Still;
+
+impl ForceLaw for Still {
+    fn id(&self) -> u64 {
+        9
+    }
+    fn version(&self) -> u32 {
+        2
+    }
+    fn depends_on(&self) -> Dependence {
+        Dependence::Nothing
+    }
+    fn push(&self, _: &BodyState) -> Result<Push, LawFault> {
+        Ok(Push::default())
+    }
+}
+
+fn laws() -> Vec<Arc<dyn ForceLaw>> {
+    vec![Arc::new(Still)]
+}
+
+fn shapes() -> Vec<Shape> {
+    let disc = Shape::circle(fx!(0.5)).expect("a shape");
+    let part = |x| Part { shape: disc.clone(), position: vec2(x, 0), angle: fx!(0.1), density: fx!(1) };
+    vec![
+        disc.clone(),
+        Shape::rectangle(fx!(1), fx!(2)).expect("a shape"),
+        Shape::capsule(fx!(1), fx!(0.5)).expect("a shape"),
+        Shape::polygon(&[vec2(0, 0), vec2(2, 0), vec2(0, 2)]).expect("a shape"),
+        Shape::segment(vec2(0, 0), vec2(0, 1)).expect("a shape"),
+        Shape::compound(&[part(-1), part(2)]).expect("a shape"),
+    ]
+}
+
+/// A law of each kind, on the bodies in slots 1 and 2.
+fn fields() -> Vec<Field> {
+    let at = |slot| Attachment { body: BodyId::from_parts(slot, 0), point: vec2(0, fx!(0.25)) };
+    let spring = SpringLaw { rest: fx!(1), stiffness: fx!(3), damping: fx!(0.5) };
+    let mu: FxFactor = "2.5".parse().expect("a factor");
+    let laws = [
+        Law::Attractor { centre: End::Body(at(2)), mu, softening: fx!(0.5) },
+        Law::Attractor { centre: End::World(vec2(1, 2)), mu, softening: fx!(0.5) },
+        Law::Spring { near: at(1), far: End::Body(at(2)), spring },
+        Law::Drag { linear: fx!(0.1), quadratic: fx!(0.2), wind: vec2(1, 0) },
+        Law::Thrust { at: at(1), force: vec2(1, 1) },
+        Law::Zone { region: Region::Disc { centre: vec2(0, 0), radius: fx!(3) }, acceleration: vec2(0, 1) },
+        Law::Zone { region: Region::Box { min: vec2(0, 0), max: vec2(1, 1) }, acceleration: vec2(0, 1) },
+        Law::Custom { id: 9 },
+    ];
+    laws.map(|law| Field { law, groups: 5 }).into()
+}
+
+/// Every command there is; those with a choice in them once for each.
+fn commands() -> Vec<Command> {
+    let body = BodyId::from_parts(1, 0);
+    let point = Some(vec2(fx!(0.5), 0));
+    let actions = [
+        Action::Force { force: vec2(1, 2), point },
+        Action::Torque(fx!(0.5)),
+        Action::Impulse { impulse: vec2(1, 2), point: None },
+        Action::AngularImpulse(fx!(0.25)),
+    ];
+    let manner = Manner { frame: Frame::Body, wake: false };
+    let mut commands: Vec<Command> = actions.map(|action| Command::Apply { body, action, manner }).into();
+    let masses = [Mass::Density(fx!(2)), Mass::Of(fx!(3)), Mass::WithInertia(fx!(4), fx!(5))];
+    commands.extend(masses.map(|mass| Command::SetMass { body, mass }));
+    commands.extend(shapes().into_iter().map(|shape| Command::SetShape { body, shape: Some(shape) }));
+    commands.extend(fields().into_iter().map(Command::AddField));
+    commands.extend([
+        Command::AddBody(BodyDef { linear_damping: Some(fx!(0.5)), key: 7, ..BodyDef::dynamic() }),
+        Command::SetPosition { body, position: vec2(1, 2) },
+        Command::SetAngle { body, angle: fx!(1) },
+        Command::SetVelocity { body, velocity: vec2(1, 2) },
+        Command::SetAngularVelocity { body, velocity: fx!(0.5) },
+        Command::SetKind { body, kind: BodyKind::Dynamic },
+        Command::SetGravityScale { body, scale: fx!(0.5) },
+        Command::SetBodyDamping { body, linear: Some(fx!(0.5)), angular: Some(fx!(0.75)) },
+        Command::SetGroups { body, groups: 3 },
+        Command::SetKey { body, key: 5 },
+        Command::SetUserData { body, user_data: 6 },
+        Command::Wake(body),
+        Command::Release(body),
+        Command::SetField { id: FieldId::from_parts(0, 0), field: fields()[1] },
+        Command::SetTimeStep(TimeStep::ratio(1001, 60_000)),
+        Command::SetGravity(vec2(0, -9)),
+        Command::SetIntegrator(Integrator::Yoshida4),
+        Command::SetDamping { linear: fx!(0.5), angular: fx!(0.5) },
+        Command::SetSleepAfter(Some(20)),
+        Command::SetRandom(Random::seeded(3)),
+        Command::SetBlob(vec![1, 2, 3]),
+        Command::RemoveField(FieldId::from_parts(0, 0)),
+        Command::RemoveBody(BodyId::from_parts(3, 0)),
+    ]);
+    commands
+}
+
+/// What has no example here does not compile.
+fn is_among_them(command: &Command) -> bool {
+    let like = match command {
+        Command::AddBody(_) => "AddBody",
+        Command::RemoveBody(_) => "RemoveBody",
+        Command::Apply { .. } => "Apply",
+        Command::SetPosition { .. } => "SetPosition",
+        Command::SetAngle { .. } => "SetAngle",
+        Command::SetVelocity { .. } => "SetVelocity",
+        Command::SetAngularVelocity { .. } => "SetAngularVelocity",
+        Command::SetMass { .. } => "SetMass",
+        Command::SetShape { .. } => "SetShape",
+        Command::SetKind { .. } => "SetKind",
+        Command::SetGravityScale { .. } => "SetGravityScale",
+        Command::SetBodyDamping { .. } => "SetBodyDamping",
+        Command::SetGroups { .. } => "SetGroups",
+        Command::SetKey { .. } => "SetKey",
+        Command::SetUserData { .. } => "SetUserData",
+        Command::Wake(_) => "Wake",
+        Command::Release(_) => "Release",
+        Command::AddField(_) => "AddField",
+        Command::SetField { .. } => "SetField",
+        Command::RemoveField(_) => "RemoveField",
+        Command::SetTimeStep(_) => "SetTimeStep",
+        Command::SetGravity(_) => "SetGravity",
+        Command::SetIntegrator(_) => "SetIntegrator",
+        Command::SetDamping { .. } => "SetDamping",
+        Command::SetSleepAfter(_) => "SetSleepAfter",
+        Command::SetRandom(_) => "SetRandom",
+        Command::SetBlob(_) => "SetBlob",
+    };
+    commands().iter().any(|command| format!("{command:?}").starts_with(like))
+}
+
+/// A recording with every value of the format in it.
+fn recording() -> Vec<u8> {
+    let mut world = World::new(WorldDef {
+        gravity: vec2(0, -10),
+        integrator: Integrator::PublishedVerlet,
+        sleep_after: Some(2),
+        ..WorldDef::default()
+    })
+    .expect("a world");
+    world.register_law(laws().remove(0)).expect("a law");
+    for shape in shapes().into_iter().chain([shapes().remove(0)]) {
+        let def = BodyDef { shape: Some(shape), position: vec2(0, 3), ..BodyDef::dynamic() };
+        world.add_body(BodyDef { angular_velocity: fx!(1), linear_damping: Some(fx!(0.9)), ..def }).expect("a body");
+    }
+    let gone = world.add_body(BodyDef::fixed()).expect("a body");
+    world.remove_body(gone).expect("it is there");
+    fields().into_iter().for_each(|field| drop(world.add_field(field).expect("a field")));
+    let gone = world.add_field(fields()[3]).expect("a field");
+    world.remove_field(gone).expect("it is there");
+    world.set_blob(b"some bytes of the game's").expect("few");
+    let sleeper = world.add_body(BodyDef { gravity_scale: Fx::ZERO, groups: 0, ..BodyDef::dynamic() }).expect("a body");
+    for _ in 0..9 {
+        world.step();
+    }
+    world.wake(sleeper).expect("it is there");
+    world.apply_force_at_point(BodyId::from_parts(1, 0), vec2(1, 2), vec2(3, 4)).expect("a force");
+
+    let mut recorder = Recorder::new(&world, RecordOptions { hash_every: 1, snapshot_every: 4 });
+    let all = commands();
+    for (tick, some) in all.chunks(9).enumerate() {
+        let mut inputs = Inputs::new();
+        for (i, command) in some.iter().enumerate() {
+            if i == 0 {
+                recorder.execute(&mut world, command).expect("it is allowed");
+            } else {
+                let (player, sequence) = (tick as u32 % 2, i as u32);
+                inputs.insert(Input { player, sequence, command: command.clone() }).expect("the first");
+            }
+        }
+        if tick > 0 {
+            _ = world.random_mut().bits();
+        }
+        recorder.step(&mut world, &inputs);
+    }
+    recorder.step(&mut world, &Inputs::new());
+    recorder.finish(&world)
+}
+
+/// The chunks of a file, and where the bytes of each begin.
+fn chunks(file: &[u8]) -> Vec<(Chunk, usize)> {
+    let mut reader = Reader::new(&file[MAGIC.len() + 4..]);
+    let mut chunks = Vec::new();
+    loop {
+        let at = MAGIC.len() + 4 + reader.at() + 16;
+        match chunk::read(&mut reader) {
+            Some(chunk) => chunks.push((chunk, at)),
+            None => break chunks,
+        }
+    }
+}
+
+/// A file of these chunks, with seals of their own.
+fn file(chunks: &[(Tag, Vec<u8>)]) -> Vec<u8> {
+    let mut file = MAGIC.to_vec();
+    file.extend_from_slice(&FORMAT.to_le_bytes());
+    chunks.iter().for_each(|(tag, bytes)| chunk::write(&mut file, *tag, bytes));
+    file
+}
+
+/// All that is a value in a chunk: where it is, how long, its name, how it reads.
+fn values(chunk: &Chunk) -> Vec<(usize, usize, String, String)> {
+    let mut reader = Reader::new(&chunk.bytes);
+    let index = match chunk.tag {
+        HEAD => Index::of(&Head::read(&mut reader).expect("a head")),
+        DONE => Index::of(&Done::read(&mut reader).expect("an end")),
+        TICKS => Index::of(&Segment::read(&mut reader).expect("ticks")),
+        SNAPSHOT => Index::of(&Saved(&snapshot::read(&mut reader, &laws()).expect("a snapshot"))),
+        _ => panic!("no chunk of this format"),
+    };
+    assert_eq!(reader.rest(), 0);
+    let leaves = index.leaves.into_iter();
+    leaves.map(|leaf| (leaf.at, leaf.bytes.len(), name_of(&leaf.path), leaf.text)).collect()
+}
+
+#[test]
+fn every_command_is_recorded_and_played_alike() {
+    assert!(commands().iter().all(is_among_them));
+    let file = recording();
+    let replay = Replay::from_bytes(&file, &laws()).expect("it is whole");
+    assert_eq!(replay.verify(), Ok(()));
+    let mut playback = replay.play();
+    while playback.step().expect("it goes as recorded") {
+        let refused = playback.outcomes().iter().filter(|outcome| outcome.result.is_err()).count();
+        // The body that is to be released is not quarantined.
+        assert!(refused <= 1, "{:?}", playback.outcomes());
+    }
+    // From every tick to every other.
+    let hashes: Vec<u64> = (replay.start().tick()..=replay.end())
+        .map(|tick| {
+            playback.seek(tick);
+            playback.world().state_hash()
+        })
+        .collect();
+    for tick in (replay.start().tick()..=replay.end()).rev() {
+        playback.seek(tick);
+        assert_eq!(playback.world().state_hash(), hashes[(tick - replay.start().tick()) as usize]);
+    }
+}
+
+#[test]
+fn a_flipped_bit_in_any_value_is_named_with_both_values() {
+    let whole = recording();
+    let mut seen = 0;
+    for (number, (chunk, start)) in chunks(&whole).into_iter().enumerate() {
+        for (at, length, name, text) in values(&chunk) {
+            for bit in [0, 8 * length - 1] {
+                let mut changed = whole.clone();
+                changed[start + at + bit / 8] ^= 1 << (bit % 8);
+                let what = format!("chunk {number}, {name}, bit {bit}");
+                match Replay::from_bytes(&changed, &laws()) {
+                    Err(ReplayError::Tampered(finding)) => {
+                        assert!(name.ends_with(&finding.field), "{what}: {finding}");
+                        assert_eq!(finding.recorded.as_deref(), Some(&text[..]), "{what}: {finding}");
+                        assert!(finding.found.as_deref().is_some_and(|found| found != text), "{what}: {finding}");
+                        if let Some(rest) = name.strip_prefix("bodies[") {
+                            let slot = rest.split(']').next().and_then(|slot| slot.parse::<u32>().ok());
+                            assert!(
+                                matches!(finding.place, Place::Body(body) if Some(body.parts().0) == slot),
+                                "{what}: {finding}"
+                            );
+                        }
+                        seen += 1;
+                    }
+                    other => panic!("{what}: {other:?}"),
+                }
+            }
+        }
+    }
+    assert!(seen > 1_000, "{seen}");
+}
+
+#[test]
+fn a_flipped_bit_anywhere_and_a_file_cut_off_anywhere_are_found() {
+    let whole = recording();
+    for at in 0..whole.len() {
+        let mut changed = whole.clone();
+        changed[at] ^= 1 << (at % 8);
+        assert!(Replay::from_bytes(&changed, &laws()).is_err(), "byte {at}");
+        let cut = Replay::from_bytes(&whole[..at], &laws());
+        let foreign = at < MAGIC.len();
+        assert!(
+            matches!(cut, Err(ReplayError::Foreign)) && foreign || matches!(cut, Err(ReplayError::CutOff { .. })),
+            "cut off at {at}: {cut:?}"
+        );
+        // What is whole of it goes as recorded.
+        if let Ok(replay) = Replay::recovered(&whole[..at], &laws()) {
+            assert!(!replay.is_complete());
+            if at % 64 == 0 {
+                assert_eq!(replay.verify(), Ok(()));
+            }
+        }
+    }
+    let mut longer = whole.clone();
+    longer.push(0);
+    assert!(matches!(Replay::from_bytes(&longer, &laws()), Err(ReplayError::Malformed { .. })));
+}
+
+/// What is found in a file in which one value was changed, and everything sealed anew.
+fn forged(whole: &[u8], number: usize, at: usize, bit: usize) -> Result<(), Result<Box<Divergence>, ReplayError>> {
+    let mut parts: Vec<(Tag, Vec<u8>)> = chunks(whole).into_iter().map(|(chunk, _)| (chunk.tag, chunk.bytes)).collect();
+    parts[number].1[at + bit / 8] ^= 1 << (bit % 8);
+    let (tag, bytes) = &mut parts[number];
+    if *tag == SNAPSHOT {
+        // A forger makes its own hashes right as well, as far as what it says is a world.
+        reseal(bytes);
+    }
+    let replay = Replay::from_bytes(&file(&parts), &laws()).map_err(Err)?;
+    replay.verify().map_err(Ok)
+}
+
+/// Gives a snapshot the hash of the world it says, and the seal of its bytes.
+fn reseal(bytes: &mut [u8]) {
+    for _ in 0..2 {
+        match snapshot::read(&mut Reader::new(bytes), &laws()) {
+            Err(super::SnapshotError::Changed { computed, .. }) => {
+                let end = bytes.len() - 16;
+                bytes[end..end + 8].copy_from_slice(&computed.to_le_bytes());
+                let seal = crate::wire::Sink::of_bytes(&bytes[..end + 8]);
+                bytes[end + 8..].copy_from_slice(&seal.to_le_bytes());
+            }
+            _ => return,
+        }
+    }
+}
+
+#[test]
+fn a_forged_value_is_refused_or_its_run_parts_from_the_recorded_one() {
+    let whole = recording();
+    let (mut named, mut by_hash, mut refused, mut unfelt) = (0, 0, 0, Vec::new());
+    for (number, (chunk, _)) in chunks(&whole).into_iter().enumerate() {
+        for (at, length, name, _) in values(&chunk) {
+            if chunk.tag == SNAPSHOT && ["hash", "seal"].contains(&&name[..]) {
+                // What a forger makes right again.
+                continue;
+            }
+            match forged(&whole, number, at, 8 * length / 2) {
+                Err(Ok(divergence)) if divergence.finding.field == "hash" => by_hash += 1,
+                Err(Ok(divergence)) => {
+                    let finding = &divergence.finding;
+                    assert!(finding.recorded != finding.found, "{finding}");
+                    named += 1;
+                }
+                Err(Err(_)) => refused += 1,
+                Ok(()) => unfelt.push(format!("chunk {number}, {name}")),
+            }
+        }
+    }
+    assert!(named > 300 && by_hash > 5 && refused > 300, "{named}, {by_hash}, {refused}");
+    // What changes nothing that comes after: who sent a command, how it was recorded, what only reports hand on, how long
+    // a body was at rest that moves in the next tick.
+    for what in unfelt {
+        let labels = ["player", "sequence", "_every", "woken", "wake", "ticks_at_rest"];
+        let is_label = labels.iter().any(|label| what.contains(label));
+        let is_overwritten = what.contains("inputs[") || what.contains("calls[");
+        assert!(is_label || is_overwritten, "{what}");
+    }
+}
+
+#[test]
+fn a_replay_of_another_law_is_refused_by_both_numbers() {
+    let mut parts: Vec<(Tag, Vec<u8>)> =
+        chunks(&recording()).into_iter().map(|(chunk, _)| (chunk.tag, chunk.bytes)).collect();
+    parts[0].1[..4].copy_from_slice(&(LAW + 1).to_le_bytes());
+    let error = Replay::from_bytes(&file(&parts), &laws()).expect_err("another law");
+    assert_eq!(error, ReplayError::Law { found: LAW + 1, own: LAW });
+    let text = error.to_string();
+    assert!(text.contains(&LAW.to_string()) && text.contains(&(LAW + 1).to_string()), "{text}");
+}
+
+#[test]
+fn the_first_difference_of_two_replays_is_named() {
+    let whole = recording();
+    let ours = Replay::from_bytes(&whole, &laws()).expect("it is whole");
+    assert_eq!(ours.first_difference(&ours), None);
+    let mut parts: Vec<(Tag, Vec<u8>)> =
+        chunks(&whole).into_iter().map(|(chunk, _)| (chunk.tag, chunk.bytes)).collect();
+    let (number, (chunk, _)) =
+        chunks(&whole).into_iter().enumerate().find(|(_, (chunk, _))| chunk.tag == TICKS).expect("one");
+    let (at, ..) = values(&chunk).into_iter().find(|(_, _, name, _)| name.ends_with("action.force.x")).expect("one");
+    parts[number].1[at] ^= 1;
+    let theirs = Replay::from_bytes(&file(&parts), &laws()).expect("it is a replay");
+    let finding = ours.first_difference(&theirs).expect("they differ");
+    assert_eq!(finding.place, Place::Body(BodyId::from_parts(1, 0)));
+    assert!(matches!(finding.moment, Moment::Calls | Moment::Inputs));
+    assert!(finding.field.ends_with("action.force.x"), "{finding}");
+    assert_eq!((finding.recorded.as_deref(), finding.found.is_some()), (Some("1"), true));
+}

@@ -1,0 +1,115 @@
+//! Shapes as bytes: in the coordinates they were given in, from which making them again gives the same shape to the bit.
+//!
+//! What was given is what is kept plus the shift, exactly: both are multiples of an ulp and small. A polygon is kept
+//! counter-clockwise and from any corner on; neither changes a bit of what is made from it.
+
+use alloc::vec::Vec;
+
+use super::{Geometry, Part, Shape};
+use crate::error::Error;
+use crate::limits::{CORNERS, PARTS};
+use crate::math::Vec2;
+use crate::scalar::{Scalar, fx::Fx};
+use crate::wire::{self, Malformed, Out, Read, Reader, Sink, Write};
+
+const CIRCLE: u8 = 0;
+const RECTANGLE: u8 = 1;
+const CAPSULE: u8 = 2;
+const POLYGON: u8 = 3;
+const SEGMENT: u8 = 4;
+const COMPOUND: u8 = 5;
+
+impl<S: Scalar> Write for Shape<S> {
+    fn write(&self, out: &mut impl Out) {
+        match &self.geometry {
+            Geometry::Circle { radius } => {
+                out.leaf(&[CIRCLE], &"circle");
+                wire::field(out, "radius", radius);
+            }
+            Geometry::Rectangle { width, height } => {
+                out.leaf(&[RECTANGLE], &"rectangle");
+                wire::field(out, "width", width);
+                wire::field(out, "height", height);
+            }
+            Geometry::Capsule { length, radius } => {
+                out.leaf(&[CAPSULE], &"capsule");
+                wire::field(out, "length", length);
+                wire::field(out, "radius", radius);
+            }
+            Geometry::Polygon { corners } => {
+                out.leaf(&[POLYGON], &"polygon");
+                let corners: Vec<Vec2<S>> = corners.iter().map(|&corner| corner + self.shift).collect();
+                wire::list(out, corners.iter());
+            }
+            Geometry::Segment { ends: [a, b] } => {
+                out.leaf(&[SEGMENT], &"segment");
+                wire::field(out, "a", &(*a + self.shift));
+                wire::field(out, "b", &(*b + self.shift));
+            }
+            Geometry::Compound { parts } => {
+                out.leaf(&[COMPOUND], &"compound");
+                let given = parts.iter().map(|part| Part { position: part.position + self.shift, ..part.clone() });
+                let parts: Vec<Part<S>> = given.collect();
+                wire::list(out, parts.iter());
+            }
+        }
+    }
+}
+
+impl<S: Scalar> Write for Part<S> {
+    fn write(&self, out: &mut impl Out) {
+        let Self { shape, position, angle, density } = self;
+        wire::field(out, "shape", shape);
+        wire::field(out, "position", position);
+        wire::field(out, "angle", angle);
+        wire::field(out, "density", density);
+    }
+}
+
+impl Read for Shape<Fx> {
+    fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {
+        read(reader, true)
+    }
+}
+
+fn read(reader: &mut Reader<'_>, may_be_compound: bool) -> Result<Shape<Fx>, Malformed> {
+    let malformed = reader.malformed("a shape");
+    let made = match u8::read(reader)? {
+        CIRCLE => Shape::circle(Fx::read(reader)?),
+        RECTANGLE => Shape::rectangle(Fx::read(reader)?, Fx::read(reader)?),
+        CAPSULE => Shape::capsule(Fx::read(reader)?, Fx::read(reader)?),
+        POLYGON => Shape::polygon(&many(reader, CORNERS, 16, Vec2::read)?),
+        SEGMENT => Shape::segment(Vec2::read(reader)?, Vec2::read(reader)?),
+        // Parts are no compounds, so that reading goes no deeper.
+        COMPOUND if may_be_compound => Shape::compound(&many(reader, PARTS, 41, |reader| {
+            Ok(Part {
+                shape: read(reader, false)?,
+                position: Vec2::read(reader)?,
+                angle: Fx::read(reader)?,
+                density: Fx::read(reader)?,
+            })
+        })?),
+        _ => return Err(malformed),
+    };
+    made.map_err(|_: Error| malformed)
+}
+
+fn many<T>(
+    reader: &mut Reader<'_>,
+    most: usize,
+    least_bytes: usize,
+    read: impl Fn(&mut Reader<'_>) -> Result<T, Malformed>,
+) -> Result<Vec<T>, Malformed> {
+    let malformed = reader.malformed("a shape");
+    let count = reader.count(least_bytes)?;
+    if count > most {
+        return Err(malformed);
+    }
+    (0..count).map(|_| read(reader)).collect()
+}
+
+impl<S: Scalar> Shape<S> {
+    pub(crate) fn digest(&self) -> u64 {
+        Sink::of(self)
+    }
+}

@@ -1,0 +1,300 @@
+//! A world that is restored is the world: in memory, from bytes, whatever happened in between.
+
+use std::sync::Arc;
+
+use umbra_physics::{
+    Activity, Attachment, BodyDef, BodyId, BodyState, Dependence, End, Error, Field, ForceLaw, Fx, HashTree,
+    Integrator, LAW, Law, LawFault, Mass, Place, Push, Random, Region, Shape, Snapshot, SnapshotError, SpringLaw,
+    TimeStep, Vec2, World, WorldDef, fx, vec2,
+};
+
+#[allow(dead_code, reason = "each test that takes this file in uses a part of it")]
+#[path = "support/random.rs"]
+mod random;
+use random::SplitMix;
+
+/// Pulls every body back to the origin by a tenth of its distance.
+struct Tether(u32);
+
+impl ForceLaw for Tether {
+    fn id(&self) -> u64 {
+        7
+    }
+    fn version(&self) -> u32 {
+        self.0
+    }
+    fn depends_on(&self) -> Dependence {
+        Dependence::Position
+    }
+    fn push(&self, body: &BodyState) -> Result<Push, LawFault> {
+        let tenth = |x: Fx| Fx::from_bits(-(x.to_bits() / 10));
+        Ok(Push { force: body.position.map(tenth), torque: Fx::ZERO })
+    }
+}
+
+fn laws() -> Vec<Arc<dyn ForceLaw>> {
+    vec![Arc::new(Tether(1))]
+}
+
+fn shapes() -> Vec<Shape> {
+    let box_ = Shape::rectangle(fx!(0.5), fx!(0.25)).expect("a shape");
+    let part = |shape: &Shape, x| umbra_physics::Part {
+        shape: shape.clone(),
+        position: vec2(x, fx!(0.3)),
+        angle: fx!(0.4),
+        density: fx!(2),
+    };
+    let disc = Shape::circle(fx!(0.3)).expect("a shape");
+    vec![
+        disc.clone(),
+        box_.clone(),
+        Shape::capsule(fx!(1), fx!(0.1)).expect("a shape"),
+        Shape::segment(vec2(fx!(0.1), 1), vec2(2, fx!(3.3))).expect("a shape"),
+        // Clockwise, and not about its centre.
+        Shape::polygon(&[vec2(3, 3), vec2(fx!(3.1), fx!(5.7)), vec2(4, fx!(4.2))]).expect("a shape"),
+        Shape::compound(&[part(&box_, fx!(1.7)), part(&disc, fx!(-0.1))]).expect("a shape"),
+    ]
+}
+
+/// A world with something of everything, after some ticks of random doings.
+fn lived(integrator: Integrator, seed: u64, ticks: u32) -> World {
+    let mut world = World::new(WorldDef {
+        gravity: vec2(fx!(0.1), fx!(-3)),
+        linear_damping: fx!(0.9),
+        integrator,
+        sleep_after: Some(4),
+        ..WorldDef::default()
+    })
+    .expect("a world");
+    world.register_law(laws().remove(0)).expect("a law");
+    world.set_random(Random::seeded(seed));
+    world.set_blob(b"whatever the game needs").expect("small");
+    for tick in 0..ticks {
+        meddle(&mut world, seed, tick);
+        world.step();
+    }
+    // Something is pending as well.
+    meddle(&mut world, seed, ticks);
+    world
+}
+
+/// Random calls; those that are refused are no matter.
+fn meddle(world: &mut World, seed: u64, tick: u32) {
+    let mut dice = SplitMix(seed ^ u64::from(tick) << 32);
+    let number = |dice: &mut SplitMix| Fx::from_bits(dice.between(-3 << 32, 3 << 32));
+    let vector = |dice: &mut SplitMix| Vec2::new(number(dice), number(dice));
+    for _ in 0..dice.next() % 5 {
+        let ids: Vec<BodyId> = world.bodies().map(|body| body.id()).collect();
+        let any = |dice: &mut SplitMix| ids.get((dice.next() % 64) as usize % ids.len().max(1)).copied();
+        let one = any(&mut dice);
+        let shape = shapes()[(dice.next() % 6) as usize].clone();
+        match (dice.next() % 16, one) {
+            (0..=4, _) | (_, None) => {
+                let def = match dice.next() % 5 {
+                    0 => BodyDef::fixed(),
+                    1 => BodyDef { velocity: vector(&mut dice), ..BodyDef::kinematic() },
+                    // Nothing acts on it, so it sleeps.
+                    2 => BodyDef { gravity_scale: Fx::ZERO, groups: 0, ..BodyDef::dynamic() },
+                    _ => BodyDef {
+                        velocity: vector(&mut dice),
+                        angular_velocity: number(&mut dice),
+                        angular_damping: Some(fx!(0.5)),
+                        ..BodyDef::dynamic()
+                    },
+                };
+                let (position, angle, key) = (vector(&mut dice), number(&mut dice), dice.next());
+                let mass = if dice.next() & 1 == 0 { Mass::Density(fx!(1)) } else { Mass::WithInertia(fx!(2), fx!(3)) };
+                _ = world.add_body(BodyDef { position, angle, key, mass, shape: Some(shape), ..def });
+            }
+            (5, Some(body)) => _ = world.remove_body(body),
+            (6, Some(body)) => _ = world.apply_force_at_point(body, vector(&mut dice), vector(&mut dice)),
+            (7, Some(body)) => _ = world.set_shape(body, Some(shape)),
+            // Out of the envelope within a step or two.
+            (8, Some(body)) => {
+                _ = world.set_position(body, vec2(Fx::from_int(1 << 30), 0));
+                _ = world.set_velocity(body, vec2(Fx::from_int(1 << 20), 0));
+            }
+            (9, Some(body)) => _ = world.set_user_data(body, dice.next()),
+            (10, Some(near)) => {
+                let far = any(&mut dice).map_or(End::World(vector(&mut dice)), |body| {
+                    End::Body(Attachment { body, point: vec2(fx!(0.1), 0) })
+                });
+                let spring = SpringLaw { rest: fx!(1), stiffness: fx!(5), damping: fx!(0.1) };
+                _ = world.add_field(Law::Spring { near: Attachment::centre(near), far, spring });
+            }
+            (11, Some(_)) => {
+                let law = match dice.next() % 4 {
+                    0 => Law::Custom { id: 7 },
+                    1 => Law::Drag { linear: fx!(0.1), quadratic: fx!(0.2), wind: vector(&mut dice) },
+                    2 => Law::Zone {
+                        region: Region::Disc { centre: vector(&mut dice), radius: fx!(2) },
+                        acceleration: vector(&mut dice),
+                    },
+                    _ => Law::Attractor {
+                        centre: End::World(vector(&mut dice)),
+                        mu: "3.5".parse().expect("a factor"),
+                        softening: fx!(0.5),
+                    },
+                };
+                _ = world.add_field(Field { law, groups: 1 });
+            }
+            (12, Some(body)) => {
+                let field = world.fields().next().map(|(id, _)| id);
+                _ = field.map(|id| world.remove_field(id));
+                _ = world.release(body);
+            }
+            (13, Some(_)) => _ = world.set_time_step(TimeStep::ratio(1, 50 + (dice.next() % 3) as u32 * 10)),
+            (14, Some(body)) => _ = world.wake(body),
+            (_, Some(_)) => {
+                let drawn = world.random_mut().bits().to_le_bytes();
+                world.set_blob(&drawn[..(dice.next() % 8) as usize]).expect("small");
+            }
+        }
+    }
+}
+
+/// The hashes of some ticks to come, with the same doings.
+fn future(world: &mut World, seed: u64, from: u32) -> Vec<u64> {
+    let mut hashes = vec![world.state_hash()];
+    for tick in from..from + 40 {
+        meddle(world, seed, tick);
+        world.step();
+        hashes.push(world.state_hash());
+    }
+    hashes
+}
+
+const SEEDS: u64 = if cfg!(debug_assertions) { 8 } else { 60 };
+
+#[test]
+fn a_restored_world_has_the_same_future_and_handles() {
+    let mut seen = [false; 4];
+    for integrator in Integrator::ALL {
+        for seed in 0..SEEDS {
+            let mut world = lived(integrator, seed, 60 + seed as u32);
+            seen[0] |= world.bodies().any(|body| body.activity() == Activity::Asleep);
+            seen[1] |= world.bodies().any(|body| body.activity() == Activity::Quarantined);
+            seen[2] |= world.bodies().any(|body| body.id().parts().1 > 0);
+            seen[3] |= world.bodies().any(|body| body.applied_force() != Some(Vec2::default()));
+            let saved = world.snapshot();
+            let bytes = saved.to_bytes();
+            let expected = future(&mut world, seed, 1_000);
+
+            // Here, after whatever happened; elsewhere, from a buffer that was another world's; and from bytes.
+            world.restore(&saved);
+            assert_eq!(future(&mut world, seed, 1_000), expected, "{integrator:?}, {seed}: in memory");
+            let mut buffer = lived(integrator, seed + 1, 9).snapshot();
+            saved.world().snapshot_into(&mut buffer);
+            world.restore(&buffer);
+            assert_eq!(future(&mut world, seed, 1_000), expected, "{integrator:?}, {seed}: from a buffer");
+            let there = Snapshot::from_bytes(&bytes, &laws()).expect("it is whole");
+            assert_eq!(there.to_bytes(), bytes, "{integrator:?}, {seed}: bytes of what was read from them");
+            assert_eq!(there.world().differences(saved.world()), []);
+            let mut there = there.into_world();
+            for (a, b) in there.bodies().zip(saved.world().bodies()) {
+                assert_eq!((a.id(), a.shape(), a.mass(), a.inertia()), (b.id(), b.shape(), b.mass(), b.inertia()));
+                assert_eq!((a.origin(), a.kind(), a.activity()), (b.origin(), b.kind(), b.activity()));
+            }
+            let woke = |world: &mut World| (world.step().woke.to_vec(), world.state_hash());
+            assert_eq!(woke(&mut there.clone()), woke(&mut saved.world().clone()), "what calls woke is reported");
+            assert_eq!(future(&mut there, seed, 1_000), expected, "{integrator:?}, {seed}: from bytes");
+        }
+    }
+    assert_eq!(seen, [true; 4], "slept, quarantined, recycled, pushed");
+}
+
+#[test]
+fn a_free_body_with_a_circle_takes_less_than_256_bytes() {
+    let mut world: World = World::new(WorldDef::default()).expect("a world");
+    let head = world.snapshot().to_bytes().len();
+    assert!(head <= 256, "{head}");
+    for i in 0..1_000 {
+        // The worst: a size of its own each, and all that is optional.
+        let radius = fx!(0.5) + Fx::from_bits(i);
+        world
+            .add_body(BodyDef {
+                shape: Some(Shape::circle(radius).expect("a shape")),
+                mass: Mass::WithInertia(fx!(1), fx!(1)),
+                linear_damping: Some(fx!(0.5)),
+                angular_damping: Some(fx!(0.5)),
+                ..BodyDef::dynamic()
+            })
+            .expect("a body");
+    }
+    let each = (world.snapshot().to_bytes().len() - head) as f64 / 1_000.0;
+    assert!(each <= 256.0, "{each}");
+    println!("{head} bytes and {each} a body");
+}
+
+#[test]
+fn what_is_no_snapshot_is_refused_with_its_reason() {
+    let world = lived(Integrator::default(), 3, 60);
+    let bytes = world.snapshot().to_bytes();
+    let read = |bytes: &[u8]| Snapshot::from_bytes(bytes, &laws()).map(|_| ());
+    assert_eq!(read(&bytes), Ok(()));
+    assert_eq!(read(b"{}"), Err(SnapshotError::Foreign));
+    for (at, error) in
+        [(8, SnapshotError::Format { found: 0, known: 1 }), (12, SnapshotError::Law { found: LAW ^ 1, own: LAW })]
+    {
+        let mut changed = bytes.clone();
+        changed[at] ^= 1;
+        assert_eq!(read(&changed), Err(error));
+    }
+    let strange = |version| Snapshot::from_bytes(&bytes, &[Arc::new(Tether(version)) as Arc<dyn ForceLaw>]).map(|_| ());
+    assert_eq!(strange(2), Err(SnapshotError::ForceLaw { id: 7, version: 1 }));
+    for end in 0..bytes.len() {
+        assert!(read(&bytes[..end]).is_err(), "cut off at {end}");
+    }
+    let mut longer = bytes.clone();
+    longer.push(0);
+    assert!(matches!(read(&longer), Err(SnapshotError::Malformed(_))));
+    // Every bit: either the world is refused, or it says something else than its hash. Nothing panics.
+    for at in 0..bytes.len() {
+        for bit in 0..8 {
+            let mut changed = bytes.clone();
+            changed[at] ^= 1 << bit;
+            assert!(read(&changed).is_err(), "bit {bit} of byte {at}");
+        }
+    }
+}
+
+#[test]
+fn a_difference_is_named_to_the_body_and_field() {
+    let world = lived(Integrator::default(), 5, 60);
+    let body = world.bodies().find(|body| body.kind() == umbra_physics::BodyKind::Dynamic).expect("one").id();
+    let mut other = world.clone();
+    let data = world.body(body).expect("it is there").user_data().to_string();
+    other.set_user_data(body, 99).expect("it is there");
+    let (ours, theirs) = (HashTree::of(&world), HashTree::of(&other));
+    let slot = body.parts().0.to_string();
+    let found = world.differences(&other);
+    let named = found.iter().find(|d| d.field == "user_data").expect("named");
+    assert_eq!(
+        (named.place, named.left.as_deref(), named.right.as_deref()),
+        (Place::Body(body), Some(&data[..]), Some("99"))
+    );
+    let path = ours.first_difference(&theirs).expect("they differ");
+    assert_eq!(path[1..3], ["bodies", &slot]);
+    assert_eq!(ours.first_difference(&ours.clone()), None);
+
+    // Less than an ulp: what is carried below it is dropped by a setter.
+    let mut other = world.clone();
+    let carries = |body: &umbra_physics::BodyRef| body.velocity_exact().x.to_string() != body.velocity().x.to_string();
+    let body = world.bodies().find(carries).expect("one");
+    let (body, velocity) = (body.id(), body.velocity());
+    other.set_velocity(body, velocity).expect("it moves");
+    let fields: Vec<_> = world.differences(&other).into_iter().map(|d| (d.place, d.field)).collect();
+    assert!(fields.iter().all(|(place, _)| *place == Place::Body(body)), "{fields:?}");
+    assert!(fields.iter().any(|(_, field)| field.starts_with("velocity.")), "{fields:?}");
+}
+
+#[test]
+fn a_blob_has_its_limit() {
+    let mut world: World = World::new(WorldDef::default()).expect("a world");
+    let most = umbra_physics::limits::BLOB;
+    assert_eq!(world.set_blob(&vec![1; most]), Ok(()));
+    let hash = world.state_hash();
+    let error = Error::OutOfRange { quantity: umbra_physics::Quantity::Blob };
+    assert_eq!(world.set_blob(&vec![2; most + 1]), Err(error));
+    assert_eq!(world.state_hash(), hash);
+}
