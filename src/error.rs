@@ -153,8 +153,6 @@ pub enum Quantity {
     Total,
     /// The number of bytes of a game's own data.
     Blob,
-    /// The state of a generator of random numbers.
-    Random,
 }
 
 impl Quantity {
@@ -183,7 +181,6 @@ impl Quantity {
             Self::RestLength => "rest length from 0 to 2^30 m",
             Self::SleepAfter => "number of ticks from 1",
             Self::Total => "total that fits in 64 bits before and after the point",
-            Self::Random => "state of the generator that is not zero",
             Self::Blob => "blob of at most 2^24 bytes",
         }
     }

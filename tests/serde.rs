@@ -19,8 +19,8 @@ use umbra_physics::scalar::{Factor, FxSum, Span, Sum, Weight};
 use umbra_physics::{
     Action, Activity, AppliedForce, Attachment, BodyDef, BodyId, BodyKind, BodyState, Cause, Command, Dependence,
     Elapsed, End, Error, Fault, Field, FieldId, Frame, Fx, FxAccumulator, FxFactor, FxWide, Geometry, Input, Inputs,
-    Integrator, Law, LawFault, Made, Manner, Mass, MathError, Outcome, ParseFxError, Part, Push, Quantity, Region, Rot,
-    Shape, SpringLaw, Stage, TimeStep, Turn, Vec2, Verb, World, WorldDef, fx, vec2,
+    Integrator, Law, LawFault, Made, Manner, Mass, MathError, Outcome, ParseFxError, Part, Push, Quantity, Random,
+    Region, Rot, Shape, SpringLaw, Stage, TimeStep, Turn, Vec2, Verb, World, WorldDef, fx, vec2,
 };
 
 fn through_both<T: Serialize + DeserializeOwned + PartialEq + Debug>(value: &T) {
@@ -114,6 +114,7 @@ fn quantities() -> Vec<Quantity> {
         RestLength,
         SleepAfter,
         Total,
+        Blob,
     ]
 }
 
@@ -136,6 +137,7 @@ fn errors() -> Vec<Error> {
         Error::Full,
         Error::ElapsedTime,
         Error::DuplicateInput { player: 1, sequence: u32::MAX },
+        Error::Inconsistent,
         Error::TickForgotten { tick: 1, oldest: u64::MAX },
         Error::TickToCome { tick: 9, present: 8 },
     ]
@@ -239,6 +241,7 @@ fn every_plain_struct_comes_back() {
     through_both(&Rot::from_radians(fx!(0.1)));
     through_both(&TimeStep::ratio(1001, 60_000));
     through_both(&Elapsed { num: u128::MAX, den: u128::MAX - 1 });
+    through_both(&Random::seeded(1));
     through_both(&Manner::BODY);
     through_both(&WorldDef::<Fx> { gravity: vec2(0, fx!(-9.81)), sleep_after: None, ..WorldDef::default() });
     through_both(&attachment());
@@ -383,6 +386,7 @@ fn what_could_not_be_made_is_not_read() {
     for text in ["1", "-0.5"] {
         refused::<Turn>(&format!("{text:?}"), "below 1 turn");
     }
+    refused::<Random>(r#"{"state":[0,0,0,0]}"#, "never moves");
     for (num, den) in [(1, 0), (0, 0), (0, 2), (2, 4)] {
         refused::<Elapsed>(&format!(r#"{{"num":"{num}","den":"{den}"}}"#), "lowest terms");
     }
@@ -472,6 +476,7 @@ fn a_field_that_is_not_there_is_refused_wherever_it_stands() {
     laws().iter().for_each(refuses_strangers);
     refuses_strangers(&WorldDef::<Fx>::default());
     refuses_strangers(&Elapsed::ZERO);
+    refuses_strangers(&Random::seeded(1));
     refuses_strangers(&FxSum::default());
     refuses_strangers(&Rot::<Fx>::IDENTITY);
     refuses_strangers(&Fault { body: body(1), cause: Cause::Field { field: field(2) } });

@@ -1,10 +1,11 @@
-//! Times in files: their integers as text where people read, as few readers take 128 bits from a number.
+//! Times and generators in files. The integers of a time are text where people read: few readers take 128 bits from a number.
 
 use alloc::string::String;
 
 use serde::de::{Deserialize, Deserializer, Error};
 use serde::ser::{Serialize, SerializeStruct as _, Serializer};
 
+use super::random::Random;
 use super::time::{Elapsed, gcd};
 
 #[derive(serde::Deserialize)]
@@ -42,5 +43,20 @@ impl<'de> Deserialize<'de> for Elapsed {
             return Err(D::Error::custom("a time is a ratio in lowest terms"));
         }
         Ok(Self { num, den })
+    }
+}
+
+/// A generator as it is written.
+#[derive(serde::Deserialize)]
+#[serde(rename = "Random", deny_unknown_fields)]
+pub(super) struct State {
+    state: [u64; 4],
+}
+
+impl TryFrom<State> for Random {
+    type Error = &'static str;
+
+    fn try_from(State { state }: State) -> Result<Self, Self::Error> {
+        Self::from_state(state).ok_or("a generator in the state 0 never moves")
     }
 }

@@ -10,7 +10,7 @@ use crate::integrate::Verb;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Moment {
-    /// Before all ticks: the snapshot that a replay begins with, or what stands over the file.
+    /// Before anything is done in the tick: a snapshot, or what stands over the ticks of a file.
     Start,
     /// Calls outside of the players' inputs.
     Calls,

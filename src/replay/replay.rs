@@ -427,7 +427,7 @@ fn changed_leaf(chunk: &Chunk, at: usize, found: u64, tick: u64, laws: &[Arc<dyn
     let length = 8.min(there.len() - at);
     there[at..at + length].copy_from_slice(&found.to_le_bytes()[..length]);
     let first = (at..at + length).find(|&i| there[i] != chunk.bytes[i])?;
-    let told = |bytes: &[u8]| tell(chunk, bytes, tick, laws);
+    let told = |bytes: &[u8]| tell(chunk, bytes, laws);
     let recorded = told(&chunk.bytes)?;
     let holds = |leaf: &&Leaf| leaf.at <= first && first < leaf.at + leaf.bytes.len();
     let leaf = recorded.leaves.iter().find(holds)?;
@@ -435,50 +435,59 @@ fn changed_leaf(chunk: &Chunk, at: usize, found: u64, tick: u64, laws: &[Arc<dyn
     // What is there as a value, if it is one; else its bytes.
     let value = told(&there).and_then(|told| told.leaves.into_iter().find(|other| other.path == leaf.path));
     let value = value.map_or_else(hex, |leaf| leaf.text);
-    let (tick, moment, place, field) = (recorded.place)(&leaf.path);
+    let (tick, moment, place, field) = recorded.subject.place(tick, &leaf.path);
     Some(Finding { tick, moment, place, field, recorded: Some(leaf.text.clone()), found: Some(value) })
 }
 
-/// What a chunk says, value by value, and where a value belongs.
+/// What a chunk says, value by value, and whereof.
 struct Told {
     leaves: Vec<Leaf>,
-    place: Box<dyn Fn(&[Part]) -> (u64, Moment, Place, String)>,
+    subject: Subject,
 }
 
-fn tell(chunk: &Chunk, bytes: &[u8], tick: u64, laws: &[Arc<dyn ForceLaw>]) -> Option<Told> {
-    let mut reader = Reader::new(bytes);
-    let of_file = |leaves: Vec<Leaf>, moment| Told {
-        leaves,
-        place: Box::new(move |path| (tick, moment, Place::World, name_of(path))),
-    };
-    Some(match chunk.tag {
-        HEAD => of_file(Index::of(&Head::read(&mut reader).ok()?).leaves, Moment::Start),
-        DONE => of_file(Index::of(&Done::read(&mut reader).ok()?).leaves, Moment::End),
-        SNAPSHOT => {
-            let world = snapshot::read(&mut reader, laws).ok()?;
-            let leaves = Index::of(&Saved(&world)).leaves;
-            let moment = if tick == world.tick() { Moment::Start } else { Moment::End };
-            let place = move |path: &[Part]| {
+enum Subject {
+    File(Moment),
+    World(Box<World>),
+    Ticks(Segment),
+}
+
+impl Subject {
+    /// Where the value at a path belongs, and its name there. `tick` is the one the chunks before lead up to.
+    fn place(&self, tick: u64, path: &[Part]) -> (u64, Moment, Place, String) {
+        match self {
+            Self::File(moment) => (tick, *moment, Place::World, name_of(path)),
+            Self::World(world) => {
                 let (place, path) = world.place(path);
-                (world.tick(), moment, place, name_of(path))
-            };
-            Told { leaves, place: Box::new(place) }
-        }
-        TICKS => {
-            let segment = Segment::read(&mut reader).ok()?;
-            let leaves = Index::of(&segment).leaves;
-            let place = move |path: &[Part]| match *path {
+                (world.tick(), Moment::Start, place, name_of(path))
+            }
+            Self::Ticks(segment) => match *path {
                 [Part::Name("ticks"), Part::Entry(i), ..] => {
                     let none = Tick::default();
                     let (moment, place) = place_in_tick(segment.ticks.get(i as usize).unwrap_or(&none), &path[2..]);
                     (segment.tick.saturating_add(i.into()), moment, place, name_of(&path[2..]))
                 }
-                _ => (segment.tick, Moment::End, Place::World, name_of(path)),
-            };
-            Told { leaves, place: Box::new(place) }
+                _ => (segment.tick, Moment::Start, Place::World, name_of(path)),
+            },
+        }
+    }
+}
+
+fn tell(chunk: &Chunk, bytes: &[u8], laws: &[Arc<dyn ForceLaw>]) -> Option<Told> {
+    let mut reader = Reader::new(bytes);
+    let (leaves, subject) = match chunk.tag {
+        HEAD => (Index::of(&Head::read(&mut reader).ok()?).leaves, Subject::File(Moment::Start)),
+        DONE => (Index::of(&Done::read(&mut reader).ok()?).leaves, Subject::File(Moment::End)),
+        SNAPSHOT => {
+            let world = snapshot::read(&mut reader, laws).ok()?;
+            (Index::of(&Saved(&world)).leaves, Subject::World(Box::new(world)))
+        }
+        TICKS => {
+            let segment = Segment::read(&mut reader).ok()?;
+            (Index::of(&segment).leaves, Subject::Ticks(segment))
         }
         _ => return None,
-    })
+    };
+    Some(Told { leaves, subject })
 }
 
 /// A replay on its way.

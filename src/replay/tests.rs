@@ -13,6 +13,7 @@ use super::snapshot::{self, Saved};
 use super::{Divergence, LAW, Moment, Place, RecordOptions, Recorder, Replay, ReplayError};
 use crate::body::{BodyDef, BodyKind, Mass};
 use crate::force::{Attachment, BodyState, Dependence, End, Field, ForceLaw, Law, LawFault, Push, Region};
+use crate::fx;
 use crate::handle::{BodyId, FieldId};
 use crate::integrate::Integrator;
 use crate::math::{Random, TimeStep, vec2};
@@ -20,7 +21,6 @@ use crate::scalar::{FxFactor, SpringLaw, fx::Fx};
 use crate::shape::{Part, Shape};
 use crate::wire::{Index, Read as _, Reader};
 use crate::world::{Action, Command, Frame, Input, Inputs, Manner, World, WorldDef};
-use crate::fx;
 
 struct Still;
 

@@ -29,7 +29,7 @@ impl FxAccumulator {
     }
 
     #[inline]
-    const fn bits(self) -> i128 {
+    pub(super) const fn bits(self) -> i128 {
         (self.high as i128) << 64 | self.low as i128
     }
 

@@ -25,7 +25,10 @@ const MOST_SHIFT: i32 = 1 << 14;
 impl FxFactor {
     /// The factor of these words, as [`Number::to_words`] gives them; `None` if no factor has them.
     pub(crate) fn from_words([shift, mantissa]: [u64; 2]) -> Option<Self> {
-        Self::from_parts(mantissa, i32::try_from(shift as i64).ok()?)
+        let shift =
+            i32::try_from(shift as i64).ok().filter(|shift| shift.unsigned_abs() <= MOST_SHIFT.unsigned_abs())?;
+        let is_normal = mantissa >> 63 == 1 || (mantissa == 0 && shift == 0);
+        is_normal.then_some(Self { mantissa, shift })
     }
 
     /// The factor nearest to value · 2^-shift. *Domain* |shift| below 2^20, so that no sum of a few shifts wraps.
@@ -81,12 +84,6 @@ impl FxFactor {
             return Self::new(wider | ((rest << 60) % divisor as u128 != 0) as u128, shift - exponent + 60);
         }
         Self::new(quotient | (rest != 0) as u128, shift - exponent)
-    }
-
-    /// The factor of these parts; `None` if none has them.
-    pub(super) fn from_parts(mantissa: u64, shift: i32) -> Option<Self> {
-        let is_normal = mantissa >> 63 == 1 && shift.unsigned_abs() <= MOST_SHIFT.unsigned_abs();
-        (is_normal || (mantissa, shift) == (0, 0)).then_some(Self { mantissa, shift })
     }
 
     /// (mantissa, shift).

@@ -1,7 +1,7 @@
 //! Numbers in files, but for `Fx`: their exact decimal text where people read, their bits where they do not.
 
 use alloc::borrow::Cow;
-use core::fmt::{self, Write as _};
+use core::fmt;
 
 use serde::de::{Deserialize, Deserializer, Error};
 use serde::ser::{Serialize, Serializer};
@@ -9,86 +9,55 @@ use serde::ser::{Serialize, Serializer};
 use super::factor::FxFactor;
 use super::turn::Turn;
 use super::wide::{FxSum, FxWide};
-use super::{Accumulator, Angle, FxAccumulator, Number};
+use super::{FxAccumulator, Number};
 
-/// A multiple of 2^-fraction. *Domain* fraction <= 96.
-struct Exact {
-    bits: i128,
-    fraction: u32,
+/// The multiple of 2^-fraction that a text is, if it is one to the last bit. *Domain* fraction <= 96.
+fn parse(text: &str, fraction: u32) -> Option<i128> {
+    let (negative, magnitude) = match text.strip_prefix('-') {
+        Some(magnitude) => (true, magnitude),
+        None => (false, text),
+    };
+    let (whole, digits) = magnitude.split_once('.').unwrap_or((magnitude, "0"));
+    let is_number = |digits: &str| !digits.is_empty() && digits.bytes().all(|digit| digit.is_ascii_digit());
+    if !is_number(whole) || !is_number(digits) {
+        return None;
+    }
+    let whole = whole.bytes().try_fold(0u128, |sum, digit| {
+        sum.checked_mul(10)?.checked_add(u128::from(digit - b'0')).filter(|sum| sum >> (128 - fraction) == 0)
+    })?;
+    let digits = digits.trim_end_matches('0').as_bytes();
+    // A multiple of 2^-fraction has as many digits at most.
+    let mut decimals = [0; 96];
+    let decimals = decimals.get_mut(..digits.len()).filter(|_| digits.len() <= fraction as usize)?;
+    decimals.copy_from_slice(digits);
+    decimals.iter_mut().for_each(|digit| *digit -= b'0');
+    let mut bits = whole;
+    for _ in 0..fraction {
+        let mut carry = 0;
+        for digit in decimals.iter_mut().rev() {
+            let doubled = 2 * *digit + carry;
+            (*digit, carry) = (doubled % 10, doubled / 10);
+        }
+        bits = bits << 1 | u128::from(carry);
+    }
+    if decimals.iter().any(|&digit| digit != 0) {
+        return None;
+    }
+    if negative { 0i128.checked_sub_unsigned(bits) } else { i128::try_from(bits).ok() }
 }
 
-impl fmt::Display for Exact {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (magnitude, mask) = (self.bits.unsigned_abs(), (1u128 << self.fraction) - 1);
-        let sign = if self.bits < 0 { "-" } else { "" };
-        write!(f, "{sign}{}", magnitude >> self.fraction)?;
-        let mut rest = magnitude & mask;
-        if rest != 0 {
-            f.write_char('.')?;
-        }
-        while rest != 0 {
-            // Ten times a fraction below 2^96: the digit is what is above.
-            rest *= 10;
-            write!(f, "{}", rest >> self.fraction)?;
-            rest &= mask;
-        }
-        Ok(())
-    }
+fn serialize<W: Serializer>(number: impl fmt::Display, bits: i128, serializer: W) -> Result<W::Ok, W::Error> {
+    if serializer.is_human_readable() { serializer.collect_str(&number) } else { serializer.serialize_i128(bits) }
 }
 
-impl Exact {
-    /// The number that the text is, if it is one to the last bit.
-    fn parse(text: &str, fraction: u32) -> Option<i128> {
-        let (negative, magnitude) = match text.strip_prefix('-') {
-            Some(magnitude) => (true, magnitude),
-            None => (false, text),
-        };
-        let (whole, digits) = magnitude.split_once('.').unwrap_or((magnitude, "0"));
-        let is_number = |digits: &str| !digits.is_empty() && digits.bytes().all(|digit| digit.is_ascii_digit());
-        if !is_number(whole) || !is_number(digits) {
-            return None;
-        }
-        let whole = whole.bytes().try_fold(0u128, |sum, digit| {
-            sum.checked_mul(10)?.checked_add(u128::from(digit - b'0')).filter(|sum| sum >> (128 - fraction) == 0)
-        })?;
-        let digits = digits.trim_end_matches('0').as_bytes();
-        // A multiple of 2^-fraction has as many digits at most.
-        let mut decimals = [0; 96];
-        let decimals = decimals.get_mut(..digits.len()).filter(|_| digits.len() <= fraction as usize)?;
-        decimals.copy_from_slice(digits);
-        decimals.iter_mut().for_each(|digit| *digit -= b'0');
-        let mut bits = whole;
-        for _ in 0..fraction {
-            let mut carry = 0;
-            for digit in decimals.iter_mut().rev() {
-                let doubled = 2 * *digit + carry;
-                (*digit, carry) = (doubled % 10, doubled / 10);
-            }
-            bits = bits << 1 | u128::from(carry);
-        }
-        if decimals.iter().any(|&digit| digit != 0) {
-            return None;
-        }
-        if negative { 0i128.checked_sub_unsigned(bits) } else { i128::try_from(bits).ok() }
+fn deserialize<'de, D: Deserializer<'de>>(deserializer: D, fraction: u32) -> Result<i128, D::Error> {
+    if !deserializer.is_human_readable() {
+        return i128::deserialize(deserializer);
     }
-
-    fn serialize<W: Serializer>(self, serializer: W) -> Result<W::Ok, W::Error> {
-        if serializer.is_human_readable() {
-            serializer.collect_str(&self)
-        } else {
-            serializer.serialize_i128(self.bits)
-        }
-    }
-
-    fn deserialize<'de, D: Deserializer<'de>>(deserializer: D, fraction: u32) -> Result<i128, D::Error> {
-        if !deserializer.is_human_readable() {
-            return i128::deserialize(deserializer);
-        }
-        let text = Text::deserialize(deserializer)?.0;
-        Self::parse(&text, fraction).ok_or_else(|| {
-            D::Error::custom(format_args!("{text:?} is no decimal number that is a multiple of 2^-{fraction}"))
-        })
-    }
+    let text = Text::deserialize(deserializer)?.0;
+    let malformed =
+        || D::Error::custom(format_args!("{text:?} is no decimal number that is a multiple of 2^-{fraction}"));
+    parse(&text, fraction).ok_or_else(malformed)
 }
 
 /// Borrowed where the format can lend it.
@@ -97,36 +66,32 @@ struct Text<'t>(#[serde(borrow)] Cow<'t, str>);
 
 impl Serialize for FxAccumulator {
     fn serialize<W: Serializer>(&self, serializer: W) -> Result<W::Ok, W::Error> {
-        Exact { bits: self.to_bits(), fraction: 96 }.serialize(serializer)
+        serialize(self, self.bits(), serializer)
     }
 }
 
 impl<'de> Deserialize<'de> for FxAccumulator {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        Exact::deserialize(deserializer, 96).map(Self::from_bits)
+        deserialize(deserializer, 96).map(Self::from_bits)
     }
 }
 
 impl Serialize for FxWide {
     fn serialize<W: Serializer>(&self, serializer: W) -> Result<W::Ok, W::Error> {
-        Exact { bits: self.to_bits(), fraction: 64 }.serialize(serializer)
+        serialize(self, self.to_bits(), serializer)
     }
 }
 
 impl<'de> Deserialize<'de> for FxWide {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        Exact::deserialize(deserializer, 64).map(Self::from_bits)
+        deserialize(deserializer, 64).map(Self::from_bits)
     }
 }
 
 /// In turns.
 impl Serialize for Turn {
     fn serialize<W: Serializer>(&self, serializer: W) -> Result<W::Ok, W::Error> {
-        if serializer.is_human_readable() {
-            Exact { bits: i128::from(self.to_bits()), fraction: 64 }.serialize(serializer)
-        } else {
-            serializer.serialize_u64(self.to_bits())
-        }
+        if serializer.is_human_readable() { serializer.collect_str(self) } else { serializer.serialize_u64(self.0) }
     }
 }
 
@@ -135,7 +100,7 @@ impl<'de> Deserialize<'de> for Turn {
         if !deserializer.is_human_readable() {
             return u64::deserialize(deserializer).map(Self::from_bits);
         }
-        let bits = Exact::deserialize(deserializer, 64)?;
+        let bits = deserialize(deserializer, 64)?;
         u64::try_from(bits).map(Self::from_bits).map_err(|_| D::Error::custom("an angle is from 0 to below 1 turn"))
     }
 }
@@ -158,7 +123,7 @@ impl Serialize for FxFactor {
 impl<'de> Deserialize<'de> for FxFactor {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let Parts { mantissa, shift } = Parts::deserialize(deserializer)?;
-        Self::from_parts(mantissa, shift).ok_or_else(|| {
+        Self::from_words([i64::from(shift) as u64, mantissa]).ok_or_else(|| {
             D::Error::custom("a factor is 0 · 2^0, or has a mantissa of 64 bits and a shift from -16384 to 16384")
         })
     }
@@ -175,16 +140,15 @@ struct Carried {
 impl Serialize for FxSum {
     fn serialize<W: Serializer>(&self, serializer: W) -> Result<W::Ok, W::Error> {
         let [carries, high, low] = self.to_words();
-        let low = FxWide::from_bits(i128::from(high as i64) << 64 | i128::from(low));
+        let low = FxWide::from_bits((i128::from(high) << 64) | i128::from(low));
         Carried { low, carries: carries as i64 }.serialize(serializer)
     }
 }
 
 impl<'de> Deserialize<'de> for FxSum {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        Carried::deserialize(deserializer).map(|Carried { low, carries }| {
-            let [high, low, _] = low.to_words();
-            Self::from_words([carries as u64, high, low])
-        })
+        let Carried { low, carries } = Carried::deserialize(deserializer)?;
+        let low = low.to_bits();
+        Ok(Self::from_words([carries as u64, (low >> 64) as u64, low as u64]))
     }
 }

@@ -146,28 +146,6 @@ impl<S: Scalar> Inputs<S> {
     }
 }
 
-impl<S: Scalar> Write for Inputs<S> {
-    fn write(&self, out: &mut impl Out) {
-        wire::list(out, self.rows.iter());
-    }
-}
-
-impl Read for Inputs<Fx> {
-    fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {
-        let mut inputs = Self::new();
-        // A player, a sequence, and the shortest command.
-        for _ in 0..reader.count(8 + 2)? {
-            let malformed = reader.malformed("inputs by player and sequence");
-            let input = Input::read(reader)?;
-            if inputs.rows.last().is_some_and(|last| last.place() >= input.place()) {
-                return Err(malformed);
-            }
-            inputs.rows.push(input);
-        }
-        Ok(inputs)
-    }
-}
-
 impl<S: Scalar> TryFrom<Vec<Input<S>>> for Inputs<S> {
     type Error = Error;
 
@@ -191,6 +169,28 @@ where
 {
     fn serialize<W: serde::Serializer>(&self, serializer: W) -> Result<W::Ok, W::Error> {
         self.rows.serialize(serializer)
+    }
+}
+
+impl<S: Scalar> Write for Inputs<S> {
+    fn write(&self, out: &mut impl Out) {
+        wire::list(out, self.rows.iter());
+    }
+}
+
+impl Read for Inputs<Fx> {
+    fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {
+        let mut inputs = Self::new();
+        // A player, a sequence, and the shortest command.
+        for _ in 0..reader.count(8 + 2)? {
+            let malformed = reader.malformed("inputs by player and sequence");
+            let input = Input::read(reader)?;
+            if inputs.rows.last().is_some_and(|last| last.place() >= input.place()) {
+                return Err(malformed);
+            }
+            inputs.rows.push(input);
+        }
+        Ok(inputs)
     }
 }
 

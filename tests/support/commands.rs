@@ -3,13 +3,13 @@
 use umbra_physics::scalar::Factor;
 use umbra_physics::{
     Action, Attachment, BodyDef, BodyId, BodyKind, Command, End, Field, FieldId, Frame, Fx, FxFactor, Integrator, Law,
-    Manner, Mass, Part, Region, Shape, SpringLaw, TimeStep, Vec2, World, fx, limits,
+    Manner, Mass, Part, Random, Region, Shape, SpringLaw, TimeStep, Vec2, World, fx, limits,
 };
 
 use super::random::SplitMix;
 
 /// How many kinds of commands [`Author::any`] writes.
-pub(crate) const KINDS: u64 = 25;
+pub(crate) const KINDS: u64 = 27;
 
 /// Writes commands.
 pub(crate) struct Author {
@@ -238,6 +238,9 @@ impl Author {
                 Command::SetIntegrator(Integrator::ALL[any])
             }
             23 => Command::SetDamping { linear: self.share(), angular: self.share() },
+            24 => Command::SetRandom(Random::seeded(self.random.next())),
+            // An unfair one takes 16 MB: not here.
+            25 => Command::SetBlob(vec![self.random.next() as u8; self.random.next() as usize % 9]),
             _ => {
                 let ticks = [None, Some(1), Some(5), Some(if self.is_unfair() { 0 } else { 30 })];
                 Command::SetSleepAfter(ticks[self.random.next() as usize % 4])
