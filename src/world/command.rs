@@ -19,6 +19,7 @@ pub enum Command<S: Scalar = Fx> {
     AddBody(BodyDef<S>),
     RemoveBody(BodyId),
     Apply { body: BodyId, action: Action<S>, manner: Manner },
+    ClearForces,
     SetPosition { body: BodyId, position: Vec2<S> },
     SetAngle { body: BodyId, angle: S },
     SetVelocity { body: BodyId, velocity: Vec2<S> },
@@ -65,6 +66,10 @@ impl<S: Scalar> World<S> {
             Command::AddField(field) => return self.add_field(field).map(Made::Field),
             Command::RemoveBody(body) => self.remove_body(body),
             Command::Apply { body, action, manner } => self.apply(body, action, manner),
+            Command::ClearForces => {
+                self.clear_forces();
+                Ok(())
+            }
             Command::SetPosition { body, position } => self.set_position(body, position),
             Command::SetAngle { body, angle } => self.set_angle(body, angle),
             Command::SetVelocity { body, velocity } => self.set_velocity(body, velocity),

@@ -164,6 +164,11 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
+    /// Takes back what was applied since the last step: the sums of forces and torques. Impulses have acted already.
+    pub fn clear_forces(&mut self) {
+        self.applied.clear();
+    }
+
     /// A force or impulse in the world's frame, and its moment about the centre of mass.
     fn lever(
         &self,
