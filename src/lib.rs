@@ -63,7 +63,7 @@ mod step;
 mod world;
 
 pub use body::{Activity, BodyDef, BodyKind, Mass};
-pub use error::{Cause, Error, Fault, Quantity};
+pub use error::{Cause, Error, Fault, Irreversible, Quantity};
 pub use force::{AppliedForce, Attachment, BodyState, Dependence, End, Field, ForceLaw, Law, LawFault, Push, Region};
 pub use handle::{BodyId, FieldId};
 pub use integrate::{Integrator, Stage, Verb};
