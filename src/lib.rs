@@ -74,7 +74,7 @@ pub use scalar::{FxAccumulator, FxFactor, FxWide, Scalar, SpringLaw, Turn};
 pub use shape::{Geometry, Part, Shape};
 #[cfg(feature = "timers")]
 pub use step::Timers;
-pub use world::{Action, BodyRef, Command, Frame, Made, Manner, Outlook, StepReport, World, WorldDef, step_all};
+pub use world::{Action, BodyRef, Command, Frame, Made, Manner, Outlook, StepReport, Trace, World, WorldDef, step_all};
 
 /// The README's examples, compiled and run as tests.
 #[cfg(doctest)]

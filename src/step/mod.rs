@@ -12,6 +12,7 @@ mod march;
 mod timers;
 
 pub(crate) use finish::island_roots;
+pub(crate) use march::find_strays;
 #[cfg(feature = "timers")]
 pub use timers::Timers;
 

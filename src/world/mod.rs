@@ -9,6 +9,7 @@ mod outlook;
 mod reverse;
 mod settings;
 mod totals;
+mod trace;
 mod wake;
 
 use alloc::sync::Arc;
@@ -28,6 +29,7 @@ pub use body_ref::BodyRef;
 pub use command::{Command, Made};
 pub use forces::{Action, Frame, Manner};
 pub use outlook::Outlook;
+pub use trace::Trace;
 
 /// What a world is made from.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,11 +3,11 @@
 use alloc::vec::Vec;
 
 use super::World;
-use crate::body::{Activity, BodyKind};
+use crate::body::{Activity, BodyKind, check_angular_velocity, check_position, check_velocity};
 use crate::error::Error;
 use crate::force::Law;
 use crate::handle::BodyId;
-use crate::scalar::Scalar;
+use crate::scalar::{Accumulator, Scalar};
 use crate::step::island_roots;
 
 impl<S: Scalar> World<S> {
@@ -26,12 +26,17 @@ impl<S: Scalar> World<S> {
     /// Takes a quarantined body back into the simulation, at the state it has: its last good one, or what was set since.
     ///
     /// # Errors
-    /// [`Error::NoSuchBody`]; [`Error::NotQuarantined`].
+    /// [`Error::NoSuchBody`]; [`Error::NotQuarantined`]; [`Error::OutOfRange`] in a world of a [`Trace`](super::Trace), for a
+    /// body that is still beyond the envelope.
     pub fn release(&mut self, body: BodyId) -> Result<(), Error> {
         let dense = self.bodies.find(body)?;
         if self.bodies.activity(dense) != Activity::Quarantined {
             return Err(Error::NotQuarantined { body });
         }
+        let motion = &self.bodies.columns.motion;
+        check_position(motion.position.get(dense).map(Accumulator::value))?;
+        check_velocity(motion.velocity.get(dense).map(Accumulator::value))?;
+        check_angular_velocity(motion.spin[dense].value())?;
         self.bodies.set_activity(dense, Activity::Awake);
         self.wake_joined(body);
         Ok(())
