@@ -1,10 +1,10 @@
 //! Time of what a rollback does besides steps: keeping a copy of the world, going back to it, and the hash of the state; and
-//! of a whole rollback, beside the steps that are in it.
+//! of a whole rollback, beside the steps that are in it, and of undoing steps, which needs no copy.
 //!
 //! Ids are paths such as `state/copy_100k/fx`. Bytes a second count the motion of the bodies alone: positions, velocities,
-//! angles, spins. Compare within one run only.
+//! angles, spins; of steps what counts is their number. Compare within one run only.
 
-use divan::counter::BytesCount;
+use divan::counter::{BytesCount, ItemsCount};
 use divan::{Bencher, black_box};
 use scenes::Scene;
 use umbra_physics::{Fx, History, Inputs, Scalar, World};
@@ -45,6 +45,19 @@ fn restore<S: Scalar>(bencher: Bencher, bodies: usize) {
 fn hash<S: Scalar>(bencher: Bencher, bodies: usize) {
     let (world, _) = rolled::<S>(bodies);
     bencher.counter(motion::<S>(bodies)).bench_local(|| black_box(&world).state_hash());
+}
+
+/// A step of bodies that no field reaches, or of a net of springs.
+fn there(bencher: Bencher, mut world: World) {
+    bencher.counter(ItemsCount::new(world.moving_count())).bench_local(|| _ = black_box(&mut world).step());
+}
+
+/// A step, and the same undone: twice the time if one costs what the other does.
+fn there_and_back(bencher: Bencher, mut world: World) {
+    bencher.counter(ItemsCount::new(2 * world.moving_count())).bench_local(|| {
+        black_box(&mut world).step();
+        black_box(&mut world).step_back(&[]).expect("it has a way back");
+    });
 }
 
 /// One module a bench and size, with a bench a scalar.
@@ -133,4 +146,30 @@ rollbacks! {
     rollback_net_1k: scenes::net(40, 25);
     rollback_orbits_1k: scenes::orbits(1_000);
     rollback_free_10: scenes::free(10);
+}
+
+/// One module a scene, with a bench of its step and one of its step and back, in fixed point: sums of floats round.
+macro_rules! ways {
+    ($($name:ident: $scene:expr;)*) => {$(
+        mod $name {
+            use super::*;
+
+            #[divan::bench]
+            fn there(bencher: Bencher) {
+                super::there(bencher, $scene.world);
+            }
+
+            #[divan::bench]
+            fn there_and_back(bencher: Bencher) {
+                super::there_and_back(bencher, $scene.world);
+            }
+        }
+    )*};
+}
+
+ways! {
+    step_free_10: scenes::falling(10);
+    step_free_1k: scenes::falling(1_000);
+    step_free_100k: scenes::falling(100_000);
+    step_net_1k: scenes::net(40, 25);
 }

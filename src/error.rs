@@ -96,6 +96,71 @@ pub enum Error {
         /// The tick that the world is at.
         present: u64,
     },
+    /// The last step cannot be undone.
+    NotReversible {
+        /// Why not.
+        why: Irreversible,
+    },
+}
+
+/// Why a step cannot be undone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
+#[non_exhaustive]
+pub enum Irreversible {
+    /// The sums of the world's scalar round, as those of floats do.
+    Scalar,
+    /// The integrator has no inverse: [`Integrator::inverse`](crate::Integrator::inverse).
+    Integrator,
+    /// The world is at tick 0.
+    Start,
+    /// The time step was changed at this tick: the elapsed time counts from here.
+    TimeStep,
+    /// Sleeping is on: for how long a body was at rest is not known.
+    Sleep,
+    /// A body is damped: what a damping rounds away is gone.
+    Damping,
+    /// The force of a field depends on the velocity: a drag, a spring with a damper, a law of force that says so.
+    Velocity {
+        /// The field.
+        field: FieldId,
+    },
+    /// A body is quarantined: how far it came in its last step is not known.
+    Quarantined {
+        /// The body.
+        body: BodyId,
+    },
+    /// Forces were applied since, for the step to come; [`clear_forces`](crate::World::clear_forces) takes them back.
+    Pending,
+    /// What was applied to a body is given twice.
+    Twice {
+        /// The body.
+        body: BodyId,
+    },
+    /// On the way back a body would leave the envelope, or a force does not fit: no step led here.
+    Fault(Fault),
+}
+
+impl fmt::Display for Irreversible {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Scalar => f.write_str("sums of floats round"),
+            Self::Integrator => f.write_str("the integrator has no inverse"),
+            Self::Start => f.write_str("none was made"),
+            Self::TimeStep => f.write_str("the time step was changed at this tick"),
+            Self::Sleep => f.write_str("sleeping is on"),
+            Self::Damping => f.write_str("a body is damped"),
+            Self::Velocity { field } => write!(f, "the force of {field} depends on the velocity"),
+            Self::Quarantined { body } => write!(f, "{body} is quarantined"),
+            Self::Pending => f.write_str("forces were applied since"),
+            Self::Twice { body } => write!(f, "what was applied to {body} is given twice"),
+            Self::Fault(Fault { body, cause }) => write!(f, "on the way back {body} is at fault: {cause}"),
+        }
+    }
 }
 
 /// What a value that was refused is.
@@ -214,6 +279,7 @@ impl fmt::Display for Error {
             Self::DuplicateInput { player, sequence } => write!(f, "player {player} has an input {sequence} already"),
             Self::TickForgotten { tick, oldest } => write!(f, "tick {tick} is forgotten: the oldest kept is {oldest}"),
             Self::TickToCome { tick, present } => write!(f, "tick {tick} is still to come: it is tick {present}"),
+            Self::NotReversible { why } => write!(f, "the step cannot be undone: {why}"),
         }
     }
 }

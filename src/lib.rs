@@ -63,7 +63,7 @@ mod wire;
 mod world;
 
 pub use body::{Activity, BodyDef, BodyKind, Mass};
-pub use error::{Cause, Error, Fault, Quantity};
+pub use error::{Cause, Error, Fault, Irreversible, Quantity};
 pub use force::{AppliedForce, Attachment, BodyState, Dependence, End, Field, ForceLaw, Law, LawFault, Push, Region};
 pub use handle::{BodyId, FieldId};
 pub use integrate::{Integrator, Stage, Verb};
@@ -80,7 +80,7 @@ pub use step::Timers;
 pub use wire::Malformed;
 pub use world::{
     Action, BodyRef, Command, Frame, History, Input, Inputs, Made, Manner, Outcome, Outlook, StepReport, TickReport,
-    World, WorldDef, step_all,
+    Trace, World, WorldDef, step_all,
 };
 
 /// The README's examples, compiled and run as tests.

@@ -16,7 +16,8 @@
 //! - *Forces.* A call adds at most 2^31 N a component or 2^63 N·m; sums are held in 192 bits and checked
 //!   once, in the step.
 //!
-//! Rotation has the same bounds in rad/s; its angle wraps by itself.
+//! Rotation has the same bounds in rad/s; its angle wraps by itself. Undoing a step makes the same kicks and drifts with the
+//! opposite sign, from the same bounds.
 
 use crate::scalar::{KICK_LOG2, TRANSIENT_SPEED_LOG2, fx::Fx};
 

@@ -461,6 +461,10 @@ fn by_method(world: &mut World, command: &Command) -> Result<Made, Error> {
             Action::AngularImpulse(impulse) => world.apply_angular_impulse(body, impulse),
         }),
         Command::Apply { body, action, manner } => nothing(world.apply(body, action, manner)),
+        Command::ClearForces => {
+            world.clear_forces();
+            Ok(Made::Nothing)
+        }
         Command::SetPosition { body, position } => nothing(world.set_position(body, position)),
         Command::SetAngle { body, angle } => nothing(world.set_angle(body, angle)),
         Command::SetVelocity { body, velocity } => nothing(world.set_velocity(body, velocity)),
@@ -513,6 +517,7 @@ fn a_command_does_what_the_method_of_its_name_does() {
         apply(Action::AngularImpulse(fx!(3))),
         Command::Apply { body, action: Action::Force { force, point: Some(force) }, manner: Manner::BODY },
         Command::Apply { body, action: Action::Torque(fx!(1)), manner: Manner { frame: Frame::World, wake: false } },
+        Command::ClearForces,
         Command::SetPosition { body, position: force },
         Command::SetAngle { body, angle: fx!(2) },
         Command::SetVelocity { body, velocity: force },
@@ -558,7 +563,8 @@ fn a_command_does_what_the_method_of_its_name_does() {
         let (made, same) = (world.execute(&command), by_method(&mut other, &command));
         assert_eq!(made, same, "{command:?}");
         assert_eq!(world.state_hash(), other.state_hash(), "{command:?}");
-        let without_effect = matches!(command, Command::Wake(_) | Command::RemoveBody(_)) || made.is_err();
+        let without_effect =
+            matches!(command, Command::Wake(_) | Command::RemoveBody(_) | Command::ClearForces) || made.is_err();
         assert!(without_effect || world.state_hash() != before, "{command:?} changed nothing");
         world.step();
         other.step();

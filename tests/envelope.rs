@@ -1,17 +1,19 @@
 //! Nothing overflows or panics: each bound at it and one past it, quarantine, and worlds at the edge of everything.
 
+use std::cell::Cell;
 use std::sync::Arc;
 
 use proptest::prelude::*;
+use proptest::test_runner::TestRunner;
 use umbra_physics::limits::{
     ANGULAR_SPEED, CORNERS, GRAVITY, GRAVITY_SCALE, MASS_MAX, MASS_MIN, PARTS, POSITION, RATE_MAX, RATE_MIN, SIZE_MAX,
     SIZE_MIN, SPEED,
 };
 use umbra_physics::scalar::{Accumulator, Angle, Factor};
 use umbra_physics::{
-    Action, Activity, Attachment, BodyDef, BodyId, BodyKind, BodyState, Cause, Command, Dependence, End, Error, Fault,
-    Field, FieldId, ForceLaw, Frame, Fx, FxFactor, Integrator, Law, LawFault, Manner, Mass, Part, Push, Quantity,
-    Region, Shape, SpringLaw, TimeStep, Vec2, World, WorldDef, fx, vec2,
+    Action, Activity, AppliedForce, Attachment, BodyDef, BodyId, BodyKind, BodyState, Cause, Command, Dependence, End,
+    Error, Fault, Field, FieldId, ForceLaw, Frame, Fx, FxFactor, Integrator, Law, LawFault, Manner, Mass, Part, Push,
+    Quantity, Region, Shape, SpringLaw, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
 const ULP: Fx = Fx::DELTA;
@@ -724,6 +726,7 @@ fn command() -> impl Strategy<Value = Command> {
         6 => body_def().prop_map(Command::AddBody),
         1 => handle().prop_map(Command::RemoveBody),
         6 => (handle(), action(), manner()).prop_map(|(body, action, manner)| Command::Apply { body, action, manner }),
+        1 => Just(Command::ClearForces),
         1 => (handle(), edge_vector()).prop_map(|(body, position)| Command::SetPosition { body, position }),
         1 => (handle(), edge()).prop_map(|(body, angle)| Command::SetAngle { body, angle }),
         1 => (handle(), edge_vector()).prop_map(|(body, velocity)| Command::SetVelocity { body, velocity }),
@@ -819,6 +822,68 @@ proptest! {
             check(&world);
         }
     }
+}
+
+#[test]
+fn a_step_goes_back_to_the_bit_or_not_at_all() {
+    let reversible =
+        prop_oneof![Just(Integrator::SymplecticEuler), Just(Integrator::VelocityVerlet), Just(Integrator::Yoshida4)];
+    let still = (prop::collection::vec(body_def(), 1..5), prop::collection::vec(field(), 0..4), 0u32..8);
+    let inputs = (prop::collection::vec((handle(), action()), 0..4), handle(), vector_within(POSITION));
+    let strategy = (time_step(), reversible, vector_within(GRAVITY), still, inputs);
+    let (undone, refused) = (Cell::new(0), Cell::new(0));
+    let mut runner = TestRunner::new(config([1_500, 12_000]));
+    let result = runner.run(&strategy, |(time_step, integrator, gravity, (bodies, fields, rough), inputs)| {
+        let def = WorldDef { time_step, integrator, gravity, sleep_after: None, ..WorldDef::default() };
+        let Ok(mut world) = World::new(def) else { return Ok(()) };
+        world.register_law(Arc::new(Faulty)).unwrap();
+        // Most without what has no way back, so that most steps have one.
+        for body in bodies {
+            let calm = BodyDef { linear_damping: None, angular_damping: None, ..body.clone() };
+            let _ = world.add_body(if rough == 0 { body } else { calm });
+        }
+        for mut field in fields {
+            match &mut field.law {
+                Law::Drag { .. } if rough != 1 => continue,
+                Law::Spring { spring, .. } if rough != 2 => spring.damping = Fx::ZERO,
+                _ => {}
+            }
+            let _ = world.add_field(field);
+        }
+        let (pushes, moved, place) = inputs;
+        let there_and_back = |world: &mut World, applied: &[AppliedForce], before: Option<u64>| {
+            let after = world.state_hash();
+            if world.step_back(applied).is_ok() {
+                undone.set(undone.get() + 1);
+                check(world);
+                prop_assert!(before.is_none_or(|before| world.state_hash() == before));
+                prop_assert!(world.step().faults.is_empty());
+            } else {
+                refused.set(refused.get() + 1);
+            }
+            prop_assert_eq!(world.state_hash(), after);
+            Ok(())
+        };
+        for _ in 0..3 {
+            for (body, action) in &pushes {
+                let _ = world.apply(*body, *action, Manner::default());
+            }
+            let before = world.state_hash();
+            let mut traced = world.clone();
+            let applied = world.step().applied.to_vec();
+            traced.step_traced();
+            prop_assert_eq!(traced.state_hash(), world.state_hash());
+            prop_assert_eq!(traced.last_report(), world.last_report());
+            there_and_back(&mut world, &applied, Some(before))?;
+            // From where no step led.
+            let mut elsewhere = world.clone();
+            let _ = elsewhere.set_position(moved, place);
+            there_and_back(&mut elsewhere, &applied, None)?;
+        }
+        Ok(())
+    });
+    result.unwrap();
+    assert!(undone.get() > 1_000 && refused.get() > 1_000, "{} undone, {} not", undone.get(), refused.get());
 }
 
 #[test]

@@ -155,6 +155,39 @@ fn a_step_takes_nothing_from_the_heap_after_the_first() {
 }
 
 #[test]
+fn a_step_back_takes_nothing_from_the_heap_after_the_first() {
+    for integrator in [Integrator::SymplecticEuler, Integrator::VelocityVerlet, Integrator::Yoshida4] {
+        let mut world = world(integrator);
+        world.set_damping(fx!(1), fx!(1)).expect("a fair damping");
+        world.set_sleep_after(None).expect("a fair number");
+        let ids = discs(&mut world, 500);
+        let spring = SpringLaw { rest: fx!(1), stiffness: fx!(5), damping: fx!(0) };
+        let (near, far) = (Attachment { body: ids[0], point: vec2(fx!(0.25), 0) }, Attachment::centre(ids[1]));
+        world.add_field(Law::Spring { near, far: End::Body(far), spring }).expect("a fair field");
+        let mut applied = Vec::new();
+        for round in 0..3 {
+            for id in &ids[..400] {
+                world.apply_force(*id, vec2(1, 2)).expect("a fair force");
+            }
+            applied.clear();
+            applied.extend_from_slice(world.step().applied);
+            let taken = measure(|| {
+                world.step_back(&applied).expect("it has a way back");
+                world.clear_forces();
+            });
+            assert!(round == 0 || taken.count_total == 0, "{integrator:?}");
+            // Nor where it is refused.
+            world.step();
+            world.set_position(ids[499], vec2(fx!(1_073_741_824), 0)).expect("a fair position");
+            world.set_velocity(ids[499], vec2(-90, 0)).expect("a fair velocity");
+            let taken = measure(|| assert!(world.step_back(&applied).is_err()));
+            assert!(round == 0 || taken.count_total == 0, "{integrator:?}");
+            world.set_position(ids[499], vec2(0, 0)).expect("a fair position");
+        }
+    }
+}
+
+#[test]
 fn a_step_takes_nothing_from_the_heap_when_a_body_first_comes_near_the_envelope() {
     let mut world = world(Integrator::VelocityVerlet);
     let ids = discs(&mut world, 200);

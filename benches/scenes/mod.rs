@@ -156,6 +156,11 @@ pub(crate) fn spinning<S: Scalar>(count: usize) -> Scene<S> {
     scene(calm(), tumbling(count))
 }
 
+/// As `spinning`, in gravity.
+pub(crate) fn falling<S: Scalar>(count: usize) -> Scene<S> {
+    scene(WorldDef { gravity: vector(Fx::ZERO, fx!(-9.81)), ..calm() }, tumbling(count))
+}
+
 /// As `plain`, damped.
 pub(crate) fn damped<S: Scalar>(count: usize) -> Scene<S> {
     scene(WorldDef { linear_damping: S::from_fx(KEPT), ..calm() }, moving(count))

@@ -88,7 +88,7 @@ impl<S: Scalar> Applied<S> {
         row.torque.add(torque);
     }
 
-    /// Takes over what was applied to a body of another world.
+    /// Takes over what was applied to a body of another world, or at another tick. *Domain* it has none of its own.
     pub(crate) fn adopt(&mut self, body: BodyId, force: Vec2<S::Sum>, torque: S::Sum) {
         self.add(body, Vec2::default(), S::Wide::default());
         if let Some(own) = self.rows.last_mut() {
@@ -116,6 +116,18 @@ impl<S: Scalar> Applied<S> {
         core::mem::swap(&mut self.rows, &mut self.done);
         self.rows.clear();
         self.done.sort_unstable_by_key(|row| row.body);
+    }
+
+    /// Forgets all that was applied since the last step.
+    pub(crate) fn clear(&mut self) {
+        for row in self.rows.drain(..) {
+            self.at[row.body.slot as usize] = NONE;
+        }
+    }
+
+    /// Forgets what the last step used.
+    pub(crate) fn forget_done(&mut self) {
+        self.done.clear();
     }
 
     /// Adds to a hash what was applied since the last step, in the order of the slots.

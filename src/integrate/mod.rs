@@ -187,6 +187,27 @@ impl Integrator {
             Self::Yoshida4 => &YOSHIDA,
         }
     }
+
+    /// The stages that undo a step, each over its span the other way in time; `None` for an integrator that has no inverse:
+    /// `ExplicitEuler` drifts by a velocity that its kick has changed, `PublishedVerlet` has forgotten the last acceleration
+    /// but one.
+    ///
+    /// Kicks and drifts are shears: by how much one changes a quantity depends on the other quantity alone, which it leaves
+    /// as it is. So each is its own inverse with the opposite sign, if no force depends on a velocity and nothing is damped.
+    #[must_use]
+    pub const fn inverse(self) -> Option<&'static [Stage]> {
+        use Verb::{Drift, Fields, Kick};
+        const IN_TURN: [Stage; 3] = [stage(Drift, 0), stage(Fields, 0), stage(Kick, 0)];
+        match self {
+            Self::ExplicitEuler | Self::PublishedVerlet => None,
+            Self::SymplecticEuler => Some(&IN_TURN),
+            // Read from the end they are the same: only the last stage, clear, has no place in it.
+            Self::VelocityVerlet | Self::Yoshida4 => match self.stages().split_last() {
+                Some((_clear, stages)) => Some(stages),
+                None => None,
+            },
+        }
+    }
 }
 
 /// The factors of a span. All derived.
@@ -208,6 +229,8 @@ pub(crate) struct Plan<S: Scalar> {
     pub(crate) half: S::Factor,
     /// ½·dt².
     pub(crate) half_square: S::Factor,
+    /// Whether it undoes steps: time runs the other way in every span.
+    pub(crate) backwards: bool,
 }
 
 impl<S: Scalar> Plan<S> {
@@ -225,6 +248,19 @@ impl<S: Scalar> Plan<S> {
             negative: span.is_negative(),
         });
         let whole = |half| S::seconds(Span { ratio, weight: Weight::Whole, half });
-        Self { spans, timing, whole: whole(false), half: whole(true), half_square: S::half_square_seconds(ratio) }
+        Self {
+            spans,
+            timing,
+            whole: whole(false),
+            half: whole(true),
+            half_square: S::half_square_seconds(ratio),
+            backwards: false,
+        }
+    }
+
+    /// The same with the time running the other way.
+    pub(crate) fn reversed(&self) -> Self {
+        let timing = self.timing.map(|timing| Timing { negative: !timing.negative, ..timing });
+        Self { timing, backwards: !self.backwards, ..*self }
     }
 }

@@ -90,13 +90,20 @@ fn damp_one<S: Scalar>(
     }
 }
 
-/// v += g·h, from the factors that bodies share: the same bits for every mass.
-pub(crate) fn fall<S: Scalar>(block: &mut Block<'_, S>, tuned: Tuned<'_, S>, span: usize) {
+/// The velocity gained from gravity in a span.
+fn gained<S: Scalar>(row: &Tuning<S>, span: usize, backwards: bool) -> Vec2<S::Accumulator> {
+    let fall = row.fall[span];
+    if backwards { fall.map(Accumulator::negated) } else { fall }
+}
+
+/// v += g·h, from the factors that bodies share: the same bits for every mass. v −= g·h if `backwards`.
+pub(crate) fn fall<S: Scalar>(block: &mut Block<'_, S>, tuned: Tuned<'_, S>, span: usize, backwards: bool) {
     let none = S::Accumulator::default();
     let [x, y] = &mut block.velocity;
     match tuned {
         Tuned::Alike(row) => {
-            for (v, gained) in [(x, row.fall[span].x), (y, row.fall[span].y)] {
+            let gained = gained(row, span, backwards);
+            for (v, gained) in [(x, gained.x), (y, gained.y)] {
                 if gained != none {
                     S::kick_all(v, gained);
                 }
@@ -104,7 +111,7 @@ pub(crate) fn fall<S: Scalar>(block: &mut Block<'_, S>, tuned: Tuned<'_, S>, spa
         }
         Tuned::Each(rows) => {
             for (i, &row) in block.tuning.iter().enumerate() {
-                let gained = rows[row as usize].fall[span];
+                let gained = gained(&rows[row as usize], span, backwards);
                 (x[i], y[i]) = (x[i].plus(gained.x), y[i].plus(gained.y));
             }
         }
@@ -150,8 +157,10 @@ pub(crate) fn glide<S: Scalar>(
     row: &Tuning<S>,
     (half, timing): (usize, &Timing<S>),
     spins: bool,
+    backwards: bool,
 ) {
-    let fall = [row.fall[half].x, row.fall[half].y];
+    let Vec2 { x, y } = gained(row, half, backwards);
+    let fall = [x, y];
     for ((x, v), fall) in block.position.iter_mut().zip(&mut block.velocity).zip(fall) {
         let glide = Glide { kept: row.linear[half], fall, seconds: timing.seconds, negative: timing.negative };
         S::glide_all(x, v, &glide);

@@ -360,7 +360,8 @@ impl Place {
             | Command::SetDamping { .. }
             | Command::SetSleepAfter(_)
             | Command::SetRandom(_)
-            | Command::SetBlob(_) => Self::World,
+            | Command::SetBlob(_)
+            | Command::ClearForces => Self::World,
         }
     }
 }

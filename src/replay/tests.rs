@@ -112,6 +112,7 @@ fn commands() -> Vec<Command> {
         Command::SetSleepAfter(Some(20)),
         Command::SetRandom(Random::seeded(3)),
         Command::SetBlob(vec![1, 2, 3]),
+        Command::ClearForces,
         Command::RemoveField(FieldId::from_parts(0, 0)),
         Command::RemoveBody(BodyId::from_parts(3, 0)),
     ]);
@@ -148,6 +149,7 @@ fn is_among_them(command: &Command) -> bool {
         Command::SetSleepAfter(_) => "SetSleepAfter",
         Command::SetRandom(_) => "SetRandom",
         Command::SetBlob(_) => "SetBlob",
+        Command::ClearForces => "ClearForces",
     };
     commands().iter().any(|command| format!("{command:?}").starts_with(like))
 }

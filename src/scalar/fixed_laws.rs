@@ -177,6 +177,7 @@ impl Scalar for Fx {
     const ZERO: Self = Self::ZERO;
     const ONE: Self = Self::ONE;
     const NAME: &'static str = "fx";
+    const IS_REVERSIBLE: bool = true;
 
     #[inline]
     fn from_fx(value: Fx) -> Self {

@@ -303,6 +303,9 @@ pub trait Scalar: Number + Display + PartialOrd + Add<Output = Self> + Sub<Outpu
     const ONE: Self;
     /// The name in tables and on the command line.
     const NAME: &'static str;
+    /// Whether a kick or a drift is taken back to the bit by the same one with the opposite sign: sums do not round, and
+    /// the other roundings are odd.
+    const IS_REVERSIBLE: bool = false;
 
     /// The same value; rounded to nearest in a float. How scenes and limits enter every build.
     fn from_fx(value: Fx) -> Self;

@@ -212,6 +212,7 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
             Command::Apply { body, action, manner } => {
                 Command::Apply { body: self.body(body)?, action: convert_action(action), manner }
             }
+            Command::ClearForces => Command::ClearForces,
             Command::SetPosition { body, position } => {
                 Command::SetPosition { body: self.body(body)?, position: vector(position) }
             }

@@ -22,7 +22,8 @@ impl<S: Scalar> Context<'_, S> {
                 self.resist_outside(false);
             });
         }
-        for stage in march.stages {
+        let mut stages = march.stages;
+        while let [stage, others @ ..] = stages {
             match stage.verb {
                 Verb::Fields => timed!(self.scratch, fields, self.run(march, stage, has)),
                 Verb::Damp => timed!(self.scratch, damp, self.run(march, stage, has)),
@@ -30,9 +31,14 @@ impl<S: Scalar> Context<'_, S> {
                 Verb::Drift => timed!(self.scratch, drift, self.run(march, stage, has)),
                 Verb::Clear => {}
             }
-        }
-        if self.scratch.drag_outside > 0 {
-            timed!(self.scratch, damp, self.resist_outside(true));
+            // Drag around the whole step ends with the last damp.
+            if self.scratch.drag_outside > 0 && matches!(others, [Stage { verb: Verb::Clear, .. }]) {
+                timed!(self.scratch, damp, self.resist_outside(true));
+            }
+            if let Some(probe) = &mut self.probe {
+                probe(stage, self.bodies);
+            }
+            stages = others;
         }
         timed!(self.scratch, finish, self.judge_engaged(march));
     }
@@ -40,12 +46,12 @@ impl<S: Scalar> Context<'_, S> {
     fn run(&mut self, march: &March<'_, S>, stage: &Stage, has: Has) {
         match stage.verb {
             Verb::Damp if stage.closing => {
-                self.resist_inside(stage, has);
+                self.resist_inside(march, stage, has);
                 self.run_blocks(march, stage);
             }
             Verb::Damp => {
                 self.run_blocks(march, stage);
-                self.resist_inside(stage, has);
+                self.resist_inside(march, stage, has);
             }
             Verb::Kick if self.integrator == Integrator::PublishedVerlet => self.kick_by_mean(march, has),
             Verb::Kick => {
@@ -53,7 +59,7 @@ impl<S: Scalar> Context<'_, S> {
                     self.evaluate_resisting();
                 }
                 self.run_blocks(march, stage);
-                self.kick_by_fields(stage, has);
+                self.kick_by_fields(march, stage, has);
             }
             Verb::Drift => {
                 self.run_blocks(march, stage);
@@ -109,18 +115,25 @@ impl<S: Scalar> Context<'_, S> {
         self.each_block(|block, frame, found| march.judge(block, frame, found));
         // Stable: the first fault of a body stays its first.
         self.scratch.found.faults.sort_by_key(|(i, _)| *i);
-        self.each_block(|block, frame, found| {
-            for (i, _) in part_in(block, &found.faults) {
-                frame.restore(block, *i - block.first);
-            }
-        });
+        if march.restores {
+            self.each_block(|block, frame, found| {
+                for (i, _) in part_in(block, &found.faults) {
+                    frame.restore(block, *i - block.first);
+                }
+            });
+        }
     }
 
-    fn resist_inside(&mut self, stage: &Stage, has: Has) {
+    /// Takes all engaged bodies back to what they were.
+    pub(super) fn restore_engaged(&mut self) {
+        self.each_block(|block, frame, _| (0..block.len()).for_each(|i| frame.restore(block, i)));
+    }
+
+    fn resist_inside(&mut self, march: &March<'_, S>, stage: &Stage, has: Has) {
         if !has.drag {
             return;
         }
-        let timing = self.plan.timing[stage.span];
+        let timing = march.plan.timing[stage.span];
         let Scratch { outside, drag_outside, found, .. } = &mut *self.scratch;
         let only = |i: usize| *drag_outside == 0 || !outside[i];
         let span = (timing.seconds, timing.negative);

@@ -70,24 +70,24 @@ impl<S: Scalar> Context<'_, S> {
     }
 
     /// What the fields of position and velocity do in a kick.
-    pub(super) fn kick_by_fields(&mut self, stage: &Stage, has: Has) {
+    pub(super) fn kick_by_fields(&mut self, march: &March<'_, S>, stage: &Stage, has: Has) {
         if has.position {
             let fields = core::mem::take(&mut self.scratch.fields);
-            self.kick_all(stage, &fields);
+            self.kick_all(march, stage, &fields);
             self.scratch.fields = fields;
         }
         if has.velocity {
             let resisting = core::mem::take(&mut self.scratch.resisting);
-            self.kick_all(stage, &resisting);
+            self.kick_all(march, stage, &resisting);
             if stage.closing {
-                self.correct(stage, &resisting);
+                self.correct(march, stage, &resisting);
             }
             self.scratch.resisting = resisting;
         }
     }
 
-    fn kick_all(&mut self, stage: &Stage, accelerations: &Accelerations<S>) {
-        let timing = self.plan.timing[stage.span];
+    fn kick_all(&mut self, march: &March<'_, S>, stage: &Stage, accelerations: &Accelerations<S>) {
+        let timing = march.plan.timing[stage.span];
         let mut block = self.bodies.all_moving();
         for (i, acceleration) in accelerations {
             if let Err(cause) = kick_by(&mut block, *i, acceleration, timing.seconds, timing.negative) {
@@ -99,8 +99,8 @@ impl<S: Scalar> Context<'_, S> {
     /// The second evaluation of the forces of velocity: the closing half kick is the implicit one, v' = v + ½h·a(x', v'),
     /// to within O(h³). The first, explicit half takes its value at the old velocity, so that the two together are the
     /// trapezoidal rule, of order 2.
-    fn correct(&mut self, stage: &Stage, first: &Accelerations<S>) {
-        let timing = self.plan.timing[stage.span];
+    fn correct(&mut self, march: &March<'_, S>, stage: &Stage, first: &Accelerations<S>) {
+        let timing = march.plan.timing[stage.span];
         let mut second = core::mem::take(&mut self.scratch.spare);
         self.evaluate(Dependence::Velocity, &mut second);
         let mut block = self.bodies.all_moving();

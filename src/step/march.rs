@@ -21,6 +21,8 @@ pub(super) struct March<'a, S: Scalar> {
     /// What the forces applied this tick do, in the order of the columns; `None` where their sum does not fit.
     pub(super) pushed: &'a [Pushed<S>],
     pub(super) sleep_after: Option<u32>,
+    /// Whether a body with a fault goes back to what it was. Where a step is undone all bodies do, or none.
+    pub(super) restores: bool,
 }
 
 /// What was found on the way.
@@ -87,7 +89,9 @@ impl<'a, S: Scalar> March<'a, S> {
         let guarded = !pushed.is_empty() || !tuned.is_gentle() || !calm.pass(block) || may_rest;
         if guarded {
             calm.0 = 0;
-            frame.keep(block);
+            if self.restores {
+                frame.keep(block);
+            }
         }
         let first_fault = found.faults.len();
         self.report_overloaded(block, found);
@@ -96,7 +100,7 @@ impl<'a, S: Scalar> March<'a, S> {
         while let [stage, others @ ..] = stages {
             stages = match (tuned, whole_beat(stages)) {
                 (Tuned::Alike(row), Some((half, whole, others))) if row.decays && pushed.is_empty() => {
-                    glide(block, row, (half, &self.plan.timing[whole]), spins);
+                    glide(block, row, (half, &self.plan.timing[whole]), spins, self.plan.backwards);
                     others
                 }
                 _ => {
@@ -108,9 +112,11 @@ impl<'a, S: Scalar> March<'a, S> {
         }
         if guarded {
             self.judge(block, frame, found);
-            for i in first_fault..found.faults.len() {
-                let (at, _) = found.faults[i];
-                frame.restore(block, at - block.first);
+            if self.restores {
+                for i in first_fault..found.faults.len() {
+                    let (at, _) = found.faults[i];
+                    frame.restore(block, at - block.first);
+                }
             }
         } else if self.sleep_after.is_some() {
             block.rest.fill(0);
@@ -130,7 +136,7 @@ impl<'a, S: Scalar> March<'a, S> {
         match stage.verb {
             Verb::Damp => damp(block, tuned, stage.span, spins, faults),
             Verb::Kick => {
-                fall(block, tuned, stage.span);
+                fall(block, tuned, stage.span, self.plan.backwards);
                 for (i, acceleration) in accelerations(self.pushed_in(block)) {
                     if let Err(cause) = kick_by(block, *i, acceleration, timing.seconds, timing.negative) {
                         faults.push((*i, cause));
@@ -226,7 +232,7 @@ fn is_far_inside<S: Scalar>(block: &Block<'_, S>) -> bool {
 }
 
 /// Bodies beyond the envelope.
-fn find_strays<S: Scalar>(block: &Block<'_, S>, faults: &mut Vec<(usize, Cause)>) {
+pub(crate) fn find_strays<S: Scalar>(block: &Block<'_, S>, faults: &mut Vec<(usize, Cause)>) {
     let [position, speed, spin] = [limits::POSITION, limits::SPEED, limits::ANGULAR_SPEED].map(S::from_fx);
     for i in 0..block.len() {
         let cause = if !block.velocity.iter().all(|v| v[i].is_within(speed)) {

@@ -3,7 +3,7 @@
 //!
 //! Stages see columns and a context, never the world. Bodies that no field reaches march through all stages a block at a
 //! time ([`march`]); those that one may reach are *engaged*: they go stage by stage, together, because fields look at
-//! many bodies at once. Which way a body goes changes no bit.
+//! many bodies at once. Which way a body goes changes no bit. A step is undone by the same ways with other stages.
 
 mod engaged;
 mod finish;
@@ -12,6 +12,7 @@ mod march;
 mod timers;
 
 pub(crate) use finish::island_roots;
+pub(crate) use march::find_strays;
 #[cfg(feature = "timers")]
 pub use timers::Timers;
 
@@ -21,7 +22,7 @@ use crate::body::{Acceleration, BLOCK, Bodies, BodyKind, Motion, Tunings};
 use crate::error::Fault;
 use crate::force::{Applied, Dependence, Directions, End, FieldSet, Law, Laws, Loads};
 use crate::handle::BodyId;
-use crate::integrate::{Integrator, Plan};
+use crate::integrate::{Integrator, Plan, Stage};
 use crate::scalar::Scalar;
 use march::{Calm, Found, March, Pushed};
 use timers::timed;
@@ -36,8 +37,13 @@ pub(crate) struct Context<'a, S: Scalar> {
     pub(crate) plan: &'a Plan<S>,
     pub(crate) integrator: Integrator,
     pub(crate) sleep_after: Option<u32>,
+    /// Sees the bodies after each stage; all are engaged then.
+    pub(crate) probe: Option<&'a mut Probe<'a, S>>,
     pub(crate) scratch: &'a mut Scratch<S>,
 }
+
+/// What looks on while a step goes through its stages.
+pub(crate) type Probe<'a, S> = dyn FnMut(&Stage, &Bodies<S>) + 'a;
 
 /// Fewer bodies than this are done sooner by one core.
 #[cfg(feature = "parallel")]
@@ -128,6 +134,13 @@ impl<S: Scalar> Scratch<S> {
         }
     }
 
+    /// Drops what was reported of the last step.
+    pub(crate) fn forget_report(&mut self) {
+        self.faults.clear();
+        self.fell_asleep.clear();
+        self.drag_outside = 0;
+    }
+
     /// Drops what goes with the positions and angles of engaged bodies.
     fn forget_places(&mut self) {
         self.fields_hold = false;
@@ -164,16 +177,8 @@ struct Has {
 impl<S: Scalar> Context<'_, S> {
     /// One tick.
     pub(crate) fn step(mut self) {
-        self.scratch.faults.clear();
-        self.scratch.found.faults.clear();
-        self.scratch.found.ready = false;
-        self.scratch.fell_asleep.clear();
-        self.scratch.drag_outside = 0;
-        #[cfg(feature = "timers")]
-        {
-            self.scratch.timers.steps += 1;
-        }
-        let has = timed!(self.scratch, survey, self.survey());
+        self.scratch.forget_report();
+        let has = self.open();
         let pushed = timed!(self.scratch, survey, self.take_applied());
         let march = March {
             stages: self.integrator.stages(),
@@ -181,15 +186,65 @@ impl<S: Scalar> Context<'_, S> {
             rows: self.tunings.rows(),
             pushed: &pushed,
             sleep_after: self.sleep_after,
+            restores: true,
         };
-        timed!(self.scratch, march, self.march(&march));
-        if !self.scratch.engaged.is_empty() {
-            self.run_engaged(&march, has);
-        }
+        self.run_all(&march, has);
         self.scratch.pushed = pushed;
         // The last stage of each list, for all bodies at once.
         self.applied.finish();
         timed!(self.scratch, finish, self.finish(has));
+    }
+
+    /// Undoes a tick by these [`inverse`](Integrator::inverse) stages. What was applied over it stays applied.
+    ///
+    /// # Errors
+    /// The first fault on the way back, in the order of the handles; then all bodies are as they were.
+    pub(crate) fn step_back(mut self, stages: &'static [Stage]) -> Result<(), Fault> {
+        let has = self.open();
+        let pushed = timed!(self.scratch, survey, self.take_applied());
+        let reversed = self.plan.reversed();
+        let back = March {
+            stages,
+            plan: &reversed,
+            rows: self.tunings.rows(),
+            pushed: &pushed,
+            sleep_after: None,
+            restores: false,
+        };
+        self.run_all(&back, has);
+        let fault = self.first_fault();
+        if fault.is_some() {
+            // Of a free body there is no copy: it goes the same way again, there, to the bits it came from. Nothing but
+            // gravity and what was applied acts on it, and whatever was left out as too large is so again.
+            self.march(&March { stages: self.integrator.stages(), plan: self.plan, ..back });
+            self.restore_engaged();
+            self.scratch.forget();
+        }
+        self.scratch.pushed = pushed;
+        fault.map_or(Ok(()), Err)
+    }
+
+    fn open(&mut self) -> Has {
+        self.scratch.found.faults.clear();
+        self.scratch.found.ready = false;
+        #[cfg(feature = "timers")]
+        {
+            self.scratch.timers.steps += 1;
+        }
+        timed!(self.scratch, survey, self.survey())
+    }
+
+    fn run_all(&mut self, march: &March<'_, S>, has: Has) {
+        timed!(self.scratch, march, self.march(march));
+        if !self.scratch.engaged.is_empty() || self.probe.is_some() {
+            self.run_engaged(march, has);
+        }
+    }
+
+    fn first_fault(&self) -> Option<Fault> {
+        let named = self.scratch.found.faults.iter().map(|&(i, cause)| Fault { body: self.bodies.id(i), cause });
+        // The first of those that are equal: the first cause of a body.
+        named.min_by_key(|fault| fault.body)
     }
 
     /// Says what fields there are, and marks the blocks with bodies that one may reach.
@@ -198,7 +253,7 @@ impl<S: Scalar> Context<'_, S> {
         let engaged = &mut self.scratch.engaged;
         engaged.clear();
         let mut has = Has::default();
-        let all = self.integrator == Integrator::PublishedVerlet;
+        let all = self.integrator == Integrator::PublishedVerlet || self.probe.is_some();
         if all || self.fields.iter().next().is_some() {
             engaged.resize(moving.div_ceil(BLOCK), all);
         }

@@ -26,7 +26,7 @@ pub(super) fn now() -> std::time::Instant {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Timers {
-    /// Steps.
+    /// Steps, also those that undo one.
     pub steps: u64,
     /// What was applied over the tick to accelerations, and which bodies a field may reach.
     pub survey: core::time::Duration,

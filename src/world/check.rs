@@ -11,7 +11,7 @@ use crate::force::Field;
 use crate::handle::{BodyId, FieldId};
 use crate::integrate::Integrator;
 use crate::math::{Elapsed, TimeStep, Vec2};
-use crate::scalar::Scalar;
+use crate::scalar::{Accumulator, Scalar};
 use crate::shape::Shape;
 
 // The calls on bodies; forces and impulses are in `forces.rs`.
@@ -79,13 +79,17 @@ impl<S: Scalar> World<S> {
         }
     }
 
-    /// Refuses a body that is not quarantined.
-    pub(super) fn check_quarantined(&self, body: BodyId) -> Result<usize, Error> {
+    /// Refuses a body that is not quarantined, or is so beyond the envelope.
+    pub(super) fn check_release(&self, body: BodyId) -> Result<usize, Error> {
         let dense = self.bodies.find(body)?;
-        match self.bodies.activity(dense) {
-            Activity::Quarantined => Ok(dense),
-            _ => Err(Error::NotQuarantined { body }),
+        if self.bodies.activity(dense) != Activity::Quarantined {
+            return Err(Error::NotQuarantined { body });
         }
+        let motion = &self.bodies.columns.motion;
+        check_position(motion.position.get(dense).map(Accumulator::value))?;
+        check_velocity(motion.velocity.get(dense).map(Accumulator::value))?;
+        check_angular_velocity(motion.spin[dense].value())?;
+        Ok(dense)
     }
 
     fn check_own_damping(&self, linear: Option<S>, angular: Option<S>) -> Result<(), Error> {

@@ -34,6 +34,7 @@ pub enum Command<S: Scalar = Fx> {
     AddBody(BodyDef<S>),
     RemoveBody(BodyId),
     Apply { body: BodyId, action: Action<S>, manner: Manner },
+    ClearForces,
     SetPosition { body: BodyId, position: Vec2<S> },
     SetAngle { body: BodyId, angle: S },
     SetVelocity { body: BodyId, velocity: Vec2<S> },
@@ -104,6 +105,7 @@ wire_enum!(Command<S>, "the number of a command", {
     24 => SetSleepAfter(ticks),
     25 => SetRandom(random),
     26 => SetBlob(bytes),
+    27 => ClearForces,
 });
 
 impl Command {
@@ -166,7 +168,7 @@ impl<S: Scalar> World<S> {
             | Command::SetKey { body, .. }
             | Command::SetUserData { body, .. } => self.bodies.find(body).map(drop),
             Command::Wake(body) => self.check_taking_part(body).map(drop),
-            Command::Release(body) => self.check_quarantined(body).map(drop),
+            Command::Release(body) => self.check_release(body).map(drop),
             Command::SetField { id, ref field } => self.check_next_field(id, field).map(drop),
             Command::RemoveField(field) => self.check_field(field).map(drop),
             Command::SetTimeStep(time_step) => self.check_time_step(time_step).map(drop),
@@ -189,6 +191,10 @@ impl<S: Scalar> World<S> {
             Command::AddField(field) => return self.add_field(field).map(Made::Field),
             Command::RemoveBody(body) => self.remove_body(body),
             Command::Apply { body, action, manner } => self.apply(body, action, manner),
+            Command::ClearForces => {
+                self.clear_forces();
+                Ok(())
+            }
             Command::SetPosition { body, position } => self.set_position(body, position),
             Command::SetAngle { body, angle } => self.set_angle(body, angle),
             Command::SetVelocity { body, velocity } => self.set_velocity(body, velocity),

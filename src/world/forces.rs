@@ -186,6 +186,11 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
+    /// Takes back what was applied since the last step: the sums of forces and torques. Impulses have acted already.
+    pub fn clear_forces(&mut self) {
+        self.applied.clear();
+    }
+
     /// The index of a body, and what an action would do to it.
     pub(super) fn effect(&self, body: BodyId, action: Action<S>, frame: Frame) -> Result<(usize, Effect<S>), Error> {
         let dense = self.check_taking_part(body)?;

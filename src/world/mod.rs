@@ -10,8 +10,10 @@ mod game;
 mod history;
 mod inputs;
 mod outlook;
+mod reverse;
 mod settings;
 mod totals;
+mod trace;
 mod wake;
 
 use alloc::sync::Arc;
@@ -25,7 +27,7 @@ use crate::integrate::{Integrator, Plan};
 use crate::limits;
 use crate::math::{Elapsed, Random, TimeStep, Vec2};
 use crate::scalar::{Scalar, fx::Fx};
-use crate::step::{Context, Scratch};
+use crate::step::{Context, Probe, Scratch};
 use crate::wire::wire_struct;
 
 pub use body_ref::BodyRef;
@@ -34,6 +36,7 @@ pub use forces::{Action, Frame, Manner};
 pub use history::{History, TickReport};
 pub use inputs::{Input, Inputs, Outcome};
 pub use outlook::Outlook;
+pub use trace::Trace;
 
 /// What a world is made from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -194,8 +197,19 @@ impl<S: Scalar> World<S> {
 
     /// Moves the world on by a tick.
     pub fn step(&mut self) -> StepReport<'_, S> {
+        self.advance(None);
+        self.last_report()
+    }
+
+    /// A step, seen by a probe or not.
+    fn advance<'a>(&'a mut self, probe: Option<&'a mut Probe<'a, S>>) {
         core::mem::swap(&mut self.woke, &mut self.woken);
         self.woken.clear();
+        self.tick += 1;
+        self.context(probe).step();
+    }
+
+    fn context<'a>(&'a mut self, probe: Option<&'a mut Probe<'a, S>>) -> Context<'a, S> {
         Context {
             bodies: &mut self.bodies,
             tunings: &self.tunings,
@@ -205,14 +219,12 @@ impl<S: Scalar> World<S> {
             plan: &self.plan,
             integrator: self.def.integrator,
             sleep_after: self.def.sleep_after,
+            probe,
             scratch: &mut self.scratch,
         }
-        .step();
-        self.tick += 1;
-        self.last_report()
     }
 
-    /// The report of the last step.
+    /// The report of the last step. After [`step_back`](Self::step_back) it has nothing in it.
     #[must_use]
     pub fn last_report(&self) -> StepReport<'_, S> {
         StepReport {

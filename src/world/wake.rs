@@ -23,9 +23,10 @@ impl<S: Scalar> World<S> {
     /// Takes a quarantined body back into the simulation, at the state it has: its last good one, or what was set since.
     ///
     /// # Errors
-    /// [`Error::NoSuchBody`]; [`Error::NotQuarantined`].
+    /// [`Error::NoSuchBody`]; [`Error::NotQuarantined`]; [`Error::OutOfRange`] in a world of a [`Trace`](super::Trace), for a
+    /// body that is still beyond the envelope.
     pub fn release(&mut self, body: BodyId) -> Result<(), Error> {
-        let dense = self.check_quarantined(body)?;
+        let dense = self.check_release(body)?;
         self.bodies.set_activity(dense, Activity::Awake);
         self.wake_joined(body);
         Ok(())

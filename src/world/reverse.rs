@@ -1,0 +1,106 @@
+//! Undoing steps.
+
+use super::World;
+use crate::body::{Activity, BodyKind};
+use crate::error::{Error, Irreversible};
+use crate::force::{AppliedForce, Dependence};
+use crate::integrate::Stage;
+use crate::scalar::Scalar;
+
+impl<S: Scalar> World<S> {
+    /// Undoes the last step: the world is what it was before, to the bit. What was applied over that tick is applied again,
+    /// the state has the [hash](Self::state_hash) it had, and a step leads here again.
+    ///
+    /// `applied` is what [`StepReport::applied`](crate::StepReport::applied) gave for the step; keep a copy, as a world has
+    /// that of the last step alone. These are sums, not calls: the arm of a force at a point belongs to where the body was.
+    ///
+    /// It takes an integrator with an [inverse](crate::Integrator::inverse), forces that are constant or depend on the
+    /// position alone, no damping, and no sleep. It costs what a step costs. The report of the step is gone.
+    ///
+    /// Calls between two steps are the caller's to take back, the last one first, before the step before them is undone:
+    /// forces with [`clear_forces`](Self::clear_forces), an impulse with its opposite, another gravity, mass, field or
+    /// integrator with the one before. Nothing tells whether that was done and `applied` is the right one: if not, the
+    /// world goes back another way, to a state from which a step leads here.
+    ///
+    /// # Errors
+    /// [`Error::NotReversible`] with the [reason](Irreversible); [`Error::NoSuchBody`] or [`Error::NotDynamic`] for a body
+    /// that `applied` names. The state is as it was, to the bit.
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, World, WorldDef, vec2};
+    ///
+    /// let mut world: World = World::new(WorldDef { gravity: vec2(0, -10), sleep_after: None, ..WorldDef::default() })?;
+    /// let ball = world.add_body(BodyDef::dynamic())?;
+    /// world.apply_force(ball, vec2(3, 0))?;
+    /// let before = world.state_hash();
+    /// let applied = world.step().applied.to_vec();
+    /// world.step_back(&applied)?;
+    /// assert_eq!(world.state_hash(), before);
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    pub fn step_back(&mut self, applied: &[AppliedForce<S>]) -> Result<(), Error> {
+        let stages = self.way_back().map_err(|why| Error::NotReversible { why })?;
+        self.apply_again(applied)
+            .and_then(|()| {
+                let undone = self.context(None).step_back(stages);
+                undone.map_err(|fault| Error::NotReversible { why: Irreversible::Fault(fault) })
+            })
+            .inspect_err(|_| self.applied.clear())?;
+        self.tick -= 1;
+        self.applied.forget_done();
+        self.scratch.forget_report();
+        // Whom calls woke before the step they wake before the next one.
+        self.woke.append(&mut self.woken);
+        core::mem::swap(&mut self.woke, &mut self.woken);
+        self.woken.retain(|&body| self.bodies.find(body).is_ok());
+        Ok(())
+    }
+
+    /// The stages that undo the last step, if it has an inverse.
+    fn way_back(&self) -> Result<&'static [Stage], Irreversible> {
+        if !S::IS_REVERSIBLE {
+            return Err(Irreversible::Scalar);
+        }
+        let stages = self.def.integrator.inverse().ok_or(Irreversible::Integrator)?;
+        if self.tick == 0 {
+            return Err(Irreversible::Start);
+        }
+        if self.tick == self.counted.1 {
+            return Err(Irreversible::TimeStep);
+        }
+        if self.def.sleep_after.is_some() {
+            return Err(Irreversible::Sleep);
+        }
+        if self.tunings.used().any(|row| row.is_damped) {
+            return Err(Irreversible::Damping);
+        }
+        let resists = |depends_on| depends_on == Dependence::Velocity;
+        if let Some((field, _)) = self.fields.iter().find(|(_, field)| resists(field.depends_on(&self.laws))) {
+            return Err(Irreversible::Velocity { field });
+        }
+        // They do not move, so they are not among the first.
+        let still = self.bodies.moving()..self.bodies.len();
+        if let Some(i) = still.rev().find(|&i| self.bodies.activity(i) == Activity::Quarantined) {
+            return Err(Irreversible::Quarantined { body: self.bodies.id(i) });
+        }
+        if !self.applied.rows().is_empty() {
+            return Err(Irreversible::Pending);
+        }
+        Ok(stages)
+    }
+
+    /// Applies what was applied before. On an error a part of it is.
+    fn apply_again(&mut self, applied: &[AppliedForce<S>]) -> Result<(), Error> {
+        for row in applied {
+            let body = row.body;
+            if self.bodies.card(self.bodies.find(body)?).kind != BodyKind::Dynamic {
+                return Err(Error::NotDynamic { body });
+            }
+            if self.applied.row(body).is_some() {
+                return Err(Error::NotReversible { why: Irreversible::Twice { body } });
+            }
+            self.applied.adopt(body, row.force, row.torque);
+        }
+        Ok(())
+    }
+}
