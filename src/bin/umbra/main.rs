@@ -12,6 +12,7 @@ mod picture;
 mod progress;
 mod report;
 mod run;
+mod selftest;
 mod summary;
 mod truth;
 
@@ -36,6 +37,8 @@ enum Task {
     Compare(compare::Options),
     /// Measures time against error, for every integrator, scalar and time step.
     Report(report::Options),
+    /// Runs the built-in scenes and compares their digests with those that every machine gives.
+    Selftest(selftest::Options),
 }
 
 fn main() -> ExitCode {
@@ -44,6 +47,7 @@ fn main() -> ExitCode {
         Task::Run(options) => run::run(&options),
         Task::Compare(options) => compare::compare(&options),
         Task::Report(options) => report::report(&options),
+        Task::Selftest(options) => selftest::selftest(&options),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
