@@ -35,13 +35,13 @@ impl Way {
         threads.iter().flat_map(|&threads| wide.iter().map(move |&wide| Self { threads, wide })).collect()
     }
 
-    /// Does something in this way.
-    fn with<T: Send>(self, run: impl FnOnce() -> T + Send) -> Result<T, Trouble> {
+    /// Does something in this way; or says why there are no threads for it.
+    fn with<T: Send>(self, run: impl FnOnce() -> T + Send) -> Result<T, String> {
         wide_vectors::allow(self.wide);
         #[cfg(feature = "parallel")]
         if let Some(threads) = self.threads {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-            return Ok(pool.map_err(|error| Trouble::Threads { what: error.to_string() })?.install(run));
+            return Ok(pool.map_err(|error| error.to_string())?.install(run));
         }
         Ok(run())
     }
@@ -94,7 +94,7 @@ impl Checked {
         for (i, &way) in ways.iter().enumerate() {
             let started = Instant::now();
             match way.with(|| scene.run()) {
-                Err(trouble) => checked.troubles.push(trouble),
+                Err(what) => checked.troubles.push(Trouble::Threads { what }),
                 Ok(Err(failure)) => checked.troubles.push(Trouble::Failed { way, failure }),
                 Ok(Ok(here)) => match checked.outcome {
                     Some(first) if first != here => checked.troubles.push(Trouble::Ways { way, first, here }),
