@@ -261,10 +261,10 @@ if [ ${#targets[@]} -gt 1 ] && is_bookworm; then
         ;;
     esac
   done
-  # Side by side: the one waits for the network while the other unpacks.
-  unpack $(printf '%s\n' "${wanted[@]}" | sort -u) &
+  unpack $(printf '%s\n' "${wanted[@]}" | sort -u)
+  # One after the other: where apt empties its cache after an update, as in containers, it would take away what is being
+  # installed.
   install $(printf '%s\n' "${packages[@]}" | sort -u)
-  wait
 fi
 
 golden=$(awk '$1 == "all" { print $3 }' src/selftest/golden.txt)
