@@ -139,7 +139,7 @@ pub const fn scenes() -> &'static [Scene] {
     SCENES
 }
 
-/// The table below, a line and a half a scene.
+/// The corpus as a table: name, what plays it, what it is there for.
 macro_rules! scenes {
     ($($name:ident: $play:expr, $about:literal;)*) => {
         const SCENES: &[Scene] = &[$(Scene { name: stringify!($name), about: $about, play: $play }),*];
