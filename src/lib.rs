@@ -57,6 +57,8 @@ mod replay;
 pub mod scalar;
 #[cfg(feature = "scene")]
 pub mod scene;
+#[cfg(feature = "selftest")]
+pub mod selftest;
 mod shape;
 mod step;
 mod wire;

@@ -347,3 +347,53 @@ fn the_integrator_can_be_chosen() {
     assert!((energy("yoshida4") + 5.0).abs() < 1e-3);
     assert!(energy("explicit_euler") > -4.5, "it gains energy");
 }
+
+#[test]
+fn the_selftest_agrees_with_what_is_written_down() {
+    let output = umbra(&["selftest"]);
+    assert_eq!(output.status.code(), Some(0), "{}{}", text(&output.stdout), text(&output.stderr));
+    let table = text(&output.stdout);
+    let golden = umbra_physics::selftest::golden();
+    for (name, outcome) in golden.scenes() {
+        let row = table.lines().find(|line| line.split_whitespace().next() == Some(name)).expect("a row a scene");
+        assert!(row.contains(&format!("{:016x}", outcome.digest)) && row.ends_with("ok"), "{row}");
+    }
+    let all = golden.all().expect("one digest of all");
+    assert!(table.contains(&format!("{:016x}", all.digest)));
+    assert!(table.trim_end().ends_with("agrees: this machine computes what all others do"), "{table}");
+    assert!(table.contains("no wide vectors"), "{table}");
+    let threads = if cfg!(feature = "parallel") { "a pool of 8 threads" } else { "one thread" };
+    assert!(table.contains(threads), "{table}");
+}
+
+#[test]
+fn the_selftest_as_json_is_an_object_a_line() {
+    let output = umbra(&["selftest", "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let lines: Vec<serde_json::Value> =
+        text(&output.stdout).lines().map(|line| serde_json::from_str(line).expect("a JSON object")).collect();
+    let golden = umbra_physics::selftest::golden();
+    let scenes: Vec<_> = golden.scenes().collect();
+    let (last, rows) = lines.split_last().expect("a line of all");
+    assert_eq!(rows.len(), scenes.len());
+    for (row, (name, outcome)) in rows.iter().zip(scenes) {
+        assert_eq!(row["scene"], name);
+        assert_eq!(row["ticks"], outcome.ticks);
+        assert_eq!(row["digest"], format!("{:016x}", outcome.digest));
+        assert_eq!((row["agrees"].as_bool(), row["troubles"].as_array().map(Vec::len)), (Some(true), Some(0)));
+    }
+    let all = golden.all().expect("one digest of all");
+    assert_eq!(last["digest"], format!("{:016x}", all.digest));
+    assert_eq!((last["law"].as_u64(), last["agrees"].as_bool()), (Some(umbra_physics::LAW.into()), Some(true)));
+}
+
+#[test]
+fn the_small_selftest_prints_the_golden_list() {
+    let output = Command::new(env!("CARGO_BIN_EXE_umbra-selftest")).output().expect("the program starts");
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let golden = fs::read_to_string("src/selftest/golden.txt").expect("the list");
+    let golden: Vec<&str> = golden.lines().filter(|line| !line.starts_with('#')).collect();
+    assert_eq!(text(&output.stdout).lines().collect::<Vec<_>>(), golden);
+    let output = Command::new(env!("CARGO_BIN_EXE_umbra-selftest")).arg("x").output().expect("the program starts");
+    assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0));
+}

@@ -19,7 +19,7 @@ const LEVELS: [&[&str]; 13] = [
     &["force", "integrate"],
     &["step"],
     &["world"],
-    &["replay", "scene"],
+    &["replay", "scene", "selftest"],
     &["bin"],
 ];
 

@@ -176,7 +176,7 @@ impl<S: Scalar> World<S> {
             Command::SetIntegrator(integrator) => self.check_integrator(integrator).map(drop),
             Command::SetDamping { linear, angular } => self.check_damping(linear, angular).map(drop),
             Command::SetSleepAfter(ticks) => self.check_sleep_after(ticks).map(drop),
-            Command::SetRandom(_) => Ok(()),
+            Command::ClearForces | Command::SetRandom(_) => Ok(()),
             Command::SetBlob(ref bytes) => Self::check_blob(bytes),
         }
     }

@@ -16,6 +16,8 @@ pub(crate) enum Failure {
     Option { what: String },
     /// The picture cannot be drawn.
     Picture { file: PathBuf, what: String },
+    /// This machine does not give the golden digests.
+    Selftest,
 }
 
 impl Failure {
@@ -27,9 +29,12 @@ impl Failure {
         move |error| Self::File { file: file.into(), doing, error }
     }
 
-    /// 2: all of these are bad usage or input.
+    /// 1 for a check that failed, 2 for bad usage or input.
     pub(crate) const fn status(&self) -> u8 {
-        2
+        match self {
+            Self::Selftest => 1,
+            Self::Scene { .. } | Self::File { .. } | Self::Option { .. } | Self::Picture { .. } => 2,
+        }
     }
 }
 
@@ -39,6 +44,7 @@ impl fmt::Display for Failure {
             Self::Scene { file, error } => write!(f, "{}:{error}", file.display()),
             Self::File { file, doing, error } => write!(f, "{}: cannot {doing}: {error}", file.display()),
             Self::Option { what } => f.write_str(what),
+            Self::Selftest => f.write_str("the self-test does not give the digests that every machine is to give"),
             Self::Picture { file, what } => write!(f, "{}: cannot draw: {what}", file.display()),
         }
     }

@@ -12,6 +12,7 @@ mod picture;
 mod progress;
 mod report;
 mod run;
+mod selftest;
 mod summary;
 mod truth;
 mod view;
@@ -39,6 +40,8 @@ enum Task {
     Report(report::Options),
     /// Writes a page that plays a run.
     View(view::Options),
+    /// Runs the built-in scenes and compares their digests with those that every machine gives.
+    Selftest(selftest::Options),
 }
 
 fn main() -> ExitCode {
@@ -48,6 +51,7 @@ fn main() -> ExitCode {
         Task::Compare(options) => compare::compare(&options),
         Task::Report(options) => report::report(&options),
         Task::View(options) => view::view(&options),
+        Task::Selftest(options) => selftest::selftest(&options),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -17,6 +17,8 @@ mod text;
 pub use maths::MathError;
 pub(crate) use text::Decimal;
 pub use text::ParseFxError;
+#[cfg(feature = "selftest")]
+pub(crate) use text::fx;
 
 /// A number in I32F32 fixed point: a multiple of 2^-32 from −2^31 to 2^31 − 2^-32.
 ///

@@ -113,6 +113,8 @@ macro_rules! fx {
         const { $crate::Fx::from_literal(::core::stringify!($number)) }
     };
 }
+#[cfg(feature = "selftest")]
+pub(crate) use fx;
 
 /// A decimal number as written: where its digits are, and what they are worth.
 pub(crate) struct Decimal<'t> {

@@ -1,0 +1,146 @@
+//! The corpus in every way that must change no bit: on one thread and on many, with wide vectors and without.
+
+use std::fmt;
+use std::time::{Duration, Instant};
+
+use umbra_physics::LAW;
+use umbra_physics::scalar::wide_vectors;
+use umbra_physics::selftest::{Failure, Golden, Outcome, Scene, Total, golden, scenes};
+
+/// A way to run the corpus.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Way {
+    /// The number of threads; `None` without the feature `parallel`.
+    threads: Option<usize>,
+    wide: bool,
+}
+
+impl fmt::Display for Way {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.threads {
+            None => f.write_str("one thread")?,
+            Some(1) => f.write_str("a pool of 1 thread")?,
+            Some(threads) => write!(f, "a pool of {threads} threads")?,
+        }
+        f.write_str(if self.wide { ", wide vectors" } else { ", no wide vectors" })
+    }
+}
+
+impl Way {
+    /// All that this build has on this machine.
+    pub(crate) fn all() -> Vec<Self> {
+        wide_vectors::allow(true);
+        let wide: &[bool] = if wide_vectors::are_used() { &[true, false] } else { &[false] };
+        let threads: &[Option<usize>] = if cfg!(feature = "parallel") { &[Some(1), Some(2), Some(8)] } else { &[None] };
+        threads.iter().flat_map(|&threads| wide.iter().map(move |&wide| Self { threads, wide })).collect()
+    }
+
+    /// Does something in this way; or says why there are no threads for it.
+    fn with<T: Send>(self, run: impl FnOnce() -> T + Send) -> Result<T, String> {
+        wide_vectors::allow(self.wide);
+        #[cfg(feature = "parallel")]
+        if let Some(threads) = self.threads {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            return Ok(pool.map_err(|error| error.to_string())?.install(run));
+        }
+        Ok(run())
+    }
+}
+
+/// Why a corpus does not agree.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Trouble {
+    /// A scene failed.
+    Failed { way: Way, failure: Failure },
+    /// A scene gives something else in this way than in the first one.
+    Ways { way: Way, first: Outcome, here: Outcome },
+    /// It is not what this version gives elsewhere.
+    NotGolden { golden: Outcome },
+    /// The list of golden outcomes has no such scene, or is of another law.
+    NoGolden,
+    /// There are no threads to be had.
+    #[cfg_attr(not(feature = "parallel"), allow(dead_code, reason = "one thread is always there"))]
+    Threads { what: String },
+}
+
+impl fmt::Display for Trouble {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Failed { way, failure } => write!(f, "with {way}: {failure}"),
+            Self::Ways { way, first, here } => {
+                write!(f, "with {way} it gives {:016x}, before it gave {:016x}", here.digest, first.digest)
+            }
+            Self::NotGolden { golden } => write!(f, "expected {:016x} of {} ticks", golden.digest, golden.ticks),
+            Self::NoGolden => write!(f, "there is no golden digest of law {LAW} to compare with"),
+            Self::Threads { what } => write!(f, "no threads: {what}"),
+        }
+    }
+}
+
+/// What came out of a scene in all ways.
+pub(crate) struct Checked {
+    pub(crate) scene: &'static Scene,
+    /// In the first way, if it came to an end in that.
+    pub(crate) outcome: Option<Outcome>,
+    pub(crate) troubles: Vec<Trouble>,
+    /// In the first way.
+    #[allow(dead_code, reason = "one of the two programs prints it")]
+    pub(crate) time: Duration,
+}
+
+impl Checked {
+    fn new(scene: &'static Scene, ways: &[Way]) -> Self {
+        let mut checked = Self { scene, outcome: None, troubles: Vec::new(), time: Duration::ZERO };
+        for (i, &way) in ways.iter().enumerate() {
+            let started = Instant::now();
+            match way.with(|| scene.run()) {
+                Err(what) => checked.troubles.push(Trouble::Threads { what }),
+                Ok(Err(failure)) => checked.troubles.push(Trouble::Failed { way, failure }),
+                Ok(Ok(here)) => match checked.outcome {
+                    Some(first) if first != here => checked.troubles.push(Trouble::Ways { way, first, here }),
+                    Some(_) => {}
+                    None => checked.outcome = Some(here),
+                },
+            }
+            if i == 0 {
+                checked.time = started.elapsed();
+            }
+        }
+        let golden = valid_golden().and_then(|golden| golden.scene(scene.name()));
+        checked.troubles.extend(checked.outcome.and_then(|outcome| against(outcome, golden)));
+        checked
+    }
+}
+
+/// The list of golden outcomes, if it is of this law.
+fn valid_golden() -> Option<Golden<'static>> {
+    Some(golden()).filter(|golden| golden.law() == Some(LAW))
+}
+
+fn against(outcome: Outcome, golden: Option<Outcome>) -> Option<Trouble> {
+    match golden {
+        None => Some(Trouble::NoGolden),
+        Some(golden) if golden != outcome => Some(Trouble::NotGolden { golden }),
+        Some(_) => None,
+    }
+}
+
+/// What came out of all scenes: their outcome together, unless one failed, and whether there was any trouble.
+pub(crate) struct Verdict {
+    pub(crate) all: Option<Outcome>,
+    pub(crate) agrees: bool,
+}
+
+/// Runs the corpus in these ways, and shows each scene when it is done.
+pub(crate) fn check(ways: &[Way], mut show: impl FnMut(&Checked)) -> Verdict {
+    let (mut outcomes, mut agrees) = (Vec::new(), true);
+    for scene in scenes() {
+        let checked = Checked::new(scene, ways);
+        show(&checked);
+        agrees &= checked.troubles.is_empty();
+        outcomes.push(checked.outcome.map(|outcome| (scene.name(), outcome)));
+    }
+    let all = outcomes.into_iter().collect::<Option<Total>>().map(|total| total.outcome());
+    let golden = valid_golden().and_then(|golden| golden.all());
+    Verdict { all, agrees: agrees && all.is_some_and(|all| against(all, golden).is_none()) }
+}

@@ -1,0 +1,237 @@
+//! Worlds that change on the way: handles used again, setters, copies.
+
+use alloc::collections::VecDeque;
+
+use super::Problem;
+use super::trial::{Numbers, Played, Trial, add_all, exact, happened, refused, same, same_body, there};
+use crate::body::{BodyDef, BodyKind, Mass};
+use crate::error::Error;
+use crate::force::{Attachment, End, Field, Law, Region};
+use crate::handle::{BodyId, FieldId};
+use crate::integrate::Integrator;
+use crate::math::{TimeStep, Vec2, vec2};
+use crate::scalar::fx::{Fx, fx};
+use crate::scalar::{Factor as _, FxFactor, SpringLaw};
+use crate::shape::Shape;
+use crate::world::{Action, Command, Made, Manner, World, WorldDef};
+
+pub(super) fn recycling(trial: &mut Trial) -> Played {
+    let def = WorldDef { gravity: vec2(fx!(0.1), fx!(-9.81)), linear_damping: fx!(0.9), ..WorldDef::default() };
+    let (mut world, mut alone) = (World::new(def)?, World::new(def)?);
+    let mut numbers = Numbers(2);
+    let mut strangers: VecDeque<(BodyId, FieldId)> = VecDeque::new();
+    let mut stay = alloc::vec::Vec::new();
+    let (mut most_body, mut most_field) = (0, 0);
+    for tick in 0..300 {
+        let velocity = numbers.vec(6);
+        let stranger = world.add_body(BodyDef { velocity, ..BodyDef::dynamic() })?;
+        let thrust = world.add_field(Law::Thrust { at: Attachment::centre(stranger), force: numbers.vec(4) })?;
+        strangers.push_back((stranger, thrust));
+        (most_body, most_field) = (most_body.max(stranger.parts().1), most_field.max(thrust.parts().1));
+        if tick % 60 == 0 {
+            let def = BodyDef { velocity, angular_velocity: fx!(0.3), ..BodyDef::dynamic() };
+            stay.push((world.add_body(def.clone())?, alone.add_body(def)?));
+        }
+        if strangers.len() > 5 {
+            let (old, field) = there("a stranger", strangers.pop_front())?;
+            world.remove_body(old)?;
+            refused("a body that is gone", world.set_velocity(old, vec2(0, 0)), Error::NoSuchBody { body: old })?;
+            refused("a field that went with it", world.field(field).copied(), Error::NoSuchField { field })?;
+        }
+        trial.step(&mut world);
+        alone.step();
+        for &(here, there) in &stay {
+            same_body("one that stays", (&world, here), (&alone, there))?;
+        }
+    }
+    same("bodies", &(world.body_count(), alone.body_count()), &(10, 5))?;
+    happened("slots used again", most_body > 20 && most_field > 20)
+}
+
+/// The body and fields that the commands below lead to, made at once; all that is moving apart.
+fn as_it_became() -> Result<(WorldDef, BodyDef, [Field; 2]), Error> {
+    let def = WorldDef {
+        time_step: TimeStep::ratio(1001, 60_000),
+        gravity: vec2(1, -3),
+        integrator: Integrator::Yoshida4,
+        linear_damping: fx!(0.75),
+        angular_damping: fx!(0.5),
+        sleep_after: None,
+    };
+    let body = BodyDef {
+        position: vec2(4, -2),
+        angle: fx!(0.7),
+        velocity: vec2(-3, 5),
+        angular_velocity: fx!(1.25),
+        shape: Some(Shape::capsule(fx!(2), fx!(0.5))?),
+        mass: Mass::Density(fx!(3)),
+        gravity_scale: fx!(-0.5),
+        linear_damping: Some(fx!(0.9)),
+        angular_damping: Some(fx!(0.6)),
+        groups: 6,
+        key: 11,
+        user_data: 12,
+        ..BodyDef::dynamic()
+    };
+    let region = Region::Disc { centre: vec2(0, 0), radius: fx!(1000) };
+    let zone = Field { law: Law::Zone { region, acceleration: vec2(0, 2) }, groups: 4 };
+    let attractor =
+        Law::Attractor { centre: End::World(vec2(1, 1)), mu: FxFactor::from_ratio(30, 1), softening: fx!(0.5) };
+    Ok((def, body, [zone, attractor.into()]))
+}
+
+fn made_body(made: Made) -> Result<BodyId, Problem> {
+    let body = if let Made::Body(body) = made { Some(body) } else { None };
+    there("a body made by a command", body)
+}
+
+fn made_field(made: Made) -> Result<FieldId, Problem> {
+    let field = if let Made::Field(field) = made { Some(field) } else { None };
+    there("a field made by a command", field)
+}
+
+pub(super) fn setters(trial: &mut Trial) -> Played {
+    let (def, like, [zone, attractor]) = as_it_became()?;
+    let mut world = World::new(WorldDef { gravity: vec2(0, -10), ..exact() })?;
+    let body = made_body(world.execute(&Command::AddBody(BodyDef { velocity: vec2(9, 9), ..BodyDef::kinematic() }))?)?;
+    let other = made_body(world.execute(&Command::AddBody(BodyDef::dynamic()))?)?;
+    let id = made_field(
+        world.execute(&Command::AddField(Law::Thrust { at: Attachment::centre(other), force: vec2(1, 1) }.into()))?,
+    )?;
+    let last = made_field(world.execute(&Command::AddField(attractor))?)?;
+    trial.steps(&mut world, 40);
+    let shots = [
+        Action::Force { force: vec2(1, 2), point: Some(vec2(1, 0)) },
+        Action::Torque(fx!(1)),
+        Action::Impulse { impulse: vec2(1, 2), point: None },
+        Action::AngularImpulse(fx!(1)),
+    ];
+    for action in shots {
+        world.execute(&Command::Apply { body: other, action, manner: Manner::BODY })?;
+    }
+    // Out at once, and back.
+    world.execute(&Command::SetPosition { body: other, position: Vec2::new(crate::limits::POSITION, fx!(0)) })?;
+    world.execute(&Command::SetVelocity { body: other, velocity: vec2(1000, 0) })?;
+    trial.step(&mut world);
+    world.execute(&Command::Release(other))?;
+    let commands = [
+        Command::SetKind { body, kind: BodyKind::Dynamic },
+        Command::SetShape { body, shape: like.shape.clone() },
+        Command::SetMass { body, mass: like.mass },
+        Command::SetPosition { body, position: like.position },
+        Command::SetAngle { body, angle: like.angle },
+        Command::SetVelocity { body, velocity: like.velocity },
+        Command::SetAngularVelocity { body, velocity: like.angular_velocity },
+        Command::SetGravityScale { body, scale: like.gravity_scale },
+        Command::SetBodyDamping { body, linear: like.linear_damping, angular: like.angular_damping },
+        Command::SetGroups { body, groups: like.groups },
+        Command::SetKey { body, key: like.key },
+        Command::SetUserData { body, user_data: like.user_data },
+        Command::SetField { id, field: zone },
+        Command::SetTimeStep(def.time_step),
+        Command::SetGravity(def.gravity),
+        Command::SetIntegrator(def.integrator),
+        Command::SetDamping { linear: def.linear_damping, angular: def.angular_damping },
+        Command::SetSleepAfter(def.sleep_after),
+        Command::Wake(body),
+        Command::RemoveField(last),
+        Command::RemoveBody(other),
+    ];
+    for command in &commands {
+        same("what a setter makes", &world.execute(command)?, &Made::Nothing)?;
+    }
+    world.add_field(attractor)?;
+    let mut anew = World::new(def)?;
+    let copy = anew.add_body(like)?;
+    anew.add_field(zone)?;
+    anew.add_field(attractor)?;
+    same("the definition", world.def(), &def)?;
+    for _ in 0..200 {
+        trial.step(&mut world);
+        anew.step();
+        same_body("a body that became so", (&world, body), (&anew, copy))?;
+    }
+    let body = world.body(body)?;
+    same("what the caller gave it", &(body.groups(), body.key(), body.user_data()), &(6, 11, 12))?;
+    happened("one body is left", world.body_count() == 1)
+}
+
+/// Some of everything: a swarm around an attractor that a body carries, in wind, with a pair on a spring.
+fn busy() -> Result<(World, alloc::vec::Vec<BodyId>), Error> {
+    let def = WorldDef { gravity: vec2(0, -1), linear_damping: fx!(0.95), ..WorldDef::default() };
+    let mut world = World::new(def)?;
+    let mut numbers = Numbers(3);
+    let swarm = (0..12).map(|i| BodyDef {
+        position: numbers.vec(5),
+        velocity: numbers.vec(3),
+        angular_velocity: numbers.fx(2),
+        mass: Mass::WithInertia(Fx::from_int(1 + i), fx!(2)),
+        groups: if i < 6 { 1 } else { 2 },
+        ..BodyDef::dynamic()
+    });
+    let ids = add_all(&mut world, swarm)?;
+    let centre = End::Body(Attachment::centre(ids[0]));
+    let pull = Law::Attractor { centre, mu: FxFactor::from_ratio(50, 1), softening: fx!(1) };
+    world.add_field(Field { law: pull, groups: 1 })?;
+    world
+        .add_field(Field { law: Law::Drag { linear: fx!(0.1), quadratic: fx!(0.01), wind: vec2(1, 0) }, groups: 2 })?;
+    let spring = SpringLaw { rest: fx!(3), stiffness: fx!(20), damping: fx!(0.2) };
+    let near = Attachment { body: ids[7], point: vec2(fx!(0.5), 0) };
+    world.add_field(Law::Spring { near, far: End::Body(Attachment::centre(ids[8])), spring })?;
+    Ok((world, ids))
+}
+
+/// What players do at a tick.
+fn inputs(world: &mut World, ids: &[BodyId], tick: u32) -> Result<(), Error> {
+    let id = ids[tick as usize * 5 % ids.len()];
+    world.apply_force(id, Vec2::new(Fx::from_int(tick as i32 % 9), fx!(2)))?;
+    if tick % 16 == 0 { world.apply_impulse(id, vec2(-1, 3)) } else { Ok(()) }
+}
+
+pub(super) fn going_back(trial: &mut Trial) -> Played {
+    let (mut world, ids) = busy()?;
+    let (mut other, _) = busy()?;
+    let (mut saved, mut last) = (world.clone(), 0);
+    for tick in 0..240 {
+        if tick % 8 == 0 && tick > 0 {
+            // Eight ticks again from the copy, with the same inputs, in this world's memory and in another's.
+            let now = world.state_hash();
+            other.clone_from(&saved);
+            world.clone_from(&saved);
+            for again in last..tick {
+                for world in [&mut world, &mut other] {
+                    inputs(world, &ids, again)?;
+                    world.step();
+                }
+            }
+            same("the state after going back", &[world.state_hash(), other.state_hash()], &[now, now])?;
+            saved.clone_from(&world);
+            last = tick;
+        }
+        inputs(&mut world, &ids, tick)?;
+        trial.step(&mut world);
+    }
+    // With an input less it is another future.
+    other.clone_from(&saved);
+    (last..240).for_each(|_| _ = other.step());
+    happened("inputs that matter", other.state_hash() != world.state_hash())
+}
+
+pub(super) fn looking_ahead(trial: &mut Trial) -> Played {
+    let (mut world, ids) = busy()?;
+    for tick in 0..60 {
+        inputs(&mut world, &ids, tick)?;
+        trial.step(&mut world);
+    }
+    let mut ahead = ids.iter().map(|&id| world.look_ahead(id)).collect::<Result<alloc::vec::Vec<_>, _>>()?;
+    for _ in 0..120 {
+        trial.step(&mut world);
+        for (outlook, &id) in ahead.iter_mut().zip(&ids) {
+            outlook.step();
+            same_body("an outlook", (outlook.world(), outlook.id()), (&world, id))?;
+        }
+    }
+    let companies: alloc::vec::Vec<usize> = ahead.iter().map(|outlook| outlook.world().body_count()).collect();
+    // The centre alone, five around it with it, the pair together, the rest alone.
+    same("the size of outlooks", &&companies[..], &&[1, 2, 2, 2, 2, 2, 1, 2, 2, 1, 1, 1][..])
+}

@@ -1,0 +1,83 @@
+//! The outcomes that every build is to have.
+
+use core::fmt;
+
+use super::Outcome;
+
+/// The outcomes of all scenes under a law of physics, as text: a line a scene, so that what changed shows in a diff.
+///
+/// [`Golden::write`] writes what [`Golden::parse`] reads.
+#[derive(Clone, Copy, Debug)]
+pub struct Golden<'t> {
+    text: &'t str,
+}
+
+/// The list of this version, made when its law was.
+#[must_use]
+pub const fn golden() -> Golden<'static> {
+    Golden { text: include_str!("golden.txt") }
+}
+
+/// The name under which the list has the outcome of all scenes together.
+const ALL: &str = "all";
+
+impl<'t> Golden<'t> {
+    /// A list from its text, such as another machine sent. What is no line of a list is passed over.
+    #[must_use]
+    pub const fn parse(text: &'t str) -> Self {
+        Self { text }
+    }
+
+    /// The number of the law of physics it was made under, as [`LAW`](crate::LAW).
+    #[must_use]
+    pub fn law(&self) -> Option<u32> {
+        self.lines().find_map(|mut words| (words.next()? == "law").then(|| words.next()?.parse().ok())?)
+    }
+
+    /// What a scene is to give.
+    #[must_use]
+    pub fn scene(&self, name: &str) -> Option<Outcome> {
+        self.scenes().find(|(own, _)| *own == name).map(|(_, outcome)| outcome)
+    }
+
+    /// What all scenes are to give together, as [`run`](super::run) does.
+    #[must_use]
+    pub fn all(&self) -> Option<Outcome> {
+        self.outcomes().find(|(name, _)| *name == ALL).map(|(_, outcome)| outcome)
+    }
+
+    /// The scenes in the list, in order.
+    pub fn scenes(&self) -> impl Iterator<Item = (&'t str, Outcome)> {
+        self.outcomes().filter(|(name, _)| *name != ALL)
+    }
+
+    fn outcomes(&self) -> impl Iterator<Item = (&'t str, Outcome)> {
+        self.lines().filter_map(|mut words| {
+            let (name, ticks, digest) = (words.next()?, words.next()?, words.next()?);
+            Some((name, Outcome { ticks: ticks.parse().ok()?, digest: u64::from_str_radix(digest, 16).ok()? }))
+        })
+    }
+
+    fn lines(&self) -> impl Iterator<Item = impl Iterator<Item = &'t str>> {
+        self.text.lines().filter(|line| !line.starts_with('#')).map(str::split_whitespace)
+    }
+
+    /// Writes the text of a list: what a bless writes into the sources.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn write<'a>(
+        to: &mut impl fmt::Write,
+        law: u32,
+        scenes: impl IntoIterator<Item = (&'a str, Outcome)>,
+        all: Outcome,
+    ) -> fmt::Result {
+        writeln!(to, "# Scene, ticks, digest: src/selftest/mod.rs says what each is. They change with the law alone.")?;
+        writeln!(to, "# Written by: UMBRA_BLESS=1 cargo test --release --features selftest --test golden")?;
+        writeln!(to, "law {law}")?;
+        for (name, Outcome { ticks, digest }) in scenes.into_iter().chain([(ALL, all)]) {
+            writeln!(to, "{name:<24} {ticks:>6} {digest:016x}")?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,241 @@
+//! Scenes that a program carries with it, to see that its machine computes what all others do.
+//!
+//! Each scene runs some hundred ticks and gives a digest of the [state hash](crate::World::state_hash) of every tick. Two
+//! builds agree if their digests do, and [`golden`] has those that every build is to have. A digest shows that a result
+//! changed, not that it was right, and nothing at all if the scene never came to what it is there for. So each scene
+//! also checks, in integers, that this happened (something slept, left the envelope, wrapped), and what came out: against a
+//! closed form, a conserved quantity, its mirror image, or the same thing made in another way.
+//!
+//! ```
+//! use umbra_physics::selftest;
+//!
+//! let scene = &selftest::scenes()[0];
+//! let outcome = scene.run()?;
+//! // What to send to the other players; or to compare with what this version is to give:
+//! assert_eq!(Some(outcome), scene.golden());
+//! # Ok::<(), selftest::Failure>(())
+//! ```
+
+mod bodies;
+mod changes;
+mod crowds;
+mod envelope;
+mod failure;
+mod fields;
+mod golden;
+mod motion;
+mod springs;
+mod trial;
+
+pub use failure::{Failure, Problem};
+pub use golden::{Golden, golden};
+
+use crate::integrate::Integrator;
+use crate::wire::{self, Out as _, Sink, Write as _};
+use trial::{Played, Trial};
+
+/// A scene of the corpus.
+#[derive(Clone, Copy, Debug)]
+pub struct Scene {
+    name: &'static str,
+    about: &'static str,
+    play: fn(&mut Trial) -> Played,
+}
+
+/// What came out of a scene, or of all of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Outcome {
+    /// The number of ticks whose states are in the digest.
+    pub ticks: u64,
+    /// XXH3, 64 bits, over the state hash of every tick; of all scenes, over their names and outcomes in order.
+    pub digest: u64,
+}
+
+impl Scene {
+    /// Its name: lower case, one word.
+    #[must_use]
+    pub const fn name(&self) -> &'static str {
+        self.name
+    }
+
+    /// What it is there for, in a line.
+    #[must_use]
+    pub const fn about(&self) -> &'static str {
+        self.about
+    }
+
+    /// Runs it.
+    ///
+    /// # Errors
+    /// [`Failure`] if a call was refused, if what the scene is for did not happen, or if what came out is wrong.
+    pub fn run(&self) -> Result<Outcome, Failure> {
+        let mut trial = Trial::new();
+        let played = (self.play)(&mut trial);
+        let outcome = trial.outcome();
+        match played {
+            Ok(()) => Ok(outcome),
+            Err(problem) => Err(Failure { scene: self.name, tick: outcome.ticks, problem }),
+        }
+    }
+
+    /// What it is to give; `None` if the list has no such scene.
+    #[must_use]
+    pub fn golden(&self) -> Option<Outcome> {
+        golden().scene(self.name)
+    }
+}
+
+/// Runs all scenes, in order.
+///
+/// # Errors
+/// That of the first scene that fails.
+pub fn run() -> Result<Outcome, Failure> {
+    scenes()
+        .iter()
+        .map(|scene| Ok((scene.name, scene.run()?)))
+        .collect::<Result<Total, _>>()
+        .map(|total| total.outcome())
+}
+
+/// The outcome of scenes in order, made from theirs: what [`run`] gives for all of them.
+///
+/// ```
+/// use umbra_physics::selftest::{Total, scenes};
+/// let one = scenes()[0].run()?;
+/// let total: Total = [(scenes()[0].name(), one)].into_iter().collect();
+/// assert_eq!(total.outcome().ticks, one.ticks);
+/// # Ok::<(), umbra_physics::selftest::Failure>(())
+/// ```
+pub struct Total {
+    ticks: u64,
+    digest: Sink,
+}
+
+impl Total {
+    /// What they are together.
+    #[must_use]
+    pub fn outcome(&self) -> Outcome {
+        Outcome { ticks: self.ticks, digest: self.digest.finish() }
+    }
+}
+
+impl FromIterator<(&'static str, Outcome)> for Total {
+    fn from_iter<I: IntoIterator<Item = (&'static str, Outcome)>>(outcomes: I) -> Self {
+        let mut total = Self { ticks: 0, digest: Sink::new() };
+        for (name, outcome) in outcomes {
+            wire::count(&mut total.digest, name.len());
+            total.digest.bytes(name.as_bytes());
+            outcome.ticks.write(&mut total.digest);
+            outcome.digest.write(&mut total.digest);
+            total.ticks += outcome.ticks;
+        }
+        total
+    }
+}
+
+/// The corpus.
+#[must_use]
+pub const fn scenes() -> &'static [Scene] {
+    SCENES
+}
+
+/// The corpus as a table: name, what plays it, what it is there for.
+macro_rules! scenes {
+    ($($name:ident: $play:expr, $about:literal;)*) => {
+        const SCENES: &[Scene] = &[$(Scene { name: stringify!($name), about: $about, play: $play }),*];
+    };
+}
+
+scenes! {
+    free_fall: motion::free_fall, "every mass from 2^-16 to 2^24 kg falls ½·g·t² in the same bits";
+    time_steps: motion::time_steps, "1/60, 1001/60000 and 1/100 s by turns: time and fall stay exact";
+    integrators_in_turn: motion::integrators_in_turn, "all five on one flight: each its own sum of a constant force";
+    damping: motion::damping, "of the world and of bodies: what is left after each second is a power of it";
+    gravity_scales: motion::gravity_scales, "from −16 to 16, gravity and scale changed on the way, exact to the ulp";
+    many_turns: motion::many_turns, "angles that wrap millions of times, either way, end where ω·t does";
+    orbit_explicit_euler: |t| motion::orbit(t, Integrator::ExplicitEuler), "Kepler, of order 1, gains energy";
+    orbit_symplectic_euler: |t| motion::orbit(t, Integrator::SymplecticEuler), "Kepler, of order 1, keeps r × v";
+    orbit_velocity_verlet: |t| motion::orbit(t, Integrator::VelocityVerlet), "Kepler, of order 2, keeps r × v";
+    orbit_published_verlet: |t| motion::orbit(t, Integrator::PublishedVerlet), "Kepler, of order 1, velocity lags";
+    orbit_yoshida4: |t| motion::orbit(t, Integrator::Yoshida4), "Kepler, of order 4, keeps r × v";
+    attractor_pair: fields::attractor_pair, "two carry softened attractors: each the exact point image of the other";
+    three_bodies: fields::three_bodies, "chaos of three unlike masses: momentum stays";
+    drag_linear: fields::drag_linear, "drag against wind: e^-αt of the velocity through the air is left";
+    drag_quadratic: fields::drag_quadratic, "1/(1 + β·u·t) of it is left, tick by tick";
+    drag_stiff: fields::drag_stiff, "too stiff for Yoshida's step back: acts around the whole step, and is as exact";
+    thruster: fields::thruster, "a thrust off centre that turns with its body: ω = α·t";
+    zones: fields::zones, "a disc and a box, their edges, and the way out";
+    magnet: fields::magnet, "a custom law of velocity: a circle at constant speed";
+    law_without_answer: fields::law_without_answer, "a custom law that gives up: quarantined at that very tick";
+    groups: fields::groups, "fields act on their groups alone, and on who joins them on the way";
+    spring_to_anchor: springs::to_anchor, "ω·dt = 1: a period of six steps, exactly";
+    spring_pair: springs::pair, "between points of two bodies, with a damper: momentum stays, energy goes";
+    spring_net: springs::net, "a net let go: its halves are mirror images to the bit";
+    shapes: bodies::shapes, "every shape turns as its moment of inertia says";
+    kinds: bodies::kinds, "static, kinematic, dynamic, and from one to the other";
+    pushes: bodies::pushes, "forces, torques, impulses at points in both frames do the same";
+    sleep: bodies::sleep, "sleepers, alone and in an island, woken in every way: no bit of motion differs";
+    quarantine: bodies::quarantine, "out of the envelope by velocity, place, spin, field; put back, released";
+    recycling: changes::recycling, "slots taken again and again: old handles stay dead, strangers change no bit";
+    setters: changes::setters, "every command there is; then as a world that was made so from the start";
+    going_back: changes::going_back, "rollback to a copy, in its own memory and another's";
+    looking_ahead: changes::looking_ahead, "one body and what it depends on, alone, goes where the world goes";
+    extreme_masses: envelope::extreme_masses, "15 mg and 16,777 t pushed, struck and joined";
+    edge_of_the_envelope: envelope::edge, "places and speeds at the last ulp inside, and the first outside";
+    largest_numbers: envelope::largest_numbers, "the strongest gravity, forces and attractors that are admitted";
+    wide_blocks: crowds::wide_blocks, "300 bodies alike, by every integrator: each as if it were alone";
+    mixed_blocks: crowds::mixed_blocks, "400 of all kinds, some in fields: each as if its neighbours were not there";
+    nine_thousand: crowds::nine_thousand, "enough for all cores; some leave, some sleep, none disturbs another";
+}
+
+#[cfg(test)]
+mod tests {
+    use alloc::string::ToString as _;
+
+    use super::trial::{happened, near, refused, same, there};
+    use super::*;
+    use crate::error::{Error, Quantity};
+
+    fn failing(play: fn(&mut Trial) -> Played) -> Problem {
+        let scene = Scene { name: "none", about: "", play };
+        assert_eq!(scene.golden(), None);
+        let failure = scene.run().expect_err("it fails");
+        assert!(failure.to_string().starts_with("none after 0 ticks: "), "{failure}");
+        failure.problem
+    }
+
+    #[test]
+    fn each_check_can_fail() {
+        assert_eq!(failing(|_| happened("rain", false)), Problem::DidNotHappen { what: "rain" });
+        assert_eq!(failing(|_| there::<()>("rain", None)), Problem::DidNotHappen { what: "rain" });
+        assert_eq!(failing(|_| same("twins", &1, &2)), Problem::Differs { what: "twins" });
+        assert_eq!(failing(|_| Ok(Err(Error::Full)?)), Problem::Refused(Error::Full));
+        let wrong = Problem::Wrong { what: "way", found: -3, expected: 1, bound: 3 };
+        assert_eq!(failing(|_| near("way", -3, 1, 3)), wrong);
+        assert_eq!(near("way", -3, 1, 4), Ok(()));
+        // Another reason is not the reason; neither is none.
+        let other = || Err::<(), _>(Error::OutOfRange { quantity: Quantity::Mass });
+        assert_eq!(failing(|_| refused("a call", Ok(()), Error::Full)), Problem::DidNotHappen { what: "a call" });
+        assert!(
+            refused("a call", other(), Error::Full).is_err()
+                && refused("a call", Err::<(), _>(Error::Full), Error::Full).is_ok()
+        );
+    }
+
+    #[test]
+    fn the_total_depends_on_names_order_and_outcomes() {
+        let total = |outcomes: [(&'static str, u64, u64); 2]| {
+            let outcomes = outcomes.map(|(name, ticks, digest)| (name, Outcome { ticks, digest }));
+            outcomes.into_iter().collect::<Total>().outcome().digest
+        };
+        let one = total([("a", 1, 2), ("b", 3, 4)]);
+        for other in [
+            [("b", 3, 4), ("a", 1, 2)],
+            [("a", 1, 2), ("c", 3, 4)],
+            [("a", 1, 2), ("b", 3, 5)],
+            [("a", 2, 2), ("b", 3, 4)],
+        ] {
+            assert_ne!(total(other), one, "{other:?}");
+        }
+    }
+}
