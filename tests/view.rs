@@ -11,8 +11,10 @@ use std::process::{Command, Output};
 
 use browser::Browser;
 use serde_json::Value;
-use umbra_physics::Fx;
 use umbra_physics::scene::Scene;
+use umbra_physics::{
+    BodyDef, Command as Order, Fx, Input, Inputs, RecordOptions, Recorder, Shape, World, WorldDef, fx, vec2,
+};
 
 /// A page, or another file, of a test's own; it goes when the test is over.
 struct Page(PathBuf);
@@ -36,10 +38,10 @@ impl Page {
         (page, said)
     }
 
-    /// A scene, which goes as well.
-    fn scene(name: &str, text: &str) -> Self {
+    /// A scene or a replay, which goes as well.
+    fn scene(name: &str, content: impl AsRef<[u8]>) -> Self {
         let file = Self(Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{}-{name}.json", std::process::id())));
-        fs::write(&file.0, text).expect("the scene can be written");
+        fs::write(&file.0, content).expect("the scene can be written");
         file
     }
 
@@ -369,6 +371,49 @@ fn nothing_at_all_is_a_page_too() {
         assert_eq!(tick(&mut browser) as u64, ticks);
         browser.assert_clean();
     }
+}
+
+#[test]
+fn a_replay_is_played_and_one_cut_off_as_far_as_it_goes() {
+    let mut world = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() }).expect("a world");
+    let shape = Some(Shape::circle(fx!(0.5)).expect("a circle"));
+    let ball = world.add_body(BodyDef { shape, ..BodyDef::dynamic() }).expect("there is room");
+    (0..7).for_each(|_| _ = world.step());
+    let mut recorder = Recorder::new(&world, RecordOptions { hash_every: 3, ..RecordOptions::default() });
+    let mut hashes = vec![format!("{:016x}", world.state_hash())];
+    for tick in 7..200 {
+        let mut inputs = Inputs::new();
+        if tick % 50 == 0 {
+            let command = Order::SetVelocity { body: ball, velocity: vec2(1, 5) };
+            inputs.insert(Input { player: 0, sequence: 0, command }).expect("one of its kind");
+        }
+        recorder.step(&mut world, &inputs);
+        hashes.push(format!("{:016x}", world.state_hash()));
+    }
+    let bytes = recorder.finish(&world);
+    let (whole, cut) = (Page::scene("whole", &bytes), Page::scene("cut", &bytes[..bytes.len() * 3 / 5]));
+    let (page, said) = Page::of(whole.path(), None);
+    assert_eq!(said, "");
+    let (cut_page, said) = Page::of(cut.path(), None);
+    assert!(said.contains("cut off: whole up to tick "), "{said}");
+    let foreign = Page::scene("foreign", &bytes[..40]);
+    let output = umbra(&["view", foreign.path(), "--out", page.path()]);
+    assert_eq!(output.status.code(), Some(2), "no world to begin with");
+    let Some(mut browser) = Browser::start() else { return };
+    // The page begins with tick 7.
+    let from_zero: Vec<String> = vec![String::new(); 7].into_iter().chain(hashes).collect();
+    browser.open(&page.0, "");
+    for (key, tick_there) in [(HOME, 7), (RIGHT, 8), (END, 200), (LEFT, 199)] {
+        browser.press(key.0, key.1, false);
+        assert_eq!(checked_tick(&mut browser, &from_zero), tick_there);
+    }
+    assert_eq!(browser.text("#list li"), "50input velocity of body 0: (1, 5) m/s");
+    assert_eq!(browser.evaluate("document.querySelectorAll('#list li').length"), 3, "one each 50 ticks, no divergence");
+    browser.open(&cut_page.0, "");
+    browser.press(END.0, END.1, false);
+    let end = checked_tick(&mut browser, &from_zero);
+    assert!((8..200).contains(&end), "{end}");
+    browser.assert_clean();
 }
 
 #[test]

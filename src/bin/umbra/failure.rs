@@ -4,12 +4,15 @@ use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use umbra_physics::ReplayError;
 use umbra_physics::scene::SceneError;
 
 #[derive(Debug)]
 pub(crate) enum Failure {
     /// A scene is wrong, or goes wrong on the way.
     Scene { file: PathBuf, error: SceneError },
+    /// A file is no replay that can be played.
+    Replay { file: PathBuf, error: ReplayError },
     /// A file cannot be read or written.
     File { file: PathBuf, doing: &'static str, error: io::Error },
     /// An option does not go with the scene.
@@ -42,6 +45,7 @@ impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Scene { file, error } => write!(f, "{}:{error}", file.display()),
+            Self::Replay { file, error } => write!(f, "{}: {error}", file.display()),
             Self::File { file, doing, error } => write!(f, "{}: cannot {doing}: {error}", file.display()),
             Self::Option { what } => f.write_str(what),
             Self::Selftest => f.write_str("the self-test does not give the digests that every machine is to give"),

@@ -1,16 +1,40 @@
-//! Scenes from files.
+//! Scenes and replays from files.
 
 use std::fs;
 use std::io;
 use std::path::Path;
 
+use umbra_physics::Replay;
 use umbra_physics::scene::Scene;
 
 use crate::failure::Failure;
 
+/// What a replay begins with, and no JSON does.
+const REPLAY: &[u8] = b"UMBRAREP";
+
+/// A run in a file.
+pub(crate) enum Run {
+    Scene(Box<Scene>),
+    /// What is whole of a replay.
+    Replay(Box<Replay>),
+}
+
+/// The scene or replay in a file.
+pub(crate) fn run(file: &Path) -> Result<Run, Failure> {
+    let bytes = fs::read(file).map_err(Failure::file(file, "read"))?;
+    if !bytes.starts_with(REPLAY) {
+        return parse(bytes, file).map(|scene| Run::Scene(Box::new(scene)));
+    }
+    let replay = Replay::recovered(&bytes, &[]).map_err(|error| Failure::Replay { file: file.into(), error })?;
+    Ok(Run::Replay(Box::new(replay)))
+}
+
 /// The scene in a file.
 pub(crate) fn scene(file: &Path) -> Result<Scene, Failure> {
-    let bytes = fs::read(file).map_err(Failure::file(file, "read"))?;
+    parse(fs::read(file).map_err(Failure::file(file, "read"))?, file)
+}
+
+fn parse(bytes: Vec<u8>, file: &Path) -> Result<Scene, Failure> {
     let text = String::from_utf8(bytes).map_err(|error| {
         let error = io::Error::new(io::ErrorKind::InvalidData, error.utf8_error());
         Failure::file(file, "read")(error)

@@ -58,6 +58,8 @@ where
         }
         Command::SetSleepAfter(Some(ticks)) => format!("sleep after {ticks} ticks"),
         Command::SetSleepAfter(None) => "no sleep".to_owned(),
+        Command::SetRandom(_) => "another state of the generator".to_owned(),
+        Command::SetBlob(bytes) => format!("a blob of {} bytes", bytes.len()),
         // One that this version does not know; its name at least.
         other => format!("{other:?}").chars().take_while(char::is_ascii_alphanumeric).collect(),
     }
