@@ -36,7 +36,11 @@ impl Failure {
     pub(crate) const fn status(&self) -> u8 {
         match self {
             Self::Selftest => 1,
-            Self::Scene { .. } | Self::File { .. } | Self::Option { .. } | Self::Picture { .. } => 2,
+            Self::Scene { .. }
+            | Self::Replay { .. }
+            | Self::File { .. }
+            | Self::Option { .. }
+            | Self::Picture { .. } => 2,
         }
     }
 }
