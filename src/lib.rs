@@ -71,7 +71,7 @@ pub use handle::{BodyId, FieldId};
 pub use integrate::{Integrator, Stage, Verb};
 pub use math::{Elapsed, Random, Rot, TimeStep, Vec2, vec2};
 pub use replay::{
-    Difference, Divergence, Finding, HashTree, LAW, Moment, Place, Playback, RecordOptions, Recorder, Replay,
+    Difference, Divergence, Dump, Finding, HashTree, LAW, Moment, Place, Playback, RecordOptions, Recorder, Replay,
     ReplayError, Snapshot, SnapshotError,
 };
 pub use scalar::fx::{Fx, MathError, ParseFxError};
