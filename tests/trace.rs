@@ -130,7 +130,7 @@ fn parts(world: &World) -> [(&'static str, Vec<[i128; 4]>); 3] {
     let forces = bodies().map(|body| {
         let (force, torque) = (body.applied_force(), body.applied_torque());
         let force = force.expect("it fits");
-        let bits = |wide| umbra_physics::scalar::Wide::to_bits(wide);
+        let bits = |wide: umbra_physics::FxWide| wide.to_bits();
         [bits(force.x), bits(force.y), bits(torque.expect("it fits")), 0]
     });
     [("places", places.collect()), ("speeds", speeds.collect()), ("forces", forces.collect())]
