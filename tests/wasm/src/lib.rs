@@ -98,8 +98,8 @@ pub extern "C" fn corpus() -> u64 {
 #[cfg(feature = "drawing")]
 #[unsafe(no_mangle)]
 pub extern "C" fn draw_x(world: &World, body: u64) -> f64 {
-    use umbra_physics::scalar::ToF64 as _;
-    world.body(body_id(body as i64)).map_or(0.0, |body| body.position().x.to_f64())
+    const ULP: f64 = 1.0 / 4_294_967_296.0;
+    world.body(body_id(body as i64)).map_or(0.0, |body| body.position().x.to_bits() as f64 * ULP)
 }
 
 fn body_id(word: i64) -> BodyId {
