@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 
 use umbra_physics::scalar::{Accumulator, Factor};
 use umbra_physics::{
-    Activity, Attachment, BodyDef, BodyId, End, Error, Field, Fx, FxFactor, Integrator, Law, Mass, Quantity, Region,
-    SpringLaw, Stage, TimeStep, Vec2, Verb, World, WorldDef, fx, vec2,
+    Activity, Attachment, BodyDef, BodyId, End, Error, Field, Fx, FxFactor, FxWide, Integrator, Law, Mass, Quantity,
+    Region, SpringLaw, Stage, TimeStep, Vec2, Verb, World, WorldDef, fx, vec2,
 };
 
 #[path = "support/inputs.rs"]
@@ -130,7 +130,7 @@ fn parts(world: &World) -> [(&'static str, Vec<[i128; 4]>); 3] {
     let forces = bodies().map(|body| {
         let (force, torque) = (body.applied_force(), body.applied_torque());
         let force = force.expect("it fits");
-        let bits = |wide| umbra_physics::scalar::Wide::to_bits(wide);
+        let bits = FxWide::to_bits;
         [bits(force.x), bits(force.y), bits(torque.expect("it fits")), 0]
     });
     [("places", places.collect()), ("speeds", speeds.collect()), ("forces", forces.collect())]
