@@ -38,6 +38,10 @@ pub const ANGULAR_SPEED: Fx = power(SPEED_LOG2 as i32);
 pub const KICK: Fx = power(KICK_LOG2);
 /// Velocities between the stages of a step: damping backwards in time stays below 2^24 m/s, or rad/s.
 pub const TRANSIENT_SPEED: Fx = power(TRANSIENT_SPEED_LOG2);
+/// Farther off no body is in the midst of a step: above 2^30.35 m by far enough that a shape still fits beside it.
+pub(crate) const TRANSIENT_POSITION: Fx = Fx::from_bits(POSITION.to_bits() + POSITION.to_bits() / 2);
+/// Faster no body is in the midst of a step: 2^26 m/s, or rad/s, with all kicks on top of damping backwards.
+pub(crate) const TRANSIENT_SUM: Fx = power(26);
 /// The smallest mass of a dynamic body: 2^-16 kg, 15 mg.
 pub const MASS_MIN: Fx = power(-16);
 /// The largest mass: 2^24 kg, 16,777 t.
@@ -66,5 +70,8 @@ pub const PARTS: usize = 256;
 pub const BODIES: usize = 1 << 24;
 /// The most force fields a world has: handles are 32-bit.
 pub const FIELDS: usize = 1 << 24;
+/// The last tick a snapshot may be of: 2^63, 29 million years at the fastest rate. No run gets from there to where the
+/// count of ticks ends.
+pub const TICK: u64 = 1 << 63;
 /// The most bytes of a game's own data a world carries along: 16 MiB.
 pub const BLOB: usize = 1 << 24;

@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 
 use umbra_physics::scalar::{Accumulator, Factor};
 use umbra_physics::{
-    Activity, Attachment, BodyDef, BodyId, End, Error, Field, Fx, FxFactor, Integrator, Law, Mass, Quantity, Region,
-    SpringLaw, Stage, TimeStep, Vec2, Verb, World, WorldDef, fx, vec2,
+    Activity, Attachment, BodyDef, BodyId, End, Error, Field, Fx, FxFactor, FxWide, Integrator, Law, Mass, Quantity,
+    Region, Snapshot, SpringLaw, Stage, TimeStep, Vec2, Verb, World, WorldDef, fx, vec2,
 };
 
 #[path = "support/inputs.rs"]
@@ -130,7 +130,7 @@ fn parts(world: &World) -> [(&'static str, Vec<[i128; 4]>); 3] {
     let forces = bodies().map(|body| {
         let (force, torque) = (body.applied_force(), body.applied_torque());
         let force = force.expect("it fits");
-        let bits = |wide: umbra_physics::FxWide| wide.to_bits();
+        let bits = FxWide::to_bits;
         [bits(force.x), bits(force.y), bits(torque.expect("it fits")), 0]
     });
     [("places", places.collect()), ("speeds", speeds.collect()), ("forces", forces.collect())]
@@ -245,4 +245,34 @@ fn a_body_beyond_the_envelope_in_the_midst_of_a_step_is_quarantined_there() {
     other.release(ids[0]).expect("it is quarantined");
     assert!(other.step().faults.is_empty());
     assert_eq!(other.body(ids[0]).expect("it is there").velocity().y, fx!(20_000) - limit);
+}
+
+#[test]
+fn a_body_pushed_beyond_the_envelope_is_quarantined_in_worlds_that_go_on() {
+    let limit = fx!(1_048_576);
+    for integrator in Integrator::ALL {
+        let slow = WorldDef { time_step: TimeStep::hz(1), integrator, sleep_after: None, ..WorldDef::default() };
+        let mut world = World::new(slow).expect("a fair definition");
+        let ids: Vec<_> = (0..3).map(|_| world.add_body(BodyDef::dynamic()).expect("a fair body")).collect();
+        world.add_field(Law::Drag { linear: fx!(0.1), quadratic: fx!(0), wind: Vec2::ZERO }).expect("a fair field");
+        world.set_velocity(ids[1], Vec2::new(limit, fx!(0))).expect("a fair velocity");
+        world.apply_force(ids[1], vec2(200_000, 0)).expect("a fair force");
+        world.apply_force(ids[2], vec2(1, 0)).expect("a fair force");
+        let trace = world.step_traced();
+        let mut strayed = false;
+        for (stage, midway) in trace.stages() {
+            let copy = Snapshot::from_bytes(&midway.snapshot().to_bytes(), &[]).expect("a world like any other");
+            assert_eq!(copy.world().state_hash(), midway.state_hash());
+            let mut other = midway.clone();
+            other.step();
+            let body = midway.body(ids[1]).expect("it is there");
+            if body.activity() == Activity::Quarantined {
+                assert_eq!(body.applied_force().map(|force| force.x.to_bits()), Some(0), "{integrator:?} {stage:?}");
+                strayed = true;
+            }
+            let after = other.body(ids[0]).expect("it is there");
+            assert_eq!(after.velocity(), Vec2::ZERO);
+        }
+        assert!(strayed, "{integrator:?}");
+    }
 }

@@ -61,13 +61,15 @@ wire_struct!(Record {
 impl<S: Scalar> Record<S> {
     /// Refuses what no call and no step makes of a body.
     fn check(&self, shape: Option<&Shape<S>>) -> Result<MassProperties<S>, Error> {
-        // A quarantined one may be anywhere, as in the midst of a step: it is looked at before it is released.
-        if self.activity != Activity::Quarantined {
-            within_envelope::<S>(self.position, limits::POSITION, Quantity::Position)?;
-            within_envelope::<S>(self.velocity, limits::SPEED, Quantity::Velocity)?;
-            let spin = Vec2::new(self.angular_velocity, self.angular_velocity);
-            within_envelope::<S>(spin, limits::ANGULAR_SPEED, Quantity::AngularVelocity)?;
-        }
+        // A quarantined one may be where a step has it on its way: it is looked at again before it is released.
+        let [position, speed, angular_speed] = match self.activity {
+            Activity::Quarantined => [limits::TRANSIENT_POSITION, limits::TRANSIENT_SUM, limits::TRANSIENT_SUM],
+            Activity::Awake | Activity::Asleep => [limits::POSITION, limits::SPEED, limits::ANGULAR_SPEED],
+        };
+        within_envelope::<S>(self.position, position, Quantity::Position)?;
+        within_envelope::<S>(self.velocity, speed, Quantity::Velocity)?;
+        let spin = Vec2::new(self.angular_velocity, self.angular_velocity);
+        within_envelope::<S>(spin, angular_speed, Quantity::AngularVelocity)?;
         let none = S::Accumulator::default();
         let moves = self.velocity != Vec2::new(none, none) || self.angular_velocity != none;
         if self.kind == BodyKind::Static && moves {

@@ -134,10 +134,12 @@ fn repair(word: u64, bytes: &mut [u8], recorded: Seal, found: Seal) -> Damage {
     let Some(k) = weighted.checked_div(change).filter(|k| k.checked_mul(change) == Some(weighted)) else {
         return Damage::Unknown;
     };
-    let Some(k) = usize::try_from(k - 1).ok().filter(|k| *k < bytes.len().div_ceil(8)) else { return Damage::Unknown };
+    let k = k.checked_sub(1).and_then(|k| usize::try_from(k).ok());
+    let Some(k) = k.filter(|k| *k < bytes.len().div_ceil(8)) else { return Damage::Unknown };
     let at = 8 * k;
     let is = words(&bytes[at..]).next().unwrap_or_default();
-    let Ok(was) = u64::try_from(i128::from(is) - change) else { return Damage::Unknown };
+    let was = i128::from(is).checked_sub(change).and_then(|was| u64::try_from(was).ok());
+    let Some(was) = was else { return Damage::Unknown };
     let length = 8.min(bytes.len() - at);
     bytes[at..at + length].copy_from_slice(&was.to_le_bytes()[..length]);
     if Seal::of(word, bytes) == recorded {

@@ -91,7 +91,7 @@ impl Write for Doings<'_> {
 impl Read for Tick {
     fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {
         Ok(Self {
-            calls: (0..reader.count(2)?).map(|_| Command::read(reader)).collect::<Result<_, _>>()?,
+            calls: (0..reader.count(Command::LEAST_BYTES)?).map(|_| Command::read(reader)).collect::<Result<_, _>>()?,
             inputs: Inputs::read(reader)?,
             hash: Option::read(reader)?,
         })

@@ -22,4 +22,6 @@ pub use snapshot::{Snapshot, SnapshotError};
 pub const LAW: u32 = 3;
 
 #[cfg(test)]
+mod strangers;
+#[cfg(test)]
 mod tests;

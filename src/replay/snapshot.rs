@@ -361,6 +361,9 @@ fn read_state(reader: &mut Reader<'_>, laws: &[Arc<dyn ForceLaw>]) -> Result<Wor
     let (elapsed, since) = world.counted;
     // As a change of the time step leaves it: in lowest terms, and with room for all ticks to come.
     let is_reduced = elapsed.den != 0 && elapsed == elapsed.reduced();
+    if world.tick > limits::TICK {
+        return Err(Error::Inconsistent.into());
+    }
     if !is_reduced || elapsed.plus(u64::MAX, def.time_step).is_none() || since > world.tick {
         return Err(Error::ElapsedTime.into());
     }

@@ -39,7 +39,7 @@ impl ForceLaw for Still {
     }
 }
 
-fn laws() -> Vec<Arc<dyn ForceLaw>> {
+pub(super) fn laws() -> Vec<Arc<dyn ForceLaw>> {
     vec![Arc::new(Still)]
 }
 
@@ -75,7 +75,7 @@ fn fields() -> Vec<Field> {
 }
 
 /// Every command there is; those with a choice in them once for each.
-fn commands() -> Vec<Command> {
+pub(super) fn commands() -> Vec<Command> {
     let body = BodyId::from_parts(1, 0);
     let point = Some(vec2(fx!(0.5), 0));
     let actions = [
@@ -155,7 +155,7 @@ fn is_among_them(command: &Command) -> bool {
 }
 
 /// A recording with every value of the format in it.
-fn recording() -> Vec<u8> {
+pub(super) fn recording() -> Vec<u8> {
     let mut world = World::new(WorldDef {
         gravity: vec2(0, -10),
         integrator: Integrator::PublishedVerlet,
@@ -205,7 +205,7 @@ fn recording() -> Vec<u8> {
 }
 
 /// The chunks of a file, and where the bytes of each begin.
-fn chunks(file: &[u8]) -> Vec<(Chunk, usize)> {
+pub(super) fn chunks(file: &[u8]) -> Vec<(Chunk, usize)> {
     let mut reader = Reader::new(&file[MAGIC.len() + 4..]);
     let mut chunks = Vec::new();
     loop {
@@ -218,7 +218,7 @@ fn chunks(file: &[u8]) -> Vec<(Chunk, usize)> {
 }
 
 /// A file of these chunks, with seals of their own.
-fn file(chunks: &[(Tag, Vec<u8>)]) -> Vec<u8> {
+pub(super) fn file(chunks: &[(Tag, Vec<u8>)]) -> Vec<u8> {
     let mut file = MAGIC.to_vec();
     file.extend_from_slice(&FORMAT.to_le_bytes());
     chunks.iter().for_each(|(tag, bytes)| chunk::write(&mut file, *tag, bytes));
@@ -226,7 +226,7 @@ fn file(chunks: &[(Tag, Vec<u8>)]) -> Vec<u8> {
 }
 
 /// All that is a value in a chunk: where it is, how long, its name, how it reads.
-fn values(chunk: &Chunk) -> Vec<(usize, usize, String, String)> {
+pub(super) fn values(chunk: &Chunk) -> Vec<(usize, usize, String, String)> {
     let mut reader = Reader::new(&chunk.bytes);
     let index = match chunk.tag {
         HEAD => Index::of(&Head::read(&mut reader).expect("a head")),
@@ -337,7 +337,7 @@ fn forged(whole: &[u8], number: usize, at: usize, bit: usize) -> Result<(), Resu
 }
 
 /// Gives a snapshot the hash of the world it says, and the seal of its bytes.
-fn reseal(bytes: &mut [u8]) {
+pub(super) fn reseal(bytes: &mut [u8]) {
     for _ in 0..2 {
         match snapshot::read(&mut Reader::new(bytes), &laws()) {
             Err(super::SnapshotError::Changed { computed, .. }) => {

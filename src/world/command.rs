@@ -113,6 +113,9 @@ impl Command {
     /// and its length.
     pub const BYTES: usize = 114;
 
+    /// The fewest: [`ClearForces`](Self::ClearForces) is its number alone.
+    pub(crate) const LEAST_BYTES: usize = 1;
+
     /// As bytes to send, the same on every machine; `docs/formats.md` has them one by one.
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {

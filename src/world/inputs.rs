@@ -182,7 +182,7 @@ impl Read for Inputs<Fx> {
     fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {
         let mut inputs = Self::new();
         // A player, a sequence, and the shortest command.
-        for _ in 0..reader.count(8 + 2)? {
+        for _ in 0..reader.count(8 + Command::LEAST_BYTES)? {
             let malformed = reader.malformed("inputs by player and sequence");
             let input = Input::read(reader)?;
             if inputs.rows.last().is_some_and(|last| last.place() >= input.place()) {

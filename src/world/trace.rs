@@ -22,7 +22,7 @@ impl<S: Scalar> Trace<S> {
     /// The stages in order, each with the world after it.
     ///
     /// It differs from the one before in what the stage's [verb](Verb) writes alone. Between stages a body may be beyond the
-    /// envelope, and come back or not: there it is quarantined, where it is.
+    /// envelope, and come back or not: there it is quarantined, where it is, and what was applied to it is forgotten.
     pub fn stages(&self) -> impl DoubleEndedIterator<Item = (&Stage, &World<S>)> + ExactSizeIterator {
         self.stages.iter().map(|(stage, world)| (stage, world))
     }
@@ -67,6 +67,8 @@ impl<S: Scalar> World<S> {
         find_strays(&self.bodies.all_moving(), &mut strays);
         // Each changes places with the last body that moves: from the last one on, the others stay where they are.
         for (i, _) in strays.into_iter().rev() {
+            // One that is taken out has nothing applied to it.
+            self.applied.forget(self.bodies.id(i));
             self.bodies.set_activity(i, Activity::Quarantined);
         }
     }

@@ -1,0 +1,268 @@
+//! Files that nobody recorded: whatever is in them is refused, or a world that goes on like any other.
+
+use alloc::vec::Vec;
+
+use super::chunk::{self, Damage, Tag};
+use super::file::{SNAPSHOT, TICKS};
+use super::tests::{chunks, commands, file, laws, recording, reseal, values};
+use super::{RecordOptions, Recorder, Replay, Snapshot};
+use crate::body::{Activity, BodyDef};
+use crate::handle::BodyId;
+use crate::math::Random;
+use crate::scalar::Accumulator as _;
+use crate::wire::Reader;
+use crate::world::{Command, Input, Inputs, World, WorldDef};
+
+/// A chunk whose seal says that its one word was changed by so much, and by so much times its place.
+fn sealed_otherwise(word: u64, change: i128, weighted: i128) -> Vec<u8> {
+    let mut whole = Vec::new();
+    chunk::write(&mut whole, TICKS, &word.to_le_bytes());
+    let seal = whole.len() - 40;
+    whole[seal] ^= 1;
+    for (at, off) in [(seal + 8, change), (seal + 24, weighted)] {
+        let sum = u128::from(word).wrapping_sub(off as u128);
+        whole[at..at + 16].copy_from_slice(&sum.to_le_bytes());
+    }
+    whole
+}
+
+#[test]
+fn no_seal_is_too_odd_to_be_judged() {
+    let most = [i128::MIN, i128::MIN + 1, -1, 1, 2, i128::MAX];
+    for word in [0, 1, u64::MAX] {
+        for (change, weighted) in most.iter().flat_map(|&a| most.map(|b| (a, b))) {
+            let bytes = sealed_otherwise(word, change, weighted);
+            let chunk = chunk::read(&mut Reader::new(&bytes)).expect("its word is whole");
+            assert_eq!(chunk.damage, Some(Damage::Unknown), "{word} {change} {weighted}");
+        }
+    }
+}
+
+#[test]
+fn ticks_of_the_shortest_commands_are_read() {
+    for (players, calls) in [(0, 40), (40, 0), (40, 40)] {
+        let mut world = World::new(WorldDef::default()).expect("a world");
+        let mut recorder = Recorder::new(&world, RecordOptions { hash_every: 2, snapshot_every: 0 });
+        for _ in 0..calls {
+            recorder.execute(&mut world, &Command::ClearForces).expect("it is always allowed");
+        }
+        let mut inputs = Inputs::new();
+        for player in 0..players {
+            inputs.insert(Input { player, sequence: 0, command: Command::ClearForces }).expect("the first");
+        }
+        recorder.step(&mut world, &inputs);
+        let replay = Replay::from_bytes(&recorder.finish(&world), &[]).expect("it is whole");
+        assert_eq!(replay.verify(), Ok(()));
+    }
+}
+
+/// The first snapshot of the recording with values changed, its hash and seal made right again.
+fn forged(changes: &[(&str, &[u8])]) -> Vec<u8> {
+    let all = chunks(&recording());
+    let (chunk, _) = all.iter().find(|(chunk, _)| chunk.tag == SNAPSHOT).expect("one");
+    let mut bytes = chunk.bytes.clone();
+    for (name, value) in changes {
+        let (at, length, ..) = values(chunk).into_iter().find(|(_, _, there, _)| there == name).expect("a value");
+        assert_eq!(length, value.len());
+        bytes[at..at + length].copy_from_slice(value);
+    }
+    reseal(&mut bytes);
+    bytes
+}
+
+#[test]
+fn a_world_at_the_last_tick_is_refused() {
+    let at = |tick: u64| {
+        let tick = tick.to_le_bytes();
+        Snapshot::from_bytes(&forged(&[("tick", &tick), ("elapsed_at_tick", &tick)]), &laws())
+    };
+    assert!(at(u64::MAX).is_err());
+    let world = at(1 << 40).expect("a tick like any other").into_world();
+    assert_eq!(world.tick(), 1 << 40);
+}
+
+#[test]
+fn a_quarantined_body_is_no_farther_off_than_a_step_can_take_one() {
+    // 2^31 m less 2^-96, little-endian by words, the higher first.
+    let far: Vec<u8> = [i64::MAX as u64, u64::MAX].iter().flat_map(|word| word.to_le_bytes()).collect();
+    for name in ["position.x", "position.y", "velocity.x", "angular_velocity"] {
+        let name = alloc::format!("bodies[3].{name}");
+        let bytes = forged(&[("bodies[3].activity", &[2]), (&name, &far)]);
+        assert!(Snapshot::from_bytes(&bytes, &laws()).is_err(), "{name}");
+    }
+    let bytes = forged(&[("bodies[3].activity", &[2])]);
+    let world = Snapshot::from_bytes(&bytes, &laws()).expect("a quarantined body").into_world();
+    assert_eq!(world.body(BodyId::from_parts(3, 0)).expect("it is there").activity(), Activity::Quarantined);
+}
+
+/// Everything that can be asked of a world and done to it.
+fn use_up(mut world: World, random: &mut Random) {
+    for body in world.bodies() {
+        _ = (body.origin(), body.rotation(), body.applied_force(), body.applied_torque(), body.mass(), body.inertia());
+        _ = (body.position_exact().map(|x| x.value()), body.angle(), body.velocity(), body.angular_velocity());
+    }
+    _ = (world.energy(), world.momentum(), world.angular_momentum(), world.elapsed(), world.physics_hash());
+    let ids: Vec<BodyId> = world.bodies().map(|body| body.id()).collect();
+    for &id in &ids {
+        let mut ahead = world.look_ahead(id).expect("it is there");
+        ahead.step();
+    }
+    let bytes = world.snapshot().to_bytes();
+    let again = Snapshot::from_bytes(&bytes, &laws()).expect("its own bytes");
+    assert_eq!(again.to_bytes(), bytes);
+    let mut copy = again.into_world();
+    for _ in 0..3 {
+        let applied = world.step().applied.to_vec();
+        let trace = copy.step_traced();
+        assert_eq!(copy.state_hash(), world.state_hash());
+        for (_, stage) in trace.stages() {
+            Snapshot::from_bytes(&stage.snapshot().to_bytes(), &laws()).expect("a world like any other");
+            let mut stage = stage.clone();
+            stage.step();
+        }
+        let mut back = world.clone();
+        _ = back.step_back(&applied);
+        back.step();
+        for command in commands() {
+            if random.below(4) == 0 {
+                _ = world.execute(&command);
+                _ = copy.execute(&command);
+            }
+        }
+        for &id in &ids {
+            if random.below(8) == 0 {
+                assert_eq!(world.release(id), copy.release(id));
+            }
+        }
+    }
+    for id in ids {
+        _ = world.remove_body(id);
+        _ = world.add_body(BodyDef::dynamic());
+        world.step();
+    }
+}
+
+/// One of the values that break things, or any, over these bytes.
+fn disturb(bytes: &mut [u8], random: &mut Random) {
+    let odd = [0, 1, u64::MAX, i64::MAX as u64, i64::MIN as u64, 1 << 32, u64::from(u32::MAX), 1 << 62, 1 << 20 << 32];
+    match random.below(4) {
+        0 => {
+            let at = random.below(bytes.len() as u64) as usize;
+            bytes[at] ^= 1 << random.below(8);
+        }
+        1 => bytes.fill(random.bits() as u8),
+        _ => {
+            for word in bytes.chunks_mut(8) {
+                let value = if random.below(3) == 0 { random.bits() } else { odd[random.below(9) as usize] };
+                let value = value.wrapping_add(random.below(3)).wrapping_sub(1).to_le_bytes();
+                word.copy_from_slice(&value[..word.len()]);
+            }
+        }
+    }
+}
+
+/// How often a test tries: more if asked to.
+fn tries(usual: u64) -> u64 {
+    option_env!("UMBRA_TRIES").and_then(|tries| tries.parse().ok()).unwrap_or(usual)
+}
+
+#[test]
+fn forged_snapshots_are_refused_or_go_on_like_any_other() {
+    let seed = option_env!("UMBRA_SEED").and_then(|seed| seed.parse().ok()).unwrap_or(5);
+    let mut random = Random::seeded(seed);
+    let all: Vec<_> = chunks(&recording()).into_iter().filter(|(chunk, _)| chunk.tag == SNAPSHOT).collect();
+    let all: Vec<_> = all.into_iter().map(|(chunk, _)| (values(&chunk), chunk.bytes)).collect();
+    let (mut accepted, mut refused) = (0, 0);
+    for _ in 0..tries(300) {
+        let (values, bytes) = &all[random.below(all.len() as u64) as usize];
+        let mut bytes = bytes.clone();
+        for _ in 0..=random.below(3) {
+            let (at, length, ..) = &values[random.below(values.len() as u64 - 2) as usize];
+            disturb(&mut bytes[*at..at + length], &mut random);
+        }
+        if random.below(8) == 0 {
+            let at = random.below(bytes.len() as u64) as usize;
+            bytes.drain(at..bytes.len().min(at + 1 + random.below(40) as usize));
+        }
+        if bytes.len() < 32 {
+            continue;
+        }
+        reseal(&mut bytes);
+        match Snapshot::from_bytes(&bytes, &laws()) {
+            Ok(snapshot) => {
+                use_up(snapshot.into_world(), &mut random);
+                accepted += 1;
+            }
+            Err(_) => refused += 1,
+        }
+    }
+    assert!(accepted > tries(300) / 20 && refused > tries(300) / 20, "{accepted}, {refused}");
+}
+
+#[test]
+fn forged_replays_are_refused_or_played() {
+    let mut random = Random::seeded(6);
+    let all: Vec<_> =
+        chunks(&recording()).into_iter().map(|(chunk, _)| (chunk.tag, values(&chunk), chunk.bytes)).collect();
+    let (mut played, mut refused) = (0, 0);
+    for _ in 0..tries(200) {
+        let mut parts: Vec<(Tag, Vec<u8>)> = all.iter().map(|(tag, _, bytes)| (*tag, bytes.clone())).collect();
+        for _ in 0..=random.below(3) {
+            let number = random.below(all.len() as u64) as usize;
+            let (tag, values, _) = &all[number];
+            if *tag == SNAPSHOT && random.below(8) != 0 {
+                continue;
+            }
+            let (at, length, ..) = &values[random.below(values.len() as u64) as usize];
+            disturb(&mut parts[number].1[*at..at + length], &mut random);
+            if *tag == SNAPSHOT {
+                reseal(&mut parts[number].1);
+            }
+        }
+        match Replay::from_bytes(&file(&parts), &laws()) {
+            Ok(replay) => {
+                _ = replay.verify();
+                let mut playback = replay.play();
+                playback.seek(u64::MAX);
+                use_up(playback.world().clone(), &mut random);
+                played += 1;
+            }
+            Err(_) => refused += 1,
+        }
+    }
+    assert!(played > tries(200) / 20 && refused > tries(200) / 20, "{played}, {refused}");
+}
+
+#[test]
+fn forged_commands_are_refused_or_carried_out() {
+    let mut random = Random::seeded(7);
+    let replay = Replay::from_bytes(&recording(), &laws()).expect("it is whole");
+    let all: Vec<Vec<u8>> = commands().iter().map(Command::to_bytes).collect();
+    let mut world = replay.start().clone();
+    let mut carried_out = 0;
+    for i in 0..tries(4_000) {
+        let mut bytes = all[random.below(all.len() as u64) as usize].clone();
+        let at = random.below(bytes.len() as u64) as usize;
+        let end = bytes.len().min(at + 1 + random.below(17) as usize);
+        disturb(&mut bytes[at..end], &mut random);
+        let Ok(command) = Command::from_bytes(&bytes) else { continue };
+        assert_eq!(Command::from_bytes(&command.to_bytes()).as_ref(), Ok(&command));
+        let checked = world.check(&command);
+        let hash = world.state_hash();
+        let done = world.execute(&command);
+        assert_eq!(checked.err(), done.err());
+        if done.is_ok() {
+            carried_out += 1;
+        } else {
+            assert_eq!(world.state_hash(), hash);
+        }
+        if i % 5 == 0 {
+            world.step();
+        }
+        if i % 200 == 199 {
+            use_up(world, &mut random);
+            world = replay.start().clone();
+        }
+    }
+    assert!(carried_out > tries(4_000) / 20, "{carried_out}");
+}
