@@ -22,6 +22,7 @@ mod crowds;
 mod envelope;
 mod failure;
 mod fields;
+mod files;
 mod golden;
 mod motion;
 mod springs;
@@ -180,6 +181,9 @@ scenes! {
     setters: changes::setters, "every command there is; then as a world that was made so from the start";
     going_back: changes::going_back, "rollback to a copy, in its own memory and another's";
     looking_ahead: changes::looking_ahead, "one body and what it depends on, alone, goes where the world goes";
+    recording: files::recording, "two players' inputs, dice and a blob, recorded: the file's bytes, and its run once more";
+    snapshots: files::snapshots, "as bytes and back, with the dump of a tick: the same bytes, the same future";
+    there_and_back: files::there_and_back, "springs and forces at points: a hundred steps undone, hash by hash";
     extreme_masses: envelope::extreme_masses, "15 mg and 16,777 t pushed, struck and joined";
     edge_of_the_envelope: envelope::edge, "places and speeds at the last ulp inside, and the first outside";
     largest_numbers: envelope::largest_numbers, "the strongest gravity, forces and attractors that are admitted";

@@ -8,7 +8,7 @@ use crate::error::Error;
 use crate::handle::BodyId;
 use crate::math::{TimeStep, Vec2};
 use crate::scalar::{Accumulator as _, Angle as _, FxAccumulator, FxWide, Turn, fx::Fx};
-use crate::wire::{Sink, Write as _};
+use crate::wire::{Out as _, Sink, Write as _};
 use crate::world::{World, WorldDef};
 
 pub(super) type Played = Result<(), Problem>;
@@ -30,8 +30,18 @@ impl Trial {
 
     pub(super) fn step(&mut self, world: &mut World) {
         world.step();
+        self.take(world);
+    }
+
+    /// Takes down a tick that was made otherwise.
+    pub(super) fn take(&mut self, world: &World) {
         world.state_hash().write(&mut self.digest);
         self.ticks += 1;
+    }
+
+    /// Takes down bytes that are to be the same everywhere.
+    pub(super) fn take_bytes(&mut self, bytes: &[u8]) {
+        self.digest.bytes(bytes);
     }
 
     pub(super) fn steps(&mut self, world: &mut World, ticks: u32) {
