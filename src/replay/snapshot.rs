@@ -379,6 +379,9 @@ fn read_state(reader: &mut Reader<'_>, laws: &[Arc<dyn ForceLaw>]) -> Result<Wor
     world.bodies = Bodies::rebuilt(&slots, free, keep_last, &mut tunings, &climate)?;
     world.tunings = Arc::new(tunings);
     for (record, _) in slots.iter().filter_map(|(_, occupant)| occupant.as_ref()) {
+        if record.activity == Activity::Asleep && def.sleep_after.is_none() {
+            return Err(Error::Inconsistent.into());
+        }
         if stops(record.linear_damping) || stops(record.angular_damping) {
             return Err(Error::DampingHasNoInverse.into());
         }
