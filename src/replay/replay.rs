@@ -239,6 +239,12 @@ impl Replay {
         self.done.is_some()
     }
 
+    /// The later snapshot of a tick: their ticks rise.
+    fn snapshot_at(&self, tick: u64) -> Option<&World> {
+        let index = self.snapshots.binary_search_by_key(&tick, World::tick).ok()?;
+        self.snapshots.get(index)
+    }
+
     /// Plays it from its start.
     #[must_use]
     pub fn play(&self) -> Playback<'_> {
@@ -281,7 +287,7 @@ impl Replay {
     fn named_at_a_snapshot(&self, other: &Self, tick: u64, ours: u64, theirs: u64) -> Finding {
         let later = self.snapshots.iter().filter(|world| world.tick() > tick);
         let differs = later.into_iter().find_map(|world| {
-            let there = other.snapshots.iter().find(|there| there.tick() == world.tick())?;
+            let there = other.snapshot_at(world.tick())?;
             let found = world.differences(there).into_iter().next()?;
             Some(Finding::at(world.tick() - 1, Moment::End, found))
         });
@@ -541,7 +547,7 @@ impl Playback<'_> {
         if !self.advance() {
             return Ok(false);
         }
-        let snapshot = self.replay.snapshots.iter().find(|snapshot| snapshot.tick() == at + 1);
+        let snapshot = self.replay.snapshot_at(at + 1);
         let done = self.replay.done.filter(|done| done.tick == at + 1);
         let recorded = [self.recorded_hash(), snapshot.map(World::state_hash), done.map(|done| done.hash)];
         let mut recorded = recorded.into_iter().flatten().peekable();
