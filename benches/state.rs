@@ -1,5 +1,5 @@
 //! Time of what a rollback does besides steps: keeping a copy of the world, going back to it, and the hash of the state; and
-//! of a whole rollback, beside the steps that are in it, and of undoing steps, which needs no copy.
+//! of a whole rollback, beside the steps that are in it; of undoing steps, which needs no copy; and of recording them.
 //!
 //! Ids are paths such as `state/copy_100k/fx`. Bytes a second count the motion of the bodies alone: positions, velocities,
 //! angles, spins; of steps what counts is their number. Compare within one run only.
@@ -7,7 +7,9 @@
 use divan::counter::{BytesCount, ItemsCount};
 use divan::{Bencher, black_box};
 use scenes::Scene;
-use umbra_physics::{Fx, History, Inputs, Scalar, World};
+use umbra_physics::{
+    Action, Command, Fx, History, Input, Inputs, Manner, RecordOptions, Recorder, Scalar, World, fx, vec2,
+};
 
 #[allow(dead_code, reason = "these benches use one of the scenes")]
 mod scenes;
@@ -172,4 +174,70 @@ ways! {
     step_free_1k: scenes::falling(1_000);
     step_free_100k: scenes::falling(100_000);
     step_net_1k: scenes::net(40, 25);
+}
+
+/// So many ticks are measured at once, that a hash every so often is in each sample.
+const TICKS: u32 = 16;
+
+/// A player who pushes the last body.
+fn push(world: &World) -> Inputs {
+    let body = world.bodies().last().expect("it has bodies").id();
+    let action = Action::Force { force: vec2(1, fx!(0.5)), point: None };
+    let command = Command::Apply { body, action, manner: Manner::default() };
+    let mut inputs = Inputs::new();
+    inputs.insert(Input { player: 0, sequence: 0, command }).expect("the first");
+    inputs
+}
+
+/// Ticks with a command each, as they are without a recorder.
+fn unrecorded(bencher: Bencher, mut world: World) {
+    let inputs = push(&world);
+    bencher.counter(ItemsCount::new(TICKS)).bench_local(|| {
+        for _ in 0..TICKS {
+            _ = black_box(black_box(&mut world).carry_out(&inputs));
+            world.step();
+        }
+    });
+}
+
+/// The same recorded, the bytes taken as a game takes them that writes them away.
+fn recorded(bencher: Bencher, mut world: World, hash_every: u32) {
+    let inputs = push(&world);
+    let mut recorder = Recorder::new(&world, RecordOptions { hash_every, ..RecordOptions::default() });
+    bencher.counter(ItemsCount::new(TICKS)).bench_local(|| {
+        for _ in 0..TICKS {
+            black_box(&mut recorder).step(black_box(&mut world), &inputs);
+            _ = black_box(recorder.take_bytes());
+        }
+    });
+}
+
+macro_rules! recordings {
+    ($($name:ident: $scene:expr;)*) => {$(
+        mod $name {
+            use super::*;
+
+            #[divan::bench]
+            fn unrecorded(bencher: Bencher) {
+                super::unrecorded(bencher, $scene.world);
+            }
+
+            #[divan::bench]
+            fn hash_every_16th(bencher: Bencher) {
+                super::recorded(bencher, $scene.world, 16);
+            }
+
+            #[divan::bench]
+            fn hash_every_tick(bencher: Bencher) {
+                super::recorded(bencher, $scene.world, 1);
+            }
+        }
+    )*};
+}
+
+recordings! {
+    record_free_1k: scenes::free(1_000);
+    record_plain_1k: scenes::plain(1_000);
+    record_net_1k: scenes::net(40, 25);
+    record_mixed_1k: scenes::mixed(1_000);
 }

@@ -71,7 +71,7 @@ pub use handle::{BodyId, FieldId};
 pub use integrate::{Integrator, Stage, Verb};
 pub use math::{Elapsed, Random, Rot, TimeStep, Vec2, vec2};
 pub use replay::{
-    Difference, Divergence, Finding, HashTree, LAW, Moment, Place, Playback, RecordOptions, Recorder, Replay,
+    Difference, Divergence, Dump, Finding, HashTree, LAW, Moment, Place, Playback, RecordOptions, Recorder, Replay,
     ReplayError, Snapshot, SnapshotError,
 };
 pub use scalar::fx::{Fx, MathError, ParseFxError};
@@ -81,8 +81,8 @@ pub use shape::{Geometry, Part, Shape};
 pub use step::Timers;
 pub use wire::Malformed;
 pub use world::{
-    Action, BodyRef, Command, Frame, History, Input, Inputs, Made, Manner, Outcome, Outlook, StepReport, TickReport,
-    Trace, World, WorldDef, step_all,
+    Action, BodyRef, Command, Driver, Frame, History, Input, Inputs, Made, Manner, Outcome, Outlook, StepReport,
+    TickReport, Trace, World, WorldDef, step_all,
 };
 
 /// The README's examples, compiled and run as tests.

@@ -289,6 +289,26 @@ fn a_difference_is_named_to_the_body_and_field() {
 }
 
 #[test]
+fn a_tree_of_a_step_leads_to_the_stage_the_body_and_the_field() {
+    let mut world = lived(Integrator::Yoshida4, 8, 60);
+    let mut other = world.clone();
+    let dynamic = |body: &umbra_physics::BodyRef| {
+        body.kind() == umbra_physics::BodyKind::Dynamic && body.activity() == Activity::Awake
+    };
+    let body = world.bodies().find(dynamic).expect("one").id();
+    assert_eq!(HashTree::of(&world), HashTree::of(&other));
+    other.apply_torque(body, fx!(0.001)).expect("it is dynamic");
+    let (ours, theirs) = (world.step_traced(), other.step_traced());
+    let (ours, theirs) = (HashTree::of_step(&ours, &world), HashTree::of_step(&theirs, &other));
+    // What was applied is there from the first stage on, and turns the body in the first kick.
+    let path = ours.first_difference(&theirs).expect("they differ");
+    let slot = body.parts().0.to_string();
+    assert_eq!(path[1..4], ["stage 1 (damp)", "bodies", &slot], "{path:?}");
+    assert!(path.contains(&"applied"), "{path:?}");
+    assert_eq!(ours.parts.len(), Integrator::Yoshida4.stages().len() + 1);
+}
+
+#[test]
 fn a_blob_has_its_limit() {
     let mut world: World = World::new(WorldDef::default()).expect("a world");
     let most = umbra_physics::limits::BLOB;

@@ -256,7 +256,7 @@ fn every_value_is_exact() {
 fn time_is_exact_when_the_step_changes() {
     let Some(mut browser) = Browser::start() else { return };
     let inputs = r#"{"at": 9, "set": {"time_step": "1001/60000"}}, {"at": 10, "set": {"time_step": "1/7"}}"#;
-    let scene = Page::scene("steps", &format!("{{\"ticks\": 20, \"inputs\": [{inputs}]}}"));
+    let scene = Page::scene("steps", format!("{{\"ticks\": 20, \"inputs\": [{inputs}]}}"));
     let (page, _) = Page::of(scene.path(), None);
     browser.open(&page.0, "");
     for tick in [1, 8, 9, 10, 11, 20] {
@@ -427,7 +427,7 @@ fn texts_of_a_scene_stay_texts() {
         "bodies": [{"name": hostile, "shape": {"circle": {"radius": 1}}}],
         "inputs": [{"at": 1, "body": hostile, "force": [1, 0]}, {"at": 2, "body": hostile, "do": "remove"}],
     });
-    let file = Page::scene("hostile", &scene.to_string());
+    let file = Page::scene("hostile", scene.to_string());
     let (page, _) = Page::of(file.path(), None);
     assert!(!page.text().contains("<img"), "no tag of theirs");
     let Some(mut browser) = Browser::start() else { return };

@@ -197,6 +197,19 @@ pub(crate) fn pushed_thrusters<S: Scalar>(count: usize) -> Scene<S> {
     scene
 }
 
+/// As `free`, the first tenth with a thrust each, the second joined in a chain of springs.
+pub(crate) fn mixed<S: Scalar>(count: usize) -> Scene<S> {
+    with_fields(with_thrusters(free(count), count / 10, 1), |bodies| {
+        let spring = SpringLaw { rest: S::from_fx(fx!(4)), stiffness: S::from_fx(fx!(10)), damping: S::ZERO };
+        let join = |pair: &[BodyId]| Law::Spring {
+            near: Attachment::centre(pair[0]),
+            far: End::Body(Attachment::centre(pair[1])),
+            spring,
+        };
+        bodies[count / 10..count / 5].windows(2).map(join).collect()
+    })
+}
+
 /// As `free`, around three attractors.
 pub(crate) fn orbits<S: Scalar>(count: usize) -> Scene<S> {
     with_fields(free(count), |_| {

@@ -22,17 +22,18 @@ mod random;
 mod side;
 mod wire;
 
-use std::env;
 use std::error::Error;
 use std::io;
 use std::net::{Ipv4Addr, TcpListener, TcpStream};
 use std::process::ExitCode;
 use std::thread;
 use std::time::{Duration, Instant};
+use std::{env, fs};
 
 use options::Options;
 use peers::Peer;
 use side::{Cheat, Outcome, play};
+use umbra_physics::Dump;
 
 fn main() -> ExitCode {
     let mut arguments = env::args().skip(1).peekable();
@@ -105,6 +106,15 @@ fn both(options: &Options) -> Result<ExitCode, Box<dyn Error>> {
         println!("player {player} ends with status {:?}", sides[player].status);
         // Of the states of two that part, what differs.
         said.iter().filter(|line| !other.contains(line)).for_each(|line| println!("  {line}"));
+    }
+    let dumps: Vec<&str> =
+        sides.iter().flat_map(|side| &side.said).filter_map(|line| line.strip_prefix("dump ")).collect();
+    if let [a, b] = dumps[..] {
+        let [a, b] = [a, b].map(|file| Ok::<_, Box<dyn Error>>(Dump::from_bytes(&fs::read(file)?, &[])?));
+        match a?.first_difference(&b?) {
+            Some(found) => println!("the first value that is not the same: {found}"),
+            None => println!("the sides do the same from the same world: one of them was changed from without"),
+        }
     }
     let agree = of(0, true) == of(1, true) && ours == theirs && sides.iter().all(|side| side.status == Some(0));
     Ok(if agree { ExitCode::SUCCESS } else { ExitCode::FAILURE })

@@ -3,10 +3,12 @@
 use std::collections::VecDeque;
 use std::error::Error;
 use std::net::{Shutdown, TcpStream};
+use std::path::PathBuf;
 use std::str::FromStr;
 use std::time::Duration;
+use std::{env, fs};
 
-use umbra_physics::{Fx, LAW, World};
+use umbra_physics::{Dump, Fx, LAW, World};
 
 use crate::game::{Controls, Game, bot};
 use crate::wire::{Hello, Turn};
@@ -55,6 +57,8 @@ struct Kept {
     tick: u64,
     hash: u64,
     world: World,
+    /// What was held over the tick that led to it.
+    held: [Controls; 2],
 }
 
 /// The connection, and what is under way on it.
@@ -62,6 +66,8 @@ struct Side {
     stream: TcpStream,
     /// The ticks that the other side has not spoken about yet, the oldest first: as many as the delay has, and this one.
     kept: VecDeque<Kept>,
+    /// The last state that both sides have.
+    agreed: Option<World>,
     /// The memory of a state that is no longer kept, for the next one.
     spare: Option<World>,
     /// The other side's buttons for the ticks to come.
@@ -82,10 +88,10 @@ pub(crate) fn play(
     let (game, mut world) = Game::start()?;
     // What is pressed at the first tick acts after the delay; before that nobody holds anything.
     let mut ours: VecDeque<Controls> = (0..DELAY).map(|_| Controls::default()).collect();
-    let mut side = Side { stream, kept: VecDeque::new(), spare: None, others: ours.clone() };
+    let mut side = Side { stream, kept: VecDeque::new(), agreed: None, spare: None, others: ours.clone() };
     side.greet(Hello { law: LAW, seed, ticks, start: world.state_hash() })?;
 
-    let mut missed = false;
+    let (mut missed, mut both) = (false, [Controls::default(); 2]);
     for tick in 0..=ticks {
         if cheat == Some(Cheat::Ulp) && tick == CHEAT_AT {
             let mut position = world.body(game.ships[0])?.position();
@@ -94,9 +100,9 @@ pub(crate) fn play(
         }
         let pressed = bot(seed, player, tick);
         ours.push_back(pressed);
-        side.say(&world, tick, pressed)?;
+        side.say(&world, tick, pressed, both)?;
         // What the other side said a delay ago has its buttons for this tick.
-        if tick >= DELAY && !side.hear()? {
+        if tick >= DELAY && !side.hear(&game, player)? {
             return Ok(Outcome::Parted);
         }
         if tick == ticks {
@@ -107,11 +113,12 @@ pub(crate) fn play(
         if cheat == Some(Cheat::Drop) && tick >= CHEAT_AT && !missed && other != Controls::default() {
             (other, missed) = (Controls::default(), true);
         }
-        game.advance(&mut world, if player == 0 { [held, other] } else { [other, held] })?;
+        both = if player == 0 { [held, other] } else { [other, held] };
+        game.advance(&mut world, both)?;
     }
     // The hashes of the last ticks are still on their way.
     while !side.kept.is_empty() {
-        if !side.hear()? {
+        if !side.hear(&game, player)? {
             return Ok(Outcome::Parted);
         }
     }
@@ -134,7 +141,7 @@ impl Side {
     }
 
     /// Sends the hash of a tick and the buttons for a later one, and keeps the state to answer for.
-    fn say(&mut self, world: &World, tick: u64, controls: Controls) -> Result<(), Box<dyn Error>> {
+    fn say(&mut self, world: &World, tick: u64, controls: Controls, held: [Controls; 2]) -> Result<(), Box<dyn Error>> {
         let hash = world.state_hash();
         Turn { tick, hash, controls: controls.0 }.send(&mut self.stream)?;
         let world = match self.spare.take() {
@@ -144,16 +151,20 @@ impl Side {
             }
             None => world.clone(),
         };
-        self.kept.push_back(Kept { tick, hash, world });
+        self.kept.push_back(Kept { tick, hash, world, held });
         Ok(())
     }
 
     /// Waits for what the other side says of the oldest tick that is kept; whether it has the same state there.
-    fn hear(&mut self) -> Result<bool, Box<dyn Error>> {
-        let Some(Kept { tick, hash, world }) = self.kept.pop_front() else { return Ok(true) };
+    fn hear(&mut self, game: &Game, player: usize) -> Result<bool, Box<dyn Error>> {
+        let Some(kept) = self.kept.pop_front() else { return Ok(true) };
+        let Kept { tick, hash, .. } = kept;
         let turn = Turn::receive(&mut self.stream, tick)?;
         if turn.hash != hash {
-            on_desync(&world, hash, turn.hash);
+            println!("desync {tick} {hash:016x} {:016x}", turn.hash);
+            if let Some(before) = &self.agreed {
+                println!("dump {}", dump(game, before, &kept, player)?.display());
+            }
             self.leave();
             return Ok(false);
         }
@@ -161,7 +172,7 @@ impl Side {
             println!("hash {tick} {hash:016x}");
         }
         self.others.push_back(Controls(turn.controls));
-        self.spare = Some(world);
+        self.spare = self.agreed.replace(kept.world);
         Ok(true)
     }
 
@@ -174,22 +185,14 @@ impl Side {
     }
 }
 
-/// Says what there is to find the cause by. This world is at the first tick at which the hashes differ, so the cause lies in the
-/// step that led to it, or in its inputs. The other side says the same of its own world: what differs between the two is where to
-/// look.
-fn on_desync(world: &World, hash: u64, other: u64) {
-    println!("desync {} {hash:016x} {other:016x}", world.tick());
-    for body in world.bodies() {
-        println!(
-            "{} key {} {:?} at {} angle {}, {} and {} a second, data {:x}",
-            body.id(),
-            body.key(),
-            body.activity(),
-            body.position(),
-            body.angle(),
-            body.velocity(),
-            body.angular_velocity(),
-            body.user_data(),
-        );
-    }
+/// Writes down all that is known of the tick in which the sides parted, for `umbra diff` and its like: from the last world that
+/// both had to the first that is another, by way of what this side holds was done.
+fn dump(game: &Game, before: &World, kept: &Kept, player: usize) -> Result<PathBuf, Box<dyn Error>> {
+    let act = |world: &mut World| {
+        // What is refused is refused on both sides.
+        let _ = game.act(world, kept.held);
+    };
+    let file = env::temp_dir().join(format!("lockstep-{}-{}-{player}.umbradmp", std::process::id(), kept.tick));
+    fs::write(&file, Dump::of_game(before, act, &kept.world).to_bytes())?;
+    Ok(file)
 }

@@ -146,13 +146,22 @@ impl Game {
     /// # Errors
     /// What the world refuses: the same for every peer.
     pub(crate) fn advance(&self, world: &mut World, controls: [Controls; 2]) -> Result<Tally, Error> {
+        let mut tally = self.act(world, controls)?;
+        let report = world.step();
+        (tally.fell_asleep, tally.woke) = (report.fell_asleep.len(), report.woke.len());
+        Ok(tally)
+    }
+
+    /// All that the match does to its world in a tick before it steps.
+    ///
+    /// # Errors
+    /// What the world refuses: the same for every peer.
+    pub(crate) fn act(&self, world: &mut World, controls: [Controls; 2]) -> Result<Tally, Error> {
         let mut tally = Tally::default();
         for (player, held) in controls.into_iter().enumerate() {
             tally.fired += usize::from(self.steer(world, player, held)?);
         }
         tally.hits = self.strike(world)?;
-        let report = world.step();
-        (tally.fell_asleep, tally.woke) = (report.fell_asleep.len(), report.woke.len());
         Ok(tally)
     }
 

@@ -59,6 +59,8 @@ pub enum Verb {
     Clear,
 }
 
+wire_enum!(Verb, "the number of a verb", { 0 => Fields, 1 => Damp, 2 => Kick, 3 => Drift, 4 => Clear });
+
 impl Verb {
     /// Its name in traces, hashes and benches.
     #[must_use]

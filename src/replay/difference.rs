@@ -6,11 +6,13 @@ use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use core::fmt;
 
+use super::finding::Moment;
 use super::snapshot::State;
 use crate::handle::{BodyId, FieldId};
+use crate::integrate::Stage;
 use crate::scalar::Scalar;
 use crate::wire::{Index, Leaf, Out as _, Part, Sink};
-use crate::world::World;
+use crate::world::{Trace, World};
 
 /// What of a world a value belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -131,6 +133,18 @@ impl HashTree {
     pub fn of<S: Scalar>(world: &World<S>) -> Self {
         let leaves = Index::of(&State(world)).leaves;
         Self::over(format!("tick {}", world.tick()), &leaves, 0)
+    }
+
+    /// The tree of a step: the state after each of its stages, and at its end.
+    #[must_use]
+    pub fn of_step<S: Scalar>(trace: &Trace<S>, end: &World<S>) -> Self {
+        let stage = |(index, (stage, world)): (u32, (&Stage, &World<S>))| {
+            let moment = Moment::Stage { index, verb: stage.verb };
+            Self { name: moment.to_string(), ..Self::of(world) }
+        };
+        let mut parts: Vec<Self> = (0..).zip(trace.stages()).map(stage).collect();
+        parts.push(Self { name: Moment::End.to_string(), ..Self::of(end) });
+        Self::group(format!("tick {}", end.tick()), parts)
     }
 
     /// A node over trees that were made before.

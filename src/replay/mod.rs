@@ -2,6 +2,7 @@
 
 mod chunk;
 mod difference;
+mod dump;
 mod file;
 mod finding;
 mod hash;
@@ -11,6 +12,7 @@ mod replay;
 mod snapshot;
 
 pub use difference::{Difference, HashTree, Place};
+pub use dump::Dump;
 pub use finding::{Finding, Moment};
 pub use recorder::{RecordOptions, Recorder};
 pub use replay::{Divergence, Playback, Replay, ReplayError};

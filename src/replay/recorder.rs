@@ -9,7 +9,7 @@ use super::snapshot::Saved;
 use crate::error::Error;
 use crate::math::Random;
 use crate::wire::Write as _;
-use crate::world::{Command, Inputs, Made, Outcome, StepReport, World};
+use crate::world::{Command, Driver, Inputs, Made, Outcome, StepReport, World};
 
 /// A chunk of ticks has as many: what is lost when a recording is cut off.
 const SEGMENT: u32 = 64;
@@ -200,5 +200,16 @@ impl Recorder {
         let mut bytes = Vec::new();
         Saved(world).write(&mut bytes);
         chunk::write(&mut self.file, SNAPSHOT, &bytes);
+    }
+}
+
+/// Ticks without players: all commands are the level's own.
+impl Driver for Recorder {
+    fn execute(&mut self, world: &mut World, command: &Command) -> Result<Made, Error> {
+        Self::execute(self, world, command)
+    }
+
+    fn step(&mut self, world: &mut World) {
+        Self::step(self, world, &Inputs::new());
     }
 }

@@ -10,6 +10,7 @@ use core::fmt;
 use super::LAW;
 use super::chunk::{self, Chunk, Damage};
 use super::difference::{Place, name_of};
+use super::dump::{Instant, LAWS, MOMENT};
 use super::file::{DONE, Done, FORMAT, HEAD, Head, MAGIC, SNAPSHOT, Segment, TICKS, Tick};
 use super::finding::{Finding, Moment};
 use super::snapshot::{self, Saved, SnapshotError};
@@ -296,7 +297,7 @@ impl Replay {
 }
 
 /// In what that which is done in a tick differs.
-fn doings_differ(tick: u64, ours: &Tick, theirs: &Tick) -> Option<Finding> {
+pub(super) fn doings_differ(tick: u64, ours: &Tick, theirs: &Tick) -> Option<Finding> {
     if ours.calls == theirs.calls && ours.inputs == theirs.inputs {
         return None;
     }
@@ -373,12 +374,12 @@ impl Place {
 }
 
 /// What is wrong with a chunk as a whole.
-fn malformed(chunk: u32, expected: &'static str) -> ReplayError {
+pub(super) fn malformed(chunk: u32, expected: &'static str) -> ReplayError {
     ReplayError::Malformed { chunk, malformed: Malformed { at: 0, expected } }
 }
 
 /// The value that a chunk is.
-fn whole<T: Read>(chunk: &Chunk, number: u32) -> Result<T, ReplayError> {
+pub(super) fn whole<T: Read>(chunk: &Chunk, number: u32) -> Result<T, ReplayError> {
     let mut reader = Reader::new(&chunk.bytes);
     let value = T::read(&mut reader);
     value
@@ -396,7 +397,7 @@ fn read_snapshot(chunk: &Chunk, number: u32, laws: &[Arc<dyn ForceLaw>]) -> Resu
 }
 
 /// Refuses a chunk that was changed, and says in what. `tick` is the one the chunks before it lead up to.
-fn sound(chunk: &Chunk, number: u32, tick: u64, laws: &[Arc<dyn ForceLaw>]) -> Result<(), ReplayError> {
+pub(super) fn sound(chunk: &Chunk, number: u32, tick: u64, laws: &[Arc<dyn ForceLaw>]) -> Result<(), ReplayError> {
     let Some(damage) = chunk.damage else { return Ok(()) };
     let in_frame = |part: &str, recorded: String, found: String| Finding {
         tick,
@@ -454,7 +455,7 @@ struct Told {
 
 enum Subject {
     File(Moment),
-    World(Box<World>),
+    World(Box<World>, Moment),
     Ticks(Segment),
 }
 
@@ -463,9 +464,9 @@ impl Subject {
     fn place(&self, tick: u64, path: &[Part]) -> (u64, Moment, Place, String) {
         match self {
             Self::File(moment) => (tick, *moment, Place::World, name_of(path)),
-            Self::World(world) => {
+            Self::World(world, moment) => {
                 let (place, path) = world.place(path);
-                (world.tick(), Moment::Start, place, name_of(path))
+                (world.tick(), *moment, place, name_of(path))
             }
             Self::Ticks(segment) => match *path {
                 [Part::Name("ticks"), Part::Entry(i), ..] => {
@@ -486,11 +487,18 @@ fn tell(chunk: &Chunk, bytes: &[u8], laws: &[Arc<dyn ForceLaw>]) -> Option<Told>
         DONE => (Index::of(&Done::read(&mut reader).ok()?).leaves, Subject::File(Moment::End)),
         SNAPSHOT => {
             let world = snapshot::read(&mut reader, laws).ok()?;
-            (Index::of(&Saved(&world)).leaves, Subject::World(Box::new(world)))
+            (Index::of(&Saved(&world)).leaves, Subject::World(Box::new(world), Moment::Start))
         }
         TICKS => {
             let segment = Segment::read(&mut reader).ok()?;
             (Index::of(&segment).leaves, Subject::Ticks(segment))
+        }
+        LAWS => (Index::of(&u32::read(&mut reader).ok()?).leaves, Subject::File(Moment::Start)),
+        MOMENT => {
+            let moment = Moment::read(&mut reader).ok()?;
+            let world = if bool::read(&mut reader).ok()? { snapshot::read(&mut reader, laws).ok() } else { None };
+            let leaves = Index::of(&Instant { moment, world: world.as_ref() }).leaves;
+            (leaves, world.map_or(Subject::File(moment), |world| Subject::World(Box::new(world), moment)))
         }
         _ => return None,
     };

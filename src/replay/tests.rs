@@ -10,7 +10,7 @@ use super::chunk::{self, Chunk, Tag};
 use super::difference::name_of;
 use super::file::{DONE, Done, FORMAT, HEAD, Head, MAGIC, SNAPSHOT, Segment, TICKS};
 use super::snapshot::{self, Saved};
-use super::{Divergence, LAW, Moment, Place, RecordOptions, Recorder, Replay, ReplayError};
+use super::{Divergence, Dump, LAW, Moment, Place, RecordOptions, Recorder, Replay, ReplayError};
 use crate::body::{BodyDef, BodyKind, Mass};
 use crate::force::{Attachment, BodyState, Dependence, End, Field, ForceLaw, Law, LawFault, Push, Region};
 use crate::fx;
@@ -434,4 +434,111 @@ fn the_first_difference_of_two_replays_is_named() {
     assert!(matches!(finding.moment, Moment::Calls | Moment::Inputs));
     assert!(finding.field.ends_with("action.force.x"), "{finding}");
     assert_eq!((finding.recorded.as_deref(), finding.found.is_some()), (Some("1"), true));
+}
+
+/// Two sides of a tick, each with what it did to its own world.
+fn parted(act: impl FnOnce(&mut World), end: impl FnOnce(&mut World)) -> [Dump; 2] {
+    let replay = Replay::from_bytes(&recording(), &laws()).expect("it is whole");
+    let before = replay.start().clone();
+    let body = BodyId::from_parts(1, 0);
+    let push = |world: &mut World| world.apply_force(body, vec2(1, 0)).expect("it is dynamic");
+    let mut here = before.clone();
+    push(&mut here);
+    here.step();
+    let ours = Dump::of_game(&before, push, &here);
+    let mut there = before.clone();
+    push(&mut there);
+    act(&mut there);
+    let acted = there.clone();
+    there.step();
+    end(&mut there);
+    let theirs = Dump::of_game(&before, |world| world.clone_from(&acted), &there);
+    [ours, theirs].map(|dump| {
+        let bytes = dump.to_bytes();
+        let read = Dump::from_bytes(&bytes, &laws()).expect("it is whole");
+        assert_eq!(read.to_bytes(), bytes);
+        assert_eq!(read.first_difference(&dump), None);
+        read
+    })
+}
+
+#[test]
+fn dumps_of_a_desync_name_where_it_begins() {
+    let body = BodyId::from_parts(1, 0);
+    let [ours, theirs] = parted(|_| {}, |_| {});
+    assert_eq!(ours.first_difference(&theirs), None);
+
+    // Other doings.
+    let [ours, theirs] = parted(|world| world.apply_force(body, vec2(0, Fx::DELTA)).expect("it is dynamic"), |_| {});
+    let found = ours.first_difference(&theirs).expect("they differ");
+    assert_eq!((found.tick, found.moment, found.place), (9, Moment::Calls, Place::Body(body)), "{found}");
+    assert_eq!(found.field, "applied.force.y");
+
+    // A machine that computes something else, or whose memory failed.
+    let nudge = |world: &mut World| {
+        let place = world.body(body).expect("it is there").position();
+        world.set_position(body, place + vec2(Fx::DELTA, 0)).expect("near");
+    };
+    let [ours, theirs] = parted(|_| {}, nudge);
+    let found = ours.first_difference(&theirs).expect("they differ");
+    assert_eq!((found.moment, found.place), (Moment::End, Place::Body(body)), "{found}");
+    assert_eq!(found.field, "position.x");
+    assert!(found.recorded.is_some() && found.found.is_some() && found.recorded != found.found);
+}
+
+/// Rises by an ulp of a newton where the version says so: a build that computes something else.
+struct Lift(Fx);
+
+impl ForceLaw for Lift {
+    fn id(&self) -> u64 {
+        1
+    }
+    fn version(&self) -> u32 {
+        1
+    }
+    fn depends_on(&self) -> Dependence {
+        Dependence::Position
+    }
+    fn push(&self, _: &BodyState) -> Result<Push, LawFault> {
+        Ok(Push { force: vec2(0, self.0), torque: Fx::ZERO })
+    }
+}
+
+#[test]
+fn a_machine_that_computes_another_force_is_found_at_the_stage_it_acts_in() {
+    let dump = |force: Fx| {
+        let mut world = World::new(WorldDef::default()).expect("a world");
+        world.register_law(Arc::new(Lift(force))).expect("a law");
+        world.add_body(BodyDef::dynamic()).expect("a body");
+        let second = world.add_body(BodyDef { groups: 2, ..BodyDef::dynamic() }).expect("a body");
+        world.add_field(Field { law: Law::Custom { id: 1 }, groups: 2 }).expect("a field");
+        let before = world.clone();
+        world.step();
+        (Dump::of_tick(&before, &[], &Inputs::new(), &world), second)
+    };
+    let ((ours, body), (theirs, _)) = (dump(fx!(1)), dump(fx!(1.5)));
+    let found = ours.first_difference(&theirs).expect("they differ");
+    assert_eq!(found.moment, Moment::Stage { index: 1, verb: crate::integrate::Verb::Kick }, "{found}");
+    assert_eq!((found.place, &found.field[..]), (Place::Body(body), "velocity.y"), "{found}");
+}
+
+#[test]
+fn a_flipped_bit_in_a_dump_is_named() {
+    let [dump, _] = parted(|_| {}, |_| {});
+    let whole = dump.to_bytes();
+    let mut named = 0;
+    for (i, at) in (0..whole.len()).step_by(7).enumerate() {
+        let mut changed = whole.clone();
+        changed[at] ^= 1 << (i % 8);
+        match Dump::from_bytes(&changed, &laws()) {
+            Err(ReplayError::Tampered(finding)) => {
+                assert!(finding.recorded != finding.found && finding.found.is_some(), "{at}: {finding}");
+                named += 1;
+            }
+            Err(ReplayError::Foreign | ReplayError::Format { .. }) => assert!(at < 12, "{at}"),
+            other => panic!("{at}: {other:?}"),
+        }
+        assert!(Dump::from_bytes(&whole[..at], &laws()).is_err());
+    }
+    assert!(named > 500, "{named}");
 }

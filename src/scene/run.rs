@@ -17,7 +17,7 @@ use crate::error::{Error, Quantity};
 use crate::handle::{BodyId, FieldId};
 use crate::math::TimeStep;
 use crate::scalar::{Scalar, Wide, fx::Fx};
-use crate::world::{Action, Command, Made, Manner, StepReport, World, WorldDef};
+use crate::world::{Action, Command, Driver, Made, Manner, StepReport, World, WorldDef};
 
 /// The world of a scene and what is still to be done to it.
 #[derive(Clone, Debug)]
@@ -64,10 +64,12 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
         run.bodies.resize(scene.bodies.len(), None);
         run.fields.resize(scene.fields.len(), None);
         for index in 0..scene.starting_bodies {
-            run.carry_out(&Deed::AddBody(index)).map_err(|e| scene.bodies[index].place.fault(run.explain(e)))?;
+            run.carry_out(&Deed::AddBody(index), &mut ())
+                .map_err(|e| scene.bodies[index].place.fault(run.explain(e)))?;
         }
         for index in 0..scene.starting_fields {
-            run.carry_out(&Deed::AddField(index)).map_err(|e| scene.fields[index].place.fault(run.explain(e)))?;
+            run.carry_out(&Deed::AddField(index), &mut ())
+                .map_err(|e| scene.fields[index].place.fault(run.explain(e)))?;
         }
         Ok(run)
     }
@@ -108,6 +110,31 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
     /// # Errors
     /// A [`SceneError`] at an input that the world refuses. What stood before it is done.
     pub fn advance(&mut self) -> Result<StepReport<'_, S>, SceneError> {
+        self.advance_by(&mut ())
+    }
+
+    /// The same by way of a driver, who carries out all that is done and steps the world: a
+    /// [`Recorder`](crate::Recorder) made of the world at the start has the run in a replay.
+    ///
+    /// ```
+    /// use umbra_physics::scene::Scene;
+    /// use umbra_physics::{RecordOptions, Recorder, Replay};
+    ///
+    /// let push = r#"{"at": 2, "body": "a", "impulse": [1, 0]}"#;
+    /// let scene = Scene::parse(&format!(r#"{{"bodies": [{{"name": "a"}}], "inputs": [{push}]}}"#))?;
+    /// let mut run = scene.start()?;
+    /// let mut recorder = Recorder::new(run.world(), RecordOptions::default());
+    /// for _ in 0..5 {
+    ///     run.advance_by(&mut recorder)?;
+    /// }
+    /// let replay = Replay::from_bytes(&recorder.finish(run.world()), &[])?;
+    /// assert_eq!((replay.end(), replay.verify()), (5, Ok(())));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`advance`](Self::advance).
+    pub fn advance_by(&mut self, driver: &mut impl Driver<S>) -> Result<StepReport<'_, S>, SceneError> {
         let tick = self.tick();
         let scene = self.scene;
         while let Some(&index) = self.order.get(self.begun).filter(|&&index| scene.inputs[index].from <= tick) {
@@ -117,21 +144,21 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
         let due: Vec<usize> = self.active.iter().copied().filter(|&i| scene.inputs[i].is_due(tick)).collect();
         for index in due {
             let Input { deed, place, .. } = &scene.inputs[index];
-            let done = self.carry_out(deed);
+            let done = self.carry_out(deed, driver);
             done.map_err(|error| place.fault(format_args!("at tick {tick}: {}", self.explain(error))))?;
         }
         self.active.retain(|&index| scene.inputs[index].to > tick);
-        self.world.step();
+        driver.step(&mut self.world);
         for _ in 1..self.steps {
-            let held = self.hold();
+            let held = self.hold(driver);
             held.map_err(|error| scene.place.fault(format_args!("at tick {tick}: {}", self.explain(error))))?;
-            self.world.step();
+            driver.step(&mut self.world);
         }
         Ok(self.world.last_report())
     }
 
     /// Applies over the next step what was applied over the last.
-    fn hold(&mut self) -> Result<(), Error> {
+    fn hold(&mut self, driver: &mut impl Driver<S>) -> Result<(), Error> {
         let manner = Manner { wake: false, ..Manner::default() };
         for applied in self.world.last_report().applied.to_vec() {
             let body = applied.body;
@@ -142,8 +169,9 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
             let force = force.ok_or(Error::OutOfRange { quantity: Quantity::Force })?;
             let torque = applied.torque().and_then(S::Wide::to_scalar);
             let torque = torque.ok_or(Error::OutOfRange { quantity: Quantity::Torque })?;
-            self.world.apply(body, Action::Force { force, point: None }, manner)?;
-            self.world.apply(body, Action::Torque(torque), manner)?;
+            for action in [Action::Force { force, point: None }, Action::Torque(torque)] {
+                driver.execute(&mut self.world, &Command::Apply { body, action, manner })?;
+            }
         }
         Ok(())
     }
@@ -164,34 +192,40 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
                     })
             );
             if !depends {
-                let done = self.carry_out(deed);
+                let done = self.carry_out(deed, &mut ());
                 done.map_err(|error| place.fault(format_args!("at tick {from}: {}", self.explain(error))))?;
             }
         }
         Ok(())
     }
 
-    fn carry_out(&mut self, deed: &Deed) -> Result<(), Error> {
-        match deed {
-            Deed::AddBody(index) => {
-                let body = self.world.add_body(self.scene.bodies[*index].def()?)?;
+    fn carry_out(&mut self, deed: &Deed, driver: &mut impl Driver<S>) -> Result<(), Error> {
+        let command = self.command(deed)?;
+        let made = driver.execute(&mut self.world, &command)?;
+        match (deed, made) {
+            (Deed::AddBody(index), Made::Body(body)) => {
                 self.bodies[*index] = Some(body);
                 self.indices.insert(body, *index);
             }
+            (Deed::AddField(index), Made::Field(field)) => self.fields[*index] = Some(field),
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// What a deed is to the world.
+    fn command(&self, deed: &Deed) -> Result<Command<S>, Error> {
+        Ok(match deed {
+            Deed::AddBody(index) => Command::AddBody(self.scene.bodies[*index].def()?),
             Deed::AddField(index) => {
-                let field = convert_field(&self.scene.fields[*index].field, &|body| self.body(body))?;
-                self.fields[*index] = Some(self.world.add_field(field)?);
+                Command::AddField(convert_field(&self.scene.fields[*index].field, &|body| self.body(body))?)
             }
             Deed::SetShape { body, shape } => {
                 let shape = shape.as_ref().map(ShapeDef::make).transpose()?;
-                self.world.set_shape(self.body(*body)?, shape)?;
+                Command::SetShape { body: self.body(*body)?, shape }
             }
-            Deed::Command(command) => {
-                let made = self.world.execute(&self.convert(command)?)?;
-                debug_assert_eq!(made, Made::Nothing, "what makes something is a deed of its own");
-            }
-        }
-        Ok(())
+            Deed::Command(command) => self.convert(command)?,
+        })
     }
 
     /// The handle of a body that a scene names by its index.

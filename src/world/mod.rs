@@ -4,6 +4,7 @@ mod bodies;
 mod body_ref;
 mod check;
 mod command;
+mod driver;
 mod fields;
 mod forces;
 mod game;
@@ -32,6 +33,7 @@ use crate::wire::wire_struct;
 
 pub use body_ref::BodyRef;
 pub use command::{Command, Made};
+pub use driver::Driver;
 pub use forces::{Action, Frame, Manner};
 pub use history::{History, TickReport};
 pub use inputs::{Input, Inputs, Outcome};

@@ -19,6 +19,12 @@ pub(crate) enum Failure {
     Option { what: String },
     /// The picture cannot be drawn.
     Picture { file: PathBuf, what: String },
+    /// Of these many files some are not as they should be.
+    Verify { bad: usize, of: usize, status: u8 },
+    /// Two recordings are not the same.
+    Differ { files: [PathBuf; 2] },
+    /// A file is nothing that can be compared.
+    Foreign { file: PathBuf },
     /// This machine does not give the golden digests.
     Selftest,
 }
@@ -35,11 +41,13 @@ impl Failure {
     /// 1 for a check that failed, 2 for bad usage or input.
     pub(crate) const fn status(&self) -> u8 {
         match self {
-            Self::Selftest => 1,
+            Self::Selftest | Self::Differ { .. } => 1,
+            Self::Verify { status, .. } => *status,
             Self::Scene { .. }
             | Self::Replay { .. }
             | Self::File { .. }
             | Self::Option { .. }
+            | Self::Foreign { .. }
             | Self::Picture { .. } => 2,
         }
     }
@@ -52,6 +60,9 @@ impl fmt::Display for Failure {
             Self::Replay { file, error } => write!(f, "{}: {error}", file.display()),
             Self::File { file, doing, error } => write!(f, "{}: cannot {doing}: {error}", file.display()),
             Self::Option { what } => f.write_str(what),
+            Self::Verify { bad, of, .. } => write!(f, "{bad} of {of} not as recorded"),
+            Self::Differ { files: [a, b] } => write!(f, "{} and {} are not the same", a.display(), b.display()),
+            Self::Foreign { file } => write!(f, "{}: {}", file.display(), ReplayError::Foreign),
             Self::Selftest => f.write_str("the self-test does not give the digests that every machine is to give"),
             Self::Picture { file, what } => write!(f, "{}: cannot draw: {what}", file.display()),
         }

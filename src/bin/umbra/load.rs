@@ -10,7 +10,7 @@ use umbra_physics::scene::Scene;
 use crate::failure::Failure;
 
 /// What a replay begins with, and no JSON does.
-const REPLAY: &[u8] = b"UMBRAREP";
+pub(crate) const REPLAY: &[u8] = b"UMBRAREP";
 
 /// A run in a file.
 pub(crate) enum Run {
@@ -25,8 +25,12 @@ pub(crate) fn run(file: &Path) -> Result<Run, Failure> {
     if !bytes.starts_with(REPLAY) {
         return parse(bytes, file).map(|scene| Run::Scene(Box::new(scene)));
     }
-    let replay = Replay::recovered(&bytes, &[]).map_err(|error| Failure::Replay { file: file.into(), error })?;
-    Ok(Run::Replay(Box::new(replay)))
+    replay(&bytes, file).map(|replay| Run::Replay(Box::new(replay)))
+}
+
+/// What is whole of the replay in these bytes of a file.
+pub(crate) fn replay(bytes: &[u8], file: &Path) -> Result<Replay, Failure> {
+    Replay::recovered(bytes, &[]).map_err(|error| Failure::Replay { file: file.into(), error })
 }
 
 /// The scene in a file.

@@ -1,4 +1,4 @@
-//! `umbra`: runs scenes of `umbra-physics` from files.
+//! `umbra`: runs scenes of `umbra-physics` from files, records and checks replays.
 //!
 //! Exit status 0: done; 1: a check failed; 2: bad usage or input.
 
@@ -6,15 +6,19 @@ mod chart;
 mod compare;
 mod cost;
 mod csv;
+mod diff;
 mod failure;
+mod finding;
 mod load;
 mod picture;
 mod progress;
+mod record;
 mod report;
 mod run;
 mod selftest;
 mod summary;
 mod truth;
+mod verify;
 mod view;
 
 use std::io::Write;
@@ -40,6 +44,10 @@ enum Task {
     Report(report::Options),
     /// Writes a page that plays a run.
     View(view::Options),
+    /// Runs replays again and compares every hash with the one recorded.
+    Verify(verify::Options),
+    /// Finds the first value in which two recordings part.
+    Diff(diff::Options),
     /// Runs the built-in scenes and compares their digests with those that every machine gives.
     Selftest(selftest::Options),
 }
@@ -51,6 +59,8 @@ fn main() -> ExitCode {
         Task::Compare(options) => compare::compare(&options),
         Task::Report(options) => report::report(&options),
         Task::View(options) => view::view(&options),
+        Task::Verify(options) => verify::verify(&options),
+        Task::Diff(options) => diff::diff(&options),
         Task::Selftest(options) => selftest::selftest(&options),
     };
     match done {

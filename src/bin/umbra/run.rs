@@ -1,19 +1,20 @@
 //! `umbra run`: a scene from a file, to its end.
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use clap::{Args, ValueEnum};
 use umbra_physics::scalar::ToF64;
 use umbra_physics::scene::{Scene, SceneRun};
-use umbra_physics::{Fx, Integrator, Scalar, WorldDef};
+use umbra_physics::{Driver, Fx, Integrator, RecordOptions, Scalar, WorldDef};
 
 use crate::csv::Table;
 use crate::failure::Failure;
 use crate::load;
 use crate::picture::Recorder;
 use crate::progress::progress;
+use crate::record::Recording;
 use crate::summary::{FaultLine, Summary, Totals};
 
 #[derive(Args)]
@@ -38,6 +39,15 @@ pub(crate) struct Options {
     /// Draws the ways of the bodies.
     #[arg(long, value_name = "FILE.svg")]
     plot: Option<PathBuf>,
+    /// Records the run as a replay, for `verify`, `diff` and `view`. The time it takes counts as that of the steps.
+    #[arg(long, value_name = "FILE")]
+    record: Option<PathBuf>,
+    /// Records a hash each so many ticks: how exactly a divergence is dated.
+    #[arg(long, value_name = "N", default_value_t = RecordOptions::default().hash_every, requires = "record", value_parser = clap::value_parser!(u32).range(1..))]
+    hash_every: u32,
+    /// Records a snapshot each so many ticks, 0 for one at the end alone: what a divergence is named by.
+    #[arg(long, value_name = "N", default_value_t = RecordOptions::default().snapshot_every, requires = "record")]
+    snapshot_every: u32,
     /// Prints the result as a JSON object.
     #[arg(long)]
     json: bool,
@@ -71,19 +81,45 @@ pub(crate) fn run(options: &Options) -> Result<(), Failure> {
             ),
         })?;
     }
-    match options.scalar {
-        Numbers::Fx => simulate::<Fx>(&scene, options),
-        Numbers::F64 => simulate::<f64>(&scene, options),
-        Numbers::F32 => simulate::<f32>(&scene, options),
+    match (options.scalar, &options.record) {
+        (Numbers::Fx, Some(file)) => record(&scene, options, file),
+        (_, Some(_)) => Err(Failure::Option { what: "--record goes with --scalar fx alone".to_owned() }),
+        (Numbers::Fx, None) => start::<Fx>(&scene, options),
+        (Numbers::F64, None) => start::<f64>(&scene, options),
+        (Numbers::F32, None) => start::<f32>(&scene, options),
     }
 }
 
-fn simulate<S: Scalar + ToF64>(scene: &Scene, options: &Options) -> Result<(), Failure>
+fn start<S: Scalar + ToF64>(scene: &Scene, options: &Options) -> Result<(), Failure>
+where
+    S::Wide: ToF64,
+{
+    let mut run = scene.start::<S>().map_err(Failure::scene(&options.scene))?;
+    simulate(scene, &mut run, &mut (), options)?.print(options.json);
+    Ok(())
+}
+
+fn record(scene: &Scene, options: &Options, file: &Path) -> Result<(), Failure> {
+    let Options { hash_every, snapshot_every, .. } = *options;
+    let mut run = scene.start::<Fx>().map_err(Failure::scene(&options.scene))?;
+    let mut recording = Recording::create(file, run.world(), RecordOptions { hash_every, snapshot_every })?;
+    let summary = simulate(scene, &mut run, &mut recording, options)?;
+    recording.finish(run.world())?;
+    summary.print(options.json);
+    Ok(())
+}
+
+/// Runs a scene to its end, with whatever was asked to be made on the way.
+fn simulate<S: Scalar + ToF64>(
+    scene: &Scene,
+    run: &mut SceneRun<'_, S>,
+    driver: &mut impl Driver<S>,
+    options: &Options,
+) -> Result<Summary, Failure>
 where
     S::Wide: ToF64,
 {
     let at_fault = Failure::scene(&options.scene);
-    let mut run = scene.start::<S>().map_err(&at_fault)?;
     let ticks = options.ticks.unwrap_or(scene.ticks);
     let mut table = options.csv.as_deref().map(|file| Table::create(file, options.every)).transpose()?;
     let mut recorder = options.plot.as_ref().map(|_| Recorder::new(scene, ticks));
@@ -96,10 +132,10 @@ where
         }
         table.as_mut().map_or(Ok(()), |table| table.write(run))
     };
-    observe(&run)?;
+    observe(run)?;
     for tick in 0..ticks {
         let started = Instant::now();
-        let report = run.advance().map_err(&at_fault)?;
+        let report = run.advance_by(driver).map_err(&at_fault)?;
         stepping += started.elapsed();
         let tick_faults = report.faults.to_vec();
         for fault in tick_faults {
@@ -107,7 +143,7 @@ where
             faults.push(FaultLine { tick: tick + 1, name, cause: fault.cause.to_string() });
         }
         body_steps += run.world().body_count() as u64;
-        observe(&run)?;
+        observe(run)?;
         progress.set_position(tick + 1);
     }
     progress.finish_and_clear();
@@ -116,9 +152,8 @@ where
     }
     let summary = Summary::new(scene, run.world(), before, faults, stepping, body_steps);
     if let (Some(recorder), Some(file)) = (&recorder, &options.plot) {
-        let svg = recorder.draw(&run).map_err(|what| Failure::Picture { file: file.clone(), what })?;
+        let svg = recorder.draw(run).map_err(|what| Failure::Picture { file: file.clone(), what })?;
         fs::write(file, svg).map_err(Failure::file(file, "write"))?;
     }
-    summary.print(options.json);
-    Ok(())
+    Ok(summary)
 }

@@ -14,8 +14,9 @@ use core::panic::PanicInfo;
 use dlmalloc::GlobalDlmalloc;
 use umbra_physics::scalar::Factor as _;
 use umbra_physics::{
-    Action, Attachment, BodyDef, BodyId, BodyKind, Command, End, Error, Field, FieldId, Frame, Fx, FxFactor,
-    Integrator, Law, Made, Manner, Mass, Part, Region, Shape, SpringLaw, TimeStep, Vec2, World, WorldDef, selftest,
+    Action, Attachment, BodyDef, BodyId, BodyKind, Command, End, Error, Field, FieldId, Frame, Fx, FxFactor, Inputs,
+    Integrator, Law, Made, Manner, Mass, Part, RecordOptions, Recorder, Region, Replay, Shape, Snapshot, SpringLaw,
+    TimeStep, Vec2, World, WorldDef, selftest,
 };
 
 #[global_allocator]
@@ -56,16 +57,77 @@ pub extern "C" fn hash(world: &World) -> u64 {
     world.state_hash()
 }
 
-/// The state, to go back to.
+/// So many bytes that the host writes into, where [`address`] says.
 #[unsafe(no_mangle)]
-pub extern "C" fn snapshot(world: &World) -> Box<World> {
-    Box::new(world.clone())
+pub extern "C" fn buffer(length: usize) -> Box<Vec<u8>> {
+    Box::new(alloc::vec![0; length])
 }
 
-/// Goes back to a state.
+/// Where bytes lie.
 #[unsafe(no_mangle)]
-pub extern "C" fn restore(world: &mut World, snapshot: &World) {
-    world.clone_from(snapshot);
+pub extern "C" fn address(bytes: &Vec<u8>) -> usize {
+    bytes.as_ptr() as usize
+}
+
+/// How many there are.
+#[unsafe(no_mangle)]
+pub extern "C" fn length(bytes: &Vec<u8>) -> usize {
+    bytes.len()
+}
+
+/// Ends bytes.
+#[unsafe(no_mangle)]
+pub extern "C" fn discard(bytes: Box<Vec<u8>>) {
+    drop(bytes);
+}
+
+/// The bytes of a snapshot.
+#[unsafe(no_mangle)]
+pub extern "C" fn snapshot(world: &World) -> Box<Vec<u8>> {
+    Box::new(world.snapshot().to_bytes())
+}
+
+/// Goes back to a snapshot: 0, or -1 if the bytes are none.
+#[unsafe(no_mangle)]
+pub extern "C" fn restore(world: &mut World, bytes: &Vec<u8>) -> i32 {
+    let Ok(snapshot) = Snapshot::from_bytes(bytes, &[]) else { return -1 };
+    world.restore(&snapshot);
+    0
+}
+
+/// Carries out a command that comes as bytes: 0, or -1 if they are none or it is refused.
+#[unsafe(no_mangle)]
+pub extern "C" fn execute(world: &mut World, bytes: &Vec<u8>) -> i32 {
+    let command = Command::from_bytes(bytes);
+    if command.is_ok_and(|command| world.execute(&command).is_ok()) { 0 } else { -1 }
+}
+
+/// Begins to record a world.
+#[unsafe(no_mangle)]
+pub extern "C" fn record(world: &World) -> Box<Recorder> {
+    Box::new(Recorder::new(world, RecordOptions::default()))
+}
+
+/// Moves a world on by a tick that is recorded.
+#[unsafe(no_mangle)]
+pub extern "C" fn record_step(recorder: &mut Recorder, world: &mut World) {
+    recorder.step(world, &Inputs::new());
+}
+
+/// Ends a recording: the bytes of the replay.
+#[unsafe(no_mangle)]
+pub extern "C" fn record_end(recorder: Box<Recorder>, world: &World) -> Box<Vec<u8>> {
+    Box::new(recorder.finish(world))
+}
+
+/// Runs a replay again: its number of ticks, -1 if it is none, -2 if it goes another way.
+#[unsafe(no_mangle)]
+pub extern "C" fn verify(bytes: &Vec<u8>) -> i64 {
+    let Ok(replay) = Replay::from_bytes(bytes, &[]) else { return -1 };
+    match replay.verify() {
+        Ok(()) => (replay.end() - replay.start().tick()) as i64,
+        Err(_) => -2,
+    }
 }
 
 /// A number of a body: 0 and 1 its place, 2 and 3 its velocity, 4 its angle, 5 its angular velocity, 6 and 7 the cosine and
@@ -98,8 +160,8 @@ pub extern "C" fn corpus() -> u64 {
 #[cfg(feature = "drawing")]
 #[unsafe(no_mangle)]
 pub extern "C" fn draw_x(world: &World, body: u64) -> f64 {
-    use umbra_physics::scalar::ToF64 as _;
-    world.body(body_id(body as i64)).map_or(0.0, |body| body.position().x.to_f64())
+    const ULP: f64 = 1.0 / 4_294_967_296.0;
+    world.body(body_id(body as i64)).map_or(0.0, |body| body.position().x.to_bits() as f64 * ULP)
 }
 
 fn body_id(word: i64) -> BodyId {

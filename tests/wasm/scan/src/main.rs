@@ -11,7 +11,7 @@ use wasmparser::{CompositeInnerType, Parser, Payload, ValType};
 const EXPORTS: [&str; 10] =
     ["create", "destroy", "step", "hash", "snapshot", "restore", "read", "texts", "corpus", "command"];
 
-/// The engine and its corpus have 333,000; a third of them would not be all of it.
+/// The engine and its corpus have 200,000; half of them would not be all of it.
 const FEWEST_INSTRUCTIONS: u64 = 100_000;
 
 #[derive(Default)]

@@ -1,0 +1,281 @@
+//! Desync dumps: one tick with all that is known of it, to be laid beside that of another machine.
+
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+
+use super::LAW;
+use super::chunk::{self, Chunk, Tag};
+use super::file::{DONE, Done, Segment, TICKS, Tick};
+use super::finding::{Finding, Moment};
+use super::replay::{ReplayError, doings_differ, malformed, sound, whole};
+use super::snapshot::{self, Saved, SnapshotError};
+use crate::force::ForceLaw;
+use crate::integrate::Verb;
+use crate::wire::{self, Malformed, Out, Read, Reader, Write};
+use crate::world::{Command, Inputs, World};
+
+/// The first bytes of a dump.
+const MAGIC: [u8; 8] = *b"UMBRADMP";
+/// The number of the format, in the four bytes after them. It moves when the layout does.
+const FORMAT: u32 = 1;
+
+/// The laws it was made under.
+pub(super) const LAWS: Tag = Tag(*b"LAWS");
+/// A moment, and the world then if it is another than at the moment before.
+pub(super) const MOMENT: Tag = Tag(*b"MOMT");
+
+/// A tick from the snapshot before it to the world after it: what was done, and the world after each stage.
+///
+/// When peers find at a tick that their hashes differ, each writes one of that tick, from a snapshot of the last they
+/// agreed on; [`first_difference`](Self::first_difference) of the two, or `umbra diff`, names the first value that is not
+/// the same on both.
+///
+/// ```
+/// use umbra_physics::{BodyDef, Dump, Inputs, Moment, Verb, World, WorldDef, fx, vec2};
+///
+/// let mut here: World = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() })?;
+/// let ball = here.add_body(BodyDef::dynamic())?;
+/// let mut there = here.clone();
+/// there.set_gravity(vec2(0, -9))?; // a peer with another level
+///
+/// let [before_here, before_there] = [here.snapshot(), there.snapshot()];
+/// here.step();
+/// there.step();
+/// assert_ne!(here.state_hash(), there.state_hash());
+/// let ours = Dump::of_tick(before_here.world(), &[], &Inputs::new(), &here);
+/// let theirs = Dump::of_tick(before_there.world(), &[], &Inputs::new(), &there);
+/// let found = ours.first_difference(&theirs).unwrap();
+/// assert_eq!((found.tick, found.moment), (0, Moment::Start));
+/// assert_eq!(found.field, "settings.gravity.y");
+/// assert_eq!(found.recorded.as_deref(), Some("-10"));
+/// # Ok::<(), umbra_physics::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Dump {
+    done: Tick,
+    moments: Vec<(Moment, World)>,
+}
+
+impl Write for Moment {
+    fn write(&self, out: &mut impl Out) {
+        let (tag, index, verb) = match *self {
+            Self::Start => (0, 0, Verb::Clear),
+            Self::Calls => (1, 0, Verb::Clear),
+            Self::Inputs => (2, 0, Verb::Clear),
+            Self::Stage { index, verb } => (3, index, verb),
+            Self::End => (4, 0, Verb::Clear),
+        };
+        out.leaf(&[tag], self);
+        if let Self::Stage { .. } = self {
+            wire::field(out, "index", &index);
+            wire::field(out, "verb", &verb);
+        }
+    }
+}
+
+impl Read for Moment {
+    fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {
+        let malformed = reader.malformed("the number of a moment");
+        Ok(match u8::read(reader)? {
+            0 => Self::Start,
+            1 => Self::Calls,
+            2 => Self::Inputs,
+            3 => Self::Stage { index: u32::read(reader)?, verb: Verb::read(reader)? },
+            4 => Self::End,
+            _ => return Err(malformed),
+        })
+    }
+}
+
+impl Dump {
+    /// Makes a tick once more from the world before it, looked at stage by stage; `after` is what it led to in the match.
+    ///
+    /// Calls come before inputs, as in a [`Recorder`](super::Recorder).
+    #[must_use]
+    pub fn of_tick(before: &World, calls: &[Command], inputs: &Inputs, after: &World) -> Self {
+        let mut world = before.clone();
+        for call in calls {
+            _ = world.execute(call);
+        }
+        let called = world.clone();
+        _ = world.carry_out(inputs);
+        let done = Tick { calls: calls.to_vec(), inputs: inputs.clone(), hash: Some(after.state_hash()) };
+        Self::of_step(before, called, world, after, done)
+    }
+
+    /// The same for a game that does more than inputs say: `act` is all it does to its world in the tick before it steps.
+    #[must_use]
+    pub fn of_game(before: &World, act: impl FnOnce(&mut World), after: &World) -> Self {
+        let mut world = before.clone();
+        act(&mut world);
+        let done = Tick { hash: Some(after.state_hash()), ..Tick::default() };
+        Self::of_step(before, world.clone(), world, after, done)
+    }
+
+    fn of_step(before: &World, called: World, mut world: World, after: &World, done: Tick) -> Self {
+        let mut moments =
+            alloc::vec![(Moment::Start, before.clone()), (Moment::Calls, called), (Moment::Inputs, world.clone()),];
+        let trace = world.step_traced();
+        let stages = trace.stages().zip(0..);
+        moments
+            .extend(stages.map(|((stage, world), index)| (Moment::Stage { index, verb: stage.verb }, world.clone())));
+        moments.push((Moment::End, after.clone()));
+        Self { done, moments }
+    }
+
+    /// The world at each moment of the tick.
+    pub fn moments(&self) -> impl ExactSizeIterator<Item = (Moment, &World)> {
+        self.moments.iter().map(|(moment, world)| (*moment, world))
+    }
+
+    /// The tick the world was at before.
+    #[must_use]
+    pub fn tick(&self) -> u64 {
+        self.moments.first().map_or(0, |(_, world)| world.tick())
+    }
+
+    /// The first value in which two machines were not the same in this tick: in the world before, in what was done, after
+    /// a stage, or at the end alone, if either computes another thing now than it did then. `None` if they were the same.
+    #[must_use]
+    pub fn first_difference(&self, other: &Self) -> Option<Finding> {
+        let tick = self.tick();
+        let mut theirs = other.moments.iter();
+        for (moment, world) in &self.moments {
+            if *moment == Moment::Calls {
+                if let Some(finding) = doings_differ(tick, &self.done, &other.done) {
+                    return Some(finding);
+                }
+            }
+            let Some((there, other)) = theirs.next() else { break };
+            // Stages that are not the same come from settings that are not, and these were compared before.
+            if moment != there {
+                break;
+            }
+            if let Some(found) = world.differences(other).into_iter().next() {
+                return Some(Finding::at(tick, *moment, found));
+            }
+        }
+        None
+    }
+
+    /// As bytes to mail, the same on every machine; `docs/formats.md` has them one by one.
+    #[must_use]
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut file = MAGIC.to_vec();
+        file.extend_from_slice(&FORMAT.to_le_bytes());
+        chunk::write(&mut file, LAWS, &LAW.to_le_bytes());
+        let mut bytes = Vec::new();
+        Segment { tick: self.tick(), ticks: alloc::vec![self.done.clone()] }.write(&mut bytes);
+        chunk::write(&mut file, TICKS, &bytes);
+        let mut last = None;
+        for (moment, world) in &self.moments {
+            let mut saved = Vec::new();
+            Saved(world).write(&mut saved);
+            bytes.clear();
+            let is_new = last.as_ref() != Some(&saved);
+            Instant { moment: *moment, world: is_new.then_some(world) }.write(&mut bytes);
+            chunk::write(&mut file, MOMENT, &bytes);
+            last = Some(saved);
+        }
+        bytes.clear();
+        let end = self.moments.last().map_or(0, |(_, world)| world.state_hash());
+        Done { tick: self.tick(), hash: end }.write(&mut bytes);
+        chunk::write(&mut file, DONE, &bytes);
+        file
+    }
+
+    /// The dump that is these bytes, of a world in which these laws of force may act.
+    ///
+    /// # Errors
+    /// A [`ReplayError`].
+    pub fn from_bytes(bytes: &[u8], laws: &[Arc<dyn ForceLaw>]) -> Result<Self, ReplayError> {
+        let mut reader = Reader::new(bytes);
+        if reader.take(MAGIC.len()).ok() != Some(&MAGIC) {
+            return Err(ReplayError::Foreign);
+        }
+        match u32::read(&mut reader) {
+            Ok(FORMAT) => {}
+            Ok(found) => return Err(ReplayError::Format { found, known: FORMAT }),
+            Err(_) => return Err(ReplayError::CutOff { tick: 0 }),
+        }
+        let mut number = 0;
+        let mut next = |tag: Option<Tag>| -> Result<(Chunk, u32), ReplayError> {
+            let chunk = chunk::read(&mut reader).ok_or(ReplayError::CutOff { tick: 0 })?;
+            number += 1;
+            sound(&chunk, number - 1, 0, laws)?;
+            match tag {
+                Some(tag) if tag != chunk.tag => Err(malformed(number - 1, "another chunk")),
+                _ => Ok((chunk, number - 1)),
+            }
+        };
+        let (chunk, at) = next(Some(LAWS))?;
+        match whole::<u32>(&chunk, at)? {
+            LAW => {}
+            found => return Err(ReplayError::Law { found, own: LAW }),
+        }
+        let (chunk, at) = next(Some(TICKS))?;
+        let segment: Segment = whole(&chunk, at)?;
+        let [done] = <[Tick; 1]>::try_from(segment.ticks).map_err(|_| malformed(at, "one tick"))?;
+        let mut moments: Vec<(Moment, World)> = Vec::new();
+        loop {
+            let (chunk, at) = next(None)?;
+            match chunk.tag {
+                MOMENT => {
+                    let moment = read_moment(&chunk, at, moments.last(), laws)?;
+                    moments.push(moment);
+                }
+                DONE => {
+                    let Done { tick, hash } = whole(&chunk, at)?;
+                    let is_it = |(_, world): &(Moment, World)| (world.state_hash()) == hash;
+                    let starts = moments.first().is_some_and(|(_, world)| world.tick() == tick);
+                    if !(starts && segment.tick == tick && moments.last().is_some_and(is_it)) {
+                        return Err(malformed(at, "the tick and the hash it ends with"));
+                    }
+                    break;
+                }
+                _ => return Err(malformed(at, "a moment")),
+            }
+        }
+        reader.end().map_err(|malformed| ReplayError::Malformed { chunk: number, malformed })?;
+        Ok(Self { done, moments })
+    }
+}
+
+/// A moment as it is written: with the world, if it is another than at the moment before.
+pub(super) struct Instant<'a> {
+    pub(super) moment: Moment,
+    pub(super) world: Option<&'a World>,
+}
+
+impl Write for Instant<'_> {
+    fn write(&self, out: &mut impl Out) {
+        let Self { moment, world } = self;
+        wire::field(out, "moment", moment);
+        wire::field(out, "is_new", &world.is_some());
+        if let Some(world) = world {
+            Saved(*world).write(out);
+        }
+    }
+}
+
+/// A moment, and the world then; `last` is the one before.
+fn read_moment(
+    chunk: &Chunk,
+    number: u32,
+    last: Option<&(Moment, World)>,
+    laws: &[Arc<dyn ForceLaw>],
+) -> Result<(Moment, World), ReplayError> {
+    let mut reader = Reader::new(&chunk.bytes);
+    let mut read = || -> Result<(Moment, World), SnapshotError> {
+        let moment = Moment::read(&mut reader)?;
+        let malformed = reader.malformed("a world");
+        let world = match (bool::read(&mut reader)?, last) {
+            (true, _) => snapshot::read(&mut reader, laws)?,
+            (false, Some((_, world))) => world.clone(),
+            (false, None) => return Err(malformed.into()),
+        };
+        reader.end()?;
+        Ok((moment, world))
+    };
+    read().map_err(|error| ReplayError::Snapshot { chunk: number, error })
+}

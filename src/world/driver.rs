@@ -1,0 +1,28 @@
+//! Who carries out what is done to a world.
+
+use super::{Command, Made, World};
+use crate::error::Error;
+use crate::scalar::{Scalar, fx::Fx};
+
+/// Carries out what is done to a world and steps it: `()` does no more, a [`Recorder`](crate::Recorder) keeps an account of
+/// it. A scene's run takes one (`SceneRun::advance_by`).
+pub trait Driver<S: Scalar = Fx> {
+    /// Carries out a command.
+    ///
+    /// # Errors
+    /// As [`World::execute`]; the world is as it was.
+    fn execute(&mut self, world: &mut World<S>, command: &Command<S>) -> Result<Made, Error>;
+
+    /// Steps.
+    fn step(&mut self, world: &mut World<S>);
+}
+
+impl<S: Scalar> Driver<S> for () {
+    fn execute(&mut self, world: &mut World<S>, command: &Command<S>) -> Result<Made, Error> {
+        world.execute(command)
+    }
+
+    fn step(&mut self, world: &mut World<S>) {
+        world.step();
+    }
+}
