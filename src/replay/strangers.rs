@@ -5,10 +5,11 @@ use alloc::vec::Vec;
 use super::chunk::{self, Chunk, Damage, Tag};
 use super::file::{SNAPSHOT, TICKS};
 use super::tests::{chunks, commands, file, laws, recording, reseal, values};
-use super::{RecordOptions, Recorder, Replay, Snapshot, SnapshotError};
+use super::{Dump, RecordOptions, Recorder, Replay, Snapshot, SnapshotError};
 use crate::body::{Activity, BodyDef, BodyKind};
 use crate::error::Error;
 use crate::handle::BodyId;
+use crate::integrate::Integrator;
 use crate::limits;
 use crate::math::{Random, vec2};
 use crate::scalar::{Accumulator as _, fx::Fx};
@@ -118,6 +119,42 @@ fn what_sleeps_could_have_fallen_asleep() {
     assert_eq!(asleep(def, BodyDef { angular_velocity: Fx::ONE, ..still() }), inconsistent);
     assert_eq!(asleep(def, BodyDef { kind: BodyKind::Static, ..still() }), inconsistent);
     assert_eq!(asleep(WorldDef { sleep_after: None, ..def }, still()), inconsistent);
+}
+
+#[test]
+fn a_dump_has_the_moments_of_its_tick_and_no_others() {
+    let mut world = World::new(WorldDef::default()).expect("a world");
+    let before = world.clone();
+    let to_yoshida = Command::SetIntegrator(Integrator::Yoshida4);
+    world.execute(&to_yoshida).expect("it is fair");
+    world.step();
+    let dump = Dump::of_tick(&before, &[to_yoshida], &Inputs::new(), &world).to_bytes();
+    assert_eq!(Dump::from_bytes(&dump, &[]).expect("it is whole").moments().len(), 3 + 19 + 1);
+    let mut reader = Reader::new(&dump[12..]);
+    let mut parts = Vec::new();
+    while let Some(chunk) = chunk::read(&mut reader) {
+        parts.push((chunk.tag, chunk.bytes));
+    }
+    // Laws and ticks come before the moments. One of them again, or one less; each that is told again costs a world.
+    for at in 2..parts.len() - 1 {
+        let (mut more, mut less) = (parts.clone(), parts.clone());
+        more.insert(at + 1, (parts[at].0, again(&parts[at].1)));
+        less.remove(at);
+        for forged in [more, less] {
+            let mut bytes = dump[..12].to_vec();
+            forged.iter().for_each(|(tag, part)| chunk::write(&mut bytes, *tag, part));
+            assert!(Dump::from_bytes(&bytes, &[]).is_err(), "chunk {at} of {}", forged.len());
+        }
+    }
+}
+
+/// The moment in a chunk, with the world of the moment before.
+fn again(chunk: &[u8]) -> Vec<u8> {
+    // A stage is five bytes more.
+    let moment = if chunk[0] == 3 { 6 } else { 1 };
+    let mut bytes = chunk[..moment].to_vec();
+    bytes.push(0);
+    bytes
 }
 
 /// Everything that can be asked of a world and done to it.
