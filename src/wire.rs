@@ -505,7 +505,11 @@ impl Write for TimeStep {
 
 impl Read for TimeStep {
     fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {
-        Ok(Self::ratio(u32::read(reader)?, u32::read(reader)?))
+        let malformed = reader.malformed("a time step in lowest terms");
+        let written = (u32::read(reader)?, u32::read(reader)?);
+        let step = Self::ratio(written.0, written.1);
+        // Each has one form: equal worlds have equal bytes.
+        if step.seconds() == written { Ok(step) } else { Err(malformed) }
     }
 }
 

@@ -11,7 +11,7 @@ use crate::error::Error;
 use crate::handle::BodyId;
 use crate::integrate::Integrator;
 use crate::limits;
-use crate::math::{Random, vec2};
+use crate::math::{Random, TimeStep, vec2};
 use crate::scalar::{Accumulator as _, fx::Fx};
 use crate::wire::Reader;
 use crate::world::{Command, Input, Inputs, World, WorldDef};
@@ -145,6 +145,23 @@ fn a_dump_has_the_moments_of_its_tick_and_no_others() {
             forged.iter().for_each(|(tag, part)| chunk::write(&mut bytes, *tag, part));
             assert!(Dump::from_bytes(&bytes, &[]).is_err(), "chunk {at} of {}", forged.len());
         }
+    }
+}
+
+#[test]
+fn a_time_step_is_in_lowest_terms() {
+    let bytes = |num: u32, den: u32| {
+        let mut bytes = Command::SetTimeStep(TimeStep::hz(60)).to_bytes();
+        bytes[1..5].copy_from_slice(&num.to_le_bytes());
+        bytes[5..].copy_from_slice(&den.to_le_bytes());
+        bytes
+    };
+    for (num, den) in [(2, 120), (0, 60), (7, 0), (60, 60)] {
+        assert!(Command::from_bytes(&bytes(num, den)).is_err(), "{num}/{den}");
+    }
+    for (num, den) in [(1, 60), (1001, 60_000), (0, 1), (1, 0), (0, 0)] {
+        let read = Command::from_bytes(&bytes(num, den)).map(|command| command.to_bytes());
+        assert_eq!(read, Ok(bytes(num, den)));
     }
 }
 
