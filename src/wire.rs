@@ -194,7 +194,19 @@ impl Sink {
 pub(crate) struct Index {
     path: Vec<Part>,
     end: usize,
+    wanted: Wanted,
     pub(crate) leaves: Vec<Leaf>,
+}
+
+/// Which values an index keeps: one takes some hundred bytes, however few it stands for.
+#[derive(Debug, Default)]
+pub(crate) enum Wanted {
+    #[default]
+    All,
+    /// The one that this byte belongs to.
+    At(usize),
+    /// Those at this path.
+    On(Vec<Part>),
 }
 
 /// A value that has no parts.
@@ -211,6 +223,13 @@ impl Index {
         let mut index = Self::default();
         value.write(&mut index);
         index
+    }
+
+    /// The first value that is wanted.
+    pub(crate) fn find(value: &impl Write, wanted: Wanted) -> Option<Leaf> {
+        let mut index = Self { wanted, ..Self::default() };
+        value.write(&mut index);
+        index.leaves.into_iter().next()
     }
 }
 
@@ -234,13 +253,16 @@ impl Out for Index {
     }
 
     fn leaf(&mut self, bytes: &[u8], value: &dyn Display) {
-        self.leaves.push(Leaf {
-            path: self.path.clone(),
-            at: self.end,
-            bytes: bytes.to_vec(),
-            text: value.to_string(),
-        });
-        self.end += bytes.len();
+        let (at, end) = (self.end, self.end + bytes.len());
+        let is_wanted = match &self.wanted {
+            Wanted::All => true,
+            Wanted::At(byte) => at <= *byte && *byte < end,
+            Wanted::On(path) => *path == self.path,
+        };
+        if is_wanted {
+            self.leaves.push(Leaf { path: self.path.clone(), at, bytes: bytes.to_vec(), text: value.to_string() });
+        }
+        self.end = end;
     }
 }
 
@@ -483,7 +505,11 @@ impl Write for TimeStep {
 
 impl Read for TimeStep {
     fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {
-        Ok(Self::ratio(u32::read(reader)?, u32::read(reader)?))
+        let malformed = reader.malformed("a time step in lowest terms");
+        let written = (u32::read(reader)?, u32::read(reader)?);
+        let step = Self::ratio(written.0, written.1);
+        // Each has one form: equal worlds have equal bytes.
+        if step.seconds() == written { Ok(step) } else { Err(malformed) }
     }
 }
 

@@ -3,7 +3,8 @@
 use allocation_counter::{AllocationInfo, measure};
 use umbra_physics::{
     Action, Attachment, BodyDef, BodyId, Command, End, Field, Fx, FxFactor, History, Inputs, Integrator, Law, Manner,
-    Mass, Shape, SpringLaw, Vec2, World, WorldDef, fx, scalar::Factor, vec2,
+    Mass, Place, RecordOptions, Recorder, Replay, ReplayError, Shape, SpringLaw, Vec2, World, WorldDef, fx,
+    scalar::Factor, vec2,
 };
 
 fn world(integrator: Integrator) -> World {
@@ -265,4 +266,20 @@ fn a_history_takes_nothing_from_the_heap_once_it_is_full() {
     }
     assert!(done_over > 500, "{done_over}");
     assert_eq!(taken, 0);
+}
+
+#[test]
+fn naming_a_changed_bit_takes_a_few_times_the_file() {
+    let mut world = world(Integrator::VelocityVerlet);
+    discs(&mut world, 2_000);
+    let mut file = Recorder::new(&world, RecordOptions::default()).finish(&world);
+    // In the first snapshot, amid its bodies.
+    let middle = file.len() / 4;
+    file[middle] ^= 1;
+    let took = measure(|| {
+        let error = Replay::from_bytes(&file, &[]).expect_err("it was changed");
+        assert!(matches!(error, ReplayError::Tampered(finding) if matches!(finding.place, Place::Body(_))));
+    });
+    let times = took.bytes_max / file.len() as u64;
+    assert!(times <= 12, "{times} times {} bytes", file.len());
 }

@@ -19,8 +19,8 @@ use umbra_physics::scalar::{Factor, FxSum, Span, Sum, Weight};
 use umbra_physics::{
     Action, Activity, AppliedForce, Attachment, BodyDef, BodyId, BodyKind, BodyState, Cause, Command, Dependence,
     Elapsed, End, Error, Fault, Field, FieldId, Frame, Fx, FxAccumulator, FxFactor, FxWide, Geometry, Input, Inputs,
-    Integrator, Law, LawFault, Made, Manner, Mass, MathError, Outcome, ParseFxError, Part, Push, Quantity, Random,
-    Region, Rot, Shape, SpringLaw, Stage, TimeStep, Turn, Vec2, Verb, World, WorldDef, fx, vec2,
+    Integrator, Irreversible, Law, LawFault, Made, Manner, Mass, MathError, Outcome, ParseFxError, Part, Push,
+    Quantity, Random, Region, Rot, Shape, SpringLaw, Stage, TimeStep, Turn, Vec2, Verb, World, WorldDef, fx, vec2,
 };
 
 fn through_both<T: Serialize + DeserializeOwned + PartialEq + Debug>(value: &T) {
@@ -140,6 +140,7 @@ fn errors() -> Vec<Error> {
         Error::Inconsistent,
         Error::TickForgotten { tick: 1, oldest: u64::MAX },
         Error::TickToCome { tick: 9, present: 8 },
+        Error::NotReversible { why: Irreversible::Velocity { field } },
     ]
 }
 
@@ -225,6 +226,19 @@ fn every_variant_of_every_enum_comes_back() {
         Action::Torque(fx!(0.1)),
         Action::Impulse { impulse: force, point: None },
         Action::AngularImpulse(Fx::MIN),
+    ]);
+    every_variant([
+        Irreversible::Scalar,
+        Irreversible::Integrator,
+        Irreversible::Start,
+        Irreversible::TimeStep,
+        Irreversible::Sleep,
+        Irreversible::Damping,
+        Irreversible::Velocity { field },
+        Irreversible::Quarantined { body: body(1) },
+        Irreversible::Pending,
+        Irreversible::Twice { body: body(1) },
+        Irreversible::Fault(Fault { body: body(1), cause: Cause::Position }),
     ]);
     every_variant([Made::Nothing, Made::Body(body(1)), Made::Field(field)]);
     every_variant([Weight::Whole, Weight::YoshidaOuter, Weight::YoshidaInner]);

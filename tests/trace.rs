@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use umbra_physics::scalar::{Accumulator, Factor};
 use umbra_physics::{
     Activity, Attachment, BodyDef, BodyId, End, Error, Field, Fx, FxFactor, FxWide, Integrator, Law, Mass, Quantity,
-    Region, Snapshot, SpringLaw, Stage, TimeStep, Vec2, Verb, World, WorldDef, fx, vec2,
+    Region, Snapshot, SpringLaw, Stage, TimeStep, Vec2, Verb, World, WorldDef, fx, limits, vec2,
 };
 
 #[path = "support/inputs.rs"]
@@ -275,4 +275,20 @@ fn a_body_pushed_beyond_the_envelope_is_quarantined_in_worlds_that_go_on() {
         }
         assert!(strayed, "{integrator:?}");
     }
+}
+
+#[test]
+fn a_body_beyond_the_envelope_by_less_than_an_ulp_is_not_released() {
+    let mut world: World = World::new(WorldDef { sleep_after: None, ..WorldDef::default() }).expect("fair");
+    let edge = Vec2::new(limits::POSITION, fx!(0));
+    let velocity = Vec2::new(Fx::from_bits(1), fx!(0));
+    let body = world.add_body(BodyDef { position: edge, velocity, ..BodyDef::dynamic() }).expect("fair");
+    let trace = world.step_traced();
+    assert_eq!(world.last_report().faults.len(), 1);
+    let (_, beyond) = trace.stages().find(|(stage, _)| stage.verb == Verb::Drift).expect("it drifts");
+    assert_eq!(beyond.body(body).expect("it is there").position(), edge);
+    let mut beyond = beyond.clone();
+    assert_eq!(beyond.release(body), Err(Error::OutOfRange { quantity: Quantity::Position }));
+    beyond.set_position(body, edge).expect("it is the last there is");
+    assert_eq!(beyond.release(body), Ok(()));
 }

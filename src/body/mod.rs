@@ -244,7 +244,11 @@ fn within<S: Scalar>(value: S, limit: Fx) -> bool {
 }
 
 /// What [`check_position`] and its like ask, of what a step left.
-fn within_envelope<S: Scalar>(pair: Vec2<S::Accumulator>, limit: Fx, quantity: Quantity) -> Result<(), Error> {
+pub(crate) fn within_envelope<S: Scalar>(
+    pair: Vec2<S::Accumulator>,
+    limit: Fx,
+    quantity: Quantity,
+) -> Result<(), Error> {
     let limit = S::from_fx(limit);
     check(pair.x.is_within(limit) && pair.y.is_within(limit), quantity)
 }

@@ -14,7 +14,7 @@ use super::{
 use crate::error::{Error, Quantity};
 use crate::limits;
 use crate::math::Vec2;
-use crate::scalar::{Factor, Scalar, fx::Fx};
+use crate::scalar::{Accumulator as _, Factor, Scalar, fx::Fx};
 use crate::shape::Shape;
 use crate::wire::{self, Malformed, Out, Part, Read, Reader, Write, wire_struct};
 
@@ -74,6 +74,11 @@ impl<S: Scalar> Record<S> {
         let moves = self.velocity != Vec2::new(none, none) || self.angular_velocity != none;
         if self.kind == BodyKind::Static && moves {
             return Err(Error::OutOfRange { quantity: Quantity::Velocity });
+        }
+        let is_still = |v: S::Accumulator| v.is_still();
+        let rests = is_still(self.velocity.x) && is_still(self.velocity.y) && is_still(self.angular_velocity);
+        if self.activity == Activity::Asleep && (self.kind == BodyKind::Static || !rests) {
+            return Err(Error::Inconsistent);
         }
         check_gravity_scale(self.gravity_scale)?;
         self.linear_damping.map_or(Ok(()), check_damping)?;

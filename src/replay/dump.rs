@@ -221,13 +221,16 @@ impl Dump {
             let (chunk, at) = next(None)?;
             match chunk.tag {
                 MOMENT => {
-                    let moment = read_moment(&chunk, at, moments.last(), laws)?;
+                    let moment = read_moment(&chunk, at, &moments, laws)?;
                     moments.push(moment);
                 }
                 DONE => {
                     let Done { tick, hash } = whole(&chunk, at)?;
                     let is_it = |(_, world): &(Moment, World)| (world.state_hash()) == hash;
                     let starts = moments.first().is_some_and(|(_, world)| world.tick() == tick);
+                    if next_moment(&moments).is_some() {
+                        return Err(malformed(at, "the next moment"));
+                    }
                     if !(starts && segment.tick == tick && moments.last().is_some_and(is_it)) {
                         return Err(malformed(at, "the tick and the hash it ends with"));
                     }
@@ -258,18 +261,37 @@ impl Write for Instant<'_> {
     }
 }
 
-/// A moment, and the world then; `last` is the one before.
+/// The moment that comes after these. A tick has a few, each once: otherwise a file of them, a few bytes each, would be
+/// as many worlds.
+fn next_moment(before: &[(Moment, World)]) -> Option<Moment> {
+    Some(match before {
+        [] => Moment::Start,
+        [_] => Moment::Calls,
+        [_, _] => Moment::Inputs,
+        [_, _, (_, stepped), stages @ ..] => match stepped.def.integrator.stages().get(stages.len()) {
+            Some(stage) => Moment::Stage { index: stages.len() as u32, verb: stage.verb },
+            None if matches!(stages.last(), Some((Moment::End, _))) => return None,
+            None => Moment::End,
+        },
+    })
+}
+
+/// A moment after these, and the world then.
 fn read_moment(
     chunk: &Chunk,
     number: u32,
-    last: Option<&(Moment, World)>,
+    before: &[(Moment, World)],
     laws: &[Arc<dyn ForceLaw>],
 ) -> Result<(Moment, World), ReplayError> {
     let mut reader = Reader::new(&chunk.bytes);
     let mut read = || -> Result<(Moment, World), SnapshotError> {
+        let malformed = reader.malformed("the next moment");
         let moment = Moment::read(&mut reader)?;
+        if next_moment(before) != Some(moment) {
+            return Err(malformed.into());
+        }
         let malformed = reader.malformed("a world");
-        let world = match (bool::read(&mut reader)?, last) {
+        let world = match (bool::read(&mut reader)?, before.last()) {
             (true, _) => snapshot::read(&mut reader, laws)?,
             (false, Some((_, world))) => world.clone(),
             (false, None) => return Err(malformed.into()),

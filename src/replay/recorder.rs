@@ -67,6 +67,8 @@ pub struct Recorder {
     segment: Vec<u8>,
     ticks: u32,
     calls: Vec<Command>,
+    /// The world before the first of these calls, if there are any.
+    uncalled: Option<World>,
     outcomes: Vec<Outcome>,
     random: Random,
     blob: Vec<u8>,
@@ -89,6 +91,7 @@ impl Recorder {
             segment: Vec::new(),
             ticks: 0,
             calls: Vec::new(),
+            uncalled: None,
             outcomes: Vec::new(),
             random: *world.random(),
             blob: world.blob().to_vec(),
@@ -102,6 +105,13 @@ impl Recorder {
     /// # Errors
     /// As [`World::execute`]; then nothing is recorded.
     pub fn execute(&mut self, world: &mut World, command: &Command) -> Result<Made, Error> {
+        world.check(command)?;
+        if self.calls.is_empty() {
+            match &mut self.uncalled {
+                Some(uncalled) => uncalled.clone_from(world),
+                None => self.uncalled = Some(world.clone()),
+            }
+        }
         let made = world.execute(command)?;
         self.calls.push(command.clone());
         Ok(made)
@@ -148,10 +158,15 @@ impl Recorder {
     }
 
     /// Ends the recording with the world as the last step left it, and gives the rest of the file: all of it if nothing was
-    /// taken before.
+    /// taken before. What was done since is of no tick, and not recorded.
     #[must_use]
     pub fn finish(mut self, world: &World) -> Vec<u8> {
         self.finish_segment();
+        let uncalled = self.uncalled.take().filter(|_| !self.calls.is_empty());
+        let mut world = uncalled.unwrap_or_else(|| world.clone());
+        world.random = self.random;
+        world.blob.clone_from(&self.blob);
+        let world = &world;
         if self.options.snapshot_every == 0 || world.tick() % u64::from(self.options.snapshot_every) != 0 {
             self.write_snapshot(world);
         }

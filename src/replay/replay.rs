@@ -15,7 +15,7 @@ use super::file::{DONE, Done, FORMAT, HEAD, Head, MAGIC, SNAPSHOT, Segment, TICK
 use super::finding::{Finding, Moment};
 use super::snapshot::{self, Saved, SnapshotError};
 use crate::force::ForceLaw;
-use crate::wire::{Index, Leaf, Malformed, Part, Read, Reader};
+use crate::wire::{Index, Leaf, Malformed, Part, Read, Reader, Wanted};
 use crate::world::{Command, Outcome, World};
 
 /// A recorded run: the world it began with, what was done tick by tick, and the hashes that came of it.
@@ -240,6 +240,12 @@ impl Replay {
         self.done.is_some()
     }
 
+    /// The later snapshot of a tick: their ticks rise.
+    fn snapshot_at(&self, tick: u64) -> Option<&World> {
+        let index = self.snapshots.binary_search_by_key(&tick, World::tick).ok()?;
+        self.snapshots.get(index)
+    }
+
     /// Plays it from its start.
     #[must_use]
     pub fn play(&self) -> Playback<'_> {
@@ -282,7 +288,7 @@ impl Replay {
     fn named_at_a_snapshot(&self, other: &Self, tick: u64, ours: u64, theirs: u64) -> Finding {
         let later = self.snapshots.iter().filter(|world| world.tick() > tick);
         let differs = later.into_iter().find_map(|world| {
-            let there = other.snapshots.iter().find(|there| there.tick() == world.tick())?;
+            let there = other.snapshot_at(world.tick())?;
             let found = world.differences(there).into_iter().next()?;
             Some(Finding::at(world.tick() - 1, Moment::End, found))
         });
@@ -429,24 +435,18 @@ fn changed_leaf(chunk: &Chunk, at: usize, found: u64, tick: u64, laws: &[Arc<dyn
     let length = 8.min(there.len() - at);
     there[at..at + length].copy_from_slice(&found.to_le_bytes()[..length]);
     let first = (at..at + length).find(|&i| there[i] != chunk.bytes[i])?;
-    let told = |bytes: &[u8]| tell(chunk, bytes, laws);
-    let recorded = told(&chunk.bytes)?;
-    let holds = |leaf: &&Leaf| leaf.at <= first && first < leaf.at + leaf.bytes.len();
-    let leaf = recorded.leaves.iter().find(holds)?;
-    let hex = || there[leaf.at..leaf.at + leaf.bytes.len()].iter().map(|byte| format!("{byte:02x}")).collect();
+    let (leaf, subject) = tell(chunk, &chunk.bytes, laws, Wanted::At(first))?;
+    let leaf = leaf?;
+    let found_bytes = there.get(leaf.at..leaf.at + leaf.bytes.len())?;
+    let hex = || found_bytes.iter().map(|byte| format!("{byte:02x}")).collect();
     // What is there as a value, if it is one; else its bytes.
-    let value = told(&there).and_then(|told| told.leaves.into_iter().find(|other| other.path == leaf.path));
+    let value = tell(chunk, &there, laws, Wanted::On(leaf.path.clone())).and_then(|(leaf, _)| leaf);
     let value = value.map_or_else(hex, |leaf| leaf.text);
-    let (tick, moment, place, field) = recorded.subject.place(tick, &leaf.path);
-    Some(Finding { tick, moment, place, field, recorded: Some(leaf.text.clone()), found: Some(value) })
+    let (tick, moment, place, field) = subject.place(tick, &leaf.path);
+    Some(Finding { tick, moment, place, field, recorded: Some(leaf.text), found: Some(value) })
 }
 
-/// What a chunk says, value by value, and whereof.
-struct Told {
-    leaves: Vec<Leaf>,
-    subject: Subject,
-}
-
+/// What a chunk is about.
 enum Subject {
     File(Moment),
     World(Box<World>, Moment),
@@ -474,29 +474,29 @@ impl Subject {
     }
 }
 
-fn tell(chunk: &Chunk, bytes: &[u8], laws: &[Arc<dyn ForceLaw>]) -> Option<Told> {
+/// A value that a chunk has, if there is such a one, and what the chunk is about.
+fn tell(chunk: &Chunk, bytes: &[u8], laws: &[Arc<dyn ForceLaw>], wanted: Wanted) -> Option<(Option<Leaf>, Subject)> {
     let mut reader = Reader::new(bytes);
-    let (leaves, subject) = match chunk.tag {
-        HEAD => (Index::of(&Head::read(&mut reader).ok()?).leaves, Subject::File(Moment::Start)),
-        DONE => (Index::of(&Done::read(&mut reader).ok()?).leaves, Subject::File(Moment::End)),
+    Some(match chunk.tag {
+        HEAD => (Index::find(&Head::read(&mut reader).ok()?, wanted), Subject::File(Moment::Start)),
+        DONE => (Index::find(&Done::read(&mut reader).ok()?, wanted), Subject::File(Moment::End)),
         SNAPSHOT => {
             let world = snapshot::read(&mut reader, laws).ok()?;
-            (Index::of(&Saved(&world)).leaves, Subject::World(Box::new(world), Moment::Start))
+            (Index::find(&Saved(&world), wanted), Subject::World(Box::new(world), Moment::Start))
         }
         TICKS => {
             let segment = Segment::read(&mut reader).ok()?;
-            (Index::of(&segment).leaves, Subject::Ticks(segment))
+            (Index::find(&segment, wanted), Subject::Ticks(segment))
         }
-        LAWS => (Index::of(&u32::read(&mut reader).ok()?).leaves, Subject::File(Moment::Start)),
+        LAWS => (Index::find(&u32::read(&mut reader).ok()?, wanted), Subject::File(Moment::Start)),
         MOMENT => {
             let moment = Moment::read(&mut reader).ok()?;
             let world = if bool::read(&mut reader).ok()? { snapshot::read(&mut reader, laws).ok() } else { None };
-            let leaves = Index::of(&Instant { moment, world: world.as_ref() }).leaves;
-            (leaves, world.map_or(Subject::File(moment), |world| Subject::World(Box::new(world), moment)))
+            let leaf = Index::find(&Instant { moment, world: world.as_ref() }, wanted);
+            (leaf, world.map_or(Subject::File(moment), |world| Subject::World(Box::new(world), moment)))
         }
         _ => return None,
-    };
-    Some(Told { leaves, subject })
+    })
 }
 
 /// A replay on its way.
@@ -549,7 +549,7 @@ impl Playback<'_> {
         if !self.advance() {
             return Ok(false);
         }
-        let snapshot = self.replay.snapshots.iter().find(|snapshot| snapshot.tick() == at + 1);
+        let snapshot = self.replay.snapshot_at(at + 1);
         let done = self.replay.done.filter(|done| done.tick == at + 1);
         let recorded = [self.recorded_hash(), snapshot.map(World::state_hash), done.map(|done| done.hash)];
         let mut recorded = recorded.into_iter().flatten().peekable();

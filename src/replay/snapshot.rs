@@ -29,7 +29,7 @@ const FORMAT: u32 = 1;
 /// bytes it is the same on every machine, and takes less than 256 bytes for a body with a circle.
 ///
 /// A world that is restored is that world: it has the same hash, handles and future, in another process or on another
-/// machine as well. Its reports start anew, but for the bodies that calls had woken. What was made after the snapshot is
+/// machine as well. Read from bytes its reports start anew, but for the bodies that calls had woken. What was made after the snapshot is
 /// gone with it: a handle from that abandoned future may come to name another body.
 ///
 /// ```
@@ -379,6 +379,9 @@ fn read_state(reader: &mut Reader<'_>, laws: &[Arc<dyn ForceLaw>]) -> Result<Wor
     world.bodies = Bodies::rebuilt(&slots, free, keep_last, &mut tunings, &climate)?;
     world.tunings = Arc::new(tunings);
     for (record, _) in slots.iter().filter_map(|(_, occupant)| occupant.as_ref()) {
+        if record.activity == Activity::Asleep && def.sleep_after.is_none() {
+            return Err(Error::Inconsistent.into());
+        }
         if stops(record.linear_damping) || stops(record.angular_damping) {
             return Err(Error::DampingHasNoInverse.into());
         }

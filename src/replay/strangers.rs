@@ -2,14 +2,17 @@
 
 use alloc::vec::Vec;
 
-use super::chunk::{self, Damage, Tag};
+use super::chunk::{self, Chunk, Damage, Tag};
 use super::file::{SNAPSHOT, TICKS};
 use super::tests::{chunks, commands, file, laws, recording, reseal, values};
-use super::{RecordOptions, Recorder, Replay, Snapshot};
-use crate::body::{Activity, BodyDef};
+use super::{Dump, RecordOptions, Recorder, Replay, Snapshot, SnapshotError};
+use crate::body::{Activity, BodyDef, BodyKind};
+use crate::error::Error;
 use crate::handle::BodyId;
-use crate::math::Random;
-use crate::scalar::Accumulator as _;
+use crate::integrate::Integrator;
+use crate::limits;
+use crate::math::{Random, TimeStep, vec2};
+use crate::scalar::{Accumulator as _, fx::Fx};
 use crate::wire::Reader;
 use crate::world::{Command, Input, Inputs, World, WorldDef};
 
@@ -56,18 +59,24 @@ fn ticks_of_the_shortest_commands_are_read() {
     }
 }
 
-/// The first snapshot of the recording with values changed, its hash and seal made right again.
-fn forged(changes: &[(&str, &[u8])]) -> Vec<u8> {
-    let all = chunks(&recording());
-    let (chunk, _) = all.iter().find(|(chunk, _)| chunk.tag == SNAPSHOT).expect("one");
-    let mut bytes = chunk.bytes.clone();
+/// A snapshot with values changed, its hash and seal made right again.
+fn forged_from(bytes: Vec<u8>, changes: &[(&str, &[u8])]) -> Vec<u8> {
+    let chunk = Chunk { tag: SNAPSHOT, bytes, damage: None };
+    let all = values(&chunk);
+    let mut bytes = chunk.bytes;
     for (name, value) in changes {
-        let (at, length, ..) = values(chunk).into_iter().find(|(_, _, there, _)| there == name).expect("a value");
-        assert_eq!(length, value.len());
-        bytes[at..at + length].copy_from_slice(value);
+        let (at, length, ..) = all.iter().find(|(_, _, there, _)| there == name).expect("a value");
+        assert_eq!(*length, value.len());
+        bytes[*at..at + length].copy_from_slice(value);
     }
     reseal(&mut bytes);
     bytes
+}
+
+/// The first snapshot of the recording, forged.
+fn forged(changes: &[(&str, &[u8])]) -> Vec<u8> {
+    let (chunk, _) = chunks(&recording()).into_iter().find(|(chunk, _)| chunk.tag == SNAPSHOT).expect("one");
+    forged_from(chunk.bytes, changes)
 }
 
 #[test]
@@ -95,8 +104,83 @@ fn a_quarantined_body_is_no_farther_off_than_a_step_can_take_one() {
     assert_eq!(world.body(BodyId::from_parts(3, 0)).expect("it is there").activity(), Activity::Quarantined);
 }
 
+#[test]
+fn what_sleeps_could_have_fallen_asleep() {
+    let asleep = |def: WorldDef, body: BodyDef| {
+        let mut world = World::new(def).expect("a world");
+        world.add_body(body).expect("a body");
+        Snapshot::from_bytes(&forged_from(world.snapshot().to_bytes(), &[("bodies[0].activity", &[1])]), &[]).map(drop)
+    };
+    let def = WorldDef::default();
+    let still = || BodyDef { gravity_scale: Fx::ZERO, ..BodyDef::dynamic() };
+    assert_eq!(asleep(def, still()), Ok(()));
+    let inconsistent = Err(SnapshotError::Invalid(Error::Inconsistent));
+    assert_eq!(asleep(def, BodyDef { velocity: vec2(0, 1), ..still() }), inconsistent);
+    assert_eq!(asleep(def, BodyDef { angular_velocity: Fx::ONE, ..still() }), inconsistent);
+    assert_eq!(asleep(def, BodyDef { kind: BodyKind::Static, ..still() }), inconsistent);
+    assert_eq!(asleep(WorldDef { sleep_after: None, ..def }, still()), inconsistent);
+}
+
+#[test]
+fn a_dump_has_the_moments_of_its_tick_and_no_others() {
+    let mut world = World::new(WorldDef::default()).expect("a world");
+    let before = world.clone();
+    let to_yoshida = Command::SetIntegrator(Integrator::Yoshida4);
+    world.execute(&to_yoshida).expect("it is fair");
+    world.step();
+    let dump = Dump::of_tick(&before, &[to_yoshida], &Inputs::new(), &world).to_bytes();
+    assert_eq!(Dump::from_bytes(&dump, &[]).expect("it is whole").moments().len(), 3 + 19 + 1);
+    let mut reader = Reader::new(&dump[12..]);
+    let mut parts = Vec::new();
+    while let Some(chunk) = chunk::read(&mut reader) {
+        parts.push((chunk.tag, chunk.bytes));
+    }
+    // Laws and ticks come before the moments. One of them again, or one less; each that is told again costs a world.
+    for at in 2..parts.len() - 1 {
+        let (mut more, mut less) = (parts.clone(), parts.clone());
+        more.insert(at + 1, (parts[at].0, again(&parts[at].1)));
+        less.remove(at);
+        for forged in [more, less] {
+            let mut bytes = dump[..12].to_vec();
+            forged.iter().for_each(|(tag, part)| chunk::write(&mut bytes, *tag, part));
+            assert!(Dump::from_bytes(&bytes, &[]).is_err(), "chunk {at} of {}", forged.len());
+        }
+    }
+}
+
+#[test]
+fn a_time_step_is_in_lowest_terms() {
+    let bytes = |num: u32, den: u32| {
+        let mut bytes = Command::SetTimeStep(TimeStep::hz(60)).to_bytes();
+        bytes[1..5].copy_from_slice(&num.to_le_bytes());
+        bytes[5..].copy_from_slice(&den.to_le_bytes());
+        bytes
+    };
+    for (num, den) in [(2, 120), (0, 60), (7, 0), (60, 60)] {
+        assert!(Command::from_bytes(&bytes(num, den)).is_err(), "{num}/{den}");
+    }
+    for (num, den) in [(1, 60), (1001, 60_000), (0, 1), (1, 0), (0, 0)] {
+        let read = Command::from_bytes(&bytes(num, den)).map(|command| command.to_bytes());
+        assert_eq!(read, Ok(bytes(num, den)));
+    }
+}
+
+/// The moment in a chunk, with the world of the moment before.
+fn again(chunk: &[u8]) -> Vec<u8> {
+    // A stage is five bytes more.
+    let moment = if chunk[0] == 3 { 6 } else { 1 };
+    let mut bytes = chunk[..moment].to_vec();
+    bytes.push(0);
+    bytes
+}
+
 /// Everything that can be asked of a world and done to it.
 fn use_up(mut world: World, random: &mut Random) {
+    if world.tick() > limits::TICK - 100 {
+        // It goes on, but soon to ticks that no snapshot may be of.
+        (0..100).for_each(|_| _ = world.step());
+        return;
+    }
     for body in world.bodies() {
         _ = (body.origin(), body.rotation(), body.applied_force(), body.applied_torque(), body.mass(), body.inertia());
         _ = (body.position_exact().map(|x| x.value()), body.angle(), body.velocity(), body.angular_velocity());

@@ -396,6 +396,28 @@ fn a_replay_of_another_law_is_refused_by_both_numbers() {
 }
 
 #[test]
+fn what_a_game_does_to_its_world_after_the_last_step_is_of_no_tick_recorded() {
+    for snapshot_every in [0, 3] {
+        let mut world = World::new(WorldDef::default()).expect("a world");
+        let mut recorder = Recorder::new(&world, RecordOptions { hash_every: 2, snapshot_every });
+        for tick in 0..3u8 {
+            recorder.step(&mut world, &Inputs::new());
+            // Between steps it is seen by the next one.
+            _ = world.random_mut().bits();
+            world.set_blob(&[tick]).expect("few");
+            recorder.execute(&mut world, &Command::AddBody(BodyDef::dynamic())).expect("there is room");
+            recorder.execute(&mut world, &Command::SetGravity(vec2(0, -1))).expect("it is fair");
+        }
+        let file = recorder.finish(&world);
+        let replay = Replay::from_bytes(&file, &[]).expect("it is whole");
+        assert_eq!(replay.verify(), Ok(()), "{snapshot_every}");
+        let mut playback = replay.play();
+        playback.seek(3);
+        assert_eq!((playback.world().blob(), playback.world().body_count()), (&[1][..], 2));
+    }
+}
+
+#[test]
 fn the_first_difference_of_two_replays_is_named() {
     let whole = recording();
     let ours = Replay::from_bytes(&whole, &laws()).expect("it is whole");

@@ -4,14 +4,15 @@
 use super::{World, WorldDef, check_gravity, check_sleep_after};
 use crate::body::{
     Activity, BodyDef, BodyKind, Mass, MassProperties, check_angle, check_angular_velocity, check_damping,
-    check_gravity_scale, check_position, check_velocity, mass_properties,
+    check_gravity_scale, check_position, check_velocity, mass_properties, within_envelope,
 };
-use crate::error::Error;
+use crate::error::{Error, Quantity};
 use crate::force::Field;
 use crate::handle::{BodyId, FieldId};
 use crate::integrate::Integrator;
+use crate::limits;
 use crate::math::{Elapsed, TimeStep, Vec2};
-use crate::scalar::{Accumulator, Scalar};
+use crate::scalar::Scalar;
 use crate::shape::Shape;
 
 // The calls on bodies; forces and impulses are in `forces.rs`.
@@ -86,9 +87,11 @@ impl<S: Scalar> World<S> {
             return Err(Error::NotQuarantined { body });
         }
         let motion = &self.bodies.columns.motion;
-        check_position(motion.position.get(dense).map(Accumulator::value))?;
-        check_velocity(motion.velocity.get(dense).map(Accumulator::value))?;
-        check_angular_velocity(motion.spin[dense].value())?;
+        // To the last bit, as the end of a step looks at it.
+        within_envelope::<S>(motion.position.get(dense), limits::POSITION, Quantity::Position)?;
+        within_envelope::<S>(motion.velocity.get(dense), limits::SPEED, Quantity::Velocity)?;
+        let spin = Vec2::new(motion.spin[dense], motion.spin[dense]);
+        within_envelope::<S>(spin, limits::ANGULAR_SPEED, Quantity::AngularVelocity)?;
         Ok(dense)
     }
 
