@@ -146,7 +146,7 @@ impl Out for Vec<u8> {
 }
 
 /// So many values are handed to a hash at once.
-const PIECE: usize = 64;
+const PIECE: usize = 128;
 
 /// A hash: XXH3, 64 bits (Collet).
 pub(crate) struct Sink(Xxh3);
