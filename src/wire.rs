@@ -145,6 +145,9 @@ impl Out for Vec<u8> {
     }
 }
 
+/// So many values are handed to a hash at once.
+const PIECE: usize = 128;
+
 /// A hash: XXH3, 64 bits (Collet).
 pub(crate) struct Sink(Xxh3);
 
@@ -178,13 +181,32 @@ impl Sink {
 
     /// Many values at once, each as so many bytes. Hashing takes larger pieces than one value faster.
     pub(crate) fn all<T: Copy, const BYTES: usize>(&mut self, values: &[T], bytes: impl Fn(T) -> [u8; BYTES]) {
-        const PIECE: usize = 64;
         let mut piece = [[0; BYTES]; PIECE];
         for values in values.chunks(PIECE) {
             for (to, value) in piece.iter_mut().zip(values) {
                 *to = bytes(*value);
             }
             self.0.update(piece[..values.len()].as_flattened());
+        }
+    }
+
+    /// The same of values that do not stand side by side.
+    pub(crate) fn each<T, const BYTES: usize>(
+        &mut self,
+        mut values: impl Iterator<Item = T>,
+        bytes: impl Fn(T) -> [u8; BYTES],
+    ) {
+        let mut piece = [[0; BYTES]; PIECE];
+        loop {
+            let mut count = 0;
+            for (to, value) in piece.iter_mut().zip(&mut values) {
+                *to = bytes(value);
+                count += 1;
+            }
+            if count == 0 {
+                return;
+            }
+            self.0.update(piece[..count].as_flattened());
         }
     }
 }

@@ -156,6 +156,21 @@ fn a_step_takes_nothing_from_the_heap_after_the_first() {
 }
 
 #[test]
+fn a_hash_takes_nothing_from_the_heap() {
+    let mut world = world(Integrator::PublishedVerlet);
+    let ids = discs(&mut world, 500);
+    let taken = |world: &World| measure(|| _ = world.state_hash()).count_total;
+    assert_eq!(taken(&world), 0);
+    // The last ones stand in the gaps, few and many.
+    for some in [&ids[..3], &ids[100..300]] {
+        for &body in some.iter().step_by(2) {
+            world.remove_body(body).expect("it is there");
+        }
+        assert_eq!(taken(&world), 0);
+    }
+}
+
+#[test]
 fn a_step_back_takes_nothing_from_the_heap_after_the_first() {
     for integrator in [Integrator::SymplecticEuler, Integrator::VelocityVerlet, Integrator::Yoshida4] {
         let mut world = world(integrator);

@@ -3,11 +3,11 @@
 use std::fmt;
 
 use ggrs::{Config, Frame, GgrsRequest, InputStatus, NULL_FRAME};
-use umbra_physics::{Error, World};
+use umbra_physics::{Error, Snapshot, World};
 
-/// What GGRS keeps of a frame, a game's [`Config::State`]. The world can be taken out again: the frame that is kept next in
-/// the same place is copied into its memory, so that after the first frames a copy takes nothing from the heap.
-pub(crate) type Saved = Option<World>;
+/// What GGRS keeps of a frame, a game's [`Config::State`]. The snapshot can be taken out again: the frame that is kept next in
+/// the same place goes into its memory, so that after the first frames one takes nothing from the heap.
+pub(crate) type Saved = Option<Snapshot>;
 
 /// Hashes of so many frames are kept, which has to be more than the window of prediction.
 const HASHES: usize = 64;
@@ -92,15 +92,15 @@ impl Rollback {
                     // Nobody looks at a frame that is about to be written over. The guard goes before the cell is saved to.
                     let mut saved: Saved = cell.data().and_then(|mut old| old.as_mut_dangerous().take());
                     match &mut saved {
-                        Some(world) => world.clone_from(&self.world),
-                        None => saved = Some(self.world.clone()),
+                        Some(snapshot) => self.world.snapshot_into(snapshot),
+                        None => saved = Some(self.world.snapshot()),
                     }
                     cell.save(frame, Some(saved), Some(hash.into()));
                 }
                 GgrsRequest::LoadGameState { cell, frame } => {
                     let before = self.world.tick();
                     match cell.data().as_deref() {
-                        Some(Some(world)) => self.world.clone_from(world),
+                        Some(Some(snapshot)) => self.world.restore(snapshot),
                         _ => return Err(Failure::NotSaved(frame)),
                     }
                     self.check_step(frame)?;

@@ -37,6 +37,30 @@ struct Slot {
     dense: u32,
 }
 
+/// More than so many are taken body by body.
+const MOST_RUNS: usize = 32;
+
+/// Ranges of indices in the columns.
+struct Runs {
+    ranges: [Range<u32>; MOST_RUNS],
+    count: usize,
+}
+
+impl Runs {
+    fn push(&mut self, run: Range<u32>) -> Option<()> {
+        if run.is_empty() {
+            return Some(());
+        }
+        *self.ranges.get_mut(self.count)? = run;
+        self.count += 1;
+        Some(())
+    }
+
+    fn iter(&self) -> impl Iterator<Item = Range<usize>> {
+        self.ranges[..self.count].iter().map(|run| run.start as usize..run.end as usize)
+    }
+}
+
 /// The bodies of a world. The allocator of handles is part of its state.
 #[derive(Debug)]
 pub(crate) struct Bodies<S: Scalar> {
@@ -175,16 +199,40 @@ impl<S: Scalar> Bodies<S> {
         self.slots.iter().filter(|s| s.dense != NONE).map(|s| s.dense as usize)
     }
 
-    /// The same as ranges of indices that follow each other.
-    fn runs(&self) -> Vec<Range<usize>> {
-        let mut runs: Vec<Range<usize>> = Vec::new();
-        for i in self.in_order() {
-            match runs.last_mut() {
-                Some(run) if run.end == i => run.end += 1,
-                _ => runs.push(i..i + 1),
+    /// The same as ranges of indices that follow each other; `None` if there are many.
+    fn runs(&self) -> Option<Runs> {
+        let mut runs = Runs { ranges: [const { 0..0 }; MOST_RUNS], count: 0 };
+        let mut run = 0..0;
+        for slots in self.slots.chunks(64) {
+            // Where nothing was removed and nobody sleeps: without a branch a slot.
+            if slots.iter().zip(run.end..).fold(true, |follows, (slot, next)| follows & (slot.dense == next)) {
+                run.end += slots.len() as u32;
+                continue;
+            }
+            for dense in slots.iter().map(|slot| slot.dense).filter(|&dense| dense != NONE) {
+                if dense == run.end {
+                    run.end += 1;
+                } else {
+                    runs.push(core::mem::replace(&mut run, dense..dense + 1))?;
+                }
             }
         }
-        runs
+        runs.push(run)?;
+        Some(runs)
+    }
+
+    /// Adds a column to a hash, in the order of the slots.
+    fn write_column<T: Copy, const BYTES: usize>(
+        &self,
+        sink: &mut Sink,
+        runs: Option<&Runs>,
+        column: &[T],
+        bytes: impl Fn(T) -> [u8; BYTES] + Copy,
+    ) {
+        match runs {
+            Some(runs) => runs.iter().for_each(|run| sink.all(&column[run], bytes)),
+            None => sink.each(self.in_order().map(|dense| column[dense]), bytes),
+        }
     }
 
     /// Adds to a hash all bodies and how their handles are given out.
@@ -193,19 +241,25 @@ impl<S: Scalar> Bodies<S> {
         sink.all(&self.slots, |slot| (u64::from(slot.generation) << 1 | u64::from(slot.dense != NONE)).to_le_bytes());
         wire::count(sink, self.free.len());
         sink.all(&self.free, u32::to_le_bytes);
-        let Columns { motion, slot, activity, .. } = &self.columns;
+        let Columns { motion, activity, .. } = &self.columns;
         let runs = self.runs();
+        let runs = runs.as_ref();
         let [x, y, vx, vy] = [&motion.position.x, &motion.position.y, &motion.velocity.x, &motion.velocity.y];
         for column in [x, y, vx, vy, &motion.spin] {
-            runs.iter().for_each(|run| sink.all(&column[run.clone()], Accumulator::to_bytes));
+            self.write_column(sink, runs, column, Accumulator::to_bytes);
         }
-        runs.iter().for_each(|run| sink.all(&motion.angle[run.clone()], |a| a.to_bits().to_le_bytes()));
-        runs.iter().for_each(|run| sink.all(&motion.rest[run.clone()], u32::to_le_bytes));
-        runs.iter().for_each(|run| sink.all(&activity[run.clone()], |activity| [activity as u8]));
-        let digest = |slot: u32| self.roster.digests[slot as usize].to_le_bytes();
-        runs.iter().for_each(|run| sink.all(&slot[run.clone()], digest));
+        self.write_column(sink, runs, &motion.angle, |angle| angle.to_bits().to_le_bytes());
+        self.write_column(sink, runs, &motion.rest, u32::to_le_bytes);
+        self.write_column(sink, runs, activity, |activity| [activity as u8]);
+        let digests = &self.roster.digests;
+        if self.len() == self.slots.len() {
+            sink.all(digests, u64::to_le_bytes);
+        } else {
+            let taken = self.slots.iter().zip(digests).filter(|(slot, _)| slot.dense != NONE);
+            sink.each(taken.map(|(_, digest)| *digest), u64::to_le_bytes);
+        }
         if self.keeps_last {
-            for last in runs.iter().flat_map(|run| &motion.last[run.clone()]) {
+            for last in self.in_order().map(|dense| &motion.last[dense]) {
                 [last.linear.x, last.linear.y, last.angular].iter().for_each(|a| a.write(sink));
             }
         }
