@@ -2,6 +2,7 @@
 //!
 //! Truth is the arbitrary-precision reference. In debug builds the random inputs are fewer, the others the same.
 
+#[path = "support/mod.rs"]
 mod support;
 
 use std::sync::Mutex;

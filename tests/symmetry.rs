@@ -4,6 +4,7 @@
 //! bodies with short numbers, whose public values fall between two ulps again and again: without such ties a wrong rounding
 //! of ties would pass unseen. The last tests put wrong roundings in.
 
+#[path = "twins/mod.rs"]
 mod twins;
 
 use twins::{EVEN, FLOOR, HALF_AWAY, HALF_UP, Twin};

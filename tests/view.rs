@@ -3,6 +3,7 @@
 //! Where there is no Chromium the tests that need one say that they are skipped, and with UMBRA_REQUIRE_BROWSER=1 they
 //! fail. Pictures of the page are left beside the build, in `tmp/view`.
 
+#[path = "browser/mod.rs"]
 mod browser;
 
 use std::fs;

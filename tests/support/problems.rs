@@ -6,7 +6,7 @@
 
 use std::sync::{Arc, LazyLock};
 
-use crate::real::{Real, TAU, exact, ratio, real, units};
+use super::real::{Real, TAU, exact, ratio, real, units};
 use umbra_physics::scalar::{Accumulator, Angle, Factor};
 use umbra_physics::{
     Attachment, BodyDef, BodyId, BodyState, Dependence, End, ForceLaw, Fx, FxFactor, Law, LawFault, Mass, Push,

@@ -1,0 +1,30 @@
+//! The tests of the engine, a file a subject, as one program: each program compiles the engine's generic code once more.
+//! One subject alone: `cargo test --release --all-features --test engine -- closure::`.
+#![allow(clippy::duplicate_mod, reason = "each file takes in what it needs of `support` by itself")]
+#![allow(clippy::module_inception, reason = "and may be named after it")]
+
+mod accuracy;
+mod attraction;
+mod bodies;
+mod closure;
+mod commands;
+#[cfg(feature = "float")]
+mod energy;
+mod envelope;
+mod exact_time;
+mod fx;
+#[cfg(feature = "serde")]
+mod fx_serde;
+mod mass;
+mod order;
+mod paths;
+mod random;
+mod reverse;
+mod rollback;
+#[cfg(feature = "cli")]
+mod scenes;
+#[cfg(feature = "serde")]
+mod serde;
+mod snapshot;
+mod tables;
+mod trace;

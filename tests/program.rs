@@ -1,0 +1,6 @@
+//! The tests of the program `umbra`, a file a task, as one program.
+
+mod cli;
+mod compare;
+mod report;
+mod view;
