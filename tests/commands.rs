@@ -111,8 +111,8 @@ fn checking_a_command_says_what_carrying_it_out_would_and_what_is_refused_change
         }
     }
     assert_eq!(accepted.len() as u64, KINDS, "{accepted:?}");
-    // Any generator is fair, and so are small blobs.
-    accepted.retain(|name| name != "SetRandom" && name != "SetBlob");
+    // Any generator is fair, so are small blobs, and forces can always be taken back.
+    accepted.retain(|name| !["SetRandom", "SetBlob", "ClearForces"].contains(&&name[..]));
     assert_eq!(refused, accepted);
     let all = "DampingHasNoInverse ElapsedTime ForceLaw NoShape NoSuchBody NoSuchField NotDynamic NotMovable \
                NotQuarantined OutOfRange Quarantined SameBody TimeStep";

@@ -9,7 +9,7 @@ use umbra_physics::{
 use super::random::SplitMix;
 
 /// How many kinds of commands [`Author::any`] writes.
-pub(crate) const KINDS: u64 = 27;
+pub(crate) const KINDS: u64 = 28;
 
 /// Writes commands.
 pub(crate) struct Author {
@@ -241,6 +241,7 @@ impl Author {
             24 => Command::SetRandom(Random::seeded(self.random.next())),
             // An unfair one takes 16 MB: not here.
             25 => Command::SetBlob(vec![self.random.next() as u8; self.random.next() as usize % 9]),
+            26 => Command::ClearForces,
             _ => {
                 let ticks = [None, Some(1), Some(5), Some(if self.is_unfair() { 0 } else { 30 })];
                 Command::SetSleepAfter(ticks[self.random.next() as usize % 4])
