@@ -1,0 +1,183 @@
+//! A world and a recording with something of everything that a file can have in it.
+
+use std::sync::Arc;
+
+use umbra_physics::{
+    Action, Attachment, BodyDef, BodyId, BodyKind, BodyState, Command, Dependence, End, Field, FieldId, ForceLaw,
+    Frame, Fx, FxFactor, Input, Inputs, Integrator, Law, LawFault, Manner, Mass, Part, Push, Random, RecordOptions,
+    Recorder, Region, Shape, SpringLaw, TimeStep, World, WorldDef, fx, vec2,
+};
+
+struct Still;
+
+impl ForceLaw for Still {
+    fn id(&self) -> u64 {
+        9
+    }
+    fn version(&self) -> u32 {
+        2
+    }
+    fn depends_on(&self) -> Dependence {
+        Dependence::Nothing
+    }
+    fn push(&self, _: &BodyState) -> Result<Push, LawFault> {
+        Ok(Push::default())
+    }
+}
+
+pub(crate) fn laws() -> Vec<Arc<dyn ForceLaw>> {
+    vec![Arc::new(Still)]
+}
+
+fn shapes() -> Vec<Shape> {
+    let disc = Shape::circle(fx!(0.5)).expect("a shape");
+    let part = |x| Part { shape: disc.clone(), position: vec2(x, 0), angle: fx!(0.1), density: fx!(1) };
+    vec![
+        disc.clone(),
+        Shape::rectangle(fx!(1), fx!(2)).expect("a shape"),
+        Shape::capsule(fx!(1), fx!(0.5)).expect("a shape"),
+        // Clockwise, and not about its centre.
+        Shape::polygon(&[vec2(3, 3), vec2(fx!(3.1), fx!(5.7)), vec2(4, fx!(4.2))]).expect("a shape"),
+        Shape::segment(vec2(0, 0), vec2(0, 1)).expect("a shape"),
+        Shape::compound(&[part(-1), part(2)]).expect("a shape"),
+    ]
+}
+
+/// A law of each kind, on the bodies in slots 1 and 2.
+fn fields() -> Vec<Field> {
+    let at = |slot| Attachment { body: BodyId::from_parts(slot, 0), point: vec2(0, fx!(0.25)) };
+    let spring = SpringLaw { rest: fx!(1), stiffness: fx!(3), damping: fx!(0.5) };
+    let mu: FxFactor = "2.5".parse().expect("a factor");
+    let laws = [
+        Law::Attractor { centre: End::Body(at(2)), mu, softening: fx!(0.5) },
+        Law::Attractor { centre: End::World(vec2(1, 2)), mu, softening: fx!(0.5) },
+        Law::Spring { near: at(1), far: End::Body(at(2)), spring },
+        Law::Spring { near: at(1), far: End::World(vec2(5, 5)), spring },
+        Law::Drag { linear: fx!(0.1), quadratic: fx!(0.2), wind: vec2(1, 0) },
+        Law::Thrust { at: at(1), force: vec2(1, 1) },
+        Law::Zone { region: Region::Disc { centre: vec2(0, 0), radius: fx!(3) }, acceleration: vec2(0, 1) },
+        Law::Zone { region: Region::Box { min: vec2(0, 0), max: vec2(1, 1) }, acceleration: vec2(0, 1) },
+        Law::Custom { id: 9 },
+    ];
+    laws.map(|law| Field { law, groups: 5 }).into()
+}
+
+/// Every command there is, the shortest and the longest of each; all are allowed in the world that is recorded.
+pub(crate) fn commands() -> Vec<Command> {
+    let body = BodyId::from_parts(1, 0);
+    let point = Some(vec2(fx!(0.5), fx!(-7)));
+    let actions = [
+        Action::Force { force: vec2(1, -2), point },
+        Action::Torque(fx!(0.5)),
+        Action::Impulse { impulse: vec2(1, 2), point: None },
+        Action::AngularImpulse(fx!(-0.25)),
+    ];
+    let manner = Manner { frame: Frame::Body, wake: false };
+    let mut commands: Vec<Command> = actions.map(|action| Command::Apply { body, action, manner }).into();
+    let masses = [Mass::Density(fx!(2)), Mass::Of(fx!(3)), Mass::WithInertia(fx!(4), fx!(5))];
+    commands.extend(masses.map(|mass| Command::SetMass { body, mass }));
+    commands.extend(shapes().into_iter().map(|shape| Command::SetShape { body, shape: Some(shape) }));
+    commands.extend(fields().into_iter().map(Command::AddField));
+    let damped = BodyDef { linear_damping: Some(fx!(0.5)), angular_damping: Some(fx!(0.25)), ..BodyDef::dynamic() };
+    let set_field = |field| Command::SetField { id: FieldId::from_parts(0, 0), field };
+    commands.extend([
+        Command::AddBody(BodyDef {
+            mass: Mass::WithInertia(fx!(2), fx!(3)),
+            position: vec2(fx!(0.125), -8),
+            angle: fx!(0.75),
+            velocity: vec2(-3, 4),
+            angular_velocity: fx!(-1),
+            gravity_scale: fx!(2),
+            groups: 6,
+            key: 7,
+            user_data: u64::MAX,
+            ..damped
+        }),
+        Command::AddBody(BodyDef { shape: shapes().pop(), kind: BodyKind::Kinematic, ..BodyDef::dynamic() }),
+        Command::AddBody(BodyDef::fixed()),
+        Command::SetPosition { body, position: vec2(1, -2) },
+        Command::SetAngle { body, angle: fx!(1) },
+        Command::SetVelocity { body, velocity: vec2(1, 2) },
+        Command::SetAngularVelocity { body, velocity: fx!(0.5) },
+        Command::SetKind { body, kind: BodyKind::Dynamic },
+        Command::SetGravityScale { body, scale: fx!(-0.5) },
+        Command::SetBodyDamping { body, linear: Some(fx!(0.5)), angular: Some(fx!(0.75)) },
+        Command::SetBodyDamping { body, linear: None, angular: None },
+        Command::SetGroups { body, groups: 3 },
+        Command::SetKey { body, key: 1 << 40 },
+        Command::SetUserData { body, user_data: 6 },
+        Command::Wake(body),
+        Command::Release(BodyId::from_parts(7, 0)),
+        set_field(fields()[2]),
+        set_field(fields()[8]),
+        Command::SetTimeStep(TimeStep::ratio(1001, 60_000)),
+        Command::SetGravity(vec2(0, -9)),
+        Command::SetIntegrator(Integrator::PublishedVerlet),
+        Command::SetDamping { linear: fx!(0.5), angular: fx!(0.25) },
+        Command::SetSleepAfter(None),
+        Command::SetSleepAfter(Some(20)),
+        Command::SetRandom(Random::seeded(3)),
+        Command::SetBlob(vec![1, 2, 3]),
+        Command::ClearForces,
+        Command::SetShape { body: BodyId::from_parts(0, 0), shape: None },
+        Command::RemoveField(FieldId::from_parts(0, 0)),
+        Command::RemoveBody(BodyId::from_parts(3, 0)),
+    ]);
+    commands
+}
+
+/// A world with something of everything: every shape, one of them twice, every law, free slots, bodies asleep and
+/// quarantined, forces that wait for the next step.
+pub(crate) fn world() -> World {
+    let def = WorldDef { gravity: vec2(0, -10), sleep_after: Some(2), ..WorldDef::default() };
+    let mut world = World::new(def).expect("a world");
+    world.register_law(laws().remove(0)).expect("a law");
+    for shape in shapes().into_iter().chain([shapes().remove(0)]) {
+        let def = BodyDef { shape: Some(shape), position: vec2(fx!(0.3), 3), ..BodyDef::dynamic() };
+        world.add_body(BodyDef { angular_velocity: fx!(1), linear_damping: Some(fx!(0.9)), ..def }).expect("a body");
+    }
+    // Beyond the envelope with its first step.
+    let edge = BodyDef { position: vec2(1 << 30, 0), velocity: vec2(1 << 20, 0), ..BodyDef::dynamic() };
+    world.add_body(edge).expect("a body");
+    for field in fields() {
+        world.add_field(field).expect("a field");
+    }
+    let gone = world.add_field(fields()[3]).expect("a field");
+    world.remove_field(gone).expect("it is there");
+    world.set_blob(b"some bytes of the game's").expect("few");
+    world.add_body(BodyDef { gravity_scale: Fx::ZERO, groups: 0, ..BodyDef::dynamic() }).expect("a body");
+    let gone = world.add_body(BodyDef::fixed()).expect("a body");
+    world.remove_body(gone).expect("it is there");
+    for _ in 0..9 {
+        world.step();
+    }
+    for (slot, push) in [(1, -2), (4, 3)] {
+        let body = BodyId::from_parts(slot, 0);
+        world.apply_force_at_point(body, vec2(fx!(-0.1), push), vec2(3, 4)).expect("a force");
+    }
+    world
+}
+
+/// All commands, a few a tick: by the level itself, and by two players.
+pub(crate) fn recording() -> Vec<u8> {
+    let mut world = world();
+    let mut recorder = Recorder::new(&world, RecordOptions { hash_every: 1, snapshot_every: 8 });
+    for (tick, some) in commands().chunks(4).enumerate() {
+        let mut inputs = Inputs::new();
+        for (i, command) in some.iter().enumerate() {
+            if i == 3 {
+                recorder.execute(&mut world, command).expect("it is allowed");
+            } else {
+                let (player, sequence) = ((tick + i) as u32 % 2, i as u32);
+                inputs.insert(Input { player, sequence, command: command.clone() }).expect("the first");
+            }
+        }
+        if tick == 5 {
+            _ = world.random_mut().bits();
+        }
+        recorder.step(&mut world, &inputs);
+        assert!(recorder.outcomes().iter().all(|outcome| outcome.result.is_ok()), "{:?}", recorder.outcomes());
+    }
+    recorder.step(&mut world, &Inputs::new());
+    recorder.finish(&world)
+}

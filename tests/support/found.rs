@@ -1,0 +1,221 @@
+//! What was read by the tables of `docs/formats.md`, as what the library has: by the names of fields and cases.
+
+use umbra_physics::scalar::Factor;
+use umbra_physics::{
+    Action, Activity, Attachment, BodyDef, BodyId, BodyKind, Command, End, Field, FieldId, Frame, Fx, FxFactor,
+    Integrator, Law, Manner, Mass, Part, Random, Region, Shape, SpringLaw, TimeStep, Vec2,
+};
+
+use super::formats::Value;
+
+pub(crate) fn number(value: &Value) -> Fx {
+    Fx::from_bits(value.integer() as i64)
+}
+
+pub(crate) fn vector(value: &Value) -> Vec2 {
+    Vec2::new(number(&value["x"]), number(&value["y"]))
+}
+
+pub(crate) fn body(value: &Value) -> BodyId {
+    BodyId::from_parts(value["slot"].natural() as u32, value["generation"].natural() as u32)
+}
+
+pub(crate) fn field_id(value: &Value) -> FieldId {
+    FieldId::from_parts(value["slot"].natural() as u32, value["generation"].natural() as u32)
+}
+
+pub(crate) fn kind(value: &Value) -> BodyKind {
+    match value.case() {
+        "Static" => BodyKind::Static,
+        "Kinematic" => BodyKind::Kinematic,
+        "Dynamic" => BodyKind::Dynamic,
+        other => panic!("kind {other}"),
+    }
+}
+
+pub(crate) fn activity(value: &Value) -> Activity {
+    match value.case() {
+        "Awake" => Activity::Awake,
+        "Asleep" => Activity::Asleep,
+        "Quarantined" => Activity::Quarantined,
+        other => panic!("activity {other}"),
+    }
+}
+
+pub(crate) fn integrator(value: &Value) -> Integrator {
+    match value.case() {
+        "ExplicitEuler" => Integrator::ExplicitEuler,
+        "SymplecticEuler" => Integrator::SymplecticEuler,
+        "VelocityVerlet" => Integrator::VelocityVerlet,
+        "PublishedVerlet" => Integrator::PublishedVerlet,
+        "Yoshida4" => Integrator::Yoshida4,
+        other => panic!("integrator {other}"),
+    }
+}
+
+pub(crate) fn time_step(value: &Value) -> TimeStep {
+    TimeStep::ratio(value["num"].natural() as u32, value["den"].natural() as u32)
+}
+
+pub(crate) fn random(value: &Value) -> Random {
+    Random::from_state(value.words()).expect("a state")
+}
+
+pub(crate) fn mass(value: &Value) -> Mass {
+    match value.case() {
+        "Density" => Mass::Density(number(&value["density"])),
+        "Of" => Mass::Of(number(&value["mass"])),
+        "WithInertia" => Mass::WithInertia(number(&value["mass"]), number(&value["inertia"])),
+        other => panic!("mass {other}"),
+    }
+}
+
+pub(crate) fn shape(value: &Value) -> Shape {
+    let part = |part: &Value| Part {
+        shape: shape(&part["shape"]),
+        position: vector(&part["position"]),
+        angle: number(&part["angle"]),
+        density: number(&part["density"]),
+    };
+    let made = match value.case() {
+        "Circle" => Shape::circle(number(&value["radius"])),
+        "Rectangle" => Shape::rectangle(number(&value["width"]), number(&value["height"])),
+        "Capsule" => Shape::capsule(number(&value["length"]), number(&value["radius"])),
+        "Polygon" => Shape::polygon(&value["corners"].list().iter().map(vector).collect::<Vec<_>>()),
+        "Segment" => Shape::segment(vector(&value["a"]), vector(&value["b"])),
+        "Compound" => Shape::compound(&value["parts"].list().iter().map(part).collect::<Vec<_>>()),
+        other => panic!("shape {other}"),
+    };
+    made.expect("a shape")
+}
+
+pub(crate) fn attachment(value: &Value) -> Attachment {
+    Attachment { body: body(&value["body"]), point: vector(&value["point"]) }
+}
+
+pub(crate) fn end(value: &Value) -> End {
+    match value.case() {
+        "World" => End::World(vector(&value["point"])),
+        "Body" => End::Body(attachment(&value["attachment"])),
+        other => panic!("end {other}"),
+    }
+}
+
+pub(crate) fn region(value: &Value) -> Region {
+    match value.case() {
+        "Disc" => Region::Disc { centre: vector(&value["centre"]), radius: number(&value["radius"]) },
+        "Box" => Region::Box { min: vector(&value["min"]), max: vector(&value["max"]) },
+        other => panic!("region {other}"),
+    }
+}
+
+/// mantissa · 2^-shift.
+pub(crate) fn factor(value: &Value) -> FxFactor {
+    let [shift, mantissa] = value.words();
+    assert!(mantissa >> 63 == 1 && shift < 64, "{mantissa} and {shift}");
+    FxFactor::from_ratio(mantissa, 1 << shift)
+}
+
+pub(crate) fn field(value: &Value) -> Field {
+    let law = &value["law"];
+    let spring = |value: &Value| SpringLaw {
+        rest: number(&value["rest"]),
+        stiffness: number(&value["stiffness"]),
+        damping: number(&value["damping"]),
+    };
+    let law = match law.case() {
+        "Attractor" => {
+            Law::Attractor { centre: end(&law["centre"]), mu: factor(&law["mu"]), softening: number(&law["softening"]) }
+        }
+        "Spring" => {
+            Law::Spring { near: attachment(&law["near"]), far: end(&law["far"]), spring: spring(&law["spring"]) }
+        }
+        "Drag" => Law::Drag {
+            linear: number(&law["linear"]),
+            quadratic: number(&law["quadratic"]),
+            wind: vector(&law["wind"]),
+        },
+        "Thrust" => Law::Thrust { at: attachment(&law["at"]), force: vector(&law["force"]) },
+        "Zone" => Law::Zone { region: region(&law["region"]), acceleration: vector(&law["acceleration"]) },
+        "Custom" => Law::Custom { id: law["id"].natural() },
+        other => panic!("law {other}"),
+    };
+    Field { law, groups: value["groups"].natural() as u32 }
+}
+
+pub(crate) fn action(value: &Value) -> Action {
+    let point = || value["point"].option().map(vector);
+    match value.case() {
+        "Force" => Action::Force { force: vector(&value["force"]), point: point() },
+        "Torque" => Action::Torque(number(&value["torque"])),
+        "Impulse" => Action::Impulse { impulse: vector(&value["impulse"]), point: point() },
+        "AngularImpulse" => Action::AngularImpulse(number(&value["impulse"])),
+        other => panic!("action {other}"),
+    }
+}
+
+pub(crate) fn manner(value: &Value) -> Manner {
+    let frame = match value["frame"].case() {
+        "World" => Frame::World,
+        "Body" => Frame::Body,
+        other => panic!("frame {other}"),
+    };
+    Manner { frame, wake: value["wake"].natural() == 1 }
+}
+
+pub(crate) fn body_def(value: &Value) -> BodyDef {
+    BodyDef {
+        kind: kind(&value["kind"]),
+        position: vector(&value["position"]),
+        angle: number(&value["angle"]),
+        velocity: vector(&value["velocity"]),
+        angular_velocity: number(&value["angular_velocity"]),
+        shape: value["shape"].option().map(shape),
+        mass: mass(&value["mass"]),
+        gravity_scale: number(&value["gravity_scale"]),
+        linear_damping: value["linear_damping"].option().map(number),
+        angular_damping: value["angular_damping"].option().map(number),
+        groups: value["groups"].natural() as u32,
+        key: value["key"].natural(),
+        user_data: value["user_data"].natural(),
+    }
+}
+
+pub(crate) fn command(value: &Value) -> Command {
+    let on = || body(&value["body"]);
+    match value.case() {
+        "AddBody" => Command::AddBody(body_def(&value["def"])),
+        "RemoveBody" => Command::RemoveBody(on()),
+        "Apply" => Command::Apply { body: on(), action: action(&value["action"]), manner: manner(&value["manner"]) },
+        "SetPosition" => Command::SetPosition { body: on(), position: vector(&value["position"]) },
+        "SetAngle" => Command::SetAngle { body: on(), angle: number(&value["angle"]) },
+        "SetVelocity" => Command::SetVelocity { body: on(), velocity: vector(&value["velocity"]) },
+        "SetAngularVelocity" => Command::SetAngularVelocity { body: on(), velocity: number(&value["velocity"]) },
+        "SetMass" => Command::SetMass { body: on(), mass: mass(&value["mass"]) },
+        "SetShape" => Command::SetShape { body: on(), shape: value["shape"].option().map(shape) },
+        "SetKind" => Command::SetKind { body: on(), kind: kind(&value["kind"]) },
+        "SetGravityScale" => Command::SetGravityScale { body: on(), scale: number(&value["scale"]) },
+        "SetBodyDamping" => Command::SetBodyDamping {
+            body: on(),
+            linear: value["linear"].option().map(number),
+            angular: value["angular"].option().map(number),
+        },
+        "SetGroups" => Command::SetGroups { body: on(), groups: value["groups"].natural() as u32 },
+        "SetKey" => Command::SetKey { body: on(), key: value["key"].natural() },
+        "SetUserData" => Command::SetUserData { body: on(), user_data: value["user_data"].natural() },
+        "Wake" => Command::Wake(on()),
+        "Release" => Command::Release(on()),
+        "AddField" => Command::AddField(field(&value["field"])),
+        "SetField" => Command::SetField { id: field_id(&value["id"]), field: field(&value["field"]) },
+        "RemoveField" => Command::RemoveField(field_id(&value["id"])),
+        "SetTimeStep" => Command::SetTimeStep(time_step(&value["time_step"])),
+        "SetGravity" => Command::SetGravity(vector(&value["gravity"])),
+        "SetIntegrator" => Command::SetIntegrator(integrator(&value["integrator"])),
+        "SetDamping" => Command::SetDamping { linear: number(&value["linear"]), angular: number(&value["angular"]) },
+        "SetSleepAfter" => Command::SetSleepAfter(value["ticks"].option().map(|ticks| ticks.natural() as u32)),
+        "SetRandom" => Command::SetRandom(random(&value["random"])),
+        "SetBlob" => Command::SetBlob(value["bytes"].raw().to_vec()),
+        "ClearForces" => Command::ClearForces,
+        other => panic!("command {other}"),
+    }
+}
