@@ -13,6 +13,8 @@ use crate::world::{Command, Driver, Inputs, Made, Outcome, StepReport, World};
 
 /// A chunk of ticks has as many: what is lost when a recording is cut off.
 const SEGMENT: u32 = 64;
+/// Or it ends when it has so many bytes: a tick with a blob may have 2^24 more, and no chunk has 2^32.
+const SEGMENT_BYTES: usize = 1 << 20;
 
 /// How much is recorded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -136,7 +138,7 @@ impl Recorder {
         self.calls.clear();
         self.ticks += 1;
         let snapshot = every(self.options.snapshot_every);
-        if self.ticks == SEGMENT || snapshot {
+        if self.ticks == SEGMENT || self.segment.len() > SEGMENT_BYTES || snapshot {
             self.finish_segment();
         }
         if snapshot {
