@@ -7,7 +7,7 @@
 use std::hint::black_box;
 
 use gungraun::{Callgrind, EntryPoint, LibraryBenchmarkConfig, library_benchmark, library_benchmark_group, main};
-use umbra_physics::scalar::{Accumulator, Angle, Factor, Span, Weight, Wide};
+use umbra_physics::scalar::{Accumulator, Angle, Factor, Span, Weight, Wide as _};
 use umbra_physics::{Fx, FxAccumulator, FxFactor, FxWide, Scalar, Turn, World, fx};
 
 #[allow(dead_code, reason = "the benches of time have scenes of their own")]
@@ -177,7 +177,7 @@ fn damping(mut values: Vec<FxAccumulator>, factor: FxFactor) -> Vec<FxAccumulato
 #[library_benchmark(config = whole())]
 #[bench::values(forces(), FxFactor::from_ratio(1, 3))]
 fn inverse_mass(values: Vec<FxWide>, factor: FxFactor) -> i128 {
-    sum(values.iter().map(|force| force.times(factor).map_or(0, Wide::to_bits)))
+    sum(values.iter().map(|force| force.times(factor).map_or(0, FxWide::to_bits)))
 }
 
 library_benchmark_group!(name = step; benchmarks = fx, after, f64, branches, caches);
