@@ -12,13 +12,13 @@ use crate::failure::Failure;
 use crate::finding::{DifferenceLine, FindingLine};
 use crate::load;
 
-/// Finds the first value in which two recordings part: what they begin with, what is done, or what was recorded of it.
-///
-/// A recording that ends before the other is compared as far as it goes.
-///
-/// Exit status: 0 if they are the same, 1 if they differ, 2 for bad input or usage.
+const HELP: &str = "\
+What they begin with, what is done tick by tick, and what was recorded of it are compared, as far as both go.
+
+Exit status: 0 if they are the same, 1 if they differ, 2 for bad input or usage.";
+
 #[derive(Args)]
-#[command(verbatim_doc_comment)]
+#[command(after_help = HELP)]
 pub(crate) struct Options {
     /// A replay.
     a: PathBuf,
