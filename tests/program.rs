@@ -2,5 +2,6 @@
 
 mod cli;
 mod compare;
+mod replays;
 mod report;
 mod view;

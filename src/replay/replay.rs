@@ -441,7 +441,8 @@ fn changed_leaf(chunk: &Chunk, at: usize, found: u64, tick: u64, laws: &[Arc<dyn
     let hex = || found_bytes.iter().map(|byte| format!("{byte:02x}")).collect();
     // What is there as a value, if it is one; else its bytes.
     let value = tell(chunk, &there, laws, Wanted::On(leaf.path.clone())).and_then(|(leaf, _)| leaf);
-    let value = value.map_or_else(hex, |leaf| leaf.text);
+    // A hash of what is there was made new; it is its bytes that were changed.
+    let value = value.filter(|value| value.text != leaf.text).map_or_else(hex, |value| value.text);
     let (tick, moment, place, field) = subject.place(tick, &leaf.path);
     Some(Finding { tick, moment, place, field, recorded: Some(leaf.text), found: Some(value) })
 }
@@ -481,7 +482,7 @@ fn tell(chunk: &Chunk, bytes: &[u8], laws: &[Arc<dyn ForceLaw>], wanted: Wanted)
         HEAD => (Index::find(&Head::read(&mut reader).ok()?, wanted), Subject::File(Moment::Start)),
         DONE => (Index::find(&Done::read(&mut reader).ok()?, wanted), Subject::File(Moment::End)),
         SNAPSHOT => {
-            let world = snapshot::read(&mut reader, laws).ok()?;
+            let world = snapshot::read_unsealed(&mut reader, laws).ok()?;
             (Index::find(&Saved(&world), wanted), Subject::World(Box::new(world), Moment::Start))
         }
         TICKS => {
@@ -491,7 +492,8 @@ fn tell(chunk: &Chunk, bytes: &[u8], laws: &[Arc<dyn ForceLaw>], wanted: Wanted)
         LAWS => (Index::find(&u32::read(&mut reader).ok()?, wanted), Subject::File(Moment::Start)),
         MOMENT => {
             let moment = Moment::read(&mut reader).ok()?;
-            let world = if bool::read(&mut reader).ok()? { snapshot::read(&mut reader, laws).ok() } else { None };
+            let world =
+                if bool::read(&mut reader).ok()? { snapshot::read_unsealed(&mut reader, laws).ok() } else { None };
             let leaf = Index::find(&Instant { moment, world: world.as_ref() }, wanted);
             (leaf, world.map_or(Subject::File(moment), |world| Subject::World(Box::new(world), moment)))
         }

@@ -329,6 +329,28 @@ impl Read for Pushed<Fx> {
 /// Reads a snapshot, and what may come after it is left.
 pub(super) fn read(reader: &mut Reader<'_>, laws: &[Arc<dyn ForceLaw>]) -> Result<World, SnapshotError> {
     let start = reader.at();
+    let world = read_world(reader, laws)?;
+    let (recorded, computed) = (u64::read(reader)?, world.state_hash());
+    if recorded != computed {
+        return Err(SnapshotError::Changed { recorded, computed });
+    }
+    let malformed = reader.malformed("the hash of the bytes before it");
+    let seal = Sink::of_bytes(reader.since(start));
+    if u64::read(reader)? != seal {
+        return Err(malformed.into());
+    }
+    Ok(world)
+}
+
+/// The same of one that was changed, to say what is there now.
+pub(super) fn read_unsealed(reader: &mut Reader<'_>, laws: &[Arc<dyn ForceLaw>]) -> Result<World, SnapshotError> {
+    let world = read_world(reader, laws)?;
+    // Its hash and its seal, of what it was.
+    reader.take(16)?;
+    Ok(world)
+}
+
+fn read_world(reader: &mut Reader<'_>, laws: &[Arc<dyn ForceLaw>]) -> Result<World, SnapshotError> {
     if reader.take(MAGIC.len()).ok() != Some(&MAGIC) {
         return Err(SnapshotError::Foreign);
     }
@@ -340,17 +362,7 @@ pub(super) fn read(reader: &mut Reader<'_>, laws: &[Arc<dyn ForceLaw>]) -> Resul
         LAW => {}
         found => return Err(SnapshotError::Law { found, own: LAW }),
     }
-    let world = read_state(reader, laws)?;
-    let (recorded, computed) = (u64::read(reader)?, world.state_hash());
-    if recorded != computed {
-        return Err(SnapshotError::Changed { recorded, computed });
-    }
-    let malformed = reader.malformed("the hash of the bytes before it");
-    let seal = Sink::of_bytes(reader.since(start));
-    if u64::read(reader)? != seal {
-        return Err(malformed.into());
-    }
-    Ok(world)
+    read_state(reader, laws)
 }
 
 fn read_state(reader: &mut Reader<'_>, laws: &[Arc<dyn ForceLaw>]) -> Result<World, SnapshotError> {

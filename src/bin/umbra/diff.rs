@@ -6,23 +6,24 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde::Serialize;
-use umbra_physics::{Difference, Finding, Moment, Replay, World};
+use umbra_physics::{Difference, Dump, Finding, Moment, Replay, World};
 
 use crate::failure::Failure;
 use crate::finding::{DifferenceLine, FindingLine};
 use crate::load;
 
-/// Finds the first value in which two recordings part: what they begin with, what is done, or what was recorded of it.
-///
-/// A recording that ends before the other is compared as far as it goes.
-///
-/// Exit status: 0 if they are the same, 1 if they differ, 2 for bad input or usage.
+const HELP: &str = "\
+Of replays what they begin with, what is done tick by tick, and what was recorded of it are compared, as far as both go; of
+desync dumps the worlds before the tick, what was done in it, and the worlds after each of its stages.
+
+Exit status: 0 if they are the same, 1 if they differ, 2 for bad input or usage.";
+
 #[derive(Args)]
-#[command(verbatim_doc_comment)]
+#[command(after_help = HELP)]
 pub(crate) struct Options {
-    /// A replay.
+    /// A replay, or a desync dump.
     a: PathBuf,
-    /// Another one.
+    /// Another one of its kind.
     b: PathBuf,
     /// Prints the result as a JSON object.
     #[arg(long)]
@@ -35,6 +36,7 @@ pub(crate) struct Options {
 /// What a file holds, by its first bytes.
 enum Content {
     Replay(Box<Replay>),
+    Dump(Box<Dump>),
 }
 
 impl Content {
@@ -42,6 +44,7 @@ impl Content {
         let bytes = fs::read(file).map_err(Failure::file(file, "read"))?;
         match &bytes {
             _ if bytes.starts_with(load::REPLAY) => load::replay(&bytes, file).map(|it| Self::Replay(Box::new(it))),
+            _ if bytes.starts_with(load::DUMP) => load::dump(&bytes, file).map(|it| Self::Dump(Box::new(it))),
             _ => Err(Failure::Foreign { file: file.into() }),
         }
     }
@@ -64,19 +67,34 @@ struct Outcome {
 pub(crate) fn diff(options: &Options) -> Result<(), Failure> {
     let (a, b) = (Content::load(&options.a)?, Content::load(&options.b)?);
     match (a, b) {
-        (Content::Replay(a), Content::Replay(b)) => replays(&a, &b, options),
+        (Content::Replay(a), Content::Replay(b)) => {
+            let finding = a.first_difference(&b);
+            let all = finding.as_ref().filter(|_| options.all).map(|finding| after(&a, &b, finding));
+            let ends = [(a.end(), a.is_complete()), (b.end(), b.is_complete())];
+            report(finding, all, ends, options)
+        }
+        (Content::Dump(a), Content::Dump(b)) => {
+            let finding = a.first_difference(&b);
+            let all = finding.as_ref().filter(|_| options.all).map(|finding| at_moment(&a, &b, finding));
+            report(finding, all, [&a, &b].map(|dump| (dump.tick() + 1, true)), options)
+        }
+        _ => Err(Failure::Option { what: "a replay and a desync dump cannot be compared".to_string() }),
     }
 }
 
-fn replays(a: &Replay, b: &Replay, options: &Options) -> Result<(), Failure> {
-    let finding = a.first_difference(b);
-    let differences = finding.as_ref().filter(|_| options.all).map(|finding| after(a, b, finding));
+/// Says what was found. `ends` are the ticks after the last, and whether a recording was brought to its end.
+fn report(
+    finding: Option<Finding>,
+    differences: Option<Vec<Difference>>,
+    ends: [(u64, bool); 2],
+    options: &Options,
+) -> Result<(), Failure> {
     if options.json {
         let outcome = Outcome {
             files: [&options.a, &options.b].map(|file| file.display().to_string()),
             same: finding.is_none(),
-            ends: [a.end(), b.end()],
-            complete: [a.is_complete(), b.is_complete()],
+            ends: ends.map(|(end, _)| end),
+            complete: ends.map(|(_, complete)| complete),
             finding: finding.as_ref().map(FindingLine::from),
             differences: differences.map(|all| all.iter().map(DifferenceLine::from).collect()),
         };
@@ -85,7 +103,7 @@ fn replays(a: &Replay, b: &Replay, options: &Options) -> Result<(), Failure> {
     } else {
         match &finding {
             Some(finding) => say(&finding.to_string()),
-            None => say(&same(a, b, options)),
+            None => say(&same(ends, options)),
         }
         if let Some(all) = differences {
             say(&format!("values that differ after that: {}", all.len()));
@@ -94,6 +112,13 @@ fn replays(a: &Replay, b: &Replay, options: &Options) -> Result<(), Failure> {
     }
     let files = || [&options.a, &options.b].map(PathBuf::clone);
     finding.map_or(Ok(()), |_| Err(Failure::Differ { files: files() }))
+}
+
+/// The values in which the worlds of two dumps differ at the moment of a finding.
+fn at_moment(a: &Dump, b: &Dump, finding: &Finding) -> Vec<Difference> {
+    let world =
+        |dump: &Dump| dump.moments().find(|(moment, _)| *moment == finding.moment).map(|(_, world)| world.clone());
+    world(a).zip(world(b)).map(|(a, b)| a.differences(&b)).unwrap_or_default()
 }
 
 /// The values in which the worlds differ once the tick of a finding is made: as snapshots have them where both do, else as
@@ -109,15 +134,16 @@ fn after(a: &Replay, b: &Replay, finding: &Finding) -> Vec<Difference> {
 }
 
 /// How far two are the same.
-fn same(a: &Replay, b: &Replay, options: &Options) -> String {
-    if a.end() == b.end() {
-        return format!("the same, to tick {}", a.end());
+fn same(ends: [(u64, bool); 2], options: &Options) -> String {
+    let [(a, _), (b, _)] = ends;
+    if a == b {
+        return format!("the same, to tick {a}");
     }
-    let end = |file: &Path, replay: &Replay| {
-        let cut = if replay.is_complete() { "" } else { ", cut off" };
-        format!("{} ends at tick {}{cut}", file.display(), replay.end())
+    let end = |file: &Path, (end, complete): (u64, bool)| {
+        let cut = if complete { "" } else { ", cut off" };
+        format!("{} ends at tick {end}{cut}", file.display())
     };
-    format!("the same as far as both go: {}, {}", end(&options.a, a), end(&options.b, b))
+    format!("the same as far as both go: {}, {}", end(&options.a, ends[0]), end(&options.b, ends[1]))
 }
 
 /// Without anybody to read it there is still the status.

@@ -60,7 +60,7 @@ impl fmt::Display for Failure {
             Self::Replay { file, error } => write!(f, "{}: {error}", file.display()),
             Self::File { file, doing, error } => write!(f, "{}: cannot {doing}: {error}", file.display()),
             Self::Option { what } => f.write_str(what),
-            Self::Verify { bad, of, .. } => write!(f, "{bad} of {of} not as recorded"),
+            Self::Verify { bad, of, .. } => write!(f, "{bad} of {of} not ok"),
             Self::Differ { files: [a, b] } => write!(f, "{} and {} are not the same", a.display(), b.display()),
             Self::Foreign { file } => write!(f, "{}: {}", file.display(), ReplayError::Foreign),
             Self::Selftest => f.write_str("the self-test does not give the digests that every machine is to give"),

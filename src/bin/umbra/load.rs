@@ -4,13 +4,15 @@ use std::fs;
 use std::io;
 use std::path::Path;
 
-use umbra_physics::Replay;
 use umbra_physics::scene::Scene;
+use umbra_physics::{Dump, Replay};
 
 use crate::failure::Failure;
 
 /// What a replay begins with, and no JSON does.
 pub(crate) const REPLAY: &[u8] = b"UMBRAREP";
+/// And of a desync dump.
+pub(crate) const DUMP: &[u8] = b"UMBRADMP";
 
 /// A run in a file.
 pub(crate) enum Run {
@@ -31,6 +33,11 @@ pub(crate) fn run(file: &Path) -> Result<Run, Failure> {
 /// What is whole of the replay in these bytes of a file.
 pub(crate) fn replay(bytes: &[u8], file: &Path) -> Result<Replay, Failure> {
     Replay::recovered(bytes, &[]).map_err(|error| Failure::Replay { file: file.into(), error })
+}
+
+/// The desync dump that these bytes are.
+pub(crate) fn dump(bytes: &[u8], file: &Path) -> Result<Dump, Failure> {
+    Dump::from_bytes(bytes, &[]).map_err(|error| Failure::Replay { file: file.into(), error })
 }
 
 /// The scene in a file.

@@ -18,16 +18,21 @@ use crate::failure::Failure;
 use crate::finding::FindingLine;
 use crate::progress::progress;
 
-/// A line for each file, in the order given: what it is, its name, and why.
-///
-/// ok: every hash is the one recorded. tampered: the file was changed after it was recorded. diverged: the run goes another
-/// way than the one recorded. cut_off: the file ends before the recording did, and as far as it goes it is ok. law: recorded
-/// under other laws of physics. malformed: no replay that this program reads. unreadable: no file that can be read.
-///
-/// Exit status: 0 if all are ok; 1 for tampered, diverged and cut_off; 2 for law, malformed and unreadable, and for bad usage.
-/// Of several files the highest counts.
+const HELP: &str = "\
+A line for each file, in the order given: what it is, its name, and why.
+  ok          every hash is the one recorded
+  tampered    the file was changed after it was recorded
+  diverged    the run goes another way than the one recorded
+  cut_off     the file ends before the recording did; as far as it goes it is ok
+  law         it was recorded under other laws of physics
+  malformed   no replay that this program can play
+  unreadable  no file that can be read
+
+Exit status: 0 if all are ok; 1 for tampered, diverged, cut_off; 2 for law, malformed, unreadable, and for bad usage.
+Of several files the highest counts.";
+
 #[derive(Args)]
-#[command(verbatim_doc_comment)]
+#[command(after_help = HELP)]
 pub(crate) struct Options {
     /// The replays.
     #[arg(required = true, value_name = "REPLAY")]
