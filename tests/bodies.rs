@@ -8,7 +8,8 @@ use umbra_physics::Timers;
 use umbra_physics::scalar::{Accumulator, Angle, Factor, Wide};
 use umbra_physics::{
     Action, Activity, Attachment, BodyDef, BodyId, BodyKind, Command, End, Error, Field, FieldId, Frame, Fx, FxFactor,
-    FxWide, Integrator, Law, Made, Manner, Mass, Shape, SpringLaw, TimeStep, Turn, Vec2, World, WorldDef, fx, vec2,
+    FxWide, Integrator, Law, Made, Manner, Mass, Random, Shape, SpringLaw, TimeStep, Turn, Vec2, World, WorldDef, fx,
+    vec2,
 };
 
 fn world(def: WorldDef) -> World {
@@ -487,6 +488,11 @@ fn by_method(world: &mut World, command: &Command) -> Result<Made, Error> {
         Command::SetIntegrator(integrator) => nothing(world.set_integrator(integrator)),
         Command::SetDamping { linear, angular } => nothing(world.set_damping(linear, angular)),
         Command::SetSleepAfter(ticks) => nothing(world.set_sleep_after(ticks)),
+        Command::SetRandom(random) => {
+            world.set_random(random);
+            Ok(Made::Nothing)
+        }
+        Command::SetBlob(bytes) => nothing(world.set_blob(&bytes)),
         other => panic!("{other:?} has no case here"),
     }
 }
@@ -543,6 +549,8 @@ fn a_command_does_what_the_method_of_its_name_does() {
         Command::SetIntegrator(Integrator::SymplecticEuler),
         Command::SetDamping { linear: fx!(0.5), angular: fx!(0.25) },
         Command::SetSleepAfter(Some(9)),
+        Command::SetRandom(Random::seeded(3)),
+        Command::SetBlob(vec![1, 2, 3]),
         Command::RemoveBody(body),
         Command::RemoveBody(gone),
     ];
