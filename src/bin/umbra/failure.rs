@@ -62,7 +62,9 @@ impl fmt::Display for Failure {
             Self::Option { what } => f.write_str(what),
             Self::Verify { bad, of, .. } => write!(f, "{bad} of {of} not ok"),
             Self::Differ { files: [a, b] } => write!(f, "{} and {} are not the same", a.display(), b.display()),
-            Self::Foreign { file } => write!(f, "{}: {}", file.display(), ReplayError::Foreign),
+            Self::Foreign { file } => {
+                write!(f, "{}: neither a replay nor a desync dump of umbra-physics", file.display())
+            }
             Self::Selftest => f.write_str("the self-test does not give the digests that every machine is to give"),
             Self::Picture { file, what } => write!(f, "{}: cannot draw: {what}", file.display()),
         }
