@@ -75,6 +75,10 @@ fn lived(integrator: Integrator, seed: u64, ticks: u32) -> World {
     }
     // Something is pending as well.
     meddle(&mut world, seed, ticks);
+    let first = world.bodies().find(|body| body.mass().is_some() && body.activity() == Activity::Awake);
+    if let Some(body) = first.map(|body| body.id()) {
+        world.apply_force_at_point(body, vec2(1, 2), vec2(3, 0)).expect("it is dynamic");
+    }
     world
 }
 
