@@ -288,6 +288,7 @@ fn the_library_uses_neither_std_nor_the_outside() {
     }
     let root = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("src/lib.rs")).expect("the root");
     assert!(root.contains("#![no_std]"));
+    assert!(root.contains("forbid(unsafe_code)"), "where there are no vectors");
     let code = code_of(&root);
     // The one use of std: linking it for the feature of its name.
     assert_eq!(words(&code, "std").count(), 1, "{:?}", words(&code, "std").map(|at| &code[at..]).collect::<Vec<_>>());
