@@ -171,8 +171,9 @@ fn rotations_at_the_borders_of_the_table() {
         }
     }
     for raw in words().into_iter().flat_map(|word| [word as i64, (word as i64).wrapping_neg()]) {
-        let (sin, cos) = sin_cos(raw);
-        assert!(sin.abs() <= 1 << 32 && cos.abs() <= 1 << 32, "{raw:#x}");
+        let (sin, cos) = sin_cos_turn(turn_from_radians(raw));
+        let rounded = [sin, cos].map(|value| shr_round(value.into(), 30) as i64);
+        assert_eq!(<[i64; 2]>::from(sin_cos(raw)), rounded, "{raw:#x}");
         let apart = turn_from_radians(raw).wrapping_sub(turn_from_radians(raw.saturating_sub(1)));
         // 2^-32 radians are 2^32/2π units of turn.
         assert!(raw == i64::MIN || apart.abs_diff(683_565_276) <= 1, "{raw:#x}");
