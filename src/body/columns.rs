@@ -9,7 +9,7 @@ use super::motion::{Acceleration, Block, Motion};
 use super::tuning::{Climate, Key, Tunings};
 use super::{Activity, BodyDef, BodyKind, MassProperties};
 use crate::error::Error;
-use crate::handle::BodyId;
+use crate::handle::{BodyId, are_free};
 use crate::limits;
 use crate::scalar::{Accumulator, Angle, Scalar};
 use crate::shape::Shape;
@@ -347,6 +347,11 @@ impl<S: Scalar> Bodies<S> {
         self.slots.iter().map(|slot| (slot.generation, (slot.dense != NONE).then_some(slot.dense as usize)))
     }
 
+    /// How often a slot was taken before.
+    pub(crate) fn generation(&self, slot: u32) -> Option<u32> {
+        self.slots.get(slot as usize).map(|slot| slot.generation)
+    }
+
     /// The slots to take next, the last one first.
     pub(crate) fn free(&self) -> &[u32] {
         &self.free
@@ -354,12 +359,8 @@ impl<S: Scalar> Bodies<S> {
 
     /// Says which slots to take next: each one without a body, and once.
     pub(super) fn set_free(&mut self, free: Vec<u32>) -> Result<(), Error> {
-        let mut is_free = alloc::vec![false; self.slots.len()];
-        for &slot in &free {
-            match (self.slots.get(slot as usize), is_free.get_mut(slot as usize)) {
-                (Some(Slot { dense: NONE, .. }), Some(seen @ false)) => *seen = true,
-                _ => return Err(Error::Inconsistent),
-            }
+        if !are_free(self.slots.iter().map(|slot| slot.dense == NONE), &free) {
+            return Err(Error::Inconsistent);
         }
         self.free = free;
         Ok(())

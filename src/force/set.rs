@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 
 use super::Field;
 use crate::error::Error;
-use crate::handle::FieldId;
+use crate::handle::{FieldId, are_free};
 use crate::limits;
 use crate::scalar::Scalar;
 use crate::wire::{self, Sink, Write as _};
@@ -89,6 +89,11 @@ impl<S: Scalar> FieldSet<S> {
         self.slots.iter().map(|(generation, entry)| (*generation, entry.as_ref().map(|entry| &entry.field)))
     }
 
+    /// How often a slot was taken before.
+    pub(crate) fn generation(&self, slot: u32) -> Option<u32> {
+        self.slots.get(slot as usize).map(|(generation, _)| *generation)
+    }
+
     /// The slots to take next, the last one first.
     pub(crate) fn free(&self) -> &[u32] {
         &self.free
@@ -96,12 +101,8 @@ impl<S: Scalar> FieldSet<S> {
 
     /// Fields and how their handles are given out, made from what a snapshot says. *Domain* the fields were checked.
     pub(crate) fn rebuilt(slots: Vec<(u32, Option<Field<S>>)>, free: Vec<u32>) -> Result<Self, Error> {
-        let mut is_free: Vec<bool> = alloc::vec![false; slots.len()];
-        for &slot in &free {
-            match (slots.get(slot as usize), is_free.get_mut(slot as usize)) {
-                (Some((_, None)), Some(seen @ false)) => *seen = true,
-                _ => return Err(Error::Inconsistent),
-            }
+        if !are_free(slots.iter().map(|(_, field)| field.is_none()), &free) {
+            return Err(Error::Inconsistent);
         }
         let entries = slots.into_iter().map(|(generation, field)| (generation, field.map(Entry::new)));
         Ok(Self { slots: entries.collect(), free })

@@ -98,13 +98,13 @@ impl<S: Scalar> World<S> {
 
     /// What the value at a path belongs to, and the rest of the path.
     pub(super) fn place<'p>(&self, path: &'p [Part]) -> (Place, &'p [Part]) {
-        let generation = |slot: u32| self.bodies.slots().nth(slot as usize).map_or(0, |(generation, _)| generation);
         match *path {
             [Part::Name("bodies"), Part::Entry(slot), ..] => {
-                (Place::Body(BodyId::from_parts(slot, generation(slot))), &path[2..])
+                let generation = self.bodies.generation(slot).unwrap_or_default();
+                (Place::Body(BodyId::from_parts(slot, generation)), &path[2..])
             }
             [Part::Name("fields"), Part::Entry(slot), ..] => {
-                let generation = self.fields.slots().nth(slot as usize).map_or(0, |(generation, _)| generation);
+                let generation = self.fields.generation(slot).unwrap_or_default();
                 (Place::Field(FieldId::from_parts(slot, generation)), &path[2..])
             }
             _ => (Place::World, path),
