@@ -5,19 +5,16 @@ use alloc::vec::Vec;
 
 use super::LAW;
 use super::chunk::{self, Chunk, Tag};
-use super::file::{DONE, Done, Segment, TICKS, Tick};
+use super::damage::{malformed, sound, whole};
+use super::error::{ReplayError, SnapshotError};
+use super::file::{DONE, DUMP, Done, Segment, TICKS, Tick};
 use super::finding::{Finding, Moment};
-use super::replay::{ReplayError, doings_differ, malformed, sound, whole};
-use super::snapshot::{self, Saved, SnapshotError};
+use super::replay::doings_differ;
+use super::snapshot::{self, Saved};
 use crate::force::ForceLaw;
 use crate::integrate::Verb;
 use crate::wire::{self, Malformed, Out, Read, Reader, Write};
 use crate::world::{Command, Inputs, World};
-
-/// The first bytes of a dump.
-const MAGIC: [u8; 8] = *b"UMBRADMP";
-/// The number of the format, in the four bytes after them. It moves when the layout does.
-const FORMAT: u32 = 1;
 
 /// The laws it was made under.
 pub(super) const LAWS: Tag = Tag(*b"LAWS");
@@ -161,8 +158,7 @@ impl Dump {
     /// As bytes to mail, the same on every machine; `docs/formats.md` has them one by one.
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
-        let mut file = MAGIC.to_vec();
-        file.extend_from_slice(&FORMAT.to_le_bytes());
+        let mut file = DUMP.begin();
         chunk::write(&mut file, LAWS, &LAW.to_le_bytes());
         let mut bytes = Vec::new();
         Segment { tick: self.tick(), ticks: alloc::vec![self.done.clone()] }.write(&mut bytes);
@@ -190,14 +186,7 @@ impl Dump {
     /// A [`ReplayError`].
     pub fn from_bytes(bytes: &[u8], laws: &[Arc<dyn ForceLaw>]) -> Result<Self, ReplayError> {
         let mut reader = Reader::new(bytes);
-        if reader.take(MAGIC.len()).ok() != Some(&MAGIC) {
-            return Err(ReplayError::Foreign);
-        }
-        match u32::read(&mut reader) {
-            Ok(FORMAT) => {}
-            Ok(found) => return Err(ReplayError::Format { found, known: FORMAT }),
-            Err(_) => return Err(ReplayError::CutOff { tick: 0 }),
-        }
+        DUMP.enter(&mut reader)?;
         let mut number = 0;
         let mut next = |tag: Option<Tag>| -> Result<(Chunk, u32), ReplayError> {
             let chunk = chunk::read(&mut reader).ok_or(ReplayError::CutOff { tick: 0 })?;

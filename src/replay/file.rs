@@ -3,13 +3,41 @@
 use alloc::vec::Vec;
 
 use super::chunk::Tag;
+use super::error::ReplayError;
 use crate::wire::{self, Malformed, Out, Part, Read, Reader, Write};
 use crate::world::{Command, Inputs};
 
-/// The first bytes of a replay.
-pub(super) const MAGIC: [u8; 8] = *b"UMBRAREP";
-/// The number of the format, in the four bytes after them. It moves when the layout does.
-pub(super) const FORMAT: u32 = 1;
+/// A kind of file that is made of chunks.
+pub(super) struct Kind {
+    /// The first bytes.
+    pub(super) magic: [u8; 8],
+    /// The number of the format, in the four bytes after them. It moves when the layout does.
+    pub(super) format: u32,
+}
+
+pub(super) const REPLAY: Kind = Kind { magic: *b"UMBRAREP", format: 1 };
+pub(super) const DUMP: Kind = Kind { magic: *b"UMBRADMP", format: 1 };
+
+impl Kind {
+    /// A file with nothing in it yet.
+    pub(super) fn begin(&self) -> Vec<u8> {
+        let mut file = self.magic.to_vec();
+        self.format.write(&mut file);
+        file
+    }
+
+    /// Reads up to the first chunk.
+    pub(super) fn enter(&self, reader: &mut Reader<'_>) -> Result<(), ReplayError> {
+        if reader.take(self.magic.len()).ok() != Some(&self.magic) {
+            return Err(ReplayError::Foreign);
+        }
+        match u32::read(reader) {
+            Ok(found) if found == self.format => Ok(()),
+            Ok(found) => Err(ReplayError::Format { found, known: self.format }),
+            Err(_) => Err(ReplayError::CutOff { tick: 0 }),
+        }
+    }
+}
 
 /// What the whole file goes by: the first chunk.
 pub(super) const HEAD: Tag = Tag(*b"HEAD");

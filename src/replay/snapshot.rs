@@ -6,6 +6,7 @@ use alloc::vec::Vec;
 use core::fmt;
 
 use super::LAW;
+use super::error::SnapshotError;
 use crate::body::{Activity, Bodies, BodyKind, Occupant, Record, ShapeSource, Tunings};
 use crate::error::Error;
 use crate::force::{Field, FieldSet, ForceLaw, Laws};
@@ -67,78 +68,6 @@ clone_by_field!(Snapshot { world });
 impl<S: Scalar> fmt::Debug for Snapshot<S> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_tuple("Snapshot").field(&self.world).finish()
-    }
-}
-
-/// Why bytes are no snapshot that this build can go on from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum SnapshotError {
-    /// They are something else.
-    Foreign,
-    /// Their layout is another.
-    Format {
-        /// Its number.
-        found: u32,
-        /// The one this build knows.
-        known: u32,
-    },
-    /// They were made under other laws of physics: what follows from them would be something else here.
-    Law {
-        /// Those they were made under.
-        found: u32,
-        /// Those of this build.
-        own: u32,
-    },
-    /// They are cut off, or damaged.
-    Malformed(Malformed),
-    /// They say of a world what cannot be.
-    Invalid(Error),
-    /// A law of force of the user's own is not given, or in another version.
-    ForceLaw {
-        /// Its id.
-        id: u64,
-        /// The version that is needed.
-        version: u32,
-    },
-    /// The world they make does not have the hash they give: they were changed.
-    Changed {
-        /// The hash they give.
-        recorded: u64,
-        /// That of the world.
-        computed: u64,
-    },
-}
-
-impl fmt::Display for SnapshotError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Foreign => f.write_str("not a snapshot of umbra-physics"),
-            Self::Format { found, known } => write!(f, "a snapshot of format {found}; this build reads format {known}"),
-            Self::Law { found, own } => {
-                write!(f, "a snapshot made under law {found} of physics; this build has law {own}")
-            }
-            Self::Malformed(malformed) => malformed.fmt(f),
-            Self::Invalid(error) => write!(f, "no world can be so: {error}"),
-            Self::ForceLaw { id, version } => write!(f, "force law {id:#x} in version {version} is not given"),
-            Self::Changed { recorded, computed } => {
-                write!(f, "the hash recorded is {recorded:016x}, that of what is there {computed:016x}")
-            }
-        }
-    }
-}
-
-impl core::error::Error for SnapshotError {}
-
-impl From<Malformed> for SnapshotError {
-    fn from(malformed: Malformed) -> Self {
-        Self::Malformed(malformed)
-    }
-}
-
-impl From<Error> for SnapshotError {
-    fn from(error: Error) -> Self {
-        Self::Invalid(error)
     }
 }
 
