@@ -3,8 +3,9 @@
 use alloc::boxed::Box;
 use core::fmt;
 
+use super::difference::Place;
 use super::finding::Finding;
-use crate::error::Error;
+use crate::error::{Error, codes};
 use crate::wire::Malformed;
 
 /// Why bytes are no snapshot that this build can go on from.
@@ -30,7 +31,12 @@ pub enum SnapshotError {
     /// They are cut off, or damaged.
     Malformed(Malformed),
     /// They say of a world what cannot be.
-    Invalid(Error),
+    Invalid {
+        /// Of which part of it.
+        place: Place,
+        /// What would be refused if it were called for.
+        error: Error,
+    },
     /// A law of force of the user's own is not given, or in another version.
     ForceLaw {
         /// Its id.
@@ -56,7 +62,7 @@ impl fmt::Display for SnapshotError {
                 write!(f, "a snapshot made under law {found} of physics; this build has law {own}")
             }
             Self::Malformed(malformed) => malformed.fmt(f),
-            Self::Invalid(error) => write!(f, "no world can be so: {error}"),
+            Self::Invalid { place, error } => write!(f, "no world can be so: {place}: {error}"),
             Self::ForceLaw { id, version } => write!(f, "force law {id:#x} in version {version} is not given"),
             Self::Changed { recorded, computed } => {
                 write!(f, "the hash recorded is {recorded:016x}, that of what is there {computed:016x}")
@@ -65,7 +71,25 @@ impl fmt::Display for SnapshotError {
     }
 }
 
-impl core::error::Error for SnapshotError {}
+codes!(SnapshotError {
+    Foreign = 301,
+    Format = 302,
+    Law = 303,
+    Malformed = 304,
+    Invalid = 305,
+    ForceLaw = 306,
+    Changed = 307,
+});
+
+impl core::error::Error for SnapshotError {
+    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
+        match self {
+            Self::Malformed(malformed) => Some(malformed),
+            Self::Invalid { error, .. } => Some(error),
+            _ => None,
+        }
+    }
+}
 
 impl From<Malformed> for SnapshotError {
     fn from(malformed: Malformed) -> Self {
@@ -73,9 +97,10 @@ impl From<Malformed> for SnapshotError {
     }
 }
 
+/// Of the world as a whole.
 impl From<Error> for SnapshotError {
     fn from(error: Error) -> Self {
-        Self::Invalid(error)
+        Self::Invalid { place: Place::World, error }
     }
 }
 
@@ -138,4 +163,22 @@ impl fmt::Display for ReplayError {
     }
 }
 
-impl core::error::Error for ReplayError {}
+codes!(ReplayError {
+    Foreign = 401,
+    Format = 402,
+    Law = 403,
+    CutOff = 404,
+    Tampered = 405,
+    Malformed = 406,
+    Snapshot = 407,
+});
+
+impl core::error::Error for ReplayError {
+    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
+        match self {
+            Self::Malformed { malformed, .. } => Some(malformed),
+            Self::Snapshot { error, .. } => Some(error),
+            _ => None,
+        }
+    }
+}

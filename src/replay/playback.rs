@@ -7,10 +7,12 @@ use core::fmt;
 use super::file::Tick;
 use super::finding::{Finding, Moment};
 use super::replay::Replay;
+use crate::error::codes;
 use crate::world::{Command, Outcome, World};
 
 /// A run that is not the one recorded.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Divergence {
     /// The tick the world was at with the first hash that is another one.
     pub tick: u64,
@@ -28,6 +30,8 @@ impl fmt::Display for Divergence {
         write!(f, "at tick {tick} the hash is {computed:016x}, recorded was {recorded:016x}; {finding}")
     }
 }
+
+codes!(Divergence = 420);
 
 impl core::error::Error for Divergence {}
 

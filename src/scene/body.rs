@@ -2,7 +2,7 @@
 
 use alloc::string::String;
 
-use super::error::Place;
+use super::error::{Flaw, Place};
 use super::node::{Node, Object, Result};
 use super::shape::{ShapeDef, shape, vector};
 use crate::body::{BodyDef, BodyKind, Mass};
@@ -152,7 +152,7 @@ pub(super) fn groups(node: &Node<'_>) -> Result<u32> {
     node.list()?.iter().try_fold(0, |groups, node| {
         let group: u32 = node.whole()?;
         if group > 31 {
-            return Err(node.fault("out of range: expected a group from 0 to 31"));
+            return Err(node.fault(Flaw::OutOfRange.of("out of range: expected a group from 0 to 31")));
         }
         Ok(groups | 1 << group)
     })

@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 
 use super::body::{body, groups, kind, mass, own_damping};
-use super::error::Place;
+use super::error::{Flaw, Place};
 use super::field::{field, named, symbol};
 use super::node::{Node, Object, Result};
 use super::settings::{integrator, time_step, world_damping};
@@ -105,10 +105,12 @@ fn span(object: &Object<'_>) -> Result<(u64, u64, u64)> {
     let to = object.need("to")?;
     let (last, every): (u64, u64) = (to.whole()?, object.or("every", 1, Node::whole)?);
     if last < first {
-        return Err(to.fault("out of range: the last tick is before the first"));
+        return Err(to.fault(Flaw::OutOfRange.of("out of range: the last tick is before the first")));
     }
     if every == 0 {
-        return Err(object.at(&["every"]).fault("out of range: expected a number of ticks from 1"));
+        return Err(object
+            .at(&["every"])
+            .fault(Flaw::OutOfRange.of("out of range: expected a number of ticks from 1")));
     }
     Ok((first, last, every))
 }

@@ -36,6 +36,7 @@ use alloc::vec::Vec;
 
 use crate::scalar::{Scalar, fx::Fx};
 use crate::world::{World, WorldDef};
+use error::Flaw;
 use field::Names;
 use node::{Node, Object, Source, quoted};
 
@@ -153,7 +154,7 @@ impl Scene {
     fn add_body(&mut self, body: SceneBody, node: &Node<'_>, tables: &mut Tables) -> Result<usize, SceneError> {
         let index = self.bodies.len();
         if tables.bodies.insert(body.name.clone(), index).is_some() {
-            return Err(node.fault(format_args!("there is a body {} already", quoted(&body.name))));
+            return Err(node.fault(Flaw::Taken.of(format_args!("there is a body {} already", quoted(&body.name)))));
         }
         self.bodies.push(body);
         Ok(index)
@@ -163,7 +164,7 @@ impl Scene {
         let index = self.fields.len();
         if let Some(name) = &field.name {
             if tables.fields.insert(name.clone(), index).is_some() {
-                return Err(node.fault(format_args!("there is a force field {} already", quoted(name))));
+                return Err(node.fault(Flaw::Taken.of(format_args!("there is a force field {} already", quoted(name)))));
             }
         }
         self.fields.push(field);

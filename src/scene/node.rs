@@ -12,7 +12,7 @@ use core::fmt;
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 use serde_json::value::RawValue;
 
-use super::error::{Place, SceneError};
+use super::error::{Flaw, Place, Reason, SceneError};
 use super::repeat::Round;
 
 pub(super) type Result<T> = core::result::Result<T, SceneError>;
@@ -72,7 +72,7 @@ impl<'a> Node<'a> {
             // serde_json ends with the place; the line stands in front of ours.
             let what = message.split(" at line ").next().unwrap_or(&message);
             let place = Place { line: error.line().max(1), field: String::new() };
-            place.fault(format_args!("not JSON: {what} at column {}", error.column()))
+            place.fault(Flaw::NotJson.of(format_args!("not JSON: {what} at column {}", error.column())))
         })?;
         Ok(Self { source, text: raw.get(), field: String::new(), round: None })
     }
@@ -85,12 +85,12 @@ impl<'a> Node<'a> {
         Place { line, field: self.field.clone() }
     }
 
-    pub(super) fn fault(&self, message: impl fmt::Display) -> SceneError {
-        self.place().fault(message)
+    pub(super) fn fault(&self, reason: impl Reason) -> SceneError {
+        self.place().fault(reason)
     }
 
     pub(super) fn wrong_kind(&self, expected: &str) -> SceneError {
-        self.fault(format_args!("expected {expected}, found {}", self.kind().name()))
+        self.fault(Flaw::WrongKind.of(format_args!("expected {expected}, found {}", self.kind().name())))
     }
 
     pub(super) fn kind(&self) -> Kind {
@@ -122,7 +122,7 @@ impl<'a> Node<'a> {
         if self.kind() != Kind::List {
             return Err(self.wrong_kind("a list"));
         }
-        let raw: Vec<&'a RawValue> = serde_json::from_str(self.text).map_err(|e| self.fault(e))?;
+        let raw: Vec<&'a RawValue> = serde_json::from_str(self.text).map_err(|e| self.fault(Flaw::NotJson.of(e)))?;
         Ok(raw.into_iter().enumerate().map(|(i, raw)| self.child(raw, format_args!("[{i}]"))).collect())
     }
 
@@ -130,20 +130,21 @@ impl<'a> Node<'a> {
     pub(super) fn tuple<const N: usize>(&self) -> Result<[Self; N]> {
         let list = self.list()?;
         let count = list.len();
-        list.try_into().map_err(|_| self.fault(format_args!("expected a list of {N}, found {count} in it")))
+        list.try_into()
+            .map_err(|_| self.fault(Flaw::WrongKind.of(format_args!("expected a list of {N}, found {count} in it"))))
     }
 
     pub(super) fn object(&self) -> Result<Object<'a>> {
         if self.kind() != Kind::Object {
             return Err(self.wrong_kind("an object"));
         }
-        let Entries(raw) = serde_json::from_str(self.text).map_err(|e| self.fault(e))?;
+        let Entries(raw) = serde_json::from_str(self.text).map_err(|e| self.fault(Flaw::NotJson.of(e)))?;
         let mut entries: Vec<Entry<'a>> = Vec::with_capacity(raw.len());
         for (name, raw) in raw {
             let dot = if self.field.is_empty() { "" } else { "." };
             let node = self.child(raw, format_args!("{dot}{}", in_a_line(&name)));
             if entries.iter().any(|entry| entry.name == name) {
-                return Err(node.fault("this field is there twice"));
+                return Err(node.fault(Flaw::Doubled.of("this field is there twice")));
             }
             entries.push(Entry { name, node, used: Cell::new(false) });
         }
@@ -155,13 +156,14 @@ impl<'a> Node<'a> {
         if self.kind() != Kind::Text {
             return Err(self.wrong_kind("a text"));
         }
-        let text: String = serde_json::from_str(self.text).map_err(|e| self.fault(e))?;
+        let text: String = serde_json::from_str(self.text).map_err(|e| self.fault(Flaw::NotJson.of(e)))?;
         // Names and titles go to terminals, tables and pictures, where these would do something.
         if let Some(control) = text.chars().find(|c| c.is_control()) {
-            return Err(self.fault(format_args!("a text has no control characters: found {}", control.escape_debug())));
+            let found = control.escape_debug();
+            return Err(self.fault(Flaw::Text.of(format_args!("a text has no control characters: found {found}"))));
         }
         match self.round {
-            Some(round) => round.fill(&text).map_err(|message| self.fault(message)),
+            Some(round) => round.fill(&text).map_err(|message| self.fault(Flaw::Text.of(message))),
             None => Ok(text),
         }
     }
@@ -180,7 +182,8 @@ impl<'a> Node<'a> {
         let found = choices.iter().find(|(name, _)| *name == text);
         found.map(|(_, value)| *value).ok_or_else(|| {
             let names: Vec<&str> = choices.iter().map(|(name, _)| *name).collect();
-            self.fault(format_args!("expected one of {}, found {}", names.join(", "), quoted(&text)))
+            let (names, found) = (names.join(", "), quoted(&text));
+            self.fault(Flaw::WrongKind.of(format_args!("expected one of {names}, found {found}")))
         })
     }
 }
@@ -207,7 +210,7 @@ impl<'a> Object<'a> {
     }
 
     pub(super) fn need(&self, name: &'static str) -> Result<&Node<'a>> {
-        self.get(name).ok_or_else(|| self.node.fault(format_args!("the field `{name}` is missing")))
+        self.get(name).ok_or_else(|| self.node.fault(Flaw::Missing.of(format_args!("the field `{name}` is missing"))))
     }
 
     /// What `read` makes of a field, or `otherwise` without it.
@@ -232,7 +235,10 @@ impl<'a> Object<'a> {
             }
         }
         found.ok_or_else(|| {
-            let missing = || self.node.fault(format_args!("one of the fields {} is missing", names.join(", ")));
+            let missing = || {
+                let names = names.join(", ");
+                self.node.fault(Flaw::Missing.of(format_args!("one of the fields {names} is missing")))
+            };
             self.unknown().unwrap_or_else(missing)
         })
     }
@@ -246,7 +252,7 @@ impl<'a> Object<'a> {
     fn unknown(&self) -> Option<SceneError> {
         let entry = self.entries.iter().find(|entry| !entry.used.get())?;
         let asked = self.asked.borrow();
-        Some(entry.node.fault(format_args!("unknown field; there are {}", asked.join(", "))))
+        Some(entry.node.fault(Flaw::Unknown.of(format_args!("unknown field; there are {}", asked.join(", ")))))
     }
 
     /// Refuses fields that nobody asked for.

@@ -4,6 +4,7 @@ use alloc::format;
 use alloc::string::{String, ToString};
 use core::fmt;
 
+use super::error::{Coded, Flaw};
 use super::node::{Kind, Node, Object, Result, in_a_line};
 use crate::scalar::fx::{Fx, ParseFxError};
 
@@ -95,7 +96,11 @@ pub(super) fn each<'a>(list: &Node<'a>, mut read: impl FnMut(&Object<'a>) -> Res
 }
 
 fn check_count(node: &Node<'_>, made: u64) -> Result<()> {
-    if made > MOST { Err(node.fault(format_args!("out of range: at most {MOST} can be made"))) } else { Ok(()) }
+    if made > MOST {
+        Err(node.fault(Flaw::TooMany.of(format_args!("out of range: at most {MOST} can be made"))))
+    } else {
+        Ok(())
+    }
 }
 
 /// A count n for 0 to n − 1, or [first, last].
@@ -107,7 +112,9 @@ fn range(node: &Node<'_>) -> Result<(i64, i64)> {
         (0, i64::from(node.whole::<i32>()?) - 1)
     };
     if last < first {
-        return Err(node.fault("out of range: expected a count from 1, or a list of the first and the last index"));
+        return Err(node.fault(
+            Flaw::OutOfRange.of("out of range: expected a count from 1, or a list of the first and the last index"),
+        ));
     }
     Ok((first, last))
 }
@@ -179,13 +186,17 @@ impl Node<'_> {
         let fitting = whole.and_then(|whole| T::try_from(whole).ok());
         fitting.ok_or_else(|| {
             let bits = 8 * size_of::<T>();
-            self.fault(format_args!("out of range: expected a whole number that fits in {bits} bits"))
+            self.fault(
+                Flaw::OutOfRange.of(format_args!("out of range: expected a whole number that fits in {bits} bits")),
+            )
         })
     }
 
     pub(super) fn unread(&self, error: ParseFxError) -> super::SceneError {
         match error {
-            ParseFxError::OutOfRange => self.fault("out of range: expected a number from -2^31 to below 2^31"),
+            ParseFxError::OutOfRange => {
+                self.fault(Coded(error.code(), "out of range: expected a number from -2^31 to below 2^31"))
+            }
             _ => self.fault(error),
         }
     }
@@ -197,7 +208,7 @@ impl Node<'_> {
             let [low, high] = bounds.tuple()?;
             let (least, most) = (low.number()?, high.number()?);
             if least > most {
-                return Err(bounds.fault("out of range: the first is larger than the second"));
+                return Err(bounds.fault(Flaw::OutOfRange.of("out of range: the first is larger than the second")));
             }
             let seed: u64 = object.need("seed")?.whole()?;
             object.finish()?;
@@ -213,7 +224,8 @@ impl Node<'_> {
 
     fn progression(&self, object: &Object<'_>, round: Round) -> Result<Exact> {
         const ZERO: Exact = Exact { mantissa: 0, exponent: 0 };
-        let long = |node: &Node<'_>| node.fault("out of range: too many digits for an exact progression");
+        let long =
+            |node: &Node<'_>| node.fault(Flaw::OutOfRange.of("out of range: too many digits for an exact progression"));
         let term = |name| {
             object.or(name, ZERO, |node| {
                 if node.kind() != Kind::Number {

@@ -4,6 +4,7 @@ use alloc::string::String;
 use alloc::vec::Vec;
 
 use super::body::own_damping;
+use super::error::Flaw;
 use super::field::{Names, named};
 use super::node::{Kind, Node, Object, Result};
 use crate::error::{Error, Quantity};
@@ -48,7 +49,8 @@ pub(super) fn time_step(node: &Node<'_>) -> Result<TimeStep> {
         Kind::Text => {
             let text = node.string()?;
             let ratio = text.split_once('/').and_then(|(n, d)| Some((n.trim().parse().ok()?, d.trim().parse().ok()?)));
-            ratio.ok_or_else(|| node.fault(r#"expected a ratio of whole numbers such as "1/60""#))?
+            ratio
+                .ok_or_else(|| node.fault(Flaw::WrongKind.of(r#"expected a ratio of whole numbers such as "1/60""#)))?
         }
         _ => return Err(node.wrong_kind(r#"a ratio such as "1/60""#)),
     };
@@ -118,7 +120,9 @@ pub(super) fn plot(node: &Node<'_>, bodies: &Names) -> Result<Plot> {
     };
     object.finish()?;
     if plot.exposures > EXPOSURES {
-        return Err(object.at(&["exposures"]).fault(format_args!("out of range: at most {EXPOSURES}")));
+        return Err(object
+            .at(&["exposures"])
+            .fault(Flaw::OutOfRange.of(format_args!("out of range: at most {EXPOSURES}"))));
     }
     Ok(plot)
 }

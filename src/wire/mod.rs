@@ -10,6 +10,8 @@ mod values;
 use alloc::vec::Vec;
 use core::fmt::{self, Display};
 
+use crate::error::codes;
+
 pub(crate) use index::{Index, Leaf, Wanted};
 pub(crate) use sink::Sink;
 
@@ -51,6 +53,7 @@ pub(crate) trait Read: Sized {
 
 /// Bytes that are not what they should be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub struct Malformed {
     /// Where, counted from the start of what was read.
     pub at: u64,
@@ -63,6 +66,8 @@ impl fmt::Display for Malformed {
         write!(f, "byte {}: expected {}", self.at, self.expected)
     }
 }
+
+codes!(Malformed = 320);
 
 impl core::error::Error for Malformed {}
 
