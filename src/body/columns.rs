@@ -95,7 +95,7 @@ impl<S: Scalar> Default for Bodies<S> {
 }
 
 /// Adds a value. A column grows by an eighth, not to twice its size: little is kept for bodies to come.
-pub(super) fn push<T>(column: &mut Vec<T>, value: T) {
+pub(crate) fn push<T>(column: &mut Vec<T>, value: T) {
     if column.len() == column.capacity() {
         column.reserve_exact(16.max(column.len() / 8));
     }
@@ -127,16 +127,14 @@ impl<S: Scalar> Bodies<S> {
 
     /// What no step changes of the body at this index in the columns.
     pub(crate) fn card(&self, dense: usize) -> &Card<S> {
-        &self.roster.cards[self.columns.slot[dense] as usize]
+        self.roster.card(self.columns.slot[dense] as usize)
     }
 
     /// Changes what no step does.
     pub(crate) fn edit(&mut self, dense: usize, tunings: &Tunings<S>, edit: impl FnOnce(&mut Card<S>)) {
         let key = &tunings.rows()[self.columns.tuning[dense] as usize].key;
         let slot = self.columns.slot[dense] as usize;
-        let Roster { cards, digests, .. } = Arc::make_mut(&mut self.roster);
-        edit(&mut cards[slot]);
-        digests[slot] = cards[slot].digest(key);
+        Arc::make_mut(&mut self.roster).edit(slot, key, edit);
     }
 
     /// Gives a body a shape, or none, and the properties that follow.
@@ -289,6 +287,7 @@ impl<S: Scalar> Bodies<S> {
     /// Adds a slot without a body.
     pub(super) fn new_slot(&mut self, generation: u32) -> u32 {
         push(&mut self.slots, Slot { generation, dense: NONE });
+        Arc::make_mut(&mut self.roster).open();
         (self.slots.len() - 1) as u32
     }
 
@@ -317,23 +316,12 @@ impl<S: Scalar> Bodies<S> {
         push(&mut columns.tuning, tunings.acquire(key, climate));
         push(&mut columns.slot, slot);
         push(&mut columns.activity, Activity::Awake);
-        let shapes = &mut Arc::make_mut(&mut self.roster).shapes;
-        let card = Card::new(&def, def.shape.clone().map(|shape| shapes.acquire(shape)), properties);
-        let digest = card.digest(&key);
-        self.place_card(slot as usize, card, digest);
+        let roster = Arc::make_mut(&mut self.roster);
+        let card = Card::new(&def, def.shape.clone().map(|shape| roster.shapes.acquire(shape)), properties);
+        roster.place(slot as usize, card, &key);
         if def.kind != BodyKind::Static {
             self.swap(dense, self.moving);
             self.moving += 1;
-        }
-    }
-
-    pub(super) fn place_card(&mut self, slot: usize, card: Card<S>, digest: u64) {
-        let Roster { cards, digests, .. } = Arc::make_mut(&mut self.roster);
-        if let Some(old) = cards.get_mut(slot) {
-            (*old, digests[slot]) = (card, digest);
-        } else {
-            push(cards, card);
-            push(digests, digest);
         }
     }
 
@@ -347,6 +335,10 @@ impl<S: Scalar> Bodies<S> {
         self.slots.iter().map(|slot| (slot.generation, (slot.dense != NONE).then_some(slot.dense as usize)))
     }
 
+    pub(super) fn keeps_last(&self) -> bool {
+        self.keeps_last
+    }
+
     /// How often a slot was taken before.
     pub(crate) fn generation(&self, slot: u32) -> Option<u32> {
         self.slots.get(slot as usize).map(|slot| slot.generation)
@@ -358,7 +350,7 @@ impl<S: Scalar> Bodies<S> {
     }
 
     /// Says which slots to take next: each one without a body, and once.
-    pub(super) fn set_free(&mut self, free: Vec<u32>) -> Result<(), Error> {
+    pub(crate) fn set_free(&mut self, free: Vec<u32>) -> Result<(), Error> {
         if !are_free(self.slots.iter().map(|slot| slot.dense == NONE), &free) {
             return Err(Error::Inconsistent);
         }
@@ -405,10 +397,7 @@ impl<S: Scalar> Bodies<S> {
         columns.tuning.pop();
         columns.slot.pop();
         columns.activity.pop();
-        let Roster { cards, shapes, .. } = Arc::make_mut(&mut self.roster);
-        if let Some(shape) = cards[body.slot as usize].shape.take() {
-            shapes.release(&shape);
-        }
+        Arc::make_mut(&mut self.roster).remove(body.slot as usize);
         let slot = &mut self.slots[body.slot as usize];
         slot.dense = NONE;
         // A slot whose generations are used up is never taken again: no handle names two bodies.
