@@ -23,9 +23,13 @@ pub(super) fn malformed(chunk: u32, expected: &'static str) -> ReplayError {
 }
 
 /// The value that a chunk is.
-pub(super) fn whole<T: Read>(chunk: &Chunk, number: u32) -> Result<T, ReplayError> {
+pub(super) fn whole<'a, T>(
+    chunk: &'a Chunk,
+    number: u32,
+    read: impl FnOnce(&mut Reader<'a>) -> Result<T, Malformed>,
+) -> Result<T, ReplayError> {
     let mut reader = Reader::new(&chunk.bytes);
-    let value = T::read(&mut reader);
+    let value = read(&mut reader);
     value
         .and_then(|value| reader.end().map(|()| value))
         .map_err(|malformed| ReplayError::Malformed { chunk: number, malformed })
@@ -72,24 +76,26 @@ fn changed_leaf(chunk: &Chunk, at: usize, found: u64, tick: u64, laws: &[Arc<dyn
     let first = (at..at + length).find(|&i| there[i] != chunk.bytes[i])?;
     let (leaf, subject) = tell(chunk, &chunk.bytes, laws, Wanted::At(first))?;
     let leaf = leaf?;
+    // One world at a time.
+    let (tick, moment, place, field) = subject.place(tick, &leaf.path);
+    drop(subject);
     let found_bytes = there.get(leaf.at..leaf.at + leaf.bytes.len())?;
     let hex = || found_bytes.iter().map(|byte| format!("{byte:02x}")).collect();
     // What is there as a value, if it is one; else its bytes.
     let value = tell(chunk, &there, laws, Wanted::On(leaf.path.clone())).and_then(|(leaf, _)| leaf);
     // A hash of what is there was made new; it is its bytes that were changed.
     let value = value.filter(|value| value.text != leaf.text).map_or_else(hex, |value| value.text);
-    let (tick, moment, place, field) = subject.place(tick, &leaf.path);
     Some(Finding { tick, moment, place, field, recorded: Some(leaf.text), found: Some(value) })
 }
 
 /// What a chunk is about.
-enum Subject {
+enum Subject<'a> {
     File(Moment),
     World(Box<World>, Moment),
-    Ticks(Segment),
+    Ticks(Segment<'a>),
 }
 
-impl Subject {
+impl Subject<'_> {
     /// Where the value at a path belongs, and its name there. `tick` is the one the chunks before lead up to.
     fn place(&self, tick: u64, path: &[Part]) -> (u64, Moment, Place, String) {
         match self {
@@ -100,8 +106,8 @@ impl Subject {
             }
             Self::Ticks(segment) => match *path {
                 [Part::Name("ticks"), Part::Entry(i), ..] => {
-                    let none = Tick::default();
-                    let (moment, place) = place_in_tick(segment.ticks.get(i as usize).unwrap_or(&none), &path[2..]);
+                    let at = |tick: Tick<'_>| place_in_tick(&tick, &path[2..]);
+                    let (moment, place) = segment.ticks().nth(i as usize).map_or((Moment::End, Place::World), at);
                     (segment.tick.saturating_add(i.into()), moment, place, name_of(&path[2..]))
                 }
                 _ => (segment.tick, Moment::Start, Place::World, name_of(path)),
@@ -111,7 +117,12 @@ impl Subject {
 }
 
 /// A value that a chunk has, if there is such a one, and what the chunk is about.
-fn tell(chunk: &Chunk, bytes: &[u8], laws: &[Arc<dyn ForceLaw>], wanted: Wanted) -> Option<(Option<Leaf>, Subject)> {
+fn tell<'a>(
+    chunk: &Chunk,
+    bytes: &'a [u8],
+    laws: &[Arc<dyn ForceLaw>],
+    wanted: Wanted,
+) -> Option<(Option<Leaf>, Subject<'a>)> {
     let mut reader = Reader::new(bytes);
     Some(match chunk.tag {
         HEAD => (Index::find(&Head::read(&mut reader).ok()?, wanted), Subject::File(Moment::Start)),

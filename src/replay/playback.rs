@@ -4,9 +4,8 @@ use alloc::boxed::Box;
 use alloc::vec::Vec;
 use core::fmt;
 
-use super::file::Tick;
 use super::finding::{Finding, Moment};
-use super::replay::Replay;
+use super::replay::{Cursor, Replay};
 use crate::error::codes;
 use crate::world::{Command, Outcome, World};
 
@@ -40,12 +39,17 @@ impl core::error::Error for Divergence {}
 pub struct Playback<'a> {
     replay: &'a Replay,
     world: World,
+    /// Before the tick to come.
+    cursor: Cursor,
+    /// The hash recorded for the world as it is.
+    recorded: Option<u64>,
     outcomes: Vec<Outcome>,
 }
 
 impl<'a> Playback<'a> {
     pub(super) fn new(replay: &'a Replay) -> Self {
-        Self { replay, world: replay.start.clone(), outcomes: Vec::new() }
+        let (cursor, recorded, outcomes) = (Cursor::default(), None, Vec::new());
+        Self { replay, world: replay.start.clone(), cursor, recorded, outcomes }
     }
 
     /// The world as it is now.
@@ -54,16 +58,11 @@ impl<'a> Playback<'a> {
         &self.world
     }
 
-    /// What is recorded of the tick to come; `None` at the end.
-    fn tick(&self) -> Option<&Tick> {
-        self.replay.ticks.get((self.world.tick() - self.replay.head.tick) as usize)
-    }
-
-    /// The commands of the tick to come: calls outside of inputs first.
-    pub fn commands(&self) -> impl Iterator<Item = &Command> {
-        let tick = self.tick();
-        let calls = tick.into_iter().flat_map(|tick| &tick.calls);
-        calls.chain(tick.into_iter().flat_map(|tick| &tick.inputs).map(|input| &input.command))
+    /// The commands of the tick to come, none at the end: calls outside of inputs first.
+    pub fn commands(&self) -> impl Iterator<Item = Command> + use<'a> {
+        let tick = self.replay.next(&mut self.cursor.clone());
+        let calls = tick.into_iter().flat_map(|tick| tick.calls.iter());
+        calls.chain(tick.into_iter().flat_map(|tick| tick.inputs.iter().map(|input| input.command)))
     }
 
     /// What became of the inputs of the last tick.
@@ -75,8 +74,7 @@ impl<'a> Playback<'a> {
     /// The hash that was recorded for the world as it is now, if one was.
     #[must_use]
     pub fn recorded_hash(&self) -> Option<u64> {
-        let made = (self.world.tick() - self.replay.head.tick) as usize;
-        self.replay.ticks.get(made.checked_sub(1)?)?.hash
+        self.recorded
     }
 
     /// Does what was done in the tick, steps, and compares with what was recorded. `false` at the end, where nothing is
@@ -102,23 +100,25 @@ impl<'a> Playback<'a> {
 
     /// The same without comparing.
     fn advance(&mut self) -> bool {
-        let made = (self.world.tick() - self.replay.head.tick) as usize;
-        let Some(tick) = self.replay.ticks.get(made) else { return false };
-        for call in &tick.calls {
+        let Some(tick) = self.replay.next(&mut self.cursor) else { return false };
+        for call in tick.calls.iter() {
             // One that is refused was not recorded; refused here, it is found by the hash.
-            _ = self.world.execute(call);
+            _ = self.world.execute(&call);
         }
-        self.world.carry_out_into(&tick.inputs, &mut self.outcomes);
+        self.outcomes.clear();
+        self.outcomes.extend(tick.inputs.iter().map(|input| self.world.carry_out_one(&input)));
         self.world.step();
+        self.recorded = tick.hash;
         true
     }
 
     /// Goes to a tick, or to the end if that is before it: from the snapshot nearest before it, without comparing.
     pub fn seek(&mut self, tick: u64) {
-        let snapshots = [&self.replay.start].into_iter().chain(&self.replay.snapshots);
-        let nearest = snapshots.take_while(|world| world.tick() <= tick).last().unwrap_or(&self.replay.start);
+        let later = self.replay.snapshots.partition_point(|world| world.tick() <= tick);
+        let nearest = later.checked_sub(1).map_or(&self.replay.start, |last| &*self.replay.snapshots[last]);
         if self.world.tick() > tick || self.world.tick() < nearest.tick() {
             self.world.clone_from(nearest);
+            (self.cursor, self.recorded) = self.replay.cursor(nearest.tick());
         }
         self.seek_on(tick);
     }
@@ -127,8 +127,8 @@ impl<'a> Playback<'a> {
     fn divergence(&self, recorded: u64) -> Divergence {
         let (tick, computed) = (self.world.tick(), self.world.state_hash());
         let mut ahead = self.clone();
-        let later = self.replay.snapshots.iter().filter(|snapshot| snapshot.tick() >= tick);
-        let found = later.into_iter().find_map(|snapshot| {
+        let mut later = self.replay.snapshots.iter().filter(|snapshot| snapshot.tick() >= tick);
+        let found = later.find_map(|snapshot| {
             ahead.seek_on(snapshot.tick());
             let found = snapshot.differences(&ahead.world).into_iter().next()?;
             Some(Finding::at(snapshot.tick() - 1, Moment::End, found))

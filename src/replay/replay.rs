@@ -1,6 +1,7 @@
 //! Replays: read and compared.
 
 use alloc::boxed::Box;
+use alloc::string::{String, ToString as _};
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
@@ -9,12 +10,12 @@ use super::chunk::{self, Chunk};
 use super::damage::{malformed, sound, whole};
 use super::difference::{Place, name_of};
 use super::error::ReplayError;
-use super::file::{DONE, Done, HEAD, Head, REPLAY, SNAPSHOT, Segment, TICKS, Tick};
+use super::file::{DONE, Done, HEAD, Head, List, REPLAY, SNAPSHOT, Segment, TICKS, Tick};
 use super::finding::{Finding, Moment};
 use super::playback::{Divergence, Playback};
 use super::snapshot;
 use crate::force::ForceLaw;
-use crate::wire::{Index, Leaf, Part, Reader};
+use crate::wire::{Index, Leaf, Part, Read, Reader, Write};
 use crate::world::{Command, World};
 
 /// A recorded run: the world it began with, what was done tick by tick, and the hashes that came of it.
@@ -22,10 +23,32 @@ use crate::world::{Command, World};
 pub struct Replay {
     pub(super) head: Head,
     pub(super) start: World,
-    pub(super) ticks: Vec<Tick>,
+    /// The contents of the chunks of ticks, in their order: what was done stays as it stands in the file.
+    segments: Vec<Stretch>,
+    /// The tick after the last.
+    end: u64,
     /// The later ones, by their ticks.
-    pub(super) snapshots: Vec<World>,
+    #[allow(clippy::vec_box, reason = "a world by itself is large, and the list grows")]
+    pub(super) snapshots: Vec<Box<World>>,
     pub(super) done: Option<Done>,
+}
+
+/// Some ticks that follow each other.
+#[derive(Clone, Debug)]
+struct Stretch {
+    /// The tick the world is at before the first.
+    tick: u64,
+    count: u32,
+    bytes: Vec<u8>,
+}
+
+/// A place between two ticks of a replay.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Cursor {
+    stretch: usize,
+    /// How many ticks of it are behind, and where in its bytes the next one is.
+    behind: u32,
+    at: usize,
 }
 
 impl Replay {
@@ -59,7 +82,8 @@ impl Replay {
         let head = Self::read_head(&first, laws)?;
         let Some(second) = chunk::read(&mut reader) else { return Err(ReplayError::CutOff { tick: head.tick }) };
         let start = Self::read_start(&second, &head, laws)?;
-        let mut replay = Self { head, start, ticks: Vec::new(), snapshots: Vec::new(), done: None };
+        let (segments, snapshots, end) = (Vec::new(), Vec::new(), head.tick);
+        let mut replay = Self { head, start, segments, end, snapshots, done: None };
         let mut number = 2;
         while replay.done.is_none() {
             let Some(chunk) = chunk::read(&mut reader) else {
@@ -80,7 +104,7 @@ impl Replay {
         if chunk.tag != HEAD {
             return Err(malformed(0, "the head"));
         }
-        let head: Head = whole(chunk, 0)?;
+        let head = whole(chunk, 0, Head::read)?;
         if head.law != LAW {
             return Err(ReplayError::Law { found: head.law, own: LAW });
         }
@@ -104,12 +128,10 @@ impl Replay {
         sound(&chunk, number, self.end(), laws)?;
         match chunk.tag {
             TICKS => {
-                let segment: Segment = whole(&chunk, number)?;
-                let room = u64::MAX - self.end();
-                if segment.tick != self.end() || segment.ticks.is_empty() || segment.ticks.len() as u64 > room {
-                    return Err(malformed("the ticks that follow"));
-                }
-                self.ticks.extend(segment.ticks);
+                let Segment { tick, count, .. } = whole(&chunk, number, Segment::read)?;
+                let end = tick.checked_add(count.into()).filter(|_| tick == self.end && count > 0);
+                self.end = end.ok_or_else(|| malformed("the ticks that follow"))?;
+                self.segments.push(Stretch { tick, count, bytes: chunk.bytes });
             }
             SNAPSHOT => {
                 let world = read_snapshot(&chunk, number, laws)?;
@@ -117,10 +139,10 @@ impl Replay {
                 if world.tick() != self.end() || !is_next {
                     return Err(malformed("the snapshot of this tick"));
                 }
-                self.snapshots.push(world);
+                self.snapshots.push(Box::new(world));
             }
             DONE => {
-                let done: Done = whole(&chunk, number)?;
+                let done = whole(&chunk, number, Done::read)?;
                 if done.tick != self.end() {
                     return Err(malformed("the tick it ends at"));
                 }
@@ -140,7 +162,7 @@ impl Replay {
     /// The tick its world is at after the last of its ticks.
     #[must_use]
     pub fn end(&self) -> u64 {
-        self.head.tick + self.ticks.len() as u64
+        self.end
     }
 
     /// Whether the recording was brought to its end.
@@ -151,8 +173,38 @@ impl Replay {
 
     /// The later snapshot of a tick: their ticks rise.
     pub(super) fn snapshot_at(&self, tick: u64) -> Option<&World> {
-        let index = self.snapshots.binary_search_by_key(&tick, World::tick).ok()?;
-        self.snapshots.get(index)
+        let index = self.snapshots.binary_search_by_key(&tick, |world| world.tick()).ok()?;
+        self.snapshots.get(index).map(|world| &**world)
+    }
+
+    /// The place before a tick of it, and the hash that was recorded of the one before that.
+    pub(super) fn cursor(&self, tick: u64) -> (Cursor, Option<u64>) {
+        // From the stretch that the tick before is in.
+        let after = self.segments.partition_point(|stretch| stretch.tick < tick);
+        let stretch = after.saturating_sub(1);
+        let (mut cursor, mut hash) = (Cursor { stretch, ..Cursor::default() }, None);
+        for _ in self.segments.get(stretch).map_or(tick, |stretch| stretch.tick)..tick {
+            hash = self.next(&mut cursor).and_then(|tick| tick.hash);
+        }
+        (cursor, hash)
+    }
+
+    /// The tick at a place, which is behind it then.
+    pub(super) fn next(&self, cursor: &mut Cursor) -> Option<Tick<'_>> {
+        if self.segments.get(cursor.stretch)?.count == cursor.behind {
+            *cursor = Cursor { stretch: cursor.stretch + 1, ..Cursor::default() };
+        }
+        let bytes = self.segments.get(cursor.stretch)?.bytes.get(Segment::HEAD + cursor.at..)?;
+        let mut reader = Reader::new(bytes);
+        let tick = Tick::read(&mut reader).ok()?;
+        (cursor.behind, cursor.at) = (cursor.behind + 1, cursor.at + reader.at());
+        Some(tick)
+    }
+
+    /// All ticks in their order.
+    fn ticks(&self) -> impl Iterator<Item = Tick<'_>> {
+        let mut cursor = Cursor::default();
+        core::iter::from_fn(move || self.next(&mut cursor))
     }
 
     /// Plays it from its start.
@@ -179,9 +231,8 @@ impl Replay {
         if let Some(found) = self.start.differences(&other.start).into_iter().next() {
             return Some(Finding::at(tick, Moment::Start, found));
         }
-        for (i, (ours, theirs)) in self.ticks.iter().zip(&other.ticks).enumerate() {
-            let tick = tick + i as u64;
-            if let Some(finding) = doings_differ(tick, ours, theirs) {
+        for (tick, (ours, theirs)) in (tick..).zip(self.ticks().zip(other.ticks())) {
+            if let Some(finding) = doings_differ(tick, &ours, &theirs) {
                 return Some(finding);
             }
             if let (Some(a), Some(b)) = (ours.hash, theirs.hash) {
@@ -195,8 +246,8 @@ impl Replay {
 
     /// The first value in which the snapshots of two replays differ from this tick on.
     fn named_at_a_snapshot(&self, other: &Self, tick: u64, ours: u64, theirs: u64) -> Finding {
-        let later = self.snapshots.iter().filter(|world| world.tick() > tick);
-        let differs = later.into_iter().find_map(|world| {
+        let mut later = self.snapshots.iter().filter(|world| world.tick() > tick);
+        let differs = later.find_map(|world| {
             let there = other.snapshot_at(world.tick())?;
             let found = world.differences(there).into_iter().next()?;
             Some(Finding::at(world.tick() - 1, Moment::End, found))
@@ -206,28 +257,51 @@ impl Replay {
 }
 
 /// In what that which is done in a tick differs.
-pub(super) fn doings_differ(tick: u64, ours: &Tick, theirs: &Tick) -> Option<Finding> {
-    if ours.calls == theirs.calls && ours.inputs == theirs.inputs {
+pub(super) fn doings_differ(tick: u64, ours: &Tick<'_>, theirs: &Tick<'_>) -> Option<Finding> {
+    let calls = lists_differ("calls", &ours.calls, &theirs.calls);
+    let Parting { path, left, right } = calls.or_else(|| lists_differ("inputs", &ours.inputs, &theirs.inputs))?;
+    let (moment, place) = place_in_tick(ours, &path);
+    Some(Finding { tick, moment, place, field: name_of(&path), recorded: left, found: right })
+}
+
+/// Where two lists part, and what is there in each.
+struct Parting {
+    path: Vec<Part>,
+    left: Option<String>,
+    right: Option<String>,
+}
+
+/// The first value in which two lists are not the same: their length, or one of an entry, which alone is laid out for that.
+fn lists_differ<T: Read + Write + PartialEq>(
+    name: &'static str,
+    ours: &List<'_, T>,
+    theirs: &List<'_, T>,
+) -> Option<Parting> {
+    if ours.count != theirs.count {
+        let [left, right] = [ours, theirs].map(|list| Some(list.count.to_string()));
+        return Some(Parting { path: alloc::vec![Part::Name(name), Part::Name("count")], left, right });
+    }
+    if ours.is(theirs) {
         return None;
     }
-    let silent = |tick: &Tick| Index::of(&Tick { hash: None, ..tick.clone() }).leaves;
-    let (left, right) = (silent(ours), silent(theirs));
+    let (index, (ours, theirs)) = (0..).zip(ours.iter().zip(theirs.iter())).find(|(_, (a, b))| a != b)?;
+    let (left, right) = (Index::of(&ours).leaves, Index::of(&theirs).leaves);
     let same = left.iter().zip(&right).take_while(|(a, b)| a == b).count();
     let (a, b) = (left.get(same), right.get(same));
-    let path = a.or(b).map(|leaf| &leaf.path[..]).unwrap_or_default();
-    let (moment, place) = place_in_tick(ours, path);
-    let text = |leaf: Option<&Leaf>| leaf.filter(|leaf| leaf.path == path).map(|leaf| leaf.text.clone());
-    Some(Finding { tick, moment, place, field: name_of(path), recorded: text(a), found: text(b) })
+    let within = a.or(b).map(|leaf| &leaf.path[..]).unwrap_or_default();
+    let text = |leaf: Option<&Leaf>| leaf.filter(|leaf| leaf.path == within).map(|leaf| leaf.text.clone());
+    let path = [&[Part::Name(name), Part::Entry(index)], within].concat();
+    Some(Parting { path, left: text(a), right: text(b) })
 }
 
 /// When in a tick the value at a path of it is, and the body or field that its command is about.
-pub(super) fn place_in_tick(tick: &Tick, path: &[Part]) -> (Moment, Place) {
-    let place = |command: Option<&Command>| command.map_or(Place::World, Place::of_command);
+pub(super) fn place_in_tick(tick: &Tick<'_>, path: &[Part]) -> (Moment, Place) {
+    let place = |command: Option<Command>| command.map_or(Place::World, |command| Place::of_command(&command));
     match *path {
-        [Part::Name("calls"), Part::Entry(i), ..] => (Moment::Calls, place(tick.calls.get(i as usize))),
+        [Part::Name("calls"), Part::Entry(i), ..] => (Moment::Calls, place(tick.calls.iter().nth(i as usize))),
         [Part::Name("calls"), ..] => (Moment::Calls, Place::World),
         [Part::Name("inputs"), Part::Entry(i), ..] => {
-            (Moment::Inputs, place(tick.inputs.iter().nth(i as usize).map(|input| &input.command)))
+            (Moment::Inputs, place(tick.inputs.iter().nth(i as usize).map(|input| input.command)))
         }
         [Part::Name("inputs"), ..] => (Moment::Inputs, Place::World),
         _ => (Moment::End, Place::World),
