@@ -11,7 +11,7 @@ use super::snapshot::State;
 use crate::handle::{BodyId, FieldId};
 use crate::integrate::Stage;
 use crate::scalar::Scalar;
-use crate::wire::{Index, Leaf, Out as _, Part, Sink};
+use crate::wire::{self, Index, Leaf, Out as _, Part, Sink};
 use crate::world::{Trace, World};
 
 /// What of a world a value belongs to.
@@ -88,6 +88,18 @@ impl<S: Scalar> World<S> {
         }
         found.extend(rest.into_iter().map(|(path, there)| other.difference(path, None, Some(there))));
         found
+    }
+
+    /// The first of them, without making the others: in little memory, however much differs.
+    pub(super) fn first_difference(&self, other: &Self) -> Option<Difference> {
+        let (left, right) = wire::first_difference(&State(self), &State(other))?;
+        let (owner, path) = match (&left, &right) {
+            (Some(leaf), _) => (self, &leaf.path),
+            (None, Some(leaf)) => (other, &leaf.path),
+            (None, None) => return None,
+        };
+        let right = right.as_ref().filter(|leaf| leaf.path == *path);
+        Some(owner.difference(path, left.as_ref(), right))
     }
 
     fn difference(&self, path: &[Part], left: Option<&Leaf>, right: Option<&Leaf>) -> Difference {

@@ -154,7 +154,7 @@ impl Dump {
             if moment != there {
                 break;
             }
-            if let Some(found) = world.differences(other).into_iter().next() {
+            if let Some(found) = world.first_difference(other) {
                 return Some(Finding::at(tick, *moment, found));
             }
         }

@@ -130,7 +130,7 @@ impl<'a> Playback<'a> {
         let mut later = self.replay.snapshots.iter().filter(|snapshot| snapshot.tick() >= tick);
         let found = later.find_map(|snapshot| {
             ahead.seek_on(snapshot.tick());
-            let found = snapshot.differences(&ahead.world).into_iter().next()?;
+            let found = snapshot.first_difference(&ahead.world)?;
             Some(Finding::at(snapshot.tick() - 1, Moment::End, found))
         });
         let finding = found.unwrap_or_else(|| Finding::of_hashes(tick - 1, recorded, computed));

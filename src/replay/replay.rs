@@ -228,7 +228,7 @@ impl Replay {
     #[must_use]
     pub fn first_difference(&self, other: &Self) -> Option<Finding> {
         let tick = self.head.tick;
-        if let Some(found) = self.start.differences(&other.start).into_iter().next() {
+        if let Some(found) = self.start.first_difference(&other.start) {
             return Some(Finding::at(tick, Moment::Start, found));
         }
         for (tick, (ours, theirs)) in (tick..).zip(self.ticks().zip(other.ticks())) {
@@ -249,7 +249,7 @@ impl Replay {
         let mut later = self.snapshots.iter().filter(|world| world.tick() > tick);
         let differs = later.find_map(|world| {
             let there = other.snapshot_at(world.tick())?;
-            let found = world.differences(there).into_iter().next()?;
+            let found = world.first_difference(there)?;
             Some(Finding::at(world.tick() - 1, Moment::End, found))
         });
         differs.unwrap_or_else(|| Finding::of_hashes(tick, ours, theirs))

@@ -10,7 +10,7 @@ use super::chunk::{self, Chunk, Tag};
 use super::difference::name_of;
 use super::file::{DONE, Done, HEAD, Head, REPLAY, SNAPSHOT, Segment, TICKS};
 use super::snapshot::{self, Saved};
-use super::{Divergence, Dump, LAW, Moment, Place, RecordOptions, Recorder, Replay, ReplayError};
+use super::{Divergence, Dump, LAW, Moment, Place, RecordOptions, Recorder, Replay, ReplayError, Snapshot};
 use crate::body::BodyDef;
 use crate::force::{BodyState, Dependence, Field, ForceLaw, Law, LawFault, Push};
 use crate::handle::BodyId;
@@ -235,6 +235,35 @@ fn a_forged_value_is_refused_or_its_run_parts_from_the_recorded_one() {
         let is_overwritten = what.contains("inputs[") || what.contains("calls[");
         assert!(is_label || is_overwritten, "{what}");
     }
+}
+
+#[test]
+fn the_first_difference_is_the_first_of_all() {
+    let snapshots: Vec<Vec<u8>> = chunks(&recording())
+        .into_iter()
+        .filter(|(chunk, _)| chunk.tag == SNAPSHOT)
+        .map(|(chunk, _)| chunk.bytes)
+        .collect();
+    let world = |bytes: &[u8]| Snapshot::from_bytes(bytes, &laws()).map(Snapshot::into_world);
+    let worlds: Vec<World> = snapshots.iter().map(|bytes| world(bytes).expect("a snapshot")).collect();
+    let mut seen = 0;
+    let mut compare = |a: &World, b: &World| {
+        assert_eq!(a.first_difference(b), a.differences(b).into_iter().next());
+        seen += usize::from(a.first_difference(b).is_some());
+    };
+    for (a, b) in worlds.iter().flat_map(|a| worlds.iter().map(move |b| (a, b))) {
+        compare(a, b);
+    }
+    for at in 16..snapshots[0].len() {
+        let mut changed = snapshots[0].clone();
+        changed[at] ^= 1;
+        reseal(&mut changed);
+        if let Ok(other) = world(&changed) {
+            compare(&worlds[0], &other);
+            compare(&other, &worlds[0]);
+        }
+    }
+    assert!(seen > 1_000, "{seen}");
 }
 
 #[test]

@@ -12,7 +12,7 @@ use core::fmt::{self, Display};
 
 use crate::error::codes;
 
-pub(crate) use index::{Index, Leaf, Wanted};
+pub(crate) use index::{Index, Leaf, Wanted, first_difference};
 pub(crate) use sink::Sink;
 
 /// Where bytes go.

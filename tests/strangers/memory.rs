@@ -48,13 +48,19 @@ fn look() {
     let fids: Vec<_> = (0..100_000).map(|_| fields.add_field(zone).unwrap()).collect();
     snapshot("bodies alike", &emptied);
     snapshot("fields", &fields);
-    for id in ids { emptied.remove_body(id).unwrap(); }
-    for id in fids { fields.remove_field(id).unwrap(); }
+    for id in ids {
+        emptied.remove_body(id).unwrap();
+    }
+    for id in fids {
+        fields.remove_field(id).unwrap();
+    }
     snapshot("empty slots", &emptied);
     snapshot("empty field slots", &fields);
     let mut custom = world();
     custom.register_law(laws().remove(0)).unwrap();
-    for _ in 0..100_000 { custom.add_field(Law::Custom { id: 9 }).unwrap(); }
+    for _ in 0..100_000 {
+        custom.add_field(Law::Custom { id: 9 }).unwrap();
+    }
     snapshot("custom fields", &custom);
     for integrator in [Integrator::VelocityVerlet, Integrator::PublishedVerlet] {
         let mut tuned = World::new(WorldDef { integrator, ..WorldDef::default() }).unwrap();
@@ -63,7 +69,13 @@ fn look() {
         }
         snapshot("tunings", &tuned);
         for i in 0..20_000 {
-            tuned.add_body(BodyDef { gravity_scale: Fx::from_bits(i), shape: Some(Shape::circle(fx!(0.5) + Fx::from_bits(i)).unwrap()), ..BodyDef::dynamic() }).unwrap();
+            tuned
+                .add_body(BodyDef {
+                    gravity_scale: Fx::from_bits(i),
+                    shape: Some(Shape::circle(fx!(0.5) + Fx::from_bits(i)).unwrap()),
+                    ..BodyDef::dynamic()
+                })
+                .unwrap();
         }
         snapshot("tunings and shapes", &tuned);
     }
@@ -77,33 +89,53 @@ fn look() {
     let mut blob = world();
     blob.set_blob(&vec![1; 1 << 24]).unwrap();
     snapshot("blob", &blob);
-    let compound = Command::AddBody(BodyDef { shape: Some(Shape::compound(&parts(256)).unwrap()), ..BodyDef::dynamic() }).to_bytes();
-    worst("command, compound", &compound, || { Command::<Fx>::from_bytes(&compound).unwrap(); });
+    let compound =
+        Command::AddBody(BodyDef { shape: Some(Shape::compound(&parts(256)).unwrap()), ..BodyDef::dynamic() })
+            .to_bytes();
+    worst("command, compound", &compound, || {
+        Command::<Fx>::from_bytes(&compound).unwrap();
+    });
 
     let options = RecordOptions { hash_every: 1_000_000, snapshot_every: 0 };
     let mut w = world();
     let mut r = Recorder::new(&w, options);
-    for _ in 0..500_000 { r.execute(&mut w, &Command::ClearForces).unwrap(); }
+    for _ in 0..500_000 {
+        r.execute(&mut w, &Command::ClearForces).unwrap();
+    }
     r.step(&mut w, &Inputs::new());
     replay("shortest calls", r.finish(&w));
     let mut w = world();
     let mut r = Recorder::new(&w, options);
     let mut inputs = Inputs::new();
-    for player in 0..100_000 { inputs.insert(Input { player, sequence: 0, command: Command::ClearForces }).unwrap(); }
+    for player in 0..100_000 {
+        inputs.insert(Input { player, sequence: 0, command: Command::ClearForces }).unwrap();
+    }
     r.step(&mut w, &inputs);
     replay("shortest inputs", r.finish(&w));
     let mut w = world();
     let mut r = Recorder::new(&w, options);
-    for _ in 0..100_000 { r.step(&mut w, &Inputs::new()); }
+    for _ in 0..100_000 {
+        r.step(&mut w, &Inputs::new());
+    }
     replay("shortest ticks", r.finish(&w));
     let mut w = world();
     let mut r = Recorder::new(&w, RecordOptions { hash_every: 1_000_000, snapshot_every: 1 });
-    for _ in 0..5_000 { r.step(&mut w, &Inputs::new()); }
+    for _ in 0..5_000 {
+        r.step(&mut w, &Inputs::new());
+    }
     replay("snapshots of nothing", r.finish(&w));
     let mut w = world();
-    for i in 0..1_000 { w.add_body(BodyDef { position: vec2(i, 0), ..BodyDef::dynamic() }).unwrap(); }
-    let after = { let mut a = w.clone(); a.step(); a };
+    for i in 0..1_000 {
+        w.add_body(BodyDef { position: vec2(i, 0), ..BodyDef::dynamic() }).unwrap();
+    }
+    let after = {
+        let mut a = w.clone();
+        a.step();
+        a
+    };
     let dump = Dump::of_tick(&w, &[], &Inputs::new(), &after).to_bytes();
-    worst("dump", &dump, || { Dump::from_bytes(&dump, &[]).unwrap(); });
+    worst("dump", &dump, || {
+        Dump::from_bytes(&dump, &[]).unwrap();
+    });
     let _ = (Region::Disc { centre: Vec2::ZERO, radius: Fx::ONE }, Mass::Of(Fx::ONE));
 }
