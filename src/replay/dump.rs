@@ -189,7 +189,8 @@ impl Dump {
         file
     }
 
-    /// The dump that is these bytes, of a world in which these laws of force may act.
+    /// The dump that is these bytes, of a world in which these laws of force may act. Reading takes at most 16 bytes of memory
+    /// for each of theirs and 64 KiB.
     ///
     /// # Errors
     /// A [`ReplayError`].

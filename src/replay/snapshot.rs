@@ -120,7 +120,8 @@ impl Snapshot {
 
     /// The snapshot that is these bytes, of a world in which these laws of force may act.
     ///
-    /// Nothing is believed: what no world can be is refused, however the bytes came about.
+    /// Nothing is believed: what no world can be is refused, however the bytes came about. Reading takes at most 16 bytes of
+    /// memory for each of theirs and 64 KiB, the snapshot included, so that a limit on their number is one on both.
     ///
     /// # Errors
     /// A [`SnapshotError`].

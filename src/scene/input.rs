@@ -6,6 +6,7 @@ use super::body::{body, groups, kind, mass, own_damping};
 use super::error::{Flaw, Place};
 use super::field::{field, named, symbol};
 use super::node::{Node, Object, Result};
+use super::repeat::check_count;
 use super::settings::{integrator, time_step, world_damping};
 use super::shape::{ShapeDef, shape};
 use super::{Scene, Tables};
@@ -90,6 +91,7 @@ pub(super) fn input(object: &Object<'_>, scene: &mut Scene, tables: &mut Tables)
     if deeds.is_empty() {
         return Err(object.node.fault("this input does nothing"));
     }
+    check_count(&object.node, (scene.inputs.len() + deeds.len()) as u64, tables.most)?;
     let inputs = deeds.into_iter().map(|(place, deed)| Input { from, to, every, deed, place });
     scene.inputs.extend(inputs);
     Ok(())

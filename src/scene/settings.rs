@@ -111,7 +111,11 @@ pub(super) fn plot(node: &Node<'_>, bodies: &Names) -> Result<Plot> {
         Kind::Text => {
             node.choice(&[("all", true), ("none", false)]).map(|all| if all { Trails::All } else { Trails::None })
         }
-        _ => node.list()?.iter().map(|node| named(node, bodies, "body")).collect::<Result<_>>().map(Trails::Of),
+        _ => {
+            let mut named_here = Vec::new();
+            node.each(|node| named(&node, bodies, "body").map(|index| named_here.push(index)))?;
+            Ok(Trails::Of(named_here))
+        }
     };
     let plot = Plot {
         view: view.transpose()?,

@@ -8,4 +8,6 @@
 #[path = "../support/everything.rs"]
 mod everything;
 
+mod forgeries;
 mod memory;
+mod seals;
