@@ -101,6 +101,9 @@ impl<S: Scalar> Record<S> {
     }
 }
 
+/// What is in a slot: a body and its shape, or none.
+type Occupant<S> = Option<(Record<S>, Option<Arc<Shape<S>>>)>;
+
 impl<S: Scalar> Bodies<S> {
     /// The body at this index in the columns.
     pub(crate) fn record(&self, dense: usize, tunings: &Tunings<S>) -> Record<S> {
@@ -137,7 +140,7 @@ impl<S: Scalar> Bodies<S> {
     pub(crate) fn rebuild(
         &mut self,
         generation: u32,
-        occupant: Option<(Record<S>, Option<Arc<Shape<S>>>)>,
+        occupant: Occupant<S>,
         tunings: &mut Tunings<S>,
         climate: &Climate<'_, S>,
     ) -> Result<Option<usize>, Error> {
