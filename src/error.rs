@@ -4,6 +4,34 @@ use core::fmt;
 
 use crate::handle::{BodyId, FieldId};
 
+/// Gives an error its numbers, one a variant: those of a new variant are taken from no other, and a number, once given,
+/// stays. A variant that is not in the list does not compile. `docs/errors.md` has them all.
+macro_rules! codes {
+    ($type:ident { $($variant:ident = $code:literal),* $(,)? }) => {
+        impl $type {
+            /// The number by which `docs/errors.md` has it: the same in every version, and no other error's. What it was
+            /// caused by ([`source`](core::error::Error::source)) has one of its own.
+            #[must_use]
+            pub const fn code(&self) -> u16 {
+                match self {
+                    $(Self::$variant { .. } => $code),*
+                }
+            }
+        }
+    };
+    ($type:ident = $code:literal) => {
+        impl $type {
+            /// The number by which `docs/errors.md` has it: the same in every version, and no other error's.
+            #[must_use]
+            pub const fn code(&self) -> u16 {
+                $code
+            }
+        }
+    };
+}
+
+pub(crate) use codes;
+
 /// Why a call was refused. The world is as it was before the call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
@@ -145,6 +173,29 @@ pub enum Irreversible {
     Fault(Fault),
 }
 
+codes!(Irreversible {
+    Scalar = 131,
+    Integrator = 132,
+    Start = 133,
+    TimeStep = 134,
+    Sleep = 135,
+    Damping = 136,
+    Velocity = 137,
+    Quarantined = 138,
+    Pending = 139,
+    Twice = 140,
+    Fault = 141,
+});
+
+impl core::error::Error for Irreversible {
+    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
+        match self {
+            Self::Fault(fault) => Some(&fault.cause),
+            _ => None,
+        }
+    }
+}
+
 impl fmt::Display for Irreversible {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -158,7 +209,7 @@ impl fmt::Display for Irreversible {
             Self::Quarantined { body } => write!(f, "{body} is quarantined"),
             Self::Pending => f.write_str("forces were applied since"),
             Self::Twice { body } => write!(f, "what was applied to {body} is given twice"),
-            Self::Fault(Fault { body, cause }) => write!(f, "on the way back {body} is at fault: {cause}"),
+            Self::Fault(fault) => write!(f, "on the way back {fault}"),
         }
     }
 }
@@ -251,6 +302,34 @@ impl Quantity {
     }
 }
 
+codes!(Quantity {
+    Position = 151,
+    Angle = 152,
+    Velocity = 153,
+    AngularVelocity = 154,
+    Mass = 155,
+    Inertia = 156,
+    Density = 157,
+    Size = 158,
+    Count = 159,
+    Force = 160,
+    Torque = 161,
+    Impulse = 162,
+    Gravity = 163,
+    GravityScale = 164,
+    Damping = 165,
+    Mu = 166,
+    Softening = 167,
+    Stiffness = 168,
+    Drag = 169,
+    RestLength = 170,
+    SleepAfter = 171,
+    Total = 172,
+    Blob = 173,
+});
+
+impl core::error::Error for Quantity {}
+
 impl fmt::Display for Quantity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.range())
@@ -284,7 +363,38 @@ impl fmt::Display for Error {
     }
 }
 
-impl core::error::Error for Error {}
+codes!(Error {
+    OutOfRange = 101,
+    NoSuchBody = 102,
+    NoSuchField = 103,
+    TimeStep = 104,
+    NotConvex = 105,
+    NoShape = 106,
+    NotDynamic = 107,
+    NotMovable = 108,
+    Quarantined = 109,
+    NotQuarantined = 110,
+    DampingHasNoInverse = 111,
+    SameBody = 112,
+    ForceLaw = 113,
+    Full = 114,
+    ElapsedTime = 115,
+    Inconsistent = 116,
+    DuplicateInput = 117,
+    TickForgotten = 118,
+    TickToCome = 119,
+    NotReversible = 120,
+});
+
+impl core::error::Error for Error {
+    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
+        match self {
+            Self::OutOfRange { quantity } => Some(quantity),
+            Self::NotReversible { why } => Some(why),
+            _ => None,
+        }
+    }
+}
 
 /// A body that was quarantined in a step, and why.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -294,6 +404,27 @@ pub struct Fault {
     pub body: BodyId,
     /// The first thing that went wrong with it.
     pub cause: Cause,
+}
+
+impl Fault {
+    /// That of its cause.
+    #[must_use]
+    pub const fn code(&self) -> u16 {
+        self.cause.code()
+    }
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { body, cause } = self;
+        write!(f, "{body} is at fault: {cause}")
+    }
+}
+
+impl core::error::Error for Fault {
+    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
+        Some(&self.cause)
+    }
 }
 
 /// What went wrong with a body in a step.
@@ -326,6 +457,10 @@ pub enum Cause {
         code: u32,
     },
 }
+
+codes!(Cause { Position = 201, Velocity = 202, AngularVelocity = 203, Force = 204, Field = 205, Law = 206 });
+
+impl core::error::Error for Cause {}
 
 impl fmt::Display for Cause {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -1,5 +1,6 @@
 //! Handles: a slot and how often it was taken before.
 
+use alloc::vec::Vec;
 use core::fmt;
 
 macro_rules! handle {
@@ -45,3 +46,9 @@ handle!(
     FieldId,
     "force field"
 );
+
+/// Whether a list of free slots names those without an occupant alone, and each of them once at most.
+pub(crate) fn are_free(slots: impl Iterator<Item = bool>, listed: &[u32]) -> bool {
+    let mut is_free: Vec<bool> = slots.collect();
+    listed.iter().all(|&slot| is_free.get_mut(slot as usize).is_some_and(core::mem::take))
+}

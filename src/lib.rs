@@ -28,8 +28,11 @@
 #![warn(missing_docs)]
 
 extern crate alloc;
-#[cfg(feature = "std")]
+#[cfg(any(test, feature = "std"))]
 extern crate std;
+// What tests in `tests` share with those beside the code names the crate as they do.
+#[cfg(test)]
+extern crate self as umbra_physics;
 
 /// `Clone` field by field, also for `clone_from`, which a derive does not hand on: it reuses the memory that is there.
 macro_rules! clone_by_field {

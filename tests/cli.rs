@@ -43,7 +43,47 @@ fn refused(name: &str, scene: impl AsRef<[u8]>) -> String {
     let error = text(&output.stderr);
     assert_eq!(error.lines().count(), 1, "{name}: {error}");
     let rest = error.trim_end().strip_prefix(file.path()).unwrap_or_else(|| panic!("{name}: no file in {error}"));
+    let (rest, number) = rest.rsplit_once(" [E").unwrap_or_else(|| panic!("{name}: no number in {error}"));
+    assert!(number.strip_suffix(']').is_some_and(|it| it.parse::<u16>().is_ok()), "{name}: {error}");
     rest.to_owned()
+}
+
+#[test]
+fn each_message_ends_with_the_number_of_its_error() {
+    let number = |arguments: &[&str]| {
+        let error = text(&umbra(arguments).stderr);
+        error.trim_end().rsplit_once(" [").map(|(_, number)| number.trim_end_matches(']').to_owned())
+    };
+    let scene = |name: &str, text: &str| number(&["run", Scratch::new(name, text).path()]);
+    for (code, scene_text) in [
+        ("E500", r#"{"inputs": [{"at": 1}]}"#.to_owned()),
+        ("E501", "{".to_owned()),
+        ("E502", "[]".to_owned()),
+        ("E503", r#"{"bodys": []}"#.to_owned()),
+        ("E504", with_body("\"mass\": 5, \"mass\": 5")),
+        ("E505", r#"{"bodies": [{}]}"#.to_owned()),
+        ("E506", r#"{"bodies": [{"name": "a"}, {"name": "a"}]}"#.to_owned()),
+        ("E507", r#"{"fields": [{"thrust": {"at": "b", "force": [0, 1]}}]}"#.to_owned()),
+        ("E508", with_body("\"groups\": [32]")),
+        ("E509", r#"{"title": "\u001b"}"#.to_owned()),
+        ("E510", r#"{"bodies": [{"repeat": {"i": 2000000000}, "name": "{i}"}]}"#.to_owned()),
+        ("E101", with_body("\"mass\": 0")),
+        ("E713", with_body("\"mass\": 1e300")),
+        ("E105", with_body("\"shape\": {\"polygon\": [[0, 0], [4, 0], [1, 1], [0, 4]]}")),
+        (
+            "E107",
+            r#"{"bodies": [{"name": "s", "kind": "static"}], "inputs": [{"at": 1, "body": "s", "force": [0, 1]}]}"#
+                .to_owned(),
+        ),
+    ] {
+        assert_eq!(scene(code, &scene_text).as_deref(), Some(code), "{scene_text}");
+    }
+    assert_eq!(number(&["run", "scenes/no-such-scene.json"]).as_deref(), Some("E801"));
+    let free = Scratch::new("free.json", "{}");
+    assert_eq!(number(&["run", free.path(), "--hash-every", "5"]), None, "bad usage is the arguments' own");
+    assert_eq!(number(&["diff", free.path(), free.path()]).as_deref(), Some("E804"));
+    let foreign = Scratch::new("foreign.umbrarep", b"UMBRAREP\x63\0\0\0");
+    assert_eq!(number(&["diff", foreign.path(), foreign.path()]).as_deref(), Some("E402"));
 }
 
 /// A scene with a body on line 3.

@@ -11,6 +11,7 @@ mod commands;
 #[cfg(feature = "float")]
 mod energy;
 mod envelope;
+mod errors;
 mod exact_time;
 mod fx;
 #[cfg(feature = "serde")]

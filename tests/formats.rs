@@ -380,7 +380,7 @@ fn the_tables_read_a_replay() {
                     let inputs = tick["inputs"].list();
                     let done = tick["calls"].list().iter().chain(inputs.iter().map(|input| &input["command"]));
                     let done: Vec<Command> = done.map(command).collect();
-                    assert_eq!(done, playback.commands().cloned().collect::<Vec<_>>());
+                    assert_eq!(done, playback.commands().collect::<Vec<_>>());
                     playback.step().expect("it goes as recorded");
                     let places = playback.outcomes().iter().map(|outcome| (outcome.player, outcome.sequence));
                     let found = |input: &Value| (input["player"].natural() as u32, input["sequence"].natural() as u32);

@@ -173,7 +173,7 @@ fn every_scene_is_recorded_as_it_runs_and_verified() {
     for (line, (path, ticks)) in lines.iter().zip(&replays) {
         assert_eq!((line["file"].as_str(), line["status"].as_str()), (Some(&path[..]), Some("ok")), "{line}");
         assert_eq!((line["ticks"].as_u64(), line["hashes"].as_u64()), (Some(*ticks), Some(*ticks)), "{line}");
-        assert!(line["reason"].is_null() && line["finding"].is_null(), "{line}");
+        assert!(line["code"].is_null() && line["reason"].is_null() && line["finding"].is_null(), "{line}");
     }
 }
 
@@ -259,7 +259,7 @@ fn a_changed_byte_is_named_by_tick_moment_body_and_field() {
     let changed = folder.write("changed.umbrarep", flipped(&bytes, at + x));
     let output = umbra(&["verify", &changed]);
     let expected = format!(
-        "tampered  {changed}  changed after it was recorded: tick 2, calls, body 1, calls[0].action.impulse.x: 3 and {ulp_more}\n"
+        "tampered  {changed}  changed after it was recorded: tick 2, calls, body 1, calls[0].action.impulse.x: 3 and {ulp_more} [E405]\n"
     );
     assert_eq!(self::text(&output.stdout), expected);
     assert_eq!(self::text(&output.stderr), "1 of 1 not ok\n");
@@ -271,6 +271,14 @@ fn each_way_to_be_wrong_has_its_status() {
     let bytes = fs::read(folder.record(&folder.write("busy.json", busy("3")), &[])).expect("a replay");
     let status = |name: &str, bytes: &[u8]| {
         let (status, line) = verified(&folder, name, bytes);
+        let codes: &[&str] = match line["status"].as_str() {
+            Some("ok") => &[],
+            Some("cut_off") => &["E404"],
+            Some("law") => &["E403"],
+            Some("diverged") => &["E420"],
+            _ => &["E401", "E402", "E406"],
+        };
+        assert!(line["code"].as_str().map_or(codes.is_empty(), |code| codes.contains(&code)), "{line}");
         (status, line["status"].as_str().expect("a text").to_owned(), line["ticks"].as_u64().expect("a number"))
     };
     let is = |exit: i32, name: &str, ticks: u64| (exit, name.to_owned(), ticks);
@@ -300,7 +308,10 @@ fn each_way_to_be_wrong_has_its_status() {
 #[test]
 fn a_run_that_went_another_way_is_named_by_the_next_snapshot() {
     let folder = Folder::new("strayed");
-    for (hash_every, snapshot_every, hash_tick, tick) in [(1, 8, 41, 47), (16, 0, 48, 99), (16, 50, 48, 49)] {
+    // With no hash at all on the way a snapshot has one.
+    for (hash_every, snapshot_every, hash_tick, tick) in
+        [(1, 8, 41, 47), (16, 0, 48, 99), (16, 50, 48, 49), (1 << 30, 8, 48, 47), (1 << 30, 0, 100, 99)]
+    {
         let bytes = strayed(RecordOptions { hash_every, snapshot_every });
         let (status, line) = verified(&folder, "strayed.umbrarep", &bytes);
         assert_eq!((status, line["status"].as_str()), (1, Some("diverged")), "{line}");

@@ -4,6 +4,7 @@ use alloc::collections::BTreeMap;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
+use super::columns::{NONE, push};
 use super::tuning::Key;
 use super::{BodyDef, BodyKind, Mass, MassProperties, inertia_of, mass_of};
 use crate::scalar::Scalar;
@@ -100,17 +101,65 @@ impl<S: Scalar> Shapes<S> {
     }
 }
 
-/// What no step changes of any body, by slot. Worlds that are copies of each other share it until one is changed.
+/// What no step changes of any body. Worlds that are copies of each other share it until one is changed.
+///
+/// A slot without a body has no card: it takes as little as in a file, however many there are.
 #[derive(Clone, Debug)]
 pub(super) struct Roster<S: Scalar> {
-    pub(super) cards: Vec<Card<S>>,
-    /// Those of the cards, so that a hash of the world need not look at what no step changes.
+    /// Where the card of a slot is, or [`NONE`].
+    at: Vec<u32>,
+    cards: Vec<Card<S>>,
+    /// Cards of bodies that are gone, to be used again.
+    vacant: Vec<u32>,
+    /// Those of the cards, by slot, so that a hash of the world need not look at what no step changes.
     pub(super) digests: Vec<u64>,
     pub(super) shapes: Shapes<S>,
 }
 
 impl<S: Scalar> Default for Roster<S> {
     fn default() -> Self {
-        Self { cards: Vec::new(), digests: Vec::new(), shapes: Shapes::default() }
+        let (at, cards, vacant, digests) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        Self { at, cards, vacant, digests, shapes: Shapes::default() }
+    }
+}
+
+impl<S: Scalar> Roster<S> {
+    /// The card of a slot with a body.
+    pub(super) fn card(&self, slot: usize) -> &Card<S> {
+        &self.cards[self.at[slot] as usize]
+    }
+
+    /// Changes the card of a slot with a body.
+    pub(super) fn edit(&mut self, slot: usize, key: &Key<S>, edit: impl FnOnce(&mut Card<S>)) {
+        let card = &mut self.cards[self.at[slot] as usize];
+        edit(card);
+        self.digests[slot] = card.digest(key);
+    }
+
+    /// One slot more.
+    pub(super) fn open(&mut self) {
+        push(&mut self.at, NONE);
+        push(&mut self.digests, 0);
+    }
+
+    /// Gives a slot without a body a card.
+    pub(super) fn place(&mut self, slot: usize, card: Card<S>, key: &Key<S>) {
+        self.digests[slot] = card.digest(key);
+        self.at[slot] = if let Some(at) = self.vacant.pop() {
+            self.cards[at as usize] = card;
+            at
+        } else {
+            push(&mut self.cards, card);
+            (self.cards.len() - 1) as u32
+        };
+    }
+
+    /// Takes the card of a slot away.
+    pub(super) fn remove(&mut self, slot: usize) {
+        let at = core::mem::replace(&mut self.at[slot], NONE);
+        if let Some(shape) = self.cards[at as usize].shape.take() {
+            self.shapes.release(&shape);
+        }
+        self.vacant.push(at);
     }
 }

@@ -9,7 +9,7 @@ use super::motion::{Acceleration, Block, Motion};
 use super::tuning::{Climate, Key, Tunings};
 use super::{Activity, BodyDef, BodyKind, MassProperties};
 use crate::error::Error;
-use crate::handle::BodyId;
+use crate::handle::{BodyId, are_free};
 use crate::limits;
 use crate::scalar::{Accumulator, Angle, Scalar};
 use crate::shape::Shape;
@@ -95,7 +95,7 @@ impl<S: Scalar> Default for Bodies<S> {
 }
 
 /// Adds a value. A column grows by an eighth, not to twice its size: little is kept for bodies to come.
-pub(super) fn push<T>(column: &mut Vec<T>, value: T) {
+pub(crate) fn push<T>(column: &mut Vec<T>, value: T) {
     if column.len() == column.capacity() {
         column.reserve_exact(16.max(column.len() / 8));
     }
@@ -127,16 +127,14 @@ impl<S: Scalar> Bodies<S> {
 
     /// What no step changes of the body at this index in the columns.
     pub(crate) fn card(&self, dense: usize) -> &Card<S> {
-        &self.roster.cards[self.columns.slot[dense] as usize]
+        self.roster.card(self.columns.slot[dense] as usize)
     }
 
     /// Changes what no step does.
     pub(crate) fn edit(&mut self, dense: usize, tunings: &Tunings<S>, edit: impl FnOnce(&mut Card<S>)) {
         let key = &tunings.rows()[self.columns.tuning[dense] as usize].key;
         let slot = self.columns.slot[dense] as usize;
-        let Roster { cards, digests, .. } = Arc::make_mut(&mut self.roster);
-        edit(&mut cards[slot]);
-        digests[slot] = cards[slot].digest(key);
+        Arc::make_mut(&mut self.roster).edit(slot, key, edit);
     }
 
     /// Gives a body a shape, or none, and the properties that follow.
@@ -289,6 +287,7 @@ impl<S: Scalar> Bodies<S> {
     /// Adds a slot without a body.
     pub(super) fn new_slot(&mut self, generation: u32) -> u32 {
         push(&mut self.slots, Slot { generation, dense: NONE });
+        Arc::make_mut(&mut self.roster).open();
         (self.slots.len() - 1) as u32
     }
 
@@ -317,23 +316,12 @@ impl<S: Scalar> Bodies<S> {
         push(&mut columns.tuning, tunings.acquire(key, climate));
         push(&mut columns.slot, slot);
         push(&mut columns.activity, Activity::Awake);
-        let shapes = &mut Arc::make_mut(&mut self.roster).shapes;
-        let card = Card::new(&def, def.shape.clone().map(|shape| shapes.acquire(shape)), properties);
-        let digest = card.digest(&key);
-        self.place_card(slot as usize, card, digest);
+        let roster = Arc::make_mut(&mut self.roster);
+        let card = Card::new(&def, def.shape.clone().map(|shape| roster.shapes.acquire(shape)), properties);
+        roster.place(slot as usize, card, &key);
         if def.kind != BodyKind::Static {
             self.swap(dense, self.moving);
             self.moving += 1;
-        }
-    }
-
-    pub(super) fn place_card(&mut self, slot: usize, card: Card<S>, digest: u64) {
-        let Roster { cards, digests, .. } = Arc::make_mut(&mut self.roster);
-        if let Some(old) = cards.get_mut(slot) {
-            (*old, digests[slot]) = (card, digest);
-        } else {
-            push(cards, card);
-            push(digests, digest);
         }
     }
 
@@ -347,19 +335,24 @@ impl<S: Scalar> Bodies<S> {
         self.slots.iter().map(|slot| (slot.generation, (slot.dense != NONE).then_some(slot.dense as usize)))
     }
 
+    pub(super) fn keeps_last(&self) -> bool {
+        self.keeps_last
+    }
+
+    /// How often a slot was taken before.
+    pub(crate) fn generation(&self, slot: u32) -> Option<u32> {
+        self.slots.get(slot as usize).map(|slot| slot.generation)
+    }
+
     /// The slots to take next, the last one first.
     pub(crate) fn free(&self) -> &[u32] {
         &self.free
     }
 
     /// Says which slots to take next: each one without a body, and once.
-    pub(super) fn set_free(&mut self, free: Vec<u32>) -> Result<(), Error> {
-        let mut is_free = alloc::vec![false; self.slots.len()];
-        for &slot in &free {
-            match (self.slots.get(slot as usize), is_free.get_mut(slot as usize)) {
-                (Some(Slot { dense: NONE, .. }), Some(seen @ false)) => *seen = true,
-                _ => return Err(Error::Inconsistent),
-            }
+    pub(crate) fn set_free(&mut self, free: Vec<u32>) -> Result<(), Error> {
+        if !are_free(self.slots.iter().map(|slot| slot.dense == NONE), &free) {
+            return Err(Error::Inconsistent);
         }
         self.free = free;
         Ok(())
@@ -404,10 +397,7 @@ impl<S: Scalar> Bodies<S> {
         columns.tuning.pop();
         columns.slot.pop();
         columns.activity.pop();
-        let Roster { cards, shapes, .. } = Arc::make_mut(&mut self.roster);
-        if let Some(shape) = cards[body.slot as usize].shape.take() {
-            shapes.release(&shape);
-        }
+        Arc::make_mut(&mut self.roster).remove(body.slot as usize);
         let slot = &mut self.slots[body.slot as usize];
         slot.dense = NONE;
         // A slot whose generations are used up is never taken again: no handle names two bodies.

@@ -14,9 +14,9 @@ use crate::shape::Shape;
 use crate::wire::{wire_enum, wire_struct};
 
 pub(crate) use card::Card;
-pub(crate) use columns::{Bodies, NONE};
+pub(crate) use columns::{Bodies, NONE, push};
 pub(crate) use motion::{Acceleration, BLOCK, Block, Motion};
-pub(crate) use record::{Occupant, Record, ShapeSource};
+pub(crate) use record::{Record, ShapeSource};
 pub(crate) use tuning::{Climate, GENTLE_STEPS, Key, SPANS, Tuning, Tunings};
 
 /// What moves a body.

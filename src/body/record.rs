@@ -1,9 +1,7 @@
 //! A body with all that is state of it, apart from the others: how snapshots have bodies.
 
 use alloc::sync::Arc;
-use alloc::vec::Vec;
 
-use super::card::Card;
 use super::columns::{Bodies, NONE};
 use super::motion::Acceleration;
 use super::tuning::{Climate, Tunings};
@@ -12,9 +10,10 @@ use super::{
     within_envelope,
 };
 use crate::error::{Error, Quantity};
+use crate::handle::BodyId;
 use crate::limits;
 use crate::math::Vec2;
-use crate::scalar::{Accumulator as _, Factor, Scalar, fx::Fx};
+use crate::scalar::{Accumulator as _, Scalar, fx::Fx};
 use crate::shape::Shape;
 use crate::wire::{self, Malformed, Out, Part, Read, Reader, Write, wire_struct};
 
@@ -103,7 +102,7 @@ impl<S: Scalar> Record<S> {
 }
 
 /// What is in a slot: a body and its shape, or none.
-pub(crate) type Occupant<S> = Option<(Record<S>, Option<Arc<Shape<S>>>)>;
+type Occupant<S> = Option<(Record<S>, Option<Arc<Shape<S>>>)>;
 
 impl<S: Scalar> Bodies<S> {
     /// The body at this index in the columns.
@@ -129,47 +128,55 @@ impl<S: Scalar> Bodies<S> {
         }
     }
 
-    /// Bodies and how their handles are given out, made from what a snapshot says. What the world's own parameters forbid
-    /// is for the world to refuse.
-    pub(crate) fn rebuilt(
-        slots: &[(u32, Occupant<S>)],
-        free: Vec<u32>,
-        keep_last: bool,
-        tunings: &mut Tunings<S>,
-        climate: &Climate<'_, S>,
-    ) -> Result<Self, Error> {
+    /// No bodies, to [`rebuild`](Self::rebuild) those of a snapshot in.
+    pub(crate) fn empty(keep_last: bool) -> Self {
         let mut bodies = Self::default();
         bodies.keep_last_acceleration(keep_last);
-        let count = slots.iter().filter(|(_, occupant)| occupant.is_some()).count();
-        if count > limits::BODIES || slots.len() >= NONE as usize {
+        bodies
+    }
+
+    /// Adds a slot as a snapshot has it, with a body or without; gives the index of the body. What the world's own
+    /// parameters forbid is for the world to refuse.
+    pub(crate) fn rebuild(
+        &mut self,
+        generation: u32,
+        occupant: Occupant<S>,
+        tunings: &mut Tunings<S>,
+        climate: &Climate<'_, S>,
+    ) -> Result<Option<usize>, Error> {
+        if self.slots().len() >= NONE as usize {
             return Err(Error::Full);
         }
-        for (slot, (generation, occupant)) in slots.iter().enumerate() {
-            bodies.new_slot(*generation);
-            let Some((record, shape)) = occupant else {
-                let unmoved = MassProperties { inverse_mass: S::Factor::ZERO, inverse_inertia: S::Factor::ZERO };
-                bodies.place_card(slot, Card::new(&BodyDef::dynamic(), None, unmoved), 0);
-                continue;
-            };
-            let properties = record.check(shape.as_deref())?;
-            let def = record.def(shape.as_deref().cloned());
-            bodies.insert_at(slot as u32, def, properties, tunings, climate);
-            let dense = bodies.slot_index(slot);
-            let dense = bodies.set_activity(dense, record.activity);
-            let motion = &mut bodies.columns.motion;
-            motion.position.set(dense, record.position);
-            motion.velocity.set(dense, record.velocity);
-            motion.angle[dense] = record.angle;
-            motion.spin[dense] = record.angular_velocity;
-            motion.rest[dense] = record.ticks_at_rest;
-            match (motion.last.get_mut(dense), record.last_acceleration) {
-                (Some(own), Some(last)) => *own = last,
-                (None, None) => {}
-                _ => return Err(Error::Inconsistent),
-            }
+        let Some((record, shape)) = occupant else {
+            self.new_slot(generation);
+            return Ok(None);
+        };
+        self.check_room()?;
+        let properties = record.check(shape.as_deref())?;
+        if record.last_acceleration.is_some() != self.keeps_last() {
+            return Err(Error::Inconsistent);
         }
-        bodies.set_free(free)?;
-        Ok(bodies)
+        let slot = self.new_slot(generation);
+        self.insert_at(slot, record.def(shape.as_deref().cloned()), properties, tunings, climate);
+        let dense = self.slot_index(slot as usize);
+        let dense = self.set_activity(dense, record.activity);
+        let motion = &mut self.columns.motion;
+        motion.position.set(dense, record.position);
+        motion.velocity.set(dense, record.velocity);
+        motion.angle[dense] = record.angle;
+        motion.spin[dense] = record.angular_velocity;
+        motion.rest[dense] = record.ticks_at_rest;
+        if let (Some(own), Some(last)) = (motion.last.get_mut(dense), record.last_acceleration) {
+            *own = last;
+        }
+        Ok(Some(dense))
+    }
+
+    /// The shape of the body in a slot, if there is one with a shape.
+    pub(crate) fn shape_in(&self, slot: u32) -> Option<&Arc<Shape<S>>> {
+        let generation = self.generation(slot)?;
+        let dense = self.find(BodyId::from_parts(slot, generation)).ok()?;
+        self.card(dense).shape.as_ref()
     }
 }
 

@@ -3,6 +3,7 @@
 use alloc::collections::BTreeMap;
 use alloc::vec::Vec;
 
+use super::columns::push;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, Factor, Scalar, Span, fx::Fx};
 
@@ -130,7 +131,7 @@ impl<S: Scalar> Tunings<S> {
                 self.rows[free as usize] = row;
                 free
             } else {
-                self.rows.push(row);
+                push(&mut self.rows, row);
                 (self.rows.len() - 1) as u32
             }
         });

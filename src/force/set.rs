@@ -3,8 +3,9 @@
 use alloc::vec::Vec;
 
 use super::Field;
+use crate::body::{NONE, push};
 use crate::error::Error;
-use crate::handle::FieldId;
+use crate::handle::{FieldId, are_free};
 use crate::limits;
 use crate::scalar::Scalar;
 use crate::wire::{self, Sink, Write as _};
@@ -12,8 +13,19 @@ use crate::wire::{self, Sink, Write as _};
 /// The fields in the order of their slots, which is the order drags act in.
 #[derive(Debug)]
 pub(crate) struct FieldSet<S: Scalar> {
-    slots: Vec<(u32, Option<Entry<S>>)>,
+    slots: Vec<Slot>,
     free: Vec<u32>,
+    entries: Vec<Entry<S>>,
+    /// Entries of fields that are gone, to be used again.
+    vacant: Vec<u32>,
+}
+
+/// One without a field takes as little as in a file, however many there are.
+#[derive(Clone, Copy, Debug)]
+struct Slot {
+    generation: u32,
+    /// Where its entry is, or [`NONE`].
+    at: u32,
 }
 
 /// A field and its hash, so that a hash of the world need not look at what no step changes.
@@ -29,11 +41,11 @@ impl<S: Scalar> Entry<S> {
     }
 }
 
-clone_by_field!(FieldSet { slots, free });
+clone_by_field!(FieldSet { slots, free, entries, vacant });
 
 impl<S: Scalar> Default for FieldSet<S> {
     fn default() -> Self {
-        Self { slots: Vec::new(), free: Vec::new() }
+        Self { slots: Vec::new(), free: Vec::new(), entries: Vec::new(), vacant: Vec::new() }
     }
 }
 
@@ -46,47 +58,70 @@ impl<S: Scalar> FieldSet<S> {
     /// Adds a field. *Domain* it was checked, and there is room.
     pub(crate) fn insert(&mut self, field: Field<S>) -> FieldId {
         let slot = self.free.pop().unwrap_or_else(|| {
-            self.slots.push((0, None));
+            push(&mut self.slots, Slot { generation: 0, at: NONE });
             (self.slots.len() - 1) as u32
         });
-        let entry = &mut self.slots[slot as usize];
-        entry.1 = Some(Entry::new(field));
-        FieldId { slot, generation: entry.0 }
+        self.place(slot, field);
+        FieldId { slot, generation: self.slots[slot as usize].generation }
     }
 
-    pub(crate) fn get(&self, id: FieldId) -> Result<&Field<S>, Error> {
+    /// Puts a field into a slot without one.
+    fn place(&mut self, slot: u32, field: Field<S>) {
+        let entry = Entry::new(field);
+        self.slots[slot as usize].at = if let Some(at) = self.vacant.pop() {
+            self.entries[at as usize] = entry;
+            at
+        } else {
+            push(&mut self.entries, entry);
+            (self.entries.len() - 1) as u32
+        };
+    }
+
+    /// Where the entry of a field is.
+    fn find(&self, id: FieldId) -> Result<usize, Error> {
         match self.slots.get(id.slot as usize) {
-            Some((generation, Some(entry))) if *generation == id.generation => Ok(&entry.field),
+            Some(slot) if slot.generation == id.generation && slot.at != NONE => Ok(slot.at as usize),
             _ => Err(Error::NoSuchField { field: id }),
         }
     }
 
+    pub(crate) fn get(&self, id: FieldId) -> Result<&Field<S>, Error> {
+        self.find(id).map(|at| &self.entries[at].field)
+    }
+
     pub(crate) fn replace(&mut self, id: FieldId, field: Field<S>) -> Result<(), Error> {
-        self.get(id)?;
-        self.slots[id.slot as usize].1 = Some(Entry::new(field));
+        let at = self.find(id)?;
+        self.entries[at] = Entry::new(field);
         Ok(())
     }
 
     pub(crate) fn remove(&mut self, id: FieldId) -> Result<Field<S>, Error> {
-        let field = *self.get(id)?;
-        self.slots[id.slot as usize].1 = None;
-        let generation = &mut self.slots[id.slot as usize].0;
-        if let Some(next) = generation.checked_add(1) {
-            *generation = next;
+        let at = self.find(id)?;
+        self.vacant.push(at as u32);
+        let slot = &mut self.slots[id.slot as usize];
+        slot.at = NONE;
+        if let Some(next) = slot.generation.checked_add(1) {
+            slot.generation = next;
             self.free.push(id.slot);
         }
-        Ok(field)
+        Ok(self.entries[at].field)
     }
 
     pub(crate) fn iter(&self) -> impl DoubleEndedIterator<Item = (FieldId, &Field<S>)> {
-        self.slots.iter().enumerate().filter_map(|(slot, (generation, entry))| {
-            Some((FieldId { slot: slot as u32, generation: *generation }, &entry.as_ref()?.field))
+        // No entry is at `NONE`: there are fewer.
+        self.slots.iter().enumerate().filter_map(|(slot, &Slot { generation, at })| {
+            Some((FieldId { slot: slot as u32, generation }, &self.entries.get(at as usize)?.field))
         })
     }
 
     /// The slots: how often each was taken before, and its field.
     pub(crate) fn slots(&self) -> impl ExactSizeIterator<Item = (u32, Option<&Field<S>>)> {
-        self.slots.iter().map(|(generation, entry)| (*generation, entry.as_ref().map(|entry| &entry.field)))
+        self.slots.iter().map(|slot| (slot.generation, self.entries.get(slot.at as usize).map(|entry| &entry.field)))
+    }
+
+    /// How often a slot was taken before.
+    pub(crate) fn generation(&self, slot: u32) -> Option<u32> {
+        self.slots.get(slot as usize).map(|slot| slot.generation)
     }
 
     /// The slots to take next, the last one first.
@@ -94,25 +129,33 @@ impl<S: Scalar> FieldSet<S> {
         &self.free
     }
 
-    /// Fields and how their handles are given out, made from what a snapshot says. *Domain* the fields were checked.
-    pub(crate) fn rebuilt(slots: Vec<(u32, Option<Field<S>>)>, free: Vec<u32>) -> Result<Self, Error> {
-        let mut is_free: Vec<bool> = alloc::vec![false; slots.len()];
-        for &slot in &free {
-            match (slots.get(slot as usize), is_free.get_mut(slot as usize)) {
-                (Some((_, None)), Some(seen @ false)) => *seen = true,
-                _ => return Err(Error::Inconsistent),
-            }
+    /// Adds a slot as a snapshot has it. *Domain* the field was checked.
+    pub(crate) fn rebuild(&mut self, generation: u32, field: Option<Field<S>>) -> Result<(), Error> {
+        if self.slots.len() >= limits::FIELDS {
+            return Err(Error::Full);
         }
-        let entries = slots.into_iter().map(|(generation, field)| (generation, field.map(Entry::new)));
-        Ok(Self { slots: entries.collect(), free })
+        push(&mut self.slots, Slot { generation, at: NONE });
+        if let Some(field) = field {
+            self.place((self.slots.len() - 1) as u32, field);
+        }
+        Ok(())
+    }
+
+    /// Says which slots to take next: each one without a field, and once.
+    pub(crate) fn set_free(&mut self, free: Vec<u32>) -> Result<(), Error> {
+        if !are_free(self.slots.iter().map(|slot| slot.at == NONE), &free) {
+            return Err(Error::Inconsistent);
+        }
+        self.free = free;
+        Ok(())
     }
 
     /// Adds to a hash all fields and how their handles are given out.
     pub(crate) fn write(&self, sink: &mut Sink) {
         wire::count(sink, self.slots.len());
-        for (generation, entry) in &self.slots {
-            generation.write(sink);
-            entry.as_ref().map(|entry| entry.digest).write(sink);
+        for slot in &self.slots {
+            slot.generation.write(sink);
+            self.entries.get(slot.at as usize).map(|entry| entry.digest).write(sink);
         }
         wire::count(sink, self.free.len());
         sink.all(&self.free, u32::to_le_bytes);

@@ -11,7 +11,7 @@ use super::snapshot::State;
 use crate::handle::{BodyId, FieldId};
 use crate::integrate::Stage;
 use crate::scalar::Scalar;
-use crate::wire::{Index, Leaf, Out as _, Part, Sink};
+use crate::wire::{self, Index, Leaf, Out as _, Part, Sink};
 use crate::world::{Trace, World};
 
 /// What of a world a value belongs to.
@@ -90,6 +90,18 @@ impl<S: Scalar> World<S> {
         found
     }
 
+    /// The first of them, without making the others: in little memory, however much differs.
+    pub(super) fn first_difference(&self, other: &Self) -> Option<Difference> {
+        let (left, right) = wire::first_difference(&State(self), &State(other))?;
+        let (owner, path) = match (&left, &right) {
+            (Some(leaf), _) => (self, &leaf.path),
+            (None, Some(leaf)) => (other, &leaf.path),
+            (None, None) => return None,
+        };
+        let right = right.as_ref().filter(|leaf| leaf.path == *path);
+        Some(owner.difference(path, left.as_ref(), right))
+    }
+
     fn difference(&self, path: &[Part], left: Option<&Leaf>, right: Option<&Leaf>) -> Difference {
         let (place, path) = self.place(path);
         let text = |leaf: Option<&Leaf>| leaf.map(|leaf| leaf.text.clone());
@@ -98,13 +110,13 @@ impl<S: Scalar> World<S> {
 
     /// What the value at a path belongs to, and the rest of the path.
     pub(super) fn place<'p>(&self, path: &'p [Part]) -> (Place, &'p [Part]) {
-        let generation = |slot: u32| self.bodies.slots().nth(slot as usize).map_or(0, |(generation, _)| generation);
         match *path {
             [Part::Name("bodies"), Part::Entry(slot), ..] => {
-                (Place::Body(BodyId::from_parts(slot, generation(slot))), &path[2..])
+                let generation = self.bodies.generation(slot).unwrap_or_default();
+                (Place::Body(BodyId::from_parts(slot, generation)), &path[2..])
             }
             [Part::Name("fields"), Part::Entry(slot), ..] => {
-                let generation = self.fields.slots().nth(slot as usize).map_or(0, |(generation, _)| generation);
+                let generation = self.fields.generation(slot).unwrap_or_default();
                 (Place::Field(FieldId::from_parts(slot, generation)), &path[2..])
             }
             _ => (Place::World, path),

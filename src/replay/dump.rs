@@ -5,19 +5,16 @@ use alloc::vec::Vec;
 
 use super::LAW;
 use super::chunk::{self, Chunk, Tag};
-use super::file::{DONE, Done, Segment, TICKS, Tick};
+use super::damage::{malformed, sound, whole};
+use super::error::{ReplayError, SnapshotError};
+use super::file::{DONE, DUMP, Doings, Done, Segment, TICKS, Tick};
 use super::finding::{Finding, Moment};
-use super::replay::{ReplayError, doings_differ, malformed, sound, whole};
-use super::snapshot::{self, Saved, SnapshotError};
+use super::replay::doings_differ;
+use super::snapshot::{self, Saved};
 use crate::force::ForceLaw;
 use crate::integrate::Verb;
 use crate::wire::{self, Malformed, Out, Read, Reader, Write};
 use crate::world::{Command, Inputs, World};
-
-/// The first bytes of a dump.
-const MAGIC: [u8; 8] = *b"UMBRADMP";
-/// The number of the format, in the four bytes after them. It moves when the layout does.
-const FORMAT: u32 = 1;
 
 /// The laws it was made under.
 pub(super) const LAWS: Tag = Tag(*b"LAWS");
@@ -52,8 +49,10 @@ pub(super) const MOMENT: Tag = Tag(*b"MOMT");
 /// ```
 #[derive(Clone, Debug)]
 pub struct Dump {
-    done: Tick,
-    moments: Vec<(Moment, World)>,
+    /// What was done, as it stands in the file.
+    done: Vec<u8>,
+    /// Moments at which the world was the same share it.
+    moments: Vec<(Moment, Arc<World>)>,
 }
 
 impl Write for Moment {
@@ -99,8 +98,7 @@ impl Dump {
         }
         let called = world.clone();
         _ = world.carry_out(inputs);
-        let done = Tick { calls: calls.to_vec(), inputs: inputs.clone(), hash: Some(after.state_hash()) };
-        Self::of_step(before, called, world, after, done)
+        Self::of_step(before, called, world, after, &Doings { calls, inputs, hash: Some(after.state_hash()) })
     }
 
     /// The same for a game that does more than inputs say: `act` is all it does to its world in the tick before it steps.
@@ -108,24 +106,26 @@ impl Dump {
     pub fn of_game(before: &World, act: impl FnOnce(&mut World), after: &World) -> Self {
         let mut world = before.clone();
         act(&mut world);
-        let done = Tick { hash: Some(after.state_hash()), ..Tick::default() };
-        Self::of_step(before, world.clone(), world, after, done)
+        let done = Doings { calls: &[], inputs: &Inputs::new(), hash: Some(after.state_hash()) };
+        Self::of_step(before, world.clone(), world, after, &done)
     }
 
-    fn of_step(before: &World, called: World, mut world: World, after: &World, done: Tick) -> Self {
-        let mut moments =
-            alloc::vec![(Moment::Start, before.clone()), (Moment::Calls, called), (Moment::Inputs, world.clone()),];
+    fn of_step(before: &World, called: World, mut world: World, after: &World, done: &Doings<'_>) -> Self {
+        let mut moments = alloc::vec![(Moment::Start, before.clone()), (Moment::Calls, called)];
+        moments.push((Moment::Inputs, world.clone()));
         let trace = world.step_traced();
         let stages = trace.stages().zip(0..);
         moments
             .extend(stages.map(|((stage, world), index)| (Moment::Stage { index, verb: stage.verb }, world.clone())));
         moments.push((Moment::End, after.clone()));
-        Self { done, moments }
+        let mut bytes = Vec::new();
+        done.write(&mut bytes);
+        Self { done: bytes, moments: moments.into_iter().map(|(moment, world)| (moment, Arc::new(world))).collect() }
     }
 
     /// The world at each moment of the tick.
     pub fn moments(&self) -> impl ExactSizeIterator<Item = (Moment, &World)> {
-        self.moments.iter().map(|(moment, world)| (*moment, world))
+        self.moments.iter().map(|(moment, world)| (*moment, &**world))
     }
 
     /// The tick the world was at before.
@@ -142,8 +142,11 @@ impl Dump {
         let mut theirs = other.moments.iter();
         for (moment, world) in &self.moments {
             if *moment == Moment::Calls {
-                if let Some(finding) = doings_differ(tick, &self.done, &other.done) {
-                    return Some(finding);
+                // They were made as ticks, or read as such.
+                let [ours, theirs] = [self, other].map(|dump| Tick::read(&mut Reader::new(&dump.done)));
+                let parting = ours.ok().zip(theirs.ok()).and_then(|(ours, theirs)| doings_differ(tick, &ours, &theirs));
+                if parting.is_some() {
+                    return parting;
                 }
             }
             let Some((there, other)) = theirs.next() else { break };
@@ -151,7 +154,7 @@ impl Dump {
             if moment != there {
                 break;
             }
-            if let Some(found) = world.differences(other).into_iter().next() {
+            if let Some(found) = world.first_difference(other) {
                 return Some(Finding::at(tick, *moment, found));
             }
         }
@@ -161,19 +164,21 @@ impl Dump {
     /// As bytes to mail, the same on every machine; `docs/formats.md` has them one by one.
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
-        let mut file = MAGIC.to_vec();
-        file.extend_from_slice(&FORMAT.to_le_bytes());
+        let mut file = DUMP.begin();
         chunk::write(&mut file, LAWS, &LAW.to_le_bytes());
         let mut bytes = Vec::new();
-        Segment { tick: self.tick(), ticks: alloc::vec![self.done.clone()] }.write(&mut bytes);
+        // A segment of one tick.
+        self.tick().write(&mut bytes);
+        1u32.write(&mut bytes);
+        bytes.extend_from_slice(&self.done);
         chunk::write(&mut file, TICKS, &bytes);
         let mut last = None;
         for (moment, world) in &self.moments {
             let mut saved = Vec::new();
-            Saved(world).write(&mut saved);
+            Saved(&**world).write(&mut saved);
             bytes.clear();
             let is_new = last.as_ref() != Some(&saved);
-            Instant { moment: *moment, world: is_new.then_some(world) }.write(&mut bytes);
+            Instant { moment: *moment, world: is_new.then_some(&**world) }.write(&mut bytes);
             chunk::write(&mut file, MOMENT, &bytes);
             last = Some(saved);
         }
@@ -184,20 +189,14 @@ impl Dump {
         file
     }
 
-    /// The dump that is these bytes, of a world in which these laws of force may act.
+    /// The dump that is these bytes, of a world in which these laws of force may act. Reading takes at most 16 bytes of memory
+    /// for each of theirs and 64 KiB.
     ///
     /// # Errors
     /// A [`ReplayError`].
     pub fn from_bytes(bytes: &[u8], laws: &[Arc<dyn ForceLaw>]) -> Result<Self, ReplayError> {
         let mut reader = Reader::new(bytes);
-        if reader.take(MAGIC.len()).ok() != Some(&MAGIC) {
-            return Err(ReplayError::Foreign);
-        }
-        match u32::read(&mut reader) {
-            Ok(FORMAT) => {}
-            Ok(found) => return Err(ReplayError::Format { found, known: FORMAT }),
-            Err(_) => return Err(ReplayError::CutOff { tick: 0 }),
-        }
+        DUMP.enter(&mut reader)?;
         let mut number = 0;
         let mut next = |tag: Option<Tag>| -> Result<(Chunk, u32), ReplayError> {
             let chunk = chunk::read(&mut reader).ok_or(ReplayError::CutOff { tick: 0 })?;
@@ -209,14 +208,18 @@ impl Dump {
             }
         };
         let (chunk, at) = next(Some(LAWS))?;
-        match whole::<u32>(&chunk, at)? {
+        match whole(&chunk, at, u32::read)? {
             LAW => {}
             found => return Err(ReplayError::Law { found, own: LAW }),
         }
         let (chunk, at) = next(Some(TICKS))?;
-        let segment: Segment = whole(&chunk, at)?;
-        let [done] = <[Tick; 1]>::try_from(segment.ticks).map_err(|_| malformed(at, "one tick"))?;
-        let mut moments: Vec<(Moment, World)> = Vec::new();
+        let Segment { tick, count, .. } = whole(&chunk, at, Segment::read)?;
+        if count != 1 {
+            return Err(malformed(at, "one tick"));
+        }
+        let mut done = chunk.bytes;
+        done.drain(..Segment::HEAD);
+        let mut moments: Vec<(Moment, Arc<World>)> = Vec::new();
         loop {
             let (chunk, at) = next(None)?;
             match chunk.tag {
@@ -225,13 +228,13 @@ impl Dump {
                     moments.push(moment);
                 }
                 DONE => {
-                    let Done { tick, hash } = whole(&chunk, at)?;
-                    let is_it = |(_, world): &(Moment, World)| (world.state_hash()) == hash;
+                    let end = whole(&chunk, at, Done::read)?;
+                    let is_it = |(_, world): &(Moment, Arc<World>)| world.state_hash() == end.hash;
                     let starts = moments.first().is_some_and(|(_, world)| world.tick() == tick);
                     if next_moment(&moments).is_some() {
                         return Err(malformed(at, "the next moment"));
                     }
-                    if !(starts && segment.tick == tick && moments.last().is_some_and(is_it)) {
+                    if !(starts && end.tick == tick && moments.last().is_some_and(is_it)) {
                         return Err(malformed(at, "the tick and the hash it ends with"));
                     }
                     break;
@@ -261,9 +264,8 @@ impl Write for Instant<'_> {
     }
 }
 
-/// The moment that comes after these. A tick has a few, each once: otherwise a file of them, a few bytes each, would be
-/// as many worlds.
-fn next_moment(before: &[(Moment, World)]) -> Option<Moment> {
+/// The moment that comes after these. A tick has a few, each once.
+fn next_moment(before: &[(Moment, Arc<World>)]) -> Option<Moment> {
     Some(match before {
         [] => Moment::Start,
         [_] => Moment::Calls,
@@ -280,11 +282,11 @@ fn next_moment(before: &[(Moment, World)]) -> Option<Moment> {
 fn read_moment(
     chunk: &Chunk,
     number: u32,
-    before: &[(Moment, World)],
+    before: &[(Moment, Arc<World>)],
     laws: &[Arc<dyn ForceLaw>],
-) -> Result<(Moment, World), ReplayError> {
+) -> Result<(Moment, Arc<World>), ReplayError> {
     let mut reader = Reader::new(&chunk.bytes);
-    let mut read = || -> Result<(Moment, World), SnapshotError> {
+    let mut read = || -> Result<(Moment, Arc<World>), SnapshotError> {
         let malformed = reader.malformed("the next moment");
         let moment = Moment::read(&mut reader)?;
         if next_moment(before) != Some(moment) {
@@ -292,7 +294,7 @@ fn read_moment(
         }
         let malformed = reader.malformed("a world");
         let world = match (bool::read(&mut reader)?, before.last()) {
-            (true, _) => snapshot::read(&mut reader, laws)?,
+            (true, _) => Arc::new(snapshot::read(&mut reader, laws)?),
             (false, Some((_, world))) => world.clone(),
             (false, None) => return Err(malformed.into()),
         };

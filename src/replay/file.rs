@@ -1,15 +1,44 @@
 //! What is in the chunks of a replay. `docs/formats.md` has them byte by byte.
 
 use alloc::vec::Vec;
+use core::marker::PhantomData;
 
 use super::chunk::Tag;
+use super::error::ReplayError;
 use crate::wire::{self, Malformed, Out, Part, Read, Reader, Write};
-use crate::world::{Command, Inputs};
+use crate::world::{Command, Input, Inputs};
 
-/// The first bytes of a replay.
-pub(super) const MAGIC: [u8; 8] = *b"UMBRAREP";
-/// The number of the format, in the four bytes after them. It moves when the layout does.
-pub(super) const FORMAT: u32 = 1;
+/// A kind of file that is made of chunks.
+pub(super) struct Kind {
+    /// The first bytes.
+    pub(super) magic: [u8; 8],
+    /// The number of the format, in the four bytes after them. It moves when the layout does.
+    pub(super) format: u32,
+}
+
+pub(super) const REPLAY: Kind = Kind { magic: *b"UMBRAREP", format: 1 };
+pub(super) const DUMP: Kind = Kind { magic: *b"UMBRADMP", format: 1 };
+
+impl Kind {
+    /// A file with nothing in it yet.
+    pub(super) fn begin(&self) -> Vec<u8> {
+        let mut file = self.magic.to_vec();
+        self.format.write(&mut file);
+        file
+    }
+
+    /// Reads up to the first chunk.
+    pub(super) fn enter(&self, reader: &mut Reader<'_>) -> Result<(), ReplayError> {
+        if reader.take(self.magic.len()).ok() != Some(&self.magic) {
+            return Err(ReplayError::Foreign);
+        }
+        match u32::read(reader) {
+            Ok(found) if found == self.format => Ok(()),
+            Ok(found) => Err(ReplayError::Format { found, known: self.format }),
+            Err(_) => Err(ReplayError::CutOff { tick: 0 }),
+        }
+    }
+}
 
 /// What the whole file goes by: the first chunk.
 pub(super) const HEAD: Tag = Tag(*b"HEAD");
@@ -53,27 +82,12 @@ impl Read for Head {
     }
 }
 
-/// What was done in a tick, and what came of it.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Tick {
-    /// Calls outside of the players' inputs, carried out before them.
-    pub(super) calls: Vec<Command>,
-    pub(super) inputs: Inputs,
-    /// The hash of the state after the step.
-    pub(super) hash: Option<u64>,
-}
-
-impl Write for Tick {
-    fn write(&self, out: &mut impl Out) {
-        let Self { calls, inputs, hash } = self;
-        Doings { calls, inputs, hash: *hash }.write(out);
-    }
-}
-
-/// A [`Tick`] that is not kept.
+/// What was done in a tick that is being recorded.
 pub(super) struct Doings<'a> {
+    /// Calls outside of the players' inputs, carried out before them.
     pub(super) calls: &'a [Command],
     pub(super) inputs: &'a Inputs,
+    /// The hash of the state after the step.
     pub(super) hash: Option<u64>,
 }
 
@@ -83,43 +97,145 @@ impl Write for Doings<'_> {
         out.enter(Part::Name("calls"));
         wire::list(out, calls.iter());
         out.leave();
-        wire::field(out, "inputs", *inputs);
+        out.enter(Part::Name("inputs"));
+        wire::list(out, inputs.iter());
+        out.leave();
         wire::field(out, "hash", hash);
     }
 }
 
-impl Read for Tick {
-    fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {
+/// A list as it stands in a file, looked through when it was read, and read again whenever it is used: a command takes a byte
+/// there and up to 224 in memory, so that a list of them would be no small multiple of its file.
+pub(super) struct List<'a, T> {
+    pub(super) count: u32,
+    bytes: &'a [u8],
+    entries: PhantomData<T>,
+}
+
+impl<T> Clone for List<'_, T> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<T> Copy for List<'_, T> {}
+
+impl<'a, T: Read> List<'a, T> {
+    /// Reads a list of entries of at least so many bytes, each of which may follow the one before.
+    fn read(
+        reader: &mut Reader<'a>,
+        least: usize,
+        expected: &'static str,
+        may_follow: impl Fn(&T, &T) -> bool,
+    ) -> Result<Self, Malformed> {
+        let count = reader.count(least)? as u32;
+        let (start, mut last) = (reader.at(), None);
+        for _ in 0..count {
+            let malformed = reader.malformed(expected);
+            let entry = T::read(reader)?;
+            if last.is_some_and(|last| !may_follow(&last, &entry)) {
+                return Err(malformed);
+            }
+            last = Some(entry);
+        }
+        Ok(Self { count, bytes: reader.since(start), entries: PhantomData })
+    }
+
+    pub(super) fn iter(&self) -> impl Iterator<Item = T> + use<'a, T> {
+        let mut reader = Reader::new(self.bytes);
+        (0..self.count).map_while(move |_| T::read(&mut reader).ok())
+    }
+
+    /// Whether the bytes are the same.
+    pub(super) fn is(&self, other: &Self) -> bool {
+        self.bytes == other.bytes
+    }
+}
+
+impl<T: Read + Write> Write for List<'_, T> {
+    fn write(&self, out: &mut impl Out) {
+        wire::count(out, self.count as usize);
+        for (i, entry) in (0..).zip(self.iter()) {
+            out.enter(Part::Entry(i));
+            entry.write(out);
+            out.leave();
+        }
+    }
+}
+
+/// What was done in a tick, and what came of it, as it stands in a file.
+#[derive(Clone, Copy)]
+pub(super) struct Tick<'a> {
+    pub(super) calls: List<'a, Command>,
+    pub(super) inputs: List<'a, Input>,
+    pub(super) hash: Option<u64>,
+}
+
+impl<'a> Tick<'a> {
+    /// Two lengths, and whether there is a hash.
+    const LEAST_BYTES: usize = 9;
+
+    pub(super) fn read(reader: &mut Reader<'a>) -> Result<Self, Malformed> {
+        // A player, a sequence, and the shortest command.
+        let least = 8 + Command::LEAST_BYTES;
+        let in_order = |a: &Input, b: &Input| (a.player, a.sequence) < (b.player, b.sequence);
         Ok(Self {
-            calls: (0..reader.count(Command::LEAST_BYTES)?).map(|_| Command::read(reader)).collect::<Result<_, _>>()?,
-            inputs: Inputs::read(reader)?,
+            calls: List::read(reader, Command::LEAST_BYTES, "a command", |_, _| true)?,
+            inputs: List::read(reader, least, "inputs by player and sequence", in_order)?,
             hash: Option::read(reader)?,
         })
     }
 }
 
-/// Some ticks, one after the other.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Segment {
-    /// The tick the world was at before the first.
-    pub(super) tick: u64,
-    pub(super) ticks: Vec<Tick>,
-}
-
-impl Write for Segment {
+impl Write for Tick<'_> {
     fn write(&self, out: &mut impl Out) {
-        wire::field(out, "tick", &self.tick);
-        out.enter(Part::Name("ticks"));
-        wire::list(out, self.ticks.iter());
-        out.leave();
+        let Self { calls, inputs, hash } = self;
+        wire::field(out, "calls", calls);
+        wire::field(out, "inputs", inputs);
+        wire::field(out, "hash", hash);
     }
 }
 
-impl Read for Segment {
-    fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {
-        // Two lengths and whether there is a hash.
+/// Some ticks, one after the other, as they stand in a file.
+#[derive(Clone, Copy)]
+pub(super) struct Segment<'a> {
+    /// The tick the world was at before the first.
+    pub(super) tick: u64,
+    pub(super) count: u32,
+    bytes: &'a [u8],
+}
+
+impl<'a> Segment<'a> {
+    /// The contents of a chunk of ticks begin with these many bytes: its tick, and how many there are.
+    pub(super) const HEAD: usize = 12;
+
+    pub(super) fn read(reader: &mut Reader<'a>) -> Result<Self, Malformed> {
         let tick = u64::read(reader)?;
-        Ok(Self { tick, ticks: (0..reader.count(9)?).map(|_| Tick::read(reader)).collect::<Result<_, _>>()? })
+        let count = reader.count(Tick::LEAST_BYTES)? as u32;
+        let start = reader.at();
+        for _ in 0..count {
+            Tick::read(reader)?;
+        }
+        Ok(Self { tick, count, bytes: reader.since(start) })
+    }
+
+    pub(super) fn ticks(&self) -> impl Iterator<Item = Tick<'a>> + use<'a> {
+        let mut reader = Reader::new(self.bytes);
+        (0..self.count).map_while(move |_| Tick::read(&mut reader).ok())
+    }
+}
+
+impl Write for Segment<'_> {
+    fn write(&self, out: &mut impl Out) {
+        wire::field(out, "tick", &self.tick);
+        out.enter(Part::Name("ticks"));
+        wire::count(out, self.count as usize);
+        for (i, tick) in (0..).zip(self.ticks()) {
+            out.enter(Part::Entry(i));
+            tick.write(out);
+            out.leave();
+        }
+        out.leave();
     }
 }
 

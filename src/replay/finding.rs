@@ -1,9 +1,10 @@
 //! Where and in what two runs, or a run and its recording, part.
 
-use alloc::string::String;
+use alloc::format;
+use alloc::string::{String, ToString as _};
 use core::fmt;
 
-use super::Place;
+use super::{Difference, Place};
 use crate::integrate::Verb;
 
 /// A moment of a tick.
@@ -55,6 +56,19 @@ pub struct Finding {
     pub recorded: Option<String>,
     /// What is there instead, or in the second.
     pub found: Option<String>,
+}
+
+impl Finding {
+    pub(super) fn at(tick: u64, moment: Moment, found: Difference) -> Self {
+        let Difference { place, field, left, right } = found;
+        Self { tick, moment, place, field, recorded: left, found: right }
+    }
+
+    pub(super) fn of_hashes(tick: u64, recorded: u64, found: u64) -> Self {
+        let hash = |hash: u64| Some(format!("{hash:016x}"));
+        let (recorded, found) = (hash(recorded), hash(found));
+        Self { tick, moment: Moment::End, place: Place::World, field: "hash".to_string(), recorded, found }
+    }
 }
 
 impl fmt::Display for Finding {

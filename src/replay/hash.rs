@@ -27,10 +27,7 @@ impl<S: Scalar> World<S> {
         self.applied.write(&mut sink);
         self.fields.write(&mut sink);
         wire::count(&mut sink, self.laws.len());
-        for law in self.laws.values() {
-            law.id().write(&mut sink);
-            law.version().write(&mut sink);
-        }
+        self.hash_laws(&mut sink);
         sink.finish()
     }
 
@@ -66,11 +63,16 @@ impl<S: Scalar> World<S> {
             wire::count(&mut sink, digests.len());
             sink.all(&digests, u64::to_le_bytes);
         }
-        for law in self.laws.values() {
-            law.id().write(&mut sink);
-            law.version().write(&mut sink);
-        }
+        self.hash_laws(&mut sink);
         sink.finish()
+    }
+
+    /// The laws of force that are registered, without their number.
+    fn hash_laws(&self, sink: &mut Sink) {
+        for law in self.laws.values() {
+            law.id().write(sink);
+            law.version().write(sink);
+        }
     }
 
     /// The key of a body, and a hash of all it is but its handle.

@@ -1,11 +1,14 @@
 //! The state as bits: hashes, snapshots, replays.
 
 mod chunk;
+mod damage;
 mod difference;
 mod dump;
+mod error;
 mod file;
 mod finding;
 mod hash;
+mod playback;
 mod recorder;
 #[allow(clippy::module_inception, reason = "what the layer is named after")]
 mod replay;
@@ -13,10 +16,12 @@ mod snapshot;
 
 pub use difference::{Difference, HashTree, Place};
 pub use dump::Dump;
+pub use error::{ReplayError, SnapshotError};
 pub use finding::{Finding, Moment};
+pub use playback::{Divergence, Playback};
 pub use recorder::{RecordOptions, Recorder};
-pub use replay::{Divergence, Playback, Replay, ReplayError};
-pub use snapshot::{Snapshot, SnapshotError};
+pub use replay::Replay;
+pub use snapshot::Snapshot;
 
 /// The number of the laws of physics: it moves when the results of a step or of a hash do.
 pub const LAW: u32 = 3;

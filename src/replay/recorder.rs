@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 
 use super::LAW;
 use super::chunk;
-use super::file::{DONE, Doings, Done, FORMAT, HEAD, Head, MAGIC, SNAPSHOT, TICKS};
+use super::file::{DONE, Doings, Done, HEAD, Head, REPLAY, SNAPSHOT, TICKS};
 use super::snapshot::Saved;
 use crate::error::Error;
 use crate::math::Random;
@@ -81,8 +81,7 @@ impl Recorder {
     #[must_use]
     pub fn new(world: &World, options: RecordOptions) -> Self {
         let options = RecordOptions { hash_every: options.hash_every.max(1), ..options };
-        let mut file = MAGIC.to_vec();
-        file.extend_from_slice(&FORMAT.to_le_bytes());
+        let mut file = REPLAY.begin();
         let mut head = Vec::new();
         let RecordOptions { hash_every, snapshot_every } = options;
         Head { law: LAW, tick: world.tick(), hash_every, snapshot_every }.write(&mut head);

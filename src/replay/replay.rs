@@ -1,121 +1,62 @@
-//! Replays: read, played, checked.
+//! Replays: read and compared.
 
 use alloc::boxed::Box;
-use alloc::format;
-use alloc::string::{String, ToString};
+use alloc::string::{String, ToString as _};
 use alloc::sync::Arc;
 use alloc::vec::Vec;
-use core::fmt;
 
 use super::LAW;
-use super::chunk::{self, Chunk, Damage};
+use super::chunk::{self, Chunk};
+use super::damage::{malformed, sound, whole};
 use super::difference::{Place, name_of};
-use super::dump::{Instant, LAWS, MOMENT};
-use super::file::{DONE, Done, FORMAT, HEAD, Head, MAGIC, SNAPSHOT, Segment, TICKS, Tick};
+use super::error::ReplayError;
+use super::file::{DONE, Done, HEAD, Head, List, REPLAY, SNAPSHOT, Segment, TICKS, Tick};
 use super::finding::{Finding, Moment};
-use super::snapshot::{self, Saved, SnapshotError};
+use super::playback::{Divergence, Playback};
+use super::snapshot;
 use crate::force::ForceLaw;
-use crate::wire::{Index, Leaf, Malformed, Part, Read, Reader, Wanted};
-use crate::world::{Command, Outcome, World};
+use crate::wire::{Index, Leaf, Part, Read, Reader, Write};
+use crate::world::{Command, World};
 
 /// A recorded run: the world it began with, what was done tick by tick, and the hashes that came of it.
 #[derive(Clone, Debug)]
 pub struct Replay {
-    head: Head,
-    start: World,
-    ticks: Vec<Tick>,
+    pub(super) head: Head,
+    pub(super) start: World,
+    /// The contents of the chunks of ticks, in their order: what was done stays as it stands in the file.
+    segments: Vec<Stretch>,
+    /// The tick after the last.
+    end: u64,
     /// The later ones, by their ticks.
-    snapshots: Vec<World>,
-    done: Option<Done>,
+    #[allow(clippy::vec_box, reason = "a world by itself is large, and the list grows")]
+    pub(super) snapshots: Vec<Box<World>>,
+    pub(super) done: Option<Done>,
 }
 
-/// Why a file is no replay that this build can play.
-#[derive(Clone, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum ReplayError {
-    /// It is something else.
-    Foreign,
-    /// Its layout is another.
-    Format {
-        /// Its number.
-        found: u32,
-        /// The one this build knows.
-        known: u32,
-    },
-    /// It was recorded under other laws of physics: it would go another way here.
-    Law {
-        /// Those it was recorded under.
-        found: u32,
-        /// Those of this build.
-        own: u32,
-    },
-    /// It ends before the recording did. [`Replay::recovered`] reads what there is.
-    CutOff {
-        /// The tick up to which it is whole.
-        tick: u64,
-    },
-    /// It was changed after it was recorded.
-    Tampered(Box<Finding>),
-    /// A chunk of it is not what it should be.
-    Malformed {
-        /// The number of the chunk, from 0.
-        chunk: u32,
-        /// What is wrong, counted from the start of the chunk.
-        malformed: Malformed,
-    },
-    /// A snapshot in it is none.
-    Snapshot {
-        /// The number of the chunk, from 0.
-        chunk: u32,
-        /// What is wrong with it.
-        error: SnapshotError,
-    },
+/// Some ticks that follow each other.
+#[derive(Clone, Debug)]
+struct Stretch {
+    /// The tick the world is at before the first.
+    tick: u64,
+    count: u32,
+    bytes: Vec<u8>,
 }
 
-impl fmt::Display for ReplayError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Foreign => f.write_str("not a replay of umbra-physics"),
-            Self::Format { found, known } => write!(f, "a replay of format {found}; this build reads format {known}"),
-            Self::Law { found, own } => {
-                write!(f, "a replay recorded under law {found} of physics; this build has law {own}")
-            }
-            Self::CutOff { tick } => write!(f, "cut off: whole up to tick {tick}"),
-            Self::Tampered(finding) => write!(f, "changed after it was recorded: {finding}"),
-            Self::Malformed { chunk, malformed } => write!(f, "chunk {chunk}: {malformed}"),
-            Self::Snapshot { chunk, error } => write!(f, "chunk {chunk}: {error}"),
-        }
-    }
+/// A place between two ticks of a replay.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Cursor {
+    stretch: usize,
+    /// How many ticks of it are behind, and where in its bytes the next one is.
+    behind: u32,
+    at: usize,
 }
-
-impl core::error::Error for ReplayError {}
-
-/// A run that is not the one recorded.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Divergence {
-    /// The tick the world was at with the first hash that is another one.
-    pub tick: u64,
-    /// The hash recorded.
-    pub recorded: u64,
-    /// The hash the run has.
-    pub computed: u64,
-    /// The first value that differs, at the next tick with a snapshot; the hash itself if none does there.
-    pub finding: Finding,
-}
-
-impl fmt::Display for Divergence {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { tick, recorded, computed, finding } = self;
-        write!(f, "at tick {tick} the hash is {computed:016x}, recorded was {recorded:016x}; {finding}")
-    }
-}
-
-impl core::error::Error for Divergence {}
 
 impl Replay {
     /// Reads a file, of a world in which these laws of force may act.
     ///
-    /// Every bit of it is checked: one that was changed is found, and named with what it was and what it is.
+    /// Every bit of it is checked: one that was changed is found, and named with what it was and what it is. Reading takes at
+    /// most 16 bytes of memory for each of the file's and 64 KiB, the replay included, whoever made the file: a limit on its
+    /// size is one on both. So does [`verify`](Self::verify), as far as what is done makes nothing new.
     ///
     /// # Errors
     /// A [`ReplayError`].
@@ -138,19 +79,13 @@ impl Replay {
     /// What could be read after the first snapshot, and why no more.
     fn read(bytes: &[u8], laws: &[Arc<dyn ForceLaw>]) -> Result<(Self, Option<ReplayError>), ReplayError> {
         let mut reader = Reader::new(bytes);
-        if reader.take(MAGIC.len()).ok() != Some(&MAGIC) {
-            return Err(ReplayError::Foreign);
-        }
-        match u32::read(&mut reader) {
-            Ok(FORMAT) => {}
-            Ok(found) => return Err(ReplayError::Format { found, known: FORMAT }),
-            Err(_) => return Err(ReplayError::CutOff { tick: 0 }),
-        }
+        REPLAY.enter(&mut reader)?;
         let Some(first) = chunk::read(&mut reader) else { return Err(ReplayError::CutOff { tick: 0 }) };
         let head = Self::read_head(&first, laws)?;
         let Some(second) = chunk::read(&mut reader) else { return Err(ReplayError::CutOff { tick: head.tick }) };
         let start = Self::read_start(&second, &head, laws)?;
-        let mut replay = Self { head, start, ticks: Vec::new(), snapshots: Vec::new(), done: None };
+        let (segments, snapshots, end) = (Vec::new(), Vec::new(), head.tick);
+        let mut replay = Self { head, start, segments, end, snapshots, done: None };
         let mut number = 2;
         while replay.done.is_none() {
             let Some(chunk) = chunk::read(&mut reader) else {
@@ -171,7 +106,7 @@ impl Replay {
         if chunk.tag != HEAD {
             return Err(malformed(0, "the head"));
         }
-        let head: Head = whole(chunk, 0)?;
+        let head = whole(chunk, 0, Head::read)?;
         if head.law != LAW {
             return Err(ReplayError::Law { found: head.law, own: LAW });
         }
@@ -195,12 +130,10 @@ impl Replay {
         sound(&chunk, number, self.end(), laws)?;
         match chunk.tag {
             TICKS => {
-                let segment: Segment = whole(&chunk, number)?;
-                let room = u64::MAX - self.end();
-                if segment.tick != self.end() || segment.ticks.is_empty() || segment.ticks.len() as u64 > room {
-                    return Err(malformed("the ticks that follow"));
-                }
-                self.ticks.extend(segment.ticks);
+                let Segment { tick, count, .. } = whole(&chunk, number, Segment::read)?;
+                let end = tick.checked_add(count.into()).filter(|_| tick == self.end && count > 0);
+                self.end = end.ok_or_else(|| malformed("the ticks that follow"))?;
+                self.segments.push(Stretch { tick, count, bytes: chunk.bytes });
             }
             SNAPSHOT => {
                 let world = read_snapshot(&chunk, number, laws)?;
@@ -208,10 +141,10 @@ impl Replay {
                 if world.tick() != self.end() || !is_next {
                     return Err(malformed("the snapshot of this tick"));
                 }
-                self.snapshots.push(world);
+                self.snapshots.push(Box::new(world));
             }
             DONE => {
-                let done: Done = whole(&chunk, number)?;
+                let done = whole(&chunk, number, Done::read)?;
                 if done.tick != self.end() {
                     return Err(malformed("the tick it ends at"));
                 }
@@ -231,7 +164,7 @@ impl Replay {
     /// The tick its world is at after the last of its ticks.
     #[must_use]
     pub fn end(&self) -> u64 {
-        self.head.tick + self.ticks.len() as u64
+        self.end
     }
 
     /// Whether the recording was brought to its end.
@@ -241,15 +174,45 @@ impl Replay {
     }
 
     /// The later snapshot of a tick: their ticks rise.
-    fn snapshot_at(&self, tick: u64) -> Option<&World> {
-        let index = self.snapshots.binary_search_by_key(&tick, World::tick).ok()?;
-        self.snapshots.get(index)
+    pub(super) fn snapshot_at(&self, tick: u64) -> Option<&World> {
+        let index = self.snapshots.binary_search_by_key(&tick, |world| world.tick()).ok()?;
+        self.snapshots.get(index).map(|world| &**world)
+    }
+
+    /// The place before a tick of it, and the hash that was recorded of the one before that.
+    pub(super) fn cursor(&self, tick: u64) -> (Cursor, Option<u64>) {
+        // From the stretch that the tick before is in.
+        let after = self.segments.partition_point(|stretch| stretch.tick < tick);
+        let stretch = after.saturating_sub(1);
+        let (mut cursor, mut hash) = (Cursor { stretch, ..Cursor::default() }, None);
+        for _ in self.segments.get(stretch).map_or(tick, |stretch| stretch.tick)..tick {
+            hash = self.next(&mut cursor).and_then(|tick| tick.hash);
+        }
+        (cursor, hash)
+    }
+
+    /// The tick at a place, which is behind it then.
+    pub(super) fn next(&self, cursor: &mut Cursor) -> Option<Tick<'_>> {
+        if self.segments.get(cursor.stretch)?.count == cursor.behind {
+            *cursor = Cursor { stretch: cursor.stretch + 1, ..Cursor::default() };
+        }
+        let bytes = self.segments.get(cursor.stretch)?.bytes.get(Segment::HEAD + cursor.at..)?;
+        let mut reader = Reader::new(bytes);
+        let tick = Tick::read(&mut reader).ok()?;
+        (cursor.behind, cursor.at) = (cursor.behind + 1, cursor.at + reader.at());
+        Some(tick)
+    }
+
+    /// All ticks in their order.
+    fn ticks(&self) -> impl Iterator<Item = Tick<'_>> {
+        let mut cursor = Cursor::default();
+        core::iter::from_fn(move || self.next(&mut cursor))
     }
 
     /// Plays it from its start.
     #[must_use]
     pub fn play(&self) -> Playback<'_> {
-        Playback { replay: self, world: self.start.clone(), outcomes: Vec::new() }
+        Playback::new(self)
     }
 
     /// Runs all of it again, and compares every hash.
@@ -267,12 +230,11 @@ impl Replay {
     #[must_use]
     pub fn first_difference(&self, other: &Self) -> Option<Finding> {
         let tick = self.head.tick;
-        if let Some(found) = self.start.differences(&other.start).into_iter().next() {
+        if let Some(found) = self.start.first_difference(&other.start) {
             return Some(Finding::at(tick, Moment::Start, found));
         }
-        for (i, (ours, theirs)) in self.ticks.iter().zip(&other.ticks).enumerate() {
-            let tick = tick + i as u64;
-            if let Some(finding) = doings_differ(tick, ours, theirs) {
+        for (tick, (ours, theirs)) in (tick..).zip(self.ticks().zip(other.ticks())) {
+            if let Some(finding) = doings_differ(tick, &ours, &theirs) {
                 return Some(finding);
             }
             if let (Some(a), Some(b)) = (ours.hash, theirs.hash) {
@@ -286,10 +248,10 @@ impl Replay {
 
     /// The first value in which the snapshots of two replays differ from this tick on.
     fn named_at_a_snapshot(&self, other: &Self, tick: u64, ours: u64, theirs: u64) -> Finding {
-        let later = self.snapshots.iter().filter(|world| world.tick() > tick);
-        let differs = later.into_iter().find_map(|world| {
+        let mut later = self.snapshots.iter().filter(|world| world.tick() > tick);
+        let differs = later.find_map(|world| {
             let there = other.snapshot_at(world.tick())?;
-            let found = world.differences(there).into_iter().next()?;
+            let found = world.first_difference(there)?;
             Some(Finding::at(world.tick() - 1, Moment::End, found))
         });
         differs.unwrap_or_else(|| Finding::of_hashes(tick, ours, theirs))
@@ -297,44 +259,54 @@ impl Replay {
 }
 
 /// In what that which is done in a tick differs.
-pub(super) fn doings_differ(tick: u64, ours: &Tick, theirs: &Tick) -> Option<Finding> {
-    if ours.calls == theirs.calls && ours.inputs == theirs.inputs {
+pub(super) fn doings_differ(tick: u64, ours: &Tick<'_>, theirs: &Tick<'_>) -> Option<Finding> {
+    let calls = lists_differ("calls", &ours.calls, &theirs.calls);
+    let Parting { path, left, right } = calls.or_else(|| lists_differ("inputs", &ours.inputs, &theirs.inputs))?;
+    let (moment, place) = place_in_tick(ours, &path);
+    Some(Finding { tick, moment, place, field: name_of(&path), recorded: left, found: right })
+}
+
+/// Where two lists part, and what is there in each.
+struct Parting {
+    path: Vec<Part>,
+    left: Option<String>,
+    right: Option<String>,
+}
+
+/// The first value in which two lists are not the same: their length, or one of an entry, which alone is laid out for that.
+fn lists_differ<T: Read + Write + PartialEq>(
+    name: &'static str,
+    ours: &List<'_, T>,
+    theirs: &List<'_, T>,
+) -> Option<Parting> {
+    if ours.count != theirs.count {
+        let [left, right] = [ours, theirs].map(|list| Some(list.count.to_string()));
+        return Some(Parting { path: alloc::vec![Part::Name(name), Part::Name("count")], left, right });
+    }
+    if ours.is(theirs) {
         return None;
     }
-    let silent = |tick: &Tick| Index::of(&Tick { hash: None, ..tick.clone() }).leaves;
-    let (left, right) = (silent(ours), silent(theirs));
+    let (index, (ours, theirs)) = (0..).zip(ours.iter().zip(theirs.iter())).find(|(_, (a, b))| a != b)?;
+    let (left, right) = (Index::of(&ours).leaves, Index::of(&theirs).leaves);
     let same = left.iter().zip(&right).take_while(|(a, b)| a == b).count();
     let (a, b) = (left.get(same), right.get(same));
-    let path = a.or(b).map(|leaf| &leaf.path[..]).unwrap_or_default();
-    let (moment, place) = place_in_tick(ours, path);
-    let text = |leaf: Option<&Leaf>| leaf.filter(|leaf| leaf.path == path).map(|leaf| leaf.text.clone());
-    Some(Finding { tick, moment, place, field: name_of(path), recorded: text(a), found: text(b) })
+    let within = a.or(b).map(|leaf| &leaf.path[..]).unwrap_or_default();
+    let text = |leaf: Option<&Leaf>| leaf.filter(|leaf| leaf.path == within).map(|leaf| leaf.text.clone());
+    let path = [&[Part::Name(name), Part::Entry(index)], within].concat();
+    Some(Parting { path, left: text(a), right: text(b) })
 }
 
 /// When in a tick the value at a path of it is, and the body or field that its command is about.
-fn place_in_tick(tick: &Tick, path: &[Part]) -> (Moment, Place) {
-    let place = |command: Option<&Command>| command.map_or(Place::World, Place::of_command);
+pub(super) fn place_in_tick(tick: &Tick<'_>, path: &[Part]) -> (Moment, Place) {
+    let place = |command: Option<Command>| command.map_or(Place::World, |command| Place::of_command(&command));
     match *path {
-        [Part::Name("calls"), Part::Entry(i), ..] => (Moment::Calls, place(tick.calls.get(i as usize))),
+        [Part::Name("calls"), Part::Entry(i), ..] => (Moment::Calls, place(tick.calls.iter().nth(i as usize))),
         [Part::Name("calls"), ..] => (Moment::Calls, Place::World),
         [Part::Name("inputs"), Part::Entry(i), ..] => {
-            (Moment::Inputs, place(tick.inputs.iter().nth(i as usize).map(|input| &input.command)))
+            (Moment::Inputs, place(tick.inputs.iter().nth(i as usize).map(|input| input.command)))
         }
         [Part::Name("inputs"), ..] => (Moment::Inputs, Place::World),
         _ => (Moment::End, Place::World),
-    }
-}
-
-impl Finding {
-    pub(super) fn at(tick: u64, moment: Moment, found: super::Difference) -> Self {
-        let super::Difference { place, field, left, right } = found;
-        Self { tick, moment, place, field, recorded: left, found: right }
-    }
-
-    fn of_hashes(tick: u64, recorded: u64, found: u64) -> Self {
-        let hash = |hash: u64| Some(format!("{hash:016x}"));
-        let (recorded, found) = (hash(recorded), hash(found));
-        Self { tick, moment: Moment::End, place: Place::World, field: "hash".to_string(), recorded, found }
     }
 }
 
@@ -373,20 +345,6 @@ impl Place {
     }
 }
 
-/// What is wrong with a chunk as a whole.
-pub(super) fn malformed(chunk: u32, expected: &'static str) -> ReplayError {
-    ReplayError::Malformed { chunk, malformed: Malformed { at: 0, expected } }
-}
-
-/// The value that a chunk is.
-pub(super) fn whole<T: Read>(chunk: &Chunk, number: u32) -> Result<T, ReplayError> {
-    let mut reader = Reader::new(&chunk.bytes);
-    let value = T::read(&mut reader);
-    value
-        .and_then(|value| reader.end().map(|()| value))
-        .map_err(|malformed| ReplayError::Malformed { chunk: number, malformed })
-}
-
 fn read_snapshot(chunk: &Chunk, number: u32, laws: &[Arc<dyn ForceLaw>]) -> Result<World, ReplayError> {
     let mut reader = Reader::new(&chunk.bytes);
     let world = snapshot::read(&mut reader, laws).and_then(|world| {
@@ -394,212 +352,4 @@ fn read_snapshot(chunk: &Chunk, number: u32, laws: &[Arc<dyn ForceLaw>]) -> Resu
         Ok(world)
     });
     world.map_err(|error| ReplayError::Snapshot { chunk: number, error })
-}
-
-/// Refuses a chunk that was changed, and says in what. `tick` is the one the chunks before it lead up to.
-pub(super) fn sound(chunk: &Chunk, number: u32, tick: u64, laws: &[Arc<dyn ForceLaw>]) -> Result<(), ReplayError> {
-    let Some(damage) = chunk.damage else { return Ok(()) };
-    let in_frame = |part: &str, recorded: String, found: String| Finding {
-        tick,
-        moment: if matches!(chunk.tag, TICKS | DONE) { Moment::End } else { Moment::Start },
-        place: Place::World,
-        field: format!("chunk {number}.{part}"),
-        recorded: Some(recorded),
-        found: Some(found),
-    };
-    let finding = match damage {
-        Damage::Word { recorded, found, double } => {
-            let part = if double { "word again" } else { "word" };
-            in_frame(part, format!("{recorded:016x}"), format!("{found:016x}"))
-        }
-        Damage::Seal { part, recorded, found } => {
-            in_frame(&format!("seal.{part}"), recorded.to_string(), found.to_string())
-        }
-        Damage::Bytes { at, found } => match changed_leaf(chunk, at, found, tick, laws) {
-            Some(finding) => finding,
-            None => {
-                return Err(ReplayError::Malformed {
-                    chunk: number,
-                    malformed: Malformed { at: at as u64, expected: "a chunk of this format" },
-                });
-            }
-        },
-        Damage::Unknown => Finding { recorded: None, found: None, ..in_frame("bytes", String::new(), String::new()) },
-    };
-    Err(ReplayError::Tampered(Box::new(finding)))
-}
-
-/// Names the value in the word at `at` that was changed to what is found; the chunk's bytes are what was recorded.
-fn changed_leaf(chunk: &Chunk, at: usize, found: u64, tick: u64, laws: &[Arc<dyn ForceLaw>]) -> Option<Finding> {
-    let mut there = chunk.bytes.clone();
-    let length = 8.min(there.len() - at);
-    there[at..at + length].copy_from_slice(&found.to_le_bytes()[..length]);
-    let first = (at..at + length).find(|&i| there[i] != chunk.bytes[i])?;
-    let (leaf, subject) = tell(chunk, &chunk.bytes, laws, Wanted::At(first))?;
-    let leaf = leaf?;
-    let found_bytes = there.get(leaf.at..leaf.at + leaf.bytes.len())?;
-    let hex = || found_bytes.iter().map(|byte| format!("{byte:02x}")).collect();
-    // What is there as a value, if it is one; else its bytes.
-    let value = tell(chunk, &there, laws, Wanted::On(leaf.path.clone())).and_then(|(leaf, _)| leaf);
-    // A hash of what is there was made new; it is its bytes that were changed.
-    let value = value.filter(|value| value.text != leaf.text).map_or_else(hex, |value| value.text);
-    let (tick, moment, place, field) = subject.place(tick, &leaf.path);
-    Some(Finding { tick, moment, place, field, recorded: Some(leaf.text), found: Some(value) })
-}
-
-/// What a chunk is about.
-enum Subject {
-    File(Moment),
-    World(Box<World>, Moment),
-    Ticks(Segment),
-}
-
-impl Subject {
-    /// Where the value at a path belongs, and its name there. `tick` is the one the chunks before lead up to.
-    fn place(&self, tick: u64, path: &[Part]) -> (u64, Moment, Place, String) {
-        match self {
-            Self::File(moment) => (tick, *moment, Place::World, name_of(path)),
-            Self::World(world, moment) => {
-                let (place, path) = world.place(path);
-                (world.tick(), *moment, place, name_of(path))
-            }
-            Self::Ticks(segment) => match *path {
-                [Part::Name("ticks"), Part::Entry(i), ..] => {
-                    let none = Tick::default();
-                    let (moment, place) = place_in_tick(segment.ticks.get(i as usize).unwrap_or(&none), &path[2..]);
-                    (segment.tick.saturating_add(i.into()), moment, place, name_of(&path[2..]))
-                }
-                _ => (segment.tick, Moment::Start, Place::World, name_of(path)),
-            },
-        }
-    }
-}
-
-/// A value that a chunk has, if there is such a one, and what the chunk is about.
-fn tell(chunk: &Chunk, bytes: &[u8], laws: &[Arc<dyn ForceLaw>], wanted: Wanted) -> Option<(Option<Leaf>, Subject)> {
-    let mut reader = Reader::new(bytes);
-    Some(match chunk.tag {
-        HEAD => (Index::find(&Head::read(&mut reader).ok()?, wanted), Subject::File(Moment::Start)),
-        DONE => (Index::find(&Done::read(&mut reader).ok()?, wanted), Subject::File(Moment::End)),
-        SNAPSHOT => {
-            let world = snapshot::read_unsealed(&mut reader, laws).ok()?;
-            (Index::find(&Saved(&world), wanted), Subject::World(Box::new(world), Moment::Start))
-        }
-        TICKS => {
-            let segment = Segment::read(&mut reader).ok()?;
-            (Index::find(&segment, wanted), Subject::Ticks(segment))
-        }
-        LAWS => (Index::find(&u32::read(&mut reader).ok()?, wanted), Subject::File(Moment::Start)),
-        MOMENT => {
-            let moment = Moment::read(&mut reader).ok()?;
-            let world =
-                if bool::read(&mut reader).ok()? { snapshot::read_unsealed(&mut reader, laws).ok() } else { None };
-            let leaf = Index::find(&Instant { moment, world: world.as_ref() }, wanted);
-            (leaf, world.map_or(Subject::File(moment), |world| Subject::World(Box::new(world), moment)))
-        }
-        _ => return None,
-    })
-}
-
-/// A replay on its way.
-#[derive(Clone, Debug)]
-pub struct Playback<'a> {
-    replay: &'a Replay,
-    world: World,
-    outcomes: Vec<Outcome>,
-}
-
-impl Playback<'_> {
-    /// The world as it is now.
-    #[must_use]
-    pub fn world(&self) -> &World {
-        &self.world
-    }
-
-    /// What is recorded of the tick to come; `None` at the end.
-    fn tick(&self) -> Option<&Tick> {
-        self.replay.ticks.get((self.world.tick() - self.replay.head.tick) as usize)
-    }
-
-    /// The commands of the tick to come: calls outside of inputs first.
-    pub fn commands(&self) -> impl Iterator<Item = &Command> {
-        let tick = self.tick();
-        let calls = tick.into_iter().flat_map(|tick| &tick.calls);
-        calls.chain(tick.into_iter().flat_map(|tick| &tick.inputs).map(|input| &input.command))
-    }
-
-    /// What became of the inputs of the last tick.
-    #[must_use]
-    pub fn outcomes(&self) -> &[Outcome] {
-        &self.outcomes
-    }
-
-    /// The hash that was recorded for the world as it is now, if one was.
-    #[must_use]
-    pub fn recorded_hash(&self) -> Option<u64> {
-        let made = (self.world.tick() - self.replay.head.tick) as usize;
-        self.replay.ticks.get(made.checked_sub(1)?)?.hash
-    }
-
-    /// Does what was done in the tick, steps, and compares with what was recorded. `false` at the end, where nothing is
-    /// done.
-    ///
-    /// # Errors
-    /// A [`Divergence`]; the world is at that tick, and can go on.
-    pub fn step(&mut self) -> Result<bool, Box<Divergence>> {
-        let at = self.world.tick();
-        if !self.advance() {
-            return Ok(false);
-        }
-        let snapshot = self.replay.snapshot_at(at + 1);
-        let done = self.replay.done.filter(|done| done.tick == at + 1);
-        let recorded = [self.recorded_hash(), snapshot.map(World::state_hash), done.map(|done| done.hash)];
-        let mut recorded = recorded.into_iter().flatten().peekable();
-        if recorded.peek().is_none() {
-            return Ok(true);
-        }
-        let computed = self.world.state_hash();
-        recorded.find(|&hash| hash != computed).map_or(Ok(true), |hash| Err(Box::new(self.divergence(hash))))
-    }
-
-    /// The same without comparing.
-    fn advance(&mut self) -> bool {
-        let made = (self.world.tick() - self.replay.head.tick) as usize;
-        let Some(tick) = self.replay.ticks.get(made) else { return false };
-        for call in &tick.calls {
-            // One that is refused was not recorded; refused here, it is found by the hash.
-            _ = self.world.execute(call);
-        }
-        self.outcomes = self.world.carry_out(&tick.inputs);
-        self.world.step();
-        true
-    }
-
-    /// Goes to a tick, or to the end if that is before it: from the snapshot nearest before it, without comparing.
-    pub fn seek(&mut self, tick: u64) {
-        let snapshots = [&self.replay.start].into_iter().chain(&self.replay.snapshots);
-        let nearest = snapshots.take_while(|world| world.tick() <= tick).last().unwrap_or(&self.replay.start);
-        if self.world.tick() > tick || self.world.tick() < nearest.tick() {
-            self.world.clone_from(nearest);
-        }
-        while self.world.tick() < tick && self.advance() {}
-    }
-
-    /// Finds out in what the run differs from the one recorded: that has its values in snapshots alone.
-    fn divergence(&self, recorded: u64) -> Divergence {
-        let (tick, computed) = (self.world.tick(), self.world.state_hash());
-        let mut ahead = self.clone();
-        let later = self.replay.snapshots.iter().filter(|snapshot| snapshot.tick() >= tick);
-        let found = later.into_iter().find_map(|snapshot| {
-            ahead.seek_on(snapshot.tick());
-            let found = snapshot.differences(&ahead.world).into_iter().next()?;
-            Some(Finding::at(snapshot.tick() - 1, Moment::End, found))
-        });
-        let finding = found.unwrap_or_else(|| Finding::of_hashes(tick - 1, recorded, computed));
-        Divergence { tick, recorded, computed, finding }
-    }
-
-    fn seek_on(&mut self, tick: u64) {
-        while self.world.tick() < tick && self.advance() {}
-    }
 }

@@ -6,10 +6,12 @@ use alloc::vec::Vec;
 use core::fmt;
 
 use super::LAW;
-use crate::body::{Activity, Bodies, BodyKind, Occupant, Record, ShapeSource, Tunings};
+use super::difference::Place;
+use super::error::SnapshotError;
+use crate::body::{Activity, Bodies, BodyKind, Record, ShapeSource, Tunings};
 use crate::error::Error;
 use crate::force::{Field, FieldSet, ForceLaw, Laws};
-use crate::handle::BodyId;
+use crate::handle::{BodyId, FieldId};
 use crate::integrate::Integrator;
 use crate::limits;
 use crate::math::{Elapsed, Random, Vec2};
@@ -70,78 +72,6 @@ impl<S: Scalar> fmt::Debug for Snapshot<S> {
     }
 }
 
-/// Why bytes are no snapshot that this build can go on from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum SnapshotError {
-    /// They are something else.
-    Foreign,
-    /// Their layout is another.
-    Format {
-        /// Its number.
-        found: u32,
-        /// The one this build knows.
-        known: u32,
-    },
-    /// They were made under other laws of physics: what follows from them would be something else here.
-    Law {
-        /// Those they were made under.
-        found: u32,
-        /// Those of this build.
-        own: u32,
-    },
-    /// They are cut off, or damaged.
-    Malformed(Malformed),
-    /// They say of a world what cannot be.
-    Invalid(Error),
-    /// A law of force of the user's own is not given, or in another version.
-    ForceLaw {
-        /// Its id.
-        id: u64,
-        /// The version that is needed.
-        version: u32,
-    },
-    /// The world they make does not have the hash they give: they were changed.
-    Changed {
-        /// The hash they give.
-        recorded: u64,
-        /// That of the world.
-        computed: u64,
-    },
-}
-
-impl fmt::Display for SnapshotError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Foreign => f.write_str("not a snapshot of umbra-physics"),
-            Self::Format { found, known } => write!(f, "a snapshot of format {found}; this build reads format {known}"),
-            Self::Law { found, own } => {
-                write!(f, "a snapshot made under law {found} of physics; this build has law {own}")
-            }
-            Self::Malformed(malformed) => malformed.fmt(f),
-            Self::Invalid(error) => write!(f, "no world can be so: {error}"),
-            Self::ForceLaw { id, version } => write!(f, "force law {id:#x} in version {version} is not given"),
-            Self::Changed { recorded, computed } => {
-                write!(f, "the hash recorded is {recorded:016x}, that of what is there {computed:016x}")
-            }
-        }
-    }
-}
-
-impl core::error::Error for SnapshotError {}
-
-impl From<Malformed> for SnapshotError {
-    fn from(malformed: Malformed) -> Self {
-        Self::Malformed(malformed)
-    }
-}
-
-impl From<Error> for SnapshotError {
-    fn from(error: Error) -> Self {
-        Self::Invalid(error)
-    }
-}
-
 impl<S: Scalar> World<S> {
     /// The world as it is, to go back to.
     #[must_use]
@@ -190,7 +120,8 @@ impl Snapshot {
 
     /// The snapshot that is these bytes, of a world in which these laws of force may act.
     ///
-    /// Nothing is believed: what no world can be is refused, however the bytes came about.
+    /// Nothing is believed: what no world can be is refused, however the bytes came about. Reading takes at most 16 bytes of
+    /// memory for each of theirs and 64 KiB, the snapshot included, so that a limit on their number is one on both.
     ///
     /// # Errors
     /// A [`SnapshotError`].
@@ -382,37 +313,17 @@ fn read_state(reader: &mut Reader<'_>, laws: &[Arc<dyn ForceLaw>]) -> Result<Wor
     world.random = Random::read(reader)?;
     world.set_blob(&Vec::read(reader)?)?;
     world.laws = Arc::new(read_laws(reader, laws)?);
-    let (slots, pushed) = read_bodies(reader)?;
-    let free = read_list(reader, 4, u32::read)?;
-    let stops = |kept: Option<Fx>| def.integrator == Integrator::Yoshida4 && kept == Some(Fx::ZERO);
-    let mut tunings = Tunings::default();
-    let climate = World::climate(&world.def, &world.plan);
-    let keep_last = def.integrator == Integrator::PublishedVerlet;
-    world.bodies = Bodies::rebuilt(&slots, free, keep_last, &mut tunings, &climate)?;
-    world.tunings = Arc::new(tunings);
-    for (record, _) in slots.iter().filter_map(|(_, occupant)| occupant.as_ref()) {
-        if record.activity == Activity::Asleep && def.sleep_after.is_none() {
-            return Err(Error::Inconsistent.into());
-        }
-        if stops(record.linear_damping) || stops(record.angular_damping) {
-            return Err(Error::DampingHasNoInverse.into());
-        }
+    read_bodies(reader, &mut world)?;
+    let mut fields = FieldSet::default();
+    for slot in 0..reader.count(5)? {
+        let (generation, field) = (u32::read(reader)?, Option::<Field>::read(reader)?);
+        let checked = field.as_ref().map_or(Ok(()), |field| field.check_values(&world.bodies, &world.laws));
+        let added = checked.and_then(|()| fields.rebuild(generation, field));
+        let place = Place::Field(FieldId::from_parts(slot as u32, generation));
+        added.map_err(|error| SnapshotError::Invalid { place, error })?;
     }
-    for (body, Pushed { force, torque }) in pushed {
-        let dense = world.bodies.find(body)?;
-        if world.bodies.card(dense).kind != BodyKind::Dynamic || world.bodies.activity(dense) != Activity::Awake {
-            return Err(Error::Inconsistent.into());
-        }
-        world.applied.adopt(body, force, torque);
-    }
-    let fields = read_list(reader, 5, |reader| Ok((u32::read(reader)?, Option::<Field>::read(reader)?)))?;
-    if fields.len() > limits::FIELDS {
-        return Err(Error::Full.into());
-    }
-    for (_, field) in &fields {
-        field.as_ref().map_or(Ok(()), |field| field.check_values(&world.bodies, &world.laws))?;
-    }
-    world.fields = Arc::new(FieldSet::rebuilt(fields, read_list(reader, 4, u32::read)?)?);
+    fields.set_free(read_list(reader, 4, u32::read)?)?;
+    world.fields = Arc::new(fields);
     world.woken = read_list(reader, 8, BodyId::read)?;
     world.woken.iter().try_for_each(|&body| world.bodies.find(body).map(drop))?;
     Ok(world)
@@ -431,32 +342,53 @@ fn read_laws(reader: &mut Reader<'_>, given: &[Arc<dyn ForceLaw>]) -> Result<Law
     Ok(laws)
 }
 
-type Bodily = (Vec<(u32, Occupant<Fx>)>, Vec<(BodyId, Pushed<Fx>)>);
-
-fn read_bodies(reader: &mut Reader<'_>) -> Result<Bodily, SnapshotError> {
-    let mut slots: Vec<(u32, Occupant<Fx>)> = Vec::new();
-    let mut pushed = Vec::new();
+/// Reads the bodies one by one into a world that has none, and which slots are free.
+fn read_bodies(reader: &mut Reader<'_>, world: &mut World) -> Result<(), SnapshotError> {
+    let World { def, plan, bodies, applied, .. } = world;
+    let (mut tunings, climate) = (Tunings::default(), World::climate(def, plan));
+    *bodies = Bodies::empty(def.integrator == Integrator::PublishedVerlet);
     for slot in 0..reader.count(5)? {
         let generation = u32::read(reader)?;
+        let body = BodyId::from_parts(slot as u32, generation);
+        let invalid = |error| SnapshotError::Invalid { place: Place::Body(body), error };
         if !bool::read(reader)? {
-            slots.push((generation, None));
+            bodies.rebuild(generation, None, &mut tunings, &climate).map_err(invalid)?;
             continue;
         }
         let record = Record::read(reader)?;
         let shape = match ShapeSource::read(reader)? {
             ShapeSource::None => None,
             ShapeSource::New(shape) => Some(shape),
-            ShapeSource::AsOf(first) => match slots.get(first as usize) {
-                Some((_, Some((_, Some(shape))))) => Some(shape.clone()),
-                _ => return Err(Error::Inconsistent.into()),
-            },
+            ShapeSource::AsOf(first) => {
+                Some(bodies.shape_in(first).ok_or_else(|| invalid(Error::Inconsistent))?.clone())
+            }
         };
-        if let Some(row) = Option::<Pushed<Fx>>::read(reader)? {
-            pushed.push((BodyId::from_parts(slot as u32, generation), row));
+        check_among(&record, def).map_err(invalid)?;
+        let dense = bodies.rebuild(generation, Some((record, shape)), &mut tunings, &climate).map_err(invalid)?;
+        if let Some(Pushed { force, torque }) = Option::read(reader)? {
+            let feels =
+                |dense| bodies.card(dense).kind == BodyKind::Dynamic && bodies.activity(dense) == Activity::Awake;
+            if !dense.is_some_and(feels) {
+                return Err(invalid(Error::Inconsistent));
+            }
+            applied.adopt(body, force, torque);
         }
-        slots.push((generation, Some((record, shape))));
     }
-    Ok((slots, pushed))
+    bodies.set_free(read_list(reader, 4, u32::read)?)?;
+    world.tunings = Arc::new(tunings);
+    Ok(())
+}
+
+/// Refuses of a body what the world it is in forbids.
+fn check_among(record: &Record<Fx>, def: &WorldDef) -> Result<(), Error> {
+    if record.activity == Activity::Asleep && def.sleep_after.is_none() {
+        return Err(Error::Inconsistent);
+    }
+    let stops = |kept: Option<Fx>| def.integrator == Integrator::Yoshida4 && kept == Some(Fx::ZERO);
+    if stops(record.linear_damping) || stops(record.angular_damping) {
+        return Err(Error::DampingHasNoInverse);
+    }
+    Ok(())
 }
 
 fn read_list<T>(

@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use super::chunk::{self, Chunk, Damage, Tag};
 use super::file::{SNAPSHOT, TICKS};
 use super::tests::{chunks, commands, file, laws, recording, reseal, values};
-use super::{Dump, RecordOptions, Recorder, Replay, Snapshot, SnapshotError};
+use super::{Dump, Place, RecordOptions, Recorder, Replay, Snapshot, SnapshotError};
 use crate::body::{Activity, BodyDef, BodyKind};
 use crate::error::Error;
 use crate::handle::BodyId;
@@ -114,7 +114,8 @@ fn what_sleeps_could_have_fallen_asleep() {
     let def = WorldDef::default();
     let still = || BodyDef { gravity_scale: Fx::ZERO, ..BodyDef::dynamic() };
     assert_eq!(asleep(def, still()), Ok(()));
-    let inconsistent = Err(SnapshotError::Invalid(Error::Inconsistent));
+    let place = Place::Body(BodyId::from_parts(0, 0));
+    let inconsistent = Err(SnapshotError::Invalid { place, error: Error::Inconsistent });
     assert_eq!(asleep(def, BodyDef { velocity: vec2(0, 1), ..still() }), inconsistent);
     assert_eq!(asleep(def, BodyDef { angular_velocity: Fx::ONE, ..still() }), inconsistent);
     assert_eq!(asleep(def, BodyDef { kind: BodyKind::Static, ..still() }), inconsistent);

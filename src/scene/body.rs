@@ -2,7 +2,7 @@
 
 use alloc::string::String;
 
-use super::error::Place;
+use super::error::{Flaw, Place};
 use super::node::{Node, Object, Result};
 use super::shape::{ShapeDef, shape, vector};
 use crate::body::{BodyDef, BodyKind, Mass};
@@ -149,11 +149,14 @@ fn share(node: &Node<'_>) -> Result<Fx> {
 
 /// A list of group numbers from 0 to 31.
 pub(super) fn groups(node: &Node<'_>) -> Result<u32> {
-    node.list()?.iter().try_fold(0, |groups, node| {
+    let mut groups = 0;
+    node.each(|node| {
         let group: u32 = node.whole()?;
         if group > 31 {
-            return Err(node.fault("out of range: expected a group from 0 to 31"));
+            return Err(node.fault(Flaw::OutOfRange.of("out of range: expected a group from 0 to 31")));
         }
-        Ok(groups | 1 << group)
-    })
+        groups |= 1 << group;
+        Ok(())
+    })?;
+    Ok(groups)
 }

@@ -3,6 +3,9 @@
 use alloc::string::{String, ToString};
 use core::fmt;
 
+use crate::error::Error;
+use crate::scalar::fx::ParseFxError;
+
 /// Where something stands in a scene's text.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Place {
@@ -13,19 +16,106 @@ pub struct Place {
     pub field: String,
 }
 
+/// What a scene is refused for: a line for a person, and the number it has in `docs/errors.md`.
+pub(super) trait Reason: fmt::Display {
+    fn code(&self) -> u16 {
+        UNFIT
+    }
+}
+
+/// Of what no other number is for.
+const UNFIT: u16 = 500;
+
+impl<T: Reason + ?Sized> Reason for &T {
+    fn code(&self) -> u16 {
+        (**self).code()
+    }
+}
+
+impl Reason for str {}
+impl Reason for String {}
+impl Reason for fmt::Arguments<'_> {}
+
+impl Reason for Error {
+    fn code(&self) -> u16 {
+        Self::code(self)
+    }
+}
+
+impl Reason for ParseFxError {
+    fn code(&self) -> u16 {
+        Self::code(self)
+    }
+}
+
+/// A reason with a number.
+pub(super) struct Coded<T>(pub(super) u16, pub(super) T);
+
+/// What can be wrong with a scene by itself, before anything is asked of the engine: each with its number, which stays.
+#[derive(Clone, Copy, Debug)]
+#[repr(u16)]
+pub(super) enum Flaw {
+    NotJson = 501,
+    WrongKind = 502,
+    Unknown = 503,
+    Doubled = 504,
+    Missing = 505,
+    Taken = 506,
+    NoSuchName = 507,
+    OutOfRange = 508,
+    Text = 509,
+    TooMany = 510,
+}
+
+impl Flaw {
+    /// It, in these words.
+    pub(super) const fn of<T>(self, words: T) -> Coded<T> {
+        Coded(self as u16, words)
+    }
+}
+
+impl<T: fmt::Display> fmt::Display for Coded<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.1.fmt(f)
+    }
+}
+
+impl<T: fmt::Display> Reason for Coded<T> {
+    fn code(&self) -> u16 {
+        self.0
+    }
+}
+
 impl Place {
-    pub(super) fn fault(&self, message: impl fmt::Display) -> SceneError {
-        SceneError { place: self.clone(), message: message.to_string() }
+    pub(super) fn fault(&self, reason: impl Reason) -> SceneError {
+        SceneError { place: self.clone(), message: reason.to_string(), code: reason.code() }
     }
 }
 
 /// Why a text is not a scene, or a scene cannot go on.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct SceneError {
     /// Where in the text.
     pub place: Place,
     /// One line for a person.
     pub message: String,
+    code: u16,
+}
+
+impl SceneError {
+    /// An error of the caller's own.
+    #[must_use]
+    pub const fn new(place: Place, message: String) -> Self {
+        Self { place, message, code: UNFIT }
+    }
+
+    /// The number by which `docs/errors.md` has it, the same in every version: one of a scene's own, or that of the
+    /// [`Error`] with which the engine refuses what the scene asks for.
+    #[must_use]
+    pub const fn code(&self) -> u16 {
+        self.code
+    }
 }
 
 impl fmt::Display for SceneError {

@@ -4,7 +4,7 @@ use alloc::collections::BTreeMap;
 use alloc::string::String;
 
 use super::body::groups;
-use super::error::Place;
+use super::error::{Coded, Flaw, Place};
 use super::node::{Kind, Node, Object, Result, quoted};
 use super::shape::vector;
 use crate::error::{Error, Quantity};
@@ -36,7 +36,8 @@ pub(super) const fn symbol(index: usize) -> BodyId {
 /// The index of the body that a text names.
 pub(super) fn named(node: &Node<'_>, names: &Names, what: &str) -> Result<usize> {
     let name = node.string()?;
-    names.get(&name).copied().ok_or_else(|| node.fault(format_args!("there is no {what} {}", quoted(&name))))
+    let missing = || node.fault(Flaw::NoSuchName.of(format_args!("there is no {what} {}", quoted(&name))));
+    names.get(&name).copied().ok_or_else(missing)
 }
 
 /// Reads a force field.
@@ -86,7 +87,7 @@ pub(super) fn blame(object: &Object<'_>, error: Error) -> super::SceneError {
         Error::NotDynamic { .. } => "a spring or thrust needs a dynamic body",
         _ => return law.object().map_or_else(|fault| fault, |law| law.at(fields).fault(error)),
     };
-    law.object().map_or_else(|fault| fault, |law| law.at(fields).fault(message))
+    law.object().map_or_else(|fault| fault, |law| law.at(fields).fault(Coded(error.code(), message)))
 }
 
 fn attractor(object: &Object<'_>, names: &Names) -> Result<Law> {

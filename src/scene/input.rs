@@ -3,9 +3,10 @@
 use alloc::vec::Vec;
 
 use super::body::{body, groups, kind, mass, own_damping};
-use super::error::Place;
+use super::error::{Flaw, Place};
 use super::field::{field, named, symbol};
 use super::node::{Node, Object, Result};
+use super::repeat::check_count;
 use super::settings::{integrator, time_step, world_damping};
 use super::shape::{ShapeDef, shape};
 use super::{Scene, Tables};
@@ -90,6 +91,7 @@ pub(super) fn input(object: &Object<'_>, scene: &mut Scene, tables: &mut Tables)
     if deeds.is_empty() {
         return Err(object.node.fault("this input does nothing"));
     }
+    check_count(&object.node, (scene.inputs.len() + deeds.len()) as u64, tables.most)?;
     let inputs = deeds.into_iter().map(|(place, deed)| Input { from, to, every, deed, place });
     scene.inputs.extend(inputs);
     Ok(())
@@ -105,10 +107,12 @@ fn span(object: &Object<'_>) -> Result<(u64, u64, u64)> {
     let to = object.need("to")?;
     let (last, every): (u64, u64) = (to.whole()?, object.or("every", 1, Node::whole)?);
     if last < first {
-        return Err(to.fault("out of range: the last tick is before the first"));
+        return Err(to.fault(Flaw::OutOfRange.of("out of range: the last tick is before the first")));
     }
     if every == 0 {
-        return Err(object.at(&["every"]).fault("out of range: expected a number of ticks from 1"));
+        return Err(object
+            .at(&["every"])
+            .fault(Flaw::OutOfRange.of("out of range: expected a number of ticks from 1")));
     }
     Ok((first, last, every))
 }

@@ -36,6 +36,7 @@ use alloc::vec::Vec;
 
 use crate::scalar::{Scalar, fx::Fx};
 use crate::world::{World, WorldDef};
+use error::Flaw;
 use field::Names;
 use node::{Node, Object, Source, quoted};
 
@@ -74,23 +75,52 @@ pub struct Scene {
     pub place: Place,
 }
 
-/// The names that are taken, with their indices.
-#[derive(Default)]
+/// The names that are taken, with their indices, and how many things of a kind there may be.
 struct Tables {
     bodies: Names,
     fields: Names,
+    most: u64,
 }
+
+/// The most bytes of a name, its indices filled in.
+const NAME: usize = 256;
 
 /// How many ticks a scene runs for that does not say.
 const TICKS: u64 = 600;
 
 impl Scene {
+    /// The most bodies of a scene, the most force fields, and the most things that its inputs do: 131,072.
+    pub const MOST: u32 = 1 << 17;
+
     /// The scene that a JSON text describes.
     ///
     /// # Errors
     /// A [`SceneError`] with the line and the field: text that is not JSON, unknown or doubled fields, names that are
-    /// taken or that nothing has, and what the engine would refuse.
+    /// taken or that nothing has, more than [`MOST`](Self::MOST) of a kind, and what the engine would refuse.
     pub fn parse(text: &str) -> Result<Self, SceneError> {
+        Self::parse_within(text, Self::MOST)
+    }
+
+    /// The same with a limit of the caller's on the bodies, on the force fields and on the things that inputs do: a short
+    /// text can ask for many. What repetitions would be if they were written out is limited with them, to 512 bytes for each
+    /// of the most things there may be.
+    ///
+    /// Memory: at most 8 bytes for a byte of the text and of what repetitions would be, and 4 KiB for each thing.
+    ///
+    /// # Errors
+    /// As [`parse`](Self::parse).
+    ///
+    /// ```
+    /// use umbra_physics::scene::Scene;
+    ///
+    /// let text = r#"{"bodies": [
+    ///     {"name": "{i}", "repeat": {"i": 100000}}]}"#;
+    /// assert_eq!(Scene::parse(text)?.bodies.len(), 100_000);
+    /// let error = Scene::parse_within(text, 1_000).unwrap_err();
+    /// assert_eq!(error.to_string(), "2: bodies[0].repeat: out of range: at most 1000 can be made");
+    /// # Ok::<(), umbra_physics::scene::SceneError>(())
+    /// ```
+    pub fn parse_within(text: &str, most: u32) -> Result<Self, SceneError> {
         let source = Source::new(text);
         let root = Node::document(&source)?;
         let object = root.object()?;
@@ -107,10 +137,10 @@ impl Scene {
             plot: Plot::default(),
             place: root.place(),
         };
-        let mut tables = Tables::default();
+        let mut tables = Tables { bodies: Names::new(), fields: Names::new(), most: most.into() };
         scene.read_start(&object, &mut tables)?;
         if let Some(list) = object.get("inputs") {
-            repeat::each(list, |object| input::input(object, &mut scene, &mut tables))?;
+            repeat::each(list, most.into(), |object| input::input(object, &mut scene, &mut tables))?;
         }
         if let Some(node) = object.get("plot") {
             scene.plot = settings::plot(node, &tables.bodies)?;
@@ -128,7 +158,7 @@ impl Scene {
         let mut world = World::new(self.world).map_err(|error| object.node.fault(error))?;
         let mut handles = Vec::new();
         if let Some(list) = object.get("bodies") {
-            repeat::each(list, |object| {
+            repeat::each(list, tables.most, |object| {
                 let read = body::body(object)?;
                 let def = read.def().map_err(|error| body::blame(object, error))?;
                 handles.push(world.add_body(def).map_err(|error| body::blame(object, error))?);
@@ -137,7 +167,7 @@ impl Scene {
         }
         self.starting_bodies = self.bodies.len();
         if let Some(list) = object.get("fields") {
-            repeat::each(list, |object| {
+            repeat::each(list, tables.most, |object| {
                 let read = field::field(object, &tables.bodies)?;
                 // All names are those of bodies that were added above.
                 let field = field::convert_field(&read.field, &|body| Ok(handles[body.parts().0 as usize]));
@@ -152,8 +182,10 @@ impl Scene {
 
     fn add_body(&mut self, body: SceneBody, node: &Node<'_>, tables: &mut Tables) -> Result<usize, SceneError> {
         let index = self.bodies.len();
+        check_name(&body.name, node)?;
+        repeat::check_count(node, index as u64 + 1, tables.most)?;
         if tables.bodies.insert(body.name.clone(), index).is_some() {
-            return Err(node.fault(format_args!("there is a body {} already", quoted(&body.name))));
+            return Err(node.fault(Flaw::Taken.of(format_args!("there is a body {} already", quoted(&body.name)))));
         }
         self.bodies.push(body);
         Ok(index)
@@ -161,9 +193,11 @@ impl Scene {
 
     fn add_field(&mut self, field: SceneField, node: &Node<'_>, tables: &mut Tables) -> Result<usize, SceneError> {
         let index = self.fields.len();
+        repeat::check_count(node, index as u64 + 1, tables.most)?;
         if let Some(name) = &field.name {
+            check_name(name, node)?;
             if tables.fields.insert(name.clone(), index).is_some() {
-                return Err(node.fault(format_args!("there is a force field {} already", quoted(name))));
+                return Err(node.fault(Flaw::Taken.of(format_args!("there is a force field {} already", quoted(name)))));
             }
         }
         self.fields.push(field);
@@ -196,4 +230,11 @@ impl Scene {
     pub fn start_finer<S: Scalar>(&self, steps: u32) -> Result<SceneRun<'_, S>, SceneError> {
         SceneRun::new(self, steps)
     }
+}
+
+fn check_name(name: &str, node: &Node<'_>) -> Result<(), SceneError> {
+    if name.len() <= NAME {
+        return Ok(());
+    }
+    Err(node.fault(Flaw::Text.of(format_args!("a name has at most {NAME} bytes"))))
 }

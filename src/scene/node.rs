@@ -9,24 +9,41 @@ use alloc::vec::Vec;
 use core::cell::{Cell, RefCell};
 use core::fmt;
 
-use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
+use serde::de::{Deserializer as _, MapAccess, SeqAccess, Visitor};
 use serde_json::value::RawValue;
 
-use super::error::{Place, SceneError};
+use super::error::{Flaw, Place, Reason, SceneError};
 use super::repeat::Round;
 
 pub(super) type Result<T> = core::result::Result<T, SceneError>;
 
-/// A scene's text, and where its lines begin.
+/// A scene's text, and how many lines end before each page of it.
 pub(super) struct Source<'a> {
     text: &'a str,
-    lines: Vec<usize>,
+    pages: Vec<usize>,
+}
+
+/// Bytes of text between two counts of lines: few to count again, and few counts.
+const PAGE: usize = 1_024;
+
+fn ends(text: &[u8]) -> usize {
+    text.iter().filter(|byte| **byte == b'\n').count()
 }
 
 impl<'a> Source<'a> {
     pub(super) fn new(text: &'a str) -> Self {
-        let ends = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
-        Self { text, lines: ends.map(|(at, _)| at + 1).collect() }
+        let pages = text.as_bytes().chunks(PAGE).scan(0, |before, page| {
+            *before += ends(page);
+            Some(*before - ends(page))
+        });
+        Self { text, pages: pages.collect() }
+    }
+
+    /// The line, from 1, of a byte.
+    fn line(&self, at: usize) -> usize {
+        let (page, at) = (at / PAGE, at.min(self.text.len()));
+        let before = self.pages.get(page).copied().unwrap_or_default();
+        1 + before + ends(self.text.as_bytes().get(page * PAGE..at).unwrap_or_default())
     }
 }
 
@@ -72,7 +89,7 @@ impl<'a> Node<'a> {
             // serde_json ends with the place; the line stands in front of ours.
             let what = message.split(" at line ").next().unwrap_or(&message);
             let place = Place { line: error.line().max(1), field: String::new() };
-            place.fault(format_args!("not JSON: {what} at column {}", error.column()))
+            place.fault(Flaw::NotJson.of(format_args!("not JSON: {what} at column {}", error.column())))
         })?;
         Ok(Self { source, text: raw.get(), field: String::new(), round: None })
     }
@@ -81,16 +98,15 @@ impl<'a> Node<'a> {
     pub(super) fn place(&self) -> Place {
         // A part of the document's own text, so the difference is an index in it.
         let offset = (self.text.as_ptr() as usize).saturating_sub(self.source.text.as_ptr() as usize);
-        let line = 1 + self.source.lines.partition_point(|&start| start <= offset);
-        Place { line, field: self.field.clone() }
+        Place { line: self.source.line(offset), field: self.field.clone() }
     }
 
-    pub(super) fn fault(&self, message: impl fmt::Display) -> SceneError {
-        self.place().fault(message)
+    pub(super) fn fault(&self, reason: impl Reason) -> SceneError {
+        self.place().fault(reason)
     }
 
     pub(super) fn wrong_kind(&self, expected: &str) -> SceneError {
-        self.fault(format_args!("expected {expected}, found {}", self.kind().name()))
+        self.fault(Flaw::WrongKind.of(format_args!("expected {expected}, found {}", self.kind().name())))
     }
 
     pub(super) fn kind(&self) -> Kind {
@@ -118,35 +134,74 @@ impl<'a> Node<'a> {
         Self { source: self.source, text: raw.get(), field: format!("{}{step}", self.field), round: self.round }
     }
 
-    pub(super) fn list(&self) -> Result<Vec<Self>> {
+    /// Hands on the values of a list one by one: all of them at once would take many times their text.
+    pub(super) fn each(&self, mut read: impl FnMut(Self) -> Result<()>) -> Result<()> {
         if self.kind() != Kind::List {
             return Err(self.wrong_kind("a list"));
         }
-        let raw: Vec<&'a RawValue> = serde_json::from_str(self.text).map_err(|e| self.fault(e))?;
-        Ok(raw.into_iter().enumerate().map(|(i, raw)| self.child(raw, format_args!("[{i}]"))).collect())
+        let mut index = 0;
+        let one = |raw: &'a RawValue| {
+            let node = self.child(raw, format_args!("[{index}]"));
+            index += 1;
+            read(node)
+        };
+        let mut visit = Visit { one, refused: None };
+        let mut text = serde_json::Deserializer::from_str(self.text);
+        let visited = text.deserialize_seq(&mut visit);
+        // What was refused is why the rest was not looked at.
+        visit.refused.map_or(Ok(()), Err)?;
+        visited.map_err(|e| self.fault(Flaw::NotJson.of(e)))
+    }
+
+    /// The values of a list of at most so many; one more is refused as `too_many` says.
+    pub(super) fn list(&self, most: usize, too_many: impl Reason) -> Result<Vec<Self>> {
+        let mut nodes = Vec::new();
+        self.each(|node| {
+            if nodes.len() == most {
+                return Err(self.fault(&too_many));
+            }
+            nodes.push(node);
+            Ok(())
+        })?;
+        Ok(nodes)
     }
 
     /// A list of this many values.
     pub(super) fn tuple<const N: usize>(&self) -> Result<[Self; N]> {
-        let list = self.list()?;
-        let count = list.len();
-        list.try_into().map_err(|_| self.fault(format_args!("expected a list of {N}, found {count} in it")))
+        let (mut nodes, mut count) = (Vec::with_capacity(N), 0);
+        self.each(|node| {
+            count += 1;
+            if nodes.len() < N {
+                nodes.push(node);
+            }
+            Ok(())
+        })?;
+        let other = |_| self.fault(Flaw::WrongKind.of(format_args!("expected a list of {N}, found {count} in it")));
+        if count > N { Err(other(nodes)) } else { nodes.try_into().map_err(other) }
     }
 
     pub(super) fn object(&self) -> Result<Object<'a>> {
         if self.kind() != Kind::Object {
             return Err(self.wrong_kind("an object"));
         }
-        let Entries(raw) = serde_json::from_str(self.text).map_err(|e| self.fault(e))?;
-        let mut entries: Vec<Entry<'a>> = Vec::with_capacity(raw.len());
-        for (name, raw) in raw {
+        let mut entries: Vec<Entry<'a>> = Vec::new();
+        let one = |name: String, raw: &'a RawValue| {
             let dot = if self.field.is_empty() { "" } else { "." };
             let node = self.child(raw, format_args!("{dot}{}", in_a_line(&name)));
             if entries.iter().any(|entry| entry.name == name) {
-                return Err(node.fault("this field is there twice"));
+                return Err(node.fault(Flaw::Doubled.of("this field is there twice")));
+            }
+            if entries.len() == FIELDS {
+                return Err(node.fault(Flaw::TooMany.of(format_args!("out of range: at most {FIELDS} fields"))));
             }
             entries.push(Entry { name, node, used: Cell::new(false) });
-        }
+            Ok(())
+        };
+        let mut visit = VisitFields { one, refused: None };
+        let mut text = serde_json::Deserializer::from_str(self.text);
+        let visited = text.deserialize_map(&mut visit);
+        visit.refused.map_or(Ok(()), Err)?;
+        visited.map_err(|e| self.fault(Flaw::NotJson.of(e)))?;
         Ok(Object { node: self.clone(), entries, asked: RefCell::default() })
     }
 
@@ -155,13 +210,14 @@ impl<'a> Node<'a> {
         if self.kind() != Kind::Text {
             return Err(self.wrong_kind("a text"));
         }
-        let text: String = serde_json::from_str(self.text).map_err(|e| self.fault(e))?;
+        let text: String = serde_json::from_str(self.text).map_err(|e| self.fault(Flaw::NotJson.of(e)))?;
         // Names and titles go to terminals, tables and pictures, where these would do something.
         if let Some(control) = text.chars().find(|c| c.is_control()) {
-            return Err(self.fault(format_args!("a text has no control characters: found {}", control.escape_debug())));
+            let found = control.escape_debug();
+            return Err(self.fault(Flaw::Text.of(format_args!("a text has no control characters: found {found}"))));
         }
         match self.round {
-            Some(round) => round.fill(&text).map_err(|message| self.fault(message)),
+            Some(round) => round.fill(&text).map_err(|message| self.fault(Flaw::Text.of(message))),
             None => Ok(text),
         }
     }
@@ -180,7 +236,8 @@ impl<'a> Node<'a> {
         let found = choices.iter().find(|(name, _)| *name == text);
         found.map(|(_, value)| *value).ok_or_else(|| {
             let names: Vec<&str> = choices.iter().map(|(name, _)| *name).collect();
-            self.fault(format_args!("expected one of {}, found {}", names.join(", "), quoted(&text)))
+            let (names, found) = (names.join(", "), quoted(&text));
+            self.fault(Flaw::WrongKind.of(format_args!("expected one of {names}, found {found}")))
         })
     }
 }
@@ -207,7 +264,7 @@ impl<'a> Object<'a> {
     }
 
     pub(super) fn need(&self, name: &'static str) -> Result<&Node<'a>> {
-        self.get(name).ok_or_else(|| self.node.fault(format_args!("the field `{name}` is missing")))
+        self.get(name).ok_or_else(|| self.node.fault(Flaw::Missing.of(format_args!("the field `{name}` is missing"))))
     }
 
     /// What `read` makes of a field, or `otherwise` without it.
@@ -232,7 +289,10 @@ impl<'a> Object<'a> {
             }
         }
         found.ok_or_else(|| {
-            let missing = || self.node.fault(format_args!("one of the fields {} is missing", names.join(", ")));
+            let missing = || {
+                let names = names.join(", ");
+                self.node.fault(Flaw::Missing.of(format_args!("one of the fields {names} is missing")))
+            };
             self.unknown().unwrap_or_else(missing)
         })
     }
@@ -246,7 +306,7 @@ impl<'a> Object<'a> {
     fn unknown(&self) -> Option<SceneError> {
         let entry = self.entries.iter().find(|entry| !entry.used.get())?;
         let asked = self.asked.borrow();
-        Some(entry.node.fault(format_args!("unknown field; there are {}", asked.join(", "))))
+        Some(entry.node.fault(Flaw::Unknown.of(format_args!("unknown field; there are {}", asked.join(", ")))))
     }
 
     /// Refuses fields that nobody asked for.
@@ -255,30 +315,54 @@ impl<'a> Object<'a> {
     }
 }
 
-/// The fields of an object in their order, doubles included.
-struct Entries<'a>(Vec<(String, &'a RawValue)>);
+/// The most fields of an object: more than any has that is read, and few enough to be looked through for doubles.
+const FIELDS: usize = 64;
 
-impl<'de: 'a, 'a> Deserialize<'de> for Entries<'a> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> core::result::Result<Self, D::Error> {
-        struct Fields;
+/// Hands on the parts of a value, until one is refused.
+struct Visit<F> {
+    one: F,
+    refused: Option<SceneError>,
+}
 
-        impl<'de> Visitor<'de> for Fields {
-            type Value = Vec<(String, &'de RawValue)>;
+impl<'de, F: FnMut(&'de RawValue) -> Result<()>> Visitor<'de> for &mut Visit<F> {
+    type Value = ();
 
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("an object")
-            }
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a list")
+    }
 
-            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> core::result::Result<Self::Value, A::Error> {
-                let mut entries = Vec::new();
-                while let Some(entry) = map.next_entry()? {
-                    entries.push(entry);
-                }
-                Ok(entries)
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> core::result::Result<(), A::Error> {
+        while let Some(raw) = list.next_element()? {
+            if let Err(refused) = (self.one)(raw) {
+                self.refused = Some(refused);
+                break;
             }
         }
+        Ok(())
+    }
+}
 
-        deserializer.deserialize_map(Fields).map(Self)
+/// The same of an object.
+struct VisitFields<F> {
+    one: F,
+    refused: Option<SceneError>,
+}
+
+impl<'de, F: FnMut(String, &'de RawValue) -> Result<()>> Visitor<'de> for &mut VisitFields<F> {
+    type Value = ();
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("an object")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> core::result::Result<(), A::Error> {
+        while let Some((name, raw)) = map.next_entry()? {
+            if let Err(refused) = (self.one)(name, raw) {
+                self.refused = Some(refused);
+                break;
+            }
+        }
+        Ok(())
     }
 }
 

@@ -4,11 +4,9 @@ use alloc::format;
 use alloc::string::{String, ToString};
 use core::fmt;
 
+use super::error::{Coded, Flaw};
 use super::node::{Kind, Node, Object, Result, in_a_line};
 use crate::scalar::fx::{Fx, ParseFxError};
-
-/// The most that repetitions make of a scene's bodies, force fields or inputs.
-pub(super) const MOST: u64 = 1 << 20;
 
 /// Which repetition it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,25 +60,35 @@ impl Round {
     }
 }
 
-/// Reads a list in which an object with the field `repeat` stands for many.
-pub(super) fn each<'a>(list: &Node<'a>, mut read: impl FnMut(&Object<'a>) -> Result<()>) -> Result<()> {
-    let mut made = 0;
-    for node in list.list()? {
+/// How many bytes of text there may be for each of the things a scene may have, if what a repetition makes were written out.
+const BYTES_EACH: u64 = 512;
+
+/// Reads a list of at most so many things, in which an object with the field `repeat` stands for many.
+pub(super) fn each<'a>(list: &Node<'a>, most: u64, mut read: impl FnMut(&Object<'a>) -> Result<()>) -> Result<()> {
+    let (mut made, mut bytes) = (0u64, 0u64);
+    list.each(|node| {
         let object = node.object()?;
         let Some(repeat) = object.get("repeat") else {
             made += 1;
-            check_count(&node, made)?;
-            read(&object)?;
-            continue;
+            check_count(&node, made, most)?;
+            return read(&object);
         };
         let counts = repeat.object()?;
         let (i, j) = (counts.need("i")?, counts.get("j"));
         let (i, planar) = (range(i)?, j.is_some());
         let j = j.map_or(Ok((0, 0)), range)?;
         counts.finish()?;
+        // Each range has at most 2^32 in it.
         let count = |(first, last): (i64, i64)| last.abs_diff(first) + 1;
-        made += u64::try_from(u128::from(count(i)) * u128::from(count(j))).unwrap_or(MOST + 1).min(MOST + 1);
-        check_count(repeat, made)?;
+        let rounds = count(i).saturating_mul(count(j));
+        made = made.saturating_add(rounds);
+        check_count(repeat, made, most)?;
+        bytes = bytes.saturating_add(rounds.saturating_mul(node.raw().len() as u64));
+        if bytes > most.saturating_mul(BYTES_EACH) {
+            let most = most.saturating_mul(BYTES_EACH);
+            let words = format_args!("out of range: written out, this would be more than {most} bytes");
+            return Err(repeat.fault(Flaw::TooMany.of(words)));
+        }
         let mut n = 0;
         for j in j.0..=j.1 {
             for i in i.0..=i.1 {
@@ -90,12 +98,16 @@ pub(super) fn each<'a>(list: &Node<'a>, mut read: impl FnMut(&Object<'a>) -> Res
                 n += 1;
             }
         }
-    }
-    Ok(())
+        Ok(())
+    })
 }
 
-fn check_count(node: &Node<'_>, made: u64) -> Result<()> {
-    if made > MOST { Err(node.fault(format_args!("out of range: at most {MOST} can be made"))) } else { Ok(()) }
+/// Refuses where there are more than may be.
+pub(super) fn check_count(node: &Node<'_>, made: u64, most: u64) -> Result<()> {
+    if made <= most {
+        return Ok(());
+    }
+    Err(node.fault(Flaw::TooMany.of(format_args!("out of range: at most {most} can be made"))))
 }
 
 /// A count n for 0 to n − 1, or [first, last].
@@ -107,7 +119,9 @@ fn range(node: &Node<'_>) -> Result<(i64, i64)> {
         (0, i64::from(node.whole::<i32>()?) - 1)
     };
     if last < first {
-        return Err(node.fault("out of range: expected a count from 1, or a list of the first and the last index"));
+        return Err(node.fault(
+            Flaw::OutOfRange.of("out of range: expected a count from 1, or a list of the first and the last index"),
+        ));
     }
     Ok((first, last))
 }
@@ -179,13 +193,17 @@ impl Node<'_> {
         let fitting = whole.and_then(|whole| T::try_from(whole).ok());
         fitting.ok_or_else(|| {
             let bits = 8 * size_of::<T>();
-            self.fault(format_args!("out of range: expected a whole number that fits in {bits} bits"))
+            self.fault(
+                Flaw::OutOfRange.of(format_args!("out of range: expected a whole number that fits in {bits} bits")),
+            )
         })
     }
 
     pub(super) fn unread(&self, error: ParseFxError) -> super::SceneError {
         match error {
-            ParseFxError::OutOfRange => self.fault("out of range: expected a number from -2^31 to below 2^31"),
+            ParseFxError::OutOfRange => {
+                self.fault(Coded(error.code(), "out of range: expected a number from -2^31 to below 2^31"))
+            }
             _ => self.fault(error),
         }
     }
@@ -197,7 +215,7 @@ impl Node<'_> {
             let [low, high] = bounds.tuple()?;
             let (least, most) = (low.number()?, high.number()?);
             if least > most {
-                return Err(bounds.fault("out of range: the first is larger than the second"));
+                return Err(bounds.fault(Flaw::OutOfRange.of("out of range: the first is larger than the second")));
             }
             let seed: u64 = object.need("seed")?.whole()?;
             object.finish()?;
@@ -213,7 +231,8 @@ impl Node<'_> {
 
     fn progression(&self, object: &Object<'_>, round: Round) -> Result<Exact> {
         const ZERO: Exact = Exact { mantissa: 0, exponent: 0 };
-        let long = |node: &Node<'_>| node.fault("out of range: too many digits for an exact progression");
+        let long =
+            |node: &Node<'_>| node.fault(Flaw::OutOfRange.of("out of range: too many digits for an exact progression"));
         let term = |name| {
             object.or(name, ZERO, |node| {
                 if node.kind() != Kind::Number {

@@ -6,7 +6,7 @@ use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
 use super::body::convert_mass;
-use super::error::SceneError;
+use super::error::{Coded, Place, SceneError};
 use super::field::convert_field;
 use super::input::{Deed, Input};
 use super::node::quoted;
@@ -65,11 +65,11 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
         run.fields.resize(scene.fields.len(), None);
         for index in 0..scene.starting_bodies {
             run.carry_out(&Deed::AddBody(index), &mut ())
-                .map_err(|e| scene.bodies[index].place.fault(run.explain(e)))?;
+                .map_err(|e| scene.bodies[index].place.fault(Coded(e.code(), run.explain(e))))?;
         }
         for index in 0..scene.starting_fields {
             run.carry_out(&Deed::AddField(index), &mut ())
-                .map_err(|e| scene.fields[index].place.fault(run.explain(e)))?;
+                .map_err(|e| scene.fields[index].place.fault(Coded(e.code(), run.explain(e))))?;
         }
         Ok(run)
     }
@@ -145,13 +145,13 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
         for index in due {
             let Input { deed, place, .. } = &scene.inputs[index];
             let done = self.carry_out(deed, driver);
-            done.map_err(|error| place.fault(format_args!("at tick {tick}: {}", self.explain(error))))?;
+            done.map_err(|error| self.blame(place, tick, error))?;
         }
         self.active.retain(|&index| scene.inputs[index].to > tick);
         driver.step(&mut self.world);
         for _ in 1..self.steps {
             let held = self.hold(driver);
-            held.map_err(|error| scene.place.fault(format_args!("at tick {tick}: {}", self.explain(error))))?;
+            held.map_err(|error| self.blame(&scene.place, tick, error))?;
             driver.step(&mut self.world);
         }
         Ok(self.world.last_report())
@@ -193,7 +193,7 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
             );
             if !depends {
                 let done = self.carry_out(deed, &mut ());
-                done.map_err(|error| place.fault(format_args!("at tick {from}: {}", self.explain(error))))?;
+                done.map_err(|error| self.blame(place, *from, error))?;
             }
         }
         Ok(())
@@ -292,6 +292,11 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
                 return Err(Error::Full);
             }
         })
+    }
+
+    /// Puts an error of the engine's where the deed stands that it refuses.
+    fn blame(&self, place: &Place, tick: u64, error: Error) -> SceneError {
+        place.fault(Coded(error.code(), format_args!("at tick {tick}: {}", self.explain(error))))
     }
 
     /// An error of the engine's, with names in place of handles.

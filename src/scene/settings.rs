@@ -4,6 +4,7 @@ use alloc::string::String;
 use alloc::vec::Vec;
 
 use super::body::own_damping;
+use super::error::Flaw;
 use super::field::{Names, named};
 use super::node::{Kind, Node, Object, Result};
 use crate::error::{Error, Quantity};
@@ -48,7 +49,8 @@ pub(super) fn time_step(node: &Node<'_>) -> Result<TimeStep> {
         Kind::Text => {
             let text = node.string()?;
             let ratio = text.split_once('/').and_then(|(n, d)| Some((n.trim().parse().ok()?, d.trim().parse().ok()?)));
-            ratio.ok_or_else(|| node.fault(r#"expected a ratio of whole numbers such as "1/60""#))?
+            ratio
+                .ok_or_else(|| node.fault(Flaw::WrongKind.of(r#"expected a ratio of whole numbers such as "1/60""#)))?
         }
         _ => return Err(node.wrong_kind(r#"a ratio such as "1/60""#)),
     };
@@ -109,7 +111,11 @@ pub(super) fn plot(node: &Node<'_>, bodies: &Names) -> Result<Plot> {
         Kind::Text => {
             node.choice(&[("all", true), ("none", false)]).map(|all| if all { Trails::All } else { Trails::None })
         }
-        _ => node.list()?.iter().map(|node| named(node, bodies, "body")).collect::<Result<_>>().map(Trails::Of),
+        _ => {
+            let mut named_here = Vec::new();
+            node.each(|node| named(&node, bodies, "body").map(|index| named_here.push(index)))?;
+            Ok(Trails::Of(named_here))
+        }
     };
     let plot = Plot {
         view: view.transpose()?,
@@ -118,7 +124,9 @@ pub(super) fn plot(node: &Node<'_>, bodies: &Names) -> Result<Plot> {
     };
     object.finish()?;
     if plot.exposures > EXPOSURES {
-        return Err(object.at(&["exposures"]).fault(format_args!("out of range: at most {EXPOSURES}")));
+        return Err(object
+            .at(&["exposures"])
+            .fault(Flaw::OutOfRange.of(format_args!("out of range: at most {EXPOSURES}"))));
     }
     Ok(plot)
 }

@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 
 use super::node::{Node, Result};
 use crate::error::{Error, Quantity};
-use crate::limits::{SIZE_MAX, SIZE_MIN};
+use crate::limits::{CORNERS, PARTS, SIZE_MAX, SIZE_MIN};
 use crate::math::Vec2;
 use crate::scalar::{Scalar, fx::Fx};
 use crate::shape::{Part, Shape};
@@ -98,7 +98,10 @@ fn read(node: &Node<'_>, part_of_one: bool) -> Result<ShapeDef> {
             let [a, b] = inner.tuple()?;
             ShapeDef::Segment { ends: [a.point()?, b.point()?] }
         }
-        "compound" => ShapeDef::Compound { parts: inner.list()?.iter().map(part).collect::<Result<_>>()? },
+        "compound" => {
+            let parts = inner.list(PARTS, Error::OutOfRange { quantity: Quantity::Count })?;
+            ShapeDef::Compound { parts: parts.iter().map(part).collect::<Result<_>>()? }
+        }
         _ => {
             let object = inner.object()?;
             let sized = |name| size(object.need(name)?);
@@ -116,7 +119,7 @@ fn read(node: &Node<'_>, part_of_one: bool) -> Result<ShapeDef> {
 }
 
 fn polygon(node: &Node<'_>) -> Result<ShapeDef> {
-    let nodes = node.list()?;
+    let nodes = node.list(CORNERS, Error::OutOfRange { quantity: Quantity::Count })?;
     let corners = nodes.iter().map(Node::point).collect::<Result<Vec<_>>>()?;
     match Shape::polygon(&corners) {
         Err(Error::NotConvex { corner }) => Err(nodes[corner].fault(Error::NotConvex { corner })),

@@ -2,10 +2,11 @@
 
 use core::fmt;
 
-use crate::error::Error;
+use crate::error::{Error, codes};
 
 /// A scene that failed, where, and why.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub struct Failure {
     /// Its name.
     pub scene: &'static str,
@@ -50,6 +51,25 @@ impl From<Error> for Problem {
     }
 }
 
+codes!(Problem { Refused = 601, DidNotHappen = 602, Differs = 603, Wrong = 604 });
+
+impl core::error::Error for Problem {
+    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
+        match self {
+            Self::Refused(error) => Some(error),
+            _ => None,
+        }
+    }
+}
+
+impl Failure {
+    /// That of its problem.
+    #[must_use]
+    pub const fn code(&self) -> u16 {
+        self.problem.code()
+    }
+}
+
 impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -69,4 +89,8 @@ impl fmt::Display for Failure {
     }
 }
 
-impl core::error::Error for Failure {}
+impl core::error::Error for Failure {
+    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
+        Some(&self.problem)
+    }
+}

@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use super::{Command, Made, World};
 use crate::error::Error;
 use crate::scalar::{Scalar, fx::Fx};
-use crate::wire::{self, Malformed, Out, Read, Reader, Write, wire_struct};
+use crate::wire::wire_struct;
 
 /// A command of a player's.
 #[derive(Clone, Debug, PartialEq)]
@@ -172,28 +172,6 @@ where
     }
 }
 
-impl<S: Scalar> Write for Inputs<S> {
-    fn write(&self, out: &mut impl Out) {
-        wire::list(out, self.rows.iter());
-    }
-}
-
-impl Read for Inputs<Fx> {
-    fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {
-        let mut inputs = Self::new();
-        // A player, a sequence, and the shortest command.
-        for _ in 0..reader.count(8 + Command::LEAST_BYTES)? {
-            let malformed = reader.malformed("inputs by player and sequence");
-            let input = Input::read(reader)?;
-            if inputs.rows.last().is_some_and(|last| last.place() >= input.place()) {
-                return Err(malformed);
-            }
-            inputs.rows.push(input);
-        }
-        Ok(inputs)
-    }
-}
-
 impl<'a, S: Scalar> IntoIterator for &'a Inputs<S> {
     type Item = &'a Input<S>;
     type IntoIter = core::slice::Iter<'a, Input<S>>;
@@ -227,9 +205,12 @@ impl<S: Scalar> World<S> {
     /// The same, in memory that is there.
     pub(crate) fn carry_out_into(&mut self, inputs: &Inputs<S>, outcomes: &mut Vec<Outcome>) {
         outcomes.clear();
-        outcomes.extend(inputs.iter().map(|input| {
-            let result = self.execute(&input.command);
-            Outcome { player: input.player, sequence: input.sequence, result }
-        }));
+        outcomes.extend(inputs.iter().map(|input| self.carry_out_one(input)));
+    }
+
+    /// The same of one alone.
+    pub(crate) fn carry_out_one(&mut self, input: &Input<S>) -> Outcome {
+        let result = self.execute(&input.command);
+        Outcome { player: input.player, sequence: input.sequence, result }
     }
 }

@@ -1,6 +1,7 @@
 //! A world and a recording with something of everything that a file can have in it.
 
 use std::sync::Arc;
+use std::{vec, vec::Vec};
 
 use umbra_physics::{
     Action, Attachment, BodyDef, BodyId, BodyKind, BodyState, Command, Dependence, End, Field, FieldId, ForceLaw,

@@ -7,6 +7,14 @@ use std::path::{Path, PathBuf};
 use umbra_physics::ReplayError;
 use umbra_physics::scene::SceneError;
 
+/// The number of a file that cannot be read or written.
+pub(crate) const UNREADABLE: u16 = 801;
+
+/// A number as messages have it.
+pub(crate) fn tag(code: u16) -> String {
+    format!("E{code}")
+}
+
 #[derive(Debug)]
 pub(crate) enum Failure {
     /// A scene is wrong, or goes wrong on the way.
@@ -38,6 +46,19 @@ impl Failure {
         move |error| Self::File { file: file.into(), doing, error }
     }
 
+    /// The number by which `docs/errors.md` has it; none for what is no error but a result.
+    pub(crate) const fn code(&self) -> Option<u16> {
+        Some(match self {
+            Self::Scene { error, .. } => error.code(),
+            Self::Replay { error, .. } => error.code(),
+            Self::File { .. } => UNREADABLE,
+            Self::Option { .. } => 802,
+            Self::Picture { .. } => 803,
+            Self::Foreign { .. } => 804,
+            Self::Verify { .. } | Self::Differ { .. } | Self::Selftest => return None,
+        })
+    }
+
     /// 1 for a check that failed, 2 for bad usage or input.
     pub(crate) const fn status(&self) -> u8 {
         match self {
@@ -54,7 +75,15 @@ impl Failure {
 }
 
 impl fmt::Display for Failure {
+    /// The number last: a line begins with file and line, for editors to go there.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.describe(f)?;
+        self.code().map_or(Ok(()), |code| write!(f, " [{}]", tag(code)))
+    }
+}
+
+impl Failure {
+    fn describe(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Scene { file, error } => write!(f, "{}:{error}", file.display()),
             Self::Replay { file, error } => write!(f, "{}: {error}", file.display()),

@@ -14,7 +14,7 @@ use indicatif::ProgressBar;
 use serde::Serialize;
 use umbra_physics::{Divergence, Finding, Replay, ReplayError, World};
 
-use crate::failure::Failure;
+use crate::failure::{Failure, UNREADABLE, tag};
 use crate::finding::FindingLine;
 use crate::progress::progress;
 
@@ -27,6 +27,8 @@ A line for each file, in the order given: what it is, its name, and why.
   law         it was recorded under other laws of physics
   malformed   no replay that this program can play
   unreadable  no file that can be read
+
+What is not ok has the number of its error at the end, as [E405]: docs/errors.md has them all.
 
 Exit status: 0 if all are ok; 1 for tampered, diverged, cut_off; 2 for law, malformed, unreadable, and for bad usage.
 Of several files the highest counts.";
@@ -102,6 +104,7 @@ struct Played {
 #[derive(Debug)]
 struct Verdict {
     status: Status,
+    code: Option<u16>,
     reason: Option<String>,
     finding: Option<Finding>,
     played: Played,
@@ -110,34 +113,37 @@ struct Verdict {
 impl Verdict {
     fn unreadable(error: &io::Error) -> Self {
         let reason = Some(format!("cannot read: {error}"));
-        Self { status: Status::Unreadable, reason, finding: None, played: Played::default() }
+        let (status, code) = (Status::Unreadable, Some(UNREADABLE));
+        Self { status, code, reason, finding: None, played: Played::default() }
     }
 
     fn flawed(error: ReplayError, played: Played) -> Self {
-        let (status, reason) = (Status::of(&error), Some(error.to_string()));
+        let (status, code, reason) = (Status::of(&error), Some(error.code()), Some(error.to_string()));
         let finding = if let ReplayError::Tampered(finding) = error { Some(*finding) } else { None };
-        Self { status, reason, finding, played }
+        Self { status, code, reason, finding, played }
     }
 
     fn diverged(divergence: Divergence, played: Played) -> Self {
-        let reason = Some(divergence.to_string());
-        Self { status: Status::Diverged, reason, finding: Some(divergence.finding), played }
+        let (code, reason) = (Some(divergence.code()), Some(divergence.to_string()));
+        Self { status: Status::Diverged, code, reason, finding: Some(divergence.finding), played }
     }
 
     fn line(&self, file: &Path) -> String {
-        let Self { status, reason, played, .. } = self;
+        let Self { status, code, reason, played, .. } = self;
         let what = reason.clone().unwrap_or_else(|| played.describe());
-        format!("{}  {}  {what}", status.name(), file.display())
+        let code = code.map_or_else(String::new, |code| format!(" [{}]", tag(code)));
+        format!("{}  {}  {what}{code}", status.name(), file.display())
     }
 
     fn json(&self, file: &Path) -> String {
-        let Self { status, reason, finding, played } = self;
+        let Self { status, code, reason, finding, played } = self;
         let line = Line {
             file: file.display().to_string(),
             status: *status,
             ticks: played.ticks,
             hashes: played.hashes,
             wall_seconds: played.wall.as_secs_f64(),
+            code: code.map(tag),
             reason: reason.as_deref(),
             finding: finding.as_ref().map(FindingLine::from),
         };
@@ -154,6 +160,7 @@ struct Line<'a> {
     ticks: u64,
     hashes: u64,
     wall_seconds: f64,
+    code: Option<String>,
     reason: Option<&'a str>,
     finding: Option<FindingLine>,
 }
@@ -253,7 +260,7 @@ fn check(file: &Path, bar: &ProgressBar) -> Verdict {
     match (play(&replay, bar), flaw) {
         (Err((divergence, played)), _) => Verdict::diverged(*divergence, played),
         (Ok(played), Some(flaw)) => Verdict::flawed(flaw, played),
-        (Ok(played), None) => Verdict { status: Status::Ok, reason: None, finding: None, played },
+        (Ok(played), None) => Verdict { status: Status::Ok, code: None, reason: None, finding: None, played },
     }
 }
 

@@ -3,6 +3,7 @@
 use core::fmt;
 
 use super::Fx;
+use crate::error::codes;
 use crate::kernel::{exp_log, sqrt, trig};
 
 /// Why a function has no value for its argument.
@@ -28,6 +29,8 @@ impl fmt::Display for MathError {
         })
     }
 }
+
+codes!(MathError { NotPositive = 701, Overflow = 702 });
 
 impl core::error::Error for MathError {}
 

@@ -5,6 +5,7 @@ use core::fmt::{self, Write};
 use core::str::FromStr;
 
 use super::Fx;
+use crate::error::codes;
 
 /// Why a text is not a number in I32F32.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -35,6 +36,8 @@ impl fmt::Display for ParseFxError {
         }
     }
 }
+
+codes!(ParseFxError { Empty = 711, InvalidDigit = 712, OutOfRange = 713 });
 
 impl core::error::Error for ParseFxError {}
 

@@ -139,7 +139,7 @@ impl Experiment {
         let start = scene.build()?;
         let truth = problem
             .truth(&start)
-            .ok_or_else(|| SceneError { place: scene.place.clone(), message: "its motion is not known".to_owned() })?;
+            .ok_or_else(|| SceneError::new(scene.place.clone(), "its motion is not known".to_owned()))?;
         let results = Results {
             name: problem.name,
             title: problem.title,

@@ -88,7 +88,7 @@ fn of_replay(replay: &Replay, options: &Options) -> Recording {
     recording.see(playback.world(), None, unnamed);
     for made in 0..ticks {
         for command in playback.commands() {
-            recording.input(start + made, words::command(command, &names));
+            recording.input(start + made, words::command(&command, &names));
         }
         let divergence = playback.step().err();
         recording.see(playback.world(), divergence.as_ref().map(|divergence| divergence.recorded), unnamed);

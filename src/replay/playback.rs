@@ -1,0 +1,143 @@
+//! Replays played: tick by tick, compared with what was recorded.
+
+use alloc::boxed::Box;
+use alloc::vec::Vec;
+use core::fmt;
+
+use super::finding::{Finding, Moment};
+use super::replay::{Cursor, Replay};
+use crate::error::codes;
+use crate::world::{Command, Outcome, World};
+
+/// A run that is not the one recorded.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Divergence {
+    /// The tick the world was at with the first hash that is another one.
+    pub tick: u64,
+    /// The hash recorded.
+    pub recorded: u64,
+    /// The hash the run has.
+    pub computed: u64,
+    /// The first value that differs, at the next tick with a snapshot; the hash itself if none does there.
+    pub finding: Finding,
+}
+
+impl fmt::Display for Divergence {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { tick, recorded, computed, finding } = self;
+        write!(f, "at tick {tick} the hash is {computed:016x}, recorded was {recorded:016x}; {finding}")
+    }
+}
+
+codes!(Divergence = 420);
+
+impl core::error::Error for Divergence {}
+
+/// A replay on its way.
+#[derive(Clone, Debug)]
+pub struct Playback<'a> {
+    replay: &'a Replay,
+    world: World,
+    /// Before the tick to come.
+    cursor: Cursor,
+    /// The hash recorded for the world as it is.
+    recorded: Option<u64>,
+    outcomes: Vec<Outcome>,
+}
+
+impl<'a> Playback<'a> {
+    pub(super) fn new(replay: &'a Replay) -> Self {
+        let (cursor, recorded, outcomes) = (Cursor::default(), None, Vec::new());
+        Self { replay, world: replay.start.clone(), cursor, recorded, outcomes }
+    }
+
+    /// The world as it is now.
+    #[must_use]
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// The commands of the tick to come, none at the end: calls outside of inputs first.
+    pub fn commands(&self) -> impl Iterator<Item = Command> + use<'a> {
+        let tick = self.replay.next(&mut self.cursor.clone());
+        let calls = tick.into_iter().flat_map(|tick| tick.calls.iter());
+        calls.chain(tick.into_iter().flat_map(|tick| tick.inputs.iter().map(|input| input.command)))
+    }
+
+    /// What became of the inputs of the last tick.
+    #[must_use]
+    pub fn outcomes(&self) -> &[Outcome] {
+        &self.outcomes
+    }
+
+    /// The hash that was recorded for the world as it is now, if one was.
+    #[must_use]
+    pub fn recorded_hash(&self) -> Option<u64> {
+        self.recorded
+    }
+
+    /// Does what was done in the tick, steps, and compares with what was recorded. `false` at the end, where nothing is
+    /// done.
+    ///
+    /// # Errors
+    /// A [`Divergence`]; the world is at that tick, and can go on.
+    pub fn step(&mut self) -> Result<bool, Box<Divergence>> {
+        let at = self.world.tick();
+        if !self.advance() {
+            return Ok(false);
+        }
+        let snapshot = self.replay.snapshot_at(at + 1);
+        let done = self.replay.done.filter(|done| done.tick == at + 1);
+        let recorded = [self.recorded_hash(), snapshot.map(World::state_hash), done.map(|done| done.hash)];
+        let mut recorded = recorded.into_iter().flatten().peekable();
+        if recorded.peek().is_none() {
+            return Ok(true);
+        }
+        let computed = self.world.state_hash();
+        recorded.find(|&hash| hash != computed).map_or(Ok(true), |hash| Err(Box::new(self.divergence(hash))))
+    }
+
+    /// The same without comparing.
+    fn advance(&mut self) -> bool {
+        let Some(tick) = self.replay.next(&mut self.cursor) else { return false };
+        for call in tick.calls.iter() {
+            // One that is refused was not recorded; refused here, it is found by the hash.
+            _ = self.world.execute(&call);
+        }
+        self.outcomes.clear();
+        self.outcomes.extend(tick.inputs.iter().map(|input| self.world.carry_out_one(&input)));
+        self.world.step();
+        self.recorded = tick.hash;
+        true
+    }
+
+    /// Goes to a tick, or to the end if that is before it: from the snapshot nearest before it, without comparing.
+    pub fn seek(&mut self, tick: u64) {
+        let later = self.replay.snapshots.partition_point(|world| world.tick() <= tick);
+        let nearest = later.checked_sub(1).map_or(&self.replay.start, |last| &*self.replay.snapshots[last]);
+        if self.world.tick() > tick || self.world.tick() < nearest.tick() {
+            self.world.clone_from(nearest);
+            (self.cursor, self.recorded) = self.replay.cursor(nearest.tick());
+        }
+        self.seek_on(tick);
+    }
+
+    /// Finds out in what the run differs from the one recorded: that has its values in snapshots alone.
+    fn divergence(&self, recorded: u64) -> Divergence {
+        let (tick, computed) = (self.world.tick(), self.world.state_hash());
+        let mut ahead = self.clone();
+        let mut later = self.replay.snapshots.iter().filter(|snapshot| snapshot.tick() >= tick);
+        let found = later.find_map(|snapshot| {
+            ahead.seek_on(snapshot.tick());
+            let found = snapshot.first_difference(&ahead.world)?;
+            Some(Finding::at(snapshot.tick() - 1, Moment::End, found))
+        });
+        let finding = found.unwrap_or_else(|| Finding::of_hashes(tick - 1, recorded, computed));
+        Divergence { tick, recorded, computed, finding }
+    }
+
+    fn seek_on(&mut self, tick: u64) {
+        while self.world.tick() < tick && self.advance() {}
+    }
+}

@@ -1,0 +1,126 @@
+//! Values as their parts: where each stands, its name, how it reads.
+
+use alloc::string::{String, ToString};
+use alloc::vec::Vec;
+use core::fmt::{self, Display};
+
+use super::{Out, Part, Sink, Write};
+
+/// The values of which a value is made: where each stands among its bytes, its name and how it reads.
+#[derive(Debug, Default)]
+pub(crate) struct Index {
+    path: Vec<Part>,
+    end: usize,
+    seen: usize,
+    wanted: Wanted,
+    pub(crate) leaves: Vec<Leaf>,
+}
+
+/// Which values an index keeps: one takes some hundred bytes, however few it stands for.
+#[derive(Debug, Default)]
+pub(crate) enum Wanted {
+    #[default]
+    All,
+    /// The one that this byte belongs to.
+    At(usize),
+    /// Those at this path.
+    On(Vec<Part>),
+    /// The one with so many before it.
+    Nth(usize),
+}
+
+/// A value that has no parts.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Leaf {
+    pub(crate) path: Vec<Part>,
+    pub(crate) at: usize,
+    pub(crate) bytes: Vec<u8>,
+    pub(crate) text: String,
+}
+
+impl Index {
+    pub(crate) fn of(value: &impl Write) -> Self {
+        let mut index = Self::default();
+        value.write(&mut index);
+        index
+    }
+
+    /// The first value that is wanted.
+    pub(crate) fn find(value: &impl Write, wanted: Wanted) -> Option<Leaf> {
+        let mut index = Self { wanted, ..Self::default() };
+        value.write(&mut index);
+        index.leaves.into_iter().next()
+    }
+}
+
+impl Out for Index {
+    fn bytes(&mut self, bytes: &[u8]) {
+        struct Hex<'a>(&'a [u8]);
+        impl Display for Hex<'_> {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                self.0.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
+            }
+        }
+        self.leaf(bytes, &Hex(bytes));
+    }
+
+    fn enter(&mut self, part: Part) {
+        self.path.push(part);
+    }
+
+    fn leave(&mut self) {
+        self.path.pop();
+    }
+
+    fn leaf(&mut self, bytes: &[u8], value: &dyn Display) {
+        let (at, end) = (self.end, self.end + bytes.len());
+        let is_wanted = match &self.wanted {
+            Wanted::All => true,
+            Wanted::At(byte) => at <= *byte && *byte < end,
+            Wanted::On(path) => *path == self.path,
+            Wanted::Nth(place) => *place == self.seen,
+        };
+        self.seen += 1;
+        if is_wanted {
+            self.leaves.push(Leaf { path: self.path.clone(), at, bytes: bytes.to_vec(), text: value.to_string() });
+        }
+        self.end = end;
+    }
+}
+
+/// The first value in which two differ that are walked over alike, as it is in each. Lengths and choices are values, so that
+/// one differs before what they lead to does; eight bytes a value are kept on the way.
+pub(crate) fn first_difference(left: &impl Write, right: &impl Write) -> Option<(Option<Leaf>, Option<Leaf>)> {
+    #[derive(Default)]
+    struct Digests(Vec<u64>);
+
+    impl Out for Digests {
+        fn bytes(&mut self, bytes: &[u8]) {
+            self.0.push(Sink::of_bytes(bytes));
+        }
+    }
+
+    struct Beside<'a> {
+        digests: &'a [u64],
+        same: usize,
+        parted: bool,
+    }
+
+    impl Out for Beside<'_> {
+        fn bytes(&mut self, bytes: &[u8]) {
+            self.parted = self.parted || self.digests.get(self.same) != Some(&Sink::of_bytes(bytes));
+            self.same += usize::from(!self.parted);
+        }
+    }
+
+    let mut digests = Digests::default();
+    left.write(&mut digests);
+    let mut beside = Beside { digests: &digests.0, same: 0, parted: false };
+    right.write(&mut beside);
+    let Beside { same, parted, .. } = beside;
+    if !parted && same == digests.0.len() {
+        return None;
+    }
+    drop(digests);
+    Some((Index::find(left, Wanted::Nth(same)), Index::find(right, Wanted::Nth(same))))
+}

@@ -1,0 +1,71 @@
+//! Values as a hash.
+
+use xxhash_rust::xxh3::Xxh3;
+
+use super::{Out, Write};
+
+/// So many values are handed to a hash at once.
+const PIECE: usize = 128;
+
+/// A hash: XXH3, 64 bits (Collet).
+pub(crate) struct Sink(Xxh3);
+
+impl Out for Sink {
+    #[inline]
+    fn bytes(&mut self, bytes: &[u8]) {
+        self.0.update(bytes);
+    }
+}
+
+impl Sink {
+    pub(crate) fn new() -> Self {
+        Self(Xxh3::new())
+    }
+
+    pub(crate) fn finish(&self) -> u64 {
+        self.0.digest()
+    }
+
+    /// The hash of one value.
+    pub(crate) fn of(value: &impl Write) -> u64 {
+        let mut sink = Self::new();
+        value.write(&mut sink);
+        sink.finish()
+    }
+
+    /// The hash of bytes.
+    pub(crate) fn of_bytes(bytes: &[u8]) -> u64 {
+        xxhash_rust::xxh3::xxh3_64(bytes)
+    }
+
+    /// Many values at once, each as so many bytes. Hashing takes larger pieces than one value faster.
+    pub(crate) fn all<T: Copy, const BYTES: usize>(&mut self, values: &[T], bytes: impl Fn(T) -> [u8; BYTES]) {
+        let mut piece = [[0; BYTES]; PIECE];
+        for values in values.chunks(PIECE) {
+            for (to, value) in piece.iter_mut().zip(values) {
+                *to = bytes(*value);
+            }
+            self.0.update(piece[..values.len()].as_flattened());
+        }
+    }
+
+    /// The same of values that do not stand side by side.
+    pub(crate) fn each<T, const BYTES: usize>(
+        &mut self,
+        mut values: impl Iterator<Item = T>,
+        bytes: impl Fn(T) -> [u8; BYTES],
+    ) {
+        let mut piece = [[0; BYTES]; PIECE];
+        loop {
+            let mut count = 0;
+            for (to, value) in piece.iter_mut().zip(&mut values) {
+                *to = bytes(value);
+                count += 1;
+            }
+            if count == 0 {
+                return;
+            }
+            self.0.update(piece[..count].as_flattened());
+        }
+    }
+}

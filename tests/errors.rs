@@ -1,0 +1,211 @@
+//! Errors have numbers that no other error has and that stay: in the code, in `docs/errors.md`, and here.
+
+use std::collections::BTreeMap;
+use std::error::Error as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use umbra_physics::{
+    BodyId, Cause, Command, Error, Fault, Irreversible, Quantity, Replay, ReplayError, Snapshot, SnapshotError,
+};
+
+/// Every number that was ever given, and to what. Lines are added, none is changed or taken out.
+const GIVEN: [(u16, &str); 100] = [
+    (101, "Error::OutOfRange"),
+    (102, "Error::NoSuchBody"),
+    (103, "Error::NoSuchField"),
+    (104, "Error::TimeStep"),
+    (105, "Error::NotConvex"),
+    (106, "Error::NoShape"),
+    (107, "Error::NotDynamic"),
+    (108, "Error::NotMovable"),
+    (109, "Error::Quarantined"),
+    (110, "Error::NotQuarantined"),
+    (111, "Error::DampingHasNoInverse"),
+    (112, "Error::SameBody"),
+    (113, "Error::ForceLaw"),
+    (114, "Error::Full"),
+    (115, "Error::ElapsedTime"),
+    (116, "Error::Inconsistent"),
+    (117, "Error::DuplicateInput"),
+    (118, "Error::TickForgotten"),
+    (119, "Error::TickToCome"),
+    (120, "Error::NotReversible"),
+    (131, "Irreversible::Scalar"),
+    (132, "Irreversible::Integrator"),
+    (133, "Irreversible::Start"),
+    (134, "Irreversible::TimeStep"),
+    (135, "Irreversible::Sleep"),
+    (136, "Irreversible::Damping"),
+    (137, "Irreversible::Velocity"),
+    (138, "Irreversible::Quarantined"),
+    (139, "Irreversible::Pending"),
+    (140, "Irreversible::Twice"),
+    (141, "Irreversible::Fault"),
+    (151, "Quantity::Position"),
+    (152, "Quantity::Angle"),
+    (153, "Quantity::Velocity"),
+    (154, "Quantity::AngularVelocity"),
+    (155, "Quantity::Mass"),
+    (156, "Quantity::Inertia"),
+    (157, "Quantity::Density"),
+    (158, "Quantity::Size"),
+    (159, "Quantity::Count"),
+    (160, "Quantity::Force"),
+    (161, "Quantity::Torque"),
+    (162, "Quantity::Impulse"),
+    (163, "Quantity::Gravity"),
+    (164, "Quantity::GravityScale"),
+    (165, "Quantity::Damping"),
+    (166, "Quantity::Mu"),
+    (167, "Quantity::Softening"),
+    (168, "Quantity::Stiffness"),
+    (169, "Quantity::Drag"),
+    (170, "Quantity::RestLength"),
+    (171, "Quantity::SleepAfter"),
+    (172, "Quantity::Total"),
+    (173, "Quantity::Blob"),
+    (201, "Cause::Position"),
+    (202, "Cause::Velocity"),
+    (203, "Cause::AngularVelocity"),
+    (204, "Cause::Force"),
+    (205, "Cause::Field"),
+    (206, "Cause::Law"),
+    (301, "SnapshotError::Foreign"),
+    (302, "SnapshotError::Format"),
+    (303, "SnapshotError::Law"),
+    (304, "SnapshotError::Malformed"),
+    (305, "SnapshotError::Invalid"),
+    (306, "SnapshotError::ForceLaw"),
+    (307, "SnapshotError::Changed"),
+    (320, "Malformed"),
+    (401, "ReplayError::Foreign"),
+    (402, "ReplayError::Format"),
+    (403, "ReplayError::Law"),
+    (404, "ReplayError::CutOff"),
+    (405, "ReplayError::Tampered"),
+    (406, "ReplayError::Malformed"),
+    (407, "ReplayError::Snapshot"),
+    (420, "Divergence"),
+    (500, "SceneError"),
+    (501, "Flaw::NotJson"),
+    (502, "Flaw::WrongKind"),
+    (503, "Flaw::Unknown"),
+    (504, "Flaw::Doubled"),
+    (505, "Flaw::Missing"),
+    (506, "Flaw::Taken"),
+    (507, "Flaw::NoSuchName"),
+    (508, "Flaw::OutOfRange"),
+    (509, "Flaw::Text"),
+    (510, "Flaw::TooMany"),
+    (601, "Problem::Refused"),
+    (602, "Problem::DidNotHappen"),
+    (603, "Problem::Differs"),
+    (604, "Problem::Wrong"),
+    (701, "MathError::NotPositive"),
+    (702, "MathError::Overflow"),
+    (711, "ParseFxError::Empty"),
+    (712, "ParseFxError::InvalidDigit"),
+    (713, "ParseFxError::OutOfRange"),
+    (801, "file"),
+    (802, "option"),
+    (803, "picture"),
+    (804, "kind"),
+];
+
+fn read(path: &str) -> String {
+    fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).expect("a text")
+}
+
+fn sources(folder: PathBuf, texts: &mut Vec<String>) {
+    for entry in fs::read_dir(folder).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        if path.is_dir() {
+            sources(path, texts);
+        } else if path.extension().is_some_and(|kind| kind == "rs") {
+            texts.push(fs::read_to_string(path).expect("a text"));
+        }
+    }
+}
+
+/// The numbers in the code: those of `codes!`, of `enum Flaw`, and what the program has of its own.
+fn in_the_code() -> Vec<(u16, String)> {
+    let mut texts = Vec::new();
+    sources(Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut texts);
+    let mut found = Vec::new();
+    for text in &texts {
+        // Calls begin a line; the definition and the text of this sentence do not.
+        for part in text.split("\ncodes!(").skip(1).chain(text.split("\npub(super) enum Flaw {").skip(1)) {
+            let is_flaw = part.starts_with('\n');
+            let body = part.split(if is_flaw { "}" } else { ");" }).next().expect("an end");
+            if let Some((name, number)) = body.split_once(" = ").filter(|_| !body.contains(['{', ','])) {
+                found.push((number.parse().expect("a number"), name.to_owned()));
+                continue;
+            }
+            let (name, variants) = if is_flaw { ("Flaw", body) } else { body.split_once('{').expect("a list") };
+            for line in variants.split([',', '}']).filter(|line| line.contains('=')) {
+                let (variant, number) = line.split_once('=').expect("a number");
+                found.push((number.trim().parse().expect("a number"), format!("{}::{}", name.trim(), variant.trim())));
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn every_number_is_given_once_and_stays() {
+    let mut given = BTreeMap::new();
+    for (code, name) in GIVEN {
+        assert_eq!(given.insert(code, name), None, "{code}");
+    }
+    let mut code = in_the_code();
+    code.sort();
+    // Two are given by hand: that of scenes in general, and the four of the program, which the tests of the program see.
+    let by_hand = |(code, _): &&(u16, &str)| *code == 500 || *code > 800;
+    let expected: Vec<(u16, String)> =
+        GIVEN.iter().filter(|row| !by_hand(row)).map(|(code, name)| (*code, (*name).to_owned())).collect();
+    assert_eq!(code, expected);
+    assert!(read("src/scene/error.rs").contains("const UNFIT: u16 = 500;"));
+}
+
+#[test]
+fn the_document_has_each() {
+    let document = read("docs/errors.md");
+    let rows: Vec<(u16, &str)> = document
+        .lines()
+        .filter_map(|line| {
+            let mut cells = line.strip_prefix("| E")?.split(" | ");
+            Some((cells.next()?.parse().ok()?, cells.next()?.trim_matches('`')))
+        })
+        .collect();
+    let shown = |name: &'static str| if name.starts_with("Flaw::") { "SceneError" } else { name };
+    assert_eq!(rows, GIVEN.map(|(code, name)| (code, shown(name))));
+    let said = |line: &str| line.rsplit(" | ").next().is_some_and(|said| said.trim_end_matches(" |").len() > 3);
+    assert!(document.lines().filter(|line| line.starts_with("| E")).all(said));
+}
+
+#[test]
+fn what_an_error_passes_on_is_its_source() {
+    let sourced = |error: &dyn std::error::Error| error.source().map(ToString::to_string);
+    let mass = Error::OutOfRange { quantity: Quantity::Mass };
+    assert_eq!((mass.code(), sourced(&mass)), (101, Some(Quantity::Mass.to_string())));
+    assert_eq!(Quantity::Mass.code(), 155);
+    let body = BodyId::from_parts(3, 0);
+    let fault = Fault { body, cause: Cause::Force };
+    let why = Irreversible::Fault(fault);
+    let undone = Error::NotReversible { why };
+    assert_eq!((undone.code(), why.code(), fault.code()), (120, 141, 204));
+    assert_eq!((sourced(&undone), sourced(&why)), (Some(why.to_string()), Some(Cause::Force.to_string())));
+    assert_eq!(fault.to_string(), "body 3 is at fault: sum of forces too large");
+    assert_eq!((Error::Full.code(), sourced(&Error::Full)), (114, None));
+
+    let malformed = Command::from_bytes(&[99]).expect_err("no command");
+    assert_eq!((malformed.code(), malformed.at), (320, 0));
+    let error = SnapshotError::from(malformed);
+    assert_eq!((error.code(), error.source().map(ToString::to_string)), (304, Some(malformed.to_string())));
+    assert_eq!(Snapshot::from_bytes(b"{}", &[]).expect_err("no snapshot").code(), 301);
+    assert_eq!(Replay::from_bytes(b"{}", &[]).expect_err("no replay").code(), 401);
+    let error = ReplayError::Snapshot { chunk: 1, error };
+    let inner = error.source().and_then(|inner| inner.source());
+    assert_eq!((error.code(), inner.map(ToString::to_string)), (407, Some(malformed.to_string())));
+}

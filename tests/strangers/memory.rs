@@ -1,0 +1,356 @@
+//! What reading takes, of files that are made to take as much as they can.
+
+use allocation_counter::measure;
+use umbra_physics::scene::Scene;
+use umbra_physics::{
+    BodyDef, Command, Dump, Field, Fx, Input, Inputs, Integrator, Law, Part, RecordOptions, Recorder, Replay, Shape,
+    Snapshot, World, WorldDef, fx, vec2,
+};
+
+use crate::everything::laws;
+use crate::seals::{self, chunk};
+
+/// Bytes taken for each of a file's, and for any file: what the documents promise.
+pub(crate) const TIMES: u64 = 16;
+pub(crate) const ANY: u64 = 1 << 16;
+
+/// Reads a file and counts what is taken meanwhile, what is read included.
+pub(crate) fn bounded<T>(what: &str, file: &[u8], read: impl FnOnce(&[u8]) -> T) -> T {
+    let mut result = None;
+    let taken = measure(|| result = Some(read(file))).bytes_max;
+    let most = TIMES * file.len() as u64 + ANY;
+    assert!(taken <= most, "{what}: {taken} bytes taken for {} in the file", file.len());
+    if std::env::var_os("UMBRA_SAY").is_some() && file.len() > 10_000 {
+        println!("{what:<28} {:>9} {taken:>10} {:>6.2}", file.len(), taken as f64 / file.len() as f64);
+    }
+    result.expect("it was read")
+}
+
+fn world() -> World {
+    World::new(WorldDef::default()).expect("a world")
+}
+
+/// The world in a snapshot, in a replay with nothing more, and in one that was changed, which is then told of.
+fn held(what: &str, world: &World) {
+    let bytes = world.snapshot().to_bytes();
+    bounded(what, &bytes, |file| _ = Snapshot::from_bytes(file, &laws()).expect("a snapshot"));
+    let mut file = Recorder::new(world, RecordOptions::default()).finish(world);
+    bounded(what, &file, |file| _ = Replay::from_bytes(file, &laws()).expect("a replay"));
+    let middle = file.len() / 4;
+    file[middle] ^= 1;
+    bounded(what, &file, |file| assert!(Replay::from_bytes(file, &laws()).is_err()));
+}
+
+fn parts(count: i32, angle: Fx) -> Vec<Part> {
+    let disc = Shape::circle(fx!(0.5)).expect("a shape");
+    (0..count).map(|x| Part { shape: disc.clone(), position: vec2(x, 0), angle, density: fx!(1) }).collect()
+}
+
+#[test]
+fn worlds_of_what_takes_little_in_a_file() {
+    held("nothing", &world());
+    let drag = Field { law: Law::Drag { linear: fx!(1), quadratic: fx!(0), wind: vec2(0, 0) }, groups: 1 };
+    let mut emptied = world();
+    let bodies: Vec<_> = (0..50_000).map(|_| emptied.add_body(BodyDef::dynamic()).expect("a body")).collect();
+    let fields: Vec<_> = (0..50_000).map(|_| emptied.add_field(drag).expect("a field")).collect();
+    held("bodies alike, fields", &emptied);
+    for field in fields {
+        emptied.remove_field(field).expect("it is there");
+    }
+    held("free fields", &emptied);
+    for body in bodies {
+        emptied.remove_body(body).expect("it is there");
+    }
+    held("free slots and fields", &emptied);
+    // One at the end has all before it in the file.
+    let mut sparse = world();
+    let bodies: Vec<_> = (0..50_000).map(|_| sparse.add_body(BodyDef::dynamic()).expect("a body")).collect();
+    for &body in &bodies[..bodies.len() - 1] {
+        sparse.remove_body(body).expect("it is there");
+    }
+    sparse.apply_force(bodies[bodies.len() - 1], vec2(1, 0)).expect("it is dynamic");
+    held("a body behind free slots", &sparse);
+
+    let mut own = world();
+    own.register_law(laws().remove(0)).expect("a law");
+    for _ in 0..50_000 {
+        own.add_field(Law::Custom { id: 9 }).expect("a field");
+    }
+    held("laws of the user's", &own);
+    for integrator in [Integrator::VelocityVerlet, Integrator::PublishedVerlet] {
+        let mut unlike = World::new(WorldDef { integrator, ..WorldDef::default() }).expect("a world");
+        for i in 0..10_000 {
+            let gravity_scale = Fx::from_bits(i);
+            unlike.add_body(BodyDef { gravity_scale, ..BodyDef::dynamic() }).expect("a body");
+        }
+        held("tunings", &unlike);
+        for i in 0..10_000 {
+            let shape = Some(Shape::circle(fx!(0.5) + Fx::from_bits(i)).expect("a shape"));
+            unlike.add_body(BodyDef { shape, gravity_scale: Fx::from_bits(-i), ..BodyDef::dynamic() }).expect("a body");
+        }
+        held("tunings and shapes", &unlike);
+    }
+    let mut compounds = world();
+    for i in 0..200 {
+        let shape = Some(Shape::compound(&parts(256, Fx::from_bits(i))).expect("a shape"));
+        compounds.add_body(BodyDef { shape, ..BodyDef::dynamic() }).expect("a body");
+    }
+    held("compounds", &compounds);
+    let mut blob = world();
+    blob.set_blob(&vec![1; umbra_physics::limits::BLOB]).expect("it is allowed");
+    held("a blob", &blob);
+}
+
+#[test]
+fn commands_of_what_takes_little_in_a_file() {
+    let shape = Some(Shape::compound(&parts(256, fx!(0))).expect("a shape"));
+    for command in [Command::AddBody(BodyDef { shape, ..BodyDef::dynamic() }), Command::SetBlob(vec![1; 1 << 22])] {
+        let read = |file: &[u8]| Command::from_bytes(file).expect("a command");
+        assert_eq!(bounded("a command", &command.to_bytes(), read), command);
+    }
+}
+
+/// A replay is read, verified, and gone about in, and a dump of its first tick is read, within the bound.
+fn played(what: &str, file: &[u8]) {
+    let read = |file: &[u8]| Replay::from_bytes(file, &[]).expect("a replay");
+    bounded(what, file, |file| drop(read(file)));
+    bounded(what, file, |file| read(file).verify().expect("it goes as recorded"));
+    bounded(what, file, |file| {
+        let replay = read(file);
+        let mut playback = replay.play();
+        for tick in [replay.end(), 0, replay.end() / 2] {
+            playback.seek(tick);
+            assert!(playback.commands().count() < file.len());
+        }
+    });
+    let mut changed = file.to_vec();
+    // Amid its ticks.
+    let middle = file.len() / 2;
+    changed[middle] ^= 1;
+    bounded(what, &changed, |file| assert!(Replay::from_bytes(file, &[]).is_err()));
+    let other = bounded(what, file, |file| Replay::from_bytes(file, &[]).expect("a replay"));
+    bounded(what, file, |file| assert_eq!(read(file).first_difference(&other), None));
+    for (tag, contents) in seals::chunks(file) {
+        if tag == *b"TICK" && contents[8..12] == [1, 0, 0, 0] {
+            let mut dump = seals::begin(b"UMBRADMP", 1);
+            chunk(&mut dump, b"LAWS", &umbra_physics::LAW.to_le_bytes());
+            chunk(&mut dump, &tag, &contents);
+            bounded(what, &dump, |file| assert!(Dump::from_bytes(file, &[]).is_err(), "it has no moments"));
+        }
+    }
+}
+
+#[test]
+fn replays_of_what_takes_little_in_a_file() {
+    // Neither hashes nor snapshots between.
+    let bare = RecordOptions { hash_every: 1 << 30, snapshot_every: 0 };
+    let mut world = world();
+    let mut recorder = Recorder::new(&world, bare);
+    for _ in 0..300_000 {
+        recorder.execute(&mut world, &Command::ClearForces).expect("it is always allowed");
+    }
+    recorder.step(&mut world, &Inputs::new());
+    played("the shortest calls", &recorder.finish(&world));
+
+    let mut recorder = Recorder::new(&world, bare);
+    let shortest = |player| Input { player, sequence: 0, command: Command::ClearForces };
+    let inputs = Inputs::try_from((0..50_000).map(shortest).collect::<Vec<_>>()).expect("each has a place");
+    recorder.step(&mut world, &inputs);
+    played("the shortest inputs", &recorder.finish(&world));
+
+    let mut recorder = Recorder::new(&world, bare);
+    (0..50_000).for_each(|_| _ = recorder.step(&mut world, &Inputs::new()));
+    let file = recorder.finish(&world);
+    played("the shortest ticks", &file);
+    // A chunk for each of them; and all in one chunk.
+    let [mut alone, mut together] = [(); 2].map(|()| seals::begin(b"UMBRAREP", 1));
+    let (mut ticks, mut tick) = (Vec::new(), 0u64);
+    for (tag, contents) in seals::chunks(&file) {
+        if tag == *b"TICK" {
+            tick = tick.max(u64::from_le_bytes(contents[..8].try_into().expect("eight")));
+            for one in contents[12..].chunks(9) {
+                chunk(&mut alone, &tag, &[&tick.to_le_bytes(), &1u32.to_le_bytes()[..], one].concat());
+                ticks.extend_from_slice(one);
+                tick += 1;
+            }
+            continue;
+        }
+        if !ticks.is_empty() {
+            let head = [&(tick - 50_000).to_le_bytes()[..], &50_000u32.to_le_bytes()].concat();
+            chunk(&mut together, b"TICK", &[head, core::mem::take(&mut ticks)].concat());
+        }
+        chunk(&mut alone, &tag, &contents);
+        chunk(&mut together, &tag, &contents);
+    }
+    played("a chunk a tick", &alone);
+    played("ticks in a chunk", &together);
+
+    let mut recorder = Recorder::new(&world, RecordOptions { hash_every: 1 << 30, snapshot_every: 1 });
+    (0..3_000).for_each(|_| _ = recorder.step(&mut world, &Inputs::new()));
+    played("snapshots of nothing", &recorder.finish(&world));
+}
+
+#[test]
+fn a_run_that_parts_is_named_within_the_bound() {
+    let mut world = world();
+    for i in 0..5_000 {
+        world.add_body(BodyDef { position: vec2(i, 0), velocity: vec2(1, 0), ..BodyDef::dynamic() }).expect("a body");
+    }
+    let mut recorder = Recorder::new(&world, RecordOptions { hash_every: 1, snapshot_every: 0 });
+    recorder.step(&mut world, &Inputs::new());
+    // All of them, past the recorder: every value of every body differs.
+    for body in world.bodies().map(|body| body.id()).collect::<Vec<_>>() {
+        world.set_velocity(body, vec2(-1, 3)).expect("it moves");
+    }
+    recorder.step(&mut world, &Inputs::new());
+    let file = recorder.finish(&world);
+    bounded("a divergence", &file, |file| {
+        let replay = Replay::from_bytes(file, &[]).expect("a replay");
+        assert_eq!(replay.verify().expect_err("it parts").finding.field, "position.x");
+    });
+}
+
+#[test]
+fn dumps_in_which_nothing_happens() {
+    let mut before = World::new(WorldDef { integrator: Integrator::Yoshida4, ..WorldDef::default() }).expect("a world");
+    for i in 0..1_000 {
+        before.add_body(BodyDef { user_data: i, ..BodyDef::dynamic() }).expect("a body");
+    }
+    let mut after = before.clone();
+    after.step();
+    // With Yoshida4 a tick has 23 moments; at most of them the world is as it was at the one before.
+    let dump = Dump::of_tick(&before, &[], &Inputs::new(), &after).to_bytes();
+    let read = bounded("a dump", &dump, |file| Dump::from_bytes(file, &[]).expect("a dump"));
+    assert!(read.moments().len() >= 23 && dump.len() < 6 * before.snapshot().to_bytes().len(), "{}", dump.len());
+}
+
+/// 4 GiB, or more than there can be, announced in a hundred bytes.
+#[test]
+fn what_is_announced_is_not_made_room_for() {
+    let snapshot = world().snapshot().to_bytes();
+    let replay = Recorder::new(&world(), RecordOptions::default()).finish(&world());
+    for most in [u32::MAX, u32::MAX / 2, 1 << 24] {
+        let most = most.to_le_bytes();
+        for at in 16..snapshot.len() - 20 {
+            let mut changed = snapshot.clone();
+            changed[at..at + 4].copy_from_slice(&most);
+            changed.truncate(at + 20);
+            _ = bounded("a snapshot", &changed, |file| Snapshot::from_bytes(file, &[]).map(drop));
+        }
+        for (tag, least) in [(b"SNAP", 16), (b"HEAD", 16), (b"TICK", 16), (b"DONE", 0)] {
+            let mut word = [&tag[..], &most].concat();
+            word.extend(word.clone().iter().map(|byte| !byte));
+            let mut file = seals::begin(b"UMBRAREP", 1);
+            file.extend(word);
+            file.resize(file.len() + least, 0);
+            assert!(bounded("a chunk", &file, |file| Replay::from_bytes(file, &[]).is_err()));
+        }
+        for tag in 0..=28 {
+            for before in 0..40 {
+                let command = [&[tag][..], &vec![0; before], &most, &[0; 50]].concat();
+                _ = bounded("a command", &command, |file| Command::<Fx>::from_bytes(file).map(drop));
+            }
+        }
+    }
+    assert!(Replay::from_bytes(&replay, &[]).is_ok());
+}
+
+/// Reads a scene and asserts what `Scene::parse_within` promises of it.
+fn scene(what: &str, text: &str, written_out: usize, most: u32) -> Result<Scene, u16> {
+    let mut result = None;
+    let taken = measure(|| result = Some(Scene::parse_within(text, most))).bytes_max;
+    let result = result.expect("it was read");
+    let things =
+        result.as_ref().map_or(most as usize, |scene| scene.bodies.len() + scene.fields.len() + scene.inputs.len());
+    let bound = 8 * (text.len() + written_out) as u64 + 4_096 * things as u64 + ANY;
+    if std::env::var_os("UMBRA_SAY").is_some() {
+        println!("{what:<28} {:>9} {things:>9} {taken:>10} {:>6.2}", text.len(), taken as f64 / bound as f64);
+    }
+    assert!(taken <= bound, "{what}: {taken} bytes taken for {} and {things} things", text.len());
+    result.map_err(|error| {
+        assert!(error.place.line >= 1 && error.to_string().len() < 1_000, "{error}");
+        error.code()
+    })
+}
+
+#[test]
+fn scenes_of_what_takes_little_in_a_file() {
+    const MANY: usize = 200_000;
+    let list = |one: &str| format!("[{}]", vec![one; MANY].join(","));
+    let body = |fields: &str| format!(r#"{{"bodies": [{{"name": "a", {fields}}}]}}"#);
+    let refused = |what: &str, text: String| scene(what, &text, 0, 10).expect_err("it is refused");
+    assert_eq!(refused("a long vector", format!(r#"{{"gravity": {}}}"#, list("1"))), 502);
+    assert_eq!(refused("corners", body(&format!(r#""shape": {{"polygon": {}}}"#, list("[0,1]")))), 101);
+    assert_eq!(refused("parts", body(&format!(r#""shape": {{"compound": {}}}"#, list("{}")))), 101);
+    assert_eq!(refused("bodies of nothing", format!(r#"{{"bodies": {}}}"#, list("1"))), 502);
+    assert_eq!(refused("inputs of nothing", format!(r#"{{"inputs": {}}}"#, list("{}"))), 505);
+    assert_eq!(refused("empty lines", "\n".repeat(MANY) + "[]"), 502);
+    assert_eq!(refused("lists in lists", format!(r#"{{"gravity": {}}}"#, "[".repeat(MANY) + &"]".repeat(MANY))), 502);
+    assert_eq!(refused("open lists", "[".repeat(MANY)), 501);
+    assert_eq!(refused("a long name", format!(r#"{{"{}": 1}}"#, "x".repeat(MANY))), 503);
+    assert_eq!(refused("a long number", format!(r#"{{"gravity": [0.{}, x]}}"#, "1".repeat(MANY))), 501);
+    let fields = |name: fn(usize) -> String| (0..MANY).map(name).collect::<Vec<_>>().join(",");
+    assert_eq!(refused("one field again", format!("{{{}}}", fields(|_| r#""a":0"#.into()))), 504);
+    assert_eq!(refused("many fields", format!("{{{}}}", fields(|i| format!(r#""{i}":0"#)))), 510);
+
+    let groups = body(&format!(r#""groups": {}"#, list("31")));
+    assert!(scene("groups", &groups, 0, 10).is_ok());
+    let trails = format!(r#"{{"bodies": [{{"name": "a"}}], "plot": {{"trails": {}}}}}"#, list(r#""a""#));
+    assert!(scene("trails", &trails, 0, 10).is_ok());
+    let number = body(&format!(r#""mass": 1.{}"#, "0".repeat(MANY)));
+    assert!(scene("a long number", &number, 0, 10).is_ok());
+    let about = format!(r#"{{"about": "{}"}}"#, "x".repeat(MANY));
+    assert!(scene("a long text", &about, 0, 10).is_ok());
+    assert!(scene("empty lines", &("{}".to_owned() + &"\n".repeat(MANY)), 0, 10).is_ok());
+}
+
+#[test]
+fn scenes_that_make_many_from_one() {
+    let bodies =
+        |count: u64, more: &str| format!(r#"{{"bodies": [{{"name": "{{i}}", "repeat": {{"i": {count}}}{more}}}]}}"#);
+    let most = 20_000;
+    let written = |text: &String| text.len() * most as usize;
+    let text = bodies(most.into(), "");
+    assert!(scene("bodies", &text, written(&text), most).is_ok());
+    let text = bodies(
+        most.into(),
+        r#", "shape": {"circle": {"radius": {"start": 1, "i": 0.001}}}, "gravity_scale": {"i": 1e-7}"#,
+    );
+    assert!(scene("bodies unlike", &text, written(&text), most).is_ok());
+    let text = r#"{"fields": [{"drag": {}, "repeat": {"i": 20000}}]}"#.to_owned();
+    assert!(scene("fields", &text, written(&text), most).is_ok());
+    let text = r#"{"bodies": [{"name": "a"}], "inputs": [{"at": 1, "body": "a", "force": [0, 0], "torque": 0, "repeat": {"i": 10000}}]}"#.to_owned();
+    assert!(scene("inputs", &text, written(&text), most).is_ok());
+    let sets =
+        vec![r#"{"at":1,"body":"a","set":{"key":1,"angle":1,"mass":1,"user_data":1,"groups":[]}}"#; 4_000].join(",");
+    let text = format!(r#"{{"bodies":[{{"name":"a"}}],"inputs":[{sets}]}}"#);
+    assert!(scene("inputs that set", &text, 0, most).is_ok());
+    assert_eq!(scene("and too much", &text, 0, most - 1).map(drop), Err(510));
+
+    // More than may be: refused before any is made, by line and field.
+    for (count, more) in [(20_001, ""), (2_000_000_000, ""), (1, r#", "x": 1"#)] {
+        let text = bodies(count, more);
+        let error = Scene::parse_within(&text, most).expect_err("too many").code();
+        assert_eq!(error, if more.is_empty() { 510 } else { 503 });
+    }
+    let square = r#"{"bodies": [
+        {"name": "{i} {j}", "repeat": {"i": [-2147483648, 2147483647], "j": [-2147483648, 2147483647]}}]}"#;
+    let error = Scene::parse(square).expect_err("too many");
+    assert_eq!((error.code(), error.place.line, &error.place.field[..]), (510, 2, "bodies[0].repeat"));
+    assert_eq!(scene("a square", square, 0, 10).map(drop), Err(510));
+    // Repetitions are of things, not of what is in them.
+    let nested = r#"{"bodies": [{"name": "a", "repeat": {"i": 2, "repeat": {"i": 2}}}]}"#;
+    assert_eq!(scene("nested", nested, 0, 10).map(drop), Err(503));
+    let nested = r#"{"bodies": [{"name": "{i}", "repeat": {"i": 2}, "shape": {"compound": [{"repeat": {"i": 2}, "shape": {"circle": {"radius": 1}}}]}}]}"#;
+    assert_eq!(scene("nested", nested, 0, 10).map(drop), Err(503));
+    // A long text again and again.
+    let long = format!(r#", "shape": {{"polygon": [[0, 0], [1, 0], [0, {}1]]}}"#, " ".repeat(20_000));
+    assert_eq!(scene("long texts", &bodies(1_000, &long), 0, 1_000).map(drop), Err(510));
+    let name = format!(r#"{{"bodies": [{{"name": "{}", "repeat": {{"i": 2}}}}]}}"#, "{i}".repeat(300));
+    assert_eq!(scene("a long name", &name, 0, 10).map(drop), Err(509));
+    // Made with repetitions, and without: both count.
+    let both = r#"{"bodies": [{"name": "a"}, {"name": "b{i}", "repeat": {"i": 9}}, {"name": "c"}]}"#;
+    assert_eq!((scene("both", both, 0, 10).map(drop), scene("both", both, 0, 11).map(drop)), (Err(510), Ok(())));
+    let added = r#"{"bodies": [{"name": "b{i}", "repeat": {"i": 10}}], "inputs": [{"at": 1, "add": {"name": "c"}}]}"#;
+    assert_eq!((scene("added", added, 0, 10).map(drop), scene("added", added, 0, 11).map(drop)), (Err(510), Ok(())));
+}
