@@ -1,11 +1,12 @@
 //! Runs a property over many plans, and leaves the least one that breaks it as a scene in a file.
 
+use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestCaseError, TestError, TestRunner};
-use umbra_physics::oracle::Script;
+use umbra_physics::oracle::{self, Oracle, Script};
 use umbra_physics::scene::Scene;
 
 use crate::plan::Plan;
@@ -93,12 +94,12 @@ pub(crate) fn broken(
     Some((script, why))
 }
 
-fn fail(promise: &str, why: &str, script: &Script) -> ! {
+fn fail(promise: &str, why: &str, value: &str, script: &Script) -> ! {
     let file = match written(promise, why, script) {
         Ok(file) => format!("umbra run {}", file.display()),
         Err(error) => format!("there is no scene of it: {error}\n{script:?}"),
     };
-    panic!("{promise}: {why}\n{file}");
+    panic!("{promise}: {why}\n{value}\n{file}");
 }
 
 /// Tries a property on runs of these plans.
@@ -110,7 +111,7 @@ pub(crate) fn check(
     property: impl Fn(&Script) -> Verdict,
 ) {
     if let Some((script, why)) = broken(cases, plans, property) {
-        fail(promise, &why, &script);
+        fail(promise, &why, "", &script);
     }
 }
 
@@ -124,6 +125,19 @@ pub(crate) fn check_of<T: std::fmt::Debug>(
     property: impl Fn(&T) -> Verdict,
 ) {
     if let Some((value, why)) = falsified(cases, values, property) {
-        fail(promise, &format!("{why}\n{value:?}"), &script(&value));
+        fail(promise, &why, &format!("{value:?}"), &script(&value));
     }
+}
+
+/// Has an oracle judge runs of these plans, and makes sure that in one of four there is something to judge.
+#[track_caller]
+pub(crate) fn judge(promise: &str, cases: u32, plans: impl Strategy<Value = Plan>, oracle: Oracle) {
+    let (tried, held) = (Cell::new(0u32), Cell::new(0u32));
+    check(&format!("{promise}-{oracle}"), cases, plans, |script| {
+        let verdict = script.judge(oracle).map_err(|violation| violation.to_string())?;
+        tried.set(tried.get() + 1);
+        held.set(held.get() + u32::from(verdict == oracle::Verdict::Held));
+        Ok(())
+    });
+    assert!(4 * held.get() >= tried.get(), "{oracle} had something to judge in {held:?} of {tried:?} runs");
 }

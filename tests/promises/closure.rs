@@ -4,12 +4,12 @@
 
 use proptest::collection::vec;
 use proptest::prelude::*;
-use umbra_physics::oracle::Script;
+use umbra_physics::oracle::{Oracle, Script};
 use umbra_physics::{
     Activity, BodyDef, BodyId, Command, Error, Field, Fx, FxAccumulator, Law, Made, Turn, Vec2, World, limits,
 };
 
-use crate::check::{Verdict, check_of, falsified};
+use crate::check::{Verdict, check_of, falsified, judge};
 use crate::plan::{Cast, FAIR, Plan, Taste};
 
 /// The group that strangers alone are in, and their fields alone act on.
@@ -245,6 +245,13 @@ fn companies() -> impl Strategy<Value = Company> {
             Company { plan, strangers, turns, expelled, threads, throng, friends: false }
         },
     )
+}
+
+#[test]
+fn the_order_in_which_a_world_is_built_changes_no_bit_and_neither_do_strangers() {
+    let near = Taste { near: 3, ..FAIR };
+    judge("closure", 500, near.plan(), Oracle::Order);
+    judge("closure", 200, near.plan(), Oracle::Strangers);
 }
 
 #[test]

@@ -21,3 +21,4 @@ mod reverse;
 mod rounding;
 mod same_bits;
 mod shrinking;
+mod symmetry;

@@ -184,7 +184,7 @@ fn one_of(numbers: Vec<Fx>) -> BoxedStrategy<Fx> {
 
 impl Taste {
     /// From `low` to `high`; at times at one of the limits, or beyond.
-    fn number(self, low: Fx, high: Fx, least: Fx, most: Fx) -> BoxedStrategy<Fx> {
+    pub(crate) fn number(self, low: Fx, high: Fx, least: Fx, most: Fx) -> BoxedStrategy<Fx> {
         let inside = |limit: Fx| Fx::from_bits(limit.to_bits() - limit.to_bits().signum());
         let outside = |limit: Fx| Fx::from_bits(limit.to_bits().saturating_add(limit.to_bits().signum().max(1)));
         let below = Fx::from_bits(least.to_bits().saturating_sub(1));
@@ -216,7 +216,7 @@ impl Taste {
         prop::sample::select(all.collect::<Vec<_>>()).boxed()
     }
 
-    fn world(self) -> BoxedStrategy<WorldDef> {
+    pub(crate) fn world(self) -> BoxedStrategy<WorldDef> {
         let rates = [(1, 60), (1, 64), (1, 100), (1001, 60_000), (1, 7), (1, 1), (1, 10_000)];
         let time_step = union(vec![
             (4, prop::sample::select(rates.map(|(num, den)| TimeStep::ratio(num, den)).to_vec()).boxed()),

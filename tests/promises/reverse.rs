@@ -1,9 +1,9 @@
 //! P9: a run of steps that have an inverse is undone to its first bit.
 
-use umbra_physics::oracle::Script;
+use umbra_physics::oracle::{Oracle, Script};
 use umbra_physics::{Activity, Error, Irreversible};
 
-use crate::check::{Verdict, broken, check};
+use crate::check::{Verdict, broken, check, judge};
 use crate::plan::{FAIR, Taste};
 
 const REVERSIBLE: Taste = Taste { near: 2, reversible: true, changes: false, ticks: 80, ..FAIR };
@@ -55,6 +55,14 @@ fn goes_there_and_back(script: &Script) -> Verdict {
 #[test]
 fn a_run_is_undone_to_its_first_bit() {
     check("reverse", 1_000, REVERSIBLE.plan(), goes_there_and_back);
+}
+
+#[test]
+fn any_step_is_undone_or_nothing_changes() {
+    judge("reverse", 400, REVERSIBLE.plan(), Oracle::Reverse);
+    // In few of these there is a step that can be undone, and in many one that cannot.
+    let any = Taste { near: 3, ..FAIR }.plan();
+    check("reverse-any", 400, any, |script| script.judge(Oracle::Reverse).map(drop).map_err(|seen| seen.to_string()));
 }
 
 #[test]

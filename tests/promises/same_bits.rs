@@ -1,10 +1,11 @@
-//! P1: the same bits, however a run is done: again, as a file, as a scene.
+//! P1: the same bits, however a run is done: again, from a copy, as a file, as a scene, on more threads. Other machines and
+//! builds have the corpus (`selftest`).
 
-use umbra_physics::oracle::Script;
+use umbra_physics::Fx;
+use umbra_physics::oracle::{Oracle, Script};
 use umbra_physics::scene::Scene;
-use umbra_physics::{Fx, Replay};
 
-use crate::check::{Verdict, check};
+use crate::check::{Verdict, check, judge};
 use crate::plan::{FAIR, Taste};
 
 /// The hash of the state after each tick.
@@ -15,16 +16,6 @@ fn hashes(script: &Script) -> Result<Vec<u64>, String> {
         world.state_hash()
     };
     Ok((0..script.ticks).map(tick).collect())
-}
-
-fn verifies_as_a_file(script: &Script) -> Verdict {
-    let file = script.record().map_err(|error| error.to_string())?;
-    let replay = Replay::from_bytes(&file, &[]).map_err(|error| error.to_string())?;
-    let verdict = replay.verify();
-    if (replay.end(), &verdict) == (script.ticks, &Ok(())) {
-        return Ok(());
-    }
-    Err(format!("{} ticks of {}: {verdict:?}", replay.end(), script.ticks))
 }
 
 fn is_the_same_as_a_scene(script: &Script) -> Verdict {
@@ -41,12 +32,27 @@ fn is_the_same_as_a_scene(script: &Script) -> Verdict {
     Ok(())
 }
 
+const TASTE: Taste = Taste { near: 3, unfair: 2, ..FAIR };
+
 #[test]
-fn a_run_that_was_recorded_is_verified() {
-    check("replay", 400, Taste { near: 3, unfair: 2, ..FAIR }.plan(), verifies_as_a_file);
+fn a_run_is_the_same_again_and_from_any_tick_on() {
+    judge("same-bits", 400, TASTE.plan(), Oracle::Repeat);
+    judge("same-bits", 400, TASTE.plan(), Oracle::Restore);
+}
+
+#[test]
+fn a_run_that_was_recorded_is_played_to_the_same_states() {
+    judge("same-bits", 400, TASTE.plan(), Oracle::Record);
+}
+
+#[cfg(feature = "parallel")]
+#[test]
+fn a_run_is_the_same_on_one_thread_and_on_two() {
+    // Each with thousands of strangers.
+    judge("same-bits", 30, TASTE.plan(), Oracle::Threads);
 }
 
 #[test]
 fn a_run_is_the_same_as_a_scene() {
-    check("scene", 1_000, Taste { near: 3, unfair: 3, ..FAIR }.plan(), is_the_same_as_a_scene);
+    check("same-bits-scene", 1_000, TASTE.plan(), is_the_same_as_a_scene);
 }
