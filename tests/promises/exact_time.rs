@@ -119,7 +119,7 @@ impl Fall {
                 let half: Real = exact(g) * exact(gravity_scale) / real(2);
                 let parabola = exact(x) + (exact(v) + half * &seconds) * &seconds;
                 let off = to_f64(&((exact(is) - parabola) << 32)).abs();
-                let pull = i128::from(g.to_bits()) * i128::from(gravity_scale.to_bits()) >> 32;
+                let pull = (i128::from(g.to_bits()) * i128::from(gravity_scale.to_bits())) >> 32;
                 let allowed = allowed(pull, to_f64(&seconds));
                 if off > allowed {
                     return Err(format!("{off} ulps off at tick {tick}, {num}/{den} s, not {allowed} at most"));

@@ -46,10 +46,8 @@ fn reaching(world: &World, body: BodyId) -> BTreeSet<BodyId> {
                         }
                     }
                 }
-                Law::Attractor { centre: End::Body(at), .. } => {
-                    if reaching.iter().any(|&one| is_acted_on(field, one)) {
-                        more.insert(at.body);
-                    }
+                Law::Attractor { centre: End::Body(at), .. } if reaching.iter().any(|&one| is_acted_on(field, one)) => {
+                    more.insert(at.body);
                 }
                 _ => {}
             }
