@@ -308,10 +308,7 @@ fn each_way_to_be_wrong_has_its_status() {
 #[test]
 fn a_run_that_went_another_way_is_named_by_the_next_snapshot() {
     let folder = Folder::new("strayed");
-    // With no hash at all on the way a snapshot has one.
-    for (hash_every, snapshot_every, hash_tick, tick) in
-        [(1, 8, 41, 47), (16, 0, 48, 99), (16, 50, 48, 49), (1 << 30, 8, 48, 47), (1 << 30, 0, 100, 99)]
-    {
+    for (hash_every, snapshot_every, hash_tick, tick) in [(1, 8, 41, 47), (16, 0, 48, 99), (16, 50, 48, 49)] {
         let bytes = strayed(RecordOptions { hash_every, snapshot_every });
         let (status, line) = verified(&folder, "strayed.umbrarep", &bytes);
         assert_eq!((status, line["status"].as_str()), (1, Some("diverged")), "{line}");

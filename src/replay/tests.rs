@@ -318,6 +318,25 @@ fn what_a_game_does_to_its_world_after_the_last_step_is_of_no_tick_recorded() {
 }
 
 #[test]
+fn where_no_hash_is_recorded_that_of_a_snapshot_is_compared() {
+    for (snapshot_every, expected) in [(8, 16), (0, 20)] {
+        let mut world = World::new(WorldDef::default()).expect("a world");
+        let body = world.add_body(BodyDef::dynamic()).expect("a body");
+        let mut recorder = Recorder::new(&world, RecordOptions { hash_every: 1 << 30, snapshot_every });
+        for tick in 0..20 {
+            if tick == 10 {
+                // Past the recorder.
+                world.set_velocity(body, vec2(1, 0)).expect("it moves");
+            }
+            recorder.step(&mut world, &Inputs::new());
+        }
+        let replay = Replay::from_bytes(&recorder.finish(&world), &[]).expect("it is whole");
+        let divergence = replay.verify().expect_err("it goes another way");
+        assert_eq!((divergence.tick, &divergence.finding.field[..]), (expected, "position.x"));
+    }
+}
+
+#[test]
 fn the_first_difference_of_two_replays_is_named() {
     let whole = recording();
     let ours = Replay::from_bytes(&whole, &laws()).expect("it is whole");

@@ -1,4 +1,5 @@
-//! What reading takes, of files that are made to take as much as they can.
+//! What reading takes, of files that are made to take as much as they can. `UMBRA_SAY=1 cargo test --release --features scene
+//! --test strangers memory -- --nocapture` prints it, as multiples of each file.
 
 use allocation_counter::measure;
 use umbra_physics::scene::Scene;
@@ -352,5 +353,7 @@ fn scenes_that_make_many_from_one() {
     let both = r#"{"bodies": [{"name": "a"}, {"name": "b{i}", "repeat": {"i": 9}}, {"name": "c"}]}"#;
     assert_eq!((scene("both", both, 0, 10).map(drop), scene("both", both, 0, 11).map(drop)), (Err(510), Ok(())));
     let added = r#"{"bodies": [{"name": "b{i}", "repeat": {"i": 10}}], "inputs": [{"at": 1, "add": {"name": "c"}}]}"#;
+    assert_eq!((scene("added", added, 0, 10).map(drop), scene("added", added, 0, 11).map(drop)), (Err(510), Ok(())));
+    let added = r#"{"fields": [{"drag": {}, "repeat": {"i": 10}}], "inputs": [{"at": 1, "add_field": {"drag": {}}}]}"#;
     assert_eq!((scene("added", added, 0, 10).map(drop), scene("added", added, 0, 11).map(drop)), (Err(510), Ok(())));
 }
