@@ -57,6 +57,8 @@ mod integrate;
 mod kernel;
 pub mod limits;
 mod math;
+#[cfg(feature = "oracles")]
+pub mod oracle;
 mod replay;
 pub mod scalar;
 #[cfg(feature = "scene")]

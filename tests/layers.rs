@@ -20,7 +20,7 @@ const LEVELS: [&[&str]; 14] = [
     &["step"],
     &["world"],
     &["replay", "scene"],
-    &["selftest"],
+    &["selftest", "oracle"],
     &["bin"],
 ];
 
