@@ -5,10 +5,14 @@ mod commands;
 #[path = "support/random.rs"]
 mod random;
 
+use std::collections::BTreeMap;
+
 use commands::Author;
 use random::SplitMix;
-use umbra_physics::oracle::Script;
+use umbra_physics::oracle::{Oracle, Script, Verdict};
 use umbra_physics::{BodyDef, BodyId, Command, Integrator, Law, Replay, World, WorldDef, fx, vec2};
+
+const RUNS: u64 = if cfg!(debug_assertions) { 5 } else { 60 };
 
 /// A script by an author who sees the world as it is at each tick: bodies and fields come and go, slots are used again.
 fn script(seed: u64, ticks: u64, unfair: u64) -> Script {
@@ -149,4 +153,28 @@ fn a_law_that_names_a_body_names_it_still() {
     let without = script.with(|index| index != 2);
     assert_eq!(without.run().expect("a fair definition").fields().count(), 0);
     assert!(without.start().expect("a fair definition").check(&without.commands[2].1).is_err());
+}
+
+#[test]
+fn every_oracle_holds_of_scripts_and_has_something_to_judge() {
+    let mut held = BTreeMap::new();
+    for seed in 0..RUNS {
+        for unfair in [0, 12] {
+            let script = script(seed, 40, unfair);
+            for oracle in Oracle::ALL {
+                match script.judge(oracle) {
+                    Ok(verdict) => *held.entry(oracle).or_insert(0) += u64::from(verdict == Verdict::Held),
+                    Err(violation) => {
+                        let smallest = script.shrunk(oracle, 5_000);
+                        panic!("seed {seed}, unfair {unfair}: {violation}; small: {smallest:#?}");
+                    }
+                }
+            }
+        }
+    }
+    for (oracle, held) in held {
+        let is_on = oracle != Oracle::Threads || cfg!(feature = "parallel");
+        // Few can be undone: with half of the integrators, and nothing that damps or sleeps.
+        assert!(!is_on || held >= RUNS / 30, "{oracle} had something to judge in {held} runs");
+    }
 }

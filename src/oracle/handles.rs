@@ -73,6 +73,10 @@ impl Handles {
         command
     }
 
+    pub(super) fn knows(&self, body: BodyId) -> bool {
+        self.bodies.contains_key(&body)
+    }
+
     /// What was made in one run and in the other is each other's counterpart.
     pub(super) fn pair(&mut self, here: Made, there: Made) {
         match (here, there) {
