@@ -69,7 +69,7 @@ impl<'a, S: Subject> Trial<'a, S> {
         Some(Match { game, world })
     }
 
-    fn inputs_of<'i>(inputs: &'i ByTick<S::Input>, tick: u64) -> &'i [S::Input] {
+    fn inputs_of(inputs: &ByTick<S::Input>, tick: u64) -> &[S::Input] {
         inputs.get(&tick).map_or(&[], |inputs| inputs)
     }
 

@@ -4,8 +4,8 @@
 mod commands;
 #[path = "../support/example.rs"]
 mod example;
-mod game;
 #[path = "../support/random.rs"]
 mod random;
 mod scripts;
+mod tow;
 mod twins;
