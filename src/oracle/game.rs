@@ -7,7 +7,7 @@ use super::{Handles, Script, Symmetry};
 use crate::force::{Field, Law};
 use crate::math::Vec2;
 use crate::scalar::fx::{Fx, fx};
-use crate::world::{Command, Driver, World, WorldDef};
+use crate::world::{Action, Command, Driver, World, WorldDef};
 
 /// A game whose ticks are to be judged.
 ///
@@ -222,12 +222,14 @@ impl Subject for Commands {
         Course { inputs: commands, ticks }
     }
 
-    /// Bodies that are added one after the other among themselves, and so fields, but for drags, which act in order.
+    /// Bodies that are added one after the other among themselves, and so fields, but for drags, which act in order; forces and
+    /// torques, but for those that a sleeping body does not feel.
     fn reordered(&self, course: &Course<Command>, turn: &mut dyn FnMut(&mut [usize])) -> (Course<Command>, Likeness) {
         let kind = |place: usize| match &course.inputs[place].1 {
             Command::AddBody(_) => 1,
             Command::AddField(Field { law: Law::Drag { .. }, .. }) => 0,
             Command::AddField(_) => 2,
+            Command::Apply { action: Action::Force { .. } | Action::Torque(_), manner, .. } if manner.wake => 3,
             _ => 0,
         };
         let mut order = course.order();

@@ -90,7 +90,8 @@ pub enum Oracle {
     /// beside the world.
     Restore,
     /// The inputs of a tick lead to the same state in whatever order they arrive. Of a script, bodies that are added one
-    /// after the other, and so fields other than drags, lead to the same [motion](crate::World::physics_hash) in any order.
+    /// after the other, and so fields other than drags, forces and torques, lead to the same
+    /// [motion](crate::World::physics_hash) in any order.
     Order,
     /// Bodies that interact with nothing, up to 17, change no bit of the others, of what was applied to them, or of what the
     /// game keeps in the world; they come and go, sleep, hang on springs, leave the envelope. Strangers have keys from 2^63

@@ -1,6 +1,5 @@
 //! Bodies that interact with nothing.
 
-use alloc::collections::BTreeSet;
 use alloc::vec::Vec;
 
 use crate::body::{BodyDef, BodyKind, Mass};
@@ -22,15 +21,17 @@ pub(super) struct Strangers {
     random: Random,
     groups: u32,
     here: Vec<BodyId>,
-    /// Also those that have gone.
-    all: BTreeSet<BodyId>,
+    /// How many are here and never go.
+    for_good: usize,
+    /// How many there have ever been.
+    ever: usize,
 }
 
 impl Strangers {
     /// So many at first, in these groups.
     pub(super) fn enter(world: &mut World, count: usize, groups: u32) -> Self {
         let random = Random::seeded(count as u64);
-        let mut strangers = Self { random, groups, here: Vec::new(), all: BTreeSet::new() };
+        let mut strangers = Self { random, groups, here: Vec::new(), for_good: 0, ever: 0 };
         (0..count).for_each(|_| strangers.come(world));
         strangers
     }
@@ -40,19 +41,26 @@ impl Strangers {
     pub(super) fn throng(world: &mut World) -> Self {
         let mut strangers = Self::enter(world, 0, 0);
         while world.moving_count() < crate::step::MANY {
-            let key = KEY + strangers.all.len() as u64;
-            let position = vec2(0, strangers.all.len() as i32);
-            let def = BodyDef { position, velocity: vec2(1, 0), groups: 0, key, ..BodyDef::kinematic() };
-            match world.add_body(def) {
-                Ok(body) => _ = strangers.all.insert(body),
-                Err(_) => break,
+            let position = vec2(0, strangers.ever as i32);
+            let def =
+                BodyDef { position, velocity: vec2(1, 0), key: strangers.key(), groups: 0, ..BodyDef::kinematic() };
+            if world.add_body(def).is_err() {
+                break;
             }
+            strangers.for_good += 1;
         }
         strangers
     }
 
-    pub(super) fn has(&self, body: BodyId) -> bool {
-        self.all.contains(&body)
+    /// How many of the bodies in the world are strangers.
+    pub(super) fn count(&self) -> usize {
+        self.for_good + self.here.len()
+    }
+
+    /// The key of the next one.
+    fn key(&mut self) -> u64 {
+        self.ever += 1;
+        KEY + self.ever as u64
     }
 
     /// Between two ticks some come and some go.
@@ -70,9 +78,9 @@ impl Strangers {
     /// One of each kind in turn: one that will sleep, one that is static, a heavy one, one that leaves the envelope in its
     /// first step, a kinematic one, one that is fast and spins. Each hangs on a spring to the one before, where either gives.
     fn come(&mut self, world: &mut World) {
-        let number = self.all.len();
+        let number = self.ever;
         let position = vec2(50 + number as i32, -3);
-        let base = BodyDef { position, groups: self.groups, key: KEY + number as u64, ..BodyDef::dynamic() };
+        let base = BodyDef { position, groups: self.groups, key: self.key(), ..BodyDef::dynamic() };
         let def = match number % 6 {
             0 => BodyDef { gravity_scale: Fx::ZERO, ..base },
             1 => BodyDef { kind: BodyKind::Static, ..base },
@@ -91,6 +99,5 @@ impl Strangers {
             _ = world.add_field(Law::Spring { near, far: End::Body(Attachment::centre(last)), spring });
         }
         self.here.push(body);
-        self.all.insert(body);
     }
 }

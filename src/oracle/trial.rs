@@ -293,9 +293,8 @@ impl<'a, S: Subject> Trial<'a, S> {
                 return Some(Seen { beside, difference: run.body_difference(body, other, there) });
             }
         }
-        let own = other.bodies().filter(|body| !strangers.has(body.id())).count();
-        let is_same =
-            own == run.body_count() && run.def == other.def && run.random == other.random && run.blob == other.blob;
+        let is_same = other.body_count() == run.body_count() + strangers.count()
+            && (&run.def, &run.random, &run.blob) == (&other.def, &other.random, &other.blob);
         (!is_same).then_some(Seen { beside, difference: None })
     }
 }

@@ -1,32 +1,32 @@
-//! The kit of oracles: scripts, what is judged of them, and twins that each oracle has to catch.
-
-#[path = "support/commands.rs"]
-mod commands;
-#[path = "support/random.rs"]
-mod random;
+//! Scripts, and what is judged of them.
 
 use std::collections::BTreeMap;
 
-use commands::Author;
-use random::SplitMix;
 use umbra_physics::oracle::{Oracle, Script, Verdict};
 use umbra_physics::{BodyDef, BodyId, Command, Integrator, Law, Replay, World, WorldDef, fx, vec2};
 
-const RUNS: u64 = if cfg!(debug_assertions) { 5 } else { 60 };
+use crate::commands::Author;
+use crate::random::SplitMix;
+
+const RUNS: u64 = if cfg!(debug_assertions) { 5 } else { 30 };
 
 /// A script by an author who sees the world as it is at each tick: bodies and fields come and go, slots are used again.
 fn script(seed: u64, ticks: u64, unfair: u64) -> Script {
     let mut author = Author { random: SplitMix(seed), unfair };
     let integrator = Integrator::ALL[seed as usize % Integrator::ALL.len()];
-    let def = WorldDef { gravity: vec2(0, fx!(-1)), integrator, sleep_after: Some(5), ..WorldDef::default() };
+    // Steps of one in three can be undone, at first.
+    let sleep_after = if seed % 3 == 0 { None } else { Some(5) };
+    let def = WorldDef { gravity: vec2(0, fx!(-1)), integrator, sleep_after, ..WorldDef::default() };
     let mut script = Script { world: def, commands: Vec::new(), ticks };
     let mut world = script.start().expect("a fair definition");
     for tick in 0..ticks {
         let count = if tick == 0 { 16 } else { author.random.next() % 4 };
         for i in 0..count {
             let command = match i % 4 {
-                0 | 2 if tick == 0 => Command::AddBody(author.body()),
-                1 if tick == 0 => Command::AddField(author.field(&world)),
+                0..3 if tick == 0 => {
+                    Command::AddBody(BodyDef { linear_damping: None, angular_damping: None, ..author.body() })
+                }
+                3 if tick == 0 => Command::AddField(author.field(&world)),
                 _ => author.any(&world),
             };
             // The tick is the script's, and so is the way a step goes.
@@ -174,7 +174,7 @@ fn every_oracle_holds_of_scripts_and_has_something_to_judge() {
     }
     for (oracle, held) in held {
         let is_on = oracle != Oracle::Threads || cfg!(feature = "parallel");
-        // Few can be undone: with half of the integrators, and nothing that damps or sleeps.
-        assert!(!is_on || held >= RUNS / 30, "{oracle} had something to judge in {held} runs");
+        // Few can be undone: of a third, those with three of the integrators, until something damps.
+        assert!(!is_on || held * 6 >= RUNS, "{oracle} had something to judge in {held} runs");
     }
 }
