@@ -23,6 +23,7 @@
 //!
 //! Units are m, kg, s and rad. One ulp is 2^-32 of them, and error bounds are given in ulps.
 #![no_std]
+#![cfg_attr(not(all(feature = "std", target_arch = "x86_64")), forbid(unsafe_code))]
 #![deny(unsafe_code)]
 #![warn(missing_docs)]
 
@@ -56,6 +57,8 @@ mod integrate;
 mod kernel;
 pub mod limits;
 mod math;
+#[cfg(feature = "oracles")]
+pub mod oracle;
 mod replay;
 pub mod scalar;
 #[cfg(feature = "scene")]

@@ -23,6 +23,8 @@ mod random;
 mod reverse;
 mod rollback;
 #[cfg(feature = "cli")]
+mod scene_text;
+#[cfg(feature = "cli")]
 mod scenes;
 #[cfg(feature = "serde")]
 mod serde;

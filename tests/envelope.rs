@@ -6,8 +6,8 @@ use std::sync::Arc;
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 use umbra_physics::limits::{
-    ANGULAR_SPEED, CORNERS, GRAVITY, GRAVITY_SCALE, MASS_MAX, MASS_MIN, PARTS, POSITION, RATE_MAX, RATE_MIN, SIZE_MAX,
-    SIZE_MIN, SPEED,
+    ANGULAR_SPEED, BODIES, CORNERS, FIELDS, GRAVITY, GRAVITY_SCALE, MASS_MAX, MASS_MIN, MU_MAX_LOG2, PARTS, POSITION,
+    RATE_MAX, RATE_MIN, SIZE_MAX, SIZE_MIN, SPEED,
 };
 use umbra_physics::scalar::{Accumulator, Angle, Factor};
 use umbra_physics::{
@@ -190,7 +190,7 @@ fn each_bound_of_a_number_is_accepted_and_one_ulp_past_it_refused() {
 fn mu_is_accepted_up_to_two_to_the_64_and_not_a_bit_further() {
     let (mut world, _, id) = stage();
     let most = {
-        let root = <FxFactor as Factor<Fx>>::from_ratio(1 << 32, 1);
+        let root = <FxFactor as Factor<Fx>>::from_ratio(1 << (MU_MAX_LOG2 / 2), 1);
         Factor::<Fx>::times(root, root)
     };
     // The next factor is one part in 2^63 more.
@@ -295,6 +295,27 @@ fn sizes_of_shapes_have_their_bounds() {
     assert_eq!(size(Shape::compound(&[Part { shape: compound, ..part.clone() }])), out_of(Quantity::Count));
     assert_eq!(size(Shape::compound(&[Part { density: Fx::ZERO, ..part.clone() }])), out_of(Quantity::Density));
     assert_eq!(size(Shape::compound(&[Part { position: vec2(0, SIZE_MAX + ULP), ..part }])), refused());
+}
+
+#[test]
+#[ignore = "takes 5 GB: with `--ignored`"]
+fn a_world_is_full_at_its_bounds() {
+    let mut world = world();
+    for _ in 0..BODIES {
+        world.add_body(BodyDef::fixed()).expect("there is room");
+    }
+    expect(&mut world, &Command::AddBody(BodyDef::fixed()), Err(Error::Full));
+    let last = world.bodies().last().expect("there are bodies").id();
+    world.remove_body(last).expect("it is there");
+    expect(&mut world, &Command::AddBody(BodyDef::fixed()), Ok(()));
+    drop(world);
+
+    let mut world = self::world();
+    let drag = Field::from(Law::Drag { linear: fx!(1), quadratic: fx!(0), wind: Vec2::ZERO });
+    for _ in 0..FIELDS {
+        world.add_field(drag).expect("there is room");
+    }
+    expect(&mut world, &Command::AddField(drag), Err(Error::Full));
 }
 
 #[test]

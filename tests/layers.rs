@@ -20,7 +20,7 @@ const LEVELS: [&[&str]; 14] = [
     &["step"],
     &["world"],
     &["replay", "scene"],
-    &["selftest"],
+    &["selftest", "oracle"],
     &["bin"],
 ];
 
@@ -288,6 +288,7 @@ fn the_library_uses_neither_std_nor_the_outside() {
     }
     let root = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("src/lib.rs")).expect("the root");
     assert!(root.contains("#![no_std]"));
+    assert!(root.contains("forbid(unsafe_code)"), "where there are no vectors");
     let code = code_of(&root);
     // The one use of std: linking it for the feature of its name.
     assert_eq!(words(&code, "std").count(), 1, "{:?}", words(&code, "std").map(|at| &code[at..]).collect::<Vec<_>>());
@@ -296,4 +297,25 @@ fn the_library_uses_neither_std_nor_the_outside() {
     let mut named = files_with("unsafe_code");
     named.sort();
     assert_eq!(named, ["lib.rs", LANES], "who denies it, and who allows it");
+}
+
+#[test]
+fn each_limit_is_tried() {
+    // These hold between the stages of a step, where no call reaches.
+    const WITHIN: [&str; 2] = ["KICK", "TRANSIENT_SPEED"];
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let limits = fs::read_to_string(root.join("src/limits.rs")).expect("the limits");
+    let limits: Vec<_> = limits.lines().filter_map(|line| line.strip_prefix("pub const ")?.split(':').next()).collect();
+    assert!(limits.len() > WITHIN.len() && WITHIN.iter().all(|name| limits.contains(name)), "{limits:?}");
+    let tests: Vec<_> = ["tests/envelope.rs", "tests/commands.rs", "src/replay/tests.rs"]
+        .map(|file| fs::read_to_string(root.join(file)).expect("tests"))
+        .iter()
+        .map(|source| code_of(source))
+        .collect();
+    for name in limits.iter().filter(|name| !WITHIN.contains(name)) {
+        // An import is no use of it.
+        let is_used =
+            |code: &String| code.split("\nfn ").skip(1).any(|function| words(function, name).next().is_some());
+        assert!(tests.iter().any(is_used), "no test tries {name}");
+    }
 }

@@ -3,11 +3,9 @@
 
 use std::cell::Cell;
 use std::collections::BTreeSet;
-use std::env::consts::EXE_SUFFIX;
 use std::fs;
 use std::io::{ErrorKind, Write as _};
 use std::net::{Ipv4Addr, TcpStream};
-use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use allocation_counter::measure;
@@ -17,6 +15,8 @@ use umbra_physics::{BodyId, Dump, Finding, Fx, Moment, Place, World};
 #[path = "../examples/ggrs/adapter.rs"]
 #[allow(dead_code, reason = "the hashes of single frames are for peers")]
 mod adapter;
+#[path = "support/example.rs"]
+mod example;
 #[path = "../examples/shared/game.rs"]
 mod game;
 #[path = "../examples/shared/peers.rs"]
@@ -30,6 +30,7 @@ mod session;
 mod wire;
 
 use adapter::{Failure, Rollback};
+use example::example;
 use game::{Controls, Game, Tally, bot};
 use peers::{Ended, Peer};
 use session::{Match, WINDOW, sync_test};
@@ -54,23 +55,6 @@ fn straight(seed: u64, ticks: u64, delay: u64) -> (Vec<u64>, Tally) {
         hashes.push(world.state_hash());
     }
     (hashes, total)
-}
-
-/// An example, beside this test, made from the sources as they are: `cargo test --test netcode` runs this file without it.
-fn example(name: &str) -> PathBuf {
-    let test = std::env::current_exe().expect("a test has a file");
-    let folder = test.ancestors().nth(2).expect("it is target/PROFILE/deps/TEST").join("examples");
-    let program = folder.join(format!("{name}{EXE_SUFFIX}"));
-    let how = format!("run `cargo test` without `--test`, or first `cargo build --example {name}` in the same profile");
-    let changed = |file: &Path| fs::metadata(file).and_then(|file| file.modified());
-    let Ok(made) = changed(&program) else { panic!("{} is missing: {how}", program.display()) };
-    // Cargo's list of what it is made from: `PROGRAM: SOURCE SOURCE…`, with spaces in names as `\ `.
-    let list = fs::read_to_string(folder.join(format!("{name}.d"))).expect("cargo lists the sources");
-    let (_, sources) = list.trim_end().split_once(": ").expect("a program and its sources");
-    for source in sources.replace("\\ ", "\0").split(' ').map(|source| source.replace('\0', " ")) {
-        assert!(changed(source.as_ref()).is_ok_and(|at| at <= made), "{name} is older than {source}: {how}");
-    }
-    program
 }
 
 /// The lines that begin with this word, as what follows it.

@@ -7,10 +7,10 @@ use std::path::Path;
 use proptest::prelude::*;
 use umbra_physics::scalar::ToF64;
 use umbra_physics::scene::{Scene, SceneError, SceneRun};
-use umbra_physics::{Activity, Fx, Scalar, Vec2, fx};
+use umbra_physics::{Activity, Fx, Random, Scalar, Vec2, fx};
 
 /// The scenes by name.
-fn texts() -> BTreeMap<String, String> {
+pub(crate) fn texts() -> BTreeMap<String, String> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
     let files = fs::read_dir(folder).expect("there are scenes").map(|entry| entry.expect("an entry").path());
     let scenes = files.filter(|path| path.extension().is_some_and(|extension| extension == "json"));
@@ -115,7 +115,7 @@ fn the_net_hangs_in_mirrored_bits() {
 }
 
 /// Everything the format has, in few bodies.
-const RICH: &str = r#"{
+pub(crate) const RICH: &str = r#"{
   "title": "All of it", "about": "…", "ticks": 20, "time_step": {"num": 1, "den": 120}, "gravity": [0, -9.81],
   "integrator": "velocity_verlet", "damping": {"linear": 0.9, "angular": 0.5}, "sleep_after": null,
   "bodies": [
@@ -147,6 +147,8 @@ const RICH: &str = r#"{
     {"at": 9, "body": "new-0", "do": "remove"},
     {"at": 9, "body": "new-1", "do": "wake"},
     {"at": 10, "set": {"time_step": "1/60", "gravity": [0, 1], "integrator": "yoshida4", "damping": {"linear": 0.5}, "sleep_after": 9}},
+    {"at": 10, "do": "clear_forces", "set": {"random": [1, 2, 3, 18446744073709551615], "blob": "00fFa9"}},
+    {"at": 10, "set": {"random": 7}},
     {"at": 11, "body": "c", "set": {"kind": "dynamic", "mass": 3, "position": [0, 0], "angle": 0, "velocity": [0, 0], "angular_velocity": 0,
       "gravity_scale": 1, "damping": {}, "groups": [1], "key": 18446744073709551615, "user_data": 1, "shape": null}}
   ],
@@ -179,6 +181,7 @@ fn the_rich_scene_is_one() {
     let (run, _) = run::<Fx>(&scene, 20);
     assert_eq!(run.world().body_count(), 10, "two were added, one was removed");
     assert_eq!(run.world().fields().count(), 8);
+    assert_eq!((run.world().random(), run.world().blob()), (&Random::seeded(7), &[0, 255, 169][..]));
     // 10 steps of 1/120 s and 10 of 1/60.
     let time = run.world().elapsed();
     assert_eq!((time.num, time.den), (1, 4));

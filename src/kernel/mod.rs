@@ -4,6 +4,8 @@
 //! included where the type is signed. An angle as a *turn* is a `u64` in units of 2^-64 turn, so it wraps by itself.
 
 pub(crate) mod div;
+#[cfg(test)]
+mod edges;
 pub(crate) mod exp_log;
 pub(crate) mod round;
 pub(crate) mod sqrt;

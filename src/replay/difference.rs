@@ -108,6 +108,31 @@ impl<S: Scalar> World<S> {
         Difference { place, field: name_of(path), left: text(left), right: text(right) }
     }
 
+    /// The first value in which a body is not one of another world, handles apart; `None` if there is none, or no such body.
+    #[cfg(feature = "oracles")]
+    pub(crate) fn body_difference(&self, body: BodyId, other: &Self, there: BodyId) -> Option<Difference> {
+        let (here, there) = (self.bodies.find(body).ok()?, other.bodies.find(there).ok()?);
+        let leaves = |world: &Self, dense: usize| {
+            let mut leaves = Index::of(&world.bodies.record(dense, &world.tunings)).leaves;
+            let shape = world.bodies.card(dense).shape.as_deref();
+            leaves.extend(shape.into_iter().flat_map(|shape| Index::of(shape).leaves));
+            leaves
+        };
+        let (left, right) = (leaves(self, here), leaves(other, there));
+        let text = |leaf: Option<&Leaf>| leaf.map(|leaf| leaf.text.clone());
+        let named = |path: &[Part], left, right| {
+            let (left, right) = (text(left), text(right));
+            Difference { place: Place::Body(body), field: name_of(path), left, right }
+        };
+        let pairs = left.iter().map(|leaf| (leaf, right.iter().find(|there| there.path == leaf.path)));
+        let mut unlike = pairs.filter(|(leaf, there)| there.is_none_or(|there| there.bytes != leaf.bytes));
+        if let Some((leaf, there)) = unlike.next() {
+            return Some(named(&leaf.path, Some(leaf), there));
+        }
+        let more = right.iter().find(|leaf| left.iter().all(|here| here.path != leaf.path));
+        more.map(|leaf| named(&leaf.path, None, Some(leaf)))
+    }
+
     /// What the value at a path belongs to, and the rest of the path.
     pub(super) fn place<'p>(&self, path: &'p [Part]) -> (Place, &'p [Part]) {
         match *path {

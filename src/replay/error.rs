@@ -124,7 +124,7 @@ pub enum ReplayError {
         /// Those of this build.
         own: u32,
     },
-    /// It ends before the recording did. [`Replay::recovered`] reads what there is.
+    /// It ends before the recording did. [`Replay::recovered`](super::Replay::recovered) reads what there is.
     CutOff {
         /// The tick up to which it is whole.
         tick: u64,

@@ -76,7 +76,7 @@ impl<S: Scalar> World<S> {
     }
 
     /// The key of a body, and a hash of all it is but its handle.
-    fn motion_of(&self, dense: usize) -> (u64, u64) {
+    pub(crate) fn motion_of(&self, dense: usize) -> (u64, u64) {
         let mut sink = Sink::new();
         self.bodies.record(dense, &self.tunings).write(&mut sink);
         self.bodies.card(dense).shape.write(&mut sink);

@@ -1,5 +1,6 @@
-//! Factors from decimal text, with one rounding however many digits there are.
+//! Factors from decimal text, with one rounding however many digits there are, and as text with all their digits.
 
+use alloc::string::{String, ToString};
 use alloc::vec;
 use alloc::vec::Vec;
 use core::str::FromStr;
@@ -59,6 +60,43 @@ impl FxFactor {
             numerator.times_plus(10, 0);
         }
         Ok(quotient(numerator, denominator))
+    }
+
+    /// All its digits, as `Fx` is written; 16,384 after the point at most.
+    #[cfg_attr(not(feature = "scene"), allow(dead_code, reason = "only scenes are written in decimals"))]
+    pub(crate) fn to_decimal(self) -> String {
+        let (mantissa, shift) = self.parts();
+        if mantissa == 0 {
+            return "0".to_string();
+        }
+        let zeros = mantissa.trailing_zeros();
+        let (odd, shift) = (mantissa >> zeros, shift - zeros as i32);
+        let mut digits: Vec<u8> = odd.to_string().bytes().rev().map(|digit| digit - b'0').collect();
+        // odd · 2^-shift is odd · 5^shift · 10^-shift.
+        for _ in 0..shift.unsigned_abs() {
+            times(&mut digits, if shift > 0 { 5 } else { 2 });
+        }
+        let places = shift.max(0) as usize;
+        digits.resize(digits.len().max(places + 1), 0);
+        let digit = |&digit: &u8| char::from(b'0' + digit);
+        let mut text: String = digits[places..].iter().rev().map(digit).collect();
+        if places > 0 {
+            text.push('.');
+            text.extend(digits[..places].iter().rev().map(digit));
+        }
+        text
+    }
+}
+
+/// Multiplies a number of decimal digits, the lowest first, by one of a digit.
+fn times(digits: &mut Vec<u8>, factor: u8) {
+    let mut carry = 0;
+    for digit in digits.iter_mut() {
+        carry += *digit * factor;
+        (*digit, carry) = (carry % 10, carry / 10);
+    }
+    if carry > 0 {
+        digits.push(carry);
     }
 }
 
@@ -166,7 +204,6 @@ impl Natural {
 mod tests {
     use super::*;
     use alloc::format;
-    use alloc::string::{String, ToString};
     use dashu_float::{DBig, FBig, round::mode::HalfEven};
     use dashu_int::UBig;
     use proptest::prelude::*;
@@ -198,6 +235,20 @@ mod tests {
             prop_assert_eq!(FxFactor::parse(&text), Ok(even));
             let above = format!("{whole}.{}1e-{}", "0".repeat(400), places + 1);
             prop_assert_eq!(FxFactor::parse(&above), Ok(FxFactor::new(u128::from(mantissa) + 1, places as i32)));
+        }
+
+        #[test]
+        fn all_digits_are_written(mantissa: u64, places in -60i32..190) {
+            let factor = FxFactor::new(mantissa.into(), places);
+            let text = factor.to_decimal();
+            prop_assert_eq!(FxFactor::parse(&text), Ok(factor));
+            let (whole, fraction) = text.split_once('.').unwrap_or((&text, ""));
+            prop_assert!(!fraction.ends_with('0') && (whole == "0" || !whole.starts_with('0')), "{}", text);
+            let written: UBig = format!("{whole}{fraction}").parse().unwrap_or_default();
+            // Exactly: written · 2^places = mantissa · 10^digits, either side without a fraction.
+            let (up, down) = (places.max(0) as usize, (-places).max(0) as usize);
+            let scaled = UBig::from(mantissa) * UBig::from(10u8).pow(fraction.len());
+            prop_assert_eq!(written << up, scaled << down);
         }
 
         #[test]

@@ -6,7 +6,10 @@
 //!
 //! The one thing that is not safe is to call them on a CPU without these instructions: this file asks first. It is the
 //! only one in the crate that may say `unsafe`.
-#![allow(unsafe_code, reason = "to call what is compiled for wide vectors, where there are some")]
+#![cfg_attr(
+    all(feature = "std", target_arch = "x86_64"),
+    allow(unsafe_code, reason = "to call what is compiled for wide vectors, where there are some")
+)]
 
 use super::accumulator::FxAccumulator;
 use super::turn::Turn;

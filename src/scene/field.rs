@@ -110,6 +110,12 @@ fn factor(node: &Node<'_>) -> Result<FxFactor> {
     FxFactor::parse(node.raw()).map_err(out_of_range)
 }
 
+/// The text that is read as this factor. The one that is nearest to 10^-60 lies below it, where nothing is read.
+pub(super) fn factor_text(factor: FxFactor) -> String {
+    const LEAST: &str = "1e-60";
+    if FxFactor::parse(LEAST) == Ok(factor) { LEAST.into() } else { factor.to_decimal() }
+}
+
 fn spring(object: &Object<'_>, names: &Names) -> Result<Law> {
     let law = Law::Spring {
         near: attachment(object.need("from")?, names)?,

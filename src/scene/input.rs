@@ -7,7 +7,7 @@ use super::error::{Flaw, Place};
 use super::field::{field, named, symbol};
 use super::node::{Node, Object, Result};
 use super::repeat::check_count;
-use super::settings::{integrator, time_step, world_damping};
+use super::settings::{blob, integrator, random, sleep_after, time_step, world_damping};
 use super::shape::{ShapeDef, shape};
 use super::{Scene, Tables};
 use crate::handle::{BodyId, FieldId};
@@ -82,8 +82,14 @@ pub(super) fn input(object: &Object<'_>, scene: &mut Scene, tables: &mut Tables)
             node.choice(&[("remove", ())])?;
             push(node, Deed::Command(Command::RemoveField(target)));
         }
-    } else if let Some(set) = object.get("set") {
-        set_world(&set.object()?, &mut push)?;
+    } else {
+        if let Some(set) = object.get("set") {
+            set_world(&set.object()?, &mut push)?;
+        }
+        if let Some(node) = object.get("do") {
+            node.choice(&[("clear_forces", ())])?;
+            push(node, Deed::Command(Command::ClearForces));
+        }
     }
     // Last, so that what is unknown is known to be.
     let (from, to, every) = span(object)?;
@@ -200,7 +206,13 @@ fn set_world(object: &Object<'_>, push: &mut impl FnMut(&Node<'_>, Deed)) -> Res
         set(node, Command::SetDamping { linear, angular });
     }
     if let Some(node) = object.get("sleep_after") {
-        set(node, Command::SetSleepAfter(super::settings::sleep_after(node)?));
+        set(node, Command::SetSleepAfter(sleep_after(node)?));
+    }
+    if let Some(node) = object.get("random") {
+        set(node, Command::SetRandom(random(node)?));
+    }
+    if let Some(node) = object.get("blob") {
+        set(node, Command::SetBlob(blob(node)?));
     }
     object.finish()
 }

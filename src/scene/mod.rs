@@ -22,6 +22,7 @@
 //! ```
 
 mod body;
+mod commands;
 mod error;
 mod field;
 mod input;
@@ -30,6 +31,7 @@ mod repeat;
 mod run;
 mod settings;
 mod shape;
+mod text;
 
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -41,7 +43,7 @@ use field::Names;
 use node::{Node, Object, Source, quoted};
 
 pub use body::SceneBody;
-pub use error::{Place, SceneError};
+pub use error::{Place, SceneError, Unsayable};
 pub use field::SceneField;
 pub use input::{Deed, Input};
 pub use run::SceneRun;

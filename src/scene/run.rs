@@ -224,7 +224,16 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
                 let shape = shape.as_ref().map(ShapeDef::make).transpose()?;
                 Command::SetShape { body: self.body(*body)?, shape }
             }
-            Deed::Command(command) => self.convert(command)?,
+            Deed::Command(command) => {
+                let fields = |field| self.field(field);
+                match convert_command(command, &|body| self.body(body), &fields)? {
+                    Command::SetTimeStep(time_step) => Command::SetTimeStep(divided(time_step, self.steps)),
+                    Command::SetSleepAfter(ticks) => {
+                        Command::SetSleepAfter(ticks.map(|ticks| ticks.saturating_mul(self.steps)))
+                    }
+                    command => command,
+                }
+            }
         })
     }
 
@@ -237,61 +246,6 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
     fn field(&self, symbol: FieldId) -> Result<FieldId, Error> {
         let known = self.fields.get(symbol.parts().0 as usize).copied().flatten();
         known.ok_or(Error::NoSuchField { field: symbol })
-    }
-
-    fn convert(&self, command: &Command) -> Result<Command<S>, Error> {
-        let scalar = S::from_fx;
-        Ok(match *command {
-            Command::RemoveBody(body) => Command::RemoveBody(self.body(body)?),
-            Command::Apply { body, action, manner } => {
-                Command::Apply { body: self.body(body)?, action: convert_action(action), manner }
-            }
-            Command::ClearForces => Command::ClearForces,
-            Command::SetPosition { body, position } => {
-                Command::SetPosition { body: self.body(body)?, position: vector(position) }
-            }
-            Command::SetAngle { body, angle } => Command::SetAngle { body: self.body(body)?, angle: scalar(angle) },
-            Command::SetVelocity { body, velocity } => {
-                Command::SetVelocity { body: self.body(body)?, velocity: vector(velocity) }
-            }
-            Command::SetAngularVelocity { body, velocity } => {
-                Command::SetAngularVelocity { body: self.body(body)?, velocity: scalar(velocity) }
-            }
-            Command::SetMass { body, mass } => Command::SetMass { body: self.body(body)?, mass: convert_mass(mass) },
-            Command::SetKind { body, kind } => Command::SetKind { body: self.body(body)?, kind },
-            Command::SetGravityScale { body, scale } => {
-                Command::SetGravityScale { body: self.body(body)?, scale: scalar(scale) }
-            }
-            Command::SetBodyDamping { body, linear, angular } => Command::SetBodyDamping {
-                body: self.body(body)?,
-                linear: linear.map(scalar),
-                angular: angular.map(scalar),
-            },
-            Command::SetGroups { body, groups } => Command::SetGroups { body: self.body(body)?, groups },
-            Command::SetKey { body, key } => Command::SetKey { body: self.body(body)?, key },
-            Command::SetUserData { body, user_data } => Command::SetUserData { body: self.body(body)?, user_data },
-            Command::Wake(body) => Command::Wake(self.body(body)?),
-            Command::Release(body) => Command::Release(self.body(body)?),
-            Command::SetField { id, ref field } => {
-                Command::SetField { id: self.field(id)?, field: convert_field(field, &|body| self.body(body))? }
-            }
-            Command::RemoveField(field) => Command::RemoveField(self.field(field)?),
-            Command::SetTimeStep(time_step) => Command::SetTimeStep(divided(time_step, self.steps)),
-            Command::SetGravity(gravity) => Command::SetGravity(vector(gravity)),
-            Command::SetIntegrator(integrator) => Command::SetIntegrator(integrator),
-            Command::SetDamping { linear, angular } => {
-                Command::SetDamping { linear: scalar(linear), angular: scalar(angular) }
-            }
-            Command::SetSleepAfter(ticks) => {
-                Command::SetSleepAfter(ticks.map(|ticks| ticks.saturating_mul(self.steps)))
-            }
-            Command::SetRandom(random) => Command::SetRandom(random),
-            Command::SetBlob(ref bytes) => Command::SetBlob(bytes.clone()),
-            // The scene has deeds of its own for what makes something or has a shape in it.
-            Command::AddBody(_) | Command::AddField(_) | Command::SetShape { .. } => {
-                return Err(Error::Full);
-            }
-        })
     }
 
     /// Puts an error of the engine's where the deed stands that it refuses.
@@ -328,4 +282,58 @@ fn convert_action<S: Scalar>(action: Action) -> Action<S> {
         Action::Impulse { impulse, point } => Action::Impulse { impulse: vector(impulse), point: point.map(vector) },
         Action::AngularImpulse(impulse) => Action::AngularImpulse(S::from_fx(impulse)),
     }
+}
+
+/// The same command for a scalar and other handles. A scene has deeds of its own for what makes something or has a shape in
+/// it: these are refused.
+pub(super) fn convert_command<S: Scalar>(
+    command: &Command,
+    bodies: &impl Fn(BodyId) -> Result<BodyId, Error>,
+    fields: &impl Fn(FieldId) -> Result<FieldId, Error>,
+) -> Result<Command<S>, Error> {
+    let scalar = S::from_fx;
+    Ok(match *command {
+        Command::RemoveBody(body) => Command::RemoveBody(bodies(body)?),
+        Command::Apply { body, action, manner } => {
+            Command::Apply { body: bodies(body)?, action: convert_action(action), manner }
+        }
+        Command::ClearForces => Command::ClearForces,
+        Command::SetPosition { body, position } => {
+            Command::SetPosition { body: bodies(body)?, position: vector(position) }
+        }
+        Command::SetAngle { body, angle } => Command::SetAngle { body: bodies(body)?, angle: scalar(angle) },
+        Command::SetVelocity { body, velocity } => {
+            Command::SetVelocity { body: bodies(body)?, velocity: vector(velocity) }
+        }
+        Command::SetAngularVelocity { body, velocity } => {
+            Command::SetAngularVelocity { body: bodies(body)?, velocity: scalar(velocity) }
+        }
+        Command::SetMass { body, mass } => Command::SetMass { body: bodies(body)?, mass: convert_mass(mass) },
+        Command::SetKind { body, kind } => Command::SetKind { body: bodies(body)?, kind },
+        Command::SetGravityScale { body, scale } => {
+            Command::SetGravityScale { body: bodies(body)?, scale: scalar(scale) }
+        }
+        Command::SetBodyDamping { body, linear, angular } => {
+            Command::SetBodyDamping { body: bodies(body)?, linear: linear.map(scalar), angular: angular.map(scalar) }
+        }
+        Command::SetGroups { body, groups } => Command::SetGroups { body: bodies(body)?, groups },
+        Command::SetKey { body, key } => Command::SetKey { body: bodies(body)?, key },
+        Command::SetUserData { body, user_data } => Command::SetUserData { body: bodies(body)?, user_data },
+        Command::Wake(body) => Command::Wake(bodies(body)?),
+        Command::Release(body) => Command::Release(bodies(body)?),
+        Command::SetField { id, ref field } => {
+            Command::SetField { id: fields(id)?, field: convert_field(field, bodies)? }
+        }
+        Command::RemoveField(field) => Command::RemoveField(fields(field)?),
+        Command::SetTimeStep(time_step) => Command::SetTimeStep(time_step),
+        Command::SetGravity(gravity) => Command::SetGravity(vector(gravity)),
+        Command::SetIntegrator(integrator) => Command::SetIntegrator(integrator),
+        Command::SetDamping { linear, angular } => {
+            Command::SetDamping { linear: scalar(linear), angular: scalar(angular) }
+        }
+        Command::SetSleepAfter(ticks) => Command::SetSleepAfter(ticks),
+        Command::SetRandom(random) => Command::SetRandom(random),
+        Command::SetBlob(ref bytes) => Command::SetBlob(bytes.clone()),
+        Command::AddBody(_) | Command::AddField(_) | Command::SetShape { .. } => return Err(Error::Full),
+    })
 }

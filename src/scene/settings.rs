@@ -9,7 +9,7 @@ use super::field::{Names, named};
 use super::node::{Kind, Node, Object, Result};
 use crate::error::{Error, Quantity};
 use crate::integrate::Integrator;
-use crate::math::{TimeStep, Vec2};
+use crate::math::{Random, TimeStep, Vec2};
 use crate::scalar::fx::Fx;
 use crate::world::WorldDef;
 
@@ -69,6 +69,29 @@ pub(super) fn sleep_after(node: &Node<'_>) -> Result<Option<u32>> {
 pub(super) fn world_damping(node: &Node<'_>) -> Result<(Fx, Fx)> {
     let (linear, angular) = own_damping(node)?;
     Ok((linear.unwrap_or(Fx::ONE), angular.unwrap_or(Fx::ONE)))
+}
+
+/// A seed, or the four words of a generator's state.
+pub(super) fn random(node: &Node<'_>) -> Result<Random> {
+    if node.kind() != Kind::List {
+        return node.whole().map(Random::seeded);
+    }
+    let [a, b, c, d] = node.tuple()?;
+    let state = [a.whole()?, b.whole()?, c.whole()?, d.whole()?];
+    Random::from_state(state)
+        .ok_or_else(|| node.fault("out of range: a generator whose state is four zeros never moves"))
+}
+
+/// Two hexadecimal digits a byte.
+pub(super) fn blob(node: &Node<'_>) -> Result<Vec<u8>> {
+    let text = node.string()?;
+    let digit = |byte: u8| char::from(byte).to_digit(16);
+    let byte = |pair: &[u8]| match *pair {
+        [high, low] => Some((digit(high)? << 4 | digit(low)?) as u8),
+        _ => None,
+    };
+    let bytes: Option<_> = text.as_bytes().chunks(2).map(byte).collect();
+    bytes.ok_or_else(|| node.fault("expected bytes as two hexadecimal digits each"))
 }
 
 /// How to draw a scene. Nothing of it changes a result.

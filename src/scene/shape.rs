@@ -7,7 +7,7 @@ use crate::error::{Error, Quantity};
 use crate::limits::{CORNERS, PARTS, SIZE_MAX, SIZE_MIN};
 use crate::math::Vec2;
 use crate::scalar::{Scalar, fx::Fx};
-use crate::shape::{Part, Shape};
+use crate::shape::{Geometry, Part, Shape};
 
 /// A shape in the coordinates of the file, to be made for any scalar. Sizes in m.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,6 +66,28 @@ impl ShapeDef {
                 };
                 let parts: core::result::Result<Vec<_>, Error> = parts.iter().map(part).collect();
                 Shape::compound(&parts?)
+            }
+        }
+    }
+}
+
+impl From<&Shape> for ShapeDef {
+    /// What a shape was made from, exactly: what it keeps and its shift are multiples of an ulp, and small. A polygon comes
+    /// with its corners counter-clockwise.
+    fn from(shape: &Shape) -> Self {
+        let given = |point: Vec2| point + shape.shift();
+        match shape.geometry() {
+            &Geometry::Circle { radius } => Self::Circle { radius },
+            &Geometry::Rectangle { width, height } => Self::Rectangle { width, height },
+            &Geometry::Capsule { length, radius } => Self::Capsule { length, radius },
+            Geometry::Polygon { corners } => Self::Polygon { corners: corners.iter().map(|&c| given(c)).collect() },
+            &Geometry::Segment { ends } => Self::Segment { ends: ends.map(given) },
+            Geometry::Compound { parts } => {
+                let part = |part: &Part| {
+                    let Part { ref shape, position, angle, density } = *part;
+                    PartDef { shape: shape.into(), position: given(position), angle, density }
+                };
+                Self::Compound { parts: parts.iter().map(part).collect() }
             }
         }
     }

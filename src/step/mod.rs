@@ -47,7 +47,7 @@ pub(crate) type Probe<'a, S> = dyn FnMut(&Stage, &Bodies<S>) + 'a;
 
 /// Fewer bodies than this are done sooner by one core.
 #[cfg(feature = "parallel")]
-const MANY: usize = 64 * BLOCK;
+pub(crate) const MANY: usize = 64 * BLOCK;
 
 /// Accelerations of some bodies, by their indices in the columns.
 type Accelerations<S> = Vec<(usize, Acceleration<S>)>;

@@ -26,3 +26,13 @@ impl<S: Scalar> Driver<S> for () {
         world.step();
     }
 }
+
+impl<S: Scalar, D: Driver<S> + ?Sized> Driver<S> for &mut D {
+    fn execute(&mut self, world: &mut World<S>, command: &Command<S>) -> Result<Made, Error> {
+        (**self).execute(world, command)
+    }
+
+    fn step(&mut self, world: &mut World<S>) {
+        (**self).step(world);
+    }
+}

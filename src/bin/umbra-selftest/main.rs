@@ -2,6 +2,7 @@
 //!
 //! It needs the library and `std` alone, so that it runs wherever they do. What it prints is the same everywhere: two
 //! machines agree if their last lines do. Exit status 0: all is as it should be; 1: it is not; 2: bad usage.
+#![forbid(unsafe_code)]
 
 mod ways;
 

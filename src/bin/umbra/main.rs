@@ -1,6 +1,7 @@
 //! `umbra`: runs scenes of `umbra-physics` from files, records and checks replays.
 //!
 //! Exit status 0: done; 1: a check failed; 2: bad usage or input.
+#![forbid(unsafe_code)]
 
 mod chart;
 mod compare;

@@ -1,0 +1,137 @@
+//! Three ships around a ball that lies free, until one of them takes it in tow.
+//!
+//! As it is written first, two players who reach for the ball in the same tick get it by whose packet came first: other peers
+//! see it in tow of the other one.
+
+use umbra_physics::oracle::{Game, Symmetry};
+use umbra_physics::{
+    Action, Attachment, BodyDef, BodyId, Command, Driver, End, Fx, Law, Manner, Mass, Random, SpringLaw, Vec2, World,
+    WorldDef, fx, vec2,
+};
+
+/// m, between the centres of a ship and the ball.
+const REACH: Fx = fx!(3);
+/// N·s.
+const THRUST: Fx = fx!(4);
+
+pub(crate) const PLAYERS: usize = 3;
+
+/// What a player does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Deed {
+    /// A thrust in a direction.
+    Thrust(Vec2),
+    /// Takes the ball in tow, if it is free and within reach.
+    Grab,
+}
+
+/// A deed, and whose it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Input {
+    pub(crate) player: usize,
+    pub(crate) deed: Deed,
+}
+
+/// Players who never tire: what they do in a tick, at random.
+pub(crate) fn bots(random: &mut Random) -> Vec<Input> {
+    let mut inputs = Vec::new();
+    for player in 0..PLAYERS {
+        match random.below(12) {
+            0 => inputs.push(Input { player, deed: Deed::Grab }),
+            way @ 1..5 => {
+                let direction = [Vec2::X, Vec2::Y, -Vec2::X, -Vec2::Y][way as usize - 1];
+                inputs.push(Input { player, deed: Deed::Thrust(direction) });
+            }
+            _ => {}
+        }
+    }
+    inputs
+}
+
+/// The handles that hold for a match; all else is in the world. Who has the ball is in the ball's user data: 0 for nobody,
+/// then the players.
+#[derive(Clone, Debug)]
+pub(crate) struct Tow {
+    ships: [BodyId; PLAYERS],
+    ball: BodyId,
+    /// Whether inputs are looked at by player, in whatever order they arrive.
+    pub(crate) is_mended: bool,
+}
+
+impl Tow {
+    /// A match that has not begun.
+    pub(crate) fn new(is_mended: bool) -> Self {
+        let nobody = BodyId::from_parts(u32::MAX, 0);
+        Self { ships: [nobody; PLAYERS], ball: nobody, is_mended }
+    }
+
+    /// What a deed does to the world.
+    fn act(&self, world: &mut World, Input { player, deed }: Input, driver: &mut dyn Driver) -> Option<()> {
+        let ship = self.ships[player];
+        match deed {
+            Deed::Thrust(direction) => {
+                let action = Action::Impulse { impulse: direction.checked_scale(THRUST)?, point: None };
+                driver.execute(world, &Command::Apply { body: ship, action, manner: Manner::default() }).ok()?;
+            }
+            Deed::Grab => {
+                let ball = world.body(self.ball).ok()?;
+                let apart = world.body(ship).ok()?.position() - ball.position();
+                if ball.user_data() == 0 && apart.checked_length()? <= REACH {
+                    let spring = SpringLaw { rest: fx!(1), stiffness: fx!(20), damping: fx!(1) };
+                    let tow = Law::Spring {
+                        near: Attachment::centre(ship),
+                        far: End::Body(Attachment::centre(self.ball)),
+                        spring,
+                    };
+                    driver.execute(world, &Command::AddField(tow.into())).ok()?;
+                    let whose = Command::SetUserData { body: self.ball, user_data: 1 + player as u64 };
+                    driver.execute(world, &whose).ok()?;
+                }
+            }
+        }
+        Some(())
+    }
+}
+
+impl Game for Tow {
+    type Input = Input;
+
+    fn start(&mut self) -> World {
+        let mut world = World::new(WorldDef { linear_damping: fx!(0.5), ..WorldDef::default() }).expect("a fair world");
+        let mut add = |def| world.add_body(def).expect("a fair body");
+        self.ball = add(BodyDef { mass: Mass::Of(fx!(0.5)), ..BodyDef::dynamic() });
+        // On their way to the ball, which they come to at the same time.
+        let starts = [(vec2(-5, 0), vec2(3, 0)), (vec2(4, 3), vec2(fx!(-2.4), fx!(-1.8))), (vec2(4, -3), vec2(-2, 1))];
+        let mut key = 0;
+        self.ships = starts.map(|(position, velocity)| {
+            key += 1;
+            add(BodyDef { position, velocity, mass: Mass::Of(fx!(2)), key, ..BodyDef::dynamic() })
+        });
+        world
+    }
+
+    fn tick(&mut self, world: &mut World, inputs: &[Input], driver: &mut dyn Driver) {
+        let mut inputs = inputs.to_vec();
+        if self.is_mended {
+            inputs.sort_by_key(|input| input.player);
+        }
+        for input in inputs {
+            // What cannot be done is not.
+            let _ = self.act(world, input, driver);
+        }
+        driver.step(world);
+    }
+
+    /// Nothing in the game knows left from right, nor where it is.
+    fn symmetries(&self) -> Vec<Symmetry> {
+        let shift = Symmetry::shift(vec2(1_000, -777));
+        [Symmetry::MIRROR, Symmetry::FLIP, Symmetry::DIAGONAL, Symmetry::TURN].into_iter().chain(shift).collect()
+    }
+
+    fn image(&self, input: &Input, symmetry: &Symmetry) -> Option<Input> {
+        Some(match input.deed {
+            Deed::Thrust(direction) => Input { deed: Deed::Thrust(symmetry.vector(direction)?), ..*input },
+            Deed::Grab => *input,
+        })
+    }
+}

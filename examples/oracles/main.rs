@@ -1,0 +1,70 @@
+//! A game is played by bots until an oracle objects to a match, and the match is made as small as it can be.
+//!
+//! ```sh
+//! cargo run --release --features oracles --example oracles              # finds the fault that was left in the game
+//! cargo run --release --features oracles --example oracles -- --mended  # finds nothing in the game without it
+//! ```
+//!
+//! `--seed N` begins elsewhere, `--out FILE` says where the replay goes. Exit status 0 if the fault was found, or with
+//! `--mended` nothing; 1 otherwise; 2 if the arguments are wrong or the replay cannot be written.
+
+mod game;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::{env, fs};
+
+use game::{Deed, Input, Tow, bots};
+use umbra_physics::oracle::{Campaign, Counterexample, Fuzz, fuzz};
+
+fn main() -> ExitCode {
+    run().unwrap_or_else(|error| {
+        eprintln!("oracles: {error}");
+        ExitCode::from(2)
+    })
+}
+
+fn run() -> Result<ExitCode, Box<dyn std::error::Error>> {
+    let (mut is_mended, mut seed, mut out) = (false, 0, env::temp_dir().join("oracles.umbrarep"));
+    let mut arguments = env::args().skip(1);
+    while let Some(argument) = arguments.next() {
+        let mut value = || arguments.next().ok_or(format!("{argument} needs a value"));
+        match &argument[..] {
+            "--mended" => is_mended = true,
+            "--seed" => seed = value()?.parse()?,
+            "--out" => out = PathBuf::from(value()?),
+            other => return Err(format!("unknown option {other}; known are --mended --seed --out").into()),
+        }
+    }
+    let campaign = fuzz(&Tow::new(is_mended), &Fuzz { seed, ..Fuzz::default() }, |random, _| bots(random));
+    report(&campaign);
+    if let Some(found) = &campaign.found {
+        show(found);
+        fs::write(&out, &found.replay)?;
+        println!("the replay is in {}: `umbra view` makes a page of it", out.display());
+    }
+    Ok(if campaign.found.is_some() != is_mended { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// What was played and judged.
+fn report(campaign: &Campaign<Input>) {
+    println!("{} matches were played", campaign.runs);
+    for (oracle, held) in &campaign.held {
+        println!("  {oracle} had nothing against {held} of them");
+    }
+    if let Some(seed) = campaign.seed {
+        println!("in the match of seed {seed} something is wrong");
+    }
+}
+
+/// The smallest match that was found.
+fn show(found: &Counterexample<Input>) {
+    println!("{}", found.violation);
+    println!("it takes {} ticks and no more than this, as {} tries found out:", found.course.ticks, found.tries);
+    for (tick, Input { player, deed }) in &found.course.inputs {
+        match deed {
+            Deed::Thrust(direction) => println!("  tick {tick}: player {player} thrusts along {direction}"),
+            Deed::Grab => println!("  tick {tick}: player {player} reaches for the ball"),
+        }
+    }
+}

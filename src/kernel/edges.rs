@@ -1,0 +1,247 @@
+//! Every kernel where its range proof is tightest: at the ends of domains, on both sides of each power of two and of each
+//! border between entries of a table, all with all. Built with overflow checks, a sum that wraps ends the test; what comes out
+//! is compared with integers of any size, or with the neighbour on the other side of the border.
+
+use alloc::vec::Vec;
+
+use dashu_int::UBig;
+
+use super::div::*;
+use super::exp_log::*;
+use super::round::*;
+use super::sqrt::*;
+use super::trig::*;
+use super::wide::*;
+
+/// 0, the powers of two at the ends of words and halves, their neighbours, and the largest.
+fn ends() -> Vec<u128> {
+    let powers = [0, 1, 31, 32, 33, 62, 63, 64, 65, 95, 96, 97, 126, 127].map(|k| 1u128 << k);
+    let mut ends: Vec<_> = powers.iter().flat_map(|&power| [power - 1, power, power + 1]).collect();
+    ends.extend([u128::MAX - 1, u128::MAX]);
+    ends.sort_unstable();
+    ends.dedup();
+    ends
+}
+
+fn words() -> Vec<u64> {
+    let mut words: Vec<_> = ends().into_iter().map(|end| end as u64).collect();
+    words.sort_unstable();
+    words.dedup();
+    words
+}
+
+fn of_either_sign() -> Vec<i128> {
+    ends().into_iter().flat_map(|end| [end as i128, (end as i128).wrapping_neg()]).collect()
+}
+
+fn whole(high: u128, low: u128) -> UBig {
+    (UBig::from(high) << 128) + UBig::from(low)
+}
+
+/// To nearest, ties to even.
+fn nearest(num: &UBig, den: &UBig) -> UBig {
+    let (floor, twice) = (num / den, (num % den) * 2u8);
+    let up = twice > *den || (twice == *den && &floor % 2u8 == 1);
+    floor + u8::from(up)
+}
+
+/// num / 2^shift to nearest, ties to even; to the left for shifts below zero.
+fn shifted(num: &UBig, shift: i32) -> UBig {
+    if shift <= 0 { num << shift.unsigned_abs() as usize } else { nearest(num, &(UBig::ONE << shift as usize)) }
+}
+
+const SHIFTS: [i32; 17] = [-200, -128, -127, -64, -1, 0, 1, 2, 63, 64, 126, 127, 128, 129, 255, 256, 257];
+
+#[test]
+fn products_at_the_ends() {
+    for a in ends() {
+        for b in ends() {
+            let product = UBig::from(a) * UBig::from(b);
+            let (high, low) = mul_128(a, b);
+            assert_eq!(whole(high, low), product, "{a:#x} · {b:#x}");
+            for shift in SHIFTS {
+                let fits = u128::try_from(&shifted(&product, shift)).ok();
+                assert_eq!(shift_round_256(high, low, shift), fits, "{a:#x} · {b:#x} >> {shift}");
+                let signed = fits.and_then(|fits| i128::try_from(fits).ok());
+                // −2^127 has no counterpart above zero, and is refused as that would be.
+                let signs = [(a as i128, 1), ((a as i128).wrapping_neg(), -1)];
+                for (a, sign) in signs.into_iter().filter(|_| a >> 127 == 0) {
+                    assert_eq!(mul_shift(a, b, shift), signed.map(|value| sign * value), "{a:#x} · {b:#x} >> {shift}");
+                }
+                if let (Some(sure), true) = (mul_shift_near(a, b as u64, shift), a > 0 && a >> 126 == 0) {
+                    for a in [a - 1, a, a + 1] {
+                        assert_eq!(mul_shift(a as i128, (b as u64).into(), shift), Some(sure));
+                    }
+                }
+            }
+            let (high, low) = mul_192(a, b as u64);
+            assert_eq!((UBig::from(high) << 64) + low, UBig::from(a) * (b as u64));
+        }
+    }
+}
+
+#[test]
+fn shifts_at_the_ends() {
+    for a in ends() {
+        for s in 0..128 {
+            let wanted = shifted(&a.into(), s as i32);
+            assert_eq!(UBig::from(shr_round_u(a, s)), wanted, "{a:#x} >> {s}");
+            let half = shifted(&(a >> 1).into(), s as i32);
+            let signed = i128::try_from(&half).expect("below 2^127");
+            assert_eq!([(a >> 1) as i128, -((a >> 1) as i128)].map(|a| shr_round(a, s)), [signed, -signed]);
+        }
+    }
+}
+
+#[test]
+fn quotients_at_the_ends() {
+    for d in ends().into_iter().filter(|&d| d > 0) {
+        for high in ends() {
+            for low in ends() {
+                let exact = whole(high, low);
+                if high < d {
+                    let (q, r) = div_256(high, low, d);
+                    assert_eq!(
+                        (UBig::from(q), UBig::from(r)),
+                        (&exact / d, UBig::from(&exact % d)),
+                        "{high:#x} {low:#x} / {d:#x}"
+                    );
+                }
+                if d >> 127 == 1 {
+                    let fits = u128::try_from(&nearest(&exact, &d.into())).ok();
+                    assert_eq!(div_round_by(high, low, d, reciprocal(d)), fits, "{high:#x} {low:#x} / {d:#x}");
+                }
+            }
+            assert_eq!(UBig::from(div_round_u(high, d)), nearest(&high.into(), &d.into()));
+        }
+    }
+    for d in words().into_iter().filter(|&d| d >> 63 == 1) {
+        for n in ends().into_iter().filter(|&n| n >> 64 < u128::from(d)) {
+            let (q, r) = div_word(n, d);
+            assert_eq!((u128::from(q), u128::from(r)), (n / u128::from(d), n % u128::from(d)), "{n:#x} / {d:#x}");
+        }
+    }
+    for n in of_either_sign() {
+        for d in of_either_sign().into_iter().filter(|&d| d != 0) {
+            let magnitude = div_round_u(n.unsigned_abs(), d.unsigned_abs()) as i128;
+            let wanted = if (n < 0) == (d < 0) { magnitude } else { magnitude.wrapping_neg() };
+            assert_eq!(div_round(n, d), wanted, "{n:#x} / {d:#x}");
+        }
+    }
+}
+
+#[test]
+fn roots_at_the_borders_of_the_table() {
+    let ends = [0, 1, u64::MAX >> 1, u64::MAX - 1, u64::MAX];
+    // An entry holds for 2^57 of the upper word, and is told apart along 2^41 of it.
+    let borders = (32..128u64).flat_map(|entry| [0, 1, 1 << 41, (1 << 57) - 1].map(|along| (entry << 57) + along));
+    for upper in borders.chain(words()) {
+        for lower in ends {
+            let x = u128::from(upper) << 64 | u128::from(lower);
+            let floor = u128::from(isqrt(x));
+            assert_eq!(floor, x.isqrt(), "{x:#x}");
+            assert_eq!(sqrt_round(x), floor + u128::from(x - floor * floor > floor), "{x:#x}");
+            if x >> 126 != 0 {
+                // In thousandths: (root ± 0.501)² around x · 2^64.
+                let (fine, reciprocal) = root_and_reciprocal(x);
+                let (root, exact) = (UBig::from(fine) * 1000u32, (UBig::from(x) << 64) * 1_000_000u32);
+                assert!((&root - 501u32).pow(2) < exact && exact < (&root + 501u32).pow(2), "{x:#x}");
+                // y·√v is 1 within 2^-55, and so is its square within 2^-54.
+                let one = UBig::from(reciprocal).pow(2) * UBig::from(x);
+                let (exact, apart) = (UBig::ONE << 250, UBig::ONE << 196);
+                assert!(&exact - &apart < one && one < exact + apart, "{x:#x}");
+            }
+        }
+        assert_eq!(u128::from(sqrt_fx(upper >> 1)), sqrt_round(u128::from(upper >> 1) << 32), "{upper:#x}");
+    }
+}
+
+#[test]
+fn rotations_at_the_borders_of_the_table() {
+    // An entry holds for half of 2^54 either way.
+    for border in (0..1 << 10).map(|entry: u64| (entry << 54).wrapping_add(1 << 53)) {
+        let near = [-2i64, -1, 0, 1].map(|off| sin_cos_turn(border.wrapping_add_signed(off)));
+        for pair in near.windows(2) {
+            // A unit of turn moves either by 2π·2^-64, 1.6 of the last place; each errs by two.
+            assert!((pair[0].0 - pair[1].0).abs() <= 5 && (pair[0].1 - pair[1].1).abs() <= 5, "{border:#x}");
+        }
+        for (sin, cos) in near {
+            let square = (i128::from(sin).pow(2) + i128::from(cos).pow(2)) as u128;
+            assert!(square.abs_diff(1 << 124) < 1 << 64, "{border:#x}");
+        }
+    }
+    for raw in words().into_iter().flat_map(|word| [word as i64, (word as i64).wrapping_neg()]) {
+        let (sin, cos) = sin_cos_turn(turn_from_radians(raw));
+        let rounded = [sin, cos].map(|value| shr_round(value.into(), 30) as i64);
+        assert_eq!(<[i64; 2]>::from(sin_cos(raw)), rounded, "{raw:#x}");
+        let apart = turn_from_radians(raw).wrapping_sub(turn_from_radians(raw.saturating_sub(1)));
+        // 2^-32 radians are 2^32/2π units of turn.
+        assert!(raw == i64::MIN || apart.abs_diff(683_565_276) <= 1, "{raw:#x}");
+    }
+}
+
+#[test]
+fn angles_at_the_borders_of_the_table() {
+    // Where i/128 is as near as (i + 1)/128: (2·i + 1)/256 of the longer side, at every length of it.
+    for length in (8..63).map(|k| (1i64 << k) - 1).chain([i64::MAX]) {
+        for i in 0..128 {
+            let across = (i128::from(length) * (2 * i + 1) / 256) as i64;
+            let near = [-1, 0, 1].map(|off| atan2_turn(across + off, length));
+            for pair in near.windows(2) {
+                // At most 1/2π of 1/length of a turn on; each is within two units.
+                let step = i128::from(pair[1].wrapping_sub(pair[0]) as i64);
+                let most = (1i128 << 64) / 6 / i128::from(length) + 4;
+                assert!((-4..=most).contains(&step), "{across} / {length}: {step}");
+            }
+        }
+    }
+    for x in words().into_iter().map(|word| word as i64) {
+        for y in words().into_iter().map(|word| word as i64) {
+            let turn = atan2_turn(y, x);
+            let (sin, cos) = sin_cos_turn(turn);
+            // The vector lies along its angle: their cross product is no more than 2^-60 of its length.
+            let cross = (i128::from(y) >> 1) * (i128::from(cos) >> 1) - (i128::from(x) >> 1) * (i128::from(sin) >> 1);
+            let length = u128::from(x.unsigned_abs().max(y.unsigned_abs())) + 1;
+            assert!(cross.unsigned_abs() <= 4 * length + (1 << 62), "{x} {y}");
+            assert!(atan2(y, x).unsigned_abs() <= 13_493_037_705, "{x} {y}");
+        }
+    }
+}
+
+#[test]
+fn logarithms_and_powers_at_the_borders_of_the_tables() {
+    let borders = (128..256u64).flat_map(|j| (0..64).map(move |drop| (j << 56) >> drop));
+    for raw in borders.chain(words()).filter(|&raw| 1 < raw && raw < u64::MAX) {
+        let near = [raw - 1, raw, raw + 1].map(log2_fine);
+        // Apart by log2(1 + 1/raw) >= 2^-64, and within 2^-118 each.
+        assert!(near[0] < near[1] && near[1] < near[2], "{raw:#x}");
+    }
+    for frac in (0..128u128).flat_map(|entry| [0, 1, 1 << 57, (1 << 121) - 1].map(|off| (entry << 121) + off)) {
+        let fine = exp2_fine(frac);
+        assert!(fine >> 127 == 1, "{frac:#x}");
+        assert_eq!(exp2_for_64_bits(frac).wrapping_add(1 << 63) >> 64, fine.wrapping_add(1 << 63) >> 64, "{frac:#x}");
+        let next = exp2_fine(frac.saturating_add(1 << 70));
+        assert!(fine <= next, "{frac:#x}");
+    }
+    for base in words().into_iter().filter(|&base| base > 0 && base >> 63 == 0) {
+        assert_eq!(pow(base, 1 << 32), Some(base));
+        assert_eq!(pow(base, 0), Some(1 << 32));
+        let square = shr_round_u(u128::from(base) * u128::from(base), 32);
+        assert_eq!(pow(base, 2 << 32).map(u128::from), Some(square).filter(|square| square >> 63 == 0), "{base:#x}");
+        let inverse = div_round_u(1 << 64, base.into());
+        assert_eq!(
+            pow(base, -1 << 32).map(u128::from),
+            Some(inverse).filter(|inverse| inverse >> 63 == 0),
+            "{base:#x}"
+        );
+        for exponent in words().into_iter().map(|word| word as i64) {
+            // No pattern in what comes out, but none of it wraps.
+            let power = pow(base, exponent);
+            let grows = (base > 1 << 32) == (exponent > 0);
+            assert!(power.is_some() || grows, "{base:#x} ^ {exponent:#x}");
+        }
+    }
+    for raw in words().into_iter().map(|word| word as i64) {
+        assert_eq!(exp2(raw).is_none(), raw >= 31 << 32, "{raw:#x}");
+    }
+}

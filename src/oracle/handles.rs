@@ -1,0 +1,88 @@
+//! The handles of one run in another.
+
+use alloc::collections::BTreeMap;
+
+use crate::handle::{BodyId, FieldId};
+use crate::world::{Command, Made};
+
+/// Which body of another run stands for a body, and which force field for a field.
+///
+/// A handle says how often its slot was taken before, so that none ever names two bodies, and a body that is gone still has
+/// its counterpart, gone as well.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Handles {
+    bodies: BTreeMap<BodyId, BodyId>,
+    fields: BTreeMap<FieldId, FieldId>,
+}
+
+/// Slots from here on are never taken: a world has room for 2^24 of each.
+const NOBODY: u32 = 1 << 31;
+
+impl Handles {
+    /// The counterpart of a body; of one that has none a handle that names no body there, ever.
+    #[must_use]
+    pub fn body(&self, body: BodyId) -> BodyId {
+        let nobody = || BodyId { slot: body.slot | NOBODY, ..body };
+        self.bodies.get(&body).copied().unwrap_or_else(nobody)
+    }
+
+    /// The counterpart of a force field; of one that has none a handle that names no field there, ever.
+    #[must_use]
+    pub fn field(&self, field: FieldId) -> FieldId {
+        let nothing = || FieldId { slot: field.slot | NOBODY, ..field };
+        self.fields.get(&field).copied().unwrap_or_else(nothing)
+    }
+
+    /// The command with these counterparts in place of what it names.
+    #[must_use]
+    pub fn command(&self, command: &Command) -> Command {
+        let mut command = command.clone();
+        match &mut command {
+            Command::Apply { body, .. }
+            | Command::SetPosition { body, .. }
+            | Command::SetAngle { body, .. }
+            | Command::SetVelocity { body, .. }
+            | Command::SetAngularVelocity { body, .. }
+            | Command::SetMass { body, .. }
+            | Command::SetShape { body, .. }
+            | Command::SetKind { body, .. }
+            | Command::SetGravityScale { body, .. }
+            | Command::SetBodyDamping { body, .. }
+            | Command::SetGroups { body, .. }
+            | Command::SetKey { body, .. }
+            | Command::SetUserData { body, .. }
+            | Command::RemoveBody(body)
+            | Command::Wake(body)
+            | Command::Release(body) => *body = self.body(*body),
+            Command::AddField(field) => *field = field.moved(|body| Some(self.body(body))).unwrap_or(*field),
+            Command::SetField { id, field } => {
+                *id = self.field(*id);
+                *field = field.moved(|body| Some(self.body(body))).unwrap_or(*field);
+            }
+            Command::RemoveField(id) => *id = self.field(*id),
+            Command::AddBody(_)
+            | Command::ClearForces
+            | Command::SetTimeStep(_)
+            | Command::SetGravity(_)
+            | Command::SetIntegrator(_)
+            | Command::SetDamping { .. }
+            | Command::SetSleepAfter(_)
+            | Command::SetRandom(_)
+            | Command::SetBlob(_) => {}
+        }
+        command
+    }
+
+    pub(super) fn knows(&self, body: BodyId) -> bool {
+        self.bodies.contains_key(&body)
+    }
+
+    /// What was made in one run and in the other is each other's counterpart.
+    pub(super) fn pair(&mut self, here: Made, there: Made) {
+        match (here, there) {
+            (Made::Body(here), Made::Body(there)) => _ = self.bodies.insert(here, there),
+            (Made::Field(here), Made::Field(there)) => _ = self.fields.insert(here, there),
+            _ => {}
+        }
+    }
+}

@@ -1,0 +1,205 @@
+//! What judges runs, as a kit: for a world and the commands carried out on it, and for a game's own tick.
+//!
+//! An [`Oracle`] knows something of a run without knowing what comes out of it: that the same inputs lead to the same bits,
+//! that a copy has the same future, that strangers change nothing. A [`Game`] is a value with two calls, one that begins a
+//! match and one that makes a tick; [`fuzz`] plays it with inputs at random until an oracle objects, and makes the inputs as
+//! few as it can, with a replay of them. A [`Script`] is commands on a fresh world, judged in the same way.
+//!
+//! ```
+//! use umbra_physics::oracle::{Fuzz, Game, Oracle, fuzz};
+//! use umbra_physics::{Action, BodyDef, BodyId, Command, Driver, Manner, World, WorldDef, vec2};
+//!
+//! /// Two ships, and an engine that fires every other time a player presses the button.
+//! #[derive(Clone, Default)]
+//! struct Ships {
+//!     bodies: Vec<BodyId>,
+//!     pressed: u32, // beside the world: a copy of the world does not take it along
+//! }
+//!
+//! impl Game for Ships {
+//!     type Input = usize;
+//!
+//!     fn start(&mut self) -> World {
+//!         let mut world = World::new(WorldDef::default()).unwrap();
+//!         self.bodies = (0..2).map(|_| world.add_body(BodyDef::dynamic()).unwrap()).collect();
+//!         world
+//!     }
+//!
+//!     fn tick(&mut self, world: &mut World, inputs: &[usize], driver: &mut dyn Driver) {
+//!         for &player in inputs {
+//!             self.pressed += 1;
+//!             if self.pressed % 2 == 0 {
+//!                 let action = Action::Impulse { impulse: vec2(0, 1), point: None };
+//!                 let fire = Command::Apply { body: self.bodies[player], action, manner: Manner::default() };
+//!                 driver.execute(world, &fire).unwrap();
+//!             }
+//!         }
+//!         driver.step(world);
+//!     }
+//! }
+//!
+//! let options = Fuzz { oracles: &[Oracle::Repeat, Oracle::Restore], ..Fuzz::default() };
+//! let found = fuzz(&Ships::default(), &options, |random, _tick| match random.below(8) {
+//!     player @ 0..2 => vec![player as usize],
+//!     _ => vec![],
+//! });
+//! let found = found.found.expect("the count of presses is no part of the world");
+//! assert_eq!(found.violation.oracle, Oracle::Restore);
+//! // Pressed twice, the second time in a match that goes on from a snapshot.
+//! assert_eq!(found.course.inputs.len(), 2);
+//! ```
+
+mod drivers;
+mod fuzz;
+mod game;
+mod handles;
+mod script;
+mod shrink;
+mod strangers;
+mod symmetry;
+mod trial;
+
+use alloc::boxed::Box;
+use core::fmt;
+
+pub use fuzz::{Campaign, Fuzz, fuzz};
+pub use game::{Course, Game};
+pub use handles::Handles;
+pub use script::Script;
+pub use shrink::{Counterexample, shrink};
+pub use symmetry::Symmetry;
+
+use crate::replay::Difference;
+use game::Played;
+use trial::Trial;
+
+/// What is known of a run without knowing what comes out of it.
+///
+/// Where states are to be the same, they are so in their [hash](crate::World::state_hash), after every tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+pub enum Oracle {
+    /// A second match with the same inputs has the same states. It finds clocks, hash maps and what matches share.
+    Repeat,
+    /// A command is refused if [`check`](crate::World::check) says so, for the same reason, and then changes nothing.
+    Refusal,
+    /// What the driver was given, recorded, plays to the same states. It finds changes made past the driver.
+    Record,
+    /// A new match on a copy of the world, by way of a snapshot and of its bytes, makes the same of each tick. It finds state
+    /// beside the world.
+    Restore,
+    /// The inputs of a tick lead to the same state in whatever order they arrive. Of a script, bodies that are added one
+    /// after the other, and so fields other than drags, forces and torques, lead to the same
+    /// [motion](crate::World::physics_hash) in any order.
+    Order,
+    /// Bodies that interact with nothing, up to 17, change no bit of the others, of what was applied to them, or of what the
+    /// game keeps in the world; they come and go, sleep, hang on springs, leave the envelope. Strangers have keys from 2^63
+    /// on; a game has to know its own bodies, as strangers are among [`World::bodies`](crate::World::bodies).
+    Strangers,
+    /// In a match that is the mirror image all stays so, to the bit: if the game has a symmetry that mirrors, for as long as
+    /// inputs have images.
+    Mirror,
+    /// The same for a quarter turn.
+    Turn,
+    /// The same for a shift, for as long as no body is more than 2^29 m out.
+    Shift,
+    /// A step that is undone leads to the state before it and on to the one after it, and one that cannot be undone leaves
+    /// the world as it was.
+    Reverse,
+    /// A step that is traced, one that goes stage by stage, and one with all bodies awake move the bodies as the step does.
+    Paths,
+    /// On two threads, with as many strangers as make a step use them, the bodies move as on one: with the feature
+    /// `parallel`.
+    Threads,
+}
+
+impl Oracle {
+    /// All, those that find most first.
+    pub const ALL: [Self; 12] = [
+        Self::Repeat,
+        Self::Refusal,
+        Self::Record,
+        Self::Restore,
+        Self::Order,
+        Self::Strangers,
+        Self::Mirror,
+        Self::Turn,
+        Self::Shift,
+        Self::Reverse,
+        Self::Paths,
+        Self::Threads,
+    ];
+
+    /// Its name: lower case, one word.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Repeat => "repeat",
+            Self::Refusal => "refusal",
+            Self::Record => "record",
+            Self::Restore => "restore",
+            Self::Order => "order",
+            Self::Strangers => "strangers",
+            Self::Mirror => "mirror",
+            Self::Turn => "turn",
+            Self::Shift => "shift",
+            Self::Reverse => "reverse",
+            Self::Paths => "paths",
+            Self::Threads => "threads",
+        }
+    }
+
+    /// Judges a match of a game.
+    ///
+    /// # Errors
+    /// The first [`Violation`].
+    pub fn judge<G: Game>(self, game: &G, course: &Course<G::Input>) -> Result<Verdict, Box<Violation>> {
+        Trial::new(self, &Played(game), course).judge()
+    }
+}
+
+impl fmt::Display for Oracle {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// What an oracle says of a run that it has nothing against.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[non_exhaustive]
+pub enum Verdict {
+    /// All was as it has to be.
+    Held,
+    /// There was nothing to judge.
+    Inapplicable {
+        /// Why not.
+        why: &'static str,
+    },
+}
+
+/// A run in which something is not as it has to be.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct Violation {
+    /// Who found it.
+    pub oracle: Oracle,
+    /// The tick of the run that was being made: 0 is the first.
+    pub tick: u64,
+    /// What the run was compared with, or what was seen in it.
+    pub beside: &'static str,
+    /// The first value that differs: on the left as it is in the run, or has to be, on the right as it is in the other.
+    /// None where there is no such value: a file that cannot be read, say.
+    pub difference: Option<Difference>,
+}
+
+impl fmt::Display for Violation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { oracle, tick, beside, difference } = self;
+        write!(f, "{oracle}, tick {tick}, {beside}")?;
+        difference.as_ref().map_or(Ok(()), |difference| write!(f, ": {difference}"))
+    }
+}
+
+impl core::error::Error for Violation {}

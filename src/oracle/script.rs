@@ -1,0 +1,138 @@
+//! A run as plain data: a fresh world, and commands by tick.
+
+use alloc::collections::BTreeMap;
+use alloc::vec::Vec;
+
+use super::Handles;
+use crate::error::Error;
+use crate::replay::{RecordOptions, Recorder};
+use crate::world::{Command, Driver, World, WorldDef};
+
+/// A run: an empty world, what is done to it, and for how long.
+///
+/// The commands are those that [`World::execute`] takes, with the handles that the world gives out: the first body is
+/// `BodyId::from_parts(0, 0)`. Commands of tick 0 build the scene. A tick carries out its commands, in the order of the list,
+/// and then steps. One that is refused changes nothing and stops no other.
+///
+/// ```
+/// use umbra_physics::oracle::Script;
+/// use umbra_physics::{BodyDef, BodyId, Command, Replay, WorldDef, vec2};
+///
+/// let ball = BodyId::from_parts(0, 0);
+/// let script = Script {
+///     world: WorldDef { gravity: vec2(0, -10), ..WorldDef::default() },
+///     commands: vec![
+///         (0, Command::AddBody(BodyDef::dynamic())),
+///         (30, Command::SetVelocity { body: ball, velocity: vec2(0, 5) }),
+///     ],
+///     ticks: 60,
+/// };
+/// let end = script.run()?;
+/// assert_eq!(end.body(ball)?.velocity(), vec2(0, 0));
+///
+/// let replay = Replay::from_bytes(&script.record()?, &[])?;
+/// assert_eq!((replay.end(), replay.verify()), (60, Ok(())));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct Script {
+    /// What the world is made from.
+    pub world: WorldDef,
+    /// What is done, each at its tick; ticks may stand in any order, and those from `ticks` on are never come to.
+    pub commands: Vec<(u64, Command)>,
+    /// How many ticks are made.
+    pub ticks: u64,
+}
+
+impl Script {
+    /// The world before the first tick, empty.
+    ///
+    /// # Errors
+    /// As [`WorldDef::check`].
+    pub fn start(&self) -> Result<World, Error> {
+        World::new(self.world)
+    }
+
+    /// Does what is to be done at the tick that the world is at, and moves it on to the next.
+    pub fn advance(&self, world: &mut World, driver: &mut dyn Driver) {
+        for command in self.commands_of(world.tick()) {
+            // What is refused is refused in every run alike.
+            _ = driver.execute(world, command);
+        }
+        driver.step(world);
+    }
+
+    /// What is to be done at a tick, in order.
+    pub fn commands_of(&self, tick: u64) -> impl Iterator<Item = &Command> {
+        self.commands.iter().filter(move |(at, _)| *at == tick).map(|(_, command)| command)
+    }
+
+    /// The world at the end.
+    ///
+    /// # Errors
+    /// As [`WorldDef::check`].
+    pub fn run(&self) -> Result<World, Error> {
+        let mut world = self.start()?;
+        (0..self.ticks).for_each(|_| self.advance(&mut world, &mut ()));
+        Ok(world)
+    }
+
+    /// The run as a replay: the bytes of a file that `umbra view` and `umbra verify` open.
+    ///
+    /// # Errors
+    /// As [`WorldDef::check`].
+    pub fn record(&self) -> Result<Vec<u8>, Error> {
+        let mut world = self.start()?;
+        let mut recorder = Recorder::new(&world, RecordOptions::default());
+        (0..self.ticks).for_each(|_| self.advance(&mut world, &mut recorder));
+        Ok(recorder.finish(&world))
+    }
+
+    /// The script with some of its commands alone, by their places in the list.
+    ///
+    /// The handles in the others are those that the world gives out then, so that they name the same bodies and fields as
+    /// before; what they name of bodies and fields that are no longer added is refused.
+    #[must_use]
+    pub fn with(&self, mut keep: impl FnMut(usize) -> bool) -> Self {
+        let kept = self.commands.iter().enumerate().filter(|(index, _)| keep(*index));
+        self.arranged(kept.map(|(index, (tick, _))| (*tick, index)).collect(), self.ticks)
+    }
+
+    /// Some commands, by their places in the list, at other ticks and in another order, with the handles that they have there.
+    pub(super) fn arranged(&self, mut order: Vec<(u64, usize)>, ticks: u64) -> Self {
+        let mut made = BTreeMap::new();
+        let mut given: Vec<(u64, usize)> = self.commands.iter().enumerate().map(|(i, (tick, _))| (*tick, i)).collect();
+        given.sort_by_key(|(tick, _)| *tick);
+        self.walk(&given, self.ticks, |world, index| {
+            if let Ok(new) = world.execute(&self.commands[index].1) {
+                made.insert(index, new);
+            }
+        });
+        order.sort_by_key(|(tick, _)| *tick);
+        let mut handles = Handles::default();
+        let mut commands = Vec::with_capacity(order.len());
+        self.walk(&order, ticks, |world, index| {
+            let command = handles.command(&self.commands[index].1);
+            if let (Some(&was), Ok(new)) = (made.get(&index), world.execute(&command)) {
+                handles.pair(was, new);
+            }
+            commands.push(command);
+        });
+        // Those that the walk did not come to.
+        commands.extend(order[commands.len()..].iter().map(|(_, index)| handles.command(&self.commands[*index].1)));
+        let commands = order.into_iter().map(|(tick, _)| tick).zip(commands).collect();
+        Self { world: self.world, commands, ticks }
+    }
+
+    /// Takes a fresh world to the tick of each of these commands in turn, as far as the ticks go.
+    fn walk(&self, order: &[(u64, usize)], ticks: u64, mut visit: impl FnMut(&mut World, usize)) {
+        let Ok(mut world) = self.start() else { return };
+        for &(tick, index) in order.iter().take_while(|(tick, _)| *tick < ticks) {
+            while world.tick() < tick {
+                world.step();
+            }
+            visit(&mut world, index);
+        }
+    }
+}

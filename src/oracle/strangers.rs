@@ -1,0 +1,103 @@
+//! Bodies that interact with nothing.
+
+use alloc::vec::Vec;
+
+use crate::body::{BodyDef, BodyKind, Mass};
+use crate::force::{Attachment, End, Law};
+use crate::handle::BodyId;
+use crate::math::{Random, Vec2, vec2};
+use crate::scalar::SpringLaw;
+use crate::scalar::fx::{Fx, fx};
+use crate::world::World;
+
+/// The most there are at once of those that come and go.
+pub(super) const MOST: usize = 17;
+
+/// The first of their keys.
+const KEY: u64 = 1 << 63;
+
+/// Strangers in a world.
+pub(super) struct Strangers {
+    random: Random,
+    groups: u32,
+    here: Vec<BodyId>,
+    /// How many are here and never go.
+    for_good: usize,
+    /// How many there have ever been.
+    ever: usize,
+}
+
+impl Strangers {
+    /// So many at first, in these groups.
+    pub(super) fn enter(world: &mut World, count: usize, groups: u32) -> Self {
+        let random = Random::seeded(count as u64);
+        let mut strangers = Self { random, groups, here: Vec::new(), for_good: 0, ever: 0 };
+        (0..count).for_each(|_| strangers.come(world));
+        strangers
+    }
+
+    /// As many as a step needs to use several threads: they move, and that for good.
+    #[cfg(feature = "parallel")]
+    pub(super) fn throng(world: &mut World) -> Self {
+        let mut strangers = Self::enter(world, 0, 0);
+        while world.moving_count() < crate::step::MANY {
+            let position = vec2(0, strangers.ever as i32);
+            let def =
+                BodyDef { position, velocity: vec2(1, 0), key: strangers.key(), groups: 0, ..BodyDef::kinematic() };
+            if world.add_body(def).is_err() {
+                break;
+            }
+            strangers.for_good += 1;
+        }
+        strangers
+    }
+
+    /// How many of the bodies in the world are strangers.
+    pub(super) fn count(&self) -> usize {
+        self.for_good + self.here.len()
+    }
+
+    /// The key of the next one.
+    fn key(&mut self) -> u64 {
+        self.ever += 1;
+        KEY + self.ever as u64
+    }
+
+    /// Between two ticks some come and some go.
+    pub(super) fn pass(&mut self, world: &mut World) {
+        match self.random.below(4) {
+            0 if self.here.len() < MOST => self.come(world),
+            1 if !self.here.is_empty() => {
+                let gone = self.here.swap_remove(self.random.below(self.here.len() as u64) as usize);
+                _ = world.remove_body(gone);
+            }
+            _ => {}
+        }
+    }
+
+    /// One of each kind in turn: one that will sleep, one that is static, a heavy one, one that leaves the envelope in its
+    /// first step, a kinematic one, one that is fast and spins. Each hangs on a spring to the one before, where either gives.
+    fn come(&mut self, world: &mut World) {
+        let number = self.ever;
+        let position = vec2(50 + number as i32, -3);
+        let base = BodyDef { position, groups: self.groups, key: self.key(), ..BodyDef::dynamic() };
+        let def = match number % 6 {
+            0 => BodyDef { gravity_scale: Fx::ZERO, ..base },
+            1 => BodyDef { kind: BodyKind::Static, ..base },
+            2 => BodyDef { velocity: vec2(1, 0), linear_damping: Some(Fx::ONE), mass: Mass::Of(fx!(77)), ..base },
+            3 => BodyDef { position: vec2(1_073_741_823, 0), velocity: vec2(900_000, 0), ..base },
+            4 => BodyDef { kind: BodyKind::Kinematic, velocity: vec2(0, 3), ..base },
+            _ => {
+                let (velocity, angular_velocity) = (vec2(9_000, 0), fx!(50));
+                BodyDef { velocity, angular_velocity, angular_damping: Some(fx!(0.1)), ..base }
+            }
+        };
+        let Ok(body) = world.add_body(def) else { return };
+        if let Some(&last) = self.here.last() {
+            let spring = SpringLaw { rest: fx!(1), stiffness: fx!(9), damping: fx!(1) };
+            let near = Attachment { body, point: Vec2::ZERO };
+            _ = world.add_field(Law::Spring { near, far: End::Body(Attachment::centre(last)), spring });
+        }
+        self.here.push(body);
+    }
+}

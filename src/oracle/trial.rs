@@ -1,0 +1,339 @@
+//! What each oracle does.
+
+use alloc::boxed::Box;
+use alloc::collections::BTreeMap;
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+
+use super::drivers::{Asking, Detours, Inspector, Noting, Pairing, Seen, Undoing, unlike};
+use super::game::{ByTick, Course, Likeness, Subject};
+use super::strangers::{MOST, Strangers};
+use super::{Handles, Oracle, Symmetry, Verdict, Violation};
+use crate::force::{ForceLaw, Law};
+use crate::handle::{BodyId, FieldId};
+use crate::math::Random;
+use crate::replay::{Difference, RecordOptions, Recorder, Replay, Snapshot};
+use crate::world::{Driver, Made, World};
+
+/// A run that is judged.
+pub(super) struct Trial<'a, S: Subject> {
+    oracle: Oracle,
+    subject: &'a S,
+    course: &'a Course<S::Input>,
+    inputs: ByTick<S::Input>,
+}
+
+type Judged = Result<Verdict, Box<Violation>>;
+
+const fn inapplicable(why: &'static str) -> Judged {
+    Ok(Verdict::Inapplicable { why })
+}
+
+/// A match on its way.
+struct Match<S: Subject> {
+    game: S::Match,
+    world: World,
+}
+
+impl<'a, S: Subject> Trial<'a, S> {
+    pub(super) fn new(oracle: Oracle, subject: &'a S, course: &'a Course<S::Input>) -> Self {
+        Self { oracle, subject, course, inputs: course.by_tick() }
+    }
+
+    pub(super) fn judge(&self) -> Judged {
+        let Some(run) = self.begin() else { return inapplicable("the world is refused") };
+        match self.oracle {
+            Oracle::Repeat => self.beside(&self.inputs, Likeness::State, "a second match", &mut ()),
+            Oracle::Refusal => {
+                self.beside(&self.inputs, Likeness::State, "a match that asks first", &mut Asking::default())
+            }
+            Oracle::Record => self.record(run),
+            Oracle::Restore => self.restore(run),
+            Oracle::Order => self.order(),
+            Oracle::Strangers => self.strangers(),
+            Oracle::Mirror => self.images(Symmetry::mirrors),
+            Oracle::Turn => self.images(|symmetry| !symmetry.mirrors() && !symmetry.is_shift()),
+            Oracle::Shift => self.images(Symmetry::is_shift),
+            Oracle::Reverse => {
+                self.beside(&self.inputs, Likeness::State, "a match with each step undone", &mut Undoing::default())
+            }
+            Oracle::Paths => {
+                self.beside(&self.inputs, Likeness::State, "a match by other ways", &mut Detours::default())
+            }
+            Oracle::Threads => self.threads(),
+        }
+    }
+
+    fn begin(&self) -> Option<Match<S>> {
+        let (game, world) = self.subject.begin()?;
+        Some(Match { game, world })
+    }
+
+    fn inputs_of(inputs: &ByTick<S::Input>, tick: u64) -> &[S::Input] {
+        inputs.get(&tick).map_or(&[], |inputs| inputs)
+    }
+
+    fn tick(&self, run: &mut Match<S>, tick: u64, driver: &mut dyn Driver) {
+        self.subject.tick(&mut run.game, &mut run.world, Self::inputs_of(&self.inputs, tick), driver);
+    }
+
+    fn violation(&self, tick: u64, seen: Seen) -> Box<Violation> {
+        let Seen { beside, difference } = seen;
+        Box::new(Violation { oracle: self.oracle, tick, beside, difference })
+    }
+
+    /// Nothing was seen, or it is a violation.
+    fn clear(&self, tick: u64, seen: Option<Seen>) -> Result<(), Box<Violation>> {
+        seen.map_or(Ok(()), |seen| Err(self.violation(tick, seen)))
+    }
+
+    /// Two matches side by side, the second with its own inputs and driver.
+    fn beside<D: Inspector>(
+        &self,
+        inputs: &ByTick<S::Input>,
+        likeness: Likeness,
+        beside: &'static str,
+        driver: &mut D,
+    ) -> Judged {
+        let (Some(mut run), Some(mut other)) = (self.begin(), self.begin()) else {
+            return inapplicable("the world is refused");
+        };
+        let compare = |run: &World, other: &World| match likeness {
+            Likeness::State => unlike(beside, run, other),
+            Likeness::Motion => moves_unlike(beside, run, other),
+        };
+        self.clear(0, compare(&run.world, &other.world))?;
+        for tick in 0..self.course.ticks {
+            self.tick(&mut run, tick, &mut ());
+            self.subject.tick(&mut other.game, &mut other.world, Self::inputs_of(inputs, tick), driver);
+            self.clear(tick, driver.seen())?;
+            self.clear(tick, compare(&run.world, &other.world))?;
+        }
+        driver.idle().map_or(Ok(Verdict::Held), inapplicable)
+    }
+
+    fn record(&self, mut run: Match<S>) -> Judged {
+        let file = record(self.subject, self.course);
+        let replay = Replay::from_bytes(&file, &laws(&run.world));
+        let Ok(replay) = replay else {
+            return Err(self.violation(0, Seen { beside: "a recording that cannot be read", difference: None }));
+        };
+        let mut playback = replay.play();
+        for tick in 0..self.course.ticks {
+            self.tick(&mut run, tick, &mut ());
+            // Whether it goes as recorded is seen in the worlds as well, and there in what.
+            let played = playback.step();
+            self.clear(tick, unlike("its recording, played", &run.world, playback.world()))?;
+            if !matches!(played, Ok(true)) {
+                return Err(self.violation(tick, Seen { beside: "a recording that ends too soon", difference: None }));
+            }
+        }
+        Ok(Verdict::Held)
+    }
+
+    fn restore(&self, mut run: Match<S>) -> Judged {
+        for tick in 0..self.course.ticks {
+            let snapshot = run.world.snapshot();
+            let read = Snapshot::from_bytes(&snapshot.to_bytes(), &laws(&run.world));
+            let Ok(read) = read else {
+                return Err(self.violation(tick, Seen { beside: "a snapshot that cannot be read", difference: None }));
+            };
+            let mut copies = Vec::new();
+            for (beside, snapshot) in
+                [("a new match on a snapshot", &snapshot), ("a new match on a snapshot in bytes", &read)]
+            {
+                let Some(mut copy) = self.begin() else { continue };
+                copy.world.restore(snapshot);
+                self.tick(&mut copy, tick, &mut ());
+                copies.push((beside, copy.world));
+            }
+            self.tick(&mut run, tick, &mut ());
+            for (beside, copy) in copies {
+                self.clear(tick, unlike(beside, &run.world, &copy))?;
+            }
+        }
+        Ok(Verdict::Held)
+    }
+
+    fn order(&self) -> Judged {
+        let reversed: &mut dyn FnMut(&mut [usize]) = &mut |places: &mut [usize]| places.reverse();
+        let shuffled: &mut dyn FnMut(&mut [usize]) =
+            &mut |places: &mut [usize]| Random::seeded(places.len() as u64).shuffle(places);
+        let mut is_other = false;
+        for turn in [reversed, shuffled] {
+            let mut turned = false;
+            let (course, likeness) = self.subject.reordered(self.course, &mut |places| {
+                turned |= places.len() > 1;
+                turn(places);
+            });
+            if turned {
+                is_other = true;
+                self.beside(&course.by_tick(), likeness, "a match in another order", &mut ())?;
+            }
+        }
+        if is_other { Ok(Verdict::Held) } else { inapplicable("there is but one order") }
+    }
+
+    fn images(&self, is_meant: impl Fn(&Symmetry) -> bool) -> Judged {
+        let mut symmetries = self.subject.symmetries();
+        symmetries.retain(is_meant);
+        if symmetries.is_empty() {
+            return inapplicable("it has no such symmetry");
+        }
+        let mut has_compared = false;
+        for symmetry in symmetries {
+            has_compared |= self.image(&symmetry)?;
+        }
+        if has_compared { Ok(Verdict::Held) } else { inapplicable("the start or the first inputs have no image") }
+    }
+
+    /// Whether there was anything to compare.
+    fn image(&self, symmetry: &Symmetry) -> Result<bool, Box<Violation>> {
+        let (Some(mut run), Some(mut other)) = (self.begin(), self.begin()) else { return Ok(false) };
+        let Some(world) = symmetry.world(&run.world) else { return Ok(false) };
+        other.world = world;
+        for tick in 0..self.course.ticks {
+            let images = Self::inputs_of(&self.inputs, tick).iter().map(|input| self.subject.image(input, symmetry));
+            let Some(images) = images.collect::<Option<Vec<S::Input>>>() else { return Ok(tick > 0) };
+            self.tick(&mut run, tick, &mut ());
+            self.subject.tick(&mut other.game, &mut other.world, &images, &mut ());
+            let Some(mut image) = symmetry.world(&run.world) else { return Ok(tick > 0) };
+            // The game's own, and mirrored only as it sees fit.
+            image.random = other.world.random;
+            image.blob.clone_from(&other.world.blob);
+            self.clear(tick, unlike(symmetry.name(), &image, &other.world))?;
+        }
+        Ok(self.course.ticks > 0)
+    }
+
+    fn strangers(&self) -> Judged {
+        let groups = self.subject.stranger_groups();
+        for count in [1, 6, MOST] {
+            let enter = |world: &mut World| Strangers::enter(world, count, groups);
+            if let verdict @ Verdict::Inapplicable { .. } = self.among("a match with strangers", enter, || ())? {
+                return Ok(verdict);
+            }
+        }
+        Ok(Verdict::Held)
+    }
+
+    #[cfg(feature = "parallel")]
+    fn threads(&self) -> Judged {
+        let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(2).build() else {
+            return inapplicable("there are no threads");
+        };
+        self.among("a match on two threads", Strangers::throng, || super::drivers::OnThreads(&pool))
+    }
+
+    #[cfg(not(feature = "parallel"))]
+    #[allow(clippy::unused_self, reason = "with threads it needs it")]
+    fn threads(&self) -> Judged {
+        inapplicable("the feature `parallel` is off")
+    }
+
+    /// A match beside one with strangers in it.
+    fn among<D: Driver>(
+        &self,
+        beside: &'static str,
+        enter: impl FnOnce(&mut World) -> Strangers,
+        driver: impl Fn() -> D,
+    ) -> Judged {
+        let (Some(mut run), Some(mut other)) = (self.begin(), self.begin()) else {
+            return inapplicable("the world is refused");
+        };
+        let mut handles = Handles::default();
+        let bodies: Vec<BodyId> = run.world.bodies().map(|body| body.id()).collect();
+        bodies.into_iter().for_each(|body| handles.pair(Made::Body(body), Made::Body(body)));
+        run.world.fields().for_each(|(field, _)| handles.pair(Made::Field(field), Made::Field(field)));
+        let mut strangers = enter(&mut other.world);
+        for tick in 0..self.course.ticks {
+            let inputs = Self::inputs_of(&self.inputs, tick);
+            let mut noting = Noting::default();
+            self.subject.tick(&mut run.game, &mut run.world, inputs, &mut noting);
+            // Those in commands are renamed as they come, as they may be of this very tick.
+            let renamed =
+                |input| if S::IS_COMMANDS { S::Input::clone(input) } else { self.subject.renamed(input, &handles) };
+            let inputs: Vec<S::Input> = inputs.iter().map(renamed).collect();
+            let mut pairing = Pairing {
+                handles: &mut handles,
+                made: noting.made.into_iter(),
+                translates: S::IS_COMMANDS,
+                inner: driver(),
+            };
+            self.subject.tick(&mut other.game, &mut other.world, &inputs, &mut pairing);
+            if run.world.bodies().any(|body| !handles.knows(body.id())) {
+                return inapplicable("a body was added past the driver");
+            }
+            // Drags act in the order of their slots, and a new one takes a slot that a stranger's spring had left.
+            let drags = |world: &World| -> Vec<FieldId> {
+                world.fields().filter(|(_, field)| matches!(field.law, Law::Drag { .. })).map(|(id, _)| id).collect()
+            };
+            if !drags(&run.world).into_iter().map(|drag| handles.field(drag)).eq(drags(&other.world)) {
+                break;
+            }
+            self.clear(tick, self.disturbed(beside, &run.world, &other.world, &strangers, &handles))?;
+            strangers.pass(&mut other.world);
+        }
+        Ok(Verdict::Held)
+    }
+
+    /// Whether a body is another one among strangers, or there are others.
+    fn disturbed(
+        &self,
+        beside: &'static str,
+        run: &World,
+        other: &World,
+        strangers: &Strangers,
+        handles: &Handles,
+    ) -> Option<Seen> {
+        for here in run.bodies() {
+            let (body, there) = (here.id(), handles.body(here.id()));
+            let digest = |world: &World, body| world.bodies.find(body).ok().map(|dense| world.motion_of(dense));
+            if digest(run, body) != digest(other, there) {
+                return Some(Seen { beside, difference: run.body_difference(body, other, there) });
+            }
+        }
+        let is_same = other.body_count() == run.body_count() + strangers.count()
+            && (&run.def, &run.random, &run.blob) == (&other.def, &other.random, &other.blob);
+        (!is_same).then_some(Seen { beside, difference: None })
+    }
+}
+
+/// The laws of force that may act in a world.
+fn laws(world: &World) -> Vec<Arc<dyn ForceLaw>> {
+    world.laws.values().cloned().collect()
+}
+
+/// A match as a replay: nothing if its world is refused.
+pub(super) fn record<S: Subject>(subject: &S, course: &Course<S::Input>) -> Vec<u8> {
+    let Some((mut game, mut world)) = subject.begin() else { return Vec::new() };
+    let mut recorder = Recorder::new(&world, RecordOptions::default());
+    let inputs = course.by_tick();
+    for tick in 0..course.ticks {
+        let inputs = inputs.get(&tick).map_or(&[][..], |inputs| inputs);
+        subject.tick(&mut game, &mut world, inputs, &mut recorder);
+    }
+    recorder.finish(&world)
+}
+
+/// Where the bodies of two worlds, by their keys, are not the same.
+fn moves_unlike(beside: &'static str, left: &World, right: &World) -> Option<Seen> {
+    if left.physics_hash() == right.physics_hash() {
+        return None;
+    }
+    // Bodies that the other has as well are put aside; of the rest, those of one key belong together.
+    let digests = |world: &World| -> BTreeMap<(u64, u64), BodyId> {
+        world.bodies.in_order().map(|dense| (world.motion_of(dense), world.bodies.id(dense))).collect()
+    };
+    let (mut here, mut there) = (digests(left), digests(right));
+    let both: Vec<(u64, u64)> = here.keys().filter(|digest| there.contains_key(digest)).copied().collect();
+    for digest in both {
+        here.remove(&digest);
+        there.remove(&digest);
+    }
+    let difference: Option<Difference> = here.iter().find_map(|((key, _), body)| {
+        let (_, other) = there.iter().find(|((other, _), _)| other == key)?;
+        left.body_difference(*body, right, *other)
+    });
+    Some(Seen { beside, difference })
+}

@@ -1,0 +1,143 @@
+//! Runs a property over many plans, and leaves the least one that breaks it as a scene in a file.
+
+use std::cell::Cell;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
+
+use proptest::prelude::*;
+use proptest::test_runner::{Config, TestCaseError, TestError, TestRunner};
+use umbra_physics::oracle::{self, Oracle, Script};
+use umbra_physics::scene::Scene;
+
+use crate::plan::Plan;
+
+/// What is wrong, in words.
+pub(crate) type Verdict = Result<(), String>;
+
+/// `PROPTEST_CASES`, or so many; a tenth of them in an unoptimised build.
+pub(crate) fn config(cases: u32) -> Config {
+    let asked = std::env::var("PROPTEST_CASES").ok().and_then(|cases| cases.parse().ok());
+    let cases = asked.unwrap_or(if cfg!(debug_assertions) { cases.div_ceil(10) } else { cases });
+    // What is found is kept as a scene, by us.
+    Config { cases, failure_persistence: None, max_shrink_iters: 20_000, ..Config::default() }
+}
+
+/// The least value for which a property does not hold, and what it says of it.
+pub(crate) fn falsified<T: std::fmt::Debug>(
+    cases: u32,
+    values: impl Strategy<Value = T>,
+    property: impl Fn(&T) -> Verdict,
+) -> Option<(T, String)> {
+    let found = TestRunner::new(config(cases)).run(&values, |value| property(&value).map_err(TestCaseError::fail));
+    match found {
+        Ok(()) => None,
+        Err(TestError::Fail(why, value)) => Some((value, why.message().to_owned())),
+        Err(TestError::Abort(why)) => panic!("no plan was tried to the end: {why}"),
+    }
+}
+
+/// Writes a scene to where the system has files for a while.
+pub(crate) fn written(promise: &str, why: &str, script: &Script) -> Result<PathBuf, String> {
+    let scene = Scene::from_commands(script.world, &script.commands, script.ticks);
+    let mut scene = scene.map_err(|unsayable| unsayable.to_string())?;
+    // A scene's texts have no control characters.
+    let in_a_line: String = why.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+    (scene.title, scene.about) = (format!("Breaks {promise}"), in_a_line);
+    let folder = std::env::temp_dir().join("umbra-promises");
+    std::fs::create_dir_all(&folder).map_err(|error| error.to_string())?;
+    let file = folder.join(format!("{promise}-{}.json", std::process::id()));
+    std::fs::write(&file, scene.to_json()).map_err(|error| error.to_string())?;
+    Ok(file)
+}
+
+/// What a property says of a script; of one that makes it panic, what it said then.
+fn verdict(script: &Script, property: &impl Fn(&Script) -> Verdict) -> Verdict {
+    catch_unwind(AssertUnwindSafe(|| property(script))).unwrap_or_else(|panic| {
+        let said = panic.downcast_ref::<String>().map(String::as_str).or(panic.downcast_ref::<&str>().copied());
+        Err(format!("a panic: {}", said.unwrap_or("without words")))
+    })
+}
+
+/// What is left of a script that breaks a property when no command can go any more, and no tick at the end.
+fn least(mut script: Script, property: &impl Fn(&Script) -> Verdict) -> Script {
+    let breaks = |script: &Script| verdict(script, property).is_err();
+    loop {
+        let size = (script.commands.len(), script.ticks);
+        for index in (0..script.commands.len()).rev() {
+            let fewer = script.with(|other| other != index);
+            if breaks(&fewer) {
+                script = fewer;
+            }
+        }
+        for ticks in [script.ticks / 2, script.ticks.saturating_sub(1)] {
+            let shorter = Script { ticks, ..script.clone() };
+            if breaks(&shorter) {
+                script = shorter;
+                break;
+            }
+        }
+        if size == (script.commands.len(), script.ticks) {
+            return script;
+        }
+    }
+}
+
+/// The least run of these plans that breaks a property, and how.
+pub(crate) fn broken(
+    cases: u32,
+    plans: impl Strategy<Value = Plan>,
+    property: impl Fn(&Script) -> Verdict,
+) -> Option<(Script, String)> {
+    let (plan, _) = falsified(cases, plans, |plan| verdict(&plan.script(), &property))?;
+    let script = least(plan.script(), &property);
+    let why = verdict(&script, &property).err()?;
+    Some((script, why))
+}
+
+fn fail(promise: &str, why: &str, value: &str, script: &Script) -> ! {
+    let file = match written(promise, why, script) {
+        Ok(file) => format!("umbra run {}", file.display()),
+        Err(error) => format!("there is no scene of it: {error}\n{script:?}"),
+    };
+    panic!("{promise}: {why}\n{value}\n{file}");
+}
+
+/// Tries a property on runs of these plans.
+#[track_caller]
+pub(crate) fn check(
+    promise: &str,
+    cases: u32,
+    plans: impl Strategy<Value = Plan>,
+    property: impl Fn(&Script) -> Verdict,
+) {
+    if let Some((script, why)) = broken(cases, plans, property) {
+        fail(promise, &why, "", &script);
+    }
+}
+
+/// Tries a property on what has a run in it.
+#[track_caller]
+pub(crate) fn check_of<T: std::fmt::Debug>(
+    promise: &str,
+    cases: u32,
+    values: impl Strategy<Value = T>,
+    script: impl Fn(&T) -> Script,
+    property: impl Fn(&T) -> Verdict,
+) {
+    if let Some((value, why)) = falsified(cases, values, property) {
+        fail(promise, &why, &format!("{value:?}"), &script(&value));
+    }
+}
+
+/// Has an oracle judge runs of these plans, and makes sure that in one of four there is something to judge.
+#[track_caller]
+pub(crate) fn judge(promise: &str, cases: u32, plans: impl Strategy<Value = Plan>, oracle: Oracle) {
+    let (tried, held) = (Cell::new(0u32), Cell::new(0u32));
+    check(&format!("{promise}-{oracle}"), cases, plans, |script| {
+        let verdict = script.judge(oracle).map_err(|violation| violation.to_string())?;
+        tried.set(tried.get() + 1);
+        held.set(held.get() + u32::from(verdict == oracle::Verdict::Held));
+        Ok(())
+    });
+    assert!(4 * held.get() >= tried.get(), "{oracle} had something to judge in {held:?} of {tried:?} runs");
+}

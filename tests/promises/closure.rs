@@ -1,0 +1,295 @@
+//! P7: a body's bits never depend on bodies it does not interact with. `tests/closure.rs` has one cast and one kind of
+//! strangers, by number; here both are made up: what they are, what acts among them, what is done to either, when strangers
+//! come and go, which of them leave the envelope, and on how many threads a step goes.
+
+use proptest::collection::vec;
+use proptest::prelude::*;
+use umbra_physics::oracle::{Oracle, Script};
+use umbra_physics::{
+    Activity, BodyDef, BodyId, Command, Error, Field, Fx, FxAccumulator, Law, Made, Turn, Vec2, World, limits,
+};
+
+use crate::check::{Verdict, check_of, falsified, judge};
+use crate::plan::{Cast, FAIR, Plan, Taste};
+
+/// The group that strangers alone are in, and their fields alone act on.
+const STRANGERS: u32 = 1 << 31;
+
+#[derive(Clone, Debug)]
+struct Company {
+    /// Those who are watched.
+    plan: Plan,
+    /// Bodies, fields and deeds of strangers.
+    strangers: Plan,
+    /// Which of the two does something next, in turn: the strangers where it says so.
+    turns: Vec<bool>,
+    /// Which of the strangers are thrown out of the envelope, and when.
+    expelled: Option<(u32, u64)>,
+    threads: usize,
+    /// Whether so many more are there that a step uses all threads.
+    throng: bool,
+    /// Whether they are none: fields act on them and the others alike.
+    friends: bool,
+}
+
+/// With groups of either kind alone.
+fn in_groups(command: Command, of: impl Fn(u32) -> u32) -> Command {
+    match command {
+        Command::AddBody(def) => Command::AddBody(BodyDef { groups: of(def.groups), ..def }),
+        Command::SetGroups { body, groups } => Command::SetGroups { body, groups: of(groups) },
+        Command::AddField(field) => Command::AddField(Field { groups: of(field.groups), ..field }),
+        Command::SetField { id, field } => Command::SetField { id, field: Field { groups: of(field.groups), ..field } },
+        command => command,
+    }
+}
+
+/// Whether it is about bodies and fields, and not about the world that all are in.
+fn is_of_bodies(command: &Command) -> bool {
+    !matches!(
+        command,
+        Command::ClearForces
+            | Command::SetTimeStep(_)
+            | Command::SetGravity(_)
+            | Command::SetIntegrator(_)
+            | Command::SetDamping { .. }
+            | Command::SetSleepAfter(_)
+            | Command::SetRandom(_)
+            | Command::SetBlob(_)
+    )
+}
+
+/// A stranger that stops at once would keep `Yoshida4` out of the world for all.
+fn goes_on(command: Command) -> Command {
+    let some = |kept: Option<Fx>| kept.map(|kept| kept.max(Fx::DELTA));
+    match command {
+        Command::AddBody(def) => Command::AddBody(BodyDef {
+            linear_damping: some(def.linear_damping),
+            angular_damping: some(def.angular_damping),
+            ..def
+        }),
+        Command::SetBodyDamping { body, linear, angular } => {
+            Command::SetBodyDamping { body, linear: some(linear), angular: some(angular) }
+        }
+        command => command,
+    }
+}
+
+/// All the bits of a body.
+#[derive(Debug)]
+struct Seen {
+    _position: Vec2<FxAccumulator>,
+    _velocity: Vec2<FxAccumulator>,
+    _angle: Turn,
+    _spin: FxAccumulator,
+    _activity: Activity,
+}
+
+fn seen(world: &World, cast: &Cast, with_sleep: bool) -> Vec<Result<Seen, ()>> {
+    let look = |&body: &BodyId| {
+        let body = world.body(body).map_err(drop)?;
+        let activity = match body.activity() {
+            Activity::Asleep if !with_sleep => Activity::Awake,
+            activity => activity,
+        };
+        Ok(Seen {
+            _position: body.position_exact(),
+            _velocity: body.velocity_exact(),
+            _angle: body.angle_exact(),
+            _spin: body.angular_velocity_exact(),
+            _activity: activity,
+        })
+    };
+    cast.bodies.iter().map(look).collect()
+}
+
+/// Who of a cast is in a list of handles, by number.
+fn numbers(cast: &Cast, bodies: impl Iterator<Item = BodyId>) -> Vec<Option<usize>> {
+    let mut numbers: Vec<_> = bodies.map(|body| cast.bodies.iter().position(|&other| other == body)).collect();
+    numbers.retain(Option::is_some);
+    numbers.sort_unstable();
+    numbers
+}
+
+/// The same words for what names other handles.
+fn kind(done: Result<Made, Error>) -> String {
+    let text = format!("{:?}", done.map(drop));
+    text.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.chars().all(|c| c.is_ascii_digit())).collect()
+}
+
+impl Company {
+    fn own(&self, tick: u64) -> Vec<Command> {
+        self.plan.due(tick).into_iter().map(|command| in_groups(command, |groups| groups & !STRANGERS)).collect()
+    }
+
+    fn strange(&self, tick: u64) -> Vec<Command> {
+        let groups = if self.friends { u32::MAX } else { STRANGERS };
+        let due = self.strangers.due(tick).into_iter().filter(is_of_bodies);
+        let mut due: Vec<Command> = due.map(|command| goes_on(in_groups(command, |_| groups))).collect();
+        if let Some((number, _)) = self.expelled.filter(|(_, at)| *at == tick) {
+            let body = BodyId::from_parts(number, 0);
+            due.push(Command::SetPosition { body, position: Vec2::new(limits::POSITION, Fx::ZERO) });
+            due.push(Command::SetVelocity { body, velocity: Vec2::new(limits::SPEED, Fx::ZERO) });
+        }
+        due
+    }
+
+    /// Whether no call wakes others than those it is about. A field that reaches far wakes all that sleeps when it comes, goes
+    /// or is changed, in whatever groups they are, and so does a change to who carries one. It moves nobody by that.
+    fn leaves_sleepers_alone(&self) -> bool {
+        let reaches_far = |field: &Field| !matches!(field.law, Law::Spring { .. } | Law::Thrust { .. });
+        let is_far = |command: &Command| match command {
+            Command::AddField(field) | Command::SetField { field, .. } => reaches_far(field),
+            _ => false,
+        };
+        !(self.strangers.fields.iter().any(reaches_far) || self.strangers.deeds.iter().any(|(_, deed)| is_far(deed)))
+    }
+
+    /// With or without strangers: what becomes of the others, and how many strangers are, or were, and were quarantined.
+    fn play(&self, with_strangers: bool, mut see: impl FnMut(u64, String) -> Verdict) -> Result<[usize; 2], String> {
+        let mut world = World::new(self.plan.world).map_err(|error| error.to_string())?;
+        let (mut own, mut strange) = (Cast::default(), Cast::default());
+        let mut quarantined = 0;
+        if with_strangers && self.throng {
+            let one = BodyDef { velocity: Vec2::X, groups: STRANGERS, ..BodyDef::kinematic() };
+            for i in 0..8_200 {
+                let position = Vec2::new(Fx::from(i), Fx::from(-1_000));
+                world.add_body(BodyDef { position, ..one.clone() }).map_err(|error| error.to_string())?;
+            }
+        }
+        for tick in 0..self.plan.ticks {
+            let mut turns = self.turns.iter().copied().cycle();
+            let mut own_due = self.own(tick).into_iter().peekable();
+            let strange_due = if with_strangers { self.strange(tick) } else { Vec::new() };
+            let mut strange_due = strange_due.into_iter().peekable();
+            let mut told = String::new();
+            while own_due.peek().is_some() || strange_due.peek().is_some() {
+                let strangers_turn = turns.next().unwrap_or(false);
+                if let Some(command) = strange_due.next_if(|_| strangers_turn || own_due.peek().is_none()) {
+                    strange.carry_out(&mut world, &command);
+                } else if let Some(command) = own_due.next() {
+                    let done = world.execute(&own.command(&command));
+                    told += &kind(done);
+                    if let Ok(made) = done {
+                        own.made(made);
+                    }
+                }
+            }
+            world.step();
+            let report = world.last_report();
+            let with_sleep = self.leaves_sleepers_alone();
+            quarantined += numbers(&strange, report.faults.iter().map(|fault| fault.body)).len();
+            let faults = numbers(&own, report.faults.iter().map(|fault| fault.body));
+            let sleepers = |bodies: &[BodyId]| {
+                if with_sleep { numbers(&own, bodies.iter().copied()) } else { Vec::new() }
+            };
+            let (slept, woke) = (sleepers(report.fell_asleep), sleepers(report.woke));
+            let seen = seen(&world, &own, with_sleep);
+            see(tick, format!("{told}, {faults:?} {slept:?} {woke:?}: {seen:?}"))?;
+        }
+        Ok([strange.bodies.len(), quarantined])
+    }
+
+    fn is_closed(&self) -> Verdict {
+        let mut alone = Vec::new();
+        self.play(false, |_, seen| {
+            alone.push(seen);
+            Ok(())
+        })?;
+        let beside = |tick: u64, seen: String| {
+            if alone[tick as usize] == seen {
+                return Ok(());
+            }
+            Err(format!("at tick {tick}: {seen}\nand alone: {}", alone[tick as usize]))
+        };
+        self.on_threads(|| self.play(true, beside)).map(drop)
+    }
+
+    #[cfg(feature = "parallel")]
+    fn on_threads<T: Send>(&self, run: impl FnOnce() -> T + Send) -> T {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(self.threads).build().expect("a pool");
+        pool.install(run)
+    }
+
+    #[cfg(not(feature = "parallel"))]
+    fn on_threads<T>(&self, run: impl FnOnce() -> T) -> T {
+        run()
+    }
+
+    /// The run with all strangers, but for the throng.
+    fn script(&self) -> Script {
+        let mut world = World::new(self.plan.world).expect("plans have fair worlds");
+        let (mut own, mut strange, mut commands) = (Cast::default(), Cast::default(), Vec::new());
+        for tick in 0..self.plan.ticks {
+            // Without turns: strangers last.
+            for command in self.own(tick) {
+                commands.push((tick, own.carry_out(&mut world, &command)));
+            }
+            for command in self.strange(tick) {
+                commands.push((tick, strange.carry_out(&mut world, &command)));
+            }
+            world.step();
+        }
+        Script { world: self.plan.world, commands, ticks: self.plan.ticks }
+    }
+}
+
+fn companies() -> impl Strategy<Value = Company> {
+    let near = Taste { near: 3, ..FAIR };
+    let deeds = || vec((0..near.ticks, near.command()), 0..14);
+    let strangers = (vec(near.body(), 0..=17), vec(near.field(), 0..9), deeds());
+    let expelled = proptest::option::of((0u32..17, 0..near.ticks / 2));
+    let throng = proptest::bool::weighted(if cfg!(feature = "parallel") { 0.03 } else { 0.0 });
+    (near.plan(), strangers, vec(any::<bool>(), 1..8), expelled, 1usize..4, throng).prop_map(
+        |(plan, (bodies, fields, deeds), turns, expelled, threads, throng)| {
+            let strangers = Plan { bodies, fields, deeds, ..plan.clone() };
+            Company { plan, strangers, turns, expelled, threads, throng, friends: false }
+        },
+    )
+}
+
+#[test]
+fn the_order_in_which_a_world_is_built_changes_no_bit_and_neither_do_strangers() {
+    let near = Taste { near: 3, ..FAIR };
+    judge("closure", 500, near.plan(), Oracle::Order);
+    judge("closure", 200, near.plan(), Oracle::Strangers);
+}
+
+#[test]
+fn strangers_change_no_bit_of_a_body() {
+    check_of("closure", 1_500, companies(), Company::script, Company::is_closed);
+}
+
+/// Each of this happens in companies that are made up.
+#[test]
+fn strangers_come_in_all_numbers_and_sleep_and_leave() {
+    let happens = |what: &str, happens: fn(&Company) -> bool| {
+        let found = falsified(400, companies(), |company| if happens(company) { Err(String::new()) } else { Ok(()) });
+        assert!(found.is_some(), "{what}");
+    };
+    let quarantined: fn(&Company) -> bool =
+        |company| company.play(true, |_, _| Ok(())).is_ok_and(|[_, quarantined]| quarantined > 0);
+    happens("none", |company| company.play(true, |_, _| Ok(())) == Ok([0, 0]));
+    happens("seventeen", |company| company.strangers.bodies.len() == 17);
+    happens("one is quarantined", quarantined);
+    happens("sleepers are compared", |company| company.leaves_sleepers_alone() && company.strangers.bodies.len() > 3);
+    happens("they are tied to each other", |company| {
+        let end = company.script().run().expect("a fair world");
+        let strange = |body: BodyId| end.body(body).is_ok_and(|body| body.groups() == STRANGERS);
+        end.fields().any(|(_, field)| matches!(field.law, Law::Spring { near, .. } if strange(near.body)))
+    });
+    happens("one is asleep", |company| {
+        let end = company.script().run().expect("a fair world");
+        end.bodies().any(|body| body.groups() == STRANGERS && body.activity() == Activity::Asleep)
+    });
+    happens("one is removed", |company| {
+        let end = company.script().run().expect("a fair world");
+        let added = company.strangers.bodies.len() + company.plan.bodies.len();
+        end.body_count() < added && company.plan.deeds.is_empty()
+    });
+}
+
+#[test]
+fn a_friend_taken_for_a_stranger_is_found_out() {
+    let friends = companies().prop_map(|company| Company { friends: true, ..company });
+    assert!(falsified(200, friends, Company::is_closed).is_some());
+}

@@ -1,0 +1,128 @@
+//! P8: a scene pays for what it uses. `tests/costs.rs` counts instructions; here runs that are made up show what a step goes
+//! through, what a look ahead takes along, and that going over ticks again takes nothing from the heap.
+
+use std::collections::BTreeSet;
+
+use allocation_counter::measure;
+use umbra_physics::oracle::{Oracle, Script};
+use umbra_physics::{Activity, BodyId, BodyKind, End, Field, Law, World};
+
+use crate::check::{Verdict, broken, check, judge};
+use crate::plan::{FAIR, Taste};
+
+fn end(script: &Script) -> Result<World, String> {
+    script.run().map_err(|error| error.to_string())
+}
+
+/// A step goes through the bodies that may move, and no other.
+fn moves_those_alone_who_may_move(script: &Script) -> Verdict {
+    let mut world = script.start().map_err(|error| error.to_string())?;
+    for tick in 0..script.ticks {
+        script.advance(&mut world, &mut ());
+        let may_move =
+            |body: &umbra_physics::BodyRef<'_>| body.kind() != BodyKind::Static && body.activity() == Activity::Awake;
+        let count = world.bodies().filter(may_move).count();
+        if world.moving_count() != count {
+            return Err(format!("at tick {tick} a step goes through {} bodies, not {count}", world.moving_count()));
+        }
+    }
+    Ok(())
+}
+
+/// The bodies whose fields reach a body, by way of others or not: what there is to ask about its future, and no more.
+fn reaching(world: &World, body: BodyId) -> BTreeSet<BodyId> {
+    let mut reaching = BTreeSet::from([body]);
+    let is_acted_on = |field: &Field, one: BodyId| world.body(one).is_ok_and(|body| body.groups() & field.groups != 0);
+    loop {
+        let mut more = reaching.clone();
+        for (_, field) in world.fields() {
+            match field.law {
+                Law::Spring { near, far: End::Body(far), .. } => {
+                    for (one, other) in [(near.body, far.body), (far.body, near.body)] {
+                        // A static body hands nothing on, but who hangs on it asks where it is.
+                        let hands_on = world.body(one).is_ok_and(|body| body.kind() != BodyKind::Static);
+                        if reaching.contains(&one) && hands_on {
+                            more.insert(other);
+                        }
+                    }
+                }
+                Law::Attractor { centre: End::Body(at), .. } if reaching.iter().any(|&one| is_acted_on(field, one)) => {
+                    more.insert(at.body);
+                }
+                _ => {}
+            }
+        }
+        if more == reaching {
+            return reaching;
+        }
+        reaching = more;
+    }
+}
+
+/// A look ahead takes along who reaches the body and nobody else, and is its future.
+fn looks_ahead_with_few(script: &Script) -> Verdict {
+    let world = end(script)?;
+    for body in world.bodies().map(|body| body.id()) {
+        let mut ahead = world.look_ahead(body).map_err(|error| error.to_string())?;
+        let (taken, least) = (ahead.world().body_count(), reaching(&world, body).len());
+        if taken > least {
+            return Err(format!("a look ahead with {body} takes {taken} bodies along, not {least}"));
+        }
+        let mut world = world.clone();
+        for tick in 0..20 {
+            ahead.step();
+            world.step();
+            let (seen, is) = (ahead.body().map_err(|error| error.to_string())?, world.body(body).expect("it stays"));
+            let bits = |body: &umbra_physics::BodyRef<'_>| {
+                (body.position_exact(), body.velocity_exact(), body.angle_exact(), body.angular_velocity_exact())
+            };
+            if bits(&seen) != bits(&is) {
+                return Err(format!("{body} goes another way than was foreseen, {tick} ticks on"));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Ticks that were gone through once take nothing from the heap when they are gone through again.
+fn takes_nothing_the_second_time(script: &Script) -> Verdict {
+    let mut world = end(script)?;
+    let start = world.clone();
+    let ticks = |world: &mut World| (0..30).for_each(|_| _ = world.step());
+    ticks(&mut world);
+    let again = measure(|| {
+        world.clone_from(&start);
+        ticks(&mut world);
+    });
+    if again.count_total == 0 { Ok(()) } else { Err(format!("{} times something was taken", again.count_total)) }
+}
+
+const NEAR: Taste = Taste { near: 3, ..FAIR };
+
+/// What a step leaves out, and where it takes several bodies through at once, changes nothing.
+#[test]
+fn no_short_cut_changes_a_bit() {
+    judge("pays", 400, NEAR.plan(), Oracle::Paths);
+}
+
+#[test]
+fn a_step_goes_through_the_bodies_that_may_move() {
+    check("pays-moving", 500, NEAR.plan(), moves_those_alone_who_may_move);
+}
+
+#[test]
+fn a_look_ahead_takes_along_what_it_depends_on() {
+    check("pays-outlook", 500, NEAR.plan(), looks_ahead_with_few);
+}
+
+#[test]
+fn ticks_gone_over_again_take_nothing_from_the_heap() {
+    check("pays-heap", 500, NEAR.plan(), takes_nothing_the_second_time);
+    // What the first time takes is seen.
+    let first = |script: &Script| {
+        let world = end(script)?;
+        let taken = measure(|| _ = world.clone().step());
+        if taken.count_total == 0 { Ok(()) } else { Err("taken".to_owned()) }
+    };
+    assert!(broken(10, NEAR.plan(), first).is_some());
+}

@@ -1,0 +1,70 @@
+//! The tests of these tests: what is false is found, shrunk to little, and left as a scene that breaks it as well.
+
+use std::process::Command as Process;
+
+use umbra_physics::oracle::Script;
+use umbra_physics::scene::Scene;
+use umbra_physics::{Activity, Fx, Law, World, fx};
+
+use crate::check::{Verdict, broken, written};
+use crate::plan::{FAIR, Taste};
+
+/// The world of a script, seen after each tick.
+fn seen(script: &Script, mut see: impl FnMut(&World) -> Verdict) -> Verdict {
+    let mut world = World::new(script.world).map_err(|error| error.to_string())?;
+    for _ in 0..script.ticks {
+        script.advance(&mut world, &mut ());
+        see(&world)?;
+    }
+    Ok(())
+}
+
+fn nobody_is_pulled(world: &World) -> Verdict {
+    let is_spring = |law: &Law| matches!(law, Law::Spring { .. });
+    if world.fields().any(|(_, field)| is_spring(&field.law)) && world.bodies().any(|body| body.velocity().x > fx!(1)) {
+        return Err("somebody is pulled".to_owned());
+    }
+    Ok(())
+}
+
+fn nobody_leaves(world: &World) -> Verdict {
+    let quarantined = world.bodies().find(|body| body.activity() == Activity::Quarantined);
+    quarantined.map_or(Ok(()), |body| Err(format!("{} left", body.id())))
+}
+
+fn breaks_as_a_file(name: &str, taste: Taste, property: fn(&World) -> Verdict, most: (usize, usize, usize)) {
+    let (script, why) = broken(2_000, taste.plan(), |script| seen(script, property)).expect("it is false");
+    let file = written(name, &why, &script).expect("it can be said");
+    let text = std::fs::read_to_string(&file).expect("it was written");
+    let scene = Scene::parse(&text).unwrap_or_else(|error| panic!("{}:{error}", file.display()));
+    let size = (scene.bodies.len(), scene.fields.len(), scene.inputs.len());
+    assert!(size.0 <= most.0 && size.1 <= most.1 && size.2 <= most.2, "{size:?}\n{text}");
+    let mut run = scene.start::<Fx>().expect("it starts");
+    let mut verdict = Ok(());
+    for _ in 0..scene.ticks {
+        run.advance().expect("it goes on");
+        verdict = verdict.and(property(run.world()));
+    }
+    assert_eq!(verdict, Err(why), "{text}");
+    let ran = Process::new(env!("CARGO_BIN_EXE_umbra")).arg("run").arg(&file).output().expect("there is a program");
+    assert!(ran.status.success(), "{}", String::from_utf8_lossy(&ran.stderr));
+    std::fs::remove_file(file).expect("it is there");
+}
+
+#[test]
+fn what_is_false_is_left_as_a_small_scene_that_breaks_it() {
+    breaks_as_a_file("springs", FAIR, nobody_is_pulled, (2, 1, 1));
+    let near = Taste { near: 10, ..FAIR };
+    breaks_as_a_file("quarantine", near, nobody_leaves, (1, 1, 2));
+}
+
+#[test]
+fn a_panic_is_what_is_found_and_shrunk_like_any_other() {
+    let panics = |script: &Script| {
+        assert!(script.run().expect("a fair world").body_count() < 3, "three or more");
+        Ok(())
+    };
+    let (script, why) = broken(200, FAIR.plan(), panics).expect("some have three");
+    assert_eq!((script.commands.len(), script.ticks), (3, 1));
+    assert_eq!(why, "a panic: three or more");
+}
