@@ -206,7 +206,7 @@ fn what_has_no_words_is_refused_by_name() {
 
 #[test]
 fn a_scene_holds_as_many_inputs_as_can_be_read_and_no_more() {
-    const MOST: usize = 1 << 20;
+    const MOST: usize = Scene::MOST as usize;
     let clear = |count| vec![(0, Command::ClearForces); count];
     assert!(Scene::from_commands(WorldDef::default(), &clear(MOST), 1).is_ok());
     let error = Scene::from_commands(WorldDef::default(), &clear(MOST + 1), 1).map(drop);

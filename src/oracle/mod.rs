@@ -69,6 +69,7 @@ pub use script::Script;
 pub use shrink::{Counterexample, shrink};
 pub use symmetry::Symmetry;
 
+use crate::error::codes;
 use crate::replay::Difference;
 use game::Played;
 use trial::Trial;
@@ -201,5 +202,7 @@ impl fmt::Display for Violation {
         difference.as_ref().map_or(Ok(()), |difference| write!(f, ": {difference}"))
     }
 }
+
+codes!(Violation = 620);
 
 impl core::error::Error for Violation {}

@@ -337,6 +337,24 @@ fn where_no_hash_is_recorded_that_of_a_snapshot_is_compared() {
 }
 
 #[test]
+fn whom_calls_woke_is_in_a_snapshot() {
+    let mut world = World::new(WorldDef { sleep_after: Some(1), ..WorldDef::default() }).expect("a world");
+    let body = world.add_body(BodyDef::dynamic()).expect("a body");
+    while world.step().fell_asleep.is_empty() {}
+    world.wake(body).expect("it is there");
+    let bytes = world.snapshot().to_bytes();
+    let mut there = Snapshot::from_bytes(&bytes, &[]).expect("a snapshot").into_world();
+    assert_eq!(there.step().woke, [body]);
+    let file = Recorder::new(&world, RecordOptions::default()).finish(&world);
+    let (chunk, start) = chunks(&file).remove(1);
+    let (at, ..) = values(&chunk).into_iter().find(|(_, _, name, _)| name == "woken[0]").expect("it is there");
+    let mut changed = file;
+    changed[start + at] ^= 1;
+    let Err(ReplayError::Tampered(finding)) = Replay::from_bytes(&changed, &[]) else { panic!("it was changed") };
+    assert_eq!((&finding.field[..], finding.recorded.as_deref()), ("woken[0]", Some("body 0")));
+}
+
+#[test]
 fn the_first_difference_of_two_replays_is_named() {
     let whole = recording();
     let ours = Replay::from_bytes(&whole, &laws()).expect("it is whole");

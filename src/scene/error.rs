@@ -3,7 +3,7 @@
 use alloc::string::{String, ToString};
 use core::fmt;
 
-use crate::error::Error;
+use crate::error::{Error, codes};
 use crate::scalar::fx::ParseFxError;
 
 /// Where something stands in a scene's text.
@@ -149,7 +149,8 @@ pub enum Unsayable {
         /// The index of the command.
         command: usize,
     },
-    /// The world carries out more commands than a scene has inputs: 2^20, and as many bodies and force fields at the start.
+    /// The world carries out more commands than a scene has inputs ([`Scene::MOST`](super::Scene::MOST)), and as many bodies
+    /// and force fields at the start.
     Many {
         /// The index of the first that is one too many.
         command: usize,
@@ -168,6 +169,8 @@ impl fmt::Display for Unsayable {
         }
     }
 }
+
+codes!(Unsayable { World = 521, Law = 522, Mu = 523, Many = 524 });
 
 impl core::error::Error for Unsayable {
     fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {

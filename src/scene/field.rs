@@ -29,7 +29,7 @@ pub(super) type Names = BTreeMap<String, usize>;
 
 /// The handle that stands for a body of this index.
 pub(super) const fn symbol(index: usize) -> BodyId {
-    // A scene has at most 2^20 of them.
+    // They fit: few more than 2^17, or as many as a caller allows, a `u32`.
     BodyId::from_parts(index as u32, 0)
 }
 
