@@ -91,7 +91,7 @@ pub(super) fn blob(node: &Node<'_>) -> Result<Vec<u8>> {
         _ => None,
     };
     let bytes: Option<_> = text.as_bytes().chunks(2).map(byte).collect();
-    bytes.ok_or_else(|| node.fault("expected bytes as two hexadecimal digits each"))
+    bytes.ok_or_else(|| node.fault(Flaw::Text.of("expected bytes as two hexadecimal digits each")))
 }
 
 /// How to draw a scene. Nothing of it changes a result.

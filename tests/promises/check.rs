@@ -22,13 +22,24 @@ pub(crate) fn config(cases: u32) -> Config {
     Config { cases, failure_persistence: None, max_shrink_iters: 20_000, ..Config::default() }
 }
 
+/// Enough to find what is false, however few are asked for, and to make little of it.
+pub(crate) fn until_found() -> Config {
+    Config { cases: 5_000, ..config(0) }
+}
+
+/// Whether there is such a value among these.
+pub(crate) fn there_is<T: std::fmt::Debug>(values: impl Strategy<Value = T>, is_such: impl Fn(&T) -> bool) -> bool {
+    let found = |value: &T| if is_such(value) { Err("found".to_owned()) } else { Ok(()) };
+    falsified(Config { max_shrink_iters: 0, ..until_found() }, values, found).is_some()
+}
+
 /// The least value for which a property does not hold, and what it says of it.
 pub(crate) fn falsified<T: std::fmt::Debug>(
-    cases: u32,
+    config: Config,
     values: impl Strategy<Value = T>,
     property: impl Fn(&T) -> Verdict,
 ) -> Option<(T, String)> {
-    let found = TestRunner::new(config(cases)).run(&values, |value| property(&value).map_err(TestCaseError::fail));
+    let found = TestRunner::new(config).run(&values, |value| property(&value).map_err(TestCaseError::fail));
     match found {
         Ok(()) => None,
         Err(TestError::Fail(why, value)) => Some((value, why.message().to_owned())),
@@ -84,11 +95,11 @@ fn least(mut script: Script, property: &impl Fn(&Script) -> Verdict) -> Script {
 
 /// The least run of these plans that breaks a property, and how.
 pub(crate) fn broken(
-    cases: u32,
+    config: Config,
     plans: impl Strategy<Value = Plan>,
     property: impl Fn(&Script) -> Verdict,
 ) -> Option<(Script, String)> {
-    let (plan, _) = falsified(cases, plans, |plan| verdict(&plan.script(), &property))?;
+    let (plan, _) = falsified(config, plans, |plan| verdict(&plan.script(), &property))?;
     let script = least(plan.script(), &property);
     let why = verdict(&script, &property).err()?;
     Some((script, why))
@@ -110,7 +121,7 @@ pub(crate) fn check(
     plans: impl Strategy<Value = Plan>,
     property: impl Fn(&Script) -> Verdict,
 ) {
-    if let Some((script, why)) = broken(cases, plans, property) {
+    if let Some((script, why)) = broken(config(cases), plans, property) {
         fail(promise, &why, "", &script);
     }
 }
@@ -124,7 +135,7 @@ pub(crate) fn check_of<T: std::fmt::Debug>(
     script: impl Fn(&T) -> Script,
     property: impl Fn(&T) -> Verdict,
 ) {
-    if let Some((value, why)) = falsified(cases, values, property) {
+    if let Some((value, why)) = falsified(config(cases), values, property) {
         fail(promise, &why, &format!("{value:?}"), &script(&value));
     }
 }
@@ -139,5 +150,6 @@ pub(crate) fn judge(promise: &str, cases: u32, plans: impl Strategy<Value = Plan
         held.set(held.get() + u32::from(verdict == oracle::Verdict::Held));
         Ok(())
     });
+    println!("{promise}: {oracle} judged {} of {}", held.get(), tried.get());
     assert!(4 * held.get() >= tried.get(), "{oracle} had something to judge in {held:?} of {tried:?} runs");
 }

@@ -10,7 +10,7 @@ use umbra_physics::{
     World, WorldDef, fx,
 };
 
-use crate::check::{Verdict, check_of, falsified};
+use crate::check::{Verdict, check_of, there_is};
 use crate::plan::between;
 
 /// Nothing in it turns faster than some 4 rad/s, and nothing has an edge: springs through their anchors, softened
@@ -143,7 +143,7 @@ fn every_integrator_has_its_order_on_smooth_problems() {
 #[test]
 fn an_integrator_of_order_1_is_found_not_to_have_order_2() {
     for integrator in [Integrator::ExplicitEuler, Integrator::SymplecticEuler, Integrator::PublishedVerlet] {
-        assert!(falsified(40, problem(integrator), |problem| problem.has_order(2)).is_some(), "{integrator:?}");
+        assert!(there_is(problem(integrator), |problem| problem.has_order(2).is_err()), "{integrator:?}");
     }
-    assert!(falsified(40, problem(Integrator::VelocityVerlet), |problem| problem.has_order(4)).is_some());
+    assert!(there_is(problem(Integrator::VelocityVerlet), |problem| problem.has_order(4).is_err()));
 }

@@ -6,7 +6,7 @@ use umbra_physics::oracle::Script;
 use umbra_physics::scene::Scene;
 use umbra_physics::{Activity, Fx, Law, World, fx};
 
-use crate::check::{Verdict, broken, written};
+use crate::check::{Verdict, broken, until_found, written};
 use crate::plan::{FAIR, Taste};
 
 /// The world of a script, seen after each tick.
@@ -32,13 +32,13 @@ fn nobody_leaves(world: &World) -> Verdict {
     quarantined.map_or(Ok(()), |body| Err(format!("{} left", body.id())))
 }
 
-fn breaks_as_a_file(name: &str, taste: Taste, property: fn(&World) -> Verdict, most: (usize, usize, usize)) {
-    let (script, why) = broken(2_000, taste.plan(), |script| seen(script, property)).expect("it is false");
+fn breaks_as_a_file(name: &str, taste: Taste, property: fn(&World) -> Verdict) {
+    let (script, why) = broken(until_found(), taste.plan(), |script| seen(script, property)).expect("it is false");
     let file = written(name, &why, &script).expect("it can be said");
     let text = std::fs::read_to_string(&file).expect("it was written");
     let scene = Scene::parse(&text).unwrap_or_else(|error| panic!("{}:{error}", file.display()));
-    let size = (scene.bodies.len(), scene.fields.len(), scene.inputs.len());
-    assert!(size.0 <= most.0 && size.1 <= most.1 && size.2 <= most.2, "{size:?}\n{text}");
+    // Of some 25 things that a plan has.
+    assert!(scene.bodies.len() + scene.fields.len() + scene.inputs.len() <= 6, "{text}");
     let mut run = scene.start::<Fx>().expect("it starts");
     let mut verdict = Ok(());
     for _ in 0..scene.ticks {
@@ -53,9 +53,9 @@ fn breaks_as_a_file(name: &str, taste: Taste, property: fn(&World) -> Verdict, m
 
 #[test]
 fn what_is_false_is_left_as_a_small_scene_that_breaks_it() {
-    breaks_as_a_file("springs", FAIR, nobody_is_pulled, (2, 1, 1));
+    breaks_as_a_file("springs", FAIR, nobody_is_pulled);
     let near = Taste { near: 10, ..FAIR };
-    breaks_as_a_file("quarantine", near, nobody_leaves, (1, 1, 2));
+    breaks_as_a_file("quarantine", near, nobody_leaves);
 }
 
 #[test]
@@ -64,7 +64,7 @@ fn a_panic_is_what_is_found_and_shrunk_like_any_other() {
         assert!(script.run().expect("a fair world").body_count() < 3, "three or more");
         Ok(())
     };
-    let (script, why) = broken(200, FAIR.plan(), panics).expect("some have three");
+    let (script, why) = broken(until_found(), FAIR.plan(), panics).expect("some have three");
     assert_eq!((script.commands.len(), script.ticks), (3, 1));
     assert_eq!(why, "a panic: three or more");
 }

@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use umbra_physics::oracle::{Oracle, Script};
 use umbra_physics::{Activity, BodyDef, Command, End, Field, Law, Mass, World, WorldDef, fx, limits};
 
-use crate::check::{Verdict, check_of, falsified, judge};
+use crate::check::{Verdict, check_of, judge, there_is};
 use crate::plan::{FAIR, Taste};
 
 const TASTE: Taste = Taste { near: 1, unfair: 0, ..FAIR };
@@ -54,6 +54,8 @@ impl Pair {
                 world.bodies().map(way).collect()
             };
             match ways(&world)[..] {
+                // A damping of 0 does not go with every integrator: then neither is there.
+                [] => return Ok(()),
                 [a, b] if a == b => {}
                 ref ways => return Err(format!("at tick {tick} they have come apart: {ways:?}")),
             }
@@ -87,5 +89,5 @@ fn pairs(pulls_alike: bool) -> impl Strategy<Value = Pair> {
 fn bodies_of_any_mass_fall_alike() {
     check_of("fair-masses", 600, pairs(true), Pair::script, Pair::falls_alike);
     // Drag does not pull alike.
-    assert!(falsified(200, pairs(false), Pair::falls_alike).is_some());
+    assert!(there_is(pairs(false), |pair| pair.falls_alike().is_err()));
 }
