@@ -6,7 +6,7 @@ use std::path::Path;
 
 use proptest::prelude::*;
 use umbra_physics::scalar::ToF64;
-use umbra_physics::scene::{Scene, SceneError, SceneRun};
+use umbra_physics::scene::{Deed, Scene, SceneError, SceneRun};
 use umbra_physics::{Activity, Fx, Random, Scalar, Vec2, fx};
 
 /// The scenes by name.
@@ -264,4 +264,47 @@ fn steps_that_are_too_fine_are_refused() {
         let error = scene.start_finer::<Fx>(steps).expect_err("too fine");
         assert!(error.message.starts_with("the time step must be"), "{steps}: {error}");
     }
+}
+
+#[test]
+fn a_vector_of_the_greatest_length_fits_or_is_refused() {
+    let vector = |length: &str, angle: &str| {
+        let text = format!(
+            "{{\"inputs\": [{{\"at\": 0, \"set\": {{\n\"gravity\": {{\"length\": {length}, \"angle\": {angle}}}}}}}]}}"
+        );
+        Scene::parse(&text).expect_err("more than any gravity").to_string()
+    };
+    // Turned round it is one ulp above the largest number.
+    let turned = vector("-2147483648", "3.14159265358979");
+    assert!(turned.starts_with("2: inputs[0].set.gravity: out of range: a component does not fit"), "{turned}");
+    assert!(vector("-2147483648", "0").contains("gravity within"));
+}
+
+#[test]
+fn what_is_added_is_added_once() {
+    for what in [r#""add": {"name": "b"}"#, r#""add_field": {"drag": {}}"#] {
+        let error =
+            Scene::parse(&format!(r#"{{"inputs": [{{"from": 0, "to": 9, {what}}}]}}"#)).expect_err("ten of them");
+        assert!(error.message.contains("added once"), "{error}");
+        assert!(Scene::parse(&format!(r#"{{"inputs": [{{"from": 3, "to": 3, {what}}}]}}"#)).is_ok());
+    }
+}
+
+#[test]
+fn a_scene_that_was_changed_into_nonsense_is_refused() {
+    let scene =
+        Scene::parse(r#"{"bodies": [{"name": "b"}], "inputs": [{"at": 1, "body": "b", "do": "wake"}]}"#).unwrap();
+    let more = Scene { starting_bodies: 2, ..scene.clone() };
+    assert!(more.start::<Fx>().is_err());
+    let more = Scene { starting_fields: 1, ..scene.clone() };
+    assert!(more.start::<Fx>().is_err());
+    for deed in [Deed::AddBody(99), Deed::AddField(99)] {
+        let mut changed = scene.clone();
+        changed.inputs[0].deed = deed;
+        let mut run = changed.start::<Fx>().expect("nothing is wrong with its start");
+        assert!(run.advance().is_ok() && run.advance().is_err());
+    }
+    let mut changed = scene;
+    changed.inputs[0].every = 0;
+    assert_eq!([0, 1, 2].map(|tick| changed.inputs[0].is_due(tick)), [false, true, false]);
 }

@@ -20,7 +20,7 @@ pub struct Input {
     pub from: u64,
     /// The last one.
     pub to: u64,
-    /// It is done at `from` and each so many ticks after it; at least 1.
+    /// It is done at `from` and each so many ticks after it; 0 is taken for 1.
     pub every: u64,
     /// What is done.
     pub deed: Deed,
@@ -94,6 +94,10 @@ pub(super) fn input(object: &Object<'_>, scene: &mut Scene, tables: &mut Tables)
     // Last, so that what is unknown is known to be.
     let (from, to, every) = span(object)?;
     object.finish()?;
+    let is_added = |(_, deed): &(Place, Deed)| matches!(deed, Deed::AddBody(_) | Deed::AddField(_));
+    if let Some((place, _)) = deeds.iter().find(|deed| from != to && is_added(deed)) {
+        return Err(place.fault(Flaw::OutOfRange.of("out of range: what has a name is added once, `at` one tick")));
+    }
     if deeds.is_empty() {
         return Err(object.node.fault("this input does nothing"));
     }
@@ -221,6 +225,7 @@ impl Input {
     /// Whether it is done at this tick.
     #[must_use]
     pub const fn is_due(&self, tick: u64) -> bool {
-        self.from <= tick && tick <= self.to && (tick - self.from) % self.every == 0
+        let every = if self.every == 0 { 1 } else { self.every };
+        self.from <= tick && tick <= self.to && (tick - self.from) % every == 0
     }
 }

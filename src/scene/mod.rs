@@ -107,7 +107,7 @@ impl Scene {
     /// text can ask for many. What repetitions would be if they were written out is limited with them, to 512 bytes for each
     /// of the most things there may be.
     ///
-    /// Memory: at most 8 bytes for a byte of the text and of what repetitions would be, and 4 KiB for each thing.
+    /// Memory: at most 64 KiB, 8 bytes for a byte of the text and of what repetitions would be, and 4 KiB for each thing.
     ///
     /// # Errors
     /// As [`parse`](Self::parse).

@@ -6,8 +6,8 @@ use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
 use super::body::convert_mass;
-use super::error::{Coded, Place, SceneError};
-use super::field::convert_field;
+use super::error::{Coded, Flaw, Place, SceneError};
+use super::field::{convert_field, symbol};
 use super::input::{Deed, Input};
 use super::node::quoted;
 use super::shape::vector;
@@ -63,6 +63,11 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
         };
         run.bodies.resize(scene.bodies.len(), None);
         run.fields.resize(scene.fields.len(), None);
+        if scene.starting_bodies > scene.bodies.len() || scene.starting_fields > scene.fields.len() {
+            return Err(scene
+                .place
+                .fault(Flaw::OutOfRange.of("out of range: more are there from the start than there are")));
+        }
         for index in 0..scene.starting_bodies {
             run.carry_out(&Deed::AddBody(index), &mut ())
                 .map_err(|e| scene.bodies[index].place.fault(Coded(e.code(), run.explain(e))))?;
@@ -216,9 +221,14 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
     /// What a deed is to the world.
     fn command(&self, deed: &Deed) -> Result<Command<S>, Error> {
         Ok(match deed {
-            Deed::AddBody(index) => Command::AddBody(self.scene.bodies[*index].def()?),
+            Deed::AddBody(index) => {
+                let unknown = Error::NoSuchBody { body: symbol(*index) };
+                Command::AddBody(self.scene.bodies.get(*index).ok_or(unknown)?.def()?)
+            }
             Deed::AddField(index) => {
-                Command::AddField(convert_field(&self.scene.fields[*index].field, &|body| self.body(body))?)
+                let unknown = Error::NoSuchField { field: FieldId::from_parts(*index as u32, 0) };
+                let field = &self.scene.fields.get(*index).ok_or(unknown)?.field;
+                Command::AddField(convert_field(field, &|body| self.body(body))?)
             }
             Deed::SetShape { body, shape } => {
                 let shape = shape.as_ref().map(ShapeDef::make).transpose()?;

@@ -2,6 +2,7 @@
 
 use alloc::vec::Vec;
 
+use super::error::Flaw;
 use super::node::{Node, Result};
 use crate::error::{Error, Quantity};
 use crate::limits::{CORNERS, PARTS, SIZE_MAX, SIZE_MIN};
@@ -176,7 +177,9 @@ impl Node<'_> {
         let (length, angle) = (object.need("length")?.number()?, object.need("angle")?.number()?);
         object.finish()?;
         let (sin, cos) = angle.sin_cos();
-        // |sin| and |cos| are at most 1: the products fit.
-        Ok(Vec2::new(length * cos, length * sin))
+        // |sin| and |cos| are at most 1. Against the largest length there is room for it one way alone: −2^31 turned round is no `Fx`.
+        let component = |unit| length.checked_mul(unit);
+        let vector = component(cos).zip(component(sin)).map(|(x, y)| Vec2::new(x, y));
+        vector.ok_or_else(|| self.fault(Flaw::OutOfRange.of("out of range: a component does not fit")))
     }
 }
