@@ -153,6 +153,20 @@ fn stage() -> Vec<(u64, Command)> {
 }
 
 #[test]
+fn a_slot_that_is_freed_before_the_first_tick_is_taken_again() {
+    let first = BodyId::from_parts(0, 0);
+    let still = Command::AddBody(BodyDef::dynamic());
+    let moving = Command::AddBody(BodyDef { velocity: vec2(1, 0), ..BodyDef::dynamic() });
+    let commands = [still.clone(), Command::RemoveBody(first), moving, still].map(|command| (0, command));
+    let scene = Scene::from_commands(WorldDef::default(), &commands, 1).expect("a scene");
+    assert_eq!((scene.starting_bodies, scene.inputs.len()), (1, 3));
+    let mut world: World = World::new(WorldDef::default()).expect("the standard world");
+    commands.iter().for_each(|(_, command)| _ = world.execute(command));
+    world.step();
+    assert_eq!(hashes(&read(&scene.to_json())), [world.state_hash()]);
+}
+
+#[test]
 fn each_command_on_its_own_is_the_same_once_written() {
     let mut own_laws = 0;
     for command in everything::commands() {
