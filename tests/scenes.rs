@@ -262,3 +262,57 @@ fn steps_that_are_too_fine_are_refused() {
         assert!(error.message.starts_with("the time step must be"), "{steps}: {error}");
     }
 }
+
+#[test]
+fn a_few_lines_that_repeat_a_long_one_are_refused() {
+    let corners: Vec<String> = (0..64).map(|i| format!("[{i}, {}]", i * i)).collect();
+    let part = format!(r#"{{"shape": {{"polygon": [{}]}}}}"#, corners.join(", "));
+    let compound = format!(r#"{{"compound": [{}]}}"#, vec![part; 256].join(", "));
+    let body =
+        |count: u32, shape: &str| format!(r#"{{"name": "{{n}}", "repeat": {{"i": {count}}}, "shape": {shape}}}"#);
+    let refused = |bodies: &[String]| {
+        let error = Scene::parse(&format!("{{\"bodies\": [\n{}\n]}}", bodies.join(",\n"))).expect_err("too much");
+        assert!(error.message.contains("bytes of text"), "{error}");
+        (error.place.line, error.place.field)
+    };
+    assert_eq!(refused(&[body(1 << 20, &compound)]), (2, "bodies[0].repeat".to_string()));
+    // Nor bit by bit: two times 2^27 bytes and a little.
+    let long = format!("{{\"circle\":{}{{\"radius\": 1}}}}", " ".repeat(1 << 20));
+    let (half, other) = (body(128, &long), body(128, &long).replace("{n}", "other {n}"));
+    assert_eq!(refused(&[half, other]), (3, "bodies[1].repeat".to_string()));
+}
+
+#[test]
+fn objects_of_many_fields_are_read_in_the_time_their_text_takes() {
+    let fields: Vec<String> = (0..400_000).map(|i| format!("\"f{i}\":0")).collect();
+    let start = std::time::Instant::now();
+    let error = Scene::parse(&format!("{{{}}}", fields.join(","))).expect_err("no such field");
+    assert!(error.message.starts_with("unknown field"), "{error}");
+    let twice = format!("{{{},\n\"f7\":1,\"f8\":1}}", fields.join(","));
+    let error = Scene::parse(&twice).expect_err("a field is there twice");
+    assert_eq!((error.place.line, &error.place.field[..]), (2, "f7"));
+    // A comparison of each with each takes a minute.
+    assert!(start.elapsed().as_secs() < 20, "{:?}", start.elapsed());
+}
+
+#[test]
+fn inputs_that_go_through_a_large_world_thousands_of_times_are_tried_as_they_come() {
+    let scene = |removed: u32| {
+        format!(
+            r#"{{
+            "bodies": [{{"name": "b{{n}}", "repeat": {{"i": 8192}}}}],
+            "fields": [{{"zone": {{"disc": {{"centre": [0, 0], "radius": 1}}, "acceleration": [1, 0]}}, "groups": [9],
+                "repeat": {{"i": 65536}}}}],
+            "inputs": [
+                {{"at": 5, "body": "b{{n}}", "do": "remove", "repeat": {{"i": {removed}}}}},
+                {{"at": 7, "body": "b0", "force": [1, 0]}}
+            ]}}"#
+        )
+    };
+    // Few enough: refused before the run.
+    let error = Scene::parse(&scene(100)).expect_err("b0 is not there any more");
+    assert!(error.message.starts_with("at tick 7"), "{error}");
+    // 2^28 / (2^13 + 2^16) are not.
+    let parsed = Scene::parse(&scene(4_000)).expect("nothing is seen to be wrong with it");
+    assert_eq!(parsed.inputs.len(), 4_001);
+}

@@ -3,6 +3,7 @@
 //! A value is looked into only as deep as the format goes, so that depth costs no stack, and a number is the text that
 //! stands in the file.
 
+use alloc::collections::BTreeSet;
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -138,15 +139,18 @@ impl<'a> Node<'a> {
             return Err(self.wrong_kind("an object"));
         }
         let Entries(raw) = serde_json::from_str(self.text).map_err(|e| self.fault(e))?;
-        let mut entries: Vec<Entry<'a>> = Vec::with_capacity(raw.len());
-        for (name, raw) in raw {
-            let dot = if self.field.is_empty() { "" } else { "." };
-            let node = self.child(raw, format_args!("{dot}{}", in_a_line(&name)));
-            if entries.iter().any(|entry| entry.name == name) {
-                return Err(node.fault("this field is there twice"));
-            }
-            entries.push(Entry { name, node, used: Cell::new(false) });
+        let dot = if self.field.is_empty() { "" } else { "." };
+        let field = |name: &str, raw: &'a RawValue| self.child(raw, format_args!("{dot}{}", in_a_line(name)));
+        // In order, so that a thousand fields take no million comparisons.
+        let mut names: BTreeSet<&str> = BTreeSet::new();
+        if let Some((name, raw)) = raw.iter().find(|(name, _)| !names.insert(name)) {
+            return Err(field(name, raw).fault("this field is there twice"));
         }
+        let entry = |(name, raw): (String, &'a RawValue)| {
+            let node = field(&name, raw);
+            Entry { name, node, used: Cell::new(false) }
+        };
+        let entries = raw.into_iter().map(entry).collect();
         Ok(Object { node: self.clone(), entries, asked: RefCell::default() })
     }
 

@@ -9,6 +9,9 @@ use crate::scalar::fx::{Fx, ParseFxError};
 
 /// The most that repetitions make of a scene's bodies, force fields or inputs.
 pub(super) const MOST: u64 = 1 << 20;
+/// The most text that repetitions of one list read, in bytes: 256 for each of the most there can be. Otherwise a few lines
+/// and one long shape in them would take hours, and more memory than there is.
+const MOST_TEXT: u64 = MOST << 8;
 
 /// Which repetition it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,8 +66,10 @@ impl Round {
 }
 
 /// Reads a list in which an object with the field `repeat` stands for many.
+///
+/// *Time* and *memory* grow with the text as it is and with what repetitions read of it, both of which are limited.
 pub(super) fn each<'a>(list: &Node<'a>, mut read: impl FnMut(&Object<'a>) -> Result<()>) -> Result<()> {
-    let mut made = 0;
+    let (mut made, mut text) = (0, 0u64);
     for node in list.list()? {
         let object = node.object()?;
         let Some(repeat) = object.get("repeat") else {
@@ -79,8 +84,15 @@ pub(super) fn each<'a>(list: &Node<'a>, mut read: impl FnMut(&Object<'a>) -> Res
         let j = j.map_or(Ok((0, 0)), range)?;
         counts.finish()?;
         let count = |(first, last): (i64, i64)| last.abs_diff(first) + 1;
-        made += u64::try_from(u128::from(count(i)) * u128::from(count(j))).unwrap_or(MOST + 1).min(MOST + 1);
+        let times = u64::try_from(u128::from(count(i)) * u128::from(count(j))).unwrap_or(MOST + 1).min(MOST + 1);
+        made += times;
         check_count(repeat, made)?;
+        text = text.saturating_add(times.saturating_mul(node.raw().len() as u64));
+        if text > MOST_TEXT {
+            return Err(
+                repeat.fault(format_args!("out of range: repetitions can read at most {MOST_TEXT} bytes of text"))
+            );
+        }
         let mut n = 0;
         for j in j.0..=j.1 {
             for i in i.0..=i.1 {
