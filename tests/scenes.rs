@@ -308,3 +308,44 @@ fn a_scene_that_was_changed_into_nonsense_is_refused() {
     changed.inputs[0].every = 0;
     assert_eq!([0, 1, 2].map(|tick| changed.inputs[0].is_due(tick)), [false, true, false]);
 }
+
+#[test]
+fn a_few_lines_that_repeat_a_long_one_are_refused() {
+    let corners: Vec<String> = (0..64).map(|i| format!("[{i}, {}]", i * i)).collect();
+    let part = format!(r#"{{"shape": {{"polygon": [{}]}}}}"#, corners.join(", "));
+    let compound = format!(r#"{{"compound": [{}]}}"#, vec![part; 256].join(", "));
+    let body =
+        |count: u32, shape: &str| format!(r#"{{"name": "{{n}}", "repeat": {{"i": {count}}}, "shape": {shape}}}"#);
+    let refused = |bodies: &[String]| {
+        let error = Scene::parse(&format!("{{\"bodies\": [\n{}\n]}}", bodies.join(",\n"))).expect_err("too much");
+        assert!(error.message.contains("written out"), "{error}");
+        (error.place.line, error.place.field)
+    };
+    assert_eq!(refused(&[body(1 << 17, &compound)]), (2, "bodies[0].repeat".to_string()));
+    // Nor bit by bit: two times 2^25 bytes and a little.
+    let long = format!("{{\"circle\":{}{{\"radius\": 1}}}}", " ".repeat(1 << 20));
+    let (half, other) = (body(32, &long), body(32, &long).replace("{n}", "other {n}"));
+    assert_eq!(refused(&[half, other]), (3, "bodies[1].repeat".to_string()));
+}
+
+#[test]
+fn inputs_that_go_through_a_large_world_thousands_of_times_are_tried_as_they_come() {
+    let scene = |removed: u32| {
+        format!(
+            r#"{{
+            "bodies": [{{"name": "b{{n}}", "repeat": {{"i": 8192}}}}],
+            "fields": [{{"zone": {{"disc": {{"centre": [0, 0], "radius": 1}}, "acceleration": [1, 0]}}, "groups": [9],
+                "repeat": {{"i": 65536}}}}],
+            "inputs": [
+                {{"at": 5, "body": "b{{n}}", "do": "remove", "repeat": {{"i": {removed}}}}},
+                {{"at": 7, "body": "b0", "force": [1, 0]}}
+            ]}}"#
+        )
+    };
+    // Few enough: refused before the run.
+    let error = Scene::parse(&scene(100)).expect_err("b0 is not there any more");
+    assert!(error.message.starts_with("at tick 7"), "{error}");
+    // 2^28 / (2^13 + 2^16) are not.
+    let parsed = Scene::parse(&scene(4_000)).expect("nothing is seen to be wrong with it");
+    assert_eq!(parsed.inputs.len(), 4_001);
+}

@@ -1,7 +1,6 @@
 //! The update rules of the stages, over a block of the bodies that move.
 
 use alloc::vec::Vec;
-use core::slice;
 
 use super::Timing;
 use crate::body::{Acceleration, Block, Tuning};
@@ -27,9 +26,20 @@ impl<'a, S: Scalar> Tuned<'a, S> {
         }
     }
 
-    /// Whether no stage could take a body out of the envelope that is far inside it.
-    pub(crate) fn is_gentle(&self) -> bool {
-        matches!(self, Self::Alike(row) if row.is_gentle)
+    /// Whether nobody's damping runs backwards.
+    pub(crate) fn decay(&self, block: &Block<'_, S>) -> bool {
+        match self {
+            Self::Alike(row) => row.decays,
+            Self::Each(rows) => block.tuning.iter().all(|&row| rows[row as usize].decays),
+        }
+    }
+
+    /// Whether no stage could take a body of the block out of the envelope that is far inside it.
+    pub(crate) fn are_gentle(&self, block: &Block<'_, S>) -> bool {
+        match self {
+            Self::Alike(row) => row.is_gentle,
+            Self::Each(rows) => block.tuning.iter().all(|&row| rows[row as usize].is_gentle),
+        }
     }
 }
 
@@ -59,6 +69,7 @@ pub(crate) fn damp<S: Scalar>(
     }
 }
 
+#[inline(always)]
 fn damp_one<S: Scalar>(
     block: &mut Block<'_, S>,
     i: usize,
@@ -66,24 +77,19 @@ fn damp_one<S: Scalar>(
     span: usize,
     faults: &mut Vec<(usize, Cause)>,
 ) {
-    let damped = |v: S::Accumulator, kept: S::Factor| {
-        if kept > S::Factor::ONE {
-            return v.scaled(kept);
-        }
-        let mut v = v;
-        S::damp_all(slice::from_mut(&mut v), kept);
-        Some(v)
-    };
-    let one = S::Factor::ONE;
-    if row.linear[span] != one {
+    let (linear, angular, one) = (row.linear[span], row.angular[span], S::Factor::ONE);
+    // Damping that runs backwards may go too far.
+    let damped =
+        |v: S::Accumulator, kept| if row.decays || kept <= one { Some(v.damped(kept)) } else { v.scaled(kept) };
+    if linear != one {
         let [x, y] = &mut block.velocity;
-        match (damped(x[i], row.linear[span]), damped(y[i], row.linear[span])) {
+        match (damped(x[i], linear), damped(y[i], linear)) {
             (Some(vx), Some(vy)) => (x[i], y[i]) = (vx, vy),
             _ => faults.push((block.first + i, Cause::Velocity)),
         }
     }
-    if row.angular[span] != one {
-        match damped(block.spin[i], row.angular[span]) {
+    if angular != one {
+        match damped(block.spin[i], angular) {
             Some(spin) => block.spin[i] = spin,
             None => faults.push((block.first + i, Cause::AngularVelocity)),
         }
@@ -168,6 +174,51 @@ pub(crate) fn glide<S: Scalar>(
     if spins {
         let spin = Spin { kept: row.angular[half], turn: timing.turn, negative: timing.negative };
         S::spin_all(block.angle, block.spin, &spin);
+    }
+}
+
+/// The same of bodies that are not alike: all drift alike, and only before and after that each looks up its own factors.
+pub(crate) fn glide_each<S: Scalar>(
+    block: &mut Block<'_, S>,
+    rows: &[Tuning<S>],
+    (half, timing): (usize, &Timing<S>),
+    spins: bool,
+    backwards: bool,
+) {
+    damp_and_fall::<S, true>(block, rows, half, backwards);
+    drift(block, timing, spins);
+    damp_and_fall::<S, false>(block, rows, half, backwards);
+}
+
+/// Damps and lets fall each body by itself, or the other way round. *Domain* all dampings decay.
+#[inline(always)]
+fn damp_and_fall<S: Scalar, const OPENING: bool>(
+    block: &mut Block<'_, S>,
+    rows: &[Tuning<S>],
+    span: usize,
+    backwards: bool,
+) {
+    let [x, y] = &mut block.velocity;
+    let velocities = x.iter_mut().zip(y.iter_mut()).zip(block.spin.iter_mut());
+    for (((x, y), spin), &row) in velocities.zip(block.tuning) {
+        let row = &rows[row as usize];
+        let gained = gained(row, span, backwards);
+        if !OPENING {
+            (*x, *y) = (x.plus(gained.x), y.plus(gained.y));
+        }
+        if row.is_damped {
+            // Without damping not even what is below the public value is lost.
+            let (linear, angular, one) = (row.linear[span], row.angular[span], S::Factor::ONE);
+            if linear != one {
+                (*x, *y) = (x.damped(linear), y.damped(linear));
+            }
+            if angular != one {
+                *spin = spin.damped(angular);
+            }
+        }
+        if OPENING {
+            (*x, *y) = (x.plus(gained.x), y.plus(gained.y));
+        }
     }
 }
 

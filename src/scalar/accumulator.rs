@@ -5,6 +5,7 @@ use core::fmt;
 use super::decimal;
 use super::factor::FxFactor;
 use super::fx::Fx;
+use super::sweep;
 use super::{Accumulator, Number, TRANSIENT_SPEED_LOG2};
 use crate::kernel::round::shr_round;
 use crate::kernel::wide::mul_shift;
@@ -102,6 +103,11 @@ impl Accumulator<Fx> for FxAccumulator {
         let (mantissa, shift) = factor.parts();
         let product = mul_shift(self.bits(), u128::from(mantissa), shift)?;
         (product.unsigned_abs() < TRANSIENT).then_some(Self::settled(product))
+    }
+
+    #[inline(always)]
+    fn damped(self, kept: FxFactor) -> Self {
+        sweep::damped(self, kept)
     }
 
     #[inline]

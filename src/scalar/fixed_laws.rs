@@ -320,8 +320,8 @@ impl Scalar for Fx {
         Some((component(x)?, component(y)?))
     }
 
-    /// *Error* the tension is that of a spring 0.501 · 2^-64 m longer or shorter, rounded to 2^-64 N; each component is then
-    /// rounded once more.
+    /// *Error* the tension is that of a spring 0.501 · 2^-64 m longer or shorter (from 2^23 m on 0.751), rounded to 2^-64 N;
+    /// each component is then rounded once more.
     fn tension(offset: Offset<Self>, velocity: Offset<Self>, spring: &SpringLaw<Self>) -> Option<Offset<Self>> {
         let (x, y, sum) = squares(offset, Self::ZERO)?;
         if sum == 0 {
@@ -330,7 +330,7 @@ impl Scalar for Fx {
         // The direction of a short spring needs all bits of its length: that in units of 2^-64 m / 2^up, in [2^95, 2^96].
         let up = sum.leading_zeros() / 2;
         let fine = root_fine(sum << (2 * up));
-        // In units of 2^-64 m, below 2^97.
+        // In units of 2^-64 m, below 2^97. Rounded twice: 0.501 / 2^up of a unit, then a half.
         let length = shr_round_short(fine, up);
         let stretch = length as i128 - (i128::from(spring.rest.to_bits()) << 32);
         let direction = Direction::new(fine, up);

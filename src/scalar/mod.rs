@@ -160,6 +160,11 @@ pub trait Accumulator<S: Scalar>: Number {
     fn negated(self) -> Self;
     /// The product, or zero if its public value is zero. `None` from a magnitude of 2^24 on.
     fn scaled(self, factor: S::Factor) -> Option<Self>;
+    /// The product, or zero if its public value is zero. *Domain* kept <= 1, a magnitude below 2^26.
+    #[must_use]
+    fn damped(self, kept: S::Factor) -> Self {
+        self.scaled(kept).unwrap_or(self)
+    }
     /// Whether its magnitude is at most `limit`.
     fn is_within(self, limit: S) -> bool;
     /// Its bits.
@@ -338,7 +343,7 @@ pub trait Scalar: Number + Display + PartialOrd + Add<Output = Self> + Sub<Outpu
 
     /// Each times `kept`, or zero if its public value is then zero. *Domain* kept <= 1, values below 2^26.
     fn damp_all(values: &mut [Self::Accumulator], kept: Self::Factor) {
-        values.iter_mut().for_each(|v| *v = v.scaled(kept).unwrap_or(*v));
+        values.iter_mut().for_each(|v| *v = v.damped(kept));
     }
     /// Each plus `gained`. *Domain* the sums fit, as for [`Accumulator::plus`].
     fn kick_all(values: &mut [Self::Accumulator], gained: Self::Accumulator) {

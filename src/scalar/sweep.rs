@@ -46,6 +46,23 @@ fn scaled(v: FxAccumulator, mantissa: u64) -> FxAccumulator {
     FxAccumulator { high: rounded.1 as i64, low: rounded.0 }
 }
 
+/// v·mantissa / 2^(64 + cut): the same for a factor in [½, 1) · 2^-cut. *Domain* 0 < cut < 64.
+#[inline(always)]
+fn scaled_down(v: FxAccumulator, mantissa: u64, cut: u32) -> FxAccumulator {
+    let cut = cut & 63;
+    let low = u128::from(v.low) * u128::from(mantissa);
+    let (rest, floor) = (low as u64, add_word(product(v.high as u64, mantissa), (low >> 64) as u64));
+    let kept = (i128::from(floor.1 as i64) << 64 | i128::from(floor.0)) >> cut;
+    // What is cut off as a word, all below it gathered in its last bit: it is above, at or below the half.
+    let below = (u128::from(floor.0) << 64 | u128::from(rest)) >> cut;
+    let below = below as u64 | u64::from(rest & ((1 << cut) - 1) != 0);
+    let rounded = add_word((kept as u64, (kept >> 64) as u64), u64::from(below > TIE - (kept as u64 & 1)));
+    if rounded.1.wrapping_add(1) <= 1 {
+        return settled(rounded);
+    }
+    FxAccumulator { high: rounded.1 as i64, low: rounded.0 }
+}
+
 #[cold]
 fn settled((low, high): Words) -> FxAccumulator {
     let v = FxAccumulator { high: high as i64, low };
@@ -63,13 +80,28 @@ fn passed(v: i64, mantissa: u64, shift: u32) -> i128 {
     (i128::from(high as i64) << 64 | i128::from(low)) >> shift
 }
 
+/// See [`Accumulator::damped`].
+#[inline(always)]
+pub(super) fn damped(v: FxAccumulator, kept: FxFactor) -> FxAccumulator {
+    match kept.parts() {
+        (mantissa, 64) => scaled(v, mantissa),
+        (mantissa, shift @ 65..128) => scaled_down(v, mantissa, (shift - 64).unsigned_abs()),
+        // Values are below 2^122, so that less than 2^-64 of one is below half an ulp.
+        (mantissa, shift) if mantissa == 0 || shift >= 128 => FxAccumulator::default(),
+        _ => v.shrunk(kept),
+    }
+}
+
 /// See [`Scalar::damp_all`].
 pub(super) fn damp(values: &mut [FxAccumulator], kept: FxFactor) {
     match kept.parts() {
         (mantissa, 64) if lanes::damp(values, mantissa).is_some() => {}
         (mantissa, 64) => values.iter_mut().for_each(|v| *v = scaled(*v, mantissa)),
-        // Less than half is kept.
-        _ => values.iter_mut().for_each(|v| *v = v.shrunk(kept)),
+        (mantissa, shift @ 65..128) => {
+            let cut = (shift - 64).unsigned_abs();
+            values.iter_mut().for_each(|v| *v = scaled_down(*v, mantissa, cut));
+        }
+        _ => values.iter_mut().for_each(|v| *v = damped(*v, kept)),
     }
 }
 
@@ -122,18 +154,36 @@ pub(super) fn turn(angles: &mut [Turn], velocities: &[FxAccumulator], factor: Fx
     }
 }
 
+/// How a factor damps in loops that go through all stages at once: at least half is kept, or less.
+fn cut(kept: FxFactor) -> Option<u32> {
+    let cut = kept.parts().1.wrapping_sub(64);
+    (0..64).contains(&cut).then_some(cut.unsigned_abs())
+}
+
 /// See [`Scalar::spin_all`].
 pub(super) fn spin(angles: &mut [Turn], velocities: &mut [FxAccumulator], spin: &Spin<Fx>) {
     let shift = spin.turn.parts().1.wrapping_sub(32);
-    let usual = (1..64).contains(&shift) && !spin.negative && spin.kept.parts().1 == 64;
-    if !usual || lanes::pay(velocities.len()) {
-        return spin_in_stages(angles, velocities, spin);
+    let usual = (1..64).contains(&shift) && !spin.negative && !lanes::pay(velocities.len());
+    match cut(spin.kept) {
+        Some(0) if usual => spin_at_once(angles, velocities, spin, |v, kept| scaled(v, kept)),
+        Some(cut) if usual => spin_at_once(angles, velocities, spin, |v, kept| scaled_down(v, kept, cut)),
+        _ => spin_in_stages(angles, velocities, spin),
     }
-    let (kept, mantissa, shift) = (spin.kept.parts().0, spin.turn.parts().0, shift.unsigned_abs());
+}
+
+#[inline(always)]
+fn spin_at_once(
+    angles: &mut [Turn],
+    velocities: &mut [FxAccumulator],
+    spin: &Spin<Fx>,
+    damped: impl Fn(FxAccumulator, u64) -> FxAccumulator,
+) {
+    let (kept, (mantissa, shift)) = (spin.kept.parts().0, spin.turn.parts());
+    let shift = (shift - 32).unsigned_abs();
     for (angle, v) in angles.iter_mut().zip(velocities) {
-        let midway = scaled(*v, kept);
+        let midway = damped(*v, kept);
         angle.0 = angle.0.wrapping_add(passed(midway.value().to_bits(), mantissa, shift) as u64);
-        *v = scaled(midway, kept);
+        *v = damped(midway, kept);
     }
 }
 
@@ -147,32 +197,34 @@ pub(super) fn are_within(values: &[FxAccumulator], log2: u32) -> bool {
 
 /// See [`Scalar::glide_all`].
 pub(super) fn glide(positions: &mut [FxAccumulator], velocities: &mut [FxAccumulator], glide: &Glide<Fx>) {
-    let damped = glide.kept != FxFactor::ONE;
     let falls = glide.fall != FxAccumulator::default();
     let shift = glide.seconds.parts().1.wrapping_sub(64);
-    let usual = (1..64).contains(&shift) && !glide.negative && (!damped || glide.kept.parts().1 == 64);
     // Wide vectors do better stage by stage: in a shorter loop more of its turns are on their way at once.
-    if !usual || lanes::pay(velocities.len()) {
+    if !(1..64).contains(&shift) || glide.negative || lanes::pay(velocities.len()) {
         return glide_in_stages(positions, velocities, glide);
     }
-    match (damped, falls) {
-        (false, false) => drift(positions, velocities, glide.seconds, false),
-        (false, true) => glide_at_once::<false, true>(positions, velocities, glide),
-        (true, false) => glide_at_once::<true, false>(positions, velocities, glide),
-        (true, true) => glide_at_once::<true, true>(positions, velocities, glide),
+    let kept = glide.kept.parts().0;
+    match (glide.kept != FxFactor::ONE, cut(glide.kept)) {
+        (false, _) if !falls => drift(positions, velocities, glide.seconds, false),
+        (false, _) => glide_at_once::<true>(positions, velocities, glide, |v| v),
+        (true, Some(0)) if falls => glide_at_once::<true>(positions, velocities, glide, |v| scaled(v, kept)),
+        (true, Some(0)) => glide_at_once::<false>(positions, velocities, glide, |v| scaled(v, kept)),
+        (true, Some(cut)) => glide_at_once::<true>(positions, velocities, glide, |v| scaled_down(v, kept, cut)),
+        (true, None) => glide_in_stages(positions, velocities, glide),
     }
 }
 
 /// All stages of one value after the other, without leaving the registers.
-fn glide_at_once<const DAMPED: bool, const FALLS: bool>(
+#[inline(always)]
+fn glide_at_once<const FALLS: bool>(
     positions: &mut [FxAccumulator],
     velocities: &mut [FxAccumulator],
     glide: &Glide<Fx>,
+    damped: impl Fn(FxAccumulator) -> FxAccumulator,
 ) {
-    let (kept, fall) = (glide.kept.parts().0, glide.fall);
+    let fall = glide.fall;
     let (mantissa, shift) = glide.seconds.parts();
     let shift = (shift - 64).unsigned_abs();
-    let damped = |v: FxAccumulator| if DAMPED { scaled(v, kept) } else { v };
     let fallen = |v: FxAccumulator| if FALLS { v.plus(fall) } else { v };
     for (x, v) in positions.iter_mut().zip(velocities) {
         let midway = fallen(damped(*v));
@@ -289,7 +341,12 @@ mod tests {
             velocities in accumulators(),
             angles in prop::collection::vec(any::<u64>(), 33),
             fall in prop_oneof![Just(FxAccumulator::default()), accumulators().prop_map(|v| v[0])],
-            kept in prop_oneof![Just(FxFactor::ONE), any::<u64>().prop_map(|m| factor(!(!m >> 8), 64)), Just(FxFactor::ZERO)],
+            kept in prop_oneof![
+                Just(FxFactor::ONE),
+                any::<u64>().prop_map(|m| factor(!(!m >> 8), 64)),
+                (any::<u64>(), 65i32..140).prop_map(|(m, shift)| factor(m, shift)),
+                Just(FxFactor::ZERO),
+            ],
             den in 1u32..=10_000,
             negative: bool,
         ) {

@@ -8,7 +8,7 @@ use alloc::vec::Vec;
 
 use crate::body::{Acceleration, BLOCK, Block, GENTLE_STEPS, Motion, Tuning};
 use crate::error::Cause;
-use crate::integrate::{Plan, Stage, Tuned, Verb, damp, drift, fall, glide, kick_by};
+use crate::integrate::{Plan, Stage, Tuned, Verb, damp, drift, fall, glide, glide_each, kick_by};
 use crate::limits;
 use crate::scalar::{Accumulator, Scalar};
 
@@ -86,7 +86,7 @@ impl<'a, S: Scalar> March<'a, S> {
         let tuned = Tuned::of(block, self.rows);
         let pushed = self.pushed_in(block);
         let may_rest = self.sleep_after.is_some() && (0..block.len()).any(|i| block.is_still(i));
-        let guarded = !pushed.is_empty() || !tuned.is_gentle() || !calm.pass(block) || may_rest;
+        let guarded = !pushed.is_empty() || !tuned.are_gentle(block) || !calm.pass(block) || may_rest;
         if guarded {
             calm.0 = 0;
             if self.restores {
@@ -97,10 +97,15 @@ impl<'a, S: Scalar> March<'a, S> {
         self.report_overloaded(block, found);
         let mut spins = block.any_spins();
         let mut stages = self.stages;
+        let glides = pushed.is_empty() && tuned.decay(block);
         while let [stage, others @ ..] = stages {
-            stages = match (tuned, whole_beat(stages)) {
-                (Tuned::Alike(row), Some((half, whole, others))) if row.decays && pushed.is_empty() => {
-                    glide(block, row, (half, &self.plan.timing[whole]), spins, self.plan.backwards);
+            stages = match whole_beat(stages) {
+                Some((half, whole, others)) if glides => {
+                    let span = (half, &self.plan.timing[whole]);
+                    match tuned {
+                        Tuned::Alike(row) => glide(block, row, span, spins, self.plan.backwards),
+                        Tuned::Each(rows) => glide_each(block, rows, span, spins, self.plan.backwards),
+                    }
                     others
                 }
                 _ => {
@@ -225,14 +230,23 @@ impl Calm {
 /// each limit. Their falls add less than half the limit of speeds, and the way of 32 · 4.43 s at that limit is less than
 /// 2^28 m.
 fn is_far_inside<S: Scalar>(block: &Block<'_, S>) -> bool {
-    let half = |limit: u32| limit - 1;
-    block.velocity.iter().all(|v| S::are_within(v, half(limits::SPEED_LOG2)))
-        && S::are_within(block.spin, half(limits::SPEED_LOG2))
-        && block.position.iter().all(|x| S::are_within(x, half(limits::POSITION_LOG2)))
+    are_inside(block, [limits::POSITION_LOG2 - 1, limits::SPEED_LOG2 - 1])
+}
+
+/// Whether positions are within two to the first, and velocities and angular velocities within two to the second. At a limit
+/// itself the answer may be no.
+fn are_inside<S: Scalar>(block: &Block<'_, S>, [position, speed]: [u32; 2]) -> bool {
+    block.velocity.iter().all(|v| S::are_within(v, speed))
+        && S::are_within(block.spin, speed)
+        && block.position.iter().all(|x| S::are_within(x, position))
 }
 
 /// Bodies beyond the envelope.
 pub(crate) fn find_strays<S: Scalar>(block: &Block<'_, S>, faults: &mut Vec<(usize, Cause)>) {
+    // As a rule there are none, and columns are looked through sooner than bodies.
+    if are_inside(block, [limits::POSITION_LOG2, limits::SPEED_LOG2]) {
+        return;
+    }
     let [position, speed, spin] = [limits::POSITION, limits::SPEED, limits::ANGULAR_SPEED].map(S::from_fx);
     for i in 0..block.len() {
         let cause = if !block.velocity.iter().all(|v| v[i].is_within(speed)) {
