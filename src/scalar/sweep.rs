@@ -165,7 +165,7 @@ pub(super) fn spin(angles: &mut [Turn], velocities: &mut [FxAccumulator], spin: 
     let shift = spin.turn.parts().1.wrapping_sub(32);
     let usual = (1..64).contains(&shift) && !spin.negative && !lanes::pay(velocities.len());
     match cut(spin.kept) {
-        Some(0) if usual => spin_at_once(angles, velocities, spin, |v, kept| scaled(v, kept)),
+        Some(0) if usual => spin_at_once(angles, velocities, spin, scaled),
         Some(cut) if usual => spin_at_once(angles, velocities, spin, |v, kept| scaled_down(v, kept, cut)),
         _ => spin_in_stages(angles, velocities, spin),
     }
