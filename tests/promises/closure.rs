@@ -134,7 +134,7 @@ impl Company {
     }
 
     /// Whether no call wakes others than those it is about. A field that reaches far wakes all that sleeps when it comes, goes
-    /// or is changed, in whatever groups they are, and so does a change to who carries one. It moves nobody by that.
+    /// or is changed, in whatever groups they are, and so does a change to who carries one.
     fn leaves_sleepers_alone(&self) -> bool {
         let reaches_far = |field: &Field| !matches!(field.law, Law::Spring { .. } | Law::Thrust { .. });
         let is_far = |command: &Command| match command {
@@ -243,7 +243,16 @@ fn companies() -> impl Strategy<Value = Company> {
         |(plan, (bodies, fields, deeds), turns, expelled, threads, throng)| {
             let strangers = Plan { bodies, fields, deeds, ..plan.clone() };
             let plan = if strangers.adds_fields() { plan.with_one_drag() } else { plan };
-            Company { plan, strangers, turns, expelled, threads, throng, friends: false }
+            let mut company = Company { plan, strangers, turns, expelled, threads, throng, friends: false };
+            if !company.leaves_sleepers_alone() {
+                // What does not wake a sleeper it does not feel: whom strangers woke would.
+                for (_, command) in &mut company.plan.deeds {
+                    if let Command::Apply { manner, .. } = command {
+                        manner.wake = true;
+                    }
+                }
+            }
+            company
         },
     )
 }
