@@ -18,7 +18,7 @@ pub struct Counterexample<I> {
     /// The run as a replay: the bytes of a file that `umbra view` opens, and `umbra verify` unless the game goes past its
     /// driver.
     pub replay: Vec<u8>,
-    /// How many runs were judged to find it.
+    /// How many runs were judged to find it; 0 of one that is as it was played.
     pub tries: u32,
 }
 

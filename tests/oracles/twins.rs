@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicI64, Ordering};
 use std::thread;
 
-use umbra_physics::oracle::{Course, Game, Handles, Oracle, Symmetry, Verdict, Violation, shrink};
+use umbra_physics::oracle::{Course, Fuzz, Game, Handles, Oracle, Symmetry, Verdict, Violation, fuzz, shrink};
 use umbra_physics::{
     Action, BodyDef, BodyId, BodyState, Command, Dependence, Driver, ForceLaw, Fx, Law, LawFault, Manner, Mass, Push,
     Random, Replay, Vec2, World, WorldDef, fx, vec2,
@@ -352,6 +352,42 @@ fn what_is_found_says_where_and_in_what() {
     let text = found.to_string();
     assert!(text.starts_with(&format!("mirror, tick {}, mirror: body ", found.tick)), "{text}");
     assert_eq!(found.beside, Symmetry::MIRROR.name());
+}
+
+/// A match that is pushed in the second tick that is ever made, whoever makes it.
+#[derive(Clone, Default)]
+struct Hiccup(Rc<Cell<u32>>);
+
+impl Game for Hiccup {
+    type Input = ();
+
+    fn start(&mut self) -> World {
+        let mut world = World::new(WorldDef::default()).expect("a fair definition");
+        world.add_body(BodyDef::dynamic()).expect("a fair body");
+        world
+    }
+
+    fn tick(&mut self, world: &mut World, _: &[()], driver: &mut dyn Driver) {
+        if self.0.replace(self.0.get() + 1) == 1 {
+            let action = Action::Impulse { impulse: Vec2::X, point: None };
+            let body = BodyId::from_parts(0, 0);
+            driver.execute(world, &Command::Apply { body, action, manner: Manner::default() }).expect("it is there");
+        }
+        driver.step(world);
+    }
+}
+
+#[test]
+fn what_is_wrong_once_and_never_again_is_kept_as_it_was_played() {
+    let options = Fuzz { runs: 3, ticks: 5, oracles: &[Oracle::Repeat], ..Fuzz::default() };
+    let campaign = fuzz(&Hiccup::default(), &options, |_, tick| vec![(); (tick % 2) as usize]);
+    let found = campaign.found.expect("the second match is pushed");
+    assert_eq!((campaign.runs, campaign.seed, found.tries), (1, Some(0), 0));
+    assert_eq!((found.violation.oracle, found.violation.tick), (Oracle::Repeat, 0));
+    assert!(found.violation.difference.is_some());
+    assert_eq!(found.course, Course { inputs: vec![(1, ()), (3, ())], ticks: 5 });
+    let replay = Replay::from_bytes(&found.replay, &[]).expect("it is whole");
+    assert_eq!((replay.end(), replay.verify()), (5, Ok(())));
 }
 
 #[test]
