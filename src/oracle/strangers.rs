@@ -28,28 +28,27 @@ pub(super) struct Strangers {
 }
 
 impl Strangers {
-    /// So many at first, in these groups.
-    pub(super) fn enter(world: &mut World, count: usize, groups: u32) -> Self {
+    /// So many at first, in these groups; none if the world takes fewer.
+    pub(super) fn enter(world: &mut World, count: usize, groups: u32) -> Option<Self> {
         let random = Random::seeded(count as u64);
         let mut strangers = Self { random, groups, here: Vec::new(), for_good: 0, ever: 0 };
         (0..count).for_each(|_| strangers.come(world));
-        strangers
+        (strangers.count() == count).then_some(strangers)
     }
 
-    /// As many as a step needs to use several threads: they move, and that for good.
+    /// As many as a step needs to use several threads, whoever else falls asleep or leaves: they move, and that for good. None
+    /// if the world takes fewer.
     #[cfg(feature = "parallel")]
-    pub(super) fn throng(world: &mut World) -> Self {
-        let mut strangers = Self::enter(world, 0, 0);
-        while world.moving_count() < crate::step::MANY {
+    pub(super) fn throng(world: &mut World) -> Option<Self> {
+        let mut strangers = Self::enter(world, 0, 0)?;
+        while strangers.for_good < crate::step::MANY {
             let position = vec2(0, strangers.ever as i32);
             let def =
                 BodyDef { position, velocity: vec2(1, 0), key: strangers.key(), groups: 0, ..BodyDef::kinematic() };
-            if world.add_body(def).is_err() {
-                break;
-            }
+            world.add_body(def).ok()?;
             strangers.for_good += 1;
         }
-        strangers
+        Some(strangers)
     }
 
     /// How many of the bodies in the world are strangers.
