@@ -273,6 +273,9 @@ impl<'a, S: Subject> Trial<'a, S> {
             if run.world.bodies().any(|body| !handles.knows(body.id())) {
                 return inapplicable("a body was added past the driver");
             }
+            if run.world.fields().any(|(field, _)| !handles.knows_field(field)) {
+                return inapplicable("a field was added past the driver");
+            }
             // Drags act in the order of their slots, and a new one takes a slot that a stranger's spring had left.
             let drags = |world: &World| -> Vec<FieldId> {
                 world.fields().filter(|(_, field)| matches!(field.law, Law::Drag { .. })).map(|(id, _)| id).collect()
@@ -287,7 +290,7 @@ impl<'a, S: Subject> Trial<'a, S> {
         if has_compared { self.held() } else { inapplicable("drags act in another order among strangers") }
     }
 
-    /// Whether a body is another one among strangers, or there are others.
+    /// Whether a body or a field is another one among strangers, or there are others.
     fn disturbed(
         &self,
         beside: &'static str,
@@ -303,7 +306,15 @@ impl<'a, S: Subject> Trial<'a, S> {
                 return Some(Seen { beside, difference: run.body_difference(body, other, there) });
             }
         }
+        for (id, field) in run.fields() {
+            let meant = field.moved(|body| Some(handles.body(body))).unwrap_or(*field);
+            let there = other.field(handles.field(id)).ok();
+            if there != Some(&meant) {
+                return Some(Seen { beside, difference: World::field_difference(id, &meant, there) });
+            }
+        }
         let is_same = other.body_count() == run.body_count() + strangers.count()
+            && other.fields().count() == run.fields().count() + strangers.field_count()
             && (&run.def, &run.random, &run.blob) == (&other.def, &other.random, &other.blob);
         (!is_same).then_some(Seen { beside, difference: None })
     }
