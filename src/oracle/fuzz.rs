@@ -2,7 +2,8 @@
 
 use alloc::vec::Vec;
 
-use super::game::{Course, Game};
+use super::game::{Course, Game, Played};
+use super::trial::record;
 use super::{Counterexample, Oracle, Verdict, shrink};
 use crate::math::Random;
 
@@ -38,7 +39,8 @@ pub struct Campaign<I> {
     pub held: Vec<(Oracle, u32)>,
     /// The seed of the run in which something was found: [`Fuzz::seed`] with it, and one run, find it again.
     pub seed: Option<u64>,
-    /// What was found, made small.
+    /// What was found, made small. A run in which nothing is wrong when it is judged again is there as it was played, with 0
+    /// tries: what was wrong with it comes and goes, as a race does.
     pub found: Option<Counterexample<I>>,
 }
 
@@ -64,9 +66,14 @@ pub fn fuzz<G: Game>(
             match oracle.judge(game, &course) {
                 Ok(Verdict::Held) => *held += 1,
                 Ok(_) => {}
-                Err(_) => {
+                Err(violation) => {
                     campaign.seed = Some(seed);
-                    campaign.found = shrink(game, &course, *oracle, options.tries.max(1));
+                    let small = shrink(game, &course, *oracle, options.tries.max(1));
+                    let as_played = || {
+                        let replay = record(&Played(game), &course);
+                        Counterexample { course, violation: *violation, replay, tries: 0 }
+                    };
+                    campaign.found = Some(small.unwrap_or_else(as_played));
                     return campaign;
                 }
             }

@@ -77,6 +77,10 @@ impl Handles {
         self.bodies.contains_key(&body)
     }
 
+    pub(super) fn knows_field(&self, field: FieldId) -> bool {
+        self.fields.contains_key(&field)
+    }
+
     /// What was made in one run and in the other is each other's counterpart.
     pub(super) fn pair(&mut self, here: Made, there: Made) {
         match (here, there) {

@@ -74,7 +74,7 @@ impl Script {
     /// As [`WorldDef::check`].
     pub fn run(&self) -> Result<World, Error> {
         let mut world = self.start()?;
-        (0..self.ticks).for_each(|_| self.advance(&mut world, &mut ()));
+        self.play(&mut world, &mut ());
         Ok(world)
     }
 
@@ -85,8 +85,21 @@ impl Script {
     pub fn record(&self) -> Result<Vec<u8>, Error> {
         let mut world = self.start()?;
         let mut recorder = Recorder::new(&world, RecordOptions::default());
-        (0..self.ticks).for_each(|_| self.advance(&mut world, &mut recorder));
+        self.play(&mut world, &mut recorder);
         Ok(recorder.finish(&world))
+    }
+
+    /// Makes all ticks. The commands are put in order once: each tick by itself goes through the whole list.
+    fn play(&self, world: &mut World, driver: &mut dyn Driver) {
+        let mut order: Vec<&(u64, Command)> = self.commands.iter().collect();
+        order.sort_by_key(|(tick, _)| *tick);
+        let mut commands = order.into_iter().peekable();
+        for now in 0..self.ticks {
+            while let Some((_, command)) = commands.next_if(|(tick, _)| *tick == now) {
+                _ = driver.execute(world, command);
+            }
+            driver.step(world);
+        }
     }
 
     /// The script with some of its commands alone, by their places in the list.

@@ -18,7 +18,7 @@ pub struct Counterexample<I> {
     /// The run as a replay: the bytes of a file that `umbra view` opens, and `umbra verify` unless the game goes past its
     /// driver.
     pub replay: Vec<u8>,
-    /// How many runs were judged to find it.
+    /// How many runs were judged to find it; 0 of one that is as it was played.
     pub tries: u32,
 }
 
@@ -87,10 +87,15 @@ struct Search<'a, S: Subject> {
 }
 
 impl<S: Subject> Search<'_, S> {
+    /// Whether the tries are used up: no other run is made up then.
+    const fn is_spent(&self) -> bool {
+        self.tries >= self.most
+    }
+
     /// Takes these inputs instead, if the oracle objects to them as well; of the ticks, those up to where it does.
     fn attempt(&mut self, mut order: Vec<(u64, usize)>, mut ticks: u64) -> bool {
         let mut is_found = false;
-        while self.tries < self.most {
+        while !self.is_spent() {
             self.tries += 1;
             order.retain(|(tick, _)| *tick < ticks);
             let course = self.subject.arranged(self.course, order.clone(), ticks);
@@ -110,9 +115,9 @@ impl<S: Subject> Search<'_, S> {
     fn drop_inputs(&mut self) -> bool {
         let mut is_smaller = false;
         let mut size = self.order.len();
-        while size > 0 {
+        while size > 0 && !self.is_spent() {
             let mut start = 0;
-            while start < self.order.len() {
+            while start < self.order.len() && !self.is_spent() {
                 let mut order = self.order.clone();
                 order.drain(start..order.len().min(start + size));
                 if self.attempt(order, self.ticks) {
@@ -130,9 +135,9 @@ impl<S: Subject> Search<'_, S> {
     fn drop_ticks(&mut self) -> bool {
         let mut is_smaller = false;
         let mut size = self.ticks / 2;
-        while size > 0 {
+        while size > 0 && !self.is_spent() {
             let mut start = 0;
-            while start + size < self.ticks {
+            while start + size < self.ticks && !self.is_spent() {
                 let earlier = |tick: u64| if tick < start { tick } else { start.max(tick.saturating_sub(size)) };
                 let order = self.order.iter().map(|(tick, place)| (earlier(*tick), *place)).collect();
                 if self.attempt(order, self.ticks - size) {

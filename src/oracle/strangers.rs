@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 
 use crate::body::{BodyDef, BodyKind, Mass};
 use crate::force::{Attachment, End, Law};
-use crate::handle::BodyId;
+use crate::handle::{BodyId, FieldId};
 use crate::math::{Random, Vec2, vec2};
 use crate::scalar::SpringLaw;
 use crate::scalar::fx::{Fx, fx};
@@ -21,6 +21,8 @@ pub(super) struct Strangers {
     random: Random,
     groups: u32,
     here: Vec<BodyId>,
+    /// The springs between them.
+    springs: Vec<FieldId>,
     /// How many are here and never go.
     for_good: usize,
     /// How many there have ever been.
@@ -28,33 +30,37 @@ pub(super) struct Strangers {
 }
 
 impl Strangers {
-    /// So many at first, in these groups.
-    pub(super) fn enter(world: &mut World, count: usize, groups: u32) -> Self {
+    /// So many at first, in these groups; none if the world takes fewer.
+    pub(super) fn enter(world: &mut World, count: usize, groups: u32) -> Option<Self> {
         let random = Random::seeded(count as u64);
-        let mut strangers = Self { random, groups, here: Vec::new(), for_good: 0, ever: 0 };
+        let mut strangers = Self { random, groups, here: Vec::new(), springs: Vec::new(), for_good: 0, ever: 0 };
         (0..count).for_each(|_| strangers.come(world));
-        strangers
+        (strangers.count() == count).then_some(strangers)
     }
 
-    /// As many as a step needs to use several threads: they move, and that for good.
+    /// As many as a step needs to use several threads, whoever else falls asleep or leaves: they move, and that for good. None
+    /// if the world takes fewer.
     #[cfg(feature = "parallel")]
-    pub(super) fn throng(world: &mut World) -> Self {
-        let mut strangers = Self::enter(world, 0, 0);
-        while world.moving_count() < crate::step::MANY {
+    pub(super) fn throng(world: &mut World) -> Option<Self> {
+        let mut strangers = Self::enter(world, 0, 0)?;
+        while strangers.for_good < crate::step::MANY {
             let position = vec2(0, strangers.ever as i32);
             let def =
                 BodyDef { position, velocity: vec2(1, 0), key: strangers.key(), groups: 0, ..BodyDef::kinematic() };
-            if world.add_body(def).is_err() {
-                break;
-            }
+            world.add_body(def).ok()?;
             strangers.for_good += 1;
         }
-        strangers
+        Some(strangers)
     }
 
     /// How many of the bodies in the world are strangers.
     pub(super) fn count(&self) -> usize {
         self.for_good + self.here.len()
+    }
+
+    /// How many of the fields in the world are theirs.
+    pub(super) const fn field_count(&self) -> usize {
+        self.springs.len()
     }
 
     /// The key of the next one.
@@ -70,6 +76,7 @@ impl Strangers {
             1 if !self.here.is_empty() => {
                 let gone = self.here.swap_remove(self.random.below(self.here.len() as u64) as usize);
                 _ = world.remove_body(gone);
+                self.springs.retain(|spring| world.field(*spring).is_ok());
             }
             _ => {}
         }
@@ -96,7 +103,11 @@ impl Strangers {
         if let Some(&last) = self.here.last() {
             let spring = SpringLaw { rest: fx!(1), stiffness: fx!(9), damping: fx!(1) };
             let near = Attachment { body, point: Vec2::ZERO };
-            _ = world.add_field(Law::Spring { near, far: End::Body(Attachment::centre(last)), spring });
+            self.springs.extend(world.add_field(Law::Spring {
+                near,
+                far: End::Body(Attachment::centre(last)),
+                spring,
+            }));
         }
         self.here.push(body);
     }

@@ -109,7 +109,12 @@ impl<'a, S: Subject> Trial<'a, S> {
             self.clear(tick, driver.seen())?;
             self.clear(tick, compare(&run.world, &other.world))?;
         }
-        driver.idle().map_or(Ok(Verdict::Held), inapplicable)
+        driver.idle().map_or_else(|| self.held(), inapplicable)
+    }
+
+    /// Of what was compared after every tick.
+    fn held(&self) -> Judged {
+        if self.course.ticks == 0 { inapplicable("the run has no ticks") } else { Ok(Verdict::Held) }
     }
 
     fn record(&self, mut run: Match<S>) -> Judged {
@@ -128,10 +133,11 @@ impl<'a, S: Subject> Trial<'a, S> {
                 return Err(self.violation(tick, Seen { beside: "a recording that ends too soon", difference: None }));
             }
         }
-        Ok(Verdict::Held)
+        self.held()
     }
 
     fn restore(&self, mut run: Match<S>) -> Judged {
+        let mut has_compared = self.course.ticks == 0;
         for tick in 0..self.course.ticks {
             let snapshot = run.world.snapshot();
             let read = Snapshot::from_bytes(&snapshot.to_bytes(), &laws(&run.world));
@@ -150,16 +156,17 @@ impl<'a, S: Subject> Trial<'a, S> {
             self.tick(&mut run, tick, &mut ());
             for (beside, copy) in copies {
                 self.clear(tick, unlike(beside, &run.world, &copy))?;
+                has_compared = true;
             }
         }
-        Ok(Verdict::Held)
+        if has_compared { self.held() } else { inapplicable("no match goes on from a snapshot") }
     }
 
     fn order(&self) -> Judged {
         let reversed: &mut dyn FnMut(&mut [usize]) = &mut |places: &mut [usize]| places.reverse();
         let shuffled: &mut dyn FnMut(&mut [usize]) =
             &mut |places: &mut [usize]| Random::seeded(places.len() as u64).shuffle(places);
-        let mut is_other = false;
+        let mut verdict = Verdict::Inapplicable { why: "there is but one order" };
         for turn in [reversed, shuffled] {
             let mut turned = false;
             let (course, likeness) = self.subject.reordered(self.course, &mut |places| {
@@ -167,11 +174,10 @@ impl<'a, S: Subject> Trial<'a, S> {
                 turn(places);
             });
             if turned {
-                is_other = true;
-                self.beside(&course.by_tick(), likeness, "a match in another order", &mut ())?;
+                verdict = self.beside(&course.by_tick(), likeness, "a match in another order", &mut ())?;
             }
         }
-        if is_other { Ok(Verdict::Held) } else { inapplicable("there is but one order") }
+        Ok(verdict)
     }
 
     fn images(&self, is_meant: impl Fn(&Symmetry) -> bool) -> Judged {
@@ -208,13 +214,13 @@ impl<'a, S: Subject> Trial<'a, S> {
 
     fn strangers(&self) -> Judged {
         let groups = self.subject.stranger_groups();
+        let mut verdict = Verdict::Held;
         for count in [1, 6, MOST] {
             let enter = |world: &mut World| Strangers::enter(world, count, groups);
-            if let verdict @ Verdict::Inapplicable { .. } = self.among("a match with strangers", enter, || ())? {
-                return Ok(verdict);
-            }
+            // It held if it did among each number of them.
+            verdict = verdict.max(self.among("a match with strangers", enter, || ())?);
         }
-        Ok(Verdict::Held)
+        Ok(verdict)
     }
 
     #[cfg(feature = "parallel")]
@@ -235,7 +241,7 @@ impl<'a, S: Subject> Trial<'a, S> {
     fn among<D: Driver>(
         &self,
         beside: &'static str,
-        enter: impl FnOnce(&mut World) -> Strangers,
+        enter: impl FnOnce(&mut World) -> Option<Strangers>,
         driver: impl Fn() -> D,
     ) -> Judged {
         let (Some(mut run), Some(mut other)) = (self.begin(), self.begin()) else {
@@ -245,7 +251,10 @@ impl<'a, S: Subject> Trial<'a, S> {
         let bodies: Vec<BodyId> = run.world.bodies().map(|body| body.id()).collect();
         bodies.into_iter().for_each(|body| handles.pair(Made::Body(body), Made::Body(body)));
         run.world.fields().for_each(|(field, _)| handles.pair(Made::Field(field), Made::Field(field)));
-        let mut strangers = enter(&mut other.world);
+        let Some(mut strangers) = enter(&mut other.world) else {
+            return inapplicable("the world has no room for strangers");
+        };
+        let mut has_compared = self.course.ticks == 0;
         for tick in 0..self.course.ticks {
             let inputs = Self::inputs_of(&self.inputs, tick);
             let mut noting = Noting::default();
@@ -264,6 +273,9 @@ impl<'a, S: Subject> Trial<'a, S> {
             if run.world.bodies().any(|body| !handles.knows(body.id())) {
                 return inapplicable("a body was added past the driver");
             }
+            if run.world.fields().any(|(field, _)| !handles.knows_field(field)) {
+                return inapplicable("a field was added past the driver");
+            }
             // Drags act in the order of their slots, and a new one takes a slot that a stranger's spring had left.
             let drags = |world: &World| -> Vec<FieldId> {
                 world.fields().filter(|(_, field)| matches!(field.law, Law::Drag { .. })).map(|(id, _)| id).collect()
@@ -272,12 +284,13 @@ impl<'a, S: Subject> Trial<'a, S> {
                 break;
             }
             self.clear(tick, self.disturbed(beside, &run.world, &other.world, &strangers, &handles))?;
+            has_compared = true;
             strangers.pass(&mut other.world);
         }
-        Ok(Verdict::Held)
+        if has_compared { self.held() } else { inapplicable("drags act in another order among strangers") }
     }
 
-    /// Whether a body is another one among strangers, or there are others.
+    /// Whether a body or a field is another one among strangers, or there are others.
     fn disturbed(
         &self,
         beside: &'static str,
@@ -293,7 +306,15 @@ impl<'a, S: Subject> Trial<'a, S> {
                 return Some(Seen { beside, difference: run.body_difference(body, other, there) });
             }
         }
+        for (id, field) in run.fields() {
+            let meant = field.moved(|body| Some(handles.body(body))).unwrap_or(*field);
+            let there = other.field(handles.field(id)).ok();
+            if there != Some(&meant) {
+                return Some(Seen { beside, difference: World::field_difference(id, &meant, there) });
+            }
+        }
         let is_same = other.body_count() == run.body_count() + strangers.count()
+            && other.fields().count() == run.fields().count() + strangers.field_count()
             && (&run.def, &run.random, &run.blob) == (&other.def, &other.random, &other.blob);
         (!is_same).then_some(Seen { beside, difference: None })
     }

@@ -8,6 +8,8 @@ use core::fmt;
 
 use super::finding::Moment;
 use super::snapshot::State;
+#[cfg(feature = "oracles")]
+use crate::force::Field;
 use crate::handle::{BodyId, FieldId};
 use crate::integrate::Stage;
 use crate::scalar::Scalar;
@@ -118,19 +120,14 @@ impl<S: Scalar> World<S> {
             leaves.extend(shape.into_iter().flat_map(|shape| Index::of(shape).leaves));
             leaves
         };
-        let (left, right) = (leaves(self, here), leaves(other, there));
-        let text = |leaf: Option<&Leaf>| leaf.map(|leaf| leaf.text.clone());
-        let named = |path: &[Part], left, right| {
-            let (left, right) = (text(left), text(right));
-            Difference { place: Place::Body(body), field: name_of(path), left, right }
-        };
-        let pairs = left.iter().map(|leaf| (leaf, right.iter().find(|there| there.path == leaf.path)));
-        let mut unlike = pairs.filter(|(leaf, there)| there.is_none_or(|there| there.bytes != leaf.bytes));
-        if let Some((leaf, there)) = unlike.next() {
-            return Some(named(&leaf.path, Some(leaf), there));
-        }
-        let more = right.iter().find(|leaf| left.iter().all(|here| here.path != leaf.path));
-        more.map(|leaf| named(&leaf.path, None, Some(leaf)))
+        first_unlike(Place::Body(body), &leaves(self, here), &leaves(other, there))
+    }
+
+    /// The first value in which a field is not as it has to be in another world; `None` if there is none.
+    #[cfg(feature = "oracles")]
+    pub(crate) fn field_difference(id: FieldId, meant: &Field<S>, there: Option<&Field<S>>) -> Option<Difference> {
+        let there = there.map(|there| Index::of(there).leaves).unwrap_or_default();
+        first_unlike(Place::Field(id), &Index::of(meant).leaves, &there)
     }
 
     /// What the value at a path belongs to, and the rest of the path.
@@ -147,6 +144,23 @@ impl<S: Scalar> World<S> {
             _ => (Place::World, path),
         }
     }
+}
+
+/// The first value that is not the same in two records of one thing.
+#[cfg(feature = "oracles")]
+fn first_unlike(place: Place, left: &[Leaf], right: &[Leaf]) -> Option<Difference> {
+    let text = |leaf: Option<&Leaf>| leaf.map(|leaf| leaf.text.clone());
+    let named = |path: &[Part], left, right| {
+        let (left, right) = (text(left), text(right));
+        Difference { place, field: name_of(path), left, right }
+    };
+    let pairs = left.iter().map(|leaf| (leaf, right.iter().find(|there| there.path == leaf.path)));
+    let mut unlike = pairs.filter(|(leaf, there)| there.is_none_or(|there| there.bytes != leaf.bytes));
+    if let Some((leaf, there)) = unlike.next() {
+        return Some(named(&leaf.path, Some(leaf), there));
+    }
+    let more = right.iter().find(|leaf| left.iter().all(|here| here.path != leaf.path));
+    more.map(|leaf| named(&leaf.path, None, Some(leaf)))
 }
 
 /// A tree of hashes over a state or a step: a peer that has another root asks for one level after the other, and finds

@@ -49,6 +49,10 @@ pub(crate) type Probe<'a, S> = dyn FnMut(&Stage, &Bodies<S>) + 'a;
 #[cfg(feature = "parallel")]
 pub(crate) const MANY: usize = 64 * BLOCK;
 
+/// `THRONG` in `tests/promises/closure.rs`, where threads are to be used: it cannot see the other one.
+#[cfg(feature = "parallel")]
+const _: () = assert!(MANY <= 8_200);
+
 /// Accelerations of some bodies, by their indices in the columns.
 type Accelerations<S> = Vec<(usize, Acceleration<S>)>;
 

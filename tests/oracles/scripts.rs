@@ -132,6 +132,15 @@ fn leaving_out_what_was_refused_changes_nothing() {
 }
 
 #[test]
+fn a_run_without_ticks_is_judged_by_nobody() {
+    let script = Script { ticks: 0, ..script(0, 9, 0) };
+    for oracle in Oracle::ALL {
+        let verdict = script.judge(oracle).expect("nothing happens");
+        assert!(matches!(verdict, Verdict::Inapplicable { .. }), "{oracle}");
+    }
+}
+
+#[test]
 fn a_law_that_names_a_body_names_it_still() {
     let handle = BodyId::from_parts;
     let spring = umbra_physics::SpringLaw { rest: fx!(1), stiffness: fx!(2), damping: fx!(0) };

@@ -7,10 +7,10 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicI64, Ordering};
 use std::thread;
 
-use umbra_physics::oracle::{Course, Game, Handles, Oracle, Symmetry, Verdict, Violation, shrink};
+use umbra_physics::oracle::{Course, Fuzz, Game, Handles, Oracle, Symmetry, Verdict, Violation, fuzz, shrink};
 use umbra_physics::{
-    Action, BodyDef, BodyId, BodyState, Command, Dependence, Driver, ForceLaw, Fx, Law, LawFault, Manner, Mass, Push,
-    Random, Replay, Vec2, World, WorldDef, fx, vec2,
+    Action, BodyDef, BodyId, BodyState, Command, Dependence, Driver, Field, FieldId, ForceLaw, Fx, Law, LawFault,
+    Manner, Mass, Place, Push, Random, Replay, Vec2, World, WorldDef, fx, vec2,
 };
 
 /// Keys from here on are no game's.
@@ -35,6 +35,10 @@ enum Fault {
     Slot,
     /// The random numbers are drawn by all bodies there are.
     Draw,
+    /// A field that acts on nobody is as strong as there are bodies.
+    Strength,
+    /// A drag is added without the driver.
+    Drag,
     /// Of two ways the left one is preferred.
     Left,
     /// What is above is pushed, and nothing that is to the right.
@@ -99,6 +103,9 @@ impl Game for Twin {
             let def = BodyDef { position, mass, key: key as u64, ..BodyDef::dynamic() };
             self.bodies.push(world.add_body(def).expect("a fair body"));
         }
+        if self.fault == Fault::Strength {
+            world.add_field(weak(0)).expect("a fair field");
+        }
         if matches!(self.fault, Fault::Velocity | Fault::Memory | Fault::Thread) {
             world.register_law(Arc::new(Odd(self.fault, AtomicI64::new(0)))).expect("the first of its id");
             world.add_field(Law::Custom { id: 1 }).expect("it is registered");
@@ -114,6 +121,11 @@ impl Game for Twin {
         for (i, Input { body, way, player }) in inputs.into_iter().enumerate() {
             self.push(world, driver, body, way);
             match self.fault {
+                Fault::Strength => {
+                    let (id, field) = (FieldId::from_parts(0, 0), weak(world.bodies().count() as i32));
+                    driver.execute(world, &Command::SetField { id, field }).expect("it is there");
+                }
+                Fault::Drag => _ = world.add_field(weak(1)).expect("a fair field"),
                 Fault::None | Fault::Calm | Fault::Velocity | Fault::Memory | Fault::Thread => {}
                 Fault::Shared => {
                     self.shared.set(self.shared.get() + 1);
@@ -175,6 +187,11 @@ impl Game for Twin {
     fn renamed(&self, input: &Input, handles: &Handles) -> Input {
         Input { body: handles.body(input.body), ..*input }
     }
+}
+
+/// A drag that nobody feels.
+fn weak(linear: i32) -> Field {
+    Field { law: Law::Drag { linear: linear.into(), quadratic: Fx::ZERO, wind: Vec2::ZERO }, groups: 0 }
 }
 
 /// A law of force with a fault.
@@ -306,6 +323,24 @@ fn numbers_drawn_for_whoever_is_there_are_found() {
 }
 
 #[test]
+fn a_field_that_is_another_one_among_strangers_is_found() {
+    assert_found(Fault::Strength, &[Oracle::Strangers], &[Oracle::Threads]);
+    let violations = objecting(Fault::Strength);
+    let found = violations.iter().find(|violation| violation.oracle == Oracle::Strangers).expect("it is found");
+    let difference = found.difference.as_ref().expect("its strength");
+    assert!(matches!(difference.place, Place::Field(_)) && difference.field.contains("linear"), "{found}");
+}
+
+#[test]
+fn fields_added_past_the_driver_are_not_judged_among_strangers() {
+    let course = course(Fault::Drag, 1, 30);
+    for oracle in [Oracle::Strangers, Oracle::Threads] {
+        let verdict = oracle.judge(&Twin::new(Fault::Drag), &course).expect("nothing is compared");
+        assert!(matches!(verdict, Verdict::Inapplicable { .. }), "{oracle}");
+    }
+}
+
+#[test]
 fn a_preference_for_a_side_is_found() {
     assert_found(Fault::Left, &[Oracle::Mirror], &[]);
 }
@@ -352,6 +387,42 @@ fn what_is_found_says_where_and_in_what() {
     let text = found.to_string();
     assert!(text.starts_with(&format!("mirror, tick {}, mirror: body ", found.tick)), "{text}");
     assert_eq!(found.beside, Symmetry::MIRROR.name());
+}
+
+/// A match that is pushed in the second tick that is ever made, whoever makes it.
+#[derive(Clone, Default)]
+struct Hiccup(Rc<Cell<u32>>);
+
+impl Game for Hiccup {
+    type Input = ();
+
+    fn start(&mut self) -> World {
+        let mut world = World::new(WorldDef::default()).expect("a fair definition");
+        world.add_body(BodyDef::dynamic()).expect("a fair body");
+        world
+    }
+
+    fn tick(&mut self, world: &mut World, _: &[()], driver: &mut dyn Driver) {
+        if self.0.replace(self.0.get() + 1) == 1 {
+            let action = Action::Impulse { impulse: Vec2::X, point: None };
+            let body = BodyId::from_parts(0, 0);
+            driver.execute(world, &Command::Apply { body, action, manner: Manner::default() }).expect("it is there");
+        }
+        driver.step(world);
+    }
+}
+
+#[test]
+fn what_is_wrong_once_and_never_again_is_kept_as_it_was_played() {
+    let options = Fuzz { runs: 3, ticks: 5, oracles: &[Oracle::Repeat], ..Fuzz::default() };
+    let campaign = fuzz(&Hiccup::default(), &options, |_, tick| vec![(); (tick % 2) as usize]);
+    let found = campaign.found.expect("the second match is pushed");
+    assert_eq!((campaign.runs, campaign.seed, found.tries), (1, Some(0), 0));
+    assert_eq!((found.violation.oracle, found.violation.tick), (Oracle::Repeat, 0));
+    assert!(found.violation.difference.is_some());
+    assert_eq!(found.course, Course { inputs: vec![(1, ()), (3, ())], ticks: 5 });
+    let replay = Replay::from_bytes(&found.replay, &[]).expect("it is whole");
+    assert_eq!((replay.end(), replay.verify()), (5, Ok(())));
 }
 
 #[test]

@@ -15,6 +15,9 @@ use crate::plan::{Cast, FAIR, Plan, Taste};
 /// The group that strangers alone are in, and their fields alone act on.
 const STRANGERS: u32 = 1 << 31;
 
+/// So many moving bodies that a step uses all threads: `MANY` in `src/step/mod.rs`, which is held to be no more.
+const THRONG: i32 = 8_200;
+
 #[derive(Clone, Debug)]
 struct Company {
     /// Those who are watched.
@@ -151,7 +154,7 @@ impl Company {
         let mut quarantined = 0;
         if with_strangers && self.throng {
             let one = BodyDef { velocity: Vec2::X, groups: STRANGERS, ..BodyDef::kinematic() };
-            for i in 0..8_200 {
+            for i in 0..THRONG {
                 let position = Vec2::new(Fx::from(i), Fx::from(-1_000));
                 world.add_body(BodyDef { position, ..one.clone() }).map_err(|error| error.to_string())?;
             }

@@ -1,5 +1,6 @@
 //! The tests of these tests: what is false is found, shrunk to little, and left as a scene that breaks it as well.
 
+use std::cell::Cell;
 use std::process::Command as Process;
 
 use umbra_physics::oracle::Script;
@@ -56,6 +57,14 @@ fn what_is_false_is_left_as_a_small_scene_that_breaks_it() {
     breaks_as_a_file("springs", FAIR, nobody_is_pulled);
     let near = Taste { near: 10, ..FAIR };
     breaks_as_a_file("quarantine", near, nobody_leaves);
+}
+
+#[test]
+fn what_is_false_once_and_then_holds_is_false() {
+    let is_first = Cell::new(true);
+    let once = |_: &Script| if is_first.replace(false) { Err("once".to_owned()) } else { Ok(()) };
+    let (_, why) = broken(until_found(), FAIR.plan(), once).expect("the first plan breaks it");
+    assert_eq!(why, "once");
 }
 
 #[test]
