@@ -1,6 +1,8 @@
 //! P3: each integrator has the order it claims, on smooth problems that are made up: the slope of the difference between a
 //! step and half of it.
 
+use std::cell::Cell;
+
 use proptest::collection::vec;
 use proptest::prelude::*;
 use umbra_physics::oracle::Script;
@@ -10,7 +12,7 @@ use umbra_physics::{
     World, WorldDef, fx,
 };
 
-use crate::check::{Verdict, check_of, there_is};
+use crate::check::{check_of, there_is};
 use crate::plan::between;
 
 /// Nothing in it turns faster than some 4 rad/s, and nothing has an edge: springs through their anchors, softened
@@ -58,8 +60,9 @@ impl Problem {
         Ok((coarse.iter().zip(&fine).map(square).sum::<f64>() / coarse.len() as f64).sqrt())
     }
 
-    /// The slope between a gap and the next one, at the first two rates whose gaps rounding is small beside.
-    fn has_order(&self, order: u32) -> Verdict {
+    /// The slope between a gap and the next one, at the last two rates whose gaps rounding is small beside: whether there are
+    /// such rates.
+    fn has_order(&self, order: u32) -> Result<bool, String> {
         /// Velocities are rounded to an ulp in each drift: over the time that is watched that moves nothing by more.
         const FLOOR: f64 = 1.0 / (1u64 << 32) as f64;
         // The coarsest are not yet on their slope.
@@ -67,7 +70,8 @@ impl Problem {
         let mut slopes = Vec::new();
         for _ in 0..3 {
             let next = self.gap(2 * rate)?;
-            if next < 300.0 * FLOOR {
+            // Each of its two runs is off by one at most: the slope is off by 0.15, which is less than it may be short of.
+            if next < 20.0 * FLOOR {
                 break;
             }
             slopes.push((gap / next).log2());
@@ -76,7 +80,7 @@ impl Problem {
         // Steeper by chance is possible where terms cancel; less steep is not the order.
         match slopes.last() {
             Some(slope) if *slope < f64::from(order) - 0.2 => Err(format!("slopes {slopes:.3?}, not {order}")),
-            _ => Ok(()),
+            slope => Ok(slope.is_some()),
         }
     }
 }
@@ -136,7 +140,20 @@ fn problem(integrator: Integrator) -> impl Strategy<Value = Problem> {
 fn every_integrator_has_its_order_on_smooth_problems() {
     for integrator in Integrator::ALL {
         let script = |problem: &Problem| problem.script(COARSEST);
-        check_of("order", 150, problem(integrator), script, |problem| problem.has_order(integrator.order()));
+        let (tried, sloped) = (Cell::new(0u32), Cell::new(0u32));
+        check_of("order", 150, problem(integrator), script, |problem| {
+            let has_slope = problem.has_order(integrator.order())?;
+            tried.set(tried.get() + 1);
+            sloped.set(sloped.get() + u32::from(has_slope));
+            Ok(())
+        });
+        println!("order: {integrator:?} had a slope in {} of {}", sloped.get(), tried.get());
+        // Of order 4 some third has one, as most gaps are too small too soon; of the others nearly all have.
+        let (tried, sloped) = (tried.get(), sloped.get());
+        let least = tried / if integrator.order() < 4 { 2 } else { 5 };
+        // Of few problems one is enough.
+        let least = if tried < 100 { 1 } else { least };
+        assert!(sloped >= least, "{integrator:?} had a slope in {sloped} of {tried} problems");
     }
 }
 
