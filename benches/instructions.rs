@@ -13,7 +13,12 @@ use umbra_physics::{Fx, FxAccumulator, FxFactor, FxWide, Scalar, Turn, World, fx
 #[allow(dead_code, reason = "the benches of time have scenes of their own")]
 mod scenes;
 
+#[path = "../fuzz/src/work.rs"]
+#[allow(dead_code, unreachable_pub, reason = "the fuzz target runs by itself, and `benches/worst.rs` looks at counts")]
+mod work;
+
 use scenes::Scene;
+use work::Busy;
 
 /// How many steps a measurement counts, and values the arithmetic.
 const STEPS: usize = 4;
@@ -106,6 +111,68 @@ fn f64(scene: Scene<f64>) -> Scene<f64> {
     steps(scene)
 }
 
+/// A scene from its digits, after a first step; or the calm one of the same kinds.
+fn busy(genes: &str, calm: bool) -> Busy {
+    let genes = work::genes(genes).expect("digits of a scene");
+    let mut busy = Busy::new(&if calm { work::calm(&genes) } else { genes });
+    busy.push();
+    busy.world.step();
+    busy
+}
+
+fn busy_steps(mut busy: Busy) -> Busy {
+    for _ in 0..STEPS {
+        busy.push();
+        one_step(&mut busy.world);
+    }
+    busy
+}
+
+// The worst that `benches/worst.rs` came to, for the values: bodies of which each damps and falls in a way of its own, in
+// steps of a second, and those near the limits of the envelope. Of fields it came to less.
+const DAMPED_SYMPLECTIC_EULER: &str =
+    "014c00000034000000c50000018002028080ff8080808001808080808080808080808080808080808080808080808080";
+const DAMPED_VELOCITY_VERLET: &str =
+    "024c00000034000000c50000018002028080ff8080808001808080808080808080808080808080808080808080808080";
+const FREE_VELOCITY_VERLET: &str =
+    "ed2f2d000000fc0000e4c54633a8d93b2deb24f4782f4c2c960995c0800f299eb7ff252ead7a6b1392b3017fe4f8eca5";
+const FREE_EXPLICIT_EULER: &str =
+    "96140000000000000000820033aad93b2deb24f478134c0096c095c0800f299eb7ff252ead7a6b1392b3017fe4f8eca5";
+const FREE_SYMPLECTIC_EULER: &str =
+    "92140000000000000000820033aad83b2dda01f478134c2c960995f39bed72bfbbaf21b2bc4c4b61cf03468200c04151";
+const FREE_YOSHIDA4: &str =
+    "909c00000000000000000051830bff970dcf7112ed134c2c96090169067e9b2daf680b568ec009ac942b2c5f7efd0201";
+const DRAGS_PUBLISHED_VERLET: &str =
+    "df84005400eb000000e300fc4a82092110ed8fd95dbe5ba2024088353c7879253095c17701c0f05da3406aced3095b7e";
+const SPRINGS_VELOCITY_VERLET: &str =
+    "20fac417f50000fb00000000a5aaed77a5d61adad37ef5424c88532a1c9e47b5ac3dda2f164cdddfc33821de3de98790";
+
+#[library_benchmark(config = stepping(&INSTRUCTIONS))]
+#[bench::damped_symplectic_euler(busy(DAMPED_SYMPLECTIC_EULER, false))]
+#[bench::damped_velocity_verlet(busy(DAMPED_VELOCITY_VERLET, false))]
+#[bench::free_velocity_verlet(busy(FREE_VELOCITY_VERLET, false))]
+#[bench::free_explicit_euler(busy(FREE_EXPLICIT_EULER, false))]
+#[bench::free_symplectic_euler(busy(FREE_SYMPLECTIC_EULER, false))]
+#[bench::free_yoshida4(busy(FREE_YOSHIDA4, false))]
+#[bench::drags_published_verlet(busy(DRAGS_PUBLISHED_VERLET, false))]
+#[bench::springs_velocity_verlet(busy(SPRINGS_VELOCITY_VERLET, false))]
+fn worst(busy: Busy) -> Busy {
+    busy_steps(busy)
+}
+
+#[library_benchmark(config = stepping(&INSTRUCTIONS))]
+#[bench::damped_symplectic_euler(busy(DAMPED_SYMPLECTIC_EULER, true))]
+#[bench::damped_velocity_verlet(busy(DAMPED_VELOCITY_VERLET, true))]
+#[bench::free_velocity_verlet(busy(FREE_VELOCITY_VERLET, true))]
+#[bench::free_explicit_euler(busy(FREE_EXPLICIT_EULER, true))]
+#[bench::free_symplectic_euler(busy(FREE_SYMPLECTIC_EULER, true))]
+#[bench::free_yoshida4(busy(FREE_YOSHIDA4, true))]
+#[bench::drags_published_verlet(busy(DRAGS_PUBLISHED_VERLET, true))]
+#[bench::springs_velocity_verlet(busy(SPRINGS_VELOCITY_VERLET, true))]
+fn calm(busy: Busy) -> Busy {
+    busy_steps(busy)
+}
+
 #[library_benchmark(config = stepping(&BRANCHES), setup = warm)]
 #[bench::free_1k(scenes::free(1_000))]
 #[bench::free_2k(scenes::free(2_000))]
@@ -180,6 +247,6 @@ fn inverse_mass(values: Vec<FxWide>, factor: FxFactor) -> i128 {
     sum(values.iter().map(|force| force.times(factor).map_or(0, FxWide::to_bits)))
 }
 
-library_benchmark_group!(name = step; benchmarks = fx, after, f64, branches, caches);
+library_benchmark_group!(name = step; benchmarks = fx, after, worst, calm, f64, branches, caches);
 library_benchmark_group!(name = arithmetic; benchmarks = sine_and_cosine, angle_drift, damping, inverse_mass);
 main!(library_benchmark_groups = step, arithmetic);

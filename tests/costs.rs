@@ -208,3 +208,20 @@ fn a_body_costs_the_same_in_worlds_of_all_sizes() {
     let (least, most) = (each.into_iter().fold(f64::MAX, f64::min), each.into_iter().fold(0.0, f64::max));
     assert!(most <= 1.02 * least, "a body and step: {each:.1?}");
 }
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "counts optimised code: in release builds")]
+fn no_values_make_a_step_cost_three_times_a_calm_one() {
+    let Some(counts) = counts() else { return };
+    let scenes: Vec<&str> = counts.0.keys().filter_map(|name| name.strip_prefix("worst/")).collect();
+    assert!(scenes.len() >= 5, "{scenes:?}");
+    let mut most = 0.0;
+    for scene in scenes {
+        let (worst, calm) =
+            (counts.instructions(&format!("worst/{scene}")), counts.instructions(&format!("calm/{scene}")));
+        assert!(worst <= 3 * calm, "{scene}: {worst} at worst, {calm} with everyday values");
+        most = f64::max(most, worst as f64 / calm as f64);
+    }
+    // Scenes in which values make no difference would show nothing.
+    assert!(most >= 1.5, "{most} times at worst");
+}

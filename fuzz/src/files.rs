@@ -1,0 +1,168 @@
+//! Files that nobody recorded: their seals made right, so that what is behind them is looked at.
+
+use arbitrary::{Result, Unstructured};
+use umbra_physics::{LAW, Random, Snapshot, SnapshotError, World, WorldDef};
+use xxhash_rust::xxh3::xxh3_64;
+
+use super::author;
+
+/// The bytes of a snapshot before its state: what it is, format, law.
+pub const HEAD: usize = 16;
+
+/// The first bytes of a snapshot of this build.
+pub fn head() -> Vec<u8> {
+    let world: World = World::new(WorldDef::default()).expect("a fair definition");
+    world.snapshot().to_bytes()[..HEAD].to_vec()
+}
+
+/// Gives a snapshot the hash of the world it says, as far as it says one, and the seal of its bytes.
+pub fn seal_snapshot(bytes: &mut [u8]) {
+    let Some(end) = bytes.len().checked_sub(16).filter(|end| *end >= HEAD) else { return };
+    if let Err(SnapshotError::Changed { computed, .. }) = Snapshot::from_bytes(bytes, &author::laws()) {
+        bytes[end..end + 8].copy_from_slice(&computed.to_le_bytes());
+    }
+    let seal = xxh3_64(&bytes[..end + 8]);
+    bytes[end + 8..].copy_from_slice(&seal.to_le_bytes());
+}
+
+/// A chunk of a replay or a dump: its letters and its contents.
+#[derive(Clone, Debug)]
+pub struct Chunk {
+    pub tag: [u8; 4],
+    pub bytes: Vec<u8>,
+}
+
+/// The bytes before the chunks: what the file is, and the number of its format.
+pub const OPENING: usize = 12;
+/// Around the contents of a chunk: its word and the double of that; the hash and two sums.
+const BEFORE: usize = 16;
+const AFTER: usize = 40;
+
+/// The chunks of a file that is whole.
+pub fn chunks(file: &[u8]) -> Vec<Chunk> {
+    let (mut chunks, mut rest) = (Vec::new(), &file[OPENING..]);
+    while !rest.is_empty() {
+        let length = u32::from_le_bytes(rest[4..8].try_into().expect("four bytes")) as usize;
+        let tag = rest[..4].try_into().expect("four bytes");
+        chunks.push(Chunk { tag, bytes: rest[BEFORE..BEFORE + length].to_vec() });
+        rest = &rest[BEFORE + length + AFTER..];
+    }
+    chunks
+}
+
+/// A file of these chunks with seals of their own: snapshots among them sealed anew too, and laws that are told those of
+/// this build.
+pub fn sealed(opening: &[u8], chunks: &[Chunk]) -> Vec<u8> {
+    let mut file = opening.to_vec();
+    for Chunk { tag, bytes } in chunks {
+        let mut bytes = bytes.clone();
+        match tag {
+            b"HEAD" | b"LAWS" if bytes.len() >= 4 => bytes[..4].copy_from_slice(&LAW.to_le_bytes()),
+            b"SNAP" => seal_snapshot(&mut bytes),
+            b"MOMT" => {
+                // A stage is five bytes more. Then whether there is a world, and the world.
+                let before = if bytes.first() == Some(&3) { 7 } else { 2 };
+                if let Some(world) = bytes.get_mut(before..) {
+                    seal_snapshot(world);
+                }
+            }
+            _ => {}
+        }
+        let word = [*tag, (bytes.len() as u32).to_le_bytes()].concat();
+        let (mut sum, mut weighted) = (0u128, 0u128);
+        for (k, part) in (1u128..).zip(bytes.chunks(8)) {
+            let mut value = [0; 8];
+            value[..part.len()].copy_from_slice(part);
+            let value = u128::from(u64::from_le_bytes(value));
+            sum += value;
+            weighted += k * value;
+        }
+        file.extend_from_slice(&word);
+        file.extend(word.iter().map(|byte| !byte));
+        file.extend_from_slice(&bytes);
+        file.extend_from_slice(&xxh3_64(&[&word[..], &bytes].concat()).to_le_bytes());
+        file.extend_from_slice(&sum.to_le_bytes());
+        file.extend_from_slice(&weighted.to_le_bytes());
+    }
+    file
+}
+
+/// Numbers that break things.
+const ODD: [u64; 9] = [0, 1, u64::MAX, i64::MAX as u64, 1 << 63, 1 << 32, u32::MAX as u64, 1 << 62, 1 << 52];
+
+/// Changes something: a bit, a byte, a word; or takes bytes out, or puts some in.
+pub fn disturb(bytes: &mut Vec<u8>, input: &mut Unstructured<'_>) -> Result<()> {
+    let (kind, at) = (input.arbitrary::<u8>()?, usize::from(input.arbitrary::<u16>()?));
+    if bytes.is_empty() {
+        return Ok(());
+    }
+    let at = at % bytes.len();
+    let end = bytes.len().min(at + 8);
+    match kind % 8 {
+        0 | 1 => bytes[at] ^= 1 << (kind >> 5),
+        2 => bytes[at] = input.arbitrary()?,
+        3 | 4 => {
+            let value = ODD[usize::from(kind >> 3) % ODD.len()].wrapping_add(input.arbitrary::<u8>()? as i8 as u64);
+            bytes[at..end].copy_from_slice(&value.to_le_bytes()[..end - at]);
+        }
+        5 => {
+            let value: u64 = input.arbitrary()?;
+            bytes[at..end].copy_from_slice(&value.to_le_bytes()[..end - at]);
+        }
+        6 => drop(bytes.drain(at..bytes.len().min(at + 1 + usize::from(kind >> 3)))),
+        _ => {
+            let more = bytes[at..bytes.len().min(at + 1 + usize::from(kind >> 3))].to_vec();
+            bytes.splice(at..at, more);
+        }
+    }
+    Ok(())
+}
+
+/// The least memory that reading takes, whatever there is to read.
+const KEPT: u64 = 1 << 16;
+
+/// Reads a file, and asserts that it took no more memory than `times` its bytes and a little.
+pub fn measured<T>(bytes: &[u8], times: u64, read: impl FnOnce() -> T) -> T {
+    let mut value = None;
+    let took = allocation_counter::measure(|| value = Some(read()));
+    let most = KEPT + times * bytes.len() as u64;
+    assert!(took.bytes_max <= most, "{} of {most} bytes taken to read {}", took.bytes_max, bytes.len());
+    value.expect("it was read")
+}
+
+/// Everything that can be asked of a world and done to it, for a few ticks.
+pub fn use_up(mut world: World, seed: u64) {
+    let mut random = Random::seeded(seed);
+    let ids: Vec<_> = world.bodies().map(|body| body.id()).collect();
+    for body in world.bodies() {
+        _ = (body.origin(), body.rotation(), body.applied_force(), body.applied_torque(), body.mass(), body.inertia());
+        _ = (body.position(), body.angle(), body.velocity(), body.angular_velocity());
+        _ = format!("{} {} {}", body.position_exact().x, body.angle_exact(), body.angular_velocity_exact());
+    }
+    _ = (world.energy(), world.momentum(), world.angular_momentum(), world.elapsed(), world.physics_hash());
+    if let Some(body) = ids.get(random.below(1 + ids.len() as u64) as usize) {
+        world.look_ahead(*body).expect("it is there").step();
+    }
+    let mut copy = world.clone();
+    for tick in 0..3 {
+        let applied = world.step().applied.to_vec();
+        copy.step_traced();
+        assert_eq!(copy.state_hash(), world.state_hash(), "a step looked into");
+        let mut back = world.clone();
+        if back.step_back(&applied).is_ok() {
+            back.step();
+        }
+        assert_eq!(back.state_hash(), world.state_hash(), "there, back and there again");
+        if tick == 1 {
+            for &body in &ids {
+                _ = match random.below(8) {
+                    0 => world.release(body),
+                    1 => world.remove_body(body),
+                    _ => Ok(()),
+                };
+            }
+            copy = world.clone();
+        }
+    }
+    _ = format!("{:?}", world.last_report());
+}

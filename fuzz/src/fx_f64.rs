@@ -1,0 +1,292 @@
+//! The same commands on the engine in fixed point and in f64: within what rounding comes to, tick by tick.
+//!
+//! A law of force that means one thing in one build and another in the other shows here, as do factors, levers and signs.
+//! Commands are fair: nothing is near a limit, and bodies do not sleep, as a float hardly ever comes to rest.
+//!
+//! *Bound*, in ulps of 2^-32. Before a tick both worlds are put where the fixed-point one is to the ulp, which f64 holds
+//! exactly. With k and c the most by which an acceleration here changes with a place and with a speed ([`Slopes`]), a stage
+//! over h that starts with errors of e in place and u in speed adds to the speed at most h·(k·(e + ½) + c·(u + ½)), the
+//! halves for public values being rounded, and to the place at most h·(u + ½). What f64 itself rounds is below 2^-12 ulp,
+//! and so are the factors of fixed point; that is covered by a last ulp. The bound is taken twice.
+
+use std::f64::consts::TAU;
+
+use arbitrary::Result;
+use umbra_physics::scalar::ToF64;
+use umbra_physics::{
+    Attachment, BodyId, BodyKind, BodyRef, Command, End, Field, Fx, Integrator, Law, Scalar, Vec2, World,
+};
+
+use super::author::{self, Author};
+
+/// The most commands of an input, and ticks between two of them.
+const COMMANDS: usize = 32;
+const TICKS: u8 = 3;
+/// Beyond these products of slopes and the time step a step of the integrator says nothing.
+const STIFF: f64 = 0.25;
+/// Ends of a spring that may come so near in a step turn faster than any bound, m.
+const NEAR: f64 = 0.1;
+
+/// The target.
+pub fn run(data: &[u8]) {
+    _ = play(data);
+}
+
+fn play(data: &[u8]) -> Result<()> {
+    let (mut author, mut other) = (Author::<Fx>::tame(data), Author::<f64>::tame(data));
+    let (def, there) = (author.world()?, other.world()?);
+    let (Some(mut world), Some(mut float)) = (author::world(def), author::world(there)) else {
+        panic!("a fair definition is refused: {def:?}");
+    };
+    let mut error = Error::default();
+    for _ in 0..COMMANDS {
+        if author.input.is_empty() {
+            break;
+        }
+        let (command, there) = (author.command()?, other.command()?);
+        let done = world.execute(&command);
+        assert_eq!(done, float.execute(&there), "{command:?}");
+        if let Ok(made) = done {
+            author.made(made);
+            other.made(made);
+        }
+        if let Command::SetIntegrator(_) = command {
+            error = Error::default();
+        }
+        let ticks = author.any::<u8>()? % (TICKS + 1);
+        other.any::<u8>()?;
+        for _ in 0..ticks {
+            let before = Snapshot::of(&float);
+            let is_safe = world.step().faults.is_empty() & float.step().faults.is_empty();
+            let (outside, there) = (world.last_report().drag_outside, float.last_report().drag_outside);
+            let slopes = Slopes::over(&before, &float).filter(|_| is_safe && outside == there);
+            let Some(slopes) = slopes else { return Ok(()) };
+            error.step(&slopes, float.def().integrator, before.seconds);
+            error.assert_covers(&world, &float);
+        }
+        error.settle();
+        meet(&mut world, &mut float);
+    }
+    Ok(())
+}
+
+/// Puts both where the fixed-point one is, to the ulp.
+fn meet(world: &mut World, float: &mut World<f64>) {
+    let ids: Vec<BodyId> = world.bodies().map(|body| body.id()).collect();
+    for body in ids {
+        let here = world.body(body).expect("it is there");
+        let (position, angle, kind) = (here.position(), here.angle(), here.kind());
+        let (velocity, spin) = (here.velocity(), here.angular_velocity());
+        let fits = "it is where it was";
+        let double = |v: Vec2| v.map(f64::from_fx);
+        world.set_position(body, position).expect(fits);
+        float.set_position(body, double(position)).expect(fits);
+        world.set_angle(body, angle).expect(fits);
+        float.set_angle(body, f64::from_fx(angle)).expect(fits);
+        if kind != BodyKind::Static {
+            world.set_velocity(body, velocity).expect(fits);
+            float.set_velocity(body, double(velocity)).expect(fits);
+            world.set_angular_velocity(body, spin).expect(fits);
+            float.set_angular_velocity(body, f64::from_fx(spin)).expect(fits);
+        }
+    }
+}
+
+/// A world before a step.
+struct Snapshot {
+    world: World<f64>,
+    seconds: f64,
+}
+
+impl Snapshot {
+    fn of(world: &World<f64>) -> Self {
+        let (num, den) = world.def().time_step.seconds();
+        Self { world: world.clone(), seconds: f64::from(num) / f64::from(den) }
+    }
+}
+
+/// By how much an acceleration changes with a place and with a speed, at most: of any body, on its way through a step.
+struct Slopes {
+    place: f64,
+    speed: f64,
+}
+
+/// What a step did to one end of a field, with a margin.
+struct Way {
+    from: [f64; 2],
+    to: [f64; 2],
+    /// More than it can have strayed from either, with Yoshida's detours.
+    reach: f64,
+    speed: f64,
+    /// Its distance from the centre of mass.
+    arm: f64,
+    /// 1/m and 1/I of its body.
+    yields: [f64; 2],
+}
+
+fn long(v: [f64; 2]) -> f64 {
+    v[0].hypot(v[1])
+}
+
+impl Way {
+    fn fixed(point: Vec2<f64>) -> Self {
+        let at = [point.x, point.y];
+        Self { from: at, to: at, reach: 0.0, speed: 0.0, arm: 0.0, yields: [0.0; 2] }
+    }
+
+    fn of(before: &Snapshot, after: &World<f64>, at: &Attachment<f64>) -> Option<Self> {
+        let [here, there] = [before.world.body(at.body).ok()?, after.body(at.body).ok()?];
+        let point = |body: &BodyRef<'_, f64>| {
+            let (sin, cos) = body.angle().sin_cos();
+            let Vec2 { x, y } = body.position();
+            [x + at.point.x * cos - at.point.y * sin, y + at.point.x * sin + at.point.y * cos]
+        };
+        let arm = long([at.point.x, at.point.y]);
+        let speed = |body: &BodyRef<'_, f64>| {
+            let Vec2 { x, y } = body.velocity();
+            long([x, y]) + arm * body.angular_velocity().abs()
+        };
+        // Twice the larger of the two speeds, and some for bodies that turn back in between.
+        let speed = 2.0 * speed(&here).max(speed(&there)) + 1.0;
+        let yields = match here.kind() {
+            BodyKind::Dynamic => [here.inverse_mass(), here.inverse_inertia()],
+            _ => [0.0; 2],
+        };
+        Some(Self { from: point(&here), to: point(&there), reach: 4.5 * before.seconds * speed, speed, arm, yields })
+    }
+
+    fn end(before: &Snapshot, after: &World<f64>, end: &End<f64>) -> Option<Self> {
+        match end {
+            End::World(point) => Some(Self::fixed(*point)),
+            End::Body(at) => Self::of(before, after, at),
+        }
+    }
+
+    /// What a force on it that changes by `force` for each unit of a place or speed of both ends changes of accelerations,
+    /// the force itself being at most `most`.
+    fn felt(&self, force: f64, most: f64) -> f64 {
+        // The torque's lever turns as well.
+        self.yields[0] * force + self.yields[1] * self.arm * (force + most)
+    }
+}
+
+impl Slopes {
+    /// `None` if they are too steep for a bound.
+    fn over(before: &Snapshot, after: &World<f64>) -> Option<Self> {
+        let mut slopes: Vec<(BodyId, [f64; 2])> = after.bodies().map(|body| (body.id(), [0.0; 2])).collect();
+        let mut add = |body: BodyId, place: f64, speed: f64| {
+            if let Some((_, [own_place, own_speed])) = slopes.iter_mut().find(|(id, _)| *id == body) {
+                *own_place += place;
+                *own_speed += speed;
+            }
+        };
+        for (_, Field { law, .. }) in before.world.fields() {
+            match law {
+                Law::Spring { near, far, spring } => {
+                    let (a, b) = (Way::of(before, after, near)?, Way::end(before, after, far)?);
+                    let length = |a: [f64; 2], b: [f64; 2]| long([a[0] - b[0], a[1] - b[1]]);
+                    let (start, end) = (length(a.from, b.from), length(a.to, b.to));
+                    let (least, most) = (start.min(end) - a.reach - b.reach, start.max(end) + a.reach + b.reach);
+                    if least < NEAR {
+                        return None;
+                    }
+                    let rate = a.speed + b.speed;
+                    let force = spring.stiffness * most.max(spring.rest) + spring.damping * rate;
+                    // Both ends move and turn with their bodies; a force along the spring turns with it.
+                    let moved = 2.0 + a.arm + b.arm;
+                    let place = moved * (spring.stiffness + 2.0 * (force + spring.damping * rate) / least);
+                    let speed = moved * spring.damping;
+                    for (way, body) in [(&a, Some(near.body)), (&b, law_body(far))] {
+                        if let Some(body) = body {
+                            add(body, way.felt(place, force), way.felt(speed, 0.0));
+                        }
+                    }
+                }
+                Law::Attractor { centre, mu, softening } => {
+                    let centre = Way::end(before, after, centre)?;
+                    for body in before.world.bodies() {
+                        // Steepest at the centre, and twice that covers all ways.
+                        add(body.id(), (2.0 + centre.arm) * 2.0 * mu / softening.powi(3), 0.0);
+                    }
+                }
+                Law::Thrust { at, force } => {
+                    let way = Way::of(before, after, at)?;
+                    add(at.body, way.yields[0] * long([force.x, force.y]), 0.0);
+                }
+                Law::Drag { linear, quadratic, wind } => {
+                    for body in before.world.bodies() {
+                        let way = Way::of(before, after, &Attachment::centre(body.id()))?;
+                        let speed = way.speed + long([wind.x, wind.y]);
+                        add(body.id(), 0.0, way.yields[0] * (linear + 2.0 * quadratic * speed));
+                    }
+                }
+                Law::Custom { .. } => {
+                    for body in before.world.bodies() {
+                        add(body.id(), 0.0, body.inverse_mass().max(body.inverse_inertia()));
+                    }
+                }
+                _ => return None,
+            }
+        }
+        let most = |which: usize| slopes.iter().map(|(_, slopes)| slopes[which]).fold(0.0, f64::max);
+        let slopes = Self { place: most(0), speed: most(1) };
+        let h = before.seconds;
+        (slopes.place * h * h < STIFF && slopes.speed * h < STIFF).then_some(slopes)
+    }
+}
+
+fn law_body(end: &End<f64>) -> Option<BodyId> {
+    match end {
+        End::Body(at) => Some(at.body),
+        End::World(_) => None,
+    }
+}
+
+/// How far the two builds may be apart, in ulps: in places and angles, in speeds; and in the acceleration that
+/// `PublishedVerlet` keeps.
+#[derive(Clone, Copy, Debug, Default)]
+struct Error {
+    place: f64,
+    speed: f64,
+    push: f64,
+}
+
+impl Error {
+    fn step(&mut self, slopes: &Slopes, integrator: Integrator, seconds: f64) {
+        let weights: &[f64] = match integrator {
+            Integrator::Yoshida4 => &[1.3513, 1.7025, 1.3513],
+            _ => &[1.0],
+        };
+        for weight in weights {
+            let h = weight * seconds;
+            let push = |place: f64, speed: f64| slopes.place * (place + 0.5) + slopes.speed * (speed + 0.5);
+            // Half of the speed backwards in time is what damping makes of it in a second: 2^h.
+            let speed = (self.speed + h * (push(self.place, self.speed) + self.push)) * h.exp2();
+            let place = self.place + h * (speed + 0.5) + h * h * push(self.place, speed);
+            self.speed = (speed + h * push(place, speed)) * h.exp2();
+            self.place = place;
+        }
+        self.push = slopes.place * (self.place + 0.5) + slopes.speed * (self.speed + 0.5);
+    }
+
+    /// Places and speeds are equal again; the last acceleration is what it was.
+    fn settle(&mut self) {
+        *self = Self { push: self.push, ..Self::default() };
+    }
+
+    fn assert_covers(&self, world: &World, float: &World<f64>) {
+        const ULPS: f64 = (1u64 << 32) as f64;
+        for (here, there) in world.bodies().zip(float.bodies()) {
+            let (x, v) = (here.position_exact(), here.velocity_exact());
+            let (y, w) = (there.position(), there.velocity());
+            let turn = here.angle_exact().to_f64() - there.angle();
+            let places = [x.x.to_f64() - y.x, x.y.to_f64() - y.y, turn - TAU * (turn / TAU).round()];
+            let spin = here.angular_velocity_exact().to_f64() - there.angular_velocity();
+            let speeds = [v.x.to_f64() - w.x, v.y.to_f64() - w.y, spin];
+            for (off, allowed) in [(places, self.place), (speeds, self.speed)] {
+                let off = off.into_iter().map(f64::abs).fold(0.0, f64::max) * ULPS;
+                assert!(off <= 2.0 * allowed + 1.0, "{}: {off} ulps of {self:?}, tick {}", here.id(), world.tick());
+            }
+        }
+    }
+}

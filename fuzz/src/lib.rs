@@ -1,0 +1,29 @@
+//! What strangers can send, tried with any bytes: the bodies of the fuzz targets.
+//!
+//! Each target is a function of bytes that panics where a promise is broken. libFuzzer calls it from `fuzz_targets`, and
+//! `tests/corpus.rs` of the library, which includes this file, calls it on stable with all committed inputs.
+
+mod author;
+pub mod commands;
+mod files;
+pub mod fx_f64;
+pub mod kernels;
+pub mod replay;
+pub mod scene;
+pub mod snapshot;
+pub mod work;
+
+#[path = "../../tests/support/reference.rs"]
+#[allow(dead_code, reason = "the tests of accuracy use all of it")]
+mod reference;
+
+/// All targets by name.
+pub const TARGETS: [(&str, fn(&[u8])); 7] = [
+    ("commands", commands::run),
+    ("fx_f64", fx_f64::run),
+    ("kernels", kernels::run),
+    ("replay", replay::run),
+    ("scene", scene::run),
+    ("snapshot", snapshot::run),
+    ("work", work::run),
+];

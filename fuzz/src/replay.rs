@@ -1,0 +1,220 @@
+//! Any bytes as a replay, a dump or a command: refused, or played.
+//!
+//! The first byte of an input says what the others are: a file as it is; the chunks of one, to be sealed; a run that is
+//! recorded, or a tick that is dumped, and what is changed of it before it is sealed again; a command.
+
+use arbitrary::{Result, Unstructured};
+use umbra_physics::{Command, Dump, Fx, Input, Inputs, RecordOptions, Recorder, Replay, ReplayError, World, WorldDef};
+
+use super::author::{self, Author, Image};
+use super::files::{Chunk, OPENING, chunks, disturb, measured, seal_snapshot, sealed, use_up};
+
+/// The most memory that reading takes, as a multiple of the bytes: a command may be one byte, and room for any other.
+const TIMES: u64 = 1_024;
+
+/// The target.
+pub fn run(data: &[u8]) {
+    let Some((kind, rest)) = data.split_first() else { return };
+    _ = match kind % 8 {
+        0 => {
+            look(rest);
+            look_at_dump(rest);
+            Ok(())
+        }
+        1 | 2 => from_chunks(rest),
+        3 | 4 => recorded(rest),
+        5 | 6 => dumped(rest),
+        _ => {
+            look_at_command(rest);
+            Ok(())
+        }
+    };
+}
+
+/// A file is read; whatever it is, and what can be recovered of it, is played.
+fn look(bytes: &[u8]) {
+    let whole = measured(bytes, TIMES, || Replay::from_bytes(bytes, &author::laws()));
+    let rest = Replay::recovered(bytes, &author::laws());
+    match (&whole, &rest) {
+        (Ok(_), Ok(rest)) => assert!(rest.is_complete()),
+        (Err(ReplayError::CutOff { .. }), Ok(rest)) => assert!(!rest.is_complete()),
+        // Cut off before its first world.
+        (Err(ReplayError::CutOff { .. }), Err(ReplayError::CutOff { .. })) => {}
+        (Err(error), Err(same)) => assert_eq!(error, same),
+        (whole, rest) => panic!("{whole:?}, {rest:?}"),
+    }
+    let Ok(replay) = rest else {
+        _ = whole.map_err(|error| error.to_string());
+        return;
+    };
+    let verified = replay.verify();
+    _ = verified.as_ref().map_err(|divergence| divergence.to_string());
+    assert_eq!(replay.first_difference(&replay), None);
+    let (start, end) = (replay.start().tick(), replay.end());
+    let mut playback = replay.play();
+    for tick in [start, start + (end - start) / 2, end, u64::MAX, 0] {
+        playback.seek(tick);
+        assert_eq!(playback.world().tick(), tick.clamp(start, end));
+        let recorded = playback.recorded_hash();
+        if verified.is_ok() {
+            assert!(recorded.is_none_or(|hash| hash == playback.world().state_hash()), "another way to tick {tick}");
+        }
+    }
+    playback.seek(end);
+    use_up(playback.world().clone(), bytes.len() as u64);
+}
+
+fn look_at_dump(bytes: &[u8]) {
+    let Ok(dump) = measured(bytes, TIMES, || Dump::from_bytes(bytes, &author::laws())) else { return };
+    assert_eq!(dump.to_bytes(), bytes, "what is read is written alike");
+    assert_eq!(dump.first_difference(&dump), None);
+    for (_, world) in dump.moments() {
+        let mut world = world.clone();
+        world.step();
+    }
+}
+
+fn look_at_command(bytes: &[u8]) {
+    let Ok(command) = measured(bytes, TIMES, || Command::from_bytes(bytes)) else { return };
+    assert_eq!(command.to_bytes(), bytes, "what is read is written alike");
+    let mut world = author::world(WorldDef::default()).expect("a fair definition");
+    for _ in 0..2 {
+        let (before, foreseen) = (world.state_hash(), world.check(&command));
+        let done = world.execute(&command);
+        assert_eq!(done.err(), foreseen.err());
+        assert!(done.is_ok() || world.state_hash() == before);
+        world.step();
+    }
+}
+
+const REPLAY: [&[u8; 4]; 4] = [b"HEAD", b"SNAP", b"TICK", b"DONE"];
+const DUMP: [&[u8; 4]; 4] = [b"LAWS", b"TICK", b"MOMT", b"DONE"];
+
+/// What a file of another kind begins with: the eight letters, and the number of its format.
+fn opening(letters: &[u8; 8]) -> Vec<u8> {
+    [&letters[..], &1u32.to_le_bytes()].concat()
+}
+
+/// Chunks as a byte for the letters, two for the length, and the contents.
+fn from_chunks(data: &[u8]) -> Result<()> {
+    let mut input = Unstructured::new(data);
+    let is_dump: bool = input.arbitrary()?;
+    let mut parts = Vec::new();
+    while !input.is_empty() {
+        let number: u8 = input.arbitrary()?;
+        let length = usize::from(input.arbitrary::<u16>()?).min(input.len());
+        let tag = *(if is_dump { DUMP } else { REPLAY })[usize::from(number % 4)];
+        parts.push(Chunk { tag, bytes: input.bytes(length)?.to_vec() });
+    }
+    if is_dump {
+        look_at_dump(&sealed(&opening(b"UMBRADMP"), &parts));
+    } else {
+        look(&sealed(&opening(b"UMBRAREP"), &parts));
+    }
+    Ok(())
+}
+
+/// A world as the author begins it.
+fn start(author: &mut Author<'_>) -> Result<World> {
+    let world = author::world(author.world()?).or_else(|| author::world(WorldDef::default()));
+    let mut world = world.expect("the usual definition is fair");
+    for _ in 0..author.any::<u8>()? % 8 {
+        let command = author.command()?;
+        world.execute(&command).into_iter().for_each(|made| author.made(made));
+    }
+    Ok(world)
+}
+
+/// Inputs of some players, in the order they arrive in.
+fn inputs(author: &mut Author<'_>) -> Result<Inputs> {
+    let mut inputs = Inputs::new();
+    for sequence in 0..u32::from(author.any::<u8>()? % 4) {
+        let player = u32::from(author.any::<u8>()? % 3);
+        let command = author.command()?;
+        inputs.insert(Input { player, sequence, command }).expect("each sequence comes once");
+    }
+    Ok(inputs)
+}
+
+fn recorded(data: &[u8]) -> Result<()> {
+    let mut author = Author::<Fx>::new(data, Image::default());
+    let mut world = start(&mut author)?;
+    let options = RecordOptions {
+        hash_every: 1 + u32::from(author.any::<u8>()? % 3),
+        snapshot_every: u32::from(author.any::<u8>()? % 4),
+    };
+    let mut recorder = Recorder::new(&world, options);
+    let ticks = author.any::<u8>()? % 12;
+    for _ in 0..ticks {
+        if author.any()? {
+            let command = author.command()?;
+            let made = recorder.execute(&mut world, &command);
+            made.into_iter().for_each(|made| author.made(made));
+        }
+        let inputs = inputs(&mut author)?;
+        recorder.step(&mut world, &inputs);
+        let made = recorder.outcomes().iter().filter_map(|outcome| outcome.result.ok());
+        made.for_each(|made| author.made(made));
+    }
+    let file = recorder.finish(&world);
+    let replay = Replay::from_bytes(&file, &author::laws()).expect("it is whole");
+    assert_eq!(replay.verify(), Ok(()));
+    let mut playback = replay.play();
+    playback.seek(u64::MAX);
+    assert_eq!(playback.world().state_hash(), world.state_hash());
+    if author.input.is_empty() {
+        return Ok(());
+    }
+    // A part of the file as it is, then sealed again.
+    let mut torn = file.clone();
+    disturb(&mut torn, &mut author.input)?;
+    look(&torn);
+    look(&sealed(&file[..OPENING], &changed(chunks(&file), &mut author.input)?));
+    Ok(())
+}
+
+/// The chunks, with changes; some of them again, or no more.
+fn changed(mut parts: Vec<Chunk>, input: &mut Unstructured<'_>) -> Result<Vec<Chunk>> {
+    while !input.is_empty() {
+        let (kind, number) = (input.arbitrary::<u8>()?, usize::from(input.arbitrary::<u8>()?));
+        if parts.is_empty() {
+            break;
+        }
+        let number = number % parts.len();
+        match kind {
+            0..16 => drop(parts.remove(number)),
+            16..32 => parts.insert(number, parts[number].clone()),
+            32..48 => parts.swap(number, kind as usize % number.max(1)),
+            _ => {
+                disturb(&mut parts[number].bytes, input)?;
+                if parts[number].tag == *b"SNAP" {
+                    // Between changes too: what is told of a world may hang together.
+                    seal_snapshot(&mut parts[number].bytes);
+                }
+            }
+        }
+    }
+    Ok(parts)
+}
+
+fn dumped(data: &[u8]) -> Result<()> {
+    let mut author = Author::<Fx>::new(data, Image::default());
+    let before = start(&mut author)?;
+    let calls = if author.any()? { vec![author.command()?] } else { Vec::new() };
+    let inputs = inputs(&mut author)?;
+    let mut after = before.clone();
+    calls.iter().for_each(|call| _ = after.execute(call));
+    after.carry_out(&inputs);
+    after.step();
+    let dump = Dump::of_tick(&before, &calls, &inputs, &after);
+    let file = dump.to_bytes();
+    let read = Dump::from_bytes(&file, &author::laws()).expect("it is whole");
+    assert_eq!((read.to_bytes(), read.first_difference(&dump)), (file.clone(), None));
+    if !author.input.is_empty() {
+        let mut torn = file.clone();
+        disturb(&mut torn, &mut author.input)?;
+        look_at_dump(&torn);
+        look_at_dump(&sealed(&file[..OPENING], &changed(chunks(&file), &mut author.input)?));
+    }
+    Ok(())
+}

@@ -1,0 +1,76 @@
+//! Any bytes as a snapshot: refused, or a world that goes on like any other.
+//!
+//! The first byte of an input says what the others are: a snapshot as it is; the state in one, sealed; or a world that is
+//! made, and what is changed of its bytes before they are sealed again.
+
+use arbitrary::{Result, Unstructured};
+use umbra_physics::{Fx, Snapshot, World, WorldDef, limits};
+
+use super::author::{self, Author, Image};
+use super::files::{disturb, head, measured, seal_snapshot, use_up};
+
+/// The most memory that reading takes, as a multiple of the bytes: an empty slot is 5 bytes, and room for a body.
+const TIMES: u64 = 256;
+
+/// The target.
+pub fn run(data: &[u8]) {
+    let Some((kind, rest)) = data.split_first() else { return };
+    match kind % 4 {
+        0 => look(rest),
+        1 | 2 => {
+            let mut bytes = head();
+            bytes.extend_from_slice(rest);
+            bytes.extend_from_slice(&[0; 16]);
+            seal_snapshot(&mut bytes);
+            look(&bytes);
+        }
+        _ => _ = forged(rest).map(|bytes| look(&bytes)),
+    }
+}
+
+/// A world of a few bodies and fields.
+fn made(author: &mut Author<'_>) -> Result<World> {
+    let world = author::world(author.world()?).or_else(|| author::world(WorldDef::default()));
+    let mut world = world.expect("the usual definition is fair");
+    for _ in 0..author.any::<u8>()? % 24 {
+        let command = author.command()?;
+        if let Ok(made) = world.execute(&command) {
+            author.made(made);
+        }
+        for _ in 0..(author.any::<u8>()? & 0xf).saturating_sub(13) {
+            world.step();
+        }
+    }
+    Ok(world)
+}
+
+fn forged(data: &[u8]) -> Result<Vec<u8>> {
+    let mut author = Author::<Fx>::new(data, Image::default());
+    let mut bytes = made(&mut author)?.snapshot().to_bytes();
+    assert!(Snapshot::from_bytes(&bytes, &author::laws()).is_ok(), "its own bytes");
+    look(&bytes);
+    let input: &mut Unstructured<'_> = &mut author.input;
+    while !input.is_empty() {
+        disturb(&mut bytes, input)?;
+    }
+    seal_snapshot(&mut bytes);
+    Ok(bytes)
+}
+
+fn look(bytes: &[u8]) {
+    let Ok(snapshot) = measured(bytes, TIMES, || Snapshot::from_bytes(bytes, &author::laws())) else { return };
+    assert_eq!(snapshot.to_bytes(), bytes, "what is read is written alike");
+    let mut world = World::new(WorldDef::default()).expect("a fair definition");
+    world.restore(&snapshot);
+    assert_eq!(world.state_hash(), snapshot.world().state_hash());
+    world.step();
+    let mut other = snapshot.into_world();
+    other.step();
+    assert_eq!(world.state_hash(), other.state_hash(), "two that were read alike");
+    if world.tick() < limits::TICK {
+        let again = world.snapshot().to_bytes();
+        let again = Snapshot::from_bytes(&again, &author::laws()).expect("a step leads to a world");
+        assert_eq!(again.world().state_hash(), world.state_hash());
+    }
+    use_up(world, bytes.len() as u64);
+}

@@ -1,0 +1,144 @@
+//! The fuzz targets by their committed inputs, on stable: what was found once is not found again.
+//!
+//! `fuzz/README.md` says what each target asserts. `UMBRA_BLESS=1 cargo test --release --all-features --test corpus -- --ignored`
+//! writes inputs to begin with.
+
+#[path = "../fuzz/src/lib.rs"]
+#[allow(
+    dead_code,
+    unreachable_pub,
+    reason = "it is the library of the fuzz targets there, and benches use a part of it"
+)]
+mod fuzz;
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use umbra_physics::scene::Scene;
+use umbra_physics::{LAW, Random};
+
+fn folder(target: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/seeds").join(target)
+}
+
+/// The committed inputs of a target, by their names.
+fn inputs(target: &str) -> Vec<(PathBuf, Vec<u8>)> {
+    let files = fs::read_dir(folder(target)).unwrap_or_else(|error| panic!("no inputs for {target}: {error}"));
+    let mut paths: Vec<PathBuf> = files.map(|file| file.expect("a file").path()).collect();
+    paths.sort();
+    paths.into_iter().map(|path| (path.clone(), fs::read(path).expect("it can be read"))).collect()
+}
+
+/// Runs the committed inputs of the target with this name.
+fn run(target: &str) {
+    let (_, run) = fuzz::TARGETS.into_iter().find(|(name, _)| *name == target).expect("a target");
+    let inputs = inputs(target);
+    // A folder that lost its files would pass.
+    assert!(inputs.len() >= 10, "{} inputs for {target}", inputs.len());
+    for (path, input) in inputs {
+        // Where it panics, this is what the harness shows.
+        println!("{}", path.display());
+        run(&input);
+    }
+}
+
+macro_rules! corpora {
+    ($($target:ident)*) => {
+        $(
+            #[test]
+            fn $target() {
+                run(stringify!($target));
+            }
+        )*
+
+        #[test]
+        fn every_target_has_a_corpus_and_a_test() {
+            let tested = BTreeSet::from([$(stringify!($target)),*]);
+            let targets: BTreeSet<&str> = fuzz::TARGETS.into_iter().map(|(name, _)| name).collect();
+            assert_eq!(tested, targets);
+            let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz");
+            let names = |folder: &str| -> BTreeSet<String> {
+                let files = fs::read_dir(root.join(folder)).expect("it is there");
+                let stem = |path: PathBuf| path.file_stem().and_then(|name| name.to_str()).map(str::to_string);
+                files.filter_map(|file| stem(file.expect("a file").path())).collect()
+            };
+            let expected: BTreeSet<String> = tested.into_iter().map(str::to_string).collect();
+            assert_eq!((names("fuzz_targets"), names("seeds")), (expected.clone(), expected.clone()));
+            let manifest = fs::read_to_string(root.join("Cargo.toml")).expect("it is there");
+            for target in expected {
+                assert!(manifest.contains(&format!("path = \"fuzz_targets/{target}.rs\"")), "{target}");
+            }
+        }
+    };
+}
+
+corpora!(commands fx_f64 kernels replay scene snapshot work);
+
+#[test]
+fn corpora_are_small() {
+    let sizes = fuzz::TARGETS.map(|(target, _)| {
+        let inputs = inputs(target);
+        let size: usize = inputs.iter().map(|(_, input)| input.len()).sum();
+        assert!(inputs.len() <= 200 && size <= 100_000, "{target}: {} inputs, {size} bytes", inputs.len());
+        size
+    });
+    assert!(sizes.iter().sum::<usize>() < 700_000, "{sizes:?}");
+}
+
+/// The dictionary has the fields that the reader of scenes knows.
+#[test]
+fn the_dictionary_has_every_field_of_a_scene() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let dictionary = fs::read_to_string(root.join("fuzz/dictionaries/scene.txt")).expect("it is there");
+    let mut looked = 0;
+    for file in fs::read_dir(root.join("src/scene")).expect("it is there") {
+        let source = fs::read_to_string(file.expect("a file").path()).expect("it can be read");
+        let code = source.split("#[cfg(test)]").next().expect("there is a first part");
+        for call in ["get(\"", "need(\"", "or(\"", "kept(\"", "words(&object, \"", "term(\""] {
+            let named = code.split(call).skip(1).filter_map(|rest| rest.split('"').next());
+            let is_field = |text: &&str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_lowercase() || b == b'_');
+            for field in named.filter(is_field) {
+                assert!(dictionary.contains(&format!("\"\\\"{field}\\\":\"")), "{field}");
+                looked += 1;
+            }
+        }
+    }
+    assert!(looked > 80, "{looked}");
+}
+
+/// Writes inputs to begin with: random bytes for the targets that make worlds of them, the repository's scenes, and the
+/// files of format and law.
+#[test]
+#[ignore = "writes files"]
+fn write_seeds() {
+    assert!(std::env::var_os("UMBRA_BLESS").is_some(), "UMBRA_BLESS=1 writes inputs to fuzz/seeds");
+    let mut random = Random::seeded(1);
+    let write = |target: &str, name: &str, bytes: &[u8]| {
+        fs::create_dir_all(folder(target)).expect("a folder");
+        fs::write(folder(target).join(name), bytes).expect("it can be written");
+    };
+    for target in ["commands", "fx_f64", "kernels", "replay", "snapshot", "work"] {
+        for i in 0..16u8 {
+            let length = random.below(if target == "kernels" { 60 } else { 400 });
+            // Zeros are what ends a list and what is usual.
+            let byte = |random: &mut Random| if random.below(3) == 0 { 0 } else { random.bits() as u8 };
+            let mut bytes: Vec<u8> = (0..length).map(|_| byte(&mut random)).collect();
+            // The first byte says what the others are.
+            bytes.insert(0, if target == "commands" { 0 } else { i });
+            write(target, &format!("random-{i:02}"), &bytes);
+        }
+    }
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    for file in fs::read_dir(root.join("scenes")).expect("there are scenes") {
+        let path = file.expect("a file").path();
+        let text = fs::read_to_string(&path).unwrap_or_default();
+        if Scene::parse(&text).is_ok() {
+            write("scene", path.file_name().and_then(|name| name.to_str()).expect("a name"), text.as_bytes());
+        }
+    }
+    for (target, kind, extension) in [("snapshot", "snapshot", "umbrasnp"), ("replay", "replay", "umbrarep")] {
+        let file = fs::read(root.join(format!("tests/files/{kind}-format1-law{LAW}.{extension}"))).expect("this law's");
+        write(target, &format!("{kind}-law{LAW}"), &[&[0], &file[..]].concat());
+    }
+}
