@@ -17,8 +17,11 @@ pub mod work;
 #[allow(dead_code, reason = "the tests of accuracy use all of it")]
 mod reference;
 
-/// All targets by name.
-pub const TARGETS: [(&str, fn(&[u8])); 7] = [
+/// A target by its name, and what it does with an input.
+pub type Target = (&'static str, fn(&[u8]));
+
+/// All of them.
+pub const TARGETS: [Target; 7] = [
     ("commands", commands::run),
     ("fx_f64", fx_f64::run),
     ("kernels", kernels::run),

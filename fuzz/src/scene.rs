@@ -33,10 +33,10 @@ fn repeated(text: &str) -> Option<u64> {
     text.match_indices("repeat").try_fold(1, |made: u64, (at, word)| {
         let rest = &text.as_bytes()[at + word.len()..];
         let counts = &rest[..rest.iter().position(|&byte| byte == b'}').unwrap_or(rest.len())];
-        let numbers = counts.split(|byte| !byte.is_ascii_digit()).filter(|number| !number.is_empty());
-        numbers.fold(Some(made), |made, number| match number {
-            [digit] => made?.checked_mul(u64::from(digit - b'0') + 1),
-            [ten, one] => made?.checked_mul(u64::from(ten - b'0') * 10 + u64::from(one - b'0') + 1),
+        let mut numbers = counts.split(|byte| !byte.is_ascii_digit()).filter(|number| !number.is_empty());
+        numbers.try_fold(made, |made, number| match number {
+            [digit] => made.checked_mul(u64::from(digit - b'0') + 1),
+            [ten, one] => made.checked_mul(u64::from(ten - b'0') * 10 + u64::from(one - b'0') + 1),
             _ => None,
         })
     })

@@ -175,9 +175,9 @@ impl Busy {
         let (mu, more) = (<FxFactor as Factor<Fx>>::from_scalar(mu), u64::from(values.byte() / 129));
         let mu = mu.times(FxFactor::from_ratio(1 + (more << 32), 1));
         let softening = values.size(fx!(1), Fx::ZERO, fx!(4096));
-        for i in 0..usize::from(attractors % 5) {
+        for (i, &body) in dynamic.iter().enumerate().take(usize::from(attractors % 5)) {
             // One of them is carried by a body, if there are many.
-            let at = Attachment { body: dynamic[i], point: lever };
+            let at = Attachment { body, point: lever };
             let centre = if i == 3 { End::Body(at) } else { End::World(vec2(i as i32 * 7, -3)) };
             add(Law::Attractor { centre, mu, softening });
         }
