@@ -4,6 +4,8 @@
 
 use alloc::vec::Vec;
 
+use dashu_float::FBig;
+use dashu_float::round::mode::HalfEven;
 use dashu_int::UBig;
 
 use super::div::*;
@@ -12,6 +14,8 @@ use super::round::*;
 use super::sqrt::*;
 use super::trig::*;
 use super::wide::*;
+
+type Real = FBig<HalfEven, 2>;
 
 /// 0, the powers of two at the ends of words and halves, their neighbours, and the largest.
 fn ends() -> Vec<u128> {
@@ -78,6 +82,17 @@ fn products_at_the_ends() {
             assert_eq!((UBig::from(high) << 64) + low, UBig::from(a) * (b as u64));
         }
     }
+}
+
+#[test]
+fn a_product_is_sure_wherever_it_can_be() {
+    for shift in 3..=127 {
+        let half = 1u128 << (shift - 1);
+        let sure = [half - 2, half - 1, half, half + 1, half + 2].map(|a| mul_shift_near(a, 1, shift));
+        assert_eq!(sure, [Some(0), None, None, None, Some(1)], "{shift}");
+    }
+    assert_eq!([1, 2, 128].map(|shift| mul_shift_near(1 << 100, 1, shift)), [None, Some(1 << 98), None]);
+    assert_eq!(mul_shift_near(1 << 120, 1 << 48, 64), Some(1 << 104));
 }
 
 #[test]
@@ -215,6 +230,14 @@ fn logarithms_and_powers_at_the_borders_of_the_tables() {
         let near = [raw - 1, raw, raw + 1].map(log2_fine);
         // Apart by log2(1 + 1/raw) >= 2^-64, and within 2^-118 each.
         assert!(near[0] < near[1] && near[1] < near[2], "{raw:#x}");
+    }
+    let real = |mantissa: i128, exponent| Real::from_parts(mantissa.into(), exponent).with_precision(200).value();
+    let ln2 = real(2, 0).ln();
+    // The series is longest at both ends of what an entry of the table is for.
+    for raw in (128..256u64).flat_map(|j| [j << 56, (j << 56) | ((1 << 56) - 1)]) {
+        let exact = real(raw.into(), -32).ln() / &ln2;
+        let away = (exact - real(log2_fine(raw), -120)).to_f64().value().abs();
+        assert!(away <= 2f64.powi(-118), "{raw:#x}: 2^{}", away.log2());
     }
     for frac in (0..128u128).flat_map(|entry| [0, 1, 1 << 57, (1 << 121) - 1].map(|off| (entry << 121) + off)) {
         let fine = exp2_fine(frac);
