@@ -24,12 +24,11 @@ impl Scene {
     ///
     /// The run of the scene has the state of that world at every tick, to the last bit and with the same handles. A command
     /// that the world refuses changes nothing and is left out, so is one at `ticks` or later; but a law of the user's own, which
-    /// another world may have, is an error. To tell, the world is run up to the
-    /// last command.
+    /// another world may have, is an error. To tell, the world is run up to the last command.
     ///
     /// ```
     /// use umbra_physics::scene::Scene;
-    /// use umbra_physics::{BodyDef, BodyId, Command, World, WorldDef, vec2};
+    /// use umbra_physics::{BodyDef, BodyId, Command, Fx, WorldDef, vec2};
     ///
     /// let ball = BodyId::from_parts(0, 0);
     /// let commands = [
@@ -39,7 +38,7 @@ impl Scene {
     /// let scene = Scene::from_commands(WorldDef::default(), &commands, 60)?;
     /// let text = scene.to_json();
     /// assert!(text.contains(r#"{"at": 2, "body": "body 1", "set": {"velocity": [3, 0]}}"#));
-    /// assert_eq!(Scene::parse(&text)?.start()?.advance()?.tick, 1);
+    /// assert_eq!(Scene::parse(&text)?.start::<Fx>()?.advance()?.tick, 1);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
