@@ -86,8 +86,9 @@ pub(super) fn each<'a>(list: &Node<'a>, most: u64, mut read: impl FnMut(&Object<
         bytes = bytes.saturating_add(rounds.saturating_mul(node.raw().len() as u64));
         if bytes > most.saturating_mul(BYTES_EACH) {
             let most = most.saturating_mul(BYTES_EACH);
-            let words = format_args!("out of range: written out, this would be more than {most} bytes");
-            return Err(repeat.fault(Flaw::TooMany.of(words)));
+            return Err(repeat.fault(
+                Flaw::TooMany.of(format_args!("out of range: written out, this would be more than {most} bytes")),
+            ));
         }
         let mut n = 0;
         for j in j.0..=j.1 {
