@@ -1,10 +1,12 @@
 //! The next step depends on the state and the inputs alone, and a body's bits on nothing it does not interact with.
 
+use std::sync::Arc;
+
 use umbra_physics::scalar::{Accumulator, Angle, Factor};
 use umbra_physics::{
     Activity, Attachment, BodyDef, BodyId, BodyKind, BodyState, Dependence, End, Error, Field, FieldId, ForceLaw, Fx,
-    FxFactor, Integrator, Law, LawFault, Mass, Push, Region, Shape, SpringLaw, TimeStep, Vec2, World, WorldDef, fx,
-    vec2,
+    FxFactor, Integrator, Law, LawFault, Mass, Push, Region, Shape, Snapshot, SpringLaw, TimeStep, Vec2, World,
+    WorldDef, fx, vec2,
 };
 
 type Bits = ([i128; 5], u64, Activity);
@@ -234,12 +236,11 @@ fn the_order_of_adding_fields_changes_no_bit_but_for_drags_among_themselves() {
             order.iter().copied().enumerate().filter(|&(_, i)| is_drag(i)).unzip();
         drags.sort_unstable();
         places.into_iter().zip(drags).for_each(|(place, drag)| order[place] = drag);
-        // Free slots are taken from the last one freed on.
-        order.reverse();
         let mut handles = Vec::new();
         for &i in &order {
             handles.push(other.add_field(fields[i]).expect("a field"));
         }
+        // Free slots are taken from the last one freed on: their order is not that of the drags.
         assert!(handles.is_sorted_by(|a, b| a.parts().0 > b.parts().0));
         for tick in 0..TICKS {
             push_all(&mut straight, &ids, tick, in_order);
@@ -592,6 +593,88 @@ fn a_stranger_that_falls_asleep_puts_nobody_else_to_sleep() {
 }
 
 #[test]
+fn drags_act_in_the_order_in_which_they_came_whichever_slots_strangers_left_them() {
+    let zone = Law::Zone { region: Region::Disc { centre: Vec2::ZERO, radius: fx!(1) }, acceleration: Vec2::X };
+    let strange = Field { groups: 2, ..Field::from(zone) };
+    let drag = |linear, wind| Law::Drag { linear, quadratic: fx!(0.3), wind: vec2(wind, 0) };
+    // A stranger's field makes room after the first drag came, and the second one takes its place.
+    let play = |strangers: bool, restored: bool, drags: [Law; 2]| {
+        let mut world = World::new(WorldDef::default()).expect("a world");
+        let body = world.add_body(BodyDef { velocity: vec2(7, -2), ..BodyDef::dynamic() }).expect("a body");
+        let stranger = strangers.then(|| world.add_field(strange).expect("a field"));
+        let first = world.add_field(drags[0]).expect("a drag");
+        stranger.into_iter().for_each(|stranger| world.remove_field(stranger).expect("it is there"));
+        let second = world.add_field(drags[1]).expect("a drag");
+        assert_eq!(second.parts().0 < first.parts().0, strangers, "it takes the slot that was left");
+        assert!(world.fields().map(|(id, _)| id).eq([first, second]));
+        // One that becomes another stays where it is.
+        world.set_field(first, drags[0]).expect("a drag");
+        if restored {
+            let bytes = world.snapshot().to_bytes();
+            world = Snapshot::from_bytes(&bytes, &[]).expect("it is whole").into_world();
+        }
+        for _ in 0..10 {
+            world.step();
+        }
+        bits(&world, body)
+    };
+    let drags = [drag(fx!(0.5), fx!(3)), drag(fx!(0.2), fx!(-4))];
+    let alone = play(false, false, drags);
+    for (strangers, restored) in [(true, false), (true, true), (false, true)] {
+        assert_eq!(play(strangers, restored, drags), alone, "strangers: {strangers}, restored: {restored}");
+    }
+    assert_ne!(play(false, false, [drags[1], drags[0]]), alone, "the order makes a difference");
+}
+
+#[test]
+fn a_field_wakes_whom_it_acts_on_and_what_hangs_on_them_alone() {
+    let disc = Region::Disc { centre: Vec2::ZERO, radius: fx!(1) };
+    let laws = [
+        Law::Zone { region: disc, acceleration: Vec2::X },
+        Law::Drag { linear: fx!(1), quadratic: fx!(0), wind: Vec2::X },
+        Law::Attractor { centre: End::World(Vec2::ZERO), mu: mu(fx!(1)), softening: fx!(1) },
+        Law::Custom { id: 5 },
+    ];
+    for law in laws {
+        let mut world = World::new(WorldDef { sleep_after: Some(3), ..WorldDef::default() }).expect("a world");
+        world.register_law(Arc::new(Push1(5, 1))).expect("a law");
+        let mut add = |groups, x: i32| {
+            let position = vec2(Fx::from(x), 0);
+            world.add_body(BodyDef { position, groups, ..BodyDef::dynamic() }).expect("a body")
+        };
+        let (own, hanging, strange) = (add(4, 5), add(1, 6), add(2, 7));
+        let far = End::Body(Attachment::centre(hanging));
+        world.add_field(spring(own, Vec2::ZERO, far, fx!(1), fx!(1), fx!(0))).expect("a spring");
+        let asleep = |world: &World| {
+            [own, hanging, strange].map(|body| world.body(body).expect("it is there").activity() == Activity::Asleep)
+        };
+        let rest = |world: &mut World| {
+            for _ in 0..9 {
+                world.step();
+            }
+            assert_eq!(asleep(world), [true; 3], "{law:?}");
+        };
+        rest(&mut world);
+        let of = |groups| Field { groups, ..Field::from(law) };
+        let field = world.add_field(of(8)).expect("a field");
+        assert_eq!(asleep(&world), [true; 3], "{law:?} acts on none");
+        world.set_field(field, of(4)).expect("a field");
+        assert_eq!(asleep(&world), [false, false, true], "{law:?} acts on one, and a spring joins it to another");
+        world.step();
+        world.set_field(field, of(8)).expect("a field");
+        for body in [own, hanging] {
+            world.set_velocity(body, Vec2::ZERO).expect("it is there");
+            world.set_position(body, vec2(if body == own { 5 } else { 6 }, 0)).expect("it is there");
+        }
+        rest(&mut world);
+        world.set_field(field, of(2)).expect("a field");
+        assert_eq!(asleep(&world), [true, true, false], "{law:?} acts on the other");
+        world.remove_field(field).expect("it is there");
+        assert_eq!(asleep(&world), [true, true, false], "{law:?}");
+    }
+}
+
+#[test]
 fn no_body_sleeps_while_an_attractor_may_come_by() {
     // From 4000 m its pull is cleared by damping, so that the body stays where it is to the bit; from near it is not.
     let make = |sleep_after| {
@@ -837,11 +920,11 @@ fn equal_worlds_hash_alike_and_any_single_difference_shows() {
         ("larger box", |w, _, f| {
             law(w, f, Law::Zone { region: Region::Box { min: Vec2::ZERO, max: vec2(2, 0) }, acceleration: Vec2::X })
         }),
-        ("law", |w, _, _| w.register_law(std::sync::Arc::new(Push1(1, 1))).unwrap()),
-        ("version of a law", |w, _, _| w.register_law(std::sync::Arc::new(Push1(1, 2))).unwrap()),
-        ("another law", |w, _, _| w.register_law(std::sync::Arc::new(Push1(2, 1))).unwrap()),
+        ("law", |w, _, _| w.register_law(Arc::new(Push1(1, 1))).unwrap()),
+        ("version of a law", |w, _, _| w.register_law(Arc::new(Push1(1, 2))).unwrap()),
+        ("another law", |w, _, _| w.register_law(Arc::new(Push1(2, 1))).unwrap()),
         ("field of a law", |w, _, f| {
-            w.register_law(std::sync::Arc::new(Push1(2, 1))).unwrap();
+            w.register_law(Arc::new(Push1(2, 1))).unwrap();
             law(w, f, Law::Custom { id: 2 });
         }),
         ("time step", |w, _, _| w.set_time_step(TimeStep::hz(61)).unwrap()),

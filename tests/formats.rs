@@ -95,6 +95,7 @@ fn hash_of(state: &Value) -> u64 {
         hashed.extend(field.into_iter().flat_map(|field| xxh3_64(field.bytes()).to_le_bytes()));
     }
     hashed.extend(state["free_fields"].bytes());
+    hashed.extend(state["fields_by_age"].bytes());
     hashed.extend(state["laws"].bytes());
     xxh3_64(&hashed)
 }
@@ -289,15 +290,15 @@ fn files_of_this_format_and_law_are_there_and_made_the_same_now() {
 
 #[test]
 fn files_of_other_formats_and_laws_are_refused_with_both_numbers() {
-    let own_format = Layouts::documented().number_of("Replays");
+    let [own_format, own_snapshots] = ["Replays", "Snapshots"].map(|of| Layouts::documented().number_of(of));
     // As it will be once there is another law.
     let mut replays = committed("umbrarep");
     let mut snapshots = committed("umbrasnp");
-    let newest = snapshots[&(own_format, LAW)].clone();
+    let newest = snapshots[&(own_snapshots, LAW)].clone();
     snapshots.extend([(12, LAW + 1), (8, LAW)].map(|(at, law)| {
         let mut other = newest.clone();
         other[at] += 1;
-        ((u32::from(at == 8) + own_format, law), other)
+        ((u32::from(at == 8) + own_snapshots, law), other)
     }));
     let mut newest = replays[&(own_format, LAW)].clone();
     newest[8] += 1;
@@ -306,8 +307,8 @@ fn files_of_other_formats_and_laws_are_refused_with_both_numbers() {
     for ((format, law), file) in &snapshots {
         let read = Snapshot::from_bytes(file, &laws());
         match read {
-            Ok(_) => assert_eq!((*format, *law), (own_format, LAW)),
-            Err(SnapshotError::Format { found, known }) => assert_eq!((found, known), (*format, own_format)),
+            Ok(_) => assert_eq!((*format, *law), (own_snapshots, LAW)),
+            Err(SnapshotError::Format { found, known }) => assert_eq!((found, known), (*format, own_snapshots)),
             Err(SnapshotError::Law { found, own }) => assert_eq!((found, own), (*law, LAW)),
             Err(error) => panic!("format {format}, law {law}: {error}"),
         }

@@ -238,7 +238,7 @@ fn what_is_no_snapshot_is_refused_with_its_reason() {
     assert_eq!(read(&bytes), Ok(()));
     assert_eq!(read(b"{}"), Err(SnapshotError::Foreign));
     for (at, error) in
-        [(8, SnapshotError::Format { found: 0, known: 1 }), (12, SnapshotError::Law { found: LAW ^ 1, own: LAW })]
+        [(8, SnapshotError::Format { found: 3, known: 2 }), (12, SnapshotError::Law { found: LAW ^ 1, own: LAW })]
     {
         let mut changed = bytes.clone();
         changed[at] ^= 1;

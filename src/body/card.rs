@@ -37,6 +37,11 @@ impl<S: Scalar> Card<S> {
         }
     }
 
+    /// Whether a field with these groups acts on it.
+    pub(crate) fn feels(&self, groups: u32) -> bool {
+        self.kind == BodyKind::Dynamic && self.groups & groups != 0
+    }
+
     /// kg; zero unless it is dynamic.
     pub(crate) fn kilograms(&self) -> S {
         // A dynamic body's mass was found in range when it was given.

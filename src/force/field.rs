@@ -117,9 +117,7 @@ pub enum Law<S: Scalar = Fx> {
     },
     /// Drag against a medium: F = −(linear + quadratic·|u|)·u with u the velocity relative to it. Solved exactly.
     ///
-    /// Several on one body act one after the other, in the order of their slots ([`FieldId::parts`](crate::FieldId::parts)). A
-    /// slot that a field has left is taken again: where fields come and go, those of others decide which of two drags added
-    /// later is the first. Drags that are there from the start are in the order in which they were added.
+    /// Several on one body act one after the other, in the order in which they were added.
     Drag {
         /// N·s/m.
         linear: S,

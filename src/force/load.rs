@@ -132,15 +132,9 @@ impl<S: Scalar> Anchor<S> {
 }
 
 impl<S: Scalar> Scene<'_, S> {
-    /// Whether a field with these groups acts on the body at this index.
-    fn acts_on(&self, i: usize, groups: u32) -> bool {
-        let card = self.bodies.card(i);
-        card.kind == BodyKind::Dynamic && card.groups & groups != 0
-    }
-
     /// The first `moving` bodies that a field with these groups acts on.
     fn targets(&self, moving: usize, groups: u32) -> impl Iterator<Item = usize> {
-        (0..moving).filter(move |&i| self.acts_on(i, groups))
+        (0..moving).filter(move |&i| self.bodies.card(i).feels(groups))
     }
 
     /// `None` if its body is quarantined, and whatever is attached to it inert.
@@ -319,7 +313,7 @@ pub(crate) fn resist<S: Scalar>(
         let Law::Drag { linear, quadratic, wind } = &field.law else { return };
         for i in 0..bodies.moving() {
             let card = bodies.card(i);
-            if card.kind != BodyKind::Dynamic || card.groups & field.groups == 0 || !only(i) {
+            if !card.feels(field.groups) || !only(i) {
                 continue;
             }
             let inverse_mass = card.properties.inverse_mass;
@@ -376,7 +370,7 @@ pub(crate) fn outer_drag<S: Scalar>(
         let Law::Drag { linear, quadratic, wind } = &field.law else { continue };
         for (i, outside) in outside.iter_mut().enumerate() {
             let card = bodies.card(i);
-            if card.kind == BodyKind::Dynamic && card.groups & field.groups != 0 {
+            if card.feels(field.groups) {
                 let speed = S::length(relative(velocities.get(i), *wind), S::ZERO).plus(gain(i));
                 let slope = S::Factor::from_scalar(*linear).plus(S::Factor::from_scalar(*quadratic).times(speed));
                 *outside |= slope.times(card.properties.inverse_mass).times(time_step) > half;

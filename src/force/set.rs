@@ -10,7 +10,8 @@ use crate::limits;
 use crate::scalar::Scalar;
 use crate::wire::{self, Sink, Write as _};
 
-/// The fields in the order of their slots, which is the order drags act in.
+/// The fields, in the order in which they came: by their slots, strangers' fields that came and went would decide which of
+/// two drags acts first.
 #[derive(Debug)]
 pub(crate) struct FieldSet<S: Scalar> {
     slots: Vec<Slot>,
@@ -18,6 +19,8 @@ pub(crate) struct FieldSet<S: Scalar> {
     entries: Vec<Entry<S>>,
     /// Entries of fields that are gone, to be used again.
     vacant: Vec<u32>,
+    /// The other entries, the oldest field first.
+    by_age: Vec<u32>,
 }
 
 /// One without a field takes as little as in a file, however many there are.
@@ -31,21 +34,22 @@ struct Slot {
 /// A field and its hash, so that a hash of the world need not look at what no step changes.
 #[derive(Clone, Copy, Debug)]
 struct Entry<S: Scalar> {
+    slot: u32,
     field: Field<S>,
     digest: u64,
 }
 
 impl<S: Scalar> Entry<S> {
-    fn new(field: Field<S>) -> Self {
-        Self { digest: Sink::of(&field), field }
+    fn new(slot: u32, field: Field<S>) -> Self {
+        Self { slot, digest: Sink::of(&field), field }
     }
 }
 
-clone_by_field!(FieldSet { slots, free, entries, vacant });
+clone_by_field!(FieldSet { slots, free, entries, vacant, by_age });
 
 impl<S: Scalar> Default for FieldSet<S> {
     fn default() -> Self {
-        Self { slots: Vec::new(), free: Vec::new(), entries: Vec::new(), vacant: Vec::new() }
+        Self { slots: Vec::new(), free: Vec::new(), entries: Vec::new(), vacant: Vec::new(), by_age: Vec::new() }
     }
 }
 
@@ -61,20 +65,23 @@ impl<S: Scalar> FieldSet<S> {
             push(&mut self.slots, Slot { generation: 0, at: NONE });
             (self.slots.len() - 1) as u32
         });
-        self.place(slot, field);
+        let at = self.place(slot, field);
+        push(&mut self.by_age, at);
         FieldId { slot, generation: self.slots[slot as usize].generation }
     }
 
-    /// Puts a field into a slot without one.
-    fn place(&mut self, slot: u32, field: Field<S>) {
-        let entry = Entry::new(field);
-        self.slots[slot as usize].at = if let Some(at) = self.vacant.pop() {
+    /// Puts a field into a slot without one, and says where its entry is.
+    fn place(&mut self, slot: u32, field: Field<S>) -> u32 {
+        let entry = Entry::new(slot, field);
+        let at = if let Some(at) = self.vacant.pop() {
             self.entries[at as usize] = entry;
             at
         } else {
             push(&mut self.entries, entry);
             (self.entries.len() - 1) as u32
         };
+        self.slots[slot as usize].at = at;
+        at
     }
 
     /// Where the entry of a field is.
@@ -91,13 +98,14 @@ impl<S: Scalar> FieldSet<S> {
 
     pub(crate) fn replace(&mut self, id: FieldId, field: Field<S>) -> Result<(), Error> {
         let at = self.find(id)?;
-        self.entries[at] = Entry::new(field);
+        self.entries[at] = Entry::new(id.slot, field);
         Ok(())
     }
 
     pub(crate) fn remove(&mut self, id: FieldId) -> Result<Field<S>, Error> {
         let at = self.find(id)?;
         self.vacant.push(at as u32);
+        self.by_age.retain(|&other| other as usize != at);
         let slot = &mut self.slots[id.slot as usize];
         slot.at = NONE;
         if let Some(next) = slot.generation.checked_add(1) {
@@ -107,11 +115,20 @@ impl<S: Scalar> FieldSet<S> {
         Ok(self.entries[at].field)
     }
 
+    fn by_age(&self) -> impl DoubleEndedIterator<Item = &Entry<S>> {
+        self.by_age.iter().map(|&at| &self.entries[at as usize])
+    }
+
+    /// The oldest first.
     pub(crate) fn iter(&self) -> impl DoubleEndedIterator<Item = (FieldId, &Field<S>)> {
-        // No entry is at `NONE`: there are fewer.
-        self.slots.iter().enumerate().filter_map(|(slot, &Slot { generation, at })| {
-            Some((FieldId { slot: slot as u32, generation }, &self.entries.get(at as usize)?.field))
+        self.by_age().map(|Entry { slot, field, .. }| {
+            (FieldId { slot: *slot, generation: self.slots[*slot as usize].generation }, field)
         })
+    }
+
+    /// The slots with fields, that of the oldest first.
+    pub(crate) fn ages(&self) -> Vec<u32> {
+        self.by_age().map(|entry| entry.slot).collect()
     }
 
     /// The slots: how often each was taken before, and its field.
@@ -129,7 +146,7 @@ impl<S: Scalar> FieldSet<S> {
         &self.free
     }
 
-    /// Adds a slot as a snapshot has it. *Domain* the field was checked.
+    /// Adds a slot as a snapshot has it; [`set_ages`](Self::set_ages) is to follow. *Domain* the field was checked.
     pub(crate) fn rebuild(&mut self, generation: u32, field: Option<Field<S>>) -> Result<(), Error> {
         if self.slots.len() >= limits::FIELDS {
             return Err(Error::Full);
@@ -150,6 +167,17 @@ impl<S: Scalar> FieldSet<S> {
         Ok(())
     }
 
+    /// Says in which order the fields came: each of them, and once.
+    pub(crate) fn set_ages(&mut self, slots: &[u32]) -> Result<(), Error> {
+        let mut is_left: Vec<bool> = self.slots.iter().map(|slot| slot.at != NONE).collect();
+        let mut take = |slot: u32| is_left.get_mut(slot as usize).is_some_and(core::mem::take);
+        if slots.len() != self.entries.len() || !slots.iter().all(|&slot| take(slot)) {
+            return Err(Error::Inconsistent);
+        }
+        self.by_age = slots.iter().map(|&slot| self.slots[slot as usize].at).collect();
+        Ok(())
+    }
+
     /// Adds to a hash all fields and how their handles are given out.
     pub(crate) fn write(&self, sink: &mut Sink) {
         wire::count(sink, self.slots.len());
@@ -159,5 +187,8 @@ impl<S: Scalar> FieldSet<S> {
         }
         wire::count(sink, self.free.len());
         sink.all(&self.free, u32::to_le_bytes);
+        let ages = self.ages();
+        wire::count(sink, ages.len());
+        sink.all(&ages, u32::to_le_bytes);
     }
 }

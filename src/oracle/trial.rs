@@ -9,8 +9,8 @@ use super::drivers::{Asking, Detours, Inspector, Noting, Pairing, Seen, Undoing,
 use super::game::{ByTick, Course, Likeness, Subject};
 use super::strangers::{MOST, Strangers};
 use super::{Handles, Oracle, Symmetry, Verdict, Violation};
-use crate::force::{ForceLaw, Law};
-use crate::handle::{BodyId, FieldId};
+use crate::force::ForceLaw;
+use crate::handle::BodyId;
 use crate::math::Random;
 use crate::replay::{Difference, RecordOptions, Recorder, Replay, Snapshot};
 use crate::world::{Driver, Made, World};
@@ -254,7 +254,6 @@ impl<'a, S: Subject> Trial<'a, S> {
         let Some(mut strangers) = enter(&mut other.world) else {
             return inapplicable("the world has no room for strangers");
         };
-        let mut has_compared = self.course.ticks == 0;
         for tick in 0..self.course.ticks {
             let inputs = Self::inputs_of(&self.inputs, tick);
             let mut noting = Noting::default();
@@ -276,18 +275,10 @@ impl<'a, S: Subject> Trial<'a, S> {
             if run.world.fields().any(|(field, _)| !handles.knows_field(field)) {
                 return inapplicable("a field was added past the driver");
             }
-            // Drags act in the order of their slots, and a new one takes a slot that a stranger's spring had left.
-            let drags = |world: &World| -> Vec<FieldId> {
-                world.fields().filter(|(_, field)| matches!(field.law, Law::Drag { .. })).map(|(id, _)| id).collect()
-            };
-            if !drags(&run.world).into_iter().map(|drag| handles.field(drag)).eq(drags(&other.world)) {
-                break;
-            }
             self.clear(tick, self.disturbed(beside, &run.world, &other.world, &strangers, &handles))?;
-            has_compared = true;
             strangers.pass(&mut other.world);
         }
-        if has_compared { self.held() } else { inapplicable("drags act in another order among strangers") }
+        self.held()
     }
 
     /// Whether a body or a field is another one among strangers, or there are others.

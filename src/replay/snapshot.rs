@@ -23,7 +23,7 @@ use crate::world::{World, WorldDef};
 /// The first bytes of a snapshot.
 const MAGIC: [u8; 8] = *b"UMBRASNP";
 /// The number of the format, in the second four bytes after them. It moves when the layout does.
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 
 /// A world as it was: to go back to, to send, to keep.
 ///
@@ -192,6 +192,7 @@ impl<S: Scalar> Write for State<'_, S> {
             }
         });
         part(out, "free_fields", |out| wire::list(out, world.fields.free().iter()));
+        part(out, "fields_by_age", |out| wire::list(out, world.fields.ages().iter()));
         part(out, "woken", |out| wire::list(out, world.woken.iter()));
     }
 }
@@ -323,6 +324,7 @@ fn read_state(reader: &mut Reader<'_>, laws: &[Arc<dyn ForceLaw>]) -> Result<Wor
         added.map_err(|error| SnapshotError::Invalid { place, error })?;
     }
     fields.set_free(read_list(reader, 4, u32::read)?)?;
+    fields.set_ages(&read_list(reader, 4, u32::read)?)?;
     world.fields = Arc::new(fields);
     world.woken = read_list(reader, 8, BodyId::read)?;
     world.woken.iter().try_for_each(|&body| world.bodies.find(body).map(drop))?;

@@ -83,7 +83,7 @@ fn keep_awake_around_wanderers<S: Scalar>(bodies: &mut Bodies<S>, fields: &Field
             continue;
         }
         for i in 0..bodies.moving() {
-            if i != own && bodies.card(i).groups & field.groups != 0 {
+            if i != own && bodies.card(i).feels(field.groups) {
                 bodies.columns.motion.rest[i] = 0;
             }
         }

@@ -29,7 +29,7 @@ impl<S: Scalar> World<S> {
         self.fields.get(id)
     }
 
-    /// All force fields, in the order of their slots: the order in which drags act.
+    /// All force fields, in the order in which they were added: the order in which drags act.
     pub fn fields(&self) -> impl Iterator<Item = (FieldId, &Field<S>)> {
         self.fields.iter()
     }
@@ -63,7 +63,7 @@ impl<S: Scalar> World<S> {
                 let bodies: alloc::vec::Vec<_> = field.bodies().collect();
                 bodies.into_iter().for_each(|body| self.wake_joined(body));
             }
-            _ => self.wake_all(),
+            _ => self.wake_reached(&[], field.groups),
         }
     }
 }

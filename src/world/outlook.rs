@@ -137,9 +137,6 @@ impl<S: Scalar> World<S> {
 
     /// Whether a field acts on a body for its groups.
     fn acts_on(&self, field: &Field<S>, body: BodyId) -> bool {
-        self.bodies.find(body).is_ok_and(|i| {
-            let card = self.bodies.card(i);
-            card.kind == BodyKind::Dynamic && card.groups & field.groups != 0
-        })
+        self.bodies.find(body).is_ok_and(|i| self.bodies.card(i).feels(field.groups))
     }
 }

@@ -48,44 +48,52 @@ impl<S: Scalar> World<S> {
 
     /// Wakes a body and all that a field reaches from it, over any number of springs.
     pub(super) fn wake_joined(&mut self, body: BodyId) {
+        let mut reached = alloc::vec![body];
+        let mut groups = 0;
+        for (_, field) in self.fields.iter().filter(|(_, field)| field.bodies().any(|b| b == body)) {
+            if matches!(field.law, Law::Attractor { .. }) {
+                groups |= field.groups;
+            }
+            reached.extend(field.bodies());
+        }
+        self.wake_reached(&reached, groups);
+    }
+
+    /// Wakes bodies, those that a field with these groups acts on, and whatever springs join to either. Others sleep on: what
+    /// a field does not act on must not feel that it came.
+    pub(super) fn wake_reached(&mut self, bodies: &[BodyId], groups: u32) {
         self.scratch.forget();
         if !self.bodies.any_asleep() {
             return;
         }
-        let mut reached = alloc::vec![body];
-        let mut attracts = false;
-        for (_, field) in self.fields.iter().filter(|(_, field)| field.bodies().any(|b| b == body)) {
-            attracts |= matches!(field.law, Law::Attractor { .. });
-            reached.extend(field.bodies());
-        }
-        if attracts {
-            return self.wake_all();
-        }
         let mut links = Vec::new();
         island_roots(&self.bodies, &self.fields, self.bodies.len(), &mut links);
-        let mut roots: Vec<u32> =
-            reached.into_iter().filter_map(|body| Some(links[self.bodies.find(body).ok()?])).collect();
-        roots.sort_unstable();
-        let sleepers =
-            |i: &usize| self.bodies.activity(*i) == Activity::Asleep && roots.binary_search(&links[*i]).is_ok();
-        let sleepers: Vec<BodyId> = self.bodies.in_order().filter(sleepers).map(|i| self.bodies.id(i)).collect();
-        sleepers.into_iter().for_each(|body| self.wake_one(body));
+        let mut is_reached = alloc::vec![false; links.len()];
+        for i in bodies.iter().filter_map(|&body| self.bodies.find(body).ok()) {
+            is_reached[links[i] as usize] = true;
+        }
+        for i in (0..links.len()).filter(|&i| self.bodies.card(i).feels(groups)) {
+            is_reached[links[i] as usize] = true;
+        }
+        self.wake_where(|i| is_reached[links[i] as usize]);
     }
 
     /// Wakes all that sleeps.
     pub(super) fn wake_all(&mut self) {
         self.scratch.forget();
-        if !self.bodies.any_asleep() {
-            return;
+        if self.bodies.any_asleep() {
+            self.wake_where(|_| true);
         }
-        let asleep = |i: &usize| self.bodies.activity(*i) == Activity::Asleep;
-        let asleep: Vec<BodyId> = self.bodies.in_order().filter(asleep).map(|i| self.bodies.id(i)).collect();
-        asleep.into_iter().for_each(|body| self.wake_one(body));
     }
 
-    fn wake_one(&mut self, body: BodyId) {
-        let Ok(dense) = self.bodies.find(body) else { return };
-        self.bodies.set_activity(dense, Activity::Awake);
-        self.woken.push(body);
+    /// Wakes the sleepers that are chosen by their indices in the columns.
+    fn wake_where(&mut self, is_chosen: impl Fn(usize) -> bool) {
+        let sleeps = |i: &usize| self.bodies.activity(*i) == Activity::Asleep && is_chosen(*i);
+        let sleepers: Vec<BodyId> = self.bodies.in_order().filter(sleeps).map(|i| self.bodies.id(i)).collect();
+        for body in sleepers {
+            let Ok(dense) = self.bodies.find(body) else { continue };
+            self.bodies.set_activity(dense, Activity::Awake);
+            self.woken.push(body);
+        }
     }
 }

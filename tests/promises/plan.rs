@@ -128,26 +128,6 @@ impl Plan {
         due
     }
 
-    pub(crate) fn adds_fields(&self) -> bool {
-        !self.fields.is_empty() || self.deeds.iter().any(|(_, command)| matches!(command, Command::AddField(_)))
-    }
-
-    /// The run without all drags but the first.
-    ///
-    /// Drags act in the order of their slots. The slot of a field that goes is taken by the next one that comes, so that a drag
-    /// may act before one that was there first: because of a field that has nothing to do with either.
-    pub(crate) fn with_one_drag(mut self) -> Self {
-        let mut has_come = false;
-        let mut is_second =
-            |field: &Field| matches!(field.law, Law::Drag { .. }) && std::mem::replace(&mut has_come, true);
-        self.fields.retain(|field| !is_second(field));
-        self.deeds.retain(|(_, command)| match command {
-            Command::AddField(field) | Command::SetField { field, .. } => !is_second(field),
-            _ => true,
-        });
-        self
-    }
-
     /// The same run as commands of a world.
     pub(crate) fn script(&self) -> Script {
         let mut world = World::new(self.world).expect("plans have fair worlds");
