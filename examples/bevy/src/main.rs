@@ -1,0 +1,190 @@
+//! A match of two ships, whose entities follow the bodies of a world. One player's buttons arrive five ticks late and are
+//! guessed until then, so that the world goes back and comes again: shots that were guessed go, all others stay the entities
+//! they are.
+//!
+//! ```sh
+//! cargo run --release            # in this folder
+//! ```
+//!
+//! The world is what the match is. Systems write to it in one place, `advance`; everything else reads. So it does not matter
+//! in which order the ECS walks its entities, nor on how many threads.
+
+mod game;
+
+use std::collections::{BTreeMap, VecDeque};
+use std::error::Error;
+use std::mem;
+
+use bevy_ecs::prelude::{
+    Commands, Component, DetectChangesMut as _, Entity, IntoScheduleConfigs as _, Query, Res, ResMut, Resource,
+    Schedule,
+};
+use umbra_physics::{BodyId, BodyRef, World};
+
+use game::{Held, Match, SHOT_TICKS, fired_at, pressed};
+
+/// So many ticks player 1 is away.
+const LATE: u64 = 5;
+/// So many ticks the match can go back by.
+const WINDOW: usize = 8;
+const TICKS: u64 = 300;
+
+/// The match, and its last ticks: the world before each, and what was held, or guessed to be.
+#[derive(Resource)]
+struct Physics {
+    game: Match,
+    world: World,
+    past: VecDeque<(World, [Held; 2])>,
+}
+
+/// Buttons that came from the network: of which tick, of which player.
+#[derive(Resource, Default)]
+struct Arrived(Vec<(u64, usize, Held)>);
+
+/// The entity of each body, by the body's key: what a body is called stays when the world goes back, its handle may not.
+#[derive(Resource, Default)]
+struct Entities(BTreeMap<u64, Entity>);
+
+/// The body of an entity.
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+struct Body(BodyId);
+
+/// Where to draw it, m and rad. Floats come out of the world, and never go in.
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+struct Pose {
+    x: f32,
+    y: f32,
+    angle: f32,
+}
+
+impl Pose {
+    fn of(body: &BodyRef) -> Self {
+        let at = body.position();
+        Self { x: at.x.to_f32(), y: at.y.to_f32(), angle: body.angle().to_f32() }
+    }
+}
+
+/// Makes good what arrived late, then a tick.
+fn advance(mut physics: ResMut<Physics>, mut arrived: ResMut<Arrived>) {
+    let Physics { game, world, past } = &mut *physics;
+    let present = world.tick();
+    // What is not known yet is guessed: a player goes on as in the tick before.
+    let mut held = past.back().map_or_else(Default::default, |(_, held)| *held);
+    let mut first = present;
+    for (tick, player, buttons) in arrived.0.drain(..) {
+        held[player] = buttons;
+        for (before, guess) in past.iter_mut().filter(|(before, _)| before.tick() >= tick) {
+            if mem::replace(&mut guess[player], buttons) != buttons {
+                first = first.min(before.tick());
+            }
+        }
+    }
+    if let Some((before, _)) = past.iter().find(|(before, _)| before.tick() == first) {
+        world.clone_from(before);
+        for (before, held) in past.iter_mut().filter(|(before, _)| before.tick() >= first) {
+            before.clone_from(world);
+            game.tick(world, *held);
+        }
+    }
+    // The memory of the oldest tick serves for this one.
+    let mut row = if past.len() == WINDOW { past.pop_front() } else { None };
+    match &mut row {
+        Some((before, _)) => before.clone_from(world),
+        None => row = Some((world.clone(), held)),
+    }
+    past.extend(row.map(|(before, _)| (before, held)));
+    game.tick(world, held);
+}
+
+/// Makes an entity of each body, and of no other: after a step, after many, after the world went back.
+fn follow(
+    mut commands: Commands,
+    physics: Res<Physics>,
+    mut entities: ResMut<Entities>,
+    mut looks: Query<(&mut Body, &mut Pose)>,
+) {
+    let mut gone = mem::take(&mut entities.0);
+    for look in physics.world.bodies() {
+        let (body, pose) = (Body(look.id()), Pose::of(&look));
+        let entity = match gone.remove(&look.key()) {
+            Some(entity) => {
+                if let Ok((mut old_body, mut old_pose)) = looks.get_mut(entity) {
+                    // Systems that ask for `Changed<Pose>` see what moved, and nothing else.
+                    old_body.set_if_neq(body);
+                    old_pose.set_if_neq(pose);
+                }
+                entity
+            }
+            None => commands.spawn((body, pose)).id(),
+        };
+        entities.0.insert(look.key(), entity);
+    }
+    gone.into_values().for_each(|entity| commands.entity(entity).despawn());
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let (game, world) = Match::start()?;
+    let (start, mut ecs) = (world.clone(), bevy_ecs::world::World::new());
+    ecs.insert_resource(Physics { game, world, past: VecDeque::new() });
+    ecs.init_resource::<Arrived>();
+    ecs.init_resource::<Entities>();
+    let mut schedule = Schedule::default();
+    schedule.add_systems((advance, follow).chain());
+
+    let (mut last, mut guessed) = (BTreeMap::new(), 0);
+    // At the end nobody presses anything for as long as buttons are on their way.
+    for tick in 0..TICKS + LATE {
+        let mut arrived = ecs.resource_mut::<Arrived>();
+        arrived.0.push((tick, 0, buttons(0, tick)));
+        if tick >= LATE {
+            arrived.0.push((tick - LATE, 1, buttons(1, tick - LATE)));
+        }
+        schedule.run(&mut ecs);
+        check(&mut ecs)?;
+        let entities = ecs.resource::<Entities>().0.clone();
+        for (key, entity) in mem::replace(&mut last, entities) {
+            match last.get(&key) {
+                Some(&now) => assert_eq!(entity, now, "a body stays the entity it is"),
+                None => guessed += usize::from(fired_at(key).is_some_and(|fired| tick < fired + SHOT_TICKS)),
+            }
+        }
+        if tick % 60 == 59 {
+            show(&ecs, tick);
+        }
+    }
+
+    // The same match with everything in time, and without an ECS.
+    let mut straight = start;
+    for tick in 0..TICKS + LATE {
+        game.tick(&mut straight, [buttons(0, tick), buttons(1, tick)]);
+    }
+    let hash = ecs.resource::<Physics>().world.state_hash();
+    assert_eq!(hash, straight.state_hash(), "what came late has left no trace");
+    assert!(guessed > 0, "guesses went wrong");
+    println!("{guessed} shots were guessed and never were; state hash {hash:016x}, as if nothing had come late");
+    Ok(())
+}
+
+fn buttons(player: usize, tick: u64) -> Held {
+    if tick < TICKS { pressed(player, tick) } else { Held::default() }
+}
+
+/// Whether the entities are the bodies: as many, each where its body is.
+fn check(ecs: &mut bevy_ecs::world::World) -> Result<(), Box<dyn Error>> {
+    let entities: Vec<(Body, Pose)> = ecs.query::<(&Body, &Pose)>().iter(ecs).map(|(b, p)| (*b, *p)).collect();
+    let world = &ecs.resource::<Physics>().world;
+    assert_eq!(entities.len(), world.body_count());
+    for (Body(body), pose) in entities {
+        assert_eq!(pose, Pose::of(&world.body(body)?));
+    }
+    Ok(())
+}
+
+fn show(ecs: &bevy_ecs::world::World, tick: u64) {
+    println!("tick {}", tick + 1);
+    for (key, &entity) in &ecs.resource::<Entities>().0 {
+        if let Some(Pose { x, y, angle }) = ecs.get::<Pose>(entity) {
+            println!("  key {key:>6} is entity {entity}: ({x:.2}, {y:.2}) m, {angle:.2} rad");
+        }
+    }
+}

@@ -1,0 +1,82 @@
+//! Aim lines: where a ship will be, without stepping the world, and what it would come to after a burn.
+//!
+//! ```sh
+//! cargo run --release --example orbit
+//! ```
+
+use umbra_physics::{
+    BodyDef, BodyId, End, Error, FxFactor, Law, Outlook, Vec2, World, WorldDef, fx, scalar::Factor as _, vec2,
+};
+
+const TICKS: usize = 360;
+/// Characters to a map: two a metre from left to right, one from top to bottom.
+const WIDTH: i64 = 76;
+const HEIGHT: i64 = 28;
+
+/// The impulse of a burn, N·s: along the way the ship goes, which has 1 kg.
+fn burn() -> Vec2 {
+    vec2(0, fx!(0.9))
+}
+
+fn main() -> Result<(), Error> {
+    let (mut world, ship) = sky()?;
+
+    // Each line is of a small world of its own: the ship and the star's pull. The hundred rocks are not in it.
+    let mut coast = world.look_ahead(ship)?;
+    let mut burnt = world.look_ahead(ship)?;
+    let there = burnt.id();
+    burnt.world_mut().apply_impulse(there, burn())?;
+    assert_eq!((world.body_count(), coast.world().body_count()), (101, 1));
+    let (coast, burnt) = (line(&mut coast)?, line(&mut burnt)?);
+    draw(&world, &coast, &burnt);
+
+    // The player burns; the world goes where the line went, bit by bit.
+    world.apply_impulse(ship, burn())?;
+    for at in &burnt {
+        world.step();
+        assert_eq!(world.body(ship)?.position(), *at);
+    }
+    println!("{TICKS} ticks on, the ship is at {}: on its line to the bit", world.body(ship)?.position());
+    Ok(())
+}
+
+/// A ship on its way around a star, among rocks of the same sky.
+fn sky() -> Result<(World, BodyId), Error> {
+    let mut world: World = World::new(WorldDef::default())?;
+    let centre = End::World(Vec2::ZERO);
+    world.add_field(Law::Attractor { centre, mu: FxFactor::from_ratio(200, 1), softening: fx!(0) })?;
+    let ship = BodyDef { position: vec2(8, 0), velocity: vec2(0, 5), key: 1, ..BodyDef::dynamic() };
+    let ship = world.add_body(ship)?;
+    for i in 0..100 {
+        let position = vec2(i % 20 * 4 - 38, i / 20 * 6 - 12);
+        world.add_body(BodyDef { position, ..BodyDef::fixed() })?;
+    }
+    Ok((world, ship))
+}
+
+fn line(outlook: &mut Outlook) -> Result<Vec<Vec2>, Error> {
+    let mut line = Vec::with_capacity(TICKS);
+    for _ in 0..TICKS {
+        outlook.step();
+        line.push(outlook.body()?.position());
+    }
+    Ok(line)
+}
+
+fn draw(world: &World, coast: &[Vec2], burnt: &[Vec2]) {
+    let mut map = vec![vec![' '; WIDTH as usize]; HEIGHT as usize];
+    let mut put = |p: Vec2, sign: char| {
+        // Half metres and metres, rounded down: an arithmetic shift of the bits.
+        let (column, row) = ((p.x.to_bits() >> 31) + WIDTH / 2, HEIGHT / 2 - (p.y.to_bits() >> 32));
+        if (0..WIDTH).contains(&column) && (0..HEIGHT).contains(&row) {
+            map[row as usize][column as usize] = sign;
+        }
+    };
+    world.bodies().for_each(|rock| put(rock.position(), '\''));
+    burnt.iter().for_each(|&p| put(p, 'o'));
+    coast.iter().for_each(|&p| put(p, '.'));
+    put(Vec2::ZERO, '*');
+    put(coast[0], '>');
+    map.iter().for_each(|row| println!("{}", row.iter().collect::<String>().trim_end()));
+    println!("> the ship, * the star; . as it goes, o after a burn; {TICKS} ticks of each");
+}

@@ -1,0 +1,148 @@
+//! Lanterns on a chain, in gusts of wind, drawn in the terminal in real time: 60 ticks a second, integers alone.
+//!
+//! ```sh
+//! cargo run --release --example terminal                  # ten seconds
+//! cargo run --release --example terminal -- --frames 60   # or so many frames
+//! ```
+
+use std::io::Write as _;
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+use std::{env, io, thread};
+
+use umbra_physics::{
+    Attachment, BodyDef, BodyId, End, Error, Field, FieldId, Fx, Law, Mass, Random, SpringLaw, TimeStep, Vec2, World,
+    WorldDef, fx, vec2,
+};
+
+const RATE: u32 = 60;
+/// A frame makes up for so many ticks at most: a terminal that stood still for longer has lost the rest.
+const MOST_TICKS: u128 = 6;
+const SECOND: u128 = 1_000_000_000;
+
+/// Characters: four to a metre from left to right, two from top to bottom.
+const WIDTH: i64 = 78;
+const HEIGHT: i64 = 20;
+
+const NODES: u64 = 17;
+const LANTERN: u32 = 2;
+
+fn main() -> ExitCode {
+    let frames = match env::args().skip(1).collect::<Vec<_>>().as_slice() {
+        [] => Some(600),
+        [option, frames] if option == "--frames" => frames.parse().ok(),
+        _ => None,
+    };
+    let Some(frames) = frames else {
+        eprintln!("terminal: the one option is --frames N");
+        return ExitCode::from(2);
+    };
+    match play(frames) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("terminal: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn play(frames: u64) -> Result<(), Box<dyn std::error::Error>> {
+    let (mut world, wind) = chain()?;
+    let start = Instant::now();
+    let mut lost = 0;
+    print!("\x1b[2J"); // an empty screen
+    for _ in 0..frames {
+        // Counted from the start each time, in whole nanoseconds: no error adds up, and the clock reaches no state.
+        let behind = ticks_within(start.elapsed()) - lost - u128::from(world.tick());
+        let due = behind.min(MOST_TICKS);
+        lost += behind - due;
+        for _ in 0..due {
+            blow(&mut world, wind)?;
+            world.step();
+        }
+        draw(&world)?;
+        let next = moment_of(u128::from(world.tick()) + lost + 1);
+        thread::sleep(next.saturating_sub(start.elapsed()));
+    }
+    println!("{frames} frames, {} ticks, {lost} lost, state hash {:016x}", world.tick(), world.state_hash());
+    Ok(())
+}
+
+/// The number of whole ticks in so much time.
+fn ticks_within(time: Duration) -> u128 {
+    time.as_nanos() * u128::from(RATE) / SECOND
+}
+
+/// When a tick is due: the first nanosecond with so many ticks behind it.
+fn moment_of(tick: u128) -> Duration {
+    Duration::from_nanos((tick * SECOND).div_ceil(u128::from(RATE)) as u64)
+}
+
+/// A chain between two posts, with a lantern at every fourth of its nodes; and the wind.
+fn chain() -> Result<(World, FieldId), Error> {
+    let gravity = vec2(0, fx!(-9.81));
+    let mut world: World = World::new(WorldDef { time_step: TimeStep::hz(RATE), gravity, ..WorldDef::default() })?;
+    world.set_random(Random::seeded(7));
+    let hook = |x: i32| End::World(vec2(x, 4));
+    let link = |near: BodyId, far: End, rest: Fx| {
+        let spring = SpringLaw { rest, stiffness: fx!(200), damping: fx!(1) };
+        Law::Spring { near: Attachment::centre(near), far, spring }
+    };
+    let mut last = hook(-8);
+    for i in 1..=NODES {
+        let node = BodyDef { position: vec2(i as i32 - 9, 4), mass: Mass::Of(fx!(0.2)), key: i, ..BodyDef::dynamic() };
+        let node = world.add_body(node)?;
+        world.add_field(link(node, last, fx!(0.9)))?;
+        last = End::Body(Attachment::centre(node));
+        if i == NODES {
+            world.add_field(link(node, hook(8), fx!(0.9)))?;
+        }
+        if i % 4 == 1 {
+            let lantern = BodyDef {
+                position: vec2(i as i32 - 9, 2),
+                mass: Mass::Of(fx!(0.5)),
+                groups: LANTERN,
+                key: 100 + i,
+                ..BodyDef::dynamic()
+            };
+            let lantern = world.add_body(lantern)?;
+            world.add_field(link(lantern, last, fx!(2)))?;
+        }
+    }
+    let wind = world.add_field(Field { law: air(Vec2::ZERO), groups: 1 | LANTERN })?;
+    Ok((world, wind))
+}
+
+fn air(wind: Vec2) -> Law {
+    Law::Drag { linear: fx!(0.15), quadratic: fx!(0), wind }
+}
+
+/// Another wind every second. Its numbers come from the world, so that a copy of the world has the same weather.
+fn blow(world: &mut World, wind: FieldId) -> Result<(), Error> {
+    if world.tick() % u64::from(RATE) == 0 {
+        let speed = world.random_mut().number(fx!(-12)..=fx!(12));
+        world.set_field(wind, Field { law: air(vec2(speed, 0)), groups: 1 | LANTERN })?;
+    }
+    Ok(())
+}
+
+/// The whole picture in one write, over the last one.
+fn draw(world: &World) -> io::Result<()> {
+    let mut cells = vec![b' '; (WIDTH * HEIGHT) as usize];
+    for body in world.bodies() {
+        // A position has 32 bits below a metre: 30 below a quarter, 31 below a half. A shift rounds down.
+        let at = body.position();
+        let (column, row) = ((at.x.to_bits() >> 30) + WIDTH / 2, HEIGHT / 2 - (at.y.to_bits() >> 31));
+        if (0..WIDTH).contains(&column) && (0..HEIGHT).contains(&row) {
+            cells[(row * WIDTH + column) as usize] = if body.groups() == LANTERN { b'@' } else { b'.' };
+        }
+    }
+    let mut picture = b"\x1b[H".to_vec(); // to the upper left corner
+    for row in cells.chunks(WIDTH as usize) {
+        picture.extend_from_slice(row);
+        picture.extend_from_slice(b"\x1b[K\n"); // and nothing to the right of it
+    }
+    let mut out = io::stdout().lock();
+    out.write_all(&picture)?;
+    out.flush()
+}
