@@ -22,6 +22,9 @@
 //! ```
 //!
 //! Units are m, kg, s and rad. One ulp is 2^-32 of them, and error bounds are given in ulps.
+//!
+//! The [guide] has a chapter each on numbers, accuracy, determinism of your own code, lockstep, rollback, replays, engines, and
+//! on coming from Box2D or Rapier.
 #![no_std]
 #![cfg_attr(not(all(feature = "std", target_arch = "x86_64")), forbid(unsafe_code))]
 #![deny(unsafe_code)]
@@ -52,6 +55,9 @@ macro_rules! clone_by_field {
 mod body;
 mod error;
 mod force;
+// Documentation alone: there is no such module in what is built.
+#[cfg(any(doc, doctest))]
+pub mod guide;
 mod handle;
 mod integrate;
 mod kernel;

@@ -21,7 +21,7 @@ const LEVELS: [&[&str]; 14] = [
     &["world"],
     &["replay", "scene"],
     &["selftest", "oracle"],
-    &["bin"],
+    &["bin", "guide"],
 ];
 
 fn level(module: &str) -> Option<usize> {
