@@ -45,6 +45,27 @@ fn the_excerpts_in_the_guide_stand_in_the_example() {
     }
 }
 
+/// Where the links of a text in Markdown lead to, other than to the web.
+fn links(text: &str) -> impl Iterator<Item = &str> {
+    let links = text.split("](").skip(1).filter_map(|rest| rest.split(')').next());
+    links.filter(|link| !link.starts_with("http"))
+}
+
+#[test]
+fn the_links_of_the_readme_lead_somewhere() {
+    let readme = include_str!("../README.md");
+    // A heading by its anchor: lower case, hyphens for spaces.
+    let headings = readme.lines().filter_map(|line| line.strip_prefix("## "));
+    let anchors: Vec<_> = headings.map(|heading| format!("#{}", heading.to_lowercase().replace(' ', "-"))).collect();
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let is_there = |link: &str| match link.starts_with('#') {
+        true => anchors.iter().any(|anchor| anchor == link),
+        false => root.join(link.split('#').next().unwrap_or_default()).exists(),
+    };
+    let (there, nowhere): (Vec<_>, Vec<_>) = links(readme).partition(|link| is_there(link));
+    assert!(there.len() > 20 && nowhere.is_empty(), "{nowhere:?}");
+}
+
 #[test]
 fn the_guide_has_its_chapters_and_says_so() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src/guide");
