@@ -132,6 +132,16 @@ pub enum Error {
 }
 
 /// Why a step cannot be undone.
+///
+/// ```
+/// use umbra_physics::{Error, Irreversible, World, WorldDef, fx};
+///
+/// let mut world = World::new(WorldDef { linear_damping: fx!(0.5), sleep_after: None, ..WorldDef::default() })?;
+/// world.add_body(umbra_physics::BodyDef::dynamic())?;
+/// world.step();
+/// assert_eq!(world.step_back(&[]), Err(Error::NotReversible { why: Irreversible::Damping }));
+/// # Ok::<(), umbra_physics::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",
@@ -397,6 +407,17 @@ impl core::error::Error for Error {
 }
 
 /// A body that was quarantined in a step, and why.
+///
+/// ```
+/// use umbra_physics::{BodyDef, Cause, Fault, World, WorldDef, limits, vec2};
+///
+/// let mut world: World = World::new(WorldDef { gravity: vec2(100, 0), ..WorldDef::default() })?;
+/// let body = world.add_body(BodyDef { velocity: vec2(limits::SPEED, 0), ..BodyDef::dynamic() })?;
+/// let fault: Fault = world.step().faults[0];
+/// assert_eq!(fault, Fault { body, cause: Cause::Velocity });
+/// assert_eq!((fault.code(), fault.to_string()), (202, "body 0 is at fault: velocity beyond 2^20 m/s".into()));
+/// # Ok::<(), umbra_physics::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Fault {

@@ -18,6 +18,21 @@
 //!
 //! Rotation has the same bounds in rad/s; its angle wraps by itself. Undoing a step makes the same kicks and drifts with the
 //! opposite sign, from the same bounds.
+//!
+//! ```
+//! use umbra_physics::{Fx, fx, limits};
+//!
+//! let power = |exponent: u32| Fx::from_bits(1 << (32 + exponent));
+//! assert_eq!((limits::POSITION, limits::SPEED, limits::ANGULAR_SPEED), (power(30), power(20), power(20)));
+//! assert_eq!((limits::KICK, limits::TRANSIENT_SPEED), (power(21), power(24)));
+//! assert_eq!((limits::MASS_MIN, limits::MASS_MAX), (fx!(0.0000152587890625), power(24)));
+//! assert_eq!((limits::SIZE_MIN, limits::SIZE_MAX), (fx!(0.0078125), power(12)));
+//! assert_eq!((limits::GRAVITY, limits::GRAVITY_SCALE, limits::MU_MAX_LOG2), (power(16), power(4), 64));
+//! assert_eq!((limits::RATE_MIN, limits::RATE_MAX), (1, 10_000));
+//! assert_eq!((limits::CORNERS, limits::PARTS), (64, 256));
+//! assert_eq!((limits::BODIES, limits::FIELDS, limits::BLOB), (1 << 24, 1 << 24, 1 << 24));
+//! assert_eq!(limits::TICK, 1 << 63);
+//! ```
 
 use crate::scalar::{KICK_LOG2, TRANSIENT_SPEED_LOG2, fx::Fx};
 

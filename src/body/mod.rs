@@ -67,6 +67,26 @@ pub enum Mass<S = Fx> {
 
 /// What a body is made from. Start from [`BodyDef::dynamic`], [`kinematic`](Self::kinematic) or
 /// [`fixed`](Self::fixed) and change what differs.
+///
+/// ```
+/// use umbra_physics::{BodyDef, BodyKind, Error, Mass, Shape, fx, vec2};
+///
+/// let wheel = BodyDef {
+///     shape: Some(Shape::circle(fx!(0.5))?),
+///     mass: Mass::Density(fx!(2)),
+///     position: vec2(0, 3),
+///     ..BodyDef::dynamic()
+/// };
+/// let lift: BodyDef = BodyDef { velocity: vec2(0, 1), ..BodyDef::kinematic() };
+/// let ground: BodyDef = BodyDef { shape: Some(Shape::segment(vec2(-10, 0), vec2(10, 0))?), ..BodyDef::fixed() };
+/// let kinds = [wheel.kind, lift.kind, ground.kind];
+/// assert_eq!(kinds, [BodyKind::Dynamic, BodyKind::Kinematic, BodyKind::Static]);
+///
+/// // What a world would refuse:
+/// assert_eq!(wheel.check(), Ok(()));
+/// assert_eq!(BodyDef { shape: None, ..wheel }.check(), Err(Error::NoShape));
+/// # Ok::<(), umbra_physics::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct BodyDef<S: Scalar = Fx> {

@@ -9,6 +9,21 @@ use crate::scalar::{Scalar, Sum, fx::Fx};
 use crate::wire::{self, Sink, Write as _};
 
 /// The sum of the forces and torques applied to a body over a tick; what undoing that step needs.
+///
+/// ```
+/// use umbra_physics::{AppliedForce, BodyDef, Vec2, World, WorldDef, fx, scalar::Wide as _, vec2};
+///
+/// let mut world: World = World::new(WorldDef::default())?;
+/// let body = world.add_body(BodyDef::dynamic())?;
+/// world.apply_force(body, vec2(1, 0))?;
+/// world.apply_force(body, vec2(2, 5))?;
+/// world.apply_torque(body, fx!(7))?;
+/// let applied: Vec<AppliedForce> = world.step().applied.to_vec();
+/// let Some(Vec2 { x, y }) = applied[0].force() else { unreachable!() };
+/// assert_eq!((x.to_scalar(), y.to_scalar()), (Some(fx!(3)), Some(fx!(5))));
+/// assert_eq!(applied[0].torque().map(|torque| torque.to_string()), Some("7".into()));
+/// # Ok::<(), umbra_physics::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",

@@ -58,6 +58,20 @@ pub enum End<S = Fx> {
 }
 
 /// A closed region: its edge belongs to it.
+///
+/// ```
+/// use umbra_physics::{BodyDef, Law, Region, World, WorldDef, vec2};
+///
+/// // A shaft of air that rises at 2 m/s².
+/// let shaft = Region::Box { min: vec2(-1, 0), max: vec2(1, 10) };
+/// let mut world: World = World::new(WorldDef::default())?;
+/// world.add_field(Law::Zone { region: shaft, acceleration: vec2(0, 2) })?;
+/// let [inside, outside] = [0, 5].map(|x| world.add_body(BodyDef { position: vec2(x, 1), ..BodyDef::dynamic() }));
+/// (0..60).for_each(|_| _ = world.step());
+/// assert_eq!(world.body(inside?)?.position(), vec2(0, 2));
+/// assert_eq!(world.body(outside?)?.position(), vec2(5, 1));
+/// # Ok::<(), umbra_physics::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",

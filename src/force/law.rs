@@ -57,6 +57,46 @@ impl core::error::Error for LawFault {}
 /// It must be a function of what it is given alone: the same on every machine, without floats, clocks, random numbers or
 /// memory of earlier calls; it is called as often as an integrator needs it. Checked arithmetic is its own duty:
 /// what overflows is a [`LawFault`].
+///
+/// ```
+/// use std::sync::Arc;
+/// use umbra_physics::{
+///     BodyDef, BodyState, Dependence, Error, Field, ForceLaw, Fx, Law, LawFault, Push, World, WorldDef, fx, vec2,
+/// };
+///
+/// /// A magnet at the origin, which pulls bodies by the charge in their user data; within 1 m it has no answer.
+/// struct Magnet;
+///
+/// impl ForceLaw for Magnet {
+///     fn id(&self) -> u64 {
+///         7
+///     }
+///     fn version(&self) -> u32 {
+///         1
+///     }
+///     fn depends_on(&self) -> Dependence {
+///         Dependence::Position
+///     }
+///     fn push(&self, body: &BodyState) -> Result<Push, LawFault> {
+///         let distance = body.position.checked_length().ok_or(LawFault { code: 1 })?;
+///         if distance < Fx::ONE {
+///             return Err(LawFault { code: 2 });
+///         }
+///         let strength = Fx::from(body.user_data as u8) / distance / distance;
+///         let force = body.position.checked_scale(-strength).ok_or(LawFault { code: 1 })?;
+///         Ok(Push { force, ..Push::default() })
+///     }
+/// }
+///
+/// let mut world: World = World::new(WorldDef::default())?;
+/// assert_eq!(world.add_field(Law::Custom { id: 7 }), Err(Error::ForceLaw { id: 7 }));
+/// world.register_law(Arc::new(Magnet))?;
+/// world.add_field(Field { law: Law::Custom { id: 7 }, groups: 1 })?;
+/// let body = world.add_body(BodyDef { position: vec2(2, 0), user_data: 8, ..BodyDef::dynamic() })?;
+/// world.step();
+/// assert_eq!(format!("{:.3}", world.body(body)?.velocity().x), "-0.067"); // a force of 4 N for 1/60 s
+/// # Ok::<(), umbra_physics::Error>(())
+/// ```
 pub trait ForceLaw<S: Scalar = Fx>: Send + Sync {
     /// Names the law in scenes, hashes, snapshots and replays.
     fn id(&self) -> u64;

@@ -10,6 +10,23 @@ use crate::scalar::{Angle, Scalar, Span, Weight};
 use crate::wire::wire_enum;
 
 /// How a world moves from tick to tick.
+///
+/// ```
+/// use umbra_physics::scalar::Weight;
+/// use umbra_physics::{Integrator, Stage, Verb};
+///
+/// let names: Vec<_> = Integrator::ALL.iter().map(|integrator| (integrator.name(), integrator.order())).collect();
+/// assert_eq!(names[2], ("velocity_verlet", 2));
+/// assert_eq!(Integrator::from_name("yoshida4"), Some(Integrator::Yoshida4));
+///
+/// // What executes a step walks this list, and so can a program that shows it.
+/// let verlet = Integrator::VelocityVerlet;
+/// let verbs: Vec<_> = verlet.stages().iter().map(|stage: &Stage| stage.verb.name()).collect();
+/// assert_eq!(verbs, ["damp", "kick", "drift", "fields", "kick", "damp", "clear"]);
+/// let drift = verlet.stages().iter().find(|stage| stage.verb == Verb::Drift).unwrap();
+/// assert_eq!(verlet.spans()[drift.span], (Weight::Whole, false));
+/// assert!(verlet.inverse().is_some() && Integrator::ExplicitEuler.inverse().is_none());
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Integrator {

@@ -20,6 +20,27 @@ use crate::scalar::{Turn, fx::Fx};
 /// assert_eq!(thrown, [5, 2, 6, 6, 6]);
 /// assert!((fx!(0)..fx!(1)).contains(&dice.fraction()));
 /// ```
+///
+/// ```
+/// use umbra_physics::{Random, Turn, fx};
+///
+/// let mut random = Random::seeded(7);
+/// let saved = random.state(); // four words, to be sent or kept
+/// let drawn = (random.bits(), random.integer(-3..=3), random.number(fx!(-0.5)..=fx!(0.5)), random.angle());
+/// assert!((-3..=3).contains(&drawn.1) && drawn.3 != Turn::default());
+/// let mut again = Random::from_state(saved).unwrap();
+/// assert_eq!(again.bits(), drawn.0);
+///
+/// let mut deck: Vec<u32> = (0..52).collect();
+/// random.shuffle(&mut deck);
+/// assert_ne!(deck[..5], [0, 1, 2, 3, 4]);
+///
+/// // Streams that never meet: one for each of so many players, say, or by hand.
+/// let (mut a, mut b) = (random.split(), random.split());
+/// assert_ne!(a.bits(), b.bits());
+/// a.jump(); // 2^128 draws
+/// b.long_jump(); // 2^192
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",

@@ -4,6 +4,18 @@ use crate::error::Error;
 use crate::limits::{RATE_MAX, RATE_MIN};
 
 /// The length of a step in seconds, an exact ratio: 1/60 is 1/60.
+///
+/// ```
+/// use umbra_physics::{Elapsed, TimeStep, World, WorldDef};
+///
+/// let ntsc = TimeStep::ratio(1001, 60_000);
+/// assert_eq!(TimeStep::ratio(2, 120).seconds(), TimeStep::hz(60).seconds());
+/// let mut world: World = World::new(WorldDef { time_step: ntsc, ..WorldDef::default() })?;
+/// assert_eq!(world.elapsed(), Elapsed::ZERO);
+/// (0..60).for_each(|_| _ = world.step());
+/// assert_eq!(world.elapsed(), Elapsed { num: 1001, den: 1000 }); // of a second, exactly
+/// # Ok::<(), umbra_physics::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(from = "Ratio"))]
 pub struct TimeStep {

@@ -6,6 +6,22 @@ use core::ops::{Add, AddAssign, Neg, Sub, SubAssign};
 use crate::scalar::{Factor, Scalar, Wide, fx::Fx};
 
 /// A vector of two components, or a pair of whatever `T` is.
+///
+/// ```
+/// use umbra_physics::scalar::{Factor as _, Wide as _};
+/// use umbra_physics::{Fx, Vec2, fx, vec2};
+///
+/// let (a, b): (Vec2, Vec2) = (vec2(3, 4), vec2(1, fx!(0.5)));
+/// assert_eq!((a + b, a - b, -a), (vec2(4, fx!(4.5)), vec2(2, fx!(3.5)), vec2(-3, -4)));
+/// assert_eq!(a.perp(), vec2(-4, 3)); // a quarter turn to the left
+/// assert_eq!(a.dot(b).and_then(|product| product.to_scalar()), Some(fx!(5)));
+/// assert_eq!(a.cross(b).and_then(|product| product.to_scalar()), Some(fx!(-2.5)));
+/// assert_eq!((a.length().to_scalar(), a.checked_length()), (Some(fx!(5)), Some(fx!(5))));
+/// assert_eq!(a.checked_scale(Fx::HALF), Some(vec2(fx!(1.5), 2)));
+/// assert_eq!(a.try_map(|c| c.checked_mul(Fx::MAX)), None); // does not fit
+/// assert_eq!(a.map(Fx::to_bits).x, 3 << 32);
+/// assert!(a.is_finite()); // of an `Fx` always
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Vec2<T = Fx> {

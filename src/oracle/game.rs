@@ -53,6 +53,38 @@ pub trait Game: Clone {
 }
 
 /// The inputs of a run by tick, and how many ticks it makes.
+///
+/// ```
+/// use umbra_physics::oracle::{Course, Game, Handles, Oracle, Verdict, shrink};
+/// use umbra_physics::{Command, Driver, World, WorldDef};
+///
+/// /// A game whose inputs are the commands themselves. They name bodies: a match with strangers has others.
+/// #[derive(Clone)]
+/// struct Plain;
+///
+/// impl Game for Plain {
+///     type Input = Command;
+///
+///     fn start(&mut self) -> World {
+///         World::new(WorldDef::default()).unwrap()
+///     }
+///
+///     fn tick(&mut self, world: &mut World, inputs: &[Command], driver: &mut dyn Driver) {
+///         for command in inputs {
+///             let _ = driver.execute(world, command);
+///         }
+///         driver.step(world);
+///     }
+///
+///     fn renamed(&self, input: &Command, handles: &Handles) -> Command {
+///         handles.command(input)
+///     }
+/// }
+///
+/// let course = Course { inputs: vec![(3, Command::AddBody(umbra_physics::BodyDef::dynamic()))], ticks: 10 };
+/// assert_eq!(Oracle::Repeat.judge(&Plain, &course), Ok(Verdict::Held));
+/// assert!(shrink(&Plain, &course, Oracle::Repeat, 100).is_none()); // nothing is wrong with it
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Course<I> {

@@ -9,6 +9,18 @@ use crate::world::{Command, Made};
 ///
 /// A handle says how often its slot was taken before, so that none ever names two bodies, and a body that is gone still has
 /// its counterpart, gone as well.
+///
+/// ```
+/// use umbra_physics::oracle::Handles;
+/// use umbra_physics::{BodyId, Command, FieldId};
+///
+/// // No body of the one run has a counterpart in the other yet: what they are called there is nobody.
+/// let handles = Handles::default();
+/// let body = BodyId::from_parts(3, 0);
+/// assert_ne!(handles.body(body), body);
+/// assert_ne!(handles.field(FieldId::from_parts(0, 0)), FieldId::from_parts(0, 0));
+/// assert_eq!(handles.command(&Command::Wake(body)), Command::Wake(handles.body(body)));
+/// ```
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Handles {
     bodies: BTreeMap<BodyId, BodyId>,

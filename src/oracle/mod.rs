@@ -180,6 +180,22 @@ pub enum Verdict {
 }
 
 /// A run in which something is not as it has to be.
+///
+/// ```
+/// use umbra_physics::oracle::{Oracle, Script, Verdict, Violation};
+/// use umbra_physics::{BodyDef, Command, WorldDef};
+///
+/// let script =
+///     Script { world: WorldDef::default(), commands: vec![(0, Command::AddBody(BodyDef::dynamic()))], ticks: 5 };
+/// for oracle in Oracle::ALL {
+///     match script.judge(oracle).map_err(|violation: Box<Violation>| violation.to_string())? {
+///         Verdict::Held => println!("{}: held", oracle.name()),
+///         Verdict::Inapplicable { why } => println!("{oracle}: nothing to judge, {why}"),
+///         _ => {}
+///     }
+/// }
+/// # Ok::<(), String>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]

@@ -34,6 +34,25 @@ use crate::world::{Command, Driver, World, WorldDef};
 /// assert_eq!((replay.end(), replay.verify()), (60, Ok(())));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+///
+/// ```
+/// use umbra_physics::oracle::{Oracle, Script};
+/// use umbra_physics::{BodyDef, Command, WorldDef};
+///
+/// let add = |key| Command::AddBody(BodyDef { key, ..BodyDef::dynamic() });
+/// let script = Script { world: WorldDef::default(), commands: vec![(0, add(1)), (2, add(2))], ticks: 4 };
+/// // Tick by tick, with a driver: `()` does no more than carry out.
+/// let mut world = script.start()?;
+/// while world.tick() < script.ticks {
+///     println!("{} commands", script.commands_of(world.tick()).count());
+///     script.advance(&mut world, &mut ());
+/// }
+/// assert_eq!(world.state_hash(), script.run()?.state_hash());
+/// // Some of its commands alone; and the smallest one that an oracle objects to, if one does.
+/// assert_eq!(script.with(|index| index == 1).run()?.body_count(), 1);
+/// assert_eq!(script.shrunk(Oracle::Restore, 100), None);
+/// # Ok::<(), umbra_physics::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Script {

@@ -17,6 +17,43 @@ use crate::world::{Action, Command, Frame, World};
 /// The axes of the bodies go along: by as many quarters as the symmetry turns, and where it mirrors, points and shapes of a
 /// body are mirrored in its axes. What has no exact image has none here: a number whose opposite does not fit, a point more
 /// than 2^29 m out under a symmetry that shifts, an angle in radians that no other one is a quarter turn from.
+///
+/// ```
+/// use umbra_physics::oracle::Symmetry;
+/// use umbra_physics::{BodyDef, Command, Field, Law, Shape, World, WorldDef, fx, vec2};
+///
+/// let mirror = Symmetry::MIRROR;
+/// assert_eq!((mirror.name(), mirror.mirrors(), mirror.is_shift()), ("mirror", true, false));
+/// assert_eq!((mirror.vector(vec2(3, 1)), mirror.point(vec2(3, 1))), (Some(vec2(-3, 1)), Some(vec2(-3, 1))));
+/// assert_eq!((mirror.spin(fx!(2)), mirror.angle(fx!(0))), (Some(fx!(-2)), Some(fx!(0))));
+/// // A quarter turn turns the axes of bodies along: in them nothing changes.
+/// assert_eq!(
+///     (Symmetry::TURN.vector(vec2(3, 1)), Symmetry::TURN.local(vec2(3, 1))),
+///     (Some(vec2(-1, 3)), Some(vec2(3, 1)))
+/// );
+/// assert_eq!(mirror.about(vec2(5, 0)).and_then(|about| about.point(vec2(3, 1))), Some(vec2(7, 1)));
+///
+/// // A world and its image, given images of the same commands, stay each other's image to the bit.
+/// let rod = Shape::segment(vec2(0, 0), vec2(1, 2))?;
+/// assert_eq!(mirror.shape(&rod), Shape::segment(vec2(0, 0), vec2(-1, 2)).ok());
+/// let mut world: World = World::new(WorldDef { gravity: vec2(1, -9), ..WorldDef::default() })?;
+/// let body = world.add_body(BodyDef {
+///     position: vec2(2, 3),
+///     shape: Some(rod),
+///     angular_velocity: fx!(1),
+///     ..BodyDef::dynamic()
+/// })?;
+/// let wind = Field::from(Law::Drag { linear: fx!(0.1), quadratic: fx!(0), wind: vec2(4, 0) });
+/// let mut image = mirror.world(&world).unwrap();
+/// world.add_field(wind)?;
+/// image.add_field(mirror.field(&wind).unwrap())?;
+/// let push = Command::SetVelocity { body, velocity: vec2(7, 0) };
+/// world.execute(&push)?;
+/// image.execute(&mirror.command(&push).unwrap())?;
+/// (0..100).for_each(|_| _ = (world.step(), image.step()));
+/// assert_eq!(mirror.world(&world).map(|there| there.state_hash()), Some(image.state_hash()));
+/// # Ok::<(), umbra_physics::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Symmetry {
     name: &'static str,

@@ -39,6 +39,20 @@ impl fmt::Display for Place {
 }
 
 /// A value in which two states differ.
+///
+/// ```
+/// use umbra_physics::{BodyDef, Difference, Place, World, WorldDef, vec2};
+///
+/// let mut world: World = World::new(WorldDef::default())?;
+/// let body = world.add_body(BodyDef::dynamic())?;
+/// let mut other = world.clone();
+/// other.set_gravity(vec2(0, -10))?;
+/// other.set_velocity(body, vec2(1, 0))?;
+/// let found: Vec<Difference> = world.differences(&other);
+/// assert_eq!((found[0].place, &found[0].field[..]), (Place::World, "settings.gravity.y"));
+/// assert_eq!((found[1].place, found[1].right.as_deref()), (Place::Body(body), Some("1")));
+/// # Ok::<(), umbra_physics::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Difference {
@@ -167,6 +181,25 @@ fn first_unlike(place: Place, left: &[Leaf], right: &[Leaf]) -> Option<Differenc
 /// where the two part without sending either state.
 ///
 /// XXH3, 64 bits: of a value its bytes, of a node the hashes below it.
+///
+/// ```
+/// use umbra_physics::{BodyDef, HashTree, World, WorldDef, vec2};
+///
+/// let mut here: World = World::new(WorldDef::default())?;
+/// let body = here.add_body(BodyDef { velocity: vec2(1, 0), ..BodyDef::dynamic() })?;
+/// let mut there = here.clone();
+/// there.set_velocity(body, vec2(2, 0))?;
+/// let (ours, theirs) = (HashTree::of(&here), HashTree::of(&there));
+/// assert_eq!(ours.first_difference(&theirs).unwrap().join("."), "tick 0.bodies.0.velocity.x");
+///
+/// // Of a step: the state after each of its stages. Trees of many ticks are one tree.
+/// let trace = here.step_traced();
+/// let step = HashTree::of_step(&trace, &here);
+/// assert_eq!(step.parts.len(), trace.stages().len() + 1);
+/// let match_so_far = HashTree::group("match".into(), vec![ours, step]);
+/// assert_eq!(match_so_far.first_difference(&match_so_far), None);
+/// # Ok::<(), umbra_physics::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct HashTree {

@@ -124,6 +124,19 @@ impl Dump {
     }
 
     /// The world at each moment of the tick.
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, Dump, Inputs, Moment, World, WorldDef, vec2};
+    ///
+    /// let mut world: World = World::new(WorldDef { gravity: vec2(0, -60), ..WorldDef::default() })?;
+    /// let ball = world.add_body(BodyDef::dynamic())?;
+    /// let before = world.clone();
+    /// world.step();
+    /// for (moment, then) in Dump::of_tick(&before, &[], &Inputs::new(), &world).moments() {
+    ///     println!("{moment}: {:.3}", then.body(ball)?.velocity()); // 0 at the start, −1 at the end
+    /// }
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
     pub fn moments(&self) -> impl ExactSizeIterator<Item = (Moment, &World)> {
         self.moments.iter().map(|(moment, world)| (*moment, &**world))
     }

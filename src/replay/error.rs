@@ -9,6 +9,19 @@ use crate::error::{Error, codes};
 use crate::wire::Malformed;
 
 /// Why bytes are no snapshot that this build can go on from.
+///
+/// ```
+/// use umbra_physics::{Snapshot, SnapshotError, World, WorldDef};
+///
+/// let world: World = World::new(WorldDef::default())?;
+/// let mut bytes = world.snapshot().to_bytes();
+/// assert!(Snapshot::from_bytes(&bytes, &[]).is_ok());
+/// assert_eq!(Snapshot::from_bytes(b"something else", &[]).err(), Some(SnapshotError::Foreign));
+/// bytes.truncate(40);
+/// let Err(error @ SnapshotError::Malformed(_)) = Snapshot::from_bytes(&bytes, &[]) else { unreachable!() };
+/// assert_eq!(error.code(), 304);
+/// # Ok::<(), umbra_physics::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum SnapshotError {

@@ -41,6 +41,19 @@ impl fmt::Display for Moment {
 }
 
 /// The first value in which two runs, or a run and its recording, are not the same.
+///
+/// ```
+/// use umbra_physics::{Dump, Finding, Inputs, World, WorldDef, vec2};
+///
+/// let mut here: World = World::new(WorldDef::default())?;
+/// let mut there = World::new(WorldDef { gravity: vec2(0, 1), ..WorldDef::default() })?;
+/// let starts = [here.clone(), there.clone()];
+/// _ = (here.step(), there.step());
+/// let ours = Dump::of_tick(&starts[0], &[], &Inputs::new(), &here);
+/// let found: Option<Finding> = ours.first_difference(&Dump::of_tick(&starts[1], &[], &Inputs::new(), &there));
+/// assert_eq!(found.unwrap().to_string(), "tick 0, start, the world, settings.gravity.y: 0 and 1");
+/// # Ok::<(), umbra_physics::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Finding {

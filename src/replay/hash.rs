@@ -39,6 +39,19 @@ impl<S: Scalar> World<S> {
     /// the order they act in, others in none. The generator and the blob are the game's and not in it.
     ///
     /// *Source* XXH3, 64 bits (Collet).
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, World, WorldDef, vec2};
+    ///
+    /// let bodies = [1, 2].map(|key| BodyDef { key, velocity: vec2(key as i32, 0), ..BodyDef::dynamic() });
+    /// let [mut a, mut b]: [World; 2] = [World::new(WorldDef::default())?, World::new(WorldDef::default())?];
+    /// bodies.iter().try_for_each(|def| a.add_body(def.clone()).map(drop))?;
+    /// bodies.iter().rev().try_for_each(|def| b.add_body(def.clone()).map(drop))?;
+    /// _ = (a.step(), b.step());
+    /// assert_eq!(a.physics_hash(), b.physics_hash());
+    /// assert_ne!(a.state_hash(), b.state_hash()); // other handles
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
     #[must_use]
     pub fn physics_hash(&self) -> u64 {
         let mut sink = Sink::new();

@@ -35,6 +35,31 @@ codes!(Divergence = 420);
 impl core::error::Error for Divergence {}
 
 /// A replay on its way.
+///
+/// ```
+/// use umbra_physics::{
+///     BodyDef, Command, Divergence, Inputs, Playback, RecordOptions, Recorder, Replay, World, WorldDef, vec2,
+/// };
+///
+/// let mut world: World = World::new(WorldDef::default())?;
+/// let body = world.add_body(BodyDef::dynamic())?;
+/// let mut recorder = Recorder::new(&world, RecordOptions::default());
+/// for tick in 0..10 {
+///     let mut inputs = Inputs::new();
+///     inputs.replace(0, [Command::SetVelocity { body, velocity: vec2(tick, 0) }]);
+///     recorder.step(&mut world, &inputs);
+///     assert!(recorder.outcomes()[0].result.is_ok());
+/// }
+/// let replay = Replay::from_bytes(&recorder.finish(&world), &[])?;
+/// let mut playback: Playback<'_> = replay.play();
+/// playback.seek(5);
+/// assert_eq!(playback.commands().count(), 1); // of the tick to come
+/// let went_on: Result<bool, Box<Divergence>> = playback.step();
+/// assert_eq!(went_on, Ok(true));
+/// assert_eq!(playback.outcomes().len(), 1);
+/// assert_eq!(playback.recorded_hash(), Some(playback.world().state_hash()));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Playback<'a> {
     replay: &'a Replay,

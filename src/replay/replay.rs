@@ -19,6 +19,26 @@ use crate::wire::{Index, Leaf, Part, Read, Reader, Write};
 use crate::world::{Command, World};
 
 /// A recorded run: the world it began with, what was done tick by tick, and the hashes that came of it.
+///
+/// ```
+/// use umbra_physics::{BodyDef, Command, Inputs, RecordOptions, Recorder, Replay, World, WorldDef, vec2};
+///
+/// let record = |turn: i32| {
+///     let mut world: World = World::new(WorldDef::default())?;
+///     let body = world.add_body(BodyDef::dynamic())?;
+///     let mut recorder = Recorder::new(&world, RecordOptions::default());
+///     for tick in 0..9 {
+///         let mut inputs = Inputs::new();
+///         inputs.replace(0, [Command::SetVelocity { body, velocity: vec2(if tick == 4 { turn } else { 1 }, 0) }]);
+///         recorder.step(&mut world, &inputs);
+///     }
+///     Ok::<_, umbra_physics::Error>(recorder.finish(&world))
+/// };
+/// let [ours, theirs] = [record(1)?, record(2)?].map(|file| Replay::from_bytes(&file, &[]));
+/// let found = ours?.first_difference(&theirs?).unwrap();
+/// assert_eq!((found.tick, found.recorded.as_deref(), found.found.as_deref()), (4, Some("1"), Some("2")));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Replay {
     pub(super) head: Head,

@@ -114,6 +114,18 @@ impl Snapshot {
     }
 
     /// Puts the bytes at the end of a buffer.
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, Snapshot, World, WorldDef};
+    ///
+    /// let mut world: World = World::new(WorldDef::default())?;
+    /// world.add_body(BodyDef::dynamic())?;
+    /// let mut message = b"state: ".to_vec();
+    /// world.snapshot().write_to(&mut message);
+    /// let there = Snapshot::from_bytes(&message[7..], &[])?.into_world();
+    /// assert_eq!(there.state_hash(), world.state_hash());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn write_to(&self, bytes: &mut Vec<u8>) {
         Saved(&self.world).write(bytes);
     }

@@ -13,6 +13,15 @@ use crate::kernel::wide::mul_shift;
 /// A multiple of 2^-96: an [`Fx`] and 64 bits below its ulp, where the remainders of every step are carried.
 ///
 /// It is kept as two words, so that loops over many of them can be compiled to vector instructions.
+///
+/// ```
+/// use umbra_physics::scalar::Accumulator as _;
+/// use umbra_physics::{FxAccumulator, fx};
+///
+/// let third_of_an_ulp = FxAccumulator::from_bits((1 << 64) / 3);
+/// let three = third_of_an_ulp.plus(third_of_an_ulp).plus(third_of_an_ulp);
+/// assert_eq!((third_of_an_ulp.value(), three.value()), (fx!(0), fx!(0.00000000023283064365386962890625)));
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct FxAccumulator {
     /// Multiples of 2^-32, rounded down. First, for the order.

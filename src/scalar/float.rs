@@ -16,6 +16,21 @@ use super::{
 };
 
 /// The double nearest to a number of the engine, for drawing, tables and studies; never back into the state.
+///
+/// ```
+/// use umbra_physics::scalar::ToF64;
+/// use umbra_physics::{Fx, Turn, fx};
+///
+/// fn draw(x: impl ToF64, y: impl ToF64) -> (f64, f64) {
+///     (x.to_f64(), y.to_f64())
+/// }
+/// assert_eq!(draw(fx!(-2.5), fx!(0.25)), (-2.5, 0.25));
+/// assert_eq!(fx!(0.1).to_f32(), 0.1); // for drawing
+/// assert_eq!(Turn::QUARTER.to_f64(), std::f64::consts::FRAC_PI_2);
+/// // The way in is for tools alone: a level editor that writes decimals, say.
+/// assert_eq!(Fx::from_f64_for_tools(0.1), Some(fx!(0.1)));
+/// assert_eq!(Fx::from_f64_for_tools(f64::NAN), None);
+/// ```
 pub trait ToF64 {
     /// The double nearest to it; where more than 53 bits are cut, by one rounding of what `as` does.
     fn to_f64(self) -> f64;

@@ -27,6 +27,14 @@ pub mod wide_vectors {
 
     /// Whether they are used: they are allowed, the CPU has them (AVX-512), and so had the compiler (1.89 or newer, with the
     /// feature `std`).
+    ///
+    /// ```
+    /// use umbra_physics::scalar::wide_vectors;
+    /// println!("wide vectors: {}", wide_vectors::are_used()); // for a report of measurements
+    /// wide_vectors::allow(false);
+    /// assert!(!wide_vectors::are_used());
+    /// # wide_vectors::allow(true);
+    /// ```
     #[must_use]
     pub fn are_used() -> bool {
         ALLOWED.load(Ordering::Relaxed) && has()

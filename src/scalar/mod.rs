@@ -6,6 +6,31 @@
 //! energies are [`Wide`]; angles are [`Angle`]s. For a float all of them are the float.
 //!
 //! The traits are open so that a study can put in another rounding; only `Fx` carries the promises.
+//!
+//! ```
+//! use umbra_physics::scalar::{Accumulator as _, Angle as _, Factor as _, Number, Scalar, Sum as _, Wide as _};
+//! use umbra_physics::{Fx, FxWide, fx};
+//!
+//! /// The kinetic energy of masses at these speeds, J, in whatever number: ½·Σ m·v².
+//! fn energy<S: Scalar>(bodies: &[(S, S)]) -> Option<S::Wide> {
+//!     let mut sum = S::Sum::default();
+//!     for &(mass, speed) in bodies {
+//!         sum.add(speed.product(speed).times(S::Factor::from_scalar(mass))?);
+//!     }
+//!     sum.total()?.times(S::Factor::from_ratio(1, 2))
+//! }
+//! let joules: Option<FxWide> = energy(&[(fx!(2), fx!(3)), (fx!(0.5), fx!(-4))]);
+//! assert_eq!(joules.map(|joules| joules.to_string()), Some("13".into()));
+//!
+//! /// A number as it goes into a hash.
+//! fn words<N: Number>(number: N) -> Vec<u64> {
+//!     number.to_words()[..N::WORDS].to_vec()
+//! }
+//! assert_eq!(words(fx!(1)), [1 << 32]);
+//! // Positions are the scalar and a finer fraction; angles wrap by themselves.
+//! assert_eq!(<Fx as Scalar>::Accumulator::from_scalar(fx!(1.5)).value(), fx!(1.5));
+//! assert_eq!(<Fx as Scalar>::Angle::from_radians(Fx::FRAC_PI_2).sin_cos(), (fx!(1), fx!(0)));
+//! ```
 
 use core::fmt::{Debug, Display};
 use core::ops::{Add, Neg, Sub};

@@ -10,6 +10,15 @@ use crate::kernel::round::shr_round;
 use crate::kernel::wide::{mul_shift, shift_round_256};
 
 /// A multiple of 2^-64 up to ±2^63: the exact product of two [`Fx`].
+///
+/// ```
+/// use umbra_physics::scalar::Scalar as _;
+/// use umbra_physics::{FxWide, fx};
+///
+/// let product: FxWide = fx!(1.5).product(fx!(-0.1)); // exactly, of 0.1 as it is here
+/// assert_eq!(product.to_string(), "-0.15000000013969838619232177734375");
+/// assert_eq!(FxWide::from_bits(product.to_bits()), product);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(transparent)]
 pub struct FxWide(i128);
@@ -93,6 +102,18 @@ impl Wide<Fx> for FxWide {
 }
 
 /// A sum of wide values modulo 2^64, and how often it went round.
+///
+/// ```
+/// use umbra_physics::FxWide;
+/// use umbra_physics::scalar::{FxSum, Sum as _};
+///
+/// // More than fits on the way, in whatever order: the total is what counts.
+/// let mut sum = FxSum::default();
+/// for bits in [i128::MAX, i128::MAX, 5, i128::MIN, i128::MIN + 2] {
+///     sum.add(FxWide::from_bits(bits));
+/// }
+/// assert_eq!(sum.total(), Some(FxWide::from_bits(5)));
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct FxSum {
     low: i128,

@@ -93,6 +93,16 @@ impl Place {
 }
 
 /// Why a text is not a scene, or a scene cannot go on.
+///
+/// ```
+/// use umbra_physics::scene::{Place, Scene, SceneError};
+///
+/// let error = Scene::parse("{\n \"bodies\": [{\"name\": \"a\", \"mass\": -1}]}").unwrap_err();
+/// assert_eq!((error.place.line, &error.place.field[..], error.code()), (2, "bodies[0].mass", 101));
+/// // An error of a program's own, in the same form.
+/// let own = SceneError::new(Place { line: 3, field: "plot".into() }, "nothing to draw".into());
+/// assert_eq!((own.to_string(), own.code()), ("3: plot: nothing to draw".into(), 500));
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct SceneError {
@@ -132,6 +142,14 @@ impl fmt::Display for SceneError {
 impl core::error::Error for SceneError {}
 
 /// Why there is no scene of some commands.
+///
+/// ```
+/// use umbra_physics::scene::{Scene, Unsayable};
+/// use umbra_physics::{Error, TimeStep, WorldDef};
+///
+/// let def = WorldDef { time_step: TimeStep::hz(0), ..WorldDef::default() };
+/// assert_eq!(Scene::from_commands(def, &[], 1), Err(Unsayable::World(Error::TimeStep)));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Unsayable {

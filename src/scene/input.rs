@@ -223,6 +223,17 @@ fn set_world(object: &Object<'_>, push: &mut impl FnMut(&Node<'_>, Deed)) -> Res
 
 impl Input {
     /// Whether it is done at this tick.
+    ///
+    /// ```
+    /// use umbra_physics::scene::Scene;
+    ///
+    /// let text = r#"{"bodies": [{"name": "a"}],
+    /// "inputs": [{"from": 4, "to": 10, "every": 3, "body": "a", "impulse": [1, 0]}]}"#;
+    /// let scene = Scene::parse(text)?;
+    /// let due: Vec<u64> = (0..20).filter(|&tick| scene.inputs[0].is_due(tick)).collect();
+    /// assert_eq!(due, [4, 7, 10]);
+    /// # Ok::<(), umbra_physics::scene::SceneError>(())
+    /// ```
     #[must_use]
     pub const fn is_due(&self, tick: u64) -> bool {
         let every = if self.every == 0 { 1 } else { self.every };

@@ -51,6 +51,36 @@ pub use settings::{Plot, Trails};
 pub use shape::{PartDef, ShapeDef};
 
 /// A world to be built, and what is done to it at which tick. Plain data; changes to it are checked when it starts.
+///
+/// ```
+/// use umbra_physics::scene::{Plot, Scene, SceneBody, SceneField, SceneRun, ShapeDef, Trails};
+/// use umbra_physics::{BodyDef, Fx, TimeStep};
+///
+/// let mut scene = Scene::parse(
+///     r#"{
+/// "bodies": [{"name": "ball", "shape": {"circle": {"radius": 0.5}}, "velocity": [1, 0]}],
+/// "fields": [{"drag": {"linear": 0.1}}]
+/// }"#,
+/// )?;
+/// let ball: &SceneBody = &scene.bodies[0];
+/// let Some(ShapeDef::Circle { radius }) = ball.shape else { unreachable!() };
+/// let SceneField { name, .. } = &scene.fields[0];
+/// assert_eq!((radius, name), (Fx::HALF, &None));
+/// assert!(ball.def::<Fx>().is_ok_and(|def: BodyDef| def.shape.is_some()));
+/// assert_eq!(scene.plot, Plot { trails: Trails::All, ..Plot::default() });
+///
+/// // Plain data: it can be changed before it is built.
+/// scene.world.time_step = TimeStep::hz(120);
+/// assert_eq!(scene.build::<Fx>()?.body_count(), 1);
+/// let mut run: SceneRun<'_, Fx> = scene.start_finer(4)?; // four steps to a tick
+/// run.advance()?;
+/// assert_eq!((run.tick(), run.world().tick()), (1, 4));
+/// let body = run.world().bodies().next().unwrap().id();
+/// assert_eq!((run.index(body), run.name(body)), (Some(0), "ball"));
+/// let world = run.into_world();
+/// assert!(world.tick() == 4 && Scene::MOST == 131_072);
+/// # Ok::<(), umbra_physics::scene::SceneError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
     /// Its title.

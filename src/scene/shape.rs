@@ -45,6 +45,17 @@ impl ShapeDef {
     ///
     /// # Errors
     /// As the constructors of [`Shape`].
+    ///
+    /// ```
+    /// use umbra_physics::scene::{PartDef, ShapeDef};
+    /// use umbra_physics::{Fx, Shape, fx, scalar::Factor as _, vec2};
+    ///
+    /// let ball = ShapeDef::Circle { radius: fx!(1) };
+    /// let part = |x: i32| PartDef { shape: ball.clone(), position: vec2(x, 0), angle: fx!(0), density: fx!(1) };
+    /// let dumbbell: Shape<Fx> = ShapeDef::Compound { parts: vec![part(-2), part(2)] }.make()?;
+    /// assert_eq!(dumbbell.measure().to_scalar().map(|area| format!("{area:.4}")), Some("6.2832".into()));
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
     pub fn make<S: Scalar>(&self) -> core::result::Result<Shape<S>, Error> {
         match self {
             Self::Circle { radius } => Shape::circle(S::from_fx(*radius)),

@@ -5,6 +5,19 @@ use core::fmt;
 use crate::error::{Error, codes};
 
 /// A scene that failed, where, and why.
+///
+/// ```
+/// use umbra_physics::selftest::{Failure, Problem, Scene, scenes};
+///
+/// let some: &[Scene] = &scenes()[..3];
+/// for scene in some {
+///     match scene.run() {
+///         Ok(outcome) => println!("{}: {:016x}, {}", scene.name(), outcome.digest, scene.about()),
+///         Err(failure @ Failure { problem: Problem::Differs { .. }, .. }) => panic!("this machine: {failure}"),
+///         Err(failure) => panic!("{failure} [E{}]", failure.code()),
+///     }
+/// }
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub struct Failure {

@@ -7,6 +7,22 @@ use super::Outcome;
 /// The outcomes of all scenes under a law of physics, as text: a line a scene, so that what changed shows in a diff.
 ///
 /// [`Golden::write`] writes what [`Golden::parse`] reads.
+///
+/// ```
+/// use umbra_physics::LAW;
+/// use umbra_physics::selftest::{Golden, golden, scenes};
+///
+/// let own: Golden = golden();
+/// assert_eq!((own.law(), own.scenes().count()), (Some(LAW), scenes().len()));
+/// assert!(scenes().iter().all(|scene| own.scene(scene.name()).is_some()));
+///
+/// // What another machine found, as text, and here again.
+/// let mut sent = String::new();
+/// Golden::write(&mut sent, LAW, own.scenes(), own.all().unwrap())?;
+/// let theirs = Golden::parse(&sent);
+/// assert_eq!(theirs.all(), own.all());
+/// # Ok::<(), std::fmt::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Golden<'t> {
     text: &'t str,

@@ -17,6 +17,32 @@ use crate::scalar::{Scalar, fx::Fx};
 /// A shape with its centre of mass at the origin, its area, and its moment of inertia per mass.
 ///
 /// Cloning one shares its corners or parts.
+///
+/// ```
+/// use umbra_physics::{Fx, Geometry, Part, Shape, fx, scalar::Factor as _, vec2};
+///
+/// let rod: Shape = Shape::capsule(fx!(2), fx!(0.5))?; // 2 m between the centres of its ends
+/// let weight = Shape::rectangle(fx!(1), fx!(1))?;
+/// let part = |shape: &Shape, x: i32, density: Fx| Part {
+///     shape: shape.clone(),
+///     position: vec2(x, 0),
+///     angle: fx!(0),
+///     density,
+/// };
+/// // The head has seven times the density of the handle: the centre of mass is near it.
+/// let hammer = Shape::compound(&[part(&rod, 0, fx!(1)), part(&weight, 2, fx!(7))])?;
+/// assert_eq!(format!("{:.3}", hammer.shift()), "(1.431, 0.000)");
+/// let Geometry::Compound { parts } = hammer.geometry() else { unreachable!() };
+/// assert_eq!(format!("{:.3}", parts[1].position.x), "0.569"); // from there
+///
+/// // Area in m² (here times the density), and inertia to a kilogram, m².
+/// assert_eq!(weight.measure().to_scalar(), Some(fx!(1)));
+/// assert_eq!(weight.gyration().to_scalar(), Some(Fx::from_ratio(1, 6)));
+/// // A thin rod: its measure is its length.
+/// let rod: Shape = Shape::segment(vec2(0, 0), vec2(3, 4))?;
+/// assert_eq!(rod.measure().to_scalar(), Some(fx!(5)));
+/// # Ok::<(), umbra_physics::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shape<S: Scalar = Fx> {
     geometry: Geometry<S>,

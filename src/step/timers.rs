@@ -22,6 +22,18 @@ pub(super) fn now() -> std::time::Instant {
 }
 
 /// The time that the parts of all steps so far took.
+///
+/// ```
+/// use umbra_physics::{BodyDef, Timers, World, WorldDef};
+///
+/// let mut world: World = World::new(WorldDef::default())?;
+/// world.add_body(BodyDef::dynamic())?;
+/// (0..10).for_each(|_| _ = world.step());
+/// let Timers { steps, march, kick, .. } = world.timers();
+/// println!("{steps} steps: {march:?} for free bodies, {kick:?} for the kicks of others");
+/// assert_eq!(steps, 10);
+/// # Ok::<(), umbra_physics::Error>(())
+/// ```
 #[cfg(feature = "timers")]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]

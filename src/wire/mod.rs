@@ -52,6 +52,13 @@ pub(crate) trait Read: Sized {
 }
 
 /// Bytes that are not what they should be.
+///
+/// ```
+/// use umbra_physics::{Command, Malformed};
+///
+/// let Err(error @ Malformed { at, expected, .. }) = Command::from_bytes(&[255]) else { unreachable!() };
+/// assert_eq!((at, expected, error.code()), (0, "the number of a command", 320));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub struct Malformed {

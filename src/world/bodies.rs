@@ -16,6 +16,26 @@ impl<S: Scalar> World<S> {
     ///
     /// # Errors
     /// As [`BodyDef::check`]; [`Error::DampingHasNoInverse`] for a damping of 0 under `Yoshida4`; [`Error::Full`].
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, BodyKind, Fx, Mass, Shape, World, WorldDef, fx, vec2};
+    ///
+    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let body = world.add_body(BodyDef { position: vec2(1, 2), ..BodyDef::dynamic() })?;
+    /// // Whatever a definition says can be changed later.
+    /// world.set_shape(body, Some(Shape::circle(fx!(0.5))?))?;
+    /// world.set_mass(body, Mass::Density(fx!(2)))?;
+    /// world.set_angle(body, Fx::FRAC_PI_2)?;
+    /// world.set_angular_velocity(body, fx!(3))?;
+    /// world.set_gravity_scale(body, fx!(-1))?; // it rises
+    /// world.set_body_damping(body, Some(fx!(0.5)), None)?;
+    /// world.set_groups(body, 0b110)?;
+    /// world.set_key(body, 42)?;
+    /// world.set_kind(body, BodyKind::Kinematic)?;
+    /// world.remove_body(body)?;
+    /// assert!(world.body(body).is_err()); // its handle names nothing any more, ever
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
     pub fn add_body(&mut self, def: BodyDef<S>) -> Result<BodyId, Error> {
         let properties = self.check_new_body(&def)?;
         let climate = Self::climate(&self.def, &self.plan);

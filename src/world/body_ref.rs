@@ -9,6 +9,43 @@ use crate::scalar::{Accumulator, Angle, Factor, Scalar, Wide, fx::Fx};
 use crate::shape::Shape;
 
 /// A look at a body.
+///
+/// ```
+/// use umbra_physics::scalar::Factor as _;
+/// use umbra_physics::{Activity, BodyDef, BodyKind, Mass, Shape, World, WorldDef, fx, vec2};
+///
+/// let mut world: World = World::new(WorldDef::default())?;
+/// let shape = Shape::polygon(&[vec2(0, 0), vec2(3, 0), vec2(0, 3)])?; // its centre of mass is at (1, 1)
+/// let body = world.add_body(BodyDef {
+///     shape: Some(shape),
+///     mass: Mass::Of(fx!(4)),
+///     velocity: vec2(6, 0),
+///     ..BodyDef::dynamic()
+/// })?;
+/// world.step();
+/// world.apply_force(body, vec2(5, 0))?;
+///
+/// let look = world.body(body)?;
+/// assert_eq!((look.position(), look.origin()), (vec2(fx!(0.1), 0), vec2(fx!(-0.9), -1)));
+/// // With what is carried below an ulp: all digits of 0.1 as far as 64 bits of a factor go.
+/// assert!(look.position_exact().x.to_string().starts_with("0.10000000000000000000"));
+/// assert_eq!((look.velocity(), look.velocity_exact().x.to_string()), (vec2(6, 0), "6".into()));
+/// assert_eq!(
+///     (look.angle_exact().to_string(), look.angular_velocity_exact().to_string()),
+///     ("0".into(), "0".into())
+/// );
+///
+/// assert_eq!((look.kind(), look.activity()), (BodyKind::Dynamic, Activity::Awake));
+/// assert_eq!((look.mass(), look.inverse_mass().to_scalar()), (Some(fx!(4)), Some(fx!(0.25))));
+/// assert_eq!(look.inertia().and_then(|inertia| inertia.to_scalar()), Some(fx!(4)));
+/// assert_eq!(look.inverse_inertia().to_scalar(), Some(fx!(0.25)));
+/// assert!(look.shape().is_some());
+/// assert_eq!((look.gravity_scale(), look.linear_damping(), look.angular_damping()), (fx!(1), None, None));
+/// assert_eq!(look.applied_force().map(|force| force.x.to_string()), Some("5".into()));
+/// assert_eq!(look.applied_torque().map(|torque| torque.to_string()), Some("0".into()));
+/// assert_eq!((world.body_count(), world.moving_count()), (1, 1));
+/// # Ok::<(), umbra_physics::Error>(())
+/// ```
 #[derive(Clone, Copy)]
 pub struct BodyRef<'a, S: Scalar = Fx> {
     world: &'a World<S>,

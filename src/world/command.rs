@@ -153,6 +153,19 @@ impl<S: Scalar> World<S> {
     ///
     /// # Errors
     /// Those of the method it stands for.
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, BodyId, Command, Error, World, WorldDef, vec2};
+    ///
+    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let body = BodyId::from_parts(0, 0);
+    /// let push = Command::SetVelocity { body, velocity: vec2(1, 0) };
+    /// assert_eq!(world.check(&push), Err(Error::NoSuchBody { body }));
+    /// world.execute(&Command::AddBody(BodyDef::dynamic()))?;
+    /// assert_eq!(world.check(&push), Ok(()));
+    /// assert!(push.to_bytes().len() <= Command::BYTES);
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
     pub fn check(&self, command: &Command<S>) -> Result<(), Error> {
         match *command {
             Command::AddBody(ref def) => self.check_new_body(def).map(drop),

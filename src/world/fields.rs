@@ -13,6 +13,20 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::NoSuchBody`], [`Error::NotDynamic`] or [`Error::SameBody`] for what it is attached to;
     /// [`Error::ForceLaw`] for a law that is not registered; [`Error::OutOfRange`] naming the quantity; [`Error::Full`].
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, End, FxFactor, Law, World, WorldDef, fx, scalar::Factor as _, vec2};
+    ///
+    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let star =
+    ///     Law::Attractor { centre: End::World(vec2(0, 0)), mu: FxFactor::from_ratio(100, 1), softening: fx!(1) };
+    /// let star = world.add_field(star)?; // acts on all; a `Field` says on whom
+    /// world.set_field(star, Law::Drag { linear: fx!(1), quadratic: fx!(0), wind: vec2(3, 0) })?;
+    /// assert_eq!(world.fields().map(|(id, _)| id).collect::<Vec<_>>(), [star]);
+    /// world.remove_field(star)?;
+    /// assert!(world.field(star).is_err());
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
     pub fn add_field(&mut self, field: impl Into<Field<S>>) -> Result<FieldId, Error> {
         let field = field.into();
         self.check_new_field(&field)?;

@@ -162,6 +162,25 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::NoSuchBody`]; [`Error::NotDynamic`]; [`Error::Quarantined`]; [`Error::OutOfRange`] naming the quantity,
     /// also when a velocity would leave the envelope.
+    ///
+    /// ```
+    /// use umbra_physics::{Action, BodyDef, Frame, Fx, Manner, Shape, World, WorldDef, fx, vec2};
+    ///
+    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let shape = Some(Shape::rectangle(fx!(2), fx!(1))?);
+    /// let ship = world.add_body(BodyDef { shape, angle: Fx::FRAC_PI_2, ..BodyDef::dynamic() })?;
+    /// // Ahead, whichever way it points; if it sleeps, it sleeps on.
+    /// let ahead = Action::Impulse { impulse: vec2(3, 0), point: None };
+    /// world.apply(ship, ahead, Manner { frame: Frame::Body, wake: false })?;
+    /// assert_eq!(format!("{:.6}", world.body(ship)?.velocity()), "(0.000000, 3.000000)");
+    ///
+    /// world.apply_angular_impulse(ship, fx!(1))?; // acts at once
+    /// world.apply_force_at_point(ship, vec2(0, 5), vec2(1, 0))?; // acts over the next step: 5 N, and 5 N·m
+    /// assert_eq!(world.body(ship)?.applied_torque().map(|torque| torque.to_string()), Some("5".into()));
+    /// world.clear_forces(); // or not
+    /// assert_eq!(world.body(ship)?.applied_torque().map(|torque| torque.to_string()), Some("0".into()));
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
     pub fn apply(&mut self, body: BodyId, action: Action<S>, manner: Manner) -> Result<(), Error> {
         let (dense, effect) = self.effect(body, action, manner.frame)?;
         let asleep = self.bodies.activity(dense) == Activity::Asleep;

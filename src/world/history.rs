@@ -42,6 +42,31 @@ use crate::scalar::{Scalar, fx::Fx};
 /// assert_eq!(history.correct(&mut world, 3, 1, [], |_| ())?, 0);
 /// # Ok::<(), umbra_physics::Error>(())
 /// ```
+///
+/// ```
+/// use umbra_physics::{BodyDef, Command, Error, History, Inputs, TickReport, World, WorldDef, vec2};
+///
+/// let mut world: World = World::new(WorldDef::default())?;
+/// let body = world.add_body(BodyDef::dynamic())?;
+/// let mut history = History::new(4);
+/// for tick in 0..6 {
+///     let TickReport { step, .. } = history.advance(&mut world, &Inputs::new());
+///     assert_eq!(step.tick, tick + 1);
+/// }
+/// assert_eq!(history.oldest(), Some(2)); // 0 and 1 are forgotten
+/// assert_eq!(history.inputs(1).err(), Some(Error::TickForgotten { tick: 1, oldest: 2 }));
+///
+/// // Several corrections, and one way back for all of them.
+/// history.inputs_mut(4)?.replace(0, [Command::SetVelocity { body, velocity: vec2(3, 0) }]);
+/// history.replace(3, 1, [Command::SetUserData { body, user_data: 7 }])?;
+/// assert_eq!(history.redo(&mut world, |_| ()), 3);
+///
+/// // Back, to make the ticks in some other way; and another match.
+/// history.rollback_to(&mut world, 3)?;
+/// assert_eq!((world.tick(), world.body(body)?.user_data()), (3, 0));
+/// history.clear();
+/// # Ok::<(), umbra_physics::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct History<S: Scalar = Fx> {
     /// The ticks that are kept, each the next one's predecessor, and after them memory for others.

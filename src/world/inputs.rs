@@ -57,6 +57,18 @@ impl<S: Scalar> Input<S> {
 /// }
 /// # Ok::<(), umbra_physics::Error>(())
 /// ```
+///
+/// ```
+/// use umbra_physics::{Command, Inputs, Random};
+///
+/// let mut inputs: Inputs = Inputs::new();
+/// for player in [2, 0, 1] {
+///     assert!(inputs.replace(player, [Command::SetRandom(Random::seeded(player.into()))]));
+/// }
+/// assert_eq!(inputs.iter().map(|input| input.player).collect::<Vec<_>>(), [0, 1, 2]);
+/// inputs.clear(); // for those of another tick, in the same memory
+/// assert_eq!((inputs.is_empty(), inputs.len()), (true, 0));
+/// ```
 #[derive(Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",

@@ -79,6 +79,15 @@ impl<S: Scalar> WorldDef<S> {
     ///
     /// # Errors
     /// [`Error::TimeStep`]; [`Error::OutOfRange`] naming the quantity; [`Error::DampingHasNoInverse`].
+    ///
+    /// ```
+    /// use umbra_physics::{Error, Quantity, TimeStep, WorldDef, vec2};
+    ///
+    /// let def: WorldDef = WorldDef { gravity: vec2(0, 100_000), ..WorldDef::default() };
+    /// assert_eq!(def.check(), Err(Error::OutOfRange { quantity: Quantity::Gravity }));
+    /// let def: WorldDef = WorldDef { time_step: TimeStep::hz(20_000), ..WorldDef::default() };
+    /// assert_eq!(def.check(), Err(Error::TimeStep));
+    /// ```
     pub fn check(&self) -> Result<(), Error> {
         self.time_step.checked()?;
         check_gravity(self.gravity)?;
@@ -151,6 +160,24 @@ clone_by_field!(World {
 });
 
 /// What a step did. It borrows from the world: take out what is to be kept.
+///
+/// ```
+/// use umbra_physics::{BodyDef, StepReport, World, WorldDef, vec2};
+///
+/// let mut world: World = World::new(WorldDef::default())?;
+/// let brick = world.add_body(BodyDef::dynamic())?;
+/// let mut slept = Vec::new();
+/// for _ in 0..31 {
+///     let StepReport { tick, faults, fell_asleep, .. } = world.step();
+///     assert!(faults.is_empty());
+///     slept.extend(fell_asleep.iter().map(|&body| (tick, body)));
+/// }
+/// assert_eq!(slept, [(30, brick)]); // half a second at rest
+/// world.set_velocity(brick, vec2(1, 0))?;
+/// world.step();
+/// assert_eq!(world.last_report().woke, [brick]);
+/// # Ok::<(), umbra_physics::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound(serialize = "S::Sum: serde::Serialize")))]
 pub struct StepReport<'a, S: Scalar = Fx> {
@@ -274,6 +301,20 @@ impl<S: Scalar> World<S> {
 
 /// Moves each of these worlds on by a tick, with the feature `parallel` side by side; [`World::last_report`] says what each
 /// step did.
+///
+/// ```
+/// use umbra_physics::{BodyDef, World, WorldDef, step_all, vec2};
+///
+/// let mut worlds: Vec<World> = Vec::new();
+/// for gravity in [-10, -2] {
+///     let mut world = World::new(WorldDef { gravity: vec2(0, gravity), ..WorldDef::default() })?;
+///     world.add_body(BodyDef::dynamic())?;
+///     worlds.push(world);
+/// }
+/// (0..60).for_each(|_| step_all(&mut worlds));
+/// assert!(worlds.iter().all(|world| world.tick() == 60 && world.last_report().faults.is_empty()));
+/// # Ok::<(), umbra_physics::Error>(())
+/// ```
 pub fn step_all<S: Scalar>(worlds: &mut [World<S>]) {
     #[cfg(feature = "parallel")]
     {

@@ -14,6 +14,20 @@ impl<S: Scalar> World<S> {
     ///
     /// # Errors
     /// [`Error::TimeStep`]; [`Error::ElapsedTime`] if the elapsed time could not stay exact.
+    ///
+    /// ```
+    /// use umbra_physics::{Elapsed, Integrator, TimeStep, World, WorldDef, fx};
+    ///
+    /// let mut world: World = World::new(WorldDef::default())?;
+    /// (0..60).for_each(|_| _ = world.step());
+    /// world.set_time_step(TimeStep::hz(240))?; // a stiff spring is about to come
+    /// world.set_integrator(Integrator::Yoshida4)?;
+    /// world.set_damping(fx!(0.5), fx!(0.9))?;
+    /// world.set_sleep_after(Some(120))?; // ticks: as long as before
+    /// (0..60).for_each(|_| _ = world.step());
+    /// assert_eq!(world.elapsed(), Elapsed { num: 5, den: 4 });
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
     pub fn set_time_step(&mut self, time_step: TimeStep) -> Result<(), Error> {
         let (def, now) = self.check_time_step(time_step)?;
         (self.def, self.counted) = (def, (now, self.tick));

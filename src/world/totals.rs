@@ -37,6 +37,27 @@ impl<S: Scalar> World<S> {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] with [`Quantity::Total`] beyond 2^63 J.
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, Mass, World, WorldDef, fx, vec2};
+    ///
+    /// let mut world: World =
+    ///     World::new(WorldDef { gravity: vec2(0, -10), sleep_after: None, ..WorldDef::default() })?;
+    /// let ball =
+    ///     BodyDef { mass: Mass::Of(fx!(2)), position: vec2(1, 20), velocity: vec2(3, 0), ..BodyDef::dynamic() };
+    /// world.add_body(ball)?;
+    /// assert_eq!(
+    ///     (world.kinetic_energy()?.to_string(), world.potential_energy()?.to_string()),
+    ///     ("9".into(), "400".into())
+    /// );
+    /// assert_eq!(
+    ///     (world.momentum()?.to_string(), world.angular_momentum()?.to_string()),
+    ///     ("(6, 0)".into(), "-120".into())
+    /// );
+    /// (0..60).for_each(|_| _ = world.step());
+    /// assert_eq!(world.energy()?.to_string(), "409"); // it fell 5 m: 309 and 100 J
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
     pub fn energy(&self) -> Result<S::Wide, Error> {
         let mut sum = S::Sum::default();
         total::<S>(self.add_kinetic(&mut sum).and_then(|()| self.add_potential(&mut sum)).map(|()| sum))

@@ -13,6 +13,18 @@ use crate::step::find_strays;
 ///
 /// All are at the tick before the step; what was applied over it is forgotten after the last of them, clear. What follows
 /// the stages, quarantine and sleep, shows in the world that was traced.
+///
+/// ```
+/// use umbra_physics::{BodyDef, Trace, World, WorldDef, vec2};
+///
+/// let mut world: World = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() })?;
+/// world.add_body(BodyDef::dynamic())?;
+/// let trace: Trace = world.step_traced();
+/// for (stage, after) in trace.stages() {
+///     println!("{:>6}: state hash {:016x}", stage.verb.name(), after.state_hash());
+/// }
+/// # Ok::<(), umbra_physics::Error>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Trace<S: Scalar = Fx> {
     stages: Vec<(Stage, World<S>)>,

@@ -15,6 +15,18 @@ impl<S: Scalar> World<S> {
     ///
     /// # Errors
     /// [`Error::NoSuchBody`]; [`Error::Quarantined`].
+    ///
+    /// ```
+    /// use umbra_physics::{Activity, BodyDef, World, WorldDef};
+    ///
+    /// let mut world: World = World::new(WorldDef { sleep_after: Some(1), ..WorldDef::default() })?;
+    /// let body = world.add_body(BodyDef::dynamic())?;
+    /// world.step();
+    /// assert_eq!(world.body(body)?.activity(), Activity::Asleep);
+    /// world.wake(body)?;
+    /// assert_eq!(world.body(body)?.activity(), Activity::Awake);
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
     pub fn wake(&mut self, body: BodyId) -> Result<(), Error> {
         self.check_taking_part(body)?;
         self.touch(body).map(drop)

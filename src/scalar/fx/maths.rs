@@ -66,6 +66,11 @@ impl Fx {
     }
 
     /// The cosine. *Units* radians. *Domain* all. *Error* 0.5001 ulp. See [`Fx::sin_cos`].
+    ///
+    /// ```
+    /// # use umbra_physics::{Fx, fx};
+    /// assert_eq!((Fx::FRAC_PI_2.sin(), fx!(0).cos()), (fx!(1), fx!(1)));
+    /// ```
     #[must_use]
     #[inline]
     pub fn cos(self) -> Self {

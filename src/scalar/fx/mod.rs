@@ -103,6 +103,14 @@ impl Fx {
     }
 
     /// `num / den`, rounded to nearest, ties to even; `None` if `den` is zero or the ratio does not fit.
+    ///
+    /// ```
+    /// # use umbra_physics::{Fx, fx};
+    /// assert_eq!(Fx::checked_from_ratio(-3, 4), Some(fx!(-0.75)));
+    /// assert_eq!(Fx::checked_from_ratio(1, 0), None);
+    /// assert_eq!(Fx::checked_from_ratio(Fx::MIN.to_bits(), 1), None);
+    /// assert_eq!(Fx::checked_from_ratio(-7, 7), Some(Fx::NEG_ONE));
+    /// ```
     #[must_use]
     #[inline]
     pub const fn checked_from_ratio(num: i64, den: i64) -> Option<Self> {

@@ -52,6 +52,14 @@ impl Fx {
     }
 
     /// The product, rounded to nearest, ties to even; `None` if it does not fit.
+    ///
+    /// ```
+    /// # use umbra_physics::{Fx, fx};
+    /// let (a, b) = (fx!(100_000), fx!(-3));
+    /// assert_eq!((a.checked_mul(b), a.checked_mul(a)), (Some(fx!(-300_000)), None));
+    /// assert_eq!((a.checked_div(b).map(Fx::round), a.checked_div(fx!(0))), (Some(fx!(-33_333)), None));
+    /// assert_eq!((Fx::MIN.checked_neg(), Fx::MIN.checked_abs(), b.checked_abs()), (None, None, Some(fx!(3))));
+    /// ```
     #[must_use]
     #[inline]
     pub const fn checked_mul(self, other: Self) -> Option<Self> {
@@ -100,6 +108,14 @@ impl Fx {
     }
 
     /// The product, rounded to nearest, ties to even, or the end of the range it lies beyond.
+    ///
+    /// ```
+    /// # use umbra_physics::{Fx, fx};
+    /// let a = fx!(-100_000);
+    /// assert_eq!((a.saturating_mul(a), a.saturating_mul(-a)), (Fx::MAX, Fx::MIN));
+    /// assert_eq!(a.saturating_div(Fx::DELTA), Fx::MIN);
+    /// assert_eq!((Fx::MIN.saturating_neg(), Fx::MIN.saturating_abs()), (Fx::MAX, Fx::MAX));
+    /// ```
     #[must_use]
     #[inline]
     pub const fn saturating_mul(self, other: Self) -> Self {
@@ -152,6 +168,14 @@ impl Fx {
     }
 
     /// The product, rounded to nearest, ties to even, modulo 2^32.
+    ///
+    /// ```
+    /// # use umbra_physics::{Fx, fx};
+    /// assert_eq!(Fx::MAX.wrapping_mul(fx!(2)), fx!(-0.0000000004656612873077392578125));
+    /// assert_eq!(Fx::MIN.wrapping_sub(Fx::DELTA), Fx::MAX);
+    /// assert_eq!(Fx::MAX.wrapping_div(Fx::HALF), Fx::MAX.wrapping_mul(fx!(2)));
+    /// assert_eq!((Fx::MIN.wrapping_neg(), Fx::MIN.wrapping_abs()), (Fx::MIN, Fx::MIN));
+    /// ```
     #[must_use]
     #[inline]
     pub const fn wrapping_mul(self, other: Self) -> Self {
@@ -202,6 +226,13 @@ impl Fx {
     }
 
     /// The greatest integer that is not above.
+    ///
+    /// ```
+    /// # use umbra_physics::fx;
+    /// let x = fx!(-2.5);
+    /// assert_eq!((x.floor(), x.ceil(), x.round()), (fx!(-3), fx!(-2), fx!(-2))); // ties to even
+    /// assert_eq!((x.abs(), x.signum()), (fx!(2.5), fx!(-1)));
+    /// ```
     #[must_use]
     #[inline]
     pub const fn floor(self) -> Self {

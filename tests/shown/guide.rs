@@ -1,4 +1,4 @@
-//! What the guide shows beside examples that run as tests: figures of the report, and excerpts of a program.
+//! What the guide and the README have beside examples that run as tests: figures of the report, excerpts of a program, links.
 
 use serde_json::Value;
 
@@ -10,13 +10,13 @@ fn rows(chapter: &str) -> impl Iterator<Item = Vec<&str>> {
 
 #[test]
 fn the_errors_in_the_guide_are_those_of_the_report() {
-    let report = include_str!("../docs/report/report.json");
+    let report = include_str!("../../docs/report/report.json");
     let report: Value = serde_json::from_str(report).expect("the report");
     let among = |list: &Value, key: &str, is: &Value| {
         let found = list.as_array().expect("a list").iter().find(|entry| entry[key] == *is).cloned();
         found.unwrap_or_else(|| panic!("the report has no {key} {is}"))
     };
-    let mut rows = rows(include_str!("../src/guide/accuracy.md")).skip_while(|row| row[0] != "integrator");
+    let mut rows = rows(include_str!("../../src/guide/accuracy.md")).skip_while(|row| row[0] != "integrator");
     let head = rows.next().expect("a table");
     let mut compared = 0;
     for row in rows.skip(1).take_while(|row| row.len() == head.len()) {
@@ -36,8 +36,8 @@ fn the_errors_in_the_guide_are_those_of_the_report() {
 
 #[test]
 fn the_excerpts_in_the_guide_stand_in_the_example() {
-    let example = include_str!("../examples/bevy/src/main.rs");
-    let chapter = include_str!("../src/guide/engines.md");
+    let example = include_str!("../../examples/bevy/src/main.rs");
+    let chapter = include_str!("../../src/guide/engines.md");
     let excerpts: Vec<_> = chapter.split("```rust,ignore\n").skip(1).map(|rest| rest.split("```").next()).collect();
     assert!(excerpts.len() >= 6, "{excerpts:?}");
     for excerpt in excerpts.into_iter().flatten() {
@@ -53,7 +53,7 @@ fn links(text: &str) -> impl Iterator<Item = &str> {
 
 #[test]
 fn the_links_of_the_readme_lead_somewhere() {
-    let readme = include_str!("../README.md");
+    let readme = include_str!("../../README.md");
     // A heading by its anchor: lower case, hyphens for spaces.
     let headings = readme.lines().filter_map(|line| line.strip_prefix("## "));
     let anchors: Vec<_> = headings.map(|heading| format!("#{}", heading.to_lowercase().replace(' ', "-"))).collect();
@@ -69,7 +69,7 @@ fn the_links_of_the_readme_lead_somewhere() {
 #[test]
 fn the_guide_has_its_chapters_and_says_so() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src/guide");
-    let module = include_str!("../src/guide/mod.rs");
+    let module = include_str!("../../src/guide/mod.rs");
     let mut chapters = 0;
     for entry in std::fs::read_dir(folder).expect("the guide") {
         let path = entry.expect("an entry").path();

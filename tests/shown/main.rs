@@ -1,0 +1,4 @@
+//! What the documentation shows, and that it is so.
+
+mod guide;
+mod items;
