@@ -53,6 +53,7 @@ macro_rules! clone_by_field {
 }
 
 mod body;
+mod display;
 mod error;
 mod force;
 // Documentation alone: there is no such module in what is built.
@@ -77,6 +78,7 @@ mod wire;
 mod world;
 
 pub use body::{Activity, BodyDef, BodyKind, Mass};
+pub use display::{Due, Pacer, TickFraction};
 pub use error::{Cause, Error, Fault, Irreversible, Quantity};
 pub use force::{AppliedForce, Attachment, BodyState, Dependence, End, Field, ForceLaw, Law, LawFault, Push, Region};
 pub use handle::{BodyId, FieldId};

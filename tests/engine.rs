@@ -18,6 +18,7 @@ mod fx;
 mod fx_serde;
 mod mass;
 mod order;
+mod pacing;
 mod paths;
 mod random;
 mod reverse;

@@ -19,7 +19,7 @@ const LEVELS: [&[&str]; 14] = [
     &["force", "integrate"],
     &["step"],
     &["world"],
-    &["replay", "scene"],
+    &["display", "replay", "scene"],
     &["selftest", "oracle"],
     &["bin", "guide"],
 ];

@@ -9,5 +9,6 @@ mod vec2;
 
 pub use random::Random;
 pub use rot::Rot;
+pub(crate) use time::gcd;
 pub use time::{Elapsed, TimeStep};
 pub use vec2::{Vec2, vec2};

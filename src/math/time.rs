@@ -106,7 +106,7 @@ impl Elapsed {
     }
 }
 
-pub(super) const fn gcd(mut a: u128, mut b: u128) -> u128 {
+pub(crate) const fn gcd(mut a: u128, mut b: u128) -> u128 {
     while b != 0 {
         (a, b) = (b, a % b);
     }

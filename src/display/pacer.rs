@@ -1,0 +1,204 @@
+//! From frames of real time, each as long as it is, to ticks.
+
+use crate::error::Error;
+use crate::math::{TimeStep, gcd};
+
+/// A part of a tick as an exact ratio in lowest terms.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct TickFraction {
+    /// Numerator.
+    pub num: u128,
+    /// Denominator, not zero.
+    pub den: u128,
+}
+
+impl TickFraction {
+    /// The tick itself.
+    pub const ZERO: Self = Self { num: 0, den: 1 };
+    /// The tick after it.
+    pub const ONE: Self = Self { num: 1, den: 1 };
+
+    /// *Domain* `den` is not zero.
+    const fn reduced(num: u128, den: u128) -> Self {
+        let divisor = gcd(num, den);
+        Self { num: num / divisor, den: den / divisor }
+    }
+}
+
+/// What a frame asks for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Due {
+    /// The number of ticks to step.
+    pub ticks: u32,
+    /// How many more there would have been: the limit dropped them, and the game is behind by so many for good.
+    pub dropped: u128,
+}
+
+/// Says how many ticks to step in each frame: a fixed time step under frames of any length, with an accumulator of what is
+/// left over.
+///
+/// It is the caller's, beside the world: no state, in no hash, and what it says may differ from peer to peer. Time goes in as
+/// whole nanoseconds and comes out as whole ticks and an exact [remainder](Self::remainder). Nothing is rounded and nothing
+/// drifts: after any frames, the ticks, dropped ones included, are ⌊total time · speed / time step⌋.
+///
+/// A game that takes longer for a tick than a tick takes would ask for more of them in each frame than in the one before. The
+/// [limit](Self::set_limit) ends that spiral: it drops ticks, not parts of them, so that the remainder goes on evenly.
+///
+/// ```
+/// use umbra_physics::{Pacer, TickFraction, TimeStep};
+///
+/// let mut pacer = Pacer::new(TimeStep::hz(60))?;
+/// // A display of 144 Hz, as its clock has it.
+/// let ticks: Vec<u32> = [6_944_444; 6].map(|nanoseconds| pacer.frame(nanoseconds).ticks).to_vec();
+/// assert_eq!(ticks, [0, 0, 1, 0, 1, 0]);
+/// // 6 · 6,944,444 ns · 60 Hz = 2.49999984 ticks.
+/// assert_eq!(pacer.remainder(), TickFraction { num: 3_124_999, den: 6_250_000 });
+///
+/// pacer.set_speed(1, 4)?; // slow motion
+/// assert_eq!(pacer.frame(1_000_000_000).ticks, 8); // 15 ticks and a half, but the limit is eight
+/// # Ok::<(), umbra_physics::Error>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Pacer {
+    time_step: TimeStep,
+    /// Num / den, as it was given.
+    speed: (u32, u32),
+    is_paused: bool,
+    limit: u32,
+    /// What is not stepped yet, and what a nanosecond adds to it, both in parts of a tick, `den` of which make one.
+    ///
+    /// u64::MAX nanoseconds on top of the rest, or of a whole tick, fit: see [`paced`].
+    rest: u128,
+    gain: u128,
+    den: u128,
+}
+
+const NANOSECONDS: u128 = 1_000_000_000;
+
+/// (rest, gain, den) of a pacer at this speed in which `rest` ticks are not stepped; `None` if they do not fit.
+///
+/// They always do without a rest: with steps of n/d s at a speed of p/q a nanosecond is p·d / (10⁹·q·n) ticks, in which
+/// p·d <= (2^32 − 1)² and 10⁹·q·n < 2^94, and (2^64 − 1)·(2^32 − 1)² + 2^94 < 2^128.
+fn paced(rest: TickFraction, time_step: TimeStep, (num, den): (u32, u32)) -> Option<(u128, u128, u128)> {
+    let (n, d) = time_step.seconds();
+    let per_nanosecond =
+        TickFraction::reduced(u128::from(num) * u128::from(d), NANOSECONDS * u128::from(den) * u128::from(n));
+    let finer = per_nanosecond.den / gcd(rest.den, per_nanosecond.den);
+    let den = rest.den.checked_mul(finer)?;
+    let rest = rest.num.checked_mul(finer)?;
+    let gain = per_nanosecond.num.checked_mul(den / per_nanosecond.den)?;
+    u128::from(u64::MAX).checked_mul(gain)?.checked_add(rest.max(den))?;
+    Some((rest, gain, den))
+}
+
+impl Pacer {
+    /// The [limit](Self::set_limit) of a new one: a display of 30 Hz at four times the speed of a world of 60 Hz.
+    pub const LIMIT: u32 = 8;
+
+    /// A pacer for a world with this time step, at normal speed, with nothing left over.
+    ///
+    /// # Errors
+    /// [`Error::TimeStep`], as for a world.
+    pub fn new(time_step: TimeStep) -> Result<Self, Error> {
+        let time_step = time_step.checked()?;
+        let speed = (1, 1);
+        let (rest, gain, den) = paced(TickFraction::ZERO, time_step, speed).ok_or(Error::ElapsedTime)?;
+        Ok(Self { time_step, speed, is_paused: false, limit: Self::LIMIT, rest, gain, den })
+    }
+
+    /// Takes in so many nanoseconds of real time, those since the frame before, and says how many ticks to step now.
+    pub const fn frame(&mut self, nanoseconds: u64) -> Due {
+        if self.is_paused {
+            return Due { ticks: 0, dropped: 0 };
+        }
+        self.rest += nanoseconds as u128 * self.gain;
+        let ticks = self.rest / self.den;
+        self.rest %= self.den;
+        // At most the limit, 32 bits.
+        let due = if ticks < self.limit as u128 { ticks as u32 } else { self.limit };
+        Due { ticks: due, dropped: ticks - due as u128 }
+    }
+
+    /// How far after the last tick stepped the present is, in ticks: below 1 after each [`frame`](Self::frame).
+    #[must_use]
+    pub const fn remainder(&self) -> TickFraction {
+        TickFraction::reduced(self.rest, self.den)
+    }
+
+    /// Goes on with another time step, that of the world from this tick on. The time that is left over is the same: it may be
+    /// more than one of the new ticks, which the next frame asks for then.
+    ///
+    /// # Errors
+    /// [`Error::TimeStep`]; [`Error::ElapsedTime`] if what is left over could not stay exact. Nothing is changed.
+    pub fn set_time_step(&mut self, time_step: TimeStep) -> Result<(), Error> {
+        let time_step = time_step.checked()?;
+        let ((n, d), (new_n, new_d)) = (self.time_step.seconds(), time_step.seconds());
+        // So many new ticks is an old one. Both products fit in 64 bits.
+        let ratio = TickFraction::reduced(u128::from(n) * u128::from(new_d), u128::from(d) * u128::from(new_n));
+        let TickFraction { num, den } = self.remainder();
+        let (a, b) = (gcd(num, ratio.den), gcd(ratio.num, den));
+        let times = |x: u128, y: u128| x.checked_mul(y).ok_or(Error::ElapsedTime);
+        let rest = TickFraction { num: times(num / a, ratio.num / b)?, den: times(den / b, ratio.den / a)? };
+        (self.rest, self.gain, self.den) = paced(rest, time_step, self.speed).ok_or(Error::ElapsedTime)?;
+        self.time_step = time_step;
+        Ok(())
+    }
+
+    /// Lets time pass at num/den of its speed from now on: 1/2 is slow motion, 2/1 fast motion, 0/1 none at all.
+    ///
+    /// # Errors
+    /// [`Error::ElapsedTime`] for a denominator of zero, or if what is left over could not stay exact: after a few speeds that
+    /// have nothing in common. Speeds over one denominator never come to that. Nothing is changed;
+    /// [`settle`](Self::settle) makes room.
+    pub fn set_speed(&mut self, num: u32, den: u32) -> Result<(), Error> {
+        if den == 0 {
+            return Err(Error::ElapsedTime);
+        }
+        let paced = paced(self.remainder(), self.time_step, (num, den)).ok_or(Error::ElapsedTime)?;
+        ((self.rest, self.gain, self.den), self.speed) = (paced, (num, den));
+        Ok(())
+    }
+
+    /// Lets no time pass, so that frames ask for no tick, until it is called with `false`; what is left over stays.
+    pub const fn set_paused(&mut self, is_paused: bool) {
+        self.is_paused = is_paused;
+    }
+
+    /// Changes how many ticks a frame may ask for, at least one. The limit should hold what the longest frame that is normal
+    /// asks for at the highest speed.
+    pub const fn set_limit(&mut self, ticks: u32) {
+        self.limit = if ticks == 0 { 1 } else { ticks };
+    }
+
+    /// Drops what is left over: the present is the last tick.
+    pub fn settle(&mut self) {
+        // Always, as nothing is left: no more than when it was made.
+        if let Some(paced) = paced(TickFraction::ZERO, self.time_step, self.speed) {
+            (self.rest, self.gain, self.den) = paced;
+        }
+    }
+
+    /// The time step it counts in.
+    #[must_use]
+    pub const fn time_step(&self) -> TimeStep {
+        self.time_step
+    }
+
+    /// (num, den) of the speed at which time passes, as it was given.
+    #[must_use]
+    pub const fn speed(&self) -> (u32, u32) {
+        self.speed
+    }
+
+    /// Whether no time passes.
+    #[must_use]
+    pub const fn is_paused(&self) -> bool {
+        self.is_paused
+    }
+
+    /// How many ticks a frame may ask for.
+    #[must_use]
+    pub const fn limit(&self) -> u32 {
+        self.limit
+    }
+}

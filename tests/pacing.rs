@@ -1,0 +1,279 @@
+//! The pacer gives real time out in ticks to the last nanosecond, whatever the frames are.
+
+use dashu_int::UBig;
+use proptest::prelude::*;
+use umbra_physics::{Due, Error, Pacer, TickFraction, TimeStep, World, WorldDef};
+
+/// Ratios of integers of any size, never reduced.
+#[derive(Clone, Debug)]
+struct Exact(UBig, UBig);
+
+impl Exact {
+    fn new(num: impl Into<UBig>, den: impl Into<UBig>) -> Self {
+        Self(num.into(), den.into())
+    }
+
+    fn plus(&self, other: &Self) -> Self {
+        Self(&self.0 * &other.1 + &other.0 * &self.1, &self.1 * &other.1)
+    }
+
+    fn times(&self, other: &Self) -> Self {
+        Self(&self.0 * &other.0, &self.1 * &other.1)
+    }
+
+    fn over(&self, other: &Self) -> Self {
+        Self(&self.0 * &other.1, &self.1 * &other.0)
+    }
+
+    fn floor(&self) -> UBig {
+        &self.0 / &self.1
+    }
+
+    fn minus_whole(&self, whole: &UBig) -> Self {
+        Self(&self.0 - whole * &self.1, self.1.clone())
+    }
+}
+
+impl PartialEq for Exact {
+    fn eq(&self, other: &Self) -> bool {
+        &self.0 * &other.1 == &other.0 * &self.1
+    }
+}
+
+fn seconds(step: TimeStep) -> Exact {
+    let (num, den) = step.seconds();
+    Exact::new(num, den)
+}
+
+fn of_ticks(part: TickFraction) -> Exact {
+    Exact::new(part.num, part.den)
+}
+
+/// What a pacer has to say, by arithmetic without bounds: all the time that went in, and what came out.
+struct Model {
+    step: TimeStep,
+    speed: (u32, u32),
+    /// Simulated time, s: all of it, and that of the ticks.
+    total: Exact,
+    given: Exact,
+}
+
+impl Model {
+    fn new(step: TimeStep) -> Self {
+        Self { step, speed: (1, 1), total: Exact::new(0u8, 1u8), given: Exact::new(0u8, 1u8) }
+    }
+
+    fn frame(&mut self, nanoseconds: u64) -> UBig {
+        let passed = Exact::new(UBig::from(nanoseconds) * self.speed.0, UBig::from(1_000_000_000u64) * self.speed.1);
+        self.total = self.total.plus(&passed);
+        let left = Exact(&self.total.0 * &self.given.1 - &self.given.0 * &self.total.1, &self.total.1 * &self.given.1);
+        let ticks = left.over(&seconds(self.step)).floor();
+        self.given = self.given.plus(&Exact::new(ticks.clone(), 1u8).times(&seconds(self.step)));
+        ticks
+    }
+
+    /// Whether the pacer is where this is.
+    fn agrees(&self, pacer: &Pacer) -> bool {
+        self.given.plus(&of_ticks(pacer.remainder()).times(&seconds(self.step))) == self.total
+    }
+}
+
+fn all_of(due: Due) -> UBig {
+    UBig::from(due.ticks) + UBig::from(due.dropped)
+}
+
+/// Steps of 1 to 10,000 a second: usual ones, and any.
+fn time_step() -> impl Strategy<Value = TimeStep> {
+    let any = (1u32..=u32::MAX / 10_000, 1.0f64..10_000.0)
+        .prop_map(|(num, rate)| TimeStep::ratio(num, ((f64::from(num) * rate) as u32).clamp(num, num * 10_000)));
+    prop_oneof![Just(TimeStep::hz(60)), Just(TimeStep::hz(144)), Just(TimeStep::ratio(1001, 60_000)), any]
+}
+
+fn speed() -> impl Strategy<Value = (u32, u32)> {
+    prop_oneof![(0u32..10, 1u32..10), (0u32..=100, Just(100)), (any::<u32>(), 1u32..=u32::MAX)]
+}
+
+fn frame() -> impl Strategy<Value = u64> {
+    prop_oneof![4 => 0u64..40_000_000, 1 => 0u64..10, 1 => any::<u64>(), 1 => Just(16_666_667)]
+}
+
+#[derive(Clone, Debug)]
+enum Act {
+    Frame(u64),
+    Step(TimeStep),
+    Speed(u32, u32),
+}
+
+fn act() -> impl Strategy<Value = Act> {
+    prop_oneof![
+        8 => frame().prop_map(Act::Frame),
+        1 => time_step().prop_map(Act::Step),
+        1 => speed().prop_map(|(num, den)| Act::Speed(num, den)),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(if cfg!(debug_assertions) { 100 } else { 1_000 }))]
+
+    #[test]
+    fn the_ticks_of_any_frames_are_the_floor_of_their_time(
+        step in time_step(),
+        (num, den) in speed(),
+        limit in prop_oneof![Just(u32::MAX), 0u32..20],
+        frames in prop::collection::vec(frame(), 1..60),
+    ) {
+        let mut pacer = Pacer::new(step).expect("a fair step");
+        pacer.set_speed(num, den).expect("a fresh one takes any");
+        pacer.set_limit(limit);
+        let (mut total, mut ticks) = (UBig::ZERO, UBig::ZERO);
+        for nanoseconds in frames {
+            let due = pacer.frame(nanoseconds);
+            total += nanoseconds;
+            ticks += all_of(due);
+            prop_assert!(due.ticks <= limit.max(1) && (due.dropped == 0 || due.ticks == limit.max(1)));
+            let exact = Exact(&total * num, UBig::from(1_000_000_000u64) * den).over(&seconds(step));
+            prop_assert_eq!(&ticks, &exact.floor());
+            prop_assert_eq!(of_ticks(pacer.remainder()), exact.minus_whole(&ticks));
+        }
+    }
+
+    #[test]
+    fn what_is_left_over_stays_exact_when_step_and_speed_change(
+        step in time_step(),
+        acts in prop::collection::vec(act(), 1..80),
+    ) {
+        let (mut pacer, mut model) = (Pacer::new(step).expect("a fair step"), Model::new(step));
+        for act in acts {
+            let before = pacer.clone();
+            match act {
+                Act::Frame(nanoseconds) => {
+                    prop_assert_eq!(all_of(pacer.frame(nanoseconds)), model.frame(nanoseconds));
+                    let TickFraction { num, den } = pacer.remainder();
+                    prop_assert!(num < den);
+                }
+                Act::Step(step) => match pacer.set_time_step(step) {
+                    Ok(()) => model.step = step,
+                    Err(error) => prop_assert_eq!((error, &pacer), (Error::ElapsedTime, &before)),
+                },
+                Act::Speed(num, den) => match pacer.set_speed(num, den) {
+                    Ok(()) => model.speed = (num, den),
+                    Err(error) => prop_assert_eq!((error, &pacer), (Error::ElapsedTime, &before)),
+                },
+            }
+            prop_assert!(model.agrees(&pacer));
+        }
+    }
+}
+
+#[test]
+fn the_ends_of_the_ranges_fit() {
+    // The least and the most that a nanosecond can be, and the longest frame over and over.
+    let steps = [TimeStep::ratio(u32::MAX, u32::MAX - 1), TimeStep::ratio(429_496, u32::MAX), TimeStep::hz(1)];
+    for step in steps.into_iter().filter(|&step| Pacer::new(step).is_ok()) {
+        for speed in [(u32::MAX, u32::MAX - 1), (u32::MAX, 1), (1, u32::MAX), (u32::MAX, u32::MAX - 2)] {
+            let (mut pacer, mut model) = (Pacer::new(step).expect("a fair step"), Model::new(step));
+            pacer.set_speed(speed.0, speed.1).expect("a fresh one takes any");
+            model.speed = speed;
+            for nanoseconds in [u64::MAX, u64::MAX, 1, u64::MAX, 0] {
+                assert_eq!(all_of(pacer.frame(nanoseconds)), model.frame(nanoseconds), "{step:?}, {speed:?}");
+                assert!(model.agrees(&pacer), "{step:?}, {speed:?}");
+            }
+        }
+    }
+}
+
+/// The accumulator as it is mostly written: of doubles.
+#[test]
+fn an_accumulator_of_doubles_drifts_where_the_pacer_does_not() {
+    let mut pacer = Pacer::new(TimeStep::hz(60)).expect("a fair step");
+    let (mut ticks, mut naive, mut left) = (0u64, 0u64, 0.0f64);
+    // Whole ticks of 50 ms, 20 a second: an hour.
+    for _ in 0..72_000 {
+        ticks += u64::from(pacer.frame(50_000_000).ticks);
+        left += 0.05;
+        while left >= 1.0 / 60.0 {
+            left -= 1.0 / 60.0;
+            naive += 1;
+        }
+    }
+    assert_eq!((ticks, pacer.remainder()), (216_000, TickFraction::ZERO));
+    assert_ne!((naive, left), (216_000, 0.0));
+}
+
+#[test]
+fn a_frame_beyond_the_limit_drops_ticks_and_no_part_of_one() {
+    let mut pacer = Pacer::new(TimeStep::hz(10)).expect("a fair step");
+    pacer.set_limit(3);
+    assert_eq!(pacer.frame(550_000_000), Due { ticks: 3, dropped: 2 });
+    assert_eq!(pacer.remainder(), TickFraction { num: 1, den: 2 });
+    assert_eq!(pacer.frame(50_000_000), Due { ticks: 1, dropped: 0 });
+    // At least one.
+    pacer.set_limit(0);
+    assert_eq!(pacer.frame(200_000_000), Due { ticks: 1, dropped: 1 });
+    assert_eq!(pacer.limit(), 1);
+}
+
+#[test]
+fn a_pause_takes_in_nothing_and_keeps_what_is_left_over() {
+    let mut pacer = Pacer::new(TimeStep::hz(10)).expect("a fair step");
+    pacer.frame(70_000_000);
+    pacer.set_paused(true);
+    assert_eq!(pacer.frame(u64::MAX), Due::default());
+    // Three new ticks and a half are left over, which no frame asks for in a pause.
+    pacer.set_time_step(TimeStep::hz(50)).expect("a fair step");
+    assert_eq!((pacer.frame(1), pacer.remainder()), (Due::default(), TickFraction { num: 7, den: 2 }));
+    pacer.set_paused(false);
+    assert_eq!((pacer.frame(0).ticks, pacer.remainder()), (3, TickFraction { num: 1, den: 2 }));
+    pacer.settle();
+    assert_eq!((pacer.remainder(), pacer.time_step(), pacer.speed()), (TickFraction::ZERO, TimeStep::hz(50), (1, 1)));
+}
+
+#[test]
+fn what_cannot_be_exact_is_refused_and_settling_makes_room() {
+    assert_eq!(Pacer::new(TimeStep::hz(10_001)), Err(Error::TimeStep));
+    let mut pacer = Pacer::new(TimeStep::hz(60)).expect("a fair step");
+    assert_eq!(pacer.set_time_step(TimeStep::hz(0)), Err(Error::TimeStep));
+    assert_eq!(pacer.set_speed(1, 0), Err(Error::ElapsedTime));
+    // Primes: what is left over has all of them in its denominator.
+    let primes = [4_294_967_291, 4_294_967_279, 4_294_967_231, 4_294_967_197];
+    let refused = primes.into_iter().position(|prime| {
+        let before = pacer.clone();
+        let is_refused = pacer.set_speed(1, prime) == Err(Error::ElapsedTime);
+        assert!(!is_refused || pacer == before);
+        pacer.frame(1);
+        is_refused
+    });
+    assert_eq!(refused, Some(2));
+    pacer.settle();
+    assert_eq!(pacer.set_speed(1, primes[2]), Ok(()));
+    // A ramp over one denominator never comes to that.
+    let mut pacer = Pacer::new(TimeStep::hz(60)).expect("a fair step");
+    for round in 0..10_000u32 {
+        pacer.set_speed(round % 1_000, 1_000).expect("it has that denominator already");
+        pacer.frame(u64::from(round) * 7_919);
+    }
+}
+
+#[test]
+fn the_time_of_a_paced_world_and_what_is_left_over_are_all_the_time_there_was() {
+    let mut world: World = World::new(WorldDef::default()).expect("a fair definition");
+    let mut pacer = Pacer::new(world.def().time_step).expect("that of a world");
+    let steps = [TimeStep::hz(60), TimeStep::ratio(1001, 60_000), TimeStep::hz(50), TimeStep::hz(144)];
+    let mut total = UBig::ZERO;
+    for round in 0..2_000u64 {
+        let nanoseconds = round * round * 97 % 60_000_000;
+        total += nanoseconds;
+        let due = pacer.frame(nanoseconds);
+        assert_eq!(due.dropped, 0);
+        (0..due.ticks).for_each(|_| _ = world.step());
+        let (elapsed, step) = (world.elapsed(), world.def().time_step);
+        let now = Exact::new(elapsed.num, elapsed.den).plus(&of_ticks(pacer.remainder()).times(&seconds(step)));
+        assert!(now == Exact::new(total.clone(), 1_000_000_000u64), "round {round}");
+        if round % 100 == 99 {
+            let step = steps[(round / 100) as usize % steps.len()];
+            world.set_time_step(step).expect("a fair step");
+            pacer.set_time_step(step).expect("a fair step");
+        }
+    }
+    assert!(world.tick() > 3_000);
+}
