@@ -95,7 +95,7 @@ pub use shape::{Geometry, Part, Shape};
 pub use step::Timers;
 pub use wire::Malformed;
 pub use world::{
-    Action, BodyRef, Command, Driver, Frame, History, Input, Inputs, Made, Manner, Outcome, Outlook, StepReport,
+    Action, BodyRef, Command, Driver, Event, Frame, History, Input, Inputs, Made, Manner, Outcome, Outlook, StepReport,
     TickReport, Trace, World, WorldDef, step_all,
 };
 

@@ -16,6 +16,7 @@ mod exact_time;
 mod fx;
 #[cfg(feature = "serde")]
 mod fx_serde;
+mod looking;
 mod mass;
 mod order;
 mod pacing;

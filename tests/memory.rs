@@ -239,6 +239,31 @@ fn falling_asleep_takes_nothing_from_the_heap_a_second_time() {
     assert_eq!(fell_asleep(&mut world), 0);
 }
 
+#[test]
+fn events_take_nothing_from_the_heap_a_second_time() {
+    let mut world = world(Integrator::VelocityVerlet);
+    let ids = discs(&mut world, 200);
+    world.set_sleep_after(None).expect("a fair number");
+    world.add_body(BodyDef::fixed()).expect("a fair body");
+    world.step();
+    let mut told = 0;
+    for round in 0..20 {
+        // Adding and removing bodies takes memory itself: what no step changes is copied for it, if it is shared.
+        let new = world.add_body(BodyDef::dynamic()).expect("a fair body");
+        let taken = measure(|| {
+            for body in &ids[..50] {
+                world.set_position(*body, vec2(round, 1)).expect("it is there");
+                world.set_angle(*body, fx!(1)).expect("it is there");
+            }
+            world.remove_body(new).expect("it is there");
+            told += world.step().events().count();
+            told += world.changed_since(world.tick() - 1).count();
+        });
+        assert!(round < 2 || taken.count_total == 0, "{taken:?}");
+    }
+    assert_eq!(told, 20 * (50 + 200));
+}
+
 /// What players do that adds and removes nothing.
 fn pushes(ids: &[BodyId], tick: u64) -> impl Iterator<Item = Command> {
     let pushed = ids.iter().skip(tick as usize % 7).step_by(7);

@@ -82,7 +82,7 @@ impl Script {
         driver.step(world);
     }
 
-    /// What is to be done at a tick, in order.
+    /// What is to be done at a tick, in the order in which it is done.
     pub fn commands_of(&self, tick: u64) -> impl Iterator<Item = &Command> {
         self.commands.iter().filter(move |(at, _)| *at == tick).map(|(_, command)| command)
     }

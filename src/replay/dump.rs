@@ -123,7 +123,7 @@ impl Dump {
         Self { done: bytes, moments: moments.into_iter().map(|(moment, world)| (moment, Arc::new(world))).collect() }
     }
 
-    /// The world at each moment of the tick.
+    /// The world at each moment of the tick, from its start to its end.
     ///
     /// ```
     /// use umbra_physics::{BodyDef, Dump, Inputs, Moment, World, WorldDef, vec2};

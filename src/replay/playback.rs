@@ -83,7 +83,8 @@ impl<'a> Playback<'a> {
         &self.world
     }
 
-    /// The commands of the tick to come, none at the end: calls outside of inputs first.
+    /// The commands of the tick to come in the order in which they are carried out, none at the end: calls outside of inputs
+    /// first, then inputs by player and sequence.
     pub fn commands(&self) -> impl Iterator<Item = Command> + use<'a> {
         let tick = self.replay.next(&mut self.cursor.clone());
         let calls = tick.into_iter().flat_map(|tick| tick.calls.iter());

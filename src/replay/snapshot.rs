@@ -18,7 +18,7 @@ use crate::math::{Elapsed, Random, Vec2};
 use crate::scalar::{FxSum, Scalar, fx::Fx};
 use crate::shape::Shape;
 use crate::wire::{self, Malformed, Out, Part, Read, Reader, Sink, Write};
-use crate::world::{World, WorldDef};
+use crate::world::{Journal, World, WorldDef};
 
 /// The first bytes of a snapshot.
 const MAGIC: [u8; 8] = *b"UMBRASNP";
@@ -81,7 +81,7 @@ impl<S: Scalar> World<S> {
 
     /// The same in the memory another snapshot has.
     pub fn snapshot_into(&self, snapshot: &mut Snapshot<S>) {
-        snapshot.world.clone_from(self);
+        snapshot.world.keep(self);
     }
 
     /// Goes back to a snapshot, of this world or another.
@@ -313,6 +313,7 @@ fn read_state(reader: &mut Reader<'_>, laws: &[Arc<dyn ForceLaw>]) -> Result<Wor
     let def = WorldDef::read(reader)?;
     let mut world = World::new(def)?;
     world.tick = u64::read(reader)?;
+    world.journal = Journal::starting_at(world.tick);
     world.counted = (Elapsed::read(reader)?, u64::read(reader)?);
     let (elapsed, since) = world.counted;
     // As a change of the time step leaves it: in lowest terms, and with room for all ticks to come.

@@ -62,7 +62,7 @@ impl<'t> Golden<'t> {
         self.outcomes().find(|(name, _)| *name == ALL).map(|(_, outcome)| outcome)
     }
 
-    /// The scenes in the list, in order.
+    /// The scenes, in the order of the list.
     pub fn scenes(&self) -> impl Iterator<Item = (&'t str, Outcome)> {
         self.outcomes().filter(|(name, _)| *name != ALL)
     }

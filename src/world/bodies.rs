@@ -41,6 +41,8 @@ impl<S: Scalar> World<S> {
         let climate = Self::climate(&self.def, &self.plan);
         let body = self.bodies.insert(def, properties, Arc::make_mut(&mut self.tunings), &climate);
         self.scratch.forget();
+        self.journal.added(body, &self.bodies);
+        self.mark_if_still(body);
         Ok(body)
     }
 
@@ -59,6 +61,7 @@ impl<S: Scalar> World<S> {
         let dense = self.bodies.find(body)?;
         self.applied.forget(body);
         Arc::make_mut(&mut self.tunings).release(self.bodies.columns.tuning[dense]);
+        self.journal.removed(body);
         self.bodies.remove(body)
     }
 
@@ -70,6 +73,7 @@ impl<S: Scalar> World<S> {
         self.check_body_position(body, position)?;
         let dense = self.touch(body)?;
         self.bodies.columns.motion.position.set(dense, position.map(Accumulator::from_scalar));
+        self.journal.placed(body);
         Ok(())
     }
 
@@ -81,6 +85,7 @@ impl<S: Scalar> World<S> {
         self.check_body_angle(body, angle)?;
         let dense = self.touch(body)?;
         self.bodies.columns.motion.angle[dense] = S::Angle::from_radians(angle);
+        self.journal.placed(body);
         Ok(())
     }
 
@@ -151,6 +156,8 @@ impl<S: Scalar> World<S> {
             *last = Default::default();
         }
         self.retune(dense, |key| key.dynamic = kind == BodyKind::Dynamic);
+        self.journal.placed(body);
+        self.mark_if_still(body);
         Ok(())
     }
 

@@ -49,7 +49,7 @@ use crate::shape::Shape;
 #[derive(Clone, Copy)]
 pub struct BodyRef<'a, S: Scalar = Fx> {
     world: &'a World<S>,
-    dense: usize,
+    pub(super) dense: usize,
 }
 
 impl<'a, S: Scalar> BodyRef<'a, S> {
@@ -235,6 +235,30 @@ impl<S: Scalar> World<S> {
     /// All bodies, in the order of their slots.
     pub fn bodies(&self) -> impl Iterator<Item = BodyRef<'_, S>> {
         self.bodies.in_order().map(|dense| BodyRef { world: self, dense })
+    }
+
+    /// The first body by slot that has this [key](BodyRef::key). It looks through all of them: whoever asks often keeps the
+    /// handle.
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, World, WorldDef};
+    ///
+    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let [red, _, green] = [1, 2, 1].map(|key| world.add_body(BodyDef { key, ..BodyDef::dynamic() }));
+    /// let [red, green] = [red?, green?];
+    /// assert_eq!(world.body_with_key(1).map(|body| body.id()), Some(red));
+    /// assert!(world.bodies_with_key(1).map(|body| body.id()).eq([red, green]));
+    /// assert!(world.body_with_key(3).is_none());
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    #[must_use]
+    pub fn body_with_key(&self, key: u64) -> Option<BodyRef<'_, S>> {
+        self.bodies_with_key(key).next()
+    }
+
+    /// All bodies that have this [key](BodyRef::key), in the order of their slots. It looks through all bodies.
+    pub fn bodies_with_key(&self, key: u64) -> impl Iterator<Item = BodyRef<'_, S>> {
+        self.bodies().filter(move |body| body.key() == key)
     }
 
     /// The number of bodies.

@@ -91,16 +91,12 @@ struct Row<S: Scalar> {
 }
 
 impl<S: Scalar> Row<S> {
+    /// With what is cached: otherwise a world that was put back would evaluate all its fields once more.
     fn keep(&mut self, world: &World<S>) {
-        copy(&mut self.before, world);
+        self.before.keep(world);
+        self.before.scratch.clone_cached_from(&world.scratch);
         self.is_known = true;
     }
-}
-
-/// With what is cached: otherwise a world that was put back would evaluate all its fields once more.
-fn copy<S: Scalar>(to: &mut World<S>, from: &World<S>) {
-    to.clone_from(from);
-    to.scratch.clone_cached_from(&from.scratch);
 }
 
 /// What happened in a tick. It borrows from the history and the world: take out what is to be kept.
@@ -264,7 +260,8 @@ impl<S: Scalar> History<S> {
     fn restore(&mut self, world: &mut World<S>, index: usize) {
         let known = (0..=index).rev().find(|&i| i < self.held && self.rows[i].is_known).unwrap_or(0);
         let Some(row) = self.rows.get(known) else { return };
-        copy(world, &row.before);
+        world.clone_from(&row.before);
+        world.scratch.clone_cached_from(&row.before.scratch);
         for row in self.rows.range(known..index) {
             world.carry_out_into(&row.inputs, &mut self.outcomes);
             world.step();

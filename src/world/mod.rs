@@ -10,6 +10,7 @@ mod forces;
 mod game;
 mod history;
 mod inputs;
+mod journal;
 mod outlook;
 mod reverse;
 mod settings;
@@ -37,6 +38,8 @@ pub use driver::Driver;
 pub use forces::{Action, Frame, Manner};
 pub use history::{History, TickReport};
 pub use inputs::{Input, Inputs, Outcome};
+pub use journal::Event;
+pub(crate) use journal::Journal;
 pub use outlook::Outlook;
 pub use trace::Trace;
 
@@ -140,6 +143,7 @@ pub struct World<S: Scalar = Fx> {
     pub(crate) scratch: Scratch<S>,
     pub(crate) woken: Vec<BodyId>,
     pub(crate) woke: Vec<BodyId>,
+    pub(crate) journal: Journal,
 }
 
 clone_by_field!(World {
@@ -157,6 +161,7 @@ clone_by_field!(World {
     scratch,
     woken,
     woke,
+    journal,
 });
 
 /// What a step did. It borrows from the world: take out what is to be kept.
@@ -189,6 +194,13 @@ pub struct StepReport<'a, S: Scalar = Fx> {
     pub fell_asleep: &'a [BodyId],
     /// Bodies that calls since the step before woke, in the order of the calls.
     pub woke: &'a [BodyId],
+    /// Bodies that calls since the step before removed, in the order of the calls, but for those added since then.
+    pub removed: &'a [BodyId],
+    /// Bodies that calls since the step before added, in the order of the calls, but for those removed again.
+    pub added: &'a [BodyId],
+    /// Bodies that were there at the step before and that calls since then put somewhere else, turned, or gave another kind:
+    /// in the order of the first such call to each.
+    pub placed: &'a [BodyId],
     /// What was applied to bodies over the tick, in the order of their handles: what undoing the step needs.
     pub applied: &'a [AppliedForce<S>],
     /// With `Yoshida4`, the number of bodies whose drag was too stiff for its backward sub-step and acted
@@ -221,12 +233,14 @@ impl<S: Scalar> World<S> {
             scratch: Scratch::default(),
             woken: Vec::new(),
             woke: Vec::new(),
+            journal: Journal::default(),
         })
     }
 
     /// Moves the world on by a tick.
     pub fn step(&mut self) -> StepReport<'_, S> {
         self.advance(None);
+        self.journal.end(&self.scratch.faults, &self.scratch.fell_asleep);
         self.last_report()
     }
 
@@ -235,6 +249,7 @@ impl<S: Scalar> World<S> {
         core::mem::swap(&mut self.woke, &mut self.woken);
         self.woken.clear();
         self.tick += 1;
+        self.journal.begin(self.tick, &self.bodies);
         self.context(probe).step();
     }
 
@@ -261,6 +276,9 @@ impl<S: Scalar> World<S> {
             faults: &self.scratch.faults,
             fell_asleep: &self.scratch.fell_asleep,
             woke: &self.woke,
+            removed: &self.journal.reported.removed,
+            added: &self.journal.reported.added,
+            placed: &self.journal.reported.placed,
             applied: self.applied.done(),
             drag_outside: self.scratch.drag_outside,
         }

@@ -4,6 +4,7 @@ use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
+use super::journal::Journal;
 use super::{BodyRef, StepReport, World};
 use crate::body::BodyKind;
 use crate::error::Error;
@@ -83,6 +84,7 @@ impl<S: Scalar> World<S> {
         let bodies = self.company(body);
         let mut world = World::new(self.def)?;
         (world.tick, world.counted, world.laws) = (self.tick, self.counted, self.laws.clone());
+        world.journal = Journal::starting_at(self.tick);
         let mut adopted = BTreeMap::new();
         for &old in &bodies {
             let climate = Self::climate(&world.def, &world.plan);

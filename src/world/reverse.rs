@@ -53,6 +53,7 @@ impl<S: Scalar> World<S> {
         self.woke.append(&mut self.woken);
         core::mem::swap(&mut self.woke, &mut self.woken);
         self.woken.retain(|&body| self.bodies.find(body).is_ok());
+        self.journal.undo(self.tick, &self.bodies);
         Ok(())
     }
 

@@ -70,6 +70,7 @@ impl<S: Scalar> World<S> {
             stages.push((*stage, world));
         };
         self.advance(Some(&mut probe));
+        self.journal.end(&self.scratch.faults, &self.scratch.fell_asleep);
         Trace { stages }
     }
 
@@ -80,8 +81,10 @@ impl<S: Scalar> World<S> {
         // Each changes places with the last body that moves: from the last one on, the others stay where they are.
         for (i, _) in strays.into_iter().rev() {
             // One that is taken out has nothing applied to it.
-            self.applied.forget(self.bodies.id(i));
+            let body = self.bodies.id(i);
+            self.applied.forget(body);
             self.bodies.set_activity(i, Activity::Quarantined);
+            self.mark_if_still(body);
         }
     }
 }

@@ -55,7 +55,15 @@ impl<S: Scalar> World<S> {
         }
         let dense = self.bodies.find(body)?;
         self.bodies.columns.motion.rest[dense] = 0;
+        self.mark_if_still(body);
         Ok(dense)
+    }
+
+    /// Notes that a call changes a body, if no step moves it: of the others it goes without saying.
+    pub(super) fn mark_if_still(&mut self, body: BodyId) {
+        if self.bodies.find(body).is_ok_and(|dense| dense >= self.bodies.moving()) {
+            self.journal.changed(body.slot);
+        }
     }
 
     /// Wakes a body and all that a field reaches from it, over any number of springs.

@@ -1,0 +1,298 @@
+//! What happened to bodies, for those who look on: what calls did to them since the step before, and when one that no step
+//! moves was last changed. All of it is derived: it is in no hash and in no file, and no step reads it.
+
+use alloc::vec::Vec;
+use core::mem;
+
+use super::{BodyRef, StepReport, World};
+use crate::body::Bodies;
+use crate::error::Fault;
+use crate::handle::BodyId;
+use crate::scalar::Scalar;
+
+/// Something that happened to a body over a tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
+pub enum Event {
+    /// A call removed it.
+    Removed(BodyId),
+    /// A call added it.
+    Added(BodyId),
+    /// A call put it somewhere else, turned it, or changed its kind: it did not get there by moving.
+    Placed(BodyId),
+    /// A call woke it.
+    Woke(BodyId),
+    /// The step quarantined it.
+    Quarantined(Fault),
+    /// It fell asleep in the step.
+    FellAsleep(BodyId),
+}
+
+impl<'a, S: Scalar> StepReport<'a, S> {
+    /// All that it reports of bodies, one kind after the other, in the order in which [`Event`] has them: what calls did
+    /// before the step, each kind in the order of the calls, then what the step did, each kind in the order of the handles.
+    ///
+    /// A body that calls both added and removed is in it neither way, and one that they added is not placed as well: whoever
+    /// follows the events has the bodies of the world, each once.
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, Event, World, WorldDef, vec2};
+    ///
+    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let [a, b] = [world.add_body(BodyDef::dynamic())?, world.add_body(BodyDef::dynamic())?];
+    /// assert!(world.step().events().eq([Event::Added(a), Event::Added(b)]));
+    /// world.set_position(b, vec2(3, 4))?;
+    /// world.remove_body(a)?;
+    /// assert!(world.step().events().eq([Event::Removed(a), Event::Placed(b)]));
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    pub fn events(self) -> impl Iterator<Item = Event> + use<'a, S> {
+        let Self { removed, added, placed, woke, faults, fell_asleep, .. } = self;
+        let by_calls = removed.iter().copied().map(Event::Removed).chain(added.iter().copied().map(Event::Added));
+        let by_calls = by_calls.chain(placed.iter().copied().map(Event::Placed));
+        let by_calls = by_calls.chain(woke.iter().copied().map(Event::Woke));
+        let by_step = faults.iter().copied().map(Event::Quarantined);
+        by_calls.chain(by_step).chain(fell_asleep.iter().copied().map(Event::FellAsleep))
+    }
+}
+
+/// What calls did, in their order. Handles of bodies that are gone since may be among those added and placed.
+#[derive(Debug, Default)]
+pub(crate) struct Deeds {
+    pub(crate) removed: Vec<BodyId>,
+    pub(crate) added: Vec<BodyId>,
+    pub(crate) placed: Vec<BodyId>,
+}
+
+impl Deeds {
+    fn is_empty(&self) -> bool {
+        self.removed.is_empty() && self.added.is_empty() && self.placed.is_empty()
+    }
+
+    fn clear(&mut self) {
+        [&mut self.removed, &mut self.added, &mut self.placed].into_iter().for_each(Vec::clear);
+    }
+
+    /// Forgets what was done to bodies that are gone.
+    fn tidy<S: Scalar>(&mut self, bodies: &Bodies<S>) {
+        for list in [&mut self.added, &mut self.placed] {
+            list.retain(|&body| bodies.find(body).is_ok());
+        }
+    }
+
+    fn clone_from(&mut self, source: &Self) {
+        self.removed.clone_from(&source.removed);
+        self.added.clone_from(&source.added);
+        self.placed.clone_from(&source.placed);
+    }
+}
+
+/// That a body is listed as added, or as placed.
+const ADDED: u8 = 1;
+const PLACED: u8 = 2;
+
+#[derive(Debug, Default)]
+pub(crate) struct Journal {
+    /// What calls did since the last step, and before it.
+    pending: Deeds,
+    pub(crate) reported: Deeds,
+    /// How the body of a slot is listed in what is pending; the slots that are missing are not.
+    marks: Vec<u8>,
+    /// By slot, for bodies that no step moves: the tick since which one is as it is. The slots that are missing have 0.
+    stamps: Vec<u64>,
+    /// The tick the world is at.
+    tick: u64,
+    /// All bodies count as changed since the ticks before this one: these may have been looked at in another past.
+    all_before: u64,
+    rewinds: u64,
+}
+
+impl Clone for Journal {
+    fn clone(&self) -> Self {
+        let mut copy = Self::default();
+        copy.take(self);
+        (copy.all_before, copy.rewinds) = (self.all_before, self.rewinds);
+        copy
+    }
+
+    /// What the world is put back to has another past than the one it had.
+    fn clone_from(&mut self, source: &Self) {
+        self.rewind();
+        self.all_before = self.all_before.max(source.all_before);
+        self.take(source);
+    }
+}
+
+impl Journal {
+    /// That of a world made at this tick.
+    pub(crate) fn starting_at(tick: u64) -> Self {
+        Self { tick, all_before: tick.saturating_add(1), ..Self::default() }
+    }
+
+    /// Takes over all but what belongs to a past.
+    fn take(&mut self, source: &Self) {
+        self.unmark();
+        self.pending.clone_from(&source.pending);
+        self.reported.clone_from(&source.reported);
+        self.stamps.clone_from(&source.stamps);
+        self.tick = source.tick;
+        self.mark();
+    }
+
+    /// Takes over the past as well, that of the world which this is to keep and nobody looks at.
+    pub(crate) fn keep_past(&mut self, source: &Self) {
+        (self.all_before, self.rewinds) = (source.all_before, source.rewinds);
+    }
+
+    /// What comes is another past.
+    fn rewind(&mut self) {
+        self.all_before = self.all_before.max(self.tick.saturating_add(1));
+        self.rewinds = self.rewinds.wrapping_add(1);
+    }
+
+    fn mark(&mut self) {
+        for (list, mark) in [(&self.pending.added, ADDED), (&self.pending.placed, PLACED)] {
+            for body in list {
+                *at(&mut self.marks, body.slot) |= mark;
+            }
+        }
+    }
+
+    fn unmark(&mut self) {
+        for body in self.pending.added.iter().chain(&self.pending.placed) {
+            *at(&mut self.marks, body.slot) = 0;
+        }
+    }
+
+    pub(super) fn added<S: Scalar>(&mut self, body: BodyId, bodies: &Bodies<S>) {
+        let added = &mut self.pending.added;
+        // Bodies that came and went, over and over without a step, must not add up.
+        if added.len() == added.capacity() {
+            added.retain(|&body| bodies.find(body).is_ok());
+        }
+        added.push(body);
+        *at(&mut self.marks, body.slot) = ADDED;
+    }
+
+    pub(super) fn removed(&mut self, body: BodyId) {
+        let mark = mem::take(at(&mut self.marks, body.slot));
+        if mark & ADDED == 0 {
+            self.pending.removed.push(body);
+        }
+    }
+
+    pub(super) fn placed(&mut self, body: BodyId) {
+        let mark = at(&mut self.marks, body.slot);
+        if *mark == 0 {
+            *mark = PLACED;
+            self.pending.placed.push(body);
+        }
+    }
+
+    /// A call changes the body in this slot, which no step moves.
+    pub(super) fn changed(&mut self, slot: u32) {
+        *at(&mut self.stamps, slot) = self.tick + 1;
+    }
+
+    /// A step begins, to this tick.
+    pub(super) fn begin<S: Scalar>(&mut self, tick: u64, bodies: &Bodies<S>) {
+        self.tick = tick;
+        if self.pending.is_empty() && self.reported.is_empty() {
+            return;
+        }
+        self.unmark();
+        mem::swap(&mut self.pending, &mut self.reported);
+        self.pending.clear();
+        self.reported.tidy(bodies);
+    }
+
+    /// What the step ended with no step moves on.
+    pub(super) fn end(&mut self, faults: &[Fault], fell_asleep: &[BodyId]) {
+        for body in faults.iter().map(|fault| fault.body).chain(fell_asleep.iter().copied()) {
+            *at(&mut self.stamps, body.slot) = self.tick;
+        }
+    }
+
+    /// The step to this tick was the last one: what calls did before it is pending once more.
+    pub(super) fn undo<S: Scalar>(&mut self, tick: u64, bodies: &Bodies<S>) {
+        self.rewind();
+        self.tick = tick;
+        // Once, however often. A slot that is marked so has the body that it had in the step.
+        self.reported.placed.retain(|body| *at(&mut self.marks, body.slot) & PLACED == 0);
+        self.unmark();
+        let (earlier, pending) = (&mut self.reported, &mut self.pending);
+        if !(earlier.added.is_empty() || pending.removed.is_empty()) {
+            let mut added = earlier.added.clone();
+            added.sort_unstable();
+            pending.removed.retain(|body| added.binary_search(body).is_err());
+        }
+        earlier.removed.append(&mut pending.removed);
+        earlier.added.append(&mut pending.added);
+        earlier.placed.append(&mut pending.placed);
+        mem::swap(earlier, pending);
+        pending.tidy(bodies);
+        self.mark();
+    }
+
+    /// Whether a body that no step moves was changed after this tick.
+    fn is_changed_since(&self, slot: u32, tick: u64) -> bool {
+        self.stamps.get(slot as usize).is_some_and(|&stamp| stamp > tick)
+    }
+}
+
+/// The entry of a slot; those up to it are made.
+fn at<T: Clone + Default>(column: &mut Vec<T>, slot: u32) -> &mut T {
+    let slot = slot as usize;
+    if column.len() <= slot {
+        column.resize(slot + 1, T::default());
+    }
+    &mut column[slot]
+}
+
+impl<S: Scalar> World<S> {
+    /// The bodies whose public state changed after a tick, in the order of their slots: by steps since that tick, or by calls
+    /// since the step that led to it. For what is kept beside the world of bodies that mostly rest: sprites, a grid, packets.
+    ///
+    /// All that a step moves count as changed, whether they get anywhere or not: awake bodies that are not static. After
+    /// [`restore`](Self::restore), `clone_from`, [`step_back`](Self::step_back) or a [`History`](super::History)'s rollback
+    /// all bodies count as changed since the ticks there had been, and in a world that was read from bytes since those before.
+    /// Bodies that are gone are in the [events](StepReport::events) alone. It looks at all slots; steps do nothing for it.
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, World, WorldDef, vec2};
+    ///
+    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let [ball, wall, door] = [BodyDef::dynamic(), BodyDef::fixed(), BodyDef::fixed()].map(|def| world.add_body(def));
+    /// let (ball, door) = (ball?, door?);
+    /// world.step();
+    /// let seen = world.tick();
+    /// world.set_angle(door, umbra_physics::Fx::FRAC_PI_2)?;
+    /// world.step();
+    /// assert!(world.changed_since(seen).map(|body| body.id()).eq([ball, door]));
+    /// assert!(world.changed_since(world.tick()).map(|body| body.id()).eq([ball]));
+    /// # wall?;
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    pub fn changed_since(&self, tick: u64) -> impl Iterator<Item = BodyRef<'_, S>> {
+        let (journal, moving) = (&self.journal, self.bodies.moving());
+        let all = tick < journal.all_before;
+        self.bodies().filter(move |body| {
+            all || body.dense < moving || journal.is_changed_since(self.bodies.columns.slot[body.dense], tick)
+        })
+    }
+
+    /// How often the world was put back: by [`restore`](Self::restore), `clone_from`, [`step_back`](Self::step_back) or a
+    /// [`History`](super::History). Whoever keeps something of the last ticks beside the world sees by it that these are no
+    /// longer its past. It is no state; a clone counts on from it.
+    #[must_use]
+    pub fn rewinds(&self) -> u64 {
+        self.journal.rewinds
+    }
+
+    /// As `clone_from`, for a world that is kept to be gone back to: its past is that of the other one.
+    pub(crate) fn keep(&mut self, source: &Self) {
+        self.clone_from(source);
+        self.journal.keep_past(&source.journal);
+    }
+}
