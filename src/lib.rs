@@ -78,6 +78,8 @@ mod wire;
 mod world;
 
 pub use body::{Activity, BodyDef, BodyKind, Mass};
+#[cfg(feature = "float")]
+pub use display::{Blend, BodyClass, DebugDraw, DrawOptions, Interpolation, Pose, Role};
 pub use display::{Due, Pacer, TickFraction};
 pub use error::{Cause, Error, Fault, Irreversible, Quantity};
 pub use force::{AppliedForce, Attachment, BodyState, Dependence, End, Field, ForceLaw, Law, LawFault, Push, Region};

@@ -9,6 +9,8 @@ mod bodies;
 mod closure;
 mod commands;
 #[cfg(feature = "float")]
+mod display;
+#[cfg(feature = "float")]
 mod energy;
 mod envelope;
 mod errors;

@@ -1,5 +1,18 @@
-//! What a display asks of a world: how many ticks a frame of real time takes.
+//! What a display asks of a world: how many ticks a frame of real time takes, where bodies are between two ticks, and what
+//! they look like. Nothing here is state, and the floats that leave here never come back.
 
+#[cfg(feature = "float")]
+mod draw;
+#[cfg(feature = "float")]
+mod interpolation;
 mod pacer;
+#[cfg(feature = "float")]
+mod pose;
 
+#[cfg(feature = "float")]
+pub use draw::{BodyClass, DebugDraw, DrawOptions, Role};
+#[cfg(feature = "float")]
+pub use interpolation::{Blend, Interpolation};
 pub use pacer::{Due, Pacer, TickFraction};
+#[cfg(feature = "float")]
+pub use pose::Pose;

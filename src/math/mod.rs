@@ -1,5 +1,7 @@
 //! Vectors, rotations and the time step.
 
+#[cfg(feature = "mint")]
+mod mint;
 mod random;
 mod rot;
 #[cfg(feature = "serde")]

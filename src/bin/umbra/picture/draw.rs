@@ -121,7 +121,7 @@ fn draw_plane(
         .draw()
         .map_err(fault)?;
     let fill = RGBColor(120, 170, 220).mix(0.16).filled();
-    for zone in &picture.zones {
+    for zone in &picture.scenery.zones {
         draw_ring(&mut plane, layout, zone, Some(fill), None)?;
     }
     draw_springs(picture, layout, &mut plane)?;
@@ -132,7 +132,7 @@ fn draw_plane(
     for body in &picture.bodies {
         draw_end(picture, layout, &mut plane, body)?;
     }
-    for &centre in picture.centres.iter().filter(|&&centre| layout.holds(centre)) {
+    for &centre in picture.scenery.centres.iter().filter(|&&centre| layout.holds(centre)) {
         let mark = Cross::new(centre, 5 * FINE, INK.stroke_width(width(1.5)));
         plane.draw_series([mark]).map_err(fault)?;
     }
@@ -271,10 +271,10 @@ fn draw_ring(
 }
 
 fn draw_springs(picture: &Picture<'_>, layout: &Layout, plane: &mut Plane<'_, '_>) -> Drawn {
-    let few = picture.springs.len() <= 24;
+    let few = picture.scenery.springs.len() <= 24;
     let style =
         RGBColor(130, 130, 130).mix(if few { 1.0 } else { 0.6 }).stroke_width(width(if few { 1.1 } else { 0.7 }));
-    for &[a, b] in &picture.springs {
+    for &[a, b] in &picture.scenery.springs {
         let path = if few { coil(a, b, layout.scale()) } else { vec![a, b] };
         draw_line(plane, layout, &path, style)?;
     }

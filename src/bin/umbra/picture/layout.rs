@@ -58,8 +58,8 @@ fn around(picture: &Picture<'_>) -> [Point; 2] {
     let ways = picture.ways.iter().flat_map(|way| way.points.iter());
     let outlines = picture.bodies.iter().map(|body| &body.outline).chain(picture.start).chain(picture.exposures);
     let outlines = outlines.flat_map(|o| o.rings.iter().flatten().chain(o.strokes.iter().flatten()));
-    let rest = picture.bodies.iter().map(|body| &body.at).chain(&picture.centres);
-    let springs = picture.springs.iter().flatten();
+    let rest = picture.bodies.iter().map(|body| &body.at).chain(&picture.scenery.centres);
+    let springs = picture.scenery.springs.iter().flatten();
     let mut bounds: Option<[Point; 2]> = None;
     for &(x, y) in ways.chain(outlines).chain(rest).chain(springs) {
         let [least, most] = bounds.get_or_insert([(x, y); 2]);

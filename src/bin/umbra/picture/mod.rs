@@ -10,9 +10,9 @@ use std::collections::BTreeMap;
 
 use umbra_physics::scalar::ToF64;
 use umbra_physics::scene::{Scene, SceneRun, Trails};
-use umbra_physics::{Activity, Attachment, BodyKind, BodyRef, End, Law, Region, Scalar, World};
+use umbra_physics::{Activity, BodyClass, BodyKind, BodyRef, Pose, Role, Scalar, World};
 
-use outline::{Outline, outline};
+use outline::{Outline, Scenery};
 
 /// A point of a picture, m.
 type Point = (f64, f64);
@@ -113,9 +113,7 @@ impl<'a> Recorder<'a> {
             bodies: bodies.collect(),
             start: &self.start,
             exposures: &self.exposures,
-            springs: springs(world),
-            centres: centres(world),
-            zones: zones(world),
+            scenery: Scenery::of(world),
         };
         draw::draw(&picture)
     }
@@ -147,10 +145,7 @@ struct Picture<'a> {
     bodies: Vec<EndState>,
     start: &'a [Outline],
     exposures: &'a [Outline],
-    springs: Vec<[Point; 2]>,
-    /// Of attractors that no body carries.
-    centres: Vec<Point>,
-    zones: Vec<Vec<Point>>,
+    scenery: Scenery,
 }
 
 fn point<S: ToF64>(x: S, y: S) -> Point {
@@ -163,7 +158,12 @@ fn position<S: Scalar + ToF64>(body: &BodyRef<'_, S>) -> Point {
 }
 
 fn shape_of<S: Scalar + ToF64>(body: &BodyRef<'_, S>) -> Outline {
-    body.shape().map_or_else(Outline::default, |shape| outline(shape.geometry(), position(body), body.angle().to_f64()))
+    let mut outline = Outline::default();
+    if let Some(shape) = body.shape() {
+        let role = Role::Body(body.id(), BodyClass::new(body.kind(), body.activity()));
+        shape.debug_draw(Pose::of(body), role, &mut outline);
+    }
+    outline
 }
 
 fn caption<S: Scalar>(world: &World<S>) -> String {
@@ -175,45 +175,4 @@ fn caption<S: Scalar>(world: &World<S>) -> String {
     let bodies = world.body_count();
     let plural = if bodies == 1 { "body" } else { "bodies" };
     format!("{bodies} {plural}, {time} s in steps of {num}/{den} s, {}, {}", world.def().integrator.name(), S::NAME)
-}
-
-/// Where a point of a body is.
-fn attached<S: Scalar + ToF64>(world: &World<S>, at: &Attachment<S>) -> Option<Point> {
-    let body = world.body(at.body).ok()?;
-    let (centre, angle) = (position(&body), body.angle().to_f64());
-    Some(outline::placed(point(at.point.x, at.point.y), centre, angle))
-}
-
-fn springs<S: Scalar + ToF64>(world: &World<S>) -> Vec<[Point; 2]> {
-    let ends = world.fields().filter_map(|(_, field)| {
-        let Law::Spring { near, far, .. } = &field.law else { return None };
-        let far = match far {
-            End::World(at) => point(at.x, at.y),
-            End::Body(at) => attached(world, at)?,
-        };
-        Some([attached(world, near)?, far])
-    });
-    ends.collect()
-}
-
-fn centres<S: Scalar + ToF64>(world: &World<S>) -> Vec<Point> {
-    let centres = world.fields().filter_map(|(_, field)| match &field.law {
-        Law::Attractor { centre: End::World(at), .. } => Some(point(at.x, at.y)),
-        _ => None,
-    });
-    centres.collect()
-}
-
-fn zones<S: Scalar + ToF64>(world: &World<S>) -> Vec<Vec<Point>> {
-    let zones = world.fields().filter_map(|(_, field)| match &field.law {
-        Law::Zone { region: Region::Disc { centre, radius }, .. } => {
-            Some(outline::circle(point(centre.x, centre.y), radius.to_f64()))
-        }
-        Law::Zone { region: Region::Box { min, max }, .. } => {
-            let ((left, bottom), (right, top)) = (point(min.x, min.y), point(max.x, max.y));
-            Some(vec![(left, bottom), (right, bottom), (right, top), (left, top)])
-        }
-        _ => None,
-    });
-    zones.collect()
 }

@@ -1,9 +1,9 @@
-//! Outlines of shapes as polygons.
+//! What the library draws, as polygons and lines.
 
-use std::f64::consts::{PI, TAU};
+use std::collections::BTreeSet;
 
 use umbra_physics::scalar::ToF64;
-use umbra_physics::{Geometry, Scalar};
+use umbra_physics::{DebugDraw, DrawOptions, End, FieldId, Law, Pose, Role, Scalar, World};
 
 use super::Point;
 
@@ -14,57 +14,66 @@ pub(super) struct Outline {
     pub(super) strokes: Vec<[Point; 2]>,
 }
 
-/// A point of a body where the body is.
-pub(super) fn placed((x, y): Point, centre: Point, angle: f64) -> Point {
-    let (sin, cos) = angle.sin_cos();
-    (centre.0 + x * cos - y * sin, centre.1 + x * sin + y * cos)
+/// Force fields that are somewhere.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Scenery {
+    pub(super) springs: Vec<[Point; 2]>,
+    /// Of attractors that no body carries.
+    pub(super) centres: Vec<Point>,
+    pub(super) zones: Vec<Vec<Point>>,
+    carried: BTreeSet<FieldId>,
 }
 
-fn arc(centre: Point, radius: f64, from: f64, to: f64) -> impl Iterator<Item = Point> {
-    const PARTS: u32 = 24;
-    (0..=PARTS).map(move |i| {
-        let angle = from + (to - from) * f64::from(i) / f64::from(PARTS);
-        (centre.0 + radius * angle.cos(), centre.1 + radius * angle.sin())
-    })
-}
-
-pub(super) fn circle(centre: Point, radius: f64) -> Vec<Point> {
-    arc(centre, radius, 0.0, PI).chain(arc(centre, radius, PI, TAU)).collect()
-}
-
-/// The outline of a shape whose centre of mass is there.
-pub(super) fn outline<S: Scalar + ToF64>(geometry: &Geometry<S>, centre: Point, angle: f64) -> Outline {
-    let mut rings = Vec::new();
-    let mut strokes = Vec::new();
-    let place = |point: Point| placed(point, centre, angle);
-    let pair = |x: S, y: S| (x.to_f64(), y.to_f64());
-    match geometry {
-        Geometry::Circle { radius } => {
-            let radius = radius.to_f64();
-            rings.push(circle(centre, radius));
-            strokes.push([centre, place((radius, 0.0))]);
-        }
-        Geometry::Rectangle { width, height } => {
-            let (w, h) = (width.to_f64() / 2.0, height.to_f64() / 2.0);
-            rings.push([(-w, -h), (w, -h), (w, h), (-w, h)].map(place).to_vec());
-        }
-        Geometry::Capsule { length, radius } => {
-            let (half, radius) = (length.to_f64() / 2.0, radius.to_f64());
-            let right = arc((half, 0.0), radius, -PI / 2.0, PI / 2.0);
-            let left = arc((-half, 0.0), radius, PI / 2.0, 1.5 * PI);
-            rings.push(right.chain(left).map(place).collect());
-        }
-        Geometry::Polygon { corners } => rings.push(corners.iter().map(|c| place(pair(c.x, c.y))).collect()),
-        Geometry::Segment { ends: [a, b] } => strokes.push([place(pair(a.x, a.y)), place(pair(b.x, b.y))]),
-        Geometry::Compound { parts } => {
-            for part in parts.iter() {
-                let at = place(pair(part.position.x, part.position.y));
-                let inner = outline(part.shape.geometry(), at, angle + part.angle.to_f64());
-                rings.extend(inner.rings);
-                strokes.extend(inner.strokes);
-            }
-        }
-        _ => {}
+impl Scenery {
+    pub(super) fn of<S: Scalar + ToF64>(world: &World<S>) -> Self {
+        let is_carried = |law: &Law<S>| matches!(law, Law::Attractor { centre: End::Body(_), .. });
+        let carried = world.fields().filter(|(_, field)| is_carried(&field.law)).map(|(id, _)| id).collect();
+        let mut scenery = Self { carried, ..Self::default() };
+        world.debug_draw(Pose::of, &DrawOptions { bodies: false, ..DrawOptions::default() }, &mut scenery);
+        scenery
     }
-    Outline { rings, strokes }
+}
+
+fn point([x, y]: [f64; 2]) -> Point {
+    (x, y)
+}
+
+fn ring(corners: &[[f64; 2]]) -> Vec<Point> {
+    corners.iter().copied().map(point).collect()
+}
+
+impl DebugDraw for Outline {
+    fn polygon(&mut self, corners: &[[f64; 2]], _role: Role) {
+        self.rings.push(ring(corners));
+    }
+
+    fn segment(&mut self, ends: [[f64; 2]; 2], _role: Role) {
+        self.strokes.push(ends.map(point));
+    }
+
+    /// A body without a shape has no outline.
+    fn point(&mut self, _at: [f64; 2], _role: Role) {}
+}
+
+impl DebugDraw for Scenery {
+    fn polygon(&mut self, corners: &[[f64; 2]], role: Role) {
+        if let Role::Zone(_) = role {
+            self.zones.push(ring(corners));
+        }
+    }
+
+    fn segment(&mut self, ends: [[f64; 2]; 2], role: Role) {
+        if let Role::Spring(_) = role {
+            self.springs.push(ends.map(point));
+        }
+    }
+
+    fn point(&mut self, at: [f64; 2], role: Role) {
+        if matches!(role, Role::Attractor(field) if !self.carried.contains(&field)) {
+            self.centres.push(point(at));
+        }
+    }
+
+    /// Which way a zone or a thrust pushes is left out: the ways show it.
+    fn arrow(&mut self, _from: [f64; 2], _to: [f64; 2], _role: Role) {}
 }

@@ -11,16 +11,14 @@ const worldY = y => camera.y - (y - size.height / 2) / camera.scale;
 
 // The distance from a shape's centre of mass to what of it is farthest.
 function reach(shape) {
-  if (!shape) return 0;
-  const [letter, a, b] = shape;
-  switch (letter) {
-    case "c": return a;
-    case "r": return Math.hypot(a, b) / 2;
-    case "l": return a / 2 + b;
-    case "p": case "s": return Math.max(...a.map(([x, y]) => Math.hypot(x, y)));
-    case "m": return Math.max(...a.map(([part, [x, y]]) => Math.hypot(x, y) + reach(part)));
-    default: return 0;
-  }
+  const far = points => Math.max(...points.map(([x, y]) => Math.hypot(x, y)));
+  const reaches = {
+    c: ([centre, radius]) => far([centre]) + radius,
+    l: ([from, to, radius]) => far([from, to]) + radius,
+    p: ([corners]) => far(corners),
+    s: ends => far(ends),
+  };
+  return Math.max(0, ...shape.map(([letter, ...rest]) => reaches[letter](rest)));
 }
 const reaches = run.shapes.map(reach);
 const reachOf = look => look.shape === null ? 0 : reaches[look.shape];

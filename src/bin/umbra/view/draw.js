@@ -12,46 +12,40 @@ function readColours() {
   }
 }
 
-// Adds a shape to a path of areas and one of lines, its centre of mass at x, y on the canvas.
+// Adds what a shape is drawn as to a path of areas and one of lines, its centre of mass at x, y on the canvas.
 function trace(shape, areas, lines, x, y, angle) {
-  const [letter, a, b] = shape;
   const scale = camera.scale, cos = Math.cos(angle) * scale, sin = Math.sin(angle) * scale;
   const point = ([px, py]) => [x + px * cos - py * sin, y - px * sin - py * cos];
-  const ring = corners => {
-    corners.map(point).forEach(([px, py], i) => i ? areas.lineTo(px, py) : areas.moveTo(px, py));
-    areas.closePath();
+  const line = (from, to) => {
+    lines.moveTo(...point(from));
+    lines.lineTo(...point(to));
   };
-  switch (letter) {
-    case "c":
-      areas.moveTo(x + a * scale, y);
-      areas.arc(x, y, a * scale, 0, 2 * Math.PI);
-      // A spoke shows that it turns.
-      if (a * scale > 2.5) {
-        lines.moveTo(x, y);
-        lines.lineTo(...point([a, 0]));
+  for (const [letter, a, b, c] of shape) {
+    switch (letter) {
+      case "c": {
+        const [cx, cy] = point(a);
+        areas.moveTo(cx + b * scale, cy);
+        areas.arc(cx, cy, b * scale, 0, 2 * Math.PI);
+        // A spoke shows that it turns.
+        if (b * scale > 2.5) line(a, c);
+        break;
       }
-      break;
-    case "r":
-      ring([[-a / 2, -b / 2], [a / 2, -b / 2], [a / 2, b / 2], [-a / 2, b / 2]]);
-      break;
-    case "l": {
-      const [rx, ry] = point([a / 2, 0]), [lx, ly] = point([-a / 2, 0]);
-      areas.moveTo(...point([a / 2, b]));
-      areas.arc(rx, ry, b * scale, -angle - Math.PI / 2, -angle + Math.PI / 2);
-      areas.arc(lx, ly, b * scale, -angle + Math.PI / 2, -angle + 1.5 * Math.PI);
-      areas.closePath();
-      break;
+      case "l": {
+        const along = -angle - Math.atan2(b[1] - a[1], b[0] - a[0]), [fx, fy] = point(a), [tx, ty] = point(b);
+        areas.moveTo(tx + c * scale * Math.sin(along), ty - c * scale * Math.cos(along));
+        areas.arc(tx, ty, c * scale, along - Math.PI / 2, along + Math.PI / 2);
+        areas.arc(fx, fy, c * scale, along + Math.PI / 2, along + 1.5 * Math.PI);
+        areas.closePath();
+        break;
+      }
+      case "p":
+        a.map(point).forEach(([px, py], i) => i ? areas.lineTo(px, py) : areas.moveTo(px, py));
+        areas.closePath();
+        break;
+      case "s":
+        line(a, b);
+        break;
     }
-    case "p":
-      ring(a);
-      break;
-    case "s":
-      lines.moveTo(...point(a[0]));
-      lines.lineTo(...point(a[1]));
-      break;
-    case "m":
-      for (const [part, place, turn] of a) trace(part, areas, lines, ...point(place), angle + turn);
-      break;
   }
 }
 

@@ -1,29 +1,46 @@
 //! Shapes and force fields as the page draws them: lists with a letter first, lengths in m as floats.
+//!
+//! Shapes are what the library draws them as. Fields are kept by what they are attached to: where that is differs from tick
+//! to tick, and the page has it from the tracks of the bodies.
 
 use serde_json::{Value, json};
 use umbra_physics::scalar::ToF64;
-use umbra_physics::{Attachment, BodyId, End, Field, Fx, Geometry, Law, Region, Vec2};
+use umbra_physics::{Attachment, BodyClass, BodyId, DebugDraw, End, Field, Fx, Law, Pose, Region, Role, Shape, Vec2};
 
 fn pair(v: Vec2) -> [f64; 2] {
     [v.x.to_f64(), v.y.to_f64()]
 }
 
-pub(super) fn shape(geometry: &Geometry<Fx>) -> Value {
-    match geometry {
-        Geometry::Circle { radius } => json!(["c", radius.to_f64()]),
-        Geometry::Rectangle { width, height } => json!(["r", width.to_f64(), height.to_f64()]),
-        Geometry::Capsule { length, radius } => json!(["l", length.to_f64(), radius.to_f64()]),
-        Geometry::Polygon { corners } => json!(["p", corners.iter().map(|&corner| pair(corner)).collect::<Vec<_>>()]),
-        Geometry::Segment { ends } => json!(["s", ends.map(pair)]),
-        Geometry::Compound { parts } => {
-            let part = |part: &umbra_physics::Part| {
-                json!([shape(part.shape.geometry()), pair(part.position), part.angle.to_f64()])
-            };
-            json!(["m", parts.iter().map(part).collect::<Vec<_>>()])
-        }
-        // Nothing that this version can draw.
-        _ => Value::Null,
+/// What a shape is drawn as about its centre of mass, for the page to turn and move: discs with the point of their rim that is
+/// marked, capsules by their ends, polygons, lines.
+#[derive(Default)]
+struct Primitives(Vec<Value>);
+
+impl DebugDraw for Primitives {
+    fn polygon(&mut self, corners: &[[f64; 2]], _role: Role) {
+        self.0.push(json!(["p", corners]));
     }
+
+    fn segment(&mut self, [a, b]: [[f64; 2]; 2], _role: Role) {
+        self.0.push(json!(["s", a, b]));
+    }
+
+    /// The page marks bodies that are too small to see by itself.
+    fn point(&mut self, _at: [f64; 2], _role: Role) {}
+
+    fn circle(&mut self, centre: [f64; 2], radius: f64, rim: Option<[f64; 2]>, _role: Role) {
+        self.0.push(json!(["c", centre, radius, rim]));
+    }
+
+    fn capsule(&mut self, [a, b]: [[f64; 2]; 2], radius: f64, _role: Role) {
+        self.0.push(json!(["l", a, b, radius]));
+    }
+}
+
+pub(super) fn shape(body: BodyId, shape: &Shape) -> Value {
+    let mut primitives = Primitives::default();
+    shape.debug_draw(Pose::ORIGIN, Role::Body(body, BodyClass::Dynamic), &mut primitives);
+    Value::Array(primitives.0)
 }
 
 /// A force field with a place; None for those that are everywhere or that only their law knows. `life` has the number

@@ -4,7 +4,6 @@ use serde_json::{Value, json};
 use umbra_physics::scalar::ToF64;
 use umbra_physics::{Activity, BodyKind, LAW, Vec2};
 
-use super::drawing;
 use super::recording::{Event, Life, Look, Placed, Recording, Span, What};
 use crate::chart::escaped;
 
@@ -82,7 +81,7 @@ fn contents(recording: Recording, heading: &Heading, thinned: Option<String>) ->
     let mut bytes: Vec<u8> = recording.hashes.iter().flat_map(|hash| hash.to_le_bytes()).collect();
     let point = |v: Vec2| [v.x.to_f64(), v.y.to_f64()];
     let frames = recording.hashes.len();
-    let shapes: Vec<Value> = recording.shapes.iter().map(|shape| drawing::shape(shape.geometry())).collect();
+    let shapes: Vec<Value> = recording.shapes.into_iter().map(|(_, drawn)| drawn).collect();
     let bodies: Vec<Value> = recording.lives.into_iter().map(|life| body(life, &mut bytes)).collect();
     let run = json!({
         "view": heading.view.map(|corners| corners.map(point)),

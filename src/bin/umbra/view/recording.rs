@@ -50,7 +50,8 @@ pub(crate) struct Recording {
     alive: Vec<Option<usize>>,
     pub(super) fields: Vec<Placed>,
     fields_there: BTreeMap<FieldId, (Field<Fx>, usize)>,
-    pub(super) shapes: Vec<Shape<Fx>>,
+    /// Each with what it is drawn as.
+    pub(super) shapes: Vec<(Shape<Fx>, serde_json::Value)>,
     shape_numbers: BTreeMap<String, usize>,
     pub(super) events: Vec<Event>,
     /// Events that were too many.
@@ -267,11 +268,12 @@ impl Recording {
     fn shape_number(&mut self, life: usize, body: &BodyRef<'_>) -> Option<usize> {
         let shape = body.shape()?;
         let before = self.lives[life].looks.last().and_then(|(_, look)| look.shape);
-        if before.is_some_and(|before| self.shapes[before] == *shape) {
+        if before.is_some_and(|before| self.shapes[before].0 == *shape) {
             return before;
         }
-        let number = *self.shape_numbers.entry(drawing::shape(shape.geometry()).to_string()).or_insert_with(|| {
-            self.shapes.push(shape.clone());
+        let drawn = drawing::shape(body.id(), shape);
+        let number = *self.shape_numbers.entry(drawn.to_string()).or_insert_with(|| {
+            self.shapes.push((shape.clone(), drawn));
             self.shapes.len() - 1
         });
         Some(number)

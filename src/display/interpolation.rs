@@ -1,0 +1,162 @@
+//! Poses between ticks.
+
+use alloc::vec::Vec;
+
+use super::pacer::TickFraction;
+use super::pose::{Pose, wrapped};
+use crate::body::Activity;
+use crate::handle::BodyId;
+use crate::scalar::{Scalar, ToF64};
+use crate::world::World;
+
+/// Which moment near the last tick is shown, by what a [`Pacer`](super::Pacer) has left over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Blend {
+    /// So far on the way from the tick before the last to the last: always where bodies were, a tick late. Beyond 1 it is
+    /// the last tick.
+    Interpolated(TickFraction),
+    /// So far beyond the last tick at the velocities of then, in ticks: no later than the world, but not where bodies will be
+    /// if anything acts on them.
+    Extrapolated(TickFraction),
+}
+
+/// A body as it was looked at.
+#[derive(Clone, Copy, Debug)]
+struct Seen {
+    body: BodyId,
+    before: Pose,
+    now: Pose,
+    /// How far it would get in a tick, m and rad.
+    way: ([f64; 2], f64),
+}
+
+/// Keeps where the bodies of a world were at its last two ticks, and gives their poses between these or soon after.
+///
+/// It [looks](Self::look) at the world after each step and is no part of it: steps do nothing for it. Nothing is blended over
+/// what is no motion. A body that a call [placed](crate::StepReport::placed), or added, is where it is from the first of the
+/// two ticks on, also in the slot of one that was removed; and after the world was put back ([`World::rewinds`]), or moved on
+/// without a look, all are. Looking at each tick that a rollback does over as well, as in this loop, leaves that one jump at
+/// its first tick, which is shown only if it is the last one too.
+///
+/// ```
+/// use umbra_physics::{Blend, BodyDef, Command, History, Inputs, Interpolation, Pacer, World, WorldDef, vec2};
+///
+/// let mut world: World = World::new(WorldDef::default())?;
+/// let ball = world.add_body(BodyDef { velocity: vec2(6, 0), ..BodyDef::dynamic() })?;
+/// let mut history = History::new(8);
+/// let mut pacer = Pacer::new(world.def().time_step)?;
+/// let mut interpolation = Interpolation::new();
+/// interpolation.look(&world);
+/// let mut shown = Vec::new();
+/// for frame in 0..6 {
+///     // What arrived late: here at the frame 4, that the ball had been stopped in tick 1.
+///     if frame == 4 {
+///         let stop = Command::SetVelocity { body: ball, velocity: vec2(0, 0) };
+///         history.correct(&mut world, 1, 1, [stop], |tick| interpolation.look(tick.world))?;
+///     }
+///     // As many ticks as there is time for: a display of 120 Hz.
+///     for _ in 0..pacer.frame(8_333_333).ticks {
+///         history.advance(&mut world, &Inputs::new());
+///         interpolation.look(&world);
+///     }
+///     let at = Blend::Interpolated(pacer.remainder());
+///     shown.push(interpolation.pose(ball, at).expect("it is there").position[0]);
+/// }
+/// // Half a tick is 5 cm. A tick late; then back to where it was stopped.
+/// let expected = [0.0, 0.0, 0.0, 0.05, 0.1, 0.1];
+/// assert!(shown.iter().zip(expected).all(|(x, expected)| (x - expected).abs() < 1e-6), "{shown:?}");
+/// # Ok::<(), umbra_physics::Error>(())
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct Interpolation {
+    /// By slot.
+    seen: Vec<Option<Seen>>,
+    /// The tick of the last look, and how often the world had been put back by then.
+    looked: Option<(u64, u64)>,
+}
+
+impl Interpolation {
+    /// One that has seen nothing yet.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { seen: Vec::new(), looked: None }
+    }
+
+    /// Takes in where the bodies are, after a step: of one and the same world, each time. Looking twice at a tick does no
+    /// more than once.
+    ///
+    /// It takes nothing from the heap while no slots are added.
+    pub fn look<S: Scalar + ToF64>(&mut self, world: &World<S>) {
+        let (tick, rewinds) = (world.tick(), world.rewinds());
+        if self.looked == Some((tick, rewinds)) {
+            return;
+        }
+        let goes_on = tick > 0 && self.looked == Some((tick - 1, rewinds));
+        self.looked = Some((tick, rewinds));
+        let (num, den) = world.def().time_step.seconds();
+        let seconds = f64::from(num) / f64::from(den);
+        let mut free = 0;
+        for body in world.bodies() {
+            let (id, now) = (body.id(), Pose::of(&body));
+            let slot = id.parts().0 as usize;
+            if self.seen.len() <= slot {
+                self.seen.resize(slot + 1, None);
+            }
+            // The slots that were passed over have no body.
+            self.seen[free..slot].fill(None);
+            free = slot + 1;
+            let before = self.seen[slot].filter(|seen| goes_on && seen.body == id).map_or(now, |seen| seen.now);
+            let way = if body.activity() == Activity::Awake {
+                let v = body.velocity();
+                ([v.x.to_f64() * seconds, v.y.to_f64() * seconds], body.angular_velocity().to_f64() * seconds)
+            } else {
+                ([0.0; 2], 0.0)
+            };
+            self.seen[slot] = Some(Seen { body: id, before, now, way });
+        }
+        self.seen.truncate(free);
+        for placed in world.last_report().placed {
+            if let Some(Some(seen)) = self.seen.get_mut(placed.parts().0 as usize) {
+                seen.before = seen.now;
+            }
+        }
+    }
+
+    /// The pose of a body; `None` if it was not there at the last look.
+    #[must_use]
+    pub fn pose(&self, body: BodyId, at: Blend) -> Option<Pose> {
+        let seen = self.seen.get(body.parts().0 as usize)?.filter(|seen| seen.body == body)?;
+        Some(seen.pose(at))
+    }
+
+    /// The poses of all bodies of the last look, in the order of their slots.
+    pub fn poses(&self, at: Blend) -> impl Iterator<Item = (BodyId, Pose)> {
+        self.seen.iter().flatten().map(move |seen| (seen.body, seen.pose(at)))
+    }
+
+    /// Forgets what it saw: nothing is blended up to the second look from now.
+    pub fn clear(&mut self) {
+        self.looked = None;
+        self.seen.clear();
+    }
+}
+
+/// Near enough for drawing: two roundings to doubles and one of their ratio.
+impl ToF64 for TickFraction {
+    fn to_f64(self) -> f64 {
+        self.num as f64 / self.den as f64
+    }
+}
+
+impl Seen {
+    fn pose(&self, at: Blend) -> Pose {
+        match at {
+            Blend::Interpolated(part) => self.before.between(self.now, part.to_f64().min(1.0)),
+            Blend::Extrapolated(part) => {
+                let (Pose { position, angle }, (way, turn), ticks) = (self.now, self.way, part.to_f64());
+                let position = [position[0] + way[0] * ticks, position[1] + way[1] * ticks];
+                Pose { position, angle: wrapped(angle + turn * ticks) }
+            }
+        }
+    }
+}

@@ -1,0 +1,150 @@
+//! Where a body is, in floats.
+
+use core::f64::consts::{PI, TAU};
+
+use crate::scalar::{Scalar, ToF64};
+use crate::world::BodyRef;
+
+/// Where a body is and how far it is turned, for drawing.
+///
+/// A single has 24 bits: 10 km from the origin its steps are a millimetre. What is drawn in singles is better first put
+/// [relative](Self::relative_to) to the camera, in doubles.
+///
+/// ```
+/// use umbra_physics::{BodyDef, Fx, Pose, World, WorldDef, vec2};
+///
+/// let mut world: World = World::new(WorldDef::default())?;
+/// let def = BodyDef { position: vec2(100_000_003, 4), angle: Fx::FRAC_PI_2, ..BodyDef::dynamic() };
+/// let body = world.add_body(def)?;
+/// let pose = Pose::of(&world.body(body)?);
+/// assert_eq!(pose.position, [100_000_003.0, 4.0]);
+/// assert_eq!(pose.relative_to([100_000_000.0, 0.0]).to_f32().position, [3.0f32, 4.0]);
+/// // A point of the body, in its own axes.
+/// let [x, y] = pose.point([1.0, 0.0]);
+/// assert!((x - 100_000_003.0).abs() < 1e-7 && (y - 5.0).abs() < 1e-7);
+/// # Ok::<(), umbra_physics::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Pose<T = f64> {
+    /// Where the centre of mass is, m.
+    pub position: [T; 2],
+    /// How far it is turned, rad, in [0, 2π); a single may be 2π itself.
+    pub angle: T,
+}
+
+impl Pose {
+    /// At the origin, not turned.
+    pub const ORIGIN: Self = Self { position: [0.0; 2], angle: 0.0 };
+
+    /// Where a body is at the tick of its world.
+    #[must_use]
+    pub fn of<S: Scalar + ToF64>(body: &BodyRef<'_, S>) -> Self {
+        let at = body.position();
+        Self { position: [at.x.to_f64(), at.y.to_f64()], angle: body.angle().to_f64() }
+    }
+
+    /// The same, rounded to singles.
+    #[must_use]
+    pub const fn to_f32(self) -> Pose<f32> {
+        let Self { position: [x, y], angle } = self;
+        Pose { position: [x as f32, y as f32], angle: angle as f32 }
+    }
+
+    /// The same from another origin, m: that of a camera.
+    #[must_use]
+    pub fn relative_to(self, [x, y]: [f64; 2]) -> Self {
+        Self { position: [self.position[0] - x, self.position[1] - y], angle: self.angle }
+    }
+
+    /// Where a point of the body is that is `at` this point of its own axes, from its centre of mass, m.
+    #[must_use]
+    pub fn point(self, at: [f64; 2]) -> [f64; 2] {
+        Placed::at(self).point(at)
+    }
+
+    /// The way from one pose to another at a share of it from 0 to 1, turned the short way round. At the ends it is exactly
+    /// theirs, and where they are equal it stays.
+    #[must_use]
+    pub fn between(self, other: Self, share: f64) -> Self {
+        let turn = other.angle - self.angle;
+        let turn = if turn > PI {
+            turn - TAU
+        } else if turn < -PI {
+            turn + TAU
+        } else {
+            turn
+        };
+        let [x, y] = [0, 1].map(|i| mix(self.position[i], other.position[i], share));
+        let angle = if share < 1.0 { wrapped(self.angle + turn * share) } else { other.angle };
+        Self { position: [x, y], angle }
+    }
+}
+
+/// From a to b, from the nearer end: exactly a at 0, b at 1.
+fn mix(a: f64, b: f64, share: f64) -> f64 {
+    if share < 0.5 { a + (b - a) * share } else { b - (b - a) * (1.0 - share) }
+}
+
+/// An angle of at most a turn more or less, or of any size, within [0, 2π).
+pub(super) fn wrapped(angle: f64) -> f64 {
+    let rest = angle % TAU;
+    let rest = if rest < 0.0 { rest + TAU } else { rest };
+    // A tiny negative one rounds up to the whole turn.
+    if rest < TAU { rest } else { 0.0 }
+}
+
+/// A pose with its sine and cosine.
+#[derive(Clone, Copy)]
+pub(super) struct Placed {
+    pub(super) pose: Pose,
+    sin: f64,
+    cos: f64,
+}
+
+impl Placed {
+    pub(super) fn at(pose: Pose) -> Self {
+        Self { pose, sin: libm::sin(pose.angle), cos: libm::cos(pose.angle) }
+    }
+
+    pub(super) fn turned(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        [x * self.cos - y * self.sin, x * self.sin + y * self.cos]
+    }
+
+    pub(super) fn point(&self, at: [f64; 2]) -> [f64; 2] {
+        let [x, y] = self.turned(at);
+        [self.pose.position[0] + x, self.pose.position[1] + y]
+    }
+
+    /// The pose of a part of the body.
+    pub(super) fn part(&self, at: [f64; 2], angle: f64) -> Self {
+        Self::at(Pose { position: self.point(at), angle: wrapped(self.pose.angle + angle) })
+    }
+}
+
+/// As a matrix of homogeneous coordinates, to multiply column vectors by.
+#[cfg(feature = "mint")]
+impl From<Pose> for mint::ColumnMatrix3<f64> {
+    fn from(pose: Pose) -> Self {
+        let (sin, cos, [x, y]) = (libm::sin(pose.angle), libm::cos(pose.angle), pose.position);
+        let column = |x, y, z| mint::Vector3 { x, y, z };
+        Self { x: column(cos, sin, 0.0), y: column(-sin, cos, 0.0), z: column(x, y, 1.0) }
+    }
+}
+
+/// As a matrix of homogeneous coordinates, to multiply column vectors by.
+#[cfg(feature = "mint")]
+impl From<Pose<f32>> for mint::ColumnMatrix3<f32> {
+    fn from(pose: Pose<f32>) -> Self {
+        let (sin, cos, [x, y]) = (libm::sinf(pose.angle), libm::cosf(pose.angle), pose.position);
+        let column = |x, y, z| mint::Vector3 { x, y, z };
+        Self { x: column(cos, sin, 0.0), y: column(-sin, cos, 0.0), z: column(x, y, 1.0) }
+    }
+}
+
+/// Where it is.
+#[cfg(feature = "mint")]
+impl<T> From<Pose<T>> for mint::Point2<T> {
+    fn from(pose: Pose<T>) -> Self {
+        pose.position.into()
+    }
+}
