@@ -71,6 +71,22 @@ fn a_pose_between_two_ticks_is_exact_at_both_and_half_way_between() {
 }
 
 #[test]
+fn the_ends_of_a_blend_are_exact_where_sums_of_doubles_round() {
+    let poses = [
+        Pose { position: [0.1, -1e9 / 7.0], angle: 0.1 },
+        Pose { position: [1e9 / 3.0, 0.7], angle: 6.2 },
+        Pose { position: [-1e-9, 1e5 / 3.0], angle: 3.3 },
+    ];
+    for (a, b) in poses.iter().flat_map(|a| poses.iter().map(move |b| (*a, *b))) {
+        assert_eq!((a.between(b, 0.0), a.between(b, 1.0)), (a, b));
+        (0..100).for_each(|share| assert_eq!(a.between(a, f64::from(share) / 100.0), a));
+    }
+    // One addition does not do.
+    let [a, b] = [poses[1].position[0], poses[0].position[0]];
+    assert_ne!(a + (b - a), b);
+}
+
+#[test]
 fn beyond_the_last_tick_a_body_goes_on_at_its_velocity() {
     let (mut world, body, mut interpolation) = watched();
     world.set_velocity(body, vec2(0, -120)).expect("it is there");
@@ -163,8 +179,8 @@ fn a_body_that_is_new_is_where_it_is_also_in_the_slot_of_another() {
     step(&mut world, &mut interpolation);
     assert!(is_where_it_is(&world, &interpolation, reused) && !is_where_it_is(&world, &interpolation, next));
     assert_eq!(interpolation.pose(body, part(1, 2)), None);
-    // One that is gone without another in its place, at the end and before it.
-    for gone in [next, reused] {
+    // One that is gone without another in its place, before others and at the end.
+    for gone in [reused, next] {
         world.remove_body(gone).expect("it is there");
         step(&mut world, &mut interpolation);
         assert_eq!(interpolation.pose(gone, part(1, 2)), None);
@@ -200,6 +216,10 @@ fn a_past_that_is_no_more_is_not_blended_from() {
     assert!(is_where_it_is(&world, &interpolation, body));
     step(&mut world, &mut interpolation);
     assert!(!is_where_it_is(&world, &interpolation, body));
+    interpolation.clear();
+    assert_eq!(interpolation.pose(body, part(1, 2)), None);
+    interpolation.look(&world);
+    assert!(is_where_it_is(&world, &interpolation, body));
     interpolation.clear();
     step(&mut world, &mut interpolation);
     assert!(is_where_it_is(&world, &interpolation, body));

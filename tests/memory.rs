@@ -264,6 +264,22 @@ fn events_take_nothing_from_the_heap_a_second_time() {
     assert_eq!(told, 20 * (50 + 200));
 }
 
+#[test]
+fn bodies_that_come_and_go_without_a_step_take_nothing_for_good() {
+    let mut world = world(Integrator::VelocityVerlet);
+    discs(&mut world, 20);
+    world.step();
+    let mut come_and_go = |times: u32| {
+        for _ in 0..times {
+            let body = world.add_body(BodyDef::dynamic()).expect("a fair body");
+            world.remove_body(body).expect("it is there");
+        }
+    };
+    come_and_go(100);
+    let taken = measure(|| come_and_go(10_000));
+    assert_eq!(taken.bytes_current, 0);
+}
+
 /// What players do that adds and removes nothing.
 fn pushes(ids: &[BodyId], tick: u64) -> impl Iterator<Item = Command> {
     let pushed = ids.iter().skip(tick as usize % 7).step_by(7);

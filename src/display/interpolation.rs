@@ -49,21 +49,21 @@ struct Seen {
 /// interpolation.look(&world);
 /// let mut shown = Vec::new();
 /// for frame in 0..6 {
-///     // What arrived late: here at the frame 4, that the ball had been stopped in tick 1.
+///     // What arrived late: here in frame 4, that the ball was stopped in tick 1.
 ///     if frame == 4 {
 ///         let stop = Command::SetVelocity { body: ball, velocity: vec2(0, 0) };
 ///         history.correct(&mut world, 1, 1, [stop], |tick| interpolation.look(tick.world))?;
 ///     }
 ///     // As many ticks as there is time for: a display of 120 Hz.
-///     for _ in 0..pacer.frame(8_333_333).ticks {
+///     for _ in 0..pacer.frame(8_333_334).ticks {
 ///         history.advance(&mut world, &Inputs::new());
 ///         interpolation.look(&world);
 ///     }
 ///     let at = Blend::Interpolated(pacer.remainder());
 ///     shown.push(interpolation.pose(ball, at).expect("it is there").position[0]);
 /// }
-/// // Half a tick is 5 cm. A tick late; then back to where it was stopped.
-/// let expected = [0.0, 0.0, 0.0, 0.05, 0.1, 0.1];
+/// // Half a tick is 5 cm. Shown a tick late; then it is found where it was stopped.
+/// let expected = [0.0, 0.0, 0.05, 0.1, 0.1, 0.1];
 /// assert!(shown.iter().zip(expected).all(|(x, expected)| (x - expected).abs() < 1e-6), "{shown:?}");
 /// # Ok::<(), umbra_physics::Error>(())
 /// ```

@@ -97,6 +97,8 @@ pub(crate) struct Journal {
     /// What calls did since the last step, and before it.
     pending: Deeds,
     pub(crate) reported: Deeds,
+    /// Whether there may be any of either.
+    has_deeds: bool,
     /// How the body of a slot is listed in what is pending; the slots that are missing are not.
     marks: Vec<u8>,
     /// By slot, for bodies that no step moves: the tick since which one is as it is. The slots that are missing have 0.
@@ -135,6 +137,7 @@ impl Journal {
         self.unmark();
         self.pending.clone_from(&source.pending);
         self.reported.clone_from(&source.reported);
+        self.has_deeds = source.has_deeds;
         self.stamps.clone_from(&source.stamps);
         self.tick = source.tick;
         self.mark();
@@ -172,6 +175,7 @@ impl Journal {
             added.retain(|&body| bodies.find(body).is_ok());
         }
         added.push(body);
+        self.has_deeds = true;
         *at(&mut self.marks, body.slot) = ADDED;
     }
 
@@ -179,6 +183,7 @@ impl Journal {
         let mark = mem::take(at(&mut self.marks, body.slot));
         if mark & ADDED == 0 {
             self.pending.removed.push(body);
+            self.has_deeds = true;
         }
     }
 
@@ -187,6 +192,7 @@ impl Journal {
         if *mark == 0 {
             *mark = PLACED;
             self.pending.placed.push(body);
+            self.has_deeds = true;
         }
     }
 
@@ -196,19 +202,33 @@ impl Journal {
     }
 
     /// A step begins, to this tick.
+    #[inline]
     pub(super) fn begin<S: Scalar>(&mut self, tick: u64, bodies: &Bodies<S>) {
         self.tick = tick;
-        if self.pending.is_empty() && self.reported.is_empty() {
-            return;
+        if self.has_deeds {
+            self.report(bodies);
         }
+    }
+
+    #[cold]
+    fn report<S: Scalar>(&mut self, bodies: &Bodies<S>) {
         self.unmark();
         mem::swap(&mut self.pending, &mut self.reported);
         self.pending.clear();
         self.reported.tidy(bodies);
+        self.has_deeds = !self.reported.is_empty();
     }
 
-    /// What the step ended with no step moves on.
+    /// What a step ends with no step moves on.
+    #[inline]
     pub(super) fn end(&mut self, faults: &[Fault], fell_asleep: &[BodyId]) {
+        if !(faults.is_empty() && fell_asleep.is_empty()) {
+            self.stop(faults, fell_asleep);
+        }
+    }
+
+    #[cold]
+    fn stop(&mut self, faults: &[Fault], fell_asleep: &[BodyId]) {
         for body in faults.iter().map(|fault| fault.body).chain(fell_asleep.iter().copied()) {
             *at(&mut self.stamps, body.slot) = self.tick;
         }
