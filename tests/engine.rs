@@ -24,6 +24,7 @@ mod order;
 mod pacing;
 mod paths;
 mod random;
+mod readers;
 mod reverse;
 mod rollback;
 #[cfg(feature = "cli")]

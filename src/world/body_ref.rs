@@ -1,7 +1,7 @@
 //! Reading bodies.
 
 use super::World;
-use crate::body::{Activity, BodyKind, Card, Key};
+use crate::body::{Activity, BodyKind, Card, Key, Mass};
 use crate::error::Error;
 use crate::handle::BodyId;
 use crate::math::{Rot, Vec2};
@@ -131,6 +131,79 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
         self.world.bodies.columns.motion.spin[self.dense]
     }
 
+    /// The velocity of a point of the world that moves with it, m/s: v + ω × (point − x) of the public values, exact and
+    /// rounded once, to nearest, ties to even; `None` if a component does not fit. *Error* ½ ulp.
+    #[must_use]
+    pub fn velocity_at(&self, point: Vec2<S>) -> Option<Vec2<S>> {
+        let (centre, v) = (self.position(), self.velocity());
+        let spin = S::Wide::from_scalar(self.angular_velocity());
+        let component = |v: S, passing: Option<S::Wide>| S::Wide::from_scalar(v).plus(passing?)?.to_scalar();
+        // Both are multiples of an ulp, so that their products are multiples of 2^-64: nothing rounds before the sum does.
+        Some(Vec2::new(
+            component(v.x, S::torque(point.y.offset(centre.y), spin).map(S::Wide::negated))?,
+            component(v.y, S::torque(point.x.offset(centre.x), spin))?,
+        ))
+    }
+
+    /// Where in the world a point of the body is, m; `local` is in the body's axes, from its centre of mass. `None` if a
+    /// component does not fit. *Error* ½ ulp, and 2^-60 of the distance from the centre.
+    #[must_use]
+    pub fn world_point(&self, local: Vec2<S>) -> Option<Vec2<S>> {
+        let (centre, (x, y)) = (self.position(), self.angle_exact().rotate(local.x, local.y)?);
+        let component = |centre: S, arm: S::Wide| S::Wide::from_scalar(centre).plus(arm)?.to_scalar();
+        Some(Vec2::new(component(centre.x, x)?, component(centre.y, y)?))
+    }
+
+    /// Where a point of the world is on the body, m, in the body's axes from its centre of mass. `None` if a component, or
+    /// one of the way from the centre, does not fit. *Error* ½ ulp, and 2^-60 of the distance from the centre.
+    #[must_use]
+    pub fn local_point(&self, world: Vec2<S>) -> Option<Vec2<S>> {
+        let centre = self.position();
+        self.local_vector(Vec2::new(world.x.offset(centre.x).to_scalar()?, world.y.offset(centre.y).to_scalar()?))
+    }
+
+    /// A vector in the body's axes as the world sees it; `None` if a component does not fit. *Error* ½ ulp, and 2^-60 of its
+    /// length.
+    #[must_use]
+    pub fn world_vector(&self, local: Vec2<S>) -> Option<Vec2<S>> {
+        let (x, y) = self.angle_exact().rotate(local.x, local.y)?;
+        Some(Vec2::new(x.to_scalar()?, y.to_scalar()?))
+    }
+
+    /// A vector of the world in the body's axes; `None` if a component does not fit, or `y` has no opposite. *Error* ½ ulp,
+    /// and 2^-60 of its length.
+    #[must_use]
+    pub fn local_vector(&self, world: Vec2<S>) -> Option<Vec2<S>> {
+        // The other way round by the same sine and cosine: mirrored, turned, mirrored.
+        let mirrored = S::ZERO.offset(world.y).to_scalar()?;
+        let (x, y) = self.angle_exact().rotate(world.x, mirrored)?;
+        Some(Vec2::new(x.to_scalar()?, y.negated().to_scalar()?))
+    }
+
+    /// Its part of the world's [`kinetic_energy`](World::kinetic_energy), J: zero unless it is dynamic and takes part.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] with [`Quantity::Total`](crate::Quantity::Total) beyond 2^63 J.
+    pub fn kinetic_energy(&self) -> Result<S::Wide, Error> {
+        self.world.kinetic_energy_of(self.dense)
+    }
+
+    /// Its part of the world's [`momentum`](World::momentum), kg·m/s, exact for the public velocity: zero unless it is
+    /// dynamic and takes part.
+    #[must_use]
+    pub fn momentum(&self) -> Vec2<S::Wide> {
+        self.world.momentum_of(self.dense)
+    }
+
+    /// Its part of the world's [`angular_momentum`](World::angular_momentum), about the origin of the world, kg·m²/s: zero
+    /// unless it is dynamic and takes part.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] with [`Quantity::Total`](crate::Quantity::Total) beyond 2^63.
+    pub fn angular_momentum(&self) -> Result<S::Wide, Error> {
+        self.world.angular_momentum_of(self.dense)
+    }
+
     /// What moves it.
     #[must_use]
     pub fn kind(&self) -> BodyKind {
@@ -147,6 +220,12 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
     #[must_use]
     pub fn mass(&self) -> Option<S> {
         (self.kind() == BodyKind::Dynamic).then_some(self.card().kilograms())
+    }
+
+    /// What its mass and moment of inertia come from: what was given, to the bit, also while it is not dynamic.
+    #[must_use]
+    pub fn mass_def(&self) -> Mass<S> {
+        self.card().mass
     }
 
     /// Its moment of inertia, kg·m²; `None` if it is infinite. *Error* 2^-58 relative.

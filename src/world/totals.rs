@@ -68,12 +68,11 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::OutOfRange`] with [`Quantity::Total`] beyond 2^63.
     pub fn momentum(&self) -> Result<Vec2<S::Wide>, Error> {
-        let columns = &self.bodies.columns;
         let (mut x, mut y) = (S::Sum::default(), S::Sum::default());
         for i in self.counted_bodies() {
-            let (mass, velocity) = (self.bodies.card(i).kilograms(), columns.motion.velocity.get(i));
-            x.add(mass.product(velocity.x.value()));
-            y.add(mass.product(velocity.y.value()));
+            let own = self.momentum_of(i);
+            x.add(own.x);
+            y.add(own.y);
         }
         Ok(Vec2::new(total::<S>(Some(x))?, total::<S>(Some(y))?))
     }
@@ -84,31 +83,56 @@ impl<S: Scalar> World<S> {
     /// [`Error::OutOfRange`] with [`Quantity::Total`] beyond 2^63.
     pub fn angular_momentum(&self) -> Result<S::Wide, Error> {
         let mut sum = S::Sum::default();
-        let mut add = |i: usize| {
-            let (motion, card) = (&self.bodies.columns.motion, self.bodies.card(i));
-            let (x, v) =
-                (motion.position.get(i).map(Accumulator::value), motion.velocity.get(i).map(Accumulator::value));
-            let spin = motion.spin[i].value();
-            sum.add(x.cross(v)?.times(S::Factor::from_scalar(card.kilograms()))?);
-            sum.add(S::Wide::from_factor(card.inertia().times(S::Factor::from_scalar(spin)), spin < S::ZERO)?);
-            Some(())
-        };
-        let all: Option<()> = self.counted_bodies().try_for_each(&mut add);
+        let all = self.counted_bodies().try_for_each(|i| self.add_angular_momentum_of(i, &mut sum));
         total::<S>(all.map(|()| sum))
     }
 
-    fn add_kinetic(&self, sum: &mut S::Sum) -> Option<()> {
-        let half = S::Factor::from_ratio(1, 2);
+    /// The terms of one body in the totals; all zero for one that is not counted there.
+    pub(super) fn kinetic_energy_of(&self, i: usize) -> Result<S::Wide, Error> {
+        let counts = self.counts(i);
+        let energy = if counts { self.kinetic_term(i) } else { Some(S::Wide::default()) };
+        energy.ok_or(Error::OutOfRange { quantity: Quantity::Total })
+    }
+
+    /// m·v of one body, exactly: zero of one without a mass.
+    pub(super) fn momentum_of(&self, i: usize) -> Vec2<S::Wide> {
+        if !self.counts(i) {
+            return Vec2::default();
+        }
+        let (mass, velocity) = (self.bodies.card(i).kilograms(), self.bodies.columns.motion.velocity.get(i));
+        velocity.map(|v| mass.product(v.value()))
+    }
+
+    pub(super) fn angular_momentum_of(&self, i: usize) -> Result<S::Wide, Error> {
+        let mut sum = S::Sum::default();
+        let added = if self.counts(i) { self.add_angular_momentum_of(i, &mut sum) } else { Some(()) };
+        total::<S>(added.map(|()| sum))
+    }
+
+    fn add_angular_momentum_of(&self, i: usize, sum: &mut S::Sum) -> Option<()> {
+        let (motion, card) = (&self.bodies.columns.motion, self.bodies.card(i));
+        let (x, v) = (motion.position.get(i).map(Accumulator::value), motion.velocity.get(i).map(Accumulator::value));
+        let spin = motion.spin[i].value();
+        sum.add(x.cross(v)?.times(S::Factor::from_scalar(card.kilograms()))?);
+        sum.add(S::Wide::from_factor(card.inertia().times(S::Factor::from_scalar(spin)), spin < S::ZERO)?);
+        Some(())
+    }
+
+    fn kinetic_term(&self, i: usize) -> Option<S::Wide> {
         let square = |v: S::Accumulator| {
             let v = S::Factor::from_scalar(v.value());
             v.times(v)
         };
+        let (motion, card) = (&self.bodies.columns.motion, self.bodies.card(i));
+        let moving = square(motion.velocity.x[i]).plus(square(motion.velocity.y[i]));
+        let turning = square(motion.spin[i]).times(card.inertia());
+        let twice = moving.times(S::Factor::from_scalar(card.kilograms())).plus(turning);
+        S::Wide::from_factor(twice.times(S::Factor::from_ratio(1, 2)), false)
+    }
+
+    fn add_kinetic(&self, sum: &mut S::Sum) -> Option<()> {
         for i in self.counted_bodies() {
-            let (motion, card) = (&self.bodies.columns.motion, self.bodies.card(i));
-            let moving = square(motion.velocity.x[i]).plus(square(motion.velocity.y[i]));
-            let turning = square(motion.spin[i]).times(card.inertia());
-            let twice = moving.times(S::Factor::from_scalar(card.kilograms())).plus(turning);
-            sum.add(S::Wide::from_factor(twice.times(half), false)?);
+            sum.add(self.kinetic_term(i)?);
         }
         Some(())
     }
@@ -173,9 +197,11 @@ impl<S: Scalar> World<S> {
 
     /// The dynamic bodies that take part, in the order of their slots.
     fn counted_bodies(&self) -> impl Iterator<Item = usize> {
-        self.bodies.in_order().filter(|&i| {
-            self.bodies.card(i).kind == BodyKind::Dynamic && self.bodies.activity(i) != Activity::Quarantined
-        })
+        self.bodies.in_order().filter(|&i| self.counts(i))
+    }
+
+    fn counts(&self, i: usize) -> bool {
+        self.bodies.card(i).kind == BodyKind::Dynamic && self.bodies.activity(i) != Activity::Quarantined
     }
 }
 

@@ -1,0 +1,236 @@
+//! What a body is read as: points, vectors and velocities against their exact values, and the terms of totals.
+
+#[path = "support/random.rs"]
+mod random;
+#[path = "support/real.rs"]
+mod real;
+
+use random::SplitMix;
+use real::{PRECISION, Real, TAU, exact, units};
+use umbra_physics::scalar::{Angle as _, FxSum, Sum as _};
+use umbra_physics::{
+    BodyDef, BodyId, BodyKind, Error, Fx, FxFactor, FxWide, Mass, Quantity, Shape, Turn, Vec2, World, WorldDef, fx,
+    limits, vec2,
+};
+
+const CASES: usize = if cfg!(debug_assertions) { 300 } else { 6_000 };
+
+fn number(random: &mut SplitMix, log2: i64) -> Fx {
+    let most = 1 << (32 + random.between(-8, log2));
+    Fx::from_bits(random.between(-most, most))
+}
+
+fn vector(random: &mut SplitMix, log2: i64) -> Vec2 {
+    Vec2::new(number(random, log2), number(random, log2))
+}
+
+/// Sine and cosine of an angle as it is kept.
+fn sin_cos(angle: Turn) -> (Real, Real) {
+    (units(angle.to_bits(), 64) * &*TAU).with_precision(PRECISION).value().sin_cos()
+}
+
+/// How far a number is from the exact one, in ulps beyond the half that rounding once takes, in units of 2^-60 of a length.
+fn check(found: Option<Vec2>, [x, y]: [Real; 2], length: &Real, what: &str) {
+    let half = units(1, 33);
+    let bound = &half + (length.clone() >> 60);
+    match found {
+        Some(found) => {
+            for (found, right) in [(found.x, x), (found.y, y)] {
+                let off = exact(found) - &right;
+                let off = if off < units(0, 0) { -off } else { off };
+                assert!(off <= bound, "{what}: {found} for {right}");
+            }
+        }
+        None => {
+            // What is refused does not fit, to within the error of what was computed.
+            let most = exact(Fx::MAX) - &bound;
+            let beyond = |c: &Real| *c > most || -c.clone() > most;
+            assert!(beyond(&x) || beyond(&y), "{what}: refused ({x}, {y})");
+        }
+    }
+}
+
+/// At least the length of a vector, at most twice.
+fn length(v: [&Real; 2]) -> Real {
+    let size = |c: &Real| if *c < units(0, 0) { -c.clone() } else { c.clone() };
+    size(v[0]) + size(v[1])
+}
+
+#[test]
+fn points_and_vectors_are_within_their_bound_of_the_exact_ones() {
+    let mut random = SplitMix(0x0b0d_1e50_0000_0001);
+    let mut world: World = World::new(WorldDef { sleep_after: None, ..WorldDef::default() }).expect("a world");
+    let body = world.add_body(BodyDef { velocity: vec2(1, -2), angular_velocity: fx!(3), ..BodyDef::dynamic() });
+    let body = body.expect("a body");
+    let mut refused = 0;
+    for case in 0..CASES {
+        let far = if case % 16 == 0 { 30 } else { 20 };
+        world.set_position(body, vector(&mut random, far.min(29))).expect("inside");
+        world.set_angle(body, number(&mut random, 30)).expect("an angle");
+        world.set_velocity(body, vector(&mut random, 19)).expect("inside");
+        world.set_angular_velocity(body, number(&mut random, 19)).expect("inside");
+        world.step();
+        let at = world.body(body).expect("it is there");
+        let (sin, cos) = sin_cos(at.angle_exact());
+        let (centre, v) = (at.position(), at.velocity());
+        let p = if case % 64 == 0 { Vec2::new(Fx::MAX, Fx::MIN) } else { vector(&mut random, far) };
+        let [x, y] = [p.x, p.y].map(exact);
+        let own = length([&x, &y]);
+        let turned = [&x * &cos - &y * &sin, &x * &sin + &y * &cos];
+        check(at.world_vector(p), turned.clone(), &own, "world_vector");
+        let [right, up] = turned;
+        check(at.world_point(p), [exact(centre.x) + right, exact(centre.y) + up], &own, "world_point");
+        if p.y != Fx::MIN {
+            check(at.local_vector(p), [&x * &cos + &y * &sin, &y * &cos - &x * &sin], &own, "local_vector");
+        }
+        let [x, y] = [&x - exact(centre.x), &y - exact(centre.y)];
+        let spin = exact(at.angular_velocity());
+        let moves = [exact(v.x) - &spin * &y, exact(v.y) + &spin * &x];
+        check(at.velocity_at(p), moves, &units(0, 0), "velocity_at");
+        refused += usize::from(at.velocity_at(p).is_none());
+        match (p.x.checked_sub(centre.x), p.y.checked_sub(centre.y)) {
+            (Some(_), Some(across)) if across != Fx::MIN => {
+                let local = [&x * &cos + &y * &sin, &y * &cos - &x * &sin];
+                check(at.local_point(p), local, &length([&x, &y]), "local_point");
+            }
+            _ => assert_eq!(at.local_point(p), None),
+        }
+    }
+    assert!(refused > CASES / 50 && refused < CASES / 2, "{refused} of {CASES} velocities did not fit");
+}
+
+#[test]
+fn a_quarter_turn_is_exact() {
+    let mut world: World = World::new(WorldDef::default()).expect("a world");
+    let def = BodyDef { position: vec2(5, -7), velocity: vec2(1, 2), angular_velocity: fx!(3), ..BodyDef::dynamic() };
+    let body = world.add_body(def).expect("a body");
+    let at = world.body(body).expect("it is there");
+    assert_eq!(at.world_point(vec2(2, 3)), Some(vec2(7, -4)));
+    assert_eq!(at.local_point(vec2(7, -4)), Some(vec2(2, 3)));
+    assert_eq!(at.velocity_at(vec2(7, -4)), Some(vec2(1 - 9, 2 + 6)));
+    assert_eq!(at.velocity_at(at.position()), Some(at.velocity()));
+    assert_eq!(at.local_vector(Vec2::new(Fx::ZERO, Fx::MIN)), None, "it has no opposite");
+    // 2^-32 rad/s times 2^-32 m, a hundred times, is far below an ulp: rounded once, not a hundred times.
+    let mut slow = world.clone();
+    slow.set_angular_velocity(body, Fx::DELTA).expect("it turns");
+    let at = slow.body(body).expect("it is there");
+    assert_eq!(at.velocity_at(Vec2::new(fx!(5.5), fx!(-7))), Some(vec2(1, 2)), "half an ulp goes to the even one");
+    assert_eq!(at.velocity_at(Vec2::new(fx!(6.5), fx!(-7))).map(|v| v.y), Some(fx!(2) + Fx::DELTA + Fx::DELTA));
+}
+
+#[test]
+fn the_terms_of_bodies_sum_to_the_totals() {
+    let mut random = SplitMix(0x0b0d_1e50_0000_0002);
+    let mut world: World = World::new(WorldDef { sleep_after: None, ..WorldDef::default() }).expect("a world");
+    let kinds = [BodyKind::Dynamic, BodyKind::Dynamic, BodyKind::Dynamic, BodyKind::Kinematic, BodyKind::Static];
+    let mut leaver: Option<BodyId> = None;
+    for case in 0..40 {
+        let kind = kinds[case % 5];
+        let moves = kind != BodyKind::Static;
+        let def = BodyDef {
+            kind,
+            position: vector(&mut random, 10),
+            velocity: if moves { vector(&mut random, 8) } else { Vec2::ZERO },
+            angular_velocity: if moves { number(&mut random, 8) } else { Fx::ZERO },
+            shape: (case % 3 == 0).then(|| Shape::circle(fx!(0.5)).expect("a circle")),
+            mass: Mass::Of(Fx::from_bits(random.between(1 << 16, 1 << 40))),
+            ..BodyDef::dynamic()
+        };
+        world.add_body(def).expect("a body");
+        if case == 20 {
+            let def = BodyDef { position: vec2(1_073_741_823, 0), velocity: vec2(900_000, 0), ..BodyDef::dynamic() };
+            leaver = world.add_body(def).ok();
+        }
+    }
+    for _ in 0..4 {
+        world.step();
+        let (mut energy, mut turns) = (FxSum::default(), FxSum::default());
+        let mut momentum = Vec2::<FxSum>::default();
+        for body in world.bodies() {
+            let counts = body.kind() == BodyKind::Dynamic && Some(body.id()) != leaver;
+            assert_eq!(body.kinetic_energy() != Ok(FxWide::default()), counts, "{}", body.id());
+            energy.add(body.kinetic_energy().expect("it fits"));
+            turns.add(body.angular_momentum().expect("it fits"));
+            momentum.x.add(body.momentum().x);
+            momentum.y.add(body.momentum().y);
+        }
+        assert_eq!(energy.total(), world.kinetic_energy().ok());
+        assert_eq!(turns.total(), world.angular_momentum().ok());
+        assert_eq!(momentum.try_map(FxSum::total), world.momentum().ok());
+    }
+}
+
+/// What does not fit into a total does not fit alone either.
+#[test]
+fn a_term_that_does_not_fit_is_refused() {
+    let mut world: World = World::new(WorldDef::default()).expect("a world");
+    let def = BodyDef { velocity: vec2(1 << 20, 1 << 20), mass: Mass::Of(limits::MASS_MAX), ..BodyDef::dynamic() };
+    let body = world.add_body(def).expect("a body");
+    let out = Err(Error::OutOfRange { quantity: Quantity::Total });
+    assert_eq!(world.body(body).expect("it is there").kinetic_energy(), out);
+    assert_eq!(world.kinetic_energy(), out);
+    assert_eq!(world.body(body).expect("it is there").momentum().x.to_string(), (1u64 << 44).to_string());
+}
+
+#[test]
+fn masses_are_read_as_they_were_given() {
+    let mut world: World = World::new(WorldDef::default()).expect("a world");
+    let disc = Some(Shape::circle(fx!(0.3)).expect("a circle"));
+    let given = [
+        Mass::Of(fx!(0.1)),
+        Mass::WithInertia(fx!(0.3), fx!(0.7)),
+        Mass::Density(fx!(2.7)),
+        Mass::WithInertia(limits::MASS_MIN, Fx::DELTA),
+    ];
+    for kind in [BodyKind::Dynamic, BodyKind::Kinematic, BodyKind::Static] {
+        for mass in given {
+            let body = world.add_body(BodyDef { kind, mass, shape: disc.clone(), ..BodyDef::dynamic() });
+            let body = body.expect("a body");
+            assert_eq!(world.body(body).expect("it is there").mass_def(), mass);
+            world.set_mass(body, Mass::WithInertia(fx!(0.2), fx!(0.6))).expect("a mass");
+            let there = umbra_physics::Snapshot::from_bytes(&world.snapshot().to_bytes(), &[]).expect("sound");
+            let read = there.world().body(body).expect("it is there").mass_def();
+            assert_eq!(read, Mass::WithInertia(fx!(0.2), fx!(0.6)));
+        }
+    }
+}
+
+/// Exact decimals: the text of a total is the total.
+#[test]
+fn totals_print_exactly() {
+    let mut random = SplitMix(0x0b0d_1e50_0000_0003);
+    for _ in 0..CASES {
+        let bits = (i128::from(random.next() as i64) << 64 | i128::from(random.next())) >> random.between(0, 127);
+        let text = FxWide::from_bits(bits).to_string();
+        let (whole, fraction) = text.split_once('.').unwrap_or((&text, ""));
+        let digits: dashu_int::IBig = format!("{whole}{fraction}").parse().expect("a decimal");
+        // text · 10^n · 2^64 = bits · 10^n
+        let ten = dashu_int::IBig::from(10).pow(fraction.len());
+        assert_eq!(digits << 64, dashu_int::IBig::from(bits) * ten, "{text}");
+        assert_eq!(Vec2::new(FxWide::from_bits(bits), FxWide::default()).to_string(), format!("({text}, 0)"));
+    }
+    let energy: FxFactor = umbra_physics::scalar::Factor::from_ratio(1, 64);
+    assert_eq!(energy.to_string(), "0.015625");
+}
+
+#[cfg(feature = "float")]
+#[test]
+fn floats_read_alike() {
+    let mut world: World<f64> = World::new(WorldDef::default()).expect("a world");
+    let def = BodyDef {
+        position: Vec2::new(1.0, 2.0),
+        angular_velocity: 2.0,
+        velocity: Vec2::new(3.0, 4.0),
+        ..BodyDef::dynamic()
+    };
+    let body = world.add_body(BodyDef { mass: Mass::WithInertia(3.0, 5.0), angle: 0.5, ..def }).expect("a body");
+    let at = world.body(body).expect("it is there");
+    let there = at.world_point(Vec2::new(0.25, 0.5)).expect("it fits");
+    let back = at.local_point(there).expect("it fits");
+    assert!((back.x - 0.25).abs() < 1e-15 && (back.y - 0.5).abs() < 1e-15);
+    assert_eq!(at.velocity_at(Vec2::new(2.0, 4.0)), Some(Vec2::new(3.0 - 4.0, 4.0 + 2.0)));
+    assert_eq!(at.velocity_at(Vec2::new(f64::INFINITY, 0.0)), None);
+    assert_eq!(at.kinetic_energy(), Ok(0.5 * 3.0 * 25.0 + 0.5 * 5.0 * 4.0));
+    assert_eq!(at.momentum(), Vec2::new(9.0, 12.0));
+    assert_eq!(at.angular_momentum(), world.angular_momentum());
+}
