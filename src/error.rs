@@ -129,6 +129,11 @@ pub enum Error {
         /// Why not.
         why: Irreversible,
     },
+    /// The body is locked along an axis of a velocity.
+    Locked {
+        /// Which velocity: linear or angular.
+        quantity: Quantity,
+    },
 }
 
 /// Why a step cannot be undone.
@@ -369,6 +374,8 @@ impl fmt::Display for Error {
             Self::TickForgotten { tick, oldest } => write!(f, "tick {tick} is forgotten: the oldest kept is {oldest}"),
             Self::TickToCome { tick, present } => write!(f, "tick {tick} is still to come: it is tick {present}"),
             Self::NotReversible { why } => write!(f, "the step cannot be undone: {why}"),
+            Self::Locked { quantity: Quantity::AngularVelocity } => f.write_str("the rotation of the body is locked"),
+            Self::Locked { .. } => f.write_str("the body is locked along an axis of the velocity"),
         }
     }
 }
@@ -394,12 +401,13 @@ codes!(Error {
     TickForgotten = 118,
     TickToCome = 119,
     NotReversible = 120,
+    Locked = 121,
 });
 
 impl core::error::Error for Error {
     fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
         match self {
-            Self::OutOfRange { quantity } => Some(quantity),
+            Self::OutOfRange { quantity } | Self::Locked { quantity } => Some(quantity),
             Self::NotReversible { why } => Some(why),
             _ => None,
         }

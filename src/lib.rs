@@ -77,7 +77,7 @@ mod step;
 mod wire;
 mod world;
 
-pub use body::{Activity, BodyDef, BodyKind, Mass};
+pub use body::{Activity, BodyDef, BodyKind, Locks, Mass};
 #[cfg(feature = "float")]
 pub use display::{Blend, BodyClass, DebugDraw, DrawOptions, Interpolation, Pose, Role};
 pub use display::{Due, Pacer, TickFraction};

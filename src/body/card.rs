@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 
 use super::columns::{NONE, push};
 use super::tuning::Key;
-use super::{BodyDef, BodyKind, Mass, MassProperties, inertia_of, mass_of};
+use super::{BodyDef, BodyKind, Locks, Mass, MassProperties, inertia_of, mass_of};
 use crate::scalar::Scalar;
 use crate::shape::Shape;
 use crate::wire::{Sink, Write as _};
@@ -15,6 +15,7 @@ use crate::wire::{Sink, Write as _};
 #[derive(Clone, Debug)]
 pub(crate) struct Card<S: Scalar> {
     pub(crate) kind: BodyKind,
+    pub(crate) locks: Locks,
     pub(crate) groups: u32,
     pub(crate) key: u64,
     pub(crate) user_data: u64,
@@ -28,6 +29,7 @@ impl<S: Scalar> Card<S> {
     pub(super) fn new(def: &BodyDef<S>, shape: Option<Arc<Shape<S>>>, properties: MassProperties<S>) -> Self {
         Self {
             kind: def.kind,
+            locks: def.locks,
             groups: def.groups,
             key: def.key,
             user_data: def.user_data,
@@ -67,6 +69,7 @@ impl<S: Scalar> Card<S> {
         key.gravity_scale.write(&mut sink);
         key.linear.write(&mut sink);
         key.angular.write(&mut sink);
+        self.locks.write(&mut sink);
         self.shape.write(&mut sink);
         sink.finish()
     }

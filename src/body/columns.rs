@@ -7,7 +7,7 @@ use core::ops::Range;
 use super::card::{Card, Roster};
 use super::motion::{Acceleration, Block, Motion};
 use super::tuning::{Climate, Key, Tunings};
-use super::{Activity, BodyDef, BodyKind, MassProperties};
+use super::{Activity, BodyDef, BodyKind, Locks, MassProperties};
 use crate::error::Error;
 use crate::handle::{BodyId, are_free};
 use crate::limits;
@@ -155,6 +155,14 @@ impl<S: Scalar> Bodies<S> {
         if let Some(old) = old {
             Arc::make_mut(&mut self.roster).shapes.release(&old);
         }
+    }
+
+    /// Locks a body along some axes, unlocks it along the others, and gives it the factors that go with that.
+    pub(crate) fn set_locks(&mut self, dense: usize, tunings: &mut Tunings<S>, locks: Locks, climate: &Climate<'_, S>) {
+        self.columns.motion.lock(dense, locks);
+        self.edit(dense, tunings, |card| card.locks = locks);
+        let key = tunings.rows()[self.columns.tuning[dense] as usize].key;
+        self.retune(dense, tunings, Key { still: [locks.x, locks.y], ..key }, climate);
     }
 
     /// Gives a body the factors that go with a key.
@@ -312,6 +320,7 @@ impl<S: Scalar> Bodies<S> {
             gravity_scale: def.gravity_scale,
             linear: def.linear_damping,
             angular: def.angular_damping,
+            still: [def.locks.x, def.locks.y],
         };
         push(&mut columns.tuning, tunings.acquire(key, climate));
         push(&mut columns.slot, slot);
@@ -374,6 +383,7 @@ impl<S: Scalar> Bodies<S> {
             gravity_scale: key.gravity_scale,
             linear_damping: key.linear,
             angular_damping: key.angular,
+            locks: card.locks,
             groups: card.groups,
             key: card.key,
             user_data: card.user_data,

@@ -11,7 +11,7 @@ use crate::limits;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, Factor, Scalar, fx::Fx};
 use crate::shape::Shape;
-use crate::wire::{wire_enum, wire_struct};
+use crate::wire::{self, Malformed, Out, Read, Reader, Write, wire_enum, wire_struct};
 
 pub(crate) use card::Card;
 pub(crate) use columns::{Bodies, NONE, push};
@@ -47,6 +47,39 @@ pub enum Activity {
     Asleep,
     /// It left the envelope: back at its last good state and out of the simulation, until it is released.
     Quarantined,
+}
+
+/// Which components of a body's velocity are zero and stay zero, whatever acts on it: along such an axis not a bit of its
+/// position changes. The other components move as if the locked ones were at rest by chance.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct Locks {
+    /// The velocity along x.
+    pub x: bool,
+    /// The velocity along y.
+    pub y: bool,
+    /// The angular velocity.
+    pub rotation: bool,
+}
+
+impl Locks {
+    /// It moves freely.
+    pub const NONE: Self = Self { x: false, y: false, rotation: false };
+}
+
+impl Write for Locks {
+    fn write(&self, out: &mut impl Out) {
+        let Self { x, y, rotation } = self;
+        wire::field(out, "x", x);
+        wire::field(out, "y", y);
+        wire::field(out, "rotation", rotation);
+    }
+}
+
+impl Read for Locks {
+    fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {
+        Ok(Self { x: bool::read(reader)?, y: bool::read(reader)?, rotation: bool::read(reader)? })
+    }
 }
 
 /// Where a dynamic body's mass and moment of inertia come from.
@@ -110,6 +143,8 @@ pub struct BodyDef<S: Scalar = Fx> {
     pub linear_damping: Option<S>,
     /// What is left of its angular velocity after a second, 0 to 1, in place of the world's.
     pub angular_damping: Option<S>,
+    /// Which components of its velocity are zero and stay zero.
+    pub locks: Locks,
     /// The groups it is in: a force field with one of these bits acts on it.
     pub groups: u32,
     /// A name of the caller's, by which worlds built in another order are compared.
@@ -136,6 +171,7 @@ wire_struct!(BodyDef {
     gravity_scale,
     linear_damping,
     angular_damping,
+    locks,
     groups,
     key,
     user_data,
@@ -156,6 +192,7 @@ impl<S: Scalar> BodyDef<S> {
             gravity_scale: S::ONE,
             linear_damping: None,
             angular_damping: None,
+            locks: Locks::NONE,
             groups: 1,
             key: 0,
             user_data: 0,
@@ -177,7 +214,8 @@ impl<S: Scalar> BodyDef<S> {
     /// Refuses what a world would.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] naming the quantity; [`Error::NoShape`] for a density without a shape.
+    /// [`Error::OutOfRange`] naming the quantity; [`Error::NoShape`] for a density without a shape; [`Error::Locked`] for a
+    /// velocity along a locked axis.
     pub fn check(&self) -> Result<(), Error> {
         self.checked().map(drop)
     }
@@ -192,6 +230,8 @@ impl<S: Scalar> BodyDef<S> {
         if self.kind == BodyKind::Static && !still {
             return Err(Error::OutOfRange { quantity: Quantity::Velocity });
         }
+        check_unlocked(self.locks, self.velocity)?;
+        check_turning(self.locks, self.angular_velocity)?;
         check_gravity_scale(self.gravity_scale)?;
         self.linear_damping.map_or(Ok(()), check_damping)?;
         self.angular_damping.map_or(Ok(()), check_damping)?;
@@ -287,6 +327,18 @@ pub(crate) fn check_velocity<S: Scalar>(velocity: Vec2<S>) -> Result<(), Error> 
 
 pub(crate) fn check_angular_velocity<S: Scalar>(velocity: S) -> Result<(), Error> {
     check(within(velocity, limits::ANGULAR_SPEED), Quantity::AngularVelocity)
+}
+
+/// Refuses a velocity along a locked axis.
+pub(crate) fn check_unlocked<S: Scalar>(locks: Locks, velocity: Vec2<S>) -> Result<(), Error> {
+    let moves = (locks.x && velocity.x != S::ZERO) || (locks.y && velocity.y != S::ZERO);
+    if moves { Err(Error::Locked { quantity: Quantity::Velocity }) } else { Ok(()) }
+}
+
+/// The same of an angular velocity.
+pub(crate) fn check_turning<S: Scalar>(locks: Locks, velocity: S) -> Result<(), Error> {
+    let turns = locks.rotation && velocity != S::ZERO;
+    if turns { Err(Error::Locked { quantity: Quantity::AngularVelocity }) } else { Ok(()) }
 }
 
 pub(crate) fn check_gravity_scale<S: Scalar>(scale: S) -> Result<(), Error> {

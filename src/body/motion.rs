@@ -2,6 +2,7 @@
 
 use alloc::vec::Vec;
 
+use super::Locks;
 use super::columns::push;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, Scalar};
@@ -103,6 +104,23 @@ impl<S: Scalar> Motion<S> {
         self.rest[i] = other.rest[j];
         if let (Some(own), Some(other)) = (self.last.get_mut(i), other.last.get(j)) {
             *own = *other;
+        }
+    }
+
+    /// Stops body `i` along the locked axes.
+    pub(super) fn lock(&mut self, i: usize, locks: Locks) {
+        let Locks { x, y, rotation } = locks;
+        let still = S::Accumulator::default();
+        let mut none = Acceleration::default();
+        let last = self.last.get_mut(i).unwrap_or(&mut none);
+        if x {
+            (self.velocity.x[i], last.linear.x) = (still, S::Wide::default());
+        }
+        if y {
+            (self.velocity.y[i], last.linear.y) = (still, S::Wide::default());
+        }
+        if rotation {
+            (self.spin[i], last.angular) = (still, S::Wide::default());
         }
     }
 

@@ -6,7 +6,7 @@ use super::columns::{Bodies, NONE};
 use super::motion::Acceleration;
 use super::tuning::{Climate, Tunings};
 use super::{
-    Activity, BodyDef, BodyKind, Mass, MassProperties, check_damping, check_gravity_scale, mass_properties,
+    Activity, BodyDef, BodyKind, Locks, Mass, MassProperties, check_damping, check_gravity_scale, mass_properties,
     within_envelope,
 };
 use crate::error::{Error, Quantity};
@@ -34,6 +34,7 @@ pub(crate) struct Record<S: Scalar> {
     pub(crate) gravity_scale: S,
     pub(crate) linear_damping: Option<S>,
     pub(crate) angular_damping: Option<S>,
+    pub(crate) locks: Locks,
     pub(crate) groups: u32,
     pub(crate) key: u64,
     pub(crate) user_data: u64,
@@ -52,6 +53,7 @@ wire_struct!(Record {
     gravity_scale,
     linear_damping,
     angular_damping,
+    locks,
     groups,
     key,
     user_data,
@@ -74,6 +76,7 @@ impl<S: Scalar> Record<S> {
         if self.kind == BodyKind::Static && moves {
             return Err(Error::OutOfRange { quantity: Quantity::Velocity });
         }
+        self.check_locks()?;
         let is_still = |v: S::Accumulator| v.is_still();
         let rests = is_still(self.velocity.x) && is_still(self.velocity.y) && is_still(self.angular_velocity);
         if self.activity == Activity::Asleep && (self.kind == BodyKind::Static || !rests) {
@@ -85,6 +88,19 @@ impl<S: Scalar> Record<S> {
         mass_properties(self.kind, self.mass, shape)
     }
 
+    /// Refuses a velocity along a locked axis, or what would bring one about.
+    fn check_locks(&self) -> Result<(), Error> {
+        let (none, zero) = (S::Accumulator::default(), S::Wide::default());
+        let last = self.last_acceleration.unwrap_or_default();
+        let locked = [
+            (self.locks.x, self.velocity.x, last.linear.x, Quantity::Velocity),
+            (self.locks.y, self.velocity.y, last.linear.y, Quantity::Velocity),
+            (self.locks.rotation, self.angular_velocity, last.angular, Quantity::AngularVelocity),
+        ];
+        let moves = locked.into_iter().find(|&(locked, v, last, _)| locked && (v != none || last != zero));
+        moves.map_or(Ok(()), |(.., quantity)| Err(Error::Locked { quantity }))
+    }
+
     fn def(&self, shape: Option<Shape<S>>) -> BodyDef<S> {
         BodyDef {
             kind: self.kind,
@@ -93,6 +109,7 @@ impl<S: Scalar> Record<S> {
             gravity_scale: self.gravity_scale,
             linear_damping: self.linear_damping,
             angular_damping: self.angular_damping,
+            locks: self.locks,
             groups: self.groups,
             key: self.key,
             user_data: self.user_data,
@@ -122,6 +139,7 @@ impl<S: Scalar> Bodies<S> {
             gravity_scale: key.gravity_scale,
             linear_damping: key.linear,
             angular_damping: key.angular,
+            locks: card.locks,
             groups: card.groups,
             key: card.key,
             user_data: card.user_data,

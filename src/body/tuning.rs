@@ -28,7 +28,7 @@ pub(crate) struct Climate<'a, S> {
 pub(crate) struct Tuning<S: Scalar> {
     pub(crate) key: Key<S>,
     users: u32,
-    /// Gravity as it feels it, m/s².
+    /// Gravity as it feels it, m/s²: none along a locked axis.
     pub(crate) gravity: Vec2<S::Wide>,
     /// The velocity gained from it, by span.
     pub(crate) fall: [Vec2<S::Accumulator>; SPANS],
@@ -49,13 +49,16 @@ pub(crate) struct Key<S> {
     pub(crate) gravity_scale: S,
     pub(crate) linear: Option<S>,
     pub(crate) angular: Option<S>,
+    /// Whether it is locked along x, and along y.
+    pub(crate) still: [bool; 2],
 }
 
-type KeyBits = (bool, i64, Option<i64>, Option<i64>);
+type KeyBits = (bool, i64, Option<i64>, Option<i64>, [bool; 2]);
 
 impl<S: Scalar> Key<S> {
     fn bits(&self) -> KeyBits {
-        (self.dynamic, self.gravity_scale.to_bits(), self.linear.map(S::to_bits), self.angular.map(S::to_bits))
+        let damping = |kept: Option<S>| kept.map(S::to_bits);
+        (self.dynamic, self.gravity_scale.to_bits(), damping(self.linear), damping(self.angular), self.still)
     }
 }
 
@@ -76,7 +79,8 @@ impl<S: Scalar> Tuning<S> {
         if !key.dynamic {
             return tuning;
         }
-        tuning.gravity = climate.gravity.map(|g| g.product(key.gravity_scale));
+        let felt = |g: S, still| if still { S::Wide::default() } else { g.product(key.gravity_scale) };
+        tuning.gravity = Vec2::new(felt(climate.gravity.x, key.still[0]), felt(climate.gravity.y, key.still[1]));
         for (i, &span) in climate.spans.iter().enumerate() {
             let seconds = S::seconds(span);
             // Gravity and its scale are limited so that no span's kick reaches the limit of kicks.

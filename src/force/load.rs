@@ -316,7 +316,7 @@ pub(crate) fn resist<S: Scalar>(
             if !card.feels(field.groups) || !only(i) {
                 continue;
             }
-            let inverse_mass = card.properties.inverse_mass;
+            let (inverse_mass, locks) = (card.properties.inverse_mass, card.locks);
             let velocities = &mut bodies.columns.motion.velocity;
             let velocity = velocities.get(i);
             let speed = S::length(relative(velocity, *wind), S::ZERO);
@@ -329,11 +329,14 @@ pub(crate) fn resist<S: Scalar>(
                 continue;
             }
             let slowed = left.and_then(|left| {
-                let component = |v: S::Accumulator, w: S| {
+                let component = |v: S::Accumulator, w: S, locked: bool| {
+                    if locked {
+                        return Some(v);
+                    }
                     let w = S::Accumulator::from_scalar(w);
                     Some(v.plus(w.negated()).scaled(left)?.plus(w))
                 };
-                Some(Vec2::new(component(velocity.x, wind.x)?, component(velocity.y, wind.y)?))
+                Some(Vec2::new(component(velocity.x, wind.x, locks.x)?, component(velocity.y, wind.y, locks.y)?))
             });
             match slowed {
                 Some(slowed) => velocities.set(i, slowed),

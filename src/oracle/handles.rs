@@ -63,6 +63,7 @@ impl Handles {
             | Command::SetGroups { body, .. }
             | Command::SetKey { body, .. }
             | Command::SetUserData { body, .. }
+            | Command::SetLocks { body, .. }
             | Command::RemoveBody(body)
             | Command::Wake(body)
             | Command::Release(body) => *body = self.body(*body),

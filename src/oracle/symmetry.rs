@@ -3,7 +3,7 @@
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
-use crate::body::{BodyDef, mass_properties};
+use crate::body::{BodyDef, Locks, mass_properties};
 use crate::force::{Attachment, End, Field, Law, Region};
 use crate::math::Vec2;
 use crate::scalar::fx::{Fx, fx};
@@ -181,6 +181,15 @@ impl Symmetry {
         Turn::from_bits(bits.wrapping_add(u64::from(self.quarters) << 62))
     }
 
+    /// The image of what is locked: x and y change places where their axes do.
+    #[must_use]
+    pub fn locks(&self, locks: Locks) -> Locks {
+        match self.matrix {
+            [[0, _], _] => Locks { x: locks.y, y: locks.x, ..locks },
+            _ => locks,
+        }
+    }
+
     /// The image of a shape.
     #[must_use]
     pub fn shape(&self, shape: &Shape) -> Option<Shape> {
@@ -266,6 +275,7 @@ impl Symmetry {
             velocity: self.vector(def.velocity)?,
             angular_velocity: self.spin(def.angular_velocity)?,
             shape,
+            locks: self.locks(def.locks),
             ..def.clone()
         })
     }
@@ -310,6 +320,7 @@ impl Symmetry {
                 };
                 Command::SetShape { body: *body, shape }
             }
+            Command::SetLocks { body, locks } => Command::SetLocks { body: *body, locks: self.locks(*locks) },
             Command::AddField(field) => Command::AddField(self.field(field)?),
             Command::SetField { id, field } => Command::SetField { id: *id, field: self.field(field)? },
             Command::SetGravity(gravity) => Command::SetGravity(self.vector(*gravity)?),
@@ -381,6 +392,11 @@ impl Symmetry {
             if self.mirrors() {
                 last.angular = last.angular.negated();
             }
+        }
+        let locks = world.bodies.card(i).locks;
+        if self.locks(locks) != locks {
+            let climate = World::climate(&world.def, &world.plan);
+            world.bodies.set_locks(i, Arc::make_mut(&mut world.tunings), self.locks(locks), &climate);
         }
         let card = world.bodies.card(i);
         if let Some(shape) = card.shape.as_deref().filter(|_| self.mirrors()) {

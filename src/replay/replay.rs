@@ -348,6 +348,7 @@ impl Place {
             | Command::SetGroups { body, .. }
             | Command::SetKey { body, .. }
             | Command::SetUserData { body, .. }
+            | Command::SetLocks { body, .. }
             | Command::Wake(body)
             | Command::Release(body) => Self::Body(body),
             Command::SetField { id, .. } | Command::RemoveField(id) => Self::Field(id),

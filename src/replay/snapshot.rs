@@ -23,7 +23,7 @@ use crate::world::{Journal, World, WorldDef};
 /// The first bytes of a snapshot.
 const MAGIC: [u8; 8] = *b"UMBRASNP";
 /// The number of the format, in the second four bytes after them. It moves when the layout does.
-const FORMAT: u32 = 2;
+const FORMAT: u32 = 3;
 
 /// A world as it was: to go back to, to send, to keep.
 ///

@@ -5,7 +5,7 @@ use alloc::string::String;
 use super::error::{Flaw, Place};
 use super::node::{Node, Object, Result};
 use super::shape::{ShapeDef, shape, vector};
-use crate::body::{BodyDef, BodyKind, Mass};
+use crate::body::{BodyDef, BodyKind, Locks, Mass};
 use crate::error::{Error, Quantity};
 use crate::math::Vec2;
 use crate::scalar::{Scalar, fx::Fx};
@@ -41,6 +41,7 @@ impl SceneBody {
             gravity_scale: S::from_fx(def.gravity_scale),
             linear_damping: def.linear_damping.map(S::from_fx),
             angular_damping: def.angular_damping.map(S::from_fx),
+            locks: def.locks,
             groups: def.groups,
             key: def.key,
             user_data: def.user_data,
@@ -71,6 +72,8 @@ const fn fields_of(error: &Error) -> &'static [&'static str] {
             Quantity::Damping => &["damping"],
             _ => &[],
         },
+        Error::Locked { quantity: Quantity::AngularVelocity } => &["angular_velocity"],
+        Error::Locked { .. } => &["velocity"],
         Error::NoShape => &["density"],
         Error::DampingHasNoInverse => &["damping"],
         _ => &[],
@@ -98,6 +101,7 @@ pub(super) fn body(object: &Object<'_>) -> Result<SceneBody> {
         gravity_scale: object.or("gravity_scale", Fx::ONE, Node::number)?,
         linear_damping,
         angular_damping,
+        locks: object.or("locks", Locks::NONE, locks)?,
         groups: object.or("groups", 1, groups)?,
         key: object.or("key", 0, Node::whole)?,
         user_data: object.or("user_data", 0, Node::whole)?,
@@ -145,6 +149,20 @@ fn share(node: &Node<'_>) -> Result<Fx> {
         return Ok(kept);
     }
     Err(node.fault(Error::OutOfRange { quantity: Quantity::Damping }))
+}
+
+/// A list of axes: `x`, `y`, `rotation`.
+pub(super) fn locks(node: &Node<'_>) -> Result<Locks> {
+    let mut locks = Locks::NONE;
+    node.each(|node| {
+        match node.choice(&[("x", 0), ("y", 1), ("rotation", 2)])? {
+            0 => locks.x = true,
+            1 => locks.y = true,
+            _ => locks.rotation = true,
+        }
+        Ok(())
+    })?;
+    Ok(locks)
 }
 
 /// A list of group numbers from 0 to 31.

@@ -2,7 +2,7 @@
 
 use alloc::vec::Vec;
 
-use super::body::{body, groups, kind, mass, own_damping};
+use super::body::{body, groups, kind, locks, mass, own_damping};
 use super::error::{Flaw, Place};
 use super::field::{field, named, symbol};
 use super::node::{Node, Object, Result};
@@ -177,6 +177,9 @@ fn set_body(object: &Object<'_>, body: BodyId, push: &mut impl FnMut(&Node<'_>, 
     if let Some(node) = object.get("damping") {
         let (linear, angular) = own_damping(node)?;
         set(node, Command::SetBodyDamping { body, linear, angular });
+    }
+    if let Some(node) = object.get("locks") {
+        set(node, Command::SetLocks { body, locks: locks(node)? });
     }
     if let Some(node) = object.get("groups") {
         set(node, Command::SetGroups { body, groups: groups(node)? });

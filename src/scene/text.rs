@@ -10,7 +10,7 @@ use super::input::{Deed, Input};
 use super::settings::{Plot, Trails};
 use super::shape::{PartDef, ShapeDef};
 use super::{Scene, SceneBody};
-use crate::body::{BodyDef, BodyKind, Mass};
+use crate::body::{BodyDef, BodyKind, Locks, Mass};
 use crate::force::{Attachment, End, Field, Law, Region};
 use crate::handle::{BodyId, FieldId};
 use crate::math::{TimeStep, Vec2};
@@ -207,6 +207,7 @@ impl Scene {
             Command::SetBodyDamping { body, linear, angular } => {
                 self.set_body(object, body, "damping", damping(linear, angular));
             }
+            Command::SetLocks { body, locks } => self.set_body(object, body, "locks", locked(locks)),
             Command::SetGroups { body, groups: bits } => self.set_body(object, body, "groups", groups(bits)),
             Command::SetKey { body, key } => self.set_body(object, body, "key", key),
             Command::SetUserData { body, user_data } => self.set_body(object, body, "user_data", user_data),
@@ -271,6 +272,7 @@ fn body_text(mut object: Fields, def: &BodyDef, shape: Option<&ShapeDef>) -> Str
     object.unless(def.gravity_scale == Fx::ONE, "gravity_scale", def.gravity_scale);
     let own = (def.linear_damping, def.angular_damping);
     object.unless(own == (None, None), "damping", damping(own.0, own.1));
+    object.unless(def.locks == Locks::NONE, "locks", locked(def.locks));
     object.unless(def.groups == 1, "groups", groups(def.groups));
     object.unless(def.key == 0, "key", def.key);
     object.unless(def.user_data == 0, "user_data", def.user_data);
@@ -415,6 +417,11 @@ fn damping(linear: Option<Fx>, angular: Option<Fx>) -> String {
         }
     }
     object.line()
+}
+
+fn locked(locks: Locks) -> String {
+    let axes = [(locks.x, "x"), (locks.y, "y"), (locks.rotation, "rotation")];
+    list(axes.into_iter().filter(|(locked, _)| *locked).map(|(_, axis)| text(axis)))
 }
 
 fn groups(bits: u32) -> String {

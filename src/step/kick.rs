@@ -4,23 +4,30 @@ use alloc::vec::Vec;
 
 use super::march::{March, Pushed, accelerations};
 use super::{Accelerations, Context, Has, Scratch};
-use crate::body::{Acceleration, MassProperties};
+use crate::body::{Acceleration, Card};
 use crate::error::Cause;
 use crate::force::{Dependence, Load, Scene, accumulate};
 use crate::integrate::{Stage, kick_by, sum};
 use crate::math::Vec2;
 use crate::scalar::{Scalar, Sum, Wide};
 
-/// a = Σ accelerations + Σ F / m, α = Σ τ / I; `None` if a sum does not fit.
-fn acceleration<S: Scalar>(load: &Load<S>, properties: &MassProperties<S>) -> Option<Acceleration<S>> {
-    let component = |a: S::Sum, f: S::Sum| {
+/// a = Σ accelerations + Σ F / m, α = Σ τ / I, none along a locked axis; `None` if a sum does not fit.
+fn acceleration<S: Scalar>(load: &Load<S>, card: &Card<S>) -> Option<Acceleration<S>> {
+    let (properties, locks) = (&card.properties, card.locks);
+    let component = |a: S::Sum, f: S::Sum, locked: bool| {
+        if locked {
+            return Some(S::Wide::default());
+        }
         let (a, f) = (a.total()?, f.total()?);
         if f == S::Wide::default() { Some(a) } else { a.plus(f.times(properties.inverse_mass)?) }
     };
-    let torque = load.torque.total()?;
+    let torque = if locks.rotation { S::Wide::default() } else { load.torque.total()? };
     let turns = torque != S::Wide::default();
     Some(Acceleration {
-        linear: Vec2::new(component(load.acceleration.x, load.force.x)?, component(load.acceleration.y, load.force.y)?),
+        linear: Vec2::new(
+            component(load.acceleration.x, load.force.x, locks.x)?,
+            component(load.acceleration.y, load.force.y, locks.y)?,
+        ),
         angular: if turns { torque.times(properties.inverse_inertia)? } else { torque },
     })
 }
@@ -34,7 +41,7 @@ impl<S: Scalar> Context<'_, S> {
         for row in self.applied.rows() {
             let Ok(i) = self.bodies.find(row.body) else { continue };
             let load = Load { acceleration: Vec2::default(), force: row.force, torque: row.torque };
-            pushed.push((i, acceleration(&load, &self.bodies.card(i).properties)));
+            pushed.push((i, acceleration(&load, self.bodies.card(i))));
         }
         pushed.sort_unstable_by_key(|(i, _)| *i);
         pushed
@@ -62,7 +69,7 @@ impl<S: Scalar> Context<'_, S> {
         accumulate(scene, pass, directions, loads, &mut found.faults);
         into.clear();
         for (i, load) in loads.rows() {
-            match acceleration(load, &self.bodies.card(*i).properties) {
+            match acceleration(load, self.bodies.card(*i)) {
                 Some(acceleration) => into.push((*i, acceleration)),
                 None => found.faults.push((*i, Cause::Force)),
             }

@@ -4,7 +4,7 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use super::World;
-use crate::body::{BodyDef, BodyKind, Card, Key, Mass};
+use crate::body::{BodyDef, BodyKind, Card, Key, Locks, Mass};
 use crate::error::Error;
 use crate::handle::BodyId;
 use crate::math::Vec2;
@@ -92,7 +92,7 @@ impl<S: Scalar> World<S> {
     /// Gives a body a velocity, m/s; wakes it.
     ///
     /// # Errors
-    /// [`Error::NoSuchBody`]; [`Error::NotMovable`]; [`Error::OutOfRange`] with
+    /// [`Error::NoSuchBody`]; [`Error::NotMovable`]; [`Error::OutOfRange`] or [`Error::Locked`] with
     /// [`Quantity::Velocity`](crate::Quantity::Velocity).
     pub fn set_velocity(&mut self, body: BodyId, velocity: Vec2<S>) -> Result<(), Error> {
         self.check_body_velocity(body, velocity)?;
@@ -104,7 +104,7 @@ impl<S: Scalar> World<S> {
     /// Gives a body an angular velocity, rad/s; wakes it.
     ///
     /// # Errors
-    /// [`Error::NoSuchBody`]; [`Error::NotMovable`]; [`Error::OutOfRange`] with
+    /// [`Error::NoSuchBody`]; [`Error::NotMovable`]; [`Error::OutOfRange`] or [`Error::Locked`] with
     /// [`Quantity::AngularVelocity`](crate::Quantity::AngularVelocity).
     pub fn set_angular_velocity(&mut self, body: BodyId, velocity: S) -> Result<(), Error> {
         self.check_body_angular_velocity(body, velocity)?;
@@ -182,6 +182,31 @@ impl<S: Scalar> World<S> {
         self.check_body_damping(body, linear, angular)?;
         let dense = self.touch(body)?;
         self.retune(dense, |key| (key.linear, key.angular) = (linear, angular));
+        Ok(())
+    }
+
+    /// Locks a body along these axes, where it stops, and unlocks it along the others; wakes it. What acts along a locked axis
+    /// has no effect, and changes nothing of how the body moves along the others.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchBody`].
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, Locks, World, WorldDef, fx, vec2};
+    ///
+    /// let mut world: World = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() })?;
+    /// let locks = Locks { y: true, rotation: true, ..Locks::NONE };
+    /// let cart = world.add_body(BodyDef { position: vec2(0, fx!(0.1)), locks, ..BodyDef::dynamic() })?;
+    /// world.apply_impulse_at_point(cart, vec2(3, 4), vec2(1, 1))?;
+    /// (0..60).for_each(|_| _ = world.step());
+    /// assert_eq!(world.body(cart)?.position(), vec2(3, fx!(0.1)));
+    /// assert_eq!(world.body(cart)?.angular_velocity(), fx!(0));
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    pub fn set_locks(&mut self, body: BodyId, locks: Locks) -> Result<(), Error> {
+        let dense = self.touch(body)?;
+        let climate = Self::climate(&self.def, &self.plan);
+        self.bodies.set_locks(dense, Arc::make_mut(&mut self.tunings), locks, &climate);
         Ok(())
     }
 

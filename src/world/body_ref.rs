@@ -1,7 +1,7 @@
 //! Reading bodies.
 
 use super::World;
-use crate::body::{Activity, BodyKind, Card, Key, Mass};
+use crate::body::{Activity, BodyKind, Card, Key, Locks, Mass};
 use crate::error::Error;
 use crate::handle::BodyId;
 use crate::math::{Rot, Vec2};
@@ -235,16 +235,16 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
         (!inertia.is_zero()).then_some(inertia)
     }
 
-    /// 1/m, 1/kg; zero for a body that no force moves. *Error* 2^-64 relative.
+    /// 1/m, 1/kg; zero for a body that no force moves, whatever its locks are. *Error* 2^-64 relative.
     #[must_use]
     pub fn inverse_mass(&self) -> S::Factor {
         self.card().properties.inverse_mass
     }
 
-    /// 1/I, 1/(kg·m²); zero for a body that no torque turns. *Error* 2^-58 relative.
+    /// 1/I, 1/(kg·m²); zero for a body that no torque turns, as for one whose rotation is locked. *Error* 2^-58 relative.
     #[must_use]
     pub fn inverse_inertia(&self) -> S::Factor {
-        self.card().properties.inverse_inertia
+        if self.locks().rotation { S::Factor::ZERO } else { self.card().properties.inverse_inertia }
     }
 
     /// Its shape.
@@ -269,6 +269,12 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
     #[must_use]
     pub fn angular_damping(&self) -> Option<S> {
         self.tuning_key().angular
+    }
+
+    /// Which components of its velocity are zero and stay zero.
+    #[must_use]
+    pub fn locks(&self) -> Locks {
+        self.card().locks
     }
 
     /// The groups it is in.

@@ -3,8 +3,9 @@
 
 use super::{World, WorldDef, check_gravity, check_sleep_after};
 use crate::body::{
-    Activity, BodyDef, BodyKind, Mass, MassProperties, check_angle, check_angular_velocity, check_damping,
-    check_gravity_scale, check_position, check_velocity, mass_properties, within_envelope,
+    Activity, BodyDef, BodyKind, Card, Mass, MassProperties, check_angle, check_angular_velocity, check_damping,
+    check_gravity_scale, check_position, check_turning, check_unlocked, check_velocity, mass_properties,
+    within_envelope,
 };
 use crate::error::{Error, Quantity};
 use crate::force::Field;
@@ -35,13 +36,15 @@ impl<S: Scalar> World<S> {
     }
 
     pub(super) fn check_body_velocity(&self, body: BodyId, velocity: Vec2<S>) -> Result<(), Error> {
-        self.check_movable(body)?;
-        check_velocity(velocity)
+        let card = self.check_movable(body)?;
+        check_velocity(velocity)?;
+        check_unlocked(card.locks, velocity)
     }
 
     pub(super) fn check_body_angular_velocity(&self, body: BodyId, velocity: S) -> Result<(), Error> {
-        self.check_movable(body)?;
-        check_angular_velocity(velocity)
+        let card = self.check_movable(body)?;
+        check_angular_velocity(velocity)?;
+        check_turning(card.locks, velocity)
     }
 
     pub(super) fn check_body_mass(&self, body: BodyId, mass: Mass<S>) -> Result<MassProperties<S>, Error> {
@@ -102,10 +105,11 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
-    fn check_movable(&self, body: BodyId) -> Result<(), Error> {
-        match self.bodies.card(self.bodies.find(body)?).kind {
+    fn check_movable(&self, body: BodyId) -> Result<&Card<S>, Error> {
+        let card = self.bodies.card(self.bodies.find(body)?);
+        match card.kind {
             BodyKind::Static => Err(Error::NotMovable { body }),
-            _ => Ok(()),
+            _ => Ok(card),
         }
     }
 }

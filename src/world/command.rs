@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 
 use super::{Action, Manner, World};
-use crate::body::{BodyDef, BodyKind, Mass};
+use crate::body::{BodyDef, BodyKind, Locks, Mass};
 use crate::error::Error;
 use crate::force::Field;
 use crate::handle::{BodyId, FieldId};
@@ -59,6 +59,7 @@ pub enum Command<S: Scalar = Fx> {
     SetSleepAfter(Option<u32>),
     SetRandom(Random),
     SetBlob(Vec<u8>),
+    SetLocks { body: BodyId, locks: Locks },
 }
 
 /// What a command made.
@@ -106,12 +107,13 @@ wire_enum!(Command<S>, "the number of a command", {
     25 => SetRandom(random),
     26 => SetBlob(bytes),
     27 => ClearForces,
+    28 => SetLocks { body, locks },
 });
 
 impl Command {
     /// The most bytes of a command without a shape or a blob. A circle takes 9 more, a polygon 5 and 16 a corner, a blob 4
     /// and its length.
-    pub const BYTES: usize = 114;
+    pub const BYTES: usize = 117;
 
     /// The fewest: [`ClearForces`](Self::ClearForces) is its number alone.
     pub(crate) const LEAST_BYTES: usize = 1;
@@ -183,7 +185,8 @@ impl<S: Scalar> World<S> {
             Command::RemoveBody(body)
             | Command::SetGroups { body, .. }
             | Command::SetKey { body, .. }
-            | Command::SetUserData { body, .. } => self.bodies.find(body).map(drop),
+            | Command::SetUserData { body, .. }
+            | Command::SetLocks { body, .. } => self.bodies.find(body).map(drop),
             Command::Wake(body) => self.check_taking_part(body).map(drop),
             Command::Release(body) => self.check_release(body).map(drop),
             Command::SetField { id, ref field } => self.check_next_field(id, field).map(drop),
@@ -238,6 +241,7 @@ impl<S: Scalar> World<S> {
                 Ok(())
             }
             Command::SetBlob(bytes) => self.set_blob(&bytes),
+            Command::SetLocks { body, locks } => self.set_locks(body, locks),
         }
         .map(|()| Made::Nothing)
     }

@@ -275,12 +275,19 @@ impl<S: Scalar> World<S> {
     /// The velocities of a body after an impulse, if they stay within the envelope.
     fn strike(&self, dense: usize, impulse: Vec2<S::Wide>, angular: S::Wide) -> Result<Effect<S>, Error> {
         let columns = &self.bodies.columns;
-        let properties = &self.bodies.card(dense).properties;
-        let gained = |impulse| S::kick(impulse, properties.inverse_mass);
-        let gained = impulse.try_map(gained).ok_or(out_of(Quantity::Velocity))?;
-        let spun = S::kick(angular, properties.inverse_inertia).ok_or(out_of(Quantity::AngularVelocity))?;
+        let card = self.bodies.card(dense);
+        let (properties, locks) = (&card.properties, card.locks);
+        // Along a locked axis it has no effect, however large it is.
+        let gained = |impulse, inverse, locked: bool| {
+            if locked { Some(S::Accumulator::default()) } else { S::kick(impulse, inverse) }
+        };
+        let along =
+            |impulse, locked| gained(impulse, properties.inverse_mass, locked).ok_or(out_of(Quantity::Velocity));
+        let gained_velocity = Vec2::new(along(impulse.x, locks.x)?, along(impulse.y, locks.y)?);
+        let spun = gained(angular, properties.inverse_inertia, locks.rotation);
+        let spun = spun.ok_or(out_of(Quantity::AngularVelocity))?;
         let old = columns.motion.velocity.get(dense);
-        let velocity = Vec2::new(old.x.plus(gained.x), old.y.plus(gained.y));
+        let velocity = Vec2::new(old.x.plus(gained_velocity.x), old.y.plus(gained_velocity.y));
         let spin = columns.motion.spin[dense].plus(spun);
         let speed = S::from_fx(limits::SPEED);
         if !(velocity.x.is_within(speed) && velocity.y.is_within(speed)) {

@@ -141,7 +141,9 @@ impl<S: Scalar> World<S> {
         let columns = &self.bodies.columns;
         for i in self.counted_bodies() {
             let mass = S::Factor::from_scalar(self.bodies.card(i).kilograms());
-            let gravity = self.tunings.rows()[columns.tuning[i] as usize].gravity;
+            // Also along a locked axis, where it does not move the body.
+            let scale = self.tunings.rows()[columns.tuning[i] as usize].key.gravity_scale;
+            let gravity = self.def.gravity.map(|g| g.product(scale));
             let at = columns.motion.position.get(i);
             for (g, x) in [(gravity.x, at.x.value()), (gravity.y, at.y.value())] {
                 let energy = S::Factor::from_wide(g).times(S::Factor::from_scalar(x)).times(mass);

@@ -1,7 +1,7 @@
 //! What was done to a world, in words.
 
 use umbra_physics::scene::{Deed, Scene};
-use umbra_physics::{Action, BodyId, BodyKind, Command, Field, FieldId, Frame, Fx, Law, Mass, Vec2};
+use umbra_physics::{Action, BodyId, BodyKind, Command, Field, FieldId, Frame, Fx, Law, Locks, Mass, Vec2};
 
 /// How bodies and force fields are called.
 pub(crate) struct Names<B, F> {
@@ -39,6 +39,7 @@ where
             let own = |damping: Option<Fx>| damping.map_or("the world's".to_owned(), short);
             format!("damping of {}: linear {}, angular {}", of(body), own(*linear), own(*angular))
         }
+        Command::SetLocks { body, locks } => format!("locks of {}: {}", of(body), locked(*locks)),
         Command::SetGroups { body, groups } => format!("groups of {}: {groups:#x}", of(body)),
         Command::SetKey { body, key } => format!("key of {}: {key}", of(body)),
         Command::SetUserData { body, user_data } => format!("user data of {}: {user_data}", of(body)),
@@ -102,6 +103,12 @@ fn kind(kind: BodyKind) -> &'static str {
         BodyKind::Kinematic => "kinematic",
         BodyKind::Dynamic => "dynamic",
     }
+}
+
+fn locked(locks: Locks) -> String {
+    let axes = [(locks.x, "x"), (locks.y, "y"), (locks.rotation, "rotation")];
+    let locked: Vec<_> = axes.into_iter().filter_map(|(is, axis)| is.then_some(axis)).collect();
+    if locked.is_empty() { "none".to_owned() } else { locked.join(", ") }
 }
 
 fn law(field: &Field) -> &'static str {
