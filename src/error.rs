@@ -186,6 +186,8 @@ pub enum Irreversible {
     },
     /// On the way back a body would leave the envelope, or a force does not fit: no step led here.
     Fault(Fault),
+    /// The speed of a dynamic body is capped: how fast it was before the cap is not known.
+    Capped,
 }
 
 codes!(Irreversible {
@@ -200,6 +202,7 @@ codes!(Irreversible {
     Pending = 139,
     Twice = 140,
     Fault = 141,
+    Capped = 142,
 });
 
 impl core::error::Error for Irreversible {
@@ -225,6 +228,7 @@ impl fmt::Display for Irreversible {
             Self::Pending => f.write_str("forces were applied since"),
             Self::Twice { body } => write!(f, "what was applied to {body} is given twice"),
             Self::Fault(fault) => write!(f, "on the way back {fault}"),
+            Self::Capped => f.write_str("the speed of a body is capped"),
         }
     }
 }
@@ -284,6 +288,10 @@ pub enum Quantity {
     Total,
     /// The number of bytes of a game's own data.
     Blob,
+    /// The largest speed of a body.
+    MaxSpeed,
+    /// The largest angular speed of a body.
+    MaxAngularSpeed,
 }
 
 impl Quantity {
@@ -313,6 +321,8 @@ impl Quantity {
             Self::SleepAfter => "number of ticks from 1",
             Self::Total => "total that fits in 64 bits before and after the point",
             Self::Blob => "blob of at most 2^24 bytes",
+            Self::MaxSpeed => "largest speed from 0 to 2^20 m/s",
+            Self::MaxAngularSpeed => "largest angular speed from 0 to 2^20 rad/s",
         }
     }
 }
@@ -341,6 +351,8 @@ codes!(Quantity {
     SleepAfter = 171,
     Total = 172,
     Blob = 173,
+    MaxSpeed = 174,
+    MaxAngularSpeed = 175,
 });
 
 impl core::error::Error for Quantity {}

@@ -69,6 +69,8 @@ impl<S: Scalar> Card<S> {
         key.gravity_scale.write(&mut sink);
         key.linear.write(&mut sink);
         key.angular.write(&mut sink);
+        key.most[0].write(&mut sink);
+        key.most[1].write(&mut sink);
         self.locks.write(&mut sink);
         self.shape.write(&mut sink);
         sink.finish()

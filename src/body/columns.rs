@@ -320,6 +320,7 @@ impl<S: Scalar> Bodies<S> {
             gravity_scale: def.gravity_scale,
             linear: def.linear_damping,
             angular: def.angular_damping,
+            most: [def.max_speed, def.max_angular_speed],
             still: [def.locks.x, def.locks.y],
         };
         push(&mut columns.tuning, tunings.acquire(key, climate));
@@ -383,6 +384,8 @@ impl<S: Scalar> Bodies<S> {
             gravity_scale: key.gravity_scale,
             linear_damping: key.linear,
             angular_damping: key.angular,
+            max_speed: key.most[0],
+            max_angular_speed: key.most[1],
             locks: card.locks,
             groups: card.groups,
             key: card.key,

@@ -143,6 +143,10 @@ pub struct BodyDef<S: Scalar = Fx> {
     pub linear_damping: Option<S>,
     /// What is left of its angular velocity after a second, 0 to 1, in place of the world's.
     pub angular_damping: Option<S>,
+    /// The largest speed it has after a step, m/s, if it is dynamic: what is faster is slowed down to it, in its direction.
+    pub max_speed: Option<S>,
+    /// The largest angular speed it has after a step, rad/s, if it is dynamic.
+    pub max_angular_speed: Option<S>,
     /// Which components of its velocity are zero and stay zero.
     pub locks: Locks,
     /// The groups it is in: a force field with one of these bits acts on it.
@@ -171,6 +175,8 @@ wire_struct!(BodyDef {
     gravity_scale,
     linear_damping,
     angular_damping,
+    max_speed,
+    max_angular_speed,
     locks,
     groups,
     key,
@@ -192,6 +198,8 @@ impl<S: Scalar> BodyDef<S> {
             gravity_scale: S::ONE,
             linear_damping: None,
             angular_damping: None,
+            max_speed: None,
+            max_angular_speed: None,
             locks: Locks::NONE,
             groups: 1,
             key: 0,
@@ -235,6 +243,8 @@ impl<S: Scalar> BodyDef<S> {
         check_gravity_scale(self.gravity_scale)?;
         self.linear_damping.map_or(Ok(()), check_damping)?;
         self.angular_damping.map_or(Ok(()), check_damping)?;
+        self.max_speed.map_or(Ok(()), check_max_speed)?;
+        self.max_angular_speed.map_or(Ok(()), check_max_angular_speed)?;
         mass_properties(self.kind, self.mass, self.shape.as_ref())
     }
 }
@@ -343,6 +353,14 @@ pub(crate) fn check_turning<S: Scalar>(locks: Locks, velocity: S) -> Result<(), 
 
 pub(crate) fn check_gravity_scale<S: Scalar>(scale: S) -> Result<(), Error> {
     check(within(scale, limits::GRAVITY_SCALE), Quantity::GravityScale)
+}
+
+pub(crate) fn check_max_speed<S: Scalar>(most: S) -> Result<(), Error> {
+    check(most >= S::ZERO && within(most, limits::SPEED), Quantity::MaxSpeed)
+}
+
+pub(crate) fn check_max_angular_speed<S: Scalar>(most: S) -> Result<(), Error> {
+    check(most >= S::ZERO && within(most, limits::ANGULAR_SPEED), Quantity::MaxAngularSpeed)
 }
 
 pub(crate) fn check_damping<S: Scalar>(kept: S) -> Result<(), Error> {

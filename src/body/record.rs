@@ -6,8 +6,8 @@ use super::columns::{Bodies, NONE};
 use super::motion::Acceleration;
 use super::tuning::{Climate, Tunings};
 use super::{
-    Activity, BodyDef, BodyKind, Locks, Mass, MassProperties, check_damping, check_gravity_scale, mass_properties,
-    within_envelope,
+    Activity, BodyDef, BodyKind, Locks, Mass, MassProperties, check_damping, check_gravity_scale,
+    check_max_angular_speed, check_max_speed, mass_properties, within_envelope,
 };
 use crate::error::{Error, Quantity};
 use crate::handle::BodyId;
@@ -34,6 +34,8 @@ pub(crate) struct Record<S: Scalar> {
     pub(crate) gravity_scale: S,
     pub(crate) linear_damping: Option<S>,
     pub(crate) angular_damping: Option<S>,
+    pub(crate) max_speed: Option<S>,
+    pub(crate) max_angular_speed: Option<S>,
     pub(crate) locks: Locks,
     pub(crate) groups: u32,
     pub(crate) key: u64,
@@ -53,6 +55,8 @@ wire_struct!(Record {
     gravity_scale,
     linear_damping,
     angular_damping,
+    max_speed,
+    max_angular_speed,
     locks,
     groups,
     key,
@@ -85,6 +89,8 @@ impl<S: Scalar> Record<S> {
         check_gravity_scale(self.gravity_scale)?;
         self.linear_damping.map_or(Ok(()), check_damping)?;
         self.angular_damping.map_or(Ok(()), check_damping)?;
+        self.max_speed.map_or(Ok(()), check_max_speed)?;
+        self.max_angular_speed.map_or(Ok(()), check_max_angular_speed)?;
         mass_properties(self.kind, self.mass, shape)
     }
 
@@ -109,6 +115,8 @@ impl<S: Scalar> Record<S> {
             gravity_scale: self.gravity_scale,
             linear_damping: self.linear_damping,
             angular_damping: self.angular_damping,
+            max_speed: self.max_speed,
+            max_angular_speed: self.max_angular_speed,
             locks: self.locks,
             groups: self.groups,
             key: self.key,
@@ -139,6 +147,8 @@ impl<S: Scalar> Bodies<S> {
             gravity_scale: key.gravity_scale,
             linear_damping: key.linear,
             angular_damping: key.angular,
+            max_speed: key.most[0],
+            max_angular_speed: key.most[1],
             locks: card.locks,
             groups: card.groups,
             key: card.key,

@@ -49,16 +49,24 @@ pub(crate) struct Key<S> {
     pub(crate) gravity_scale: S,
     pub(crate) linear: Option<S>,
     pub(crate) angular: Option<S>,
+    /// The largest speed and angular speed after a step.
+    pub(crate) most: [Option<S>; 2],
     /// Whether it is locked along x, and along y.
     pub(crate) still: [bool; 2],
 }
 
-type KeyBits = (bool, i64, Option<i64>, Option<i64>, [bool; 2]);
+type KeyBits = (bool, i64, [Option<i64>; 4], [bool; 2]);
 
 impl<S: Scalar> Key<S> {
     fn bits(&self) -> KeyBits {
-        let damping = |kept: Option<S>| kept.map(S::to_bits);
-        (self.dynamic, self.gravity_scale.to_bits(), damping(self.linear), damping(self.angular), self.still)
+        let [speed, spin] = self.most;
+        let own = [self.linear, self.angular, speed, spin].map(|own| own.map(S::to_bits));
+        (self.dynamic, self.gravity_scale.to_bits(), own, self.still)
+    }
+
+    /// Whether a step may have to slow it down.
+    pub(crate) fn is_capped(&self) -> bool {
+        self.dynamic && self.most != [None; 2]
     }
 }
 
@@ -107,13 +115,15 @@ pub(crate) struct Tunings<S: Scalar> {
     rows: Vec<Tuning<S>>,
     index: BTreeMap<KeyBits, u32>,
     free: Vec<u32>,
+    /// How many of those in use are capped.
+    capped: u32,
 }
 
-clone_by_field!(Tunings { rows, index, free });
+clone_by_field!(Tunings { rows, index, free, capped });
 
 impl<S: Scalar> Default for Tunings<S> {
     fn default() -> Self {
-        Self { rows: Vec::new(), index: BTreeMap::new(), free: Vec::new() }
+        Self { rows: Vec::new(), index: BTreeMap::new(), free: Vec::new(), capped: 0 }
     }
 }
 
@@ -127,10 +137,16 @@ impl<S: Scalar> Tunings<S> {
         self.rows.iter().filter(|row| row.users > 0)
     }
 
+    /// Whether a step may have to slow down a body.
+    pub(crate) fn any_capped(&self) -> bool {
+        self.capped > 0
+    }
+
     /// The index for a body like this; it is given back by [`release`](Self::release).
     pub(crate) fn acquire(&mut self, key: Key<S>, climate: &Climate<'_, S>) -> u32 {
         let index = *self.index.entry(key.bits()).or_insert_with(|| {
             let row = Tuning::new(key, climate);
+            self.capped += u32::from(key.is_capped());
             if let Some(free) = self.free.pop() {
                 self.rows[free as usize] = row;
                 free
@@ -147,6 +163,7 @@ impl<S: Scalar> Tunings<S> {
         let row = &mut self.rows[index as usize];
         row.users -= 1;
         if row.users == 0 {
+            self.capped -= u32::from(row.key.is_capped());
             self.index.remove(&row.key.bits());
             self.free.push(index);
         }

@@ -2,7 +2,7 @@
 
 mod rules;
 
-pub(crate) use rules::{Tuned, damp, drift, fall, glide, glide_each, kick_by, sum};
+pub(crate) use rules::{Tuned, cap, damp, drift, fall, glide, glide_each, kick_by, sum};
 
 use crate::body::SPANS;
 use crate::math::TimeStep;

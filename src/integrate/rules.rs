@@ -222,6 +222,32 @@ fn damp_and_fall<S: Scalar, const OPENING: bool>(
     }
 }
 
+/// Slows down to their caps the bodies of a block that are faster, in their direction.
+///
+/// *Error* the speed is scaled from the public velocity and within 2^-62 relative, so that the public speed is at most the cap
+/// and √½ ulp, by which rounding its components may lengthen it; the angular speed is at most the cap.
+#[cold]
+pub(crate) fn cap<S: Scalar>(block: &mut Block<'_, S>, rows: &[Tuning<S>]) {
+    let [x, y] = &mut block.velocity;
+    for (i, &row) in block.tuning.iter().enumerate() {
+        let key = &rows[row as usize].key;
+        let [speed, spin] = if key.is_capped() { key.most } else { continue };
+        if let Some(most) = speed {
+            let v = Vec2::new(x[i].value(), y[i].value());
+            let way = v.map(S::Wide::from_scalar).into();
+            if !most.reaches(way) {
+                let kept = S::Factor::from_scalar(most).over(S::length(way, S::ZERO));
+                let slowed = v.map(|v| S::Accumulator::from_scalar(v).damped(kept));
+                (x[i], y[i]) = (slowed.x, slowed.y);
+            }
+        }
+        if let Some(most) = spin.filter(|most| !block.spin[i].is_within(*most)) {
+            let most = S::Accumulator::from_scalar(most);
+            block.spin[i] = if block.spin[i].value() < S::ZERO { most.negated() } else { most };
+        }
+    }
+}
+
 /// The sum of two accelerations; `None` if it does not fit.
 pub(crate) fn sum<S: Scalar>(a: &Acceleration<S>, b: &Acceleration<S>) -> Option<Acceleration<S>> {
     Some(Acceleration {

@@ -64,6 +64,7 @@ impl Handles {
             | Command::SetKey { body, .. }
             | Command::SetUserData { body, .. }
             | Command::SetLocks { body, .. }
+            | Command::SetMaxSpeeds { body, .. }
             | Command::RemoveBody(body)
             | Command::Wake(body)
             | Command::Release(body) => *body = self.body(*body),

@@ -330,6 +330,7 @@ impl Symmetry {
             | Command::SetKind { .. }
             | Command::SetGravityScale { .. }
             | Command::SetBodyDamping { .. }
+            | Command::SetMaxSpeeds { .. }
             | Command::SetGroups { .. }
             | Command::SetKey { .. }
             | Command::SetUserData { .. }

@@ -349,6 +349,7 @@ impl Place {
             | Command::SetKey { body, .. }
             | Command::SetUserData { body, .. }
             | Command::SetLocks { body, .. }
+            | Command::SetMaxSpeeds { body, .. }
             | Command::Wake(body)
             | Command::Release(body) => Self::Body(body),
             Command::SetField { id, .. } | Command::RemoveField(id) => Self::Field(id),

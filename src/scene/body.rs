@@ -41,6 +41,8 @@ impl SceneBody {
             gravity_scale: S::from_fx(def.gravity_scale),
             linear_damping: def.linear_damping.map(S::from_fx),
             angular_damping: def.angular_damping.map(S::from_fx),
+            max_speed: def.max_speed.map(S::from_fx),
+            max_angular_speed: def.max_angular_speed.map(S::from_fx),
             locks: def.locks,
             groups: def.groups,
             key: def.key,
@@ -70,6 +72,7 @@ const fn fields_of(error: &Error) -> &'static [&'static str] {
             Quantity::Density => &["density"],
             Quantity::GravityScale => &["gravity_scale"],
             Quantity::Damping => &["damping"],
+            Quantity::MaxSpeed | Quantity::MaxAngularSpeed => &["max_speeds"],
             _ => &[],
         },
         Error::Locked { quantity: Quantity::AngularVelocity } => &["angular_velocity"],
@@ -90,6 +93,7 @@ pub(super) fn body(object: &Object<'_>) -> Result<SceneBody> {
     let name = object.need("name")?.string()?;
     let kind = object.or("kind", BodyKind::Dynamic, kind)?;
     let (linear_damping, angular_damping) = object.or("damping", (None, None), own_damping)?;
+    let (max_speed, max_angular_speed) = object.or("max_speeds", (None, None), max_speeds)?;
     let def = BodyDef {
         kind,
         position: object.or("position", Vec2::ZERO, Node::point)?,
@@ -101,6 +105,8 @@ pub(super) fn body(object: &Object<'_>) -> Result<SceneBody> {
         gravity_scale: object.or("gravity_scale", Fx::ONE, Node::number)?,
         linear_damping,
         angular_damping,
+        max_speed,
+        max_angular_speed,
         locks: object.or("locks", Locks::NONE, locks)?,
         groups: object.or("groups", 1, groups)?,
         key: object.or("key", 0, Node::whole)?,
@@ -140,6 +146,15 @@ pub(super) fn own_damping(node: &Node<'_>) -> Result<(Option<Fx>, Option<Fx>)> {
     let damping = (kept("linear")?, kept("angular")?);
     object.finish()?;
     Ok(damping)
+}
+
+/// {linear, angular}, both of which may be left out.
+pub(super) fn max_speeds(node: &Node<'_>) -> Result<(Option<Fx>, Option<Fx>)> {
+    let object = node.object()?;
+    let most = |name| object.get(name).map(Node::number).transpose();
+    let speeds = (most("linear")?, most("angular")?);
+    object.finish()?;
+    Ok(speeds)
 }
 
 /// What is left after a second.

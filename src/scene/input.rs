@@ -2,7 +2,7 @@
 
 use alloc::vec::Vec;
 
-use super::body::{body, groups, kind, locks, mass, own_damping};
+use super::body::{body, groups, kind, locks, mass, max_speeds, own_damping};
 use super::error::{Flaw, Place};
 use super::field::{field, named, symbol};
 use super::node::{Node, Object, Result};
@@ -177,6 +177,10 @@ fn set_body(object: &Object<'_>, body: BodyId, push: &mut impl FnMut(&Node<'_>, 
     if let Some(node) = object.get("damping") {
         let (linear, angular) = own_damping(node)?;
         set(node, Command::SetBodyDamping { body, linear, angular });
+    }
+    if let Some(node) = object.get("max_speeds") {
+        let (linear, angular) = max_speeds(node)?;
+        set(node, Command::SetMaxSpeeds { body, linear, angular });
     }
     if let Some(node) = object.get("locks") {
         set(node, Command::SetLocks { body, locks: locks(node)? });

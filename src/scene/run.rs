@@ -352,6 +352,9 @@ pub(super) fn convert_command<S: Scalar>(
         Command::SetBodyDamping { body, linear, angular } => {
             Command::SetBodyDamping { body: bodies(body)?, linear: linear.map(scalar), angular: angular.map(scalar) }
         }
+        Command::SetMaxSpeeds { body, linear, angular } => {
+            Command::SetMaxSpeeds { body: bodies(body)?, linear: linear.map(scalar), angular: angular.map(scalar) }
+        }
         Command::SetLocks { body, locks } => Command::SetLocks { body: bodies(body)?, locks },
         Command::SetGroups { body, groups } => Command::SetGroups { body: bodies(body)?, groups },
         Command::SetKey { body, key } => Command::SetKey { body: bodies(body)?, key },

@@ -27,7 +27,7 @@ impl Scene {
     pub fn to_json(&self) -> String {
         let WorldDef { time_step, gravity, integrator, linear_damping, angular_damping, sleep_after } = self.world;
         let standard: WorldDef = WorldDef::default();
-        let damping = damping(Some(linear_damping), Some(angular_damping));
+        let damping = linear_angular(Some(linear_damping), Some(angular_damping));
         let bodies = self.bodies.iter().take(self.starting_bodies).map(SceneBody::text);
         let fields = self.fields.iter().take(self.starting_fields).map(|field| self.scene_field(field));
         let inputs = self.inputs.iter().map(|input| self.input(input));
@@ -205,7 +205,10 @@ impl Scene {
             }
             Command::SetGravityScale { body, scale } => self.set_body(object, body, "gravity_scale", scale),
             Command::SetBodyDamping { body, linear, angular } => {
-                self.set_body(object, body, "damping", damping(linear, angular));
+                self.set_body(object, body, "damping", linear_angular(linear, angular));
+            }
+            Command::SetMaxSpeeds { body, linear, angular } => {
+                self.set_body(object, body, "max_speeds", linear_angular(linear, angular));
             }
             Command::SetLocks { body, locks } => self.set_body(object, body, "locks", locked(locks)),
             Command::SetGroups { body, groups: bits } => self.set_body(object, body, "groups", groups(bits)),
@@ -224,7 +227,7 @@ impl Scene {
             Command::SetGravity(gravity) => set(object, "gravity", point(gravity)),
             Command::SetIntegrator(integrator) => set(object, "integrator", text(integrator.name())),
             Command::SetDamping { linear, angular } => {
-                set(object, "damping", damping(Some(linear), Some(angular)));
+                set(object, "damping", linear_angular(Some(linear), Some(angular)));
             }
             Command::SetSleepAfter(after) => set(object, "sleep_after", ticks(after)),
             Command::SetRandom(random) => set(object, "random", list(random.state())),
@@ -271,7 +274,9 @@ fn body_text(mut object: Fields, def: &BodyDef, shape: Option<&ShapeDef>) -> Str
     }
     object.unless(def.gravity_scale == Fx::ONE, "gravity_scale", def.gravity_scale);
     let own = (def.linear_damping, def.angular_damping);
-    object.unless(own == (None, None), "damping", damping(own.0, own.1));
+    object.unless(own == (None, None), "damping", linear_angular(own.0, own.1));
+    let most = (def.max_speed, def.max_angular_speed);
+    object.unless(most == (None, None), "max_speeds", linear_angular(most.0, most.1));
     object.unless(def.locks == Locks::NONE, "locks", locked(def.locks));
     object.unless(def.groups == 1, "groups", groups(def.groups));
     object.unless(def.key == 0, "key", def.key);
@@ -409,11 +414,11 @@ fn ticks(after: Option<u32>) -> String {
     after.map_or_else(null, |ticks| ticks.to_string())
 }
 
-fn damping(linear: Option<Fx>, angular: Option<Fx>) -> String {
+fn linear_angular(linear: Option<Fx>, angular: Option<Fx>) -> String {
     let mut object = Fields::default();
-    for (name, kept) in [("linear", linear), ("angular", angular)] {
-        if let Some(kept) = kept {
-            object.put(name, kept);
+    for (name, value) in [("linear", linear), ("angular", angular)] {
+        if let Some(value) = value {
+            object.put(name, value);
         }
     }
     object.line()

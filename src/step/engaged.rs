@@ -6,7 +6,7 @@ use super::{Context, Has, Scratch};
 use crate::body::{BLOCK, Block, Motion};
 use crate::error::Cause;
 use crate::force::{outer_drag, resist};
-use crate::integrate::{Integrator, Stage, Tuned, Verb};
+use crate::integrate::{Integrator, Stage, Tuned, Verb, cap};
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, Angle, Factor, Scalar};
 
@@ -39,6 +39,9 @@ impl<S: Scalar> Context<'_, S> {
                 probe(stage, self.bodies);
             }
             stages = others;
+        }
+        if march.caps {
+            self.each_block(|block, _, _| cap(block, march.rows));
         }
         timed!(self.scratch, finish, self.judge_engaged(march));
     }

@@ -8,7 +8,7 @@ use alloc::vec::Vec;
 
 use crate::body::{Acceleration, BLOCK, Block, GENTLE_STEPS, Motion, Tuning};
 use crate::error::Cause;
-use crate::integrate::{Plan, Stage, Tuned, Verb, damp, drift, fall, glide, glide_each, kick_by};
+use crate::integrate::{Plan, Stage, Tuned, Verb, cap, damp, drift, fall, glide, glide_each, kick_by};
 use crate::limits;
 use crate::scalar::{Accumulator, Scalar};
 
@@ -23,6 +23,8 @@ pub(super) struct March<'a, S: Scalar> {
     pub(super) sleep_after: Option<u32>,
     /// Whether a body with a fault goes back to what it was. Where a step is undone all bodies do, or none.
     pub(super) restores: bool,
+    /// Whether the speed of a body is capped.
+    pub(super) caps: bool,
 }
 
 /// What was found on the way.
@@ -114,6 +116,9 @@ impl<'a, S: Scalar> March<'a, S> {
                     others
                 }
             };
+        }
+        if self.caps {
+            cap(block, self.rows);
         }
         if guarded {
             self.judge(block, frame, found);

@@ -191,6 +191,7 @@ impl<S: Scalar> Context<'_, S> {
             pushed: &pushed,
             sleep_after: self.sleep_after,
             restores: true,
+            caps: self.tunings.any_capped(),
         };
         self.run_all(&march, has);
         self.scratch.pushed = pushed;
@@ -214,6 +215,7 @@ impl<S: Scalar> Context<'_, S> {
             pushed: &pushed,
             sleep_after: None,
             restores: false,
+            caps: false,
         };
         self.run_all(&back, has);
         let fault = self.first_fault();

@@ -185,6 +185,22 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
+    /// Caps the speed of a body, m/s, and its angular speed, rad/s, or takes the caps away; wakes it. A dynamic body that is
+    /// faster after a step is slowed down in its direction, up to then it may be as fast as it will: also by an impulse, for the
+    /// step to come.
+    ///
+    /// *Error* its public speed after a step is at most the cap and √½ ulp, its angular speed at most the cap.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchBody`]; [`Error::OutOfRange`] with [`Quantity::MaxSpeed`](crate::Quantity::MaxSpeed) or
+    /// [`Quantity::MaxAngularSpeed`](crate::Quantity::MaxAngularSpeed).
+    pub fn set_max_speeds(&mut self, body: BodyId, linear: Option<S>, angular: Option<S>) -> Result<(), Error> {
+        self.check_body_max_speeds(body, linear, angular)?;
+        let dense = self.touch(body)?;
+        self.retune(dense, |key| key.most = [linear, angular]);
+        Ok(())
+    }
+
     /// Locks a body along these axes, where it stops, and unlocks it along the others; wakes it. What acts along a locked axis
     /// has no effect, and changes nothing of how the body moves along the others.
     ///

@@ -271,6 +271,18 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
         self.tuning_key().angular
     }
 
+    /// The largest speed it has after a step, m/s, if it is capped.
+    #[must_use]
+    pub fn max_speed(&self) -> Option<S> {
+        self.tuning_key().most[0]
+    }
+
+    /// The largest angular speed it has after a step, rad/s, if it is capped.
+    #[must_use]
+    pub fn max_angular_speed(&self) -> Option<S> {
+        self.tuning_key().most[1]
+    }
+
     /// Which components of its velocity are zero and stay zero.
     #[must_use]
     pub fn locks(&self) -> Locks {

@@ -4,8 +4,8 @@
 use super::{World, WorldDef, check_gravity, check_sleep_after};
 use crate::body::{
     Activity, BodyDef, BodyKind, Card, Mass, MassProperties, check_angle, check_angular_velocity, check_damping,
-    check_gravity_scale, check_position, check_turning, check_unlocked, check_velocity, mass_properties,
-    within_envelope,
+    check_gravity_scale, check_max_angular_speed, check_max_speed, check_position, check_turning, check_unlocked,
+    check_velocity, mass_properties, within_envelope,
 };
 use crate::error::{Error, Quantity};
 use crate::force::Field;
@@ -72,6 +72,17 @@ impl<S: Scalar> World<S> {
         linear.map_or(Ok(()), check_damping)?;
         angular.map_or(Ok(()), check_damping)?;
         self.check_own_damping(linear, angular)
+    }
+
+    pub(super) fn check_body_max_speeds(
+        &self,
+        body: BodyId,
+        linear: Option<S>,
+        angular: Option<S>,
+    ) -> Result<(), Error> {
+        self.bodies.find(body)?;
+        linear.map_or(Ok(()), check_max_speed)?;
+        angular.map_or(Ok(()), check_max_angular_speed)
     }
 
     /// Refuses a body that is quarantined.

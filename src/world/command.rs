@@ -60,6 +60,7 @@ pub enum Command<S: Scalar = Fx> {
     SetRandom(Random),
     SetBlob(Vec<u8>),
     SetLocks { body: BodyId, locks: Locks },
+    SetMaxSpeeds { body: BodyId, linear: Option<S>, angular: Option<S> },
 }
 
 /// What a command made.
@@ -108,12 +109,13 @@ wire_enum!(Command<S>, "the number of a command", {
     26 => SetBlob(bytes),
     27 => ClearForces,
     28 => SetLocks { body, locks },
+    29 => SetMaxSpeeds { body, linear, angular },
 });
 
 impl Command {
     /// The most bytes of a command without a shape or a blob. A circle takes 9 more, a polygon 5 and 16 a corner, a blob 4
     /// and its length.
-    pub const BYTES: usize = 117;
+    pub const BYTES: usize = 135;
 
     /// The fewest: [`ClearForces`](Self::ClearForces) is its number alone.
     pub(crate) const LEAST_BYTES: usize = 1;
@@ -182,6 +184,7 @@ impl<S: Scalar> World<S> {
             Command::SetKind { body, kind } => self.check_body_kind(body, kind).map(drop),
             Command::SetGravityScale { body, scale } => self.check_body_gravity_scale(body, scale),
             Command::SetBodyDamping { body, linear, angular } => self.check_body_damping(body, linear, angular),
+            Command::SetMaxSpeeds { body, linear, angular } => self.check_body_max_speeds(body, linear, angular),
             Command::RemoveBody(body)
             | Command::SetGroups { body, .. }
             | Command::SetKey { body, .. }
@@ -242,6 +245,7 @@ impl<S: Scalar> World<S> {
             }
             Command::SetBlob(bytes) => self.set_blob(&bytes),
             Command::SetLocks { body, locks } => self.set_locks(body, locks),
+            Command::SetMaxSpeeds { body, linear, angular } => self.set_max_speeds(body, linear, angular),
         }
         .map(|()| Made::Nothing)
     }

@@ -15,7 +15,7 @@ impl<S: Scalar> World<S> {
     /// that of the last step alone. These are sums, not calls: the arm of a force at a point belongs to where the body was.
     ///
     /// It takes an integrator with an [inverse](crate::Integrator::inverse), forces that are constant or depend on the
-    /// position alone, no damping, and no sleep. It costs what a step costs. The report of the step is gone.
+    /// position alone, no damping, no caps of speeds, and no sleep. It costs what a step costs. The report of the step is gone.
     ///
     /// Calls between two steps are the caller's to take back, the last one first, before the step before them is undone:
     /// forces with [`clear_forces`](Self::clear_forces), an impulse with its opposite, another gravity, mass, field or
@@ -74,6 +74,9 @@ impl<S: Scalar> World<S> {
         }
         if self.tunings.used().any(|row| row.is_damped) {
             return Err(Irreversible::Damping);
+        }
+        if self.tunings.any_capped() {
+            return Err(Irreversible::Capped);
         }
         let resists = |depends_on| depends_on == Dependence::Velocity;
         if let Some((field, _)) = self.fields.iter().find(|(_, field)| resists(field.depends_on(&self.laws))) {

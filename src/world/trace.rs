@@ -12,7 +12,7 @@ use crate::step::find_strays;
 /// them.
 ///
 /// All are at the tick before the step; what was applied over it is forgotten after the last of them, clear. What follows
-/// the stages, quarantine and sleep, shows in the world that was traced.
+/// the stages, caps of speeds, quarantine and sleep, shows in the world that was traced.
 ///
 /// ```
 /// use umbra_physics::{BodyDef, Trace, World, WorldDef, vec2};

@@ -39,6 +39,10 @@ where
             let own = |damping: Option<Fx>| damping.map_or("the world's".to_owned(), short);
             format!("damping of {}: linear {}, angular {}", of(body), own(*linear), own(*angular))
         }
+        Command::SetMaxSpeeds { body, linear, angular } => {
+            let most = |most: Option<Fx>, unit| most.map_or("any".to_owned(), |most| format!("{} {unit}", short(most)));
+            format!("largest speeds of {}: {}, {}", of(body), most(*linear, "m/s"), most(*angular, "rad/s"))
+        }
         Command::SetLocks { body, locks } => format!("locks of {}: {}", of(body), locked(*locks)),
         Command::SetGroups { body, groups } => format!("groups of {}: {groups:#x}", of(body)),
         Command::SetKey { body, key } => format!("key of {}: {key}", of(body)),
