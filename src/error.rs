@@ -134,6 +134,16 @@ pub enum Error {
         /// Which velocity: linear or angular.
         quantity: Quantity,
     },
+    /// The body is disabled: enable it first.
+    Disabled {
+        /// The body.
+        body: BodyId,
+    },
+    /// The body is not disabled, so there is nothing to enable.
+    NotDisabled {
+        /// The body.
+        body: BodyId,
+    },
 }
 
 /// Why a step cannot be undone.
@@ -386,6 +396,8 @@ impl fmt::Display for Error {
             Self::TickForgotten { tick, oldest } => write!(f, "tick {tick} is forgotten: the oldest kept is {oldest}"),
             Self::TickToCome { tick, present } => write!(f, "tick {tick} is still to come: it is tick {present}"),
             Self::NotReversible { why } => write!(f, "the step cannot be undone: {why}"),
+            Self::Disabled { body } => write!(f, "{body} is disabled"),
+            Self::NotDisabled { body } => write!(f, "{body} is not disabled"),
             Self::Locked { quantity: Quantity::AngularVelocity } => f.write_str("the rotation of the body is locked"),
             Self::Locked { .. } => f.write_str("the body is locked along an axis of the velocity"),
         }
@@ -414,6 +426,8 @@ codes!(Error {
     TickToCome = 119,
     NotReversible = 120,
     Locked = 121,
+    Disabled = 122,
+    NotDisabled = 123,
 });
 
 impl core::error::Error for Error {

@@ -47,6 +47,20 @@ pub enum Activity {
     Asleep,
     /// It left the envelope: back at its last good state and out of the simulation, until it is released.
     Quarantined,
+    /// It was taken out of the simulation as it was, until it is enabled.
+    Disabled,
+}
+
+impl Activity {
+    /// Whether the body is part of the simulation. One that is not stands still with the velocity it has, and whatever is
+    /// attached to it is inert.
+    #[must_use]
+    pub const fn takes_part(self) -> bool {
+        match self {
+            Self::Awake | Self::Asleep => true,
+            Self::Quarantined | Self::Disabled => false,
+        }
+    }
 }
 
 /// Which components of a body's velocity are zero and stay zero, whatever acts on it: along such an axis not a bit of its
@@ -158,7 +172,7 @@ pub struct BodyDef<S: Scalar = Fx> {
 }
 
 wire_enum!(BodyKind, "the number of a kind of body", { 0 => Static, 1 => Kinematic, 2 => Dynamic });
-wire_enum!(Activity, "the number of an activity", { 0 => Awake, 1 => Asleep, 2 => Quarantined });
+wire_enum!(Activity, "the number of an activity", { 0 => Awake, 1 => Asleep, 2 => Quarantined, 3 => Disabled });
 wire_enum!(Mass<S>, "the number of a way to give a mass", {
     0 => Density(density),
     1 => Of(mass),

@@ -69,7 +69,9 @@ impl<S: Scalar> Record<S> {
         // A quarantined one may be where a step has it on its way: it is looked at again before it is released.
         let [position, speed, angular_speed] = match self.activity {
             Activity::Quarantined => [limits::TRANSIENT_POSITION, limits::TRANSIENT_SUM, limits::TRANSIENT_SUM],
-            Activity::Awake | Activity::Asleep => [limits::POSITION, limits::SPEED, limits::ANGULAR_SPEED],
+            Activity::Awake | Activity::Asleep | Activity::Disabled => {
+                [limits::POSITION, limits::SPEED, limits::ANGULAR_SPEED]
+            }
         };
         within_envelope::<S>(self.position, position, Quantity::Position)?;
         within_envelope::<S>(self.velocity, speed, Quantity::Velocity)?;

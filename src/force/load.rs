@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 
 use super::{Attachment, BodyState, Dependence, End, Field, FieldSet, Law, Laws, Push, Region};
-use crate::body::{Activity, Bodies, BodyKind, NONE};
+use crate::body::{Bodies, BodyKind, NONE};
 use crate::error::Cause;
 use crate::handle::FieldId;
 use crate::math::Vec2;
@@ -137,10 +137,10 @@ impl<S: Scalar> Scene<'_, S> {
         (0..moving).filter(move |&i| self.bodies.card(i).feels(groups))
     }
 
-    /// `None` if its body is quarantined, and whatever is attached to it inert.
+    /// `None` if its body takes no part, so that whatever is attached to it is inert.
     fn attached(&self, attachment: &Attachment<S>, directions: &mut Directions<S>) -> Option<Anchor<S>> {
         let dense = self.bodies.find(attachment.body).ok()?;
-        if self.bodies.activity(dense) == Activity::Quarantined {
+        if !self.bodies.activity(dense).takes_part() {
             return None;
         }
         let motion = &self.bodies.columns.motion;
@@ -173,7 +173,7 @@ impl<S: Scalar> Scene<'_, S> {
         }
     }
 
-    /// From one end to another; `None` if either is on a quarantined body.
+    /// From one end to another; `None` if either is on a body that takes no part.
     pub(crate) fn offset_between(
         &self,
         from: &End<S>,

@@ -67,7 +67,9 @@ impl Handles {
             | Command::SetMaxSpeeds { body, .. }
             | Command::RemoveBody(body)
             | Command::Wake(body)
-            | Command::Release(body) => *body = self.body(*body),
+            | Command::Release(body)
+            | Command::Disable(body)
+            | Command::Enable(body) => *body = self.body(*body),
             Command::AddField(field) => *field = field.moved(|body| Some(self.body(body))).unwrap_or(*field),
             Command::SetField { id, field } => {
                 *id = self.field(*id);

@@ -336,6 +336,8 @@ impl Symmetry {
             | Command::SetUserData { .. }
             | Command::Wake(_)
             | Command::Release(_)
+            | Command::Disable(_)
+            | Command::Enable(_)
             | Command::RemoveField(_)
             | Command::SetTimeStep(_)
             | Command::SetIntegrator(_)

@@ -351,7 +351,9 @@ impl Place {
             | Command::SetLocks { body, .. }
             | Command::SetMaxSpeeds { body, .. }
             | Command::Wake(body)
-            | Command::Release(body) => Self::Body(body),
+            | Command::Release(body)
+            | Command::Disable(body)
+            | Command::Enable(body) => Self::Body(body),
             Command::SetField { id, .. } | Command::RemoveField(id) => Self::Field(id),
             Command::AddBody(_)
             | Command::AddField(_)

@@ -65,11 +65,14 @@ pub(super) fn input(object: &Object<'_>, scene: &mut Scene, tables: &mut Tables)
             set_body(&set.object()?, target, &mut push)?;
         }
         if let Some(node) = object.get("do") {
-            let command = match node.choice(&[("remove", 0), ("release", 1), ("wake", 2)])? {
-                0 => Command::RemoveBody(target),
-                1 => Command::Release(target),
-                _ => Command::Wake(target),
-            };
+            let command =
+                match node.choice(&[("remove", 0), ("release", 1), ("wake", 2), ("disable", 3), ("enable", 4)])? {
+                    0 => Command::RemoveBody(target),
+                    1 => Command::Release(target),
+                    2 => Command::Wake(target),
+                    3 => Command::Disable(target),
+                    _ => Command::Enable(target),
+                };
             push(node, Deed::Command(command));
         }
     } else if let Some(node) = object.get("field") {

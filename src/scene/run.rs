@@ -12,7 +12,6 @@ use super::input::{Deed, Input};
 use super::node::quoted;
 use super::shape::vector;
 use super::{Scene, ShapeDef};
-use crate::body::Activity;
 use crate::error::{Error, Quantity};
 use crate::handle::{BodyId, FieldId};
 use crate::math::TimeStep;
@@ -170,7 +169,7 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
         let manner = Manner { wake: false, ..Manner::default() };
         for applied in self.world.last_report().applied.to_vec() {
             let body = applied.body;
-            if self.world.body(body)?.activity() == Activity::Quarantined {
+            if !self.world.body(body)?.activity().takes_part() {
                 continue;
             }
             let force = applied.force().and_then(|force| force.try_map(S::Wide::to_scalar));
@@ -298,6 +297,8 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
             Error::NotMovable { body } => (body, "is static and has no velocity"),
             Error::Quarantined { body } => (body, "is quarantined"),
             Error::NotQuarantined { body } => (body, "is not quarantined"),
+            Error::Disabled { body } => (body, "is disabled"),
+            Error::NotDisabled { body } => (body, "is not disabled"),
             Error::SameBody { body } => (body, "is at both ends"),
             other => return other.to_string(),
         };
@@ -361,6 +362,8 @@ pub(super) fn convert_command<S: Scalar>(
         Command::SetUserData { body, user_data } => Command::SetUserData { body: bodies(body)?, user_data },
         Command::Wake(body) => Command::Wake(bodies(body)?),
         Command::Release(body) => Command::Release(bodies(body)?),
+        Command::Disable(body) => Command::Disable(bodies(body)?),
+        Command::Enable(body) => Command::Enable(bodies(body)?),
         Command::SetField { id, ref field } => {
             Command::SetField { id: fields(id)?, field: convert_field(field, bodies)? }
         }

@@ -184,6 +184,8 @@ impl Scene {
             Command::RemoveBody(body) => self.do_to_body(object, body, "remove"),
             Command::Wake(body) => self.do_to_body(object, body, "wake"),
             Command::Release(body) => self.do_to_body(object, body, "release"),
+            Command::Disable(body) => self.do_to_body(object, body, "disable"),
+            Command::Enable(body) => self.do_to_body(object, body, "enable"),
             Command::Apply { body, action, manner } => {
                 object.put("body", self.body_name(body));
                 object.action(action);

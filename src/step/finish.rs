@@ -79,7 +79,7 @@ fn keep_awake_around_wanderers<S: Scalar>(bodies: &mut Bodies<S>, fields: &Field
     for (_, field) in fields.iter() {
         let Law::Attractor { centre: End::Body(carrier), .. } = &field.law else { continue };
         let Ok(own) = bodies.find(carrier.body) else { continue };
-        if bodies.card(own).kind == BodyKind::Static {
+        if !wanders(bodies, own) {
             continue;
         }
         for i in 0..bodies.moving() {
@@ -90,8 +90,13 @@ fn keep_awake_around_wanderers<S: Scalar>(bodies: &mut Bodies<S>, fields: &Field
     }
 }
 
+/// Whether a body may be elsewhere after a step.
+pub(super) fn wanders<S: Scalar>(bodies: &Bodies<S>, i: usize) -> bool {
+    bodies.card(i).kind != BodyKind::Static && bodies.activity(i).takes_part()
+}
+
 /// For each of the first `count` bodies of the columns, the lowest index among those of them that springs join it to, over
-/// any number of springs. Static and quarantined bodies join nothing.
+/// any number of springs. Static bodies and those that take no part join nothing.
 pub(crate) fn island_roots<S: Scalar>(
     bodies: &Bodies<S>,
     fields: &FieldSet<S>,
@@ -110,9 +115,7 @@ pub(crate) fn island_roots<S: Scalar>(
     for (_, field) in fields.iter() {
         let Law::Spring { near, far: End::Body(far), .. } = &field.law else { continue };
         let (Ok(a), Ok(b)) = (bodies.find(near.body), bodies.find(far.body)) else { continue };
-        let joins = |i: usize| {
-            i < count && bodies.card(i).kind != BodyKind::Static && bodies.activity(i) != Activity::Quarantined
-        };
+        let joins = |i: usize| i < count && wanders(bodies, i);
         if joins(a) && joins(b) {
             let (a, b) = (root(links, a), root(links, b));
             links[a.max(b)] = a.min(b) as u32;

@@ -18,7 +18,7 @@ pub use timers::Timers;
 
 use alloc::vec::Vec;
 
-use crate::body::{Acceleration, BLOCK, Bodies, BodyKind, Motion, Tunings};
+use crate::body::{Acceleration, BLOCK, Bodies, Motion, Tunings};
 use crate::error::Fault;
 use crate::force::{Applied, Dependence, Directions, End, FieldSet, Law, Laws, Loads};
 use crate::handle::BodyId;
@@ -284,8 +284,7 @@ impl<S: Scalar> Context<'_, S> {
                 law => {
                     engaged.fill(true);
                     if let Law::Attractor { centre: End::Body(at), .. } = law {
-                        has.wanderers |=
-                            self.bodies.find(at.body).is_ok_and(|i| self.bodies.card(i).kind != BodyKind::Static);
+                        has.wanderers |= self.bodies.find(at.body).is_ok_and(|i| finish::wanders(self.bodies, i));
                     }
                 }
             }

@@ -364,7 +364,7 @@ impl<S: Scalar> World<S> {
         self.bodies.len()
     }
 
-    /// The number of bodies a step moves: not static, not asleep, not quarantined.
+    /// The number of bodies a step moves: not static, not asleep, not quarantined, not disabled.
     #[must_use]
     pub fn moving_count(&self) -> usize {
         self.bodies.moving()

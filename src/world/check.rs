@@ -85,12 +85,21 @@ impl<S: Scalar> World<S> {
         angular.map_or(Ok(()), check_max_angular_speed)
     }
 
-    /// Refuses a body that is quarantined.
+    /// Refuses a body that takes no part in steps.
     pub(super) fn check_taking_part(&self, body: BodyId) -> Result<usize, Error> {
         let dense = self.bodies.find(body)?;
         match self.bodies.activity(dense) {
             Activity::Quarantined => Err(Error::Quarantined { body }),
-            _ => Ok(dense),
+            Activity::Disabled => Err(Error::Disabled { body }),
+            Activity::Awake | Activity::Asleep => Ok(dense),
+        }
+    }
+
+    pub(super) fn check_enable(&self, body: BodyId) -> Result<usize, Error> {
+        let dense = self.bodies.find(body)?;
+        match self.bodies.activity(dense) {
+            Activity::Disabled => Ok(dense),
+            _ => Err(Error::NotDisabled { body }),
         }
     }
 

@@ -61,6 +61,8 @@ pub enum Command<S: Scalar = Fx> {
     SetBlob(Vec<u8>),
     SetLocks { body: BodyId, locks: Locks },
     SetMaxSpeeds { body: BodyId, linear: Option<S>, angular: Option<S> },
+    Disable(BodyId),
+    Enable(BodyId),
 }
 
 /// What a command made.
@@ -110,6 +112,8 @@ wire_enum!(Command<S>, "the number of a command", {
     27 => ClearForces,
     28 => SetLocks { body, locks },
     29 => SetMaxSpeeds { body, linear, angular },
+    30 => Disable(body),
+    31 => Enable(body),
 });
 
 impl Command {
@@ -190,7 +194,8 @@ impl<S: Scalar> World<S> {
             | Command::SetKey { body, .. }
             | Command::SetUserData { body, .. }
             | Command::SetLocks { body, .. } => self.bodies.find(body).map(drop),
-            Command::Wake(body) => self.check_taking_part(body).map(drop),
+            Command::Wake(body) | Command::Disable(body) => self.check_taking_part(body).map(drop),
+            Command::Enable(body) => self.check_enable(body).map(drop),
             Command::Release(body) => self.check_release(body).map(drop),
             Command::SetField { id, ref field } => self.check_next_field(id, field).map(drop),
             Command::RemoveField(field) => self.check_field(field).map(drop),
@@ -246,6 +251,8 @@ impl<S: Scalar> World<S> {
             Command::SetBlob(bytes) => self.set_blob(&bytes),
             Command::SetLocks { body, locks } => self.set_locks(body, locks),
             Command::SetMaxSpeeds { body, linear, angular } => self.set_max_speeds(body, linear, angular),
+            Command::Disable(body) => self.disable(body),
+            Command::Enable(body) => self.enable(body),
         }
         .map(|()| Made::Nothing)
     }

@@ -160,8 +160,8 @@ impl<S: Scalar> World<S> {
     /// at a point are rounded to 2^-64 N·m; the change by an impulse to 2^-64 relative.
     ///
     /// # Errors
-    /// [`Error::NoSuchBody`]; [`Error::NotDynamic`]; [`Error::Quarantined`]; [`Error::OutOfRange`] naming the quantity,
-    /// also when a velocity would leave the envelope.
+    /// [`Error::NoSuchBody`]; [`Error::NotDynamic`]; [`Error::Quarantined`]; [`Error::Disabled`]; [`Error::OutOfRange`] naming the
+    /// quantity, also when a velocity would leave the envelope.
     ///
     /// ```
     /// use umbra_physics::{Action, BodyDef, Frame, Fx, Manner, Shape, World, WorldDef, fx, vec2};

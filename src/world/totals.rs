@@ -2,7 +2,7 @@
 //! exact.
 
 use super::World;
-use crate::body::{Activity, BodyKind};
+use crate::body::BodyKind;
 use crate::error::{Error, Quantity};
 use crate::force::{Attachment, Directions, End, Law, Scene};
 use crate::math::Vec2;
@@ -185,7 +185,7 @@ impl<S: Scalar> World<S> {
             if carrier == Some(i) || card.groups & groups == 0 {
                 continue;
             }
-            // One that a quarantined body carries attracts nothing.
+            // One whose carrier takes no part attracts nothing.
             let Some(offset) = scene.offset_between(&own, centre, &mut directions) else { continue };
             let distance = S::length(offset, softening);
             if distance.is_zero() {
@@ -203,11 +203,11 @@ impl<S: Scalar> World<S> {
     }
 
     fn counts(&self, i: usize) -> bool {
-        self.bodies.card(i).kind == BodyKind::Dynamic && self.bodies.activity(i) != Activity::Quarantined
+        self.bodies.card(i).kind == BodyKind::Dynamic && self.bodies.activity(i).takes_part()
     }
 }
 
-/// ½·k·(length − rest)²; nothing for a spring on a quarantined body.
+/// ½·k·(length − rest)²; nothing for a spring on a body that takes no part.
 fn spring_energy<S: Scalar>(
     scene: Scene<'_, S>,
     near: &Attachment<S>,

@@ -14,7 +14,7 @@ impl<S: Scalar> World<S> {
     /// Wakes a body, and those that springs join it to.
     ///
     /// # Errors
-    /// [`Error::NoSuchBody`]; [`Error::Quarantined`].
+    /// [`Error::NoSuchBody`]; [`Error::Quarantined`]; [`Error::Disabled`].
     ///
     /// ```
     /// use umbra_physics::{Activity, BodyDef, World, WorldDef};
@@ -44,12 +44,52 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
+    /// Takes a body out of the simulation as it is: no step moves it, what is attached to it is inert, and what was applied to it
+    /// this tick is forgotten. Wakes what springs and its attractors joined it to. It keeps its velocity for when it is
+    /// [enabled](Self::enable), and can be changed meanwhile.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchBody`]; [`Error::Disabled`] if it is so already; [`Error::Quarantined`].
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, World, WorldDef, vec2};
+    ///
+    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let ball = world.add_body(BodyDef { velocity: vec2(60, 0), ..BodyDef::dynamic() })?;
+    /// world.disable(ball)?;
+    /// world.step();
+    /// world.enable(ball)?;
+    /// world.step();
+    /// assert_eq!(world.body(ball)?.position(), vec2(1, 0));
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    pub fn disable(&mut self, body: BodyId) -> Result<(), Error> {
+        self.check_taking_part(body)?;
+        self.wake_joined(body);
+        let dense = self.touch(body)?;
+        self.bodies.set_activity(dense, Activity::Disabled);
+        self.applied.forget(body);
+        self.woken.retain(|&woken| woken != body);
+        Ok(())
+    }
+
+    /// Takes a disabled body back into the simulation, at the state it has; wakes it and what it is joined to.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchBody`]; [`Error::NotDisabled`].
+    pub fn enable(&mut self, body: BodyId) -> Result<(), Error> {
+        let dense = self.check_enable(body)?;
+        self.bodies.set_activity(dense, Activity::Awake);
+        self.wake_joined(body);
+        Ok(())
+    }
+
     /// Drops what is cached, wakes the body if it sleeps, and gives its index. The body is about to be changed.
     pub(super) fn touch(&mut self, body: BodyId) -> Result<usize, Error> {
         let dense = self.bodies.find(body)?;
         self.scratch.forget();
-        // Neighbours of an awake dynamic body are awake. Those of a body that keeps nothing awake may sleep, and what a
-        // quarantined one is changed to will move them when it is released.
+        // Neighbours of an awake dynamic body are awake. Those of a body that keeps nothing awake may sleep, and what one
+        // that takes no part is changed to will move them when it does again.
         if self.bodies.activity(dense) == Activity::Asleep || self.bodies.card(dense).kind != BodyKind::Dynamic {
             self.wake_joined(body);
         }

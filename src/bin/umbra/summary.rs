@@ -75,6 +75,7 @@ struct Bodies {
     moving: usize,
     asleep: usize,
     quarantined: usize,
+    disabled: usize,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -126,6 +127,7 @@ impl Summary {
                 moving: world.moving_count(),
                 asleep: with(Activity::Asleep),
                 quarantined: with(Activity::Quarantined),
+                disabled: with(Activity::Disabled),
             },
             fields: world.fields().count(),
             faults,
@@ -166,10 +168,14 @@ impl fmt::Display for Summary {
         if !(self.title.is_empty() && self.about.is_empty()) {
             writeln!(f)?;
         }
-        let Bodies { total, moving, asleep, quarantined } = &self.bodies;
+        let Bodies { total, moving, asleep, quarantined, disabled } = &self.bodies;
+        let disabled = if *disabled > 0 { format!(", {disabled} disabled") } else { String::new() };
         writeln!(f, "  computed in       {}, {}, {} s a step", self.scalar, self.integrator, self.time_step)?;
         writeln!(f, "  tick              {}, after {} s", self.tick, self.time)?;
-        writeln!(f, "  bodies            {total}: {moving} moving, {asleep} asleep, {quarantined} quarantined")?;
+        writeln!(
+            f,
+            "  bodies            {total}: {moving} moving, {asleep} asleep, {quarantined} quarantined{disabled}"
+        )?;
         self.write_faults(f)?;
         let (before, after) = (&self.before, &self.after);
         change(f, "energy", "J", &before.energy, &after.energy)?;

@@ -79,7 +79,7 @@ function exact(words, at) {
   return (bits < 0n ? "-" : "") + (size >> 32n) + (digits && "." + digits);
 }
 
-const LOOKS = ["dynamic", "kinematic", "static", "asleep", "quarantined"];
+const LOOKS = ["dynamic", "kinematic", "static", "asleep", "quarantined", "disabled"];
 
 class Body {
   constructor([slot, generation, name, from, to, first, count, offset, looks], index) {
@@ -110,7 +110,7 @@ class Body {
     let i = this.looks.length - 1;
     while (i > 0 && this.looks[i][0] > tick) i--;
     const [, kind, activity, shape, key, mass] = this.looks[i];
-    return { kind, shape, key, mass, index: activity === 2 ? 4 : activity === 1 ? 3 : kind };
+    return { kind, shape, key, mass, index: activity > 0 ? 2 + activity : kind };
   }
 }
 

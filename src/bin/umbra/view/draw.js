@@ -209,7 +209,7 @@ function drawTrails(frame, tick, selected) {
 }
 
 // How each look is drawn: the opacity of its area, and the dashes of its outline.
-const FILLS = [0.3, 0.3, 0.45, 0.08, 0.15], DASHES = [[], [5, 3], [], [2, 3], []];
+const FILLS = [0.3, 0.3, 0.45, 0.08, 0.15, 0.04], DASHES = [[], [5, 3], [], [2, 3], [], [1, 4]];
 
 // Returns how many bodies there are of each look.
 function drawBodies(frame, tick) {
@@ -236,7 +236,7 @@ function drawBodies(frame, tick) {
     }
   }
   // What moves is drawn over what does not.
-  for (const look of [2, 3, 1, 0, 4]) {
+  for (const look of [5, 2, 3, 1, 0, 4]) {
     pen.fillStyle = pen.strokeStyle = colours[LOOKS[look]];
     pen.lineWidth = 1.4;
     pen.setLineDash(DASHES[look]);

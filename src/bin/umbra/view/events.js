@@ -4,7 +4,7 @@ const marks = $("marks"), tip = $("tip");
 
 const WORDS = {
   added: "added", removed: "removed", slept: "fell asleep", woke: "woke", quarantined: "quarantined", released: "released",
-  input: "input", diverged: "not as recorded",
+  disabled: "disabled", enabled: "enabled", input: "input", diverged: "not as recorded",
 };
 const events = run.events.map(([tick, until, what, text, list, count]) => ({ tick, until, what, text, list, count }));
 let filtered = events, listed = 0;

@@ -121,6 +121,7 @@ fn look(tick: u64, look: &Look) -> Value {
         Activity::Awake => 0,
         Activity::Asleep => 1,
         Activity::Quarantined => 2,
+        Activity::Disabled => 3,
     };
     json!([tick, kind, activity, look.shape, look.key.to_string(), look.mass.map(|mass| mass.to_string())])
 }
@@ -142,6 +143,8 @@ fn event(event: &Event) -> Value {
         What::Woke => "woke",
         What::Quarantined => "quarantined",
         What::Released => "released",
+        What::Disabled => "disabled",
+        What::Enabled => "enabled",
         What::Input => "input",
         What::Diverged => "diverged",
     };

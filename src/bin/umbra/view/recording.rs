@@ -111,6 +111,8 @@ pub(crate) enum What {
     Woke,
     Quarantined,
     Released,
+    Disabled,
+    Enabled,
     /// What was done to the world, or to a body in another way than by adding or removing it.
     Input,
     /// The run is not the one that was recorded.
@@ -255,6 +257,8 @@ impl Recording {
                 (Some(Activity::Awake), Activity::Asleep) => Some(What::Slept),
                 (Some(Activity::Asleep), Activity::Awake) => Some(What::Woke),
                 (Some(Activity::Quarantined), Activity::Awake | Activity::Asleep) => Some(What::Released),
+                (Some(Activity::Disabled), Activity::Awake | Activity::Asleep) => Some(What::Enabled),
+                (Some(before), Activity::Disabled) if before != Activity::Disabled => Some(What::Disabled),
                 // The report has those that were quarantined, with the cause.
                 _ => None,
             };

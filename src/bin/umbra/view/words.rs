@@ -49,6 +49,8 @@ where
         Command::SetUserData { body, user_data } => format!("user data of {}: {user_data}", of(body)),
         Command::Wake(body) => format!("wake {}", of(body)),
         Command::Release(body) => format!("release {}", of(body)),
+        Command::Disable(body) => format!("disable {}", of(body)),
+        Command::Enable(body) => format!("enable {}", of(body)),
         Command::AddField(field) => format!("add {}", law(field)),
         Command::SetField { id, field } => format!("in place of {}: {}", (names.field)(*id), law(field)),
         Command::RemoveField(field) => format!("remove {}", (names.field)(*field)),
