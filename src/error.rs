@@ -144,6 +144,11 @@ pub enum Error {
         /// The body.
         body: BodyId,
     },
+    /// The call needs a kinematic body.
+    NotKinematic {
+        /// The body.
+        body: BodyId,
+    },
 }
 
 /// Why a step cannot be undone.
@@ -198,6 +203,11 @@ pub enum Irreversible {
     Fault(Fault),
     /// The speed of a dynamic body is capped: how fast it was before the cap is not known.
     Capped,
+    /// A kinematic body reached a goal in the last step, or stopped there, or has one for the step to come.
+    Moved {
+        /// The body.
+        body: BodyId,
+    },
 }
 
 codes!(Irreversible {
@@ -213,6 +223,7 @@ codes!(Irreversible {
     Twice = 140,
     Fault = 141,
     Capped = 142,
+    Moved = 143,
 });
 
 impl core::error::Error for Irreversible {
@@ -239,6 +250,7 @@ impl fmt::Display for Irreversible {
             Self::Twice { body } => write!(f, "what was applied to {body} is given twice"),
             Self::Fault(fault) => write!(f, "on the way back {fault}"),
             Self::Capped => f.write_str("the speed of a body is capped"),
+            Self::Moved { body } => write!(f, "{body} was moved to a goal"),
         }
     }
 }
@@ -398,6 +410,7 @@ impl fmt::Display for Error {
             Self::NotReversible { why } => write!(f, "the step cannot be undone: {why}"),
             Self::Disabled { body } => write!(f, "{body} is disabled"),
             Self::NotDisabled { body } => write!(f, "{body} is not disabled"),
+            Self::NotKinematic { body } => write!(f, "{body} is not kinematic"),
             Self::Locked { quantity: Quantity::AngularVelocity } => f.write_str("the rotation of the body is locked"),
             Self::Locked { .. } => f.write_str("the body is locked along an axis of the velocity"),
         }
@@ -428,6 +441,7 @@ codes!(Error {
     Locked = 121,
     Disabled = 122,
     NotDisabled = 123,
+    NotKinematic = 124,
 });
 
 impl core::error::Error for Error {

@@ -6,7 +6,7 @@ pub(crate) use rules::{Tuned, cap, damp, drift, fall, glide, glide_each, kick_by
 
 use crate::body::SPANS;
 use crate::math::TimeStep;
-use crate::scalar::{Angle, Scalar, Span, Weight};
+use crate::scalar::{Angle, Factor, Scalar, Span, Weight};
 use crate::wire::wire_enum;
 
 /// How a world moves from tick to tick.
@@ -246,6 +246,8 @@ pub(crate) struct Plan<S: Scalar> {
     /// The whole step, halved or not.
     pub(crate) whole: S::Factor,
     pub(crate) half: S::Factor,
+    /// Steps a second.
+    pub(crate) rate: S::Factor,
     /// ½·dt².
     pub(crate) half_square: S::Factor,
     /// Whether it undoes steps: time runs the other way in every span.
@@ -272,6 +274,7 @@ impl<S: Scalar> Plan<S> {
             timing,
             whole: whole(false),
             half: whole(true),
+            rate: S::Factor::from_ratio(ratio.1.into(), ratio.0.into()),
             half_square: S::half_square_seconds(ratio),
             backwards: false,
         }

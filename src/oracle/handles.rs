@@ -65,6 +65,7 @@ impl Handles {
             | Command::SetUserData { body, .. }
             | Command::SetLocks { body, .. }
             | Command::SetMaxSpeeds { body, .. }
+            | Command::MoveTo { body, .. }
             | Command::RemoveBody(body)
             | Command::Wake(body)
             | Command::Release(body)

@@ -307,6 +307,9 @@ impl Symmetry {
                 Command::SetPosition { body: *body, position: self.point(*position)? }
             }
             Command::SetAngle { body, angle } => Command::SetAngle { body: *body, angle: self.angle(*angle)? },
+            Command::MoveTo { body, position, angle } => {
+                Command::MoveTo { body: *body, position: self.point(*position)?, angle: self.angle(*angle)? }
+            }
             Command::SetVelocity { body, velocity } => {
                 Command::SetVelocity { body: *body, velocity: self.vector(*velocity)? }
             }
@@ -368,6 +371,11 @@ impl Symmetry {
             let force = self.signed(row.force, |sum| Some(opposite(sum)))?;
             let torque = if self.mirrors() { opposite(row.torque) } else { row.torque };
             image.applied.adopt(row.body, force, torque);
+        }
+        for (_, errand) in image.errands.rows_mut() {
+            if let Some(goal) = &mut errand.goal {
+                (goal.position, goal.angle) = (self.point(goal.position)?, self.turn(goal.angle));
+            }
         }
         image.scratch.forget();
         Some(image)

@@ -25,6 +25,7 @@ impl<S: Scalar> World<S> {
         self.blob.write(&mut sink);
         self.bodies.write(&mut sink);
         self.applied.write(&mut sink);
+        self.errands.write(&mut sink);
         self.fields.write(&mut sink);
         wire::count(&mut sink, self.laws.len());
         self.hash_laws(&mut sink);
@@ -97,6 +98,7 @@ impl<S: Scalar> World<S> {
         let (force, torque) = row.map_or_else(Default::default, |row| (row.force, row.torque));
         force.write(&mut sink);
         torque.write(&mut sink);
+        self.errands.of(self.bodies.id(dense)).copied().write(&mut sink);
         (self.bodies.card(dense).key, sink.finish())
     }
 }

@@ -350,6 +350,7 @@ impl Place {
             | Command::SetUserData { body, .. }
             | Command::SetLocks { body, .. }
             | Command::SetMaxSpeeds { body, .. }
+            | Command::MoveTo { body, .. }
             | Command::Wake(body)
             | Command::Release(body)
             | Command::Disable(body)

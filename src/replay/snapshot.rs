@@ -8,7 +8,7 @@ use core::fmt;
 use super::LAW;
 use super::difference::Place;
 use super::error::SnapshotError;
-use crate::body::{Activity, Bodies, BodyKind, Record, ShapeSource, Tunings};
+use crate::body::{Activity, Bodies, BodyKind, Errand, Record, ShapeSource, Since, Tunings, check_position};
 use crate::error::Error;
 use crate::force::{Field, FieldSet, ForceLaw, Laws};
 use crate::handle::{BodyId, FieldId};
@@ -234,6 +234,7 @@ impl<S: Scalar> State<'_, S> {
                 wire::field(out, "shape", &source);
                 let row = world.applied.row(BodyId::from_parts(slot as u32, generation));
                 wire::field(out, "applied", &row.map(|row| Pushed::<S> { force: row.force, torque: row.torque }));
+                wire::field(out, "errand", &world.errands.of(BodyId::from_parts(slot as u32, generation)).copied());
             });
         }
     }
@@ -359,7 +360,7 @@ fn read_laws(reader: &mut Reader<'_>, given: &[Arc<dyn ForceLaw>]) -> Result<Law
 
 /// Reads the bodies one by one into a world that has none, and which slots are free.
 fn read_bodies(reader: &mut Reader<'_>, world: &mut World) -> Result<(), SnapshotError> {
-    let World { def, plan, bodies, applied, .. } = world;
+    let World { def, plan, bodies, applied, errands, .. } = world;
     let (mut tunings, climate) = (Tunings::default(), World::climate(def, plan));
     *bodies = Bodies::empty(def.integrator == Integrator::PublishedVerlet);
     for slot in 0..reader.count(5)? {
@@ -388,6 +389,10 @@ fn read_bodies(reader: &mut Reader<'_>, world: &mut World) -> Result<(), Snapsho
             }
             applied.adopt(body, force, torque);
         }
+        if let Some(errand) = Option::read(reader)? {
+            check_errand(&record, &errand).map_err(invalid)?;
+            errands.set(body, errand);
+        }
     }
     bodies.set_free(read_list(reader, 4, u32::read)?)?;
     world.tunings = Arc::new(tunings);
@@ -404,6 +409,22 @@ fn check_among(record: &Record<Fx>, def: &WorldDef) -> Result<(), Error> {
         return Err(Error::DampingHasNoInverse);
     }
     Ok(())
+}
+
+/// Refuses what no call and no step has a body do.
+fn check_errand(record: &Record<Fx>, errand: &Errand<Fx>) -> Result<(), Error> {
+    let waits = errand.goal.is_some() || errand.since == Since::Arrived;
+    let may = match record.activity {
+        Activity::Awake => true,
+        Activity::Asleep => !waits,
+        Activity::Quarantined | Activity::Disabled => errand.goal.is_none(),
+    };
+    if record.kind != BodyKind::Kinematic || errand.is_over() || !may {
+        return Err(Error::Inconsistent);
+    }
+    let Some(goal) = errand.goal else { return Ok(()) };
+    check_position(goal.position)?;
+    goal.check_locks(record.position, record.angle, record.locks)
 }
 
 fn read_list<T>(

@@ -223,6 +223,14 @@ macro_rules! float_scalar {
             fn turned(self, radians: $float) -> Self {
                 Self::from_radians(self + radians)
             }
+            fn way_to(self, goal: Self) -> $float {
+                let way = Self::from_radians(goal - self);
+                match way.partial_cmp(&core::$float::consts::PI) {
+                    Some(Ordering::Greater) => way - core::$float::consts::TAU,
+                    Some(Ordering::Equal) => 0.0,
+                    _ => way,
+                }
+            }
             type Direction = ($float, $float);
 
             fn direction(self) -> ($float, $float) {

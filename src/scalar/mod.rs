@@ -283,6 +283,8 @@ pub trait Angle<S: Scalar>: Number {
     /// The angle turned by so many radians.
     #[must_use]
     fn turned(self, radians: S::Accumulator) -> Self;
+    /// The short way from this angle to another, rad: between −π and π, and none for half a turn, which has no short way.
+    fn way_to(self, goal: Self) -> S::Wide;
     /// Sine and cosine with all the bits they are computed with: what turns vectors.
     type Direction: Copy + Debug + Default + Send + Sync;
     /// That of this angle.

@@ -86,6 +86,16 @@ impl Angle<Fx> for Turn {
         Self(self.0.wrapping_add(turns as u64))
     }
 
+    /// *Error* 2^-64 relative, then rounded to 2^-64 rad.
+    fn way_to(self, goal: Self) -> FxWide {
+        // 2π in units of 2^-61.
+        const TAU: u128 = 0xc90f_daa2_2168_c235;
+        let way = goal.0.wrapping_sub(self.0) as i64;
+        let way = if way == i64::MIN { 0 } else { way };
+        // Below 2^63 times 2^64.
+        FxWide::from_bits(mul_shift(way.into(), TAU, 61).unwrap_or(0))
+    }
+
     /// In units of 2^-62.
     type Direction = (i64, i64);
 

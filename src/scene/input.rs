@@ -11,6 +11,7 @@ use super::settings::{blob, integrator, random, sleep_after, time_step, world_da
 use super::shape::{ShapeDef, shape};
 use super::{Scene, Tables};
 use crate::handle::{BodyId, FieldId};
+use crate::scalar::fx::Fx;
 use crate::world::{Action, Command, Frame, Manner};
 
 /// Something done to a world, at one tick or at several.
@@ -61,6 +62,12 @@ pub(super) fn input(object: &Object<'_>, scene: &mut Scene, tables: &mut Tables)
     if let Some(node) = object.get("body") {
         let target = symbol(named(node, &tables.bodies, "body")?);
         actions(object, target, &mut push)?;
+        if let Some(node) = object.get("move_to") {
+            let goal = node.object()?;
+            let (position, angle) = (goal.need("position")?.point()?, goal.or("angle", Fx::ZERO, Node::number)?);
+            goal.finish()?;
+            push(node, Deed::Command(Command::MoveTo { body: target, position, angle }));
+        }
         if let Some(set) = object.get("set") {
             set_body(&set.object()?, target, &mut push)?;
         }

@@ -196,7 +196,7 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
             // What these are refused for depends on the motion before.
             let depends = matches!(
                 deed,
-                Deed::Command(Command::Release(_))
+                Deed::Command(Command::Release(_) | Command::MoveTo { .. })
                     | Deed::Command(Command::Apply {
                         action: Action::Impulse { .. }
                             | Action::AngularImpulse(_)
@@ -299,6 +299,7 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
             Error::NotQuarantined { body } => (body, "is not quarantined"),
             Error::Disabled { body } => (body, "is disabled"),
             Error::NotDisabled { body } => (body, "is not disabled"),
+            Error::NotKinematic { body } => (body, "is not kinematic"),
             Error::SameBody { body } => (body, "is at both ends"),
             other => return other.to_string(),
         };
@@ -364,6 +365,9 @@ pub(super) fn convert_command<S: Scalar>(
         Command::Release(body) => Command::Release(bodies(body)?),
         Command::Disable(body) => Command::Disable(bodies(body)?),
         Command::Enable(body) => Command::Enable(bodies(body)?),
+        Command::MoveTo { body, position, angle } => {
+            Command::MoveTo { body: bodies(body)?, position: vector(position), angle: scalar(angle) }
+        }
         Command::SetField { id, ref field } => {
             Command::SetField { id: fields(id)?, field: convert_field(field, bodies)? }
         }

@@ -186,6 +186,13 @@ impl Scene {
             Command::Release(body) => self.do_to_body(object, body, "release"),
             Command::Disable(body) => self.do_to_body(object, body, "disable"),
             Command::Enable(body) => self.do_to_body(object, body, "enable"),
+            Command::MoveTo { body, position, angle } => {
+                object.put("body", self.body_name(body));
+                let mut goal = Fields::default();
+                goal.put("position", point(position));
+                goal.unless(angle == Fx::ZERO, "angle", angle);
+                object.put("move_to", goal.line());
+            }
             Command::Apply { body, action, manner } => {
                 object.put("body", self.body_name(body));
                 object.action(action);

@@ -6,6 +6,7 @@
 //! many bodies at once. Which way a body goes changes no bit. A step is undone by the same ways with other stages.
 
 mod engaged;
+mod errand;
 mod finish;
 mod kick;
 mod march;
@@ -18,7 +19,7 @@ pub use timers::Timers;
 
 use alloc::vec::Vec;
 
-use crate::body::{Acceleration, BLOCK, Bodies, Motion, Tunings};
+use crate::body::{Acceleration, BLOCK, Bodies, Errands, Motion, Tunings, Velocities};
 use crate::error::Fault;
 use crate::force::{Applied, Dependence, Directions, End, FieldSet, Law, Laws, Loads};
 use crate::handle::BodyId;
@@ -34,6 +35,7 @@ pub(crate) struct Context<'a, S: Scalar> {
     pub(crate) fields: &'a FieldSet<S>,
     pub(crate) laws: &'a Laws<S>,
     pub(crate) applied: &'a mut Applied<S>,
+    pub(crate) errands: &'a mut Errands<S>,
     pub(crate) plan: &'a Plan<S>,
     pub(crate) integrator: Integrator,
     pub(crate) sleep_after: Option<u32>,
@@ -82,6 +84,8 @@ pub(crate) struct Scratch<S: Scalar> {
     gain: Vec<S::Factor>,
     /// Bodies whose drag acts around the whole step.
     outside: Vec<bool>,
+    /// The velocities, before the step, of bodies whose goals are too far off, by their indices.
+    stranded: Vec<(usize, Velocities<S>)>,
     found: Found,
     pub(crate) faults: Vec<Fault>,
     pub(crate) fell_asleep: Vec<BodyId>,
@@ -109,6 +113,7 @@ impl<S: Scalar> Default for Scratch<S> {
             total: Vec::new(),
             gain: Vec::new(),
             outside: Vec::new(),
+            stranded: Vec::new(),
             found: Found::default(),
             faults: Vec::new(),
             fell_asleep: Vec::new(),
@@ -183,6 +188,10 @@ impl<S: Scalar> Context<'_, S> {
     pub(crate) fn step(mut self) {
         self.scratch.forget_report();
         let has = self.open();
+        let travels = !self.errands.is_empty();
+        if travels {
+            self.set_out();
+        }
         let pushed = timed!(self.scratch, survey, self.take_applied());
         let march = March {
             stages: self.integrator.stages(),
@@ -195,6 +204,9 @@ impl<S: Scalar> Context<'_, S> {
         };
         self.run_all(&march, has);
         self.scratch.pushed = pushed;
+        if travels {
+            self.arrive();
+        }
         // The last stage of each list, for all bodies at once.
         self.applied.finish();
         timed!(self.scratch, finish, self.finish(has));

@@ -60,6 +60,7 @@ impl<S: Scalar> World<S> {
         }
         let dense = self.bodies.find(body)?;
         self.applied.forget(body);
+        self.errands.forget(body);
         Arc::make_mut(&mut self.tunings).release(self.bodies.columns.tuning[dense]);
         self.journal.removed(body);
         self.bodies.remove(body)
@@ -72,6 +73,7 @@ impl<S: Scalar> World<S> {
     pub fn set_position(&mut self, body: BodyId, position: Vec2<S>) -> Result<(), Error> {
         self.check_body_position(body, position)?;
         let dense = self.touch(body)?;
+        self.errands.recall(body);
         self.bodies.columns.motion.position.set(dense, position.map(Accumulator::from_scalar));
         self.journal.placed(body);
         Ok(())
@@ -84,6 +86,7 @@ impl<S: Scalar> World<S> {
     pub fn set_angle(&mut self, body: BodyId, angle: S) -> Result<(), Error> {
         self.check_body_angle(body, angle)?;
         let dense = self.touch(body)?;
+        self.errands.recall(body);
         self.bodies.columns.motion.angle[dense] = S::Angle::from_radians(angle);
         self.journal.placed(body);
         Ok(())
@@ -97,6 +100,7 @@ impl<S: Scalar> World<S> {
     pub fn set_velocity(&mut self, body: BodyId, velocity: Vec2<S>) -> Result<(), Error> {
         self.check_body_velocity(body, velocity)?;
         let dense = self.touch(body)?;
+        self.errands.forget(body);
         self.bodies.columns.motion.velocity.set(dense, velocity.map(Accumulator::from_scalar));
         Ok(())
     }
@@ -109,7 +113,48 @@ impl<S: Scalar> World<S> {
     pub fn set_angular_velocity(&mut self, body: BodyId, velocity: S) -> Result<(), Error> {
         self.check_body_angular_velocity(body, velocity)?;
         let dense = self.touch(body)?;
+        self.errands.forget(body);
         self.bodies.columns.motion.spin[dense] = S::Accumulator::from_scalar(velocity);
+        Ok(())
+    }
+
+    /// Moves a kinematic body to a position and an angle over the next step, the short way round; wakes it. It arrives to the
+    /// bit, as by [`set_position`](Self::set_position) and [`set_angle`](Self::set_angle), but on the way, and as read after the
+    /// step, it has the velocity (position − x)/dt, which the dampers of springs on it feel. From the step after that on it
+    /// stands still, unless it is moved again: once a tick makes a path of any shape.
+    ///
+    /// The time step may be changed before: it arrives in one step, whatever its length. If that would take more than the limit
+    /// of speeds, it stays where it is and is quarantined. Exactly half a turn, which has no short way, it makes at once at the
+    /// end of the step, without an angular velocity.
+    ///
+    /// Its goal is forgotten when it is put, turned or locked otherwise, gets a velocity or another kind, or is disabled. Where
+    /// it has arrived already, it is stopped all the same; but a velocity or a kind that it is given then makes all of its
+    /// velocity its own.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchBody`]; [`Error::Quarantined`]; [`Error::Disabled`]; [`Error::NotKinematic`]; [`Error::Locked`] for a way
+    /// along a locked axis; [`Error::OutOfRange`] with [`Quantity::Position`](crate::Quantity::Position),
+    /// [`Quantity::Angle`](crate::Quantity::Angle), or [`Quantity::Velocity`](crate::Quantity::Velocity) if a step is too short
+    /// for the way.
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, World, WorldDef, fx, vec2};
+    ///
+    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let lift = world.add_body(BodyDef::kinematic())?;
+    /// world.move_to(lift, vec2(0, fx!(0.1)), fx!(0.2))?;
+    /// world.step();
+    /// let arrived = world.body(lift)?;
+    /// assert_eq!((arrived.position(), arrived.angle()), (vec2(0, fx!(0.1)), fx!(0.2)));
+    /// assert!(arrived.velocity().y > fx!(5.9));
+    /// world.step();
+    /// assert_eq!(world.body(lift)?.velocity(), vec2(0, 0));
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    pub fn move_to(&mut self, body: BodyId, position: Vec2<S>, angle: S) -> Result<(), Error> {
+        let goal = self.check_move(body, position, angle)?;
+        self.touch(body)?;
+        self.errands.send(body, goal);
         Ok(())
     }
 
@@ -145,6 +190,7 @@ impl<S: Scalar> World<S> {
         self.wake_joined(body);
         let dense = self.bodies.find(body)?;
         self.applied.forget(body);
+        self.errands.forget(body);
         self.bodies.edit(dense, &self.tunings, |card| (card.kind, card.properties) = (kind, properties));
         let dense = self.bodies.set_moving(dense, kind != BodyKind::Static);
         let motion = &mut self.bodies.columns.motion;
@@ -221,6 +267,7 @@ impl<S: Scalar> World<S> {
     /// ```
     pub fn set_locks(&mut self, body: BodyId, locks: Locks) -> Result<(), Error> {
         let dense = self.touch(body)?;
+        self.errands.recall(body);
         let climate = Self::climate(&self.def, &self.plan);
         self.bodies.set_locks(dense, Arc::make_mut(&mut self.tunings), locks, &climate);
         Ok(())

@@ -3,7 +3,7 @@
 
 use super::{World, WorldDef, check_gravity, check_sleep_after};
 use crate::body::{
-    Activity, BodyDef, BodyKind, Card, Mass, MassProperties, check_angle, check_angular_velocity, check_damping,
+    Activity, BodyDef, BodyKind, Card, Mass, MassProperties, Pose, check_angle, check_angular_velocity, check_damping,
     check_gravity_scale, check_max_angular_speed, check_max_speed, check_position, check_turning, check_unlocked,
     check_velocity, mass_properties, within_envelope,
 };
@@ -13,7 +13,7 @@ use crate::handle::{BodyId, FieldId};
 use crate::integrate::Integrator;
 use crate::limits;
 use crate::math::{Elapsed, TimeStep, Vec2};
-use crate::scalar::Scalar;
+use crate::scalar::{Angle, Scalar};
 use crate::shape::Shape;
 
 // The calls on bodies; forces and impulses are in `forces.rs`.
@@ -45,6 +45,25 @@ impl<S: Scalar> World<S> {
         let card = self.check_movable(body)?;
         check_angular_velocity(velocity)?;
         check_turning(card.locks, velocity)
+    }
+
+    /// The goal of a body that is sent there.
+    pub(super) fn check_move(&self, body: BodyId, position: Vec2<S>, angle: S) -> Result<Pose<S>, Error> {
+        let dense = self.check_taking_part(body)?;
+        let card = self.bodies.card(dense);
+        if card.kind != BodyKind::Kinematic {
+            return Err(Error::NotKinematic { body });
+        }
+        check_position(position)?;
+        check_angle(angle)?;
+        let goal = Pose { position, angle: S::Angle::from_radians(angle) };
+        let motion = &self.bodies.columns.motion;
+        goal.check_locks(motion.position.get(dense), motion.angle[dense], card.locks)?;
+        let too_fast = Error::OutOfRange { quantity: Quantity::Velocity };
+        let (velocity, spin) = goal.approach(motion, dense, card.locks, self.plan.rate).ok_or(too_fast)?;
+        within_envelope::<S>(velocity, limits::SPEED, Quantity::Velocity)?;
+        within_envelope::<S>(Vec2::new(spin, spin), limits::ANGULAR_SPEED, Quantity::AngularVelocity)?;
+        Ok(goal)
     }
 
     pub(super) fn check_body_mass(&self, body: BodyId, mass: Mass<S>) -> Result<MassProperties<S>, Error> {

@@ -63,6 +63,7 @@ pub enum Command<S: Scalar = Fx> {
     SetMaxSpeeds { body: BodyId, linear: Option<S>, angular: Option<S> },
     Disable(BodyId),
     Enable(BodyId),
+    MoveTo { body: BodyId, position: Vec2<S>, angle: S },
 }
 
 /// What a command made.
@@ -114,6 +115,7 @@ wire_enum!(Command<S>, "the number of a command", {
     29 => SetMaxSpeeds { body, linear, angular },
     30 => Disable(body),
     31 => Enable(body),
+    32 => MoveTo { body, position, angle },
 });
 
 impl Command {
@@ -196,6 +198,7 @@ impl<S: Scalar> World<S> {
             | Command::SetLocks { body, .. } => self.bodies.find(body).map(drop),
             Command::Wake(body) | Command::Disable(body) => self.check_taking_part(body).map(drop),
             Command::Enable(body) => self.check_enable(body).map(drop),
+            Command::MoveTo { body, position, angle } => self.check_move(body, position, angle).map(drop),
             Command::Release(body) => self.check_release(body).map(drop),
             Command::SetField { id, ref field } => self.check_next_field(id, field).map(drop),
             Command::RemoveField(field) => self.check_field(field).map(drop),
@@ -253,6 +256,7 @@ impl<S: Scalar> World<S> {
             Command::SetMaxSpeeds { body, linear, angular } => self.set_max_speeds(body, linear, angular),
             Command::Disable(body) => self.disable(body),
             Command::Enable(body) => self.enable(body),
+            Command::MoveTo { body, position, angle } => self.move_to(body, position, angle),
         }
         .map(|()| Made::Nothing)
     }

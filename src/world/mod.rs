@@ -21,7 +21,7 @@ mod wake;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
-use crate::body::{Bodies, Climate, Tunings, check_damping};
+use crate::body::{Bodies, Climate, Errands, Tunings, check_damping};
 use crate::error::{Error, Fault, Quantity};
 use crate::force::{Applied, AppliedForce, FieldSet, Laws};
 use crate::handle::BodyId;
@@ -135,6 +135,7 @@ pub struct World<S: Scalar = Fx> {
     pub(crate) fields: Arc<FieldSet<S>>,
     pub(crate) laws: Arc<Laws<S>>,
     pub(crate) applied: Applied<S>,
+    pub(crate) errands: Errands<S>,
     pub(crate) random: Random,
     pub(crate) blob: Vec<u8>,
     // From here on all is derived, scratch, or a report.
@@ -154,6 +155,7 @@ clone_by_field!(World {
     fields,
     laws,
     applied,
+    errands,
     random,
     blob,
     tunings,
@@ -226,6 +228,7 @@ impl<S: Scalar> World<S> {
             fields: Arc::default(),
             laws: Arc::default(),
             applied: Applied::default(),
+            errands: Errands::default(),
             random: Random::default(),
             blob: Vec::new(),
             tunings: Arc::default(),
@@ -260,6 +263,7 @@ impl<S: Scalar> World<S> {
             fields: &self.fields,
             laws: &self.laws,
             applied: &mut self.applied,
+            errands: &mut self.errands,
             plan: &self.plan,
             integrator: self.def.integrator,
             sleep_after: self.def.sleep_after,

@@ -93,6 +93,9 @@ impl<S: Scalar> World<S> {
             if let Some(row) = self.applied.row(old) {
                 world.applied.adopt(new, row.force, row.torque);
             }
+            if let Some(errand) = self.errands.of(old) {
+                world.errands.set(new, *errand);
+            }
             adopted.insert(old, new);
         }
         let fields = Arc::make_mut(&mut world.fields);

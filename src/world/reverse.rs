@@ -15,7 +15,8 @@ impl<S: Scalar> World<S> {
     /// that of the last step alone. These are sums, not calls: the arm of a force at a point belongs to where the body was.
     ///
     /// It takes an integrator with an [inverse](crate::Integrator::inverse), forces that are constant or depend on the
-    /// position alone, no damping, no caps of speeds, and no sleep. It costs what a step costs. The report of the step is gone.
+    /// position alone, no damping, no caps of speeds, no
+    /// body that was moved to a goal in the step or stopped there, and no sleep. It costs what a step costs. The report of the step is gone.
     ///
     /// Calls between two steps are the caller's to take back, the last one first, before the step before them is undone:
     /// forces with [`clear_forces`](Self::clear_forces), an impulse with its opposite, another gravity, mass, field or
@@ -86,6 +87,9 @@ impl<S: Scalar> World<S> {
         let still = self.bodies.moving()..self.bodies.len();
         if let Some(i) = still.rev().find(|&i| self.bodies.activity(i) == Activity::Quarantined) {
             return Err(Irreversible::Quarantined { body: self.bodies.id(i) });
+        }
+        if let Some(&(body, _)) = self.errands.rows().first() {
+            return Err(Irreversible::Moved { body });
         }
         if !self.applied.rows().is_empty() {
             return Err(Irreversible::Pending);

@@ -12,7 +12,7 @@ use crate::step::find_strays;
 /// them.
 ///
 /// All are at the tick before the step; what was applied over it is forgotten after the last of them, clear. What follows
-/// the stages, caps of speeds, quarantine and sleep, shows in the world that was traced.
+/// the stages, caps of speeds, arrival at goals, quarantine and sleep, shows in the world that was traced.
 ///
 /// ```
 /// use umbra_physics::{BodyDef, Trace, World, WorldDef, vec2};
@@ -80,9 +80,10 @@ impl<S: Scalar> World<S> {
         find_strays(&self.bodies.all_moving(), &mut strays);
         // Each changes places with the last body that moves: from the last one on, the others stay where they are.
         for (i, _) in strays.into_iter().rev() {
-            // One that is taken out has nothing applied to it.
+            // One that is taken out has nothing applied to it, and is sent nowhere.
             let body = self.bodies.id(i);
             self.applied.forget(body);
+            self.errands.recall(body);
             self.bodies.set_activity(i, Activity::Quarantined);
             self.mark_if_still(body);
         }

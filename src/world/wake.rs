@@ -69,6 +69,7 @@ impl<S: Scalar> World<S> {
         let dense = self.touch(body)?;
         self.bodies.set_activity(dense, Activity::Disabled);
         self.applied.forget(body);
+        self.errands.recall(body);
         self.woken.retain(|&woken| woken != body);
         Ok(())
     }

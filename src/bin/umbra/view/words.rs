@@ -49,6 +49,9 @@ where
         Command::SetUserData { body, user_data } => format!("user data of {}: {user_data}", of(body)),
         Command::Wake(body) => format!("wake {}", of(body)),
         Command::Release(body) => format!("release {}", of(body)),
+        Command::MoveTo { body, position, angle } => {
+            format!("move {} to {} m, {} rad", of(body), vector(*position), short(*angle))
+        }
         Command::Disable(body) => format!("disable {}", of(body)),
         Command::Enable(body) => format!("enable {}", of(body)),
         Command::AddField(field) => format!("add {}", law(field)),

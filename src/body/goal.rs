@@ -1,0 +1,184 @@
+//! Where kinematic bodies are to be after the next step.
+
+use alloc::vec::Vec;
+
+use super::{Locks, Motion};
+use crate::error::{Error, Quantity};
+use crate::handle::BodyId;
+use crate::math::Vec2;
+use crate::scalar::{Accumulator, Angle, Scalar};
+use crate::wire::{self, Sink, Write as _, wire_enum, wire_struct};
+
+/// A place and an angle to be at, to the bit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Pose<S: Scalar> {
+    pub(crate) position: Vec2<S>,
+    pub(crate) angle: S::Angle,
+}
+
+wire_struct!(Pose { position, angle });
+
+impl<S: Scalar> Pose<S> {
+    /// The velocities that lead here in a step of 1/`rate` seconds from where body `i` is read to be, the short way round in
+    /// turns; none along a locked axis. `None` from 2^21 m/s on.
+    pub(crate) fn approach(
+        &self,
+        motion: &Motion<S>,
+        i: usize,
+        locks: Locks,
+        rate: S::Factor,
+    ) -> Option<Velocities<S>> {
+        let at = motion.position.get(i).map(Accumulator::value);
+        let over = |way, locked| if locked { Some(S::Accumulator::default()) } else { S::kick(way, rate) };
+        Some((
+            Vec2::new(over(self.position.x.offset(at.x), locks.x)?, over(self.position.y.offset(at.y), locks.y)?),
+            over(motion.angle[i].way_to(self.angle), locks.rotation)?,
+        ))
+    }
+
+    /// Puts body `i` here, to the bit, but along locked axes, where it is already.
+    pub(crate) fn take(&self, motion: &mut Motion<S>, i: usize, locks: Locks) {
+        let here = self.position.map(S::Accumulator::from_scalar);
+        if !locks.x {
+            motion.position.x[i] = here.x;
+        }
+        if !locks.y {
+            motion.position.y[i] = here.y;
+        }
+        if !locks.rotation {
+            motion.angle[i] = self.angle;
+        }
+    }
+
+    /// Refuses what a body that is locked like this cannot be moved to.
+    pub(crate) fn check_locks(
+        &self,
+        position: Vec2<S::Accumulator>,
+        angle: S::Angle,
+        locks: Locks,
+    ) -> Result<(), Error> {
+        let (at, to) = (position.map(Accumulator::value), self.position);
+        if (locks.x && at.x != to.x) || (locks.y && at.y != to.y) {
+            return Err(Error::Locked { quantity: Quantity::Velocity });
+        }
+        if locks.rotation && angle.radians() != self.angle.radians() {
+            return Err(Error::Locked { quantity: Quantity::AngularVelocity });
+        }
+        Ok(())
+    }
+}
+
+/// Linear and angular velocity.
+pub(crate) type Velocities<S> = (Vec2<<S as Scalar>::Accumulator>, <S as Scalar>::Accumulator);
+
+/// How long ago a body reached a goal: it has the velocity that led there until the next step begins, and what stood still then
+/// is told from what always did, so that steps are not undone that cannot be.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Since {
+    /// Two steps or more, if ever.
+    #[default]
+    Long,
+    /// It did in the last step: the next one stops it, unless it has another goal.
+    Arrived,
+    /// The last step stopped it.
+    Stopped,
+}
+
+wire_enum!(Since, "the number of a time since a goal", { 0 => Long, 1 => Arrived, 2 => Stopped });
+
+/// What a body has to do with goals.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Errand<S: Scalar> {
+    pub(crate) goal: Option<Pose<S>>,
+    pub(crate) since: Since,
+}
+
+wire_struct!(Errand { goal, since });
+
+impl<S: Scalar> Errand<S> {
+    /// Whether it is as if it had never been.
+    pub(crate) fn is_over(&self) -> bool {
+        self.goal.is_none() && self.since == Since::Long
+    }
+}
+
+/// The errands of the bodies that have one, in the order of the slots.
+#[derive(Debug)]
+pub(crate) struct Errands<S: Scalar> {
+    rows: Vec<(BodyId, Errand<S>)>,
+}
+
+clone_by_field!(Errands { rows });
+
+impl<S: Scalar> Default for Errands<S> {
+    fn default() -> Self {
+        Self { rows: Vec::new() }
+    }
+}
+
+impl<S: Scalar> Errands<S> {
+    pub(crate) fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
+
+    pub(crate) fn rows(&self) -> &[(BodyId, Errand<S>)] {
+        &self.rows
+    }
+
+    pub(crate) fn rows_mut(&mut self) -> impl Iterator<Item = &mut (BodyId, Errand<S>)> {
+        self.rows.iter_mut()
+    }
+
+    fn place(&self, body: BodyId) -> Result<usize, usize> {
+        self.rows.binary_search_by_key(&body.slot, |(body, _)| body.slot)
+    }
+
+    /// That of a body, if it has one.
+    pub(crate) fn of(&self, body: BodyId) -> Option<&Errand<S>> {
+        self.place(body).ok().map(|i| &self.rows[i].1)
+    }
+
+    /// Gives a body an errand, in place of what it had.
+    pub(crate) fn set(&mut self, body: BodyId, errand: Errand<S>) {
+        match self.place(body) {
+            Ok(i) if errand.is_over() => _ = self.rows.remove(i),
+            Ok(i) => self.rows[i].1 = errand,
+            Err(_) if errand.is_over() => {}
+            Err(i) => self.rows.insert(i, (body, errand)),
+        }
+    }
+
+    /// Sends a body to a goal.
+    pub(crate) fn send(&mut self, body: BodyId, goal: Pose<S>) {
+        let since = self.of(body).map_or(Since::Long, |errand| errand.since);
+        self.set(body, Errand { goal: Some(goal), since });
+    }
+
+    /// Takes the goal of a body back. One that has just arrived is still to be stopped.
+    pub(crate) fn recall(&mut self, body: BodyId) {
+        if let Some(&Errand { since, .. }) = self.of(body) {
+            self.set(body, Errand { goal: None, since });
+        }
+    }
+
+    /// Forgets all about a body: the velocity it has is its own.
+    pub(crate) fn forget(&mut self, body: BodyId) {
+        if let Ok(i) = self.place(body) {
+            self.rows.remove(i);
+        }
+    }
+
+    /// Removes the errands that are over.
+    pub(crate) fn tidy(&mut self) {
+        self.rows.retain(|(_, errand)| !errand.is_over());
+    }
+
+    /// Adds them to a hash, in the order of the slots.
+    pub(crate) fn write(&self, sink: &mut Sink) {
+        wire::count(sink, self.rows.len());
+        for (body, errand) in &self.rows {
+            body.slot.write(sink);
+            errand.write(sink);
+        }
+    }
+}
