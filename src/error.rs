@@ -204,10 +204,7 @@ pub enum Irreversible {
     /// The speed of a dynamic body is capped: how fast it was before the cap is not known.
     Capped,
     /// A kinematic body reached a goal in the last step, or stopped there, or has one for the step to come.
-    Moved {
-        /// The body.
-        body: BodyId,
-    },
+    Moved,
 }
 
 codes!(Irreversible {
@@ -250,7 +247,7 @@ impl fmt::Display for Irreversible {
             Self::Twice { body } => write!(f, "what was applied to {body} is given twice"),
             Self::Fault(fault) => write!(f, "on the way back {fault}"),
             Self::Capped => f.write_str("the speed of a body is capped"),
-            Self::Moved { body } => write!(f, "{body} was moved to a goal"),
+            Self::Moved => f.write_str("a body was moved to a goal, or stopped there"),
         }
     }
 }

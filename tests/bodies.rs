@@ -8,8 +8,8 @@ use umbra_physics::Timers;
 use umbra_physics::scalar::{Accumulator, Angle, Factor, Wide};
 use umbra_physics::{
     Action, Activity, Attachment, BodyDef, BodyId, BodyKind, Command, End, Error, Field, FieldId, Frame, Fx, FxFactor,
-    FxWide, Integrator, Law, Made, Manner, Mass, Random, Shape, SpringLaw, TimeStep, Turn, Vec2, World, WorldDef, fx,
-    vec2,
+    FxWide, Integrator, Law, Locks, Made, Manner, Mass, Random, Shape, SpringLaw, TimeStep, Turn, Vec2, World,
+    WorldDef, fx, vec2,
 };
 
 fn world(def: WorldDef) -> World {
@@ -414,6 +414,9 @@ fn what_is_set_is_what_is_read() {
         gravity_scale: fx!(-0.3),
         linear_damping: Some(fx!(0.7)),
         angular_damping: None,
+        max_speed: Some(fx!(0.1)),
+        max_angular_speed: None,
+        locks: Locks::NONE,
         groups: 6,
         key: 5,
         user_data: u64::MAX,
@@ -426,6 +429,7 @@ fn what_is_set_is_what_is_read() {
     assert_eq!((body.angle(), body.angular_velocity()), (def.angle, def.angular_velocity));
     assert_eq!((body.mass(), body.gravity_scale()), (Some(fx!(6)), def.gravity_scale));
     assert_eq!((body.linear_damping(), body.angular_damping()), (def.linear_damping, None));
+    assert_eq!((body.max_speed(), body.max_angular_speed()), (def.max_speed, None));
     assert_eq!((body.groups(), body.key(), body.user_data()), (6, 5, u64::MAX));
     assert_eq!(body.shape(), def.shape.as_ref());
     assert_eq!(body.position_exact().x.to_bits(), i128::from(fx!(-3.7).to_bits()) << 64);
@@ -493,6 +497,11 @@ fn by_method(world: &mut World, command: &Command) -> Result<Made, Error> {
             Ok(Made::Nothing)
         }
         Command::SetBlob(bytes) => nothing(world.set_blob(&bytes)),
+        Command::SetLocks { body, locks } => nothing(world.set_locks(body, locks)),
+        Command::SetMaxSpeeds { body, linear, angular } => nothing(world.set_max_speeds(body, linear, angular)),
+        Command::Disable(body) => nothing(world.disable(body)),
+        Command::Enable(body) => nothing(world.enable(body)),
+        Command::MoveTo { body, position, angle } => nothing(world.move_to(body, position, angle)),
         other => panic!("{other:?} has no case here"),
     }
 }
@@ -551,6 +560,17 @@ fn a_command_does_what_the_method_of_its_name_does() {
         Command::SetSleepAfter(Some(9)),
         Command::SetRandom(Random::seeded(3)),
         Command::SetBlob(vec![1, 2, 3]),
+        Command::SetMaxSpeeds { body, linear: Some(fx!(0.5)), angular: None },
+        Command::SetLocks { body, locks: Locks { x: true, ..Locks::NONE } },
+        Command::SetVelocity { body, velocity: force },
+        Command::Disable(body),
+        Command::Disable(body),
+        Command::Enable(body),
+        Command::Enable(body),
+        Command::MoveTo { body, position: force, angle: fx!(1) },
+        Command::SetLocks { body, locks: Locks::NONE },
+        Command::SetKind { body, kind: BodyKind::Kinematic },
+        Command::MoveTo { body, position: force, angle: fx!(1) },
         Command::RemoveBody(body),
         Command::RemoveBody(gone),
     ];

@@ -114,8 +114,8 @@ fn checking_a_command_says_what_carrying_it_out_would_and_what_is_refused_change
     // Any generator is fair, so are small blobs, and forces can always be taken back.
     accepted.retain(|name| !["SetRandom", "SetBlob", "ClearForces"].contains(&&name[..]));
     assert_eq!(refused, accepted);
-    let all = "DampingHasNoInverse ElapsedTime ForceLaw NoShape NoSuchBody NoSuchField NotDynamic NotMovable \
-               NotQuarantined OutOfRange Quarantined SameBody TimeStep";
+    let all = "DampingHasNoInverse Disabled ElapsedTime ForceLaw Locked NoShape NoSuchBody NoSuchField NotDisabled \
+               NotDynamic NotKinematic NotMovable NotQuarantined OutOfRange Quarantined SameBody TimeStep";
     assert_eq!(errors, all.split_whitespace().map(str::to_owned).collect());
 }
 
@@ -160,7 +160,7 @@ fn permutations(count: usize, visit: &mut impl FnMut(&[usize])) {
 fn the_order_in_which_inputs_arrive_never_matters() {
     let mut author = Author { random: SplitMix(2), unfair: 40 };
     let (mut made_a_difference, mut refused) = (0, 0);
-    for run in 0..8 {
+    for run in 0..16 {
         let world = world(&mut author, Integrator::ALL[run % Integrator::ALL.len()]);
         let written = inputs_of_a_tick(&mut author, &world);
         let mut expected = None;
@@ -190,7 +190,7 @@ fn the_order_in_which_inputs_arrive_never_matters() {
         made_a_difference += usize::from(unordered.len() > 1);
     }
     // Otherwise this shows nothing.
-    assert!(made_a_difference > 0 && refused > 0, "{made_a_difference} of 8 depend on the order, {refused} refused");
+    assert!(made_a_difference > 0 && refused > 0, "{made_a_difference} of 16 depend on the order, {refused} refused");
 }
 
 #[test]

@@ -6,8 +6,10 @@
 mod accuracy;
 mod attraction;
 mod bodies;
+mod caps;
 mod closure;
 mod commands;
+mod disabled;
 #[cfg(feature = "float")]
 mod display;
 #[cfg(feature = "float")]
@@ -18,6 +20,8 @@ mod exact_time;
 mod fx;
 #[cfg(feature = "serde")]
 mod fx_serde;
+mod goals;
+mod locks;
 mod looking;
 mod mass;
 mod order;

@@ -12,8 +12,8 @@ use umbra_physics::limits::{
 use umbra_physics::scalar::{Accumulator, Angle, Factor};
 use umbra_physics::{
     Action, Activity, AppliedForce, Attachment, BodyDef, BodyId, BodyKind, BodyState, Cause, Command, Dependence, End,
-    Error, Fault, Field, FieldId, ForceLaw, Frame, Fx, FxFactor, Integrator, Law, LawFault, Manner, Mass, Part, Push,
-    Quantity, Region, Shape, SpringLaw, TimeStep, Vec2, World, WorldDef, fx, vec2,
+    Error, Fault, Field, FieldId, ForceLaw, Frame, Fx, FxFactor, Integrator, Law, LawFault, Locks, Manner, Mass, Part,
+    Push, Quantity, Region, Shape, SpringLaw, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
 const ULP: Fx = Fx::DELTA;
@@ -160,6 +160,19 @@ fn each_bound_of_a_number_is_accepted_and_one_ulp_past_it_refused() {
         linear: None,
         angular: Some(kept),
     });
+    let most = [Fx::ZERO, SPEED];
+    try_scalar(most, Quantity::MaxSpeed, |most, body, _| Command::SetMaxSpeeds {
+        body,
+        linear: Some(most),
+        angular: None,
+    });
+    try_scalar(most, Quantity::MaxAngularSpeed, |most, body, _| Command::SetMaxSpeeds {
+        body,
+        linear: None,
+        angular: Some(most),
+    });
+    try_scalar(most, Quantity::MaxSpeed, |most, _, _| body(|def| def.max_speed = Some(most)));
+    try_scalar(most, Quantity::MaxAngularSpeed, |most, _, _| body(|def| def.max_angular_speed = Some(most)));
     try_scalar(kept, Quantity::Damping, |kept, _, _| body(|def| def.linear_damping = Some(kept)));
     try_scalar(kept, Quantity::Damping, |kept, _, _| body(|def| def.angular_damping = Some(kept)));
     let none = Fx::ZERO;
@@ -638,6 +651,15 @@ fn damping() -> impl Strategy<Value = Option<Fx>> {
     ]
 }
 
+fn most() -> impl Strategy<Value = Option<Fx>> {
+    prop_oneof![4 => Just(None), 1 => Just(Some(Fx::ZERO)), 1 => Just(Some(SPEED)), 2 => positive(SPEED).prop_map(Some)]
+}
+
+fn locks() -> impl Strategy<Value = Locks> {
+    let any = (any::<bool>(), any::<bool>(), any::<bool>());
+    prop_oneof![4 => Just(Locks::NONE), 1 => any.prop_map(|(x, y, rotation)| Locks { x, y, rotation })]
+}
+
 fn kind() -> impl Strategy<Value = BodyKind> {
     prop_oneof![4 => Just(BodyKind::Dynamic), 1 => Just(BodyKind::Kinematic), 1 => Just(BodyKind::Static)]
 }
@@ -652,13 +674,16 @@ prop_compose! {
         (shape, mass) in (shape(), mass()),
         gravity_scale in within(GRAVITY_SCALE),
         (linear_damping, angular_damping) in (damping(), damping()),
+        ((max_speed, max_angular_speed), locks) in ((most(), most()), locks()),
         groups in 0u32..4,
     ) -> BodyDef {
         let still = kind == BodyKind::Static;
         let velocity = if still { Vec2::ZERO } else { velocity };
-        let angular_velocity = if still { Fx::ZERO } else { angular_velocity };
+        let angular_velocity = if still || locks.rotation { Fx::ZERO } else { angular_velocity };
+        let free = |v: Fx, locked: bool| if locked { Fx::ZERO } else { v };
+        let velocity = Vec2::new(free(velocity.x, locks.x), free(velocity.y, locks.y));
         BodyDef { kind, position, angle, velocity, angular_velocity, shape, mass, gravity_scale, linear_damping,
-            angular_damping, groups, key: 0, user_data: 0 }
+            angular_damping, max_speed, max_angular_speed, locks, groups, key: 0, user_data: 0 }
     }
 }
 
@@ -762,6 +787,13 @@ fn command() -> impl Strategy<Value = Command> {
         1 => (handle(), 0u64..3).prop_map(|(body, key)| Command::SetKey { body, key }),
         1 => (handle(), any::<u64>()).prop_map(|(body, user_data)| Command::SetUserData { body, user_data }),
         1 => handle().prop_map(Command::Wake),
+        1 => (handle(), locks()).prop_map(|(body, locks)| Command::SetLocks { body, locks }),
+        1 => (handle(), most(), most())
+            .prop_map(|(body, linear, angular)| Command::SetMaxSpeeds { body, linear, angular }),
+        1 => handle().prop_map(Command::Disable),
+        2 => handle().prop_map(Command::Enable),
+        3 => (handle(), vector_within(POSITION), edge())
+            .prop_map(|(body, position, angle)| Command::MoveTo { body, position, angle }),
         3 => handle().prop_map(Command::Release),
         8 => field().prop_map(Command::AddField),
         2 => (field_id(), field()).prop_map(|(id, field)| Command::SetField { id, field }),
@@ -781,6 +813,11 @@ fn check(world: &World) {
         assert!(x.x.is_within(POSITION) && x.y.is_within(POSITION), "{} is at {}", body.id(), body.position());
         assert!(v.x.is_within(SPEED) && v.y.is_within(SPEED), "{} moves at {}", body.id(), body.velocity());
         assert!(spin.is_within(ANGULAR_SPEED), "{} spins at {}", body.id(), body.angular_velocity());
+        let _ = (body.kinetic_energy(), body.momentum(), body.angular_momentum(), body.goal());
+        for point in [Vec2::ZERO, Vec2::new(Fx::MAX, Fx::MIN), Vec2::new(Fx::MIN, Fx::MIN), body.position()] {
+            let _ = (body.velocity_at(point), body.world_point(point), body.local_point(point));
+            let _ = (body.world_vector(point), body.local_vector(point));
+        }
         let _ = (body.origin(), body.rotation(), body.inertia(), body.applied_force(), body.applied_torque());
     }
     let _ = (world.energy(), world.momentum(), world.angular_momentum(), world.elapsed(), world.state_hash());
@@ -985,6 +1022,7 @@ mod floats {
         let mut world = World::<f64>::new(WorldDef::default()).unwrap();
         let shape = Some(Shape::circle(1.0).unwrap());
         let body = world.add_body(BodyDef { shape: shape.clone(), ..BodyDef::dynamic() }).unwrap();
+        let rail = world.add_body(BodyDef::kinematic()).unwrap();
         let id = world.add_field(Law::Drag { linear: 1.0, quadratic: 0.0, wind: Vec2::ZERO }).unwrap();
         for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             for v in [Vec2::new(bad, 0.0), Vec2::new(0.0, bad)] {
@@ -1018,6 +1056,12 @@ mod floats {
                     Command::SetGravityScale { body, scale: bad },
                     Command::SetBodyDamping { body, linear: Some(bad), angular: None },
                     Command::SetBodyDamping { body, linear: None, angular: Some(bad) },
+                    Command::SetMaxSpeeds { body, linear: Some(bad), angular: None },
+                    Command::SetMaxSpeeds { body, linear: None, angular: Some(bad) },
+                    Command::MoveTo { body: rail, position: v, angle: 0.0 },
+                    Command::MoveTo { body: rail, position: Vec2::ZERO, angle: bad },
+                    add(|def, v| def.max_speed = Some(v.x + v.y)),
+                    add(|def, v| def.max_angular_speed = Some(v.x + v.y)),
                     Command::SetGravity(v),
                     Command::SetDamping { linear: bad, angular: 1.0 },
                     Command::SetDamping { linear: 1.0, angular: bad },

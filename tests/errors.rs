@@ -10,7 +10,7 @@ use umbra_physics::{
 };
 
 /// Every number that was ever given, and to what. Lines are added, none is changed or taken out.
-const GIVEN: [(u16, &str); 105] = [
+const GIVEN: [(u16, &str); 113] = [
     (101, "Error::OutOfRange"),
     (102, "Error::NoSuchBody"),
     (103, "Error::NoSuchField"),
@@ -31,6 +31,10 @@ const GIVEN: [(u16, &str); 105] = [
     (118, "Error::TickForgotten"),
     (119, "Error::TickToCome"),
     (120, "Error::NotReversible"),
+    (121, "Error::Locked"),
+    (122, "Error::Disabled"),
+    (123, "Error::NotDisabled"),
+    (124, "Error::NotKinematic"),
     (131, "Irreversible::Scalar"),
     (132, "Irreversible::Integrator"),
     (133, "Irreversible::Start"),
@@ -42,6 +46,8 @@ const GIVEN: [(u16, &str); 105] = [
     (139, "Irreversible::Pending"),
     (140, "Irreversible::Twice"),
     (141, "Irreversible::Fault"),
+    (142, "Irreversible::Capped"),
+    (143, "Irreversible::Moved"),
     (151, "Quantity::Position"),
     (152, "Quantity::Angle"),
     (153, "Quantity::Velocity"),
@@ -65,6 +71,8 @@ const GIVEN: [(u16, &str); 105] = [
     (171, "Quantity::SleepAfter"),
     (172, "Quantity::Total"),
     (173, "Quantity::Blob"),
+    (174, "Quantity::MaxSpeed"),
+    (175, "Quantity::MaxAngularSpeed"),
     (201, "Cause::Position"),
     (202, "Cause::Velocity"),
     (203, "Cause::AngularVelocity"),
@@ -211,6 +219,8 @@ fn what_an_error_passes_on_is_its_source() {
     let mass = Error::OutOfRange { quantity: Quantity::Mass };
     assert_eq!((mass.code(), sourced(&mass)), (101, Some(Quantity::Mass.to_string())));
     assert_eq!(Quantity::Mass.code(), 155);
+    let locked = Error::Locked { quantity: Quantity::Velocity };
+    assert_eq!((locked.code(), sourced(&locked)), (121, Some(Quantity::Velocity.to_string())));
     let body = BodyId::from_parts(3, 0);
     let fault = Fault { body, cause: Cause::Force };
     let why = Irreversible::Fault(fault);

@@ -18,10 +18,10 @@ use std::{env, fs};
 
 use everything::{commands, laws, recording, world};
 use formats::{Content, Layouts, Value};
-use found::{activity, command, field, integrator, kind, mass, number, random, shape, time_step, vector};
+use found::{activity, command, field, integrator, kind, locks, mass, number, random, shape, time_step, vector};
 use umbra_physics::scalar::{Accumulator, Angle};
 use umbra_physics::{
-    BodyId, Command, Field, FieldId, Fx, LAW, Mass, Replay, ReplayError, Snapshot, SnapshotError, World, WorldDef,
+    BodyId, Command, Field, FieldId, Fx, LAW, Mass, Replay, ReplayError, Snapshot, SnapshotError, Turn, World, WorldDef,
 };
 use xxhash_rust::xxh3::xxh3_64;
 
@@ -60,8 +60,19 @@ fn hash_of(state: &Value) -> u64 {
         bodies.iter().for_each(|body| hashed.extend(column(body)));
     }
     for body in &bodies {
-        let names =
-            ["kind", "groups", "key", "user_data", "mass", "gravity_scale", "linear_damping", "angular_damping"];
+        let names = [
+            "kind",
+            "groups",
+            "key",
+            "user_data",
+            "mass",
+            "gravity_scale",
+            "linear_damping",
+            "angular_damping",
+            "max_speed",
+            "max_angular_speed",
+            "locks",
+        ];
         let mut card: Vec<u8> = names.iter().flat_map(|name| body[name].bytes()).copied().collect();
         match shape_of(slots, body) {
             None => card.push(0),
@@ -85,6 +96,17 @@ fn hash_of(state: &Value) -> u64 {
         hashed.extend(slot.to_le_bytes());
         hashed.extend(applied.bytes());
     }
+
+    let errands: Vec<(u32, &Value)> = (0u32..)
+        .zip(state["bodies"].list())
+        .filter_map(|(slot, entry)| Some((slot, entry["present"].option()?["errand"].option()?)))
+        .collect();
+    hashed.extend((errands.len() as u32).to_le_bytes());
+    for (slot, errand) in errands {
+        hashed.extend(slot.to_le_bytes());
+        hashed.extend(errand.bytes());
+    }
+    hashed.extend(state["moved_at_tick"].bytes());
 
     let slots = state["fields"].list();
     hashed.extend((slots.len() as u32).to_le_bytes());
@@ -151,6 +173,7 @@ fn compare(state: &Value, world: &World) {
     };
     assert_eq!(found, *def);
     assert_eq!(state["tick"].natural(), world.tick());
+    assert!(state["moved_at_tick"].natural() <= world.tick());
     assert_eq!(elapsed(state), (world.elapsed().num, world.elapsed().den));
     assert_eq!(random(&state["random"]), *world.random());
     assert_eq!(state["blob"].raw(), world.blob());
@@ -175,6 +198,12 @@ fn compare(state: &Value, world: &World) {
         assert_eq!(number(&found["gravity_scale"]), own.gravity_scale(), "{id}");
         assert_eq!(found["linear_damping"].option().map(number), own.linear_damping(), "{id}");
         assert_eq!(found["angular_damping"].option().map(number), own.angular_damping(), "{id}");
+        assert_eq!(found["max_speed"].option().map(number), own.max_speed(), "{id}");
+        assert_eq!(found["max_angular_speed"].option().map(number), own.max_angular_speed(), "{id}");
+        assert_eq!(locks(&found["locks"]), own.locks(), "{id}");
+        let goal = found["errand"].option().and_then(|errand| errand["goal"].option());
+        let goal = goal.map(|goal| (vector(&goal["position"]), Turn::from_bits(goal["angle"].natural())));
+        assert_eq!(goal, own.goal(), "{id}");
         assert_eq!(found["groups"].natural(), u64::from(own.groups()), "{id}");
         assert_eq!(found["key"].natural(), own.key(), "{id}");
         assert_eq!(found["user_data"].natural(), own.user_data(), "{id}");
@@ -340,10 +369,14 @@ fn the_tables_read_a_snapshot() {
     assert_eq!(hash, world.state_hash());
     // It has what it is to have.
     let bodies: Vec<&Value> = state["bodies"].list().iter().filter_map(|slot| slot["present"].option()).collect();
-    for activity in ["Awake", "Asleep", "Quarantined"] {
+    for activity in ["Awake", "Asleep", "Quarantined", "Disabled"] {
         assert!(bodies.iter().any(|body| body["activity"].case() == activity), "none is {activity}");
     }
     assert!(bodies.iter().any(|body| body["applied"].option().is_some()));
+    assert!(bodies.iter().any(|body| body["locks"]["rotation"].natural() == 1 && body["locks"]["x"].natural() == 0));
+    assert!(bodies.iter().any(|body| body["max_speed"].option().is_some()));
+    let errand = bodies.iter().find_map(|body| body["errand"].option()).expect("one is on its way");
+    assert!(errand["goal"].option().is_some() && errand["arrived"].natural() == 1);
     assert!(bodies.iter().any(|body| body["shape"].case() == "AsOf"));
     assert!(!state["free_slots"].list().is_empty() && !state["free_fields"].list().is_empty());
 }

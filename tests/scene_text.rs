@@ -145,6 +145,8 @@ fn stage() -> Vec<(u64, Command)> {
     let disc = Shape::circle(fx!(1)).expect("a shape");
     let drag = Law::Drag { linear: fx!(1), quadratic: fx!(0), wind: Vec2::ZERO };
     let mut commands = vec![Command::AddBody(BodyDef::dynamic()); 8];
+    // And two more: slot 9 has a kinematic one.
+    commands.extend([BodyDef::dynamic(), BodyDef::kinematic()].map(Command::AddBody));
     commands.push(Command::AddField(drag.into()));
     commands.extend((0..3).map(|slot| Command::SetShape { body: body(slot), shape: Some(disc.clone()) }));
     commands.push(Command::SetPosition { body: body(7), position: Vec2::new(limits::POSITION, Fx::ZERO) });
@@ -171,6 +173,9 @@ fn each_command_on_its_own_is_the_same_once_written() {
     let mut own_laws = 0;
     for command in everything::commands() {
         let mut commands = stage();
+        if let Command::Enable(body) = command {
+            commands.push((1, Command::Disable(body)));
+        }
         commands.push((2, command.clone()));
         match Scene::from_commands(WorldDef::default(), &commands, 4) {
             Ok(scene) => {

@@ -19,7 +19,7 @@ use umbra_physics::scalar::{Factor, FxSum, Span, Sum, Weight};
 use umbra_physics::{
     Action, Activity, AppliedForce, Attachment, BodyDef, BodyId, BodyKind, BodyState, Cause, Command, Dependence,
     Elapsed, End, Error, Fault, Field, FieldId, Frame, Fx, FxAccumulator, FxFactor, FxWide, Geometry, Input, Inputs,
-    Integrator, Irreversible, Law, LawFault, Made, Manner, Mass, MathError, Outcome, ParseFxError, Part, Push,
+    Integrator, Irreversible, Law, LawFault, Locks, Made, Manner, Mass, MathError, Outcome, ParseFxError, Part, Push,
     Quantity, Random, Region, Rot, Shape, SpringLaw, Stage, TimeStep, Turn, Vec2, Verb, World, WorldDef, fx, vec2,
 };
 
@@ -115,6 +115,8 @@ fn quantities() -> Vec<Quantity> {
         SleepAfter,
         Total,
         Blob,
+        MaxSpeed,
+        MaxAngularSpeed,
     ]
 }
 
@@ -141,6 +143,10 @@ fn errors() -> Vec<Error> {
         Error::TickForgotten { tick: 1, oldest: u64::MAX },
         Error::TickToCome { tick: 9, present: 8 },
         Error::NotReversible { why: Irreversible::Velocity { field } },
+        Error::Locked { quantity: Quantity::Velocity },
+        Error::Disabled { body },
+        Error::NotDisabled { body },
+        Error::NotKinematic { body },
     ]
 }
 
@@ -202,7 +208,7 @@ fn a_world() -> (Author, World) {
 #[test]
 fn every_variant_of_every_enum_comes_back() {
     every_variant([BodyKind::Static, BodyKind::Kinematic, BodyKind::Dynamic]);
-    every_variant([Activity::Awake, Activity::Asleep, Activity::Quarantined]);
+    every_variant([Activity::Awake, Activity::Asleep, Activity::Quarantined, Activity::Disabled]);
     every_variant([Mass::Density(fx!(0.1)), Mass::Of(Fx::MIN), Mass::WithInertia(Fx::MAX, Fx::DELTA)]);
     every_variant(quantities());
     every_variant(errors());
@@ -239,6 +245,8 @@ fn every_variant_of_every_enum_comes_back() {
         Irreversible::Pending,
         Irreversible::Twice { body: body(1) },
         Irreversible::Fault(Fault { body: body(1), cause: Cause::Position }),
+        Irreversible::Capped,
+        Irreversible::Moved,
     ]);
     every_variant([Made::Nothing, Made::Body(body(1)), Made::Field(field)]);
     every_variant([Weight::Whole, Weight::YoshidaOuter, Weight::YoshidaInner]);
@@ -257,6 +265,7 @@ fn every_plain_struct_comes_back() {
     through_both(&Elapsed { num: u128::MAX, den: u128::MAX - 1 });
     through_both(&Random::seeded(1));
     through_both(&Manner::BODY);
+    through_both(&Locks { x: true, y: false, rotation: true });
     through_both(&WorldDef::<Fx> { gravity: vec2(0, fx!(-9.81)), sleep_after: None, ..WorldDef::default() });
     through_both(&attachment());
     laws().into_iter().for_each(|law| through_both(&Field { law, groups: 5 }));

@@ -10,8 +10,8 @@ use arbitrary::{Arbitrary, Result, Unstructured};
 use umbra_physics::scalar::Factor;
 use umbra_physics::{
     Action, Attachment, BodyDef, BodyId, BodyKind, BodyState, Command, Dependence, End, Field, FieldId, ForceLaw,
-    Frame, Fx, FxFactor, Integrator, Law, LawFault, Made, Manner, Mass, Part, Push, Random, Region, Scalar, Shape,
-    SpringLaw, TimeStep, Vec2, World, WorldDef, fx, limits,
+    Frame, Fx, FxFactor, Integrator, Law, LawFault, Locks, Made, Manner, Mass, Part, Push, Random, Region, Scalar,
+    Shape, SpringLaw, TimeStep, Vec2, World, WorldDef, fx, limits,
 };
 
 /// How the image of a run comes of it: mirrored about x = 0 or not, then shifted.
@@ -254,10 +254,23 @@ impl<'a, S: Scalar> Author<'a, S> {
         if self.one_in(3)? { self.share().map(Some) } else { Ok(None) }
     }
 
+    /// None for the most part.
+    fn locks(&mut self) -> Result<Locks> {
+        let bits = if self.one_in(4)? { self.any::<u8>()? } else { 0 };
+        Ok(Locks { x: bits & 1 == 1, y: bits & 2 == 2, rotation: bits & 4 == 4 })
+    }
+
+    /// A largest speed, or none.
+    fn most(&mut self) -> Result<Option<S>> {
+        if self.one_in(8)? { self.scalar(fx!(0), fx!(4)).map(Some) } else { Ok(None) }
+    }
+
     /// What a body is made from. Half of them are at rest, to fall asleep.
     pub fn body(&mut self) -> Result<BodyDef<S>> {
         let kind = self.kind()?;
         let is_still = kind == BodyKind::Static || self.any()?;
+        // Half of those that are locked have a velocity nonetheless, and are refused.
+        let locks = if is_still || self.one_in(16)? { self.locks()? } else { Locks::NONE };
         Ok(BodyDef {
             kind,
             position: self.point(fx!(20))?,
@@ -269,6 +282,9 @@ impl<'a, S: Scalar> Author<'a, S> {
             gravity_scale: if self.any()? { S::ONE } else { self.scalar(fx!(-1), fx!(2))? },
             linear_damping: self.own_share()?,
             angular_damping: self.own_share()?,
+            max_speed: self.most()?,
+            max_angular_speed: self.most()?,
+            locks,
             groups: self.groups()?,
             key: u64::from(self.below(4)?),
             user_data: u64::from(self.below(2)?),
@@ -364,7 +380,7 @@ impl<'a, S: Scalar> Author<'a, S> {
 
     /// A command of any kind. Handles are those of what was [`made`](Self::made).
     pub fn command(&mut self) -> Result<Command<S>> {
-        let kind = self.below(36)?;
+        let kind = self.below(42)?;
         let body = self.some_body()?;
         Ok(match kind {
             0 => Command::RemoveBody(body),
@@ -401,6 +417,11 @@ impl<'a, S: Scalar> Author<'a, S> {
                 let action = self.action(frame)?;
                 Command::Apply { body, action, manner: Manner { frame, wake: !self.one_in(4)? } }
             }
+            32 => Command::SetLocks { body, locks: self.locks()? },
+            33 => Command::SetMaxSpeeds { body, linear: self.most()?, angular: self.most()? },
+            34 => Command::Disable(body),
+            35 | 36 => Command::Enable(body),
+            37 => Command::MoveTo { body, position: self.point(fx!(20))?, angle: self.pseudo(fx!(9))? },
             _ => Command::AddBody(self.body()?),
         })
     }

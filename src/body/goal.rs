@@ -7,7 +7,7 @@ use crate::error::{Error, Quantity};
 use crate::handle::BodyId;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, Angle, Scalar};
-use crate::wire::{self, Sink, Write as _, wire_enum, wire_struct};
+use crate::wire::{self, Sink, Write as _, wire_struct};
 
 /// A place and an angle to be at, to the bit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,34 +71,21 @@ impl<S: Scalar> Pose<S> {
 /// Linear and angular velocity.
 pub(crate) type Velocities<S> = (Vec2<<S as Scalar>::Accumulator>, <S as Scalar>::Accumulator);
 
-/// How long ago a body reached a goal: it has the velocity that led there until the next step begins, and what stood still then
-/// is told from what always did, so that steps are not undone that cannot be.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Since {
-    /// Two steps or more, if ever.
-    #[default]
-    Long,
-    /// It did in the last step: the next one stops it, unless it has another goal.
-    Arrived,
-    /// The last step stopped it.
-    Stopped,
-}
-
-wire_enum!(Since, "the number of a time since a goal", { 0 => Long, 1 => Arrived, 2 => Stopped });
-
-/// What a body has to do with goals.
+/// Where the next step has a body go.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Errand<S: Scalar> {
     pub(crate) goal: Option<Pose<S>>,
-    pub(crate) since: Since,
+    /// Whether the last step took it to a goal: it has the velocity that led there, and without another goal the next step
+    /// stops it.
+    pub(crate) arrived: bool,
 }
 
-wire_struct!(Errand { goal, since });
+wire_struct!(Errand { goal, arrived });
 
 impl<S: Scalar> Errand<S> {
     /// Whether it is as if it had never been.
     pub(crate) fn is_over(&self) -> bool {
-        self.goal.is_none() && self.since == Since::Long
+        self.goal.is_none() && !self.arrived
     }
 }
 
@@ -106,13 +93,15 @@ impl<S: Scalar> Errand<S> {
 #[derive(Debug)]
 pub(crate) struct Errands<S: Scalar> {
     rows: Vec<(BodyId, Errand<S>)>,
+    /// The tick after the last step in which a body reached a goal or was stopped there, or 0: that step is not undone.
+    pub(crate) moved_at: u64,
 }
 
-clone_by_field!(Errands { rows });
+clone_by_field!(Errands { rows, moved_at });
 
 impl<S: Scalar> Default for Errands<S> {
     fn default() -> Self {
-        Self { rows: Vec::new() }
+        Self { rows: Vec::new(), moved_at: 0 }
     }
 }
 
@@ -150,14 +139,14 @@ impl<S: Scalar> Errands<S> {
 
     /// Sends a body to a goal.
     pub(crate) fn send(&mut self, body: BodyId, goal: Pose<S>) {
-        let since = self.of(body).map_or(Since::Long, |errand| errand.since);
-        self.set(body, Errand { goal: Some(goal), since });
+        let arrived = self.of(body).is_some_and(|errand| errand.arrived);
+        self.set(body, Errand { goal: Some(goal), arrived });
     }
 
     /// Takes the goal of a body back. One that has just arrived is still to be stopped.
     pub(crate) fn recall(&mut self, body: BodyId) {
-        if let Some(&Errand { since, .. }) = self.of(body) {
-            self.set(body, Errand { goal: None, since });
+        if let Some(&Errand { arrived, .. }) = self.of(body) {
+            self.set(body, Errand { goal: None, arrived });
         }
     }
 
@@ -180,5 +169,6 @@ impl<S: Scalar> Errands<S> {
             body.slot.write(sink);
             errand.write(sink);
         }
+        self.moved_at.write(sink);
     }
 }

@@ -16,7 +16,7 @@ use crate::wire::{self, Malformed, Out, Read, Reader, Write, wire_enum, wire_str
 
 pub(crate) use card::Card;
 pub(crate) use columns::{Bodies, NONE, push};
-pub(crate) use goal::{Errand, Errands, Pose, Since, Velocities};
+pub(crate) use goal::{Errand, Errands, Pose, Velocities};
 pub(crate) use motion::{Acceleration, BLOCK, Block, Motion};
 pub(crate) use record::{Record, ShapeSource};
 pub(crate) use tuning::{Climate, GENTLE_STEPS, Key, SPANS, Tuning, Tunings};

@@ -105,7 +105,7 @@ impl Write for Doings<'_> {
 }
 
 /// A list as it stands in a file, looked through when it was read, and read again whenever it is used: a command takes a byte
-/// there and up to 224 in memory, so that a list of them would be no small multiple of its file.
+/// there and up to 256 in memory, so that a list of them would be no small multiple of its file.
 pub(super) struct List<'a, T> {
     pub(super) count: u32,
     bytes: &'a [u8],

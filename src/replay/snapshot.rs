@@ -8,7 +8,7 @@ use core::fmt;
 use super::LAW;
 use super::difference::Place;
 use super::error::SnapshotError;
-use crate::body::{Activity, Bodies, BodyKind, Errand, Record, ShapeSource, Since, Tunings, check_position};
+use crate::body::{Activity, Bodies, BodyKind, Errand, Record, ShapeSource, Tunings, check_position};
 use crate::error::Error;
 use crate::force::{Field, FieldSet, ForceLaw, Laws};
 use crate::handle::{BodyId, FieldId};
@@ -181,6 +181,7 @@ impl<S: Scalar> Write for State<'_, S> {
         let (elapsed, since) = &world.counted;
         wire::field(out, "elapsed", elapsed);
         wire::field(out, "elapsed_at_tick", since);
+        wire::field(out, "moved_at_tick", &world.errands.moved_at);
         wire::field(out, "random", &world.random);
         wire::field(out, "blob", &world.blob);
         part(out, "laws", |out| {
@@ -316,10 +317,11 @@ fn read_state(reader: &mut Reader<'_>, laws: &[Arc<dyn ForceLaw>]) -> Result<Wor
     world.tick = u64::read(reader)?;
     world.journal = Journal::starting_at(world.tick);
     world.counted = (Elapsed::read(reader)?, u64::read(reader)?);
+    world.errands.moved_at = u64::read(reader)?;
     let (elapsed, since) = world.counted;
     // As a change of the time step leaves it: in lowest terms, and with room for all ticks to come.
     let is_reduced = elapsed.den != 0 && elapsed == elapsed.reduced();
-    if world.tick > limits::TICK {
+    if world.tick > limits::TICK || world.errands.moved_at > world.tick {
         return Err(Error::Inconsistent.into());
     }
     if !is_reduced || elapsed.plus(u64::MAX, def.time_step).is_none() || since > world.tick {
@@ -413,10 +415,9 @@ fn check_among(record: &Record<Fx>, def: &WorldDef) -> Result<(), Error> {
 
 /// Refuses what no call and no step has a body do.
 fn check_errand(record: &Record<Fx>, errand: &Errand<Fx>) -> Result<(), Error> {
-    let waits = errand.goal.is_some() || errand.since == Since::Arrived;
     let may = match record.activity {
         Activity::Awake => true,
-        Activity::Asleep => !waits,
+        Activity::Asleep => false,
         Activity::Quarantined | Activity::Disabled => errand.goal.is_none(),
     };
     if record.kind != BodyKind::Kinematic || errand.is_over() || !may {

@@ -58,6 +58,11 @@ fn is_among_them(command: &Command) -> bool {
         Command::SetRandom(_) => "SetRandom",
         Command::SetBlob(_) => "SetBlob",
         Command::ClearForces => "ClearForces",
+        Command::SetLocks { .. } => "SetLocks",
+        Command::SetMaxSpeeds { .. } => "SetMaxSpeeds",
+        Command::Disable(_) => "Disable",
+        Command::Enable(_) => "Enable",
+        Command::MoveTo { .. } => "MoveTo",
     };
     commands().iter().any(|command| format!("{command:?}").starts_with(like))
 }

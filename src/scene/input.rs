@@ -32,6 +32,7 @@ pub struct Input {
 /// What an input does. Handles in it are indices in [`Scene::bodies`] and [`Scene::fields`].
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
+#[allow(clippy::large_enum_variant, reason = "nearly all are commands")]
 pub enum Deed {
     /// A command of the world's.
     Command(Command),

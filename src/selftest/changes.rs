@@ -115,6 +115,12 @@ pub(super) fn setters(trial: &mut Trial) -> Played {
     trial.step(&mut world);
     world.execute(&Command::Release(other))?;
     let commands = [
+        Command::Disable(other),
+        Command::Enable(other),
+        Command::SetLocks { body, locks: like.locks },
+        Command::SetKind { body, kind: BodyKind::Kinematic },
+        Command::MoveTo { body, position: like.position, angle: like.angle },
+        Command::SetMaxSpeeds { body, linear: like.max_speed, angular: like.max_angular_speed },
         Command::SetKind { body, kind: BodyKind::Dynamic },
         Command::SetShape { body, shape: like.shape.clone() },
         Command::SetMass { body, mass: like.mass },

@@ -24,6 +24,7 @@ mod failure;
 mod fields;
 mod files;
 mod golden;
+mod held;
 mod motion;
 mod springs;
 mod trial;
@@ -175,6 +176,10 @@ scenes! {
     shapes: bodies::shapes, "every shape turns as its moment of inertia says";
     kinds: bodies::kinds, "static, kinematic, dynamic, and from one to the other";
     pushes: bodies::pushes, "forces, torques, impulses at points in both frames do the same";
+    locks: held::locks, "each combination of axes: still to the bit, the others as if nothing was locked";
+    caps: held::caps, "speeds after a step at most the cap, in their direction";
+    disabled: held::disabled, "out as it is, what is attached inert; and back";
+    goals: held::goals, "moved over a step to a place and an angle, to the bit, by every integrator and rate";
     sleep: bodies::sleep, "sleepers, alone and in an island, woken in every way: no bit of motion differs";
     quarantine: bodies::quarantine, "out of the envelope by velocity, place, spin, field; put back, released";
     recycling: changes::recycling, "slots taken again and again: old handles stay dead, strangers change no bit";

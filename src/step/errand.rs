@@ -1,7 +1,7 @@
 //! Kinematic bodies on their way to a goal: what comes before the stages of a step, and after them.
 
 use super::Context;
-use crate::body::{Errand, Since, Velocities};
+use crate::body::{Errand, Velocities};
 use crate::error::Cause;
 use crate::limits;
 use crate::scalar::{Accumulator, Scalar};
@@ -28,8 +28,7 @@ impl<S: Scalar> Context<'_, S> {
                     }
                     there.unwrap_or_default()
                 }
-                Errand { since: Since::Arrived, .. } => still,
-                Errand { .. } => continue,
+                Errand { goal: None, .. } => still,
             };
             motion.velocity.set(i, velocities.0);
             motion.spin[i] = velocities.1;
@@ -44,13 +43,15 @@ impl<S: Scalar> Context<'_, S> {
         let (bodies, errands) = (&*self.bodies, &*self.errands);
         let travels = |i| errands.of(bodies.id(i)).is_some_and(|errand| errand.goal.is_some());
         self.scratch.found.faults.retain(|(i, _)| !travels(*i));
+        let mut moves = false;
         for (body, errand) in self.errands.rows_mut() {
             let Ok(i) = self.bodies.find(*body) else { continue };
             if !self.bodies.activity(i).takes_part() {
                 continue;
             }
+            moves = true;
             let Some(goal) = errand.goal.take() else {
-                errand.since = if errand.since == Since::Arrived { Since::Stopped } else { Since::Long };
+                errand.arrived = false;
                 continue;
             };
             let locks = self.bodies.card(i).locks;
@@ -63,8 +64,11 @@ impl<S: Scalar> Context<'_, S> {
             } else {
                 goal.take(motion, i, locks);
                 motion.rest[i] = 0;
-                errand.since = Since::Arrived;
+                errand.arrived = true;
             }
+        }
+        if moves {
+            self.errands.moved_at = self.tick;
         }
         self.errands.tidy();
         self.scratch.forget();

@@ -36,6 +36,8 @@ pub(crate) struct Context<'a, S: Scalar> {
     pub(crate) laws: &'a Laws<S>,
     pub(crate) applied: &'a mut Applied<S>,
     pub(crate) errands: &'a mut Errands<S>,
+    /// After the step.
+    pub(crate) tick: u64,
     pub(crate) plan: &'a Plan<S>,
     pub(crate) integrator: Integrator,
     pub(crate) sleep_after: Option<u32>,

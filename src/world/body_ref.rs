@@ -307,6 +307,12 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
         self.card().user_data
     }
 
+    /// Where the next step [moves](World::move_to) it, position in m and angle, if it does.
+    #[must_use]
+    pub fn goal(&self) -> Option<(Vec2<S>, S::Angle)> {
+        self.world.errands.of(self.id()).and_then(|errand| errand.goal).map(|goal| (goal.position, goal.angle))
+    }
+
     /// The sum of the forces applied to it since the last step, N; `None` if it does not fit.
     #[must_use]
     pub fn applied_force(&self) -> Option<Vec2<S::Wide>> {

@@ -264,6 +264,7 @@ impl<S: Scalar> World<S> {
             laws: &self.laws,
             applied: &mut self.applied,
             errands: &mut self.errands,
+            tick: self.tick,
             plan: &self.plan,
             integrator: self.def.integrator,
             sleep_after: self.def.sleep_after,

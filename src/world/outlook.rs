@@ -85,6 +85,7 @@ impl<S: Scalar> World<S> {
         let mut world = World::new(self.def)?;
         (world.tick, world.counted, world.laws) = (self.tick, self.counted, self.laws.clone());
         world.journal = Journal::starting_at(self.tick);
+        world.errands.moved_at = self.errands.moved_at;
         let mut adopted = BTreeMap::new();
         for &old in &bodies {
             let climate = Self::climate(&world.def, &world.plan);

@@ -88,8 +88,8 @@ impl<S: Scalar> World<S> {
         if let Some(i) = still.rev().find(|&i| self.bodies.activity(i) == Activity::Quarantined) {
             return Err(Irreversible::Quarantined { body: self.bodies.id(i) });
         }
-        if let Some(&(body, _)) = self.errands.rows().first() {
-            return Err(Irreversible::Moved { body });
+        if self.errands.moved_at == self.tick || !self.errands.is_empty() {
+            return Err(Irreversible::Moved);
         }
         if !self.applied.rows().is_empty() {
             return Err(Irreversible::Pending);

@@ -11,7 +11,7 @@ use umbra_physics::oracle::Script;
 use umbra_physics::scalar::Factor;
 use umbra_physics::{
     Action, Attachment, BodyDef, BodyId, BodyKind, Command, End, Field, FieldId, Frame, Fx, FxFactor, Integrator, Law,
-    Made, Manner, Mass, Part, Random, Region, Shape, SpringLaw, TimeStep, Vec2, World, WorldDef, fx, limits,
+    Locks, Made, Manner, Mass, Part, Random, Region, Shape, SpringLaw, TimeStep, Vec2, World, WorldDef, fx, limits,
 };
 
 /// A run in which a handle's slot is the number of a body or field: of all that were made so far, counted round.
@@ -87,8 +87,13 @@ impl Cast {
             | Command::SetGroups { body, .. }
             | Command::SetKey { body, .. }
             | Command::SetUserData { body, .. }
+            | Command::SetLocks { body, .. }
+            | Command::SetMaxSpeeds { body, .. }
+            | Command::MoveTo { body, .. }
             | Command::RemoveBody(body)
             | Command::Wake(body)
+            | Command::Disable(body)
+            | Command::Enable(body)
             | Command::Release(body) => *body = self.body(*body),
             Command::AddField(field) => *field = self.named(field),
             Command::SetField { id, field } => (*id, *field) = (self.field(*id), self.named(field)),
@@ -280,6 +285,18 @@ impl Taste {
         union(vec![(2, Just(1).boxed()), (1, any::<u32>().boxed())])
     }
 
+    fn locks(self) -> BoxedStrategy<Locks> {
+        let any = (any::<bool>(), any::<bool>(), any::<bool>());
+        let any = any.prop_map(|(x, y, rotation)| Locks { x, y, rotation });
+        union(vec![(6, Just(Locks::NONE).boxed()), (1, any.boxed())])
+    }
+
+    /// A largest speed, none for the most part: what was capped is not undone.
+    fn most(self) -> BoxedStrategy<Option<Fx>> {
+        let some = self.number(Fx::ZERO, fx!(4), Fx::ZERO, limits::SPEED).prop_map(Some);
+        union(vec![(6, Just(None).boxed()), (u32::from(!self.reversible), some.boxed())])
+    }
+
     pub(crate) fn body(self) -> BoxedStrategy<BodyDef> {
         let own = || proptest::option::weighted(0.25, self.share());
         let motion = (
@@ -289,8 +306,13 @@ impl Taste {
             self.signed(3, limits::ANGULAR_SPEED),
         );
         let rest = (self.mass(), self.signed(2, limits::GRAVITY_SCALE), own(), own(), self.groups(), 0u64..16);
-        let body = move |(kind, motion, shape, rest, sleeper): (_, _, Option<Shape>, _, _)| {
-            let (position, angle, velocity, spin) = motion;
+        let held = ((self.most(), self.most()), self.locks());
+        let body = move |(kind, motion, shape, rest, sleeper, held): (_, _, Option<Shape>, _, _, _)| {
+            let (position, angle, velocity, spin): (_, _, Vec2, _) = motion;
+            let ((max_speed, max_angular_speed), locks): (_, Locks) = held;
+            let free = |v: Fx, locked: bool| if locked && self.unfair == 0 { Fx::ZERO } else { v };
+            let velocity = Vec2::new(free(velocity.x, locks.x), free(velocity.y, locks.y));
+            let spin = free(spin, locks.rotation);
             let (mass, scale, linear_damping, angular_damping, groups, key): (Mass, _, _, _, _, _) = rest;
             let still = (kind == BodyKind::Static && self.unfair == 0) || sleeper;
             // A density needs a shape.
@@ -309,12 +331,15 @@ impl Taste {
                 gravity_scale: if sleeper { Fx::ZERO } else { scale },
                 linear_damping,
                 angular_damping,
+                max_speed,
+                max_angular_speed,
+                locks,
                 groups,
                 key,
                 user_data: key,
             }
         };
-        (self.kind(), motion, self.shape(), rest, proptest::bool::weighted(0.2)).prop_map(body).boxed()
+        (self.kind(), motion, self.shape(), rest, proptest::bool::weighted(0.2), held).prop_map(body).boxed()
     }
 
     fn attachment(self) -> BoxedStrategy<Attachment> {
@@ -403,6 +428,21 @@ impl Taste {
             (1, self.body().prop_map(Command::AddBody).boxed()),
             (1, number().prop_map(Command::RemoveBody).boxed()),
             (1, number().prop_map(Command::Wake).boxed()),
+            (1, number().prop_map(Command::Disable).boxed()),
+            (2, number().prop_map(Command::Enable).boxed()),
+            (1, (number(), self.locks()).prop_map(|(body, locks)| Command::SetLocks { body, locks }).boxed()),
+            (
+                1,
+                (number(), self.most(), self.most())
+                    .prop_map(|(body, linear, angular)| Command::SetMaxSpeeds { body, linear, angular })
+                    .boxed(),
+            ),
+            (
+                3,
+                (number(), self.vector(20, limits::POSITION), self.signed(9, Fx::MAX))
+                    .prop_map(|(body, position, angle)| Command::MoveTo { body, position, angle })
+                    .boxed(),
+            ),
             (1, number().prop_map(Command::Release).boxed()),
             (
                 1,

@@ -3,13 +3,13 @@
 use umbra_physics::scalar::Factor;
 use umbra_physics::{
     Action, Attachment, BodyDef, BodyId, BodyKind, Command, End, Field, FieldId, Frame, Fx, FxFactor, Integrator, Law,
-    Manner, Mass, Part, Random, Region, Shape, SpringLaw, TimeStep, Vec2, World, fx, limits,
+    Locks, Manner, Mass, Part, Random, Region, Shape, SpringLaw, TimeStep, Vec2, World, fx, limits,
 };
 
 use super::random::SplitMix;
 
 /// How many kinds of commands [`Author::any`] writes.
-pub(crate) const KINDS: u64 = 28;
+pub(crate) const KINDS: u64 = 33;
 
 /// Writes commands.
 pub(crate) struct Author {
@@ -98,22 +98,40 @@ impl Author {
         }
     }
 
+    /// None for the most part.
+    fn locks(&mut self) -> Locks {
+        let bits = if self.one_in(4) { self.random.next() } else { 0 };
+        Locks { x: bits & 1 == 1, y: bits & 2 == 2, rotation: bits & 4 == 4 }
+    }
+
+    /// A largest speed, or none.
+    fn most(&mut self) -> Option<Fx> {
+        if self.one_in(4) { Some(self.number(fx!(0), fx!(4))) } else { None }
+    }
+
     pub(crate) fn body(&mut self) -> BodyDef {
         let kind = self.kind();
         let still = kind == BodyKind::Static && !self.is_unfair();
         let mut share = || if self.one_in(3) { Some(self.share()) } else { None };
         let (linear_damping, angular_damping) = (share(), share());
+        let (locks, is_strict) = (self.locks(), !self.is_unfair());
+        let free = |v: Fx, locked: bool| if locked && is_strict { Fx::ZERO } else { v };
+        let velocity = self.vector(fx!(3));
+        let spin = self.number(fx!(-3), fx!(3));
         BodyDef {
             kind,
             position: self.vector(fx!(20)),
             angle: self.number(fx!(-9), fx!(9)),
-            velocity: if still { Vec2::ZERO } else { self.vector(fx!(3)) },
-            angular_velocity: if still { Fx::ZERO } else { self.number(fx!(-3), fx!(3)) },
+            velocity: if still { Vec2::ZERO } else { Vec2::new(free(velocity.x, locks.x), free(velocity.y, locks.y)) },
+            angular_velocity: if still { Fx::ZERO } else { free(spin, locks.rotation) },
             shape: self.shape(),
             mass: self.mass(),
             gravity_scale: self.number(fx!(-1), fx!(2)),
             linear_damping,
             angular_damping,
+            max_speed: self.most(),
+            max_angular_speed: self.most(),
+            locks,
             groups: self.random.next() as u32,
             key: self.random.next() % 16,
             user_data: self.random.next(),
@@ -242,6 +260,11 @@ impl Author {
             // An unfair one takes 16 MB: not here.
             25 => Command::SetBlob(vec![self.random.next() as u8; self.random.next() as usize % 9]),
             26 => Command::ClearForces,
+            27 => Command::SetLocks { body, locks: self.locks() },
+            28 => Command::SetMaxSpeeds { body, linear: self.most(), angular: self.most() },
+            29 => Command::Disable(body),
+            30 => Command::Enable(body),
+            31 => Command::MoveTo { body, position: self.vector(fx!(20)), angle: self.number(fx!(-9), fx!(9)) },
             _ => {
                 let ticks = [None, Some(1), Some(5), Some(if self.is_unfair() { 0 } else { 30 })];
                 Command::SetSleepAfter(ticks[self.random.next() as usize % 4])

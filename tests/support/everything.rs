@@ -5,8 +5,8 @@ use std::{vec, vec::Vec};
 
 use umbra_physics::{
     Action, Attachment, BodyDef, BodyId, BodyKind, BodyState, Command, Dependence, End, Field, FieldId, ForceLaw,
-    Frame, Fx, FxFactor, Input, Inputs, Integrator, Law, LawFault, Manner, Mass, Part, Push, Random, RecordOptions,
-    Recorder, Region, Shape, SpringLaw, TimeStep, World, WorldDef, fx, vec2,
+    Frame, Fx, FxFactor, Input, Inputs, Integrator, Law, LawFault, Locks, Manner, Mass, Part, Push, Random,
+    RecordOptions, Recorder, Region, Shape, SpringLaw, TimeStep, World, WorldDef, fx, vec2,
 };
 
 struct Still;
@@ -89,6 +89,8 @@ pub(crate) fn commands() -> Vec<Command> {
             velocity: vec2(-3, 4),
             angular_velocity: fx!(-1),
             gravity_scale: fx!(2),
+            max_speed: Some(fx!(9)),
+            max_angular_speed: Some(fx!(0.75)),
             groups: 6,
             key: 7,
             user_data: u64::MAX,
@@ -111,6 +113,7 @@ pub(crate) fn commands() -> Vec<Command> {
         Command::Release(BodyId::from_parts(7, 0)),
         set_field(fields()[2]),
         set_field(fields()[8]),
+        Command::Disable(body),
         Command::SetTimeStep(TimeStep::ratio(1001, 60_000)),
         Command::SetGravity(vec2(0, -9)),
         Command::SetIntegrator(Integrator::PublishedVerlet),
@@ -120,6 +123,11 @@ pub(crate) fn commands() -> Vec<Command> {
         Command::SetRandom(Random::seeded(3)),
         Command::SetBlob(vec![1, 2, 3]),
         Command::ClearForces,
+        Command::Enable(body),
+        Command::SetLocks { body, locks: Locks { x: true, y: false, rotation: true } },
+        Command::SetMaxSpeeds { body, linear: Some(fx!(3)), angular: Some(fx!(0.5)) },
+        Command::SetMaxSpeeds { body, linear: None, angular: None },
+        Command::MoveTo { body: BodyId::from_parts(9, 0), position: vec2(fx!(0.5), 2), angle: fx!(3) },
         Command::SetShape { body: BodyId::from_parts(0, 0), shape: None },
         Command::RemoveField(FieldId::from_parts(0, 0)),
         Command::RemoveBody(BodyId::from_parts(3, 0)),
@@ -147,11 +155,20 @@ pub(crate) fn world() -> World {
     world.remove_field(gone).expect("it is there");
     world.set_blob(b"some bytes of the game's").expect("few");
     world.add_body(BodyDef { gravity_scale: Fx::ZERO, groups: 0, ..BodyDef::dynamic() }).expect("a body");
+    // One on its way, one that is disabled, one that is locked.
+    let rail = world.add_body(BodyDef::kinematic()).expect("a body");
+    let capped = BodyDef { max_speed: Some(fx!(7)), max_angular_speed: Some(fx!(0.5)), ..BodyDef::dynamic() };
+    let out = world.add_body(capped).expect("a body");
+    world.disable(out).expect("it is there");
+    let locks = Locks { y: true, rotation: true, ..Locks::NONE };
+    world.add_body(BodyDef { locks, ..BodyDef::dynamic() }).expect("a body");
     let gone = world.add_body(BodyDef::fixed()).expect("a body");
     world.remove_body(gone).expect("it is there");
-    for _ in 0..9 {
+    for tick in 0..9 {
+        world.move_to(rail, vec2(tick, 1), fx!(0.25)).expect("it is near");
         world.step();
     }
+    world.move_to(rail, vec2(9, 1), fx!(0.5)).expect("it is near");
     for (slot, push) in [(1, -2), (4, 3)] {
         let body = BodyId::from_parts(slot, 0);
         world.apply_force_at_point(body, vec2(fx!(-0.1), push), vec2(3, 4)).expect("a force");

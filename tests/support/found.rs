@@ -3,7 +3,7 @@
 use umbra_physics::scalar::Factor;
 use umbra_physics::{
     Action, Activity, Attachment, BodyDef, BodyId, BodyKind, Command, End, Field, FieldId, Frame, Fx, FxFactor,
-    Integrator, Law, Manner, Mass, Part, Random, Region, Shape, SpringLaw, TimeStep, Vec2,
+    Integrator, Law, Locks, Manner, Mass, Part, Random, Region, Shape, SpringLaw, TimeStep, Vec2,
 };
 
 use super::formats::Value;
@@ -38,8 +38,14 @@ pub(crate) fn activity(value: &Value) -> Activity {
         "Awake" => Activity::Awake,
         "Asleep" => Activity::Asleep,
         "Quarantined" => Activity::Quarantined,
+        "Disabled" => Activity::Disabled,
         other => panic!("activity {other}"),
     }
+}
+
+pub(crate) fn locks(value: &Value) -> Locks {
+    let is = |axis: &str| value[axis].natural() == 1;
+    Locks { x: is("x"), y: is("y"), rotation: is("rotation") }
 }
 
 pub(crate) fn integrator(value: &Value) -> Integrator {
@@ -175,6 +181,9 @@ pub(crate) fn body_def(value: &Value) -> BodyDef {
         gravity_scale: number(&value["gravity_scale"]),
         linear_damping: value["linear_damping"].option().map(number),
         angular_damping: value["angular_damping"].option().map(number),
+        max_speed: value["max_speed"].option().map(number),
+        max_angular_speed: value["max_angular_speed"].option().map(number),
+        locks: locks(&value["locks"]),
         groups: value["groups"].natural() as u32,
         key: value["key"].natural(),
         user_data: value["user_data"].natural(),
@@ -216,6 +225,17 @@ pub(crate) fn command(value: &Value) -> Command {
         "SetRandom" => Command::SetRandom(random(&value["random"])),
         "SetBlob" => Command::SetBlob(value["bytes"].raw().to_vec()),
         "ClearForces" => Command::ClearForces,
+        "SetLocks" => Command::SetLocks { body: on(), locks: locks(&value["locks"]) },
+        "SetMaxSpeeds" => Command::SetMaxSpeeds {
+            body: on(),
+            linear: value["linear"].option().map(number),
+            angular: value["angular"].option().map(number),
+        },
+        "Disable" => Command::Disable(on()),
+        "Enable" => Command::Enable(on()),
+        "MoveTo" => {
+            Command::MoveTo { body: on(), position: vector(&value["position"]), angle: number(&value["angle"]) }
+        }
         other => panic!("command {other}"),
     }
 }
