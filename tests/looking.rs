@@ -215,6 +215,11 @@ fn named(command: &Command, made: Made) -> Option<BodyId> {
             | Command::SetGravityScale { body, .. }
             | Command::SetBodyDamping { body, .. }
             | Command::SetGroups { body, .. }
+            | Command::SetLocks { body, .. }
+            | Command::SetMaxSpeeds { body, .. }
+            | Command::Disable(body)
+            | Command::Enable(body)
+            | Command::MoveTo { body, .. }
             | Command::SetKey { body, .. }
             | Command::SetUserData { body, .. }
             | Command::Wake(body)

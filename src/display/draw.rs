@@ -23,8 +23,10 @@ pub enum BodyClass {
     Static,
     /// At rest and skipped.
     Asleep,
-    /// Taken out of the simulation.
+    /// Taken out of the simulation by a step.
     Quarantined,
+    /// Taken out of it by a call.
+    Disabled,
 }
 
 impl BodyClass {
@@ -33,6 +35,7 @@ impl BodyClass {
     pub const fn new(kind: BodyKind, activity: Activity) -> Self {
         match (activity, kind) {
             (Activity::Quarantined, _) => Self::Quarantined,
+            (Activity::Disabled, _) => Self::Disabled,
             (Activity::Asleep, _) => Self::Asleep,
             (Activity::Awake, BodyKind::Dynamic) => Self::Dynamic,
             (Activity::Awake, BodyKind::Kinematic) => Self::Kinematic,

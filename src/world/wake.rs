@@ -68,6 +68,7 @@ impl<S: Scalar> World<S> {
         self.wake_joined(body);
         let dense = self.touch(body)?;
         self.bodies.set_activity(dense, Activity::Disabled);
+        self.mark_if_still(body);
         self.applied.forget(body);
         self.errands.recall(body);
         self.woken.retain(|&woken| woken != body);
@@ -82,6 +83,8 @@ impl<S: Scalar> World<S> {
         let dense = self.check_enable(body)?;
         self.bodies.set_activity(dense, Activity::Awake);
         self.wake_joined(body);
+        // A static one: no step moves it.
+        self.mark_if_still(body);
         Ok(())
     }
 
