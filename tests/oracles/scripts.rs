@@ -24,7 +24,10 @@ fn script(seed: u64, ticks: u64, unfair: u64) -> Script {
         for i in 0..count {
             let command = match i % 4 {
                 0..3 if tick == 0 => {
-                    Command::AddBody(BodyDef { linear_damping: None, angular_damping: None, ..author.body() })
+                    // What is damped or capped is not undone.
+                    let (linear_damping, angular_damping, max_speed, max_angular_speed) = (None, None, None, None);
+                    let body = author.body();
+                    Command::AddBody(BodyDef { linear_damping, angular_damping, max_speed, max_angular_speed, ..body })
                 }
                 3 if tick == 0 => Command::AddField(author.field(&world)),
                 _ => author.any(&world),

@@ -200,6 +200,9 @@ impl<const MODE: u8> Angle<Twin<MODE>> for Turn {
     fn turned(self, radians: TwinAccumulator<MODE>) -> Self {
         Angle::<Fx>::turned(self, FxAccumulator::from_bits(radians.0))
     }
+    fn way_to(self, goal: Self) -> FxWide {
+        Angle::<Fx>::way_to(self, goal)
+    }
     type Direction = <Self as Angle<Fx>>::Direction;
 
     fn direction(self) -> Self::Direction {
