@@ -11,13 +11,13 @@ use std::time::{Duration, Instant};
 use std::{env, io, thread};
 
 use umbra_physics::{
-    Attachment, BodyDef, BodyId, End, Error, Field, FieldId, Fx, Law, Mass, Random, SpringLaw, TimeStep, Vec2, World,
-    WorldDef, fx, vec2,
+    Attachment, BodyDef, BodyId, End, Error, Field, FieldId, Fx, Law, Mass, Pacer, Random, SpringLaw, TimeStep, Vec2,
+    World, WorldDef, fx, vec2,
 };
 
 const RATE: u32 = 60;
 /// A frame makes up for so many ticks at most: a terminal that stood still for longer has lost the rest.
-const MOST_TICKS: u128 = 6;
+const MOST_TICKS: u32 = 6;
 const SECOND: u128 = 1_000_000_000;
 
 /// Characters: four to a metre from left to right, two from top to bottom.
@@ -48,15 +48,17 @@ fn main() -> ExitCode {
 
 fn play(frames: u64) -> Result<(), Box<dyn std::error::Error>> {
     let (mut world, wind) = chain()?;
-    let start = Instant::now();
-    let mut lost = 0;
+    let mut pacer = Pacer::new(world.def().time_step)?;
+    pacer.set_limit(MOST_TICKS);
+    let (start, mut seen, mut lost) = (Instant::now(), 0, 0);
     print!("\x1b[2J"); // an empty screen
     for _ in 0..frames {
-        // Counted from the start each time, in whole nanoseconds: no error adds up, and the clock reaches no state.
-        let behind = ticks_within(start.elapsed()) - lost - u128::from(world.tick());
-        let due = behind.min(MOST_TICKS);
-        lost += behind - due;
-        for _ in 0..due {
+        // In whole nanoseconds: no error adds up, and the clock reaches no state.
+        let now = start.elapsed().as_nanos() as u64;
+        let due = pacer.frame(now - seen);
+        seen = now;
+        lost += due.dropped;
+        for _ in 0..due.ticks {
             blow(&mut world, wind)?;
             world.step();
         }
@@ -66,11 +68,6 @@ fn play(frames: u64) -> Result<(), Box<dyn std::error::Error>> {
     }
     println!("{frames} frames, {} ticks, {lost} lost, state hash {:016x}", world.tick(), world.state_hash());
     Ok(())
-}
-
-/// The number of whole ticks in so much time.
-fn ticks_within(time: Duration) -> u128 {
-    time.as_nanos() * u128::from(RATE) / SECOND
 }
 
 /// When a tick is due: the first nanosecond with so many ticks behind it.

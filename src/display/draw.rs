@@ -13,6 +13,20 @@ use crate::shape::{Geometry, Shape};
 use crate::world::{BodyRef, World};
 
 /// How a body takes part, as it is mostly told apart by colours.
+///
+/// ```
+/// use umbra_physics::{Activity, BodyClass, BodyKind, Role};
+///
+/// let class = BodyClass::new(BodyKind::Dynamic, Activity::Asleep);
+/// assert_eq!(class, BodyClass::Asleep);
+/// let colour = |role| match role {
+///     Role::Body(_, BodyClass::Asleep | BodyClass::Static) => "grey",
+///     Role::Body(_, BodyClass::Quarantined) => "red",
+///     Role::Body(..) => "blue",
+///     _ => "green",
+/// };
+/// assert_eq!(colour(Role::Body(umbra_physics::BodyId::from_parts(0, 0), class)), "grey");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum BodyClass {
     /// Moved by everything.

@@ -130,11 +130,37 @@ impl Interpolation {
     }
 
     /// The poses of all bodies of the last look, in the order of their slots.
+    ///
+    /// ```
+    /// use umbra_physics::{Blend, BodyDef, Interpolation, TickFraction, World, WorldDef, vec2};
+    ///
+    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let ball = world.add_body(BodyDef { velocity: vec2(60, 0), ..BodyDef::dynamic() })?;
+    /// let mut interpolation = Interpolation::new();
+    /// interpolation.look(&world);
+    /// let half = Blend::Extrapolated(TickFraction { num: 1, den: 2 });
+    /// for (body, pose) in interpolation.poses(half) {
+    ///     assert_eq!((body, pose.position), (ball, [0.5, 0.0]));
+    /// }
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
     pub fn poses(&self, at: Blend) -> impl Iterator<Item = (BodyId, Pose)> {
         self.seen.iter().flatten().map(move |seen| (seen.body, seen.pose(at)))
     }
 
-    /// Forgets what it saw: nothing is blended up to the second look from now.
+    /// Forgets what it saw: nothing is blended up to the second look from now. For another world.
+    ///
+    /// ```
+    /// use umbra_physics::{Blend, BodyDef, Interpolation, TickFraction, World, WorldDef};
+    ///
+    /// let mut world: World = World::new(WorldDef::default())?;
+    /// world.add_body(BodyDef::dynamic())?;
+    /// let mut interpolation = Interpolation::new();
+    /// interpolation.look(&world);
+    /// interpolation.clear();
+    /// assert_eq!(interpolation.poses(Blend::Interpolated(TickFraction::ONE)).count(), 0);
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
     pub fn clear(&mut self) {
         self.looked = None;
         self.seen.clear();

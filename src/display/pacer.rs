@@ -4,6 +4,17 @@ use crate::error::Error;
 use crate::math::{TimeStep, gcd};
 
 /// A part of a tick as an exact ratio in lowest terms.
+///
+/// ```
+/// use umbra_physics::{Pacer, TickFraction, TimeStep};
+///
+/// let mut pacer = Pacer::new(TimeStep::hz(50))?;
+/// assert_eq!(pacer.remainder(), TickFraction::ZERO);
+/// pacer.frame(5_000_000);
+/// assert_eq!(pacer.remainder(), TickFraction { num: 1, den: 4 });
+/// assert_eq!(TickFraction::ONE, TickFraction { num: 1, den: 1 }); // the next tick, for an interpolation: the last one
+/// # Ok::<(), umbra_physics::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct TickFraction {
     /// Numerator.
@@ -26,6 +37,15 @@ impl TickFraction {
 }
 
 /// What a frame asks for.
+///
+/// ```
+/// use umbra_physics::{Due, Pacer, TimeStep};
+///
+/// let mut pacer = Pacer::new(TimeStep::hz(60))?;
+/// // The program stood still for a second.
+/// assert_eq!(pacer.frame(1_000_000_000), Due { ticks: Pacer::LIMIT, dropped: 52 });
+/// # Ok::<(), umbra_physics::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Due {
     /// The number of ticks to step.
@@ -130,6 +150,17 @@ impl Pacer {
     ///
     /// # Errors
     /// [`Error::TimeStep`]; [`Error::ElapsedTime`] if what is left over could not stay exact. Nothing is changed.
+    ///
+    /// ```
+    /// use umbra_physics::{Pacer, TickFraction, TimeStep};
+    ///
+    /// let mut pacer = Pacer::new(TimeStep::hz(10))?;
+    /// pacer.frame(60_000_000);
+    /// assert_eq!(pacer.remainder(), TickFraction { num: 3, den: 5 });
+    /// pacer.set_time_step(TimeStep::hz(5))?;
+    /// assert_eq!((pacer.time_step(), pacer.remainder()), (TimeStep::hz(5), TickFraction { num: 3, den: 10 }));
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
     pub fn set_time_step(&mut self, time_step: TimeStep) -> Result<(), Error> {
         let time_step = time_step.checked()?;
         let ((n, d), (new_n, new_d)) = (self.time_step.seconds(), time_step.seconds());
@@ -150,6 +181,15 @@ impl Pacer {
     /// [`Error::ElapsedTime`] for a denominator of zero, or if what is left over could not stay exact: after a few speeds that
     /// have nothing in common. Speeds over one denominator never come to that. Nothing is changed;
     /// [`settle`](Self::settle) makes room.
+    ///
+    /// ```
+    /// use umbra_physics::{Pacer, TimeStep};
+    ///
+    /// let mut pacer = Pacer::new(TimeStep::hz(60))?;
+    /// pacer.set_speed(1, 10)?;
+    /// assert_eq!((pacer.speed(), pacer.frame(1_000_000_000).ticks), ((1, 10), 6));
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
     pub fn set_speed(&mut self, num: u32, den: u32) -> Result<(), Error> {
         if den == 0 {
             return Err(Error::ElapsedTime);
@@ -160,17 +200,49 @@ impl Pacer {
     }
 
     /// Lets no time pass, so that frames ask for no tick, until it is called with `false`; what is left over stays.
+    ///
+    /// ```
+    /// use umbra_physics::{Pacer, TimeStep};
+    ///
+    /// let mut pacer = Pacer::new(TimeStep::hz(60))?;
+    /// pacer.set_paused(true);
+    /// assert!(pacer.is_paused());
+    /// assert_eq!(pacer.frame(1_000_000_000).ticks, 0);
+    /// pacer.set_paused(false);
+    /// assert_eq!(pacer.frame(50_000_000).ticks, 3);
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
     pub const fn set_paused(&mut self, is_paused: bool) {
         self.is_paused = is_paused;
     }
 
     /// Changes how many ticks a frame may ask for, at least one. The limit should hold what the longest frame that is normal
     /// asks for at the highest speed.
+    ///
+    /// ```
+    /// use umbra_physics::{Due, Pacer, TimeStep};
+    ///
+    /// let mut pacer = Pacer::new(TimeStep::hz(60))?;
+    /// assert_eq!(pacer.limit(), Pacer::LIMIT);
+    /// pacer.set_limit(2);
+    /// assert_eq!(pacer.frame(50_000_000), Due { ticks: 2, dropped: 1 });
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
     pub const fn set_limit(&mut self, ticks: u32) {
         self.limit = if ticks == 0 { 1 } else { ticks };
     }
 
-    /// Drops what is left over: the present is the last tick.
+    /// Drops what is left over: the present is the last tick. After a level was loaded, say.
+    ///
+    /// ```
+    /// use umbra_physics::{Pacer, TickFraction, TimeStep};
+    ///
+    /// let mut pacer = Pacer::new(TimeStep::hz(60))?;
+    /// pacer.frame(10_000_000);
+    /// pacer.settle();
+    /// assert_eq!(pacer.remainder(), TickFraction::ZERO);
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
     pub fn settle(&mut self) {
         // Always, as nothing is left: no more than when it was made.
         if let Some(paced) = paced(TickFraction::ZERO, self.time_step, self.speed) {

@@ -64,6 +64,15 @@ impl Pose {
 
     /// The way from one pose to another at a share of it from 0 to 1, turned the short way round. At the ends it is exactly
     /// theirs, and where they are equal it stays.
+    ///
+    /// ```
+    /// use umbra_physics::Pose;
+    ///
+    /// let there = Pose { position: [2.0, 0.0], angle: 6.0 };
+    /// let half = Pose::ORIGIN.between(there, 0.5);
+    /// assert_eq!(half.position, [1.0, 0.0]);
+    /// assert!((half.angle - 6.1416).abs() < 1e-4); // back by 0.1416, not on by 3
+    /// ```
     #[must_use]
     pub fn between(self, other: Self, share: f64) -> Self {
         let turn = other.angle - self.angle;

@@ -305,6 +305,18 @@ impl<S: Scalar> World<S> {
     /// How often the world was put back: by [`restore`](Self::restore), `clone_from`, [`step_back`](Self::step_back) or a
     /// [`History`](super::History). Whoever keeps something of the last ticks beside the world sees by it that these are no
     /// longer its past. It is no state; a clone counts on from it.
+    ///
+    /// ```
+    /// use umbra_physics::{World, WorldDef};
+    ///
+    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let (saved, before) = (world.snapshot(), world.rewinds());
+    /// world.step();
+    /// assert_eq!(world.rewinds(), before);
+    /// world.restore(&saved);
+    /// assert_ne!(world.rewinds(), before); // what was seen of tick 1 is of no use for the next tick 1
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
     #[must_use]
     pub fn rewinds(&self) -> u64 {
         self.journal.rewinds
