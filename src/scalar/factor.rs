@@ -25,10 +25,7 @@ const MOST_SHIFT: i32 = 1 << 14;
 impl FxFactor {
     /// The factor of these words, as [`Number::to_words`] gives them; `None` if no factor has them.
     pub(crate) fn from_words([shift, mantissa]: [u64; 2]) -> Option<Self> {
-        let shift =
-            i32::try_from(shift as i64).ok().filter(|shift| shift.unsigned_abs() <= MOST_SHIFT.unsigned_abs())?;
-        let is_normal = mantissa >> 63 == 1 || (mantissa == 0 && shift == 0);
-        is_normal.then_some(Self { mantissa, shift })
+        Self::from_parts(mantissa, i32::try_from(shift as i64).ok()?)
     }
 
     /// The factor nearest to value · 2^-shift. *Domain* |shift| below 2^20, so that no sum of a few shifts wraps.
@@ -84,6 +81,23 @@ impl FxFactor {
             return Self::new(wider | ((rest << 60) % divisor as u128 != 0) as u128, shift - exponent + 60);
         }
         Self::new(quotient | (rest != 0) as u128, shift - exponent)
+    }
+
+    /// The factor of these parts, as they were sent or saved; `None` if no factor has them: the top bit of a mantissa is set and
+    /// the shift within ±2^14, or both are 0.
+    ///
+    /// ```
+    /// # use umbra_physics::FxFactor;
+    /// let earth = FxFactor::parse("3.986004418e14")?;
+    /// let (mantissa, shift) = earth.parts();
+    /// assert_eq!(FxFactor::from_parts(mantissa, shift), Some(earth));
+    /// assert_eq!(FxFactor::from_parts(mantissa >> 1, shift - 1), None);
+    /// # Ok::<(), umbra_physics::ParseFxError>(())
+    /// ```
+    #[must_use]
+    pub const fn from_parts(mantissa: u64, shift: i32) -> Option<Self> {
+        let is_normal = mantissa >> 63 == 1 && shift.unsigned_abs() <= MOST_SHIFT.unsigned_abs();
+        if is_normal || (mantissa == 0 && shift == 0) { Some(Self { mantissa, shift }) } else { None }
     }
 
     /// (mantissa, shift).
