@@ -1,0 +1,993 @@
+/*
+ * umbra-physics: deterministic 2D rigid-body physics in fixed point, the same bits on every machine.
+ *
+ * Numbers are integers: an UmbraFx is this many 2^-32 of a metre, kilogram, second or radian, and handles are 64 bits. There
+ * is no float in this interface, and no struct is given by value.
+ *
+ * Calls give UMBRA_OK or the number of an error; then nothing is changed and nothing written, except where a buffer was too
+ * small, for how large it has to be. Numbers stay: docs/errors.md has them all.
+ *
+ * What a function gives through a pointer to a pointer is the caller's, until it is handed to the function that frees its
+ * kind. What it is given it does not keep: definitions, shapes, texts and buffers can go after the call.
+ *
+ * Pointers are null or point to as many aligned values as are spoken of. Null is refused, unless it is said what it means.
+ * What a call writes to is used by nothing else meanwhile, nor by another argument of it. Handles to things that were freed
+ * are not to be used; those to bodies and fields that were removed are refused.
+ *
+ * Threads: different worlds have nothing to do with each other. Functions that take a const world may read it from several
+ * threads at once, while none changes it. The last error is one a thread.
+ */
+
+#ifndef UMBRA_PHYSICS_H
+#define UMBRA_PHYSICS_H
+
+/* Made from the sources of umbra-physics-capi by cbindgen: `UMBRA_BLESS=1 cargo test --test header`. */
+
+#include <stddef.h>
+#include <stdint.h>
+
+// The number of this interface: it moves when a function, a struct or a meaning changes so that programs have to be built
+// again. A program compares `UMBRA_API` of its header with `umbra_api` of the library it loads.
+#define UMBRA_API 1
+
+// No body, no field: a handle that names nothing, in no world.
+#define UMBRA_NO_HANDLE 18446744073709551615ull
+
+// In place of a number of ticks: bodies never fall asleep.
+#define UMBRA_NEVER 0
+
+// All groups.
+#define UMBRA_ALL_GROUPS 4294967295
+
+// Bytes that the library owns: a snapshot, a replay, or room that a caller without memory of its own asked for.
+typedef struct UmbraBytes UmbraBytes;
+
+// The inputs of one tick, by player and sequence.
+typedef struct UmbraInputs UmbraInputs;
+
+// A shape, for any number of bodies: they keep what they need of it, so that it can be freed.
+typedef struct UmbraShape UmbraShape;
+
+// A world as it was, to go back to. In memory it costs a copy of what steps change; all else is shared.
+typedef struct UmbraSnapshot UmbraSnapshot;
+
+// A world.
+typedef struct UmbraWorld UmbraWorld;
+
+// What came of a call: `UMBRA_OK`, or the number of an error. They are those of the library (`docs/errors.md`), with some of
+// the interface's own from 901 on. A number, once given, stays.
+typedef int32_t UmbraStatus;
+
+// A number: this many 2^-32. 1 m is 4294967296, and `UMBRA_ONE`.
+typedef int64_t UmbraFx;
+
+// An integer of 128 bits in two's complement: high · 2^64 + low.
+typedef struct UmbraInt128 {
+    // The lower 64 bits.
+    uint64_t low;
+    // The higher 64 bits, with the sign.
+    int64_t high;
+} UmbraInt128;
+
+// A factor from 0: mantissa · 2^-shift, with the top bit of the mantissa set; or both are 0.
+typedef struct UmbraFactor {
+    // 64 bits, the highest of them set.
+    uint64_t mantissa;
+    // -16384 to 16384.
+    int32_t shift;
+    // 0.
+    uint32_t reserved;
+} UmbraFactor;
+
+// Two numbers: x to the right, y up.
+typedef struct UmbraVec2 {
+    // Along x.
+    UmbraFx x;
+    // Along y.
+    UmbraFx y;
+} UmbraVec2;
+
+// A part of a compound.
+typedef struct UmbraPart {
+    // Where its centre of mass is, m.
+    struct UmbraVec2 position;
+    // How far it is turned, rad.
+    UmbraFx angle;
+    // Its density relative to that of the other parts, above 0.
+    UmbraFx density;
+    // Its shape, which is no compound.
+    const struct UmbraShape *shape;
+} UmbraPart;
+
+// How a world moves from tick to tick: one of the five below.
+typedef uint32_t UmbraIntegrator;
+
+// What a world is made from; `umbra_world_def_default` fills it in.
+typedef struct UmbraWorldDef {
+    // A step takes step_num / step_den seconds, from 1 to 10,000 steps a second: 1 and 60.
+    uint32_t step_num;
+    // See `step_num`.
+    uint32_t step_den;
+    // How bodies move from tick to tick: `UMBRA_VELOCITY_VERLET`.
+    UmbraIntegrator integrator;
+    // The number of ticks at rest after which a body falls asleep, or `UMBRA_NEVER`: 30.
+    uint32_t sleep_after;
+    // Gravity, m/s²: none.
+    struct UmbraVec2 gravity;
+    // What is left of a velocity after a second, 0 to 1, unless the body says otherwise: 1.
+    UmbraFx linear_damping;
+    // What is left of an angular velocity after a second, 0 to 1, unless the body says otherwise: 1.
+    UmbraFx angular_damping;
+} UmbraWorldDef;
+
+// What a command made: nothing, a body, or a field.
+typedef uint32_t UmbraMadeKind;
+
+// What became of an input.
+typedef struct UmbraOutcome {
+    // Whose it was.
+    uint32_t player;
+    // Its place among the inputs of this player.
+    uint32_t sequence;
+    // `UMBRA_OK`, or why it was refused: then it changed nothing.
+    UmbraStatus status;
+    // What it made.
+    UmbraMadeKind made;
+    // The handle of what it made, or `UMBRA_NO_HANDLE`.
+    uint64_t handle;
+} UmbraOutcome;
+
+// What a step did, in figures; `umbra_world_faults` and its like have the bodies.
+typedef struct UmbraReport {
+    // The tick the world is at now.
+    uint64_t tick;
+    // How many bodies were quarantined.
+    uint64_t faults;
+    // How many bodies fell asleep.
+    uint64_t fell_asleep;
+    // How many bodies calls since the step before woke.
+    uint64_t woke;
+    // With Yoshida4, how many bodies had a drag too stiff for its backward sub-step, which acted around the whole step instead.
+    uint32_t drag_outside;
+    // 0.
+    uint32_t reserved;
+} UmbraReport;
+
+// A body that was quarantined in a step, and why.
+typedef struct UmbraFault {
+    // The body.
+    uint64_t body;
+    // The field whose force did not fit, or `UMBRA_NO_HANDLE`.
+    uint64_t field;
+    // 201 to 206.
+    UmbraStatus cause;
+    // 0.
+    uint32_t reserved;
+} UmbraFault;
+
+// An integer of 128 bits from 0: high · 2^64 + low.
+typedef struct UmbraUint128 {
+    // The lower 64 bits.
+    uint64_t low;
+    // The higher 64 bits.
+    uint64_t high;
+} UmbraUint128;
+
+// What moves a body: one of the three below.
+typedef uint32_t UmbraBodyKind;
+
+// Where mass and moment of inertia come from: one of the three below.
+typedef uint32_t UmbraMassKind;
+
+// What a body is made from; `umbra_body_def_default` fills it in.
+typedef struct UmbraBodyDef {
+    // What moves it: `UMBRA_DYNAMIC`.
+    UmbraBodyKind kind;
+    // Where its mass comes from: `UMBRA_MASS_OF`.
+    UmbraMassKind mass_kind;
+    // Its mass as its kind has it, 2^-16 to 2^24 kg: 1.
+    UmbraFx mass;
+    // Its moment of inertia, for `UMBRA_MASS_WITH_INERTIA` alone.
+    UmbraFx inertia;
+    // Where its centre of mass is, m, within ±2^30: the origin.
+    struct UmbraVec2 position;
+    // Its velocity, m/s, within ±2^20: none.
+    struct UmbraVec2 velocity;
+    // How far it is turned, rad, of any size: 0.
+    UmbraFx angle;
+    // Its angular velocity, rad/s, within ±2^20: none.
+    UmbraFx angular_velocity;
+    // How much of the world's gravity it feels, within ±16: 1.
+    UmbraFx gravity_scale;
+    // What is left of its velocity after a second, 0 to 1: `UMBRA_AS_WORLD`.
+    UmbraFx linear_damping;
+    // What is left of its angular velocity after a second, 0 to 1: `UMBRA_AS_WORLD`.
+    UmbraFx angular_damping;
+    // A name of the caller's, by which worlds built in another order are compared: 0.
+    uint64_t key;
+    // Anything of the caller's: 0.
+    uint64_t user_data;
+    // The groups it is in: a force field with one of these bits acts on it. 1.
+    uint32_t groups;
+    // 0.
+    uint32_t reserved;
+    // Its shape: null for none. Last, so that all else lies at the same place whatever the size of pointers.
+    const struct UmbraShape *shape;
+} UmbraBodyDef;
+
+// Whether a body takes part in steps: one of the three below.
+typedef uint32_t UmbraActivity;
+
+// All of a body.
+typedef struct UmbraBodyState {
+    // Where its centre of mass is, m.
+    struct UmbraVec2 position;
+    // Its velocity, m/s.
+    struct UmbraVec2 velocity;
+    // How far it is turned, rad in [0, 2π).
+    UmbraFx angle;
+    // Its angular velocity, rad/s.
+    UmbraFx angular_velocity;
+    // The cosine of its angle.
+    UmbraFx cos;
+    // The sine of its angle.
+    UmbraFx sin;
+    // Its position as it is kept, with what is carried from step to step: multiples of 2^-96 m.
+    struct UmbraInt128 exact_x;
+    // See `exact_x`.
+    struct UmbraInt128 exact_y;
+    // Its velocity as it is kept: multiples of 2^-96 m/s.
+    struct UmbraInt128 exact_velocity_x;
+    // See `exact_velocity_x`.
+    struct UmbraInt128 exact_velocity_y;
+    // Its angular velocity as it is kept: multiples of 2^-96 rad/s.
+    struct UmbraInt128 exact_angular_velocity;
+    // Its angle as it is kept: multiples of 2^-64 turns.
+    uint64_t turn;
+    // Its mass, kg; 0 unless it is dynamic.
+    UmbraFx mass;
+    // Its moment of inertia, kg·m²; 0 if that is infinite.
+    struct UmbraFactor inertia;
+    // How much of the world's gravity it feels.
+    UmbraFx gravity_scale;
+    // What is left of its velocity after a second, or `UMBRA_AS_WORLD`.
+    UmbraFx linear_damping;
+    // What is left of its angular velocity after a second, or `UMBRA_AS_WORLD`.
+    UmbraFx angular_damping;
+    // The caller's name for it.
+    uint64_t key;
+    // The caller's data.
+    uint64_t user_data;
+    // What moves it.
+    UmbraBodyKind kind;
+    // Whether it takes part in steps.
+    UmbraActivity activity;
+    // The groups it is in.
+    uint32_t groups;
+    // 0.
+    uint32_t reserved;
+} UmbraBodyState;
+
+// What drawing needs of a body.
+typedef struct UmbraPose {
+    // The body.
+    uint64_t body;
+    // Where its centre of mass is, m.
+    struct UmbraVec2 position;
+    // How far it is turned, rad in [0, 2π).
+    UmbraFx angle;
+    // The caller's data: what to draw, say.
+    uint64_t user_data;
+    // What moves it.
+    UmbraBodyKind kind;
+    // Whether it takes part in steps.
+    UmbraActivity activity;
+} UmbraPose;
+
+// A law of force: one of the five below.
+typedef uint32_t UmbraLaw;
+
+// The region of a zone: one of the two below. Its edge belongs to it.
+typedef uint32_t UmbraRegion;
+
+// A force field: a law and whom it acts on. Only what its law reads matters. `umbra_field_def_default` fills it in.
+typedef struct UmbraFieldDef {
+    // The law.
+    UmbraLaw law;
+    // It acts on dynamic bodies with one of these group bits; springs and thrusts act on their bodies alone. All.
+    uint32_t groups;
+    // The region of a zone.
+    UmbraRegion region;
+    // 0.
+    uint32_t reserved;
+    // The body that a thrust acts on, or a spring's near end is at.
+    uint64_t body;
+    // Where on it, in its own axes from its centre of mass, m.
+    struct UmbraVec2 point;
+    // The body that an attractor's centre or a spring's far end is at, or `UMBRA_NO_HANDLE` for a point of the world.
+    uint64_t other;
+    // Where on it, or where in the world, m.
+    struct UmbraVec2 other_point;
+    // The gravitational parameter G·M of an attractor, 0 to 2^64 m³/s².
+    struct UmbraFactor mu;
+    // The distance below which an attractor softens, 0 to 2^12 m.
+    UmbraFx softening;
+    // The length of a spring at rest, 0 to 2^30 m.
+    UmbraFx rest;
+    // The stiffness of a spring, from 0, N/m.
+    UmbraFx stiffness;
+    // The damping along a spring, from 0, N·s/m.
+    UmbraFx damping;
+    // The linear part of a drag, from 0, N·s/m.
+    UmbraFx linear;
+    // The quadratic part of a drag, from 0, N·s²/m².
+    UmbraFx quadratic;
+    // The velocity of the medium of a drag, m/s.
+    struct UmbraVec2 wind;
+    // The force of a thrust in the body's axes, N.
+    struct UmbraVec2 force;
+    // The acceleration of a zone, m/s².
+    struct UmbraVec2 acceleration;
+    // The centre of a disc, m.
+    struct UmbraVec2 centre;
+    // The radius of a disc, m.
+    UmbraFx radius;
+    // The lower left corner of a box, m.
+    struct UmbraVec2 min;
+    // The upper right corner of a box, m.
+    struct UmbraVec2 max;
+} UmbraFieldDef;
+
+// How an action is meant: 0, or any of the flags below.
+typedef uint32_t UmbraManner;
+
+// What a command made.
+typedef struct UmbraMade {
+    // The handle of what it made, or `UMBRA_NO_HANDLE`.
+    uint64_t handle;
+    // What that is.
+    UmbraMadeKind kind;
+    // 0.
+    uint32_t reserved;
+} UmbraMade;
+
+// 1 as an `UmbraFx`.
+#define UMBRA_ONE 4294967296
+
+// It was done.
+#define UMBRA_OK 0
+
+// A value is outside of the range of its kind; `umbra_last_cause` has the number of the kind, 151 to 173.
+#define UMBRA_ERROR_OUT_OF_RANGE 101
+
+// The handle names no body: it was removed, or never there.
+#define UMBRA_ERROR_NO_SUCH_BODY 102
+
+// The handle names no force field.
+#define UMBRA_ERROR_NO_SUCH_FIELD 103
+
+// A time step is num/den seconds, with 1 to 10,000 steps a second.
+#define UMBRA_ERROR_TIME_STEP 104
+
+// A corner of a polygon is not convex, or repeats its neighbour.
+#define UMBRA_ERROR_NOT_CONVEX 105
+
+// A density, or a moment of inertia from the shape, needs a shape.
+#define UMBRA_ERROR_NO_SHAPE 106
+
+// The call needs a dynamic body.
+#define UMBRA_ERROR_NOT_DYNAMIC 107
+
+// A static body has no velocity.
+#define UMBRA_ERROR_NOT_MOVABLE 108
+
+// The body is quarantined: set its state and release it first.
+#define UMBRA_ERROR_QUARANTINED 109
+
+// The body is not quarantined, and cannot be released.
+#define UMBRA_ERROR_NOT_QUARANTINED 110
+
+// Yoshida4 cannot go with a damping of 0.
+#define UMBRA_ERROR_DAMPING_HAS_NO_INVERSE 111
+
+// Both ends of a spring are attached to one body.
+#define UMBRA_ERROR_SAME_BODY 112
+
+// The world holds as many as it can.
+#define UMBRA_ERROR_FULL 114
+
+// The elapsed time is no longer a ratio of 128-bit integers.
+#define UMBRA_ERROR_ELAPSED_TIME 115
+
+// A tick has an input of this player and sequence already.
+#define UMBRA_ERROR_DUPLICATE_INPUT 117
+
+// The bytes are no snapshot.
+#define UMBRA_ERROR_SNAPSHOT_FOREIGN 301
+
+// They are one of another layout.
+#define UMBRA_ERROR_SNAPSHOT_FORMAT 302
+
+// It was made under other laws of physics.
+#define UMBRA_ERROR_SNAPSHOT_LAW 303
+
+// It is cut off or damaged.
+#define UMBRA_ERROR_SNAPSHOT_MALFORMED 304
+
+// It says what cannot be; `umbra_last_cause` has why.
+#define UMBRA_ERROR_SNAPSHOT_INVALID 305
+
+// It has a law of force of a user's own, which this interface has not.
+#define UMBRA_ERROR_SNAPSHOT_FORCE_LAW 306
+
+// The world it makes does not have the hash it gives.
+#define UMBRA_ERROR_SNAPSHOT_CHANGED 307
+
+// The bytes are not what has to be there.
+#define UMBRA_ERROR_MALFORMED 320
+
+// The bytes are no replay.
+#define UMBRA_ERROR_REPLAY_FOREIGN 401
+
+// They are one of another layout.
+#define UMBRA_ERROR_REPLAY_FORMAT 402
+
+// It was recorded under other laws of physics.
+#define UMBRA_ERROR_REPLAY_LAW 403
+
+// It ends before the recording did.
+#define UMBRA_ERROR_REPLAY_CUT_OFF 404
+
+// It was changed after it was recorded; `umbra_last_message` names the value.
+#define UMBRA_ERROR_REPLAY_TAMPERED 405
+
+// A chunk of it is not what it should be.
+#define UMBRA_ERROR_REPLAY_MALFORMED 406
+
+// A snapshot in it is none.
+#define UMBRA_ERROR_REPLAY_SNAPSHOT 407
+
+// The run goes another way than the one recorded; `umbra_last_message` has where.
+#define UMBRA_ERROR_DIVERGENCE 420
+
+// The scene says what cannot be. Scenes have numbers from 500 to 510, and those of what the engine refuses of them;
+// `umbra_last_message` has the line.
+#define UMBRA_ERROR_SCENE 500
+
+// A number is expected, and there is no text.
+#define UMBRA_ERROR_NUMBER_EMPTY 711
+
+// The text stops being a number.
+#define UMBRA_ERROR_NUMBER_INVALID_DIGIT 712
+
+// The number does not fit.
+#define UMBRA_ERROR_NUMBER_OUT_OF_RANGE 713
+
+// A pointer is null where that means nothing.
+#define UMBRA_ERROR_NULL_POINTER 901
+
+// An argument is none of those that the function knows: a number of a kind, a flag, a length that no memory has, text that is
+// not UTF-8.
+#define UMBRA_ERROR_BAD_ARGUMENT 902
+
+// The buffer is too small; nothing was written to it, and the length or count that was asked for says how large it has to be.
+#define UMBRA_ERROR_BUFFER_TOO_SMALL 903
+
+// The library has a fault: it panicked, and the call was ended. What the call changed may only be freed.
+#define UMBRA_ERROR_PANIC 904
+
+// A world that a scene runs is changed by the scene alone (`umbra_world_leave_scene`); a draft is not stepped; and a world that is
+// being recorded does not go
+// to another state at once.
+#define UMBRA_ERROR_BUSY 905
+
+// Order 1; gains energy. For comparison.
+#define UMBRA_EXPLICIT_EULER 0
+
+// Order 1, symplectic.
+#define UMBRA_SYMPLECTIC_EULER 1
+
+// Order 2, symplectic, reversible. The one to begin with.
+#define UMBRA_VELOCITY_VERLET 2
+
+// The four stages of UMBRA as published. Order 1.
+#define UMBRA_PUBLISHED_VERLET 3
+
+// Order 4, symplectic, reversible.
+#define UMBRA_YOSHIDA4 4
+
+// Nothing new.
+#define UMBRA_MADE_NOTHING 0
+
+// A body.
+#define UMBRA_MADE_BODY 1
+
+// A force field.
+#define UMBRA_MADE_FIELD 2
+
+// Nothing.
+#define UMBRA_STATIC 0
+
+// The velocity it is given; no force and no damping.
+#define UMBRA_KINEMATIC 1
+
+// Everything.
+#define UMBRA_DYNAMIC 2
+
+// It does.
+#define UMBRA_AWAKE 0
+
+// It is at rest and skipped, until something wakes it.
+#define UMBRA_ASLEEP 1
+
+// It left the envelope: back at its last good state and out of the simulation, until it is released.
+#define UMBRA_QUARANTINED 2
+
+// `mass` is a density: kg/m² times the area of the shape, kg/m for a segment.
+#define UMBRA_MASS_DENSITY 0
+
+// `mass` is in kg; the inertia is from the shape, or infinite without one: such a body does not turn.
+#define UMBRA_MASS_OF 1
+
+// `mass` in kg and `inertia` in kg·m².
+#define UMBRA_MASS_WITH_INERTIA 2
+
+// In place of a damping of a body's own: that of the world.
+#define UMBRA_AS_WORLD -1
+
+// Acceleration mu·d / (d² + softening²)^(3/2) towards a point, the same for every mass. Reads `other`, `other_point`, `mu`,
+// `softening`.
+#define UMBRA_ATTRACTOR 0
+
+// A spring with a damper along it. Reads `body`, `point`, `other`, `other_point`, `rest`, `stiffness`, `damping`.
+#define UMBRA_SPRING 1
+
+// Drag against a medium: F = −(linear + quadratic·|u|)·u with u the velocity relative to it. Reads `linear`, `quadratic`,
+// `wind`.
+#define UMBRA_DRAG 2
+
+// A force that turns with the body. Reads `body`, `point`, `force`.
+#define UMBRA_THRUST 3
+
+// A constant acceleration of the bodies whose centre of mass is in a region. Reads `region` and what that reads, and
+// `acceleration`.
+#define UMBRA_ZONE 4
+
+// Reads `centre` and `radius`.
+#define UMBRA_DISC 0
+
+// Reads `min` and `max`.
+#define UMBRA_BOX 1
+
+// Vector and point are in the axes of the body, the point from its centre of mass; not in those of the world.
+#define UMBRA_BODY_FRAME 1
+
+// It does not wake a sleeping body, which does not feel it then.
+#define UMBRA_NO_WAKE 2
+
+#ifdef __cplusplus
+extern "C" {
+#endif // __cplusplus
+
+// The number of the interface that the library has.
+uint32_t umbra_api(void);
+
+// The number of the laws of physics. Peers, snapshots and replays go together if they have the same.
+uint32_t umbra_law(void);
+
+// The version of the library as text, which stays.
+const char *umbra_version(void);
+
+// Runs the corpus of the library, for half a second or so, and gives its digest: the same on every machine. What it is to be
+// stands in `src/selftest/golden.txt`.
+UmbraStatus umbra_selftest(uint64_t *digest);
+
+// So many bytes, all 0, to write into: for hosts whose memory the library does not see, as that of a module of WebAssembly.
+// They lie at a multiple of 16.
+UmbraStatus umbra_bytes_new(size_t length,
+                            struct UmbraBytes **bytes);
+
+// Where they lie, until they are freed; null for null.
+uint8_t *umbra_bytes_data(struct UmbraBytes *bytes);
+
+// How many there are; 0 for null.
+size_t umbra_bytes_length(const struct UmbraBytes *bytes);
+
+// Frees them. Null is let be.
+void umbra_bytes_free(struct UmbraBytes *bytes);
+
+// The number nearest to a decimal text of `length` bytes, such as `-9.81` or `1.5e-3`; ties to even, never through a float.
+UmbraStatus umbra_fx_from_text(const char *text,
+                               size_t length,
+                               UmbraFx *number);
+
+// All digits of a number: at most 44 bytes. Read again they are the number. Text as `umbra_last_message` gives it.
+UmbraStatus umbra_fx_to_text(UmbraFx number, char *buffer, size_t capacity, size_t *length);
+
+// All digits of a multiple of 2^-64, as energies are, at most 85 bytes: text as `umbra_last_message` gives it.
+UmbraStatus umbra_wide_to_text(const struct UmbraInt128 *wide, char *buffer, size_t capacity, size_t *length);
+
+// The factor nearest to a decimal text, such as `3.986004418e14`: for what is too large or too small for an `UmbraFx`.
+UmbraStatus umbra_factor_from_text(const char *text, size_t length, struct UmbraFactor *factor);
+
+// The factor that a number is, exactly; of its magnitude if it is below 0.
+UmbraStatus umbra_factor_from_fx(UmbraFx number, struct UmbraFactor *factor);
+
+// The number of what caused the last error of this thread, such as 155 (a mass) for `UMBRA_ERROR_OUT_OF_RANGE`; 0 if it has
+// none. Calls that are done leave it as it is.
+UmbraStatus umbra_last_cause(void);
+
+// The last error of this thread in words, with names, places and values: for a log. Empty if there was none.
+//
+// Text goes into `buffer`, which has room for `capacity` bytes, with a zero after it. `length`, which may be null, is given the
+// number of bytes before the zero, also if the buffer is too small; a `capacity` of 0 asks for the length alone.
+UmbraStatus umbra_last_message(char *buffer,
+                               size_t capacity,
+                               size_t *length);
+
+// What a number means, in general, as `docs/errors.md` has it; text as `umbra_last_message` gives it.
+UmbraStatus umbra_status_message(UmbraStatus status, char *buffer, size_t capacity, size_t *length);
+
+// A disc of a radius of 2^-7 to 2^12 m.
+UmbraStatus umbra_shape_circle(UmbraFx radius, struct UmbraShape **shape);
+
+// A rectangle about its centre, m.
+UmbraStatus umbra_shape_rectangle(UmbraFx width, UmbraFx height, struct UmbraShape **shape);
+
+// A capsule along x; its length is between the centres of its half discs, m.
+UmbraStatus umbra_shape_capsule(UmbraFx length, UmbraFx radius, struct UmbraShape **shape);
+
+// A thin rod between two points, m.
+UmbraStatus umbra_shape_segment(const struct UmbraVec2 *a, const struct UmbraVec2 *b, struct UmbraShape **shape);
+
+// A convex polygon of 3 to 64 corners, in either order, m. It is re-centred at its centre of mass.
+UmbraStatus umbra_shape_polygon(const struct UmbraVec2 *corners, size_t count, struct UmbraShape **shape);
+
+// 1 to 256 shapes as one. It is re-centred at its centre of mass.
+UmbraStatus umbra_shape_compound(const struct UmbraPart *parts, size_t count, struct UmbraShape **shape);
+
+// Frees a shape. Null is let be.
+void umbra_shape_free(struct UmbraShape *shape);
+
+// Fills in a definition: 60 steps a second by velocity Verlet, no gravity, no damping, asleep after half a second at rest.
+UmbraStatus umbra_world_def_default(struct UmbraWorldDef *def);
+
+// An empty world. It is the caller's, as is everything that a function gives through a pointer to a pointer, until it is
+// handed to `umbra_world_free`.
+UmbraStatus umbra_world_new(const struct UmbraWorldDef *def,
+                            struct UmbraWorld **world);
+
+// The world of a scene (`docs/scene.md`), which a JSON text of `length` bytes describes. Its steps do what the scene has for
+// their ticks; the scene alone changes it, until `umbra_world_leave_scene`. It may have at most `most` bodies, as many fields,
+// and as many things that its inputs do, as a short text can ask for many; 131072 is a good number.
+UmbraStatus umbra_world_from_scene(const char *json,
+                                   size_t length,
+                                   uint32_t most,
+                                   struct UmbraWorld **world);
+
+// Ends the scene of a world, which stays as it is and is the caller's to change. A world without a scene is let be.
+UmbraStatus umbra_world_leave_scene(struct UmbraWorld *world);
+
+// A world with the same state and future, which shares what no step changes, and with the same scene. It is not recorded.
+UmbraStatus umbra_world_clone(const struct UmbraWorld *world,
+                              struct UmbraWorld **copy);
+
+// Frees a world. Null is let be.
+void umbra_world_free(struct UmbraWorld *world);
+
+// What the world was made from, as changed since.
+UmbraStatus umbra_world_def(const struct UmbraWorld *world, struct UmbraWorldDef *def);
+
+// Moves a world on by a tick. Only a scene can be refused: then its step was not made.
+UmbraStatus umbra_world_step(struct UmbraWorld *world);
+
+// Carries out the inputs of a tick, by player and then by sequence, and moves the world on. An input that is refused changes
+// nothing and stops no other: `umbra_world_outcomes` has what became of each.
+UmbraStatus umbra_world_step_inputs(struct UmbraWorld *world,
+                                    const struct UmbraInputs *inputs);
+
+// What became of the inputs of the last step, in their order.
+//
+// Lists go into a buffer with room for `capacity` entries. `count`, which may be null, is given the number of entries, also if
+// the buffer is too small; a `capacity` of 0 asks for the number alone.
+UmbraStatus umbra_world_outcomes(const struct UmbraWorld *world,
+                                 struct UmbraOutcome *outcomes,
+                                 size_t capacity,
+                                 size_t *count);
+
+// No inputs.
+UmbraStatus umbra_inputs_new(struct UmbraInputs **inputs);
+
+// Adds a command of a player's, as the bytes of `docs/formats.md`, in its place: in whatever order they arrive.
+UmbraStatus umbra_inputs_insert(struct UmbraInputs *inputs,
+                                uint32_t player,
+                                uint32_t sequence,
+                                const uint8_t *command,
+                                size_t length);
+
+// Removes all, for those of another tick.
+UmbraStatus umbra_inputs_clear(struct UmbraInputs *inputs);
+
+// Frees inputs. Null is let be.
+void umbra_inputs_free(struct UmbraInputs *inputs);
+
+// What the last step did.
+UmbraStatus umbra_world_report(const struct UmbraWorld *world, struct UmbraReport *report);
+
+// The bodies that the last step quarantined, in the order of their slots; a list as `umbra_world_outcomes` gives it.
+UmbraStatus umbra_world_faults(const struct UmbraWorld *world,
+                               struct UmbraFault *faults,
+                               size_t capacity,
+                               size_t *count);
+
+// The bodies that fell asleep in the last step, in the order of their slots; a list as `umbra_world_outcomes` gives it.
+UmbraStatus umbra_world_fell_asleep(const struct UmbraWorld *world, uint64_t *bodies, size_t capacity, size_t *count);
+
+// The bodies that calls before the last step woke, in the order of the calls; a list as `umbra_world_outcomes` gives it.
+UmbraStatus umbra_world_woke(const struct UmbraWorld *world,
+                             uint64_t *bodies,
+                             size_t capacity,
+                             size_t *count);
+
+// The number of steps made.
+UmbraStatus umbra_world_tick(const struct UmbraWorld *world, uint64_t *tick);
+
+// The time simulated in seconds, an exact ratio in lowest terms.
+UmbraStatus umbra_world_elapsed(const struct UmbraWorld *world, struct UmbraUint128 *num, struct UmbraUint128 *den);
+
+// A hash of all that the future of a world depends on, handles included: what peers compare.
+UmbraStatus umbra_world_state_hash(const struct UmbraWorld *world, uint64_t *hash);
+
+// A hash of the motion alone, bodies by their keys: for worlds that were built in another order.
+UmbraStatus umbra_world_physics_hash(const struct UmbraWorld *world, uint64_t *hash);
+
+// The first value in which two worlds differ, with both values, as in `body 3, position.x: 1 and 2`; empty if they do not. Text
+// as `umbra_last_message` gives it. It is for finding out what went wrong, and takes its time.
+UmbraStatus umbra_world_first_difference(const struct UmbraWorld *left,
+                                         const struct UmbraWorld *right,
+                                         char *buffer,
+                                         size_t capacity,
+                                         size_t *length);
+
+// Fills in a definition: a body of 1 kg that everything moves, at rest at the origin, without a shape.
+UmbraStatus umbra_body_def_default(struct UmbraBodyDef *def);
+
+// Adds a body. Its handle stays good until it is removed, and never names another one afterwards.
+UmbraStatus umbra_world_add_body(struct UmbraWorld *world, const struct UmbraBodyDef *def, uint64_t *body);
+
+// Removes a body and the force fields attached to it, and wakes what they joined it to.
+UmbraStatus umbra_world_remove_body(struct UmbraWorld *world, uint64_t body);
+
+// Reads a body.
+UmbraStatus umbra_world_body(const struct UmbraWorld *world, uint64_t body, struct UmbraBodyState *state);
+
+// The number of bodies, and of those that a step moves: not static, not asleep, not quarantined. Either pointer may be null.
+UmbraStatus umbra_world_body_count(const struct UmbraWorld *world,
+                                   size_t *all,
+                                   size_t *moving);
+
+// The handles of all bodies, in the order of their slots; a list as `umbra_world_outcomes` gives it.
+UmbraStatus umbra_world_bodies(const struct UmbraWorld *world, uint64_t *bodies, size_t capacity, size_t *count);
+
+// Where all bodies are, in the order of their slots: one call a frame; a list as `umbra_world_outcomes` gives it.
+UmbraStatus umbra_world_poses(const struct UmbraWorld *world, struct UmbraPose *poses, size_t capacity, size_t *count);
+
+// Puts a body somewhere else, m; wakes it. The fraction below 2^-32 is dropped.
+UmbraStatus umbra_world_set_position(struct UmbraWorld *world, uint64_t body, UmbraFx x, UmbraFx y);
+
+// Turns a body to an angle, rad, of any size; wakes it.
+UmbraStatus umbra_world_set_angle(struct UmbraWorld *world, uint64_t body, UmbraFx angle);
+
+// Gives a body a velocity, m/s; wakes it.
+UmbraStatus umbra_world_set_velocity(struct UmbraWorld *world, uint64_t body, UmbraFx x, UmbraFx y);
+
+// Gives a body an angular velocity, rad/s; wakes it.
+UmbraStatus umbra_world_set_angular_velocity(struct UmbraWorld *world, uint64_t body, UmbraFx velocity);
+
+// Gives a body a mass, as the fields of its definition do. One that is not dynamic keeps it for when it is.
+UmbraStatus umbra_world_set_mass(struct UmbraWorld *world,
+                                 uint64_t body,
+                                 UmbraMassKind kind,
+                                 UmbraFx mass,
+                                 UmbraFx inertia);
+
+// Gives a body a shape, or none for null; its inertia follows, and its mass if that is a density. Its centre of mass stays
+// where it is.
+UmbraStatus umbra_world_set_shape(struct UmbraWorld *world,
+                                  uint64_t body,
+                                  const struct UmbraShape *shape);
+
+// Changes what moves a body. One that becomes static stops; what was applied to it this tick is forgotten.
+UmbraStatus umbra_world_set_kind(struct UmbraWorld *world, uint64_t body, UmbraBodyKind kind);
+
+// Changes how much of the world's gravity a body feels, within ±16.
+UmbraStatus umbra_world_set_gravity_scale(struct UmbraWorld *world, uint64_t body, UmbraFx scale);
+
+// Gives a body dampings of its own, 0 to 1, or takes them from it with `UMBRA_AS_WORLD`.
+UmbraStatus umbra_world_set_body_damping(struct UmbraWorld *world, uint64_t body, UmbraFx linear, UmbraFx angular);
+
+// Changes the groups a body is in.
+UmbraStatus umbra_world_set_groups(struct UmbraWorld *world, uint64_t body, uint32_t groups);
+
+// Changes the caller's name for a body.
+UmbraStatus umbra_world_set_key(struct UmbraWorld *world, uint64_t body, uint64_t key);
+
+// Changes the caller's data of a body.
+UmbraStatus umbra_world_set_user_data(struct UmbraWorld *world, uint64_t body, uint64_t user_data);
+
+// Wakes a body and what springs join it to.
+UmbraStatus umbra_world_wake(struct UmbraWorld *world, uint64_t body);
+
+// Lets a quarantined body take part again.
+UmbraStatus umbra_world_release(struct UmbraWorld *world, uint64_t body);
+
+// Fills in the definition of a field of a law: all groups, no body, everything else 0.
+UmbraStatus umbra_field_def_default(UmbraLaw law, struct UmbraFieldDef *def);
+
+// Adds a force field; wakes what it may act on.
+UmbraStatus umbra_world_add_field(struct UmbraWorld *world, const struct UmbraFieldDef *def, uint64_t *field);
+
+// Puts another force field in the place of one; wakes what either may act on.
+UmbraStatus umbra_world_set_field(struct UmbraWorld *world, uint64_t field, const struct UmbraFieldDef *def);
+
+// Removes a force field; wakes what it may have acted on.
+UmbraStatus umbra_world_remove_field(struct UmbraWorld *world, uint64_t field);
+
+// Reads a force field.
+UmbraStatus umbra_world_field(const struct UmbraWorld *world, uint64_t field, struct UmbraFieldDef *def);
+
+// The handles of all force fields, in the order in which they were added, in which drags act; a list as
+// `umbra_world_outcomes` gives it.
+UmbraStatus umbra_world_fields(const struct UmbraWorld *world, uint64_t *fields, size_t capacity, size_t *count);
+
+// Applies a force, N, over the next step, at a point, or through the centre of mass for null.
+UmbraStatus umbra_world_apply_force(struct UmbraWorld *world,
+                                    uint64_t body,
+                                    UmbraFx x,
+                                    UmbraFx y,
+                                    const struct UmbraVec2 *point,
+                                    UmbraManner manner);
+
+// Applies a torque, N·m, over the next step.
+UmbraStatus umbra_world_apply_torque(struct UmbraWorld *world, uint64_t body, UmbraFx torque, UmbraManner manner);
+
+// Changes the velocity by an impulse, N·s, at once, at a point, or through the centre of mass for null.
+UmbraStatus umbra_world_apply_impulse(struct UmbraWorld *world,
+                                      uint64_t body,
+                                      UmbraFx x,
+                                      UmbraFx y,
+                                      const struct UmbraVec2 *point,
+                                      UmbraManner manner);
+
+// Changes the angular velocity by an angular impulse, N·m·s, at once.
+UmbraStatus umbra_world_apply_angular_impulse(struct UmbraWorld *world,
+                                              uint64_t body,
+                                              UmbraFx impulse,
+                                              UmbraManner manner);
+
+// Takes back the forces and torques applied since the last step.
+UmbraStatus umbra_world_clear_forces(struct UmbraWorld *world);
+
+// Carries out a command that comes as bytes (`docs/formats.md`). `made` may be null.
+UmbraStatus umbra_world_execute(struct UmbraWorld *world,
+                                const uint8_t *command,
+                                size_t length,
+                                struct UmbraMade *made);
+
+// Whether a command would be carried out now: the same errors, and nothing changes.
+UmbraStatus umbra_world_check(const struct UmbraWorld *world, const uint8_t *command, size_t length);
+
+// A draft: all that would change it is written down as a command instead, so that each function that changes a world also
+// makes the bytes to send. It is empty, is not stepped, and what adds to it gives `UMBRA_NO_HANDLE`.
+UmbraStatus umbra_draft_new(struct UmbraWorld **draft);
+
+// The bytes of the last command that was written down in a draft; a list as `umbra_world_outcomes` gives it. None before the
+// first.
+UmbraStatus umbra_draft_command(const struct UmbraWorld *draft,
+                                uint8_t *command,
+                                size_t capacity,
+                                size_t *length);
+
+// Changes the length of a step to num/den seconds, from 1 to 10,000 steps a second; wakes all bodies.
+UmbraStatus umbra_world_set_time_step(struct UmbraWorld *world, uint32_t num, uint32_t den);
+
+// Changes gravity, m/s², within ±2^16; wakes all bodies.
+UmbraStatus umbra_world_set_gravity(struct UmbraWorld *world, UmbraFx x, UmbraFx y);
+
+// Changes the integrator; wakes all bodies.
+UmbraStatus umbra_world_set_integrator(struct UmbraWorld *world, UmbraIntegrator integrator);
+
+// Changes what is left, after a second, of the velocities of bodies without dampings of their own, 0 to 1; wakes all bodies.
+UmbraStatus umbra_world_set_damping(struct UmbraWorld *world,
+                                    UmbraFx linear,
+                                    UmbraFx angular);
+
+// Changes after how many ticks at rest a body falls asleep, or `UMBRA_NEVER`; wakes all bodies.
+UmbraStatus umbra_world_set_sleep_after(struct UmbraWorld *world, uint32_t ticks);
+
+// Seeds the world's generator of random numbers, xoshiro256**.
+UmbraStatus umbra_world_seed(struct UmbraWorld *world, uint64_t seed);
+
+// Draws a number from 0 to below `end`, all alike, from the world's generator: a change of its state, which peers make in the
+// same tick and order.
+UmbraStatus umbra_world_random_below(struct UmbraWorld *world,
+                                     uint64_t end,
+                                     uint64_t *number);
+
+// Draws 64 bits from the world's generator.
+UmbraStatus umbra_world_random_bits(struct UmbraWorld *world, uint64_t *bits);
+
+// Puts other bytes in the place of the game's own data, at most 2^24: whatever else its next tick depends on. Snapshots, hashes
+// and replays take it along.
+UmbraStatus umbra_world_set_blob(struct UmbraWorld *world,
+                                 const uint8_t *bytes,
+                                 size_t length);
+
+// The game's own data; a list as `umbra_world_outcomes` gives it.
+UmbraStatus umbra_world_blob(const struct UmbraWorld *world, uint8_t *bytes, size_t capacity, size_t *length);
+
+// The world as it is, to go back to.
+UmbraStatus umbra_world_snapshot(const struct UmbraWorld *world, struct UmbraSnapshot **snapshot);
+
+// The same in the memory that another snapshot has: what a ring of them for rollback does each tick.
+UmbraStatus umbra_world_snapshot_into(const struct UmbraWorld *world, struct UmbraSnapshot *snapshot);
+
+// Goes back to a snapshot, of this world or another. Handles made after it may come to name other bodies.
+UmbraStatus umbra_world_restore(struct UmbraWorld *world, const struct UmbraSnapshot *snapshot);
+
+// A world that goes on from a snapshot.
+UmbraStatus umbra_snapshot_world(const struct UmbraSnapshot *snapshot, struct UmbraWorld **world);
+
+// A snapshot as bytes, the same on every machine (`docs/formats.md`).
+UmbraStatus umbra_snapshot_to_bytes(const struct UmbraSnapshot *snapshot, struct UmbraBytes **bytes);
+
+// The snapshot that is these bytes, which may come from anybody: what no world can be is refused. Reading takes at most 16
+// times their memory, and 64 KiB.
+UmbraStatus umbra_snapshot_from_bytes(const uint8_t *bytes,
+                                      size_t length,
+                                      struct UmbraSnapshot **snapshot);
+
+// Frees a snapshot. Null is let be.
+void umbra_snapshot_free(struct UmbraSnapshot *snapshot);
+
+// Begins to record a world as it is: all calls that change it from now on, the inputs of its ticks, a hash after every
+// `hash_every` ticks (at least 1), a snapshot after every `snapshot_every`, or 0 for none on the way.
+UmbraStatus umbra_world_record(struct UmbraWorld *world, uint32_t hash_every, uint32_t snapshot_every);
+
+// What of the recording is finished, to be written away; each byte is handed out once. What `umbra_world_end_record` gives
+// goes after it.
+UmbraStatus umbra_world_take_record(struct UmbraWorld *world,
+                                    struct UmbraBytes **bytes);
+
+// Ends the recording with the last step, and gives the rest of the file: all of it if nothing was taken before.
+UmbraStatus umbra_world_end_record(struct UmbraWorld *world, struct UmbraBytes **bytes);
+
+// Runs a replay again and compares every hash: `UMBRA_OK`, `UMBRA_ERROR_DIVERGENCE`, or why the bytes, which may come from
+// anybody, are no replay that can be played. `ticks`, which may be null, is given how many it has. A file takes as long as
+// its ticks do.
+UmbraStatus umbra_replay_verify(const uint8_t *bytes,
+                                size_t length,
+                                uint64_t *ticks);
+
+// The kinetic energy of the dynamic bodies, multiples of 2^-64 J.
+UmbraStatus umbra_world_kinetic_energy(const struct UmbraWorld *world, struct UmbraInt128 *energy);
+
+// The potential energy of the dynamic bodies in gravity, attractors and springs, multiples of 2^-64 J.
+UmbraStatus umbra_world_potential_energy(const struct UmbraWorld *world, struct UmbraInt128 *energy);
+
+// Kinetic and potential energy together, multiples of 2^-64 J.
+UmbraStatus umbra_world_energy(const struct UmbraWorld *world, struct UmbraInt128 *energy);
+
+// The momentum of the dynamic bodies, multiples of 2^-64 kg·m/s; exact for the velocities that `umbra_world_body` gives.
+UmbraStatus umbra_world_momentum(const struct UmbraWorld *world,
+                                 struct UmbraInt128 *x,
+                                 struct UmbraInt128 *y);
+
+// The angular momentum of the dynamic bodies about the origin, multiples of 2^-64 kg·m²/s.
+UmbraStatus umbra_world_angular_momentum(const struct UmbraWorld *world, struct UmbraInt128 *momentum);
+
+#ifdef __cplusplus
+}  // extern "C"
+#endif  // __cplusplus
+
+#endif  /* UMBRA_PHYSICS_H */

@@ -1,0 +1,516 @@
+//! Bodies: making them, reading them, changing them.
+
+use std::mem::MaybeUninit;
+
+use umbra_physics::scalar::Number as _;
+use umbra_physics::{Activity, BodyDef, BodyKind, BodyRef, Command, Fx, FxAccumulator, Mass};
+
+use crate::UMBRA_NO_HANDLE;
+use crate::memory::{fill, given};
+use crate::number::{UMBRA_ONE, UmbraFactor, UmbraFx, UmbraInt128, UmbraVec2, vector};
+use crate::shape::UmbraShape;
+use crate::status::{Refusal, Result, UMBRA_ERROR_BAD_ARGUMENT, UmbraStatus, guard};
+use crate::world::{UmbraWorld, body_id, change, made, word};
+
+/// What moves a body: one of the three below.
+pub type UmbraBodyKind = u32;
+
+/// Nothing.
+pub const UMBRA_STATIC: UmbraBodyKind = 0;
+/// The velocity it is given; no force and no damping.
+pub const UMBRA_KINEMATIC: UmbraBodyKind = 1;
+/// Everything.
+pub const UMBRA_DYNAMIC: UmbraBodyKind = 2;
+
+/// Whether a body takes part in steps: one of the three below.
+pub type UmbraActivity = u32;
+
+/// It does.
+pub const UMBRA_AWAKE: UmbraActivity = 0;
+/// It is at rest and skipped, until something wakes it.
+pub const UMBRA_ASLEEP: UmbraActivity = 1;
+/// It left the envelope: back at its last good state and out of the simulation, until it is released.
+pub const UMBRA_QUARANTINED: UmbraActivity = 2;
+
+/// Where mass and moment of inertia come from: one of the three below.
+pub type UmbraMassKind = u32;
+
+/// `mass` is a density: kg/m² times the area of the shape, kg/m for a segment.
+pub const UMBRA_MASS_DENSITY: UmbraMassKind = 0;
+/// `mass` is in kg; the inertia is from the shape, or infinite without one: such a body does not turn.
+pub const UMBRA_MASS_OF: UmbraMassKind = 1;
+/// `mass` in kg and `inertia` in kg·m².
+pub const UMBRA_MASS_WITH_INERTIA: UmbraMassKind = 2;
+
+/// In place of a damping of a body's own: that of the world.
+pub const UMBRA_AS_WORLD: UmbraFx = -1;
+
+/// What a body is made from; `umbra_body_def_default` fills it in.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct UmbraBodyDef {
+    /// What moves it: `UMBRA_DYNAMIC`.
+    pub kind: UmbraBodyKind,
+    /// Where its mass comes from: `UMBRA_MASS_OF`.
+    pub mass_kind: UmbraMassKind,
+    /// Its mass as its kind has it, 2^-16 to 2^24 kg: 1.
+    pub mass: UmbraFx,
+    /// Its moment of inertia, for `UMBRA_MASS_WITH_INERTIA` alone.
+    pub inertia: UmbraFx,
+    /// Where its centre of mass is, m, within ±2^30: the origin.
+    pub position: UmbraVec2,
+    /// Its velocity, m/s, within ±2^20: none.
+    pub velocity: UmbraVec2,
+    /// How far it is turned, rad, of any size: 0.
+    pub angle: UmbraFx,
+    /// Its angular velocity, rad/s, within ±2^20: none.
+    pub angular_velocity: UmbraFx,
+    /// How much of the world's gravity it feels, within ±16: 1.
+    pub gravity_scale: UmbraFx,
+    /// What is left of its velocity after a second, 0 to 1: `UMBRA_AS_WORLD`.
+    pub linear_damping: UmbraFx,
+    /// What is left of its angular velocity after a second, 0 to 1: `UMBRA_AS_WORLD`.
+    pub angular_damping: UmbraFx,
+    /// A name of the caller's, by which worlds built in another order are compared: 0.
+    pub key: u64,
+    /// Anything of the caller's: 0.
+    pub user_data: u64,
+    /// The groups it is in: a force field with one of these bits acts on it. 1.
+    pub groups: u32,
+    /// 0.
+    pub reserved: u32,
+    /// Its shape: null for none. Last, so that all else lies at the same place whatever the size of pointers.
+    pub shape: *const UmbraShape,
+}
+
+/// All of a body.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct UmbraBodyState {
+    /// Where its centre of mass is, m.
+    pub position: UmbraVec2,
+    /// Its velocity, m/s.
+    pub velocity: UmbraVec2,
+    /// How far it is turned, rad in [0, 2π).
+    pub angle: UmbraFx,
+    /// Its angular velocity, rad/s.
+    pub angular_velocity: UmbraFx,
+    /// The cosine of its angle.
+    pub cos: UmbraFx,
+    /// The sine of its angle.
+    pub sin: UmbraFx,
+    /// Its position as it is kept, with what is carried from step to step: multiples of 2^-96 m.
+    pub exact_x: UmbraInt128,
+    /// See `exact_x`.
+    pub exact_y: UmbraInt128,
+    /// Its velocity as it is kept: multiples of 2^-96 m/s.
+    pub exact_velocity_x: UmbraInt128,
+    /// See `exact_velocity_x`.
+    pub exact_velocity_y: UmbraInt128,
+    /// Its angular velocity as it is kept: multiples of 2^-96 rad/s.
+    pub exact_angular_velocity: UmbraInt128,
+    /// Its angle as it is kept: multiples of 2^-64 turns.
+    pub turn: u64,
+    /// Its mass, kg; 0 unless it is dynamic.
+    pub mass: UmbraFx,
+    /// Its moment of inertia, kg·m²; 0 if that is infinite.
+    pub inertia: UmbraFactor,
+    /// How much of the world's gravity it feels.
+    pub gravity_scale: UmbraFx,
+    /// What is left of its velocity after a second, or `UMBRA_AS_WORLD`.
+    pub linear_damping: UmbraFx,
+    /// What is left of its angular velocity after a second, or `UMBRA_AS_WORLD`.
+    pub angular_damping: UmbraFx,
+    /// The caller's name for it.
+    pub key: u64,
+    /// The caller's data.
+    pub user_data: u64,
+    /// What moves it.
+    pub kind: UmbraBodyKind,
+    /// Whether it takes part in steps.
+    pub activity: UmbraActivity,
+    /// The groups it is in.
+    pub groups: u32,
+    /// 0.
+    pub reserved: u32,
+}
+
+/// What drawing needs of a body.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct UmbraPose {
+    /// The body.
+    pub body: u64,
+    /// Where its centre of mass is, m.
+    pub position: UmbraVec2,
+    /// How far it is turned, rad in [0, 2π).
+    pub angle: UmbraFx,
+    /// The caller's data: what to draw, say.
+    pub user_data: u64,
+    /// What moves it.
+    pub kind: UmbraBodyKind,
+    /// Whether it takes part in steps.
+    pub activity: UmbraActivity,
+}
+
+fn unknown(what: &str) -> Refusal {
+    Refusal::own(UMBRA_ERROR_BAD_ARGUMENT, what)
+}
+
+fn kind_of(number: UmbraBodyKind) -> Result<BodyKind> {
+    match number {
+        UMBRA_STATIC => Ok(BodyKind::Static),
+        UMBRA_KINEMATIC => Ok(BodyKind::Kinematic),
+        UMBRA_DYNAMIC => Ok(BodyKind::Dynamic),
+        _ => Err(unknown("no kind of body has this number")),
+    }
+}
+
+const fn number_of(kind: BodyKind) -> UmbraBodyKind {
+    match kind {
+        BodyKind::Static => UMBRA_STATIC,
+        BodyKind::Kinematic => UMBRA_KINEMATIC,
+        BodyKind::Dynamic => UMBRA_DYNAMIC,
+    }
+}
+
+const fn activity_of(activity: Activity) -> UmbraActivity {
+    match activity {
+        Activity::Awake => UMBRA_AWAKE,
+        Activity::Asleep => UMBRA_ASLEEP,
+        Activity::Quarantined => UMBRA_QUARANTINED,
+    }
+}
+
+fn mass_of(kind: UmbraMassKind, mass: UmbraFx, inertia: UmbraFx) -> Result<Mass> {
+    let (mass, inertia) = (Fx::from_bits(mass), Fx::from_bits(inertia));
+    match kind {
+        UMBRA_MASS_DENSITY => Ok(Mass::Density(mass)),
+        UMBRA_MASS_OF => Ok(Mass::Of(mass)),
+        UMBRA_MASS_WITH_INERTIA => Ok(Mass::WithInertia(mass, inertia)),
+        _ => Err(unknown("no way to give a mass has this number")),
+    }
+}
+
+fn damping_of(kept: UmbraFx) -> Option<Fx> {
+    (kept != UMBRA_AS_WORLD).then(|| Fx::from_bits(kept))
+}
+
+fn exact(value: FxAccumulator) -> UmbraInt128 {
+    let [high, low, _] = value.to_words();
+    UmbraInt128 { low, high: high as i64 }
+}
+
+fn state_of(body: BodyRef<'_>) -> UmbraBodyState {
+    let (place, velocity, rotation) = (body.position_exact(), body.velocity_exact(), body.rotation());
+    let damping = |own: Option<Fx>| own.map_or(UMBRA_AS_WORLD, Fx::to_bits);
+    UmbraBodyState {
+        position: body.position().into(),
+        velocity: body.velocity().into(),
+        angle: body.angle().to_bits(),
+        angular_velocity: body.angular_velocity().to_bits(),
+        cos: rotation.cos.to_bits(),
+        sin: rotation.sin.to_bits(),
+        exact_x: exact(place.x),
+        exact_y: exact(place.y),
+        exact_velocity_x: exact(velocity.x),
+        exact_velocity_y: exact(velocity.y),
+        exact_angular_velocity: exact(body.angular_velocity_exact()),
+        turn: body.angle_exact().to_words()[0],
+        mass: body.mass().map_or(0, Fx::to_bits),
+        inertia: body.inertia().unwrap_or_default().into(),
+        gravity_scale: body.gravity_scale().to_bits(),
+        linear_damping: damping(body.linear_damping()),
+        angular_damping: damping(body.angular_damping()),
+        key: body.key(),
+        user_data: body.user_data(),
+        kind: number_of(body.kind()),
+        activity: activity_of(body.activity()),
+        groups: body.groups(),
+        reserved: 0,
+    }
+}
+
+/// Fills in a definition: a body of 1 kg that everything moves, at rest at the origin, without a shape.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_body_def_default(def: Option<&mut MaybeUninit<UmbraBodyDef>>) -> UmbraStatus {
+    guard(|| {
+        given(def)?.write(UmbraBodyDef {
+            kind: UMBRA_DYNAMIC,
+            mass_kind: UMBRA_MASS_OF,
+            mass: UMBRA_ONE,
+            inertia: 0,
+            position: UmbraVec2::default(),
+            velocity: UmbraVec2::default(),
+            angle: 0,
+            angular_velocity: 0,
+            gravity_scale: UMBRA_ONE,
+            linear_damping: UMBRA_AS_WORLD,
+            angular_damping: UMBRA_AS_WORLD,
+            key: 0,
+            user_data: 0,
+            groups: 1,
+            reserved: 0,
+            shape: std::ptr::null(),
+        });
+        Ok(())
+    })
+}
+
+/// Adds a body. Its handle stays good until it is removed, and never names another one afterwards.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn umbra_world_add_body(
+    world: Option<&mut UmbraWorld>,
+    def: Option<&UmbraBodyDef>,
+    body: Option<&mut MaybeUninit<u64>>,
+) -> UmbraStatus {
+    guard(|| {
+        let (world, def, place) = (given(world)?, given(def)?, given(body)?);
+        // SAFETY: the caller promises that it is null or a shape that was not freed.
+        let shape = unsafe { def.shape.as_ref() };
+        let new = world.execute(&Command::AddBody(BodyDef {
+            kind: kind_of(def.kind)?,
+            position: def.position.into(),
+            angle: Fx::from_bits(def.angle),
+            velocity: def.velocity.into(),
+            angular_velocity: Fx::from_bits(def.angular_velocity),
+            shape: shape.map(|shape| shape.shape.clone()),
+            mass: mass_of(def.mass_kind, def.mass, def.inertia)?,
+            gravity_scale: Fx::from_bits(def.gravity_scale),
+            linear_damping: damping_of(def.linear_damping),
+            angular_damping: damping_of(def.angular_damping),
+            groups: def.groups,
+            key: def.key,
+            user_data: def.user_data,
+        }))?;
+        place.write(made(new).1);
+        Ok(())
+    })
+}
+
+/// Removes a body and the force fields attached to it, and wakes what they joined it to.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_remove_body(world: Option<&mut UmbraWorld>, body: u64) -> UmbraStatus {
+    change(world, Command::RemoveBody(body_id(body)))
+}
+
+/// Reads a body.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_body(
+    world: Option<&UmbraWorld>,
+    body: u64,
+    state: Option<&mut MaybeUninit<UmbraBodyState>>,
+) -> UmbraStatus {
+    guard(|| {
+        let (world, place) = (given(world)?, given(state)?);
+        place.write(state_of(world.world().body(body_id(body))?));
+        Ok(())
+    })
+}
+
+/// The number of bodies, and of those that a step moves: not static, not asleep, not quarantined. Either pointer may be null.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_body_count(
+    world: Option<&UmbraWorld>,
+    all: Option<&mut MaybeUninit<usize>>,
+    moving: Option<&mut MaybeUninit<usize>>,
+) -> UmbraStatus {
+    guard(|| {
+        let world = given(world)?.world();
+        if let Some(all) = all {
+            all.write(world.body_count());
+        }
+        if let Some(moving) = moving {
+            moving.write(world.moving_count());
+        }
+        Ok(())
+    })
+}
+
+/// The handles of all bodies, in the order of their slots; a list as `umbra_world_outcomes` gives it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn umbra_world_bodies(
+    world: Option<&UmbraWorld>,
+    bodies: *mut u64,
+    capacity: usize,
+    count: Option<&mut MaybeUninit<usize>>,
+) -> UmbraStatus {
+    guard(|| {
+        let world = given(world)?.world();
+        let rows = Counted { rows: world.bodies().map(|body| word(body.id().parts())), left: world.body_count() };
+        // SAFETY: as the caller promises.
+        unsafe { fill(rows, bodies, capacity, count) }
+    })
+}
+
+/// Where all bodies are, in the order of their slots: one call a frame; a list as `umbra_world_outcomes` gives it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn umbra_world_poses(
+    world: Option<&UmbraWorld>,
+    poses: *mut UmbraPose,
+    capacity: usize,
+    count: Option<&mut MaybeUninit<usize>>,
+) -> UmbraStatus {
+    guard(|| {
+        let world = given(world)?.world();
+        let rows = world.bodies().map(|body| UmbraPose {
+            body: word(body.id().parts()),
+            position: body.position().into(),
+            angle: body.angle().to_bits(),
+            user_data: body.user_data(),
+            kind: number_of(body.kind()),
+            activity: activity_of(body.activity()),
+        });
+        let rows = Counted { rows, left: world.body_count() };
+        // SAFETY: as the caller promises.
+        unsafe { fill(rows, poses, capacity, count) }
+    })
+}
+
+/// Rows whose number is known.
+pub(crate) struct Counted<I> {
+    pub(crate) rows: I,
+    pub(crate) left: usize,
+}
+
+impl<I: Iterator> Iterator for Counted<I> {
+    type Item = I::Item;
+
+    fn next(&mut self) -> Option<I::Item> {
+        self.left = self.left.checked_sub(1)?;
+        self.rows.next()
+    }
+
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        (self.left, Some(self.left))
+    }
+}
+
+impl<I: Iterator> ExactSizeIterator for Counted<I> {}
+
+/// Puts a body somewhere else, m; wakes it. The fraction below 2^-32 is dropped.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_set_position(
+    world: Option<&mut UmbraWorld>,
+    body: u64,
+    x: UmbraFx,
+    y: UmbraFx,
+) -> UmbraStatus {
+    change(world, Command::SetPosition { body: body_id(body), position: vector(x, y) })
+}
+
+/// Turns a body to an angle, rad, of any size; wakes it.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_set_angle(world: Option<&mut UmbraWorld>, body: u64, angle: UmbraFx) -> UmbraStatus {
+    change(world, Command::SetAngle { body: body_id(body), angle: Fx::from_bits(angle) })
+}
+
+/// Gives a body a velocity, m/s; wakes it.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_set_velocity(
+    world: Option<&mut UmbraWorld>,
+    body: u64,
+    x: UmbraFx,
+    y: UmbraFx,
+) -> UmbraStatus {
+    change(world, Command::SetVelocity { body: body_id(body), velocity: vector(x, y) })
+}
+
+/// Gives a body an angular velocity, rad/s; wakes it.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_set_angular_velocity(
+    world: Option<&mut UmbraWorld>,
+    body: u64,
+    velocity: UmbraFx,
+) -> UmbraStatus {
+    change(world, Command::SetAngularVelocity { body: body_id(body), velocity: Fx::from_bits(velocity) })
+}
+
+/// Gives a body a mass, as the fields of its definition do. One that is not dynamic keeps it for when it is.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_set_mass(
+    world: Option<&mut UmbraWorld>,
+    body: u64,
+    kind: UmbraMassKind,
+    mass: UmbraFx,
+    inertia: UmbraFx,
+) -> UmbraStatus {
+    guard(|| {
+        let command = Command::SetMass { body: body_id(body), mass: mass_of(kind, mass, inertia)? };
+        given(world)?.execute(&command).map(drop)
+    })
+}
+
+/// Gives a body a shape, or none for null; its inertia follows, and its mass if that is a density. Its centre of mass stays
+/// where it is.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_set_shape(
+    world: Option<&mut UmbraWorld>,
+    body: u64,
+    shape: Option<&UmbraShape>,
+) -> UmbraStatus {
+    change(world, Command::SetShape { body: body_id(body), shape: shape.map(|shape| shape.shape.clone()) })
+}
+
+/// Changes what moves a body. One that becomes static stops; what was applied to it this tick is forgotten.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_set_kind(world: Option<&mut UmbraWorld>, body: u64, kind: UmbraBodyKind) -> UmbraStatus {
+    guard(|| {
+        let command = Command::SetKind { body: body_id(body), kind: kind_of(kind)? };
+        given(world)?.execute(&command).map(drop)
+    })
+}
+
+/// Changes how much of the world's gravity a body feels, within ±16.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_set_gravity_scale(
+    world: Option<&mut UmbraWorld>,
+    body: u64,
+    scale: UmbraFx,
+) -> UmbraStatus {
+    change(world, Command::SetGravityScale { body: body_id(body), scale: Fx::from_bits(scale) })
+}
+
+/// Gives a body dampings of its own, 0 to 1, or takes them from it with `UMBRA_AS_WORLD`.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_set_body_damping(
+    world: Option<&mut UmbraWorld>,
+    body: u64,
+    linear: UmbraFx,
+    angular: UmbraFx,
+) -> UmbraStatus {
+    let (linear, angular) = (damping_of(linear), damping_of(angular));
+    change(world, Command::SetBodyDamping { body: body_id(body), linear, angular })
+}
+
+/// Changes the groups a body is in.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_set_groups(world: Option<&mut UmbraWorld>, body: u64, groups: u32) -> UmbraStatus {
+    change(world, Command::SetGroups { body: body_id(body), groups })
+}
+
+/// Changes the caller's name for a body.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_set_key(world: Option<&mut UmbraWorld>, body: u64, key: u64) -> UmbraStatus {
+    change(world, Command::SetKey { body: body_id(body), key })
+}
+
+/// Changes the caller's data of a body.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_set_user_data(world: Option<&mut UmbraWorld>, body: u64, user_data: u64) -> UmbraStatus {
+    change(world, Command::SetUserData { body: body_id(body), user_data })
+}
+
+/// Wakes a body and what springs join it to.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_wake(world: Option<&mut UmbraWorld>, body: u64) -> UmbraStatus {
+    change(world, Command::Wake(body_id(body)))
+}
+
+/// Lets a quarantined body take part again.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_release(world: Option<&mut UmbraWorld>, body: u64) -> UmbraStatus {
+    change(world, Command::Release(body_id(body)))
+}
+
+const _: () = assert!(word((u32::MAX, u32::MAX)) == UMBRA_NO_HANDLE);

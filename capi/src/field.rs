@@ -1,0 +1,291 @@
+//! Force fields.
+
+use std::mem::MaybeUninit;
+
+use umbra_physics::{Attachment, Command, End, Field, Fx, Law, Region, SpringLaw};
+
+use crate::UMBRA_NO_HANDLE;
+use crate::memory::{fill, given};
+use crate::number::{UmbraFactor, UmbraFx, UmbraVec2, factor};
+use crate::status::{Refusal, Result, UMBRA_ERROR_BAD_ARGUMENT, UmbraStatus, guard};
+use crate::world::{UmbraWorld, body_id, change, field_id, made, word};
+
+/// A law of force: one of the five below.
+pub type UmbraLaw = u32;
+
+/// Acceleration mu·d / (d² + softening²)^(3/2) towards a point, the same for every mass. Reads `other`, `other_point`, `mu`,
+/// `softening`.
+pub const UMBRA_ATTRACTOR: UmbraLaw = 0;
+/// A spring with a damper along it. Reads `body`, `point`, `other`, `other_point`, `rest`, `stiffness`, `damping`.
+pub const UMBRA_SPRING: UmbraLaw = 1;
+/// Drag against a medium: F = −(linear + quadratic·|u|)·u with u the velocity relative to it. Reads `linear`, `quadratic`,
+/// `wind`.
+pub const UMBRA_DRAG: UmbraLaw = 2;
+/// A force that turns with the body. Reads `body`, `point`, `force`.
+pub const UMBRA_THRUST: UmbraLaw = 3;
+/// A constant acceleration of the bodies whose centre of mass is in a region. Reads `region` and what that reads, and
+/// `acceleration`.
+pub const UMBRA_ZONE: UmbraLaw = 4;
+
+/// The region of a zone: one of the two below. Its edge belongs to it.
+pub type UmbraRegion = u32;
+
+/// Reads `centre` and `radius`.
+pub const UMBRA_DISC: UmbraRegion = 0;
+/// Reads `min` and `max`.
+pub const UMBRA_BOX: UmbraRegion = 1;
+
+/// All groups.
+pub const UMBRA_ALL_GROUPS: u32 = 0xFFFF_FFFF;
+
+/// A force field: a law and whom it acts on. Only what its law reads matters. `umbra_field_def_default` fills it in.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct UmbraFieldDef {
+    /// The law.
+    pub law: UmbraLaw,
+    /// It acts on dynamic bodies with one of these group bits; springs and thrusts act on their bodies alone. All.
+    pub groups: u32,
+    /// The region of a zone.
+    pub region: UmbraRegion,
+    /// 0.
+    pub reserved: u32,
+    /// The body that a thrust acts on, or a spring's near end is at.
+    pub body: u64,
+    /// Where on it, in its own axes from its centre of mass, m.
+    pub point: UmbraVec2,
+    /// The body that an attractor's centre or a spring's far end is at, or `UMBRA_NO_HANDLE` for a point of the world.
+    pub other: u64,
+    /// Where on it, or where in the world, m.
+    pub other_point: UmbraVec2,
+    /// The gravitational parameter G·M of an attractor, 0 to 2^64 m³/s².
+    pub mu: UmbraFactor,
+    /// The distance below which an attractor softens, 0 to 2^12 m.
+    pub softening: UmbraFx,
+    /// The length of a spring at rest, 0 to 2^30 m.
+    pub rest: UmbraFx,
+    /// The stiffness of a spring, from 0, N/m.
+    pub stiffness: UmbraFx,
+    /// The damping along a spring, from 0, N·s/m.
+    pub damping: UmbraFx,
+    /// The linear part of a drag, from 0, N·s/m.
+    pub linear: UmbraFx,
+    /// The quadratic part of a drag, from 0, N·s²/m².
+    pub quadratic: UmbraFx,
+    /// The velocity of the medium of a drag, m/s.
+    pub wind: UmbraVec2,
+    /// The force of a thrust in the body's axes, N.
+    pub force: UmbraVec2,
+    /// The acceleration of a zone, m/s².
+    pub acceleration: UmbraVec2,
+    /// The centre of a disc, m.
+    pub centre: UmbraVec2,
+    /// The radius of a disc, m.
+    pub radius: UmbraFx,
+    /// The lower left corner of a box, m.
+    pub min: UmbraVec2,
+    /// The upper right corner of a box, m.
+    pub max: UmbraVec2,
+}
+
+const EMPTY: UmbraVec2 = UmbraVec2 { x: 0, y: 0 };
+
+/// Of no law yet.
+const BLANK: UmbraFieldDef = UmbraFieldDef {
+    law: 0,
+    groups: UMBRA_ALL_GROUPS,
+    region: UMBRA_DISC,
+    reserved: 0,
+    body: UMBRA_NO_HANDLE,
+    point: EMPTY,
+    other: UMBRA_NO_HANDLE,
+    other_point: EMPTY,
+    mu: UmbraFactor { mantissa: 0, shift: 0, reserved: 0 },
+    softening: 0,
+    rest: 0,
+    stiffness: 0,
+    damping: 0,
+    linear: 0,
+    quadratic: 0,
+    wind: EMPTY,
+    force: EMPTY,
+    acceleration: EMPTY,
+    centre: EMPTY,
+    radius: 0,
+    min: EMPTY,
+    max: EMPTY,
+};
+
+fn unknown(what: &str) -> Refusal {
+    Refusal::own(UMBRA_ERROR_BAD_ARGUMENT, what)
+}
+
+impl UmbraFieldDef {
+    fn near(&self) -> Attachment {
+        Attachment { body: body_id(self.body), point: self.point.into() }
+    }
+
+    fn end(&self) -> End {
+        match self.other {
+            UMBRA_NO_HANDLE => End::World(self.other_point.into()),
+            other => End::Body(Attachment { body: body_id(other), point: self.other_point.into() }),
+        }
+    }
+
+    fn set_near(&mut self, at: &Attachment) {
+        (self.body, self.point) = (word(at.body.parts()), at.point.into());
+    }
+
+    fn set_end(&mut self, end: &End) {
+        (self.other, self.other_point) = match end {
+            End::World(point) => (UMBRA_NO_HANDLE, (*point).into()),
+            End::Body(at) => (word(at.body.parts()), at.point.into()),
+        };
+    }
+
+    fn field(&self) -> Result<Field> {
+        let law = match self.law {
+            UMBRA_ATTRACTOR => {
+                Law::Attractor { centre: self.end(), mu: factor(self.mu)?, softening: Fx::from_bits(self.softening) }
+            }
+            UMBRA_SPRING => {
+                let (rest, stiffness) = (Fx::from_bits(self.rest), Fx::from_bits(self.stiffness));
+                let spring = SpringLaw { rest, stiffness, damping: Fx::from_bits(self.damping) };
+                Law::Spring { near: self.near(), far: self.end(), spring }
+            }
+            UMBRA_DRAG => Law::Drag {
+                linear: Fx::from_bits(self.linear),
+                quadratic: Fx::from_bits(self.quadratic),
+                wind: self.wind.into(),
+            },
+            UMBRA_THRUST => Law::Thrust { at: self.near(), force: self.force.into() },
+            UMBRA_ZONE => Law::Zone { region: self.zone()?, acceleration: self.acceleration.into() },
+            _ => return Err(unknown("no law of force has this number")),
+        };
+        Ok(Field { law, groups: self.groups })
+    }
+
+    fn zone(&self) -> Result<Region> {
+        match self.region {
+            UMBRA_DISC => Ok(Region::Disc { centre: self.centre.into(), radius: Fx::from_bits(self.radius) }),
+            UMBRA_BOX => Ok(Region::Box { min: self.min.into(), max: self.max.into() }),
+            _ => Err(unknown("no region has this number")),
+        }
+    }
+
+    fn of(field: &Field) -> Result<Self> {
+        let mut def = Self { groups: field.groups, ..BLANK };
+        match &field.law {
+            Law::Attractor { centre, mu, softening } => {
+                def.law = UMBRA_ATTRACTOR;
+                def.set_end(centre);
+                (def.mu, def.softening) = ((*mu).into(), softening.to_bits());
+            }
+            Law::Spring { near, far, spring } => {
+                def.law = UMBRA_SPRING;
+                def.set_near(near);
+                def.set_end(far);
+                (def.rest, def.stiffness) = (spring.rest.to_bits(), spring.stiffness.to_bits());
+                def.damping = spring.damping.to_bits();
+            }
+            Law::Drag { linear, quadratic, wind } => {
+                def.law = UMBRA_DRAG;
+                (def.linear, def.quadratic, def.wind) = (linear.to_bits(), quadratic.to_bits(), (*wind).into());
+            }
+            Law::Thrust { at, force } => {
+                def.law = UMBRA_THRUST;
+                def.set_near(at);
+                def.force = (*force).into();
+            }
+            Law::Zone { region, acceleration } => {
+                (def.law, def.acceleration) = (UMBRA_ZONE, (*acceleration).into());
+                match *region {
+                    Region::Disc { centre, radius } => {
+                        (def.region, def.centre, def.radius) = (UMBRA_DISC, centre.into(), radius.to_bits());
+                    }
+                    Region::Box { min, max } => {
+                        (def.region, def.min, def.max) = (UMBRA_BOX, min.into(), max.into());
+                    }
+                }
+            }
+            _ => return Err(unknown("the field has a law of force that this interface has not")),
+        }
+        Ok(def)
+    }
+}
+
+/// Fills in the definition of a field of a law: all groups, no body, everything else 0.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_field_def_default(law: UmbraLaw, def: Option<&mut MaybeUninit<UmbraFieldDef>>) -> UmbraStatus {
+    guard(|| {
+        let place = given(def)?;
+        if law > UMBRA_ZONE {
+            return Err(unknown("no law of force has this number"));
+        }
+        place.write(UmbraFieldDef { law, ..BLANK });
+        Ok(())
+    })
+}
+
+/// Adds a force field; wakes what it may act on.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_add_field(
+    world: Option<&mut UmbraWorld>,
+    def: Option<&UmbraFieldDef>,
+    field: Option<&mut MaybeUninit<u64>>,
+) -> UmbraStatus {
+    guard(|| {
+        let (world, def, place) = (given(world)?, given(def)?, given(field)?);
+        place.write(made(world.execute(&Command::AddField(def.field()?))?).1);
+        Ok(())
+    })
+}
+
+/// Puts another force field in the place of one; wakes what either may act on.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_set_field(
+    world: Option<&mut UmbraWorld>,
+    field: u64,
+    def: Option<&UmbraFieldDef>,
+) -> UmbraStatus {
+    guard(|| {
+        let (world, def) = (given(world)?, given(def)?);
+        world.execute(&Command::SetField { id: field_id(field), field: def.field()? }).map(drop)
+    })
+}
+
+/// Removes a force field; wakes what it may have acted on.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_remove_field(world: Option<&mut UmbraWorld>, field: u64) -> UmbraStatus {
+    change(world, Command::RemoveField(field_id(field)))
+}
+
+/// Reads a force field.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_field(
+    world: Option<&UmbraWorld>,
+    field: u64,
+    def: Option<&mut MaybeUninit<UmbraFieldDef>>,
+) -> UmbraStatus {
+    guard(|| {
+        let (world, place) = (given(world)?, given(def)?);
+        place.write(UmbraFieldDef::of(world.world().field(field_id(field))?)?);
+        Ok(())
+    })
+}
+
+/// The handles of all force fields, in the order in which they were added, in which drags act; a list as
+/// `umbra_world_outcomes` gives it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn umbra_world_fields(
+    world: Option<&UmbraWorld>,
+    fields: *mut u64,
+    capacity: usize,
+    count: Option<&mut MaybeUninit<usize>>,
+) -> UmbraStatus {
+    guard(|| {
+        let all: Vec<u64> = given(world)?.world().fields().map(|(id, _)| word(id.parts())).collect();
+        // SAFETY: as the caller promises.
+        unsafe { fill(all.into_iter(), fields, capacity, count) }
+    })
+}

@@ -1,0 +1,87 @@
+//! Forces and impulses of the caller's.
+
+use umbra_physics::{Action, Command, Frame, Fx, Manner};
+
+use crate::memory::given;
+use crate::number::{UmbraFx, UmbraVec2, vector};
+use crate::status::{Refusal, Result, UMBRA_ERROR_BAD_ARGUMENT, UmbraStatus, guard};
+use crate::world::{UmbraWorld, body_id, change};
+
+/// How an action is meant: 0, or any of the flags below.
+pub type UmbraManner = u32;
+
+/// Vector and point are in the axes of the body, the point from its centre of mass; not in those of the world.
+pub const UMBRA_BODY_FRAME: UmbraManner = 1;
+/// It does not wake a sleeping body, which does not feel it then.
+pub const UMBRA_NO_WAKE: UmbraManner = 2;
+
+fn manner(flags: UmbraManner) -> Result<Manner> {
+    if flags & !(UMBRA_BODY_FRAME | UMBRA_NO_WAKE) != 0 {
+        return Err(Refusal::own(UMBRA_ERROR_BAD_ARGUMENT, "a flag is none of a manner's"));
+    }
+    let frame = if flags & UMBRA_BODY_FRAME == 0 { Frame::World } else { Frame::Body };
+    Ok(Manner { frame, wake: flags & UMBRA_NO_WAKE == 0 })
+}
+
+fn apply(world: Option<&mut UmbraWorld>, body: u64, action: Action, flags: UmbraManner) -> UmbraStatus {
+    guard(|| {
+        let command = Command::Apply { body: body_id(body), action, manner: manner(flags)? };
+        given(world)?.execute(&command).map(drop)
+    })
+}
+
+/// Applies a force, N, over the next step, at a point, or through the centre of mass for null.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_apply_force(
+    world: Option<&mut UmbraWorld>,
+    body: u64,
+    x: UmbraFx,
+    y: UmbraFx,
+    point: Option<&UmbraVec2>,
+    manner: UmbraManner,
+) -> UmbraStatus {
+    let action = Action::Force { force: vector(x, y), point: point.map(|&point| point.into()) };
+    apply(world, body, action, manner)
+}
+
+/// Applies a torque, N·m, over the next step.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_apply_torque(
+    world: Option<&mut UmbraWorld>,
+    body: u64,
+    torque: UmbraFx,
+    manner: UmbraManner,
+) -> UmbraStatus {
+    apply(world, body, Action::Torque(Fx::from_bits(torque)), manner)
+}
+
+/// Changes the velocity by an impulse, N·s, at once, at a point, or through the centre of mass for null.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_apply_impulse(
+    world: Option<&mut UmbraWorld>,
+    body: u64,
+    x: UmbraFx,
+    y: UmbraFx,
+    point: Option<&UmbraVec2>,
+    manner: UmbraManner,
+) -> UmbraStatus {
+    let action = Action::Impulse { impulse: vector(x, y), point: point.map(|&point| point.into()) };
+    apply(world, body, action, manner)
+}
+
+/// Changes the angular velocity by an angular impulse, N·m·s, at once.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_apply_angular_impulse(
+    world: Option<&mut UmbraWorld>,
+    body: u64,
+    impulse: UmbraFx,
+    manner: UmbraManner,
+) -> UmbraStatus {
+    apply(world, body, Action::AngularImpulse(Fx::from_bits(impulse)), manner)
+}
+
+/// Takes back the forces and torques applied since the last step.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_clear_forces(world: Option<&mut UmbraWorld>) -> UmbraStatus {
+    change(world, Command::ClearForces)
+}

@@ -1,0 +1,94 @@
+//! `umbra-physics` behind a C ABI: for C, C++, C#, engines that load libraries, and browsers.
+//!
+//! It is a package of its own because pointers from elsewhere need `unsafe`, and a library that is `no_std` and forbids
+//! `unsafe` is no place for them. Nothing is computed here: every function checks what it is given, calls the library, and hands
+//! back what that says. The header, `include/umbra_physics.h`, is made from these sources; `README.md` has how to build, link
+//! and own things.
+//!
+//! # Safety
+//! What the functions ask of their caller, all of them the same:
+//! - a pointer is null, or it is aligned and points to as many values as the function says. Handles come from this library and
+//!   are not freed yet. Null is refused where it has no meaning, with `UMBRA_ERROR_NULL_POINTER`;
+//! - what is written to in a call is not read or written by another at the same time, nor by another argument of the same;
+//! - a definition (`UmbraBodyDef`, …) is filled in before it is read; its `_default` function does.
+//!
+//! Whatever the numbers, handles, lengths and bytes are then, a call does what it says or gives an error and changes nothing.
+//! No panic goes through to the caller: it would be a fault in the library, and gives `UMBRA_ERROR_PANIC`; in WebAssembly,
+//! where panics do not unwind, it traps.
+#![allow(clippy::missing_safety_doc, reason = "it is the same for all, and stands above and in the header")]
+#![allow(clippy::type_complexity, reason = "types as C has them: pointers to places for pointers")]
+
+// In the order in which the header has them.
+mod memory;
+mod number;
+mod status;
+
+mod shape;
+
+mod world;
+
+mod body;
+mod field;
+mod force;
+
+mod command;
+mod settings;
+
+mod snapshot;
+
+mod replay;
+
+mod totals;
+
+pub use body::*;
+pub use command::*;
+pub use field::*;
+pub use force::*;
+pub use memory::*;
+pub use number::*;
+pub use replay::*;
+pub use settings::*;
+pub use shape::*;
+pub use snapshot::*;
+pub use status::*;
+pub use totals::*;
+pub use world::*;
+
+use std::ffi::c_char;
+use std::mem::MaybeUninit;
+
+/// The number of this interface: it moves when a function, a struct or a meaning changes so that programs have to be built
+/// again. A program compares `UMBRA_API` of its header with `umbra_api` of the library it loads.
+pub const UMBRA_API: u32 = 1;
+
+/// No body, no field: a handle that names nothing, in no world.
+pub const UMBRA_NO_HANDLE: u64 = 0xFFFF_FFFF_FFFF_FFFF;
+
+/// The number of the interface that the library has.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_api() -> u32 {
+    UMBRA_API
+}
+
+/// The number of the laws of physics. Peers, snapshots and replays go together if they have the same.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_law() -> u32 {
+    umbra_physics::LAW
+}
+
+/// The version of the library as text, which stays.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_version() -> *const c_char {
+    concat!(env!("CARGO_PKG_VERSION"), "\0").as_ptr().cast()
+}
+
+/// Runs the corpus of the library, for half a second or so, and gives its digest: the same on every machine. What it is to be
+/// stands in `src/selftest/golden.txt`.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_selftest(digest: Option<&mut MaybeUninit<u64>>) -> UmbraStatus {
+    status::guard(|| {
+        let digest = memory::given(digest)?;
+        digest.write(umbra_physics::selftest::run()?.digest);
+        Ok(())
+    })
+}

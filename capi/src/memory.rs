@@ -1,0 +1,151 @@
+//! What lies at pointers: the one place where they become slices.
+
+use std::ffi::c_char;
+use std::mem::MaybeUninit;
+
+use crate::status::{
+    Refusal, Result, UMBRA_ERROR_BAD_ARGUMENT, UMBRA_ERROR_BUFFER_TOO_SMALL, UMBRA_ERROR_NULL_POINTER, UmbraStatus,
+    guard,
+};
+
+/// What is there, unless the pointer is null.
+pub(crate) fn given<T>(pointer: Option<T>) -> Result<T> {
+    pointer.ok_or_else(|| Refusal::own(UMBRA_ERROR_NULL_POINTER, "a pointer is null"))
+}
+
+/// Refuses a length that no memory has.
+fn check_length<T>(length: usize) -> Result {
+    match length.checked_mul(size_of::<T>()) {
+        Some(bytes) if bytes <= isize::MAX as usize => Ok(()),
+        _ => Err(Refusal::own(UMBRA_ERROR_BAD_ARGUMENT, "a length is beyond what memory has")),
+    }
+}
+
+/// So many values at a pointer, which may be null if there are none.
+///
+/// # Safety
+/// They are there, initialised, and stay as they are as long as the slice is used.
+pub(crate) unsafe fn slice<'a, T>(pointer: *const T, length: usize) -> Result<&'a [T]> {
+    if length == 0 {
+        return Ok(&[]);
+    }
+    check_length::<T>(length)?;
+    if pointer.is_null() {
+        return given(None);
+    }
+    // SAFETY: not null, not longer than memory is; the caller promises the rest.
+    Ok(unsafe { std::slice::from_raw_parts(pointer, length) })
+}
+
+/// Text at a pointer.
+///
+/// # Safety
+/// As [`slice`].
+pub(crate) unsafe fn text<'a>(pointer: *const c_char, length: usize) -> Result<&'a str> {
+    // SAFETY: as the caller promises; bytes are characters of C.
+    let bytes = unsafe { slice(pointer.cast::<u8>(), length) }?;
+    std::str::from_utf8(bytes).map_err(|error| Refusal::own(UMBRA_ERROR_BAD_ARGUMENT, &error.to_string()))
+}
+
+/// Writes values to a buffer if they all fit, and how many there are in any case.
+///
+/// # Safety
+/// The buffer, unless it is null, has room for `capacity` values, and nothing else uses it meanwhile.
+pub(crate) unsafe fn fill<T>(
+    values: impl ExactSizeIterator<Item = T>,
+    buffer: *mut T,
+    capacity: usize,
+    count: Option<&mut MaybeUninit<usize>>,
+) -> Result {
+    check_length::<T>(capacity)?;
+    if capacity > 0 && buffer.is_null() {
+        return given(None);
+    }
+    let needed = values.len();
+    if let Some(count) = count {
+        count.write(needed);
+    }
+    if needed > capacity {
+        return Err(Refusal::own(UMBRA_ERROR_BUFFER_TOO_SMALL, "the buffer is too small"));
+    }
+    for (i, value) in values.take(needed).enumerate() {
+        // SAFETY: i < needed ≤ capacity, so there is room; with a capacity of 0 there is no i.
+        unsafe { buffer.add(i).write(value) };
+    }
+    Ok(())
+}
+
+/// Writes text with a zero after it; its length is counted without.
+///
+/// # Safety
+/// As [`fill`].
+pub(crate) unsafe fn write_text(
+    text: &str,
+    buffer: *mut c_char,
+    capacity: usize,
+    length: Option<&mut MaybeUninit<usize>>,
+) -> Result {
+    if let Some(length) = length {
+        length.write(text.len());
+    }
+    let mut bytes = text.as_bytes().to_vec();
+    bytes.push(0);
+    // SAFETY: as the caller promises; bytes are characters of C.
+    unsafe { fill(bytes.into_iter(), buffer.cast::<u8>(), capacity, None) }
+}
+
+/// Bytes that the library owns: a snapshot, a replay, or room that a caller without memory of its own asked for.
+pub struct UmbraBytes {
+    /// Never longer than it was made, so that it stays where it is.
+    bytes: Vec<u8>,
+    /// Where the caller's bytes begin.
+    from: usize,
+}
+
+impl UmbraBytes {
+    pub(crate) fn boxed(bytes: Vec<u8>) -> Option<Box<Self>> {
+        Some(Box::new(Self { bytes, from: 0 }))
+    }
+}
+
+/// What structs of the interface need, and more: room that was asked for is for any of them.
+const ALIGNMENT: usize = 16;
+
+/// So many bytes, all 0, to write into: for hosts whose memory the library does not see, as that of a module of WebAssembly.
+/// They lie at a multiple of 16.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_bytes_new(
+    length: usize,
+    bytes: Option<&mut MaybeUninit<Option<Box<UmbraBytes>>>>,
+) -> UmbraStatus {
+    guard(|| {
+        let out = given(bytes)?;
+        check_length::<u8>(length)?;
+        let mut bytes = Vec::new();
+        bytes
+            .try_reserve_exact(length + ALIGNMENT)
+            .map_err(|error| Refusal::own(UMBRA_ERROR_BAD_ARGUMENT, &error.to_string()))?;
+        let from = (bytes.as_ptr() as usize).wrapping_neg() % ALIGNMENT;
+        bytes.resize(from + length, 0);
+        out.write(Some(Box::new(UmbraBytes { bytes, from })));
+        Ok(())
+    })
+}
+
+/// Where they lie, until they are freed; null for null.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_bytes_data(bytes: Option<&mut UmbraBytes>) -> *mut u8 {
+    bytes.map_or(std::ptr::null_mut(), |bytes| bytes.bytes[bytes.from..].as_mut_ptr())
+}
+
+/// How many there are; 0 for null.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_bytes_length(bytes: Option<&UmbraBytes>) -> usize {
+    bytes.map_or(0, |bytes| bytes.bytes.len() - bytes.from)
+}
+
+/// Frees them. Null is let be.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_bytes_free(bytes: Option<Box<UmbraBytes>>) {
+    drop(bytes);
+}

@@ -1,0 +1,80 @@
+//! Recording runs, and running them again.
+
+use std::mem::MaybeUninit;
+
+use umbra_physics::{RecordOptions, Recorder, Replay};
+
+use crate::memory::{UmbraBytes, given, slice};
+use crate::status::{Refusal, UMBRA_ERROR_BAD_ARGUMENT, UMBRA_ERROR_BUSY, UmbraStatus, guard};
+use crate::world::UmbraWorld;
+
+/// Begins to record a world as it is: all calls that change it from now on, the inputs of its ticks, a hash after every
+/// `hash_every` ticks (at least 1), a snapshot after every `snapshot_every`, or 0 for none on the way.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_record(
+    world: Option<&mut UmbraWorld>,
+    hash_every: u32,
+    snapshot_every: u32,
+) -> UmbraStatus {
+    guard(|| {
+        let world = given(world)?;
+        if world.recorder().is_some() {
+            return Err(Refusal::own(UMBRA_ERROR_BUSY, "this world is being recorded already"));
+        }
+        let recorder = Recorder::new(world.world(), RecordOptions { hash_every, snapshot_every });
+        *world.recorder() = Some(recorder);
+        Ok(())
+    })
+}
+
+/// What of the recording is finished, to be written away; each byte is handed out once. What `umbra_world_end_record` gives
+/// goes after it.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_take_record(
+    world: Option<&mut UmbraWorld>,
+    bytes: Option<&mut MaybeUninit<Option<Box<UmbraBytes>>>>,
+) -> UmbraStatus {
+    guard(|| {
+        let (world, place) = (given(world)?, given(bytes)?);
+        let recorder = world.recorder().as_mut().ok_or_else(not_recorded)?;
+        place.write(UmbraBytes::boxed(recorder.take_bytes()));
+        Ok(())
+    })
+}
+
+/// Ends the recording with the last step, and gives the rest of the file: all of it if nothing was taken before.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_end_record(
+    world: Option<&mut UmbraWorld>,
+    bytes: Option<&mut MaybeUninit<Option<Box<UmbraBytes>>>>,
+) -> UmbraStatus {
+    guard(|| {
+        let (world, place) = (given(world)?, given(bytes)?);
+        let recorder = world.recorder().take().ok_or_else(not_recorded)?;
+        place.write(UmbraBytes::boxed(recorder.finish(world.world())));
+        Ok(())
+    })
+}
+
+fn not_recorded() -> Refusal {
+    Refusal::own(UMBRA_ERROR_BAD_ARGUMENT, "the world is not recorded")
+}
+
+/// Runs a replay again and compares every hash: `UMBRA_OK`, `UMBRA_ERROR_DIVERGENCE`, or why the bytes, which may come from
+/// anybody, are no replay that can be played. `ticks`, which may be null, is given how many it has. A file takes as long as
+/// its ticks do.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn umbra_replay_verify(
+    bytes: *const u8,
+    length: usize,
+    ticks: Option<&mut MaybeUninit<u64>>,
+) -> UmbraStatus {
+    guard(|| {
+        // SAFETY: as the caller promises.
+        let replay = Replay::from_bytes(unsafe { slice(bytes, length) }?, &[])?;
+        if let Some(ticks) = ticks {
+            ticks.write(replay.end() - replay.start().tick());
+        }
+        Ok(replay.verify().map_err(|divergence| *divergence)?)
+    })
+}

@@ -1,0 +1,127 @@
+//! Shapes.
+
+use std::mem::MaybeUninit;
+
+use umbra_physics::{Error, Fx, Part, Shape, Vec2};
+
+use crate::memory::{given, slice};
+use crate::number::{UmbraFx, UmbraVec2};
+use crate::status::{UmbraStatus, guard};
+
+/// A shape, for any number of bodies: they keep what they need of it, so that it can be freed.
+pub struct UmbraShape {
+    pub(crate) shape: Shape,
+}
+
+/// A part of a compound.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct UmbraPart {
+    /// Where its centre of mass is, m.
+    pub position: UmbraVec2,
+    /// How far it is turned, rad.
+    pub angle: UmbraFx,
+    /// Its density relative to that of the other parts, above 0.
+    pub density: UmbraFx,
+    /// Its shape, which is no compound.
+    pub shape: *const UmbraShape,
+}
+
+type Place<'a> = Option<&'a mut MaybeUninit<Option<Box<UmbraShape>>>>;
+
+fn make(place: Place<'_>, shape: impl FnOnce() -> Result<Shape, Error>) -> UmbraStatus {
+    guard(|| {
+        let place = given(place)?;
+        place.write(Some(Box::new(UmbraShape { shape: shape()? })));
+        Ok(())
+    })
+}
+
+/// A disc of a radius of 2^-7 to 2^12 m.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_shape_circle(
+    radius: UmbraFx,
+    shape: Option<&mut MaybeUninit<Option<Box<UmbraShape>>>>,
+) -> UmbraStatus {
+    make(shape, || Shape::circle(Fx::from_bits(radius)))
+}
+
+/// A rectangle about its centre, m.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_shape_rectangle(
+    width: UmbraFx,
+    height: UmbraFx,
+    shape: Option<&mut MaybeUninit<Option<Box<UmbraShape>>>>,
+) -> UmbraStatus {
+    make(shape, || Shape::rectangle(Fx::from_bits(width), Fx::from_bits(height)))
+}
+
+/// A capsule along x; its length is between the centres of its half discs, m.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_shape_capsule(
+    length: UmbraFx,
+    radius: UmbraFx,
+    shape: Option<&mut MaybeUninit<Option<Box<UmbraShape>>>>,
+) -> UmbraStatus {
+    make(shape, || Shape::capsule(Fx::from_bits(length), Fx::from_bits(radius)))
+}
+
+/// A thin rod between two points, m.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_shape_segment(
+    a: Option<&UmbraVec2>,
+    b: Option<&UmbraVec2>,
+    shape: Option<&mut MaybeUninit<Option<Box<UmbraShape>>>>,
+) -> UmbraStatus {
+    guard(|| {
+        let (a, b, place) = (given(a)?, given(b)?, given(shape)?);
+        place.write(Some(Box::new(UmbraShape { shape: Shape::segment((*a).into(), (*b).into())? })));
+        Ok(())
+    })
+}
+
+/// A convex polygon of 3 to 64 corners, in either order, m. It is re-centred at its centre of mass.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn umbra_shape_polygon(
+    corners: *const UmbraVec2,
+    count: usize,
+    shape: Option<&mut MaybeUninit<Option<Box<UmbraShape>>>>,
+) -> UmbraStatus {
+    guard(|| {
+        // SAFETY: as the caller promises.
+        let corners = unsafe { slice(corners, count) }?;
+        let place = given(shape)?;
+        let corners: Vec<Vec2> = corners.iter().map(|&corner| corner.into()).collect();
+        place.write(Some(Box::new(UmbraShape { shape: Shape::polygon(&corners)? })));
+        Ok(())
+    })
+}
+
+/// 1 to 256 shapes as one. It is re-centred at its centre of mass.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn umbra_shape_compound(
+    parts: *const UmbraPart,
+    count: usize,
+    shape: Option<&mut MaybeUninit<Option<Box<UmbraShape>>>>,
+) -> UmbraStatus {
+    guard(|| {
+        // SAFETY: as the caller promises.
+        let parts = unsafe { slice(parts, count) }?;
+        let place = given(shape)?;
+        let parts = parts.iter().map(|&UmbraPart { position, angle, density, shape }| {
+            // SAFETY: the caller promises that it is null or a shape that was not freed.
+            let shape = given(unsafe { shape.as_ref() })?.shape.clone();
+            let (angle, density) = (Fx::from_bits(angle), Fx::from_bits(density));
+            Ok(Part { shape, position: position.into(), angle, density })
+        });
+        let parts = parts.collect::<crate::status::Result<Vec<Part>>>()?;
+        place.write(Some(Box::new(UmbraShape { shape: Shape::compound(&parts)? })));
+        Ok(())
+    })
+}
+
+/// Frees a shape. Null is let be.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_shape_free(shape: Option<Box<UmbraShape>>) {
+    drop(shape);
+}

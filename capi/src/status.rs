@@ -1,0 +1,276 @@
+//! What calls give: numbers that stay, and words for them.
+
+use std::any::Any;
+use std::cell::RefCell;
+use std::error::Error as StdError;
+use std::ffi::c_char;
+use std::mem::MaybeUninit;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use umbra_physics::scene::SceneError;
+use umbra_physics::selftest::{Failure, Problem};
+use umbra_physics::{
+    Cause, Divergence, Error, Irreversible, Malformed, ParseFxError, Quantity, ReplayError, SnapshotError,
+};
+
+use crate::memory::write_text;
+
+/// What came of a call: `UMBRA_OK`, or the number of an error. They are those of the library (`docs/errors.md`), with some of
+/// the interface's own from 901 on. A number, once given, stays.
+pub type UmbraStatus = i32;
+
+/// It was done.
+pub const UMBRA_OK: UmbraStatus = 0;
+/// A value is outside of the range of its kind; `umbra_last_cause` has the number of the kind, 151 to 173.
+pub const UMBRA_ERROR_OUT_OF_RANGE: UmbraStatus = 101;
+/// The handle names no body: it was removed, or never there.
+pub const UMBRA_ERROR_NO_SUCH_BODY: UmbraStatus = 102;
+/// The handle names no force field.
+pub const UMBRA_ERROR_NO_SUCH_FIELD: UmbraStatus = 103;
+/// A time step is num/den seconds, with 1 to 10,000 steps a second.
+pub const UMBRA_ERROR_TIME_STEP: UmbraStatus = 104;
+/// A corner of a polygon is not convex, or repeats its neighbour.
+pub const UMBRA_ERROR_NOT_CONVEX: UmbraStatus = 105;
+/// A density, or a moment of inertia from the shape, needs a shape.
+pub const UMBRA_ERROR_NO_SHAPE: UmbraStatus = 106;
+/// The call needs a dynamic body.
+pub const UMBRA_ERROR_NOT_DYNAMIC: UmbraStatus = 107;
+/// A static body has no velocity.
+pub const UMBRA_ERROR_NOT_MOVABLE: UmbraStatus = 108;
+/// The body is quarantined: set its state and release it first.
+pub const UMBRA_ERROR_QUARANTINED: UmbraStatus = 109;
+/// The body is not quarantined, and cannot be released.
+pub const UMBRA_ERROR_NOT_QUARANTINED: UmbraStatus = 110;
+/// Yoshida4 cannot go with a damping of 0.
+pub const UMBRA_ERROR_DAMPING_HAS_NO_INVERSE: UmbraStatus = 111;
+/// Both ends of a spring are attached to one body.
+pub const UMBRA_ERROR_SAME_BODY: UmbraStatus = 112;
+/// The world holds as many as it can.
+pub const UMBRA_ERROR_FULL: UmbraStatus = 114;
+/// The elapsed time is no longer a ratio of 128-bit integers.
+pub const UMBRA_ERROR_ELAPSED_TIME: UmbraStatus = 115;
+/// A tick has an input of this player and sequence already.
+pub const UMBRA_ERROR_DUPLICATE_INPUT: UmbraStatus = 117;
+/// The bytes are no snapshot.
+pub const UMBRA_ERROR_SNAPSHOT_FOREIGN: UmbraStatus = 301;
+/// They are one of another layout.
+pub const UMBRA_ERROR_SNAPSHOT_FORMAT: UmbraStatus = 302;
+/// It was made under other laws of physics.
+pub const UMBRA_ERROR_SNAPSHOT_LAW: UmbraStatus = 303;
+/// It is cut off or damaged.
+pub const UMBRA_ERROR_SNAPSHOT_MALFORMED: UmbraStatus = 304;
+/// It says what cannot be; `umbra_last_cause` has why.
+pub const UMBRA_ERROR_SNAPSHOT_INVALID: UmbraStatus = 305;
+/// It has a law of force of a user's own, which this interface has not.
+pub const UMBRA_ERROR_SNAPSHOT_FORCE_LAW: UmbraStatus = 306;
+/// The world it makes does not have the hash it gives.
+pub const UMBRA_ERROR_SNAPSHOT_CHANGED: UmbraStatus = 307;
+/// The bytes are not what has to be there.
+pub const UMBRA_ERROR_MALFORMED: UmbraStatus = 320;
+/// The bytes are no replay.
+pub const UMBRA_ERROR_REPLAY_FOREIGN: UmbraStatus = 401;
+/// They are one of another layout.
+pub const UMBRA_ERROR_REPLAY_FORMAT: UmbraStatus = 402;
+/// It was recorded under other laws of physics.
+pub const UMBRA_ERROR_REPLAY_LAW: UmbraStatus = 403;
+/// It ends before the recording did.
+pub const UMBRA_ERROR_REPLAY_CUT_OFF: UmbraStatus = 404;
+/// It was changed after it was recorded; `umbra_last_message` names the value.
+pub const UMBRA_ERROR_REPLAY_TAMPERED: UmbraStatus = 405;
+/// A chunk of it is not what it should be.
+pub const UMBRA_ERROR_REPLAY_MALFORMED: UmbraStatus = 406;
+/// A snapshot in it is none.
+pub const UMBRA_ERROR_REPLAY_SNAPSHOT: UmbraStatus = 407;
+/// The run goes another way than the one recorded; `umbra_last_message` has where.
+pub const UMBRA_ERROR_DIVERGENCE: UmbraStatus = 420;
+/// The scene says what cannot be. Scenes have numbers from 500 to 510, and those of what the engine refuses of them;
+/// `umbra_last_message` has the line.
+pub const UMBRA_ERROR_SCENE: UmbraStatus = 500;
+/// A number is expected, and there is no text.
+pub const UMBRA_ERROR_NUMBER_EMPTY: UmbraStatus = 711;
+/// The text stops being a number.
+pub const UMBRA_ERROR_NUMBER_INVALID_DIGIT: UmbraStatus = 712;
+/// The number does not fit.
+pub const UMBRA_ERROR_NUMBER_OUT_OF_RANGE: UmbraStatus = 713;
+/// A pointer is null where that means nothing.
+pub const UMBRA_ERROR_NULL_POINTER: UmbraStatus = 901;
+/// An argument is none of those that the function knows: a number of a kind, a flag, a length that no memory has, text that is
+/// not UTF-8.
+pub const UMBRA_ERROR_BAD_ARGUMENT: UmbraStatus = 902;
+/// The buffer is too small; nothing was written to it, and the length or count that was asked for says how large it has to be.
+pub const UMBRA_ERROR_BUFFER_TOO_SMALL: UmbraStatus = 903;
+/// The library has a fault: it panicked, and the call was ended. What the call changed may only be freed.
+pub const UMBRA_ERROR_PANIC: UmbraStatus = 904;
+/// A world that a scene runs is changed by the scene alone (`umbra_world_leave_scene`); a draft is not stepped; and a world that is
+/// being recorded does not go
+/// to another state at once.
+pub const UMBRA_ERROR_BUSY: UmbraStatus = 905;
+
+/// Why a call was refused.
+#[derive(Debug)]
+pub(crate) struct Refusal {
+    status: UmbraStatus,
+    cause: UmbraStatus,
+    message: String,
+}
+
+pub(crate) type Result<T = ()> = std::result::Result<T, Refusal>;
+
+impl Refusal {
+    /// One of the interface's own.
+    pub(crate) fn own(status: UmbraStatus, message: &str) -> Self {
+        Self { status, cause: 0, message: message.to_owned() }
+    }
+
+    fn of(code: u16, error: &dyn StdError) -> Self {
+        Self { status: code.into(), cause: error.source().map_or(0, code_of), message: error.to_string() }
+    }
+
+    pub(crate) const fn status(&self) -> UmbraStatus {
+        self.status
+    }
+}
+
+/// The number of an error that is the cause of another; 0 for one that has none.
+fn code_of(error: &(dyn StdError + 'static)) -> UmbraStatus {
+    macro_rules! first {
+        ($($type:ty),*) => {
+            $(if let Some(error) = error.downcast_ref::<$type>() { return error.code().into(); })*
+        };
+    }
+    first!(Quantity, Error, Malformed, Irreversible, Cause, SnapshotError, Problem);
+    0
+}
+
+macro_rules! refusals {
+    ($($type:ty),*) => {
+        $(impl From<$type> for Refusal {
+            fn from(error: $type) -> Self {
+                Self::of(error.code(), &error)
+            }
+        })*
+    };
+}
+
+refusals!(Error, Malformed, SnapshotError, ReplayError, Divergence, SceneError, ParseFxError);
+
+impl From<Failure> for Refusal {
+    fn from(failure: Failure) -> Self {
+        Self { message: failure.to_string(), ..Self::of(failure.problem.code(), &failure.problem) }
+    }
+}
+
+thread_local! {
+    static LAST: RefCell<Refusal> = const { RefCell::new(Refusal { status: UMBRA_OK, cause: 0, message: String::new() }) };
+}
+
+/// Calls, and gives the number of what came of it. The reason of a refusal is kept for this thread.
+pub(crate) fn guard(call: impl FnOnce() -> Result) -> UmbraStatus {
+    // A panic ends here. What it leaves behind is memory in order, and values that may not belong together: the header says
+    // that they may only be freed.
+    let refusal = match catch_unwind(AssertUnwindSafe(call)) {
+        Ok(Ok(())) => return UMBRA_OK,
+        Ok(Err(refusal)) => refusal,
+        Err(payload) => panicked(payload),
+    };
+    let status = refusal.status;
+    // A thread that is ending has no place for it any more.
+    let _ = LAST.try_with(|last| last.replace(refusal));
+    status
+}
+
+fn panicked(payload: Box<dyn Any + Send>) -> Refusal {
+    let words = payload.downcast_ref::<&str>().copied().or(payload.downcast_ref::<String>().map(String::as_str));
+    let refusal = Refusal::own(UMBRA_ERROR_PANIC, words.unwrap_or("a panic"));
+    // Its own destructor may panic.
+    std::mem::forget(payload);
+    refusal
+}
+
+/// The number of what caused the last error of this thread, such as 155 (a mass) for `UMBRA_ERROR_OUT_OF_RANGE`; 0 if it has
+/// none. Calls that are done leave it as it is.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_last_cause() -> UmbraStatus {
+    LAST.try_with(|last| last.borrow().cause).unwrap_or(0)
+}
+
+/// The last error of this thread in words, with names, places and values: for a log. Empty if there was none.
+///
+/// Text goes into `buffer`, which has room for `capacity` bytes, with a zero after it. `length`, which may be null, is given the
+/// number of bytes before the zero, also if the buffer is too small; a `capacity` of 0 asks for the length alone.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn umbra_last_message(
+    buffer: *mut c_char,
+    capacity: usize,
+    length: Option<&mut MaybeUninit<usize>>,
+) -> UmbraStatus {
+    let text = LAST.try_with(|last| last.borrow().message.clone()).unwrap_or_default();
+    // Not guarded: what is said of this call must not take the place of what it is asked for.
+    // SAFETY: as the caller promises.
+    unsafe { write_text(&text, buffer, capacity, length) }.map_or_else(|refusal| refusal.status, |()| UMBRA_OK)
+}
+
+/// What a number means, in general, as `docs/errors.md` has it; text as `umbra_last_message` gives it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn umbra_status_message(
+    status: UmbraStatus,
+    buffer: *mut c_char,
+    capacity: usize,
+    length: Option<&mut MaybeUninit<usize>>,
+) -> UmbraStatus {
+    guard(|| {
+        let text = meaning(status).ok_or_else(|| Refusal::own(UMBRA_ERROR_BAD_ARGUMENT, "no error has this number"))?;
+        // SAFETY: as the caller promises.
+        unsafe { write_text(&text, buffer, capacity, length) }
+    })
+}
+
+/// The list in the document is the list of the interface: no second one to fall behind.
+fn meaning(status: UmbraStatus) -> Option<String> {
+    if status == UMBRA_OK {
+        return Some("done".to_owned());
+    }
+    let row = format!("| E{status} | ");
+    let row = include_str!("../../docs/errors.md").lines().find_map(|line| line.strip_prefix(&row))?;
+    let (_, said) = row.trim_end_matches(" |").split_once(" | ")?;
+    // A link is its text: `[old files](formats.md#old-files)`.
+    let mut text = String::new();
+    for (i, part) in said.split('[').enumerate() {
+        match part.split_once("](").and_then(|(words, rest)| Some((words, rest.split_once(')')?.1))) {
+            Some((words, rest)) if i > 0 => text.extend([words, rest]),
+            _ => text.push_str(part),
+        }
+    }
+    Some(text.replace('`', ""))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_ends_in_the_call() {
+        assert_eq!(guard(|| panic!("on purpose")), UMBRA_ERROR_PANIC);
+        assert_eq!(LAST.with_borrow(|last| last.message.clone()), "on purpose");
+        assert_eq!(guard(|| Ok(())), UMBRA_OK);
+    }
+
+    #[test]
+    fn a_panic_whose_payload_panics_ends_there_too() {
+        struct Again;
+        impl Drop for Again {
+            fn drop(&mut self) {
+                panic!("again");
+            }
+        }
+        assert_eq!(guard(|| std::panic::panic_any(Again)), UMBRA_ERROR_PANIC);
+    }
+
+    #[test]
+    fn a_meaning_is_plain_text() {
+        assert_eq!(meaning(302).as_deref(), Some("the layout is another: see old files"));
+        assert_eq!(meaning(111).as_deref(), Some("Yoshida4 cannot go with a damping of 0"));
+        assert_eq!(meaning(0).as_deref(), Some("done"));
+        assert_eq!((meaning(1), meaning(-101), meaning(UmbraStatus::MAX)), (None, None, None));
+    }
+}

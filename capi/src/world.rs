@@ -1,0 +1,649 @@
+//! Worlds, their steps, and what is read of them as a whole.
+
+use std::ffi::c_char;
+use std::mem::MaybeUninit;
+use std::sync::Arc;
+
+use umbra_physics::scene::{Scene, SceneRun};
+use umbra_physics::{
+    BodyId, Command, FieldId, Fx, Input, Inputs, Integrator, Made, Outcome, Recorder, TimeStep, World, WorldDef,
+};
+
+use crate::UMBRA_NO_HANDLE;
+use crate::memory::{fill, given, slice, text, write_text};
+use crate::number::{UmbraFx, UmbraUint128, UmbraVec2};
+use crate::status::{Refusal, Result, UMBRA_ERROR_BAD_ARGUMENT, UMBRA_ERROR_BUSY, UMBRA_OK, UmbraStatus, guard};
+
+/// How a world moves from tick to tick: one of the five below.
+pub type UmbraIntegrator = u32;
+
+/// Order 1; gains energy. For comparison.
+pub const UMBRA_EXPLICIT_EULER: UmbraIntegrator = 0;
+/// Order 1, symplectic.
+pub const UMBRA_SYMPLECTIC_EULER: UmbraIntegrator = 1;
+/// Order 2, symplectic, reversible. The one to begin with.
+pub const UMBRA_VELOCITY_VERLET: UmbraIntegrator = 2;
+/// The four stages of UMBRA as published. Order 1.
+pub const UMBRA_PUBLISHED_VERLET: UmbraIntegrator = 3;
+/// Order 4, symplectic, reversible.
+pub const UMBRA_YOSHIDA4: UmbraIntegrator = 4;
+
+const INTEGRATORS: [Integrator; 5] = [
+    Integrator::ExplicitEuler,
+    Integrator::SymplecticEuler,
+    Integrator::VelocityVerlet,
+    Integrator::PublishedVerlet,
+    Integrator::Yoshida4,
+];
+
+/// In place of a number of ticks: bodies never fall asleep.
+pub const UMBRA_NEVER: u32 = 0;
+
+/// What a world is made from; `umbra_world_def_default` fills it in.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct UmbraWorldDef {
+    /// A step takes step_num / step_den seconds, from 1 to 10,000 steps a second: 1 and 60.
+    pub step_num: u32,
+    /// See `step_num`.
+    pub step_den: u32,
+    /// How bodies move from tick to tick: `UMBRA_VELOCITY_VERLET`.
+    pub integrator: UmbraIntegrator,
+    /// The number of ticks at rest after which a body falls asleep, or `UMBRA_NEVER`: 30.
+    pub sleep_after: u32,
+    /// Gravity, m/s²: none.
+    pub gravity: UmbraVec2,
+    /// What is left of a velocity after a second, 0 to 1, unless the body says otherwise: 1.
+    pub linear_damping: UmbraFx,
+    /// What is left of an angular velocity after a second, 0 to 1, unless the body says otherwise: 1.
+    pub angular_damping: UmbraFx,
+}
+
+/// What a step did, in figures; `umbra_world_faults` and its like have the bodies.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct UmbraReport {
+    /// The tick the world is at now.
+    pub tick: u64,
+    /// How many bodies were quarantined.
+    pub faults: u64,
+    /// How many bodies fell asleep.
+    pub fell_asleep: u64,
+    /// How many bodies calls since the step before woke.
+    pub woke: u64,
+    /// With Yoshida4, how many bodies had a drag too stiff for its backward sub-step, which acted around the whole step instead.
+    pub drag_outside: u32,
+    /// 0.
+    pub reserved: u32,
+}
+
+/// A body that was quarantined in a step, and why.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct UmbraFault {
+    /// The body.
+    pub body: u64,
+    /// The field whose force did not fit, or `UMBRA_NO_HANDLE`.
+    pub field: u64,
+    /// 201 to 206.
+    pub cause: UmbraStatus,
+    /// 0.
+    pub reserved: u32,
+}
+
+/// What a command made: nothing, a body, or a field.
+pub type UmbraMadeKind = u32;
+
+/// Nothing new.
+pub const UMBRA_MADE_NOTHING: UmbraMadeKind = 0;
+/// A body.
+pub const UMBRA_MADE_BODY: UmbraMadeKind = 1;
+/// A force field.
+pub const UMBRA_MADE_FIELD: UmbraMadeKind = 2;
+
+/// What became of an input.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct UmbraOutcome {
+    /// Whose it was.
+    pub player: u32,
+    /// Its place among the inputs of this player.
+    pub sequence: u32,
+    /// `UMBRA_OK`, or why it was refused: then it changed nothing.
+    pub status: UmbraStatus,
+    /// What it made.
+    pub made: UmbraMadeKind,
+    /// The handle of what it made, or `UMBRA_NO_HANDLE`.
+    pub handle: u64,
+}
+
+/// The inputs of one tick, by player and sequence.
+#[derive(Default)]
+pub struct UmbraInputs {
+    inputs: Inputs,
+}
+
+/// A world.
+pub struct UmbraWorld {
+    state: State,
+    recorder: Option<Recorder>,
+    outcomes: Vec<Outcome>,
+}
+
+/// Who changes a world.
+enum State {
+    /// The caller.
+    Own(World),
+    /// A scene.
+    Scene(Play),
+    /// Nobody: calls are written down, and the world stays empty.
+    Draft(World, Vec<u8>),
+}
+
+/// The run of a scene, with the scene.
+#[derive(Clone)]
+struct Play {
+    /// First, so that it ends first: it borrows from the scene, whatever its lifetime says, and nothing of it is handed out with
+    /// that lifetime.
+    run: SceneRun<'static>,
+    _scene: Arc<Scene>,
+}
+
+impl Play {
+    fn new(scene: Scene) -> Result<Self> {
+        let scene = Arc::new(scene);
+        // SAFETY: what an `Arc` holds does not move, and lives as long as one of its copies; each `Play` has one, and drops its
+        // run before.
+        let borrowed: &'static Scene = unsafe { &*Arc::as_ptr(&scene) };
+        Ok(Self { run: borrowed.start()?, _scene: scene })
+    }
+}
+
+impl UmbraWorld {
+    pub(crate) const fn new(world: World) -> Self {
+        Self { state: State::Own(world), recorder: None, outcomes: Vec::new() }
+    }
+
+    pub(crate) fn boxed(world: World) -> Option<Box<Self>> {
+        Some(Box::new(Self::new(world)))
+    }
+
+    pub(crate) fn world(&self) -> &World {
+        match &self.state {
+            State::Own(world) | State::Draft(world, _) => world,
+            State::Scene(play) => play.run.world(),
+        }
+    }
+
+    /// The world and its recorder, unless a scene runs it.
+    fn parts(&mut self) -> Result<(&mut World, &mut Option<Recorder>, &mut Vec<Outcome>)> {
+        match &mut self.state {
+            State::Own(world) => Ok((world, &mut self.recorder, &mut self.outcomes)),
+            State::Scene(_) => Err(Refusal::own(UMBRA_ERROR_BUSY, "a scene runs this world")),
+            State::Draft(..) => Err(Refusal::own(UMBRA_ERROR_BUSY, "a draft is no world")),
+        }
+    }
+
+    /// To change what the recorder sees by itself.
+    pub(crate) fn own(&mut self) -> Result<&mut World> {
+        self.parts().map(|(world, ..)| world)
+    }
+
+    /// To change in a way that no recording has.
+    pub(crate) fn unrecorded(&mut self) -> Result<&mut World> {
+        match self.parts()? {
+            (world, None, _) => Ok(world),
+            _ => Err(Refusal::own(UMBRA_ERROR_BUSY, "this world is being recorded")),
+        }
+    }
+
+    pub(crate) const fn recorder(&mut self) -> &mut Option<Recorder> {
+        &mut self.recorder
+    }
+
+    /// Every change goes this way, so that none is missing in a recording.
+    pub(crate) fn execute(&mut self, command: &Command) -> Result<Made> {
+        if let State::Draft(_, bytes) = &mut self.state {
+            *bytes = command.to_bytes();
+            return Ok(Made::Nothing);
+        }
+        let (world, recorder, _) = self.parts()?;
+        Ok(match recorder {
+            Some(recorder) => recorder.execute(world, command)?,
+            None => world.execute(command)?,
+        })
+    }
+
+    pub(crate) fn draft() -> Result<Self> {
+        let state = State::Draft(World::new(WorldDef::default())?, Vec::new());
+        Ok(Self { state, recorder: None, outcomes: Vec::new() })
+    }
+
+    /// The bytes of the last command written down, if it is for that.
+    pub(crate) fn drafted(&self) -> Result<&[u8]> {
+        match &self.state {
+            State::Draft(_, bytes) => Ok(bytes),
+            _ => Err(Refusal::own(UMBRA_ERROR_BAD_ARGUMENT, "the world is no draft")),
+        }
+    }
+
+    fn step(&mut self, inputs: &Inputs) -> Result {
+        self.outcomes.clear();
+        if let State::Scene(play) = &mut self.state {
+            if !inputs.is_empty() {
+                return Err(Refusal::own(UMBRA_ERROR_BUSY, "a scene runs this world"));
+            }
+            match &mut self.recorder {
+                Some(recorder) => play.run.advance_by(recorder)?,
+                None => play.run.advance()?,
+            };
+            return Ok(());
+        }
+        let (world, recorder, outcomes) = self.parts()?;
+        if let Some(recorder) = recorder {
+            recorder.step(world, inputs);
+            outcomes.extend_from_slice(recorder.outcomes());
+        } else {
+            if !inputs.is_empty() {
+                *outcomes = world.carry_out(inputs);
+            }
+            world.step();
+        }
+        Ok(())
+    }
+}
+
+/// Carries out what a function stands for.
+pub(crate) fn change(world: Option<&mut UmbraWorld>, command: Command) -> UmbraStatus {
+    guard(|| given(world)?.execute(&command).map(drop))
+}
+
+/// A handle as one word: the generation above the slot, so that its bytes are those of the formats.
+pub(crate) const fn word((slot, generation): (u32, u32)) -> u64 {
+    (generation as u64) << 32 | slot as u64
+}
+
+pub(crate) const fn body_id(word: u64) -> BodyId {
+    BodyId::from_parts(word as u32, (word >> 32) as u32)
+}
+
+pub(crate) const fn field_id(word: u64) -> FieldId {
+    FieldId::from_parts(word as u32, (word >> 32) as u32)
+}
+
+pub(crate) fn made(made: Made) -> (UmbraMadeKind, u64) {
+    match made {
+        Made::Nothing => (UMBRA_MADE_NOTHING, UMBRA_NO_HANDLE),
+        Made::Body(body) => (UMBRA_MADE_BODY, word(body.parts())),
+        Made::Field(field) => (UMBRA_MADE_FIELD, word(field.parts())),
+    }
+}
+
+pub(crate) fn integrator(number: UmbraIntegrator) -> Result<Integrator> {
+    let known = INTEGRATORS.get(number as usize).copied();
+    known.ok_or_else(|| Refusal::own(UMBRA_ERROR_BAD_ARGUMENT, "no integrator has this number"))
+}
+
+pub(crate) fn sleep_after(ticks: u32) -> Option<u32> {
+    (ticks != UMBRA_NEVER).then_some(ticks)
+}
+
+/// Fills in a definition: 60 steps a second by velocity Verlet, no gravity, no damping, asleep after half a second at rest.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_def_default(def: Option<&mut MaybeUninit<UmbraWorldDef>>) -> UmbraStatus {
+    guard(|| {
+        given(def)?.write(as_def(&WorldDef::default()));
+        Ok(())
+    })
+}
+
+fn as_def(def: &WorldDef) -> UmbraWorldDef {
+    let (step_num, step_den) = def.time_step.seconds();
+    let number = INTEGRATORS.iter().position(|&integrator| integrator == def.integrator);
+    UmbraWorldDef {
+        step_num,
+        step_den,
+        integrator: number.map_or(u32::MAX, |number| number as u32),
+        sleep_after: def.sleep_after.unwrap_or(UMBRA_NEVER),
+        gravity: def.gravity.into(),
+        linear_damping: def.linear_damping.to_bits(),
+        angular_damping: def.angular_damping.to_bits(),
+    }
+}
+
+/// An empty world. It is the caller's, as is everything that a function gives through a pointer to a pointer, until it is
+/// handed to `umbra_world_free`.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_new(
+    def: Option<&UmbraWorldDef>,
+    world: Option<&mut MaybeUninit<Option<Box<UmbraWorld>>>>,
+) -> UmbraStatus {
+    guard(|| {
+        let (def, place) = (given(def)?, given(world)?);
+        let def = WorldDef {
+            time_step: TimeStep::ratio(def.step_num, def.step_den),
+            gravity: def.gravity.into(),
+            integrator: integrator(def.integrator)?,
+            linear_damping: Fx::from_bits(def.linear_damping),
+            angular_damping: Fx::from_bits(def.angular_damping),
+            sleep_after: sleep_after(def.sleep_after),
+        };
+        place.write(UmbraWorld::boxed(World::new(def)?));
+        Ok(())
+    })
+}
+
+/// The world of a scene (`docs/scene.md`), which a JSON text of `length` bytes describes. Its steps do what the scene has for
+/// their ticks; the scene alone changes it, until `umbra_world_leave_scene`. It may have at most `most` bodies, as many fields,
+/// and as many things that its inputs do, as a short text can ask for many; 131072 is a good number.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn umbra_world_from_scene(
+    json: *const c_char,
+    length: usize,
+    most: u32,
+    world: Option<&mut MaybeUninit<Option<Box<UmbraWorld>>>>,
+) -> UmbraStatus {
+    guard(|| {
+        // SAFETY: as the caller promises.
+        let json = unsafe { text(json, length) }?;
+        let place = given(world)?;
+        let play = Play::new(Scene::parse_within(json, most)?)?;
+        let world = UmbraWorld { state: State::Scene(play), recorder: None, outcomes: Vec::new() };
+        place.write(Some(Box::new(world)));
+        Ok(())
+    })
+}
+
+/// Ends the scene of a world, which stays as it is and is the caller's to change. A world without a scene is let be.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_leave_scene(world: Option<&mut UmbraWorld>) -> UmbraStatus {
+    guard(|| {
+        let world = given(world)?;
+        if let State::Scene(play) = &world.state {
+            world.state = State::Own(play.run.world().clone());
+        }
+        Ok(())
+    })
+}
+
+/// A world with the same state and future, which shares what no step changes, and with the same scene. It is not recorded.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_clone(
+    world: Option<&UmbraWorld>,
+    copy: Option<&mut MaybeUninit<Option<Box<UmbraWorld>>>>,
+) -> UmbraStatus {
+    guard(|| {
+        let (world, place) = (given(world)?, given(copy)?);
+        let state = match &world.state {
+            State::Own(world) => State::Own(world.clone()),
+            State::Scene(play) => State::Scene(play.clone()),
+            State::Draft(world, bytes) => State::Draft(world.clone(), bytes.clone()),
+        };
+        place.write(Some(Box::new(UmbraWorld { state, recorder: None, outcomes: world.outcomes.clone() })));
+        Ok(())
+    })
+}
+
+/// Frees a world. Null is let be.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_free(world: Option<Box<UmbraWorld>>) {
+    drop(world);
+}
+
+/// What the world was made from, as changed since.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_def(
+    world: Option<&UmbraWorld>,
+    def: Option<&mut MaybeUninit<UmbraWorldDef>>,
+) -> UmbraStatus {
+    guard(|| {
+        given(def)?.write(as_def(given(world)?.world().def()));
+        Ok(())
+    })
+}
+
+/// Moves a world on by a tick. Only a scene can be refused: then its step was not made.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_step(world: Option<&mut UmbraWorld>) -> UmbraStatus {
+    guard(|| given(world)?.step(&Inputs::new()))
+}
+
+/// Carries out the inputs of a tick, by player and then by sequence, and moves the world on. An input that is refused changes
+/// nothing and stops no other: `umbra_world_outcomes` has what became of each.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_step_inputs(world: Option<&mut UmbraWorld>, inputs: Option<&UmbraInputs>) -> UmbraStatus {
+    guard(|| given(world)?.step(&given(inputs)?.inputs))
+}
+
+/// What became of the inputs of the last step, in their order.
+///
+/// Lists go into a buffer with room for `capacity` entries. `count`, which may be null, is given the number of entries, also if
+/// the buffer is too small; a `capacity` of 0 asks for the number alone.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn umbra_world_outcomes(
+    world: Option<&UmbraWorld>,
+    outcomes: *mut UmbraOutcome,
+    capacity: usize,
+    count: Option<&mut MaybeUninit<usize>>,
+) -> UmbraStatus {
+    guard(|| {
+        let rows = given(world)?.outcomes.iter().map(|&Outcome { player, sequence, result }| {
+            let (made, handle) = made(result.unwrap_or(Made::Nothing));
+            let status = result.map_or_else(|error| Refusal::from(error).status(), |_| UMBRA_OK);
+            UmbraOutcome { player, sequence, status, made, handle }
+        });
+        // SAFETY: as the caller promises.
+        unsafe { fill(rows, outcomes, capacity, count) }
+    })
+}
+
+/// No inputs.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_inputs_new(inputs: Option<&mut MaybeUninit<Option<Box<UmbraInputs>>>>) -> UmbraStatus {
+    guard(|| {
+        given(inputs)?.write(Some(Box::default()));
+        Ok(())
+    })
+}
+
+/// Adds a command of a player's, as the bytes of `docs/formats.md`, in its place: in whatever order they arrive.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn umbra_inputs_insert(
+    inputs: Option<&mut UmbraInputs>,
+    player: u32,
+    sequence: u32,
+    command: *const u8,
+    length: usize,
+) -> UmbraStatus {
+    guard(|| {
+        // SAFETY: as the caller promises.
+        let bytes = unsafe { slice(command, length) }?;
+        let command = Command::from_bytes(bytes)?;
+        Ok(given(inputs)?.inputs.insert(Input { player, sequence, command })?)
+    })
+}
+
+/// Removes all, for those of another tick.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_inputs_clear(inputs: Option<&mut UmbraInputs>) -> UmbraStatus {
+    guard(|| {
+        given(inputs)?.inputs.clear();
+        Ok(())
+    })
+}
+
+/// Frees inputs. Null is let be.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_inputs_free(inputs: Option<Box<UmbraInputs>>) {
+    drop(inputs);
+}
+
+/// What the last step did.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_report(
+    world: Option<&UmbraWorld>,
+    report: Option<&mut MaybeUninit<UmbraReport>>,
+) -> UmbraStatus {
+    guard(|| {
+        let (last, place) = (given(world)?.world().last_report(), given(report)?);
+        place.write(UmbraReport {
+            tick: last.tick,
+            faults: last.faults.len() as u64,
+            fell_asleep: last.fell_asleep.len() as u64,
+            woke: last.woke.len() as u64,
+            drag_outside: last.drag_outside,
+            reserved: 0,
+        });
+        Ok(())
+    })
+}
+
+/// The bodies that the last step quarantined, in the order of their slots; a list as `umbra_world_outcomes` gives it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn umbra_world_faults(
+    world: Option<&UmbraWorld>,
+    faults: *mut UmbraFault,
+    capacity: usize,
+    count: Option<&mut MaybeUninit<usize>>,
+) -> UmbraStatus {
+    use umbra_physics::Cause;
+    guard(|| {
+        let rows = given(world)?.world().last_report().faults.iter().map(|fault| UmbraFault {
+            body: word(fault.body.parts()),
+            field: match fault.cause {
+                Cause::Field { field } | Cause::Law { field, .. } => word(field.parts()),
+                _ => UMBRA_NO_HANDLE,
+            },
+            cause: fault.code().into(),
+            reserved: 0,
+        });
+        // SAFETY: as the caller promises.
+        unsafe { fill(rows, faults, capacity, count) }
+    })
+}
+
+/// The bodies that fell asleep in the last step, in the order of their slots; a list as `umbra_world_outcomes` gives it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn umbra_world_fell_asleep(
+    world: Option<&UmbraWorld>,
+    bodies: *mut u64,
+    capacity: usize,
+    count: Option<&mut MaybeUninit<usize>>,
+) -> UmbraStatus {
+    guard(|| {
+        let rows = given(world)?.world().last_report().fell_asleep.iter().map(|body| word(body.parts()));
+        // SAFETY: as the caller promises.
+        unsafe { fill(rows, bodies, capacity, count) }
+    })
+}
+
+/// The bodies that calls before the last step woke, in the order of the calls; a list as `umbra_world_outcomes` gives it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn umbra_world_woke(
+    world: Option<&UmbraWorld>,
+    bodies: *mut u64,
+    capacity: usize,
+    count: Option<&mut MaybeUninit<usize>>,
+) -> UmbraStatus {
+    guard(|| {
+        let rows = given(world)?.world().last_report().woke.iter().map(|body| word(body.parts()));
+        // SAFETY: as the caller promises.
+        unsafe { fill(rows, bodies, capacity, count) }
+    })
+}
+
+/// The number of steps made.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_tick(world: Option<&UmbraWorld>, tick: Option<&mut MaybeUninit<u64>>) -> UmbraStatus {
+    guard(|| {
+        given(tick)?.write(given(world)?.world().tick());
+        Ok(())
+    })
+}
+
+/// The time simulated in seconds, an exact ratio in lowest terms.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_elapsed(
+    world: Option<&UmbraWorld>,
+    num: Option<&mut MaybeUninit<UmbraUint128>>,
+    den: Option<&mut MaybeUninit<UmbraUint128>>,
+) -> UmbraStatus {
+    guard(|| {
+        let (elapsed, num, den) = (given(world)?.world().elapsed(), given(num)?, given(den)?);
+        num.write(elapsed.num.into());
+        den.write(elapsed.den.into());
+        Ok(())
+    })
+}
+
+/// A hash of all that the future of a world depends on, handles included: what peers compare.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_state_hash(
+    world: Option<&UmbraWorld>,
+    hash: Option<&mut MaybeUninit<u64>>,
+) -> UmbraStatus {
+    guard(|| {
+        let (world, hash) = (given(world)?, given(hash)?);
+        hash.write(world.world().state_hash());
+        Ok(())
+    })
+}
+
+/// A hash of the motion alone, bodies by their keys: for worlds that were built in another order.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_physics_hash(
+    world: Option<&UmbraWorld>,
+    hash: Option<&mut MaybeUninit<u64>>,
+) -> UmbraStatus {
+    guard(|| {
+        let (world, hash) = (given(world)?, given(hash)?);
+        hash.write(world.world().physics_hash());
+        Ok(())
+    })
+}
+
+/// The first value in which two worlds differ, with both values, as in `body 3, position.x: 1 and 2`; empty if they do not. Text
+/// as `umbra_last_message` gives it. It is for finding out what went wrong, and takes its time.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn umbra_world_first_difference(
+    left: Option<&UmbraWorld>,
+    right: Option<&UmbraWorld>,
+    buffer: *mut c_char,
+    capacity: usize,
+    length: Option<&mut MaybeUninit<usize>>,
+) -> UmbraStatus {
+    guard(|| {
+        let differences = given(left)?.world().differences(given(right)?.world());
+        let text = differences.first().map_or_else(String::new, ToString::to_string);
+        // SAFETY: as the caller promises.
+        unsafe { write_text(&text, buffer, capacity, length) }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What the header says of threads.
+    #[test]
+    fn worlds_go_from_thread_to_thread_and_are_read_by_several() {
+        const fn may<T: Send + Sync>() {}
+        const { may::<UmbraWorld>() }
+        const { may::<UmbraInputs>() }
+        const { may::<crate::UmbraShape>() }
+        const { may::<crate::UmbraSnapshot>() }
+    }
+
+    #[test]
+    fn the_run_of_a_scene_outlives_its_copies_and_they_it() {
+        let text = r#"{"bodies": [{"name": "a"}], "inputs": [{"from": 0, "to": 9, "body": "a", "force": [1, 0]}]}"#;
+        let mut first = Play::new(Scene::parse(text).unwrap()).unwrap();
+        let mut second = first.clone();
+        first.run.advance().unwrap();
+        drop(first);
+        for _ in 0..9 {
+            second.run.advance().unwrap();
+        }
+        assert!(second.run.world().bodies().all(|body| body.velocity().x > Fx::ZERO));
+    }
+}

@@ -1,0 +1,655 @@
+//! The functions from a caller's side: what they refuse, and that each does what its namesake in the library does.
+
+use std::ffi::c_char;
+use std::fs;
+use std::mem::MaybeUninit;
+use std::path::Path;
+use std::ptr;
+
+use umbra_physics::{
+    Action, Attachment, BodyDef, BodyId, BodyKind, Command, End, Field, FieldId, Frame, Fx, FxFactor, Integrator, Law,
+    Manner, Mass, Random, Region, Shape, Snapshot, SpringLaw, TimeStep, World, WorldDef, fx, vec2,
+};
+use umbra_physics_capi::*;
+
+/// What a function gives through a pointer.
+fn out<T>(call: impl FnOnce(Option<&mut MaybeUninit<T>>) -> UmbraStatus) -> Result<T, UmbraStatus> {
+    let mut place = MaybeUninit::uninit();
+    match call(Some(&mut place)) {
+        // SAFETY: a call that is done has written it.
+        UMBRA_OK => Ok(unsafe { place.assume_init() }),
+        status => Err(status),
+    }
+}
+
+/// The same of a thing that is the caller's.
+fn own<T>(call: impl FnOnce(Option<&mut MaybeUninit<Option<Box<T>>>>) -> UmbraStatus) -> Result<Box<T>, UmbraStatus> {
+    out(call).map(|thing| thing.expect("a call that is done gives something"))
+}
+
+/// A list, in two calls.
+fn list<T>(
+    mut call: impl FnMut(*mut T, usize, Option<&mut MaybeUninit<usize>>) -> UmbraStatus,
+) -> Result<Vec<T>, UmbraStatus> {
+    let mut count = MaybeUninit::new(0);
+    match call(ptr::null_mut(), 0, Some(&mut count)) {
+        UMBRA_OK | UMBRA_ERROR_BUFFER_TOO_SMALL => {}
+        status => return Err(status),
+    }
+    // SAFETY: initialised above.
+    let count = unsafe { count.assume_init() };
+    let mut rows = Vec::with_capacity(count);
+    match call(rows.as_mut_ptr(), count, None) {
+        UMBRA_OK => {
+            // SAFETY: a call that is done has written as many.
+            unsafe { rows.set_len(count) };
+            Ok(rows)
+        }
+        status => Err(status),
+    }
+}
+
+fn text(
+    mut call: impl FnMut(*mut c_char, usize, Option<&mut MaybeUninit<usize>>) -> UmbraStatus,
+) -> Result<String, UmbraStatus> {
+    let mut length = MaybeUninit::new(0);
+    assert_eq!(call(ptr::null_mut(), 0, Some(&mut length)), UMBRA_ERROR_BUFFER_TOO_SMALL);
+    // SAFETY: initialised above.
+    let length = unsafe { length.assume_init() };
+    let mut bytes = vec![b'!'; length + 1];
+    assert_eq!(call(bytes.as_mut_ptr().cast(), length, None), UMBRA_ERROR_BUFFER_TOO_SMALL, "no room for the zero");
+    assert_eq!(bytes[0], b'!', "nothing is written");
+    match call(bytes.as_mut_ptr().cast(), length + 1, None) {
+        UMBRA_OK => {
+            assert_eq!(bytes.pop(), Some(0));
+            Ok(String::from_utf8(bytes).expect("UTF-8"))
+        }
+        status => Err(status),
+    }
+}
+
+fn last_message() -> String {
+    // SAFETY: the buffers are those of `text`.
+    text(|buffer, capacity, length| unsafe { umbra_last_message(buffer, capacity, length) }).expect("a message")
+}
+
+fn world() -> Box<UmbraWorld> {
+    let def = out(|def| umbra_world_def_default(def)).expect("a definition");
+    own(|world| umbra_world_new(Some(&def), world)).expect("a world")
+}
+
+fn add(world: &mut UmbraWorld, def: &UmbraBodyDef) -> Result<u64, UmbraStatus> {
+    // SAFETY: its shape is null or alive.
+    out(|body| unsafe { umbra_world_add_body(Some(world), Some(def), body) })
+}
+
+fn body_def() -> UmbraBodyDef {
+    out(|def| umbra_body_def_default(def)).expect("a definition")
+}
+
+fn state_hash(world: &UmbraWorld) -> u64 {
+    out(|hash| umbra_world_state_hash(Some(world), hash)).expect("a hash")
+}
+
+fn drafted(draft: &UmbraWorld) -> Vec<u8> {
+    // SAFETY: the buffers are those of `list`.
+    list(|buffer, capacity, length| unsafe { umbra_draft_command(Some(draft), buffer, capacity, length) })
+        .expect("bytes")
+}
+
+const BODY: BodyId = BodyId::from_parts(3, 2);
+const BODY_WORD: u64 = 2 << 32 | 3;
+const FIELD: FieldId = FieldId::from_parts(1, 7);
+const FIELD_WORD: u64 = 7 << 32 | 1;
+const ONE: i64 = UMBRA_ONE;
+
+fn fields() -> Vec<(UmbraFieldDef, Field)> {
+    let def = |law| out(|def| umbra_field_def_default(law, def)).expect("a definition");
+    let at = Attachment { body: BODY, point: vec2(1, 2) };
+    let point = UmbraVec2 { x: ONE, y: 2 * ONE };
+    let mu = FxFactor::parse("3.986004418e14").expect("a number");
+    let (mantissa, shift) = mu.parts();
+    let spring = SpringLaw { rest: fx!(1), stiffness: fx!(2), damping: fx!(3) };
+    let far = Attachment { body: BodyId::from_parts(4, 0), point: vec2(0, 1) };
+    vec![
+        (
+            UmbraFieldDef {
+                other_point: point,
+                mu: UmbraFactor { mantissa, shift, reserved: 0 },
+                softening: ONE,
+                ..def(UMBRA_ATTRACTOR)
+            },
+            Law::Attractor { centre: End::World(vec2(1, 2)), mu, softening: fx!(1) }.into(),
+        ),
+        (
+            UmbraFieldDef { other: BODY_WORD, other_point: point, groups: 5, ..def(UMBRA_ATTRACTOR) },
+            Field {
+                law: Law::Attractor { centre: End::Body(at), mu: FxFactor::default(), softening: fx!(0) },
+                groups: 5,
+            },
+        ),
+        (
+            UmbraFieldDef {
+                body: BODY_WORD,
+                point,
+                other: 4,
+                other_point: UmbraVec2 { x: 0, y: ONE },
+                rest: ONE,
+                stiffness: 2 * ONE,
+                damping: 3 * ONE,
+                ..def(UMBRA_SPRING)
+            },
+            Law::Spring { near: at, far: End::Body(far), spring }.into(),
+        ),
+        (
+            UmbraFieldDef { linear: ONE, quadratic: 2 * ONE, wind: point, ..def(UMBRA_DRAG) },
+            Law::Drag { linear: fx!(1), quadratic: fx!(2), wind: vec2(1, 2) }.into(),
+        ),
+        (
+            UmbraFieldDef { body: BODY_WORD, point, force: UmbraVec2 { x: -ONE, y: 1 }, ..def(UMBRA_THRUST) },
+            Law::Thrust { at, force: vec2(-1, Fx::DELTA) }.into(),
+        ),
+        (
+            UmbraFieldDef { centre: point, radius: 3 * ONE, acceleration: point, ..def(UMBRA_ZONE) },
+            Law::Zone { region: Region::Disc { centre: vec2(1, 2), radius: fx!(3) }, acceleration: vec2(1, 2) }.into(),
+        ),
+        (
+            UmbraFieldDef { region: UMBRA_BOX, min: point, max: point, acceleration: point, ..def(UMBRA_ZONE) },
+            Law::Zone { region: Region::Box { min: vec2(1, 2), max: vec2(1, 2) }, acceleration: vec2(1, 2) }.into(),
+        ),
+    ]
+}
+
+/// A draft shows what a function asks of the library, to the bit.
+#[test]
+fn every_change_is_the_command_of_its_name() {
+    let mut draft = own(|draft| umbra_draft_new(draft)).expect("a draft");
+    let mut seen = std::collections::BTreeSet::new();
+    let mut is = |draft: &UmbraWorld, status: UmbraStatus, command: Command| {
+        assert_eq!(status, UMBRA_OK, "{command:?}");
+        let bytes = drafted(draft);
+        assert_eq!(Command::from_bytes(&bytes), Ok(command));
+        seen.insert(bytes[0]);
+    };
+    macro_rules! changes {
+        ($($call:ident($($argument:expr),*) => $command:expr;)*) => {
+            $({
+                let status = $call(Some(&mut draft), $($argument),*);
+                is(&draft, status, $command);
+            })*
+        };
+    }
+    let (body, point) = (BODY, UmbraVec2 { x: 4, y: 5 });
+    let bits = Fx::from_bits;
+    let pair = |x, y| umbra_physics::Vec2::new(bits(x), bits(y));
+    let shape = own(|shape| umbra_shape_capsule(2 * ONE, ONE, shape)).expect("a shape");
+    let capsule = Shape::capsule(fx!(2), fx!(1)).expect("a shape");
+    let force = Action::Force { force: pair(6, 7), point: Some(pair(4, 5)) };
+    let impulse = Action::Impulse { impulse: pair(6, 7), point: None };
+    let body_frame = Manner { frame: Frame::Body, wake: true };
+    let no_wake = Manner { frame: Frame::World, wake: false };
+    let both = UMBRA_BODY_FRAME | UMBRA_NO_WAKE;
+    changes! {
+        umbra_world_remove_body(BODY_WORD) => Command::RemoveBody(body);
+        umbra_world_set_position(BODY_WORD, 1, 2) => Command::SetPosition { body, position: pair(1, 2) };
+        umbra_world_set_angle(BODY_WORD, 3) => Command::SetAngle { body, angle: bits(3) };
+        umbra_world_set_velocity(BODY_WORD, -4, 5) => Command::SetVelocity { body, velocity: pair(-4, 5) };
+        umbra_world_set_angular_velocity(BODY_WORD, 6) => Command::SetAngularVelocity { body, velocity: bits(6) };
+        umbra_world_set_mass(BODY_WORD, UMBRA_MASS_DENSITY, 7, 8) => Command::SetMass { body, mass: Mass::Density(bits(7)) };
+        umbra_world_set_mass(BODY_WORD, UMBRA_MASS_OF, 7, 8) => Command::SetMass { body, mass: Mass::Of(bits(7)) };
+        umbra_world_set_mass(BODY_WORD, UMBRA_MASS_WITH_INERTIA, 7, 8) =>
+            Command::SetMass { body, mass: Mass::WithInertia(bits(7), bits(8)) };
+        umbra_world_set_shape(BODY_WORD, Some(&shape)) => Command::SetShape { body, shape: Some(capsule) };
+        umbra_world_set_shape(BODY_WORD, None) => Command::SetShape { body, shape: None };
+        umbra_world_set_kind(BODY_WORD, UMBRA_STATIC) => Command::SetKind { body, kind: BodyKind::Static };
+        umbra_world_set_kind(BODY_WORD, UMBRA_KINEMATIC) => Command::SetKind { body, kind: BodyKind::Kinematic };
+        umbra_world_set_kind(BODY_WORD, UMBRA_DYNAMIC) => Command::SetKind { body, kind: BodyKind::Dynamic };
+        umbra_world_set_gravity_scale(BODY_WORD, 9) => Command::SetGravityScale { body, scale: bits(9) };
+        umbra_world_set_body_damping(BODY_WORD, 10, UMBRA_AS_WORLD) =>
+            Command::SetBodyDamping { body, linear: Some(bits(10)), angular: None };
+        umbra_world_set_body_damping(BODY_WORD, UMBRA_AS_WORLD, 11) =>
+            Command::SetBodyDamping { body, linear: None, angular: Some(bits(11)) };
+        umbra_world_set_groups(BODY_WORD, 12) => Command::SetGroups { body, groups: 12 };
+        umbra_world_set_key(BODY_WORD, u64::MAX) => Command::SetKey { body, key: u64::MAX };
+        umbra_world_set_user_data(BODY_WORD, 14) => Command::SetUserData { body, user_data: 14 };
+        umbra_world_wake(BODY_WORD) => Command::Wake(body);
+        umbra_world_release(BODY_WORD) => Command::Release(body);
+        umbra_world_remove_field(FIELD_WORD) => Command::RemoveField(FIELD);
+        umbra_world_set_time_step(1001, 60_000) => Command::SetTimeStep(TimeStep::ratio(1001, 60_000));
+        umbra_world_set_gravity(15, -16) => Command::SetGravity(pair(15, -16));
+        umbra_world_set_damping(17, 18) => Command::SetDamping { linear: bits(17), angular: bits(18) };
+        umbra_world_set_sleep_after(UMBRA_NEVER) => Command::SetSleepAfter(None);
+        umbra_world_set_sleep_after(1) => Command::SetSleepAfter(Some(1));
+        umbra_world_seed(42) => Command::SetRandom(Random::seeded(42));
+        umbra_world_clear_forces() => Command::ClearForces;
+        umbra_world_apply_force(BODY_WORD, 6, 7, Some(&point), UMBRA_BODY_FRAME) =>
+            Command::Apply { body, action: force, manner: body_frame };
+        umbra_world_apply_impulse(BODY_WORD, 6, 7, None, UMBRA_NO_WAKE) =>
+            Command::Apply { body, action: impulse, manner: no_wake };
+        umbra_world_apply_torque(BODY_WORD, 8, 0) =>
+            Command::Apply { body, action: Action::Torque(bits(8)), manner: Manner::default() };
+        umbra_world_apply_angular_impulse(BODY_WORD, 9, both) => Command::Apply {
+            body,
+            action: Action::AngularImpulse(bits(9)),
+            manner: Manner { frame: Frame::Body, wake: false },
+        };
+    }
+    let integrators = [
+        (UMBRA_EXPLICIT_EULER, Integrator::ExplicitEuler),
+        (UMBRA_SYMPLECTIC_EULER, Integrator::SymplecticEuler),
+        (UMBRA_VELOCITY_VERLET, Integrator::VelocityVerlet),
+        (UMBRA_PUBLISHED_VERLET, Integrator::PublishedVerlet),
+        (UMBRA_YOSHIDA4, Integrator::Yoshida4),
+    ];
+    for (number, integrator) in integrators {
+        changes! { umbra_world_set_integrator(number) => Command::SetIntegrator(integrator); }
+    }
+    // SAFETY: the bytes are there.
+    let status = unsafe { umbra_world_set_blob(Some(&mut draft), b"game".as_ptr(), 4) };
+    is(&draft, status, Command::SetBlob(b"game".to_vec()));
+    for (def, field) in fields() {
+        assert_eq!(out(|id| umbra_world_add_field(Some(&mut draft), Some(&def), id)), Ok(UMBRA_NO_HANDLE));
+        is(&draft, UMBRA_OK, Command::AddField(field));
+        let status = umbra_world_set_field(Some(&mut draft), FIELD_WORD, Some(&def));
+        is(&draft, status, Command::SetField { id: FIELD, field });
+    }
+    let def = UmbraBodyDef {
+        kind: UMBRA_KINEMATIC,
+        mass_kind: UMBRA_MASS_WITH_INERTIA,
+        mass: 1,
+        inertia: 2,
+        position: UmbraVec2 { x: 3, y: 4 },
+        velocity: UmbraVec2 { x: 5, y: 6 },
+        angle: 7,
+        angular_velocity: 8,
+        gravity_scale: 9,
+        linear_damping: 10,
+        angular_damping: 11,
+        key: 12,
+        user_data: 13,
+        groups: 14,
+        reserved: 0,
+        shape: &raw const *shape,
+    };
+    assert_eq!(add(&mut draft, &def), Ok(UMBRA_NO_HANDLE));
+    let full = BodyDef {
+        kind: BodyKind::Kinematic,
+        mass: Mass::WithInertia(bits(1), bits(2)),
+        position: pair(3, 4),
+        velocity: pair(5, 6),
+        angle: bits(7),
+        angular_velocity: bits(8),
+        gravity_scale: bits(9),
+        linear_damping: Some(bits(10)),
+        angular_damping: Some(bits(11)),
+        key: 12,
+        user_data: 13,
+        groups: 14,
+        shape: Some(Shape::capsule(fx!(2), fx!(1)).expect("a shape")),
+    };
+    is(&draft, UMBRA_OK, Command::AddBody(full));
+    assert_eq!(add(&mut draft, &body_def()), Ok(UMBRA_NO_HANDLE));
+    is(&draft, UMBRA_OK, Command::AddBody(BodyDef::dynamic()));
+
+    // From AddBody to ClearForces, as `docs/formats.md` numbers them.
+    assert!(seen.iter().copied().eq(0..=27), "{seen:?}");
+
+    assert_eq!(umbra_world_step(Some(&mut draft)), UMBRA_ERROR_BUSY);
+    let place = world();
+    let refused = list::<u8>(|buffer, capacity, length| {
+        // SAFETY: the buffers are those of `list`.
+        unsafe { umbra_draft_command(Some(&place), buffer, capacity, length) }
+    });
+    assert_eq!(refused, Err(UMBRA_ERROR_BAD_ARGUMENT));
+    umbra_world_free(Some(draft));
+}
+
+#[test]
+fn fields_are_read_as_they_were_made() {
+    let mut world = world();
+    for _ in 0..5 {
+        add(&mut world, &body_def()).expect("a body");
+    }
+    let mut made = Vec::new();
+    for (mut def, _) in fields() {
+        // Bodies that are there.
+        (def.body, def.other) = (def.body.min(3), if def.other == UMBRA_NO_HANDLE { def.other } else { def.other & 7 });
+        if def.law != UMBRA_SPRING && def.law != UMBRA_THRUST {
+            def.body = UMBRA_NO_HANDLE;
+        }
+        let id = out(|id| umbra_world_add_field(Some(&mut world), Some(&def), id)).expect("a field");
+        assert_eq!(out(|read| umbra_world_field(Some(&world), id, read)), Ok(def));
+        made.push(id);
+    }
+    // SAFETY: the buffers are those of `list`.
+    let listed = list(|buffer, capacity, count| unsafe { umbra_world_fields(Some(&world), buffer, capacity, count) });
+    assert_eq!(listed, Ok(made));
+    assert_eq!(out(|def| umbra_field_def_default(5, def)), Err(UMBRA_ERROR_BAD_ARGUMENT));
+    umbra_world_free(Some(world));
+}
+
+#[test]
+fn bodies_are_read_to_the_last_bit() {
+    let mut here = world();
+    let mut there: World = World::new(WorldDef::default()).expect("a world");
+    assert_eq!(umbra_world_set_gravity(Some(&mut here), 1, -9 * ONE - 3), UMBRA_OK);
+    there.set_gravity(vec2(Fx::DELTA, Fx::from_bits(-9 * ONE - 3))).expect("a gravity");
+    let shape = own(|shape| umbra_shape_circle(ONE, shape)).expect("a shape");
+    let def = UmbraBodyDef { shape: &raw const *shape, angular_velocity: -ONE / 3, user_data: 5, key: 6, ..body_def() };
+    let body = add(&mut here, &def).expect("a body");
+    umbra_shape_free(Some(shape));
+    let id = there
+        .add_body(BodyDef {
+            shape: Some(Shape::circle(fx!(1)).expect("a shape")),
+            angular_velocity: Fx::from_bits(-ONE / 3),
+            user_data: 5,
+            key: 6,
+            ..BodyDef::dynamic()
+        })
+        .expect("a body");
+    for _ in 0..77 {
+        assert_eq!(umbra_world_step(Some(&mut here)), UMBRA_OK);
+        there.step();
+    }
+    assert_eq!(state_hash(&here), there.state_hash());
+    assert_eq!(out(|hash| umbra_world_physics_hash(Some(&here), hash)), Ok(there.physics_hash()));
+    let (state, look) =
+        (out(|state| umbra_world_body(Some(&here), body, state)).expect("a state"), there.body(id).unwrap());
+    assert_eq!((state.position, state.velocity), (look.position().into(), look.velocity().into()));
+    assert_eq!((state.angle, state.angular_velocity), (look.angle().to_bits(), look.angular_velocity().to_bits()));
+    assert_eq!((state.cos, state.sin), (look.rotation().cos.to_bits(), look.rotation().sin.to_bits()));
+    let exact =
+        |bits: UmbraInt128| umbra_physics::FxAccumulator::from_bits(i128::from(bits.high) << 64 | i128::from(bits.low));
+    assert_eq!((exact(state.exact_x), exact(state.exact_y)), (look.position_exact().x, look.position_exact().y));
+    let velocity = (exact(state.exact_velocity_x), exact(state.exact_velocity_y));
+    assert_eq!(velocity, (look.velocity_exact().x, look.velocity_exact().y));
+    assert_ne!((state.exact_y.low, state.exact_velocity_y.low), (0, 0), "there are remainders to be read");
+    assert_eq!(exact(state.exact_angular_velocity), look.angular_velocity_exact());
+    assert_eq!(umbra_physics::Turn::from_bits(state.turn), look.angle_exact());
+    let inertia = look.inertia().expect("one").parts();
+    assert_eq!((state.mass, (state.inertia.mantissa, state.inertia.shift)), (ONE, inertia));
+    assert_eq!((state.linear_damping, state.angular_damping), (UMBRA_AS_WORLD, UMBRA_AS_WORLD));
+    assert_eq!((state.key, state.user_data, state.groups, state.gravity_scale), (6, 5, 1, ONE));
+    assert_eq!((state.kind, state.activity), (UMBRA_DYNAMIC, UMBRA_AWAKE));
+
+    // SAFETY: the buffers are those of `list`.
+    let poses = list(|buffer, capacity, count| unsafe { umbra_world_poses(Some(&here), buffer, capacity, count) });
+    let UmbraBodyState { position, angle, user_data, kind, activity, .. } = state;
+    assert_eq!(poses, Ok(vec![UmbraPose { body, position, angle, user_data, kind, activity }]));
+    // SAFETY: the buffers are those of `list`.
+    let bodies = list(|buffer, capacity, count| unsafe { umbra_world_bodies(Some(&here), buffer, capacity, count) });
+    assert_eq!(bodies, Ok(vec![body]));
+
+    let wide =
+        |value: UmbraInt128| umbra_physics::FxWide::from_bits(i128::from(value.high) << 64 | i128::from(value.low));
+    type Total = extern "C" fn(Option<&UmbraWorld>, Option<&mut MaybeUninit<UmbraInt128>>) -> UmbraStatus;
+    let totals: [(Total, _); 4] = [
+        (umbra_world_energy, there.energy()),
+        (umbra_world_kinetic_energy, there.kinetic_energy()),
+        (umbra_world_potential_energy, there.potential_energy()),
+        (umbra_world_angular_momentum, there.angular_momentum()),
+    ];
+    for (total, expected) in totals {
+        assert_eq!(out(|sum| total(Some(&here), sum)).map(wide), Ok(expected.expect("a total")));
+    }
+    let mut x = MaybeUninit::uninit();
+    let y = out(|y| umbra_world_momentum(Some(&here), Some(&mut x), y)).expect("a momentum");
+    // SAFETY: the call was done.
+    let x = unsafe { x.assume_init() };
+    assert_eq!((wide(x), wide(y)), there.momentum().map(|momentum| (momentum.x, momentum.y)).expect("a momentum"));
+    let mut num = MaybeUninit::uninit();
+    let den = out(|den| umbra_world_elapsed(Some(&here), Some(&mut num), den)).expect("a time");
+    // SAFETY: the call was done.
+    let num = unsafe { num.assume_init() };
+    assert_eq!((num, den), (UmbraUint128 { low: 77, high: 0 }, UmbraUint128 { low: 60, high: 0 }));
+    umbra_world_free(Some(here));
+}
+
+#[test]
+fn null_is_refused_everywhere_and_frees_nothing() {
+    let null = UMBRA_ERROR_NULL_POINTER;
+    // SAFETY: null is what a pointer may be.
+    unsafe {
+        assert_eq!(umbra_world_from_scene(ptr::null(), 1, 1, None), null);
+        assert_eq!(umbra_world_add_body(None, None, None), null);
+        assert_eq!(umbra_world_execute(None, ptr::null(), 4, None), null);
+        assert_eq!(umbra_world_check(None, [27].as_ptr(), 1), null);
+        assert_eq!(umbra_world_poses(None, ptr::null_mut(), 0, None), null);
+        assert_eq!(umbra_world_bodies(Some(&world()), ptr::null_mut(), 1, None), null);
+        assert_eq!(umbra_shape_polygon(ptr::null(), 3, None), null);
+        assert_eq!(umbra_fx_from_text(c"1".as_ptr(), 1, None), null);
+        assert_eq!(umbra_fx_to_text(0, ptr::null_mut(), 1, None), null);
+        assert_eq!(umbra_snapshot_from_bytes(ptr::null(), 9, None), null);
+        assert_eq!(umbra_inputs_insert(None, 0, 0, [27].as_ptr(), 1), null);
+        assert_eq!(umbra_world_first_difference(Some(&world()), None, ptr::null_mut(), 0, None), null);
+        let parts = [UmbraPart { position: UmbraVec2::default(), angle: 0, density: ONE, shape: ptr::null() }];
+        assert_eq!(own(|shape| umbra_shape_compound(parts.as_ptr(), 1, shape)).err(), Some(null));
+    }
+    assert_eq!(umbra_world_step(None), null);
+    assert_eq!(umbra_world_new(None, None), null);
+    assert_eq!(umbra_world_def_default(None), null);
+    assert_eq!(umbra_world_state_hash(Some(&world()), None), null);
+    assert_eq!(umbra_world_momentum(Some(&world()), None, None), null);
+    assert_eq!(umbra_world_restore(Some(&mut world()), None), null);
+    assert_eq!(umbra_selftest(None), null);
+    assert_eq!(umbra_bytes_new(3, None), null);
+    assert_eq!((umbra_bytes_data(None), umbra_bytes_length(None)), (ptr::null_mut(), 0));
+    umbra_world_free(None);
+    umbra_shape_free(None);
+    umbra_inputs_free(None);
+    umbra_bytes_free(None);
+    umbra_snapshot_free(None);
+}
+
+#[test]
+fn what_cannot_be_is_refused_and_changes_nothing() {
+    let mut world = world();
+    let body = add(&mut world, &body_def()).expect("a body");
+    let before = state_hash(&world);
+    let bad = UMBRA_ERROR_BAD_ARGUMENT;
+    assert_eq!(umbra_world_set_kind(Some(&mut world), body, 3), bad);
+    assert_eq!(umbra_world_set_mass(Some(&mut world), body, 3, ONE, 0), bad);
+    assert_eq!(umbra_world_set_integrator(Some(&mut world), 5), bad);
+    assert_eq!(umbra_world_apply_force(Some(&mut world), body, 0, 0, None, 4), bad);
+    assert_eq!(out(|number| umbra_world_random_below(Some(&mut world), 0, number)), Err(bad));
+    assert_eq!(add(&mut world, &UmbraBodyDef { mass_kind: 9, ..body_def() }), Err(bad));
+    assert_eq!(add(&mut world, &UmbraBodyDef { linear_damping: -2, ..body_def() }), Err(UMBRA_ERROR_OUT_OF_RANGE));
+    assert_eq!(umbra_last_cause(), 165);
+    let field = UmbraFieldDef {
+        mu: UmbraFactor { mantissa: 1, shift: 0, reserved: 0 },
+        ..out(|def| umbra_field_def_default(UMBRA_ATTRACTOR, def)).expect("a definition")
+    };
+    assert_eq!(out(|id| umbra_world_add_field(Some(&mut world), Some(&field), id)), Err(bad));
+    let zone = UmbraFieldDef { law: UMBRA_ZONE, region: 2, ..field };
+    assert_eq!(out(|id| umbra_world_add_field(Some(&mut world), Some(&zone), id)), Err(bad));
+    // SAFETY: lengths beyond memory are never followed.
+    unsafe {
+        let start = ptr::dangling::<u8>();
+        assert_eq!(umbra_world_execute(Some(&mut world), start, usize::MAX, None), bad);
+        assert_eq!(umbra_world_set_blob(Some(&mut world), start, isize::MAX as usize + 1), bad);
+        assert_eq!(own(|shape| umbra_shape_polygon(ptr::dangling(), usize::MAX / 16, shape)).err(), Some(bad));
+        assert_eq!(umbra_world_poses(Some(&world), ptr::dangling_mut(), usize::MAX, None), bad);
+        assert_eq!(own(|bytes| umbra_bytes_new(usize::MAX, bytes)).err(), Some(bad));
+        assert_eq!(own(|bytes| umbra_bytes_new(isize::MAX as usize, bytes)).err(), Some(bad));
+        let text = [0xffu8, 0xfe];
+        assert_eq!(out(|number| umbra_fx_from_text(text.as_ptr().cast(), 2, number)), Err(bad));
+        assert_eq!(own(|world| umbra_world_from_scene(text.as_ptr().cast(), 2, 9, world)).err(), Some(bad));
+        let scene = r#"{"bodies": [{"name": "{i}", "repeat": {"i": 11}}]}"#;
+        let (at, length) = (scene.as_ptr().cast(), scene.len());
+        assert_eq!(own(|world| umbra_world_from_scene(at, length, 10, world)).err(), Some(510));
+        assert_eq!(last_message(), "1: bodies[0].repeat: out of range: at most 10 can be made");
+        assert!(own(|world| umbra_world_from_scene(at, length, 11, world)).is_ok());
+    }
+    assert_eq!(umbra_world_remove_body(Some(&mut world), body + 1), UMBRA_ERROR_NO_SUCH_BODY);
+    assert_eq!(last_message(), "no such body: body 1");
+    assert_eq!(state_hash(&world), before);
+    assert_eq!(umbra_world_remove_body(Some(&mut world), body), UMBRA_OK);
+    assert_eq!(umbra_world_remove_body(Some(&mut world), body), UMBRA_ERROR_NO_SUCH_BODY);
+    assert_eq!(last_message(), "no such body: body 0");
+    // An error is one a thread.
+    std::thread::spawn(|| assert_eq!((umbra_last_cause(), last_message()), (0, String::new())))
+        .join()
+        .expect("it ends");
+    umbra_world_free(Some(world));
+}
+
+#[test]
+fn steps_report_what_they_did() {
+    let mut world = world();
+    let fast = UmbraBodyDef { velocity: UmbraVec2 { x: ONE << 20, y: 0 }, ..body_def() };
+    let fast = UmbraBodyDef { position: UmbraVec2 { x: ONE << 30, y: 0 }, ..fast };
+    let (fast, still) = (add(&mut world, &fast).expect("a body"), add(&mut world, &body_def()).expect("a body"));
+    let mut slept = Vec::new();
+    for tick in 1..=40 {
+        assert_eq!(umbra_world_step(Some(&mut world)), UMBRA_OK);
+        let report = out(|report| umbra_world_report(Some(&world), report)).expect("a report");
+        assert_eq!((report.tick, report.faults), (tick, u64::from(tick == 1)));
+        // SAFETY: the buffers are those of `list`.
+        let faults =
+            list(|buffer, capacity, count| unsafe { umbra_world_faults(Some(&world), buffer, capacity, count) });
+        let fault = UmbraFault { body: fast, field: UMBRA_NO_HANDLE, cause: 201, reserved: 0 };
+        assert_eq!(faults, Ok(if tick == 1 { vec![fault] } else { vec![] }));
+        // SAFETY: the buffers are those of `list`.
+        slept
+            .extend(list(|to, size, count| unsafe { umbra_world_fell_asleep(Some(&world), to, size, count) }).unwrap());
+    }
+    assert_eq!(slept, [still]);
+    let state = out(|state| umbra_world_body(Some(&world), fast, state)).expect("a state");
+    assert_eq!(state.activity, UMBRA_QUARANTINED);
+    assert_eq!(umbra_world_set_velocity(Some(&mut world), fast, 0, 0), UMBRA_OK);
+    assert_eq!(umbra_world_release(Some(&mut world), fast), UMBRA_OK);
+    assert_eq!(umbra_world_wake(Some(&mut world), still), UMBRA_OK);
+    let mut moving = MaybeUninit::uninit();
+    assert_eq!(out(|all| umbra_world_body_count(Some(&world), all, Some(&mut moving))), Ok(2));
+    // SAFETY: the call was done.
+    assert_eq!(unsafe { moving.assume_init() }, 2);
+    assert_eq!(umbra_world_step(Some(&mut world)), UMBRA_OK);
+    // SAFETY: the buffers are those of `list`.
+    let woke = list(|to, size, count| unsafe { umbra_world_woke(Some(&world), to, size, count) });
+    assert_eq!(woke, Ok(vec![still]));
+    assert_eq!(out(|tick| umbra_world_tick(Some(&world), tick)), Ok(41));
+    umbra_world_free(Some(world));
+}
+
+#[test]
+fn what_a_game_keeps_goes_along() {
+    let mut world = world();
+    assert_eq!(umbra_world_seed(Some(&mut world), 42), UMBRA_OK);
+    // SAFETY: the bytes are there.
+    assert_eq!(unsafe { umbra_world_set_blob(Some(&mut world), b"score".as_ptr(), 5) }, UMBRA_OK);
+    let mut copy = own(|copy| umbra_world_clone(Some(&world), copy)).expect("a copy");
+    // SAFETY: the buffers are those of `list`.
+    let blob = list(|to, size, count| unsafe { umbra_world_blob(Some(&copy), to, size, count) });
+    assert_eq!(blob, Ok(b"score".to_vec()));
+    let mut random = Random::seeded(42);
+    for _ in 0..5 {
+        assert_eq!(out(|number| umbra_world_random_below(Some(&mut copy), 6, number)), Ok(random.below(6)));
+        assert_eq!(out(|bits| umbra_world_random_bits(Some(&mut copy), bits)), Ok(random.bits()));
+    }
+    let difference = |left: &UmbraWorld, right: &UmbraWorld| {
+        // SAFETY: the buffers are those of `text`.
+        text(|to, size, length| unsafe { umbra_world_first_difference(Some(left), Some(right), to, size, length) })
+    };
+    assert!(difference(&world, &copy).expect("words").starts_with("the world, random"));
+    assert_eq!(difference(&world, &world), Ok(String::new()));
+    umbra_world_free(Some(copy));
+    umbra_world_free(Some(world));
+}
+
+#[test]
+fn a_scene_is_recorded_and_verified_as_any_run() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let json = fs::read_to_string(root.join("scenes/lander.json")).expect("a scene");
+    // SAFETY: the text is there.
+    let from = || own(|world| unsafe { umbra_world_from_scene(json.as_ptr().cast(), json.len(), 1000, world) });
+    let mut world = from().expect("a world");
+    assert_eq!(umbra_world_record(Some(&mut world), 1, 16), UMBRA_OK);
+    assert_eq!(umbra_world_record(Some(&mut world), 1, 16), UMBRA_ERROR_BUSY);
+    let mut file = Vec::new();
+    let take = |file: &mut Vec<u8>, mut bytes: Box<UmbraBytes>| {
+        let (at, length) = (umbra_bytes_data(Some(&mut bytes)), umbra_bytes_length(Some(&bytes)));
+        // SAFETY: that is where they are.
+        file.extend_from_slice(unsafe { std::slice::from_raw_parts(at, length) });
+        umbra_bytes_free(Some(bytes));
+    };
+    for _ in 0..100 {
+        assert_eq!(umbra_world_step(Some(&mut world)), UMBRA_OK);
+        take(&mut file, own(|bytes| umbra_world_take_record(Some(&mut world), bytes)).expect("bytes"));
+    }
+    take(&mut file, own(|bytes| umbra_world_end_record(Some(&mut world), bytes)).expect("bytes"));
+    assert_eq!(own(|bytes| umbra_world_end_record(Some(&mut world), bytes)).err(), Some(UMBRA_ERROR_BAD_ARGUMENT));
+    // SAFETY: the bytes are there.
+    let verify = |file: &[u8]| out(|ticks| unsafe { umbra_replay_verify(file.as_ptr(), file.len(), ticks) });
+    assert_eq!(verify(&file), Ok(100));
+    assert_eq!(verify(&file[..file.len() - 9]), Err(UMBRA_ERROR_REPLAY_CUT_OFF));
+
+    // The same without a recorder; then it is the caller's.
+    let mut plain = from().expect("a world");
+    for _ in 0..100 {
+        assert_eq!(umbra_world_step(Some(&mut plain)), UMBRA_OK);
+    }
+    assert_eq!(state_hash(&plain), state_hash(&world));
+    let snapshot = own(|snapshot| umbra_world_snapshot(Some(&plain), snapshot)).expect("a snapshot");
+    assert_eq!(umbra_world_restore(Some(&mut plain), Some(&snapshot)), UMBRA_ERROR_BUSY);
+    let mut bytes = own(|bytes| umbra_snapshot_to_bytes(Some(&snapshot), bytes)).expect("bytes");
+    // SAFETY: that is where they are.
+    let there =
+        unsafe { std::slice::from_raw_parts(umbra_bytes_data(Some(&mut bytes)), umbra_bytes_length(Some(&bytes))) };
+    assert_eq!(Snapshot::from_bytes(there, &[]).expect("a snapshot").world().state_hash(), state_hash(&plain));
+    assert_eq!(umbra_world_leave_scene(Some(&mut plain)), UMBRA_OK);
+    assert_eq!(umbra_world_restore(Some(&mut plain), Some(&snapshot)), UMBRA_OK);
+    assert_eq!(umbra_world_clear_forces(Some(&mut plain)), UMBRA_OK);
+    umbra_bytes_free(Some(bytes));
+    umbra_snapshot_free(Some(snapshot));
+    umbra_world_free(Some(plain));
+    umbra_world_free(Some(world));
+}
+
+#[test]
+fn room_that_is_asked_for_is_aligned_for_every_struct() {
+    for length in [0, 1, 7, 24, 4096] {
+        let mut bytes = own(|bytes| umbra_bytes_new(length, bytes)).expect("room");
+        let at = umbra_bytes_data(Some(&mut bytes));
+        assert_eq!((at as usize % 16, umbra_bytes_length(Some(&bytes))), (0, length));
+        // SAFETY: that is where they are.
+        assert!(unsafe { std::slice::from_raw_parts(at, length) }.iter().all(|&byte| byte == 0));
+        umbra_bytes_free(Some(bytes));
+    }
+}
+
+#[test]
+fn the_numbers_of_errors_are_those_of_the_document() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let document = fs::read_to_string(root.join("docs/errors.md")).expect("the document");
+    let header = fs::read_to_string(root.join("capi/include/umbra_physics.h")).expect("the header");
+    let mut count = 0;
+    for line in header.lines().filter_map(|line| line.strip_prefix("#define UMBRA_ERROR_")) {
+        let (name, number) = line.split_once(' ').expect("a number");
+        let row = document.lines().find_map(|line| line.strip_prefix(&format!("| E{number} | `"))).expect(line);
+        let theirs = row.split_once('`').expect("a name").0;
+        // `SnapshotError::ForceLaw` as `SNAPSHOT_FORCE_LAW`.
+        let mut ours = String::new();
+        for c in theirs.replace("ParseFxError", "Number").replace("Error", "").replace("::", "").chars() {
+            if c.is_uppercase() && !ours.is_empty() {
+                ours.push('_');
+            }
+            ours.push(c.to_ascii_uppercase());
+        }
+        assert!(ours == name || theirs == format!("UMBRA_ERROR_{name}"), "{name} and {theirs}");
+        let code: UmbraStatus = number.parse().expect("a number");
+        // SAFETY: the buffers are those of `text`.
+        let words = text(|to, size, length| unsafe { umbra_status_message(code, to, size, length) }).expect("words");
+        assert!(words.len() > 3 && !words.contains(['`', '|', '[']), "{words}");
+        count += 1;
+    }
+    assert_eq!(count, 40);
+}
+
+/// As C has them: on these numbers the page in `examples/web` stands too.
+#[test]
+fn structs_lie_as_they_are_known() {
+    assert_eq!((size_of::<UmbraWorldDef>(), size_of::<UmbraPose>()), (48, 48));
+    assert_eq!((size_of::<UmbraBodyDef>(), std::mem::offset_of!(UmbraBodyDef, shape)), (128, 120));
+    assert_eq!((size_of::<UmbraBodyState>(), size_of::<UmbraFieldDef>()), (232, 232));
+    assert_eq!(std::mem::offset_of!(UmbraFieldDef, max), 216);
+}
