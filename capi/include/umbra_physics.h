@@ -476,9 +476,8 @@ typedef struct UmbraMade {
 // The library has a fault: it panicked, and the call was ended. What the call changed may only be freed.
 #define UMBRA_ERROR_PANIC 904
 
-// A world that a scene runs is changed by the scene alone (`umbra_world_leave_scene`); a draft is not stepped; and a world that is
-// being recorded does not go
-// to another state at once.
+// A world that a scene runs is changed by the scene alone (`umbra_world_leave_scene`), a draft is not stepped, and a world that
+// is being recorded does not go to another state at once.
 #define UMBRA_ERROR_BUSY 905
 
 // Order 1; gains energy. For comparison.
@@ -665,6 +664,16 @@ UmbraStatus umbra_world_from_scene(const char *json,
                                    uint32_t most,
                                    struct UmbraWorld **world);
 
+// The body of a name in a world that a scene runs. Names are the scene's: they end with it, handles do not.
+UmbraStatus umbra_world_find_body(const struct UmbraWorld *world, const char *name, size_t length, uint64_t *body);
+
+// The name of a body in a world that a scene runs; text as `umbra_last_message` gives it.
+UmbraStatus umbra_world_body_name(const struct UmbraWorld *world,
+                                  uint64_t body,
+                                  char *buffer,
+                                  size_t capacity,
+                                  size_t *length);
+
 // Ends the scene of a world, which stays as it is and is the caller's to change. A world without a scene is let be.
 UmbraStatus umbra_world_leave_scene(struct UmbraWorld *world);
 
@@ -678,7 +687,8 @@ void umbra_world_free(struct UmbraWorld *world);
 // What the world was made from, as changed since.
 UmbraStatus umbra_world_def(const struct UmbraWorld *world, struct UmbraWorldDef *def);
 
-// Moves a world on by a tick. Only a scene can be refused: then its step was not made.
+// Moves a world on by a tick. Only a scene can be refused: what it does in this tick before that is done, and the step is not
+// made.
 UmbraStatus umbra_world_step(struct UmbraWorld *world);
 
 // Carries out the inputs of a tick, by player and then by sequence, and moves the world on. An input that is refused changes

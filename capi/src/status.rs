@@ -101,9 +101,8 @@ pub const UMBRA_ERROR_BAD_ARGUMENT: UmbraStatus = 902;
 pub const UMBRA_ERROR_BUFFER_TOO_SMALL: UmbraStatus = 903;
 /// The library has a fault: it panicked, and the call was ended. What the call changed may only be freed.
 pub const UMBRA_ERROR_PANIC: UmbraStatus = 904;
-/// A world that a scene runs is changed by the scene alone (`umbra_world_leave_scene`); a draft is not stepped; and a world that is
-/// being recorded does not go
-/// to another state at once.
+/// A world that a scene runs is changed by the scene alone (`umbra_world_leave_scene`), a draft is not stepped, and a world that
+/// is being recorded does not go to another state at once.
 pub const UMBRA_ERROR_BUSY: UmbraStatus = 905;
 
 /// Why a call was refused.

@@ -175,6 +175,18 @@ impl UmbraWorld {
         }
     }
 
+    fn play(&self) -> Result<&Play> {
+        match &self.state {
+            State::Scene(play) => Ok(play),
+            _ => Err(Refusal::own(UMBRA_ERROR_BAD_ARGUMENT, "no scene runs this world")),
+        }
+    }
+
+    /// What its scene calls a body. Only as long as it is borrowed, whatever the run says.
+    fn name(&self, body: BodyId) -> Option<&str> {
+        self.play().ok().map(|play| play.run.name(body)).filter(|name| !name.is_empty())
+    }
+
     /// The world and its recorder, unless a scene runs it.
     fn parts(&mut self) -> Result<(&mut World, &mut Option<Recorder>, &mut Vec<Outcome>)> {
         match &mut self.state {
@@ -354,6 +366,44 @@ pub unsafe extern "C" fn umbra_world_from_scene(
     })
 }
 
+/// The body of a name in a world that a scene runs. Names are the scene's: they end with it, handles do not.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn umbra_world_find_body(
+    world: Option<&UmbraWorld>,
+    name: *const c_char,
+    length: usize,
+    body: Option<&mut MaybeUninit<u64>>,
+) -> UmbraStatus {
+    guard(|| {
+        // SAFETY: as the caller promises.
+        let name = unsafe { text(name, length) }?;
+        let (world, place) = (given(world)?, given(body)?);
+        let found =
+            world.play()?.run.world().bodies().map(|body| body.id()).find(|&body| world.name(body) == Some(name));
+        let found = found.ok_or_else(|| Refusal::own(UMBRA_ERROR_BAD_ARGUMENT, "no body has this name"))?;
+        place.write(word(found.parts()));
+        Ok(())
+    })
+}
+
+/// The name of a body in a world that a scene runs; text as `umbra_last_message` gives it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn umbra_world_body_name(
+    world: Option<&UmbraWorld>,
+    body: u64,
+    buffer: *mut c_char,
+    capacity: usize,
+    length: Option<&mut MaybeUninit<usize>>,
+) -> UmbraStatus {
+    guard(|| {
+        let world = given(world)?;
+        world.play()?;
+        let body = world.world().body(body_id(body))?.id();
+        // SAFETY: as the caller promises.
+        unsafe { write_text(world.name(body).unwrap_or_default(), buffer, capacity, length) }
+    })
+}
+
 /// Ends the scene of a world, which stays as it is and is the caller's to change. A world without a scene is let be.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_world_leave_scene(world: Option<&mut UmbraWorld>) -> UmbraStatus {
@@ -402,7 +452,8 @@ pub extern "C" fn umbra_world_def(
     })
 }
 
-/// Moves a world on by a tick. Only a scene can be refused: then its step was not made.
+/// Moves a world on by a tick. Only a scene can be refused: what it does in this tick before that is done, and the step is not
+/// made.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_world_step(world: Option<&mut UmbraWorld>) -> UmbraStatus {
     guard(|| given(world)?.step(&Inputs::new()))

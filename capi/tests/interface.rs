@@ -585,6 +585,15 @@ fn a_scene_is_recorded_and_verified_as_any_run() {
 
     // The same without a recorder; then it is the caller's.
     let mut plain = from().expect("a world");
+    let find = |world: &UmbraWorld, name: &str| {
+        // SAFETY: the text is there.
+        out(|body| unsafe { umbra_world_find_body(Some(world), name.as_ptr().cast(), name.len(), body) })
+    };
+    let first = find(&plain, "lander").expect("a body of that name");
+    assert_eq!(find(&plain, "nobody"), Err(UMBRA_ERROR_BAD_ARGUMENT));
+    // SAFETY: the buffers are those of `text`.
+    let name = text(|to, size, length| unsafe { umbra_world_body_name(Some(&plain), first, to, size, length) });
+    assert_eq!(name.as_deref(), Ok("lander"));
     for _ in 0..100 {
         assert_eq!(umbra_world_step(Some(&mut plain)), UMBRA_OK);
     }
@@ -597,6 +606,7 @@ fn a_scene_is_recorded_and_verified_as_any_run() {
         unsafe { std::slice::from_raw_parts(umbra_bytes_data(Some(&mut bytes)), umbra_bytes_length(Some(&bytes))) };
     assert_eq!(Snapshot::from_bytes(there, &[]).expect("a snapshot").world().state_hash(), state_hash(&plain));
     assert_eq!(umbra_world_leave_scene(Some(&mut plain)), UMBRA_OK);
+    assert_eq!(find(&plain, "lander"), Err(UMBRA_ERROR_BAD_ARGUMENT), "names end with the scene");
     assert_eq!(umbra_world_restore(Some(&mut plain), Some(&snapshot)), UMBRA_OK);
     assert_eq!(umbra_world_clear_forces(Some(&mut plain)), UMBRA_OK);
     umbra_bytes_free(Some(bytes));
