@@ -276,6 +276,8 @@ typedef struct UmbraPose {
     struct UmbraVec2 position;
     // How far it is turned, rad in [0, 2π).
     UmbraFx angle;
+    // The caller's name for it, by which what is drawn stays with its body through a rollback.
+    uint64_t key;
     // The caller's data: what to draw, say.
     uint64_t user_data;
     // What moves it.

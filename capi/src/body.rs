@@ -145,6 +145,8 @@ pub struct UmbraPose {
     pub position: UmbraVec2,
     /// How far it is turned, rad in [0, 2π).
     pub angle: UmbraFx,
+    /// The caller's name for it, by which what is drawn stays with its body through a rollback.
+    pub key: u64,
     /// The caller's data: what to draw, say.
     pub user_data: u64,
     /// What moves it.
@@ -357,6 +359,7 @@ pub unsafe extern "C" fn umbra_world_poses(
             body: word(body.id().parts()),
             position: body.position().into(),
             angle: body.angle().to_bits(),
+            key: body.key(),
             user_data: body.user_data(),
             kind: number_of(body.kind()),
             activity: activity_of(body.activity()),

@@ -374,8 +374,8 @@ fn bodies_are_read_to_the_last_bit() {
 
     // SAFETY: the buffers are those of `list`.
     let poses = list(|buffer, capacity, count| unsafe { umbra_world_poses(Some(&here), buffer, capacity, count) });
-    let UmbraBodyState { position, angle, user_data, kind, activity, .. } = state;
-    assert_eq!(poses, Ok(vec![UmbraPose { body, position, angle, user_data, kind, activity }]));
+    let UmbraBodyState { position, angle, key, user_data, kind, activity, .. } = state;
+    assert_eq!(poses, Ok(vec![UmbraPose { body, position, angle, key, user_data, kind, activity }]));
     // SAFETY: the buffers are those of `list`.
     let bodies = list(|buffer, capacity, count| unsafe { umbra_world_bodies(Some(&here), buffer, capacity, count) });
     assert_eq!(bodies, Ok(vec![body]));
@@ -658,7 +658,7 @@ fn the_numbers_of_errors_are_those_of_the_document() {
 /// As C has them: on these numbers the page in `examples/web` stands too.
 #[test]
 fn structs_lie_as_they_are_known() {
-    assert_eq!((size_of::<UmbraWorldDef>(), size_of::<UmbraPose>()), (48, 48));
+    assert_eq!((size_of::<UmbraWorldDef>(), size_of::<UmbraPose>()), (48, 56));
     assert_eq!((size_of::<UmbraBodyDef>(), std::mem::offset_of!(UmbraBodyDef, shape)), (128, 120));
     assert_eq!((size_of::<UmbraBodyState>(), size_of::<UmbraFieldDef>()), (232, 232));
     assert_eq!(std::mem::offset_of!(UmbraFieldDef, max), 216);

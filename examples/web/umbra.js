@@ -1,7 +1,7 @@
 // The C interface for JavaScript. Numbers are BigInt, multiples of 2^-32; no float goes in.
 
 // Of `capi/include/umbra_physics.h`: no padding, so that places are sums of sizes.
-const POSE = 48, FIELD_DEF = 232, NO_HANDLE = 0xffff_ffff_ffff_ffffn;
+const POSE = 56, FIELD_DEF = 232, NO_HANDLE = 0xffff_ffff_ffff_ffffn;
 const API = 1, SPRING = 1, BUFFER_TOO_SMALL = 903;
 const PAGE = 65536;
 
@@ -132,7 +132,7 @@ class World {
       const at = i * POSE, x = view.getBigInt64(at + 8, true), y = view.getBigInt64(at + 16, true);
       return {
         body: view.getBigUint64(at, true), x, y, drawX: toFloat(x), drawY: toFloat(y),
-        angle: toFloat(view.getBigInt64(at + 24, true)), look: Number(view.getBigUint64(at + 32, true)),
+        angle: toFloat(view.getBigInt64(at + 24, true)), look: Number(view.getBigUint64(at + 40, true)),
       };
     });
   }
