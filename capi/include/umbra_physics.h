@@ -179,6 +179,9 @@ typedef uint32_t UmbraBodyKind;
 // Where mass and moment of inertia come from: one of the three below.
 typedef uint32_t UmbraMassKind;
 
+// Which components of a body's velocity are zero and stay zero: 0, or any of the flags below.
+typedef uint32_t UmbraLocks;
+
 // What a body is made from; `umbra_body_def_default` fills it in.
 typedef struct UmbraBodyDef {
     // What moves it: `UMBRA_DYNAMIC`.
@@ -203,19 +206,23 @@ typedef struct UmbraBodyDef {
     UmbraFx linear_damping;
     // What is left of its angular velocity after a second, 0 to 1: `UMBRA_AS_WORLD`.
     UmbraFx angular_damping;
+    // The largest speed it has after a step, 0 to 2^20 m/s, if it is dynamic: `UMBRA_NO_LIMIT`.
+    UmbraFx max_speed;
+    // The largest angular speed it has after a step, 0 to 2^20 rad/s, if it is dynamic: `UMBRA_NO_LIMIT`.
+    UmbraFx max_angular_speed;
     // A name of the caller's, by which worlds built in another order are compared: 0.
     uint64_t key;
     // Anything of the caller's: 0.
     uint64_t user_data;
     // The groups it is in: a force field with one of these bits acts on it. 1.
     uint32_t groups;
-    // 0.
-    uint32_t reserved;
+    // Which components of its velocity are zero and stay zero: none.
+    UmbraLocks locks;
     // Its shape: null for none. Last, so that all else lies at the same place whatever the size of pointers.
     const struct UmbraShape *shape;
 } UmbraBodyDef;
 
-// Whether a body takes part in steps: one of the three below.
+// Whether a body takes part in steps: one of the four below.
 typedef uint32_t UmbraActivity;
 
 // All of a body.
@@ -254,6 +261,10 @@ typedef struct UmbraBodyState {
     UmbraFx linear_damping;
     // What is left of its angular velocity after a second, or `UMBRA_AS_WORLD`.
     UmbraFx angular_damping;
+    // The largest speed it has after a step, or `UMBRA_NO_LIMIT`.
+    UmbraFx max_speed;
+    // The largest angular speed it has after a step, or `UMBRA_NO_LIMIT`.
+    UmbraFx max_angular_speed;
     // The caller's name for it.
     uint64_t key;
     // The caller's data.
@@ -264,8 +275,8 @@ typedef struct UmbraBodyState {
     UmbraActivity activity;
     // The groups it is in.
     uint32_t groups;
-    // 0.
-    uint32_t reserved;
+    // Which components of its velocity are zero and stay zero.
+    UmbraLocks locks;
 } UmbraBodyState;
 
 // What drawing needs of a body.
@@ -359,7 +370,7 @@ typedef struct UmbraMade {
 // It was done.
 #define UMBRA_OK 0
 
-// A value is outside of the range of its kind; `umbra_last_cause` has the number of the kind, 151 to 173.
+// A value is outside of the range of its kind; `umbra_last_cause` has the number of the kind, 151 to 175.
 #define UMBRA_ERROR_OUT_OF_RANGE 101
 
 // The handle names no body: it was removed, or never there.
@@ -403,6 +414,18 @@ typedef struct UmbraMade {
 
 // A tick has an input of this player and sequence already.
 #define UMBRA_ERROR_DUPLICATE_INPUT 117
+
+// The body is locked along an axis of the velocity; `umbra_last_cause` has which velocity, 153 or 154.
+#define UMBRA_ERROR_LOCKED 121
+
+// The body is disabled: enable it first.
+#define UMBRA_ERROR_DISABLED 122
+
+// The body is not disabled, and cannot be enabled.
+#define UMBRA_ERROR_NOT_DISABLED 123
+
+// The call needs a kinematic body.
+#define UMBRA_ERROR_NOT_KINEMATIC 124
 
 // The bytes are no snapshot.
 #define UMBRA_ERROR_SNAPSHOT_FOREIGN 301
@@ -524,6 +547,9 @@ typedef struct UmbraMade {
 // It left the envelope: back at its last good state and out of the simulation, until it is released.
 #define UMBRA_QUARANTINED 2
 
+// It was taken out of the simulation as it was, until it is enabled.
+#define UMBRA_DISABLED 3
+
 // `mass` is a density: kg/m² times the area of the shape, kg/m for a segment.
 #define UMBRA_MASS_DENSITY 0
 
@@ -535,6 +561,18 @@ typedef struct UmbraMade {
 
 // In place of a damping of a body's own: that of the world.
 #define UMBRA_AS_WORLD -1
+
+// In place of a largest speed: none.
+#define UMBRA_NO_LIMIT -1
+
+// The velocity along x.
+#define UMBRA_LOCK_X 1
+
+// The velocity along y.
+#define UMBRA_LOCK_Y 2
+
+// The angular velocity.
+#define UMBRA_LOCK_ROTATION 4
 
 // Acceleration mu·d / (d² + softening²)^(3/2) towards a point, the same for every mass. Reads `other`, `other_point`, `mu`,
 // `softening`.
@@ -773,7 +811,7 @@ UmbraStatus umbra_world_remove_body(struct UmbraWorld *world, uint64_t body);
 // Reads a body.
 UmbraStatus umbra_world_body(const struct UmbraWorld *world, uint64_t body, struct UmbraBodyState *state);
 
-// The number of bodies, and of those that a step moves: not static, not asleep, not quarantined. Either pointer may be null.
+// The number of bodies, and of those that a step moves: not static, not asleep, not out of the simulation. Either pointer may be null.
 UmbraStatus umbra_world_body_count(const struct UmbraWorld *world,
                                    size_t *all,
                                    size_t *moving);
@@ -826,6 +864,21 @@ UmbraStatus umbra_world_set_key(struct UmbraWorld *world, uint64_t body, uint64_
 
 // Changes the caller's data of a body.
 UmbraStatus umbra_world_set_user_data(struct UmbraWorld *world, uint64_t body, uint64_t user_data);
+
+// Locks components of a body's velocity, which are zero from now on, and frees the others.
+UmbraStatus umbra_world_set_locks(struct UmbraWorld *world, uint64_t body, UmbraLocks locks);
+
+// Gives a dynamic body largest speeds after a step, from 0, or takes them from it with `UMBRA_NO_LIMIT`.
+UmbraStatus umbra_world_set_max_speeds(struct UmbraWorld *world, uint64_t body, UmbraFx linear, UmbraFx angular);
+
+// Takes a body out of the simulation as it is, until it is enabled.
+UmbraStatus umbra_world_disable(struct UmbraWorld *world, uint64_t body);
+
+// Takes a disabled body back into the simulation, as it was.
+UmbraStatus umbra_world_enable(struct UmbraWorld *world, uint64_t body);
+
+// Moves a kinematic body to a place and an angle over the next step.
+UmbraStatus umbra_world_move_to(struct UmbraWorld *world, uint64_t body, UmbraFx x, UmbraFx y, UmbraFx angle);
 
 // Wakes a body and what springs join it to.
 UmbraStatus umbra_world_wake(struct UmbraWorld *world, uint64_t body);

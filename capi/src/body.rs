@@ -3,7 +3,7 @@
 use std::mem::MaybeUninit;
 
 use umbra_physics::scalar::Number as _;
-use umbra_physics::{Activity, BodyDef, BodyKind, BodyRef, Command, Fx, FxAccumulator, Mass};
+use umbra_physics::{Activity, BodyDef, BodyKind, BodyRef, Command, Fx, FxAccumulator, Locks, Mass};
 
 use crate::UMBRA_NO_HANDLE;
 use crate::memory::{fill, given};
@@ -22,7 +22,7 @@ pub const UMBRA_KINEMATIC: UmbraBodyKind = 1;
 /// Everything.
 pub const UMBRA_DYNAMIC: UmbraBodyKind = 2;
 
-/// Whether a body takes part in steps: one of the three below.
+/// Whether a body takes part in steps: one of the four below.
 pub type UmbraActivity = u32;
 
 /// It does.
@@ -31,6 +31,8 @@ pub const UMBRA_AWAKE: UmbraActivity = 0;
 pub const UMBRA_ASLEEP: UmbraActivity = 1;
 /// It left the envelope: back at its last good state and out of the simulation, until it is released.
 pub const UMBRA_QUARANTINED: UmbraActivity = 2;
+/// It was taken out of the simulation as it was, until it is enabled.
+pub const UMBRA_DISABLED: UmbraActivity = 3;
 
 /// Where mass and moment of inertia come from: one of the three below.
 pub type UmbraMassKind = u32;
@@ -44,6 +46,19 @@ pub const UMBRA_MASS_WITH_INERTIA: UmbraMassKind = 2;
 
 /// In place of a damping of a body's own: that of the world.
 pub const UMBRA_AS_WORLD: UmbraFx = -1;
+
+/// In place of a largest speed: none.
+pub const UMBRA_NO_LIMIT: UmbraFx = -1;
+
+/// Which components of a body's velocity are zero and stay zero: 0, or any of the flags below.
+pub type UmbraLocks = u32;
+
+/// The velocity along x.
+pub const UMBRA_LOCK_X: UmbraLocks = 1;
+/// The velocity along y.
+pub const UMBRA_LOCK_Y: UmbraLocks = 2;
+/// The angular velocity.
+pub const UMBRA_LOCK_ROTATION: UmbraLocks = 4;
 
 /// What a body is made from; `umbra_body_def_default` fills it in.
 #[repr(C)]
@@ -71,14 +86,18 @@ pub struct UmbraBodyDef {
     pub linear_damping: UmbraFx,
     /// What is left of its angular velocity after a second, 0 to 1: `UMBRA_AS_WORLD`.
     pub angular_damping: UmbraFx,
+    /// The largest speed it has after a step, 0 to 2^20 m/s, if it is dynamic: `UMBRA_NO_LIMIT`.
+    pub max_speed: UmbraFx,
+    /// The largest angular speed it has after a step, 0 to 2^20 rad/s, if it is dynamic: `UMBRA_NO_LIMIT`.
+    pub max_angular_speed: UmbraFx,
     /// A name of the caller's, by which worlds built in another order are compared: 0.
     pub key: u64,
     /// Anything of the caller's: 0.
     pub user_data: u64,
     /// The groups it is in: a force field with one of these bits acts on it. 1.
     pub groups: u32,
-    /// 0.
-    pub reserved: u32,
+    /// Which components of its velocity are zero and stay zero: none.
+    pub locks: UmbraLocks,
     /// Its shape: null for none. Last, so that all else lies at the same place whatever the size of pointers.
     pub shape: *const UmbraShape,
 }
@@ -121,6 +140,10 @@ pub struct UmbraBodyState {
     pub linear_damping: UmbraFx,
     /// What is left of its angular velocity after a second, or `UMBRA_AS_WORLD`.
     pub angular_damping: UmbraFx,
+    /// The largest speed it has after a step, or `UMBRA_NO_LIMIT`.
+    pub max_speed: UmbraFx,
+    /// The largest angular speed it has after a step, or `UMBRA_NO_LIMIT`.
+    pub max_angular_speed: UmbraFx,
     /// The caller's name for it.
     pub key: u64,
     /// The caller's data.
@@ -131,8 +154,8 @@ pub struct UmbraBodyState {
     pub activity: UmbraActivity,
     /// The groups it is in.
     pub groups: u32,
-    /// 0.
-    pub reserved: u32,
+    /// Which components of its velocity are zero and stay zero.
+    pub locks: UmbraLocks,
 }
 
 /// What drawing needs of a body.
@@ -181,6 +204,7 @@ const fn activity_of(activity: Activity) -> UmbraActivity {
         Activity::Awake => UMBRA_AWAKE,
         Activity::Asleep => UMBRA_ASLEEP,
         Activity::Quarantined => UMBRA_QUARANTINED,
+        Activity::Disabled => UMBRA_DISABLED,
     }
 }
 
@@ -198,6 +222,23 @@ fn damping_of(kept: UmbraFx) -> Option<Fx> {
     (kept != UMBRA_AS_WORLD).then(|| Fx::from_bits(kept))
 }
 
+fn limit_of(most: UmbraFx) -> Option<Fx> {
+    (most != UMBRA_NO_LIMIT).then(|| Fx::from_bits(most))
+}
+
+fn locks_of(flags: UmbraLocks) -> Result<Locks> {
+    if flags & !(UMBRA_LOCK_X | UMBRA_LOCK_Y | UMBRA_LOCK_ROTATION) != 0 {
+        return Err(unknown("a flag is none of a lock"));
+    }
+    let has = |flag| flags & flag != 0;
+    Ok(Locks { x: has(UMBRA_LOCK_X), y: has(UMBRA_LOCK_Y), rotation: has(UMBRA_LOCK_ROTATION) })
+}
+
+fn flags_of(Locks { x, y, rotation }: Locks) -> UmbraLocks {
+    let flag = |is_on, flag| if is_on { flag } else { 0 };
+    flag(x, UMBRA_LOCK_X) | flag(y, UMBRA_LOCK_Y) | flag(rotation, UMBRA_LOCK_ROTATION)
+}
+
 fn exact(value: FxAccumulator) -> UmbraInt128 {
     let [high, low, _] = value.to_words();
     UmbraInt128 { low, high: high as i64 }
@@ -206,6 +247,7 @@ fn exact(value: FxAccumulator) -> UmbraInt128 {
 fn state_of(body: BodyRef<'_>) -> UmbraBodyState {
     let (place, velocity, rotation) = (body.position_exact(), body.velocity_exact(), body.rotation());
     let damping = |own: Option<Fx>| own.map_or(UMBRA_AS_WORLD, Fx::to_bits);
+    let limit = |most: Option<Fx>| most.map_or(UMBRA_NO_LIMIT, Fx::to_bits);
     UmbraBodyState {
         position: body.position().into(),
         velocity: body.velocity().into(),
@@ -224,12 +266,14 @@ fn state_of(body: BodyRef<'_>) -> UmbraBodyState {
         gravity_scale: body.gravity_scale().to_bits(),
         linear_damping: damping(body.linear_damping()),
         angular_damping: damping(body.angular_damping()),
+        max_speed: limit(body.max_speed()),
+        max_angular_speed: limit(body.max_angular_speed()),
         key: body.key(),
         user_data: body.user_data(),
         kind: number_of(body.kind()),
         activity: activity_of(body.activity()),
         groups: body.groups(),
-        reserved: 0,
+        locks: flags_of(body.locks()),
     }
 }
 
@@ -249,10 +293,12 @@ pub extern "C" fn umbra_body_def_default(def: Option<&mut MaybeUninit<UmbraBodyD
             gravity_scale: UMBRA_ONE,
             linear_damping: UMBRA_AS_WORLD,
             angular_damping: UMBRA_AS_WORLD,
+            max_speed: UMBRA_NO_LIMIT,
+            max_angular_speed: UMBRA_NO_LIMIT,
             key: 0,
             user_data: 0,
             groups: 1,
-            reserved: 0,
+            locks: 0,
             shape: std::ptr::null(),
         });
         Ok(())
@@ -281,6 +327,9 @@ pub unsafe extern "C" fn umbra_world_add_body(
             gravity_scale: Fx::from_bits(def.gravity_scale),
             linear_damping: damping_of(def.linear_damping),
             angular_damping: damping_of(def.angular_damping),
+            max_speed: limit_of(def.max_speed),
+            max_angular_speed: limit_of(def.max_angular_speed),
+            locks: locks_of(def.locks)?,
             groups: def.groups,
             key: def.key,
             user_data: def.user_data,
@@ -310,7 +359,7 @@ pub extern "C" fn umbra_world_body(
     })
 }
 
-/// The number of bodies, and of those that a step moves: not static, not asleep, not quarantined. Either pointer may be null.
+/// The number of bodies, and of those that a step moves: not static, not asleep, not out of the simulation. Either pointer may be null.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_world_body_count(
     world: Option<&UmbraWorld>,
@@ -502,6 +551,52 @@ pub extern "C" fn umbra_world_set_key(world: Option<&mut UmbraWorld>, body: u64,
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_world_set_user_data(world: Option<&mut UmbraWorld>, body: u64, user_data: u64) -> UmbraStatus {
     change(world, Command::SetUserData { body: body_id(body), user_data })
+}
+
+/// Locks components of a body's velocity, which are zero from now on, and frees the others.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_set_locks(world: Option<&mut UmbraWorld>, body: u64, locks: UmbraLocks) -> UmbraStatus {
+    guard(|| {
+        let command = Command::SetLocks { body: body_id(body), locks: locks_of(locks)? };
+        given(world)?.execute(&command).map(drop)
+    })
+}
+
+/// Gives a dynamic body largest speeds after a step, from 0, or takes them from it with `UMBRA_NO_LIMIT`.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_set_max_speeds(
+    world: Option<&mut UmbraWorld>,
+    body: u64,
+    linear: UmbraFx,
+    angular: UmbraFx,
+) -> UmbraStatus {
+    let (linear, angular) = (limit_of(linear), limit_of(angular));
+    change(world, Command::SetMaxSpeeds { body: body_id(body), linear, angular })
+}
+
+/// Takes a body out of the simulation as it is, until it is enabled.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_disable(world: Option<&mut UmbraWorld>, body: u64) -> UmbraStatus {
+    change(world, Command::Disable(body_id(body)))
+}
+
+/// Takes a disabled body back into the simulation, as it was.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_enable(world: Option<&mut UmbraWorld>, body: u64) -> UmbraStatus {
+    change(world, Command::Enable(body_id(body)))
+}
+
+/// Moves a kinematic body to a place and an angle over the next step.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_move_to(
+    world: Option<&mut UmbraWorld>,
+    body: u64,
+    x: UmbraFx,
+    y: UmbraFx,
+    angle: UmbraFx,
+) -> UmbraStatus {
+    let (position, angle) = (vector(x, y), Fx::from_bits(angle));
+    change(world, Command::MoveTo { body: body_id(body), position, angle })
 }
 
 /// Wakes a body and what springs join it to.

@@ -21,7 +21,7 @@ pub type UmbraStatus = i32;
 
 /// It was done.
 pub const UMBRA_OK: UmbraStatus = 0;
-/// A value is outside of the range of its kind; `umbra_last_cause` has the number of the kind, 151 to 173.
+/// A value is outside of the range of its kind; `umbra_last_cause` has the number of the kind, 151 to 175.
 pub const UMBRA_ERROR_OUT_OF_RANGE: UmbraStatus = 101;
 /// The handle names no body: it was removed, or never there.
 pub const UMBRA_ERROR_NO_SUCH_BODY: UmbraStatus = 102;
@@ -51,6 +51,14 @@ pub const UMBRA_ERROR_FULL: UmbraStatus = 114;
 pub const UMBRA_ERROR_ELAPSED_TIME: UmbraStatus = 115;
 /// A tick has an input of this player and sequence already.
 pub const UMBRA_ERROR_DUPLICATE_INPUT: UmbraStatus = 117;
+/// The body is locked along an axis of the velocity; `umbra_last_cause` has which velocity, 153 or 154.
+pub const UMBRA_ERROR_LOCKED: UmbraStatus = 121;
+/// The body is disabled: enable it first.
+pub const UMBRA_ERROR_DISABLED: UmbraStatus = 122;
+/// The body is not disabled, and cannot be enabled.
+pub const UMBRA_ERROR_NOT_DISABLED: UmbraStatus = 123;
+/// The call needs a kinematic body.
+pub const UMBRA_ERROR_NOT_KINEMATIC: UmbraStatus = 124;
 /// The bytes are no snapshot.
 pub const UMBRA_ERROR_SNAPSHOT_FOREIGN: UmbraStatus = 301;
 /// They are one of another layout.

@@ -8,7 +8,7 @@ use std::ptr;
 
 use umbra_physics::{
     Action, Attachment, BodyDef, BodyId, BodyKind, Command, End, Field, FieldId, Frame, Fx, FxFactor, Integrator, Law,
-    Manner, Mass, Random, Region, Shape, Snapshot, SpringLaw, TimeStep, World, WorldDef, fx, vec2,
+    Locks, Manner, Mass, Random, Region, Shape, Snapshot, SpringLaw, TimeStep, World, WorldDef, fx, vec2,
 };
 use umbra_physics_capi::*;
 
@@ -212,6 +212,17 @@ fn every_change_is_the_command_of_its_name() {
         umbra_world_set_groups(BODY_WORD, 12) => Command::SetGroups { body, groups: 12 };
         umbra_world_set_key(BODY_WORD, u64::MAX) => Command::SetKey { body, key: u64::MAX };
         umbra_world_set_user_data(BODY_WORD, 14) => Command::SetUserData { body, user_data: 14 };
+        umbra_world_set_locks(BODY_WORD, UMBRA_LOCK_X | UMBRA_LOCK_ROTATION) =>
+            Command::SetLocks { body, locks: Locks { x: true, y: false, rotation: true } };
+        umbra_world_set_locks(BODY_WORD, UMBRA_LOCK_Y) =>
+            Command::SetLocks { body, locks: Locks { x: false, y: true, rotation: false } };
+        umbra_world_set_max_speeds(BODY_WORD, 0, UMBRA_NO_LIMIT) =>
+            Command::SetMaxSpeeds { body, linear: Some(bits(0)), angular: None };
+        umbra_world_set_max_speeds(BODY_WORD, UMBRA_NO_LIMIT, 15) =>
+            Command::SetMaxSpeeds { body, linear: None, angular: Some(bits(15)) };
+        umbra_world_disable(BODY_WORD) => Command::Disable(body);
+        umbra_world_enable(BODY_WORD) => Command::Enable(body);
+        umbra_world_move_to(BODY_WORD, 1, 2, 3) => Command::MoveTo { body, position: pair(1, 2), angle: bits(3) };
         umbra_world_wake(BODY_WORD) => Command::Wake(body);
         umbra_world_release(BODY_WORD) => Command::Release(body);
         umbra_world_remove_field(FIELD_WORD) => Command::RemoveField(FIELD);
@@ -265,10 +276,12 @@ fn every_change_is_the_command_of_its_name() {
         gravity_scale: 9,
         linear_damping: 10,
         angular_damping: 11,
+        max_speed: 15,
+        max_angular_speed: 16,
         key: 12,
         user_data: 13,
         groups: 14,
-        reserved: 0,
+        locks: UMBRA_LOCK_Y,
         shape: &raw const *shape,
     };
     assert_eq!(add(&mut draft, &def), Ok(UMBRA_NO_HANDLE));
@@ -282,6 +295,9 @@ fn every_change_is_the_command_of_its_name() {
         gravity_scale: bits(9),
         linear_damping: Some(bits(10)),
         angular_damping: Some(bits(11)),
+        max_speed: Some(bits(15)),
+        max_angular_speed: Some(bits(16)),
+        locks: Locks { x: false, y: true, rotation: false },
         key: 12,
         user_data: 13,
         groups: 14,
@@ -291,8 +307,8 @@ fn every_change_is_the_command_of_its_name() {
     assert_eq!(add(&mut draft, &body_def()), Ok(UMBRA_NO_HANDLE));
     is(&draft, UMBRA_OK, Command::AddBody(BodyDef::dynamic()));
 
-    // From AddBody to ClearForces, as `docs/formats.md` numbers them.
-    assert!(seen.iter().copied().eq(0..=27), "{seen:?}");
+    // From AddBody to MoveTo, as `docs/formats.md` numbers them.
+    assert!(seen.iter().copied().eq(0..=32), "{seen:?}");
 
     assert_eq!(umbra_world_step(Some(&mut draft)), UMBRA_ERROR_BUSY);
     let place = world();
@@ -450,6 +466,7 @@ fn what_cannot_be_is_refused_and_changes_nothing() {
     assert_eq!(umbra_world_set_kind(Some(&mut world), body, 3), bad);
     assert_eq!(umbra_world_set_mass(Some(&mut world), body, 3, ONE, 0), bad);
     assert_eq!(umbra_world_set_integrator(Some(&mut world), 5), bad);
+    assert_eq!(umbra_world_set_locks(Some(&mut world), body, 8), bad);
     assert_eq!(umbra_world_apply_force(Some(&mut world), body, 0, 0, None, 4), bad);
     assert_eq!(out(|number| umbra_world_random_below(Some(&mut world), 0, number)), Err(bad));
     assert_eq!(add(&mut world, &UmbraBodyDef { mass_kind: 9, ..body_def() }), Err(bad));
@@ -652,14 +669,14 @@ fn the_numbers_of_errors_are_those_of_the_document() {
         assert!(words.len() > 3 && !words.contains(['`', '|', '[']), "{words}");
         count += 1;
     }
-    assert_eq!(count, 40);
+    assert_eq!(count, 44);
 }
 
 /// As C has them: on these numbers the page in `examples/web` stands too.
 #[test]
 fn structs_lie_as_they_are_known() {
     assert_eq!((size_of::<UmbraWorldDef>(), size_of::<UmbraPose>()), (48, 56));
-    assert_eq!((size_of::<UmbraBodyDef>(), std::mem::offset_of!(UmbraBodyDef, shape)), (128, 120));
-    assert_eq!((size_of::<UmbraBodyState>(), size_of::<UmbraFieldDef>()), (232, 232));
+    assert_eq!((size_of::<UmbraBodyDef>(), std::mem::offset_of!(UmbraBodyDef, shape)), (144, 136));
+    assert_eq!((size_of::<UmbraBodyState>(), size_of::<UmbraFieldDef>()), (248, 232));
     assert_eq!(std::mem::offset_of!(UmbraFieldDef, max), 216);
 }
