@@ -194,9 +194,6 @@ impl<const MODE: u8> Angle<Twin<MODE>> for Turn {
     fn drifted(self, velocity: Twin<MODE>, drift_factor: FxFactor, negative: bool) -> Self {
         Angle::<Fx>::drifted(self, velocity.0, drift_factor, negative)
     }
-    fn way_to(self, goal: Self) -> FxWide {
-        <Self as Angle<Fx>>::way_to(self, goal)
-    }
     fn turned(self, radians: TwinAccumulator<MODE>) -> Self {
         Angle::<Fx>::turned(self, FxAccumulator::from_bits(radians.0))
     }
