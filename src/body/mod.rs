@@ -56,6 +56,17 @@ pub enum Activity {
 impl Activity {
     /// Whether the body is part of the simulation. One that is not stands still with the velocity it has, and whatever is
     /// attached to it is inert.
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, World, WorldDef};
+    ///
+    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let body = world.add_body(BodyDef::dynamic())?;
+    /// assert!(world.body(body)?.activity().takes_part());
+    /// world.disable(body)?;
+    /// assert!(!world.body(body)?.activity().takes_part());
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
     #[must_use]
     pub const fn takes_part(self) -> bool {
         match self {

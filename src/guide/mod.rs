@@ -8,6 +8,7 @@
 //! | [`lockstep`] | peers that send inputs alone: hashes, and what to do when they differ |
 //! | [`rollback`] | inputs that arrive late: going back, and to the present again |
 //! | [`replays`] | recording, and verifying on a server what strangers send |
+//! | [`frames`] | a clock's nanoseconds to ticks, poses between ticks, drawing, events |
 //! | [`engines`] | entities that follow bodies, as with `bevy_ecs` |
 //! | [`migration`] | coming from Box2D or Rapier: their calls and ours, units, conventions |
 //!
@@ -20,6 +21,8 @@ pub mod accuracy {}
 pub mod determinism {}
 #[doc = include_str!("engines.md")]
 pub mod engines {}
+#[doc = include_str!("frames.md")]
+pub mod frames {}
 #[doc = include_str!("lockstep.md")]
 pub mod lockstep {}
 #[doc = include_str!("migration.md")]

@@ -182,6 +182,13 @@ impl Symmetry {
     }
 
     /// The image of what is locked: x and y change places where their axes do.
+    ///
+    /// ```
+    /// use umbra_physics::{Locks, oracle::Symmetry};
+    ///
+    /// let rail = Locks { y: true, ..Locks::NONE };
+    /// assert_eq!(Symmetry::TURN.locks(rail), Locks { x: true, ..Locks::NONE });
+    /// ```
     #[must_use]
     pub fn locks(&self, locks: Locks) -> Locks {
         match self.matrix {

@@ -133,6 +133,20 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
 
     /// The velocity of a point of the world that moves with it, m/s: v + ω × (point − x) of the public values, exact and
     /// rounded once, to nearest, ties to even; `None` if a component does not fit. *Error* ½ ulp.
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, World, WorldDef, fx, vec2};
+    ///
+    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let wheel = world.add_body(BodyDef { position: vec2(5, 1), angular_velocity: fx!(2), ..BodyDef::dynamic() })?;
+    /// let wheel = world.body(wheel)?;
+    /// // Its top, in its own axes and in the world's.
+    /// assert_eq!(wheel.world_point(vec2(0, 3)), Some(vec2(5, 4)));
+    /// assert_eq!(wheel.local_point(vec2(5, 4)), Some(vec2(0, 3)));
+    /// assert_eq!((wheel.world_vector(vec2(1, 0)), wheel.local_vector(vec2(1, 0))), (Some(vec2(1, 0)), Some(vec2(1, 0))));
+    /// assert_eq!(wheel.velocity_at(vec2(5, 4)), Some(vec2(-6, 0)));
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
     #[must_use]
     pub fn velocity_at(&self, point: Vec2<S>) -> Option<Vec2<S>> {
         let (centre, v) = (self.position(), self.velocity());
@@ -181,6 +195,22 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
     }
 
     /// Its part of the world's [`kinetic_energy`](World::kinetic_energy), J: zero unless it is dynamic and takes part.
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, Mass, World, WorldDef, fx, vec2};
+    ///
+    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let mass = Mass::WithInertia(fx!(0.5), fx!(0.25));
+    /// let velocity = vec2(3, fx!(0.1));
+    /// let body = world.add_body(BodyDef { mass, velocity, position: vec2(0, 2), ..BodyDef::dynamic() })?;
+    /// let body = world.body(body)?;
+    /// assert_eq!(body.mass_def(), mass);
+    /// // Exact decimals of what is computed: 0.1 is the multiple of 2^-32 nearest to it.
+    /// assert_eq!(body.momentum().x.to_string(), "1.5");
+    /// assert_eq!(body.momentum().y.to_string(), "0.05000000004656612873077392578125");
+    /// assert_eq!((body.angular_momentum()?.to_string(), body.kinetic_energy()?.to_string().get(..8)), ("-3".into(), Some("2.252500")));
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::OutOfRange`] with [`Quantity::Total`](crate::Quantity::Total) beyond 2^63 J.
@@ -284,6 +314,20 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
     }
 
     /// Which components of its velocity are zero and stay zero.
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, Locks, World, WorldDef, fx, vec2};
+    ///
+    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let lift = world.add_body(BodyDef { velocity: vec2(3, 4), ..BodyDef::dynamic() })?;
+    /// world.set_locks(lift, Locks { x: true, ..Locks::NONE })?;
+    /// world.set_max_speeds(lift, Some(fx!(2)), Some(fx!(1)))?;
+    /// world.step();
+    /// let lift = world.body(lift)?;
+    /// assert_eq!((lift.locks().x, lift.max_speed(), lift.max_angular_speed()), (true, Some(fx!(2)), Some(fx!(1))));
+    /// assert_eq!(lift.velocity(), vec2(0, 2));
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
     #[must_use]
     pub fn locks(&self) -> Locks {
         self.card().locks
@@ -308,6 +352,19 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
     }
 
     /// Where the next step [moves](World::move_to) it, position in m and angle, if it does.
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, World, WorldDef, fx, vec2};
+    ///
+    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let door = world.add_body(BodyDef::kinematic())?;
+    /// world.move_to(door, vec2(fx!(0.1), 0), fx!(0.5))?;
+    /// assert_eq!(world.body(door)?.goal().map(|(position, _)| position), Some(vec2(fx!(0.1), 0)));
+    /// world.step();
+    /// assert_eq!((world.body(door)?.position(), world.body(door)?.angle()), (vec2(fx!(0.1), 0), fx!(0.5)));
+    /// assert_eq!(world.body(door)?.goal(), None);
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
     #[must_use]
     pub fn goal(&self) -> Option<(Vec2<S>, S::Angle)> {
         self.world.errands.of(self.id()).and_then(|errand| errand.goal).map(|goal| (goal.position, goal.angle))

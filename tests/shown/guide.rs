@@ -84,5 +84,5 @@ fn the_guide_has_its_chapters_and_says_so() {
             chapters += 1;
         }
     }
-    assert_eq!(chapters, 8);
+    assert_eq!(chapters, 9);
 }
