@@ -54,6 +54,15 @@ fn shifted(num: &UBig, shift: i32) -> UBig {
     if shift <= 0 { num << shift.unsigned_abs() as usize } else { nearest(num, &(UBig::ONE << shift as usize)) }
 }
 
+/// mantissa·2^exponent, computed with in 200 bits.
+fn real(mantissa: i128, exponent: isize) -> Real {
+    Real::from_parts(mantissa.into(), exponent).with_precision(200).value()
+}
+
+fn float(value: Real) -> f64 {
+    value.to_f64().value()
+}
+
 const SHIFTS: [i32; 17] = [-200, -128, -127, -64, -1, 0, 1, 2, 63, 64, 126, 127, 128, 129, 255, 256, 257];
 
 #[test]
@@ -196,6 +205,47 @@ fn rotations_at_the_borders_of_the_table() {
 }
 
 #[test]
+fn radians_are_the_nearest_turn() {
+    // A raw of 1 is 2^32/2π units of a turn. 160 bits are kept below the unit.
+    let unit = UBig::ONE << 160;
+    let per_raw = (Real::ONE << 191) / Real::pi(400);
+    let per_raw = UBig::try_from(per_raw.to_int().value()).expect("above 0");
+    let (turn, half) = (&unit << 64, &unit << 63);
+    let spread = (0..10_000u64).map(|k| k.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> (k % 64));
+    for magnitude in words().into_iter().chain(spread).filter(|&word| word <= 1 << 63) {
+        let raw = (magnitude as i64).wrapping_neg();
+        let nearest = turn_from_radians(raw).wrapping_neg();
+        let away = (&per_raw * magnitude + &turn + &half - &unit * nearest) % &turn;
+        let most = &unit * 501u32 / 1000u32;
+        assert!(&half - &most < away && away < &half + &most, "{magnitude:#x}");
+    }
+}
+
+#[test]
+fn rotations_and_angles_are_within_half_a_unit_of_the_tables_own() {
+    // What is added to the entry is half a unit off at most too, and what its terms leave out is a fiftieth of one.
+    let most = 1.02;
+    let tau = Real::pi(200) * real(2, 0);
+    let spread = (0..3_000u64).map(|k| k.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+    for turn in (0..129u64).map(|entry| (entry << 54) + (1 << 53)).chain(spread) {
+        let (exact_sin, exact_cos) = (&tau * real(turn.into(), -64)).sin_cos();
+        let (sin, cos) = sin_cos_turn(turn);
+        for (value, exact) in [(sin, exact_sin), (cos, exact_cos)] {
+            let units = float((exact << 62) - real(value.into(), 0)).abs();
+            assert!(units <= most, "{turn:#x}: {units}");
+        }
+        // A vector of any length and steepness, and how far it is on from its angle.
+        let (y, x) = (sin >> (turn % 61), cos >> (turn % 59));
+        let near = atan2_turn(y, x);
+        let (near_sin, near_cos) = (&tau * real(near.into(), -64)).sin_cos();
+        let (y, x) = (real(y.into(), 0), real(x.into(), 0));
+        let (across, along) = (&y * &near_cos - &x * &near_sin, x * near_cos + y * near_sin);
+        let units = float(((across / along) << 64) / &tau).abs();
+        assert!(units <= most, "{turn:#x}: {units}");
+    }
+}
+
+#[test]
 fn angles_at_the_borders_of_the_table() {
     // Where i/128 is as near as (i + 1)/128: (2·i + 1)/256 of the longer side, at every length of it.
     for length in (8..63).map(|k| (1i64 << k) - 1).chain([i64::MAX]) {
@@ -231,13 +281,20 @@ fn logarithms_and_powers_at_the_borders_of_the_tables() {
         // Apart by log2(1 + 1/raw) >= 2^-64, and within 2^-118 each.
         assert!(near[0] < near[1] && near[1] < near[2], "{raw:#x}");
     }
-    let real = |mantissa: i128, exponent| Real::from_parts(mantissa.into(), exponent).with_precision(200).value();
     let ln2 = real(2, 0).ln();
     // The series is longest at both ends of what an entry of the table is for.
     for raw in (128..256u64).flat_map(|j| [j << 56, (j << 56) | ((1 << 56) - 1)]) {
         let exact = real(raw.into(), -32).ln() / &ln2;
-        let away = (exact - real(log2_fine(raw), -120)).to_f64().value().abs();
+        let away = float(&exact - real(log2_fine(raw), -120)).abs();
         assert!(away <= 2f64.powi(-118), "{raw:#x}: 2^{}", away.log2());
+        let ulps = float((exact << 32) - real(log2(raw).into(), 0)).abs();
+        assert!(ulps <= 0.5001, "{raw:#x}: {ulps}");
+    }
+    // The last of the bits kept tells these from a tie, whatever is below it.
+    for raw in [1_222_593, 4_354_659, 4_815_040, 6_548_089] {
+        let exact = (real(raw.into(), -32) * &ln2).exp() << 32;
+        let ulps = float(exact - real(exp2(raw).expect("next to 1").into(), 0));
+        assert!((-0.5..=0.5).contains(&ulps), "{raw}: {ulps}");
     }
     for frac in (0..128u128).flat_map(|entry| [0, 1, 1 << 57, (1 << 121) - 1].map(|off| (entry << 121) + off)) {
         let fine = exp2_fine(frac);

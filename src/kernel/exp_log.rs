@@ -167,6 +167,8 @@ const fn fx_from_power(whole: i64, frac: u128, settle: bool) -> Option<u64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kernel::wide::mul_128;
+    use alloc::vec::Vec;
 
     #[test]
     fn the_table_rotation_leaves_less_than_2_to_the_minus_7() {
@@ -174,6 +176,18 @@ mod tests {
             for m in [j << 56, ((j + 1) << 56).wrapping_sub(1)] {
                 let e = (u128::from(m) * u128::from(log2_reciprocal(j))).abs_diff(1 << 71);
                 assert!(e < 1 << 64, "{j}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_upper_half_of_a_product_is_exact() {
+        let words = [0, 1, 3, 1 << 63, u64::MAX - 1, u64::MAX];
+        let wide: Vec<_> =
+            words.iter().flat_map(|&high| words.map(|low| u128::from(high) << 64 | u128::from(low))).collect();
+        for &a in &wide {
+            for &b in &wide {
+                assert_eq!(mul_high_wide(a, b), mul_128(a, b).0, "{a:#x} · {b:#x}");
             }
         }
     }

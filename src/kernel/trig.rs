@@ -152,6 +152,7 @@ pub(crate) const fn atan2(y: i64, x: i64) -> i64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kernel::round::shr_round;
 
     /// Turns near every multiple of 1/1024 and spread over all of them.
     fn turns() -> impl Iterator<Item = u64> {
@@ -223,6 +224,17 @@ mod tests {
         assert_eq!(atan2(0, i64::MIN), 13_493_037_705);
         assert_eq!(atan2(-1, i64::MIN), -13_493_037_705);
         assert_eq!(atan2(0, 0), 0);
+    }
+
+    #[test]
+    fn sines_round_to_even_at_every_tie() {
+        for floor in [-1 << 32, -3, -2, -1, 0, 1, 2, 3, (1 << 32) - 1] {
+            for rest in [0, 1, (1 << 29) - 1, 1 << 29, (1 << 29) + 1, (1 << 30) - 1] {
+                let value: i64 = (floor << 30) + rest;
+                assert_eq!(i128::from(q32_from_q62(value)), shr_round(value.into(), 30), "{floor} and {rest}");
+            }
+        }
+        assert_eq!([(1 << 62) + 1, -(1 << 62) - 1].map(q32_from_q62), [1 << 32, -1 << 32]);
     }
 
     #[test]
