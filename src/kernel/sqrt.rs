@@ -102,12 +102,9 @@ pub(crate) const fn sqrt_fx(raw: u64) -> u64 {
     let rest_q64 = m.wrapping_sub(s_q32.wrapping_mul(s_q32)) as i64;
     // y has 26 bits as Q3.24, so the product is below 2^64·2^-1. The step keeps 24 bits: 2^-51 of √v.
     let s_q61 = (s_q32 << 29).wrapping_add_signed((rest_q64 * (y >> 37)) >> 28);
-    // √(raw·2^32) = √v·2^(48 - shift), at most 2^48. Rounded, s is right or one too low, never too high: with s = √v·(1 - d)
-    // before the step and y = (1 + e)/√v, e < 2^-59 (Newton's own step stays below 1/√v), it leads to at most
-    // √v·(1 - d²/2 + d·e) <= √v·(1 + 2^-119), all shifts round down, and no root is within 2^-99·√v of a tie. (Where d < 0,
-    // and then above -2^-59, the step goes down from a multiple of 2^-32, past which no tie lies as near.)
-    let drop = 13 + twice_shift / 2;
-    let root = (s_q61 + (1 << (drop - 1))) >> drop;
+    // √(raw·2^32) = √v·2^(48 - shift), at most 2^48, so s is less than ¼ away from it: rounded down it is the nearest, or one
+    // too low, never too high.
+    let root = s_q61 >> (13 + twice_shift / 2);
     // |raw·2^32 - root²| < 2^50, so 64 bits hold it though they do not hold the terms.
     let rest = (raw << 32).wrapping_sub(root.wrapping_mul(root)) as i64;
     root + (rest > root as i64) as u64

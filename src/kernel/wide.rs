@@ -49,8 +49,9 @@ pub(crate) const fn shift_round_256(high: u128, low: u128, shift: i32) -> Option
     if shift >= 0 {
         return shr_round_256(high, low, shift.unsigned_abs());
     }
+    // 1 or more.
     let left = shift.unsigned_abs();
-    if high != 0 || left > 127 || (left > 0 && low >> (128 - left) != 0) {
+    if high != 0 || left > 127 || low >> (128 - left) != 0 {
         return if high == 0 && low == 0 { Some(0) } else { None };
     }
     Some(low << left)
