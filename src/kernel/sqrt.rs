@@ -152,8 +152,8 @@ mod tests {
 
     #[test]
     fn the_fine_root_is_that_by_division() {
-        // Where the division leaves nothing, and every other result is a tie: 2^95 + k/2.
-        let ties = (1..8).map(|k| (1 << 126) + (k << 31));
+        // Where the division leaves nothing, and there is a tie: f·2^64 + 3/2.
+        let ties = (0..1000u128).map(|k| (1 << 31) + k * 0x1f_1234).map(|f| (f << 32).pow(2) + 3 * f);
         for x in inputs().filter(|&x| x > 0).chain(ties) {
             let x = x << (x.leading_zeros() & !1);
             let floor = u128::from(isqrt(x));
