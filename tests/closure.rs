@@ -675,6 +675,30 @@ fn a_field_wakes_whom_it_acts_on_and_what_hangs_on_them_alone() {
 }
 
 #[test]
+fn what_strangers_hang_on_an_anchor_wakes_nobody_else_who_hangs_there() {
+    let mut world = World::new(WorldDef { sleep_after: Some(3), ..WorldDef::default() }).expect("a world");
+    let anchor = world.add_body(BodyDef::fixed()).expect("a body");
+    let hang = |world: &mut World, x: i32| {
+        let body = world.add_body(BodyDef { position: vec2(Fx::from(x), 0), ..BodyDef::dynamic() }).expect("a body");
+        let far = End::Body(Attachment::centre(anchor));
+        let rest = Fx::from(x).abs();
+        let link = world.add_field(spring(body, Vec2::ZERO, far, rest, fx!(1), fx!(0))).expect("a spring");
+        (body, link)
+    };
+    let (own, _) = hang(&mut world, 3);
+    let is_asleep = |world: &World| world.body(own).expect("it is there").activity() == Activity::Asleep;
+    (0..9).for_each(|_| _ = world.step());
+    assert!(is_asleep(&world));
+    let (_, link) = hang(&mut world, -4);
+    assert!(is_asleep(&world), "another came");
+    world.step();
+    world.remove_field(link).expect("it is there");
+    assert!(is_asleep(&world), "and went");
+    world.set_position(anchor, vec2(0, 1)).expect("it is there");
+    assert!(!is_asleep(&world), "the anchor moved");
+}
+
+#[test]
 fn no_body_sleeps_while_an_attractor_may_come_by() {
     // From 4000 m its pull is cleared by damping, so that the body stays where it is to the bit; from near it is not.
     let make = |sleep_after| {

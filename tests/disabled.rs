@@ -233,3 +233,17 @@ fn a_step_in_which_it_was_out_is_undone() {
     assert_eq!(world.step_back(&[]), Ok(()));
     assert_eq!(world.state_hash(), before);
 }
+
+#[test]
+fn what_was_applied_to_a_body_that_is_disabled_by_now_is_not_undone() {
+    let mut world: World = World::new(WorldDef { sleep_after: None, ..WorldDef::default() }).expect("a world");
+    let bodies = [(); 2].map(|()| world.add_body(BodyDef::dynamic()).expect("a body"));
+    world.apply_force(bodies[1], vec2(1, 0)).expect("it is dynamic");
+    let applied = world.step().applied.to_vec();
+    world.disable(bodies[1]).expect("it takes part");
+    let before = world.state_hash();
+    assert_eq!(world.step_back(&applied), Err(Error::Disabled { body: bodies[1] }));
+    assert_eq!(world.state_hash(), before);
+    world.set_integrator(Integrator::PublishedVerlet).expect("it can be");
+    world.step();
+}

@@ -393,3 +393,52 @@ fn forged_errands_are_refused() {
     let x = arrived - 24;
     assert_eq!(read(&[(x + 7, 0x7f)]), Some(Error::OutOfRange { quantity: Quantity::Position }));
 }
+
+#[test]
+fn a_step_that_became_too_short_quarantines_also_where_bodies_sleep_at_once() {
+    let mut world = World::new(WorldDef { sleep_after: Some(1), ..WorldDef::default() }).expect("a world");
+    let body = world.add_body(BodyDef { velocity: vec2(1, 2), ..BodyDef::kinematic() }).expect("a body");
+    world.move_to(body, vec2(10_000, 0), fx!(0)).expect("near enough");
+    world.set_time_step(TimeStep::hz(10_000)).expect("a time step");
+    let report = world.step();
+    assert_eq!((report.faults.len(), report.fell_asleep), (1, &[][..]));
+    assert_eq!(world.body(body).expect("it is there").activity(), Activity::Quarantined);
+    let bytes = world.snapshot().to_bytes();
+    assert_eq!(Snapshot::from_bytes(&bytes, &[]).expect("it is whole").world().state_hash(), world.state_hash());
+}
+
+/// Where rounding reads an angle and its mirror image as other than mirrored.
+#[test]
+fn whether_a_locked_angle_is_the_one_that_is_asked_for_is_the_same_in_a_mirror() {
+    let locks = Locks { rotation: true, ..Locks::NONE };
+    let mut random = SplitMix(7);
+    let (mut taken, mut refused) = (0, 0);
+    for _ in 0..2_000 {
+        let angle = Fx::from_bits((random.next() >> 2) as i64 % Fx::TAU.to_bits());
+        let spin = Fx::from_bits(random.next() as i64 >> 32);
+        let off = Fx::from_bits(random.next() as i64 % 3);
+        let mut asked = Vec::new();
+        for sign in [Fx::ONE, -Fx::ONE] {
+            let mut world = World::new(WorldDef::default()).expect("a world");
+            let def = BodyDef { angle: sign * angle, angular_velocity: sign * spin, ..BodyDef::kinematic() };
+            let body = world.add_body(def).expect("a body");
+            world.step();
+            world.set_locks(body, locks).expect("it is there");
+            let read = world.body(body).expect("it is there").angle();
+            assert_eq!(
+                world.check(&umbra_physics::Command::MoveTo { body, position: Vec2::ZERO, angle: read }),
+                Ok(())
+            );
+            asked.push((world, body, read));
+        }
+        // What the first is asked for, and the second for its mirror image.
+        let angle = asked[0].2 + off;
+        let said = [(0, angle), (1, -angle)].map(|(i, angle)| {
+            let (world, body, _) = &asked[i];
+            world.check(&umbra_physics::Command::MoveTo { body: *body, position: Vec2::ZERO, angle })
+        });
+        assert_eq!(said[0], said[1], "{angle}, {spin}");
+        if said[0].is_ok() { taken += 1 } else { refused += 1 }
+    }
+    assert!(taken > 100 && refused > 100, "{taken}, {refused}");
+}

@@ -358,6 +358,19 @@ fn a_step_that_is_undone_reports_the_same_when_it_is_made_again() {
 }
 
 #[test]
+fn a_body_of_a_step_that_is_undone_is_added_and_not_placed_as_well() {
+    let mut world = world(None);
+    let new = add(&mut world, drifting());
+    let at = world.body(new).expect("it is there").position();
+    world.step();
+    let there = world.body(new).expect("it is there").position();
+    world.set_position(new, at).expect("it is there");
+    world.set_position(new, there).expect("it is there");
+    world.step_back(&[]).expect("it has a way back");
+    assert!(world.step().events().eq([Event::Added(new)]));
+}
+
+#[test]
 fn a_copy_made_between_calls_reports_all_of_them() {
     let mut world = world(None);
     let bodies = [(); 3].map(|()| add(&mut world, drifting()));

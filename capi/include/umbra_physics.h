@@ -617,7 +617,7 @@ uint32_t umbra_law(void);
 // The version of the library as text, which stays.
 const char *umbra_version(void);
 
-// Runs the corpus of the library, for half a second or so, and gives its digest: the same on every machine. What it is to be
+// Runs the corpus of the library, for a tenth of a second or so, and gives its digest: the same on every machine. What it is to be
 // stands in `src/selftest/golden.txt`.
 UmbraStatus umbra_selftest(uint64_t *digest);
 
@@ -664,8 +664,12 @@ UmbraStatus umbra_last_message(char *buffer,
                                size_t capacity,
                                size_t *length);
 
-// What a number means, in general, as `docs/errors.md` has it; text as `umbra_last_message` gives it.
-UmbraStatus umbra_status_message(UmbraStatus status, char *buffer, size_t capacity, size_t *length);
+// What a number means, in general, as `docs/errors.md` has it; text as `umbra_last_message` gives it. The last error stays what
+// it is.
+UmbraStatus umbra_status_message(UmbraStatus status,
+                                 char *buffer,
+                                 size_t capacity,
+                                 size_t *length);
 
 // A disc of a radius of 2^-7 to 2^12 m.
 UmbraStatus umbra_shape_circle(UmbraFx radius, struct UmbraShape **shape);
@@ -939,7 +943,7 @@ UmbraStatus umbra_world_execute(struct UmbraWorld *world,
                                 size_t length,
                                 struct UmbraMade *made);
 
-// Whether a command would be carried out now: the same errors, and nothing changes.
+// Whether `umbra_world_execute` would carry a command out now: the same answer, and nothing changes.
 UmbraStatus umbra_world_check(const struct UmbraWorld *world, const uint8_t *command, size_t length);
 
 // A draft: all that would change it is written down as a command instead, so that each function that changes a world also
@@ -997,8 +1001,10 @@ UmbraStatus umbra_world_snapshot(const struct UmbraWorld *world, struct UmbraSna
 // The same in the memory that another snapshot has: what a ring of them for rollback does each tick.
 UmbraStatus umbra_world_snapshot_into(const struct UmbraWorld *world, struct UmbraSnapshot *snapshot);
 
-// Goes back to a snapshot, of this world or another. Handles made after it may come to name other bodies.
-UmbraStatus umbra_world_restore(struct UmbraWorld *world, const struct UmbraSnapshot *snapshot);
+// Goes back to a snapshot, of this world or another. Handles made after it may come to name other bodies; what became of the
+// inputs of the last step is forgotten.
+UmbraStatus umbra_world_restore(struct UmbraWorld *world,
+                                const struct UmbraSnapshot *snapshot);
 
 // A world that goes on from a snapshot.
 UmbraStatus umbra_snapshot_world(const struct UmbraSnapshot *snapshot, struct UmbraWorld **world);
@@ -1028,10 +1034,13 @@ UmbraStatus umbra_world_take_record(struct UmbraWorld *world,
 UmbraStatus umbra_world_end_record(struct UmbraWorld *world, struct UmbraBytes **bytes);
 
 // Runs a replay again and compares every hash: `UMBRA_OK`, `UMBRA_ERROR_DIVERGENCE`, or why the bytes, which may come from
-// anybody, are no replay that can be played. `ticks`, which may be null, is given how many it has. A file takes as long as
-// its ticks do.
+// anybody, are no replay that can be played. A step takes as long as there are bodies and fields: `UMBRA_ERROR_BAD_ARGUMENT` if
+// there are more than `most_ticks` ticks, or at any of them more than `most_bodies` bodies or as many fields. `ticks`, which may
+// be null, is given how many it has, also if it goes another way or is too long.
 UmbraStatus umbra_replay_verify(const uint8_t *bytes,
                                 size_t length,
+                                uint64_t most_ticks,
+                                size_t most_bodies,
                                 uint64_t *ticks);
 
 // The kinetic energy of the dynamic bodies, multiples of 2^-64 J.

@@ -40,7 +40,7 @@ pub unsafe extern "C" fn umbra_world_execute(
     })
 }
 
-/// Whether a command would be carried out now: the same errors, and nothing changes.
+/// Whether `umbra_world_execute` would carry a command out now: the same answer, and nothing changes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn umbra_world_check(
     world: Option<&UmbraWorld>,
@@ -50,7 +50,7 @@ pub unsafe extern "C" fn umbra_world_check(
     guard(|| {
         // SAFETY: as the caller promises.
         let bytes = unsafe { slice(command, length) }?;
-        Ok(given(world)?.world().check(&Command::from_bytes(bytes)?)?)
+        given(world)?.check(&Command::from_bytes(bytes)?)
     })
 }
 

@@ -85,6 +85,9 @@ pub(crate) unsafe fn write_text(
     capacity: usize,
     length: Option<&mut MaybeUninit<usize>>,
 ) -> Result {
+    if buffer.is_null() && capacity > 0 {
+        return Err(Refusal::own(UMBRA_ERROR_NULL_POINTER, "a buffer that is null has no room"));
+    }
     if let Some(length) = length {
         length.write(text.len());
     }
@@ -135,7 +138,8 @@ pub extern "C" fn umbra_bytes_new(
 /// Where they lie, until they are freed; null for null.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_bytes_data(bytes: Option<&mut UmbraBytes>) -> *mut u8 {
-    bytes.map_or(std::ptr::null_mut(), |bytes| bytes.bytes[bytes.from..].as_mut_ptr())
+    // Without a reference to them: pointers that were given out before stay good.
+    bytes.map_or(std::ptr::null_mut(), |bytes| bytes.bytes.as_mut_ptr().wrapping_add(bytes.from))
 }
 
 /// How many there are; 0 for null.

@@ -18,6 +18,9 @@ pub extern "C" fn umbra_world_record(
 ) -> UmbraStatus {
     guard(|| {
         let world = given(world)?;
+        if world.drafted().is_ok() {
+            return Err(Refusal::own(UMBRA_ERROR_BUSY, "a draft has no run"));
+        }
         if world.recorder().is_some() {
             return Err(Refusal::own(UMBRA_ERROR_BUSY, "this world is being recorded already"));
         }
@@ -61,20 +64,38 @@ fn not_recorded() -> Refusal {
 }
 
 /// Runs a replay again and compares every hash: `UMBRA_OK`, `UMBRA_ERROR_DIVERGENCE`, or why the bytes, which may come from
-/// anybody, are no replay that can be played. `ticks`, which may be null, is given how many it has. A file takes as long as
-/// its ticks do.
+/// anybody, are no replay that can be played. A step takes as long as there are bodies and fields: `UMBRA_ERROR_BAD_ARGUMENT` if
+/// there are more than `most_ticks` ticks, or at any of them more than `most_bodies` bodies or as many fields. `ticks`, which may
+/// be null, is given how many it has, also if it goes another way or is too long.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn umbra_replay_verify(
     bytes: *const u8,
     length: usize,
+    most_ticks: u64,
+    most_bodies: usize,
     ticks: Option<&mut MaybeUninit<u64>>,
 ) -> UmbraStatus {
     guard(|| {
         // SAFETY: as the caller promises.
         let replay = Replay::from_bytes(unsafe { slice(bytes, length) }?, &[])?;
+        let has = replay.end() - replay.start().tick();
         if let Some(ticks) = ticks {
-            ticks.write(replay.end() - replay.start().tick());
+            ticks.write(has);
         }
-        Ok(replay.verify().map_err(|divergence| *divergence)?)
+        if has > most_ticks {
+            return Err(Refusal::own(UMBRA_ERROR_BAD_ARGUMENT, "the replay has more ticks than it may"));
+        }
+        let mut playback = replay.play();
+        loop {
+            let world = playback.world();
+            if world.body_count() > most_bodies || world.fields().nth(most_bodies).is_some() {
+                return Err(Refusal::own(UMBRA_ERROR_BAD_ARGUMENT, "the replay has more bodies or fields than it may"));
+            }
+            match playback.step() {
+                Ok(true) => {}
+                Ok(false) => return Ok(()),
+                Err(divergence) => return Err((*divergence).into()),
+            }
+        }
     })
 }

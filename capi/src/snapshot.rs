@@ -39,12 +39,14 @@ pub extern "C" fn umbra_world_snapshot_into(
     })
 }
 
-/// Goes back to a snapshot, of this world or another. Handles made after it may come to name other bodies.
+/// Goes back to a snapshot, of this world or another. Handles made after it may come to name other bodies; what became of the
+/// inputs of the last step is forgotten.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_world_restore(world: Option<&mut UmbraWorld>, snapshot: Option<&UmbraSnapshot>) -> UmbraStatus {
     guard(|| {
         let (world, snapshot) = (given(world)?, given(snapshot)?);
         world.unrecorded()?.restore(&snapshot.snapshot);
+        world.forget_outcomes();
         Ok(())
     })
 }

@@ -217,7 +217,8 @@ pub unsafe extern "C" fn umbra_last_message(
     unsafe { write_text(&text, buffer, capacity, length) }.map_or_else(|refusal| refusal.status, |()| UMBRA_OK)
 }
 
-/// What a number means, in general, as `docs/errors.md` has it; text as `umbra_last_message` gives it.
+/// What a number means, in general, as `docs/errors.md` has it; text as `umbra_last_message` gives it. The last error stays what
+/// it is.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn umbra_status_message(
     status: UmbraStatus,
@@ -225,11 +226,10 @@ pub unsafe extern "C" fn umbra_status_message(
     capacity: usize,
     length: Option<&mut MaybeUninit<usize>>,
 ) -> UmbraStatus {
-    guard(|| {
-        let text = meaning(status).ok_or_else(|| Refusal::own(UMBRA_ERROR_BAD_ARGUMENT, "no error has this number"))?;
-        // SAFETY: as the caller promises.
-        unsafe { write_text(&text, buffer, capacity, length) }
-    })
+    let Some(text) = meaning(status) else { return UMBRA_ERROR_BAD_ARGUMENT };
+    // Not guarded, as in `umbra_last_message`: it is asked of an error that is still to be told.
+    // SAFETY: as the caller promises.
+    unsafe { write_text(&text, buffer, capacity, length) }.map_or_else(|refusal| refusal.status, |()| UMBRA_OK)
 }
 
 /// The list in the document is the list of the interface: no second one to fall behind.

@@ -159,6 +159,10 @@ impl Play {
     }
 }
 
+fn run_by_a_scene() -> Refusal {
+    Refusal::own(UMBRA_ERROR_BUSY, "a scene runs this world")
+}
+
 impl UmbraWorld {
     pub(crate) const fn new(world: World) -> Self {
         Self { state: State::Own(world), recorder: None, outcomes: Vec::new() }
@@ -191,7 +195,7 @@ impl UmbraWorld {
     fn parts(&mut self) -> Result<(&mut World, &mut Option<Recorder>, &mut Vec<Outcome>)> {
         match &mut self.state {
             State::Own(world) => Ok((world, &mut self.recorder, &mut self.outcomes)),
-            State::Scene(_) => Err(Refusal::own(UMBRA_ERROR_BUSY, "a scene runs this world")),
+            State::Scene(_) => Err(run_by_a_scene()),
             State::Draft(..) => Err(Refusal::own(UMBRA_ERROR_BUSY, "a draft is no world")),
         }
     }
@@ -226,6 +230,20 @@ impl UmbraWorld {
         })
     }
 
+    /// What [`execute`](Self::execute) would say.
+    pub(crate) fn check(&self, command: &Command) -> Result {
+        match &self.state {
+            State::Own(world) => Ok(world.check(command)?),
+            State::Scene(_) => Err(run_by_a_scene()),
+            State::Draft(..) => Ok(()),
+        }
+    }
+
+    /// Outcomes are those of a step that this world has no more.
+    pub(crate) fn forget_outcomes(&mut self) {
+        self.outcomes.clear();
+    }
+
     pub(crate) fn draft() -> Result<Self> {
         let state = State::Draft(World::new(WorldDef::default())?, Vec::new());
         Ok(Self { state, recorder: None, outcomes: Vec::new() })
@@ -243,7 +261,7 @@ impl UmbraWorld {
         self.outcomes.clear();
         if let State::Scene(play) = &mut self.state {
             if !inputs.is_empty() {
-                return Err(Refusal::own(UMBRA_ERROR_BUSY, "a scene runs this world"));
+                return Err(run_by_a_scene());
             }
             match &mut self.recorder {
                 Some(recorder) => play.run.advance_by(recorder)?,

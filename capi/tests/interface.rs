@@ -596,7 +596,8 @@ fn a_scene_is_recorded_and_verified_as_any_run() {
     take(&mut file, own(|bytes| umbra_world_end_record(Some(&mut world), bytes)).expect("bytes"));
     assert_eq!(own(|bytes| umbra_world_end_record(Some(&mut world), bytes)).err(), Some(UMBRA_ERROR_BAD_ARGUMENT));
     // SAFETY: the bytes are there.
-    let verify = |file: &[u8]| out(|ticks| unsafe { umbra_replay_verify(file.as_ptr(), file.len(), ticks) });
+    let verify =
+        |file: &[u8]| out(|ticks| unsafe { umbra_replay_verify(file.as_ptr(), file.len(), 1_000, 100, ticks) });
     assert_eq!(verify(&file), Ok(100));
     assert_eq!(verify(&file[..file.len() - 9]), Err(UMBRA_ERROR_REPLAY_CUT_OFF));
 

@@ -267,11 +267,11 @@ static void saved(void)
     check(hash_of(world) == later && hash_of(other) == later, "the same future, twice");
 
     DO(umbra_world_end_record(other, &replay));
-    DO(umbra_replay_verify(umbra_bytes_data(replay), umbra_bytes_length(replay), &ticks));
+    DO(umbra_replay_verify(umbra_bytes_data(replay), umbra_bytes_length(replay), 1000000, 1000, &ticks));
     check(ticks == 100, "the replay has all ticks");
     printf("replay of %" PRIu64 " ticks, %lu bytes, verified\n", ticks, (unsigned long)umbra_bytes_length(replay));
     umbra_bytes_data(replay)[200] ^= 1;
-    REFUSED(umbra_replay_verify(umbra_bytes_data(replay), umbra_bytes_length(replay), NULL), UMBRA_ERROR_REPLAY_TAMPERED);
+    REFUSED(umbra_replay_verify(umbra_bytes_data(replay), umbra_bytes_length(replay), 1000000, 1000, NULL), UMBRA_ERROR_REPLAY_TAMPERED);
     umbra_bytes_data(bytes)[40] ^= 1;
     umbra_snapshot_free(read);
     read = NULL;

@@ -21,8 +21,9 @@ async function text(file) {
 }
 
 function begin() {
-  match?.free();
+  const ended = match;
   match = new Match(library, ...sources);
+  ended?.free();
   springs = match.worlds[0].springs();
   trails = [new Map(), new Map()];
   outcomes = [];
@@ -55,7 +56,9 @@ function tick() {
     if (trail.length > TRAIL) trail.shift();
     trails[side].set(body, trail);
   }));
-  outcomes.push(match.hashes[0] === match.hashes[1]);
+  const alike = match.hashes[0] === match.hashes[1];
+  if (outcomes.at(-1)?.alike === alike) outcomes.at(-1).ticks++;
+  else outcomes.push({ alike, ticks: 1 });
 }
 
 // So many ticks at once.
@@ -216,11 +219,10 @@ function drawLine() {
   c.fillStyle = colours.faint;
   c.fillRect(0, 6, width, height - 12);
   let from = 0;
-  for (let i = 1; i <= outcomes.length; i++) {
-    if (i < outcomes.length && outcomes[i] === outcomes[from]) continue;
-    c.fillStyle = outcomes[from] ? colours.agree : colours.parted;
-    c.fillRect(from * share, 6, (i - from) * share, height - 12);
-    from = i;
+  for (const { alike, ticks } of outcomes) {
+    c.fillStyle = alike ? colours.agree : colours.parted;
+    c.fillRect(from * share, 6, ticks * share, height - 12);
+    from += ticks;
   }
   const { every, hashes } = sources[2];
   for (let i = 0; i < hashes.length; i++) {

@@ -6,7 +6,7 @@ use super::{Locks, Motion};
 use crate::error::{Error, Quantity};
 use crate::handle::BodyId;
 use crate::math::Vec2;
-use crate::scalar::{Accumulator, Angle, Scalar};
+use crate::scalar::{Accumulator, Angle, Scalar, Wide, fx::Fx};
 use crate::wire::{self, Sink, Write as _, wire_struct};
 
 /// A place and an angle to be at, to the bit.
@@ -61,11 +61,19 @@ impl<S: Scalar> Pose<S> {
         if (locks.x && at.x != to.x) || (locks.y && at.y != to.y) {
             return Err(Error::Locked { quantity: Quantity::Velocity });
         }
-        if locks.rotation && angle.radians() != self.angle.radians() {
+        if locks.rotation && !is_there::<S>(angle, self.angle) {
             return Err(Error::Locked { quantity: Quantity::AngularVelocity });
         }
         Ok(())
     }
+}
+
+/// Whether a goal is where an angle is: less than an ulp from it, so that the angle as it is read always is there. By the way
+/// there, which is as long in a mirror, as rounded angles are not.
+fn is_there<S: Scalar>(angle: S::Angle, goal: S::Angle) -> bool {
+    let (way, ulp) = (angle.way_to(goal), S::Wide::from_scalar(S::from_fx(Fx::DELTA)));
+    // Half a turn has no way either.
+    if way == S::Wide::default() { angle == goal } else { way < ulp && way.negated() < ulp }
 }
 
 /// Linear and angular velocity.

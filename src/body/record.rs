@@ -105,6 +105,10 @@ impl<S: Scalar> Record<S> {
             (self.locks.y, self.velocity.y, last.linear.y, Quantity::Velocity),
             (self.locks.rotation, self.angular_velocity, last.angular, Quantity::AngularVelocity),
         ];
+        // Forces move dynamic bodies alone.
+        if self.kind != BodyKind::Dynamic && [last.linear.x, last.linear.y, last.angular] != [zero; 3] {
+            return Err(Error::Inconsistent);
+        }
         let moves = locked.into_iter().find(|&(locked, v, last, _)| locked && (v != none || last != zero));
         moves.map_or(Ok(()), |(.., quantity)| Err(Error::Locked { quantity }))
     }

@@ -163,7 +163,7 @@ pub struct DrawOptions {
     pub bodies: bool,
     /// Force fields that are somewhere: springs, attractors, thrusts, zones.
     pub fields: bool,
-    /// Velocities, as the way that each body gets in so many seconds.
+    /// Velocities, as the way that each body gets in so many seconds, or would if it took part.
     pub velocities: Option<f64>,
 }
 

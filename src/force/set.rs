@@ -187,8 +187,7 @@ impl<S: Scalar> FieldSet<S> {
         }
         wire::count(sink, self.free.len());
         sink.all(&self.free, u32::to_le_bytes);
-        let ages = self.ages();
-        wire::count(sink, ages.len());
-        sink.all(&ages, u32::to_le_bytes);
+        wire::count(sink, self.by_age.len());
+        self.by_age().for_each(|entry| entry.slot.write(sink));
     }
 }

@@ -60,6 +60,8 @@ impl<S: Scalar> Context<'_, S> {
                 let (velocity, spin) = self.scratch.stranded[at].1;
                 motion.velocity.set(i, velocity);
                 motion.spin[i] = spin;
+                // It stood still over the step, and was not at rest.
+                motion.rest[i] = 0;
                 self.scratch.found.faults.push((i, Cause::Velocity));
             } else {
                 goal.take(motion, i, locks);

@@ -75,7 +75,8 @@ impl<S: Scalar> World<S> {
         match field.law {
             Law::Spring { .. } | Law::Thrust { .. } => {
                 let bodies: alloc::vec::Vec<_> = field.bodies().collect();
-                bodies.into_iter().for_each(|body| self.wake_joined(body));
+                // What else hangs on one that nothing moves does not feel it, nor whom it attracts.
+                self.wake_reached(&bodies, 0);
             }
             _ => self.wake_reached(&[], field.groups),
         }

@@ -173,6 +173,8 @@ impl Journal {
         // Bodies that came and went, over and over without a step, must not add up.
         if added.len() == added.capacity() {
             added.retain(|&body| bodies.find(body).is_ok());
+            // Room for as many again, so that this is rare.
+            added.reserve(added.len());
         }
         added.push(body);
         self.has_deeds = true;
@@ -242,10 +244,13 @@ impl Journal {
         self.reported.placed.retain(|body| *at(&mut self.marks, body.slot) & PLACED == 0);
         self.unmark();
         let (earlier, pending) = (&mut self.reported, &mut self.pending);
-        if !(earlier.added.is_empty() || pending.removed.is_empty()) {
+        // One that is added once more was never there to be removed or placed.
+        if !(earlier.added.is_empty() || pending.removed.is_empty() && pending.placed.is_empty()) {
             let mut added = earlier.added.clone();
             added.sort_unstable();
-            pending.removed.retain(|body| added.binary_search(body).is_err());
+            for list in [&mut pending.removed, &mut pending.placed] {
+                list.retain(|body| added.binary_search(body).is_err());
+            }
         }
         earlier.removed.append(&mut pending.removed);
         earlier.added.append(&mut pending.added);

@@ -24,8 +24,8 @@ impl<S: Scalar> World<S> {
     /// world goes back another way, to a state from which a step leads here.
     ///
     /// # Errors
-    /// [`Error::NotReversible`] with the [reason](Irreversible); [`Error::NoSuchBody`] or [`Error::NotDynamic`] for a body
-    /// that `applied` names. The state is as it was, to the bit.
+    /// [`Error::NotReversible`] with the [reason](Irreversible); [`Error::NoSuchBody`], [`Error::NotDynamic`] or
+    /// [`Error::Disabled`] for a body that `applied` names. The state is as it was, to the bit.
     ///
     /// ```
     /// use umbra_physics::{BodyDef, World, WorldDef, vec2};
@@ -101,7 +101,7 @@ impl<S: Scalar> World<S> {
     fn apply_again(&mut self, applied: &[AppliedForce<S>]) -> Result<(), Error> {
         for row in applied {
             let body = row.body;
-            if self.bodies.card(self.bodies.find(body)?).kind != BodyKind::Dynamic {
+            if self.bodies.card(self.check_taking_part(body)?).kind != BodyKind::Dynamic {
                 return Err(Error::NotDynamic { body });
             }
             if self.applied.row(body).is_some() {

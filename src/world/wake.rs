@@ -112,6 +112,9 @@ impl<S: Scalar> World<S> {
 
     /// Wakes a body and all that a field reaches from it, over any number of springs.
     pub(super) fn wake_joined(&mut self, body: BodyId) {
+        if !self.bodies.any_asleep() {
+            return self.scratch.forget();
+        }
         let mut reached = alloc::vec![body];
         let mut groups = 0;
         for (_, field) in self.fields.iter().filter(|(_, field)| field.bodies().any(|b| b == body)) {
