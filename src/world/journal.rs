@@ -215,7 +215,8 @@ impl Journal {
     #[cold]
     fn report<S: Scalar>(&mut self, bodies: &Bodies<S>) {
         self.unmark();
-        mem::swap(&mut self.pending, &mut self.reported);
+        // Each keeps its memory: a world that is put back has as much in either as before.
+        self.reported.clone_from(&self.pending);
         self.pending.clear();
         self.reported.tidy(bodies);
         self.has_deeds = !self.reported.is_empty();
