@@ -186,6 +186,28 @@ fn a_world_with_a_cap_has_no_way_back() {
     assert_eq!(world.step_back(&[]), Ok(()));
 }
 
+/// Along an axis the rounded factor would leave one in two of these above the limit, by less than an ulp; a push of less than
+/// an ulp takes those there that are at the limit in public.
+#[test]
+fn what_is_capped_at_the_limit_of_speeds_is_never_beyond_it() {
+    for integrator in Integrator::ALL {
+        for (gravity, push) in [(6_000, Fx::ZERO), (0, Fx::DELTA)] {
+            let mut world = world(integrator, vec2(gravity, 0));
+            for i in 0..64 {
+                let velocity = Vec2::new(limits::SPEED - Fx::from_bits(i * 5_000_000_011), Fx::ZERO);
+                let position = vec2(-(1 << 24), i as i32);
+                world.add_body(BodyDef { position, velocity, ..capped(limits::SPEED, fx!(1)) }).expect("a body");
+            }
+            let fastest = world.bodies().next().expect("there are some").id();
+            for _ in 0..40 {
+                world.apply_force(fastest, Vec2::new(push, Fx::ZERO)).expect("it is dynamic");
+                assert_eq!(world.step().faults, []);
+            }
+            assert_eq!(world.body(fastest).expect("it is there").velocity().x, limits::SPEED);
+        }
+    }
+}
+
 #[test]
 fn the_limits_of_speeds_are_caps() {
     let mut world = world(Integrator::VelocityVerlet, Vec2::ZERO);

@@ -2,7 +2,7 @@
 
 use umbra_physics::scalar::{Accumulator, Angle, Factor};
 use umbra_physics::{
-    Action, Attachment, BodyDef, BodyId, BodyKind, Command, End, Error, Field, Frame, Fx, FxFactor, Integrator, Law,
+    Action, Attachment, BodyDef, BodyId, BodyKind, Cause, Command, End, Error, Frame, Fx, FxFactor, Integrator, Law,
     Locks, Manner, Mass, Quantity, Region, Snapshot, SnapshotError, SpringLaw, TimeStep, Vec2, World, WorldDef, fx,
     limits, vec2,
 };
@@ -229,6 +229,21 @@ fn what_has_no_effect_is_never_too_large() {
     world.apply_force_at_point(body, Vec2::new(Fx::MAX, Fx::MIN), vec2(9, 1)).expect("without effect");
     assert_eq!(world.step().faults, []);
     assert_eq!(bits(&world, body), [(0, 0); 3]);
+    // Nor is a torque that fits no number, of a push with a long lever or of a spring.
+    let position = Vec2::new(limits::POSITION, limits::POSITION);
+    let (push, point) = (Vec2::new(Fx::MAX, Fx::MIN), Vec2::new(Fx::MIN, Fx::MIN));
+    for locks in [ALL, Locks { rotation: false, ..ALL }] {
+        let mut world: World = World::new(WorldDef::default()).expect("a world");
+        let body = world.add_body(BodyDef { position, locks, ..BodyDef::dynamic() }).expect("a body");
+        let too_large = Err(Error::OutOfRange { quantity: Quantity::Torque });
+        assert_eq!(world.apply_force_at_point(body, push, point), if locks == ALL { Ok(()) } else { too_large });
+        world.clear_forces();
+        let spring = SpringLaw { rest: fx!(0), stiffness: Fx::MAX, damping: fx!(0) };
+        let (near, end) = (Attachment { body, point: vec2(0, 4_000) }, position - vec2(4_000_000, 0));
+        let field = world.add_field(Law::Spring { near, far: End::World(end), spring }).expect("a field");
+        let faults: Vec<Cause> = world.step().faults.iter().map(|fault| fault.cause).collect();
+        assert_eq!(faults, if locks == ALL { vec![] } else { vec![Cause::Field { field }] });
+    }
 }
 
 #[test]
@@ -323,8 +338,6 @@ fn the_command_is_the_call() {
     world.step();
     other.step();
     assert_eq!(world.state_hash(), other.state_hash());
-    let field: Field = Law::Drag { linear: fx!(1), quadratic: fx!(0), wind: Vec2::X }.into();
-    world.add_field(field).expect("a field");
     let gone = BodyId::from_parts(9, 0);
     assert_eq!(world.set_locks(gone, ALL), Err(Error::NoSuchBody { body: gone }));
 }

@@ -101,6 +101,8 @@ struct Anchor<S: Scalar> {
     position: Vec2<S>,
     /// From there to the point.
     arm: Offset<S>,
+    /// The arm of a force on it about the body's centre: none where no torque has an effect, however large it were.
+    lever: Offset<S>,
     velocity: Vec2<S>,
     spin: S,
 }
@@ -108,7 +110,8 @@ struct Anchor<S: Scalar> {
 impl<S: Scalar> Anchor<S> {
     /// A point of the world.
     fn at(position: Vec2<S>) -> Self {
-        Self { dense: None, position, arm: Offset::<S>::default(), velocity: Vec2::ZERO, spin: S::ZERO }
+        let none = Offset::<S>::default();
+        Self { dense: None, position, arm: none, lever: none, velocity: Vec2::ZERO, spin: S::ZERO }
     }
 
     /// The way from here to `far`.
@@ -121,14 +124,19 @@ impl<S: Scalar> Anchor<S> {
         ))
     }
 
-    /// The velocity of the point: v + ω × arm.
     fn point_velocity(&self) -> Option<Offset<S>> {
-        let spin = S::Wide::from_scalar(self.spin);
-        Some((
-            S::Wide::from_scalar(self.velocity.x).plus(S::torque(self.arm.1, spin)?.negated())?,
-            S::Wide::from_scalar(self.velocity.y).plus(S::torque(self.arm.0, spin)?)?,
-        ))
+        velocity_at(self.velocity, self.spin, self.arm)
     }
+}
+
+/// The velocity of the point at `arm` from the centre of mass, v + ω × arm; `None` if it does not fit. Nothing rounds before
+/// the sum where the arm is a multiple of an ulp: then its products are multiples of 2^-64.
+pub(crate) fn velocity_at<S: Scalar>(velocity: Vec2<S>, spin: S, arm: Offset<S>) -> Option<Offset<S>> {
+    let spin = S::Wide::from_scalar(spin);
+    Some((
+        S::Wide::from_scalar(velocity.x).plus(S::torque(arm.1, spin)?.negated())?,
+        S::Wide::from_scalar(velocity.y).plus(S::torque(arm.0, spin)?)?,
+    ))
 }
 
 impl<S: Scalar> Scene<'_, S> {
@@ -150,11 +158,13 @@ impl<S: Scalar> Scene<'_, S> {
             // Attachments are within 2^12 m a component, far inside what turns without overflow.
             self.turned(dense, attachment.point, directions)?
         };
-        let gives = self.bodies.card(dense).kind == BodyKind::Dynamic && dense < self.bodies.moving();
+        let card = self.bodies.card(dense);
+        let gives = card.kind == BodyKind::Dynamic && dense < self.bodies.moving();
         Some(Anchor {
             dense: gives.then_some(dense),
             position: motion.position.get(dense).map(Accumulator::value),
             arm,
+            lever: if card.locks.rotation { Offset::<S>::default() } else { arm },
             velocity: motion.velocity.get(dense).map(Accumulator::value),
             spin: motion.spin[dense].value(),
         })
@@ -255,7 +265,7 @@ pub(crate) fn accumulate<S: Scalar>(
                 let Some(at) = scene.attached(at, directions) else { continue };
                 let Some(i) = at.dense else { continue };
                 let turned = scene.turned(i, *force, directions);
-                if turned.and_then(|force| loads.of(i, Load::default).push(at.arm, force)).is_none() {
+                if turned.and_then(|force| loads.of(i, Load::default).push(at.lever, force)).is_none() {
                     fault(i, too_large);
                 }
             }
@@ -290,10 +300,10 @@ fn pull<S: Scalar>(near: &Anchor<S>, far: &Anchor<S>, spring: &SpringLaw<S>, loa
     };
     let force = S::tension(offset, velocity, spring)?;
     if let Some(i) = near.dense {
-        loads.of(i, Load::default).push(near.arm, force)?;
+        loads.of(i, Load::default).push(near.lever, force)?;
     }
     if let Some(i) = far.dense {
-        loads.of(i, Load::default).push(far.arm, (force.0.negated(), force.1.negated()))?;
+        loads.of(i, Load::default).push(far.lever, (force.0.negated(), force.1.negated()))?;
     }
     Some(())
 }

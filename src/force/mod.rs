@@ -10,7 +10,7 @@ pub(crate) use applied::Applied;
 pub use applied::AppliedForce;
 pub use field::{Attachment, Dependence, End, Field, Law, Region};
 pub use law::{BodyState, ForceLaw, LawFault, Push};
-pub(crate) use load::{Directions, Load, Loads, Scene, accumulate, outer_drag, resist};
+pub(crate) use load::{Directions, Load, Loads, Scene, accumulate, outer_drag, resist, velocity_at};
 pub(crate) use set::FieldSet;
 
 use alloc::collections::BTreeMap;

@@ -225,13 +225,20 @@ fn damp_and_fall<S: Scalar, const OPENING: bool>(
 /// Slows down to their caps the bodies of a block that are faster, in their direction.
 ///
 /// *Error* the speed is scaled from the public velocity and within 2^-62 relative, so that the public speed is at most the cap
-/// and √½ ulp, by which rounding its components may lengthen it; the angular speed is at most the cap.
-#[cold]
-pub(crate) fn cap<S: Scalar>(block: &mut Block<'_, S>, rows: &[Tuning<S>]) {
+/// and √½ ulp, by which rounding its components may lengthen it. Each component, to its last bit, and the angular speed are
+/// at most the cap, as the limit of speeds is one.
+#[inline(never)]
+pub(crate) fn cap<S: Scalar>(block: &mut Block<'_, S>, tuned: Tuned<'_, S>) {
+    if matches!(tuned, Tuned::Alike(row) if !row.key.is_capped()) {
+        return;
+    }
     let [x, y] = &mut block.velocity;
     for (i, &row) in block.tuning.iter().enumerate() {
-        let key = &rows[row as usize].key;
-        let [speed, spin] = if key.is_capped() { key.most } else { continue };
+        let row = match tuned {
+            Tuned::Alike(row) => row,
+            Tuned::Each(rows) => &rows[row as usize],
+        };
+        let [speed, spin] = if row.key.is_capped() { row.key.most } else { continue };
         if let Some(most) = speed {
             let v = Vec2::new(x[i].value(), y[i].value());
             let way = v.map(S::Wide::from_scalar).into();
@@ -240,12 +247,23 @@ pub(crate) fn cap<S: Scalar>(block: &mut Block<'_, S>, rows: &[Tuning<S>]) {
                 let slowed = v.map(|v| S::Accumulator::from_scalar(v).damped(kept));
                 (x[i], y[i]) = (slowed.x, slowed.y);
             }
+            // The factor is rounded, and below the ulp the velocity may be above what it is in public.
+            (x[i], y[i]) = (held::<S>(x[i], most), held::<S>(y[i], most));
         }
-        if let Some(most) = spin.filter(|most| !block.spin[i].is_within(*most)) {
-            let most = S::Accumulator::from_scalar(most);
-            block.spin[i] = if block.spin[i].value() < S::ZERO { most.negated() } else { most };
+        if let Some(most) = spin {
+            block.spin[i] = held::<S>(block.spin[i], most);
         }
     }
+}
+
+/// What is nearest to a value within ±`most`.
+fn held<S: Scalar>(value: S::Accumulator, most: S) -> S::Accumulator {
+    // A float that is no number stays one, to be found.
+    if value.is_within(most) || !value.value().is_finite() {
+        return value;
+    }
+    let most = S::Accumulator::from_scalar(most);
+    if value.value() < S::ZERO { most.negated() } else { most }
 }
 
 /// The sum of two accelerations; `None` if it does not fit.

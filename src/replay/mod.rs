@@ -24,7 +24,7 @@ pub use replay::Replay;
 pub use snapshot::Snapshot;
 
 /// The number of the laws of physics: it moves when the results of a step or of a hash do.
-pub const LAW: u32 = 5;
+pub const LAW: u32 = 6;
 
 #[cfg(test)]
 mod strangers;

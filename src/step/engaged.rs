@@ -41,7 +41,7 @@ impl<S: Scalar> Context<'_, S> {
             stages = others;
         }
         if march.caps {
-            self.each_block(|block, _, _| cap(block, march.rows));
+            self.each_block(|block, _, _| cap(block, Tuned::of(block, march.rows)));
         }
         timed!(self.scratch, finish, self.judge_engaged(march));
     }

@@ -118,7 +118,7 @@ impl<'a, S: Scalar> March<'a, S> {
             };
         }
         if self.caps {
-            cap(block, self.rows);
+            cap(block, tuned);
         }
         if guarded {
             self.judge(block, frame, found);

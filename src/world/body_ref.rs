@@ -3,6 +3,7 @@
 use super::World;
 use crate::body::{Activity, BodyKind, Card, Key, Locks, Mass};
 use crate::error::Error;
+use crate::force::velocity_at;
 use crate::handle::BodyId;
 use crate::math::{Rot, Vec2};
 use crate::scalar::{Accumulator, Angle, Factor, Scalar, Wide, fx::Fx};
@@ -149,14 +150,10 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
     /// ```
     #[must_use]
     pub fn velocity_at(&self, point: Vec2<S>) -> Option<Vec2<S>> {
-        let (centre, v) = (self.position(), self.velocity());
-        let spin = S::Wide::from_scalar(self.angular_velocity());
-        let component = |v: S, passing: Option<S::Wide>| S::Wide::from_scalar(v).plus(passing?)?.to_scalar();
-        // Both are multiples of an ulp, so that their products are multiples of 2^-64: nothing rounds before the sum does.
-        Some(Vec2::new(
-            component(v.x, S::torque(point.y.offset(centre.y), spin).map(S::Wide::negated))?,
-            component(v.y, S::torque(point.x.offset(centre.x), spin))?,
-        ))
+        let centre = self.position();
+        let arm = (point.x.offset(centre.x), point.y.offset(centre.y));
+        let (x, y) = velocity_at(self.velocity(), self.angular_velocity(), arm)?;
+        Some(Vec2::new(x.to_scalar()?, y.to_scalar()?))
     }
 
     /// Where in the world a point of the body is, m; `local` is in the body's axes, from its centre of mass. `None` if a
@@ -258,7 +255,7 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
         self.card().mass
     }
 
-    /// Its moment of inertia, kg·m²; `None` if it is infinite. *Error* 2^-58 relative.
+    /// Its moment of inertia, kg·m², whatever its locks are; `None` if it is infinite. *Error* 2^-58 relative.
     #[must_use]
     pub fn inertia(&self) -> Option<S::Factor> {
         let inertia = self.card().inertia();

@@ -269,7 +269,9 @@ impl<S: Scalar> World<S> {
             }
         };
         let moment = || S::torque(arm.0, world.1)?.plus(S::torque(arm.1, world.0)?.negated());
-        Ok((world.into(), moment().ok_or(out_of(Quantity::Torque))?))
+        // Where nothing turns the body, it has no effect, however large it is.
+        let none = self.bodies.card(dense).locks.rotation.then(S::Wide::default);
+        Ok((world.into(), moment().or(none).ok_or(out_of(Quantity::Torque))?))
     }
 
     /// The velocities of a body after an impulse, if they stay within the envelope.
