@@ -247,3 +247,18 @@ fn what_was_applied_to_a_body_that_is_disabled_by_now_is_not_undone() {
     world.set_integrator(Integrator::PublishedVerlet).expect("it can be");
     world.step();
 }
+
+/// Whom a call woke before a step that is undone is woken before the next one, but not if it is out by then.
+#[test]
+fn one_that_woke_before_an_undone_step_and_is_disabled_since_did_not_wake() {
+    let mut world: World = World::new(WorldDef { sleep_after: Some(1), ..WorldDef::default() }).expect("a world");
+    let [body, other] =
+        [1, 2].map(|x| world.add_body(BodyDef { position: vec2(x, 0), ..BodyDef::dynamic() }).expect("a body"));
+    world.step();
+    assert_eq!(world.bodies().map(|b| b.activity()).collect::<Vec<_>>(), [Activity::Asleep; 2]);
+    world.set_sleep_after(None).expect("it can be");
+    assert_eq!(world.step().woke, [body, other]);
+    world.disable(body).expect("it takes part");
+    assert_eq!(world.step_back(&[]), Ok(()));
+    assert_eq!(world.step().woke, [other]);
+}

@@ -337,6 +337,52 @@ fn steps_to_and_from_a_goal_are_not_undone() {
     assert_eq!(world.step_back(&[]), refused, "to when it stopped, and no farther");
 }
 
+/// What it has still to do then is to stop; meanwhile no step sees to it.
+#[test]
+fn steps_in_which_one_that_arrived_is_out_are_undone() {
+    let def = WorldDef { gravity: vec2(0, -10), sleep_after: None, ..WorldDef::default() };
+    let mut world: World = World::new(def).expect("a world");
+    let [body, _] = [BodyDef::kinematic(), BodyDef::dynamic()].map(|def| world.add_body(def).expect("a body"));
+    world.move_to(body, vec2(1, 0), fx!(0)).expect("near enough");
+    world.step();
+    world.disable(body).expect("it takes part");
+    let before = world.state_hash();
+    world.step();
+    assert_eq!(world.step_back(&[]), Ok(()));
+    assert_eq!(world.state_hash(), before);
+    assert_eq!(world.step_back(&[]), Err(Error::NotReversible { why: Irreversible::Moved }));
+    world.enable(body).expect("it is disabled");
+    assert_eq!(world.step_back(&[]), Err(Error::NotReversible { why: Irreversible::Moved }));
+    world.step();
+    assert_eq!(motion(&world, body), STILL);
+}
+
+/// In ascending order, in descending order, and with two of three taken back.
+#[test]
+fn a_crowd_arrives_in_whatever_order_it_is_sent() {
+    const COUNT: u32 = 1 << 16;
+    let goal = |i: u32| vec2(Fx::from_bits(i64::from(i) << 24), 1);
+    let mut world: World = World::new(WorldDef::default()).expect("a world");
+    let bodies: Vec<BodyId> = (0..COUNT).map(|_| world.add_body(BodyDef::kinematic()).expect("a body")).collect();
+    let mut twin = world.clone();
+    for (i, body) in (0..COUNT).zip(&bodies).rev() {
+        world.move_to(*body, goal(i), fx!(0)).expect("near enough");
+    }
+    for (i, body) in (0..COUNT).zip(&bodies) {
+        twin.move_to(*body, goal(i), fx!(0)).expect("near enough");
+    }
+    assert_eq!(world.state_hash(), twin.state_hash());
+    for (i, body) in bodies.iter().enumerate().rev().filter(|(i, _)| i % 3 > 0) {
+        world.set_velocity(*body, Vec2::ZERO).expect("it is kinematic");
+        twin.set_velocity(bodies[bodies.len() - 1 - i], Vec2::ZERO).expect("it is kinematic");
+    }
+    assert_eq!(world.state_hash(), twin.state_hash());
+    world.step();
+    for (i, body) in (0..COUNT).zip(bodies) {
+        is_at(&world, body, if i % 3 == 0 { goal(i) } else { Vec2::ZERO }, fx!(0));
+    }
+}
+
 #[test]
 fn goals_are_state() {
     for steps in 0..4 {

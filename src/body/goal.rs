@@ -1,26 +1,26 @@
 //! Where kinematic bodies are to be after the next step.
 
-use alloc::vec::Vec;
-
-use super::{Locks, Motion};
+use super::{Bodies, BySlot, Locks, Motion, Row};
 use crate::error::{Error, Quantity};
 use crate::handle::BodyId;
+use crate::limits;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, Angle, Scalar, Wide, fx::Fx};
 use crate::wire::{self, Sink, Write as _, wire_struct};
 
 /// A place and an angle to be at, to the bit.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Pose<S: Scalar> {
+pub(crate) struct Goal<S: Scalar> {
     pub(crate) position: Vec2<S>,
     pub(crate) angle: S::Angle,
 }
 
-wire_struct!(Pose { position, angle });
+wire_struct!(Goal { position, angle });
 
-impl<S: Scalar> Pose<S> {
+impl<S: Scalar> Goal<S> {
     /// The velocities that lead here in a step of 1/`rate` seconds from where body `i` is read to be, the short way round in
-    /// turns; none along a locked axis. `None` from 2^21 m/s on.
+    /// turns; none along a locked axis. `None` where a velocity is beyond the limit. An angular one never is: π a step is
+    /// below 2^15 rad/s at 10 kHz.
     pub(crate) fn approach(
         &self,
         motion: &Motion<S>,
@@ -30,10 +30,12 @@ impl<S: Scalar> Pose<S> {
     ) -> Option<Velocities<S>> {
         let at = motion.position.get(i).map(Accumulator::value);
         let over = |way, locked| if locked { Some(S::Accumulator::default()) } else { S::kick(way, rate) };
-        Some((
-            Vec2::new(over(self.position.x.offset(at.x), locks.x)?, over(self.position.y.offset(at.y), locks.y)?),
-            over(motion.angle[i].way_to(self.angle), locks.rotation)?,
-        ))
+        let velocity =
+            Vec2::new(over(self.position.x.offset(at.x), locks.x)?, over(self.position.y.offset(at.y), locks.y)?);
+        let speed = S::from_fx(limits::SPEED);
+        let is_slow = velocity.x.is_within(speed) && velocity.y.is_within(speed);
+        let spin = over(motion.angle[i].way_to(self.angle), locks.rotation)?;
+        is_slow.then_some((velocity, spin))
     }
 
     /// Puts body `i` here, to the bit, but along locked axes, where it is already.
@@ -82,7 +84,7 @@ pub(crate) type Velocities<S> = (Vec2<<S as Scalar>::Accumulator>, <S as Scalar>
 /// Where the next step has a body go.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Errand<S: Scalar> {
-    pub(crate) goal: Option<Pose<S>>,
+    pub(crate) goal: Option<Goal<S>>,
     /// Whether the last step took it to a goal: it has the velocity that led there, and without another goal the next step
     /// stops it.
     pub(crate) arrived: bool,
@@ -97,10 +99,16 @@ impl<S: Scalar> Errand<S> {
     }
 }
 
-/// The errands of the bodies that have one, in the order of the slots.
+impl<S: Scalar> Row for (BodyId, Errand<S>) {
+    fn body(&self) -> BodyId {
+        self.0
+    }
+}
+
+/// The errands of the bodies that have one.
 #[derive(Debug)]
 pub(crate) struct Errands<S: Scalar> {
-    rows: Vec<(BodyId, Errand<S>)>,
+    rows: BySlot<(BodyId, Errand<S>)>,
     /// The tick after the last step in which a body reached a goal or was stopped there, or 0: that step is not undone.
     pub(crate) moved_at: u64,
 }
@@ -109,44 +117,42 @@ clone_by_field!(Errands { rows, moved_at });
 
 impl<S: Scalar> Default for Errands<S> {
     fn default() -> Self {
-        Self { rows: Vec::new(), moved_at: 0 }
+        Self { rows: BySlot::default(), moved_at: 0 }
     }
 }
 
 impl<S: Scalar> Errands<S> {
-    pub(crate) fn is_empty(&self) -> bool {
-        self.rows.is_empty()
-    }
-
+    /// In no order.
     pub(crate) fn rows(&self) -> &[(BodyId, Errand<S>)] {
-        &self.rows
+        self.rows.rows()
     }
 
-    pub(crate) fn rows_mut(&mut self) -> impl Iterator<Item = &mut (BodyId, Errand<S>)> {
-        self.rows.iter_mut()
+    pub(crate) fn rows_mut(&mut self) -> &mut [(BodyId, Errand<S>)] {
+        self.rows.rows_mut()
     }
 
-    fn place(&self, body: BodyId) -> Result<usize, usize> {
-        self.rows.binary_search_by_key(&body.slot, |(body, _)| body.slot)
+    /// Whether the next step sees to any of these bodies: those that take part in it.
+    pub(crate) fn are_due(&self, bodies: &Bodies<S>) -> bool {
+        let takes_part = |body| bodies.find(body).is_ok_and(|i| bodies.activity(i).takes_part());
+        self.rows().iter().any(|(body, _)| takes_part(*body))
     }
 
     /// That of a body, if it has one.
     pub(crate) fn of(&self, body: BodyId) -> Option<&Errand<S>> {
-        self.place(body).ok().map(|i| &self.rows[i].1)
+        self.rows.get(body).map(|(_, errand)| errand)
     }
 
     /// Gives a body an errand, in place of what it had.
     pub(crate) fn set(&mut self, body: BodyId, errand: Errand<S>) {
-        match self.place(body) {
-            Ok(i) if errand.is_over() => _ = self.rows.remove(i),
-            Ok(i) => self.rows[i].1 = errand,
-            Err(_) if errand.is_over() => {}
-            Err(i) => self.rows.insert(i, (body, errand)),
+        if errand.is_over() {
+            self.rows.remove(body);
+        } else {
+            *self.rows.get_or_insert((body, errand)) = (body, errand);
         }
     }
 
     /// Sends a body to a goal.
-    pub(crate) fn send(&mut self, body: BodyId, goal: Pose<S>) {
+    pub(crate) fn send(&mut self, body: BodyId, goal: Goal<S>) {
         let arrived = self.of(body).is_some_and(|errand| errand.arrived);
         self.set(body, Errand { goal: Some(goal), arrived });
     }
@@ -160,9 +166,7 @@ impl<S: Scalar> Errands<S> {
 
     /// Forgets all about a body: the velocity it has is its own.
     pub(crate) fn forget(&mut self, body: BodyId) {
-        if let Ok(i) = self.place(body) {
-            self.rows.remove(i);
-        }
+        self.rows.remove(body);
     }
 
     /// Removes the errands that are over.
@@ -172,8 +176,8 @@ impl<S: Scalar> Errands<S> {
 
     /// Adds them to a hash, in the order of the slots.
     pub(crate) fn write(&self, sink: &mut Sink) {
-        wire::count(sink, self.rows.len());
-        for (body, errand) in &self.rows {
+        wire::count(sink, self.rows().len());
+        for (body, errand) in self.rows.in_order() {
             body.slot.write(sink);
             errand.write(sink);
         }

@@ -85,7 +85,9 @@ impl<S: Scalar> Record<S> {
         self.check_locks()?;
         let is_still = |v: S::Accumulator| v.is_still();
         let rests = is_still(self.velocity.x) && is_still(self.velocity.y) && is_still(self.angular_velocity);
-        if self.activity == Activity::Asleep && (self.kind == BodyKind::Static || !rests) {
+        // No step makes a static body of either kind.
+        let stopped = matches!(self.activity, Activity::Asleep | Activity::Quarantined);
+        if (stopped && self.kind == BodyKind::Static) || (self.activity == Activity::Asleep && !rests) {
             return Err(Error::Inconsistent);
         }
         check_gravity_scale(self.gravity_scale)?;

@@ -1,4 +1,4 @@
-//! What bodies share: gravity scale and damping, and the factors that follow from them and the time step.
+//! What bodies share: gravity scale, damping, caps and locks, and the factors that follow from them and the time step.
 
 use alloc::collections::BTreeMap;
 use alloc::vec::Vec;
@@ -23,7 +23,7 @@ pub(crate) struct Climate<'a, S> {
     pub(crate) spans: &'a [Span],
 }
 
-/// The factors of the bodies that have the same gravity scale and damping. All of it is derived.
+/// The factors of the bodies that have the same gravity scale, damping, caps and locks. All of it is derived.
 #[derive(Clone, Debug)]
 pub(crate) struct Tuning<S: Scalar> {
     pub(crate) key: Key<S>,

@@ -2,7 +2,7 @@
 
 use alloc::vec::Vec;
 
-use crate::body::NONE;
+use crate::body::{BySlot, Row};
 use crate::handle::BodyId;
 use crate::math::Vec2;
 use crate::scalar::{Scalar, Sum, fx::Fx};
@@ -54,26 +54,30 @@ impl<S: Scalar> AppliedForce<S> {
     }
 }
 
+impl<S: Scalar> Row for AppliedForce<S> {
+    fn body(&self) -> BodyId {
+        self.body
+    }
+}
+
 /// The sums of this tick, and those of the last step. Only bodies that were pushed have one.
 #[derive(Debug)]
 pub(crate) struct Applied<S: Scalar> {
-    rows: Vec<AppliedForce<S>>,
-    /// Where the row of a body is, by its slot, or [`NONE`]; as long as it had to be.
-    at: Vec<u32>,
+    rows: BySlot<AppliedForce<S>>,
     done: Vec<AppliedForce<S>>,
 }
 
-clone_by_field!(Applied { rows, at, done });
+clone_by_field!(Applied { rows, done });
 
 impl<S: Scalar> Default for Applied<S> {
     fn default() -> Self {
-        Self { rows: Vec::new(), at: Vec::new(), done: Vec::new() }
+        Self { rows: BySlot::default(), done: Vec::new() }
     }
 }
 
 impl<S: Scalar> Applied<S> {
     pub(crate) fn rows(&self) -> &[AppliedForce<S>] {
-        &self.rows
+        self.rows.rows()
     }
 
     /// Those the last step used.
@@ -83,61 +87,41 @@ impl<S: Scalar> Applied<S> {
 
     /// That of a body, if it was pushed.
     pub(crate) fn row(&self, body: BodyId) -> Option<&AppliedForce<S>> {
-        let index = *self.at.get(body.slot as usize)?;
-        self.rows.get(index as usize)
+        self.rows.get(body)
+    }
+
+    /// That of a body, from now on.
+    fn row_mut(&mut self, body: BodyId) -> &mut AppliedForce<S> {
+        self.rows.get_or_insert(AppliedForce { body, force: Vec2::default(), torque: S::Sum::default() })
     }
 
     /// Adds to the sums of a body.
     pub(crate) fn add(&mut self, body: BodyId, force: Vec2<S::Wide>, torque: S::Wide) {
-        let slot = body.slot as usize;
-        if self.at.len() <= slot {
-            self.at.resize(slot + 1, NONE);
-        }
-        if self.at[slot] == NONE {
-            self.at[slot] = self.rows.len() as u32;
-            self.rows.push(AppliedForce { body, force: Vec2::default(), torque: S::Sum::default() });
-        }
-        let row = &mut self.rows[self.at[slot] as usize];
+        let row = self.row_mut(body);
         row.force.x.add(force.x);
         row.force.y.add(force.y);
         row.torque.add(torque);
     }
 
-    /// Takes over what was applied to a body of another world, or at another tick. *Domain* it has none of its own.
+    /// Takes over what was applied to a body of another world, or at another tick, in place of what it has.
     pub(crate) fn adopt(&mut self, body: BodyId, force: Vec2<S::Sum>, torque: S::Sum) {
-        self.add(body, Vec2::default(), S::Wide::default());
-        if let Some(own) = self.rows.last_mut() {
-            (own.force, own.torque) = (force, torque);
-        }
+        *self.row_mut(body) = AppliedForce { body, force, torque };
     }
 
     /// Forgets what was applied to a body.
     pub(crate) fn forget(&mut self, body: BodyId) {
-        let Some(index) = self.at.get_mut(body.slot as usize).map(|at| core::mem::replace(at, NONE)) else { return };
-        if index == NONE {
-            return;
-        }
-        self.rows.swap_remove(index as usize);
-        if let Some(moved) = self.rows.get(index as usize) {
-            self.at[moved.body.slot as usize] = index;
-        }
+        self.rows.remove(body);
     }
 
     /// Ends the tick: the sums become those of the last step, in the order of the bodies.
     pub(crate) fn finish(&mut self) {
-        for row in &self.rows {
-            self.at[row.body.slot as usize] = NONE;
-        }
-        core::mem::swap(&mut self.rows, &mut self.done);
-        self.rows.clear();
+        self.rows.move_to(&mut self.done);
         self.done.sort_unstable_by_key(|row| row.body);
     }
 
     /// Forgets all that was applied since the last step.
     pub(crate) fn clear(&mut self) {
-        for row in self.rows.drain(..) {
-            self.at[row.body.slot as usize] = NONE;
-        }
+        self.rows.clear();
     }
 
     /// Forgets what the last step used.
@@ -147,11 +131,8 @@ impl<S: Scalar> Applied<S> {
 
     /// Adds to a hash what was applied since the last step, in the order of the slots.
     pub(crate) fn write(&self, sink: &mut Sink) {
-        wire::count(sink, self.rows.len());
-        if self.rows.is_empty() {
-            return;
-        }
-        for row in self.at.iter().filter_map(|&index| self.rows.get(index as usize)) {
+        wire::count(sink, self.rows().len());
+        for row in self.rows.in_order() {
             row.body.slot.write(sink);
             row.force.write(sink);
             row.torque.write(sink);

@@ -212,7 +212,7 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
         Ok(())
     }
 
-    /// How much a deed has to look through, in bodies or fields.
+    /// How much a deed has to look through, in bodies or fields, in a world that never stepped: nobody there sleeps, to be woken.
     fn work(&self, deed: &Deed) -> u64 {
         let all = (self.bodies.len() + self.fields.len()) as u64;
         match deed {

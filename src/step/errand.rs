@@ -3,8 +3,7 @@
 use super::Context;
 use crate::body::{Errand, Velocities};
 use crate::error::Cause;
-use crate::limits;
-use crate::scalar::{Accumulator, Scalar};
+use crate::scalar::Scalar;
 
 impl<S: Scalar> Context<'_, S> {
     /// Gives bodies with a goal the velocity that leads there, and stops those that reached theirs in the step before.
@@ -22,7 +21,7 @@ impl<S: Scalar> Context<'_, S> {
             let motion = &mut self.bodies.columns.motion;
             let velocities = match errand {
                 Errand { goal: Some(goal), .. } => {
-                    let there = goal.approach(motion, i, locks, self.plan.rate).filter(are_within_limits::<S>);
+                    let there = goal.approach(motion, i, locks, self.plan.rate);
                     if there.is_none() {
                         self.scratch.stranded.push((i, (motion.velocity.get(i), motion.spin[i])));
                     }
@@ -43,13 +42,11 @@ impl<S: Scalar> Context<'_, S> {
         let (bodies, errands) = (&*self.bodies, &*self.errands);
         let travels = |i| errands.of(bodies.id(i)).is_some_and(|errand| errand.goal.is_some());
         self.scratch.found.faults.retain(|(i, _)| !travels(*i));
-        let mut moves = false;
         for (body, errand) in self.errands.rows_mut() {
             let Ok(i) = self.bodies.find(*body) else { continue };
             if !self.bodies.activity(i).takes_part() {
                 continue;
             }
-            moves = true;
             let Some(goal) = errand.goal.take() else {
                 errand.arrived = false;
                 continue;
@@ -69,15 +66,8 @@ impl<S: Scalar> Context<'_, S> {
                 errand.arrived = true;
             }
         }
-        if moves {
-            self.errands.moved_at = self.tick;
-        }
+        self.errands.moved_at = self.tick;
         self.errands.tidy();
         self.scratch.forget();
     }
-}
-
-fn are_within_limits<S: Scalar>((velocity, spin): &Velocities<S>) -> bool {
-    let [speed, angular] = [limits::SPEED, limits::ANGULAR_SPEED].map(S::from_fx);
-    velocity.x.is_within(speed) && velocity.y.is_within(speed) && spin.is_within(angular)
 }

@@ -190,7 +190,7 @@ impl<S: Scalar> Context<'_, S> {
     pub(crate) fn step(mut self) {
         self.scratch.forget_report();
         let has = self.open();
-        let travels = !self.errands.is_empty();
+        let travels = self.errands.are_due(self.bodies);
         if travels {
             self.set_out();
         }

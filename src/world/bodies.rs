@@ -182,8 +182,8 @@ impl<S: Scalar> World<S> {
     /// Changes what moves a body. One that becomes static stops; what was applied to it this tick is forgotten.
     ///
     /// # Errors
-    /// [`Error::NoSuchBody`]; [`Error::Quarantined`]; [`Error::Disabled`]; [`Error::NoShape`] or [`Error::OutOfRange`] if it becomes dynamic
-    /// without a mass it can have.
+    /// [`Error::NoSuchBody`]; [`Error::Quarantined`]; [`Error::Disabled`]; [`Error::NoShape`] or [`Error::OutOfRange`] if
+    /// it becomes dynamic without a mass it can have.
     pub fn set_kind(&mut self, body: BodyId, kind: BodyKind) -> Result<(), Error> {
         let properties = self.check_body_kind(body, kind)?;
         self.touch(body)?;

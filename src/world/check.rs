@@ -3,7 +3,7 @@
 
 use super::{World, WorldDef, check_gravity, check_sleep_after};
 use crate::body::{
-    Activity, BodyDef, BodyKind, Card, Mass, MassProperties, Pose, check_angle, check_angular_velocity, check_damping,
+    Activity, BodyDef, BodyKind, Card, Goal, Mass, MassProperties, check_angle, check_angular_velocity, check_damping,
     check_gravity_scale, check_max_angular_speed, check_max_speed, check_position, check_turning, check_unlocked,
     check_velocity, mass_properties, within_envelope,
 };
@@ -48,7 +48,7 @@ impl<S: Scalar> World<S> {
     }
 
     /// The goal of a body that is sent there.
-    pub(super) fn check_move(&self, body: BodyId, position: Vec2<S>, angle: S) -> Result<Pose<S>, Error> {
+    pub(super) fn check_move(&self, body: BodyId, position: Vec2<S>, angle: S) -> Result<Goal<S>, Error> {
         let dense = self.check_taking_part(body)?;
         let card = self.bodies.card(dense);
         if card.kind != BodyKind::Kinematic {
@@ -56,13 +56,11 @@ impl<S: Scalar> World<S> {
         }
         check_position(position)?;
         check_angle(angle)?;
-        let goal = Pose { position, angle: S::Angle::from_radians(angle) };
+        let goal = Goal { position, angle: S::Angle::from_radians(angle) };
         let motion = &self.bodies.columns.motion;
         goal.check_locks(motion.position.get(dense), motion.angle[dense], card.locks)?;
         let too_fast = Error::OutOfRange { quantity: Quantity::Velocity };
-        let (velocity, spin) = goal.approach(motion, dense, card.locks, self.plan.rate).ok_or(too_fast)?;
-        within_envelope::<S>(velocity, limits::SPEED, Quantity::Velocity)?;
-        within_envelope::<S>(Vec2::new(spin, spin), limits::ANGULAR_SPEED, Quantity::AngularVelocity)?;
+        goal.approach(motion, dense, card.locks, self.plan.rate).ok_or(too_fast)?;
         Ok(goal)
     }
 

@@ -15,8 +15,8 @@ impl<S: Scalar> World<S> {
     /// that of the last step alone. These are sums, not calls: the arm of a force at a point belongs to where the body was.
     ///
     /// It takes an integrator with an [inverse](crate::Integrator::inverse), forces that are constant or depend on the
-    /// position alone, no damping, no caps of speeds, no
-    /// body that was moved to a goal in the step or stopped there, and no sleep. It costs what a step costs. The report of the step is gone.
+    /// position alone, no damping, no caps of speeds, no body that was moved to a goal in the step or stopped there, and no
+    /// sleep. It costs what a step costs. The report of the step is gone.
     ///
     /// Calls between two steps are the caller's to take back, the last one first, before the step before them is undone:
     /// forces with [`clear_forces`](Self::clear_forces), an impulse with its opposite, another gravity, mass, field or
@@ -53,7 +53,7 @@ impl<S: Scalar> World<S> {
         // Whom calls woke before the step they wake before the next one.
         self.woke.append(&mut self.woken);
         core::mem::swap(&mut self.woke, &mut self.woken);
-        self.woken.retain(|&body| self.bodies.find(body).is_ok());
+        self.woken.retain(|&body| self.bodies.find(body).is_ok_and(|i| self.bodies.activity(i).takes_part()));
         self.journal.undo(self.tick, &self.bodies);
         Ok(())
     }
@@ -88,7 +88,7 @@ impl<S: Scalar> World<S> {
         if let Some(i) = still.rev().find(|&i| self.bodies.activity(i) == Activity::Quarantined) {
             return Err(Irreversible::Quarantined { body: self.bodies.id(i) });
         }
-        if self.errands.moved_at == self.tick || !self.errands.is_empty() {
+        if self.errands.moved_at == self.tick || self.errands.are_due(&self.bodies) {
             return Err(Irreversible::Moved);
         }
         if !self.applied.rows().is_empty() {

@@ -70,7 +70,7 @@ impl<S: Scalar> World<S> {
     pub fn momentum(&self) -> Result<Vec2<S::Wide>, Error> {
         let (mut x, mut y) = (S::Sum::default(), S::Sum::default());
         for i in self.counted_bodies() {
-            let own = self.momentum_of(i);
+            let own = self.momentum_term(i);
             x.add(own.x);
             y.add(own.y);
         }
@@ -83,33 +83,33 @@ impl<S: Scalar> World<S> {
     /// [`Error::OutOfRange`] with [`Quantity::Total`] beyond 2^63.
     pub fn angular_momentum(&self) -> Result<S::Wide, Error> {
         let mut sum = S::Sum::default();
-        let all = self.counted_bodies().try_for_each(|i| self.add_angular_momentum_of(i, &mut sum));
+        let all = self.counted_bodies().try_for_each(|i| self.add_angular_momentum(i, &mut sum));
         total::<S>(all.map(|()| sum))
     }
 
     /// The terms of one body in the totals; all zero for one that is not counted there.
     pub(super) fn kinetic_energy_of(&self, i: usize) -> Result<S::Wide, Error> {
-        let counts = self.counts(i);
-        let energy = if counts { self.kinetic_term(i) } else { Some(S::Wide::default()) };
+        let energy = if self.counts(i) { self.kinetic_term(i) } else { Some(S::Wide::default()) };
         energy.ok_or(Error::OutOfRange { quantity: Quantity::Total })
     }
 
-    /// m·v of one body, exactly: zero of one without a mass.
     pub(super) fn momentum_of(&self, i: usize) -> Vec2<S::Wide> {
-        if !self.counts(i) {
-            return Vec2::default();
-        }
-        let (mass, velocity) = (self.bodies.card(i).kilograms(), self.bodies.columns.motion.velocity.get(i));
-        velocity.map(|v| mass.product(v.value()))
+        if self.counts(i) { self.momentum_term(i) } else { Vec2::default() }
     }
 
     pub(super) fn angular_momentum_of(&self, i: usize) -> Result<S::Wide, Error> {
         let mut sum = S::Sum::default();
-        let added = if self.counts(i) { self.add_angular_momentum_of(i, &mut sum) } else { Some(()) };
+        let added = if self.counts(i) { self.add_angular_momentum(i, &mut sum) } else { Some(()) };
         total::<S>(added.map(|()| sum))
     }
 
-    fn add_angular_momentum_of(&self, i: usize, sum: &mut S::Sum) -> Option<()> {
+    /// m·v, exactly.
+    fn momentum_term(&self, i: usize) -> Vec2<S::Wide> {
+        let (mass, velocity) = (self.bodies.card(i).kilograms(), self.bodies.columns.motion.velocity.get(i));
+        velocity.map(|v| mass.product(v.value()))
+    }
+
+    fn add_angular_momentum(&self, i: usize, sum: &mut S::Sum) -> Option<()> {
         let (motion, card) = (&self.bodies.columns.motion, self.bodies.card(i));
         let (x, v) = (motion.position.get(i).map(Accumulator::value), motion.velocity.get(i).map(Accumulator::value));
         let spin = motion.spin[i].value();

@@ -11,8 +11,9 @@ use crate::step::find_strays;
 /// The world after each stage of a step: where two runs part, the first stage after which they differ says what parted
 /// them.
 ///
-/// All are at the tick before the step; what was applied over it is forgotten after the last of them, clear. What follows
-/// the stages, caps of speeds, arrival at goals, quarantine and sleep, shows in the world that was traced.
+/// All are at the tick before the step; what was applied over it is forgotten after the last of them, clear. What comes before
+/// the stages, the velocities of bodies that are sent to a goal, shows after the first of them. What follows the stages, caps
+/// of speeds, arrival at goals, quarantine and sleep, shows in the world that was traced.
 ///
 /// ```
 /// use umbra_physics::{BodyDef, Trace, World, WorldDef, vec2};
@@ -34,7 +35,7 @@ impl<S: Scalar> Trace<S> {
     /// The stages in order, each with the world after it.
     ///
     /// It differs from the one before in what the stage's [verb](Verb) writes alone. Between stages a body may be beyond the
-    /// envelope, and come back or not: there it is quarantined, where it is, and what was applied to it is forgotten.
+    /// envelope, and come back or not: there it is quarantined, where it is; what was applied to it and where it was sent are forgotten.
     pub fn stages(&self) -> impl DoubleEndedIterator<Item = (&Stage, &World<S>)> + ExactSizeIterator {
         self.stages.iter().map(|(stage, world)| (stage, world))
     }

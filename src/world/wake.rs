@@ -44,9 +44,9 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
-    /// Takes a body out of the simulation as it is: no step moves it, what is attached to it is inert, and what was applied to it
-    /// this tick is forgotten. Wakes what springs and its attractors joined it to. It keeps its velocity for when it is
-    /// [enabled](Self::enable), and can be changed meanwhile.
+    /// Takes a body out of the simulation as it is: no step moves it, what is attached to it is inert, and what was applied
+    /// to it this tick is forgotten. Wakes what springs and its attractors joined it to. It keeps its velocity for when it
+    /// is [enabled](Self::enable), and can be changed meanwhile.
     ///
     /// # Errors
     /// [`Error::NoSuchBody`]; [`Error::Disabled`] if it is so already; [`Error::Quarantined`].
@@ -66,7 +66,7 @@ impl<S: Scalar> World<S> {
     pub fn disable(&mut self, body: BodyId) -> Result<(), Error> {
         self.check_taking_part(body)?;
         self.wake_joined(body);
-        let dense = self.touch(body)?;
+        let dense = self.bodies.find(body)?;
         self.bodies.set_activity(dense, Activity::Disabled);
         self.mark_if_still(body);
         self.applied.forget(body);
@@ -130,7 +130,9 @@ impl<S: Scalar> World<S> {
     /// a field does not act on must not feel that it came.
     pub(super) fn wake_reached(&mut self, bodies: &[BodyId], groups: u32) {
         self.scratch.forget();
-        if !self.bodies.any_asleep() {
+        let sleeps = |body| self.bodies.find(body).is_ok_and(|i| self.bodies.activity(i) == Activity::Asleep);
+        // Islands sleep as wholes: who is awake has nobody asleep in its own.
+        if !self.bodies.any_asleep() || (groups == 0 && !bodies.iter().any(|&body| sleeps(body))) {
             return;
         }
         let mut links = Vec::new();
