@@ -23,8 +23,10 @@
 //!
 //! Units are m, kg, s and rad. One ulp is 2^-32 of them, and error bounds are given in ulps.
 //!
-//! The [guide] has a chapter each on numbers, accuracy, determinism of your own code, lockstep, rollback, replays, engines, and
-//! on coming from Box2D or Rapier.
+//! The [guide] has a chapter each on [numbers](guide::numbers), [accuracy](guide::accuracy), [bodies](guide::bodies),
+//! [determinism](guide::determinism) of your own code, [lockstep](guide::lockstep), [rollback](guide::rollback),
+//! [replays](guide::replays), [frames](guide::frames) and drawing, [engines](guide::engines), [other languages](guide::languages),
+//! and on [coming from Box2D or Rapier](guide::migration).
 #![no_std]
 #![cfg_attr(not(all(feature = "std", target_arch = "x86_64")), forbid(unsafe_code))]
 #![deny(unsafe_code)]

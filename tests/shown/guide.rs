@@ -1,6 +1,14 @@
 //! What the guide and the README have beside examples that run as tests: figures of the report, excerpts of a program, links.
 
+use std::path::{Path, PathBuf};
+
 use serde_json::Value;
+
+/// Of the repository: not all of it is in the package that is published.
+fn read(path: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
+    std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
 
 /// The lines of a chapter's tables.
 fn rows(chapter: &str) -> impl Iterator<Item = Vec<&str>> {
@@ -8,25 +16,36 @@ fn rows(chapter: &str) -> impl Iterator<Item = Vec<&str>> {
     rows.map(|row| row.split('|').map(|cell| cell.trim().trim_matches('`')).collect())
 }
 
+fn report() -> Value {
+    serde_json::from_str(&read("docs/report/report.json")).expect("the report")
+}
+
+/// The entry of a list that has this under the key.
+fn among(list: &Value, key: &str, is: &Value) -> Value {
+    let found = list.as_array().expect("a list").iter().find(|entry| entry[key] == *is).cloned();
+    found.unwrap_or_else(|| panic!("the report has no {key} {is}"))
+}
+
+/// The runs of a problem in this scalar by this integrator, in the order of their rates.
+fn runs(problem: &Value, scalar: &str, integrator: &str) -> Vec<Value> {
+    let lines = problem["lines"].as_array().expect("lines").iter().filter(|line| line["scalar"] == scalar);
+    let line = among(&Value::Array(lines.cloned().collect()), "integrator", &integrator.into());
+    line["runs"].as_array().expect("runs").clone()
+}
+
 #[test]
 fn the_errors_in_the_guide_are_those_of_the_report() {
-    let report = include_str!("../../docs/report/report.json");
-    let report: Value = serde_json::from_str(report).expect("the report");
-    let among = |list: &Value, key: &str, is: &Value| {
-        let found = list.as_array().expect("a list").iter().find(|entry| entry[key] == *is).cloned();
-        found.unwrap_or_else(|| panic!("the report has no {key} {is}"))
-    };
-    let mut rows = rows(include_str!("../../src/guide/accuracy.md")).skip_while(|row| row[0] != "integrator");
+    let report = report();
+    let accuracy = read("src/guide/accuracy.md");
+    let mut rows = rows(&accuracy).skip_while(|row| row[0] != "integrator");
     let head = rows.next().expect("a table");
     let mut compared = 0;
     for row in rows.skip(1).take_while(|row| row.len() == head.len()) {
         for (&name, &said) in head.iter().zip(&row).skip(2) {
             let problem = among(&report["problems"], "name", &name.into());
-            let lines = problem["lines"].as_array().expect("lines").iter().filter(|line| line["scalar"] == "fx");
-            let lines = Value::Array(lines.cloned().collect());
-            let runs = among(&lines, "integrator", &row[0].into())["runs"].clone();
             let rate: u32 = row[1].parse().expect("a rate");
-            let error = among(&runs, "rate", &rate.into())["error"].as_f64();
+            let run = among(&Value::Array(runs(&problem, "fx", row[0])), "rate", &rate.into());
+            let error = run["error"].as_f64();
             assert_eq!(error.map_or("none".into(), |error| format!("{error:.1e}")), said, "{name} at {row:?}");
             compared += 1;
         }
@@ -34,55 +53,150 @@ fn the_errors_in_the_guide_are_those_of_the_report() {
     assert_eq!(compared, 28);
 }
 
+/// The blocks of a text that are marked as of this kind.
+fn blocks<'a>(text: &'a str, kind: &str) -> Vec<&'a str> {
+    let fence = format!("```{kind}\n");
+    let parts = text.match_indices(&fence).map(|(at, _)| &text[at + fence.len()..]);
+    parts.filter_map(|rest| rest.split("```").next()).collect()
+}
+
 #[test]
-fn the_excerpts_in_the_guide_stand_in_the_example() {
-    let example = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/bevy/src/main.rs");
-    let example = std::fs::read_to_string(example).expect("the example, which the published package has not");
-    let chapter = include_str!("../../src/guide/engines.md");
-    let excerpts: Vec<_> = chapter.split("```rust,ignore\n").skip(1).map(|rest| rest.split("```").next()).collect();
-    assert!(excerpts.len() >= 6, "{excerpts:?}");
-    for excerpt in excerpts.into_iter().flatten() {
-        assert!(example.contains(excerpt), "not in the example:\n{excerpt}");
+fn the_excerpts_in_the_guide_stand_in_the_examples() {
+    let chapters = [
+        ("engines", "rust,ignore", 6, &["examples/bevy/src/main.rs"][..]),
+        ("languages", "c", 6, &["examples/c/main.c"]),
+        ("languages", "js", 2, &["examples/web/match.js", "examples/web/page.js"]),
+    ];
+    for (chapter, kind, count, examples) in chapters {
+        let chapter = read(&format!("src/guide/{chapter}.md"));
+        let excerpts = blocks(&chapter, kind);
+        assert!(excerpts.len() >= count, "{kind}: {excerpts:?}");
+        let sources: Vec<String> = examples.iter().map(|example| read(example)).collect();
+        for excerpt in excerpts {
+            assert!(sources.iter().any(|source| source.contains(excerpt)), "in none of {examples:?}:\n{excerpt}");
+        }
     }
 }
 
-/// Where the links of a text in Markdown lead to, other than to the web.
-fn links(text: &str) -> impl Iterator<Item = &str> {
-    let links = text.split("](").skip(1).filter_map(|rest| rest.split(')').next());
-    links.filter(|link| !link.starts_with("http"))
+/// Where the links of a text in Markdown lead to; code is left out.
+fn links(text: &str) -> Vec<&str> {
+    let prose = text.split("```").step_by(2);
+    let inline = prose.clone().flat_map(|text| text.split("](").skip(1).filter_map(|rest| rest.split(')').next()));
+    let defined = prose.flat_map(|text| {
+        text.lines().filter(|line| line.starts_with('[')).filter_map(|line| Some(line.split_once("]: ")?.1))
+    });
+    inline.chain(defined).collect()
 }
 
-#[test]
-fn the_links_of_the_readme_lead_somewhere() {
-    let readme = include_str!("../../README.md");
-    // A heading by its anchor: lower case, hyphens for spaces.
-    let headings = readme.lines().filter_map(|line| line.strip_prefix("## "));
-    let anchors: Vec<_> = headings.map(|heading| format!("#{}", heading.to_lowercase().replace(' ', "-"))).collect();
-    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
-    let is_there = |link: &str| match link.starts_with('#') {
-        true => anchors.iter().any(|anchor| anchor == link),
-        false => root.join(link.split('#').next().unwrap_or_default()).exists(),
+/// A heading by its anchor: lower case, hyphens for spaces, no other signs.
+fn anchor(heading: &str) -> String {
+    let signs = heading.trim_start_matches('#').trim().chars().filter_map(|sign| match sign {
+        ' ' => Some('-'),
+        '-' | '_' => Some(sign),
+        _ => sign.is_alphanumeric().then(|| sign.to_ascii_lowercase()),
+    });
+    signs.collect()
+}
+
+/// Whether it is in the package that docs.rs has: packages of their own are not, nor what the manifest leaves out.
+fn is_published(path: &Path) -> bool {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let manifest = read("Cargo.toml");
+    let left_out = manifest.lines().find(|line| line.starts_with("exclude = ")).expect("what is left out");
+    let mut folders = path.ancestors().take_while(|folder| !folder.as_os_str().is_empty());
+    folders.all(|folder| {
+        let is_package = root.join(folder).join("Cargo.toml").exists();
+        !is_package && !left_out.contains(&format!("\"{}\"", folder.display()))
+    })
+}
+
+/// What is wrong with a link of a file, if anything is.
+fn fault(file: &Path, link: &str) -> Option<&'static str> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let (to, heading) = link.split_once('#').map_or((link, None), |(to, heading)| (to, Some(heading)));
+    let target = match to.strip_prefix("https://docs.rs/crate/umbra-physics/latest/source/") {
+        Some(path) if !is_published(Path::new(path)) => return Some("is not in the package"),
+        Some(path) => root.join(path),
+        None if to.is_empty() => root.join(file),
+        None => root.join(file).parent()?.join(to),
     };
-    let (there, nowhere): (Vec<_>, Vec<_>) = links(readme).partition(|link| is_there(link));
-    assert!(there.len() > 20 && nowhere.is_empty(), "{nowhere:?}");
+    let Some(heading) = heading else { return (!target.exists()).then_some("is not there") };
+    let Ok(text) = std::fs::read_to_string(target) else { return Some("is not there") };
+    let mut lines = text.split("```").step_by(2).flat_map(str::lines);
+    let has = lines.any(|line| line.starts_with('#') && anchor(line) == heading);
+    (!has).then_some("has no such heading")
+}
+
+/// The texts of a folder and of those in it that are the project's own.
+fn texts(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+        if path.is_dir() && !name.starts_with('.') && !["target", "seeds", "corpus", "artifacts"].contains(&name) {
+            texts(&path, found);
+        } else if name.ends_with(".md") {
+            found.push(path);
+        }
+    }
 }
 
 #[test]
-fn the_guide_has_its_chapters_and_says_so() {
-    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src/guide");
-    let module = include_str!("../../src/guide/mod.rs");
+fn the_links_of_all_texts_lead_somewhere() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut files = Vec::new();
+    texts(root, &mut files);
+    assert!(files.len() >= 22, "{files:?}");
+    let (mut there, mut wrong) = (0, Vec::new());
+    for file in &files {
+        let file = file.strip_prefix(root).expect("below the root");
+        // Names of the library in the guide are for rustdoc to find.
+        let is_ours = |link: &&str| match link.strip_prefix("http") {
+            Some(_) => link.starts_with("https://docs.rs/crate/umbra-physics/"),
+            None => !link.starts_with("crate::"),
+        };
+        for link in links(&read(&file.to_string_lossy())).into_iter().filter(is_ours) {
+            match fault(file, link) {
+                Some(fault) => wrong.push(format!("{}: {link} {fault}", file.display())),
+                None => there += 1,
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+    assert!(there >= 70, "{there}");
+}
+
+#[test]
+fn a_link_that_leads_nowhere_is_seen() {
+    let readme = Path::new("README.md");
+    let text = "[a](b.md) and\n```\n[c](d)\n```\n[e]: docs/f.md\n";
+    assert_eq!(links(text), ["b.md", "docs/f.md"]);
+    assert_eq!(fault(readme, "docs/errors.md"), None);
+    assert_eq!(fault(readme, "docs/none.md"), Some("is not there"));
+    assert_eq!(fault(readme, "#from-c-and-in-the-browser"), None);
+    assert_eq!(fault(Path::new("docs/errors.md"), "formats.md#no-such"), Some("has no such heading"));
+    let docs = |path: &str| format!("https://docs.rs/crate/umbra-physics/latest/source/{path}");
+    assert_eq!(fault(readme, &docs("examples/ggrs/adapter.rs")), None);
+    assert_eq!(fault(readme, &docs("examples/ggrs/none.rs")), Some("is not there"));
+    assert_eq!(fault(readme, &docs("capi/README.md")), Some("is not in the package"));
+    assert_eq!(fault(readme, &docs("examples/c/main.c")), Some("is not in the package"));
+}
+
+#[test]
+fn the_guide_has_its_chapters_and_all_say_so() {
+    let [module, readme, library] = ["src/guide/mod.rs", "README.md", "src/lib.rs"].map(read);
+    let start = readme.split("\n## ").find(|part| part.starts_with("Where to begin")).expect("where to begin");
     let mut chapters = 0;
-    for entry in std::fs::read_dir(folder).expect("the guide") {
+    for entry in std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("src/guide")).expect("the guide") {
         let path = entry.expect("an entry").path();
         if path.extension().is_some_and(|extension| extension == "md") {
             let name = path.file_stem().and_then(|name| name.to_str()).expect("a name");
-            assert!(
-                module.contains(&format!("include_str!(\"{name}.md\")]\npub mod {name} {{}}")),
-                "{name} is left out"
-            );
+            let built = format!("include_str!(\"{name}.md\")]\npub mod {name} {{}}");
+            assert!(module.contains(&built), "{name} is left out");
             assert!(module.contains(&format!("//! | [`{name}`] | ")), "{name} is not in the list");
+            assert!(start.contains(&format!("`{name}`")), "{name} is not in the README");
+            assert!(library.contains(&format!("(guide::{name})")), "{name} is not on the first page");
             chapters += 1;
         }
     }
-    assert_eq!(chapters, 9);
+    assert_eq!(chapters, 11);
 }
