@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Builds the C interface as a module of WebAssembly, `umbra_physics.wasm` beside this script: 1,020 kB, 370 kB compressed. Says that
-# it is skipped, with exit status 3, where there is no compiler for it.
+# Builds the C interface as a module of WebAssembly, `umbra_physics.wasm` beside this script. Says that it is skipped, with exit
+# status 3, where there is no compiler for it.
 #   examples/web/build.sh && python3 -m http.server --directory examples/web --bind 127.0.0.1 8000
 set -euo pipefail
 cd "$(dirname "$0")/../.."

@@ -33,6 +33,35 @@ fn runs(problem: &Value, scalar: &str, integrator: &str) -> Vec<Value> {
     line["runs"].as_array().expect("runs").clone()
 }
 
+/// What runs cost as a multiple of what others cost, the median over the rates at which both came through.
+fn times(runs: &[Value], others: &[Value]) -> f64 {
+    let both = runs.iter().zip(others).filter(|(run, other)| !run["error"].is_null() && !other["error"].is_null());
+    let cost = |run: &Value| run["cost"].as_f64().expect("a cost");
+    let mut ratios: Vec<f64> = both.map(|(run, other)| cost(run) / cost(other)).collect();
+    ratios.sort_by(f64::total_cmp);
+    ratios[ratios.len() / 2]
+}
+
+/// (problem, how long a step of Yoshida4 takes in steps of velocity Verlet, in fx).
+fn prices() -> Vec<(String, f64)> {
+    let report = report();
+    let problems = report["problems"].as_array().expect("problems").iter();
+    let price = |problem| times(&runs(problem, "fx", "yoshida4"), &runs(problem, "fx", "velocity_verlet"));
+    problems.map(|problem| (problem["name"].as_str().expect("a name").to_owned(), price(problem))).collect()
+}
+
+/// The least and the greatest of these, as they are written.
+fn span(values: impl Iterator<Item = f64>) -> (String, String) {
+    let (least, most) =
+        values.fold((f64::INFINITY, 0.0_f64), |(least, most), value| (least.min(value), most.max(value)));
+    (format!("{least:.1}"), format!("{most:.1}"))
+}
+
+/// A text with its line breaks taken for spaces.
+fn flowing(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
 #[test]
 fn the_errors_in_the_guide_are_those_of_the_report() {
     let report = report();
@@ -51,6 +80,85 @@ fn the_errors_in_the_guide_are_those_of_the_report() {
         }
     }
     assert_eq!(compared, 28);
+}
+
+#[test]
+fn the_times_in_the_guide_are_those_of_the_report() {
+    let accuracy = read("src/guide/accuracy.md");
+    let table: Vec<Vec<&str>> = rows(&accuracy).collect();
+    let said = table.iter().position(|row| row[0] == "times").expect("a row of times");
+    let (head, said) = (&table[said - 2][1..], &table[said][1..]);
+    let prices = prices();
+    assert!(prices.iter().map(|(name, _)| name).eq(head), "{head:?}");
+    let measured: Vec<String> = prices.iter().map(|(_, price)| format!("{price:.1}")).collect();
+    assert_eq!(measured, said);
+
+    // And the README, of those with fields and those without.
+    let readme = flowing(&read("README.md"));
+    let without = |name: &str| ["damped-fall", "spin"].contains(&name);
+    let (least, most) = span(prices.iter().filter(|(name, _)| !without(name)).map(|&(_, price)| price));
+    let (spin, fall) = span(prices.iter().filter(|(name, _)| without(name)).map(|&(_, price)| price));
+    let claim =
+        format!("{least} to {most} times as long as one of velocity Verlet where fields act, {spin} and {fall} times");
+    assert!(readme.contains(&claim), "{claim}");
+
+    let report = report();
+    let problems = report["problems"].as_array().expect("problems").iter();
+    let dearer = |problem| times(&runs(problem, "fx", "velocity_verlet"), &runs(problem, "f64", "velocity_verlet"));
+    let (three, few): (Vec<_>, Vec<_>) = problems.partition(|problem| problem["name"] == "figure-eight");
+    let (least, most) = span(few.into_iter().map(dearer));
+    let three = dearer(three[0]);
+    let claim =
+        format!("takes {least} to {most} times as long for a body or two, {three:.1} times where three attract");
+    assert!(readme.contains(&claim), "{claim}");
+}
+
+/// The error of these runs at a cost, between the two that are nearest to it; `None` beyond them or where one has none.
+fn error_at(runs: &[Value], cost: f64) -> Option<f64> {
+    let point = |run: &Value| Some((run["cost"].as_f64()?.ln(), run["error"].as_f64()?.ln()));
+    runs.windows(2).find_map(|pair| {
+        let ((a, at_a), (b, at_b)) = (point(&pair[0])?, point(&pair[1])?);
+        let part = (cost.ln() - a) / (b - a);
+        (0.0..=1.0).contains(&part).then(|| (at_a + (at_b - at_a) * part).exp())
+    })
+}
+
+#[test]
+fn yoshida_errs_less_at_the_same_price_from_where_the_guide_says() {
+    let report = report();
+    let mut compared = 0;
+    for problem in report["problems"].as_array().expect("problems").iter().filter(|problem| problem["name"] != "spin") {
+        let (yoshida, verlet) = (runs(problem, "fx", "yoshida4"), runs(problem, "fx", "velocity_verlet"));
+        let from = if problem["name"] == "stiff-pendulum" { 120 } else { 60 };
+        for run in yoshida.iter().filter(|run| run["rate"].as_u64() >= Some(60)) {
+            let Some(error) = run["error"].as_f64() else {
+                assert!(run["rate"].as_u64() < Some(from), "{}: {run}", problem["name"]);
+                continue;
+            };
+            assert!(run["rate"].as_u64() >= Some(from), "{}: {run}", problem["name"]);
+            if let Some(same_price) = error_at(&verlet, run["cost"].as_f64().expect("a cost")) {
+                assert!(error < same_price, "{}: {run}, Verlet {same_price}", problem["name"]);
+                compared += 1;
+            }
+        }
+    }
+    // Eight problems at six rates, one of them not at the first: beyond these Verlet was not tried as long.
+    assert_eq!(compared, 47);
+}
+
+#[test]
+fn the_readme_says_of_other_engines_what_was_measured() {
+    let readme = flowing(&read("README.md"));
+    let performance = read("PERFORMANCE.md");
+    let table: Vec<Vec<&str>> = rows(&performance).collect();
+    let nanoseconds = |engine: &str| {
+        let row = table.iter().find(|row| row[0].starts_with(engine)).unwrap_or_else(|| panic!("no {engine}"));
+        row[1].split(',').next().expect("a figure").to_owned()
+    };
+    let [ours, other, third] = ["fx, wide", "Box2D 3", "rapier"].map(nanoseconds);
+    let whole = |figure: &str| figure.split('.').next().expect("a figure").to_owned();
+    let claim = format!("take {ours} ns each and step, where Box2D takes {} and rapier {third}", whole(&other));
+    assert!(readme.contains(&claim), "{claim}");
 }
 
 /// The blocks of a text that are marked as of this kind.
