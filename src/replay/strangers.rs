@@ -105,12 +105,14 @@ fn a_quarantined_body_is_no_farther_off_than_a_step_can_take_one() {
 }
 
 #[test]
-fn what_sleeps_could_have_fallen_asleep() {
-    let asleep = |def: WorldDef, body: BodyDef| {
+fn what_sleeps_or_is_quarantined_could_have_come_to_it() {
+    let forge = |activity: u8, def: WorldDef, body: BodyDef| {
         let mut world = World::new(def).expect("a world");
         world.add_body(body).expect("a body");
-        Snapshot::from_bytes(&forged_from(world.snapshot().to_bytes(), &[("bodies[0].activity", &[1])]), &[]).map(drop)
+        let bytes = forged_from(world.snapshot().to_bytes(), &[("bodies[0].activity", &[activity])]);
+        Snapshot::from_bytes(&bytes, &[]).map(drop)
     };
+    let asleep = |def, body| forge(1, def, body);
     let def = WorldDef::default();
     let still = || BodyDef { gravity_scale: Fx::ZERO, ..BodyDef::dynamic() };
     assert_eq!(asleep(def, still()), Ok(()));
@@ -120,6 +122,11 @@ fn what_sleeps_could_have_fallen_asleep() {
     assert_eq!(asleep(def, BodyDef { angular_velocity: Fx::ONE, ..still() }), inconsistent);
     assert_eq!(asleep(def, BodyDef { kind: BodyKind::Static, ..still() }), inconsistent);
     assert_eq!(asleep(WorldDef { sleep_after: None, ..def }, still()), inconsistent);
+    for (kind, expected) in
+        [(BodyKind::Static, inconsistent), (BodyKind::Kinematic, Ok(())), (BodyKind::Dynamic, Ok(()))]
+    {
+        assert_eq!(forge(2, def, BodyDef { kind, ..still() }), expected, "{kind:?}");
+    }
 }
 
 #[test]
