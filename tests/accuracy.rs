@@ -5,8 +5,8 @@
 #[path = "support/mod.rs"]
 mod support;
 
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{LazyLock, Mutex};
 
 use support::cordic::Cordic;
 use support::hard;
@@ -14,8 +14,11 @@ use support::inputs::{Random, edges};
 use support::reference::{Reference, error, real};
 use umbra_physics::{Fx, MathError};
 
-/// Random inputs of each distribution, a function.
-const RANDOM: usize = if cfg!(debug_assertions) { 20_000 } else { 1_000_000 };
+/// Random inputs of each distribution, a function: as many as `UMBRA_INPUTS` says, a million at leisure.
+static RANDOM: LazyLock<usize> = LazyLock::new(|| {
+    let asked = std::env::var("UMBRA_INPUTS").ok().map(|count| count.parse().expect("a number"));
+    asked.unwrap_or(if cfg!(debug_assertions) { 20_000 } else { 200_000 })
+});
 /// Neighbours in the dense intervals.
 const DENSE: i64 = if cfg!(debug_assertions) { 1_000 } else { 20_000 };
 /// Ties from which hard inputs are made.
@@ -153,7 +156,7 @@ const FUNCTIONS: [Function; 10] = [
         allowed: 0.51,
         inputs: |reference| {
             let mut random = Random(7);
-            let in_range: Vec<_> = (0..RANDOM).map(|_| random.within(-33 << 32, 31 << 32)).collect();
+            let in_range: Vec<_> = (0..*RANDOM).map(|_| random.within(-33 << 32, 31 << 32)).collect();
             let searched = hard::search_exp2(reference, &mut random, SEARCHED, KEPT);
             singles(in_range.into_iter().chain(searched).chain(hard::EXP2).chain(common()))
         },
@@ -214,8 +217,8 @@ fn singles(inputs: impl Iterator<Item = i64>) -> Vec<Input> {
 fn common() -> impl Iterator<Item = i64> {
     let (mut uniform, mut by_exponent) = (Random(1), Random(2));
     let dense = (0..2 * DENSE).map(|d| (3 << 31) + d);
-    let uniform = (0..RANDOM).map(move |_| uniform.next());
-    edges().into_iter().chain(dense).chain(uniform).chain((0..RANDOM).map(move |_| by_exponent.next_by_exponent()))
+    let uniform = (0..*RANDOM).map(move |_| uniform.next());
+    edges().into_iter().chain(dense).chain(uniform).chain((0..*RANDOM).map(move |_| by_exponent.next_by_exponent()))
 }
 
 /// For any function of two: the edges with each other, a dense square, random ones uniform and uniform in exponent.
@@ -226,8 +229,8 @@ fn pairs(hard: Vec<Input>) -> Vec<Input> {
     let side = DENSE.isqrt();
     let dense = (0..side).flat_map(|a| (0..side).map(move |b| ((1 << 32) + a, (3 << 31) + b)));
     let (mut uniform, mut by_exponent) = (Random(1), Random(2));
-    let uniform = (0..RANDOM).map(|_| (uniform.next(), uniform.next()));
-    let by_exponent = (0..RANDOM).map(|_| (by_exponent.next_by_exponent(), by_exponent.next_by_exponent()));
+    let uniform = (0..*RANDOM).map(|_| (uniform.next(), uniform.next()));
+    let by_exponent = (0..*RANDOM).map(|_| (by_exponent.next_by_exponent(), by_exponent.next_by_exponent()));
     hard.into_iter().chain(corners).chain(dense).chain(uniform).chain(by_exponent).collect()
 }
 
@@ -252,7 +255,7 @@ fn angles(reference: &Reference) -> Vec<Input> {
 fn powers(reference: &Reference) -> Vec<Input> {
     let mut random = Random(10);
     let mut inputs: Vec<Input> = (0..TIES).flat_map(|_| hard::pow_from_ties(reference, &mut random)).collect();
-    for i in 0..RANDOM {
+    for i in 0..*RANDOM {
         // Half of the bases next to 1, the others of all sizes; the exponent leads to a result of a random size.
         let off = random.next() % 1000;
         let base =
@@ -322,7 +325,7 @@ fn every_function_is_as_accurate_as_promised() {
     }
     for (_, function, worst) in &results {
         assert!(worst.error <= function.allowed, "{}: {} ulp at {:?}", function.name, worst.error, worst.at);
-        assert!(worst.tried > RANDOM, "{}: only {} inputs have a result", function.name, worst.tried);
+        assert!(worst.tried > *RANDOM, "{}: only {} inputs have a result", function.name, worst.tried);
         // A table whose inputs never come near a tie would show nothing.
         assert!(worst.error > 0.49, "{}: no hard inputs, {} ulp at worst", function.name, worst.error);
     }
