@@ -1,6 +1,7 @@
 //! The pacer gives real time out in ticks to the last nanosecond, whatever the frames are.
 
 use dashu_int::UBig;
+use dashu_int::ops::Gcd as _;
 use proptest::prelude::*;
 use umbra_physics::{Due, Error, Pacer, TickFraction, TimeStep, World, WorldDef};
 
@@ -32,6 +33,15 @@ impl Exact {
     fn minus_whole(&self, whole: &UBig) -> Self {
         Self(&self.0 - whole * &self.1, self.1.clone())
     }
+
+    fn minus(&self, other: &Self) -> Self {
+        Self(&self.0 * &other.1 - &other.0 * &self.1, &self.1 * &other.1)
+    }
+
+    fn in_lowest_terms(&self) -> Self {
+        let divisor = (&self.0).gcd(&self.1);
+        Self(&self.0 / &divisor, &self.1 / &divisor)
+    }
 }
 
 impl PartialEq for Exact {
@@ -50,9 +60,11 @@ fn of_ticks(part: TickFraction) -> Exact {
 }
 
 /// What a pacer has to say, by arithmetic without bounds: all the time that went in, and what came out.
+#[derive(Clone, Debug)]
 struct Model {
     step: TimeStep,
     speed: (u32, u32),
+    is_paused: bool,
     /// Simulated time, s: all of it, and that of the ticks.
     total: Exact,
     given: Exact,
@@ -60,21 +72,68 @@ struct Model {
 
 impl Model {
     fn new(step: TimeStep) -> Self {
-        Self { step, speed: (1, 1), total: Exact::new(0u8, 1u8), given: Exact::new(0u8, 1u8) }
+        let zero = Exact::new(0u8, 1u8);
+        Self { step, speed: (1, 1), is_paused: false, total: zero.clone(), given: zero }
+    }
+
+    /// What a nanosecond is, and what is left over, both in ticks.
+    fn gain(&self) -> Exact {
+        Exact::new(self.speed.0, UBig::from(1_000_000_000u64) * self.speed.1).over(&seconds(self.step))
+    }
+
+    fn left(&self) -> Exact {
+        self.total.minus(&self.given).over(&seconds(self.step))
     }
 
     fn frame(&mut self, nanoseconds: u64) -> UBig {
-        let passed = Exact::new(UBig::from(nanoseconds) * self.speed.0, UBig::from(1_000_000_000u64) * self.speed.1);
+        if self.is_paused {
+            return UBig::ZERO;
+        }
+        let passed = Exact::new(UBig::from(nanoseconds), 1u8).times(&self.gain()).times(&seconds(self.step));
         self.total = self.total.plus(&passed);
-        let left = Exact(&self.total.0 * &self.given.1 - &self.given.0 * &self.total.1, &self.total.1 * &self.given.1);
-        let ticks = left.over(&seconds(self.step)).floor();
+        let ticks = self.left().floor();
         self.given = self.given.plus(&Exact::new(ticks.clone(), 1u8).times(&seconds(self.step)));
         ticks
+    }
+
+    /// Whether all that a pacer may have to hold fits in 128 bits: over the one denominator of what is left over and of a
+    /// nanosecond, the longest frame there is on top of what is left over, or of a whole tick.
+    fn fits(&self) -> bool {
+        let (left, gain) = (self.left().in_lowest_terms(), self.gain().in_lowest_terms());
+        let den = &left.1 / (&left.1).gcd(&gain.1) * &gain.1;
+        let rest = left.0 * (&den / left.1);
+        let longest = UBig::from(u64::MAX) * gain.0 * (&den / gain.1);
+        longest + rest.max(den) <= UBig::from(u128::MAX)
+    }
+
+    /// Changes it, if what comes of that fits.
+    fn change(&mut self, change: impl FnOnce(&mut Self)) -> Result<(), Error> {
+        let mut changed = self.clone();
+        change(&mut changed);
+        if !changed.fits() {
+            return Err(Error::ElapsedTime);
+        }
+        *self = changed;
+        Ok(())
+    }
+
+    /// The shortest frame that asks for a tick, ns.
+    fn until_tick(&self) -> Option<UBig> {
+        let (left, gain) = (self.left(), self.gain());
+        if self.is_paused || gain.0 == UBig::ZERO {
+            return None;
+        }
+        if left.0 >= left.1 {
+            return Some(UBig::ZERO);
+        }
+        let missing = Exact::new(1u8, 1u8).minus(&left).over(&gain);
+        Some((missing.0 + &missing.1 - 1u8) / missing.1)
     }
 
     /// Whether the pacer is where this is.
     fn agrees(&self, pacer: &Pacer) -> bool {
         self.given.plus(&of_ticks(pacer.remainder()).times(&seconds(self.step))) == self.total
+            && pacer.until_tick().map(UBig::from) == self.until_tick()
     }
 }
 
@@ -102,6 +161,9 @@ enum Act {
     Frame(u64),
     Step(TimeStep),
     Speed(u32, u32),
+    Pause(bool),
+    Limit(u32),
+    Settle,
 }
 
 fn act() -> impl Strategy<Value = Act> {
@@ -109,6 +171,9 @@ fn act() -> impl Strategy<Value = Act> {
         8 => frame().prop_map(Act::Frame),
         1 => time_step().prop_map(Act::Step),
         1 => speed().prop_map(|(num, den)| Act::Speed(num, den)),
+        1 => any::<bool>().prop_map(Act::Pause),
+        1 => prop_oneof![0u32..4, any::<u32>()].prop_map(Act::Limit),
+        1 => Just(Act::Settle),
     ]
 }
 
@@ -147,39 +212,63 @@ proptest! {
             let before = pacer.clone();
             match act {
                 Act::Frame(nanoseconds) => {
-                    prop_assert_eq!(all_of(pacer.frame(nanoseconds)), model.frame(nanoseconds));
+                    let (due, limit) = (pacer.frame(nanoseconds), pacer.limit());
+                    prop_assert_eq!(all_of(due), model.frame(nanoseconds));
+                    prop_assert!(due.ticks <= limit && (due.dropped == 0 || due.ticks == limit));
                     let TickFraction { num, den } = pacer.remainder();
-                    prop_assert!(num < den);
+                    prop_assert!(num < den || model.is_paused);
                 }
-                Act::Step(step) => match pacer.set_time_step(step) {
-                    Ok(()) => model.step = step,
-                    Err(error) => prop_assert_eq!((error, &pacer), (Error::ElapsedTime, &before)),
-                },
-                Act::Speed(num, den) => match pacer.set_speed(num, den) {
-                    Ok(()) => model.speed = (num, den),
-                    Err(error) => prop_assert_eq!((error, &pacer), (Error::ElapsedTime, &before)),
-                },
+                Act::Step(step) => {
+                    let expected = model.change(|model| model.step = step);
+                    prop_assert_eq!(pacer.set_time_step(step), expected);
+                    prop_assert!(expected.is_ok() || pacer == before);
+                }
+                Act::Speed(num, den) => {
+                    let expected = model.change(|model| model.speed = (num, den));
+                    prop_assert_eq!(pacer.set_speed(num, den), expected);
+                    prop_assert!(expected.is_ok() || pacer == before);
+                }
+                Act::Pause(is_paused) => {
+                    pacer.set_paused(is_paused);
+                    model.is_paused = is_paused;
+                }
+                Act::Limit(ticks) => {
+                    pacer.set_limit(ticks);
+                    prop_assert_eq!(pacer.limit(), ticks.max(1));
+                }
+                Act::Settle => {
+                    pacer.settle();
+                    model.total = model.given.clone();
+                }
             }
             prop_assert!(model.agrees(&pacer));
+            prop_assert_eq!((pacer.time_step(), pacer.speed(), pacer.is_paused()), (model.step, model.speed, model.is_paused));
         }
     }
 }
 
 #[test]
 fn the_ends_of_the_ranges_fit() {
-    // The least and the most that a nanosecond can be, and the longest frame over and over.
-    let steps = [TimeStep::ratio(u32::MAX, u32::MAX - 1), TimeStep::ratio(429_496, u32::MAX), TimeStep::hz(1)];
-    for step in steps.into_iter().filter(|&step| Pacer::new(step).is_ok()) {
-        for speed in [(u32::MAX, u32::MAX - 1), (u32::MAX, 1), (1, u32::MAX), (u32::MAX, u32::MAX - 2)] {
+    // The least and the most that a nanosecond can be, and the longest frame over and over. MOST has no factor in common with
+    // a second of nanoseconds: nothing is reduced.
+    const MOST: u32 = u32::MAX - 2;
+    let longest = [TimeStep::ratio(u32::MAX - 1, u32::MAX), TimeStep::ratio(MOST - 1, MOST), TimeStep::hz(1)];
+    let shortest = [TimeStep::ratio(429_497, u32::MAX), TimeStep::ratio(429_497, MOST), TimeStep::hz(10_000)];
+    let speeds = [(u32::MAX, u32::MAX - 1), (u32::MAX, 1), (MOST, 1), (MOST, u32::MAX), (1, u32::MAX), (1, MOST)];
+    let mut widest = UBig::ZERO;
+    for step in longest.into_iter().chain(shortest) {
+        for speed in speeds {
             let (mut pacer, mut model) = (Pacer::new(step).expect("a fair step"), Model::new(step));
             pacer.set_speed(speed.0, speed.1).expect("a fresh one takes any");
             model.speed = speed;
+            widest = widest.max(model.gain().in_lowest_terms().0);
             for nanoseconds in [u64::MAX, u64::MAX, 1, u64::MAX, 0] {
                 assert_eq!(all_of(pacer.frame(nanoseconds)), model.frame(nanoseconds), "{step:?}, {speed:?}");
                 assert!(model.agrees(&pacer), "{step:?}, {speed:?}");
             }
         }
     }
+    assert_eq!(widest, UBig::from(MOST) * MOST);
 }
 
 /// The accumulator as it is mostly written: of doubles.
@@ -214,6 +303,20 @@ fn a_frame_beyond_the_limit_drops_ticks_and_no_part_of_one() {
 }
 
 #[test]
+fn the_limit_of_a_new_one_holds_fast_motion_with_frames_that_are_late() {
+    let mut pacer = Pacer::new(TimeStep::hz(60)).expect("a fair step");
+    pacer.set_speed(3, 1).expect("a fresh one takes any");
+    let mut most = 0;
+    for round in 0..10_000u64 {
+        // On time, or by anything up to a third late.
+        let due = pacer.frame(33_333_334 + round * round * 7_919 % 11_111_111);
+        assert_eq!(due.dropped, 0, "round {round}");
+        most = most.max(due.ticks);
+    }
+    assert_eq!(most, Pacer::LIMIT);
+}
+
+#[test]
 fn a_pause_takes_in_nothing_and_keeps_what_is_left_over() {
     let mut pacer = Pacer::new(TimeStep::hz(10)).expect("a fair step");
     pacer.frame(70_000_000);
@@ -222,7 +325,9 @@ fn a_pause_takes_in_nothing_and_keeps_what_is_left_over() {
     // Three new ticks and a half are left over, which no frame asks for in a pause.
     pacer.set_time_step(TimeStep::hz(50)).expect("a fair step");
     assert_eq!((pacer.frame(1), pacer.remainder()), (Due::default(), TickFraction { num: 7, den: 2 }));
+    assert_eq!(pacer.until_tick(), None);
     pacer.set_paused(false);
+    assert_eq!(pacer.until_tick(), Some(0));
     assert_eq!((pacer.frame(0).ticks, pacer.remainder()), (3, TickFraction { num: 1, den: 2 }));
     pacer.settle();
     assert_eq!((pacer.remainder(), pacer.time_step(), pacer.speed()), (TickFraction::ZERO, TimeStep::hz(50), (1, 1)));

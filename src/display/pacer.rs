@@ -112,7 +112,8 @@ fn paced(rest: TickFraction, time_step: TimeStep, (num, den): (u32, u32)) -> Opt
 }
 
 impl Pacer {
-    /// The [limit](Self::set_limit) of a new one: a display of 30 Hz at four times the speed of a world of 60 Hz.
+    /// The [limit](Self::set_limit) of a new one. A display of 30 Hz at three times the speed of a world of 60 Hz asks for six
+    /// ticks a frame; frames that are a third late are within the limit as well.
     pub const LIMIT: u32 = 8;
 
     /// A pacer for a world with this time step, at normal speed, with nothing left over.
@@ -139,10 +140,34 @@ impl Pacer {
         Due { ticks: due, dropped: ticks - due as u128 }
     }
 
-    /// How far after the last tick stepped the present is, in ticks: below 1 after each [`frame`](Self::frame).
+    /// How far after the last tick stepped the present is, in ticks: below 1 after each [`frame`](Self::frame) but those in a
+    /// pause, which leave as it is what [another time step](Self::set_time_step) made more than a tick of.
     #[must_use]
     pub const fn remainder(&self) -> TickFraction {
         TickFraction::reduced(self.rest, self.den)
+    }
+
+    /// The real time from the last frame until the next tick is due, ns: the shortest frame that asks for one. `None` while no
+    /// time passes, in a pause or at a speed of zero. For those who sleep until there is something to do.
+    ///
+    /// ```
+    /// use umbra_physics::{Pacer, TimeStep};
+    ///
+    /// let mut pacer = Pacer::new(TimeStep::hz(60))?;
+    /// pacer.frame(10_000_000);
+    /// let wait = pacer.until_tick(); // a sixtieth of a second is 16,666,666 ns and two thirds
+    /// assert_eq!(wait, Some(6_666_667));
+    /// assert_eq!(pacer.frame(6_666_666).ticks, 0);
+    /// assert_eq!(pacer.frame(1).ticks, 1);
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    #[must_use]
+    pub const fn until_tick(&self) -> Option<u64> {
+        if self.is_paused || self.gain == 0 {
+            return None;
+        }
+        // A tick is at most a second at 1/(2^32 - 1) of the speed: 10⁹·(2^32 − 1) < 2^62 ns.
+        Some(self.den.saturating_sub(self.rest).div_ceil(self.gain) as u64)
     }
 
     /// Goes on with another time step, that of the world from this tick on. The time that is left over is the same: it may be
@@ -199,7 +224,8 @@ impl Pacer {
         Ok(())
     }
 
-    /// Lets no time pass, so that frames ask for no tick, until it is called with `false`; what is left over stays.
+    /// Lets no time pass, so that frames ask for no tick, until it is called with `false`; what is left over stays, whole ticks
+    /// of another time step included.
     ///
     /// ```
     /// use umbra_physics::{Pacer, TimeStep};
