@@ -5,8 +5,8 @@ use std::f64::consts::{PI, TAU};
 use umbra_physics::scalar::{Factor, ToF64};
 use umbra_physics::{
     Activity, Attachment, Blend, BodyClass, BodyDef, BodyId, BodyKind, Command, DebugDraw, DrawOptions, End, FieldId,
-    Fx, FxFactor, History, Inputs, Interpolation, Law, Part, Pose, Region, Role, Scalar, Shape, SpringLaw,
-    TickFraction, Vec2, World, WorldDef, fx, vec2,
+    Fx, FxFactor, History, Inputs, Interpolation, Law, Pacer, Part, Pose, Region, Role, Scalar, Shape, Snapshot,
+    SpringLaw, TickFraction, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
 fn world() -> World {
@@ -77,6 +77,11 @@ fn the_ends_of_a_blend_are_exact_where_sums_of_doubles_round() {
         Pose { position: [1e9 / 3.0, 0.7], angle: 6.2 },
         Pose { position: [-1e-9, 1e5 / 3.0], angle: 3.3 },
     ];
+    // A half turn has no short way.
+    let half = Pose { angle: PI, ..Pose::ORIGIN };
+    for (a, b) in [(Pose::ORIGIN, half), (half, Pose::ORIGIN)] {
+        assert_eq!([0.0, 0.3, 0.7, 1.0].map(|share| a.between(b, share)), [a, a, a, b]);
+    }
     for (a, b) in poses.iter().flat_map(|a| poses.iter().map(move |b| (*a, *b))) {
         assert_eq!((a.between(b, 0.0), a.between(b, 1.0)), (a, b));
         (0..100).for_each(|share| assert_eq!(a.between(a, f64::from(share) / 100.0), a));
@@ -226,6 +231,31 @@ fn a_past_that_is_no_more_is_not_blended_from() {
 }
 
 #[test]
+fn a_state_from_elsewhere_is_not_blended_into_if_the_world_becomes_it_or_after_a_clear() {
+    type Resync = fn(&mut World, &mut Interpolation, Snapshot);
+    let ways: [(Resync, bool); 3] = [
+        (|world, _, state| world.restore(&state), true),
+        (|world, shown, state| (*world = state.into_world(), shown.clear()).1, true),
+        // The same tick, and nothing put back yet in either: it cannot be told from the world before.
+        (|world, _, state| *world = state.into_world(), false),
+    ];
+    for (i, (resync, is_new)) in ways.into_iter().enumerate() {
+        let (mut world, body, mut interpolation) = watched();
+        let mut host = world.clone();
+        host.set_position(body, vec2(500, 0)).expect("it is there");
+        let bytes = host.snapshot().to_bytes();
+        resync(&mut world, &mut interpolation, Snapshot::from_bytes(&bytes, &[]).expect("it was written so"));
+        step(&mut world, &mut interpolation);
+        host.step();
+        assert_eq!(world.state_hash(), host.state_hash());
+        // In the host the body was placed by a call, of which the bytes say nothing.
+        assert_eq!(is_where_it_is(&world, &interpolation, body), is_new, "way {i}");
+        step(&mut world, &mut interpolation);
+        assert!(!is_where_it_is(&world, &interpolation, body), "way {i}");
+    }
+}
+
+#[test]
 fn over_a_rollback_of_two_ticks_motion_goes_on_in_its_new_past() {
     let (mut world, mut interpolation) = (world(), Interpolation::new());
     let body = add(&mut world, mover());
@@ -270,15 +300,27 @@ fn worlds_of_floats_are_shown_alike() {
 }
 
 #[test]
-fn a_look_takes_nothing_of_the_state() {
-    let (mut world, _, mut interpolation) = watched();
-    let mut alone = world.clone();
-    for _ in 0..5 {
+fn what_is_left_over_in_a_pause_is_shown_as_it_was_when_the_time_step_changes() {
+    let (mut world, body, mut interpolation) = watched();
+    let mut pacer = Pacer::new(world.def().time_step).expect("that of a world");
+    pacer.frame(12_000_000);
+    let shown = |interpolation: &Interpolation, pacer: &Pacer| {
+        interpolation.pose(body, Blend::Extrapolated(pacer.remainder())).expect("it is there").position[0]
+    };
+    let before = shown(&interpolation, &pacer);
+    assert!(near(before, now(&world, body).position[0] + 0.72));
+    pacer.set_paused(true);
+    world.set_time_step(TimeStep::hz(250)).expect("a fair step");
+    pacer.set_time_step(TimeStep::hz(250)).expect("a fair step");
+    interpolation.look(&world);
+    // Three ticks, which no frame asks for in a pause.
+    assert_eq!((pacer.frame(1).ticks, pacer.remainder()), (0, TickFraction { num: 3, den: 1 }));
+    assert!(near(shown(&interpolation, &pacer), before));
+    pacer.set_paused(false);
+    for _ in 0..pacer.frame(0).ticks {
         step(&mut world, &mut interpolation);
-        world.debug_draw(Pose::of, &DrawOptions::default(), &mut Drawn::default());
-        alone.step();
     }
-    assert_eq!(world.state_hash(), alone.state_hash());
+    assert!(near(shown(&interpolation, &pacer), before));
 }
 
 /// What was drawn, as it came.
@@ -398,10 +440,10 @@ fn each_shape_is_drawn_where_its_pose_is() {
 }
 
 #[test]
-fn fields_come_first_then_bodies_by_class_then_velocities() {
+fn fields_come_as_they_were_added_then_bodies_and_then_velocities_by_slot() {
     let mut world = World::new(WorldDef { sleep_after: Some(2), ..WorldDef::default() }).expect("a fair definition");
     let moving = BodyDef { velocity: vec2(0, 3), groups: 0, ..BodyDef::dynamic() };
-    let a = add(&mut world, moving.clone());
+    let gone = add(&mut world, moving.clone());
     let still = BodyDef { groups: 0, ..BodyDef::dynamic() };
     let b = add(&mut world, BodyDef { position: vec2(4, 0), ..still.clone() });
     let c = add(&mut world, BodyDef { position: vec2(5, 0), ..BodyDef::fixed() });
@@ -409,6 +451,12 @@ fn fields_come_first_then_bodies_by_class_then_velocities() {
     let d = add(&mut world, kinematic);
     let edge = BodyDef { position: vec2(fx!(1_073_741_824), 0), velocity: vec2(60, 0), ..still };
     let e = add(&mut world, edge);
+    let f = add(&mut world, BodyDef { position: vec2(7, 0), ..moving.clone() });
+    world.disable(f).expect("it is there");
+    // The first slot has the body that was added last.
+    world.remove_body(gone).expect("it is there");
+    let a = add(&mut world, moving.clone());
+    assert_eq!((gone.parts(), a.parts()), ((0, 0), (0, 1)));
     (0..2).for_each(|_| _ = world.step());
     let at = |body| Attachment { body, point: vec2(1, 0) };
     let spring = SpringLaw { rest: fx!(1), stiffness: fx!(1), damping: fx!(0) };
@@ -428,6 +476,12 @@ fn fields_come_first_then_bodies_by_class_then_velocities() {
     ] {
         fields.push(world.add_field(umbra_physics::Field { law, groups: 2 }).expect("a fair field"));
     }
+    // The slot of the first field has the one that was added last.
+    let first = fields.remove(0);
+    let law = world.field(first).expect("it is there").law;
+    world.remove_field(first).expect("it is there");
+    fields.push(world.add_field(umbra_physics::Field { law, groups: 2 }).expect("a fair field"));
+    assert_eq!((first.parts(), fields[6].parts()), ((0, 0), (0, 1)));
     // Half a turn, to see that points of bodies turn with them.
     let pose = |body: &umbra_physics::BodyRef<'_>| Pose {
         position: [f64::from(body.id().parts().0) * 100.0, 0.0],
@@ -435,28 +489,30 @@ fn fields_come_first_then_bodies_by_class_then_velocities() {
     };
     let place = |i: i32| [f64::from(i) * 100.0, 0.0];
     let expected = [
-        (Role::Spring(fields[0]), Mark::Segment([[-1.0, 0.0], [3.0, 3.0]])),
-        (Role::Attractor(fields[1]), Mark::Point([-3.0, 0.0])),
-        (Role::Attractor(fields[2]), Mark::Point([201.0, 0.0])),
-        (Role::Thrust(fields[3]), Mark::Arrow([-1.0, 1.0], [-1.0, 0.0])),
-        (Role::Zone(fields[4]), Mark::Circle([7.0, 7.0], 2.0, None)),
-        (Role::Zone(fields[5]), Mark::Polygon(vec![[0.0, 0.0], [4.0, 0.0], [4.0, 2.0], [0.0, 2.0]])),
-        (Role::Zone(fields[5]), Mark::Arrow([2.0, 1.0], [2.0, 0.0])),
+        (Role::Attractor(fields[0]), Mark::Point([-3.0, 0.0])),
+        (Role::Attractor(fields[1]), Mark::Point([201.0, 0.0])),
+        (Role::Thrust(fields[2]), Mark::Arrow([-1.0, 1.0], [-1.0, 0.0])),
+        (Role::Zone(fields[3]), Mark::Circle([7.0, 7.0], 2.0, None)),
+        (Role::Zone(fields[4]), Mark::Polygon(vec![[0.0, 0.0], [4.0, 0.0], [4.0, 2.0], [0.0, 2.0]])),
+        (Role::Zone(fields[4]), Mark::Arrow([2.0, 1.0], [2.0, 0.0])),
+        (Role::Spring(fields[6]), Mark::Segment([[-1.0, 0.0], [3.0, 3.0]])),
         (Role::Body(a, BodyClass::Dynamic), Mark::Point(place(0))),
         (Role::Body(b, BodyClass::Asleep), Mark::Point(place(1))),
         (Role::Body(c, BodyClass::Static), Mark::Point(place(2))),
         (Role::Body(d, BodyClass::Kinematic), Mark::Point(place(3))),
         (Role::Body(e, BodyClass::Quarantined), Mark::Point(place(4))),
+        (Role::Body(f, BodyClass::Disabled), Mark::Point(place(5))),
         (Role::Velocity(a), Mark::Arrow([0.0, 0.0], [0.0, 1.5])),
         (Role::Velocity(d), Mark::Arrow([300.0, 0.0], [300.5, 0.0])),
         (Role::Velocity(e), Mark::Arrow([400.0, 0.0], [430.0, 0.0])),
+        (Role::Velocity(f), Mark::Arrow([500.0, 0.0], [500.0, 1.5])),
     ];
     let all = DrawOptions { velocities: Some(0.5), ..DrawOptions::default() };
     assert_eq!(drawn(&world, pose, &all), expected);
     let count = |options: DrawOptions| drawn(&world, pose, &options).len();
-    assert_eq!(count(DrawOptions { bodies: false, ..all }), 7 + 3);
-    assert_eq!(count(DrawOptions { fields: false, ..all }), 5 + 3);
-    assert_eq!(count(DrawOptions::default()), 7 + 5);
+    assert_eq!(count(DrawOptions { bodies: false, ..all }), 7 + 4);
+    assert_eq!(count(DrawOptions { fields: false, ..all }), 6 + 4);
+    assert_eq!(count(DrawOptions::default()), 7 + 6);
 }
 
 #[test]

@@ -264,6 +264,39 @@ fn events_take_nothing_from_the_heap_a_second_time() {
     assert_eq!(told, 20 * (50 + 200));
 }
 
+#[cfg(feature = "float")]
+#[test]
+fn a_look_takes_nothing_from_the_heap_while_no_slots_are_added() {
+    use umbra_physics::{Blend, Interpolation, TickFraction};
+
+    let mut world = world(Integrator::VelocityVerlet);
+    discs(&mut world, 200);
+    let mut interpolation = Interpolation::new();
+    let mut look = |world: &World| {
+        let mut shown = 0;
+        let taken = measure(|| {
+            interpolation.look(world);
+            shown = interpolation.poses(Blend::Interpolated(TickFraction::ONE)).count();
+        });
+        (taken.count_total, shown)
+    };
+    assert!(look(&world).0 > 0);
+    // Slots that are empty for a while, in between and at the end, and taken again.
+    for round in 0..20 {
+        assert_eq!(look(&world), (0, 200), "round {round}");
+        let first = if round % 2 == 0 { 50 } else { 190 };
+        let gone: Vec<BodyId> = world.bodies().skip(first).take(10).map(|body| body.id()).collect();
+        for body in gone {
+            world.remove_body(body).expect("it is there");
+        }
+        world.step();
+        assert_eq!(look(&world), (0, 190), "round {round}");
+        discs(&mut world, 10);
+        world.step();
+    }
+    assert!(world.bodies().all(|body| body.id().parts().0 < 200));
+}
+
 #[test]
 fn bodies_that_come_and_go_without_a_step_take_nothing_for_good() {
     let mut world = world(Integrator::VelocityVerlet);

@@ -174,10 +174,6 @@ impl Default for DrawOptions {
     }
 }
 
-fn pair<S: ToF64>(v: Vec2<S>) -> [f64; 2] {
-    [v.x.to_f64(), v.y.to_f64()]
-}
-
 impl<S: Scalar + ToF64> World<S> {
     /// Draws the world with its bodies at these poses: those of the tick ([`Pose::of`]), or of an
     /// [`Interpolation`](super::Interpolation).
@@ -206,7 +202,7 @@ impl<S: Scalar + ToF64> World<S> {
         }
         if let Some(seconds) = options.velocities {
             for body in self.bodies().filter(|body| body.velocity() != Vec2::ZERO) {
-                let (from, velocity) = (pose(&body).position, pair(body.velocity()));
+                let (from, velocity) = (pose(&body).position, body.velocity().to_f64());
                 let to = [0, 1].map(|i| from[i] + velocity[i] * seconds);
                 draw.arrow(from, to, Role::Velocity(body.id()));
             }
@@ -222,10 +218,10 @@ impl<S: Scalar + ToF64> World<S> {
     ) {
         let attached = |at: &Attachment<S>| {
             let placed = Placed::at(pose(&self.body(at.body).ok()?));
-            Some((placed, placed.point(pair(at.point))))
+            Some((placed, placed.point(at.point.to_f64())))
         };
         let end = |end: &End<S>| match end {
-            End::World(point) => Some(pair(*point)),
+            End::World(point) => Some(point.to_f64()),
             End::Body(at) => attached(at).map(|(_, point)| point),
         };
         match &field.law {
@@ -241,7 +237,7 @@ impl<S: Scalar + ToF64> World<S> {
             }
             Law::Thrust { at, force } => {
                 let Some((placed, to)) = attached(at) else { return };
-                if let Some(along) = unit(placed.turned(pair(*force))) {
+                if let Some(along) = unit(placed.turned(force.to_f64())) {
                     draw.arrow([to[0] - along[0], to[1] - along[1]], to, Role::Thrust(id));
                 }
             }
@@ -249,17 +245,17 @@ impl<S: Scalar + ToF64> World<S> {
                 let role = Role::Zone(id);
                 let middle = match region {
                     Region::Disc { centre, radius } => {
-                        let centre = pair(*centre);
+                        let centre = centre.to_f64();
                         draw.circle(centre, radius.to_f64(), None, role);
                         centre
                     }
                     Region::Box { min, max } => {
-                        let ([left, bottom], [right, top]) = (pair(*min), pair(*max));
+                        let ([left, bottom], [right, top]) = (min.to_f64(), max.to_f64());
                         draw.polygon(&[[left, bottom], [right, bottom], [right, top], [left, top]], role);
                         [(left + right) / 2.0, (bottom + top) / 2.0]
                     }
                 };
-                if let Some(along) = unit(pair(*acceleration)) {
+                if let Some(along) = unit(acceleration.to_f64()) {
                     draw.arrow(middle, [middle[0] + along[0], middle[1] + along[1]], role);
                 }
             }
@@ -286,7 +282,7 @@ fn draw_geometry<S: Scalar + ToF64>(
     role: Role,
     draw: &mut (impl DebugDraw + ?Sized),
 ) {
-    let place = |v: &Vec2<S>| at.point(pair(*v));
+    let place = |v: &Vec2<S>| at.point(v.to_f64());
     match geometry {
         Geometry::Circle { radius } => {
             let radius = radius.to_f64();
@@ -307,7 +303,7 @@ fn draw_geometry<S: Scalar + ToF64>(
         Geometry::Segment { ends } => draw.segment([place(&ends[0]), place(&ends[1])], role),
         Geometry::Compound { parts } => {
             for part in parts.iter() {
-                let part_at = at.part(pair(part.position), part.angle.to_f64());
+                let part_at = at.part(part.position.to_f64(), part.angle.to_f64());
                 draw_geometry(part.shape.geometry(), &part_at, role, draw);
             }
         }

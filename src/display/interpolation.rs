@@ -3,10 +3,10 @@
 use alloc::vec::Vec;
 
 use super::pacer::TickFraction;
-use super::pose::{Pose, wrapped};
+use super::pose::Pose;
 use crate::body::Activity;
 use crate::handle::BodyId;
-use crate::scalar::{Scalar, ToF64};
+use crate::scalar::{Angle, Scalar, ToF64};
 use crate::world::World;
 
 /// Which moment near the last tick is shown, by what a [`Pacer`](super::Pacer) has left over.
@@ -16,7 +16,7 @@ pub enum Blend {
     /// the last tick.
     Interpolated(TickFraction),
     /// So far beyond the last tick at the velocities of then, in ticks: no later than the world, but not where bodies will be
-    /// if anything acts on them.
+    /// if anything acts on them. All the way, also beyond 1: what a pacer in a pause has left over is all to come.
     Extrapolated(TickFraction),
 }
 
@@ -26,8 +26,8 @@ struct Seen {
     body: BodyId,
     before: Pose,
     now: Pose,
-    /// How far it would get in a tick, m and rad.
-    way: ([f64; 2], f64),
+    /// m/s and rad/s; zeros for what does not move.
+    velocity: ([f64; 2], f64),
 }
 
 /// Keeps where the bodies of a world were at its last two ticks, and gives their poses between these or soon after.
@@ -37,6 +37,11 @@ struct Seen {
 /// two ticks on, also in the slot of one that was removed; and after the world was put back ([`World::rewinds`]), or moved on
 /// without a look, all are. Looking at each tick that a rollback does over as well, as in this loop, leaves that one jump at
 /// its first tick, which is shown only if it is the last one too.
+///
+/// It knows the world by its tick and its rewinds alone, and another one may have the same: a copy that went another way, or
+/// the world of a snapshot from elsewhere ([`Snapshot::into_world`](crate::Snapshot::into_world)), which begins to count anew.
+/// Whoever goes on with such a one lets the world become it, by [`World::restore`] or `clone_from`, or
+/// [clears](Self::clear) the interpolation; else bodies may be blended from where they were in the other.
 ///
 /// ```
 /// use umbra_physics::{Blend, BodyDef, Command, History, Inputs, Interpolation, Pacer, World, WorldDef, vec2};
@@ -73,28 +78,30 @@ pub struct Interpolation {
     seen: Vec<Option<Seen>>,
     /// The tick of the last look, and how often the world had been put back by then.
     looked: Option<(u64, u64)>,
+    /// From that tick to the next, s.
+    time_step: f64,
 }
 
 impl Interpolation {
     /// One that has seen nothing yet.
     #[must_use]
     pub const fn new() -> Self {
-        Self { seen: Vec::new(), looked: None }
+        Self { seen: Vec::new(), looked: None, time_step: 0.0 }
     }
 
-    /// Takes in where the bodies are, after a step: of one and the same world, each time. Looking twice at a tick does no
-    /// more than once.
+    /// Takes in where the bodies are, after a step: of one and the same world, each time. Looking again at the same tick takes
+    /// in nothing but another time step, which [`Blend::Extrapolated`] counts in.
     ///
     /// It takes nothing from the heap while no slots are added.
     pub fn look<S: Scalar + ToF64>(&mut self, world: &World<S>) {
         let (tick, rewinds) = (world.tick(), world.rewinds());
+        let (num, den) = world.def().time_step.seconds();
+        self.time_step = f64::from(num) / f64::from(den);
         if self.looked == Some((tick, rewinds)) {
             return;
         }
         let goes_on = tick > 0 && self.looked == Some((tick - 1, rewinds));
         self.looked = Some((tick, rewinds));
-        let (num, den) = world.def().time_step.seconds();
-        let seconds = f64::from(num) / f64::from(den);
         let mut free = 0;
         for body in world.bodies() {
             let (id, now) = (body.id(), Pose::of(&body));
@@ -106,13 +113,12 @@ impl Interpolation {
             self.seen[free..slot].fill(None);
             free = slot + 1;
             let before = self.seen[slot].filter(|seen| goes_on && seen.body == id).map_or(now, |seen| seen.now);
-            let way = if body.activity() == Activity::Awake {
-                let v = body.velocity();
-                ([v.x.to_f64() * seconds, v.y.to_f64() * seconds], body.angular_velocity().to_f64() * seconds)
+            let velocity = if body.activity() == Activity::Awake {
+                (body.velocity().to_f64(), body.angular_velocity().to_f64())
             } else {
                 ([0.0; 2], 0.0)
             };
-            self.seen[slot] = Some(Seen { body: id, before, now, way });
+            self.seen[slot] = Some(Seen { body: id, before, now, velocity });
         }
         self.seen.truncate(free);
         for placed in world.last_report().placed {
@@ -126,7 +132,7 @@ impl Interpolation {
     #[must_use]
     pub fn pose(&self, body: BodyId, at: Blend) -> Option<Pose> {
         let seen = self.seen.get(body.parts().0 as usize)?.filter(|seen| seen.body == body)?;
-        Some(seen.pose(at))
+        Some(seen.pose(at, self.time_step))
     }
 
     /// The poses of all bodies of the last look, in the order of their slots.
@@ -145,7 +151,7 @@ impl Interpolation {
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
     pub fn poses(&self, at: Blend) -> impl Iterator<Item = (BodyId, Pose)> {
-        self.seen.iter().flatten().map(move |seen| (seen.body, seen.pose(at)))
+        self.seen.iter().flatten().map(move |seen| (seen.body, seen.pose(at, self.time_step)))
     }
 
     /// Forgets what it saw: nothing is blended up to the second look from now. For another world.
@@ -175,13 +181,14 @@ impl ToF64 for TickFraction {
 }
 
 impl Seen {
-    fn pose(&self, at: Blend) -> Pose {
+    fn pose(&self, at: Blend, time_step: f64) -> Pose {
         match at {
             Blend::Interpolated(part) => self.before.between(self.now, part.to_f64().min(1.0)),
             Blend::Extrapolated(part) => {
-                let (Pose { position, angle }, (way, turn), ticks) = (self.now, self.way, part.to_f64());
-                let position = [position[0] + way[0] * ticks, position[1] + way[1] * ticks];
-                Pose { position, angle: wrapped(angle + turn * ticks) }
+                let (Pose { position, angle }, (velocity, spin)) = (self.now, self.velocity);
+                let seconds = part.to_f64() * time_step;
+                let position = [0, 1].map(|i| position[i] + velocity[i] * seconds);
+                Pose { position, angle: angle.turned(spin * seconds) }
             }
         }
     }

@@ -1,8 +1,7 @@
 //! Where a body is, in floats.
 
-use core::f64::consts::{PI, TAU};
-
-use crate::scalar::{Scalar, ToF64};
+use crate::math::Vec2;
+use crate::scalar::{Angle, Scalar, ToF64};
 use crate::world::BodyRef;
 
 /// Where a body is and how far it is turned, for drawing.
@@ -39,8 +38,7 @@ impl Pose {
     /// Where a body is at the tick of its world.
     #[must_use]
     pub fn of<S: Scalar + ToF64>(body: &BodyRef<'_, S>) -> Self {
-        let at = body.position();
-        Self { position: [at.x.to_f64(), at.y.to_f64()], angle: body.angle().to_f64() }
+        Self { position: body.position().to_f64(), angle: body.angle().to_f64() }
     }
 
     /// The same, rounded to singles.
@@ -62,8 +60,8 @@ impl Pose {
         Placed::at(self).point(at)
     }
 
-    /// The way from one pose to another at a share of it from 0 to 1, turned the short way round. At the ends it is exactly
-    /// theirs, and where they are equal it stays.
+    /// The way from one pose to another at a share of it from 0 to 1, turned the short way round; exactly half a turn, which
+    /// has no short way, is made at once at the end. At the ends it is exactly theirs, and where they are equal it stays.
     ///
     /// ```
     /// use umbra_physics::Pose;
@@ -75,17 +73,10 @@ impl Pose {
     /// ```
     #[must_use]
     pub fn between(self, other: Self, share: f64) -> Self {
-        let turn = other.angle - self.angle;
-        let turn = if turn > PI {
-            turn - TAU
-        } else if turn < -PI {
-            turn + TAU
-        } else {
-            turn
-        };
-        let [x, y] = [0, 1].map(|i| mix(self.position[i], other.position[i], share));
-        let angle = if share < 1.0 { wrapped(self.angle + turn * share) } else { other.angle };
-        Self { position: [x, y], angle }
+        let position = [0, 1].map(|i| mix(self.position[i], other.position[i], share));
+        let way: f64 = self.angle.way_to(other.angle);
+        let angle = if share < 1.0 { self.angle.turned(way * share) } else { other.angle };
+        Self { position, angle }
     }
 }
 
@@ -94,12 +85,19 @@ fn mix(a: f64, b: f64, share: f64) -> f64 {
     if share < 0.5 { a + (b - a) * share } else { b - (b - a) * (1.0 - share) }
 }
 
-/// An angle of at most a turn more or less, or of any size, within [0, 2π).
-pub(super) fn wrapped(angle: f64) -> f64 {
-    let rest = angle % TAU;
-    let rest = if rest < 0.0 { rest + TAU } else { rest };
-    // A tiny negative one rounds up to the whole turn.
-    if rest < TAU { rest } else { 0.0 }
+impl<S: ToF64> Vec2<S> {
+    /// The doubles nearest to its components.
+    ///
+    /// ```
+    /// use umbra_physics::{Vec2, fx, vec2};
+    ///
+    /// let wind: Vec2 = vec2(3, fx!(-0.5));
+    /// assert_eq!(wind.to_f64(), [3.0, -0.5]);
+    /// ```
+    #[must_use]
+    pub fn to_f64(self) -> [f64; 2] {
+        [self.x.to_f64(), self.y.to_f64()]
+    }
 }
 
 /// A pose with its sine and cosine.
@@ -112,7 +110,8 @@ pub(super) struct Placed {
 
 impl Placed {
     pub(super) fn at(pose: Pose) -> Self {
-        Self { pose, sin: libm::sin(pose.angle), cos: libm::cos(pose.angle) }
+        let (sin, cos) = pose.angle.direction();
+        Self { pose, sin, cos }
     }
 
     pub(super) fn turned(&self, [x, y]: [f64; 2]) -> [f64; 2] {
@@ -126,7 +125,7 @@ impl Placed {
 
     /// The pose of a part of the body.
     pub(super) fn part(&self, at: [f64; 2], angle: f64) -> Self {
-        Self::at(Pose { position: self.point(at), angle: wrapped(self.pose.angle + angle) })
+        Self::at(Pose { position: self.point(at), angle: self.pose.angle.turned(angle) })
     }
 }
 
@@ -134,9 +133,7 @@ impl Placed {
 #[cfg(feature = "mint")]
 impl From<Pose> for mint::ColumnMatrix3<f64> {
     fn from(pose: Pose) -> Self {
-        let (sin, cos, [x, y]) = (libm::sin(pose.angle), libm::cos(pose.angle), pose.position);
-        let column = |x, y, z| mint::Vector3 { x, y, z };
-        Self { x: column(cos, sin, 0.0), y: column(-sin, cos, 0.0), z: column(x, y, 1.0) }
+        matrix(pose)
     }
 }
 
@@ -144,10 +141,15 @@ impl From<Pose> for mint::ColumnMatrix3<f64> {
 #[cfg(feature = "mint")]
 impl From<Pose<f32>> for mint::ColumnMatrix3<f32> {
     fn from(pose: Pose<f32>) -> Self {
-        let (sin, cos, [x, y]) = (libm::sinf(pose.angle), libm::cosf(pose.angle), pose.position);
-        let column = |x, y, z| mint::Vector3 { x, y, z };
-        Self { x: column(cos, sin, 0.0), y: column(-sin, cos, 0.0), z: column(x, y, 1.0) }
+        matrix(pose)
     }
+}
+
+#[cfg(feature = "mint")]
+fn matrix<T: Scalar<Angle = T> + Angle<T, Direction = (T, T)>>(pose: Pose<T>) -> mint::ColumnMatrix3<T> {
+    let ((sin, cos), [x, y]) = (pose.angle.direction(), pose.position);
+    let column = |x, y, z| mint::Vector3 { x, y, z };
+    mint::ColumnMatrix3 { x: column(cos, sin, T::ZERO), y: column(-sin, cos, T::ZERO), z: column(x, y, T::ONE) }
 }
 
 /// Where it is.
