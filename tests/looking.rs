@@ -100,7 +100,8 @@ fn seen(body: &BodyRef<'_>) -> String {
         (
             (body.position_exact(), body.velocity_exact(), body.angle_exact(), body.angular_velocity_exact()),
             (body.kind(), body.activity(), body.mass(), body.inertia(), body.inverse_mass(), body.inverse_inertia()),
-            (body.gravity_scale(), body.linear_damping(), body.angular_damping(), body.groups(), body.key()),
+            (body.mass_def(), body.gravity_scale(), body.linear_damping(), body.angular_damping(), body.locks()),
+            (body.max_speed(), body.max_angular_speed(), body.goal(), body.groups(), body.key()),
             (body.shape(), body.user_data(), body.applied_force(), body.applied_torque()),
         )
     )
