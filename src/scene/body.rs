@@ -166,18 +166,35 @@ fn share(node: &Node<'_>) -> Result<Fx> {
     Err(node.fault(Error::OutOfRange { quantity: Quantity::Damping }))
 }
 
-/// A list of axes: `x`, `y`, `rotation`.
+/// What can be locked.
+type Axis = fn(&mut Locks) -> &mut bool;
+
+const AXES: [(&str, Axis); 3] =
+    [("x", |locks| &mut locks.x), ("y", |locks| &mut locks.y), ("rotation", |locks| &mut locks.rotation)];
+
+/// A list of axes.
 pub(super) fn locks(node: &Node<'_>) -> Result<Locks> {
     let mut locks = Locks::NONE;
     node.each(|node| {
-        match node.choice(&[("x", 0), ("y", 1), ("rotation", 2)])? {
-            0 => locks.x = true,
-            1 => locks.y = true,
-            _ => locks.rotation = true,
-        }
+        let axis = node.choice(&AXES)?;
+        *axis(&mut locks) = true;
         Ok(())
     })?;
     Ok(locks)
+}
+
+impl Locks {
+    /// The names of what is locked, as scenes have them.
+    ///
+    /// ```
+    /// use umbra_physics::Locks;
+    ///
+    /// let locks = Locks { x: true, rotation: true, ..Locks::NONE };
+    /// assert!(locks.names().eq(["x", "rotation"]));
+    /// ```
+    pub fn names(mut self) -> impl Iterator<Item = &'static str> {
+        AXES.into_iter().filter_map(move |(name, axis)| axis(&mut self).then_some(name))
+    }
 }
 
 /// A list of group numbers from 0 to 31.

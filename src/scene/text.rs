@@ -434,8 +434,7 @@ fn linear_angular(linear: Option<Fx>, angular: Option<Fx>) -> String {
 }
 
 fn locked(locks: Locks) -> String {
-    let axes = [(locks.x, "x"), (locks.y, "y"), (locks.rotation, "rotation")];
-    list(axes.into_iter().filter(|(locked, _)| *locked).map(|(_, axis)| text(axis)))
+    list(locks.names().map(text))
 }
 
 fn groups(bits: u32) -> String {

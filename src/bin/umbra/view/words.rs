@@ -115,9 +115,7 @@ fn kind(kind: BodyKind) -> &'static str {
 }
 
 fn locked(locks: Locks) -> String {
-    let axes = [(locks.x, "x"), (locks.y, "y"), (locks.rotation, "rotation")];
-    let locked: Vec<_> = axes.into_iter().filter_map(|(is, axis)| is.then_some(axis)).collect();
-    if locked.is_empty() { "none".to_owned() } else { locked.join(", ") }
+    if locks == Locks::NONE { "none".to_owned() } else { locks.names().collect::<Vec<_>>().join(", ") }
 }
 
 fn law(field: &Field) -> &'static str {
