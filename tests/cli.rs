@@ -352,6 +352,27 @@ fn a_run_gives_summary_table_and_picture() {
 }
 
 #[test]
+fn a_picture_has_disabled_bodies_as_grey_outlines_whatever_they_did_before() {
+    let svg = |input: &str| {
+        let scene = format!(
+            r#"{{"ticks": 20, "bodies": [
+                {{"name": "a", "velocity": [3, 0], "shape": {{"rectangle": {{"width": 2, "height": 2}}}}}},
+                {{"name": "b", "velocity": [0, 3], "shape": {{"rectangle": {{"width": 2, "height": 2}}}}}}
+            ], "inputs": [{input}], "plot": {{"exposures": 1}}}}"#
+        );
+        let (scene, picture) = (Scratch::new("disabled.json", &scene), Scratch::new("disabled.svg", ""));
+        let output = umbra(&["run", scene.path(), "--plot", picture.path()]);
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        fs::read_to_string(&picture.0).expect("the picture is there")
+    };
+    // Filled areas, grey lines, faint lines of a time between.
+    let marks =
+        |svg: &str| ["<polygon", "stroke=\"#969696\"", "stroke=\"#787878\""].map(|mark| svg.matches(mark).count());
+    assert_eq!(marks(&svg("")), [2, 0, 2]);
+    assert_eq!(marks(&svg(r#"{"at": 5, "body": "b", "do": "disable"}"#)), [1, 1, 1]);
+}
+
+#[test]
 fn json_has_the_same_in_exact_decimals() {
     let run = |scalar: &str| {
         let output = umbra(&["run", "scenes/too-stiff.json", "--json", "--scalar", scalar]);

@@ -3,6 +3,7 @@
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
+use umbra_physics::BodyClass;
 
 use super::clip;
 use super::layout::{FINE, Layout};
@@ -29,6 +30,8 @@ const COLOURS: [RGBColor; 10] = [
 ];
 const INK: RGBColor = RGBColor(50, 50, 50);
 const FAINT: RGBColor = RGBColor(236, 236, 236);
+/// Of disabled bodies, which are outlines alone.
+const ABSENT: RGBColor = RGBColor(150, 150, 150);
 /// Ways that have names beside the picture.
 const NAMED: usize = 10;
 /// Points of all ways in a picture, about.
@@ -200,16 +203,23 @@ fn draw_ways(picture: &Picture<'_>, layout: &Layout, plane: &mut Plane<'_, '_>) 
 }
 
 fn draw_end(picture: &Picture<'_>, layout: &Layout, plane: &mut Plane<'_, '_>, body: &EndState) -> Drawn {
-    let tint = match body.way {
-        _ if body.quarantined => RGBColor(200, 0, 0),
-        Some(index) => colour(picture, index),
-        None if body.fixed => INK,
-        None => COLOURS[0],
+    let class = body.outline.class;
+    let tint = match (class, body.way) {
+        (BodyClass::Quarantined, _) => RGBColor(200, 0, 0),
+        (BodyClass::Disabled, _) => ABSENT,
+        (_, Some(index)) => colour(picture, index),
+        (BodyClass::Static, None) => INK,
+        (_, None) => COLOURS[0],
+    };
+    let filled = match class {
+        BodyClass::Static => 0.35,
+        BodyClass::Disabled => 0.0,
+        _ => 0.22,
     };
     let seen = body.outline.rings.iter().flatten().chain(body.outline.strokes.iter().flatten());
     let reach = seen.map(|p| (p.0 - body.at.0).hypot(p.1 - body.at.1)).fold(0.0, f64::max) * layout.scale();
     if reach >= 2.0 {
-        draw_outline(plane, layout, &body.outline, tint.mix(1.0), if body.fixed { 0.35 } else { 0.22 }, 1.3)?;
+        draw_outline(plane, layout, &body.outline, tint.mix(1.0), filled, 1.3)?;
     }
     let crowd = picture.bodies.len();
     let dot = if crowd <= 60 {

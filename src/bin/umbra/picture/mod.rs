@@ -10,9 +10,9 @@ use std::collections::BTreeMap;
 
 use umbra_physics::scalar::ToF64;
 use umbra_physics::scene::{Scene, SceneRun, Trails};
-use umbra_physics::{Activity, BodyClass, BodyKind, BodyRef, Pose, Role, Scalar, World};
+use umbra_physics::{BodyClass, BodyKind, Scalar, World};
 
-use outline::{Outline, Scenery};
+use outline::{Outline, Scenery, place};
 
 /// A point of a picture, m.
 type Point = (f64, f64);
@@ -67,9 +67,10 @@ impl<'a> Recorder<'a> {
         let tick = world.tick();
         let last = tick == self.ticks;
         if tick == 0 {
-            self.start = world.bodies().map(|body| shape_of(&body)).collect();
+            self.start = Outline::all(world);
         } else if tick % self.exposed_each == 0 && !last {
-            self.exposures.extend(world.bodies().filter(|body| body.kind() != BodyKind::Static).map(|b| shape_of(&b)));
+            let moving = |outline: &Outline| !matches!(outline.class, BodyClass::Static | BodyClass::Disabled);
+            self.exposures.extend(Outline::all(world).into_iter().filter(moving));
         }
         if tick % self.stride != 0 && !last {
             return;
@@ -78,7 +79,7 @@ impl<'a> Recorder<'a> {
             let Some(index) = run.index(body.id()) else { continue };
             if self.chosen[index] {
                 let way = self.ways.entry(index).or_default();
-                let point = position(&body);
+                let point = place(body.position());
                 if way.last() != Some(&point) {
                     way.push(point);
                 }
@@ -89,22 +90,14 @@ impl<'a> Recorder<'a> {
     /// The picture as SVG.
     pub(crate) fn draw<S: Scalar + ToF64>(&self, run: &SceneRun<'_, S>) -> Result<String, String> {
         let world = run.world();
-        let bodies = world.bodies().map(|body| {
-            let index = run.index(body.id()).unwrap_or(usize::MAX);
-            let way = self.ways.contains_key(&index).then_some(index);
-            let quarantined = body.activity() == Activity::Quarantined;
-            EndState {
-                way,
-                fixed: body.kind() == BodyKind::Static,
-                quarantined,
-                at: position(&body),
-                outline: shape_of(&body),
-            }
+        let bodies = world.bodies().zip(Outline::all(world)).map(|(body, outline)| {
+            let way = run.index(body.id()).filter(|index| self.ways.contains_key(index));
+            EndState { way, at: place(body.position()), outline }
         });
         let picture = Picture {
             title: if self.scene.title.is_empty() { "Scene" } else { &self.scene.title },
             caption: caption(world),
-            view: self.scene.plot.view.map(|[least, most]| [point(least.x, least.y), point(most.x, most.y)]),
+            view: self.scene.plot.view.map(|corners| corners.map(place)),
             ways: self
                 .ways
                 .iter()
@@ -130,8 +123,6 @@ struct Way<'a> {
 struct EndState {
     /// The index of its way, if that is drawn.
     way: Option<usize>,
-    fixed: bool,
-    quarantined: bool,
     at: Point,
     outline: Outline,
 }
@@ -146,24 +137,6 @@ struct Picture<'a> {
     start: &'a [Outline],
     exposures: &'a [Outline],
     scenery: Scenery,
-}
-
-fn point<S: ToF64>(x: S, y: S) -> Point {
-    (x.to_f64(), y.to_f64())
-}
-
-fn position<S: Scalar + ToF64>(body: &BodyRef<'_, S>) -> Point {
-    let at = body.position();
-    point(at.x, at.y)
-}
-
-fn shape_of<S: Scalar + ToF64>(body: &BodyRef<'_, S>) -> Outline {
-    let mut outline = Outline::default();
-    if let Some(shape) = body.shape() {
-        let role = Role::Body(body.id(), BodyClass::new(body.kind(), body.activity()));
-        shape.debug_draw(Pose::of(body), role, &mut outline);
-    }
-    outline
 }
 
 fn caption<S: Scalar>(world: &World<S>) -> String {

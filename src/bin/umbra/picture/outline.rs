@@ -3,15 +3,41 @@
 use std::collections::BTreeSet;
 
 use umbra_physics::scalar::ToF64;
-use umbra_physics::{DebugDraw, DrawOptions, End, FieldId, Law, Pose, Role, Scalar, World};
+use umbra_physics::{BodyClass, BodyId, DebugDraw, DrawOptions, End, FieldId, Law, Pose, Role, Scalar, Vec2, World};
 
 use super::Point;
 
-/// The closed lines around a shape, and the strokes that show how far a round one is turned.
-#[derive(Clone, Debug, Default)]
+/// A body as it is drawn: the closed lines around its shape, and the strokes that show how far a round one is turned. One
+/// without a shape has neither.
+#[derive(Clone, Debug)]
 pub(super) struct Outline {
+    pub(super) body: BodyId,
+    pub(super) class: BodyClass,
     pub(super) rings: Vec<Vec<Point>>,
     pub(super) strokes: Vec<[Point; 2]>,
+}
+
+impl Outline {
+    /// Those of all bodies, in the order of their slots.
+    pub(super) fn all<S: Scalar + ToF64>(world: &World<S>) -> Vec<Self> {
+        let mut outlines = Outlines::default();
+        world.debug_draw(Pose::of, &DrawOptions { fields: false, ..DrawOptions::default() }, &mut outlines);
+        outlines.0
+    }
+}
+
+#[derive(Default)]
+struct Outlines(Vec<Outline>);
+
+impl Outlines {
+    /// That of the body which is drawn: a body comes in one piece.
+    fn of(&mut self, role: Role) -> Option<&mut Outline> {
+        let Role::Body(body, class) = role else { return None };
+        if self.0.last().is_none_or(|last| last.body != body) {
+            self.0.push(Outline { body, class, rings: Vec::new(), strokes: Vec::new() });
+        }
+        self.0.last_mut()
+    }
 }
 
 /// Force fields that are somewhere.
@@ -34,6 +60,11 @@ impl Scenery {
     }
 }
 
+/// A place of a world in a picture.
+pub(super) fn place<S: ToF64>(at: Vec2<S>) -> Point {
+    point(at.to_f64())
+}
+
 fn point([x, y]: [f64; 2]) -> Point {
     (x, y)
 }
@@ -42,17 +73,23 @@ fn ring(corners: &[[f64; 2]]) -> Vec<Point> {
     corners.iter().copied().map(point).collect()
 }
 
-impl DebugDraw for Outline {
-    fn polygon(&mut self, corners: &[[f64; 2]], _role: Role) {
-        self.rings.push(ring(corners));
+impl DebugDraw for Outlines {
+    fn polygon(&mut self, corners: &[[f64; 2]], role: Role) {
+        if let Some(outline) = self.of(role) {
+            outline.rings.push(ring(corners));
+        }
     }
 
-    fn segment(&mut self, ends: [[f64; 2]; 2], _role: Role) {
-        self.strokes.push(ends.map(point));
+    fn segment(&mut self, ends: [[f64; 2]; 2], role: Role) {
+        if let Some(outline) = self.of(role) {
+            outline.strokes.push(ends.map(point));
+        }
     }
 
-    /// A body without a shape has no outline.
-    fn point(&mut self, _at: [f64; 2], _role: Role) {}
+    /// A body without a shape.
+    fn point(&mut self, _at: [f64; 2], role: Role) {
+        self.of(role);
+    }
 }
 
 impl DebugDraw for Scenery {
