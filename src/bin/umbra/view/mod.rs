@@ -1,6 +1,7 @@
 //! `umbra view`: a run as one page that plays it, and needs nothing else.
 
 mod drawing;
+mod events;
 mod page;
 mod recording;
 mod track;

@@ -1,10 +1,10 @@
 //! The page: what was recorded, and the program that plays it.
 
 use serde_json::{Value, json};
-use umbra_physics::scalar::ToF64;
 use umbra_physics::{Activity, BodyKind, LAW, Vec2};
 
-use super::recording::{Event, Life, Look, Placed, Recording, Span, What};
+use super::events::{Event, What};
+use super::recording::{Life, Look, Placed, Recording, Span};
 use crate::chart::escaped;
 
 /// What stands above a run.
@@ -57,8 +57,8 @@ impl Recording {
             let each = ordinal(self.stride);
             parts.push(format!("every {each} of {ticks} ticks is in the page: all would make it too large"));
         }
-        if self.untold > 0 {
-            parts.push(format!("{} events more than are listed", self.untold));
+        if self.events.untold > 0 {
+            parts.push(format!("{} events more than are listed", self.events.untold));
         }
         (!parts.is_empty()).then(|| parts.join("; "))
     }
@@ -79,12 +79,11 @@ fn ordinal(n: u64) -> String {
 /// and then the tracks.
 fn contents(recording: Recording, heading: &Heading, thinned: Option<String>) -> (Value, Vec<u8>) {
     let mut bytes: Vec<u8> = recording.hashes.iter().flat_map(|hash| hash.to_le_bytes()).collect();
-    let point = |v: Vec2| [v.x.to_f64(), v.y.to_f64()];
     let frames = recording.hashes.len();
     let shapes: Vec<Value> = recording.shapes.into_iter().map(|(_, drawn)| drawn).collect();
     let bodies: Vec<Value> = recording.lives.into_iter().map(|life| body(life, &mut bytes)).collect();
     let run = json!({
-        "view": heading.view.map(|corners| corners.map(point)),
+        "view": heading.view.map(|corners| corners.map(Vec2::to_f64)),
         "thinned": thinned,
         "made": format!("umbra-physics {}, law {LAW}", env!("CARGO_PKG_VERSION")),
         "integrator": recording.integrator,
@@ -96,7 +95,7 @@ fn contents(recording: Recording, heading: &Heading, thinned: Option<String>) ->
         "shapes": shapes,
         "bodies": bodies,
         "fields": recording.fields.iter().filter_map(field).collect::<Vec<_>>(),
-        "events": recording.events.iter().map(event).collect::<Vec<_>>(),
+        "events": recording.events.told.iter().map(event).collect::<Vec<_>>(),
     });
     (run, bytes)
 }

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use umbra_physics::{Activity, BodyId, BodyKind, BodyRef, Field, FieldId, Fx, Shape, TimeStep, World};
 
 use super::drawing;
+use super::events::{Events, What};
 use super::track::{Sample, Track};
 
 /// What a page may hold.
@@ -25,11 +26,6 @@ impl Default for Budget {
 
 /// Fewer frames than this are not thinned any further.
 const FEWEST: u64 = 32;
-/// Bodies that an event of many names.
-const NAMED: usize = 6;
-/// More events are counted, not told.
-const EVENTS: usize = 10_000;
-
 /// A run on its way to a page. All bodies, inputs and hashes are seen each tick; how bodies move is kept each so many
 /// ticks, twice as many whenever the page would be too large.
 #[derive(Clone, Debug)]
@@ -53,11 +49,7 @@ pub(crate) struct Recording {
     /// Each with what it is drawn as.
     pub(super) shapes: Vec<(Shape<Fx>, serde_json::Value)>,
     shape_numbers: BTreeMap<String, usize>,
-    pub(super) events: Vec<Event>,
-    /// Events that were too many.
-    pub(super) untold: u64,
-    /// The latest event of each input, by what it says; None for a run that is not the recorded one.
-    inputs: BTreeMap<Option<String>, usize>,
+    pub(super) events: Events,
 }
 
 /// Ticks with the same time step.
@@ -103,35 +95,6 @@ pub(super) struct Placed {
     pub(super) drawing: Option<serde_json::Value>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum What {
-    Added,
-    Removed,
-    Slept,
-    Woke,
-    Quarantined,
-    Released,
-    Disabled,
-    Enabled,
-    /// What was done to the world, or to a body in another way than by adding or removing it.
-    Input,
-    /// The run is not the one that was recorded.
-    Diverged,
-}
-
-/// Something that happened, to all the bodies it happened to at a tick.
-#[derive(Clone, Debug)]
-pub(super) struct Event {
-    pub(super) tick: u64,
-    /// The last tick of those at which it was done over and over.
-    pub(super) until: u64,
-    pub(super) what: What,
-    pub(super) text: String,
-    /// The first of the bodies, as indices of lives, and how many there are.
-    pub(super) bodies: Vec<usize>,
-    pub(super) count: usize,
-}
-
 impl Recording {
     pub(crate) fn new(budget: Budget) -> Self {
         Self {
@@ -148,9 +111,7 @@ impl Recording {
             fields_there: BTreeMap::new(),
             shapes: Vec::new(),
             shape_numbers: BTreeMap::new(),
-            events: Vec::new(),
-            untold: 0,
-            inputs: BTreeMap::new(),
+            events: Events::default(),
         }
     }
 
@@ -173,12 +134,16 @@ impl Recording {
         self.see_fields(world);
         for fault in world.last_report().faults {
             if let Some(&Some(life)) = self.alive.get(fault.body.parts().0 as usize) {
-                self.tell(tick, What::Quarantined, Some(life), fault.cause.to_string());
+                self.events.tell(tick, What::Quarantined, Some(life), fault.cause.to_string());
             }
         }
         let hash = if is_frame || recorded.is_some() { world.state_hash() } else { 0 };
         if let Some(recorded) = recorded.filter(|&recorded| recorded != hash) {
-            self.repeat(tick, What::Diverged, format!("recorded with another state hash, first {recorded:016x}"));
+            self.events.repeat(
+                tick,
+                What::Diverged,
+                format!("recorded with another state hash, first {recorded:016x}"),
+            );
         }
         self.last = tick;
         if is_frame {
@@ -191,7 +156,7 @@ impl Recording {
 
     /// Notes what is done before the step from this tick to the next. The same done again at the next tick goes on.
     pub(crate) fn input(&mut self, tick: u64, text: String) {
-        self.repeat(tick, What::Input, text);
+        self.events.repeat(tick, What::Input, text);
     }
 
     /// Takes in the last world once more, so that the run's end is a frame.
@@ -236,14 +201,14 @@ impl Recording {
         let known = self.alive[slot].filter(|&life| self.lives[life].id == id);
         let life = known.unwrap_or_else(|| {
             if let Some(before) = self.alive[slot] {
-                self.tell(tick, What::Removed, Some(before), String::new());
+                self.events.tell(tick, What::Removed, Some(before), String::new());
             }
             let first = (tick - self.start).div_ceil(self.stride);
             let (name, track, looks) = (name(id), Track::default(), Vec::new());
             self.lives.push(Life { id, name, from: tick, to: tick, first, track, looks });
             self.alive[slot] = Some(self.lives.len() - 1);
             if tick > self.start {
-                self.tell(tick, What::Added, Some(self.lives.len() - 1), String::new());
+                self.events.tell(tick, What::Added, Some(self.lives.len() - 1), String::new());
             }
             self.lives.len() - 1
         });
@@ -263,7 +228,7 @@ impl Recording {
                 _ => None,
             };
             if let Some(what) = what {
-                self.tell(tick, what, Some(life), String::new());
+                self.events.tell(tick, what, Some(life), String::new());
             }
         }
         life
@@ -293,7 +258,7 @@ impl Recording {
         for slot in 0..self.alive.len() {
             if let Some(life) = self.alive[slot].filter(|&life| self.lives[life].to != tick) {
                 self.alive[slot] = None;
-                self.tell(tick, What::Removed, Some(life), String::new());
+                self.events.tell(tick, What::Removed, Some(life), String::new());
             }
         }
     }
@@ -318,47 +283,13 @@ impl Recording {
         }
     }
 
-    /// An event, or one body more in an event of this tick.
-    fn tell(&mut self, tick: u64, what: What, body: Option<usize>, text: String) {
-        let mut latest = self.events.iter_mut().rev().take_while(|event| event.tick == tick);
-        if let Some(event) = latest.find(|event| event.what == what && event.text == text && body.is_some()) {
-            event.count += 1;
-            if event.bodies.len() < NAMED {
-                event.bodies.extend(body);
-            }
-            return;
-        }
-        if self.events.len() == EVENTS {
-            self.untold += 1;
-            return;
-        }
-        let bodies: Vec<usize> = body.into_iter().collect();
-        self.events.push(Event { tick, until: tick, what, text, count: bodies.len(), bodies });
-    }
-
-    /// An event that goes on as long as it is told again each tick.
-    fn repeat(&mut self, tick: u64, what: What, text: String) {
-        let key = (what == What::Input).then(|| text.clone());
-        if let Some(event) = self.inputs.get(&key).map(|&index| &mut self.events[index]) {
-            if event.until + 1 == tick {
-                event.until = tick;
-                return;
-            }
-        }
-        let before = self.events.len();
-        self.tell(tick, what, None, text);
-        if self.events.len() > before {
-            self.inputs.insert(key, before);
-        }
-    }
-
     fn is_too_much(&self) -> bool {
         if self.hashes.len() as u64 <= FEWEST {
             return false;
         }
         let (mut bytes, mut samples) = (8 * self.hashes.len(), 0);
         // What the text takes, about.
-        let mut text = 16_000 + 100 * (self.events.len() + self.fields.len()) + 300 * self.shapes.len();
+        let mut text = 16_000 + 100 * (self.events.told.len() + self.fields.len()) + 300 * self.shapes.len();
         for life in &self.lives {
             bytes += life.track.size();
             samples += life.track.count();
@@ -465,7 +396,8 @@ mod tests {
         let second = world.add_body(ball(2)).expect("there is room");
         assert_eq!(first.parts().0, second.parts().0);
         recording.see(&world, None, unnamed);
-        let events: Vec<_> = recording.events.iter().map(|event| (event.tick, event.what, &event.bodies[..])).collect();
+        let events: Vec<_> =
+            recording.events.told.iter().map(|event| (event.tick, event.what, &event.bodies[..])).collect();
         assert_eq!(events, [(1, What::Removed, &[0][..]), (1, What::Added, &[1][..])]);
         assert_eq!((recording.lives[0].to, recording.lives[1].from), (0, 1));
     }
@@ -479,7 +411,7 @@ mod tests {
             recording.see(&world, Some(world.state_hash() ^ wrong), unnamed);
             world.step();
         }
-        let events: Vec<_> = recording.events.iter().map(|event| (event.tick, event.until, event.what)).collect();
+        let events: Vec<_> = recording.events.told.iter().map(|event| (event.tick, event.until, event.what)).collect();
         assert_eq!(events, [(3, 6, What::Diverged), (10, 10, What::Diverged)]);
     }
 
@@ -526,7 +458,7 @@ mod tests {
             }
             world.step();
         }
-        let events: Vec<_> = recording.events.iter().map(|event| (event.tick, event.what)).take(2).collect();
+        let events: Vec<_> = recording.events.told.iter().map(|event| (event.tick, event.what)).take(2).collect();
         assert_eq!(events, [(5, What::Slept), (9, What::Woke)]);
         let fields: Vec<_> = recording.fields.iter().map(|field| (field.from, field.to)).collect();
         assert_eq!(fields, [(0, 12), (13, 15)]);
