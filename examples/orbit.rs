@@ -4,9 +4,14 @@
 //! cargo run --release --example orbit
 //! ```
 
+#[path = "shared/grid.rs"]
+mod grid;
+
 use umbra_physics::{
     BodyDef, BodyId, End, Error, FxFactor, Law, Outlook, Vec2, World, WorldDef, fx, scalar::Factor as _, vec2,
 };
+
+use grid::Grid;
 
 const TICKS: usize = 360;
 /// Characters to a map: two a metre from left to right, one from top to bottom.
@@ -64,19 +69,14 @@ fn line(outlook: &mut Outlook) -> Result<Vec<Vec2>, Error> {
 }
 
 fn draw(world: &World, coast: &[Vec2], burnt: &[Vec2]) {
-    let mut map = vec![vec![' '; WIDTH as usize]; HEIGHT as usize];
-    let mut put = |p: Vec2, sign: char| {
-        // Half metres and metres, rounded down: an arithmetic shift of the bits.
-        let (column, row) = ((p.x.to_bits() >> 31) + WIDTH / 2, HEIGHT / 2 - (p.y.to_bits() >> 32));
-        if (0..WIDTH).contains(&column) && (0..HEIGHT).contains(&row) {
-            map[row as usize][column as usize] = sign;
-        }
-    };
+    let mut map = Grid::new(WIDTH, HEIGHT);
+    // Half metres and metres, rounded down: an arithmetic shift of the bits.
+    let mut put = |p: Vec2, sign: char| map.put(p.x.to_bits() >> 31, p.y.to_bits() >> 32, sign);
     world.bodies().for_each(|rock| put(rock.position(), '\''));
     burnt.iter().for_each(|&p| put(p, 'o'));
     coast.iter().for_each(|&p| put(p, '.'));
     put(Vec2::ZERO, '*');
     put(coast[0], '>');
-    map.iter().for_each(|row| println!("{}", row.iter().collect::<String>().trim_end()));
+    map.rows().for_each(|row| println!("{row}"));
     println!("> the ship, * the star; . as it goes, o after a burn; {TICKS} ticks of each");
 }

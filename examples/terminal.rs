@@ -5,6 +5,9 @@
 //! cargo run --release --example terminal -- --frames 60   # or so many frames
 //! ```
 
+#[path = "shared/grid.rs"]
+mod grid;
+
 use std::io::Write as _;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
@@ -15,10 +18,11 @@ use umbra_physics::{
     World, WorldDef, fx, vec2,
 };
 
+use grid::Grid;
+
 const RATE: u32 = 60;
 /// A frame makes up for so many ticks at most: a terminal that stood still for longer has lost the rest.
 const MOST_TICKS: u32 = 6;
-const SECOND: u128 = 1_000_000_000;
 
 /// Characters: four to a metre from left to right, two from top to bottom.
 const WIDTH: i64 = 78;
@@ -63,16 +67,12 @@ fn play(frames: u64) -> Result<(), Box<dyn std::error::Error>> {
             world.step();
         }
         draw(&world)?;
-        let next = moment_of(u128::from(world.tick()) + lost + 1);
-        thread::sleep(next.saturating_sub(start.elapsed()));
+        if let Some(wait) = pacer.until_tick() {
+            thread::sleep(Duration::from_nanos(seen + wait).saturating_sub(start.elapsed()));
+        }
     }
     println!("{frames} frames, {} ticks, {lost} lost, state hash {:016x}", world.tick(), world.state_hash());
     Ok(())
-}
-
-/// When a tick is due: the first nanosecond with so many ticks behind it.
-fn moment_of(tick: u128) -> Duration {
-    Duration::from_nanos((tick * SECOND).div_ceil(u128::from(RATE)) as u64)
 }
 
 /// A chain between two posts, with a lantern at every fourth of its nodes; and the wind.
@@ -125,21 +125,19 @@ fn blow(world: &mut World, wind: FieldId) -> Result<(), Error> {
 
 /// The whole picture in one write, over the last one.
 fn draw(world: &World) -> io::Result<()> {
-    let mut cells = vec![b' '; (WIDTH * HEIGHT) as usize];
+    let mut grid = Grid::new(WIDTH, HEIGHT);
     for body in world.bodies() {
         // A position has 32 bits below a metre: 30 below a quarter, 31 below a half. A shift rounds down.
         let at = body.position();
-        let (column, row) = ((at.x.to_bits() >> 30) + WIDTH / 2, HEIGHT / 2 - (at.y.to_bits() >> 31));
-        if (0..WIDTH).contains(&column) && (0..HEIGHT).contains(&row) {
-            cells[(row * WIDTH + column) as usize] = if body.groups() == LANTERN { b'@' } else { b'.' };
-        }
+        let sign = if body.groups() == LANTERN { '@' } else { '.' };
+        grid.put(at.x.to_bits() >> 30, at.y.to_bits() >> 31, sign);
     }
-    let mut picture = b"\x1b[H".to_vec(); // to the upper left corner
-    for row in cells.chunks(WIDTH as usize) {
-        picture.extend_from_slice(row);
-        picture.extend_from_slice(b"\x1b[K\n"); // and nothing to the right of it
+    let mut picture = String::from("\x1b[H"); // to the upper left corner
+    for row in grid.rows() {
+        picture.push_str(&row);
+        picture.push_str("\x1b[K\n"); // and nothing to the right of it
     }
     let mut out = io::stdout().lock();
-    out.write_all(&picture)?;
+    out.write_all(picture.as_bytes())?;
     out.flush()
 }

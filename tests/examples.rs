@@ -100,9 +100,10 @@ fn terminal_draws_in_real_time() {
 
 #[test]
 fn terminal_needs_no_floats() {
-    let source = include_str!("../examples/terminal.rs");
-    for float in ["f32", "f64", "as_secs_f", "from_secs_f"] {
-        assert!(!source.contains(float), "{float}");
+    for source in [include_str!("../examples/terminal.rs"), include_str!("../examples/shared/grid.rs")] {
+        for float in ["f32", "f64", "as_secs_f", "from_secs_f"] {
+            assert!(!source.contains(float), "{float}");
+        }
     }
 }
 
