@@ -15,11 +15,8 @@ use std::collections::{BTreeMap, VecDeque};
 use std::error::Error;
 use std::mem;
 
-use bevy_ecs::prelude::{
-    Commands, Component, DetectChangesMut as _, Entity, IntoScheduleConfigs as _, Query, Res, ResMut, Resource,
-    Schedule,
-};
-use umbra_physics::{BodyId, BodyRef, World};
+use bevy_ecs::prelude::{Commands, Component, DetectChangesMut as _, Entity, Query, Res, ResMut, Resource, Schedule};
+use umbra_physics::{Blend, BodyId, Interpolation, Pacer, Pose, TickFraction, World};
 
 use game::{Held, Match, SHOT_TICKS, fired_at, pressed};
 
@@ -28,14 +25,21 @@ const LATE: u64 = 5;
 /// So many ticks the match can go back by.
 const WINDOW: usize = 8;
 const TICKS: u64 = 300;
+/// From a frame of the display to the next, ns: 144 Hz, and ticks are 60 Hz.
+const FRAME: u64 = 6_944_444;
 
-/// The match, and its last ticks: the world before each, and what was held, or guessed to be.
+/// The match; its last ticks: the world before each, and what was held, or guessed to be; where its bodies are between two.
 #[derive(Resource)]
 struct Physics {
     game: Match,
     world: World,
     past: VecDeque<(World, [Held; 2])>,
+    shown: Interpolation,
 }
+
+/// The moment of this frame, by what the pacer has left over.
+#[derive(Resource)]
+struct Moment(Blend);
 
 /// Buttons that came from the network: of which tick, of which player.
 #[derive(Resource, Default)]
@@ -49,24 +53,13 @@ struct Entities(BTreeMap<u64, Entity>);
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 struct Body(BodyId);
 
-/// Where to draw it, m and rad. Floats come out of the world, and never go in.
+/// Where to draw it. Floats come out of the world, and never go in.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
-struct Pose {
-    x: f32,
-    y: f32,
-    angle: f32,
-}
-
-impl Pose {
-    fn of(body: &BodyRef) -> Self {
-        let at = body.position();
-        Self { x: at.x.to_f32(), y: at.y.to_f32(), angle: body.angle().to_f32() }
-    }
-}
+struct Place(Pose<f32>);
 
 /// Makes good what arrived late, then a tick.
 fn advance(mut physics: ResMut<Physics>, mut arrived: ResMut<Arrived>) {
-    let Physics { game, world, past } = &mut *physics;
+    let Physics { game, world, past, shown } = &mut *physics;
     let present = world.tick();
     // What is not known yet is guessed: a player goes on as in the tick before.
     let mut held = past.back().map_or_else(Default::default, |(_, held)| *held);
@@ -84,6 +77,7 @@ fn advance(mut physics: ResMut<Physics>, mut arrived: ResMut<Arrived>) {
         for (before, held) in past.iter_mut().filter(|(before, _)| before.tick() >= first) {
             before.clone_from(world);
             game.tick(world, *held);
+            shown.look(world);
         }
     }
     // The memory of the oldest tick serves for this one.
@@ -94,30 +88,35 @@ fn advance(mut physics: ResMut<Physics>, mut arrived: ResMut<Arrived>) {
     }
     past.extend(row.map(|(before, _)| (before, held)));
     game.tick(world, held);
+    shown.look(world);
 }
 
-/// Makes an entity of each body, and of no other: after a step, after many, after the world went back.
+/// Makes an entity of each body, and of no other, where it is at the moment of the frame: after a step, after many, after the
+/// world went back.
 fn follow(
     mut commands: Commands,
     physics: Res<Physics>,
+    moment: Res<Moment>,
     mut entities: ResMut<Entities>,
-    mut looks: Query<(&mut Body, &mut Pose)>,
+    mut looks: Query<(&mut Body, &mut Place)>,
 ) {
     let mut gone = mem::take(&mut entities.0);
     for look in physics.world.bodies() {
-        let (body, pose) = (Body(look.id()), Pose::of(&look));
+        let pose = physics.shown.pose(look.id(), moment.0).unwrap_or_else(|| Pose::of(&look));
+        let (body, place) = (Body(look.id()), Place(pose.to_f32()));
         let entity = match gone.remove(&look.key()) {
             Some(entity) => {
-                if let Ok((mut old_body, mut old_pose)) = looks.get_mut(entity) {
-                    // Systems that ask for `Changed<Pose>` see what moved, and nothing else.
+                if let Ok((mut old_body, mut old_place)) = looks.get_mut(entity) {
+                    // Systems that ask for `Changed<Place>` see what moved, and nothing else.
                     old_body.set_if_neq(body);
-                    old_pose.set_if_neq(pose);
+                    old_place.set_if_neq(place);
                 }
                 entity
             }
-            None => commands.spawn((body, pose)).id(),
+            None => commands.spawn((body, place)).id(),
         };
-        entities.0.insert(look.key(), entity);
+        let twin = entities.0.insert(look.key(), entity);
+        assert_eq!(twin, None, "two bodies have the key {}", look.key());
     }
     gone.into_values().for_each(|entity| commands.entity(entity).despawn());
 }
@@ -125,30 +124,41 @@ fn follow(
 fn main() -> Result<(), Box<dyn Error>> {
     let (game, world) = Match::start()?;
     let (start, mut ecs) = (world.clone(), bevy_ecs::world::World::new());
-    ecs.insert_resource(Physics { game, world, past: VecDeque::new() });
+    let mut pacer = Pacer::new(world.def().time_step)?;
+    let mut shown = Interpolation::new();
+    shown.look(&world);
+    ecs.insert_resource(Physics { game, world, past: VecDeque::new(), shown });
     ecs.init_resource::<Arrived>();
     ecs.init_resource::<Entities>();
-    let mut schedule = Schedule::default();
-    schedule.add_systems((advance, follow).chain());
+    let (mut ticks, mut frames) = (Schedule::default(), Schedule::default());
+    ticks.add_systems(advance);
+    frames.add_systems(follow);
 
-    let (mut last, mut guessed) = (BTreeMap::new(), 0);
+    let (mut tick, mut last, mut guessed) = (0, BTreeMap::new(), 0);
     // At the end nobody presses anything for as long as buttons are on their way.
-    for tick in 0..TICKS + LATE {
-        let mut arrived = ecs.resource_mut::<Arrived>();
-        arrived.0.push((tick, 0, buttons(0, tick)));
-        if tick >= LATE {
-            arrived.0.push((tick - LATE, 1, buttons(1, tick - LATE)));
+    while tick < TICKS + LATE {
+        // One or none: a frame is shorter than a tick.
+        let due = pacer.frame(FRAME).ticks;
+        for _ in 0..due {
+            let mut arrived = ecs.resource_mut::<Arrived>();
+            arrived.0.push((tick, 0, buttons(0, tick)));
+            if tick >= LATE {
+                arrived.0.push((tick - LATE, 1, buttons(1, tick - LATE)));
+            }
+            ticks.run(&mut ecs);
+            tick += 1;
         }
-        schedule.run(&mut ecs);
+        ecs.insert_resource(Moment(Blend::Interpolated(pacer.remainder())));
+        frames.run(&mut ecs);
         check(&mut ecs)?;
         let entities = ecs.resource::<Entities>().0.clone();
         for (key, entity) in mem::replace(&mut last, entities) {
             match last.get(&key) {
                 Some(&now) => assert_eq!(entity, now, "a body stays the entity it is"),
-                None => guessed += usize::from(fired_at(key).is_some_and(|fired| tick < fired + SHOT_TICKS)),
+                None => guessed += usize::from(fired_at(key).is_some_and(|fired| tick <= fired + SHOT_TICKS)),
             }
         }
-        if tick % 60 == 59 {
+        if due > 0 && tick % 60 == 0 {
             show(&ecs, tick);
         }
     }
@@ -169,21 +179,23 @@ fn buttons(player: usize, tick: u64) -> Held {
     if tick < TICKS { pressed(player, tick) } else { Held::default() }
 }
 
-/// Whether the entities are the bodies: as many, each where its body is.
+/// Whether the entities are the bodies: as many, each where its body is shown, on its way to where it is.
 fn check(ecs: &mut bevy_ecs::world::World) -> Result<(), Box<dyn Error>> {
-    let entities: Vec<(Body, Pose)> = ecs.query::<(&Body, &Pose)>().iter(ecs).map(|(b, p)| (*b, *p)).collect();
-    let world = &ecs.resource::<Physics>().world;
+    let entities: Vec<(Body, Place)> = ecs.query::<(&Body, &Place)>().iter(ecs).map(|(b, p)| (*b, *p)).collect();
+    let (Physics { world, shown, .. }, Moment(at)) = (ecs.resource::<Physics>(), ecs.resource::<Moment>());
     assert_eq!(entities.len(), world.body_count());
-    for (Body(body), pose) in entities {
-        assert_eq!(pose, Pose::of(&world.body(body)?));
+    for (Body(body), Place(pose)) in entities {
+        assert_eq!(Some(pose), shown.pose(body, *at).map(Pose::to_f32));
+        let end = Blend::Interpolated(TickFraction::ONE);
+        assert_eq!(shown.pose(body, end), Some(Pose::of(&world.body(body)?)));
     }
     Ok(())
 }
 
 fn show(ecs: &bevy_ecs::world::World, tick: u64) {
-    println!("tick {}", tick + 1);
+    println!("tick {tick}");
     for (key, &entity) in &ecs.resource::<Entities>().0 {
-        if let Some(Pose { x, y, angle }) = ecs.get::<Pose>(entity) {
+        if let Some(Place(Pose { position: [x, y], angle })) = ecs.get::<Place>(entity) {
             println!("  key {key:>6} is entity {entity}: ({x:.2}, {y:.2}) m, {angle:.2} rad");
         }
     }
