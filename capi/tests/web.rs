@@ -90,7 +90,8 @@ fn module() -> Option<()> {
     None
 }
 
-/// Serves the folder on this machine alone, until the process ends. What begins with `/wrong/` has another hash for tick 60.
+/// Serves the folder on this machine alone, until the process ends. What begins with `/wrong/` has another hash for tick 60,
+/// what begins with `/empty/` has hashes of which nobody knows the ticks.
 fn serve() -> u16 {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
     let port = listener.local_addr().expect("an address").port();
@@ -103,10 +104,9 @@ fn answer(mut stream: TcpStream) -> std::io::Result<()> {
     let request = lines.next().transpose()?.unwrap_or_default();
     while lines.next().transpose()?.is_some_and(|line| !line.is_empty()) {}
     let path = request.split(' ').nth(1).unwrap_or_default();
-    let (is_wrong, name) = match path.strip_prefix("/wrong/") {
-        Some(name) => (true, name),
-        None => (false, path.trim_start_matches('/')),
-    };
+    let path = path.trim_start_matches('/');
+    let folders = ["wrong/", "empty/"].into_iter();
+    let (wrong, name) = folders.filter_map(|f| Some((f, path.strip_prefix(f)?))).next().unwrap_or(("", path));
     let name = if name.is_empty() { "index.html" } else { name };
     let kind = match name.rsplit('.').next() {
         Some("html") => "text/html; charset=utf-8",
@@ -117,9 +117,14 @@ fn answer(mut stream: TcpStream) -> std::io::Result<()> {
     };
     let content = if name.contains("..") { None } else { fs::read(folder().join(name)).ok() };
     let (status, mut content) = content.map_or(("404 Not Found", Vec::new()), |content| ("200 OK", content));
-    if is_wrong && name == "golden.json" {
-        let third = hashes().swap_remove(60 / EVERY);
-        content = String::from_utf8_lossy(&content).replace(&third, "0123456789abcdef").into_bytes();
+    if name == "golden.json" {
+        let golden = String::from_utf8_lossy(&content);
+        content = match wrong {
+            "wrong/" => golden.replace(&hashes()[60 / EVERY], "0123456789abcdef"),
+            "empty/" => golden.replace("\"every\"", "\"each\""),
+            _ => golden.into_owned(),
+        }
+        .into_bytes();
     }
     let head = format!(
         "HTTP/1.1 {status}\r\nContent-Type: {kind}\r\nContent-Length: {}\r\nConnection: close\r\n\r\n",
@@ -129,12 +134,16 @@ fn answer(mut stream: TcpStream) -> std::io::Result<()> {
     stream.write_all(&content)
 }
 
-fn open(browser: &mut Browser, port: u16, path: &str) {
+fn go(browser: &mut Browser, port: u16, path: &str) {
     browser.call("Page.navigate", json!({"url": "about:blank"}));
     browser.wait_for("location.href === 'about:blank'");
     browser.requests.clear();
     browser.problems.clear();
     browser.call("Page.navigate", json!({"url": format!("http://127.0.0.1:{port}/{path}")}));
+}
+
+fn open(browser: &mut Browser, port: u16, path: &str) {
+    go(browser, port, path);
     browser.wait_for("document.body?.classList.contains('ready') === true");
     // It plays by itself; the rest is tick by tick.
     browser.wait_for("demo.match.tick >= 3");
@@ -216,4 +225,20 @@ fn two_worlds_in_a_browser_are_those_of_the_machine() {
     open(&mut browser, port, "wrong/");
     browser.evaluate("demo.advance(90)");
     assert_eq!(browser.text("#verdict"), "A is not as native at tick 60");
+
+    // Nor is nothing to compare with.
+    let state = "document.getElementById('verdict')?.dataset.state";
+    go(&mut browser, port, "empty/");
+    browser.wait_for(&format!("['wrong', 'agree'].includes({state})"));
+    assert_eq!(browser.text("#verdict"), "golden.json has no hashes to compare with");
+
+    // Nor a match that broke off: what a call throws amid a frame stays in the verdict.
+    open(&mut browser, port, "");
+    assert_eq!(browser.evaluate(state), "agree");
+    browser.evaluate("demo.match.worlds[1].step = () => { throw new Error('unreachable executed') }");
+    browser.evaluate("demo.setPlaying(true)");
+    browser.wait_for(&format!("{state} === 'wrong'"));
+    browser.evaluate("demo.begin()");
+    assert_eq!((browser.evaluate(state), &*browser.text("#verdict")), (json!("wrong"), "unreachable executed"));
+    assert!(browser.problems.iter().any(|problem| problem.contains("unreachable executed")), "{:?}", browser.problems);
 }

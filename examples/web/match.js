@@ -4,6 +4,12 @@ const SCRIPT = 0, PLAYER = 1;
 
 export class Match {
   constructor(library, arena, script, golden) {
+    // Agreement with nothing is none.
+    const { every, hashes } = golden;
+    const isHash = hash => typeof hash === "string" && /^[0-9a-f]{16}$/.test(hash);
+    if (!(Number.isInteger(every) && every > 0 && Array.isArray(hashes) && hashes.length > 1 && hashes.every(isHash))) {
+      throw new Error("golden.json has no hashes to compare with");
+    }
     Object.assign(this, { library, golden });
     this.worlds = [0, 1].map(() => library.fromScene(arena));
     this.draft = library.draft();
@@ -26,6 +32,7 @@ export class Match {
     this.isScripted = true;
     this.hashes = this.worlds.map(world => world.hash);
     this.compare();
+    if (this.native.compared !== 1) throw new Error("the start was not compared");
   }
 
   // A tick with these commands of the player's. They leave the script: no native program has seen them.

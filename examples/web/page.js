@@ -11,8 +11,29 @@ const hex = hash => hash.toString(16).padStart(16, "0");
 
 let library, sources, match, springs;
 let isPlaying = true, behind = 0, last, before, now, trails, outcomes;
+// What was thrown first: after a trap there is nothing left to agree, whatever is pressed.
+let failure;
 const keys = new Set();
 let clicks = [];
+
+function fail(error) {
+  failure ??= error;
+  setPlaying(false);
+  get("verdict").dataset.state = "wrong";
+  get("verdict").textContent = failure.message;
+}
+
+// The same function, but what it throws is told before it goes on.
+function guarded(act) {
+  return (...values) => {
+    try {
+      return act(...values);
+    } catch (error) {
+      fail(error);
+      throw error;
+    }
+  };
+}
 
 async function text(file) {
   const answer = await fetch(file);
@@ -77,7 +98,7 @@ function tell() {
   const { parted, native } = match;
   const isWrong = native.parted !== null, verdict = get("verdict");
   const state = isWrong ? "wrong" : parted ? "parted" : "agree";
-  if (verdict.dataset.state !== state || state !== "agree") {
+  if (!failure && (verdict.dataset.state !== state || state !== "agree")) {
     verdict.dataset.state = state;
     verdict.textContent = isWrong ? `A is not as native at tick ${native.parted}`
       : parted ? `parted at tick ${parted.tick}` : "in agreement";
@@ -237,7 +258,7 @@ function draw(share) {
   drawLine();
 }
 
-function frame(time) {
+const frame = guarded(time => {
   if (isPlaying) {
     behind += last === undefined ? 0 : (time - last) / 1000 * RATE;
     // A machine that is too slow, or a tab that was away, lags instead of catching up.
@@ -251,7 +272,7 @@ function frame(time) {
   last = time;
   draw(Math.min(behind, 1));
   requestAnimationFrame(frame);
-}
+});
 
 function setPlaying(on) {
   isPlaying = on;
@@ -260,8 +281,8 @@ function setPlaying(on) {
 }
 
 get("play").onclick = () => setPlaying(!isPlaying);
-get("again").onclick = begin;
-get("ulp").onclick = () => match.putOff();
+get("again").onclick = guarded(begin);
+get("ulp").onclick = guarded(() => match.putOff());
 for (const canvas of canvases) {
   canvas.onpointerdown = event => {
     const box = canvas.getBoundingClientRect();
@@ -283,8 +304,8 @@ matchMedia("(prefers-color-scheme: dark)").addEventListener("change", readColour
 // For whoever tries the page from outside.
 window.demo = {
   get match() { return match; },
-  advance,
-  begin,
+  advance: guarded(advance),
+  begin: guarded(begin),
   setPlaying,
 };
 
@@ -298,7 +319,6 @@ try {
   requestAnimationFrame(frame);
   document.body.classList.add("ready");
 } catch (error) {
-  get("verdict").dataset.state = "wrong";
-  get("verdict").textContent = error.message;
+  fail(error);
   throw error;
 }
