@@ -63,8 +63,8 @@ impl FxFactor {
         if shift > 0 { Self { mantissa: 0, shift: 0 } } else { Self { mantissa: u64::MAX, shift: -MOST_SHIFT } }
     }
 
-    /// The factor nearest to (high·2^128 + low) / divisor · 2^-shift.
-    pub(crate) const fn from_256(high: u128, low: u128, divisor: u64, shift: i32) -> Self {
+    /// The factor nearest to (high·2^128 + low) / divisor · 2^-shift; within 2^-60 relative where the quotient is below 2^63.
+    pub(crate) const fn from_256(high: u128, low: u128, divisor: u32, shift: i32) -> Self {
         // The top 128 bits, with all that is below gathered in the last one: two roundings would be one too many.
         let (top, exponent) = if high == 0 {
             (low, 0)
@@ -76,7 +76,7 @@ impl FxFactor {
         };
         let (quotient, rest) = (top / divisor as u128, top % divisor as u128);
         if quotient >> 66 == 0 {
-            // Only a sum that fits in 128 bits is this small, so nothing was lost above: exact to 2^-62 by two more bits.
+            // With a divisor below 2^32 only a sum that fits in 128 bits is this small, so nothing was lost above.
             let wider = (quotient << 60) | ((rest << 60) / divisor as u128);
             return Self::new(wider | ((rest << 60) % divisor as u128 != 0) as u128, shift - exponent + 60);
         }
@@ -287,6 +287,22 @@ mod tests {
             let below = [below, 1 << 63, (1 << 63) - 1, (1 << 63) + 1][usize::from(tie)];
             let value = (u128::from(mantissa) << 64 | u128::from(below)) >> cut;
             prop_assert_eq!(FxFactor::new(value, 7), nearest(&UBig::from(value), &UBig::ONE, 7));
+        }
+
+        /// At a tie, and a unit of the 256 bits beside it.
+        #[test]
+        fn quotients_of_256_bits_round_to_nearest_and_ties_to_even(
+            mantissa in mantissa(),
+            divisor in prop_oneof![Just(1), Just(12), 1..u32::MAX],
+            up in 0usize..=126,
+            beside in 0u8..3,
+        ) {
+            let tie = ((UBig::from(mantissa) * 2u8 + UBig::ONE) * divisor) << up;
+            let value = tie + beside - UBig::ONE;
+            let low = &value & &((UBig::ONE << 128) - UBig::ONE);
+            let [high, low] = [&value >> 128, low].map(|half| u128::try_from(half).expect("128 bits"));
+            let exact = nearest(&value, &UBig::from(divisor), 5);
+            prop_assert_eq!(FxFactor::from_256(high, low, divisor, 5), exact);
         }
 
         #[test]
