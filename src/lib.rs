@@ -90,7 +90,7 @@ pub use integrate::{Integrator, Stage, Verb};
 pub use math::{Elapsed, Random, Rot, TimeStep, Vec2, vec2};
 pub use replay::{
     Difference, Divergence, Dump, Finding, HashTree, LAW, Moment, Place, Playback, RecordOptions, Recorder, Replay,
-    ReplayError, Snapshot, SnapshotError,
+    ReplayError, ReplayLimits, Snapshot, SnapshotError, VerifyError,
 };
 pub use scalar::fx::{Fx, MathError, ParseFxError};
 pub use scalar::{FxAccumulator, FxFactor, FxWide, Scalar, SpringLaw, Turn};

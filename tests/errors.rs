@@ -6,11 +6,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use umbra_physics::{
-    BodyId, Cause, Command, Error, Fault, Irreversible, Quantity, Replay, ReplayError, Snapshot, SnapshotError,
+    BodyDef, BodyId, Cause, Command, Error, Fault, Inputs, Irreversible, Quantity, RecordOptions, Recorder, Replay,
+    ReplayError, ReplayLimits, Snapshot, SnapshotError, World, WorldDef,
 };
 
 /// Every number that was ever given, and to what. Lines are added, none is changed or taken out.
-const GIVEN: [(u16, &str); 118] = [
+const GIVEN: [(u16, &str); 122] = [
     (101, "Error::OutOfRange"),
     (102, "Error::NoSuchBody"),
     (103, "Error::NoSuchField"),
@@ -95,6 +96,10 @@ const GIVEN: [(u16, &str); 118] = [
     (406, "ReplayError::Malformed"),
     (407, "ReplayError::Snapshot"),
     (420, "Divergence"),
+    (421, "VerifyError::Divergence"),
+    (422, "VerifyError::Ticks"),
+    (423, "VerifyError::Bodies"),
+    (424, "VerifyError::Fields"),
     (500, "SceneError"),
     (501, "Flaw::NotJson"),
     (502, "Flaw::WrongKind"),
@@ -245,4 +250,18 @@ fn what_an_error_passes_on_is_its_source() {
     let error = ReplayError::Snapshot { chunk: 1, error };
     let inner = error.source().and_then(|inner| inner.source());
     assert_eq!((error.code(), inner.map(ToString::to_string)), (407, Some(malformed.to_string())));
+
+    let mut world: World = World::new(WorldDef::default()).expect("a world");
+    let mut recorder = Recorder::new(&world, RecordOptions::default());
+    // Past the recorder.
+    world.add_body(BodyDef::dynamic()).expect("a body");
+    recorder.step(&mut world, &Inputs::new());
+    let replay = Replay::from_bytes(&recorder.finish(&world), &[]).expect("a replay");
+    let divergence = replay.verify().expect_err("it parts");
+    let most = ReplayLimits { ticks: 1, bodies: 1, fields: 0 };
+    let error = replay.verify_within(most).expect_err("it parts");
+    assert_eq!((divergence.code(), error.code()), (420, 421));
+    assert_eq!((error.to_string(), sourced(&error)), (divergence.to_string(), Some(divergence.to_string())));
+    let error = replay.verify_within(ReplayLimits { ticks: 0, ..most }).expect_err("it is too long");
+    assert_eq!((error.code(), sourced(&error)), (422, None));
 }

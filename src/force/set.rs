@@ -119,6 +119,10 @@ impl<S: Scalar> FieldSet<S> {
         self.by_age.iter().map(|&at| &self.entries[at as usize])
     }
 
+    pub(crate) fn len(&self) -> usize {
+        self.by_age.len()
+    }
+
     /// The oldest first.
     pub(crate) fn iter(&self) -> impl DoubleEndedIterator<Item = (FieldId, &Field<S>)> {
         self.by_age().map(|Entry { slot, field, .. }| {

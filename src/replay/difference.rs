@@ -107,7 +107,24 @@ impl<S: Scalar> World<S> {
     }
 
     /// The first of them, without making the others: in little memory, however much differs.
-    pub(super) fn first_difference(&self, other: &Self) -> Option<Difference> {
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, World, WorldDef, vec2};
+    ///
+    /// let mut world: World = World::new(WorldDef::default())?;
+    /// for x in 0..1_000 {
+    ///     world.add_body(BodyDef { position: vec2(x, 0), velocity: vec2(0, 1), ..BodyDef::dynamic() })?;
+    /// }
+    /// let mut other = world.clone();
+    /// assert_eq!(world.first_difference(&other), None);
+    /// other.step();
+    /// let first = world.first_difference(&other).unwrap();
+    /// assert_eq!(first.to_string(), "the world, tick: 0 and 1");
+    /// assert_eq!(world.differences(&other).first(), Some(&first));
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    #[must_use]
+    pub fn first_difference(&self, other: &Self) -> Option<Difference> {
         let (left, right) = wire::first_difference(&State(self), &State(other))?;
         let (owner, path) = match (&left, &right) {
             (Some(leaf), _) => (self, &leaf.path),

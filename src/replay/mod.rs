@@ -13,6 +13,7 @@ mod recorder;
 #[allow(clippy::module_inception, reason = "what the layer is named after")]
 mod replay;
 mod snapshot;
+mod verify;
 
 pub use difference::{Difference, HashTree, Place};
 pub use dump::Dump;
@@ -22,6 +23,7 @@ pub use playback::{Divergence, Playback};
 pub use recorder::{RecordOptions, Recorder};
 pub use replay::Replay;
 pub use snapshot::Snapshot;
+pub use verify::{ReplayLimits, VerifyError};
 
 /// The number of the laws of physics: it moves when the results of a step or of a hash do.
 pub const LAW: u32 = 6;

@@ -6,6 +6,7 @@ use core::fmt;
 
 use super::finding::{Finding, Moment};
 use super::replay::{Cursor, Replay};
+use super::verify::{ReplayLimits, VerifyError};
 use crate::error::codes;
 use crate::world::{Command, Outcome, World};
 
@@ -69,12 +70,23 @@ pub struct Playback<'a> {
     /// The hash recorded for the world as it is.
     recorded: Option<u64>,
     outcomes: Vec<Outcome>,
+    most: ReplayLimits,
+    /// What of the limits was exceeded: it stopped there, maybe amid a tick, and does not go on.
+    beyond: Option<VerifyError>,
 }
 
 impl<'a> Playback<'a> {
-    pub(super) fn new(replay: &'a Replay) -> Self {
+    pub(super) fn new(replay: &'a Replay, most: ReplayLimits) -> Self {
         let (cursor, recorded, outcomes) = (Cursor::default(), None, Vec::new());
-        Self { replay, world: replay.start.clone(), cursor, recorded, outcomes }
+        Self { replay, world: replay.start.clone(), cursor, recorded, outcomes, most, beyond: None }
+    }
+
+    /// Plays on to the end, or as far as it may.
+    pub(super) fn verify(mut self) -> Result<(), VerifyError> {
+        self.most.check_ticks(self.replay)?;
+        self.most.check(&self.world)?;
+        while self.step()? {}
+        self.beyond.map_or(Ok(()), Err)
     }
 
     /// The world as it is now.
@@ -106,6 +118,9 @@ impl<'a> Playback<'a> {
     /// Does what was done in the tick, steps, and compares with what was recorded. `false` at the end, where nothing is
     /// done.
     ///
+    /// A run that parts is played on, aside, up to a snapshot that names in what. That takes as long as what is done until then,
+    /// which a loop of the caller's does not see: [`Replay::verify_within`] has limits that hold for it too.
+    ///
     /// # Errors
     /// A [`Divergence`]; the world is at that tick, and can go on.
     pub fn step(&mut self) -> Result<bool, Box<Divergence>> {
@@ -124,18 +139,35 @@ impl<'a> Playback<'a> {
         recorded.find(|&hash| hash != computed).map_or(Ok(true), |hash| Err(Box::new(self.divergence(hash))))
     }
 
-    /// The same without comparing.
+    /// The same without comparing. `false` also where the limits are exceeded: before the step, which is what takes long.
     fn advance(&mut self) -> bool {
+        if self.beyond.is_some() {
+            return false;
+        }
         let Some(tick) = self.replay.next(&mut self.cursor) else { return false };
         for call in tick.calls.iter() {
             // One that is refused was not recorded; refused here, it is found by the hash.
             _ = self.world.execute(&call);
+            if self.is_beyond() {
+                return false;
+            }
         }
         self.outcomes.clear();
-        self.outcomes.extend(tick.inputs.iter().map(|input| self.world.carry_out_one(&input)));
+        for input in tick.inputs.iter() {
+            let outcome = self.world.carry_out_one(&input);
+            self.outcomes.push(outcome);
+            if self.is_beyond() {
+                return false;
+            }
+        }
         self.world.step();
         self.recorded = tick.hash;
         true
+    }
+
+    fn is_beyond(&mut self) -> bool {
+        self.beyond = self.most.check(&self.world).err();
+        self.beyond.is_some()
     }
 
     /// Goes to a tick, or to the end if that is before it: from the snapshot nearest before it, without comparing.
@@ -149,13 +181,17 @@ impl<'a> Playback<'a> {
         self.seek_on(tick);
     }
 
-    /// Finds out in what the run differs from the one recorded: that has its values in snapshots alone.
+    /// Finds out in what the run differs from the one recorded: that has its values in snapshots alone. Within the limits: what
+    /// anybody can have recorded may be larger by then.
     fn divergence(&self, recorded: u64) -> Divergence {
         let (tick, computed) = (self.world.tick(), self.world.state_hash());
         let mut ahead = self.clone();
         let mut later = self.replay.snapshots.iter().filter(|snapshot| snapshot.tick() >= tick);
         let found = later.find_map(|snapshot| {
             ahead.seek_on(snapshot.tick());
+            if ahead.beyond.is_some() {
+                return None;
+            }
             let found = snapshot.first_difference(&ahead.world)?;
             Some(Finding::at(snapshot.tick() - 1, Moment::End, found))
         });

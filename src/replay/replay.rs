@@ -14,6 +14,7 @@ use super::file::{DONE, Done, HEAD, Head, List, REPLAY, SNAPSHOT, Segment, TICKS
 use super::finding::{Finding, Moment};
 use super::playback::{Divergence, Playback};
 use super::snapshot;
+use super::verify::{ReplayLimits, VerifyError};
 use crate::force::ForceLaw;
 use crate::wire::{Index, Leaf, Part, Read, Reader, Write};
 use crate::world::{Command, World};
@@ -232,10 +233,11 @@ impl Replay {
     /// Plays it from its start.
     #[must_use]
     pub fn play(&self) -> Playback<'_> {
-        Playback::new(self)
+        Playback::new(self, ReplayLimits::NONE)
     }
 
-    /// Runs all of it again, and compares every hash.
+    /// Runs all of it again, and compares every hash. For one that anybody can have made there is
+    /// [`verify_within`](Self::verify_within).
     ///
     /// # Errors
     /// A [`Divergence`] at the first hash that is another.
@@ -243,6 +245,38 @@ impl Replay {
         let mut playback = self.play();
         while playback.step()? {}
         Ok(())
+    }
+
+    /// The same with limits of the caller's on the ticks, and on the bodies and the force fields that there are at any time: a
+    /// short file can add many, and have them stepped for long. They hold for what it takes to name a divergence too.
+    ///
+    /// Time: at most that of so many steps of so many bodies in so many fields, and of a look at the whole of such a world, its
+    /// blob included, for each hash; and what is done in the file, each call on so many bodies and fields. A limit on the file's
+    /// size is one on its blobs and calls. Laws of force of the caller's own take what they take.
+    ///
+    /// # Errors
+    /// A [`VerifyError`]: it goes another way, or is more than it may be.
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, Command, Inputs, RecordOptions, Recorder, Replay, ReplayLimits, VerifyError};
+    /// use umbra_physics::{World, WorldDef};
+    ///
+    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let mut recorder = Recorder::new(&world, RecordOptions::default());
+    /// for _ in 0..100 {
+    ///     recorder.execute(&mut world, &Command::AddBody(BodyDef::dynamic()))?;
+    ///     recorder.step(&mut world, &Inputs::new());
+    /// }
+    /// let replay = Replay::from_bytes(&recorder.finish(&world), &[])?;
+    /// let most = ReplayLimits { ticks: 60 * 60 * 30, bodies: 1_000, fields: 200 };
+    /// assert_eq!(replay.verify_within(most), Ok(()));
+    /// let error = replay.verify_within(ReplayLimits { bodies: 60, ..most }).unwrap_err();
+    /// assert_eq!(error, VerifyError::Bodies { tick: 60, most: 60 });
+    /// assert_eq!(error.to_string(), "more than 60 bodies at tick 60");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn verify_within(&self, most: ReplayLimits) -> Result<(), VerifyError> {
+        Playback::new(self, most).verify()
     }
 
     /// The first value in which the runs of two replays are not the same: what they begin with, what is done, or what

@@ -1,13 +1,16 @@
 //! Files that nobody recorded: whatever is in them is refused, or a world that goes on like any other.
 
+use alloc::string::ToString as _;
+use alloc::vec;
 use alloc::vec::Vec;
 
 use super::chunk::{self, Chunk, Damage, Tag};
 use super::file::{SNAPSHOT, TICKS};
 use super::tests::{chunks, commands, file, laws, recording, reseal, values};
-use super::{Dump, Place, RecordOptions, Recorder, Replay, Snapshot, SnapshotError};
+use super::{Dump, Place, RecordOptions, Recorder, Replay, ReplayLimits, Snapshot, SnapshotError, VerifyError};
 use crate::body::{Activity, BodyDef, BodyKind};
 use crate::error::Error;
+use crate::force::{Field, Law};
 use crate::handle::BodyId;
 use crate::integrate::Integrator;
 use crate::limits;
@@ -57,6 +60,70 @@ fn ticks_of_the_shortest_commands_are_read() {
         let replay = Replay::from_bytes(&recorder.finish(&world), &[]).expect("it is whole");
         assert_eq!(replay.verify(), Ok(()));
     }
+}
+
+/// A run of four ticks, of which the first is not as it was recorded; in the second calls, or a player, add what there is many of.
+fn forged_run(many: &[Command], by_a_player: bool) -> Replay {
+    let mut world = World::new(WorldDef::default()).expect("a world");
+    let body = world.add_body(BodyDef::dynamic()).expect("a body");
+    let mut recorder = Recorder::new(&world, RecordOptions { hash_every: 1, snapshot_every: 0 });
+    // Past the recorder: the hash after the first tick is one that its run does not have.
+    world.set_velocity(body, vec2(1, 0)).expect("it moves");
+    for tick in 0..4 {
+        let mut inputs = Inputs::new();
+        if tick == 1 && by_a_player {
+            inputs.replace(0, many.iter().cloned());
+        } else if tick == 1 {
+            many.iter().for_each(|command| _ = recorder.execute(&mut world, command).expect("there is room"));
+        }
+        recorder.step(&mut world, &inputs);
+    }
+    Replay::from_bytes(&recorder.finish(&world), &[]).expect("it is whole")
+}
+
+#[test]
+fn a_divergence_is_named_within_the_limits_and_no_further() {
+    let drag = Field { law: Law::Drag { linear: Fx::ZERO, quadratic: Fx::ZERO, wind: vec2(0, 0) }, groups: 1 };
+    let most = ReplayLimits { ticks: 4, bodies: 10, fields: 10 };
+    for (many, by_a_player) in [
+        (vec![Command::AddBody(BodyDef::dynamic()); 10], false),
+        (vec![Command::AddBody(BodyDef::dynamic()); 10], true),
+        (vec![Command::AddField(drag); 11], false),
+        (vec![Command::AddField(drag); 11], true),
+    ] {
+        let named = |limits| match forged_run(&many, by_a_player).verify_within(limits) {
+            Err(VerifyError::Divergence(divergence)) => (divergence.tick, divergence.finding.field),
+            other => panic!("{other:?}"),
+        };
+        // What differs is in the snapshot at the end, to which it is played if it may be.
+        assert_eq!(named(ReplayLimits { bodies: 11, fields: 11, ..most }), (1, "position.x".to_string()));
+        assert_eq!(named(most), (1, "hash".to_string()));
+        assert_eq!(forged_run(&many, by_a_player).verify().expect_err("it parts").finding.field, "position.x");
+    }
+}
+
+#[test]
+fn what_is_more_than_it_may_be_is_refused_before_it_is_stepped() {
+    let most = ReplayLimits { ticks: 3, bodies: 5, fields: 0 };
+    let mut world = World::new(WorldDef::default()).expect("a world");
+    (0..2).for_each(|_| _ = world.add_body(BodyDef::dynamic()).expect("a body"));
+    let mut recorder = Recorder::new(&world, RecordOptions::default());
+    for _ in 0..3 {
+        recorder.execute(&mut world, &Command::AddBody(BodyDef::dynamic())).expect("there is room");
+        recorder.step(&mut world, &Inputs::new());
+    }
+    // One that is gone by the end of its tick was there.
+    recorder.execute(&mut world, &Command::AddBody(BodyDef::dynamic())).expect("there is room");
+    recorder.execute(&mut world, &Command::RemoveBody(BodyId::from_parts(5, 0))).expect("it is there");
+    recorder.step(&mut world, &Inputs::new());
+    let replay = Replay::from_bytes(&recorder.finish(&world), &[]).expect("it is whole");
+    assert_eq!(replay.verify_within(ReplayLimits { ticks: 4, bodies: 6, ..most }), Ok(()));
+    let refused = |limits| replay.verify_within(limits).expect_err("it is more");
+    assert_eq!(refused(most), VerifyError::Ticks { found: 4, most: 3 });
+    let most = ReplayLimits { ticks: 4, ..most };
+    assert_eq!(refused(most), VerifyError::Bodies { tick: 3, most: 5 });
+    assert_eq!(refused(ReplayLimits { bodies: 4, ..most }), VerifyError::Bodies { tick: 2, most: 4 });
+    assert_eq!(refused(ReplayLimits { bodies: 1, ..most }), VerifyError::Bodies { tick: 0, most: 1 });
 }
 
 /// A snapshot with values changed, its hash and seal made right again.
