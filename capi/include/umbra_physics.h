@@ -5,12 +5,13 @@
  * is no float in this interface, and no struct is given by value.
  *
  * Calls give UMBRA_OK or the number of an error; then nothing is changed and nothing written, except where a buffer was too
- * small, for how large it has to be. Numbers stay: docs/errors.md has them all.
+ * small, for how large it has to be, and where it is said. Numbers stay: docs/errors.md has them all.
  *
  * What a function gives through a pointer to a pointer is the caller's, until it is handed to the function that frees its
  * kind. What it is given it does not keep: definitions, shapes, texts and buffers can go after the call.
  *
- * Pointers are null or point to as many aligned values as are spoken of. Null is refused, unless it is said what it means.
+ * Pointers are null or point to as many aligned values as are spoken of. Null is refused, unless it is said what it means; where
+ * there are 0 bytes, characters or entries it may be null.
  * What a call writes to is used by nothing else meanwhile, nor by another argument of it. Handles to things that were freed
  * are not to be used; those to bodies and fields that were removed are refused.
  *
@@ -225,7 +226,7 @@ typedef struct UmbraBodyDef {
 // Whether a body takes part in steps: one of the four below.
 typedef uint32_t UmbraActivity;
 
-// All of a body.
+// A body as it is. Its shape, what its mass was given as and where it is sent have functions of their own.
 typedef struct UmbraBodyState {
     // Where its centre of mass is, m.
     struct UmbraVec2 position;
@@ -278,6 +279,18 @@ typedef struct UmbraBodyState {
     // Which components of its velocity are zero and stay zero.
     UmbraLocks locks;
 } UmbraBodyState;
+
+// Where the next step moves a body.
+typedef struct UmbraGoal {
+    // The position it is to have, m.
+    struct UmbraVec2 position;
+    // The angle it is to have, rad in [0, 2π).
+    UmbraFx angle;
+    // 1, or 0 if the body is not sent anywhere: then all else is 0.
+    uint32_t is_there;
+    // 0.
+    uint32_t reserved;
+} UmbraGoal;
 
 // What drawing needs of a body.
 typedef struct UmbraPose {
@@ -475,6 +488,15 @@ typedef struct UmbraMade {
 // The run goes another way than the one recorded; `umbra_last_message` has where.
 #define UMBRA_ERROR_DIVERGENCE 420
 
+// The replay has more ticks than it may.
+#define UMBRA_ERROR_VERIFY_TICKS 422
+
+// It makes more bodies than it may.
+#define UMBRA_ERROR_VERIFY_BODIES 423
+
+// It makes more force fields than it may.
+#define UMBRA_ERROR_VERIFY_FIELDS 424
+
 // The scene says what cannot be. Scenes have numbers from 500 to 510, and those of what the engine refuses of them;
 // `umbra_last_message` has the line.
 #define UMBRA_ERROR_SCENE 500
@@ -614,7 +636,7 @@ uint32_t umbra_api(void);
 // The number of the laws of physics. Peers, snapshots and replays go together if they have the same.
 uint32_t umbra_law(void);
 
-// The version of the library as text, which stays.
+// The version of the library as text, which stays. This interface has the same.
 const char *umbra_version(void);
 
 // Runs the corpus of the library, for a tenth of a second or so, and gives its digest: the same on every machine. What it is to be
@@ -640,11 +662,17 @@ UmbraStatus umbra_fx_from_text(const char *text,
                                size_t length,
                                UmbraFx *number);
 
-// All digits of a number: at most 44 bytes. Read again they are the number. Text as `umbra_last_message` gives it.
-UmbraStatus umbra_fx_to_text(UmbraFx number, char *buffer, size_t capacity, size_t *length);
+// All digits of a number: at most 44 bytes and the zero. Read again they are the number. Text as `umbra_last_message` gives it.
+UmbraStatus umbra_fx_to_text(UmbraFx number,
+                             char *buffer,
+                             size_t capacity,
+                             size_t *length);
 
-// All digits of a multiple of 2^-64, as energies are, at most 85 bytes: text as `umbra_last_message` gives it.
-UmbraStatus umbra_wide_to_text(const struct UmbraInt128 *wide, char *buffer, size_t capacity, size_t *length);
+// All digits of a multiple of 2^-64, as energies are, at most 85 bytes and the zero: text as `umbra_last_message` gives it.
+UmbraStatus umbra_wide_to_text(const struct UmbraInt128 *wide,
+                               char *buffer,
+                               size_t capacity,
+                               size_t *length);
 
 // The factor nearest to a decimal text, such as `3.986004418e14`: for what is too large or too small for an `UmbraFx`.
 UmbraStatus umbra_factor_from_text(const char *text, size_t length, struct UmbraFactor *factor);
@@ -664,8 +692,8 @@ UmbraStatus umbra_last_message(char *buffer,
                                size_t capacity,
                                size_t *length);
 
-// What a number means, in general, as `docs/errors.md` has it; text as `umbra_last_message` gives it. The last error stays what
-// it is.
+// What a number means, in general, as `docs/errors.md` has it; text as `umbra_last_message` gives it. `UMBRA_ERROR_BAD_ARGUMENT`
+// for a number that means nothing, and then nothing is written. The last error stays what it is.
 UmbraStatus umbra_status_message(UmbraStatus status,
                                  char *buffer,
                                  size_t capacity,
@@ -759,6 +787,16 @@ UmbraStatus umbra_inputs_insert(struct UmbraInputs *inputs,
                                 const uint8_t *command,
                                 size_t length);
 
+// Puts `count` commands, with sequences from 0, in the place of all inputs of a player: what a peer does with a packet, which may
+// come again. `commands` has the bytes of one after the other, `lengths` how many each has. `changed`, which may be null, is
+// given 1, or 0 if the player had just these.
+UmbraStatus umbra_inputs_replace(struct UmbraInputs *inputs,
+                                 uint32_t player,
+                                 const uint8_t *commands,
+                                 const size_t *lengths,
+                                 size_t count,
+                                 uint32_t *changed);
+
 // Removes all, for those of another tick.
 UmbraStatus umbra_inputs_clear(struct UmbraInputs *inputs);
 
@@ -814,6 +852,53 @@ UmbraStatus umbra_world_remove_body(struct UmbraWorld *world, uint64_t body);
 
 // Reads a body.
 UmbraStatus umbra_world_body(const struct UmbraWorld *world, uint64_t body, struct UmbraBodyState *state);
+
+// The shape of a body, which is the caller's as one that was made; null if it has none.
+UmbraStatus umbra_world_body_shape(const struct UmbraWorld *world, uint64_t body, struct UmbraShape **shape);
+
+// What the mass of a body was given as, to the bit, also while it is not dynamic; an `inertia` that was not given is 0.
+UmbraStatus umbra_world_body_mass_def(const struct UmbraWorld *world,
+                                      uint64_t body,
+                                      UmbraMassKind *kind,
+                                      UmbraFx *mass,
+                                      UmbraFx *inertia);
+
+// Where the next step moves a body, if it does.
+UmbraStatus umbra_world_body_goal(const struct UmbraWorld *world, uint64_t body, struct UmbraGoal *goal);
+
+// The velocity of a point of the world that moves with a body, m/s, rounded once. `UMBRA_ERROR_NUMBER_OUT_OF_RANGE` if a
+// component does not fit.
+UmbraStatus umbra_world_body_velocity_at(const struct UmbraWorld *world,
+                                         uint64_t body,
+                                         UmbraFx x,
+                                         UmbraFx y,
+                                         struct UmbraVec2 *velocity);
+
+// Where in the world a point of a body is, m, given in its axes from its centre of mass. `UMBRA_ERROR_NUMBER_OUT_OF_RANGE` if a
+// component does not fit.
+UmbraStatus umbra_world_body_world_point(const struct UmbraWorld *world,
+                                         uint64_t body,
+                                         UmbraFx x,
+                                         UmbraFx y,
+                                         struct UmbraVec2 *point);
+
+// Where on a body a point of the world is, m, in its axes from its centre of mass. `UMBRA_ERROR_NUMBER_OUT_OF_RANGE` if a
+// component, or one of the way from the centre, does not fit.
+UmbraStatus umbra_world_body_local_point(const struct UmbraWorld *world,
+                                         uint64_t body,
+                                         UmbraFx x,
+                                         UmbraFx y,
+                                         struct UmbraVec2 *point);
+
+// The first body by slot that has a key; `UMBRA_ERROR_NO_SUCH_BODY` if none has. It looks through all of them.
+UmbraStatus umbra_world_body_with_key(const struct UmbraWorld *world, uint64_t key, uint64_t *body);
+
+// All bodies that have a key, in the order of their slots; a list as `umbra_world_outcomes` gives it.
+UmbraStatus umbra_world_bodies_with_key(const struct UmbraWorld *world,
+                                        uint64_t key,
+                                        uint64_t *bodies,
+                                        size_t capacity,
+                                        size_t *count);
 
 // The number of bodies, and of those that a step moves: not static, not asleep, not out of the simulation. Either pointer may be null.
 UmbraStatus umbra_world_body_count(const struct UmbraWorld *world,
@@ -1022,8 +1107,11 @@ UmbraStatus umbra_snapshot_from_bytes(const uint8_t *bytes,
 void umbra_snapshot_free(struct UmbraSnapshot *snapshot);
 
 // Begins to record a world as it is: all calls that change it from now on, the inputs of its ticks, a hash after every
-// `hash_every` ticks (at least 1), a snapshot after every `snapshot_every`, or 0 for none on the way.
-UmbraStatus umbra_world_record(struct UmbraWorld *world, uint32_t hash_every, uint32_t snapshot_every);
+// `hash_every` ticks (0 is taken as 1), a snapshot after every `snapshot_every`, or 0 for none on the way. The recording is kept
+// in memory, which grows until it is taken (`umbra_world_take_record`).
+UmbraStatus umbra_world_record(struct UmbraWorld *world,
+                               uint32_t hash_every,
+                               uint32_t snapshot_every);
 
 // What of the recording is finished, to be written away; each byte is handed out once. What `umbra_world_end_record` gives
 // goes after it.
@@ -1034,13 +1122,16 @@ UmbraStatus umbra_world_take_record(struct UmbraWorld *world,
 UmbraStatus umbra_world_end_record(struct UmbraWorld *world, struct UmbraBytes **bytes);
 
 // Runs a replay again and compares every hash: `UMBRA_OK`, `UMBRA_ERROR_DIVERGENCE`, or why the bytes, which may come from
-// anybody, are no replay that can be played. A step takes as long as there are bodies and fields: `UMBRA_ERROR_BAD_ARGUMENT` if
-// there are more than `most_ticks` ticks, or at any of them more than `most_bodies` bodies or as many fields. `ticks`, which may
-// be null, is given how many it has, also if it goes another way or is too long.
+// anybody, are no replay that can be played. A step takes as long as there are bodies times fields:
+// `UMBRA_ERROR_VERIFY_TICKS` if there are more than `most_ticks` ticks, `UMBRA_ERROR_VERIFY_BODIES` or `UMBRA_ERROR_VERIFY_FIELDS`
+// if there are more bodies than `most_bodies` or more fields than `most_fields` at any time. These hold for finding out in what a
+// run goes another way too. `ticks`, which may be null, is given how many it has, also if it goes another way or is more than it
+// may be.
 UmbraStatus umbra_replay_verify(const uint8_t *bytes,
                                 size_t length,
                                 uint64_t most_ticks,
-                                size_t most_bodies,
+                                uint32_t most_bodies,
+                                uint32_t most_fields,
                                 uint64_t *ticks);
 
 // The kinetic energy of the dynamic bodies, multiples of 2^-64 J.
@@ -1059,6 +1150,20 @@ UmbraStatus umbra_world_momentum(const struct UmbraWorld *world,
 
 // The angular momentum of the dynamic bodies about the origin, multiples of 2^-64 kg·m²/s.
 UmbraStatus umbra_world_angular_momentum(const struct UmbraWorld *world, struct UmbraInt128 *momentum);
+
+// A body's part of the kinetic energy, multiples of 2^-64 J: 0 unless it is dynamic and takes part.
+UmbraStatus umbra_world_body_kinetic_energy(const struct UmbraWorld *world, uint64_t body, struct UmbraInt128 *energy);
+
+// A body's part of the momentum, multiples of 2^-64 kg·m/s: 0 unless it is dynamic and takes part.
+UmbraStatus umbra_world_body_momentum(const struct UmbraWorld *world,
+                                      uint64_t body,
+                                      struct UmbraInt128 *x,
+                                      struct UmbraInt128 *y);
+
+// A body's part of the angular momentum about the origin, multiples of 2^-64 kg·m²/s: 0 unless it is dynamic and takes part.
+UmbraStatus umbra_world_body_angular_momentum(const struct UmbraWorld *world,
+                                              uint64_t body,
+                                              struct UmbraInt128 *momentum);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -2,15 +2,15 @@
 
 use std::mem::MaybeUninit;
 
-use umbra_physics::scalar::Number as _;
-use umbra_physics::{Activity, BodyDef, BodyKind, BodyRef, Command, Fx, FxAccumulator, Locks, Mass};
+use umbra_physics::scalar::{Angle as _, Number as _};
+use umbra_physics::{Activity, BodyDef, BodyKind, BodyRef, Command, Fx, FxAccumulator, Locks, Mass, Vec2};
 
 use crate::UMBRA_NO_HANDLE;
 use crate::memory::{fill, given};
 use crate::number::{UMBRA_ONE, UmbraFactor, UmbraFx, UmbraInt128, UmbraVec2, vector};
 use crate::shape::UmbraShape;
-use crate::status::{Refusal, Result, UMBRA_ERROR_BAD_ARGUMENT, UmbraStatus, guard};
-use crate::world::{UmbraWorld, body_id, change, made, word};
+use crate::status::{Refusal, Result, UMBRA_ERROR_NO_SUCH_BODY, UMBRA_ERROR_NUMBER_OUT_OF_RANGE, UmbraStatus, guard};
+use crate::world::{UmbraWorld, body_id, change, change_by, look, made, word};
 
 /// What moves a body: one of the three below.
 pub type UmbraBodyKind = u32;
@@ -102,7 +102,7 @@ pub struct UmbraBodyDef {
     pub shape: *const UmbraShape,
 }
 
-/// All of a body.
+/// A body as it is. Its shape, what its mass was given as and where it is sent have functions of their own.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct UmbraBodyState {
@@ -158,6 +158,20 @@ pub struct UmbraBodyState {
     pub locks: UmbraLocks,
 }
 
+/// Where the next step moves a body.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct UmbraGoal {
+    /// The position it is to have, m.
+    pub position: UmbraVec2,
+    /// The angle it is to have, rad in [0, 2π).
+    pub angle: UmbraFx,
+    /// 1, or 0 if the body is not sent anywhere: then all else is 0.
+    pub is_there: u32,
+    /// 0.
+    pub reserved: u32,
+}
+
 /// What drawing needs of a body.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -178,16 +192,12 @@ pub struct UmbraPose {
     pub activity: UmbraActivity,
 }
 
-fn unknown(what: &str) -> Refusal {
-    Refusal::own(UMBRA_ERROR_BAD_ARGUMENT, what)
-}
-
 fn kind_of(number: UmbraBodyKind) -> Result<BodyKind> {
     match number {
         UMBRA_STATIC => Ok(BodyKind::Static),
         UMBRA_KINEMATIC => Ok(BodyKind::Kinematic),
         UMBRA_DYNAMIC => Ok(BodyKind::Dynamic),
-        _ => Err(unknown("no kind of body has this number")),
+        _ => Err(Refusal::bad("no kind of body has this number")),
     }
 }
 
@@ -214,7 +224,7 @@ fn mass_of(kind: UmbraMassKind, mass: UmbraFx, inertia: UmbraFx) -> Result<Mass>
         UMBRA_MASS_DENSITY => Ok(Mass::Density(mass)),
         UMBRA_MASS_OF => Ok(Mass::Of(mass)),
         UMBRA_MASS_WITH_INERTIA => Ok(Mass::WithInertia(mass, inertia)),
-        _ => Err(unknown("no way to give a mass has this number")),
+        _ => Err(Refusal::bad("no way to give a mass has this number")),
     }
 }
 
@@ -228,7 +238,7 @@ fn limit_of(most: UmbraFx) -> Option<Fx> {
 
 fn locks_of(flags: UmbraLocks) -> Result<Locks> {
     if flags & !(UMBRA_LOCK_X | UMBRA_LOCK_Y | UMBRA_LOCK_ROTATION) != 0 {
-        return Err(unknown("a flag is none of a lock"));
+        return Err(Refusal::bad("a flag is none of a lock"));
     }
     let has = |flag| flags & flag != 0;
     Ok(Locks { x: has(UMBRA_LOCK_X), y: has(UMBRA_LOCK_Y), rotation: has(UMBRA_LOCK_ROTATION) })
@@ -352,10 +362,138 @@ pub extern "C" fn umbra_world_body(
     body: u64,
     state: Option<&mut MaybeUninit<UmbraBodyState>>,
 ) -> UmbraStatus {
+    look(world, state, |world| Ok(state_of(world.body(body_id(body))?)))
+}
+
+/// The shape of a body, which is the caller's as one that was made; null if it has none.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_body_shape(
+    world: Option<&UmbraWorld>,
+    body: u64,
+    shape: Option<&mut MaybeUninit<Option<Box<UmbraShape>>>>,
+) -> UmbraStatus {
+    look(world, shape, |world| Ok(world.body(body_id(body))?.shape().cloned().and_then(UmbraShape::boxed)))
+}
+
+/// What the mass of a body was given as, to the bit, also while it is not dynamic; an `inertia` that was not given is 0.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_body_mass_def(
+    world: Option<&UmbraWorld>,
+    body: u64,
+    kind: Option<&mut MaybeUninit<UmbraMassKind>>,
+    mass: Option<&mut MaybeUninit<UmbraFx>>,
+    inertia: Option<&mut MaybeUninit<UmbraFx>>,
+) -> UmbraStatus {
     guard(|| {
-        let (world, place) = (given(world)?, given(state)?);
-        place.write(state_of(world.world().body(body_id(body))?));
+        let (world, kind, mass, inertia) = (given(world)?, given(kind)?, given(mass)?, given(inertia)?);
+        let given = match world.world().body(body_id(body))?.mass_def() {
+            Mass::Density(density) => (UMBRA_MASS_DENSITY, density, Fx::ZERO),
+            Mass::Of(mass) => (UMBRA_MASS_OF, mass, Fx::ZERO),
+            Mass::WithInertia(mass, inertia) => (UMBRA_MASS_WITH_INERTIA, mass, inertia),
+        };
+        kind.write(given.0);
+        mass.write(given.1.to_bits());
+        inertia.write(given.2.to_bits());
         Ok(())
+    })
+}
+
+/// Where the next step moves a body, if it does.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_body_goal(
+    world: Option<&UmbraWorld>,
+    body: u64,
+    goal: Option<&mut MaybeUninit<UmbraGoal>>,
+) -> UmbraStatus {
+    look(world, goal, |world| {
+        let goal = world.body(body_id(body))?.goal();
+        Ok(goal.map_or_else(UmbraGoal::default, |(position, angle)| UmbraGoal {
+            position: position.into(),
+            angle: angle.radians().to_bits(),
+            is_there: 1,
+            reserved: 0,
+        }))
+    })
+}
+
+/// Hands on what a body makes of two numbers.
+fn seen(
+    world: Option<&UmbraWorld>,
+    body: u64,
+    place: Option<&mut MaybeUninit<UmbraVec2>>,
+    by: impl FnOnce(BodyRef<'_>) -> Option<Vec2>,
+) -> UmbraStatus {
+    look(world, place, |world| match by(world.body(body_id(body))?) {
+        Some(seen) => Ok(seen.into()),
+        None => Err(Refusal::own(UMBRA_ERROR_NUMBER_OUT_OF_RANGE, "a component does not fit")),
+    })
+}
+
+/// The velocity of a point of the world that moves with a body, m/s, rounded once. `UMBRA_ERROR_NUMBER_OUT_OF_RANGE` if a
+/// component does not fit.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_body_velocity_at(
+    world: Option<&UmbraWorld>,
+    body: u64,
+    x: UmbraFx,
+    y: UmbraFx,
+    velocity: Option<&mut MaybeUninit<UmbraVec2>>,
+) -> UmbraStatus {
+    seen(world, body, velocity, |body| body.velocity_at(vector(x, y)))
+}
+
+/// Where in the world a point of a body is, m, given in its axes from its centre of mass. `UMBRA_ERROR_NUMBER_OUT_OF_RANGE` if a
+/// component does not fit.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_body_world_point(
+    world: Option<&UmbraWorld>,
+    body: u64,
+    x: UmbraFx,
+    y: UmbraFx,
+    point: Option<&mut MaybeUninit<UmbraVec2>>,
+) -> UmbraStatus {
+    seen(world, body, point, |body| body.world_point(vector(x, y)))
+}
+
+/// Where on a body a point of the world is, m, in its axes from its centre of mass. `UMBRA_ERROR_NUMBER_OUT_OF_RANGE` if a
+/// component, or one of the way from the centre, does not fit.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_body_local_point(
+    world: Option<&UmbraWorld>,
+    body: u64,
+    x: UmbraFx,
+    y: UmbraFx,
+    point: Option<&mut MaybeUninit<UmbraVec2>>,
+) -> UmbraStatus {
+    seen(world, body, point, |body| body.local_point(vector(x, y)))
+}
+
+/// The first body by slot that has a key; `UMBRA_ERROR_NO_SUCH_BODY` if none has. It looks through all of them.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_body_with_key(
+    world: Option<&UmbraWorld>,
+    key: u64,
+    body: Option<&mut MaybeUninit<u64>>,
+) -> UmbraStatus {
+    look(world, body, |world| match world.body_with_key(key) {
+        Some(body) => Ok(word(body.id().parts())),
+        None => Err(Refusal::own(UMBRA_ERROR_NO_SUCH_BODY, "no body has this key")),
+    })
+}
+
+/// All bodies that have a key, in the order of their slots; a list as `umbra_world_outcomes` gives it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn umbra_world_bodies_with_key(
+    world: Option<&UmbraWorld>,
+    key: u64,
+    bodies: *mut u64,
+    capacity: usize,
+    count: Option<&mut MaybeUninit<usize>>,
+) -> UmbraStatus {
+    guard(|| {
+        let all: Vec<u64> = given(world)?.world().bodies_with_key(key).map(|body| word(body.id().parts())).collect();
+        // SAFETY: as the caller promises.
+        unsafe { fill(all.into_iter(), bodies, capacity, count) }
     })
 }
 
@@ -487,10 +625,7 @@ pub extern "C" fn umbra_world_set_mass(
     mass: UmbraFx,
     inertia: UmbraFx,
 ) -> UmbraStatus {
-    guard(|| {
-        let command = Command::SetMass { body: body_id(body), mass: mass_of(kind, mass, inertia)? };
-        given(world)?.execute(&command).map(drop)
-    })
+    change_by(world, || Ok(Command::SetMass { body: body_id(body), mass: mass_of(kind, mass, inertia)? }))
 }
 
 /// Gives a body a shape, or none for null; its inertia follows, and its mass if that is a density. Its centre of mass stays
@@ -507,10 +642,7 @@ pub extern "C" fn umbra_world_set_shape(
 /// Changes what moves a body. One that becomes static stops; what was applied to it this tick is forgotten.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_world_set_kind(world: Option<&mut UmbraWorld>, body: u64, kind: UmbraBodyKind) -> UmbraStatus {
-    guard(|| {
-        let command = Command::SetKind { body: body_id(body), kind: kind_of(kind)? };
-        given(world)?.execute(&command).map(drop)
-    })
+    change_by(world, || Ok(Command::SetKind { body: body_id(body), kind: kind_of(kind)? }))
 }
 
 /// Changes how much of the world's gravity a body feels, within ±16.
@@ -556,10 +688,7 @@ pub extern "C" fn umbra_world_set_user_data(world: Option<&mut UmbraWorld>, body
 /// Locks components of a body's velocity, which are zero from now on, and frees the others.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_world_set_locks(world: Option<&mut UmbraWorld>, body: u64, locks: UmbraLocks) -> UmbraStatus {
-    guard(|| {
-        let command = Command::SetLocks { body: body_id(body), locks: locks_of(locks)? };
-        given(world)?.execute(&command).map(drop)
-    })
+    change_by(world, || Ok(Command::SetLocks { body: body_id(body), locks: locks_of(locks)? }))
 }
 
 /// Gives a dynamic body largest speeds after a step, from 0, or takes them from it with `UMBRA_NO_LIMIT`.

@@ -7,8 +7,8 @@ use umbra_physics::{Attachment, Command, End, Field, Fx, Law, Region, SpringLaw}
 use crate::UMBRA_NO_HANDLE;
 use crate::memory::{fill, given};
 use crate::number::{UmbraFactor, UmbraFx, UmbraVec2, factor};
-use crate::status::{Refusal, Result, UMBRA_ERROR_BAD_ARGUMENT, UmbraStatus, guard};
-use crate::world::{UmbraWorld, body_id, change, field_id, made, word};
+use crate::status::{Refusal, Result, UmbraStatus, guard};
+use crate::world::{UmbraWorld, body_id, change, change_by, field_id, look, made, word};
 
 /// A law of force: one of the five below.
 pub type UmbraLaw = u32;
@@ -116,10 +116,6 @@ const BLANK: UmbraFieldDef = UmbraFieldDef {
     max: EMPTY,
 };
 
-fn unknown(what: &str) -> Refusal {
-    Refusal::own(UMBRA_ERROR_BAD_ARGUMENT, what)
-}
-
 impl UmbraFieldDef {
     fn near(&self) -> Attachment {
         Attachment { body: body_id(self.body), point: self.point.into() }
@@ -160,7 +156,7 @@ impl UmbraFieldDef {
             },
             UMBRA_THRUST => Law::Thrust { at: self.near(), force: self.force.into() },
             UMBRA_ZONE => Law::Zone { region: self.zone()?, acceleration: self.acceleration.into() },
-            _ => return Err(unknown("no law of force has this number")),
+            _ => return Err(Refusal::bad("no law of force has this number")),
         };
         Ok(Field { law, groups: self.groups })
     }
@@ -169,7 +165,7 @@ impl UmbraFieldDef {
         match self.region {
             UMBRA_DISC => Ok(Region::Disc { centre: self.centre.into(), radius: Fx::from_bits(self.radius) }),
             UMBRA_BOX => Ok(Region::Box { min: self.min.into(), max: self.max.into() }),
-            _ => Err(unknown("no region has this number")),
+            _ => Err(Refusal::bad("no region has this number")),
         }
     }
 
@@ -208,7 +204,7 @@ impl UmbraFieldDef {
                     }
                 }
             }
-            _ => return Err(unknown("the field has a law of force that this interface has not")),
+            _ => return Err(Refusal::bad("the field has a law of force that this interface has not")),
         }
         Ok(def)
     }
@@ -220,7 +216,7 @@ pub extern "C" fn umbra_field_def_default(law: UmbraLaw, def: Option<&mut MaybeU
     guard(|| {
         let place = given(def)?;
         if law > UMBRA_ZONE {
-            return Err(unknown("no law of force has this number"));
+            return Err(Refusal::bad("no law of force has this number"));
         }
         place.write(UmbraFieldDef { law, ..BLANK });
         Ok(())
@@ -248,10 +244,7 @@ pub extern "C" fn umbra_world_set_field(
     field: u64,
     def: Option<&UmbraFieldDef>,
 ) -> UmbraStatus {
-    guard(|| {
-        let (world, def) = (given(world)?, given(def)?);
-        world.execute(&Command::SetField { id: field_id(field), field: def.field()? }).map(drop)
-    })
+    change_by(world, || Ok(Command::SetField { id: field_id(field), field: given(def)?.field()? }))
 }
 
 /// Removes a force field; wakes what it may have acted on.
@@ -267,11 +260,7 @@ pub extern "C" fn umbra_world_field(
     field: u64,
     def: Option<&mut MaybeUninit<UmbraFieldDef>>,
 ) -> UmbraStatus {
-    guard(|| {
-        let (world, place) = (given(world)?, given(def)?);
-        place.write(UmbraFieldDef::of(world.world().field(field_id(field))?)?);
-        Ok(())
-    })
+    look(world, def, |world| UmbraFieldDef::of(world.field(field_id(field))?))
 }
 
 /// The handles of all force fields, in the order in which they were added, in which drags act; a list as

@@ -2,10 +2,9 @@
 
 use umbra_physics::{Action, Command, Frame, Fx, Manner};
 
-use crate::memory::given;
 use crate::number::{UmbraFx, UmbraVec2, vector};
-use crate::status::{Refusal, Result, UMBRA_ERROR_BAD_ARGUMENT, UmbraStatus, guard};
-use crate::world::{UmbraWorld, body_id, change};
+use crate::status::{Refusal, Result, UmbraStatus};
+use crate::world::{UmbraWorld, body_id, change, change_by};
 
 /// How an action is meant: 0, or any of the flags below.
 pub type UmbraManner = u32;
@@ -17,17 +16,14 @@ pub const UMBRA_NO_WAKE: UmbraManner = 2;
 
 fn manner(flags: UmbraManner) -> Result<Manner> {
     if flags & !(UMBRA_BODY_FRAME | UMBRA_NO_WAKE) != 0 {
-        return Err(Refusal::own(UMBRA_ERROR_BAD_ARGUMENT, "a flag is none of a manner's"));
+        return Err(Refusal::bad("a flag is none of a manner's"));
     }
     let frame = if flags & UMBRA_BODY_FRAME == 0 { Frame::World } else { Frame::Body };
     Ok(Manner { frame, wake: flags & UMBRA_NO_WAKE == 0 })
 }
 
 fn apply(world: Option<&mut UmbraWorld>, body: u64, action: Action, flags: UmbraManner) -> UmbraStatus {
-    guard(|| {
-        let command = Command::Apply { body: body_id(body), action, manner: manner(flags)? };
-        given(world)?.execute(&command).map(drop)
-    })
+    change_by(world, || Ok(Command::Apply { body: body_id(body), action, manner: manner(flags)? }))
 }
 
 /// Applies a force, N, over the next step, at a point, or through the centre of mass for null.

@@ -76,7 +76,7 @@ pub extern "C" fn umbra_law() -> u32 {
     umbra_physics::LAW
 }
 
-/// The version of the library as text, which stays.
+/// The version of the library as text, which stays. This interface has the same.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_version() -> *const c_char {
     concat!(env!("CARGO_PKG_VERSION"), "\0").as_ptr().cast()

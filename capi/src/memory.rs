@@ -3,10 +3,7 @@
 use std::ffi::c_char;
 use std::mem::MaybeUninit;
 
-use crate::status::{
-    Refusal, Result, UMBRA_ERROR_BAD_ARGUMENT, UMBRA_ERROR_BUFFER_TOO_SMALL, UMBRA_ERROR_NULL_POINTER, UmbraStatus,
-    guard,
-};
+use crate::status::{Refusal, Result, UMBRA_ERROR_BUFFER_TOO_SMALL, UMBRA_ERROR_NULL_POINTER, UmbraStatus, guard};
 
 /// What is there, unless the pointer is null.
 pub(crate) fn given<T>(pointer: Option<T>) -> Result<T> {
@@ -17,7 +14,7 @@ pub(crate) fn given<T>(pointer: Option<T>) -> Result<T> {
 fn check_length<T>(length: usize) -> Result {
     match length.checked_mul(size_of::<T>()) {
         Some(bytes) if bytes <= isize::MAX as usize => Ok(()),
-        _ => Err(Refusal::own(UMBRA_ERROR_BAD_ARGUMENT, "a length is beyond what memory has")),
+        _ => Err(Refusal::bad("a length is beyond what memory has")),
     }
 }
 
@@ -44,27 +41,26 @@ pub(crate) unsafe fn slice<'a, T>(pointer: *const T, length: usize) -> Result<&'
 pub(crate) unsafe fn text<'a>(pointer: *const c_char, length: usize) -> Result<&'a str> {
     // SAFETY: as the caller promises; bytes are characters of C.
     let bytes = unsafe { slice(pointer.cast::<u8>(), length) }?;
-    std::str::from_utf8(bytes).map_err(|error| Refusal::own(UMBRA_ERROR_BAD_ARGUMENT, &error.to_string()))
+    std::str::from_utf8(bytes).map_err(|error| Refusal::bad(&error.to_string()))
 }
 
-/// Writes values to a buffer if they all fit, and how many there are in any case.
+/// Writes values to a buffer if they all fit, and `count`, the number that the caller goes by, unless the buffer is none.
 ///
 /// # Safety
 /// The buffer, unless it is null, has room for `capacity` values, and nothing else uses it meanwhile.
-pub(crate) unsafe fn fill<T>(
+unsafe fn put<T>(
     values: impl ExactSizeIterator<Item = T>,
-    buffer: *mut T,
-    capacity: usize,
-    count: Option<&mut MaybeUninit<usize>>,
+    (buffer, capacity): (*mut T, usize),
+    (count, place): (usize, Option<&mut MaybeUninit<usize>>),
 ) -> Result {
     check_length::<T>(capacity)?;
     if capacity > 0 && buffer.is_null() {
         return given(None);
     }
-    let needed = values.len();
-    if let Some(count) = count {
-        count.write(needed);
+    if let Some(place) = place {
+        place.write(count);
     }
+    let needed = values.len();
     if needed > capacity {
         return Err(Refusal::own(UMBRA_ERROR_BUFFER_TOO_SMALL, "the buffer is too small"));
     }
@@ -75,26 +71,35 @@ pub(crate) unsafe fn fill<T>(
     Ok(())
 }
 
+/// Writes values to a buffer if they all fit, and how many there are also if they do not.
+///
+/// # Safety
+/// As [`put`].
+pub(crate) unsafe fn fill<T>(
+    values: impl ExactSizeIterator<Item = T>,
+    buffer: *mut T,
+    capacity: usize,
+    count: Option<&mut MaybeUninit<usize>>,
+) -> Result {
+    let needed = values.len();
+    // SAFETY: as the caller promises.
+    unsafe { put(values, (buffer, capacity), (needed, count)) }
+}
+
 /// Writes text with a zero after it; its length is counted without.
 ///
 /// # Safety
-/// As [`fill`].
+/// As [`put`].
 pub(crate) unsafe fn write_text(
     text: &str,
     buffer: *mut c_char,
     capacity: usize,
     length: Option<&mut MaybeUninit<usize>>,
 ) -> Result {
-    if buffer.is_null() && capacity > 0 {
-        return Err(Refusal::own(UMBRA_ERROR_NULL_POINTER, "a buffer that is null has no room"));
-    }
-    if let Some(length) = length {
-        length.write(text.len());
-    }
     let mut bytes = text.as_bytes().to_vec();
     bytes.push(0);
     // SAFETY: as the caller promises; bytes are characters of C.
-    unsafe { fill(bytes.into_iter(), buffer.cast::<u8>(), capacity, None) }
+    unsafe { put(bytes.into_iter(), (buffer.cast::<u8>(), capacity), (text.len(), length)) }
 }
 
 /// Bytes that the library owns: a snapshot, a replay, or room that a caller without memory of its own asked for.
@@ -125,9 +130,7 @@ pub extern "C" fn umbra_bytes_new(
         let out = given(bytes)?;
         check_length::<u8>(length)?;
         let mut bytes = Vec::new();
-        bytes
-            .try_reserve_exact(length + ALIGNMENT)
-            .map_err(|error| Refusal::own(UMBRA_ERROR_BAD_ARGUMENT, &error.to_string()))?;
+        bytes.try_reserve_exact(length + ALIGNMENT).map_err(|error| Refusal::bad(&error.to_string()))?;
         let from = (bytes.as_ptr() as usize).wrapping_neg() % ALIGNMENT;
         bytes.resize(from + length, 0);
         out.write(Some(Box::new(UmbraBytes { bytes, from })));

@@ -7,7 +7,7 @@ use umbra_physics::scalar::Factor as _;
 use umbra_physics::{Fx, FxFactor, FxWide, Vec2};
 
 use crate::memory::{given, text, write_text};
-use crate::status::{Refusal, Result, UMBRA_ERROR_BAD_ARGUMENT, UmbraStatus, guard};
+use crate::status::{Refusal, Result, UmbraStatus, guard};
 
 /// A number: this many 2^-32. 1 m is 4294967296, and `UMBRA_ONE`.
 pub type UmbraFx = i64;
@@ -90,7 +90,7 @@ impl From<FxFactor> for UmbraFactor {
 
 pub(crate) fn factor(UmbraFactor { mantissa, shift, .. }: UmbraFactor) -> Result<FxFactor> {
     FxFactor::from_parts(mantissa, shift)
-        .ok_or_else(|| Refusal::own(UMBRA_ERROR_BAD_ARGUMENT, "a factor has the top bit of its mantissa set, or is 0"))
+        .ok_or_else(|| Refusal::bad("a factor has the top bit of its mantissa set, or is 0"))
 }
 
 pub(crate) const fn vector(x: UmbraFx, y: UmbraFx) -> Vec2 {
@@ -112,7 +112,7 @@ pub unsafe extern "C" fn umbra_fx_from_text(
     })
 }
 
-/// All digits of a number: at most 44 bytes. Read again they are the number. Text as `umbra_last_message` gives it.
+/// All digits of a number: at most 44 bytes and the zero. Read again they are the number. Text as `umbra_last_message` gives it.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn umbra_fx_to_text(
     number: UmbraFx,
@@ -124,7 +124,7 @@ pub unsafe extern "C" fn umbra_fx_to_text(
     guard(|| unsafe { write_text(&Fx::from_bits(number).to_string(), buffer, capacity, length) })
 }
 
-/// All digits of a multiple of 2^-64, as energies are, at most 85 bytes: text as `umbra_last_message` gives it.
+/// All digits of a multiple of 2^-64, as energies are, at most 85 bytes and the zero: text as `umbra_last_message` gives it.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn umbra_wide_to_text(
     wide: Option<&UmbraInt128>,

@@ -2,14 +2,15 @@
 
 use std::mem::MaybeUninit;
 
-use umbra_physics::{RecordOptions, Recorder, Replay};
+use umbra_physics::{RecordOptions, Recorder, Replay, ReplayLimits};
 
 use crate::memory::{UmbraBytes, given, slice};
-use crate::status::{Refusal, UMBRA_ERROR_BAD_ARGUMENT, UMBRA_ERROR_BUSY, UmbraStatus, guard};
+use crate::status::{Refusal, UMBRA_ERROR_BUSY, UmbraStatus, guard};
 use crate::world::UmbraWorld;
 
 /// Begins to record a world as it is: all calls that change it from now on, the inputs of its ticks, a hash after every
-/// `hash_every` ticks (at least 1), a snapshot after every `snapshot_every`, or 0 for none on the way.
+/// `hash_every` ticks (0 is taken as 1), a snapshot after every `snapshot_every`, or 0 for none on the way. The recording is kept
+/// in memory, which grows until it is taken (`umbra_world_take_record`).
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_world_record(
     world: Option<&mut UmbraWorld>,
@@ -60,42 +61,31 @@ pub extern "C" fn umbra_world_end_record(
 }
 
 fn not_recorded() -> Refusal {
-    Refusal::own(UMBRA_ERROR_BAD_ARGUMENT, "the world is not recorded")
+    Refusal::bad("the world is not recorded")
 }
 
 /// Runs a replay again and compares every hash: `UMBRA_OK`, `UMBRA_ERROR_DIVERGENCE`, or why the bytes, which may come from
-/// anybody, are no replay that can be played. A step takes as long as there are bodies and fields: `UMBRA_ERROR_BAD_ARGUMENT` if
-/// there are more than `most_ticks` ticks, or at any of them more than `most_bodies` bodies or as many fields. `ticks`, which may
-/// be null, is given how many it has, also if it goes another way or is too long.
+/// anybody, are no replay that can be played. A step takes as long as there are bodies times fields:
+/// `UMBRA_ERROR_VERIFY_TICKS` if there are more than `most_ticks` ticks, `UMBRA_ERROR_VERIFY_BODIES` or `UMBRA_ERROR_VERIFY_FIELDS`
+/// if there are more bodies than `most_bodies` or more fields than `most_fields` at any time. These hold for finding out in what a
+/// run goes another way too. `ticks`, which may be null, is given how many it has, also if it goes another way or is more than it
+/// may be.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn umbra_replay_verify(
     bytes: *const u8,
     length: usize,
     most_ticks: u64,
-    most_bodies: usize,
+    most_bodies: u32,
+    most_fields: u32,
     ticks: Option<&mut MaybeUninit<u64>>,
 ) -> UmbraStatus {
     guard(|| {
         // SAFETY: as the caller promises.
         let replay = Replay::from_bytes(unsafe { slice(bytes, length) }?, &[])?;
-        let has = replay.end() - replay.start().tick();
         if let Some(ticks) = ticks {
-            ticks.write(has);
+            ticks.write(replay.end() - replay.start().tick());
         }
-        if has > most_ticks {
-            return Err(Refusal::own(UMBRA_ERROR_BAD_ARGUMENT, "the replay has more ticks than it may"));
-        }
-        let mut playback = replay.play();
-        loop {
-            let world = playback.world();
-            if world.body_count() > most_bodies || world.fields().nth(most_bodies).is_some() {
-                return Err(Refusal::own(UMBRA_ERROR_BAD_ARGUMENT, "the replay has more bodies or fields than it may"));
-            }
-            match playback.step() {
-                Ok(true) => {}
-                Ok(false) => return Ok(()),
-                Err(divergence) => return Err((*divergence).into()),
-            }
-        }
+        let most = ReplayLimits { ticks: most_ticks, bodies: most_bodies, fields: most_fields };
+        Ok(replay.verify_within(most)?)
     })
 }

@@ -6,8 +6,8 @@ use umbra_physics::{Command, Fx, Random, TimeStep};
 
 use crate::memory::{fill, given, slice};
 use crate::number::{UmbraFx, vector};
-use crate::status::{Refusal, UMBRA_ERROR_BAD_ARGUMENT, UmbraStatus, guard};
-use crate::world::{UmbraIntegrator, UmbraWorld, change, integrator, sleep_after};
+use crate::status::{Refusal, UmbraStatus, guard};
+use crate::world::{UmbraIntegrator, UmbraWorld, change, change_by, integrator, sleep_after};
 
 /// Changes the length of a step to num/den seconds, from 1 to 10,000 steps a second; wakes all bodies.
 #[unsafe(no_mangle)]
@@ -27,7 +27,7 @@ pub extern "C" fn umbra_world_set_integrator(
     world: Option<&mut UmbraWorld>,
     integrator: UmbraIntegrator,
 ) -> UmbraStatus {
-    guard(|| given(world)?.execute(&Command::SetIntegrator(self::integrator(integrator)?)).map(drop))
+    change_by(world, || Ok(Command::SetIntegrator(self::integrator(integrator)?)))
 }
 
 /// Changes what is left, after a second, of the velocities of bodies without dampings of their own, 0 to 1; wakes all bodies.
@@ -63,7 +63,7 @@ pub extern "C" fn umbra_world_random_below(
     guard(|| {
         let (world, place) = (given(world)?, given(number)?);
         if end == 0 {
-            return Err(Refusal::own(UMBRA_ERROR_BAD_ARGUMENT, "no number is below 0"));
+            return Err(Refusal::bad("no number is below 0"));
         }
         place.write(world.own()?.random_mut().below(end));
         Ok(())
@@ -91,11 +91,8 @@ pub unsafe extern "C" fn umbra_world_set_blob(
     bytes: *const u8,
     length: usize,
 ) -> UmbraStatus {
-    guard(|| {
-        // SAFETY: as the caller promises.
-        let bytes = unsafe { slice(bytes, length) }?;
-        given(world)?.execute(&Command::SetBlob(bytes.to_vec())).map(drop)
-    })
+    // SAFETY: as the caller promises.
+    change_by(world, || Ok(Command::SetBlob(unsafe { slice(bytes, length) }?.to_vec())))
 }
 
 /// The game's own data; a list as `umbra_world_outcomes` gives it.

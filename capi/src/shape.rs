@@ -2,15 +2,21 @@
 
 use std::mem::MaybeUninit;
 
-use umbra_physics::{Error, Fx, Part, Shape, Vec2};
+use umbra_physics::{Fx, Part, Shape, Vec2};
 
 use crate::memory::{given, slice};
 use crate::number::{UmbraFx, UmbraVec2};
-use crate::status::{UmbraStatus, guard};
+use crate::status::{Result, UmbraStatus, guard};
 
 /// A shape, for any number of bodies: they keep what they need of it, so that it can be freed.
 pub struct UmbraShape {
     pub(crate) shape: Shape,
+}
+
+impl UmbraShape {
+    pub(crate) fn boxed(shape: Shape) -> Option<Box<Self>> {
+        Some(Box::new(Self { shape }))
+    }
 }
 
 /// A part of a compound.
@@ -29,10 +35,10 @@ pub struct UmbraPart {
 
 type Place<'a> = Option<&'a mut MaybeUninit<Option<Box<UmbraShape>>>>;
 
-fn make(place: Place<'_>, shape: impl FnOnce() -> Result<Shape, Error>) -> UmbraStatus {
+fn make(place: Place<'_>, shape: impl FnOnce() -> Result<Shape>) -> UmbraStatus {
     guard(|| {
         let place = given(place)?;
-        place.write(Some(Box::new(UmbraShape { shape: shape()? })));
+        place.write(UmbraShape::boxed(shape()?));
         Ok(())
     })
 }
@@ -43,7 +49,7 @@ pub extern "C" fn umbra_shape_circle(
     radius: UmbraFx,
     shape: Option<&mut MaybeUninit<Option<Box<UmbraShape>>>>,
 ) -> UmbraStatus {
-    make(shape, || Shape::circle(Fx::from_bits(radius)))
+    make(shape, || Ok(Shape::circle(Fx::from_bits(radius))?))
 }
 
 /// A rectangle about its centre, m.
@@ -53,7 +59,7 @@ pub extern "C" fn umbra_shape_rectangle(
     height: UmbraFx,
     shape: Option<&mut MaybeUninit<Option<Box<UmbraShape>>>>,
 ) -> UmbraStatus {
-    make(shape, || Shape::rectangle(Fx::from_bits(width), Fx::from_bits(height)))
+    make(shape, || Ok(Shape::rectangle(Fx::from_bits(width), Fx::from_bits(height))?))
 }
 
 /// A capsule along x; its length is between the centres of its half discs, m.
@@ -63,7 +69,7 @@ pub extern "C" fn umbra_shape_capsule(
     radius: UmbraFx,
     shape: Option<&mut MaybeUninit<Option<Box<UmbraShape>>>>,
 ) -> UmbraStatus {
-    make(shape, || Shape::capsule(Fx::from_bits(length), Fx::from_bits(radius)))
+    make(shape, || Ok(Shape::capsule(Fx::from_bits(length), Fx::from_bits(radius))?))
 }
 
 /// A thin rod between two points, m.
@@ -73,11 +79,7 @@ pub extern "C" fn umbra_shape_segment(
     b: Option<&UmbraVec2>,
     shape: Option<&mut MaybeUninit<Option<Box<UmbraShape>>>>,
 ) -> UmbraStatus {
-    guard(|| {
-        let (a, b, place) = (given(a)?, given(b)?, given(shape)?);
-        place.write(Some(Box::new(UmbraShape { shape: Shape::segment((*a).into(), (*b).into())? })));
-        Ok(())
-    })
+    make(shape, || Ok(Shape::segment((*given(a)?).into(), (*given(b)?).into())?))
 }
 
 /// A convex polygon of 3 to 64 corners, in either order, m. It is re-centred at its centre of mass.
@@ -87,13 +89,11 @@ pub unsafe extern "C" fn umbra_shape_polygon(
     count: usize,
     shape: Option<&mut MaybeUninit<Option<Box<UmbraShape>>>>,
 ) -> UmbraStatus {
-    guard(|| {
+    make(shape, || {
         // SAFETY: as the caller promises.
         let corners = unsafe { slice(corners, count) }?;
-        let place = given(shape)?;
         let corners: Vec<Vec2> = corners.iter().map(|&corner| corner.into()).collect();
-        place.write(Some(Box::new(UmbraShape { shape: Shape::polygon(&corners)? })));
-        Ok(())
+        Ok(Shape::polygon(&corners)?)
     })
 }
 
@@ -104,19 +104,16 @@ pub unsafe extern "C" fn umbra_shape_compound(
     count: usize,
     shape: Option<&mut MaybeUninit<Option<Box<UmbraShape>>>>,
 ) -> UmbraStatus {
-    guard(|| {
+    make(shape, || {
         // SAFETY: as the caller promises.
         let parts = unsafe { slice(parts, count) }?;
-        let place = given(shape)?;
         let parts = parts.iter().map(|&UmbraPart { position, angle, density, shape }| {
             // SAFETY: the caller promises that it is null or a shape that was not freed.
             let shape = given(unsafe { shape.as_ref() })?.shape.clone();
             let (angle, density) = (Fx::from_bits(angle), Fx::from_bits(density));
             Ok(Part { shape, position: position.into(), angle, density })
         });
-        let parts = parts.collect::<crate::status::Result<Vec<Part>>>()?;
-        place.write(Some(Box::new(UmbraShape { shape: Shape::compound(&parts)? })));
-        Ok(())
+        Ok(Shape::compound(&parts.collect::<Result<Vec<Part>>>()?)?)
     })
 }
 

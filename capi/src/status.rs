@@ -10,7 +10,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use umbra_physics::scene::SceneError;
 use umbra_physics::selftest::{Failure, Problem};
 use umbra_physics::{
-    Cause, Divergence, Error, Irreversible, Malformed, ParseFxError, Quantity, ReplayError, SnapshotError,
+    Cause, Divergence, Error, Irreversible, Malformed, ParseFxError, Quantity, ReplayError, SnapshotError, VerifyError,
 };
 
 use crate::memory::write_text;
@@ -91,6 +91,12 @@ pub const UMBRA_ERROR_REPLAY_MALFORMED: UmbraStatus = 406;
 pub const UMBRA_ERROR_REPLAY_SNAPSHOT: UmbraStatus = 407;
 /// The run goes another way than the one recorded; `umbra_last_message` has where.
 pub const UMBRA_ERROR_DIVERGENCE: UmbraStatus = 420;
+/// The replay has more ticks than it may.
+pub const UMBRA_ERROR_VERIFY_TICKS: UmbraStatus = 422;
+/// It makes more bodies than it may.
+pub const UMBRA_ERROR_VERIFY_BODIES: UmbraStatus = 423;
+/// It makes more force fields than it may.
+pub const UMBRA_ERROR_VERIFY_FIELDS: UmbraStatus = 424;
 /// The scene says what cannot be. Scenes have numbers from 500 to 510, and those of what the engine refuses of them;
 /// `umbra_last_message` has the line.
 pub const UMBRA_ERROR_SCENE: UmbraStatus = 500;
@@ -129,12 +135,13 @@ impl Refusal {
         Self { status, cause: 0, message: message.to_owned() }
     }
 
-    fn of(code: u16, error: &dyn StdError) -> Self {
-        Self { status: code.into(), cause: error.source().map_or(0, code_of), message: error.to_string() }
+    /// For an argument that means nothing to the function.
+    pub(crate) fn bad(message: &str) -> Self {
+        Self::own(UMBRA_ERROR_BAD_ARGUMENT, message)
     }
 
-    pub(crate) const fn status(&self) -> UmbraStatus {
-        self.status
+    fn of(code: u16, error: &dyn StdError) -> Self {
+        Self { status: code.into(), cause: error.source().map_or(0, code_of), message: error.to_string() }
     }
 }
 
@@ -160,6 +167,15 @@ macro_rules! refusals {
 }
 
 refusals!(Error, Malformed, SnapshotError, ReplayError, Divergence, SceneError, ParseFxError);
+
+impl From<VerifyError> for Refusal {
+    fn from(error: VerifyError) -> Self {
+        match error {
+            VerifyError::Divergence(divergence) => (*divergence).into(),
+            error => Self::of(error.code(), &error),
+        }
+    }
+}
 
 impl From<Failure> for Refusal {
     fn from(failure: Failure) -> Self {
@@ -217,8 +233,8 @@ pub unsafe extern "C" fn umbra_last_message(
     unsafe { write_text(&text, buffer, capacity, length) }.map_or_else(|refusal| refusal.status, |()| UMBRA_OK)
 }
 
-/// What a number means, in general, as `docs/errors.md` has it; text as `umbra_last_message` gives it. The last error stays what
-/// it is.
+/// What a number means, in general, as `docs/errors.md` has it; text as `umbra_last_message` gives it. `UMBRA_ERROR_BAD_ARGUMENT`
+/// for a number that means nothing, and then nothing is written. The last error stays what it is.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn umbra_status_message(
     status: UmbraStatus,

@@ -6,13 +6,14 @@ use std::sync::Arc;
 
 use umbra_physics::scene::{Scene, SceneRun};
 use umbra_physics::{
-    BodyId, Command, FieldId, Fx, Input, Inputs, Integrator, Made, Outcome, Recorder, TimeStep, World, WorldDef,
+    BodyId, Command, FieldId, Fx, Input, Inputs, Integrator, Made, Outcome, Recorder, StepReport, TimeStep, World,
+    WorldDef,
 };
 
 use crate::UMBRA_NO_HANDLE;
 use crate::memory::{fill, given, slice, text, write_text};
 use crate::number::{UmbraFx, UmbraUint128, UmbraVec2};
-use crate::status::{Refusal, Result, UMBRA_ERROR_BAD_ARGUMENT, UMBRA_ERROR_BUSY, UMBRA_OK, UmbraStatus, guard};
+use crate::status::{Refusal, Result, UMBRA_ERROR_BUSY, UMBRA_OK, UmbraStatus, guard};
 
 /// How a world moves from tick to tick: one of the five below.
 pub type UmbraIntegrator = u32;
@@ -182,7 +183,7 @@ impl UmbraWorld {
     fn play(&self) -> Result<&Play> {
         match &self.state {
             State::Scene(play) => Ok(play),
-            _ => Err(Refusal::own(UMBRA_ERROR_BAD_ARGUMENT, "no scene runs this world")),
+            _ => Err(Refusal::bad("no scene runs this world")),
         }
     }
 
@@ -253,7 +254,7 @@ impl UmbraWorld {
     pub(crate) fn drafted(&self) -> Result<&[u8]> {
         match &self.state {
             State::Draft(_, bytes) => Ok(bytes),
-            _ => Err(Refusal::own(UMBRA_ERROR_BAD_ARGUMENT, "the world is no draft")),
+            _ => Err(Refusal::bad("the world is no draft")),
         }
     }
 
@@ -285,7 +286,46 @@ impl UmbraWorld {
 
 /// Carries out what a function stands for.
 pub(crate) fn change(world: Option<&mut UmbraWorld>, command: Command) -> UmbraStatus {
-    guard(|| given(world)?.execute(&command).map(drop))
+    change_by(world, || Ok(command))
+}
+
+/// The same of a command that the arguments may not make.
+pub(crate) fn change_by(world: Option<&mut UmbraWorld>, command: impl FnOnce() -> Result<Command>) -> UmbraStatus {
+    guard(|| {
+        let world = given(world)?;
+        world.execute(&command()?).map(drop)
+    })
+}
+
+/// Hands on what a look at a world gives.
+pub(crate) fn look<'a, T>(
+    world: Option<&'a UmbraWorld>,
+    place: Option<&mut MaybeUninit<T>>,
+    at: impl FnOnce(&'a World) -> Result<T>,
+) -> UmbraStatus {
+    guard(|| {
+        let (world, place) = (given(world)?, given(place)?);
+        place.write(at(world.world())?);
+        Ok(())
+    })
+}
+
+/// Hands on a list of bodies of the last step's.
+///
+/// # Safety
+/// As [`fill`].
+unsafe fn reported(
+    world: Option<&UmbraWorld>,
+    bodies: *mut u64,
+    capacity: usize,
+    count: Option<&mut MaybeUninit<usize>>,
+    of: impl for<'a> FnOnce(&StepReport<'a>) -> &'a [BodyId],
+) -> UmbraStatus {
+    guard(|| {
+        let rows = of(&given(world)?.world().last_report()).iter().map(|body| word(body.parts()));
+        // SAFETY: as the caller promises.
+        unsafe { fill(rows, bodies, capacity, count) }
+    })
 }
 
 /// A handle as one word: the generation above the slot, so that its bytes are those of the formats.
@@ -311,7 +351,7 @@ pub(crate) fn made(made: Made) -> (UmbraMadeKind, u64) {
 
 pub(crate) fn integrator(number: UmbraIntegrator) -> Result<Integrator> {
     let known = INTEGRATORS.get(number as usize).copied();
-    known.ok_or_else(|| Refusal::own(UMBRA_ERROR_BAD_ARGUMENT, "no integrator has this number"))
+    known.ok_or_else(|| Refusal::bad("no integrator has this number"))
 }
 
 pub(crate) fn sleep_after(ticks: u32) -> Option<u32> {
@@ -398,7 +438,7 @@ pub unsafe extern "C" fn umbra_world_find_body(
         let (world, place) = (given(world)?, given(body)?);
         let found =
             world.play()?.run.world().bodies().map(|body| body.id()).find(|&body| world.name(body) == Some(name));
-        let found = found.ok_or_else(|| Refusal::own(UMBRA_ERROR_BAD_ARGUMENT, "no body has this name"))?;
+        let found = found.ok_or_else(|| Refusal::bad("no body has this name"))?;
         place.write(word(found.parts()));
         Ok(())
     })
@@ -464,10 +504,7 @@ pub extern "C" fn umbra_world_def(
     world: Option<&UmbraWorld>,
     def: Option<&mut MaybeUninit<UmbraWorldDef>>,
 ) -> UmbraStatus {
-    guard(|| {
-        given(def)?.write(as_def(given(world)?.world().def()));
-        Ok(())
-    })
+    look(world, def, |world| Ok(as_def(world.def())))
 }
 
 /// Moves a world on by a tick. Only a scene can be refused: what it does in this tick before that is done, and the step is not
@@ -498,7 +535,7 @@ pub unsafe extern "C" fn umbra_world_outcomes(
     guard(|| {
         let rows = given(world)?.outcomes.iter().map(|&Outcome { player, sequence, result }| {
             let (made, handle) = made(result.unwrap_or(Made::Nothing));
-            let status = result.map_or_else(|error| Refusal::from(error).status(), |_| UMBRA_OK);
+            let status = result.map_or_else(|error| error.code().into(), |_| UMBRA_OK);
             UmbraOutcome { player, sequence, status, made, handle }
         });
         // SAFETY: as the caller promises.
@@ -532,6 +569,38 @@ pub unsafe extern "C" fn umbra_inputs_insert(
     })
 }
 
+/// Puts `count` commands, with sequences from 0, in the place of all inputs of a player: what a peer does with a packet, which may
+/// come again. `commands` has the bytes of one after the other, `lengths` how many each has. `changed`, which may be null, is
+/// given 1, or 0 if the player had just these.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn umbra_inputs_replace(
+    inputs: Option<&mut UmbraInputs>,
+    player: u32,
+    commands: *const u8,
+    lengths: *const usize,
+    count: usize,
+    changed: Option<&mut MaybeUninit<u32>>,
+) -> UmbraStatus {
+    guard(|| {
+        // SAFETY: as the caller promises.
+        let lengths = unsafe { slice(lengths, count) }?;
+        let all = lengths.iter().try_fold(0usize, |all, &length| all.checked_add(length));
+        // SAFETY: as the caller promises.
+        let mut rest = unsafe { slice(commands, all.unwrap_or(usize::MAX)) }?;
+        let commands = lengths.iter().map(|&length| {
+            let (bytes, others) = rest.split_at(length);
+            rest = others;
+            Ok(Command::from_bytes(bytes)?)
+        });
+        let commands = commands.collect::<Result<Vec<Command>>>()?;
+        let is_changed = given(inputs)?.inputs.replace(player, commands);
+        if let Some(place) = changed {
+            place.write(is_changed.into());
+        }
+        Ok(())
+    })
+}
+
 /// Removes all, for those of another tick.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_inputs_clear(inputs: Option<&mut UmbraInputs>) -> UmbraStatus {
@@ -553,17 +622,16 @@ pub extern "C" fn umbra_world_report(
     world: Option<&UmbraWorld>,
     report: Option<&mut MaybeUninit<UmbraReport>>,
 ) -> UmbraStatus {
-    guard(|| {
-        let (last, place) = (given(world)?.world().last_report(), given(report)?);
-        place.write(UmbraReport {
+    look(world, report, |world| {
+        let last = world.last_report();
+        Ok(UmbraReport {
             tick: last.tick,
             faults: last.faults.len() as u64,
             fell_asleep: last.fell_asleep.len() as u64,
             woke: last.woke.len() as u64,
             drag_outside: last.drag_outside,
             reserved: 0,
-        });
-        Ok(())
+        })
     })
 }
 
@@ -599,11 +667,8 @@ pub unsafe extern "C" fn umbra_world_fell_asleep(
     capacity: usize,
     count: Option<&mut MaybeUninit<usize>>,
 ) -> UmbraStatus {
-    guard(|| {
-        let rows = given(world)?.world().last_report().fell_asleep.iter().map(|body| word(body.parts()));
-        // SAFETY: as the caller promises.
-        unsafe { fill(rows, bodies, capacity, count) }
-    })
+    // SAFETY: as the caller promises.
+    unsafe { reported(world, bodies, capacity, count, |report| report.fell_asleep) }
 }
 
 /// The bodies that calls before the last step woke, in the order of the calls; a list as `umbra_world_outcomes` gives it.
@@ -614,20 +679,14 @@ pub unsafe extern "C" fn umbra_world_woke(
     capacity: usize,
     count: Option<&mut MaybeUninit<usize>>,
 ) -> UmbraStatus {
-    guard(|| {
-        let rows = given(world)?.world().last_report().woke.iter().map(|body| word(body.parts()));
-        // SAFETY: as the caller promises.
-        unsafe { fill(rows, bodies, capacity, count) }
-    })
+    // SAFETY: as the caller promises.
+    unsafe { reported(world, bodies, capacity, count, |report| report.woke) }
 }
 
 /// The number of steps made.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_world_tick(world: Option<&UmbraWorld>, tick: Option<&mut MaybeUninit<u64>>) -> UmbraStatus {
-    guard(|| {
-        given(tick)?.write(given(world)?.world().tick());
-        Ok(())
-    })
+    look(world, tick, |world| Ok(world.tick()))
 }
 
 /// The time simulated in seconds, an exact ratio in lowest terms.
@@ -651,11 +710,7 @@ pub extern "C" fn umbra_world_state_hash(
     world: Option<&UmbraWorld>,
     hash: Option<&mut MaybeUninit<u64>>,
 ) -> UmbraStatus {
-    guard(|| {
-        let (world, hash) = (given(world)?, given(hash)?);
-        hash.write(world.world().state_hash());
-        Ok(())
-    })
+    look(world, hash, |world| Ok(world.state_hash()))
 }
 
 /// A hash of the motion alone, bodies by their keys: for worlds that were built in another order.
@@ -664,11 +719,7 @@ pub extern "C" fn umbra_world_physics_hash(
     world: Option<&UmbraWorld>,
     hash: Option<&mut MaybeUninit<u64>>,
 ) -> UmbraStatus {
-    guard(|| {
-        let (world, hash) = (given(world)?, given(hash)?);
-        hash.write(world.world().physics_hash());
-        Ok(())
-    })
+    look(world, hash, |world| Ok(world.physics_hash()))
 }
 
 /// The first value in which two worlds differ, with both values, as in `body 3, position.x: 1 and 2`; empty if they do not. Text
@@ -682,8 +733,8 @@ pub unsafe extern "C" fn umbra_world_first_difference(
     length: Option<&mut MaybeUninit<usize>>,
 ) -> UmbraStatus {
     guard(|| {
-        let differences = given(left)?.world().differences(given(right)?.world());
-        let text = differences.first().map_or_else(String::new, ToString::to_string);
+        let first = given(left)?.world().first_difference(given(right)?.world());
+        let text = first.map_or_else(String::new, |first| first.to_string());
         // SAFETY: as the caller promises.
         unsafe { write_text(&text, buffer, capacity, length) }
     })

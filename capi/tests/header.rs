@@ -33,6 +33,11 @@ fn the_header_is_that_of_the_sources() {
     assert!(there == made, "another header: UMBRA_BLESS=1 cargo test --test header");
 }
 
+fn declared(header: &str) -> BTreeSet<&str> {
+    let code = header.lines().filter(|line| !line.starts_with([' ', '/', '#', '}']));
+    code.filter_map(|line| line.split_once('(')?.0.rsplit([' ', '*']).next()).collect()
+}
+
 /// What the generator does not see it leaves out without a word.
 #[test]
 fn every_function_is_in_the_header_and_has_words() {
@@ -43,16 +48,26 @@ fn every_function_is_in_the_header_and_has_words() {
         .map(|rest| rest.split_once(" fn ").and_then(|(_, rest)| rest.split_once('(')).expect("a function").0)
         .collect();
     assert!(exported.len() > 100, "{}", exported.len());
-    let declared: BTreeSet<&str> = header
-        .lines()
-        .filter(|line| !line.starts_with([' ', '/', '#', '}']))
-        .filter_map(|line| line.split_once('(')?.0.rsplit([' ', '*']).next())
-        .collect();
-    assert_eq!(exported, declared);
+    assert_eq!(exported, declared(&header));
     for (before, after) in header.lines().zip(header.lines().skip(1)) {
         let is_declaration = after.contains('(') && !after.starts_with([' ', '/', '#']);
         assert!(!is_declaration || before.starts_with("// "), "nothing is said of {after}");
     }
+}
+
+/// By the tests of the interface, or by the program in C: to refuse null is not enough.
+#[test]
+fn every_function_is_called_by_somebody() {
+    let words = |file: &str| {
+        let text = fs::read_to_string(folder().join(file)).expect("a text");
+        let words = text.split(|c: char| !c.is_alphanumeric() && c != '_');
+        words.filter(|word| word.starts_with("umbra_")).map(str::to_owned).collect::<BTreeSet<_>>()
+    };
+    let mut called = words("tests/interface.rs");
+    called.append(&mut words("../examples/c/main.c"));
+    let header = fs::read_to_string(header()).expect("the header");
+    let never: Vec<&str> = declared(&header).into_iter().filter(|name| !called.contains(*name)).collect();
+    assert_eq!(never, [""; 0]);
 }
 
 #[test]

@@ -422,42 +422,6 @@ fn bodies_are_read_to_the_last_bit() {
 }
 
 #[test]
-fn null_is_refused_everywhere_and_frees_nothing() {
-    let null = UMBRA_ERROR_NULL_POINTER;
-    // SAFETY: null is what a pointer may be.
-    unsafe {
-        assert_eq!(umbra_world_from_scene(ptr::null(), 1, 1, None), null);
-        assert_eq!(umbra_world_add_body(None, None, None), null);
-        assert_eq!(umbra_world_execute(None, ptr::null(), 4, None), null);
-        assert_eq!(umbra_world_check(None, [27].as_ptr(), 1), null);
-        assert_eq!(umbra_world_poses(None, ptr::null_mut(), 0, None), null);
-        assert_eq!(umbra_world_bodies(Some(&world()), ptr::null_mut(), 1, None), null);
-        assert_eq!(umbra_shape_polygon(ptr::null(), 3, None), null);
-        assert_eq!(umbra_fx_from_text(c"1".as_ptr(), 1, None), null);
-        assert_eq!(umbra_fx_to_text(0, ptr::null_mut(), 1, None), null);
-        assert_eq!(umbra_snapshot_from_bytes(ptr::null(), 9, None), null);
-        assert_eq!(umbra_inputs_insert(None, 0, 0, [27].as_ptr(), 1), null);
-        assert_eq!(umbra_world_first_difference(Some(&world()), None, ptr::null_mut(), 0, None), null);
-        let parts = [UmbraPart { position: UmbraVec2::default(), angle: 0, density: ONE, shape: ptr::null() }];
-        assert_eq!(own(|shape| umbra_shape_compound(parts.as_ptr(), 1, shape)).err(), Some(null));
-    }
-    assert_eq!(umbra_world_step(None), null);
-    assert_eq!(umbra_world_new(None, None), null);
-    assert_eq!(umbra_world_def_default(None), null);
-    assert_eq!(umbra_world_state_hash(Some(&world()), None), null);
-    assert_eq!(umbra_world_momentum(Some(&world()), None, None), null);
-    assert_eq!(umbra_world_restore(Some(&mut world()), None), null);
-    assert_eq!(umbra_selftest(None), null);
-    assert_eq!(umbra_bytes_new(3, None), null);
-    assert_eq!((umbra_bytes_data(None), umbra_bytes_length(None)), (ptr::null_mut(), 0));
-    umbra_world_free(None);
-    umbra_shape_free(None);
-    umbra_inputs_free(None);
-    umbra_bytes_free(None);
-    umbra_snapshot_free(None);
-}
-
-#[test]
 fn what_cannot_be_is_refused_and_changes_nothing() {
     let mut world = world();
     let body = add(&mut world, &body_def()).expect("a body");
@@ -508,6 +472,289 @@ fn what_cannot_be_is_refused_and_changes_nothing() {
         .join()
         .expect("it ends");
     umbra_world_free(Some(world));
+}
+
+/// What a body has that its state has not, as the library sees it.
+#[test]
+fn the_rest_of_a_body_is_read() {
+    let mut here = world();
+    let shape = own(|shape| {
+        let (a, b) = (UmbraVec2 { x: -ONE, y: 0 }, UmbraVec2 { x: 2 * ONE, y: ONE });
+        umbra_shape_segment(Some(&a), Some(&b), shape)
+    });
+    let shape = shape.expect("a shape");
+    let def = UmbraBodyDef {
+        shape: &raw const *shape,
+        mass_kind: UMBRA_MASS_DENSITY,
+        mass: 3 * ONE,
+        position: UmbraVec2 { x: ONE, y: -ONE },
+        velocity: UmbraVec2 { x: 2 * ONE, y: ONE / 3 },
+        angle: ONE / 2,
+        angular_velocity: ONE,
+        key: 7,
+        ..body_def()
+    };
+    let rod = add(&mut here, &def).expect("a body");
+    let lift = add(&mut here, &UmbraBodyDef { kind: UMBRA_KINEMATIC, key: 7, ..body_def() }).expect("a body");
+    umbra_shape_free(Some(shape));
+
+    let mut there: World = World::new(WorldDef::default()).expect("a world");
+    let like = Shape::segment(vec2(-1, 0), vec2(2, 1)).expect("a shape");
+    let id = there.add_body(BodyDef {
+        shape: Some(like.clone()),
+        mass: Mass::Density(fx!(3)),
+        position: vec2(1, -1),
+        velocity: vec2(2, Fx::from_bits(ONE / 3)),
+        angle: fx!(0.5),
+        angular_velocity: fx!(1),
+        ..BodyDef::dynamic()
+    });
+    let look = there.body(id.expect("a body")).expect("it is there");
+
+    // Its shape is a copy of the caller's: a body made of it is made of the same.
+    let read = out(|shape| umbra_world_body_shape(Some(&here), rod, shape)).expect("a shape").expect("it has one");
+    let mut draft = own(|draft| umbra_draft_new(draft)).expect("a draft");
+    assert_eq!(umbra_world_set_shape(Some(&mut draft), BODY_WORD, Some(&read)), UMBRA_OK);
+    let command = Command::SetShape { body: BODY, shape: Some(like) };
+    assert_eq!(Command::from_bytes(&drafted(&draft)), Ok(command));
+    umbra_shape_free(Some(read));
+    umbra_world_free(Some(draft));
+    assert!(out(|shape| umbra_world_body_shape(Some(&here), lift, shape)).expect("none").is_none());
+
+    let mass_def = |world: &UmbraWorld, body| {
+        let (mut kind, mut mass) = (MaybeUninit::uninit(), MaybeUninit::uninit());
+        let inertia =
+            out(|inertia| umbra_world_body_mass_def(Some(world), body, Some(&mut kind), Some(&mut mass), inertia));
+        // SAFETY: a call that is done has written all three.
+        inertia.map(|inertia| unsafe { (kind.assume_init(), mass.assume_init(), inertia) })
+    };
+    assert_eq!(mass_def(&here, rod), Ok((UMBRA_MASS_DENSITY, 3 * ONE, 0)));
+    assert_eq!(mass_def(&here, lift), Ok((UMBRA_MASS_OF, ONE, 0)));
+    assert_eq!(umbra_world_set_mass(Some(&mut here), lift, UMBRA_MASS_WITH_INERTIA, 5 * ONE, 6), UMBRA_OK);
+    assert_eq!(mass_def(&here, lift), Ok((UMBRA_MASS_WITH_INERTIA, 5 * ONE, 6)));
+    assert_eq!(mass_def(&here, 99), Err(UMBRA_ERROR_NO_SUCH_BODY));
+
+    let point = (5 * ONE + 1, -7 * ONE);
+    let at = umbra_physics::Vec2::new(Fx::from_bits(point.0), Fx::from_bits(point.1));
+    type Seen =
+        extern "C" fn(Option<&UmbraWorld>, u64, UmbraFx, UmbraFx, Option<&mut MaybeUninit<UmbraVec2>>) -> UmbraStatus;
+    let ways: [(Seen, _); 3] = [
+        (umbra_world_body_velocity_at, look.velocity_at(at)),
+        (umbra_world_body_world_point, look.world_point(at)),
+        (umbra_world_body_local_point, look.local_point(at)),
+    ];
+    for (seen, expected) in ways {
+        let found = out(|place| seen(Some(&here), rod, point.0, point.1, place));
+        assert_eq!(found, Ok(expected.expect("it fits").into()));
+        let far = out(|place| seen(Some(&here), rod, i64::MIN, i64::MAX, place));
+        assert_eq!(far, Err(UMBRA_ERROR_NUMBER_OUT_OF_RANGE));
+        assert_eq!(out(|place| seen(Some(&here), 99, 0, 0, place)), Err(UMBRA_ERROR_NO_SUCH_BODY));
+    }
+
+    let wide =
+        |value: UmbraInt128| umbra_physics::FxWide::from_bits(i128::from(value.high) << 64 | i128::from(value.low));
+    let energy = out(|energy| umbra_world_body_kinetic_energy(Some(&here), rod, energy));
+    assert_eq!(energy.map(wide), Ok(look.kinetic_energy().expect("it fits")));
+    let angular = out(|momentum| umbra_world_body_angular_momentum(Some(&here), rod, momentum));
+    assert_eq!(angular.map(wide), Ok(look.angular_momentum().expect("it fits")));
+    let mut x = MaybeUninit::uninit();
+    let y = out(|y| umbra_world_body_momentum(Some(&here), rod, Some(&mut x), y)).expect("a momentum");
+    // SAFETY: a call that is done has written both.
+    let x = unsafe { x.assume_init() };
+    assert_eq!((wide(x), wide(y)), (look.momentum().x, look.momentum().y));
+
+    let goal = |world: &UmbraWorld| out(|goal| umbra_world_body_goal(Some(world), lift, goal));
+    assert_eq!(goal(&here), Ok(UmbraGoal::default()));
+    assert_eq!(umbra_world_move_to(Some(&mut here), lift, ONE / 8, -1, ONE / 4), UMBRA_OK);
+    let position = UmbraVec2 { x: ONE / 8, y: -1 };
+    assert_eq!(goal(&here), Ok(UmbraGoal { position, angle: ONE / 4, is_there: 1, reserved: 0 }));
+    assert_eq!(umbra_world_step(Some(&mut here)), UMBRA_OK);
+    assert_eq!(goal(&here), Ok(UmbraGoal::default()));
+
+    let with_key = |world: &UmbraWorld, key| {
+        // SAFETY: the buffers are those of `list`.
+        list(|to, size, count| unsafe { umbra_world_bodies_with_key(Some(world), key, to, size, count) })
+    };
+    assert_eq!((with_key(&here, 7), with_key(&here, 8)), (Ok(vec![rod, lift]), Ok(vec![])));
+    assert_eq!(out(|body| umbra_world_body_with_key(Some(&here), 7, body)), Ok(rod));
+    assert_eq!(out(|body| umbra_world_body_with_key(Some(&here), 8, body)), Err(UMBRA_ERROR_NO_SUCH_BODY));
+    umbra_world_free(Some(here));
+}
+
+#[test]
+fn shapes_are_those_of_the_library() {
+    let mut draft = own(|draft| umbra_draft_new(draft)).expect("a draft");
+    let disc = own(|shape| umbra_shape_circle(ONE, shape)).expect("a shape");
+    let at = |x| UmbraVec2 { x, y: 0 };
+    let part = |x, density| UmbraPart { position: at(x), angle: ONE / 2, density, shape: &raw const *disc };
+    let corners = [at(0), at(3 * ONE), UmbraVec2 { x: 0, y: 3 * ONE }];
+    let parts = [part(0, ONE), part(3 * ONE, 2 * ONE)];
+    let like = Shape::circle(fx!(1)).expect("a shape");
+    let like_part =
+        |x: i32, density| umbra_physics::Part { shape: like.clone(), position: vec2(x, 0), angle: fx!(0.5), density };
+    // SAFETY: corners and parts are there, and so is their shape.
+    let rows = unsafe {
+        [
+            (own(|shape| umbra_shape_rectangle(ONE, 2 * ONE, shape)), Shape::rectangle(fx!(1), fx!(2))),
+            (own(|shape| umbra_shape_capsule(ONE, 2 * ONE, shape)), Shape::capsule(fx!(1), fx!(2))),
+            (
+                own(|shape| umbra_shape_segment(Some(&at(0)), Some(&at(ONE)), shape)),
+                Shape::segment(vec2(0, 0), vec2(1, 0)),
+            ),
+            (
+                own(|shape| umbra_shape_polygon(corners.as_ptr(), 3, shape)),
+                Shape::polygon(&[vec2(0, 0), vec2(3, 0), vec2(0, 3)]),
+            ),
+            (
+                own(|shape| umbra_shape_compound(parts.as_ptr(), 2, shape)),
+                Shape::compound(&[like_part(0, fx!(1)), like_part(3, fx!(2))]),
+            ),
+        ]
+    };
+    for (shape, expected) in rows {
+        let shape = shape.expect("a shape");
+        assert_eq!(umbra_world_set_shape(Some(&mut draft), BODY_WORD, Some(&shape)), UMBRA_OK);
+        let command = Command::SetShape { body: BODY, shape: Some(expected.expect("a shape")) };
+        assert_eq!(Command::from_bytes(&drafted(&draft)), Ok(command));
+        umbra_shape_free(Some(shape));
+    }
+    umbra_shape_free(Some(disc));
+    umbra_world_free(Some(draft));
+}
+
+#[test]
+fn a_definition_is_read_as_it_was_given_and_changed() {
+    let def = UmbraWorldDef {
+        step_num: 2,
+        step_den: 128,
+        integrator: UMBRA_YOSHIDA4,
+        sleep_after: UMBRA_NEVER,
+        gravity: UmbraVec2 { x: 1, y: -2 },
+        linear_damping: ONE / 2,
+        angular_damping: ONE / 4,
+    };
+    let mut world = own(|world| umbra_world_new(Some(&def), world)).expect("a world");
+    let read = |world: &UmbraWorld| out(|def| umbra_world_def(Some(world), def));
+    // A ratio is kept in lowest terms.
+    assert_eq!(read(&world), Ok(UmbraWorldDef { step_num: 1, step_den: 64, ..def }));
+    assert_eq!(umbra_world_set_damping(Some(&mut world), 3, 4), UMBRA_OK);
+    assert_eq!(umbra_world_set_time_step(Some(&mut world), 1, 30), UMBRA_OK);
+    let changed = UmbraWorldDef { step_num: 1, step_den: 30, linear_damping: 3, angular_damping: 4, ..def };
+    assert_eq!(read(&world), Ok(changed));
+    umbra_world_free(Some(world));
+}
+
+#[test]
+fn a_packet_that_comes_twice_is_taken_once() {
+    let mut world = world();
+    let body = add(&mut world, &body_def()).expect("a body");
+    let mut inputs = own(|inputs| umbra_inputs_new(inputs)).expect("inputs");
+    let speed = |x| Command::<Fx>::SetVelocity { body: BodyId::from_parts(body as u32, 0), velocity: vec2(x, 0) };
+    let packet: Vec<Vec<u8>> = [speed(1), Command::ClearForces, speed(3)].iter().map(Command::to_bytes).collect();
+    let replace = |inputs: &mut UmbraInputs, commands: &[Vec<u8>]| {
+        let (bytes, lengths) = (commands.concat(), commands.iter().map(Vec::len).collect::<Vec<_>>());
+        out(|changed| {
+            let count = lengths.len();
+            // SAFETY: bytes and lengths are there.
+            unsafe { umbra_inputs_replace(Some(inputs), 4, bytes.as_ptr(), lengths.as_ptr(), count, changed) }
+        })
+    };
+    assert_eq!(replace(&mut inputs, &packet), Ok(1));
+    assert_eq!(replace(&mut inputs, &packet), Ok(0));
+    // What is no command, or longer than anything, leaves those that are there.
+    assert_eq!(replace(&mut inputs, &[packet[0].clone(), vec![99]]), Err(UMBRA_ERROR_MALFORMED));
+    // SAFETY: a length beyond memory is never followed.
+    let beyond =
+        unsafe { umbra_inputs_replace(Some(&mut inputs), 4, packet[0].as_ptr(), [1, usize::MAX].as_ptr(), 2, None) };
+    assert_eq!(beyond, UMBRA_ERROR_BAD_ARGUMENT);
+    assert_eq!(umbra_world_step_inputs(Some(&mut world), Some(&inputs)), UMBRA_OK);
+    // SAFETY: the buffers are those of `list`.
+    let outcomes = list(|to, size, count| unsafe { umbra_world_outcomes(Some(&world), to, size, count) });
+    let made = |sequence| UmbraOutcome {
+        player: 4,
+        sequence,
+        status: UMBRA_OK,
+        made: UMBRA_MADE_NOTHING,
+        handle: UMBRA_NO_HANDLE,
+    };
+    assert_eq!(outcomes, Ok(vec![made(0), made(1), made(2)]));
+    let state = out(|state| umbra_world_body(Some(&world), body, state)).expect("a state");
+    assert_eq!(state.velocity, UmbraVec2 { x: 3 * ONE, y: 0 });
+    // The same inputs cleared are none.
+    assert_eq!(umbra_inputs_clear(Some(&mut inputs)), UMBRA_OK);
+    assert_eq!(umbra_world_step_inputs(Some(&mut world), Some(&inputs)), UMBRA_OK);
+    // SAFETY: the buffers are those of `list`.
+    let outcomes = list(|to, size, count| unsafe { umbra_world_outcomes(Some(&world), to, size, count) });
+    assert_eq!(outcomes, Ok(vec![]));
+    umbra_inputs_free(Some(inputs));
+    umbra_world_free(Some(world));
+}
+
+/// A ring of them, as rollback has it, in the memory of the first.
+#[test]
+fn a_snapshot_is_made_where_another_was() {
+    let mut world = world();
+    let body = add(&mut world, &UmbraBodyDef { velocity: UmbraVec2 { x: ONE, y: 0 }, ..body_def() }).expect("a body");
+    let mut snapshot = own(|snapshot| umbra_world_snapshot(Some(&world), snapshot)).expect("a snapshot");
+    let start = state_hash(&world);
+    assert_eq!(umbra_world_step(Some(&mut world)), UMBRA_OK);
+    assert_eq!(umbra_world_snapshot_into(Some(&world), Some(&mut snapshot)), UMBRA_OK);
+    let one = state_hash(&world);
+    assert_eq!(umbra_world_remove_body(Some(&mut world), body), UMBRA_OK);
+    assert_eq!(umbra_world_step(Some(&mut world)), UMBRA_OK);
+    assert_eq!(umbra_world_restore(Some(&mut world), Some(&snapshot)), UMBRA_OK);
+    assert_eq!(state_hash(&world), one);
+    assert_ne!(one, start);
+    umbra_snapshot_free(Some(snapshot));
+    umbra_world_free(Some(world));
+}
+
+#[test]
+fn numbers_become_factors() {
+    for number in [0, 1, ONE, -5 * ONE / 3, i64::MAX, i64::MIN] {
+        let factor = out(|factor| umbra_factor_from_fx(number, factor)).expect("a factor");
+        let like = <FxFactor as umbra_physics::scalar::Factor<Fx>>::from_scalar(Fx::from_bits(number));
+        assert_eq!((factor.mantissa, factor.shift), like.parts());
+    }
+    // As long as they are said to be.
+    let length = |number: i64| {
+        // SAFETY: the buffers are those of `text`.
+        text(|to, size, length| unsafe { umbra_fx_to_text(number, to, size, length) }).expect("a text").len()
+    };
+    assert_eq!(length(i64::MIN + 1), 44);
+    let least = UmbraInt128 { low: 1, high: i64::MIN };
+    // SAFETY: the buffers are those of `text`.
+    let wide = text(|to, size, length| unsafe { umbra_wide_to_text(Some(&least), to, size, length) });
+    assert_eq!(wide.expect("a text").len(), 85);
+}
+
+#[test]
+fn nothing_is_written_of_what_is_refused() {
+    let mut length = MaybeUninit::new(77);
+    let mut text = [1u8; 4];
+    // SAFETY: a capacity beyond memory is never used, and null is not written to.
+    unsafe {
+        let to = text.as_mut_ptr().cast();
+        assert_eq!(umbra_fx_to_text(ONE, to, usize::MAX, Some(&mut length)), UMBRA_ERROR_BAD_ARGUMENT);
+        assert_eq!(umbra_fx_to_text(ONE, ptr::null_mut(), 1, Some(&mut length)), UMBRA_ERROR_NULL_POINTER);
+        assert_eq!(umbra_status_message(1, to, 4, Some(&mut length)), UMBRA_ERROR_BAD_ARGUMENT);
+        assert_eq!((length.assume_init(), text), (77, [1; 4]));
+    }
+}
+
+/// What calls itself the library's version is this package's.
+#[test]
+fn the_interface_has_the_version_of_the_library() {
+    // SAFETY: it is text that ends with a zero, and stays.
+    let version = unsafe { std::ffi::CStr::from_ptr(umbra_version()) }.to_str().expect("UTF-8");
+    let package =
+        fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../Cargo.toml")).expect("the library's");
+    assert!(package.lines().any(|line| line == format!("version = \"{version}\"")), "{version}");
+    assert_eq!((umbra_api(), umbra_law()), (UMBRA_API, umbra_physics::LAW));
+    let digest = out(|digest| umbra_selftest(digest)).expect("a digest");
+    let golden = include_str!("../../src/selftest/golden.txt").lines().find(|line| line.starts_with("all "));
+    let golden = golden.and_then(|line| line.split_whitespace().last()).expect("a digest of all");
+    assert_eq!(format!("{digest:016x}"), golden);
 }
 
 #[test]
@@ -597,7 +844,7 @@ fn a_scene_is_recorded_and_verified_as_any_run() {
     assert_eq!(own(|bytes| umbra_world_end_record(Some(&mut world), bytes)).err(), Some(UMBRA_ERROR_BAD_ARGUMENT));
     // SAFETY: the bytes are there.
     let verify =
-        |file: &[u8]| out(|ticks| unsafe { umbra_replay_verify(file.as_ptr(), file.len(), 1_000, 100, ticks) });
+        |file: &[u8]| out(|ticks| unsafe { umbra_replay_verify(file.as_ptr(), file.len(), 1_000, 100, 100, ticks) });
     assert_eq!(verify(&file), Ok(100));
     assert_eq!(verify(&file[..file.len() - 9]), Err(UMBRA_ERROR_REPLAY_CUT_OFF));
 
@@ -630,6 +877,35 @@ fn a_scene_is_recorded_and_verified_as_any_run() {
     umbra_bytes_free(Some(bytes));
     umbra_snapshot_free(Some(snapshot));
     umbra_world_free(Some(plain));
+    umbra_world_free(Some(world));
+}
+
+#[test]
+fn a_replay_is_verified_within_limits() {
+    let mut world = world();
+    add(&mut world, &body_def()).expect("a body");
+    assert_eq!(umbra_world_record(Some(&mut world), 0, 0), UMBRA_OK);
+    let drag = out(|def| umbra_field_def_default(UMBRA_DRAG, def)).expect("a definition");
+    for _ in 0..2 {
+        add(&mut world, &body_def()).expect("a body");
+        out(|field| umbra_world_add_field(Some(&mut world), Some(&drag), field)).expect("a field");
+        assert_eq!(umbra_world_step(Some(&mut world)), UMBRA_OK);
+    }
+    let mut bytes = own(|bytes| umbra_world_end_record(Some(&mut world), bytes)).expect("bytes");
+    let (at, length) = (umbra_bytes_data(Some(&mut bytes)), umbra_bytes_length(Some(&bytes)));
+    let mut ticks = MaybeUninit::new(77);
+    // SAFETY: that is where they are.
+    let mut verify = |most_ticks, most_bodies, most_fields| unsafe {
+        umbra_replay_verify(at, length, most_ticks, most_bodies, most_fields, Some(&mut ticks))
+    };
+    assert_eq!(verify(2, 3, 2), UMBRA_OK);
+    assert_eq!(verify(1, 3, 2), UMBRA_ERROR_VERIFY_TICKS);
+    assert_eq!(last_message(), "it has 2 ticks, more than 1");
+    assert_eq!(verify(2, 2, 2), UMBRA_ERROR_VERIFY_BODIES);
+    assert_eq!(verify(2, 3, 1), UMBRA_ERROR_VERIFY_FIELDS);
+    // SAFETY: initialised above.
+    assert_eq!(unsafe { ticks.assume_init() }, 2, "given also if it is more than it may be");
+    umbra_bytes_free(Some(bytes));
     umbra_world_free(Some(world));
 }
 
@@ -670,7 +946,7 @@ fn the_numbers_of_errors_are_those_of_the_document() {
         assert!(words.len() > 3 && !words.contains(['`', '|', '[']), "{words}");
         count += 1;
     }
-    assert_eq!(count, 44);
+    assert_eq!(count, 47);
 }
 
 /// As C has them: on these numbers the page in `examples/web` stands too.
@@ -679,5 +955,6 @@ fn structs_lie_as_they_are_known() {
     assert_eq!((size_of::<UmbraWorldDef>(), size_of::<UmbraPose>()), (48, 56));
     assert_eq!((size_of::<UmbraBodyDef>(), std::mem::offset_of!(UmbraBodyDef, shape)), (144, 136));
     assert_eq!((size_of::<UmbraBodyState>(), size_of::<UmbraFieldDef>()), (248, 232));
+    assert_eq!(size_of::<UmbraGoal>(), 32);
     assert_eq!(std::mem::offset_of!(UmbraFieldDef, max), 216);
 }

@@ -267,11 +267,13 @@ static void saved(void)
     check(hash_of(world) == later && hash_of(other) == later, "the same future, twice");
 
     DO(umbra_world_end_record(other, &replay));
-    DO(umbra_replay_verify(umbra_bytes_data(replay), umbra_bytes_length(replay), 1000000, 1000, &ticks));
+    DO(umbra_replay_verify(umbra_bytes_data(replay), umbra_bytes_length(replay), 1000000, 1000, 1000, &ticks));
     check(ticks == 100, "the replay has all ticks");
     printf("replay of %" PRIu64 " ticks, %lu bytes, verified\n", ticks, (unsigned long)umbra_bytes_length(replay));
+    REFUSED(umbra_replay_verify(umbra_bytes_data(replay), umbra_bytes_length(replay), 99, 1000, 1000, NULL), UMBRA_ERROR_VERIFY_TICKS);
+    REFUSED(umbra_replay_verify(umbra_bytes_data(replay), umbra_bytes_length(replay), 100, 5, 1000, NULL), UMBRA_ERROR_VERIFY_BODIES);
     umbra_bytes_data(replay)[200] ^= 1;
-    REFUSED(umbra_replay_verify(umbra_bytes_data(replay), umbra_bytes_length(replay), 1000000, 1000, NULL), UMBRA_ERROR_REPLAY_TAMPERED);
+    REFUSED(umbra_replay_verify(umbra_bytes_data(replay), umbra_bytes_length(replay), 100, 6, 6, NULL), UMBRA_ERROR_REPLAY_TAMPERED);
     umbra_bytes_data(bytes)[40] ^= 1;
     umbra_snapshot_free(read);
     read = NULL;
@@ -321,22 +323,42 @@ static void sent(void)
     umbra_world_free(here);
 }
 
-static void scene(const char *file)
+/* All of a file, which is the caller's to free; NULL if it cannot be read. */
+static char *text_of(const char *file, size_t *length)
 {
     FILE *input = fopen(file, "rb");
-    char *text = malloc(1 << 20);
-    size_t length;
+    char *text = NULL;
+    long size = -1;
+
+    if (input == NULL)
+        return NULL;
+    if (fseek(input, 0, SEEK_END) == 0)
+        size = ftell(input);
+    if (size >= 0 && fseek(input, 0, SEEK_SET) == 0)
+        text = malloc((size_t)size + 1);
+    if (text != NULL) {
+        *length = fread(text, 1, (size_t)size, input);
+        if (*length != (size_t)size) {
+            free(text);
+            text = NULL;
+        }
+    }
+    fclose(input);
+    return text;
+}
+
+static void scene(const char *file)
+{
+    size_t length = 0;
+    char *text = text_of(file, &length);
     UmbraWorld *world = NULL;
     int tick;
 
-    if (input == NULL || text == NULL) {
+    if (text == NULL) {
         printf("FAILED: %s cannot be read\n", file);
         failures++;
-        free(text);
         return;
     }
-    length = fread(text, 1, 1 << 20, input);
-    fclose(input);
     DO(umbra_world_from_scene(text, length, 131072, &world));
     free(text);
     for (tick = 0; tick < GOLDEN_SCENE_TICKS; tick++)
