@@ -8,8 +8,26 @@ use std::process::ExitCode;
 
 use wasmparser::{CompositeInnerType, Parser, Payload, ValType};
 
-const EXPORTS: [&str; 10] =
-    ["create", "destroy", "step", "hash", "snapshot", "restore", "read", "texts", "corpus", "command"];
+const EXPORTS: [&str; 18] = [
+    "create",
+    "destroy",
+    "step",
+    "hash",
+    "buffer",
+    "address",
+    "length",
+    "discard",
+    "snapshot",
+    "restore",
+    "execute",
+    "record",
+    "record_step",
+    "record_end",
+    "verify",
+    "read",
+    "texts",
+    "corpus",
+];
 
 /// The engine and its corpus have 200,000; half of them would not be all of it.
 const FEWEST_INSTRUCTIONS: u64 = 100_000;
