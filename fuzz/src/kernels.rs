@@ -144,6 +144,7 @@ fn quotient(a: i64, b: i64) {
 
 fn square_root(a: i64) {
     let Some(root) = fx(a).checked_sqrt() else { return assert!(a < 0) };
+    assert!(a >= 0, "{a} has a root");
     let (root, square) = (i128::from(root.to_bits()), i128::from(a) << 34);
     // (r − ½)² <= a·2^32 < (r + ½)², all times four.
     assert!((2 * root - 1).pow(2) <= square || root == 0, "{a}");
@@ -451,20 +452,59 @@ fn accumulators(a: FxAccumulator, b: FxAccumulator, factor: FxFactor) {
     assert_eq!(Accumulator::<Fx>::to_bytes(a), (x.rotate_left(64)).to_le_bytes());
 }
 
-/// Quarter turns and mirror images of an angle are exact, and so is what they do to a vector.
+/// Radians, sine and cosine of an angle of so many 2^-64 turns.
+fn exact_turn(turn: u64) -> (Real, Real, Real) {
+    let radians = real(turn, -62) * &REFERENCE.half_pi;
+    // The nearest multiple of 2^-32 has a sine and a cosine; the rest is below 2^-32, its fourth power below 2^-128.
+    let near = (radians.clone() << 32).to_int().value();
+    let near = i64::try_from(near).expect("at most 2π");
+    let (sin, cos) = REFERENCE.sin_cos(near);
+    let rest = &radians - real(near, -32);
+    let square = &rest * &rest;
+    let (s, c) = (&rest * (real(1, 0) - &square / real(6, 0)), real(1, 0) - square * real(1, -1));
+    (radians, &sin * &c + &cos * &s, cos * c - sin * s)
+}
+
+/// An angle and back, its sine and cosine, and a vector turned by it; quarter turns and mirror images are exact.
 fn angles(turn: u64, radians: i64, x: i64, y: i64) {
     let angle = Turn::from_bits(turn);
+    let (exact, exact_sin, exact_cos) = exact_turn(turn);
     let (sin, cos) = angle.sin_cos();
+    let off = [error(sin.to_bits(), &exact_sin), error(cos.to_bits(), &exact_cos)];
+    assert!(off.iter().all(|off| off.abs() <= NEAREST), "{turn:#x}: {off:?}");
     assert_eq!(Turn::from_bits(turn.wrapping_add(1 << 62)).sin_cos(), (cos, -sin));
     assert_eq!(Turn::from_bits(turn.wrapping_neg()).sin_cos(), (-sin, cos));
     let back = angle.radians();
-    assert!((0..=(Fx::PI + Fx::PI).to_bits() + 1).contains(&back.to_bits()), "{back}");
+    let off = error(back.to_bits(), &exact);
+    assert!(off.abs() <= NEAREST && real(back.to_bits(), -32) < real(4, 0) * &REFERENCE.half_pi, "{turn:#x}: {off}");
+    assert!(back >= Fx::ZERO, "{back}");
     let of = |radians: i64| Angle::<Fx>::to_bits(Turn::from_radians(fx(radians)));
+    // In units of 2^-64 turns, whole turns apart.
+    let off = real(radians, 30) / &REFERENCE.half_pi - real(of(radians), 0);
+    let turns = (off.clone() >> 64) + real(1, -1);
+    let off = magnitude(&(off - (turns.floor() << 64)));
+    assert!(off <= 0.501, "{radians}: {off}");
     if radians != i64::MIN {
         assert_eq!(of(-radians), of(radians).wrapping_neg());
     }
+    // Sine and cosine are within 2^-61, and the sum is rounded to 2^-64 m.
+    let arms = [real(x, -32), real(y, -32)];
+    let allowed = 0.51 + 8.0 * (magnitude(&arms[0]) + magnitude(&arms[1]));
+    let turned = [&arms[0] * &exact_cos - &arms[1] * &exact_sin, &arms[0] * &exact_sin + &arms[1] * &exact_cos];
     let (x, y) = (fx(x), fx(y));
     let rotated = angle.rotate(x, y);
+    match rotated {
+        Some(found) => {
+            for (kept, exact) in [found.0, found.1].into_iter().zip(turned) {
+                let off = magnitude(&((real(kept.to_bits(), -64) - exact) << 64));
+                assert!(off <= allowed, "{off} of {allowed} for {x}, {y} by {turn:#x}");
+            }
+        }
+        // A component of 2^31 m or more.
+        None => {
+            assert!(turned.iter().any(|part| magnitude(part) >= 2f64.powi(31) * 0.999_999), "{x}, {y} by {turn:#x}")
+        }
+    }
     if let (Some(minus_x), Some(minus_y)) = (x.checked_neg(), y.checked_neg()) {
         // An end of the range that turns beyond it is refused alike in all of them.
         let (left, mirrored) = (angle.rotate(minus_y, x), Turn::from_bits(turn.wrapping_neg()).rotate(x, minus_y));
@@ -491,14 +531,22 @@ fn attraction(mu: FxFactor, (x, y): (i64, i64), softening: i64) {
     if mu > most || (mu.parts().1 > 200) {
         return;
     }
-    let Some(found) = Fx::attraction(mu, (far(x), far(y)), fx(softening as i64)) else { return };
+    let found = Fx::attraction(mu, (far(x), far(y)), fx(softening as i64));
     if (x, y) == (0, 0) {
-        return assert_eq!(found, (FxWide::default(), FxWide::default()));
+        return assert_eq!(found, Some((FxWide::default(), FxWide::default())));
     }
     let component = |raw: i64| real(raw, -32);
     let softening = component(softening as i64);
     let square = component(x) * component(x) + component(y) * component(y) + &softening * &softening;
     let share = exact_factor(mu) / (&square * square.sqrt());
+    let Some(found) = found else {
+        // A component that does not fit 2^63 m/s².
+        let parts = [x, y].map(|raw| magnitude(&component(raw).mul(&share)));
+        return assert!(
+            parts.iter().any(|part| *part >= 2f64.powi(63) * 0.999_999),
+            "{parts:?} at {x}, {y} with mu {mu}"
+        );
+    };
     for (kept, raw) in [(found.0, x), (found.1, y)] {
         let exact = component(raw).mul(&share);
         let off = magnitude(&((real(kept.to_bits(), -64) - &exact) << 64));
