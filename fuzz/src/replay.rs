@@ -4,13 +4,13 @@
 //! recorded, or a tick that is dumped, and what is changed of it before it is sealed again; a command.
 
 use arbitrary::{Result, Unstructured};
-use umbra_physics::{Command, Dump, Fx, Input, Inputs, RecordOptions, Recorder, Replay, ReplayError, World, WorldDef};
+use umbra_physics::{
+    Command, Divergence, Dump, Fx, Input, Inputs, RecordOptions, Recorder, Replay, ReplayError, ReplayLimits,
+    VerifyError, World, WorldDef,
+};
 
 use super::author::{self, Author, Image};
 use super::files::{Chunk, OPENING, chunks, disturb, measured, seal_snapshot, sealed, use_up};
-
-/// The most memory that reading takes, as a multiple of the bytes: a command may be one byte, and room for any other.
-const TIMES: u64 = 1_024;
 
 /// The target.
 pub fn run(data: &[u8]) {
@@ -33,7 +33,7 @@ pub fn run(data: &[u8]) {
 
 /// A file is read; whatever it is, and what can be recovered of it, is played.
 fn look(bytes: &[u8]) {
-    let whole = measured(bytes, TIMES, || Replay::from_bytes(bytes, &author::laws()));
+    let whole = measured(bytes, || Replay::from_bytes(bytes, &author::laws()));
     let rest = Replay::recovered(bytes, &author::laws());
     match (&whole, &rest) {
         (Ok(_), Ok(rest)) => assert!(rest.is_complete()),
@@ -49,6 +49,17 @@ fn look(bytes: &[u8]) {
     };
     let verified = replay.verify();
     _ = verified.as_ref().map_err(|divergence| divergence.to_string());
+    // Within limits it is the same, or more than it may be.
+    let few = ReplayLimits { ticks: u64::MAX, bodies: 3, fields: 2 };
+    match (replay.verify_within(few), &verified) {
+        (Ok(()), verified) => assert_eq!(verified, &Ok(())),
+        (Err(VerifyError::Divergence(found)), Err(divergence)) => {
+            let place = |of: &Divergence| (of.tick, of.recorded, of.computed);
+            assert_eq!(place(&found), place(divergence));
+        }
+        (Err(VerifyError::Divergence(found)), Ok(())) => panic!("{found}"),
+        (Err(_), _) => {}
+    }
     assert_eq!(replay.first_difference(&replay), None);
     let (start, end) = (replay.start().tick(), replay.end());
     let mut playback = replay.play();
@@ -65,7 +76,7 @@ fn look(bytes: &[u8]) {
 }
 
 fn look_at_dump(bytes: &[u8]) {
-    let Ok(dump) = measured(bytes, TIMES, || Dump::from_bytes(bytes, &author::laws())) else { return };
+    let Ok(dump) = measured(bytes, || Dump::from_bytes(bytes, &author::laws())) else { return };
     assert_eq!(dump.to_bytes(), bytes, "what is read is written alike");
     assert_eq!(dump.first_difference(&dump), None);
     for (_, world) in dump.moments() {
@@ -75,7 +86,7 @@ fn look_at_dump(bytes: &[u8]) {
 }
 
 fn look_at_command(bytes: &[u8]) {
-    let Ok(command) = measured(bytes, TIMES, || Command::from_bytes(bytes)) else { return };
+    let Ok(command) = measured(bytes, || Command::from_bytes(bytes)) else { return };
     assert_eq!(command.to_bytes(), bytes, "what is read is written alike");
     let mut world = author::world(WorldDef::default()).expect("a fair definition");
     for _ in 0..2 {

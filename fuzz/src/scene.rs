@@ -3,43 +3,37 @@
 use umbra_physics::scene::{Scene, SceneError};
 use umbra_physics::{Fx, RecordOptions, Recorder, Replay, Scalar};
 
-use super::files::measured;
+use super::files::{ANY, taken};
 
-/// The most memory that reading takes, as a multiple of the text and of what repetitions make of it: a comma in a list is
-/// two bytes, and room for a value with its place.
-const TIMES: u64 = 1_024;
-/// Repetitions of an input make no more than this.
-const MADE: u64 = 64;
+/// Of a kind there are no more than so many things; a repetition makes that many in a few bytes.
+const MOST: u32 = 64;
 /// Ticks of a run.
 const TICKS: u64 = 3;
 
 /// The target.
 pub fn run(data: &[u8]) {
     let Ok(text) = std::str::from_utf8(data) else { return };
-    let Some(made) = repeated(text).filter(|made| *made <= MADE) else { return };
-    let scene = match measured(text.as_bytes(), TIMES * made, || Scene::parse(text)) {
+    let (scene, took) = taken(|| Scene::parse_within(text, MOST));
+    assert!(took <= promised(text, scene.as_ref().ok()), "{took} bytes taken to read {}", text.len());
+    let scene = match scene {
         Ok(scene) => scene,
         Err(error) => return assert_says_where(&error, text),
     };
-    assert_eq!(Scene::parse(text).as_ref(), Ok(&scene), "read twice");
+    assert_eq!(Scene::parse_within(text, MOST).as_ref(), Ok(&scene), "read twice");
     play::<Fx>(&scene, text, 1);
     play::<Fx>(&scene, text, 2);
     play::<f64>(&scene, text, 1);
     recorded(&scene);
 }
 
-/// How many times over the numbers beside `repeat` make of the text, as far as these are few.
-fn repeated(text: &str) -> Option<u64> {
-    text.match_indices("repeat").try_fold(1, |made: u64, (at, word)| {
-        let rest = &text.as_bytes()[at + word.len()..];
-        let counts = &rest[..rest.iter().position(|&byte| byte == b'}').unwrap_or(rest.len())];
-        let mut numbers = counts.split(|byte| !byte.is_ascii_digit()).filter(|number| !number.is_empty());
-        numbers.try_fold(made, |made, number| match number {
-            [digit] => made.checked_mul(u64::from(digit - b'0') + 1),
-            [ten, one] => made.checked_mul(u64::from(ten - b'0') * 10 + u64::from(one - b'0') + 1),
-            _ => None,
-        })
-    })
+/// The memory that `Scene::parse_within` promises: for the text and for what repetitions would be, and for each thing, of which
+/// there can have been all that may be where it was refused.
+fn promised(text: &str, scene: Option<&Scene>) -> u64 {
+    let most = u64::from(MOST);
+    // A word may be written with escapes.
+    let written = if text.contains("repeat") || text.contains('\\') { 512 * most } else { 0 };
+    let things = scene.map_or(3 * most, |scene| (scene.bodies.len() + scene.fields.len() + scene.inputs.len()) as u64);
+    8 * (text.len() as u64 + written) + 4_096 * things + ANY
 }
 
 fn assert_says_where(error: &SceneError, text: &str) {
