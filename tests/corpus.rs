@@ -129,6 +129,14 @@ fn write_seeds() {
             write(target, &format!("random-{i:02}"), &bytes);
         }
     }
+    // Of each function of numbers, with all of its arguments.
+    for (i, again) in (0..18u8).flat_map(|i| [(i, 0), (i, 1)]) {
+        let mut bytes = vec![i];
+        bytes.extend((0..100).map(|_| random.bits() as u8));
+        // The sign of the first argument: each of the two.
+        bytes[8] = bytes[8] & 0x7f | again << 7;
+        write("kernels", &format!("function-{i:02}-{again}"), &bytes);
+    }
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     for file in fs::read_dir(root.join("scenes")).expect("there are scenes") {
         let path = file.expect("a file").path();
