@@ -7,8 +7,9 @@
 //! exactly. With k and c the most by which an acceleration here changes with a place and with a speed ([`Slopes`]), a stage
 //! over h that starts with errors of e in place and u in speed adds to the speed at most h·(k·(e + ½) + c·(u + ½)), the
 //! halves for public values being rounded, and to the place at most h·(u + ½); stages follow each other as those of the
-//! integrator do. What f64 itself rounds is below 2^-12 ulp, and so are the factors of fixed point; that is covered by a last
-//! ulp. The bound is taken twice, as what the forces of one stage do to each other is left out.
+//! integrator do. What f64 itself rounds is below 2^-9 ulp, and the factors of fixed point are closer; but a velocity that leads
+//! to a goal in a step is off by as much as the place is, over h. All that is covered by a last ulp. The bound is taken twice,
+//! as what the forces of one stage do to each other is left out.
 //!
 //! A largest speed is held by the public velocity, all of which is within √½ ulp of the exact one. To slow down takes no two
 //! velocities further apart, but can turn errors of u along both axes into one of √2·u along one.
