@@ -139,3 +139,21 @@ impl Accumulator<Fx> for FxAccumulator {
 
 /// The speed between stages, in units of 2^-96.
 const TRANSIENT: u128 = 1 << (96 + TRANSIENT_SPEED_LOG2);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_rounds_to_zero_is_still_and_nothing_else() {
+        let half = 1i128 << 63;
+        for (bits, is_still) in
+            [(0, true), (1, true), (half - 1, true), (half, true), (half + 1, false), (3 * half, false)]
+        {
+            for bits in [bits, -bits] {
+                let value = FxAccumulator::from_bits(bits);
+                assert_eq!((value.is_still(), value.value() == Fx::ZERO), (is_still, is_still), "{bits}");
+            }
+        }
+    }
+}
