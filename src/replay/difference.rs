@@ -316,3 +316,23 @@ impl HashTree {
         }
     }
 }
+
+#[cfg(all(test, feature = "oracles"))]
+mod tests {
+    use alloc::string::ToString as _;
+
+    use super::*;
+
+    #[test]
+    fn what_one_of_two_records_alone_has_is_unlike() {
+        let leaf =
+            |name| Leaf { path: alloc::vec![Part::Name(name)], at: 0, bytes: alloc::vec![1], text: "1".to_string() };
+        let found = |left: &[Leaf], right: &[Leaf]| {
+            first_unlike(Place::World, left, right).map(|Difference { field, left, right, .. }| (field, left, right))
+        };
+        let (b, one) = ("b".to_string(), Some("1".to_string()));
+        assert_eq!(found(&[leaf("a")], &[leaf("a")]), None);
+        assert_eq!(found(&[leaf("a")], &[leaf("a"), leaf("b")]), Some((b.clone(), None, one.clone())));
+        assert_eq!(found(&[leaf("a"), leaf("b")], &[leaf("a")]), Some((b, one, None)));
+    }
+}
