@@ -1,6 +1,6 @@
 //! Where kinematic bodies are to be after the next step.
 
-use super::{Bodies, BySlot, Locks, Motion, Row};
+use super::{Bodies, Locks, Motion, Row, Sparse};
 use crate::error::{Error, Quantity};
 use crate::handle::BodyId;
 use crate::limits;
@@ -100,15 +100,15 @@ impl<S: Scalar> Errand<S> {
 }
 
 impl<S: Scalar> Row for (BodyId, Errand<S>) {
-    fn body(&self) -> BodyId {
-        self.0
+    fn key(&self) -> usize {
+        self.0.slot as usize
     }
 }
 
 /// The errands of the bodies that have one.
 #[derive(Debug)]
 pub(crate) struct Errands<S: Scalar> {
-    rows: BySlot<(BodyId, Errand<S>)>,
+    rows: Sparse<(BodyId, Errand<S>)>,
     /// The tick after the last step in which a body reached a goal or was stopped there, or 0: that step is not undone.
     pub(crate) moved_at: u64,
 }
@@ -117,7 +117,7 @@ clone_by_field!(Errands { rows, moved_at });
 
 impl<S: Scalar> Default for Errands<S> {
     fn default() -> Self {
-        Self { rows: BySlot::default(), moved_at: 0 }
+        Self { rows: Sparse::default(), moved_at: 0 }
     }
 }
 
@@ -139,15 +139,15 @@ impl<S: Scalar> Errands<S> {
 
     /// That of a body, if it has one.
     pub(crate) fn of(&self, body: BodyId) -> Option<&Errand<S>> {
-        self.rows.get(body).map(|(_, errand)| errand)
+        self.rows.get(body.slot as usize).map(|(_, errand)| errand)
     }
 
     /// Gives a body an errand, in place of what it had.
     pub(crate) fn set(&mut self, body: BodyId, errand: Errand<S>) {
         if errand.is_over() {
-            self.rows.remove(body);
+            self.forget(body);
         } else {
-            *self.rows.get_or_insert((body, errand)) = (body, errand);
+            self.rows.get_or_insert(body.slot as usize, || (body, errand)).1 = errand;
         }
     }
 
@@ -166,7 +166,7 @@ impl<S: Scalar> Errands<S> {
 
     /// Forgets all about a body: the velocity it has is its own.
     pub(crate) fn forget(&mut self, body: BodyId) {
-        self.rows.remove(body);
+        self.rows.remove(body.slot as usize);
     }
 
     /// Removes the errands that are over.

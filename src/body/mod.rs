@@ -1,11 +1,11 @@
 //! Bodies: their definitions, handles, and the columns their state is kept in.
 
-mod by_slot;
 mod card;
 mod columns;
 mod goal;
 mod motion;
 mod record;
+mod sparse;
 mod tuning;
 
 use crate::error::{Error, Quantity};
@@ -15,12 +15,12 @@ use crate::scalar::{Accumulator, Factor, Scalar, fx::Fx};
 use crate::shape::Shape;
 use crate::wire::{self, Malformed, Out, Read, Reader, Write, wire_enum, wire_struct};
 
-pub(crate) use by_slot::{BySlot, Row};
 pub(crate) use card::Card;
 pub(crate) use columns::{Bodies, NONE, push};
 pub(crate) use goal::{Errand, Errands, Goal, Velocities};
 pub(crate) use motion::{Acceleration, BLOCK, Block, Motion};
 pub(crate) use record::{Record, ShapeSource};
+pub(crate) use sparse::{Row, Sparse};
 pub(crate) use tuning::{Climate, GENTLE_STEPS, Key, SPANS, Tuning, Tunings};
 
 /// What moves a body.

@@ -2,7 +2,7 @@
 
 use alloc::vec::Vec;
 
-use crate::body::{BySlot, Row};
+use crate::body::{Row, Sparse};
 use crate::handle::BodyId;
 use crate::math::Vec2;
 use crate::scalar::{Scalar, Sum, fx::Fx};
@@ -55,15 +55,15 @@ impl<S: Scalar> AppliedForce<S> {
 }
 
 impl<S: Scalar> Row for AppliedForce<S> {
-    fn body(&self) -> BodyId {
-        self.body
+    fn key(&self) -> usize {
+        self.body.slot as usize
     }
 }
 
 /// The sums of this tick, and those of the last step. Only bodies that were pushed have one.
 #[derive(Debug)]
 pub(crate) struct Applied<S: Scalar> {
-    rows: BySlot<AppliedForce<S>>,
+    rows: Sparse<AppliedForce<S>>,
     done: Vec<AppliedForce<S>>,
 }
 
@@ -71,7 +71,7 @@ clone_by_field!(Applied { rows, done });
 
 impl<S: Scalar> Default for Applied<S> {
     fn default() -> Self {
-        Self { rows: BySlot::default(), done: Vec::new() }
+        Self { rows: Sparse::default(), done: Vec::new() }
     }
 }
 
@@ -87,12 +87,13 @@ impl<S: Scalar> Applied<S> {
 
     /// That of a body, if it was pushed.
     pub(crate) fn row(&self, body: BodyId) -> Option<&AppliedForce<S>> {
-        self.rows.get(body)
+        self.rows.get(body.slot as usize)
     }
 
     /// That of a body, from now on.
     fn row_mut(&mut self, body: BodyId) -> &mut AppliedForce<S> {
-        self.rows.get_or_insert(AppliedForce { body, force: Vec2::default(), torque: S::Sum::default() })
+        let none = || AppliedForce { body, force: Vec2::default(), torque: S::Sum::default() };
+        self.rows.get_or_insert(body.slot as usize, none)
     }
 
     /// Adds to the sums of a body.
@@ -110,7 +111,7 @@ impl<S: Scalar> Applied<S> {
 
     /// Forgets what was applied to a body.
     pub(crate) fn forget(&mut self, body: BodyId) {
-        self.rows.remove(body);
+        self.rows.remove(body.slot as usize);
     }
 
     /// Ends the tick: the sums become those of the last step, in the order of the bodies.

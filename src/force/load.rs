@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 
 use super::{Attachment, BodyState, Dependence, End, Field, FieldSet, Law, Laws, Push, Region};
-use crate::body::{Bodies, BodyKind, NONE};
+use crate::body::{Bodies, BodyKind, Sparse};
 use crate::error::Cause;
 use crate::handle::FieldId;
 use crate::math::Vec2;
@@ -42,49 +42,18 @@ impl<S: Scalar> Load<S> {
     }
 }
 
-/// A value for some bodies, in the order in which they were asked for.
-#[derive(Debug)]
-pub(crate) struct Sparse<T> {
-    /// Where the value of a body is, by its index in the columns, or [`NONE`].
-    at: Vec<u32>,
-    rows: Vec<(usize, T)>,
-}
-
-impl<T> Default for Sparse<T> {
-    fn default() -> Self {
-        Self { at: Vec::new(), rows: Vec::new() }
-    }
-}
-
-impl<T> Sparse<T> {
-    pub(crate) fn clear(&mut self) {
-        for (i, _) in self.rows.drain(..) {
-            self.at[i] = NONE;
-        }
-    }
-
-    /// With the indices of their bodies.
-    pub(crate) fn rows(&self) -> &[(usize, T)] {
-        &self.rows
-    }
-
-    fn of(&mut self, i: usize, make: impl FnOnce() -> T) -> &mut T {
-        if self.at.len() <= i {
-            self.at.resize(i + 1, NONE);
-        }
-        if self.at[i] == NONE {
-            self.at[i] = self.rows.len() as u32;
-            self.rows.push((i, make()));
-        }
-        &mut self.rows[self.at[i] as usize].1
-    }
-}
-
 /// What the fields do to the bodies that one reaches.
-pub(crate) type Loads<S> = Sparse<Load<S>>;
+pub(crate) type Loads<S> = Sparse<(usize, Load<S>)>;
+
+impl<S: Scalar> Loads<S> {
+    /// That of body `i` in the columns.
+    fn of(&mut self, i: usize) -> &mut Load<S> {
+        &mut self.get_or_insert(i, || (i, Load::default())).1
+    }
+}
 
 /// Sines and cosines that were computed already: at most once for a body as long as it does not turn.
-pub(crate) type Directions<S> = Sparse<<<S as Scalar>::Angle as Angle<S>>::Direction>;
+pub(crate) type Directions<S> = Sparse<(usize, <<S as Scalar>::Angle as Angle<S>>::Direction)>;
 
 /// What fields see.
 #[derive(Clone, Copy)]
@@ -172,7 +141,7 @@ impl<S: Scalar> Scene<'_, S> {
 
     /// A vector of a body's frame in the world's.
     fn turned(&self, i: usize, vector: Vec2<S>, directions: &mut Directions<S>) -> Option<Offset<S>> {
-        let direction = directions.of(i, || self.bodies.columns.motion.angle[i].direction());
+        let (_, direction) = directions.get_or_insert(i, || (i, self.bodies.columns.motion.angle[i].direction()));
         S::Angle::turn(*direction, vector.x, vector.y)
     }
 
@@ -256,7 +225,7 @@ pub(crate) fn accumulate<S: Scalar>(
                 for i in scene.targets(moving, field.groups).filter(|&i| carrier != Some(i)) {
                     let offset = Anchor::at(scene.position(i)).offset_to(&centre);
                     match offset.and_then(|offset| S::attraction(*mu, offset, *softening)) {
-                        Some(acceleration) => loads.of(i, Load::default).accelerate(acceleration),
+                        Some(acceleration) => loads.of(i).accelerate(acceleration),
                         None => fault(i, too_large),
                     }
                 }
@@ -265,21 +234,21 @@ pub(crate) fn accumulate<S: Scalar>(
                 let Some(at) = scene.attached(at, directions) else { continue };
                 let Some(i) = at.dense else { continue };
                 let turned = scene.turned(i, *force, directions);
-                if turned.and_then(|force| loads.of(i, Load::default).push(at.lever, force)).is_none() {
+                if turned.and_then(|force| loads.of(i).push(at.lever, force)).is_none() {
                     fault(i, too_large);
                 }
             }
             Law::Zone { region, acceleration } => {
                 let acceleration = acceleration.map(S::Wide::from_scalar);
                 for i in scene.targets(moving, field.groups).filter(|&i| scene.is_inside(i, region)) {
-                    loads.of(i, Load::default).accelerate(acceleration.into());
+                    loads.of(i).accelerate(acceleration.into());
                 }
             }
             Law::Custom { id: law } => {
                 let Some(law) = scene.laws.get(law) else { continue };
                 for i in scene.targets(moving, field.groups) {
                     match law.push(&scene.state(i)) {
-                        Ok(push) => loads.of(i, Load::default).push_freely(&push),
+                        Ok(push) => loads.of(i).push_freely(&push),
                         Err(answer) => fault(i, Cause::Law { field: id, code: answer.code }),
                     }
                 }
@@ -300,10 +269,10 @@ fn pull<S: Scalar>(near: &Anchor<S>, far: &Anchor<S>, spring: &SpringLaw<S>, loa
     };
     let force = S::tension(offset, velocity, spring)?;
     if let Some(i) = near.dense {
-        loads.of(i, Load::default).push(near.lever, force)?;
+        loads.of(i).push(near.lever, force)?;
     }
     if let Some(i) = far.dense {
-        loads.of(i, Load::default).push(far.lever, (force.0.negated(), force.1.negated()))?;
+        loads.of(i).push(far.lever, (force.0.negated(), force.1.negated()))?;
     }
     Some(())
 }

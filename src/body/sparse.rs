@@ -1,26 +1,25 @@
-//! What some bodies have for a tick and most have not: rows in no order, each found by the slot of its body.
+//! What some bodies have for a while and most have not: rows in no order, each found by its key.
 
 use alloc::vec::Vec;
 use core::mem;
 
 use super::columns::NONE;
-use crate::handle::BodyId;
 
 /// What a body may have one of.
 pub(crate) trait Row {
-    /// Whose it is.
-    fn body(&self) -> BodyId;
+    /// Whose it is: a slot, or an index in the columns.
+    fn key(&self) -> usize;
 }
 
 /// The rows of the bodies that have one. To add, find and remove one takes as long however many there are.
 #[derive(Debug)]
-pub(crate) struct BySlot<T> {
+pub(crate) struct Sparse<T> {
     rows: Vec<T>,
-    /// Where the row of a slot is, or [`NONE`]; as long as it had to be.
+    /// Where the row of a key is, or [`NONE`]; as long as it had to be.
     at: Vec<u32>,
 }
 
-impl<T: Clone> Clone for BySlot<T> {
+impl<T: Clone> Clone for Sparse<T> {
     fn clone(&self) -> Self {
         Self { rows: self.rows.clone(), at: self.at.clone() }
     }
@@ -31,59 +30,58 @@ impl<T: Clone> Clone for BySlot<T> {
     }
 }
 
-impl<T> Default for BySlot<T> {
+impl<T> Default for Sparse<T> {
     fn default() -> Self {
         Self { rows: Vec::new(), at: Vec::new() }
     }
 }
 
-impl<T: Row> BySlot<T> {
+impl<T: Row> Sparse<T> {
     pub(crate) fn rows(&self) -> &[T] {
         &self.rows
     }
 
-    /// The rows, whose bodies are to stay theirs.
+    /// The rows, whose keys are to stay theirs.
     pub(crate) fn rows_mut(&mut self) -> &mut [T] {
         &mut self.rows
     }
 
-    /// In the order of the slots.
+    /// In the order of the keys.
     pub(crate) fn in_order(&self) -> impl Iterator<Item = &T> {
         let taken = if self.rows.is_empty() { &[] } else { &self.at[..] };
         taken.iter().filter_map(|&index| self.rows.get(index as usize))
     }
 
-    /// That of a body, if it has one.
-    pub(crate) fn get(&self, body: BodyId) -> Option<&T> {
-        let index = *self.at.get(body.slot as usize)?;
+    /// That of a key, if it has one.
+    pub(crate) fn get(&self, key: usize) -> Option<&T> {
+        let index = *self.at.get(key)?;
         self.rows.get(index as usize)
     }
 
-    /// That of a body, which gets this one if it has none.
-    pub(crate) fn get_or_insert(&mut self, row: T) -> &mut T {
-        let slot = row.body().slot as usize;
-        if self.at.len() <= slot {
-            self.at.resize(slot + 1, NONE);
+    /// That of a key, which gets one that is made for it if it has none.
+    pub(crate) fn get_or_insert(&mut self, key: usize, make: impl FnOnce() -> T) -> &mut T {
+        if self.at.len() <= key {
+            self.at.resize(key + 1, NONE);
         }
-        if self.at[slot] == NONE {
-            self.at[slot] = self.rows.len() as u32;
-            self.rows.push(row);
+        if self.at[key] == NONE {
+            self.at[key] = self.rows.len() as u32;
+            self.rows.push(make());
         }
-        &mut self.rows[self.at[slot] as usize]
+        &mut self.rows[self.at[key] as usize]
     }
 
-    /// Takes that of a body away, if it has one.
-    pub(crate) fn remove(&mut self, body: BodyId) {
-        if let Some(&index) = self.at.get(body.slot as usize).filter(|&&index| index != NONE) {
+    /// Takes that of a key away, if it has one.
+    pub(crate) fn remove(&mut self, key: usize) {
+        if let Some(&index) = self.at.get(key).filter(|&&index| index != NONE) {
             self.remove_at(index as usize);
         }
     }
 
     fn remove_at(&mut self, index: usize) {
         let row = self.rows.swap_remove(index);
-        self.at[row.body().slot as usize] = NONE;
+        self.at[row.key()] = NONE;
         if let Some(moved) = self.rows.get(index) {
-            self.at[moved.body().slot as usize] = index as u32;
+            self.at[moved.key()] = index as u32;
         }
     }
 
@@ -100,7 +98,7 @@ impl<T: Row> BySlot<T> {
     /// Takes all away.
     pub(crate) fn clear(&mut self) {
         for row in self.rows.drain(..) {
-            self.at[row.body().slot as usize] = NONE;
+            self.at[row.key()] = NONE;
         }
     }
 
@@ -108,9 +106,16 @@ impl<T: Row> BySlot<T> {
     pub(crate) fn move_to(&mut self, list: &mut Vec<T>) {
         list.clear();
         for row in &self.rows {
-            self.at[row.body().slot as usize] = NONE;
+            self.at[row.key()] = NONE;
         }
         mem::swap(&mut self.rows, list);
+    }
+}
+
+/// With the key beside what is kept for it.
+impl<T> Row for (usize, T) {
+    fn key(&self) -> usize {
+        self.0
     }
 }
 
@@ -120,25 +125,19 @@ mod tests {
 
     use super::*;
 
-    impl Row for (BodyId, u32) {
-        fn body(&self) -> BodyId {
-            self.0
-        }
-    }
-
     /// Against a map, over some thousand changes.
     #[test]
     fn as_a_map() {
-        let (mut rows, mut map) = (BySlot::default(), BTreeMap::new());
-        let mut list = alloc::vec![(BodyId::from_parts(99, 0), 0)];
+        let (mut rows, mut map) = (Sparse::default(), BTreeMap::new());
+        let mut list = alloc::vec![(99, 0)];
         let mut random = 1u32;
         for step in 0..5000u32 {
             random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            let body = BodyId::from_parts(random >> 28, 0);
+            let key = (random >> 28) as usize;
             match random >> 16 & 255 {
                 0..90 => {
-                    rows.remove(body);
-                    map.remove(&body);
+                    rows.remove(key);
+                    map.remove(&key);
                 }
                 90 => {
                     rows.clear();
@@ -155,12 +154,12 @@ mod tests {
                     map.retain(|_, value| is_kept(*value));
                 }
                 _ => {
-                    let kept = *map.entry(body).or_insert(step);
-                    assert_eq!(*rows.get_or_insert((body, step)), (body, kept));
+                    let kept = *map.entry(key).or_insert(step);
+                    assert_eq!(*rows.get_or_insert(key, || (key, step)), (key, kept));
                 }
             }
-            assert_eq!(rows.get(body).map(|row| row.1), map.get(&body).copied());
-            assert!(rows.in_order().copied().eq(map.iter().map(|(body, value)| (*body, *value))));
+            assert_eq!(rows.get(key).map(|row| row.1), map.get(&key).copied());
+            assert!(rows.in_order().copied().eq(map.iter().map(|(key, value)| (*key, *value))));
             assert_eq!(rows.rows().len(), map.len());
         }
     }
