@@ -94,10 +94,10 @@ impl<S: Scalar> Default for Bodies<S> {
     }
 }
 
-/// Adds a value. A column grows by an eighth, not to twice its size: little is kept for bodies to come.
+/// Adds a value. A column of more than a few grows by an eighth, not to twice its size: little is kept for bodies to come.
 pub(crate) fn push<T>(column: &mut Vec<T>, value: T) {
     if column.len() == column.capacity() {
-        column.reserve_exact(16.max(column.len() / 8));
+        column.reserve_exact(column.len().clamp(4, 16).max(column.len() / 8));
     }
     column.push(value);
 }

@@ -225,6 +225,55 @@ fn dumps_in_which_nothing_happens() {
     assert!(read.moments().len() >= 23 && dump.len() < 6 * before.snapshot().to_bytes().len(), "{}", dump.len());
 }
 
+/// A dump each moment of which has a world of its own, as no step makes them.
+fn parted(what: &str, world: &World) {
+    let dump = Dump::of_tick(world, &[], &Inputs::new(), world);
+    let mut file = seals::begin(b"UMBRADMP", 1);
+    for (number, (tag, contents)) in seals::chunks(&dump.to_bytes()).into_iter().enumerate() {
+        if tag != *b"MOMT" {
+            chunk(&mut file, &tag, &contents);
+            continue;
+        }
+        // A stage is five bytes more; then whether the world is new, and it.
+        let (moment, is_last) = (if contents[0] == 3 { 6 } else { 1 }, contents[0] == 4);
+        let mut other = world.clone();
+        if !is_last {
+            other.set_blob(&[number as u8]).expect("it is short");
+        }
+        chunk(&mut file, &tag, &[&contents[..moment], &[1], &other.snapshot().to_bytes()].concat());
+    }
+    let read = bounded(what, &file, |file| Dump::from_bytes(file, &laws()).expect("a dump"));
+    assert_eq!(read.moments().len(), 23);
+}
+
+/// Small worlds take most for what a file says of them: there is room for bodies to come in each.
+#[test]
+fn dumps_of_worlds_that_are_all_different() {
+    let empty = World::new(WorldDef { integrator: Integrator::Yoshida4, ..WorldDef::default() }).expect("a world");
+    for count in [0, 1, 2, 4, 5, 16, 17, 32, 40, 100] {
+        let mut world = empty.clone();
+        for i in 0..count {
+            world.add_body(BodyDef { user_data: i, ..BodyDef::dynamic() }).expect("a body");
+        }
+        parted(&format!("a dump of {count}"), &world);
+    }
+    let mut world = empty.clone();
+    world.register_law(laws().remove(0)).expect("a law");
+    world.add_field(Law::Custom { id: 9 }).expect("a field");
+    parted("a dump of a field", &world);
+    let field = world.add_field(Law::Custom { id: 9 }).expect("a field");
+    world.remove_field(field).expect("it is there");
+    let gone = world.add_body(BodyDef::dynamic()).expect("a body");
+    let shape = Some(Shape::circle(fx!(1)).expect("a shape"));
+    let pushed = world.add_body(BodyDef { shape, gravity_scale: fx!(2), ..BodyDef::dynamic() }).expect("a body");
+    world.remove_body(gone).expect("it is there");
+    world.apply_force(pushed, vec2(1, 0)).expect("it is dynamic");
+    parted("a dump of one pushed", &world);
+    let lift = world.add_body(BodyDef::kinematic()).expect("a body");
+    world.move_to(lift, vec2(1, 1), fx!(0)).expect("it is kinematic");
+    parted("a dump of one with a goal", &world);
+}
+
 /// 4 GiB, or more than there can be, announced in a hundred bytes.
 #[test]
 fn what_is_announced_is_not_made_room_for() {
