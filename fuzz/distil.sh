@@ -6,7 +6,6 @@ cd "$(dirname "$0")"
 most_inputs=150 most_bytes=60000
 
 binaries=${CARGO_TARGET_DIR:-target}/$(rustc -vV | sed -n 's/^host: //p')/release
-export ASAN_OPTIONS=detect_odr_violation=0:detect_leaks=0
 work=$(mktemp -d)
 trap 'rm -r "$work"' EXIT
 for target in "$@"; do

@@ -26,6 +26,7 @@ impl Default for Budget {
 
 /// Fewer frames than this are not thinned any further.
 const FEWEST: u64 = 32;
+
 /// A run on its way to a page. All bodies, inputs and hashes are seen each tick; how bodies move is kept each so many
 /// ticks, twice as many whenever the page would be too large.
 #[derive(Clone, Debug)]
