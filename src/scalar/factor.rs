@@ -76,9 +76,9 @@ impl FxFactor {
         };
         let (quotient, rest) = (top / divisor as u128, top % divisor as u128);
         if quotient >> 66 == 0 {
-            // With a divisor below 2^32 only a sum that fits in 128 bits is this small, so nothing was lost above.
+            // With a divisor below 2^32 only a sum that fits in 128 bits is this small: nothing was cut, and `exponent` is 0.
             let wider = (quotient << 60) | ((rest << 60) / divisor as u128);
-            return Self::new(wider | ((rest << 60) % divisor as u128 != 0) as u128, shift - exponent + 60);
+            return Self::new(wider | ((rest << 60) % divisor as u128 != 0) as u128, shift + 60);
         }
         Self::new(quotient | (rest != 0) as u128, shift - exponent)
     }
@@ -289,16 +289,18 @@ mod tests {
             prop_assert_eq!(FxFactor::new(value, 7), nearest(&UBig::from(value), &UBig::ONE, 7));
         }
 
-        /// At a tie, and a unit of the 256 bits beside it.
+        /// At a tie, and beside it by one of the bits below.
         #[test]
         fn quotients_of_256_bits_round_to_nearest_and_ties_to_even(
             mantissa in mantissa(),
             divisor in prop_oneof![Just(1), Just(12), 1..u32::MAX],
             up in 0usize..=126,
+            bit in 0usize..=126,
             beside in 0u8..3,
         ) {
             let tie = ((UBig::from(mantissa) * 2u8 + UBig::ONE) * divisor) << up;
-            let value = tie + beside - UBig::ONE;
+            let bit = UBig::ONE << bit.min(up);
+            let value = tie + &bit * beside - bit;
             let low = &value & &((UBig::ONE << 128) - UBig::ONE);
             let [high, low] = [&value >> 128, low].map(|half| u128::try_from(half).expect("128 bits"));
             let exact = nearest(&value, &UBig::from(divisor), 5);
