@@ -1112,6 +1112,19 @@ mod floats {
             assert_eq!(world.body(body).unwrap().position(), Vec2::ZERO);
         }
     }
+
+    #[test]
+    fn however_many_leave_at_once_all_are_quarantined() {
+        for count in 1..=4 {
+            let mut world = World::<f64>::new(WorldDef::default()).unwrap();
+            for i in 0..8 {
+                let y = if i < count { 1_073_741_823.0 } else { 0.0 };
+                let (position, velocity) = (Vec2::new(0.0, y), Vec2::new(0.0, 1_000.0));
+                world.add_body(BodyDef { position, velocity, ..BodyDef::dynamic() }).unwrap();
+            }
+            assert_eq!(world.step().faults.len(), count, "nobody pushed them");
+        }
+    }
 }
 
 /// The faults of each of the next steps.

@@ -297,7 +297,7 @@ impl Scalar for Fx {
     fn attraction(mu: FxFactor, to_centre: Offset<Self>, softening: Self) -> Option<Offset<Self>> {
         let (x, y, sum) = squares(to_centre, softening)?;
         let (mantissa, mu_shift) = mu.parts();
-        if sum == 0 || (x == 0 && y == 0) || mantissa == 0 {
+        if (x == 0 && y == 0) || mantissa == 0 {
             return Some(Offset::<Self>::default());
         }
         // s = sum · 2^even in [2^126, 2^128), and its root in [2^95, 2^96).
