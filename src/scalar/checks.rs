@@ -318,6 +318,19 @@ proptest! {
     }
 }
 
+/// A body of little mass in something very thick: what is left of its speed is below what a factor has.
+#[test]
+fn drag_without_measure_stops_and_has_no_way_back() {
+    let [speed, second] = [FxFactor::new(1 << 20, 0), FxFactor::ONE];
+    for beta in [FxFactor::ZERO, FxFactor::ONE] {
+        for log2 in [8, 9, 31, 47] {
+            let alpha = FxFactor::new(1 << log2, 0);
+            assert_eq!(<Fx as Scalar>::drag(speed, alpha, beta, second, false), Some(FxFactor::ZERO));
+            assert_eq!(<Fx as Scalar>::drag(speed, alpha, beta, second, true), None);
+        }
+    }
+}
+
 fn seconds(span: Span) -> Real {
     // ∛2 by Newton's method: each step doubles the digits, from 53 bits.
     let mut root = real(5_674_179_970_822_795i64, -52);
