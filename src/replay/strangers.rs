@@ -19,6 +19,23 @@ use crate::scalar::{Accumulator as _, fx::Fx};
 use crate::wire::Reader;
 use crate::world::{Command, Input, Inputs, World, WorldDef};
 
+/// What a chunk is and how long it is stands there twice.
+#[test]
+fn a_word_before_a_chunk_is_named_with_what_it_was_and_what_it_is() {
+    let mut whole = Vec::new();
+    chunk::write(&mut whole, TICKS, b"some bytes");
+    let word = |bytes: &[u8], at: usize| u64::from_le_bytes(bytes[at..at + 8].try_into().expect("eight bytes"));
+    for bit in 0..128 {
+        let mut changed = whole.clone();
+        changed[bit / 8] ^= 1 << (bit % 8);
+        let chunk = chunk::read(&mut Reader::new(&changed)).expect("the other word is right");
+        assert_eq!((chunk.tag, &chunk.bytes[..]), (TICKS, &b"some bytes"[..]));
+        let (at, double) = (bit / 64 * 8, bit >= 64);
+        let damage = Damage::Word { recorded: word(&whole, at), found: word(&changed, at), double };
+        assert_eq!(chunk.damage, Some(damage), "bit {bit}");
+    }
+}
+
 /// A chunk whose seal says that its one word was changed by so much, and by so much times its place.
 fn sealed_otherwise(word: u64, change: i128, weighted: i128) -> Vec<u8> {
     let mut whole = Vec::new();

@@ -128,6 +128,23 @@ fn every_command_is_recorded_and_played_alike() {
     }
 }
 
+/// Each way forward goes over as few ticks as the snapshots allow: only another one of them puts the world back.
+#[test]
+fn seeking_goes_on_from_where_it_is_or_from_a_nearer_snapshot() {
+    let mut world: World = World::new(WorldDef::default()).expect("a fair definition");
+    let mut recorder = Recorder::new(&world, RecordOptions { snapshot_every: 10, ..RecordOptions::default() });
+    (0..40).for_each(|_| _ = recorder.step(&mut world, &Inputs::new()));
+    let replay = Replay::from_bytes(&recorder.finish(&world), &[]).expect("it is whole");
+    let mut playback = replay.play();
+    for (tick, jumps) in
+        [(5, false), (9, false), (10, true), (19, false), (39, true), (38, true), (12, true), (12, false)]
+    {
+        let before = playback.world().rewinds();
+        playback.seek(tick);
+        assert_eq!((playback.world().tick(), playback.world().rewinds() != before), (tick, jumps), "to {tick}");
+    }
+}
+
 #[test]
 fn a_flipped_bit_in_any_value_is_named_with_both_values() {
     let whole = recording();
