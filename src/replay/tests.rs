@@ -128,6 +128,30 @@ fn every_command_is_recorded_and_played_alike() {
     }
 }
 
+/// Of what was recorded alike and ran apart, the next snapshots have the values.
+#[test]
+fn replays_that_part_name_the_value_in_the_snapshot_after() {
+    let record = |parts_at: u64| {
+        let mut world: World = World::new(WorldDef::default()).expect("a fair definition");
+        let body = world.add_body(BodyDef::dynamic()).expect("there is room");
+        let options = RecordOptions { hash_every: 1, snapshot_every: 4 };
+        let mut recorder = Recorder::new(&world, options);
+        for tick in 0..11 {
+            if tick == parts_at {
+                // Past the recorder, as by a fault of the machine.
+                world.set_angular_velocity(body, fx!(1)).expect("it turns");
+            }
+            recorder.step(&mut world, &Inputs::new());
+        }
+        Replay::from_bytes(&recorder.finish(&world), &[]).expect("it is whole")
+    };
+    let sound = record(u64::MAX);
+    for (parts_at, named_at) in [(0, 3), (3, 3), (4, 7), (7, 7), (8, 10), (10, 10)] {
+        let found = sound.first_difference(&record(parts_at)).expect("they part");
+        assert_eq!((found.tick, found.moment, &found.field[..]), (named_at, Moment::End, "angle"), "from {parts_at}");
+    }
+}
+
 /// Each way forward goes over as few ticks as the snapshots allow: only another one of them puts the world back.
 #[test]
 fn seeking_goes_on_from_where_it_is_or_from_a_nearer_snapshot() {

@@ -204,6 +204,13 @@ fn dumps() {
         }
     });
     assert!(accepted > 100 && refused > 1_000, "{accepted}, {refused}");
+    // Another tick than that of its worlds, and another end.
+    for (tag, at) in [(*b"TICK", 0), (*b"DONE", 0), (*b"DONE", 8)] {
+        let mut other = parts.clone();
+        let part = other.iter_mut().find(|part| part.0 == tag).expect("it has one");
+        part.1[at] ^= 1;
+        assert_eq!(read(&file(b"UMBRADMP", &other)).expect_err("it is of another tick").code(), 406);
+    }
     // Of times to come.
     let mut format = whole.clone();
     format[8] = 2;
