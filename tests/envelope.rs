@@ -1127,6 +1127,36 @@ mod floats {
     }
 }
 
+/// Damping to 2^-32 of a velocity makes 2^11 times of it in the middle of a step of Yoshida's, which goes back in time there.
+#[test]
+fn damping_that_goes_too_far_back_takes_out_the_body_that_it_carries_away() {
+    for own in [None, Some(fx!(0.5))] {
+        for at in [0, 1, 77, 199] {
+            for (cause, fast) in [
+                (Cause::Velocity, BodyDef { velocity: vec2(0, 1 << 19), ..BodyDef::dynamic() }),
+                (Cause::AngularVelocity, BodyDef { angular_velocity: fx!(524_288), ..BodyDef::dynamic() }),
+            ] {
+                let mut world = World::new(WorldDef {
+                    integrator: Integrator::Yoshida4,
+                    time_step: TimeStep::hz(1),
+                    linear_damping: ULP,
+                    angular_damping: ULP,
+                    ..WorldDef::default()
+                })
+                .expect("a world");
+                let bodies: Vec<_> = (0..200)
+                    .map(|i| {
+                        let calm = BodyDef { linear_damping: own.filter(|_| i % 2 == at % 2), ..BodyDef::dynamic() };
+                        let def = if i == at { fast.clone() } else { calm };
+                        world.add_body(def).expect("there is room")
+                    })
+                    .collect();
+                assert_eq!(world.step().faults, [Fault { body: bodies[at], cause }], "body {at}, {own:?}");
+            }
+        }
+    }
+}
+
 /// The faults of each of the next steps.
 fn faults_of(world: &mut World, steps: u32) -> Vec<Vec<Fault>> {
     (0..steps).map(|_| world.step().faults.to_vec()).collect()

@@ -255,12 +255,14 @@ impl Subject for Commands {
     }
 
     /// Bodies that are added one after the other among themselves, and so fields, but for drags, which act in order; forces and
-    /// torques, but for those that a sleeping body does not feel.
+    /// torques, but for those that a sleeping body does not feel. Where a field is made a drag later all keep their order.
     fn reordered(&self, course: &Course<Command>, turn: &mut dyn FnMut(&mut [usize])) -> (Course<Command>, Likeness) {
+        let is_drag = |field: &Field| matches!(field.law, Law::Drag { .. });
+        let made_drag = |command: &Command| matches!(command, Command::SetField { field, .. } if is_drag(field));
+        let keep_order = course.inputs.iter().any(|(_, command)| made_drag(command));
         let kind = |place: usize| match &course.inputs[place].1 {
             Command::AddBody(_) => 1,
-            Command::AddField(Field { law: Law::Drag { .. }, .. }) => 0,
-            Command::AddField(_) => 2,
+            Command::AddField(field) if !keep_order && !is_drag(field) => 2,
             Command::Apply { action: Action::Force { .. } | Action::Torque(_), manner, .. } if manner.wake => 3,
             _ => 0,
         };

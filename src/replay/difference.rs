@@ -335,4 +335,17 @@ mod tests {
         assert_eq!(found(&[leaf("a")], &[leaf("a"), leaf("b")]), Some((b.clone(), None, one.clone())));
         assert_eq!(found(&[leaf("a"), leaf("b")], &[leaf("a")]), Some((b, one, None)));
     }
+
+    #[test]
+    fn a_part_that_one_of_two_trees_alone_has_is_named() {
+        let leaf = |name: &str| HashTree::group(name.to_string(), Vec::new());
+        let all = |parts: Vec<HashTree>| HashTree::group("all".to_string(), parts);
+        let (one, two) = (all(alloc::vec![leaf("a")]), all(alloc::vec![leaf("a"), leaf("b")]));
+        for (left, right) in [(&one, &two), (&two, &one)] {
+            assert_eq!(left.first_difference(right), Some(alloc::vec!["all", "b"]));
+        }
+        // Parts of other names are not looked into.
+        let (a, b) = (HashTree::group("a".to_string(), alloc::vec![leaf("c")]), leaf("b"));
+        assert_eq!(all(alloc::vec![a]).first_difference(&all(alloc::vec![b])), Some(alloc::vec!["all", "a"]));
+    }
 }

@@ -7,7 +7,9 @@ use alloc::vec::Vec;
 use super::chunk::{self, Chunk, Damage, Tag};
 use super::file::{SNAPSHOT, TICKS};
 use super::tests::{chunks, commands, file, laws, recording, reseal, values};
-use super::{Dump, Place, RecordOptions, Recorder, Replay, ReplayLimits, Snapshot, SnapshotError, VerifyError};
+use super::{
+    Dump, Place, RecordOptions, Recorder, Replay, ReplayError, ReplayLimits, Snapshot, SnapshotError, VerifyError,
+};
 use crate::body::{Activity, BodyDef, BodyKind};
 use crate::error::Error;
 use crate::force::{Field, Law};
@@ -34,6 +36,40 @@ fn a_word_before_a_chunk_is_named_with_what_it_was_and_what_it_is() {
         let damage = Damage::Word { recorded: word(&whole, at), found: word(&changed, at), double };
         assert_eq!(chunk.damage, Some(damage), "bit {bit}");
     }
+}
+
+#[test]
+fn a_changed_chunk_of_a_dump_is_named_by_its_number() {
+    let before: World = World::new(WorldDef::default()).expect("a fair definition");
+    let mut after = before.clone();
+    after.step();
+    let whole = Dump::of_tick(&before, &[], &Inputs::new(), &after).to_bytes();
+    // Letters and format; then a word and its double before each chunk, a hash and two sums after it.
+    let (mut at, mut number) = (12, 0);
+    while at < whole.len() {
+        let mut changed = whole.clone();
+        changed[at] ^= 1;
+        let error = Dump::from_bytes(&changed, &[]).expect_err("it was changed");
+        let ReplayError::Tampered(finding) = error else { panic!("{error}") };
+        assert_eq!(finding.field, alloc::format!("chunk {number}.word"));
+        let length = u32::from_le_bytes(whole[at + 4..at + 8].try_into().expect("four bytes"));
+        (at, number) = (at + 16 + length as usize + 40, number + 1);
+    }
+    assert!(number > 7, "{number} chunks");
+}
+
+#[test]
+fn of_a_chunk_that_was_changed_twice_no_value_is_named() {
+    let world: World = World::new(WorldDef::default()).expect("a fair definition");
+    let mut bytes = Recorder::new(&world, RecordOptions::default()).finish(&world);
+    let at = bytes.windows(8).position(|letters| letters == b"UMBRASNP").expect("it begins with a snapshot");
+    // Two words, by as much: no one word is so far off.
+    bytes[at] += 1;
+    bytes[at + 8] += 1;
+    let error = Replay::from_bytes(&bytes, &[]).expect_err("it was changed");
+    let ReplayError::Tampered(finding) = error else { panic!("{error}") };
+    assert_eq!((finding.recorded, finding.found), (None, None));
+    assert_eq!(finding.field, "chunk 1.bytes");
 }
 
 /// A chunk whose seal says that its one word was changed by so much, and by so much times its place.

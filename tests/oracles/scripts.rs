@@ -167,6 +167,27 @@ fn a_law_that_names_a_body_names_it_still() {
     assert!(without.start().expect("a fair definition").check(&without.commands[2].1).is_err());
 }
 
+/// Drags act in the order in which the fields were added, also those that were something else then.
+#[test]
+fn fields_that_become_drags_are_in_no_other_order() {
+    let handle = umbra_physics::FieldId::from_parts;
+    let drag = |factor| Law::Drag { linear: fx!(1), quadratic: factor, wind: vec2(factor, 0) };
+    let zone = Law::Zone {
+        region: umbra_physics::Region::Disc { centre: vec2(0, 0), radius: fx!(9) },
+        acceleration: vec2(0, 1),
+    };
+    let mut commands = vec![(0, Command::AddBody(BodyDef { velocity: vec2(5, 0), ..BodyDef::dynamic() }))];
+    commands.extend([(0, Command::AddField(zone.into())), (0, Command::AddField(zone.into()))]);
+    let set = |slot, factor| Command::SetField { id: handle(slot, 0), field: drag(factor).into() };
+    let mut script = Script { world: WorldDef::default(), commands, ticks: 3 };
+    assert_eq!(script.judge(Oracle::Order), Ok(Verdict::Held));
+    script.commands.extend([(1, set(0, fx!(1))), (1, set(1, fx!(3)))]);
+    assert!(matches!(script.judge(Oracle::Order), Ok(Verdict::Inapplicable { .. })));
+    // Bodies still are.
+    script.commands.insert(1, (0, Command::AddBody(BodyDef { key: 1, ..BodyDef::dynamic() })));
+    assert_eq!(script.judge(Oracle::Order), Ok(Verdict::Held));
+}
+
 #[test]
 fn every_oracle_holds_of_scripts_and_has_something_to_judge() {
     let mut held = BTreeMap::new();
