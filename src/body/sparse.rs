@@ -65,7 +65,9 @@ impl<T: Row> Sparse<T> {
         }
         if self.at[key] == NONE {
             self.at[key] = self.rows.len() as u32;
-            self.rows.push(make());
+            let row = make();
+            debug_assert_eq!(row.key(), key);
+            self.rows.push(row);
         }
         &mut self.rows[self.at[key] as usize]
     }

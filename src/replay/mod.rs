@@ -29,6 +29,8 @@ pub use verify::{ReplayLimits, VerifyError};
 pub const LAW: u32 = 6;
 
 #[cfg(test)]
+mod runs;
+#[cfg(test)]
 mod strangers;
 #[cfg(test)]
 mod tests;

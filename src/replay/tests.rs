@@ -21,7 +21,7 @@ use crate::limits;
 use crate::math::vec2;
 use crate::scalar::fx::{Fx, fx};
 use crate::wire::{Index, Read as _, Reader};
-use crate::world::{Command, Input, Inputs, World, WorldDef};
+use crate::world::{Command, Inputs, World, WorldDef};
 
 #[path = "../../tests/support/everything.rs"]
 mod everything;
@@ -125,90 +125,6 @@ fn every_command_is_recorded_and_played_alike() {
         let hash = hashes[(tick - replay.start().tick()) as usize];
         assert_eq!(playback.world().state_hash(), hash);
         assert_eq!(playback.recorded_hash(), (tick > replay.start().tick()).then_some(hash));
-    }
-}
-
-/// Ticks come in chunks of 64, and of fewer where they have much in them.
-#[test]
-fn ticks_are_recorded_in_chunks_of_a_size() {
-    let counts = |inputs: Inputs, ticks: u32| -> Vec<u32> {
-        let mut world: World = World::new(WorldDef::default()).expect("a fair definition");
-        let mut recorder = Recorder::new(&world, RecordOptions { snapshot_every: 0, ..RecordOptions::default() });
-        (0..ticks).for_each(|_| _ = recorder.step(&mut world, &inputs));
-        let file = recorder.finish(&world);
-        let segments = chunks(&file).into_iter().map(|(chunk, _)| chunk).filter(|chunk| chunk.tag == TICKS);
-        segments.map(|chunk| Segment::read(&mut Reader::new(&chunk.bytes)).expect("ticks").count).collect()
-    };
-    assert_eq!(counts(Inputs::new(), 200), [64, 64, 64, 8]);
-    // 600 kB a tick: after a MiB another chunk begins.
-    let large = Input { player: 0, sequence: 0, command: Command::SetBlob(alloc::vec![1; 600_000]) };
-    assert_eq!(counts(Inputs::try_from(alloc::vec![large]).expect("it has a place"), 5), [2, 2, 1]);
-}
-
-/// What one side alone did is told by the tick, and whether it is a call or an input.
-#[test]
-fn replays_with_unlike_numbers_of_calls_or_inputs_say_so() {
-    let record = |calls: u32, inputs: u32| {
-        let mut world: World = World::new(WorldDef::default()).expect("a fair definition");
-        let mut recorder = Recorder::new(&world, RecordOptions::default());
-        for tick in 0..4 {
-            let many = |count: u32| if tick == 2 { count } else { 1 };
-            for _ in 0..many(calls) {
-                recorder.execute(&mut world, &Command::ClearForces).expect("it is always allowed");
-            }
-            let input = |sequence| Input { player: 0, sequence, command: Command::ClearForces };
-            let inputs: Vec<Input> = (0..many(inputs)).map(input).collect();
-            recorder.step(&mut world, &Inputs::try_from(inputs).expect("each has a place"));
-        }
-        Replay::from_bytes(&recorder.finish(&world), &[]).expect("it is whole")
-    };
-    let even = record(1, 1);
-    for (other, moment, field) in
-        [(record(2, 1), Moment::Calls, "calls.count"), (record(1, 3), Moment::Inputs, "inputs.count")]
-    {
-        let found = even.first_difference(&other).expect("they differ");
-        assert_eq!((found.tick, found.moment, found.place, &found.field[..]), (2, moment, Place::World, field));
-    }
-}
-
-/// Of what was recorded alike and ran apart, the next snapshots have the values.
-#[test]
-fn replays_that_part_name_the_value_in_the_snapshot_after() {
-    let record = |parts_at: u64| {
-        let mut world: World = World::new(WorldDef::default()).expect("a fair definition");
-        let body = world.add_body(BodyDef::dynamic()).expect("there is room");
-        let options = RecordOptions { hash_every: 1, snapshot_every: 4 };
-        let mut recorder = Recorder::new(&world, options);
-        for tick in 0..11 {
-            if tick == parts_at {
-                // Past the recorder, as by a fault of the machine.
-                world.set_angular_velocity(body, fx!(1)).expect("it turns");
-            }
-            recorder.step(&mut world, &Inputs::new());
-        }
-        Replay::from_bytes(&recorder.finish(&world), &[]).expect("it is whole")
-    };
-    let sound = record(u64::MAX);
-    for (parts_at, named_at) in [(0, 3), (3, 3), (4, 7), (7, 7), (8, 10), (10, 10)] {
-        let found = sound.first_difference(&record(parts_at)).expect("they part");
-        assert_eq!((found.tick, found.moment, &found.field[..]), (named_at, Moment::End, "angle"), "from {parts_at}");
-    }
-}
-
-/// Each way forward goes over as few ticks as the snapshots allow: only another one of them puts the world back.
-#[test]
-fn seeking_goes_on_from_where_it_is_or_from_a_nearer_snapshot() {
-    let mut world: World = World::new(WorldDef::default()).expect("a fair definition");
-    let mut recorder = Recorder::new(&world, RecordOptions { snapshot_every: 10, ..RecordOptions::default() });
-    (0..40).for_each(|_| _ = recorder.step(&mut world, &Inputs::new()));
-    let replay = Replay::from_bytes(&recorder.finish(&world), &[]).expect("it is whole");
-    let mut playback = replay.play();
-    for (tick, jumps) in
-        [(5, false), (9, false), (10, true), (19, false), (39, true), (38, true), (12, true), (12, false)]
-    {
-        let before = playback.world().rewinds();
-        playback.seek(tick);
-        assert_eq!((playback.world().tick(), playback.world().rewinds() != before), (tick, jumps), "to {tick}");
     }
 }
 
