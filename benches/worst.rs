@@ -7,7 +7,6 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 use std::time::{Duration, Instant};
 
 use umbra_physics::{Integrator, Random};
@@ -15,6 +14,9 @@ use umbra_physics::{Integrator, Random};
 #[path = "../fuzz/src/work.rs"]
 #[allow(dead_code, unreachable_pub, reason = "it is public in the crate of the fuzz targets, and runs by itself there")]
 mod work;
+
+#[path = "scenes/counting.rs"]
+mod counting;
 
 use work::{BYTES, Busy, Genes, KINDS};
 
@@ -47,25 +49,12 @@ fn text(genes: &Genes) -> String {
 
 /// Instructions of the steps of each scene.
 fn count(scenes: &[Genes], folder: &Path) -> Vec<u64> {
-    _ = fs::remove_dir_all(folder);
-    fs::create_dir_all(folder).expect("a folder for counts");
-    let list = folder.join("scenes");
+    let list = folder.with_extension("list");
     fs::write(&list, scenes.iter().map(|genes| text(genes) + "\n").collect::<String>()).expect("it can be written");
-    let status = Command::new("valgrind")
-        .args(["--quiet", "--tool=callgrind", "--collect-atstart=no", "--toggle-collect=*counted_step*"])
-        .args(["--dump-after=worst::counted_step", "--compress-strings=no"])
-        .arg(format!("--callgrind-out-file={}", folder.join("out").display()))
-        .arg(std::env::current_exe().expect("its own path"))
-        .arg("measure")
-        .arg(&list)
-        .status();
-    assert!(status.expect("there is valgrind").success(), "valgrind failed");
-    let dumps = (1..=scenes.len() * STEPS).map(|i| {
-        let dump = fs::read_to_string(folder.join(format!("out.{i}"))).expect("a dump for each step");
-        let total = dump.lines().find_map(|line| line.strip_prefix("summary: ").or(line.strip_prefix("totals: ")));
-        total.and_then(|total| total.trim().parse::<u64>().ok()).expect("a total in each dump")
-    });
-    dumps.collect::<Vec<u64>>().chunks(STEPS).map(|steps| steps.iter().sum()).collect()
+    let args = ["measure", list.to_str().expect("a path in UTF-8")];
+    let counts = counting::each_call("worst::counted_step", scenes.len() * STEPS, &args, folder);
+    _ = fs::remove_file(&list);
+    counts.chunks(STEPS).map(|steps| steps.iter().sum()).collect()
 }
 
 /// A scene, what its steps cost, and those of the calm one.

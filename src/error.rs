@@ -205,6 +205,8 @@ pub enum Irreversible {
     Capped,
     /// A kinematic body reached a goal in the last step, or stopped there, or has one for the step to come.
     Moved,
+    /// The world is at the [last tick](crate::limits::TICK): how many steps were made there is not counted.
+    End,
 }
 
 codes!(Irreversible {
@@ -221,6 +223,7 @@ codes!(Irreversible {
     Fault = 141,
     Capped = 142,
     Moved = 143,
+    End = 144,
 });
 
 impl core::error::Error for Irreversible {
@@ -248,6 +251,7 @@ impl fmt::Display for Irreversible {
             Self::Fault(fault) => write!(f, "on the way back {fault}"),
             Self::Capped => f.write_str("the speed of a body is capped"),
             Self::Moved => f.write_str("a body was moved to a goal, or stopped there"),
+            Self::End => f.write_str("the world is at the last tick, 2^63"),
         }
     }
 }

@@ -99,8 +99,8 @@ pub use shape::{Geometry, Part, Shape};
 pub use step::Timers;
 pub use wire::Malformed;
 pub use world::{
-    Action, BodyRef, Command, Driver, Event, Frame, History, Input, Inputs, Made, Manner, Outcome, Outlook, StepReport,
-    TickReport, Trace, World, WorldDef, step_all,
+    Action, BodyRef, Command, Driver, Event, Frame, History, Input, Inputs, InputsIter, Made, Manner, Outcome, Outlook,
+    StepReport, TickReport, Trace, World, WorldDef, step_all,
 };
 
 /// The README's examples, compiled and run as tests.

@@ -16,6 +16,11 @@
 //! - *Forces.* A call adds at most 2^31 N a component or 2^63 N·m; sums are held in 192 bits and checked
 //!   once, in the step.
 //!
+//! Ticks are from 0 to [`TICK`] = 2^63, and no step leads out of that: at [`TICK`] the count stands still. So whatever a
+//! reader accepts can be saved, recorded and read again after any number of steps, also where a file names the last tick. A
+//! run from tick 0 never gets there: 2^63 steps take 292 years at a nanosecond each. A tick and a number of ticks below 2^63
+//! add up in 64 bits.
+//!
 //! Rotation has the same bounds in rad/s; its angle wraps by itself. Undoing a step makes the same kicks and drifts with the
 //! opposite sign, from the same bounds.
 //!
@@ -81,12 +86,18 @@ pub const RATE_MAX: u32 = 10_000;
 pub const CORNERS: usize = 64;
 /// The most parts a compound has.
 pub const PARTS: usize = 256;
-/// The most bodies a world has: handles are 32-bit.
+/// The most bodies a world has, slots whose handles are used up included: handles are 32-bit.
 pub const BODIES: usize = 1 << 24;
-/// The most force fields a world has: handles are 32-bit.
+/// The most force fields a world has, slots whose handles are used up included: handles are 32-bit.
 pub const FIELDS: usize = 1 << 24;
-/// The last tick a snapshot may be of: 2^63, 29 million years at the fastest rate. No run gets from there to where the
-/// count of ticks ends.
+/// The last tick: 2^63, 29 million years at the fastest rate. Where a file says that a world is there, a step moves it as
+/// everywhere, but its tick and its elapsed time stay what they are.
 pub const TICK: u64 = 1 << 63;
 /// The most bytes of a game's own data a world carries along: 16 MiB.
 pub const BLOB: usize = 1 << 24;
+
+/// The tick that so many steps after a tick lead to.
+pub(crate) const fn tick_after(tick: u64, steps: u64) -> u64 {
+    let later = tick.saturating_add(steps);
+    if later < TICK { later } else { TICK }
+}

@@ -16,7 +16,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use umbra_physics::scene::Scene;
-use umbra_physics::{LAW, Random};
+use umbra_physics::{BodyDef, Command, LAW, Random, Shape, Vec2, World, WorldDef, vec2};
 
 fn folder(target: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/seeds").join(target)
@@ -107,6 +107,53 @@ fn the_dictionary_has_every_field_of_a_scene() {
     assert!(looked > 80, "{looked}");
 }
 
+/// Values in another way than that in which they are written: each is to be refused.
+fn second_encodings() -> Vec<(&'static str, &'static str, Vec<u8>)> {
+    let corners = [vec2(0, 0), vec2(3, 0), vec2(2, 2)];
+    let shape = Some(Shape::polygon(&corners).expect("a shape"));
+    let in_bytes = |corners: &[Vec2]| -> Vec<u8> {
+        corners.iter().flat_map(|c| [c.x, c.y]).flat_map(|c| c.to_bits().to_le_bytes()).collect()
+    };
+    let mut clockwise = corners;
+    clockwise.reverse();
+    let replaced = |bytes: &[u8], old: &[u8], new: &[u8]| {
+        let at = bytes.windows(old.len()).rposition(|bytes| bytes == old).expect("it is there");
+        [&bytes[..at], new, &bytes[at + old.len()..]].concat()
+    };
+    let polygon = |bytes: &[u8]| replaced(bytes, &in_bytes(&corners), &in_bytes(&clockwise));
+
+    let mut world = World::new(WorldDef::default()).expect("a world");
+    for law in fuzz::author::laws() {
+        world.register_law(law).expect("its id is free");
+    }
+    let body = world.add_body(BodyDef { shape: shape.clone(), ..BodyDef::dynamic() }).expect("a body");
+    world.add_body(BodyDef { shape: shape.clone(), key: 7, ..BodyDef::dynamic() }).expect("a body");
+    let command = Command::SetShape { body, shape: shape.clone() }.to_bytes();
+    // Between the head of a snapshot and its hash.
+    let whole = world.snapshot().to_bytes();
+    let state = &whole[16..whole.len() - 16];
+    let law = |id: u64, version: u32| [&id.to_le_bytes()[..], &version.to_le_bytes()].concat();
+    let laws = replaced(state, &[law(0, 1), law(1, 3)].concat(), &[law(1, 3), law(0, 1)].concat());
+    // After the key and the data of the second body: the slot of the first one, or the shape once more.
+    let key = [&7u64.to_le_bytes()[..], &[0; 8]].concat();
+    let given = [&key, &[1, 3, 3, 0, 0, 0][..], &in_bytes(&corners)].concat();
+    let shapes = replaced(state, &[&key, &[2, 0, 0, 0, 0][..]].concat(), &given);
+    let first = |kind: u8, bytes: &[u8]| [&[kind], bytes].concat();
+    vec![
+        ("replay", "second-polygon", first(7, &polygon(&command))),
+        ("snapshot", "second-polygon", first(1, &polygon(state))),
+        ("snapshot", "second-laws", first(1, &laws)),
+        ("snapshot", "second-shape", first(1, &shapes)),
+    ]
+}
+
+#[test]
+fn second_encodings_are_committed() {
+    for (target, name, bytes) in second_encodings() {
+        assert!(fs::read(folder(target).join(name)).is_ok_and(|file| file == bytes), "{target}/{name}: UMBRA_BLESS=1");
+    }
+}
+
 /// Writes inputs to begin with: random bytes for the targets that make worlds of them, the repository's scenes, and the
 /// files of format and law.
 #[test]
@@ -128,6 +175,9 @@ fn write_seeds() {
             bytes.insert(0, if target == "commands" { 0 } else { i });
             write(target, &format!("random-{i:02}"), &bytes);
         }
+    }
+    for (target, name, bytes) in second_encodings() {
+        write(target, name, &bytes);
     }
     // Of each function of numbers, with all of its arguments.
     for (i, again) in (0..18u8).flat_map(|i| [(i, 0), (i, 1)]) {

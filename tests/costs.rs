@@ -227,3 +227,56 @@ fn no_values_make_a_step_cost_three_times_a_calm_one() {
     // Scenes in which values make no difference would show nothing.
     assert!(most >= 1.5, "{most} times at worst");
 }
+
+/// The lines of `benches/calls.rs`, each in words; `None` where there is no valgrind.
+fn calls() -> Option<Vec<Vec<String>>> {
+    missing_tool().is_none().then(|| {
+        let bench =
+            ["bench", "--quiet", "--profile", "release", "--features", "scene", "--bench", "calls", "--", "check"];
+        let output = Command::new(env!("CARGO")).args(bench).current_dir(env!("CARGO_MANIFEST_DIR")).output();
+        let output = output.expect("cargo starts");
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let text = String::from_utf8(output.stdout).expect("text");
+        text.lines().map(|line| line.split(' ').map(str::to_string).collect()).collect()
+    })
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "counts optimised code: in release builds")]
+fn no_kilobyte_of_commands_costs_more_than_ten_steps_and_no_call_more_than_what_it_names() {
+    let Some(lines) = calls() else { return };
+    let number = |word: &String| word.parse::<f64>().expect("a number");
+    let (mut constant, mut growing) = (0, 0);
+    for line in &lines {
+        let line: Vec<&String> = line.iter().collect();
+        match line[..] {
+            [kind, name, is_constant, commands, calls, steps, calls_of_more, steps_of_more] if kind == "kilobyte" => {
+                assert!(
+                    number(steps) <= 10.0 && number(steps_of_more) <= 10.0,
+                    "{name}: {steps}, {steps_of_more} steps"
+                );
+                if is_constant == "true" {
+                    constant += 1;
+                    let factor = number(calls_of_more) / number(calls);
+                    assert!(factor <= 1.25, "{name}: {factor:.2} times as much among four times the bodies");
+                    let each = number(calls) / number(commands);
+                    assert!(each <= 10_000.0, "{name}: {each} instructions a command");
+                }
+            }
+            [kind, name, few, many] if kind == "growing" => {
+                growing += 1;
+                let factor = number(many) / number(few);
+                // A logarithm adds a fifth: that of 4,000 beside that of 1,000.
+                assert!(factor <= 4.0 * 1.25, "{name}: {factor:.2} times as much for four times as many");
+                // In a scene a body and an input each.
+                let each = number(many) / 16_000.0;
+                assert!(
+                    each <= if name.starts_with("a_scene") { 100_000.0 } else { 25_000.0 },
+                    "{name}: {each} for one"
+                );
+            }
+            _ => panic!("{line:?}"),
+        }
+    }
+    assert!(constant >= 10 && growing >= 8, "{constant} constant, {growing} growing");
+}

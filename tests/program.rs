@@ -2,6 +2,7 @@
 
 mod cli;
 mod compare;
+mod outputs;
 mod replays;
 mod report;
 mod view;

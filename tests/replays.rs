@@ -389,19 +389,6 @@ fn how_much_is_recorded_can_be_chosen() {
 }
 
 #[test]
-fn a_run_that_is_broken_off_leaves_what_it_had() {
-    let folder = Folder::new("broken");
-    let scene = r#"{"bodies": [{"name": "a"}], "ticks": 90, "inputs": [
-        {"from": 80, "to": 81, "body": "a", "impulse": [6e5, 0]}]}"#;
-    let (scene, replay) = (folder.write("broken.json", scene), folder.path("broken.umbrarep"));
-    let output = umbra(&["run", &scene, "--record", &replay]);
-    assert_eq!(output.status.code(), Some(2));
-    assert!(text(&output.stderr).contains("at tick 81: out of range"), "{}", text(&output.stderr));
-    let (status, lines) = verify(&[&replay], &[]);
-    assert_eq!((status, lines[0]["status"].as_str(), lines[0]["ticks"].as_u64()), (1, Some("cut_off"), Some(64)));
-}
-
-#[test]
 fn diff_names_what_was_done_otherwise() {
     let folder = Folder::new("diff");
     let record = |name: &str, push: &str, more: &[&str]| folder.record(&folder.write(name, busy(push)), more);

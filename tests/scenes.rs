@@ -331,23 +331,15 @@ fn a_few_lines_that_repeat_a_long_one_are_refused() {
 }
 
 #[test]
-fn inputs_that_go_through_a_large_world_thousands_of_times_are_tried_as_they_come() {
-    let scene = |removed: u32| {
-        format!(
-            r#"{{
-            "bodies": [{{"name": "b{{n}}", "repeat": {{"i": 8192}}}}],
-            "fields": [{{"zone": {{"disc": {{"centre": [0, 0], "radius": 1}}, "acceleration": [1, 0]}}, "groups": [9],
-                "repeat": {{"i": 65536}}}}],
-            "inputs": [
-                {{"at": 5, "body": "b{{n}}", "do": "remove", "repeat": {{"i": {removed}}}}},
-                {{"at": 7, "body": "b0", "force": [1, 0]}}
-            ]}}"#
-        )
-    };
-    // Few enough: refused before the run.
-    let error = Scene::parse(&scene(100)).expect_err("b0 is not there any more");
+fn thousands_of_inputs_to_a_large_world_are_all_tried() {
+    let text = r#"{
+        "bodies": [{"name": "b{n}", "repeat": {"i": 8192}}],
+        "fields": [{"zone": {"disc": {"centre": [0, 0], "radius": 1}, "acceleration": [1, 0]}, "groups": [9],
+            "repeat": {"i": 65536}}],
+        "inputs": [
+            {"at": 5, "body": "b{n}", "do": "remove", "repeat": {"i": 8192}},
+            {"at": 7, "body": "b0", "force": [1, 0]}
+        ]}"#;
+    let error = Scene::parse(text).expect_err("b0 is not there any more");
     assert!(error.message.starts_with("at tick 7"), "{error}");
-    // 2^28 / (2^13 + 2^16) are not.
-    let parsed = Scene::parse(&scene(4_000)).expect("nothing is seen to be wrong with it");
-    assert_eq!(parsed.inputs.len(), 4_001);
 }

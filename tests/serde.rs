@@ -247,6 +247,7 @@ fn every_variant_of_every_enum_comes_back() {
         Irreversible::Fault(Fault { body: body(1), cause: Cause::Position }),
         Irreversible::Capped,
         Irreversible::Moved,
+        Irreversible::End,
     ]);
     every_variant([Made::Nothing, Made::Body(body(1)), Made::Field(field)]);
     every_variant([Weight::Whole, Weight::YoshidaOuter, Weight::YoshidaInner]);

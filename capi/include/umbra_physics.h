@@ -377,6 +377,18 @@ typedef struct UmbraMade {
     uint32_t reserved;
 } UmbraMade;
 
+// Limits on what a replay may ask for. They also hold for finding out where a run diverges.
+typedef struct UmbraReplayLimits {
+    // The most ticks it may have: `UMBRA_ERROR_VERIFY_TICKS`.
+    uint64_t ticks;
+    // The most commands it may have over all of its ticks: `UMBRA_ERROR_VERIFY_COMMANDS`.
+    uint64_t commands;
+    // The most bodies there may be at any time: `UMBRA_ERROR_VERIFY_BODIES`.
+    uint32_t bodies;
+    // The most force fields there may be at any time: `UMBRA_ERROR_VERIFY_FIELDS`.
+    uint32_t fields;
+} UmbraReplayLimits;
+
 // 1 as an `UmbraFx`.
 #define UMBRA_ONE 4294967296
 
@@ -496,6 +508,9 @@ typedef struct UmbraMade {
 
 // It makes more force fields than it may.
 #define UMBRA_ERROR_VERIFY_FIELDS 424
+
+// It has more commands than it may.
+#define UMBRA_ERROR_VERIFY_COMMANDS 425
 
 // The scene says what cannot be. Scenes have numbers from 500 to 510, and those of what the engine refuses of them;
 // `umbra_last_message` has the line.
@@ -1122,16 +1137,11 @@ UmbraStatus umbra_world_take_record(struct UmbraWorld *world,
 UmbraStatus umbra_world_end_record(struct UmbraWorld *world, struct UmbraBytes **bytes);
 
 // Runs a replay again and compares every hash: `UMBRA_OK`, `UMBRA_ERROR_DIVERGENCE`, or why the bytes, which may come from
-// anybody, are no replay that can be played. A step takes as long as there are bodies times fields:
-// `UMBRA_ERROR_VERIFY_TICKS` if there are more than `most_ticks` ticks, `UMBRA_ERROR_VERIFY_BODIES` or `UMBRA_ERROR_VERIFY_FIELDS`
-// if there are more bodies than `most_bodies` or more fields than `most_fields` at any time. These hold for finding out in what a
-// run goes another way too. `ticks`, which may be null, is given how many it has, also if it goes another way or is more than it
-// may be.
+// anybody, are no replay that can be played, or ask for more than `limits` allow. `ticks`, which may be null, receives the
+// number of ticks, also if the run diverges or a limit is exceeded.
 UmbraStatus umbra_replay_verify(const uint8_t *bytes,
                                 size_t length,
-                                uint64_t most_ticks,
-                                uint32_t most_bodies,
-                                uint32_t most_fields,
+                                const struct UmbraReplayLimits *limits,
                                 uint64_t *ticks);
 
 // The kinetic energy of the dynamic bodies, multiples of 2^-64 J.

@@ -64,28 +64,38 @@ fn not_recorded() -> Refusal {
     Refusal::bad("the world is not recorded")
 }
 
+/// Limits on what a replay may ask for. They also hold for finding out where a run diverges.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct UmbraReplayLimits {
+    /// The most ticks it may have: `UMBRA_ERROR_VERIFY_TICKS`.
+    pub ticks: u64,
+    /// The most commands it may have over all of its ticks: `UMBRA_ERROR_VERIFY_COMMANDS`.
+    pub commands: u64,
+    /// The most bodies there may be at any time: `UMBRA_ERROR_VERIFY_BODIES`.
+    pub bodies: u32,
+    /// The most force fields there may be at any time: `UMBRA_ERROR_VERIFY_FIELDS`.
+    pub fields: u32,
+}
+
 /// Runs a replay again and compares every hash: `UMBRA_OK`, `UMBRA_ERROR_DIVERGENCE`, or why the bytes, which may come from
-/// anybody, are no replay that can be played. A step takes as long as there are bodies times fields:
-/// `UMBRA_ERROR_VERIFY_TICKS` if there are more than `most_ticks` ticks, `UMBRA_ERROR_VERIFY_BODIES` or `UMBRA_ERROR_VERIFY_FIELDS`
-/// if there are more bodies than `most_bodies` or more fields than `most_fields` at any time. These hold for finding out in what a
-/// run goes another way too. `ticks`, which may be null, is given how many it has, also if it goes another way or is more than it
-/// may be.
+/// anybody, are no replay that can be played, or ask for more than `limits` allow. `ticks`, which may be null, receives the
+/// number of ticks, also if the run diverges or a limit is exceeded.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn umbra_replay_verify(
     bytes: *const u8,
     length: usize,
-    most_ticks: u64,
-    most_bodies: u32,
-    most_fields: u32,
+    limits: Option<&UmbraReplayLimits>,
     ticks: Option<&mut MaybeUninit<u64>>,
 ) -> UmbraStatus {
     guard(|| {
+        let &UmbraReplayLimits { ticks: most_ticks, commands, bodies: most_bodies, fields } = given(limits)?;
         // SAFETY: as the caller promises.
         let replay = Replay::from_bytes(unsafe { slice(bytes, length) }?, &[])?;
         if let Some(ticks) = ticks {
-            ticks.write(replay.end() - replay.start().tick());
+            ticks.write(replay.ticks());
         }
-        let most = ReplayLimits { ticks: most_ticks, bodies: most_bodies, fields: most_fields };
+        let most = ReplayLimits { ticks: most_ticks, bodies: most_bodies, fields, commands };
         Ok(replay.verify_within(most)?)
     })
 }

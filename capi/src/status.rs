@@ -97,6 +97,8 @@ pub const UMBRA_ERROR_VERIFY_TICKS: UmbraStatus = 422;
 pub const UMBRA_ERROR_VERIFY_BODIES: UmbraStatus = 423;
 /// It makes more force fields than it may.
 pub const UMBRA_ERROR_VERIFY_FIELDS: UmbraStatus = 424;
+/// It has more commands than it may.
+pub const UMBRA_ERROR_VERIFY_COMMANDS: UmbraStatus = 425;
 /// The scene says what cannot be. Scenes have numbers from 500 to 510, and those of what the engine refuses of them;
 /// `umbra_last_message` has the line.
 pub const UMBRA_ERROR_SCENE: UmbraStatus = 500;

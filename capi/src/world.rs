@@ -752,6 +752,7 @@ mod tests {
         const { may::<UmbraInputs>() }
         const { may::<crate::UmbraShape>() }
         const { may::<crate::UmbraSnapshot>() }
+        const { may::<crate::UmbraBytes>() }
     }
 
     #[test]

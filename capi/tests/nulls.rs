@@ -241,7 +241,8 @@ fn null_is_refused_everywhere() {
         umbra_world_take_record(Some(w), None);
         umbra_world_end_record(None, Some(&mut MaybeUninit::uninit()));
         umbra_world_end_record(Some(w), None);
-        umbra_replay_verify(null(), 1, 1, 1, 1, None);
+        umbra_replay_verify(null(), 1, Some(&UmbraReplayLimits::default()), None);
+        umbra_replay_verify(clear.as_ptr(), 1, None, None);
 
         umbra_world_kinetic_energy(None, Some(&mut other));
         umbra_world_kinetic_energy(Some(w), None);

@@ -241,6 +241,7 @@ static void saved(void)
     UmbraWorld *world = build(&ball, &rocket), *other = NULL;
     UmbraSnapshot *snapshot = NULL, *read = NULL;
     UmbraBytes *bytes = NULL, *replay = NULL;
+    UmbraReplayLimits limits;
     int tick;
 
     DO(umbra_world_snapshot(world, &snapshot));
@@ -267,13 +268,21 @@ static void saved(void)
     check(hash_of(world) == later && hash_of(other) == later, "the same future, twice");
 
     DO(umbra_world_end_record(other, &replay));
-    DO(umbra_replay_verify(umbra_bytes_data(replay), umbra_bytes_length(replay), 1000000, 1000, 1000, &ticks));
+    limits.ticks = 1000000;
+    limits.commands = 1000000;
+    limits.bodies = 1000;
+    limits.fields = 1000;
+    DO(umbra_replay_verify(umbra_bytes_data(replay), umbra_bytes_length(replay), &limits, &ticks));
     check(ticks == 100, "the replay has all ticks");
     printf("replay of %" PRIu64 " ticks, %lu bytes, verified\n", ticks, (unsigned long)umbra_bytes_length(replay));
-    REFUSED(umbra_replay_verify(umbra_bytes_data(replay), umbra_bytes_length(replay), 99, 1000, 1000, NULL), UMBRA_ERROR_VERIFY_TICKS);
-    REFUSED(umbra_replay_verify(umbra_bytes_data(replay), umbra_bytes_length(replay), 100, 5, 1000, NULL), UMBRA_ERROR_VERIFY_BODIES);
+    limits.ticks = 99;
+    REFUSED(umbra_replay_verify(umbra_bytes_data(replay), umbra_bytes_length(replay), &limits, NULL), UMBRA_ERROR_VERIFY_TICKS);
+    limits.ticks = 100;
+    limits.bodies = 5;
+    REFUSED(umbra_replay_verify(umbra_bytes_data(replay), umbra_bytes_length(replay), &limits, NULL), UMBRA_ERROR_VERIFY_BODIES);
+    limits.bodies = 6;
     umbra_bytes_data(replay)[200] ^= 1;
-    REFUSED(umbra_replay_verify(umbra_bytes_data(replay), umbra_bytes_length(replay), 100, 6, 6, NULL), UMBRA_ERROR_REPLAY_TAMPERED);
+    REFUSED(umbra_replay_verify(umbra_bytes_data(replay), umbra_bytes_length(replay), &limits, NULL), UMBRA_ERROR_REPLAY_TAMPERED);
     umbra_bytes_data(bytes)[40] ^= 1;
     umbra_snapshot_free(read);
     read = NULL;

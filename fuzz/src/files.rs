@@ -1,7 +1,7 @@
 //! Files that nobody recorded: their seals made right, so that what is behind them is looked at.
 
 use arbitrary::{Result, Unstructured};
-use umbra_physics::{LAW, Random, Snapshot, SnapshotError, World, WorldDef};
+use umbra_physics::{LAW, Random, Snapshot, SnapshotError, World, WorldDef, limits};
 use xxhash_rust::xxh3::xxh3_64;
 
 use super::author;
@@ -23,6 +23,25 @@ pub fn seal_snapshot(bytes: &mut [u8]) {
     }
     let seal = xxh3_64(&bytes[..end + 8]);
     bytes[end + 8..].copy_from_slice(&seal.to_le_bytes());
+}
+
+/// Puts a snapshot to a tick.
+pub fn put_tick(bytes: &mut [u8], tick: u64) {
+    // After the settings, of which the last may be there or not.
+    let sleep_after = HEAD + 41;
+    let at = sleep_after + if bytes[sleep_after] == 1 { 5 } else { 1 };
+    bytes[at..at + 8].copy_from_slice(&tick.to_le_bytes());
+}
+
+/// From this first byte on, an input is of a world at one of the last ticks.
+pub const LATE: u8 = 224;
+
+/// The same world there.
+pub fn late(world: &World, before: u8) -> World {
+    let mut bytes = world.snapshot().to_bytes();
+    put_tick(&mut bytes, limits::TICK - u64::from(before % 16));
+    seal_snapshot(&mut bytes);
+    Snapshot::from_bytes(&bytes, &author::laws()).expect("a world like any other").into_world()
 }
 
 /// A chunk of a replay or a dump: its letters and its contents.
@@ -90,7 +109,7 @@ pub fn sealed(opening: &[u8], chunks: &[Chunk]) -> Vec<u8> {
 /// Numbers that break things.
 const ODD: [u64; 9] = [0, 1, u64::MAX, i64::MAX as u64, 1 << 63, 1 << 32, u32::MAX as u64, 1 << 62, 1 << 52];
 
-/// Changes something: a bit, a byte, a word; or takes bytes out, or puts some in.
+/// Changes something: a bit, a byte, a word; or takes bytes out, or puts some in, or swaps some.
 pub fn disturb(bytes: &mut Vec<u8>, input: &mut Unstructured<'_>) -> Result<()> {
     let (kind, at) = (input.arbitrary::<u8>()?, usize::from(input.arbitrary::<u16>()?));
     if bytes.is_empty() {
@@ -99,6 +118,14 @@ pub fn disturb(bytes: &mut Vec<u8>, input: &mut Unstructured<'_>) -> Result<()> 
     let at = at % bytes.len();
     let end = bytes.len().min(at + 8);
     match kind % 8 {
+        // What stands in lists: ids, handles, corners.
+        1 if kind >> 6 == 0 => {
+            let length = [4, 8, 12, 16][usize::from(kind >> 4)];
+            if let Some(pair) = bytes.get_mut(at..at + 2 * length) {
+                let (one, other) = pair.split_at_mut(length);
+                one.swap_with_slice(other);
+            }
+        }
         0 | 1 => bytes[at] ^= 1 << (kind >> 5),
         2 => bytes[at] = input.arbitrary()?,
         3 | 4 => {

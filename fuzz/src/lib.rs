@@ -3,7 +3,7 @@
 //! Each target is a function of bytes that panics where a promise is broken. libFuzzer calls it from `fuzz_targets`, and
 //! `tests/corpus.rs` of the library, which includes this file, calls it on stable with all committed inputs.
 
-mod author;
+pub mod author;
 pub mod commands;
 mod files;
 pub mod fx_f64;

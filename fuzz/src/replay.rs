@@ -10,7 +10,7 @@ use umbra_physics::{
 };
 
 use super::author::{self, Author, Image};
-use super::files::{Chunk, OPENING, chunks, disturb, measured, seal_snapshot, sealed, use_up};
+use super::files::{Chunk, LATE, OPENING, chunks, disturb, late, measured, seal_snapshot, sealed, use_up};
 
 /// The target.
 pub fn run(data: &[u8]) {
@@ -22,8 +22,9 @@ pub fn run(data: &[u8]) {
             Ok(())
         }
         1 | 2 => from_chunks(rest),
-        3 | 4 => recorded(rest),
-        5 | 6 => dumped(rest),
+        3 | 4 => recorded(rest, *kind),
+        5 | 6 => dumped(rest, *kind),
+        _ if *kind >= 128 => forged_command(rest),
         _ => {
             look_at_command(rest);
             Ok(())
@@ -36,8 +37,14 @@ fn look(bytes: &[u8]) {
     let whole = measured(bytes, || Replay::from_bytes(bytes, &author::laws()));
     let rest = Replay::recovered(bytes, &author::laws());
     match (&whole, &rest) {
-        (Ok(_), Ok(rest)) => assert!(rest.is_complete()),
-        (Err(ReplayError::CutOff { .. }), Ok(rest)) => assert!(!rest.is_complete()),
+        (Ok(whole), Ok(rest)) => {
+            assert!(rest.is_complete());
+            assert!(whole.to_bytes() == bytes && rest.to_bytes() == bytes, "what is read is written alike");
+        }
+        (Err(ReplayError::CutOff { .. }), Ok(rest)) => {
+            assert!(!rest.is_complete());
+            assert!(bytes.starts_with(&rest.to_bytes()), "what is whole is written alike");
+        }
         // Cut off before its first world.
         (Err(ReplayError::CutOff { .. }), Err(ReplayError::CutOff { .. })) => {}
         (Err(error), Err(same)) => assert_eq!(error, same),
@@ -50,7 +57,7 @@ fn look(bytes: &[u8]) {
     let verified = replay.verify();
     _ = verified.as_ref().map_err(|divergence| divergence.to_string());
     // Within limits it is the same, or more than it may be.
-    let few = ReplayLimits { ticks: u64::MAX, bodies: 3, fields: 2 };
+    let few = ReplayLimits { ticks: u64::MAX, bodies: 3, fields: 2, commands: u64::MAX };
     match (replay.verify_within(few), &verified) {
         (Ok(()), verified) => assert_eq!(verified, &Ok(())),
         (Err(VerifyError::Divergence(found)), Err(divergence)) => {
@@ -98,6 +105,18 @@ fn look_at_command(bytes: &[u8]) {
     }
 }
 
+/// A command by the author, with changes.
+fn forged_command(data: &[u8]) -> Result<()> {
+    let mut author = Author::<Fx>::new(data, Image::default());
+    let mut bytes = author.command()?.to_bytes();
+    look_at_command(&bytes);
+    while !author.input.is_empty() {
+        disturb(&mut bytes, &mut author.input)?;
+        look_at_command(&bytes);
+    }
+    Ok(())
+}
+
 const REPLAY: [&[u8; 4]; 4] = [b"HEAD", b"SNAP", b"TICK", b"DONE"];
 const DUMP: [&[u8; 4]; 4] = [b"LAWS", b"TICK", b"MOMT", b"DONE"];
 
@@ -126,14 +145,14 @@ fn from_chunks(data: &[u8]) -> Result<()> {
 }
 
 /// A world as the author begins it.
-fn start(author: &mut Author<'_>) -> Result<World> {
+fn start(author: &mut Author<'_>, kind: u8) -> Result<World> {
     let world = author::world(author.world()?).or_else(|| author::world(WorldDef::default()));
     let mut world = world.expect("the usual definition is fair");
     for _ in 0..author.any::<u8>()? % 8 {
         let command = author.command()?;
         world.execute(&command).into_iter().for_each(|made| author.made(made));
     }
-    Ok(world)
+    Ok(if kind >= LATE { late(&world, kind) } else { world })
 }
 
 /// Inputs of some players, in the order they arrive in.
@@ -147,9 +166,9 @@ fn inputs(author: &mut Author<'_>) -> Result<Inputs> {
     Ok(inputs)
 }
 
-fn recorded(data: &[u8]) -> Result<()> {
+fn recorded(data: &[u8], kind: u8) -> Result<()> {
     let mut author = Author::<Fx>::new(data, Image::default());
-    let mut world = start(&mut author)?;
+    let mut world = start(&mut author, kind)?;
     let options = RecordOptions {
         hash_every: 1 + u32::from(author.any::<u8>()? % 3),
         snapshot_every: u32::from(author.any::<u8>()? % 4),
@@ -169,7 +188,7 @@ fn recorded(data: &[u8]) -> Result<()> {
     }
     let file = recorder.finish(&world);
     let replay = Replay::from_bytes(&file, &author::laws()).expect("it is whole");
-    assert_eq!(replay.verify(), Ok(()));
+    assert!(replay.verify() == Ok(()) && replay.to_bytes() == file);
     let mut playback = replay.play();
     playback.seek(u64::MAX);
     assert_eq!(playback.world().state_hash(), world.state_hash());
@@ -208,9 +227,9 @@ fn changed(mut parts: Vec<Chunk>, input: &mut Unstructured<'_>) -> Result<Vec<Ch
     Ok(parts)
 }
 
-fn dumped(data: &[u8]) -> Result<()> {
+fn dumped(data: &[u8], kind: u8) -> Result<()> {
     let mut author = Author::<Fx>::new(data, Image::default());
-    let before = start(&mut author)?;
+    let before = start(&mut author, kind)?;
     let calls = if author.any()? { vec![author.command()?] } else { Vec::new() };
     let inputs = inputs(&mut author)?;
     let mut after = before.clone();

@@ -6,7 +6,7 @@ use core::ops::Range;
 
 use super::card::{Card, Roster};
 use super::motion::{Acceleration, Block, Motion};
-use super::tuning::{Climate, Key, Tunings};
+use super::tuning::{Key, Tunings};
 use super::{Activity, BodyDef, BodyKind, Locks, MassProperties};
 use crate::error::Error;
 use crate::handle::{BodyId, are_free};
@@ -71,13 +71,42 @@ pub(crate) struct Bodies<S: Scalar> {
     slots: Vec<Slot>,
     /// Free slots; the last one freed is used first.
     free: Vec<u32>,
-    /// Whether bodies have a last acceleration.
+    /// Whether bodies have a last acceleration. The column is empty as long as all are zero.
     keeps_last: bool,
-    /// How many are asleep; derived, so that waking costs nothing where nobody sleeps.
-    asleep: usize,
+    /// Whether a body has come among those that move since the last step.
+    any_come: bool,
+    /// Whether all ticks at rest are known to be zero.
+    is_rest_zero: bool,
+    /// The bodies that are asleep; derived, so that waking costs nothing where nobody sleeps.
+    asleep: Sleepers,
 }
 
-clone_by_field!(Bodies { columns, roster, moving, slots, free, keeps_last, asleep });
+clone_by_field!(Bodies { columns, roster, moving, slots, free, keeps_last, any_come, is_rest_zero, asleep });
+
+/// How many bodies are asleep, and how many dynamic ones of them in each group.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sleepers {
+    count: usize,
+    by_group: [u32; 32],
+}
+
+impl Sleepers {
+    /// Counts a body in (`by` = 1) or out (−1).
+    fn count<S: Scalar>(&mut self, card: &Card<S>, by: i32) {
+        self.count = self.count.wrapping_add_signed(by as isize);
+        let mut groups = if card.kind == BodyKind::Dynamic { card.groups } else { 0 };
+        while groups != 0 {
+            let group = groups.trailing_zeros() as usize;
+            self.by_group[group] = self.by_group[group].wrapping_add_signed(by);
+            groups &= groups - 1;
+        }
+    }
+
+    /// The groups with a dynamic body that sleeps.
+    fn groups(&self) -> u32 {
+        (0..32).fold(0, |groups, group| groups | u32::from(self.by_group[group] > 0) << group)
+    }
+}
 
 impl<S: Scalar> Default for Bodies<S> {
     fn default() -> Self {
@@ -89,7 +118,9 @@ impl<S: Scalar> Default for Bodies<S> {
             slots: Vec::new(),
             free: Vec::new(),
             keeps_last: false,
-            asleep: 0,
+            any_come: false,
+            is_rest_zero: false,
+            asleep: Sleepers::default(),
         }
     }
 }
@@ -122,7 +153,17 @@ impl<S: Scalar> Bodies<S> {
     }
 
     pub(crate) fn any_asleep(&self) -> bool {
-        self.asleep > 0
+        self.asleep.count > 0
+    }
+
+    /// Whether a dynamic body in one of these groups is asleep.
+    pub(crate) fn any_asleep_in(&self, groups: u32) -> bool {
+        self.asleep.groups() & groups != 0
+    }
+
+    /// The bodies that are asleep, in no order. Looks at all that no step moves.
+    pub(crate) fn asleep(&self) -> impl Iterator<Item = usize> {
+        (self.moving..self.len()).filter(|&dense| self.columns.activity[dense] == Activity::Asleep)
     }
 
     /// What no step changes of the body at this index in the columns.
@@ -130,25 +171,26 @@ impl<S: Scalar> Bodies<S> {
         self.roster.card(self.columns.slot[dense] as usize)
     }
 
-    /// Changes what no step does.
-    pub(crate) fn edit(&mut self, dense: usize, tunings: &Tunings<S>, edit: impl FnOnce(&mut Card<S>)) {
-        let key = &tunings.rows()[self.columns.tuning[dense] as usize].key;
+    /// Changes what no step does. A body that is asleep keeps its kind and its groups.
+    pub(crate) fn edit(&mut self, dense: usize, edit: impl FnOnce(&mut Card<S>)) {
         let slot = self.columns.slot[dense] as usize;
-        Arc::make_mut(&mut self.roster).edit(slot, key, edit);
+        Arc::make_mut(&mut self.roster).edit(slot, edit);
+    }
+
+    /// Makes the hashes of what calls have changed since the step before.
+    pub(crate) fn update_digests(&mut self, tunings: &Tunings<S>) {
+        if self.roster.is_stale() {
+            let Self { roster, slots, columns, .. } = self;
+            Arc::make_mut(roster).update(|slot| key_of(slots, columns, tunings, slot));
+        }
     }
 
     /// Gives a body a shape, or none, and the properties that follow.
-    pub(crate) fn set_shape(
-        &mut self,
-        dense: usize,
-        tunings: &Tunings<S>,
-        shape: Option<Shape<S>>,
-        properties: MassProperties<S>,
-    ) {
+    pub(crate) fn set_shape(&mut self, dense: usize, shape: Option<Shape<S>>, properties: MassProperties<S>) {
         let shapes = &mut Arc::make_mut(&mut self.roster).shapes;
         let new = shape.map(|shape| shapes.acquire(shape));
         let mut old = None;
-        self.edit(dense, tunings, |card| {
+        self.edit(dense, |card| {
             old = core::mem::replace(&mut card.shape, new);
             card.properties = properties;
         });
@@ -158,18 +200,18 @@ impl<S: Scalar> Bodies<S> {
     }
 
     /// Locks a body along some axes, unlocks it along the others, and gives it the factors that go with that.
-    pub(crate) fn set_locks(&mut self, dense: usize, tunings: &mut Tunings<S>, locks: Locks, climate: &Climate<'_, S>) {
+    pub(crate) fn set_locks(&mut self, dense: usize, tunings: &mut Tunings<S>, locks: Locks) {
         self.columns.motion.lock(dense, locks);
-        self.edit(dense, tunings, |card| card.locks = locks);
+        self.edit(dense, |card| card.locks = locks);
         let key = tunings.rows()[self.columns.tuning[dense] as usize].key;
-        self.retune(dense, tunings, Key { still: [locks.x, locks.y], ..key }, climate);
+        self.retune(dense, tunings, Key { still: [locks.x, locks.y], ..key });
     }
 
     /// Gives a body the factors that go with a key.
-    pub(crate) fn retune(&mut self, dense: usize, tunings: &mut Tunings<S>, key: Key<S>, climate: &Climate<'_, S>) {
-        let new = tunings.acquire(key, climate);
+    pub(crate) fn retune(&mut self, dense: usize, tunings: &mut Tunings<S>, key: Key<S>) {
+        let new = tunings.acquire(key);
         tunings.release(core::mem::replace(&mut self.columns.tuning[dense], new));
-        self.edit(dense, tunings, |_| {});
+        self.edit(dense, |_| {});
     }
 
     pub(crate) fn activity(&self, dense: usize) -> Activity {
@@ -179,8 +221,13 @@ impl<S: Scalar> Bodies<S> {
     /// Changes whether a body takes part; returns its new index.
     pub(crate) fn set_activity(&mut self, dense: usize, activity: Activity) -> usize {
         let old = core::mem::replace(&mut self.columns.activity[dense], activity);
-        self.asleep -= usize::from(old == Activity::Asleep);
-        self.asleep += usize::from(activity == Activity::Asleep);
+        let slot = self.columns.slot[dense] as usize;
+        if old == Activity::Asleep {
+            self.asleep.count(self.roster.card(slot), -1);
+        }
+        if activity == Activity::Asleep {
+            self.asleep.count(self.roster.card(slot), 1);
+        }
         self.columns.motion.rest[dense] = 0;
         let moves = activity == Activity::Awake && self.card(dense).kind != BodyKind::Static;
         self.set_moving(dense, moves)
@@ -242,7 +289,7 @@ impl<S: Scalar> Bodies<S> {
     }
 
     /// Adds to a hash all bodies and how their handles are given out.
-    pub(crate) fn write(&self, sink: &mut Sink) {
+    pub(crate) fn write(&self, sink: &mut Sink, tunings: &Tunings<S>) {
         wire::count(sink, self.slots.len());
         sink.all(&self.slots, |slot| (u64::from(slot.generation) << 1 | u64::from(slot.dense != NONE)).to_le_bytes());
         wire::count(sink, self.free.len());
@@ -257,15 +304,18 @@ impl<S: Scalar> Bodies<S> {
         self.write_column(sink, runs, &motion.angle, |angle| angle.to_bits().to_le_bytes());
         self.write_column(sink, runs, &motion.rest, u32::to_le_bytes);
         self.write_column(sink, runs, activity, |activity| [activity as u8]);
-        let digests = &self.roster.digests;
-        if self.len() == self.slots.len() {
-            sink.all(digests, u64::to_le_bytes);
-        } else {
-            let taken = self.slots.iter().zip(digests).filter(|(slot, _)| slot.dense != NONE);
-            sink.each(taken.map(|(_, digest)| *digest), u64::to_le_bytes);
+        let is_taken = |slot: &usize| self.slots[*slot].dense != NONE;
+        let taken = (0..self.slots.len()).filter(is_taken);
+        match self.roster.digests() {
+            Some(digests) if self.len() == self.slots.len() => sink.all(digests, u64::to_le_bytes),
+            Some(digests) => sink.each(taken.map(|slot| digests[slot]), u64::to_le_bytes),
+            None => {
+                let digest = |slot| self.roster.digest(slot, key_of(&self.slots, &self.columns, tunings, slot));
+                sink.each(taken.map(digest), u64::to_le_bytes);
+            }
         }
         if self.keeps_last {
-            for last in self.in_order().map(|dense| &motion.last[dense]) {
+            for last in self.in_order().map(|dense| motion.last.get(dense).copied().unwrap_or_default()) {
                 [last.linear.x, last.linear.y, last.angular].iter().for_each(|a| a.write(sink));
             }
         }
@@ -273,7 +323,7 @@ impl<S: Scalar> Bodies<S> {
 
     /// Refuses where there is no room for another body.
     pub(crate) fn check_room(&self) -> Result<(), Error> {
-        if self.len() < limits::BODIES { Ok(()) } else { Err(Error::Full) }
+        if self.free.is_empty() && self.slots.len() >= limits::BODIES { Err(Error::Full) } else { Ok(()) }
     }
 
     /// Adds a body. *Domain* the definition was checked, and there is room.
@@ -282,13 +332,12 @@ impl<S: Scalar> Bodies<S> {
         def: BodyDef<S>,
         properties: MassProperties<S>,
         tunings: &mut Tunings<S>,
-        climate: &Climate<'_, S>,
     ) -> BodyId {
         let slot = match self.free.pop() {
             Some(slot) => slot,
             None => self.new_slot(0),
         };
-        self.insert_at(slot, def, properties, tunings, climate);
+        self.insert_at(slot, def, properties, tunings);
         BodyId { slot, generation: self.slots[slot as usize].generation }
     }
 
@@ -306,13 +355,12 @@ impl<S: Scalar> Bodies<S> {
         def: BodyDef<S>,
         properties: MassProperties<S>,
         tunings: &mut Tunings<S>,
-        climate: &Climate<'_, S>,
     ) {
         let dense = self.len();
         self.slots[slot as usize].dense = dense as u32;
         let columns = &mut self.columns;
         columns.motion.push(def.position, def.velocity, S::Angle::from_radians(def.angle), def.angular_velocity);
-        if self.keeps_last {
+        if self.keeps_last && columns.motion.last.len() == dense {
             push(&mut columns.motion.last, Acceleration::default());
         }
         let key = Key {
@@ -323,16 +371,13 @@ impl<S: Scalar> Bodies<S> {
             most: [def.max_speed, def.max_angular_speed],
             still: [def.locks.x, def.locks.y],
         };
-        push(&mut columns.tuning, tunings.acquire(key, climate));
+        push(&mut columns.tuning, tunings.acquire(key));
         push(&mut columns.slot, slot);
         push(&mut columns.activity, Activity::Awake);
         let roster = Arc::make_mut(&mut self.roster);
         let card = Card::new(&def, def.shape.clone().map(|shape| roster.shapes.acquire(shape)), properties);
-        roster.place(slot as usize, card, &key);
-        if def.kind != BodyKind::Static {
-            self.swap(dense, self.moving);
-            self.moving += 1;
-        }
+        roster.place(slot as usize, card);
+        self.set_moving(dense, def.kind != BodyKind::Static);
     }
 
     /// The index of the body in a slot.
@@ -373,7 +418,6 @@ impl<S: Scalar> Bodies<S> {
         &mut self,
         (other, body): (&Self, BodyId),
         (other_tunings, tunings): (&Tunings<S>, &mut Tunings<S>),
-        climate: &Climate<'_, S>,
     ) -> Result<BodyId, Error> {
         let from = other.find(body)?;
         let (card, key) = (other.card(from), &other_tunings.rows()[other.columns.tuning[from] as usize].key);
@@ -392,9 +436,11 @@ impl<S: Scalar> Bodies<S> {
             user_data: card.user_data,
             ..BodyDef::dynamic()
         };
-        let adopted = self.insert(def, card.properties, tunings, climate);
+        let adopted = self.insert(def, card.properties, tunings);
         let dense = self.find(adopted)?;
         let dense = self.set_activity(dense, other.activity(from));
+        self.make_last_accelerations();
+        self.is_rest_zero = false;
         self.columns.motion.copy(dense, &other.columns.motion, from);
         Ok(adopted)
     }
@@ -425,6 +471,7 @@ impl<S: Scalar> Bodies<S> {
     pub(crate) fn set_moving(&mut self, dense: usize, moving: bool) -> usize {
         match (dense < self.moving, moving) {
             (false, true) => {
+                self.any_come = true;
                 self.swap(dense, self.moving);
                 self.moving += 1;
                 self.moving - 1
@@ -438,15 +485,32 @@ impl<S: Scalar> Bodies<S> {
         }
     }
 
-    /// Gives every body a last acceleration of zero, or none any room for one.
+    /// Gives every body a last acceleration of zero, or none any.
     pub(crate) fn keep_last_acceleration(&mut self, keep: bool) {
         self.keeps_last = keep;
-        let count = self.len();
-        let last = &mut self.columns.motion.last;
-        last.clear();
-        if keep {
-            last.resize(count, Acceleration::default());
+        self.columns.motion.last.clear();
+    }
+
+    /// Fills the column of last accelerations, if there is one and it is empty.
+    fn make_last_accelerations(&mut self) {
+        if self.keeps_last {
+            self.columns.motion.last.resize(self.len(), Acceleration::default());
         }
+    }
+
+    /// Sets the ticks at rest of all bodies to zero.
+    pub(crate) fn clear_rest(&mut self) {
+        if !core::mem::replace(&mut self.is_rest_zero, true) {
+            self.columns.motion.rest.fill(0);
+        }
+    }
+
+    /// Makes the columns ready for a step, and says whether a body has come among those that move since the last one.
+    pub(crate) fn begin_step(&mut self, tunings: &Tunings<S>) -> bool {
+        self.is_rest_zero = false;
+        self.make_last_accelerations();
+        self.update_digests(tunings);
+        core::mem::take(&mut self.any_come)
     }
 
     fn swap(&mut self, a: usize, b: usize) {
@@ -461,4 +525,9 @@ impl<S: Scalar> Bodies<S> {
         self.slots[columns.slot[a] as usize].dense = a as u32;
         self.slots[columns.slot[b] as usize].dense = b as u32;
     }
+}
+
+/// What the factors of the body in a slot are made from.
+fn key_of<'a, S: Scalar>(slots: &[Slot], columns: &Columns<S>, tunings: &'a Tunings<S>, slot: usize) -> &'a Key<S> {
+    &tunings.rows()[columns.tuning[slots[slot].dense as usize] as usize].key
 }

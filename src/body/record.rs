@@ -2,9 +2,9 @@
 
 use alloc::sync::Arc;
 
-use super::columns::{Bodies, NONE};
+use super::columns::Bodies;
 use super::motion::Acceleration;
-use super::tuning::{Climate, Tunings};
+use super::tuning::Tunings;
 use super::{
     Activity, BodyDef, BodyKind, Locks, Mass, MassProperties, check_damping, check_gravity_scale,
     check_max_angular_speed, check_max_speed, mass_properties, within_envelope,
@@ -150,7 +150,7 @@ impl<S: Scalar> Bodies<S> {
             angle: motion.angle[dense],
             angular_velocity: motion.spin[dense],
             ticks_at_rest: motion.rest[dense],
-            last_acceleration: motion.last.get(dense).copied(),
+            last_acceleration: self.keeps_last().then(|| motion.last.get(dense).copied().unwrap_or_default()),
             mass: card.mass,
             gravity_scale: key.gravity_scale,
             linear_damping: key.linear,
@@ -178,22 +178,20 @@ impl<S: Scalar> Bodies<S> {
         generation: u32,
         occupant: Occupant<S>,
         tunings: &mut Tunings<S>,
-        climate: &Climate<'_, S>,
     ) -> Result<Option<usize>, Error> {
-        if self.slots().len() >= NONE as usize {
+        if self.slots().len() >= limits::BODIES {
             return Err(Error::Full);
         }
         let Some((record, shape)) = occupant else {
             self.new_slot(generation);
             return Ok(None);
         };
-        self.check_room()?;
         let properties = record.check(shape.as_deref())?;
         if record.last_acceleration.is_some() != self.keeps_last() {
             return Err(Error::Inconsistent);
         }
         let slot = self.new_slot(generation);
-        self.insert_at(slot, record.def(shape.as_deref().cloned()), properties, tunings, climate);
+        self.insert_at(slot, record.def(shape.as_deref().cloned()), properties, tunings);
         let dense = self.slot_index(slot as usize);
         let dense = self.set_activity(dense, record.activity);
         let motion = &mut self.columns.motion;
@@ -217,6 +215,7 @@ impl<S: Scalar> Bodies<S> {
 }
 
 /// How a snapshot has the shapes of bodies: each once, and where it is used again the slot of the body it came with.
+#[derive(PartialEq)]
 pub(crate) enum ShapeSource<S: Scalar> {
     None,
     New(Arc<Shape<S>>),

@@ -14,13 +14,35 @@ pub(crate) const SPANS: usize = 4;
 pub(crate) const GENTLE_STEPS: u8 = 32;
 
 /// What the factors are made from besides the body's own numbers.
-#[derive(Clone, Copy)]
-pub(crate) struct Climate<'a, S> {
-    pub(crate) gravity: Vec2<S>,
-    pub(crate) linear_damping: S,
-    pub(crate) angular_damping: S,
-    /// The spans of the integrator's stages.
-    pub(crate) spans: &'a [Span],
+pub(crate) struct Climate<'a, S: Scalar> {
+    gravity: Vec2<S>,
+    /// The spans of the integrator's stages, how long each is in seconds, and whether bodies are damped over it.
+    spans: &'a [Span],
+    seconds: [S::Factor; SPANS],
+    damps: [bool; SPANS],
+    /// What is left of the velocities of a body without a damping of its own, by span.
+    linear: [S::Factor; SPANS],
+    angular: [S::Factor; SPANS],
+}
+
+impl<'a, S: Scalar> Climate<'a, S> {
+    pub(crate) fn new(gravity: Vec2<S>, kept: [S; 2], spans: &'a [Span], damps: [bool; SPANS]) -> Self {
+        let one = [S::Factor::ONE; SPANS];
+        let mut seconds = one;
+        spans.iter().zip(&mut seconds).for_each(|(&span, seconds)| *seconds = S::seconds(span));
+        let climate = Self { gravity, spans, seconds, damps, linear: one, angular: one };
+        let [linear, angular] = kept.map(|kept| climate.decays(S::decay_rate(kept)));
+        Self { linear, angular, ..climate }
+    }
+
+    /// What is left of a velocity, by span, that decays at a rate.
+    fn decays(&self, rate: S::DecayRate) -> [S::Factor; SPANS] {
+        let mut decays = [S::Factor::ONE; SPANS];
+        for (i, &span) in self.spans.iter().enumerate().filter(|(i, _)| self.damps[*i]) {
+            decays[i] = S::decay_over(rate, span);
+        }
+        decays
+    }
 }
 
 /// The factors of the bodies that have the same gravity scale, damping, caps and locks. All of it is derived.
@@ -28,6 +50,10 @@ pub(crate) struct Climate<'a, S> {
 pub(crate) struct Tuning<S: Scalar> {
     pub(crate) key: Key<S>,
     users: u32,
+    /// The [`Tunings::version`] its factors were made at; before that they are those of a body that nothing acts on.
+    version: u64,
+    /// The rates of its own dampings, when they have been made once: no other time step changes them.
+    rates: Option<[Option<S::DecayRate>; 2]>,
     /// Gravity as it feels it, m/s²: none along a locked axis.
     pub(crate) gravity: Vec2<S::Wide>,
     /// The velocity gained from it, by span.
@@ -68,14 +94,27 @@ impl<S: Scalar> Key<S> {
     pub(crate) fn is_capped(&self) -> bool {
         self.dynamic && self.most != [None; 2]
     }
+
+    /// Whether its velocities decay in a world of this damping.
+    pub(crate) fn is_damped(&self, linear: S, angular: S) -> bool {
+        self.dynamic && (self.linear.unwrap_or(linear) != S::ONE || self.angular.unwrap_or(angular) != S::ONE)
+    }
+
+    /// Whether it has a damping of its own that stops it at once.
+    fn stops(&self) -> bool {
+        [self.linear, self.angular].contains(&Some(S::ZERO))
+    }
 }
 
 impl<S: Scalar> Tuning<S> {
-    fn new(key: Key<S>, climate: &Climate<'_, S>) -> Self {
+    /// That of a body that nothing acts on.
+    fn neutral(key: Key<S>) -> Self {
         let none = S::Accumulator::default();
-        let mut tuning = Self {
+        Self {
             key,
             users: 0,
+            version: 0,
+            rates: None,
             gravity: Vec2::default(),
             fall: [Vec2::new(none, none); SPANS],
             linear: [S::Factor::ONE; SPANS],
@@ -83,58 +122,74 @@ impl<S: Scalar> Tuning<S> {
             is_damped: false,
             decays: true,
             is_gentle: true,
-        };
+        }
+    }
+
+    /// Makes its factors anew.
+    fn make(&mut self, climate: &Climate<'_, S>) {
+        let key = self.key;
+        let rates = *self.rates.get_or_insert_with(|| [key.linear, key.angular].map(|kept| kept.map(S::decay_rate)));
+        *self = Self { users: self.users, version: self.version, rates: self.rates, ..Self::neutral(key) };
         if !key.dynamic {
-            return tuning;
+            return;
         }
         let felt = |g: S, still| if still { S::Wide::default() } else { g.product(key.gravity_scale) };
-        tuning.gravity = Vec2::new(felt(climate.gravity.x, key.still[0]), felt(climate.gravity.y, key.still[1]));
+        self.gravity = Vec2::new(felt(climate.gravity.x, key.still[0]), felt(climate.gravity.y, key.still[1]));
         for (i, &span) in climate.spans.iter().enumerate() {
-            let seconds = S::seconds(span);
             // Gravity and its scale are limited so that no span's kick reaches the limit of kicks.
-            let fall = |g| S::kick(g, seconds).unwrap_or_default();
-            let fall = tuning.gravity.map(fall);
-            tuning.fall[i] = if span.is_negative() { fall.map(Accumulator::negated) } else { fall };
-            tuning.linear[i] = S::decay(key.linear.unwrap_or(climate.linear_damping), span);
-            tuning.angular[i] = S::decay(key.angular.unwrap_or(climate.angular_damping), span);
+            let fall = |g| S::kick(g, climate.seconds[i]).unwrap_or_default();
+            let fall = self.gravity.map(fall);
+            self.fall[i] = if span.is_negative() { fall.map(Accumulator::negated) } else { fall };
         }
-        let mut factors = tuning.linear.iter().chain(&tuning.angular);
-        tuning.is_damped = factors.clone().any(|f| *f != S::Factor::ONE);
-        tuning.decays = factors.all(|f| *f <= S::Factor::ONE);
+        self.linear = rates[0].map_or(climate.linear, |rate| climate.decays(rate));
+        self.angular = rates[1].map_or(climate.angular, |rate| climate.decays(rate));
+        let mut factors = self.linear.iter().chain(&self.angular);
+        self.is_damped = factors.clone().any(|f| *f != S::Factor::ONE);
+        self.decays = factors.all(|f| *f <= S::Factor::ONE);
         // A step has at most six kicks: 32·6·2^11 is below 2^19, half of the limit.
         let small = S::from_fx(Fx::from_int(1 << 11));
-        tuning.is_gentle =
-            tuning.decays && tuning.fall.iter().all(|fall| [fall.x, fall.y].iter().all(|f| f.is_within(small)));
-        tuning
+        self.is_gentle =
+            self.decays && self.fall.iter().all(|fall| [fall.x, fall.y].iter().all(|f| f.is_within(small)));
     }
 }
 
 /// The tunings in use. Which index one has is no state: it changes no bit of what follows.
+///
+/// Factors take long to make, and one call may change those of all bodies: calls only note that, and the next step makes
+/// those of the bodies that it moves, once.
 #[derive(Debug)]
 pub(crate) struct Tunings<S: Scalar> {
     rows: Vec<Tuning<S>>,
     index: BTreeMap<KeyBits, u32>,
     free: Vec<u32>,
+    /// Counts how often what all factors are made from has changed, from 1 on.
+    version: u64,
+    /// Whether a row may have to be made before the next step.
+    is_stale: bool,
     /// How many of those in use are capped.
     capped: u32,
+    /// How many of those in use stop their bodies at once by a damping of their own.
+    stopping: u32,
 }
 
-clone_by_field!(Tunings { rows, index, free, capped });
+clone_by_field!(Tunings { rows, index, free, version, is_stale, capped, stopping });
 
 impl<S: Scalar> Default for Tunings<S> {
     fn default() -> Self {
-        Self { rows: Vec::new(), index: BTreeMap::new(), free: Vec::new(), capped: 0 }
+        let (rows, index, free) = (Vec::new(), BTreeMap::new(), Vec::new());
+        Self { rows, index, free, version: 1, is_stale: false, capped: 0, stopping: 0 }
     }
 }
 
 impl<S: Scalar> Tunings<S> {
+    /// By index. Their keys are up to date at any time, the factors of the bodies that move after [`update`](Self::update).
     pub(crate) fn rows(&self) -> &[Tuning<S>] {
         &self.rows
     }
 
-    /// Those that a body has.
-    pub(crate) fn used(&self) -> impl Iterator<Item = &Tuning<S>> {
-        self.rows.iter().filter(|row| row.users > 0)
+    /// The keys of those that a body has.
+    pub(crate) fn used(&self) -> impl Iterator<Item = &Key<S>> {
+        self.rows.iter().filter(|row| row.users > 0).map(|row| &row.key)
     }
 
     /// Whether a step may have to slow down a body.
@@ -142,11 +197,17 @@ impl<S: Scalar> Tunings<S> {
         self.capped > 0
     }
 
+    /// Whether a body has a damping of its own that stops it at once.
+    pub(crate) fn any_stopping(&self) -> bool {
+        self.stopping > 0
+    }
+
     /// The index for a body like this; it is given back by [`release`](Self::release).
-    pub(crate) fn acquire(&mut self, key: Key<S>, climate: &Climate<'_, S>) -> u32 {
+    pub(crate) fn acquire(&mut self, key: Key<S>) -> u32 {
         let index = *self.index.entry(key.bits()).or_insert_with(|| {
-            let row = Tuning::new(key, climate);
             self.capped += u32::from(key.is_capped());
+            self.stopping += u32::from(key.stops());
+            let row = Tuning::neutral(key);
             if let Some(free) = self.free.pop() {
                 self.rows[free as usize] = row;
                 free
@@ -155,7 +216,10 @@ impl<S: Scalar> Tunings<S> {
                 (self.rows.len() - 1) as u32
             }
         });
-        self.rows[index as usize].users += 1;
+        let row = &mut self.rows[index as usize];
+        row.users += 1;
+        // It may be that of bodies that do not move, and so not made since all have changed.
+        self.is_stale |= row.version != self.version;
         index
     }
 
@@ -164,17 +228,31 @@ impl<S: Scalar> Tunings<S> {
         row.users -= 1;
         if row.users == 0 {
             self.capped -= u32::from(row.key.is_capped());
+            self.stopping -= u32::from(row.key.stops());
             self.index.remove(&row.key.bits());
             self.free.push(index);
         }
     }
 
-    /// Makes all factors anew, but of rows nobody has: those may have a damping that the integrator refuses.
-    pub(crate) fn refresh(&mut self, climate: &Climate<'_, S>) {
-        for row in self.rows.iter_mut().filter(|row| row.users > 0) {
-            let users = row.users;
-            *row = Tuning::new(row.key, climate);
-            row.users = users;
+    /// Notes that what all factors are made from has changed.
+    pub(crate) fn change_all(&mut self) {
+        self.version += 1;
+        self.is_stale = true;
+    }
+
+    /// Whether factors may have to be made.
+    pub(crate) fn is_stale(&self) -> bool {
+        self.is_stale
+    }
+
+    /// Makes the factors of these rows that are not up to date.
+    pub(crate) fn update(&mut self, climate: &Climate<'_, S>, indices: &[u32]) {
+        self.is_stale = false;
+        for &index in indices {
+            let row = &mut self.rows[index as usize];
+            if core::mem::replace(&mut row.version, self.version) != self.version {
+                row.make(climate);
+            }
         }
     }
 }

@@ -309,18 +309,22 @@ impl<S: Scalar> Field<S> {
         Some(Self { law, groups: self.groups })
     }
 
-    /// The bodies it is attached to.
-    pub(crate) fn bodies(&self) -> impl Iterator<Item = BodyId> {
+    /// The bodies at its ends: two for a spring between bodies, at most one for the others.
+    pub(crate) fn ends(&self) -> [Option<BodyId>; 2] {
         let end = |e: &End<S>| match e {
             End::World(_) => None,
             End::Body(a) => Some(a.body),
         };
-        let (a, b) = match &self.law {
-            Law::Attractor { centre, .. } => (end(centre), None),
-            Law::Spring { near, far, .. } => (Some(near.body), end(far)),
-            Law::Thrust { at, .. } => (Some(at.body), None),
-            Law::Drag { .. } | Law::Zone { .. } | Law::Custom { .. } => (None, None),
-        };
-        a.into_iter().chain(b)
+        match &self.law {
+            Law::Attractor { centre, .. } => [end(centre), None],
+            Law::Spring { near, far, .. } => [Some(near.body), end(far)],
+            Law::Thrust { at, .. } => [Some(at.body), None],
+            Law::Drag { .. } | Law::Zone { .. } | Law::Custom { .. } => [None, None],
+        }
+    }
+
+    /// The bodies it is attached to.
+    pub(crate) fn bodies(&self) -> impl Iterator<Item = BodyId> + use<S> {
+        self.ends().into_iter().flatten()
     }
 }

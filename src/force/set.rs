@@ -5,25 +5,30 @@ use alloc::vec::Vec;
 use super::Field;
 use crate::body::{NONE, push};
 use crate::error::Error;
-use crate::handle::{FieldId, are_free};
+use crate::handle::{BodyId, FieldId, are_free};
 use crate::limits;
 use crate::scalar::Scalar;
 use crate::wire::{self, Sink, Write as _};
 
-/// The fields, in the order in which they came: by their slots, strangers' fields that came and went would decide which of
-/// two drags acts first.
+/// The fields, in the order in which they were added: by their slots, fields of others that came and went would decide which
+/// of two drags acts first.
+///
+/// To add, replace, find and remove a field, and to go through those attached to a body, takes as long however many others
+/// there are.
 #[derive(Debug)]
 pub(crate) struct FieldSet<S: Scalar> {
     slots: Vec<Slot>,
     free: Vec<u32>,
     entries: Vec<Entry<S>>,
-    /// Entries of fields that are gone, to be used again.
+    /// Entries without a field, to be used again.
     vacant: Vec<u32>,
-    /// The other entries, the oldest field first.
+    /// The other entries, the oldest field first, and [`NONE`] where one was removed. At most half of it is [`NONE`].
     by_age: Vec<u32>,
+    /// The first edge of each body, by its slot, or [`NONE`]; as long as it had to be.
+    first_edges: Vec<u32>,
 }
 
-/// One without a field takes as little as in a file, however many there are.
+/// A slot without a field takes as little as in a file, however many there are.
 #[derive(Clone, Copy, Debug)]
 struct Slot {
     generation: u32,
@@ -35,21 +40,29 @@ struct Slot {
 #[derive(Clone, Copy, Debug)]
 struct Entry<S: Scalar> {
     slot: u32,
+    /// Where it is in `by_age`.
+    age: u32,
     field: Field<S>,
     digest: u64,
+    /// One for each end of the field. Edge 2·i + e is end e of entry i.
+    edges: [Edge; 2],
 }
 
-impl<S: Scalar> Entry<S> {
-    fn new(slot: u32, field: Field<S>) -> Self {
-        Self { slot, digest: Sink::of(&field), field }
-    }
+/// The neighbours of an end of a field in the list of the edges of its body, or [`NONE`].
+#[derive(Clone, Copy, Debug)]
+struct Edge {
+    previous: u32,
+    next: u32,
 }
 
-clone_by_field!(FieldSet { slots, free, entries, vacant, by_age });
+const NO_EDGE: Edge = Edge { previous: NONE, next: NONE };
+
+clone_by_field!(FieldSet { slots, free, entries, vacant, by_age, first_edges });
 
 impl<S: Scalar> Default for FieldSet<S> {
     fn default() -> Self {
-        Self { slots: Vec::new(), free: Vec::new(), entries: Vec::new(), vacant: Vec::new(), by_age: Vec::new() }
+        let (slots, free, entries, vacant) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        Self { slots, free, entries, vacant, by_age: Vec::new(), first_edges: Vec::new() }
     }
 }
 
@@ -66,13 +79,14 @@ impl<S: Scalar> FieldSet<S> {
             (self.slots.len() - 1) as u32
         });
         let at = self.place(slot, field);
+        self.entries[at as usize].age = self.by_age.len() as u32;
         push(&mut self.by_age, at);
         FieldId { slot, generation: self.slots[slot as usize].generation }
     }
 
-    /// Puts a field into a slot without one, and says where its entry is.
+    /// Puts a field into a slot without one, and says where its entry is. Its age is the caller's to set.
     fn place(&mut self, slot: u32, field: Field<S>) -> u32 {
-        let entry = Entry::new(slot, field);
+        let entry = Entry { slot, age: NONE, digest: Sink::of(&field), field, edges: [NO_EDGE; 2] };
         let at = if let Some(at) = self.vacant.pop() {
             self.entries[at as usize] = entry;
             at
@@ -81,7 +95,66 @@ impl<S: Scalar> FieldSet<S> {
             (self.entries.len() - 1) as u32
         };
         self.slots[slot as usize].at = at;
+        self.attach(at);
         at
+    }
+
+    /// Puts the edges of an entry before those that their bodies have.
+    fn attach(&mut self, at: u32) {
+        for (end, body) in self.entries[at as usize].field.ends().into_iter().enumerate() {
+            let Some(body) = body else { continue };
+            let slot = body.slot as usize;
+            if self.first_edges.len() <= slot {
+                self.first_edges.resize(slot + 1, NONE);
+            }
+            let edge = 2 * at + end as u32;
+            let next = core::mem::replace(&mut self.first_edges[slot], edge);
+            *self.edge(edge) = Edge { previous: NONE, next };
+            if next != NONE {
+                self.edge(next).previous = edge;
+            }
+        }
+    }
+
+    /// Takes the edges of an entry out of the lists of their bodies.
+    fn detach(&mut self, at: u32) {
+        for (end, body) in self.entries[at as usize].field.ends().into_iter().enumerate() {
+            let Some(body) = body else { continue };
+            let Edge { previous, next } = *self.edge(2 * at + end as u32);
+            match previous {
+                NONE => self.first_edges[body.slot as usize] = next,
+                previous => self.edge(previous).next = next,
+            }
+            if next != NONE {
+                self.edge(next).previous = previous;
+            }
+        }
+    }
+
+    fn edge(&mut self, edge: u32) -> &mut Edge {
+        &mut self.entries[edge as usize / 2].edges[edge as usize % 2]
+    }
+
+    /// The fields attached to a body of the world, in no order; a spring whose ends are on one body does not exist.
+    pub(crate) fn attached_to(&self, body: BodyId) -> impl Iterator<Item = (FieldId, &Field<S>)> {
+        let first = self.first_edges.get(body.slot as usize).copied().unwrap_or(NONE);
+        let mut edge = first;
+        core::iter::from_fn(move || {
+            let entry = self.entries.get(edge as usize / 2)?;
+            edge = entry.edges[edge as usize % 2].next;
+            Some((self.id(entry.slot), &entry.field))
+        })
+    }
+
+    /// The fields attached to a body of the world, the oldest first.
+    pub(crate) fn attached_by_age(&self, body: BodyId) -> Vec<FieldId> {
+        let mut ids: Vec<FieldId> = self.attached_to(body).map(|(id, _)| id).collect();
+        ids.sort_unstable_by_key(|id| self.entries[self.slots[id.slot as usize].at as usize].age);
+        ids
+    }
+
+    fn id(&self, slot: u32) -> FieldId {
+        FieldId { slot, generation: self.slots[slot as usize].generation }
     }
 
     /// Where the entry of a field is.
@@ -98,36 +171,55 @@ impl<S: Scalar> FieldSet<S> {
 
     pub(crate) fn replace(&mut self, id: FieldId, field: Field<S>) -> Result<(), Error> {
         let at = self.find(id)?;
-        self.entries[at] = Entry::new(id.slot, field);
+        self.detach(at as u32);
+        let entry = &mut self.entries[at];
+        (entry.digest, entry.field) = (Sink::of(&field), field);
+        self.attach(at as u32);
         Ok(())
     }
 
     pub(crate) fn remove(&mut self, id: FieldId) -> Result<Field<S>, Error> {
         let at = self.find(id)?;
+        self.detach(at as u32);
+        let Entry { field, age, .. } = self.entries[at];
+        self.by_age[age as usize] = NONE;
         self.vacant.push(at as u32);
-        self.by_age.retain(|&other| other as usize != at);
+        // As many have to be removed again before the next time.
+        if self.by_age.len() > 2 * self.len() {
+            self.by_age.retain(|&at| at != NONE);
+            self.number_ages();
+        }
         let slot = &mut self.slots[id.slot as usize];
         slot.at = NONE;
         if let Some(next) = slot.generation.checked_add(1) {
             slot.generation = next;
             self.free.push(id.slot);
         }
-        Ok(self.entries[at].field)
+        Ok(field)
+    }
+
+    /// Tells the entries where they are in `by_age`.
+    fn number_ages(&mut self) {
+        for (age, &at) in self.by_age.iter().enumerate() {
+            self.entries[at as usize].age = age as u32;
+        }
     }
 
     fn by_age(&self) -> impl DoubleEndedIterator<Item = &Entry<S>> {
-        self.by_age.iter().map(|&at| &self.entries[at as usize])
+        self.by_age.iter().filter(|&&at| at != NONE).map(|&at| &self.entries[at as usize])
     }
 
     pub(crate) fn len(&self) -> usize {
-        self.by_age.len()
+        self.entries.len() - self.vacant.len()
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.len() == 0
     }
 
     /// The oldest first.
     pub(crate) fn iter(&self) -> impl DoubleEndedIterator<Item = (FieldId, &Field<S>)> {
-        self.by_age().map(|Entry { slot, field, .. }| {
-            (FieldId { slot: *slot, generation: self.slots[*slot as usize].generation }, field)
-        })
+        self.by_age().map(|entry| (self.id(entry.slot), &entry.field))
     }
 
     /// The slots with fields, that of the oldest first.
@@ -179,6 +271,7 @@ impl<S: Scalar> FieldSet<S> {
             return Err(Error::Inconsistent);
         }
         self.by_age = slots.iter().map(|&slot| self.slots[slot as usize].at).collect();
+        self.number_ages();
         Ok(())
     }
 
@@ -191,7 +284,7 @@ impl<S: Scalar> FieldSet<S> {
         }
         wire::count(sink, self.free.len());
         sink.all(&self.free, u32::to_le_bytes);
-        wire::count(sink, self.by_age.len());
+        wire::count(sink, self.len());
         self.by_age().for_each(|entry| entry.slot.write(sink));
     }
 }

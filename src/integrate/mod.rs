@@ -164,6 +164,15 @@ impl Integrator {
         }
     }
 
+    /// Whether bodies are damped over each of its spans.
+    pub(crate) fn damps(self) -> [bool; SPANS] {
+        let damps = self.stages().iter().filter(|stage| stage.verb == Verb::Damp);
+        damps.fold([false; SPANS], |mut damps, stage| {
+            damps[stage.span] = true;
+            damps
+        })
+    }
+
     /// The step, in order. Changing a list changes results: see CHANGELOG, "Results changed".
     ///
     /// Of UMBRA's eleven stages these are the first four; collision and solving, 5 to 11, come after them.
@@ -252,6 +261,13 @@ pub(crate) struct Plan<S: Scalar> {
     pub(crate) half_square: S::Factor,
     /// Whether it undoes steps: time runs the other way in every span.
     pub(crate) backwards: bool,
+    made_for: (Integrator, TimeStep),
+}
+
+/// Steps a second.
+pub(crate) fn rate<S: Scalar>(time_step: TimeStep) -> S::Factor {
+    let (num, den) = time_step.seconds();
+    S::Factor::from_ratio(den.into(), num.into())
 }
 
 impl<S: Scalar> Plan<S> {
@@ -274,9 +290,17 @@ impl<S: Scalar> Plan<S> {
             timing,
             whole: whole(false),
             half: whole(true),
-            rate: S::Factor::from_ratio(ratio.1.into(), ratio.0.into()),
+            rate: rate::<S>(time_step),
             half_square: S::half_square_seconds(ratio),
             backwards: false,
+            made_for: (integrator, time_step),
+        }
+    }
+
+    /// Makes it anew if it was made for another integrator or time step.
+    pub(crate) fn update(&mut self, integrator: Integrator, time_step: TimeStep) {
+        if self.made_for != (integrator, time_step) {
+            *self = Self::new(integrator, time_step);
         }
     }
 

@@ -119,6 +119,21 @@ pub(crate) const fn div_256(high: u128, low: u128, d: u128) -> (u128, u128) {
     (q, r >> s)
 }
 
+/// `a·num / den`, rounded down. *Domain* num <= den, so that it fits.
+pub(crate) const fn mul_ratio(a: u128, (num, den): (u32, u32)) -> u128 {
+    let d = den as u64;
+    let (mut quotient, mut rest, mut place) = (0, 0, 128);
+    // By 32 bits at a time, for which there is an instruction: rest < d < 2^32.
+    while place > 0 {
+        place -= 32;
+        let part = rest << 32 | (a >> place) as u32 as u64;
+        quotient = quotient << 32 | (part / d) as u128;
+        rest = part % d;
+    }
+    // a = quotient·d + rest, and the product of the rest is below 2^64.
+    quotient * num as u128 + (rest * num as u64 / d) as u128
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -128,6 +143,13 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
+        #[test]
+        fn a_ratio_of_a_number_is_rounded_down(a: u128, cut in 0u32..128, num: u32, den in 1u32.., few in 0u32..32) {
+            let (a, num, den) = (a >> cut, (num >> few).min(den), den);
+            let exact = UBig::from(a) * UBig::from(num) / UBig::from(den);
+            prop_assert_eq!(UBig::from(mul_ratio(a, (num, den))), exact);
+        }
+
         #[test]
         fn the_quotient_and_the_remainder_make_the_dividend(d in 1u128.., q: u128, r: u128, s in 0u32..127) {
             let d = (d >> s).max(1);

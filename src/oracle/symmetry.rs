@@ -364,8 +364,7 @@ impl Symmetry {
     pub fn world(&self, world: &World) -> Option<World> {
         let mut image = world.clone();
         image.def.gravity = self.vector(world.def.gravity)?;
-        let climate = World::climate(&image.def, &image.plan);
-        Arc::make_mut(&mut image.tunings).refresh(&climate);
+        Arc::make_mut(&mut image.tunings).change_all();
         for i in 0..image.bodies.len() {
             self.take(&mut image, i)?;
         }
@@ -413,14 +412,13 @@ impl Symmetry {
         }
         let locks = world.bodies.card(i).locks;
         if self.locks(locks) != locks {
-            let climate = World::climate(&world.def, &world.plan);
-            world.bodies.set_locks(i, Arc::make_mut(&mut world.tunings), self.locks(locks), &climate);
+            world.bodies.set_locks(i, Arc::make_mut(&mut world.tunings), self.locks(locks));
         }
         let card = world.bodies.card(i);
         if let Some(shape) = card.shape.as_deref().filter(|_| self.mirrors()) {
             let (kind, mass, shape) = (card.kind, card.mass, self.shape(shape)?);
             let properties = mass_properties(kind, mass, Some(&shape)).ok()?;
-            world.bodies.set_shape(i, &world.tunings, Some(shape), properties);
+            world.bodies.set_shape(i, Some(shape), properties);
         }
         Some(())
     }

@@ -226,18 +226,24 @@ impl Dump {
             found => return Err(ReplayError::Law { found, own: LAW }),
         }
         let (chunk, at) = next(Some(TICKS))?;
-        let Segment { tick, count, .. } = whole(&chunk, at, Segment::read)?;
+        let mut hash = None;
+        let look = |tick: &Tick<'_>, _| {
+            hash = tick.hash;
+            Ok(())
+        };
+        let Segment { tick, count, .. } = whole(&chunk, at, |reader| Segment::read_and(reader, look))?;
         if count != 1 {
             return Err(malformed(at, "one tick"));
         }
         let mut done = chunk.bytes;
         done.drain(..Segment::HEAD);
         let mut moments: Vec<(Moment, Arc<World>)> = Vec::new();
+        let mut saved = Vec::new();
         loop {
             let (chunk, at) = next(None)?;
             match chunk.tag {
                 MOMENT => {
-                    let moment = read_moment(&chunk, at, &moments, laws)?;
+                    let moment = read_moment(chunk, at, &moments, &mut saved, laws)?;
                     moments.push(moment);
                 }
                 DONE => {
@@ -247,8 +253,8 @@ impl Dump {
                     if next_moment(&moments).is_some() {
                         return Err(malformed(at, "the next moment"));
                     }
-                    if !(starts && end.tick == tick && moments.last().is_some_and(is_it)) {
-                        return Err(malformed(at, "the tick and the hash it ends with"));
+                    if !(starts && end.tick == tick && hash == Some(end.hash) && moments.last().is_some_and(is_it)) {
+                        return Err(malformed(at, "the tick, and the hash of its end, which the ticks have too"));
                     }
                     break;
                 }
@@ -291,28 +297,37 @@ fn next_moment(before: &[(Moment, Arc<World>)]) -> Option<Moment> {
     })
 }
 
-/// A moment after these, and the world then.
+/// A moment after these, and the world then; `saved` has the bytes of the world before.
 fn read_moment(
-    chunk: &Chunk,
+    chunk: Chunk,
     number: u32,
     before: &[(Moment, Arc<World>)],
+    saved: &mut Vec<u8>,
     laws: &[Arc<dyn ForceLaw>],
 ) -> Result<(Moment, Arc<World>), ReplayError> {
-    let mut reader = Reader::new(&chunk.bytes);
-    let mut read = || -> Result<(Moment, Arc<World>), SnapshotError> {
+    let mut bytes = chunk.bytes;
+    let mut reader = Reader::new(&bytes);
+    let mut read = || -> Result<(Moment, Arc<World>, usize), SnapshotError> {
         let malformed = reader.malformed("the next moment");
         let moment = Moment::read(&mut reader)?;
         if next_moment(before) != Some(moment) {
             return Err(malformed.into());
         }
-        let malformed = reader.malformed("a world");
-        let world = match (bool::read(&mut reader)?, before.last()) {
+        let malformed = reader.malformed("whether the world is another than before, and if so that world");
+        let (is_new, start) = (bool::read(&mut reader)?, reader.at());
+        let world = match (is_new, before.last()) {
             (true, _) => Arc::new(snapshot::read(&mut reader, laws)?),
             (false, Some((_, world))) => world.clone(),
             (false, None) => return Err(malformed.into()),
         };
         reader.end()?;
-        Ok((moment, world))
+        if is_new && reader.since(start) == &saved[..] { Err(malformed.into()) } else { Ok((moment, world, start)) }
     };
-    read().map_err(|error| ReplayError::Snapshot { chunk: number, error })
+    let read = read();
+    let (moment, world, start) = read.map_err(|error| ReplayError::Snapshot { chunk: number, error })?;
+    if start < bytes.len() {
+        bytes.drain(..start);
+        *saved = bytes;
+    }
+    Ok((moment, world))
 }

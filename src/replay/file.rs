@@ -5,6 +5,7 @@ use core::marker::PhantomData;
 
 use super::chunk::Tag;
 use super::error::ReplayError;
+use crate::limits;
 use crate::wire::{self, Malformed, Out, Part, Read, Reader, Write};
 use crate::world::{Command, Input, Inputs};
 
@@ -59,6 +60,13 @@ pub(super) struct Head {
     pub(super) hash_every: u32,
     /// A snapshot after every so many; 0 for none but the first and the last.
     pub(super) snapshot_every: u32,
+}
+
+impl Head {
+    /// The tick of the world after so many.
+    pub(super) fn tick_after(&self, ticks: u64) -> u64 {
+        limits::tick_after(self.tick, ticks)
+    }
 }
 
 impl Write for Head {
@@ -210,11 +218,22 @@ impl<'a> Segment<'a> {
     pub(super) const HEAD: usize = 12;
 
     pub(super) fn read(reader: &mut Reader<'a>) -> Result<Self, Malformed> {
+        Self::read_and(reader, |_, _| Ok(()))
+    }
+
+    /// The same, with each tick looked at: with how many bytes the chunk has up to it, or refused for what should be there.
+    pub(super) fn read_and(
+        reader: &mut Reader<'a>,
+        mut look: impl FnMut(&Tick<'a>, usize) -> Result<(), &'static str>,
+    ) -> Result<Self, Malformed> {
+        let head = reader.at();
         let tick = u64::read(reader)?;
         let count = reader.count(Tick::LEAST_BYTES)? as u32;
         let start = reader.at();
         for _ in 0..count {
-            Tick::read(reader)?;
+            let at = reader.at() as u64;
+            let tick = Tick::read(reader)?;
+            look(&tick, reader.at() - head).map_err(|expected| Malformed { at, expected })?;
         }
         Ok(Self { tick, count, bytes: reader.since(start) })
     }

@@ -23,7 +23,7 @@ impl<S: Scalar> World<S> {
         self.elapsed().write(&mut sink);
         self.random.write(&mut sink);
         self.blob.write(&mut sink);
-        self.bodies.write(&mut sink);
+        self.bodies.write(&mut sink, &self.tunings);
         self.applied.write(&mut sink);
         self.errands.write(&mut sink);
         self.fields.write(&mut sink);

@@ -8,6 +8,7 @@ mod error;
 mod file;
 mod finding;
 mod hash;
+mod layout;
 mod playback;
 mod recorder;
 #[allow(clippy::module_inception, reason = "what the layer is named after")]
@@ -28,6 +29,10 @@ pub use verify::{ReplayLimits, VerifyError};
 /// The number of the laws of physics: it moves when the results of a step or of a hash do.
 pub const LAW: u32 = 6;
 
+#[cfg(test)]
+mod bounds;
+#[cfg(test)]
+mod encodings;
 #[cfg(test)]
 mod runs;
 #[cfg(test)]

@@ -67,10 +67,14 @@ pub struct Playback<'a> {
     world: World,
     /// Before the tick to come.
     cursor: Cursor,
+    /// How many ticks are behind.
+    ticks: u64,
     /// The hash recorded for the world as it is.
     recorded: Option<u64>,
     outcomes: Vec<Outcome>,
     most: ReplayLimits,
+    /// How many commands were carried out.
+    commands: u64,
     /// What of the limits was exceeded: it stopped there, maybe amid a tick, and does not go on.
     beyond: Option<VerifyError>,
 }
@@ -78,7 +82,17 @@ pub struct Playback<'a> {
 impl<'a> Playback<'a> {
     pub(super) fn new(replay: &'a Replay, most: ReplayLimits) -> Self {
         let (cursor, recorded, outcomes) = (Cursor::default(), None, Vec::new());
-        Self { replay, world: replay.start.clone(), cursor, recorded, outcomes, most, beyond: None }
+        Self {
+            replay,
+            world: replay.start.clone(),
+            cursor,
+            ticks: 0,
+            recorded,
+            outcomes,
+            most,
+            commands: 0,
+            beyond: None,
+        }
     }
 
     /// Plays on to the end, or as far as it may.
@@ -124,12 +138,11 @@ impl<'a> Playback<'a> {
     /// # Errors
     /// A [`Divergence`]; the world is at that tick, and can go on.
     pub fn step(&mut self) -> Result<bool, Box<Divergence>> {
-        let at = self.world.tick();
         if !self.advance() {
             return Ok(false);
         }
-        let snapshot = self.replay.snapshot_at(at + 1);
-        let done = self.replay.done.filter(|done| done.tick == at + 1);
+        let snapshot = self.replay.snapshot_after(self.ticks);
+        let done = self.replay.done.filter(|_| self.replay.ticks == self.ticks);
         let recorded = [self.recorded_hash(), snapshot.map(World::state_hash), done.map(|done| done.hash)];
         let mut recorded = recorded.into_iter().flatten().peekable();
         if recorded.peek().is_none() {
@@ -146,60 +159,70 @@ impl<'a> Playback<'a> {
         }
         let Some(tick) = self.replay.next(&mut self.cursor) else { return false };
         for call in tick.calls.iter() {
-            // One that is refused was not recorded; refused here, it is found by the hash.
-            _ = self.world.execute(&call);
             if self.is_beyond() {
                 return false;
             }
+            // One that is refused was not recorded; refused here, it is found by the hash.
+            _ = self.world.execute(&call);
         }
         self.outcomes.clear();
         for input in tick.inputs.iter() {
-            let outcome = self.world.carry_out_one(&input);
-            self.outcomes.push(outcome);
             if self.is_beyond() {
                 return false;
             }
+            let outcome = self.world.carry_out_one(&input);
+            self.outcomes.push(outcome);
+        }
+        self.beyond = self.most.check(&self.world).err();
+        if self.beyond.is_some() {
+            return false;
         }
         self.world.step();
+        self.ticks += 1;
         self.recorded = tick.hash;
         true
     }
 
+    /// Whether another command would be beyond the limits, or what the last one made is.
     fn is_beyond(&mut self) -> bool {
-        self.beyond = self.most.check(&self.world).err();
+        let beyond = VerifyError::Commands { tick: self.world.tick(), most: self.most.commands };
+        self.beyond = self.most.check(&self.world).err().or((self.commands == self.most.commands).then_some(beyond));
+        self.commands += 1;
         self.beyond.is_some()
     }
 
     /// Goes to a tick, or to the end if that is before it: from the snapshot nearest before it, without comparing.
     pub fn seek(&mut self, tick: u64) {
-        let later = self.replay.snapshots.partition_point(|world| world.tick() <= tick);
-        let nearest = later.checked_sub(1).map_or(&self.replay.start, |last| &*self.replay.snapshots[last]);
-        if self.world.tick() > tick || self.world.tick() < nearest.tick() {
+        let ticks = tick.saturating_sub(self.replay.head.tick);
+        let (after, nearest) = self.replay.snapshot_before(ticks);
+        if self.ticks > ticks || self.ticks < after {
             self.world.clone_from(nearest);
-            (self.cursor, self.recorded) = self.replay.cursor(nearest.tick());
+            (self.cursor, self.recorded) = self.replay.cursor(after);
+            self.ticks = after;
         }
-        self.seek_on(tick);
+        self.seek_on(ticks);
     }
 
     /// Finds out in what the run differs from the one recorded: that has its values in snapshots alone. Within the limits: what
     /// anybody can have recorded may be larger by then.
     fn divergence(&self, recorded: u64) -> Divergence {
         let (tick, computed) = (self.world.tick(), self.world.state_hash());
+        let head = &self.replay.head;
         let mut ahead = self.clone();
-        let mut later = self.replay.snapshots.iter().filter(|snapshot| snapshot.tick() >= tick);
-        let found = later.find_map(|snapshot| {
-            ahead.seek_on(snapshot.tick());
+        let found = self.replay.snapshots_from(self.ticks).find_map(|(after, snapshot)| {
+            ahead.seek_on(after);
             if ahead.beyond.is_some() {
                 return None;
             }
             let found = snapshot.first_difference(&ahead.world)?;
-            Some(Finding::at(snapshot.tick() - 1, Moment::End, found))
+            Some(Finding::at(head.tick_after(after - 1), Moment::End, found))
         });
-        let finding = found.unwrap_or_else(|| Finding::of_hashes(tick - 1, recorded, computed));
+        let last = head.tick_after(self.ticks - 1);
+        let finding = found.unwrap_or_else(|| Finding::of_hashes(last, recorded, computed));
         Divergence { tick, recorded, computed, finding }
     }
 
-    fn seek_on(&mut self, tick: u64) {
-        while self.world.tick() < tick && self.advance() {}
+    fn seek_on(&mut self, ticks: u64) {
+        while self.ticks < ticks && self.advance() {}
     }
 }

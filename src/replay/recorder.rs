@@ -3,18 +3,11 @@
 use alloc::vec::Vec;
 
 use super::LAW;
-use super::chunk;
-use super::file::{DONE, Doings, Done, HEAD, Head, REPLAY, SNAPSHOT, TICKS};
-use super::snapshot::Saved;
+use super::file::{Doings, Done, Head};
+use super::layout::Writer;
 use crate::error::Error;
 use crate::math::Random;
-use crate::wire::Write as _;
 use crate::world::{Command, Driver, Inputs, Made, Outcome, StepReport, World};
-
-/// A chunk of ticks has as many: what is lost when a recording is cut off.
-const SEGMENT: u32 = 64;
-/// Or it ends when it has so many bytes: a tick with a blob may have 2^24 more, and no chunk has 2^32.
-const SEGMENT_BYTES: usize = 1 << 20;
 
 /// How much is recorded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,12 +55,7 @@ impl Default for RecordOptions {
 /// ```
 #[derive(Clone, Debug)]
 pub struct Recorder {
-    options: RecordOptions,
-    /// What is finished of the file and was not taken yet.
-    file: Vec<u8>,
-    /// The ticks of the chunk to come, as bytes.
-    segment: Vec<u8>,
-    ticks: u32,
+    writer: Writer,
     calls: Vec<Command>,
     /// The world before the first of these calls, if there are any.
     uncalled: Option<World>,
@@ -80,25 +68,16 @@ impl Recorder {
     /// Begins with a world as it is.
     #[must_use]
     pub fn new(world: &World, options: RecordOptions) -> Self {
-        let options = RecordOptions { hash_every: options.hash_every.max(1), ..options };
-        let mut file = REPLAY.begin();
-        let mut head = Vec::new();
         let RecordOptions { hash_every, snapshot_every } = options;
-        Head { law: LAW, tick: world.tick(), hash_every, snapshot_every }.write(&mut head);
-        chunk::write(&mut file, HEAD, &head);
-        let mut recorder = Self {
-            options,
-            file,
-            segment: Vec::new(),
-            ticks: 0,
+        let head = Head { law: LAW, tick: world.tick(), hash_every: hash_every.max(1), snapshot_every };
+        Self {
+            writer: Writer::new(head, world),
             calls: Vec::new(),
             uncalled: None,
             outcomes: Vec::new(),
             random: *world.random(),
             blob: world.blob().to_vec(),
-        };
-        recorder.write_snapshot(world);
-        recorder
+        }
     }
 
     /// Does something outside of the players' inputs, as the level's own doings: it comes before the inputs of the tick.
@@ -121,27 +100,18 @@ impl Recorder {
     /// Carries out the inputs of a tick and steps.
     pub fn step<'w>(&mut self, world: &'w mut World, inputs: &Inputs) -> StepReport<'w> {
         self.notice(world);
-        if self.segment.is_empty() {
-            world.tick().write(&mut self.segment);
-            // The number of ticks, when it is known.
-            0u32.write(&mut self.segment);
-        }
+        let before = world.tick();
         world.carry_out_into(inputs, &mut self.outcomes);
         world.step();
         self.random = *world.random();
         self.blob.clear();
         self.blob.extend_from_slice(world.blob());
-        let every = |count: u32| count > 0 && world.tick() % u64::from(count) == 0;
-        let hash = every(self.options.hash_every).then(|| world.state_hash());
-        Doings { calls: &self.calls, inputs, hash }.write(&mut self.segment);
+        let (head, after) = (self.writer.head, world.tick());
+        let hash = head.has_hash(after).then(|| world.state_hash());
+        self.writer.tick(before, &Doings { calls: &self.calls, inputs, hash }, after);
         self.calls.clear();
-        self.ticks += 1;
-        let snapshot = every(self.options.snapshot_every);
-        if self.ticks == SEGMENT || self.segment.len() > SEGMENT_BYTES || snapshot {
-            self.finish_segment();
-        }
-        if snapshot {
-            self.write_snapshot(world);
+        if head.has_snapshot(after) {
+            self.writer.snapshot(world);
         }
         world.last_report()
     }
@@ -155,26 +125,24 @@ impl Recorder {
     /// What of the file is finished, to be written away; each byte is handed out once.
     #[must_use]
     pub fn take_bytes(&mut self) -> Vec<u8> {
-        core::mem::take(&mut self.file)
+        core::mem::take(&mut self.writer.file)
     }
 
     /// Ends the recording with the world as the last step left it, and gives the rest of the file: all of it if nothing was
     /// taken before. What was done since is of no tick, and not recorded.
     #[must_use]
-    pub fn finish(mut self, world: &World) -> Vec<u8> {
-        self.finish_segment();
-        let uncalled = self.uncalled.take().filter(|_| !self.calls.is_empty());
+    pub fn finish(self, world: &World) -> Vec<u8> {
+        let mut writer = self.writer;
+        writer.finish_segment();
+        let uncalled = self.uncalled.filter(|_| !self.calls.is_empty());
         let mut world = uncalled.unwrap_or_else(|| world.clone());
         world.random = self.random;
-        world.blob.clone_from(&self.blob);
-        let world = &world;
-        if self.options.snapshot_every == 0 || world.tick() % u64::from(self.options.snapshot_every) != 0 {
-            self.write_snapshot(world);
+        world.blob = self.blob;
+        if !writer.head.has_snapshot(world.tick()) {
+            writer.snapshot(&world);
         }
-        let mut done = Vec::new();
-        Done { tick: world.tick(), hash: world.state_hash() }.write(&mut done);
-        chunk::write(&mut self.file, DONE, &done);
-        self.file
+        writer.done(Done { tick: world.tick(), hash: world.state_hash() });
+        writer.file
     }
 
     /// Records what a game does to its world without commands.
@@ -185,22 +153,6 @@ impl Recorder {
         if world.blob() != self.blob {
             self.calls.push(Command::SetBlob(world.blob().to_vec()));
         }
-    }
-
-    fn finish_segment(&mut self) {
-        if self.ticks == 0 {
-            return;
-        }
-        self.segment[8..12].copy_from_slice(&self.ticks.to_le_bytes());
-        chunk::write(&mut self.file, TICKS, &self.segment);
-        self.segment.clear();
-        self.ticks = 0;
-    }
-
-    fn write_snapshot(&mut self, world: &World) {
-        let mut bytes = Vec::new();
-        Saved(world).write(&mut bytes);
-        chunk::write(&mut self.file, SNAPSHOT, &bytes);
     }
 }
 

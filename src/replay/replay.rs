@@ -12,6 +12,7 @@ use super::difference::{Place, name_of};
 use super::error::ReplayError;
 use super::file::{DONE, Done, HEAD, Head, List, REPLAY, SNAPSHOT, Segment, TICKS, Tick};
 use super::finding::{Finding, Moment};
+use super::layout::{Next, Ticks, Writer};
 use super::playback::{Divergence, Playback};
 use super::snapshot;
 use super::verify::{ReplayLimits, VerifyError};
@@ -46,19 +47,18 @@ pub struct Replay {
     pub(super) start: World,
     /// The contents of the chunks of ticks, in their order: what was done stays as it stands in the file.
     segments: Vec<Stretch>,
-    /// The tick after the last.
-    end: u64,
-    /// The later ones, by their ticks.
-    #[allow(clippy::vec_box, reason = "a world by itself is large, and the list grows")]
-    pub(super) snapshots: Vec<Box<World>>,
+    /// How many ticks there are.
+    pub(super) ticks: u64,
+    /// The later ones, each after so many ticks: their numbers rise.
+    snapshots: Vec<(u64, Box<World>)>,
     pub(super) done: Option<Done>,
 }
 
 /// Some ticks that follow each other.
 #[derive(Clone, Debug)]
 struct Stretch {
-    /// The tick the world is at before the first.
-    tick: u64,
+    /// How many are before.
+    start: u64,
     count: u32,
     bytes: Vec<u8>,
 }
@@ -105,16 +105,17 @@ impl Replay {
         let head = Self::read_head(&first, laws)?;
         let Some(second) = chunk::read(&mut reader) else { return Err(ReplayError::CutOff { tick: head.tick }) };
         let start = Self::read_start(&second, &head, laws)?;
-        let (segments, snapshots, end) = (Vec::new(), Vec::new(), head.tick);
-        let mut replay = Self { head, start, segments, end, snapshots, done: None };
-        let mut number = 2;
+        let (segments, snapshots) = (Vec::new(), Vec::new());
+        let mut replay = Self { head, start, segments, ticks: 0, snapshots, done: None };
+        let (mut number, mut next) = (2, Next::Ticks);
         while replay.done.is_none() {
             let Some(chunk) = chunk::read(&mut reader) else {
                 let error = ReplayError::CutOff { tick: replay.end() };
                 return Ok((replay, Some(error)));
             };
-            if let Err(error) = replay.read_chunk(chunk, number, laws) {
-                return Ok((replay, Some(error)));
+            match replay.read_chunk(chunk, number, next, laws) {
+                Ok(following) => next = following,
+                Err(error) => return Ok((replay, Some(error))),
             }
             number += 1;
         }
@@ -146,34 +147,83 @@ impl Replay {
         if start.tick() == head.tick { Ok(start) } else { Err(malformed(1, "the snapshot of the first tick")) }
     }
 
-    fn read_chunk(&mut self, chunk: Chunk, number: u32, laws: &[Arc<dyn ForceLaw>]) -> Result<(), ReplayError> {
+    /// Adds a chunk where `next` may be, and says what may follow it.
+    fn read_chunk(
+        &mut self,
+        chunk: Chunk,
+        number: u32,
+        next: Next,
+        laws: &[Arc<dyn ForceLaw>],
+    ) -> Result<Next, ReplayError> {
         let malformed = |expected| malformed(number, expected);
         sound(&chunk, number, self.end(), laws)?;
         match chunk.tag {
             TICKS => {
-                let Segment { tick, count, .. } = whole(&chunk, number, Segment::read)?;
-                let end = tick.checked_add(count.into()).filter(|_| tick == self.end && count > 0);
-                self.end = end.ok_or_else(|| malformed("the ticks that follow"))?;
-                self.segments.push(Stretch { tick, count, bytes: chunk.bytes });
+                next.may_be_ticks().map_err(malformed)?;
+                let mut ticks = Ticks::new(&self.head, self.ticks);
+                let look = |tick: &Tick<'_>, bytes| ticks.see(tick, bytes);
+                let Segment { tick, .. } = whole(&chunk, number, |reader| Segment::read_and(reader, look))?;
+                if tick != self.end() {
+                    return Err(malformed("the ticks that follow"));
+                }
+                let next = Next::after_ticks(&ticks).map_err(malformed)?;
+                let (count, end) = (ticks.count, ticks.end());
+                self.segments.push(Stretch { start: self.ticks, count, bytes: chunk.bytes });
+                self.ticks = end;
+                Ok(next)
             }
             SNAPSHOT => {
+                let next = next.after_snapshot(&self.head, self.end()).map_err(malformed)?;
                 let world = read_snapshot(&chunk, number, laws)?;
-                let is_next = self.snapshots.last().is_none_or(|last| last.tick() < world.tick());
-                if world.tick() != self.end() || !is_next {
+                if world.tick() != self.end() {
                     return Err(malformed("the snapshot of this tick"));
                 }
-                self.snapshots.push(Box::new(world));
+                self.snapshots.push((self.ticks, Box::new(world)));
+                Ok(next)
             }
             DONE => {
                 let done = whole(&chunk, number, Done::read)?;
                 if done.tick != self.end() {
                     return Err(malformed("the tick it ends at"));
                 }
+                next.may_be_done(&self.head, self.end()).map_err(malformed)?;
                 self.done = Some(done);
+                Ok(Next::Done)
             }
-            _ => return Err(malformed("a chunk of this format")),
+            _ => Err(malformed("a chunk of this format")),
         }
-        Ok(())
+    }
+
+    /// As bytes, the same on every machine: those it was read from. Of a [recovered](Self::recovered) one, what was whole.
+    ///
+    /// ```
+    /// use umbra_physics::{Inputs, RecordOptions, Recorder, Replay, World, WorldDef};
+    ///
+    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let mut recorder = Recorder::new(&world, RecordOptions::default());
+    /// (0..100).for_each(|_| _ = recorder.step(&mut world, &Inputs::new()));
+    /// let file = recorder.finish(&world);
+    /// assert_eq!(Replay::from_bytes(&file, &[])?.to_bytes(), file);
+    /// let cut = Replay::recovered(&file[..file.len() - 1], &[])?.to_bytes();
+    /// assert!(file.starts_with(&cut));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut writer = Writer::new(self.head, &self.start);
+        let mut snapshots = self.snapshots.iter();
+        for (before, tick) in (0..).zip(self.each()) {
+            let after = self.head.tick_after(before + 1);
+            writer.tick(self.head.tick_after(before), &tick, after);
+            if self.head.has_snapshot(after) {
+                // Cut off before it, there is none.
+                snapshots.next().into_iter().for_each(|(_, world)| writer.snapshot(world));
+            }
+        }
+        writer.finish_segment();
+        snapshots.for_each(|(_, world)| writer.snapshot(world));
+        self.done.into_iter().for_each(|done| writer.done(done));
+        writer.file
     }
 
     /// The world it begins with.
@@ -185,7 +235,25 @@ impl Replay {
     /// The tick its world is at after the last of its ticks.
     #[must_use]
     pub fn end(&self) -> u64 {
-        self.end
+        self.head.tick_after(self.ticks)
+    }
+
+    /// How many ticks it has.
+    ///
+    /// ```
+    /// use umbra_physics::{Inputs, RecordOptions, Recorder, Replay, World, WorldDef};
+    ///
+    /// let mut world: World = World::new(WorldDef::default())?;
+    /// (0..7).for_each(|_| _ = world.step());
+    /// let mut recorder = Recorder::new(&world, RecordOptions::default());
+    /// (0..30).for_each(|_| _ = recorder.step(&mut world, &Inputs::new()));
+    /// let replay = Replay::from_bytes(&recorder.finish(&world), &[])?;
+    /// assert_eq!((replay.start().tick(), replay.end(), replay.ticks()), (7, 37, 30));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub const fn ticks(&self) -> u64 {
+        self.ticks
     }
 
     /// Whether the recording was brought to its end.
@@ -194,19 +262,31 @@ impl Replay {
         self.done.is_some()
     }
 
-    /// The later snapshot of a tick: their ticks rise.
-    pub(super) fn snapshot_at(&self, tick: u64) -> Option<&World> {
-        let index = self.snapshots.binary_search_by_key(&tick, |world| world.tick()).ok()?;
-        self.snapshots.get(index).map(|world| &**world)
+    /// The later snapshots after so many ticks and more, and after how many each is.
+    pub(super) fn snapshots_from(&self, ticks: u64) -> impl Iterator<Item = (u64, &World)> {
+        let first = self.snapshots.partition_point(|(after, _)| *after < ticks);
+        self.snapshots[first..].iter().map(|(after, world)| (*after, &**world))
     }
 
-    /// The place before a tick of it, and the hash that was recorded of the one before that.
-    pub(super) fn cursor(&self, tick: u64) -> (Cursor, Option<u64>) {
+    /// The later snapshot after so many ticks.
+    pub(super) fn snapshot_after(&self, ticks: u64) -> Option<&World> {
+        self.snapshots_from(ticks).next().filter(|(after, _)| *after == ticks).map(|(_, world)| world)
+    }
+
+    /// The last snapshot after so many ticks or fewer, and after how many it is.
+    pub(super) fn snapshot_before(&self, ticks: u64) -> (u64, &World) {
+        let later = self.snapshots.partition_point(|(after, _)| *after <= ticks);
+        let last = later.checked_sub(1).map(|last| &self.snapshots[last]);
+        last.map_or((0, &self.start), |(after, world)| (*after, world))
+    }
+
+    /// The place after so many ticks, and the hash that was recorded of the last of them.
+    pub(super) fn cursor(&self, ticks: u64) -> (Cursor, Option<u64>) {
         // From the stretch that the tick before is in.
-        let after = self.segments.partition_point(|stretch| stretch.tick < tick);
+        let after = self.segments.partition_point(|stretch| stretch.start < ticks);
         let stretch = after.saturating_sub(1);
         let (mut cursor, mut hash) = (Cursor { stretch, ..Cursor::default() }, None);
-        for _ in self.segments.get(stretch).map_or(tick, |stretch| stretch.tick)..tick {
+        for _ in self.segments.get(stretch).map_or(ticks, |stretch| stretch.start)..ticks {
             hash = self.next(&mut cursor).and_then(|tick| tick.hash);
         }
         (cursor, hash)
@@ -225,7 +305,7 @@ impl Replay {
     }
 
     /// All ticks in their order.
-    fn ticks(&self) -> impl Iterator<Item = Tick<'_>> {
+    fn each(&self) -> impl Iterator<Item = Tick<'_>> {
         let mut cursor = Cursor::default();
         core::iter::from_fn(move || self.next(&mut cursor))
     }
@@ -268,7 +348,7 @@ impl Replay {
     ///     recorder.step(&mut world, &Inputs::new());
     /// }
     /// let replay = Replay::from_bytes(&recorder.finish(&world), &[])?;
-    /// let most = ReplayLimits { ticks: 60 * 60 * 30, bodies: 1_000, fields: 200 };
+    /// let most = ReplayLimits { ticks: 60 * 60 * 30, bodies: 1_000, fields: 200, commands: 100_000 };
     /// assert_eq!(replay.verify_within(most), Ok(()));
     /// let error = replay.verify_within(ReplayLimits { bodies: 60, ..most }).unwrap_err();
     /// assert_eq!(error, VerifyError::Bodies { tick: 60, most: 60 });
@@ -283,32 +363,30 @@ impl Replay {
     /// was recorded of it. `None` if they are the same as far as both go.
     #[must_use]
     pub fn first_difference(&self, other: &Self) -> Option<Finding> {
-        let tick = self.head.tick;
         if let Some(found) = self.start.first_difference(&other.start) {
-            return Some(Finding::at(tick, Moment::Start, found));
+            return Some(Finding::at(self.head.tick, Moment::Start, found));
         }
-        for (tick, (ours, theirs)) in (tick..).zip(self.ticks().zip(other.ticks())) {
+        for (before, (ours, theirs)) in (0..).zip(self.each().zip(other.each())) {
+            let tick = self.head.tick_after(before);
             if let Some(finding) = doings_differ(tick, &ours, &theirs) {
                 return Some(finding);
             }
             if let (Some(a), Some(b)) = (ours.hash, theirs.hash) {
                 if a != b {
-                    return Some(self.named_at_a_snapshot(other, tick, a, b));
+                    let named = self.named_at_a_snapshot(other, before + 1);
+                    return Some(named.unwrap_or_else(|| Finding::of_hashes(tick, a, b)));
                 }
             }
         }
         None
     }
 
-    /// The first value in which the snapshots of two replays differ from this tick on.
-    fn named_at_a_snapshot(&self, other: &Self, tick: u64, ours: u64, theirs: u64) -> Finding {
-        let mut later = self.snapshots.iter().filter(|world| world.tick() > tick);
-        let differs = later.find_map(|world| {
-            let there = other.snapshot_at(world.tick())?;
-            let found = world.first_difference(there)?;
-            Some(Finding::at(world.tick() - 1, Moment::End, found))
-        });
-        differs.unwrap_or_else(|| Finding::of_hashes(tick, ours, theirs))
+    /// The first value in which the snapshots of two replays differ after so many ticks or more.
+    fn named_at_a_snapshot(&self, other: &Self, ticks: u64) -> Option<Finding> {
+        self.snapshots_from(ticks).find_map(|(after, world)| {
+            let found = world.first_difference(other.snapshot_after(after)?)?;
+            Some(Finding::at(self.head.tick_after(after - 1), Moment::End, found))
+        })
     }
 }
 

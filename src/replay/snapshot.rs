@@ -1,6 +1,7 @@
 //! Snapshots: a world to come back to, in memory or as bytes.
 
-use alloc::collections::BTreeMap;
+use alloc::collections::BTreeSet;
+use alloc::collections::btree_map::{BTreeMap, Entry};
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::fmt;
@@ -206,14 +207,14 @@ impl<S: Scalar> Write for State<'_, S> {
         });
         part(out, "free_fields", |out| wire::list(out, world.fields.free().iter()));
         part(out, "fields_by_age", |out| wire::list(out, world.fields.ages().iter()));
-        part(out, "woken", |out| wire::list(out, world.woken.iter()));
+        part(out, "woken", |out| wire::list(out, world.journal.woken().iter()));
     }
 }
 
 impl<S: Scalar> State<'_, S> {
     fn write_bodies(&self, out: &mut impl Out) {
         let world = self.0;
-        let mut seen: BTreeMap<*const Shape<S>, u32> = BTreeMap::new();
+        let mut sources = Sources::default();
         wire::count(out, world.bodies.slots().len());
         for (slot, (generation, dense)) in world.bodies.slots().enumerate() {
             entry(out, slot, |out| {
@@ -221,22 +222,35 @@ impl<S: Scalar> State<'_, S> {
                 wire::field(out, "present", &dense.is_some());
                 let Some(dense) = dense else { return };
                 world.bodies.record(dense, &world.tunings).write(out);
-                // Shapes that are alike are one in memory. Where it is decides nothing but who is named first.
-                let source = match &world.bodies.card(dense).shape {
-                    None => ShapeSource::None,
-                    Some(shape) => match seen.get(&Arc::as_ptr(shape)) {
-                        Some(&first) => ShapeSource::AsOf(first),
-                        None => {
-                            seen.insert(Arc::as_ptr(shape), slot as u32);
-                            ShapeSource::New(shape.clone())
-                        }
-                    },
-                };
-                wire::field(out, "shape", &source);
+                wire::field(out, "shape", &sources.name(slot as u32, &world.bodies.card(dense).shape));
                 let row = world.applied.row(BodyId::from_parts(slot as u32, generation));
                 wire::field(out, "applied", &row.map(|row| Pushed::<S> { force: row.force, torque: row.torque }));
                 wire::field(out, "errand", &world.errands.of(BodyId::from_parts(slot as u32, generation)).copied());
             });
+        }
+    }
+}
+
+/// The shapes of the bodies so far, and the slot of the first that has each.
+struct Sources<S: Scalar>(BTreeMap<*const Shape<S>, u32>);
+
+impl<S: Scalar> Default for Sources<S> {
+    fn default() -> Self {
+        Self(BTreeMap::new())
+    }
+}
+
+impl<S: Scalar> Sources<S> {
+    /// How the shape of the body in this slot is written.
+    fn name(&mut self, slot: u32, shape: &Option<Arc<Shape<S>>>) -> ShapeSource<S> {
+        let Some(shape) = shape else { return ShapeSource::None };
+        // Shapes that are alike are one in memory. Where that is decides nothing.
+        match self.0.entry(Arc::as_ptr(shape)) {
+            Entry::Occupied(first) => ShapeSource::AsOf(*first.get()),
+            Entry::Vacant(place) => {
+                place.insert(slot);
+                ShapeSource::New(shape.clone())
+            }
         }
     }
 }
@@ -319,12 +333,12 @@ fn read_state(reader: &mut Reader<'_>, laws: &[Arc<dyn ForceLaw>]) -> Result<Wor
     world.counted = (Elapsed::read(reader)?, u64::read(reader)?);
     world.errands.moved_at = u64::read(reader)?;
     let (elapsed, since) = world.counted;
-    // As a change of the time step leaves it: in lowest terms, and with room for all ticks to come.
-    let is_reduced = elapsed.den != 0 && elapsed == elapsed.reduced();
+    // All ticks that steps lead to.
     if world.tick > limits::TICK || world.errands.moved_at > world.tick {
         return Err(Error::Inconsistent.into());
     }
-    if !is_reduced || elapsed.plus(u64::MAX, def.time_step).is_none() || since > world.tick {
+    // As a change of the time step leaves it: with room for all ticks to come.
+    if elapsed.plus(u64::MAX, def.time_step).is_none() || since > world.tick {
         return Err(Error::ElapsedTime.into());
     }
     world.random = Random::read(reader)?;
@@ -342,47 +356,65 @@ fn read_state(reader: &mut Reader<'_>, laws: &[Arc<dyn ForceLaw>]) -> Result<Wor
     fields.set_free(read_list(reader, 4, u32::read)?)?;
     fields.set_ages(&read_list(reader, 4, u32::read)?)?;
     world.fields = Arc::new(fields);
-    world.woken = read_list(reader, 8, BodyId::read)?;
-    world.woken.iter().try_for_each(|&body| world.bodies.find(body).map(drop))?;
+    let woken = read_woken(reader)?;
+    woken.iter().try_for_each(|&body| world.bodies.find(body).map(drop))?;
+    world.journal.set_woken(woken);
     Ok(world)
 }
 
-/// The laws of force a world has: each must be among those given, in the same version.
+/// The bodies that calls woke, in the order of the calls.
+fn read_woken(reader: &mut Reader<'_>) -> Result<Vec<BodyId>, Malformed> {
+    let mut once = BTreeSet::new();
+    read_list(reader, 8, |reader| {
+        let malformed = reader.malformed("a body that is not in the list before");
+        let body = BodyId::read(reader)?;
+        if once.insert(body) { Ok(body) } else { Err(malformed) }
+    })
+}
+
+/// The laws of force a world has, by their ids: each must be among those given, in the same version.
 fn read_laws(reader: &mut Reader<'_>, given: &[Arc<dyn ForceLaw>]) -> Result<Laws<Fx>, SnapshotError> {
     let mut laws = Laws::new();
-    for (id, version) in read_list(reader, 12, |reader| Ok((u64::read(reader)?, u32::read(reader)?)))? {
+    for _ in 0..reader.count(12)? {
+        let malformed = reader.malformed("a law of force with a larger id than the one before");
+        let (id, version) = (u64::read(reader)?, u32::read(reader)?);
+        if laws.last_key_value().is_some_and(|(&last, _)| last >= id) {
+            return Err(malformed.into());
+        }
         let law = given.iter().find(|law| law.id() == id && law.version() == version);
         let law = law.ok_or(SnapshotError::ForceLaw { id, version })?;
-        if laws.insert(id, law.clone()).is_some() {
-            return Err(Error::Inconsistent.into());
-        }
+        laws.insert(id, law.clone());
     }
     Ok(laws)
 }
 
 /// Reads the bodies one by one into a world that has none, and which slots are free.
 fn read_bodies(reader: &mut Reader<'_>, world: &mut World) -> Result<(), SnapshotError> {
-    let World { def, plan, bodies, applied, errands, .. } = world;
-    let (mut tunings, climate) = (Tunings::default(), World::climate(def, plan));
+    let World { def, bodies, applied, errands, .. } = world;
+    let mut tunings = Tunings::default();
     *bodies = Bodies::empty(def.integrator == Integrator::PublishedVerlet);
+    let mut sources = Sources::default();
     for slot in 0..reader.count(5)? {
         let generation = u32::read(reader)?;
         let body = BodyId::from_parts(slot as u32, generation);
         let invalid = |error| SnapshotError::Invalid { place: Place::Body(body), error };
         if !bool::read(reader)? {
-            bodies.rebuild(generation, None, &mut tunings, &climate).map_err(invalid)?;
+            bodies.rebuild(generation, None, &mut tunings).map_err(invalid)?;
             continue;
         }
         let record = Record::read(reader)?;
-        let shape = match ShapeSource::read(reader)? {
+        let malformed = reader.malformed("the shape, or the slot of the first body that has this shape");
+        let source = ShapeSource::read(reader)?;
+        let shape = match &source {
             ShapeSource::None => None,
-            ShapeSource::New(shape) => Some(shape),
-            ShapeSource::AsOf(first) => {
-                Some(bodies.shape_in(first).ok_or_else(|| invalid(Error::Inconsistent))?.clone())
-            }
+            ShapeSource::New(shape) => Some(shape.clone()),
+            ShapeSource::AsOf(first) => Some(bodies.shape_in(*first).ok_or(malformed)?.clone()),
         };
         check_among(&record, def).map_err(invalid)?;
-        let dense = bodies.rebuild(generation, Some((record, shape)), &mut tunings, &climate).map_err(invalid)?;
+        let dense = bodies.rebuild(generation, Some((record, shape)), &mut tunings).map_err(invalid)?;
+        if !dense.is_some_and(|dense| sources.name(slot as u32, &bodies.card(dense).shape) == source) {
+            return Err(malformed.into());
+        }
         if let Some(Pushed { force, torque }) = Option::read(reader)? {
             let feels =
                 |dense| bodies.card(dense).kind == BodyKind::Dynamic && bodies.activity(dense) == Activity::Awake;
@@ -391,7 +423,11 @@ fn read_bodies(reader: &mut Reader<'_>, world: &mut World) -> Result<(), Snapsho
             }
             applied.adopt(body, force, torque);
         }
-        if let Some(errand) = Option::read(reader)? {
+        let malformed = reader.malformed("an errand with a goal or one that has arrived, or none");
+        if let Some(errand) = Option::<Errand<Fx>>::read(reader)? {
+            if errand.is_over() {
+                return Err(malformed.into());
+            }
             check_errand(&record, &errand).map_err(invalid)?;
             errands.set(body, errand);
         }
@@ -420,7 +456,7 @@ fn check_errand(record: &Record<Fx>, errand: &Errand<Fx>) -> Result<(), Error> {
         Activity::Asleep => false,
         Activity::Quarantined | Activity::Disabled => errand.goal.is_none(),
     };
-    if record.kind != BodyKind::Kinematic || errand.is_over() || !may {
+    if record.kind != BodyKind::Kinematic || !may {
         return Err(Error::Inconsistent);
     }
     let Some(goal) = errand.goal else { return Ok(()) };

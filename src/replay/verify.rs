@@ -8,9 +8,10 @@ use super::replay::Replay;
 use crate::error::codes;
 use crate::world::World;
 
-/// How much a replay may be: a step takes as long as there are bodies, times the force fields that act on them.
+/// Limits on what a replay may ask for. Together with the size of the file they bound the time that verifying takes: a step
+/// takes time in proportion to the bodies, times the force fields that act on them, and a command in proportion to its bytes.
 ///
-/// [`Replay::verify_within`] shows it.
+/// [`Replay::verify_within`] has an example.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct ReplayLimits {
@@ -20,14 +21,16 @@ pub struct ReplayLimits {
     pub bodies: u32,
     /// The most force fields there may be at any time.
     pub fields: u32,
+    /// The most commands it may have over all of its ticks, calls and inputs.
+    pub commands: u64,
 }
 
 impl ReplayLimits {
     /// More than there can be.
-    pub(super) const NONE: Self = Self { ticks: u64::MAX, bodies: u32::MAX, fields: u32::MAX };
+    pub(super) const NONE: Self = Self { ticks: u64::MAX, bodies: u32::MAX, fields: u32::MAX, commands: u64::MAX };
 
     pub(super) fn check_ticks(&self, replay: &Replay) -> Result<(), VerifyError> {
-        let found = replay.end() - replay.start().tick();
+        let found = replay.ticks;
         if found > self.ticks { Err(VerifyError::Ticks { found, most: self.ticks }) } else { Ok(()) }
     }
 
@@ -70,6 +73,13 @@ pub enum VerifyError {
         /// How many it may make.
         most: u32,
     },
+    /// It has more commands than it may.
+    Commands {
+        /// In which tick there are too many.
+        tick: u64,
+        /// How many it may have.
+        most: u64,
+    },
 }
 
 impl fmt::Display for VerifyError {
@@ -79,6 +89,7 @@ impl fmt::Display for VerifyError {
             Self::Ticks { found, most } => write!(f, "it has {found} ticks, more than {most}"),
             Self::Bodies { tick, most } => write!(f, "more than {most} bodies at tick {tick}"),
             Self::Fields { tick, most } => write!(f, "more than {most} force fields at tick {tick}"),
+            Self::Commands { tick, most } => write!(f, "more than {most} commands up to tick {tick}"),
         }
     }
 }
@@ -88,6 +99,7 @@ codes!(VerifyError {
     Ticks = 422,
     Bodies = 423,
     Fields = 424,
+    Commands = 425,
 });
 
 impl core::error::Error for VerifyError {

@@ -14,7 +14,12 @@ use crate::kernel::div::{div_round, div_round_by, reciprocal};
 use crate::kernel::exp_log::{exp2_for_64_bits, log2_fine};
 use crate::kernel::round::{shr_round, shr_round_short};
 use crate::kernel::sqrt::{root_and_reciprocal, root_fine};
-use crate::kernel::wide::{div_256, magnitude, mul_128, mul_192, mul_shift, mul_shift_near, shr_round_256, with_sign};
+use crate::kernel::wide::{
+    div_256, magnitude, mul_128, mul_192, mul_ratio, mul_shift, mul_shift_near, shr_round_256, with_sign,
+};
+
+/// The rate of what stops at once.
+const NOTHING_LEFT: u128 = u128::MAX;
 
 /// log2 e, within 2^-64 relative.
 const LOG2_E: (u128, i32) = (0xb8aa_3b29_5c17_f0bc, 63);
@@ -173,6 +178,8 @@ impl Scalar for Fx {
     type Angle = Turn;
     type Wide = FxWide;
     type Sum = FxSum;
+    /// −log2 of what is left after a second, in units of 2^-120, or `u128::MAX` if nothing is left.
+    type DecayRate = u128;
 
     const ZERO: Self = Self::ZERO;
     const ONE: Self = Self::ONE;
@@ -230,17 +237,22 @@ impl Scalar for Fx {
         FxFactor::from_ratio(square(num), square(den)).times(FxFactor::new(1, 1))
     }
 
-    fn decay(kept: Self, span: Span) -> FxFactor {
-        let bits = kept.to_bits().unsigned_abs();
-        if bits == 0 {
+    fn decay_rate(kept: Self) -> u128 {
+        match kept.to_bits().unsigned_abs() {
+            0 => NOTHING_LEFT,
+            bits => log2_fine(bits).unsigned_abs(),
+        }
+    }
+
+    fn decay_over(rate: u128, span: Span) -> FxFactor {
+        if rate == NOTHING_LEFT {
             return FxFactor::ZERO;
         }
         // −log2 kept is in [0, 32]; in units of 2^-120 it is below 2^126, times a weight below 2 it is below 2^127.
-        let (high, low) = mul_128(log2_fine(bits).unsigned_abs(), span.weight.magnitude());
+        let (high, low) = mul_128(rate, span.weight.magnitude());
         let Some(whole) = shr_round_256(high, low, 126) else { return FxFactor::ZERO };
-        let (high, low) = mul_128(whole, u128::from(span.ratio.0));
-        // num <= den, so the quotient is at most `whole`.
-        let (exponent, _) = div_256(high, low, u128::from(span.ratio.1));
+        // num <= den, so it is at most `whole`.
+        let exponent = mul_ratio(whole, span.ratio);
         power_of_two(if span.half { exponent >> 1 } else { exponent }, !span.is_negative())
     }
 

@@ -251,6 +251,7 @@ macro_rules! float_scalar {
             type Angle = Self;
             type Wide = Self;
             type Sum = Self;
+            type DecayRate = Self;
 
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
@@ -295,7 +296,10 @@ macro_rules! float_scalar {
                 let seconds = num as $float / den as $float;
                 0.5 * seconds * seconds
             }
-            fn decay(kept: Self, span: Span) -> Self {
+            fn decay_rate(kept: Self) -> Self {
+                kept
+            }
+            fn decay_over(kept: Self, span: Span) -> Self {
                 let seconds = Self::seconds(span);
                 libm::$pow(kept, if span.is_negative() { -seconds } else { seconds })
             }

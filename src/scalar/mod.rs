@@ -328,6 +328,8 @@ pub trait Scalar: Number + Display + PartialOrd + Add<Output = Self> + Sub<Outpu
     type Wide: Wide<Self>;
     /// Sums of them.
     type Sum: Sum<Self>;
+    /// How fast a velocity decays: see [`decay_rate`](Self::decay_rate).
+    type DecayRate: Copy + Debug + Send + Sync;
 
     /// 0.
     const ZERO: Self;
@@ -360,9 +362,16 @@ pub trait Scalar: Number + Display + PartialOrd + Add<Output = Self> + Sub<Outpu
     fn seconds(span: Span) -> Self::Factor;
     /// ½·dt² of the whole step, in s².
     fn half_square_seconds(ratio: (u32, u32)) -> Self::Factor;
-    /// What is left of 1 after a span at `kept` a second, kept^span: the exact solution of dv/dt = v·ln kept.
-    /// *Domain* 0 ≤ kept ≤ 1, kept > 0 where the span is negative.
-    fn decay(kept: Self, span: Span) -> Self::Factor;
+    /// The rate at which a velocity decays of which `kept` is left after a second: from it what is left after a span follows
+    /// sooner. *Domain* 0 ≤ kept ≤ 1.
+    fn decay_rate(kept: Self) -> Self::DecayRate;
+    /// What is left of 1 after a span at a rate, kept^span: the exact solution of dv/dt = v·ln kept. *Domain* kept > 0 where
+    /// the span is negative.
+    fn decay_over(rate: Self::DecayRate, span: Span) -> Self::Factor;
+    /// The same at `kept` a second. *Domain* 0 ≤ kept ≤ 1, kept > 0 where the span is negative.
+    fn decay(kept: Self, span: Span) -> Self::Factor {
+        Self::decay_over(Self::decay_rate(kept), span)
+    }
     /// The way covered at this velocity in `seconds`. *Domain* |v| < 2^26 m/s, seconds < 2.
     fn drift(self, seconds: Self::Factor) -> Self::Accumulator;
     /// The velocity gained at this acceleration in `seconds`; `None` from 2^21 on.

@@ -18,9 +18,6 @@ use crate::math::TimeStep;
 use crate::scalar::{Scalar, Wide, fx::Fx};
 use crate::world::{Action, Command, Driver, Made, Manner, StepReport, World, WorldDef};
 
-/// What a rehearsal may have to look through, in bodies or fields: well below a second.
-const MOST_WORK: u64 = 1 << 28;
-
 /// The world of a scene and what is still to be done to it.
 #[derive(Clone, Debug)]
 pub struct SceneRun<'a, S: Scalar = Fx> {
@@ -183,16 +180,10 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
         Ok(())
     }
 
-    /// Tries the inputs in their order, on a world that does not move on: all of them, unless that takes too long. Those that
-    /// are left are refused at their ticks, if at all.
+    /// Tries the inputs in their order, on a world that does not move on.
     pub(super) fn rehearse(mut self) -> Result<(), SceneError> {
-        let mut work = 0u64;
         for index in core::mem::take(&mut self.order) {
             let Input { from, deed, place, .. } = &self.scene.inputs[index];
-            work = work.saturating_add(self.work(deed));
-            if work > MOST_WORK {
-                break;
-            }
             // What these are refused for depends on the motion before.
             let depends = matches!(
                 deed,
@@ -210,23 +201,6 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
             }
         }
         Ok(())
-    }
-
-    /// How much a deed has to look through, in bodies or fields, in a world that never stepped: nobody there sleeps, to be woken.
-    fn work(&self, deed: &Deed) -> u64 {
-        let all = (self.bodies.len() + self.fields.len()) as u64;
-        match deed {
-            Deed::Command(Command::RemoveBody(_)) => all,
-            // Makes the factors of all bodies anew, which takes longer than a look.
-            Deed::Command(
-                Command::SetTimeStep(_)
-                | Command::SetGravity(_)
-                | Command::SetIntegrator(_)
-                | Command::SetDamping { .. }
-                | Command::SetSleepAfter(_),
-            ) => 64 * all,
-            _ => 1,
-        }
     }
 
     fn carry_out(&mut self, deed: &Deed, driver: &mut impl Driver<S>) -> Result<(), Error> {

@@ -9,6 +9,7 @@ use crate::error::{Error, Quantity};
 use crate::limits::{CORNERS, PARTS, SIZE_MAX, SIZE_MIN};
 use crate::math::Vec2;
 use crate::scalar::{Factor, Scalar};
+use crate::wire::Sink;
 
 /// Refuses a size outside the limits.
 fn check_size<S: Scalar>(size: S) -> Result<(), Error> {
@@ -27,6 +28,11 @@ fn check_point<S: Scalar>(point: Vec2<S>) -> Result<(), Error> {
 }
 
 impl<S: Scalar> Shape<S> {
+    fn of(geometry: Geometry<S>, shift: Vec2<S>, measure: S::Factor, gyration: S::Factor) -> Self {
+        let shape = Self { geometry, shift, measure, gyration, digest: 0 };
+        Self { digest: Sink::of(&shape), ..shape }
+    }
+
     /// A disc of this radius in m.
     ///
     /// # Errors
@@ -40,7 +46,7 @@ impl<S: Scalar> Shape<S> {
     pub fn circle(radius: S) -> Result<Self, Error> {
         check_size(radius)?;
         let (measure, gyration) = mass::circle(radius);
-        Ok(Self { geometry: Geometry::Circle { radius }, shift: Vec2::ZERO, measure, gyration })
+        Ok(Self::of(Geometry::Circle { radius }, Vec2::ZERO, measure, gyration))
     }
 
     /// A rectangle of this width (along x) and height in m.
@@ -51,7 +57,7 @@ impl<S: Scalar> Shape<S> {
         check_size(width)?;
         check_size(height)?;
         let (measure, gyration) = mass::rectangle(width, height);
-        Ok(Self { geometry: Geometry::Rectangle { width, height }, shift: Vec2::ZERO, measure, gyration })
+        Ok(Self::of(Geometry::Rectangle { width, height }, Vec2::ZERO, measure, gyration))
     }
 
     /// A capsule along x: `length` in m between the centres of its round ends, `radius` in m.
@@ -62,7 +68,7 @@ impl<S: Scalar> Shape<S> {
         check_size(length)?;
         check_size(radius)?;
         let (measure, gyration) = mass::capsule(length, radius);
-        Ok(Self { geometry: Geometry::Capsule { length, radius }, shift: Vec2::ZERO, measure, gyration })
+        Ok(Self::of(Geometry::Capsule { length, radius }, Vec2::ZERO, measure, gyration))
     }
 
     /// A thin rod between two points. Its density is in kg/m.
@@ -81,7 +87,7 @@ impl<S: Scalar> Shape<S> {
             return Err(Error::OutOfRange { quantity: Quantity::Size });
         }
         let (measure, gyration) = mass::segment::<S>(length);
-        Ok(Self { geometry: Geometry::Segment { ends }, shift, measure, gyration })
+        Ok(Self::of(Geometry::Segment { ends }, shift, measure, gyration))
     }
 
     /// A convex polygon with these corners in either order; re-centred at its centroid.
@@ -109,7 +115,7 @@ impl<S: Scalar> Shape<S> {
         let pairs: Vec<(S, S)> = centred.iter().map(|&c| c.into()).collect();
         let moments = S::polygon_moments(&pairs).ok_or(Error::NotConvex { corner: 0 })?;
         let gyration = moments.second.over(moments.area);
-        Ok(Self { geometry: Geometry::Polygon { corners: centred.into() }, shift, measure: moments.area, gyration })
+        Ok(Self::of(Geometry::Polygon { corners: centred.into() }, shift, moments.area, gyration))
     }
 
     /// Several shapes as one, re-centred at their common centre of mass.
@@ -140,7 +146,7 @@ impl<S: Scalar> Shape<S> {
         let shift = Vec2::new(mean(|p| p.position.x), mean(|p| p.position.y));
         let parts: Arc<[Part<S>]> = parts.iter().map(|p| Part { position: p.position - shift, ..p.clone() }).collect();
         let (measure, gyration) = mass::compound(&parts, &weights);
-        Ok(Self { geometry: Geometry::Compound { parts }, shift, measure, gyration })
+        Ok(Self::of(Geometry::Compound { parts }, shift, measure, gyration))
     }
 }
 

@@ -1,7 +1,8 @@
 //! Shapes as bytes: in the coordinates they were given in, from which making them again gives the same shape to the bit.
 //!
-//! What was given is what is kept plus the shift, exactly: both are multiples of an ulp and small. A polygon is kept
-//! counter-clockwise and from any corner on; neither changes a bit of what is made from it.
+//! What was given is what is kept plus the shift, exactly: both are multiples of an ulp and small. A polygon is kept, and so
+//! written, counter-clockwise and from any corner on; neither changes a bit of what is made from it. Read clockwise it would
+//! have a second encoding, and is refused.
 
 use alloc::vec::Vec;
 
@@ -10,7 +11,7 @@ use crate::error::Error;
 use crate::limits::{CORNERS, PARTS};
 use crate::math::Vec2;
 use crate::scalar::{Scalar, fx::Fx};
-use crate::wire::{self, Malformed, Out, Read, Reader, Sink, Write};
+use crate::wire::{self, Malformed, Out, Read, Reader, Write};
 
 const CIRCLE: u8 = 0;
 const RECTANGLE: u8 = 1;
@@ -78,7 +79,7 @@ fn read(reader: &mut Reader<'_>, may_be_compound: bool) -> Result<Shape<Fx>, Mal
         CIRCLE => Shape::circle(Fx::read(reader)?),
         RECTANGLE => Shape::rectangle(Fx::read(reader)?, Fx::read(reader)?),
         CAPSULE => Shape::capsule(Fx::read(reader)?, Fx::read(reader)?),
-        POLYGON => Shape::polygon(&many(reader, CORNERS, 16, Vec2::read)?),
+        POLYGON => read_polygon(reader)?,
         SEGMENT => Shape::segment(Vec2::read(reader)?, Vec2::read(reader)?),
         // Parts are no compounds, so that reading goes no deeper.
         COMPOUND if may_be_compound => Shape::compound(&many(reader, PARTS, 41, |reader| {
@@ -94,6 +95,19 @@ fn read(reader: &mut Reader<'_>, may_be_compound: bool) -> Result<Shape<Fx>, Mal
     made.map_err(|_: Error| malformed)
 }
 
+/// A polygon, if there is one with these corners in this order.
+fn read_polygon(reader: &mut Reader<'_>) -> Result<Result<Shape<Fx>, Error>, Malformed> {
+    let malformed = reader.malformed("the corners of a polygon, counter-clockwise");
+    let corners = many(reader, CORNERS, 16, Vec2::read)?;
+    let made = Shape::polygon(&corners);
+    let is_reversed = |shape: &Shape<Fx>| match &shape.geometry {
+        // No two corners are the same: reversed, the last one comes first.
+        Geometry::Polygon { corners: kept } => kept[0] + shape.shift != corners[0],
+        _ => false,
+    };
+    if made.as_ref().is_ok_and(is_reversed) { Err(malformed) } else { Ok(made) }
+}
+
 fn many<T>(
     reader: &mut Reader<'_>,
     most: usize,
@@ -106,10 +120,4 @@ fn many<T>(
         return Err(malformed);
     }
     (0..count).map(|_| read(reader)).collect()
-}
-
-impl<S: Scalar> Shape<S> {
-    pub(crate) fn digest(&self) -> u64 {
-        Sink::of(self)
-    }
 }

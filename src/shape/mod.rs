@@ -49,6 +49,8 @@ pub struct Shape<S: Scalar = Fx> {
     shift: Vec2<S>,
     measure: S::Factor,
     gyration: S::Factor,
+    /// A hash of its bytes, by which worlds keep shapes that are alike once.
+    digest: u64,
 }
 
 /// What a shape looks like, in coordinates relative to its centre of mass.
@@ -126,6 +128,10 @@ impl<S: Scalar> Shape<S> {
     #[must_use]
     pub fn measure(&self) -> S::Factor {
         self.measure
+    }
+
+    pub(crate) fn digest(&self) -> u64 {
+        self.digest
     }
 
     /// Its moment of inertia about the centre of mass per mass, m². *Error* 2^-58 relative.

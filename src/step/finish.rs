@@ -97,12 +97,7 @@ pub(super) fn wanders<S: Scalar>(bodies: &Bodies<S>, i: usize) -> bool {
 
 /// For each of the first `count` bodies of the columns, the lowest index among those of them that springs join it to, over
 /// any number of springs. Static bodies and those that take no part join nothing.
-pub(crate) fn island_roots<S: Scalar>(
-    bodies: &Bodies<S>,
-    fields: &FieldSet<S>,
-    count: usize,
-    links: &mut alloc::vec::Vec<u32>,
-) {
+fn island_roots<S: Scalar>(bodies: &Bodies<S>, fields: &FieldSet<S>, count: usize, links: &mut alloc::vec::Vec<u32>) {
     fn root(links: &mut [u32], mut i: usize) -> usize {
         while links[i] as usize != i {
             links[i] = links[links[i] as usize];

@@ -12,7 +12,6 @@ mod kick;
 mod march;
 mod timers;
 
-pub(crate) use finish::island_roots;
 pub(crate) use march::find_strays;
 #[cfg(feature = "timers")]
 pub use timers::Timers;
@@ -274,7 +273,7 @@ impl<S: Scalar> Context<'_, S> {
         engaged.clear();
         let mut has = Has::default();
         let all = self.integrator == Integrator::PublishedVerlet || self.probe.is_some();
-        if all || self.fields.iter().next().is_some() {
+        if all || !self.fields.is_empty() {
             engaged.resize(moving.div_ceil(BLOCK), all);
         }
         for (_, field) in self.fields.iter() {

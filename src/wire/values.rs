@@ -174,7 +174,9 @@ impl Write for Elapsed {
 
 impl Read for Elapsed {
     fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {
-        Ok(Self { num: u128::read(reader)?, den: u128::read(reader)? })
+        let malformed = reader.malformed("a time in lowest terms");
+        let time = Self { num: u128::read(reader)?, den: u128::read(reader)? };
+        if time.den != 0 && time == time.reduced() { Ok(time) } else { Err(malformed) }
     }
 }
 

@@ -1,7 +1,6 @@
 //! Adding, removing and changing bodies. Each call checks first and changes nothing if it refuses.
 
 use alloc::sync::Arc;
-use alloc::vec::Vec;
 
 use super::World;
 use crate::body::{BodyDef, BodyKind, Card, Key, Locks, Mass};
@@ -38,8 +37,7 @@ impl<S: Scalar> World<S> {
     /// ```
     pub fn add_body(&mut self, def: BodyDef<S>) -> Result<BodyId, Error> {
         let properties = self.check_new_body(&def)?;
-        let climate = Self::climate(&self.def, &self.plan);
-        let body = self.bodies.insert(def, properties, Arc::make_mut(&mut self.tunings), &climate);
+        let body = self.bodies.insert(def, properties, Arc::make_mut(&mut self.tunings));
         self.scratch.forget();
         self.journal.added(body, &self.bodies);
         self.mark_if_still(body);
@@ -52,10 +50,8 @@ impl<S: Scalar> World<S> {
     /// [`Error::NoSuchBody`].
     pub fn remove_body(&mut self, body: BodyId) -> Result<(), Error> {
         self.touch(body)?;
-        self.woken.retain(|&woken| woken != body);
-        let attached = self.fields.iter().filter(|(_, field)| field.bodies().any(|b| b == body));
-        let attached: Vec<_> = attached.map(|(id, _)| id).collect();
-        for field in attached {
+        // Which of their slots is taken next is state: the last one that is freed.
+        for field in self.fields.attached_by_age(body) {
             self.remove_field(field)?;
         }
         let dense = self.bodies.find(body)?;
@@ -175,7 +171,7 @@ impl<S: Scalar> World<S> {
     pub fn set_shape(&mut self, body: BodyId, shape: Option<Shape<S>>) -> Result<(), Error> {
         let properties = self.check_body_shape(body, shape.as_ref())?;
         let dense = self.touch(body)?;
-        self.bodies.set_shape(dense, &self.tunings, shape, properties);
+        self.bodies.set_shape(dense, shape, properties);
         Ok(())
     }
 
@@ -191,7 +187,7 @@ impl<S: Scalar> World<S> {
         let dense = self.bodies.find(body)?;
         self.applied.forget(body);
         self.errands.forget(body);
-        self.bodies.edit(dense, &self.tunings, |card| (card.kind, card.properties) = (kind, properties));
+        self.bodies.edit(dense, |card| (card.kind, card.properties) = (kind, properties));
         let dense = self.bodies.set_moving(dense, kind != BodyKind::Static);
         let motion = &mut self.bodies.columns.motion;
         if kind == BodyKind::Static {
@@ -268,8 +264,7 @@ impl<S: Scalar> World<S> {
     pub fn set_locks(&mut self, body: BodyId, locks: Locks) -> Result<(), Error> {
         let dense = self.touch(body)?;
         self.errands.recall(body);
-        let climate = Self::climate(&self.def, &self.plan);
-        self.bodies.set_locks(dense, Arc::make_mut(&mut self.tunings), locks, &climate);
+        self.bodies.set_locks(dense, Arc::make_mut(&mut self.tunings), locks);
         Ok(())
     }
 
@@ -300,7 +295,7 @@ impl<S: Scalar> World<S> {
     /// Touches a body and changes what no step does.
     fn edit(&mut self, body: BodyId, edit: impl FnOnce(&mut Card<S>)) -> Result<(), Error> {
         let dense = self.touch(body)?;
-        self.bodies.edit(dense, &self.tunings, edit);
+        self.bodies.edit(dense, edit);
         Ok(())
     }
 
@@ -308,7 +303,6 @@ impl<S: Scalar> World<S> {
     fn retune(&mut self, dense: usize, edit: impl FnOnce(&mut Key<S>)) {
         let mut key = self.tunings.rows()[self.bodies.columns.tuning[dense] as usize].key;
         edit(&mut key);
-        let climate = Self::climate(&self.def, &self.plan);
-        self.bodies.retune(dense, Arc::make_mut(&mut self.tunings), key, &climate);
+        self.bodies.retune(dense, Arc::make_mut(&mut self.tunings), key);
     }
 }

@@ -10,7 +10,7 @@ use crate::body::{
 use crate::error::{Error, Quantity};
 use crate::force::Field;
 use crate::handle::{BodyId, FieldId};
-use crate::integrate::Integrator;
+use crate::integrate::{Integrator, rate};
 use crate::limits;
 use crate::math::{Elapsed, TimeStep, Vec2};
 use crate::scalar::{Angle, Scalar};
@@ -60,7 +60,7 @@ impl<S: Scalar> World<S> {
         let motion = &self.bodies.columns.motion;
         goal.check_locks(motion.position.get(dense), motion.angle[dense], card.locks)?;
         let too_fast = Error::OutOfRange { quantity: Quantity::Velocity };
-        goal.approach(motion, dense, card.locks, self.plan.rate).ok_or(too_fast)?;
+        goal.approach(motion, dense, card.locks, rate::<S>(self.def.time_step)).ok_or(too_fast)?;
         Ok(goal)
     }
 
@@ -186,8 +186,7 @@ impl<S: Scalar> World<S> {
     }
 
     pub(super) fn check_integrator(&self, integrator: Integrator) -> Result<WorldDef<S>, Error> {
-        let body_stops = self.tunings.used().any(|row| stops(row.key.linear) || stops(row.key.angular));
-        if integrator == Integrator::Yoshida4 && body_stops {
+        if integrator == Integrator::Yoshida4 && self.tunings.any_stopping() {
             return Err(Error::DampingHasNoInverse);
         }
         let def = WorldDef { integrator, ..self.def };

@@ -14,7 +14,7 @@ use crate::shape::Shape;
 use crate::wire::{Malformed, Read as _, Reader, Write as _, wire_enum};
 
 /// A call that changes a world, as data to send, record and replay. The methods of [`World`] of the same names say what
-/// each does and when it is refused.
+/// each does and when it is refused; [`World`](World#cost) says what each costs.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 #[allow(missing_docs, reason = "each stands for the method of its name, with that method's arguments")]

@@ -1,5 +1,6 @@
 //! The inputs of a tick, in an order of their own.
 
+use alloc::collections::{BTreeMap, btree_map};
 use alloc::vec::Vec;
 
 use super::{Command, Made, World};
@@ -59,17 +60,18 @@ impl<S: Scalar> Input<S> {
 /// ```
 ///
 /// ```
-/// use umbra_physics::{Command, Inputs, Random};
+/// use umbra_physics::{Command, Inputs, InputsIter, Random};
 ///
 /// let mut inputs: Inputs = Inputs::new();
 /// for player in [2, 0, 1] {
 ///     assert!(inputs.replace(player, [Command::SetRandom(Random::seeded(player.into()))]));
 /// }
-/// assert_eq!(inputs.iter().map(|input| input.player).collect::<Vec<_>>(), [0, 1, 2]);
+/// let in_order: InputsIter<'_> = inputs.iter();
+/// assert_eq!(in_order.map(|input| input.player).collect::<Vec<_>>(), [0, 1, 2]);
 /// inputs.clear(); // for those of another tick, in the same memory
 /// assert_eq!((inputs.is_empty(), inputs.len()), (true, 0));
 /// ```
-#[derive(Debug, PartialEq)]
+#[derive(Debug)]
 #[cfg_attr(
     feature = "serde",
     derive(serde::Deserialize),
@@ -79,10 +81,21 @@ impl<S: Scalar> Input<S> {
     )
 )]
 pub struct Inputs<S: Scalar = Fx> {
+    /// In their order.
     rows: Vec<Input<S>>,
+    /// Inputs that came after one with a later place, which is still the last of the rows or before it: put in among the
+    /// rows, each would move all behind it.
+    late: BTreeMap<(u32, u32), Input<S>>,
 }
 
-clone_by_field!(Inputs { rows });
+clone_by_field!(Inputs { rows, late });
+
+impl<S: Scalar> PartialEq for Inputs<S> {
+    /// Whether they are the same inputs, in whatever order they arrived.
+    fn eq(&self, other: &Self) -> bool {
+        self.iter().eq(other)
+    }
+}
 
 impl<S: Scalar> Default for Inputs<S> {
     fn default() -> Self {
@@ -94,69 +107,117 @@ impl<S: Scalar> Inputs<S> {
     /// No inputs.
     #[must_use]
     pub const fn new() -> Self {
-        Self { rows: Vec::new() }
+        Self { rows: Vec::new(), late: BTreeMap::new() }
     }
 
     /// Adds an input in its place.
     ///
+    /// *Cost* that of a search in a sorted list, in whatever order they arrive; in their order nothing but room for one more.
+    ///
     /// # Errors
     /// [`Error::DuplicateInput`] if there is one of the same player and sequence; that one stays.
     pub fn insert(&mut self, input: Input<S>) -> Result<(), Error> {
-        match self.rows.binary_search_by_key(&input.place(), Input::place) {
-            Ok(_) => Err(Error::DuplicateInput { player: input.player, sequence: input.sequence }),
-            Err(index) => {
-                self.rows.insert(index, input);
-                Ok(())
-            }
+        let place = input.place();
+        if self.rows.last().is_none_or(|last| last.place() < place) {
+            self.rows.push(input);
+            return Ok(());
         }
+        let Input { player, sequence, .. } = input;
+        if self.rows.binary_search_by_key(&place, Input::place).is_ok() || self.late.contains_key(&place) {
+            return Err(Error::DuplicateInput { player, sequence });
+        }
+        self.late.insert(place, input);
+        Ok(())
     }
 
     /// Puts these commands, with sequences from 0, in the place of all inputs of a player. Says whether that changed
     /// anything.
+    ///
+    /// *Cost* in proportion to the inputs of the tick, and to the commands.
     pub fn replace(&mut self, player: u32, commands: impl IntoIterator<Item = Command<S>>) -> bool {
+        self.merge();
         let first = self.rows.partition_point(|input| input.player < player);
-        let old = self.rows[first..].partition_point(|input| input.player == player);
+        let end = first + self.rows[first..].partition_point(|input| input.player == player);
+        let mut inputs = (0..).zip(commands).map(|(sequence, command)| Input { player, sequence, command });
         let mut changed = false;
-        let mut sequence = 0;
-        for command in commands {
-            let (index, input) = (first + sequence as usize, Input { player, sequence, command });
-            if (sequence as usize) < old {
-                changed |= self.rows[index] != input;
-                self.rows[index] = input;
-            } else {
-                changed = true;
-                self.rows.insert(index, input);
-            }
-            sequence += 1;
+        let mut next = first;
+        while next < end {
+            let Some(input) = inputs.next() else { break };
+            changed |= self.rows[next] != input;
+            self.rows[next] = input;
+            next += 1;
         }
-        let new = sequence as usize;
-        changed |= new < old;
-        self.rows.drain(first + new.min(old)..first + old);
+        changed |= next < end;
+        let inserted = inputs.inspect(|_| changed = true);
+        self.rows.splice(next..end, inserted);
         changed
     }
 
+    /// Puts those that came late among the others.
+    fn merge(&mut self) {
+        if !self.late.is_empty() {
+            let mut all = Vec::with_capacity(self.len());
+            let mut late = core::mem::take(&mut self.late).into_values().peekable();
+            for row in self.rows.drain(..) {
+                while let Some(input) = late.next_if(|input| input.place() < row.place()) {
+                    all.push(input);
+                }
+                all.push(row);
+            }
+            self.rows = all;
+        }
+    }
+
     /// In their order.
-    pub fn iter(&self) -> core::slice::Iter<'_, Input<S>> {
-        self.rows.iter()
+    #[must_use]
+    pub fn iter(&self) -> InputsIter<'_, S> {
+        InputsIter { rows: self.rows.iter(), late: self.late.values() }
     }
 
     /// How many there are.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.rows.len()
+        self.rows.len() + self.late.len()
     }
 
     /// Whether there are none.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.rows.is_empty()
+        self.len() == 0
     }
 
     /// Removes all, and keeps the memory for those of another tick.
     pub fn clear(&mut self) {
         self.rows.clear();
+        self.late.clear();
     }
 }
+
+/// Goes through [`Inputs`] in their order.
+#[derive(Clone, Debug)]
+pub struct InputsIter<'a, S: Scalar = Fx> {
+    rows: core::slice::Iter<'a, Input<S>>,
+    late: btree_map::Values<'a, (u32, u32), Input<S>>,
+}
+
+impl<'a, S: Scalar> Iterator for InputsIter<'a, S> {
+    type Item = &'a Input<S>;
+
+    fn next(&mut self) -> Option<&'a Input<S>> {
+        let Some(late) = self.late.clone().next() else { return self.rows.next() };
+        match self.rows.as_slice().first() {
+            Some(row) if row.place() < late.place() => self.rows.next(),
+            _ => self.late.next(),
+        }
+    }
+
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        let len = self.rows.len() + self.late.len();
+        (len, Some(len))
+    }
+}
+
+impl<S: Scalar> ExactSizeIterator for InputsIter<'_, S> {}
 
 impl<S: Scalar> TryFrom<Vec<Input<S>>> for Inputs<S> {
     type Error = Error;
@@ -169,7 +230,7 @@ impl<S: Scalar> TryFrom<Vec<Input<S>>> for Inputs<S> {
         rows.sort_by_key(Input::place);
         match rows.windows(2).find(|pair| pair[0].place() == pair[1].place()) {
             Some(pair) => Err(Error::DuplicateInput { player: pair[0].player, sequence: pair[0].sequence }),
-            None => Ok(Self { rows }),
+            None => Ok(Self { rows, late: BTreeMap::new() }),
         }
     }
 }
@@ -180,13 +241,13 @@ where
     S::Factor: serde::Serialize,
 {
     fn serialize<W: serde::Serializer>(&self, serializer: W) -> Result<W::Ok, W::Error> {
-        self.rows.serialize(serializer)
+        serializer.collect_seq(self)
     }
 }
 
 impl<'a, S: Scalar> IntoIterator for &'a Inputs<S> {
     type Item = &'a Input<S>;
-    type IntoIter = core::slice::Iter<'a, Input<S>>;
+    type IntoIter = InputsIter<'a, S>;
 
     fn into_iter(self) -> Self::IntoIter {
         self.iter()

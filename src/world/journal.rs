@@ -1,13 +1,15 @@
 //! What happened to bodies, for those who look on: what calls did to them since the step before, and when one that no step
 //! moves was last changed. All of it is derived: it is in no hash and in no file, and no step reads it.
 
+use alloc::collections::BTreeSet;
 use alloc::vec::Vec;
 use core::mem;
 
 use super::{BodyRef, StepReport, World};
-use crate::body::Bodies;
+use crate::body::{Bodies, Sparse};
 use crate::error::Fault;
 use crate::handle::BodyId;
+use crate::limits;
 use crate::scalar::Scalar;
 
 /// Something that happened to a body over a tick.
@@ -63,15 +65,17 @@ pub(crate) struct Deeds {
     pub(crate) removed: Vec<BodyId>,
     pub(crate) added: Vec<BodyId>,
     pub(crate) placed: Vec<BodyId>,
+    pub(crate) woken: Vec<BodyId>,
 }
 
 impl Deeds {
     fn is_empty(&self) -> bool {
-        self.removed.is_empty() && self.added.is_empty() && self.placed.is_empty()
+        self.removed.is_empty() && self.added.is_empty() && self.placed.is_empty() && self.woken.is_empty()
     }
 
     fn clear(&mut self) {
-        [&mut self.removed, &mut self.added, &mut self.placed].into_iter().for_each(Vec::clear);
+        let Self { removed, added, placed, woken } = self;
+        [removed, added, placed, woken].into_iter().for_each(Vec::clear);
     }
 
     /// Forgets what was done to bodies that are gone.
@@ -85,12 +89,14 @@ impl Deeds {
         self.removed.clone_from(&source.removed);
         self.added.clone_from(&source.added);
         self.placed.clone_from(&source.placed);
+        self.woken.clone_from(&source.woken);
     }
 }
 
-/// That a body is listed as added, or as placed.
+/// That a body is listed as added, as placed, or as woken. One that is listed and not marked was removed, or disabled.
 const ADDED: u8 = 1;
 const PLACED: u8 = 2;
+const WOKEN: u8 = 4;
 
 #[derive(Debug, Default)]
 pub(crate) struct Journal {
@@ -101,6 +107,8 @@ pub(crate) struct Journal {
     has_deeds: bool,
     /// How the body of a slot is listed in what is pending; the slots that are missing are not.
     marks: Vec<u8>,
+    /// The slots of bodies that have nobody asleep around them, as one was looked for since the last step.
+    awake_around: Sparse<(usize, ())>,
     /// By slot, for bodies that no step moves: the tick since which one is as it is. The slots that are missing have 0.
     stamps: Vec<u64>,
     /// The tick the world is at.
@@ -134,6 +142,7 @@ impl Journal {
 
     /// Takes over all but what belongs to a past.
     fn take(&mut self, source: &Self) {
+        self.awake_around.clear();
         self.unmark();
         self.pending.clone_from(&source.pending);
         self.reported.clone_from(&source.reported);
@@ -141,6 +150,16 @@ impl Journal {
         self.stamps.clone_from(&source.stamps);
         self.tick = source.tick;
         self.mark();
+        // Marked is what is listed, but for those woken bodies that are not marked there.
+        for body in &source.pending.woken {
+            if !source.is_marked(*body, WOKEN) {
+                *at(&mut self.marks, body.slot) &= !WOKEN;
+            }
+        }
+    }
+
+    fn is_marked(&self, body: BodyId, mark: u8) -> bool {
+        self.marks.get(body.slot as usize).is_some_and(|marks| marks & mark != 0)
     }
 
     /// Takes over the past as well, that of the world which this is to keep and nobody looks at.
@@ -155,7 +174,8 @@ impl Journal {
     }
 
     fn mark(&mut self) {
-        for (list, mark) in [(&self.pending.added, ADDED), (&self.pending.placed, PLACED)] {
+        let Deeds { added, placed, woken, .. } = &self.pending;
+        for (list, mark) in [(added, ADDED), (placed, PLACED), (woken, WOKEN)] {
             for body in list {
                 *at(&mut self.marks, body.slot) |= mark;
             }
@@ -163,7 +183,8 @@ impl Journal {
     }
 
     fn unmark(&mut self) {
-        for body in self.pending.added.iter().chain(&self.pending.placed) {
+        let Deeds { added, placed, woken, .. } = &self.pending;
+        for body in [added, placed, woken].into_iter().flatten() {
             *at(&mut self.marks, body.slot) = 0;
         }
     }
@@ -191,11 +212,46 @@ impl Journal {
 
     pub(super) fn placed(&mut self, body: BodyId) {
         let mark = at(&mut self.marks, body.slot);
-        if *mark == 0 {
-            *mark = PLACED;
+        if *mark & (ADDED | PLACED) == 0 {
+            *mark |= PLACED;
             self.pending.placed.push(body);
             self.has_deeds = true;
         }
+    }
+
+    /// Calls woke these bodies.
+    pub(super) fn woke(&mut self, bodies: &[BodyId]) {
+        for body in bodies {
+            *at(&mut self.marks, body.slot) |= WOKEN;
+        }
+        self.pending.woken.extend_from_slice(bodies);
+        // So that the step which reports them takes nothing from the heap.
+        let room = self.pending.woken.len().saturating_sub(self.reported.woken.len());
+        self.reported.woken.reserve(room);
+        self.has_deeds |= !bodies.is_empty();
+    }
+
+    /// A call took a body out of the simulation: it does not count as woken.
+    pub(super) fn taken_out(&mut self, body: BodyId) {
+        *at(&mut self.marks, body.slot) &= !WOKEN;
+    }
+
+    /// The bodies that calls woke since the last step and that take part since.
+    pub(crate) fn woken(&self) -> Vec<BodyId> {
+        self.pending.woken.iter().copied().filter(|&body| self.is_marked(body, WOKEN)).collect()
+    }
+
+    /// Takes over [`woken`](Self::woken) of a world that was saved.
+    pub(crate) fn set_woken(&mut self, woken: Vec<BodyId>) {
+        self.woke(&woken);
+    }
+
+    /// Whether somebody may be asleep around a body. Who asks wakes them: nobody falls asleep until the next step.
+    pub(super) fn looks_around(&mut self, body: BodyId) -> bool {
+        let slot = body.slot as usize;
+        let looks = self.awake_around.get(slot).is_none();
+        self.awake_around.get_or_insert(slot, || (slot, ()));
+        looks
     }
 
     /// A call changes the body in this slot, which no step moves.
@@ -207,6 +263,7 @@ impl Journal {
     #[inline]
     pub(super) fn begin<S: Scalar>(&mut self, tick: u64, bodies: &Bodies<S>) {
         self.tick = tick;
+        self.awake_around.clear();
         if self.has_deeds {
             self.report(bodies);
         }
@@ -214,12 +271,18 @@ impl Journal {
 
     #[cold]
     fn report<S: Scalar>(&mut self, bodies: &Bodies<S>) {
+        self.drop_unmarked_woken();
         self.unmark();
         // Each keeps its memory: a world that is put back has as much in either as before.
         self.reported.clone_from(&self.pending);
         self.pending.clear();
         self.reported.tidy(bodies);
         self.has_deeds = !self.reported.is_empty();
+    }
+
+    fn drop_unmarked_woken(&mut self) {
+        let Self { pending, marks, .. } = self;
+        pending.woken.retain(|body| marks[body.slot as usize] & WOKEN != 0);
     }
 
     /// What a step ends with no step moves on.
@@ -241,6 +304,8 @@ impl Journal {
     pub(super) fn undo<S: Scalar>(&mut self, tick: u64, bodies: &Bodies<S>) {
         self.rewind();
         self.tick = tick;
+        self.awake_around.clear();
+        self.drop_unmarked_woken();
         // Once, however often. A slot that is marked so has the body that it had in the step.
         self.reported.placed.retain(|body| *at(&mut self.marks, body.slot) & PLACED == 0);
         self.unmark();
@@ -256,8 +321,13 @@ impl Journal {
         earlier.removed.append(&mut pending.removed);
         earlier.added.append(&mut pending.added);
         earlier.placed.append(&mut pending.placed);
+        earlier.woken.append(&mut pending.woken);
         mem::swap(earlier, pending);
         pending.tidy(bodies);
+        let takes_part = |body| bodies.find(body).is_ok_and(|i| bodies.activity(i).takes_part());
+        // Once: it may have fallen asleep in the step, and been woken again since.
+        let mut once = BTreeSet::new();
+        pending.woken.retain(|&body| takes_part(body) && once.insert(body));
         self.mark();
     }
 
@@ -302,7 +372,8 @@ impl<S: Scalar> World<S> {
     /// ```
     pub fn changed_since(&self, tick: u64) -> impl Iterator<Item = BodyRef<'_, S>> {
         let (journal, moving) = (&self.journal, self.bodies.moving());
-        let all = tick < journal.all_before;
+        // Of the steps at the last tick, the tick does not say which came first.
+        let all = tick < journal.all_before || self.tick == limits::TICK;
         self.bodies().filter(move |body| {
             all || body.dense < moving || journal.is_changed_since(self.bodies.columns.slot[body.dense], tick)
         })

@@ -58,7 +58,9 @@ impl<S: Scalar> World<S> {
     /// Looks ahead with one body, without copying the world: for an aim line, say.
     ///
     /// It takes the body, those that springs join it to over any number of them, those that carry attractors which act on
-    /// one of these, and the fields that act on them. The time is that of the fields' number and of those bodies.
+    /// one of these, and the fields that act on them.
+    ///
+    /// *Cost* in proportion to the fields of the world and to those bodies.
     ///
     /// # Errors
     /// [`Error::NoSuchBody`].
@@ -81,16 +83,15 @@ impl<S: Scalar> World<S> {
     /// ```
     pub fn look_ahead(&self, body: BodyId) -> Result<Outlook<S>, Error> {
         self.bodies.find(body)?;
-        let bodies = self.company(body);
+        let company = self.company(body);
         let mut world = World::new(self.def)?;
         (world.tick, world.counted, world.laws) = (self.tick, self.counted, self.laws.clone());
         world.journal = Journal::starting_at(self.tick);
         world.errands.moved_at = self.errands.moved_at;
         let mut adopted = BTreeMap::new();
-        for &old in &bodies {
-            let climate = Self::climate(&world.def, &world.plan);
+        for &old in &company.0 {
             let tunings = (&*self.tunings, Arc::make_mut(&mut world.tunings));
-            let new = world.bodies.adopt((&self.bodies, old), tunings, &climate)?;
+            let new = world.bodies.adopt((&self.bodies, old), tunings)?;
             if let Some(row) = self.applied.row(old) {
                 world.applied.adopt(new, row.force, row.torque);
             }
@@ -100,7 +101,7 @@ impl<S: Scalar> World<S> {
             adopted.insert(old, new);
         }
         let fields = Arc::make_mut(&mut world.fields);
-        for (_, field) in self.fields.iter().filter(|(_, field)| self.acts_on_any(field, &bodies)) {
+        for (_, field) in self.fields.iter().filter(|(_, field)| acts_on_any(field, &company)) {
             if let Some(field) = field.moved(|body| adopted.get(&body).copied()) {
                 fields.insert(field);
             }
@@ -108,41 +109,37 @@ impl<S: Scalar> World<S> {
         Ok(Outlook { body: adopted[&body], world })
     }
 
-    /// A body and those that its future depends on.
-    fn company(&self, body: BodyId) -> BTreeSet<BodyId> {
-        let mut joined: BTreeMap<BodyId, Vec<BodyId>> = BTreeMap::new();
-        let mut attractors = Vec::new();
-        for (_, field) in self.fields.iter() {
-            let ends: Vec<BodyId> = field.bodies().collect();
-            match (&field.law, ends[..].as_ref()) {
-                (Law::Spring { .. }, &[a, b]) => {
-                    joined.entry(a).or_default().push(b);
-                    joined.entry(b).or_default().push(a);
-                }
-                (Law::Attractor { .. }, &[carrier]) => attractors.push((field, carrier)),
-                _ => {}
+    /// A body and those that its future depends on, and the groups that a field has to have one of to act on them.
+    fn company(&self, body: BodyId) -> (BTreeSet<BodyId>, u32) {
+        let carried = self.fields.iter().filter(|(_, field)| matches!(field.law, Law::Attractor { .. }));
+        let carried = carried.filter_map(|(_, field)| Some((field.groups, field.bodies().next()?)));
+        let carried: Vec<(u32, BodyId)> = carried.collect();
+        let (mut company, mut to_ask, mut felt) = (BTreeSet::from([body]), Vec::from([body]), 0);
+        while let Some(one) = to_ask.pop() {
+            let Ok(i) = self.bodies.find(one) else { continue };
+            let card = self.bodies.card(i);
+            // What never moves hands nothing on from one spring to another.
+            if card.kind != BodyKind::Static {
+                let springs = self.fields.attached_to(one).filter(|(_, field)| matches!(field.law, Law::Spring { .. }));
+                let joined = springs.flat_map(|(_, field)| field.bodies());
+                to_ask.extend(joined.filter(|&other| company.insert(other)));
+            }
+            // There are 32 groups: the attractors are gone through as often at most.
+            let more = if card.kind == BodyKind::Dynamic { card.groups & !felt } else { 0 };
+            if more != 0 {
+                felt |= more;
+                let carriers = carried.iter().filter(|(groups, _)| groups & more != 0).map(|&(_, carrier)| carrier);
+                to_ask.extend(carriers.filter(|&carrier| company.insert(carrier)));
             }
         }
-        let (mut company, mut to_ask) = (BTreeSet::from([body]), Vec::from([body]));
-        while let Some(one) = to_ask.pop() {
-            let carriers = attractors.iter().filter(|(field, _)| self.acts_on(field, one)).map(|&(_, carrier)| carrier);
-            // What never moves hands nothing on from one spring to another.
-            let hands_on = self.bodies.find(one).is_ok_and(|i| self.bodies.card(i).kind != BodyKind::Static);
-            let neighbours = joined.get(&one).filter(|_| hands_on).into_iter().flatten().copied();
-            to_ask.extend(neighbours.chain(carriers).filter(|&other| company.insert(other)));
-        }
-        company
+        (company, felt)
     }
+}
 
-    fn acts_on_any(&self, field: &Field<S>, bodies: &BTreeSet<BodyId>) -> bool {
-        match &field.law {
-            Law::Spring { .. } | Law::Thrust { .. } => field.bodies().any(|own| bodies.contains(&own)),
-            _ => bodies.iter().any(|&body| self.acts_on(field, body)),
-        }
-    }
-
-    /// Whether a field acts on a body for its groups.
-    fn acts_on(&self, field: &Field<S>, body: BodyId) -> bool {
-        self.bodies.find(body).is_ok_and(|i| self.bodies.card(i).feels(field.groups))
+/// Whether a field acts on one of these bodies.
+fn acts_on_any<S: Scalar>(field: &Field<S>, (bodies, felt): &(BTreeSet<BodyId>, u32)) -> bool {
+    match &field.law {
+        Law::Spring { .. } | Law::Thrust { .. } => field.bodies().any(|own| bodies.contains(&own)),
+        _ => field.groups & felt != 0,
     }
 }

@@ -1,10 +1,11 @@
 //! Undoing steps.
 
-use super::World;
+use super::{World, WorldDef};
 use crate::body::{Activity, BodyKind};
 use crate::error::{Error, Irreversible};
 use crate::force::{AppliedForce, Dependence};
 use crate::integrate::Stage;
+use crate::limits;
 use crate::scalar::Scalar;
 
 impl<S: Scalar> World<S> {
@@ -40,6 +41,7 @@ impl<S: Scalar> World<S> {
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
     pub fn step_back(&mut self, applied: &[AppliedForce<S>]) -> Result<(), Error> {
+        self.update();
         let stages = self.way_back().map_err(|why| Error::NotReversible { why })?;
         self.apply_again(applied)
             .and_then(|()| {
@@ -50,10 +52,6 @@ impl<S: Scalar> World<S> {
         self.tick -= 1;
         self.applied.forget_done();
         self.scratch.forget_report();
-        // Whom calls woke before the step they wake before the next one.
-        self.woke.append(&mut self.woken);
-        core::mem::swap(&mut self.woke, &mut self.woken);
-        self.woken.retain(|&body| self.bodies.find(body).is_ok_and(|i| self.bodies.activity(i).takes_part()));
         self.journal.undo(self.tick, &self.bodies);
         Ok(())
     }
@@ -67,13 +65,17 @@ impl<S: Scalar> World<S> {
         if self.tick == 0 {
             return Err(Irreversible::Start);
         }
+        if self.tick == limits::TICK {
+            return Err(Irreversible::End);
+        }
         if self.tick == self.counted.1 {
             return Err(Irreversible::TimeStep);
         }
         if self.def.sleep_after.is_some() {
             return Err(Irreversible::Sleep);
         }
-        if self.tunings.used().any(|row| row.is_damped) {
+        let WorldDef { linear_damping, angular_damping, .. } = self.def;
+        if self.tunings.used().any(|key| key.is_damped(linear_damping, angular_damping)) {
             return Err(Irreversible::Damping);
         }
         if self.tunings.any_capped() {

@@ -1,11 +1,11 @@
-//! Changing the parameters of the step. What is derived from them is made anew.
+//! Changing the parameters of the step. What is derived from them is made by the next step, once.
 
 use alloc::sync::Arc;
 
-use super::World;
+use super::{World, WorldDef};
 use crate::error::Error;
 use crate::force::ForceLaw;
-use crate::integrate::{Integrator, Plan};
+use crate::integrate::Integrator;
 use crate::math::{TimeStep, Vec2};
 use crate::scalar::Scalar;
 
@@ -30,8 +30,8 @@ impl<S: Scalar> World<S> {
     /// ```
     pub fn set_time_step(&mut self, time_step: TimeStep) -> Result<(), Error> {
         let (def, now) = self.check_time_step(time_step)?;
-        (self.def, self.counted) = (def, (now, self.tick));
-        self.refresh();
+        self.counted = (now, self.tick);
+        self.redefine(def);
         Ok(())
     }
 
@@ -40,8 +40,8 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::OutOfRange`] with [`Quantity::Gravity`](crate::Quantity::Gravity).
     pub fn set_gravity(&mut self, gravity: Vec2<S>) -> Result<(), Error> {
-        self.def = self.check_gravity(gravity)?;
-        self.refresh();
+        let def = self.check_gravity(gravity)?;
+        self.redefine(def);
         Ok(())
     }
 
@@ -50,9 +50,9 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::DampingHasNoInverse`] for `Yoshida4` where the world or a body has a damping of 0.
     pub fn set_integrator(&mut self, integrator: Integrator) -> Result<(), Error> {
-        self.def = self.check_integrator(integrator)?;
+        let def = self.check_integrator(integrator)?;
         self.bodies.keep_last_acceleration(integrator == Integrator::PublishedVerlet);
-        self.refresh();
+        self.redefine(def);
         Ok(())
     }
 
@@ -62,8 +62,8 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::OutOfRange`] with [`Quantity::Damping`](crate::Quantity::Damping); [`Error::DampingHasNoInverse`].
     pub fn set_damping(&mut self, linear: S, angular: S) -> Result<(), Error> {
-        self.def = self.check_damping(linear, angular)?;
-        self.refresh();
+        let def = self.check_damping(linear, angular)?;
+        self.redefine(def);
         Ok(())
     }
 
@@ -74,7 +74,7 @@ impl<S: Scalar> World<S> {
     pub fn set_sleep_after(&mut self, ticks: Option<u32>) -> Result<(), Error> {
         self.def = self.check_sleep_after(ticks)?;
         self.wake_all();
-        self.bodies.columns.motion.rest.fill(0);
+        self.bodies.clear_rest();
         Ok(())
     }
 
@@ -91,11 +91,13 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
-    /// Makes all that is derived from the definition anew, and wakes all bodies: what was too little to move one may be
-    /// enough now, also over a longer step.
-    fn refresh(&mut self) {
-        self.plan = Plan::new(self.def.integrator, self.def.time_step);
-        Arc::make_mut(&mut self.tunings).refresh(&Self::climate(&self.def, &self.plan));
+    /// Changes the definition and notes that what is derived from it is stale, unless nothing changes; wakes all bodies: what
+    /// was too little to move one may be enough now, also over a longer step.
+    fn redefine(&mut self, def: WorldDef<S>) {
+        if def != self.def {
+            self.def = def;
+            Arc::make_mut(&mut self.tunings).change_all();
+        }
         self.wake_all();
     }
 }

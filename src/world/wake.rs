@@ -8,7 +8,6 @@ use crate::error::Error;
 use crate::force::Law;
 use crate::handle::BodyId;
 use crate::scalar::Scalar;
-use crate::step::island_roots;
 
 impl<S: Scalar> World<S> {
     /// Wakes a body, and those that springs join it to.
@@ -71,7 +70,7 @@ impl<S: Scalar> World<S> {
         self.mark_if_still(body);
         self.applied.forget(body);
         self.errands.recall(body);
-        self.woken.retain(|&woken| woken != body);
+        self.journal.taken_out(body);
         Ok(())
     }
 
@@ -112,12 +111,14 @@ impl<S: Scalar> World<S> {
 
     /// Wakes a body and all that a field reaches from it, over any number of springs.
     pub(super) fn wake_joined(&mut self, body: BodyId) {
-        if !self.bodies.any_asleep() {
-            return self.scratch.forget();
+        self.scratch.forget();
+        // Nobody falls asleep until the next step: once is enough.
+        if !self.bodies.any_asleep() || !self.journal.looks_around(body) {
+            return;
         }
-        let mut reached = alloc::vec![body];
+        let mut reached = Vec::from([body]);
         let mut groups = 0;
-        for (_, field) in self.fields.iter().filter(|(_, field)| field.bodies().any(|b| b == body)) {
+        for (_, field) in self.fields.attached_to(body) {
             if matches!(field.law, Law::Attractor { .. }) {
                 groups |= field.groups;
             }
@@ -128,41 +129,52 @@ impl<S: Scalar> World<S> {
 
     /// Wakes bodies, those that a field with these groups acts on, and whatever springs join to either. Others sleep on: what
     /// a field does not act on must not feel that it came.
+    ///
+    /// It looks at the bodies that it wakes and the fields attached to them, and at all that sleep if one of them feels the
+    /// groups: then none of these is left that does, until the next step.
     pub(super) fn wake_reached(&mut self, bodies: &[BodyId], groups: u32) {
         self.scratch.forget();
-        let sleeps = |body| self.bodies.find(body).is_ok_and(|i| self.bodies.activity(i) == Activity::Asleep);
-        // Islands sleep as wholes: who is awake has nobody asleep in its own.
-        if !self.bodies.any_asleep() || (groups == 0 && !bodies.iter().any(|&body| sleeps(body))) {
+        let mut woken = Vec::new();
+        bodies.iter().for_each(|&body| self.rouse(body, &mut woken));
+        if self.bodies.any_asleep_in(groups) {
+            let feel = self.bodies.asleep().filter(|&i| self.bodies.card(i).feels(groups));
+            let feel: Vec<BodyId> = feel.map(|i| self.bodies.id(i)).collect();
+            feel.into_iter().for_each(|body| self.rouse(body, &mut woken));
+        }
+        if woken.is_empty() {
             return;
         }
-        let mut links = Vec::new();
-        island_roots(&self.bodies, &self.fields, self.bodies.len(), &mut links);
-        let mut is_reached = alloc::vec![false; links.len()];
-        for i in bodies.iter().filter_map(|&body| self.bodies.find(body).ok()) {
-            is_reached[links[i] as usize] = true;
+        // Islands sleep as wholes: who was awake before has nobody asleep in its own.
+        let fields = self.fields.clone();
+        let mut next = 0;
+        while let Some(&body) = woken.get(next) {
+            for (_, field) in fields.attached_to(body).filter(|(_, field)| matches!(field.law, Law::Spring { .. })) {
+                field.bodies().for_each(|joined| self.rouse(joined, &mut woken));
+            }
+            next += 1;
         }
-        for i in (0..links.len()).filter(|&i| self.bodies.card(i).feels(groups)) {
-            is_reached[links[i] as usize] = true;
+        woken.sort_unstable();
+        self.journal.woke(&woken);
+    }
+
+    /// Wakes a body if it sleeps, and says so.
+    fn rouse(&mut self, body: BodyId, woken: &mut Vec<BodyId>) {
+        let Ok(dense) = self.bodies.find(body) else { return };
+        if self.bodies.activity(dense) == Activity::Asleep {
+            self.bodies.set_activity(dense, Activity::Awake);
+            woken.push(body);
         }
-        self.wake_where(|i| is_reached[links[i] as usize]);
     }
 
     /// Wakes all that sleeps.
     pub(super) fn wake_all(&mut self) {
         self.scratch.forget();
         if self.bodies.any_asleep() {
-            self.wake_where(|_| true);
-        }
-    }
-
-    /// Wakes the sleepers that are chosen by their indices in the columns.
-    fn wake_where(&mut self, is_chosen: impl Fn(usize) -> bool) {
-        let sleeps = |i: &usize| self.bodies.activity(*i) == Activity::Asleep && is_chosen(*i);
-        let sleepers: Vec<BodyId> = self.bodies.in_order().filter(sleeps).map(|i| self.bodies.id(i)).collect();
-        for body in sleepers {
-            let Ok(dense) = self.bodies.find(body) else { continue };
-            self.bodies.set_activity(dense, Activity::Awake);
-            self.woken.push(body);
+            let sleepers: Vec<BodyId> = self.bodies.asleep().map(|i| self.bodies.id(i)).collect();
+            let mut woken = Vec::with_capacity(sleepers.len());
+            sleepers.into_iter().for_each(|body| self.rouse(body, &mut woken));
+            woken.sort_unstable();
+            self.journal.woke(&woken);
         }
     }
 }

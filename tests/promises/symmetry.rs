@@ -1,9 +1,14 @@
 //! P6: fair. A run that is mirrored, turned by a quarter or shifted is the image of the run, and bodies of any mass fall alike.
 
+use std::cell::Cell;
+
 use proptest::collection::vec;
 use proptest::prelude::*;
-use umbra_physics::oracle::{Oracle, Script};
-use umbra_physics::{Activity, BodyDef, Command, End, Field, Law, Mass, World, WorldDef, fx, limits};
+use umbra_physics::oracle::{Oracle, Script, Symmetry};
+use umbra_physics::{
+    Action, Activity, BodyDef, BodyId, Command, End, Event, Field, Fx, History, Inputs, Law, Manner, Mass, Random,
+    Snapshot, Vec2, World, WorldDef, fx, limits, vec2,
+};
 
 use crate::check::{Verdict, check_of, judge, there_is};
 use crate::plan::{FAIR, Taste};
@@ -23,6 +28,233 @@ fn a_turned_run_is_the_run_turned() {
 #[test]
 fn a_shifted_run_is_the_run_shifted() {
     judge("fair", 500, TASTE.plan(), Oracle::Shift);
+}
+
+/// A world, and all that a game keeps beside it to call it by.
+struct Side {
+    world: World,
+    saved: Snapshot,
+    history: History,
+}
+
+impl Side {
+    fn new(world: World) -> Self {
+        Self { saved: world.snapshot(), world, history: History::new(5) }
+    }
+
+    /// What the last step told.
+    fn told(&self) -> (Vec<Event>, u32, Vec<BodyId>) {
+        let report = self.world.last_report();
+        let changed = self.world.changed_since(report.tick).map(|body| body.id());
+        (report.events().collect(), report.drag_outside, changed.collect())
+    }
+
+    /// Goes back by a step, if it has an inverse.
+    fn undo(&mut self) -> Result<(), String> {
+        let applied = self.world.last_report().applied.to_vec();
+        self.world.step_back(&applied).map_err(|error| error.to_string())
+    }
+}
+
+/// A run and its image, with calls between its commands that chance decides on.
+struct Reflected {
+    symmetry: Symmetry,
+    /// Of the commands: the same, unless it is to be found out.
+    of_commands: Symmetry,
+    sides: [Side; 2],
+    dice: Random,
+    compared: u32,
+}
+
+/// Why there is nothing more to compare.
+enum Ended {
+    /// Something has no image.
+    Over,
+    Unlike(String),
+}
+
+impl Reflected {
+    /// Does the same to both, and compares what they say.
+    fn both<T: PartialEq + std::fmt::Debug>(
+        &mut self,
+        what: &str,
+        mut act: impl FnMut(&mut Side) -> T,
+    ) -> Result<T, Ended> {
+        let [ours, theirs] = &mut self.sides;
+        let (here, there) = (act(ours), act(theirs));
+        if here == there { Ok(here) } else { Err(Ended::Unlike(format!("{what}: {here:?} and {there:?}"))) }
+    }
+
+    fn image(&self, command: &Command) -> Result<Command, Ended> {
+        self.of_commands.command(command).ok_or(Ended::Over)
+    }
+
+    fn is_image(&self, what: &str, here: &World, there: &World) -> Result<(), Ended> {
+        let image = self.symmetry.world(here).ok_or(Ended::Over)?;
+        match image.first_difference(there) {
+            None if image.state_hash() == there.state_hash() => Ok(()),
+            found => Err(Ended::Unlike(format!("{what}, {}: {found:?}", self.symmetry.name()))),
+        }
+    }
+
+    fn compare(&mut self, what: &str) -> Result<(), Ended> {
+        self.both(what, |side| side.told())?;
+        let [here, there] = &self.sides;
+        self.is_image(what, &here.world, &there.world)?;
+        self.compared += 1;
+        Ok(())
+    }
+
+    /// A command on both, the image on the one.
+    fn on_each<T>(&mut self, command: &Command, act: impl Fn(&mut Side, &Command) -> T) -> Result<[T; 2], Ended> {
+        let image = self.image(command)?;
+        let [ours, theirs] = &mut self.sides;
+        Ok([act(ours, command), act(theirs, &image)])
+    }
+
+    fn tick(&mut self, commands: &[Command]) -> Result<(), Ended> {
+        let images = commands.iter().map(|command| self.image(command)).collect::<Result<Vec<Command>, Ended>>()?;
+        let [ours, theirs] = &mut self.sides;
+        if self.dice.below(2) == 0 {
+            // By a history, as inputs of a player.
+            let mut outcomes = Vec::new();
+            for (side, commands) in [(ours, commands), (theirs, &images[..])] {
+                let mut inputs = Inputs::new();
+                inputs.replace(0, commands.iter().cloned());
+                outcomes.push(side.history.advance(&mut side.world, &inputs).outcomes.to_vec());
+            }
+            if outcomes[0] != outcomes[1] {
+                return Err(Ended::Unlike(format!("what became of inputs: {outcomes:?}")));
+            }
+        } else {
+            for (command, image) in commands.iter().zip(&images) {
+                let (here, there) = (ours.world.execute(command), theirs.world.execute(image));
+                if here != there {
+                    return Err(Ended::Unlike(format!("{command:?}: {here:?} and {there:?}")));
+                }
+            }
+            if self.dice.below(3) == 0 {
+                let (here, there) = (ours.world.step_traced(), theirs.world.step_traced());
+                for ((stage, here), (_, there)) in here.stages().zip(there.stages()) {
+                    self.is_image(stage.verb.name(), here, there)?;
+                }
+            } else {
+                ours.world.step();
+                theirs.world.step();
+            }
+        }
+        self.compare("a tick")
+    }
+
+    /// One of the calls that are no commands.
+    fn call(&mut self) -> Result<(), Ended> {
+        match self.dice.below(8) {
+            0 => {
+                // Or why it cannot be.
+                _ = self.both("a step undone", Side::undo)?;
+            }
+            1 => self.sides.iter_mut().for_each(|side| side.world.restore(&side.saved)),
+            2 => self.sides.iter_mut().for_each(|side| side.world.snapshot_into(&mut side.saved)),
+            3 => self.sides.iter_mut().for_each(|side| {
+                let read = Snapshot::from_bytes(&side.world.snapshot().to_bytes(), &[]);
+                side.world = read.expect("its own bytes").into_world();
+            }),
+            4 => self.sides.iter_mut().for_each(|side| side.world = side.world.clone()),
+            5 => {
+                let place = self.dice.below(8) as usize;
+                let ahead = |side: &Side| {
+                    let body = side.world.bodies().nth(place % side.world.body_count().max(1))?.id();
+                    let mut ahead = side.world.look_ahead(body).expect("it is there");
+                    (0..3).for_each(|_| _ = ahead.step());
+                    Some(ahead.world().clone())
+                };
+                let [here, there] = &self.sides;
+                if let (Some(here), Some(there)) = (ahead(here), ahead(there)) {
+                    self.is_image("ahead", &here, &there)?;
+                }
+            }
+            6 => {
+                // What another player did in a past tick arrives.
+                let [ours, theirs] = &self.sides;
+                let range = ours.history.oldest().map(|oldest| oldest..ours.world.tick());
+                let Some(past) = range.filter(|ticks| !ticks.is_empty()) else { return Ok(()) };
+                if theirs.history.oldest() != Some(past.start) {
+                    return Err(Ended::Unlike("a history".to_owned()));
+                }
+                let tick = past.start + self.dice.below(past.end - past.start);
+                let body = ours.world.bodies().next().map(|body| body.id());
+                let Some(body) = body else { return Ok(()) };
+                let mut part = || self.dice.number(fx!(-3)..=fx!(3));
+                let action = Action::Impulse { impulse: Vec2::new(part(), part()), point: None };
+                let push = Command::Apply { body, action, manner: Manner::default() };
+                let [here, there] = self.on_each(&push, |side, push| {
+                    side.history.correct(&mut side.world, tick, 1, [push.clone()], |_| ()).map_err(|e| e.to_string())
+                })?;
+                if here != there {
+                    return Err(Ended::Unlike(format!("ticks done over: {here:?} and {there:?}")));
+                }
+            }
+            _ => {
+                self.both("back to the oldest tick", |side| {
+                    let oldest = side.history.oldest()?;
+                    side.history.rollback_to(&mut side.world, oldest).ok()
+                })?;
+            }
+        }
+        self.compare("a call")
+    }
+}
+
+/// How often a run and its image were compared and the same.
+fn keeps_images(script: &Script, seed: u64, of_commands: impl Fn(Symmetry) -> Symmetry) -> Result<u32, String> {
+    let mut dice = Random::seeded(seed);
+    let ulp = Fx::DELTA;
+    let kinds = [Symmetry::MIRROR, Symmetry::FLIP, Symmetry::DIAGONAL, Symmetry::TURN, Symmetry::TURN];
+    let kind = kinds[dice.below(5) as usize];
+    let about = kind.about(vec2(fx!(3.25) + ulp, fx!(-1) + ulp + ulp + ulp)).ok_or("it shifts by an even number")?;
+    let symmetry = if dice.below(2) == 0 { kind } else { about };
+    let world = script.start().map_err(|error| error.to_string())?;
+    let image = symmetry.world(&world).ok_or("an empty world has an image")?;
+    let sides = [world, image].map(Side::new);
+    let mut run = Reflected { symmetry, of_commands: of_commands(symmetry), sides, dice, compared: 0 };
+    let mut play = || {
+        for tick in 0..script.ticks {
+            let commands: Vec<Command> = script.commands_of(tick).cloned().collect();
+            run.tick(&commands)?;
+            while run.dice.below(2) == 0 {
+                run.call()?;
+            }
+        }
+        Ok(())
+    };
+    match play() {
+        Ok(()) | Err(Ended::Over) => Ok(run.compared),
+        Err(Ended::Unlike(why)) => Err(why),
+    }
+}
+
+#[test]
+fn calls_of_every_kind_keep_images() {
+    let (tried, compared) = (Cell::new(0u32), Cell::new(0u32));
+    let runs = || (TASTE.plan(), any::<u64>());
+    check_of(
+        "fair-calls",
+        400,
+        runs(),
+        |(plan, _)| plan.script(),
+        |(plan, seed)| {
+            let times = keeps_images(&plan.script(), *seed, |symmetry| symmetry)?;
+            tried.set(tried.get() + 1);
+            compared.set(compared.get() + times);
+            Ok(())
+        },
+    );
+    // Runs have up to 40 ticks, and some have things without an image in them.
+    println!("{} runs, compared {} times", tried.get(), compared.get());
+    assert!(compared.get() >= 10 * tried.get(), "{compared:?} in {tried:?} runs");
+    // With the commands of another image they part.
+    let other = |_| Symmetry::shift(Vec2::ZERO).expect("by nothing");
+    assert!(there_is(runs(), |(plan, seed)| keeps_images(&plan.script(), *seed, other).is_err()));
 }
 
 /// Two bodies at one place, of different masses, under what pulls all masses alike.

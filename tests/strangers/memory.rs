@@ -163,7 +163,7 @@ fn replays_of_what_takes_little_in_a_file() {
     (0..50_000).for_each(|_| _ = recorder.step(&mut world, &Inputs::new()));
     let file = recorder.finish(&world);
     played("the shortest ticks", &file);
-    // A chunk for each of them; and all in one chunk.
+    // A chunk for each of them, and all in one chunk: refused for that, and at no greater price.
     let [mut alone, mut together] = [(); 2].map(|()| seals::begin(b"UMBRAREP", 1));
     let (mut ticks, mut tick) = (Vec::new(), 0u64);
     for (tag, contents) in seals::chunks(&file) {
@@ -183,8 +183,10 @@ fn replays_of_what_takes_little_in_a_file() {
         chunk(&mut alone, &tag, &contents);
         chunk(&mut together, &tag, &contents);
     }
-    played("a chunk a tick", &alone);
-    played("ticks in a chunk", &together);
+    for (what, file) in [("a chunk a tick", &alone), ("ticks in a chunk", &together)] {
+        let error = bounded(what, file, |file| Replay::from_bytes(file, &[]).expect_err("no recorder writes it"));
+        assert_eq!(error.code(), 406, "{what}: {error}");
+    }
 
     let mut recorder = Recorder::new(&world, RecordOptions { hash_every: 1 << 30, snapshot_every: 1 });
     (0..3_000).for_each(|_| _ = recorder.step(&mut world, &Inputs::new()));

@@ -223,6 +223,7 @@ impl<const MODE: u8> Scalar for Twin<MODE> {
     type Angle = Turn;
     type Wide = FxWide;
     type Sum = FxSum;
+    type DecayRate = <Fx as Scalar>::DecayRate;
 
     const ZERO: Self = Self(Fx::ZERO);
     const ONE: Self = Self(Fx::ONE);
@@ -259,8 +260,11 @@ impl<const MODE: u8> Scalar for Twin<MODE> {
     fn half_square_seconds(ratio: (u32, u32)) -> FxFactor {
         Fx::half_square_seconds(ratio)
     }
-    fn decay(kept: Self, span: Span) -> FxFactor {
-        Fx::decay(kept.0, span)
+    fn decay_rate(kept: Self) -> Self::DecayRate {
+        Fx::decay_rate(kept.0)
+    }
+    fn decay_over(rate: Self::DecayRate, span: Span) -> FxFactor {
+        Fx::decay_over(rate, span)
     }
     fn drift(self, seconds: FxFactor) -> TwinAccumulator<MODE> {
         let (mantissa, shift) = seconds.parts();

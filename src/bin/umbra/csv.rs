@@ -1,27 +1,23 @@
 //! Tables of all bodies, one line each, in exact decimals.
 
 use std::borrow::Cow;
-use std::fs::File;
-use std::io::{self, BufWriter, Write};
-use std::path::{Path, PathBuf};
 
 use umbra_physics::Scalar;
 use umbra_physics::scene::SceneRun;
 
 use crate::failure::Failure;
+use crate::output::{Destination, Output};
 
 pub(crate) struct Table {
-    file: PathBuf,
-    out: BufWriter<File>,
+    output: Output,
     every: u64,
 }
 
 impl Table {
-    pub(crate) fn create(file: &Path, every: u64) -> Result<Self, Failure> {
-        let failed = Failure::file(file, "write");
-        let mut out = BufWriter::new(File::create(file).map_err(&failed)?);
-        writeln!(out, "tick,name,x,y,angle,vx,vy,angular_velocity").map_err(&failed)?;
-        Ok(Self { file: file.into(), out, every })
+    pub(crate) fn create(to: &Destination, every: u64) -> Result<Self, Failure> {
+        let mut output = to.create()?;
+        output.put(|out| writeln!(out, "tick,name,x,y,angle,vx,vy,angular_velocity"))?;
+        Ok(Self { output, every })
     }
 
     /// Writes the bodies if this is a tick to do so.
@@ -30,19 +26,17 @@ impl Table {
         if tick % self.every != 0 {
             return Ok(());
         }
-        let mut rows = || -> io::Result<()> {
-            for body in run.world().bodies() {
+        self.output.put(|out| {
+            run.world().bodies().try_for_each(|body| {
                 let (name, x, v) = (field(run.name(body.id())), body.position(), body.velocity());
                 let (angle, spin) = (body.angle(), body.angular_velocity());
-                writeln!(self.out, "{tick},{name},{},{},{angle},{},{},{spin}", x.x, x.y, v.x, v.y)?;
-            }
-            Ok(())
-        };
-        rows().map_err(Failure::file(&self.file, "write"))
+                writeln!(out, "{tick},{name},{},{},{angle},{},{},{spin}", x.x, x.y, v.x, v.y)
+            })
+        })
     }
 
-    pub(crate) fn finish(mut self) -> Result<(), Failure> {
-        self.out.flush().map_err(Failure::file(&self.file, "write"))
+    pub(crate) fn finish(self) -> Result<(), Failure> {
+        self.output.finish()
     }
 }
 

@@ -1,7 +1,6 @@
 //! `umbra diff`: where two recordings part.
 
 use std::fs;
-use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -11,6 +10,8 @@ use umbra_physics::{Difference, Dump, Finding, Moment, Replay, World};
 use crate::failure::Failure;
 use crate::finding::{DifferenceLine, FindingLine};
 use crate::load;
+use crate::output::Destinations;
+use crate::text;
 
 const HELP: &str = "\
 Of replays what they begin with, what is done tick by tick, and what was recorded of it are compared, as far as both go; of
@@ -65,6 +66,8 @@ struct Outcome {
 }
 
 pub(crate) fn diff(options: &Options) -> Result<(), Failure> {
+    // The standard output goes over none of them.
+    Destinations::beside([&options.a, &options.b])?;
     let (a, b) = (Content::load(&options.a)?, Content::load(&options.b)?);
     match (a, b) {
         (Content::Replay(a), Content::Replay(b)) => {
@@ -99,15 +102,12 @@ fn report(
             differences: differences.map(|all| all.iter().map(DifferenceLine::from).collect()),
         };
         // Texts and numbers always have a form in JSON.
-        say(&serde_json::to_string(&outcome).unwrap_or_default());
+        text::print(serde_json::to_string(&outcome).unwrap_or_default())?;
     } else {
-        match &finding {
-            Some(finding) => say(&finding.to_string()),
-            None => say(&same(ends, options)),
-        }
+        text::print(finding.as_ref().map_or_else(|| same(ends, options), ToString::to_string))?;
         if let Some(all) = differences {
-            say(&format!("values that differ after that: {}", all.len()));
-            all.iter().for_each(|difference| say(&format!("  {difference}")));
+            text::print(format_args!("values that differ after that: {}", all.len()))?;
+            all.iter().try_for_each(|difference| text::print(format_args!("  {difference}")))?;
         }
     }
     let files = || [&options.a, &options.b].map(PathBuf::clone);
@@ -141,12 +141,7 @@ fn same(ends: [(u64, bool); 2], options: &Options) -> String {
     }
     let end = |file: &Path, (end, complete): (u64, bool)| {
         let cut = if complete { "" } else { ", cut off" };
-        format!("{} ends at tick {end}{cut}", file.display())
+        format!("{} ends at tick {end}{cut}", text::path(file))
     };
     format!("the same as far as both go: {}, {}", end(&options.a, ends[0]), end(&options.b, ends[1]))
-}
-
-/// Without anybody to read it there is still the status.
-fn say(line: &str) {
-    _ = writeln!(io::stdout(), "{line}");
 }

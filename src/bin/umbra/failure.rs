@@ -7,6 +7,8 @@ use std::path::{Path, PathBuf};
 use umbra_physics::ReplayError;
 use umbra_physics::scene::SceneError;
 
+use crate::text;
+
 /// The number of a file that cannot be read or written.
 pub(crate) const UNREADABLE: u16 = 801;
 
@@ -33,6 +35,10 @@ pub(crate) enum Failure {
     Differ { files: [PathBuf; 2] },
     /// A file is nothing that can be compared.
     Foreign { file: PathBuf },
+    /// An output would go over an input or another output, which `with` says.
+    Clash { file: PathBuf, with: &'static str },
+    /// The arguments are wrong.
+    Usage { what: String },
     /// This machine does not give the golden digests.
     Selftest,
 }
@@ -55,11 +61,12 @@ impl Failure {
             Self::Option { .. } => 802,
             Self::Picture { .. } => 803,
             Self::Foreign { .. } => 804,
-            Self::Verify { .. } | Self::Differ { .. } | Self::Selftest => return None,
+            Self::Clash { .. } => 805,
+            Self::Usage { .. } | Self::Verify { .. } | Self::Differ { .. } | Self::Selftest => return None,
         })
     }
 
-    /// 1 for a check that failed, 2 for bad usage or input.
+    /// 1 for a check that failed, 2 for bad usage, bad input, and what cannot be written.
     pub(crate) const fn status(&self) -> u8 {
         match self {
             Self::Selftest | Self::Differ { .. } => 1,
@@ -69,6 +76,8 @@ impl Failure {
             | Self::File { .. }
             | Self::Option { .. }
             | Self::Foreign { .. }
+            | Self::Clash { .. }
+            | Self::Usage { .. }
             | Self::Picture { .. } => 2,
         }
     }
@@ -85,17 +94,20 @@ impl fmt::Display for Failure {
 impl Failure {
     fn describe(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Scene { file, error } => write!(f, "{}:{error}", file.display()),
-            Self::Replay { file, error } => write!(f, "{}: {error}", file.display()),
-            Self::File { file, doing, error } => write!(f, "{}: cannot {doing}: {error}", file.display()),
-            Self::Option { what } => f.write_str(what),
+            Self::Scene { file, error } => write!(f, "{}:{error}", text::path(file)),
+            Self::Replay { file, error } => write!(f, "{}: {error}", text::path(file)),
+            Self::File { file, doing, error } => write!(f, "{}: cannot {doing}: {error}", text::path(file)),
+            Self::Option { what } | Self::Usage { what } => f.write_str(what),
             Self::Verify { bad, of, .. } => write!(f, "{bad} of {of} not ok"),
-            Self::Differ { files: [a, b] } => write!(f, "{} and {} are not the same", a.display(), b.display()),
+            Self::Differ { files: [a, b] } => write!(f, "{} and {} are not the same", text::path(a), text::path(b)),
             Self::Foreign { file } => {
-                write!(f, "{}: neither a replay nor a desync dump of umbra-physics", file.display())
+                write!(f, "{}: neither a replay nor a desync dump of umbra-physics", text::path(file))
+            }
+            Self::Clash { file, with } => {
+                write!(f, "{}: cannot write: this is {with}; choose another path", text::path(file))
             }
             Self::Selftest => f.write_str("the self-test does not give the digests that every machine is to give"),
-            Self::Picture { file, what } => write!(f, "{}: cannot draw: {what}", file.display()),
+            Self::Picture { file, what } => write!(f, "{}: cannot draw: {what}", text::path(file)),
         }
     }
 }

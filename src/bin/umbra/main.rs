@@ -1,6 +1,6 @@
 //! `umbra`: runs scenes of `umbra-physics` from files, records and checks replays.
 //!
-//! Exit status 0: done; 1: a check failed; 2: bad usage or input.
+//! Exit status 0: done; 1: a check failed; 2: bad usage, bad input, or an output that cannot be written.
 #![forbid(unsafe_code)]
 
 mod chart;
@@ -11,25 +11,40 @@ mod diff;
 mod failure;
 mod finding;
 mod load;
+mod output;
 mod picture;
 mod progress;
 mod record;
 mod report;
 mod run;
 mod selftest;
+#[path = "../umbra-selftest/stream.rs"]
+mod stream;
 mod summary;
+mod text;
 mod truth;
 mod verify;
 mod view;
 
-use std::io::Write;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
+use failure::Failure;
+
+const HELP: &str = "\
+An output file is written under a temporary name, umbra-XXXXXX.part, in the folder of its destination, and is renamed when
+it is complete. Until then a file that was there before is unchanged. A program that is killed leaves the temporary file
+behind; `verify`, `view` and `diff` read as much of a replay as is whole. Links are followed, and the permissions of an
+existing file are kept. An output over an input is refused, and so are two outputs to one file. Pipes, devices and
+/dev/stdout are written to directly.
+
+Exit status: 0 for success; 1 if a check failed; 2 for bad usage, for bad input, and for an output that cannot be written.
+A reader that stops early, as `head` does, is no error: the task goes on to its end, and the status is that of its result.";
+
 /// Deterministic 2D physics in fixed point: scenes in, exact results and pictures out.
 #[derive(Parser)]
-#[command(version, about)]
+#[command(version, about, bin_name = "umbra", after_help = HELP)]
 struct Arguments {
     #[command(subcommand)]
     task: Task,
@@ -53,22 +68,25 @@ enum Task {
     Selftest(selftest::Options),
 }
 
+impl Task {
+    fn run(&self) -> Result<(), Failure> {
+        match self {
+            Self::Run(options) => run::run(options),
+            Self::Compare(options) => compare::compare(options),
+            Self::Report(options) => report::report(options),
+            Self::View(options) => view::view(options),
+            Self::Verify(options) => verify::verify(options),
+            Self::Diff(options) => diff::diff(options),
+            Self::Selftest(options) => selftest::selftest(options),
+        }
+    }
+}
+
 fn main() -> ExitCode {
-    let Arguments { task } = Arguments::parse();
-    let done = match task {
-        Task::Run(options) => run::run(&options),
-        Task::Compare(options) => compare::compare(&options),
-        Task::Report(options) => report::report(&options),
-        Task::View(options) => view::view(&options),
-        Task::Verify(options) => verify::verify(&options),
-        Task::Diff(options) => diff::diff(&options),
-        Task::Selftest(options) => selftest::selftest(&options),
-    };
-    match done {
+    match Arguments::try_parse().map_or_else(text::print_usage, |arguments| arguments.task.run()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            // Without anybody to read it there is still the status.
-            let _ = writeln!(std::io::stderr(), "{failure}");
+            text::warn(&failure);
             ExitCode::from(failure.status())
         }
     }

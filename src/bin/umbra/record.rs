@@ -1,34 +1,39 @@
 //! A run on its way into a replay.
 
-use std::fs::File;
-use std::io::{self, BufWriter, Write};
-use std::path::{Path, PathBuf};
-
 use umbra_physics::{Command, Driver, Error, Made, RecordOptions, Recorder, World};
 
 use crate::failure::Failure;
+use crate::output::{Destination, Output};
 
-/// Writes what is finished as it goes: a run that is broken off leaves a replay that is whole up to there.
+/// A recording in progress. It is written as the run goes on: a run that is broken off leaves a temporary file that is a
+/// replay, whole up to there.
 pub(crate) struct Recording {
     recorder: Recorder,
-    file: BufWriter<File>,
-    path: PathBuf,
-    /// What went wrong with the file, which a step has no way to say.
-    written: io::Result<()>,
+    output: Output,
+    /// Why the file could not be written, which a step has no way to say.
+    failure: Option<Failure>,
 }
 
 impl Recording {
-    pub(crate) fn create(path: &Path, world: &World, options: RecordOptions) -> Result<Self, Failure> {
-        let file = File::create(path).map_err(Failure::file(path, "write"))?;
-        let recorder = Recorder::new(world, options);
-        Ok(Self { recorder, file: BufWriter::new(file), path: path.into(), written: Ok(()) })
+    pub(crate) fn create(to: &Destination, world: &World, options: RecordOptions) -> Result<Self, Failure> {
+        Ok(Self { recorder: Recorder::new(world, options), output: to.create()?, failure: None })
     }
 
     /// Ends it with the world as the last step left it.
     pub(crate) fn finish(self, world: &World) -> Result<(), Failure> {
-        let Self { recorder, mut file, path, written } = self;
-        let rest = recorder.finish(world);
-        written.and_then(|()| file.write_all(&rest)).and_then(|()| file.flush()).map_err(Failure::file(&path, "write"))
+        let Self { recorder, mut output, .. } = self;
+        output.put(|out| out.write_all(&recorder.finish(world)))?;
+        output.finish()
+    }
+
+    /// Fails if a step could not be written.
+    pub(crate) fn check(&mut self) -> Result<(), Failure> {
+        self.failure.take().map_or(Ok(()), Err)
+    }
+
+    /// Keeps the temporary file of a run that failed.
+    pub(crate) fn break_off(self) {
+        self.output.leave();
     }
 }
 
@@ -40,8 +45,8 @@ impl Driver for Recording {
     fn step(&mut self, world: &mut World) {
         Driver::step(&mut self.recorder, world);
         let bytes = self.recorder.take_bytes();
-        if self.written.is_ok() {
-            self.written = self.file.write_all(&bytes);
+        if self.failure.is_none() {
+            self.failure = self.output.put(|out| out.write_all(&bytes)).err();
         }
     }
 }

@@ -1,7 +1,6 @@
 //! `umbra run`: a scene from a file, to its end.
 
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use clap::{Args, ValueEnum};
@@ -12,10 +11,12 @@ use umbra_physics::{Driver, Fx, Integrator, RecordOptions, Scalar, WorldDef};
 use crate::csv::Table;
 use crate::failure::Failure;
 use crate::load;
+use crate::output::{Destination, Destinations};
 use crate::picture::Recorder;
 use crate::progress::progress;
 use crate::record::Recording;
 use crate::summary::{FaultLine, Summary, Totals};
+use crate::text;
 
 #[derive(Args)]
 pub(crate) struct Options {
@@ -68,7 +69,24 @@ fn integrator(name: &str) -> Result<Integrator, String> {
         .ok_or_else(|| format!("expected one of {}", Integrator::ALL.map(Integrator::name).join(", ")))
 }
 
+/// Where the outputs of a run go.
+struct Outputs {
+    csv: Option<Destination>,
+    plot: Option<Destination>,
+    record: Option<Destination>,
+}
+
+impl Outputs {
+    fn of(options: &Options) -> Result<Self, Failure> {
+        let Options { scene, csv, plot, record, .. } = options;
+        let mut all = Destinations::beside([scene])?;
+        let mut add = |file: &Option<PathBuf>| all.add_any(file.as_ref());
+        Ok(Self { csv: add(csv)?, plot: add(plot)?, record: add(record)? })
+    }
+}
+
 pub(crate) fn run(options: &Options) -> Result<(), Failure> {
+    let outputs = Outputs::of(options)?;
     let mut scene = load::scene(&options.scene)?;
     if let Some(integrator) = options.integrator {
         scene.world = WorldDef { integrator, ..scene.world };
@@ -76,53 +94,61 @@ pub(crate) fn run(options: &Options) -> Result<(), Failure> {
             what: format!(
                 "--integrator {} does not go with {}: {}",
                 integrator.name(),
-                options.scene.display(),
+                text::path(&options.scene),
                 error.message
             ),
         })?;
     }
-    match (options.scalar, &options.record) {
-        (Numbers::Fx, Some(file)) => record(&scene, options, file),
+    match (options.scalar, &outputs.record) {
+        (Numbers::Fx, Some(to)) => record(&scene, options, &outputs, to),
         (_, Some(_)) => Err(Failure::Option { what: "--record goes with --scalar fx alone".to_owned() }),
-        (Numbers::Fx, None) => start::<Fx>(&scene, options),
-        (Numbers::F64, None) => start::<f64>(&scene, options),
-        (Numbers::F32, None) => start::<f32>(&scene, options),
+        (Numbers::Fx, None) => start::<Fx>(&scene, options, &outputs),
+        (Numbers::F64, None) => start::<f64>(&scene, options, &outputs),
+        (Numbers::F32, None) => start::<f32>(&scene, options, &outputs),
     }
 }
 
-fn start<S: Scalar + ToF64>(scene: &Scene, options: &Options) -> Result<(), Failure>
+fn start<S: Scalar + ToF64>(scene: &Scene, options: &Options, outputs: &Outputs) -> Result<(), Failure>
 where
     S::Wide: ToF64,
 {
     let mut run = scene.start::<S>().map_err(Failure::scene(&options.scene))?;
-    simulate(scene, &mut run, &mut (), options)?.print(options.json);
-    Ok(())
+    text::print_result(&simulate(scene, &mut run, &mut (), |()| Ok(()), options, outputs)?, options.json)
 }
 
-fn record(scene: &Scene, options: &Options, file: &Path) -> Result<(), Failure> {
+fn record(scene: &Scene, options: &Options, outputs: &Outputs, to: &Destination) -> Result<(), Failure> {
     let Options { hash_every, snapshot_every, .. } = *options;
     let mut run = scene.start::<Fx>().map_err(Failure::scene(&options.scene))?;
-    let mut recording = Recording::create(file, run.world(), RecordOptions { hash_every, snapshot_every })?;
-    let summary = simulate(scene, &mut run, &mut recording, options)?;
-    recording.finish(run.world())?;
-    summary.print(options.json);
-    Ok(())
+    let mut recording = Recording::create(to, run.world(), RecordOptions { hash_every, snapshot_every })?;
+    match simulate(scene, &mut run, &mut recording, Recording::check, options, outputs) {
+        Ok(summary) => {
+            recording.finish(run.world())?;
+            text::print_result(&summary, options.json)
+        }
+        Err(failure) => {
+            recording.break_off();
+            Err(failure)
+        }
+    }
 }
 
-/// Runs a scene to its end, with whatever was asked to be made on the way.
-fn simulate<S: Scalar + ToF64>(
+/// Runs a scene to its end, with whatever was asked to be made on the way; `check` is asked after each step whether the
+/// driver can go on.
+fn simulate<S: Scalar + ToF64, D: Driver<S>>(
     scene: &Scene,
     run: &mut SceneRun<'_, S>,
-    driver: &mut impl Driver<S>,
+    driver: &mut D,
+    check: impl Fn(&mut D) -> Result<(), Failure>,
     options: &Options,
+    outputs: &Outputs,
 ) -> Result<Summary, Failure>
 where
     S::Wide: ToF64,
 {
     let at_fault = Failure::scene(&options.scene);
     let ticks = options.ticks.unwrap_or(scene.ticks);
-    let mut table = options.csv.as_deref().map(|file| Table::create(file, options.every)).transpose()?;
-    let mut recorder = options.plot.as_ref().map(|_| Recorder::new(scene, ticks));
+    let mut table = outputs.csv.as_ref().map(|to| Table::create(to, options.every)).transpose()?;
+    let mut recorder = outputs.plot.as_ref().map(|_| Recorder::new(scene, ticks));
     let before = Totals::of(run.world());
     let (mut faults, mut body_steps, mut stepping) = (Vec::new(), 0u64, Duration::ZERO);
     let progress = progress(ticks, "tick");
@@ -137,6 +163,7 @@ where
         let started = Instant::now();
         let report = run.advance_by(driver).map_err(&at_fault)?;
         stepping += started.elapsed();
+        check(driver)?;
         let tick_faults = report.faults.to_vec();
         for fault in tick_faults {
             let name = run.name(fault.body).to_owned();
@@ -151,9 +178,8 @@ where
         table.finish()?;
     }
     let summary = Summary::new(scene, run.world(), before, faults, stepping, body_steps);
-    if let (Some(recorder), Some(file)) = (&recorder, &options.plot) {
-        let svg = recorder.draw(run).map_err(|what| Failure::Picture { file: file.clone(), what })?;
-        fs::write(file, svg).map_err(Failure::file(file, "write"))?;
+    if let (Some(recorder), Some(to)) = (&recorder, &outputs.plot) {
+        to.write(&recorder.draw(run).map_err(|what| Failure::Picture { file: to.file().into(), what })?)?;
     }
     Ok(summary)
 }

@@ -1,13 +1,12 @@
 //! `umbra selftest`: the built-in corpus, in every way this machine has, against the golden digests.
 
-use std::io::{self, Write};
-
 use clap::Args;
 use serde::Serialize;
 use umbra_physics::LAW;
 use umbra_physics::selftest::Outcome;
 
 use crate::failure::Failure;
+use crate::text;
 
 #[path = "../umbra-selftest/ways.rs"]
 mod ways;
@@ -50,9 +49,12 @@ fn digest(outcome: Outcome) -> String {
 pub(crate) fn selftest(options: &Options) -> Result<(), Failure> {
     let ways = Way::all();
     let names: Vec<String> = ways.iter().map(ToString::to_string).collect();
-    let mut out = io::stdout().lock();
-    // Without anybody to read it there is still the status.
-    let mut print = |line: String| _ = writeln!(out, "{line}");
+    let mut printed = Ok(());
+    let mut print = |line: String| {
+        if printed.is_ok() {
+            printed = text::print(line);
+        }
+    };
     let verdict = if options.json {
         let verdict = check(&ways, |checked| print(json(&scene_line(checked))));
         let Verdict { all, agrees } = verdict;
@@ -75,6 +77,7 @@ pub(crate) fn selftest(options: &Options) -> Result<(), Failure> {
         print(word.to_owned());
         verdict
     };
+    printed?;
     if verdict.agrees { Ok(()) } else { Err(Failure::Selftest) }
 }
 

@@ -1,7 +1,6 @@
 //! What came out of a run, for a person or as JSON.
 
 use std::fmt;
-use std::io::Write;
 use std::time::Duration;
 
 use serde::Serialize;
@@ -137,12 +136,6 @@ impl Summary {
             ns_per_body_and_step: if body_steps == 0 { 0.0 } else { stepping.as_nanos() as f64 / body_steps as f64 },
             state_hash: format!("{:016x}", world.state_hash()),
         }
-    }
-
-    /// Prints it. A reader that has gone away is no failure.
-    pub(crate) fn print(&self, json: bool) {
-        let text = if json { serde_json::to_string_pretty(self).unwrap_or_default() } else { self.to_string() };
-        let _ = writeln!(std::io::stdout(), "{}", text.trim_end());
     }
 
     fn write_faults(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

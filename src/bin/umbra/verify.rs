@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::io::{self, Write};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
@@ -16,7 +16,9 @@ use umbra_physics::{Divergence, Finding, Replay, ReplayError, World};
 
 use crate::failure::{Failure, UNREADABLE, tag};
 use crate::finding::FindingLine;
+use crate::output::Destinations;
 use crate::progress::progress;
+use crate::text;
 
 const HELP: &str = "\
 A line for each file, in the order given: what it is, its name, and why.
@@ -132,7 +134,7 @@ impl Verdict {
         let Self { status, code, reason, played, .. } = self;
         let what = reason.clone().unwrap_or_else(|| played.describe());
         let code = code.map_or_else(String::new, |code| format!(" [{}]", tag(code)));
-        format!("{}  {}  {what}{code}", status.name(), file.display())
+        format!("{}  {}  {what}{code}", status.name(), text::path(file))
     }
 
     fn json(&self, file: &Path) -> String {
@@ -193,6 +195,8 @@ fn grouped(number: u64) -> String {
 
 pub(crate) fn verify(options: &Options) -> Result<(), Failure> {
     let files = &options.replays;
+    // The standard output goes over none of them.
+    Destinations::beside(files)?;
     let jobs = options.jobs.map(usize::from).or_else(|| thread::available_parallelism().ok().map(usize::from));
     let bar = progress(0, "tick");
     let (mut bad, mut status) = (0, 0);
@@ -202,18 +206,23 @@ pub(crate) fn verify(options: &Options) -> Result<(), Failure> {
         |file| check(file, &bar),
         |file, verdict| {
             let line = if options.json { verdict.json(file) } else { verdict.line(file) };
-            // Without anybody to read it there is still the status.
-            bar.suspend(|| _ = writeln!(io::stdout(), "{line}"));
             bad += usize::from(verdict.status != Status::Ok);
             status = status.max(verdict.status.exit());
+            bar.suspend(|| text::print(line))
         },
-    );
+    )?;
     bar.finish_and_clear();
     if status == 0 { Ok(()) } else { Err(Failure::Verify { bad, of: files.len(), status }) }
 }
 
-/// Does a job for each file, so many at once, and hands on what comes of it in the order of the files.
-fn in_order<T: Send>(files: &[PathBuf], jobs: usize, job: impl Fn(&Path) -> T + Sync, mut done: impl FnMut(&Path, T)) {
+/// Does a job for each file, so many at once, and hands on what comes of it in the order of the files, as long as it is
+/// taken.
+fn in_order<T: Send>(
+    files: &[PathBuf],
+    jobs: usize,
+    job: impl Fn(&Path) -> T + Sync,
+    mut done: impl FnMut(&Path, T) -> Result<(), Failure>,
+) -> Result<(), Failure> {
     let next = AtomicUsize::new(0);
     let (sender, receiver) = mpsc::channel();
     thread::scope(|scope| {
@@ -235,11 +244,12 @@ fn in_order<T: Send>(files: &[PathBuf], jobs: usize, job: impl Fn(&Path) -> T + 
         for (index, result) in receiver {
             early.insert(index, result);
             while let Some((result, file)) = awaited.and_then(|(index, file)| Some((early.remove(&index)?, file))) {
-                done(file, result);
+                done(file, result)?;
                 awaited = due.next();
             }
         }
-    });
+        Ok(())
+    })
 }
 
 /// Runs the replay in a file again; what is whole of it, if it is cut off.
@@ -266,11 +276,13 @@ fn check(file: &Path, bar: &ProgressBar) -> Verdict {
 
 fn play(replay: &Replay, bar: &ProgressBar) -> Result<Played, (Box<Divergence>, Played)> {
     let start = replay.start();
-    bar.inc_length(replay.end() - start.tick());
+    bar.inc_length(replay.ticks());
     let mut playback = replay.play();
-    let (started, mut hashes) = (Instant::now(), 0);
+    let (started, mut ticks, mut hashes) = (Instant::now(), 0, 0);
     let end = loop {
-        match playback.step() {
+        let stepped = playback.step();
+        ticks += u64::from(!matches!(stepped, Ok(false)));
+        match stepped {
             Ok(true) => hashes += u64::from(playback.recorded_hash().is_some()),
             Ok(false) => break Ok(()),
             Err(divergence) => break Err(divergence),
@@ -280,6 +292,6 @@ fn play(replay: &Replay, bar: &ProgressBar) -> Result<Played, (Box<Divergence>, 
     let wall = started.elapsed();
     let world = playback.world();
     let seconds = |world: &World| world.elapsed().num as f64 / world.elapsed().den as f64;
-    let played = Played { ticks: world.tick() - start.tick(), hashes, seconds: seconds(world) - seconds(start), wall };
+    let played = Played { ticks, hashes, seconds: seconds(world) - seconds(start), wall };
     end.map_or_else(|divergence| Err((divergence, played)), |()| Ok(played))
 }

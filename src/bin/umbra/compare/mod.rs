@@ -3,7 +3,6 @@
 mod outcome;
 mod way;
 
-use std::fs;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -15,7 +14,9 @@ use umbra_physics::{Activity, Command, Fx, Integrator, Scalar, TimeStep, WorldDe
 use crate::cost::cpu_seconds;
 use crate::failure::Failure;
 use crate::load;
+use crate::output::Destinations;
 use crate::progress::progress;
+use crate::text;
 use outcome::{Comparison, Numbers, Outcome, Reference};
 use way::{Gap, Stride, Way};
 
@@ -38,12 +39,13 @@ pub(crate) struct Options {
 }
 
 pub(crate) fn compare(options: &Options) -> Result<(), Failure> {
+    let out = Destinations::beside([&options.scene])?.add_any(options.out.as_ref())?;
     let mut scene = load::scene(&options.scene)?;
     // Every run keeps the integrator it is there for.
     scene.inputs.retain(|input| !matches!(input.deed, Deed::Command(Command::SetIntegrator(_))));
     let ticks = options.ticks.unwrap_or(scene.ticks);
     if ticks == 0 {
-        return Err(Failure::Option { what: format!("{}: nothing moves in 0 ticks", options.scene.display()) });
+        return Err(Failure::Option { what: format!("{}: nothing moves in 0 ticks", text::path(&options.scene)) });
     }
     let finer = finer(&scene, options)?;
     let stride = Stride::of(&scene, ticks);
@@ -59,11 +61,10 @@ pub(crate) fn compare(options: &Options) -> Result<(), Failure> {
     }
     progress.finish_and_clear();
     let comparison = Comparison { title: scene.title.clone(), ticks, seconds: way.seconds(), reference, outcomes };
-    if let Some(file) = &options.out {
-        fs::write(file, comparison.draw()).map_err(Failure::file(file, "write"))?;
+    if let Some(out) = &out {
+        out.write(&comparison.draw())?;
     }
-    comparison.print(options.json);
-    Ok(())
+    text::print_result(&comparison, options.json)
 }
 
 /// Steps of the reference to a tick.
@@ -81,7 +82,7 @@ fn finer(scene: &Scene, options: &Options) -> Result<u32, Failure> {
     let room = u32::try_from(room).unwrap_or(u32::MAX);
     let wanted = options.finer.unwrap_or(MOST.min(1 << room.max(1).ilog2()));
     if wanted < 2 || wanted > room {
-        let file = options.scene.display();
+        let file = text::path(&options.scene);
         let rate = limits::RATE_MAX;
         return Err(Failure::Option {
             what: format!("{file}: a reference needs 2 or more steps to a tick, and {rate} a second allow {room}"),

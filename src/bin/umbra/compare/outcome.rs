@@ -1,7 +1,6 @@
 //! What came out of a comparison, as a table, as JSON, as a picture.
 
 use std::fmt;
-use std::io::Write;
 
 use serde::Serialize;
 use umbra_physics::Integrator;
@@ -151,12 +150,6 @@ impl fmt::Display for Comparison {
 }
 
 impl Comparison {
-    /// Prints it. A reader that has gone away is no failure.
-    pub(super) fn print(&self, json: bool) {
-        let text = if json { serde_json::to_string_pretty(self).unwrap_or_default() } else { self.to_string() };
-        let _ = writeln!(std::io::stdout(), "{}", text.trim_end());
-    }
-
     /// The errors over time as SVG.
     pub(super) fn draw(&self) -> String {
         const REFERENCE: Look = Look { colour: 6, stroke: 0, marks: false };

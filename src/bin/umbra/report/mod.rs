@@ -8,7 +8,6 @@ mod page;
 mod parting;
 mod problem;
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -17,6 +16,7 @@ use umbra_physics::scene::{Scene, SceneError};
 use umbra_physics::{Fx, Integrator, Scalar};
 
 use crate::failure::Failure;
+use crate::output::{Destination, Destinations};
 use crate::progress::progress;
 use crate::truth::Exact;
 use data::{Line, Machine, Measured, Report, Results};
@@ -78,7 +78,23 @@ impl Options {
     }
 }
 
+/// Where a report goes.
+struct Outputs {
+    page: Destination,
+    data: Option<Destination>,
+    diagram: Option<Destination>,
+}
+
+impl Outputs {
+    fn of(options: &Options) -> Result<Self, Failure> {
+        let mut all = Destinations::beside([])?;
+        let (page, data) = (all.add(&options.out)?, all.add_any(options.json.as_ref())?);
+        Ok(Self { page, data, diagram: all.add_any(options.diagram.as_ref())? })
+    }
+}
+
 pub(crate) fn report(options: &Options) -> Result<(), Failure> {
+    let outputs = Outputs::of(options)?;
     let effort = if options.quick { QUICK } else { FULL };
     let chosen: Vec<&Problem> =
         if options.problem.is_empty() { PROBLEMS.iter().collect() } else { options.problem.clone() };
@@ -103,15 +119,11 @@ pub(crate) fn report(options: &Options) -> Result<(), Failure> {
         problems: all.into_iter().map(|experiment| experiment.results).collect(),
         parting,
     };
-    write(&options.out, &page::page(&report))?;
-    if let Some(file) = &options.json {
-        write(file, &(serde_json::to_string(&report).unwrap_or_default() + "\n"))?;
+    outputs.page.write(&page::page(&report))?;
+    if let Some(data) = &outputs.data {
+        data.write(&(serde_json::to_string(&report).unwrap_or_default() + "\n"))?;
     }
-    options.diagram.as_ref().map_or(Ok(()), |file| write(file, &page::diagram(&report)))
-}
-
-fn write(file: &Path, text: &str) -> Result<(), Failure> {
-    fs::write(file, text).map_err(Failure::file(file, "write"))
+    outputs.diagram.map_or(Ok(()), |diagram| diagram.write(&page::diagram(&report)))
 }
 
 const SCALARS: [&str; 3] = [Fx::NAME, <f64 as Scalar>::NAME, <f32 as Scalar>::NAME];

@@ -7,8 +7,6 @@ mod recording;
 mod track;
 mod words;
 
-use std::fs;
-use std::io::Write;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -17,7 +15,9 @@ use umbra_physics::{BodyId, FieldId, Fx, Replay};
 
 use crate::failure::Failure;
 use crate::load::{self, Run};
+use crate::output::{Destination, Destinations};
 use crate::progress::progress;
+use crate::text;
 use page::Heading;
 use recording::{Budget, Recording};
 use words::Names;
@@ -35,16 +35,17 @@ pub(crate) struct Options {
 }
 
 pub(crate) fn view(options: &Options) -> Result<(), Failure> {
+    let out = Destinations::beside([&options.run])?.add(&options.out)?;
     let file = options.run.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     match load::run(&options.run)? {
         Run::Scene(scene) => {
             let recording = of_scene(&scene, options)?;
             let title = if scene.title.is_empty() { file } else { scene.title };
-            write(recording, &Heading { title, about: scene.about, view: scene.plot.view }, options)
+            write(recording, &Heading { title, about: scene.about, view: scene.plot.view }, &out)
         }
         Run::Replay(replay) => {
             let recording = of_replay(&replay, options);
-            write(recording, &Heading { title: file, about: String::new(), view: None }, options)
+            write(recording, &Heading { title: file, about: String::new(), view: None }, &out)
         }
     }
 }
@@ -72,15 +73,13 @@ fn of_scene(scene: &Scene, options: &Options) -> Result<Recording, Failure> {
 
 /// The run of a replay, made once more: up to where it is no longer the recorded one.
 fn of_replay(replay: &Replay, options: &Options) -> Recording {
-    let warn = |what: String| {
-        let _ = writeln!(std::io::stderr(), "{}: {what}", options.run.display());
-    };
+    let warn = |what: String| text::warn(format_args!("{}: {what}", text::path(&options.run)));
     if !replay.is_complete() {
         warn(format!("cut off: whole up to tick {}", replay.end()));
     }
     let mut playback = replay.play();
     let start = playback.world().tick();
-    let ticks = options.ticks.unwrap_or(u64::MAX).min(replay.end() - start);
+    let ticks = options.ticks.unwrap_or(u64::MAX).min(replay.ticks());
     let names = Names { body: |body: BodyId| body.to_string(), field: |field: FieldId| field.to_string() };
     // The page calls bodies by their handles.
     let unnamed = |_: BodyId| String::new();
@@ -104,9 +103,9 @@ fn of_replay(replay: &Replay, options: &Options) -> Recording {
     recording
 }
 
-fn write(recording: Recording, heading: &Heading, options: &Options) -> Result<(), Failure> {
+fn write(recording: Recording, heading: &Heading, out: &Destination) -> Result<(), Failure> {
     if let Some(thinned) = recording.thinned() {
-        let _ = writeln!(std::io::stderr(), "{}: {thinned}", options.out.display());
+        text::warn(format_args!("{}: {thinned}", text::path(out.file())));
     }
-    fs::write(&options.out, page::page(recording, heading)).map_err(Failure::file(&options.out, "write"))
+    out.write(&page::page(recording, heading))
 }

@@ -1,0 +1,349 @@
+//! Worlds and commands by which a kilobyte of commands might cost more than it should: each named after what it does over
+//! and over.
+
+use std::f64::consts::TAU;
+
+use umbra_physics::scene::Scene;
+use umbra_physics::{
+    Action, Attachment, BodyDef, BodyId, Command, End, Field, Fx, Input, Inputs, Integrator, Law, Manner, Mass, Part,
+    RecordOptions, Recorder, Region, Replay, ReplayLimits, Shape, Snapshot, SpringLaw, TimeStep, World, WorldDef, fx,
+    vec2,
+};
+
+/// A world with so many bodies, and commands to repeat.
+pub(crate) struct Hostile {
+    pub(crate) name: &'static str,
+    /// Whether what the commands cost has to be the same however many bodies there are.
+    pub(crate) is_constant: bool,
+    pub(crate) make: fn(usize) -> (World, Vec<Command>),
+}
+
+macro_rules! hostile {
+    ($($name:ident $is_constant:literal),* $(,)?) => {
+        &[$(Hostile { name: stringify!($name), is_constant: $is_constant, make: $name }),*]
+    };
+}
+
+impl Hostile {
+    pub(crate) const ALL: &'static [Self] = hostile![
+        integrators true,
+        published true,
+        time_steps true,
+        gravities true,
+        dampings true,
+        sleep_after false,
+        own_dampings true,
+        bodies_come_and_go true,
+        removals_beside_inert_fields true,
+        keys_of_large_shapes true,
+        fields_removed true,
+        anchors false,
+        pairs_woken true,
+        groups_woken false,
+        disabled_when_woken false,
+        goals true,
+        pushes true,
+    ];
+}
+
+/// Calls whose cost has to be in proportion to how many things they name, but for a logarithm: made for so many.
+pub(crate) struct Growing {
+    pub(crate) name: &'static str,
+    pub(crate) make: fn(usize) -> Box<dyn FnOnce()>,
+}
+
+impl Growing {
+    pub(crate) const ALL: &'static [Self] = &[
+        Self { name: "inputs_in_falling_sequence", make: |n| inserted((0..n as u32).rev()) },
+        Self { name: "inputs_in_no_order", make: |n| inserted((0..n as u32).map(u32::reverse_bits)) },
+        Self { name: "inputs_replaced_in_front", make: replaced_in_front },
+        Self {
+            name: "all_pairs_woken",
+            make: |n| all(pairs_asleep(n).0, |ids| ids.iter().step_by(2).map(|&b| wake(b))),
+        },
+        Self { name: "a_chain_woken", make: |n| all(asleep(chain(n)), |ids| ids[..1].iter().map(|&b| wake(b))) },
+        Self { name: "all_bodies_of_a_chain_removed", make: |n| all(chain(n), |ids| ids.iter().map(|&b| remove(b))) },
+        Self { name: "all_woken_disabled", make: all_woken_disabled },
+        Self { name: "all_fields_removed", make: all_fields_removed },
+        Self { name: "a_hub_removed", make: hub_removed },
+        Self { name: "a_snapshot_read", make: snapshot_read },
+        Self { name: "a_replay_of_one_tick_verified", make: replay_verified },
+        Self { name: "a_scene_read", make: scene_read },
+        Self { name: "a_scene_moved_on", make: scene_moved_on },
+    ];
+}
+
+fn wake(body: BodyId) -> Command {
+    Command::Wake(body)
+}
+
+fn remove(body: BodyId) -> Command {
+    Command::RemoveBody(body)
+}
+
+fn inserted(sequences: impl Iterator<Item = u32> + 'static) -> Box<dyn FnOnce()> {
+    let commands: Vec<Input> =
+        sequences.map(|sequence| Input { player: 0, sequence, command: Command::ClearForces }).collect();
+    Box::new(move || {
+        let mut inputs = Inputs::new();
+        commands.into_iter().for_each(|input| inputs.insert(input).expect("each has a place of its own"));
+        std::hint::black_box(&inputs);
+    })
+}
+
+fn replaced_in_front(count: usize) -> Box<dyn FnOnce()> {
+    let mut inputs: Inputs = Inputs::new();
+    inputs.replace(1, std::iter::repeat_n(Command::ClearForces, count));
+    Box::new(move || {
+        inputs.replace(0, std::iter::repeat_n(Command::ClearForces, count));
+        std::hint::black_box(&inputs);
+    })
+}
+
+/// Carries out all commands for the bodies of a world.
+fn all<I: Iterator<Item = Command>>(
+    mut world: World,
+    commands: impl FnOnce(&'static [BodyId]) -> I,
+) -> Box<dyn FnOnce()> {
+    let bodies: Vec<BodyId> = world.bodies().map(|body| body.id()).collect();
+    let commands: Vec<Command> = commands(bodies.leak()).collect();
+    Box::new(move || commands.iter().for_each(|command| _ = world.execute(command).expect("it may be done")))
+}
+
+fn pairs_asleep(count: usize) -> (World, Vec<BodyId>) {
+    let (mut world, bodies) = unlike_world(count);
+    for pair in bodies.chunks_exact(2) {
+        world.add_field(spring(pair[0], pair[1])).expect("a spring");
+    }
+    (asleep(world), bodies)
+}
+
+fn chain(count: usize) -> World {
+    let (mut world, bodies) = unlike_world(count);
+    for pair in bodies.windows(2) {
+        world.add_field(spring(pair[0], pair[1])).expect("a spring");
+    }
+    world
+}
+
+fn all_woken_disabled(count: usize) -> Box<dyn FnOnce()> {
+    let mut world = asleep(unlike_world(count).0);
+    world.set_gravity(vec2(1, 0)).expect("a gravity");
+    all(world, |ids| ids.iter().map(|&body| Command::Disable(body)))
+}
+
+fn all_fields_removed(count: usize) -> Box<dyn FnOnce()> {
+    let mut world = chain(count);
+    let fields: Vec<_> = world.fields().map(|(id, _)| id).collect();
+    Box::new(move || fields.into_iter().for_each(|id| world.remove_field(id).expect("it is there")))
+}
+
+/// A body that all others hang on.
+fn hub_removed(count: usize) -> Box<dyn FnOnce()> {
+    let (mut world, bodies) = unlike_world(count);
+    let hub = world.add_body(BodyDef::fixed()).expect("a body");
+    bodies.iter().for_each(|&body| _ = world.add_field(spring(body, hub)).expect("a spring"));
+    Box::new(move || world.remove_body(hub).expect("it is there"))
+}
+
+fn snapshot_read(count: usize) -> Box<dyn FnOnce()> {
+    let bytes = chain(count).snapshot().to_bytes();
+    Box::new(move || _ = std::hint::black_box(Snapshot::from_bytes(&bytes, &[]).expect("its own bytes")))
+}
+
+/// As many commands that change the factors of all bodies as there are bodies.
+fn replay_verified(count: usize) -> Box<dyn FnOnce()> {
+    let (mut world, commands) = integrators(count);
+    let mut recorder = Recorder::new(&world, RecordOptions::default());
+    let mut inputs: Inputs = Inputs::new();
+    inputs.replace(0, commands.into_iter().cycle().take(count));
+    recorder.step(&mut world, &inputs);
+    let bytes = recorder.finish(&world);
+    let limits = ReplayLimits { ticks: 1, bodies: count as u32, fields: 0, commands: count as u64 };
+    Box::new(move || {
+        let replay = Replay::from_bytes(&bytes, &[]).expect("its own bytes");
+        replay.verify_within(limits).expect("it is as recorded");
+    })
+}
+
+/// A few hundred bytes for many bodies, each with a damping of its own, and as many commands that change the factors of all.
+fn scene(count: usize) -> String {
+    format!(
+        r#"{{"bodies": [{{"name": "b{{n}}", "damping": {{"linear": {{"start": 0.5, "i": 0.00001}}}}, "repeat": {{"i": {count}}}}}],
+            "inputs": [{{"at": 0, "set": {{"integrator": "symplectic_euler"}}, "repeat": {{"i": {count}}}}}]}}"#
+    )
+}
+
+fn scene_read(count: usize) -> Box<dyn FnOnce()> {
+    // Its inputs stand at a tick that is never reached.
+    let text = scene(count).replace(r#""at": 0"#, r#""at": 1000000"#);
+    Box::new(move || _ = std::hint::black_box(Scene::parse(&text).expect("a scene")))
+}
+
+fn scene_moved_on(count: usize) -> Box<dyn FnOnce()> {
+    let scene: &'static Scene = Box::leak(Box::new(Scene::parse(&scene(count)).expect("a scene")));
+    let mut run = scene.start::<Fx>().expect("a scene");
+    Box::new(move || _ = run.advance().expect("a tick"))
+}
+
+fn world() -> World {
+    World::new(WorldDef { gravity: vec2(0, -10), sleep_after: Some(30), ..WorldDef::default() }).expect("a world")
+}
+
+/// Each with a damping of its own, and without gravity, so that it may rest.
+fn unlike(world: &mut World, count: usize) -> Vec<BodyId> {
+    let def = |i: usize| BodyDef {
+        position: vec2((i % 100) as i32 * 4, (i / 100) as i32 * 4),
+        gravity_scale: fx!(0),
+        linear_damping: Some(Fx::from_bits(Fx::HALF.to_bits() + i as i64)),
+        ..BodyDef::dynamic()
+    };
+    (0..count).map(|i| world.add_body(def(i)).expect("a body")).collect()
+}
+
+fn unlike_world(count: usize) -> (World, Vec<BodyId>) {
+    let mut world = world();
+    let bodies = unlike(&mut world, count);
+    (world, bodies)
+}
+
+fn asleep(mut world: World) -> World {
+    (0..32).for_each(|_| _ = world.step());
+    assert_eq!(world.moving_count(), 0, "they are not asleep");
+    world
+}
+
+fn spring(near: BodyId, far: BodyId) -> Law {
+    let spring = SpringLaw { rest: fx!(4), stiffness: fx!(0), damping: fx!(0) };
+    Law::Spring { near: Attachment::centre(near), far: End::Body(Attachment::centre(far)), spring }
+}
+
+fn integrators(count: usize) -> (World, Vec<Command>) {
+    let integrators = [Integrator::SymplecticEuler, Integrator::VelocityVerlet];
+    (unlike_world(count).0, integrators.map(Command::SetIntegrator).into())
+}
+
+fn published(count: usize) -> (World, Vec<Command>) {
+    let integrators = [Integrator::PublishedVerlet, Integrator::VelocityVerlet];
+    (unlike_world(count).0, integrators.map(Command::SetIntegrator).into())
+}
+
+fn time_steps(count: usize) -> (World, Vec<Command>) {
+    let steps = [TimeStep::ratio(1001, 60_000), TimeStep::hz(60)];
+    (unlike_world(count).0, steps.map(Command::SetTimeStep).into())
+}
+
+fn gravities(count: usize) -> (World, Vec<Command>) {
+    (unlike_world(count).0, [9, 10].map(|g| Command::SetGravity(vec2(0, -g))).into())
+}
+
+fn dampings(count: usize) -> (World, Vec<Command>) {
+    let kept = [fx!(0.5), fx!(1)];
+    (unlike_world(count).0, kept.map(|kept| Command::SetDamping { linear: kept, angular: kept }).into())
+}
+
+fn sleep_after(count: usize) -> (World, Vec<Command>) {
+    (unlike_world(count).0, [30, 31].map(|ticks| Command::SetSleepAfter(Some(ticks))).into())
+}
+
+fn own_dampings(count: usize) -> (World, Vec<Command>) {
+    let (world, bodies) = unlike_world(count);
+    let kept = |i: i64| Some(Fx::from_bits(Fx::HALF.to_bits() / 2 + i));
+    let set = |(i, &body): (usize, &BodyId)| {
+        let i = i as i64;
+        Command::SetBodyDamping { body, linear: kept(2 * i), angular: kept(2 * i + 1) }
+    };
+    (world, bodies.iter().enumerate().take(100).map(set).collect())
+}
+
+fn bodies_come_and_go(count: usize) -> (World, Vec<Command>) {
+    let (world, bodies) = unlike_world(count);
+    // The first free slot, time and again.
+    let pairs = (0..100).flat_map(|i| {
+        let kept = Some(Fx::from_bits(i64::from(i) + 1));
+        let def = BodyDef { linear_damping: kept, angular_damping: kept, ..BodyDef::dynamic() };
+        [Command::AddBody(def), Command::RemoveBody(BodyId::from_parts(bodies.len() as u32, i))]
+    });
+    (world, pairs.collect())
+}
+
+/// Fields that act on nobody, which a step hardly sees: thrusts on a body that is disabled.
+fn removals_beside_inert_fields(count: usize) -> (World, Vec<Command>) {
+    let (mut world, bodies) = unlike_world(count);
+    let [idle, rest @ ..] = &bodies[..] else { unreachable!() };
+    for _ in 0..4 * count {
+        world.add_field(Law::Thrust { at: Attachment::centre(*idle), force: vec2(1, 0) }).expect("a thrust");
+    }
+    world.disable(*idle).expect("it takes part");
+    (world, rest.iter().take(200).map(|&body| Command::RemoveBody(body)).collect())
+}
+
+fn keys_of_large_shapes(count: usize) -> (World, Vec<Command>) {
+    let corner = |i: i32| {
+        let angle = TAU * f64::from(i) / 64.0;
+        let bits = |x: f64| Fx::from_bits((x * 2f64.powi(34)) as i64);
+        vec2(bits(angle.cos()), bits(angle.sin()))
+    };
+    let polygon = Shape::polygon(&(0..64).map(corner).collect::<Vec<_>>()).expect("a polygon");
+    let part = |i: i32| Part { shape: polygon.clone(), position: vec2(i, 0), angle: fx!(0), density: fx!(1) };
+    let shape = Shape::compound(&(0..256).map(part).collect::<Vec<_>>()).expect("a compound");
+    let (mut world, bodies) = unlike_world(count);
+    world.set_shape(bodies[0], Some(shape)).expect("a shape");
+    (world, (0..100).map(|key| Command::SetKey { body: bodies[0], key }).collect())
+}
+
+fn fields_removed(count: usize) -> (World, Vec<Command>) {
+    let world = chain(count);
+    let fields: Vec<_> = world.fields().map(|(id, _)| id).collect();
+    (world, fields.into_iter().take(100).map(Command::RemoveField).collect())
+}
+
+/// A static body that all others hang on: each time it is moved, they are to be awake.
+fn anchors(count: usize) -> (World, Vec<Command>) {
+    let (mut world, bodies) = unlike_world(count);
+    let anchor = world.add_body(BodyDef::fixed()).expect("a body");
+    for &body in &bodies {
+        world.add_field(spring(body, anchor)).expect("a spring");
+    }
+    (asleep(world), [0, 1].map(|x| Command::SetPosition { body: anchor, position: vec2(x, 0) }).into())
+}
+
+fn pairs_woken(count: usize) -> (World, Vec<Command>) {
+    let (world, bodies) = pairs_asleep(count);
+    (world, bodies.chunks(2).take(200).map(|pair| wake(pair[0])).collect())
+}
+
+/// Sleepers in all groups but one, woken group by group.
+fn groups_woken(count: usize) -> (World, Vec<Command>) {
+    let (mut world, bodies) = unlike_world(count);
+    for (i, &body) in bodies.iter().enumerate() {
+        world.set_groups(body, 1 << (i % 31)).expect("it is there");
+    }
+    let region = Region::Disc { centre: vec2(0, 0), radius: fx!(1) };
+    let zone = |group: u32| Field { law: Law::Zone { region, acceleration: vec2(1, 0) }, groups: 1 << group };
+    // Those that nobody is in between them.
+    let groups = (0..31).flat_map(|group| [31, group]);
+    (asleep(world), groups.map(|group| Command::AddField(zone(group))).collect())
+}
+
+fn disabled_when_woken(count: usize) -> (World, Vec<Command>) {
+    let (world, bodies) = unlike_world(count);
+    let all = std::iter::once(Command::SetSleepAfter(Some(31)));
+    (asleep(world), all.chain(bodies.iter().take(200).map(|&body| Command::Disable(body))).collect())
+}
+
+fn goals(count: usize) -> (World, Vec<Command>) {
+    let mut world = world();
+    let lifts: Vec<_> = (0..count).map(|_| world.add_body(BodyDef::kinematic()).expect("a body")).collect();
+    (world, lifts.iter().map(|&body| Command::MoveTo { body, position: vec2(0, 1), angle: fx!(1) }).collect())
+}
+
+fn pushes(count: usize) -> (World, Vec<Command>) {
+    let mut world = world();
+    let shape = Some(Shape::rectangle(fx!(2), fx!(1)).expect("a shape"));
+    let def = BodyDef { shape, mass: Mass::Density(fx!(1)), angle: fx!(1), ..BodyDef::dynamic() };
+    let bodies: Vec<_> = (0..count).map(|_| world.add_body(def.clone()).expect("a body")).collect();
+    let action = Action::Impulse { impulse: vec2(1, 2), point: Some(vec2(1, 1)) };
+    let manner = Manner { frame: umbra_physics::Frame::Body, wake: true };
+    (world, bodies.iter().map(|&body| Command::Apply { body, action, manner }).collect())
+}
