@@ -176,7 +176,7 @@ fn calm(busy: Busy) -> Busy {
 #[library_benchmark(config = stepping(&BRANCHES), setup = warm)]
 #[bench::free_1k(scenes::free(1_000))]
 #[bench::free_2k(scenes::free(2_000))]
-#[bench::custom_law_1k(scenes::custom(1_000))]
+#[bench::custom_force_1k(scenes::custom(1_000))]
 fn branches(scene: Scene<Fx>) -> Scene<Fx> {
     steps(scene)
 }

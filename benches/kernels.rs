@@ -6,7 +6,7 @@
 use divan::{Bencher, black_box};
 use fixed::types::I32F32;
 use umbra_physics::scalar::{Factor, Wide};
-use umbra_physics::{Fx, FxFactor, FxWide, Scalar, SpringLaw, fx};
+use umbra_physics::{Fx, FxFactor, FxWide, Scalar, SpringConstants, fx};
 
 #[path = "../tests/support/cordic.rs"]
 mod plain;
@@ -299,7 +299,7 @@ mod pow {
 }
 
 /// The laws of force, metres apart.
-mod laws {
+mod custom_forces {
     use super::*;
 
     type Pair = (FxWide, FxWide);
@@ -314,7 +314,7 @@ mod laws {
         positive(seed, 36).into_iter().map(|bits| FxFactor::from_ratio(bits.to_bits() as u64, divisor)).collect()
     }
 
-    const SPRING: SpringLaw<Fx> = SpringLaw { rest: fx!(1), stiffness: fx!(100), damping: Fx::ZERO };
+    const SPRING: SpringConstants<Fx> = SpringConstants { rest: fx!(1), stiffness: fx!(100), damping: Fx::ZERO };
 
     #[divan::bench]
     fn spring(bencher: Bencher) {
@@ -323,7 +323,7 @@ mod laws {
 
     #[divan::bench]
     fn spring_with_damper(bencher: Bencher) {
-        let spring = SpringLaw { damping: fx!(1.5), ..SPRING };
+        let spring = SpringConstants { damping: fx!(1.5), ..SPRING };
         two(bencher, (vectors(1, 34), vectors(3, 35)), |offset, velocity| Fx::tension(offset, velocity, &spring));
     }
 

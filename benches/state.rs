@@ -8,7 +8,7 @@ use divan::counter::{BytesCount, ItemsCount};
 use divan::{Bencher, black_box};
 use scenes::Scene;
 use umbra_physics::{
-    Action, Command, Fx, History, Input, Inputs, Manner, RecordOptions, Recorder, Scalar, World, fx, vec2,
+    ApplyOptions, Command, ForceOrImpulse, Fx, History, Input, Inputs, RecordOptions, Recorder, Scalar, World, fx, vec2,
 };
 
 #[allow(dead_code, reason = "these benches use one of the scenes")]
@@ -182,8 +182,8 @@ const TICKS: u32 = 16;
 /// A player who pushes the last body.
 fn push(world: &World) -> Inputs {
     let body = world.bodies().last().expect("it has bodies").id();
-    let action = Action::Force { force: vec2(1, fx!(0.5)), point: None };
-    let command = Command::Apply { body, action, manner: Manner::default() };
+    let action = ForceOrImpulse::Force { force: vec2(1, fx!(0.5)), point: None };
+    let command = Command::Apply { body, action, manner: ApplyOptions::default() };
     let mut inputs = Inputs::new();
     inputs.insert(Input { player: 0, sequence: 0, command }).expect("the first");
     inputs

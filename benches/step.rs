@@ -75,7 +75,7 @@ scenes! {
     thrusters_1k: scenes::thrusters(1_000, 1);
     /// Asks for the same rotation twice.
     thrusters_1k_twice: scenes::thrusters(1_000, 2);
-    custom_law_1k: scenes::custom(1_000);
+    custom_force_1k: scenes::custom(1_000);
 }
 
 scenes! {

@@ -8,7 +8,7 @@
 mod grid;
 
 use umbra_physics::{
-    BodyDef, BodyId, End, Error, FxFactor, Law, Outlook, Vec2, World, WorldDef, fx, scalar::Factor as _, vec2,
+    BodyDef, BodyId, End, Error, FieldKind, FxFactor, Preview, Vec2, World, WorldDef, fx, scalar::Factor as _, vec2,
 };
 
 use grid::Grid;
@@ -27,8 +27,8 @@ fn main() -> Result<(), Error> {
     let (mut world, ship) = sky()?;
 
     // Each line is of a small world of its own: the ship and the star's pull. The hundred rocks are not in it.
-    let mut coast = world.look_ahead(ship)?;
-    let mut burnt = world.look_ahead(ship)?;
+    let mut coast = world.preview(ship)?;
+    let mut burnt = world.preview(ship)?;
     let there = burnt.id();
     burnt.world_mut().apply_impulse(there, burn())?;
     assert_eq!((world.body_count(), coast.world().body_count()), (101, 1));
@@ -49,7 +49,7 @@ fn main() -> Result<(), Error> {
 fn sky() -> Result<(World, BodyId), Error> {
     let mut world: World = World::new(WorldDef::default())?;
     let centre = End::World(Vec2::ZERO);
-    world.add_field(Law::Attractor { centre, mu: FxFactor::from_ratio(200, 1), softening: fx!(0) })?;
+    world.add_field(FieldKind::Attractor { centre, mu: FxFactor::from_ratio(200, 1), softening: fx!(0) })?;
     let ship = BodyDef { position: vec2(8, 0), velocity: vec2(0, 5), key: 1, ..BodyDef::dynamic() };
     let ship = world.add_body(ship)?;
     for i in 0..100 {
@@ -59,11 +59,11 @@ fn sky() -> Result<(World, BodyId), Error> {
     Ok((world, ship))
 }
 
-fn line(outlook: &mut Outlook) -> Result<Vec<Vec2>, Error> {
+fn line(preview: &mut Preview) -> Result<Vec<Vec2>, Error> {
     let mut line = Vec::with_capacity(TICKS);
     for _ in 0..TICKS {
-        outlook.step();
-        line.push(outlook.body()?.position());
+        preview.step();
+        line.push(preview.body()?.position());
     }
     Ok(line)
 }

@@ -6,7 +6,7 @@
 //! ```
 
 use umbra_physics::{
-    Attachment, BodyDef, BodyId, End, Error, Fx, Law, Mass, SpringLaw, TimeStep, World, WorldDef, fx, vec2,
+    Attachment, BodyDef, BodyId, End, Error, FieldKind, Fx, Mass, SpringConstants, TimeStep, World, WorldDef, fx, vec2,
 };
 
 const NODES: i32 = 16;
@@ -61,12 +61,12 @@ fn rope() -> Result<(World, Vec<BodyId>), Error> {
     for i in 1..=NODES {
         let node = world.add_body(BodyDef {
             position: vec2(Fx::from(i) * fx!(0.3), Fx::from(i) * fx!(-0.4)),
-            mass: Mass::Of(MASS),
+            mass: Mass::Kilograms(MASS),
             key: i as u64,
             ..BodyDef::dynamic()
         })?;
-        let spring = SpringLaw { rest: LINK, stiffness: STIFFNESS, damping: fx!(0) };
-        world.add_field(Law::Spring { near: Attachment::centre(node), far: last, spring })?;
+        let spring = SpringConstants { rest: LINK, stiffness: STIFFNESS, damping: fx!(0) };
+        world.add_field(FieldKind::Spring { near: Attachment::centre(node), far: last, spring })?;
         last = End::Body(Attachment::centre(node));
         nodes.push(node);
     }

@@ -14,8 +14,8 @@ use std::time::{Duration, Instant};
 use std::{env, io, thread};
 
 use umbra_physics::{
-    Attachment, BodyDef, BodyId, End, Error, Field, FieldId, Fx, Law, Mass, Pacer, Random, SpringLaw, TimeStep, Vec2,
-    World, WorldDef, fx, vec2,
+    Attachment, BodyDef, BodyId, End, Error, FieldId, FieldKind, ForceField, Fx, Mass, Random, SpringConstants,
+    StepClock, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
 use grid::Grid;
@@ -52,14 +52,14 @@ fn main() -> ExitCode {
 
 fn play(frames: u64) -> Result<(), Box<dyn std::error::Error>> {
     let (mut world, wind) = chain()?;
-    let mut pacer = Pacer::new(world.def().time_step)?;
-    pacer.set_limit(MOST_TICKS);
+    let mut step_clock = StepClock::new(world.def().time_step)?;
+    step_clock.set_limit(MOST_TICKS);
     let (start, mut seen, mut lost) = (Instant::now(), 0, 0);
     print!("\x1b[2J"); // an empty screen
     for _ in 0..frames {
         // In whole nanoseconds: no error adds up, and the clock reaches no state.
         let now = start.elapsed().as_nanos() as u64;
-        let due = pacer.frame(now - seen);
+        let due = step_clock.frame(now - seen);
         seen = now;
         lost += due.dropped;
         for _ in 0..due.ticks {
@@ -67,7 +67,7 @@ fn play(frames: u64) -> Result<(), Box<dyn std::error::Error>> {
             world.step();
         }
         draw(&world)?;
-        if let Some(wait) = pacer.until_tick() {
+        if let Some(wait) = step_clock.until_tick() {
             thread::sleep(Duration::from_nanos(seen + wait).saturating_sub(start.elapsed()));
         }
     }
@@ -82,12 +82,13 @@ fn chain() -> Result<(World, FieldId), Error> {
     world.set_random(Random::seeded(7));
     let hook = |x: i32| End::World(vec2(x, 4));
     let link = |near: BodyId, far: End, rest: Fx| {
-        let spring = SpringLaw { rest, stiffness: fx!(200), damping: fx!(1) };
-        Law::Spring { near: Attachment::centre(near), far, spring }
+        let spring = SpringConstants { rest, stiffness: fx!(200), damping: fx!(1) };
+        FieldKind::Spring { near: Attachment::centre(near), far, spring }
     };
     let mut last = hook(-8);
     for i in 1..=NODES {
-        let node = BodyDef { position: vec2(i as i32 - 9, 4), mass: Mass::Of(fx!(0.2)), key: i, ..BodyDef::dynamic() };
+        let node =
+            BodyDef { position: vec2(i as i32 - 9, 4), mass: Mass::Kilograms(fx!(0.2)), key: i, ..BodyDef::dynamic() };
         let node = world.add_body(node)?;
         world.add_field(link(node, last, fx!(0.9)))?;
         last = End::Body(Attachment::centre(node));
@@ -97,7 +98,7 @@ fn chain() -> Result<(World, FieldId), Error> {
         if i % 4 == 1 {
             let lantern = BodyDef {
                 position: vec2(i as i32 - 9, 2),
-                mass: Mass::Of(fx!(0.5)),
+                mass: Mass::Kilograms(fx!(0.5)),
                 groups: LANTERN,
                 key: 100 + i,
                 ..BodyDef::dynamic()
@@ -106,19 +107,19 @@ fn chain() -> Result<(World, FieldId), Error> {
             world.add_field(link(lantern, last, fx!(2)))?;
         }
     }
-    let wind = world.add_field(Field { law: air(Vec2::ZERO), groups: 1 | LANTERN })?;
+    let wind = world.add_field(ForceField { kind: air(Vec2::ZERO), groups: 1 | LANTERN })?;
     Ok((world, wind))
 }
 
-fn air(wind: Vec2) -> Law {
-    Law::Drag { linear: fx!(0.15), quadratic: fx!(0), wind }
+fn air(wind: Vec2) -> FieldKind {
+    FieldKind::Drag { linear: fx!(0.15), quadratic: fx!(0), wind }
 }
 
 /// Another wind every second. Its numbers come from the world, so that a copy of the world has the same weather.
 fn blow(world: &mut World, wind: FieldId) -> Result<(), Error> {
     if world.tick() % u64::from(RATE) == 0 {
         let speed = world.random_mut().number(fx!(-12)..=fx!(12));
-        world.set_field(wind, Field { law: air(vec2(speed, 0)), groups: 1 | LANTERN })?;
+        world.set_field(wind, ForceField { kind: air(vec2(speed, 0)), groups: 1 | LANTERN })?;
     }
     Ok(())
 }

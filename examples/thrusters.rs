@@ -6,8 +6,8 @@
 //! ```
 
 use umbra_physics::{
-    Action, Attachment, BodyDef, BodyId, BodyRef, Error, FieldId, Fx, Law, Manner, Mass, Shape, Vec2, World, WorldDef,
-    fx, scalar::Factor as _, vec2,
+    ApplyOptions, Attachment, BodyDef, BodyId, BodyRef, Error, FieldId, FieldKind, ForceOrImpulse, Fx, Mass, Shape,
+    Vec2, World, WorldDef, fx, scalar::Factor as _, vec2,
 };
 
 const MOON: Fx = fx!(-1.62); // m/s²
@@ -21,15 +21,15 @@ fn main() -> Result<(), Error> {
     let mut world: World = World::new(WorldDef { gravity: vec2(0, MOON), ..WorldDef::default() })?;
     let hull = world.add_body(BodyDef {
         shape: Some(Shape::rectangle(fx!(1.5), fx!(1))?),
-        mass: Mass::Of(MASS),
+        mass: Mass::Kilograms(MASS),
         position: vec2(-30, 60),
         velocity: vec2(4, -3),
         ..BodyDef::dynamic()
     })?;
     let mut engines = [world.add_field(engine(hull, -ARM, Fx::ZERO))?, world.add_field(engine(hull, ARM, Fx::ZERO))?];
     // The bolt that held its right side fires late: 40 N·s, along the body's own axes and at a point of its own.
-    let bolt = Action::Impulse { impulse: vec2(0, 40), point: Some(vec2(ARM, 0)) };
-    world.apply(hull, bolt, Manner::BODY)?;
+    let bolt = ForceOrImpulse::Impulse { impulse: vec2(0, 40), point: Some(vec2(ARM, 0)) };
+    world.apply(hull, bolt, ApplyOptions::BODY)?;
 
     println!("   s    x, m    y, m  v, m/s          tilt  left engine   right engine");
     while world.body(hull)?.position().y > FOOT {
@@ -50,8 +50,8 @@ fn main() -> Result<(), Error> {
 }
 
 /// A force up the hull's own axis, at its foot: the field turns with the body, in every stage of a step.
-fn engine(hull: BodyId, arm: Fx, thrust: Fx) -> Law {
-    Law::Thrust { at: Attachment { body: hull, point: vec2(arm, -FOOT) }, force: vec2(0, thrust) }
+fn engine(hull: BodyId, arm: Fx, thrust: Fx) -> FieldKind {
+    FieldKind::Thrust { at: Attachment { body: hull, point: vec2(arm, -FOOT) }, force: vec2(0, thrust) }
 }
 
 fn throttle(world: &mut World, hull: BodyId, engines: &mut [FieldId; 2], thrust: [Fx; 2]) -> Result<(), Error> {

@@ -93,7 +93,7 @@ pub enum Error {
         body: BodyId,
     },
     /// No law of force with this id is registered, or one is already.
-    ForceLaw {
+    CustomForce {
         /// The id.
         id: u64,
     },
@@ -401,7 +401,7 @@ impl fmt::Display for Error {
             Self::NotQuarantined { body } => write!(f, "{body} is not quarantined"),
             Self::DampingHasNoInverse => f.write_str("Yoshida4 cannot go with a damping of 0"),
             Self::SameBody { body } => write!(f, "both ends are attached to {body}"),
-            Self::ForceLaw { id } => write!(f, "force law {id:#x} is not registered, or registered twice"),
+            Self::CustomForce { id } => write!(f, "force law {id:#x} is not registered, or registered twice"),
             Self::Full => f.write_str("the world holds no more of these"),
             Self::Inconsistent => f.write_str("the parts of the snapshot do not fit together"),
             Self::ElapsedTime => f.write_str("the elapsed time is no longer a ratio of 128-bit integers"),
@@ -431,7 +431,7 @@ codes!(Error {
     NotQuarantined = 110,
     DampingHasNoInverse = 111,
     SameBody = 112,
-    ForceLaw = 113,
+    CustomForce = 113,
     Full = 114,
     ElapsedTime = 115,
     Inconsistent = 116,
@@ -520,7 +520,7 @@ pub enum Cause {
         field: FieldId,
     },
     /// A law of the user's own had no answer.
-    Law {
+    CustomForce {
         /// Its field.
         field: FieldId,
         /// The code it gave.
@@ -528,7 +528,7 @@ pub enum Cause {
     },
 }
 
-codes!(Cause { Position = 201, Velocity = 202, AngularVelocity = 203, Force = 204, Field = 205, Law = 206 });
+codes!(Cause { Position = 201, Velocity = 202, AngularVelocity = 203, Force = 204, Field = 205, CustomForce = 206 });
 
 impl core::error::Error for Cause {}
 
@@ -540,7 +540,7 @@ impl fmt::Display for Cause {
             Self::AngularVelocity => f.write_str("angular velocity beyond 2^20 rad/s"),
             Self::Force => f.write_str("sum of forces too large"),
             Self::Field { field } => write!(f, "{field} gave a force too large"),
-            Self::Law { field, code } => write!(f, "the law of {field} gave fault {code}"),
+            Self::CustomForce { field, code } => write!(f, "the law of {field} gave fault {code}"),
         }
     }
 }

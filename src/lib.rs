@@ -59,6 +59,7 @@ mod display;
 mod error;
 mod force;
 // Documentation alone: there is no such module in what is built.
+mod codec;
 #[cfg(any(doc, doctest))]
 pub mod guide;
 mod handle;
@@ -76,31 +77,33 @@ pub mod scene;
 pub mod selftest;
 mod shape;
 mod step;
-mod wire;
 mod world;
 
 pub use body::{Activity, BodyDef, BodyKind, Locks, Mass};
+pub use codec::Malformed;
 #[cfg(feature = "float")]
 pub use display::{Blend, BodyClass, DebugDraw, DrawOptions, Interpolation, Pose, Role};
-pub use display::{Due, Pacer, TickFraction};
+pub use display::{StepClock, StepsDue, TickFraction};
 pub use error::{Cause, Error, Fault, Irreversible, Quantity};
-pub use force::{AppliedForce, Attachment, BodyState, Dependence, End, Field, ForceLaw, Law, LawFault, Push, Region};
+pub use force::{
+    AppliedForce, Attachment, BodyState, CustomForce, CustomForceError, Dependence, End, FieldKind, ForceField,
+    ForceTorque, Region,
+};
 pub use handle::{BodyId, FieldId};
-pub use integrate::{Integrator, Stage, Verb};
+pub use integrate::{Integrator, Stage, StageKind};
 pub use math::{Elapsed, Random, Rot, TimeStep, Vec2, vec2};
 pub use replay::{
-    Difference, Divergence, Dump, Finding, HashTree, LAW, Moment, Place, Playback, RecordOptions, Recorder, Replay,
-    ReplayError, ReplayLimits, Snapshot, SnapshotError, VerifyError,
+    Difference, Divergence, Dump, Finding, HashTree, Owner, PHYSICS_VERSION, Playback, RecordOptions, Recorder, Replay,
+    ReplayError, ReplayLimits, Snapshot, SnapshotError, TickPhase, VerifyError,
 };
 pub use scalar::fx::{Fx, MathError, ParseFxError};
-pub use scalar::{FxAccumulator, FxFactor, FxWide, Scalar, SpringLaw, Turn};
+pub use scalar::{FxAccumulator, FxFactor, FxWide, Scalar, SpringConstants, Turn};
 pub use shape::{Geometry, Part, Shape};
 #[cfg(feature = "timers")]
 pub use step::Timers;
-pub use wire::Malformed;
 pub use world::{
-    Action, BodyRef, Command, Driver, Event, Frame, History, Input, Inputs, InputsIter, Made, Manner, Outcome, Outlook,
-    StepReport, TickReport, Trace, World, WorldDef, step_all,
+    ApplyOptions, BodyRef, Command, Created, Event, ForceOrImpulse, Frame, History, Input, InputResult, Inputs,
+    InputsIter, Preview, StepReport, Stepper, TickReport, Trace, World, WorldDef, step_all,
 };
 
 /// The README's examples, compiled and run as tests.

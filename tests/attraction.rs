@@ -9,7 +9,8 @@ use random::SplitMix;
 use real::{Real, exact, factor, ratio, to_f64, units};
 use umbra_physics::scalar::{Accumulator, Factor, Wide};
 use umbra_physics::{
-    BodyDef, End, Fx, FxFactor, FxWide, Integrator, Law, Scalar, SpringLaw, TimeStep, Vec2, World, WorldDef, fx,
+    BodyDef, End, FieldKind, Fx, FxFactor, FxWide, Integrator, Scalar, SpringConstants, TimeStep, Vec2, World,
+    WorldDef, fx,
 };
 
 /// mu·d / (d² + s²)^(3/2).
@@ -135,7 +136,7 @@ fn a_world_kicks_by_the_exact_attraction() {
         let mut world = World::<Fx>::new(def).expect("a fair definition");
         let body = world.add_body(BodyDef { position: Vec2::new(x, y), ..BodyDef::dynamic() }).expect("a fair body");
         let centre = End::World(Vec2::ZERO);
-        world.add_field(Law::Attractor { centre, mu, softening: Fx::ZERO }).expect("a fair field");
+        world.add_field(FieldKind::Attractor { centre, mu, softening: Fx::ZERO }).expect("a fair field");
         world.step();
         let velocity = world.body(body).expect("it is there").velocity_exact();
         for (v, a) in [velocity.x, velocity.y].into_iter().zip(attraction(mu, (-x, -y), Fx::ZERO)) {
@@ -147,7 +148,7 @@ fn a_world_kicks_by_the_exact_attraction() {
 }
 
 /// (stiffness·(length − rest) + damping·d length/dt) · d / length.
-fn tension(d: (Fx, Fx), v: (Fx, Fx), spring: &SpringLaw<Fx>) -> [Real; 2] {
+fn tension(d: (Fx, Fx), v: (Fx, Fx), spring: &SpringConstants<Fx>) -> [Real; 2] {
     let (x, y) = (exact(d.0), exact(d.1));
     let length = (&x * &x + &y * &y).sqrt();
     let rate = (&x * exact(v.0) + &y * exact(v.1)) / &length;
@@ -163,7 +164,7 @@ fn a_springs_force_is_exact_however_short_it_is() {
     for _ in 0..cases {
         let mut number = |bits| Fx::from_bits(random.of_bits(bits));
         let (d, v) = ((number(62), number(62)), (number(50), number(50)));
-        let spring = SpringLaw { rest: number(44).abs(), stiffness: number(52).abs(), damping: number(46).abs() };
+        let spring = SpringConstants { rest: number(44).abs(), stiffness: number(52).abs(), damping: number(46).abs() };
         if d == (Fx::ZERO, Fx::ZERO) {
             continue;
         }

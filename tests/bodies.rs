@@ -7,9 +7,9 @@ use std::time::{Duration, Instant};
 use umbra_physics::Timers;
 use umbra_physics::scalar::{Accumulator, Angle, Factor, Wide};
 use umbra_physics::{
-    Action, Activity, Attachment, BodyDef, BodyId, BodyKind, Command, End, Error, Field, FieldId, Frame, Fx, FxFactor,
-    FxWide, Integrator, Law, Locks, Made, Manner, Mass, Random, Shape, SpringLaw, TimeStep, Turn, Vec2, World,
-    WorldDef, fx, vec2,
+    Activity, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, Command, Created, End, Error, FieldId, FieldKind,
+    ForceField, ForceOrImpulse, Frame, Fx, FxFactor, FxWide, Integrator, Locks, Mass, Random, Shape, SpringConstants,
+    TimeStep, Turn, Vec2, World, WorldDef, fx, vec2,
 };
 
 fn world(def: WorldDef) -> World {
@@ -21,7 +21,9 @@ fn disc(radius: Fx) -> Option<Shape> {
 }
 
 fn ball(world: &mut World) -> BodyId {
-    world.add_body(BodyDef { shape: disc(fx!(2)), mass: Mass::Of(fx!(4)), ..BodyDef::dynamic() }).expect("a ball")
+    world
+        .add_body(BodyDef { shape: disc(fx!(2)), mass: Mass::Kilograms(fx!(4)), ..BodyDef::dynamic() })
+        .expect("a ball")
 }
 
 fn factor(value: Fx) -> Option<FxFactor> {
@@ -46,15 +48,15 @@ fn a_new_mass_or_shape_changes_the_inertia_and_both_inverses() {
     };
     // ½mr²
     assert_eq!(of(&world), (Some(fx!(4)), factor(fx!(8)), factor(fx!(0.25)), factor(fx!(0.125))));
-    world.set_mass(body, Mass::Of(fx!(2))).unwrap();
+    world.set_mass(body, Mass::Kilograms(fx!(2))).unwrap();
     assert_eq!(of(&world), (Some(fx!(2)), factor(fx!(4)), factor(fx!(0.5)), factor(fx!(0.25))));
     world.set_shape(body, disc(fx!(4))).unwrap();
     assert_eq!(of(&world), (Some(fx!(2)), factor(fx!(16)), factor(fx!(0.5)), factor(fx!(0.0625))));
-    world.set_mass(body, Mass::WithInertia(fx!(2), fx!(0.5))).unwrap();
+    world.set_mass(body, Mass::Explicit { mass: fx!(2), inertia: fx!(0.5) }).unwrap();
     assert_eq!(of(&world), (Some(fx!(2)), factor(fx!(0.5)), factor(fx!(0.5)), factor(fx!(2))));
     world.set_shape(body, None).unwrap();
     assert_eq!(of(&world).1, factor(fx!(0.5)), "an inertia that was given stays");
-    world.set_mass(body, Mass::Of(fx!(2))).unwrap();
+    world.set_mass(body, Mass::Kilograms(fx!(2))).unwrap();
     assert_eq!(of(&world), (Some(fx!(2)), None, factor(fx!(0.5)), factor(fx!(0))), "without a shape it does not turn");
     assert_eq!(world.set_mass(body, Mass::Density(fx!(1))), Err(Error::NoShape));
     world.set_shape(body, Some(Shape::rectangle(fx!(2), fx!(3)).unwrap())).unwrap();
@@ -70,7 +72,7 @@ fn a_new_mass_acts_from_the_next_step_on() {
     let mut world = world(sixty_four());
     let body = ball(&mut world);
     world.apply_force(body, vec2(fx!(64), 0)).unwrap();
-    world.set_mass(body, Mass::Of(fx!(8))).unwrap();
+    world.set_mass(body, Mass::Kilograms(fx!(8))).unwrap();
     world.step();
     assert_eq!(world.body(body).unwrap().velocity(), vec2(fx!(0.125), 0), "64 N on 8 kg over 1/64 s");
 }
@@ -215,12 +217,12 @@ fn vectors_in_the_frame_of_the_body_turn_with_it() {
     // As near to a quarter turn as an angle comes: 411,301,173 quarters.
     world.set_angle(body, Fx::from_bits(2_774_851_117_601_566_901)).unwrap();
     assert_eq!(world.body(body).unwrap().angle_exact(), Turn::QUARTER);
-    let force = |vector, point| Action::Force { force: vector, point };
-    world.apply(body, force(vec2(256, 0), Some(vec2(0, fx!(-2)))), Manner::BODY).unwrap();
+    let force = |vector, point| ForceOrImpulse::Force { force: vector, point };
+    world.apply(body, force(vec2(256, 0), Some(vec2(0, fx!(-2)))), ApplyOptions::BODY).unwrap();
     let sums = world.body(body).map(|b| (b.applied_force(), b.applied_torque())).unwrap();
     assert_eq!(sums, (Some(Vec2::new(wide(fx!(0)), wide(fx!(256)))), Some(wide(fx!(512)))));
-    let impulse = Action::Impulse { impulse: vec2(0, 4), point: Some(vec2(2, 0)) };
-    world.apply(body, impulse, Manner::BODY).unwrap();
+    let impulse = ForceOrImpulse::Impulse { impulse: vec2(0, 4), point: Some(vec2(2, 0)) };
+    world.apply(body, impulse, ApplyOptions::BODY).unwrap();
     let body = world.body(body).unwrap();
     assert_eq!((body.velocity(), body.angular_velocity()), (vec2(fx!(-1), 0), fx!(1)));
 }
@@ -240,24 +242,24 @@ fn a_sleeper_feels_what_wakes_it_and_nothing_else() {
     assert_eq!(fell, [3]);
     assert_eq!((world.moving_count(), world.body(body).unwrap().activity()), (0, Activity::Asleep));
     let before = world.state_hash();
-    let gently = Manner { wake: false, ..Manner::default() };
+    let gently = ApplyOptions { wake: false, ..ApplyOptions::default() };
     for action in [
-        Action::Force { force: vec2(1, 0), point: None },
-        Action::Torque(fx!(1)),
-        Action::Impulse { impulse: vec2(1, 0), point: Some(vec2(0, 1)) },
-        Action::AngularImpulse(fx!(1)),
+        ForceOrImpulse::Force { force: vec2(1, 0), point: None },
+        ForceOrImpulse::Torque(fx!(1)),
+        ForceOrImpulse::Impulse { impulse: vec2(1, 0), point: Some(vec2(0, 1)) },
+        ForceOrImpulse::AngularImpulse(fx!(1)),
     ] {
         world.apply(body, action, gently).unwrap();
         assert_eq!(world.state_hash(), before, "{action:?}");
         let mut woken = world.clone();
-        woken.apply(body, action, Manner::default()).unwrap();
+        woken.apply(body, action, ApplyOptions::default()).unwrap();
         assert_eq!(woken.body(body).unwrap().activity(), Activity::Awake, "{action:?}");
         assert_eq!(woken.step().woke, [body], "{action:?}");
         assert_eq!(woken.step().woke, [], "reported once");
     }
     world.wake(body).unwrap();
     assert_eq!(world.step().woke, [body]);
-    world.apply(body, Action::Impulse { impulse: vec2(4, 0), point: None }, gently).unwrap();
+    world.apply(body, ForceOrImpulse::Impulse { impulse: vec2(4, 0), point: None }, gently).unwrap();
     assert_eq!(world.body(body).unwrap().velocity(), vec2(1, 0), "one awake feels it");
 }
 
@@ -265,10 +267,10 @@ fn a_sleeper_feels_what_wakes_it_and_nothing_else() {
 fn a_body_that_is_pushed_every_tick_stays_awake_even_where_the_push_moves_nothing() {
     let mut world = world(WorldDef { sleep_after: Some(3), ..sixty_four() });
     let (pushed, other) = (ball(&mut world), ball(&mut world));
-    let gently = Manner { wake: false, ..Manner::default() };
+    let gently = ApplyOptions { wake: false, ..ApplyOptions::default() };
     for _ in 0..10 {
         for x in [fx!(1), fx!(-1)] {
-            world.apply(pushed, Action::Force { force: vec2(x, 0), point: None }, gently).unwrap();
+            world.apply(pushed, ForceOrImpulse::Force { force: vec2(x, 0), point: None }, gently).unwrap();
         }
         world.step();
     }
@@ -285,8 +287,8 @@ fn every_setter_wakes_and_a_sleeper_is_woken_through_its_springs() {
     let lone = ball(&mut world);
     for (a, b) in [(0, 1), (1, 2)] {
         let far = End::Body(Attachment::centre(chain[b]));
-        let spring = SpringLaw { rest: fx!(1), stiffness: fx!(1), damping: fx!(1) };
-        world.add_field(Law::Spring { near: Attachment::centre(chain[a]), far, spring }).unwrap();
+        let spring = SpringConstants { rest: fx!(1), stiffness: fx!(1), damping: fx!(1) };
+        world.add_field(FieldKind::Spring { near: Attachment::centre(chain[a]), far, spring }).unwrap();
     }
     for _ in 0..4 {
         world.step();
@@ -298,7 +300,7 @@ fn every_setter_wakes_and_a_sleeper_is_woken_through_its_springs() {
         |w, b| w.set_angle(b, Fx::ZERO),
         |w, b| w.set_velocity(b, Vec2::ZERO),
         |w, b| w.set_angular_velocity(b, Fx::ZERO),
-        |w, b| w.set_mass(b, Mass::Of(fx!(1))),
+        |w, b| w.set_mass(b, Mass::Kilograms(fx!(1))),
         |w, b| w.set_shape(b, None),
         |w, b| w.set_kind(b, BodyKind::Dynamic),
         |w, b| w.set_gravity_scale(b, fx!(1)),
@@ -336,9 +338,9 @@ fn kinds_move_as_they_say_and_change_into_each_other() {
     let other = ball(&mut world);
     world.set_kind(body, BodyKind::Kinematic).unwrap();
     assert_eq!(world.body(body).unwrap().mass(), None);
-    let spring = SpringLaw { rest: fx!(0), stiffness: fx!(100), damping: fx!(0) };
+    let spring = SpringConstants { rest: fx!(0), stiffness: fx!(100), damping: fx!(0) };
     let far = End::Body(Attachment::centre(body));
-    world.add_field(Law::Spring { near: Attachment::centre(other), far, spring }).unwrap();
+    world.add_field(FieldKind::Spring { near: Attachment::centre(other), far, spring }).unwrap();
     world.step();
     assert_eq!(world.body(body).unwrap().position(), vec2(1, 0), "with the velocity it was given");
     assert_eq!(world.body(body).unwrap().velocity(), vec2(64, 0));
@@ -359,24 +361,24 @@ fn kinds_move_as_they_say_and_change_into_each_other() {
 fn a_removed_body_takes_its_fields_along_and_slots_are_used_again() {
     let mut world = world(sixty_four());
     let bodies = [0, 1, 2].map(|_| ball(&mut world));
-    let spring = |a: usize, b: usize| Law::Spring {
+    let spring = |a: usize, b: usize| FieldKind::Spring {
         near: Attachment::centre(bodies[a]),
         far: End::Body(Attachment::centre(bodies[b])),
-        spring: SpringLaw { rest: fx!(1), stiffness: fx!(1), damping: fx!(1) },
+        spring: SpringConstants { rest: fx!(1), stiffness: fx!(1), damping: fx!(1) },
     };
-    let own = Law::Thrust { at: Attachment::centre(bodies[0]), force: Vec2::X };
+    let own = FieldKind::Thrust { at: Attachment::centre(bodies[0]), force: Vec2::X };
     let mu = <FxFactor as Factor<Fx>>::ONE;
-    let carried = Law::Attractor { centre: End::Body(Attachment::centre(bodies[0])), mu, softening: fx!(1) };
-    let drag = Law::Drag { linear: fx!(1), quadratic: fx!(0), wind: Vec2::ZERO };
-    let laws = [spring(0, 1), spring(1, 0), spring(1, 2), own, carried, drag];
-    let fields: Vec<FieldId> = laws.into_iter().map(|law| world.add_field(law).unwrap()).collect();
+    let carried = FieldKind::Attractor { centre: End::Body(Attachment::centre(bodies[0])), mu, softening: fx!(1) };
+    let drag = FieldKind::Drag { linear: fx!(1), quadratic: fx!(0), wind: Vec2::ZERO };
+    let custom_forces = [spring(0, 1), spring(1, 0), spring(1, 2), own, carried, drag];
+    let fields: Vec<FieldId> = custom_forces.into_iter().map(|law| world.add_field(law).unwrap()).collect();
     world.remove_body(bodies[0]).unwrap();
     let left: Vec<FieldId> = world.fields().map(|(id, _)| id).collect();
     assert_eq!(left, [fields[2], fields[5]]);
     let again = world.add_field(drag).unwrap();
     assert_eq!(again.parts(), (4, 1), "the last slot freed, in its next generation");
     assert_eq!(world.field(fields[4]).err(), Some(Error::NoSuchField { field: fields[4] }));
-    world.set_field(again, Field { groups: 0, ..drag.into() }).unwrap();
+    world.set_field(again, ForceField { groups: 0, ..drag.into() }).unwrap();
     assert_eq!(world.field(again).unwrap().groups, 0);
     world.remove_body(bodies[1]).unwrap();
     assert_eq!(world.fields().count(), 2);
@@ -452,23 +454,25 @@ fn the_origin_of_a_shape_is_where_its_coordinates_began() {
 }
 
 /// The call of the method that a command stands for.
-fn by_method(world: &mut World, command: &Command) -> Result<Made, Error> {
-    let nothing = |result: Result<(), Error>| result.map(|()| Made::Nothing);
+fn by_method(world: &mut World, command: &Command) -> Result<Created, Error> {
+    let nothing = |result: Result<(), Error>| result.map(|()| Created::Nothing);
     match command.clone() {
-        Command::AddBody(def) => world.add_body(def).map(Made::Body),
+        Command::AddBody(def) => world.add_body(def).map(Created::Body),
         Command::RemoveBody(body) => nothing(world.remove_body(body)),
-        Command::Apply { body, action, manner } if manner == Manner::default() => nothing(match action {
-            Action::Force { force, point: None } => world.apply_force(body, force),
-            Action::Force { force, point: Some(point) } => world.apply_force_at_point(body, force, point),
-            Action::Torque(torque) => world.apply_torque(body, torque),
-            Action::Impulse { impulse, point: None } => world.apply_impulse(body, impulse),
-            Action::Impulse { impulse, point: Some(point) } => world.apply_impulse_at_point(body, impulse, point),
-            Action::AngularImpulse(impulse) => world.apply_angular_impulse(body, impulse),
+        Command::Apply { body, action, manner } if manner == ApplyOptions::default() => nothing(match action {
+            ForceOrImpulse::Force { force, point: None } => world.apply_force(body, force),
+            ForceOrImpulse::Force { force, point: Some(point) } => world.apply_force_at_point(body, force, point),
+            ForceOrImpulse::Torque(torque) => world.apply_torque(body, torque),
+            ForceOrImpulse::Impulse { impulse, point: None } => world.apply_impulse(body, impulse),
+            ForceOrImpulse::Impulse { impulse, point: Some(point) } => {
+                world.apply_impulse_at_point(body, impulse, point)
+            }
+            ForceOrImpulse::AngularImpulse(impulse) => world.apply_angular_impulse(body, impulse),
         }),
         Command::Apply { body, action, manner } => nothing(world.apply(body, action, manner)),
         Command::ClearForces => {
             world.clear_forces();
-            Ok(Made::Nothing)
+            Ok(Created::Nothing)
         }
         Command::SetPosition { body, position } => nothing(world.set_position(body, position)),
         Command::SetAngle { body, angle } => nothing(world.set_angle(body, angle)),
@@ -484,7 +488,7 @@ fn by_method(world: &mut World, command: &Command) -> Result<Made, Error> {
         Command::SetUserData { body, user_data } => nothing(world.set_user_data(body, user_data)),
         Command::Wake(body) => nothing(world.wake(body)),
         Command::Release(body) => nothing(world.release(body)),
-        Command::AddField(field) => world.add_field(field).map(Made::Field),
+        Command::AddField(field) => world.add_field(field).map(Created::ForceField),
         Command::SetField { id, field } => nothing(world.set_field(id, field)),
         Command::RemoveField(id) => nothing(world.remove_field(id)),
         Command::SetTimeStep(time_step) => nothing(world.set_time_step(time_step)),
@@ -494,7 +498,7 @@ fn by_method(world: &mut World, command: &Command) -> Result<Made, Error> {
         Command::SetSleepAfter(ticks) => nothing(world.set_sleep_after(ticks)),
         Command::SetRandom(random) => {
             world.set_random(random);
-            Ok(Made::Nothing)
+            Ok(Created::Nothing)
         }
         Command::SetBlob(bytes) => nothing(world.set_blob(&bytes)),
         Command::SetLocks { body, locks } => nothing(world.set_locks(body, locks)),
@@ -511,33 +515,41 @@ fn a_command_does_what_the_method_of_its_name_does() {
     let mut world = world(WorldDef::default());
     let body = ball(&mut world);
     let gone = BodyId::from_parts(77, 0);
-    let id = world.add_field(Law::Drag { linear: fx!(1), quadratic: fx!(0), wind: Vec2::ZERO }).unwrap();
+    let id = world.add_field(FieldKind::Drag { linear: fx!(1), quadratic: fx!(0), wind: Vec2::ZERO }).unwrap();
     let far = world
         .add_body(BodyDef { position: vec2(fx!(1073741824), 0), velocity: vec2(1, 0), ..BodyDef::dynamic() })
         .unwrap();
     world.step();
     assert_eq!(world.body(far).unwrap().activity(), Activity::Quarantined);
-    let manner = Manner::default();
+    let manner = ApplyOptions::default();
     let apply = |action| Command::Apply { body, action, manner };
-    let field = Field::from(Law::Thrust { at: Attachment::centre(body), force: Vec2::X });
+    let field = ForceField::from(FieldKind::Thrust { at: Attachment::centre(body), force: Vec2::X });
     let force = Vec2::new(fx!(2), fx!(1));
     let commands = [
         Command::AddBody(BodyDef { position: vec2(4, 4), ..BodyDef::dynamic() }),
         Command::AddBody(BodyDef { gravity_scale: fx!(17), ..BodyDef::dynamic() }),
-        apply(Action::Force { force, point: None }),
-        apply(Action::Force { force, point: Some(vec2(1, 3)) }),
-        apply(Action::Torque(fx!(3))),
-        apply(Action::Impulse { impulse: force, point: None }),
-        apply(Action::Impulse { impulse: force, point: Some(vec2(1, 3)) }),
-        apply(Action::AngularImpulse(fx!(3))),
-        Command::Apply { body, action: Action::Force { force, point: Some(force) }, manner: Manner::BODY },
-        Command::Apply { body, action: Action::Torque(fx!(1)), manner: Manner { frame: Frame::World, wake: false } },
+        apply(ForceOrImpulse::Force { force, point: None }),
+        apply(ForceOrImpulse::Force { force, point: Some(vec2(1, 3)) }),
+        apply(ForceOrImpulse::Torque(fx!(3))),
+        apply(ForceOrImpulse::Impulse { impulse: force, point: None }),
+        apply(ForceOrImpulse::Impulse { impulse: force, point: Some(vec2(1, 3)) }),
+        apply(ForceOrImpulse::AngularImpulse(fx!(3))),
+        Command::Apply {
+            body,
+            action: ForceOrImpulse::Force { force, point: Some(force) },
+            manner: ApplyOptions::BODY,
+        },
+        Command::Apply {
+            body,
+            action: ForceOrImpulse::Torque(fx!(1)),
+            manner: ApplyOptions { frame: Frame::World, wake: false },
+        },
         Command::ClearForces,
         Command::SetPosition { body, position: force },
         Command::SetAngle { body, angle: fx!(2) },
         Command::SetVelocity { body, velocity: force },
         Command::SetAngularVelocity { body, velocity: fx!(2) },
-        Command::SetMass { body, mass: Mass::Of(fx!(9)) },
+        Command::SetMass { body, mass: Mass::Kilograms(fx!(9)) },
         Command::SetShape { body, shape: disc(fx!(3)) },
         Command::SetKind { body, kind: BodyKind::Kinematic },
         Command::SetKind { body, kind: BodyKind::Dynamic },
@@ -611,8 +623,8 @@ fn heavy_drag(integrator: Integrator, rate: u32, mass: Fx, quadratic: Fx, gravit
         sleep_after: None,
         ..WorldDef::default()
     });
-    let body = world.add_body(BodyDef { mass: Mass::Of(mass), ..BodyDef::dynamic() }).unwrap();
-    world.add_field(Law::Drag { linear: Fx::ZERO, quadratic, wind: Vec2::ZERO }).unwrap();
+    let body = world.add_body(BodyDef { mass: Mass::Kilograms(mass), ..BodyDef::dynamic() }).unwrap();
+    world.add_field(FieldKind::Drag { linear: Fx::ZERO, quadratic, wind: Vec2::ZERO }).unwrap();
     (world, body)
 }
 
@@ -655,7 +667,7 @@ fn drag_without_coefficients_changes_no_bit() {
         let mut world = World::new(def).expect("a world");
         let body = world.add_body(BodyDef::dynamic()).expect("a body");
         if with_field {
-            let law = Law::Drag { linear: Fx::ZERO, quadratic: Fx::ZERO, wind: Vec2::ZERO };
+            let law = FieldKind::Drag { linear: Fx::ZERO, quadratic: Fx::ZERO, wind: Vec2::ZERO };
             world.add_field(law).expect("a field");
         }
         for _ in 0..600 {
@@ -673,7 +685,7 @@ fn totals_do_not_depend_on_the_order_of_the_bodies() {
         let def = WorldDef { gravity: Vec2::new(Fx::ZERO, -umbra_physics::limits::GRAVITY), ..WorldDef::default() };
         let mut world = World::new(def).expect("a world");
         for height in heights {
-            let mass = Mass::Of(umbra_physics::limits::MASS_MAX);
+            let mass = Mass::Kilograms(umbra_physics::limits::MASS_MAX);
             let position = Vec2::new(Fx::ZERO, height);
             world.add_body(BodyDef { position, mass, ..BodyDef::dynamic() }).expect("a body");
         }
@@ -723,7 +735,7 @@ fn timers_say_where_the_time_of_steps_went() {
     assert_eq!(timers.steps, 10);
     assert!(!timers.march.is_zero() && sum(timers) <= free, "{timers:?} of {free:?}");
     assert!([timers.fields, timers.damp, timers.kick, timers.drift].iter().all(Duration::is_zero), "{timers:?}");
-    let drag = Law::Drag { linear: fx!(1), quadratic: fx!(1), wind: vec2(3, 0) };
+    let drag = FieldKind::Drag { linear: fx!(1), quadratic: fx!(1), wind: vec2(3, 0) };
     world.add_field(drag).expect("a fair field");
     let dragged = steps(&mut world);
     let later = world.timers();

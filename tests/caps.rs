@@ -6,8 +6,8 @@ mod random;
 use random::SplitMix;
 use umbra_physics::scalar::{Accumulator, Angle};
 use umbra_physics::{
-    Activity, BodyDef, BodyId, BodyKind, Error, Fx, Integrator, Irreversible, Law, Locks, Mass, Vec2, World, WorldDef,
-    fx, limits, vec2,
+    Activity, BodyDef, BodyId, BodyKind, Error, FieldKind, Fx, Integrator, Irreversible, Locks, Mass, Vec2, World,
+    WorldDef, fx, limits, vec2,
 };
 
 fn world(integrator: Integrator, gravity: Vec2) -> World {
@@ -16,7 +16,7 @@ fn world(integrator: Integrator, gravity: Vec2) -> World {
 }
 
 fn capped(linear: Fx, angular: Fx) -> BodyDef {
-    let mass = Mass::WithInertia(fx!(1), fx!(1));
+    let mass = Mass::Explicit { mass: fx!(1), inertia: fx!(1) };
     BodyDef { max_speed: Some(linear), max_angular_speed: Some(angular), mass, ..BodyDef::dynamic() }
 }
 
@@ -76,7 +76,7 @@ fn a_capped_body_falls_at_its_cap_in_every_integrator() {
         let body = world.add_body(capped(fx!(5), fx!(2))).expect("a body");
         let engaged = world.add_body(BodyDef { position: vec2(0, 9), ..capped(fx!(5), fx!(2)) }).expect("a body");
         world
-            .add_field(Law::Thrust { at: umbra_physics::Attachment::centre(engaged), force: vec2(0, 0) })
+            .add_field(FieldKind::Thrust { at: umbra_physics::Attachment::centre(engaged), force: vec2(0, 0) })
             .expect("one");
         for _ in 0..120 {
             world.apply_torque(body, fx!(10)).expect("a torque");

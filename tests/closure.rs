@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use umbra_physics::scalar::{Accumulator, Angle, Factor};
 use umbra_physics::{
-    Activity, Attachment, BodyDef, BodyId, BodyKind, BodyState, Dependence, End, Error, Field, FieldId, ForceLaw, Fx,
-    FxFactor, Integrator, Law, LawFault, Mass, Push, Region, Shape, Snapshot, SpringLaw, TimeStep, Vec2, World,
-    WorldDef, fx, vec2,
+    Activity, Attachment, BodyDef, BodyId, BodyKind, BodyState, CustomForce, CustomForceError, Dependence, End, Error,
+    FieldId, FieldKind, ForceField, ForceTorque, Fx, FxFactor, Integrator, Mass, Region, Shape, Snapshot,
+    SpringConstants, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
 type Bits = ([i128; 5], u64, Activity);
@@ -52,8 +52,12 @@ fn mu(value: Fx) -> FxFactor {
     <FxFactor as Factor<Fx>>::from_scalar(value)
 }
 
-fn spring(near: BodyId, point: Vec2, far: End, rest: Fx, stiffness: Fx, damping: Fx) -> Law {
-    Law::Spring { near: Attachment { body: near, point }, far, spring: SpringLaw { rest, stiffness, damping } }
+fn spring(near: BodyId, point: Vec2, far: End, rest: Fx, stiffness: Fx, damping: Fx) -> FieldKind {
+    FieldKind::Spring {
+        near: Attachment { body: near, point },
+        far,
+        spring: SpringConstants { rest, stiffness, damping },
+    }
 }
 
 fn world_def(integrator: Integrator) -> WorldDef {
@@ -76,7 +80,7 @@ fn cast() -> Vec<BodyDef> {
             angle: fx!(0.7) * Fx::from(i as i32),
             angular_velocity: fx!(1.1) - fx!(0.4) * Fx::from(i as i32),
             shape: Some(Shape::rectangle(fx!(0.5), fx!(0.25) + fx!(0.1) * Fx::from(i as i32)).expect("a shape")),
-            mass: Mass::Of(fx!(0.3) + fx!(0.37) * Fx::from(i as i32)),
+            mass: Mass::Kilograms(fx!(0.3) + fx!(0.37) * Fx::from(i as i32)),
             key: u64::from(i),
             ..BodyDef::dynamic()
         })
@@ -89,25 +93,28 @@ fn cast() -> Vec<BodyDef> {
 }
 
 /// The fields between them, with the bodies' handles by their place in the cast.
-fn fields(id: &[BodyId]) -> Vec<Field> {
+fn fields(id: &[BodyId]) -> Vec<ForceField> {
     let body = |i: usize, point| End::Body(Attachment { body: id[i], point });
-    let drag = |linear, quadratic| Law::Drag { linear, quadratic, wind: vec2(fx!(-0.5), fx!(0.2)) };
-    let laws = [
+    let drag = |linear, quadratic| FieldKind::Drag { linear, quadratic, wind: vec2(fx!(-0.5), fx!(0.2)) };
+    let custom_forces = [
         spring(id[0], vec2(fx!(0.1), fx!(0.2)), body(1, vec2(0, fx!(0.3))), fx!(1), fx!(4), fx!(0.2)),
         spring(id[1], Vec2::ZERO, body(2, vec2(fx!(0.2), 0)), fx!(1.5), fx!(2.3), fx!(0)),
         spring(id[2], vec2(fx!(-0.3), fx!(0.1)), body(3, Vec2::ZERO), fx!(1), fx!(6), fx!(0.1)),
         spring(id[4], Vec2::ZERO, body(5, vec2(fx!(0.2), fx!(0.2))), fx!(1), fx!(6), fx!(0.3)),
         spring(id[6], vec2(0, fx!(0.1)), End::World(vec2(4, 1)), fx!(0.5), fx!(3), fx!(0)),
-        Law::Attractor { centre: End::World(vec2(0, -1)), mu: mu(fx!(5)), softening: fx!(0.5) },
-        Law::Attractor { centre: body(7, vec2(fx!(0.1), 0)), mu: mu(fx!(1.5)), softening: fx!(0.7) },
-        Law::Thrust { at: Attachment { body: id[8], point: vec2(fx!(0.2), 0) }, force: vec2(fx!(0.3), fx!(1)) },
-        Law::Zone { region: Region::Disc { centre: vec2(0, 0), radius: fx!(3) }, acceleration: vec2(fx!(0.3), fx!(1)) },
+        FieldKind::Attractor { centre: End::World(vec2(0, -1)), mu: mu(fx!(5)), softening: fx!(0.5) },
+        FieldKind::Attractor { centre: body(7, vec2(fx!(0.1), 0)), mu: mu(fx!(1.5)), softening: fx!(0.7) },
+        FieldKind::Thrust { at: Attachment { body: id[8], point: vec2(fx!(0.2), 0) }, force: vec2(fx!(0.3), fx!(1)) },
+        FieldKind::Zone {
+            region: Region::Disc { centre: vec2(0, 0), radius: fx!(3) },
+            acceleration: vec2(fx!(0.3), fx!(1)),
+        },
         drag(fx!(0.1), fx!(0.02)),
         drag(fx!(0.03), fx!(0.1)),
     ];
     // The medium is there for the dragged strangers too.
-    let groups = |law: &Law| if matches!(law, Law::Drag { .. }) { 1 | DRAGGED } else { 1 };
-    laws.into_iter().map(|law| Field { groups: groups(&law), law }).collect()
+    let groups = |law: &FieldKind| if matches!(law, FieldKind::Drag { .. }) { 1 | DRAGGED } else { 1 };
+    custom_forces.into_iter().map(|law| ForceField { groups: groups(&law), law }).collect()
 }
 
 /// The cast and its fields in a world, added in some order.
@@ -184,9 +191,9 @@ fn the_hash_of_the_motion_is_the_same_in_whatever_order_the_world_was_built() {
         });
         other(&|world| {
             // Drags act in order.
-            let drags: Vec<(FieldId, Field)> = world
+            let drags: Vec<(FieldId, ForceField)> = world
                 .fields()
-                .filter(|(_, field)| matches!(field.law, Law::Drag { .. }))
+                .filter(|(_, field)| matches!(field.kind, FieldKind::Drag { .. }))
                 .map(|(id, field)| (id, *field))
                 .collect();
             world.set_field(drags[0].0, drags[1].1).expect("a field");
@@ -229,7 +236,7 @@ fn the_order_of_adding_fields_changes_no_bit_but_for_drags_among_themselves() {
         let all: Vec<FieldId> = other.fields().map(|(id, _)| id).collect();
         all.into_iter().for_each(|id| other.remove_field(id).expect("it is there"));
         let fields = fields(&same);
-        let is_drag = |i: usize| matches!(fields[i].law, Law::Drag { .. });
+        let is_drag = |i: usize| matches!(fields[i].kind, FieldKind::Drag { .. });
         let mut order = Dice(5).shuffled(fields.len());
         // The drags change places until they are in order.
         let (places, mut drags): (Vec<_>, Vec<_>) =
@@ -265,7 +272,9 @@ fn add_stranger(world: &mut World, i: usize, last: Option<BodyId>) -> BodyId {
     let def = match i % 6 {
         0 => BodyDef { gravity_scale: Fx::ZERO, ..base },
         1 => BodyDef { position, ..BodyDef::fixed() },
-        2 => BodyDef { velocity: vec2(fx!(1), 0), linear_damping: Some(Fx::ONE), mass: Mass::Of(fx!(77)), ..base },
+        2 => {
+            BodyDef { velocity: vec2(fx!(1), 0), linear_damping: Some(Fx::ONE), mass: Mass::Kilograms(fx!(77)), ..base }
+        }
         3 => BodyDef { position: vec2(fx!(1073741823), 0), velocity: vec2(fx!(900000), 0), ..base },
         4 => BodyDef { kind: BodyKind::Kinematic, velocity: vec2(0, fx!(3)), ..base },
         _ => BodyDef {
@@ -420,7 +429,7 @@ fn change(world: &mut World, bodies: &[BodyId], dice: &mut Dice) -> Result<(), E
         5 => world.set_angle(body, dice.number(fx!(7))),
         6 => world.set_velocity(body, dice.vector(fx!(1))),
         7 => world.set_angular_velocity(body, dice.number(fx!(1))),
-        8 => world.set_mass(body, Mass::Of(fx!(1) + dice.number(fx!(0.9)))),
+        8 => world.set_mass(body, Mass::Kilograms(fx!(1) + dice.number(fx!(0.9)))),
         9 => world.set_shape(body, Some(Shape::circle(fx!(1) + dice.number(fx!(0.9)))?)),
         10 => world.set_kind(body, [BodyKind::Dynamic, BodyKind::Static, BodyKind::Kinematic][dice.throw(3)]),
         11 => world.set_gravity_scale(body, dice.number(fx!(1))),
@@ -438,13 +447,13 @@ fn change(world: &mut World, bodies: &[BodyId], dice: &mut Dice) -> Result<(), E
         }
         20 => {
             let centre = End::Body(Attachment::centre(body));
-            let law = Law::Attractor { centre, mu: mu(dice.number(fx!(0.0001))), softening: fx!(1) };
-            world.add_field(Field { law, groups: 2 }).map(drop)
+            let law = FieldKind::Attractor { centre, mu: mu(dice.number(fx!(0.0001))), softening: fx!(1) };
+            world.add_field(ForceField { kind, groups: 2 }).map(drop)
         }
         21 => {
             let region = Region::Disc { centre: dice.vector(fx!(20)), radius: fx!(4) };
-            let law = Law::Zone { region, acceleration: Vec2::new(tiny, tiny) };
-            world.add_field(Field { law, groups: 4 }).map(drop)
+            let law = FieldKind::Zone { region, acceleration: Vec2::new(tiny, tiny) };
+            world.add_field(ForceField { kind, groups: 4 }).map(drop)
         }
         22..=24 if !fields.is_empty() => world.remove_field(fields[dice.throw(fields.len())]),
         _ => Ok(()),
@@ -594,11 +603,11 @@ fn a_stranger_that_falls_asleep_puts_nobody_else_to_sleep() {
 
 #[test]
 fn drags_act_in_the_order_in_which_they_came_whichever_slots_strangers_left_them() {
-    let zone = Law::Zone { region: Region::Disc { centre: Vec2::ZERO, radius: fx!(1) }, acceleration: Vec2::X };
-    let strange = Field { groups: 2, ..Field::from(zone) };
-    let drag = |linear, wind| Law::Drag { linear, quadratic: fx!(0.3), wind: vec2(wind, 0) };
+    let zone = FieldKind::Zone { region: Region::Disc { centre: Vec2::ZERO, radius: fx!(1) }, acceleration: Vec2::X };
+    let strange = ForceField { groups: 2, ..ForceField::from(zone) };
+    let drag = |linear, wind| FieldKind::Drag { linear, quadratic: fx!(0.3), wind: vec2(wind, 0) };
     // A stranger's field makes room after the first drag came, and the second one takes its place.
-    let play = |strangers: bool, restored: bool, drags: [Law; 2]| {
+    let play = |strangers: bool, restored: bool, drags: [FieldKind; 2]| {
         let mut world = World::new(WorldDef::default()).expect("a world");
         let body = world.add_body(BodyDef { velocity: vec2(7, -2), ..BodyDef::dynamic() }).expect("a body");
         let stranger = strangers.then(|| world.add_field(strange).expect("a field"));
@@ -629,15 +638,15 @@ fn drags_act_in_the_order_in_which_they_came_whichever_slots_strangers_left_them
 #[test]
 fn a_field_wakes_whom_it_acts_on_and_what_hangs_on_them_alone() {
     let disc = Region::Disc { centre: Vec2::ZERO, radius: fx!(1) };
-    let laws = [
-        Law::Zone { region: disc, acceleration: Vec2::X },
-        Law::Drag { linear: fx!(1), quadratic: fx!(0), wind: Vec2::X },
-        Law::Attractor { centre: End::World(Vec2::ZERO), mu: mu(fx!(1)), softening: fx!(1) },
-        Law::Custom { id: 5 },
+    let custom_forces = [
+        FieldKind::Zone { region: disc, acceleration: Vec2::X },
+        FieldKind::Drag { linear: fx!(1), quadratic: fx!(0), wind: Vec2::X },
+        FieldKind::Attractor { centre: End::World(Vec2::ZERO), mu: mu(fx!(1)), softening: fx!(1) },
+        FieldKind::Custom { id: 5 },
     ];
-    for law in laws {
+    for law in custom_forces {
         let mut world = World::new(WorldDef { sleep_after: Some(3), ..WorldDef::default() }).expect("a world");
-        world.register_law(Arc::new(Push1(5, 1))).expect("a law");
+        world.register_custom_force(Arc::new(Push1(5, 1))).expect("a law");
         let mut add = |groups, x: i32| {
             let position = vec2(Fx::from(x), 0);
             world.add_body(BodyDef { position, groups, ..BodyDef::dynamic() }).expect("a body")
@@ -655,7 +664,7 @@ fn a_field_wakes_whom_it_acts_on_and_what_hangs_on_them_alone() {
             assert_eq!(asleep(world), [true; 3], "{law:?}");
         };
         rest(&mut world);
-        let of = |groups| Field { groups, ..Field::from(law) };
+        let of = |groups| ForceField { groups, ..ForceField::from(law) };
         let field = world.add_field(of(8)).expect("a field");
         assert_eq!(asleep(&world), [true; 3], "{law:?} acts on none");
         world.set_field(field, of(4)).expect("a field");
@@ -707,7 +716,7 @@ fn no_body_sleeps_while_an_attractor_may_come_by() {
         let body = world.add_body(BodyDef { position: vec2(0, 1), ..BodyDef::dynamic() }).expect("a body");
         let comet = BodyDef { position: vec2(4_000, 0), velocity: vec2(-1_000, 0), ..BodyDef::kinematic() };
         let centre = End::Body(Attachment::centre(world.add_body(comet).expect("a body")));
-        world.add_field(Law::Attractor { centre, mu: mu(fx!(0.01)), softening: fx!(0) }).expect("a field");
+        world.add_field(FieldKind::Attractor { centre, mu: mu(fx!(0.01)), softening: fx!(0) }).expect("a field");
         (world, body)
     };
     let ((mut awake, body), (mut sleepy, _)) = (make(None), make(Some(2)));
@@ -725,7 +734,8 @@ fn no_body_sleeps_while_an_attractor_may_come_by() {
 fn a_stale_handle_is_refused_after_removal_and_after_its_slot_is_taken_again() {
     let mut world = World::new(WorldDef::default()).expect("a world");
     let first = world.add_body(BodyDef::dynamic()).expect("a body");
-    let field = world.add_field(Law::Thrust { at: Attachment::centre(first), force: vec2(1, 0) }).expect("a field");
+    let field =
+        world.add_field(FieldKind::Thrust { at: Attachment::centre(first), force: vec2(1, 0) }).expect("a field");
     world.remove_body(first).expect("it is there");
     let check = |world: &mut World| {
         let before = world.state_hash();
@@ -742,7 +752,8 @@ fn a_stale_handle_is_refused_after_removal_and_after_its_slot_is_taken_again() {
     };
     check(&mut world);
     let second = world.add_body(BodyDef::dynamic()).expect("a body");
-    let thrust = world.add_field(Law::Thrust { at: Attachment::centre(second), force: vec2(1, 0) }).expect("a field");
+    let thrust =
+        world.add_field(FieldKind::Thrust { at: Attachment::centre(second), force: vec2(1, 0) }).expect("a field");
     assert_eq!((first.parts().0, second.parts()), (second.parts().0, (0, 1)), "the slot is taken again");
     assert_eq!((field.parts().0, thrust.parts()), (thrust.parts().0, (0, 1)));
     check(&mut world);
@@ -765,7 +776,8 @@ fn the_hash_tells_histories_apart_that_lead_to_other_handles() {
     assert_eq!(next, [1, 0], "the last slot freed is taken first");
     let make = |removed: [usize; 2]| {
         let mut world = World::new(WorldDef::default()).expect("a world");
-        let zone = Law::Zone { region: Region::Disc { centre: Vec2::ZERO, radius: fx!(1) }, acceleration: Vec2::X };
+        let zone =
+            FieldKind::Zone { region: Region::Disc { centre: Vec2::ZERO, radius: fx!(1) }, acceleration: Vec2::X };
         let fields = [0, 1, 2].map(|_| world.add_field(zone).expect("a field"));
         removed.into_iter().for_each(|i| world.remove_field(fields[i]).expect("it is there"));
         world.state_hash()
@@ -775,7 +787,7 @@ fn the_hash_tells_histories_apart_that_lead_to_other_handles() {
 
 struct Push1(u64, u32);
 
-impl ForceLaw for Push1 {
+impl CustomForce for Push1 {
     fn id(&self) -> u64 {
         self.0
     }
@@ -785,8 +797,8 @@ impl ForceLaw for Push1 {
     fn depends_on(&self) -> Dependence {
         Dependence::Nothing
     }
-    fn push(&self, _: &BodyState) -> Result<Push, LawFault> {
-        Ok(Push::default())
+    fn push(&self, _: &BodyState) -> Result<ForceTorque, CustomForceError> {
+        Ok(ForceTorque::default())
     }
 }
 
@@ -795,8 +807,8 @@ fn equal_worlds_hash_alike_and_any_single_difference_shows() {
     type Change = (&'static str, fn(&mut World, BodyId, FieldId));
     const FIRST: BodyId = BodyId::from_parts(0, 0);
     const OTHER: End = End::Body(Attachment { body: FIRST, point: Vec2::ZERO });
-    const SPRING: SpringLaw<Fx> = SpringLaw { rest: fx!(1), stiffness: fx!(2), damping: fx!(0.5) };
-    fn law(world: &mut World, field: FieldId, law: Law) {
+    const SPRING: SpringConstants<Fx> = SpringConstants { rest: fx!(1), stiffness: fx!(2), damping: fx!(0.5) };
+    fn law(world: &mut World, field: FieldId, law: FieldKind) {
         world.set_field(field, law).expect("a field");
     }
     let make = |def: WorldDef, body: BodyDef| {
@@ -804,7 +816,7 @@ fn equal_worlds_hash_alike_and_any_single_difference_shows() {
         let other = world.add_body(BodyDef::dynamic()).expect("a body");
         let body = world.add_body(body).expect("a body");
         let far = End::Body(Attachment::centre(other));
-        let law = Law::Spring { near: Attachment::centre(body), far, spring: SPRING };
+        let law = FieldKind::Spring { near: Attachment::centre(body), far, spring: SPRING };
         let field = world.add_field(law).expect("a field");
         (world, body, field)
     };
@@ -830,10 +842,12 @@ fn equal_worlds_hash_alike_and_any_single_difference_shows() {
         ("velocity x", |w, b, _| w.set_velocity(b, Vec2::new(Fx::DELTA, Fx::ZERO)).unwrap()),
         ("velocity y", |w, b, _| w.set_velocity(b, Vec2::new(Fx::ZERO, Fx::DELTA)).unwrap()),
         ("spin", |w, b, _| w.set_angular_velocity(b, -Fx::DELTA).unwrap()),
-        ("mass", |w, b, _| w.set_mass(b, Mass::Of(fx!(2))).unwrap()),
+        ("mass", |w, b, _| w.set_mass(b, Mass::Kilograms(fx!(2))).unwrap()),
         ("mass by density", |w, b, _| w.set_mass(b, Mass::Density(fx!(1))).unwrap()),
-        ("mass and inertia", |w, b, _| w.set_mass(b, Mass::WithInertia(fx!(1), fx!(1))).unwrap()),
-        ("mass and another inertia", |w, b, _| w.set_mass(b, Mass::WithInertia(fx!(1), fx!(2))).unwrap()),
+        ("mass and inertia", |w, b, _| w.set_mass(b, Mass::Explicit { mass: fx!(1), inertia: fx!(1) }).unwrap()),
+        ("mass and another inertia", |w, b, _| {
+            w.set_mass(b, Mass::Explicit { mass: fx!(1), inertia: fx!(2) }).unwrap()
+        }),
         ("no shape", |w, b, _| w.set_shape(b, None).unwrap()),
         ("circle", |w, b, _| w.set_shape(b, Some(Shape::circle(fx!(2)).unwrap())).unwrap()),
         ("rectangle", |w, b, _| w.set_shape(b, Some(Shape::rectangle(fx!(1), fx!(2)).unwrap())).unwrap()),
@@ -859,23 +873,27 @@ fn equal_worlds_hash_alike_and_any_single_difference_shows() {
         ("remove_field", |w, _, f| w.remove_field(f).unwrap()),
         ("groups of a field", |w, _, f| {
             let field = *w.field(f).unwrap();
-            w.set_field(f, Field { groups: 3, ..field }).unwrap();
+            w.set_field(f, ForceField { groups: 3, ..field }).unwrap();
         }),
         ("rest", |w, b, f| {
             law(
                 w,
                 f,
-                Law::Spring { near: Attachment::centre(b), far: OTHER, spring: SpringLaw { rest: fx!(2), ..SPRING } },
+                FieldKind::Spring {
+                    near: Attachment::centre(b),
+                    far: OTHER,
+                    spring: SpringConstants { rest: fx!(2), ..SPRING },
+                },
             )
         }),
         ("stiffness", |w, b, f| {
             law(
                 w,
                 f,
-                Law::Spring {
+                FieldKind::Spring {
                     near: Attachment::centre(b),
                     far: OTHER,
-                    spring: SpringLaw { stiffness: fx!(1), ..SPRING },
+                    spring: SpringConstants { stiffness: fx!(1), ..SPRING },
                 },
             )
         }),
@@ -883,10 +901,10 @@ fn equal_worlds_hash_alike_and_any_single_difference_shows() {
             law(
                 w,
                 f,
-                Law::Spring {
+                FieldKind::Spring {
                     near: Attachment::centre(b),
                     far: OTHER,
-                    spring: SpringLaw { damping: fx!(1), ..SPRING },
+                    spring: SpringConstants { damping: fx!(1), ..SPRING },
                 },
             )
         }),
@@ -894,62 +912,88 @@ fn equal_worlds_hash_alike_and_any_single_difference_shows() {
             law(
                 w,
                 f,
-                Law::Spring { near: Attachment::centre(FIRST), far: End::Body(Attachment::centre(b)), spring: SPRING },
+                FieldKind::Spring {
+                    near: Attachment::centre(FIRST),
+                    far: End::Body(Attachment::centre(b)),
+                    spring: SPRING,
+                },
             )
         }),
         ("attachment", |w, b, f| {
-            law(w, f, Law::Spring { near: Attachment { body: b, point: Vec2::X }, far: OTHER, spring: SPRING })
+            law(w, f, FieldKind::Spring { near: Attachment { body: b, point: Vec2::X }, far: OTHER, spring: SPRING })
         }),
         ("anchor", |w, b, f| {
-            law(w, f, Law::Spring { near: Attachment::centre(b), far: End::World(Vec2::ZERO), spring: SPRING })
+            law(w, f, FieldKind::Spring { near: Attachment::centre(b), far: End::World(Vec2::ZERO), spring: SPRING })
         }),
         ("another anchor", |w, b, f| {
-            law(w, f, Law::Spring { near: Attachment::centre(b), far: End::World(Vec2::Y), spring: SPRING })
+            law(w, f, FieldKind::Spring { near: Attachment::centre(b), far: End::World(Vec2::Y), spring: SPRING })
         }),
-        ("drag", |w, _, f| law(w, f, Law::Drag { linear: fx!(1), quadratic: fx!(0), wind: Vec2::ZERO })),
-        ("quadratic drag", |w, _, f| law(w, f, Law::Drag { linear: fx!(0), quadratic: fx!(1), wind: Vec2::ZERO })),
-        ("wind", |w, _, f| law(w, f, Law::Drag { linear: fx!(1), quadratic: fx!(0), wind: Vec2::X })),
-        ("thrust", |w, b, f| law(w, f, Law::Thrust { at: Attachment::centre(b), force: Vec2::X })),
+        ("drag", |w, _, f| law(w, f, FieldKind::Drag { linear: fx!(1), quadratic: fx!(0), wind: Vec2::ZERO })),
+        ("quadratic drag", |w, _, f| {
+            law(w, f, FieldKind::Drag { linear: fx!(0), quadratic: fx!(1), wind: Vec2::ZERO })
+        }),
+        ("wind", |w, _, f| law(w, f, FieldKind::Drag { linear: fx!(1), quadratic: fx!(0), wind: Vec2::X })),
+        ("thrust", |w, b, f| law(w, f, FieldKind::Thrust { at: Attachment::centre(b), force: Vec2::X })),
         ("thrust elsewhere", |w, b, f| {
-            law(w, f, Law::Thrust { at: Attachment { body: b, point: Vec2::Y }, force: Vec2::X })
+            law(w, f, FieldKind::Thrust { at: Attachment { body: b, point: Vec2::Y }, force: Vec2::X })
         }),
-        ("more thrust", |w, b, f| law(w, f, Law::Thrust { at: Attachment::centre(b), force: vec2(2, 0) })),
+        ("more thrust", |w, b, f| law(w, f, FieldKind::Thrust { at: Attachment::centre(b), force: vec2(2, 0) })),
         ("attractor", |w, _, f| {
-            law(w, f, Law::Attractor { centre: End::World(Vec2::ZERO), mu: mu(fx!(1)), softening: fx!(0) })
+            law(w, f, FieldKind::Attractor { centre: End::World(Vec2::ZERO), mu: mu(fx!(1)), softening: fx!(0) })
         }),
         ("mu", |w, _, f| {
-            law(w, f, Law::Attractor { centre: End::World(Vec2::ZERO), mu: mu(fx!(2)), softening: fx!(0) })
+            law(w, f, FieldKind::Attractor { centre: End::World(Vec2::ZERO), mu: mu(fx!(2)), softening: fx!(0) })
         }),
         ("softening", |w, _, f| {
-            law(w, f, Law::Attractor { centre: End::World(Vec2::ZERO), mu: mu(fx!(1)), softening: fx!(1) })
+            law(w, f, FieldKind::Attractor { centre: End::World(Vec2::ZERO), mu: mu(fx!(1)), softening: fx!(1) })
         }),
         ("centre", |w, _, f| {
-            law(w, f, Law::Attractor { centre: End::World(Vec2::X), mu: mu(fx!(1)), softening: fx!(0) })
+            law(w, f, FieldKind::Attractor { centre: End::World(Vec2::X), mu: mu(fx!(1)), softening: fx!(0) })
         }),
         ("carried", |w, b, f| {
-            law(w, f, Law::Attractor { centre: End::Body(Attachment::centre(b)), mu: mu(fx!(1)), softening: fx!(0) })
+            law(
+                w,
+                f,
+                FieldKind::Attractor { centre: End::Body(Attachment::centre(b)), mu: mu(fx!(1)), softening: fx!(0) },
+            )
         }),
         ("disc", |w, _, f| {
-            law(w, f, Law::Zone { region: Region::Disc { centre: Vec2::ZERO, radius: fx!(1) }, acceleration: Vec2::X })
+            law(
+                w,
+                f,
+                FieldKind::Zone { region: Region::Disc { centre: Vec2::ZERO, radius: fx!(1) }, acceleration: Vec2::X },
+            )
         }),
         ("larger disc", |w, _, f| {
-            law(w, f, Law::Zone { region: Region::Disc { centre: Vec2::ZERO, radius: fx!(2) }, acceleration: Vec2::X })
+            law(
+                w,
+                f,
+                FieldKind::Zone { region: Region::Disc { centre: Vec2::ZERO, radius: fx!(2) }, acceleration: Vec2::X },
+            )
         }),
         ("acceleration", |w, _, f| {
-            law(w, f, Law::Zone { region: Region::Disc { centre: Vec2::ZERO, radius: fx!(1) }, acceleration: Vec2::Y })
+            law(
+                w,
+                f,
+                FieldKind::Zone { region: Region::Disc { centre: Vec2::ZERO, radius: fx!(1) }, acceleration: Vec2::Y },
+            )
         }),
         ("box", |w, _, f| {
-            law(w, f, Law::Zone { region: Region::Box { min: Vec2::ZERO, max: Vec2::X }, acceleration: Vec2::X })
+            law(w, f, FieldKind::Zone { region: Region::Box { min: Vec2::ZERO, max: Vec2::X }, acceleration: Vec2::X })
         }),
         ("larger box", |w, _, f| {
-            law(w, f, Law::Zone { region: Region::Box { min: Vec2::ZERO, max: vec2(2, 0) }, acceleration: Vec2::X })
+            law(
+                w,
+                f,
+                FieldKind::Zone { region: Region::Box { min: Vec2::ZERO, max: vec2(2, 0) }, acceleration: Vec2::X },
+            )
         }),
-        ("law", |w, _, _| w.register_law(Arc::new(Push1(1, 1))).unwrap()),
-        ("version of a law", |w, _, _| w.register_law(Arc::new(Push1(1, 2))).unwrap()),
-        ("another law", |w, _, _| w.register_law(Arc::new(Push1(2, 1))).unwrap()),
+        ("law", |w, _, _| w.register_custom_force(Arc::new(Push1(1, 1))).unwrap()),
+        ("version of a law", |w, _, _| w.register_custom_force(Arc::new(Push1(1, 2))).unwrap()),
+        ("another law", |w, _, _| w.register_custom_force(Arc::new(Push1(2, 1))).unwrap()),
         ("field of a law", |w, _, f| {
-            w.register_law(Arc::new(Push1(2, 1))).unwrap();
-            law(w, f, Law::Custom { id: 2 });
+            w.register_custom_force(Arc::new(Push1(2, 1))).unwrap();
+            law(w, f, FieldKind::Custom { id: 2 });
         }),
         ("time step", |w, _, _| w.set_time_step(TimeStep::hz(61)).unwrap()),
         ("gravity x", |w, _, _| w.set_gravity(Vec2::X).unwrap()),
@@ -1021,7 +1065,7 @@ fn a_body_asleep_and_one_about_to_be_are_told_apart() {
 /// What an outlook and the world say of a body.
 #[track_caller]
 fn assert_foreseen(world: &World, body: BodyId, ticks: u32) -> usize {
-    let mut ahead = world.look_ahead(body).expect("it is there");
+    let mut ahead = world.preview(body).expect("it is there");
     let taken = ahead.world().body_count();
     let mut world = world.clone();
     for tick in 0..ticks {
@@ -1043,7 +1087,7 @@ fn looking_ahead_with_one_body_is_its_future() {
             position: dice.vector(fx!(20)),
             velocity: dice.vector(fx!(3)),
             angular_velocity: dice.number(fx!(2)),
-            mass: Mass::WithInertia(fx!(2), fx!(0.5)),
+            mass: Mass::Explicit { mass: fx!(2), inertia: fx!(0.5) },
             groups,
             ..BodyDef::dynamic()
         };
@@ -1056,23 +1100,32 @@ fn looking_ahead_with_one_body_is_its_future() {
             let far = End::Body(Attachment::centre(pair[1]));
             spring(pair[0], vec2(fx!(0.25), fx!(-0.5)), far, fx!(2), fx!(15), fx!(0.5))
         });
-        let mut laws: Vec<Field> = links.map(Field::from).collect();
+        let mut custom_forces: Vec<ForceField> = links.map(ForceField::from).collect();
         let tied = spring(chain[5], vec2(0, 0), End::Body(Attachment::centre(anchor)), fx!(1), fx!(10), fx!(0));
-        laws.push(tied.into());
+        custom_forces.push(tied.into());
         // The chain feels a sun, which feels the other one; the strangers feel drag, and so does the chain.
-        let attractor =
-            |sun| Law::Attractor { centre: End::Body(Attachment::centre(sun)), mu: mu(fx!(50)), softening: fx!(1) };
-        laws.push(Field { law: attractor(suns[0]), groups: 2 });
-        laws.push(Field { law: attractor(suns[1]), groups: 4 });
-        laws.push(Field { law: Law::Drag { linear: fx!(0.25), quadratic: fx!(0.125), wind: vec2(1, 0) }, groups: 3 });
-        laws.push(Field { law: Law::Drag { linear: fx!(0.5), quadratic: fx!(0), wind: vec2(0, 1) }, groups: 2 });
+        let attractor = |sun| FieldKind::Attractor {
+            centre: End::Body(Attachment::centre(sun)),
+            mu: mu(fx!(50)),
+            softening: fx!(1),
+        };
+        custom_forces.push(ForceField { kind: attractor(suns[0]), groups: 2 });
+        custom_forces.push(ForceField { kind: attractor(suns[1]), groups: 4 });
+        custom_forces.push(ForceField {
+            kind: FieldKind::Drag { linear: fx!(0.25), quadratic: fx!(0.125), wind: vec2(1, 0) },
+            groups: 3,
+        });
+        custom_forces.push(ForceField {
+            kind: FieldKind::Drag { linear: fx!(0.5), quadratic: fx!(0), wind: vec2(0, 1) },
+            groups: 2,
+        });
         let at = Attachment { body: chain[0], point: vec2(0, 1) };
-        laws.push(Law::Thrust { at, force: vec2(3, 0) }.into());
+        custom_forces.push(FieldKind::Thrust { at, force: vec2(3, 0) }.into());
         // Tied to the same anchor, and no company for that: the anchor never moves.
-        laws.push(
+        custom_forces.push(
             spring(strangers[3], vec2(0, 0), End::Body(Attachment::centre(anchor)), fx!(1), fx!(2), fx!(0)).into(),
         );
-        for law in laws {
+        for law in custom_forces {
             world.add_field(law).expect("a fair field");
         }
         for _ in 0..5 {

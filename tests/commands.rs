@@ -11,8 +11,8 @@ use std::sync::Arc;
 use commands::{Author, KINDS};
 use random::SplitMix;
 use umbra_physics::{
-    BodyDef, BodyId, BodyState, Command, Dependence, Error, ForceLaw, Fx, Input, Inputs, Integrator, LawFault, Made,
-    Outcome, Push, Quantity, TimeStep, Vec2, World, WorldDef, fx, limits, vec2,
+    BodyDef, BodyId, BodyState, Command, Created, CustomForce, CustomForceError, Dependence, Error, ForceTorque, Fx,
+    Input, InputResult, Inputs, Integrator, Quantity, TimeStep, Vec2, World, WorldDef, fx, limits, vec2,
 };
 
 /// The name of a variant.
@@ -24,7 +24,7 @@ fn name(value: &impl std::fmt::Debug) -> String {
 /// A law that is registered, and pushes nothing.
 struct Idle;
 
-impl ForceLaw for Idle {
+impl CustomForce for Idle {
     fn id(&self) -> u64 {
         1
     }
@@ -37,15 +37,15 @@ impl ForceLaw for Idle {
         Dependence::Position
     }
 
-    fn push(&self, _: &BodyState) -> Result<Push, LawFault> {
-        Ok(Push::default())
+    fn push(&self, _: &BodyState) -> Result<ForceTorque, CustomForceError> {
+        Ok(ForceTorque::default())
     }
 }
 
 fn world(author: &mut Author, integrator: Integrator) -> World {
     let def = WorldDef { gravity: vec2(0, fx!(-1)), integrator, sleep_after: Some(3), ..WorldDef::default() };
     let mut world = World::new(def).expect("a fair definition");
-    world.register_law(Arc::new(Idle)).expect("the first of its id");
+    world.register_custom_force(Arc::new(Idle)).expect("the first of its id");
     if author.one_in(8) {
         // Steps of so many lengths that the elapsed time has hardly room for another.
         for rate in [9_973, 9_967, 9_949, 9_941, 9_931] {
@@ -99,8 +99,8 @@ fn checking_a_command_says_what_carrying_it_out_would_and_what_is_refused_change
                     errors.insert(name(&error));
                 }
                 Ok(made) => {
-                    assert_eq!(matches!(made, Made::Body(_)), matches!(command, Command::AddBody(_)));
-                    assert_eq!(matches!(made, Made::Field(_)), matches!(command, Command::AddField(_)));
+                    assert_eq!(matches!(made, Created::Body(_)), matches!(command, Command::AddBody(_)));
+                    assert_eq!(matches!(made, Created::ForceField(_)), matches!(command, Command::AddField(_)));
                     accepted.insert(name(&command));
                     world = copy;
                 }
@@ -220,10 +220,10 @@ fn what_is_refused_is_named_and_stops_no_other() {
     {
         inputs.insert(Input { player, sequence: 9, command }).expect("each has a place of its own");
     }
-    let outcome = |player, result| Outcome { player, sequence: 9, result };
+    let outcome = |player, result| InputResult { player, sequence: 9, result };
     let body = BodyId::from_parts(0, 0);
-    let expected = [Ok(Made::Nothing), Err(Error::NoSuchBody { body: gone }), Ok(Made::Body(body))];
-    let expected: Vec<Outcome> = (0..).zip(expected).map(|(player, result)| outcome(player, result)).collect();
+    let expected = [Ok(Created::Nothing), Err(Error::NoSuchBody { body: gone }), Ok(Created::Body(body))];
+    let expected: Vec<InputResult> = (0..).zip(expected).map(|(player, result)| outcome(player, result)).collect();
     assert_eq!(world.carry_out(&inputs), expected);
     assert_eq!(world.def().gravity, vec2(0, 1));
 }

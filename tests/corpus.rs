@@ -16,7 +16,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use umbra_physics::scene::Scene;
-use umbra_physics::{BodyDef, Command, LAW, Random, Shape, Vec2, World, WorldDef, vec2};
+use umbra_physics::{BodyDef, Command, PHYSICS_VERSION, Random, Shape, Vec2, World, WorldDef, vec2};
 
 fn folder(target: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/seeds").join(target)
@@ -123,8 +123,8 @@ fn second_encodings() -> Vec<(&'static str, &'static str, Vec<u8>)> {
     let polygon = |bytes: &[u8]| replaced(bytes, &in_bytes(&corners), &in_bytes(&clockwise));
 
     let mut world = World::new(WorldDef::default()).expect("a world");
-    for law in fuzz::author::laws() {
-        world.register_law(law).expect("its id is free");
+    for law in fuzz::author::custom_forces() {
+        world.register_custom_force(law).expect("its id is free");
     }
     let body = world.add_body(BodyDef { shape: shape.clone(), ..BodyDef::dynamic() }).expect("a body");
     world.add_body(BodyDef { shape: shape.clone(), key: 7, ..BodyDef::dynamic() }).expect("a body");
@@ -133,7 +133,7 @@ fn second_encodings() -> Vec<(&'static str, &'static str, Vec<u8>)> {
     let whole = world.snapshot().to_bytes();
     let state = &whole[16..whole.len() - 16];
     let law = |id: u64, version: u32| [&id.to_le_bytes()[..], &version.to_le_bytes()].concat();
-    let laws = replaced(state, &[law(0, 1), law(1, 3)].concat(), &[law(1, 3), law(0, 1)].concat());
+    let custom_forces = replaced(state, &[law(0, 1), law(1, 3)].concat(), &[law(1, 3), law(0, 1)].concat());
     // After the key and the data of the second body: the slot of the first one, or the shape once more.
     let key = [&7u64.to_le_bytes()[..], &[0; 8]].concat();
     let given = [&key, &[1, 3, 3, 0, 0, 0][..], &in_bytes(&corners)].concat();
@@ -142,7 +142,7 @@ fn second_encodings() -> Vec<(&'static str, &'static str, Vec<u8>)> {
     vec![
         ("replay", "second-polygon", first(7, &polygon(&command))),
         ("snapshot", "second-polygon", first(1, &polygon(state))),
-        ("snapshot", "second-laws", first(1, &laws)),
+        ("snapshot", "second-laws", first(1, &custom_forces)),
         ("snapshot", "second-shape", first(1, &shapes)),
     ]
 }
@@ -196,11 +196,11 @@ fn write_seeds() {
         }
     }
     for (target, kind, extension) in [("snapshot", "snapshot", "umbrasnp"), ("replay", "replay", "umbrarep")] {
-        let end = format!("-law{LAW}.{extension}");
+        let end = format!("-law{PHYSICS_VERSION}.{extension}");
         let files = fs::read_dir(root.join("tests/files")).expect("there are files");
         let mut paths = files.map(|file| file.expect("a file").path());
         let path = paths.find(|path| path.to_string_lossy().ends_with(&end)).expect("this law's");
         let file = fs::read(path).expect("it can be read");
-        write(target, &format!("{kind}-law{LAW}"), &[&[0], &file[..]].concat());
+        write(target, &format!("{kind}-law{PHYSICS_VERSION}"), &[&[0], &file[..]].concat());
     }
 }

@@ -2,8 +2,8 @@
 
 use umbra_physics::scalar::Factor;
 use umbra_physics::{
-    Activity, Attachment, BodyDef, BodyId, BodyKind, End, Error, Fx, FxFactor, FxWide, Integrator, Law, Locks,
-    Snapshot, SpringLaw, World, WorldDef, fx, vec2,
+    Activity, Attachment, BodyDef, BodyId, BodyKind, End, Error, FieldKind, Fx, FxFactor, FxWide, Integrator, Locks,
+    Snapshot, SpringConstants, World, WorldDef, fx, vec2,
 };
 
 fn world(integrator: Integrator) -> World {
@@ -13,9 +13,9 @@ fn world(integrator: Integrator) -> World {
 }
 
 fn join(world: &mut World, near: BodyId, far: BodyId) {
-    let spring = SpringLaw { rest: fx!(1), stiffness: fx!(20), damping: fx!(1) };
+    let spring = SpringConstants { rest: fx!(1), stiffness: fx!(20), damping: fx!(1) };
     let near = Attachment { body: near, point: vec2(fx!(0.5), 0) };
-    world.add_field(Law::Spring { near, far: End::Body(Attachment::centre(far)), spring }).expect("a field");
+    world.add_field(FieldKind::Spring { near, far: End::Body(Attachment::centre(far)), spring }).expect("a field");
 }
 
 /// All that is known of a body, in words.
@@ -78,8 +78,10 @@ fn what_is_attached_to_it_is_inert() {
             if is_there {
                 join(&mut world, body, other);
                 let centre = End::Body(Attachment::centre(other));
-                world.add_field(Law::Attractor { centre, mu, softening: fx!(1) }).expect("a field");
-                world.add_field(Law::Thrust { at: Attachment::centre(other), force: vec2(0, 9) }).expect("a field");
+                world.add_field(FieldKind::Attractor { centre, mu, softening: fx!(1) }).expect("a field");
+                world
+                    .add_field(FieldKind::Thrust { at: Attachment::centre(other), force: vec2(0, 9) })
+                    .expect("a field");
                 world.disable(other).expect("it takes part");
             }
             let mut way = Vec::new();
@@ -139,9 +141,9 @@ fn what_it_was_joined_to_wakes_when_it_goes_and_when_it_comes() {
     let [left, middle, right, stranger] =
         [-1, 0, 1, 9].map(|x| world.add_body(BodyDef { position: vec2(x, 0), ..BodyDef::dynamic() }).expect("a body"));
     for far in [left, right] {
-        let spring = SpringLaw { rest: fx!(1), stiffness: fx!(20), damping: fx!(1) };
+        let spring = SpringConstants { rest: fx!(1), stiffness: fx!(20), damping: fx!(1) };
         let near = Attachment::centre(middle);
-        world.add_field(Law::Spring { near, far: End::Body(Attachment::centre(far)), spring }).expect("a field");
+        world.add_field(FieldKind::Spring { near, far: End::Body(Attachment::centre(far)), spring }).expect("a field");
     }
     let activities = |world: &World| [left, middle, right, stranger].map(|id| world.body(id).expect("one").activity());
     let sleep = |world: &mut World| (0..12).for_each(|_| _ = world.step());
@@ -170,7 +172,7 @@ fn an_inert_attractor_lets_sleep() {
     let mu = <FxFactor as Factor<Fx>>::from_scalar(fx!(1));
     world.disable(carrier).expect("it takes part");
     let centre = End::Body(Attachment::centre(carrier));
-    world.add_field(Law::Attractor { centre, mu, softening: fx!(1) }).expect("a field");
+    world.add_field(FieldKind::Attractor { centre, mu, softening: fx!(1) }).expect("a field");
     (0..12).for_each(|_| _ = world.step());
     assert_eq!(world.body(body).expect("it is there").activity(), Activity::Asleep);
     world.enable(carrier).expect("it is disabled");
@@ -225,8 +227,12 @@ fn a_step_in_which_it_was_out_is_undone() {
         [1, 2].map(|x| world.add_body(BodyDef { velocity: vec2(x, 0), ..BodyDef::dynamic() }).expect("one"));
     join(&mut world, body, out);
     let spring = world.fields().next().expect("a spring").0;
-    let Law::Spring { near, far, spring: law } = world.field(spring).expect("a spring").law else { panic!("a spring") };
-    world.set_field(spring, Law::Spring { near, far, spring: SpringLaw { damping: fx!(0), ..law } }).expect("fair");
+    let FieldKind::Spring { near, far, spring: law } = world.field(spring).expect("a spring").kind else {
+        panic!("a spring")
+    };
+    world
+        .set_field(spring, FieldKind::Spring { near, far, spring: SpringConstants { damping: fx!(0), ..kind } })
+        .expect("fair");
     world.disable(out).expect("it takes part");
     let before = world.state_hash();
     world.step();

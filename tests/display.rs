@@ -5,8 +5,8 @@ use std::f64::consts::{PI, TAU};
 use umbra_physics::scalar::{Factor, ToF64};
 use umbra_physics::{
     Activity, Attachment, Blend, BodyClass, BodyDef, BodyId, BodyKind, Command, DebugDraw, DrawOptions, End, FieldId,
-    Fx, FxFactor, History, Inputs, Interpolation, Law, Pacer, Part, Pose, Region, Role, Scalar, Shape, Snapshot,
-    SpringLaw, TickFraction, TimeStep, Vec2, World, WorldDef, fx, vec2,
+    FieldKind, Fx, FxFactor, History, Inputs, Interpolation, Part, Pose, Region, Role, Scalar, Shape, Snapshot,
+    SpringConstants, StepClock, TickFraction, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
 fn world() -> World {
@@ -302,25 +302,25 @@ fn worlds_of_floats_are_shown_alike() {
 #[test]
 fn what_is_left_over_in_a_pause_is_shown_as_it_was_when_the_time_step_changes() {
     let (mut world, body, mut interpolation) = watched();
-    let mut pacer = Pacer::new(world.def().time_step).expect("that of a world");
-    pacer.frame(12_000_000);
-    let shown = |interpolation: &Interpolation, pacer: &Pacer| {
-        interpolation.pose(body, Blend::Extrapolated(pacer.remainder())).expect("it is there").position[0]
+    let mut step_clock = StepClock::new(world.def().time_step).expect("that of a world");
+    step_clock.frame(12_000_000);
+    let shown = |interpolation: &Interpolation, step_clock: &StepClock| {
+        interpolation.pose(body, Blend::Extrapolated(step_clock.remainder())).expect("it is there").position[0]
     };
-    let before = shown(&interpolation, &pacer);
+    let before = shown(&interpolation, &step_clock);
     assert!(near(before, now(&world, body).position[0] + 0.72));
-    pacer.set_paused(true);
+    step_clock.set_paused(true);
     world.set_time_step(TimeStep::hz(250)).expect("a fair step");
-    pacer.set_time_step(TimeStep::hz(250)).expect("a fair step");
+    step_clock.set_time_step(TimeStep::hz(250)).expect("a fair step");
     interpolation.look(&world);
     // Three ticks, which no frame asks for in a pause.
-    assert_eq!((pacer.frame(1).ticks, pacer.remainder()), (0, TickFraction { num: 3, den: 1 }));
-    assert!(near(shown(&interpolation, &pacer), before));
-    pacer.set_paused(false);
-    for _ in 0..pacer.frame(0).ticks {
+    assert_eq!((step_clock.frame(1).ticks, step_clock.remainder()), (0, TickFraction { num: 3, den: 1 }));
+    assert!(near(shown(&interpolation, &step_clock), before));
+    step_clock.set_paused(false);
+    for _ in 0..step_clock.frame(0).ticks {
         step(&mut world, &mut interpolation);
     }
-    assert!(near(shown(&interpolation, &pacer), before));
+    assert!(near(shown(&interpolation, &step_clock), before));
 }
 
 /// What was drawn, as it came.
@@ -459,28 +459,28 @@ fn fields_come_as_they_were_added_then_bodies_and_then_velocities_by_slot() {
     assert_eq!((gone.parts(), a.parts()), ((0, 0), (0, 1)));
     (0..2).for_each(|_| _ = world.step());
     let at = |body| Attachment { body, point: vec2(1, 0) };
-    let spring = SpringLaw { rest: fx!(1), stiffness: fx!(1), damping: fx!(0) };
+    let spring = SpringConstants { rest: fx!(1), stiffness: fx!(1), damping: fx!(0) };
     let mu = <FxFactor as Factor<Fx>>::from_scalar(fx!(1));
-    let attractor = |centre| Law::Attractor { centre, mu, softening: fx!(1) };
+    let attractor = |centre| FieldKind::Attractor { centre, mu, softening: fx!(1) };
     let disc = Region::Disc { centre: vec2(7, 7), radius: fx!(2) };
     let box_ = Region::Box { min: vec2(0, 0), max: vec2(4, 2) };
     let mut fields: Vec<FieldId> = Vec::new();
     for law in [
-        Law::Spring { near: at(a), far: End::World(vec2(3, 3)), spring },
+        FieldKind::Spring { near: at(a), far: End::World(vec2(3, 3)), spring },
         attractor(End::World(vec2(-3, 0))),
         attractor(End::Body(at(c))),
-        Law::Thrust { at: at(a), force: vec2(0, 5) },
-        Law::Zone { region: disc, acceleration: vec2(0, 0) },
-        Law::Zone { region: box_, acceleration: vec2(0, -3) },
-        Law::Drag { linear: fx!(1), quadratic: fx!(0), wind: vec2(0, 0) },
+        FieldKind::Thrust { at: at(a), force: vec2(0, 5) },
+        FieldKind::Zone { region: disc, acceleration: vec2(0, 0) },
+        FieldKind::Zone { region: box_, acceleration: vec2(0, -3) },
+        FieldKind::Drag { linear: fx!(1), quadratic: fx!(0), wind: vec2(0, 0) },
     ] {
-        fields.push(world.add_field(umbra_physics::Field { law, groups: 2 }).expect("a fair field"));
+        fields.push(world.add_field(umbra_physics::ForceField { kind, groups: 2 }).expect("a fair field"));
     }
     // The slot of the first field has the one that was added last.
     let first = fields.remove(0);
-    let law = world.field(first).expect("it is there").law;
+    let law = world.field(first).expect("it is there").kind;
     world.remove_field(first).expect("it is there");
-    fields.push(world.add_field(umbra_physics::Field { law, groups: 2 }).expect("a fair field"));
+    fields.push(world.add_field(umbra_physics::ForceField { kind, groups: 2 }).expect("a fair field"));
     assert_eq!((first.parts(), fields[6].parts()), ((0, 0), (0, 1)));
     // Half a turn, to see that points of bodies turn with them.
     let pose = |body: &umbra_physics::BodyRef<'_>| Pose {

@@ -2,7 +2,8 @@
 
 use umbra_physics::scalar::{Factor, ToF64};
 use umbra_physics::{
-    Attachment, BodyDef, BodyId, End, Fx, Integrator, Law, Scalar, SpringLaw, TimeStep, Vec2, World, WorldDef, fx,
+    Attachment, BodyDef, BodyId, End, FieldKind, Fx, Integrator, Scalar, SpringConstants, TimeStep, Vec2, World,
+    WorldDef, fx,
 };
 
 /// A power of two, so that the damping control is one ulp of a second's damping.
@@ -42,12 +43,14 @@ impl Scene {
         let (position, velocity) = (Vec2::new(number(from), S::ZERO), Vec2::new(S::ZERO, number(speed)));
         let body = world.add_body(BodyDef { position, velocity, ..BodyDef::dynamic() }).expect("a fair body");
         let field = match self {
-            Self::Oscillator => Law::Spring {
+            Self::Oscillator => FieldKind::Spring {
                 near: Attachment::centre(body),
                 far: origin,
-                spring: SpringLaw { rest: S::ZERO, stiffness: number(fx!(64)), damping: S::ZERO },
+                spring: SpringConstants { rest: S::ZERO, stiffness: number(fx!(64)), damping: S::ZERO },
             },
-            Self::Ellipse => Law::Attractor { centre: origin, mu: S::Factor::from_ratio(9000, 1), softening: S::ZERO },
+            Self::Ellipse => {
+                FieldKind::Attractor { centre: origin, mu: S::Factor::from_ratio(9000, 1), softening: S::ZERO }
+            }
         };
         world.add_field(field).expect("a fair field");
         (world, body)
@@ -148,7 +151,7 @@ fn worst_on_a_circle(orbits: u32) -> f64 {
     let body = world.add_body(BodyDef { position, velocity, ..BodyDef::dynamic() }).expect("a fair body");
     let mu = <Fx as Scalar>::Factor::from_ratio(100, 1);
     let centre = End::World(Vec2::ZERO);
-    world.add_field(Law::Attractor { centre, mu, softening: Fx::ZERO }).expect("a fair field");
+    world.add_field(FieldKind::Attractor { centre, mu, softening: Fx::ZERO }).expect("a fair field");
     let energy = |world: &World| {
         let body = world.body(body).expect("it is there");
         let (x, v) = (body.position_exact().map(|x| x.to_f64()), body.velocity_exact().map(|v| v.to_f64()));

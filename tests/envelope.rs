@@ -11,9 +11,10 @@ use umbra_physics::limits::{
 };
 use umbra_physics::scalar::{Accumulator, Angle, Factor};
 use umbra_physics::{
-    Action, Activity, AppliedForce, Attachment, BodyDef, BodyId, BodyKind, BodyState, Cause, Command, Dependence, End,
-    Error, Fault, Field, FieldId, ForceLaw, Frame, Fx, FxFactor, Integrator, Law, LawFault, Locks, Manner, Mass, Part,
-    Push, Quantity, Region, Shape, SpringLaw, TimeStep, Vec2, World, WorldDef, fx, vec2,
+    Activity, AppliedForce, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, BodyState, Cause, Command,
+    CustomForce, CustomForceError, Dependence, End, Error, Fault, FieldId, FieldKind, ForceField, ForceOrImpulse,
+    ForceTorque, Frame, Fx, FxFactor, Integrator, Locks, Mass, Part, Quantity, Region, Shape, SpringConstants,
+    TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
 const ULP: Fx = Fx::DELTA;
@@ -30,8 +31,8 @@ fn mu(value: Fx) -> FxFactor {
     <FxFactor as Factor<Fx>>::from_scalar(value)
 }
 
-fn spring(near: BodyId, far: End, rest: Fx, stiffness: Fx, damping: Fx) -> Law {
-    Law::Spring { near: Attachment::centre(near), far, spring: SpringLaw { rest, stiffness, damping } }
+fn spring(near: BodyId, far: End, rest: Fx, stiffness: Fx, damping: Fx) -> FieldKind {
+    FieldKind::Spring { near: Attachment::centre(near), far, spring: SpringConstants { rest, stiffness, damping } }
 }
 
 /// A world with a dynamic, a kinematic and a static body, and a field.
@@ -40,7 +41,8 @@ fn stage() -> (World, [BodyId; 3], FieldId) {
     let shape = Some(Shape::circle(fx!(1)).expect("a disc"));
     let bodies = [BodyDef { shape, ..BodyDef::dynamic() }, BodyDef::kinematic(), BodyDef::fixed()]
         .map(|def| world.add_body(def).expect("a body"));
-    let field = world.add_field(Law::Drag { linear: fx!(1), quadratic: fx!(0), wind: Vec2::ZERO }).expect("a field");
+    let field =
+        world.add_field(FieldKind::Drag { linear: fx!(1), quadratic: fx!(0), wind: Vec2::ZERO }).expect("a field");
     (world, bodies, field)
 }
 
@@ -94,37 +96,39 @@ fn each_bound_of_a_vector_is_accepted_and_one_ulp_past_it_refused() {
     try_vector(SPEED, Quantity::Velocity, |velocity, body, _| Command::SetVelocity { body, velocity });
     try_vector(SPEED, Quantity::Velocity, |velocity, _, _| body(|def| def.velocity = velocity));
     try_vector(GRAVITY, Quantity::Gravity, |gravity, _, _| Command::SetGravity(gravity));
-    let set = |id, law: Law| Command::SetField { id, field: law.into() };
-    try_vector(SPEED, Quantity::Velocity, |wind, _, id| set(id, Law::Drag { linear: fx!(1), quadratic: fx!(1), wind }));
+    let set = |id, law: FieldKind| Command::SetField { id, field: law.into() };
+    try_vector(SPEED, Quantity::Velocity, |wind, _, id| {
+        set(id, FieldKind::Drag { linear: fx!(1), quadratic: fx!(1), wind })
+    });
     try_vector(GRAVITY, Quantity::Gravity, |acceleration, _, id| {
-        set(id, Law::Zone { region: Region::Disc { centre: Vec2::ZERO, radius: fx!(1) }, acceleration })
+        set(id, FieldKind::Zone { region: Region::Disc { centre: Vec2::ZERO, radius: fx!(1) }, acceleration })
     });
     try_vector(POSITION, Quantity::Position, |centre, _, id| {
-        set(id, Law::Zone { region: Region::Disc { centre, radius: POSITION }, acceleration: Vec2::X })
+        set(id, FieldKind::Zone { region: Region::Disc { centre, radius: POSITION }, acceleration: Vec2::X })
     });
     try_vector(POSITION, Quantity::Position, |corner, _, id| {
-        set(id, Law::Zone { region: Region::Box { min: corner, max: Vec2::ZERO }, acceleration: Vec2::X })
+        set(id, FieldKind::Zone { region: Region::Box { min: corner, max: Vec2::ZERO }, acceleration: Vec2::X })
     });
     try_vector(POSITION, Quantity::Position, |corner, _, id| {
-        set(id, Law::Zone { region: Region::Box { min: Vec2::ZERO, max: corner }, acceleration: Vec2::X })
+        set(id, FieldKind::Zone { region: Region::Box { min: Vec2::ZERO, max: corner }, acceleration: Vec2::X })
     });
     try_vector(POSITION, Quantity::Position, |point, body, id| {
         set(id, spring(body, End::World(point), fx!(1), fx!(1), fx!(1)))
     });
     try_vector(POSITION, Quantity::Position, |point, _, id| {
-        set(id, Law::Attractor { centre: End::World(point), mu: mu(fx!(1)), softening: fx!(1) })
+        set(id, FieldKind::Attractor { centre: End::World(point), mu: mu(fx!(1)), softening: fx!(1) })
     });
     try_vector(SIZE_MAX, Quantity::Position, |point, body, id| {
-        set(id, Law::Thrust { at: Attachment { body, point }, force: vec2(Fx::MAX, Fx::MIN) })
+        set(id, FieldKind::Thrust { at: Attachment { body, point }, force: vec2(Fx::MAX, Fx::MIN) })
     });
     try_vector(SIZE_MAX, Quantity::Position, |point, body, id| {
         let far = End::World(Vec2::ZERO);
         set(
             id,
-            Law::Spring {
+            FieldKind::Spring {
                 near: Attachment { body, point },
                 far,
-                spring: SpringLaw { rest: fx!(1), stiffness: fx!(1), damping: fx!(1) },
+                spring: SpringConstants { rest: fx!(1), stiffness: fx!(1), damping: fx!(1) },
             },
         )
     });
@@ -132,17 +136,20 @@ fn each_bound_of_a_vector_is_accepted_and_one_ulp_past_it_refused() {
 
 #[test]
 fn each_bound_of_a_number_is_accepted_and_one_ulp_past_it_refused() {
-    let set = |id, law: Law| Command::SetField { id, field: law.into() };
+    let set = |id, law: FieldKind| Command::SetField { id, field: law.into() };
     let turning = [-ANGULAR_SPEED, ANGULAR_SPEED];
     try_scalar(turning, Quantity::AngularVelocity, |velocity, body, _| Command::SetAngularVelocity { body, velocity });
     try_scalar(turning, Quantity::AngularVelocity, |spin, _, _| body(|def| def.angular_velocity = spin));
     let masses = [MASS_MIN, MASS_MAX];
-    try_scalar(masses, Quantity::Mass, |mass, body, _| Command::SetMass { body, mass: Mass::Of(mass) });
-    try_scalar(masses, Quantity::Mass, |mass, body, _| Command::SetMass { body, mass: Mass::WithInertia(mass, ULP) });
-    try_scalar(masses, Quantity::Mass, |mass, _, _| body(|def| def.mass = Mass::Of(mass)));
+    try_scalar(masses, Quantity::Mass, |mass, body, _| Command::SetMass { body, mass: Mass::Kilograms(mass) });
+    try_scalar(masses, Quantity::Mass, |mass, body, _| Command::SetMass {
+        body,
+        mass: Mass::Explicit { mass, inertia: ULP },
+    });
+    try_scalar(masses, Quantity::Mass, |mass, _, _| body(|def| def.mass = Mass::Kilograms(mass)));
     try_scalar([ULP, Fx::MAX], Quantity::Inertia, |inertia, body, _| Command::SetMass {
         body,
-        mass: Mass::WithInertia(MASS_MIN, inertia),
+        mass: Mass::Explicit { mass: MASS_MIN, inertia },
     });
     let scales = [-GRAVITY_SCALE, GRAVITY_SCALE];
     try_scalar(scales, Quantity::GravityScale, |scale, body, _| Command::SetGravityScale { body, scale });
@@ -186,16 +193,16 @@ fn each_bound_of_a_number_is_accepted_and_one_ulp_past_it_refused() {
         set(id, spring(body, End::World(Vec2::ZERO), fx!(1), fx!(1), damping))
     });
     try_scalar([none, Fx::MAX], Quantity::Drag, |linear, _, id| {
-        set(id, Law::Drag { linear, quadratic: fx!(1), wind: Vec2::ZERO })
+        set(id, FieldKind::Drag { linear, quadratic: fx!(1), wind: Vec2::ZERO })
     });
     try_scalar([none, Fx::MAX], Quantity::Drag, |quadratic, _, id| {
-        set(id, Law::Drag { linear: fx!(1), quadratic, wind: Vec2::ZERO })
+        set(id, FieldKind::Drag { linear: fx!(1), quadratic, wind: Vec2::ZERO })
     });
     try_scalar([none, SIZE_MAX], Quantity::Softening, |softening, _, id| {
-        set(id, Law::Attractor { centre: End::World(Vec2::ZERO), mu: mu(fx!(1)), softening })
+        set(id, FieldKind::Attractor { centre: End::World(Vec2::ZERO), mu: mu(fx!(1)), softening })
     });
     try_scalar([none, POSITION], Quantity::Position, |radius, _, id| {
-        set(id, Law::Zone { region: Region::Disc { centre: Vec2::ZERO, radius }, acceleration: Vec2::X })
+        set(id, FieldKind::Zone { region: Region::Disc { centre: Vec2::ZERO, radius }, acceleration: Vec2::X })
     });
 }
 
@@ -211,7 +218,7 @@ fn mu_is_accepted_up_to_two_to_the_64_and_not_a_bit_further() {
     assert!(past > most);
     let attract = |mu| Command::SetField {
         id,
-        field: Law::Attractor { centre: End::World(Vec2::X), mu, softening: fx!(0) }.into(),
+        field: FieldKind::Attractor { centre: End::World(Vec2::X), mu, softening: fx!(0) }.into(),
     };
     expect(&mut world, &attract(most), Ok(()));
     expect(&mut world, &attract(<FxFactor as Factor<Fx>>::ZERO), Ok(()));
@@ -324,7 +331,7 @@ fn a_world_is_full_at_its_bounds() {
     drop(world);
 
     let mut world = self::world();
-    let drag = Field::from(Law::Drag { linear: fx!(1), quadratic: fx!(0), wind: Vec2::ZERO });
+    let drag = ForceField::from(FieldKind::Drag { linear: fx!(1), quadratic: fx!(0), wind: Vec2::ZERO });
     for _ in 0..FIELDS {
         world.add_field(drag).expect("there is room");
     }
@@ -336,8 +343,8 @@ fn what_a_body_cannot_take_is_refused_by_its_kind() {
     let (mut world, [ball, rail, wall], _) = stage();
     let force = |body| Command::Apply {
         body,
-        action: Action::Force { force: Vec2::X, point: None },
-        manner: Manner::default(),
+        action: ForceOrImpulse::Force { force: Vec2::X, point: None },
+        manner: ApplyOptions::default(),
     };
     expect(&mut world, &force(rail), Err(Error::NotDynamic { body: rail }));
     expect(&mut world, &force(wall), Err(Error::NotDynamic { body: wall }));
@@ -349,8 +356,8 @@ fn what_a_body_cannot_take_is_refused_by_its_kind() {
     expect(&mut world, &Command::AddField(loop_.into()), Err(Error::SameBody { body: ball }));
     let stiff = spring(rail, End::Body(Attachment::centre(wall)), fx!(1), fx!(1), fx!(1));
     expect(&mut world, &Command::AddField(stiff.into()), Err(Error::NotDynamic { body: wall }));
-    let law = Law::Custom { id: 7 };
-    expect(&mut world, &Command::AddField(law.into()), Err(Error::ForceLaw { id: 7 }));
+    let law = FieldKind::Custom { id: 7 };
+    expect(&mut world, &Command::AddField(law.into()), Err(Error::CustomForce { id: 7 }));
     let dense = Command::AddBody(BodyDef { mass: Mass::Density(fx!(1)), ..BodyDef::dynamic() });
     expect(&mut world, &dense, Err(Error::NoShape));
     expect(&mut world, &Command::SetMass { body: ball, mass: Mass::Density(Fx::ZERO) }, out_of(Quantity::Density));
@@ -358,19 +365,19 @@ fn what_a_body_cannot_take_is_refused_by_its_kind() {
     expect(&mut world, &Command::SetMass { body: ball, mass: Mass::Density(ULP) }, out_of(Quantity::Mass));
     expect(&mut world, &Command::Release(ball), Err(Error::NotQuarantined { body: ball }));
     // Nothing is too much for a single force; its torque, or an impulse, may be.
-    let far = |vector: Vec2, point| Action::Force { force: vector, point: Some(point) };
-    let apply = |action| Command::Apply { body: ball, action, manner: Manner::default() };
+    let far = |vector: Vec2, point| ForceOrImpulse::Force { force: vector, point: Some(point) };
+    let apply = |action| Command::Apply { body: ball, action, manner: ApplyOptions::default() };
     expect(&mut world, &apply(far(vec2(Fx::MAX, Fx::MIN), vec2(Fx::MIN, Fx::MAX))), Ok(()));
     // From the far corner the two parts of the moment are 1.5·2^62 N·m each.
     world.set_position(ball, vec2(POSITION, -POSITION)).unwrap();
     let both = far(vec2(Fx::MIN, Fx::MIN), vec2(Fx::MIN, Fx::MAX));
     expect(&mut world, &apply(both), out_of(Quantity::Torque));
-    let impulse = Action::Impulse { impulse: vec2(Fx::MAX, 0), point: None };
+    let impulse = ForceOrImpulse::Impulse { impulse: vec2(Fx::MAX, 0), point: None };
     expect(&mut world, &apply(impulse), out_of(Quantity::Velocity));
-    expect(&mut world, &apply(Action::AngularImpulse(Fx::MIN)), out_of(Quantity::AngularVelocity));
-    let exact = Action::Impulse { impulse: vec2(SPEED, -SPEED), point: None };
+    expect(&mut world, &apply(ForceOrImpulse::AngularImpulse(Fx::MIN)), out_of(Quantity::AngularVelocity));
+    let exact = ForceOrImpulse::Impulse { impulse: vec2(SPEED, -SPEED), point: None };
     expect(&mut world, &apply(exact), Ok(()));
-    let more = Action::Impulse { impulse: vec2(ULP, 0), point: None };
+    let more = ForceOrImpulse::Impulse { impulse: vec2(ULP, 0), point: None };
     expect(&mut world, &apply(more), out_of(Quantity::Velocity));
 }
 
@@ -384,7 +391,7 @@ fn bits(world: &World, body: BodyId) -> Bits {
 
 struct Faulty;
 
-impl ForceLaw for Faulty {
+impl CustomForce for Faulty {
     fn id(&self) -> u64 {
         99
     }
@@ -394,8 +401,12 @@ impl ForceLaw for Faulty {
     fn depends_on(&self) -> Dependence {
         Dependence::Position
     }
-    fn push(&self, body: &BodyState) -> Result<Push, LawFault> {
-        if body.key == 1 { Err(LawFault { code: 42 }) } else { Ok(Push { force: Vec2::X, torque: Fx::ONE }) }
+    fn push(&self, body: &BodyState) -> Result<ForceTorque, CustomForceError> {
+        if body.key == 1 {
+            Err(CustomForceError { code: 42 })
+        } else {
+            Ok(ForceTorque { force: Vec2::X, torque: Fx::ONE })
+        }
     }
 }
 
@@ -443,19 +454,19 @@ fn doom(integrator: Integrator, way: usize) -> (World, [BodyId; 3], Option<Cause
         }
         4 => {
             let field = world
-                .add_field(Law::Attractor {
+                .add_field(FieldKind::Attractor {
                     centre: End::World(vec2(fx!(0.5), ULP)),
                     mu: mu(fx!(2147483647)),
                     softening: fx!(0),
                 })
                 .unwrap();
-            world.set_field(field, Field { groups: 1, ..*world.field(field).unwrap() }).unwrap();
+            world.set_field(field, ForceField { groups: 1, ..*world.field(field).unwrap() }).unwrap();
             Some(Cause::Field { field })
         }
         5 => {
-            world.register_law(Arc::new(Faulty)).unwrap();
-            let field = world.add_field(Field { law: Law::Custom { id: 99 }, groups: 1 }).unwrap();
-            Some(Cause::Law { field, code: 42 })
+            world.register_custom_force(Arc::new(Faulty)).unwrap();
+            let field = world.add_field(ForceField { kind: FieldKind::Custom { id: 99 }, groups: 1 }).unwrap();
+            Some(Cause::CustomForce { field, code: 42 })
         }
         _ => {
             world.apply_force(doomed, vec2(Fx::MAX, 0)).unwrap();
@@ -542,7 +553,9 @@ fn a_body_that_no_field_reaches_is_put_back_as_well() {
 fn a_sum_of_forces_past_what_fits_is_found_in_the_step_whatever_the_order() {
     // 2^31 N at most a call and 2^63 N in all: the sum itself cannot overflow in calls that anyone makes, torques can.
     let mut world = world();
-    let body = world.add_body(BodyDef { mass: Mass::WithInertia(MASS_MAX, Fx::MAX), ..BodyDef::dynamic() }).unwrap();
+    let body = world
+        .add_body(BodyDef { mass: Mass::Explicit { mass: MASS_MAX, inertia: Fx::MAX }, ..BodyDef::dynamic() })
+        .unwrap();
     let push = |world: &mut World, sign: bool| {
         let force = if sign { vec2(0, Fx::MAX) } else { vec2(0, -Fx::MAX) };
         world.apply_force_at_point(body, force, vec2(Fx::MAX, 0)).unwrap();
@@ -561,7 +574,9 @@ fn two_bodies_of_a_spring_that_pulls_too_hard_are_both_taken_out() {
     for integrator in Integrator::ALL {
         let mut world = World::new(WorldDef { integrator, ..WorldDef::default() }).unwrap();
         let ends = [POSITION, -POSITION].map(|x| {
-            world.add_body(BodyDef { position: vec2(x, 0), mass: Mass::Of(MASS_MIN), ..BodyDef::dynamic() }).unwrap()
+            world
+                .add_body(BodyDef { position: vec2(x, 0), mass: Mass::Kilograms(MASS_MIN), ..BodyDef::dynamic() })
+                .unwrap()
         });
         world.add_field(spring(ends[0], End::Body(Attachment::centre(ends[1])), Fx::ZERO, Fx::MAX, Fx::MAX)).unwrap();
         let before = ends.map(|end| bits(&world, end));
@@ -635,9 +650,9 @@ fn shape() -> impl Strategy<Value = Option<Shape>> {
 fn mass() -> impl Strategy<Value = Mass> {
     let kilograms = || prop_oneof![Just(MASS_MIN), Just(MASS_MAX), Just(Fx::ONE), edge()];
     prop_oneof![
-        kilograms().prop_map(Mass::Of),
+        kilograms().prop_map(Mass::Kilograms),
         edge().prop_map(Mass::Density),
-        (kilograms(), edge()).prop_map(|(mass, inertia)| Mass::WithInertia(mass, inertia)),
+        (kilograms(), edge()).prop_map(|(mass, inertia)| Mass::Explicit { mass, inertia }),
     ]
 }
 
@@ -700,40 +715,39 @@ fn end() -> impl Strategy<Value = End> {
     prop_oneof![vector_within(POSITION).prop_map(End::World), attachment().prop_map(End::Body)]
 }
 
-fn law() -> impl Strategy<Value = Law> {
+fn law() -> impl Strategy<Value = FieldKind> {
     let any_mu = (any::<u64>(), 0u32..64, any::<bool>()).prop_map(|(value, by, past)| {
         let value = <FxFactor as Factor<Fx>>::from_ratio((value >> by).max(1), 1);
         if past { Factor::<Fx>::times(value, <FxFactor as Factor<Fx>>::from_ratio(1, 1 << 60)) } else { value }
     });
     prop_oneof![
-        (end(), any_mu, positive(SIZE_MAX)).prop_map(|(centre, mu, softening)| Law::Attractor {
+        (end(), any_mu, positive(SIZE_MAX)).prop_map(|(centre, mu, softening)| FieldKind::Attractor {
             centre,
             mu,
             softening
         }),
         (attachment(), end(), positive(POSITION), positive(Fx::MAX), positive(Fx::MAX)).prop_map(
             |(near, far, rest, stiffness, damping)| {
-                let spring = SpringLaw { rest, stiffness, damping };
-                Law::Spring { near, far, spring }
+                let spring = SpringConstants { rest, stiffness, damping };
+                FieldKind::Spring { near, far, spring }
             }
         ),
-        (positive(Fx::MAX), positive(Fx::MAX), vector_within(SPEED)).prop_map(|(linear, quadratic, wind)| Law::Drag {
-            linear,
-            quadratic,
-            wind
-        }),
-        (attachment(), edge_vector()).prop_map(|(at, force)| Law::Thrust { at, force }),
+        (positive(Fx::MAX), positive(Fx::MAX), vector_within(SPEED))
+            .prop_map(|(linear, quadratic, wind)| FieldKind::Drag { linear, quadratic, wind }),
+        (attachment(), edge_vector()).prop_map(|(at, force)| FieldKind::Thrust { at, force }),
         (vector_within(POSITION), positive(POSITION), vector_within(GRAVITY)).prop_map(
-            |(centre, radius, acceleration)| { Law::Zone { region: Region::Disc { centre, radius }, acceleration } }
+            |(centre, radius, acceleration)| {
+                FieldKind::Zone { region: Region::Disc { centre, radius }, acceleration }
+            }
         ),
         (vector_within(POSITION), vector_within(POSITION), vector_within(GRAVITY))
-            .prop_map(|(min, max, acceleration)| Law::Zone { region: Region::Box { min, max }, acceleration }),
-        (98u64..101).prop_map(|id| Law::Custom { id }),
+            .prop_map(|(min, max, acceleration)| FieldKind::Zone { region: Region::Box { min, max }, acceleration }),
+        (98u64..101).prop_map(|id| FieldKind::Custom { id }),
     ]
 }
 
-fn field() -> impl Strategy<Value = Field> {
-    (law(), prop_oneof![Just(u32::MAX), 0u32..4]).prop_map(|(law, groups)| Field { law, groups })
+fn field() -> impl Strategy<Value = ForceField> {
+    (law(), prop_oneof![Just(u32::MAX), 0u32..4]).prop_map(|(law, groups)| ForceField { kind, groups })
 }
 
 fn time_step() -> impl Strategy<Value = TimeStep> {
@@ -751,19 +765,20 @@ fn integrator() -> impl Strategy<Value = Integrator> {
     (0usize..5).prop_map(|i| Integrator::ALL[i])
 }
 
-fn action() -> impl Strategy<Value = Action> {
+fn action() -> impl Strategy<Value = ForceOrImpulse> {
     prop_oneof![
-        (edge_vector(), prop::option::of(edge_vector())).prop_map(|(force, point)| Action::Force { force, point }),
-        edge().prop_map(Action::Torque),
         (edge_vector(), prop::option::of(edge_vector()))
-            .prop_map(|(impulse, point)| Action::Impulse { impulse, point }),
-        edge().prop_map(Action::AngularImpulse),
+            .prop_map(|(force, point)| ForceOrImpulse::Force { force, point }),
+        edge().prop_map(ForceOrImpulse::Torque),
+        (edge_vector(), prop::option::of(edge_vector()))
+            .prop_map(|(impulse, point)| ForceOrImpulse::Impulse { impulse, point }),
+        edge().prop_map(ForceOrImpulse::AngularImpulse),
     ]
 }
 
-fn manner() -> impl Strategy<Value = Manner> {
+fn manner() -> impl Strategy<Value = ApplyOptions> {
     (any::<bool>(), any::<bool>())
-        .prop_map(|(own, wake)| Manner { frame: if own { Frame::Body } else { Frame::World }, wake })
+        .prop_map(|(own, wake)| ApplyOptions { frame: if own { Frame::Body } else { Frame::World }, wake })
 }
 
 fn command() -> impl Strategy<Value = Command> {
@@ -846,11 +861,11 @@ proptest! {
     ) {
         let def = WorldDef { time_step, integrator, gravity, linear_damping: linear, angular_damping: angular, sleep_after: Some(2) };
         if let Ok(mut world) = World::new(def) {
-            world.register_law(Arc::new(Faulty)).unwrap();
+            world.register_custom_force(Arc::new(Faulty)).unwrap();
             for body in bodies { let _ = world.add_body(body); }
             for field in fields { let _ = world.add_field(field); }
             for (body, action) in pushes {
-                let _ = world.apply(body, action, Manner::default());
+                let _ = world.apply(body, action, ApplyOptions::default());
             }
             for _ in 0..4 {
                 let faults = world.step().faults.to_vec();
@@ -866,7 +881,7 @@ proptest! {
         calls in prop::collection::vec(prop_oneof![6 => command().prop_map(Some), 1 => Just(None)], 1..60),
     ) {
         let mut world = world();
-        world.register_law(Arc::new(Faulty)).unwrap();
+        world.register_custom_force(Arc::new(Faulty)).unwrap();
         for call in calls {
             match call {
                 Some(command) => {
@@ -894,16 +909,16 @@ fn a_step_goes_back_to_the_bit_or_not_at_all() {
     let result = runner.run(&strategy, |(time_step, integrator, gravity, (bodies, fields, rough), inputs)| {
         let def = WorldDef { time_step, integrator, gravity, sleep_after: None, ..WorldDef::default() };
         let Ok(mut world) = World::new(def) else { return Ok(()) };
-        world.register_law(Arc::new(Faulty)).unwrap();
+        world.register_custom_force(Arc::new(Faulty)).unwrap();
         // Most without what has no way back, so that most steps have one.
         for body in bodies {
             let calm = BodyDef { linear_damping: None, angular_damping: None, ..body.clone() };
             let _ = world.add_body(if rough == 0 { body } else { calm });
         }
         for mut field in fields {
-            match &mut field.law {
-                Law::Drag { .. } if rough != 1 => continue,
-                Law::Spring { spring, .. } if rough != 2 => spring.damping = Fx::ZERO,
+            match &mut field.kind {
+                FieldKind::Drag { .. } if rough != 1 => continue,
+                FieldKind::Spring { spring, .. } if rough != 2 => spring.damping = Fx::ZERO,
                 _ => {}
             }
             let _ = world.add_field(field);
@@ -924,7 +939,7 @@ fn a_step_goes_back_to_the_bit_or_not_at_all() {
         };
         for _ in 0..3 {
             for (body, action) in &pushes {
-                let _ = world.apply(*body, *action, Manner::default());
+                let _ = world.apply(*body, *action, ApplyOptions::default());
             }
             let before = world.state_hash();
             let mut traced = world.clone();
@@ -963,7 +978,7 @@ fn the_corners_of_the_envelope_are_stepped_through_without_a_panic() {
                     let mut world = World::new(def).unwrap();
                     let corner = |x, y| BodyDef {
                         position: vec2(x, y),
-                        mass: Mass::WithInertia(mass, ULP),
+                        mass: Mass::Explicit { mass, inertia: ULP },
                         ..BodyDef::dynamic()
                     };
                     let fast = |v: Fx, w: Fx| BodyDef {
@@ -981,10 +996,10 @@ fn the_corners_of_the_envelope_are_stepped_through_without_a_panic() {
                     ]
                     .map(|def| world.add_body(def).unwrap());
                     let arm = |body, x| Attachment { body, point: vec2(x, -SIZE_MAX) };
-                    let spring = SpringLaw { rest: POSITION, stiffness: Fx::MAX, damping: Fx::MAX };
+                    let spring = SpringConstants { rest: POSITION, stiffness: Fx::MAX, damping: Fx::MAX };
                     for (a, b) in [(0, 1), (2, 3), (0, 4), (2, 4)] {
                         world
-                            .add_field(Law::Spring {
+                            .add_field(FieldKind::Spring {
                                 near: arm(ids[a], SIZE_MAX),
                                 far: End::Body(arm(ids[b], -SIZE_MAX)),
                                 spring,
@@ -993,13 +1008,21 @@ fn the_corners_of_the_envelope_are_stepped_through_without_a_panic() {
                     }
                     let most = <FxFactor as Factor<Fx>>::from_ratio(u64::MAX, 1);
                     world
-                        .add_field(Law::Attractor { centre: End::World(Vec2::ZERO), mu: most, softening: Fx::ZERO })
+                        .add_field(FieldKind::Attractor {
+                            centre: End::World(Vec2::ZERO),
+                            mu: most,
+                            softening: Fx::ZERO,
+                        })
                         .unwrap();
                     world
-                        .add_field(Law::Drag { linear: Fx::MAX, quadratic: Fx::MAX, wind: vec2(SPEED, SPEED) })
+                        .add_field(FieldKind::Drag { linear: Fx::MAX, quadratic: Fx::MAX, wind: vec2(SPEED, SPEED) })
                         .unwrap();
-                    world.add_field(Law::Drag { linear: Fx::ZERO, quadratic: ULP, wind: vec2(-SPEED, SPEED) }).unwrap();
-                    world.add_field(Law::Thrust { at: arm(ids[3], SIZE_MAX), force: vec2(Fx::MAX, Fx::MIN) }).unwrap();
+                    world
+                        .add_field(FieldKind::Drag { linear: Fx::ZERO, quadratic: ULP, wind: vec2(-SPEED, SPEED) })
+                        .unwrap();
+                    world
+                        .add_field(FieldKind::Thrust { at: arm(ids[3], SIZE_MAX), force: vec2(Fx::MAX, Fx::MIN) })
+                        .unwrap();
                     for _ in 0..6 {
                         let out = world.step().faults.to_vec();
                         faults += out.len();
@@ -1023,16 +1046,16 @@ mod floats {
         let shape = Some(Shape::circle(1.0).unwrap());
         let body = world.add_body(BodyDef { shape: shape.clone(), ..BodyDef::dynamic() }).unwrap();
         let rail = world.add_body(BodyDef::kinematic()).unwrap();
-        let id = world.add_field(Law::Drag { linear: 1.0, quadratic: 0.0, wind: Vec2::ZERO }).unwrap();
+        let id = world.add_field(FieldKind::Drag { linear: 1.0, quadratic: 0.0, wind: Vec2::ZERO }).unwrap();
         for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             for v in [Vec2::new(bad, 0.0), Vec2::new(0.0, bad)] {
                 let at = Attachment { body, point: v };
-                let set = |law: Law<f64>| Command::SetField { id, field: law.into() };
-                let spring = SpringLaw { rest: 1.0, stiffness: 1.0, damping: 1.0 };
+                let set = |law: FieldKind<f64>| Command::SetField { id, field: law.into() };
+                let spring = SpringConstants { rest: 1.0, stiffness: 1.0, damping: 1.0 };
                 let near = Attachment::centre(body);
                 let origin = End::World(Vec2::ZERO);
                 let disc = Region::Disc { centre: Vec2::ZERO, radius: 1.0 };
-                let own = |action| Command::Apply { body, action, manner: Manner::default() };
+                let own = |action| Command::Apply { body, action, manner: ApplyOptions::default() };
                 let add = |change: fn(&mut BodyDef<f64>, Vec2<f64>)| {
                     let mut def = BodyDef { shape: shape.clone(), ..BodyDef::dynamic() };
                     change(&mut def, v);
@@ -1045,14 +1068,14 @@ mod floats {
                     add(|def, v| def.angular_velocity = v.x + v.y),
                     add(|def, v| def.gravity_scale = v.x + v.y),
                     add(|def, v| def.linear_damping = Some(v.x + v.y)),
-                    add(|def, v| def.mass = Mass::Of(v.x + v.y)),
+                    add(|def, v| def.mass = Mass::Kilograms(v.x + v.y)),
                     Command::SetPosition { body, position: v },
                     Command::SetVelocity { body, velocity: v },
                     Command::SetAngle { body, angle: bad },
                     Command::SetAngularVelocity { body, velocity: bad },
-                    Command::SetMass { body, mass: Mass::Of(bad) },
+                    Command::SetMass { body, mass: Mass::Kilograms(bad) },
                     Command::SetMass { body, mass: Mass::Density(bad) },
-                    Command::SetMass { body, mass: Mass::WithInertia(1.0, bad) },
+                    Command::SetMass { body, mass: Mass::Explicit { mass: 1.0, inertia: bad } },
                     Command::SetGravityScale { body, scale: bad },
                     Command::SetBodyDamping { body, linear: Some(bad), angular: None },
                     Command::SetBodyDamping { body, linear: None, angular: Some(bad) },
@@ -1065,30 +1088,33 @@ mod floats {
                     Command::SetGravity(v),
                     Command::SetDamping { linear: bad, angular: 1.0 },
                     Command::SetDamping { linear: 1.0, angular: bad },
-                    own(Action::Force { force: v, point: None }),
-                    own(Action::Force { force: Vec2::X, point: Some(v) }),
-                    own(Action::Torque(bad)),
-                    own(Action::Impulse { impulse: v, point: None }),
-                    own(Action::Impulse { impulse: Vec2::X, point: Some(v) }),
-                    own(Action::AngularImpulse(bad)),
-                    set(Law::Drag { linear: bad, quadratic: 0.0, wind: Vec2::ZERO }),
-                    set(Law::Drag { linear: 0.0, quadratic: bad, wind: Vec2::ZERO }),
-                    set(Law::Drag { linear: 0.0, quadratic: 0.0, wind: v }),
-                    set(Law::Thrust { at, force: Vec2::X }),
-                    set(Law::Thrust { at: near, force: v }),
-                    set(Law::Spring { near: at, far: origin, spring }),
-                    set(Law::Spring { near, far: End::World(v), spring }),
-                    set(Law::Spring { near, far: origin, spring: SpringLaw { rest: bad, ..spring } }),
-                    set(Law::Spring { near, far: origin, spring: SpringLaw { stiffness: bad, ..spring } }),
-                    set(Law::Spring { near, far: origin, spring: SpringLaw { damping: bad, ..spring } }),
-                    set(Law::Attractor { centre: End::World(v), mu: 1.0, softening: 0.0 }),
-                    set(Law::Attractor { centre: origin, mu: bad, softening: 0.0 }),
-                    set(Law::Attractor { centre: origin, mu: 1.0, softening: bad }),
-                    set(Law::Zone { region: Region::Disc { centre: v, radius: 1.0 }, acceleration: Vec2::X }),
-                    set(Law::Zone { region: Region::Disc { centre: Vec2::ZERO, radius: bad }, acceleration: Vec2::X }),
-                    set(Law::Zone { region: Region::Box { min: v, max: Vec2::X }, acceleration: Vec2::X }),
-                    set(Law::Zone { region: Region::Box { min: Vec2::ZERO, max: v }, acceleration: Vec2::X }),
-                    set(Law::Zone { region: disc, acceleration: v }),
+                    own(ForceOrImpulse::Force { force: v, point: None }),
+                    own(ForceOrImpulse::Force { force: Vec2::X, point: Some(v) }),
+                    own(ForceOrImpulse::Torque(bad)),
+                    own(ForceOrImpulse::Impulse { impulse: v, point: None }),
+                    own(ForceOrImpulse::Impulse { impulse: Vec2::X, point: Some(v) }),
+                    own(ForceOrImpulse::AngularImpulse(bad)),
+                    set(FieldKind::Drag { linear: bad, quadratic: 0.0, wind: Vec2::ZERO }),
+                    set(FieldKind::Drag { linear: 0.0, quadratic: bad, wind: Vec2::ZERO }),
+                    set(FieldKind::Drag { linear: 0.0, quadratic: 0.0, wind: v }),
+                    set(FieldKind::Thrust { at, force: Vec2::X }),
+                    set(FieldKind::Thrust { at: near, force: v }),
+                    set(FieldKind::Spring { near: at, far: origin, spring }),
+                    set(FieldKind::Spring { near, far: End::World(v), spring }),
+                    set(FieldKind::Spring { near, far: origin, spring: SpringConstants { rest: bad, ..spring } }),
+                    set(FieldKind::Spring { near, far: origin, spring: SpringConstants { stiffness: bad, ..spring } }),
+                    set(FieldKind::Spring { near, far: origin, spring: SpringConstants { damping: bad, ..spring } }),
+                    set(FieldKind::Attractor { centre: End::World(v), mu: 1.0, softening: 0.0 }),
+                    set(FieldKind::Attractor { centre: origin, mu: bad, softening: 0.0 }),
+                    set(FieldKind::Attractor { centre: origin, mu: 1.0, softening: bad }),
+                    set(FieldKind::Zone { region: Region::Disc { centre: v, radius: 1.0 }, acceleration: Vec2::X }),
+                    set(FieldKind::Zone {
+                        region: Region::Disc { centre: Vec2::ZERO, radius: bad },
+                        acceleration: Vec2::X,
+                    }),
+                    set(FieldKind::Zone { region: Region::Box { min: v, max: Vec2::X }, acceleration: Vec2::X }),
+                    set(FieldKind::Zone { region: Region::Box { min: Vec2::ZERO, max: v }, acceleration: Vec2::X }),
+                    set(FieldKind::Zone { region: disc, acceleration: v }),
                 ] {
                     let before = world.state_hash();
                     let refused = world.execute(&command);
@@ -1106,7 +1132,7 @@ mod floats {
     fn a_float_body_that_leaves_the_envelope_is_quarantined_too() {
         for integrator in Integrator::ALL {
             let mut world = World::<f64>::new(WorldDef { integrator, ..WorldDef::default() }).unwrap();
-            let body = world.add_body(BodyDef { mass: Mass::Of(1.0 / 65_536.0), ..BodyDef::dynamic() }).unwrap();
+            let body = world.add_body(BodyDef { mass: Mass::Kilograms(1.0 / 65_536.0), ..BodyDef::dynamic() }).unwrap();
             world.apply_force(body, Vec2::new(f64::MAX, 0.0)).unwrap();
             assert_eq!(world.step().faults.len(), 1, "{integrator:?}");
             assert_eq!(world.body(body).unwrap().position(), Vec2::ZERO);
@@ -1195,7 +1221,7 @@ fn a_body_that_leaves_is_caught_at_once_however_calm_its_block_was() {
         let mut world = World::new(def).expect("a world");
         let ids: Vec<BodyId> = (0..200)
             .map(|_| {
-                let mass = Mass::WithInertia(fx!(1), fx!(1));
+                let mass = Mass::Explicit { mass: fx!(1), inertia: fx!(1) };
                 world.add_body(BodyDef { mass, ..BodyDef::dynamic() }).expect("a body")
             })
             .collect();

@@ -80,10 +80,10 @@ const GIVEN: [(u16, &str); 125] = [
     (203, "Cause::AngularVelocity"),
     (204, "Cause::Force"),
     (205, "Cause::Field"),
-    (206, "Cause::Law"),
+    (206, "Cause::CustomForce"),
     (301, "SnapshotError::Foreign"),
     (302, "SnapshotError::Format"),
-    (303, "SnapshotError::Law"),
+    (303, "SnapshotError::PhysicsVersion"),
     (304, "SnapshotError::Malformed"),
     (305, "SnapshotError::Invalid"),
     (306, "SnapshotError::ForceLaw"),
@@ -91,7 +91,7 @@ const GIVEN: [(u16, &str); 125] = [
     (320, "Malformed"),
     (401, "ReplayError::Foreign"),
     (402, "ReplayError::Format"),
-    (403, "ReplayError::Law"),
+    (403, "ReplayError::PhysicsVersion"),
     (404, "ReplayError::CutOff"),
     (405, "ReplayError::Tampered"),
     (406, "ReplayError::Malformed"),
@@ -202,7 +202,7 @@ fn every_error_has_numbers() {
     let errors = texts.iter().flat_map(|text| text.split("impl core::error::Error for ").skip(1));
     let names: Vec<&str> = errors.map(|rest| rest.split([' ', '{']).next().unwrap_or_default()).collect();
     assert!(names.len() > 15, "{names:?}");
-    // Those of `Fault` and `Failure` are their causes'; that of `SceneError` is a `Flaw`'s or the engine's; and `LawFault` is a
+    // Those of `Fault` and `Failure` are their causes'; that of `SceneError` is a `Flaw`'s or the engine's; and `CustomForceError` is a
     // user's own word, which the engine hands on as a `Cause`.
     let others = ["Fault", "Failure", "SceneError", "LawFault"];
     for name in names.iter().filter(|name| !others.contains(name)) {

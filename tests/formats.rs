@@ -16,18 +16,19 @@ use std::path::PathBuf;
 use std::sync::Once;
 use std::{env, fs};
 
-use everything::{commands, laws, recording, world};
+use everything::{commands, custom_forces, recording, world};
 use formats::{Content, Layouts, Value};
 use found::{activity, command, field, integrator, kind, locks, mass, number, random, shape, time_step, vector};
 use umbra_physics::scalar::{Accumulator, Angle};
 use umbra_physics::{
-    BodyId, Command, Field, FieldId, Fx, LAW, Mass, Replay, ReplayError, Snapshot, SnapshotError, Turn, World, WorldDef,
+    BodyId, Command, FieldId, ForceField, Fx, Mass, PHYSICS_VERSION, Replay, ReplayError, Snapshot, SnapshotError,
+    Turn, World, WorldDef,
 };
 use xxhash_rust::xxh3::xxh3_64;
 
 /// The hash of a state as the document has it.
 fn hash_of(state: &Value) -> u64 {
-    let mut hashed = LAW.to_le_bytes().to_vec();
+    let mut hashed = PHYSICS_VERSION.to_le_bytes().to_vec();
     let settings = &state["settings"];
     for field in [settings, &state["tick"]] {
         hashed.extend(field.bytes());
@@ -73,15 +74,15 @@ fn hash_of(state: &Value) -> u64 {
             "max_angular_speed",
             "locks",
         ];
-        let mut card: Vec<u8> = names.iter().flat_map(|name| body[name].bytes()).copied().collect();
+        let mut info: Vec<u8> = names.iter().flat_map(|name| body[name].bytes()).copied().collect();
         match shape_of(slots, body) {
-            None => card.push(0),
+            None => info.push(0),
             Some(shape) => {
-                card.push(1);
-                card.extend(shape.bytes());
+                info.push(1);
+                info.extend(shape.bytes());
             }
         }
-        hashed.extend(xxh3_64(&card).to_le_bytes());
+        hashed.extend(xxh3_64(&info).to_le_bytes());
     }
     for last in bodies.iter().filter_map(|body| body["last_acceleration"].option()) {
         hashed.extend(last.bytes());
@@ -97,14 +98,14 @@ fn hash_of(state: &Value) -> u64 {
         hashed.extend(applied.bytes());
     }
 
-    let errands: Vec<(u32, &Value)> = (0u32..)
+    let targets: Vec<(u32, &Value)> = (0u32..)
         .zip(state["bodies"].list())
         .filter_map(|(slot, entry)| Some((slot, entry["present"].option()?["errand"].option()?)))
         .collect();
-    hashed.extend((errands.len() as u32).to_le_bytes());
-    for (slot, errand) in errands {
+    hashed.extend((targets.len() as u32).to_le_bytes());
+    for (slot, target) in targets {
         hashed.extend(slot.to_le_bytes());
-        hashed.extend(errand.bytes());
+        hashed.extend(target.bytes());
     }
     hashed.extend(state["moved_at_tick"].bytes());
 
@@ -150,7 +151,7 @@ fn shape_of<'a>(slots: &'a [Value], body: &'a Value) -> Option<&'a Value> {
 /// The state in a snapshot, and the hash it gives.
 fn snapshot(layouts: &Layouts, file: &[u8]) -> (Value, u64) {
     assert_eq!(&file[..8], b"UMBRASNP");
-    assert_eq!((word(file, 8), word(file, 12)), (layouts.number_of("Snapshots"), LAW));
+    assert_eq!((word(file, 8), word(file, 12)), (layouts.number_of("Snapshots"), PHYSICS_VERSION));
     let end = file.len() - 16;
     let state = layouts.whole("state", &file[16..end]);
     let long = |at: usize| u64::from_le_bytes(file[at..at + 8].try_into().expect("eight"));
@@ -201,14 +202,14 @@ fn compare(state: &Value, world: &World) {
         assert_eq!(found["max_speed"].option().map(number), own.max_speed(), "{id}");
         assert_eq!(found["max_angular_speed"].option().map(number), own.max_angular_speed(), "{id}");
         assert_eq!(locks(&found["locks"]), own.locks(), "{id}");
-        let goal = found["errand"].option().and_then(|errand| errand["goal"].option());
+        let goal = found["errand"].option().and_then(|target| target["goal"].option());
         let goal = goal.map(|goal| (vector(&goal["position"]), Turn::from_bits(goal["angle"].natural())));
         assert_eq!(goal, own.goal(), "{id}");
         assert_eq!(found["groups"].natural(), u64::from(own.groups()), "{id}");
         assert_eq!(found["key"].natural(), own.key(), "{id}");
         assert_eq!(found["user_data"].natural(), own.user_data(), "{id}");
         assert_eq!(shape_of(slots, found).map(shape).as_ref(), own.shape(), "{id}");
-        if let Mass::Of(mass) | Mass::WithInertia(mass, _) = mass(&found["mass"]) {
+        if let Mass::Kilograms(mass) | Mass::Explicit { mass, inertia: _ } = mass(&found["mass"]) {
             assert!(own.mass().is_none_or(|own| own == mass), "{id}");
         }
         let (force, torque) = match found["applied"].option() {
@@ -219,16 +220,16 @@ fn compare(state: &Value, world: &World) {
         assert_eq!(force, (own_force.x, own_force.y), "{id}");
         assert_eq!(torque, own.applied_torque().expect("it fits").to_bits(), "{id}");
     }
-    let found: Vec<(FieldId, Field)> = (0u32..)
+    let found: Vec<(FieldId, ForceField)> = (0u32..)
         .zip(state["fields"].list())
         .filter_map(|(slot, entry)| {
             let id = FieldId::from_parts(slot, entry["generation"].natural() as u32);
             Some((id, field(entry["field"].option()?)))
         })
         .collect();
-    let own: Vec<(FieldId, Field)> = world.fields().map(|(id, field)| (id, *field)).collect();
+    let own: Vec<(FieldId, ForceField)> = world.fields().map(|(id, field)| (id, *field)).collect();
     assert_eq!(found, own);
-    let given: Vec<(u64, u32)> = laws().iter().map(|law| (law.id(), law.version())).collect();
+    let given: Vec<(u64, u32)> = custom_forces().iter().map(|law| (law.id(), law.version())).collect();
     let version = |law: &Value| (law["id"].natural(), law["version"].natural() as u32);
     assert_eq!(state["laws"].list().iter().map(version).collect::<Vec<_>>(), given);
 }
@@ -292,8 +293,8 @@ fn bless() {
     if env::var_os("UMBRA_BLESS").is_none_or(|value| value != "1") {
         return;
     }
-    for (name, extension, bytes, law_at) in made_now() {
-        let (format, law) = (word(&bytes, 8), word(&bytes, law_at));
+    for (name, extension, bytes, force_at) in made_now() {
+        let (format, law) = (word(&bytes, 8), word(&bytes, force_at));
         let path = folder().join(format!("{name}-format{format}-law{law}.{extension}"));
         if !path.exists() {
             fs::write(path, &bytes).expect("the file can be written");
@@ -307,9 +308,9 @@ fn word(bytes: &[u8], at: usize) -> u32 {
 
 #[test]
 fn files_of_this_format_and_law_are_there_and_made_the_same_now() {
-    for (name, extension, bytes, law_at) in made_now() {
-        let (format, law) = (word(&bytes, 8), word(&bytes, law_at));
-        assert_eq!(law, LAW);
+    for (name, extension, bytes, force_at) in made_now() {
+        let (format, law) = (word(&bytes, 8), word(&bytes, force_at));
+        assert_eq!(law, PHYSICS_VERSION);
         let all = committed(extension);
         let old =
             all.get(&(format, law)).unwrap_or_else(|| panic!("no {name} of format {format} and law {law}: bless"));
@@ -323,36 +324,39 @@ fn files_of_other_formats_and_laws_are_refused_with_both_numbers() {
     // As it will be once there is another law.
     let mut replays = committed("umbrarep");
     let mut snapshots = committed("umbrasnp");
-    let newest = snapshots[&(own_snapshots, LAW)].clone();
-    snapshots.extend([(12, LAW + 1), (8, LAW)].map(|(at, law)| {
+    let newest = snapshots[&(own_snapshots, PHYSICS_VERSION)].clone();
+    snapshots.extend([(12, PHYSICS_VERSION + 1), (8, PHYSICS_VERSION)].map(|(at, law)| {
         let mut other = newest.clone();
         other[at] += 1;
         ((u32::from(at == 8) + own_snapshots, law), other)
     }));
-    let mut newest = replays[&(own_format, LAW)].clone();
+    let mut newest = replays[&(own_format, PHYSICS_VERSION)].clone();
     newest[8] += 1;
-    replays.insert((own_format + 1, LAW), newest);
+    replays.insert((own_format + 1, PHYSICS_VERSION), newest);
     assert!(snapshots.len() >= 3 && replays.len() >= 2);
     for ((format, law), file) in &snapshots {
-        let read = Snapshot::from_bytes(file, &laws());
+        let read = Snapshot::from_bytes(file, &custom_forces());
         match read {
-            Ok(_) => assert_eq!((*format, *law), (own_snapshots, LAW)),
+            Ok(_) => assert_eq!((*format, *law), (own_snapshots, PHYSICS_VERSION)),
             Err(SnapshotError::Format { found, known }) => assert_eq!((found, known), (*format, own_snapshots)),
-            Err(SnapshotError::Law { found, own }) => assert_eq!((found, own), (*law, LAW)),
+            Err(SnapshotError::PhysicsVersion { found, own }) => assert_eq!((found, own), (*law, PHYSICS_VERSION)),
             Err(error) => panic!("format {format}, law {law}: {error}"),
         }
     }
     for ((format, law), file) in &replays {
-        match Replay::from_bytes(file, &laws()) {
+        match Replay::from_bytes(file, &custom_forces()) {
             Ok(replay) => {
-                assert_eq!((*format, *law), (own_format, LAW));
+                assert_eq!((*format, *law), (own_format, PHYSICS_VERSION));
                 assert_eq!(replay.verify(), Ok(()));
             }
             Err(ReplayError::Format { found, known }) => assert_eq!((found, known), (*format, own_format)),
-            Err(error @ ReplayError::Law { found, own }) => {
-                assert_eq!((found, own), (*law, LAW));
+            Err(error @ ReplayError::PhysicsVersion { found, own }) => {
+                assert_eq!((found, own), (*law, PHYSICS_VERSION));
                 let text = error.to_string();
-                assert!(text.contains(&format!("law {law} ")) && text.contains(&format!("law {LAW}")), "{text}");
+                assert!(
+                    text.contains(&format!("law {law} ")) && text.contains(&format!("law {PHYSICS_VERSION}")),
+                    "{text}"
+                );
             }
             Err(error) => panic!("format {format}, law {law}: {error}"),
         }
@@ -362,9 +366,9 @@ fn files_of_other_formats_and_laws_are_refused_with_both_numbers() {
 #[test]
 fn the_tables_read_a_snapshot() {
     let layouts = Layouts::documented();
-    let file = &committed("umbrasnp")[&(layouts.number_of("Snapshots"), LAW)];
+    let file = &committed("umbrasnp")[&(layouts.number_of("Snapshots"), PHYSICS_VERSION)];
     let (state, hash) = snapshot(&layouts, file);
-    let world = Snapshot::from_bytes(file, &laws()).expect("it is whole").into_world();
+    let world = Snapshot::from_bytes(file, &custom_forces()).expect("it is whole").into_world();
     compare(&state, &world);
     assert_eq!(hash, world.state_hash());
     // It has what it is to have.
@@ -375,8 +379,8 @@ fn the_tables_read_a_snapshot() {
     assert!(bodies.iter().any(|body| body["applied"].option().is_some()));
     assert!(bodies.iter().any(|body| body["locks"]["rotation"].natural() == 1 && body["locks"]["x"].natural() == 0));
     assert!(bodies.iter().any(|body| body["max_speed"].option().is_some()));
-    let errand = bodies.iter().find_map(|body| body["errand"].option()).expect("one is on its way");
-    assert!(errand["goal"].option().is_some() && errand["arrived"].natural() == 1);
+    let target = bodies.iter().find_map(|body| body["errand"].option()).expect("one is on its way");
+    assert!(target["goal"].option().is_some() && target["arrived"].natural() == 1);
     assert!(bodies.iter().any(|body| body["shape"].case() == "AsOf"));
     assert!(!state["free_slots"].list().is_empty() && !state["free_fields"].list().is_empty());
 }
@@ -384,8 +388,8 @@ fn the_tables_read_a_snapshot() {
 #[test]
 fn the_tables_read_a_replay() {
     let layouts = Layouts::documented();
-    let file = &committed("umbrarep")[&(layouts.number_of("Replays"), LAW)];
-    let replay = Replay::from_bytes(file, &laws()).expect("it is whole");
+    let file = &committed("umbrarep")[&(layouts.number_of("Replays"), PHYSICS_VERSION)];
+    let replay = Replay::from_bytes(file, &custom_forces()).expect("it is whole");
     assert_eq!(replay.verify(), Ok(()));
     let mut playback = replay.play();
     let chunks = chunks(&layouts, file);
@@ -395,7 +399,7 @@ fn the_tables_read_a_replay() {
             "HEAD" => {
                 let head = layouts.whole("head", contents);
                 assert_eq!(i, 0);
-                assert_eq!((head["law"].natural(), head["hash_every"].natural()), (u64::from(LAW), 1));
+                assert_eq!((head["law"].natural(), head["hash_every"].natural()), (u64::from(PHYSICS_VERSION), 1));
                 assert_eq!(head["tick"].natural(), replay.start().tick());
                 assert_eq!(head["snapshot_every"].natural(), 8);
             }

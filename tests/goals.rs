@@ -6,8 +6,8 @@ mod random;
 use random::SplitMix;
 use umbra_physics::scalar::{Accumulator, Angle};
 use umbra_physics::{
-    Activity, Attachment, BodyDef, BodyId, BodyKind, Cause, End, Error, Fx, Integrator, Irreversible, Law, Locks,
-    Quantity, Snapshot, SnapshotError, SpringLaw, TimeStep, Turn, Vec2, World, WorldDef, fx, limits, vec2,
+    Activity, Attachment, BodyDef, BodyId, BodyKind, Cause, End, Error, FieldKind, Fx, Integrator, Irreversible, Locks,
+    Quantity, Snapshot, SnapshotError, SpringConstants, TimeStep, Turn, Vec2, World, WorldDef, fx, limits, vec2,
 };
 
 fn world(integrator: Integrator) -> World {
@@ -46,8 +46,8 @@ fn it_arrives_to_the_bit_and_then_stands_still() {
             if is_engaged {
                 let near = Attachment { body: load, point: vec2(1, 0) };
                 let far = End::Body(Attachment { body, point: vec2(0, fx!(0.5)) });
-                let spring = SpringLaw { rest: fx!(1), stiffness: fx!(10), damping: fx!(1) };
-                world.add_field(Law::Spring { near, far, spring }).expect("a field");
+                let spring = SpringConstants { rest: fx!(1), stiffness: fx!(10), damping: fx!(1) };
+                world.add_field(FieldKind::Spring { near, far, spring }).expect("a field");
             }
             for _ in 0..60 {
                 let rate = [TimeStep::hz(60), TimeStep::ratio(1001, 60_000), TimeStep::hz(7), TimeStep::hz(10_000)];
@@ -136,9 +136,9 @@ fn dampers_feel_how_it_moves() {
         let mut world = World::new(WorldDef { sleep_after: None, ..WorldDef::default() }).expect("a world");
         let body = world.add_body(BodyDef::kinematic()).expect("a body");
         let load = world.add_body(BodyDef { position: vec2(3, 0), ..BodyDef::dynamic() }).expect("a body");
-        let spring = SpringLaw { rest: fx!(3), stiffness: fx!(0), damping: fx!(5) };
+        let spring = SpringConstants { rest: fx!(3), stiffness: fx!(0), damping: fx!(5) };
         let (near, far) = (Attachment::centre(load), End::Body(Attachment::centre(body)));
-        world.add_field(Law::Spring { near, far, spring }).expect("a field");
+        world.add_field(FieldKind::Spring { near, far, spring }).expect("a field");
         if moves {
             world.move_to(body, vec2(fx!(-0.1), 0), fx!(0)).expect("near enough");
         } else {
@@ -289,9 +289,9 @@ fn sleep_changes_nothing() {
         let mut world = World::new(WorldDef { sleep_after, ..WorldDef::default() }).expect("a world");
         let body = lift(&mut world);
         let load = world.add_body(BodyDef { position: vec2(1, 3), ..BodyDef::dynamic() }).expect("a body");
-        let spring = SpringLaw { rest: fx!(1), stiffness: fx!(400), damping: fx!(40) };
+        let spring = SpringConstants { rest: fx!(1), stiffness: fx!(400), damping: fx!(40) };
         let (near, far) = (Attachment::centre(load), End::Body(Attachment::centre(body)));
-        world.add_field(Law::Spring { near, far, spring }).expect("a field");
+        world.add_field(FieldKind::Spring { near, far, spring }).expect("a field");
         let (mut way, mut asleep) = (Vec::new(), 0);
         for tick in 0..400 {
             if [3, 4, 150, 151, 300].contains(&tick) {
@@ -399,7 +399,7 @@ fn goals_are_state() {
         let bytes = world.snapshot().to_bytes();
         let mut read = Snapshot::from_bytes(&bytes, &[]).expect("sound").into_world();
         let mut copy = world.clone();
-        let mut ahead = world.look_ahead(body).expect("it is there");
+        let mut ahead = world.preview(body).expect("it is there");
         for _ in 0..5 {
             assert_eq!(read.state_hash(), world.state_hash());
             assert_eq!(copy.state_hash(), world.state_hash());

@@ -2,12 +2,12 @@
 //! and without: `src/selftest/golden.txt` holds them, a line a scene.
 //!
 //! `UMBRA_BLESS=1 cargo test --release --features selftest --test golden` writes the file. It takes new scenes as they
-//! are; a digest that changes needs another `LAW`, and a line in the changelog. (To change a scene, take its line out.)
+//! are; a digest that changes needs another `PHYSICS_VERSION`, and a line in the changelog. (To change a scene, take its line out.)
 
 use std::path::Path;
 use std::{env, fs};
 
-use umbra_physics::LAW;
+use umbra_physics::PHYSICS_VERSION;
 use umbra_physics::scalar::wide_vectors;
 use umbra_physics::selftest::{self, Golden, Outcome, Total, golden, scenes};
 
@@ -35,13 +35,16 @@ fn every_scene_gives_its_golden_digest() {
         let old = fs::read_to_string(&file).unwrap_or_default();
         let old = Golden::parse(&old);
         let changed = changed(old, &outcomes);
-        assert!(old.law() != Some(LAW) || changed.is_empty(), "results changed, so LAW has to: {changed:#?}");
+        assert!(
+            old.physics_version() != Some(PHYSICS_VERSION) || changed.is_empty(),
+            "results changed, so PHYSICS_VERSION has to change: {changed:#?}"
+        );
         let mut text = String::new();
-        Golden::write(&mut text, LAW, outcomes, all).expect("a string takes it");
+        Golden::write(&mut text, PHYSICS_VERSION, outcomes, all).expect("a string takes it");
         fs::write(file, text).expect("the file can be written");
         return;
     }
-    assert_eq!(golden().law(), Some(LAW), "the golden digests are of another law: bless them");
+    assert_eq!(golden().physics_version(), Some(PHYSICS_VERSION), "the golden digests are of another law: bless them");
     assert_eq!(changed(golden(), &outcomes), [""; 0]);
     let listed: Vec<_> = golden().scenes().collect();
     assert_eq!(listed, outcomes, "scenes came or went: bless them");
@@ -59,7 +62,10 @@ fn a_new_law_is_in_the_changelog() {
     let changelog = fs::read_to_string(path("CHANGELOG.md")).expect("the changelog");
     let (_, results) = changelog.split_once("\n### Results changed\n").expect("a heading for changed results");
     let results = results.split("\n#").next().unwrap_or_default();
-    assert!(results.contains(&format!("\n- Law {LAW}: ")), "the changelog does not say what changed with law {LAW}");
+    assert!(
+        results.contains(&format!("\n- Law {PHYSICS_VERSION}: ")),
+        "the changelog does not say what changed with law {PHYSICS_VERSION}"
+    );
 }
 
 #[test]
@@ -69,13 +75,13 @@ fn a_list_is_read_as_it_was_written() {
     let mut text = String::new();
     Golden::write(&mut text, 77, some, all).expect("a string takes it");
     let list = Golden::parse(&text);
-    assert_eq!((list.law(), list.all()), (Some(77), Some(all)));
+    assert_eq!((list.physics_version(), list.all()), (Some(77), Some(all)));
     assert_eq!(list.scenes().collect::<Vec<_>>(), some);
     assert_eq!(list.scene("two"), Some(some[1].1));
     assert_eq!(changed(list, &[("one", all), some[1], ("three", all)]), ["one gives 0000000000000001"]);
     for broken in ["", "law", "law x\none 1", "one 3 xyz\none 3\n\n# one 3 ab", "law 99999999999"] {
         let list = Golden::parse(broken);
-        assert_eq!((list.law(), list.all(), list.scenes().count()), (None, None, 0), "{broken}");
+        assert_eq!((list.physics_version(), list.all(), list.scenes().count()), (None, None, 0), "{broken}");
     }
 }
 

@@ -13,7 +13,7 @@ const LEVELS: [&[&str]; 14] = [
     &["scalar"],
     &["limits"],
     &["math"],
-    &["wire"],
+    &["codec"],
     &["shape"],
     &["body"],
     &["force", "integrate"],

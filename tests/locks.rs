@@ -2,9 +2,9 @@
 
 use umbra_physics::scalar::{Accumulator, Angle, Factor};
 use umbra_physics::{
-    Action, Attachment, BodyDef, BodyId, BodyKind, Cause, Command, End, Error, Frame, Fx, FxFactor, Integrator, Law,
-    Locks, Manner, Mass, Quantity, Region, Snapshot, SnapshotError, SpringLaw, TimeStep, Vec2, World, WorldDef, fx,
-    limits, vec2,
+    ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, Cause, Command, End, Error, FieldKind, ForceOrImpulse, Frame,
+    Fx, FxFactor, Integrator, Locks, Mass, Quantity, Region, Snapshot, SnapshotError, SpringConstants, TimeStep, Vec2,
+    World, WorldDef, fx, limits, vec2,
 };
 
 const ALL: Locks = Locks { x: true, y: true, rotation: true };
@@ -31,21 +31,21 @@ fn under_everything(integrator: Integrator, locks: Locks) -> (World, BodyId) {
     let body = world.add_body(BodyDef {
         position: vec2(fx!(0.1), fx!(-0.2)),
         angle: fx!(0.3),
-        mass: Mass::WithInertia(fx!(2), fx!(0.7)),
+        mass: Mass::Explicit { mass: fx!(2), inertia: fx!(0.7) },
         locks,
         ..BodyDef::dynamic()
     });
     let (far, body) = (far.expect("a body"), body.expect("a body"));
     let at = Attachment { body, point: vec2(fx!(0.5), fx!(0.25)) };
-    let spring = SpringLaw { rest: fx!(1), stiffness: fx!(7), damping: fx!(2) };
+    let spring = SpringConstants { rest: fx!(1), stiffness: fx!(7), damping: fx!(2) };
     let mu = <FxFactor as Factor<Fx>>::from_scalar(fx!(5));
     let region = Region::Disc { centre: Vec2::ZERO, radius: fx!(1000) };
     for law in [
-        Law::Attractor { centre: End::World(vec2(-5, 6)), mu, softening: fx!(1) },
-        Law::Spring { near: at, far: End::Body(Attachment::centre(far)), spring },
-        Law::Drag { linear: fx!(0.5), quadratic: fx!(0.25), wind: vec2(4, -3) },
-        Law::Thrust { at, force: vec2(2, 1) },
-        Law::Zone { region, acceleration: vec2(1, 2) },
+        FieldKind::Attractor { centre: End::World(vec2(-5, 6)), mu, softening: fx!(1) },
+        FieldKind::Spring { near: at, far: End::Body(Attachment::centre(far)), spring },
+        FieldKind::Drag { linear: fx!(0.5), quadratic: fx!(0.25), wind: vec2(4, -3) },
+        FieldKind::Thrust { at, force: vec2(2, 1) },
+        FieldKind::Zone { region, acceleration: vec2(1, 2) },
     ] {
         world.add_field(law).expect("a field");
     }
@@ -55,13 +55,13 @@ fn under_everything(integrator: Integrator, locks: Locks) -> (World, BodyId) {
 fn push(world: &mut World, body: BodyId, tick: i32) {
     let (force, point) = (vec2(tick % 7 - 3, 2), Some(vec2(1, 1)));
     let actions = [
-        Action::Force { force, point },
-        Action::Torque(fx!(3)),
-        Action::Impulse { impulse: force, point },
-        Action::AngularImpulse(fx!(0.5)),
+        ForceOrImpulse::Force { force, point },
+        ForceOrImpulse::Torque(fx!(3)),
+        ForceOrImpulse::Impulse { impulse: force, point },
+        ForceOrImpulse::AngularImpulse(fx!(0.5)),
     ];
     for action in actions {
-        world.apply(body, action, Manner { frame: Frame::World, wake: true }).expect("a push");
+        world.apply(body, action, ApplyOptions { frame: Frame::World, wake: true }).expect("a push");
     }
 }
 
@@ -102,12 +102,14 @@ fn the_other_axes_move_in_the_same_bits() {
     for integrator in Integrator::ALL {
         let run = |locks| {
             let mut world = World::new(def(integrator)).expect("a world");
-            let mass = Mass::WithInertia(fx!(0.3), fx!(0.7));
+            let mass = Mass::Explicit { mass: fx!(0.3), inertia: fx!(0.7) };
             let body = world.add_body(BodyDef { mass, locks, ..BodyDef::dynamic() }).expect("a body");
             let far = world.add_body(BodyDef { position: vec2(0, 1), ..BodyDef::dynamic() }).expect("a body");
             let region = Region::Disc { centre: Vec2::ZERO, radius: fx!(1000) };
-            world.add_field(Law::Zone { region, acceleration: vec2(1, 2) }).expect("a field");
-            world.add_field(Law::Drag { linear: fx!(0.3), quadratic: fx!(0), wind: vec2(2, 5) }).expect("a field");
+            world.add_field(FieldKind::Zone { region, acceleration: vec2(1, 2) }).expect("a field");
+            world
+                .add_field(FieldKind::Drag { linear: fx!(0.3), quadratic: fx!(0), wind: vec2(2, 5) })
+                .expect("a field");
             let mut way = Vec::new();
             for tick in 0..60 {
                 world.apply_force(body, vec2(tick % 5, 3 - tick % 4)).expect("a force");
@@ -138,7 +140,7 @@ fn wind_across_a_rail_is_part_of_the_drag_along_it() {
         let mut world: World = World::new(WorldDef { sleep_after: None, ..WorldDef::default() }).expect("a world");
         let def = BodyDef { velocity: vec2(8, 0), locks, ..BodyDef::dynamic() };
         let body = world.add_body(def).expect("a body");
-        world.add_field(Law::Drag { linear: fx!(0), quadratic: fx!(1), wind }).expect("a field");
+        world.add_field(FieldKind::Drag { linear: fx!(0), quadratic: fx!(1), wind }).expect("a field");
         world.step();
         bits(&world, body)[0]
     };
@@ -223,7 +225,11 @@ fn a_lock_stops_and_its_release_lets_go() {
 #[test]
 fn what_has_no_effect_is_never_too_large() {
     let mut world: World = World::new(WorldDef::default()).expect("a world");
-    let light = BodyDef { mass: Mass::WithInertia(limits::MASS_MIN, Fx::DELTA), locks: ALL, ..BodyDef::dynamic() };
+    let light = BodyDef {
+        mass: Mass::Explicit { mass: limits::MASS_MIN, inertia: Fx::DELTA },
+        locks: ALL,
+        ..BodyDef::dynamic()
+    };
     let body = world.add_body(light).expect("a body");
     world.apply_impulse_at_point(body, Vec2::new(Fx::MAX, Fx::MAX), vec2(1, 0)).expect("without effect");
     world.apply_force_at_point(body, Vec2::new(Fx::MAX, Fx::MIN), vec2(9, 1)).expect("without effect");
@@ -238,9 +244,9 @@ fn what_has_no_effect_is_never_too_large() {
         let too_large = Err(Error::OutOfRange { quantity: Quantity::Torque });
         assert_eq!(world.apply_force_at_point(body, push, point), if locks == ALL { Ok(()) } else { too_large });
         world.clear_forces();
-        let spring = SpringLaw { rest: fx!(0), stiffness: Fx::MAX, damping: fx!(0) };
+        let spring = SpringConstants { rest: fx!(0), stiffness: Fx::MAX, damping: fx!(0) };
         let (near, end) = (Attachment { body, point: vec2(0, 4_000) }, position - vec2(4_000_000, 0));
-        let field = world.add_field(Law::Spring { near, far: End::World(end), spring }).expect("a field");
+        let field = world.add_field(FieldKind::Spring { near, far: End::World(end), spring }).expect("a field");
         let faults: Vec<Cause> = world.step().faults.iter().map(|fault| fault.cause).collect();
         assert_eq!(faults, if locks == ALL { vec![] } else { vec![Cause::Field { field }] });
     }
@@ -252,7 +258,7 @@ fn energy_is_that_of_where_a_body_is_and_how_it_moves() {
         let mut world: World = World::new(WorldDef { gravity: vec2(2, -10), ..WorldDef::default() }).expect("a world");
         let def = BodyDef {
             position: vec2(3, 7),
-            mass: Mass::Of(fx!(2)),
+            mass: Mass::Kilograms(fx!(2)),
             gravity_scale: fx!(0.5),
             locks,
             ..BodyDef::dynamic()
@@ -266,9 +272,9 @@ fn energy_is_that_of_where_a_body_is_and_how_it_moves() {
     let mut world: World = World::new(WorldDef { sleep_after: None, ..WorldDef::default() }).expect("a world");
     let locks = Locks { y: true, rotation: true, ..Locks::NONE };
     let body = world.add_body(BodyDef { position: vec2(1, 0), locks, ..BodyDef::dynamic() }).expect("a body");
-    let spring = SpringLaw { rest: fx!(0), stiffness: fx!(4), damping: fx!(0) };
+    let spring = SpringConstants { rest: fx!(0), stiffness: fx!(4), damping: fx!(0) };
     let near = Attachment { body, point: vec2(0, 1) };
-    world.add_field(Law::Spring { near, far: End::World(vec2(0, 3)), spring }).expect("a field");
+    world.add_field(FieldKind::Spring { near, far: End::World(vec2(0, 3)), spring }).expect("a field");
     let energy = |world: &World| world.energy().expect("it fits").to_bits() >> 44;
     let start = energy(&world);
     for _ in 0..600 {
@@ -285,8 +291,8 @@ fn steps_with_locks_are_undone() {
             let mut world = World::new(def).expect("a world");
             let body = world.add_body(BodyDef { locks, ..BodyDef::dynamic() }).expect("a body");
             let near = Attachment { body, point: vec2(1, fx!(0.5)) };
-            let spring = SpringLaw { rest: fx!(1), stiffness: fx!(9), damping: fx!(0) };
-            world.add_field(Law::Spring { near, far: End::World(vec2(2, 3)), spring }).expect("a field");
+            let spring = SpringConstants { rest: fx!(1), stiffness: fx!(9), damping: fx!(0) };
+            world.add_field(FieldKind::Spring { near, far: End::World(vec2(2, 3)), spring }).expect("a field");
             let mut ticks = Vec::new();
             for tick in 0..50 {
                 world.apply_force_at_point(body, vec2(tick % 3, 1), vec2(1, 1)).expect("a force");

@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use commands::Author;
 use random::SplitMix;
 use umbra_physics::{
-    Activity, BodyDef, BodyId, BodyKind, BodyRef, Cause, Command, Event, History, Inputs, Made, Snapshot, World,
+    Activity, BodyDef, BodyId, BodyKind, BodyRef, Cause, Command, Created, Event, History, Inputs, Snapshot, World,
     WorldDef, fx, vec2,
 };
 
@@ -203,9 +203,9 @@ impl Watched {
 }
 
 /// The body that a command is about.
-fn named(command: &Command, made: Made) -> Option<BodyId> {
+fn named(command: &Command, made: Created) -> Option<BodyId> {
     match (command, made) {
-        (_, Made::Body(body)) => Some(body),
+        (_, Created::Body(body)) => Some(body),
         (
             Command::RemoveBody(body)
             | Command::Apply { body, .. }
@@ -332,7 +332,7 @@ fn whatever_puts_a_world_back_counts_and_a_clone_counts_on() {
     // From bytes: nobody knows what was seen before.
     let there = Snapshot::from_bytes(&world.snapshot().to_bytes(), &[]).expect("its own bytes").into_world();
     assert_eq!((still(&there, 6), still(&there, 7)), (1, 0));
-    assert_eq!(still(there.look_ahead(wall).expect("it is there").world(), 6), 1);
+    assert_eq!(still(there.preview(wall).expect("it is there").world(), 6), 1);
 }
 
 #[test]

@@ -281,7 +281,8 @@ fn a_disc_of_a_centimetre_and_one_of_a_kilometre_keep_their_inertia() {
     for (radius, mass) in [(fx!(0.0078125), fx!(0.0000152587890625)), (fx!(1000), fx!(16000000))] {
         let mut world = World::<Fx>::new(WorldDef::default()).expect("a fair definition");
         let shape = Some(Shape::circle(radius).expect("a fair size"));
-        let body = world.add_body(BodyDef { shape, mass: Mass::Of(mass), ..BodyDef::dynamic() }).expect("a fair body");
+        let body =
+            world.add_body(BodyDef { shape, mass: Mass::Kilograms(mass), ..BodyDef::dynamic() }).expect("a fair body");
         let inertia = factor(world.body(body).expect("it is there").inertia().expect("it turns"));
         let right = ratio(1, 2) * exact(mass) * exact(radius) * exact(radius);
         assert!(bits_off(&inertia, &right) <= GYRATION, "{radius} m");

@@ -2,9 +2,9 @@
 
 use allocation_counter::{AllocationInfo, measure};
 use umbra_physics::{
-    Action, Attachment, BodyDef, BodyId, Command, End, Field, Fx, FxFactor, History, Inputs, Integrator, Law, Manner,
-    Mass, Place, RecordOptions, Recorder, Replay, ReplayError, Shape, SpringLaw, Vec2, World, WorldDef, fx,
-    scalar::Factor, vec2,
+    ApplyOptions, Attachment, BodyDef, BodyId, Command, End, FieldKind, ForceField, ForceOrImpulse, Fx, FxFactor,
+    History, Inputs, Integrator, Mass, Owner, RecordOptions, Recorder, Replay, ReplayError, Shape, SpringConstants,
+    Vec2, World, WorldDef, fx, scalar::Factor, vec2,
 };
 
 fn world(integrator: Integrator) -> World {
@@ -115,16 +115,18 @@ fn busy(integrator: Integrator) -> impl FnMut() -> AllocationInfo {
     let ids = discs(&mut world, 500);
     for pair in ids[..100].windows(2) {
         let near = Attachment { body: pair[0], point: vec2(fx!(0.25), 0) };
-        let spring = SpringLaw { rest: fx!(1), stiffness: fx!(5), damping: fx!(0.5) };
+        let spring = SpringConstants { rest: fx!(1), stiffness: fx!(5), damping: fx!(0.5) };
         let far = End::Body(Attachment::centre(pair[1]));
-        world.add_field(Law::Spring { near, far, spring }).expect("a fair field");
+        world.add_field(FieldKind::Spring { near, far, spring }).expect("a fair field");
     }
     let centre = End::Body(Attachment::centre(ids[200]));
     let mu = <FxFactor as Factor<Fx>>::from_scalar(fx!(100));
-    let drag = Law::Drag { linear: fx!(1), quadratic: fx!(0.5), wind: vec2(3, 0) };
+    let drag = FieldKind::Drag { linear: fx!(1), quadratic: fx!(0.5), wind: vec2(3, 0) };
     let at = Attachment { body: ids[300], point: vec2(0, 1) };
-    for law in [Law::Attractor { centre, mu, softening: fx!(1) }, drag, Law::Thrust { at, force: vec2(1, 0) }] {
-        world.add_field(Field { law, groups: 1 }).expect("a fair field");
+    for kind in
+        [FieldKind::Attractor { centre, mu, softening: fx!(1) }, drag, FieldKind::Thrust { at, force: vec2(1, 0) }]
+    {
+        world.add_field(ForceField { kind, groups: 1 }).expect("a fair field");
     }
     move || {
         measure(|| {
@@ -177,9 +179,9 @@ fn a_step_back_takes_nothing_from_the_heap_after_the_first() {
         world.set_damping(fx!(1), fx!(1)).expect("a fair damping");
         world.set_sleep_after(None).expect("a fair number");
         let ids = discs(&mut world, 500);
-        let spring = SpringLaw { rest: fx!(1), stiffness: fx!(5), damping: fx!(0) };
+        let spring = SpringConstants { rest: fx!(1), stiffness: fx!(5), damping: fx!(0) };
         let (near, far) = (Attachment { body: ids[0], point: vec2(fx!(0.25), 0) }, Attachment::centre(ids[1]));
-        world.add_field(Law::Spring { near, far: End::Body(far), spring }).expect("a fair field");
+        world.add_field(FieldKind::Spring { near, far: End::Body(far), spring }).expect("a fair field");
         let mut applied = Vec::new();
         for round in 0..3 {
             for id in &ids[..400] {
@@ -317,9 +319,9 @@ fn bodies_that_come_and_go_without_a_step_take_nothing_for_good() {
 fn pushes(ids: &[BodyId], tick: u64) -> impl Iterator<Item = Command> {
     let pushed = ids.iter().skip(tick as usize % 7).step_by(7);
     pushed.flat_map(|&body| {
-        let force = Action::Force { force: vec2(1, 2), point: Some(vec2(3, 4)) };
-        let impulse = Action::Impulse { impulse: vec2(fx!(0.125), 0), point: None };
-        [force, impulse].map(|action| Command::Apply { body, action, manner: Manner::default() })
+        let force = ForceOrImpulse::Force { force: vec2(1, 2), point: Some(vec2(3, 4)) };
+        let impulse = ForceOrImpulse::Impulse { impulse: vec2(fx!(0.125), 0), point: None };
+        [force, impulse].map(|action| Command::Apply { body, action, manner: ApplyOptions::default() })
     })
 }
 
@@ -329,8 +331,8 @@ fn a_history_takes_nothing_from_the_heap_once_it_is_full() {
     let ids = discs(&mut world, 300);
     for pair in ids[..40].windows(2) {
         let (near, far) = (Attachment::centre(pair[0]), End::Body(Attachment::centre(pair[1])));
-        let spring = SpringLaw { rest: fx!(1), stiffness: fx!(5), damping: fx!(0.5) };
-        world.add_field(Law::Spring { near, far, spring }).expect("a fair field");
+        let spring = SpringConstants { rest: fx!(1), stiffness: fx!(5), damping: fx!(0.5) };
+        world.add_field(FieldKind::Spring { near, far, spring }).expect("a fair field");
     }
     let mut history = History::new(12);
     let mut inputs = Inputs::new();
@@ -367,7 +369,7 @@ fn naming_a_changed_bit_takes_a_few_times_the_file() {
     file[middle] ^= 1;
     let took = measure(|| {
         let error = Replay::from_bytes(&file, &[]).expect_err("it was changed");
-        assert!(matches!(error, ReplayError::Tampered(finding) if matches!(finding.place, Place::Body(_))));
+        assert!(matches!(error, ReplayError::Tampered(finding) if matches!(finding.place, Owner::Body(_))));
     });
     let times = took.bytes_max / file.len() as u64;
     assert!(times <= 12, "{times} times {} bytes", file.len());

@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use allocation_counter::measure;
 use ggrs::{GgrsError, GgrsRequest, PlayerType, SessionBuilder};
-use umbra_physics::{BodyId, Dump, Finding, Fx, Moment, Place, World};
+use umbra_physics::{BodyId, Dump, Finding, Fx, Owner, TickPhase, World};
 
 #[path = "../examples/ggrs/adapter.rs"]
 #[allow(dead_code, reason = "the hashes of single frames are for peers")]
@@ -272,8 +272,8 @@ fn an_ulp_on_one_side_is_found_by_both_at_its_tick() {
         let (tick, found) = parted(orders);
         assert_eq!(tick, 100);
         // Nothing that was done, and no stage: one world was changed from without after the step.
-        assert_eq!((found.tick, found.moment), (99, Moment::End), "{found}");
-        assert_eq!((found.place, &found.field[..]), (Place::Body(BodyId::from_parts(0, 0)), "position.x"), "{found}");
+        assert_eq!((found.tick, found.phase), (99, TickPhase::End), "{found}");
+        assert_eq!((found.place, &found.field[..]), (Owner::Body(BodyId::from_parts(0, 0)), "position.x"), "{found}");
     }
 }
 
@@ -284,7 +284,7 @@ fn an_input_that_one_side_misses_is_found_by_both_at_the_next_tick() {
         let first = (100..).find(|tick| bot(1, missed, tick - DELAY) != Controls::default()).expect("a bot plays");
         let (tick, found) = parted(orders);
         assert_eq!(tick as u64, first + 1);
-        assert_eq!((found.tick, found.moment), (first, Moment::Calls), "{found}");
+        assert_eq!((found.tick, found.phase), (first, TickPhase::Calls), "{found}");
     }
 }
 

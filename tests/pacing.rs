@@ -3,7 +3,7 @@
 use dashu_int::UBig;
 use dashu_int::ops::Gcd as _;
 use proptest::prelude::*;
-use umbra_physics::{Due, Error, Pacer, TickFraction, TimeStep, World, WorldDef};
+use umbra_physics::{Error, StepClock, StepsDue, TickFraction, TimeStep, World, WorldDef};
 
 /// Ratios of integers of any size, never reduced.
 #[derive(Clone, Debug)]
@@ -131,13 +131,13 @@ impl Model {
     }
 
     /// Whether the pacer is where this is.
-    fn agrees(&self, pacer: &Pacer) -> bool {
-        self.given.plus(&of_ticks(pacer.remainder()).times(&seconds(self.step))) == self.total
-            && pacer.until_tick().map(UBig::from) == self.until_tick()
+    fn agrees(&self, step_clock: &StepClock) -> bool {
+        self.given.plus(&of_ticks(step_clock.remainder()).times(&seconds(self.step))) == self.total
+            && step_clock.until_tick().map(UBig::from) == self.until_tick()
     }
 }
 
-fn all_of(due: Due) -> UBig {
+fn all_of(due: StepsDue) -> UBig {
     UBig::from(due.ticks) + UBig::from(due.dropped)
 }
 
@@ -187,18 +187,18 @@ proptest! {
         limit in prop_oneof![Just(u32::MAX), 0u32..20],
         frames in prop::collection::vec(frame(), 1..60),
     ) {
-        let mut pacer = Pacer::new(step).expect("a fair step");
-        pacer.set_speed(num, den).expect("a fresh one takes any");
-        pacer.set_limit(limit);
+        let mut step_clock = StepClock::new(step).expect("a fair step");
+        step_clock.set_speed(num, den).expect("a fresh one takes any");
+        step_clock.set_limit(limit);
         let (mut total, mut ticks) = (UBig::ZERO, UBig::ZERO);
         for nanoseconds in frames {
-            let due = pacer.frame(nanoseconds);
+            let due = step_clock.frame(nanoseconds);
             total += nanoseconds;
             ticks += all_of(due);
             prop_assert!(due.ticks <= limit.max(1) && (due.dropped == 0 || due.ticks == limit.max(1)));
             let exact = Exact(&total * num, UBig::from(1_000_000_000u64) * den).over(&seconds(step));
             prop_assert_eq!(&ticks, &exact.floor());
-            prop_assert_eq!(of_ticks(pacer.remainder()), exact.minus_whole(&ticks));
+            prop_assert_eq!(of_ticks(step_clock.remainder()), exact.minus_whole(&ticks));
         }
     }
 
@@ -207,42 +207,42 @@ proptest! {
         step in time_step(),
         acts in prop::collection::vec(act(), 1..80),
     ) {
-        let (mut pacer, mut model) = (Pacer::new(step).expect("a fair step"), Model::new(step));
+        let (mut step_clock, mut model) = (StepClock::new(step).expect("a fair step"), Model::new(step));
         for act in acts {
-            let before = pacer.clone();
+            let before = step_clock.clone();
             match act {
                 Act::Frame(nanoseconds) => {
-                    let (due, limit) = (pacer.frame(nanoseconds), pacer.limit());
+                    let (due, limit) = (step_clock.frame(nanoseconds), step_clock.limit());
                     prop_assert_eq!(all_of(due), model.frame(nanoseconds));
                     prop_assert!(due.ticks <= limit && (due.dropped == 0 || due.ticks == limit));
-                    let TickFraction { num, den } = pacer.remainder();
+                    let TickFraction { num, den } = step_clock.remainder();
                     prop_assert!(num < den || model.is_paused);
                 }
                 Act::Step(step) => {
                     let expected = model.change(|model| model.step = step);
-                    prop_assert_eq!(pacer.set_time_step(step), expected);
-                    prop_assert!(expected.is_ok() || pacer == before);
+                    prop_assert_eq!(step_clock.set_time_step(step), expected);
+                    prop_assert!(expected.is_ok() || step_clock == before);
                 }
                 Act::Speed(num, den) => {
                     let expected = model.change(|model| model.speed = (num, den));
-                    prop_assert_eq!(pacer.set_speed(num, den), expected);
-                    prop_assert!(expected.is_ok() || pacer == before);
+                    prop_assert_eq!(step_clock.set_speed(num, den), expected);
+                    prop_assert!(expected.is_ok() || step_clock == before);
                 }
                 Act::Pause(is_paused) => {
-                    pacer.set_paused(is_paused);
+                    step_clock.set_paused(is_paused);
                     model.is_paused = is_paused;
                 }
                 Act::Limit(ticks) => {
-                    pacer.set_limit(ticks);
-                    prop_assert_eq!(pacer.limit(), ticks.max(1));
+                    step_clock.set_limit(ticks);
+                    prop_assert_eq!(step_clock.limit(), ticks.max(1));
                 }
                 Act::Settle => {
-                    pacer.settle();
+                    step_clock.settle();
                     model.total = model.given.clone();
                 }
             }
-            prop_assert!(model.agrees(&pacer));
-            prop_assert_eq!((pacer.time_step(), pacer.speed(), pacer.is_paused()), (model.step, model.speed, model.is_paused));
+            prop_assert!(model.agrees(&step_clock));
+            prop_assert_eq!((step_clock.time_step(), step_clock.speed(), step_clock.is_paused()), (model.step, model.speed, model.is_paused));
         }
     }
 }
@@ -258,13 +258,13 @@ fn the_ends_of_the_ranges_fit() {
     let mut widest = UBig::ZERO;
     for step in longest.into_iter().chain(shortest) {
         for speed in speeds {
-            let (mut pacer, mut model) = (Pacer::new(step).expect("a fair step"), Model::new(step));
-            pacer.set_speed(speed.0, speed.1).expect("a fresh one takes any");
+            let (mut step_clock, mut model) = (StepClock::new(step).expect("a fair step"), Model::new(step));
+            step_clock.set_speed(speed.0, speed.1).expect("a fresh one takes any");
             model.speed = speed;
             widest = widest.max(model.gain().in_lowest_terms().0);
             for nanoseconds in [u64::MAX, u64::MAX, 1, u64::MAX, 0] {
-                assert_eq!(all_of(pacer.frame(nanoseconds)), model.frame(nanoseconds), "{step:?}, {speed:?}");
-                assert!(model.agrees(&pacer), "{step:?}, {speed:?}");
+                assert_eq!(all_of(step_clock.frame(nanoseconds)), model.frame(nanoseconds), "{step:?}, {speed:?}");
+                assert!(model.agrees(&step_clock), "{step:?}, {speed:?}");
             }
         }
     }
@@ -274,110 +274,113 @@ fn the_ends_of_the_ranges_fit() {
 /// The accumulator as it is mostly written: of doubles.
 #[test]
 fn an_accumulator_of_doubles_drifts_where_the_pacer_does_not() {
-    let mut pacer = Pacer::new(TimeStep::hz(60)).expect("a fair step");
+    let mut step_clock = StepClock::new(TimeStep::hz(60)).expect("a fair step");
     let (mut ticks, mut naive, mut left) = (0u64, 0u64, 0.0f64);
     // Whole ticks of 50 ms, 20 a second: an hour.
     for _ in 0..72_000 {
-        ticks += u64::from(pacer.frame(50_000_000).ticks);
+        ticks += u64::from(step_clock.frame(50_000_000).ticks);
         left += 0.05;
         while left >= 1.0 / 60.0 {
             left -= 1.0 / 60.0;
             naive += 1;
         }
     }
-    assert_eq!((ticks, pacer.remainder()), (216_000, TickFraction::ZERO));
+    assert_eq!((ticks, step_clock.remainder()), (216_000, TickFraction::ZERO));
     assert_ne!((naive, left), (216_000, 0.0));
 }
 
 #[test]
 fn a_frame_beyond_the_limit_drops_ticks_and_no_part_of_one() {
-    let mut pacer = Pacer::new(TimeStep::hz(10)).expect("a fair step");
-    pacer.set_limit(3);
-    assert_eq!(pacer.frame(550_000_000), Due { ticks: 3, dropped: 2 });
-    assert_eq!(pacer.remainder(), TickFraction { num: 1, den: 2 });
-    assert_eq!(pacer.frame(50_000_000), Due { ticks: 1, dropped: 0 });
+    let mut step_clock = StepClock::new(TimeStep::hz(10)).expect("a fair step");
+    step_clock.set_limit(3);
+    assert_eq!(step_clock.frame(550_000_000), StepsDue { ticks: 3, dropped: 2 });
+    assert_eq!(step_clock.remainder(), TickFraction { num: 1, den: 2 });
+    assert_eq!(step_clock.frame(50_000_000), StepsDue { ticks: 1, dropped: 0 });
     // At least one.
-    pacer.set_limit(0);
-    assert_eq!(pacer.frame(200_000_000), Due { ticks: 1, dropped: 1 });
-    assert_eq!(pacer.limit(), 1);
+    step_clock.set_limit(0);
+    assert_eq!(step_clock.frame(200_000_000), StepsDue { ticks: 1, dropped: 1 });
+    assert_eq!(step_clock.limit(), 1);
 }
 
 #[test]
 fn the_limit_of_a_new_one_holds_fast_motion_with_frames_that_are_late() {
-    let mut pacer = Pacer::new(TimeStep::hz(60)).expect("a fair step");
-    pacer.set_speed(3, 1).expect("a fresh one takes any");
+    let mut step_clock = StepClock::new(TimeStep::hz(60)).expect("a fair step");
+    step_clock.set_speed(3, 1).expect("a fresh one takes any");
     let mut most = 0;
     for round in 0..10_000u64 {
         // On time, or by anything up to a third late.
-        let due = pacer.frame(33_333_334 + round * round * 7_919 % 11_111_111);
+        let due = step_clock.frame(33_333_334 + round * round * 7_919 % 11_111_111);
         assert_eq!(due.dropped, 0, "round {round}");
         most = most.max(due.ticks);
     }
-    assert_eq!(most, Pacer::LIMIT);
+    assert_eq!(most, StepClock::LIMIT);
 }
 
 #[test]
 fn a_pause_takes_in_nothing_and_keeps_what_is_left_over() {
-    let mut pacer = Pacer::new(TimeStep::hz(10)).expect("a fair step");
-    pacer.frame(70_000_000);
-    pacer.set_paused(true);
-    assert_eq!(pacer.frame(u64::MAX), Due::default());
+    let mut step_clock = StepClock::new(TimeStep::hz(10)).expect("a fair step");
+    step_clock.frame(70_000_000);
+    step_clock.set_paused(true);
+    assert_eq!(step_clock.frame(u64::MAX), StepsDue::default());
     // Three new ticks and a half are left over, which no frame asks for in a pause.
-    pacer.set_time_step(TimeStep::hz(50)).expect("a fair step");
-    assert_eq!((pacer.frame(1), pacer.remainder()), (Due::default(), TickFraction { num: 7, den: 2 }));
-    assert_eq!(pacer.until_tick(), None);
-    pacer.set_paused(false);
-    assert_eq!(pacer.until_tick(), Some(0));
-    assert_eq!((pacer.frame(0).ticks, pacer.remainder()), (3, TickFraction { num: 1, den: 2 }));
-    pacer.settle();
-    assert_eq!((pacer.remainder(), pacer.time_step(), pacer.speed()), (TickFraction::ZERO, TimeStep::hz(50), (1, 1)));
+    step_clock.set_time_step(TimeStep::hz(50)).expect("a fair step");
+    assert_eq!((step_clock.frame(1), step_clock.remainder()), (StepsDue::default(), TickFraction { num: 7, den: 2 }));
+    assert_eq!(step_clock.until_tick(), None);
+    step_clock.set_paused(false);
+    assert_eq!(step_clock.until_tick(), Some(0));
+    assert_eq!((step_clock.frame(0).ticks, step_clock.remainder()), (3, TickFraction { num: 1, den: 2 }));
+    step_clock.settle();
+    assert_eq!(
+        (step_clock.remainder(), step_clock.time_step(), step_clock.speed()),
+        (TickFraction::ZERO, TimeStep::hz(50), (1, 1))
+    );
 }
 
 #[test]
 fn what_cannot_be_exact_is_refused_and_settling_makes_room() {
-    assert_eq!(Pacer::new(TimeStep::hz(10_001)), Err(Error::TimeStep));
-    let mut pacer = Pacer::new(TimeStep::hz(60)).expect("a fair step");
-    assert_eq!(pacer.set_time_step(TimeStep::hz(0)), Err(Error::TimeStep));
-    assert_eq!(pacer.set_speed(1, 0), Err(Error::ElapsedTime));
+    assert_eq!(StepClock::new(TimeStep::hz(10_001)), Err(Error::TimeStep));
+    let mut step_clock = StepClock::new(TimeStep::hz(60)).expect("a fair step");
+    assert_eq!(step_clock.set_time_step(TimeStep::hz(0)), Err(Error::TimeStep));
+    assert_eq!(step_clock.set_speed(1, 0), Err(Error::ElapsedTime));
     // Primes: what is left over has all of them in its denominator.
     let primes = [4_294_967_291, 4_294_967_279, 4_294_967_231, 4_294_967_197];
     let refused = primes.into_iter().position(|prime| {
-        let before = pacer.clone();
-        let is_refused = pacer.set_speed(1, prime) == Err(Error::ElapsedTime);
-        assert!(!is_refused || pacer == before);
-        pacer.frame(1);
+        let before = step_clock.clone();
+        let is_refused = step_clock.set_speed(1, prime) == Err(Error::ElapsedTime);
+        assert!(!is_refused || step_clock == before);
+        step_clock.frame(1);
         is_refused
     });
     assert_eq!(refused, Some(2));
-    pacer.settle();
-    assert_eq!(pacer.set_speed(1, primes[2]), Ok(()));
+    step_clock.settle();
+    assert_eq!(step_clock.set_speed(1, primes[2]), Ok(()));
     // A ramp over one denominator never comes to that.
-    let mut pacer = Pacer::new(TimeStep::hz(60)).expect("a fair step");
+    let mut step_clock = StepClock::new(TimeStep::hz(60)).expect("a fair step");
     for round in 0..10_000u32 {
-        pacer.set_speed(round % 1_000, 1_000).expect("it has that denominator already");
-        pacer.frame(u64::from(round) * 7_919);
+        step_clock.set_speed(round % 1_000, 1_000).expect("it has that denominator already");
+        step_clock.frame(u64::from(round) * 7_919);
     }
 }
 
 #[test]
 fn the_time_of_a_paced_world_and_what_is_left_over_are_all_the_time_there_was() {
     let mut world: World = World::new(WorldDef::default()).expect("a fair definition");
-    let mut pacer = Pacer::new(world.def().time_step).expect("that of a world");
+    let mut step_clock = StepClock::new(world.def().time_step).expect("that of a world");
     let steps = [TimeStep::hz(60), TimeStep::ratio(1001, 60_000), TimeStep::hz(50), TimeStep::hz(144)];
     let mut total = UBig::ZERO;
     for round in 0..2_000u64 {
         let nanoseconds = round * round * 97 % 60_000_000;
         total += nanoseconds;
-        let due = pacer.frame(nanoseconds);
+        let due = step_clock.frame(nanoseconds);
         assert_eq!(due.dropped, 0);
         (0..due.ticks).for_each(|_| _ = world.step());
         let (elapsed, step) = (world.elapsed(), world.def().time_step);
-        let now = Exact::new(elapsed.num, elapsed.den).plus(&of_ticks(pacer.remainder()).times(&seconds(step)));
+        let now = Exact::new(elapsed.num, elapsed.den).plus(&of_ticks(step_clock.remainder()).times(&seconds(step)));
         assert!(now == Exact::new(total.clone(), 1_000_000_000u64), "round {round}");
         if round % 100 == 99 {
             let step = steps[(round / 100) as usize % steps.len()];
             world.set_time_step(step).expect("a fair step");
-            pacer.set_time_step(step).expect("a fair step");
+            step_clock.set_time_step(step).expect("a fair step");
         }
     }
     assert!(world.tick() > 3_000);

@@ -4,8 +4,8 @@
 
 use umbra_physics::scalar::wide_vectors;
 use umbra_physics::{
-    Attachment, BodyDef, BodyId, End, Field, Fx, Integrator, Law, Mass, Region, SpringLaw, TimeStep, Vec2, World,
-    WorldDef, fx, step_all, vec2,
+    Attachment, BodyDef, BodyId, End, FieldKind, ForceField, Fx, Integrator, Mass, Region, SpringConstants, TimeStep,
+    Vec2, World, WorldDef, fx, step_all, vec2,
 };
 
 #[path = "support/inputs.rs"]
@@ -40,7 +40,7 @@ fn bodies() -> impl Iterator<Item = BodyDef> {
         velocity: Vec2::new(number(&mut random, 38), number(&mut random, 38)),
         angular_velocity: if i % 3 == 0 { fx!(0) } else { number(&mut random, 36) },
         angle: number(&mut random, 34),
-        mass: Mass::WithInertia(fx!(2), fx!(0.5)),
+        mass: Mass::Explicit { mass: fx!(2), inertia: fx!(0.5) },
         ..BodyDef::dynamic()
     })
 }
@@ -102,8 +102,8 @@ fn a_field_that_acts_on_nobody_changes_nothing() {
     let zone = |world: &mut World, i: usize| {
         if i == 0 {
             let region = Region::Disc { centre: vec2(0, 0), radius: fx!(1000) };
-            let law = Law::Zone { region, acceleration: vec2(1, 1) };
-            world.add_field(Field { law, groups: 0 }).expect("a fair field");
+            let law = FieldKind::Zone { region, acceleration: vec2(1, 1) };
+            world.add_field(ForceField { kind, groups: 0 }).expect("a fair field");
         }
     };
     same("stage by stage", zone, |_, _| {});
@@ -115,8 +115,8 @@ fn a_spring_in_the_same_block_changes_nothing() {
         if i % 100 == 50 {
             let near = world.add_body(BodyDef::dynamic()).expect("a fair body");
             let far = End::World(vec2(1, 2));
-            let spring = SpringLaw { rest: fx!(1), stiffness: fx!(10), damping: fx!(0.25) };
-            world.add_field(Law::Spring { near: Attachment::centre(near), far, spring }).expect("a fair field");
+            let spring = SpringConstants { rest: fx!(1), stiffness: fx!(10), damping: fx!(0.25) };
+            world.add_field(FieldKind::Spring { near: Attachment::centre(near), far, spring }).expect("a fair field");
         }
     };
     same("some blocks stage by stage", spring, |_, _| {});
@@ -177,9 +177,11 @@ fn next_to_the_envelope_and_to_half_of_it_every_way_is_the_same() {
             plain.add_body(body).expect("a fair body");
         }
         let mut staged = plain.clone();
-        let law =
-            Law::Zone { region: Region::Disc { centre: vec2(0, 0), radius: fx!(1000) }, acceleration: vec2(1, 1) };
-        staged.add_field(Field { law, groups: 0 }).expect("a fair field");
+        let law = FieldKind::Zone {
+            region: Region::Disc { centre: vec2(0, 0), radius: fx!(1000) },
+            acceleration: vec2(1, 1),
+        };
+        staged.add_field(ForceField { kind, groups: 0 }).expect("a fair field");
         let ids: Vec<BodyId> = plain.bodies().map(|body| body.id()).collect();
         for tick in 0..10 {
             plain.step();

@@ -132,7 +132,7 @@ fn the_terms_of_bodies_sum_to_the_totals() {
             velocity: if moves { vector(&mut random, 8) } else { Vec2::ZERO },
             angular_velocity: if moves { number(&mut random, 8) } else { Fx::ZERO },
             shape: (case % 3 == 0).then(|| Shape::circle(fx!(0.5)).expect("a circle")),
-            mass: Mass::Of(Fx::from_bits(random.between(1 << 16, 1 << 40))),
+            mass: Mass::Kilograms(Fx::from_bits(random.between(1 << 16, 1 << 40))),
             ..BodyDef::dynamic()
         };
         world.add_body(def).expect("a body");
@@ -163,7 +163,8 @@ fn the_terms_of_bodies_sum_to_the_totals() {
 #[test]
 fn a_term_that_does_not_fit_is_refused() {
     let mut world: World = World::new(WorldDef::default()).expect("a world");
-    let def = BodyDef { velocity: vec2(1 << 20, 1 << 20), mass: Mass::Of(limits::MASS_MAX), ..BodyDef::dynamic() };
+    let def =
+        BodyDef { velocity: vec2(1 << 20, 1 << 20), mass: Mass::Kilograms(limits::MASS_MAX), ..BodyDef::dynamic() };
     let body = world.add_body(def).expect("a body");
     let out = Err(Error::OutOfRange { quantity: Quantity::Total });
     assert_eq!(world.body(body).expect("it is there").kinetic_energy(), out);
@@ -176,20 +177,20 @@ fn masses_are_read_as_they_were_given() {
     let mut world: World = World::new(WorldDef::default()).expect("a world");
     let disc = Some(Shape::circle(fx!(0.3)).expect("a circle"));
     let given = [
-        Mass::Of(fx!(0.1)),
-        Mass::WithInertia(fx!(0.3), fx!(0.7)),
+        Mass::Kilograms(fx!(0.1)),
+        Mass::Explicit { mass: fx!(0.3), inertia: fx!(0.7) },
         Mass::Density(fx!(2.7)),
-        Mass::WithInertia(limits::MASS_MIN, Fx::DELTA),
+        Mass::Explicit { mass: limits::MASS_MIN, inertia: Fx::DELTA },
     ];
     for kind in [BodyKind::Dynamic, BodyKind::Kinematic, BodyKind::Static] {
         for mass in given {
             let body = world.add_body(BodyDef { kind, mass, shape: disc.clone(), ..BodyDef::dynamic() });
             let body = body.expect("a body");
             assert_eq!(world.body(body).expect("it is there").mass_def(), mass);
-            world.set_mass(body, Mass::WithInertia(fx!(0.2), fx!(0.6))).expect("a mass");
+            world.set_mass(body, Mass::Explicit { mass: fx!(0.2), inertia: fx!(0.6) }).expect("a mass");
             let there = umbra_physics::Snapshot::from_bytes(&world.snapshot().to_bytes(), &[]).expect("sound");
             let read = there.world().body(body).expect("it is there").mass_def();
-            assert_eq!(read, Mass::WithInertia(fx!(0.2), fx!(0.6)));
+            assert_eq!(read, Mass::Explicit { mass: fx!(0.2), inertia: fx!(0.6) });
         }
     }
 }
@@ -220,7 +221,9 @@ fn floats_read_alike() {
         velocity: Vec2::new(3.0, 4.0),
         ..BodyDef::dynamic()
     };
-    let body = world.add_body(BodyDef { mass: Mass::WithInertia(3.0, 5.0), angle: 0.5, ..def }).expect("a body");
+    let body = world
+        .add_body(BodyDef { mass: Mass::Explicit { mass: 3.0, inertia: 5.0 }, angle: 0.5, ..def })
+        .expect("a body");
     let at = world.body(body).expect("it is there");
     let there = at.world_point(Vec2::new(0.25, 0.5)).expect("it fits");
     let back = at.local_point(there).expect("it fits");

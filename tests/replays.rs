@@ -7,8 +7,8 @@ use std::process::{Command, Output};
 use serde_json::Value;
 use umbra_physics::scene::Scene;
 use umbra_physics::{
-    Action, BodyDef, BodyId, Command as Order, Dump, Fx, LAW, Manner, RecordOptions, Recorder, Replay, World, WorldDef,
-    fx, vec2,
+    ApplyOptions, BodyDef, BodyId, Command as Order, Dump, ForceOrImpulse, Fx, PHYSICS_VERSION, RecordOptions,
+    Recorder, Replay, World, WorldDef, fx, vec2,
 };
 use xxhash_rust::xxh3::Xxh3;
 
@@ -231,8 +231,8 @@ fn a_changed_byte_is_named_by_tick_moment_body_and_field() {
     // The lowest bit of the impulse's x is in the first of the last 19 bytes: x and y, no point, frame, wake.
     let push = Order::Apply {
         body: BodyId::from_parts(1, 0),
-        action: Action::Impulse { impulse: vec2(3, 0), point: None },
-        manner: Manner::default(),
+        action: ForceOrImpulse::Impulse { impulse: vec2(3, 0), point: None },
+        manner: ApplyOptions::default(),
     };
     let push = push.to_bytes();
     let [at] = starts(&bytes, &push)[..] else { panic!("the push is there once") };
@@ -247,11 +247,11 @@ fn a_changed_byte_is_named_by_tick_moment_body_and_field() {
         (marks[1], 100, "start", "body 0", "user_data", "1234605616436508552", "1234605616436508553"),
         (hashes[0], 4, "end", "the world", "hash", &hash.to_string(), &other.to_string()),
     ];
-    for (at, tick, moment, place, field, recorded, found) in cases {
+    for (at, tick, phase, place, field, recorded, found) in cases {
         let (status, line) = verified(&folder, "changed.umbrarep", &flipped(&bytes, at));
         let finding = &line["finding"];
         assert_eq!((status, line["status"].as_str()), (1, Some("tampered")), "{line}");
-        assert_eq!((finding["tick"].as_u64(), finding["moment"].as_str()), (Some(tick), Some(moment)), "{line}");
+        assert_eq!((finding["tick"].as_u64(), finding["moment"].as_str()), (Some(tick), Some(phase)), "{line}");
         assert_eq!((finding["place"].as_str(), finding["field"].as_str()), (Some(place), Some(field)), "{line}");
         let values = (finding["recorded"].as_str(), finding["found"].as_str());
         assert_eq!(values, (Some(recorded), Some(found)), "{line}");
@@ -295,7 +295,7 @@ fn each_way_to_be_wrong_has_its_status() {
     format[8] = 99;
     assert_eq!(status("format", &format), is(2, "malformed", 0));
     assert_eq!(status("resealed", &resealed(&bytes, |_| {})), is(0, "ok", 100));
-    let law = resealed(&bytes, |head| head[..4].copy_from_slice(&(LAW + 1).to_le_bytes()));
+    let law = resealed(&bytes, |head| head[..4].copy_from_slice(&(PHYSICS_VERSION + 1).to_le_bytes()));
     assert_eq!(status("law", &law), is(2, "law", 0));
     let strayed = strayed(RecordOptions { hash_every: 1, snapshot_every: 8 });
     assert_eq!(status("strayed", &strayed), is(1, "diverged", 41));

@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use umbra_physics::scalar::Factor;
 use umbra_physics::{
-    AppliedForce, Attachment, BodyDef, BodyId, BodyState, Cause, Dependence, End, Error, Fault, Field, ForceLaw, Fx,
-    FxFactor, Integrator, Irreversible, Law, LawFault, Mass, Push, Region, Shape, SpringLaw, TimeStep, Vec2, Verb,
-    World, WorldDef, fx, vec2,
+    AppliedForce, Attachment, BodyDef, BodyId, BodyState, Cause, CustomForce, CustomForceError, Dependence, End, Error,
+    Fault, FieldKind, ForceField, ForceTorque, Fx, FxFactor, Integrator, Irreversible, Mass, Region, Shape,
+    SpringConstants, StageKind, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
 #[path = "support/inputs.rs"]
@@ -49,7 +49,10 @@ fn tumbling(count: usize, seed: u64) -> impl Iterator<Item = BodyDef> {
         velocity: vector(&mut random, 36),
         angle: number(&mut random, 35),
         angular_velocity: number(&mut random, 36),
-        mass: Mass::WithInertia(fx!(0.5) + Fx::from_bits(random.next().unsigned_abs() as i64 >> 30), fx!(0.3)),
+        mass: Mass::Explicit {
+            mass: fx!(0.5) + Fx::from_bits(random.next().unsigned_abs() as i64 >> 30),
+            inertia: fx!(0.3),
+        },
         ..BodyDef::dynamic()
     })
 }
@@ -63,8 +66,9 @@ fn kepler(integrator: Integrator) -> (World, Vec<BodyId>) {
         WorldDef { gravity: Vec2::ZERO, ..def(integrator) },
         [planet, asteroid, moon].map(|b| BodyDef { groups: 3, ..b }),
     );
-    let star = Law::Attractor { centre: End::World(Vec2::ZERO), mu: mu(fx!(100)), softening: fx!(0) };
-    let own = Law::Attractor { centre: End::Body(Attachment::centre(ids[1])), mu: mu(fx!(1)), softening: fx!(0.25) };
+    let star = FieldKind::Attractor { centre: End::World(Vec2::ZERO), mu: mu(fx!(100)), softening: fx!(0) };
+    let own =
+        FieldKind::Attractor { centre: End::Body(Attachment::centre(ids[1])), mu: mu(fx!(1)), softening: fx!(0.25) };
     world.add_field(star).expect("a fair field");
     world.add_field(own).expect("a fair field");
     (world, ids)
@@ -85,9 +89,9 @@ fn net(integrator: Integrator) -> (World, Vec<BodyId>) {
     let (mut world, ids) = world(def(integrator), rods);
     let point = |x: Fx| vec2(x, fx!(0.03125));
     let mut join = |near: usize, far: End| {
-        let spring = SpringLaw { rest: fx!(0.5), stiffness: fx!(90), damping: fx!(0) };
+        let spring = SpringConstants { rest: fx!(0.5), stiffness: fx!(90), damping: fx!(0) };
         let near = Attachment { body: ids[near], point: point(fx!(0.25)) };
-        world.add_field(Law::Spring { near, far, spring }).expect("a fair field");
+        world.add_field(FieldKind::Spring { near, far, spring }).expect("a fair field");
     };
     let left = |i: usize| End::Body(Attachment { body: ids[i], point: point(fx!(-0.25)) });
     for i in 0..SIDE * SIDE {
@@ -106,7 +110,7 @@ fn net(integrator: Integrator) -> (World, Vec<BodyId>) {
 /// A law of position of the caller's own: towards the axis, with a torque.
 struct Trough;
 
-impl ForceLaw for Trough {
+impl CustomForce for Trough {
     fn id(&self) -> u64 {
         7
     }
@@ -119,10 +123,10 @@ impl ForceLaw for Trough {
         Dependence::Position
     }
 
-    fn push(&self, body: &BodyState) -> Result<Push, LawFault> {
-        let fault = LawFault { code: 1 };
+    fn push(&self, body: &BodyState) -> Result<ForceTorque, CustomForceError> {
+        let fault = CustomForceError { code: 1 };
         let y = body.position.y.checked_mul(fx!(-0.01)).ok_or(fault)?;
-        Ok(Push { force: vec2(fx!(0), y), torque: body.angle.sin() })
+        Ok(ForceTorque { force: vec2(fx!(0), y), torque: body.angle.sin() })
     }
 }
 
@@ -133,14 +137,14 @@ fn few(integrator: Integrator) -> (World, Vec<BodyId>) {
     let cart = BodyDef { velocity: vec2(1, fx!(0.25)), angular_velocity: fx!(0.7), ..BodyDef::kinematic() };
     let (mut world, ids) = world(def(integrator), tumbling(20, 2).chain(free).chain([nail, cart]));
     let at = |i: usize, x: i32| Attachment { body: ids[i], point: vec2(x, 1) };
-    let spring = SpringLaw { rest: fx!(3), stiffness: fx!(2), damping: fx!(0) };
-    let laws = [
-        Law::Spring { near: at(0, 1), far: End::Body(at(1, -1)), spring },
-        Law::Spring { near: at(2, 0), far: End::Body(at(320, 0)), spring },
-        Law::Spring { near: at(3, 2), far: End::Body(at(321, 1)), spring },
-        Law::Thrust { at: at(4, 0), force: vec2(fx!(0.5), fx!(2)) },
+    let spring = SpringConstants { rest: fx!(3), stiffness: fx!(2), damping: fx!(0) };
+    let custom_forces = [
+        FieldKind::Spring { near: at(0, 1), far: End::Body(at(1, -1)), spring },
+        FieldKind::Spring { near: at(2, 0), far: End::Body(at(320, 0)), spring },
+        FieldKind::Spring { near: at(3, 2), far: End::Body(at(321, 1)), spring },
+        FieldKind::Thrust { at: at(4, 0), force: vec2(fx!(0.5), fx!(2)) },
     ];
-    for law in laws {
+    for law in custom_forces {
         world.add_field(law).expect("a fair field");
     }
     (world, ids)
@@ -149,16 +153,19 @@ fn few(integrator: Integrator) -> (World, Vec<BodyId>) {
 /// Every kind of field that has a way back.
 fn everything(integrator: Integrator) -> (World, Vec<BodyId>) {
     let (mut world, ids) = few(integrator);
-    world.register_law(Arc::new(Trough)).expect("the first of its id");
+    world.register_custom_force(Arc::new(Trough)).expect("the first of its id");
     let carrier = End::Body(Attachment { body: ids[5], point: vec2(1, 1) });
-    let laws = [
-        Law::Attractor { centre: carrier, mu: mu(fx!(40)), softening: fx!(1) },
-        Law::Zone { region: Region::Disc { centre: vec2(0, 0), radius: fx!(400) }, acceleration: vec2(1, fx!(-0.5)) },
-        Law::Zone { region: Region::Box { min: vec2(-50, -300), max: vec2(300, 50) }, acceleration: vec2(0, 3) },
-        Law::Custom { id: 7 },
+    let custom_forces = [
+        FieldKind::Attractor { centre: carrier, mu: mu(fx!(40)), softening: fx!(1) },
+        FieldKind::Zone {
+            region: Region::Disc { centre: vec2(0, 0), radius: fx!(400) },
+            acceleration: vec2(1, fx!(-0.5)),
+        },
+        FieldKind::Zone { region: Region::Box { min: vec2(-50, -300), max: vec2(300, 50) }, acceleration: vec2(0, 3) },
+        FieldKind::Custom { id: 7 },
     ];
-    for law in laws {
-        world.add_field(Field { law, groups: 1 }).expect("a fair field");
+    for law in custom_forces {
+        world.add_field(ForceField { kind, groups: 1 }).expect("a fair field");
     }
     (world, ids)
 }
@@ -287,12 +294,12 @@ fn a_million_steps_go_back_to_the_bit() {
             BodyDef { groups: 0, velocity: vec2(fx!(0.01), fx!(0.02)), angular_velocity: fx!(1), ..planet.clone() };
         let calm = WorldDef { gravity: Vec2::ZERO, ..def(integrator) };
         let (mut world, ids) = world(calm, [planet, one, other, free]);
-        let star = Law::Attractor { centre: End::World(Vec2::ZERO), mu: mu(fx!(100)), softening: fx!(0.125) };
-        let spring = SpringLaw { rest: fx!(1), stiffness: fx!(30), damping: fx!(0) };
+        let star = FieldKind::Attractor { centre: End::World(Vec2::ZERO), mu: mu(fx!(100)), softening: fx!(0.125) };
+        let spring = SpringConstants { rest: fx!(1), stiffness: fx!(30), damping: fx!(0) };
         let far = End::Body(Attachment { body: ids[2], point: vec2(fx!(0.25), 0) });
-        let spring = Law::Spring { near: Attachment::centre(ids[1]), far, spring };
+        let spring = FieldKind::Spring { near: Attachment::centre(ids[1]), far, spring };
         for law in [star, spring] {
-            world.add_field(Field { law, groups: 1 }).expect("a fair field");
+            world.add_field(ForceField { kind, groups: 1 }).expect("a fair field");
         }
         let mut random = Random(11);
         let mut applied: Vec<AppliedForce> = Vec::new();
@@ -349,8 +356,8 @@ fn the_inverse_of_an_integrator_has_each_kick_and_drift_of_a_step_once() {
         assert!(REVERSIBLE.contains(&integrator));
         // Where the fields are evaluated, and what there is to damp or clear, is another matter.
         let shears = |stages: &[umbra_physics::Stage]| {
-            let moves = stages.iter().filter(|stage| matches!(stage.verb, Verb::Kick | Verb::Drift));
-            moves.map(|stage| (stage.verb, stage.span)).collect::<Vec<_>>()
+            let moves = stages.iter().filter(|stage| matches!(stage.kind, StageKind::Kick | StageKind::Drift));
+            moves.map(|stage| (stage.kind, stage.span)).collect::<Vec<_>>()
         };
         let mut there = shears(integrator.stages());
         there.reverse();
@@ -443,7 +450,7 @@ fn damping_that_acts_is_refused_and_one_that_does_not_is_not() {
 /// A law that depends on what it is told to.
 struct Any(Dependence);
 
-impl ForceLaw for Any {
+impl CustomForce for Any {
     fn id(&self) -> u64 {
         5
     }
@@ -456,10 +463,10 @@ impl ForceLaw for Any {
         self.0
     }
 
-    fn push(&self, body: &BodyState) -> Result<Push, LawFault> {
+    fn push(&self, body: &BodyState) -> Result<ForceTorque, CustomForceError> {
         match body.position.x > fx!(1000) {
-            true => Err(LawFault { code: 3 }),
-            false => Ok(Push::default()),
+            true => Err(CustomForceError { code: 3 }),
+            false => Ok(ForceTorque::default()),
         }
     }
 }
@@ -468,13 +475,13 @@ impl ForceLaw for Any {
 fn forces_of_velocity_are_refused() {
     for depends_on in [Dependence::Nothing, Dependence::Position, Dependence::Velocity] {
         let (mut world, ball) = stepped(def(Integrator::Yoshida4));
-        world.register_law(Arc::new(Any(depends_on))).expect("the first of its id");
+        world.register_custom_force(Arc::new(Any(depends_on))).expect("the first of its id");
         let spring = |damping| {
-            let spring = SpringLaw { rest: fx!(1), stiffness: fx!(1), damping };
-            Law::Spring { near: Attachment::centre(ball), far: End::World(vec2(9, 9)), spring }
+            let spring = SpringConstants { rest: fx!(1), stiffness: fx!(1), damping };
+            FieldKind::Spring { near: Attachment::centre(ball), far: End::World(vec2(9, 9)), spring }
         };
         world.add_field(spring(fx!(0))).expect("a fair field");
-        let custom = world.add_field(Law::Custom { id: 5 }).expect("a fair field");
+        let custom = world.add_field(FieldKind::Custom { id: 5 }).expect("a fair field");
         world.step();
         if depends_on == Dependence::Velocity {
             assert_eq!(why(refused(&mut world, &[])), Irreversible::Velocity { field: custom });
@@ -482,7 +489,7 @@ fn forces_of_velocity_are_refused() {
             assert_eq!(world.clone().step_back(&[]), Ok(()));
         }
         world.remove_field(custom).expect("it is there");
-        for law in [spring(fx!(0.5)), Law::Drag { linear: fx!(1), quadratic: fx!(0), wind: Vec2::ZERO }] {
+        for law in [spring(fx!(0.5)), FieldKind::Drag { linear: fx!(1), quadratic: fx!(0), wind: Vec2::ZERO }] {
             let field = world.add_field(law).expect("a fair field");
             assert_eq!(why(refused(&mut world, &[])), Irreversible::Velocity { field });
             world.remove_field(field).expect("it is there");
@@ -556,13 +563,13 @@ fn a_way_back_out_of_the_envelope_is_not_taken() {
             // A push that a lighter body could not have had, and one that the heavier one had.
             world.clone_from(&good);
             world.apply_force(body, vec2(2_000_000_000, 0)).expect("a fair force");
-            world.set_mass(body, Mass::WithInertia(fx!(16_000_000), fx!(1))).expect("a fair mass");
+            world.set_mass(body, Mass::Explicit { mass: fx!(16_000_000), inertia: fx!(1) }).expect("a fair mass");
             let applied = world.step().applied.to_vec();
             world.clone().step_back(&applied).expect("it has a way back");
-            world.set_mass(body, Mass::WithInertia(fx!(0.001), fx!(1))).expect("a fair mass");
+            world.set_mass(body, Mass::Explicit { mass: fx!(0.001), inertia: fx!(1) }).expect("a fair mass");
             assert_eq!(why(refused(&mut world, &applied)), fault(Cause::Velocity), "{integrator:?}");
             // Nothing of it stays: the same way is open as soon as the body is what it was.
-            world.set_mass(body, Mass::WithInertia(fx!(16_000_000), fx!(1))).expect("a fair mass");
+            world.set_mass(body, Mass::Explicit { mass: fx!(16_000_000), inertia: fx!(1) }).expect("a fair mass");
             world.step_back(&applied).expect("it has a way back");
         }
     }
@@ -586,10 +593,10 @@ fn of_many_faults_on_the_way_back_the_first_by_handle_is_told_and_of_a_body_the_
     // A kick too large comes before the drift that leads out.
     let mut heavy = world.clone();
     heavy.set_position(ids[0], Vec2::ZERO).expect("a fair position");
-    heavy.set_mass(ids[0], Mass::Of(fx!(16_000_000))).expect("a fair mass");
+    heavy.set_mass(ids[0], Mass::Kilograms(fx!(16_000_000))).expect("a fair mass");
     heavy.apply_force(ids[0], vec2(2_000_000_000, 0)).expect("a fair force");
     let applied = heavy.step().applied.to_vec();
-    world.set_mass(ids[0], Mass::Of(fx!(0.001))).expect("a fair mass");
+    world.set_mass(ids[0], Mass::Kilograms(fx!(0.001))).expect("a fair mass");
     let cause = Cause::Velocity;
     assert_eq!(why(refused(&mut world, &applied)), Irreversible::Fault(Fault { body: ids[0], cause }));
 }
@@ -597,11 +604,11 @@ fn of_many_faults_on_the_way_back_the_first_by_handle_is_told_and_of_a_body_the_
 #[test]
 fn a_law_without_an_answer_on_the_way_back_is_not_passed() {
     let (mut world, ball) = stepped(WorldDef { gravity: Vec2::ZERO, ..def(Integrator::SymplecticEuler) });
-    world.register_law(Arc::new(Any(Dependence::Position))).expect("the first of its id");
-    let field = world.add_field(Law::Custom { id: 5 }).expect("a fair field");
+    world.register_custom_force(Arc::new(Any(Dependence::Position))).expect("the first of its id");
+    let field = world.add_field(FieldKind::Custom { id: 5 }).expect("a fair field");
     world.set_position(ball, vec2(1000, 0)).expect("a fair position");
     world.set_velocity(ball, vec2(-1, 0)).expect("a fair velocity");
-    let cause = Cause::Law { field, code: 3 };
+    let cause = Cause::CustomForce { field, code: 3 };
     assert_eq!(why(refused(&mut world, &[])), Irreversible::Fault(Fault { body: ball, cause }));
 }
 

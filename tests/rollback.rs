@@ -9,7 +9,7 @@ mod random;
 use commands::Author;
 use random::SplitMix;
 use umbra_physics::{
-    Activity, BodyDef, BodyId, Command, Error, Fault, Fx, History, Input, Inputs, Integrator, Made, Outcome,
+    Activity, BodyDef, BodyId, Command, Created, Error, Fault, Fx, History, Input, InputResult, Inputs, Integrator,
     TickReport, TimeStep, Vec2, World, WorldDef, fx, limits, vec2,
 };
 
@@ -19,7 +19,7 @@ const PLAYERS: u32 = 3;
 #[derive(Clone, Debug, PartialEq)]
 struct Seen {
     state: u64,
-    outcomes: Vec<Outcome>,
+    outcomes: Vec<InputResult>,
     faults: Vec<Fault>,
     fell_asleep: Vec<BodyId>,
     woke: Vec<BodyId>,
@@ -119,7 +119,7 @@ impl Counts {
         for (commands, seen) in played.inputs.iter().zip(&played.seen) {
             let done = all_of(commands);
             for (input, outcome) in done.iter().zip(&seen.outcomes) {
-                self.added += usize::from(matches!(outcome.result, Ok(Made::Body(_))));
+                self.added += usize::from(matches!(outcome.result, Ok(Created::Body(_))));
                 self.removed += usize::from(matches!(input.command, Command::RemoveBody(_)) && outcome.result.is_ok());
                 self.refused += usize::from(outcome.result.is_err());
             }
@@ -366,7 +366,7 @@ fn a_handle_from_a_future_that_was_given_up_may_name_another_body() {
     let shot = [Command::AddBody(BodyDef { key: 2, ..BodyDef::dynamic() })];
     history.correct(&mut world, 0, 0, shot, |tick| made.push(tick.outcomes[0].result)).expect("it is kept");
     assert_eq!(made[0], made[1]);
-    let Ok(Made::Body(body)) = made[0] else { panic!("{made:?}") };
+    let Ok(Created::Body(body)) = made[0] else { panic!("{made:?}") };
     assert_eq!(world.body(body).expect("it is there").key(), 2);
     assert_eq!(world.body(body).expect("it is there").activity(), Activity::Awake);
 }

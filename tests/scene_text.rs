@@ -14,10 +14,10 @@ use crate::scenes::{RICH, texts};
 use commands::{Author, KINDS};
 use random::SplitMix;
 use umbra_physics::scalar::Factor as _;
-use umbra_physics::scene::{Deed, Place, Scene, Unsayable};
+use umbra_physics::scene::{ExportError, Place, Scene, SceneAction};
 use umbra_physics::{
-    BodyDef, BodyId, Command, End, Error, Field, FieldId, Fx, FxFactor, Integrator, Law, Quantity, Shape, TimeStep,
-    Vec2, World, WorldDef, fx, limits, vec2,
+    BodyDef, BodyId, Command, End, Error, FieldId, FieldKind, ForceField, Fx, FxFactor, Integrator, Quantity, Shape,
+    TimeStep, Vec2, World, WorldDef, fx, limits, vec2,
 };
 
 /// The scene without its places in a text.
@@ -73,7 +73,7 @@ fn play(author: &mut Author, integrator: Integrator, kinds: &mut BTreeSet<String
         let mut write = |world: &mut World, command: Command| {
             // A scene has no words for it, and a world without laws refuses it.
             if let Command::AddField(field) | Command::SetField { field, .. } = &command {
-                if matches!(field.law, Law::Custom { .. }) {
+                if matches!(field.kind, FieldKind::Custom { .. }) {
                     return;
                 }
             }
@@ -143,7 +143,7 @@ fn a_scene_of_commands_has_their_bits_at_every_tick() {
 fn stage() -> Vec<(u64, Command)> {
     let body = |slot| BodyId::from_parts(slot, 0);
     let disc = Shape::circle(fx!(1)).expect("a shape");
-    let drag = Law::Drag { linear: fx!(1), quadratic: fx!(0), wind: Vec2::ZERO };
+    let drag = FieldKind::Drag { linear: fx!(1), quadratic: fx!(0), wind: Vec2::ZERO };
     let mut commands = vec![Command::AddBody(BodyDef::dynamic()); 8];
     // And two more: slot 9 has a kinematic one.
     commands.extend([BodyDef::dynamic(), BodyDef::kinematic()].map(Command::AddBody));
@@ -170,7 +170,7 @@ fn a_slot_that_is_freed_before_the_first_tick_is_taken_again() {
 
 #[test]
 fn each_command_on_its_own_is_the_same_once_written() {
-    let mut own_laws = 0;
+    let mut own_forces = 0;
     for command in everything::commands() {
         let mut commands = stage();
         if let Command::Enable(body) = command {
@@ -184,41 +184,47 @@ fn each_command_on_its_own_is_the_same_once_written() {
                 assert!(read(&scene.to_json()) == scene, "{}", scene.to_json());
             }
             Err(why) => {
-                assert_eq!(why, Unsayable::Law { command: commands.len() - 1, id: 9 });
-                own_laws += 1;
+                assert_eq!(why, ExportError::CustomForce { command: commands.len() - 1, id: 9 });
+                own_forces += 1;
             }
         }
     }
-    assert_eq!(own_laws, 2, "one that is added, one in the place of another");
+    assert_eq!(own_forces, 2, "one that is added, one in the place of another");
 }
 
 fn attractor(mu: &str) -> Command {
     let mu: FxFactor = mu.parse().expect("a factor");
-    Command::AddField(Law::Attractor { centre: End::World(Vec2::ZERO), mu, softening: fx!(0) }.into())
+    Command::AddField(FieldKind::Attractor { centre: End::World(Vec2::ZERO), mu, softening: fx!(0) }.into())
 }
 
 #[test]
 fn what_has_no_words_is_refused_by_name() {
     let made = |commands: &[(u64, Command)]| Scene::from_commands(WorldDef::default(), commands, 9).map(drop);
-    let own = |id| Command::AddField(Law::Custom { id }.into());
-    assert_eq!(made(&[(0, attractor("1")), (3, own(5))]), Err(Unsayable::Law { command: 1, id: 5 }));
+    let own = |id| Command::AddField(FieldKind::Custom { id }.into());
+    assert_eq!(made(&[(0, attractor("1")), (3, own(5))]), Err(ExportError::CustomForce { command: 1, id: 5 }));
     assert_eq!(made(&[(9, own(5))]), Ok(()), "it is not done any more");
-    let set = Command::SetField { id: FieldId::from_parts(0, 0), field: Law::Custom { id: 6 }.into() };
-    assert_eq!(made(&[(1, set)]), Err(Unsayable::Law { command: 0, id: 6 }), "whether there is such a field or not");
+    let set = Command::SetField { id: FieldId::from_parts(0, 0), field: FieldKind::Custom { id: 6 }.into() };
+    assert_eq!(
+        made(&[(1, set)]),
+        Err(ExportError::CustomForce { command: 0, id: 6 }),
+        "whether there is such a field or not"
+    );
     // The least there is to read, and less.
     assert_eq!(made(&[(0, attractor("1e-60"))]), Ok(()));
     let least = Scene::from_commands(WorldDef::default(), &[(0, attractor("1e-60"))], 9).expect("a scene");
     assert!(read(&least.to_json()) == least, "its factor is below 10^-60 by a rounding");
-    let Command::AddField(Field { law: Law::Attractor { mu, .. }, .. }) = attractor("1e-60") else { unreachable!() };
-    let less = Law::Attractor {
+    let Command::AddField(ForceField { kind: FieldKind::Attractor { mu, .. }, .. }) = attractor("1e-60") else {
+        unreachable!()
+    };
+    let less = FieldKind::Attractor {
         centre: End::World(Vec2::ZERO),
         mu: mu.times("0.5".parse().expect("a factor")),
         softening: fx!(0),
     };
-    assert_eq!(made(&[(0, Command::AddField(less.into()))]), Err(Unsayable::Mu { command: 0 }));
+    assert_eq!(made(&[(0, Command::AddField(less.into()))]), Err(ExportError::Mu { command: 0 }));
     let def = WorldDef { time_step: TimeStep::hz(0), ..WorldDef::default() };
-    assert_eq!(Scene::from_commands(def, &[], 1).map(drop), Err(Unsayable::World(Error::TimeStep)));
-    let error = Unsayable::World(Error::OutOfRange { quantity: Quantity::Gravity });
+    assert_eq!(Scene::from_commands(def, &[], 1).map(drop), Err(ExportError::World(Error::TimeStep)));
+    let error = ExportError::World(Error::OutOfRange { quantity: Quantity::Gravity });
     let source = std::error::Error::source(&error).map(ToString::to_string);
     assert_eq!(error.to_string(), format!("the world: {}", source.expect("the engine's own error")));
 }
@@ -229,7 +235,7 @@ fn a_scene_holds_as_many_inputs_as_can_be_read_and_no_more() {
     let clear = |count| vec![(0, Command::ClearForces); count];
     assert!(Scene::from_commands(WorldDef::default(), &clear(MOST), 1).is_ok());
     let error = Scene::from_commands(WorldDef::default(), &clear(MOST + 1), 1).map(drop);
-    assert_eq!(error, Err(Unsayable::Many { command: MOST }));
+    assert_eq!(error, Err(ExportError::Many { command: MOST }));
 }
 
 #[test]
@@ -245,13 +251,17 @@ fn a_scene_changed_by_hand_is_refused_where_it_says_what_the_format_lacks() {
     };
     let nobody = BodyId::from_parts(1, 0);
     refused(
-        &|s| s.inputs[0].deed = Deed::Command(Command::Wake(nobody)),
+        &|s| s.inputs[0].action = SceneAction::Command(Command::Wake(nobody)),
         "inputs[0].body",
         "expected a text, found null",
     );
     let remove = Command::RemoveField(FieldId::from_parts(3, 0));
-    refused(&|s| s.inputs[0].deed = Deed::Command(remove.clone()), "inputs[0].field", "expected a text, found null");
-    refused(&|s| s.fields[0].field.law = Law::Custom { id: 3 }, "fields[0].custom", "unknown field");
+    refused(
+        &|s| s.inputs[0].action = SceneAction::Command(remove.clone()),
+        "inputs[0].field",
+        "expected a text, found null",
+    );
+    refused(&|s| s.fields[0].field.kind = FieldKind::Custom { id: 3 }, "fields[0].custom", "unknown field");
     refused(&|s| s.bodies[0].name.push('\n'), "bodies[0].name", "no control characters");
     refused(&|s| s.inputs[0].every = 0, "inputs[0].every", "out of range");
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use proptest::prelude::*;
 use umbra_physics::scalar::ToF64;
-use umbra_physics::scene::{Deed, Scene, SceneError, SceneRun};
+use umbra_physics::scene::{Scene, SceneAction, SceneError, SceneRun};
 use umbra_physics::{Activity, Fx, Random, Scalar, Vec2, fx};
 
 /// The scenes by name.
@@ -300,9 +300,9 @@ fn a_scene_that_was_changed_into_nonsense_is_refused() {
     assert!(more.start::<Fx>().is_err());
     let more = Scene { starting_fields: 1, ..scene.clone() };
     assert!(more.start::<Fx>().is_err());
-    for deed in [Deed::AddBody(99), Deed::AddField(99)] {
+    for action in [SceneAction::AddBody(99), SceneAction::AddField(99)] {
         let mut changed = scene.clone();
-        changed.inputs[0].deed = deed;
+        changed.inputs[0].action = action;
         let mut run = changed.start::<Fx>().expect("nothing is wrong with its start");
         assert!(run.advance().is_ok() && run.advance().is_err());
     }

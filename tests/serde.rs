@@ -17,10 +17,11 @@ use serde::de::{DeserializeOwned, Deserializer, Visitor, value::Error as NoValue
 use serde_json::Value;
 use umbra_physics::scalar::{Factor, FxSum, Span, Sum, Weight};
 use umbra_physics::{
-    Action, Activity, AppliedForce, Attachment, BodyDef, BodyId, BodyKind, BodyState, Cause, Command, Dependence,
-    Elapsed, End, Error, Fault, Field, FieldId, Frame, Fx, FxAccumulator, FxFactor, FxWide, Geometry, Input, Inputs,
-    Integrator, Irreversible, Law, LawFault, Locks, Made, Manner, Mass, MathError, Outcome, ParseFxError, Part, Push,
-    Quantity, Random, Region, Rot, Shape, SpringLaw, Stage, TimeStep, Turn, Vec2, Verb, World, WorldDef, fx, vec2,
+    Activity, AppliedForce, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, BodyState, Cause, Command, Created,
+    CustomForceError, Dependence, Elapsed, End, Error, Fault, FieldId, FieldKind, ForceField, ForceOrImpulse,
+    ForceTorque, Frame, Fx, FxAccumulator, FxFactor, FxWide, Geometry, Input, InputResult, Inputs, Integrator,
+    Irreversible, Locks, Mass, MathError, ParseFxError, Part, Quantity, Random, Region, Rot, Shape, SpringConstants,
+    Stage, StageKind, TimeStep, Turn, Vec2, World, WorldDef, fx, vec2,
 };
 
 fn through_both<T: Serialize + DeserializeOwned + PartialEq + Debug>(value: &T) {
@@ -135,7 +136,7 @@ fn errors() -> Vec<Error> {
         Error::NotQuarantined { body },
         Error::DampingHasNoInverse,
         Error::SameBody { body },
-        Error::ForceLaw { id: u64::MAX },
+        Error::CustomForce { id: u64::MAX },
         Error::Full,
         Error::ElapsedTime,
         Error::DuplicateInput { player: 1, sequence: u32::MAX },
@@ -150,18 +151,18 @@ fn errors() -> Vec<Error> {
     ]
 }
 
-fn laws() -> Vec<Law> {
-    let spring = SpringLaw { rest: fx!(0.1), stiffness: Fx::MAX, damping: Fx::DELTA };
+fn custom_forces() -> Vec<FieldKind> {
+    let spring = SpringConstants { rest: fx!(0.1), stiffness: Fx::MAX, damping: Fx::DELTA };
     let (near, at) = (attachment(), attachment());
     let mu = <FxFactor as Factor<Fx>>::from_ratio(1, 3);
     let region = Region::Disc { centre: vec2(1, 2), radius: fx!(0.1) };
     vec![
-        Law::Attractor { centre: End::Body(near), mu, softening: fx!(0.1) },
-        Law::Spring { near, far: End::World(vec2(1, 2)), spring },
-        Law::Drag { linear: fx!(1), quadratic: fx!(2), wind: vec2(3, fx!(-0.1)) },
-        Law::Thrust { at, force: vec2(3, fx!(-0.1)) },
-        Law::Zone { region, acceleration: vec2(3, fx!(-0.1)) },
-        Law::Custom { id: u64::MAX },
+        FieldKind::Attractor { centre: End::Body(near), mu, softening: fx!(0.1) },
+        FieldKind::Spring { near, far: End::World(vec2(1, 2)), spring },
+        FieldKind::Drag { linear: fx!(1), quadratic: fx!(2), wind: vec2(3, fx!(-0.1)) },
+        FieldKind::Thrust { at, force: vec2(3, fx!(-0.1)) },
+        FieldKind::Zone { region, acceleration: vec2(3, fx!(-0.1)) },
+        FieldKind::Custom { id: u64::MAX },
     ]
 }
 
@@ -209,29 +210,33 @@ fn a_world() -> (Author, World) {
 fn every_variant_of_every_enum_comes_back() {
     every_variant([BodyKind::Static, BodyKind::Kinematic, BodyKind::Dynamic]);
     every_variant([Activity::Awake, Activity::Asleep, Activity::Quarantined, Activity::Disabled]);
-    every_variant([Mass::Density(fx!(0.1)), Mass::Of(Fx::MIN), Mass::WithInertia(Fx::MAX, Fx::DELTA)]);
+    every_variant([
+        Mass::Density(fx!(0.1)),
+        Mass::Kilograms(Fx::MIN),
+        Mass::Explicit { mass: Fx::MAX, inertia: Fx::DELTA },
+    ]);
     every_variant(quantities());
     every_variant(errors());
     let (field, code) = (field(1), u32::MAX);
     every_variant(
         [Cause::Position, Cause::Velocity, Cause::AngularVelocity, Cause::Force]
             .into_iter()
-            .chain([Cause::Field { field }, Cause::Law { field, code }]),
+            .chain([Cause::Field { field }, Cause::CustomForce { field, code }]),
     );
     every_variant([Dependence::Nothing, Dependence::Position, Dependence::Velocity]);
     every_variant([End::World(vec2(fx!(0.1), 0)), End::Body(attachment())]);
     let (centre, radius) = (vec2(fx!(0.1), 0), fx!(0.1));
     every_variant([Region::Disc { centre, radius }, Region::Box { min: centre, max: vec2(1, 2) }]);
-    every_variant(laws());
+    every_variant(custom_forces());
     every_variant(Integrator::ALL);
-    every_variant([Verb::Fields, Verb::Kick, Verb::Drift, Verb::Damp, Verb::Clear]);
+    every_variant([StageKind::Fields, StageKind::Kick, StageKind::Drift, StageKind::Damp, StageKind::Clear]);
     every_variant([Frame::World, Frame::Body]);
     let (force, point) = (vec2(fx!(0.1), 0), Some(vec2(fx!(0.1), 0)));
     every_variant([
-        Action::Force { force, point },
-        Action::Torque(fx!(0.1)),
-        Action::Impulse { impulse: force, point: None },
-        Action::AngularImpulse(Fx::MIN),
+        ForceOrImpulse::Force { force, point },
+        ForceOrImpulse::Torque(fx!(0.1)),
+        ForceOrImpulse::Impulse { impulse: force, point: None },
+        ForceOrImpulse::AngularImpulse(Fx::MIN),
     ]);
     every_variant([
         Irreversible::Scalar,
@@ -249,7 +254,7 @@ fn every_variant_of_every_enum_comes_back() {
         Irreversible::Moved,
         Irreversible::End,
     ]);
-    every_variant([Made::Nothing, Made::Body(body(1)), Made::Field(field)]);
+    every_variant([Created::Nothing, Created::Body(body(1)), Created::ForceField(field)]);
     every_variant([Weight::Whole, Weight::YoshidaOuter, Weight::YoshidaInner]);
     every_variant([ParseFxError::Empty, ParseFxError::InvalidDigit { position: 7 }, ParseFxError::OutOfRange]);
     every_variant([MathError::NotPositive, MathError::Overflow]);
@@ -265,11 +270,11 @@ fn every_plain_struct_comes_back() {
     through_both(&TimeStep::ratio(1001, 60_000));
     through_both(&Elapsed { num: u128::MAX, den: u128::MAX - 1 });
     through_both(&Random::seeded(1));
-    through_both(&Manner::BODY);
+    through_both(&ApplyOptions::BODY);
     through_both(&Locks { x: true, y: false, rotation: true });
     through_both(&WorldDef::<Fx> { gravity: vec2(0, fx!(-9.81)), sleep_after: None, ..WorldDef::default() });
     through_both(&attachment());
-    laws().into_iter().for_each(|law| through_both(&Field { law, groups: 5 }));
+    custom_forces().into_iter().for_each(|law| through_both(&ForceField { kind, groups: 5 }));
     bodies().iter().for_each(through_both);
     for integrator in Integrator::ALL {
         integrator.stages().iter().for_each(through_both::<Stage>);
@@ -277,15 +282,15 @@ fn every_plain_struct_comes_back() {
             through_both(&Span { ratio: (1, 60), weight, half });
         }
     }
-    through_both(&SpringLaw { rest: fx!(0.1), stiffness: Fx::MAX, damping: Fx::ZERO });
+    through_both(&SpringConstants { rest: fx!(0.1), stiffness: Fx::MAX, damping: Fx::ZERO });
     through_both(&Fault { body: body(1), cause: Cause::Field { field: field(2) } });
     let position = vec2(fx!(0.1), 0);
     let (velocity, angle, angular_velocity) = (position, fx!(0.1), fx!(-0.1));
     through_both(&BodyState { position, angle, velocity, angular_velocity, mass: fx!(3), key: 4, user_data: u64::MAX });
-    through_both(&Push { force: position, torque: fx!(0.1) });
-    through_both(&LawFault { code: u32::MAX });
-    through_both(&Outcome { player: 1, sequence: 2, result: Ok(Made::Body(body(3))) });
-    errors().into_iter().for_each(|error| through_both(&Outcome { player: 1, sequence: 2, result: Err(error) }));
+    through_both(&ForceTorque { force: position, torque: fx!(0.1) });
+    through_both(&CustomForceError { code: u32::MAX });
+    through_both(&InputResult { player: 1, sequence: 2, result: Ok(Created::Body(body(3))) });
+    errors().into_iter().for_each(|error| through_both(&InputResult { player: 1, sequence: 2, result: Err(error) }));
     let (mut author, world) = a_world();
     let mut inputs = Inputs::new();
     for player in [3, 1, 2] {
@@ -497,17 +502,17 @@ fn a_field_that_is_not_there_is_refused_wherever_it_stands() {
     (0..KINDS * 40).for_each(|kind| refuses_strangers(&author.of_kind(kind % KINDS, &world)));
     bodies().iter().for_each(refuses_strangers);
     errors().iter().for_each(refuses_strangers);
-    laws().iter().for_each(refuses_strangers);
+    custom_forces().iter().for_each(refuses_strangers);
     refuses_strangers(&WorldDef::<Fx>::default());
     refuses_strangers(&Elapsed::ZERO);
     refuses_strangers(&Random::seeded(1));
     refuses_strangers(&FxSum::default());
     refuses_strangers(&Rot::<Fx>::IDENTITY);
     refuses_strangers(&Fault { body: body(1), cause: Cause::Field { field: field(2) } });
-    refuses_strangers(&Outcome { player: 1, sequence: 2, result: Ok(Made::Body(body(3))) });
+    refuses_strangers(&InputResult { player: 1, sequence: 2, result: Ok(Created::Body(body(3))) });
     refuses_strangers(&Integrator::Yoshida4.stages()[0]);
-    refuses_strangers(&Push::<Fx>::default());
-    refuses_strangers(&LawFault { code: 1 });
+    refuses_strangers(&ForceTorque::<Fx>::default());
+    refuses_strangers(&CustomForceError { code: 1 });
 }
 
 #[test]
@@ -552,7 +557,7 @@ fn commands_of_the_float_builds_come_back() {
     let shape = Shape::<f64>::rectangle(0.5, 1.5).expect("fair");
     let body: BodyDef<f64> = BodyDef { shape: Some(shape), angle: 0.1, ..BodyDef::dynamic() };
     through_both(&Command::AddBody(body));
-    let law = Law::<f64>::Attractor { centre: End::World(vec2(0.25, 3.0)), mu: 0.1, softening: 0.5 };
-    through_both(&Command::AddField(Field::from(law)));
+    let law = FieldKind::<f64>::Attractor { centre: End::World(vec2(0.25, 3.0)), mu: 0.1, softening: 0.5 };
+    through_both(&Command::AddField(ForceField::from(law)));
     through_both(&WorldDef::<f32>::default());
 }

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use umbra_physics::{
-    Activity, Attachment, BodyDef, BodyId, BodyState, Dependence, End, Error, Field, ForceLaw, Fx, HashTree,
-    Integrator, LAW, Law, LawFault, Mass, Place, Push, Random, Region, Shape, Snapshot, SnapshotError, SpringLaw,
-    TimeStep, Vec2, World, WorldDef, fx, vec2,
+    Activity, Attachment, BodyDef, BodyId, BodyState, CustomForce, CustomForceError, Dependence, End, Error, FieldKind,
+    ForceField, ForceTorque, Fx, HashTree, Integrator, Mass, Owner, PHYSICS_VERSION, Random, Region, Shape, Snapshot,
+    SnapshotError, SpringConstants, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
 #[allow(dead_code, reason = "each test that takes this file in uses a part of it")]
@@ -16,7 +16,7 @@ use random::SplitMix;
 /// Pulls every body back to the origin by a tenth of its distance.
 struct Tether(u32);
 
-impl ForceLaw for Tether {
+impl CustomForce for Tether {
     fn id(&self) -> u64 {
         7
     }
@@ -26,13 +26,13 @@ impl ForceLaw for Tether {
     fn depends_on(&self) -> Dependence {
         Dependence::Position
     }
-    fn push(&self, body: &BodyState) -> Result<Push, LawFault> {
+    fn push(&self, body: &BodyState) -> Result<ForceTorque, CustomForceError> {
         let tenth = |x: Fx| Fx::from_bits(-(x.to_bits() / 10));
-        Ok(Push { force: body.position.map(tenth), torque: Fx::ZERO })
+        Ok(ForceTorque { force: body.position.map(tenth), torque: Fx::ZERO })
     }
 }
 
-fn laws() -> Vec<Arc<dyn ForceLaw>> {
+fn custom_forces() -> Vec<Arc<dyn CustomForce>> {
     vec![Arc::new(Tether(1))]
 }
 
@@ -66,7 +66,7 @@ fn lived(integrator: Integrator, seed: u64, ticks: u32) -> World {
         ..WorldDef::default()
     })
     .expect("a world");
-    world.register_law(laws().remove(0)).expect("a law");
+    world.register_custom_force(custom_forces().remove(0)).expect("a law");
     world.set_random(Random::seeded(seed));
     world.set_blob(b"whatever the game needs").expect("small");
     for tick in 0..ticks {
@@ -107,7 +107,11 @@ fn meddle(world: &mut World, seed: u64, tick: u32) {
                     },
                 };
                 let (position, angle, key) = (vector(&mut dice), number(&mut dice), dice.next());
-                let mass = if dice.next() & 1 == 0 { Mass::Density(fx!(1)) } else { Mass::WithInertia(fx!(2), fx!(3)) };
+                let mass = if dice.next() & 1 == 0 {
+                    Mass::Density(fx!(1))
+                } else {
+                    Mass::Explicit { mass: fx!(2), inertia: fx!(3) }
+                };
                 _ = world.add_body(BodyDef { position, angle, key, mass, shape: Some(shape), ..def });
             }
             (5, Some(body)) => _ = world.remove_body(body),
@@ -123,24 +127,24 @@ fn meddle(world: &mut World, seed: u64, tick: u32) {
                 let far = any(&mut dice).map_or(End::World(vector(&mut dice)), |body| {
                     End::Body(Attachment { body, point: vec2(fx!(0.1), 0) })
                 });
-                let spring = SpringLaw { rest: fx!(1), stiffness: fx!(5), damping: fx!(0.1) };
-                _ = world.add_field(Law::Spring { near: Attachment::centre(near), far, spring });
+                let spring = SpringConstants { rest: fx!(1), stiffness: fx!(5), damping: fx!(0.1) };
+                _ = world.add_field(FieldKind::Spring { near: Attachment::centre(near), far, spring });
             }
             (11, Some(_)) => {
                 let law = match dice.next() % 4 {
-                    0 => Law::Custom { id: 7 },
-                    1 => Law::Drag { linear: fx!(0.1), quadratic: fx!(0.2), wind: vector(&mut dice) },
-                    2 => Law::Zone {
+                    0 => FieldKind::Custom { id: 7 },
+                    1 => FieldKind::Drag { linear: fx!(0.1), quadratic: fx!(0.2), wind: vector(&mut dice) },
+                    2 => FieldKind::Zone {
                         region: Region::Disc { centre: vector(&mut dice), radius: fx!(2) },
                         acceleration: vector(&mut dice),
                     },
-                    _ => Law::Attractor {
+                    _ => FieldKind::Attractor {
                         centre: End::World(vector(&mut dice)),
                         mu: "3.5".parse().expect("a factor"),
                         softening: fx!(0.5),
                     },
                 };
-                _ = world.add_field(Field { law, groups: 1 });
+                _ = world.add_field(ForceField { kind, groups: 1 });
             }
             (12, Some(body)) => {
                 let field = world.fields().next().map(|(id, _)| id);
@@ -191,7 +195,7 @@ fn a_restored_world_has_the_same_future_and_handles() {
             saved.world().snapshot_into(&mut buffer);
             world.restore(&buffer);
             assert_eq!(future(&mut world, seed, 1_000), expected, "{integrator:?}, {seed}: from a buffer");
-            let there = Snapshot::from_bytes(&bytes, &laws()).expect("it is whole");
+            let there = Snapshot::from_bytes(&bytes, &custom_forces()).expect("it is whole");
             assert_eq!(there.to_bytes(), bytes, "{integrator:?}, {seed}: bytes of what was read from them");
             assert_eq!(there.world().differences(saved.world()), []);
             let mut there = there.into_world();
@@ -218,7 +222,7 @@ fn a_free_body_with_a_circle_takes_less_than_256_bytes() {
         world
             .add_body(BodyDef {
                 shape: Some(Shape::circle(radius).expect("a shape")),
-                mass: Mass::WithInertia(fx!(1), fx!(1)),
+                mass: Mass::Explicit { mass: fx!(1), inertia: fx!(1) },
                 linear_damping: Some(fx!(0.5)),
                 angular_damping: Some(fx!(0.5)),
                 max_speed: Some(fx!(5)),
@@ -236,18 +240,20 @@ fn a_free_body_with_a_circle_takes_less_than_256_bytes() {
 fn what_is_no_snapshot_is_refused_with_its_reason() {
     let world = lived(Integrator::default(), 3, 60);
     let bytes = world.snapshot().to_bytes();
-    let read = |bytes: &[u8]| Snapshot::from_bytes(bytes, &laws()).map(|_| ());
+    let read = |bytes: &[u8]| Snapshot::from_bytes(bytes, &custom_forces()).map(|_| ());
     assert_eq!(read(&bytes), Ok(()));
     assert_eq!(read(b"{}"), Err(SnapshotError::Foreign));
-    for (at, error) in
-        [(8, SnapshotError::Format { found: 2, known: 3 }), (12, SnapshotError::Law { found: LAW ^ 1, own: LAW })]
-    {
+    for (at, error) in [
+        (8, SnapshotError::Format { found: 2, known: 3 }),
+        (12, SnapshotError::PhysicsVersion { found: PHYSICS_VERSION ^ 1, own: PHYSICS_VERSION }),
+    ] {
         let mut changed = bytes.clone();
         changed[at] ^= 1;
         assert_eq!(read(&changed), Err(error));
     }
-    let strange = |version| Snapshot::from_bytes(&bytes, &[Arc::new(Tether(version)) as Arc<dyn ForceLaw>]).map(|_| ());
-    assert_eq!(strange(2), Err(SnapshotError::ForceLaw { id: 7, version: 1 }));
+    let strange =
+        |version| Snapshot::from_bytes(&bytes, &[Arc::new(Tether(version)) as Arc<dyn CustomForce>]).map(|_| ());
+    assert_eq!(strange(2), Err(SnapshotError::CustomForce { id: 7, version: 1 }));
     for end in 0..bytes.len() {
         assert!(read(&bytes[..end]).is_err(), "cut off at {end}");
     }
@@ -277,7 +283,7 @@ fn a_difference_is_named_to_the_body_and_field() {
     let named = found.iter().find(|d| d.field == "user_data").expect("named");
     assert_eq!(
         (named.place, named.left.as_deref(), named.right.as_deref()),
-        (Place::Body(body), Some(&data[..]), Some("99"))
+        (Owner::Body(body), Some(&data[..]), Some("99"))
     );
     let path = ours.first_difference(&theirs).expect("they differ");
     assert_eq!(path[1..3], ["bodies", &slot]);
@@ -290,7 +296,7 @@ fn a_difference_is_named_to_the_body_and_field() {
     let (body, velocity) = (body.id(), body.velocity());
     other.set_velocity(body, velocity).expect("it moves");
     let fields: Vec<_> = world.differences(&other).into_iter().map(|d| (d.place, d.field)).collect();
-    assert!(fields.iter().all(|(place, _)| *place == Place::Body(body)), "{fields:?}");
+    assert!(fields.iter().all(|(place, _)| *place == Owner::Body(body)), "{fields:?}");
     assert!(fields.iter().any(|(_, field)| field.starts_with("velocity.")), "{fields:?}");
 }
 

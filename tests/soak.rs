@@ -14,7 +14,9 @@ use std::time::{Duration, Instant};
 use allocation_counter::measure;
 use commands::Author;
 use random::SplitMix;
-use umbra_physics::{BodyState, Command, Dependence, ForceLaw, LawFault, Push, Snapshot, World, WorldDef, vec2};
+use umbra_physics::{
+    BodyState, Command, CustomForce, CustomForceError, Dependence, ForceTorque, Snapshot, World, WorldDef, vec2,
+};
 
 const BODIES: usize = 1_000;
 /// As many fields as bodies would make each tick a thousand times as long.
@@ -26,7 +28,7 @@ const WINDOW: u64 = 250;
 /// One of the three laws of the author's commands; it fails now and then.
 struct Swirl(u64);
 
-impl ForceLaw for Swirl {
+impl CustomForce for Swirl {
     fn id(&self) -> u64 {
         self.0
     }
@@ -36,26 +38,26 @@ impl ForceLaw for Swirl {
     fn depends_on(&self) -> Dependence {
         [Dependence::Nothing, Dependence::Position, Dependence::Velocity][self.0 as usize % 3]
     }
-    fn push(&self, body: &BodyState) -> Result<Push, LawFault> {
+    fn push(&self, body: &BodyState) -> Result<ForceTorque, CustomForceError> {
         let (at, velocity) = (body.position, body.velocity);
         match self.0 {
-            0 => Ok(Push { force: vec2(1, 0), ..Push::default() }),
-            1 if at.x.to_bits() % 4_096 == 0 => Err(LawFault { code: 7 }),
-            1 => Ok(Push { force: vec2(at.y, -at.x), ..Push::default() }),
-            _ => Ok(Push { force: vec2(velocity.y, -velocity.x), ..Push::default() }),
+            0 => Ok(ForceTorque { force: vec2(1, 0), ..ForceTorque::default() }),
+            1 if at.x.to_bits() % 4_096 == 0 => Err(CustomForceError { code: 7 }),
+            1 => Ok(ForceTorque { force: vec2(at.y, -at.x), ..ForceTorque::default() }),
+            _ => Ok(ForceTorque { force: vec2(velocity.y, -velocity.x), ..ForceTorque::default() }),
         }
     }
 }
 
-fn laws() -> Vec<Arc<dyn ForceLaw>> {
-    (0..3).map(|id| Arc::new(Swirl(id)) as Arc<dyn ForceLaw>).collect()
+fn custom_forces() -> Vec<Arc<dyn CustomForce>> {
+    (0..3).map(|id| Arc::new(Swirl(id)) as Arc<dyn CustomForce>).collect()
 }
 
 struct Soak {
     author: Author,
     world: World,
     twin: World,
-    laws: Vec<Arc<dyn ForceLaw>>,
+    custom_forces: Vec<Arc<dyn CustomForce>>,
     bytes: Vec<u8>,
     refused: u64,
     faults: u64,
@@ -64,16 +66,16 @@ struct Soak {
 impl Soak {
     fn new() -> Self {
         let mut world = World::new(WorldDef { sleep_after: Some(8), ..WorldDef::default() }).expect("a fair world");
-        let laws = laws();
-        for law in &laws {
-            world.register_law(law.clone()).expect("each once");
+        let custom_forces = custom_forces();
+        for law in &custom_forces {
+            world.register_custom_force(law.clone()).expect("each once");
         }
         let mut author = Author { random: SplitMix(1), unfair: 64 };
         while world.bodies().count() < BODIES {
             // Of an unfair one the next is the remedy.
             _ = world.add_body(author.body());
         }
-        Self { author, twin: world.clone(), world, laws, bytes: Vec::new(), refused: 0, faults: 0 }
+        Self { author, twin: world.clone(), world, custom_forces, bytes: Vec::new(), refused: 0, faults: 0 }
     }
 
     /// A command of any kind; one that keeps the world at its size, if it is not.
@@ -110,7 +112,7 @@ impl Soak {
         }
         self.bytes.clear();
         snapshot.write_to(&mut self.bytes);
-        self.twin = Snapshot::from_bytes(&self.bytes, &self.laws).expect("its own bytes").into_world();
+        self.twin = Snapshot::from_bytes(&self.bytes, &self.custom_forces).expect("its own bytes").into_world();
     }
 }
 

@@ -10,8 +10,8 @@ mod twins;
 use twins::{EVEN, FLOOR, HALF_AWAY, HALF_UP, Twin};
 use umbra_physics::scalar::{Accumulator, Angle, Factor};
 use umbra_physics::{
-    Action, Attachment, BodyDef, BodyId, Command, End, Field, Frame, Fx, Integrator, Law, Manner, Mass, Region, Scalar,
-    Shape, SpringLaw, TimeStep, Vec2, World, WorldDef, fx, vec2,
+    ApplyOptions, Attachment, BodyDef, BodyId, Command, End, FieldKind, ForceField, ForceOrImpulse, Frame, Fx,
+    Integrator, Mass, Region, Scalar, Shape, SpringConstants, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
 /// Steps of the scenes: 28 minutes at 1/60.
@@ -111,8 +111,8 @@ impl Symmetry {
         S::from_fx(if self.quarters == 1 { turned + QUARTER } else { turned })
     }
 
-    fn manner(frame: Frame) -> Manner {
-        Manner { frame, wake: true }
+    fn manner(frame: Frame) -> ApplyOptions {
+        ApplyOptions { frame, wake: true }
     }
 
     /// A force or impulse at a point, both in one frame.
@@ -205,7 +205,7 @@ fn scene<S: Scalar>(image: &Symmetry, integrator: Integrator, rate: u32) -> (Wor
         angle: image.angle(fx!(5.9)),
         angular_velocity: image.pseudo(fx!(2.125)),
         shape: polygon(&[(fx!(0), fx!(0)), (fx!(2.1), fx!(0.3)), (fx!(1.7), fx!(1.4)), (fx!(0.2), fx!(0.9))]),
-        mass: Mass::Of(s(fx!(2.7))),
+        mass: Mass::Kilograms(s(fx!(2.7))),
         gravity_scale: s(fx!(0.5)),
         linear_damping: Some(s(fx!(0.6))),
         groups: FIELDS,
@@ -215,7 +215,7 @@ fn scene<S: Scalar>(image: &Symmetry, integrator: Integrator, rate: u32) -> (Wor
         position: p(fx!(5.5), fx!(3)),
         velocity: v(fx!(-0.8), fx!(0.2)),
         angle: image.angle(fx!(2.2)),
-        mass: Mass::WithInertia(s(fx!(0.01)), s(fx!(0.003))),
+        mass: Mass::Explicit { mass: s(fx!(0.01)), inertia: s(fx!(0.003)) },
         gravity_scale: s(fx!(-1)),
         angular_damping: Some(s(fx!(0.5))),
         groups: FIELDS | DRAGGED,
@@ -242,14 +242,16 @@ fn scene<S: Scalar>(image: &Symmetry, integrator: Integrator, rate: u32) -> (Wor
     let weights = STARTS.map(|[x, y, vx, vy]| add(short(x, y, vx, vy)));
     add(BodyDef { gravity_scale: S::ONE, ..short(fx!(0), fx!(0), ULP, -ULP) });
 
-    let mut field = |law: Law<S>, groups| world.add_field(Field { law, groups }).map(drop).expect("a field");
+    let mut field =
+        |kind: FieldKind<S>, groups| world.add_field(ForceField { kind, groups }).map(drop).expect("a field");
     let mu = |mu: Fx| S::Factor::from_scalar(s(mu));
     let centre = End::World(p(fx!(0.5), fx!(-0.5)));
-    field(Law::Attractor { centre, mu: mu(fx!(9.1)), softening: s(fx!(0.75)) }, FIELDS);
+    field(FieldKind::Attractor { centre, mu: mu(fx!(9.1)), softening: s(fx!(0.75)) }, FIELDS);
     let carried = End::Body(Attachment { body: slab, point: l(fx!(0.3), fx!(-0.2)) });
-    field(Law::Attractor { centre: carried, mu: mu(fx!(1.7)), softening: s(fx!(0.5)) }, FIELDS);
-    let spring = |rest, stiffness, damping| SpringLaw { rest: s(rest), stiffness: s(stiffness), damping: s(damping) };
-    let anchored = |body, point, far, spring| Law::Spring { near: Attachment { body, point }, far, spring };
+    field(FieldKind::Attractor { centre: carried, mu: mu(fx!(1.7)), softening: s(fx!(0.5)) }, FIELDS);
+    let spring =
+        |rest, stiffness, damping| SpringConstants { rest: s(rest), stiffness: s(stiffness), damping: s(damping) };
+    let anchored = |body, point, far, spring| FieldKind::Spring { near: Attachment { body, point }, far, spring };
     field(
         anchored(wheel, l(fx!(0.25), fx!(-0.3)), End::Body(Attachment::centre(hub)), spring(fx!(1), fx!(3), fx!(0.1))),
         0,
@@ -263,11 +265,11 @@ fn scene<S: Scalar>(image: &Symmetry, integrator: Integrator, rate: u32) -> (Wor
         0,
     );
     let wind = v(fx!(-0.7), fx!(0.33));
-    field(Law::Drag { linear: s(fx!(0.02)), quadratic: s(fx!(0.013)), wind }, DRAGGED);
+    field(FieldKind::Drag { linear: s(fx!(0.02)), quadratic: s(fx!(0.013)), wind }, DRAGGED);
     let at = Attachment { body: wheel, point: l(fx!(0.5), fx!(0)) };
-    field(Law::Thrust { at, force: l(fx!(0.2), fx!(0.45)) }, 0);
+    field(FieldKind::Thrust { at, force: l(fx!(0.2), fx!(0.45)) }, 0);
     let region = Region::Disc { centre: p(fx!(2), fx!(2)), radius: s(fx!(1.75)) };
-    field(Law::Zone { region, acceleration: v(fx!(0.4), fx!(-0.6)) }, FIELDS);
+    field(FieldKind::Zone { region, acceleration: v(fx!(0.4), fx!(-0.6)) }, FIELDS);
     // Its edge goes through where the sleeper and one of the short ones start: closed on all sides, so are its images.
     let [a, b]: [Vec2<S>; 2] = [p(fx!(-6), fx!(-4)), p(fx!(1.5), fx!(1))];
     let lower = |a: S, b: S| if a < b { a } else { b };
@@ -276,7 +278,7 @@ fn scene<S: Scalar>(image: &Symmetry, integrator: Integrator, rate: u32) -> (Wor
         min: Vec2::new(lower(a.x, b.x), lower(a.y, b.y)),
         max: Vec2::new(upper(a.x, b.x), upper(a.y, b.y)),
     };
-    field(Law::Zone { region, acceleration: v(fx!(0.25), fx!(0.125)) }, FIELDS | SHORT);
+    field(FieldKind::Zone { region, acceleration: v(fx!(0.25), fx!(0.125)) }, FIELDS | SHORT);
     for (body, (x, y)) in weights.into_iter().zip([(fx!(-1), fx!(1)), (fx!(1.5), fx!(-2)), (fx!(6), fx!(1))]) {
         field(anchored(body, Vec2::ZERO, End::World(p(x, y)), spring(fx!(1), fx!(1), fx!(0))), 0);
     }
@@ -293,24 +295,28 @@ fn drive<S: Scalar>(world: &mut World<S>, cast: &Cast, image: &Symmetry, tick: u
     let sign = |value: Fx| if tick % 2 == 0 { value } else { -value };
     if tick % 3 == 0 {
         let (force, point) = image.push(Frame::World, vec2(fx!(0.3), sign(fx!(1.1))), vec2(fx!(1.9), fx!(0.8)));
-        act(cast.wheel, Action::Force { force, point }, Frame::World);
-        act(cast.wheel, Action::Torque(image.pseudo(sign(fx!(0.7)))), Frame::World);
+        act(cast.wheel, ForceOrImpulse::Force { force, point }, Frame::World);
+        act(cast.wheel, ForceOrImpulse::Torque(image.pseudo(sign(fx!(0.7)))), Frame::World);
     }
     if tick % 5 < 2 {
         let (force, point) = image.push(Frame::Body, vec2(sign(fx!(0.9)), fx!(-0.2)), vec2(fx!(0.33), fx!(0.41)));
-        act(cast.slab, Action::Force { force, point }, Frame::Body);
-        act(cast.light, Action::Force { force: image.vector(vec2(sign(fx!(0.01)), 0)), point: None }, Frame::World);
+        act(cast.slab, ForceOrImpulse::Force { force, point }, Frame::Body);
+        act(
+            cast.light,
+            ForceOrImpulse::Force { force: image.vector(vec2(sign(fx!(0.01)), 0)), point: None },
+            Frame::World,
+        );
     }
     if tick % 97 == 0 {
         let (impulse, point) = image.push(Frame::World, vec2(sign(fx!(0.4)), sign(fx!(-0.3))), vec2(fx!(-1), fx!(-2)));
-        act(cast.slab, Action::Impulse { impulse, point }, Frame::World);
+        act(cast.slab, ForceOrImpulse::Impulse { impulse, point }, Frame::World);
         let (impulse, point) = image.push(Frame::Body, vec2(sign(fx!(0.001)), fx!(0.002)), vec2(fx!(0.1), fx!(0)));
-        act(cast.light, Action::Impulse { impulse, point }, Frame::Body);
-        act(cast.wheel, Action::AngularImpulse(image.pseudo(sign(fx!(0.05)))), Frame::World);
+        act(cast.light, ForceOrImpulse::Impulse { impulse, point }, Frame::Body);
+        act(cast.wheel, ForceOrImpulse::AngularImpulse(image.pseudo(sign(fx!(0.05)))), Frame::World);
     }
     if tick % 1_000 == 400 {
         let (impulse, point) = image.push(Frame::Body, vec2(sign(fx!(2)), sign(fx!(1))), vec2(fx!(0.5), fx!(-0.5)));
-        act(cast.sleeper, Action::Impulse { impulse, point }, Frame::Body);
+        act(cast.sleeper, ForceOrImpulse::Impulse { impulse, point }, Frame::Body);
     }
     if tick % 4_096 == 4_095 {
         // Nothing damps these, and explicit Euler drives them out.
@@ -506,7 +512,7 @@ fn equal_bodies_of_any_mass_fall_alike_to_the_bit() {
             let shape = Some(Shape::circle(fx!(0.25)).unwrap());
             let (position, velocity) = (vec2(fx!(10.1), fx!(-3.7)), vec2(fx!(-0.3), fx!(2.9)));
             let def = BodyDef {
-                mass: Mass::Of(mass),
+                mass: Mass::Kilograms(mass),
                 shape,
                 position,
                 velocity,
@@ -517,9 +523,9 @@ fn equal_bodies_of_any_mass_fall_alike_to_the_bit() {
         });
         let mu = <Fx as Scalar>::Factor::from_scalar(fx!(500));
         let centre = End::World(vec2(fx!(0.2), fx!(-1)));
-        world.add_field(Law::Attractor { centre, mu, softening: fx!(1) }).unwrap();
+        world.add_field(FieldKind::Attractor { centre, mu, softening: fx!(1) }).unwrap();
         let region = Region::Disc { centre: vec2(0, 0), radius: fx!(20) };
-        world.add_field(Law::Zone { region, acceleration: vec2(fx!(0.77), fx!(0.1)) }).unwrap();
+        world.add_field(FieldKind::Zone { region, acceleration: vec2(fx!(0.77), fx!(0.1)) }).unwrap();
         for tick in 0..STEPS / 10 {
             world.step();
             let first = Bits::of(&world.body(bodies[0]).unwrap());

@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 
 use umbra_physics::scalar::{Accumulator, Factor};
 use umbra_physics::{
-    Activity, Attachment, BodyDef, BodyId, End, Error, Field, Fx, FxFactor, FxWide, Integrator, Law, Mass, Quantity,
-    Region, Snapshot, SpringLaw, Stage, TimeStep, Vec2, Verb, World, WorldDef, fx, limits, vec2,
+    Activity, Attachment, BodyDef, BodyId, End, Error, FieldKind, ForceField, Fx, FxFactor, FxWide, Integrator, Mass,
+    Quantity, Region, Snapshot, SpringConstants, Stage, StageKind, TimeStep, Vec2, World, WorldDef, fx, limits, vec2,
 };
 
 #[path = "support/inputs.rs"]
@@ -45,7 +45,7 @@ fn busy(integrator: Integrator, all: bool) -> (World, Vec<BodyId>) {
             velocity: vector(&mut random, 36),
             angle: number(&mut random, 35),
             angular_velocity: number(&mut random, 35),
-            mass: Mass::WithInertia(fx!(2), fx!(0.5)),
+            mass: Mass::Explicit { mass: fx!(2), inertia: fx!(0.5) },
             groups: if i < 20 { 1 } else { 2 },
             ..BodyDef::dynamic()
         })
@@ -55,21 +55,21 @@ fn busy(integrator: Integrator, all: bool) -> (World, Vec<BodyId>) {
     }
     bodies[30].position = vec2(fx!(1_073_741_823), 0);
     bodies[30].velocity = vec2(20, 0);
-    bodies[31] = BodyDef { groups: 4, mass: Mass::Of(fx!(0.001)), ..bodies[31].clone() };
+    bodies[31] = BodyDef { groups: 4, mass: Mass::Kilograms(fx!(0.001)), ..bodies[31].clone() };
     let ids: Vec<BodyId> = bodies.into_iter().map(|body| world.add_body(body).expect("a fair body")).collect();
     let at = |i: usize| Attachment { body: ids[i], point: vec2(fx!(0.5), 1) };
-    let spring = SpringLaw { rest: fx!(3), stiffness: fx!(2), damping: fx!(0.5) };
-    let drag = |linear| Law::Drag { linear, quadratic: fx!(0.01), wind: vec2(1, 2) };
+    let spring = SpringConstants { rest: fx!(3), stiffness: fx!(2), damping: fx!(0.5) };
+    let drag = |linear| FieldKind::Drag { linear, quadratic: fx!(0.01), wind: vec2(1, 2) };
     let mu = <FxFactor as Factor<Fx>>::from_scalar(fx!(40));
     let fields = [
-        (1, Law::Spring { near: at(0), far: End::Body(at(1)), spring }),
-        (1, Law::Thrust { at: at(4), force: vec2(fx!(0.5), fx!(2)) }),
-        (1, Law::Attractor { centre: End::Body(at(5)), mu, softening: fx!(1) }),
+        (1, FieldKind::Spring { near: at(0), far: End::Body(at(1)), spring }),
+        (1, FieldKind::Thrust { at: at(4), force: vec2(fx!(0.5), fx!(2)) }),
+        (1, FieldKind::Attractor { centre: End::Body(at(5)), mu, softening: fx!(1) }),
         (1, drag(fx!(0.25))),
         (4, drag(fx!(1))),
     ];
     for (groups, law) in fields.into_iter().take(if all { 5 } else { 2 }) {
-        world.add_field(Field { law, groups }).expect("a fair field");
+        world.add_field(ForceField { kind, groups }).expect("a fair field");
     }
     (world, ids)
 }
@@ -149,23 +149,23 @@ fn a_stage_writes_what_its_verb_says_alone() {
             let stages: Vec<Stage> = trace.stages().map(|(stage, _)| *stage).collect();
             assert_eq!(stages, integrator.stages());
             for (stage, after) in trace.stages() {
-                let may = match stage.verb {
-                    Verb::Fields => "",
-                    Verb::Damp | Verb::Kick => "speeds",
-                    Verb::Drift => "places",
-                    Verb::Clear => "forces",
+                let may = match stage.kind {
+                    StageKind::Fields => "",
+                    StageKind::Damp | StageKind::Kick => "speeds",
+                    StageKind::Drift => "places",
+                    StageKind::Clear => "forces",
                 };
                 for ((name, old), (_, new)) in parts(&before).iter().zip(&parts(after)) {
                     assert!(old == new || *name == may, "{integrator:?}, {stage:?} writes {name}");
                     if old != new {
-                        written.insert((stage.verb.name(), *name));
+                        written.insert((stage.kind.name(), *name));
                     }
                 }
                 // What the bodies do not show: nothing else is written.
                 assert_eq!(after.tick(), start);
-                match stage.verb {
-                    Verb::Fields => assert_eq!(after.state_hash(), before.state_hash(), "{integrator:?}"),
-                    Verb::Clear => {
+                match stage.kind {
+                    StageKind::Fields => assert_eq!(after.state_hash(), before.state_hash(), "{integrator:?}"),
+                    StageKind::Clear => {
                         before.clear_forces();
                         assert_eq!(after.state_hash(), before.state_hash(), "{integrator:?}");
                     }
@@ -194,14 +194,14 @@ fn two_runs_part_in_the_stage_that_parts_them() {
         let make = |wind: Fx| {
             let (mut world, _) = busy(integrator, true);
             world
-                .add_field(Law::Drag { linear: fx!(0.1), quadratic: fx!(0), wind: Vec2::new(wind, fx!(0)) })
+                .add_field(FieldKind::Drag { linear: fx!(0.1), quadratic: fx!(0), wind: Vec2::new(wind, fx!(0)) })
                 .expect("fair");
             world
         };
         let (mut one, mut other) = (make(fx!(1)), make(fx!(2)));
         let (one, other) = (one.step_traced(), other.step_traced());
         let parted = one.stages().zip(other.stages()).find(|((_, a), (_, b))| parts(a) != parts(b));
-        assert_eq!(parted.map(|((stage, _), _)| stage.verb), Some(Verb::Damp), "{integrator:?}");
+        assert_eq!(parted.map(|((stage, _), _)| stage.kind), Some(StageKind::Damp), "{integrator:?}");
     }
 }
 
@@ -226,10 +226,10 @@ fn a_body_beyond_the_envelope_in_the_midst_of_a_step_is_quarantined_there() {
     let fast = BodyDef { position: vec2(5, 0), velocity: Vec2::new(fx!(0), -limit), ..BodyDef::dynamic() };
     let ids = [fast.clone(), fast].map(|body| world.add_body(body).expect("a fair body"));
     let region = Region::Box { min: vec2(-10, -10_000_000), max: vec2(10, -1_000) };
-    world.add_field(Law::Zone { region, acceleration: vec2(0, 30_000) }).expect("a fair field");
+    world.add_field(FieldKind::Zone { region, acceleration: vec2(0, 30_000) }).expect("a fair field");
     let trace = world.step_traced();
     assert!(world.last_report().faults.is_empty());
-    let (_, midway) = trace.stages().find(|(stage, _)| stage.verb == Verb::Drift).expect("it drifts");
+    let (_, midway) = trace.stages().find(|(stage, _)| stage.kind == StageKind::Drift).expect("it drifts");
     for id in ids {
         let body = midway.body(id).expect("it is there");
         assert_eq!(body.velocity().y, -limit - fx!(5_000));
@@ -254,7 +254,9 @@ fn a_body_pushed_beyond_the_envelope_is_quarantined_in_worlds_that_go_on() {
         let slow = WorldDef { time_step: TimeStep::hz(1), integrator, sleep_after: None, ..WorldDef::default() };
         let mut world = World::new(slow).expect("a fair definition");
         let ids: Vec<_> = (0..3).map(|_| world.add_body(BodyDef::dynamic()).expect("a fair body")).collect();
-        world.add_field(Law::Drag { linear: fx!(0.1), quadratic: fx!(0), wind: Vec2::ZERO }).expect("a fair field");
+        world
+            .add_field(FieldKind::Drag { linear: fx!(0.1), quadratic: fx!(0), wind: Vec2::ZERO })
+            .expect("a fair field");
         world.set_velocity(ids[1], Vec2::new(limit, fx!(0))).expect("a fair velocity");
         world.apply_force(ids[1], vec2(200_000, 0)).expect("a fair force");
         world.apply_force(ids[2], vec2(1, 0)).expect("a fair force");
@@ -285,7 +287,7 @@ fn a_body_beyond_the_envelope_by_less_than_an_ulp_is_not_released() {
     let body = world.add_body(BodyDef { position: edge, velocity, ..BodyDef::dynamic() }).expect("fair");
     let trace = world.step_traced();
     assert_eq!(world.last_report().faults.len(), 1);
-    let (_, beyond) = trace.stages().find(|(stage, _)| stage.verb == Verb::Drift).expect("it drifts");
+    let (_, beyond) = trace.stages().find(|(stage, _)| stage.kind == StageKind::Drift).expect("it drifts");
     assert_eq!(beyond.body(body).expect("it is there").position(), edge);
     let mut beyond = beyond.clone();
     assert_eq!(beyond.release(body), Err(Error::OutOfRange { quantity: Quantity::Position }));

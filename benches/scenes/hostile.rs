@@ -5,9 +5,9 @@ use std::f64::consts::TAU;
 
 use umbra_physics::scene::Scene;
 use umbra_physics::{
-    Action, Attachment, BodyDef, BodyId, Command, End, Field, Fx, Input, Inputs, Integrator, Law, Manner, Mass, Part,
-    RecordOptions, Recorder, Region, Replay, ReplayLimits, Shape, Snapshot, SpringLaw, TimeStep, World, WorldDef, fx,
-    vec2,
+    ApplyOptions, Attachment, BodyDef, BodyId, Command, End, FieldKind, ForceField, ForceOrImpulse, Fx, Input, Inputs,
+    Integrator, Mass, Part, RecordOptions, Recorder, Region, Replay, ReplayLimits, Shape, Snapshot, SpringConstants,
+    TimeStep, World, WorldDef, fx, vec2,
 };
 
 /// A world with so many bodies, and commands to repeat.
@@ -213,9 +213,9 @@ fn asleep(mut world: World) -> World {
     world
 }
 
-fn spring(near: BodyId, far: BodyId) -> Law {
-    let spring = SpringLaw { rest: fx!(4), stiffness: fx!(0), damping: fx!(0) };
-    Law::Spring { near: Attachment::centre(near), far: End::Body(Attachment::centre(far)), spring }
+fn spring(near: BodyId, far: BodyId) -> FieldKind {
+    let spring = SpringConstants { rest: fx!(4), stiffness: fx!(0), damping: fx!(0) };
+    FieldKind::Spring { near: Attachment::centre(near), far: End::Body(Attachment::centre(far)), spring }
 }
 
 fn integrators(count: usize) -> (World, Vec<Command>) {
@@ -272,7 +272,7 @@ fn removals_beside_inert_fields(count: usize) -> (World, Vec<Command>) {
     let (mut world, bodies) = unlike_world(count);
     let [idle, rest @ ..] = &bodies[..] else { unreachable!() };
     for _ in 0..4 * count {
-        world.add_field(Law::Thrust { at: Attachment::centre(*idle), force: vec2(1, 0) }).expect("a thrust");
+        world.add_field(FieldKind::Thrust { at: Attachment::centre(*idle), force: vec2(1, 0) }).expect("a thrust");
     }
     world.disable(*idle).expect("it takes part");
     (world, rest.iter().take(200).map(|&body| Command::RemoveBody(body)).collect())
@@ -320,7 +320,8 @@ fn groups_woken(count: usize) -> (World, Vec<Command>) {
         world.set_groups(body, 1 << (i % 31)).expect("it is there");
     }
     let region = Region::Disc { centre: vec2(0, 0), radius: fx!(1) };
-    let zone = |group: u32| Field { law: Law::Zone { region, acceleration: vec2(1, 0) }, groups: 1 << group };
+    let zone =
+        |group: u32| ForceField { kind: FieldKind::Zone { region, acceleration: vec2(1, 0) }, groups: 1 << group };
     // Those that nobody is in between them.
     let groups = (0..31).flat_map(|group| [31, group]);
     (asleep(world), groups.map(|group| Command::AddField(zone(group))).collect())
@@ -343,7 +344,7 @@ fn pushes(count: usize) -> (World, Vec<Command>) {
     let shape = Some(Shape::rectangle(fx!(2), fx!(1)).expect("a shape"));
     let def = BodyDef { shape, mass: Mass::Density(fx!(1)), angle: fx!(1), ..BodyDef::dynamic() };
     let bodies: Vec<_> = (0..count).map(|_| world.add_body(def.clone()).expect("a body")).collect();
-    let action = Action::Impulse { impulse: vec2(1, 2), point: Some(vec2(1, 1)) };
-    let manner = Manner { frame: umbra_physics::Frame::Body, wake: true };
+    let action = ForceOrImpulse::Impulse { impulse: vec2(1, 2), point: Some(vec2(1, 1)) };
+    let manner = ApplyOptions { frame: umbra_physics::Frame::Body, wake: true };
     (world, bodies.iter().map(|&body| Command::Apply { body, action, manner }).collect())
 }

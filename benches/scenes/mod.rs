@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use umbra_physics::scalar::Factor;
 use umbra_physics::{
-    Attachment, BodyDef, BodyId, BodyState, Dependence, End, Field, ForceLaw, Fx, Law, LawFault, Push, Scalar,
-    SpringLaw, Vec2, World, WorldDef, fx,
+    Attachment, BodyDef, BodyId, BodyState, CustomForce, CustomForceError, Dependence, End, FieldKind, ForceField,
+    ForceTorque, Fx, Scalar, SpringConstants, Vec2, World, WorldDef, fx,
 };
 
 #[path = "../../tests/support/inputs.rs"]
@@ -166,7 +166,7 @@ pub(crate) fn damped<S: Scalar>(count: usize) -> Scene<S> {
     scene(WorldDef { linear_damping: S::from_fx(KEPT), ..calm() }, moving(count))
 }
 
-fn with_fields<S: Scalar, F: Into<Field<S>>>(
+fn with_fields<S: Scalar, F: Into<ForceField<S>>>(
     mut scene: Scene<S>,
     fields: impl FnOnce(&[BodyId]) -> Vec<F>,
 ) -> Scene<S> {
@@ -180,7 +180,7 @@ fn with_fields<S: Scalar, F: Into<Field<S>>>(
 /// So many thrusts fixed in the frame of each of the first `some` bodies.
 fn with_thrusters<S: Scalar>(scene: Scene<S>, some: usize, each: usize) -> Scene<S> {
     with_fields(scene, |bodies| {
-        let thrust = |&body| Law::Thrust { at: Attachment::centre(body), force: vector(fx!(0.25), fx!(0.5)) };
+        let thrust = |&body| FieldKind::Thrust { at: Attachment::centre(body), force: vector(fx!(0.25), fx!(0.5)) };
         bodies[..some].iter().flat_map(|body| std::iter::repeat_n(thrust(body), each)).collect()
     })
 }
@@ -200,8 +200,8 @@ pub(crate) fn pushed_thrusters<S: Scalar>(count: usize) -> Scene<S> {
 /// As `free`, the first tenth with a thrust each, the second joined in a chain of springs.
 pub(crate) fn mixed<S: Scalar>(count: usize) -> Scene<S> {
     with_fields(with_thrusters(free(count), count / 10, 1), |bodies| {
-        let spring = SpringLaw { rest: S::from_fx(fx!(4)), stiffness: S::from_fx(fx!(10)), damping: S::ZERO };
-        let join = |pair: &[BodyId]| Law::Spring {
+        let spring = SpringConstants { rest: S::from_fx(fx!(4)), stiffness: S::from_fx(fx!(10)), damping: S::ZERO };
+        let join = |pair: &[BodyId]| FieldKind::Spring {
             near: Attachment::centre(pair[0]),
             far: End::Body(Attachment::centre(pair[1])),
             spring,
@@ -214,7 +214,7 @@ pub(crate) fn mixed<S: Scalar>(count: usize) -> Scene<S> {
 pub(crate) fn orbits<S: Scalar>(count: usize) -> Scene<S> {
     with_fields(free(count), |_| {
         let centres = [(-1000, 0), (1000, 0), (0, 1000)];
-        let attractor = |(x, y): (i32, i32)| Law::Attractor {
+        let attractor = |(x, y): (i32, i32)| FieldKind::Attractor {
             centre: End::World(vector(Fx::from(x), Fx::from(y))),
             mu: S::Factor::from_ratio(100_000, 1),
             softening: S::from_fx(fx!(1)),
@@ -227,7 +227,7 @@ pub(crate) fn orbits<S: Scalar>(count: usize) -> Scene<S> {
 pub(crate) fn drag<S: Scalar>(count: usize) -> Scene<S> {
     with_fields(free(count), |_| {
         let (linear, quadratic) = (S::from_fx(fx!(0.125)), S::from_fx(fx!(0.0078125)));
-        vec![Law::Drag { linear, quadratic, wind: vector(fx!(5), fx!(1)) }]
+        vec![FieldKind::Drag { linear, quadratic, wind: vector(fx!(5), fx!(1)) }]
     })
 }
 
@@ -242,8 +242,8 @@ pub(crate) fn net<S: Scalar>(columns: usize, rows: usize) -> Scene<S> {
         ..BodyDef::dynamic()
     });
     with_fields(scene(calm(), bodies), |bodies| {
-        let spring = SpringLaw { rest: S::ONE, stiffness: S::from_fx(fx!(100)), damping: S::ZERO };
-        let join = |a: usize, b: usize| Law::Spring {
+        let spring = SpringConstants { rest: S::ONE, stiffness: S::from_fx(fx!(100)), damping: S::ZERO };
+        let join = |a: usize, b: usize| FieldKind::Spring {
             near: Attachment::centre(bodies[a]),
             far: End::Body(Attachment::centre(bodies[b])),
             spring,
@@ -257,7 +257,7 @@ pub(crate) fn net<S: Scalar>(columns: usize, rows: usize) -> Scene<S> {
 /// A law of the caller's own: the same force on each body.
 struct Steady;
 
-impl<S: Scalar> ForceLaw<S> for Steady {
+impl<S: Scalar> CustomForce<S> for Steady {
     fn id(&self) -> u64 {
         1
     }
@@ -270,14 +270,14 @@ impl<S: Scalar> ForceLaw<S> for Steady {
         Dependence::Position
     }
 
-    fn push(&self, _: &BodyState<S>) -> Result<Push<S>, LawFault> {
-        Ok(Push { force: vector(fx!(0.25), fx!(0.5)), torque: S::ZERO })
+    fn push(&self, _: &BodyState<S>) -> Result<ForceTorque<S>, CustomForceError> {
+        Ok(ForceTorque { force: vector(fx!(0.25), fx!(0.5)), torque: S::ZERO })
     }
 }
 
 fn with_steady_law<S: Scalar>(mut scene: Scene<S>) -> Scene<S> {
-    scene.world.register_law(Arc::new(Steady)).expect("the first of its id");
-    with_fields(scene, |_| vec![Law::Custom { id: 1 }])
+    scene.world.register_custom_force(Arc::new(Steady)).expect("the first of its id");
+    with_fields(scene, |_| vec![FieldKind::Custom { id: 1 }])
 }
 
 /// As `free`, with a law of the caller's own.

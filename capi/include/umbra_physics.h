@@ -311,7 +311,7 @@ typedef struct UmbraPose {
 } UmbraPose;
 
 // A law of force: one of the five below.
-typedef uint32_t UmbraLaw;
+typedef uint32_t UmbraFieldKind;
 
 // The region of a zone: one of the two below. Its edge belongs to it.
 typedef uint32_t UmbraRegion;
@@ -319,7 +319,7 @@ typedef uint32_t UmbraRegion;
 // A force field: a law and whom it acts on. Only what its law reads matters. `umbra_field_def_default` fills it in.
 typedef struct UmbraFieldDef {
     // The law.
-    UmbraLaw law;
+    UmbraFieldKind kind;
     // It acts on dynamic bodies with one of these group bits; springs and thrusts act on their bodies alone. All.
     uint32_t groups;
     // The region of a zone.
@@ -458,8 +458,8 @@ typedef struct UmbraReplayLimits {
 // They are one of another layout.
 #define UMBRA_ERROR_SNAPSHOT_FORMAT 302
 
-// It was made under other laws of physics.
-#define UMBRA_ERROR_SNAPSHOT_LAW 303
+// It was made under other custom_forces of physics.
+#define UMBRA_ERROR_SNAPSHOT_PHYSICS_VERSION 303
 
 // It is cut off or damaged.
 #define UMBRA_ERROR_SNAPSHOT_MALFORMED 304
@@ -468,7 +468,7 @@ typedef struct UmbraReplayLimits {
 #define UMBRA_ERROR_SNAPSHOT_INVALID 305
 
 // It has a law of force of a user's own, which this interface has not.
-#define UMBRA_ERROR_SNAPSHOT_FORCE_LAW 306
+#define UMBRA_ERROR_SNAPSHOT_CUSTOM_FORCE 306
 
 // The world it makes does not have the hash it gives.
 #define UMBRA_ERROR_SNAPSHOT_CHANGED 307
@@ -482,8 +482,8 @@ typedef struct UmbraReplayLimits {
 // They are one of another layout.
 #define UMBRA_ERROR_REPLAY_FORMAT 402
 
-// It was recorded under other laws of physics.
-#define UMBRA_ERROR_REPLAY_LAW 403
+// It was recorded under other custom_forces of physics.
+#define UMBRA_ERROR_REPLAY_PHYSICS_VERSION 403
 
 // It ends before the recording did.
 #define UMBRA_ERROR_REPLAY_CUT_OFF 404
@@ -648,8 +648,8 @@ extern "C" {
 // The number of the interface that the library has.
 uint32_t umbra_api(void);
 
-// The number of the laws of physics. Peers, snapshots and replays go together if they have the same.
-uint32_t umbra_law(void);
+// The number of the custom_forces of physics. Peers, snapshots and replays go together if they have the same.
+uint32_t umbra_physics_version(void);
 
 // The version of the library as text, which stays. This interface has the same.
 const char *umbra_version(void);
@@ -991,7 +991,7 @@ UmbraStatus umbra_world_wake(struct UmbraWorld *world, uint64_t body);
 UmbraStatus umbra_world_release(struct UmbraWorld *world, uint64_t body);
 
 // Fills in the definition of a field of a law: all groups, no body, everything else 0.
-UmbraStatus umbra_field_def_default(UmbraLaw law, struct UmbraFieldDef *def);
+UmbraStatus umbra_field_def_default(UmbraFieldKind kind, struct UmbraFieldDef *def);
 
 // Adds a force field; wakes what it may act on.
 UmbraStatus umbra_world_add_field(struct UmbraWorld *world, const struct UmbraFieldDef *def, uint64_t *field);

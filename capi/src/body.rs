@@ -222,8 +222,8 @@ fn mass_of(kind: UmbraMassKind, mass: UmbraFx, inertia: UmbraFx) -> Result<Mass>
     let (mass, inertia) = (Fx::from_bits(mass), Fx::from_bits(inertia));
     match kind {
         UMBRA_MASS_DENSITY => Ok(Mass::Density(mass)),
-        UMBRA_MASS_OF => Ok(Mass::Of(mass)),
-        UMBRA_MASS_WITH_INERTIA => Ok(Mass::WithInertia(mass, inertia)),
+        UMBRA_MASS_OF => Ok(Mass::Kilograms(mass)),
+        UMBRA_MASS_WITH_INERTIA => Ok(Mass::Explicit { mass, inertia }),
         _ => Err(Refusal::bad("no way to give a mass has this number")),
     }
 }
@@ -388,8 +388,8 @@ pub extern "C" fn umbra_world_body_mass_def(
         let (world, kind, mass, inertia) = (given(world)?, given(kind)?, given(mass)?, given(inertia)?);
         let given = match world.world().body(body_id(body))?.mass_def() {
             Mass::Density(density) => (UMBRA_MASS_DENSITY, density, Fx::ZERO),
-            Mass::Of(mass) => (UMBRA_MASS_OF, mass, Fx::ZERO),
-            Mass::WithInertia(mass, inertia) => (UMBRA_MASS_WITH_INERTIA, mass, inertia),
+            Mass::Kilograms(mass) => (UMBRA_MASS_OF, mass, Fx::ZERO),
+            Mass::Explicit { mass, inertia } => (UMBRA_MASS_WITH_INERTIA, mass, inertia),
         };
         kind.write(given.0);
         mass.write(given.1.to_bits());

@@ -2,7 +2,7 @@
 
 use std::mem::MaybeUninit;
 
-use umbra_physics::{Attachment, Command, End, Field, Fx, Law, Region, SpringLaw};
+use umbra_physics::{Attachment, Command, End, FieldKind, ForceField, Fx, Region, SpringConstants};
 
 use crate::UMBRA_NO_HANDLE;
 use crate::memory::{fill, given};
@@ -11,21 +11,21 @@ use crate::status::{Refusal, Result, UmbraStatus, guard};
 use crate::world::{UmbraWorld, body_id, change, change_by, field_id, look, made, word};
 
 /// A law of force: one of the five below.
-pub type UmbraLaw = u32;
+pub type UmbraFieldKind = u32;
 
 /// Acceleration mu·d / (d² + softening²)^(3/2) towards a point, the same for every mass. Reads `other`, `other_point`, `mu`,
 /// `softening`.
-pub const UMBRA_ATTRACTOR: UmbraLaw = 0;
+pub const UMBRA_ATTRACTOR: UmbraFieldKind = 0;
 /// A spring with a damper along it. Reads `body`, `point`, `other`, `other_point`, `rest`, `stiffness`, `damping`.
-pub const UMBRA_SPRING: UmbraLaw = 1;
+pub const UMBRA_SPRING: UmbraFieldKind = 1;
 /// Drag against a medium: F = −(linear + quadratic·|u|)·u with u the velocity relative to it. Reads `linear`, `quadratic`,
 /// `wind`.
-pub const UMBRA_DRAG: UmbraLaw = 2;
+pub const UMBRA_DRAG: UmbraFieldKind = 2;
 /// A force that turns with the body. Reads `body`, `point`, `force`.
-pub const UMBRA_THRUST: UmbraLaw = 3;
+pub const UMBRA_THRUST: UmbraFieldKind = 3;
 /// A constant acceleration of the bodies whose centre of mass is in a region. Reads `region` and what that reads, and
 /// `acceleration`.
-pub const UMBRA_ZONE: UmbraLaw = 4;
+pub const UMBRA_ZONE: UmbraFieldKind = 4;
 
 /// The region of a zone: one of the two below. Its edge belongs to it.
 pub type UmbraRegion = u32;
@@ -43,7 +43,7 @@ pub const UMBRA_ALL_GROUPS: u32 = 0xFFFF_FFFF;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct UmbraFieldDef {
     /// The law.
-    pub law: UmbraLaw,
+    pub kind: UmbraFieldKind,
     /// It acts on dynamic bodies with one of these group bits; springs and thrusts act on their bodies alone. All.
     pub groups: u32,
     /// The region of a zone.
@@ -92,7 +92,7 @@ const EMPTY: UmbraVec2 = UmbraVec2 { x: 0, y: 0 };
 
 /// Of no law yet.
 const BLANK: UmbraFieldDef = UmbraFieldDef {
-    law: 0,
+    kind: 0,
     groups: UMBRA_ALL_GROUPS,
     region: UMBRA_DISC,
     reserved: 0,
@@ -139,26 +139,28 @@ impl UmbraFieldDef {
         };
     }
 
-    fn field(&self) -> Result<Field> {
-        let law = match self.law {
-            UMBRA_ATTRACTOR => {
-                Law::Attractor { centre: self.end(), mu: factor(self.mu)?, softening: Fx::from_bits(self.softening) }
-            }
+    fn field(&self) -> Result<ForceField> {
+        let kind = match self.kind {
+            UMBRA_ATTRACTOR => FieldKind::Attractor {
+                centre: self.end(),
+                mu: factor(self.mu)?,
+                softening: Fx::from_bits(self.softening),
+            },
             UMBRA_SPRING => {
                 let (rest, stiffness) = (Fx::from_bits(self.rest), Fx::from_bits(self.stiffness));
-                let spring = SpringLaw { rest, stiffness, damping: Fx::from_bits(self.damping) };
-                Law::Spring { near: self.near(), far: self.end(), spring }
+                let spring = SpringConstants { rest, stiffness, damping: Fx::from_bits(self.damping) };
+                FieldKind::Spring { near: self.near(), far: self.end(), spring }
             }
-            UMBRA_DRAG => Law::Drag {
+            UMBRA_DRAG => FieldKind::Drag {
                 linear: Fx::from_bits(self.linear),
                 quadratic: Fx::from_bits(self.quadratic),
                 wind: self.wind.into(),
             },
-            UMBRA_THRUST => Law::Thrust { at: self.near(), force: self.force.into() },
-            UMBRA_ZONE => Law::Zone { region: self.zone()?, acceleration: self.acceleration.into() },
+            UMBRA_THRUST => FieldKind::Thrust { at: self.near(), force: self.force.into() },
+            UMBRA_ZONE => FieldKind::Zone { region: self.zone()?, acceleration: self.acceleration.into() },
             _ => return Err(Refusal::bad("no law of force has this number")),
         };
-        Ok(Field { law, groups: self.groups })
+        Ok(ForceField { kind, groups: self.groups })
     }
 
     fn zone(&self) -> Result<Region> {
@@ -169,32 +171,32 @@ impl UmbraFieldDef {
         }
     }
 
-    fn of(field: &Field) -> Result<Self> {
+    fn of(field: &ForceField) -> Result<Self> {
         let mut def = Self { groups: field.groups, ..BLANK };
-        match &field.law {
-            Law::Attractor { centre, mu, softening } => {
-                def.law = UMBRA_ATTRACTOR;
+        match &field.kind {
+            FieldKind::Attractor { centre, mu, softening } => {
+                def.kind = UMBRA_ATTRACTOR;
                 def.set_end(centre);
                 (def.mu, def.softening) = ((*mu).into(), softening.to_bits());
             }
-            Law::Spring { near, far, spring } => {
-                def.law = UMBRA_SPRING;
+            FieldKind::Spring { near, far, spring } => {
+                def.kind = UMBRA_SPRING;
                 def.set_near(near);
                 def.set_end(far);
                 (def.rest, def.stiffness) = (spring.rest.to_bits(), spring.stiffness.to_bits());
                 def.damping = spring.damping.to_bits();
             }
-            Law::Drag { linear, quadratic, wind } => {
-                def.law = UMBRA_DRAG;
+            FieldKind::Drag { linear, quadratic, wind } => {
+                def.kind = UMBRA_DRAG;
                 (def.linear, def.quadratic, def.wind) = (linear.to_bits(), quadratic.to_bits(), (*wind).into());
             }
-            Law::Thrust { at, force } => {
-                def.law = UMBRA_THRUST;
+            FieldKind::Thrust { at, force } => {
+                def.kind = UMBRA_THRUST;
                 def.set_near(at);
                 def.force = (*force).into();
             }
-            Law::Zone { region, acceleration } => {
-                (def.law, def.acceleration) = (UMBRA_ZONE, (*acceleration).into());
+            FieldKind::Zone { region, acceleration } => {
+                (def.kind, def.acceleration) = (UMBRA_ZONE, (*acceleration).into());
                 match *region {
                     Region::Disc { centre, radius } => {
                         (def.region, def.centre, def.radius) = (UMBRA_DISC, centre.into(), radius.to_bits());
@@ -212,13 +214,16 @@ impl UmbraFieldDef {
 
 /// Fills in the definition of a field of a law: all groups, no body, everything else 0.
 #[unsafe(no_mangle)]
-pub extern "C" fn umbra_field_def_default(law: UmbraLaw, def: Option<&mut MaybeUninit<UmbraFieldDef>>) -> UmbraStatus {
+pub extern "C" fn umbra_field_def_default(
+    kind: UmbraFieldKind,
+    def: Option<&mut MaybeUninit<UmbraFieldDef>>,
+) -> UmbraStatus {
     guard(|| {
         let place = given(def)?;
-        if law > UMBRA_ZONE {
-            return Err(Refusal::bad("no law of force has this number"));
+        if kind > UMBRA_ZONE {
+            return Err(Refusal::bad("no kind of force has this number"));
         }
-        place.write(UmbraFieldDef { law, ..BLANK });
+        place.write(UmbraFieldDef { kind, ..BLANK });
         Ok(())
     })
 }

@@ -1,6 +1,6 @@
 //! Forces and impulses of the caller's.
 
-use umbra_physics::{Action, Command, Frame, Fx, Manner};
+use umbra_physics::{ApplyOptions, Command, ForceOrImpulse, Frame, Fx};
 
 use crate::number::{UmbraFx, UmbraVec2, vector};
 use crate::status::{Refusal, Result, UmbraStatus};
@@ -14,15 +14,15 @@ pub const UMBRA_BODY_FRAME: UmbraManner = 1;
 /// It does not wake a sleeping body, which does not feel it then.
 pub const UMBRA_NO_WAKE: UmbraManner = 2;
 
-fn manner(flags: UmbraManner) -> Result<Manner> {
+fn manner(flags: UmbraManner) -> Result<ApplyOptions> {
     if flags & !(UMBRA_BODY_FRAME | UMBRA_NO_WAKE) != 0 {
         return Err(Refusal::bad("a flag is none of a manner's"));
     }
     let frame = if flags & UMBRA_BODY_FRAME == 0 { Frame::World } else { Frame::Body };
-    Ok(Manner { frame, wake: flags & UMBRA_NO_WAKE == 0 })
+    Ok(ApplyOptions { frame, wake: flags & UMBRA_NO_WAKE == 0 })
 }
 
-fn apply(world: Option<&mut UmbraWorld>, body: u64, action: Action, flags: UmbraManner) -> UmbraStatus {
+fn apply(world: Option<&mut UmbraWorld>, body: u64, action: ForceOrImpulse, flags: UmbraManner) -> UmbraStatus {
     change_by(world, || Ok(Command::Apply { body: body_id(body), action, manner: manner(flags)? }))
 }
 
@@ -36,7 +36,7 @@ pub extern "C" fn umbra_world_apply_force(
     point: Option<&UmbraVec2>,
     manner: UmbraManner,
 ) -> UmbraStatus {
-    let action = Action::Force { force: vector(x, y), point: point.map(|&point| point.into()) };
+    let action = ForceOrImpulse::Force { force: vector(x, y), point: point.map(|&point| point.into()) };
     apply(world, body, action, manner)
 }
 
@@ -48,7 +48,7 @@ pub extern "C" fn umbra_world_apply_torque(
     torque: UmbraFx,
     manner: UmbraManner,
 ) -> UmbraStatus {
-    apply(world, body, Action::Torque(Fx::from_bits(torque)), manner)
+    apply(world, body, ForceOrImpulse::Torque(Fx::from_bits(torque)), manner)
 }
 
 /// Changes the velocity by an impulse, N·s, at once, at a point, or through the centre of mass for null.
@@ -61,7 +61,7 @@ pub extern "C" fn umbra_world_apply_impulse(
     point: Option<&UmbraVec2>,
     manner: UmbraManner,
 ) -> UmbraStatus {
-    let action = Action::Impulse { impulse: vector(x, y), point: point.map(|&point| point.into()) };
+    let action = ForceOrImpulse::Impulse { impulse: vector(x, y), point: point.map(|&point| point.into()) };
     apply(world, body, action, manner)
 }
 
@@ -73,7 +73,7 @@ pub extern "C" fn umbra_world_apply_angular_impulse(
     impulse: UmbraFx,
     manner: UmbraManner,
 ) -> UmbraStatus {
-    apply(world, body, Action::AngularImpulse(Fx::from_bits(impulse)), manner)
+    apply(world, body, ForceOrImpulse::AngularImpulse(Fx::from_bits(impulse)), manner)
 }
 
 /// Takes back the forces and torques applied since the last step.

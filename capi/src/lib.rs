@@ -72,8 +72,8 @@ pub extern "C" fn umbra_api() -> u32 {
 
 /// The number of the laws of physics. Peers, snapshots and replays go together if they have the same.
 #[unsafe(no_mangle)]
-pub extern "C" fn umbra_law() -> u32 {
-    umbra_physics::LAW
+pub extern "C" fn umbra_physics_version() -> u32 {
+    umbra_physics::PHYSICS_VERSION
 }
 
 /// The version of the library as text, which stays. This interface has the same.

@@ -64,13 +64,13 @@ pub const UMBRA_ERROR_SNAPSHOT_FOREIGN: UmbraStatus = 301;
 /// They are one of another layout.
 pub const UMBRA_ERROR_SNAPSHOT_FORMAT: UmbraStatus = 302;
 /// It was made under other laws of physics.
-pub const UMBRA_ERROR_SNAPSHOT_LAW: UmbraStatus = 303;
+pub const UMBRA_ERROR_SNAPSHOT_PHYSICS_VERSION: UmbraStatus = 303;
 /// It is cut off or damaged.
 pub const UMBRA_ERROR_SNAPSHOT_MALFORMED: UmbraStatus = 304;
 /// It says what cannot be; `umbra_last_cause` has why.
 pub const UMBRA_ERROR_SNAPSHOT_INVALID: UmbraStatus = 305;
 /// It has a law of force of a user's own, which this interface has not.
-pub const UMBRA_ERROR_SNAPSHOT_FORCE_LAW: UmbraStatus = 306;
+pub const UMBRA_ERROR_SNAPSHOT_CUSTOM_FORCE: UmbraStatus = 306;
 /// The world it makes does not have the hash it gives.
 pub const UMBRA_ERROR_SNAPSHOT_CHANGED: UmbraStatus = 307;
 /// The bytes are not what has to be there.
@@ -80,7 +80,7 @@ pub const UMBRA_ERROR_REPLAY_FOREIGN: UmbraStatus = 401;
 /// They are one of another layout.
 pub const UMBRA_ERROR_REPLAY_FORMAT: UmbraStatus = 402;
 /// It was recorded under other laws of physics.
-pub const UMBRA_ERROR_REPLAY_LAW: UmbraStatus = 403;
+pub const UMBRA_ERROR_REPLAY_PHYSICS_VERSION: UmbraStatus = 403;
 /// It ends before the recording did.
 pub const UMBRA_ERROR_REPLAY_CUT_OFF: UmbraStatus = 404;
 /// It was changed after it was recorded; `umbra_last_message` names the value.

@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use umbra_physics::scene::{Scene, SceneRun};
 use umbra_physics::{
-    BodyId, Command, FieldId, Fx, Input, Inputs, Integrator, Made, Outcome, Recorder, StepReport, TimeStep, World,
-    WorldDef,
+    BodyId, Command, Created, FieldId, Fx, Input, InputResult, Inputs, Integrator, Recorder, StepReport, TimeStep,
+    World, WorldDef,
 };
 
 use crate::UMBRA_NO_HANDLE;
@@ -128,7 +128,7 @@ pub struct UmbraInputs {
 pub struct UmbraWorld {
     state: State,
     recorder: Option<Recorder>,
-    outcomes: Vec<Outcome>,
+    outcomes: Vec<InputResult>,
 }
 
 /// Who changes a world.
@@ -193,7 +193,7 @@ impl UmbraWorld {
     }
 
     /// The world and its recorder, unless a scene runs it.
-    fn parts(&mut self) -> Result<(&mut World, &mut Option<Recorder>, &mut Vec<Outcome>)> {
+    fn parts(&mut self) -> Result<(&mut World, &mut Option<Recorder>, &mut Vec<InputResult>)> {
         match &mut self.state {
             State::Own(world) => Ok((world, &mut self.recorder, &mut self.outcomes)),
             State::Scene(_) => Err(run_by_a_scene()),
@@ -219,10 +219,10 @@ impl UmbraWorld {
     }
 
     /// Every change goes this way, so that none is missing in a recording.
-    pub(crate) fn execute(&mut self, command: &Command) -> Result<Made> {
+    pub(crate) fn execute(&mut self, command: &Command) -> Result<Created> {
         if let State::Draft(_, bytes) = &mut self.state {
             *bytes = command.to_bytes();
-            return Ok(Made::Nothing);
+            return Ok(Created::Nothing);
         }
         let (world, recorder, _) = self.parts()?;
         Ok(match recorder {
@@ -341,11 +341,11 @@ pub(crate) const fn field_id(word: u64) -> FieldId {
     FieldId::from_parts(word as u32, (word >> 32) as u32)
 }
 
-pub(crate) fn made(made: Made) -> (UmbraMadeKind, u64) {
+pub(crate) fn made(made: Created) -> (UmbraMadeKind, u64) {
     match made {
-        Made::Nothing => (UMBRA_MADE_NOTHING, UMBRA_NO_HANDLE),
-        Made::Body(body) => (UMBRA_MADE_BODY, word(body.parts())),
-        Made::Field(field) => (UMBRA_MADE_FIELD, word(field.parts())),
+        Created::Nothing => (UMBRA_MADE_NOTHING, UMBRA_NO_HANDLE),
+        Created::Body(body) => (UMBRA_MADE_BODY, word(body.parts())),
+        Created::ForceField(field) => (UMBRA_MADE_FIELD, word(field.parts())),
     }
 }
 
@@ -533,8 +533,8 @@ pub unsafe extern "C" fn umbra_world_outcomes(
     count: Option<&mut MaybeUninit<usize>>,
 ) -> UmbraStatus {
     guard(|| {
-        let rows = given(world)?.outcomes.iter().map(|&Outcome { player, sequence, result }| {
-            let (made, handle) = made(result.unwrap_or(Made::Nothing));
+        let rows = given(world)?.outcomes.iter().map(|&InputResult { player, sequence, result }| {
+            let (made, handle) = made(result.unwrap_or(Created::Nothing));
             let status = result.map_or_else(|error| error.code().into(), |_| UMBRA_OK);
             UmbraOutcome { player, sequence, status, made, handle }
         });
@@ -648,7 +648,7 @@ pub unsafe extern "C" fn umbra_world_faults(
         let rows = given(world)?.world().last_report().faults.iter().map(|fault| UmbraFault {
             body: word(fault.body.parts()),
             field: match fault.cause {
-                Cause::Field { field } | Cause::Law { field, .. } => word(field.parts()),
+                Cause::Field { field } | Cause::CustomForce { field, .. } => word(field.parts()),
                 _ => UMBRA_NO_HANDLE,
             },
             cause: fault.code().into(),

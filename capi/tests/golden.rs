@@ -6,8 +6,8 @@ use std::path::Path;
 
 use umbra_physics::scene::Scene;
 use umbra_physics::{
-    Action, Attachment, BodyDef, BodyId, End, Error, Field, Frame, Fx, FxFactor, Law, Manner, Mass, Region, Shape,
-    SpringLaw, Vec2, World, WorldDef, fx, vec2,
+    ApplyOptions, Attachment, BodyDef, BodyId, End, Error, FieldKind, ForceField, ForceOrImpulse, Frame, Fx, FxFactor,
+    Mass, Region, Shape, SpringConstants, Vec2, World, WorldDef, fx, vec2,
 };
 
 const TICKS: u32 = 600;
@@ -30,21 +30,21 @@ fn build() -> Result<(World, BodyId, BodyId), Error> {
     })?;
     let plank = world.add_body(BodyDef {
         shape: Some(Shape::rectangle(fx!(4), fx!(0.25))?),
-        mass: Mass::Of(fx!(2)),
+        mass: Mass::Kilograms(fx!(2)),
         angle: fx!(0.1),
         position: vec2(20, 0),
         groups: 2,
         ..BodyDef::dynamic()
     })?;
     for (side, damping) in [(2, fx!(0)), (-2, fx!(0.25))] {
-        world.add_field(Law::Spring {
+        world.add_field(FieldKind::Spring {
             near: Attachment { body: plank, point: vec2(side, 0) },
             far: End::World(vec2(20 + side, 5)),
-            spring: SpringLaw { rest: fx!(4), stiffness: fx!(50), damping },
+            spring: SpringConstants { rest: fx!(4), stiffness: fx!(50), damping },
         })?;
     }
-    let wind = Law::Drag { linear: fx!(0), quadratic: fx!(0.02), wind: vec2(3, 0) };
-    world.add_field(Field { law: wind, groups: 2 })?;
+    let wind = FieldKind::Drag { linear: fx!(0), quadratic: fx!(0.02), wind: vec2(3, 0) };
+    world.add_field(ForceField { kind: wind, groups: 2 })?;
     let star =
         world.add_body(BodyDef { position: vec2(0, 100), velocity: vec2(fx!(0.5), 0), ..BodyDef::kinematic() })?;
     world.add_body(BodyDef {
@@ -57,24 +57,24 @@ fn build() -> Result<(World, BodyId, BodyId), Error> {
     })?;
     let mu = FxFactor::parse("1000").expect("a number");
     let centre = End::Body(Attachment::centre(star));
-    world.add_field(Field { law: Law::Attractor { centre, mu, softening: fx!(0) }, groups: 4 })?;
+    world.add_field(ForceField { kind: FieldKind::Attractor { centre, mu, softening: fx!(0) }, groups: 4 })?;
     let rocket = world.add_body(BodyDef {
         shape: Some(Shape::polygon(&[vec2(fx!(-0.5), -1), vec2(fx!(0.5), -1), vec2(0, 1)])?),
-        mass: Mass::WithInertia(fx!(3), fx!(2)),
+        mass: Mass::Explicit { mass: fx!(3), inertia: fx!(2) },
         position: vec2(-20, 0),
         ..BodyDef::dynamic()
     })?;
     let at = Attachment { body: rocket, point: vec2(fx!(0.01), -1) };
-    world.add_field(Law::Thrust { at, force: vec2(0, 40) })?;
+    world.add_field(FieldKind::Thrust { at, force: vec2(0, 40) })?;
     let region = Region::Box { min: vec2(-30, 5), max: vec2(0, 50) };
-    world.add_field(Law::Zone { region, acceleration: vec2(1, 0) })?;
+    world.add_field(FieldKind::Zone { region, acceleration: vec2(1, 0) })?;
     Ok((world, ball, rocket))
 }
 
 fn play(world: &mut World, ball: BodyId, rocket: BodyId, tick: u32) -> Result<(), Error> {
     if tick % 60 == 0 {
-        let action = Action::Impulse { impulse: vec2(0, 20), point: Some(vec2(fx!(0.5), 0)) };
-        world.apply(ball, action, Manner { frame: Frame::Body, wake: true })?;
+        let action = ForceOrImpulse::Impulse { impulse: vec2(0, 20), point: Some(vec2(fx!(0.5), 0)) };
+        world.apply(ball, action, ApplyOptions { frame: Frame::Body, wake: true })?;
     }
     if tick % 90 < 30 {
         world.apply_torque(rocket, fx!(0.125))?;

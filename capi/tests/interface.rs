@@ -7,8 +7,9 @@ use std::path::Path;
 use std::ptr;
 
 use umbra_physics::{
-    Action, Attachment, BodyDef, BodyId, BodyKind, Command, End, Field, FieldId, Frame, Fx, FxFactor, Integrator, Law,
-    Locks, Manner, Mass, Random, Region, Shape, Snapshot, SpringLaw, TimeStep, World, WorldDef, fx, vec2,
+    ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, Command, End, FieldId, FieldKind, ForceField, ForceOrImpulse,
+    Frame, Fx, FxFactor, Integrator, Locks, Mass, Random, Region, Shape, Snapshot, SpringConstants, TimeStep, World,
+    WorldDef, fx, vec2,
 };
 use umbra_physics_capi::*;
 
@@ -106,13 +107,13 @@ const FIELD: FieldId = FieldId::from_parts(1, 7);
 const FIELD_WORD: u64 = 7 << 32 | 1;
 const ONE: i64 = UMBRA_ONE;
 
-fn fields() -> Vec<(UmbraFieldDef, Field)> {
+fn fields() -> Vec<(UmbraFieldDef, ForceField)> {
     let def = |law| out(|def| umbra_field_def_default(law, def)).expect("a definition");
     let at = Attachment { body: BODY, point: vec2(1, 2) };
     let point = UmbraVec2 { x: ONE, y: 2 * ONE };
     let mu = FxFactor::parse("3.986004418e14").expect("a number");
     let (mantissa, shift) = mu.parts();
-    let spring = SpringLaw { rest: fx!(1), stiffness: fx!(2), damping: fx!(3) };
+    let spring = SpringConstants { rest: fx!(1), stiffness: fx!(2), damping: fx!(3) };
     let far = Attachment { body: BodyId::from_parts(4, 0), point: vec2(0, 1) };
     vec![
         (
@@ -122,12 +123,12 @@ fn fields() -> Vec<(UmbraFieldDef, Field)> {
                 softening: ONE,
                 ..def(UMBRA_ATTRACTOR)
             },
-            Law::Attractor { centre: End::World(vec2(1, 2)), mu, softening: fx!(1) }.into(),
+            FieldKind::Attractor { centre: End::World(vec2(1, 2)), mu, softening: fx!(1) }.into(),
         ),
         (
             UmbraFieldDef { other: BODY_WORD, other_point: point, groups: 5, ..def(UMBRA_ATTRACTOR) },
-            Field {
-                law: Law::Attractor { centre: End::Body(at), mu: FxFactor::default(), softening: fx!(0) },
+            ForceField {
+                kind: FieldKind::Attractor { centre: End::Body(at), mu: FxFactor::default(), softening: fx!(0) },
                 groups: 5,
             },
         ),
@@ -142,23 +143,25 @@ fn fields() -> Vec<(UmbraFieldDef, Field)> {
                 damping: 3 * ONE,
                 ..def(UMBRA_SPRING)
             },
-            Law::Spring { near: at, far: End::Body(far), spring }.into(),
+            FieldKind::Spring { near: at, far: End::Body(far), spring }.into(),
         ),
         (
             UmbraFieldDef { linear: ONE, quadratic: 2 * ONE, wind: point, ..def(UMBRA_DRAG) },
-            Law::Drag { linear: fx!(1), quadratic: fx!(2), wind: vec2(1, 2) }.into(),
+            FieldKind::Drag { linear: fx!(1), quadratic: fx!(2), wind: vec2(1, 2) }.into(),
         ),
         (
             UmbraFieldDef { body: BODY_WORD, point, force: UmbraVec2 { x: -ONE, y: 1 }, ..def(UMBRA_THRUST) },
-            Law::Thrust { at, force: vec2(-1, Fx::DELTA) }.into(),
+            FieldKind::Thrust { at, force: vec2(-1, Fx::DELTA) }.into(),
         ),
         (
             UmbraFieldDef { centre: point, radius: 3 * ONE, acceleration: point, ..def(UMBRA_ZONE) },
-            Law::Zone { region: Region::Disc { centre: vec2(1, 2), radius: fx!(3) }, acceleration: vec2(1, 2) }.into(),
+            FieldKind::Zone { region: Region::Disc { centre: vec2(1, 2), radius: fx!(3) }, acceleration: vec2(1, 2) }
+                .into(),
         ),
         (
             UmbraFieldDef { region: UMBRA_BOX, min: point, max: point, acceleration: point, ..def(UMBRA_ZONE) },
-            Law::Zone { region: Region::Box { min: vec2(1, 2), max: vec2(1, 2) }, acceleration: vec2(1, 2) }.into(),
+            FieldKind::Zone { region: Region::Box { min: vec2(1, 2), max: vec2(1, 2) }, acceleration: vec2(1, 2) }
+                .into(),
         ),
     ]
 }
@@ -187,10 +190,10 @@ fn every_change_is_the_command_of_its_name() {
     let pair = |x, y| umbra_physics::Vec2::new(bits(x), bits(y));
     let shape = own(|shape| umbra_shape_capsule(2 * ONE, ONE, shape)).expect("a shape");
     let capsule = Shape::capsule(fx!(2), fx!(1)).expect("a shape");
-    let force = Action::Force { force: pair(6, 7), point: Some(pair(4, 5)) };
-    let impulse = Action::Impulse { impulse: pair(6, 7), point: None };
-    let body_frame = Manner { frame: Frame::Body, wake: true };
-    let no_wake = Manner { frame: Frame::World, wake: false };
+    let force = ForceOrImpulse::Force { force: pair(6, 7), point: Some(pair(4, 5)) };
+    let impulse = ForceOrImpulse::Impulse { impulse: pair(6, 7), point: None };
+    let body_frame = ApplyOptions { frame: Frame::Body, wake: true };
+    let no_wake = ApplyOptions { frame: Frame::World, wake: false };
     let both = UMBRA_BODY_FRAME | UMBRA_NO_WAKE;
     changes! {
         umbra_world_remove_body(BODY_WORD) => Command::RemoveBody(body);
@@ -199,9 +202,9 @@ fn every_change_is_the_command_of_its_name() {
         umbra_world_set_velocity(BODY_WORD, -4, 5) => Command::SetVelocity { body, velocity: pair(-4, 5) };
         umbra_world_set_angular_velocity(BODY_WORD, 6) => Command::SetAngularVelocity { body, velocity: bits(6) };
         umbra_world_set_mass(BODY_WORD, UMBRA_MASS_DENSITY, 7, 8) => Command::SetMass { body, mass: Mass::Density(bits(7)) };
-        umbra_world_set_mass(BODY_WORD, UMBRA_MASS_OF, 7, 8) => Command::SetMass { body, mass: Mass::Of(bits(7)) };
+        umbra_world_set_mass(BODY_WORD, UMBRA_MASS_OF, 7, 8) => Command::SetMass { body, mass: Mass::Kilograms(bits(7)) };
         umbra_world_set_mass(BODY_WORD, UMBRA_MASS_WITH_INERTIA, 7, 8) =>
-            Command::SetMass { body, mass: Mass::WithInertia(bits(7), bits(8)) };
+            Command::SetMass { body, mass: Mass::Explicit { mass: bits(7), inertia: bits(8) } };
         umbra_world_set_shape(BODY_WORD, Some(&shape)) => Command::SetShape { body, shape: Some(capsule) };
         umbra_world_set_shape(BODY_WORD, None) => Command::SetShape { body, shape: None };
         umbra_world_set_kind(BODY_WORD, UMBRA_STATIC) => Command::SetKind { body, kind: BodyKind::Static };
@@ -241,11 +244,11 @@ fn every_change_is_the_command_of_its_name() {
         umbra_world_apply_impulse(BODY_WORD, 6, 7, None, UMBRA_NO_WAKE) =>
             Command::Apply { body, action: impulse, manner: no_wake };
         umbra_world_apply_torque(BODY_WORD, 8, 0) =>
-            Command::Apply { body, action: Action::Torque(bits(8)), manner: Manner::default() };
+            Command::Apply { body, action: ForceOrImpulse::Torque(bits(8)), manner: ApplyOptions::default() };
         umbra_world_apply_angular_impulse(BODY_WORD, 9, both) => Command::Apply {
             body,
-            action: Action::AngularImpulse(bits(9)),
-            manner: Manner { frame: Frame::Body, wake: false },
+            action: ForceOrImpulse::AngularImpulse(bits(9)),
+            manner: ApplyOptions { frame: Frame::Body, wake: false },
         };
     }
     let integrators = [
@@ -290,7 +293,7 @@ fn every_change_is_the_command_of_its_name() {
     assert_eq!(add(&mut draft, &def), Ok(UMBRA_NO_HANDLE));
     let full = BodyDef {
         kind: BodyKind::Kinematic,
-        mass: Mass::WithInertia(bits(1), bits(2)),
+        mass: Mass::Explicit { mass: bits(1), inertia: bits(2) },
         position: pair(3, 4),
         velocity: pair(5, 6),
         angle: bits(7),
@@ -333,7 +336,7 @@ fn fields_are_read_as_they_were_made() {
     for (mut def, _) in fields() {
         // Bodies that are there.
         (def.body, def.other) = (def.body.min(3), if def.other == UMBRA_NO_HANDLE { def.other } else { def.other & 7 });
-        if def.law != UMBRA_SPRING && def.law != UMBRA_THRUST {
+        if def.kind != UMBRA_SPRING && def.kind != UMBRA_THRUST {
             def.body = UMBRA_NO_HANDLE;
         }
         let id = out(|id| umbra_world_add_field(Some(&mut world), Some(&def), id)).expect("a field");
@@ -444,7 +447,7 @@ fn what_cannot_be_is_refused_and_changes_nothing() {
         ..out(|def| umbra_field_def_default(UMBRA_ATTRACTOR, def)).expect("a definition")
     };
     assert_eq!(out(|id| umbra_world_add_field(Some(&mut world), Some(&field), id)), Err(bad));
-    let zone = UmbraFieldDef { law: UMBRA_ZONE, region: 2, ..field };
+    let zone = UmbraFieldDef { kind: UMBRA_ZONE, region: 2, ..field };
     assert_eq!(out(|id| umbra_world_add_field(Some(&mut world), Some(&zone), id)), Err(bad));
     // SAFETY: lengths beyond memory are never followed.
     unsafe {
@@ -753,7 +756,7 @@ fn the_interface_has_the_version_of_the_library() {
     let package =
         fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../Cargo.toml")).expect("the library's");
     assert!(package.lines().any(|line| line == format!("version = \"{version}\"")), "{version}");
-    assert_eq!((umbra_api(), umbra_law()), (UMBRA_API, umbra_physics::LAW));
+    assert_eq!((umbra_api(), umbra_physics_version()), (UMBRA_API, umbra_physics::PHYSICS_VERSION));
     let digest = out(|digest| umbra_selftest(digest)).expect("a digest");
     let golden = include_str!("../../src/selftest/golden.txt").lines().find(|line| line.starts_with("all "));
     let golden = golden.and_then(|line| line.split_whitespace().last()).expect("a digest of all");
@@ -934,7 +937,7 @@ fn the_numbers_of_errors_are_those_of_the_document() {
         let (name, number) = line.split_once(' ').expect("a number");
         let row = document.lines().find_map(|line| line.strip_prefix(&format!("| E{number} | `"))).expect(line);
         let theirs = row.split_once('`').expect("a name").0;
-        // `SnapshotError::ForceLaw` as `SNAPSHOT_FORCE_LAW`.
+        // `SnapshotError::CustomForce` as `SNAPSHOT_FORCE_LAW`.
         let mut ours = String::new();
         for c in theirs.replace("ParseFxError", "Number").replace("Error", "").replace("::", "").chars() {
             if c.is_uppercase() && !ours.is_empty() {

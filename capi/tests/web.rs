@@ -17,7 +17,7 @@ use std::thread;
 use browser::Browser;
 use serde_json::{Value, json};
 use umbra_physics::scene::Scene;
-use umbra_physics::{Action, BodyId, Command, Fx, Input, Inputs, LAW, Manner, Vec2, World};
+use umbra_physics::{ApplyOptions, BodyId, Command, ForceOrImpulse, Fx, Input, Inputs, PHYSICS_VERSION, Vec2, World};
 
 const TICKS: usize = 1200;
 const EVERY: usize = 30;
@@ -44,12 +44,12 @@ fn hashes() -> Vec<String> {
         let body = bodies.iter().find(|(known, _)| known == name).expect(name).1;
         let action = match (&row["impulse"], &row["angular_impulse"]) {
             (Value::Array(xy), Value::Null) => {
-                Action::Impulse { impulse: Vec2::new(number(&xy[0]), number(&xy[1])), point: None }
+                ForceOrImpulse::Impulse { impulse: Vec2::new(number(&xy[0]), number(&xy[1])), point: None }
             }
-            (Value::Null, Value::Array(by)) => Action::AngularImpulse(number(&by[0])),
+            (Value::Null, Value::Array(by)) => ForceOrImpulse::AngularImpulse(number(&by[0])),
             other => panic!("{other:?}"),
         };
-        Command::Apply { body, action, manner: Manner::default() }
+        Command::Apply { body, action, manner: ApplyOptions::default() }
     };
     let mut hashes = vec![format!("{:016x}", world.state_hash())];
     for tick in 0..TICKS {
@@ -70,8 +70,10 @@ fn hashes() -> Vec<String> {
 #[test]
 fn the_hashes_are_those_of_the_library() {
     let rows: Vec<String> = hashes().iter().map(|hash| format!("    \"{hash}\"")).collect();
-    let made =
-        format!("{{\n  \"law\": {LAW},\n  \"every\": {EVERY},\n  \"hashes\": [\n{}\n  ]\n}}\n", rows.join(",\n"));
+    let made = format!(
+        "{{\n  \"law\": {PHYSICS_VERSION},\n  \"every\": {EVERY},\n  \"hashes\": [\n{}\n  ]\n}}\n",
+        rows.join(",\n")
+    );
     if std::env::var("UMBRA_BLESS").is_ok_and(|value| value == "1") {
         fs::write(folder().join("golden.json"), &made).expect("it can be written");
     }

@@ -10,7 +10,7 @@ const MAGIC: [u8; 4] = *b"UMLS";
 /// What both have to agree on before the first tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Hello {
-    /// [`umbra_physics::LAW`]: peers under other laws part sooner or later.
+    /// [`umbra_physics::PHYSICS_VERSION`]: peers under other laws part sooner or later.
     pub(crate) law: u32,
     /// The seed of the match.
     pub(crate) seed: u64,
@@ -40,7 +40,7 @@ impl Hello {
     /// If the other side is gone.
     pub(crate) fn send(&self, to: &mut impl Write) -> io::Result<()> {
         let mut bytes = MAGIC.to_vec();
-        bytes.extend(self.law.to_le_bytes());
+        bytes.extend(self.kind.to_le_bytes());
         [self.seed, self.ticks, self.start].iter().for_each(|word| bytes.extend(word.to_le_bytes()));
         send(to, &bytes)
     }
@@ -61,7 +61,7 @@ impl Hello {
     /// What two peers do not agree on, if anything.
     pub(crate) fn differs_from(&self, other: &Self) -> Option<&'static str> {
         let differ = [
-            (self.law != other.law, "law of physics"),
+            (self.kind != other.kind, "law of physics"),
             (self.seed != other.seed, "seed"),
             (self.ticks != other.ticks, "number of ticks"),
             (self.start != other.start, "world to start from"),

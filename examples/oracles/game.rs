@@ -5,8 +5,8 @@
 
 use umbra_physics::oracle::{Game, Symmetry};
 use umbra_physics::{
-    Action, Attachment, BodyDef, BodyId, Command, Driver, End, Fx, Law, Manner, Mass, Random, SpringLaw, Vec2, World,
-    WorldDef, fx, vec2,
+    ApplyOptions, Attachment, BodyDef, BodyId, Command, End, FieldKind, ForceOrImpulse, Fx, Mass, Random,
+    SpringConstants, Stepper, Vec2, World, WorldDef, fx, vec2,
 };
 
 /// m, between the centres of a ship and the ball.
@@ -66,19 +66,19 @@ impl Tow {
     }
 
     /// What a deed does to the world.
-    fn act(&self, world: &mut World, Input { player, deed }: Input, driver: &mut dyn Driver) -> Option<()> {
+    fn act(&self, world: &mut World, Input { player, deed }: Input, driver: &mut dyn Stepper) -> Option<()> {
         let ship = self.ships[player];
         match deed {
             Deed::Thrust(direction) => {
-                let action = Action::Impulse { impulse: direction.checked_scale(THRUST)?, point: None };
-                driver.execute(world, &Command::Apply { body: ship, action, manner: Manner::default() }).ok()?;
+                let action = ForceOrImpulse::Impulse { impulse: direction.checked_scale(THRUST)?, point: None };
+                driver.execute(world, &Command::Apply { body: ship, action, manner: ApplyOptions::default() }).ok()?;
             }
             Deed::Grab => {
                 let ball = world.body(self.ball).ok()?;
                 let apart = world.body(ship).ok()?.position() - ball.position();
                 if ball.user_data() == 0 && apart.checked_length()? <= REACH {
-                    let spring = SpringLaw { rest: fx!(1), stiffness: fx!(20), damping: fx!(1) };
-                    let tow = Law::Spring {
+                    let spring = SpringConstants { rest: fx!(1), stiffness: fx!(20), damping: fx!(1) };
+                    let tow = FieldKind::Spring {
                         near: Attachment::centre(ship),
                         far: End::Body(Attachment::centre(self.ball)),
                         spring,
@@ -99,18 +99,18 @@ impl Game for Tow {
     fn start(&mut self) -> World {
         let mut world = World::new(WorldDef { linear_damping: fx!(0.5), ..WorldDef::default() }).expect("a fair world");
         let mut add = |def| world.add_body(def).expect("a fair body");
-        self.ball = add(BodyDef { mass: Mass::Of(fx!(0.5)), ..BodyDef::dynamic() });
+        self.ball = add(BodyDef { mass: Mass::Kilograms(fx!(0.5)), ..BodyDef::dynamic() });
         // On their way to the ball, which they come to at the same time.
         let starts = [(vec2(-5, 0), vec2(3, 0)), (vec2(4, 3), vec2(fx!(-2.4), fx!(-1.8))), (vec2(4, -3), vec2(-2, 1))];
         let mut key = 0;
         self.ships = starts.map(|(position, velocity)| {
             key += 1;
-            add(BodyDef { position, velocity, mass: Mass::Of(fx!(2)), key, ..BodyDef::dynamic() })
+            add(BodyDef { position, velocity, mass: Mass::Kilograms(fx!(2)), key, ..BodyDef::dynamic() })
         });
         world
     }
 
-    fn tick(&mut self, world: &mut World, inputs: &[Input], driver: &mut dyn Driver) {
+    fn tick(&mut self, world: &mut World, inputs: &[Input], driver: &mut dyn Stepper) {
         let mut inputs = inputs.to_vec();
         if self.is_mended {
             inputs.sort_by_key(|input| input.player);

@@ -5,8 +5,8 @@
 //! the game, and the hash of the world finds whatever differs between two peers.
 
 use umbra_physics::{
-    Action, Attachment, BodyDef, BodyId, End, Error, Field, FieldId, Fx, FxFactor, Law, Manner, Mass, Shape, SpringLaw,
-    TimeStep, Vec2, World, WorldDef, fx, scalar::Factor as _, vec2,
+    ApplyOptions, Attachment, BodyDef, BodyId, End, Error, FieldId, FieldKind, ForceField, ForceOrImpulse, Fx,
+    FxFactor, Mass, Shape, SpringConstants, TimeStep, Vec2, World, WorldDef, fx, scalar::Factor as _, vec2,
 };
 
 use crate::random::SplitMix;
@@ -62,14 +62,14 @@ pub(crate) struct Game {
 }
 
 /// A spring with a damper between the centres of two bodies.
-fn spring(near: BodyId, far: BodyId, rest: Fx) -> Law {
-    let spring = SpringLaw { rest, stiffness: fx!(30), damping: fx!(0.5) };
-    Law::Spring { near: Attachment::centre(near), far: End::Body(Attachment::centre(far)), spring }
+fn spring(near: BodyId, far: BodyId, rest: Fx) -> FieldKind {
+    let spring = SpringConstants { rest, stiffness: fx!(30), damping: fx!(0.5) };
+    FieldKind::Spring { near: Attachment::centre(near), far: End::Body(Attachment::centre(far)), spring }
 }
 
-fn engine(ship: BodyId, on: bool) -> Law {
+fn engine(ship: BodyId, on: bool) -> FieldKind {
     let force = vec2(if on { PUSH } else { Fx::ZERO }, 0);
-    Law::Thrust { at: Attachment { body: ship, point: vec2(fx!(-0.75), 0) }, force }
+    FieldKind::Thrust { at: Attachment { body: ship, point: vec2(fx!(-0.75), 0) }, force }
 }
 
 /// A ship's user data: the tick from which it may fire again, and how often it was hit.
@@ -93,12 +93,15 @@ impl Game {
             angular_damping: fx!(0.25),
             ..WorldDef::default()
         })?;
-        let star =
-            Law::Attractor { centre: End::World(Vec2::ZERO), mu: FxFactor::from_ratio(400, 1), softening: fx!(2) };
-        world.add_field(Field { law: star, groups: SHIP | SHOT })?;
+        let star = FieldKind::Attractor {
+            centre: End::World(Vec2::ZERO),
+            mu: FxFactor::from_ratio(400, 1),
+            softening: fx!(2),
+        };
+        world.add_field(ForceField { kind: star, groups: SHIP | SHOT })?;
         let ship = BodyDef {
             shape: Some(Shape::rectangle(fx!(1.5), fx!(1))?),
-            mass: Mass::Of(fx!(2)),
+            mass: Mass::Kilograms(fx!(2)),
             groups: SHIP,
             ..BodyDef::dynamic()
         };
@@ -110,7 +113,7 @@ impl Game {
             let ship = world.add_body(def)?;
             let ball = BodyDef {
                 shape: Some(Shape::circle(fx!(0.5))?),
-                mass: Mass::Of(fx!(0.5)),
+                mass: Mass::Kilograms(fx!(0.5)),
                 position: position - vec2(2 * side, 0),
                 velocity,
                 groups: SHIP,
@@ -124,7 +127,7 @@ impl Game {
         let (left, right) = (add_ship(0, 1, Fx::ZERO)?, add_ship(1, -1, fx!(3.1415926535))?);
         let rock = BodyDef {
             shape: Some(Shape::circle(fx!(1))?),
-            mass: Mass::Of(fx!(4)),
+            mass: Mass::Kilograms(fx!(4)),
             // Soon at rest again, and asleep.
             linear_damping: Some(fx!(0.0001)),
             angular_damping: Some(fx!(0.0001)),
@@ -177,7 +180,7 @@ impl Game {
             world.apply_torque(ship, torque)?;
         }
         let wanted = engine(ship, held.holds(Controls::ENGINE));
-        if world.field(engine_field)?.law != wanted {
+        if world.field(engine_field)?.kind != wanted {
             world.set_field(engine_field, wanted)?;
         }
         let look = world.body(ship)?;
@@ -190,7 +193,7 @@ impl Game {
         let ahead = |length: Fx| look.rotation().checked_rotate(vec2(length, 0)).unwrap_or(Vec2::ZERO);
         let shot = BodyDef {
             shape: Some(Shape::circle(fx!(0.125))?),
-            mass: Mass::Of(SHOT_MASS),
+            mass: Mass::Kilograms(SHOT_MASS),
             position: look.position() + ahead(fx!(1)),
             velocity: look.velocity() + ahead(SHOT_SPEED),
             linear_damping: Some(Fx::ONE),
@@ -200,8 +203,8 @@ impl Game {
             ..BodyDef::dynamic()
         };
         world.add_body(shot)?;
-        let recoil = Action::Impulse { impulse: vec2(-(SHOT_SPEED * SHOT_MASS), 0), point: None };
-        world.apply(ship, recoil, Manner::BODY)?;
+        let recoil = ForceOrImpulse::Impulse { impulse: vec2(-(SHOT_SPEED * SHOT_MASS), 0), point: None };
+        world.apply(ship, recoil, ApplyOptions::BODY)?;
         world.set_user_data(ship, ship_data(now + RELOAD_TICKS, hits))?;
         Ok(true)
     }

@@ -33,7 +33,7 @@ class Library {
 
   get view() { return new DataView(this.exports.memory.buffer); }
   get bytes() { return new Uint8Array(this.exports.memory.buffer); }
-  get law() { return this.exports.umbra_law(); }
+  get law() { return this.exports.umbra_physics_version(); }
 
   // Calls, and throws what is refused, with its words and number.
   call(name, ...args) {

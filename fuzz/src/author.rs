@@ -9,9 +9,9 @@ use std::sync::Arc;
 use arbitrary::{Arbitrary, Result, Unstructured};
 use umbra_physics::scalar::Factor;
 use umbra_physics::{
-    Action, Attachment, BodyDef, BodyId, BodyKind, BodyState, Command, Dependence, End, Field, FieldId, ForceLaw,
-    Frame, Fx, FxFactor, Integrator, Law, LawFault, Locks, Made, Manner, Mass, Part, Push, Random, Region, Scalar,
-    Shape, SpringLaw, TimeStep, Vec2, World, WorldDef, fx, limits,
+    ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, BodyState, Command, Created, CustomForce, CustomForceError,
+    Dependence, End, FieldId, FieldKind, ForceField, ForceOrImpulse, ForceTorque, Frame, Fx, FxFactor, Integrator,
+    Locks, Mass, Part, Random, Region, Scalar, Shape, SpringConstants, TimeStep, Vec2, World, WorldDef, fx, limits,
 };
 
 /// How the image of a run comes of it: mirrored about x = 0 or not, then shifted.
@@ -230,8 +230,8 @@ impl<'a, S: Scalar> Author<'a, S> {
     fn mass(&mut self) -> Result<Mass<S>> {
         Ok(match self.below(4)? {
             0 if !self.is_tame => Mass::Density(self.scalar(fx!(0.25), fx!(4))?),
-            0 | 1 => Mass::Of(self.scalar(fx!(0.5), fx!(4))?),
-            _ => Mass::WithInertia(self.scalar(fx!(0.5), fx!(4))?, self.scalar(fx!(0.5), fx!(4))?),
+            0 | 1 => Mass::Kilograms(self.scalar(fx!(0.5), fx!(4))?),
+            _ => Mass::Explicit { mass: self.scalar(fx!(0.5), fx!(4))?, inertia: self.scalar(fx!(0.5), fx!(4))? },
         })
     }
 
@@ -317,40 +317,40 @@ impl<'a, S: Scalar> Author<'a, S> {
         Ok(if self.any()? { End::World(self.point(fx!(20))?) } else { End::Body(self.attachment()?) })
     }
 
-    fn field(&mut self) -> Result<Field<S>> {
+    fn field(&mut self) -> Result<ForceField<S>> {
         // A scalar may see a body inside a zone, and another outside.
-        let law = match self.below(if self.is_tame { 6 } else { 9 })? {
+        let kind = match self.below(if self.is_tame { 6 } else { 9 })? {
             0 => {
                 let (centre, mu) = (self.end()?, self.number(fx!(0), fx!(5))?);
                 let mu = S::Factor::from_scalar(S::from_fx(mu));
-                Law::Attractor { centre, mu, softening: self.scalar(fx!(0.5), fx!(2))? }
+                FieldKind::Attractor { centre, mu, softening: self.scalar(fx!(0.5), fx!(2))? }
             }
             1 | 2 => {
                 let (near, far) = (self.attachment()?, self.end()?);
-                let spring = SpringLaw {
+                let spring = SpringConstants {
                     rest: self.scalar(fx!(0), fx!(3))?,
                     stiffness: self.scalar(fx!(0), fx!(5))?,
                     damping: if self.any()? { S::ZERO } else { self.scalar(fx!(0), fx!(1))? },
                 };
-                Law::Spring { near, far, spring }
+                FieldKind::Spring { near, far, spring }
             }
             3 => {
                 let (linear, quadratic) = (self.scalar(fx!(0), fx!(0.25))?, self.scalar(fx!(0), fx!(0.25))?);
-                Law::Drag { linear, quadratic, wind: self.vector(fx!(2))? }
+                FieldKind::Drag { linear, quadratic, wind: self.vector(fx!(2))? }
             }
-            4 => Law::Thrust { at: self.attachment()?, force: self.vector(fx!(2))? },
-            5 => Law::Custom { id: u64::from(self.below(if self.is_tame { 2 } else { 3 })?) },
+            4 => FieldKind::Thrust { at: self.attachment()?, force: self.vector(fx!(2))? },
+            5 => FieldKind::Custom { id: u64::from(self.below(if self.is_tame { 2 } else { 3 })?) },
             6 | 7 => {
                 let region = self.region()?;
-                Law::Zone { region, acceleration: self.vector(fx!(2))? }
+                FieldKind::Zone { region, acceleration: self.vector(fx!(2))? }
             }
             _ => {
                 let mu = FxFactor::from_ratio(self.any()?, 1);
                 let mu = S::Factor::from_ratio(mu.parts().0, 1);
-                Law::Attractor { centre: self.end()?, mu, softening: self.scalar(fx!(0), fx!(2))? }
+                FieldKind::Attractor { centre: self.end()?, mu, softening: self.scalar(fx!(0), fx!(2))? }
             }
         };
-        Ok(Field { law, groups: if self.any()? { u32::MAX } else { self.groups()? } })
+        Ok(ForceField { kind, groups: if self.any()? { u32::MAX } else { self.groups()? } })
     }
 
     fn region(&mut self) -> Result<Region<S>> {
@@ -363,7 +363,7 @@ impl<'a, S: Scalar> Author<'a, S> {
         Ok(Region::Box { min, max })
     }
 
-    fn action(&mut self, frame: Frame) -> Result<Action<S>> {
+    fn action(&mut self, frame: Frame) -> Result<ForceOrImpulse<S>> {
         let kind = self.below(4)?;
         let point = if self.any()? {
             Some(if frame == Frame::World { self.point(fx!(20))? } else { self.vector(fx!(2))? })
@@ -371,10 +371,10 @@ impl<'a, S: Scalar> Author<'a, S> {
             None
         };
         Ok(match kind {
-            0 => Action::Force { force: self.vector(fx!(30))?, point },
-            1 => Action::Torque(self.pseudo(fx!(5))?),
-            2 => Action::Impulse { impulse: self.vector(fx!(1))?, point },
-            _ => Action::AngularImpulse(self.pseudo(fx!(1))?),
+            0 => ForceOrImpulse::Force { force: self.vector(fx!(30))?, point },
+            1 => ForceOrImpulse::Torque(self.pseudo(fx!(5))?),
+            2 => ForceOrImpulse::Impulse { impulse: self.vector(fx!(1))?, point },
+            _ => ForceOrImpulse::AngularImpulse(self.pseudo(fx!(1))?),
         })
     }
 
@@ -415,7 +415,7 @@ impl<'a, S: Scalar> Author<'a, S> {
             28..32 => {
                 let frame = if self.any()? { Frame::World } else { Frame::Body };
                 let action = self.action(frame)?;
-                Command::Apply { body, action, manner: Manner { frame, wake: !self.one_in(4)? } }
+                Command::Apply { body, action, manner: ApplyOptions { frame, wake: !self.one_in(4)? } }
             }
             32 => Command::SetLocks { body, locks: self.locks()? },
             33 => Command::SetMaxSpeeds { body, linear: self.most()?, angular: self.most()? },
@@ -427,11 +427,11 @@ impl<'a, S: Scalar> Author<'a, S> {
     }
 
     /// Takes note of what a command made, for those that come.
-    pub fn made(&mut self, made: Made) {
+    pub fn made(&mut self, made: Created) {
         match made {
-            Made::Body(body) => self.bodies.push(body),
-            Made::Field(field) => self.fields.push(field),
-            Made::Nothing => {}
+            Created::Body(body) => self.bodies.push(body),
+            Created::ForceField(field) => self.fields.push(field),
+            Created::Nothing => {}
         }
     }
 }
@@ -439,7 +439,7 @@ impl<'a, S: Scalar> Author<'a, S> {
 /// A law of force that every symmetry of a world leaves as it is: against the velocity, and none from a speed on.
 struct Brake;
 
-impl<S: Scalar> ForceLaw<S> for Brake {
+impl<S: Scalar> CustomForce<S> for Brake {
     fn id(&self) -> u64 {
         0
     }
@@ -452,20 +452,20 @@ impl<S: Scalar> ForceLaw<S> for Brake {
         Dependence::Velocity
     }
 
-    fn push(&self, body: &BodyState<S>) -> std::result::Result<Push<S>, LawFault> {
+    fn push(&self, body: &BodyState<S>) -> std::result::Result<ForceTorque<S>, CustomForceError> {
         let limit = S::from_fx(fx!(1000));
         let Vec2 { x, y } = body.velocity;
         if [x, y, body.angular_velocity].iter().any(|v| *v > limit || -*v > limit) {
-            return Err(LawFault { code: 7 });
+            return Err(CustomForceError { code: 7 });
         }
-        Ok(Push { force: Vec2::new(-x, -y), torque: -body.angular_velocity })
+        Ok(ForceTorque { force: Vec2::new(-x, -y), torque: -body.angular_velocity })
     }
 }
 
 /// One that is the same everywhere, and for mirror images.
 struct Lift;
 
-impl<S: Scalar> ForceLaw<S> for Lift {
+impl<S: Scalar> CustomForce<S> for Lift {
     fn id(&self) -> u64 {
         1
     }
@@ -478,21 +478,21 @@ impl<S: Scalar> ForceLaw<S> for Lift {
         Dependence::Nothing
     }
 
-    fn push(&self, body: &BodyState<S>) -> std::result::Result<Push<S>, LawFault> {
-        Ok(Push { force: Vec2::new(S::ZERO, body.mass), torque: S::ZERO })
+    fn push(&self, body: &BodyState<S>) -> std::result::Result<ForceTorque<S>, CustomForceError> {
+        Ok(ForceTorque { force: Vec2::new(S::ZERO, body.mass), torque: S::ZERO })
     }
 }
 
 /// The laws of force that worlds here have.
-pub fn laws<S: Scalar>() -> [Arc<dyn ForceLaw<S>>; 2] {
+pub fn custom_forces<S: Scalar>() -> [Arc<dyn CustomForce<S>>; 2] {
     [Arc::new(Brake), Arc::new(Lift)]
 }
 
 /// A world with these laws, or none if it is refused.
 pub fn world<S: Scalar>(def: WorldDef<S>) -> Option<World<S>> {
     let mut world = World::new(def).ok()?;
-    for law in laws() {
-        world.register_law(law).expect("each is registered once");
+    for law in custom_forces() {
+        world.register_custom_force(law).expect("each is registered once");
     }
     Some(world)
 }

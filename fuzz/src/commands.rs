@@ -9,8 +9,8 @@ use arbitrary::Result;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use umbra_physics::scalar::{Accumulator, Angle};
 use umbra_physics::{
-    Activity, AppliedForce, BodyDef, BodyRef, Command, Field, Fx, Law, Random, Region, Snapshot, StepReport, Vec2,
-    World, fx, step_all,
+    Activity, AppliedForce, BodyDef, BodyRef, Command, FieldKind, ForceField, Fx, Random, Region, Snapshot, StepReport,
+    Vec2, World, fx, step_all,
 };
 
 use super::author::{self, Author, Image};
@@ -74,7 +74,8 @@ fn shift<S: umbra_physics::Scalar>(author: &mut Author<'_, S>) -> Result<Vec2> {
 /// A world through the bytes of a snapshot.
 fn reread(world: &World) -> World {
     let bytes = world.snapshot().to_bytes();
-    let read = Snapshot::from_bytes(&bytes, &author::laws()).unwrap_or_else(|error| panic!("its own bytes: {error}"));
+    let read =
+        Snapshot::from_bytes(&bytes, &author::custom_forces()).unwrap_or_else(|error| panic!("its own bytes: {error}"));
     assert_eq!(read.to_bytes(), bytes);
     let read = read.into_world();
     assert_eq!(read.state_hash(), world.state_hash());
@@ -127,7 +128,7 @@ impl Company<'_> {
     fn step(&mut self, world: &mut World, author: &Author<'_>) {
         let before = world.state_hash();
         let mut staged = stage_by_stage(world);
-        let mut alone = world.bodies().last().map(|body| (body.id(), world.look_ahead(body.id())));
+        let mut alone = world.bodies().last().map(|body| (body.id(), world.preview(body.id())));
         let mut traced = world.clone();
         let applied = world.step().applied.to_vec();
         let after = world.state_hash();
@@ -160,7 +161,9 @@ impl Company<'_> {
 fn stage_by_stage(world: &World) -> World {
     let mut world = world.clone();
     let region = Region::Disc { centre: Vec2::ZERO, radius: Fx::ONE };
-    world.add_field(Field { law: Law::Zone { region, acceleration: Vec2::X }, groups: 0 }).expect("there is room");
+    world
+        .add_field(ForceField { kind: FieldKind::Zone { region, acceleration: Vec2::X }, groups: 0 })
+        .expect("there is room");
     world
 }
 
@@ -301,7 +304,7 @@ fn crowd(data: &[u8]) -> Result<()> {
         let def = BodyDef { position, velocity, angular_velocity: number(fx!(1)), ..BodyDef::dynamic() };
         let made = if i % every == 0 { world.add_body(special.clone()) } else { world.add_body(def) };
         if let Ok(body) = made {
-            author.made(umbra_physics::Made::Body(body));
+            author.made(umbra_physics::Created::Body(body));
         }
     }
     let mut others = [world.clone(), world.clone()];

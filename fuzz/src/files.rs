@@ -1,7 +1,7 @@
 //! Files that nobody recorded: their seals made right, so that what is behind them is looked at.
 
 use arbitrary::{Result, Unstructured};
-use umbra_physics::{LAW, Random, Snapshot, SnapshotError, World, WorldDef, limits};
+use umbra_physics::{PHYSICS_VERSION, Random, Snapshot, SnapshotError, World, WorldDef, limits};
 use xxhash_rust::xxh3::xxh3_64;
 
 use super::author;
@@ -18,7 +18,7 @@ pub fn head() -> Vec<u8> {
 /// Gives a snapshot the hash of the world it says, as far as it says one, and the seal of its bytes.
 pub fn seal_snapshot(bytes: &mut [u8]) {
     let Some(end) = bytes.len().checked_sub(16).filter(|end| *end >= HEAD) else { return };
-    if let Err(SnapshotError::Changed { computed, .. }) = Snapshot::from_bytes(bytes, &author::laws()) {
+    if let Err(SnapshotError::Changed { computed, .. }) = Snapshot::from_bytes(bytes, &author::custom_forces()) {
         bytes[end..end + 8].copy_from_slice(&computed.to_le_bytes());
     }
     let seal = xxh3_64(&bytes[..end + 8]);
@@ -41,7 +41,7 @@ pub fn late(world: &World, before: u8) -> World {
     let mut bytes = world.snapshot().to_bytes();
     put_tick(&mut bytes, limits::TICK - u64::from(before % 16));
     seal_snapshot(&mut bytes);
-    Snapshot::from_bytes(&bytes, &author::laws()).expect("a world like any other").into_world()
+    Snapshot::from_bytes(&bytes, &author::custom_forces()).expect("a world like any other").into_world()
 }
 
 /// A chunk of a replay or a dump: its letters and its contents.
@@ -76,7 +76,7 @@ pub fn sealed(opening: &[u8], chunks: &[Chunk]) -> Vec<u8> {
     for Chunk { tag, bytes } in chunks {
         let mut bytes = bytes.clone();
         match tag {
-            b"HEAD" | b"LAWS" if bytes.len() >= 4 => bytes[..4].copy_from_slice(&LAW.to_le_bytes()),
+            b"HEAD" | b"LAWS" if bytes.len() >= 4 => bytes[..4].copy_from_slice(&PHYSICS_VERSION.to_le_bytes()),
             b"SNAP" => seal_snapshot(&mut bytes),
             b"MOMT" => {
                 // A stage is five bytes more. Then whether there is a world, and the world.
@@ -175,7 +175,7 @@ pub fn use_up(mut world: World, seed: u64) {
     }
     _ = (world.energy(), world.momentum(), world.angular_momentum(), world.elapsed(), world.physics_hash());
     if let Some(body) = ids.get(random.below(1 + ids.len() as u64) as usize) {
-        world.look_ahead(*body).expect("it is there").step();
+        world.preview(*body).expect("it is there").step();
     }
     let mut copy = world.clone();
     for tick in 0..3 {

@@ -19,7 +19,7 @@ use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2, TAU};
 use arbitrary::Result;
 use umbra_physics::scalar::ToF64;
 use umbra_physics::{
-    Attachment, BodyId, BodyKind, BodyRef, Command, End, Field, Fx, Integrator, Law, Scalar, Vec2, World,
+    Attachment, BodyId, BodyKind, BodyRef, Command, End, FieldKind, ForceField, Fx, Integrator, Scalar, Vec2, World,
 };
 
 use super::author::{self, Author};
@@ -188,9 +188,9 @@ impl Slopes {
                 *own_speed += speed;
             }
         };
-        for (_, Field { law, .. }) in before.world.fields() {
-            match law {
-                Law::Spring { near, far, spring } => {
+        for (_, ForceField { kind, .. }) in before.world.fields() {
+            match kind {
+                FieldKind::Spring { near, far, spring } => {
                     let (a, b) = (Way::of(before, after, near)?, Way::end(before, after, far)?);
                     let length = |a: [f64; 2], b: [f64; 2]| long([a[0] - b[0], a[1] - b[1]]);
                     let (start, end) = (length(a.from, b.from), length(a.to, b.to));
@@ -210,25 +210,25 @@ impl Slopes {
                         }
                     }
                 }
-                Law::Attractor { centre, mu, softening } => {
+                FieldKind::Attractor { centre, mu, softening } => {
                     let centre = Way::end(before, after, centre)?;
                     for body in before.world.bodies() {
                         // Steepest at the centre, and twice that covers all ways.
                         add(body.id(), (2.0 + centre.arm) * 2.0 * mu / softening.powi(3), 0.0);
                     }
                 }
-                Law::Thrust { at, force } => {
+                FieldKind::Thrust { at, force } => {
                     let way = Way::of(before, after, at)?;
                     add(at.body, way.yields[0] * long([force.x, force.y]), 0.0);
                 }
-                Law::Drag { linear, quadratic, wind } => {
+                FieldKind::Drag { linear, quadratic, wind } => {
                     for body in before.world.bodies() {
                         let way = Way::of(before, after, &Attachment::centre(body.id()))?;
                         let speed = way.speed + long([wind.x, wind.y]);
                         add(body.id(), 0.0, way.yields[0] * (linear + 2.0 * quadratic * speed));
                     }
                 }
-                Law::Custom { .. } => {
+                FieldKind::Custom { .. } => {
                     for body in before.world.bodies() {
                         add(body.id(), 0.0, body.inverse_mass().max(body.inverse_inertia()));
                     }

@@ -11,7 +11,7 @@ use arbitrary::{Result, Unstructured};
 use dashu_int::{IBig, UBig};
 use umbra_physics::scalar::{Accumulator, Angle, Factor, Number, Sum, Wide};
 use umbra_physics::{
-    Fx, FxAccumulator, FxFactor, FxWide, MathError, ParseFxError, Scalar, SpringLaw, Turn, scalar::FxSum,
+    Fx, FxAccumulator, FxFactor, FxWide, MathError, ParseFxError, Scalar, SpringConstants, Turn, scalar::FxSum,
 };
 
 use super::reference::{Real, Reference, error, real};
@@ -559,7 +559,7 @@ fn tension((x, y): (i64, i64), velocity: (i64, i64), [rest, stiffness, damping]:
     let (x, y) = (x >> 1, y >> 1);
     let [rest, stiffness, damping] = [rest >> 1, stiffness, damping].map(|bits| bits & i64::MAX);
     let far = |bits: i64| FxWide::from_scalar(fx(bits));
-    let law = SpringLaw { rest: fx(rest), stiffness: fx(stiffness), damping: fx(damping) };
+    let law = SpringConstants { rest: fx(rest), stiffness: fx(stiffness), damping: fx(damping) };
     let found = Fx::tension((far(x), far(y)), (far(velocity.0), far(velocity.1)), &law);
     let none = (FxWide::default(), FxWide::default());
     if (x, y) == (0, 0) {

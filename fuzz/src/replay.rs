@@ -34,8 +34,8 @@ pub fn run(data: &[u8]) {
 
 /// A file is read; whatever it is, and what can be recovered of it, is played.
 fn look(bytes: &[u8]) {
-    let whole = measured(bytes, || Replay::from_bytes(bytes, &author::laws()));
-    let rest = Replay::recovered(bytes, &author::laws());
+    let whole = measured(bytes, || Replay::from_bytes(bytes, &author::custom_forces()));
+    let rest = Replay::recovered(bytes, &author::custom_forces());
     match (&whole, &rest) {
         (Ok(whole), Ok(rest)) => {
             assert!(rest.is_complete());
@@ -83,10 +83,10 @@ fn look(bytes: &[u8]) {
 }
 
 fn look_at_dump(bytes: &[u8]) {
-    let Ok(dump) = measured(bytes, || Dump::from_bytes(bytes, &author::laws())) else { return };
+    let Ok(dump) = measured(bytes, || Dump::from_bytes(bytes, &author::custom_forces())) else { return };
     assert_eq!(dump.to_bytes(), bytes, "what is read is written alike");
     assert_eq!(dump.first_difference(&dump), None);
-    for (_, world) in dump.moments() {
+    for (_, world) in dump.phases() {
         let mut world = world.clone();
         world.step();
     }
@@ -187,7 +187,7 @@ fn recorded(data: &[u8], kind: u8) -> Result<()> {
         made.for_each(|made| author.made(made));
     }
     let file = recorder.finish(&world);
-    let replay = Replay::from_bytes(&file, &author::laws()).expect("it is whole");
+    let replay = Replay::from_bytes(&file, &author::custom_forces()).expect("it is whole");
     assert!(replay.verify() == Ok(()) && replay.to_bytes() == file);
     let mut playback = replay.play();
     playback.seek(u64::MAX);
@@ -238,7 +238,7 @@ fn dumped(data: &[u8], kind: u8) -> Result<()> {
     after.step();
     let dump = Dump::of_tick(&before, &calls, &inputs, &after);
     let file = dump.to_bytes();
-    let read = Dump::from_bytes(&file, &author::laws()).expect("it is whole");
+    let read = Dump::from_bytes(&file, &author::custom_forces()).expect("it is whole");
     assert_eq!((read.to_bytes(), read.first_difference(&dump)), (file.clone(), None));
     if !author.input.is_empty() {
         let mut torn = file.clone();

@@ -45,7 +45,7 @@ fn forged(data: &[u8], kind: u8) -> Result<Vec<u8>> {
     let mut author = Author::<Fx>::new(data, Image::default());
     let world = made(&mut author)?;
     let mut bytes = if kind >= LATE { late(&world, kind) } else { world }.snapshot().to_bytes();
-    assert!(Snapshot::from_bytes(&bytes, &author::laws()).is_ok(), "its own bytes");
+    assert!(Snapshot::from_bytes(&bytes, &author::custom_forces()).is_ok(), "its own bytes");
     look(&bytes);
     let input: &mut Unstructured<'_> = &mut author.input;
     while !input.is_empty() {
@@ -56,7 +56,7 @@ fn forged(data: &[u8], kind: u8) -> Result<Vec<u8>> {
 }
 
 fn look(bytes: &[u8]) {
-    let Ok(snapshot) = measured(bytes, || Snapshot::from_bytes(bytes, &author::laws())) else { return };
+    let Ok(snapshot) = measured(bytes, || Snapshot::from_bytes(bytes, &author::custom_forces())) else { return };
     assert_eq!(snapshot.to_bytes(), bytes, "what is read is written alike");
     let mut world = World::new(WorldDef::default()).expect("a fair definition");
     world.restore(&snapshot);
@@ -66,7 +66,7 @@ fn look(bytes: &[u8]) {
     other.step();
     assert_eq!(world.state_hash(), other.state_hash(), "two that were read alike");
     let stepped = world.snapshot().to_bytes();
-    let again = Snapshot::from_bytes(&stepped, &author::laws()).expect("a step leads to a world");
+    let again = Snapshot::from_bytes(&stepped, &author::custom_forces()).expect("a step leads to a world");
     assert_eq!((again.to_bytes(), again.world().state_hash()), (stepped, world.state_hash()));
     use_up(world, bytes.len() as u64);
 }

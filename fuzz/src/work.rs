@@ -7,8 +7,8 @@
 
 use umbra_physics::scalar::Factor;
 use umbra_physics::{
-    Action, Attachment, BodyDef, BodyId, BodyKind, Command, End, Field, Fx, FxFactor, Integrator, Law, Manner, Mass,
-    Random, Region, Shape, SpringLaw, TimeStep, Vec2, World, WorldDef, fx, vec2,
+    ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, Command, End, FieldKind, ForceField, ForceOrImpulse, Fx,
+    FxFactor, Integrator, Mass, Random, Region, Shape, SpringConstants, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
 /// How many bodies there are.
@@ -132,7 +132,7 @@ impl Busy {
         let mass = values.size(fx!(1), fx!(0.0000152587890625), fx!(16777216));
         let radius = values.size(fx!(0.5), fx!(0.0078125), fx!(4096));
         // How many kinds of gravity scale and damping there are; how many bodies have a place of their own.
-        let tunings = [1, 2, 7, 1_000][usize::from(values.byte() % 128) % 4];
+        let factor_table = [1, 2, 7, 1_000][usize::from(values.byte() % 128) % 4];
         let places = [BODIES, 1, 31][usize::from(values.byte() % 128) % 3];
         let shape = Some(Shape::circle(radius).expect("a fair radius"));
         let mut ids = Vec::new();
@@ -141,7 +141,9 @@ impl Busy {
             let place = vec2((i % places % 32) as i32, (i % places / 32) as i32);
             let steps = |x: Fx| x.saturating_mul(apart);
             let position = Vec2::new(steps(place.x) + off, steps(place.y) - off);
-            let own = |most: Fx| (tunings > 1).then(|| Fx::from_bits(most.to_bits() - (i % tunings) as i64 * 4_097));
+            let own = |most: Fx| {
+                (factor_table > 1).then(|| Fx::from_bits(most.to_bits() - (i % factor_table) as i64 * 4_097))
+            };
             let def = BodyDef {
                 kind,
                 position: position.map(|x| x.clamp(fx!(-1073741824), fx!(1073741824))),
@@ -149,7 +151,7 @@ impl Busy {
                 velocity: values.vector(speed),
                 angular_velocity: values.number(spin),
                 shape: shape.clone(),
-                mass: Mass::Of(mass),
+                mass: Mass::Kilograms(mass),
                 gravity_scale: own(fx!(16)).unwrap_or(fx!(1)),
                 linear_damping: own(linear).filter(|_| damped % 4 != 0).map(|kept| kept.max(Fx::DELTA)),
                 angular_damping: own(angular).filter(|_| damped % 4 != 0).map(|kept| kept.max(Fx::DELTA)),
@@ -165,11 +167,12 @@ impl Busy {
         let damping = if dampers % 2 == 0 { Fx::ZERO } else { values.size(fx!(0.5), Fx::DELTA, fx!(1000000000)) };
         let lever = if levers % 2 == 0 { Vec2::ZERO } else { vec2(values.size(fx!(0.25), Fx::DELTA, fx!(4096)), 0) };
         let stride = [1, 2, 17, dynamic.len() / 2][usize::from(values.byte() % 128) % 4];
-        let mut add = |law: Law| world.add_field(Field { law, groups: u32::MAX }).map(drop).expect("a fair field");
+        let mut add =
+            |kind: FieldKind| world.add_field(ForceField { kind, groups: u32::MAX }).map(drop).expect("a fair field");
         for i in 0..many(springs) {
             let near = Attachment { body: dynamic[i % dynamic.len()], point: lever };
             let far = Attachment { body: dynamic[(i + stride) % dynamic.len()], point: lever };
-            add(Law::Spring { near, far: End::Body(far), spring: SpringLaw { rest, stiffness, damping } });
+            add(FieldKind::Spring { near, far: End::Body(far), spring: SpringConstants { rest, stiffness, damping } });
         }
         let mu = values.size(fx!(100), Fx::DELTA, Fx::MAX);
         let (mu, more) = (<FxFactor as Factor<Fx>>::from_scalar(mu), u64::from(values.byte() / 129));
@@ -179,13 +182,13 @@ impl Busy {
             // One of them is carried by a body, if there are many.
             let at = Attachment { body, point: lever };
             let centre = if i == 3 { End::Body(at) } else { End::World(vec2(i as i32 * 7, -3)) };
-            add(Law::Attractor { centre, mu, softening });
+            add(FieldKind::Attractor { centre, mu, softening });
         }
         let linear = values.size(fx!(0.25), Fx::DELTA, fx!(1000000000));
         let quadratic = values.size(fx!(0.25), Fx::DELTA, fx!(1000000000));
         let wind = values.size(fx!(2), Fx::ZERO, fx!(1000000));
         for _ in 0..drags % 4 {
-            add(Law::Drag { linear, quadratic, wind: vec2(wind, 0) });
+            add(FieldKind::Drag { linear, quadratic, wind: vec2(wind, 0) });
         }
         let reach = values.size(fx!(1000000), Fx::DELTA, fx!(1073741824));
         let acceleration = vec2(values.size(fx!(1), Fx::DELTA, fx!(65536)), 0);
@@ -195,12 +198,12 @@ impl Busy {
             } else {
                 Region::Box { min: vec2(-reach, -reach), max: vec2(reach, reach) }
             };
-            add(Law::Zone { region, acceleration });
+            add(FieldKind::Zone { region, acceleration });
         }
         let thrust = values.size(fx!(1), Fx::DELTA, fx!(1000000000));
         for i in 0..many(thrusts) {
             let at = Attachment { body: dynamic[i % dynamic.len()], point: lever };
-            add(Law::Thrust { at, force: vec2(thrust, thrust) });
+            add(FieldKind::Thrust { at, force: vec2(thrust, thrust) });
         }
         let push = values.size(fx!(1), Fx::DELTA, fx!(1000000000));
         let torque = values.size(fx!(1), Fx::DELTA, fx!(1000000000));
@@ -210,10 +213,10 @@ impl Busy {
 
     /// Applies the forces of a tick.
     pub fn push(&mut self) {
-        let manner = Manner { wake: false, ..Manner::default() };
+        let manner = ApplyOptions { wake: false, ..ApplyOptions::default() };
         for &body in &self.pushed {
-            let force = Action::Force { force: self.force, point: None };
-            for action in [force, Action::Torque(self.torque)] {
+            let force = ForceOrImpulse::Force { force: self.force, point: None };
+            for action in [force, ForceOrImpulse::Torque(self.torque)] {
                 // Who was taken out feels nothing.
                 _ = self.world.execute(&Command::Apply { body, action, manner });
             }
@@ -224,13 +227,13 @@ impl Busy {
     #[must_use]
     pub fn counts(&self) -> Vec<(String, usize)> {
         let bodies = self.world.bodies().map(|body| format!("{:?}", body.kind()));
-        let fields = self.world.fields().map(|(_, field)| match &field.law {
-            Law::Attractor { centre: End::World(_), .. } => "attractor".to_string(),
-            Law::Attractor { .. } => "carried attractor".to_string(),
-            Law::Spring { spring, .. } => format!("spring, damped: {}", spring.damping != Fx::ZERO),
-            Law::Drag { .. } => "drag".to_string(),
-            Law::Thrust { .. } => "thrust".to_string(),
-            Law::Zone { .. } => "zone".to_string(),
+        let fields = self.world.fields().map(|(_, field)| match &field.kind {
+            FieldKind::Attractor { centre: End::World(_), .. } => "attractor".to_string(),
+            FieldKind::Attractor { .. } => "carried attractor".to_string(),
+            FieldKind::Spring { spring, .. } => format!("spring, damped: {}", spring.damping != Fx::ZERO),
+            FieldKind::Drag { .. } => "drag".to_string(),
+            FieldKind::Thrust { .. } => "thrust".to_string(),
+            FieldKind::Zone { .. } => "zone".to_string(),
             _ => "law of the user's".to_string(),
         });
         let mut all: Vec<String> = bodies.chain(fields).chain([format!("pushed: {}", self.pushed.len())]).collect();

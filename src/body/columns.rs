@@ -4,16 +4,16 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::ops::Range;
 
-use super::card::{Card, Roster};
+use super::factors::{FactorTable, Key};
+use super::info::{BodyInfo, BodyTable};
 use super::motion::{Acceleration, Block, Motion};
-use super::tuning::{Key, Tunings};
 use super::{Activity, BodyDef, BodyKind, Locks, MassProperties};
+use crate::codec::{self, StateHasher, Write as _};
 use crate::error::Error;
 use crate::handle::{BodyId, are_free};
 use crate::limits;
 use crate::scalar::{Accumulator, Angle, Scalar};
 use crate::shape::Shape;
-use crate::wire::{self, Sink, Write as _};
 
 /// No index.
 pub(crate) const NONE: u32 = u32::MAX;
@@ -22,13 +22,13 @@ pub(crate) const NONE: u32 = u32::MAX;
 #[derive(Debug)]
 pub(crate) struct Columns<S: Scalar> {
     pub(crate) motion: Motion<S>,
-    /// Which of the [`Tunings`] a body has.
-    pub(crate) tuning: Vec<u32>,
+    /// Which of the [`FactorTable`] a body has.
+    pub(crate) factors: Vec<u32>,
     pub(crate) slot: Vec<u32>,
     activity: Vec<Activity>,
 }
 
-clone_by_field!(Columns { motion, tuning, slot, activity });
+clone_by_field!(Columns { motion, factors, slot, activity });
 
 #[derive(Clone, Copy, Debug)]
 struct Slot {
@@ -65,7 +65,7 @@ impl Runs {
 #[derive(Debug)]
 pub(crate) struct Bodies<S: Scalar> {
     pub(crate) columns: Columns<S>,
-    roster: Arc<Roster<S>>,
+    table: Arc<BodyTable<S>>,
     /// The bodies before this index are the ones a step moves.
     moving: usize,
     slots: Vec<Slot>,
@@ -81,7 +81,7 @@ pub(crate) struct Bodies<S: Scalar> {
     asleep: Sleepers,
 }
 
-clone_by_field!(Bodies { columns, roster, moving, slots, free, keeps_last, any_come, is_rest_zero, asleep });
+clone_by_field!(Bodies { columns, table, moving, slots, free, keeps_last, any_come, is_rest_zero, asleep });
 
 /// How many bodies are asleep, and how many dynamic ones of them in each group.
 #[derive(Clone, Copy, Debug, Default)]
@@ -92,9 +92,9 @@ struct Sleepers {
 
 impl Sleepers {
     /// Counts a body in (`by` = 1) or out (−1).
-    fn count<S: Scalar>(&mut self, card: &Card<S>, by: i32) {
+    fn count<S: Scalar>(&mut self, info: &BodyInfo<S>, by: i32) {
         self.count = self.count.wrapping_add_signed(by as isize);
-        let mut groups = if card.kind == BodyKind::Dynamic { card.groups } else { 0 };
+        let mut groups = if info.kind == BodyKind::Dynamic { info.groups } else { 0 };
         while groups != 0 {
             let group = groups.trailing_zeros() as usize;
             self.by_group[group] = self.by_group[group].wrapping_add_signed(by);
@@ -110,10 +110,11 @@ impl Sleepers {
 
 impl<S: Scalar> Default for Bodies<S> {
     fn default() -> Self {
-        let columns = Columns { motion: Motion::default(), tuning: Vec::new(), slot: Vec::new(), activity: Vec::new() };
+        let columns =
+            Columns { motion: Motion::default(), factors: Vec::new(), slot: Vec::new(), activity: Vec::new() };
         Self {
             columns,
-            roster: Arc::default(),
+            table: Arc::default(),
             moving: 0,
             slots: Vec::new(),
             free: Vec::new(),
@@ -149,7 +150,7 @@ impl<S: Scalar> Bodies<S> {
 
     /// Some of the bodies that move, by their indices.
     pub(crate) fn block(&mut self, first: usize, end: usize) -> Block<'_, S> {
-        Block::new(&mut self.columns.motion, &self.columns.tuning, first, end)
+        Block::new(&mut self.columns.motion, &self.columns.factors, first, end)
     }
 
     pub(crate) fn any_asleep(&self) -> bool {
@@ -167,50 +168,50 @@ impl<S: Scalar> Bodies<S> {
     }
 
     /// What no step changes of the body at this index in the columns.
-    pub(crate) fn card(&self, dense: usize) -> &Card<S> {
-        self.roster.card(self.columns.slot[dense] as usize)
+    pub(crate) fn info(&self, dense: usize) -> &BodyInfo<S> {
+        self.table.info(self.columns.slot[dense] as usize)
     }
 
     /// Changes what no step does. A body that is asleep keeps its kind and its groups.
-    pub(crate) fn edit(&mut self, dense: usize, edit: impl FnOnce(&mut Card<S>)) {
+    pub(crate) fn edit(&mut self, dense: usize, edit: impl FnOnce(&mut BodyInfo<S>)) {
         let slot = self.columns.slot[dense] as usize;
-        Arc::make_mut(&mut self.roster).edit(slot, edit);
+        Arc::make_mut(&mut self.table).edit(slot, edit);
     }
 
     /// Makes the hashes of what calls have changed since the step before.
-    pub(crate) fn update_digests(&mut self, tunings: &Tunings<S>) {
-        if self.roster.is_stale() {
-            let Self { roster, slots, columns, .. } = self;
-            Arc::make_mut(roster).update(|slot| key_of(slots, columns, tunings, slot));
+    pub(crate) fn update_digests(&mut self, factor_table: &FactorTable<S>) {
+        if self.table.is_stale() {
+            let Self { table, slots, columns, .. } = self;
+            Arc::make_mut(table).update(|slot| key_of(slots, columns, factor_table, slot));
         }
     }
 
     /// Gives a body a shape, or none, and the properties that follow.
     pub(crate) fn set_shape(&mut self, dense: usize, shape: Option<Shape<S>>, properties: MassProperties<S>) {
-        let shapes = &mut Arc::make_mut(&mut self.roster).shapes;
+        let shapes = &mut Arc::make_mut(&mut self.table).shapes;
         let new = shape.map(|shape| shapes.acquire(shape));
         let mut old = None;
-        self.edit(dense, |card| {
-            old = core::mem::replace(&mut card.shape, new);
-            card.properties = properties;
+        self.edit(dense, |info| {
+            old = core::mem::replace(&mut info.shape, new);
+            info.properties = properties;
         });
         if let Some(old) = old {
-            Arc::make_mut(&mut self.roster).shapes.release(&old);
+            Arc::make_mut(&mut self.table).shapes.release(&old);
         }
     }
 
     /// Locks a body along some axes, unlocks it along the others, and gives it the factors that go with that.
-    pub(crate) fn set_locks(&mut self, dense: usize, tunings: &mut Tunings<S>, locks: Locks) {
+    pub(crate) fn set_locks(&mut self, dense: usize, factor_table: &mut FactorTable<S>, locks: Locks) {
         self.columns.motion.lock(dense, locks);
-        self.edit(dense, |card| card.locks = locks);
-        let key = tunings.rows()[self.columns.tuning[dense] as usize].key;
-        self.retune(dense, tunings, Key { still: [locks.x, locks.y], ..key });
+        self.edit(dense, |info| info.locks = locks);
+        let key = factor_table.rows()[self.columns.factors[dense] as usize].key;
+        self.set_factors(dense, factor_table, Key { still: [locks.x, locks.y], ..key });
     }
 
     /// Gives a body the factors that go with a key.
-    pub(crate) fn retune(&mut self, dense: usize, tunings: &mut Tunings<S>, key: Key<S>) {
-        let new = tunings.acquire(key);
-        tunings.release(core::mem::replace(&mut self.columns.tuning[dense], new));
+    pub(crate) fn set_factors(&mut self, dense: usize, factor_table: &mut FactorTable<S>, key: Key<S>) {
+        let new = factor_table.acquire(key);
+        factor_table.release(core::mem::replace(&mut self.columns.factors[dense], new));
         self.edit(dense, |_| {});
     }
 
@@ -223,13 +224,13 @@ impl<S: Scalar> Bodies<S> {
         let old = core::mem::replace(&mut self.columns.activity[dense], activity);
         let slot = self.columns.slot[dense] as usize;
         if old == Activity::Asleep {
-            self.asleep.count(self.roster.card(slot), -1);
+            self.asleep.count(self.table.info(slot), -1);
         }
         if activity == Activity::Asleep {
-            self.asleep.count(self.roster.card(slot), 1);
+            self.asleep.count(self.table.info(slot), 1);
         }
         self.columns.motion.rest[dense] = 0;
-        let moves = activity == Activity::Awake && self.card(dense).kind != BodyKind::Static;
+        let moves = activity == Activity::Awake && self.info(dense).kind != BodyKind::Static;
         self.set_moving(dense, moves)
     }
 
@@ -277,7 +278,7 @@ impl<S: Scalar> Bodies<S> {
     /// Adds a column to a hash, in the order of the slots.
     fn write_column<T: Copy, const BYTES: usize>(
         &self,
-        sink: &mut Sink,
+        sink: &mut StateHasher,
         runs: Option<&Runs>,
         column: &[T],
         bytes: impl Fn(T) -> [u8; BYTES] + Copy,
@@ -289,16 +290,16 @@ impl<S: Scalar> Bodies<S> {
     }
 
     /// Adds to a hash all bodies and how their handles are given out.
-    pub(crate) fn write(&self, sink: &mut Sink, tunings: &Tunings<S>) {
-        wire::count(sink, self.slots.len());
+    pub(crate) fn write(&self, sink: &mut StateHasher, factor_table: &FactorTable<S>) {
+        codec::count(sink, self.slots.len());
         sink.all(&self.slots, |slot| (u64::from(slot.generation) << 1 | u64::from(slot.dense != NONE)).to_le_bytes());
-        wire::count(sink, self.free.len());
+        codec::count(sink, self.free.len());
         sink.all(&self.free, u32::to_le_bytes);
         let Columns { motion, activity, .. } = &self.columns;
         let runs = self.runs();
         let runs = runs.as_ref();
         let [x, y, vx, vy] = [&motion.position.x, &motion.position.y, &motion.velocity.x, &motion.velocity.y];
-        for column in [x, y, vx, vy, &motion.spin] {
+        for column in [x, y, vx, vy, &motion.angular_velocity] {
             self.write_column(sink, runs, column, Accumulator::to_bytes);
         }
         self.write_column(sink, runs, &motion.angle, |angle| angle.to_bits().to_le_bytes());
@@ -306,11 +307,11 @@ impl<S: Scalar> Bodies<S> {
         self.write_column(sink, runs, activity, |activity| [activity as u8]);
         let is_taken = |slot: &usize| self.slots[*slot].dense != NONE;
         let taken = (0..self.slots.len()).filter(is_taken);
-        match self.roster.digests() {
+        match self.table.digests() {
             Some(digests) if self.len() == self.slots.len() => sink.all(digests, u64::to_le_bytes),
             Some(digests) => sink.each(taken.map(|slot| digests[slot]), u64::to_le_bytes),
             None => {
-                let digest = |slot| self.roster.digest(slot, key_of(&self.slots, &self.columns, tunings, slot));
+                let digest = |slot| self.table.digest(slot, key_of(&self.slots, &self.columns, factor_table, slot));
                 sink.each(taken.map(digest), u64::to_le_bytes);
             }
         }
@@ -331,20 +332,20 @@ impl<S: Scalar> Bodies<S> {
         &mut self,
         def: BodyDef<S>,
         properties: MassProperties<S>,
-        tunings: &mut Tunings<S>,
+        factor_table: &mut FactorTable<S>,
     ) -> BodyId {
         let slot = match self.free.pop() {
             Some(slot) => slot,
             None => self.new_slot(0),
         };
-        self.insert_at(slot, def, properties, tunings);
+        self.insert_at(slot, def, properties, factor_table);
         BodyId { slot, generation: self.slots[slot as usize].generation }
     }
 
     /// Adds a slot without a body.
     pub(super) fn new_slot(&mut self, generation: u32) -> u32 {
         push(&mut self.slots, Slot { generation, dense: NONE });
-        Arc::make_mut(&mut self.roster).open();
+        Arc::make_mut(&mut self.table).open();
         (self.slots.len() - 1) as u32
     }
 
@@ -354,7 +355,7 @@ impl<S: Scalar> Bodies<S> {
         slot: u32,
         def: BodyDef<S>,
         properties: MassProperties<S>,
-        tunings: &mut Tunings<S>,
+        factor_table: &mut FactorTable<S>,
     ) {
         let dense = self.len();
         self.slots[slot as usize].dense = dense as u32;
@@ -371,12 +372,12 @@ impl<S: Scalar> Bodies<S> {
             most: [def.max_speed, def.max_angular_speed],
             still: [def.locks.x, def.locks.y],
         };
-        push(&mut columns.tuning, tunings.acquire(key));
+        push(&mut columns.factors, factor_table.acquire(key));
         push(&mut columns.slot, slot);
         push(&mut columns.activity, Activity::Awake);
-        let roster = Arc::make_mut(&mut self.roster);
-        let card = Card::new(&def, def.shape.clone().map(|shape| roster.shapes.acquire(shape)), properties);
-        roster.place(slot as usize, card);
+        let table = Arc::make_mut(&mut self.table);
+        let info = BodyInfo::new(&def, def.shape.clone().map(|shape| table.shapes.acquire(shape)), properties);
+        table.place(slot as usize, info);
         self.set_moving(dense, def.kind != BodyKind::Static);
     }
 
@@ -417,26 +418,26 @@ impl<S: Scalar> Bodies<S> {
     pub(crate) fn adopt(
         &mut self,
         (other, body): (&Self, BodyId),
-        (other_tunings, tunings): (&Tunings<S>, &mut Tunings<S>),
+        (other_tunings, factor_table): (&FactorTable<S>, &mut FactorTable<S>),
     ) -> Result<BodyId, Error> {
         let from = other.find(body)?;
-        let (card, key) = (other.card(from), &other_tunings.rows()[other.columns.tuning[from] as usize].key);
+        let (info, key) = (other.info(from), &other_tunings.rows()[other.columns.factors[from] as usize].key);
         let def = BodyDef {
-            kind: card.kind,
-            shape: card.shape.as_deref().cloned(),
-            mass: card.mass,
+            kind: info.kind,
+            shape: info.shape.as_deref().cloned(),
+            mass: info.mass,
             gravity_scale: key.gravity_scale,
             linear_damping: key.linear,
             angular_damping: key.angular,
             max_speed: key.most[0],
             max_angular_speed: key.most[1],
-            locks: card.locks,
-            groups: card.groups,
-            key: card.key,
-            user_data: card.user_data,
+            locks: info.locks,
+            groups: info.groups,
+            key: info.key,
+            user_data: info.user_data,
             ..BodyDef::dynamic()
         };
-        let adopted = self.insert(def, card.properties, tunings);
+        let adopted = self.insert(def, info.properties, factor_table);
         let dense = self.find(adopted)?;
         let dense = self.set_activity(dense, other.activity(from));
         self.make_last_accelerations();
@@ -453,10 +454,10 @@ impl<S: Scalar> Bodies<S> {
         self.swap(dense, last);
         let columns = &mut self.columns;
         columns.motion.pop();
-        columns.tuning.pop();
+        columns.factors.pop();
         columns.slot.pop();
         columns.activity.pop();
-        Arc::make_mut(&mut self.roster).remove(body.slot as usize);
+        Arc::make_mut(&mut self.table).remove(body.slot as usize);
         let slot = &mut self.slots[body.slot as usize];
         slot.dense = NONE;
         // A slot whose generations are used up is never taken again: no handle names two bodies.
@@ -506,10 +507,10 @@ impl<S: Scalar> Bodies<S> {
     }
 
     /// Makes the columns ready for a step, and says whether a body has come among those that move since the last one.
-    pub(crate) fn begin_step(&mut self, tunings: &Tunings<S>) -> bool {
+    pub(crate) fn begin_step(&mut self, factor_table: &FactorTable<S>) -> bool {
         self.is_rest_zero = false;
         self.make_last_accelerations();
-        self.update_digests(tunings);
+        self.update_digests(factor_table);
         core::mem::take(&mut self.any_come)
     }
 
@@ -519,7 +520,7 @@ impl<S: Scalar> Bodies<S> {
         }
         let columns = &mut self.columns;
         columns.motion.swap(a, b);
-        columns.tuning.swap(a, b);
+        columns.factors.swap(a, b);
         columns.slot.swap(a, b);
         columns.activity.swap(a, b);
         self.slots[columns.slot[a] as usize].dense = a as u32;
@@ -528,6 +529,11 @@ impl<S: Scalar> Bodies<S> {
 }
 
 /// What the factors of the body in a slot are made from.
-fn key_of<'a, S: Scalar>(slots: &[Slot], columns: &Columns<S>, tunings: &'a Tunings<S>, slot: usize) -> &'a Key<S> {
-    &tunings.rows()[columns.tuning[slots[slot].dense as usize] as usize].key
+fn key_of<'a, S: Scalar>(
+    slots: &[Slot],
+    columns: &Columns<S>,
+    factor_table: &'a FactorTable<S>,
+    slot: usize,
+) -> &'a Key<S> {
+    &factor_table.rows()[columns.factors[slots[slot].dense as usize] as usize].key
 }

@@ -1,27 +1,27 @@
 //! Bodies: their definitions, handles, and the columns their state is kept in.
 
-mod card;
 mod columns;
-mod goal;
+mod factors;
+mod info;
 mod motion;
 mod record;
 mod sparse;
-mod tuning;
+mod target;
 
+use crate::codec::{self, Encoder, Malformed, Read, Reader, Write, codec_enum, codec_struct};
 use crate::error::{Error, Quantity};
 use crate::limits;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, Factor, Scalar, fx::Fx};
 use crate::shape::Shape;
-use crate::wire::{self, Malformed, Out, Read, Reader, Write, wire_enum, wire_struct};
 
-pub(crate) use card::Card;
 pub(crate) use columns::{Bodies, NONE, push};
-pub(crate) use goal::{Errand, Errands, Goal, Velocities};
+pub(crate) use factors::{FactorTable, GENTLE_STEPS, Key, SPANS, StepFactors, WorldFactors};
+pub(crate) use info::BodyInfo;
 pub(crate) use motion::{Acceleration, BLOCK, Block, Motion};
 pub(crate) use record::{Record, ShapeSource};
 pub(crate) use sparse::{Row, Sparse};
-pub(crate) use tuning::{Climate, GENTLE_STEPS, Key, SPANS, Tuning, Tunings};
+pub(crate) use target::{KinematicTarget, KinematicTargets, Target, Velocities};
 
 /// What moves a body.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -97,11 +97,11 @@ impl Locks {
 }
 
 impl Write for Locks {
-    fn write(&self, out: &mut impl Out) {
+    fn write(&self, out: &mut impl Encoder) {
         let Self { x, y, rotation } = self;
-        wire::field(out, "x", x);
-        wire::field(out, "y", y);
-        wire::field(out, "rotation", rotation);
+        codec::field(out, "x", x);
+        codec::field(out, "y", y);
+        codec::field(out, "rotation", rotation);
     }
 }
 
@@ -122,9 +122,14 @@ pub enum Mass<S = Fx> {
     /// kg/m² times the area of the shape, kg/m for a segment; the inertia from the shape.
     Density(S),
     /// kg; the inertia from the shape, or infinite without one: such a body does not turn.
-    Of(S),
+    Kilograms(S),
     /// kg and kg·m².
-    WithInertia(S, S),
+    Explicit {
+        /// kg.
+        mass: S,
+        /// kg·m².
+        inertia: S,
+    },
 }
 
 /// What a body is made from. Start from [`BodyDef::dynamic`], [`kinematic`](Self::kinematic) or
@@ -186,14 +191,14 @@ pub struct BodyDef<S: Scalar = Fx> {
     pub user_data: u64,
 }
 
-wire_enum!(BodyKind, "the number of a kind of body", { 0 => Static, 1 => Kinematic, 2 => Dynamic });
-wire_enum!(Activity, "the number of an activity", { 0 => Awake, 1 => Asleep, 2 => Quarantined, 3 => Disabled });
-wire_enum!(Mass<S>, "the number of a way to give a mass", {
+codec_enum!(BodyKind, "the number of a kind of body", { 0 => Static, 1 => Kinematic, 2 => Dynamic });
+codec_enum!(Activity, "the number of an activity", { 0 => Awake, 1 => Asleep, 2 => Quarantined, 3 => Disabled });
+codec_enum!(Mass<S>, "the number of a way to give a mass", {
     0 => Density(density),
-    1 => Of(mass),
-    2 => WithInertia(mass, inertia),
+    1 => Kilograms(mass),
+    2 => Explicit { mass, inertia },
 });
-wire_struct!(BodyDef {
+codec_struct!(BodyDef {
     kind,
     position,
     angle,
@@ -223,7 +228,7 @@ impl<S: Scalar> BodyDef<S> {
             velocity: Vec2::ZERO,
             angular_velocity: S::ZERO,
             shape: None,
-            mass: Mass::Of(S::ONE),
+            mass: Mass::Kilograms(S::ONE),
             gravity_scale: S::ONE,
             linear_damping: None,
             angular_damping: None,
@@ -296,14 +301,14 @@ fn mass_of<S: Scalar>(mass: Mass<S>, shape: Option<&Shape<S>>) -> Result<S, Erro
             let area = shape.ok_or(Error::NoShape)?.measure();
             S::Factor::from_scalar(density).times(area).to_scalar().ok_or(out_of(Quantity::Mass))
         }
-        Mass::Of(mass) | Mass::WithInertia(mass, _) => Ok(mass),
+        Mass::Kilograms(mass) | Mass::Explicit { mass, inertia: _ } => Ok(mass),
     }
 }
 
 /// kg·m², of a body of this mass in kg; zero for infinite.
 fn inertia_of<S: Scalar>(kilograms: S, mass: Mass<S>, shape: Option<&Shape<S>>) -> S::Factor {
     match (mass, shape) {
-        (Mass::WithInertia(_, inertia), _) => S::Factor::from_scalar(inertia),
+        (Mass::Explicit { mass: _, inertia }, _) => S::Factor::from_scalar(inertia),
         (_, Some(shape)) => S::Factor::from_scalar(kilograms).times(shape.gyration()),
         (_, None) => S::Factor::ZERO,
     }
@@ -319,7 +324,7 @@ pub(crate) fn mass_properties<S: Scalar>(
     if kind != BodyKind::Dynamic {
         return Ok(MassProperties { inverse_mass: zero, inverse_inertia: zero });
     }
-    if matches!(mass, Mass::WithInertia(_, inertia) if !(inertia > S::ZERO && inertia.is_finite())) {
+    if matches!(mass, Mass::Explicit { mass: _, inertia } if !(inertia > S::ZERO && inertia.is_finite())) {
         return Err(Error::OutOfRange { quantity: Quantity::Inertia });
     }
     let kilograms = mass_of(mass, shape)?;

@@ -63,14 +63,14 @@ pub(crate) struct Motion<S: Scalar> {
     pub(crate) position: Plane<S::Accumulator>,
     pub(crate) velocity: Plane<S::Accumulator>,
     pub(crate) angle: Vec<S::Angle>,
-    pub(crate) spin: Vec<S::Accumulator>,
+    pub(crate) angular_velocity: Vec<S::Accumulator>,
     /// Ticks at rest.
     pub(crate) rest: Vec<u32>,
     /// The acceleration of the step before: state of `PublishedVerlet`, empty otherwise.
     pub(crate) last: Vec<Acceleration<S>>,
 }
 
-clone_by_field!(Motion { position, velocity, angle, spin, rest, last });
+clone_by_field!(Motion { position, velocity, angle, angular_velocity, rest, last });
 
 impl<S: Scalar> Default for Motion<S> {
     fn default() -> Self {
@@ -78,7 +78,7 @@ impl<S: Scalar> Default for Motion<S> {
             position: Plane::default(),
             velocity: Plane::default(),
             angle: Vec::new(),
-            spin: Vec::new(),
+            angular_velocity: Vec::new(),
             rest: Vec::new(),
             last: Vec::new(),
         }
@@ -87,11 +87,11 @@ impl<S: Scalar> Default for Motion<S> {
 
 impl<S: Scalar> Motion<S> {
     /// Adds a body; `last` is the caller's.
-    pub(super) fn push(&mut self, position: Vec2<S>, velocity: Vec2<S>, angle: S::Angle, spin: S) {
+    pub(super) fn push(&mut self, position: Vec2<S>, velocity: Vec2<S>, angle: S::Angle, angular_velocity: S) {
         self.position.push(position.map(S::Accumulator::from_scalar));
         self.velocity.push(velocity.map(S::Accumulator::from_scalar));
         push(&mut self.angle, angle);
-        push(&mut self.spin, S::Accumulator::from_scalar(spin));
+        push(&mut self.angular_velocity, S::Accumulator::from_scalar(angular_velocity));
         push(&mut self.rest, 0);
     }
 
@@ -100,7 +100,7 @@ impl<S: Scalar> Motion<S> {
         self.position.set(i, other.position.get(j));
         self.velocity.set(i, other.velocity.get(j));
         self.angle[i] = other.angle[j];
-        self.spin[i] = other.spin[j];
+        self.angular_velocity[i] = other.angular_velocity[j];
         self.rest[i] = other.rest[j];
         if let (Some(own), Some(other)) = (self.last.get_mut(i), other.last.get(j)) {
             *own = *other;
@@ -120,7 +120,7 @@ impl<S: Scalar> Motion<S> {
             (self.velocity.y[i], last.linear.y) = (still, S::Wide::default());
         }
         if rotation {
-            (self.spin[i], last.angular) = (still, S::Wide::default());
+            (self.angular_velocity[i], last.angular) = (still, S::Wide::default());
         }
     }
 
@@ -131,7 +131,7 @@ impl<S: Scalar> Motion<S> {
         }
         let Plane { x, y } = &mut self.position;
         let Plane { x: vx, y: vy } = &mut self.velocity;
-        [x, y, vx, vy, &mut self.spin].into_iter().for_each(|column| reserve(column, count));
+        [x, y, vx, vy, &mut self.angular_velocity].into_iter().for_each(|column| reserve(column, count));
         reserve(&mut self.angle, count);
     }
 
@@ -148,7 +148,7 @@ impl<S: Scalar> Motion<S> {
         copy(&mut self.velocity.x, vx);
         copy(&mut self.velocity.y, vy);
         copy(&mut self.angle, block.angle);
-        copy(&mut self.spin, block.spin);
+        copy(&mut self.angular_velocity, block.angular_velocity);
         copy(&mut self.last, block.last);
     }
 
@@ -158,7 +158,7 @@ impl<S: Scalar> Motion<S> {
         (block.position[0][i], block.position[1][i]) = (position.x, position.y);
         (block.velocity[0][i], block.velocity[1][i]) = (velocity.x, velocity.y);
         block.angle[i] = self.angle[i];
-        block.spin[i] = self.spin[i];
+        block.angular_velocity[i] = self.angular_velocity[i];
         block.rest[i] = 0;
         if let Some(last) = self.last.get(i) {
             block.last[i] = *last;
@@ -170,7 +170,7 @@ impl<S: Scalar> Motion<S> {
         self.position.get(i) == Vec2::new(block.position[0][i], block.position[1][i])
             && self.velocity.get(i) == Vec2::new(block.velocity[0][i], block.velocity[1][i])
             && self.angle[i] == block.angle[i]
-            && self.spin[i] == block.spin[i]
+            && self.angular_velocity[i] == block.angular_velocity[i]
             && self.last.get(i) == block.last.get(i)
     }
 
@@ -179,7 +179,7 @@ impl<S: Scalar> Motion<S> {
         self.position.pop();
         self.velocity.pop();
         self.angle.pop();
-        self.spin.pop();
+        self.angular_velocity.pop();
         self.rest.pop();
         self.last.pop();
     }
@@ -188,7 +188,7 @@ impl<S: Scalar> Motion<S> {
         self.position.swap(a, b);
         self.velocity.swap(a, b);
         self.angle.swap(a, b);
-        self.spin.swap(a, b);
+        self.angular_velocity.swap(a, b);
         self.rest.swap(a, b);
         if !self.last.is_empty() {
             self.last.swap(a, b);
@@ -206,32 +206,32 @@ pub(crate) struct Block<'a, S: Scalar> {
     pub(crate) position: [&'a mut [S::Accumulator]; 2],
     pub(crate) velocity: [&'a mut [S::Accumulator]; 2],
     pub(crate) angle: &'a mut [S::Angle],
-    pub(crate) spin: &'a mut [S::Accumulator],
+    pub(crate) angular_velocity: &'a mut [S::Accumulator],
     pub(crate) rest: &'a mut [u32],
     /// Empty but with `PublishedVerlet`.
     pub(crate) last: &'a mut [Acceleration<S>],
-    /// Which of the [`Tunings`](super::Tunings) they have.
-    pub(crate) tuning: &'a [u32],
+    /// Which of the [`FactorTable`](super::Tunings) they have.
+    pub(crate) factors: &'a [u32],
 }
 
 impl<'a, S: Scalar> Block<'a, S> {
-    pub(super) fn new(motion: &'a mut Motion<S>, tuning: &'a [u32], first: usize, end: usize) -> Self {
+    pub(super) fn new(motion: &'a mut Motion<S>, factors: &'a [u32], first: usize, end: usize) -> Self {
         let range = first..end;
-        let Motion { position, velocity, angle, spin, rest, last } = motion;
+        let Motion { position, velocity, angle, angular_velocity, rest, last } = motion;
         Self {
             first,
             position: [&mut position.x[range.clone()], &mut position.y[range.clone()]],
             velocity: [&mut velocity.x[range.clone()], &mut velocity.y[range.clone()]],
             angle: &mut angle[range.clone()],
-            spin: &mut spin[range.clone()],
+            angular_velocity: &mut angular_velocity[range.clone()],
             rest: &mut rest[range.clone()],
             last: if last.is_empty() { last } else { &mut last[range.clone()] },
-            tuning: &tuning[range],
+            factors: &factors[range],
         }
     }
 
     pub(crate) fn len(&self) -> usize {
-        self.tuning.len()
+        self.factors.len()
     }
 
     /// The first `count` of them, and the others.
@@ -243,33 +243,33 @@ impl<'a, S: Scalar> Block<'a, S> {
         let (position, position2) = pair(self.position, count);
         let (velocity, velocity2) = pair(self.velocity, count);
         let (angle, angle2) = self.angle.split_at_mut(count);
-        let (spin, spin2) = self.spin.split_at_mut(count);
+        let (angular_velocity, spin2) = self.angular_velocity.split_at_mut(count);
         let (rest, rest2) = self.rest.split_at_mut(count);
         let (last, last2) = self.last.split_at_mut(count.min(self.last.len()));
-        let (tuning, tuning2) = self.tuning.split_at(count);
+        let (factors, tuning2) = self.factors.split_at(count);
         let first = self.first;
         (
-            Self { first, position, velocity, angle, spin, rest, last, tuning },
+            Self { first, position, velocity, angle, angular_velocity, rest, last, factors },
             Self {
                 first: first + count,
                 position: position2,
                 velocity: velocity2,
                 angle: angle2,
-                spin: spin2,
+                angular_velocity: spin2,
                 rest: rest2,
                 last: last2,
-                tuning: tuning2,
+                factors: tuning2,
             },
         )
     }
 
     /// Whether any of them turns.
     pub(crate) fn any_spins(&self) -> bool {
-        self.spin.iter().any(|spin| *spin != S::Accumulator::default())
+        self.angular_velocity.iter().any(|angular_velocity| *angular_velocity != S::Accumulator::default())
     }
 
     /// Whether the public velocities of body `i` of the block are zero.
     pub(crate) fn is_still(&self, i: usize) -> bool {
-        self.velocity[0][i].is_still() && self.velocity[1][i].is_still() && self.spin[i].is_still()
+        self.velocity[0][i].is_still() && self.velocity[1][i].is_still() && self.angular_velocity[i].is_still()
     }
 }

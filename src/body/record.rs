@@ -3,21 +3,21 @@
 use alloc::sync::Arc;
 
 use super::columns::Bodies;
+use super::factors::FactorTable;
 use super::motion::Acceleration;
-use super::tuning::Tunings;
 use super::{
     Activity, BodyDef, BodyKind, Locks, Mass, MassProperties, check_damping, check_gravity_scale,
     check_max_angular_speed, check_max_speed, mass_properties, within_envelope,
 };
+use crate::codec::{self, Encoder, Malformed, Part, Read, Reader, Write, codec_struct};
 use crate::error::{Error, Quantity};
 use crate::handle::BodyId;
 use crate::limits;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator as _, Scalar, fx::Fx};
 use crate::shape::Shape;
-use crate::wire::{self, Malformed, Out, Part, Read, Reader, Write, wire_struct};
 
-wire_struct!(Acceleration { linear, angular });
+codec_struct!(Acceleration { linear, angular });
 
 /// All that is state of a body but its shape and its handle.
 #[derive(Clone, Copy, Debug)]
@@ -42,7 +42,7 @@ pub(crate) struct Record<S: Scalar> {
     pub(crate) user_data: u64,
 }
 
-wire_struct!(Record {
+codec_struct!(Record {
     kind,
     activity,
     position,
@@ -75,8 +75,8 @@ impl<S: Scalar> Record<S> {
         };
         within_envelope::<S>(self.position, position, Quantity::Position)?;
         within_envelope::<S>(self.velocity, speed, Quantity::Velocity)?;
-        let spin = Vec2::new(self.angular_velocity, self.angular_velocity);
-        within_envelope::<S>(spin, angular_speed, Quantity::AngularVelocity)?;
+        let angular_velocity = Vec2::new(self.angular_velocity, self.angular_velocity);
+        within_envelope::<S>(angular_velocity, angular_speed, Quantity::AngularVelocity)?;
         let none = S::Accumulator::default();
         let moves = self.velocity != Vec2::new(none, none) || self.angular_velocity != none;
         if self.kind == BodyKind::Static && moves {
@@ -139,28 +139,28 @@ type Occupant<S> = Option<(Record<S>, Option<Arc<Shape<S>>>)>;
 
 impl<S: Scalar> Bodies<S> {
     /// The body at this index in the columns.
-    pub(crate) fn record(&self, dense: usize, tunings: &Tunings<S>) -> Record<S> {
-        let (card, motion) = (self.card(dense), &self.columns.motion);
-        let key = &tunings.rows()[self.columns.tuning[dense] as usize].key;
+    pub(crate) fn record(&self, dense: usize, factor_table: &FactorTable<S>) -> Record<S> {
+        let (info, motion) = (self.info(dense), &self.columns.motion);
+        let key = &factor_table.rows()[self.columns.factors[dense] as usize].key;
         Record {
-            kind: card.kind,
+            kind: info.kind,
             activity: self.activity(dense),
             position: motion.position.get(dense),
             velocity: motion.velocity.get(dense),
             angle: motion.angle[dense],
-            angular_velocity: motion.spin[dense],
+            angular_velocity: motion.angular_velocity[dense],
             ticks_at_rest: motion.rest[dense],
             last_acceleration: self.keeps_last().then(|| motion.last.get(dense).copied().unwrap_or_default()),
-            mass: card.mass,
+            mass: info.mass,
             gravity_scale: key.gravity_scale,
             linear_damping: key.linear,
             angular_damping: key.angular,
             max_speed: key.most[0],
             max_angular_speed: key.most[1],
-            locks: card.locks,
-            groups: card.groups,
-            key: card.key,
-            user_data: card.user_data,
+            locks: info.locks,
+            groups: info.groups,
+            key: info.key,
+            user_data: info.user_data,
         }
     }
 
@@ -177,7 +177,7 @@ impl<S: Scalar> Bodies<S> {
         &mut self,
         generation: u32,
         occupant: Occupant<S>,
-        tunings: &mut Tunings<S>,
+        factor_table: &mut FactorTable<S>,
     ) -> Result<Option<usize>, Error> {
         if self.slots().len() >= limits::BODIES {
             return Err(Error::Full);
@@ -191,14 +191,14 @@ impl<S: Scalar> Bodies<S> {
             return Err(Error::Inconsistent);
         }
         let slot = self.new_slot(generation);
-        self.insert_at(slot, record.def(shape.as_deref().cloned()), properties, tunings);
+        self.insert_at(slot, record.def(shape.as_deref().cloned()), properties, factor_table);
         let dense = self.slot_index(slot as usize);
         let dense = self.set_activity(dense, record.activity);
         let motion = &mut self.columns.motion;
         motion.position.set(dense, record.position);
         motion.velocity.set(dense, record.velocity);
         motion.angle[dense] = record.angle;
-        motion.spin[dense] = record.angular_velocity;
+        motion.angular_velocity[dense] = record.angular_velocity;
         motion.rest[dense] = record.ticks_at_rest;
         if let (Some(own), Some(last)) = (motion.last.get_mut(dense), record.last_acceleration) {
             *own = last;
@@ -210,7 +210,7 @@ impl<S: Scalar> Bodies<S> {
     pub(crate) fn shape_in(&self, slot: u32) -> Option<&Arc<Shape<S>>> {
         let generation = self.generation(slot)?;
         let dense = self.find(BodyId::from_parts(slot, generation)).ok()?;
-        self.card(dense).shape.as_ref()
+        self.info(dense).shape.as_ref()
     }
 }
 
@@ -223,7 +223,7 @@ pub(crate) enum ShapeSource<S: Scalar> {
 }
 
 impl<S: Scalar> Write for ShapeSource<S> {
-    fn write(&self, out: &mut impl Out) {
+    fn write(&self, out: &mut impl Encoder) {
         let (tag, source) = match self {
             Self::None => (0, "none"),
             Self::New(_) => (1, "its own"),
@@ -235,7 +235,7 @@ impl<S: Scalar> Write for ShapeSource<S> {
         match self {
             Self::None => {}
             Self::New(shape) => shape.write(out),
-            Self::AsOf(slot) => wire::field(out, "slot", slot),
+            Self::AsOf(slot) => codec::field(out, "slot", slot),
         }
     }
 }

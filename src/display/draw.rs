@@ -5,7 +5,7 @@ use core::f64::consts::PI;
 
 use super::pose::{Placed, Pose};
 use crate::body::{Activity, BodyKind};
-use crate::force::{Attachment, End, Field, Law, Region};
+use crate::force::{Attachment, End, FieldKind, ForceField, Region};
 use crate::handle::{BodyId, FieldId};
 use crate::math::Vec2;
 use crate::scalar::{Scalar, ToF64};
@@ -212,7 +212,7 @@ impl<S: Scalar + ToF64> World<S> {
     fn draw_field(
         &self,
         id: FieldId,
-        field: &Field<S>,
+        field: &ForceField<S>,
         pose: &impl Fn(&BodyRef<'_, S>) -> Pose,
         draw: &mut (impl DebugDraw + ?Sized),
     ) {
@@ -224,24 +224,24 @@ impl<S: Scalar + ToF64> World<S> {
             End::World(point) => Some(point.to_f64()),
             End::Body(at) => attached(at).map(|(_, point)| point),
         };
-        match &field.law {
-            Law::Spring { near, far, .. } => {
+        match &field.kind {
+            FieldKind::Spring { near, far, .. } => {
                 if let (Some((_, near)), Some(far)) = (attached(near), end(far)) {
                     draw.segment([near, far], Role::Spring(id));
                 }
             }
-            Law::Attractor { centre, .. } => {
+            FieldKind::Attractor { centre, .. } => {
                 if let Some(centre) = end(centre) {
                     draw.point(centre, Role::Attractor(id));
                 }
             }
-            Law::Thrust { at, force } => {
+            FieldKind::Thrust { at, force } => {
                 let Some((placed, to)) = attached(at) else { return };
                 if let Some(along) = unit(placed.turned(force.to_f64())) {
                     draw.arrow([to[0] - along[0], to[1] - along[1]], to, Role::Thrust(id));
                 }
             }
-            Law::Zone { region, acceleration } => {
+            FieldKind::Zone { region, acceleration } => {
                 let role = Role::Zone(id);
                 let middle = match region {
                     Region::Disc { centre, radius } => {
@@ -259,7 +259,7 @@ impl<S: Scalar + ToF64> World<S> {
                     draw.arrow(middle, [middle[0] + along[0], middle[1] + along[1]], role);
                 }
             }
-            Law::Drag { .. } | Law::Custom { .. } => {}
+            FieldKind::Drag { .. } | FieldKind::Custom { .. } => {}
         }
     }
 }

@@ -2,14 +2,14 @@
 
 use alloc::vec::Vec;
 
-use super::pacer::TickFraction;
 use super::pose::Pose;
+use super::step_clock::TickFraction;
 use crate::body::Activity;
 use crate::handle::BodyId;
 use crate::scalar::{Angle, Scalar, ToF64};
 use crate::world::World;
 
-/// Which moment near the last tick is shown, by what a [`Pacer`](super::Pacer) has left over.
+/// Which moment near the last tick is shown, by what a [`StepClock`](super::Pacer) has left over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Blend {
     /// So far on the way from the tick before the last to the last: always where bodies were, a tick late. Beyond 1 it is
@@ -44,12 +44,12 @@ struct Seen {
 /// [clears](Self::clear) the interpolation; else bodies may be blended from where they were in the other.
 ///
 /// ```
-/// use umbra_physics::{Blend, BodyDef, Command, History, Inputs, Interpolation, Pacer, World, WorldDef, vec2};
+/// use umbra_physics::{Blend, BodyDef, Command, History, Inputs, Interpolation, StepClock, World, WorldDef, vec2};
 ///
 /// let mut world: World = World::new(WorldDef::default())?;
 /// let ball = world.add_body(BodyDef { velocity: vec2(6, 0), ..BodyDef::dynamic() })?;
 /// let mut history = History::new(8);
-/// let mut pacer = Pacer::new(world.def().time_step)?;
+/// let mut step_clock = StepClock::new(world.def().time_step)?;
 /// let mut interpolation = Interpolation::new();
 /// interpolation.look(&world);
 /// let mut shown = Vec::new();
@@ -60,11 +60,11 @@ struct Seen {
 ///         history.correct(&mut world, 1, 1, [stop], |tick| interpolation.look(tick.world))?;
 ///     }
 ///     // As many ticks as there is time for: a display of 120 Hz.
-///     for _ in 0..pacer.frame(8_333_334).ticks {
+///     for _ in 0..step_clock.frame(8_333_334).ticks {
 ///         history.advance(&mut world, &Inputs::new());
 ///         interpolation.look(&world);
 ///     }
-///     let at = Blend::Interpolated(pacer.remainder());
+///     let at = Blend::Interpolated(step_clock.remainder());
 ///     shown.push(interpolation.pose(ball, at).expect("it is there").position[0]);
 /// }
 /// // Half a tick is 5 cm. Shown a tick late; then it is found where it was stopped.
@@ -185,10 +185,10 @@ impl Seen {
         match at {
             Blend::Interpolated(part) => self.before.between(self.now, part.to_f64().min(1.0)),
             Blend::Extrapolated(part) => {
-                let (Pose { position, angle }, (velocity, spin)) = (self.now, self.velocity);
+                let (Pose { position, angle }, (velocity, angular_velocity)) = (self.now, self.velocity);
                 let seconds = part.to_f64() * time_step;
                 let position = [0, 1].map(|i| position[i] + velocity[i] * seconds);
-                Pose { position, angle: angle.turned(spin * seconds) }
+                Pose { position, angle: angle.turned(angular_velocity * seconds) }
             }
         }
     }

@@ -5,14 +5,14 @@
 mod draw;
 #[cfg(feature = "float")]
 mod interpolation;
-mod pacer;
 #[cfg(feature = "float")]
 mod pose;
+mod step_clock;
 
 #[cfg(feature = "float")]
 pub use draw::{BodyClass, DebugDraw, DrawOptions, Role};
 #[cfg(feature = "float")]
 pub use interpolation::{Blend, Interpolation};
-pub use pacer::{Due, Pacer, TickFraction};
 #[cfg(feature = "float")]
 pub use pose::Pose;
+pub use step_clock::{StepClock, StepsDue, TickFraction};

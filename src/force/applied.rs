@@ -3,10 +3,10 @@
 use alloc::vec::Vec;
 
 use crate::body::{Row, Sparse};
+use crate::codec::{self, StateHasher, Write as _};
 use crate::handle::BodyId;
 use crate::math::Vec2;
 use crate::scalar::{Scalar, Sum, fx::Fx};
-use crate::wire::{self, Sink, Write as _};
 
 /// The sum of the forces and torques applied to a body over a tick; what undoing that step needs.
 ///
@@ -131,8 +131,8 @@ impl<S: Scalar> Applied<S> {
     }
 
     /// Adds to a hash what was applied since the last step, in the order of the slots.
-    pub(crate) fn write(&self, sink: &mut Sink) {
-        wire::count(sink, self.rows().len());
+    pub(crate) fn write(&self, sink: &mut StateHasher) {
+        codec::count(sink, self.rows().len());
         for row in self.rows.in_order() {
             row.body.slot.write(sink);
             row.force.write(sink);

@@ -1,13 +1,13 @@
 //! Force fields as data.
 
-use super::Laws;
+use super::CustomForces;
 use crate::body::{Bodies, BodyKind, check_velocity};
+use crate::codec::{codec_enum, codec_struct};
 use crate::error::{Error, Quantity};
 use crate::handle::BodyId;
 use crate::limits;
 use crate::math::Vec2;
-use crate::scalar::{Factor, Scalar, SpringLaw, fx::Fx};
-use crate::wire::{wire_enum, wire_struct};
+use crate::scalar::{Factor, Scalar, SpringConstants, fx::Fx};
 
 /// What of a body a force depends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -60,12 +60,12 @@ pub enum End<S = Fx> {
 /// A closed region: its edge belongs to it.
 ///
 /// ```
-/// use umbra_physics::{BodyDef, Law, Region, World, WorldDef, vec2};
+/// use umbra_physics::{BodyDef, FieldKind, Region, World, WorldDef, vec2};
 ///
 /// // A shaft of air that rises at 2 m/s².
 /// let shaft = Region::Box { min: vec2(-1, 0), max: vec2(1, 10) };
 /// let mut world: World = World::new(WorldDef::default())?;
-/// world.add_field(Law::Zone { region: shaft, acceleration: vec2(0, 2) })?;
+/// world.add_field(FieldKind::Zone { region: shaft, acceleration: vec2(0, 2) })?;
 /// let [inside, outside] = [0, 5].map(|x| world.add_body(BodyDef { position: vec2(x, 1), ..BodyDef::dynamic() }));
 /// (0..60).for_each(|_| _ = world.step());
 /// assert_eq!(world.body(inside?)?.position(), vec2(0, 2));
@@ -110,7 +110,7 @@ pub enum Region<S = Fx> {
         )
     )
 )]
-pub enum Law<S: Scalar = Fx> {
+pub enum FieldKind<S: Scalar = Fx> {
     /// Acceleration mu·d / (d² + softening²)^(3/2) towards a point, the same for every mass. A body does not attract itself.
     Attractor {
         /// The point.
@@ -127,7 +127,7 @@ pub enum Law<S: Scalar = Fx> {
         /// The other.
         far: End<S>,
         /// Its constants.
-        spring: SpringLaw<S>,
+        spring: SpringConstants<S>,
     },
     /// Drag against a medium: F = −(linear + quadratic·|u|)·u with u the velocity relative to it. Solved exactly.
     ///
@@ -154,7 +154,7 @@ pub enum Law<S: Scalar = Fx> {
         /// m/s².
         acceleration: Vec2<S>,
     },
-    /// A [`ForceLaw`](super::ForceLaw) of the user's own.
+    /// A [`CustomForce`](super::ForceLaw) of the user's own.
     Custom {
         /// Its id.
         id: u64,
@@ -174,26 +174,26 @@ pub enum Law<S: Scalar = Fx> {
         )
     )
 )]
-pub struct Field<S: Scalar = Fx> {
+pub struct ForceField<S: Scalar = Fx> {
     /// The law.
-    pub law: Law<S>,
+    pub kind: FieldKind<S>,
     /// It acts on dynamic bodies with one of these group bits; springs and thrusts act on their bodies alone.
     pub groups: u32,
 }
 
-impl<S: Scalar> From<Law<S>> for Field<S> {
+impl<S: Scalar> From<FieldKind<S>> for ForceField<S> {
     /// The law, for all bodies that are in any group.
-    fn from(law: Law<S>) -> Self {
-        Self { law, groups: u32::MAX }
+    fn from(kind: FieldKind<S>) -> Self {
+        Self { kind, groups: u32::MAX }
     }
 }
 
-wire_struct!(Attachment { body, point });
-wire_struct!(SpringLaw { rest, stiffness, damping });
-wire_struct!(Field { groups, law });
-wire_enum!(End<S>, "0 or 1 for an end", { 0 => World(point), 1 => Body(attachment) });
-wire_enum!(Region<S>, "0 or 1 for a region", { 0 => Disc { centre, radius }, 1 => Box { min, max } });
-wire_enum!(Law<S>, "the number of a law of force", {
+codec_struct!(Attachment { body, point });
+codec_struct!(SpringConstants { rest, stiffness, damping });
+codec_struct!(ForceField { groups, kind });
+codec_enum!(End<S>, "0 or 1 for an end", { 0 => World(point), 1 => Body(attachment) });
+codec_enum!(Region<S>, "0 or 1 for a region", { 0 => Disc { centre, radius }, 1 => Box { min, max } });
+codec_enum!(FieldKind<S>, "the number of a law of force", {
     0 => Attractor { centre, mu, softening },
     1 => Spring { near, far, spring },
     2 => Drag { linear, quadratic, wind },
@@ -214,24 +214,27 @@ fn not_negative<S: Scalar>(value: S) -> bool {
     value >= S::ZERO && value.is_finite()
 }
 
-impl<S: Scalar> Field<S> {
+impl<S: Scalar> ForceField<S> {
     /// Refuses what a world would.
-    pub(crate) fn check(&self, bodies: &Bodies<S>, laws: &Laws<S>) -> Result<(), Error> {
-        self.check_values(bodies, laws)?;
-        let dynamic = |body| match bodies.card(bodies.find(body)?).kind {
+    pub(crate) fn check(&self, bodies: &Bodies<S>, custom_forces: &CustomForces<S>) -> Result<(), Error> {
+        self.check_values(bodies, custom_forces)?;
+        let dynamic = |body| match bodies.info(bodies.find(body)?).kind {
             BodyKind::Dynamic => Ok(()),
             _ => Err(Error::NotDynamic { body }),
         };
-        match &self.law {
+        match &self.kind {
             // One end has to give.
-            Law::Spring { near, far: End::Body(far), .. } => dynamic(near.body).or_else(|_| dynamic(far.body)),
-            Law::Spring { near: at, .. } | Law::Thrust { at, .. } => dynamic(at.body),
-            Law::Attractor { .. } | Law::Drag { .. } | Law::Zone { .. } | Law::Custom { .. } => Ok(()),
+            FieldKind::Spring { near, far: End::Body(far), .. } => dynamic(near.body).or_else(|_| dynamic(far.body)),
+            FieldKind::Spring { near: at, .. } | FieldKind::Thrust { at, .. } => dynamic(at.body),
+            FieldKind::Attractor { .. }
+            | FieldKind::Drag { .. }
+            | FieldKind::Zone { .. }
+            | FieldKind::Custom { .. } => Ok(()),
         }
     }
 
     /// Refuses what cannot be, also after the bodies it is attached to were changed.
-    pub(crate) fn check_values(&self, bodies: &Bodies<S>, laws: &Laws<S>) -> Result<(), Error> {
+    pub(crate) fn check_values(&self, bodies: &Bodies<S>, custom_forces: &CustomForces<S>) -> Result<(), Error> {
         let attachment = |a: &Attachment<S>| {
             bodies.find(a.body)?;
             check(within(a.point, limits::SIZE_MAX), Quantity::Position)
@@ -240,15 +243,15 @@ impl<S: Scalar> Field<S> {
             End::World(point) => check(within(*point, limits::POSITION), Quantity::Position),
             End::Body(a) => attachment(a),
         };
-        match &self.law {
-            Law::Attractor { centre, mu, softening } => {
+        match &self.kind {
+            FieldKind::Attractor { centre, mu, softening } => {
                 end(centre)?;
                 let most = S::Factor::from_ratio(1 << 32, 1);
                 check(S::Factor::ZERO <= *mu && *mu <= most.times(most), Quantity::Mu)?;
                 let soft = *softening >= S::ZERO && *softening <= S::from_fx(limits::SIZE_MAX);
                 check(soft, Quantity::Softening)
             }
-            Law::Spring { near, far, spring } => {
+            FieldKind::Spring { near, far, spring } => {
                 attachment(near)?;
                 end(far)?;
                 if matches!(far, End::Body(a) if a.body == near.body) {
@@ -259,15 +262,15 @@ impl<S: Scalar> Field<S> {
                 check(not_negative(spring.stiffness), Quantity::Stiffness)?;
                 check(not_negative(spring.damping), Quantity::Drag)
             }
-            Law::Drag { linear, quadratic, wind } => {
+            FieldKind::Drag { linear, quadratic, wind } => {
                 check(not_negative(*linear) && not_negative(*quadratic), Quantity::Drag)?;
                 check_velocity(*wind)
             }
-            Law::Thrust { at, force } => {
+            FieldKind::Thrust { at, force } => {
                 attachment(at)?;
                 check(force.is_finite(), Quantity::Force)
             }
-            Law::Zone { region, acceleration } => {
+            FieldKind::Zone { region, acceleration } => {
                 let placed = match *region {
                     Region::Disc { centre, radius } => {
                         within(centre, limits::POSITION)
@@ -279,17 +282,20 @@ impl<S: Scalar> Field<S> {
                 check(placed, Quantity::Position)?;
                 check(within(*acceleration, limits::GRAVITY), Quantity::Gravity)
             }
-            Law::Custom { id } => laws.get(id).map(drop).ok_or(Error::ForceLaw { id: *id }),
+            FieldKind::Custom { id } => custom_forces.get(id).map(drop).ok_or(Error::CustomForce { id: *id }),
         }
     }
 
     /// What it depends on. A spring's damper is evaluated apart from its elastic force.
-    pub(crate) fn depends_on(&self, laws: &Laws<S>) -> Dependence {
-        match &self.law {
-            Law::Spring { spring, .. } if spring.damping != S::ZERO => Dependence::Velocity,
-            Law::Custom { id } => laws.get(id).map_or(Dependence::Nothing, |law| law.depends_on()),
-            Law::Drag { .. } => Dependence::Velocity,
-            Law::Zone { .. } | Law::Spring { .. } | Law::Attractor { .. } | Law::Thrust { .. } => Dependence::Position,
+    pub(crate) fn depends_on(&self, custom_forces: &CustomForces<S>) -> Dependence {
+        match &self.kind {
+            FieldKind::Spring { spring, .. } if spring.damping != S::ZERO => Dependence::Velocity,
+            FieldKind::Custom { id } => custom_forces.get(id).map_or(Dependence::Nothing, |law| law.depends_on()),
+            FieldKind::Drag { .. } => Dependence::Velocity,
+            FieldKind::Zone { .. }
+            | FieldKind::Spring { .. }
+            | FieldKind::Attractor { .. }
+            | FieldKind::Thrust { .. } => Dependence::Position,
         }
     }
 
@@ -300,13 +306,17 @@ impl<S: Scalar> Field<S> {
             End::World(point) => Some(End::World(*point)),
             End::Body(a) => Some(End::Body(attachment(a)?)),
         };
-        let law = match self.law {
-            Law::Attractor { centre, mu, softening } => Law::Attractor { centre: end(&centre)?, mu, softening },
-            Law::Spring { near, far, spring } => Law::Spring { near: attachment(&near)?, far: end(&far)?, spring },
-            Law::Thrust { at, force } => Law::Thrust { at: attachment(&at)?, force },
-            law @ (Law::Drag { .. } | Law::Zone { .. } | Law::Custom { .. }) => law,
+        let kind = match self.kind {
+            FieldKind::Attractor { centre, mu, softening } => {
+                FieldKind::Attractor { centre: end(&centre)?, mu, softening }
+            }
+            FieldKind::Spring { near, far, spring } => {
+                FieldKind::Spring { near: attachment(&near)?, far: end(&far)?, spring }
+            }
+            FieldKind::Thrust { at, force } => FieldKind::Thrust { at: attachment(&at)?, force },
+            kind @ (FieldKind::Drag { .. } | FieldKind::Zone { .. } | FieldKind::Custom { .. }) => kind,
         };
-        Some(Self { law, groups: self.groups })
+        Some(Self { kind, groups: self.groups })
     }
 
     /// The bodies at its ends: two for a spring between bodies, at most one for the others.
@@ -315,11 +325,11 @@ impl<S: Scalar> Field<S> {
             End::World(_) => None,
             End::Body(a) => Some(a.body),
         };
-        match &self.law {
-            Law::Attractor { centre, .. } => [end(centre), None],
-            Law::Spring { near, far, .. } => [Some(near.body), end(far)],
-            Law::Thrust { at, .. } => [Some(at.body), None],
-            Law::Drag { .. } | Law::Zone { .. } | Law::Custom { .. } => [None, None],
+        match &self.kind {
+            FieldKind::Attractor { centre, .. } => [end(centre), None],
+            FieldKind::Spring { near, far, .. } => [Some(near.body), end(far)],
+            FieldKind::Thrust { at, .. } => [Some(at.body), None],
+            FieldKind::Drag { .. } | FieldKind::Zone { .. } | FieldKind::Custom { .. } => [None, None],
         }
     }
 

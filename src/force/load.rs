@@ -2,12 +2,14 @@
 
 use alloc::vec::Vec;
 
-use super::{Attachment, BodyState, Dependence, End, Field, FieldSet, Law, Laws, Push, Region};
+use super::{
+    Attachment, BodyState, CustomForces, Dependence, End, FieldKind, FieldSet, ForceField, ForceTorque, Region,
+};
 use crate::body::{Bodies, BodyKind, Sparse};
 use crate::error::Cause;
 use crate::handle::FieldId;
 use crate::math::Vec2;
-use crate::scalar::{Accumulator, Angle, Factor, Offset, Scalar, SpringLaw, Sum, Wide};
+use crate::scalar::{Accumulator, Angle, Factor, Offset, Scalar, SpringConstants, Sum, Wide};
 
 /// What the fields do to a body: accelerations that do not depend on its mass, forces and a torque, each summed so that
 /// the order of the fields never matters.
@@ -35,7 +37,7 @@ impl<S: Scalar> Load<S> {
         Some(())
     }
 
-    fn push_freely(&mut self, push: &Push<S>) {
+    fn push_freely(&mut self, push: &ForceTorque<S>) {
         self.force.x.add(S::Wide::from_scalar(push.force.x));
         self.force.y.add(S::Wide::from_scalar(push.force.y));
         self.torque.add(S::Wide::from_scalar(push.torque));
@@ -60,7 +62,7 @@ pub(crate) type Directions<S> = Sparse<(usize, <<S as Scalar>::Angle as Angle<S>
 pub(crate) struct Scene<'a, S: Scalar> {
     pub(crate) bodies: &'a Bodies<S>,
     pub(crate) fields: &'a FieldSet<S>,
-    pub(crate) laws: &'a Laws<S>,
+    pub(crate) custom_forces: &'a CustomForces<S>,
 }
 
 /// A point of the world or of a body, and how it moves.
@@ -73,14 +75,14 @@ struct Anchor<S: Scalar> {
     /// The arm of a force on it about the body's centre: none where no torque has an effect, however large it were.
     lever: Offset<S>,
     velocity: Vec2<S>,
-    spin: S,
+    angular_velocity: S,
 }
 
 impl<S: Scalar> Anchor<S> {
     /// A point of the world.
     fn at(position: Vec2<S>) -> Self {
         let none = Offset::<S>::default();
-        Self { dense: None, position, arm: none, lever: none, velocity: Vec2::ZERO, spin: S::ZERO }
+        Self { dense: None, position, arm: none, lever: none, velocity: Vec2::ZERO, angular_velocity: S::ZERO }
     }
 
     /// The way from here to `far`.
@@ -94,24 +96,24 @@ impl<S: Scalar> Anchor<S> {
     }
 
     fn point_velocity(&self) -> Option<Offset<S>> {
-        velocity_at(self.velocity, self.spin, self.arm)
+        velocity_at(self.velocity, self.angular_velocity, self.arm)
     }
 }
 
 /// The velocity of the point at `arm` from the centre of mass, v + ω × arm; `None` if it does not fit. Nothing rounds before
 /// the sum where the arm is a multiple of an ulp: then its products are multiples of 2^-64.
-pub(crate) fn velocity_at<S: Scalar>(velocity: Vec2<S>, spin: S, arm: Offset<S>) -> Option<Offset<S>> {
-    let spin = S::Wide::from_scalar(spin);
+pub(crate) fn velocity_at<S: Scalar>(velocity: Vec2<S>, angular_velocity: S, arm: Offset<S>) -> Option<Offset<S>> {
+    let angular_velocity = S::Wide::from_scalar(angular_velocity);
     Some((
-        S::Wide::from_scalar(velocity.x).plus(S::torque(arm.1, spin)?.negated())?,
-        S::Wide::from_scalar(velocity.y).plus(S::torque(arm.0, spin)?)?,
+        S::Wide::from_scalar(velocity.x).plus(S::torque(arm.1, angular_velocity)?.negated())?,
+        S::Wide::from_scalar(velocity.y).plus(S::torque(arm.0, angular_velocity)?)?,
     ))
 }
 
 impl<S: Scalar> Scene<'_, S> {
     /// The first `moving` bodies that a field with these groups acts on.
     fn targets(&self, moving: usize, groups: u32) -> impl Iterator<Item = usize> {
-        (0..moving).filter(move |&i| self.bodies.card(i).feels(groups))
+        (0..moving).filter(move |&i| self.bodies.info(i).feels(groups))
     }
 
     /// `None` if its body takes no part, so that whatever is attached to it is inert.
@@ -127,15 +129,15 @@ impl<S: Scalar> Scene<'_, S> {
             // Attachments are within 2^12 m a component, far inside what turns without overflow.
             self.turned(dense, attachment.point, directions)?
         };
-        let card = self.bodies.card(dense);
-        let gives = card.kind == BodyKind::Dynamic && dense < self.bodies.moving();
+        let info = self.bodies.info(dense);
+        let gives = info.kind == BodyKind::Dynamic && dense < self.bodies.moving();
         Some(Anchor {
             dense: gives.then_some(dense),
             position: motion.position.get(dense).map(Accumulator::value),
             arm,
-            lever: if card.locks.rotation { Offset::<S>::default() } else { arm },
+            lever: if info.locks.rotation { Offset::<S>::default() } else { arm },
             velocity: motion.velocity.get(dense).map(Accumulator::value),
-            spin: motion.spin[dense].value(),
+            angular_velocity: motion.angular_velocity[dense].value(),
         })
     }
 
@@ -176,15 +178,15 @@ impl<S: Scalar> Scene<'_, S> {
 
     fn state(&self, i: usize) -> BodyState<S> {
         let columns = &self.bodies.columns;
-        let card = self.bodies.card(i);
+        let info = self.bodies.info(i);
         BodyState {
             position: self.position(i),
             angle: columns.motion.angle[i].radians(),
             velocity: columns.motion.velocity.get(i).map(Accumulator::value),
-            angular_velocity: columns.motion.spin[i].value(),
-            mass: card.kilograms(),
-            key: card.key,
-            user_data: card.user_data,
+            angular_velocity: columns.motion.angular_velocity[i].value(),
+            mass: info.kilograms(),
+            key: info.key,
+            user_data: info.user_data,
         }
     }
 }
@@ -200,17 +202,17 @@ pub(crate) fn accumulate<S: Scalar>(
 ) {
     let moving = scene.bodies.moving();
     for (id, field) in scene.fields.iter() {
-        let own_pass = match field.depends_on(scene.laws) {
+        let own_pass = match field.depends_on(scene.custom_forces) {
             Dependence::Velocity => Dependence::Velocity,
             Dependence::Nothing | Dependence::Position => Dependence::Position,
         };
         let mut fault = |i: usize, cause| faults.push((i, cause));
         let too_large = Cause::Field { field: id };
-        match &field.law {
-            Law::Spring { near, far, spring } if own_pass == pass || pass == Dependence::Position => {
+        match &field.kind {
+            FieldKind::Spring { near, far, spring } if own_pass == pass || pass == Dependence::Position => {
                 let law = match pass {
-                    Dependence::Velocity => SpringLaw { stiffness: S::ZERO, ..*spring },
-                    _ => SpringLaw { damping: S::ZERO, ..*spring },
+                    Dependence::Velocity => SpringConstants { stiffness: S::ZERO, ..*spring },
+                    _ => SpringConstants { damping: S::ZERO, ..*spring },
                 };
                 let (near, far) = (scene.attached(near, directions), scene.end(far, directions));
                 let (Some(near), Some(far)) = (near, far) else { continue };
@@ -219,7 +221,7 @@ pub(crate) fn accumulate<S: Scalar>(
                 }
             }
             _ if own_pass != pass => {}
-            Law::Attractor { centre, mu, softening } => {
+            FieldKind::Attractor { centre, mu, softening } => {
                 let Some(centre) = scene.end(centre, directions) else { continue };
                 let carrier = field.bodies().next().and_then(|body| scene.bodies.find(body).ok());
                 for i in scene.targets(moving, field.groups).filter(|&i| carrier != Some(i)) {
@@ -230,7 +232,7 @@ pub(crate) fn accumulate<S: Scalar>(
                     }
                 }
             }
-            Law::Thrust { at, force } => {
+            FieldKind::Thrust { at, force } => {
                 let Some(at) = scene.attached(at, directions) else { continue };
                 let Some(i) = at.dense else { continue };
                 let turned = scene.turned(i, *force, directions);
@@ -238,28 +240,28 @@ pub(crate) fn accumulate<S: Scalar>(
                     fault(i, too_large);
                 }
             }
-            Law::Zone { region, acceleration } => {
+            FieldKind::Zone { region, acceleration } => {
                 let acceleration = acceleration.map(S::Wide::from_scalar);
                 for i in scene.targets(moving, field.groups).filter(|&i| scene.is_inside(i, region)) {
                     loads.of(i).accelerate(acceleration.into());
                 }
             }
-            Law::Custom { id: law } => {
-                let Some(law) = scene.laws.get(law) else { continue };
+            FieldKind::Custom { id: law } => {
+                let Some(law) = scene.custom_forces.get(law) else { continue };
                 for i in scene.targets(moving, field.groups) {
                     match law.push(&scene.state(i)) {
                         Ok(push) => loads.of(i).push_freely(&push),
-                        Err(answer) => fault(i, Cause::Law { field: id, code: answer.code }),
+                        Err(answer) => fault(i, Cause::CustomForce { field: id, code: answer.code }),
                     }
                 }
             }
-            Law::Drag { .. } | Law::Spring { .. } => {}
+            FieldKind::Drag { .. } | FieldKind::Spring { .. } => {}
         }
     }
 }
 
 /// A spring's force on both its ends, equal and opposite to the bit.
-fn pull<S: Scalar>(near: &Anchor<S>, far: &Anchor<S>, spring: &SpringLaw<S>, loads: &mut Loads<S>) -> Option<()> {
+fn pull<S: Scalar>(near: &Anchor<S>, far: &Anchor<S>, spring: &SpringConstants<S>, loads: &mut Loads<S>) -> Option<()> {
     let offset = near.offset_to(far)?;
     let velocity = if spring.damping == S::ZERO {
         Offset::<S>::default()
@@ -284,18 +286,18 @@ pub(crate) fn resist<S: Scalar>(
     fields: &FieldSet<S>,
     bodies: &mut Bodies<S>,
     span: (S::Factor, bool),
-    closing: bool,
+    mirrored: bool,
     only: impl Fn(usize) -> bool,
     faults: &mut Vec<(usize, Cause)>,
 ) {
-    let mut one = |id: FieldId, field: &Field<S>| {
-        let Law::Drag { linear, quadratic, wind } = &field.law else { return };
+    let mut one = |id: FieldId, field: &ForceField<S>| {
+        let FieldKind::Drag { linear, quadratic, wind } = &field.kind else { return };
         for i in 0..bodies.moving() {
-            let card = bodies.card(i);
-            if !card.feels(field.groups) || !only(i) {
+            let info = bodies.info(i);
+            if !info.feels(field.groups) || !only(i) {
                 continue;
             }
-            let (inverse_mass, locks) = (card.properties.inverse_mass, card.locks);
+            let (inverse_mass, locks) = (info.properties.inverse_mass, info.locks);
             let velocities = &mut bodies.columns.motion.velocity;
             let velocity = velocities.get(i);
             let speed = S::length(relative(velocity, *wind), S::ZERO);
@@ -323,7 +325,7 @@ pub(crate) fn resist<S: Scalar>(
             }
         }
     };
-    if closing {
+    if mirrored {
         fields.iter().rev().for_each(|(id, field)| one(id, field));
     } else {
         fields.iter().for_each(|(id, field)| one(id, field));
@@ -349,13 +351,13 @@ pub(crate) fn outer_drag<S: Scalar>(
     let half = S::Factor::from_ratio(1, 2);
     let velocities = &bodies.columns.motion.velocity;
     for (_, field) in fields.iter() {
-        let Law::Drag { linear, quadratic, wind } = &field.law else { continue };
+        let FieldKind::Drag { linear, quadratic, wind } = &field.kind else { continue };
         for (i, outside) in outside.iter_mut().enumerate() {
-            let card = bodies.card(i);
-            if card.feels(field.groups) {
+            let info = bodies.info(i);
+            if info.feels(field.groups) {
                 let speed = S::length(relative(velocities.get(i), *wind), S::ZERO).plus(gain(i));
                 let slope = S::Factor::from_scalar(*linear).plus(S::Factor::from_scalar(*quadratic).times(speed));
-                *outside |= slope.times(card.properties.inverse_mass).times(time_step) > half;
+                *outside |= slope.times(info.properties.inverse_mass).times(time_step) > half;
             }
         }
     }

@@ -2,13 +2,13 @@
 
 use alloc::vec::Vec;
 
-use super::Field;
+use super::ForceField;
 use crate::body::{NONE, push};
+use crate::codec::{self, StateHasher, Write as _};
 use crate::error::Error;
 use crate::handle::{BodyId, FieldId, are_free};
 use crate::limits;
 use crate::scalar::Scalar;
-use crate::wire::{self, Sink, Write as _};
 
 /// The fields, in the order in which they were added: by their slots, fields of others that came and went would decide which
 /// of two drags acts first.
@@ -42,7 +42,7 @@ struct Entry<S: Scalar> {
     slot: u32,
     /// Where it is in `by_age`.
     age: u32,
-    field: Field<S>,
+    field: ForceField<S>,
     digest: u64,
     /// One for each end of the field. Edge 2·i + e is end e of entry i.
     edges: [Edge; 2],
@@ -73,7 +73,7 @@ impl<S: Scalar> FieldSet<S> {
     }
 
     /// Adds a field. *Domain* it was checked, and there is room.
-    pub(crate) fn insert(&mut self, field: Field<S>) -> FieldId {
+    pub(crate) fn insert(&mut self, field: ForceField<S>) -> FieldId {
         let slot = self.free.pop().unwrap_or_else(|| {
             push(&mut self.slots, Slot { generation: 0, at: NONE });
             (self.slots.len() - 1) as u32
@@ -85,8 +85,8 @@ impl<S: Scalar> FieldSet<S> {
     }
 
     /// Puts a field into a slot without one, and says where its entry is. Its age is the caller's to set.
-    fn place(&mut self, slot: u32, field: Field<S>) -> u32 {
-        let entry = Entry { slot, age: NONE, digest: Sink::of(&field), field, edges: [NO_EDGE; 2] };
+    fn place(&mut self, slot: u32, field: ForceField<S>) -> u32 {
+        let entry = Entry { slot, age: NONE, digest: StateHasher::of(&field), field, edges: [NO_EDGE; 2] };
         let at = if let Some(at) = self.vacant.pop() {
             self.entries[at as usize] = entry;
             at
@@ -136,7 +136,7 @@ impl<S: Scalar> FieldSet<S> {
     }
 
     /// The fields attached to a body of the world, in no order; a spring whose ends are on one body does not exist.
-    pub(crate) fn attached_to(&self, body: BodyId) -> impl Iterator<Item = (FieldId, &Field<S>)> {
+    pub(crate) fn attached_to(&self, body: BodyId) -> impl Iterator<Item = (FieldId, &ForceField<S>)> {
         let first = self.first_edges.get(body.slot as usize).copied().unwrap_or(NONE);
         let mut edge = first;
         core::iter::from_fn(move || {
@@ -165,20 +165,20 @@ impl<S: Scalar> FieldSet<S> {
         }
     }
 
-    pub(crate) fn get(&self, id: FieldId) -> Result<&Field<S>, Error> {
+    pub(crate) fn get(&self, id: FieldId) -> Result<&ForceField<S>, Error> {
         self.find(id).map(|at| &self.entries[at].field)
     }
 
-    pub(crate) fn replace(&mut self, id: FieldId, field: Field<S>) -> Result<(), Error> {
+    pub(crate) fn replace(&mut self, id: FieldId, field: ForceField<S>) -> Result<(), Error> {
         let at = self.find(id)?;
         self.detach(at as u32);
         let entry = &mut self.entries[at];
-        (entry.digest, entry.field) = (Sink::of(&field), field);
+        (entry.digest, entry.field) = (StateHasher::of(&field), field);
         self.attach(at as u32);
         Ok(())
     }
 
-    pub(crate) fn remove(&mut self, id: FieldId) -> Result<Field<S>, Error> {
+    pub(crate) fn remove(&mut self, id: FieldId) -> Result<ForceField<S>, Error> {
         let at = self.find(id)?;
         self.detach(at as u32);
         let Entry { field, age, .. } = self.entries[at];
@@ -218,7 +218,7 @@ impl<S: Scalar> FieldSet<S> {
     }
 
     /// The oldest first.
-    pub(crate) fn iter(&self) -> impl DoubleEndedIterator<Item = (FieldId, &Field<S>)> {
+    pub(crate) fn iter(&self) -> impl DoubleEndedIterator<Item = (FieldId, &ForceField<S>)> {
         self.by_age().map(|entry| (self.id(entry.slot), &entry.field))
     }
 
@@ -228,7 +228,7 @@ impl<S: Scalar> FieldSet<S> {
     }
 
     /// The slots: how often each was taken before, and its field.
-    pub(crate) fn slots(&self) -> impl ExactSizeIterator<Item = (u32, Option<&Field<S>>)> {
+    pub(crate) fn slots(&self) -> impl ExactSizeIterator<Item = (u32, Option<&ForceField<S>>)> {
         self.slots.iter().map(|slot| (slot.generation, self.entries.get(slot.at as usize).map(|entry| &entry.field)))
     }
 
@@ -243,7 +243,7 @@ impl<S: Scalar> FieldSet<S> {
     }
 
     /// Adds a slot as a snapshot has it; [`set_ages`](Self::set_ages) is to follow. *Domain* the field was checked.
-    pub(crate) fn rebuild(&mut self, generation: u32, field: Option<Field<S>>) -> Result<(), Error> {
+    pub(crate) fn rebuild(&mut self, generation: u32, field: Option<ForceField<S>>) -> Result<(), Error> {
         if self.slots.len() >= limits::FIELDS {
             return Err(Error::Full);
         }
@@ -276,15 +276,15 @@ impl<S: Scalar> FieldSet<S> {
     }
 
     /// Adds to a hash all fields and how their handles are given out.
-    pub(crate) fn write(&self, sink: &mut Sink) {
-        wire::count(sink, self.slots.len());
+    pub(crate) fn write(&self, sink: &mut StateHasher) {
+        codec::count(sink, self.slots.len());
         for slot in &self.slots {
             slot.generation.write(sink);
             self.entries.get(slot.at as usize).map(|entry| entry.digest).write(sink);
         }
-        wire::count(sink, self.free.len());
+        codec::count(sink, self.free.len());
         sink.all(&self.free, u32::to_le_bytes);
-        wire::count(sink, self.len());
+        codec::count(sink, self.len());
         self.by_age().for_each(|entry| entry.slot.write(sink));
     }
 }

@@ -2,18 +2,18 @@
 
 mod rules;
 
-pub(crate) use rules::{Tuned, cap, damp, drift, fall, glide, glide_each, kick_by, sum};
+pub(crate) use rules::{BlockFactors, cap, damp, drift, fall, glide, glide_each, kick_by, sum};
 
 use crate::body::SPANS;
+use crate::codec::codec_enum;
 use crate::math::TimeStep;
 use crate::scalar::{Angle, Factor, Scalar, Span, Weight};
-use crate::wire::wire_enum;
 
 /// How a world moves from tick to tick.
 ///
 /// ```
 /// use umbra_physics::scalar::Weight;
-/// use umbra_physics::{Integrator, Stage, Verb};
+/// use umbra_physics::{Integrator, Stage, StageKind};
 ///
 /// let names: Vec<_> = Integrator::ALL.iter().map(|integrator| (integrator.name(), integrator.order())).collect();
 /// assert_eq!(names[2], ("velocity_verlet", 2));
@@ -21,9 +21,9 @@ use crate::wire::wire_enum;
 ///
 /// // What executes a step walks this list, and so can a program that shows it.
 /// let verlet = Integrator::VelocityVerlet;
-/// let verbs: Vec<_> = verlet.stages().iter().map(|stage: &Stage| stage.verb.name()).collect();
+/// let verbs: Vec<_> = verlet.stages().iter().map(|stage: &Stage| stage.kind.name()).collect();
 /// assert_eq!(verbs, ["damp", "kick", "drift", "fields", "kick", "damp", "clear"]);
-/// let drift = verlet.stages().iter().find(|stage| stage.verb == Verb::Drift).unwrap();
+/// let drift = verlet.stages().iter().find(|stage| stage.kind == StageKind::Drift).unwrap();
 /// assert_eq!(verlet.spans()[drift.span], (Weight::Whole, false));
 /// assert!(verlet.inverse().is_some() && Integrator::ExplicitEuler.inverse().is_none());
 /// ```
@@ -48,7 +48,7 @@ pub enum Integrator {
     Yoshida4,
 }
 
-wire_enum!(Integrator, "the number of an integrator", {
+codec_enum!(Integrator, "the number of an integrator", {
     0 => ExplicitEuler,
     1 => SymplecticEuler,
     2 => VelocityVerlet,
@@ -63,7 +63,7 @@ wire_enum!(Integrator, "the number of an integrator", {
     derive(serde::Serialize, serde::Deserialize),
     serde(rename_all = "snake_case", deny_unknown_fields)
 )]
-pub enum Verb {
+pub enum StageKind {
     /// Evaluates the force fields at the positions now. Reads positions and angles; writes accelerations.
     Fields,
     /// Lets damping and drag act. Reads and writes velocities.
@@ -76,9 +76,9 @@ pub enum Verb {
     Clear,
 }
 
-wire_enum!(Verb, "the number of a verb", { 0 => Fields, 1 => Damp, 2 => Kick, 3 => Drift, 4 => Clear });
+codec_enum!(StageKind, "the number of a verb", { 0 => Fields, 1 => Damp, 2 => Kick, 3 => Drift, 4 => Clear });
 
-impl Verb {
+impl StageKind {
     /// Its name in traces, hashes and benches.
     #[must_use]
     pub const fn name(self) -> &'static str {
@@ -97,20 +97,20 @@ impl Verb {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Stage {
     /// What it does.
-    pub verb: Verb,
+    pub kind: StageKind,
     /// Over which of the integrator's [`spans`](Integrator::spans).
     pub span: usize,
     /// Whether it mirrors an earlier stage: then what that did in order is done in reverse, and forces of velocity are
     /// evaluated a second time.
-    pub closing: bool,
+    pub mirrored: bool,
 }
 
-const fn stage(verb: Verb, span: usize) -> Stage {
-    Stage { verb, span, closing: false }
+const fn stage(kind: StageKind, span: usize) -> Stage {
+    Stage { kind, span, mirrored: false }
 }
 
-const fn closing(verb: Verb, span: usize) -> Stage {
-    Stage { verb, span, closing: true }
+const fn mirrored(kind: StageKind, span: usize) -> Stage {
+    Stage { kind, span, mirrored: true }
 }
 
 impl Integrator {
@@ -149,7 +149,7 @@ impl Integrator {
     /// Whether a step begins with evaluating the fields, and all its kicks take them from there; otherwise kicks at its
     /// start go with the fields as they were at the end of the step before.
     pub(crate) fn opens_with_fields(self) -> bool {
-        self.stages()[0].verb == Verb::Fields
+        self.stages()[0].kind == StageKind::Fields
     }
 
     /// The spans its stages name: weights of the time step, and whether they are halved.
@@ -166,7 +166,7 @@ impl Integrator {
 
     /// Whether bodies are damped over each of its spans.
     pub(crate) fn damps(self) -> [bool; SPANS] {
-        let damps = self.stages().iter().filter(|stage| stage.verb == Verb::Damp);
+        let damps = self.stages().iter().filter(|stage| stage.kind == StageKind::Damp);
         damps.fold([false; SPANS], |mut damps, stage| {
             damps[stage.span] = true;
             damps
@@ -178,7 +178,7 @@ impl Integrator {
     /// Of UMBRA's eleven stages these are the first four; collision and solving, 5 to 11, come after them.
     #[must_use]
     pub const fn stages(self) -> &'static [Stage] {
-        use Verb::{Clear, Damp, Drift, Fields, Kick};
+        use StageKind::{Clear, Damp, Drift, Fields, Kick};
         const WHOLE: usize = 0;
         const HALF: usize = 1;
         const INNER: usize = 2;
@@ -189,8 +189,8 @@ impl Integrator {
                 stage(Kick, HALF),
                 stage(Drift, WHOLE),
                 stage(Fields, WHOLE),
-                closing(Kick, HALF),
-                closing(Damp, HALF),
+                mirrored(Kick, HALF),
+                mirrored(Damp, HALF),
             ]
         }
         const OUTER_STEP: [Stage; 6] = verlet::<WHOLE, HALF>();
@@ -224,7 +224,7 @@ impl Integrator {
     /// as it is. So each is its own inverse with the opposite sign, if no force depends on a velocity and nothing is damped.
     #[must_use]
     pub const fn inverse(self) -> Option<&'static [Stage]> {
-        use Verb::{Drift, Fields, Kick};
+        use StageKind::{Drift, Fields, Kick};
         const IN_TURN: [Stage; 3] = [stage(Drift, 0), stage(Fields, 0), stage(Kick, 0)];
         match self {
             Self::ExplicitEuler | Self::PublishedVerlet => None,

@@ -3,23 +3,23 @@
 use alloc::vec::Vec;
 
 use super::Timing;
-use crate::body::{Acceleration, Block, Tuning};
+use crate::body::{Acceleration, Block, StepFactors};
 use crate::error::Cause;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, Factor, Glide, Scalar, Spin, Wide};
 
 /// The factors of a block's bodies: mostly all have the same.
 #[derive(Clone, Copy)]
-pub(crate) enum Tuned<'a, S: Scalar> {
-    Alike(&'a Tuning<S>),
-    Each(&'a [Tuning<S>]),
+pub(crate) enum BlockFactors<'a, S: Scalar> {
+    Alike(&'a StepFactors<S>),
+    Each(&'a [StepFactors<S>]),
 }
 
-impl<'a, S: Scalar> Tuned<'a, S> {
-    pub(crate) fn of(block: &Block<'_, S>, rows: &'a [Tuning<S>]) -> Self {
-        let first = block.tuning.first().copied().unwrap_or_default();
+impl<'a, S: Scalar> BlockFactors<'a, S> {
+    pub(crate) fn of(block: &Block<'_, S>, rows: &'a [StepFactors<S>]) -> Self {
+        let first = block.factors.first().copied().unwrap_or_default();
         // Without a branch a body: the compiler compares many at once.
-        let differ = block.tuning.iter().fold(0, |differ, row| differ | (row ^ first));
+        let differ = block.factors.iter().fold(0, |differ, row| differ | (row ^ first));
         match rows.get(first as usize) {
             Some(row) if differ == 0 => Self::Alike(row),
             _ => Self::Each(rows),
@@ -30,7 +30,7 @@ impl<'a, S: Scalar> Tuned<'a, S> {
     pub(crate) fn decay(&self, block: &Block<'_, S>) -> bool {
         match self {
             Self::Alike(row) => row.decays,
-            Self::Each(rows) => block.tuning.iter().all(|&row| rows[row as usize].decays),
+            Self::Each(rows) => block.factors.iter().all(|&row| rows[row as usize].decays),
         }
     }
 
@@ -38,7 +38,7 @@ impl<'a, S: Scalar> Tuned<'a, S> {
     pub(crate) fn are_gentle(&self, block: &Block<'_, S>) -> bool {
         match self {
             Self::Alike(row) => row.is_gentle,
-            Self::Each(rows) => block.tuning.iter().all(|&row| rows[row as usize].is_gentle),
+            Self::Each(rows) => block.factors.iter().all(|&row| rows[row as usize].is_gentle),
         }
     }
 }
@@ -46,25 +46,25 @@ impl<'a, S: Scalar> Tuned<'a, S> {
 /// v *= d^h, linear and angular.
 pub(crate) fn damp<S: Scalar>(
     block: &mut Block<'_, S>,
-    tuned: Tuned<'_, S>,
+    tuned: BlockFactors<'_, S>,
     span: usize,
     spins: bool,
     faults: &mut Vec<(usize, Cause)>,
 ) {
     match tuned {
-        Tuned::Alike(row) if !row.is_damped => {}
-        Tuned::Alike(row) if row.decays => {
+        BlockFactors::Alike(row) if !row.is_damped => {}
+        BlockFactors::Alike(row) if row.decays => {
             let one = S::Factor::ONE;
             if row.linear[span] != one {
                 block.velocity.iter_mut().for_each(|v| S::damp_all(v, row.linear[span]));
             }
             if spins && row.angular[span] != one {
-                S::damp_all(block.spin, row.angular[span]);
+                S::damp_all(block.angular_velocity, row.angular[span]);
             }
         }
-        Tuned::Alike(row) => (0..block.len()).for_each(|i| damp_one(block, i, row, span, faults)),
-        Tuned::Each(rows) => {
-            (0..block.len()).for_each(|i| damp_one(block, i, &rows[block.tuning[i] as usize], span, faults));
+        BlockFactors::Alike(row) => (0..block.len()).for_each(|i| damp_one(block, i, row, span, faults)),
+        BlockFactors::Each(rows) => {
+            (0..block.len()).for_each(|i| damp_one(block, i, &rows[block.factors[i] as usize], span, faults));
         }
     }
 }
@@ -73,7 +73,7 @@ pub(crate) fn damp<S: Scalar>(
 fn damp_one<S: Scalar>(
     block: &mut Block<'_, S>,
     i: usize,
-    row: &Tuning<S>,
+    row: &StepFactors<S>,
     span: usize,
     faults: &mut Vec<(usize, Cause)>,
 ) {
@@ -89,25 +89,25 @@ fn damp_one<S: Scalar>(
         }
     }
     if angular != one {
-        match damped(block.spin[i], angular) {
-            Some(spin) => block.spin[i] = spin,
+        match damped(block.angular_velocity[i], angular) {
+            Some(angular_velocity) => block.angular_velocity[i] = angular_velocity,
             None => faults.push((block.first + i, Cause::AngularVelocity)),
         }
     }
 }
 
 /// The velocity gained from gravity in a span.
-fn gained<S: Scalar>(row: &Tuning<S>, span: usize, backwards: bool) -> Vec2<S::Accumulator> {
+fn gained<S: Scalar>(row: &StepFactors<S>, span: usize, backwards: bool) -> Vec2<S::Accumulator> {
     let fall = row.fall[span];
     if backwards { fall.map(Accumulator::negated) } else { fall }
 }
 
 /// v += g·h, from the factors that bodies share: the same bits for every mass. v −= g·h if `backwards`.
-pub(crate) fn fall<S: Scalar>(block: &mut Block<'_, S>, tuned: Tuned<'_, S>, span: usize, backwards: bool) {
+pub(crate) fn fall<S: Scalar>(block: &mut Block<'_, S>, tuned: BlockFactors<'_, S>, span: usize, backwards: bool) {
     let none = S::Accumulator::default();
     let [x, y] = &mut block.velocity;
     match tuned {
-        Tuned::Alike(row) => {
+        BlockFactors::Alike(row) => {
             let gained = gained(row, span, backwards);
             for (v, gained) in [(x, gained.x), (y, gained.y)] {
                 if gained != none {
@@ -115,8 +115,8 @@ pub(crate) fn fall<S: Scalar>(block: &mut Block<'_, S>, tuned: Tuned<'_, S>, spa
                 }
             }
         }
-        Tuned::Each(rows) => {
-            for (i, &row) in block.tuning.iter().enumerate() {
+        BlockFactors::Each(rows) => {
+            for (i, &row) in block.factors.iter().enumerate() {
                 let gained = gained(&rows[row as usize], span, backwards);
                 (x[i], y[i]) = (x[i].plus(gained.x), y[i].plus(gained.y));
             }
@@ -141,7 +141,7 @@ pub(crate) fn kick_by<S: Scalar>(
     }
     if acceleration.angular != S::Wide::default() {
         let gained = gained(acceleration.angular).ok_or(Cause::AngularVelocity)?;
-        block.spin[i] = block.spin[i].plus(gained);
+        block.angular_velocity[i] = block.angular_velocity[i].plus(gained);
     }
     Ok(())
 }
@@ -152,7 +152,7 @@ pub(crate) fn drift<S: Scalar>(block: &mut Block<'_, S>, timing: &Timing<S>, spi
         S::drift_all(x, v, timing.seconds, timing.negative);
     }
     if spins {
-        S::turn_all(block.angle, block.spin, timing.turn, timing.negative);
+        S::turn_all(block.angle, block.angular_velocity, timing.turn, timing.negative);
     }
 }
 
@@ -160,7 +160,7 @@ pub(crate) fn drift<S: Scalar>(block: &mut Block<'_, S>, timing: &Timing<S>, spi
 /// damping decays.
 pub(crate) fn glide<S: Scalar>(
     block: &mut Block<'_, S>,
-    row: &Tuning<S>,
+    row: &StepFactors<S>,
     (half, timing): (usize, &Timing<S>),
     spins: bool,
     backwards: bool,
@@ -172,15 +172,15 @@ pub(crate) fn glide<S: Scalar>(
         S::glide_all(x, v, &glide);
     }
     if spins {
-        let spin = Spin { kept: row.angular[half], turn: timing.turn, negative: timing.negative };
-        S::spin_all(block.angle, block.spin, &spin);
+        let angular_velocity = Spin { kept: row.angular[half], turn: timing.turn, negative: timing.negative };
+        S::spin_all(block.angle, block.angular_velocity, &angular_velocity);
     }
 }
 
 /// The same of bodies that are not alike: all drift alike, and only before and after that each looks up its own factors.
 pub(crate) fn glide_each<S: Scalar>(
     block: &mut Block<'_, S>,
-    rows: &[Tuning<S>],
+    rows: &[StepFactors<S>],
     (half, timing): (usize, &Timing<S>),
     spins: bool,
     backwards: bool,
@@ -194,13 +194,13 @@ pub(crate) fn glide_each<S: Scalar>(
 #[inline(always)]
 fn damp_and_fall<S: Scalar, const OPENING: bool>(
     block: &mut Block<'_, S>,
-    rows: &[Tuning<S>],
+    rows: &[StepFactors<S>],
     span: usize,
     backwards: bool,
 ) {
     let [x, y] = &mut block.velocity;
-    let velocities = x.iter_mut().zip(y.iter_mut()).zip(block.spin.iter_mut());
-    for (((x, y), spin), &row) in velocities.zip(block.tuning) {
+    let velocities = x.iter_mut().zip(y.iter_mut()).zip(block.angular_velocity.iter_mut());
+    for (((x, y), angular_velocity), &row) in velocities.zip(block.factors) {
         let row = &rows[row as usize];
         let gained = gained(row, span, backwards);
         if !OPENING {
@@ -213,7 +213,7 @@ fn damp_and_fall<S: Scalar, const OPENING: bool>(
                 (*x, *y) = (x.damped(linear), y.damped(linear));
             }
             if angular != one {
-                *spin = spin.damped(angular);
+                *angular_velocity = angular_velocity.damped(angular);
             }
         }
         if OPENING {
@@ -228,17 +228,17 @@ fn damp_and_fall<S: Scalar, const OPENING: bool>(
 /// and √½ ulp, by which rounding its components may lengthen it. Each component, to its last bit, and the angular speed are
 /// at most the cap, as the limit of speeds is one.
 #[inline(never)]
-pub(crate) fn cap<S: Scalar>(block: &mut Block<'_, S>, tuned: Tuned<'_, S>) {
-    if matches!(tuned, Tuned::Alike(row) if !row.key.is_capped()) {
+pub(crate) fn cap<S: Scalar>(block: &mut Block<'_, S>, tuned: BlockFactors<'_, S>) {
+    if matches!(tuned, BlockFactors::Alike(row) if !row.key.is_capped()) {
         return;
     }
     let [x, y] = &mut block.velocity;
-    for (i, &row) in block.tuning.iter().enumerate() {
+    for (i, &row) in block.factors.iter().enumerate() {
         let row = match tuned {
-            Tuned::Alike(row) => row,
-            Tuned::Each(rows) => &rows[row as usize],
+            BlockFactors::Alike(row) => row,
+            BlockFactors::Each(rows) => &rows[row as usize],
         };
-        let [speed, spin] = if row.key.is_capped() { row.key.most } else { continue };
+        let [speed, angular_velocity] = if row.key.is_capped() { row.key.most } else { continue };
         if let Some(most) = speed {
             let v = Vec2::new(x[i].value(), y[i].value());
             let way = v.map(S::Wide::from_scalar).into();
@@ -250,8 +250,8 @@ pub(crate) fn cap<S: Scalar>(block: &mut Block<'_, S>, tuned: Tuned<'_, S>) {
             // The factor is rounded, and below the ulp the velocity may be above what it is in public.
             (x[i], y[i]) = (held::<S>(x[i], most), held::<S>(y[i], most));
         }
-        if let Some(most) = spin {
-            block.spin[i] = held::<S>(block.spin[i], most);
+        if let Some(most) = angular_velocity {
+            block.angular_velocity[i] = held::<S>(block.angular_velocity[i], most);
         }
     }
 }

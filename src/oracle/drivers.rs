@@ -4,11 +4,11 @@ use alloc::vec::Vec;
 
 use super::Handles;
 use crate::error::Error;
-use crate::force::{Field, Law, Region};
+use crate::force::{FieldKind, ForceField, Region};
 use crate::math::Vec2;
-use crate::replay::{Difference, Place};
+use crate::replay::{Difference, Owner};
 use crate::scalar::fx::Fx;
-use crate::world::{Command, Driver, Made, World};
+use crate::world::{Command, Created, Stepper, World};
 
 /// What was seen to be wrong.
 pub(super) struct Seen {
@@ -17,7 +17,7 @@ pub(super) struct Seen {
 }
 
 /// A driver that sees what is wrong.
-pub(super) trait Inspector: Driver {
+pub(super) trait Inspector: Stepper {
     /// The first that was wrong.
     fn seen(&mut self) -> Option<Seen>;
     /// Why there was nothing to see; `None` if there was.
@@ -47,8 +47,8 @@ pub(super) struct Asking {
     has_asked: bool,
 }
 
-impl Driver for Asking {
-    fn execute(&mut self, world: &mut World, command: &Command) -> Result<Made, Error> {
+impl Stepper for Asking {
+    fn execute(&mut self, world: &mut World, command: &Command) -> Result<Created, Error> {
         self.has_asked = true;
         let before = world.state_hash();
         let said = world.check(command);
@@ -89,8 +89,8 @@ pub(super) struct Undoing {
     has_undone: bool,
 }
 
-impl Driver for Undoing {
-    fn execute(&mut self, world: &mut World, command: &Command) -> Result<Made, Error> {
+impl Stepper for Undoing {
+    fn execute(&mut self, world: &mut World, command: &Command) -> Result<Created, Error> {
         world.execute(command)
     }
 
@@ -132,8 +132,8 @@ pub(super) struct Detours {
     has_stepped: bool,
 }
 
-impl Driver for Detours {
-    fn execute(&mut self, world: &mut World, command: &Command) -> Result<Made, Error> {
+impl Stepper for Detours {
+    fn execute(&mut self, world: &mut World, command: &Command) -> Result<Created, Error> {
         world.execute(command)
     }
 
@@ -143,7 +143,7 @@ impl Driver for Detours {
         traced.step_traced();
         // A field that acts on nobody takes all bodies stage by stage.
         let region = Region::Disc { centre: Vec2::ZERO, radius: Fx::ONE };
-        let nobody = Field { law: Law::Zone { region, acceleration: Vec2::X }, groups: 0 };
+        let nobody = ForceField { kind: FieldKind::Zone { region, acceleration: Vec2::X }, groups: 0 };
         let mut staged = world.clone();
         let is_staged = staged.add_field(nobody).is_ok();
         staged.step();
@@ -181,7 +181,7 @@ fn moved_unlike(beside: &'static str, left: &World, right: &World) -> Option<See
     let moves = |difference: &Difference| {
         let name = difference.field.split('.').next().unwrap_or_default();
         let is_motion = matches!(name, "position" | "velocity" | "angle" | "angular_velocity");
-        is_motion && matches!(difference.place, Place::Body(_))
+        is_motion && matches!(difference.place, Owner::Body(_))
     };
     Some(Seen { beside, difference: left.differences(right).into_iter().find(moves) })
 }
@@ -189,13 +189,13 @@ fn moved_unlike(beside: &'static str, left: &World, right: &World) -> Option<See
 /// Notes what is made.
 #[derive(Default)]
 pub(super) struct Noting {
-    pub(super) made: Vec<Made>,
+    pub(super) made: Vec<Created>,
 }
 
-impl Driver for Noting {
-    fn execute(&mut self, world: &mut World, command: &Command) -> Result<Made, Error> {
+impl Stepper for Noting {
+    fn execute(&mut self, world: &mut World, command: &Command) -> Result<Created, Error> {
         let made = world.execute(command)?;
-        if made != Made::Nothing {
+        if made != Created::Nothing {
             self.made.push(made);
         }
         Ok(made)
@@ -210,17 +210,17 @@ impl Driver for Noting {
 pub(super) struct Pairing<'a, D> {
     pub(super) handles: &'a mut Handles,
     /// What the first run made in this tick, in order.
-    pub(super) made: alloc::vec::IntoIter<Made>,
+    pub(super) made: alloc::vec::IntoIter<Created>,
     /// Whether commands name what the first run has.
     pub(super) translates: bool,
     pub(super) inner: D,
 }
 
-impl<D: Driver> Driver for Pairing<'_, D> {
-    fn execute(&mut self, world: &mut World, command: &Command) -> Result<Made, Error> {
+impl<D: Stepper> Stepper for Pairing<'_, D> {
+    fn execute(&mut self, world: &mut World, command: &Command) -> Result<Created, Error> {
         let renamed = self.translates.then(|| self.handles.command(command));
         let made = self.inner.execute(world, renamed.as_ref().unwrap_or(command))?;
-        if made != Made::Nothing {
+        if made != Created::Nothing {
             if let Some(first) = self.made.next() {
                 self.handles.pair(first, made);
             }
@@ -238,8 +238,8 @@ impl<D: Driver> Driver for Pairing<'_, D> {
 pub(super) struct OnThreads<'a>(pub(super) &'a rayon::ThreadPool);
 
 #[cfg(feature = "parallel")]
-impl Driver for OnThreads<'_> {
-    fn execute(&mut self, world: &mut World, command: &Command) -> Result<Made, Error> {
+impl Stepper for OnThreads<'_> {
+    fn execute(&mut self, world: &mut World, command: &Command) -> Result<Created, Error> {
         world.execute(command)
     }
 

@@ -4,10 +4,10 @@ use alloc::collections::BTreeMap;
 use alloc::vec::Vec;
 
 use super::{Handles, Script, Symmetry};
-use crate::force::{Field, Law};
+use crate::force::{FieldKind, ForceField};
 use crate::math::Vec2;
 use crate::scalar::fx::{Fx, fx};
-use crate::world::{Action, Command, Driver, World, WorldDef};
+use crate::world::{Command, ForceOrImpulse, Stepper, World, WorldDef};
 
 /// A game whose ticks are to be judged.
 ///
@@ -25,7 +25,7 @@ pub trait Game: Clone {
     fn start(&mut self) -> World;
 
     /// Makes a tick, with the inputs of all players in whatever order they arrived.
-    fn tick(&mut self, world: &mut World, inputs: &[Self::Input], driver: &mut dyn Driver);
+    fn tick(&mut self, world: &mut World, inputs: &[Self::Input], driver: &mut dyn Stepper);
 
     /// The symmetries that the game has, for [`Oracle::Mirror`](super::Oracle::Mirror), `Turn` and `Shift`: none, unless it
     /// says so.
@@ -56,7 +56,7 @@ pub trait Game: Clone {
 ///
 /// ```
 /// use umbra_physics::oracle::{Course, Game, Handles, Oracle, Verdict, shrink};
-/// use umbra_physics::{Command, Driver, World, WorldDef};
+/// use umbra_physics::{Command, Stepper, World, WorldDef};
 ///
 /// /// A game whose inputs are the commands themselves. They name bodies: a match with strangers has others.
 /// #[derive(Clone)]
@@ -69,7 +69,7 @@ pub trait Game: Clone {
 ///         World::new(WorldDef::default()).unwrap()
 ///     }
 ///
-///     fn tick(&mut self, world: &mut World, inputs: &[Command], driver: &mut dyn Driver) {
+///     fn tick(&mut self, world: &mut World, inputs: &[Command], driver: &mut dyn Stepper) {
 ///         for command in inputs {
 ///             let _ = driver.execute(world, command);
 ///         }
@@ -133,7 +133,7 @@ pub(super) trait Subject {
 
     /// A match and its world; none of a world that is refused.
     fn begin(&self) -> Option<(Self::Match, World)>;
-    fn tick(&self, game: &mut Self::Match, world: &mut World, inputs: &[Self::Input], driver: &mut dyn Driver);
+    fn tick(&self, game: &mut Self::Match, world: &mut World, inputs: &[Self::Input], driver: &mut dyn Stepper);
     fn symmetries(&self) -> Vec<Symmetry>;
     fn image(&self, input: &Self::Input, symmetry: &Symmetry) -> Option<Self::Input>;
     fn renamed(&self, input: &Self::Input, handles: &Handles) -> Self::Input;
@@ -162,7 +162,7 @@ impl<G: Game> Subject for Played<'_, G> {
         Some((game, world))
     }
 
-    fn tick(&self, game: &mut G, world: &mut World, inputs: &[G::Input], driver: &mut dyn Driver) {
+    fn tick(&self, game: &mut G, world: &mut World, inputs: &[G::Input], driver: &mut dyn Stepper) {
         game.tick(world, inputs, driver);
     }
 
@@ -210,7 +210,7 @@ impl Subject for Commands {
         World::new(self.0).ok().map(|world| ((), world))
     }
 
-    fn tick(&self, (): &mut (), world: &mut World, inputs: &[Command], driver: &mut dyn Driver) {
+    fn tick(&self, (): &mut (), world: &mut World, inputs: &[Command], driver: &mut dyn Stepper) {
         for command in inputs {
             // What is refused is refused in every run alike.
             _ = driver.execute(world, command);
@@ -233,7 +233,9 @@ impl Subject for Commands {
     fn image(&self, command: &Command, symmetry: &Symmetry) -> Option<Command> {
         match command {
             // No law of the user's own is registered here: it is refused, and so is its image.
-            Command::AddField(field) | Command::SetField { field, .. } if matches!(field.law, Law::Custom { .. }) => {
+            Command::AddField(field) | Command::SetField { field, .. }
+                if matches!(field.kind, FieldKind::Custom { .. }) =>
+            {
                 Some(command.clone())
             }
             command => symmetry.command(command),
@@ -257,13 +259,17 @@ impl Subject for Commands {
     /// Bodies that are added one after the other among themselves, and so fields, but for drags, which act in order; forces and
     /// torques, but for those that a sleeping body does not feel. Where a field is made a drag later all keep their order.
     fn reordered(&self, course: &Course<Command>, turn: &mut dyn FnMut(&mut [usize])) -> (Course<Command>, Likeness) {
-        let is_drag = |field: &Field| matches!(field.law, Law::Drag { .. });
+        let is_drag = |field: &ForceField| matches!(field.kind, FieldKind::Drag { .. });
         let made_drag = |command: &Command| matches!(command, Command::SetField { field, .. } if is_drag(field));
         let keep_order = course.inputs.iter().any(|(_, command)| made_drag(command));
         let kind = |place: usize| match &course.inputs[place].1 {
             Command::AddBody(_) => 1,
             Command::AddField(field) if !keep_order && !is_drag(field) => 2,
-            Command::Apply { action: Action::Force { .. } | Action::Torque(_), manner, .. } if manner.wake => 3,
+            Command::Apply { action: ForceOrImpulse::Force { .. } | ForceOrImpulse::Torque(_), manner, .. }
+                if manner.wake =>
+            {
+                3
+            }
             _ => 0,
         };
         let mut order = course.order();

@@ -3,7 +3,7 @@
 use alloc::collections::BTreeMap;
 
 use crate::handle::{BodyId, FieldId};
-use crate::world::{Command, Made};
+use crate::world::{Command, Created};
 
 /// Which body of another run stands for a body, and which force field for a field.
 ///
@@ -99,10 +99,10 @@ impl Handles {
     }
 
     /// What was made in one run and in the other is each other's counterpart.
-    pub(super) fn pair(&mut self, here: Made, there: Made) {
+    pub(super) fn pair(&mut self, here: Created, there: Created) {
         match (here, there) {
-            (Made::Body(here), Made::Body(there)) => _ = self.bodies.insert(here, there),
-            (Made::Field(here), Made::Field(there)) => _ = self.fields.insert(here, there),
+            (Created::Body(here), Created::Body(there)) => _ = self.bodies.insert(here, there),
+            (Created::ForceField(here), Created::ForceField(there)) => _ = self.fields.insert(here, there),
             _ => {}
         }
     }

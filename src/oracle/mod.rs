@@ -7,7 +7,7 @@
 //!
 //! ```
 //! use umbra_physics::oracle::{Fuzz, Game, Oracle, fuzz};
-//! use umbra_physics::{Action, BodyDef, BodyId, Command, Driver, Manner, World, WorldDef, vec2};
+//! use umbra_physics::{ForceOrImpulse, BodyDef, BodyId, Command, Stepper, ApplyOptions, World, WorldDef, vec2};
 //!
 //! /// Two ships, and an engine that fires every other time a player presses the button.
 //! #[derive(Clone, Default)]
@@ -25,12 +25,12 @@
 //!         world
 //!     }
 //!
-//!     fn tick(&mut self, world: &mut World, inputs: &[usize], driver: &mut dyn Driver) {
+//!     fn tick(&mut self, world: &mut World, inputs: &[usize], driver: &mut dyn Stepper) {
 //!         for &player in inputs {
 //!             self.pressed += 1;
 //!             if self.pressed % 2 == 0 {
-//!                 let action = Action::Impulse { impulse: vec2(0, 1), point: None };
-//!                 let fire = Command::Apply { body: self.bodies[player], action, manner: Manner::default() };
+//!                 let action = ForceOrImpulse::Impulse { impulse: vec2(0, 1), point: None };
+//!                 let fire = Command::Apply { body: self.bodies[player], action, manner: ApplyOptions::default() };
 //!                 driver.execute(world, &fire).unwrap();
 //!             }
 //!         }

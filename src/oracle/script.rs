@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 use super::Handles;
 use crate::error::Error;
 use crate::replay::{RecordOptions, Recorder};
-use crate::world::{Command, Driver, World, WorldDef};
+use crate::world::{Command, Stepper, World, WorldDef};
 
 /// A run: an empty world, what is done to it, and for how long.
 ///
@@ -74,7 +74,7 @@ impl Script {
     }
 
     /// Does what is to be done at the tick that the world is at, and moves it on to the next.
-    pub fn advance(&self, world: &mut World, driver: &mut dyn Driver) {
+    pub fn advance(&self, world: &mut World, driver: &mut dyn Stepper) {
         for command in self.commands_of(world.tick()) {
             // What is refused is refused in every run alike.
             _ = driver.execute(world, command);
@@ -109,7 +109,7 @@ impl Script {
     }
 
     /// Makes all ticks. The commands are put in order once: each tick by itself goes through the whole list.
-    fn play(&self, world: &mut World, driver: &mut dyn Driver) {
+    fn play(&self, world: &mut World, driver: &mut dyn Stepper) {
         let mut order: Vec<&(u64, Command)> = self.commands.iter().collect();
         order.sort_by_key(|(tick, _)| *tick);
         let mut commands = order.into_iter().peekable();

@@ -3,10 +3,10 @@
 use alloc::vec::Vec;
 
 use crate::body::{BodyDef, BodyKind, Mass};
-use crate::force::{Attachment, End, Law};
+use crate::force::{Attachment, End, FieldKind};
 use crate::handle::{BodyId, FieldId};
 use crate::math::{Random, Vec2, vec2};
-use crate::scalar::SpringLaw;
+use crate::scalar::SpringConstants;
 use crate::scalar::fx::{Fx, fx};
 use crate::world::World;
 
@@ -91,7 +91,9 @@ impl Strangers {
         let def = match number % 6 {
             0 => BodyDef { gravity_scale: Fx::ZERO, ..base },
             1 => BodyDef { kind: BodyKind::Static, ..base },
-            2 => BodyDef { velocity: vec2(1, 0), linear_damping: Some(Fx::ONE), mass: Mass::Of(fx!(77)), ..base },
+            2 => {
+                BodyDef { velocity: vec2(1, 0), linear_damping: Some(Fx::ONE), mass: Mass::Kilograms(fx!(77)), ..base }
+            }
             3 => BodyDef { position: vec2(1_073_741_823, 0), velocity: vec2(900_000, 0), ..base },
             4 => BodyDef { kind: BodyKind::Kinematic, velocity: vec2(0, 3), ..base },
             _ => {
@@ -101,9 +103,9 @@ impl Strangers {
         };
         let Ok(body) = world.add_body(def) else { return };
         if let Some(&last) = self.here.last() {
-            let spring = SpringLaw { rest: fx!(1), stiffness: fx!(9), damping: fx!(1) };
+            let spring = SpringConstants { rest: fx!(1), stiffness: fx!(9), damping: fx!(1) };
             let near = Attachment { body, point: Vec2::ZERO };
-            self.springs.extend(world.add_field(Law::Spring {
+            self.springs.extend(world.add_field(FieldKind::Spring {
                 near,
                 far: End::Body(Attachment::centre(last)),
                 spring,

@@ -4,12 +4,12 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use crate::body::{BodyDef, Locks, mass_properties};
-use crate::force::{Attachment, End, Field, Law, Region};
+use crate::force::{Attachment, End, FieldKind, ForceField, Region};
 use crate::math::Vec2;
 use crate::scalar::fx::{Fx, fx};
 use crate::scalar::{Accumulator as _, Angle as _, FxAccumulator, FxSum, Number as _, Turn, Wide as _};
 use crate::shape::{Geometry, Part, Shape};
-use crate::world::{Action, Command, Frame, World};
+use crate::world::{Command, ForceOrImpulse, Frame, World};
 
 /// A symmetry of the engine: p' = A·p + t, where A mirrors, turns by a quarter or does nothing, and t is an even number of
 /// ulps. A world and its image, given images of the same inputs, stay each other's image to the bit.
@@ -20,12 +20,12 @@ use crate::world::{Action, Command, Frame, World};
 ///
 /// ```
 /// use umbra_physics::oracle::Symmetry;
-/// use umbra_physics::{BodyDef, Command, Field, Law, Shape, World, WorldDef, fx, vec2};
+/// use umbra_physics::{BodyDef, Command, ForceField, FieldKind, Shape, World, WorldDef, fx, vec2};
 ///
 /// let mirror = Symmetry::MIRROR;
 /// assert_eq!((mirror.name(), mirror.mirrors(), mirror.is_shift()), ("mirror", true, false));
 /// assert_eq!((mirror.vector(vec2(3, 1)), mirror.point(vec2(3, 1))), (Some(vec2(-3, 1)), Some(vec2(-3, 1))));
-/// assert_eq!((mirror.spin(fx!(2)), mirror.angle(fx!(0))), (Some(fx!(-2)), Some(fx!(0))));
+/// assert_eq!((mirror.angular_velocity(fx!(2)), mirror.angle(fx!(0))), (Some(fx!(-2)), Some(fx!(0))));
 /// // A quarter turn turns the axes of bodies along: in them nothing changes.
 /// assert_eq!(
 ///     (Symmetry::TURN.vector(vec2(3, 1)), Symmetry::TURN.local(vec2(3, 1))),
@@ -43,7 +43,7 @@ use crate::world::{Action, Command, Frame, World};
 ///     angular_velocity: fx!(1),
 ///     ..BodyDef::dynamic()
 /// })?;
-/// let wind = Field::from(Law::Drag { linear: fx!(0.1), quadratic: fx!(0), wind: vec2(4, 0) });
+/// let wind = ForceField::from(FieldKind::Drag { linear: fx!(0.1), quadratic: fx!(0), wind: vec2(4, 0) });
 /// let mut image = mirror.world(&world).unwrap();
 /// world.add_field(wind)?;
 /// image.add_field(mirror.field(&wind).unwrap())?;
@@ -163,14 +163,14 @@ impl Symmetry {
 
     /// The image of an angular velocity, torque or angular impulse.
     #[must_use]
-    pub fn spin(&self, value: Fx) -> Option<Fx> {
+    pub fn angular_velocity(&self, value: Fx) -> Option<Fx> {
         if self.mirrors() { value.checked_neg() } else { Some(value) }
     }
 
     /// The image of an angle in radians, if there is one to the bit.
     #[must_use]
     pub fn angle(&self, angle: Fx) -> Option<Fx> {
-        let image = self.spin(angle)?;
+        let image = self.angular_velocity(angle)?;
         let image = if self.quarters == 1 { image.checked_add(QUARTER)? } else { image };
         (Turn::from_radians(image) == self.turn(Turn::from_radians(angle))).then_some(image)
     }
@@ -214,7 +214,7 @@ impl Symmetry {
             Geometry::Compound { parts } => {
                 let part = |part: &Part| {
                     let (shape, position) = (self.shape(&part.shape)?, given(part.position)?);
-                    Some(Part { shape, position, angle: self.spin(part.angle)?, ..*part })
+                    Some(Part { shape, position, angle: self.angular_velocity(part.angle)?, ..*part })
                 };
                 let parts: Vec<Part> = parts.iter().map(part).collect::<Option<_>>()?;
                 Shape::compound(&parts).ok()
@@ -249,24 +249,26 @@ impl Symmetry {
 
     /// The image of a force field; none of a law of force of the user's own.
     #[must_use]
-    pub fn field(&self, field: &Field) -> Option<Field> {
-        let law = match &field.law {
-            Law::Attractor { centre, mu, softening } => {
-                Law::Attractor { centre: self.end(centre)?, mu: *mu, softening: *softening }
+    pub fn field(&self, field: &ForceField) -> Option<ForceField> {
+        let kind = match &field.kind {
+            FieldKind::Attractor { centre, mu, softening } => {
+                FieldKind::Attractor { centre: self.end(centre)?, mu: *mu, softening: *softening }
             }
-            Law::Spring { near, far, spring } => {
-                Law::Spring { near: self.attachment(near)?, far: self.end(far)?, spring: *spring }
+            FieldKind::Spring { near, far, spring } => {
+                FieldKind::Spring { near: self.attachment(near)?, far: self.end(far)?, spring: *spring }
             }
-            Law::Drag { linear, quadratic, wind } => {
-                Law::Drag { linear: *linear, quadratic: *quadratic, wind: self.vector(*wind)? }
+            FieldKind::Drag { linear, quadratic, wind } => {
+                FieldKind::Drag { linear: *linear, quadratic: *quadratic, wind: self.vector(*wind)? }
             }
-            Law::Thrust { at, force } => Law::Thrust { at: self.attachment(at)?, force: self.local(*force)? },
-            Law::Zone { region, acceleration } => {
-                Law::Zone { region: self.region(region)?, acceleration: self.vector(*acceleration)? }
+            FieldKind::Thrust { at, force } => {
+                FieldKind::Thrust { at: self.attachment(at)?, force: self.local(*force)? }
             }
-            Law::Custom { .. } => return None,
+            FieldKind::Zone { region, acceleration } => {
+                FieldKind::Zone { region: self.region(region)?, acceleration: self.vector(*acceleration)? }
+            }
+            FieldKind::Custom { .. } => return None,
         };
-        Some(Field { law, groups: field.groups })
+        Some(ForceField { kind, groups: field.groups })
     }
 
     /// The image of a body to be added.
@@ -280,14 +282,14 @@ impl Symmetry {
             position: self.point(def.position)?,
             angle: self.angle(def.angle)?,
             velocity: self.vector(def.velocity)?,
-            angular_velocity: self.spin(def.angular_velocity)?,
+            angular_velocity: self.angular_velocity(def.angular_velocity)?,
             shape,
             locks: self.locks(def.locks),
             ..def.clone()
         })
     }
 
-    fn action(&self, action: &Action, frame: Frame) -> Option<Action> {
+    fn action(&self, action: &ForceOrImpulse, frame: Frame) -> Option<ForceOrImpulse> {
         let vector = |v| if frame == Frame::Body { self.local(v) } else { self.vector(v) };
         let at = |point: Option<Vec2>| match point {
             Some(point) if frame == Frame::Body => self.local(point).map(Some),
@@ -295,10 +297,14 @@ impl Symmetry {
             None => Some(None),
         };
         Some(match *action {
-            Action::Force { force, point } => Action::Force { force: vector(force)?, point: at(point)? },
-            Action::Impulse { impulse, point } => Action::Impulse { impulse: vector(impulse)?, point: at(point)? },
-            Action::Torque(torque) => Action::Torque(self.spin(torque)?),
-            Action::AngularImpulse(impulse) => Action::AngularImpulse(self.spin(impulse)?),
+            ForceOrImpulse::Force { force, point } => {
+                ForceOrImpulse::Force { force: vector(force)?, point: at(point)? }
+            }
+            ForceOrImpulse::Impulse { impulse, point } => {
+                ForceOrImpulse::Impulse { impulse: vector(impulse)?, point: at(point)? }
+            }
+            ForceOrImpulse::Torque(torque) => ForceOrImpulse::Torque(self.angular_velocity(torque)?),
+            ForceOrImpulse::AngularImpulse(impulse) => ForceOrImpulse::AngularImpulse(self.angular_velocity(impulse)?),
         })
     }
 
@@ -321,7 +327,7 @@ impl Symmetry {
                 Command::SetVelocity { body: *body, velocity: self.vector(*velocity)? }
             }
             Command::SetAngularVelocity { body, velocity } => {
-                Command::SetAngularVelocity { body: *body, velocity: self.spin(*velocity)? }
+                Command::SetAngularVelocity { body: *body, velocity: self.angular_velocity(*velocity)? }
             }
             Command::SetShape { body, shape } => {
                 let shape = match shape {
@@ -364,7 +370,7 @@ impl Symmetry {
     pub fn world(&self, world: &World) -> Option<World> {
         let mut image = world.clone();
         image.def.gravity = self.vector(world.def.gravity)?;
-        Arc::make_mut(&mut image.tunings).change_all();
+        Arc::make_mut(&mut image.factor_table).change_all();
         for i in 0..image.bodies.len() {
             self.take(&mut image, i)?;
         }
@@ -378,8 +384,8 @@ impl Symmetry {
             let torque = if self.mirrors() { opposite(row.torque) } else { row.torque };
             image.applied.adopt(row.body, force, torque);
         }
-        for (_, errand) in image.errands.rows_mut() {
-            if let Some(goal) = &mut errand.goal {
+        for (_, target) in image.targets.rows_mut() {
+            if let Some(goal) = &mut target.goal {
                 (goal.position, goal.angle) = (self.point(goal.position)?, self.turn(goal.angle));
             }
         }
@@ -402,7 +408,7 @@ impl Symmetry {
         motion.velocity.set(i, self.signed(motion.velocity.get(i), negative)?);
         motion.angle[i] = self.turn(motion.angle[i]);
         if self.mirrors() {
-            motion.spin[i] = motion.spin[i].negated();
+            motion.angular_velocity[i] = motion.angular_velocity[i].negated();
         }
         if let Some(last) = motion.last.get_mut(i) {
             last.linear = self.signed(last.linear, |wide| Some(wide.negated()))?;
@@ -410,13 +416,13 @@ impl Symmetry {
                 last.angular = last.angular.negated();
             }
         }
-        let locks = world.bodies.card(i).locks;
+        let locks = world.bodies.info(i).locks;
         if self.locks(locks) != locks {
-            world.bodies.set_locks(i, Arc::make_mut(&mut world.tunings), self.locks(locks));
+            world.bodies.set_locks(i, Arc::make_mut(&mut world.factor_table), self.locks(locks));
         }
-        let card = world.bodies.card(i);
-        if let Some(shape) = card.shape.as_deref().filter(|_| self.mirrors()) {
-            let (kind, mass, shape) = (card.kind, card.mass, self.shape(shape)?);
+        let info = world.bodies.info(i);
+        if let Some(shape) = info.shape.as_deref().filter(|_| self.mirrors()) {
+            let (kind, mass, shape) = (info.kind, info.mass, self.shape(shape)?);
             let properties = mass_properties(kind, mass, Some(&shape)).ok()?;
             world.bodies.set_shape(i, Some(shape), properties);
         }

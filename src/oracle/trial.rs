@@ -9,11 +9,11 @@ use super::drivers::{Asking, Detours, Inspector, Noting, Pairing, Seen, Undoing,
 use super::game::{ByTick, Course, Likeness, Subject};
 use super::strangers::{MOST, Strangers};
 use super::{Handles, Oracle, Symmetry, Verdict, Violation};
-use crate::force::ForceLaw;
+use crate::force::CustomForce;
 use crate::handle::BodyId;
 use crate::math::Random;
 use crate::replay::{Difference, RecordOptions, Recorder, Replay, Snapshot};
-use crate::world::{Driver, Made, World};
+use crate::world::{Created, Stepper, World};
 
 /// A run that is judged.
 pub(super) struct Trial<'a, S: Subject> {
@@ -73,7 +73,7 @@ impl<'a, S: Subject> Trial<'a, S> {
         inputs.get(&tick).map_or(&[], |inputs| inputs)
     }
 
-    fn tick(&self, run: &mut Match<S>, tick: u64, driver: &mut dyn Driver) {
+    fn tick(&self, run: &mut Match<S>, tick: u64, driver: &mut dyn Stepper) {
         self.subject.tick(&mut run.game, &mut run.world, Self::inputs_of(&self.inputs, tick), driver);
     }
 
@@ -119,7 +119,7 @@ impl<'a, S: Subject> Trial<'a, S> {
 
     fn record(&self, mut run: Match<S>) -> Judged {
         let file = record(self.subject, self.course);
-        let replay = Replay::from_bytes(&file, &laws(&run.world));
+        let replay = Replay::from_bytes(&file, &custom_forces(&run.world));
         let Ok(replay) = replay else {
             return Err(self.violation(0, Seen { beside: "a recording that cannot be read", difference: None }));
         };
@@ -140,7 +140,7 @@ impl<'a, S: Subject> Trial<'a, S> {
         let mut has_compared = self.course.ticks == 0;
         for tick in 0..self.course.ticks {
             let snapshot = run.world.snapshot();
-            let read = Snapshot::from_bytes(&snapshot.to_bytes(), &laws(&run.world));
+            let read = Snapshot::from_bytes(&snapshot.to_bytes(), &custom_forces(&run.world));
             let Ok(read) = read else {
                 return Err(self.violation(tick, Seen { beside: "a snapshot that cannot be read", difference: None }));
             };
@@ -238,7 +238,7 @@ impl<'a, S: Subject> Trial<'a, S> {
     }
 
     /// A match beside one with strangers in it.
-    fn among<D: Driver>(
+    fn among<D: Stepper>(
         &self,
         beside: &'static str,
         enter: impl FnOnce(&mut World) -> Option<Strangers>,
@@ -249,8 +249,8 @@ impl<'a, S: Subject> Trial<'a, S> {
         };
         let mut handles = Handles::default();
         let bodies: Vec<BodyId> = run.world.bodies().map(|body| body.id()).collect();
-        bodies.into_iter().for_each(|body| handles.pair(Made::Body(body), Made::Body(body)));
-        run.world.fields().for_each(|(field, _)| handles.pair(Made::Field(field), Made::Field(field)));
+        bodies.into_iter().for_each(|body| handles.pair(Created::Body(body), Created::Body(body)));
+        run.world.fields().for_each(|(field, _)| handles.pair(Created::ForceField(field), Created::ForceField(field)));
         let Some(mut strangers) = enter(&mut other.world) else {
             return inapplicable("the world has no room for strangers");
         };
@@ -312,8 +312,8 @@ impl<'a, S: Subject> Trial<'a, S> {
 }
 
 /// The laws of force that may act in a world.
-fn laws(world: &World) -> Vec<Arc<dyn ForceLaw>> {
-    world.laws.values().cloned().collect()
+fn custom_forces(world: &World) -> Vec<Arc<dyn CustomForce>> {
+    world.custom_forces.values().cloned().collect()
 }
 
 /// A match as a replay: nothing if its world is refused.

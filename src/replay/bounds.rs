@@ -4,11 +4,11 @@ use alloc::vec;
 use alloc::vec::Vec;
 
 use super::encodings::replaced;
-use super::tests::{everything, laws};
+use super::tests::{custom_forces, everything};
 use super::{Dump, RecordOptions, Recorder, Replay, ReplayLimits, Snapshot, SnapshotError, VerifyError};
-use crate::body::{BodyDef, Tunings};
+use crate::body::{BodyDef, FactorTable};
 use crate::error::{Error, Irreversible, Quantity};
-use crate::force::{Field, FieldSet, Law};
+use crate::force::{FieldKind, FieldSet, ForceField};
 use crate::handle::{BodyId, FieldId};
 use crate::integrate::Integrator;
 use crate::limits;
@@ -19,7 +19,7 @@ use crate::world::{Command, History, Inputs, World, WorldDef};
 /// The same world, through bytes.
 fn read_again(world: &World) -> World {
     let bytes = world.snapshot().to_bytes();
-    let read = Snapshot::from_bytes(&bytes, &laws()).expect("a world like any other");
+    let read = Snapshot::from_bytes(&bytes, &custom_forces()).expect("a world like any other");
     assert!(read.to_bytes() == bytes && read.world().state_hash() == world.state_hash());
     read.into_world()
 }
@@ -49,7 +49,7 @@ fn lives_on(start: &World, ticks: u64) {
         assert_eq!(saved.state_hash(), hash, "through bytes");
 
         let dump = Dump::of_tick(&before, &[], &inputs, &world).to_bytes();
-        assert_eq!(Dump::from_bytes(&dump, &laws()).expect("its own bytes").to_bytes(), dump);
+        assert_eq!(Dump::from_bytes(&dump, &custom_forces()).expect("its own bytes").to_bytes(), dump);
 
         let mut back = world.clone();
         if back.step_back(&applied).is_ok() {
@@ -66,7 +66,7 @@ fn lives_on(start: &World, ticks: u64) {
         let mut recorder = Recorder::new(&again, RecordOptions { hash_every, snapshot_every });
         (0..ticks).for_each(|tick| _ = recorder.step(&mut again, &inputs(tick)));
         let file = recorder.finish(&again);
-        let replay = Replay::from_bytes(&file, &laws()).expect("it is whole");
+        let replay = Replay::from_bytes(&file, &custom_forces()).expect("it is whole");
         assert!(replay.to_bytes() == file && (replay.end(), replay.ticks()) == (world.tick(), ticks));
         assert_eq!(replay.verify(), Ok(()), "{hash_every}, {snapshot_every}");
         assert_eq!(replay.first_difference(&replay), None);
@@ -95,7 +95,7 @@ fn forged(world: &World, changes: &[(&str, &[u8])]) -> Result<World, SnapshotErr
         // The values before were made right, but for what hangs together with those to come.
         replaced(&bytes, name, 0, value)
     });
-    Snapshot::from_bytes(&bytes, &laws()).map(Snapshot::into_world)
+    Snapshot::from_bytes(&bytes, &custom_forces()).map(Snapshot::into_world)
 }
 
 fn accumulator(bits: i128) -> [u8; 16] {
@@ -150,7 +150,7 @@ fn at_the_last_tick_all_but_the_clock_goes_on() {
 #[test]
 fn a_handle_of_the_last_generation_is_never_given_out_again() {
     let mut world = with(WorldDef::default(), [BodyDef::dynamic()]);
-    let drag = Field::from(Law::Drag { linear: fx!(1), quadratic: fx!(0), wind: vec2(0, 0) });
+    let drag = ForceField::from(FieldKind::Drag { linear: fx!(1), quadratic: fx!(0), wind: vec2(0, 0) });
     world.add_field(drag).expect("a field");
     let last = u32::MAX.to_le_bytes();
     let mut world =
@@ -169,18 +169,18 @@ fn a_handle_of_the_last_generation_is_never_given_out_again() {
 #[test]
 fn a_world_with_as_many_slots_as_can_be_is_full() {
     let World { mut bodies, .. } = with(WorldDef::default(), []);
-    let mut tunings = Tunings::default();
+    let mut factor_table = FactorTable::default();
     let mut fields = FieldSet::<Fx>::default();
     for _ in 0..limits::BODIES {
         assert_eq!(bodies.check_room(), Ok(()));
-        assert_eq!(bodies.rebuild(u32::MAX, None, &mut tunings), Ok(None));
+        assert_eq!(bodies.rebuild(u32::MAX, None, &mut factor_table), Ok(None));
     }
     for _ in 0..limits::FIELDS {
         assert_eq!(fields.check_room(), Ok(()));
         assert_eq!(fields.rebuild(u32::MAX, None), Ok(()));
     }
     assert_eq!((bodies.check_room(), fields.check_room()), (Err(Error::Full), Err(Error::Full)));
-    assert_eq!(bodies.rebuild(u32::MAX, None, &mut tunings), Err(Error::Full));
+    assert_eq!(bodies.rebuild(u32::MAX, None, &mut factor_table), Err(Error::Full));
     assert_eq!(fields.rebuild(u32::MAX, None), Err(Error::Full));
     // Another body, or field, in the slot of one that is gone.
     assert_eq!((bodies.set_free(vec![3]), fields.set_free(vec![3])), (Ok(()), Ok(())));

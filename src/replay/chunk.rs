@@ -7,7 +7,7 @@
 
 use alloc::vec::Vec;
 
-use crate::wire::{Malformed, Out as _, Read, Reader, Sink};
+use crate::codec::{Encoder as _, Malformed, Read, Reader, StateHasher};
 
 /// What a chunk holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,7 +51,7 @@ fn words(bytes: &[u8]) -> impl Iterator<Item = u64> {
 
 impl Seal {
     fn of(word: u64, bytes: &[u8]) -> Self {
-        let mut sink = Sink::new();
+        let mut sink = StateHasher::new();
         sink.bytes(&word.to_le_bytes());
         sink.bytes(bytes);
         // Fewer than 2^29 words: no sum wraps.

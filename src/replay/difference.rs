@@ -6,34 +6,34 @@ use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use core::fmt;
 
-use super::finding::Moment;
+use super::finding::TickPhase;
 use super::snapshot::State;
+use crate::codec::{self, Encoder as _, FieldIndex, FieldValue, Part, StateHasher};
 #[cfg(feature = "oracles")]
-use crate::force::Field;
+use crate::force::ForceField;
 use crate::handle::{BodyId, FieldId};
 use crate::integrate::Stage;
 use crate::scalar::Scalar;
-use crate::wire::{self, Index, Leaf, Out as _, Part, Sink};
 use crate::world::{Trace, World};
 
 /// What of a world a value belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
-pub enum Place {
+pub enum Owner {
     /// The world as a whole.
     World,
     /// A body.
     Body(BodyId),
     /// A force field.
-    Field(FieldId),
+    ForceField(FieldId),
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for Owner {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::World => f.write_str("the world"),
             Self::Body(body) => body.fmt(f),
-            Self::Field(field) => field.fmt(f),
+            Self::ForceField(field) => field.fmt(f),
         }
     }
 }
@@ -41,7 +41,7 @@ impl fmt::Display for Place {
 /// A value in which two states differ.
 ///
 /// ```
-/// use umbra_physics::{BodyDef, Difference, Place, World, WorldDef, vec2};
+/// use umbra_physics::{BodyDef, Difference, Owner, World, WorldDef, vec2};
 ///
 /// let mut world: World = World::new(WorldDef::default())?;
 /// let body = world.add_body(BodyDef::dynamic())?;
@@ -49,15 +49,15 @@ impl fmt::Display for Place {
 /// other.set_gravity(vec2(0, -10))?;
 /// other.set_velocity(body, vec2(1, 0))?;
 /// let found: Vec<Difference> = world.differences(&other);
-/// assert_eq!((found[0].place, &found[0].field[..]), (Place::World, "settings.gravity.y"));
-/// assert_eq!((found[1].place, found[1].right.as_deref()), (Place::Body(body), Some("1")));
+/// assert_eq!((found[0].place, &found[0].field[..]), (Owner::World, "settings.gravity.y"));
+/// assert_eq!((found[1].place, found[1].right.as_deref()), (Owner::Body(body), Some("1")));
 /// # Ok::<(), umbra_physics::Error>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Difference {
     /// What it belongs to.
-    pub place: Place,
+    pub place: Owner,
     /// Its name there, as `position.x`.
     pub field: String,
     /// What it is in the first state, exactly; `None` where that has no such value.
@@ -93,8 +93,8 @@ impl<S: Scalar> World<S> {
     /// It is for finding out what went wrong, and takes its time.
     #[must_use]
     pub fn differences(&self, other: &Self) -> Vec<Difference> {
-        let (left, right) = (Index::of(&State(self)).leaves, Index::of(&State(other)).leaves);
-        let mut rest: BTreeMap<&[Part], &Leaf> = right.iter().map(|leaf| (&leaf.path[..], leaf)).collect();
+        let (left, right) = (FieldIndex::of(&State(self)).leaves, FieldIndex::of(&State(other)).leaves);
+        let mut rest: BTreeMap<&[Part], &FieldValue> = right.iter().map(|leaf| (&leaf.path[..], leaf)).collect();
         let mut found = Vec::new();
         for leaf in &left {
             let there = rest.remove(&leaf.path[..]);
@@ -125,7 +125,7 @@ impl<S: Scalar> World<S> {
     /// ```
     #[must_use]
     pub fn first_difference(&self, other: &Self) -> Option<Difference> {
-        let (left, right) = wire::first_difference(&State(self), &State(other))?;
+        let (left, right) = codec::first_difference(&State(self), &State(other))?;
         let (owner, path) = match (&left, &right) {
             (Some(leaf), _) => (self, &leaf.path),
             (None, Some(leaf)) => (other, &leaf.path),
@@ -135,9 +135,9 @@ impl<S: Scalar> World<S> {
         Some(owner.difference(path, left.as_ref(), right))
     }
 
-    fn difference(&self, path: &[Part], left: Option<&Leaf>, right: Option<&Leaf>) -> Difference {
+    fn difference(&self, path: &[Part], left: Option<&FieldValue>, right: Option<&FieldValue>) -> Difference {
         let (place, path) = self.place(path);
-        let text = |leaf: Option<&Leaf>| leaf.map(|leaf| leaf.text.clone());
+        let text = |leaf: Option<&FieldValue>| leaf.map(|leaf| leaf.text.clone());
         Difference { place, field: name_of(path), left: text(left), right: text(right) }
     }
 
@@ -146,41 +146,45 @@ impl<S: Scalar> World<S> {
     pub(crate) fn body_difference(&self, body: BodyId, other: &Self, there: BodyId) -> Option<Difference> {
         let (here, there) = (self.bodies.find(body).ok()?, other.bodies.find(there).ok()?);
         let leaves = |world: &Self, dense: usize| {
-            let mut leaves = Index::of(&world.bodies.record(dense, &world.tunings)).leaves;
-            let shape = world.bodies.card(dense).shape.as_deref();
-            leaves.extend(shape.into_iter().flat_map(|shape| Index::of(shape).leaves));
+            let mut leaves = FieldIndex::of(&world.bodies.record(dense, &world.factor_table)).leaves;
+            let shape = world.bodies.info(dense).shape.as_deref();
+            leaves.extend(shape.into_iter().flat_map(|shape| FieldIndex::of(shape).leaves));
             leaves
         };
-        first_unlike(Place::Body(body), &leaves(self, here), &leaves(other, there))
+        first_unlike(Owner::Body(body), &leaves(self, here), &leaves(other, there))
     }
 
     /// The first value in which a field is not as it has to be in another world; `None` if there is none.
     #[cfg(feature = "oracles")]
-    pub(crate) fn field_difference(id: FieldId, meant: &Field<S>, there: Option<&Field<S>>) -> Option<Difference> {
-        let there = there.map(|there| Index::of(there).leaves).unwrap_or_default();
-        first_unlike(Place::Field(id), &Index::of(meant).leaves, &there)
+    pub(crate) fn field_difference(
+        id: FieldId,
+        meant: &ForceField<S>,
+        there: Option<&ForceField<S>>,
+    ) -> Option<Difference> {
+        let there = there.map(|there| FieldIndex::of(there).leaves).unwrap_or_default();
+        first_unlike(Owner::ForceField(id), &FieldIndex::of(meant).leaves, &there)
     }
 
     /// What the value at a path belongs to, and the rest of the path.
-    pub(super) fn place<'p>(&self, path: &'p [Part]) -> (Place, &'p [Part]) {
+    pub(super) fn place<'p>(&self, path: &'p [Part]) -> (Owner, &'p [Part]) {
         match *path {
             [Part::Name("bodies"), Part::Entry(slot), ..] => {
                 let generation = self.bodies.generation(slot).unwrap_or_default();
-                (Place::Body(BodyId::from_parts(slot, generation)), &path[2..])
+                (Owner::Body(BodyId::from_parts(slot, generation)), &path[2..])
             }
             [Part::Name("fields"), Part::Entry(slot), ..] => {
                 let generation = self.fields.generation(slot).unwrap_or_default();
-                (Place::Field(FieldId::from_parts(slot, generation)), &path[2..])
+                (Owner::ForceField(FieldId::from_parts(slot, generation)), &path[2..])
             }
-            _ => (Place::World, path),
+            _ => (Owner::World, path),
         }
     }
 }
 
 /// The first value that is not the same in two records of one thing.
 #[cfg(feature = "oracles")]
-fn first_unlike(place: Place, left: &[Leaf], right: &[Leaf]) -> Option<Difference> {
-    let text = |leaf: Option<&Leaf>| leaf.map(|leaf| leaf.text.clone());
+fn first_unlike(place: Owner, left: &[FieldValue], right: &[FieldValue]) -> Option<Difference> {
+    let text = |leaf: Option<&FieldValue>| leaf.map(|leaf| leaf.text.clone());
     let named = |path: &[Part], left, right| {
         let (left, right) = (text(left), text(right));
         Difference { place, field: name_of(path), left, right }
@@ -232,7 +236,7 @@ impl HashTree {
     /// The tree of a state, by its parts, bodies and fields.
     #[must_use]
     pub fn of<S: Scalar>(world: &World<S>) -> Self {
-        let leaves = Index::of(&State(world)).leaves;
+        let leaves = FieldIndex::of(&State(world)).leaves;
         Self::over(format!("tick {}", world.tick()), &leaves, 0)
     }
 
@@ -240,30 +244,30 @@ impl HashTree {
     #[must_use]
     pub fn of_step<S: Scalar>(trace: &Trace<S>, end: &World<S>) -> Self {
         let stage = |(index, (stage, world)): (u32, (&Stage, &World<S>))| {
-            let moment = Moment::Stage { index, verb: stage.verb };
-            Self { name: moment.to_string(), ..Self::of(world) }
+            let phase = TickPhase::Stage { index, kind: stage.kind };
+            Self { name: phase.to_string(), ..Self::of(world) }
         };
         let mut parts: Vec<Self> = (0..).zip(trace.stages()).map(stage).collect();
-        parts.push(Self { name: Moment::End.to_string(), ..Self::of(end) });
+        parts.push(Self { name: TickPhase::End.to_string(), ..Self::of(end) });
         Self::group(format!("tick {}", end.tick()), parts)
     }
 
     /// A node over trees that were made before.
     #[must_use]
     pub fn group(name: String, parts: Vec<Self>) -> Self {
-        let mut sink = Sink::new();
+        let mut sink = StateHasher::new();
         parts.iter().for_each(|part| sink.bytes(&part.hash.to_le_bytes()));
         Self { name, hash: sink.finish(), parts }
     }
 
     /// The node over leaves that have the first `depth` parts of their paths in common.
-    fn over(name: String, leaves: &[Leaf], depth: usize) -> Self {
+    fn over(name: String, leaves: &[FieldValue], depth: usize) -> Self {
         let mut parts = Vec::new();
         let mut rest = leaves;
         while let Some(first) = rest.first() {
             let Some(part) = first.path.get(depth) else {
                 // The value of the node itself: the number of a list, the variant of a choice.
-                let mut sink = Sink::new();
+                let mut sink = StateHasher::new();
                 sink.bytes(&first.bytes);
                 parts.push(Self { name: String::new(), hash: sink.finish(), parts: Vec::new() });
                 rest = &rest[1..];
@@ -325,10 +329,14 @@ mod tests {
 
     #[test]
     fn what_one_of_two_records_alone_has_is_unlike() {
-        let leaf =
-            |name| Leaf { path: alloc::vec![Part::Name(name)], at: 0, bytes: alloc::vec![1], text: "1".to_string() };
-        let found = |left: &[Leaf], right: &[Leaf]| {
-            first_unlike(Place::World, left, right).map(|Difference { field, left, right, .. }| (field, left, right))
+        let leaf = |name| FieldValue {
+            path: alloc::vec![Part::Name(name)],
+            at: 0,
+            bytes: alloc::vec![1],
+            text: "1".to_string(),
+        };
+        let found = |left: &[FieldValue], right: &[FieldValue]| {
+            first_unlike(Owner::World, left, right).map(|Difference { field, left, right, .. }| (field, left, right))
         };
         let (b, one) = ("b".to_string(), Some("1".to_string()));
         assert_eq!(found(&[leaf("a")], &[leaf("a")]), None);

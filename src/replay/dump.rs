@@ -3,17 +3,17 @@
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
-use super::LAW;
+use super::PHYSICS_VERSION;
 use super::chunk::{self, Chunk, Tag};
 use super::damage::{malformed, sound, whole};
 use super::error::{ReplayError, SnapshotError};
 use super::file::{DONE, DUMP, Doings, Done, Segment, TICKS, Tick};
-use super::finding::{Finding, Moment};
+use super::finding::{Finding, TickPhase};
 use super::replay::doings_differ;
 use super::snapshot::{self, Saved};
-use crate::force::ForceLaw;
-use crate::integrate::Verb;
-use crate::wire::{self, Malformed, Out, Read, Reader, Write};
+use crate::codec::{self, Encoder, Malformed, Read, Reader, Write};
+use crate::force::CustomForce;
+use crate::integrate::StageKind;
 use crate::world::{Command, Inputs, World};
 
 /// The laws it was made under.
@@ -28,7 +28,7 @@ pub(super) const MOMENT: Tag = Tag(*b"MOMT");
 /// the same on both.
 ///
 /// ```
-/// use umbra_physics::{BodyDef, Dump, Inputs, Moment, Verb, World, WorldDef, fx, vec2};
+/// use umbra_physics::{BodyDef, Dump, Inputs, TickPhase, StageKind, World, WorldDef, fx, vec2};
 ///
 /// let mut here: World = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() })?;
 /// let ball = here.add_body(BodyDef::dynamic())?;
@@ -42,7 +42,7 @@ pub(super) const MOMENT: Tag = Tag(*b"MOMT");
 /// let ours = Dump::of_tick(before_here.world(), &[], &Inputs::new(), &here);
 /// let theirs = Dump::of_tick(before_there.world(), &[], &Inputs::new(), &there);
 /// let found = ours.first_difference(&theirs).unwrap();
-/// assert_eq!((found.tick, found.moment), (0, Moment::Start));
+/// assert_eq!((found.tick, found.phase), (0, TickPhase::Start));
 /// assert_eq!(found.field, "settings.gravity.y");
 /// assert_eq!(found.recorded.as_deref(), Some("-10"));
 /// # Ok::<(), umbra_physics::Error>(())
@@ -52,34 +52,34 @@ pub struct Dump {
     /// What was done, as it stands in the file.
     done: Vec<u8>,
     /// Moments at which the world was the same share it.
-    moments: Vec<(Moment, Arc<World>)>,
+    phases: Vec<(TickPhase, Arc<World>)>,
 }
 
-impl Write for Moment {
-    fn write(&self, out: &mut impl Out) {
-        let (tag, index, verb) = match *self {
-            Self::Start => (0, 0, Verb::Clear),
-            Self::Calls => (1, 0, Verb::Clear),
-            Self::Inputs => (2, 0, Verb::Clear),
-            Self::Stage { index, verb } => (3, index, verb),
-            Self::End => (4, 0, Verb::Clear),
+impl Write for TickPhase {
+    fn write(&self, out: &mut impl Encoder) {
+        let (tag, index, kind) = match *self {
+            Self::Start => (0, 0, StageKind::Clear),
+            Self::Calls => (1, 0, StageKind::Clear),
+            Self::Inputs => (2, 0, StageKind::Clear),
+            Self::Stage { index, kind } => (3, index, kind),
+            Self::End => (4, 0, StageKind::Clear),
         };
         out.leaf(&[tag], self);
         if let Self::Stage { .. } = self {
-            wire::field(out, "index", &index);
-            wire::field(out, "verb", &verb);
+            codec::field(out, "index", &index);
+            codec::field(out, "verb", &kind);
         }
     }
 }
 
-impl Read for Moment {
+impl Read for TickPhase {
     fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {
         let malformed = reader.malformed("the number of a moment");
         Ok(match u8::read(reader)? {
             0 => Self::Start,
             1 => Self::Calls,
             2 => Self::Inputs,
-            3 => Self::Stage { index: u32::read(reader)?, verb: Verb::read(reader)? },
+            3 => Self::Stage { index: u32::read(reader)?, kind: StageKind::read(reader)? },
             4 => Self::End,
             _ => return Err(malformed),
         })
@@ -111,40 +111,41 @@ impl Dump {
     }
 
     fn of_step(before: &World, called: World, mut world: World, after: &World, done: &Doings<'_>) -> Self {
-        let mut moments = alloc::vec![(Moment::Start, before.clone()), (Moment::Calls, called)];
-        moments.push((Moment::Inputs, world.clone()));
+        let mut phases = alloc::vec![(TickPhase::Start, before.clone()), (TickPhase::Calls, called)];
+        phases.push((TickPhase::Inputs, world.clone()));
         let trace = world.step_traced();
         let stages = trace.stages().zip(0..);
-        moments
-            .extend(stages.map(|((stage, world), index)| (Moment::Stage { index, verb: stage.verb }, world.clone())));
-        moments.push((Moment::End, after.clone()));
+        phases.extend(
+            stages.map(|((stage, world), index)| (TickPhase::Stage { index, kind: stage.kind }, world.clone())),
+        );
+        phases.push((TickPhase::End, after.clone()));
         let mut bytes = Vec::new();
         done.write(&mut bytes);
-        Self { done: bytes, moments: moments.into_iter().map(|(moment, world)| (moment, Arc::new(world))).collect() }
+        Self { done: bytes, phases: phases.into_iter().map(|(phase, world)| (phase, Arc::new(world))).collect() }
     }
 
     /// The world at each moment of the tick, from its start to its end.
     ///
     /// ```
-    /// use umbra_physics::{BodyDef, Dump, Inputs, Moment, World, WorldDef, vec2};
+    /// use umbra_physics::{BodyDef, Dump, Inputs, TickPhase, World, WorldDef, vec2};
     ///
     /// let mut world: World = World::new(WorldDef { gravity: vec2(0, -60), ..WorldDef::default() })?;
     /// let ball = world.add_body(BodyDef::dynamic())?;
     /// let before = world.clone();
     /// world.step();
-    /// for (moment, then) in Dump::of_tick(&before, &[], &Inputs::new(), &world).moments() {
+    /// for (phase, then) in Dump::of_tick(&before, &[], &Inputs::new(), &world).phases() {
     ///     println!("{moment}: {:.3}", then.body(ball)?.velocity()); // 0 at the start, −1 at the end
     /// }
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
-    pub fn moments(&self) -> impl ExactSizeIterator<Item = (Moment, &World)> {
-        self.moments.iter().map(|(moment, world)| (*moment, &**world))
+    pub fn phases(&self) -> impl ExactSizeIterator<Item = (TickPhase, &World)> {
+        self.phases.iter().map(|(phase, world)| (*phase, &**world))
     }
 
     /// The tick the world was at before.
     #[must_use]
     pub fn tick(&self) -> u64 {
-        self.moments.first().map_or(0, |(_, world)| world.tick())
+        self.phases.first().map_or(0, |(_, world)| world.tick())
     }
 
     /// The first value in which two machines were not the same in this tick: in the world before, in what was done, after
@@ -152,9 +153,9 @@ impl Dump {
     #[must_use]
     pub fn first_difference(&self, other: &Self) -> Option<Finding> {
         let tick = self.tick();
-        let mut theirs = other.moments.iter();
-        for (moment, world) in &self.moments {
-            if *moment == Moment::Calls {
+        let mut theirs = other.phases.iter();
+        for (phase, world) in &self.phases {
+            if *phase == TickPhase::Calls {
                 // They were made as ticks, or read as such.
                 let [ours, theirs] = [self, other].map(|dump| Tick::read(&mut Reader::new(&dump.done)));
                 let parting = ours.ok().zip(theirs.ok()).and_then(|(ours, theirs)| doings_differ(tick, &ours, &theirs));
@@ -164,11 +165,11 @@ impl Dump {
             }
             let Some((there, other)) = theirs.next() else { break };
             // Stages that are not the same come from settings that are not, and these were compared before.
-            if moment != there {
+            if phase != there {
                 break;
             }
             if let Some(found) = world.first_difference(other) {
-                return Some(Finding::at(tick, *moment, found));
+                return Some(Finding::at(tick, *phase, found));
             }
         }
         None
@@ -178,7 +179,7 @@ impl Dump {
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut file = DUMP.begin();
-        chunk::write(&mut file, LAWS, &LAW.to_le_bytes());
+        chunk::write(&mut file, LAWS, &PHYSICS_VERSION.to_le_bytes());
         let mut bytes = Vec::new();
         // A segment of one tick.
         self.tick().write(&mut bytes);
@@ -186,17 +187,17 @@ impl Dump {
         bytes.extend_from_slice(&self.done);
         chunk::write(&mut file, TICKS, &bytes);
         let mut last = None;
-        for (moment, world) in &self.moments {
+        for (phase, world) in &self.phases {
             let mut saved = Vec::new();
             Saved(&**world).write(&mut saved);
             bytes.clear();
             let is_new = last.as_ref() != Some(&saved);
-            Instant { moment: *moment, world: is_new.then_some(&**world) }.write(&mut bytes);
+            Instant { phase: *phase, world: is_new.then_some(&**world) }.write(&mut bytes);
             chunk::write(&mut file, MOMENT, &bytes);
             last = Some(saved);
         }
         bytes.clear();
-        let end = self.moments.last().map_or(0, |(_, world)| world.state_hash());
+        let end = self.phases.last().map_or(0, |(_, world)| world.state_hash());
         Done { tick: self.tick(), hash: end }.write(&mut bytes);
         chunk::write(&mut file, DONE, &bytes);
         file
@@ -207,14 +208,14 @@ impl Dump {
     ///
     /// # Errors
     /// A [`ReplayError`].
-    pub fn from_bytes(bytes: &[u8], laws: &[Arc<dyn ForceLaw>]) -> Result<Self, ReplayError> {
+    pub fn from_bytes(bytes: &[u8], custom_forces: &[Arc<dyn CustomForce>]) -> Result<Self, ReplayError> {
         let mut reader = Reader::new(bytes);
         DUMP.enter(&mut reader)?;
         let mut number = 0;
         let mut next = |tag: Option<Tag>| -> Result<(Chunk, u32), ReplayError> {
             let chunk = chunk::read(&mut reader).ok_or(ReplayError::CutOff { tick: 0 })?;
             number += 1;
-            sound(&chunk, number - 1, 0, laws)?;
+            sound(&chunk, number - 1, 0, custom_forces)?;
             match tag {
                 Some(tag) if tag != chunk.tag => Err(malformed(number - 1, "another chunk")),
                 _ => Ok((chunk, number - 1)),
@@ -222,8 +223,8 @@ impl Dump {
         };
         let (chunk, at) = next(Some(LAWS))?;
         match whole(&chunk, at, u32::read)? {
-            LAW => {}
-            found => return Err(ReplayError::Law { found, own: LAW }),
+            PHYSICS_VERSION => {}
+            found => return Err(ReplayError::PhysicsVersion { found, own: PHYSICS_VERSION }),
         }
         let (chunk, at) = next(Some(TICKS))?;
         let mut hash = None;
@@ -237,23 +238,23 @@ impl Dump {
         }
         let mut done = chunk.bytes;
         done.drain(..Segment::HEAD);
-        let mut moments: Vec<(Moment, Arc<World>)> = Vec::new();
+        let mut phases: Vec<(TickPhase, Arc<World>)> = Vec::new();
         let mut saved = Vec::new();
         loop {
             let (chunk, at) = next(None)?;
             match chunk.tag {
                 MOMENT => {
-                    let moment = read_moment(chunk, at, &moments, &mut saved, laws)?;
-                    moments.push(moment);
+                    let phase = read_moment(chunk, at, &phases, &mut saved, custom_forces)?;
+                    phases.push(phase);
                 }
                 DONE => {
                     let end = whole(&chunk, at, Done::read)?;
-                    let is_it = |(_, world): &(Moment, Arc<World>)| world.state_hash() == end.hash;
-                    let starts = moments.first().is_some_and(|(_, world)| world.tick() == tick);
-                    if next_moment(&moments).is_some() {
+                    let is_it = |(_, world): &(TickPhase, Arc<World>)| world.state_hash() == end.hash;
+                    let starts = phases.first().is_some_and(|(_, world)| world.tick() == tick);
+                    if next_moment(&phases).is_some() {
                         return Err(malformed(at, "the next moment"));
                     }
-                    if !(starts && end.tick == tick && hash == Some(end.hash) && moments.last().is_some_and(is_it)) {
+                    if !(starts && end.tick == tick && hash == Some(end.hash) && phases.last().is_some_and(is_it)) {
                         return Err(malformed(at, "the tick, and the hash of its end, which the ticks have too"));
                     }
                     break;
@@ -262,21 +263,21 @@ impl Dump {
             }
         }
         reader.end().map_err(|malformed| ReplayError::Malformed { chunk: number, malformed })?;
-        Ok(Self { done, moments })
+        Ok(Self { done, phases })
     }
 }
 
 /// A moment as it is written: with the world, if it is another than at the moment before.
 pub(super) struct Instant<'a> {
-    pub(super) moment: Moment,
+    pub(super) phase: TickPhase,
     pub(super) world: Option<&'a World>,
 }
 
 impl Write for Instant<'_> {
-    fn write(&self, out: &mut impl Out) {
-        let Self { moment, world } = self;
-        wire::field(out, "moment", moment);
-        wire::field(out, "is_new", &world.is_some());
+    fn write(&self, out: &mut impl Encoder) {
+        let Self { phase, world } = self;
+        codec::field(out, "moment", phase);
+        codec::field(out, "is_new", &world.is_some());
         if let Some(world) = world {
             Saved(*world).write(out);
         }
@@ -284,15 +285,15 @@ impl Write for Instant<'_> {
 }
 
 /// The moment that comes after these. A tick has a few, each once.
-fn next_moment(before: &[(Moment, Arc<World>)]) -> Option<Moment> {
+fn next_moment(before: &[(TickPhase, Arc<World>)]) -> Option<TickPhase> {
     Some(match before {
-        [] => Moment::Start,
-        [_] => Moment::Calls,
-        [_, _] => Moment::Inputs,
+        [] => TickPhase::Start,
+        [_] => TickPhase::Calls,
+        [_, _] => TickPhase::Inputs,
         [_, _, (_, stepped), stages @ ..] => match stepped.def.integrator.stages().get(stages.len()) {
-            Some(stage) => Moment::Stage { index: stages.len() as u32, verb: stage.verb },
-            None if matches!(stages.last(), Some((Moment::End, _))) => return None,
-            None => Moment::End,
+            Some(stage) => TickPhase::Stage { index: stages.len() as u32, kind: stage.kind },
+            None if matches!(stages.last(), Some((TickPhase::End, _))) => return None,
+            None => TickPhase::End,
         },
     })
 }
@@ -301,33 +302,33 @@ fn next_moment(before: &[(Moment, Arc<World>)]) -> Option<Moment> {
 fn read_moment(
     chunk: Chunk,
     number: u32,
-    before: &[(Moment, Arc<World>)],
+    before: &[(TickPhase, Arc<World>)],
     saved: &mut Vec<u8>,
-    laws: &[Arc<dyn ForceLaw>],
-) -> Result<(Moment, Arc<World>), ReplayError> {
+    custom_forces: &[Arc<dyn CustomForce>],
+) -> Result<(TickPhase, Arc<World>), ReplayError> {
     let mut bytes = chunk.bytes;
     let mut reader = Reader::new(&bytes);
-    let mut read = || -> Result<(Moment, Arc<World>, usize), SnapshotError> {
+    let mut read = || -> Result<(TickPhase, Arc<World>, usize), SnapshotError> {
         let malformed = reader.malformed("the next moment");
-        let moment = Moment::read(&mut reader)?;
-        if next_moment(before) != Some(moment) {
+        let phase = TickPhase::read(&mut reader)?;
+        if next_moment(before) != Some(phase) {
             return Err(malformed.into());
         }
         let malformed = reader.malformed("whether the world is another than before, and if so that world");
         let (is_new, start) = (bool::read(&mut reader)?, reader.at());
         let world = match (is_new, before.last()) {
-            (true, _) => Arc::new(snapshot::read(&mut reader, laws)?),
+            (true, _) => Arc::new(snapshot::read(&mut reader, custom_forces)?),
             (false, Some((_, world))) => world.clone(),
             (false, None) => return Err(malformed.into()),
         };
         reader.end()?;
-        if is_new && reader.since(start) == &saved[..] { Err(malformed.into()) } else { Ok((moment, world, start)) }
+        if is_new && reader.since(start) == &saved[..] { Err(malformed.into()) } else { Ok((phase, world, start)) }
     };
     let read = read();
-    let (moment, world, start) = read.map_err(|error| ReplayError::Snapshot { chunk: number, error })?;
+    let (phase, world, start) = read.map_err(|error| ReplayError::Snapshot { chunk: number, error })?;
     if start < bytes.len() {
         bytes.drain(..start);
         *saved = bytes;
     }
-    Ok((moment, world))
+    Ok((phase, world))
 }

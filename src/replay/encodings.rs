@@ -6,15 +6,15 @@ use alloc::vec::Vec;
 
 use super::chunk::{self, Chunk, Tag};
 use super::file::{DONE, SNAPSHOT, Segment, TICKS, Tick};
-use super::tests::{chunks, file, laws, recording, reseal, values};
+use super::tests::{chunks, custom_forces, file, recording, reseal, values};
 use super::{Dump, RecordOptions, Recorder, Replay, ReplayError, Snapshot, SnapshotError};
 use crate::body::BodyDef;
-use crate::force::{BodyState, Dependence, ForceLaw, LawFault, Push};
+use crate::codec::{Encoder as _, Malformed, Reader, Write as _};
+use crate::force::{BodyState, CustomForce, CustomForceError, Dependence, ForceTorque};
 use crate::handle::BodyId;
 use crate::math::{Vec2, vec2};
 use crate::scalar::fx::{Fx, fx};
 use crate::shape::{Part, Shape};
-use crate::wire::{Malformed, Out as _, Reader, Write as _};
 use crate::world::{Command, Inputs, World, WorldDef};
 
 /// What should be there instead.
@@ -89,9 +89,9 @@ fn corners_of_polygons_are_read_counter_clockwise_alone() {
 }
 
 /// A law of force with this id.
-struct Law(u64);
+struct FieldKind(u64);
 
-impl ForceLaw for Law {
+impl CustomForce for FieldKind {
     fn id(&self) -> u64 {
         self.0
     }
@@ -101,16 +101,16 @@ impl ForceLaw for Law {
     fn depends_on(&self) -> Dependence {
         Dependence::Nothing
     }
-    fn push(&self, _: &BodyState) -> Result<Push, LawFault> {
-        Ok(Push::default())
+    fn push(&self, _: &BodyState) -> Result<ForceTorque, CustomForceError> {
+        Ok(ForceTorque::default())
     }
 }
 
 #[test]
 fn laws_of_force_are_listed_by_their_ids() {
-    let given = [7, 3, 1 << 40].map(|id| Arc::new(Law(id)) as Arc<dyn ForceLaw>);
+    let given = [7, 3, 1 << 40].map(|id| Arc::new(FieldKind(id)) as Arc<dyn CustomForce>);
     let mut world = World::new(WorldDef::default()).expect("a world");
-    given.iter().for_each(|law| world.register_law(law.clone()).expect("its id is free"));
+    given.iter().for_each(|law| world.register_custom_force(law.clone()).expect("its id is free"));
     let whole = world.snapshot().to_bytes();
     assert_eq!(Snapshot::from_bytes(&whole, &given).expect("its own bytes").to_bytes(), whole);
     let entry = |id: u64| [&id.to_le_bytes()[..], &1u32.to_le_bytes()].concat();
@@ -184,7 +184,7 @@ fn a_body_is_woken_once_in_a_tick() {
     world.step();
     world.set_sleep_after(None).expect("never is a fair answer");
     world.step_back(&[]).expect("it has an inverse");
-    assert_eq!(world.journal.woken(), bodies);
+    assert_eq!(world.change_log.woken(), bodies);
     let bytes = world.snapshot().to_bytes();
     assert_eq!(Snapshot::from_bytes(&bytes, &[]).expect("its own bytes").to_bytes(), bytes);
 }
@@ -221,12 +221,12 @@ fn a_replay_is_written_to_the_bytes_it_was_read_from() {
         }
     }
     for whole in files {
-        let read = Replay::from_bytes(&whole, &laws()).expect("it is whole");
+        let read = Replay::from_bytes(&whole, &custom_forces()).expect("it is whole");
         assert!(read.to_bytes() == whole && read.verify().is_ok());
         // Cut off, up to the last chunk that is whole.
         let ends: Vec<usize> = chunks(&whole).iter().map(|(chunk, at)| at + chunk.bytes.len() + 40).collect();
         for (end, next) in ends.iter().zip(&ends[1..]).skip(1) {
-            let cut = Replay::recovered(&whole[..next - 1], &laws()).expect("the rest of it");
+            let cut = Replay::recovered(&whole[..next - 1], &custom_forces()).expect("the rest of it");
             assert!(cut.to_bytes() == whole[..*end] && !cut.is_complete() && cut.verify().is_ok());
         }
     }

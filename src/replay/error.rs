@@ -3,10 +3,10 @@
 use alloc::boxed::Box;
 use core::fmt;
 
-use super::difference::Place;
+use super::difference::Owner;
 use super::finding::Finding;
+use crate::codec::Malformed;
 use crate::error::{Error, codes};
-use crate::wire::Malformed;
 
 /// Why bytes are no snapshot that this build can go on from.
 ///
@@ -35,7 +35,7 @@ pub enum SnapshotError {
         known: u32,
     },
     /// They were made under other laws of physics: what follows from them would be something else here.
-    Law {
+    PhysicsVersion {
         /// Those they were made under.
         found: u32,
         /// Those of this build.
@@ -46,12 +46,12 @@ pub enum SnapshotError {
     /// They say of a world what cannot be.
     Invalid {
         /// Of which part of it.
-        place: Place,
+        place: Owner,
         /// What would be refused if it were called for.
         error: Error,
     },
     /// A law of force of the user's own is not given, or in another version.
-    ForceLaw {
+    CustomForce {
         /// Its id.
         id: u64,
         /// The version that is needed.
@@ -71,12 +71,12 @@ impl fmt::Display for SnapshotError {
         match self {
             Self::Foreign => f.write_str("not a snapshot of umbra-physics"),
             Self::Format { found, known } => write!(f, "a snapshot of format {found}; this build reads format {known}"),
-            Self::Law { found, own } => {
+            Self::PhysicsVersion { found, own } => {
                 write!(f, "a snapshot made under law {found} of physics; this build has law {own}")
             }
             Self::Malformed(malformed) => malformed.fmt(f),
             Self::Invalid { place, error } => write!(f, "no world can be so: {place}: {error}"),
-            Self::ForceLaw { id, version } => write!(f, "force law {id:#x} in version {version} is not given"),
+            Self::CustomForce { id, version } => write!(f, "force law {id:#x} in version {version} is not given"),
             Self::Changed { recorded, computed } => {
                 write!(f, "the hash recorded is {recorded:016x}, that of what is there {computed:016x}")
             }
@@ -87,10 +87,10 @@ impl fmt::Display for SnapshotError {
 codes!(SnapshotError {
     Foreign = 301,
     Format = 302,
-    Law = 303,
+    PhysicsVersion = 303,
     Malformed = 304,
     Invalid = 305,
-    ForceLaw = 306,
+    CustomForce = 306,
     Changed = 307,
 });
 
@@ -113,7 +113,7 @@ impl From<Malformed> for SnapshotError {
 /// Of the world as a whole.
 impl From<Error> for SnapshotError {
     fn from(error: Error) -> Self {
-        Self::Invalid { place: Place::World, error }
+        Self::Invalid { place: Owner::World, error }
     }
 }
 
@@ -131,7 +131,7 @@ pub enum ReplayError {
         known: u32,
     },
     /// It was recorded under other laws of physics: it would go another way here.
-    Law {
+    PhysicsVersion {
         /// Those it was recorded under.
         found: u32,
         /// Those of this build.
@@ -165,7 +165,7 @@ impl fmt::Display for ReplayError {
         match self {
             Self::Foreign => f.write_str("not a replay of umbra-physics"),
             Self::Format { found, known } => write!(f, "a replay of format {found}; this build reads format {known}"),
-            Self::Law { found, own } => {
+            Self::PhysicsVersion { found, own } => {
                 write!(f, "a replay recorded under law {found} of physics; this build has law {own}")
             }
             Self::CutOff { tick } => write!(f, "cut off: whole up to tick {tick}"),
@@ -179,7 +179,7 @@ impl fmt::Display for ReplayError {
 codes!(ReplayError {
     Foreign = 401,
     Format = 402,
-    Law = 403,
+    PhysicsVersion = 403,
     CutOff = 404,
     Tampered = 405,
     Malformed = 406,

@@ -5,8 +5,8 @@ use core::marker::PhantomData;
 
 use super::chunk::Tag;
 use super::error::ReplayError;
+use crate::codec::{self, Encoder, Malformed, Part, Read, Reader, Write};
 use crate::limits;
-use crate::wire::{self, Malformed, Out, Part, Read, Reader, Write};
 use crate::world::{Command, Input, Inputs};
 
 /// A kind of file that is made of chunks.
@@ -53,7 +53,7 @@ pub(super) const DONE: Tag = Tag(*b"DONE");
 /// How a replay was recorded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Head {
-    pub(super) law: u32,
+    pub(super) physics_version: u32,
     /// The tick of the first snapshot.
     pub(super) tick: u64,
     /// A hash after every so many ticks.
@@ -70,19 +70,19 @@ impl Head {
 }
 
 impl Write for Head {
-    fn write(&self, out: &mut impl Out) {
-        let Self { law, tick, hash_every, snapshot_every } = self;
-        wire::field(out, "law", law);
-        wire::field(out, "tick", tick);
-        wire::field(out, "hash_every", hash_every);
-        wire::field(out, "snapshot_every", snapshot_every);
+    fn write(&self, out: &mut impl Encoder) {
+        let Self { physics_version, tick, hash_every, snapshot_every } = self;
+        codec::field(out, "physics_version", physics_version);
+        codec::field(out, "tick", tick);
+        codec::field(out, "hash_every", hash_every);
+        codec::field(out, "snapshot_every", snapshot_every);
     }
 }
 
 impl Read for Head {
     fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {
         Ok(Self {
-            law: u32::read(reader)?,
+            physics_version: u32::read(reader)?,
             tick: u64::read(reader)?,
             hash_every: u32::read(reader)?,
             snapshot_every: u32::read(reader)?,
@@ -100,15 +100,15 @@ pub(super) struct Doings<'a> {
 }
 
 impl Write for Doings<'_> {
-    fn write(&self, out: &mut impl Out) {
+    fn write(&self, out: &mut impl Encoder) {
         let Self { calls, inputs, hash } = self;
         out.enter(Part::Name("calls"));
-        wire::list(out, calls.iter());
+        codec::list(out, calls.iter());
         out.leave();
         out.enter(Part::Name("inputs"));
-        wire::list(out, inputs.iter());
+        codec::list(out, inputs.iter());
         out.leave();
-        wire::field(out, "hash", hash);
+        codec::field(out, "hash", hash);
     }
 }
 
@@ -161,8 +161,8 @@ impl<'a, T: Read> List<'a, T> {
 }
 
 impl<T: Read + Write> Write for List<'_, T> {
-    fn write(&self, out: &mut impl Out) {
-        wire::count(out, self.count as usize);
+    fn write(&self, out: &mut impl Encoder) {
+        codec::count(out, self.count as usize);
         for (i, entry) in (0..).zip(self.iter()) {
             out.enter(Part::Entry(i));
             entry.write(out);
@@ -196,11 +196,11 @@ impl<'a> Tick<'a> {
 }
 
 impl Write for Tick<'_> {
-    fn write(&self, out: &mut impl Out) {
+    fn write(&self, out: &mut impl Encoder) {
         let Self { calls, inputs, hash } = self;
-        wire::field(out, "calls", calls);
-        wire::field(out, "inputs", inputs);
-        wire::field(out, "hash", hash);
+        codec::field(out, "calls", calls);
+        codec::field(out, "inputs", inputs);
+        codec::field(out, "hash", hash);
     }
 }
 
@@ -245,10 +245,10 @@ impl<'a> Segment<'a> {
 }
 
 impl Write for Segment<'_> {
-    fn write(&self, out: &mut impl Out) {
-        wire::field(out, "tick", &self.tick);
+    fn write(&self, out: &mut impl Encoder) {
+        codec::field(out, "tick", &self.tick);
         out.enter(Part::Name("ticks"));
-        wire::count(out, self.count as usize);
+        codec::count(out, self.count as usize);
         for (i, tick) in (0..).zip(self.ticks()) {
             out.enter(Part::Entry(i));
             tick.write(out);
@@ -266,10 +266,10 @@ pub(super) struct Done {
 }
 
 impl Write for Done {
-    fn write(&self, out: &mut impl Out) {
+    fn write(&self, out: &mut impl Encoder) {
         let Self { tick, hash } = self;
-        wire::field(out, "tick", tick);
-        wire::field(out, "hash", hash);
+        codec::field(out, "tick", tick);
+        codec::field(out, "hash", hash);
     }
 }
 

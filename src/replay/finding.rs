@@ -4,13 +4,13 @@ use alloc::format;
 use alloc::string::{String, ToString as _};
 use core::fmt;
 
-use super::{Difference, Place};
-use crate::integrate::Verb;
+use super::{Difference, Owner};
+use crate::integrate::StageKind;
 
 /// A moment of a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
-pub enum Moment {
+pub enum TickPhase {
     /// Before anything is done in the tick: a snapshot, or what stands over the ticks of a file.
     Start,
     /// Calls outside of the players' inputs.
@@ -22,19 +22,19 @@ pub enum Moment {
         /// Its place, from 0.
         index: u32,
         /// What it does.
-        verb: Verb,
+        kind: StageKind,
     },
     /// The end of the tick, with quarantine and sleep.
     End,
 }
 
-impl fmt::Display for Moment {
+impl fmt::Display for TickPhase {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Start => f.write_str("start"),
             Self::Calls => f.write_str("calls"),
             Self::Inputs => f.write_str("inputs"),
-            Self::Stage { index, verb } => write!(f, "stage {} ({})", index + 1, verb.name()),
+            Self::Stage { index, kind } => write!(f, "stage {} ({})", index + 1, kind.name()),
             Self::End => f.write_str("end"),
         }
     }
@@ -60,9 +60,9 @@ pub struct Finding {
     /// The tick that was being made: 0 makes the world of tick 1.
     pub tick: u64,
     /// When in the tick.
-    pub moment: Moment,
+    pub phase: TickPhase,
     /// What the value belongs to.
-    pub place: Place,
+    pub place: Owner,
     /// Its name there, as `position.x`; empty where more was changed than can be told apart.
     pub field: String,
     /// What was recorded, or is in the first of the two, exactly; `None` where that is unknown or no value.
@@ -72,22 +72,22 @@ pub struct Finding {
 }
 
 impl Finding {
-    pub(super) fn at(tick: u64, moment: Moment, found: Difference) -> Self {
+    pub(super) fn at(tick: u64, phase: TickPhase, found: Difference) -> Self {
         let Difference { place, field, left, right } = found;
-        Self { tick, moment, place, field, recorded: left, found: right }
+        Self { tick, phase, place, field, recorded: left, found: right }
     }
 
     pub(super) fn of_hashes(tick: u64, recorded: u64, found: u64) -> Self {
         let hash = |hash: u64| Some(format!("{hash:016x}"));
         let (recorded, found) = (hash(recorded), hash(found));
-        Self { tick, moment: Moment::End, place: Place::World, field: "hash".to_string(), recorded, found }
+        Self { tick, phase: TickPhase::End, place: Owner::World, field: "hash".to_string(), recorded, found }
     }
 }
 
 impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { tick, moment, place, field, .. } = self;
-        write!(f, "tick {tick}, {moment}, {place}")?;
+        let Self { tick, phase, place, field, .. } = self;
+        write!(f, "tick {tick}, {phase}, {place}")?;
         if !field.is_empty() {
             write!(f, ", {field}")?;
         }

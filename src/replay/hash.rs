@@ -2,11 +2,11 @@
 
 use alloc::vec::Vec;
 
-use super::LAW;
-use crate::force::Law;
+use super::PHYSICS_VERSION;
+use crate::codec::{self, StateHasher, Write as _};
+use crate::force::FieldKind;
 use crate::handle::BodyId;
 use crate::scalar::Scalar;
-use crate::wire::{self, Sink, Write as _};
 use crate::world::World;
 
 impl<S: Scalar> World<S> {
@@ -16,19 +16,19 @@ impl<S: Scalar> World<S> {
     /// *Source* XXH3, 64 bits (Collet).
     #[must_use]
     pub fn state_hash(&self) -> u64 {
-        let mut sink = Sink::new();
-        LAW.write(&mut sink);
+        let mut sink = StateHasher::new();
+        PHYSICS_VERSION.write(&mut sink);
         self.def.write(&mut sink);
         self.tick.write(&mut sink);
         self.elapsed().write(&mut sink);
         self.random.write(&mut sink);
         self.blob.write(&mut sink);
-        self.bodies.write(&mut sink, &self.tunings);
+        self.bodies.write(&mut sink, &self.factor_table);
         self.applied.write(&mut sink);
-        self.errands.write(&mut sink);
+        self.targets.write(&mut sink);
         self.fields.write(&mut sink);
-        wire::count(&mut sink, self.laws.len());
-        self.hash_laws(&mut sink);
+        codec::count(&mut sink, self.custom_forces.len());
+        self.hash_custom_forces(&mut sink);
         sink.finish()
     }
 
@@ -55,8 +55,8 @@ impl<S: Scalar> World<S> {
     /// ```
     #[must_use]
     pub fn physics_hash(&self) -> u64 {
-        let mut sink = Sink::new();
-        LAW.write(&mut sink);
+        let mut sink = StateHasher::new();
+        PHYSICS_VERSION.write(&mut sink);
         self.def.write(&mut sink);
         self.tick.write(&mut sink);
         self.elapsed().write(&mut sink);
@@ -64,26 +64,26 @@ impl<S: Scalar> World<S> {
         bodies.sort_unstable();
         sink.all(&bodies, |(_, digest)| digest.to_le_bytes());
         let by_key = |body| {
-            let key = self.bodies.card(self.bodies.find(body).ok()?).key;
+            let key = self.bodies.info(self.bodies.find(body).ok()?).key;
             Some(BodyId::from_parts(key as u32, (key >> 32) as u32))
         };
         let (mut drags, mut others) = (Vec::new(), Vec::new());
         for (_, field) in self.fields.iter() {
-            let digest = field.moved(by_key).map_or(0, |field| Sink::of(&field));
-            if matches!(field.law, Law::Drag { .. }) { drags.push(digest) } else { others.push(digest) }
+            let digest = field.moved(by_key).map_or(0, |field| StateHasher::of(&field));
+            if matches!(field.kind, FieldKind::Drag { .. }) { drags.push(digest) } else { others.push(digest) }
         }
         others.sort_unstable();
         for digests in [drags, others] {
-            wire::count(&mut sink, digests.len());
+            codec::count(&mut sink, digests.len());
             sink.all(&digests, u64::to_le_bytes);
         }
-        self.hash_laws(&mut sink);
+        self.hash_custom_forces(&mut sink);
         sink.finish()
     }
 
     /// The laws of force that are registered, without their number.
-    fn hash_laws(&self, sink: &mut Sink) {
-        for law in self.laws.values() {
+    fn hash_custom_forces(&self, sink: &mut StateHasher) {
+        for law in self.custom_forces.values() {
             law.id().write(sink);
             law.version().write(sink);
         }
@@ -91,14 +91,14 @@ impl<S: Scalar> World<S> {
 
     /// The key of a body, and a hash of all it is but its handle.
     pub(crate) fn motion_of(&self, dense: usize) -> (u64, u64) {
-        let mut sink = Sink::new();
-        self.bodies.record(dense, &self.tunings).write(&mut sink);
-        self.bodies.card(dense).shape.write(&mut sink);
+        let mut sink = StateHasher::new();
+        self.bodies.record(dense, &self.factor_table).write(&mut sink);
+        self.bodies.info(dense).shape.write(&mut sink);
         let row = self.applied.row(self.bodies.id(dense));
         let (force, torque) = row.map_or_else(Default::default, |row| (row.force, row.torque));
         force.write(&mut sink);
         torque.write(&mut sink);
-        self.errands.of(self.bodies.id(dense)).copied().write(&mut sink);
-        (self.bodies.card(dense).key, sink.finish())
+        self.targets.of(self.bodies.id(dense)).copied().write(&mut sink);
+        (self.bodies.info(dense).key, sink.finish())
     }
 }

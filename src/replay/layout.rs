@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 use super::chunk;
 use super::file::{DONE, Done, HEAD, Head, REPLAY, SNAPSHOT, TICKS, Tick};
 use super::snapshot::Saved;
-use crate::wire::Write;
+use crate::codec::Write;
 use crate::world::World;
 
 /// A chunk of ticks has at most so many: what is lost when a recording is cut off.

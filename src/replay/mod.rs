@@ -16,10 +16,10 @@ mod replay;
 mod snapshot;
 mod verify;
 
-pub use difference::{Difference, HashTree, Place};
+pub use difference::{Difference, HashTree, Owner};
 pub use dump::Dump;
 pub use error::{ReplayError, SnapshotError};
-pub use finding::{Finding, Moment};
+pub use finding::{Finding, TickPhase};
 pub use playback::{Divergence, Playback};
 pub use recorder::{RecordOptions, Recorder};
 pub use replay::Replay;
@@ -27,7 +27,7 @@ pub use snapshot::Snapshot;
 pub use verify::{ReplayLimits, VerifyError};
 
 /// The number of the laws of physics: it moves when the results of a step or of a hash do.
-pub const LAW: u32 = 6;
+pub const PHYSICS_VERSION: u32 = 6;
 
 #[cfg(test)]
 mod bounds;

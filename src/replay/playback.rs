@@ -4,11 +4,11 @@ use alloc::boxed::Box;
 use alloc::vec::Vec;
 use core::fmt;
 
-use super::finding::{Finding, Moment};
+use super::finding::{Finding, TickPhase};
 use super::replay::{Cursor, Replay};
 use super::verify::{ReplayLimits, VerifyError};
 use crate::error::codes;
-use crate::world::{Command, Outcome, World};
+use crate::world::{Command, InputResult, World};
 
 /// A run that is not the one recorded.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -71,7 +71,7 @@ pub struct Playback<'a> {
     ticks: u64,
     /// The hash recorded for the world as it is.
     recorded: Option<u64>,
-    outcomes: Vec<Outcome>,
+    outcomes: Vec<InputResult>,
     most: ReplayLimits,
     /// How many commands were carried out.
     commands: u64,
@@ -119,7 +119,7 @@ impl<'a> Playback<'a> {
 
     /// What became of the inputs of the last tick.
     #[must_use]
-    pub fn outcomes(&self) -> &[Outcome] {
+    pub fn outcomes(&self) -> &[InputResult] {
         &self.outcomes
     }
 
@@ -215,7 +215,7 @@ impl<'a> Playback<'a> {
                 return None;
             }
             let found = snapshot.first_difference(&ahead.world)?;
-            Some(Finding::at(head.tick_after(after - 1), Moment::End, found))
+            Some(Finding::at(head.tick_after(after - 1), TickPhase::End, found))
         });
         let last = head.tick_after(self.ticks - 1);
         let finding = found.unwrap_or_else(|| Finding::of_hashes(last, recorded, computed));

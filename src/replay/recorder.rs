@@ -2,12 +2,12 @@
 
 use alloc::vec::Vec;
 
-use super::LAW;
+use super::PHYSICS_VERSION;
 use super::file::{Doings, Done, Head};
 use super::layout::Writer;
 use crate::error::Error;
 use crate::math::Random;
-use crate::world::{Command, Driver, Inputs, Made, Outcome, StepReport, World};
+use crate::world::{Command, Created, InputResult, Inputs, StepReport, Stepper, World};
 
 /// How much is recorded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,7 +59,7 @@ pub struct Recorder {
     calls: Vec<Command>,
     /// The world before the first of these calls, if there are any.
     uncalled: Option<World>,
-    outcomes: Vec<Outcome>,
+    outcomes: Vec<InputResult>,
     random: Random,
     blob: Vec<u8>,
 }
@@ -69,7 +69,12 @@ impl Recorder {
     #[must_use]
     pub fn new(world: &World, options: RecordOptions) -> Self {
         let RecordOptions { hash_every, snapshot_every } = options;
-        let head = Head { law: LAW, tick: world.tick(), hash_every: hash_every.max(1), snapshot_every };
+        let head = Head {
+            physics_version: PHYSICS_VERSION,
+            tick: world.tick(),
+            hash_every: hash_every.max(1),
+            snapshot_every,
+        };
         Self {
             writer: Writer::new(head, world),
             calls: Vec::new(),
@@ -84,7 +89,7 @@ impl Recorder {
     ///
     /// # Errors
     /// As [`World::execute`]; then nothing is recorded.
-    pub fn execute(&mut self, world: &mut World, command: &Command) -> Result<Made, Error> {
+    pub fn execute(&mut self, world: &mut World, command: &Command) -> Result<Created, Error> {
         world.check(command)?;
         if self.calls.is_empty() {
             match &mut self.uncalled {
@@ -118,7 +123,7 @@ impl Recorder {
 
     /// What became of the inputs of the last step.
     #[must_use]
-    pub fn outcomes(&self) -> &[Outcome] {
+    pub fn outcomes(&self) -> &[InputResult] {
         &self.outcomes
     }
 
@@ -157,8 +162,8 @@ impl Recorder {
 }
 
 /// Ticks without players: all commands are the level's own.
-impl Driver for Recorder {
-    fn execute(&mut self, world: &mut World, command: &Command) -> Result<Made, Error> {
+impl Stepper for Recorder {
+    fn execute(&mut self, world: &mut World, command: &Command) -> Result<Created, Error> {
         Self::execute(self, world, command)
     }
 

@@ -5,19 +5,19 @@ use alloc::string::{String, ToString as _};
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
-use super::LAW;
+use super::PHYSICS_VERSION;
 use super::chunk::{self, Chunk};
 use super::damage::{malformed, sound, whole};
-use super::difference::{Place, name_of};
+use super::difference::{Owner, name_of};
 use super::error::ReplayError;
 use super::file::{DONE, Done, HEAD, Head, List, REPLAY, SNAPSHOT, Segment, TICKS, Tick};
-use super::finding::{Finding, Moment};
+use super::finding::{Finding, TickPhase};
 use super::layout::{Next, Ticks, Writer};
 use super::playback::{Divergence, Playback};
 use super::snapshot;
 use super::verify::{ReplayLimits, VerifyError};
-use crate::force::ForceLaw;
-use crate::wire::{Index, Leaf, Part, Read, Reader, Write};
+use crate::codec::{FieldIndex, FieldValue, Part, Read, Reader, Write};
+use crate::force::CustomForce;
 use crate::world::{Command, World};
 
 /// A recorded run: the world it began with, what was done tick by tick, and the hashes that came of it.
@@ -81,8 +81,8 @@ impl Replay {
     ///
     /// # Errors
     /// A [`ReplayError`].
-    pub fn from_bytes(bytes: &[u8], laws: &[Arc<dyn ForceLaw>]) -> Result<Self, ReplayError> {
-        let (replay, error) = Self::read(bytes, laws)?;
+    pub fn from_bytes(bytes: &[u8], custom_forces: &[Arc<dyn CustomForce>]) -> Result<Self, ReplayError> {
+        let (replay, error) = Self::read(bytes, custom_forces)?;
         error.map_or(Ok(replay), Err)
     }
 
@@ -90,21 +90,21 @@ impl Replay {
     ///
     /// # Errors
     /// A [`ReplayError`] for what is not just cut off.
-    pub fn recovered(bytes: &[u8], laws: &[Arc<dyn ForceLaw>]) -> Result<Self, ReplayError> {
-        match Self::read(bytes, laws)? {
+    pub fn recovered(bytes: &[u8], custom_forces: &[Arc<dyn CustomForce>]) -> Result<Self, ReplayError> {
+        match Self::read(bytes, custom_forces)? {
             (replay, None | Some(ReplayError::CutOff { .. })) => Ok(replay),
             (_, Some(error)) => Err(error),
         }
     }
 
     /// What could be read after the first snapshot, and why no more.
-    fn read(bytes: &[u8], laws: &[Arc<dyn ForceLaw>]) -> Result<(Self, Option<ReplayError>), ReplayError> {
+    fn read(bytes: &[u8], custom_forces: &[Arc<dyn CustomForce>]) -> Result<(Self, Option<ReplayError>), ReplayError> {
         let mut reader = Reader::new(bytes);
         REPLAY.enter(&mut reader)?;
         let Some(first) = chunk::read(&mut reader) else { return Err(ReplayError::CutOff { tick: 0 }) };
-        let head = Self::read_head(&first, laws)?;
+        let head = Self::read_head(&first, custom_forces)?;
         let Some(second) = chunk::read(&mut reader) else { return Err(ReplayError::CutOff { tick: head.tick }) };
-        let start = Self::read_start(&second, &head, laws)?;
+        let start = Self::read_start(&second, &head, custom_forces)?;
         let (segments, snapshots) = (Vec::new(), Vec::new());
         let mut replay = Self { head, start, segments, ticks: 0, snapshots, done: None };
         let (mut number, mut next) = (2, Next::Ticks);
@@ -113,7 +113,7 @@ impl Replay {
                 let error = ReplayError::CutOff { tick: replay.end() };
                 return Ok((replay, Some(error)));
             };
-            match replay.read_chunk(chunk, number, next, laws) {
+            match replay.read_chunk(chunk, number, next, custom_forces) {
                 Ok(following) => next = following,
                 Err(error) => return Ok((replay, Some(error))),
             }
@@ -123,14 +123,14 @@ impl Replay {
         Ok((replay, left_over))
     }
 
-    fn read_head(chunk: &Chunk, laws: &[Arc<dyn ForceLaw>]) -> Result<Head, ReplayError> {
-        sound(chunk, 0, 0, laws)?;
+    fn read_head(chunk: &Chunk, custom_forces: &[Arc<dyn CustomForce>]) -> Result<Head, ReplayError> {
+        sound(chunk, 0, 0, custom_forces)?;
         if chunk.tag != HEAD {
             return Err(malformed(0, "the head"));
         }
         let head = whole(chunk, 0, Head::read)?;
-        if head.law != LAW {
-            return Err(ReplayError::Law { found: head.law, own: LAW });
+        if head.physics_version != PHYSICS_VERSION {
+            return Err(ReplayError::PhysicsVersion { found: head.physics_version, own: PHYSICS_VERSION });
         }
         if head.hash_every == 0 {
             return Err(malformed(0, "a number of ticks from 1"));
@@ -138,12 +138,12 @@ impl Replay {
         Ok(head)
     }
 
-    fn read_start(chunk: &Chunk, head: &Head, laws: &[Arc<dyn ForceLaw>]) -> Result<World, ReplayError> {
-        sound(chunk, 1, head.tick, laws)?;
+    fn read_start(chunk: &Chunk, head: &Head, custom_forces: &[Arc<dyn CustomForce>]) -> Result<World, ReplayError> {
+        sound(chunk, 1, head.tick, custom_forces)?;
         if chunk.tag != SNAPSHOT {
             return Err(malformed(1, "a snapshot"));
         }
-        let start = read_snapshot(chunk, 1, laws)?;
+        let start = read_snapshot(chunk, 1, custom_forces)?;
         if start.tick() == head.tick { Ok(start) } else { Err(malformed(1, "the snapshot of the first tick")) }
     }
 
@@ -153,10 +153,10 @@ impl Replay {
         chunk: Chunk,
         number: u32,
         next: Next,
-        laws: &[Arc<dyn ForceLaw>],
+        custom_forces: &[Arc<dyn CustomForce>],
     ) -> Result<Next, ReplayError> {
         let malformed = |expected| malformed(number, expected);
-        sound(&chunk, number, self.end(), laws)?;
+        sound(&chunk, number, self.end(), custom_forces)?;
         match chunk.tag {
             TICKS => {
                 next.may_be_ticks().map_err(malformed)?;
@@ -174,7 +174,7 @@ impl Replay {
             }
             SNAPSHOT => {
                 let next = next.after_snapshot(&self.head, self.end()).map_err(malformed)?;
-                let world = read_snapshot(&chunk, number, laws)?;
+                let world = read_snapshot(&chunk, number, custom_forces)?;
                 if world.tick() != self.end() {
                     return Err(malformed("the snapshot of this tick"));
                 }
@@ -364,7 +364,7 @@ impl Replay {
     #[must_use]
     pub fn first_difference(&self, other: &Self) -> Option<Finding> {
         if let Some(found) = self.start.first_difference(&other.start) {
-            return Some(Finding::at(self.head.tick, Moment::Start, found));
+            return Some(Finding::at(self.head.tick, TickPhase::Start, found));
         }
         for (before, (ours, theirs)) in (0..).zip(self.each().zip(other.each())) {
             let tick = self.head.tick_after(before);
@@ -385,7 +385,7 @@ impl Replay {
     fn named_at_a_snapshot(&self, other: &Self, ticks: u64) -> Option<Finding> {
         self.snapshots_from(ticks).find_map(|(after, world)| {
             let found = world.first_difference(other.snapshot_after(after)?)?;
-            Some(Finding::at(self.head.tick_after(after - 1), Moment::End, found))
+            Some(Finding::at(self.head.tick_after(after - 1), TickPhase::End, found))
         })
     }
 }
@@ -394,8 +394,8 @@ impl Replay {
 pub(super) fn doings_differ(tick: u64, ours: &Tick<'_>, theirs: &Tick<'_>) -> Option<Finding> {
     let calls = lists_differ("calls", &ours.calls, &theirs.calls);
     let Parting { path, left, right } = calls.or_else(|| lists_differ("inputs", &ours.inputs, &theirs.inputs))?;
-    let (moment, place) = place_in_tick(ours, &path);
-    Some(Finding { tick, moment, place, field: name_of(&path), recorded: left, found: right })
+    let (phase, place) = place_in_tick(ours, &path);
+    Some(Finding { tick, phase, place, field: name_of(&path), recorded: left, found: right })
 }
 
 /// Where two lists part, and what is there in each.
@@ -419,30 +419,30 @@ fn lists_differ<T: Read + Write + PartialEq>(
         return None;
     }
     let (index, (ours, theirs)) = (0..).zip(ours.iter().zip(theirs.iter())).find(|(_, (a, b))| a != b)?;
-    let (left, right) = (Index::of(&ours).leaves, Index::of(&theirs).leaves);
+    let (left, right) = (FieldIndex::of(&ours).leaves, FieldIndex::of(&theirs).leaves);
     let same = left.iter().zip(&right).take_while(|(a, b)| a == b).count();
     let (a, b) = (left.get(same), right.get(same));
     let within = a.or(b).map(|leaf| &leaf.path[..]).unwrap_or_default();
-    let text = |leaf: Option<&Leaf>| leaf.filter(|leaf| leaf.path == within).map(|leaf| leaf.text.clone());
+    let text = |leaf: Option<&FieldValue>| leaf.filter(|leaf| leaf.path == within).map(|leaf| leaf.text.clone());
     let path = [&[Part::Name(name), Part::Entry(index)], within].concat();
     Some(Parting { path, left: text(a), right: text(b) })
 }
 
 /// When in a tick the value at a path of it is, and the body or field that its command is about.
-pub(super) fn place_in_tick(tick: &Tick<'_>, path: &[Part]) -> (Moment, Place) {
-    let place = |command: Option<Command>| command.map_or(Place::World, |command| Place::of_command(&command));
+pub(super) fn place_in_tick(tick: &Tick<'_>, path: &[Part]) -> (TickPhase, Owner) {
+    let place = |command: Option<Command>| command.map_or(Owner::World, |command| Owner::of_command(&command));
     match *path {
-        [Part::Name("calls"), Part::Entry(i), ..] => (Moment::Calls, place(tick.calls.iter().nth(i as usize))),
-        [Part::Name("calls"), ..] => (Moment::Calls, Place::World),
+        [Part::Name("calls"), Part::Entry(i), ..] => (TickPhase::Calls, place(tick.calls.iter().nth(i as usize))),
+        [Part::Name("calls"), ..] => (TickPhase::Calls, Owner::World),
         [Part::Name("inputs"), Part::Entry(i), ..] => {
-            (Moment::Inputs, place(tick.inputs.iter().nth(i as usize).map(|input| input.command)))
+            (TickPhase::Inputs, place(tick.inputs.iter().nth(i as usize).map(|input| input.command)))
         }
-        [Part::Name("inputs"), ..] => (Moment::Inputs, Place::World),
-        _ => (Moment::End, Place::World),
+        [Part::Name("inputs"), ..] => (TickPhase::Inputs, Owner::World),
+        _ => (TickPhase::End, Owner::World),
     }
 }
 
-impl Place {
+impl Owner {
     /// What a command is about.
     fn of_command(command: &Command) -> Self {
         match *command {
@@ -467,7 +467,7 @@ impl Place {
             | Command::Release(body)
             | Command::Disable(body)
             | Command::Enable(body) => Self::Body(body),
-            Command::SetField { id, .. } | Command::RemoveField(id) => Self::Field(id),
+            Command::SetField { id, .. } | Command::RemoveField(id) => Self::ForceField(id),
             Command::AddBody(_)
             | Command::AddField(_)
             | Command::SetTimeStep(_)
@@ -482,9 +482,9 @@ impl Place {
     }
 }
 
-fn read_snapshot(chunk: &Chunk, number: u32, laws: &[Arc<dyn ForceLaw>]) -> Result<World, ReplayError> {
+fn read_snapshot(chunk: &Chunk, number: u32, custom_forces: &[Arc<dyn CustomForce>]) -> Result<World, ReplayError> {
     let mut reader = Reader::new(&chunk.bytes);
-    let world = snapshot::read(&mut reader, laws).and_then(|world| {
+    let world = snapshot::read(&mut reader, custom_forces).and_then(|world| {
         reader.end()?;
         Ok(world)
     });

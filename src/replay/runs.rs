@@ -4,10 +4,10 @@ use alloc::vec::Vec;
 
 use super::file::{Segment, TICKS};
 use super::tests::chunks;
-use super::{Moment, Place, RecordOptions, Recorder, Replay};
+use super::{Owner, RecordOptions, Recorder, Replay, TickPhase};
 use crate::body::BodyDef;
+use crate::codec::Reader;
 use crate::scalar::fx::fx;
-use crate::wire::Reader;
 use crate::world::{Command, Input, Inputs, World, WorldDef};
 
 /// Ticks come in chunks of 64, and of fewer where they have much in them.
@@ -45,11 +45,11 @@ fn replays_with_unlike_numbers_of_calls_or_inputs_say_so() {
         Replay::from_bytes(&recorder.finish(&world), &[]).expect("it is whole")
     };
     let even = record(1, 1);
-    for (other, moment, field) in
-        [(record(2, 1), Moment::Calls, "calls.count"), (record(1, 3), Moment::Inputs, "inputs.count")]
+    for (other, phase, field) in
+        [(record(2, 1), TickPhase::Calls, "calls.count"), (record(1, 3), TickPhase::Inputs, "inputs.count")]
     {
         let found = even.first_difference(&other).expect("they differ");
-        assert_eq!((found.tick, found.moment, found.place, &found.field[..]), (2, moment, Place::World, field));
+        assert_eq!((found.tick, found.phase, found.place, &found.field[..]), (2, phase, Owner::World, field));
     }
 }
 
@@ -73,7 +73,7 @@ fn replays_that_part_name_the_value_in_the_snapshot_after() {
     let sound = record(u64::MAX);
     for (parts_at, named_at) in [(0, 3), (3, 3), (4, 7), (7, 7), (8, 10), (10, 10)] {
         let found = sound.first_difference(&record(parts_at)).expect("they part");
-        assert_eq!((found.tick, found.moment, &found.field[..]), (named_at, Moment::End, "angle"), "from {parts_at}");
+        assert_eq!((found.tick, found.phase, &found.field[..]), (named_at, TickPhase::End, "angle"), "from {parts_at}");
     }
 }
 

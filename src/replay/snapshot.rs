@@ -6,20 +6,20 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::fmt;
 
-use super::LAW;
-use super::difference::Place;
+use super::PHYSICS_VERSION;
+use super::difference::Owner;
 use super::error::SnapshotError;
-use crate::body::{Activity, Bodies, BodyKind, Errand, Record, ShapeSource, Tunings, check_position};
+use crate::body::{Activity, Bodies, BodyKind, FactorTable, KinematicTarget, Record, ShapeSource, check_position};
+use crate::codec::{self, Encoder, Malformed, Part, Read, Reader, StateHasher, Write};
 use crate::error::Error;
-use crate::force::{Field, FieldSet, ForceLaw, Laws};
+use crate::force::{CustomForce, CustomForces, FieldSet, ForceField};
 use crate::handle::{BodyId, FieldId};
 use crate::integrate::Integrator;
 use crate::limits;
 use crate::math::{Elapsed, Random, Vec2};
 use crate::scalar::{FxSum, Scalar, fx::Fx};
 use crate::shape::Shape;
-use crate::wire::{self, Malformed, Out, Part, Read, Reader, Sink, Write};
-use crate::world::{Journal, World, WorldDef};
+use crate::world::{ChangeLog, World, WorldDef};
 
 /// The first bytes of a snapshot.
 const MAGIC: [u8; 8] = *b"UMBRASNP";
@@ -138,9 +138,9 @@ impl Snapshot {
     ///
     /// # Errors
     /// A [`SnapshotError`].
-    pub fn from_bytes(bytes: &[u8], laws: &[Arc<dyn ForceLaw>]) -> Result<Self, SnapshotError> {
+    pub fn from_bytes(bytes: &[u8], custom_forces: &[Arc<dyn CustomForce>]) -> Result<Self, SnapshotError> {
         let mut reader = Reader::new(bytes);
-        let world = read(&mut reader, laws)?;
+        let world = read(&mut reader, custom_forces)?;
         reader.end()?;
         Ok(Self { world })
     }
@@ -150,24 +150,24 @@ impl Snapshot {
 pub(super) struct Saved<'a, S: Scalar>(pub(super) &'a World<S>);
 
 impl<S: Scalar> Write for Saved<'_, S> {
-    fn write(&self, out: &mut impl Out) {
+    fn write(&self, out: &mut impl Encoder) {
         let unsealed = Unsealed(self.0);
         unsealed.write(out);
-        wire::field(out, "seal", &Sink::of(&unsealed));
+        codec::field(out, "seal", &StateHasher::of(&unsealed));
     }
 }
 
 struct Unsealed<'a, S: Scalar>(&'a World<S>);
 
 impl<S: Scalar> Write for Unsealed<'_, S> {
-    fn write(&self, out: &mut impl Out) {
+    fn write(&self, out: &mut impl Encoder) {
         out.enter(Part::Name("magic"));
         out.bytes(&MAGIC);
         out.leave();
-        wire::field(out, "format", &FORMAT);
-        wire::field(out, "law", &LAW);
+        codec::field(out, "format", &FORMAT);
+        codec::field(out, "law", &PHYSICS_VERSION);
         State(self.0).write(out);
-        wire::field(out, "hash", &self.0.state_hash());
+        codec::field(out, "hash", &self.0.state_hash());
     }
 }
 
@@ -175,57 +175,57 @@ impl<S: Scalar> Write for Unsealed<'_, S> {
 pub(super) struct State<'a, S: Scalar>(pub(super) &'a World<S>);
 
 impl<S: Scalar> Write for State<'_, S> {
-    fn write(&self, out: &mut impl Out) {
+    fn write(&self, out: &mut impl Encoder) {
         let world = self.0;
-        wire::field(out, "settings", &world.def);
-        wire::field(out, "tick", &world.tick);
+        codec::field(out, "settings", &world.def);
+        codec::field(out, "tick", &world.tick);
         let (elapsed, since) = &world.counted;
-        wire::field(out, "elapsed", elapsed);
-        wire::field(out, "elapsed_at_tick", since);
-        wire::field(out, "moved_at_tick", &world.errands.moved_at);
-        wire::field(out, "random", &world.random);
-        wire::field(out, "blob", &world.blob);
+        codec::field(out, "elapsed", elapsed);
+        codec::field(out, "elapsed_at_tick", since);
+        codec::field(out, "moved_at_tick", &world.targets.moved_at);
+        codec::field(out, "random", &world.random);
+        codec::field(out, "blob", &world.blob);
         part(out, "laws", |out| {
-            wire::count(out, world.laws.len());
-            for (i, law) in world.laws.values().enumerate() {
+            codec::count(out, world.custom_forces.len());
+            for (i, law) in world.custom_forces.values().enumerate() {
                 entry(out, i, |out| {
-                    wire::field(out, "id", &law.id());
-                    wire::field(out, "version", &law.version());
+                    codec::field(out, "id", &law.id());
+                    codec::field(out, "version", &law.version());
                 });
             }
         });
         part(out, "bodies", |out| self.write_bodies(out));
-        part(out, "free_slots", |out| wire::list(out, world.bodies.free().iter()));
+        part(out, "free_slots", |out| codec::list(out, world.bodies.free().iter()));
         part(out, "fields", |out| {
-            wire::count(out, world.fields.slots().len());
+            codec::count(out, world.fields.slots().len());
             for (slot, (generation, field)) in world.fields.slots().enumerate() {
                 entry(out, slot, |out| {
-                    wire::field(out, "generation", &generation);
-                    wire::field(out, "field", &field.copied());
+                    codec::field(out, "generation", &generation);
+                    codec::field(out, "field", &field.copied());
                 });
             }
         });
-        part(out, "free_fields", |out| wire::list(out, world.fields.free().iter()));
-        part(out, "fields_by_age", |out| wire::list(out, world.fields.ages().iter()));
-        part(out, "woken", |out| wire::list(out, world.journal.woken().iter()));
+        part(out, "free_fields", |out| codec::list(out, world.fields.free().iter()));
+        part(out, "fields_by_age", |out| codec::list(out, world.fields.ages().iter()));
+        part(out, "woken", |out| codec::list(out, world.change_log.woken().iter()));
     }
 }
 
 impl<S: Scalar> State<'_, S> {
-    fn write_bodies(&self, out: &mut impl Out) {
+    fn write_bodies(&self, out: &mut impl Encoder) {
         let world = self.0;
         let mut sources = Sources::default();
-        wire::count(out, world.bodies.slots().len());
+        codec::count(out, world.bodies.slots().len());
         for (slot, (generation, dense)) in world.bodies.slots().enumerate() {
             entry(out, slot, |out| {
-                wire::field(out, "generation", &generation);
-                wire::field(out, "present", &dense.is_some());
+                codec::field(out, "generation", &generation);
+                codec::field(out, "present", &dense.is_some());
                 let Some(dense) = dense else { return };
-                world.bodies.record(dense, &world.tunings).write(out);
-                wire::field(out, "shape", &sources.name(slot as u32, &world.bodies.card(dense).shape));
+                world.bodies.record(dense, &world.factor_table).write(out);
+                codec::field(out, "shape", &sources.name(slot as u32, &world.bodies.info(dense).shape));
                 let row = world.applied.row(BodyId::from_parts(slot as u32, generation));
-                wire::field(out, "applied", &row.map(|row| Pushed::<S> { force: row.force, torque: row.torque }));
-                wire::field(out, "errand", &world.errands.of(BodyId::from_parts(slot as u32, generation)).copied());
+                codec::field(out, "applied", &row.map(|row| Pushed::<S> { force: row.force, torque: row.torque }));
+                codec::field(out, "errand", &world.targets.of(BodyId::from_parts(slot as u32, generation)).copied());
             });
         }
     }
@@ -255,13 +255,13 @@ impl<S: Scalar> Sources<S> {
     }
 }
 
-fn part<O: Out>(out: &mut O, name: &'static str, write: impl FnOnce(&mut O)) {
+fn part<O: Encoder>(out: &mut O, name: &'static str, write: impl FnOnce(&mut O)) {
     out.enter(Part::Name(name));
     write(out);
     out.leave();
 }
 
-fn entry<O: Out>(out: &mut O, index: usize, write: impl FnOnce(&mut O)) {
+fn entry<O: Encoder>(out: &mut O, index: usize, write: impl FnOnce(&mut O)) {
     out.enter(Part::Entry(index as u32));
     write(out);
     out.leave();
@@ -274,9 +274,9 @@ struct Pushed<S: Scalar> {
 }
 
 impl<S: Scalar> Write for Pushed<S> {
-    fn write(&self, out: &mut impl Out) {
-        wire::field(out, "force", &self.force);
-        wire::field(out, "torque", &self.torque);
+    fn write(&self, out: &mut impl Encoder) {
+        codec::field(out, "force", &self.force);
+        codec::field(out, "torque", &self.torque);
     }
 }
 
@@ -287,15 +287,15 @@ impl Read for Pushed<Fx> {
 }
 
 /// Reads a snapshot, and what may come after it is left.
-pub(super) fn read(reader: &mut Reader<'_>, laws: &[Arc<dyn ForceLaw>]) -> Result<World, SnapshotError> {
+pub(super) fn read(reader: &mut Reader<'_>, custom_forces: &[Arc<dyn CustomForce>]) -> Result<World, SnapshotError> {
     let start = reader.at();
-    let world = read_world(reader, laws)?;
+    let world = read_world(reader, custom_forces)?;
     let (recorded, computed) = (u64::read(reader)?, world.state_hash());
     if recorded != computed {
         return Err(SnapshotError::Changed { recorded, computed });
     }
     let malformed = reader.malformed("the hash of the bytes before it");
-    let seal = Sink::of_bytes(reader.since(start));
+    let seal = StateHasher::of_bytes(reader.since(start));
     if u64::read(reader)? != seal {
         return Err(malformed.into());
     }
@@ -303,14 +303,17 @@ pub(super) fn read(reader: &mut Reader<'_>, laws: &[Arc<dyn ForceLaw>]) -> Resul
 }
 
 /// The same of one that was changed, to say what is there now.
-pub(super) fn read_unsealed(reader: &mut Reader<'_>, laws: &[Arc<dyn ForceLaw>]) -> Result<World, SnapshotError> {
-    let world = read_world(reader, laws)?;
+pub(super) fn read_unsealed(
+    reader: &mut Reader<'_>,
+    custom_forces: &[Arc<dyn CustomForce>],
+) -> Result<World, SnapshotError> {
+    let world = read_world(reader, custom_forces)?;
     // Its hash and its seal, of what it was.
     reader.take(16)?;
     Ok(world)
 }
 
-fn read_world(reader: &mut Reader<'_>, laws: &[Arc<dyn ForceLaw>]) -> Result<World, SnapshotError> {
+fn read_world(reader: &mut Reader<'_>, custom_forces: &[Arc<dyn CustomForce>]) -> Result<World, SnapshotError> {
     if reader.take(MAGIC.len()).ok() != Some(&MAGIC) {
         return Err(SnapshotError::Foreign);
     }
@@ -319,22 +322,22 @@ fn read_world(reader: &mut Reader<'_>, laws: &[Arc<dyn ForceLaw>]) -> Result<Wor
         found => return Err(SnapshotError::Format { found, known: FORMAT }),
     }
     match u32::read(reader)? {
-        LAW => {}
-        found => return Err(SnapshotError::Law { found, own: LAW }),
+        PHYSICS_VERSION => {}
+        found => return Err(SnapshotError::PhysicsVersion { found, own: PHYSICS_VERSION }),
     }
-    read_state(reader, laws)
+    read_state(reader, custom_forces)
 }
 
-fn read_state(reader: &mut Reader<'_>, laws: &[Arc<dyn ForceLaw>]) -> Result<World, SnapshotError> {
+fn read_state(reader: &mut Reader<'_>, custom_forces: &[Arc<dyn CustomForce>]) -> Result<World, SnapshotError> {
     let def = WorldDef::read(reader)?;
     let mut world = World::new(def)?;
     world.tick = u64::read(reader)?;
-    world.journal = Journal::starting_at(world.tick);
+    world.change_log = ChangeLog::starting_at(world.tick);
     world.counted = (Elapsed::read(reader)?, u64::read(reader)?);
-    world.errands.moved_at = u64::read(reader)?;
+    world.targets.moved_at = u64::read(reader)?;
     let (elapsed, since) = world.counted;
     // All ticks that steps lead to.
-    if world.tick > limits::TICK || world.errands.moved_at > world.tick {
+    if world.tick > limits::TICK || world.targets.moved_at > world.tick {
         return Err(Error::Inconsistent.into());
     }
     // As a change of the time step leaves it: with room for all ticks to come.
@@ -343,14 +346,14 @@ fn read_state(reader: &mut Reader<'_>, laws: &[Arc<dyn ForceLaw>]) -> Result<Wor
     }
     world.random = Random::read(reader)?;
     world.set_blob(&Vec::read(reader)?)?;
-    world.laws = Arc::new(read_laws(reader, laws)?);
+    world.custom_forces = Arc::new(read_custom_forces(reader, custom_forces)?);
     read_bodies(reader, &mut world)?;
     let mut fields = FieldSet::default();
     for slot in 0..reader.count(5)? {
-        let (generation, field) = (u32::read(reader)?, Option::<Field>::read(reader)?);
-        let checked = field.as_ref().map_or(Ok(()), |field| field.check_values(&world.bodies, &world.laws));
+        let (generation, field) = (u32::read(reader)?, Option::<ForceField>::read(reader)?);
+        let checked = field.as_ref().map_or(Ok(()), |field| field.check_values(&world.bodies, &world.custom_forces));
         let added = checked.and_then(|()| fields.rebuild(generation, field));
-        let place = Place::Field(FieldId::from_parts(slot as u32, generation));
+        let place = Owner::ForceField(FieldId::from_parts(slot as u32, generation));
         added.map_err(|error| SnapshotError::Invalid { place, error })?;
     }
     fields.set_free(read_list(reader, 4, u32::read)?)?;
@@ -358,7 +361,7 @@ fn read_state(reader: &mut Reader<'_>, laws: &[Arc<dyn ForceLaw>]) -> Result<Wor
     world.fields = Arc::new(fields);
     let woken = read_woken(reader)?;
     woken.iter().try_for_each(|&body| world.bodies.find(body).map(drop))?;
-    world.journal.set_woken(woken);
+    world.change_log.set_woken(woken);
     Ok(world)
 }
 
@@ -373,33 +376,36 @@ fn read_woken(reader: &mut Reader<'_>) -> Result<Vec<BodyId>, Malformed> {
 }
 
 /// The laws of force a world has, by their ids: each must be among those given, in the same version.
-fn read_laws(reader: &mut Reader<'_>, given: &[Arc<dyn ForceLaw>]) -> Result<Laws<Fx>, SnapshotError> {
-    let mut laws = Laws::new();
+fn read_custom_forces(
+    reader: &mut Reader<'_>,
+    given: &[Arc<dyn CustomForce>],
+) -> Result<CustomForces<Fx>, SnapshotError> {
+    let mut custom_forces = CustomForces::new();
     for _ in 0..reader.count(12)? {
         let malformed = reader.malformed("a law of force with a larger id than the one before");
         let (id, version) = (u64::read(reader)?, u32::read(reader)?);
-        if laws.last_key_value().is_some_and(|(&last, _)| last >= id) {
+        if custom_forces.last_key_value().is_some_and(|(&last, _)| last >= id) {
             return Err(malformed.into());
         }
         let law = given.iter().find(|law| law.id() == id && law.version() == version);
-        let law = law.ok_or(SnapshotError::ForceLaw { id, version })?;
-        laws.insert(id, law.clone());
+        let law = law.ok_or(SnapshotError::CustomForce { id, version })?;
+        custom_forces.insert(id, law.clone());
     }
-    Ok(laws)
+    Ok(custom_forces)
 }
 
 /// Reads the bodies one by one into a world that has none, and which slots are free.
 fn read_bodies(reader: &mut Reader<'_>, world: &mut World) -> Result<(), SnapshotError> {
-    let World { def, bodies, applied, errands, .. } = world;
-    let mut tunings = Tunings::default();
+    let World { def, bodies, applied, targets, .. } = world;
+    let mut factor_table = FactorTable::default();
     *bodies = Bodies::empty(def.integrator == Integrator::PublishedVerlet);
     let mut sources = Sources::default();
     for slot in 0..reader.count(5)? {
         let generation = u32::read(reader)?;
         let body = BodyId::from_parts(slot as u32, generation);
-        let invalid = |error| SnapshotError::Invalid { place: Place::Body(body), error };
+        let invalid = |error| SnapshotError::Invalid { place: Owner::Body(body), error };
         if !bool::read(reader)? {
-            bodies.rebuild(generation, None, &mut tunings).map_err(invalid)?;
+            bodies.rebuild(generation, None, &mut factor_table).map_err(invalid)?;
             continue;
         }
         let record = Record::read(reader)?;
@@ -411,29 +417,29 @@ fn read_bodies(reader: &mut Reader<'_>, world: &mut World) -> Result<(), Snapsho
             ShapeSource::AsOf(first) => Some(bodies.shape_in(*first).ok_or(malformed)?.clone()),
         };
         check_among(&record, def).map_err(invalid)?;
-        let dense = bodies.rebuild(generation, Some((record, shape)), &mut tunings).map_err(invalid)?;
-        if !dense.is_some_and(|dense| sources.name(slot as u32, &bodies.card(dense).shape) == source) {
+        let dense = bodies.rebuild(generation, Some((record, shape)), &mut factor_table).map_err(invalid)?;
+        if !dense.is_some_and(|dense| sources.name(slot as u32, &bodies.info(dense).shape) == source) {
             return Err(malformed.into());
         }
         if let Some(Pushed { force, torque }) = Option::read(reader)? {
             let feels =
-                |dense| bodies.card(dense).kind == BodyKind::Dynamic && bodies.activity(dense) == Activity::Awake;
+                |dense| bodies.info(dense).kind == BodyKind::Dynamic && bodies.activity(dense) == Activity::Awake;
             if !dense.is_some_and(feels) {
                 return Err(invalid(Error::Inconsistent));
             }
             applied.adopt(body, force, torque);
         }
         let malformed = reader.malformed("an errand with a goal or one that has arrived, or none");
-        if let Some(errand) = Option::<Errand<Fx>>::read(reader)? {
-            if errand.is_over() {
+        if let Some(target) = Option::<KinematicTarget<Fx>>::read(reader)? {
+            if target.is_over() {
                 return Err(malformed.into());
             }
-            check_errand(&record, &errand).map_err(invalid)?;
-            errands.set(body, errand);
+            check_errand(&record, &target).map_err(invalid)?;
+            targets.set(body, target);
         }
     }
     bodies.set_free(read_list(reader, 4, u32::read)?)?;
-    world.tunings = Arc::new(tunings);
+    world.factor_table = Arc::new(factor_table);
     Ok(())
 }
 
@@ -450,16 +456,16 @@ fn check_among(record: &Record<Fx>, def: &WorldDef) -> Result<(), Error> {
 }
 
 /// Refuses what no call and no step has a body do.
-fn check_errand(record: &Record<Fx>, errand: &Errand<Fx>) -> Result<(), Error> {
+fn check_errand(record: &Record<Fx>, target: &KinematicTarget<Fx>) -> Result<(), Error> {
     let may = match record.activity {
         Activity::Awake => true,
         Activity::Asleep => false,
-        Activity::Quarantined | Activity::Disabled => errand.goal.is_none(),
+        Activity::Quarantined | Activity::Disabled => target.goal.is_none(),
     };
     if record.kind != BodyKind::Kinematic || !may {
         return Err(Error::Inconsistent);
     }
-    let Some(goal) = errand.goal else { return Ok(()) };
+    let Some(goal) = target.goal else { return Ok(()) };
     check_position(goal.position)?;
     goal.check_locks(record.position, record.angle, record.locks)
 }

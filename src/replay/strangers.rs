@@ -6,18 +6,18 @@ use alloc::vec::Vec;
 
 use super::chunk::{self, Chunk, Damage, Tag};
 use super::file::{SNAPSHOT, TICKS};
-use super::tests::{chunks, commands, file, laws, recording, reseal, values};
+use super::tests::{chunks, commands, custom_forces, file, recording, reseal, values};
 use super::{
-    Dump, Place, RecordOptions, Recorder, Replay, ReplayError, ReplayLimits, Snapshot, SnapshotError, VerifyError,
+    Dump, Owner, RecordOptions, Recorder, Replay, ReplayError, ReplayLimits, Snapshot, SnapshotError, VerifyError,
 };
 use crate::body::{Activity, BodyDef, BodyKind};
+use crate::codec::Reader;
 use crate::error::Error;
-use crate::force::{Field, Law};
+use crate::force::{FieldKind, ForceField};
 use crate::handle::BodyId;
 use crate::integrate::Integrator;
 use crate::math::{Random, TimeStep, vec2};
 use crate::scalar::{Accumulator as _, fx::Fx};
-use crate::wire::Reader;
 use crate::world::{Command, Input, Inputs, World, WorldDef};
 
 /// What a chunk is and how long it is stands there twice.
@@ -135,7 +135,8 @@ fn forged_run(many: &[Command], by_a_player: bool) -> Replay {
 
 #[test]
 fn a_divergence_is_named_within_the_limits_and_no_further() {
-    let drag = Field { law: Law::Drag { linear: Fx::ZERO, quadratic: Fx::ZERO, wind: vec2(0, 0) }, groups: 1 };
+    let drag =
+        ForceField { kind: FieldKind::Drag { linear: Fx::ZERO, quadratic: Fx::ZERO, wind: vec2(0, 0) }, groups: 1 };
     let most = ReplayLimits { ticks: 4, bodies: 10, fields: 10, commands: 100 };
     for (many, by_a_player) in [
         (vec![Command::AddBody(BodyDef::dynamic()); 10], false),
@@ -207,7 +208,7 @@ fn forged(changes: &[(&str, &[u8])]) -> Vec<u8> {
 fn a_world_beyond_the_last_tick_is_refused() {
     let at = |tick: u64| {
         let tick = tick.to_le_bytes();
-        Snapshot::from_bytes(&forged(&[("tick", &tick), ("elapsed_at_tick", &tick)]), &laws())
+        Snapshot::from_bytes(&forged(&[("tick", &tick), ("elapsed_at_tick", &tick)]), &custom_forces())
     };
     assert!(at(u64::MAX).is_err());
     let world = at(1 << 40).expect("a tick like any other").into_world();
@@ -221,10 +222,10 @@ fn a_quarantined_body_is_no_farther_off_than_a_step_can_take_one() {
     for name in ["position.x", "position.y", "velocity.x", "angular_velocity"] {
         let name = alloc::format!("bodies[3].{name}");
         let bytes = forged(&[("bodies[3].activity", &[2]), (&name, &far)]);
-        assert!(Snapshot::from_bytes(&bytes, &laws()).is_err(), "{name}");
+        assert!(Snapshot::from_bytes(&bytes, &custom_forces()).is_err(), "{name}");
     }
     let bytes = forged(&[("bodies[3].activity", &[2])]);
-    let world = Snapshot::from_bytes(&bytes, &laws()).expect("a quarantined body").into_world();
+    let world = Snapshot::from_bytes(&bytes, &custom_forces()).expect("a quarantined body").into_world();
     assert_eq!(world.body(BodyId::from_parts(3, 0)).expect("it is there").activity(), Activity::Quarantined);
 }
 
@@ -240,7 +241,7 @@ fn what_sleeps_or_is_quarantined_could_have_come_to_it() {
     let def = WorldDef::default();
     let still = || BodyDef { gravity_scale: Fx::ZERO, ..BodyDef::dynamic() };
     assert_eq!(asleep(def, still()), Ok(()));
-    let place = Place::Body(BodyId::from_parts(0, 0));
+    let place = Owner::Body(BodyId::from_parts(0, 0));
     let inconsistent = Err(SnapshotError::Invalid { place, error: Error::Inconsistent });
     assert_eq!(asleep(def, BodyDef { velocity: vec2(0, 1), ..still() }), inconsistent);
     assert_eq!(asleep(def, BodyDef { angular_velocity: Fx::ONE, ..still() }), inconsistent);
@@ -261,7 +262,7 @@ fn a_dump_has_the_moments_of_its_tick_and_no_others() {
     world.execute(&to_yoshida).expect("it is fair");
     world.step();
     let dump = Dump::of_tick(&before, &[to_yoshida], &Inputs::new(), &world).to_bytes();
-    assert_eq!(Dump::from_bytes(&dump, &[]).expect("it is whole").moments().len(), 3 + 19 + 1);
+    assert_eq!(Dump::from_bytes(&dump, &[]).expect("it is whole").phases().len(), 3 + 19 + 1);
     let mut reader = Reader::new(&dump[12..]);
     let mut parts = Vec::new();
     while let Some(chunk) = chunk::read(&mut reader) {
@@ -300,8 +301,8 @@ fn a_time_step_is_in_lowest_terms() {
 /// The moment in a chunk, with the world of the moment before.
 fn again(chunk: &[u8]) -> Vec<u8> {
     // A stage is five bytes more.
-    let moment = if chunk[0] == 3 { 6 } else { 1 };
-    let mut bytes = chunk[..moment].to_vec();
+    let phase = if chunk[0] == 3 { 6 } else { 1 };
+    let mut bytes = chunk[..phase].to_vec();
     bytes.push(0);
     bytes
 }
@@ -315,11 +316,11 @@ fn use_up(mut world: World, random: &mut Random) {
     _ = (world.energy(), world.momentum(), world.angular_momentum(), world.elapsed(), world.physics_hash());
     let ids: Vec<BodyId> = world.bodies().map(|body| body.id()).collect();
     for &id in &ids {
-        let mut ahead = world.look_ahead(id).expect("it is there");
+        let mut ahead = world.preview(id).expect("it is there");
         ahead.step();
     }
     let bytes = world.snapshot().to_bytes();
-    let again = Snapshot::from_bytes(&bytes, &laws()).expect("its own bytes");
+    let again = Snapshot::from_bytes(&bytes, &custom_forces()).expect("its own bytes");
     assert_eq!(again.to_bytes(), bytes);
     let mut copy = again.into_world();
     for _ in 0..3 {
@@ -327,7 +328,7 @@ fn use_up(mut world: World, random: &mut Random) {
         let trace = copy.step_traced();
         assert_eq!(copy.state_hash(), world.state_hash());
         for (_, stage) in trace.stages() {
-            Snapshot::from_bytes(&stage.snapshot().to_bytes(), &laws()).expect("a world like any other");
+            Snapshot::from_bytes(&stage.snapshot().to_bytes(), &custom_forces()).expect("a world like any other");
             let mut stage = stage.clone();
             stage.step();
         }
@@ -399,7 +400,7 @@ fn forged_snapshots_are_refused_or_go_on_like_any_other() {
             continue;
         }
         reseal(&mut bytes);
-        match Snapshot::from_bytes(&bytes, &laws()) {
+        match Snapshot::from_bytes(&bytes, &custom_forces()) {
             Ok(snapshot) => {
                 assert_eq!(snapshot.to_bytes(), bytes);
                 use_up(snapshot.into_world(), &mut random);
@@ -432,7 +433,7 @@ fn forged_replays_are_refused_or_played() {
             }
         }
         let bytes = file(&parts);
-        match Replay::from_bytes(&bytes, &laws()) {
+        match Replay::from_bytes(&bytes, &custom_forces()) {
             Ok(replay) => {
                 assert_eq!(replay.to_bytes(), bytes);
                 _ = replay.verify();
@@ -450,7 +451,7 @@ fn forged_replays_are_refused_or_played() {
 #[test]
 fn forged_commands_are_refused_or_carried_out() {
     let mut random = Random::seeded(7);
-    let replay = Replay::from_bytes(&recording(), &laws()).expect("it is whole");
+    let replay = Replay::from_bytes(&recording(), &custom_forces()).expect("it is whole");
     let all: Vec<Vec<u8>> = commands().iter().map(Command::to_bytes).collect();
     let mut world = replay.start().clone();
     let mut carried_out = 0;

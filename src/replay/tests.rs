@@ -10,18 +10,20 @@ use super::chunk::{self, Chunk, Tag};
 use super::difference::name_of;
 use super::file::{DONE, Done, HEAD, Head, REPLAY, SNAPSHOT, Segment, TICKS};
 use super::snapshot::{self, Saved};
-use super::{Divergence, Dump, LAW, Moment, Place, RecordOptions, Recorder, Replay, ReplayError, Snapshot};
+use super::{
+    Divergence, Dump, Owner, PHYSICS_VERSION, RecordOptions, Recorder, Replay, ReplayError, Snapshot, TickPhase,
+};
 use crate::body::BodyDef;
-use crate::force::{BodyState, Dependence, Field, ForceLaw, Law, LawFault, Push};
+use crate::codec::{FieldIndex, Read as _, Reader};
+use crate::force::{BodyState, CustomForce, CustomForceError, Dependence, FieldKind, ForceField, ForceTorque};
 use crate::handle::BodyId;
 use crate::math::vec2;
 use crate::scalar::fx::{Fx, fx};
-use crate::wire::{Index, Read as _, Reader};
 use crate::world::{Command, Inputs, World, WorldDef};
 
 #[path = "../../tests/support/everything.rs"]
 pub(super) mod everything;
-pub(super) use everything::{commands, laws, recording};
+pub(super) use everything::{commands, custom_forces, recording};
 
 /// What has no example here does not compile.
 fn is_among_them(command: &Command) -> bool {
@@ -88,10 +90,10 @@ pub(super) fn file(chunks: &[(Tag, Vec<u8>)]) -> Vec<u8> {
 pub(super) fn values(chunk: &Chunk) -> Vec<(usize, usize, String, String)> {
     let mut reader = Reader::new(&chunk.bytes);
     let index = match chunk.tag {
-        HEAD => Index::of(&Head::read(&mut reader).expect("a head")),
-        DONE => Index::of(&Done::read(&mut reader).expect("an end")),
-        TICKS => Index::of(&Segment::read(&mut reader).expect("ticks")),
-        SNAPSHOT => Index::of(&Saved(&snapshot::read(&mut reader, &laws()).expect("a snapshot"))),
+        HEAD => FieldIndex::of(&Head::read(&mut reader).expect("a head")),
+        DONE => FieldIndex::of(&Done::read(&mut reader).expect("an end")),
+        TICKS => FieldIndex::of(&Segment::read(&mut reader).expect("ticks")),
+        SNAPSHOT => FieldIndex::of(&Saved(&snapshot::read(&mut reader, &custom_forces()).expect("a snapshot"))),
         _ => panic!("no chunk of this format"),
     };
     assert_eq!(reader.rest(), 0);
@@ -103,7 +105,7 @@ pub(super) fn values(chunk: &Chunk) -> Vec<(usize, usize, String, String)> {
 fn every_command_is_recorded_and_played_alike() {
     assert!(commands().iter().all(is_among_them));
     let file = recording();
-    let replay = Replay::from_bytes(&file, &laws()).expect("it is whole");
+    let replay = Replay::from_bytes(&file, &custom_forces()).expect("it is whole");
     assert_eq!(replay.verify(), Ok(()));
     let mut playback = replay.play();
     while playback.step().expect("it goes as recorded") {
@@ -134,7 +136,7 @@ fn a_flipped_bit_in_any_value_is_named_with_both_values() {
                 let mut changed = whole.clone();
                 changed[start + at + bit / 8] ^= 1 << (bit % 8);
                 let what = format!("chunk {number}, {name}, bit {bit}");
-                match Replay::from_bytes(&changed, &laws()) {
+                match Replay::from_bytes(&changed, &custom_forces()) {
                     Err(ReplayError::Tampered(finding)) => {
                         assert!(name.ends_with(&finding.field), "{what}: {finding}");
                         assert_eq!(finding.recorded.as_deref(), Some(&text[..]), "{what}: {finding}");
@@ -142,7 +144,7 @@ fn a_flipped_bit_in_any_value_is_named_with_both_values() {
                         if let Some(rest) = name.strip_prefix("bodies[") {
                             let slot = rest.split(']').next().and_then(|slot| slot.parse::<u32>().ok());
                             assert!(
-                                matches!(finding.place, Place::Body(body) if Some(body.parts().0) == slot),
+                                matches!(finding.place, Owner::Body(body) if Some(body.parts().0) == slot),
                                 "{what}: {finding}"
                             );
                         }
@@ -162,15 +164,15 @@ fn a_flipped_bit_anywhere_and_a_file_cut_off_anywhere_are_found() {
     for at in 0..whole.len() {
         let mut changed = whole.clone();
         changed[at] ^= 1 << (at % 8);
-        assert!(Replay::from_bytes(&changed, &laws()).is_err(), "byte {at}");
-        let cut = Replay::from_bytes(&whole[..at], &laws());
+        assert!(Replay::from_bytes(&changed, &custom_forces()).is_err(), "byte {at}");
+        let cut = Replay::from_bytes(&whole[..at], &custom_forces());
         let foreign = at < REPLAY.magic.len();
         assert!(
             matches!(cut, Err(ReplayError::Foreign)) && foreign || matches!(cut, Err(ReplayError::CutOff { .. })),
             "cut off at {at}: {cut:?}"
         );
         // What is whole of it goes as recorded.
-        if let Ok(replay) = Replay::recovered(&whole[..at], &laws()) {
+        if let Ok(replay) = Replay::recovered(&whole[..at], &custom_forces()) {
             assert!(!replay.is_complete());
             if at % 64 == 0 {
                 assert_eq!(replay.verify(), Ok(()));
@@ -179,7 +181,7 @@ fn a_flipped_bit_anywhere_and_a_file_cut_off_anywhere_are_found() {
     }
     let mut longer = whole.clone();
     longer.push(0);
-    assert!(matches!(Replay::from_bytes(&longer, &laws()), Err(ReplayError::Malformed { .. })));
+    assert!(matches!(Replay::from_bytes(&longer, &custom_forces()), Err(ReplayError::Malformed { .. })));
 }
 
 /// What is found in a file in which one value was changed, and everything sealed anew.
@@ -191,18 +193,18 @@ fn forged(whole: &[u8], number: usize, at: usize, bit: usize) -> Result<(), Resu
         // A forger makes its own hashes right as well, as far as what it says is a world.
         reseal(bytes);
     }
-    let replay = Replay::from_bytes(&file(&parts), &laws()).map_err(Err)?;
+    let replay = Replay::from_bytes(&file(&parts), &custom_forces()).map_err(Err)?;
     replay.verify().map_err(Ok)
 }
 
 /// Gives a snapshot the hash of the world it says, and the seal of its bytes.
 pub(super) fn reseal(bytes: &mut [u8]) {
     for _ in 0..2 {
-        match snapshot::read(&mut Reader::new(bytes), &laws()) {
+        match snapshot::read(&mut Reader::new(bytes), &custom_forces()) {
             Err(super::SnapshotError::Changed { computed, .. }) => {
                 let end = bytes.len() - 16;
                 bytes[end..end + 8].copy_from_slice(&computed.to_le_bytes());
-                let seal = crate::wire::Sink::of_bytes(&bytes[..end + 8]);
+                let seal = crate::codec::StateHasher::of_bytes(&bytes[..end + 8]);
                 bytes[end + 8..].copy_from_slice(&seal.to_le_bytes());
             }
             _ => return,
@@ -254,7 +256,7 @@ fn the_first_difference_is_the_first_of_all() {
         .filter(|(chunk, _)| chunk.tag == SNAPSHOT)
         .map(|(chunk, _)| chunk.bytes)
         .collect();
-    let world = |bytes: &[u8]| Snapshot::from_bytes(bytes, &laws()).map(Snapshot::into_world);
+    let world = |bytes: &[u8]| Snapshot::from_bytes(bytes, &custom_forces()).map(Snapshot::into_world);
     let worlds: Vec<World> = snapshots.iter().map(|bytes| world(bytes).expect("a snapshot")).collect();
     let mut seen = 0;
     let mut compare = |a: &World, b: &World| {
@@ -280,11 +282,11 @@ fn the_first_difference_is_the_first_of_all() {
 fn a_replay_of_another_law_is_refused_by_both_numbers() {
     let mut parts: Vec<(Tag, Vec<u8>)> =
         chunks(&recording()).into_iter().map(|(chunk, _)| (chunk.tag, chunk.bytes)).collect();
-    parts[0].1[..4].copy_from_slice(&(LAW + 1).to_le_bytes());
-    let error = Replay::from_bytes(&file(&parts), &laws()).expect_err("another law");
-    assert_eq!(error, ReplayError::Law { found: LAW + 1, own: LAW });
+    parts[0].1[..4].copy_from_slice(&(PHYSICS_VERSION + 1).to_le_bytes());
+    let error = Replay::from_bytes(&file(&parts), &custom_forces()).expect_err("another law");
+    assert_eq!(error, ReplayError::PhysicsVersion { found: PHYSICS_VERSION + 1, own: PHYSICS_VERSION });
     let text = error.to_string();
-    assert!(text.contains(&LAW.to_string()) && text.contains(&(LAW + 1).to_string()), "{text}");
+    assert!(text.contains(&PHYSICS_VERSION.to_string()) && text.contains(&(PHYSICS_VERSION + 1).to_string()), "{text}");
 }
 
 #[test]
@@ -349,7 +351,7 @@ fn whom_calls_woke_is_in_a_snapshot() {
 #[test]
 fn the_first_difference_of_two_replays_is_named() {
     let whole = recording();
-    let ours = Replay::from_bytes(&whole, &laws()).expect("it is whole");
+    let ours = Replay::from_bytes(&whole, &custom_forces()).expect("it is whole");
     assert_eq!(ours.first_difference(&ours), None);
     let mut parts: Vec<(Tag, Vec<u8>)> =
         chunks(&whole).into_iter().map(|(chunk, _)| (chunk.tag, chunk.bytes)).collect();
@@ -357,17 +359,17 @@ fn the_first_difference_of_two_replays_is_named() {
         chunks(&whole).into_iter().enumerate().find(|(_, (chunk, _))| chunk.tag == TICKS).expect("one");
     let (at, ..) = values(&chunk).into_iter().find(|(_, _, name, _)| name.ends_with("action.force.x")).expect("one");
     parts[number].1[at] ^= 1;
-    let theirs = Replay::from_bytes(&file(&parts), &laws()).expect("it is a replay");
+    let theirs = Replay::from_bytes(&file(&parts), &custom_forces()).expect("it is a replay");
     let finding = ours.first_difference(&theirs).expect("they differ");
-    assert_eq!(finding.place, Place::Body(BodyId::from_parts(1, 0)));
-    assert!(matches!(finding.moment, Moment::Calls | Moment::Inputs));
+    assert_eq!(finding.place, Owner::Body(BodyId::from_parts(1, 0)));
+    assert!(matches!(finding.phase, TickPhase::Calls | TickPhase::Inputs));
     assert!(finding.field.ends_with("action.force.x"), "{finding}");
     assert_eq!((finding.recorded.as_deref(), finding.found.is_some()), (Some("1"), true));
 }
 
 /// Two sides of a tick, each with what it did to its own world.
 fn parted(act: impl FnOnce(&mut World), end: impl FnOnce(&mut World)) -> [Dump; 2] {
-    let replay = Replay::from_bytes(&recording(), &laws()).expect("it is whole");
+    let replay = Replay::from_bytes(&recording(), &custom_forces()).expect("it is whole");
     let before = replay.start().clone();
     let body = BodyId::from_parts(1, 0);
     let push = |world: &mut World| world.apply_force(body, vec2(1, 0)).expect("it is dynamic");
@@ -384,7 +386,7 @@ fn parted(act: impl FnOnce(&mut World), end: impl FnOnce(&mut World)) -> [Dump; 
     let theirs = Dump::of_game(&before, |world| world.clone_from(&acted), &there);
     [ours, theirs].map(|dump| {
         let bytes = dump.to_bytes();
-        let read = Dump::from_bytes(&bytes, &laws()).expect("it is whole");
+        let read = Dump::from_bytes(&bytes, &custom_forces()).expect("it is whole");
         assert_eq!(read.to_bytes(), bytes);
         assert_eq!(read.first_difference(&dump), None);
         read
@@ -400,7 +402,7 @@ fn dumps_of_a_desync_name_where_it_begins() {
     // Other doings.
     let [ours, theirs] = parted(|world| world.apply_force(body, vec2(0, Fx::DELTA)).expect("it is dynamic"), |_| {});
     let found = ours.first_difference(&theirs).expect("they differ");
-    assert_eq!((found.tick, found.moment, found.place), (9, Moment::Calls, Place::Body(body)), "{found}");
+    assert_eq!((found.tick, found.phase, found.place), (9, TickPhase::Calls, Owner::Body(body)), "{found}");
     assert_eq!(found.field, "applied.force.y");
 
     // A machine that computes something else, or whose memory failed.
@@ -410,7 +412,7 @@ fn dumps_of_a_desync_name_where_it_begins() {
     };
     let [ours, theirs] = parted(|_| {}, nudge);
     let found = ours.first_difference(&theirs).expect("they differ");
-    assert_eq!((found.moment, found.place), (Moment::End, Place::Body(body)), "{found}");
+    assert_eq!((found.phase, found.place), (TickPhase::End, Owner::Body(body)), "{found}");
     assert_eq!(found.field, "position.x");
     assert!(found.recorded.is_some() && found.found.is_some() && found.recorded != found.found);
 }
@@ -418,7 +420,7 @@ fn dumps_of_a_desync_name_where_it_begins() {
 /// Rises by an ulp of a newton where the version says so: a build that computes something else.
 struct Lift(Fx);
 
-impl ForceLaw for Lift {
+impl CustomForce for Lift {
     fn id(&self) -> u64 {
         1
     }
@@ -428,8 +430,8 @@ impl ForceLaw for Lift {
     fn depends_on(&self) -> Dependence {
         Dependence::Position
     }
-    fn push(&self, _: &BodyState) -> Result<Push, LawFault> {
-        Ok(Push { force: vec2(0, self.0), torque: Fx::ZERO })
+    fn push(&self, _: &BodyState) -> Result<ForceTorque, CustomForceError> {
+        Ok(ForceTorque { force: vec2(0, self.0), torque: Fx::ZERO })
     }
 }
 
@@ -437,18 +439,18 @@ impl ForceLaw for Lift {
 fn a_machine_that_computes_another_force_is_found_at_the_stage_it_acts_in() {
     let dump = |force: Fx| {
         let mut world = World::new(WorldDef::default()).expect("a world");
-        world.register_law(Arc::new(Lift(force))).expect("a law");
+        world.register_custom_force(Arc::new(Lift(force))).expect("a law");
         world.add_body(BodyDef::dynamic()).expect("a body");
         let second = world.add_body(BodyDef { groups: 2, ..BodyDef::dynamic() }).expect("a body");
-        world.add_field(Field { law: Law::Custom { id: 1 }, groups: 2 }).expect("a field");
+        world.add_field(ForceField { kind: FieldKind::Custom { id: 1 }, groups: 2 }).expect("a field");
         let before = world.clone();
         world.step();
         (Dump::of_tick(&before, &[], &Inputs::new(), &world), second)
     };
     let ((ours, body), (theirs, _)) = (dump(fx!(1)), dump(fx!(1.5)));
     let found = ours.first_difference(&theirs).expect("they differ");
-    assert_eq!(found.moment, Moment::Stage { index: 1, verb: crate::integrate::Verb::Kick }, "{found}");
-    assert_eq!((found.place, &found.field[..]), (Place::Body(body), "velocity.y"), "{found}");
+    assert_eq!(found.phase, TickPhase::Stage { index: 1, kind: crate::integrate::StageKind::Kick }, "{found}");
+    assert_eq!((found.place, &found.field[..]), (Owner::Body(body), "velocity.y"), "{found}");
 }
 
 #[test]
@@ -459,7 +461,7 @@ fn a_flipped_bit_in_a_dump_is_named() {
     for (i, at) in (0..whole.len()).step_by(7).enumerate() {
         let mut changed = whole.clone();
         changed[at] ^= 1 << (i % 8);
-        match Dump::from_bytes(&changed, &laws()) {
+        match Dump::from_bytes(&changed, &custom_forces()) {
             Err(ReplayError::Tampered(finding)) => {
                 assert!(finding.recorded != finding.found && finding.found.is_some(), "{at}: {finding}");
                 named += 1;
@@ -467,7 +469,7 @@ fn a_flipped_bit_in_a_dump_is_named() {
             Err(ReplayError::Foreign | ReplayError::Format { .. }) => assert!(at < 12, "{at}"),
             other => panic!("{at}: {other:?}"),
         }
-        assert!(Dump::from_bytes(&whole[..at], &laws()).is_err());
+        assert!(Dump::from_bytes(&whole[..at], &custom_forces()).is_err());
     }
     assert!(named > 500, "{named}");
 }

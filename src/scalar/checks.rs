@@ -75,7 +75,7 @@ fn size(value: i128) -> UBig {
 }
 
 /// The tension as it is defined: each quotient and product of integers rounded once.
-fn tension((x, y): (i128, i128), velocity: (i128, i128), spring: &SpringLaw<Fx>) -> Option<(i128, i128)> {
+fn tension((x, y): (i128, i128), velocity: (i128, i128), spring: &SpringConstants<Fx>) -> Option<(i128, i128)> {
     let square = |c: i128| c.unsigned_abs().pow(2);
     let sum = square(x) + square(y);
     if sum == 0 {
@@ -133,7 +133,7 @@ proptest! {
         ulps in components(), v in (number(128), number(128)), wide: bool,
         (rest, stiffness, damping) in (0i64.., 0i64.., 0i64..), cut in (0u32..63, 0u32..63, 0u32..64),
     ) {
-        let spring = SpringLaw {
+        let spring = SpringConstants {
             rest: Fx::from_bits(rest >> cut.0),
             stiffness: Fx::from_bits(stiffness >> cut.1),
             damping: Fx::from_bits(damping >> cut.2),
@@ -286,7 +286,7 @@ proptest! {
         prop_assume!((x, y) != (0, 0));
         let offset = (FxWide::from_bits(i128::from(x) << 32), FxWide::from_bits(i128::from(y) << 32));
         let (rest, stiffness) = (Fx::from_bits(rest), Fx::from_bits(stiffness));
-        let spring = SpringLaw { rest, stiffness, damping: Fx::ZERO };
+        let spring = SpringConstants { rest, stiffness, damping: Fx::ZERO };
         let none = Offset::<Fx>::default();
         let force = <Fx as Scalar>::tension(offset, none, &spring).expect("below 2^43 N");
         let (x, y) = (real(x, -32), real(y, -32));

@@ -9,7 +9,7 @@ use super::moments;
 use super::sweep;
 use super::turn::Turn;
 use super::wide::{FxSum, FxWide};
-use super::{AreaMoments, Factor, Glide, KICK_LOG2, Number, Offset, Scalar, Span, Spin, SpringLaw, Weight};
+use super::{AreaMoments, Factor, Glide, KICK_LOG2, Number, Offset, Scalar, Span, Spin, SpringConstants, Weight};
 use crate::kernel::div::{div_round, div_round_by, reciprocal};
 use crate::kernel::exp_log::{exp2_for_64_bits, log2_fine};
 use crate::kernel::round::{shr_round, shr_round_short};
@@ -293,8 +293,8 @@ impl Scalar for Fx {
         sweep::glide(positions, velocities, glide);
     }
 
-    fn spin_all(angles: &mut [Turn], velocities: &mut [FxAccumulator], spin: &Spin<Self>) {
-        sweep::spin(angles, velocities, spin);
+    fn spin_all(angles: &mut [Turn], velocities: &mut [FxAccumulator], angular_velocity: &Spin<Self>) {
+        sweep::angular_velocity(angles, velocities, angular_velocity);
     }
 
     fn turn_all(angles: &mut [Turn], velocities: &[FxAccumulator], drift_factor: FxFactor, negative: bool) {
@@ -334,7 +334,7 @@ impl Scalar for Fx {
 
     /// *Error* the tension is that of a spring 0.501 · 2^-64 m longer or shorter (from 2^23 m on 0.751), rounded to 2^-64 N;
     /// each component is then rounded once more.
-    fn tension(offset: Offset<Self>, velocity: Offset<Self>, spring: &SpringLaw<Self>) -> Option<Offset<Self>> {
+    fn tension(offset: Offset<Self>, velocity: Offset<Self>, spring: &SpringConstants<Self>) -> Option<Offset<Self>> {
         let (x, y, sum) = squares(offset, Self::ZERO)?;
         if sum == 0 {
             return Some(Offset::<Self>::default());

@@ -11,7 +11,7 @@ use super::fx::Fx;
 use super::turn::Turn;
 use super::wide::FxWide;
 use super::{
-    Accumulator, Angle, AreaMoments, Factor, KICK_LOG2, Number, Offset, Scalar, Span, SpringLaw, Sum,
+    Accumulator, Angle, AreaMoments, Factor, KICK_LOG2, Number, Offset, Scalar, Span, SpringConstants, Sum,
     TRANSIENT_SPEED_LOG2, Weight, Wide,
 };
 
@@ -330,7 +330,7 @@ macro_rules! float_scalar {
                 let (x, y) = (x * share, y * share);
                 (x.is_finite() && y.is_finite()).then_some((x, y))
             }
-            fn tension((x, y): Offset<Self>, v: Offset<Self>, spring: &SpringLaw<Self>) -> Option<Offset<Self>> {
+            fn tension((x, y): Offset<Self>, v: Offset<Self>, spring: &SpringConstants<Self>) -> Option<Offset<Self>> {
                 let length = libm::$sqrt(x * x + y * y);
                 if length == 0.0 {
                     return Some((0.0, 0.0));

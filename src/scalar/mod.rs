@@ -137,14 +137,14 @@ pub struct Spin<S: Scalar> {
 }
 
 /// [`Scalar::spin_all`] by its stages.
-fn spin_in_stages<S: Scalar>(angles: &mut [S::Angle], velocities: &mut [S::Accumulator], spin: &Spin<S>) {
-    let damped = spin.kept != S::Factor::ONE;
+fn spin_in_stages<S: Scalar>(angles: &mut [S::Angle], velocities: &mut [S::Accumulator], angular_velocity: &Spin<S>) {
+    let damped = angular_velocity.kept != S::Factor::ONE;
     if damped {
-        S::damp_all(velocities, spin.kept);
+        S::damp_all(velocities, angular_velocity.kept);
     }
-    S::turn_all(angles, velocities, spin.turn, spin.negative);
+    S::turn_all(angles, velocities, angular_velocity.turn, angular_velocity.negative);
     if damped {
-        S::damp_all(velocities, spin.kept);
+        S::damp_all(velocities, angular_velocity.kept);
     }
 }
 
@@ -403,8 +403,8 @@ pub trait Scalar: Number + Display + PartialOrd + Add<Output = Self> + Sub<Outpu
         glide_in_stages(positions, velocities, glide);
     }
     /// Damps, turns, damps.
-    fn spin_all(angles: &mut [Self::Angle], velocities: &mut [Self::Accumulator], spin: &Spin<Self>) {
-        spin_in_stages(angles, velocities, spin);
+    fn spin_all(angles: &mut [Self::Angle], velocities: &mut [Self::Accumulator], angular_velocity: &Spin<Self>) {
+        spin_in_stages(angles, velocities, angular_velocity);
     }
     /// Each angle after turning at the public velocity for `drift_factor`'s span, as [`Angle::drifted`].
     fn turn_all(
@@ -428,7 +428,7 @@ pub trait Scalar: Number + Display + PartialOrd + Add<Output = Self> + Sub<Outpu
     fn attraction(mu: Self::Factor, to_centre: Offset<Self>, softening: Self) -> Option<Offset<Self>>;
     /// The force of a spring on its near end, whose far end is at `offset` and moves at `velocity` relative to it:
     /// stiffness·(length − rest) + damping·(d length/dt) along the spring; zero where the ends coincide.
-    fn tension(offset: Offset<Self>, velocity: Offset<Self>, spring: &SpringLaw<Self>) -> Option<Offset<Self>>;
+    fn tension(offset: Offset<Self>, velocity: Offset<Self>, spring: &SpringConstants<Self>) -> Option<Offset<Self>>;
     /// √(x² + y² + z²).
     fn length(offset: Offset<Self>, third: Self) -> Self::Factor;
     /// Whether an offset is no longer than this, exactly.
@@ -455,7 +455,7 @@ pub trait Scalar: Number + Display + PartialOrd + Add<Output = Self> + Sub<Outpu
 /// The constants of a spring.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
-pub struct SpringLaw<S> {
+pub struct SpringConstants<S> {
     /// Length at which it pulls nothing, m.
     pub rest: S,
     /// N/m.

@@ -161,13 +161,13 @@ fn cut(kept: FxFactor) -> Option<u32> {
 }
 
 /// See [`Scalar::spin_all`].
-pub(super) fn spin(angles: &mut [Turn], velocities: &mut [FxAccumulator], spin: &Spin<Fx>) {
-    let shift = spin.turn.parts().1.wrapping_sub(32);
-    let usual = (1..64).contains(&shift) && !spin.negative && !lanes::pay(velocities.len());
-    match cut(spin.kept) {
-        Some(0) if usual => spin_at_once(angles, velocities, spin, scaled),
-        Some(cut) if usual => spin_at_once(angles, velocities, spin, |v, kept| scaled_down(v, kept, cut)),
-        _ => spin_in_stages(angles, velocities, spin),
+pub(super) fn angular_velocity(angles: &mut [Turn], velocities: &mut [FxAccumulator], angular_velocity: &Spin<Fx>) {
+    let shift = angular_velocity.turn.parts().1.wrapping_sub(32);
+    let usual = (1..64).contains(&shift) && !angular_velocity.negative && !lanes::pay(velocities.len());
+    match cut(angular_velocity.kept) {
+        Some(0) if usual => spin_at_once(angles, velocities, angular_velocity, scaled),
+        Some(cut) if usual => spin_at_once(angles, velocities, angular_velocity, |v, kept| scaled_down(v, kept, cut)),
+        _ => spin_in_stages(angles, velocities, angular_velocity),
     }
 }
 
@@ -175,10 +175,10 @@ pub(super) fn spin(angles: &mut [Turn], velocities: &mut [FxAccumulator], spin: 
 fn spin_at_once(
     angles: &mut [Turn],
     velocities: &mut [FxAccumulator],
-    spin: &Spin<Fx>,
+    angular_velocity: &Spin<Fx>,
     damped: impl Fn(FxAccumulator, u64) -> FxAccumulator,
 ) {
-    let (kept, (mantissa, shift)) = (spin.kept.parts().0, spin.turn.parts());
+    let (kept, (mantissa, shift)) = (angular_velocity.kept.parts().0, angular_velocity.turn.parts());
     let shift = (shift - 32).unsigned_abs();
     for (angle, v) in angles.iter_mut().zip(velocities) {
         let midway = damped(*v, kept);
@@ -359,10 +359,10 @@ mod tests {
             glide_in_stages(&mut one.0, &mut one.1, &glide_over);
             spin_in_stages(&mut one.2, &mut one.3, &spin_over);
             glide(&mut many.0, &mut many.1, &glide_over);
-            spin(&mut many.2, &mut many.3, &spin_over);
+            angular_velocity(&mut many.2, &mut many.3, &spin_over);
             // Too few for wide vectors.
             few.0.chunks_mut(7).zip(few.1.chunks_mut(7)).for_each(|(x, v)| glide(x, v, &glide_over));
-            few.2.chunks_mut(7).zip(few.3.chunks_mut(7)).for_each(|(x, v)| spin(x, v, &spin_over));
+            few.2.chunks_mut(7).zip(few.3.chunks_mut(7)).for_each(|(x, v)| angular_velocity(x, v, &spin_over));
             prop_assert_eq!(&many, &one, "many");
             prop_assert_eq!(&few, &one, "few");
         }

@@ -54,8 +54,8 @@ impl SceneBody {
 pub(super) fn convert_mass<S: Scalar>(mass: Mass) -> Mass<S> {
     match mass {
         Mass::Density(density) => Mass::Density(S::from_fx(density)),
-        Mass::Of(mass) => Mass::Of(S::from_fx(mass)),
-        Mass::WithInertia(mass, inertia) => Mass::WithInertia(S::from_fx(mass), S::from_fx(inertia)),
+        Mass::Kilograms(mass) => Mass::Kilograms(S::from_fx(mass)),
+        Mass::Explicit { mass, inertia } => Mass::Explicit { mass: S::from_fx(mass), inertia: S::from_fx(inertia) },
     }
 }
 
@@ -101,7 +101,7 @@ pub(super) fn body(object: &Object<'_>) -> Result<SceneBody> {
         velocity: object.or("velocity", Vec2::ZERO, Node::point)?,
         angular_velocity: object.or("angular_velocity", Fx::ZERO, Node::number)?,
         shape: None,
-        mass: mass(object)?.unwrap_or(Mass::Of(Fx::ONE)),
+        mass: mass(object)?.unwrap_or(Mass::Kilograms(Fx::ONE)),
         gravity_scale: object.or("gravity_scale", Fx::ONE, Node::number)?,
         linear_damping,
         angular_damping,
@@ -132,8 +132,10 @@ pub(super) fn mass(object: &Object<'_>) -> Result<Option<Mass>> {
     match (mass, density, inertia) {
         (Some(_), Some(density), _) => Err(density.fault("there is `mass` already: one of them only")),
         (None, _, Some(inertia)) => Err(inertia.fault("an `inertia` needs a `mass` beside it")),
-        (Some(mass), None, Some(inertia)) => Ok(Some(Mass::WithInertia(mass.number()?, inertia.number()?))),
-        (Some(mass), None, None) => Ok(Some(Mass::Of(mass.number()?))),
+        (Some(mass), None, Some(inertia)) => {
+            Ok(Some(Mass::Explicit { mass: mass.number()?, inertia: inertia.number()? }))
+        }
+        (Some(mass), None, None) => Ok(Some(Mass::Kilograms(mass.number()?))),
         (None, Some(density), None) => Ok(Some(Mass::Density(density.number()?))),
         (None, None, None) => Ok(None),
     }

@@ -4,19 +4,19 @@ use alloc::collections::BTreeMap;
 use alloc::format;
 use alloc::vec::Vec;
 
-use super::error::{Place, Unsayable};
+use super::error::{ExportError, Place};
 use super::field::{SceneField, convert_field, factor_text, symbol};
-use super::input::{Deed, Input};
+use super::input::{Input, SceneAction};
 use super::run::convert_command;
 use super::settings::Plot;
 use super::shape::ShapeDef;
 use super::{Scene, SceneBody};
 use crate::body::BodyDef;
 use crate::error::Error;
-use crate::force::{Field, Law};
+use crate::force::{FieldKind, ForceField};
 use crate::handle::{BodyId, FieldId};
 use crate::scalar::FxFactor;
-use crate::world::{Command, Made, World, WorldDef};
+use crate::world::{Command, Created, World, WorldDef};
 
 impl Scene {
     /// The scene that is a new world of this definition, and commands that are carried out before the steps from their ticks;
@@ -43,10 +43,10 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// [`Unsayable`] for what a scene has no words for, and for a definition that no world can be made from.
-    pub fn from_commands(world: WorldDef, commands: &[(u64, Command)], ticks: u64) -> Result<Self, Unsayable> {
+    /// [`ExportError`] for what a scene has no words for, and for a definition that no world can be made from.
+    pub fn from_commands(world: WorldDef, commands: &[(u64, Command)], ticks: u64) -> Result<Self, ExportError> {
         let mut writer = Writer {
-            world: World::new(world).map_err(Unsayable::World)?,
+            world: World::new(world).map_err(ExportError::World)?,
             scene: Self {
                 ticks,
                 world,
@@ -86,42 +86,42 @@ struct Writer {
 }
 
 impl Writer {
-    fn write(&mut self, tick: u64, index: usize, command: &Command) -> Result<(), Unsayable> {
+    fn write(&mut self, tick: u64, index: usize, command: &Command) -> Result<(), ExportError> {
         if let Command::AddField(field) | Command::SetField { field, .. } = command {
-            if let Law::Custom { id } = field.law {
-                return Err(Unsayable::Law { command: index, id });
+            if let FieldKind::Custom { id } = field.kind {
+                return Err(ExportError::CustomForce { command: index, id });
             }
         }
         // The start has bodies, then force fields: neither kind's handles depend on the other kind.
         let starts = tick == 0 && self.scene.inputs.is_empty();
         let Ok(made) = self.world.execute(command) else { return Ok(()) };
         let is_full = |len: usize| len >= Scene::MOST as usize;
-        let deed = match (command, made) {
-            (Command::AddBody(def), Made::Body(body)) => {
+        let action = match (command, made) {
+            (Command::AddBody(def), Created::Body(body)) => {
                 if is_full(self.scene.bodies.len()) {
-                    return Err(Unsayable::Many { command: index });
+                    return Err(ExportError::Many { command: index });
                 }
                 let symbol = self.add_body(def.clone(), body);
                 if starts {
                     self.scene.starting_bodies += 1;
                     return Ok(());
                 }
-                Deed::AddBody(symbol)
+                SceneAction::AddBody(symbol)
             }
-            (Command::AddField(field), Made::Field(id)) => {
+            (Command::AddField(field), Created::ForceField(id)) => {
                 if is_full(self.scene.fields.len()) {
-                    return Err(Unsayable::Many { command: index });
+                    return Err(ExportError::Many { command: index });
                 }
                 let symbol = self.add_field(index, field, id)?;
                 if starts {
                     self.scene.starting_fields += 1;
                     return Ok(());
                 }
-                Deed::AddField(symbol)
+                SceneAction::AddField(symbol)
             }
             (Command::SetShape { body, shape }, _) => {
                 let Ok(body) = self.body(*body) else { return Ok(()) };
-                Deed::SetShape { body, shape: shape.as_ref().map(ShapeDef::from) }
+                SceneAction::SetShape { body, shape: shape.as_ref().map(ShapeDef::from) }
             }
             (command, _) => {
                 if let Command::SetField { field, .. } = command {
@@ -131,13 +131,13 @@ impl Writer {
                 let fields = |field| known(field).ok_or(Error::NoSuchField { field });
                 // Carried out, so that all it names is there.
                 let Ok(command) = convert_command(command, &|body| self.body(body), &fields) else { return Ok(()) };
-                Deed::Command(command)
+                SceneAction::Command(command)
             }
         };
         if is_full(self.scene.inputs.len()) {
-            return Err(Unsayable::Many { command: index });
+            return Err(ExportError::Many { command: index });
         }
-        self.scene.inputs.push(Input { from: tick, to: tick, every: 1, deed, place: Place::default() });
+        self.scene.inputs.push(Input { from: tick, to: tick, every: 1, action, place: Place::default() });
         Ok(())
     }
 
@@ -154,7 +154,7 @@ impl Writer {
         index
     }
 
-    fn add_field(&mut self, command: usize, field: &Field, id: FieldId) -> Result<usize, Unsayable> {
+    fn add_field(&mut self, command: usize, field: &ForceField, id: FieldId) -> Result<usize, ExportError> {
         check_mu(command, field)?;
         let index = self.scene.fields.len();
         // Carried out, so that all it names is there.
@@ -167,9 +167,11 @@ impl Writer {
 }
 
 /// Refuses a factor that no text is read as.
-fn check_mu(command: usize, field: &Field) -> Result<(), Unsayable> {
-    match field.law {
-        Law::Attractor { mu, .. } if FxFactor::parse(&factor_text(mu)) != Ok(mu) => Err(Unsayable::Mu { command }),
+fn check_mu(command: usize, field: &ForceField) -> Result<(), ExportError> {
+    match field.kind {
+        FieldKind::Attractor { mu, .. } if FxFactor::parse(&factor_text(mu)) != Ok(mu) => {
+            Err(ExportError::Mu { command })
+        }
         _ => Ok(()),
     }
 }

@@ -144,19 +144,19 @@ impl core::error::Error for SceneError {}
 /// Why there is no scene of some commands.
 ///
 /// ```
-/// use umbra_physics::scene::{Scene, Unsayable};
+/// use umbra_physics::scene::{Scene, ExportError};
 /// use umbra_physics::{Error, TimeStep, WorldDef};
 ///
 /// let def = WorldDef { time_step: TimeStep::hz(0), ..WorldDef::default() };
-/// assert_eq!(Scene::from_commands(def, &[], 1), Err(Unsayable::World(Error::TimeStep)));
+/// assert_eq!(Scene::from_commands(def, &[], 1), Err(ExportError::World(Error::TimeStep)));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
-pub enum Unsayable {
+pub enum ExportError {
     /// No world can be made from the definition.
     World(Error),
     /// A command has a force field with a law of the user's own, which the world of a scene does not have.
-    Law {
+    CustomForce {
         /// The index of the command.
         command: usize,
         /// The law's id.
@@ -175,11 +175,11 @@ pub enum Unsayable {
     },
 }
 
-impl fmt::Display for Unsayable {
+impl fmt::Display for ExportError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Self::World(error) => write!(f, "the world: {error}"),
-            Self::Law { command, id } => {
+            Self::CustomForce { command, id } => {
                 write!(f, "command {command}: the world of a scene has no law of force with the id {id}")
             }
             Self::Mu { command } => write!(f, "command {command}: a scene has no mu above 0 and below 10^-60 m³/s²"),
@@ -188,9 +188,9 @@ impl fmt::Display for Unsayable {
     }
 }
 
-codes!(Unsayable { World = 521, Law = 522, Mu = 523, Many = 524 });
+codes!(ExportError { World = 521, CustomForce = 522, Mu = 523, Many = 524 });
 
-impl core::error::Error for Unsayable {
+impl core::error::Error for ExportError {
     fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
         match self {
             Self::World(error) => Some(error),

@@ -8,10 +8,10 @@ use super::error::{Coded, Flaw, Place};
 use super::node::{Kind, Node, Object, Result, quoted};
 use super::shape::vector;
 use crate::error::{Error, Quantity};
-use crate::force::{Attachment, End, Field, Law, Region};
+use crate::force::{Attachment, End, FieldKind, ForceField, Region};
 use crate::handle::BodyId;
 use crate::math::Vec2;
-use crate::scalar::{Factor, FxFactor, Scalar, SpringLaw, fx::Fx};
+use crate::scalar::{Factor, FxFactor, Scalar, SpringConstants, fx::Fx};
 
 /// A force field of a scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,7 +19,7 @@ pub struct SceneField {
     /// Its name, if inputs are to change it.
     pub name: Option<String>,
     /// The field. Its handles are indices in [`Scene::bodies`](super::Scene::bodies).
-    pub field: Field,
+    pub field: ForceField,
     /// Where it stands.
     pub place: Place,
 }
@@ -44,22 +44,22 @@ pub(super) fn named(node: &Node<'_>, names: &Names, what: &str) -> Result<usize>
 pub(super) fn field(object: &Object<'_>, names: &Names) -> Result<SceneField> {
     let name = object.get("name").map(Node::string).transpose()?;
     let groups = object.or("groups", u32::MAX, groups)?;
-    let (law, inner) = object.one_of(&["attractor", "spring", "drag", "thrust", "zone"])?;
+    let (kind, inner) = object.one_of(&["attractor", "spring", "drag", "thrust", "zone"])?;
     object.finish()?;
-    let law = match law {
+    let kind = match kind {
         "attractor" => attractor(&inner.object()?, names)?,
         "spring" => spring(&inner.object()?, names)?,
         "drag" => drag(&inner.object()?)?,
         "thrust" => {
             let object = inner.object()?;
             let at = attachment(object.need("at")?, names)?;
-            let law = Law::Thrust { at, force: object.need("force")?.point()? };
+            let kind = FieldKind::Thrust { at, force: object.need("force")?.point()? };
             object.finish()?;
-            law
+            kind
         }
         _ => zone(&inner.object()?)?,
     };
-    Ok(SceneField { name, field: Field { law, groups }, place: inner.place() })
+    Ok(SceneField { name, field: ForceField { kind, groups }, place: inner.place() })
 }
 
 /// Puts an error of the engine's at the field of the law that it is about.
@@ -90,9 +90,9 @@ pub(super) fn blame(object: &Object<'_>, error: Error) -> super::SceneError {
     law.object().map_or_else(|fault| fault, |law| law.at(fields).fault(Coded(error.code(), message)))
 }
 
-fn attractor(object: &Object<'_>, names: &Names) -> Result<Law> {
+fn attractor(object: &Object<'_>, names: &Names) -> Result<FieldKind> {
     let mu = object.need("mu")?;
-    let law = Law::Attractor {
+    let law = FieldKind::Attractor {
         centre: end(object.need("at")?, names)?,
         mu: factor(mu)?,
         softening: object.or("softening", Fx::ZERO, Node::number)?,
@@ -116,11 +116,11 @@ pub(super) fn factor_text(factor: FxFactor) -> String {
     if FxFactor::parse(LEAST) == Ok(factor) { LEAST.into() } else { factor.to_decimal() }
 }
 
-fn spring(object: &Object<'_>, names: &Names) -> Result<Law> {
-    let law = Law::Spring {
+fn spring(object: &Object<'_>, names: &Names) -> Result<FieldKind> {
+    let law = FieldKind::Spring {
         near: attachment(object.need("from")?, names)?,
         far: end(object.need("to")?, names)?,
-        spring: SpringLaw {
+        spring: SpringConstants {
             rest: object.or("rest", Fx::ZERO, Node::number)?,
             stiffness: not_negative(object.need("stiffness")?, Quantity::Stiffness)?,
             damping: object.or("damping", Fx::ZERO, |node| not_negative(node, Quantity::Drag))?,
@@ -130,9 +130,9 @@ fn spring(object: &Object<'_>, names: &Names) -> Result<Law> {
     Ok(law)
 }
 
-fn drag(object: &Object<'_>) -> Result<Law> {
+fn drag(object: &Object<'_>) -> Result<FieldKind> {
     let coefficient = |node: &Node<'_>| not_negative(node, Quantity::Drag);
-    let law = Law::Drag {
+    let law = FieldKind::Drag {
         linear: object.or("linear", Fx::ZERO, coefficient)?,
         quadratic: object.or("quadratic", Fx::ZERO, coefficient)?,
         wind: object.or("wind", Vec2::ZERO, Node::point)?,
@@ -146,7 +146,7 @@ fn not_negative(node: &Node<'_>, quantity: Quantity) -> Result<Fx> {
     if number < Fx::ZERO { Err(node.fault(Error::OutOfRange { quantity })) } else { Ok(number) }
 }
 
-fn zone(object: &Object<'_>) -> Result<Law> {
+fn zone(object: &Object<'_>) -> Result<FieldKind> {
     let (kind, inner) = object.one_of(&["disc", "box"])?;
     let acceleration = object.need("acceleration")?.point()?;
     object.finish()?;
@@ -158,7 +158,7 @@ fn zone(object: &Object<'_>) -> Result<Law> {
         Region::Box { min: parts.need("min")?.point()?, max: parts.need("max")?.point()? }
     };
     parts.finish()?;
-    Ok(Law::Zone { region, acceleration })
+    Ok(FieldKind::Zone { region, acceleration })
 }
 
 /// "name", or {body, point}.
@@ -193,40 +193,40 @@ fn convert_factor<S: Scalar>(factor: FxFactor) -> S::Factor {
 
 /// The same field for a scalar and a world's own handles; the index of a body that is not there is the error.
 pub(super) fn convert_field<S: Scalar>(
-    field: &Field,
+    field: &ForceField,
     handle: &impl Fn(BodyId) -> core::result::Result<BodyId, Error>,
-) -> core::result::Result<Field<S>, Error> {
+) -> core::result::Result<ForceField<S>, Error> {
     let attachment = |at: &Attachment| Ok(Attachment { body: handle(at.body)?, point: vector(at.point) });
     let end = |end: &End| match end {
         End::World(point) => Ok(End::World(vector(*point))),
         End::Body(at) => attachment(at).map(End::Body),
     };
     let scalar = S::from_fx;
-    let law = match &field.law {
-        Law::Attractor { centre, mu, softening } => {
-            Law::Attractor { centre: end(centre)?, mu: convert_factor::<S>(*mu), softening: scalar(*softening) }
+    let kind = match &field.kind {
+        FieldKind::Attractor { centre, mu, softening } => {
+            FieldKind::Attractor { centre: end(centre)?, mu: convert_factor::<S>(*mu), softening: scalar(*softening) }
         }
-        Law::Spring { near, far, spring } => Law::Spring {
+        FieldKind::Spring { near, far, spring } => FieldKind::Spring {
             near: attachment(near)?,
             far: end(far)?,
-            spring: SpringLaw {
+            spring: SpringConstants {
                 rest: scalar(spring.rest),
                 stiffness: scalar(spring.stiffness),
                 damping: scalar(spring.damping),
             },
         },
-        Law::Drag { linear, quadratic, wind } => {
-            Law::Drag { linear: scalar(*linear), quadratic: scalar(*quadratic), wind: vector(*wind) }
+        FieldKind::Drag { linear, quadratic, wind } => {
+            FieldKind::Drag { linear: scalar(*linear), quadratic: scalar(*quadratic), wind: vector(*wind) }
         }
-        Law::Thrust { at, force } => Law::Thrust { at: attachment(at)?, force: vector(*force) },
-        Law::Zone { region, acceleration } => {
+        FieldKind::Thrust { at, force } => FieldKind::Thrust { at: attachment(at)?, force: vector(*force) },
+        FieldKind::Zone { region, acceleration } => {
             let region = match *region {
                 Region::Disc { centre, radius } => Region::Disc { centre: vector(centre), radius: scalar(radius) },
                 Region::Box { min, max } => Region::Box { min: vector(min), max: vector(max) },
             };
-            Law::Zone { region, acceleration: vector(*acceleration) }
+            FieldKind::Zone { region, acceleration: vector(*acceleration) }
         }
-        Law::Custom { id } => Law::Custom { id: *id },
+        FieldKind::Custom { id } => FieldKind::Custom { id: *id },
     };
-    Ok(Field { law, groups: field.groups })
+    Ok(ForceField { kind, groups: field.groups })
 }

@@ -12,7 +12,7 @@ use super::shape::{ShapeDef, shape};
 use super::{Scene, Tables};
 use crate::handle::{BodyId, FieldId};
 use crate::scalar::fx::Fx;
-use crate::world::{Action, Command, Frame, Manner};
+use crate::world::{ApplyOptions, Command, ForceOrImpulse, Frame};
 
 /// Something done to a world, at one tick or at several.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,7 +24,7 @@ pub struct Input {
     /// It is done at `from` and each so many ticks after it; 0 is taken for 1.
     pub every: u64,
     /// What is done.
-    pub deed: Deed,
+    pub action: SceneAction,
     /// Where it stands.
     pub place: Place,
 }
@@ -33,7 +33,7 @@ pub struct Input {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 #[allow(clippy::large_enum_variant, reason = "nearly all are commands")]
-pub enum Deed {
+pub enum SceneAction {
     /// A command of the world's.
     Command(Command),
     /// The body of this index is added.
@@ -52,13 +52,13 @@ pub enum Deed {
 /// Reads an input, which may do several things in the order in which they stand here.
 pub(super) fn input(object: &Object<'_>, scene: &mut Scene, tables: &mut Tables) -> Result<()> {
     let mut deeds = Vec::new();
-    let mut push = |node: &Node<'_>, deed| deeds.push((node.place(), deed));
+    let mut push = |node: &Node<'_>, action| deeds.push((node.place(), action));
     if let Some(node) = object.get("add") {
-        push(node, Deed::AddBody(scene.add_body(body(&node.object()?)?, node, tables)?));
+        push(node, SceneAction::AddBody(scene.add_body(body(&node.object()?)?, node, tables)?));
     }
     if let Some(node) = object.get("add_field") {
         let field = field(&node.object()?, &tables.bodies)?;
-        push(node, Deed::AddField(scene.add_field(field, node, tables)?));
+        push(node, SceneAction::AddField(scene.add_field(field, node, tables)?));
     }
     if let Some(node) = object.get("body") {
         let target = symbol(named(node, &tables.bodies, "body")?);
@@ -67,7 +67,7 @@ pub(super) fn input(object: &Object<'_>, scene: &mut Scene, tables: &mut Tables)
             let goal = node.object()?;
             let (position, angle) = (goal.need("position")?.point()?, goal.or("angle", Fx::ZERO, Node::number)?);
             goal.finish()?;
-            push(node, Deed::Command(Command::MoveTo { body: target, position, angle }));
+            push(node, SceneAction::Command(Command::MoveTo { body: target, position, angle }));
         }
         if let Some(set) = object.get("set") {
             set_body(&set.object()?, target, &mut push)?;
@@ -81,17 +81,17 @@ pub(super) fn input(object: &Object<'_>, scene: &mut Scene, tables: &mut Tables)
                     3 => Command::Disable(target),
                     _ => Command::Enable(target),
                 };
-            push(node, Deed::Command(command));
+            push(node, SceneAction::Command(command));
         }
     } else if let Some(node) = object.get("field") {
         let target = FieldId::from_parts(named(node, &tables.fields, "force field")? as u32, 0);
         if let Some(node) = object.get("replace") {
             let field = field(&node.object()?, &tables.bodies)?.field;
-            push(node, Deed::Command(Command::SetField { id: target, field }));
+            push(node, SceneAction::Command(Command::SetField { id: target, field }));
         }
         if let Some(node) = object.get("do") {
             node.choice(&[("remove", ())])?;
-            push(node, Deed::Command(Command::RemoveField(target)));
+            push(node, SceneAction::Command(Command::RemoveField(target)));
         }
     } else {
         if let Some(set) = object.get("set") {
@@ -99,21 +99,22 @@ pub(super) fn input(object: &Object<'_>, scene: &mut Scene, tables: &mut Tables)
         }
         if let Some(node) = object.get("do") {
             node.choice(&[("clear_forces", ())])?;
-            push(node, Deed::Command(Command::ClearForces));
+            push(node, SceneAction::Command(Command::ClearForces));
         }
     }
     // Last, so that what is unknown is known to be.
     let (from, to, every) = span(object)?;
     object.finish()?;
-    let is_added = |(_, deed): &(Place, Deed)| matches!(deed, Deed::AddBody(_) | Deed::AddField(_));
-    if let Some((place, _)) = deeds.iter().find(|deed| from != to && is_added(deed)) {
+    let is_added =
+        |(_, action): &(Place, SceneAction)| matches!(action, SceneAction::AddBody(_) | SceneAction::AddField(_));
+    if let Some((place, _)) = deeds.iter().find(|action| from != to && is_added(action)) {
         return Err(place.fault(Flaw::OutOfRange.of("out of range: what has a name is added once, `at` one tick")));
     }
     if deeds.is_empty() {
         return Err(object.node.fault("this input does nothing"));
     }
     check_count(&object.node, (scene.inputs.len() + deeds.len()) as u64, tables.most)?;
-    let inputs = deeds.into_iter().map(|(place, deed)| Input { from, to, every, deed, place });
+    let inputs = deeds.into_iter().map(|(place, action)| Input { from, to, every, action, place });
     scene.inputs.extend(inputs);
     Ok(())
 }
@@ -139,31 +140,31 @@ fn span(object: &Object<'_>) -> Result<(u64, u64, u64)> {
 }
 
 /// Forces and impulses.
-fn actions(object: &Object<'_>, target: BodyId, push: &mut impl FnMut(&Node<'_>, Deed)) -> Result<()> {
+fn actions(object: &Object<'_>, target: BodyId, push: &mut impl FnMut(&Node<'_>, SceneAction)) -> Result<()> {
     let frame = |node: &Node<'_>| node.choice(&[("world", Frame::World), ("body", Frame::Body)]);
     let manner =
-        Manner { frame: object.or("frame", Frame::World, frame)?, wake: object.or("wake", true, Node::boolean)? };
+        ApplyOptions { frame: object.or("frame", Frame::World, frame)?, wake: object.or("wake", true, Node::boolean)? };
     let point = object.get("point").map(Node::point).transpose()?;
     let mut apply = |node: &Node<'_>, action| {
-        push(node, Deed::Command(Command::Apply { body: target, action, manner }));
+        push(node, SceneAction::Command(Command::Apply { body: target, action, manner }));
     };
     if let Some(node) = object.get("force") {
-        apply(node, Action::Force { force: node.point()?, point });
+        apply(node, ForceOrImpulse::Force { force: node.point()?, point });
     }
     if let Some(node) = object.get("torque") {
-        apply(node, Action::Torque(node.number()?));
+        apply(node, ForceOrImpulse::Torque(node.number()?));
     }
     if let Some(node) = object.get("impulse") {
-        apply(node, Action::Impulse { impulse: node.point()?, point });
+        apply(node, ForceOrImpulse::Impulse { impulse: node.point()?, point });
     }
     if let Some(node) = object.get("angular_impulse") {
-        apply(node, Action::AngularImpulse(node.number()?));
+        apply(node, ForceOrImpulse::AngularImpulse(node.number()?));
     }
     Ok(())
 }
 
-fn set_body(object: &Object<'_>, body: BodyId, push: &mut impl FnMut(&Node<'_>, Deed)) -> Result<()> {
-    let mut set = |node: &Node<'_>, command| push(node, Deed::Command(command));
+fn set_body(object: &Object<'_>, body: BodyId, push: &mut impl FnMut(&Node<'_>, SceneAction)) -> Result<()> {
+    let mut set = |node: &Node<'_>, command| push(node, SceneAction::Command(command));
     if let Some(node) = object.get("kind") {
         set(node, Command::SetKind { body, kind: kind(node)? });
     }
@@ -207,13 +208,13 @@ fn set_body(object: &Object<'_>, body: BodyId, push: &mut impl FnMut(&Node<'_>, 
     }
     if let Some(node) = object.get("shape") {
         let shape = if node.raw() == "null" { None } else { Some(shape(node)?) };
-        push(node, Deed::SetShape { body, shape });
+        push(node, SceneAction::SetShape { body, shape });
     }
     object.finish()
 }
 
-fn set_world(object: &Object<'_>, push: &mut impl FnMut(&Node<'_>, Deed)) -> Result<()> {
-    let mut set = |node: &Node<'_>, command| push(node, Deed::Command(command));
+fn set_world(object: &Object<'_>, push: &mut impl FnMut(&Node<'_>, SceneAction)) -> Result<()> {
+    let mut set = |node: &Node<'_>, command| push(node, SceneAction::Command(command));
     if let Some(node) = object.get("time_step") {
         set(node, Command::SetTimeStep(time_step(node)?));
     }

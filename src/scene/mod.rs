@@ -43,9 +43,9 @@ use field::Names;
 use node::{Node, Object, Source, quoted};
 
 pub use body::SceneBody;
-pub use error::{Place, SceneError, Unsayable};
+pub use error::{ExportError, Place, SceneError};
 pub use field::SceneField;
-pub use input::{Deed, Input};
+pub use input::{Input, SceneAction};
 pub use run::SceneRun;
 pub use settings::{Plot, Trails};
 pub use shape::{PartDef, ShapeDef};

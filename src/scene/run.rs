@@ -8,7 +8,7 @@ use alloc::vec::Vec;
 use super::body::convert_mass;
 use super::error::{Coded, Flaw, Place, SceneError};
 use super::field::{convert_field, symbol};
-use super::input::{Deed, Input};
+use super::input::{Input, SceneAction};
 use super::node::quoted;
 use super::shape::vector;
 use super::{Scene, ShapeDef};
@@ -16,7 +16,7 @@ use crate::error::{Error, Quantity};
 use crate::handle::{BodyId, FieldId};
 use crate::math::TimeStep;
 use crate::scalar::{Scalar, Wide, fx::Fx};
-use crate::world::{Action, Command, Driver, Made, Manner, StepReport, World, WorldDef};
+use crate::world::{ApplyOptions, Command, Created, ForceOrImpulse, StepReport, Stepper, World, WorldDef};
 
 /// The world of a scene and what is still to be done to it.
 #[derive(Clone, Debug)]
@@ -68,11 +68,11 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
                 .fault(Flaw::OutOfRange.of("out of range: more are there from the start than there are")));
         }
         for index in 0..scene.starting_bodies {
-            run.carry_out(&Deed::AddBody(index), &mut ())
+            run.carry_out(&SceneAction::AddBody(index), &mut ())
                 .map_err(|e| scene.bodies[index].place.fault(Coded(e.code(), run.explain(e))))?;
         }
         for index in 0..scene.starting_fields {
-            run.carry_out(&Deed::AddField(index), &mut ())
+            run.carry_out(&SceneAction::AddField(index), &mut ())
                 .map_err(|e| scene.fields[index].place.fault(Coded(e.code(), run.explain(e))))?;
         }
         Ok(run)
@@ -138,7 +138,7 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
     ///
     /// # Errors
     /// As [`advance`](Self::advance).
-    pub fn advance_by(&mut self, driver: &mut impl Driver<S>) -> Result<StepReport<'_, S>, SceneError> {
+    pub fn advance_by(&mut self, driver: &mut impl Stepper<S>) -> Result<StepReport<'_, S>, SceneError> {
         let tick = self.tick();
         let scene = self.scene;
         while let Some(&index) = self.order.get(self.begun).filter(|&&index| scene.inputs[index].from <= tick) {
@@ -147,8 +147,8 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
         }
         let due: Vec<usize> = self.active.iter().copied().filter(|&i| scene.inputs[i].is_due(tick)).collect();
         for index in due {
-            let Input { deed, place, .. } = &scene.inputs[index];
-            let done = self.carry_out(deed, driver);
+            let Input { action, place, .. } = &scene.inputs[index];
+            let done = self.carry_out(action, driver);
             done.map_err(|error| self.blame(place, tick, error))?;
         }
         self.active.retain(|&index| scene.inputs[index].to > tick);
@@ -162,8 +162,8 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
     }
 
     /// Applies over the next step what was applied over the last.
-    fn hold(&mut self, driver: &mut impl Driver<S>) -> Result<(), Error> {
-        let manner = Manner { wake: false, ..Manner::default() };
+    fn hold(&mut self, driver: &mut impl Stepper<S>) -> Result<(), Error> {
+        let manner = ApplyOptions { wake: false, ..ApplyOptions::default() };
         for applied in self.world.last_report().applied.to_vec() {
             let body = applied.body;
             if !self.world.body(body)?.activity().takes_part() {
@@ -173,7 +173,7 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
             let force = force.ok_or(Error::OutOfRange { quantity: Quantity::Force })?;
             let torque = applied.torque().and_then(S::Wide::to_scalar);
             let torque = torque.ok_or(Error::OutOfRange { quantity: Quantity::Torque })?;
-            for action in [Action::Force { force, point: None }, Action::Torque(torque)] {
+            for action in [ForceOrImpulse::Force { force, point: None }, ForceOrImpulse::Torque(torque)] {
                 driver.execute(&mut self.world, &Command::Apply { body, action, manner })?;
             }
         }
@@ -183,57 +183,57 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
     /// Tries the inputs in their order, on a world that does not move on.
     pub(super) fn rehearse(mut self) -> Result<(), SceneError> {
         for index in core::mem::take(&mut self.order) {
-            let Input { from, deed, place, .. } = &self.scene.inputs[index];
+            let Input { from, action, place, .. } = &self.scene.inputs[index];
             // What these are refused for depends on the motion before.
             let depends = matches!(
-                deed,
-                Deed::Command(Command::Release(_) | Command::MoveTo { .. })
-                    | Deed::Command(Command::Apply {
-                        action: Action::Impulse { .. }
-                            | Action::AngularImpulse(_)
-                            | Action::Force { point: Some(_), .. },
+                action,
+                SceneAction::Command(Command::Release(_) | Command::MoveTo { .. })
+                    | SceneAction::Command(Command::Apply {
+                        action: ForceOrImpulse::Impulse { .. }
+                            | ForceOrImpulse::AngularImpulse(_)
+                            | ForceOrImpulse::Force { point: Some(_), .. },
                         ..
                     })
             );
             if !depends {
-                let done = self.carry_out(deed, &mut ());
+                let done = self.carry_out(action, &mut ());
                 done.map_err(|error| self.blame(place, *from, error))?;
             }
         }
         Ok(())
     }
 
-    fn carry_out(&mut self, deed: &Deed, driver: &mut impl Driver<S>) -> Result<(), Error> {
-        let command = self.command(deed)?;
+    fn carry_out(&mut self, action: &SceneAction, driver: &mut impl Stepper<S>) -> Result<(), Error> {
+        let command = self.command(action)?;
         let made = driver.execute(&mut self.world, &command)?;
-        match (deed, made) {
-            (Deed::AddBody(index), Made::Body(body)) => {
+        match (action, made) {
+            (SceneAction::AddBody(index), Created::Body(body)) => {
                 self.bodies[*index] = Some(body);
                 self.indices.insert(body, *index);
             }
-            (Deed::AddField(index), Made::Field(field)) => self.fields[*index] = Some(field),
+            (SceneAction::AddField(index), Created::ForceField(field)) => self.fields[*index] = Some(field),
             _ => {}
         }
         Ok(())
     }
 
     /// What a deed is to the world.
-    fn command(&self, deed: &Deed) -> Result<Command<S>, Error> {
-        Ok(match deed {
-            Deed::AddBody(index) => {
+    fn command(&self, action: &SceneAction) -> Result<Command<S>, Error> {
+        Ok(match action {
+            SceneAction::AddBody(index) => {
                 let unknown = Error::NoSuchBody { body: symbol(*index) };
                 Command::AddBody(self.scene.bodies.get(*index).ok_or(unknown)?.def()?)
             }
-            Deed::AddField(index) => {
+            SceneAction::AddField(index) => {
                 let unknown = Error::NoSuchField { field: FieldId::from_parts(*index as u32, 0) };
                 let field = &self.scene.fields.get(*index).ok_or(unknown)?.field;
                 Command::AddField(convert_field(field, &|body| self.body(body))?)
             }
-            Deed::SetShape { body, shape } => {
+            SceneAction::SetShape { body, shape } => {
                 let shape = shape.as_ref().map(ShapeDef::make).transpose()?;
                 Command::SetShape { body: self.body(*body)?, shape }
             }
-            Deed::Command(command) => {
+            SceneAction::Command(command) => {
                 let fields = |field| self.field(field);
                 match convert_command(command, &|body| self.body(body), &fields)? {
                     Command::SetTimeStep(time_step) => Command::SetTimeStep(divided(time_step, self.steps)),
@@ -287,12 +287,16 @@ fn divided(time_step: TimeStep, by: u32) -> TimeStep {
     TimeStep::ratio(num, den.checked_mul(by).unwrap_or(0))
 }
 
-fn convert_action<S: Scalar>(action: Action) -> Action<S> {
+fn convert_action<S: Scalar>(action: ForceOrImpulse) -> ForceOrImpulse<S> {
     match action {
-        Action::Force { force, point } => Action::Force { force: vector(force), point: point.map(vector) },
-        Action::Torque(torque) => Action::Torque(S::from_fx(torque)),
-        Action::Impulse { impulse, point } => Action::Impulse { impulse: vector(impulse), point: point.map(vector) },
-        Action::AngularImpulse(impulse) => Action::AngularImpulse(S::from_fx(impulse)),
+        ForceOrImpulse::Force { force, point } => {
+            ForceOrImpulse::Force { force: vector(force), point: point.map(vector) }
+        }
+        ForceOrImpulse::Torque(torque) => ForceOrImpulse::Torque(S::from_fx(torque)),
+        ForceOrImpulse::Impulse { impulse, point } => {
+            ForceOrImpulse::Impulse { impulse: vector(impulse), point: point.map(vector) }
+        }
+        ForceOrImpulse::AngularImpulse(impulse) => ForceOrImpulse::AngularImpulse(S::from_fx(impulse)),
     }
 }
 

@@ -6,16 +6,16 @@ use alloc::vec::Vec;
 use core::fmt::Display;
 
 use super::field::{SceneField, factor_text, symbol};
-use super::input::{Deed, Input};
+use super::input::{Input, SceneAction};
 use super::settings::{Plot, Trails};
 use super::shape::{PartDef, ShapeDef};
 use super::{Scene, SceneBody};
 use crate::body::{BodyDef, BodyKind, Locks, Mass};
-use crate::force::{Attachment, End, Field, Law, Region};
+use crate::force::{Attachment, End, FieldKind, ForceField, Region};
 use crate::handle::{BodyId, FieldId};
 use crate::math::{TimeStep, Vec2};
 use crate::scalar::fx::Fx;
-use crate::world::{Action, Command, Frame, WorldDef};
+use crate::world::{Command, ForceOrImpulse, Frame, WorldDef};
 
 impl Scene {
     /// The scene as text, from which [`parse`](Self::parse) makes the same scene, but for places: every number has all its
@@ -78,16 +78,16 @@ impl Scene {
         self.field(field.name.as_deref().map_or_else(Fields::default, Fields::of_name), &field.field)
     }
 
-    fn field(&self, mut object: Fields, field: &Field) -> String {
+    fn field(&self, mut object: Fields, field: &ForceField) -> String {
         let mut law = Fields::default();
-        let name = match &field.law {
-            Law::Attractor { centre, mu, softening } => {
+        let name = match &field.kind {
+            FieldKind::Attractor { centre, mu, softening } => {
                 law.put("at", self.end(centre));
                 law.put("mu", factor_text(*mu));
                 law.unless(*softening == Fx::ZERO, "softening", softening);
                 "attractor"
             }
-            Law::Spring { near, far, spring } => {
+            FieldKind::Spring { near, far, spring } => {
                 law.put("from", self.attachment(near));
                 law.put("to", self.end(far));
                 law.unless(spring.rest == Fx::ZERO, "rest", spring.rest);
@@ -95,18 +95,18 @@ impl Scene {
                 law.unless(spring.damping == Fx::ZERO, "damping", spring.damping);
                 "spring"
             }
-            Law::Drag { linear, quadratic, wind } => {
+            FieldKind::Drag { linear, quadratic, wind } => {
                 law.unless(*linear == Fx::ZERO, "linear", linear);
                 law.unless(*quadratic == Fx::ZERO, "quadratic", quadratic);
                 law.unless(*wind == Vec2::ZERO, "wind", point(*wind));
                 "drag"
             }
-            Law::Thrust { at, force } => {
+            FieldKind::Thrust { at, force } => {
                 law.put("at", self.attachment(at));
                 law.put("force", point(*force));
                 "thrust"
             }
-            Law::Zone { region, acceleration } => {
+            FieldKind::Zone { region, acceleration } => {
                 let mut parts = Fields::default();
                 let kind = match *region {
                     Region::Disc { centre, radius } => {
@@ -125,7 +125,7 @@ impl Scene {
                 "zone"
             }
             // No scene has one: it is refused where it stands.
-            Law::Custom { id } => {
+            FieldKind::Custom { id } => {
                 law.put("id", id);
                 "custom"
             }
@@ -144,16 +144,16 @@ impl Scene {
             object.put("to", input.to);
             object.unless(input.every == 1, "every", input.every);
         }
-        match &input.deed {
-            Deed::Command(command) => self.command(&mut object, command),
-            Deed::AddBody(index) => {
+        match &input.action {
+            SceneAction::Command(command) => self.command(&mut object, command),
+            SceneAction::AddBody(index) => {
                 object.put("add", self.bodies.get(*index).map_or_else(String::new, SceneBody::text));
             }
-            Deed::AddField(index) => {
+            SceneAction::AddField(index) => {
                 let field = self.fields.get(*index);
                 object.put("add_field", field.map_or_else(String::new, |field| self.scene_field(field)));
             }
-            Deed::SetShape { body, shape } => self.set_shape(&mut object, *body, shape.as_ref()),
+            SceneAction::SetShape { body, shape } => self.set_shape(&mut object, *body, shape.as_ref()),
         }
         object.line()
     }
@@ -278,7 +278,7 @@ fn body_text(mut object: Fields, def: &BodyDef, shape: Option<&ShapeDef>) -> Str
     if let Some(shape) = shape {
         object.put("shape", shape.text());
     }
-    if def.mass != Mass::Of(Fx::ONE) {
+    if def.mass != Mass::Kilograms(Fx::ONE) {
         object.mass(def.mass);
     }
     object.unless(def.gravity_scale == Fx::ONE, "gravity_scale", def.gravity_scale);
@@ -363,26 +363,26 @@ impl Fields {
     fn mass(&mut self, mass: Mass) {
         match mass {
             Mass::Density(density) => self.put("density", density),
-            Mass::Of(mass) => self.put("mass", mass),
-            Mass::WithInertia(mass, inertia) => {
+            Mass::Kilograms(mass) => self.put("mass", mass),
+            Mass::Explicit { mass, inertia } => {
                 self.put("mass", mass);
                 self.put("inertia", inertia);
             }
         }
     }
 
-    fn action(&mut self, action: Action) {
+    fn action(&mut self, action: ForceOrImpulse) {
         let at = match action {
-            Action::Force { force, point: at } => {
+            ForceOrImpulse::Force { force, point: at } => {
                 self.put("force", point(force));
                 at
             }
-            Action::Impulse { impulse, point: at } => {
+            ForceOrImpulse::Impulse { impulse, point: at } => {
                 self.put("impulse", point(impulse));
                 at
             }
-            Action::Torque(torque) => return self.put("torque", torque),
-            Action::AngularImpulse(impulse) => return self.put("angular_impulse", impulse),
+            ForceOrImpulse::Torque(torque) => return self.put("torque", torque),
+            ForceOrImpulse::AngularImpulse(impulse) => return self.put("angular_impulse", impulse),
         };
         if let Some(at) = at {
             self.put("point", point(at));

@@ -5,14 +5,14 @@ use alloc::vec::Vec;
 use super::trial::{Played, Trial, add_all, bits, exact, happened, near_fx, near_vec, refused, same, same_body, there};
 use crate::body::{Activity, BodyDef, BodyKind, Mass};
 use crate::error::{Cause, Error, Fault};
-use crate::force::{Attachment, End, Law};
+use crate::force::{Attachment, End, FieldKind};
 use crate::handle::BodyId;
 use crate::limits;
 use crate::math::{Vec2, vec2};
 use crate::scalar::fx::{Fx, fx};
-use crate::scalar::{Factor as _, FxFactor, SpringLaw};
+use crate::scalar::{Factor as _, FxFactor, SpringConstants};
 use crate::shape::{Part, Shape};
-use crate::world::{Action, Frame, Manner, World, WorldDef};
+use crate::world::{ApplyOptions, ForceOrImpulse, Frame, World, WorldDef};
 
 /// Shapes and their I/m, m².
 fn turning_shapes() -> Result<Vec<(Shape, Fx)>, Error> {
@@ -42,7 +42,7 @@ pub(super) fn shapes(trial: &mut Trial) -> Played {
     let shapes = turning_shapes()?;
     let bodies = shapes.iter().map(|(shape, _)| BodyDef {
         shape: Some(shape.clone()),
-        mass: Mass::Of(fx!(8)),
+        mass: Mass::Kilograms(fx!(8)),
         ..BodyDef::dynamic()
     });
     let ids = add_all(&mut world, bodies)?;
@@ -108,23 +108,23 @@ pub(super) fn kinds(trial: &mut Trial) -> Played {
 
 /// The same push in one of the two frames, on a body at `centre` that is not turned.
 fn push(world: &mut World, id: BodyId, frame: Frame, tick: u32) -> Result<(), Error> {
-    let manner = Manner { frame, wake: true };
+    let manner = ApplyOptions { frame, wake: true };
     let size = Fx::from_int(1 + (tick % 7) as i32);
     let force = Vec2::new(size, fx!(-0.25) * size);
     let arm = Vec2::new(fx!(0.5), Fx::from_ratio(i64::from(tick % 5) - 2, 4));
     let centre = world.body(id)?.position();
     let point = Some(if frame == Frame::World { centre + arm } else { arm });
     match tick % 4 {
-        0 => world.apply(id, Action::Force { force, point }, manner),
-        1 => world.apply(id, Action::Impulse { impulse: force, point }, manner),
-        2 => world.apply(id, Action::Torque(size), manner),
-        _ => world.apply(id, Action::AngularImpulse(-size), manner),
+        0 => world.apply(id, ForceOrImpulse::Force { force, point }, manner),
+        1 => world.apply(id, ForceOrImpulse::Impulse { impulse: force, point }, manner),
+        2 => world.apply(id, ForceOrImpulse::Torque(size), manner),
+        _ => world.apply(id, ForceOrImpulse::AngularImpulse(-size), manner),
     }
 }
 
 pub(super) fn pushes(trial: &mut Trial) -> Played {
     let mut world = World::new(exact())?;
-    let start = BodyDef { mass: Mass::WithInertia(fx!(2), fx!(0.5)), ..BodyDef::dynamic() };
+    let start = BodyDef { mass: Mass::Explicit { mass: fx!(2), inertia: fx!(0.5) }, ..BodyDef::dynamic() };
     let ids = add_all(&mut world, [start.clone(), start.clone()])?;
     let (mut momentum, mut spin) = (Vec2::ZERO, fx!(0));
     for tick in 0..280 {
@@ -142,11 +142,11 @@ pub(super) fn pushes(trial: &mut Trial) -> Played {
         let size = Fx::from_int(1 + (tick % 7) as i32);
         let force = Vec2::new(size, fx!(-0.25) * size);
         let arm = Vec2::new(fx!(0.5), Fx::from_ratio(i64::from(tick % 5) - 2, 4));
-        let moment = arm.x * force.y - arm.y * force.x;
+        let phase = arm.x * force.y - arm.y * force.x;
         let second = Fx::from_ratio(1, 64);
         match tick % 4 {
-            0 => (momentum, spin) = (momentum + force.map(|c| c * second), spin + moment * second),
-            1 => (momentum, spin) = (momentum + force, spin + moment),
+            0 => (momentum, spin) = (momentum + force.map(|c| c * second), spin + phase * second),
+            1 => (momentum, spin) = (momentum + force, spin + phase),
             2 => spin += size * second,
             _ => spin -= size,
         }
@@ -160,7 +160,7 @@ pub(super) fn pushes(trial: &mut Trial) -> Played {
     // Turned by what they like, the impulse in the body's frame goes where the body points.
     world.set_angle(ids[1], fx!(1))?;
     let before = world.body(ids[1])?.velocity();
-    world.apply(ids[1], Action::Impulse { impulse: vec2(8, 0), point: None }, Manner::BODY)?;
+    world.apply(ids[1], ForceOrImpulse::Impulse { impulse: vec2(8, 0), point: None }, ApplyOptions::BODY)?;
     let gained = world.body(ids[1])?.velocity() - before;
     near_vec("an impulse along a turned body", gained, Vec2::new(fx!(4) * fx!(1).cos(), fx!(4) * fx!(1).sin()), 4)?;
     trial.steps(&mut world, 20);
@@ -180,9 +180,9 @@ pub(super) fn sleep(trial: &mut Trial) -> Played {
     let mut ids = Vec::new();
     for world in [&mut world, &mut awake] {
         ids = add_all(world, bodies.map(|(position, velocity)| BodyDef { position, velocity, ..BodyDef::dynamic() }))?;
-        let spring = SpringLaw { rest: fx!(5), stiffness: fx!(100), damping: fx!(1) };
+        let spring = SpringConstants { rest: fx!(5), stiffness: fx!(100), damping: fx!(1) };
         let far = End::Body(Attachment::centre(ids[2]));
-        world.add_field(Law::Spring { near: Attachment::centre(ids[1]), far, spring })?;
+        world.add_field(FieldKind::Spring { near: Attachment::centre(ids[1]), far, spring })?;
     }
     let (loner, island) = (ids[0], [ids[1], ids[2]]);
     let mut slept = [0, 0];
@@ -204,13 +204,13 @@ pub(super) fn sleep(trial: &mut Trial) -> Played {
     // Not felt; and nothing wakes.
     world.apply(
         loner,
-        Action::Force { force: vec2(9, 9), point: None },
-        Manner { wake: false, frame: Frame::World },
+        ForceOrImpulse::Force { force: vec2(9, 9), point: None },
+        ApplyOptions { wake: false, frame: Frame::World },
     )?;
     world.apply(
         loner,
-        Action::Impulse { impulse: vec2(9, 9), point: None },
-        Manner { wake: false, frame: Frame::Body },
+        ForceOrImpulse::Impulse { impulse: vec2(9, 9), point: None },
+        ApplyOptions { wake: false, frame: Frame::Body },
     )?;
     run(trial, &mut world, &mut awake, &mut slept)?;
     same("moving bodies", &world.moving_count(), &0)?;
@@ -240,7 +240,8 @@ pub(super) fn quarantine(trial: &mut Trial) -> Played {
     let mut world = World::new(WorldDef { gravity: vec2(0, 8), ..exact() })?;
     let (place, speed, spin) = (limits::POSITION, limits::SPEED, limits::ANGULAR_SPEED);
     let one = fx!(1);
-    let start = BodyDef { mass: Mass::WithInertia(one, one), gravity_scale: fx!(0), ..BodyDef::dynamic() };
+    let start =
+        BodyDef { mass: Mass::Explicit { mass: one, inertia: one }, gravity_scale: fx!(0), ..BodyDef::dynamic() };
     // 1/8 m/s a tick: 2^20 m/s after eight; a metre a tick: 2^30 m after eight; likewise rad/s.
     let faster =
         world.add_body(BodyDef { velocity: Vec2::new(fx!(0), speed - one), gravity_scale: one, ..start.clone() })?;
@@ -260,8 +261,8 @@ pub(super) fn quarantine(trial: &mut Trial) -> Played {
     same("the largest spin", &world.body(quicker)?.angular_velocity(), &spin)?;
     world.apply_torque(quicker, fx!(8))?;
     let mu = FxFactor::from_ratio(1 << 32, 1).times(FxFactor::from_ratio(1 << 32, 1));
-    let law = Law::Attractor { centre: End::World(vec2(0, 0)), mu, softening: fx!(0) };
-    let field = world.add_field(crate::force::Field { law, groups: 2 })?;
+    let kind = FieldKind::Attractor { centre: End::World(vec2(0, 0)), mu, softening: fx!(0) };
+    let field = world.add_field(crate::force::ForceField { kind, groups: 2 })?;
     trial.step(&mut world);
     let causes = [Cause::Velocity, Cause::Position, Cause::AngularVelocity, Cause::Field { field }];
     let ids = [faster, farther, quicker, pulled];

@@ -6,14 +6,14 @@ use super::Problem;
 use super::trial::{Numbers, Played, Trial, add_all, exact, happened, refused, same, same_body, there};
 use crate::body::{BodyDef, BodyKind, Mass};
 use crate::error::Error;
-use crate::force::{Attachment, End, Field, Law, Region};
+use crate::force::{Attachment, End, FieldKind, ForceField, Region};
 use crate::handle::{BodyId, FieldId};
 use crate::integrate::Integrator;
 use crate::math::{TimeStep, Vec2, vec2};
 use crate::scalar::fx::{Fx, fx};
-use crate::scalar::{Factor as _, FxFactor, SpringLaw};
+use crate::scalar::{Factor as _, FxFactor, SpringConstants};
 use crate::shape::Shape;
-use crate::world::{Action, Command, Made, Manner, World, WorldDef};
+use crate::world::{ApplyOptions, Command, Created, ForceOrImpulse, World, WorldDef};
 
 pub(super) fn recycling(trial: &mut Trial) -> Played {
     let def = WorldDef { gravity: vec2(fx!(0.1), fx!(-9.81)), linear_damping: fx!(0.9), ..WorldDef::default() };
@@ -25,7 +25,7 @@ pub(super) fn recycling(trial: &mut Trial) -> Played {
     for tick in 0..300 {
         let velocity = numbers.vec(6);
         let stranger = world.add_body(BodyDef { velocity, ..BodyDef::dynamic() })?;
-        let thrust = world.add_field(Law::Thrust { at: Attachment::centre(stranger), force: numbers.vec(4) })?;
+        let thrust = world.add_field(FieldKind::Thrust { at: Attachment::centre(stranger), force: numbers.vec(4) })?;
         strangers.push_back((stranger, thrust));
         (most_body, most_field) = (most_body.max(stranger.parts().1), most_field.max(thrust.parts().1));
         if tick % 60 == 0 {
@@ -49,7 +49,7 @@ pub(super) fn recycling(trial: &mut Trial) -> Played {
 }
 
 /// The body and fields that the commands below lead to, made at once; all that is moving apart.
-fn as_it_became() -> Result<(WorldDef, BodyDef, [Field; 2]), Error> {
+fn as_it_became() -> Result<(WorldDef, BodyDef, [ForceField; 2]), Error> {
     let def = WorldDef {
         time_step: TimeStep::ratio(1001, 60_000),
         gravity: vec2(1, -3),
@@ -74,19 +74,19 @@ fn as_it_became() -> Result<(WorldDef, BodyDef, [Field; 2]), Error> {
         ..BodyDef::dynamic()
     };
     let region = Region::Disc { centre: vec2(0, 0), radius: fx!(1000) };
-    let zone = Field { law: Law::Zone { region, acceleration: vec2(0, 2) }, groups: 4 };
+    let zone = ForceField { kind: FieldKind::Zone { region, acceleration: vec2(0, 2) }, groups: 4 };
     let attractor =
-        Law::Attractor { centre: End::World(vec2(1, 1)), mu: FxFactor::from_ratio(30, 1), softening: fx!(0.5) };
+        FieldKind::Attractor { centre: End::World(vec2(1, 1)), mu: FxFactor::from_ratio(30, 1), softening: fx!(0.5) };
     Ok((def, body, [zone, attractor.into()]))
 }
 
-fn made_body(made: Made) -> Result<BodyId, Problem> {
-    let body = if let Made::Body(body) = made { Some(body) } else { None };
+fn made_body(made: Created) -> Result<BodyId, Problem> {
+    let body = if let Created::Body(body) = made { Some(body) } else { None };
     there("a body made by a command", body)
 }
 
-fn made_field(made: Made) -> Result<FieldId, Problem> {
-    let field = if let Made::Field(field) = made { Some(field) } else { None };
+fn made_field(made: Created) -> Result<FieldId, Problem> {
+    let field = if let Created::ForceField(field) = made { Some(field) } else { None };
     there("a field made by a command", field)
 }
 
@@ -95,19 +95,20 @@ pub(super) fn setters(trial: &mut Trial) -> Played {
     let mut world = World::new(WorldDef { gravity: vec2(0, -10), ..exact() })?;
     let body = made_body(world.execute(&Command::AddBody(BodyDef { velocity: vec2(9, 9), ..BodyDef::kinematic() }))?)?;
     let other = made_body(world.execute(&Command::AddBody(BodyDef::dynamic()))?)?;
-    let id = made_field(
-        world.execute(&Command::AddField(Law::Thrust { at: Attachment::centre(other), force: vec2(1, 1) }.into()))?,
-    )?;
+    let id =
+        made_field(world.execute(&Command::AddField(
+            FieldKind::Thrust { at: Attachment::centre(other), force: vec2(1, 1) }.into(),
+        ))?)?;
     let last = made_field(world.execute(&Command::AddField(attractor))?)?;
     trial.steps(&mut world, 40);
     let shots = [
-        Action::Force { force: vec2(1, 2), point: Some(vec2(1, 0)) },
-        Action::Torque(fx!(1)),
-        Action::Impulse { impulse: vec2(1, 2), point: None },
-        Action::AngularImpulse(fx!(1)),
+        ForceOrImpulse::Force { force: vec2(1, 2), point: Some(vec2(1, 0)) },
+        ForceOrImpulse::Torque(fx!(1)),
+        ForceOrImpulse::Impulse { impulse: vec2(1, 2), point: None },
+        ForceOrImpulse::AngularImpulse(fx!(1)),
     ];
     for action in shots {
-        world.execute(&Command::Apply { body: other, action, manner: Manner::BODY })?;
+        world.execute(&Command::Apply { body: other, action, manner: ApplyOptions::BODY })?;
     }
     // Out at once, and back.
     world.execute(&Command::SetPosition { body: other, position: Vec2::new(crate::limits::POSITION, fx!(0)) })?;
@@ -144,7 +145,7 @@ pub(super) fn setters(trial: &mut Trial) -> Played {
         Command::RemoveBody(other),
     ];
     for command in &commands {
-        same("what a setter makes", &world.execute(command)?, &Made::Nothing)?;
+        same("what a setter makes", &world.execute(command)?, &Created::Nothing)?;
     }
     world.add_field(attractor)?;
     let mut anew = World::new(def)?;
@@ -171,19 +172,21 @@ fn busy() -> Result<(World, alloc::vec::Vec<BodyId>), Error> {
         position: numbers.vec(5),
         velocity: numbers.vec(3),
         angular_velocity: numbers.fx(2),
-        mass: Mass::WithInertia(Fx::from_int(1 + i), fx!(2)),
+        mass: Mass::Explicit { mass: Fx::from_int(1 + i), inertia: fx!(2) },
         groups: if i < 6 { 1 } else { 2 },
         ..BodyDef::dynamic()
     });
     let ids = add_all(&mut world, swarm)?;
     let centre = End::Body(Attachment::centre(ids[0]));
-    let pull = Law::Attractor { centre, mu: FxFactor::from_ratio(50, 1), softening: fx!(1) };
-    world.add_field(Field { law: pull, groups: 1 })?;
-    world
-        .add_field(Field { law: Law::Drag { linear: fx!(0.1), quadratic: fx!(0.01), wind: vec2(1, 0) }, groups: 2 })?;
-    let spring = SpringLaw { rest: fx!(3), stiffness: fx!(20), damping: fx!(0.2) };
+    let pull = FieldKind::Attractor { centre, mu: FxFactor::from_ratio(50, 1), softening: fx!(1) };
+    world.add_field(ForceField { kind: pull, groups: 1 })?;
+    world.add_field(ForceField {
+        kind: FieldKind::Drag { linear: fx!(0.1), quadratic: fx!(0.01), wind: vec2(1, 0) },
+        groups: 2,
+    })?;
+    let spring = SpringConstants { rest: fx!(3), stiffness: fx!(20), damping: fx!(0.2) };
     let near = Attachment { body: ids[7], point: vec2(fx!(0.5), 0) };
-    world.add_field(Law::Spring { near, far: End::Body(Attachment::centre(ids[8])), spring })?;
+    world.add_field(FieldKind::Spring { near, far: End::Body(Attachment::centre(ids[8])), spring })?;
     Ok((world, ids))
 }
 
@@ -229,15 +232,15 @@ pub(super) fn looking_ahead(trial: &mut Trial) -> Played {
         inputs(&mut world, &ids, tick)?;
         trial.step(&mut world);
     }
-    let mut ahead = ids.iter().map(|&id| world.look_ahead(id)).collect::<Result<alloc::vec::Vec<_>, _>>()?;
+    let mut ahead = ids.iter().map(|&id| world.preview(id)).collect::<Result<alloc::vec::Vec<_>, _>>()?;
     for _ in 0..120 {
         trial.step(&mut world);
-        for (outlook, &id) in ahead.iter_mut().zip(&ids) {
-            outlook.step();
-            same_body("an outlook", (outlook.world(), outlook.id()), (&world, id))?;
+        for (preview, &id) in ahead.iter_mut().zip(&ids) {
+            preview.step();
+            same_body("an outlook", (preview.world(), preview.id()), (&world, id))?;
         }
     }
-    let companies: alloc::vec::Vec<usize> = ahead.iter().map(|outlook| outlook.world().body_count()).collect();
+    let companies: alloc::vec::Vec<usize> = ahead.iter().map(|preview| preview.world().body_count()).collect();
     // The centre alone, five around it with it, the pair together, the rest alone.
     same("the size of outlooks", &&companies[..], &&[1, 2, 2, 2, 2, 2, 1, 2, 2, 1, 1, 1][..])
 }

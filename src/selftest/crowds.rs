@@ -5,11 +5,11 @@ use alloc::vec::Vec;
 use super::trial::{Numbers, Played, Trial, add_all, happened, same, same_body};
 use crate::body::{BodyDef, Mass};
 use crate::error::Error;
-use crate::force::{Attachment, End, Field, Law, Region};
+use crate::force::{Attachment, End, FieldKind, ForceField, Region};
 use crate::handle::BodyId;
 use crate::integrate::Integrator;
 use crate::math::{TimeStep, vec2};
-use crate::scalar::SpringLaw;
+use crate::scalar::SpringConstants;
 use crate::scalar::fx::{Fx, fx};
 use crate::world::{World, WorldDef};
 
@@ -19,7 +19,7 @@ fn flying(numbers: &mut Numbers) -> BodyDef {
         angle: numbers.fx(4),
         velocity: numbers.vec(6),
         angular_velocity: numbers.fx(5),
-        mass: Mass::WithInertia(fx!(2), fx!(0.5)),
+        mass: Mass::Explicit { mass: fx!(2), inertia: fx!(0.5) },
         ..BodyDef::dynamic()
     }
 }
@@ -27,8 +27,8 @@ fn flying(numbers: &mut Numbers) -> BodyDef {
 /// Some bodies of a world, each in a world of its own with the same definition.
 fn alone(world: &World, ids: impl Iterator<Item = BodyId>) -> Result<Vec<(BodyId, World, BodyId)>, Error> {
     let one = |id: BodyId| {
-        let outlook = world.look_ahead(id)?;
-        Ok((id, outlook.world().clone(), outlook.id()))
+        let preview = world.preview(id)?;
+        Ok((id, preview.world().clone(), preview.id()))
     };
     ids.map(one).collect()
 }
@@ -82,11 +82,11 @@ pub(super) fn mixed_blocks(trial: &mut Trial) -> Played {
     let bodies: Vec<BodyDef> = (0..400).map(|_| flying(&mut numbers)).collect();
     let ids = add_all(&mut world, (0..).zip(bodies).map(sort))?;
     let region = Region::Box { min: vec2(-2000, -2000), max: vec2(2000, 2000) };
-    world.add_field(Field { law: Law::Zone { region, acceleration: vec2(3, 1) }, groups: 2 })?;
-    let spring = SpringLaw { rest: fx!(5), stiffness: fx!(3), damping: fx!(0.25) };
-    world.add_field(Law::Spring { near: Attachment::centre(ids[6]), far: End::World(vec2(0, 0)), spring })?;
+    world.add_field(ForceField { kind: FieldKind::Zone { region, acceleration: vec2(3, 1) }, groups: 2 })?;
+    let spring = SpringConstants { rest: fx!(5), stiffness: fx!(3), damping: fx!(0.25) };
+    world.add_field(FieldKind::Spring { near: Attachment::centre(ids[6]), far: End::World(vec2(0, 0)), spring })?;
     let far = End::Body(Attachment::centre(ids[399]));
-    world.add_field(Law::Spring { near: Attachment::centre(ids[14]), far, spring })?;
+    world.add_field(FieldKind::Spring { near: Attachment::centre(ids[14]), far, spring })?;
     let mut few = alone(&world, ids.iter().copied().step_by(11))?;
     step_beside(trial, &mut world, &mut few, 60)?;
     let asleep = world.bodies().filter(|body| body.activity() == crate::body::Activity::Asleep).count();

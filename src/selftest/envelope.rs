@@ -3,17 +3,17 @@
 use super::trial::{Flight, Played, Trial, add_all, exact, happened, near, near_wide, refused, same};
 use crate::body::{Activity, BodyDef, Mass};
 use crate::error::{Cause, Error, Quantity};
-use crate::force::{Attachment, End, Law};
+use crate::force::{Attachment, End, FieldKind};
 use crate::limits;
 use crate::math::{TimeStep, Vec2, vec2};
 use crate::scalar::fx::{Fx, fx};
-use crate::scalar::{Factor as _, FxFactor, FxWide, SpringLaw, Wide as _};
+use crate::scalar::{Factor as _, FxFactor, FxWide, SpringConstants, Wide as _};
 use crate::shape::Shape;
 use crate::world::{World, WorldDef};
 
 pub(super) fn extreme_masses(trial: &mut Trial) -> Played {
     let mut world = World::new(exact())?;
-    let (light, heavy) = (Mass::Of(limits::MASS_MIN), Mass::Of(limits::MASS_MAX));
+    let (light, heavy) = (Mass::Kilograms(limits::MASS_MIN), Mass::Kilograms(limits::MASS_MAX));
     let (small, large) = (Shape::circle(limits::SIZE_MIN)?, Shape::rectangle(limits::SIZE_MAX, limits::SIZE_MAX)?);
     let grain = BodyDef { mass: light, shape: Some(small), ..BodyDef::dynamic() };
     let hulk = BodyDef { mass: heavy, shape: Some(large), position: vec2(0, 100), ..BodyDef::dynamic() };
@@ -36,9 +36,9 @@ pub(super) fn extreme_masses(trial: &mut Trial) -> Played {
     let spin = Fx::from_ratio(12 * 1_000_000_000, 1 << 49);
     near("spin of 16,777 t", world.body(ids[1])?.angular_velocity().to_bits().into(), spin.to_bits().into(), 1)?;
     // A grain on a hulk by a spring: ω of the grain is 1/64 · 64 = 1/step, as stiff as a spring may be with room.
-    let spring = SpringLaw { rest: fx!(1), stiffness: fx!(0.0625), damping: fx!(0) };
+    let spring = SpringConstants { rest: fx!(1), stiffness: fx!(0.0625), damping: fx!(0) };
     let far = End::Body(Attachment { body: ids[3], point: vec2(0, -98) });
-    world.add_field(Law::Spring { near: Attachment::centre(ids[2]), far, spring })?;
+    world.add_field(FieldKind::Spring { near: Attachment::centre(ids[2]), far, spring })?;
     world.apply_impulse(ids[3], vec2(1 << 20, 0))?;
     let before = world.momentum()?;
     trial.steps(&mut world, 256);
@@ -100,13 +100,13 @@ pub(super) fn largest_numbers(trial: &mut Trial) -> Played {
     let start = Vec2::new(limits::SPEED, -limits::SPEED);
     let flies = BodyDef { gravity_scale: limits::GRAVITY_SCALE, velocity: start, ..BodyDef::dynamic() };
     let flies = world.add_body(flies)?;
-    let heavy = BodyDef { mass: Mass::Of(limits::MASS_MAX), gravity_scale: fx!(0), ..BodyDef::dynamic() };
+    let heavy = BodyDef { mass: Mass::Kilograms(limits::MASS_MAX), gravity_scale: fx!(0), ..BodyDef::dynamic() };
     let pushed = world.add_body(BodyDef { position: vec2(0, 1 << 20), ..heavy.clone() })?;
     let drawn = world.add_body(BodyDef { position: Vec2::new(Fx::from_int(1 << 27), fx!(0)), groups: 2, ..heavy })?;
     // 2^64 m³/s² from 2^27 m away: 2^10 m/s².
     let mu = FxFactor::from_ratio(1 << 32, 1).times(FxFactor::from_ratio(1 << 32, 1));
-    let law = Law::Attractor { centre: End::World(vec2(0, 0)), mu, softening: fx!(0) };
-    world.add_field(crate::force::Field { law, groups: 2 })?;
+    let kind = FieldKind::Attractor { centre: End::World(vec2(0, 0)), mu, softening: fx!(0) };
+    world.add_field(crate::force::ForceField { kind, groups: 2 })?;
     let mut force = FxWide::default();
     for _ in 0..128 {
         for _ in 0..3 {

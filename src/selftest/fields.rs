@@ -8,7 +8,9 @@ use super::trial::{
 };
 use crate::body::{Activity, BodyDef, Mass};
 use crate::error::{Cause, Error, Fault};
-use crate::force::{Attachment, BodyState, Dependence, End, Field, ForceLaw, Law, LawFault, Push, Region};
+use crate::force::{
+    Attachment, BodyState, CustomForce, CustomForceError, Dependence, End, FieldKind, ForceField, ForceTorque, Region,
+};
 use crate::handle::BodyId;
 use crate::integrate::Integrator;
 use crate::math::{Vec2, vec2};
@@ -17,13 +19,14 @@ use crate::scalar::{Accumulator as _, Angle as _, Factor as _, FxFactor, Turn, W
 use crate::world::{World, WorldDef};
 
 /// An attractor that a body carries, of so many m³/s².
-fn carried(body: BodyId, mu: u64, softening: Fx) -> Law {
-    Law::Attractor { centre: End::Body(Attachment::centre(body)), mu: FxFactor::from_ratio(mu, 1), softening }
+fn carried(body: BodyId, mu: u64, softening: Fx) -> FieldKind {
+    FieldKind::Attractor { centre: End::Body(Attachment::centre(body)), mu: FxFactor::from_ratio(mu, 1), softening }
 }
 
 pub(super) fn attractor_pair(trial: &mut Trial) -> Played {
     let mut world = World::new(WorldDef::default())?;
-    let start = BodyDef { position: vec2(6, 1), velocity: vec2(-1, 4), mass: Mass::Of(fx!(3)), ..BodyDef::dynamic() };
+    let start =
+        BodyDef { position: vec2(6, 1), velocity: vec2(-1, 4), mass: Mass::Kilograms(fx!(3)), ..BodyDef::dynamic() };
     let image = BodyDef { position: -start.position, velocity: -start.velocity, ..start.clone() };
     let ids = add_all(&mut world, [start, image])?;
     for &id in &ids {
@@ -49,8 +52,12 @@ pub(super) fn three_bodies(trial: &mut Trial) -> Played {
     let mut world = World::new(WorldDef { integrator: Integrator::Yoshida4, ..WorldDef::default() })?;
     let places = [(1, vec2(9, 0), vec2(0, 6)), (2, vec2(-6, 3), vec2(0, -5)), (4, vec2(0, -5), vec2(1, 1))];
     for (mass, position, velocity) in places {
-        let id =
-            world.add_body(BodyDef { mass: Mass::Of(Fx::from_int(mass)), position, velocity, ..BodyDef::dynamic() })?;
+        let id = world.add_body(BodyDef {
+            mass: Mass::Kilograms(Fx::from_int(mass)),
+            position,
+            velocity,
+            ..BodyDef::dynamic()
+        })?;
         // The same G for all, so that each action has its reaction.
         world.add_field(carried(id, 50 * mass.unsigned_abs() as u64, fx!(0.25)))?;
     }
@@ -67,8 +74,8 @@ pub(super) fn three_bodies(trial: &mut Trial) -> Played {
 pub(super) fn drag_linear(trial: &mut Trial) -> Played {
     let mut world = World::new(WorldDef::default())?;
     let wind = vec2(2, -1);
-    let id = world.add_body(BodyDef { mass: Mass::Of(fx!(2)), velocity: vec2(30, 40), ..BodyDef::dynamic() })?;
-    world.add_field(Law::Drag { linear: fx!(1), quadratic: fx!(0), wind })?;
+    let id = world.add_body(BodyDef { mass: Mass::Kilograms(fx!(2)), velocity: vec2(30, 40), ..BodyDef::dynamic() })?;
+    world.add_field(FieldKind::Drag { linear: fx!(1), quadratic: fx!(0), wind })?;
     // e^(−t/2) after 1, 2 and 4 s.
     let left = [(60, fx!(0.6065306597126334)), (60, fx!(0.3678794411714423)), (120, fx!(0.1353352832366127))];
     for (ticks, left) in left {
@@ -85,7 +92,7 @@ pub(super) fn drag_linear(trial: &mut Trial) -> Played {
 pub(super) fn drag_quadratic(trial: &mut Trial) -> Played {
     let mut world = World::new(WorldDef::default())?;
     let id = world.add_body(BodyDef { velocity: vec2(3, 4), ..BodyDef::dynamic() })?;
-    world.add_field(Law::Drag { linear: fx!(0), quadratic: fx!(0.25), wind: vec2(0, 0) })?;
+    world.add_field(FieldKind::Drag { linear: fx!(0), quadratic: fx!(0.25), wind: vec2(0, 0) })?;
     for n in 1..=300 {
         trial.step(&mut world);
         // 5 m/s at β = ¼/m: 1/(1 + 1.25·n/60) = 48/(48 + n) is left.
@@ -98,7 +105,7 @@ pub(super) fn drag_quadratic(trial: &mut Trial) -> Played {
 pub(super) fn drag_stiff(trial: &mut Trial) -> Played {
     let mut world = World::new(WorldDef { integrator: Integrator::Yoshida4, ..WorldDef::default() })?;
     let id = world.add_body(BodyDef { velocity: vec2(180, 240), ..BodyDef::dynamic() })?;
-    world.add_field(Law::Drag { linear: fx!(0), quadratic: fx!(1), wind: vec2(0, 0) })?;
+    world.add_field(FieldKind::Drag { linear: fx!(0), quadratic: fx!(1), wind: vec2(0, 0) })?;
     let (mut outside, mut inside) = (0, 0);
     for n in 1..=240 {
         trial.step(&mut world);
@@ -115,9 +122,10 @@ pub(super) fn drag_stiff(trial: &mut Trial) -> Played {
 
 pub(super) fn thruster(trial: &mut Trial) -> Played {
     let mut world = World::new(exact())?;
-    let id = world.add_body(BodyDef { mass: Mass::WithInertia(fx!(2), fx!(4)), ..BodyDef::dynamic() })?;
+    let id =
+        world.add_body(BodyDef { mass: Mass::Explicit { mass: fx!(2), inertia: fx!(4) }, ..BodyDef::dynamic() })?;
     // τ = 0·1 − (−2)·3 = 6 N·m, α = 1.5 rad/s².
-    world.add_field(Law::Thrust { at: Attachment { body: id, point: vec2(0, -2) }, force: vec2(3, 1) })?;
+    world.add_field(FieldKind::Thrust { at: Attachment { body: id, point: vec2(0, -2) }, force: vec2(3, 1) })?;
     let mut turned = Flight::new(fx!(0), fx!(0));
     let mut turned_full = false;
     for _ in 0..512 {
@@ -136,10 +144,11 @@ pub(super) fn thruster(trial: &mut Trial) -> Played {
 
 pub(super) fn zones(trial: &mut Trial) -> Played {
     let mut world = World::new(exact())?;
-    let disc = Law::Zone { region: Region::Disc { centre: vec2(0, 0), radius: fx!(5) }, acceleration: vec2(0, -8) };
+    let disc =
+        FieldKind::Zone { region: Region::Disc { centre: vec2(0, 0), radius: fx!(5) }, acceleration: vec2(0, -8) };
     let shelf = Region::Box { min: vec2(10, 10), max: vec2(20, 500) };
     world.add_field(disc)?;
-    world.add_field(Field { law: Law::Zone { region: shelf, acceleration: vec2(0, 4) }, groups: 2 })?;
+    world.add_field(ForceField { kind: FieldKind::Zone { region: shelf, acceleration: vec2(0, 4) }, groups: 2 })?;
     let at = |x: Fx, y: Fx, groups| BodyDef { position: Vec2::new(x, y), groups, ..BodyDef::dynamic() };
     let falls = world.add_body(at(fx!(3), fx!(4), 1))?; // on the very edge of the disc
     let outside = world.add_body(at(fx!(3), fx!(4) + Fx::DELTA, 1))?;
@@ -175,7 +184,7 @@ struct Magnet {
     strength: Fx,
 }
 
-impl ForceLaw for Magnet {
+impl CustomForce for Magnet {
     fn id(&self) -> u64 {
         0x006d_6167_6e65_7400
     }
@@ -188,22 +197,23 @@ impl ForceLaw for Magnet {
         Dependence::Velocity
     }
 
-    fn push(&self, body: &BodyState) -> Result<Push, LawFault> {
+    fn push(&self, body: &BodyState) -> Result<ForceTorque, CustomForceError> {
         let across = Vec2::new(body.velocity.y, -body.velocity.x);
-        let force = across.checked_scale(self.strength).ok_or(LawFault { code: 1 })?;
-        Ok(Push { force, torque: fx!(0) })
+        let force = across.checked_scale(self.strength).ok_or(CustomForceError { code: 1 })?;
+        Ok(ForceTorque { force, torque: fx!(0) })
     }
 }
 
 pub(super) fn magnet(trial: &mut Trial) -> Played {
     let mut world = World::new(WorldDef::default())?;
     let law = Arc::new(Magnet { strength: fx!(2) });
-    world.register_law(law.clone())?;
-    refused("a law twice", world.register_law(law.clone()), Error::ForceLaw { id: law.id() })?;
+    world.register_custom_force(law.clone())?;
+    refused("a law twice", world.register_custom_force(law.clone()), Error::CustomForce { id: law.id() })?;
     // ω = 1/s, so a radius of 3 m around the origin.
-    let start = BodyDef { mass: Mass::Of(fx!(2)), position: vec2(0, 3), velocity: vec2(3, 0), ..BodyDef::dynamic() };
+    let start =
+        BodyDef { mass: Mass::Kilograms(fx!(2)), position: vec2(0, 3), velocity: vec2(3, 0), ..BodyDef::dynamic() };
     let id = world.add_body(start)?;
-    world.add_field(Law::Custom { id: law.id() })?;
+    world.add_field(FieldKind::Custom { id: law.id() })?;
     let mut sides = [false; 2];
     for _ in 0..400 {
         trial.step(&mut world);
@@ -221,7 +231,7 @@ pub(super) fn magnet(trial: &mut Trial) -> Played {
 /// Nothing up to x = 3 m, and no answer beyond.
 struct Cliff;
 
-impl ForceLaw for Cliff {
+impl CustomForce for Cliff {
     fn id(&self) -> u64 {
         7
     }
@@ -234,21 +244,21 @@ impl ForceLaw for Cliff {
         Dependence::Position
     }
 
-    fn push(&self, body: &BodyState) -> Result<Push, LawFault> {
-        if body.position.x > fx!(3) { Err(LawFault { code: 42 }) } else { Ok(Push::default()) }
+    fn push(&self, body: &BodyState) -> Result<ForceTorque, CustomForceError> {
+        if body.position.x > fx!(3) { Err(CustomForceError { code: 42 }) } else { Ok(ForceTorque::default()) }
     }
 }
 
 pub(super) fn law_without_answer(trial: &mut Trial) -> Played {
     let mut world = World::new(exact())?;
-    world.register_law(Arc::new(Cliff))?;
+    world.register_custom_force(Arc::new(Cliff))?;
     let walker = world.add_body(BodyDef { velocity: vec2(1, 0), ..BodyDef::dynamic() })?;
-    let field = world.add_field(Law::Custom { id: 7 })?;
+    let field = world.add_field(FieldKind::Custom { id: 7 })?;
     trial.steps(&mut world, 192);
     happened("nothing wrong up to the edge", world.last_report().faults.is_empty())?;
     same("place at the edge", &world.body(walker)?.position(), &vec2(3, 0))?;
     trial.step(&mut world);
-    let fault = Fault { body: walker, cause: Cause::Law { field, code: 42 } };
+    let fault = Fault { body: walker, cause: Cause::CustomForce { field, code: 42 } };
     same("the fault", &world.last_report().faults, &&[fault][..])?;
     trial.steps(&mut world, 30);
     let body = world.body(walker)?;
@@ -264,8 +274,8 @@ pub(super) fn groups(trial: &mut Trial) -> Played {
     let everywhere = Region::Disc { centre: vec2(0, 0), radius: fx!(1_000_000) };
     for bit in 0..4 {
         // 1, 2, 4, 8 m/s² along x.
-        let law = Law::Zone { region: everywhere, acceleration: vec2(1 << bit, 0) };
-        world.add_field(Field { law, groups: 1 << bit })?;
+        let kind = FieldKind::Zone { region: everywhere, acceleration: vec2(1 << bit, 0) };
+        world.add_field(ForceField { kind, groups: 1 << bit })?;
     }
     let ids = add_all(&mut world, (0..16).map(|groups| BodyDef { groups, ..BodyDef::dynamic() }))?;
     trial.steps(&mut world, 64);

@@ -4,12 +4,12 @@ use alloc::vec::Vec;
 
 use super::trial::{Numbers, Played, Trial, add_all, happened, same, there};
 use crate::body::{BodyDef, Mass};
-use crate::force::{Attachment, End, Law};
+use crate::force::{Attachment, End, FieldKind};
 use crate::handle::BodyId;
 use crate::integrate::Integrator;
 use crate::math::{Random, vec2};
 use crate::replay::{Dump, HashTree, RecordOptions, Recorder, Replay, Snapshot};
-use crate::scalar::SpringLaw;
+use crate::scalar::SpringConstants;
 use crate::scalar::fx::{Fx, fx};
 use crate::shape::Shape;
 use crate::world::{Command, Input, Inputs, World, WorldDef};
@@ -38,9 +38,9 @@ fn start(integrator: Integrator) -> Result<(World, Vec<BodyId>), crate::error::E
         }),
     )?;
     for pair in ids.windows(2) {
-        let spring = SpringLaw { rest: fx!(2), stiffness: fx!(9), damping: fx!(0.25) };
+        let spring = SpringConstants { rest: fx!(2), stiffness: fx!(9), damping: fx!(0.25) };
         let far = End::Body(Attachment::centre(pair[1]));
-        world.add_field(Law::Spring { near: Attachment::centre(pair[0]), far, spring })?;
+        world.add_field(FieldKind::Spring { near: Attachment::centre(pair[0]), far, spring })?;
     }
     world.add_body(BodyDef { gravity_scale: Fx::ZERO, position: vec2(99, 99), ..BodyDef::dynamic() })?;
     Ok((world, ids))
@@ -113,8 +113,11 @@ pub(super) fn there_and_back(trial: &mut Trial) -> Played {
         world.set_sleep_after(None)?;
         let dampers: Vec<_> = world.fields().map(|(id, field)| (id, *field)).collect();
         for (id, field) in dampers {
-            if let Law::Spring { near, far, spring } = field.law {
-                world.set_field(id, Law::Spring { near, far, spring: SpringLaw { damping: Fx::ZERO, ..spring } })?;
+            if let FieldKind::Spring { near, far, spring } = field.kind {
+                world.set_field(
+                    id,
+                    FieldKind::Spring { near, far, spring: SpringConstants { damping: Fx::ZERO, ..spring } },
+                )?;
             }
         }
         let mut way = Vec::new();

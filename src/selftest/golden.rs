@@ -9,16 +9,16 @@ use super::Outcome;
 /// [`Golden::write`] writes what [`Golden::parse`] reads.
 ///
 /// ```
-/// use umbra_physics::LAW;
+/// use umbra_physics::PHYSICS_VERSION;
 /// use umbra_physics::selftest::{Golden, golden, scenes};
 ///
 /// let own: Golden = golden();
-/// assert_eq!((own.law(), own.scenes().count()), (Some(LAW), scenes().len()));
+/// assert_eq!((own.physics_version(), own.scenes().count()), (Some(PHYSICS_VERSION), scenes().len()));
 /// assert!(scenes().iter().all(|scene| own.scene(scene.name()).is_some()));
 ///
 /// // What another machine found, as text, and here again.
 /// let mut sent = String::new();
-/// Golden::write(&mut sent, LAW, own.scenes(), own.all().unwrap())?;
+/// Golden::write(&mut sent, PHYSICS_VERSION, own.scenes(), own.all().unwrap())?;
 /// let theirs = Golden::parse(&sent);
 /// assert_eq!(theirs.all(), own.all());
 /// # Ok::<(), std::fmt::Error>(())
@@ -44,9 +44,9 @@ impl<'t> Golden<'t> {
         Self { text }
     }
 
-    /// The number of the law of physics it was made under, as [`LAW`](crate::LAW).
+    /// The number of the law of physics it was made under, as [`PHYSICS_VERSION`](crate::LAW).
     #[must_use]
-    pub fn law(&self) -> Option<u32> {
+    pub fn physics_version(&self) -> Option<u32> {
         self.lines().find_map(|mut words| (words.next()? == "law").then(|| words.next()?.parse().ok())?)
     }
 

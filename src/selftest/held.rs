@@ -5,12 +5,12 @@ use alloc::vec::Vec;
 use super::trial::{Flight, Played, Trial, add_all, bits, exact, happened, near_fx, refused, same};
 use crate::body::{Activity, BodyDef, BodyKind, Locks, Mass};
 use crate::error::{Error, Quantity};
-use crate::force::{Attachment, End, Law};
+use crate::force::{Attachment, End, FieldKind};
 use crate::integrate::Integrator;
 use crate::limits;
 use crate::math::{TimeStep, Vec2, vec2};
 use crate::scalar::fx::{Fx, fx};
-use crate::scalar::{Accumulator as _, Angle as _, FxAccumulator, SpringLaw, Turn};
+use crate::scalar::{Accumulator as _, Angle as _, FxAccumulator, SpringConstants, Turn};
 use crate::world::{World, WorldDef};
 
 fn along<T>(locked: bool, still: T, moved: T) -> T {
@@ -22,7 +22,7 @@ pub(super) fn locks(trial: &mut Trial) -> Played {
         let mut world = World::new(WorldDef { integrator, gravity: vec2(2, -8), ..exact() })?;
         let all = (0..8).map(|bits| Locks { x: bits & 1 > 0, y: bits & 2 > 0, rotation: bits & 4 > 0 });
         let all: Vec<Locks> = all.collect();
-        let mass = Mass::WithInertia(fx!(2), fx!(4));
+        let mass = Mass::Explicit { mass: fx!(2), inertia: fx!(4) };
         let defs = all.iter().map(|&locks| BodyDef { position: vec2(1, 3), mass, locks, ..BodyDef::dynamic() });
         let ids = add_all(&mut world, defs)?;
         let starts: Vec<_> = ids.iter().map(|&id| bits(&world, id)).collect::<Result<_, _>>()?;
@@ -55,7 +55,7 @@ pub(super) fn caps(trial: &mut Trial) -> Played {
     let capped = BodyDef {
         max_speed: Some(fx!(5)),
         max_angular_speed: Some(fx!(2)),
-        mass: Mass::WithInertia(fx!(1), fx!(1)),
+        mass: Mass::Explicit { mass: fx!(1), inertia: fx!(1) },
         ..BodyDef::dynamic()
     };
     let free = BodyDef { max_speed: None, max_angular_speed: None, ..capped.clone() };
@@ -101,10 +101,10 @@ pub(super) fn disabled(trial: &mut Trial) -> Played {
     let mut world = World::new(WorldDef { gravity: vec2(0, -8), sleep_after: Some(8), ..exact() })?;
     let def = BodyDef { velocity: vec2(1, 2), angular_velocity: fx!(3), ..BodyDef::dynamic() };
     let ids = add_all(&mut world, [def.clone(), def.clone(), BodyDef { position: vec2(0, 9), ..def }])?;
-    let spring = SpringLaw { rest: fx!(1), stiffness: fx!(16), damping: fx!(1) };
+    let spring = SpringConstants { rest: fx!(1), stiffness: fx!(16), damping: fx!(1) };
     world.disable(ids[0])?;
     let near = Attachment { body: ids[0], point: vec2(1, 0) };
-    world.add_field(Law::Spring { near, far: End::Body(Attachment::centre(ids[2])), spring })?;
+    world.add_field(FieldKind::Spring { near, far: End::Body(Attachment::centre(ids[2])), spring })?;
     let still = bits(&world, ids[0])?;
     let mut flight = Flight::new(fx!(9), fx!(2));
     trial.steps(&mut world, 64);
@@ -129,9 +129,9 @@ pub(super) fn goals(trial: &mut Trial) -> Played {
         let mut world = World::new(WorldDef { integrator, ..exact() })?;
         let lift = world.add_body(BodyDef::kinematic())?;
         let load = world.add_body(BodyDef { position: vec2(0, 2), ..BodyDef::dynamic() })?;
-        let spring = SpringLaw { rest: fx!(2), stiffness: fx!(32), damping: fx!(2) };
+        let spring = SpringConstants { rest: fx!(2), stiffness: fx!(32), damping: fx!(2) };
         let near = Attachment { body: load, point: vec2(fx!(0.5), 0) };
-        world.add_field(Law::Spring { near, far: End::Body(Attachment::centre(lift)), spring })?;
+        world.add_field(FieldKind::Spring { near, far: End::Body(Attachment::centre(lift)), spring })?;
         let mut turned = false;
         for tick in 0..48i32 {
             world.set_time_step(steps[tick as usize % 3])?;

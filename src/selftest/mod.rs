@@ -32,8 +32,8 @@ mod trial;
 pub use failure::{Failure, Problem};
 pub use golden::{Golden, golden};
 
+use crate::codec::{self, Encoder as _, StateHasher, Write as _};
 use crate::integrate::Integrator;
-use crate::wire::{self, Out as _, Sink, Write as _};
 use trial::{Played, Trial};
 
 /// A scene of the corpus.
@@ -110,7 +110,7 @@ pub fn run() -> Result<Outcome, Failure> {
 /// ```
 pub struct Total {
     ticks: u64,
-    digest: Sink,
+    digest: StateHasher,
 }
 
 impl Total {
@@ -123,9 +123,9 @@ impl Total {
 
 impl FromIterator<(&'static str, Outcome)> for Total {
     fn from_iter<I: IntoIterator<Item = (&'static str, Outcome)>>(outcomes: I) -> Self {
-        let mut total = Self { ticks: 0, digest: Sink::new() };
+        let mut total = Self { ticks: 0, digest: StateHasher::new() };
         for (name, outcome) in outcomes {
-            wire::count(&mut total.digest, name.len());
+            codec::count(&mut total.digest, name.len());
             total.digest.bytes(name.as_bytes());
             outcome.ticks.write(&mut total.digest);
             outcome.digest.write(&mut total.digest);

@@ -6,7 +6,7 @@ use super::trial::{
 };
 use crate::body::{BodyDef, Mass};
 use crate::error::Error;
-use crate::force::{Attachment, End, Law};
+use crate::force::{Attachment, End, FieldKind};
 use crate::integrate::Integrator;
 use crate::math::{Elapsed, TimeStep, Vec2, vec2};
 use crate::scalar::fx::{Fx, fx};
@@ -16,7 +16,7 @@ use crate::world::{World, WorldDef};
 pub(super) fn free_fall(trial: &mut Trial) -> Played {
     let mut world = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() })?;
     let masses = (0..=20).map(|i| BodyDef {
-        mass: Mass::Of(Fx::from_bits(1 << (16 + 2 * i))),
+        mass: Mass::Kilograms(Fx::from_bits(1 << (16 + 2 * i))),
         position: vec2(i, 1000),
         ..BodyDef::dynamic()
     });
@@ -61,7 +61,7 @@ pub(super) fn integrators_in_turn(trial: &mut Trial) -> Played {
     let mut world = World::new(WorldDef { gravity: vec2(0, -8), ..exact() })?;
     let falling = world.add_body(BodyDef { velocity: vec2(0, 32), ..BodyDef::dynamic() })?;
     let pushed = world.add_body(BodyDef { velocity: vec2(0, 32), gravity_scale: fx!(0), ..BodyDef::dynamic() })?;
-    world.add_field(Law::Thrust { at: Attachment::centre(pushed), force: vec2(0, -8) })?;
+    world.add_field(FieldKind::Thrust { at: Attachment::centre(pushed), force: vec2(0, -8) })?;
     let mut expected = Flight::new(fx!(0), fx!(32));
     // What a velocity gains in a step, and half of what a place does.
     let (gain, half) = (fx!(-8).to_bits() / 64, fx!(-8).to_bits() / (2 * 64 * 64));
@@ -180,7 +180,7 @@ fn orbiting(integrator: Integrator, rate: u32) -> Result<World, Error> {
     let start = BodyDef { position: vec2(10, 0), velocity: vec2(0, 9), ..BodyDef::dynamic() };
     world.add_body(start)?;
     let mu = FxFactor::from_ratio(ORBIT_MU, 1);
-    world.add_field(Law::Attractor { centre: End::World(vec2(0, 0)), mu, softening: fx!(0) })?;
+    world.add_field(FieldKind::Attractor { centre: End::World(vec2(0, 0)), mu, softening: fx!(0) })?;
     Ok(world)
 }
 

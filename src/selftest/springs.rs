@@ -4,11 +4,11 @@ use alloc::vec::Vec;
 
 use super::trial::{Played, Trial, add_all, exact, happened, near_fx, near_wide, same};
 use crate::body::{BodyDef, Mass};
-use crate::force::{Attachment, End, Law};
+use crate::force::{Attachment, End, FieldKind};
 use crate::handle::BodyId;
 use crate::math::{Vec2, vec2};
 use crate::scalar::fx::{Fx, fx};
-use crate::scalar::{Accumulator as _, SpringLaw};
+use crate::scalar::{Accumulator as _, SpringConstants};
 use crate::world::{World, WorldDef};
 
 /// Verlet's x(n+1) − 2·x(n) + x(n−1) = −(ω·h)²·x(n) is cos(n·φ) with cos φ = 1 − (ω·h)²/2: sixty degrees for ω·h = 1.
@@ -17,8 +17,8 @@ pub(super) fn to_anchor(trial: &mut Trial) -> Played {
     let anchor = vec2(5, 7);
     let id = world.add_body(BodyDef { position: vec2(11, -1), ..BodyDef::dynamic() })?;
     // ω = 64/s.
-    let spring = SpringLaw { rest: fx!(0), stiffness: fx!(4096), damping: fx!(0) };
-    world.add_field(Law::Spring { near: Attachment::centre(id), far: End::World(anchor), spring })?;
+    let spring = SpringConstants { rest: fx!(0), stiffness: fx!(4096), damping: fx!(0) };
+    world.add_field(FieldKind::Spring { near: Attachment::centre(id), far: End::World(anchor), spring })?;
     for n in 1..=600 {
         trial.step(&mut world);
         let (cosine, halves) =
@@ -34,7 +34,7 @@ pub(super) fn to_anchor(trial: &mut Trial) -> Played {
 
 pub(super) fn pair(trial: &mut Trial) -> Played {
     let mut world = World::new(WorldDef { sleep_after: None, ..WorldDef::default() })?;
-    let start = BodyDef { mass: Mass::WithInertia(fx!(2), fx!(0.75)), ..BodyDef::dynamic() };
+    let start = BodyDef { mass: Mass::Explicit { mass: fx!(2), inertia: fx!(0.75) }, ..BodyDef::dynamic() };
     let ids = add_all(
         &mut world,
         [
@@ -42,10 +42,10 @@ pub(super) fn pair(trial: &mut Trial) -> Played {
             BodyDef { position: vec2(3, 1), velocity: vec2(-1, -3), angular_velocity: fx!(2), ..start },
         ],
     )?;
-    let spring = SpringLaw { rest: fx!(2), stiffness: fx!(40), damping: fx!(0.5) };
+    let spring = SpringConstants { rest: fx!(2), stiffness: fx!(40), damping: fx!(0.5) };
     let near = Attachment { body: ids[0], point: vec2(fx!(0.5), fx!(0.25)) };
     let far = End::Body(Attachment { body: ids[1], point: vec2(fx!(-0.25), fx!(0.5)) });
-    world.add_field(Law::Spring { near, far, spring })?;
+    world.add_field(FieldKind::Spring { near, far, spring })?;
     let spin = world.angular_momentum()?;
     let mut energy = world.energy()?;
     for _ in 0..10 {
@@ -76,14 +76,14 @@ pub(super) fn net(trial: &mut Trial) -> Played {
     };
     let ids: Vec<BodyId> = add_all(&mut world, (0..SIDE * SIDE).map(node))?;
     let id = |column: i32, row: i32| ids[(row * SIDE + column) as usize];
-    let spring = SpringLaw { rest: fx!(0.4375), stiffness: fx!(900), damping: fx!(0.125) };
+    let spring = SpringConstants { rest: fx!(0.4375), stiffness: fx!(900), damping: fx!(0.125) };
     for row in 0..SIDE {
         for column in 0..SIDE {
             let mut join = |column_to: i32, row_to: i32| {
                 let ends = (id(column, row), id(column_to, row_to));
                 let (near, far) = (Attachment::centre(ends.0), Attachment::centre(ends.1));
                 if world.body(ends.0)?.mass().or(world.body(ends.1)?.mass()).is_some() {
-                    world.add_field(Law::Spring { near, far: End::Body(far), spring })?;
+                    world.add_field(FieldKind::Spring { near, far: End::Body(far), spring })?;
                 }
                 Ok::<_, super::Problem>(())
             };

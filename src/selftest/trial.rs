@@ -4,24 +4,24 @@ use alloc::vec::Vec;
 
 use super::{Outcome, Problem};
 use crate::body::BodyDef;
+use crate::codec::{Encoder as _, StateHasher, Write as _};
 use crate::error::Error;
 use crate::handle::BodyId;
 use crate::math::{TimeStep, Vec2};
 use crate::scalar::{Accumulator as _, Angle as _, FxAccumulator, FxWide, Turn, fx::Fx};
-use crate::wire::{Out as _, Sink, Write as _};
 use crate::world::{World, WorldDef};
 
 pub(super) type Played = Result<(), Problem>;
 
 /// Steps worlds and takes down their hashes.
 pub(super) struct Trial {
-    digest: Sink,
+    digest: StateHasher,
     ticks: u64,
 }
 
 impl Trial {
     pub(super) fn new() -> Self {
-        Self { digest: Sink::new(), ticks: 0 }
+        Self { digest: StateHasher::new(), ticks: 0 }
     }
 
     pub(super) fn outcome(&self) -> Outcome {

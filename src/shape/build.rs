@@ -5,11 +5,11 @@ use alloc::vec::Vec;
 use core::cmp::Ordering;
 
 use super::{Geometry, Part, Shape, mass};
+use crate::codec::StateHasher;
 use crate::error::{Error, Quantity};
 use crate::limits::{CORNERS, PARTS, SIZE_MAX, SIZE_MIN};
 use crate::math::Vec2;
 use crate::scalar::{Factor, Scalar};
-use crate::wire::Sink;
 
 /// Refuses a size outside the limits.
 fn check_size<S: Scalar>(size: S) -> Result<(), Error> {
@@ -30,7 +30,7 @@ fn check_point<S: Scalar>(point: Vec2<S>) -> Result<(), Error> {
 impl<S: Scalar> Shape<S> {
     fn of(geometry: Geometry<S>, shift: Vec2<S>, measure: S::Factor, gyration: S::Factor) -> Self {
         let shape = Self { geometry, shift, measure, gyration, digest: 0 };
-        Self { digest: Sink::of(&shape), ..shape }
+        Self { digest: StateHasher::of(&shape), ..shape }
     }
 
     /// A disc of this radius in m.

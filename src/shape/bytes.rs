@@ -7,11 +7,11 @@
 use alloc::vec::Vec;
 
 use super::{Geometry, Part, Shape};
+use crate::codec::{self, Encoder, Malformed, Read, Reader, Write};
 use crate::error::Error;
 use crate::limits::{CORNERS, PARTS};
 use crate::math::Vec2;
 use crate::scalar::{Scalar, fx::Fx};
-use crate::wire::{self, Malformed, Out, Read, Reader, Write};
 
 const CIRCLE: u8 = 0;
 const RECTANGLE: u8 = 1;
@@ -21,49 +21,49 @@ const SEGMENT: u8 = 4;
 const COMPOUND: u8 = 5;
 
 impl<S: Scalar> Write for Shape<S> {
-    fn write(&self, out: &mut impl Out) {
+    fn write(&self, out: &mut impl Encoder) {
         match &self.geometry {
             Geometry::Circle { radius } => {
                 out.leaf(&[CIRCLE], &"circle");
-                wire::field(out, "radius", radius);
+                codec::field(out, "radius", radius);
             }
             Geometry::Rectangle { width, height } => {
                 out.leaf(&[RECTANGLE], &"rectangle");
-                wire::field(out, "width", width);
-                wire::field(out, "height", height);
+                codec::field(out, "width", width);
+                codec::field(out, "height", height);
             }
             Geometry::Capsule { length, radius } => {
                 out.leaf(&[CAPSULE], &"capsule");
-                wire::field(out, "length", length);
-                wire::field(out, "radius", radius);
+                codec::field(out, "length", length);
+                codec::field(out, "radius", radius);
             }
             Geometry::Polygon { corners } => {
                 out.leaf(&[POLYGON], &"polygon");
                 let corners: Vec<Vec2<S>> = corners.iter().map(|&corner| corner + self.shift).collect();
-                wire::list(out, corners.iter());
+                codec::list(out, corners.iter());
             }
             Geometry::Segment { ends: [a, b] } => {
                 out.leaf(&[SEGMENT], &"segment");
-                wire::field(out, "a", &(*a + self.shift));
-                wire::field(out, "b", &(*b + self.shift));
+                codec::field(out, "a", &(*a + self.shift));
+                codec::field(out, "b", &(*b + self.shift));
             }
             Geometry::Compound { parts } => {
                 out.leaf(&[COMPOUND], &"compound");
                 let given = parts.iter().map(|part| Part { position: part.position + self.shift, ..part.clone() });
                 let parts: Vec<Part<S>> = given.collect();
-                wire::list(out, parts.iter());
+                codec::list(out, parts.iter());
             }
         }
     }
 }
 
 impl<S: Scalar> Write for Part<S> {
-    fn write(&self, out: &mut impl Out) {
+    fn write(&self, out: &mut impl Encoder) {
         let Self { shape, position, angle, density } = self;
-        wire::field(out, "shape", shape);
-        wire::field(out, "position", position);
-        wire::field(out, "angle", angle);
-        wire::field(out, "density", density);
+        codec::field(out, "shape", shape);
+        codec::field(out, "position", position);
+        codec::field(out, "angle", angle);
+        codec::field(out, "density", density);
     }
 }
 

@@ -6,7 +6,7 @@ use super::{Context, Has, Scratch};
 use crate::body::{BLOCK, Block, Motion};
 use crate::error::Cause;
 use crate::force::{outer_drag, resist};
-use crate::integrate::{Integrator, Stage, Tuned, Verb, cap};
+use crate::integrate::{BlockFactors, Integrator, Stage, StageKind, cap};
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, Angle, Factor, Scalar};
 
@@ -24,15 +24,15 @@ impl<S: Scalar> Context<'_, S> {
         }
         let mut stages = march.stages;
         while let [stage, others @ ..] = stages {
-            match stage.verb {
-                Verb::Fields => timed!(self.scratch, fields, self.run(march, stage, has)),
-                Verb::Damp => timed!(self.scratch, damp, self.run(march, stage, has)),
-                Verb::Kick => timed!(self.scratch, kick, self.run(march, stage, has)),
-                Verb::Drift => timed!(self.scratch, drift, self.run(march, stage, has)),
-                Verb::Clear => {}
+            match stage.kind {
+                StageKind::Fields => timed!(self.scratch, fields, self.run(march, stage, has)),
+                StageKind::Damp => timed!(self.scratch, damp, self.run(march, stage, has)),
+                StageKind::Kick => timed!(self.scratch, kick, self.run(march, stage, has)),
+                StageKind::Drift => timed!(self.scratch, drift, self.run(march, stage, has)),
+                StageKind::Clear => {}
             }
             // Drag around the whole step ends with the last damp.
-            if self.scratch.drag_outside > 0 && matches!(others, [Stage { verb: Verb::Clear, .. }]) {
+            if self.scratch.drag_outside > 0 && matches!(others, [Stage { kind: StageKind::Clear, .. }]) {
                 timed!(self.scratch, damp, self.resist_outside(true));
             }
             if let Some(probe) = &mut self.probe {
@@ -41,37 +41,37 @@ impl<S: Scalar> Context<'_, S> {
             stages = others;
         }
         if march.caps {
-            self.each_block(|block, _, _| cap(block, Tuned::of(block, march.rows)));
+            self.each_block(|block, _, _| cap(block, BlockFactors::of(block, march.rows)));
         }
         timed!(self.scratch, finish, self.judge_engaged(march));
     }
 
     fn run(&mut self, march: &March<'_, S>, stage: &Stage, has: Has) {
-        match stage.verb {
-            Verb::Damp if stage.closing => {
+        match stage.kind {
+            StageKind::Damp if stage.mirrored => {
                 self.resist_inside(march, stage, has);
                 self.run_blocks(march, stage);
             }
-            Verb::Damp => {
+            StageKind::Damp => {
                 self.run_blocks(march, stage);
                 self.resist_inside(march, stage, has);
             }
-            Verb::Kick if self.integrator == Integrator::PublishedVerlet => self.kick_by_mean(march, has),
-            Verb::Kick => {
-                if has.velocity && !stage.closing && !self.integrator.opens_with_fields() {
+            StageKind::Kick if self.integrator == Integrator::PublishedVerlet => self.kick_by_mean(march, has),
+            StageKind::Kick => {
+                if has.velocity && !stage.mirrored && !self.integrator.opens_with_fields() {
                     self.evaluate_resisting();
                 }
                 self.run_blocks(march, stage);
                 self.kick_by_fields(march, stage, has);
             }
-            Verb::Drift => {
+            StageKind::Drift => {
                 self.run_blocks(march, stage);
                 if self.integrator == Integrator::PublishedVerlet {
                     self.drift_by_acceleration();
                 }
                 self.scratch.forget_places();
             }
-            Verb::Fields => {
+            StageKind::Fields => {
                 if has.position {
                     self.evaluate_fields();
                 }
@@ -79,7 +79,7 @@ impl<S: Scalar> Context<'_, S> {
                     self.evaluate_resisting();
                 }
             }
-            Verb::Clear => {}
+            StageKind::Clear => {}
         }
     }
 
@@ -108,7 +108,7 @@ impl<S: Scalar> Context<'_, S> {
     /// What a stage does to each body by itself.
     fn run_blocks(&mut self, march: &March<'_, S>, stage: &Stage) {
         self.each_block(|block, _, found| {
-            let tuned = Tuned::of(block, march.rows);
+            let tuned = BlockFactors::of(block, march.rows);
             let spins = block.any_spins();
             march.local(stage, block, tuned, spins, &mut found.faults);
         });
@@ -140,13 +140,13 @@ impl<S: Scalar> Context<'_, S> {
         let Scratch { outside, drag_outside, found, .. } = &mut *self.scratch;
         let only = |i: usize| *drag_outside == 0 || !outside[i];
         let span = (timing.seconds, timing.negative);
-        resist(self.fields, self.bodies, span, stage.closing, only, &mut found.faults);
+        resist(self.fields, self.bodies, span, stage.mirrored, only, &mut found.faults);
     }
 
-    fn resist_outside(&mut self, closing: bool) {
+    fn resist_outside(&mut self, mirrored: bool) {
         let Scratch { outside, found, .. } = &mut *self.scratch;
         let span = (self.plan.half, false);
-        resist(self.fields, self.bodies, span, closing, |i| outside[i], &mut found.faults);
+        resist(self.fields, self.bodies, span, mirrored, |i| outside[i], &mut found.faults);
     }
 
     /// Finds the bodies whose drag is to act around the whole step, judged by what gravity, the forces applied and the
@@ -155,7 +155,7 @@ impl<S: Scalar> Context<'_, S> {
         let Scratch { fields, gain, outside, drag_outside, .. } = &mut *self.scratch;
         let size = |a: Vec2<S::Wide>| S::Factor::from_wide(a.x).plus(S::Factor::from_wide(a.y));
         gain.clear();
-        let moving = &self.bodies.columns.tuning[..self.bodies.moving()];
+        let moving = &self.bodies.columns.factors[..self.bodies.moving()];
         gain.extend(moving.iter().map(|&row| size(march.rows[row as usize].gravity)));
         let fields = if has.position { &fields[..] } else { &[] };
         let fields = fields.iter().map(|(i, acceleration)| (i, acceleration));

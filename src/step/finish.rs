@@ -4,7 +4,7 @@ use super::march::is_ready;
 use super::{Context, Has, Scratch};
 use crate::body::{Activity, Bodies, BodyKind};
 use crate::error::Fault;
-use crate::force::{End, FieldSet, Law};
+use crate::force::{End, FieldKind, FieldSet};
 use crate::scalar::Scalar;
 
 impl<S: Scalar> Context<'_, S> {
@@ -77,13 +77,13 @@ impl<S: Scalar> Context<'_, S> {
 /// A body that an attractor carried by another, movable body acts on does not sleep: what acts on it may change.
 fn keep_awake_around_wanderers<S: Scalar>(bodies: &mut Bodies<S>, fields: &FieldSet<S>) {
     for (_, field) in fields.iter() {
-        let Law::Attractor { centre: End::Body(carrier), .. } = &field.law else { continue };
+        let FieldKind::Attractor { centre: End::Body(carrier), .. } = &field.kind else { continue };
         let Ok(own) = bodies.find(carrier.body) else { continue };
         if !wanders(bodies, own) {
             continue;
         }
         for i in 0..bodies.moving() {
-            if i != own && bodies.card(i).feels(field.groups) {
+            if i != own && bodies.info(i).feels(field.groups) {
                 bodies.columns.motion.rest[i] = 0;
             }
         }
@@ -92,7 +92,7 @@ fn keep_awake_around_wanderers<S: Scalar>(bodies: &mut Bodies<S>, fields: &Field
 
 /// Whether a body may be elsewhere after a step.
 pub(super) fn wanders<S: Scalar>(bodies: &Bodies<S>, i: usize) -> bool {
-    bodies.card(i).kind != BodyKind::Static && bodies.activity(i).takes_part()
+    bodies.info(i).kind != BodyKind::Static && bodies.activity(i).takes_part()
 }
 
 /// For each of the first `count` bodies of the columns, the lowest index among those of them that springs join it to, over
@@ -108,7 +108,7 @@ fn island_roots<S: Scalar>(bodies: &Bodies<S>, fields: &FieldSet<S>, count: usiz
     links.clear();
     links.extend(0..count as u32);
     for (_, field) in fields.iter() {
-        let Law::Spring { near, far: End::Body(far), .. } = &field.law else { continue };
+        let FieldKind::Spring { near, far: End::Body(far), .. } = &field.kind else { continue };
         let (Ok(a), Ok(b)) = (bodies.find(near.body), bodies.find(far.body)) else { continue };
         let joins = |i: usize| i < count && wanders(bodies, i);
         if joins(a) && joins(b) {

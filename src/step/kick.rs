@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 
 use super::march::{March, Pushed, accelerations};
 use super::{Accelerations, Context, Has, Scratch};
-use crate::body::{Acceleration, Card};
+use crate::body::{Acceleration, BodyInfo};
 use crate::error::Cause;
 use crate::force::{Dependence, Load, Scene, accumulate};
 use crate::integrate::{Stage, kick_by, sum};
@@ -12,8 +12,8 @@ use crate::math::Vec2;
 use crate::scalar::{Scalar, Sum, Wide};
 
 /// a = Σ accelerations + Σ F / m, α = Σ τ / I, none along a locked axis; `None` if a sum does not fit.
-fn acceleration<S: Scalar>(load: &Load<S>, card: &Card<S>) -> Option<Acceleration<S>> {
-    let (properties, locks) = (&card.properties, card.locks);
+fn acceleration<S: Scalar>(load: &Load<S>, info: &BodyInfo<S>) -> Option<Acceleration<S>> {
+    let (properties, locks) = (&info.properties, info.locks);
     let component = |a: S::Sum, f: S::Sum, locked: bool| {
         if locked {
             return Some(S::Wide::default());
@@ -41,7 +41,7 @@ impl<S: Scalar> Context<'_, S> {
         for row in self.applied.rows() {
             let Ok(i) = self.bodies.find(row.body) else { continue };
             let load = Load { acceleration: Vec2::default(), force: row.force, torque: row.torque };
-            pushed.push((i, acceleration(&load, self.bodies.card(i))));
+            pushed.push((i, acceleration(&load, self.bodies.info(i))));
         }
         pushed.sort_unstable_by_key(|(i, _)| *i);
         pushed
@@ -65,11 +65,11 @@ impl<S: Scalar> Context<'_, S> {
     fn evaluate(&mut self, pass: Dependence, into: &mut Accelerations<S>) {
         let Scratch { directions, loads, found, .. } = &mut *self.scratch;
         loads.clear();
-        let scene = Scene { bodies: self.bodies, fields: self.fields, laws: self.laws };
+        let scene = Scene { bodies: self.bodies, fields: self.fields, custom_forces: self.custom_forces };
         accumulate(scene, pass, directions, loads, &mut found.faults);
         into.clear();
         for (i, load) in loads.rows() {
-            match acceleration(load, self.bodies.card(*i)) {
+            match acceleration(load, self.bodies.info(*i)) {
                 Some(acceleration) => into.push((*i, acceleration)),
                 None => found.faults.push((*i, Cause::Force)),
             }
@@ -86,7 +86,7 @@ impl<S: Scalar> Context<'_, S> {
         if has.velocity {
             let resisting = core::mem::take(&mut self.scratch.resisting);
             self.kick_all(march, stage, &resisting);
-            if stage.closing {
+            if stage.mirrored {
                 self.correct(march, stage, &resisting);
             }
             self.scratch.resisting = resisting;
@@ -129,7 +129,7 @@ impl<S: Scalar> Context<'_, S> {
         let mut block = self.bodies.all_moving();
         total.clear();
         total.extend(
-            block.tuning.iter().map(|&row| {
+            block.factors.iter().map(|&row| {
                 Some(Acceleration { linear: march.rows[row as usize].gravity, angular: S::Wide::default() })
             }),
         );

@@ -6,9 +6,9 @@
 
 use alloc::vec::Vec;
 
-use crate::body::{Acceleration, BLOCK, Block, GENTLE_STEPS, Motion, Tuning};
+use crate::body::{Acceleration, BLOCK, Block, GENTLE_STEPS, Motion, StepFactors};
 use crate::error::Cause;
-use crate::integrate::{Plan, Stage, Tuned, Verb, cap, damp, drift, fall, glide, glide_each, kick_by};
+use crate::integrate::{BlockFactors, Plan, Stage, StageKind, cap, damp, drift, fall, glide, glide_each, kick_by};
 use crate::limits;
 use crate::scalar::{Accumulator, Scalar};
 
@@ -17,7 +17,7 @@ use crate::scalar::{Accumulator, Scalar};
 pub(super) struct March<'a, S: Scalar> {
     pub(super) stages: &'static [Stage],
     pub(super) plan: &'a Plan<S>,
-    pub(super) rows: &'a [Tuning<S>],
+    pub(super) rows: &'a [StepFactors<S>],
     /// What the forces applied this tick do, in the order of the columns; `None` where their sum does not fit.
     pub(super) pushed: &'a [Pushed<S>],
     pub(super) sleep_after: Option<u32>,
@@ -85,7 +85,7 @@ impl<'a, S: Scalar> March<'a, S> {
     }
 
     fn run_block(&self, block: &mut Block<'_, S>, calm: &mut Calm, frame: &mut Motion<S>, found: &mut Found) {
-        let tuned = Tuned::of(block, self.rows);
+        let tuned = BlockFactors::of(block, self.rows);
         let pushed = self.pushed_in(block);
         let may_rest = self.sleep_after.is_some() && (0..block.len()).any(|i| block.is_still(i));
         let guarded = !pushed.is_empty() || !tuned.are_gentle(block) || !calm.pass(block) || may_rest;
@@ -105,8 +105,8 @@ impl<'a, S: Scalar> March<'a, S> {
                 Some((half, whole, others)) if glides => {
                     let span = (half, &self.plan.timing[whole]);
                     match tuned {
-                        Tuned::Alike(row) => glide(block, row, span, spins, self.plan.backwards),
-                        Tuned::Each(rows) => glide_each(block, rows, span, spins, self.plan.backwards),
+                        BlockFactors::Alike(row) => glide(block, row, span, spins, self.plan.backwards),
+                        BlockFactors::Each(rows) => glide_each(block, rows, span, spins, self.plan.backwards),
                     }
                     others
                 }
@@ -138,14 +138,14 @@ impl<'a, S: Scalar> March<'a, S> {
         &self,
         stage: &Stage,
         block: &mut Block<'_, S>,
-        tuned: Tuned<'_, S>,
+        tuned: BlockFactors<'_, S>,
         spins: bool,
         faults: &mut Vec<(usize, Cause)>,
     ) {
         let timing = &self.plan.timing[stage.span];
-        match stage.verb {
-            Verb::Damp => damp(block, tuned, stage.span, spins, faults),
-            Verb::Kick => {
+        match stage.kind {
+            StageKind::Damp => damp(block, tuned, stage.span, spins, faults),
+            StageKind::Kick => {
                 fall(block, tuned, stage.span, self.plan.backwards);
                 for (i, acceleration) in accelerations(self.pushed_in(block)) {
                     if let Err(cause) = kick_by(block, *i, acceleration, timing.seconds, timing.negative) {
@@ -153,8 +153,8 @@ impl<'a, S: Scalar> March<'a, S> {
                     }
                 }
             }
-            Verb::Drift => drift(block, timing, spins),
-            Verb::Fields | Verb::Clear => {}
+            StageKind::Drift => drift(block, timing, spins),
+            StageKind::Fields | StageKind::Clear => {}
         }
     }
 
@@ -202,9 +202,9 @@ pub(super) fn part_in<'a, S: Scalar, T>(block: &Block<'_, S>, list: &'a [(usize,
 
 /// If the stages begin with damp, kick, drift, kick, damp: the spans of the first and of the drift, and the stages after.
 fn whole_beat(stages: &'static [Stage]) -> Option<(usize, usize, &'static [Stage])> {
-    use Verb::{Damp, Drift, Fields, Kick};
+    use StageKind::{Damp, Drift, Fields, Kick};
     let [a, b, c, d, e, f, others @ ..] = stages else { return None };
-    let is_one = [a, b, c, d, e, f].map(|stage| stage.verb) == [Damp, Kick, Drift, Fields, Kick, Damp]
+    let is_one = [a, b, c, d, e, f].map(|stage| stage.kind) == [Damp, Kick, Drift, Fields, Kick, Damp]
         && [b, e, f].iter().all(|stage| stage.span == a.span);
     is_one.then_some((a.span, c.span, others))
 }
@@ -242,7 +242,7 @@ fn is_far_inside<S: Scalar>(block: &Block<'_, S>) -> bool {
 /// itself the answer may be no.
 fn are_inside<S: Scalar>(block: &Block<'_, S>, [position, speed]: [u32; 2]) -> bool {
     block.velocity.iter().all(|v| S::are_within(v, speed))
-        && S::are_within(block.spin, speed)
+        && S::are_within(block.angular_velocity, speed)
         && block.position.iter().all(|x| S::are_within(x, position))
 }
 
@@ -252,13 +252,13 @@ pub(crate) fn find_strays<S: Scalar>(block: &Block<'_, S>, faults: &mut Vec<(usi
     if are_inside(block, [limits::POSITION_LOG2, limits::SPEED_LOG2]) {
         return;
     }
-    let [position, speed, spin] = [limits::POSITION, limits::SPEED, limits::ANGULAR_SPEED].map(S::from_fx);
+    let [position, speed, angular_velocity] = [limits::POSITION, limits::SPEED, limits::ANGULAR_SPEED].map(S::from_fx);
     for i in 0..block.len() {
         let cause = if !block.velocity.iter().all(|v| v[i].is_within(speed)) {
             Cause::Velocity
         } else if !block.position.iter().all(|x| x[i].is_within(position)) {
             Cause::Position
-        } else if !block.spin[i].is_within(spin) {
+        } else if !block.angular_velocity[i].is_within(angular_velocity) {
             Cause::AngularVelocity
         } else {
             continue;

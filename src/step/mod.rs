@@ -6,10 +6,10 @@
 //! many bodies at once. Which way a body goes changes no bit. A step is undone by the same ways with other stages.
 
 mod engaged;
-mod errand;
 mod finish;
 mod kick;
 mod march;
+mod targets;
 mod timers;
 
 pub(crate) use march::find_strays;
@@ -18,9 +18,9 @@ pub use timers::Timers;
 
 use alloc::vec::Vec;
 
-use crate::body::{Acceleration, BLOCK, Bodies, Errands, Motion, Tunings, Velocities};
+use crate::body::{Acceleration, BLOCK, Bodies, FactorTable, KinematicTargets, Motion, Velocities};
 use crate::error::Fault;
-use crate::force::{Applied, Dependence, Directions, End, FieldSet, Law, Laws, Loads};
+use crate::force::{Applied, CustomForces, Dependence, Directions, End, FieldKind, FieldSet, Loads};
 use crate::handle::BodyId;
 use crate::integrate::{Integrator, Plan, Stage};
 use crate::scalar::Scalar;
@@ -30,11 +30,11 @@ use timers::timed;
 /// What a step works on.
 pub(crate) struct Context<'a, S: Scalar> {
     pub(crate) bodies: &'a mut Bodies<S>,
-    pub(crate) tunings: &'a Tunings<S>,
+    pub(crate) factor_table: &'a FactorTable<S>,
     pub(crate) fields: &'a FieldSet<S>,
-    pub(crate) laws: &'a Laws<S>,
+    pub(crate) custom_forces: &'a CustomForces<S>,
     pub(crate) applied: &'a mut Applied<S>,
-    pub(crate) errands: &'a mut Errands<S>,
+    pub(crate) targets: &'a mut KinematicTargets<S>,
     /// After the step.
     pub(crate) tick: u64,
     pub(crate) plan: &'a Plan<S>,
@@ -189,24 +189,24 @@ impl<S: Scalar> Context<'_, S> {
     pub(crate) fn step(mut self) {
         self.scratch.forget_report();
         let has = self.open();
-        let travels = self.errands.are_due(self.bodies);
+        let travels = self.targets.are_due(self.bodies);
         if travels {
-            self.set_out();
+            self.begin_targets();
         }
         let pushed = timed!(self.scratch, survey, self.take_applied());
         let march = March {
             stages: self.integrator.stages(),
             plan: self.plan,
-            rows: self.tunings.rows(),
+            rows: self.factor_table.rows(),
             pushed: &pushed,
             sleep_after: self.sleep_after,
             restores: true,
-            caps: self.tunings.any_capped(),
+            caps: self.factor_table.any_capped(),
         };
         self.run_all(&march, has);
         self.scratch.pushed = pushed;
         if travels {
-            self.arrive();
+            self.finish_targets();
         }
         // The last stage of each list, for all bodies at once.
         self.applied.finish();
@@ -224,7 +224,7 @@ impl<S: Scalar> Context<'_, S> {
         let back = March {
             stages,
             plan: &reversed,
-            rows: self.tunings.rows(),
+            rows: self.factor_table.rows(),
             pushed: &pushed,
             sleep_after: None,
             restores: false,
@@ -277,26 +277,26 @@ impl<S: Scalar> Context<'_, S> {
             engaged.resize(moving.div_ceil(BLOCK), all);
         }
         for (_, field) in self.fields.iter() {
-            let depends_on = field.depends_on(self.laws);
-            match &field.law {
-                Law::Drag { .. } => has.drag = true,
-                Law::Spring { .. } => {
+            let depends_on = field.depends_on(self.custom_forces);
+            match &field.kind {
+                FieldKind::Drag { .. } => has.drag = true,
+                FieldKind::Spring { .. } => {
                     has.position = true;
                     has.velocity |= depends_on == Dependence::Velocity;
                 }
                 _ if depends_on == Dependence::Velocity => has.velocity = true,
                 _ => has.position = true,
             }
-            match &field.law {
+            match &field.kind {
                 // Only the bodies it is attached to.
-                Law::Spring { .. } | Law::Thrust { .. } => {
+                FieldKind::Spring { .. } | FieldKind::Thrust { .. } => {
                     for i in field.bodies().filter_map(|body| self.bodies.find(body).ok()).filter(|&i| i < moving) {
                         engaged[i / BLOCK] = true;
                     }
                 }
                 law => {
                     engaged.fill(true);
-                    if let Law::Attractor { centre: End::Body(at), .. } = law {
+                    if let FieldKind::Attractor { centre: End::Body(at), .. } = law {
                         has.wanderers |= self.bodies.find(at.body).is_ok_and(|i| finish::wanders(self.bodies, i));
                     }
                 }

@@ -3,7 +3,7 @@
 use alloc::sync::Arc;
 
 use super::World;
-use crate::body::{BodyDef, BodyKind, Card, Key, Locks, Mass};
+use crate::body::{BodyDef, BodyInfo, BodyKind, Key, Locks, Mass};
 use crate::error::Error;
 use crate::handle::BodyId;
 use crate::math::Vec2;
@@ -37,9 +37,9 @@ impl<S: Scalar> World<S> {
     /// ```
     pub fn add_body(&mut self, def: BodyDef<S>) -> Result<BodyId, Error> {
         let properties = self.check_new_body(&def)?;
-        let body = self.bodies.insert(def, properties, Arc::make_mut(&mut self.tunings));
+        let body = self.bodies.insert(def, properties, Arc::make_mut(&mut self.factor_table));
         self.scratch.forget();
-        self.journal.added(body, &self.bodies);
+        self.change_log.added(body, &self.bodies);
         self.mark_if_still(body);
         Ok(body)
     }
@@ -56,9 +56,9 @@ impl<S: Scalar> World<S> {
         }
         let dense = self.bodies.find(body)?;
         self.applied.forget(body);
-        self.errands.forget(body);
-        Arc::make_mut(&mut self.tunings).release(self.bodies.columns.tuning[dense]);
-        self.journal.removed(body);
+        self.targets.forget(body);
+        Arc::make_mut(&mut self.factor_table).release(self.bodies.columns.factors[dense]);
+        self.change_log.removed(body);
         self.bodies.remove(body)
     }
 
@@ -69,9 +69,9 @@ impl<S: Scalar> World<S> {
     pub fn set_position(&mut self, body: BodyId, position: Vec2<S>) -> Result<(), Error> {
         self.check_body_position(body, position)?;
         let dense = self.touch(body)?;
-        self.errands.recall(body);
+        self.targets.recall(body);
         self.bodies.columns.motion.position.set(dense, position.map(Accumulator::from_scalar));
-        self.journal.placed(body);
+        self.change_log.placed(body);
         Ok(())
     }
 
@@ -82,9 +82,9 @@ impl<S: Scalar> World<S> {
     pub fn set_angle(&mut self, body: BodyId, angle: S) -> Result<(), Error> {
         self.check_body_angle(body, angle)?;
         let dense = self.touch(body)?;
-        self.errands.recall(body);
+        self.targets.recall(body);
         self.bodies.columns.motion.angle[dense] = S::Angle::from_radians(angle);
-        self.journal.placed(body);
+        self.change_log.placed(body);
         Ok(())
     }
 
@@ -96,7 +96,7 @@ impl<S: Scalar> World<S> {
     pub fn set_velocity(&mut self, body: BodyId, velocity: Vec2<S>) -> Result<(), Error> {
         self.check_body_velocity(body, velocity)?;
         let dense = self.touch(body)?;
-        self.errands.forget(body);
+        self.targets.forget(body);
         self.bodies.columns.motion.velocity.set(dense, velocity.map(Accumulator::from_scalar));
         Ok(())
     }
@@ -109,8 +109,8 @@ impl<S: Scalar> World<S> {
     pub fn set_angular_velocity(&mut self, body: BodyId, velocity: S) -> Result<(), Error> {
         self.check_body_angular_velocity(body, velocity)?;
         let dense = self.touch(body)?;
-        self.errands.forget(body);
-        self.bodies.columns.motion.spin[dense] = S::Accumulator::from_scalar(velocity);
+        self.targets.forget(body);
+        self.bodies.columns.motion.angular_velocity[dense] = S::Accumulator::from_scalar(velocity);
         Ok(())
     }
 
@@ -150,7 +150,7 @@ impl<S: Scalar> World<S> {
     pub fn move_to(&mut self, body: BodyId, position: Vec2<S>, angle: S) -> Result<(), Error> {
         let goal = self.check_move(body, position, angle)?;
         self.touch(body)?;
-        self.errands.send(body, goal);
+        self.targets.send(body, goal);
         Ok(())
     }
 
@@ -160,7 +160,7 @@ impl<S: Scalar> World<S> {
     /// [`Error::NoSuchBody`]; [`Error::NoShape`]; [`Error::OutOfRange`].
     pub fn set_mass(&mut self, body: BodyId, mass: Mass<S>) -> Result<(), Error> {
         let properties = self.check_body_mass(body, mass)?;
-        self.edit(body, |card| (card.mass, card.properties) = (mass, properties))
+        self.edit(body, |info| (info.mass, info.properties) = (mass, properties))
     }
 
     /// Gives a body a shape, or none; its inertia follows, and its mass if that is a density. Its centre of mass stays
@@ -186,19 +186,19 @@ impl<S: Scalar> World<S> {
         self.wake_joined(body);
         let dense = self.bodies.find(body)?;
         self.applied.forget(body);
-        self.errands.forget(body);
-        self.bodies.edit(dense, |card| (card.kind, card.properties) = (kind, properties));
+        self.targets.forget(body);
+        self.bodies.edit(dense, |info| (info.kind, info.properties) = (kind, properties));
         let dense = self.bodies.set_moving(dense, kind != BodyKind::Static);
         let motion = &mut self.bodies.columns.motion;
         if kind == BodyKind::Static {
             motion.velocity.set(dense, Vec2::default());
-            motion.spin[dense] = S::Accumulator::default();
+            motion.angular_velocity[dense] = S::Accumulator::default();
         }
         if let Some(last) = motion.last.get_mut(dense) {
             *last = Default::default();
         }
-        self.retune(dense, |key| key.dynamic = kind == BodyKind::Dynamic);
-        self.journal.placed(body);
+        self.set_factors(dense, |key| key.dynamic = kind == BodyKind::Dynamic);
+        self.change_log.placed(body);
         self.mark_if_still(body);
         Ok(())
     }
@@ -210,7 +210,7 @@ impl<S: Scalar> World<S> {
     pub fn set_gravity_scale(&mut self, body: BodyId, scale: S) -> Result<(), Error> {
         self.check_body_gravity_scale(body, scale)?;
         let dense = self.touch(body)?;
-        self.retune(dense, |key| key.gravity_scale = scale);
+        self.set_factors(dense, |key| key.gravity_scale = scale);
         Ok(())
     }
 
@@ -223,7 +223,7 @@ impl<S: Scalar> World<S> {
     pub fn set_body_damping(&mut self, body: BodyId, linear: Option<S>, angular: Option<S>) -> Result<(), Error> {
         self.check_body_damping(body, linear, angular)?;
         let dense = self.touch(body)?;
-        self.retune(dense, |key| (key.linear, key.angular) = (linear, angular));
+        self.set_factors(dense, |key| (key.linear, key.angular) = (linear, angular));
         Ok(())
     }
 
@@ -239,7 +239,7 @@ impl<S: Scalar> World<S> {
     pub fn set_max_speeds(&mut self, body: BodyId, linear: Option<S>, angular: Option<S>) -> Result<(), Error> {
         self.check_body_max_speeds(body, linear, angular)?;
         let dense = self.touch(body)?;
-        self.retune(dense, |key| key.most = [linear, angular]);
+        self.set_factors(dense, |key| key.most = [linear, angular]);
         Ok(())
     }
 
@@ -263,8 +263,8 @@ impl<S: Scalar> World<S> {
     /// ```
     pub fn set_locks(&mut self, body: BodyId, locks: Locks) -> Result<(), Error> {
         let dense = self.touch(body)?;
-        self.errands.recall(body);
-        self.bodies.set_locks(dense, Arc::make_mut(&mut self.tunings), locks);
+        self.targets.recall(body);
+        self.bodies.set_locks(dense, Arc::make_mut(&mut self.factor_table), locks);
         Ok(())
     }
 
@@ -273,7 +273,7 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::NoSuchBody`].
     pub fn set_groups(&mut self, body: BodyId, groups: u32) -> Result<(), Error> {
-        self.edit(body, |card| card.groups = groups)
+        self.edit(body, |info| info.groups = groups)
     }
 
     /// Changes the caller's name for a body; wakes it, as a law of force may read it.
@@ -281,7 +281,7 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::NoSuchBody`].
     pub fn set_key(&mut self, body: BodyId, key: u64) -> Result<(), Error> {
-        self.edit(body, |card| card.key = key)
+        self.edit(body, |info| info.key = key)
     }
 
     /// Changes the caller's data for a body; wakes it, as a law of force may read it.
@@ -289,20 +289,20 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::NoSuchBody`].
     pub fn set_user_data(&mut self, body: BodyId, user_data: u64) -> Result<(), Error> {
-        self.edit(body, |card| card.user_data = user_data)
+        self.edit(body, |info| info.user_data = user_data)
     }
 
     /// Touches a body and changes what no step does.
-    fn edit(&mut self, body: BodyId, edit: impl FnOnce(&mut Card<S>)) -> Result<(), Error> {
+    fn edit(&mut self, body: BodyId, edit: impl FnOnce(&mut BodyInfo<S>)) -> Result<(), Error> {
         let dense = self.touch(body)?;
         self.bodies.edit(dense, edit);
         Ok(())
     }
 
     /// Changes what a body's factors are made from.
-    fn retune(&mut self, dense: usize, edit: impl FnOnce(&mut Key<S>)) {
-        let mut key = self.tunings.rows()[self.bodies.columns.tuning[dense] as usize].key;
+    fn set_factors(&mut self, dense: usize, edit: impl FnOnce(&mut Key<S>)) {
+        let mut key = self.factor_table.rows()[self.bodies.columns.factors[dense] as usize].key;
         edit(&mut key);
-        self.bodies.retune(dense, Arc::make_mut(&mut self.tunings), key);
+        self.bodies.set_factors(dense, Arc::make_mut(&mut self.factor_table), key);
     }
 }

@@ -1,7 +1,7 @@
 //! Reading bodies.
 
 use super::World;
-use crate::body::{Activity, BodyKind, Card, Key, Locks, Mass};
+use crate::body::{Activity, BodyInfo, BodyKind, Key, Locks, Mass};
 use crate::error::Error;
 use crate::force::velocity_at;
 use crate::handle::BodyId;
@@ -19,7 +19,7 @@ use crate::shape::Shape;
 /// let shape = Shape::polygon(&[vec2(0, 0), vec2(3, 0), vec2(0, 3)])?; // its centre of mass is at (1, 1)
 /// let body = world.add_body(BodyDef {
 ///     shape: Some(shape),
-///     mass: Mass::Of(fx!(4)),
+///     mass: Mass::Kilograms(fx!(4)),
 ///     velocity: vec2(6, 0),
 ///     ..BodyDef::dynamic()
 /// })?;
@@ -54,12 +54,12 @@ pub struct BodyRef<'a, S: Scalar = Fx> {
 }
 
 impl<'a, S: Scalar> BodyRef<'a, S> {
-    fn card(&self) -> &'a Card<S> {
-        self.world.bodies.card(self.dense)
+    fn info(&self) -> &'a BodyInfo<S> {
+        self.world.bodies.info(self.dense)
     }
 
     fn tuning_key(&self) -> &'a Key<S> {
-        &self.world.tunings.rows()[self.world.bodies.columns.tuning[self.dense] as usize].key
+        &self.world.factor_table.rows()[self.world.bodies.columns.factors[self.dense] as usize].key
     }
 
     /// Its handle.
@@ -129,7 +129,7 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
     /// Its angular velocity with the remainder that is carried.
     #[must_use]
     pub fn angular_velocity_exact(&self) -> S::Accumulator {
-        self.world.bodies.columns.motion.spin[self.dense]
+        self.world.bodies.columns.motion.angular_velocity[self.dense]
     }
 
     /// The velocity of a point of the world that moves with it, m/s: v + ω × (point − x) of the public values, exact and
@@ -197,7 +197,7 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
     /// use umbra_physics::{BodyDef, Mass, World, WorldDef, fx, vec2};
     ///
     /// let mut world: World = World::new(WorldDef::default())?;
-    /// let mass = Mass::WithInertia(fx!(0.5), fx!(0.25));
+    /// let mass = Mass::Explicit { mass: fx!(0.5), inertia: fx!(0.25) };
     /// let velocity = vec2(3, fx!(0.1));
     /// let body = world.add_body(BodyDef { mass, velocity, position: vec2(0, 2), ..BodyDef::dynamic() })?;
     /// let body = world.body(body)?;
@@ -234,7 +234,7 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
     /// What moves it.
     #[must_use]
     pub fn kind(&self) -> BodyKind {
-        self.card().kind
+        self.info().kind
     }
 
     /// Whether it takes part in steps.
@@ -246,38 +246,38 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
     /// Its mass, kg; `None` unless it is dynamic.
     #[must_use]
     pub fn mass(&self) -> Option<S> {
-        (self.kind() == BodyKind::Dynamic).then_some(self.card().kilograms())
+        (self.kind() == BodyKind::Dynamic).then_some(self.info().kilograms())
     }
 
     /// What its mass and moment of inertia come from: what was given, to the bit, also while it is not dynamic.
     #[must_use]
     pub fn mass_def(&self) -> Mass<S> {
-        self.card().mass
+        self.info().mass
     }
 
     /// Its moment of inertia, kg·m², whatever its locks are; `None` if it is infinite. *Error* 2^-58 relative.
     #[must_use]
     pub fn inertia(&self) -> Option<S::Factor> {
-        let inertia = self.card().inertia();
+        let inertia = self.info().inertia();
         (!inertia.is_zero()).then_some(inertia)
     }
 
     /// 1/m, 1/kg; zero for a body that no force moves, whatever its locks are. *Error* 2^-64 relative.
     #[must_use]
     pub fn inverse_mass(&self) -> S::Factor {
-        self.card().properties.inverse_mass
+        self.info().properties.inverse_mass
     }
 
     /// 1/I, 1/(kg·m²); zero for a body that no torque turns, as for one whose rotation is locked. *Error* 2^-58 relative.
     #[must_use]
     pub fn inverse_inertia(&self) -> S::Factor {
-        if self.locks().rotation { S::Factor::ZERO } else { self.card().properties.inverse_inertia }
+        if self.locks().rotation { S::Factor::ZERO } else { self.info().properties.inverse_inertia }
     }
 
     /// Its shape.
     #[must_use]
     pub fn shape(&self) -> Option<&'a Shape<S>> {
-        self.card().shape.as_deref()
+        self.info().shape.as_deref()
     }
 
     /// How much of the world's gravity it feels.
@@ -327,25 +327,25 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
     /// ```
     #[must_use]
     pub fn locks(&self) -> Locks {
-        self.card().locks
+        self.info().locks
     }
 
     /// The groups it is in.
     #[must_use]
     pub fn groups(&self) -> u32 {
-        self.card().groups
+        self.info().groups
     }
 
     /// The caller's name for it.
     #[must_use]
     pub fn key(&self) -> u64 {
-        self.card().key
+        self.info().key
     }
 
     /// The caller's data.
     #[must_use]
     pub fn user_data(&self) -> u64 {
-        self.card().user_data
+        self.info().user_data
     }
 
     /// Where the next step [moves](World::move_to) it, position in m and angle, if it does.
@@ -364,7 +364,7 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
     /// ```
     #[must_use]
     pub fn goal(&self) -> Option<(Vec2<S>, S::Angle)> {
-        self.world.errands.of(self.id()).and_then(|errand| errand.goal).map(|goal| (goal.position, goal.angle))
+        self.world.targets.of(self.id()).and_then(|target| target.goal).map(|goal| (goal.position, goal.angle))
     }
 
     /// The sum of the forces applied to it since the last step, N; `None` if it does not fit.

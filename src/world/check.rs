@@ -3,12 +3,12 @@
 
 use super::{World, WorldDef, check_gravity, check_sleep_after};
 use crate::body::{
-    Activity, BodyDef, BodyKind, Card, Goal, Mass, MassProperties, check_angle, check_angular_velocity, check_damping,
-    check_gravity_scale, check_max_angular_speed, check_max_speed, check_position, check_turning, check_unlocked,
-    check_velocity, mass_properties, within_envelope,
+    Activity, BodyDef, BodyInfo, BodyKind, Mass, MassProperties, Target, check_angle, check_angular_velocity,
+    check_damping, check_gravity_scale, check_max_angular_speed, check_max_speed, check_position, check_turning,
+    check_unlocked, check_velocity, mass_properties, within_envelope,
 };
 use crate::error::{Error, Quantity};
-use crate::force::Field;
+use crate::force::ForceField;
 use crate::handle::{BodyId, FieldId};
 use crate::integrate::{Integrator, rate};
 use crate::limits;
@@ -36,47 +36,47 @@ impl<S: Scalar> World<S> {
     }
 
     pub(super) fn check_body_velocity(&self, body: BodyId, velocity: Vec2<S>) -> Result<(), Error> {
-        let card = self.check_movable(body)?;
+        let info = self.check_movable(body)?;
         check_velocity(velocity)?;
-        check_unlocked(card.locks, velocity)
+        check_unlocked(info.locks, velocity)
     }
 
     pub(super) fn check_body_angular_velocity(&self, body: BodyId, velocity: S) -> Result<(), Error> {
-        let card = self.check_movable(body)?;
+        let info = self.check_movable(body)?;
         check_angular_velocity(velocity)?;
-        check_turning(card.locks, velocity)
+        check_turning(info.locks, velocity)
     }
 
     /// The goal of a body that is sent there.
-    pub(super) fn check_move(&self, body: BodyId, position: Vec2<S>, angle: S) -> Result<Goal<S>, Error> {
+    pub(super) fn check_move(&self, body: BodyId, position: Vec2<S>, angle: S) -> Result<Target<S>, Error> {
         let dense = self.check_taking_part(body)?;
-        let card = self.bodies.card(dense);
-        if card.kind != BodyKind::Kinematic {
+        let info = self.bodies.info(dense);
+        if info.kind != BodyKind::Kinematic {
             return Err(Error::NotKinematic { body });
         }
         check_position(position)?;
         check_angle(angle)?;
-        let goal = Goal { position, angle: S::Angle::from_radians(angle) };
+        let goal = Target { position, angle: S::Angle::from_radians(angle) };
         let motion = &self.bodies.columns.motion;
-        goal.check_locks(motion.position.get(dense), motion.angle[dense], card.locks)?;
+        goal.check_locks(motion.position.get(dense), motion.angle[dense], info.locks)?;
         let too_fast = Error::OutOfRange { quantity: Quantity::Velocity };
-        goal.approach(motion, dense, card.locks, rate::<S>(self.def.time_step)).ok_or(too_fast)?;
+        goal.approach(motion, dense, info.locks, rate::<S>(self.def.time_step)).ok_or(too_fast)?;
         Ok(goal)
     }
 
     pub(super) fn check_body_mass(&self, body: BodyId, mass: Mass<S>) -> Result<MassProperties<S>, Error> {
-        let card = self.bodies.card(self.bodies.find(body)?);
-        mass_properties(card.kind, mass, card.shape.as_deref())
+        let info = self.bodies.info(self.bodies.find(body)?);
+        mass_properties(info.kind, mass, info.shape.as_deref())
     }
 
     pub(super) fn check_body_shape(&self, body: BodyId, shape: Option<&Shape<S>>) -> Result<MassProperties<S>, Error> {
-        let card = self.bodies.card(self.bodies.find(body)?);
-        mass_properties(card.kind, card.mass, shape)
+        let info = self.bodies.info(self.bodies.find(body)?);
+        mass_properties(info.kind, info.mass, shape)
     }
 
     pub(super) fn check_body_kind(&self, body: BodyId, kind: BodyKind) -> Result<MassProperties<S>, Error> {
-        let card = self.bodies.card(self.check_taking_part(body)?);
-        mass_properties(kind, card.mass, card.shape.as_deref())
+        let info = self.bodies.info(self.check_taking_part(body)?);
+        mass_properties(kind, info.mass, info.shape.as_deref())
     }
 
     pub(super) fn check_body_gravity_scale(&self, body: BodyId, scale: S) -> Result<(), Error> {
@@ -130,8 +130,8 @@ impl<S: Scalar> World<S> {
         // To the last bit, as the end of a step looks at it.
         within_envelope::<S>(motion.position.get(dense), limits::POSITION, Quantity::Position)?;
         within_envelope::<S>(motion.velocity.get(dense), limits::SPEED, Quantity::Velocity)?;
-        let spin = Vec2::new(motion.spin[dense], motion.spin[dense]);
-        within_envelope::<S>(spin, limits::ANGULAR_SPEED, Quantity::AngularVelocity)?;
+        let angular_velocity = Vec2::new(motion.angular_velocity[dense], motion.angular_velocity[dense]);
+        within_envelope::<S>(angular_velocity, limits::ANGULAR_SPEED, Quantity::AngularVelocity)?;
         Ok(dense)
     }
 
@@ -142,30 +142,30 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
-    fn check_movable(&self, body: BodyId) -> Result<&Card<S>, Error> {
-        let card = self.bodies.card(self.bodies.find(body)?);
-        match card.kind {
+    fn check_movable(&self, body: BodyId) -> Result<&BodyInfo<S>, Error> {
+        let info = self.bodies.info(self.bodies.find(body)?);
+        match info.kind {
             BodyKind::Static => Err(Error::NotMovable { body }),
-            _ => Ok(card),
+            _ => Ok(info),
         }
     }
 }
 
 // The calls on force fields.
 impl<S: Scalar> World<S> {
-    pub(super) fn check_new_field(&self, field: &Field<S>) -> Result<(), Error> {
-        field.check(&self.bodies, &self.laws)?;
+    pub(super) fn check_new_field(&self, field: &ForceField<S>) -> Result<(), Error> {
+        field.check(&self.bodies, &self.custom_forces)?;
         self.fields.check_room()
     }
 
     /// The field in its place until now.
-    pub(super) fn check_next_field(&self, id: FieldId, field: &Field<S>) -> Result<Field<S>, Error> {
+    pub(super) fn check_next_field(&self, id: FieldId, field: &ForceField<S>) -> Result<ForceField<S>, Error> {
         let old = self.check_field(id)?;
-        field.check(&self.bodies, &self.laws)?;
+        field.check(&self.bodies, &self.custom_forces)?;
         Ok(old)
     }
 
-    pub(super) fn check_field(&self, id: FieldId) -> Result<Field<S>, Error> {
+    pub(super) fn check_field(&self, id: FieldId) -> Result<ForceField<S>, Error> {
         self.fields.get(id).copied()
     }
 }
@@ -186,7 +186,7 @@ impl<S: Scalar> World<S> {
     }
 
     pub(super) fn check_integrator(&self, integrator: Integrator) -> Result<WorldDef<S>, Error> {
-        if integrator == Integrator::Yoshida4 && self.tunings.any_stopping() {
+        if integrator == Integrator::Yoshida4 && self.factor_table.any_stopping() {
             return Err(Error::DampingHasNoInverse);
         }
         let def = WorldDef { integrator, ..self.def };

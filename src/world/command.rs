@@ -2,16 +2,16 @@
 
 use alloc::vec::Vec;
 
-use super::{Action, Manner, World};
+use super::{ApplyOptions, ForceOrImpulse, World};
 use crate::body::{BodyDef, BodyKind, Locks, Mass};
+use crate::codec::{Malformed, Read as _, Reader, Write as _, codec_enum};
 use crate::error::Error;
-use crate::force::Field;
+use crate::force::ForceField;
 use crate::handle::{BodyId, FieldId};
 use crate::integrate::Integrator;
 use crate::math::{Random, TimeStep, Vec2};
 use crate::scalar::{Scalar, fx::Fx};
 use crate::shape::Shape;
-use crate::wire::{Malformed, Read as _, Reader, Write as _, wire_enum};
 
 /// A call that changes a world, as data to send, record and replay. The methods of [`World`] of the same names say what
 /// each does and when it is refused; [`World`](World#cost) says what each costs.
@@ -33,7 +33,7 @@ use crate::wire::{Malformed, Read as _, Reader, Write as _, wire_enum};
 pub enum Command<S: Scalar = Fx> {
     AddBody(BodyDef<S>),
     RemoveBody(BodyId),
-    Apply { body: BodyId, action: Action<S>, manner: Manner },
+    Apply { body: BodyId, action: ForceOrImpulse<S>, manner: ApplyOptions },
     ClearForces,
     SetPosition { body: BodyId, position: Vec2<S> },
     SetAngle { body: BodyId, angle: S },
@@ -49,8 +49,8 @@ pub enum Command<S: Scalar = Fx> {
     SetUserData { body: BodyId, user_data: u64 },
     Wake(BodyId),
     Release(BodyId),
-    AddField(Field<S>),
-    SetField { id: FieldId, field: Field<S> },
+    AddField(ForceField<S>),
+    SetField { id: FieldId, field: ForceField<S> },
     RemoveField(FieldId),
     SetTimeStep(TimeStep),
     SetGravity(Vec2<S>),
@@ -73,16 +73,16 @@ pub enum Command<S: Scalar = Fx> {
     derive(serde::Serialize, serde::Deserialize),
     serde(rename_all = "snake_case", deny_unknown_fields)
 )]
-pub enum Made {
+pub enum Created {
     /// Nothing new.
     Nothing,
     /// A body.
     Body(BodyId),
     /// A force field.
-    Field(FieldId),
+    ForceField(FieldId),
 }
 
-wire_enum!(Command<S>, "the number of a command", {
+codec_enum!(Command<S>, "the number of a command", {
     0 => AddBody(def),
     1 => RemoveBody(body),
     2 => Apply { body, action, manner },
@@ -216,10 +216,10 @@ impl<S: Scalar> World<S> {
     ///
     /// # Errors
     /// Those of the method it stands for; the world is as it was.
-    pub fn execute(&mut self, command: &Command<S>) -> Result<Made, Error> {
+    pub fn execute(&mut self, command: &Command<S>) -> Result<Created, Error> {
         match command.clone() {
-            Command::AddBody(def) => return self.add_body(def).map(Made::Body),
-            Command::AddField(field) => return self.add_field(field).map(Made::Field),
+            Command::AddBody(def) => return self.add_body(def).map(Created::Body),
+            Command::AddField(field) => return self.add_field(field).map(Created::ForceField),
             Command::RemoveBody(body) => self.remove_body(body),
             Command::Apply { body, action, manner } => self.apply(body, action, manner),
             Command::ClearForces => {
@@ -258,6 +258,6 @@ impl<S: Scalar> World<S> {
             Command::Enable(body) => self.enable(body),
             Command::MoveTo { body, position, angle } => self.move_to(body, position, angle),
         }
-        .map(|()| Made::Nothing)
+        .map(|()| Created::Nothing)
     }
 }

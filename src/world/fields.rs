@@ -2,7 +2,7 @@
 
 use super::World;
 use crate::error::Error;
-use crate::force::{Field, Law};
+use crate::force::{FieldKind, ForceField};
 use crate::handle::FieldId;
 use crate::scalar::Scalar;
 use alloc::sync::Arc;
@@ -12,22 +12,22 @@ impl<S: Scalar> World<S> {
     ///
     /// # Errors
     /// [`Error::NoSuchBody`], [`Error::NotDynamic`] or [`Error::SameBody`] for what it is attached to;
-    /// [`Error::ForceLaw`] for a law that is not registered; [`Error::OutOfRange`] naming the quantity; [`Error::Full`].
+    /// [`Error::CustomForce`] for a law that is not registered; [`Error::OutOfRange`] naming the quantity; [`Error::Full`].
     ///
     /// ```
-    /// use umbra_physics::{BodyDef, End, FxFactor, Law, World, WorldDef, fx, scalar::Factor as _, vec2};
+    /// use umbra_physics::{BodyDef, End, FxFactor, FieldKind, World, WorldDef, fx, scalar::Factor as _, vec2};
     ///
     /// let mut world: World = World::new(WorldDef::default())?;
     /// let star =
-    ///     Law::Attractor { centre: End::World(vec2(0, 0)), mu: FxFactor::from_ratio(100, 1), softening: fx!(1) };
+    ///     FieldKind::Attractor { centre: End::World(vec2(0, 0)), mu: FxFactor::from_ratio(100, 1), softening: fx!(1) };
     /// let star = world.add_field(star)?; // acts on all; a `Field` says on whom
-    /// world.set_field(star, Law::Drag { linear: fx!(1), quadratic: fx!(0), wind: vec2(3, 0) })?;
+    /// world.set_field(star, FieldKind::Drag { linear: fx!(1), quadratic: fx!(0), wind: vec2(3, 0) })?;
     /// assert_eq!(world.fields().map(|(id, _)| id).collect::<Vec<_>>(), [star]);
     /// world.remove_field(star)?;
     /// assert!(world.field(star).is_err());
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
-    pub fn add_field(&mut self, field: impl Into<Field<S>>) -> Result<FieldId, Error> {
+    pub fn add_field(&mut self, field: impl Into<ForceField<S>>) -> Result<FieldId, Error> {
         let field = field.into();
         self.check_new_field(&field)?;
         let id = Arc::make_mut(&mut self.fields).insert(field);
@@ -39,12 +39,12 @@ impl<S: Scalar> World<S> {
     ///
     /// # Errors
     /// [`Error::NoSuchField`].
-    pub fn field(&self, id: FieldId) -> Result<&Field<S>, Error> {
+    pub fn field(&self, id: FieldId) -> Result<&ForceField<S>, Error> {
         self.fields.get(id)
     }
 
     /// All force fields, in the order in which they were added: the order in which drags act.
-    pub fn fields(&self) -> impl Iterator<Item = (FieldId, &Field<S>)> {
+    pub fn fields(&self) -> impl Iterator<Item = (FieldId, &ForceField<S>)> {
         self.fields.iter()
     }
 
@@ -52,7 +52,7 @@ impl<S: Scalar> World<S> {
     ///
     /// # Errors
     /// [`Error::NoSuchField`], and as [`add_field`](Self::add_field).
-    pub fn set_field(&mut self, id: FieldId, field: impl Into<Field<S>>) -> Result<(), Error> {
+    pub fn set_field(&mut self, id: FieldId, field: impl Into<ForceField<S>>) -> Result<(), Error> {
         let field = field.into();
         let old = self.check_next_field(id, &field)?;
         self.wake_for(&old);
@@ -71,9 +71,9 @@ impl<S: Scalar> World<S> {
         Arc::make_mut(&mut self.fields).remove(id).map(drop)
     }
 
-    fn wake_for(&mut self, field: &Field<S>) {
-        match field.law {
-            Law::Spring { .. } | Law::Thrust { .. } => {
+    fn wake_for(&mut self, field: &ForceField<S>) {
+        match field.kind {
+            FieldKind::Spring { .. } | FieldKind::Thrust { .. } => {
                 let bodies: alloc::vec::Vec<_> = field.bodies().collect();
                 // What else hangs on one that nothing moves does not feel it, nor whom it attracts.
                 self.wake_reached(&bodies, 0);

@@ -2,12 +2,12 @@
 
 use super::World;
 use crate::body::{Activity, BodyKind};
+use crate::codec::{self, Encoder, Malformed, Read, Reader, Write, codec_enum};
 use crate::error::{Error, Quantity};
 use crate::handle::BodyId;
 use crate::limits;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, Angle, Offset, Scalar, Wide, fx::Fx};
-use crate::wire::{self, Malformed, Out, Read, Reader, Write, wire_enum};
 
 /// What a vector is relative to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -23,19 +23,19 @@ pub enum Frame {
 /// How an action is meant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
-pub struct Manner {
+pub struct ApplyOptions {
     /// What its vectors are relative to.
     pub frame: Frame,
     /// Whether it wakes a sleeping body; if not, a sleeping body does not feel it.
     pub wake: bool,
 }
 
-impl Manner {
+impl ApplyOptions {
     /// In the body's frame, waking it.
     pub const BODY: Self = Self { frame: Frame::Body, wake: true };
 }
 
-impl Default for Manner {
+impl Default for ApplyOptions {
     /// In the world's frame, waking the body.
     fn default() -> Self {
         Self { frame: Frame::World, wake: true }
@@ -49,7 +49,7 @@ impl Default for Manner {
     derive(serde::Serialize, serde::Deserialize),
     serde(rename_all = "snake_case", deny_unknown_fields)
 )]
-pub enum Action<S = Fx> {
+pub enum ForceOrImpulse<S = Fx> {
     /// A force in N, at a point or through the centre of mass.
     Force {
         /// The force.
@@ -73,28 +73,28 @@ pub enum Action<S = Fx> {
 /// What an action does to the body that it was found for.
 pub(super) enum Effect<S: Scalar> {
     /// Adds to what acts over the next step, in the world's frame.
-    Push { force: Vec2<S::Wide>, torque: S::Wide },
+    ForceTorque { force: Vec2<S::Wide>, torque: S::Wide },
     /// Gives it these velocities.
-    Strike { velocity: Vec2<S::Accumulator>, spin: S::Accumulator },
+    Strike { velocity: Vec2<S::Accumulator>, angular_velocity: S::Accumulator },
 }
 
-wire_enum!(Frame, "0 or 1 for a frame", { 0 => World, 1 => Body });
-wire_enum!(Action<S>, "the number of an action", {
+codec_enum!(Frame, "0 or 1 for a frame", { 0 => World, 1 => Body });
+codec_enum!(ForceOrImpulse<S>, "the number of an action", {
     0 => Force { force, point },
     1 => Torque(torque),
     2 => Impulse { impulse, point },
     3 => AngularImpulse(impulse),
 });
 
-impl Write for Manner {
-    fn write(&self, out: &mut impl Out) {
+impl Write for ApplyOptions {
+    fn write(&self, out: &mut impl Encoder) {
         let Self { frame, wake } = self;
-        wire::field(out, "frame", frame);
-        wire::field(out, "wake", wake);
+        codec::field(out, "frame", frame);
+        codec::field(out, "wake", wake);
     }
 }
 
-impl Read for Manner {
+impl Read for ApplyOptions {
     fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {
         Ok(Self { frame: Frame::read(reader)?, wake: bool::read(reader)? })
     }
@@ -110,7 +110,7 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// As [`apply`](Self::apply).
     pub fn apply_force(&mut self, body: BodyId, force: Vec2<S>) -> Result<(), Error> {
-        self.apply(body, Action::Force { force, point: None }, Manner::default())
+        self.apply(body, ForceOrImpulse::Force { force, point: None }, ApplyOptions::default())
     }
 
     /// Applies a force at a point of the world over the next step: τ = r × F besides, r from the centre of mass as it is now.
@@ -118,7 +118,7 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// As [`apply`](Self::apply).
     pub fn apply_force_at_point(&mut self, body: BodyId, force: Vec2<S>, point: Vec2<S>) -> Result<(), Error> {
-        self.apply(body, Action::Force { force, point: Some(point) }, Manner::default())
+        self.apply(body, ForceOrImpulse::Force { force, point: Some(point) }, ApplyOptions::default())
     }
 
     /// Applies a torque, N·m, over the next step.
@@ -126,7 +126,7 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// As [`apply`](Self::apply).
     pub fn apply_torque(&mut self, body: BodyId, torque: S) -> Result<(), Error> {
-        self.apply(body, Action::Torque(torque), Manner::default())
+        self.apply(body, ForceOrImpulse::Torque(torque), ApplyOptions::default())
     }
 
     /// Changes the velocity by J/m at once.
@@ -134,7 +134,7 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// As [`apply`](Self::apply).
     pub fn apply_impulse(&mut self, body: BodyId, impulse: Vec2<S>) -> Result<(), Error> {
-        self.apply(body, Action::Impulse { impulse, point: None }, Manner::default())
+        self.apply(body, ForceOrImpulse::Impulse { impulse, point: None }, ApplyOptions::default())
     }
 
     /// Changes the velocity by J/m and the angular velocity by (r × J)/I at once, r from the centre of mass to a point of
@@ -143,7 +143,7 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// As [`apply`](Self::apply).
     pub fn apply_impulse_at_point(&mut self, body: BodyId, impulse: Vec2<S>, point: Vec2<S>) -> Result<(), Error> {
-        self.apply(body, Action::Impulse { impulse, point: Some(point) }, Manner::default())
+        self.apply(body, ForceOrImpulse::Impulse { impulse, point: Some(point) }, ApplyOptions::default())
     }
 
     /// Changes the angular velocity by L/I at once.
@@ -151,7 +151,7 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// As [`apply`](Self::apply).
     pub fn apply_angular_impulse(&mut self, body: BodyId, impulse: S) -> Result<(), Error> {
-        self.apply(body, Action::AngularImpulse(impulse), Manner::default())
+        self.apply(body, ForceOrImpulse::AngularImpulse(impulse), ApplyOptions::default())
     }
 
     /// Does something to a body.
@@ -164,14 +164,14 @@ impl<S: Scalar> World<S> {
     /// quantity, also when a velocity would leave the envelope.
     ///
     /// ```
-    /// use umbra_physics::{Action, BodyDef, Frame, Fx, Manner, Shape, World, WorldDef, fx, vec2};
+    /// use umbra_physics::{ForceOrImpulse, BodyDef, Frame, Fx, ApplyOptions, Shape, World, WorldDef, fx, vec2};
     ///
     /// let mut world: World = World::new(WorldDef::default())?;
     /// let shape = Some(Shape::rectangle(fx!(2), fx!(1))?);
     /// let ship = world.add_body(BodyDef { shape, angle: Fx::FRAC_PI_2, ..BodyDef::dynamic() })?;
     /// // Ahead, whichever way it points; if it sleeps, it sleeps on.
-    /// let ahead = Action::Impulse { impulse: vec2(3, 0), point: None };
-    /// world.apply(ship, ahead, Manner { frame: Frame::Body, wake: false })?;
+    /// let ahead = ForceOrImpulse::Impulse { impulse: vec2(3, 0), point: None };
+    /// world.apply(ship, ahead, ApplyOptions { frame: Frame::Body, wake: false })?;
     /// assert_eq!(format!("{:.6}", world.body(ship)?.velocity()), "(0.000000, 3.000000)");
     ///
     /// world.apply_angular_impulse(ship, fx!(1))?; // acts at once
@@ -181,25 +181,25 @@ impl<S: Scalar> World<S> {
     /// assert_eq!(world.body(ship)?.applied_torque().map(|torque| torque.to_string()), Some("0".into()));
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
-    pub fn apply(&mut self, body: BodyId, action: Action<S>, manner: Manner) -> Result<(), Error> {
+    pub fn apply(&mut self, body: BodyId, action: ForceOrImpulse<S>, manner: ApplyOptions) -> Result<(), Error> {
         let (dense, effect) = self.effect(body, action, manner.frame)?;
         let asleep = self.bodies.activity(dense) == Activity::Asleep;
         if asleep && !manner.wake {
             return Ok(());
         }
         match effect {
-            Effect::Push { force, torque } => {
+            Effect::ForceTorque { force, torque } => {
                 // Unlike a change of its state, a force leaves what the fields do as it is.
                 if asleep {
                     self.touch(body)?;
                 }
                 self.applied.add(body, force, torque);
             }
-            Effect::Strike { velocity, spin } => {
+            Effect::Strike { velocity, angular_velocity } => {
                 let dense = self.touch(body)?;
                 let motion = &mut self.bodies.columns.motion;
                 motion.velocity.set(dense, velocity);
-                motion.spin[dense] = spin;
+                motion.angular_velocity[dense] = angular_velocity;
             }
         }
         Ok(())
@@ -211,26 +211,31 @@ impl<S: Scalar> World<S> {
     }
 
     /// The index of a body, and what an action would do to it.
-    pub(super) fn effect(&self, body: BodyId, action: Action<S>, frame: Frame) -> Result<(usize, Effect<S>), Error> {
+    pub(super) fn effect(
+        &self,
+        body: BodyId,
+        action: ForceOrImpulse<S>,
+        frame: Frame,
+    ) -> Result<(usize, Effect<S>), Error> {
         let dense = self.check_taking_part(body)?;
-        if self.bodies.card(dense).kind != BodyKind::Dynamic {
+        if self.bodies.info(dense).kind != BodyKind::Dynamic {
             return Err(Error::NotDynamic { body });
         }
         let none = Vec2::default();
         let effect = match action {
-            Action::Force { force, point } => {
+            ForceOrImpulse::Force { force, point } => {
                 let (force, torque) = self.lever(dense, force, point, frame, Quantity::Force)?;
-                Effect::Push { force, torque }
+                Effect::ForceTorque { force, torque }
             }
-            Action::Torque(torque) => {
+            ForceOrImpulse::Torque(torque) => {
                 check_finite(torque, Quantity::Torque)?;
-                Effect::Push { force: none, torque: S::Wide::from_scalar(torque) }
+                Effect::ForceTorque { force: none, torque: S::Wide::from_scalar(torque) }
             }
-            Action::Impulse { impulse, point } => {
+            ForceOrImpulse::Impulse { impulse, point } => {
                 let (impulse, angular) = self.lever(dense, impulse, point, frame, Quantity::Impulse)?;
                 self.strike(dense, impulse, angular)?
             }
-            Action::AngularImpulse(impulse) => {
+            ForceOrImpulse::AngularImpulse(impulse) => {
                 check_finite(impulse, Quantity::Impulse)?;
                 self.strike(dense, none, S::Wide::from_scalar(impulse))?
             }
@@ -270,15 +275,15 @@ impl<S: Scalar> World<S> {
         };
         let moment = || S::torque(arm.0, world.1)?.plus(S::torque(arm.1, world.0)?.negated());
         // Where nothing turns the body, it has no effect, however large it is.
-        let none = self.bodies.card(dense).locks.rotation.then(S::Wide::default);
+        let none = self.bodies.info(dense).locks.rotation.then(S::Wide::default);
         Ok((world.into(), moment().or(none).ok_or(out_of(Quantity::Torque))?))
     }
 
     /// The velocities of a body after an impulse, if they stay within the envelope.
     fn strike(&self, dense: usize, impulse: Vec2<S::Wide>, angular: S::Wide) -> Result<Effect<S>, Error> {
         let columns = &self.bodies.columns;
-        let card = self.bodies.card(dense);
-        let (properties, locks) = (&card.properties, card.locks);
+        let info = self.bodies.info(dense);
+        let (properties, locks) = (&info.properties, info.locks);
         // Along a locked axis it has no effect, however large it is.
         let gained = |impulse, inverse, locked: bool| {
             if locked { Some(S::Accumulator::default()) } else { S::kick(impulse, inverse) }
@@ -290,15 +295,15 @@ impl<S: Scalar> World<S> {
         let spun = spun.ok_or(out_of(Quantity::AngularVelocity))?;
         let old = columns.motion.velocity.get(dense);
         let velocity = Vec2::new(old.x.plus(gained_velocity.x), old.y.plus(gained_velocity.y));
-        let spin = columns.motion.spin[dense].plus(spun);
+        let angular_velocity = columns.motion.angular_velocity[dense].plus(spun);
         let speed = S::from_fx(limits::SPEED);
         if !(velocity.x.is_within(speed) && velocity.y.is_within(speed)) {
             return Err(out_of(Quantity::Velocity));
         }
-        if !spin.is_within(S::from_fx(limits::ANGULAR_SPEED)) {
+        if !angular_velocity.is_within(S::from_fx(limits::ANGULAR_SPEED)) {
             return Err(out_of(Quantity::AngularVelocity));
         }
-        Ok(Effect::Strike { velocity, spin })
+        Ok(Effect::Strike { velocity, angular_velocity })
     }
 }
 

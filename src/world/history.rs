@@ -3,7 +3,7 @@
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
-use super::{Command, Inputs, Outcome, StepReport, World};
+use super::{Command, InputResult, Inputs, StepReport, World};
 use crate::error::Error;
 use crate::scalar::{Scalar, fx::Fx};
 
@@ -17,11 +17,11 @@ use crate::scalar::{Scalar, fx::Fx};
 /// alone: what no step changes is shared with the states that are kept, and copied when it is changed.
 ///
 /// ```
-/// use umbra_physics::{Action, BodyDef, Command, History, Inputs, Manner, World, WorldDef, vec2};
+/// use umbra_physics::{ForceOrImpulse, BodyDef, Command, History, Inputs, ApplyOptions, World, WorldDef, vec2};
 ///
 /// let push = |body, x: i32| {
-///     let action = Action::Impulse { impulse: vec2(x, 0), point: None };
-///     Command::Apply { body, action, manner: Manner::default() }
+///     let action = ForceOrImpulse::Impulse { impulse: vec2(x, 0), point: None };
+///     Command::Apply { body, action, manner: ApplyOptions::default() }
 /// };
 /// let mut world: World = World::new(WorldDef::default())?;
 /// let ships = [world.add_body(BodyDef::dynamic())?, world.add_body(BodyDef::dynamic())?];
@@ -79,7 +79,7 @@ pub struct History<S: Scalar = Fx> {
     first: u64,
     /// The first row whose inputs are not those that the world was stepped with.
     changed: Option<usize>,
-    outcomes: Vec<Outcome>,
+    outcomes: Vec<InputResult>,
 }
 
 #[derive(Debug)]
@@ -103,7 +103,7 @@ impl<S: Scalar> Row<S> {
 #[derive(Clone, Copy, Debug)]
 pub struct TickReport<'a, S: Scalar = Fx> {
     /// What became of its inputs, in their order.
-    pub outcomes: &'a [Outcome],
+    pub outcomes: &'a [InputResult],
     /// What its step did.
     pub step: StepReport<'a, S>,
     /// The world after it.

@@ -3,10 +3,10 @@
 use alloc::collections::{BTreeMap, btree_map};
 use alloc::vec::Vec;
 
-use super::{Command, Made, World};
+use super::{Command, Created, World};
+use crate::codec::codec_struct;
 use crate::error::Error;
 use crate::scalar::{Scalar, fx::Fx};
-use crate::wire::wire_struct;
 
 /// A command of a player's.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,7 +30,7 @@ pub struct Input<S: Scalar = Fx> {
     pub command: Command<S>,
 }
 
-wire_struct!(Input { player, sequence, command });
+codec_struct!(Input { player, sequence, command });
 
 impl<S: Scalar> Input<S> {
     fn place(&self) -> (u32, u32) {
@@ -42,7 +42,7 @@ impl<S: Scalar> Input<S> {
 /// carry them out in the same order.
 ///
 /// ```
-/// use umbra_physics::{BodyDef, Command, Input, Inputs, Made, World, WorldDef};
+/// use umbra_physics::{BodyDef, Command, Input, Inputs, Created, World, WorldDef};
 ///
 /// let mut inputs = Inputs::new();
 /// let command = Command::AddBody(BodyDef { user_data: 7, ..BodyDef::dynamic() });
@@ -51,7 +51,7 @@ impl<S: Scalar> Input<S> {
 ///
 /// let mut world: World = World::new(WorldDef::default())?;
 /// for outcome in world.carry_out(&inputs) {
-///     if let (1, Ok(Made::Body(body))) = (outcome.player, outcome.result) {
+///     if let (1, Ok(Created::Body(body))) = (outcome.player, outcome.result) {
 ///         assert_eq!(world.body(body)?.user_data(), 7);
 ///         assert_eq!(body.parts(), (1, 0)); // the second body of the world
 ///     }
@@ -257,33 +257,33 @@ impl<'a, S: Scalar> IntoIterator for &'a Inputs<S> {
 /// What became of an input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
-pub struct Outcome {
+pub struct InputResult {
     /// Whose it was.
     pub player: u32,
     /// Its place among the inputs of this player.
     pub sequence: u32,
     /// What it made, or why it was refused: then it changed nothing.
-    pub result: Result<Made, Error>,
+    pub result: Result<Created, Error>,
 }
 
 impl<S: Scalar> World<S> {
     /// Carries out the inputs of a tick in their order, and says what became of each, in the same order. One that is
     /// refused changes nothing and stops no other: it is the same for every peer.
-    pub fn carry_out(&mut self, inputs: &Inputs<S>) -> Vec<Outcome> {
+    pub fn carry_out(&mut self, inputs: &Inputs<S>) -> Vec<InputResult> {
         let mut outcomes = Vec::with_capacity(inputs.len());
         self.carry_out_into(inputs, &mut outcomes);
         outcomes
     }
 
     /// The same, in memory that is there.
-    pub(crate) fn carry_out_into(&mut self, inputs: &Inputs<S>, outcomes: &mut Vec<Outcome>) {
+    pub(crate) fn carry_out_into(&mut self, inputs: &Inputs<S>, outcomes: &mut Vec<InputResult>) {
         outcomes.clear();
         outcomes.extend(inputs.iter().map(|input| self.carry_out_one(input)));
     }
 
     /// The same of one alone.
-    pub(crate) fn carry_out_one(&mut self, input: &Input<S>) -> Outcome {
+    pub(crate) fn carry_out_one(&mut self, input: &Input<S>) -> InputResult {
         let result = self.execute(&input.command);
-        Outcome { player: input.player, sequence: input.sequence, result }
+        InputResult { player: input.player, sequence: input.sequence, result }
     }
 }

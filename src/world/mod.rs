@@ -2,18 +2,18 @@
 
 mod bodies;
 mod body_ref;
+mod change_log;
 mod check;
 mod command;
-mod driver;
 mod fields;
 mod forces;
 mod game;
 mod history;
 mod inputs;
-mod journal;
-mod outlook;
+mod preview;
 mod reverse;
 mod settings;
+mod stepper;
 mod totals;
 mod trace;
 mod wake;
@@ -21,26 +21,26 @@ mod wake;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
-use crate::body::{Bodies, Climate, Errands, Tunings, check_damping};
+use crate::body::{Bodies, FactorTable, KinematicTargets, WorldFactors, check_damping};
+use crate::codec::codec_struct;
 use crate::error::{Error, Fault, Quantity};
-use crate::force::{Applied, AppliedForce, FieldSet, Laws};
+use crate::force::{Applied, AppliedForce, CustomForces, FieldSet};
 use crate::handle::BodyId;
 use crate::integrate::{Integrator, Plan};
 use crate::limits;
 use crate::math::{Elapsed, Random, TimeStep, Vec2};
 use crate::scalar::{Scalar, fx::Fx};
 use crate::step::{Context, Probe, Scratch};
-use crate::wire::wire_struct;
 
 pub use body_ref::BodyRef;
-pub use command::{Command, Made};
-pub use driver::Driver;
-pub use forces::{Action, Frame, Manner};
+pub(crate) use change_log::ChangeLog;
+pub use change_log::Event;
+pub use command::{Command, Created};
+pub use forces::{ApplyOptions, ForceOrImpulse, Frame};
 pub use history::{History, TickReport};
-pub use inputs::{Input, Inputs, InputsIter, Outcome};
-pub use journal::Event;
-pub(crate) use journal::Journal;
-pub use outlook::Outlook;
+pub use inputs::{Input, InputResult, Inputs, InputsIter};
+pub use preview::Preview;
+pub use stepper::Stepper;
 pub use trace::Trace;
 
 /// What a world is made from.
@@ -75,7 +75,7 @@ impl<S: Scalar> Default for WorldDef<S> {
     }
 }
 
-wire_struct!(WorldDef { time_step, gravity, integrator, linear_damping, angular_damping, sleep_after });
+codec_struct!(WorldDef { time_step, gravity, integrator, linear_damping, angular_damping, sleep_after });
 
 impl<S: Scalar> WorldDef<S> {
     /// Refuses what no world can be.
@@ -141,7 +141,7 @@ fn check_sleep_after(ticks: Option<u32>) -> Result<(), Error> {
 /// | the first change after a copy was made | all bodies or all fields, whichever it changes: copies share them until then |
 /// | `step`, `step_back` | the bodies that move, and for each the fields that act on it |
 /// | all that reads the whole world: `bodies`, `fields`, `bodies_with_key`, energies, hashes, copies, differences, drawing | the world |
-/// | [`look_ahead`](Self::look_ahead) | all fields, and the bodies that its body depends on |
+/// | [`preview`](Self::look_ahead) | all fields, and the bodies that its body depends on |
 ///
 /// Some calls leave work to the next step, which does it once, however many calls asked for it: a change of the time step, the
 /// integrator, gravity or damping has it make the factors of the bodies that move, those of bodies that are damped alike once;
@@ -155,16 +155,16 @@ pub struct World<S: Scalar = Fx> {
     pub(crate) bodies: Bodies<S>,
     /// Shared, like the laws and tunings, with the worlds that are copies, until one changes it.
     pub(crate) fields: Arc<FieldSet<S>>,
-    pub(crate) laws: Arc<Laws<S>>,
+    pub(crate) custom_forces: Arc<CustomForces<S>>,
     pub(crate) applied: Applied<S>,
-    pub(crate) errands: Errands<S>,
+    pub(crate) targets: KinematicTargets<S>,
     pub(crate) random: Random,
     pub(crate) blob: Vec<u8>,
     // From here on all is derived, scratch, or a report.
-    pub(crate) tunings: Arc<Tunings<S>>,
+    pub(crate) factor_table: Arc<FactorTable<S>>,
     pub(crate) plan: Plan<S>,
     pub(crate) scratch: Scratch<S>,
-    pub(crate) journal: Journal,
+    pub(crate) change_log: ChangeLog,
 }
 
 clone_by_field!(World {
@@ -173,15 +173,15 @@ clone_by_field!(World {
     counted,
     bodies,
     fields,
-    laws,
+    custom_forces,
     applied,
-    errands,
+    targets,
     random,
     blob,
-    tunings,
+    factor_table,
     plan,
     scratch,
-    journal,
+    change_log,
 });
 
 /// What a step did. It borrows from the world: take out what is to be kept.
@@ -244,29 +244,29 @@ impl<S: Scalar> World<S> {
             counted: (Elapsed::ZERO, 0),
             bodies,
             fields: Arc::default(),
-            laws: Arc::default(),
+            custom_forces: Arc::default(),
             applied: Applied::default(),
-            errands: Errands::default(),
+            targets: KinematicTargets::default(),
             random: Random::default(),
             blob: Vec::new(),
-            tunings: Arc::default(),
+            factor_table: Arc::default(),
             plan: Plan::new(def.integrator, def.time_step),
             scratch: Scratch::default(),
-            journal: Journal::default(),
+            change_log: ChangeLog::default(),
         })
     }
 
     /// Moves the world on by a tick.
     pub fn step(&mut self) -> StepReport<'_, S> {
         self.advance(None);
-        self.journal.end(&self.scratch.faults, &self.scratch.fell_asleep);
+        self.change_log.end(&self.scratch.faults, &self.scratch.fell_asleep);
         self.last_report()
     }
 
     /// A step, seen by a probe or not.
     fn advance<'a>(&'a mut self, probe: Option<&'a mut Probe<'a, S>>) {
         self.tick = limits::tick_after(self.tick, 1);
-        self.journal.begin(self.tick, &self.bodies);
+        self.change_log.begin(self.tick, &self.bodies);
         self.update();
         self.context(probe).step();
     }
@@ -274,24 +274,24 @@ impl<S: Scalar> World<S> {
     /// Makes what calls have left stale, of the bodies that the step moves.
     fn update(&mut self) {
         self.plan.update(self.def.integrator, self.def.time_step);
-        let any_come = self.bodies.begin_step(&self.tunings);
-        if any_come || self.tunings.is_stale() {
+        let any_come = self.bodies.begin_step(&self.factor_table);
+        if any_come || self.factor_table.is_stale() {
             let WorldDef { gravity, linear_damping, angular_damping, integrator, .. } = self.def;
             let (spans, damps) = (&self.plan.spans[..integrator.spans().len()], integrator.damps());
-            let climate = Climate::new(gravity, [linear_damping, angular_damping], spans, damps);
-            let indices = &self.bodies.columns.tuning[..self.bodies.moving()];
-            Arc::make_mut(&mut self.tunings).update(&climate, indices);
+            let world_factors = WorldFactors::new(gravity, [linear_damping, angular_damping], spans, damps);
+            let indices = &self.bodies.columns.factors[..self.bodies.moving()];
+            Arc::make_mut(&mut self.factor_table).update(&world_factors, indices);
         }
     }
 
     fn context<'a>(&'a mut self, probe: Option<&'a mut Probe<'a, S>>) -> Context<'a, S> {
         Context {
             bodies: &mut self.bodies,
-            tunings: &self.tunings,
+            factor_table: &self.factor_table,
             fields: &self.fields,
-            laws: &self.laws,
+            custom_forces: &self.custom_forces,
             applied: &mut self.applied,
-            errands: &mut self.errands,
+            targets: &mut self.targets,
             tick: self.tick,
             plan: &self.plan,
             integrator: self.def.integrator,
@@ -308,10 +308,10 @@ impl<S: Scalar> World<S> {
             tick: self.tick,
             faults: &self.scratch.faults,
             fell_asleep: &self.scratch.fell_asleep,
-            woke: &self.journal.reported.woken,
-            removed: &self.journal.reported.removed,
-            added: &self.journal.reported.added,
-            placed: &self.journal.reported.placed,
+            woke: &self.change_log.reported.woken,
+            removed: &self.change_log.reported.removed,
+            added: &self.change_log.reported.added,
+            placed: &self.change_log.reported.placed,
             applied: self.applied.done(),
             drag_outside: self.scratch.drag_outside,
         }

@@ -52,7 +52,7 @@ impl<S: Scalar> World<S> {
         self.tick -= 1;
         self.applied.forget_done();
         self.scratch.forget_report();
-        self.journal.undo(self.tick, &self.bodies);
+        self.change_log.undo(self.tick, &self.bodies);
         Ok(())
     }
 
@@ -75,14 +75,14 @@ impl<S: Scalar> World<S> {
             return Err(Irreversible::Sleep);
         }
         let WorldDef { linear_damping, angular_damping, .. } = self.def;
-        if self.tunings.used().any(|key| key.is_damped(linear_damping, angular_damping)) {
+        if self.factor_table.used().any(|key| key.is_damped(linear_damping, angular_damping)) {
             return Err(Irreversible::Damping);
         }
-        if self.tunings.any_capped() {
+        if self.factor_table.any_capped() {
             return Err(Irreversible::Capped);
         }
         let resists = |depends_on| depends_on == Dependence::Velocity;
-        if let Some((field, _)) = self.fields.iter().find(|(_, field)| resists(field.depends_on(&self.laws))) {
+        if let Some((field, _)) = self.fields.iter().find(|(_, field)| resists(field.depends_on(&self.custom_forces))) {
             return Err(Irreversible::Velocity { field });
         }
         // They do not move, so they are not among the first.
@@ -90,7 +90,7 @@ impl<S: Scalar> World<S> {
         if let Some(i) = still.rev().find(|&i| self.bodies.activity(i) == Activity::Quarantined) {
             return Err(Irreversible::Quarantined { body: self.bodies.id(i) });
         }
-        if self.errands.moved_at == self.tick || self.errands.are_due(&self.bodies) {
+        if self.targets.moved_at == self.tick || self.targets.are_due(&self.bodies) {
             return Err(Irreversible::Moved);
         }
         if !self.applied.rows().is_empty() {
@@ -103,7 +103,7 @@ impl<S: Scalar> World<S> {
     fn apply_again(&mut self, applied: &[AppliedForce<S>]) -> Result<(), Error> {
         for row in applied {
             let body = row.body;
-            if self.bodies.card(self.check_taking_part(body)?).kind != BodyKind::Dynamic {
+            if self.bodies.info(self.check_taking_part(body)?).kind != BodyKind::Dynamic {
                 return Err(Error::NotDynamic { body });
             }
             if self.applied.row(body).is_some() {

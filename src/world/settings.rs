@@ -4,7 +4,7 @@ use alloc::sync::Arc;
 
 use super::{World, WorldDef};
 use crate::error::Error;
-use crate::force::ForceLaw;
+use crate::force::CustomForce;
 use crate::integrate::Integrator;
 use crate::math::{TimeStep, Vec2};
 use crate::scalar::Scalar;
@@ -81,13 +81,13 @@ impl<S: Scalar> World<S> {
     /// Registers a law of force of the caller's own, for fields to name. Worlds that are to agree have the same laws.
     ///
     /// # Errors
-    /// [`Error::ForceLaw`] if one with its id is registered.
-    pub fn register_law(&mut self, law: Arc<dyn ForceLaw<S>>) -> Result<(), Error> {
+    /// [`Error::CustomForce`] if one with its id is registered.
+    pub fn register_custom_force(&mut self, law: Arc<dyn CustomForce<S>>) -> Result<(), Error> {
         let id = law.id();
-        if self.laws.contains_key(&id) {
-            return Err(Error::ForceLaw { id });
+        if self.custom_forces.contains_key(&id) {
+            return Err(Error::CustomForce { id });
         }
-        Arc::make_mut(&mut self.laws).insert(id, law);
+        Arc::make_mut(&mut self.custom_forces).insert(id, law);
         Ok(())
     }
 
@@ -96,7 +96,7 @@ impl<S: Scalar> World<S> {
     fn redefine(&mut self, def: WorldDef<S>) {
         if def != self.def {
             self.def = def;
-            Arc::make_mut(&mut self.tunings).change_all();
+            Arc::make_mut(&mut self.factor_table).change_all();
         }
         self.wake_all();
     }

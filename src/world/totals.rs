@@ -4,9 +4,9 @@
 use super::World;
 use crate::body::BodyKind;
 use crate::error::{Error, Quantity};
-use crate::force::{Attachment, Directions, End, Law, Scene};
+use crate::force::{Attachment, Directions, End, FieldKind, Scene};
 use crate::math::Vec2;
-use crate::scalar::{Accumulator, Factor, Scalar, SpringLaw, Sum, Wide};
+use crate::scalar::{Accumulator, Factor, Scalar, SpringConstants, Sum, Wide};
 
 fn total<S: Scalar>(sum: Option<S::Sum>) -> Result<S::Wide, Error> {
     sum.and_then(Sum::total).ok_or(Error::OutOfRange { quantity: Quantity::Total })
@@ -44,7 +44,7 @@ impl<S: Scalar> World<S> {
     /// let mut world: World =
     ///     World::new(WorldDef { gravity: vec2(0, -10), sleep_after: None, ..WorldDef::default() })?;
     /// let ball =
-    ///     BodyDef { mass: Mass::Of(fx!(2)), position: vec2(1, 20), velocity: vec2(3, 0), ..BodyDef::dynamic() };
+    ///     BodyDef { mass: Mass::Kilograms(fx!(2)), position: vec2(1, 20), velocity: vec2(3, 0), ..BodyDef::dynamic() };
     /// world.add_body(ball)?;
     /// assert_eq!(
     ///     (world.kinetic_energy()?.to_string(), world.potential_energy()?.to_string()),
@@ -105,16 +105,19 @@ impl<S: Scalar> World<S> {
 
     /// m·v, exactly.
     fn momentum_term(&self, i: usize) -> Vec2<S::Wide> {
-        let (mass, velocity) = (self.bodies.card(i).kilograms(), self.bodies.columns.motion.velocity.get(i));
+        let (mass, velocity) = (self.bodies.info(i).kilograms(), self.bodies.columns.motion.velocity.get(i));
         velocity.map(|v| mass.product(v.value()))
     }
 
     fn add_angular_momentum(&self, i: usize, sum: &mut S::Sum) -> Option<()> {
-        let (motion, card) = (&self.bodies.columns.motion, self.bodies.card(i));
+        let (motion, info) = (&self.bodies.columns.motion, self.bodies.info(i));
         let (x, v) = (motion.position.get(i).map(Accumulator::value), motion.velocity.get(i).map(Accumulator::value));
-        let spin = motion.spin[i].value();
-        sum.add(x.cross(v)?.times(S::Factor::from_scalar(card.kilograms()))?);
-        sum.add(S::Wide::from_factor(card.inertia().times(S::Factor::from_scalar(spin)), spin < S::ZERO)?);
+        let angular_velocity = motion.angular_velocity[i].value();
+        sum.add(x.cross(v)?.times(S::Factor::from_scalar(info.kilograms()))?);
+        sum.add(S::Wide::from_factor(
+            info.inertia().times(S::Factor::from_scalar(angular_velocity)),
+            angular_velocity < S::ZERO,
+        )?);
         Some(())
     }
 
@@ -123,10 +126,10 @@ impl<S: Scalar> World<S> {
             let v = S::Factor::from_scalar(v.value());
             v.times(v)
         };
-        let (motion, card) = (&self.bodies.columns.motion, self.bodies.card(i));
+        let (motion, info) = (&self.bodies.columns.motion, self.bodies.info(i));
         let moving = square(motion.velocity.x[i]).plus(square(motion.velocity.y[i]));
-        let turning = square(motion.spin[i]).times(card.inertia());
-        let twice = moving.times(S::Factor::from_scalar(card.kilograms())).plus(turning);
+        let turning = square(motion.angular_velocity[i]).times(info.inertia());
+        let twice = moving.times(S::Factor::from_scalar(info.kilograms())).plus(turning);
         S::Wide::from_factor(twice.times(S::Factor::from_ratio(1, 2)), false)
     }
 
@@ -140,9 +143,9 @@ impl<S: Scalar> World<S> {
     fn add_potential(&self, sum: &mut S::Sum) -> Option<()> {
         let columns = &self.bodies.columns;
         for i in self.counted_bodies() {
-            let mass = S::Factor::from_scalar(self.bodies.card(i).kilograms());
+            let mass = S::Factor::from_scalar(self.bodies.info(i).kilograms());
             // Also along a locked axis, where it does not move the body.
-            let scale = self.tunings.rows()[columns.tuning[i] as usize].key.gravity_scale;
+            let scale = self.factor_table.rows()[columns.factors[i] as usize].key.gravity_scale;
             let gravity = self.def.gravity.map(|g| g.product(scale));
             let at = columns.motion.position.get(i);
             for (g, x) in [(gravity.x, at.x.value()), (gravity.y, at.y.value())] {
@@ -151,15 +154,20 @@ impl<S: Scalar> World<S> {
                 sum.add(S::Wide::from_factor(energy, g.is_negative() == (x < S::ZERO))?);
             }
         }
-        let scene = Scene { bodies: &self.bodies, fields: &self.fields, laws: &self.laws };
+        let scene = Scene { bodies: &self.bodies, fields: &self.fields, custom_forces: &self.custom_forces };
         let mut directions = Directions::<S>::default();
         for (_, field) in self.fields.iter() {
-            match &field.law {
-                Law::Spring { near, far, spring } => sum.add(spring_energy(scene, near, far, spring, &mut directions)?),
-                Law::Attractor { centre, mu, softening } => {
+            match &field.kind {
+                FieldKind::Spring { near, far, spring } => {
+                    sum.add(spring_energy(scene, near, far, spring, &mut directions)?)
+                }
+                FieldKind::Attractor { centre, mu, softening } => {
                     self.add_attraction(sum, (centre, *mu, *softening), field.groups)?;
                 }
-                Law::Drag { .. } | Law::Thrust { .. } | Law::Zone { .. } | Law::Custom { .. } => {}
+                FieldKind::Drag { .. }
+                | FieldKind::Thrust { .. }
+                | FieldKind::Zone { .. }
+                | FieldKind::Custom { .. } => {}
             }
         }
         Some(())
@@ -171,18 +179,18 @@ impl<S: Scalar> World<S> {
         (centre, mu, softening): (&End<S>, S::Factor, S),
         groups: u32,
     ) -> Option<()> {
-        let scene = Scene { bodies: &self.bodies, fields: &self.fields, laws: &self.laws };
+        let scene = Scene { bodies: &self.bodies, fields: &self.fields, custom_forces: &self.custom_forces };
         let carrier = match centre {
             End::Body(at) => self.bodies.find(at.body).ok(),
             End::World(_) => None,
         };
-        let mutual = carrier.is_some_and(|i| self.bodies.card(i).kind == BodyKind::Dynamic);
+        let mutual = carrier.is_some_and(|i| self.bodies.info(i).kind == BodyKind::Dynamic);
         let mu = if mutual { mu.times(S::Factor::from_ratio(1, 2)) } else { mu };
         let mut directions = Directions::<S>::default();
         for i in self.counted_bodies() {
-            let card = self.bodies.card(i);
+            let info = self.bodies.info(i);
             let own = End::Body(Attachment::centre(self.bodies.id(i)));
-            if carrier == Some(i) || card.groups & groups == 0 {
+            if carrier == Some(i) || info.groups & groups == 0 {
                 continue;
             }
             // One whose carrier takes no part attracts nothing.
@@ -191,7 +199,7 @@ impl<S: Scalar> World<S> {
             if distance.is_zero() {
                 return None;
             }
-            let energy = mu.times(S::Factor::from_scalar(card.kilograms())).over(distance);
+            let energy = mu.times(S::Factor::from_scalar(info.kilograms())).over(distance);
             sum.add(S::Wide::from_factor(energy, true)?);
         }
         Some(())
@@ -203,7 +211,7 @@ impl<S: Scalar> World<S> {
     }
 
     fn counts(&self, i: usize) -> bool {
-        self.bodies.card(i).kind == BodyKind::Dynamic && self.bodies.activity(i).takes_part()
+        self.bodies.info(i).kind == BodyKind::Dynamic && self.bodies.activity(i).takes_part()
     }
 }
 
@@ -212,7 +220,7 @@ fn spring_energy<S: Scalar>(
     scene: Scene<'_, S>,
     near: &Attachment<S>,
     far: &End<S>,
-    spring: &SpringLaw<S>,
+    spring: &SpringConstants<S>,
     directions: &mut Directions<S>,
 ) -> Option<S::Wide> {
     let Some(offset) = scene.offset_between(&End::Body(*near), far, directions) else {

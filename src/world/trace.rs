@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 
 use super::World;
 use crate::body::{Activity, Bodies};
-use crate::integrate::{Stage, Verb};
+use crate::integrate::{Stage, StageKind};
 use crate::scalar::{Scalar, fx::Fx};
 use crate::step::find_strays;
 
@@ -22,7 +22,7 @@ use crate::step::find_strays;
 /// world.add_body(BodyDef::dynamic())?;
 /// let trace: Trace = world.step_traced();
 /// for (stage, after) in trace.stages() {
-///     println!("{:>6}: state hash {:016x}", stage.verb.name(), after.state_hash());
+///     println!("{:>6}: state hash {:016x}", stage.kind.name(), after.state_hash());
 /// }
 /// # Ok::<(), umbra_physics::Error>(())
 /// ```
@@ -47,12 +47,12 @@ impl<S: Scalar> World<S> {
     /// part.
     ///
     /// ```
-    /// use umbra_physics::{BodyDef, Verb, World, WorldDef, vec2};
+    /// use umbra_physics::{BodyDef, StageKind, World, WorldDef, vec2};
     ///
     /// let mut world: World = World::new(WorldDef { gravity: vec2(0, -60), ..WorldDef::default() })?;
     /// let ball = world.add_body(BodyDef::dynamic())?;
     /// let trace = world.step_traced();
-    /// let kicks = trace.stages().filter(|(stage, _)| stage.verb == Verb::Kick);
+    /// let kicks = trace.stages().filter(|(stage, _)| stage.kind == StageKind::Kick);
     /// let speeds: Vec<_> = kicks.filter_map(|(_, world)| Some(world.body(ball).ok()?.velocity())).collect();
     /// // The opening half, and the closing one.
     /// assert_eq!(speeds, [vec2(0, umbra_physics::fx!(-0.5)), vec2(0, -1)]);
@@ -64,14 +64,14 @@ impl<S: Scalar> World<S> {
         let mut probe = |stage: &Stage, bodies: &Bodies<S>| {
             let mut world = before.clone();
             world.bodies.clone_from(bodies);
-            if stage.verb == Verb::Clear {
+            if stage.kind == StageKind::Clear {
                 world.applied.finish();
             }
             world.quarantine_strays();
             stages.push((*stage, world));
         };
         self.advance(Some(&mut probe));
-        self.journal.end(&self.scratch.faults, &self.scratch.fell_asleep);
+        self.change_log.end(&self.scratch.faults, &self.scratch.fell_asleep);
         Trace { stages }
     }
 
@@ -84,7 +84,7 @@ impl<S: Scalar> World<S> {
             // One that is taken out has nothing applied to it, and is sent nowhere.
             let body = self.bodies.id(i);
             self.applied.forget(body);
-            self.errands.recall(body);
+            self.targets.recall(body);
             self.bodies.set_activity(i, Activity::Quarantined);
             self.mark_if_still(body);
         }

@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use super::World;
 use crate::body::{Activity, BodyKind};
 use crate::error::Error;
-use crate::force::Law;
+use crate::force::FieldKind;
 use crate::handle::BodyId;
 use crate::scalar::Scalar;
 
@@ -69,8 +69,8 @@ impl<S: Scalar> World<S> {
         self.bodies.set_activity(dense, Activity::Disabled);
         self.mark_if_still(body);
         self.applied.forget(body);
-        self.errands.recall(body);
-        self.journal.taken_out(body);
+        self.targets.recall(body);
+        self.change_log.taken_out(body);
         Ok(())
     }
 
@@ -93,7 +93,7 @@ impl<S: Scalar> World<S> {
         self.scratch.forget();
         // Neighbours of an awake dynamic body are awake. Those of a body that keeps nothing awake may sleep, and what one
         // that takes no part is changed to will move them when it does again.
-        if self.bodies.activity(dense) == Activity::Asleep || self.bodies.card(dense).kind != BodyKind::Dynamic {
+        if self.bodies.activity(dense) == Activity::Asleep || self.bodies.info(dense).kind != BodyKind::Dynamic {
             self.wake_joined(body);
         }
         let dense = self.bodies.find(body)?;
@@ -105,7 +105,7 @@ impl<S: Scalar> World<S> {
     /// Notes that a call changes a body, if no step moves it: of the others it goes without saying.
     pub(super) fn mark_if_still(&mut self, body: BodyId) {
         if self.bodies.find(body).is_ok_and(|dense| dense >= self.bodies.moving()) {
-            self.journal.changed(body.slot);
+            self.change_log.changed(body.slot);
         }
     }
 
@@ -113,13 +113,13 @@ impl<S: Scalar> World<S> {
     pub(super) fn wake_joined(&mut self, body: BodyId) {
         self.scratch.forget();
         // Nobody falls asleep until the next step: once is enough.
-        if !self.bodies.any_asleep() || !self.journal.looks_around(body) {
+        if !self.bodies.any_asleep() || !self.change_log.looks_around(body) {
             return;
         }
         let mut reached = Vec::from([body]);
         let mut groups = 0;
         for (_, field) in self.fields.attached_to(body) {
-            if matches!(field.law, Law::Attractor { .. }) {
+            if matches!(field.kind, FieldKind::Attractor { .. }) {
                 groups |= field.groups;
             }
             reached.extend(field.bodies());
@@ -137,7 +137,7 @@ impl<S: Scalar> World<S> {
         let mut woken = Vec::new();
         bodies.iter().for_each(|&body| self.rouse(body, &mut woken));
         if self.bodies.any_asleep_in(groups) {
-            let feel = self.bodies.asleep().filter(|&i| self.bodies.card(i).feels(groups));
+            let feel = self.bodies.asleep().filter(|&i| self.bodies.info(i).feels(groups));
             let feel: Vec<BodyId> = feel.map(|i| self.bodies.id(i)).collect();
             feel.into_iter().for_each(|body| self.rouse(body, &mut woken));
         }
@@ -148,13 +148,15 @@ impl<S: Scalar> World<S> {
         let fields = self.fields.clone();
         let mut next = 0;
         while let Some(&body) = woken.get(next) {
-            for (_, field) in fields.attached_to(body).filter(|(_, field)| matches!(field.law, Law::Spring { .. })) {
+            for (_, field) in
+                fields.attached_to(body).filter(|(_, field)| matches!(field.kind, FieldKind::Spring { .. }))
+            {
                 field.bodies().for_each(|joined| self.rouse(joined, &mut woken));
             }
             next += 1;
         }
         woken.sort_unstable();
-        self.journal.woke(&woken);
+        self.change_log.woke(&woken);
     }
 
     /// Wakes a body if it sleeps, and says so.
@@ -174,7 +176,7 @@ impl<S: Scalar> World<S> {
             let mut woken = Vec::with_capacity(sleepers.len());
             sleepers.into_iter().for_each(|body| self.rouse(body, &mut woken));
             woken.sort_unstable();
-            self.journal.woke(&woken);
+            self.change_log.woke(&woken);
         }
     }
 }

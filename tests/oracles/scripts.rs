@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use umbra_physics::oracle::{Oracle, Script, Verdict};
-use umbra_physics::{BodyDef, BodyId, Command, Integrator, Law, Replay, World, WorldDef, fx, vec2};
+use umbra_physics::{BodyDef, BodyId, Command, FieldKind, Integrator, Replay, World, WorldDef, fx, vec2};
 
 use crate::commands::Author;
 use crate::random::SplitMix;
@@ -146,20 +146,20 @@ fn a_run_without_ticks_is_judged_by_nobody() {
 #[test]
 fn a_law_that_names_a_body_names_it_still() {
     let handle = BodyId::from_parts;
-    let spring = umbra_physics::SpringLaw { rest: fx!(1), stiffness: fx!(2), damping: fx!(0) };
+    let spring = umbra_physics::SpringConstants { rest: fx!(1), stiffness: fx!(2), damping: fx!(0) };
     let far = umbra_physics::End::Body(umbra_physics::Attachment::centre(handle(2, 0)));
-    let law = Law::Spring { near: umbra_physics::Attachment::centre(handle(1, 0)), far, spring };
+    let law = FieldKind::Spring { near: umbra_physics::Attachment::centre(handle(1, 0)), far, spring };
     let mut commands: Vec<_> = (0..3).map(|_| (0, Command::AddBody(BodyDef::dynamic()))).collect();
     commands.push((0, Command::AddField(law.into())));
     commands.push((1, Command::RemoveField(umbra_physics::FieldId::from_parts(0, 0))));
     let script = Script { world: WorldDef::default(), commands, ticks: 2 };
     let without = script.with(|index| index != 0);
-    let named = |law: &Law| match law {
-        Law::Spring { near, far: umbra_physics::End::Body(far), .. } => (near.body, far.body),
+    let named = |law: &FieldKind| match law {
+        FieldKind::Spring { near, far: umbra_physics::End::Body(far), .. } => (near.body, far.body),
         _ => panic!("it was a spring"),
     };
     let Command::AddField(field) = &without.commands[2].1 else { panic!("it adds a field") };
-    assert_eq!(named(&field.law), (handle(0, 0), handle(1, 0)));
+    assert_eq!(named(&field.kind), (handle(0, 0), handle(1, 0)));
     assert_eq!(without.run().expect("a fair definition").fields().count(), 0);
     // Without one of its ends it is refused, and there is no field to remove.
     let without = script.with(|index| index != 2);
@@ -171,8 +171,8 @@ fn a_law_that_names_a_body_names_it_still() {
 #[test]
 fn fields_that_become_drags_are_in_no_other_order() {
     let handle = umbra_physics::FieldId::from_parts;
-    let drag = |factor| Law::Drag { linear: fx!(1), quadratic: factor, wind: vec2(factor, 0) };
-    let zone = Law::Zone {
+    let drag = |factor| FieldKind::Drag { linear: fx!(1), quadratic: factor, wind: vec2(factor, 0) };
+    let zone = FieldKind::Zone {
         region: umbra_physics::Region::Disc { centre: vec2(0, 0), radius: fx!(9) },
         acceleration: vec2(0, 1),
     };

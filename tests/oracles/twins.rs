@@ -9,8 +9,8 @@ use std::thread;
 
 use umbra_physics::oracle::{Course, Fuzz, Game, Handles, Oracle, Symmetry, Verdict, Violation, fuzz, shrink};
 use umbra_physics::{
-    Action, BodyDef, BodyId, BodyState, Command, Dependence, Driver, Field, FieldId, ForceLaw, Fx, Law, LawFault,
-    Manner, Mass, Place, Push, Random, Replay, Vec2, World, WorldDef, fx, vec2,
+    ApplyOptions, BodyDef, BodyId, BodyState, Command, CustomForce, CustomForceError, Dependence, FieldId, FieldKind,
+    ForceField, ForceOrImpulse, ForceTorque, Fx, Mass, Owner, Random, Replay, Stepper, Vec2, World, WorldDef, fx, vec2,
 };
 
 /// Keys from here on are no game's.
@@ -78,10 +78,10 @@ impl Twin {
         matches!(self.fault, Fault::Calm | Fault::Above)
     }
 
-    fn push(&self, world: &mut World, driver: &mut dyn Driver, body: BodyId, impulse: Vec2) {
-        let action = Action::Impulse { impulse, point: None };
+    fn push(&self, world: &mut World, driver: &mut dyn Stepper, body: BodyId, impulse: Vec2) {
+        let action = ForceOrImpulse::Impulse { impulse, point: None };
         // A body that is gone is not pushed.
-        let _ = driver.execute(world, &Command::Apply { body, action, manner: Manner::default() });
+        let _ = driver.execute(world, &Command::Apply { body, action, manner: ApplyOptions::default() });
     }
 
     /// The bodies of the game's own, by their keys.
@@ -99,7 +99,7 @@ impl Game for Twin {
         let mut world = World::new(WorldDef { sleep_after: None, ..WorldDef::default() }).expect("a fair definition");
         for key in 0..4 {
             let position = vec2(3 * key - 4, key * key % 3);
-            let mass = Mass::WithInertia(fx!(2), fx!(1));
+            let mass = Mass::Explicit { mass: fx!(2), inertia: fx!(1) };
             let def = BodyDef { position, mass, key: key as u64, ..BodyDef::dynamic() };
             self.bodies.push(world.add_body(def).expect("a fair body"));
         }
@@ -107,13 +107,13 @@ impl Game for Twin {
             world.add_field(weak(0)).expect("a fair field");
         }
         if matches!(self.fault, Fault::Velocity | Fault::Memory | Fault::Thread) {
-            world.register_law(Arc::new(Odd(self.fault, AtomicI64::new(0)))).expect("the first of its id");
-            world.add_field(Law::Custom { id: 1 }).expect("it is registered");
+            world.register_custom_force(Arc::new(Odd(self.fault, AtomicI64::new(0)))).expect("the first of its id");
+            world.add_field(FieldKind::Custom { id: 1 }).expect("it is registered");
         }
         world
     }
 
-    fn tick(&mut self, world: &mut World, inputs: &[Input], driver: &mut dyn Driver) {
+    fn tick(&mut self, world: &mut World, inputs: &[Input], driver: &mut dyn Stepper) {
         let mut inputs = inputs.to_vec();
         if self.fault != Fault::First {
             inputs.sort_by_key(|input| input.player);
@@ -190,14 +190,14 @@ impl Game for Twin {
 }
 
 /// A drag that nobody feels.
-fn weak(linear: i32) -> Field {
-    Field { law: Law::Drag { linear: linear.into(), quadratic: Fx::ZERO, wind: Vec2::ZERO }, groups: 0 }
+fn weak(linear: i32) -> ForceField {
+    ForceField { kind: FieldKind::Drag { linear: linear.into(), quadratic: Fx::ZERO, wind: Vec2::ZERO }, groups: 0 }
 }
 
 /// A law of force with a fault.
 struct Odd(Fault, AtomicI64);
 
-impl ForceLaw for Odd {
+impl CustomForce for Odd {
     fn id(&self) -> u64 {
         1
     }
@@ -210,7 +210,7 @@ impl ForceLaw for Odd {
         Dependence::Position
     }
 
-    fn push(&self, body: &BodyState) -> Result<Push, LawFault> {
+    fn push(&self, body: &BodyState) -> Result<ForceTorque, CustomForceError> {
         let force = match self.0 {
             Fault::Velocity => body.velocity,
             Fault::Memory => Vec2::new(Fx::from_bits(self.1.fetch_add(1, Ordering::Relaxed)), Fx::ZERO),
@@ -218,7 +218,7 @@ impl ForceLaw for Odd {
             Fault::Thread => vec2(i32::from(thread::current().name().is_none()), 0),
             _ => Vec2::ZERO,
         };
-        Ok(Push { force, torque: Fx::ZERO })
+        Ok(ForceTorque { force, torque: Fx::ZERO })
     }
 }
 
@@ -328,7 +328,7 @@ fn a_field_that_is_another_one_among_strangers_is_found() {
     let violations = objecting(Fault::Strength);
     let found = violations.iter().find(|violation| violation.oracle == Oracle::Strangers).expect("it is found");
     let difference = found.difference.as_ref().expect("its strength");
-    assert!(matches!(difference.place, Place::Field(_)) && difference.field.contains("linear"), "{found}");
+    assert!(matches!(difference.place, Owner::ForceField(_)) && difference.field.contains("linear"), "{found}");
 }
 
 #[test]
@@ -383,7 +383,7 @@ fn what_is_found_says_where_and_in_what() {
     let violations = objecting(Fault::Left);
     let found = violations.iter().find(|violation| violation.oracle == Oracle::Mirror).expect("it is found");
     let difference = found.difference.as_ref().expect("a body moves in another way");
-    assert!(matches!(difference.place, umbra_physics::Place::Body(_)) && difference.left != difference.right);
+    assert!(matches!(difference.place, umbra_physics::Owner::Body(_)) && difference.left != difference.right);
     let text = found.to_string();
     assert!(text.starts_with(&format!("mirror, tick {}, mirror: body ", found.tick)), "{text}");
     assert_eq!(found.beside, Symmetry::MIRROR.name());
@@ -402,11 +402,13 @@ impl Game for Hiccup {
         world
     }
 
-    fn tick(&mut self, world: &mut World, _: &[()], driver: &mut dyn Driver) {
+    fn tick(&mut self, world: &mut World, _: &[()], driver: &mut dyn Stepper) {
         if self.0.replace(self.0.get() + 1) == 1 {
-            let action = Action::Impulse { impulse: Vec2::X, point: None };
+            let action = ForceOrImpulse::Impulse { impulse: Vec2::X, point: None };
             let body = BodyId::from_parts(0, 0);
-            driver.execute(world, &Command::Apply { body, action, manner: Manner::default() }).expect("it is there");
+            driver
+                .execute(world, &Command::Apply { body, action, manner: ApplyOptions::default() })
+                .expect("it is there");
         }
         driver.step(world);
     }

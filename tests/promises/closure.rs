@@ -6,7 +6,8 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use umbra_physics::oracle::{Oracle, Script};
 use umbra_physics::{
-    Activity, BodyDef, BodyId, Command, Error, Field, Fx, FxAccumulator, Law, Made, Turn, Vec2, World, limits,
+    Activity, BodyDef, BodyId, Command, Created, Error, FieldKind, ForceField, Fx, FxAccumulator, Turn, Vec2, World,
+    limits,
 };
 
 use crate::check::{Verdict, check_of, judge, there_is};
@@ -40,8 +41,10 @@ fn in_groups(command: Command, of: impl Fn(u32) -> u32) -> Command {
     match command {
         Command::AddBody(def) => Command::AddBody(BodyDef { groups: of(def.groups), ..def }),
         Command::SetGroups { body, groups } => Command::SetGroups { body, groups: of(groups) },
-        Command::AddField(field) => Command::AddField(Field { groups: of(field.groups), ..field }),
-        Command::SetField { id, field } => Command::SetField { id, field: Field { groups: of(field.groups), ..field } },
+        Command::AddField(field) => Command::AddField(ForceField { groups: of(field.groups), ..field }),
+        Command::SetField { id, field } => {
+            Command::SetField { id, field: ForceField { groups: of(field.groups), ..field } }
+        }
         command => command,
     }
 }
@@ -110,7 +113,7 @@ fn numbers(cast: &Cast, bodies: impl Iterator<Item = BodyId>) -> Vec<Option<usiz
 }
 
 /// The same words for what names other handles.
-fn kind(done: Result<Made, Error>) -> String {
+fn kind(done: Result<Created, Error>) -> String {
     let text = format!("{:?}", done.map(drop));
     text.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.chars().all(|c| c.is_ascii_digit())).collect()
 }
@@ -257,14 +260,14 @@ fn strangers_come_in_all_numbers_and_sleep_and_leave() {
     happens("one is quarantined", quarantined);
     happens("one of the others sleeps beside a field of theirs that reaches far", |company| {
         let end = company.script().run().expect("a fair world");
-        let is_far = |field: &Field| !matches!(field.law, Law::Spring { .. } | Law::Thrust { .. });
+        let is_far = |field: &ForceField| !matches!(field.kind, FieldKind::Spring { .. } | FieldKind::Thrust { .. });
         end.fields().any(|(_, field)| field.groups == STRANGERS && is_far(field))
             && end.bodies().any(|body| body.groups() & !STRANGERS != 0 && body.activity() == Activity::Asleep)
     });
     happens("they are tied to each other", |company| {
         let end = company.script().run().expect("a fair world");
         let strange = |body: BodyId| end.body(body).is_ok_and(|body| body.groups() == STRANGERS);
-        end.fields().any(|(_, field)| matches!(field.law, Law::Spring { near, .. } if strange(near.body)))
+        end.fields().any(|(_, field)| matches!(field.kind, FieldKind::Spring { near, .. } if strange(near.body)))
     });
     happens("one is asleep", |company| {
         let end = company.script().run().expect("a fair world");

@@ -8,8 +8,8 @@ use proptest::prelude::*;
 use umbra_physics::oracle::Script;
 use umbra_physics::scalar::{Accumulator, Factor};
 use umbra_physics::{
-    Attachment, BodyDef, BodyId, Command, End, Field, Fx, FxFactor, Integrator, Law, Mass, SpringLaw, TimeStep, Vec2,
-    World, WorldDef, fx,
+    Attachment, BodyDef, BodyId, Command, End, FieldKind, ForceField, Fx, FxFactor, Integrator, Mass, SpringConstants,
+    TimeStep, Vec2, World, WorldDef, fx,
 };
 
 use crate::check::{check_of, there_is};
@@ -21,7 +21,7 @@ use crate::plan::between;
 struct Problem {
     world: WorldDef,
     bodies: Vec<BodyDef>,
-    fields: Vec<Field>,
+    fields: Vec<ForceField>,
 }
 
 /// Seconds that are watched.
@@ -97,28 +97,28 @@ fn body() -> BoxedStrategy<BodyDef> {
             velocity,
             angle,
             angular_velocity,
-            mass: Mass::WithInertia(mass, inertia),
+            mass: Mass::Explicit { mass, inertia },
             ..BodyDef::dynamic()
         })
         .boxed()
 }
 
 /// With dampers on springs or without.
-fn law(bodies: u32) -> BoxedStrategy<Law> {
+fn law(bodies: u32) -> BoxedStrategy<FieldKind> {
     let attachment = move || {
         (0..bodies, vector(fx!(0.5))).prop_map(|(slot, point)| Attachment { body: BodyId::from_parts(slot, 0), point })
     };
     let end = move || prop_oneof![vector(fx!(5)).prop_map(End::World), attachment().prop_map(End::Body)];
-    let spring = |stiffness| SpringLaw { rest: fx!(0), stiffness, damping: fx!(0) };
+    let spring = |stiffness| SpringConstants { rest: fx!(0), stiffness, damping: fx!(0) };
     prop_oneof![
         3 => (attachment(), end(), between(fx!(0.5), fx!(4)))
-            .prop_map(move |(near, far, stiffness)| Law::Spring { near, far, spring: spring(stiffness) }),
+            .prop_map(move |(near, far, stiffness)| FieldKind::Spring { near, far, spring: spring(stiffness) }),
         2 => (end(), between(fx!(0.5), fx!(6)), between(fx!(1), fx!(3))).prop_map(|(centre, mu, softening)| {
-            Law::Attractor { centre, mu: <FxFactor as Factor<Fx>>::from_scalar(mu), softening }
+            FieldKind::Attractor { centre, mu: <FxFactor as Factor<Fx>>::from_scalar(mu), softening }
         }),
         1 => (between(fx!(0), fx!(1)), vector(fx!(2)))
-            .prop_map(|(linear, wind)| Law::Drag { linear, quadratic: fx!(0), wind }),
-        1 => (attachment(), vector(fx!(2))).prop_map(|(at, force)| Law::Thrust { at, force }),
+            .prop_map(|(linear, wind)| FieldKind::Drag { linear, quadratic: fx!(0), wind }),
+        1 => (attachment(), vector(fx!(2))).prop_map(|(at, force)| FieldKind::Thrust { at, force }),
     ]
     .boxed()
 }
@@ -129,11 +129,8 @@ fn problem(integrator: Integrator) -> impl Strategy<Value = Problem> {
         WorldDef { gravity, integrator, linear_damping, angular_damping, sleep_after: None, ..WorldDef::default() }
     });
     // Springs from a body to itself are refused, and nothing pulls then.
-    (world, vec(body(), 1..4), vec(law(3).prop_map(Field::from), 1..5)).prop_map(|(world, bodies, fields)| Problem {
-        world,
-        bodies,
-        fields,
-    })
+    (world, vec(body(), 1..4), vec(law(3).prop_map(ForceField::from), 1..5))
+        .prop_map(|(world, bodies, fields)| Problem { world, bodies, fields })
 }
 
 #[test]

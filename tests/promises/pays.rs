@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 
 use allocation_counter::measure;
 use umbra_physics::oracle::{Oracle, Script};
-use umbra_physics::{Activity, BodyId, BodyKind, End, Field, Law, World};
+use umbra_physics::{Activity, BodyId, BodyKind, End, FieldKind, ForceField, World};
 
 use crate::check::{Verdict, check, judge, there_is};
 use crate::plan::{FAIR, Plan, Taste};
@@ -32,12 +32,13 @@ fn moves_those_alone_who_may_move(script: &Script) -> Verdict {
 /// The bodies whose fields reach a body, by way of others or not: what there is to ask about its future, and no more.
 fn reaching(world: &World, body: BodyId) -> BTreeSet<BodyId> {
     let mut reaching = BTreeSet::from([body]);
-    let is_acted_on = |field: &Field, one: BodyId| world.body(one).is_ok_and(|body| body.groups() & field.groups != 0);
+    let is_acted_on =
+        |field: &ForceField, one: BodyId| world.body(one).is_ok_and(|body| body.groups() & field.groups != 0);
     loop {
         let mut more = reaching.clone();
         for (_, field) in world.fields() {
-            match field.law {
-                Law::Spring { near, far: End::Body(far), .. } => {
+            match field.kind {
+                FieldKind::Spring { near, far: End::Body(far), .. } => {
                     for (one, other) in [(near.body, far.body), (far.body, near.body)] {
                         // A static body hands nothing on, but who hangs on it asks where it is.
                         let hands_on = world.body(one).is_ok_and(|body| body.kind() != BodyKind::Static);
@@ -46,7 +47,9 @@ fn reaching(world: &World, body: BodyId) -> BTreeSet<BodyId> {
                         }
                     }
                 }
-                Law::Attractor { centre: End::Body(at), .. } if reaching.iter().any(|&one| is_acted_on(field, one)) => {
+                FieldKind::Attractor { centre: End::Body(at), .. }
+                    if reaching.iter().any(|&one| is_acted_on(field, one)) =>
+                {
                     more.insert(at.body);
                 }
                 _ => {}
@@ -63,7 +66,7 @@ fn reaching(world: &World, body: BodyId) -> BTreeSet<BodyId> {
 fn looks_ahead_with_few(script: &Script) -> Verdict {
     let world = end(script)?;
     for body in world.bodies().map(|body| body.id()) {
-        let mut ahead = world.look_ahead(body).map_err(|error| error.to_string())?;
+        let mut ahead = world.preview(body).map_err(|error| error.to_string())?;
         let (taken, least) = (ahead.world().body_count(), reaching(&world, body).len());
         if taken > least {
             return Err(format!("a look ahead with {body} takes {taken} bodies along, not {least}"));

@@ -10,8 +10,9 @@ use proptest::strategy::Union;
 use umbra_physics::oracle::Script;
 use umbra_physics::scalar::Factor;
 use umbra_physics::{
-    Action, Attachment, BodyDef, BodyId, BodyKind, Command, End, Field, FieldId, Frame, Fx, FxFactor, Integrator, Law,
-    Locks, Made, Manner, Mass, Part, Random, Region, Shape, SpringLaw, TimeStep, Vec2, World, WorldDef, fx, limits,
+    ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, Command, Created, End, FieldId, FieldKind, ForceField,
+    ForceOrImpulse, Frame, Fx, FxFactor, Integrator, Locks, Mass, Part, Random, Region, Shape, SpringConstants,
+    TimeStep, Vec2, World, WorldDef, fx, limits,
 };
 
 /// A run in which a handle's slot is the number of a body or field: of all that were made so far, counted round.
@@ -19,7 +20,7 @@ use umbra_physics::{
 pub(crate) struct Plan {
     pub(crate) world: WorldDef,
     pub(crate) bodies: Vec<BodyDef>,
-    pub(crate) fields: Vec<Field>,
+    pub(crate) fields: Vec<ForceField>,
     pub(crate) deeds: Vec<(u64, Command)>,
     pub(crate) ticks: u64,
 }
@@ -43,15 +44,17 @@ impl Cast {
         self.fields.get(place).copied().unwrap_or(FieldId::from_parts(u32::MAX, 0))
     }
 
-    fn named(&self, field: &Field) -> Field {
+    fn named(&self, field: &ForceField) -> ForceField {
         let attachment = |at: Attachment| Attachment { body: self.body(at.body), ..at };
         let end = |end| match end {
             End::World(point) => End::World(point),
             End::Body(at) => End::Body(attachment(at)),
         };
-        let law = match field.law {
-            Law::Attractor { centre, mu, softening } => Law::Attractor { centre: end(centre), mu, softening },
-            Law::Spring { near, far, spring } => {
+        let kind = match field.kind {
+            FieldKind::Attractor { centre, mu, softening } => {
+                FieldKind::Attractor { centre: end(centre), mu, softening }
+            }
+            FieldKind::Spring { near, far, spring } => {
                 let near = attachment(near);
                 let far = match end(far) {
                     // To the next one rather than to itself.
@@ -62,12 +65,12 @@ impl Cast {
                     }
                     far => far,
                 };
-                Law::Spring { near, far, spring }
+                FieldKind::Spring { near, far, spring }
             }
-            Law::Thrust { at, force } => Law::Thrust { at: attachment(at), force },
-            law => law,
+            FieldKind::Thrust { at, force } => FieldKind::Thrust { at: attachment(at), force },
+            kind => kind,
         };
-        Field { law, ..*field }
+        ForceField { kind, ..*field }
     }
 
     /// The command with handles of the world in place of numbers.
@@ -103,11 +106,11 @@ impl Cast {
         command
     }
 
-    pub(crate) fn made(&mut self, made: Made) {
+    pub(crate) fn made(&mut self, made: Created) {
         match made {
-            Made::Body(body) => self.bodies.push(body),
-            Made::Field(field) => self.fields.push(field),
-            Made::Nothing => {}
+            Created::Body(body) => self.bodies.push(body),
+            Created::ForceField(field) => self.fields.push(field),
+            Created::Nothing => {}
         }
     }
 
@@ -266,9 +269,9 @@ impl Taste {
         let kilograms = || self.number(fx!(0.125), fx!(4), limits::MASS_MIN, limits::MASS_MAX);
         let inertia = self.number(fx!(0.125), fx!(4), Fx::DELTA, Fx::MAX);
         union(vec![
-            (3, Just(Mass::Of(Fx::ONE)).boxed()),
-            (2, kilograms().prop_map(Mass::Of).boxed()),
-            (2, (kilograms(), inertia).prop_map(|(mass, inertia)| Mass::WithInertia(mass, inertia)).boxed()),
+            (3, Just(Mass::Kilograms(Fx::ONE)).boxed()),
+            (2, kilograms().prop_map(Mass::Kilograms).boxed()),
+            (2, (kilograms(), inertia).prop_map(|(mass, inertia)| Mass::Explicit { mass, inertia }).boxed()),
             (1, self.number(fx!(0.125), fx!(4), Fx::DELTA, Fx::MAX).prop_map(Mass::Density).boxed()),
         ])
     }
@@ -317,7 +320,7 @@ impl Taste {
             let still = (kind == BodyKind::Static && self.unfair == 0) || sleeper;
             // A density needs a shape.
             let mass = match mass {
-                Mass::Density(density) if shape.is_none() && self.unfair == 0 => Mass::Of(density),
+                Mass::Density(density) if shape.is_none() && self.unfair == 0 => Mass::Kilograms(density),
                 mass => mass,
             };
             BodyDef {
@@ -352,7 +355,7 @@ impl Taste {
         union(vec![(1, place.boxed()), (1, self.attachment().prop_map(End::Body).boxed())])
     }
 
-    pub(crate) fn law(self) -> BoxedStrategy<Law> {
+    pub(crate) fn field_kind(self) -> BoxedStrategy<FieldKind> {
         let number = |high| self.number(Fx::ZERO, high, Fx::ZERO, Fx::MAX);
         let mu = union(vec![
             (100 - self.near, number(fx!(9)).prop_map(<FxFactor as Factor<Fx>>::from_scalar).boxed()),
@@ -363,7 +366,7 @@ impl Taste {
         let damper = if self.reversible { Just(Fx::ZERO).boxed() } else { number(fx!(1)) };
         let damper = union(vec![(2, Just(Fx::ZERO).boxed()), (1, damper)]);
         let spring = (self.number(Fx::ZERO, fx!(3), Fx::ZERO, limits::POSITION), number(fx!(9)), damper);
-        let spring = spring.prop_map(|(rest, stiffness, damping)| SpringLaw { rest, stiffness, damping });
+        let spring = spring.prop_map(|(rest, stiffness, damping)| SpringConstants { rest, stiffness, damping });
         let disc = (self.vector(9, limits::POSITION), self.number(fx!(1), fx!(9), Fx::ZERO, limits::POSITION))
             .prop_map(|(centre, radius)| Region::Disc { centre, radius });
         let area = (self.vector(9, limits::POSITION), self.vector(9, limits::POSITION))
@@ -374,50 +377,64 @@ impl Taste {
             (
                 3,
                 (self.attachment(), self.end(), spring)
-                    .prop_map(|(near, far, spring)| Law::Spring { near, far, spring })
+                    .prop_map(|(near, far, spring)| FieldKind::Spring { near, far, spring })
                     .boxed(),
             ),
             (
                 2,
                 (self.end(), mu, softening)
-                    .prop_map(|(centre, mu, softening)| Law::Attractor { centre, mu, softening })
+                    .prop_map(|(centre, mu, softening)| FieldKind::Attractor { centre, mu, softening })
                     .boxed(),
             ),
-            (1, (self.attachment(), self.vector(2, Fx::MAX)).prop_map(|(at, force)| Law::Thrust { at, force }).boxed()),
+            (
+                1,
+                (self.attachment(), self.vector(2, Fx::MAX))
+                    .prop_map(|(at, force)| FieldKind::Thrust { at, force })
+                    .boxed(),
+            ),
             (
                 1,
                 (region, self.vector(3, limits::GRAVITY))
-                    .prop_map(|(region, acceleration)| Law::Zone { region, acceleration })
+                    .prop_map(|(region, acceleration)| FieldKind::Zone { region, acceleration })
                     .boxed(),
             ),
             (
                 u32::from(!self.reversible),
-                drag.prop_map(|(linear, quadratic, wind)| Law::Drag { linear, quadratic, wind }).boxed(),
+                drag.prop_map(|(linear, quadratic, wind)| FieldKind::Drag { linear, quadratic, wind }).boxed(),
             ),
         ])
     }
 
-    pub(crate) fn field(self) -> BoxedStrategy<Field> {
+    pub(crate) fn field(self) -> BoxedStrategy<ForceField> {
         let groups = union(vec![(2, Just(u32::MAX).boxed()), (1, self.groups())]);
-        (self.law(), groups).prop_map(|(law, groups)| Field { law, groups }).boxed()
+        (self.field_kind(), groups).prop_map(|(kind, groups)| ForceField { kind, groups }).boxed()
     }
 
     fn push(self) -> BoxedStrategy<Command> {
         let point = || proptest::option::of(self.vector(20, Fx::MAX));
         let action = union(vec![
-            (3, (self.vector(9, Fx::MAX), point()).prop_map(|(force, point)| Action::Force { force, point }).boxed()),
-            (1, self.signed(5, Fx::MAX).prop_map(Action::Torque).boxed()),
+            (
+                3,
+                (self.vector(9, Fx::MAX), point())
+                    .prop_map(|(force, point)| ForceOrImpulse::Force { force, point })
+                    .boxed(),
+            ),
+            (1, self.signed(5, Fx::MAX).prop_map(ForceOrImpulse::Torque).boxed()),
             (
                 u32::from(!self.reversible),
                 (self.vector(1, Fx::MAX), point())
-                    .prop_map(|(impulse, point)| Action::Impulse { impulse, point })
+                    .prop_map(|(impulse, point)| ForceOrImpulse::Impulse { impulse, point })
                     .boxed(),
             ),
-            (u32::from(!self.reversible), self.signed(1, Fx::MAX).prop_map(Action::AngularImpulse).boxed()),
+            (u32::from(!self.reversible), self.signed(1, Fx::MAX).prop_map(ForceOrImpulse::AngularImpulse).boxed()),
         ]);
         let frame = prop::sample::select(vec![Frame::World, Frame::World, Frame::Body]);
         (number(), action, frame, proptest::bool::weighted(0.75))
-            .prop_map(|(body, action, frame, wake)| Command::Apply { body, action, manner: Manner { frame, wake } })
+            .prop_map(|(body, action, frame, wake)| Command::Apply {
+                body,
+                action,
+                manner: ApplyOptions { frame, wake },
+            })
             .boxed()
     }
 

@@ -5,7 +5,7 @@ use std::process::Command as Process;
 
 use umbra_physics::oracle::Script;
 use umbra_physics::scene::Scene;
-use umbra_physics::{Activity, Fx, Law, World, fx};
+use umbra_physics::{Activity, FieldKind, Fx, World, fx};
 
 use crate::check::{Verdict, broken, until_found, written};
 use crate::plan::{FAIR, Taste};
@@ -21,8 +21,9 @@ fn seen(script: &Script, mut see: impl FnMut(&World) -> Verdict) -> Verdict {
 }
 
 fn nobody_is_pulled(world: &World) -> Verdict {
-    let is_spring = |law: &Law| matches!(law, Law::Spring { .. });
-    if world.fields().any(|(_, field)| is_spring(&field.law)) && world.bodies().any(|body| body.velocity().x > fx!(1)) {
+    let is_spring = |law: &FieldKind| matches!(law, FieldKind::Spring { .. });
+    if world.fields().any(|(_, field)| is_spring(&field.kind)) && world.bodies().any(|body| body.velocity().x > fx!(1))
+    {
         return Err("somebody is pulled".to_owned());
     }
     Ok(())

@@ -6,8 +6,8 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use umbra_physics::oracle::{Oracle, Script, Symmetry};
 use umbra_physics::{
-    Action, Activity, BodyDef, BodyId, Command, End, Event, Field, Fx, History, Inputs, Law, Manner, Mass, Random,
-    Snapshot, Vec2, World, WorldDef, fx, limits, vec2,
+    Activity, ApplyOptions, BodyDef, BodyId, Command, End, Event, FieldKind, ForceField, ForceOrImpulse, Fx, History,
+    Inputs, Mass, Random, Snapshot, Vec2, World, WorldDef, fx, limits, vec2,
 };
 
 use crate::check::{Verdict, check_of, judge, there_is};
@@ -136,7 +136,7 @@ impl Reflected {
             if self.dice.below(3) == 0 {
                 let (here, there) = (ours.world.step_traced(), theirs.world.step_traced());
                 for ((stage, here), (_, there)) in here.stages().zip(there.stages()) {
-                    self.is_image(stage.verb.name(), here, there)?;
+                    self.is_image(stage.kind.name(), here, there)?;
                 }
             } else {
                 ours.world.step();
@@ -164,7 +164,7 @@ impl Reflected {
                 let place = self.dice.below(8) as usize;
                 let ahead = |side: &Side| {
                     let body = side.world.bodies().nth(place % side.world.body_count().max(1))?.id();
-                    let mut ahead = side.world.look_ahead(body).expect("it is there");
+                    let mut ahead = side.world.preview(body).expect("it is there");
                     (0..3).for_each(|_| _ = ahead.step());
                     Some(ahead.world().clone())
                 };
@@ -185,8 +185,8 @@ impl Reflected {
                 let body = ours.world.bodies().next().map(|body| body.id());
                 let Some(body) = body else { return Ok(()) };
                 let mut part = || self.dice.number(fx!(-3)..=fx!(3));
-                let action = Action::Impulse { impulse: Vec2::new(part(), part()), point: None };
-                let push = Command::Apply { body, action, manner: Manner::default() };
+                let action = ForceOrImpulse::Impulse { impulse: Vec2::new(part(), part()), point: None };
+                let push = Command::Apply { body, action, manner: ApplyOptions::default() };
                 let [here, there] = self.on_each(&push, |side, push| {
                     side.history.correct(&mut side.world, tick, 1, [push.clone()], |_| ()).map_err(|e| e.to_string())
                 })?;
@@ -263,7 +263,7 @@ struct Pair {
     world: WorldDef,
     body: BodyDef,
     masses: [Mass; 2],
-    fields: Vec<Field>,
+    fields: Vec<ForceField>,
 }
 
 impl Pair {
@@ -298,19 +298,19 @@ impl Pair {
 
 fn pairs(pulls_alike: bool) -> impl Strategy<Value = Pair> {
     let near = Taste { near: 2, ..FAIR };
-    let is_alike = move |law: &Law| match law {
-        Law::Attractor { centre: End::World(_), .. } | Law::Zone { .. } => true,
-        Law::Drag { .. } => !pulls_alike,
+    let is_alike = move |law: &FieldKind| match law {
+        FieldKind::Attractor { centre: End::World(_), .. } | FieldKind::Zone { .. } => true,
+        FieldKind::Drag { .. } => !pulls_alike,
         _ => false,
     };
-    let law = near.law().prop_filter("it pulls masses as they are heavy", is_alike);
+    let law = near.field_kind().prop_filter("it pulls masses as they are heavy", is_alike);
     let mass = || {
         prop_oneof![
-            near.number(fx!(0.125), fx!(9), limits::MASS_MIN, limits::MASS_MAX).prop_map(Mass::Of),
-            prop::sample::select(vec![Mass::Of(limits::MASS_MIN), Mass::Of(limits::MASS_MAX)]),
+            near.number(fx!(0.125), fx!(9), limits::MASS_MIN, limits::MASS_MAX).prop_map(Mass::Kilograms),
+            prop::sample::select(vec![Mass::Kilograms(limits::MASS_MIN), Mass::Kilograms(limits::MASS_MAX)]),
         ]
     };
-    let fields = vec(law.prop_map(Field::from), usize::from(!pulls_alike)..3);
+    let fields = vec(law.prop_map(ForceField::from), usize::from(!pulls_alike)..3);
     (near.world(), near.body(), mass(), mass(), fields).prop_map(|(world, body, a, b, fields)| {
         let body = BodyDef { kind: umbra_physics::BodyKind::Dynamic, ..body };
         Pair { world, body, masses: [a, b], fields }

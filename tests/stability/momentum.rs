@@ -1,7 +1,9 @@
 //! Action is reaction: what internal forces leave of the momentum of a world, to the bit or within what rounding adds.
 
 use umbra_physics::scalar::{Accumulator, Factor, ToF64};
-use umbra_physics::{Attachment, End, Fx, FxAccumulator, Integrator, Law, Scalar, SpringLaw, Vec2, World, fx, vec2};
+use umbra_physics::{
+    Attachment, End, FieldKind, Fx, FxAccumulator, Integrator, Scalar, SpringConstants, Vec2, World, fx, vec2,
+};
 
 use crate::QUICK;
 use crate::random::SplitMix;
@@ -80,7 +82,7 @@ fn twins() -> Scene {
 }
 
 /// What joins two bodies.
-type Join<S> = fn([Attachment<S>; 2]) -> Vec<Law<S>>;
+type Join<S> = fn([Attachment<S>; 2]) -> Vec<FieldKind<S>>;
 
 fn joined<S: Scalar>(integrator: Integrator, join: Join<S>) -> World<S> {
     let mut world = twins().world::<S>(60, integrator);
@@ -92,15 +94,15 @@ fn joined<S: Scalar>(integrator: Integrator, join: Join<S>) -> World<S> {
 }
 
 /// A spring with a damper.
-fn spring<S: Scalar>([near, far]: [Attachment<S>; 2]) -> Vec<Law<S>> {
+fn spring<S: Scalar>([near, far]: [Attachment<S>; 2]) -> Vec<FieldKind<S>> {
     let [rest, stiffness, damping] = [fx!(4.1), fx!(23.3), fx!(0.01)].map(S::from_fx);
-    vec![Law::Spring { near, far: End::Body(far), spring: SpringLaw { rest, stiffness, damping } }]
+    vec![FieldKind::Spring { near, far: End::Body(far), spring: SpringConstants { rest, stiffness, damping } }]
 }
 
 /// Each attracts the other.
-fn attraction<S: Scalar>(bodies: [Attachment<S>; 2]) -> Vec<Law<S>> {
+fn attraction<S: Scalar>(bodies: [Attachment<S>; 2]) -> Vec<FieldKind<S>> {
     let (mu, softening) = (S::Factor::from_ratio(100, 3), S::from_fx(fx!(0.1)));
-    bodies.map(|carrier| Law::Attractor { centre: End::Body(carrier), mu, softening }).to_vec()
+    bodies.map(|carrier| FieldKind::Attractor { centre: End::Body(carrier), mu, softening }).to_vec()
 }
 
 #[test]

@@ -2,7 +2,8 @@
 
 use umbra_physics::scalar::{Accumulator, Factor, ToF64};
 use umbra_physics::{
-    Attachment, BodyDef, End, Fx, Integrator, Law, Mass, Scalar, SpringLaw, TimeStep, Vec2, World, WorldDef, fx,
+    Attachment, BodyDef, End, FieldKind, Fx, Integrator, Mass, Scalar, SpringConstants, TimeStep, Vec2, World,
+    WorldDef, fx,
 };
 
 #[derive(Clone, Debug)]
@@ -153,24 +154,24 @@ impl Scene {
         let mut world = World::<S>::new(def).expect("a fair definition");
         let vector = |v: Vec2| v.map(S::from_fx);
         let centres = self.bodies.iter().map(|ball| {
-            let mass = Mass::Of(S::from_fx(ball.mass));
+            let mass = Mass::Kilograms(S::from_fx(ball.mass));
             let (position, velocity) = (vector(ball.position), vector(ball.velocity));
             let body = world.add_body(BodyDef { mass, position, velocity, ..BodyDef::dynamic() });
             Attachment::centre(body.expect("a fair body"))
         });
         let centres: Vec<_> = centres.collect();
-        for law in self.laws(&centres) {
+        for law in self.custom_forces(&centres) {
             world.add_field(law).expect("a fair field");
         }
         world
     }
 
-    fn laws<S: Scalar>(&self, centres: &[Attachment<S>]) -> Vec<Law<S>> {
+    fn custom_forces<S: Scalar>(&self, centres: &[Attachment<S>]) -> Vec<FieldKind<S>> {
         let factor = |value: Fx| S::Factor::from_scalar(S::from_fx(value));
-        let springs = self.springs.iter().map(|spring| Law::Spring {
+        let springs = self.springs.iter().map(|spring| FieldKind::Spring {
             near: centres[spring.near],
             far: spring.far.map_or(End::World(Vec2::ZERO), |far| End::Body(centres[far])),
-            spring: SpringLaw {
+            spring: SpringConstants {
                 rest: S::from_fx(spring.rest),
                 stiffness: S::from_fx(spring.stiffness),
                 damping: S::ZERO,
@@ -178,7 +179,7 @@ impl Scene {
         });
         let carriers = self.bodies.iter().zip(centres);
         let attractors = self.gravity.iter().flat_map(|gravity| {
-            carriers.clone().map(|(ball, &carrier)| Law::Attractor {
+            carriers.clone().map(|(ball, &carrier)| FieldKind::Attractor {
                 centre: End::Body(carrier),
                 mu: factor(gravity.constant).times(factor(ball.mass)),
                 softening: S::from_fx(gravity.softening),

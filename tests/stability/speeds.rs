@@ -40,7 +40,7 @@ fn ulps(count: i128) -> i128 {
 fn half_an_ulp_a_second_moves_nothing_and_a_bit_more_moves_an_ulp_a_second() {
     // An impulse of an ulp gives 2 kg half of one; 3 kg get two thirds from two.
     for (mass, impulse, moves) in [(fx!(2), ULP, 0), (fx!(3), ULP + ULP, 1), (fx!(0.75), ULP, 1)] {
-        let (mut world, body) = world(64, fx!(0), BodyDef { mass: Mass::Of(mass), ..BodyDef::dynamic() });
+        let (mut world, body) = world(64, fx!(0), BodyDef { mass: Mass::Kilograms(mass), ..BodyDef::dynamic() });
         world.apply_impulse(body, vec2(impulse, 0)).expect("a small impulse");
         run(&mut world, 640);
         assert_eq!(units(place(&world, body)), ulps(10 * moves), "{mass} kg");

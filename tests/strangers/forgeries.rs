@@ -3,11 +3,11 @@
 
 use umbra_physics::scene::Scene;
 use umbra_physics::{
-    BodyDef, Command, Dump, Fx, Inputs, LAW, RecordOptions, Recorder, Replay, ReplayError, Snapshot, World, WorldDef,
-    vec2,
+    BodyDef, Command, Dump, Fx, Inputs, PHYSICS_VERSION, RecordOptions, Recorder, Replay, ReplayError, Snapshot, World,
+    WorldDef, vec2,
 };
 
-use crate::everything::{commands, laws, recording, world};
+use crate::everything::{commands, custom_forces, recording, world};
 use crate::memory::{ANY, bounded};
 use crate::seals::{begin, chunk, chunks, reseal};
 
@@ -44,7 +44,7 @@ fn goes_on(snapshot: Snapshot, bytes: &[u8]) {
     for _ in 0..2 {
         world.step();
         let bytes = world.snapshot().to_bytes();
-        let again = Snapshot::from_bytes(&bytes, &laws()).expect("a step leads to a world");
+        let again = Snapshot::from_bytes(&bytes, &custom_forces()).expect("a step leads to a world");
         assert_eq!((again.world().state_hash(), again.to_bytes()), (world.state_hash(), bytes));
     }
 }
@@ -55,7 +55,7 @@ fn snapshots() {
     let (mut accepted, mut refused) = (0, 0);
     let places = 0..whole.len();
     forge(&mut whole, places, |at, changed| {
-        let read = |file: &[u8]| Snapshot::from_bytes(file, &laws());
+        let read = |file: &[u8]| Snapshot::from_bytes(file, &custom_forces());
         assert!(bounded("a changed snapshot", changed, read).is_err(), "byte {at}");
         reseal(changed);
         match bounded("a forged snapshot", changed, read) {
@@ -139,7 +139,7 @@ fn forge_chunks(magic: &[u8; 8], whole: &Chunks, skip: [u8; 4], mut see: impl Fn
 #[test]
 fn replays() {
     let whole = chunks(&recording());
-    let read = |file: &[u8]| Replay::from_bytes(file, &laws());
+    let read = |file: &[u8]| Replay::from_bytes(file, &custom_forces());
     assert_eq!(read(&file(b"UMBRAREP", &whole)).expect("it is whole").verify(), Ok(()));
     let (mut as_recorded, mut diverged, mut refused) = (0, 0, 0);
     forge_chunks(b"UMBRAREP", &whole, *b"SNAP", |file| match bounded("a forged replay", file, read) {
@@ -192,7 +192,7 @@ fn dumps() {
         Ok(forged) => {
             assert_eq!(forged.to_bytes(), file);
             // Nothing but what was done can be another without a world that is.
-            let found = forged.first_difference(&dump).map(|finding| finding.moment.to_string());
+            let found = forged.first_difference(&dump).map(|finding| finding.phase.to_string());
             assert!(matches!(found.as_deref(), None | Some("calls" | "inputs")), "{found:?}");
             accepted += 1;
         }
@@ -214,8 +214,11 @@ fn dumps() {
     format[8] = 2;
     assert_eq!(read(&format).err(), Some(ReplayError::Format { found: 2, known: 1 }));
     let mut law = parts;
-    law[0].1 = (LAW + 1).to_le_bytes().to_vec();
-    assert_eq!(read(&file(b"UMBRADMP", &law)).err(), Some(ReplayError::Law { found: LAW + 1, own: LAW }));
+    law[0].1 = (PHYSICS_VERSION + 1).to_le_bytes().to_vec();
+    assert_eq!(
+        read(&file(b"UMBRADMP", &law)).err(),
+        Some(ReplayError::PhysicsVersion { found: PHYSICS_VERSION + 1, own: PHYSICS_VERSION })
+    );
 }
 
 #[test]
@@ -227,7 +230,7 @@ fn a_seal_that_is_right_for_what_was_never_recorded_takes_no_more() {
             let at = parts.iter().position(|(own, _)| own == tag).unwrap_or(2);
             parts[at] = (*tag, vec![byte; 100_000]);
             let file = file(b"UMBRAREP", &parts);
-            assert!(bounded("a chunk of one byte", &file, |file| Replay::from_bytes(file, &laws())).is_err());
+            assert!(bounded("a chunk of one byte", &file, |file| Replay::from_bytes(file, &custom_forces())).is_err());
         }
     }
 }

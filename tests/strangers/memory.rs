@@ -4,11 +4,11 @@
 use allocation_counter::measure;
 use umbra_physics::scene::Scene;
 use umbra_physics::{
-    BodyDef, Command, Dump, Field, Fx, Input, Inputs, Integrator, Law, Part, RecordOptions, Recorder, Replay, Shape,
-    Snapshot, World, WorldDef, fx, vec2,
+    BodyDef, Command, Dump, FieldKind, ForceField, Fx, Input, Inputs, Integrator, Part, RecordOptions, Recorder,
+    Replay, Shape, Snapshot, World, WorldDef, fx, vec2,
 };
 
-use crate::everything::laws;
+use crate::everything::custom_forces;
 use crate::seals::{self, chunk};
 
 /// Bytes taken for each of a file's, and for any file: what the documents promise.
@@ -34,12 +34,12 @@ fn world() -> World {
 /// The world in a snapshot, in a replay with nothing more, and in one that was changed, which is then told of.
 fn held(what: &str, world: &World) {
     let bytes = world.snapshot().to_bytes();
-    bounded(what, &bytes, |file| _ = Snapshot::from_bytes(file, &laws()).expect("a snapshot"));
+    bounded(what, &bytes, |file| _ = Snapshot::from_bytes(file, &custom_forces()).expect("a snapshot"));
     let mut file = Recorder::new(world, RecordOptions::default()).finish(world);
-    bounded(what, &file, |file| _ = Replay::from_bytes(file, &laws()).expect("a replay"));
+    bounded(what, &file, |file| _ = Replay::from_bytes(file, &custom_forces()).expect("a replay"));
     let middle = file.len() / 4;
     file[middle] ^= 1;
-    bounded(what, &file, |file| assert!(Replay::from_bytes(file, &laws()).is_err()));
+    bounded(what, &file, |file| assert!(Replay::from_bytes(file, &custom_forces()).is_err()));
 }
 
 fn parts(count: i32, angle: Fx) -> Vec<Part> {
@@ -50,7 +50,7 @@ fn parts(count: i32, angle: Fx) -> Vec<Part> {
 #[test]
 fn worlds_of_what_takes_little_in_a_file() {
     held("nothing", &world());
-    let drag = Field { law: Law::Drag { linear: fx!(1), quadratic: fx!(0), wind: vec2(0, 0) }, groups: 1 };
+    let drag = ForceField { kind: FieldKind::Drag { linear: fx!(1), quadratic: fx!(0), wind: vec2(0, 0) }, groups: 1 };
     let mut emptied = world();
     let bodies: Vec<_> = (0..50_000).map(|_| emptied.add_body(BodyDef::dynamic()).expect("a body")).collect();
     let fields: Vec<_> = (0..50_000).map(|_| emptied.add_field(drag).expect("a field")).collect();
@@ -73,9 +73,9 @@ fn worlds_of_what_takes_little_in_a_file() {
     held("a body behind free slots", &sparse);
 
     let mut own = world();
-    own.register_law(laws().remove(0)).expect("a law");
+    own.register_custom_force(custom_forces().remove(0)).expect("a law");
     for _ in 0..50_000 {
-        own.add_field(Law::Custom { id: 9 }).expect("a field");
+        own.add_field(FieldKind::Custom { id: 9 }).expect("a field");
     }
     held("laws of the user's", &own);
     for integrator in [Integrator::VelocityVerlet, Integrator::PublishedVerlet] {
@@ -134,7 +134,7 @@ fn played(what: &str, file: &[u8]) {
     for (tag, contents) in seals::chunks(file) {
         if tag == *b"TICK" && contents[8..12] == [1, 0, 0, 0] {
             let mut dump = seals::begin(b"UMBRADMP", 1);
-            chunk(&mut dump, b"LAWS", &umbra_physics::LAW.to_le_bytes());
+            chunk(&mut dump, b"LAWS", &umbra_physics::PHYSICS_VERSION.to_le_bytes());
             chunk(&mut dump, &tag, &contents);
             bounded(what, &dump, |file| assert!(Dump::from_bytes(file, &[]).is_err(), "it has no moments"));
         }
@@ -224,7 +224,7 @@ fn dumps_in_which_nothing_happens() {
     // With Yoshida4 a tick has 23 moments; at most of them the world is as it was at the one before.
     let dump = Dump::of_tick(&before, &[], &Inputs::new(), &after).to_bytes();
     let read = bounded("a dump", &dump, |file| Dump::from_bytes(file, &[]).expect("a dump"));
-    assert!(read.moments().len() >= 23 && dump.len() < 6 * before.snapshot().to_bytes().len(), "{}", dump.len());
+    assert!(read.phases().len() >= 23 && dump.len() < 6 * before.snapshot().to_bytes().len(), "{}", dump.len());
 }
 
 /// A dump each moment of which has a world of its own, as no step makes them.
@@ -237,15 +237,15 @@ fn parted(what: &str, world: &World) {
             continue;
         }
         // A stage is five bytes more; then whether the world is new, and it.
-        let (moment, is_last) = (if contents[0] == 3 { 6 } else { 1 }, contents[0] == 4);
+        let (phase, is_last) = (if contents[0] == 3 { 6 } else { 1 }, contents[0] == 4);
         let mut other = world.clone();
         if !is_last {
             other.set_blob(&[number as u8]).expect("it is short");
         }
-        chunk(&mut file, &tag, &[&contents[..moment], &[1], &other.snapshot().to_bytes()].concat());
+        chunk(&mut file, &tag, &[&contents[..phase], &[1], &other.snapshot().to_bytes()].concat());
     }
-    let read = bounded(what, &file, |file| Dump::from_bytes(file, &laws()).expect("a dump"));
-    assert_eq!(read.moments().len(), 23);
+    let read = bounded(what, &file, |file| Dump::from_bytes(file, &custom_forces()).expect("a dump"));
+    assert_eq!(read.phases().len(), 23);
 }
 
 /// Small worlds take most for what a file says of them: there is room for bodies to come in each.
@@ -260,10 +260,10 @@ fn dumps_of_worlds_that_are_all_different() {
         parted(&format!("a dump of {count}"), &world);
     }
     let mut world = empty.clone();
-    world.register_law(laws().remove(0)).expect("a law");
-    world.add_field(Law::Custom { id: 9 }).expect("a field");
+    world.register_custom_force(custom_forces().remove(0)).expect("a law");
+    world.add_field(FieldKind::Custom { id: 9 }).expect("a field");
     parted("a dump of a field", &world);
-    let field = world.add_field(Law::Custom { id: 9 }).expect("a field");
+    let field = world.add_field(FieldKind::Custom { id: 9 }).expect("a field");
     world.remove_field(field).expect("it is there");
     let gone = world.add_body(BodyDef::dynamic()).expect("a body");
     let shape = Some(Shape::circle(fx!(1)).expect("a shape"));

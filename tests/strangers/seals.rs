@@ -3,7 +3,7 @@
 use umbra_physics::{Snapshot, SnapshotError};
 use xxhash_rust::xxh3::xxh3_64;
 
-use crate::everything::laws;
+use crate::everything::custom_forces;
 
 /// What a file of a kind begins with.
 pub(crate) fn begin(magic: &[u8; 8], format: u32) -> Vec<u8> {
@@ -42,7 +42,7 @@ pub(crate) fn chunks(file: &[u8]) -> Vec<([u8; 4], Vec<u8>)> {
 /// Gives a snapshot the hash of the world it says, as far as that is one, and the seal of its bytes.
 pub(crate) fn reseal(bytes: &mut [u8]) {
     let Some(end) = bytes.len().checked_sub(16) else { return };
-    if let Err(SnapshotError::Changed { computed, .. }) = Snapshot::from_bytes(bytes, &laws()) {
+    if let Err(SnapshotError::Changed { computed, .. }) = Snapshot::from_bytes(bytes, &custom_forces()) {
         bytes[end..end + 8].copy_from_slice(&computed.to_le_bytes());
     }
     let seal = xxh3_64(&bytes[..end + 8]);

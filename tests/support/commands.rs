@@ -2,8 +2,9 @@
 
 use umbra_physics::scalar::Factor;
 use umbra_physics::{
-    Action, Attachment, BodyDef, BodyId, BodyKind, Command, End, Field, FieldId, Frame, Fx, FxFactor, Integrator, Law,
-    Locks, Manner, Mass, Part, Random, Region, Shape, SpringLaw, TimeStep, Vec2, World, fx, limits,
+    ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, Command, End, FieldId, FieldKind, ForceField, ForceOrImpulse,
+    Frame, Fx, FxFactor, Integrator, Locks, Mass, Part, Random, Region, Shape, SpringConstants, TimeStep, Vec2, World,
+    fx, limits,
 };
 
 use super::random::SplitMix;
@@ -85,8 +86,8 @@ impl Author {
     fn mass(&mut self) -> Mass {
         match self.random.next() % 3 {
             0 => Mass::Density(self.number(fx!(0.25), fx!(4))),
-            1 => Mass::Of(self.number(fx!(0.25), fx!(4))),
-            _ => Mass::WithInertia(self.number(fx!(0.25), fx!(4)), self.number(fx!(0.25), fx!(4))),
+            1 => Mass::Kilograms(self.number(fx!(0.25), fx!(4))),
+            _ => Mass::Explicit { mass: self.number(fx!(0.25), fx!(4)), inertia: self.number(fx!(0.25), fx!(4)) },
         }
     }
 
@@ -157,7 +158,7 @@ impl Author {
         world.fields().nth(index).map_or(FieldId::from_parts(0, 0), |(id, _)| id)
     }
 
-    pub(crate) fn field(&mut self, world: &World) -> Field {
+    pub(crate) fn field(&mut self, world: &World) -> ForceField {
         let attachment = |own: &mut Self| Attachment { body: own.some_body(world), point: own.vector(fx!(0.5)) };
         let end = |own: &mut Self| {
             if own.one_in(2) { End::World(own.vector(fx!(20))) } else { End::Body(attachment(own)) }
@@ -165,49 +166,49 @@ impl Author {
         let law = match self.random.next() % 7 {
             0 => {
                 let mu = <FxFactor as Factor<Fx>>::from_scalar(self.number(fx!(0), fx!(5)));
-                Law::Attractor { centre: end(self), mu, softening: self.number(fx!(0.5), fx!(2)) }
+                FieldKind::Attractor { centre: end(self), mu, softening: self.number(fx!(0.5), fx!(2)) }
             }
             1 | 2 => {
-                let spring = SpringLaw {
+                let spring = SpringConstants {
                     rest: self.number(fx!(0), fx!(3)),
                     stiffness: self.number(fx!(0), fx!(5)),
                     damping: if self.one_in(2) { Fx::ZERO } else { self.number(fx!(0), fx!(1)) },
                 };
-                Law::Spring { near: attachment(self), far: end(self), spring }
+                FieldKind::Spring { near: attachment(self), far: end(self), spring }
             }
             3 => {
                 let (linear, quadratic) = (self.number(fx!(0), fx!(0.25)), self.number(fx!(0), fx!(0.25)));
-                Law::Drag { linear, quadratic, wind: self.vector(fx!(2)) }
+                FieldKind::Drag { linear, quadratic, wind: self.vector(fx!(2)) }
             }
-            4 => Law::Thrust { at: attachment(self), force: self.vector(fx!(2)) },
+            4 => FieldKind::Thrust { at: attachment(self), force: self.vector(fx!(2)) },
             5 => {
                 let region = if self.one_in(2) {
                     Region::Disc { centre: self.vector(fx!(9)), radius: self.number(fx!(1), fx!(9)) }
                 } else {
                     Region::Box { min: self.vector(fx!(9)), max: self.vector(fx!(9)) }
                 };
-                Law::Zone { region, acceleration: self.vector(fx!(2)) }
+                FieldKind::Zone { region, acceleration: self.vector(fx!(2)) }
             }
-            _ => Law::Custom { id: self.random.next() % 3 },
+            _ => FieldKind::Custom { id: self.random.next() % 3 },
         };
-        Field { law, groups: self.random.next() as u32 }
+        ForceField { kind, groups: self.random.next() as u32 }
     }
 
-    pub(crate) fn action(&mut self) -> Action {
+    pub(crate) fn action(&mut self) -> ForceOrImpulse {
         let mut point = || if self.one_in(2) { Some(self.vector(fx!(20))) } else { None };
         let point = point();
         match self.random.next() % 4 {
-            0 => Action::Force { force: self.vector(fx!(30)), point },
-            1 => Action::Torque(self.number(fx!(-5), fx!(5))),
-            2 => Action::Impulse { impulse: self.vector(fx!(1)), point },
-            _ => Action::AngularImpulse(self.number(fx!(-1), fx!(1))),
+            0 => ForceOrImpulse::Force { force: self.vector(fx!(30)), point },
+            1 => ForceOrImpulse::Torque(self.number(fx!(-5), fx!(5))),
+            2 => ForceOrImpulse::Impulse { impulse: self.vector(fx!(1)), point },
+            _ => ForceOrImpulse::AngularImpulse(self.number(fx!(-1), fx!(1))),
         }
     }
 
     /// Something done to a body.
     pub(crate) fn push(&mut self, world: &World) -> Command {
         let frame = if self.one_in(3) { Frame::Body } else { Frame::World };
-        let manner = Manner { frame, wake: !self.one_in(4) };
+        let manner = ApplyOptions { frame, wake: !self.one_in(4) };
         Command::Apply { body: self.some_body(world), action: self.action(), manner }
     }
 

@@ -4,14 +4,15 @@ use std::sync::Arc;
 use std::{vec, vec::Vec};
 
 use umbra_physics::{
-    Action, Attachment, BodyDef, BodyId, BodyKind, BodyState, Command, Dependence, End, Field, FieldId, ForceLaw,
-    Frame, Fx, FxFactor, Input, Inputs, Integrator, Law, LawFault, Locks, Manner, Mass, Part, Push, Random,
-    RecordOptions, Recorder, Region, Shape, SpringLaw, TimeStep, World, WorldDef, fx, vec2,
+    ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, BodyState, Command, CustomForce, CustomForceError, Dependence,
+    End, FieldId, FieldKind, ForceField, ForceOrImpulse, ForceTorque, Frame, Fx, FxFactor, Input, Inputs, Integrator,
+    Locks, Mass, Part, Random, RecordOptions, Recorder, Region, Shape, SpringConstants, TimeStep, World, WorldDef, fx,
+    vec2,
 };
 
 struct Still;
 
-impl ForceLaw for Still {
+impl CustomForce for Still {
     fn id(&self) -> u64 {
         9
     }
@@ -21,12 +22,12 @@ impl ForceLaw for Still {
     fn depends_on(&self) -> Dependence {
         Dependence::Nothing
     }
-    fn push(&self, _: &BodyState) -> Result<Push, LawFault> {
-        Ok(Push::default())
+    fn push(&self, _: &BodyState) -> Result<ForceTorque, CustomForceError> {
+        Ok(ForceTorque::default())
     }
 }
 
-pub(crate) fn laws() -> Vec<Arc<dyn ForceLaw>> {
+pub(crate) fn custom_forces() -> Vec<Arc<dyn CustomForce>> {
     vec![Arc::new(Still)]
 }
 
@@ -45,22 +46,22 @@ fn shapes() -> Vec<Shape> {
 }
 
 /// A law of each kind, on the bodies in slots 1 and 2.
-fn fields() -> Vec<Field> {
+fn fields() -> Vec<ForceField> {
     let at = |slot| Attachment { body: BodyId::from_parts(slot, 0), point: vec2(0, fx!(0.25)) };
-    let spring = SpringLaw { rest: fx!(1), stiffness: fx!(3), damping: fx!(0.5) };
+    let spring = SpringConstants { rest: fx!(1), stiffness: fx!(3), damping: fx!(0.5) };
     let mu: FxFactor = "2.5".parse().expect("a factor");
-    let laws = [
-        Law::Attractor { centre: End::Body(at(2)), mu, softening: fx!(0.5) },
-        Law::Attractor { centre: End::World(vec2(1, 2)), mu, softening: fx!(0.5) },
-        Law::Spring { near: at(1), far: End::Body(at(2)), spring },
-        Law::Spring { near: at(1), far: End::World(vec2(5, 5)), spring },
-        Law::Drag { linear: fx!(0.1), quadratic: fx!(0.2), wind: vec2(1, 0) },
-        Law::Thrust { at: at(1), force: vec2(1, 1) },
-        Law::Zone { region: Region::Disc { centre: vec2(0, 0), radius: fx!(3) }, acceleration: vec2(0, 1) },
-        Law::Zone { region: Region::Box { min: vec2(0, 0), max: vec2(1, 1) }, acceleration: vec2(0, 1) },
-        Law::Custom { id: 9 },
+    let kinds = [
+        FieldKind::Attractor { centre: End::Body(at(2)), mu, softening: fx!(0.5) },
+        FieldKind::Attractor { centre: End::World(vec2(1, 2)), mu, softening: fx!(0.5) },
+        FieldKind::Spring { near: at(1), far: End::Body(at(2)), spring },
+        FieldKind::Spring { near: at(1), far: End::World(vec2(5, 5)), spring },
+        FieldKind::Drag { linear: fx!(0.1), quadratic: fx!(0.2), wind: vec2(1, 0) },
+        FieldKind::Thrust { at: at(1), force: vec2(1, 1) },
+        FieldKind::Zone { region: Region::Disc { centre: vec2(0, 0), radius: fx!(3) }, acceleration: vec2(0, 1) },
+        FieldKind::Zone { region: Region::Box { min: vec2(0, 0), max: vec2(1, 1) }, acceleration: vec2(0, 1) },
+        FieldKind::Custom { id: 9 },
     ];
-    laws.map(|law| Field { law, groups: 5 }).into()
+    kinds.map(|kind| ForceField { kind, groups: 5 }).into()
 }
 
 /// Every command there is, the shortest and the longest of each; all are allowed in the world that is recorded.
@@ -68,14 +69,14 @@ pub(crate) fn commands() -> Vec<Command> {
     let body = BodyId::from_parts(1, 0);
     let point = Some(vec2(fx!(0.5), fx!(-7)));
     let actions = [
-        Action::Force { force: vec2(1, -2), point },
-        Action::Torque(fx!(0.5)),
-        Action::Impulse { impulse: vec2(1, 2), point: None },
-        Action::AngularImpulse(fx!(-0.25)),
+        ForceOrImpulse::Force { force: vec2(1, -2), point },
+        ForceOrImpulse::Torque(fx!(0.5)),
+        ForceOrImpulse::Impulse { impulse: vec2(1, 2), point: None },
+        ForceOrImpulse::AngularImpulse(fx!(-0.25)),
     ];
-    let manner = Manner { frame: Frame::Body, wake: false };
+    let manner = ApplyOptions { frame: Frame::Body, wake: false };
     let mut commands: Vec<Command> = actions.map(|action| Command::Apply { body, action, manner }).into();
-    let masses = [Mass::Density(fx!(2)), Mass::Of(fx!(3)), Mass::WithInertia(fx!(4), fx!(5))];
+    let masses = [Mass::Density(fx!(2)), Mass::Kilograms(fx!(3)), Mass::Explicit { mass: fx!(4), inertia: fx!(5) }];
     commands.extend(masses.map(|mass| Command::SetMass { body, mass }));
     commands.extend(shapes().into_iter().map(|shape| Command::SetShape { body, shape: Some(shape) }));
     commands.extend(fields().into_iter().map(Command::AddField));
@@ -83,7 +84,7 @@ pub(crate) fn commands() -> Vec<Command> {
     let set_field = |field| Command::SetField { id: FieldId::from_parts(0, 0), field };
     commands.extend([
         Command::AddBody(BodyDef {
-            mass: Mass::WithInertia(fx!(2), fx!(3)),
+            mass: Mass::Explicit { mass: fx!(2), inertia: fx!(3) },
             position: vec2(fx!(0.125), -8),
             angle: fx!(0.75),
             velocity: vec2(-3, 4),
@@ -140,7 +141,7 @@ pub(crate) fn commands() -> Vec<Command> {
 pub(crate) fn world() -> World {
     let def = WorldDef { gravity: vec2(0, -10), sleep_after: Some(2), ..WorldDef::default() };
     let mut world = World::new(def).expect("a world");
-    world.register_law(laws().remove(0)).expect("a law");
+    world.register_custom_force(custom_forces().remove(0)).expect("a law");
     for shape in shapes().into_iter().chain([shapes().remove(0)]) {
         let def = BodyDef { shape: Some(shape), position: vec2(fx!(0.3), 3), ..BodyDef::dynamic() };
         world.add_body(BodyDef { angular_velocity: fx!(1), linear_damping: Some(fx!(0.9)), ..def }).expect("a body");

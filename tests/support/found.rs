@@ -2,8 +2,9 @@
 
 use umbra_physics::scalar::Factor;
 use umbra_physics::{
-    Action, Activity, Attachment, BodyDef, BodyId, BodyKind, Command, End, Field, FieldId, Frame, Fx, FxFactor,
-    Integrator, Law, Locks, Manner, Mass, Part, Random, Region, Shape, SpringLaw, TimeStep, Vec2,
+    Activity, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, Command, End, FieldId, FieldKind, ForceField,
+    ForceOrImpulse, Frame, Fx, FxFactor, Integrator, Locks, Mass, Part, Random, Region, Shape, SpringConstants,
+    TimeStep, Vec2,
 };
 
 use super::formats::Value;
@@ -70,8 +71,8 @@ pub(crate) fn random(value: &Value) -> Random {
 pub(crate) fn mass(value: &Value) -> Mass {
     match value.case() {
         "Density" => Mass::Density(number(&value["density"])),
-        "Of" => Mass::Of(number(&value["mass"])),
-        "WithInertia" => Mass::WithInertia(number(&value["mass"]), number(&value["inertia"])),
+        "Of" => Mass::Kilograms(number(&value["mass"])),
+        "WithInertia" => Mass::Explicit { mass: number(&value["mass"]), inertia: number(&value["inertia"]) },
         other => panic!("mass {other}"),
     }
 }
@@ -122,51 +123,53 @@ pub(crate) fn factor(value: &Value) -> FxFactor {
     FxFactor::from_ratio(mantissa, 1 << shift)
 }
 
-pub(crate) fn field(value: &Value) -> Field {
+pub(crate) fn field(value: &Value) -> ForceField {
     let law = &value["law"];
-    let spring = |value: &Value| SpringLaw {
+    let spring = |value: &Value| SpringConstants {
         rest: number(&value["rest"]),
         stiffness: number(&value["stiffness"]),
         damping: number(&value["damping"]),
     };
-    let law = match law.case() {
-        "Attractor" => {
-            Law::Attractor { centre: end(&law["centre"]), mu: factor(&law["mu"]), softening: number(&law["softening"]) }
-        }
+    let kind = match law.case() {
+        "Attractor" => FieldKind::Attractor {
+            centre: end(&law["centre"]),
+            mu: factor(&law["mu"]),
+            softening: number(&law["softening"]),
+        },
         "Spring" => {
-            Law::Spring { near: attachment(&law["near"]), far: end(&law["far"]), spring: spring(&law["spring"]) }
+            FieldKind::Spring { near: attachment(&law["near"]), far: end(&law["far"]), spring: spring(&law["spring"]) }
         }
-        "Drag" => Law::Drag {
+        "Drag" => FieldKind::Drag {
             linear: number(&law["linear"]),
             quadratic: number(&law["quadratic"]),
             wind: vector(&law["wind"]),
         },
-        "Thrust" => Law::Thrust { at: attachment(&law["at"]), force: vector(&law["force"]) },
-        "Zone" => Law::Zone { region: region(&law["region"]), acceleration: vector(&law["acceleration"]) },
-        "Custom" => Law::Custom { id: law["id"].natural() },
+        "Thrust" => FieldKind::Thrust { at: attachment(&law["at"]), force: vector(&law["force"]) },
+        "Zone" => FieldKind::Zone { region: region(&law["region"]), acceleration: vector(&law["acceleration"]) },
+        "Custom" => FieldKind::Custom { id: law["id"].natural() },
         other => panic!("law {other}"),
     };
-    Field { law, groups: value["groups"].natural() as u32 }
+    ForceField { kind, groups: value["groups"].natural() as u32 }
 }
 
-pub(crate) fn action(value: &Value) -> Action {
+pub(crate) fn action(value: &Value) -> ForceOrImpulse {
     let point = || value["point"].option().map(vector);
     match value.case() {
-        "Force" => Action::Force { force: vector(&value["force"]), point: point() },
-        "Torque" => Action::Torque(number(&value["torque"])),
-        "Impulse" => Action::Impulse { impulse: vector(&value["impulse"]), point: point() },
-        "AngularImpulse" => Action::AngularImpulse(number(&value["impulse"])),
+        "Force" => ForceOrImpulse::Force { force: vector(&value["force"]), point: point() },
+        "Torque" => ForceOrImpulse::Torque(number(&value["torque"])),
+        "Impulse" => ForceOrImpulse::Impulse { impulse: vector(&value["impulse"]), point: point() },
+        "AngularImpulse" => ForceOrImpulse::AngularImpulse(number(&value["impulse"])),
         other => panic!("action {other}"),
     }
 }
 
-pub(crate) fn manner(value: &Value) -> Manner {
+pub(crate) fn manner(value: &Value) -> ApplyOptions {
     let frame = match value["frame"].case() {
         "World" => Frame::World,
         "Body" => Frame::Body,
         other => panic!("frame {other}"),
     };
-    Manner { frame, wake: value["wake"].natural() == 1 }
+    ApplyOptions { frame, wake: value["wake"].natural() == 1 }
 }
 
 pub(crate) fn body_def(value: &Value) -> BodyDef {

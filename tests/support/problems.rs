@@ -9,8 +9,8 @@ use std::sync::{Arc, LazyLock};
 use super::real::{Real, TAU, exact, ratio, real, units};
 use umbra_physics::scalar::{Accumulator, Angle, Factor};
 use umbra_physics::{
-    Attachment, BodyDef, BodyId, BodyState, Dependence, End, ForceLaw, Fx, FxFactor, Law, LawFault, Mass, Push,
-    SpringLaw, Vec2, World, WorldDef, fx, vec2,
+    Attachment, BodyDef, BodyId, BodyState, CustomForce, CustomForceError, Dependence, End, FieldKind, ForceTorque, Fx,
+    FxFactor, Mass, SpringConstants, Vec2, World, WorldDef, fx, vec2,
 };
 
 /// The fastest rate of each problem, rad/s.
@@ -58,7 +58,7 @@ fn world(def: WorldDef, bodies: impl IntoIterator<Item = BodyDef>) -> (World, Ve
     (world, bodies)
 }
 
-fn with_field(mut scene: (World, Vec<BodyId>), law: impl Fn(&[BodyId]) -> Law) -> (World, Vec<BodyId>) {
+fn with_field(mut scene: (World, Vec<BodyId>), law: impl Fn(&[BodyId]) -> FieldKind) -> (World, Vec<BodyId>) {
     let law = law(&scene.1);
     scene.0.add_field(law).expect("a fair field");
     scene
@@ -90,10 +90,11 @@ pub(crate) const FALL: Problem = Problem {
     tenths: 20,
     scene: |def, scale| {
         let def = WorldDef { gravity: scale.vector(fx!(0), GRAVITY), ..def };
-        let body = BodyDef { mass: Mass::Of(MASS), velocity: scale.vector(fx!(800), fx!(600)), ..BodyDef::dynamic() };
+        let body =
+            BodyDef { mass: Mass::Kilograms(MASS), velocity: scale.vector(fx!(800), fx!(600)), ..BodyDef::dynamic() };
         let quadratic = Fx::from_bits(QUADRATIC.to_bits() >> scale.0);
         let wind = scale.vector(WIND.0, WIND.1);
-        with_field(world(def, [body]), |_| Law::Drag { linear: LINEAR, quadratic, wind })
+        with_field(world(def, [body]), |_| FieldKind::Drag { linear: LINEAR, quadratic, wind })
     },
     torque: None,
     enlarged: Enlarged::Lengths,
@@ -111,10 +112,10 @@ const STIFFNESS: Fx = fx!(14.0625);
 fn tied(def: WorldDef, scale: Scale, damping: Fx) -> (World, Vec<BodyId>) {
     let (position, velocity) = (scale.vector(fx!(1), fx!(0.25)), scale.vector(fx!(-0.5), fx!(2)));
     let body = BodyDef { position, velocity, ..BodyDef::dynamic() };
-    with_field(world(def, [body]), |bodies| Law::Spring {
+    with_field(world(def, [body]), |bodies| FieldKind::Spring {
         near: Attachment::centre(bodies[0]),
         far: End::World(vec2(0, 0)),
-        spring: SpringLaw { rest: fx!(0), stiffness: STIFFNESS, damping },
+        spring: SpringConstants { rest: fx!(0), stiffness: STIFFNESS, damping },
     })
 }
 
@@ -161,7 +162,7 @@ pub(crate) const SPRING_DAMPER: Problem = Problem {
 /// A force of the velocity, by the hook: across it, as on a charge in a magnetic field, N·s/m.
 struct Across(Fx);
 
-impl ForceLaw for Across {
+impl CustomForce for Across {
     fn id(&self) -> u64 {
         1
     }
@@ -174,10 +175,10 @@ impl ForceLaw for Across {
         Dependence::Velocity
     }
 
-    fn push(&self, body: &BodyState) -> Result<Push, LawFault> {
-        let fault = LawFault { code: 0 };
+    fn push(&self, body: &BodyState) -> Result<ForceTorque, CustomForceError> {
+        let fault = CustomForceError { code: 0 };
         let force = body.velocity.perp().checked_scale(self.0).ok_or(fault)?;
-        Ok(Push { force, torque: Fx::ZERO })
+        Ok(ForceTorque { force, torque: Fx::ZERO })
     }
 }
 
@@ -188,8 +189,8 @@ pub(crate) const TURNED: Problem = Problem {
     name: "law of velocity by the hook",
     scene: |def, scale| {
         let (mut world, bodies) = tied(def, scale, fx!(0));
-        world.register_law(Arc::new(Across(ACROSS))).expect("the first of its id");
-        world.add_field(Law::Custom { id: 1 }).expect("a registered law");
+        world.register_custom_force(Arc::new(Across(ACROSS))).expect("the first of its id");
+        world.add_field(FieldKind::Custom { id: 1 }).expect("a registered law");
         (world, bodies)
     },
     slope: |state| {
@@ -209,7 +210,7 @@ fn orbit(def: WorldDef, scale: Scale, mu: Fx, from: Fx, speed: Fx) -> (World, Ve
     let larger = FxFactor::from_ratio(1 << scale.0, 1);
     let mu = larger.times(larger).times(larger).times(FxFactor::from_scalar(mu));
     let centre = End::World(vec2(0, 0));
-    with_field(world(def, [body]), |_| Law::Attractor { centre, mu, softening: fx!(0) })
+    with_field(world(def, [body]), |_| FieldKind::Attractor { centre, mu, softening: fx!(0) })
 }
 
 fn attracted(state: &[Real], mu: Fx) -> Vec<Real> {
@@ -248,7 +249,7 @@ pub(crate) const SPUN_UP: Problem = Problem {
     tenths: 10,
     scene: |def, scale| {
         let def = WorldDef { angular_damping: SPIN_KEPT, ..def };
-        let mass = Mass::WithInertia(fx!(1), INERTIA);
+        let mass = Mass::Explicit { mass: fx!(1), inertia: INERTIA };
         world(def, [BodyDef { mass, angular_velocity: scale.of(fx!(3)), ..BodyDef::dynamic() }])
     },
     torque: Some(TORQUE),
@@ -274,16 +275,20 @@ pub(crate) const PULLED_ROUND: Problem = Problem {
         // kg·m² grow with the square of lengths.
         let inertia = scale.of(scale.of(OFF_CENTRE_INERTIA));
         let body = BodyDef {
-            mass: Mass::WithInertia(fx!(1), inertia),
+            mass: Mass::Explicit { mass: fx!(1), inertia },
             velocity: scale.vector(fx!(0), fx!(0.5)),
             angle: fx!(0.75),
             angular_velocity: fx!(1.5),
             ..BodyDef::dynamic()
         };
-        with_field(world(def, [body]), |bodies| Law::Spring {
+        with_field(world(def, [body]), |bodies| FieldKind::Spring {
             near: Attachment { body: bodies[0], point: scale.vector(OFF_CENTRE.0, OFF_CENTRE.1) },
             far: End::World(scale.vector(ANCHOR.0, ANCHOR.1)),
-            spring: SpringLaw { rest: scale.of(OFF_CENTRE_REST), stiffness: OFF_CENTRE_STIFFNESS, damping: fx!(0) },
+            spring: SpringConstants {
+                rest: scale.of(OFF_CENTRE_REST),
+                stiffness: OFF_CENTRE_STIFFNESS,
+                damping: fx!(0),
+            },
         })
     },
     torque: None,
@@ -316,11 +321,11 @@ pub(crate) const PAIR: Problem = Problem {
             ..BodyDef::dynamic()
         };
         let heavy =
-            BodyDef { mass: Mass::Of(HEAVIER), velocity: scale.vector(fx!(0.25), fx!(0)), ..BodyDef::dynamic() };
-        with_field(world(def, [light, heavy]), |bodies| Law::Spring {
+            BodyDef { mass: Mass::Kilograms(HEAVIER), velocity: scale.vector(fx!(0.25), fx!(0)), ..BodyDef::dynamic() };
+        with_field(world(def, [light, heavy]), |bodies| FieldKind::Spring {
             near: Attachment::centre(bodies[0]),
             far: End::Body(Attachment::centre(bodies[1])),
-            spring: SpringLaw { rest: scale.of(PAIR_REST), stiffness: PAIR_STIFFNESS, damping: fx!(0) },
+            spring: SpringConstants { rest: scale.of(PAIR_REST), stiffness: PAIR_STIFFNESS, damping: fx!(0) },
         })
     },
     torque: None,

@@ -5,7 +5,7 @@ use core::fmt;
 use core::ops::{Add, Neg, Sub};
 
 use umbra_physics::scalar::{Accumulator, Angle, AreaMoments, Factor, FxSum, Number, Offset, Scalar, Span, Sum, Wide};
-use umbra_physics::{Fx, FxAccumulator, FxFactor, FxWide, SpringLaw, Turn};
+use umbra_physics::{Fx, FxAccumulator, FxFactor, FxWide, SpringConstants, Turn};
 
 /// To nearest, ties to even: what `Fx` does, as a control of the twin itself.
 pub(crate) const EVEN: u8 = 0;
@@ -278,9 +278,9 @@ impl<const MODE: u8> Scalar for Twin<MODE> {
     fn attraction(mu: FxFactor, to_centre: Offset<Self>, softening: Self) -> Option<Offset<Self>> {
         Fx::attraction(mu, to_centre, softening.0)
     }
-    fn tension(offset: Offset<Self>, velocity: Offset<Self>, spring: &SpringLaw<Self>) -> Option<Offset<Self>> {
-        let SpringLaw { rest, stiffness, damping } = *spring;
-        Fx::tension(offset, velocity, &SpringLaw { rest: rest.0, stiffness: stiffness.0, damping: damping.0 })
+    fn tension(offset: Offset<Self>, velocity: Offset<Self>, spring: &SpringConstants<Self>) -> Option<Offset<Self>> {
+        let SpringConstants { rest, stiffness, damping } = *spring;
+        Fx::tension(offset, velocity, &SpringConstants { rest: rest.0, stiffness: stiffness.0, damping: damping.0 })
     }
     fn length(offset: Offset<Self>, third: Self) -> FxFactor {
         Fx::length(offset, third.0)

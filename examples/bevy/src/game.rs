@@ -1,6 +1,8 @@
 //! The match: two ships that fly and fire, all of it in the world.
 
-use umbra_physics::{Action, BodyDef, BodyId, Error, Fx, Manner, Mass, Shape, Vec2, World, WorldDef, fx, vec2};
+use umbra_physics::{
+    ApplyOptions, BodyDef, BodyId, Error, ForceOrImpulse, Fx, Mass, Shape, Vec2, World, WorldDef, fx, vec2,
+};
 
 pub(crate) const SHOT_TICKS: u64 = 40;
 const RELOAD_TICKS: u64 = 12;
@@ -40,7 +42,14 @@ impl Match {
             World::new(WorldDef { linear_damping: fx!(0.5), angular_damping: fx!(0.2), ..WorldDef::default() })?;
         let mut ship = |key: u64, x: i32, angle: Fx| {
             let shape = Some(Shape::rectangle(fx!(2), fx!(1))?);
-            let def = BodyDef { shape, mass: Mass::Of(fx!(2)), position: vec2(x, 0), angle, key, ..BodyDef::dynamic() };
+            let def = BodyDef {
+                shape,
+                mass: Mass::Kilograms(fx!(2)),
+                position: vec2(x, 0),
+                angle,
+                key,
+                ..BodyDef::dynamic()
+            };
             world.add_body(def)
         };
         let ships = [ship(0, -10, Fx::ZERO)?, ship(1, 10, Fx::PI)?];
@@ -63,7 +72,7 @@ impl Match {
     fn steer(&self, world: &mut World, player: usize, held: Held) -> Result<(), Error> {
         let ship = self.ships[player];
         if held.engine {
-            world.apply(ship, Action::Force { force: vec2(20, 0), point: None }, Manner::BODY)?;
+            world.apply(ship, ForceOrImpulse::Force { force: vec2(20, 0), point: None }, ApplyOptions::BODY)?;
         }
         if held.turn {
             world.apply_torque(ship, fx!(3))?;
@@ -74,7 +83,7 @@ impl Match {
             let ahead = look.rotation().checked_rotate(vec2(20, 0)).unwrap_or(Vec2::ZERO);
             world.add_body(BodyDef {
                 shape: Some(Shape::circle(fx!(0.25))?),
-                mass: Mass::Of(fx!(0.125)),
+                mass: Mass::Kilograms(fx!(0.125)),
                 position: look.position(),
                 velocity: look.velocity() + ahead,
                 // The same shot has the same name, however often the tick it was fired in is made.

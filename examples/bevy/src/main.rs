@@ -16,7 +16,7 @@ use std::error::Error;
 use std::mem;
 
 use bevy_ecs::prelude::{Commands, Component, DetectChangesMut as _, Entity, Query, Res, ResMut, Resource, Schedule};
-use umbra_physics::{Blend, BodyId, Interpolation, Pacer, Pose, TickFraction, World};
+use umbra_physics::{Blend, BodyId, Interpolation, Pose, StepClock, TickFraction, World};
 
 use game::{Held, Match, SHOT_TICKS, fired_at, pressed};
 
@@ -124,7 +124,7 @@ fn follow(
 fn main() -> Result<(), Box<dyn Error>> {
     let (game, world) = Match::start()?;
     let (start, mut ecs) = (world.clone(), bevy_ecs::world::World::new());
-    let mut pacer = Pacer::new(world.def().time_step)?;
+    let mut step_clock = StepClock::new(world.def().time_step)?;
     let mut shown = Interpolation::new();
     shown.look(&world);
     ecs.insert_resource(Physics { game, world, past: VecDeque::new(), shown });
@@ -138,7 +138,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     // At the end nobody presses anything for as long as buttons are on their way.
     while tick < TICKS + LATE {
         // One or none: a frame is shorter than a tick.
-        let due = pacer.frame(FRAME).ticks;
+        let due = step_clock.frame(FRAME).ticks;
         for _ in 0..due {
             let mut arrived = ecs.resource_mut::<Arrived>();
             arrived.0.push((tick, 0, buttons(0, tick)));
@@ -148,7 +148,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             ticks.run(&mut ecs);
             tick += 1;
         }
-        ecs.insert_resource(Moment(Blend::Interpolated(pacer.remainder())));
+        ecs.insert_resource(Moment(Blend::Interpolated(step_clock.remainder())));
         frames.run(&mut ecs);
         check(&mut ecs)?;
         let entities = ecs.resource::<Entities>().0.clone();

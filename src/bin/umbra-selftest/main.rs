@@ -13,7 +13,7 @@ use std::io::{self, Write};
 use std::process::ExitCode;
 
 use stream::Stream;
-use umbra_physics::LAW;
+use umbra_physics::PHYSICS_VERSION;
 use ways::{Checked, Way, check};
 
 fn main() -> ExitCode {
@@ -38,7 +38,7 @@ fn warn(what: impl Display) {
 
 fn run(out: &mut impl Write) -> io::Result<bool> {
     let ways = Way::all();
-    writeln!(out, "law {LAW}")?;
+    writeln!(out, "law {PHYSICS_VERSION}")?;
     for way in &ways {
         warn(format_args!("with {way}"));
     }

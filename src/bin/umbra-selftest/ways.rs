@@ -3,7 +3,7 @@
 use std::fmt;
 use std::time::{Duration, Instant};
 
-use umbra_physics::LAW;
+use umbra_physics::PHYSICS_VERSION;
 use umbra_physics::scalar::wide_vectors;
 use umbra_physics::selftest::{Failure, Golden, Outcome, Scene, Total, golden, scenes};
 
@@ -71,7 +71,7 @@ impl fmt::Display for Trouble {
                 write!(f, "with {way} it gives {:016x}, before it gave {:016x}", here.digest, first.digest)
             }
             Self::NotGolden { golden } => write!(f, "expected {:016x} of {} ticks", golden.digest, golden.ticks),
-            Self::NoGolden => write!(f, "there is no golden digest of law {LAW} to compare with"),
+            Self::NoGolden => write!(f, "there is no golden digest of law {PHYSICS_VERSION} to compare with"),
             Self::Threads { what } => write!(f, "no threads: {what}"),
         }
     }
@@ -114,7 +114,7 @@ impl Checked {
 
 /// The list of golden outcomes, if it is of this law.
 fn valid_golden() -> Option<Golden<'static>> {
-    Some(golden()).filter(|golden| golden.law() == Some(LAW))
+    Some(golden()).filter(|golden| golden.physics_version() == Some(PHYSICS_VERSION))
 }
 
 fn against(outcome: Outcome, golden: Option<Outcome>) -> Option<Trouble> {

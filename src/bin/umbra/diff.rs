@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde::Serialize;
-use umbra_physics::{Difference, Dump, Finding, Moment, Replay, World};
+use umbra_physics::{Difference, Dump, Finding, Replay, TickPhase, World};
 
 use crate::failure::Failure;
 use crate::finding::{DifferenceLine, FindingLine};
@@ -116,15 +116,14 @@ fn report(
 
 /// The values in which the worlds of two dumps differ at the moment of a finding.
 fn at_moment(a: &Dump, b: &Dump, finding: &Finding) -> Vec<Difference> {
-    let world =
-        |dump: &Dump| dump.moments().find(|(moment, _)| *moment == finding.moment).map(|(_, world)| world.clone());
+    let world = |dump: &Dump| dump.phases().find(|(phase, _)| *phase == finding.phase).map(|(_, world)| world.clone());
     world(a).zip(world(b)).map(|(a, b)| a.differences(&b)).unwrap_or_default()
 }
 
 /// The values in which the worlds differ once the tick of a finding is made: as snapshots have them where both do, else as
 /// the ticks from the last snapshot on make them here.
 fn after(a: &Replay, b: &Replay, finding: &Finding) -> Vec<Difference> {
-    let tick = finding.tick.saturating_add(u64::from(finding.moment != Moment::Start));
+    let tick = finding.tick.saturating_add(u64::from(finding.phase != TickPhase::Start));
     let world = |replay: &Replay| -> World {
         let mut playback = replay.play();
         playback.seek(tick);

@@ -7,7 +7,7 @@ use umbra_physics::{Difference, Finding};
 #[derive(Serialize)]
 pub(crate) struct FindingLine {
     tick: u64,
-    moment: String,
+    phase: String,
     place: String,
     field: String,
     recorded: Option<String>,
@@ -16,10 +16,10 @@ pub(crate) struct FindingLine {
 
 impl From<&Finding> for FindingLine {
     fn from(finding: &Finding) -> Self {
-        let Finding { tick, moment, place, field, recorded, found } = finding;
+        let Finding { tick, phase, place, field, recorded, found } = finding;
         Self {
             tick: *tick,
-            moment: moment.to_string(),
+            phase: phase.to_string(),
             place: place.to_string(),
             field: field.clone(),
             recorded: recorded.clone(),

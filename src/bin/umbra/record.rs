@@ -1,6 +1,6 @@
 //! A run on its way into a replay.
 
-use umbra_physics::{Command, Driver, Error, Made, RecordOptions, Recorder, World};
+use umbra_physics::{Command, Created, Error, RecordOptions, Recorder, Stepper, World};
 
 use crate::failure::Failure;
 use crate::output::{Destination, Output};
@@ -37,13 +37,13 @@ impl Recording {
     }
 }
 
-impl Driver for Recording {
-    fn execute(&mut self, world: &mut World, command: &Command) -> Result<Made, Error> {
+impl Stepper for Recording {
+    fn execute(&mut self, world: &mut World, command: &Command) -> Result<Created, Error> {
         self.recorder.execute(world, command)
     }
 
     fn step(&mut self, world: &mut World) {
-        Driver::step(&mut self.recorder, world);
+        Stepper::step(&mut self.recorder, world);
         let bytes = self.recorder.take_bytes();
         if self.failure.is_none() {
             self.failure = self.output.put(|out| out.write_all(&bytes)).err();

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use clap::{Args, ValueEnum};
 use umbra_physics::scalar::ToF64;
 use umbra_physics::scene::{Scene, SceneRun};
-use umbra_physics::{Driver, Fx, Integrator, RecordOptions, Scalar, WorldDef};
+use umbra_physics::{Fx, Integrator, RecordOptions, Scalar, Stepper, WorldDef};
 
 use crate::csv::Table;
 use crate::failure::Failure;
@@ -134,7 +134,7 @@ fn record(scene: &Scene, options: &Options, outputs: &Outputs, to: &Destination)
 
 /// Runs a scene to its end, with whatever was asked to be made on the way; `check` is asked after each step whether the
 /// driver can go on.
-fn simulate<S: Scalar + ToF64, D: Driver<S>>(
+fn simulate<S: Scalar + ToF64, D: Stepper<S>>(
     scene: &Scene,
     run: &mut SceneRun<'_, S>,
     driver: &mut D,

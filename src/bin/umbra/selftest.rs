@@ -2,7 +2,7 @@
 
 use clap::Args;
 use serde::Serialize;
-use umbra_physics::LAW;
+use umbra_physics::PHYSICS_VERSION;
 use umbra_physics::selftest::Outcome;
 
 use crate::failure::Failure;
@@ -59,7 +59,7 @@ pub(crate) fn selftest(options: &Options) -> Result<(), Failure> {
         let verdict = check(&ways, |checked| print(json(&scene_line(checked))));
         let Verdict { all, agrees } = verdict;
         print(json(&LastLine {
-            law: LAW,
+            law: PHYSICS_VERSION,
             ways: names,
             ticks: all.map(|all| all.ticks),
             digest: all.map(digest),
@@ -71,7 +71,7 @@ pub(crate) fn selftest(options: &Options) -> Result<(), Failure> {
         let verdict = check(&ways, |checked| print(row(checked)));
         let all = verdict.all.map_or_else(|| "one failed".to_owned(), digest);
         print(format!("\n{:<24} {:>6}  {all}", "all", verdict.all.map_or(0, |all| all.ticks)));
-        print(format!("{:<24} {LAW}", "law"));
+        print(format!("{:<24} {PHYSICS_VERSION}", "law"));
         names.iter().for_each(|name| print(format!("{:<24} {name}", "alike with")));
         let word = if verdict.agrees { "agrees: this machine computes what all others do" } else { "DOES NOT AGREE" };
         print(word.to_owned());

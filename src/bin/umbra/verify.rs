@@ -56,7 +56,7 @@ enum Status {
     Tampered,
     Diverged,
     CutOff,
-    Law,
+    PhysicsVersion,
     Malformed,
     Unreadable,
 }
@@ -68,7 +68,7 @@ impl Status {
             Self::Tampered => "tampered",
             Self::Diverged => "diverged",
             Self::CutOff => "cut_off",
-            Self::Law => "law",
+            Self::PhysicsVersion => "law",
             Self::Malformed => "malformed",
             Self::Unreadable => "unreadable",
         }
@@ -78,7 +78,7 @@ impl Status {
         match self {
             Self::Ok => 0,
             Self::Tampered | Self::Diverged | Self::CutOff => 1,
-            Self::Law | Self::Malformed | Self::Unreadable => 2,
+            Self::PhysicsVersion | Self::Malformed | Self::Unreadable => 2,
         }
     }
 
@@ -86,7 +86,7 @@ impl Status {
         match error {
             ReplayError::Tampered(_) => Self::Tampered,
             ReplayError::CutOff { .. } => Self::CutOff,
-            ReplayError::Law { .. } => Self::Law,
+            ReplayError::PhysicsVersion { .. } => Self::PhysicsVersion,
             _ => Self::Malformed,
         }
     }

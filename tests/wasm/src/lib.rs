@@ -13,7 +13,8 @@ use core::panic::PanicInfo;
 
 use dlmalloc::GlobalDlmalloc;
 use umbra_physics::{
-    BodyId, Command, Fx, Inputs, Made, RecordOptions, Recorder, Replay, Snapshot, TimeStep, World, WorldDef, selftest,
+    BodyId, Command, Created, Fx, Inputs, RecordOptions, Recorder, Replay, Snapshot, TimeStep, World, WorldDef,
+    selftest,
 };
 
 #[global_allocator]
@@ -98,9 +99,9 @@ pub extern "C" fn execute(world: &mut World, bytes: &Vec<u8>) -> i64 {
     let Ok(command) = Command::from_bytes(bytes) else { return REFUSED };
     match world.execute(&command) {
         Err(_) => REFUSED,
-        Ok(Made::Body(body)) => word(body.parts()),
-        Ok(Made::Field(field)) => word(field.parts()),
-        Ok(Made::Nothing) => DONE,
+        Ok(Created::Body(body)) => word(body.parts()),
+        Ok(Created::ForceField(field)) => word(field.parts()),
+        Ok(Created::Nothing) => DONE,
     }
 }
 

@@ -7,8 +7,8 @@ use std::marker::PhantomData;
 use std::rc::Rc;
 use umbra_physics::scalar::{Factor, ToF64, wide_vectors};
 use umbra_physics::{
-    Activity, Attachment, BodyDef, BodyId, BodyKind, End, Fx, Integrator, Law, Mass, Scalar, Shape as Form, SpringLaw,
-    TimeStep, Vec2, World as Umbra, WorldDef,
+    Activity, Attachment, BodyDef, BodyId, BodyKind, End, FieldKind, Fx, Integrator, Mass, Scalar, Shape as Form,
+    SpringConstants, TimeStep, Vec2, World as Umbra, WorldDef,
 };
 
 /// The scalars, and how the scenes' doubles become them.
@@ -84,16 +84,16 @@ fn body<S: Number>(b: &scene::Body) -> BodyDef<S> {
     }
 }
 
-fn law<S: Number>(field: Field, body: BodyId) -> Law<S> {
+fn law<S: Number>(field: Field, body: BodyId) -> FieldKind<S> {
     let origin = End::World(Vec2::ZERO);
     match field {
         Field::Attractor(gm) => {
-            Law::Attractor { centre: origin, mu: S::Factor::from_scalar(S::number(gm)), softening: S::ZERO }
+            FieldKind::Attractor { centre: origin, mu: S::Factor::from_scalar(S::number(gm)), softening: S::ZERO }
         }
-        Field::Spring(k) => Law::Spring {
+        Field::Spring(k) => FieldKind::Spring {
             near: Attachment::centre(body),
             far: origin,
-            spring: SpringLaw { rest: S::ZERO, stiffness: S::number(k), damping: S::ZERO },
+            spring: SpringConstants { rest: S::ZERO, stiffness: S::number(k), damping: S::ZERO },
         },
     }
 }

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use clap::Args;
 use indicatif::ProgressBar;
 use umbra_physics::scalar::ToF64;
-use umbra_physics::scene::{Deed, Scene, SceneError};
+use umbra_physics::scene::{Scene, SceneAction, SceneError};
 use umbra_physics::{Activity, Command, Fx, Integrator, Scalar, TimeStep, WorldDef, limits};
 
 use crate::cost::cpu_seconds;
@@ -42,7 +42,7 @@ pub(crate) fn compare(options: &Options) -> Result<(), Failure> {
     let out = Destinations::beside([&options.scene])?.add_any(options.out.as_ref())?;
     let mut scene = load::scene(&options.scene)?;
     // Every run keeps the integrator it is there for.
-    scene.inputs.retain(|input| !matches!(input.deed, Deed::Command(Command::SetIntegrator(_))));
+    scene.inputs.retain(|input| !matches!(input.action, SceneAction::Command(Command::SetIntegrator(_))));
     let ticks = options.ticks.unwrap_or(scene.ticks);
     if ticks == 0 {
         return Err(Failure::Option { what: format!("{}: nothing moves in 0 ticks", text::path(&options.scene)) });
@@ -70,8 +70,8 @@ pub(crate) fn compare(options: &Options) -> Result<(), Failure> {
 /// Steps of the reference to a tick.
 fn finer(scene: &Scene, options: &Options) -> Result<u32, Failure> {
     const MOST: u32 = 64;
-    let changed = scene.inputs.iter().filter_map(|input| match input.deed {
-        Deed::Command(Command::SetTimeStep(time_step)) => Some(time_step),
+    let changed = scene.inputs.iter().filter_map(|input| match input.action {
+        SceneAction::Command(Command::SetTimeStep(time_step)) => Some(time_step),
         _ => None,
     });
     let room = |time_step: TimeStep| {

@@ -3,7 +3,9 @@
 use std::collections::BTreeSet;
 
 use umbra_physics::scalar::ToF64;
-use umbra_physics::{BodyClass, BodyId, DebugDraw, DrawOptions, End, FieldId, Law, Pose, Role, Scalar, Vec2, World};
+use umbra_physics::{
+    BodyClass, BodyId, DebugDraw, DrawOptions, End, FieldId, FieldKind, Pose, Role, Scalar, Vec2, World,
+};
 
 use super::Point;
 
@@ -52,8 +54,8 @@ pub(super) struct Scenery {
 
 impl Scenery {
     pub(super) fn of<S: Scalar + ToF64>(world: &World<S>) -> Self {
-        let is_carried = |law: &Law<S>| matches!(law, Law::Attractor { centre: End::Body(_), .. });
-        let carried = world.fields().filter(|(_, field)| is_carried(&field.law)).map(|(id, _)| id).collect();
+        let is_carried = |law: &FieldKind<S>| matches!(law, FieldKind::Attractor { centre: End::Body(_), .. });
+        let carried = world.fields().filter(|(_, field)| is_carried(&field.kind)).map(|(id, _)| id).collect();
         let mut scenery = Self { carried, ..Self::default() };
         world.debug_draw(Pose::of, &DrawOptions { bodies: false, ..DrawOptions::default() }, &mut scenery);
         scenery

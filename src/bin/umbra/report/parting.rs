@@ -53,19 +53,19 @@ impl Parting {
         let scene = Scene::parse(SCENE)?;
         let start = scene.build()?;
         let Some(equations) = Equations::of(&start) else { return Ok(None) };
-        let moments = seconds * SAMPLES;
-        let truth = |steps| solution(&equations, &start, steps, moments);
+        let phases = seconds * SAMPLES;
+        let truth = |steps| solution(&equations, &start, steps, phases);
         let (rough, truth) = (truth(STEPS), truth(2 * STEPS));
         let run = |integrator| WorldDef { integrator, time_step: TimeStep::hz(rate), ..scene.world };
         let (verlet, yoshida) = (run(Integrator::VelocityVerlet), run(Integrator::Yoshida4));
         let ways = [
-            ("fx", way::<umbra_physics::Fx>(&scene, verlet, rate, moments)?),
-            ("f64", way::<f64>(&scene, verlet, rate, moments)?),
-            ("f32", way::<f32>(&scene, verlet, rate, moments)?),
+            ("fx", way::<umbra_physics::Fx>(&scene, verlet, rate, phases)?),
+            ("f64", way::<f64>(&scene, verlet, rate, phases)?),
+            ("f32", way::<f32>(&scene, verlet, rate, phases)?),
             ("truth", truth),
-            ("fx, yoshida4", way::<umbra_physics::Fx>(&scene, yoshida, rate, moments)?),
+            ("fx, yoshida4", way::<umbra_physics::Fx>(&scene, yoshida, rate, phases)?),
         ];
-        let times: Vec<f64> = (0..=moments).map(|moment| f64::from(moment) / f64::from(SAMPLES)).collect();
+        let times: Vec<f64> = (0..=phases).map(|phase| f64::from(phase) / f64::from(SAMPLES)).collect();
         let pair = |[a, b]: [usize; 2]| Pair::new([&ways[a], &ways[b]], &times);
         let pairs = [[0, 1], [0, 2], [1, 2], [0, 3], [1, 3], [2, 3], [4, 3]].map(pair).into();
         let reference_error = distances(&rough, &ways[3].1).into_iter().fold(0.0, f64::max);
@@ -93,7 +93,7 @@ fn way<S: Scalar<Accumulator: ToF64>>(
     scene: &Scene,
     world: WorldDef,
     rate: u32,
-    moments: u32,
+    phases: u32,
 ) -> Result<Way, SceneError> {
     let mut world: World<S> = Scene { world, ..scene.clone() }.build()?;
     let now = |world: &World<S>| {
@@ -101,7 +101,7 @@ fn way<S: Scalar<Accumulator: ToF64>>(
         at.flat_map(|at| [at.x, at.y]).collect()
     };
     let mut way = vec![now(&world)];
-    for _ in 0..moments {
+    for _ in 0..phases {
         for _ in 0..rate / SAMPLES {
             world.step();
         }
@@ -110,12 +110,12 @@ fn way<S: Scalar<Accumulator: ToF64>>(
     Ok(way)
 }
 
-fn solution(equations: &Equations, start: &World, steps: u32, moments: u32) -> Way {
+fn solution(equations: &Equations, start: &World, steps: u32, phases: u32) -> Way {
     let step = real(1) / real((SAMPLES * steps).into());
     let mut state = state(start);
     let now = |state: &[_]| positions(state).iter().map(to_f64).collect();
     let mut way = vec![now(&state)];
-    for _ in 0..moments {
+    for _ in 0..phases {
         solve(equations, &mut state, &step, steps);
         way.push(now(&state));
     }

@@ -1,6 +1,6 @@
 //! Motions with a formula, for a world with one body.
 
-use umbra_physics::{Fx, Law, World};
+use umbra_physics::{FieldKind, Fx, World};
 
 use super::{Exact, Real, real, to_f64};
 
@@ -24,19 +24,19 @@ pub(crate) fn closed(formula: Closed, world: &World, seconds: u32, bits: usize) 
     let time = wide(real(seconds.into()));
     let (x, v) = (body.position(), body.velocity());
     let (x, v) = ([x.x, x.y].map(|x| wide(x.exact())), [v.x, v.y].map(|v| wide(v.exact())));
-    let law = world.fields().next().map(|(_, field)| field.law);
+    let law = world.fields().next().map(|(_, field)| field.kind);
     Some(match (formula, law) {
         (Closed::DampedFall, None) => {
             let rate = -wide(world.def().linear_damping.exact()).ln();
             let g = [world.def().gravity.x, world.def().gravity.y].map(Exact::exact);
             (0..2).map(|i| fallen(&x[i], &v[i], &g[i], &rate, &time)).collect()
         }
-        (Closed::Oscillator, Some(Law::Spring { spring, .. })) => {
+        (Closed::Oscillator, Some(FieldKind::Spring { spring, .. })) => {
             let rate = (wide(spring.stiffness.exact()) / body.mass()?.exact()).sqrt();
             let (sin, cos) = (&rate * &time).sin_cos();
             (0..2).map(|i| &x[i] * &cos + &v[i] / &rate * &sin).collect()
         }
-        (Closed::Kepler, Some(Law::Attractor { mu, .. })) => orbit(&x, &v, &wide(mu.exact()), &time),
+        (Closed::Kepler, Some(FieldKind::Attractor { mu, .. })) => orbit(&x, &v, &wide(mu.exact()), &time),
         (Closed::Spin(torque), None) => {
             let gained = wide(torque.exact()) / body.inertia()?.exact();
             let turned = (wide(body.angular_velocity().exact()) + ((gained * &time) >> 1)) * &time;

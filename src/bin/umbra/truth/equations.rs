@@ -1,6 +1,6 @@
 //! The equations of motion of a world whose bodies do not turn, and their solution to any accuracy.
 
-use umbra_physics::{Attachment, BodyId, End, Fx, Law, World};
+use umbra_physics::{Attachment, BodyId, End, FieldKind, Fx, World};
 
 use super::{Exact, Real, real};
 
@@ -57,19 +57,19 @@ impl Equations {
             End::World(at) => Some(Centre::Point([at.x.exact(), at.y.exact()])),
             End::Body(at) => index(at).map(Centre::Body),
         };
-        let force = |law: &Law| {
+        let force = |law: &FieldKind| {
             Some(match law {
-                Law::Attractor { centre: at, mu, softening } => {
+                FieldKind::Attractor { centre: at, mu, softening } => {
                     Force::Attractor { centre: centre(at)?, mu: mu.exact(), softening: softening.exact().sqr() }
                 }
-                Law::Spring { near, far, spring } => Force::Spring {
+                FieldKind::Spring { near, far, spring } => Force::Spring {
                     near: index(near)?,
                     far: centre(far)?,
                     rest: spring.rest.exact(),
                     stiffness: spring.stiffness.exact(),
                     damping: spring.damping.exact(),
                 },
-                Law::Drag { linear, quadratic, wind } => Force::Drag {
+                FieldKind::Drag { linear, quadratic, wind } => Force::Drag {
                     linear: linear.exact(),
                     quadratic: quadratic.exact(),
                     wind: [wind.x.exact(), wind.y.exact()],
@@ -82,7 +82,7 @@ impl Equations {
             mass: bodies.iter().map(|body| body.mass().map(Fx::exact)).collect::<Option<_>>()?,
             gravity: [def.gravity.x.exact(), def.gravity.y.exact()],
             damping: def.linear_damping.exact().ln(),
-            forces: world.fields().map(|(_, field)| force(&field.law)).collect::<Option<_>>()?,
+            forces: world.fields().map(|(_, field)| force(&field.kind)).collect::<Option<_>>()?,
         })
     }
 

@@ -5,7 +5,9 @@
 
 use serde_json::{Value, json};
 use umbra_physics::scalar::ToF64;
-use umbra_physics::{Attachment, BodyClass, BodyId, DebugDraw, End, Field, Fx, Law, Pose, Region, Role, Shape};
+use umbra_physics::{
+    Attachment, BodyClass, BodyId, DebugDraw, End, FieldKind, ForceField, Fx, Pose, Region, Role, Shape,
+};
 
 /// What a shape is drawn as about its centre of mass, for the page to turn and move: discs with the point of their rim that is
 /// marked, capsules by their ends, polygons, lines.
@@ -41,21 +43,21 @@ pub(super) fn shape(body: BodyId, shape: &Shape) -> Value {
 
 /// A force field with a place; None for those that are everywhere or that only their law knows. `life` has the number
 /// under which the page knows a body.
-pub(super) fn field(field: &Field<Fx>, life: impl Fn(BodyId) -> Option<usize>) -> Option<Value> {
+pub(super) fn field(field: &ForceField<Fx>, life: impl Fn(BodyId) -> Option<usize>) -> Option<Value> {
     // A point of the world, or a body and a point in its axes.
     let attached = |a: &Attachment<Fx>| Some(json!([a.point.to_f64(), life(a.body)?]));
     let end = |end: &End<Fx>| match end {
         End::World(point) => Some(json!([point.to_f64()])),
         End::Body(a) => attached(a),
     };
-    match &field.law {
-        Law::Attractor { centre, .. } => Some(json!(["a", end(centre)?])),
-        Law::Spring { near, far, .. } => Some(json!(["s", attached(near)?, end(far)?])),
-        Law::Thrust { at, force } => Some(json!(["t", attached(at)?, force.to_f64()])),
-        Law::Zone { region: Region::Disc { centre, radius }, acceleration } => {
+    match &field.kind {
+        FieldKind::Attractor { centre, .. } => Some(json!(["a", end(centre)?])),
+        FieldKind::Spring { near, far, .. } => Some(json!(["s", attached(near)?, end(far)?])),
+        FieldKind::Thrust { at, force } => Some(json!(["t", attached(at)?, force.to_f64()])),
+        FieldKind::Zone { region: Region::Disc { centre, radius }, acceleration } => {
             Some(json!(["d", centre.to_f64(), radius.to_f64(), acceleration.to_f64()]))
         }
-        Law::Zone { region: Region::Box { min, max }, acceleration } => {
+        FieldKind::Zone { region: Region::Box { min, max }, acceleration } => {
             Some(json!(["b", min.to_f64(), max.to_f64(), acceleration.to_f64()]))
         }
         _ => None,

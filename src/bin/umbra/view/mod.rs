@@ -60,7 +60,7 @@ fn of_scene(scene: &Scene, options: &Options) -> Result<Recording, Failure> {
     recording.see(run.world(), None, |body: BodyId| run.name(body).to_owned());
     for tick in 0..ticks {
         for input in scene.inputs.iter().filter(|input| input.is_due(tick)) {
-            recording.input(tick, words::deed(scene, &input.deed));
+            recording.input(tick, words::action(scene, &input.action));
         }
         run.advance().map_err(&at_fault)?;
         recording.see(run.world(), None, |body: BodyId| run.name(body).to_owned());

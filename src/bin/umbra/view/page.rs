@@ -1,7 +1,7 @@
 //! The page: what was recorded, and the program that plays it.
 
 use serde_json::{Value, json};
-use umbra_physics::{Activity, BodyKind, LAW, Vec2};
+use umbra_physics::{Activity, BodyKind, PHYSICS_VERSION, Vec2};
 
 use super::events::{Event, What};
 use super::recording::{Life, Look, Placed, Recording, Span};
@@ -85,7 +85,7 @@ fn contents(recording: Recording, heading: &Heading, thinned: Option<String>) ->
     let run = json!({
         "view": heading.view.map(|corners| corners.map(Vec2::to_f64)),
         "thinned": thinned,
-        "made": format!("umbra-physics {}, law {LAW}", env!("CARGO_PKG_VERSION")),
+        "made": format!("umbra-physics {}, law {PHYSICS_VERSION}", env!("CARGO_PKG_VERSION")),
         "integrator": recording.integrator,
         "start": recording.start,
         "last": recording.last,

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use umbra_physics::{Activity, BodyId, BodyKind, BodyRef, Field, FieldId, Fx, Shape, TimeStep, World};
+use umbra_physics::{Activity, BodyId, BodyKind, BodyRef, FieldId, ForceField, Fx, Shape, TimeStep, World};
 
 use super::drawing;
 use super::events::{Events, What};
@@ -46,7 +46,7 @@ pub(crate) struct Recording {
     /// Those that are there, by slot.
     alive: Vec<Option<usize>>,
     pub(super) fields: Vec<Placed>,
-    fields_there: BTreeMap<FieldId, (Field<Fx>, usize)>,
+    fields_there: BTreeMap<FieldId, (ForceField<Fx>, usize)>,
     /// Each with what it is drawn as.
     pub(super) shapes: Vec<(Shape<Fx>, serde_json::Value)>,
     shape_numbers: BTreeMap<String, usize>,
@@ -315,7 +315,7 @@ impl Recording {
 
 #[cfg(test)]
 mod tests {
-    use umbra_physics::{BodyDef, Law, Region, TimeStep, WorldDef, fx, vec2};
+    use umbra_physics::{BodyDef, FieldKind, Region, TimeStep, WorldDef, fx, vec2};
 
     use super::*;
 
@@ -447,7 +447,7 @@ mod tests {
         let still = BodyDef { gravity_scale: Fx::ZERO, ..BodyDef::dynamic() };
         let body = world.add_body(still).expect("there is room");
         let region = Region::Disc { centre: vec2(50, 0), radius: Fx::ONE };
-        let zone = |g: i32| Law::Zone { region, acceleration: vec2(0, g) };
+        let zone = |g: i32| FieldKind::Zone { region, acceleration: vec2(0, g) };
         let field = world.add_field(zone(1)).expect("there is room");
         for tick in 0..20 {
             recording.see(&world, None, unnamed);

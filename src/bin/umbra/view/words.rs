@@ -1,7 +1,9 @@
 //! What was done to a world, in words.
 
-use umbra_physics::scene::{Deed, Scene};
-use umbra_physics::{Action, BodyId, BodyKind, Command, Field, FieldId, Frame, Fx, Law, Locks, Mass, Vec2};
+use umbra_physics::scene::{Scene, SceneAction};
+use umbra_physics::{
+    BodyId, BodyKind, Command, FieldId, FieldKind, ForceField, ForceOrImpulse, Frame, Fx, Locks, Mass, Vec2,
+};
 
 /// How bodies and force fields are called.
 pub(crate) struct Names<B, F> {
@@ -76,33 +78,33 @@ where
 }
 
 /// What an input of a scene does, in words.
-pub(super) fn deed(scene: &Scene, deed: &Deed) -> String {
+pub(super) fn action(scene: &Scene, action: &SceneAction) -> String {
     // The handles in it are indices.
     let body = |id: BodyId| scene.bodies.get(id.parts().0 as usize).map_or(id.to_string(), |body| body.name.clone());
     let field = |id: FieldId| {
         let name = scene.fields.get(id.parts().0 as usize).and_then(|field| field.name.clone());
         name.unwrap_or_else(|| id.to_string())
     };
-    match deed {
-        Deed::Command(what) => command(what, &Names { body, field }),
-        Deed::AddBody(index) => format!("add {}", body(BodyId::from_parts(*index as u32, 0))),
-        Deed::AddField(index) => {
+    match action {
+        SceneAction::Command(what) => command(what, &Names { body, field }),
+        SceneAction::AddBody(index) => format!("add {}", body(BodyId::from_parts(*index as u32, 0))),
+        SceneAction::AddField(index) => {
             let added = &scene.fields[*index];
             added.name.as_ref().map_or_else(|| format!("add {}", law(&added.field)), |name| format!("add {name}"))
         }
-        Deed::SetShape { body: id, shape: Some(_) } => format!("another shape for {}", body(*id)),
-        Deed::SetShape { body: id, shape: None } => format!("no shape for {}", body(*id)),
+        SceneAction::SetShape { body: id, shape: Some(_) } => format!("another shape for {}", body(*id)),
+        SceneAction::SetShape { body: id, shape: None } => format!("no shape for {}", body(*id)),
         other => format!("{other:?}").chars().take_while(char::is_ascii_alphanumeric).collect(),
     }
 }
 
-fn act(action: &Action) -> String {
+fn act(action: &ForceOrImpulse) -> String {
     let at = |point: &Option<Vec2>| point.map_or(String::new(), |point| format!(" at {} m", vector(point)));
     match action {
-        Action::Force { force, point } => format!("force {} N{}", vector(*force), at(point)),
-        Action::Torque(torque) => format!("torque {} N·m", short(*torque)),
-        Action::Impulse { impulse, point } => format!("impulse {} N·s{}", vector(*impulse), at(point)),
-        Action::AngularImpulse(impulse) => format!("angular impulse {} N·m·s", short(*impulse)),
+        ForceOrImpulse::Force { force, point } => format!("force {} N{}", vector(*force), at(point)),
+        ForceOrImpulse::Torque(torque) => format!("torque {} N·m", short(*torque)),
+        ForceOrImpulse::Impulse { impulse, point } => format!("impulse {} N·s{}", vector(*impulse), at(point)),
+        ForceOrImpulse::AngularImpulse(impulse) => format!("angular impulse {} N·m·s", short(*impulse)),
     }
 }
 
@@ -118,14 +120,14 @@ fn locked(locks: Locks) -> String {
     if locks == Locks::NONE { "none".to_owned() } else { locks.names().collect::<Vec<_>>().join(", ") }
 }
 
-fn law(field: &Field) -> &'static str {
-    match field.law {
-        Law::Attractor { .. } => "an attractor",
-        Law::Spring { .. } => "a spring",
-        Law::Drag { .. } => "a drag",
-        Law::Thrust { .. } => "a thrust",
-        Law::Zone { .. } => "a zone",
-        Law::Custom { .. } => "a law of the user's own",
+fn law(field: &ForceField) -> &'static str {
+    match field.kind {
+        FieldKind::Attractor { .. } => "an attractor",
+        FieldKind::Spring { .. } => "a spring",
+        FieldKind::Drag { .. } => "a drag",
+        FieldKind::Thrust { .. } => "a thrust",
+        FieldKind::Zone { .. } => "a zone",
+        FieldKind::Custom { .. } => "a law of the user's own",
         _ => "a force field",
     }
 }
@@ -133,8 +135,8 @@ fn law(field: &Field) -> &'static str {
 fn weight(mass: Mass) -> String {
     match mass {
         Mass::Density(density) => format!("{} kg/m²", short(density)),
-        Mass::Of(mass) => format!("{} kg", short(mass)),
-        Mass::WithInertia(mass, inertia) => format!("{} kg, {} kg·m²", short(mass), short(inertia)),
+        Mass::Kilograms(mass) => format!("{} kg", short(mass)),
+        Mass::Explicit { mass, inertia } => format!("{} kg, {} kg·m²", short(mass), short(inertia)),
     }
 }
 

@@ -61,14 +61,14 @@ impl<'a, S: Scalar> StepReport<'a, S> {
 
 /// What calls did, in their order. Handles of bodies that are gone since may be among those added and placed.
 #[derive(Debug, Default)]
-pub(crate) struct Deeds {
+pub(crate) struct BodyChanges {
     pub(crate) removed: Vec<BodyId>,
     pub(crate) added: Vec<BodyId>,
     pub(crate) placed: Vec<BodyId>,
     pub(crate) woken: Vec<BodyId>,
 }
 
-impl Deeds {
+impl BodyChanges {
     fn is_empty(&self) -> bool {
         self.removed.is_empty() && self.added.is_empty() && self.placed.is_empty() && self.woken.is_empty()
     }
@@ -99,10 +99,10 @@ const PLACED: u8 = 2;
 const WOKEN: u8 = 4;
 
 #[derive(Debug, Default)]
-pub(crate) struct Journal {
+pub(crate) struct ChangeLog {
     /// What calls did since the last step, and before it.
-    pending: Deeds,
-    pub(crate) reported: Deeds,
+    pending: BodyChanges,
+    pub(crate) reported: BodyChanges,
     /// Whether there may be any of either.
     has_deeds: bool,
     /// How the body of a slot is listed in what is pending; the slots that are missing are not.
@@ -118,7 +118,7 @@ pub(crate) struct Journal {
     rewinds: u64,
 }
 
-impl Clone for Journal {
+impl Clone for ChangeLog {
     fn clone(&self) -> Self {
         let mut copy = Self::default();
         copy.take(self);
@@ -134,7 +134,7 @@ impl Clone for Journal {
     }
 }
 
-impl Journal {
+impl ChangeLog {
     /// That of a world made at this tick.
     pub(crate) fn starting_at(tick: u64) -> Self {
         Self { tick, all_before: tick.saturating_add(1), ..Self::default() }
@@ -174,7 +174,7 @@ impl Journal {
     }
 
     fn mark(&mut self) {
-        let Deeds { added, placed, woken, .. } = &self.pending;
+        let BodyChanges { added, placed, woken, .. } = &self.pending;
         for (list, mark) in [(added, ADDED), (placed, PLACED), (woken, WOKEN)] {
             for body in list {
                 *at(&mut self.marks, body.slot) |= mark;
@@ -183,7 +183,7 @@ impl Journal {
     }
 
     fn unmark(&mut self) {
-        let Deeds { added, placed, woken, .. } = &self.pending;
+        let BodyChanges { added, placed, woken, .. } = &self.pending;
         for body in [added, placed, woken].into_iter().flatten() {
             *at(&mut self.marks, body.slot) = 0;
         }
@@ -371,11 +371,11 @@ impl<S: Scalar> World<S> {
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
     pub fn changed_since(&self, tick: u64) -> impl Iterator<Item = BodyRef<'_, S>> {
-        let (journal, moving) = (&self.journal, self.bodies.moving());
+        let (change_log, moving) = (&self.change_log, self.bodies.moving());
         // Of the steps at the last tick, the tick does not say which came first.
-        let all = tick < journal.all_before || self.tick == limits::TICK;
+        let all = tick < change_log.all_before || self.tick == limits::TICK;
         self.bodies().filter(move |body| {
-            all || body.dense < moving || journal.is_changed_since(self.bodies.columns.slot[body.dense], tick)
+            all || body.dense < moving || change_log.is_changed_since(self.bodies.columns.slot[body.dense], tick)
         })
     }
 
@@ -396,12 +396,12 @@ impl<S: Scalar> World<S> {
     /// ```
     #[must_use]
     pub fn rewinds(&self) -> u64 {
-        self.journal.rewinds
+        self.change_log.rewinds
     }
 
     /// As `clone_from`, for a world that is kept to be gone back to: its past is that of the other one.
     pub(crate) fn keep(&mut self, source: &Self) {
         self.clone_from(source);
-        self.journal.keep_past(&source.journal);
+        self.change_log.keep_past(&source.change_log);
     }
 }

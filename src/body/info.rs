@@ -5,15 +5,15 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use super::columns::{NONE, push};
-use super::tuning::Key;
+use super::factors::Key;
 use super::{BodyDef, BodyKind, Locks, Mass, MassProperties, inertia_of, mass_of};
+use crate::codec::{StateHasher, Write as _};
 use crate::scalar::Scalar;
 use crate::shape::Shape;
-use crate::wire::{Sink, Write as _};
 
 /// What a step does not change of a body, and rarely reads.
 #[derive(Clone, Debug)]
-pub(crate) struct Card<S: Scalar> {
+pub(crate) struct BodyInfo<S: Scalar> {
     pub(crate) kind: BodyKind,
     pub(crate) locks: Locks,
     pub(crate) groups: u32,
@@ -25,7 +25,7 @@ pub(crate) struct Card<S: Scalar> {
     pub(crate) shape: Option<Arc<Shape<S>>>,
 }
 
-impl<S: Scalar> Card<S> {
+impl<S: Scalar> BodyInfo<S> {
     pub(super) fn new(def: &BodyDef<S>, shape: Option<Arc<Shape<S>>>, properties: MassProperties<S>) -> Self {
         Self {
             kind: def.kind,
@@ -60,7 +60,7 @@ impl<S: Scalar> Card<S> {
 
     /// A hash of all of it and of what its factors are made from.
     pub(super) fn digest(&self, key: &Key<S>) -> u64 {
-        let mut sink = Sink::new();
+        let mut sink = StateHasher::new();
         self.kind.write(&mut sink);
         self.groups.write(&mut sink);
         self.key.write(&mut sink);
@@ -129,10 +129,10 @@ const STALE: usize = 256;
 ///
 /// A slot without a body has no card: it takes as little as in a file, however many there are.
 #[derive(Clone, Debug)]
-pub(super) struct Roster<S: Scalar> {
+pub(super) struct BodyTable<S: Scalar> {
     /// Where the card of a slot is, or [`NONE`].
     at: Vec<u32>,
-    cards: Vec<Card<S>>,
+    cards: Vec<BodyInfo<S>>,
     /// Cards of bodies that are gone, to be used again.
     vacant: Vec<u32>,
     /// Those of the cards, by slot, so that a hash of the world need not look at what no step changes. They are made by the
@@ -144,21 +144,21 @@ pub(super) struct Roster<S: Scalar> {
     pub(super) shapes: Shapes<S>,
 }
 
-impl<S: Scalar> Default for Roster<S> {
+impl<S: Scalar> Default for BodyTable<S> {
     fn default() -> Self {
         let (at, cards, vacant, digests) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         Self { at, cards, vacant, digests, stale: Vec::new(), shapes: Shapes::default() }
     }
 }
 
-impl<S: Scalar> Roster<S> {
+impl<S: Scalar> BodyTable<S> {
     /// The card of a slot with a body.
-    pub(super) fn card(&self, slot: usize) -> &Card<S> {
+    pub(super) fn info(&self, slot: usize) -> &BodyInfo<S> {
         &self.cards[self.at[slot] as usize]
     }
 
     /// Changes the card of a slot with a body, or what its factors are made from.
-    pub(super) fn edit(&mut self, slot: usize, edit: impl FnOnce(&mut Card<S>)) {
+    pub(super) fn edit(&mut self, slot: usize, edit: impl FnOnce(&mut BodyInfo<S>)) {
         edit(&mut self.cards[self.at[slot] as usize]);
         if core::mem::replace(&mut self.digests[slot], NOT_MADE) != NOT_MADE {
             push(&mut self.stale, slot as u32);
@@ -176,8 +176,8 @@ impl<S: Scalar> Roster<S> {
         S: 'k,
     {
         for slot in self.stale.drain(..).map(|slot| slot as usize) {
-            let card = self.cards.get(self.at[slot] as usize);
-            self.digests[slot] = card.map_or(!NOT_MADE, |card| card.digest(key(slot)));
+            let info = self.cards.get(self.at[slot] as usize);
+            self.digests[slot] = info.map_or(!NOT_MADE, |info| info.digest(key(slot)));
         }
         self.stale.shrink_to(STALE);
     }
@@ -185,7 +185,7 @@ impl<S: Scalar> Roster<S> {
     /// The digest of a slot with a body as it is up to date.
     pub(super) fn digest(&self, slot: usize, key: &Key<S>) -> u64 {
         match self.digests[slot] {
-            NOT_MADE => self.card(slot).digest(key),
+            NOT_MADE => self.info(slot).digest(key),
             digest => digest,
         }
     }
@@ -202,12 +202,12 @@ impl<S: Scalar> Roster<S> {
     }
 
     /// Gives a slot without a body a card.
-    pub(super) fn place(&mut self, slot: usize, card: Card<S>) {
+    pub(super) fn place(&mut self, slot: usize, info: BodyInfo<S>) {
         self.at[slot] = if let Some(at) = self.vacant.pop() {
-            self.cards[at as usize] = card;
+            self.cards[at as usize] = info;
             at
         } else {
-            push(&mut self.cards, card);
+            push(&mut self.cards, info);
             (self.cards.len() - 1) as u32
         };
         self.edit(slot, |_| {});

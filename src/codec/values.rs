@@ -3,14 +3,14 @@
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
-use super::{Malformed, Out, Part, Read, Reader, Write, count, field};
+use super::{Encoder, Malformed, Part, Read, Reader, Write, count, field};
 use crate::handle::{BodyId, FieldId};
 use crate::math::{Elapsed, Random, TimeStep, Vec2};
 use crate::scalar::{FxAccumulator, FxFactor, FxSum, FxWide, Number, Turn, fx::Fx};
 
 impl<N: Number> Write for N {
     #[inline]
-    fn write(&self, out: &mut impl Out) {
+    fn write(&self, out: &mut impl Encoder) {
         let words = self.to_words().map(u64::to_le_bytes);
         out.leaf(words[..N::WORDS].as_flattened(), self);
     }
@@ -20,7 +20,7 @@ macro_rules! wire_integers {
     ($($integer:ident)*) => { $(
         impl Write for $integer {
             #[inline]
-            fn write(&self, out: &mut impl Out) {
+            fn write(&self, out: &mut impl Encoder) {
                 out.leaf(&self.to_le_bytes(), self);
             }
         }
@@ -77,13 +77,13 @@ impl Read for FxFactor {
 }
 
 impl<T: Write> Write for Arc<T> {
-    fn write(&self, out: &mut impl Out) {
+    fn write(&self, out: &mut impl Encoder) {
         (**self).write(out);
     }
 }
 
 impl Write for bool {
-    fn write(&self, out: &mut impl Out) {
+    fn write(&self, out: &mut impl Encoder) {
         out.leaf(&[u8::from(*self)], self);
     }
 }
@@ -100,7 +100,7 @@ impl Read for bool {
 }
 
 impl<T: Write> Write for Option<T> {
-    fn write(&self, out: &mut impl Out) {
+    fn write(&self, out: &mut impl Encoder) {
         field(out, "given", &self.is_some());
         if let Some(value) = self {
             value.write(out);
@@ -115,7 +115,7 @@ impl<T: Read> Read for Option<T> {
 }
 
 impl<T: Write> Write for Vec2<T> {
-    fn write(&self, out: &mut impl Out) {
+    fn write(&self, out: &mut impl Encoder) {
         field(out, "x", &self.x);
         field(out, "y", &self.y);
     }
@@ -130,7 +130,7 @@ impl<T: Read> Read for Vec2<T> {
 macro_rules! wire_handles {
     ($($handle:ident)*) => { $(
         impl Write for $handle {
-            fn write(&self, out: &mut impl Out) {
+            fn write(&self, out: &mut impl Encoder) {
                 let (slot, generation) = self.parts();
                 let bytes = [slot.to_le_bytes(), generation.to_le_bytes()];
                 out.leaf(bytes.as_flattened(), self);
@@ -148,7 +148,7 @@ macro_rules! wire_handles {
 wire_handles!(BodyId FieldId);
 
 impl Write for TimeStep {
-    fn write(&self, out: &mut impl Out) {
+    fn write(&self, out: &mut impl Encoder) {
         let (num, den) = self.seconds();
         field(out, "num", &num);
         field(out, "den", &den);
@@ -166,7 +166,7 @@ impl Read for TimeStep {
 }
 
 impl Write for Elapsed {
-    fn write(&self, out: &mut impl Out) {
+    fn write(&self, out: &mut impl Encoder) {
         field(out, "num", &self.num);
         field(out, "den", &self.den);
     }
@@ -181,7 +181,7 @@ impl Read for Elapsed {
 }
 
 impl Write for Random {
-    fn write(&self, out: &mut impl Out) {
+    fn write(&self, out: &mut impl Encoder) {
         let bytes = self.state().map(u64::to_le_bytes);
         let [a, b, c, d] = self.state();
         out.leaf(bytes.as_flattened(), &format_args!("{a:016x} {b:016x} {c:016x} {d:016x}"));
@@ -197,7 +197,7 @@ impl Read for Random {
 
 /// Bytes of the caller's, after their number.
 impl Write for Vec<u8> {
-    fn write(&self, out: &mut impl Out) {
+    fn write(&self, out: &mut impl Encoder) {
         count(out, self.len());
         // In pieces, so that an index can name them.
         for (i, piece) in self.chunks(64).enumerate() {

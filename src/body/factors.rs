@@ -14,7 +14,7 @@ pub(crate) const SPANS: usize = 4;
 pub(crate) const GENTLE_STEPS: u8 = 32;
 
 /// What the factors are made from besides the body's own numbers.
-pub(crate) struct Climate<'a, S: Scalar> {
+pub(crate) struct WorldFactors<'a, S: Scalar> {
     gravity: Vec2<S>,
     /// The spans of the integrator's stages, how long each is in seconds, and whether bodies are damped over it.
     spans: &'a [Span],
@@ -25,14 +25,14 @@ pub(crate) struct Climate<'a, S: Scalar> {
     angular: [S::Factor; SPANS],
 }
 
-impl<'a, S: Scalar> Climate<'a, S> {
+impl<'a, S: Scalar> WorldFactors<'a, S> {
     pub(crate) fn new(gravity: Vec2<S>, kept: [S; 2], spans: &'a [Span], damps: [bool; SPANS]) -> Self {
         let one = [S::Factor::ONE; SPANS];
         let mut seconds = one;
         spans.iter().zip(&mut seconds).for_each(|(&span, seconds)| *seconds = S::seconds(span));
-        let climate = Self { gravity, spans, seconds, damps, linear: one, angular: one };
-        let [linear, angular] = kept.map(|kept| climate.decays(S::decay_rate(kept)));
-        Self { linear, angular, ..climate }
+        let world_factors = Self { gravity, spans, seconds, damps, linear: one, angular: one };
+        let [linear, angular] = kept.map(|kept| world_factors.decays(S::decay_rate(kept)));
+        Self { linear, angular, ..world_factors }
     }
 
     /// What is left of a velocity, by span, that decays at a rate.
@@ -47,10 +47,10 @@ impl<'a, S: Scalar> Climate<'a, S> {
 
 /// The factors of the bodies that have the same gravity scale, damping, caps and locks. All of it is derived.
 #[derive(Clone, Debug)]
-pub(crate) struct Tuning<S: Scalar> {
+pub(crate) struct StepFactors<S: Scalar> {
     pub(crate) key: Key<S>,
     users: u32,
-    /// The [`Tunings::version`] its factors were made at; before that they are those of a body that nothing acts on.
+    /// The [`FactorTable::version`] its factors were made at; before that they are those of a body that nothing acts on.
     version: u64,
     /// The rates of its own dampings, when they have been made once: no other time step changes them.
     rates: Option<[Option<S::DecayRate>; 2]>,
@@ -85,8 +85,8 @@ type KeyBits = (bool, i64, [Option<i64>; 4], [bool; 2]);
 
 impl<S: Scalar> Key<S> {
     fn bits(&self) -> KeyBits {
-        let [speed, spin] = self.most;
-        let own = [self.linear, self.angular, speed, spin].map(|own| own.map(S::to_bits));
+        let [speed, angular_velocity] = self.most;
+        let own = [self.linear, self.angular, speed, angular_velocity].map(|own| own.map(S::to_bits));
         (self.dynamic, self.gravity_scale.to_bits(), own, self.still)
     }
 
@@ -106,7 +106,7 @@ impl<S: Scalar> Key<S> {
     }
 }
 
-impl<S: Scalar> Tuning<S> {
+impl<S: Scalar> StepFactors<S> {
     /// That of a body that nothing acts on.
     fn neutral(key: Key<S>) -> Self {
         let none = S::Accumulator::default();
@@ -126,7 +126,7 @@ impl<S: Scalar> Tuning<S> {
     }
 
     /// Makes its factors anew.
-    fn make(&mut self, climate: &Climate<'_, S>) {
+    fn make(&mut self, world_factors: &WorldFactors<'_, S>) {
         let key = self.key;
         let rates = *self.rates.get_or_insert_with(|| [key.linear, key.angular].map(|kept| kept.map(S::decay_rate)));
         *self = Self { users: self.users, version: self.version, rates: self.rates, ..Self::neutral(key) };
@@ -134,15 +134,16 @@ impl<S: Scalar> Tuning<S> {
             return;
         }
         let felt = |g: S, still| if still { S::Wide::default() } else { g.product(key.gravity_scale) };
-        self.gravity = Vec2::new(felt(climate.gravity.x, key.still[0]), felt(climate.gravity.y, key.still[1]));
-        for (i, &span) in climate.spans.iter().enumerate() {
+        self.gravity =
+            Vec2::new(felt(world_factors.gravity.x, key.still[0]), felt(world_factors.gravity.y, key.still[1]));
+        for (i, &span) in world_factors.spans.iter().enumerate() {
             // Gravity and its scale are limited so that no span's kick reaches the limit of kicks.
-            let fall = |g| S::kick(g, climate.seconds[i]).unwrap_or_default();
+            let fall = |g| S::kick(g, world_factors.seconds[i]).unwrap_or_default();
             let fall = self.gravity.map(fall);
             self.fall[i] = if span.is_negative() { fall.map(Accumulator::negated) } else { fall };
         }
-        self.linear = rates[0].map_or(climate.linear, |rate| climate.decays(rate));
-        self.angular = rates[1].map_or(climate.angular, |rate| climate.decays(rate));
+        self.linear = rates[0].map_or(world_factors.linear, |rate| world_factors.decays(rate));
+        self.angular = rates[1].map_or(world_factors.angular, |rate| world_factors.decays(rate));
         let mut factors = self.linear.iter().chain(&self.angular);
         self.is_damped = factors.clone().any(|f| *f != S::Factor::ONE);
         self.decays = factors.all(|f| *f <= S::Factor::ONE);
@@ -158,8 +159,8 @@ impl<S: Scalar> Tuning<S> {
 /// Factors take long to make, and one call may change those of all bodies: calls only note that, and the next step makes
 /// those of the bodies that it moves, once.
 #[derive(Debug)]
-pub(crate) struct Tunings<S: Scalar> {
-    rows: Vec<Tuning<S>>,
+pub(crate) struct FactorTable<S: Scalar> {
+    rows: Vec<StepFactors<S>>,
     index: BTreeMap<KeyBits, u32>,
     free: Vec<u32>,
     /// Counts how often what all factors are made from has changed, from 1 on.
@@ -172,18 +173,18 @@ pub(crate) struct Tunings<S: Scalar> {
     stopping: u32,
 }
 
-clone_by_field!(Tunings { rows, index, free, version, is_stale, capped, stopping });
+clone_by_field!(FactorTable { rows, index, free, version, is_stale, capped, stopping });
 
-impl<S: Scalar> Default for Tunings<S> {
+impl<S: Scalar> Default for FactorTable<S> {
     fn default() -> Self {
         let (rows, index, free) = (Vec::new(), BTreeMap::new(), Vec::new());
         Self { rows, index, free, version: 1, is_stale: false, capped: 0, stopping: 0 }
     }
 }
 
-impl<S: Scalar> Tunings<S> {
+impl<S: Scalar> FactorTable<S> {
     /// By index. Their keys are up to date at any time, the factors of the bodies that move after [`update`](Self::update).
-    pub(crate) fn rows(&self) -> &[Tuning<S>] {
+    pub(crate) fn rows(&self) -> &[StepFactors<S>] {
         &self.rows
     }
 
@@ -207,7 +208,7 @@ impl<S: Scalar> Tunings<S> {
         let index = *self.index.entry(key.bits()).or_insert_with(|| {
             self.capped += u32::from(key.is_capped());
             self.stopping += u32::from(key.stops());
-            let row = Tuning::neutral(key);
+            let row = StepFactors::neutral(key);
             if let Some(free) = self.free.pop() {
                 self.rows[free as usize] = row;
                 free
@@ -246,12 +247,12 @@ impl<S: Scalar> Tunings<S> {
     }
 
     /// Makes the factors of these rows that are not up to date.
-    pub(crate) fn update(&mut self, climate: &Climate<'_, S>, indices: &[u32]) {
+    pub(crate) fn update(&mut self, world_factors: &WorldFactors<'_, S>, indices: &[u32]) {
         self.is_stale = false;
         for &index in indices {
             let row = &mut self.rows[index as usize];
             if core::mem::replace(&mut row.version, self.version) != self.version {
-                row.make(climate);
+                row.make(world_factors);
             }
         }
     }

@@ -6,12 +6,12 @@ use crate::math::{TimeStep, gcd};
 /// A part of a tick as an exact ratio in lowest terms.
 ///
 /// ```
-/// use umbra_physics::{Pacer, TickFraction, TimeStep};
+/// use umbra_physics::{StepClock, TickFraction, TimeStep};
 ///
-/// let mut pacer = Pacer::new(TimeStep::hz(50))?;
-/// assert_eq!(pacer.remainder(), TickFraction::ZERO);
-/// pacer.frame(5_000_000);
-/// assert_eq!(pacer.remainder(), TickFraction { num: 1, den: 4 });
+/// let mut step_clock = StepClock::new(TimeStep::hz(50))?;
+/// assert_eq!(step_clock.remainder(), TickFraction::ZERO);
+/// step_clock.frame(5_000_000);
+/// assert_eq!(step_clock.remainder(), TickFraction { num: 1, den: 4 });
 /// assert_eq!(TickFraction::ONE, TickFraction { num: 1, den: 1 }); // the next tick, for an interpolation: the last one
 /// # Ok::<(), umbra_physics::Error>(())
 /// ```
@@ -39,15 +39,15 @@ impl TickFraction {
 /// What a frame asks for.
 ///
 /// ```
-/// use umbra_physics::{Due, Pacer, TimeStep};
+/// use umbra_physics::{StepsDue, StepClock, TimeStep};
 ///
-/// let mut pacer = Pacer::new(TimeStep::hz(60))?;
+/// let mut step_clock = StepClock::new(TimeStep::hz(60))?;
 /// // The program stood still for a second.
-/// assert_eq!(pacer.frame(1_000_000_000), Due { ticks: Pacer::LIMIT, dropped: 52 });
+/// assert_eq!(step_clock.frame(1_000_000_000), StepsDue { ticks: StepClock::LIMIT, dropped: 52 });
 /// # Ok::<(), umbra_physics::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Due {
+pub struct StepsDue {
     /// The number of ticks to step.
     pub ticks: u32,
     /// How many more there would have been: the limit dropped them, and the game is behind by so many for good.
@@ -65,21 +65,21 @@ pub struct Due {
 /// [limit](Self::set_limit) ends that spiral: it drops ticks, not parts of them, so that the remainder goes on evenly.
 ///
 /// ```
-/// use umbra_physics::{Pacer, TickFraction, TimeStep};
+/// use umbra_physics::{StepClock, TickFraction, TimeStep};
 ///
-/// let mut pacer = Pacer::new(TimeStep::hz(60))?;
+/// let mut step_clock = StepClock::new(TimeStep::hz(60))?;
 /// // A display of 144 Hz, as its clock has it.
-/// let ticks: Vec<u32> = [6_944_444; 6].map(|nanoseconds| pacer.frame(nanoseconds).ticks).to_vec();
+/// let ticks: Vec<u32> = [6_944_444; 6].map(|nanoseconds| step_clock.frame(nanoseconds).ticks).to_vec();
 /// assert_eq!(ticks, [0, 0, 1, 0, 1, 0]);
 /// // 6 · 6,944,444 ns · 60 Hz = 2.49999984 ticks.
-/// assert_eq!(pacer.remainder(), TickFraction { num: 3_124_999, den: 6_250_000 });
+/// assert_eq!(step_clock.remainder(), TickFraction { num: 3_124_999, den: 6_250_000 });
 ///
-/// pacer.set_speed(1, 4)?; // slow motion
-/// assert_eq!(pacer.frame(1_000_000_000).ticks, 8); // 15 ticks and a half, but the limit is eight
+/// step_clock.set_speed(1, 4)?; // slow motion
+/// assert_eq!(step_clock.frame(1_000_000_000).ticks, 8); // 15 ticks and a half, but the limit is eight
 /// # Ok::<(), umbra_physics::Error>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Pacer {
+pub struct StepClock {
     time_step: TimeStep,
     /// Num / den, as it was given.
     speed: (u32, u32),
@@ -111,7 +111,7 @@ fn paced(rest: TickFraction, time_step: TimeStep, (num, den): (u32, u32)) -> Opt
     Some((rest, gain, den))
 }
 
-impl Pacer {
+impl StepClock {
     /// The [limit](Self::set_limit) of a new one. A display of 30 Hz at three times the speed of a world of 60 Hz asks for six
     /// ticks a frame; frames that are a third late are within the limit as well.
     pub const LIMIT: u32 = 8;
@@ -128,16 +128,16 @@ impl Pacer {
     }
 
     /// Takes in so many nanoseconds of real time, those since the frame before, and says how many ticks to step now.
-    pub const fn frame(&mut self, nanoseconds: u64) -> Due {
+    pub const fn frame(&mut self, nanoseconds: u64) -> StepsDue {
         if self.is_paused {
-            return Due { ticks: 0, dropped: 0 };
+            return StepsDue { ticks: 0, dropped: 0 };
         }
         self.rest += nanoseconds as u128 * self.gain;
         let ticks = self.rest / self.den;
         self.rest %= self.den;
         // At most the limit, 32 bits.
         let due = if ticks < self.limit as u128 { ticks as u32 } else { self.limit };
-        Due { ticks: due, dropped: ticks - due as u128 }
+        StepsDue { ticks: due, dropped: ticks - due as u128 }
     }
 
     /// How far after the last tick stepped the present is, in ticks: below 1 after each [`frame`](Self::frame) but those in a
@@ -151,14 +151,14 @@ impl Pacer {
     /// time passes, in a pause or at a speed of zero. For those who sleep until there is something to do.
     ///
     /// ```
-    /// use umbra_physics::{Pacer, TimeStep};
+    /// use umbra_physics::{StepClock, TimeStep};
     ///
-    /// let mut pacer = Pacer::new(TimeStep::hz(60))?;
-    /// pacer.frame(10_000_000);
-    /// let wait = pacer.until_tick(); // a sixtieth of a second is 16,666,666 ns and two thirds
+    /// let mut step_clock = StepClock::new(TimeStep::hz(60))?;
+    /// step_clock.frame(10_000_000);
+    /// let wait = step_clock.until_tick(); // a sixtieth of a second is 16,666,666 ns and two thirds
     /// assert_eq!(wait, Some(6_666_667));
-    /// assert_eq!(pacer.frame(6_666_666).ticks, 0);
-    /// assert_eq!(pacer.frame(1).ticks, 1);
+    /// assert_eq!(step_clock.frame(6_666_666).ticks, 0);
+    /// assert_eq!(step_clock.frame(1).ticks, 1);
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
     #[must_use]
@@ -177,13 +177,13 @@ impl Pacer {
     /// [`Error::TimeStep`]; [`Error::ElapsedTime`] if what is left over could not stay exact. Nothing is changed.
     ///
     /// ```
-    /// use umbra_physics::{Pacer, TickFraction, TimeStep};
+    /// use umbra_physics::{StepClock, TickFraction, TimeStep};
     ///
-    /// let mut pacer = Pacer::new(TimeStep::hz(10))?;
-    /// pacer.frame(60_000_000);
-    /// assert_eq!(pacer.remainder(), TickFraction { num: 3, den: 5 });
-    /// pacer.set_time_step(TimeStep::hz(5))?;
-    /// assert_eq!((pacer.time_step(), pacer.remainder()), (TimeStep::hz(5), TickFraction { num: 3, den: 10 }));
+    /// let mut step_clock = StepClock::new(TimeStep::hz(10))?;
+    /// step_clock.frame(60_000_000);
+    /// assert_eq!(step_clock.remainder(), TickFraction { num: 3, den: 5 });
+    /// step_clock.set_time_step(TimeStep::hz(5))?;
+    /// assert_eq!((step_clock.time_step(), step_clock.remainder()), (TimeStep::hz(5), TickFraction { num: 3, den: 10 }));
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
     pub fn set_time_step(&mut self, time_step: TimeStep) -> Result<(), Error> {
@@ -208,11 +208,11 @@ impl Pacer {
     /// [`settle`](Self::settle) makes room.
     ///
     /// ```
-    /// use umbra_physics::{Pacer, TimeStep};
+    /// use umbra_physics::{StepClock, TimeStep};
     ///
-    /// let mut pacer = Pacer::new(TimeStep::hz(60))?;
-    /// pacer.set_speed(1, 10)?;
-    /// assert_eq!((pacer.speed(), pacer.frame(1_000_000_000).ticks), ((1, 10), 6));
+    /// let mut step_clock = StepClock::new(TimeStep::hz(60))?;
+    /// step_clock.set_speed(1, 10)?;
+    /// assert_eq!((step_clock.speed(), step_clock.frame(1_000_000_000).ticks), ((1, 10), 6));
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
     pub fn set_speed(&mut self, num: u32, den: u32) -> Result<(), Error> {
@@ -228,14 +228,14 @@ impl Pacer {
     /// of another time step included.
     ///
     /// ```
-    /// use umbra_physics::{Pacer, TimeStep};
+    /// use umbra_physics::{StepClock, TimeStep};
     ///
-    /// let mut pacer = Pacer::new(TimeStep::hz(60))?;
-    /// pacer.set_paused(true);
-    /// assert!(pacer.is_paused());
-    /// assert_eq!(pacer.frame(1_000_000_000).ticks, 0);
-    /// pacer.set_paused(false);
-    /// assert_eq!(pacer.frame(50_000_000).ticks, 3);
+    /// let mut step_clock = StepClock::new(TimeStep::hz(60))?;
+    /// step_clock.set_paused(true);
+    /// assert!(step_clock.is_paused());
+    /// assert_eq!(step_clock.frame(1_000_000_000).ticks, 0);
+    /// step_clock.set_paused(false);
+    /// assert_eq!(step_clock.frame(50_000_000).ticks, 3);
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
     pub const fn set_paused(&mut self, is_paused: bool) {
@@ -246,12 +246,12 @@ impl Pacer {
     /// asks for at the highest speed.
     ///
     /// ```
-    /// use umbra_physics::{Due, Pacer, TimeStep};
+    /// use umbra_physics::{StepsDue, StepClock, TimeStep};
     ///
-    /// let mut pacer = Pacer::new(TimeStep::hz(60))?;
-    /// assert_eq!(pacer.limit(), Pacer::LIMIT);
-    /// pacer.set_limit(2);
-    /// assert_eq!(pacer.frame(50_000_000), Due { ticks: 2, dropped: 1 });
+    /// let mut step_clock = StepClock::new(TimeStep::hz(60))?;
+    /// assert_eq!(step_clock.limit(), StepClock::LIMIT);
+    /// step_clock.set_limit(2);
+    /// assert_eq!(step_clock.frame(50_000_000), StepsDue { ticks: 2, dropped: 1 });
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
     pub const fn set_limit(&mut self, ticks: u32) {
@@ -261,12 +261,12 @@ impl Pacer {
     /// Drops what is left over: the present is the last tick. After a level was loaded, say.
     ///
     /// ```
-    /// use umbra_physics::{Pacer, TickFraction, TimeStep};
+    /// use umbra_physics::{StepClock, TickFraction, TimeStep};
     ///
-    /// let mut pacer = Pacer::new(TimeStep::hz(60))?;
-    /// pacer.frame(10_000_000);
-    /// pacer.settle();
-    /// assert_eq!(pacer.remainder(), TickFraction::ZERO);
+    /// let mut step_clock = StepClock::new(TimeStep::hz(60))?;
+    /// step_clock.frame(10_000_000);
+    /// step_clock.settle();
+    /// assert_eq!(step_clock.remainder(), TickFraction::ZERO);
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
     pub fn settle(&mut self) {

@@ -4,11 +4,11 @@ use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
-use super::journal::Journal;
+use super::change_log::ChangeLog;
 use super::{BodyRef, StepReport, World};
 use crate::body::BodyKind;
 use crate::error::Error;
-use crate::force::{Field, Law};
+use crate::force::{FieldKind, ForceField};
 use crate::handle::BodyId;
 use crate::scalar::{Scalar, fx::Fx};
 
@@ -17,12 +17,12 @@ use crate::scalar::{Scalar, fx::Fx};
 /// What is not joined to a body by force fields never changes a bit of it, so this goes exactly where the world itself
 /// would go without further inputs, at the price of these few bodies.
 #[derive(Clone, Debug)]
-pub struct Outlook<S: Scalar = Fx> {
+pub struct Preview<S: Scalar = Fx> {
     world: World<S>,
     body: BodyId,
 }
 
-impl<S: Scalar> Outlook<S> {
+impl<S: Scalar> Preview<S> {
     /// Looks a tick farther ahead.
     pub fn step(&mut self) -> StepReport<'_, S> {
         self.world.step()
@@ -70,7 +70,7 @@ impl<S: Scalar> World<S> {
     ///
     /// let mut world: World = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() })?;
     /// let ball = world.add_body(BodyDef::dynamic())?;
-    /// let mut ahead = world.look_ahead(ball)?;
+    /// let mut ahead = world.preview(ball)?;
     /// let shot = ahead.id();
     /// ahead.world_mut().set_velocity(shot, vec2(3, 4))?;
     /// let mut line = Vec::new();
@@ -81,22 +81,22 @@ impl<S: Scalar> World<S> {
     /// assert_eq!(line[59], vec2(3, -1));
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
-    pub fn look_ahead(&self, body: BodyId) -> Result<Outlook<S>, Error> {
+    pub fn preview(&self, body: BodyId) -> Result<Preview<S>, Error> {
         self.bodies.find(body)?;
         let company = self.company(body);
         let mut world = World::new(self.def)?;
-        (world.tick, world.counted, world.laws) = (self.tick, self.counted, self.laws.clone());
-        world.journal = Journal::starting_at(self.tick);
-        world.errands.moved_at = self.errands.moved_at;
+        (world.tick, world.counted, world.custom_forces) = (self.tick, self.counted, self.custom_forces.clone());
+        world.change_log = ChangeLog::starting_at(self.tick);
+        world.targets.moved_at = self.targets.moved_at;
         let mut adopted = BTreeMap::new();
         for &old in &company.0 {
-            let tunings = (&*self.tunings, Arc::make_mut(&mut world.tunings));
-            let new = world.bodies.adopt((&self.bodies, old), tunings)?;
+            let factor_table = (&*self.factor_table, Arc::make_mut(&mut world.factor_table));
+            let new = world.bodies.adopt((&self.bodies, old), factor_table)?;
             if let Some(row) = self.applied.row(old) {
                 world.applied.adopt(new, row.force, row.torque);
             }
-            if let Some(errand) = self.errands.of(old) {
-                world.errands.set(new, *errand);
+            if let Some(target) = self.targets.of(old) {
+                world.targets.set(new, *target);
             }
             adopted.insert(old, new);
         }
@@ -106,26 +106,27 @@ impl<S: Scalar> World<S> {
                 fields.insert(field);
             }
         }
-        Ok(Outlook { body: adopted[&body], world })
+        Ok(Preview { body: adopted[&body], world })
     }
 
     /// A body and those that its future depends on, and the groups that a field has to have one of to act on them.
     fn company(&self, body: BodyId) -> (BTreeSet<BodyId>, u32) {
-        let carried = self.fields.iter().filter(|(_, field)| matches!(field.law, Law::Attractor { .. }));
+        let carried = self.fields.iter().filter(|(_, field)| matches!(field.kind, FieldKind::Attractor { .. }));
         let carried = carried.filter_map(|(_, field)| Some((field.groups, field.bodies().next()?)));
         let carried: Vec<(u32, BodyId)> = carried.collect();
         let (mut company, mut to_ask, mut felt) = (BTreeSet::from([body]), Vec::from([body]), 0);
         while let Some(one) = to_ask.pop() {
             let Ok(i) = self.bodies.find(one) else { continue };
-            let card = self.bodies.card(i);
+            let info = self.bodies.info(i);
             // What never moves hands nothing on from one spring to another.
-            if card.kind != BodyKind::Static {
-                let springs = self.fields.attached_to(one).filter(|(_, field)| matches!(field.law, Law::Spring { .. }));
+            if info.kind != BodyKind::Static {
+                let springs =
+                    self.fields.attached_to(one).filter(|(_, field)| matches!(field.kind, FieldKind::Spring { .. }));
                 let joined = springs.flat_map(|(_, field)| field.bodies());
                 to_ask.extend(joined.filter(|&other| company.insert(other)));
             }
             // There are 32 groups: the attractors are gone through as often at most.
-            let more = if card.kind == BodyKind::Dynamic { card.groups & !felt } else { 0 };
+            let more = if info.kind == BodyKind::Dynamic { info.groups & !felt } else { 0 };
             if more != 0 {
                 felt |= more;
                 let carriers = carried.iter().filter(|(groups, _)| groups & more != 0).map(|&(_, carrier)| carrier);
@@ -137,9 +138,9 @@ impl<S: Scalar> World<S> {
 }
 
 /// Whether a field acts on one of these bodies.
-fn acts_on_any<S: Scalar>(field: &Field<S>, (bodies, felt): &(BTreeSet<BodyId>, u32)) -> bool {
-    match &field.law {
-        Law::Spring { .. } | Law::Thrust { .. } => field.bodies().any(|own| bodies.contains(&own)),
+fn acts_on_any<S: Scalar>(field: &ForceField<S>, (bodies, felt): &(BTreeSet<BodyId>, u32)) -> bool {
+    match &field.kind {
+        FieldKind::Spring { .. } | FieldKind::Thrust { .. } => field.bodies().any(|own| bodies.contains(&own)),
         _ => field.groups & felt != 0,
     }
 }

@@ -1,23 +1,23 @@
 //! Where kinematic bodies are to be after the next step.
 
 use super::{Bodies, Locks, Motion, Row, Sparse};
+use crate::codec::{self, StateHasher, Write as _, codec_struct};
 use crate::error::{Error, Quantity};
 use crate::handle::BodyId;
 use crate::limits;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, Angle, Scalar, Wide, fx::Fx};
-use crate::wire::{self, Sink, Write as _, wire_struct};
 
 /// A place and an angle to be at, to the bit.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Goal<S: Scalar> {
+pub(crate) struct Target<S: Scalar> {
     pub(crate) position: Vec2<S>,
     pub(crate) angle: S::Angle,
 }
 
-wire_struct!(Goal { position, angle });
+codec_struct!(Target { position, angle });
 
-impl<S: Scalar> Goal<S> {
+impl<S: Scalar> Target<S> {
     /// The velocities that lead here in a step of 1/`rate` seconds from where body `i` is read to be, the short way round in
     /// turns; none along a locked axis. `None` where a velocity is beyond the limit. An angular one never is: π a step is
     /// below 2^15 rad/s at 10 kHz.
@@ -34,8 +34,8 @@ impl<S: Scalar> Goal<S> {
             Vec2::new(over(self.position.x.offset(at.x), locks.x)?, over(self.position.y.offset(at.y), locks.y)?);
         let speed = S::from_fx(limits::SPEED);
         let is_slow = velocity.x.is_within(speed) && velocity.y.is_within(speed);
-        let spin = over(motion.angle[i].way_to(self.angle), locks.rotation)?;
-        is_slow.then_some((velocity, spin))
+        let angular_velocity = over(motion.angle[i].way_to(self.angle), locks.rotation)?;
+        is_slow.then_some((velocity, angular_velocity))
     }
 
     /// Puts body `i` here, to the bit, but along locked axes, where it is already.
@@ -83,23 +83,23 @@ pub(crate) type Velocities<S> = (Vec2<<S as Scalar>::Accumulator>, <S as Scalar>
 
 /// Where the next step has a body go.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Errand<S: Scalar> {
-    pub(crate) goal: Option<Goal<S>>,
+pub(crate) struct KinematicTarget<S: Scalar> {
+    pub(crate) goal: Option<Target<S>>,
     /// Whether the last step took it to a goal: it has the velocity that led there, and without another goal the next step
     /// stops it.
     pub(crate) arrived: bool,
 }
 
-wire_struct!(Errand { goal, arrived });
+codec_struct!(KinematicTarget { goal, arrived });
 
-impl<S: Scalar> Errand<S> {
+impl<S: Scalar> KinematicTarget<S> {
     /// Whether it is as if it had never been.
     pub(crate) fn is_over(&self) -> bool {
         self.goal.is_none() && !self.arrived
     }
 }
 
-impl<S: Scalar> Row for (BodyId, Errand<S>) {
+impl<S: Scalar> Row for (BodyId, KinematicTarget<S>) {
     fn key(&self) -> usize {
         self.0.slot as usize
     }
@@ -107,27 +107,27 @@ impl<S: Scalar> Row for (BodyId, Errand<S>) {
 
 /// The errands of the bodies that have one.
 #[derive(Debug)]
-pub(crate) struct Errands<S: Scalar> {
-    rows: Sparse<(BodyId, Errand<S>)>,
+pub(crate) struct KinematicTargets<S: Scalar> {
+    rows: Sparse<(BodyId, KinematicTarget<S>)>,
     /// The tick after the last step in which a body reached a goal or was stopped there, or 0: that step is not undone.
     pub(crate) moved_at: u64,
 }
 
-clone_by_field!(Errands { rows, moved_at });
+clone_by_field!(KinematicTargets { rows, moved_at });
 
-impl<S: Scalar> Default for Errands<S> {
+impl<S: Scalar> Default for KinematicTargets<S> {
     fn default() -> Self {
         Self { rows: Sparse::default(), moved_at: 0 }
     }
 }
 
-impl<S: Scalar> Errands<S> {
+impl<S: Scalar> KinematicTargets<S> {
     /// In no order.
-    pub(crate) fn rows(&self) -> &[(BodyId, Errand<S>)] {
+    pub(crate) fn rows(&self) -> &[(BodyId, KinematicTarget<S>)] {
         self.rows.rows()
     }
 
-    pub(crate) fn rows_mut(&mut self) -> &mut [(BodyId, Errand<S>)] {
+    pub(crate) fn rows_mut(&mut self) -> &mut [(BodyId, KinematicTarget<S>)] {
         self.rows.rows_mut()
     }
 
@@ -138,29 +138,29 @@ impl<S: Scalar> Errands<S> {
     }
 
     /// That of a body, if it has one.
-    pub(crate) fn of(&self, body: BodyId) -> Option<&Errand<S>> {
-        self.rows.get(body.slot as usize).map(|(_, errand)| errand)
+    pub(crate) fn of(&self, body: BodyId) -> Option<&KinematicTarget<S>> {
+        self.rows.get(body.slot as usize).map(|(_, target)| target)
     }
 
     /// Gives a body an errand, in place of what it had.
-    pub(crate) fn set(&mut self, body: BodyId, errand: Errand<S>) {
-        if errand.is_over() {
+    pub(crate) fn set(&mut self, body: BodyId, target: KinematicTarget<S>) {
+        if target.is_over() {
             self.forget(body);
         } else {
-            self.rows.get_or_insert(body.slot as usize, || (body, errand)).1 = errand;
+            self.rows.get_or_insert(body.slot as usize, || (body, target)).1 = target;
         }
     }
 
     /// Sends a body to a goal.
-    pub(crate) fn send(&mut self, body: BodyId, goal: Goal<S>) {
-        let arrived = self.of(body).is_some_and(|errand| errand.arrived);
-        self.set(body, Errand { goal: Some(goal), arrived });
+    pub(crate) fn send(&mut self, body: BodyId, goal: Target<S>) {
+        let arrived = self.of(body).is_some_and(|target| target.arrived);
+        self.set(body, KinematicTarget { goal: Some(goal), arrived });
     }
 
     /// Takes the goal of a body back. One that has just arrived is still to be stopped.
     pub(crate) fn recall(&mut self, body: BodyId) {
-        if let Some(&Errand { arrived, .. }) = self.of(body) {
-            self.set(body, Errand { goal: None, arrived });
+        if let Some(&KinematicTarget { arrived, .. }) = self.of(body) {
+            self.set(body, KinematicTarget { goal: None, arrived });
         }
     }
 
@@ -171,15 +171,15 @@ impl<S: Scalar> Errands<S> {
 
     /// Removes the errands that are over.
     pub(crate) fn tidy(&mut self) {
-        self.rows.retain(|(_, errand)| !errand.is_over());
+        self.rows.retain(|(_, target)| !target.is_over());
     }
 
     /// Adds them to a hash, in the order of the slots.
-    pub(crate) fn write(&self, sink: &mut Sink) {
-        wire::count(sink, self.rows().len());
-        for (body, errand) in self.rows.in_order() {
+    pub(crate) fn write(&self, sink: &mut StateHasher) {
+        codec::count(sink, self.rows().len());
+        for (body, target) in self.rows.in_order() {
             body.slot.write(sink);
-            errand.write(sink);
+            target.write(sink);
         }
         self.moved_at.write(sink);
     }

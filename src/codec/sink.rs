@@ -2,22 +2,22 @@
 
 use xxhash_rust::xxh3::Xxh3;
 
-use super::{Out, Write};
+use super::{Encoder, Write};
 
 /// So many values are handed to a hash at once.
 const PIECE: usize = 128;
 
 /// A hash: XXH3, 64 bits (Collet).
-pub(crate) struct Sink(Xxh3);
+pub(crate) struct StateHasher(Xxh3);
 
-impl Out for Sink {
+impl Encoder for StateHasher {
     #[inline]
     fn bytes(&mut self, bytes: &[u8]) {
         self.0.update(bytes);
     }
 }
 
-impl Sink {
+impl StateHasher {
     pub(crate) fn new() -> Self {
         Self(Xxh3::new())
     }

@@ -4,16 +4,16 @@ use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use core::fmt::{self, Display};
 
-use super::{Out, Part, Sink, Write};
+use super::{Encoder, Part, StateHasher, Write};
 
 /// The values of which a value is made: where each stands among its bytes, its name and how it reads.
 #[derive(Debug, Default)]
-pub(crate) struct Index {
+pub(crate) struct FieldIndex {
     path: Vec<Part>,
     end: usize,
     seen: usize,
     wanted: Wanted,
-    pub(crate) leaves: Vec<Leaf>,
+    pub(crate) leaves: Vec<FieldValue>,
 }
 
 /// Which values an index keeps: one takes some hundred bytes, however few it stands for.
@@ -31,14 +31,14 @@ pub(crate) enum Wanted {
 
 /// A value that has no parts.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Leaf {
+pub(crate) struct FieldValue {
     pub(crate) path: Vec<Part>,
     pub(crate) at: usize,
     pub(crate) bytes: Vec<u8>,
     pub(crate) text: String,
 }
 
-impl Index {
+impl FieldIndex {
     pub(crate) fn of(value: &impl Write) -> Self {
         let mut index = Self::default();
         value.write(&mut index);
@@ -46,14 +46,14 @@ impl Index {
     }
 
     /// The first value that is wanted.
-    pub(crate) fn find(value: &impl Write, wanted: Wanted) -> Option<Leaf> {
+    pub(crate) fn find(value: &impl Write, wanted: Wanted) -> Option<FieldValue> {
         let mut index = Self { wanted, ..Self::default() };
         value.write(&mut index);
         index.leaves.into_iter().next()
     }
 }
 
-impl Out for Index {
+impl Encoder for FieldIndex {
     fn bytes(&mut self, bytes: &[u8]) {
         struct Hex<'a>(&'a [u8]);
         impl Display for Hex<'_> {
@@ -82,7 +82,12 @@ impl Out for Index {
         };
         self.seen += 1;
         if is_wanted {
-            self.leaves.push(Leaf { path: self.path.clone(), at, bytes: bytes.to_vec(), text: value.to_string() });
+            self.leaves.push(FieldValue {
+                path: self.path.clone(),
+                at,
+                bytes: bytes.to_vec(),
+                text: value.to_string(),
+            });
         }
         self.end = end;
     }
@@ -90,13 +95,16 @@ impl Out for Index {
 
 /// The first value in which two differ that are walked over alike, as it is in each. Lengths and choices are values, so that
 /// one differs before what they lead to does; eight bytes a value are kept on the way.
-pub(crate) fn first_difference(left: &impl Write, right: &impl Write) -> Option<(Option<Leaf>, Option<Leaf>)> {
+pub(crate) fn first_difference(
+    left: &impl Write,
+    right: &impl Write,
+) -> Option<(Option<FieldValue>, Option<FieldValue>)> {
     #[derive(Default)]
     struct Digests(Vec<u64>);
 
-    impl Out for Digests {
+    impl Encoder for Digests {
         fn bytes(&mut self, bytes: &[u8]) {
-            self.0.push(Sink::of_bytes(bytes));
+            self.0.push(StateHasher::of_bytes(bytes));
         }
     }
 
@@ -106,9 +114,9 @@ pub(crate) fn first_difference(left: &impl Write, right: &impl Write) -> Option<
         parted: bool,
     }
 
-    impl Out for Beside<'_> {
+    impl Encoder for Beside<'_> {
         fn bytes(&mut self, bytes: &[u8]) {
-            self.parted = self.parted || self.digests.get(self.same) != Some(&Sink::of_bytes(bytes));
+            self.parted = self.parted || self.digests.get(self.same) != Some(&StateHasher::of_bytes(bytes));
             self.same += usize::from(!self.parted);
         }
     }
@@ -122,5 +130,5 @@ pub(crate) fn first_difference(left: &impl Write, right: &impl Write) -> Option<
         return None;
     }
     drop(digests);
-    Some((Index::find(left, Wanted::Nth(same)), Index::find(right, Wanted::Nth(same))))
+    Some((FieldIndex::find(left, Wanted::Nth(same)), FieldIndex::find(right, Wanted::Nth(same))))
 }

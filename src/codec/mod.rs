@@ -12,14 +12,14 @@ use core::fmt::{self, Display};
 
 use crate::error::codes;
 
-pub(crate) use index::{Index, Leaf, Wanted, first_difference};
-pub(crate) use sink::Sink;
+pub(crate) use index::{FieldIndex, FieldValue, Wanted, first_difference};
+pub(crate) use sink::StateHasher;
 
 /// Where bytes go.
-pub(crate) trait Out {
+pub(crate) trait Encoder {
     fn bytes(&mut self, bytes: &[u8]);
 
-    /// What follows, up to [`leave`](Self::leave), is this part of the value. Only an [`Index`] listens.
+    /// What follows, up to [`leave`](Self::leave), is this part of the value. Only an [`FieldIndex`] listens.
     #[inline]
     fn enter(&mut self, _part: Part) {}
 
@@ -42,7 +42,7 @@ pub(crate) enum Part {
 
 /// A value that can be walked over.
 pub(crate) trait Write {
-    fn write(&self, out: &mut impl Out);
+    fn write(&self, out: &mut impl Encoder);
 }
 
 /// A value that can be had back from its bytes. It is checked as far as it can be by itself; what makes it part of a world
@@ -149,7 +149,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-impl Out for Vec<u8> {
+impl Encoder for Vec<u8> {
     #[inline]
     fn bytes(&mut self, bytes: &[u8]) {
         self.extend_from_slice(bytes);
@@ -158,19 +158,19 @@ impl Out for Vec<u8> {
 
 /// A field of a value.
 #[inline]
-pub(crate) fn field(out: &mut impl Out, name: &'static str, value: &impl Write) {
+pub(crate) fn field(out: &mut impl Encoder, name: &'static str, value: &impl Write) {
     out.enter(Part::Name(name));
     value.write(out);
     out.leave();
 }
 
 /// The length of a list; no list has 2^32 entries.
-pub(crate) fn count(out: &mut impl Out, count: usize) {
+pub(crate) fn count(out: &mut impl Encoder, count: usize) {
     field(out, "count", &(count as u32));
 }
 
 /// A list, after its length.
-pub(crate) fn list<'a, T: Write + 'a>(out: &mut impl Out, entries: impl ExactSizeIterator<Item = &'a T>) {
+pub(crate) fn list<'a, T: Write + 'a>(out: &mut impl Encoder, entries: impl ExactSizeIterator<Item = &'a T>) {
     count(out, entries.len());
     for (i, entry) in entries.enumerate() {
         out.enter(Part::Entry(i as u32));
@@ -180,18 +180,18 @@ pub(crate) fn list<'a, T: Write + 'a>(out: &mut impl Out, entries: impl ExactSiz
 }
 
 /// `Write` and `Read` field by field. A field that is not in the list does not compile.
-macro_rules! wire_struct {
+macro_rules! codec_struct {
     ($type:ident { $($field:ident),* $(,)? }) => {
-        impl<S: $crate::scalar::Scalar> $crate::wire::Write for $type<S> {
-            fn write(&self, out: &mut impl $crate::wire::Out) {
+        impl<S: $crate::scalar::Scalar> $crate::codec::Write for $type<S> {
+            fn write(&self, out: &mut impl $crate::codec::Encoder) {
                 let Self { $($field),* } = self;
-                $($crate::wire::field(out, stringify!($field), $field);)*
+                $($crate::codec::field(out, stringify!($field), $field);)*
             }
         }
 
-        impl $crate::wire::Read for $type<$crate::scalar::fx::Fx> {
-            fn read(reader: &mut $crate::wire::Reader<'_>) -> Result<Self, $crate::wire::Malformed> {
-                Ok(Self { $($field: $crate::wire::Read::read(reader)?),* })
+        impl $crate::codec::Read for $type<$crate::scalar::fx::Fx> {
+            fn read(reader: &mut $crate::codec::Reader<'_>) -> Result<Self, $crate::codec::Malformed> {
+                Ok(Self { $($field: $crate::codec::Read::read(reader)?),* })
             }
         }
     };
@@ -199,42 +199,42 @@ macro_rules! wire_struct {
 
 /// The same for the variants of an enum, each after a byte that tells which. A variant that is not in the list does not
 /// compile; a number, once given, stays.
-macro_rules! wire_enum {
+macro_rules! codec_enum {
     ($type:ident $(<$s:ident>)?, $expected:literal, {
         $($tag:literal => $variant:ident $({ $($field:ident),* })? $(( $($entry:ident),* ))?),* $(,)?
     }) => {
-        impl $(<$s: $crate::scalar::Scalar>)? $crate::wire::Write for $type $(<$s>)? {
-            fn write(&self, out: &mut impl $crate::wire::Out) {
+        impl $(<$s: $crate::scalar::Scalar>)? $crate::codec::Write for $type $(<$s>)? {
+            fn write(&self, out: &mut impl $crate::codec::Encoder) {
                 match self {
                     $(Self::$variant $({ $($field),* })? $(( $($entry),* ))? => {
                         out.leaf(&[$tag], &stringify!($variant));
-                        $($($crate::wire::field(out, stringify!($field), $field);)*)?
-                        $($($crate::wire::field(out, stringify!($entry), $entry);)*)?
+                        $($($crate::codec::field(out, stringify!($field), $field);)*)?
+                        $($($crate::codec::field(out, stringify!($entry), $entry);)*)?
                     })*
                 }
             }
         }
 
-        wire_enum!(@read $type $(<$s>)?, $expected, {
+        codec_enum!(@read $type $(<$s>)?, $expected, {
             $($tag => $variant $({ $($field),* })? $(( $($entry),* ))?),*
         });
     };
     (@read $type:ident <$s:ident>, $expected:literal, $variants:tt) => {
-        wire_enum!(@from [$type<$crate::scalar::fx::Fx>], $expected, $variants);
+        codec_enum!(@from [$type<$crate::scalar::fx::Fx>], $expected, $variants);
     };
     (@read $type:ident, $expected:literal, $variants:tt) => {
-        wire_enum!(@from [$type], $expected, $variants);
+        codec_enum!(@from [$type], $expected, $variants);
     };
     (@from [$type:ty], $expected:literal, {
         $($tag:literal => $variant:ident $({ $($field:ident),* })? $(( $($entry:ident),* ))?),* $(,)?
     }) => {
-        impl $crate::wire::Read for $type {
-            fn read(reader: &mut $crate::wire::Reader<'_>) -> Result<Self, $crate::wire::Malformed> {
+        impl $crate::codec::Read for $type {
+            fn read(reader: &mut $crate::codec::Reader<'_>) -> Result<Self, $crate::codec::Malformed> {
                 let malformed = reader.malformed($expected);
-                match <u8 as $crate::wire::Read>::read(reader)? {
+                match <u8 as $crate::codec::Read>::read(reader)? {
                     $($tag => {
-                        $($(let $field = $crate::wire::Read::read(reader)?;)*)?
-                        $($(let $entry = $crate::wire::Read::read(reader)?;)*)?
+                        $($(let $field = $crate::codec::Read::read(reader)?;)*)?
+                        $($(let $entry = $crate::codec::Read::read(reader)?;)*)?
                         Ok(Self::$variant $({ $($field),* })? $(( $($entry),* ))?)
                     })*
                     _ => Err(malformed),
@@ -244,4 +244,4 @@ macro_rules! wire_enum {
     };
 }
 
-pub(crate) use {wire_enum, wire_struct};
+pub(crate) use {codec_enum, codec_struct};

@@ -1,24 +1,24 @@
 //! Who carries out what is done to a world.
 
-use super::{Command, Made, World};
+use super::{Command, Created, World};
 use crate::error::Error;
 use crate::scalar::{Scalar, fx::Fx};
 
 /// Carries out what is done to a world and steps it: `()` does no more, a [`Recorder`](crate::Recorder) keeps an account of
 /// it. A scene's run takes one (`SceneRun::advance_by`).
-pub trait Driver<S: Scalar = Fx> {
+pub trait Stepper<S: Scalar = Fx> {
     /// Carries out a command.
     ///
     /// # Errors
     /// As [`World::execute`]; the world is as it was.
-    fn execute(&mut self, world: &mut World<S>, command: &Command<S>) -> Result<Made, Error>;
+    fn execute(&mut self, world: &mut World<S>, command: &Command<S>) -> Result<Created, Error>;
 
     /// Steps.
     fn step(&mut self, world: &mut World<S>);
 }
 
-impl<S: Scalar> Driver<S> for () {
-    fn execute(&mut self, world: &mut World<S>, command: &Command<S>) -> Result<Made, Error> {
+impl<S: Scalar> Stepper<S> for () {
+    fn execute(&mut self, world: &mut World<S>, command: &Command<S>) -> Result<Created, Error> {
         world.execute(command)
     }
 
@@ -27,8 +27,8 @@ impl<S: Scalar> Driver<S> for () {
     }
 }
 
-impl<S: Scalar, D: Driver<S> + ?Sized> Driver<S> for &mut D {
-    fn execute(&mut self, world: &mut World<S>, command: &Command<S>) -> Result<Made, Error> {
+impl<S: Scalar, D: Stepper<S> + ?Sized> Stepper<S> for &mut D {
+    fn execute(&mut self, world: &mut World<S>, command: &Command<S>) -> Result<Created, Error> {
         (**self).execute(world, command)
     }
 
