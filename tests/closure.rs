@@ -112,9 +112,9 @@ fn fields(id: &[BodyId]) -> Vec<ForceField> {
         drag(fx!(0.1), fx!(0.02)),
         drag(fx!(0.03), fx!(0.1)),
     ];
-    // The medium is there for the dragged strangers too.
+    // The medium is there for the dragged bystanders too.
     let groups = |law: &FieldKind| if matches!(law, FieldKind::Drag { .. }) { 1 | DRAGGED } else { 1 };
-    custom_forces.into_iter().map(|law| ForceField { groups: groups(&law), law }).collect()
+    custom_forces.into_iter().map(|law| ForceField { groups: groups(&law), kind: law }).collect()
 }
 
 /// The cast and its fields in a world, added in some order.
@@ -261,7 +261,7 @@ fn the_order_of_adding_fields_changes_no_bit_but_for_drags_among_themselves() {
     }
 }
 
-/// The group of strangers that only drags act on.
+/// The group of bystanders that only drags act on.
 const DRAGGED: u32 = 8;
 
 /// Bodies that no field of the cast's acts on, or the drags alone: sleepers, static ones, some on springs, some that leave
@@ -285,7 +285,7 @@ fn add_stranger(world: &mut World, i: usize, last: Option<BodyId>) -> BodyId {
             ..base
         },
     };
-    let body = world.add_body(def).expect("a stranger");
+    let body = world.add_body(def).expect("a bystander");
     if let Some(last) = last {
         // Where neither end gives there is no spring.
         let _ = world.add_field(spring(body, Vec2::ZERO, End::Body(Attachment::centre(last)), fx!(1), fx!(9), fx!(1)));
@@ -305,12 +305,12 @@ fn strangers_in_any_number_change_no_bit_of_a_body() {
         }
         for count in 0..=17 {
             let mut world = World::new(world_def(integrator)).expect("a world");
-            let mut strangers: Vec<BodyId> = Vec::new();
+            let mut bystanders: Vec<BodyId> = Vec::new();
             let mut ids = Vec::new();
             for (i, def) in cast().into_iter().enumerate() {
                 // Half of them come in between.
                 if i < count / 2 {
-                    strangers.push(add_stranger(&mut world, i, strangers.last().copied()));
+                    bystanders.push(add_stranger(&mut world, i, bystanders.last().copied()));
                 }
                 ids.push(world.add_body(def).expect("a body"));
             }
@@ -319,12 +319,12 @@ fn strangers_in_any_number_change_no_bit_of_a_body() {
             }
             let (mut gone, mut faults, mut outside) = (0, 0, 0);
             for (tick, wanted) in history.iter().enumerate() {
-                if strangers.len() + gone < count && tick % 7 == 0 {
-                    let i = strangers.len() + gone;
-                    strangers.push(add_stranger(&mut world, i, strangers.last().copied()));
+                if bystanders.len() + gone < count && tick % 7 == 0 {
+                    let i = bystanders.len() + gone;
+                    bystanders.push(add_stranger(&mut world, i, bystanders.last().copied()));
                 }
-                if tick % 23 == 22 && strangers.len() > 3 {
-                    world.remove_body(strangers.remove(tick % 3)).expect("it is there");
+                if tick % 23 == 22 && bystanders.len() > 3 {
+                    world.remove_body(bystanders.remove(tick % 3)).expect("it is there");
                     gone += 1;
                 }
                 push_all(&mut world, &ids, tick as u32, in_order);
@@ -332,14 +332,14 @@ fn strangers_in_any_number_change_no_bit_of_a_body() {
                 faults += report.faults.len();
                 outside += report.drag_outside;
                 for (i, (&id, wanted)) in ids.iter().zip(wanted).enumerate() {
-                    assert_eq!(bits(&world, id), *wanted, "{integrator:?}, {count} strangers, tick {tick}, body {i}");
+                    assert_eq!(bits(&world, id), *wanted, "{integrator:?}, {count} bystanders, tick {tick}, body {i}");
                 }
             }
             assert!(
                 count < 8 || integrator != Integrator::Yoshida4 || outside > 0,
-                "no drag of a stranger is that stiff"
+                "no drag of a bystander is that stiff"
             );
-            assert!(count < 8 || faults > 0, "one of the strangers is to be taken out");
+            assert!(count < 8 || faults > 0, "one of the bystanders is to be taken out");
         }
     }
 }
@@ -448,12 +448,12 @@ fn change(world: &mut World, bodies: &[BodyId], dice: &mut Dice) -> Result<(), E
         20 => {
             let centre = End::Body(Attachment::centre(body));
             let law = FieldKind::Attractor { centre, mu: mu(dice.number(fx!(0.0001))), softening: fx!(1) };
-            world.add_field(ForceField { kind, groups: 2 }).map(drop)
+            world.add_field(ForceField { kind: law, groups: 2 }).map(drop)
         }
         21 => {
             let region = Region::Disc { centre: dice.vector(fx!(20)), radius: fx!(4) };
             let law = FieldKind::Zone { region, acceleration: Vec2::new(tiny, tiny) };
-            world.add_field(ForceField { kind, groups: 4 }).map(drop)
+            world.add_field(ForceField { kind: law, groups: 4 }).map(drop)
         }
         22..=24 if !fields.is_empty() => world.remove_field(fields[dice.throw(fields.len())]),
         _ => Ok(()),
@@ -577,7 +577,7 @@ fn another_integrator_moves_a_sleeper_that_the_one_before_left_at_rest() {
 
 #[test]
 fn a_stranger_that_falls_asleep_puts_nobody_else_to_sleep() {
-    let asleep_at = |stranger: Option<u64>| {
+    let asleep_at = |bystander: Option<u64>| {
         let mut world = World::new(WorldDef { sleep_after: Some(10), ..WorldDef::default() }).expect("a world");
         let still = world.add_body(BodyDef::dynamic()).expect("a body");
         let spinning = world.add_body(BodyDef { angular_velocity: fx!(1), ..BodyDef::dynamic() }).expect("a body");
@@ -585,7 +585,7 @@ fn a_stranger_that_falls_asleep_puts_nobody_else_to_sleep() {
         let link = world.add_field(link).expect("a spring");
         (1..100)
             .find(|&tick| {
-                if Some(tick) == stranger {
+                if Some(tick) == bystander {
                     world.add_body(BodyDef::dynamic()).expect("a body");
                 }
                 // Kept up by the other one till here, at rest for longer than it takes.
@@ -596,8 +596,8 @@ fn a_stranger_that_falls_asleep_puts_nobody_else_to_sleep() {
             })
             .expect("it falls asleep")
     };
-    for stranger in 1..20 {
-        assert_eq!(asleep_at(Some(stranger)), asleep_at(None), "a stranger from tick {stranger} on");
+    for bystander in 1..20 {
+        assert_eq!(asleep_at(Some(bystander)), asleep_at(None), "a bystander from tick {bystander} on");
     }
 }
 
@@ -606,15 +606,15 @@ fn drags_act_in_the_order_in_which_they_came_whichever_slots_strangers_left_them
     let zone = FieldKind::Zone { region: Region::Disc { centre: Vec2::ZERO, radius: fx!(1) }, acceleration: Vec2::X };
     let strange = ForceField { groups: 2, ..ForceField::from(zone) };
     let drag = |linear, wind| FieldKind::Drag { linear, quadratic: fx!(0.3), wind: vec2(wind, 0) };
-    // A stranger's field makes room after the first drag came, and the second one takes its place.
-    let play = |strangers: bool, restored: bool, drags: [FieldKind; 2]| {
+    // A bystander's field makes room after the first drag came, and the second one takes its place.
+    let play = |bystanders: bool, restored: bool, drags: [FieldKind; 2]| {
         let mut world = World::new(WorldDef::default()).expect("a world");
         let body = world.add_body(BodyDef { velocity: vec2(7, -2), ..BodyDef::dynamic() }).expect("a body");
-        let stranger = strangers.then(|| world.add_field(strange).expect("a field"));
+        let bystander = bystanders.then(|| world.add_field(strange).expect("a field"));
         let first = world.add_field(drags[0]).expect("a drag");
-        stranger.into_iter().for_each(|stranger| world.remove_field(stranger).expect("it is there"));
+        bystander.into_iter().for_each(|bystander| world.remove_field(bystander).expect("it is there"));
         let second = world.add_field(drags[1]).expect("a drag");
-        assert_eq!(second.parts().0 < first.parts().0, strangers, "it takes the slot that was left");
+        assert_eq!(second.parts().0 < first.parts().0, bystanders, "it takes the slot that was left");
         assert!(world.fields().map(|(id, _)| id).eq([first, second]));
         // One that becomes another stays where it is.
         world.set_field(first, drags[0]).expect("a drag");
@@ -629,8 +629,8 @@ fn drags_act_in_the_order_in_which_they_came_whichever_slots_strangers_left_them
     };
     let drags = [drag(fx!(0.5), fx!(3)), drag(fx!(0.2), fx!(-4))];
     let alone = play(false, false, drags);
-    for (strangers, restored) in [(true, false), (true, true), (false, true)] {
-        assert_eq!(play(strangers, restored, drags), alone, "strangers: {strangers}, restored: {restored}");
+    for (bystanders, restored) in [(true, false), (true, true), (false, true)] {
+        assert_eq!(play(bystanders, restored, drags), alone, "bystanders: {bystanders}, restored: {restored}");
     }
     assert_ne!(play(false, false, [drags[1], drags[0]]), alone, "the order makes a difference");
 }
@@ -1091,11 +1091,11 @@ fn looking_ahead_with_one_body_is_its_future() {
             groups,
             ..BodyDef::dynamic()
         };
-        let strangers: Vec<_> = (0..150).map(|_| world.add_body(body(&mut dice, 1)).expect("fair")).collect();
+        let bystanders: Vec<_> = (0..150).map(|_| world.add_body(body(&mut dice, 1)).expect("fair")).collect();
         let chain: Vec<_> = (0..6).map(|_| world.add_body(body(&mut dice, 2)).expect("fair")).collect();
         let suns: Vec<_> = (0..2).map(|_| world.add_body(body(&mut dice, 4)).expect("fair")).collect();
         let anchor = world.add_body(BodyDef { position: vec2(1, 2), ..BodyDef::fixed() }).expect("fair");
-        world.remove_body(strangers[17]).expect("it is there");
+        world.remove_body(bystanders[17]).expect("it is there");
         let links = chain.windows(2).map(|pair| {
             let far = End::Body(Attachment::centre(pair[1]));
             spring(pair[0], vec2(fx!(0.25), fx!(-0.5)), far, fx!(2), fx!(15), fx!(0.5))
@@ -1103,7 +1103,7 @@ fn looking_ahead_with_one_body_is_its_future() {
         let mut custom_forces: Vec<ForceField> = links.map(ForceField::from).collect();
         let tied = spring(chain[5], vec2(0, 0), End::Body(Attachment::centre(anchor)), fx!(1), fx!(10), fx!(0));
         custom_forces.push(tied.into());
-        // The chain feels a sun, which feels the other one; the strangers feel drag, and so does the chain.
+        // The chain feels a sun, which feels the other one; the bystanders feel drag, and so does the chain.
         let attractor = |sun| FieldKind::Attractor {
             centre: End::Body(Attachment::centre(sun)),
             mu: mu(fx!(50)),
@@ -1123,7 +1123,7 @@ fn looking_ahead_with_one_body_is_its_future() {
         custom_forces.push(FieldKind::Thrust { at, force: vec2(3, 0) }.into());
         // Tied to the same anchor, and no company for that: the anchor never moves.
         custom_forces.push(
-            spring(strangers[3], vec2(0, 0), End::Body(Attachment::centre(anchor)), fx!(1), fx!(2), fx!(0)).into(),
+            spring(bystanders[3], vec2(0, 0), End::Body(Attachment::centre(anchor)), fx!(1), fx!(2), fx!(0)).into(),
         );
         for law in custom_forces {
             world.add_field(law).expect("a fair field");
@@ -1138,7 +1138,7 @@ fn looking_ahead_with_one_body_is_its_future() {
         assert_eq!(assert_foreseen(&world, suns[0], 100), 2);
         // Nothing acts on the second.
         assert_eq!(assert_foreseen(&world, suns[1], 100), 1);
-        assert_eq!(assert_foreseen(&world, strangers[40], 100), 1);
-        assert_eq!(assert_foreseen(&world, strangers[3], 100), 2);
+        assert_eq!(assert_foreseen(&world, bystanders[40], 100), 1);
+        assert_eq!(assert_foreseen(&world, bystanders[3], 100), 2);
     }
 }

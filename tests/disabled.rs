@@ -106,7 +106,7 @@ fn what_is_attached_to_it_is_inert() {
     }
 }
 
-/// Strangers' bits do not depend on who is disabled, asleep or awake themselves.
+/// Bystanders' bits do not depend on who is disabled, asleep or awake themselves.
 #[test]
 fn strangers_notice_nothing() {
     let run = |disables: bool| {
@@ -138,14 +138,14 @@ fn strangers_notice_nothing() {
 #[test]
 fn what_it_was_joined_to_wakes_when_it_goes_and_when_it_comes() {
     let mut world: World = World::new(WorldDef { sleep_after: Some(4), ..WorldDef::default() }).expect("a world");
-    let [left, middle, right, stranger] =
+    let [left, middle, right, bystander] =
         [-1, 0, 1, 9].map(|x| world.add_body(BodyDef { position: vec2(x, 0), ..BodyDef::dynamic() }).expect("a body"));
     for far in [left, right] {
         let spring = SpringConstants { rest: fx!(1), stiffness: fx!(20), damping: fx!(1) };
         let near = Attachment::centre(middle);
         world.add_field(FieldKind::Spring { near, far: End::Body(Attachment::centre(far)), spring }).expect("a field");
     }
-    let activities = |world: &World| [left, middle, right, stranger].map(|id| world.body(id).expect("one").activity());
+    let activities = |world: &World| [left, middle, right, bystander].map(|id| world.body(id).expect("one").activity());
     let sleep = |world: &mut World| (0..12).for_each(|_| _ = world.step());
     use Activity::{Asleep, Awake, Disabled};
     sleep(&mut world);
@@ -231,7 +231,7 @@ fn a_step_in_which_it_was_out_is_undone() {
         panic!("a spring")
     };
     world
-        .set_field(spring, FieldKind::Spring { near, far, spring: SpringConstants { damping: fx!(0), ..kind } })
+        .set_field(spring, FieldKind::Spring { near, far, spring: SpringConstants { damping: fx!(0), ..law } })
         .expect("fair");
     world.disable(out).expect("it takes part");
     let before = world.state_hash();

@@ -474,13 +474,13 @@ fn fields_come_as_they_were_added_then_bodies_and_then_velocities_by_slot() {
         FieldKind::Zone { region: box_, acceleration: vec2(0, -3) },
         FieldKind::Drag { linear: fx!(1), quadratic: fx!(0), wind: vec2(0, 0) },
     ] {
-        fields.push(world.add_field(umbra_physics::ForceField { kind, groups: 2 }).expect("a fair field"));
+        fields.push(world.add_field(umbra_physics::ForceField { kind: law, groups: 2 }).expect("a fair field"));
     }
     // The slot of the first field has the one that was added last.
     let first = fields.remove(0);
     let law = world.field(first).expect("it is there").kind;
     world.remove_field(first).expect("it is there");
-    fields.push(world.add_field(umbra_physics::ForceField { kind, groups: 2 }).expect("a fair field"));
+    fields.push(world.add_field(umbra_physics::ForceField { kind: law, groups: 2 }).expect("a fair field"));
     assert_eq!((first.parts(), fields[6].parts()), ((0, 0), (0, 1)));
     // Half a turn, to see that points of bodies turn with them.
     let pose = |body: &umbra_physics::BodyRef<'_>| Pose {

@@ -747,7 +747,7 @@ fn law() -> impl Strategy<Value = FieldKind> {
 }
 
 fn field() -> impl Strategy<Value = ForceField> {
-    (law(), prop_oneof![Just(u32::MAX), 0u32..4]).prop_map(|(law, groups)| ForceField { kind, groups })
+    (law(), prop_oneof![Just(u32::MAX), 0u32..4]).prop_map(|(kind, groups)| ForceField { kind, groups })
 }
 
 fn time_step() -> impl Strategy<Value = TimeStep> {

@@ -259,7 +259,7 @@ fn the_edge_of_the_envelope_is_a_goal() {
 #[test]
 fn a_step_that_became_too_short_quarantines_and_moves_nothing() {
     let mut world: World = World::new(WorldDef { sleep_after: None, ..WorldDef::default() }).expect("a world");
-    let strangers: Vec<BodyId> = (0..200).map(|_| world.add_body(BodyDef::dynamic()).expect("a body")).collect();
+    let bystanders: Vec<BodyId> = (0..200).map(|_| world.add_body(BodyDef::dynamic()).expect("a body")).collect();
     let body = lift(&mut world);
     world.set_velocity(body, vec2(1, 2)).expect("inside");
     world.move_to(body, vec2(10_000, 0), fx!(1)).expect("600 km/s");
@@ -271,7 +271,7 @@ fn a_step_that_became_too_short_quarantines_and_moves_nothing() {
     assert_eq!(motion(&world, body), (vec2(1, 2), fx!(0)));
     let now = world.body(body).expect("it is there");
     assert_eq!((now.activity(), now.goal()), (Activity::Quarantined, None));
-    assert!(strangers.iter().all(|&id| world.body(id).expect("one").activity() == Activity::Awake));
+    assert!(bystanders.iter().all(|&id| world.body(id).expect("one").activity() == Activity::Awake));
     // Back at the state it has: its own velocity.
     world.release(body).expect("it is quarantined");
     world.step();

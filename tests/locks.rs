@@ -127,7 +127,7 @@ fn the_other_axes_move_in_the_same_bits() {
                 for (axis, is) in [locks.x, locks.y, locks.rotation].into_iter().enumerate() {
                     assert_eq!(locked.0[axis] == free.0[axis], !is, "{integrator:?}, {locks:?}, axis {axis}, {tick}");
                 }
-                assert_eq!(locked.1, free.1, "{locks:?}: a stranger noticed");
+                assert_eq!(locked.1, free.1, "{locks:?}: a bystander noticed");
             }
         }
     }

@@ -298,7 +298,7 @@ fn peers_of_different_matches_do_not_start() {
 
 #[test]
 fn what_peers_send_comes_back_whole_or_not_at_all() {
-    let hello = Hello { law: 7, seed: 1 << 40, ticks: 600, start: u64::MAX };
+    let hello = Hello { physics_version: 7, seed: 1 << 40, ticks: 600, start: u64::MAX };
     let turn = Turn { tick: 300, hash: 0x0123_4567_89ab_cdef, controls: 9 };
     let (mut greeting, mut word) = (Vec::new(), Vec::new());
     hello.send(&mut greeting).expect("there is room");

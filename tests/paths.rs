@@ -103,7 +103,7 @@ fn a_field_that_acts_on_nobody_changes_nothing() {
         if i == 0 {
             let region = Region::Disc { centre: vec2(0, 0), radius: fx!(1000) };
             let law = FieldKind::Zone { region, acceleration: vec2(1, 1) };
-            world.add_field(ForceField { kind, groups: 0 }).expect("a fair field");
+            world.add_field(ForceField { kind: law, groups: 0 }).expect("a fair field");
         }
     };
     same("stage by stage", zone, |_, _| {});
@@ -181,7 +181,7 @@ fn next_to_the_envelope_and_to_half_of_it_every_way_is_the_same() {
             region: Region::Disc { centre: vec2(0, 0), radius: fx!(1000) },
             acceleration: vec2(1, 1),
         };
-        staged.add_field(ForceField { kind, groups: 0 }).expect("a fair field");
+        staged.add_field(ForceField { kind: law, groups: 0 }).expect("a fair field");
         let ids: Vec<BodyId> = plain.bodies().map(|body| body.id()).collect();
         for tick in 0..10 {
             plain.step();

@@ -165,7 +165,7 @@ fn everything(integrator: Integrator) -> (World, Vec<BodyId>) {
         FieldKind::Custom { id: 7 },
     ];
     for law in custom_forces {
-        world.add_field(ForceField { kind, groups: 1 }).expect("a fair field");
+        world.add_field(ForceField { kind: law, groups: 1 }).expect("a fair field");
     }
     (world, ids)
 }
@@ -299,7 +299,7 @@ fn a_million_steps_go_back_to_the_bit() {
         let far = End::Body(Attachment { body: ids[2], point: vec2(fx!(0.25), 0) });
         let spring = FieldKind::Spring { near: Attachment::centre(ids[1]), far, spring };
         for law in [star, spring] {
-            world.add_field(ForceField { kind, groups: 1 }).expect("a fair field");
+            world.add_field(ForceField { kind: law, groups: 1 }).expect("a fair field");
         }
         let mut random = Random(11);
         let mut applied: Vec<AppliedForce> = Vec::new();

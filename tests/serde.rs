@@ -274,7 +274,7 @@ fn every_plain_struct_comes_back() {
     through_both(&Locks { x: true, y: false, rotation: true });
     through_both(&WorldDef::<Fx> { gravity: vec2(0, fx!(-9.81)), sleep_after: None, ..WorldDef::default() });
     through_both(&attachment());
-    custom_forces().into_iter().for_each(|law| through_both(&ForceField { kind, groups: 5 }));
+    custom_forces().into_iter().for_each(|law| through_both(&ForceField { kind: law, groups: 5 }));
     bodies().iter().for_each(through_both);
     for integrator in Integrator::ALL {
         integrator.stages().iter().for_each(through_both::<Stage>);
@@ -456,16 +456,16 @@ fn a_compound_has_no_compounds_however_deep() {
 }
 
 /// Each object within a value, once with a field that it does not have.
-fn with_strangers(value: &Value) -> Vec<Value> {
+fn with_unknown_fields(value: &Value) -> Vec<Value> {
     match value {
         Value::Object(fields) => {
             let mut all = vec![{
                 let mut fields = fields.clone();
-                fields.insert("stranger".into(), Value::from(1));
+                fields.insert("bystander".into(), Value::from(1));
                 Value::Object(fields)
             }];
             for (name, inner) in fields {
-                all.extend(with_strangers(inner).into_iter().map(|inner| {
+                all.extend(with_unknown_fields(inner).into_iter().map(|inner| {
                     let mut fields = fields.clone();
                     fields.insert(name.clone(), inner);
                     Value::Object(fields)
@@ -480,7 +480,7 @@ fn with_strangers(value: &Value) -> Vec<Value> {
                     items[i] = inner;
                     Value::Array(items)
                 };
-                with_strangers(item).into_iter().map(put).collect::<Vec<_>>()
+                with_unknown_fields(item).into_iter().map(put).collect::<Vec<_>>()
             };
             items.iter().enumerate().flat_map(inside).collect()
         }
@@ -488,9 +488,9 @@ fn with_strangers(value: &Value) -> Vec<Value> {
     }
 }
 
-fn refuses_strangers<T: Serialize + DeserializeOwned + Debug>(value: &T) {
+fn refuses_unknown_fields<T: Serialize + DeserializeOwned + Debug>(value: &T) {
     let json = serde_json::to_value(value).expect("JSON can say it");
-    for json in with_strangers(&json) {
+    for json in with_unknown_fields(&json) {
         let read = serde_json::from_value::<T>(json.clone());
         assert!(read.is_err(), "{json} was read as {read:?}");
     }
@@ -499,20 +499,20 @@ fn refuses_strangers<T: Serialize + DeserializeOwned + Debug>(value: &T) {
 #[test]
 fn a_field_that_is_not_there_is_refused_wherever_it_stands() {
     let (mut author, world) = a_world();
-    (0..KINDS * 40).for_each(|kind| refuses_strangers(&author.of_kind(kind % KINDS, &world)));
-    bodies().iter().for_each(refuses_strangers);
-    errors().iter().for_each(refuses_strangers);
-    custom_forces().iter().for_each(refuses_strangers);
-    refuses_strangers(&WorldDef::<Fx>::default());
-    refuses_strangers(&Elapsed::ZERO);
-    refuses_strangers(&Random::seeded(1));
-    refuses_strangers(&FxSum::default());
-    refuses_strangers(&Rot::<Fx>::IDENTITY);
-    refuses_strangers(&Fault { body: body(1), cause: Cause::Field { field: field(2) } });
-    refuses_strangers(&InputResult { player: 1, sequence: 2, result: Ok(Created::Body(body(3))) });
-    refuses_strangers(&Integrator::Yoshida4.stages()[0]);
-    refuses_strangers(&ForceTorque::<Fx>::default());
-    refuses_strangers(&CustomForceError { code: 1 });
+    (0..KINDS * 40).for_each(|kind| refuses_unknown_fields(&author.of_kind(kind % KINDS, &world)));
+    bodies().iter().for_each(refuses_unknown_fields);
+    errors().iter().for_each(refuses_unknown_fields);
+    custom_forces().iter().for_each(refuses_unknown_fields);
+    refuses_unknown_fields(&WorldDef::<Fx>::default());
+    refuses_unknown_fields(&Elapsed::ZERO);
+    refuses_unknown_fields(&Random::seeded(1));
+    refuses_unknown_fields(&FxSum::default());
+    refuses_unknown_fields(&Rot::<Fx>::IDENTITY);
+    refuses_unknown_fields(&Fault { body: body(1), cause: Cause::Field { field: field(2) } });
+    refuses_unknown_fields(&InputResult { player: 1, sequence: 2, result: Ok(Created::Body(body(3))) });
+    refuses_unknown_fields(&Integrator::Yoshida4.stages()[0]);
+    refuses_unknown_fields(&ForceTorque::<Fx>::default());
+    refuses_unknown_fields(&CustomForceError { code: 1 });
 }
 
 #[test]

@@ -144,7 +144,7 @@ fn meddle(world: &mut World, seed: u64, tick: u32) {
                         softening: fx!(0.5),
                     },
                 };
-                _ = world.add_field(ForceField { kind, groups: 1 });
+                _ = world.add_field(ForceField { kind: law, groups: 1 });
             }
             (12, Some(body)) => {
                 let field = world.fields().next().map(|(id, _)| id);

@@ -129,7 +129,7 @@ fn soak(mut more: impl FnMut(u64) -> bool) -> String {
     let (early, late) = heap.split_at(heap.len() / 2);
     let (early, late) = (early.iter().max().expect("windows"), late.iter().max().expect("windows"));
     assert!(4 * late <= 5 * early, "at most {early} bytes in the first half, {late} in the second");
-    assert!(soak.refused > 0 && soak.faults > 0, "no strangers");
+    assert!(soak.refused > 0 && soak.faults > 0, "no bystanders");
     let Soak { world, refused, faults, .. } = &soak;
     format!(
         "{} ticks, {} bodies, {} fields, {refused} commands refused, {faults} faults; at most {early} bytes in the first half, \

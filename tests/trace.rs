@@ -69,7 +69,7 @@ fn busy(integrator: Integrator, all: bool) -> (World, Vec<BodyId>) {
         (4, drag(fx!(1))),
     ];
     for (groups, law) in fields.into_iter().take(if all { 5 } else { 2 }) {
-        world.add_field(ForceField { kind, groups }).expect("a fair field");
+        world.add_field(ForceField { kind: law, groups }).expect("a fair field");
     }
     (world, ids)
 }

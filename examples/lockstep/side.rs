@@ -10,8 +10,8 @@ use std::{env, fs};
 
 use umbra_physics::{Dump, Fx, PHYSICS_VERSION, World};
 
-use crate::codec::{Hello, Turn};
 use crate::game::{Controls, Game, bot};
+use crate::wire::{Hello, Turn};
 
 /// Buttons act so many ticks after they are pressed: 67 ms at 60 ticks a second, which a packet may take without anyone waiting.
 pub(crate) const DELAY: u64 = 4;
@@ -89,7 +89,7 @@ pub(crate) fn play(
     // What is pressed at the first tick acts after the delay; before that nobody holds anything.
     let mut ours: VecDeque<Controls> = (0..DELAY).map(|_| Controls::default()).collect();
     let mut side = Side { stream, kept: VecDeque::new(), agreed: None, spare: None, others: ours.clone() };
-    side.greet(Hello { law: PHYSICS_VERSION, seed, ticks, start: world.state_hash() })?;
+    side.greet(Hello { physics_version: PHYSICS_VERSION, seed, ticks, start: world.state_hash() })?;
 
     let (mut missed, mut both) = (false, [Controls::default(); 2]);
     for tick in 0..=ticks {

@@ -10,8 +10,8 @@ const MAGIC: [u8; 4] = *b"UMLS";
 /// What both have to agree on before the first tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Hello {
-    /// [`umbra_physics::PHYSICS_VERSION`]: peers under other laws part sooner or later.
-    pub(crate) law: u32,
+    /// [`umbra_physics::PHYSICS_VERSION`]: peers of other versions diverge sooner or later.
+    pub(crate) physics_version: u32,
     /// The seed of the match.
     pub(crate) seed: u64,
     /// How many ticks it has.
@@ -40,7 +40,7 @@ impl Hello {
     /// If the other side is gone.
     pub(crate) fn send(&self, to: &mut impl Write) -> io::Result<()> {
         let mut bytes = MAGIC.to_vec();
-        bytes.extend(self.kind.to_le_bytes());
+        bytes.extend(self.physics_version.to_le_bytes());
         [self.seed, self.ticks, self.start].iter().for_each(|word| bytes.extend(word.to_le_bytes()));
         send(to, &bytes)
     }
@@ -52,16 +52,16 @@ impl Hello {
         if frame.take()? != MAGIC {
             return Err(wrong("the other side is no peer of this game"));
         }
-        let law = u32::from_le_bytes(frame.take()?);
+        let physics_version = u32::from_le_bytes(frame.take()?);
         let (seed, ticks, start) = (frame.word()?, frame.word()?, frame.word()?);
         frame.end()?;
-        Ok(Self { law, seed, ticks, start })
+        Ok(Self { physics_version, seed, ticks, start })
     }
 
     /// What two peers do not agree on, if anything.
     pub(crate) fn differs_from(&self, other: &Self) -> Option<&'static str> {
         let differ = [
-            (self.kind != other.kind, "law of physics"),
+            (self.physics_version != other.physics_version, "physics version"),
             (self.seed != other.seed, "seed"),
             (self.ticks != other.ticks, "number of ticks"),
             (self.start != other.start, "world to start from"),

@@ -18,18 +18,18 @@ pub(crate) const PLAYERS: usize = 3;
 
 /// What a player does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Deed {
+pub(crate) enum Action {
     /// A thrust in a direction.
     Thrust(Vec2),
     /// Takes the ball in tow, if it is free and within reach.
     Grab,
 }
 
-/// A deed, and whose it is.
+/// A action, and whose it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Input {
     pub(crate) player: usize,
-    pub(crate) deed: Deed,
+    pub(crate) action: Action,
 }
 
 /// Players who never tire: what they do in a tick, at random.
@@ -37,10 +37,10 @@ pub(crate) fn bots(random: &mut Random) -> Vec<Input> {
     let mut inputs = Vec::new();
     for player in 0..PLAYERS {
         match random.below(12) {
-            0 => inputs.push(Input { player, deed: Deed::Grab }),
+            0 => inputs.push(Input { player, action: Action::Grab }),
             way @ 1..5 => {
                 let direction = [Vec2::X, Vec2::Y, -Vec2::X, -Vec2::Y][way as usize - 1];
-                inputs.push(Input { player, deed: Deed::Thrust(direction) });
+                inputs.push(Input { player, action: Action::Thrust(direction) });
             }
             _ => {}
         }
@@ -65,15 +65,15 @@ impl Tow {
         Self { ships: [nobody; PLAYERS], ball: nobody, is_mended }
     }
 
-    /// What a deed does to the world.
-    fn act(&self, world: &mut World, Input { player, deed }: Input, driver: &mut dyn Stepper) -> Option<()> {
+    /// What a action does to the world.
+    fn act(&self, world: &mut World, Input { player, action }: Input, driver: &mut dyn Stepper) -> Option<()> {
         let ship = self.ships[player];
-        match deed {
-            Deed::Thrust(direction) => {
+        match action {
+            Action::Thrust(direction) => {
                 let action = ForceOrImpulse::Impulse { impulse: direction.checked_scale(THRUST)?, point: None };
                 driver.execute(world, &Command::Apply { body: ship, action, manner: ApplyOptions::default() }).ok()?;
             }
-            Deed::Grab => {
+            Action::Grab => {
                 let ball = world.body(self.ball).ok()?;
                 let apart = world.body(ship).ok()?.position() - ball.position();
                 if ball.user_data() == 0 && apart.checked_length()? <= REACH {
@@ -129,9 +129,9 @@ impl Game for Tow {
     }
 
     fn image(&self, input: &Input, symmetry: &Symmetry) -> Option<Input> {
-        Some(match input.deed {
-            Deed::Thrust(direction) => Input { deed: Deed::Thrust(symmetry.vector(direction)?), ..*input },
-            Deed::Grab => *input,
+        Some(match input.action {
+            Action::Thrust(direction) => Input { action: Action::Thrust(symmetry.vector(direction)?), ..*input },
+            Action::Grab => *input,
         })
     }
 }

@@ -14,7 +14,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::{env, fs};
 
-use game::{Deed, Input, Tow, bots};
+use game::{Action, Input, Tow, bots};
 use umbra_physics::oracle::{Campaign, Counterexample, Fuzz, fuzz};
 
 fn main() -> ExitCode {
@@ -61,10 +61,10 @@ fn report(campaign: &Campaign<Input>) {
 fn show(found: &Counterexample<Input>) {
     println!("{}", found.violation);
     println!("it takes {} ticks and no more than this, as {} tries found out:", found.course.ticks, found.tries);
-    for (tick, Input { player, deed }) in &found.course.inputs {
-        match deed {
-            Deed::Thrust(direction) => println!("  tick {tick}: player {player} thrusts along {direction}"),
-            Deed::Grab => println!("  tick {tick}: player {player} reaches for the ball"),
+    for (tick, Input { player, action }) in &found.course.inputs {
+        match action {
+            Action::Thrust(direction) => println!("  tick {tick}: player {player} thrusts along {direction}"),
+            Action::Grab => println!("  tick {tick}: player {player} reaches for the ball"),
         }
     }
 }

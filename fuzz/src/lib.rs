@@ -1,4 +1,4 @@
-//! What strangers can send, tried with any bytes: the bodies of the fuzz targets.
+//! What bystanders can send, tried with any bytes: the bodies of the fuzz targets.
 //!
 //! Each target is a function of bytes that panics where a promise is broken. libFuzzer calls it from `fuzz_targets`, and
 //! `tests/corpus.rs` of the library, which includes this file, calls it on stable with all committed inputs.

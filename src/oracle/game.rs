@@ -45,8 +45,8 @@ pub trait Game: Clone {
         input.clone()
     }
 
-    /// The groups that strangers are in, for [`Oracle::Strangers`](super::Oracle::Strangers): none, unless it says so. Fields
-    /// act on strangers in their groups.
+    /// The groups that bystanders are in, for [`Oracle::Bystanders`](super::Oracle::Bystanders): none, unless it says so. Fields
+    /// act on bystanders in their groups.
     fn stranger_groups(&self) -> u32 {
         0
     }
@@ -58,7 +58,7 @@ pub trait Game: Clone {
 /// use umbra_physics::oracle::{Course, Game, Handles, Oracle, Verdict, shrink};
 /// use umbra_physics::{Command, Stepper, World, WorldDef};
 ///
-/// /// A game whose inputs are the commands themselves. They name bodies: a match with strangers has others.
+/// /// A game whose inputs are the commands themselves. They name bodies: a match with bystanders has others.
 /// #[derive(Clone)]
 /// struct Plain;
 ///

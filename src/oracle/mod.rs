@@ -1,7 +1,7 @@
 //! What judges runs, as a kit: for a world and the commands carried out on it, and for a game's own tick.
 //!
 //! An [`Oracle`] knows something of a run without knowing what comes out of it: that the same inputs lead to the same bits,
-//! that a copy has the same future, that strangers change nothing. A [`Game`] is a value with two calls, one that begins a
+//! that a copy has the same future, that bystanders change nothing. A [`Game`] is a value with two calls, one that begins a
 //! match and one that makes a tick; [`fuzz`] plays it with inputs at random until an oracle objects, and makes the inputs as
 //! few as it can, with a replay of them. A [`Script`] is commands on a fresh world, judged in the same way.
 //!
@@ -49,13 +49,13 @@
 //! assert_eq!(found.course.inputs.len(), 2);
 //! ```
 
+mod bystanders;
 mod drivers;
 mod fuzz;
 mod game;
 mod handles;
 mod script;
 mod shrink;
-mod strangers;
 mod symmetry;
 mod trial;
 
@@ -95,9 +95,9 @@ pub enum Oracle {
     /// [motion](crate::World::physics_hash) in any order.
     Order,
     /// Bodies that interact with nothing, up to 17, change no bit of the others, of what was applied to them, or of what the
-    /// game keeps in the world; they come and go, sleep, hang on springs, leave the envelope. Strangers have keys from 2^63
-    /// on; a game has to know its own bodies, as strangers are among [`World::bodies`](crate::World::bodies).
-    Strangers,
+    /// game keeps in the world; they come and go, sleep, hang on springs, leave the envelope. Bystanders have keys from 2^63
+    /// on; a game has to know its own bodies, as bystanders are among [`World::bodies`](crate::World::bodies).
+    Bystanders,
     /// In a match that is the mirror image all stays so, to the bit: if the game has a symmetry that mirrors, for as long as
     /// inputs have images.
     Mirror,
@@ -110,7 +110,7 @@ pub enum Oracle {
     Reverse,
     /// A step that is traced, one that goes stage by stage, and one with all bodies awake move the bodies as the step does.
     Paths,
-    /// On two threads, with as many strangers as make a step use them, the bodies move as on one: with the feature
+    /// On two threads, with as many bystanders as make a step use them, the bodies move as on one: with the feature
     /// `parallel`.
     Threads,
 }
@@ -123,7 +123,7 @@ impl Oracle {
         Self::Record,
         Self::Restore,
         Self::Order,
-        Self::Strangers,
+        Self::Bystanders,
         Self::Mirror,
         Self::Turn,
         Self::Shift,
@@ -141,7 +141,7 @@ impl Oracle {
             Self::Record => "record",
             Self::Restore => "restore",
             Self::Order => "order",
-            Self::Strangers => "strangers",
+            Self::Bystanders => "bystanders",
             Self::Mirror => "mirror",
             Self::Turn => "turn",
             Self::Shift => "shift",

@@ -5,9 +5,9 @@ use alloc::collections::BTreeMap;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
+use super::bystanders::{Bystanders, MOST};
 use super::drivers::{Asking, Detours, Inspector, Noting, Pairing, Seen, Undoing, unlike};
 use super::game::{ByTick, Course, Likeness, Subject};
-use super::strangers::{MOST, Strangers};
 use super::{Handles, Oracle, Symmetry, Verdict, Violation};
 use crate::force::CustomForce;
 use crate::handle::BodyId;
@@ -50,7 +50,7 @@ impl<'a, S: Subject> Trial<'a, S> {
             Oracle::Record => self.record(run),
             Oracle::Restore => self.restore(run),
             Oracle::Order => self.order(),
-            Oracle::Strangers => self.strangers(),
+            Oracle::Bystanders => self.bystanders(),
             Oracle::Mirror => self.images(Symmetry::mirrors),
             Oracle::Turn => self.images(|symmetry| !symmetry.mirrors() && !symmetry.is_shift()),
             Oracle::Shift => self.images(Symmetry::is_shift),
@@ -212,13 +212,13 @@ impl<'a, S: Subject> Trial<'a, S> {
         Ok(self.course.ticks > 0)
     }
 
-    fn strangers(&self) -> Judged {
+    fn bystanders(&self) -> Judged {
         let groups = self.subject.stranger_groups();
         let mut verdict = Verdict::Held;
         for count in [1, 6, MOST] {
-            let enter = |world: &mut World| Strangers::enter(world, count, groups);
+            let enter = |world: &mut World| Bystanders::enter(world, count, groups);
             // It held if it did among each number of them.
-            verdict = verdict.max(self.among("a match with strangers", enter, || ())?);
+            verdict = verdict.max(self.among("a match with bystanders", enter, || ())?);
         }
         Ok(verdict)
     }
@@ -228,7 +228,7 @@ impl<'a, S: Subject> Trial<'a, S> {
         let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(2).build() else {
             return inapplicable("there are no threads");
         };
-        self.among("a match on two threads", Strangers::throng, || super::drivers::OnThreads(&pool))
+        self.among("a match on two threads", Bystanders::throng, || super::drivers::OnThreads(&pool))
     }
 
     #[cfg(not(feature = "parallel"))]
@@ -237,11 +237,11 @@ impl<'a, S: Subject> Trial<'a, S> {
         inapplicable("the feature `parallel` is off")
     }
 
-    /// A match beside one with strangers in it.
+    /// A match beside one with bystanders in it.
     fn among<D: Stepper>(
         &self,
         beside: &'static str,
-        enter: impl FnOnce(&mut World) -> Option<Strangers>,
+        enter: impl FnOnce(&mut World) -> Option<Bystanders>,
         driver: impl Fn() -> D,
     ) -> Judged {
         let (Some(mut run), Some(mut other)) = (self.begin(), self.begin()) else {
@@ -251,8 +251,8 @@ impl<'a, S: Subject> Trial<'a, S> {
         let bodies: Vec<BodyId> = run.world.bodies().map(|body| body.id()).collect();
         bodies.into_iter().for_each(|body| handles.pair(Created::Body(body), Created::Body(body)));
         run.world.fields().for_each(|(field, _)| handles.pair(Created::ForceField(field), Created::ForceField(field)));
-        let Some(mut strangers) = enter(&mut other.world) else {
-            return inapplicable("the world has no room for strangers");
+        let Some(mut bystanders) = enter(&mut other.world) else {
+            return inapplicable("the world has no room for bystanders");
         };
         for tick in 0..self.course.ticks {
             let inputs = Self::inputs_of(&self.inputs, tick);
@@ -275,19 +275,19 @@ impl<'a, S: Subject> Trial<'a, S> {
             if run.world.fields().any(|(field, _)| !handles.knows_field(field)) {
                 return inapplicable("a field was added past the driver");
             }
-            self.clear(tick, self.disturbed(beside, &run.world, &other.world, &strangers, &handles))?;
-            strangers.pass(&mut other.world);
+            self.clear(tick, self.disturbed(beside, &run.world, &other.world, &bystanders, &handles))?;
+            bystanders.pass(&mut other.world);
         }
         self.held()
     }
 
-    /// Whether a body or a field is another one among strangers, or there are others.
+    /// Whether a body or a field is another one among bystanders, or there are others.
     fn disturbed(
         &self,
         beside: &'static str,
         run: &World,
         other: &World,
-        strangers: &Strangers,
+        bystanders: &Bystanders,
         handles: &Handles,
     ) -> Option<Seen> {
         for here in run.bodies() {
@@ -304,8 +304,8 @@ impl<'a, S: Subject> Trial<'a, S> {
                 return Some(Seen { beside, difference: World::field_difference(id, &meant, there) });
             }
         }
-        let is_same = other.body_count() == run.body_count() + strangers.count()
-            && other.fields().count() == run.fields().count() + strangers.field_count()
+        let is_same = other.body_count() == run.body_count() + bystanders.count()
+            && other.fields().count() == run.fields().count() + bystanders.field_count()
             && (&run.def, &run.random, &run.blob) == (&other.def, &other.random, &other.blob);
         (!is_same).then_some(Seen { beside, difference: None })
     }

@@ -36,6 +36,6 @@ mod encodings;
 #[cfg(test)]
 mod runs;
 #[cfg(test)]
-mod strangers;
-#[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod untrusted;

@@ -19,21 +19,21 @@ pub(super) fn recycling(trial: &mut Trial) -> Played {
     let def = WorldDef { gravity: vec2(fx!(0.1), fx!(-9.81)), linear_damping: fx!(0.9), ..WorldDef::default() };
     let (mut world, mut alone) = (World::new(def)?, World::new(def)?);
     let mut numbers = Numbers(2);
-    let mut strangers: VecDeque<(BodyId, FieldId)> = VecDeque::new();
+    let mut bystanders: VecDeque<(BodyId, FieldId)> = VecDeque::new();
     let mut stay = alloc::vec::Vec::new();
     let (mut most_body, mut most_field) = (0, 0);
     for tick in 0..300 {
         let velocity = numbers.vec(6);
-        let stranger = world.add_body(BodyDef { velocity, ..BodyDef::dynamic() })?;
-        let thrust = world.add_field(FieldKind::Thrust { at: Attachment::centre(stranger), force: numbers.vec(4) })?;
-        strangers.push_back((stranger, thrust));
-        (most_body, most_field) = (most_body.max(stranger.parts().1), most_field.max(thrust.parts().1));
+        let bystander = world.add_body(BodyDef { velocity, ..BodyDef::dynamic() })?;
+        let thrust = world.add_field(FieldKind::Thrust { at: Attachment::centre(bystander), force: numbers.vec(4) })?;
+        bystanders.push_back((bystander, thrust));
+        (most_body, most_field) = (most_body.max(bystander.parts().1), most_field.max(thrust.parts().1));
         if tick % 60 == 0 {
             let def = BodyDef { velocity, angular_velocity: fx!(0.3), ..BodyDef::dynamic() };
             stay.push((world.add_body(def.clone())?, alone.add_body(def)?));
         }
-        if strangers.len() > 5 {
-            let (old, field) = there("a stranger", strangers.pop_front())?;
+        if bystanders.len() > 5 {
+            let (old, field) = there("a bystander", bystanders.pop_front())?;
             world.remove_body(old)?;
             refused("a body that is gone", world.set_velocity(old, vec2(0, 0)), Error::NoSuchBody { body: old })?;
             refused("a field that went with it", world.field(field).copied(), Error::NoSuchField { field })?;

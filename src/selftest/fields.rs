@@ -154,7 +154,7 @@ pub(super) fn zones(trial: &mut Trial) -> Played {
     let outside = world.add_body(at(fx!(3), fx!(4) + Fx::DELTA, 1))?;
     let lifted = world.add_body(at(fx!(10), fx!(10), 3))?; // in the corner of the box
     let beside = world.add_body(at(fx!(10) - Fx::DELTA, fx!(10), 3))?;
-    let stranger = world.add_body(at(fx!(15), fx!(15), 1))?;
+    let bystander = world.add_body(at(fx!(15), fx!(15), 1))?;
     let mut flight = Flight::new(fx!(10), fx!(0));
     let mut left_at = None;
     for tick in 1..=320 {
@@ -172,7 +172,7 @@ pub(super) fn zones(trial: &mut Trial) -> Played {
     let squared = (speed.y * speed.y).to_bits();
     near("velocity out of the disc, squared", squared.into(), fx!(128).to_bits().into(), 3 << 31)?;
     for (id, x, y) in
-        [(outside, fx!(3), fx!(4) + Fx::DELTA), (beside, fx!(10) - Fx::DELTA, fx!(10)), (stranger, fx!(15), fx!(15))]
+        [(outside, fx!(3), fx!(4) + Fx::DELTA), (beside, fx!(10) - Fx::DELTA, fx!(10)), (bystander, fx!(15), fx!(15))]
     {
         same("place of one in no zone", &world.body(id)?.position(), &Vec2::new(x, y))?;
     }

@@ -182,7 +182,7 @@ scenes! {
     goals: held::goals, "moved over a step to a place and an angle, to the bit, by every integrator and rate";
     sleep: bodies::sleep, "sleepers, alone and in an island, woken in every way: no bit of motion differs";
     quarantine: bodies::quarantine, "out of the envelope by velocity, place, spin, field; put back, released";
-    recycling: changes::recycling, "slots taken again and again: old handles stay dead, strangers change no bit";
+    recycling: changes::recycling, "slots taken again and again: old handles stay dead, bystanders change no bit";
     setters: changes::setters, "every command there is; then as a world that was made so from the start";
     going_back: changes::going_back, "rollback to a copy, in its own memory and another's";
     looking_ahead: changes::looking_ahead, "one body and what it depends on, alone, goes where the world goes";

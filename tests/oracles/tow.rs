@@ -11,7 +11,7 @@ use crate::example::example;
 #[path = "../../examples/oracles/game.rs"]
 mod game;
 
-use game::{SceneAction, Tow, bots};
+use game::{Action, Tow, bots};
 
 #[test]
 fn the_example_finds_what_was_left_in_its_game_and_nothing_in_the_mended_one() {
@@ -38,7 +38,7 @@ fn what_is_found_is_small_named_by_its_seed_and_the_same_again() {
     assert_eq!(found.violation.oracle, Oracle::Order);
     assert_eq!(found.violation.tick + 1, found.course.ticks);
     let last: Vec<_> = found.course.inputs.iter().filter(|(tick, _)| *tick == found.violation.tick).collect();
-    assert!(last.len() == 2 && last.iter().all(|(_, input)| input.action == SceneAction::Grab), "{:?}", found.course);
+    assert!(last.len() == 2 && last.iter().all(|(_, input)| input.action == Action::Grab), "{:?}", found.course);
     // That seed alone.
     let again = fuzz(&Tow::new(false), &Fuzz { seed, runs: 1, ..options }, |random, _| bots(random));
     assert_eq!((again.seed, &again.found), (Some(seed), &Some(found.clone())));

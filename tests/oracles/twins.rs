@@ -14,7 +14,7 @@ use umbra_physics::{
 };
 
 /// Keys from here on are no game's.
-const STRANGERS: u64 = 1 << 63;
+const BYSTANDERS: u64 = 1 << 63;
 
 /// What breaks in a game, one thing each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,7 +86,8 @@ impl Twin {
 
     /// The bodies of the game's own, by their keys.
     fn own(world: &World) -> Vec<BodyId> {
-        let mut own: Vec<_> = world.bodies().filter(|body| body.key() < STRANGERS).map(|b| (b.key(), b.id())).collect();
+        let mut own: Vec<_> =
+            world.bodies().filter(|body| body.key() < BYSTANDERS).map(|b| (b.key(), b.id())).collect();
         own.sort_by_key(|(key, _)| *key);
         own.into_iter().map(|(_, id)| id).collect()
     }
@@ -142,7 +143,7 @@ impl Game for Twin {
                 }
                 Fault::First if i == 0 => self.push(world, driver, body, way),
                 Fault::Slot => {
-                    let last = world.bodies().filter(|body| body.key() < STRANGERS).last().map(|body| body.id());
+                    let last = world.bodies().filter(|body| body.key() < BYSTANDERS).last().map(|body| body.id());
                     last.into_iter().for_each(|last| self.push(world, driver, last, way));
                 }
                 Fault::Draw => world.bodies().count().min(99).checked_sub(1).into_iter().for_each(|draws| {
@@ -314,27 +315,27 @@ fn an_order_of_arrival_that_matters_is_found() {
 
 #[test]
 fn an_order_of_slots_that_matters_is_found() {
-    assert_found(Fault::Slot, &[Oracle::Strangers], &[Oracle::Threads]);
+    assert_found(Fault::Slot, &[Oracle::Bystanders], &[Oracle::Threads]);
 }
 
 #[test]
 fn numbers_drawn_for_whoever_is_there_are_found() {
-    assert_found(Fault::Draw, &[Oracle::Strangers], &[Oracle::Threads]);
+    assert_found(Fault::Draw, &[Oracle::Bystanders], &[Oracle::Threads]);
 }
 
 #[test]
-fn a_field_that_is_another_one_among_strangers_is_found() {
-    assert_found(Fault::Strength, &[Oracle::Strangers], &[Oracle::Threads]);
+fn a_field_that_is_another_one_among_bystanders_is_found() {
+    assert_found(Fault::Strength, &[Oracle::Bystanders], &[Oracle::Threads]);
     let violations = objecting(Fault::Strength);
-    let found = violations.iter().find(|violation| violation.oracle == Oracle::Strangers).expect("it is found");
+    let found = violations.iter().find(|violation| violation.oracle == Oracle::Bystanders).expect("it is found");
     let difference = found.difference.as_ref().expect("its strength");
     assert!(matches!(difference.place, Owner::ForceField(_)) && difference.field.contains("linear"), "{found}");
 }
 
 #[test]
-fn fields_added_past_the_driver_are_not_judged_among_strangers() {
+fn fields_added_past_the_driver_are_not_judged_among_bystanders() {
     let course = course(Fault::Drag, 1, 30);
-    for oracle in [Oracle::Strangers, Oracle::Threads] {
+    for oracle in [Oracle::Bystanders, Oracle::Threads] {
         let verdict = oracle.judge(&Twin::new(Fault::Drag), &course).expect("nothing is compared");
         assert!(matches!(verdict, Verdict::Inapplicable { .. }), "{oracle}");
     }
@@ -360,7 +361,7 @@ fn a_place_that_matters_is_found() {
 fn a_law_that_says_it_reads_less_than_it_does_is_found() {
     // Forces are kept for a step that are no longer the same; what has an image of such a law nobody knows.
     let by = [Oracle::Restore, Oracle::Reverse, Oracle::Paths];
-    assert_found(Fault::Velocity, &by, &[Oracle::Record, Oracle::Strangers, Oracle::Threads]);
+    assert_found(Fault::Velocity, &by, &[Oracle::Record, Oracle::Bystanders, Oracle::Threads]);
 }
 
 #[test]
@@ -368,7 +369,7 @@ fn a_law_that_remembers_is_found() {
     assert_found(
         Fault::Memory,
         &[Oracle::Record, Oracle::Restore, Oracle::Reverse, Oracle::Paths],
-        &[Oracle::Strangers, Oracle::Threads],
+        &[Oracle::Bystanders, Oracle::Threads],
     );
 }
 
@@ -433,8 +434,8 @@ fn what_is_found_is_made_small_whatever_it_is() {
         (Fault::Beside, Oracle::Restore, 2, 2),
         (Fault::Past, Oracle::Record, 1, 1),
         (Fault::First, Oracle::Order, 2, 1),
-        // A body is to come while a stranger stands in the slot of one that went.
-        (Fault::Slot, Oracle::Strangers, 3, 8),
+        // A body is to come while a bystander stands in the slot of one that went.
+        (Fault::Slot, Oracle::Bystanders, 3, 8),
         (Fault::Left, Oracle::Mirror, 1, 1),
         (Fault::Above, Oracle::Turn, 1, 1),
         (Fault::Origin, Oracle::Shift, 1, 1),

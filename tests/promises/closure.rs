@@ -1,5 +1,5 @@
 //! P7: a body's bits never depend on bodies it does not interact with. `tests/closure.rs` has one cast and one kind of
-//! strangers, by number; here both are made up: what they are, what acts among them, what is done to either, when strangers
+//! bystanders, by number; here both are made up: what they are, what acts among them, what is done to either, when bystanders
 //! come and go, which of them leave the envelope, and on how many threads a step goes.
 
 use proptest::collection::vec;
@@ -13,8 +13,8 @@ use umbra_physics::{
 use crate::check::{Verdict, check_of, judge, there_is};
 use crate::plan::{Cast, FAIR, Plan, Taste};
 
-/// The group that strangers alone are in, and their fields alone act on.
-const STRANGERS: u32 = 1 << 31;
+/// The group that bystanders alone are in, and their fields alone act on.
+const BYSTANDERS: u32 = 1 << 31;
 
 /// So many moving bodies that a step uses all threads: `MANY` in `src/step/mod.rs`, which is held to be no more.
 const THRONG: i32 = 8_200;
@@ -23,11 +23,11 @@ const THRONG: i32 = 8_200;
 struct Company {
     /// Those who are watched.
     plan: Plan,
-    /// Bodies, fields and deeds of strangers.
-    strangers: Plan,
-    /// Which of the two does something next, in turn: the strangers where it says so.
+    /// Bodies, fields and deeds of bystanders.
+    bystanders: Plan,
+    /// Which of the two does something next, in turn: the bystanders where it says so.
     turns: Vec<bool>,
-    /// Which of the strangers are thrown out of the envelope, and when.
+    /// Which of the bystanders are thrown out of the envelope, and when.
     expelled: Option<(u32, u64)>,
     threads: usize,
     /// Whether so many more are there that a step uses all threads.
@@ -64,7 +64,7 @@ fn is_of_bodies(command: &Command) -> bool {
     )
 }
 
-/// A stranger that stops at once would keep `Yoshida4` out of the world for all.
+/// A bystander that stops at once would keep `Yoshida4` out of the world for all.
 fn goes_on(command: Command) -> Command {
     let some = |kept: Option<Fx>| kept.map(|kept| kept.max(Fx::DELTA));
     match command {
@@ -120,12 +120,12 @@ fn kind(done: Result<Created, Error>) -> String {
 
 impl Company {
     fn own(&self, tick: u64) -> Vec<Command> {
-        self.plan.due(tick).into_iter().map(|command| in_groups(command, |groups| groups & !STRANGERS)).collect()
+        self.plan.due(tick).into_iter().map(|command| in_groups(command, |groups| groups & !BYSTANDERS)).collect()
     }
 
     fn strange(&self, tick: u64) -> Vec<Command> {
-        let groups = if self.friends { u32::MAX } else { STRANGERS };
-        let due = self.strangers.due(tick).into_iter().filter(is_of_bodies);
+        let groups = if self.friends { u32::MAX } else { BYSTANDERS };
+        let due = self.bystanders.due(tick).into_iter().filter(is_of_bodies);
         let mut due: Vec<Command> = due.map(|command| goes_on(in_groups(command, |_| groups))).collect();
         if let Some((number, _)) = self.expelled.filter(|(_, at)| *at == tick) {
             let body = BodyId::from_parts(number, 0);
@@ -135,13 +135,13 @@ impl Company {
         due
     }
 
-    /// With or without strangers: what becomes of the others, and how many strangers are, or were, and were quarantined.
-    fn play(&self, with_strangers: bool, mut see: impl FnMut(u64, String) -> Verdict) -> Result<[usize; 2], String> {
+    /// With or without bystanders: what becomes of the others, and how many bystanders are, or were, and were quarantined.
+    fn play(&self, with_bystanders: bool, mut see: impl FnMut(u64, String) -> Verdict) -> Result<[usize; 2], String> {
         let mut world = World::new(self.plan.world).map_err(|error| error.to_string())?;
         let (mut own, mut strange) = (Cast::default(), Cast::default());
         let mut quarantined = 0;
-        if with_strangers && self.throng {
-            let one = BodyDef { velocity: Vec2::X, groups: STRANGERS, ..BodyDef::kinematic() };
+        if with_bystanders && self.throng {
+            let one = BodyDef { velocity: Vec2::X, groups: BYSTANDERS, ..BodyDef::kinematic() };
             for i in 0..THRONG {
                 let position = Vec2::new(Fx::from(i), Fx::from(-1_000));
                 world.add_body(BodyDef { position, ..one.clone() }).map_err(|error| error.to_string())?;
@@ -150,12 +150,12 @@ impl Company {
         for tick in 0..self.plan.ticks {
             let mut turns = self.turns.iter().copied().cycle();
             let mut own_due = self.own(tick).into_iter().peekable();
-            let strange_due = if with_strangers { self.strange(tick) } else { Vec::new() };
+            let strange_due = if with_bystanders { self.strange(tick) } else { Vec::new() };
             let mut strange_due = strange_due.into_iter().peekable();
             let mut told = String::new();
             while own_due.peek().is_some() || strange_due.peek().is_some() {
-                let strangers_turn = turns.next().unwrap_or(false);
-                if let Some(command) = strange_due.next_if(|_| strangers_turn || own_due.peek().is_none()) {
+                let bystanders_turn = turns.next().unwrap_or(false);
+                if let Some(command) = strange_due.next_if(|_| bystanders_turn || own_due.peek().is_none()) {
                     strange.carry_out(&mut world, &command);
                 } else if let Some(command) = own_due.next() {
                     let done = world.execute(&own.command(&command));
@@ -203,12 +203,12 @@ impl Company {
         run()
     }
 
-    /// The run with all strangers, but for the throng.
+    /// The run with all bystanders, but for the throng.
     fn script(&self) -> Script {
         let mut world = World::new(self.plan.world).expect("plans have fair worlds");
         let (mut own, mut strange, mut commands) = (Cast::default(), Cast::default(), Vec::new());
         for tick in 0..self.plan.ticks {
-            // Without turns: strangers last.
+            // Without turns: bystanders last.
             for command in self.own(tick) {
                 commands.push((tick, own.carry_out(&mut world, &command)));
             }
@@ -224,58 +224,58 @@ impl Company {
 fn companies() -> impl Strategy<Value = Company> {
     let near = Taste { near: 3, ..FAIR };
     let deeds = || vec((0..near.ticks, near.command()), 0..14);
-    let strangers = (vec(near.body(), 0..=17), vec(near.field(), 0..9), deeds());
+    let bystanders = (vec(near.body(), 0..=17), vec(near.field(), 0..9), deeds());
     let expelled = proptest::option::of((0u32..17, 0..near.ticks / 2));
     let throng = proptest::bool::weighted(if cfg!(feature = "parallel") { 0.03 } else { 0.0 });
-    (near.plan(), strangers, vec(any::<bool>(), 1..8), expelled, 1usize..4, throng).prop_map(
+    (near.plan(), bystanders, vec(any::<bool>(), 1..8), expelled, 1usize..4, throng).prop_map(
         |(plan, (bodies, fields, deeds), turns, expelled, threads, throng)| {
-            let strangers = Plan { bodies, fields, deeds, ..plan.clone() };
-            Company { plan, strangers, turns, expelled, threads, throng, friends: false }
+            let bystanders = Plan { bodies, fields, deeds, ..plan.clone() };
+            Company { plan, bystanders, turns, expelled, threads, throng, friends: false }
         },
     )
 }
 
 #[test]
-fn the_order_in_which_a_world_is_built_changes_no_bit_and_neither_do_strangers() {
+fn the_order_in_which_a_world_is_built_changes_no_bit_and_neither_do_bystanders() {
     let near = Taste { near: 3, ..FAIR };
     judge("closure", 500, near.plan(), Oracle::Order);
-    judge("closure", 200, near.plan(), Oracle::Strangers);
+    judge("closure", 200, near.plan(), Oracle::Bystanders);
 }
 
 #[test]
-fn strangers_change_no_bit_of_a_body() {
+fn bystanders_change_no_bit_of_a_body() {
     check_of("closure", 1_500, companies(), Company::script, Company::is_closed);
 }
 
 /// Each of this happens in companies that are made up.
 #[test]
-fn strangers_come_in_all_numbers_and_sleep_and_leave() {
+fn bystanders_come_in_all_numbers_and_sleep_and_leave() {
     let happens = |what: &str, happens: fn(&Company) -> bool| {
         assert!(there_is(companies(), happens), "{what}");
     };
     let quarantined: fn(&Company) -> bool =
         |company| company.play(true, |_, _| Ok(())).is_ok_and(|[_, quarantined]| quarantined > 0);
     happens("none", |company| company.play(true, |_, _| Ok(())) == Ok([0, 0]));
-    happens("seventeen", |company| company.strangers.bodies.len() == 17);
+    happens("seventeen", |company| company.bystanders.bodies.len() == 17);
     happens("one is quarantined", quarantined);
     happens("one of the others sleeps beside a field of theirs that reaches far", |company| {
         let end = company.script().run().expect("a fair world");
         let is_far = |field: &ForceField| !matches!(field.kind, FieldKind::Spring { .. } | FieldKind::Thrust { .. });
-        end.fields().any(|(_, field)| field.groups == STRANGERS && is_far(field))
-            && end.bodies().any(|body| body.groups() & !STRANGERS != 0 && body.activity() == Activity::Asleep)
+        end.fields().any(|(_, field)| field.groups == BYSTANDERS && is_far(field))
+            && end.bodies().any(|body| body.groups() & !BYSTANDERS != 0 && body.activity() == Activity::Asleep)
     });
     happens("they are tied to each other", |company| {
         let end = company.script().run().expect("a fair world");
-        let strange = |body: BodyId| end.body(body).is_ok_and(|body| body.groups() == STRANGERS);
+        let strange = |body: BodyId| end.body(body).is_ok_and(|body| body.groups() == BYSTANDERS);
         end.fields().any(|(_, field)| matches!(field.kind, FieldKind::Spring { near, .. } if strange(near.body)))
     });
     happens("one is asleep", |company| {
         let end = company.script().run().expect("a fair world");
-        end.bodies().any(|body| body.groups() == STRANGERS && body.activity() == Activity::Asleep)
+        end.bodies().any(|body| body.groups() == BYSTANDERS && body.activity() == Activity::Asleep)
     });
     happens("one is removed", |company| {
         let end = company.script().run().expect("a fair world");
-        let added = company.strangers.bodies.len() + company.plan.bodies.len();
+        let added = company.bystanders.bodies.len() + company.plan.bodies.len();
         end.body_count() < added && company.plan.deeds.is_empty()
     });
 }

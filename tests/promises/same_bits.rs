@@ -48,7 +48,7 @@ fn a_run_that_was_recorded_is_played_to_the_same_states() {
 #[cfg(feature = "parallel")]
 #[test]
 fn a_run_is_the_same_on_one_thread_and_on_two() {
-    // Each with thousands of strangers.
+    // Each with thousands of bystanders.
     judge("same-bits", 30, TASTE.plan(), Oracle::Threads);
 }
 

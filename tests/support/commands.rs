@@ -163,7 +163,7 @@ impl Author {
         let end = |own: &mut Self| {
             if own.one_in(2) { End::World(own.vector(fx!(20))) } else { End::Body(attachment(own)) }
         };
-        let law = match self.random.next() % 7 {
+        let kind = match self.random.next() % 7 {
             0 => {
                 let mu = <FxFactor as Factor<Fx>>::from_scalar(self.number(fx!(0), fx!(5)));
                 FieldKind::Attractor { centre: end(self), mu, softening: self.number(fx!(0.5), fx!(2)) }

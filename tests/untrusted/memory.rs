@@ -1,5 +1,5 @@
 //! What reading takes, of files that are made to take as much as they can. `UMBRA_SAY=1 cargo test --release --features scene
-//! --test strangers memory -- --nocapture` prints it, as multiples of each file.
+//! --test untrusted memory -- --nocapture` prints it, as multiples of each file.
 
 use allocation_counter::measure;
 use umbra_physics::scene::Scene;

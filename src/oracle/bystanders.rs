@@ -16,8 +16,8 @@ pub(super) const MOST: usize = 17;
 /// The first of their keys.
 const KEY: u64 = 1 << 63;
 
-/// Strangers in a world.
-pub(super) struct Strangers {
+/// Bystanders in a world.
+pub(super) struct Bystanders {
     random: Random,
     groups: u32,
     here: Vec<BodyId>,
@@ -29,31 +29,31 @@ pub(super) struct Strangers {
     ever: usize,
 }
 
-impl Strangers {
+impl Bystanders {
     /// So many at first, in these groups; none if the world takes fewer.
     pub(super) fn enter(world: &mut World, count: usize, groups: u32) -> Option<Self> {
         let random = Random::seeded(count as u64);
-        let mut strangers = Self { random, groups, here: Vec::new(), springs: Vec::new(), for_good: 0, ever: 0 };
-        (0..count).for_each(|_| strangers.come(world));
-        (strangers.count() == count).then_some(strangers)
+        let mut bystanders = Self { random, groups, here: Vec::new(), springs: Vec::new(), for_good: 0, ever: 0 };
+        (0..count).for_each(|_| bystanders.come(world));
+        (bystanders.count() == count).then_some(bystanders)
     }
 
     /// As many as a step needs to use several threads, whoever else falls asleep or leaves: they move, and that for good. None
     /// if the world takes fewer.
     #[cfg(feature = "parallel")]
     pub(super) fn throng(world: &mut World) -> Option<Self> {
-        let mut strangers = Self::enter(world, 0, 0)?;
-        while strangers.for_good < crate::step::MANY {
-            let position = vec2(0, strangers.ever as i32);
+        let mut bystanders = Self::enter(world, 0, 0)?;
+        while bystanders.for_good < crate::step::MANY {
+            let position = vec2(0, bystanders.ever as i32);
             let def =
-                BodyDef { position, velocity: vec2(1, 0), key: strangers.key(), groups: 0, ..BodyDef::kinematic() };
+                BodyDef { position, velocity: vec2(1, 0), key: bystanders.key(), groups: 0, ..BodyDef::kinematic() };
             world.add_body(def).ok()?;
-            strangers.for_good += 1;
+            bystanders.for_good += 1;
         }
-        Some(strangers)
+        Some(bystanders)
     }
 
-    /// How many of the bodies in the world are strangers.
+    /// How many of the bodies in the world are bystanders.
     pub(super) fn count(&self) -> usize {
         self.for_good + self.here.len()
     }
