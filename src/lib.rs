@@ -98,7 +98,7 @@ pub use replay::{
 };
 pub use scalar::fx::{Fx, MathError, ParseFxError};
 pub use scalar::{FxAccumulator, FxFactor, FxWide, Scalar, SpringConstants, Turn};
-pub use shape::{Geometry, Part, Shape};
+pub use shape::{Aabb, Geometry, Outline, Part, Shape};
 #[cfg(feature = "timers")]
 pub use step::Timers;
 pub use world::{

@@ -25,6 +25,7 @@ mod locks;
 mod looking;
 mod mass;
 mod order;
+mod outlines;
 mod pacing;
 mod paths;
 mod random;

@@ -4,6 +4,7 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::cmp::Ordering;
 
+use super::outline::outlines;
 use super::{Geometry, Part, Shape, mass};
 use crate::codec::StateHasher;
 use crate::error::{Error, Quantity};
@@ -29,7 +30,8 @@ fn check_point<S: Scalar>(point: Vec2<S>) -> Result<(), Error> {
 
 impl<S: Scalar> Shape<S> {
     fn of(geometry: Geometry<S>, shift: Vec2<S>, measure: S::Factor, gyration: S::Factor) -> Self {
-        let shape = Self { geometry, shift, measure, gyration, digest: 0 };
+        let outlines = outlines(&geometry);
+        let shape = Self { geometry, shift, measure, gyration, outlines, digest: 0 };
         Self { digest: StateHasher::of(&shape), ..shape }
     }
 

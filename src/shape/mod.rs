@@ -3,11 +3,16 @@
 //! A shape is re-centred when it is made: its coordinates are relative to its centre of mass, and [`Shape::shift`] says
 //! where that was in the coordinates given.
 
+mod aabb;
 mod build;
 mod bytes;
 mod mass;
+mod outline;
 #[cfg(feature = "serde")]
 mod serial;
+
+pub use aabb::Aabb;
+pub use outline::Outline;
 
 use alloc::sync::Arc;
 
@@ -49,6 +54,7 @@ pub struct Shape<S: Scalar = Fx> {
     shift: Vec2<S>,
     measure: S::Factor,
     gyration: S::Factor,
+    outlines: Arc<[Outline<S>]>,
     /// A hash of its bytes, by which worlds keep shapes that are alike once.
     digest: u64,
 }
@@ -115,6 +121,19 @@ impl<S: Scalar> Shape<S> {
     #[must_use]
     pub fn geometry(&self) -> &Geometry<S> {
         &self.geometry
+    }
+
+    /// The convex outlines that it consists of: one for each part of a compound in their order, else one.
+    #[must_use]
+    pub fn outlines(&self) -> &[Outline<S>] {
+        &self.outlines
+    }
+
+    /// The least box around the shape, relative to its centre of mass, as long as the shape is not turned.
+    #[must_use]
+    pub fn bounds(&self) -> Aabb<S> {
+        let first = self.outlines[0].bounds();
+        self.outlines.iter().fold(first, |bounds, outline| bounds.union(outline.bounds()))
     }
 
     /// Where its centre of mass was in the coordinates it was given in, m; each rounded to nearest.
