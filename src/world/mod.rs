@@ -127,7 +127,7 @@ fn check_sleep_after(ticks: Option<u32>) -> Result<(), Error> {
 /// and steps did are no state: they are not in the hash.
 ///
 /// # Cost
-/// A call and a [`Command`] take constant time, but for a logarithm: at most 10,000 instructions, some µs. The exceptions:
+/// A call and a [`Command`] take constant time, but for a logarithm: at most 10,000 instructions. The exceptions:
 ///
 /// | call | takes time in proportion to |
 /// |---|---|
