@@ -204,7 +204,7 @@ fn every_error_has_numbers() {
     assert!(names.len() > 15, "{names:?}");
     // Those of `Fault` and `Failure` are their causes'; that of `SceneError` is a `Flaw`'s or the engine's; and `CustomForceError` is a
     // user's own word, which the engine hands on as a `Cause`.
-    let others = ["Fault", "Failure", "SceneError", "LawFault"];
+    let others = ["Fault", "Failure", "SceneError", "CustomForceError"];
     for name in names.iter().filter(|name| !others.contains(name)) {
         let has = |given: &str| given.split("::").next() == Some(*name);
         assert!(GIVEN.iter().any(|(_, given)| has(given)), "{name}");

@@ -88,7 +88,13 @@ fn integers_round_as_named() {
 
 #[test]
 fn constants_are_the_nearest_values() {
+    use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
     assert_eq!(Fx::PI, fx!(3.141592653589793238462643383279502884197));
+    // By how many ulps they are rounded, as documented: a double has 19 bits to spare for that.
+    let rounded = [(Fx::PI, PI), (Fx::TAU, TAU), (Fx::FRAC_PI_2, FRAC_PI_2)];
+    let by = rounded.map(|(value, exact)| format!("{:.2}", value.to_bits() as f64 - exact * 4_294_967_296.0));
+    assert_eq!(by, ["0.48", "-0.04", "-0.26"]);
     assert_eq!(Fx::TAU, fx!(6.283185307179586476925286766559005768394));
     assert_eq!(Fx::FRAC_PI_2, fx!(1.570796326794896619231321691639751442099));
     assert_eq!((Fx::MIN, Fx::MAX.to_bits()), (fx!(-2147483648), i64::MAX));

@@ -1,4 +1,5 @@
-//! What a body is read as: points, vectors and velocities against their exact values, and the terms of totals.
+//! What a body is read as: points, vectors and velocities against their exact values, what was applied to it, and the terms of
+//! totals.
 
 #[path = "support/random.rs"]
 mod random;
@@ -7,9 +8,10 @@ mod real;
 
 use random::SplitMix;
 use real::{PRECISION, Real, TAU, exact, units};
-use umbra_physics::scalar::{Angle as _, FxSum, Sum as _};
+use umbra_physics::scalar::{Accumulator as _, Angle as _, FxSum, Sum as _};
 use umbra_physics::{
-    BodyDef, BodyId, BodyKind, Error, Fx, FxWide, Mass, Quantity, Shape, Turn, Vec2, World, WorldDef, fx, limits, vec2,
+    ApplyOptions, BodyDef, BodyId, BodyKind, Error, ForceOrImpulse, Frame, Fx, FxWide, Mass, Quantity, Rot, Shape,
+    Turn, Vec2, World, WorldDef, fx, limits, vec2,
 };
 
 const CASES: usize = if cfg!(debug_assertions) { 300 } else { 6_000 };
@@ -96,6 +98,95 @@ fn points_and_vectors_are_within_their_bound_of_the_exact_ones() {
         }
     }
     assert!(refused > CASES / 50 && refused < CASES / 2, "{refused} of {CASES} velocities did not fit");
+}
+
+fn within(found: Real, right: &Real, bound: &Real, what: &str) {
+    let off = found - right;
+    let off = if off < units(0, 0) { -off } else { off };
+    assert!(off <= *bound, "{what}: off by {off}, {bound} allowed");
+}
+
+/// The length of a vector.
+fn norm(v: &[Real; 2]) -> Real {
+    (&v[0] * &v[0] + &v[1] * &v[1]).sqrt()
+}
+
+#[test]
+fn forces_and_impulses_are_within_their_bounds_of_the_exact_ones() {
+    let mut random = SplitMix(0x0b0d_1e50_0000_0004);
+    let wide = |value: FxWide| units(value.to_bits(), 64);
+    let mut struck = 0;
+    for _ in 0..CASES {
+        let mass = Mass::Explicit {
+            mass: Fx::from_bits(random.between(1 << 24, 1 << 50)),
+            inertia: Fx::from_bits(random.between(1 << 24, 1 << 50)),
+        };
+        let def =
+            BodyDef { mass, angle: number(&mut random, 30), position: vector(&mut random, 20), ..BodyDef::dynamic() };
+        let mut world: World = World::new(WorldDef::default()).expect("a world");
+        let body = world.add_body(def).expect("a body");
+        let (force, point) = (vector(&mut random, 20), vector(&mut random, 20));
+        let (f, p) = ([force.x, force.y].map(exact), [point.x, point.y].map(exact));
+
+        // In the world's frame.
+        world.apply_force_at_point(body, force, point).expect("it fits");
+        let at = world.body(body).expect("it is there");
+        let arm = [&p[0] - exact(at.position().x), &p[1] - exact(at.position().y)];
+        let found = at.applied_force().expect("it fits");
+        assert_eq!([wide(found.x), wide(found.y)], f);
+        let torque = wide(at.applied_torque().expect("it fits"));
+        assert_eq!(torque, &arm[0] * &f[1] - &arm[1] * &f[0]);
+
+        // In the body's.
+        world.clear_forces();
+        let manner = ApplyOptions { frame: Frame::Body, ..ApplyOptions::default() };
+        world.apply(body, ForceOrImpulse::Force { force, point: Some(point) }, manner).expect("it fits");
+        let at = world.body(body).expect("it is there");
+        let (sin, cos) = sin_cos(at.angle_exact());
+        let turned = [&f[0] * &cos - &f[1] * &sin, &f[0] * &sin + &f[1] * &cos];
+        let found = at.applied_force().expect("it fits");
+        let bound = (norm(&f) >> 60) + units(1, 64);
+        within(wide(found.x), &turned[0], &bound, "a force");
+        within(wide(found.y), &turned[1], &bound, "a force");
+        let (long, strong) = (norm(&p), norm(&f));
+        let bound = ((&long * &strong) >> 58) + ((long + strong + units(1, 0)) >> 64);
+        let torque = wide(at.applied_torque().expect("it fits"));
+        within(torque, &(&p[0] * &f[1] - &p[1] * &f[0]), &bound, "a torque");
+
+        // Impulses, from rest; those that are too large are refused.
+        let (impulse, spin) = (vector(&mut random, 12), number(&mut random, 12));
+        let Mass::Explicit { mass: kg, inertia } = mass else { unreachable!("it has one") };
+        if world.apply_impulse(body, impulse).and_then(|()| world.apply_angular_impulse(body, spin)).is_err() {
+            continue;
+        }
+        struck += 1;
+        let at = world.body(body).expect("it is there");
+        let (v, spun) = (at.velocity_exact(), at.angular_velocity_exact());
+        for (found, right, relative) in [
+            (v.x, exact(impulse.x) / exact(kg), 64),
+            (v.y, exact(impulse.y) / exact(kg), 64),
+            (spun, exact(spin) / exact(inertia), 58),
+        ] {
+            let size = if right < units(0, 0) { -right.clone() } else { right.clone() };
+            within(units(found.to_bits(), 96), &right, &((size >> relative) + units(1, 96)), "a change by an impulse");
+        }
+    }
+    assert!(struck > CASES / 2, "{struck} of {CASES} were struck");
+}
+
+#[test]
+fn a_rotation_in_public_numbers_is_within_its_bound() {
+    let mut random = SplitMix(0x0b0d_1e50_0000_0005);
+    for _ in 0..CASES {
+        let (angle, v) = (number(&mut random, 10), vector(&mut random, 20));
+        let [x, y] = [v.x, v.y].map(exact);
+        let (sin, cos) = exact(angle).sin_cos();
+        let turned = Rot::from_radians(angle).checked_rotate(v).expect("it fits");
+        // Half an ulp each of sine and cosine, times the components.
+        let bound = units(1, 33) + ((length([&x, &y]) * units(5_001, 0) / units(10_000, 0)) >> 32);
+        within(exact(turned.x), &(&x * &cos - &y * &sin), &bound, "x");
+        within(exact(turned.y), &(&x * &sin + &y * &cos), &bound, "y");
+    }
 }
 
 #[test]

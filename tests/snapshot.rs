@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use umbra_physics::{
-    Activity, Attachment, BodyDef, BodyId, BodyState, CustomForce, CustomForceError, Dependence, End, Error, FieldKind,
-    ForceField, ForceTorque, Fx, HashTree, Integrator, Mass, Owner, PHYSICS_VERSION, Random, Region, Shape, Snapshot,
-    SnapshotError, SpringConstants, TimeStep, Vec2, World, WorldDef, fx, vec2,
+    Activity, Attachment, BodyDef, BodyId, BodyKind, BodyState, CustomForce, CustomForceError, Dependence, End, Error,
+    FieldKind, ForceField, ForceTorque, Fx, HashTree, Inputs, Integrator, Mass, Owner, PHYSICS_VERSION, Random,
+    RecordOptions, Recorder, Region, Shape, Snapshot, SnapshotError, SpringConstants, TimeStep, Vec2, World, WorldDef,
+    fx, vec2,
 };
 
 #[allow(dead_code, reason = "each test that takes this file in uses a part of it")]
@@ -211,29 +212,71 @@ fn a_restored_world_has_the_same_future_and_handles() {
     assert_eq!(seen, [true; 4], "slept, quarantined, recycled, pushed");
 }
 
-#[test]
-fn a_free_body_with_a_circle_takes_less_than_256_bytes() {
-    let mut world: World = World::new(WorldDef::default()).expect("a world");
+/// What 1,000 bodies like this one, without their shapes, add to the bytes of a snapshot, for one body.
+fn bytes_a_body(def: WorldDef, body: &BodyDef, prepare: impl Fn(&mut World, BodyId), shared: bool) -> usize {
+    let mut world: World = World::new(def).expect("a world");
     let head = world.snapshot().to_bytes().len();
-    assert!(head <= 256, "{head}");
     for i in 0..1_000 {
-        // The worst: a size of its own each, and all that is optional.
-        let radius = fx!(0.5) + Fx::from_bits(i);
-        world
-            .add_body(BodyDef {
-                shape: Some(Shape::circle(radius).expect("a shape")),
-                mass: Mass::Explicit { mass: fx!(1), inertia: fx!(1) },
-                linear_damping: Some(fx!(0.5)),
-                angular_damping: Some(fx!(0.5)),
-                max_speed: Some(fx!(5)),
-                max_angular_speed: Some(fx!(5)),
-                ..BodyDef::dynamic()
-            })
-            .expect("a body");
+        let radius = fx!(0.5) + if shared { Fx::ZERO } else { Fx::from_bits(i) };
+        let shape = body.shape.as_ref().map(|_| Shape::circle(radius).expect("a shape"));
+        let body = world.add_body(BodyDef { shape, ..body.clone() }).expect("a body");
+        prepare(&mut world, body);
     }
-    let each = (world.snapshot().to_bytes().len() - head) as f64 / 1_000.0;
-    assert!(each <= 256.0, "{each}");
-    println!("{head} bytes and {each} a body");
+    let bytes = world.snapshot().to_bytes().len() - head;
+    // Shared shapes are written once.
+    if shared { bytes / 1_000 } else { bytes.checked_div(1_000).filter(|each| each * 1_000 == bytes).expect("alike") }
+}
+
+#[test]
+fn a_body_takes_as_many_bytes_as_documented() {
+    let plain = BodyDef::dynamic();
+    let circle = BodyDef { shape: Some(Shape::circle(fx!(0.5)).expect("a shape")), ..plain.clone() };
+    let all_set = BodyDef {
+        mass: Mass::Explicit { mass: fx!(1), inertia: fx!(1) },
+        linear_damping: Some(fx!(0.5)),
+        angular_damping: Some(fx!(0.5)),
+        max_speed: Some(fx!(5)),
+        max_angular_speed: Some(fx!(5)),
+        ..circle.clone()
+    };
+    let verlet = WorldDef { sleep_after: Some(1), ..WorldDef::default() };
+    let published = WorldDef { integrator: Integrator::PublishedVerlet, ..verlet };
+    let nothing = |_: &mut World, _: BodyId| ();
+    let push = |world: &mut World, body| world.apply_force(body, vec2(1, 2)).expect("it is dynamic");
+    assert_eq!(bytes_a_body(verlet, &plain, nothing, false), 147);
+    assert_eq!(bytes_a_body(verlet, &circle, nothing, false), 156);
+    assert_eq!(bytes_a_body(verlet, &circle, nothing, true), 151);
+    assert_eq!(bytes_a_body(verlet, &all_set, nothing, false), 196);
+    assert_eq!(bytes_a_body(published, &all_set, nothing, false), 196 + 48);
+    assert_eq!(bytes_a_body(verlet, &all_set, push, false), 196 + 72);
+    assert_eq!(bytes_a_body(published, &all_set, push, false), 196 + 48 + 72);
+    // The worst: a force wakes it. One body alone, as the steps until it sleeps clear what was applied to others.
+    let mut world: World = World::new(published).expect("a world");
+    let head = world.snapshot().to_bytes().len();
+    let body = world.add_body(all_set.clone()).expect("a body");
+    while world.body(body).expect("it is there").activity() != Activity::Asleep {
+        world.step();
+    }
+    push(&mut world, body);
+    assert_eq!(world.snapshot().to_bytes().len() - head, 324);
+    // A goal takes less than a force: only kinematic bodies have one, and no force waits on them.
+    let goal = |world: &mut World, body| world.move_to(body, vec2(1, 2), fx!(1)).expect("it is kinematic");
+    let kinematic = BodyDef { kind: BodyKind::Kinematic, ..all_set };
+    assert_eq!(bytes_a_body(published, &kinematic, goal, false), 196 + 48 + 26);
+    assert!(head <= 256, "{head}");
+}
+
+#[test]
+fn an_idle_tick_takes_18_bytes_of_a_replay() {
+    let file = |ticks: u64| {
+        let mut world: World = World::new(WorldDef::default()).expect("a world");
+        let mut recorder = Recorder::new(&world, RecordOptions { snapshot_every: 0, ..RecordOptions::default() });
+        (0..ticks).for_each(|_| _ = recorder.step(&mut world, &Inputs::new()));
+        recorder.finish(&world).len()
+    };
+    // Chunks of 64 ticks: 17 bytes a tick, 68 a chunk.
+    assert_eq!(file(6_400) - file(3_200), 50 * (64 * 17 + 68));
+    assert_eq!((17.0 + 68.0 / 64.0_f64).round(), 18.0);
 }
 
 #[test]

@@ -654,7 +654,7 @@ uint32_t umbra_physics_version(void);
 // The version of the library as text, which stays. This interface has the same.
 const char *umbra_version(void);
 
-// Runs the corpus of the library, for a tenth of a second or so, and gives its digest: the same on every machine. What it is to be
+// Runs the corpus of the library, and gives its digest: the same on every machine. What it is to be
 // stands in `src/selftest/golden.txt`.
 UmbraStatus umbra_selftest(uint64_t *digest);
 

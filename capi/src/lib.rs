@@ -82,7 +82,7 @@ pub extern "C" fn umbra_version() -> *const c_char {
     concat!(env!("CARGO_PKG_VERSION"), "\0").as_ptr().cast()
 }
 
-/// Runs the corpus of the library, for a tenth of a second or so, and gives its digest: the same on every machine. What it is to be
+/// Runs the corpus of the library, and gives its digest: the same on every machine. What it is to be
 /// stands in `src/selftest/golden.txt`.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_selftest(digest: Option<&mut MaybeUninit<u64>>) -> UmbraStatus {

@@ -210,7 +210,7 @@ pub(crate) struct Block<'a, S: Scalar> {
     pub(crate) rest: &'a mut [u32],
     /// Empty but with `PublishedVerlet`.
     pub(crate) last: &'a mut [Acceleration<S>],
-    /// Which of the [`FactorTable`](super::Tunings) they have.
+    /// Which of the [`FactorTable`](super::FactorTable) they have.
     pub(crate) factors: &'a [u32],
 }
 

@@ -9,7 +9,7 @@ use crate::handle::BodyId;
 use crate::scalar::{Angle, Scalar, ToF64};
 use crate::world::World;
 
-/// Which moment near the last tick is shown, by what a [`StepClock`](super::Pacer) has left over.
+/// Which moment near the last tick is shown, by what a [`StepClock`](super::StepClock) has left over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Blend {
     /// So far on the way from the tick before the last to the last: always where bodies were, a tick late. Beyond 1 it is

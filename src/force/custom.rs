@@ -52,7 +52,7 @@ impl fmt::Display for CustomForceError {
 
 impl core::error::Error for CustomForceError {}
 
-/// A law of force of the user's own. It acts through a field with [`FieldKind::Custom`](super::Law::Custom).
+/// A law of force of the user's own. It acts through a field with [`FieldKind::Custom`](super::FieldKind::Custom).
 ///
 /// It must be a function of what it is given alone: the same on every machine, without floats, clocks, random numbers or
 /// memory of earlier calls; it is called as often as an integrator needs it. Checked arithmetic is its own duty:

@@ -154,7 +154,7 @@ pub enum FieldKind<S: Scalar = Fx> {
         /// m/s².
         acceleration: Vec2<S>,
     },
-    /// A [`CustomForce`](super::ForceLaw) of the user's own.
+    /// A [`CustomForce`](super::CustomForce) of the user's own.
     Custom {
         /// Its id.
         id: u64,

@@ -103,7 +103,7 @@ pub enum Oracle {
     Mirror,
     /// The same for a quarter turn.
     Turn,
-    /// The same for a shift, for as long as no body is more than 2^29 m out.
+    /// The same for a shift by an even number of ulps in each coordinate, for as long as no body is more than 2^29 m out.
     Shift,
     /// A step that is undone leads to the state before it and on to the one after it, and one that cannot be undone leaves
     /// the world as it was.

@@ -28,8 +28,11 @@ const FORMAT: u32 = 3;
 
 /// A world as it was: to go back to, to send, to keep.
 ///
-/// In memory it costs a copy of what steps change, 109 bytes a body; all else is shared until the world changes it. As
-/// bytes it is the same on every machine, and takes less than 256 bytes for a body with a circle.
+/// In memory it costs a copy of what steps change, 117 bytes a body (165 with
+/// [`PublishedVerlet`](crate::Integrator::PublishedVerlet)); all else is shared until the world changes it. As bytes it is the
+/// same on every machine. There a body with a circle takes 151 to 196 bytes, by how many of its options are set. It takes 48
+/// more with `PublishedVerlet`, 72 more if a force waits for the next step, and 8 more if a call woke it since the last one:
+/// at most 324 bytes. A kinematic body with a goal takes 26 more.
 ///
 /// A world that is restored is that world: it has the same hash, handles and future, in another process or on another
 /// machine as well. Read from bytes its reports start anew, but for the bodies that calls had woken. What was made after the snapshot is

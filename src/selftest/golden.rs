@@ -44,7 +44,7 @@ impl<'t> Golden<'t> {
         Self { text }
     }
 
-    /// The number of the law of physics it was made under, as [`PHYSICS_VERSION`](crate::LAW).
+    /// The number of the law of physics it was made under, as [`PHYSICS_VERSION`](crate::PHYSICS_VERSION).
     #[must_use]
     pub fn physics_version(&self) -> Option<u32> {
         self.lines().find_map(|mut words| (words.next()? == "law").then(|| words.next()?.parse().ok())?)

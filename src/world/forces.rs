@@ -156,8 +156,10 @@ impl<S: Scalar> World<S> {
 
     /// Does something to a body.
     ///
-    /// *Error* forces and torques are exact in the world's frame, within 2^-60 relative in the body's; torques of forces
-    /// at a point are rounded to 2^-64 N·m; the change by an impulse to 2^-64 relative.
+    /// *Error* in the world's frame forces, torques and torques of forces at a point are exact. In the body's frame a force F is
+    /// within 2^-60·|F| and 2^-64 N, and its torque at a point r within 2^-58·|r|·|F| and 2^-64 of |r| + |F| + 1, in N·m. An
+    /// impulse changes the velocity to within 2^-64 relative and 2^-96 m/s, an angular impulse the angular velocity to within
+    /// 2^-58 relative and 2^-96 rad/s.
     ///
     /// # Errors
     /// [`Error::NoSuchBody`]; [`Error::NotDynamic`]; [`Error::Quarantined`]; [`Error::Disabled`]; [`Error::OutOfRange`] naming the

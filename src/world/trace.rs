@@ -34,7 +34,7 @@ pub struct Trace<S: Scalar = Fx> {
 impl<S: Scalar> Trace<S> {
     /// The stages in order, each with the world after it.
     ///
-    /// It differs from the one before in what the stage's [verb](Verb) writes alone. Between stages a body may be beyond the
+    /// It differs from the one before in what the stage's [verb](StageKind) writes alone. Between stages a body may be beyond the
     /// envelope, and come back or not: there it is quarantined, where it is; what was applied to it and where it was sent are forgotten.
     pub fn stages(&self) -> impl DoubleEndedIterator<Item = (&Stage, &World<S>)> + ExactSizeIterator {
         self.stages.iter().map(|(stage, world)| (stage, world))

@@ -1,4 +1,5 @@
 //! P6: fair. A run that is mirrored, turned by a quarter or shifted is the image of the run, and bodies of any mass fall alike.
+//! The image of the origin is an even number of ulps away in each coordinate: [`Symmetry`] has no other images.
 
 use std::cell::Cell;
 
@@ -26,7 +27,7 @@ fn a_turned_run_is_the_run_turned() {
 }
 
 #[test]
-fn a_shifted_run_is_the_run_shifted() {
+fn a_run_shifted_by_an_even_number_of_ulps_is_the_run_shifted() {
     judge("fair", 500, TASTE.plan(), Oracle::Shift);
 }
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 /// Of the repository: not all of it is in the package that is published.
-fn read(path: &str) -> String {
+pub(crate) fn read(path: &str) -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
     std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
@@ -16,7 +16,7 @@ fn rows(chapter: &str) -> impl Iterator<Item = Vec<&str>> {
     rows.map(|row| row.split('|').map(|cell| cell.trim().trim_matches('`')).collect())
 }
 
-fn report() -> Value {
+pub(crate) fn report() -> Value {
     serde_json::from_str(&read("docs/report/report.json")).expect("the report")
 }
 
@@ -27,7 +27,7 @@ fn among(list: &Value, key: &str, is: &Value) -> Value {
 }
 
 /// The runs of a problem in this scalar by this integrator, in the order of their rates.
-fn runs(problem: &Value, scalar: &str, integrator: &str) -> Vec<Value> {
+pub(crate) fn runs(problem: &Value, scalar: &str, integrator: &str) -> Vec<Value> {
     let lines = problem["lines"].as_array().expect("lines").iter().filter(|line| line["scalar"] == scalar);
     let line = among(&Value::Array(lines.cloned().collect()), "integrator", &integrator.into());
     line["runs"].as_array().expect("runs").clone()
@@ -58,7 +58,7 @@ fn span(values: impl Iterator<Item = f64>) -> (String, String) {
 }
 
 /// A text with its line breaks taken for spaces.
-fn flowing(text: &str) -> String {
+pub(crate) fn flowing(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 

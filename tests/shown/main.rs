@@ -1,4 +1,5 @@
 //! What the documentation shows, and that it is so.
 
+mod figures;
 mod guide;
 mod items;
