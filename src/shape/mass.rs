@@ -1,5 +1,5 @@
-//! Area and moment of inertia per mass, by shape. All terms but one of an ulp are positive, so nothing cancels: a few
-//! 2^-64 relative.
+//! Area and moment of inertia per mass, by shape. All terms are positive but one of an ulp, so nothing cancels: the error
+//! is a few 2^-64, relative.
 //!
 //! *Source* uniform density; the half disc's centroid is 4r/3π from its diameter; compounds by the parallel-axis theorem.
 

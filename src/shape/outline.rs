@@ -30,10 +30,35 @@ use crate::scalar::{Angle, Factor, Scalar, Wide, fx::Fx};
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outline<S: Scalar = Fx> {
-    corners: Arc<[Vec2<S>]>,
-    normals: Arc<[Vec2<S>]>,
+    core: Core<S>,
     radius: S,
-    bounds: Aabb<S>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Core<S> {
+    /// The centre of a disc: nothing on the heap.
+    Point(Vec2<S>),
+    Sides {
+        corners: Arc<[Vec2<S>]>,
+        normals: Arc<[Vec2<S>]>,
+    },
+}
+
+/// The outlines of a shape.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Outlines<S: Scalar> {
+    One(Outline<S>),
+    /// Those of a compound's parts.
+    Parts(Arc<[Outline<S>]>),
+}
+
+impl<S: Scalar> Outlines<S> {
+    pub(super) fn as_slice(&self) -> &[Outline<S>] {
+        match self {
+            Self::One(outline) => core::slice::from_ref(outline),
+            Self::Parts(outlines) => outlines,
+        }
+    }
 }
 
 impl<S: Scalar> Outline<S> {
@@ -44,14 +69,20 @@ impl<S: Scalar> Outline<S> {
     /// ulp, the same on both sides; 0.51 ulp more in a compound, where a part is turned.
     #[must_use]
     pub fn corners(&self) -> &[Vec2<S>] {
-        &self.corners
+        match &self.core {
+            Core::Point(centre) => core::slice::from_ref(centre),
+            Core::Sides { corners, .. } => corners,
+        }
     }
 
     /// The outward unit normals: number `i` belongs to the edge from corner `i` to the next one. Of a segment or a capsule
     /// there are two, of a disc none. *Error* 0.501 ulp in each component; 0.51 ulp more in a compound, where a part is turned.
     #[must_use]
     pub fn normals(&self) -> &[Vec2<S>] {
-        &self.normals
+        match &self.core {
+            Core::Point(_) => &[],
+            Core::Sides { normals, .. } => normals,
+        }
     }
 
     /// The radius around the core, m; 0 for polygons and segments.
@@ -60,24 +91,17 @@ impl<S: Scalar> Outline<S> {
         self.radius
     }
 
-    /// The least box around the core and its radius, exactly.
+    /// The least box around the core and its radius, exactly. *Cost* in proportion to the corners.
     #[must_use]
     pub fn bounds(&self) -> Aabb<S> {
-        self.bounds
+        Aabb::around(self.corners(), self.radius)
     }
 
-    fn new(corners: Arc<[Vec2<S>]>, normals: Arc<[Vec2<S>]>, radius: S) -> Self {
-        let bounds = Aabb::around(&corners, radius);
-        Self { corners, normals, radius, bounds }
-    }
-
-    /// The outline of corners that stand counter-clockwise; normals follow.
+    /// The outline of two corners or more that stand counter-clockwise; normals follow.
     fn of(corners: Arc<[Vec2<S>]>, radius: S) -> Self {
-        let normals = match *corners {
-            [_] => Arc::default(),
-            _ => (0..corners.len()).map(|i| normal(corners[i], corners[(i + 1) % corners.len()])).collect(),
-        };
-        Self::new(corners, normals, radius)
+        let next = corners.iter().cycle().skip(1);
+        let normals = corners.iter().zip(next).map(|(&corner, &next)| normal(corner, next)).collect();
+        Self { core: Core::Sides { corners, normals }, radius }
     }
 
     /// The outline where a part of a compound has it. *Domain* the part was checked: corners are within √2·2^13 m of its
@@ -88,9 +112,15 @@ impl<S: Scalar> Outline<S> {
             Some(Vec2::new(x.to_scalar()?, y.to_scalar()?))
         };
         // Nothing in the domain is too large to be turned.
-        let corners = self.corners.iter().map(|corner| turned(corner).unwrap_or(*corner) + position).collect();
-        let normals = self.normals.iter().map(|normal| turned(normal).unwrap_or(*normal)).collect();
-        Self::new(corners, normals, self.radius)
+        let place = |corner: &Vec2<S>| turned(corner).unwrap_or(*corner) + position;
+        let core = match &self.core {
+            Core::Point(centre) => Core::Point(place(centre)),
+            Core::Sides { corners, normals } => Core::Sides {
+                corners: corners.iter().map(place).collect(),
+                normals: normals.iter().map(|normal| turned(normal).unwrap_or(*normal)).collect(),
+            },
+        };
+        Self { core, radius: self.radius }
     }
 }
 
@@ -112,9 +142,9 @@ fn half<S: Scalar>(size: S) -> S {
 }
 
 /// The outlines of a geometry: one for each part of a compound in their order, else one.
-pub(super) fn outlines<S: Scalar>(geometry: &Geometry<S>) -> Arc<[Outline<S>]> {
-    let outline = match geometry {
-        Geometry::Circle { radius } => Outline::of(Arc::new([Vec2::ZERO]), *radius),
+pub(super) fn outlines<S: Scalar>(geometry: &Geometry<S>) -> Outlines<S> {
+    Outlines::One(match geometry {
+        Geometry::Circle { radius } => Outline { core: Core::Point(Vec2::ZERO), radius: *radius },
         Geometry::Rectangle { width, height } => {
             let (x, y) = (half(*width), half(*height));
             let corners = [Vec2::new(-x, -y), Vec2::new(x, -y), Vec2::new(x, y), Vec2::new(-x, y)];
@@ -126,9 +156,10 @@ pub(super) fn outlines<S: Scalar>(geometry: &Geometry<S>) -> Arc<[Outline<S>]> {
         }
         Geometry::Polygon { corners } => Outline::of(Arc::clone(corners), S::ZERO),
         Geometry::Segment { ends } => Outline::of(Arc::new(*ends), S::ZERO),
-        Geometry::Compound { parts } => return parts.iter().flat_map(of_part).collect::<Vec<_>>().into(),
-    };
-    Arc::new([outline])
+        Geometry::Compound { parts } => {
+            return Outlines::Parts(parts.iter().flat_map(of_part).collect::<Vec<_>>().into());
+        }
+    })
 }
 
 /// The outlines of a part of a compound, where the compound has it.
