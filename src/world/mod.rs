@@ -141,7 +141,7 @@ fn check_sleep_after(ticks: Option<u32>) -> Result<(), Error> {
 /// | the first change after a copy was made | all bodies or all fields, whichever it changes: copies share them until then |
 /// | `step`, `step_back` | the bodies that move, and for each the fields that act on it |
 /// | all that reads the whole world: `bodies`, `fields`, `bodies_with_key`, energies, hashes, copies, differences, drawing | the world |
-/// | [`preview`](Self::look_ahead) | all fields, and the bodies that its body depends on |
+/// | [`preview`](Self::preview) | all fields, and the bodies that its body depends on |
 ///
 /// Some calls leave work to the next step, which does it once, however many calls asked for it: a change of the time step, the
 /// integrator, gravity or damping has it make the factors of the bodies that move, those of bodies that are damped alike once;

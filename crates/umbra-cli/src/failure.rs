@@ -98,15 +98,15 @@ impl Failure {
             Self::Replay { file, error } => write!(f, "{}: {error}", text::path(file)),
             Self::File { file, doing, error } => write!(f, "{}: cannot {doing}: {error}", text::path(file)),
             Self::Option { what } | Self::Usage { what } => f.write_str(what),
-            Self::Verify { bad, of, .. } => write!(f, "{bad} of {of} not ok"),
+            Self::Verify { bad, of, .. } => write!(f, "{bad} of {of} files are not as recorded"),
             Self::Differ { files: [a, b] } => write!(f, "{} and {} are not the same", text::path(a), text::path(b)),
             Self::Foreign { file } => {
-                write!(f, "{}: neither a replay nor a desync dump of umbra-physics", text::path(file))
+                write!(f, "{}: expected a replay or a desync dump of umbra-physics", text::path(file))
             }
             Self::Clash { file, with } => {
                 write!(f, "{}: cannot write: this is {with}; choose another path", text::path(file))
             }
-            Self::Selftest => f.write_str("the self-test does not give the digests that every machine is to give"),
+            Self::Selftest => f.write_str("the self-test does not give the golden digests, which every machine must give"),
             Self::Picture { file, what } => write!(f, "{}: cannot draw: {what}", text::path(file)),
         }
     }

@@ -127,7 +127,7 @@ pub(super) fn kind(node: &Node<'_>) -> Result<BodyKind> {
 pub(super) fn mass(object: &Object<'_>) -> Result<Option<Mass>> {
     let (mass, density, inertia) = (object.get("mass"), object.get("density"), object.get("inertia"));
     match (mass, density, inertia) {
-        (Some(_), Some(density), _) => Err(density.fault("there is `mass` already: one of them only")),
+        (Some(_), Some(density), _) => Err(density.fault("`mass` is given already: give only one of the two")),
         (None, _, Some(inertia)) => Err(inertia.fault("an `inertia` needs a `mass` beside it")),
         (Some(mass), None, Some(inertia)) => {
             Ok(Some(Mass::Explicit { mass: mass.number()?, inertia: inertia.number()? }))

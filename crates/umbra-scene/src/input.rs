@@ -106,10 +106,10 @@ pub(super) fn input(object: &Object<'_>, scene: &mut Scene, tables: &mut Tables)
     let is_added =
         |(_, action): &(Place, SceneAction)| matches!(action, SceneAction::AddBody(_) | SceneAction::AddField(_));
     if let Some((place, _)) = deeds.iter().find(|action| from != to && is_added(action)) {
-        return Err(place.fault(Flaw::OutOfRange.of("out of range: what has a name is added once, `at` one tick")));
+        return Err(place.fault(Flaw::OutOfRange.of("out of range: a body or field with a name is added once: give `at` with one tick")));
     }
     if deeds.is_empty() {
-        return Err(object.node.fault("this input does nothing"));
+        return Err(object.node.fault("this input does nothing: give it an action such as `force`, `set` or `do`"));
     }
     check_count(&object.node, (scene.inputs.len() + deeds.len()) as u64, tables.most)?;
     let inputs = deeds.into_iter().map(|(place, action)| Input { from, to, every, action, place });
@@ -127,7 +127,7 @@ fn span(object: &Object<'_>) -> Result<(u64, u64, u64)> {
     let to = object.need("to")?;
     let (last, every): (u64, u64) = (to.whole()?, object.or("every", 1, Node::whole)?);
     if last < first {
-        return Err(to.fault(Flaw::OutOfRange.of("out of range: the last tick is before the first")));
+        return Err(to.fault(Flaw::OutOfRange.of("out of range: the last tick is before the first: expected `to` of at least `from`")));
     }
     if every == 0 {
         return Err(object

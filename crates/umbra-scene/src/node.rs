@@ -176,7 +176,7 @@ impl<'a> Node<'a> {
             }
             Ok(())
         })?;
-        let other = |_| self.fault(Flaw::WrongKind.of(format_args!("expected a list of {N}, found {count} in it")));
+        let other = |_| self.fault(Flaw::WrongKind.of(format_args!("expected a list of {N} values, found {count}")));
         if count > N { Err(other(nodes)) } else { nodes.try_into().map_err(other) }
     }
 
@@ -189,7 +189,7 @@ impl<'a> Node<'a> {
             let dot = if self.field.is_empty() { "" } else { "." };
             let node = self.child(raw, format_args!("{dot}{}", in_a_line(&name)));
             if entries.iter().any(|entry| entry.name == name) {
-                return Err(node.fault(Flaw::Doubled.of("this field is there twice")));
+                return Err(node.fault(Flaw::Doubled.of("this field is given twice: give it once")));
             }
             if entries.len() == FIELDS {
                 return Err(node.fault(Flaw::TooMany.of(format_args!("out of range: at most {FIELDS} fields"))));
@@ -214,7 +214,7 @@ impl<'a> Node<'a> {
         // Names and titles go to terminals, tables and pictures, where these would do something.
         if let Some(control) = text.chars().find(|c| c.is_control()) {
             let found = control.escape_debug();
-            return Err(self.fault(Flaw::Text.of(format_args!("a text has no control characters: found {found}"))));
+            return Err(self.fault(Flaw::Text.of(format_args!("a text must not have control characters: found {found}"))));
         }
         match self.round {
             Some(round) => round.fill(&text).map_err(|message| self.fault(Flaw::Text.of(message))),
@@ -283,7 +283,7 @@ impl<'a> Object<'a> {
         for name in names {
             if let Some(node) = self.get(name) {
                 if let Some((other, _)) = found {
-                    return Err(node.fault(format_args!("there is `{other}` already: one of them only")));
+                    return Err(node.fault(format_args!("`{other}` is given already: give only one of the two")));
                 }
                 found = Some((*name, node));
             }

@@ -64,7 +64,7 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
         if scene.starting_bodies > scene.bodies.len() || scene.starting_fields > scene.fields.len() {
             return Err(scene
                 .place
-                .fault(Flaw::OutOfRange.of("out of range: more are there from the start than there are")));
+                .fault(Flaw::OutOfRange.of("out of range: the start has more bodies or force fields than the scene")));
         }
         for index in 0..scene.starting_bodies {
             run.carry_out(&SceneAction::AddBody(index), &mut ())

@@ -75,7 +75,7 @@ pub(super) fn random(node: &Node<'_>) -> Result<Random> {
     let [a, b, c, d] = node.tuple()?;
     let state = [a.whole()?, b.whole()?, c.whole()?, d.whole()?];
     Random::from_state(state)
-        .ok_or_else(|| node.fault("out of range: a generator whose state is four zeros never moves"))
+        .ok_or_else(|| node.fault("out of range: the state of a generator must not be four zeros"))
 }
 
 /// Two hexadecimal digits a byte.
@@ -122,7 +122,7 @@ pub(super) fn plot(node: &Node<'_>, bodies: &Names) -> Result<Plot> {
         let [least, most] = node.tuple()?;
         let (least, most) = (least.point()?, most.point()?);
         if least.x >= most.x || least.y >= most.y {
-            return Err(node.fault("expected the lower left and the upper right corner"));
+            return Err(node.fault("expected the lower left corner, then the upper right one"));
         }
         Ok([least, most])
     });

@@ -112,7 +112,7 @@ fn broken_json_is_found_by_line_and_column() {
 fn deep_nesting_costs_no_stack() {
     let deep = |open: &str, close: &str| open.repeat(200_000) + "1" + &close.repeat(200_000);
     let scene = format!("{{\n\"gravity\": {}}}", deep("[", "]"));
-    assert_eq!(refused("deep.json", scene), ":2: gravity: expected a list of 2, found 1 in it");
+    assert_eq!(refused("deep.json", scene), ":2: gravity: expected a list of 2 values, found 1");
     let scene = format!("{{\n\"gravity\": [{}, 0]}}", deep("[", "]"));
     assert_eq!(refused("deeper.json", scene), ":2: gravity[0]: expected a number, found a list");
     let scene = format!("{{\n\"depth\": {}}}", deep("{\"a\":", "}"));
@@ -129,17 +129,17 @@ fn unknown_doubled_and_missing_fields_are_named() {
     assert!(unknown.starts_with(":4: bodies[0].wieght: unknown field; there are repeat, name, kind, "), "{unknown}");
     assert_eq!(
         refused("doubled.json", with_body("\"mass\": 5, \"mass\": 5")),
-        ":3: bodies[0].mass: this field is there twice"
+        ":3: bodies[0].mass: this field is given twice: give it once"
     );
     assert_eq!(
         refused("escaped.json", with_body(r#""mass": 5, "m\u0061ss": 5"#)),
-        ":3: bodies[0].mass: this field is there twice"
+        ":3: bodies[0].mass: this field is given twice: give it once"
     );
     assert_eq!(refused("nameless.json", "{\"bodies\": [\n{}]}"), ":2: bodies[0]: the field `name` is missing");
     let lines = refused("lines.json", with_body(r#""two\nlines": 5"#));
     assert!(lines.starts_with(r":3: bodies[0].two\nlines: unknown field"), "{lines}");
     let control = refused("control.json", r#"{"title": "\u001b[31mred"}"#);
-    assert_eq!(control, r":1: title: a text has no control characters: found \u{1b}");
+    assert_eq!(control, r":1: title: a text must not have control characters: found \u{1b}");
     let top = refused("top.json", "{\"bodys\": []}");
     assert!(top.starts_with(":1: bodys: unknown field; there are title, about, "), "{top}");
 }
@@ -147,11 +147,11 @@ fn unknown_doubled_and_missing_fields_are_named() {
 #[test]
 fn doubled_names_are_refused() {
     let scene = "{\"bodies\": [{\"name\": \"a\"},\n{\"name\": \"b\"},\n{\"name\": \"a\"}]}";
-    assert_eq!(refused("names.json", scene), ":3: bodies[2].name: there is a body \"a\" already");
+    assert_eq!(refused("names.json", scene), ":3: bodies[2].name: there is a body \"a\" already: choose another name");
     let scene = "{\"bodies\": [{\"repeat\": {\"i\": 2}, \"name\": \"a\"}]}";
-    assert_eq!(refused("rounds.json", scene), ":1: bodies[0](i=1).name: there is a body \"a\" already");
+    assert_eq!(refused("rounds.json", scene), ":1: bodies[0](i=1).name: there is a body \"a\" already: choose another name");
     let scene = "{\"fields\": [{\"name\": \"f\", \"drag\": {}}, {\"name\": \"f\", \"drag\": {}}]}";
-    assert_eq!(refused("fields.json", scene), ":1: fields[1].name: there is a force field \"f\" already");
+    assert_eq!(refused("fields.json", scene), ":1: fields[1].name: there is a force field \"f\" already: choose another name");
 }
 
 #[test]
@@ -166,7 +166,7 @@ fn numbers_out_of_range_are_refused_at_their_field() {
         ("\"mass\": null", "mass: expected a number, found null"),
         ("\"mass\": 1, \"inertia\": 0", "inertia: out of range: expected a moment of inertia above zero"),
         ("\"position\": [0, 1.1e9]", "position: out of range: expected a position within ±2^30 m"),
-        ("\"position\": [0]", "position: expected a list of 2, found 1 in it"),
+        ("\"position\": [0]", "position: expected a list of 2 values, found 1"),
         ("\"velocity\": [2e6, 0]", "velocity: out of range: expected a velocity within ±2^20 m/s a component"),
         ("\"damping\": {\"linear\": 1.5}", "damping.linear: out of range: expected a damping from 0 to 1"),
         ("\"gravity_scale\": 17", "gravity_scale: out of range: expected a gravity scale within ±16"),
@@ -259,11 +259,11 @@ fn inputs_are_tried_before_the_run() {
     let cases = [
         ("{\"at\": 5, \"body\": \"b\", \"force\": [0, 1]}", "body: there is no body \"b\""),
         ("{\"at\": 5, \"body\": \"s\", \"force\": [0, 1]}", "force: at tick 5: \"s\" is not dynamic"),
-        ("{\"at\": 5, \"body\": \"a\"}", ": this input does nothing"),
+        ("{\"at\": 5, \"body\": \"a\"}", ": this input does nothing: give it an action such as `force`, `set` or `do`"),
         ("{\"body\": \"a\", \"force\": [0, 1]}", ": one of the fields at, from is missing"),
         (
             "{\"from\": 5, \"to\": 4, \"body\": \"a\", \"force\": [0, 1]}",
-            "to: out of range: the last tick is before the first",
+            "to: out of range: the last tick is before the first: expected `to` of at least `from`",
         ),
         (
             "{\"at\": 5, \"body\": \"a\", \"set\": {\"mass\": -1}}",

@@ -258,7 +258,7 @@ fn a_changed_byte_is_named_by_tick_moment_body_and_field() {
         "tampered  {changed}  changed after it was recorded: tick 2, calls, body 1, calls[0].action.impulse.x: 3 and {ulp_more} [E405]\n"
     );
     assert_eq!(self::text(&output.stdout), expected);
-    assert_eq!(self::text(&output.stderr), "1 of 1 not ok\n");
+    assert_eq!(self::text(&output.stderr), "1 of 1 files are not as recorded\n");
 }
 
 #[test]
@@ -348,7 +348,7 @@ fn files_come_in_the_order_given_whatever_is_done_at_once() {
         .strip_prefix(&format!("ok  {short}  16 ticks, 16 hashes, "))
         .and_then(|rest| rest.strip_suffix("× real time"));
     assert!(factor.is_some_and(|factor| factor.replace(',', "").parse::<f64>().is_ok_and(|it| it > 0.0)), "{ok}");
-    assert_eq!(text(&output.stderr), "1 of 2 not ok\n", "no progress but on a terminal");
+    assert_eq!(text(&output.stderr), "1 of 2 files are not as recorded\n", "no progress but on a terminal");
 }
 
 #[test]
@@ -457,7 +457,7 @@ fn diff_reads_what_is_cut_off_and_refuses_what_is_no_recording() {
         }
     };
     refused(&changed, "changed after it was recorded: ");
-    refused("scenes/kepler.json", "neither a replay nor a desync dump of umbra-physics");
+    refused("scenes/kepler.json", "expected a replay or a desync dump of umbra-physics");
     refused(&folder.path("none"), "cannot read: ");
 }
 
