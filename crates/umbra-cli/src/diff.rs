@@ -81,7 +81,9 @@ pub(crate) fn diff(options: &Options) -> Result<(), Failure> {
             let all = finding.as_ref().filter(|_| options.all).map(|finding| at_moment(&a, &b, finding));
             report(finding, all, [&a, &b].map(|dump| (dump.tick() + 1, true)), options)
         }
-        _ => Err(Failure::Option { what: "a replay and a desync dump cannot be compared: give two replays or two dumps".to_string() }),
+        _ => Err(Failure::Option {
+            what: "a replay and a desync dump cannot be compared: give two replays or two dumps".to_string(),
+        }),
     }
 }
 

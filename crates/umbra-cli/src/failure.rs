@@ -106,7 +106,9 @@ impl Failure {
             Self::Clash { file, with } => {
                 write!(f, "{}: cannot write: this is {with}; choose another path", text::path(file))
             }
-            Self::Selftest => f.write_str("the self-test does not give the golden digests, which every machine must give"),
+            Self::Selftest => {
+                f.write_str("the self-test does not give the golden digests, which every machine must give")
+            }
             Self::Picture { file, what } => write!(f, "{}: cannot draw: {what}", text::path(file)),
         }
     }

@@ -101,7 +101,9 @@ pub(crate) fn run(options: &Options) -> Result<(), Failure> {
     }
     match (options.scalar, &outputs.record) {
         (Numbers::Fx, Some(to)) => record(&scene, options, &outputs, to),
-        (_, Some(_)) => Err(Failure::Option { what: "--record needs --scalar fx: a replay has fixed-point states".to_owned() }),
+        (_, Some(_)) => {
+            Err(Failure::Option { what: "--record needs --scalar fx: a replay has fixed-point states".to_owned() })
+        }
         (Numbers::Fx, None) => start::<Fx>(&scene, options, &outputs),
         (Numbers::F64, None) => start::<f64>(&scene, options, &outputs),
         (Numbers::F32, None) => start::<f32>(&scene, options, &outputs),

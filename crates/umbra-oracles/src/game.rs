@@ -10,7 +10,7 @@ use umbra_physics::{Command, FieldKind, ForceField, ForceOrImpulse, Fx, Stepper,
 /// All of a game's state is meant to be in its world: user data, [`World::random_mut`], [`World::set_blob`]. A value of this
 /// type is a match that has not begun; oracles clone it, begin it, and find what a match keeps beside its world.
 ///
-/// All that a tick does to the world goes through the driver, as [`SceneRun::advance_by`](umbra_scene::SceneRun::advance_by)
+/// All that a tick does to the world goes through the driver, as `SceneRun::advance_by` of `umbra-scene`
 /// does it: commands, and one step. Otherwise oracles cannot see to it; the world's generator and blob are free. In the
 /// game itself the driver is `&mut ()`, or a [`Recorder`](umbra_physics::Recorder).
 pub trait Game: Clone {
@@ -43,7 +43,7 @@ pub trait Game: Clone {
 
     /// The groups that bystanders are in, for [`Oracle::Bystanders`](super::Oracle::Bystanders): none, unless it says so. Fields
     /// act on bystanders in their groups.
-    fn stranger_groups(&self) -> u32 {
+    fn bystander_groups(&self) -> u32 {
         0
     }
 }
@@ -133,7 +133,7 @@ pub(super) trait Subject {
     fn symmetries(&self) -> Vec<Symmetry>;
     fn image(&self, input: &Self::Input, symmetry: &Symmetry) -> Option<Self::Input>;
     fn renamed(&self, input: &Self::Input, handles: &Handles) -> Self::Input;
-    fn stranger_groups(&self) -> u32;
+    fn bystander_groups(&self) -> u32;
     /// The inputs at other ticks and in another order, by their places in the list.
     fn arranged(&self, course: &Course<Self::Input>, order: Vec<(u64, usize)>, ticks: u64) -> Course<Self::Input>;
     /// Returns the inputs in another order, which `turn` makes of lists of places, and what has to be the same then.
@@ -174,8 +174,8 @@ impl<G: Game> Subject for Played<'_, G> {
         self.0.renamed(input, handles)
     }
 
-    fn stranger_groups(&self) -> u32 {
-        self.0.stranger_groups()
+    fn bystander_groups(&self) -> u32 {
+        self.0.bystander_groups()
     }
 
     fn arranged(&self, course: &Course<G::Input>, order: Vec<(u64, usize)>, ticks: u64) -> Course<G::Input> {
@@ -242,7 +242,7 @@ impl Subject for Commands {
         handles.command(command)
     }
 
-    fn stranger_groups(&self) -> u32 {
+    fn bystander_groups(&self) -> u32 {
         // Nobody looks at them, so fields may act on them.
         u32::MAX
     }

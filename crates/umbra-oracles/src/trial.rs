@@ -211,7 +211,7 @@ impl<'a, S: Subject> Trial<'a, S> {
     }
 
     fn bystanders(&self) -> Judged {
-        let groups = self.subject.stranger_groups();
+        let groups = self.subject.bystander_groups();
         let mut verdict = Verdict::Held;
         for count in [1, 6, MOST] {
             let enter = |world: &mut World| Bystanders::enter(world, count, groups);

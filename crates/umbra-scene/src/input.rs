@@ -49,8 +49,8 @@ pub enum SceneAction {
 
 /// Reads an input, which may do several things in the order in which they stand here.
 pub(super) fn input(object: &Object<'_>, scene: &mut Scene, tables: &mut Tables) -> Result<()> {
-    let mut deeds = Vec::new();
-    let mut push = |node: &Node<'_>, action| deeds.push((node.place(), action));
+    let mut actions = Vec::new();
+    let mut push = |node: &Node<'_>, action| actions.push((node.place(), action));
     if let Some(node) = object.get("add") {
         push(node, SceneAction::AddBody(scene.add_body(body(&node.object()?)?, node, tables)?));
     }
@@ -60,7 +60,7 @@ pub(super) fn input(object: &Object<'_>, scene: &mut Scene, tables: &mut Tables)
     }
     if let Some(node) = object.get("body") {
         let target = symbol(named(node, &tables.bodies, "body")?);
-        actions(object, target, &mut push)?;
+        read_forces(object, target, &mut push)?;
         if let Some(node) = object.get("move_to") {
             let goal = node.object()?;
             let (position, angle) = (goal.need("position")?.point()?, goal.or("angle", Fx::ZERO, Node::number)?);
@@ -105,14 +105,16 @@ pub(super) fn input(object: &Object<'_>, scene: &mut Scene, tables: &mut Tables)
     object.finish()?;
     let is_added =
         |(_, action): &(Place, SceneAction)| matches!(action, SceneAction::AddBody(_) | SceneAction::AddField(_));
-    if let Some((place, _)) = deeds.iter().find(|action| from != to && is_added(action)) {
-        return Err(place.fault(Flaw::OutOfRange.of("out of range: a body or field with a name is added once: give `at` with one tick")));
+    if let Some((place, _)) = actions.iter().find(|action| from != to && is_added(action)) {
+        return Err(place.fault(
+            Flaw::OutOfRange.of("out of range: a body or field with a name is added once: give `at` with one tick"),
+        ));
     }
-    if deeds.is_empty() {
+    if actions.is_empty() {
         return Err(object.node.fault("this input does nothing: give it an action such as `force`, `set` or `do`"));
     }
-    check_count(&object.node, (scene.inputs.len() + deeds.len()) as u64, tables.most)?;
-    let inputs = deeds.into_iter().map(|(place, action)| Input { from, to, every, action, place });
+    check_count(&object.node, (scene.inputs.len() + actions.len()) as u64, tables.most)?;
+    let inputs = actions.into_iter().map(|(place, action)| Input { from, to, every, action, place });
     scene.inputs.extend(inputs);
     Ok(())
 }
@@ -127,7 +129,9 @@ fn span(object: &Object<'_>) -> Result<(u64, u64, u64)> {
     let to = object.need("to")?;
     let (last, every): (u64, u64) = (to.whole()?, object.or("every", 1, Node::whole)?);
     if last < first {
-        return Err(to.fault(Flaw::OutOfRange.of("out of range: the last tick is before the first: expected `to` of at least `from`")));
+        return Err(to.fault(
+            Flaw::OutOfRange.of("out of range: the last tick is before the first: expected `to` of at least `from`"),
+        ));
     }
     if every == 0 {
         return Err(object
@@ -138,7 +142,7 @@ fn span(object: &Object<'_>) -> Result<(u64, u64, u64)> {
 }
 
 /// Forces and impulses.
-fn actions(object: &Object<'_>, target: BodyId, push: &mut impl FnMut(&Node<'_>, SceneAction)) -> Result<()> {
+fn read_forces(object: &Object<'_>, target: BodyId, push: &mut impl FnMut(&Node<'_>, SceneAction)) -> Result<()> {
     let frame = |node: &Node<'_>| node.choice(&[("world", Frame::World), ("body", Frame::Body)]);
     let manner =
         ApplyOptions { frame: object.or("frame", Frame::World, frame)?, wake: object.or("wake", true, Node::boolean)? };

@@ -224,7 +224,9 @@ impl Scene {
         check_name(&body.name, node)?;
         repeat::check_count(node, index as u64 + 1, tables.most)?;
         if tables.bodies.insert(body.name.clone(), index).is_some() {
-            return Err(node.fault(Flaw::Taken.of(format_args!("there is a body {} already: choose another name", quoted(&body.name)))));
+            return Err(node.fault(
+                Flaw::Taken.of(format_args!("there is a body {} already: choose another name", quoted(&body.name))),
+            ));
         }
         self.bodies.push(body);
         Ok(index)
@@ -236,7 +238,10 @@ impl Scene {
         if let Some(name) = &field.name {
             check_name(name, node)?;
             if tables.fields.insert(name.clone(), index).is_some() {
-                return Err(node.fault(Flaw::Taken.of(format_args!("there is a force field {} already: choose another name", quoted(name)))));
+                return Err(node.fault(
+                    Flaw::Taken
+                        .of(format_args!("there is a force field {} already: choose another name", quoted(name))),
+                ));
             }
         }
         self.fields.push(field);

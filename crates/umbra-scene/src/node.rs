@@ -214,7 +214,9 @@ impl<'a> Node<'a> {
         // Names and titles go to terminals, tables and pictures, where these would do something.
         if let Some(control) = text.chars().find(|c| c.is_control()) {
             let found = control.escape_debug();
-            return Err(self.fault(Flaw::Text.of(format_args!("a text must not have control characters: found {found}"))));
+            return Err(
+                self.fault(Flaw::Text.of(format_args!("a text must not have control characters: found {found}")))
+            );
         }
         match self.round {
             Some(round) => round.fill(&text).map_err(|message| self.fault(Flaw::Text.of(message))),

@@ -256,7 +256,7 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
         known.ok_or(Error::NoSuchField { field: symbol })
     }
 
-    /// Puts an error of the engine's where the deed stands that it refuses.
+    /// Puts an error of the engine at the place of the input that it refuses.
     fn blame(&self, place: &Place, tick: u64, error: Error) -> SceneError {
         place.fault(Coded(error.code(), format_args!("at tick {tick}: {}", self.explain(error))))
     }

@@ -74,8 +74,7 @@ pub(super) fn random(node: &Node<'_>) -> Result<Random> {
     }
     let [a, b, c, d] = node.tuple()?;
     let state = [a.whole()?, b.whole()?, c.whole()?, d.whole()?];
-    Random::from_state(state)
-        .ok_or_else(|| node.fault("out of range: the state of a generator must not be four zeros"))
+    Random::from_state(state).ok_or_else(|| node.fault("out of range: the state of a generator must not be four zeros"))
 }
 
 /// Two hexadecimal digits a byte.

@@ -192,6 +192,7 @@ impl Node<'_> {
         // |sin| and |cos| are at most 1. Against the largest length there is room for it one way alone: −2^31 turned round is no `Fx`.
         let component = |unit| length.checked_mul(unit);
         let vector = component(cos).zip(component(sin)).map(|(x, y)| Vec2::new(x, y));
-        vector.ok_or_else(|| self.fault(Flaw::OutOfRange.of("out of range: a component of the vector is not below 2^31")))
+        vector
+            .ok_or_else(|| self.fault(Flaw::OutOfRange.of("out of range: a component of the vector is not below 2^31")))
     }
 }

@@ -175,7 +175,7 @@ impl Scene {
     fn command(&self, object: &mut Fields, command: &Command) {
         let set = |object: &mut Fields, property, value: String| object.put("set", Fields::of(property, value));
         match *command {
-            // These have deeds of their own; as commands no run carries them out, but they read alike.
+            // A scene has actions of its own for these. As commands no run carries them out, but they read alike.
             Command::AddBody(ref def) => object.put("add", body_text(Fields::default(), def, None)),
             Command::AddField(ref field) => object.put("add_field", self.field(Fields::default(), field)),
             Command::SetShape { body, ref shape } => {

@@ -45,7 +45,9 @@ pub(crate) fn compare(options: &Options) -> Result<(), Failure> {
     scene.inputs.retain(|input| !matches!(input.action, SceneAction::Command(Command::SetIntegrator(_))));
     let ticks = options.ticks.unwrap_or(scene.ticks);
     if ticks == 0 {
-        return Err(Failure::Option { what: format!("{}: nothing moves in 0 ticks: give --ticks of at least 1", text::path(&options.scene)) });
+        return Err(Failure::Option {
+            what: format!("{}: nothing moves in 0 ticks: give --ticks of at least 1", text::path(&options.scene)),
+        });
     }
     let finer = finer(&scene, options)?;
     let stride = Stride::of(&scene, ticks);

@@ -149,9 +149,15 @@ fn doubled_names_are_refused() {
     let scene = "{\"bodies\": [{\"name\": \"a\"},\n{\"name\": \"b\"},\n{\"name\": \"a\"}]}";
     assert_eq!(refused("names.json", scene), ":3: bodies[2].name: there is a body \"a\" already: choose another name");
     let scene = "{\"bodies\": [{\"repeat\": {\"i\": 2}, \"name\": \"a\"}]}";
-    assert_eq!(refused("rounds.json", scene), ":1: bodies[0](i=1).name: there is a body \"a\" already: choose another name");
+    assert_eq!(
+        refused("rounds.json", scene),
+        ":1: bodies[0](i=1).name: there is a body \"a\" already: choose another name"
+    );
     let scene = "{\"fields\": [{\"name\": \"f\", \"drag\": {}}, {\"name\": \"f\", \"drag\": {}}]}";
-    assert_eq!(refused("fields.json", scene), ":1: fields[1].name: there is a force field \"f\" already: choose another name");
+    assert_eq!(
+        refused("fields.json", scene),
+        ":1: fields[1].name: there is a force field \"f\" already: choose another name"
+    );
 }
 
 #[test]

@@ -278,7 +278,10 @@ fn a_vector_of_the_greatest_length_fits_or_is_refused() {
     };
     // Turned round it is one ulp above the largest number.
     let turned = vector("-2147483648", "3.14159265358979");
-    assert!(turned.starts_with("2: inputs[0].set.gravity: out of range: a component of the vector is not below 2^31"), "{turned}");
+    assert!(
+        turned.starts_with("2: inputs[0].set.gravity: out of range: a component of the vector is not below 2^31"),
+        "{turned}"
+    );
     assert!(vector("-2147483648", "0").contains("gravity within"));
 }
 
