@@ -2,7 +2,7 @@
 //! this and asserts that a scene does not pay for what it lacks.
 //!
 //! Needs valgrind and gungraun-runner, which has to be of gungraun's version:
-//! `cargo bench --features float --bench instructions`.
+//! `cargo bench -p umbra-physics --features float --bench instructions`.
 
 use std::hint::black_box;
 

@@ -67,16 +67,13 @@ mod integrate;
 mod kernel;
 pub mod limits;
 mod math;
-#[cfg(feature = "oracles")]
-pub mod oracle;
 mod replay;
 pub mod scalar;
-#[cfg(feature = "scene")]
-pub mod scene;
 #[cfg(feature = "selftest")]
 pub mod selftest;
 mod shape;
 mod step;
+mod symmetry;
 mod world;
 
 pub use body::{Activity, BodyDef, BodyKind, Locks, Mass};
@@ -101,6 +98,7 @@ pub use scalar::{FxAccumulator, FxFactor, FxWide, Scalar, SpringConstants, Turn}
 pub use shape::{Aabb, Geometry, Outline, Part, Shape};
 #[cfg(feature = "timers")]
 pub use step::Timers;
+pub use symmetry::Symmetry;
 pub use world::{
     ApplyOptions, BodyRef, Command, Created, Event, ForceOrImpulse, Frame, History, Input, InputResult, Inputs,
     InputsIter, Preview, StepReport, Stepper, TickReport, Trace, World, WorldDef, step_all,

@@ -32,10 +32,6 @@ mod random;
 mod readers;
 mod reverse;
 mod rollback;
-#[cfg(feature = "cli")]
-mod scene_text;
-#[cfg(feature = "cli")]
-mod scenes;
 #[cfg(feature = "serde")]
 mod serde;
 mod snapshot;

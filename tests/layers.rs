@@ -19,10 +19,32 @@ const LEVELS: [&[&str]; 14] = [
     &["force", "integrate"],
     &["step"],
     &["world"],
-    &["display", "replay", "scene"],
-    &["selftest", "oracle"],
-    &["bin", "guide"],
+    &["display", "replay", "symmetry"],
+    &["selftest"],
+    &["guide"],
 ];
+
+/// The packages beside the library, each with those among ours that it depends on. The compiler holds that they name public items
+/// alone; the tests below hold that there is no way round that.
+const PACKAGES: [(&str, &[&str]); 4] = [
+    ("umbra-cli", &["umbra-physics", "umbra-scene", "umbra-selftest"]),
+    ("umbra-oracles", &["umbra-physics"]),
+    ("umbra-scene", &["umbra-physics"]),
+    ("umbra-selftest", &["umbra-physics"]),
+];
+
+/// A file of the repository.
+fn text(path: &str) -> String {
+    fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(path))
+        .unwrap_or_else(|error| panic!("{path}: {error}"))
+}
+
+/// The lines of a part of a manifest, `[name]`, that say something.
+fn section<'a>(manifest: &'a str, name: &str) -> Vec<&'a str> {
+    let (_, rest) = manifest.split_once(&format!("\n[{name}]\n")).unwrap_or_else(|| panic!("no [{name}]"));
+    let lines = rest.lines().take_while(|line| !line.starts_with('['));
+    lines.filter(|line| !line.is_empty() && !line.starts_with('#')).collect()
+}
 
 fn level(module: &str) -> Option<usize> {
     LEVELS.iter().position(|modules| modules.contains(&module))
@@ -107,10 +129,6 @@ fn wrong_imports(path: &str, source: &str) -> Vec<String> {
     let Some(own_level) = level(own) else {
         return if own == "lib" { Vec::new() } else { vec![format!("{path}: {own} is on no level")] };
     };
-    // The program is a crate of its own: its `crate` is not ours, which it names `umbra_physics`.
-    if own == "bin" {
-        return Vec::new();
-    }
     let code = code_of(source);
     let mut wrong = Vec::new();
     let mut check = |named: &str| match level(named) {
@@ -142,7 +160,15 @@ fn wrong_imports(path: &str, source: &str) -> Vec<String> {
     wrong
 }
 
+/// The sources of the library, by their paths below `src`.
 fn sources() -> Vec<(String, String)> {
+    let files = sources_below("src");
+    assert!(files.len() > 40, "only {} files found", files.len());
+    files
+}
+
+/// The sources below a folder of the repository, by their paths in it.
+fn sources_below(folder: &str) -> Vec<(String, String)> {
     fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
         for entry in fs::read_dir(folder).expect("a folder of the crate") {
             let path = entry.expect("an entry").path();
@@ -153,10 +179,9 @@ fn sources() -> Vec<(String, String)> {
             }
         }
     }
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
     let mut files = Vec::new();
     collect(&root, &mut files);
-    assert!(files.len() > 40, "only {} files found", files.len());
     let named = |path: &PathBuf| {
         let below = path.strip_prefix(&root).expect("below src");
         let name = below.iter().map(|part| part.to_string_lossy()).collect::<Vec<_>>().join("/");
@@ -172,7 +197,7 @@ const TIMERS: &str = "step/timers.rs";
 
 /// The library's files, without the file of tests that compares with arbitrary precision.
 fn library() -> Vec<(String, String)> {
-    sources().into_iter().filter(|(path, _)| !path.starts_with("bin/") && path != "scalar/checks.rs").collect()
+    sources().into_iter().filter(|(path, _)| path != "scalar/checks.rs").collect()
 }
 
 #[test]
@@ -289,17 +314,95 @@ fn the_library_uses_neither_std_nor_the_outside() {
             assert_eq!(words(code, word).next(), None, "{path} names {word}");
         }
     }
-    let root = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("src/lib.rs")).expect("the root");
+    let root = text("src/lib.rs");
     assert!(root.contains("#![no_std]"));
     assert!(root.contains("forbid(unsafe_code)"), "where there are no vectors");
     let code = code_of(&root);
     // The one use of std: linking it for the feature of its name.
     assert_eq!(words(&code, "std").count(), 1, "{:?}", words(&code, "std").map(|at| &code[at..]).collect::<Vec<_>>());
-    let manifest = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml")).expect("the manifest");
+    let manifest = text("Cargo.toml");
     assert!(manifest.contains("unsafe_code = \"deny\""));
     let mut named = files_with("unsafe_code");
     named.sort();
     assert_eq!(named, ["lib.rs", LANES], "who denies it, and who allows it");
+}
+
+#[test]
+fn packages_beside_the_library_depend_on_it_and_name_public_items_alone() {
+    let is_hidden = |(_, source): &(String, String)| source.contains("#[doc(hidden)]");
+    let hidden: Vec<String> = sources().into_iter().filter(is_hidden).map(|(path, _)| path).collect();
+    for (package, expected) in PACKAGES {
+        let manifest = text(&format!("crates/{package}/Cargo.toml"));
+        let mut ours: Vec<&str> = section(&manifest, "dependencies")
+            .into_iter()
+            .filter_map(|line| line.split_once(" = ").map(|(name, _)| name))
+            .filter(|name| name.starts_with("umbra-"))
+            .collect();
+        ours.sort_unstable();
+        assert_eq!(ours, expected, "{package}");
+        let files = sources_below(&format!("crates/{package}/src"));
+        assert!(!files.is_empty(), "{package}");
+        for (path, source) in files {
+            let code = code_of(&source);
+            // Neither a file of another package as a module of this one, nor an item that is public for a macro's sake.
+            for way_round in ["#[path", "include!", "from_literal"] {
+                assert!(!code.contains(way_round), "{package}/src/{path}: {way_round}");
+            }
+        }
+    }
+    // `Fx::from_literal`, for `fx!`.
+    assert!(hidden.iter().all(|path| path.starts_with("scalar/")), "{hidden:?}");
+    let folders = fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("crates")).expect("the packages").count();
+    assert_eq!(folders, PACKAGES.len());
+}
+
+#[test]
+fn the_library_has_few_features_and_few_optional_dependencies() {
+    let manifest = text("Cargo.toml");
+    let features: Vec<&str> =
+        section(&manifest, "features").into_iter().filter(|line| !line.starts_with("default = ")).collect();
+    assert!(features.len() <= 7, "{features:?}");
+    let optional = section(&manifest, "dependencies").into_iter().filter(|line| line.contains("optional = true"));
+    assert!(optional.clone().count() <= 4, "{:?}", optional.collect::<Vec<_>>());
+}
+
+/// Enums that are open to more variants, with the files beside the library that have to know each: there the compiler asks for no
+/// more than `_`.
+const KNOWN: [(&str, &str, &[&str]); 3] = [
+    (
+        "src/world/command.rs",
+        "Command",
+        &["umbra-oracles/src/handles.rs", "umbra-scene/src/run.rs", "umbra-scene/src/text.rs"],
+    ),
+    ("src/force/field.rs", "FieldKind", &["umbra-scene/src/field.rs", "umbra-scene/src/text.rs"]),
+    ("src/shape/mod.rs", "Geometry", &["umbra-scene/src/shape.rs"]),
+];
+
+#[test]
+fn each_variant_is_known_beside_the_library() {
+    for (file, name, readers) in KNOWN {
+        let source = code_of(&text(file));
+        let (_, rest) = source.split_once(&format!("pub enum {name}<")).unwrap_or_else(|| panic!("no {name}"));
+        let body = rest.split("\n}").next().expect("an end");
+        // One step in from the margin; fields of a variant stand further in.
+        let variants: Vec<&str> = body
+            .lines()
+            .filter_map(|line| line.strip_prefix("    "))
+            .filter(|line| line.starts_with(char::is_uppercase))
+            .map(first_word)
+            .collect();
+        assert!(variants.len() >= 6, "{name}: {variants:?}");
+        for reader in readers {
+            let code = code_of(&text(&format!("crates/{reader}")));
+            for variant in &variants {
+                let path = format!("{name}::{variant}");
+                let is_named = code
+                    .match_indices(&path)
+                    .any(|(at, _)| code[at + path.len()..].bytes().next().is_none_or(|byte| !is_word(byte)));
+                assert!(is_named, "{reader} does not know {path}");
+            }
+        }
+    }
 }
 
 #[test]

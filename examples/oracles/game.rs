@@ -3,7 +3,8 @@
 //! As it is written first, two players who reach for the ball in the same tick get it by whose packet came first: other peers
 //! see it in tow of the other one.
 
-use umbra_physics::oracle::{Game, Symmetry};
+use umbra_oracles::Game;
+use umbra_physics::Symmetry;
 use umbra_physics::{
     ApplyOptions, Attachment, BodyDef, BodyId, Command, End, FieldKind, ForceOrImpulse, Fx, Mass, Random,
     SpringConstants, Stepper, Vec2, World, WorldDef, fx, vec2,

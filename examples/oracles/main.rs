@@ -1,8 +1,8 @@
 //! A game is played by bots until an oracle objects to a match, and the match is made as small as it can be.
 //!
 //! ```sh
-//! cargo run --release --features oracles --example oracles              # finds the fault that was left in the game
-//! cargo run --release --features oracles --example oracles -- --mended  # finds nothing in the game without it
+//! cargo run --release --example oracles              # finds the fault that was left in the game
+//! cargo run --release --example oracles -- --mended  # finds nothing in the game without it
 //! ```
 //!
 //! `--seed N` begins elsewhere, `--out FILE` says where the replay goes. Exit status 0 if the fault was found, or with
@@ -15,7 +15,7 @@ use std::process::ExitCode;
 use std::{env, fs};
 
 use game::{Action, Input, Tow, bots};
-use umbra_physics::oracle::{Campaign, Counterexample, Fuzz, fuzz};
+use umbra_oracles::{Campaign, Counterexample, Fuzz, fuzz};
 
 fn main() -> ExitCode {
     run().unwrap_or_else(|error| {

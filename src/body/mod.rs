@@ -94,6 +94,19 @@ pub struct Locks {
 impl Locks {
     /// It moves freely.
     pub const NONE: Self = Self { x: false, y: false, rotation: false };
+
+    /// The names of what is locked: `x`, `y`, `rotation`, as scenes write them.
+    ///
+    /// ```
+    /// use umbra_physics::Locks;
+    ///
+    /// let locks = Locks { x: true, rotation: true, ..Locks::NONE };
+    /// assert!(locks.names().eq(["x", "rotation"]));
+    /// ```
+    pub fn names(self) -> impl Iterator<Item = &'static str> {
+        let named = [("x", self.x), ("y", self.y), ("rotation", self.rotation)];
+        named.into_iter().filter_map(|(name, is_locked)| is_locked.then_some(name))
+    }
 }
 
 impl Write for Locks {

@@ -299,8 +299,20 @@ impl<S: Scalar> ForceField<S> {
         }
     }
 
-    /// The same on other bodies; `None` if one of its own has no other.
-    pub(crate) fn moved(&self, other: impl Fn(BodyId) -> Option<BodyId>) -> Option<Self> {
+    /// The same field with other bodies in place of those it names, as for the same things in another world; `None` where
+    /// `other` gives none.
+    ///
+    /// ```
+    /// use umbra_physics::{Attachment, BodyId, FieldKind, ForceField, vec2};
+    ///
+    /// let [here, there] = [1, 2].map(|slot| BodyId::from_parts(slot, 0));
+    /// let engine = |body| FieldKind::Thrust { at: Attachment::centre(body), force: vec2(0, 1) };
+    /// let field: ForceField = engine(here).into();
+    /// assert_eq!(field.map_bodies(|body| (body == here).then_some(there)), Some(engine(there).into()));
+    /// assert_eq!(field.map_bodies(|_| None), None);
+    /// ```
+    #[must_use]
+    pub fn map_bodies(&self, other: impl Fn(BodyId) -> Option<BodyId>) -> Option<Self> {
         let attachment = |a: &Attachment<S>| Some(Attachment { body: other(a.body)?, ..*a });
         let end = |e: &End<S>| match e {
             End::World(point) => Some(End::World(*point)),

@@ -62,9 +62,17 @@ impl FxFactor {
         Ok(quotient(numerator, denominator))
     }
 
-    /// All its digits, as `Fx` is written; 16,384 after the point at most.
-    #[cfg_attr(not(feature = "scene"), allow(dead_code, reason = "only scenes are written in decimals"))]
-    pub(crate) fn to_decimal(self) -> String {
+    /// The exact value as a decimal number, at most 16,384 digits after the point. [`parse`](Self::parse) reads it back within
+    /// its domain.
+    ///
+    /// ```
+    /// use umbra_physics::FxFactor;
+    /// let factor = FxFactor::parse("12.625")?;
+    /// assert_eq!((factor.to_decimal(), factor.to_string()), ("12.625".into(), "101·2^-3".into()));
+    /// # Ok::<(), umbra_physics::ParseFxError>(())
+    /// ```
+    #[must_use]
+    pub fn to_decimal(self) -> String {
         let (mantissa, shift) = self.parts();
         if mantissa == 0 {
             return "0".to_string();

@@ -52,7 +52,7 @@ pub(crate) type Probe<'a, S> = dyn FnMut(&Stage, &Bodies<S>) + 'a;
 #[cfg(feature = "parallel")]
 pub(crate) const MANY: usize = 64 * BLOCK;
 
-/// `THRONG` in `tests/promises/closure.rs`, where threads are to be used: it cannot see the other one.
+/// Fewer than `THRONG` in `tests/promises/closure.rs` and in `umbra-oracles`, where threads are to be used: they cannot see `MANY`.
 #[cfg(feature = "parallel")]
 const _: () = assert!(MANY <= 8_200);
 

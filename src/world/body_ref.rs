@@ -54,6 +54,11 @@ pub struct BodyRef<'a, S: Scalar = Fx> {
 }
 
 impl<'a, S: Scalar> BodyRef<'a, S> {
+    /// Its world, and its index in the columns.
+    pub(crate) fn parts(&self) -> (&'a World<S>, usize) {
+        (self.world, self.dense)
+    }
+
     fn info(&self) -> &'a BodyInfo<S> {
         self.world.bodies.info(self.dense)
     }

@@ -102,7 +102,7 @@ impl<S: Scalar> World<S> {
         }
         let fields = Arc::make_mut(&mut world.fields);
         for (_, field) in self.fields.iter().filter(|(_, field)| acts_on_any(field, &company)) {
-            if let Some(field) = field.moved(|body| adopted.get(&body).copied()) {
+            if let Some(field) = field.map_bodies(|body| adopted.get(&body).copied()) {
                 fields.insert(field);
             }
         }

@@ -5,7 +5,7 @@ use std::cell::Cell;
 
 use proptest::collection::vec;
 use proptest::prelude::*;
-use umbra_physics::oracle::Script;
+use umbra_oracles::Script;
 use umbra_physics::scalar::{Accumulator, Factor};
 use umbra_physics::{
     Attachment, BodyDef, BodyId, Command, End, FieldKind, ForceField, Fx, FxFactor, Integrator, Mass, SpringConstants,

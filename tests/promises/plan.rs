@@ -7,7 +7,7 @@
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::strategy::Union;
-use umbra_physics::oracle::Script;
+use umbra_oracles::Script;
 use umbra_physics::scalar::Factor;
 use umbra_physics::{
     ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, Command, Created, End, FieldId, FieldKind, ForceField,

@@ -133,7 +133,7 @@ fn documentation(source: &str) -> String {
 fn without_imports(code: &str) -> String {
     let mut rest = code;
     let mut kept = String::new();
-    while let Some(at) = rest.find("use umbra_physics") {
+    while let Some(at) = rest.find("use umbra_") {
         kept.push_str(&rest[..at]);
         rest = rest[at..].split_once(';').map_or("", |(_, after)| after);
     }
@@ -165,8 +165,9 @@ fn texts(folder: &str, extension: &str) -> Vec<(String, String)> {
 
 /// The interface, and all code that is shown.
 fn interface() -> (Vec<Item>, Vec<Block>) {
-    let is_library = |(file, _): &(String, String)| !file.starts_with("src/bin") && !file.ends_with("/tests.rs");
-    let sources: Vec<_> = texts("src", "rs").into_iter().filter(is_library).collect();
+    let is_library = |(file, _): &(String, String)| !file.ends_with("/tests.rs");
+    let libraries = ["src", "crates/umbra-oracles/src", "crates/umbra-scene/src"];
+    let sources: Vec<_> = libraries.iter().flat_map(|folder| texts(folder, "rs")).filter(is_library).collect();
     let all = sources.iter().flat_map(|(file, source)| items(file, source)).collect();
     let mut shown: Vec<Block> =
         sources.iter().flat_map(|(file, source)| blocks(file, &documentation(source))).collect();

@@ -17,7 +17,7 @@ mod text;
 pub use maths::MathError;
 pub(crate) use text::Decimal;
 pub use text::ParseFxError;
-#[cfg(any(test, feature = "selftest", feature = "oracles"))]
+#[cfg(any(test, feature = "selftest"))]
 pub(crate) use text::fx;
 
 /// A number in I32F32 fixed point: a multiple of 2^-32 from −2^31 to 2^31 − 2^-32.

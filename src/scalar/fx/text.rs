@@ -116,7 +116,7 @@ macro_rules! fx {
         const { $crate::Fx::from_literal(::core::stringify!($number)) }
     };
 }
-#[cfg(any(test, feature = "selftest", feature = "oracles"))]
+#[cfg(any(test, feature = "selftest"))]
 pub(crate) use fx;
 
 /// A decimal number as written: where its digits are, and what they are worth.
