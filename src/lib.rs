@@ -62,7 +62,6 @@ mod force;
 mod codec;
 #[cfg(any(doc, doctest))]
 pub mod guide;
-mod handle;
 mod integrate;
 mod kernel;
 pub mod limits;
@@ -76,6 +75,8 @@ pub mod scene;
 #[cfg(feature = "selftest")]
 pub mod selftest;
 mod shape;
+mod slots;
+use slots as handle;
 mod step;
 mod world;
 
@@ -89,7 +90,6 @@ pub use force::{
     AppliedForce, Attachment, BodyState, CustomForce, CustomForceError, Dependence, End, FieldKind, ForceField,
     ForceTorque, Region,
 };
-pub use handle::{BodyId, FieldId};
 pub use integrate::{Integrator, Stage, StageKind};
 pub use math::{Elapsed, Random, Rot, TimeStep, Vec2, vec2};
 pub use replay::{
@@ -99,6 +99,7 @@ pub use replay::{
 pub use scalar::fx::{Fx, MathError, ParseFxError};
 pub use scalar::{FxAccumulator, FxFactor, FxWide, Scalar, SpringConstants, Turn};
 pub use shape::{Geometry, Part, Shape};
+pub use slots::{BodyId, FieldId};
 #[cfg(feature = "timers")]
 pub use step::Timers;
 pub use world::{

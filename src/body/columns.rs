@@ -10,13 +10,11 @@ use super::motion::{Acceleration, Block, Motion};
 use super::{Activity, BodyDef, BodyKind, Locks, MassProperties};
 use crate::codec::{self, StateHasher, Write as _};
 use crate::error::Error;
-use crate::handle::{BodyId, are_free};
 use crate::limits;
 use crate::scalar::{Accumulator, Angle, Scalar};
 use crate::shape::Shape;
-
-/// No index.
-pub(crate) const NONE: u32 = u32::MAX;
+use crate::slots::{BodyId, Slots};
+pub(super) use crate::slots::{NONE, push};
 
 /// All columns.
 #[derive(Debug)]
@@ -29,13 +27,6 @@ pub(crate) struct Columns<S: Scalar> {
 }
 
 clone_by_field!(Columns { motion, factors, slot, activity });
-
-#[derive(Clone, Copy, Debug)]
-struct Slot {
-    generation: u32,
-    /// Its index in the columns, or [`NONE`].
-    dense: u32,
-}
 
 /// More than so many are taken body by body.
 const MOST_RUNS: usize = 32;
@@ -68,9 +59,8 @@ pub(crate) struct Bodies<S: Scalar> {
     table: Arc<BodyTable<S>>,
     /// The bodies before this index are the ones a step moves.
     moving: usize,
-    slots: Vec<Slot>,
-    /// Free slots; the last one freed is used first.
-    free: Vec<u32>,
+    /// The index of each body in the columns.
+    slots: Slots<BodyId>,
     /// Whether bodies have a last acceleration. The column is empty as long as all are zero.
     keeps_last: bool,
     /// Whether a body has come among those that move since the last step.
@@ -81,7 +71,7 @@ pub(crate) struct Bodies<S: Scalar> {
     asleep: Sleepers,
 }
 
-clone_by_field!(Bodies { columns, table, moving, slots, free, keeps_last, any_come, is_rest_zero, asleep });
+clone_by_field!(Bodies { columns, table, moving, slots, keeps_last, any_come, is_rest_zero, asleep });
 
 /// How many bodies are asleep, and how many dynamic ones of them in each group.
 #[derive(Clone, Copy, Debug, Default)]
@@ -116,22 +106,13 @@ impl<S: Scalar> Default for Bodies<S> {
             columns,
             table: Arc::default(),
             moving: 0,
-            slots: Vec::new(),
-            free: Vec::new(),
+            slots: Slots::default(),
             keeps_last: false,
             any_come: false,
             is_rest_zero: false,
             asleep: Sleepers::default(),
         }
     }
-}
-
-/// Adds a value. A column of more than a few grows by an eighth, not to twice its size: little is kept for bodies to come.
-pub(crate) fn push<T>(column: &mut Vec<T>, value: T) {
-    if column.len() == column.capacity() {
-        column.reserve_exact(column.len().clamp(4, 16).max(column.len() / 8));
-    }
-    column.push(value);
 }
 
 impl<S: Scalar> Bodies<S> {
@@ -236,34 +217,31 @@ impl<S: Scalar> Bodies<S> {
 
     /// The index of a body in the columns.
     pub(crate) fn find(&self, body: BodyId) -> Result<usize, Error> {
-        match self.slots.get(body.slot as usize) {
-            Some(slot) if slot.generation == body.generation && slot.dense != NONE => Ok(slot.dense as usize),
-            _ => Err(Error::NoSuchBody { body }),
-        }
+        self.slots.find(body).ok_or(Error::NoSuchBody { body })
     }
 
     /// The handle of the body at this index in the columns.
     pub(crate) fn id(&self, dense: usize) -> BodyId {
-        let slot = self.columns.slot[dense];
-        BodyId { slot, generation: self.slots[slot as usize].generation }
+        self.slots.handle(self.columns.slot[dense])
     }
 
     /// Indices in the columns in the order of the slots, which is the order of everything public.
     pub(crate) fn in_order(&self) -> impl Iterator<Item = usize> {
-        self.slots.iter().filter(|s| s.dense != NONE).map(|s| s.dense as usize)
+        self.slots.all().iter().filter_map(|slot| slot.index())
     }
 
     /// The same as ranges of indices that follow each other; `None` if there are many.
     fn runs(&self) -> Option<Runs> {
         let mut runs = Runs { ranges: [const { 0..0 }; MOST_RUNS], count: 0 };
         let mut run = 0..0;
-        for slots in self.slots.chunks(64) {
+        for slots in self.slots.all().chunks(64) {
             // Where nothing was removed and nobody sleeps: without a branch a slot.
-            if slots.iter().zip(run.end..).fold(true, |follows, (slot, next)| follows & (slot.dense == next)) {
+            if slots.iter().zip(run.end..).fold(true, |follows, (slot, next)| follows & (slot.index_or_none() == next))
+            {
                 run.end += slots.len() as u32;
                 continue;
             }
-            for dense in slots.iter().map(|slot| slot.dense).filter(|&dense| dense != NONE) {
+            for dense in slots.iter().map(|slot| slot.index_or_none()).filter(|&dense| dense != NONE) {
                 if dense == run.end {
                     run.end += 1;
                 } else {
@@ -292,9 +270,9 @@ impl<S: Scalar> Bodies<S> {
     /// Adds to a hash all bodies and how their handles are given out.
     pub(crate) fn write(&self, sink: &mut StateHasher, factor_table: &FactorTable<S>) {
         codec::count(sink, self.slots.len());
-        sink.all(&self.slots, |slot| (u64::from(slot.generation) << 1 | u64::from(slot.dense != NONE)).to_le_bytes());
-        codec::count(sink, self.free.len());
-        sink.all(&self.free, u32::to_le_bytes);
+        sink.all(self.slots.all(), |slot| (u64::from(slot.generation) << 1 | u64::from(slot.is_taken())).to_le_bytes());
+        codec::count(sink, self.slots.free().len());
+        sink.all(self.slots.free(), u32::to_le_bytes);
         let Columns { motion, activity, .. } = &self.columns;
         let runs = self.runs();
         let runs = runs.as_ref();
@@ -305,7 +283,7 @@ impl<S: Scalar> Bodies<S> {
         self.write_column(sink, runs, &motion.angle, |angle| angle.to_bits().to_le_bytes());
         self.write_column(sink, runs, &motion.rest, u32::to_le_bytes);
         self.write_column(sink, runs, activity, |activity| [activity as u8]);
-        let is_taken = |slot: &usize| self.slots[*slot].dense != NONE;
+        let is_taken = |slot: &usize| self.slots.all()[*slot].is_taken();
         let taken = (0..self.slots.len()).filter(is_taken);
         match self.table.digests() {
             Some(digests) if self.len() == self.slots.len() => sink.all(digests, u64::to_le_bytes),
@@ -324,7 +302,7 @@ impl<S: Scalar> Bodies<S> {
 
     /// Refuses where there is no room for another body.
     pub(crate) fn check_room(&self) -> Result<(), Error> {
-        if self.free.is_empty() && self.slots.len() >= limits::BODIES { Err(Error::Full) } else { Ok(()) }
+        if self.slots.has_room(limits::BODIES) { Ok(()) } else { Err(Error::Full) }
     }
 
     /// Adds a body. *Domain* the definition was checked, and there is room.
@@ -334,19 +312,18 @@ impl<S: Scalar> Bodies<S> {
         properties: MassProperties<S>,
         factor_table: &mut FactorTable<S>,
     ) -> BodyId {
-        let slot = match self.free.pop() {
+        let slot = match self.slots.reuse() {
             Some(slot) => slot,
             None => self.new_slot(0),
         };
         self.insert_at(slot, def, properties, factor_table);
-        BodyId { slot, generation: self.slots[slot as usize].generation }
+        self.slots.handle(slot)
     }
 
     /// Adds a slot without a body.
     pub(super) fn new_slot(&mut self, generation: u32) -> u32 {
-        push(&mut self.slots, Slot { generation, dense: NONE });
         Arc::make_mut(&mut self.table).open();
-        (self.slots.len() - 1) as u32
+        self.slots.open(generation)
     }
 
     /// Puts a body into a slot without one. *Domain* the definition was checked.
@@ -358,7 +335,7 @@ impl<S: Scalar> Bodies<S> {
         factor_table: &mut FactorTable<S>,
     ) {
         let dense = self.len();
-        self.slots[slot as usize].dense = dense as u32;
+        self.slots.set_index(slot, dense as u32);
         let columns = &mut self.columns;
         columns.motion.push(def.position, def.velocity, S::Angle::from_radians(def.angle), def.angular_velocity);
         if self.keeps_last && columns.motion.last.len() == dense {
@@ -383,12 +360,12 @@ impl<S: Scalar> Bodies<S> {
 
     /// The index of the body in a slot.
     pub(super) fn slot_index(&self, slot: usize) -> usize {
-        self.slots[slot].dense as usize
+        self.slots.all()[slot].index_or_none() as usize
     }
 
     /// The slots: how often each was taken before, and the index of its body in the columns.
     pub(crate) fn slots(&self) -> impl ExactSizeIterator<Item = (u32, Option<usize>)> {
-        self.slots.iter().map(|slot| (slot.generation, (slot.dense != NONE).then_some(slot.dense as usize)))
+        self.slots.all().iter().map(|slot| (slot.generation, slot.index()))
     }
 
     pub(super) fn keeps_last(&self) -> bool {
@@ -397,21 +374,17 @@ impl<S: Scalar> Bodies<S> {
 
     /// How often a slot was taken before.
     pub(crate) fn generation(&self, slot: u32) -> Option<u32> {
-        self.slots.get(slot as usize).map(|slot| slot.generation)
+        self.slots.generation(slot)
     }
 
     /// The slots to take next, the last one first.
     pub(crate) fn free(&self) -> &[u32] {
-        &self.free
+        self.slots.free()
     }
 
     /// Says which slots to take next: each one without a body, and once.
     pub(crate) fn set_free(&mut self, free: Vec<u32>) -> Result<(), Error> {
-        if !are_free(self.slots.iter().map(|slot| slot.dense == NONE), &free) {
-            return Err(Error::Inconsistent);
-        }
-        self.free = free;
-        Ok(())
+        if self.slots.set_free(free) { Ok(()) } else { Err(Error::Inconsistent) }
     }
 
     /// Adds a body of another world with the same parameters, with all that it is but its handle.
@@ -458,13 +431,7 @@ impl<S: Scalar> Bodies<S> {
         columns.slot.pop();
         columns.activity.pop();
         Arc::make_mut(&mut self.table).remove(body.slot as usize);
-        let slot = &mut self.slots[body.slot as usize];
-        slot.dense = NONE;
-        // A slot whose generations are used up is never taken again: no handle names two bodies.
-        if let Some(next) = slot.generation.checked_add(1) {
-            slot.generation = next;
-            self.free.push(body.slot);
-        }
+        self.slots.release(body.slot);
         Ok(())
     }
 
@@ -523,17 +490,17 @@ impl<S: Scalar> Bodies<S> {
         columns.factors.swap(a, b);
         columns.slot.swap(a, b);
         columns.activity.swap(a, b);
-        self.slots[columns.slot[a] as usize].dense = a as u32;
-        self.slots[columns.slot[b] as usize].dense = b as u32;
+        self.slots.set_index(columns.slot[a], a as u32);
+        self.slots.set_index(columns.slot[b], b as u32);
     }
 }
 
 /// What the factors of the body in a slot are made from.
 fn key_of<'a, S: Scalar>(
-    slots: &[Slot],
+    slots: &Slots<BodyId>,
     columns: &Columns<S>,
     factor_table: &'a FactorTable<S>,
     slot: usize,
 ) -> &'a Key<S> {
-    &factor_table.rows()[columns.factors[slots[slot].dense as usize] as usize].key
+    &factor_table.rows()[columns.factors[slots.all()[slot].index_or_none() as usize] as usize].key
 }

@@ -15,7 +15,7 @@ use crate::math::Vec2;
 use crate::scalar::{Accumulator, Factor, Scalar, fx::Fx};
 use crate::shape::Shape;
 
-pub(crate) use columns::{Bodies, NONE, push};
+pub(crate) use columns::Bodies;
 pub(crate) use factors::{FactorTable, GENTLE_STEPS, Key, SPANS, StepFactors, WorldFactors};
 pub(crate) use info::BodyInfo;
 pub(crate) use motion::{Acceleration, BLOCK, Block, Motion};

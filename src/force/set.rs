@@ -3,12 +3,11 @@
 use alloc::vec::Vec;
 
 use super::ForceField;
-use crate::body::{NONE, push};
 use crate::codec::{self, StateHasher, Write as _};
 use crate::error::Error;
-use crate::handle::{BodyId, FieldId, are_free};
 use crate::limits;
 use crate::scalar::Scalar;
+use crate::slots::{BodyId, FieldId, NONE, Slots, push};
 
 /// The fields, in the order in which they were added: by their slots, fields of others that came and went would decide which
 /// of two drags acts first.
@@ -17,8 +16,8 @@ use crate::scalar::Scalar;
 /// there are.
 #[derive(Debug)]
 pub(crate) struct FieldSet<S: Scalar> {
-    slots: Vec<Slot>,
-    free: Vec<u32>,
+    /// The index of the entry of each field.
+    slots: Slots<FieldId>,
     entries: Vec<Entry<S>>,
     /// Entries without a field, to be used again.
     vacant: Vec<u32>,
@@ -26,14 +25,6 @@ pub(crate) struct FieldSet<S: Scalar> {
     by_age: Vec<u32>,
     /// The first edge of each body, by its slot, or [`NONE`]; as long as it had to be.
     first_edges: Vec<u32>,
-}
-
-/// A slot without a field takes as little as in a file, however many there are.
-#[derive(Clone, Copy, Debug)]
-struct Slot {
-    generation: u32,
-    /// Where its entry is, or [`NONE`].
-    at: u32,
 }
 
 /// A field and its hash, so that a hash of the world need not look at what no step changes.
@@ -57,31 +48,28 @@ struct Edge {
 
 const NO_EDGE: Edge = Edge { previous: NONE, next: NONE };
 
-clone_by_field!(FieldSet { slots, free, entries, vacant, by_age, first_edges });
+clone_by_field!(FieldSet { slots, entries, vacant, by_age, first_edges });
 
 impl<S: Scalar> Default for FieldSet<S> {
     fn default() -> Self {
-        let (slots, free, entries, vacant) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        Self { slots, free, entries, vacant, by_age: Vec::new(), first_edges: Vec::new() }
+        let (slots, entries, vacant) = (Slots::default(), Vec::new(), Vec::new());
+        Self { slots, entries, vacant, by_age: Vec::new(), first_edges: Vec::new() }
     }
 }
 
 impl<S: Scalar> FieldSet<S> {
     /// Refuses where there is no room for another field.
     pub(crate) fn check_room(&self) -> Result<(), Error> {
-        if self.free.is_empty() && self.slots.len() >= limits::FIELDS { Err(Error::Full) } else { Ok(()) }
+        if self.slots.has_room(limits::FIELDS) { Ok(()) } else { Err(Error::Full) }
     }
 
     /// Adds a field. *Domain* it was checked, and there is room.
     pub(crate) fn insert(&mut self, field: ForceField<S>) -> FieldId {
-        let slot = self.free.pop().unwrap_or_else(|| {
-            push(&mut self.slots, Slot { generation: 0, at: NONE });
-            (self.slots.len() - 1) as u32
-        });
+        let slot = self.slots.reuse().unwrap_or_else(|| self.slots.open(0));
         let at = self.place(slot, field);
         self.entries[at as usize].age = self.by_age.len() as u32;
         push(&mut self.by_age, at);
-        FieldId { slot, generation: self.slots[slot as usize].generation }
+        self.slots.handle(slot)
     }
 
     /// Puts a field into a slot without one, and says where its entry is. Its age is the caller's to set.
@@ -94,7 +82,7 @@ impl<S: Scalar> FieldSet<S> {
             push(&mut self.entries, entry);
             (self.entries.len() - 1) as u32
         };
-        self.slots[slot as usize].at = at;
+        self.slots.set_index(slot, at);
         self.attach(at);
         at
     }
@@ -142,27 +130,20 @@ impl<S: Scalar> FieldSet<S> {
         core::iter::from_fn(move || {
             let entry = self.entries.get(edge as usize / 2)?;
             edge = entry.edges[edge as usize % 2].next;
-            Some((self.id(entry.slot), &entry.field))
+            Some((self.slots.handle(entry.slot), &entry.field))
         })
     }
 
     /// The fields attached to a body of the world, the oldest first.
     pub(crate) fn attached_by_age(&self, body: BodyId) -> Vec<FieldId> {
         let mut ids: Vec<FieldId> = self.attached_to(body).map(|(id, _)| id).collect();
-        ids.sort_unstable_by_key(|id| self.entries[self.slots[id.slot as usize].at as usize].age);
+        ids.sort_unstable_by_key(|&id| self.slots.find(id).map(|at| self.entries[at].age));
         ids
-    }
-
-    fn id(&self, slot: u32) -> FieldId {
-        FieldId { slot, generation: self.slots[slot as usize].generation }
     }
 
     /// Where the entry of a field is.
     fn find(&self, id: FieldId) -> Result<usize, Error> {
-        match self.slots.get(id.slot as usize) {
-            Some(slot) if slot.generation == id.generation && slot.at != NONE => Ok(slot.at as usize),
-            _ => Err(Error::NoSuchField { field: id }),
-        }
+        self.slots.find(id).ok_or(Error::NoSuchField { field: id })
     }
 
     pub(crate) fn get(&self, id: FieldId) -> Result<&ForceField<S>, Error> {
@@ -189,12 +170,7 @@ impl<S: Scalar> FieldSet<S> {
             self.by_age.retain(|&at| at != NONE);
             self.number_ages();
         }
-        let slot = &mut self.slots[id.slot as usize];
-        slot.at = NONE;
-        if let Some(next) = slot.generation.checked_add(1) {
-            slot.generation = next;
-            self.free.push(id.slot);
-        }
+        self.slots.release(id.slot);
         Ok(field)
     }
 
@@ -219,7 +195,7 @@ impl<S: Scalar> FieldSet<S> {
 
     /// The oldest first.
     pub(crate) fn iter(&self) -> impl DoubleEndedIterator<Item = (FieldId, &ForceField<S>)> {
-        self.by_age().map(|entry| (self.id(entry.slot), &entry.field))
+        self.by_age().map(|entry| (self.slots.handle(entry.slot), &entry.field))
     }
 
     /// The slots with fields, that of the oldest first.
@@ -229,17 +205,17 @@ impl<S: Scalar> FieldSet<S> {
 
     /// The slots: how often each was taken before, and its field.
     pub(crate) fn slots(&self) -> impl ExactSizeIterator<Item = (u32, Option<&ForceField<S>>)> {
-        self.slots.iter().map(|slot| (slot.generation, self.entries.get(slot.at as usize).map(|entry| &entry.field)))
+        self.slots.all().iter().map(|slot| (slot.generation, slot.index().map(|at| &self.entries[at].field)))
     }
 
     /// How often a slot was taken before.
     pub(crate) fn generation(&self, slot: u32) -> Option<u32> {
-        self.slots.get(slot as usize).map(|slot| slot.generation)
+        self.slots.generation(slot)
     }
 
     /// The slots to take next, the last one first.
     pub(crate) fn free(&self) -> &[u32] {
-        &self.free
+        self.slots.free()
     }
 
     /// Adds a slot as a snapshot has it; [`set_ages`](Self::set_ages) is to follow. *Domain* the field was checked.
@@ -247,30 +223,26 @@ impl<S: Scalar> FieldSet<S> {
         if self.slots.len() >= limits::FIELDS {
             return Err(Error::Full);
         }
-        push(&mut self.slots, Slot { generation, at: NONE });
+        let slot = self.slots.open(generation);
         if let Some(field) = field {
-            self.place((self.slots.len() - 1) as u32, field);
+            self.place(slot, field);
         }
         Ok(())
     }
 
     /// Says which slots to take next: each one without a field, and once.
     pub(crate) fn set_free(&mut self, free: Vec<u32>) -> Result<(), Error> {
-        if !are_free(self.slots.iter().map(|slot| slot.at == NONE), &free) {
-            return Err(Error::Inconsistent);
-        }
-        self.free = free;
-        Ok(())
+        if self.slots.set_free(free) { Ok(()) } else { Err(Error::Inconsistent) }
     }
 
     /// Says in which order the fields came: each of them, and once.
     pub(crate) fn set_ages(&mut self, slots: &[u32]) -> Result<(), Error> {
-        let mut is_left: Vec<bool> = self.slots.iter().map(|slot| slot.at != NONE).collect();
+        let mut is_left: Vec<bool> = self.slots.all().iter().map(|slot| slot.is_taken()).collect();
         let mut take = |slot: u32| is_left.get_mut(slot as usize).is_some_and(core::mem::take);
         if slots.len() != self.entries.len() || !slots.iter().all(|&slot| take(slot)) {
             return Err(Error::Inconsistent);
         }
-        self.by_age = slots.iter().map(|&slot| self.slots[slot as usize].at).collect();
+        self.by_age = slots.iter().map(|&slot| self.slots.all()[slot as usize].index_or_none()).collect();
         self.number_ages();
         Ok(())
     }
@@ -278,12 +250,12 @@ impl<S: Scalar> FieldSet<S> {
     /// Adds to a hash all fields and how their handles are given out.
     pub(crate) fn write(&self, sink: &mut StateHasher) {
         codec::count(sink, self.slots.len());
-        for slot in &self.slots {
+        for slot in self.slots.all() {
             slot.generation.write(sink);
-            self.entries.get(slot.at as usize).map(|entry| entry.digest).write(sink);
+            slot.index().map(|at| self.entries[at].digest).write(sink);
         }
-        codec::count(sink, self.free.len());
-        sink.all(&self.free, u32::to_le_bytes);
+        codec::count(sink, self.slots.free().len());
+        sink.all(self.slots.free(), u32::to_le_bytes);
         codec::count(sink, self.len());
         self.by_age().for_each(|entry| entry.slot.write(sink));
     }
