@@ -6,8 +6,9 @@ use core::ops::Range;
 
 use super::factors::{FactorTable, Key};
 use super::info::{BodyInfo, BodyTable};
+use super::mass::{MassTable, inverse_inertia_of};
 use super::motion::{Acceleration, Block, Motion};
-use super::{Activity, BodyDef, BodyKind, Locks, MassProperties};
+use super::{Activity, BodyDef, BodyKind, Locks, Mass, MassProperties};
 use crate::codec::{self, StateHasher, Write as _};
 use crate::error::Error;
 use crate::limits;
@@ -22,11 +23,13 @@ pub(crate) struct Columns<S: Scalar> {
     pub(crate) motion: Motion<S>,
     /// Which of the [`FactorTable`] a body has.
     pub(crate) factors: Vec<u32>,
+    /// Which row of the [`MassTable`] a body has.
+    mass: Vec<u32>,
     pub(crate) slot: Vec<u32>,
     activity: Vec<Activity>,
 }
 
-clone_by_field!(Columns { motion, factors, slot, activity });
+clone_by_field!(Columns { motion, factors, mass, slot, activity });
 
 /// More than so many are taken body by body.
 const MOST_RUNS: usize = 32;
@@ -57,6 +60,7 @@ impl Runs {
 pub(crate) struct Bodies<S: Scalar> {
     pub(crate) columns: Columns<S>,
     table: Arc<BodyTable<S>>,
+    masses: Arc<MassTable<S>>,
     /// The bodies before this index are the ones a step moves.
     moving: usize,
     /// The index of each body in the columns.
@@ -71,7 +75,7 @@ pub(crate) struct Bodies<S: Scalar> {
     asleep: Sleepers,
 }
 
-clone_by_field!(Bodies { columns, table, moving, slots, keeps_last, any_come, is_rest_zero, asleep });
+clone_by_field!(Bodies { columns, table, masses, moving, slots, keeps_last, any_come, is_rest_zero, asleep });
 
 /// How many bodies are asleep, and how many dynamic ones of them in each group.
 #[derive(Clone, Copy, Debug, Default)]
@@ -100,11 +104,12 @@ impl Sleepers {
 
 impl<S: Scalar> Default for Bodies<S> {
     fn default() -> Self {
-        let columns =
-            Columns { motion: Motion::default(), factors: Vec::new(), slot: Vec::new(), activity: Vec::new() };
+        let (factors, mass, slot, activity) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let columns = Columns { motion: Motion::default(), factors, mass, slot, activity };
         Self {
             columns,
             table: Arc::default(),
+            masses: Arc::default(),
             moving: 0,
             slots: Slots::default(),
             keeps_last: false,
@@ -153,6 +158,12 @@ impl<S: Scalar> Bodies<S> {
         self.table.info(self.columns.slot[dense] as usize)
     }
 
+    /// The inverse masses and the locks of the body at this index in the columns.
+    #[inline]
+    pub(crate) fn mass(&self, dense: usize) -> &MassProperties<S> {
+        self.masses.row(self.columns.mass[dense])
+    }
+
     /// Changes what no step does. A body that is asleep keeps its kind and its groups.
     pub(crate) fn edit(&mut self, dense: usize, edit: impl FnOnce(&mut BodyInfo<S>)) {
         let slot = self.columns.slot[dense] as usize;
@@ -162,8 +173,8 @@ impl<S: Scalar> Bodies<S> {
     /// Makes the hashes of what calls have changed since the step before.
     pub(crate) fn update_digests(&mut self, factor_table: &FactorTable<S>) {
         if self.table.is_stale() {
-            let Self { table, slots, columns, .. } = self;
-            Arc::make_mut(table).update(|slot| key_of(slots, columns, factor_table, slot));
+            let Self { table, slots, columns, masses, .. } = self;
+            Arc::make_mut(table).update(|slot| hashed_with(slots, columns, masses, factor_table, slot));
         }
     }
 
@@ -174,17 +185,31 @@ impl<S: Scalar> Bodies<S> {
         let mut old = None;
         self.edit(dense, |info| {
             old = core::mem::replace(&mut info.shape, new);
-            info.properties = properties;
         });
+        self.set_mass_row(dense, properties);
         if let Some(old) = old {
             Arc::make_mut(&mut self.table).shapes.release(&old);
         }
     }
 
+    /// Gives a body a mass, or the same mass as another kind of body, and the properties that follow.
+    pub(crate) fn set_mass(&mut self, dense: usize, kind: BodyKind, mass: Mass<S>, properties: MassProperties<S>) {
+        self.edit(dense, |info| (info.kind, info.mass) = (kind, mass));
+        self.set_mass_row(dense, properties);
+    }
+
+    fn set_mass_row(&mut self, dense: usize, properties: MassProperties<S>) {
+        let masses = Arc::make_mut(&mut self.masses);
+        let new = masses.acquire(properties);
+        masses.release(core::mem::replace(&mut self.columns.mass[dense], new));
+    }
+
     /// Locks a body along some axes, unlocks it along the others, and gives it the factors that go with that.
     pub(crate) fn set_locks(&mut self, dense: usize, factor_table: &mut FactorTable<S>, locks: Locks) {
         self.columns.motion.lock(dense, locks);
-        self.edit(dense, |info| info.locks = locks);
+        let (info, inverse_mass) = (self.info(dense), self.mass(dense).inverse_mass);
+        let properties = MassProperties::new(inverse_mass, inverse_inertia_of(info), locks);
+        self.set_mass_row(dense, properties);
         let key = factor_table.rows()[self.columns.factors[dense] as usize].key;
         self.set_factors(dense, factor_table, Key { still: [locks.x, locks.y], ..key });
     }
@@ -289,7 +314,8 @@ impl<S: Scalar> Bodies<S> {
             Some(digests) if self.len() == self.slots.len() => sink.all(digests, u64::to_le_bytes),
             Some(digests) => sink.each(taken.map(|slot| digests[slot]), u64::to_le_bytes),
             None => {
-                let digest = |slot| self.table.digest(slot, key_of(&self.slots, &self.columns, factor_table, slot));
+                let with = |slot| hashed_with(&self.slots, &self.columns, &self.masses, factor_table, slot);
+                let digest = |slot| self.table.digest(slot, with(slot));
                 sink.each(taken.map(digest), u64::to_le_bytes);
             }
         }
@@ -350,10 +376,11 @@ impl<S: Scalar> Bodies<S> {
             still: [def.locks.x, def.locks.y],
         };
         push(&mut columns.factors, factor_table.acquire(key));
+        push(&mut columns.mass, Arc::make_mut(&mut self.masses).acquire(properties));
         push(&mut columns.slot, slot);
         push(&mut columns.activity, Activity::Awake);
         let table = Arc::make_mut(&mut self.table);
-        let info = BodyInfo::new(&def, def.shape.clone().map(|shape| table.shapes.acquire(shape)), properties);
+        let info = BodyInfo::new(&def, def.shape.clone().map(|shape| table.shapes.acquire(shape)));
         table.place(slot as usize, info);
         self.set_moving(dense, def.kind != BodyKind::Static);
     }
@@ -404,13 +431,13 @@ impl<S: Scalar> Bodies<S> {
             angular_damping: key.angular,
             max_speed: key.most[0],
             max_angular_speed: key.most[1],
-            locks: info.locks,
+            locks: other.mass(from).locks,
             groups: info.groups,
             key: info.key,
             user_data: info.user_data,
             ..BodyDef::dynamic()
         };
-        let adopted = self.insert(def, info.properties, factor_table);
+        let adopted = self.insert(def, *other.mass(from), factor_table);
         let dense = self.find(adopted)?;
         let dense = self.set_activity(dense, other.activity(from));
         self.make_last_accelerations();
@@ -428,6 +455,9 @@ impl<S: Scalar> Bodies<S> {
         let columns = &mut self.columns;
         columns.motion.pop();
         columns.factors.pop();
+        if let Some(row) = columns.mass.pop() {
+            Arc::make_mut(&mut self.masses).release(row);
+        }
         columns.slot.pop();
         columns.activity.pop();
         Arc::make_mut(&mut self.table).remove(body.slot as usize);
@@ -488,6 +518,7 @@ impl<S: Scalar> Bodies<S> {
         let columns = &mut self.columns;
         columns.motion.swap(a, b);
         columns.factors.swap(a, b);
+        columns.mass.swap(a, b);
         columns.slot.swap(a, b);
         columns.activity.swap(a, b);
         self.slots.set_index(columns.slot[a], a as u32);
@@ -495,12 +526,14 @@ impl<S: Scalar> Bodies<S> {
     }
 }
 
-/// What the factors of the body in a slot are made from.
-fn key_of<'a, S: Scalar>(
+/// What is hashed with the info of the body in a slot: the parameters its factors are made from, and its locks.
+fn hashed_with<'a, S: Scalar>(
     slots: &Slots<BodyId>,
     columns: &Columns<S>,
+    masses: &MassTable<S>,
     factor_table: &'a FactorTable<S>,
     slot: usize,
-) -> &'a Key<S> {
-    &factor_table.rows()[columns.factors[slots.all()[slot].index_or_none() as usize] as usize].key
+) -> (&'a Key<S>, Locks) {
+    let dense = slots.all()[slot].index_or_none() as usize;
+    (&factor_table.rows()[columns.factors[dense] as usize].key, masses.row(columns.mass[dense]).locks)
 }

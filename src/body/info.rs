@@ -6,7 +6,8 @@ use alloc::vec::Vec;
 
 use super::columns::{NONE, push};
 use super::factors::Key;
-use super::{BodyDef, BodyKind, Locks, Mass, MassProperties, inertia_of, mass_of};
+use super::mass::{inertia_of, mass_of};
+use super::{BodyDef, BodyKind, Locks, Mass};
 use crate::codec::{StateHasher, Write as _};
 use crate::scalar::Scalar;
 use crate::shape::Shape;
@@ -15,28 +16,16 @@ use crate::shape::Shape;
 #[derive(Clone, Debug)]
 pub(crate) struct BodyInfo<S: Scalar> {
     pub(crate) kind: BodyKind,
-    pub(crate) locks: Locks,
     pub(crate) groups: u32,
     pub(crate) key: u64,
     pub(crate) user_data: u64,
     pub(crate) mass: Mass<S>,
-    /// Of a dynamic body; zero for others.
-    pub(crate) properties: MassProperties<S>,
     pub(crate) shape: Option<Arc<Shape<S>>>,
 }
 
 impl<S: Scalar> BodyInfo<S> {
-    pub(super) fn new(def: &BodyDef<S>, shape: Option<Arc<Shape<S>>>, properties: MassProperties<S>) -> Self {
-        Self {
-            kind: def.kind,
-            locks: def.locks,
-            groups: def.groups,
-            key: def.key,
-            user_data: def.user_data,
-            mass: def.mass,
-            properties,
-            shape,
-        }
+    pub(super) fn new(def: &BodyDef<S>, shape: Option<Arc<Shape<S>>>) -> Self {
+        Self { kind: def.kind, groups: def.groups, key: def.key, user_data: def.user_data, mass: def.mass, shape }
     }
 
     /// Whether a field with these groups acts on it.
@@ -58,8 +47,8 @@ impl<S: Scalar> BodyInfo<S> {
         inertia_of(self.kilograms(), self.mass, self.shape.as_deref())
     }
 
-    /// A hash of all of it and of what its factors are made from.
-    pub(super) fn digest(&self, key: &Key<S>) -> u64 {
+    /// A hash of the info, the locks, and the parameters its factors are made from.
+    pub(super) fn digest(&self, (key, locks): (&Key<S>, Locks)) -> u64 {
         let mut sink = StateHasher::new();
         self.kind.write(&mut sink);
         self.groups.write(&mut sink);
@@ -71,7 +60,7 @@ impl<S: Scalar> BodyInfo<S> {
         key.angular.write(&mut sink);
         key.most[0].write(&mut sink);
         key.most[1].write(&mut sink);
-        self.locks.write(&mut sink);
+        locks.write(&mut sink);
         self.shape.write(&mut sink);
         sink.finish()
     }
@@ -171,7 +160,7 @@ impl<S: Scalar> BodyTable<S> {
     }
 
     /// Makes the digests that are not up to date; `key` gives what the factors of the body in a slot are made from.
-    pub(super) fn update<'k>(&mut self, key: impl Fn(usize) -> &'k Key<S>)
+    pub(super) fn update<'k>(&mut self, key: impl Fn(usize) -> (&'k Key<S>, Locks))
     where
         S: 'k,
     {
@@ -183,7 +172,7 @@ impl<S: Scalar> BodyTable<S> {
     }
 
     /// The digest of a slot with a body as it is up to date.
-    pub(super) fn digest(&self, slot: usize, key: &Key<S>) -> u64 {
+    pub(super) fn digest(&self, slot: usize, key: (&Key<S>, Locks)) -> u64 {
         match self.digests[slot] {
             NOT_MADE => self.info(slot).digest(key),
             digest => digest,

@@ -3,6 +3,7 @@
 mod columns;
 mod factors;
 mod info;
+mod mass;
 mod motion;
 mod record;
 mod sparse;
@@ -12,12 +13,14 @@ use crate::codec::{self, Encoder, Malformed, Read, Reader, Write, codec_enum, co
 use crate::error::{Error, Quantity};
 use crate::limits;
 use crate::math::Vec2;
-use crate::scalar::{Accumulator, Factor, Scalar, fx::Fx};
+use crate::scalar::{Accumulator, Scalar, fx::Fx};
 use crate::shape::Shape;
 
 pub(crate) use columns::Bodies;
 pub(crate) use factors::{FactorTable, GENTLE_STEPS, Key, SPANS, StepFactors, WorldFactors};
 pub(crate) use info::BodyInfo;
+pub use mass::Mass;
+pub(crate) use mass::{MassProperties, mass_properties};
 pub(crate) use motion::{Acceleration, BLOCK, Block, Motion};
 pub(crate) use record::{Record, ShapeSource};
 pub(crate) use sparse::{Row, Sparse};
@@ -111,27 +114,6 @@ impl Read for Locks {
     }
 }
 
-/// Where a dynamic body's mass and moment of inertia come from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(rename_all = "snake_case", deny_unknown_fields)
-)]
-pub enum Mass<S = Fx> {
-    /// kg/m² times the area of the shape, kg/m for a segment; the inertia from the shape.
-    Density(S),
-    /// kg; the inertia from the shape, or infinite without one: such a body does not turn.
-    Kilograms(S),
-    /// kg and kg·m².
-    Explicit {
-        /// kg.
-        mass: S,
-        /// kg·m².
-        inertia: S,
-    },
-}
-
 /// What a body is made from. Start from [`BodyDef::dynamic`], [`kinematic`](Self::kinematic) or
 /// [`fixed`](Self::fixed) and change what differs.
 ///
@@ -193,11 +175,6 @@ pub struct BodyDef<S: Scalar = Fx> {
 
 codec_enum!(BodyKind, "the number of a kind of body", { 0 => Static, 1 => Kinematic, 2 => Dynamic });
 codec_enum!(Activity, "the number of an activity", { 0 => Awake, 1 => Asleep, 2 => Quarantined, 3 => Disabled });
-codec_enum!(Mass<S>, "the number of a way to give a mass", {
-    0 => Density(density),
-    1 => Kilograms(mass),
-    2 => Explicit { mass, inertia },
-});
 codec_struct!(BodyDef {
     kind,
     position,
@@ -279,63 +256,8 @@ impl<S: Scalar> BodyDef<S> {
         self.angular_damping.map_or(Ok(()), check_damping)?;
         self.max_speed.map_or(Ok(()), check_max_speed)?;
         self.max_angular_speed.map_or(Ok(()), check_max_angular_speed)?;
-        mass_properties(self.kind, self.mass, self.shape.as_ref())
+        mass_properties(self.kind, self.mass, self.shape.as_ref(), self.locks)
     }
-}
-
-/// 1/m and 1/I; zero for what no force moves or no torque turns.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct MassProperties<S: Scalar> {
-    pub(crate) inverse_mass: S::Factor,
-    pub(crate) inverse_inertia: S::Factor,
-}
-
-/// kg, of a dynamic body.
-fn mass_of<S: Scalar>(mass: Mass<S>, shape: Option<&Shape<S>>) -> Result<S, Error> {
-    let out_of = |quantity| Error::OutOfRange { quantity };
-    match mass {
-        Mass::Density(density) => {
-            if !(density > S::ZERO && density.is_finite()) {
-                return Err(out_of(Quantity::Density));
-            }
-            let area = shape.ok_or(Error::NoShape)?.measure();
-            S::Factor::from_scalar(density).times(area).to_scalar().ok_or(out_of(Quantity::Mass))
-        }
-        Mass::Kilograms(mass) | Mass::Explicit { mass, inertia: _ } => Ok(mass),
-    }
-}
-
-/// kg·m², of a body of this mass in kg; zero for infinite.
-fn inertia_of<S: Scalar>(kilograms: S, mass: Mass<S>, shape: Option<&Shape<S>>) -> S::Factor {
-    match (mass, shape) {
-        (Mass::Explicit { mass: _, inertia }, _) => S::Factor::from_scalar(inertia),
-        (_, Some(shape)) => S::Factor::from_scalar(kilograms).times(shape.gyration()),
-        (_, None) => S::Factor::ZERO,
-    }
-}
-
-/// The properties that follow from a definition.
-pub(crate) fn mass_properties<S: Scalar>(
-    kind: BodyKind,
-    mass: Mass<S>,
-    shape: Option<&Shape<S>>,
-) -> Result<MassProperties<S>, Error> {
-    let zero = S::Factor::ZERO;
-    if kind != BodyKind::Dynamic {
-        return Ok(MassProperties { inverse_mass: zero, inverse_inertia: zero });
-    }
-    if matches!(mass, Mass::Explicit { mass: _, inertia } if !(inertia > S::ZERO && inertia.is_finite())) {
-        return Err(Error::OutOfRange { quantity: Quantity::Inertia });
-    }
-    let kilograms = mass_of(mass, shape)?;
-    if !(kilograms >= S::from_fx(limits::MASS_MIN) && kilograms <= S::from_fx(limits::MASS_MAX)) {
-        return Err(Error::OutOfRange { quantity: Quantity::Mass });
-    }
-    let inverse = |f: S::Factor| if f.is_zero() { f } else { S::Factor::ONE.over(f) };
-    Ok(MassProperties {
-        inverse_mass: inverse(S::Factor::from_scalar(kilograms)),
-        inverse_inertia: inverse(inertia_of(kilograms, mass, shape)),
-    })
 }
 
 fn check(ok: bool, quantity: Quantity) -> Result<(), Error> {

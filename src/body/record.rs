@@ -95,7 +95,7 @@ impl<S: Scalar> Record<S> {
         self.angular_damping.map_or(Ok(()), check_damping)?;
         self.max_speed.map_or(Ok(()), check_max_speed)?;
         self.max_angular_speed.map_or(Ok(()), check_max_angular_speed)?;
-        mass_properties(self.kind, self.mass, shape)
+        mass_properties(self.kind, self.mass, shape, self.locks)
     }
 
     /// Refuses a velocity along a locked axis, or what would bring one about.
@@ -157,7 +157,7 @@ impl<S: Scalar> Bodies<S> {
             angular_damping: key.angular,
             max_speed: key.most[0],
             max_angular_speed: key.most[1],
-            locks: info.locks,
+            locks: self.mass(dense).locks,
             groups: info.groups,
             key: info.key,
             user_data: info.user_data,
