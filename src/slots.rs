@@ -166,9 +166,12 @@ impl<H: Handle> Slots<H> {
     }
 
     /// The index of the occupant that a handle names, if it is still there.
+    #[inline]
     pub(crate) fn find(&self, handle: H) -> Option<usize> {
-        let slot = self.slots.get(handle.slot() as usize)?;
-        if slot.generation == handle.generation() { slot.index() } else { None }
+        match self.slots.get(handle.slot() as usize) {
+            Some(slot) if slot.generation == handle.generation() && slot.index != NONE => Some(slot.index as usize),
+            _ => None,
+        }
     }
 
     /// The handle of the occupant of a slot.

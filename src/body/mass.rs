@@ -1,16 +1,15 @@
 //! Masses: how they are given, the inverse masses that follow, and the table in which bodies that are alike share them.
 
-use alloc::collections::BTreeMap;
 use alloc::vec::Vec;
 
 use super::{BodyInfo, BodyKind, Locks};
-use crate::codec::{StateHasher, codec_enum};
+use crate::codec::codec_enum;
 use crate::error::{Error, Quantity};
 use crate::limits;
 use crate::math::Vec2;
 use crate::scalar::{Factor, Number, Scalar, fx::Fx};
 use crate::shape::Shape;
-use crate::slots::push;
+use crate::slots::{NONE, push};
 
 /// How the mass and the moment of inertia of a dynamic body are given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -64,13 +63,14 @@ impl<S: Scalar> MassProperties<S> {
         }
     }
 
-    /// A hash of what the properties are made from.
-    fn digest(&self) -> u64 {
+    /// A hash of what the properties are made from; its upper bits are the best ones.
+    fn hash(&self) -> u64 {
         let Locks { x, y, rotation } = self.locks;
         let locks = u64::from(x) | u64::from(y) << 1 | u64::from(rotation) << 2;
         let (mass, inertia) = (self.inverse_mass.to_words(), self.inverse_inertia.to_words());
-        let words = [mass[0], mass[1], mass[2], inertia[0], inertia[1], inertia[2], locks];
-        StateHasher::of_bytes(words.map(u64::to_le_bytes).as_flattened())
+        // The golden ratio, 2^64/φ, as in Knuth's multiplicative hashing.
+        let mix = |hash: u64, word: u64| (hash.rotate_left(29) ^ word).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        mass.into_iter().chain(inertia).fold(mix(0, locks), mix)
     }
 }
 
@@ -134,9 +134,10 @@ fn inverse<S: Scalar>(f: S::Factor) -> S::Factor {
     if f.is_zero() { f } else { S::Factor::ONE.over(f) }
 }
 
-/// The mass properties in use. Bodies that are alike share a row, so that a body takes four bytes for its masses and a copy
-/// of a world none but those: copies share the table until a mass is changed in one. The index of a row is no state: it
-/// changes no bit of a result.
+/// The mass properties in use. Bodies that are alike share a row, so that a body takes four bytes for its masses, and a copy
+/// of a world those alone: copies share the table until a mass is changed in one.
+///
+/// Which row a body has is no state: it changes no bit of a result.
 #[derive(Debug)]
 pub(super) struct MassTable<S: Scalar> {
     rows: Vec<MassProperties<S>>,
@@ -144,15 +145,18 @@ pub(super) struct MassTable<S: Scalar> {
     users: Vec<u32>,
     /// Rows without a body, to be used again.
     free: Vec<u32>,
-    /// The row to share, by the digest of its properties. A row whose digest another row has already is not shared.
-    by_digest: BTreeMap<u64, u32>,
+    /// A hash table of the rows with linear probing: a row, or [`NONE`]. A row that was given back and used again is in it
+    /// once for each time, and found at one of its places.
+    places: Vec<u32>,
+    /// How many of the places are not [`NONE`]: at most half.
+    taken: usize,
 }
 
-clone_by_field!(MassTable { rows, users, free, by_digest });
+clone_by_field!(MassTable { rows, users, free, places, taken });
 
 impl<S: Scalar> Default for MassTable<S> {
     fn default() -> Self {
-        Self { rows: Vec::new(), users: Vec::new(), free: Vec::new(), by_digest: BTreeMap::new() }
+        Self { rows: Vec::new(), users: Vec::new(), free: Vec::new(), places: Vec::new(), taken: 0 }
     }
 }
 
@@ -165,12 +169,14 @@ impl<S: Scalar> MassTable<S> {
 
     /// The row for a body with these properties. [`release`](Self::release) gives it back.
     pub(super) fn acquire(&mut self, properties: MassProperties<S>) -> u32 {
-        let digest = properties.digest();
-        if let Some(&shared) = self.by_digest.get(&digest) {
-            if self.rows[shared as usize] == properties {
-                self.users[shared as usize] += 1;
-                return shared;
-            }
+        if 2 * self.taken >= self.places.len() {
+            self.rehash();
+        }
+        let place = self.find(&properties);
+        let row = self.places[place];
+        if row != NONE {
+            self.users[row as usize] += 1;
+            return row;
         }
         let row = if let Some(row) = self.free.pop() {
             (self.rows[row as usize], self.users[row as usize]) = (properties, 1);
@@ -180,7 +186,8 @@ impl<S: Scalar> MassTable<S> {
             push(&mut self.users, 1);
             (self.rows.len() - 1) as u32
         };
-        self.by_digest.entry(digest).or_insert(row);
+        self.places[place] = row;
+        self.taken += 1;
         row
     }
 
@@ -190,16 +197,43 @@ impl<S: Scalar> MassTable<S> {
         *users -= 1;
         if *users == 0 {
             self.free.push(row);
-            let digest = self.rows[row as usize].digest();
-            if self.by_digest.get(&digest) == Some(&row) {
-                self.by_digest.remove(&digest);
+        }
+    }
+
+    /// The place of the row with these properties, or the free place where it would be. *Domain* a place is free.
+    fn find(&self, properties: &MassProperties<S>) -> usize {
+        let last = self.places.len() - 1;
+        let mut place = (properties.hash() >> 32) as usize & last;
+        loop {
+            let row = self.places[place];
+            if row == NONE || (self.users[row as usize] > 0 && self.rows[row as usize] == *properties) {
+                return place;
             }
+            place = (place + 1) & last;
+        }
+    }
+
+    /// Makes the hash table anew, of the rows that a body has, with at least three quarters of its places free.
+    fn rehash(&mut self) {
+        let used = self.rows.len() - self.free.len();
+        let count = (4 * used).max(4).next_power_of_two().max(self.places.len());
+        self.places.clear();
+        self.places.resize(count, NONE);
+        self.taken = used;
+        for row in (0..self.rows.len()).filter(|&row| self.users[row] > 0) {
+            let mut place = (self.rows[row].hash() >> 32) as usize & (count - 1);
+            while self.places[place] != NONE {
+                place = (place + 1) & (count - 1);
+            }
+            self.places[place] = row as u32;
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use alloc::collections::BTreeMap;
+
     use super::*;
     use crate::scalar::FxFactor;
 
@@ -222,20 +256,37 @@ mod tests {
         let new = properties(5, Locks::NONE);
         assert_eq!([table.acquire(new), table.acquire(new), table.acquire(all[1])], [1, 1, 3]);
         assert_eq!((*table.row(1), *table.row(3)), (new, all[1]));
+        (0..2).for_each(|_| table.release(1));
+        assert_eq!([table.acquire(new), table.acquire(new)], [1, 1]);
     }
 
-    /// As if two properties had one digest.
+    /// Beside a count by kind, while bodies of many kinds come and go.
     #[test]
-    fn properties_with_the_digest_of_others_have_rows_of_their_own() {
-        let mut table = MassTable::default();
-        let [ours, other] = [2, 3].map(|mass| properties(mass, Locks::NONE));
-        let row = table.acquire(other);
-        table.by_digest.insert(ours.digest(), row);
-        let [first, second] = [(); 2].map(|()| table.acquire(ours));
-        assert!(first != second && first != row && second != row);
-        assert_eq!([first, second].map(|row| *table.row(row)), [ours; 2]);
-        table.release(first);
-        assert_eq!(table.by_digest.get(&ours.digest()), Some(&row));
-        assert_eq!(table.acquire(ours), first);
+    fn there_is_one_row_for_each_kind_in_use() {
+        let (mut table, mut rows) = (MassTable::default(), BTreeMap::<u64, (u32, u32)>::new());
+        let mut random = 1u32;
+        for step in 0..20_000u32 {
+            random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            // Few kinds and many, in turns.
+            let mass = u64::from(random >> 16) % if step & 4_096 == 0 { 500 } else { 5 } + 1;
+            if random >> 8 & 1 == 0 {
+                let row = table.acquire(properties(mass, Locks::NONE));
+                let (own, users) = rows.entry(mass).or_insert((row, 0));
+                assert_eq!(*own, row);
+                *users += 1;
+            } else if let Some((row, users)) = rows.get_mut(&mass) {
+                table.release(*row);
+                *users -= 1;
+                if *users == 0 {
+                    rows.remove(&mass);
+                }
+            }
+            assert_eq!(table.rows.len() - table.free.len(), rows.len());
+        }
+        for (mass, (row, users)) in rows {
+            let expected = (properties(mass, Locks::NONE), users);
+            assert_eq!((*table.row(row), table.users[row as usize]), expected);
+        }
+        assert!(table.rows.len() <= 500 && table.places.len() <= 2_048);
     }
 }
