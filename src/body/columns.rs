@@ -2,8 +2,8 @@
 
 use alloc::sync::Arc;
 use alloc::vec::Vec;
-use core::ops::Range;
 
+use super::asleep::Sleepers;
 use super::factors::{FactorTable, Key};
 use super::info::{BodyInfo, BodyTable};
 use super::mass::{MassTable, inverse_inertia_of};
@@ -31,30 +31,6 @@ pub(crate) struct Columns<S: Scalar> {
 
 clone_by_field!(Columns { motion, factors, mass, slot, activity });
 
-/// More than so many are taken body by body.
-const MOST_RUNS: usize = 32;
-
-/// Ranges of indices in the columns.
-struct Runs {
-    ranges: [Range<u32>; MOST_RUNS],
-    count: usize,
-}
-
-impl Runs {
-    fn push(&mut self, run: Range<u32>) -> Option<()> {
-        if run.is_empty() {
-            return Some(());
-        }
-        *self.ranges.get_mut(self.count)? = run;
-        self.count += 1;
-        Some(())
-    }
-
-    fn iter(&self) -> impl Iterator<Item = Range<usize>> {
-        self.ranges[..self.count].iter().map(|run| run.start as usize..run.end as usize)
-    }
-}
-
 /// The bodies of a world. The allocator of handles is part of its state.
 #[derive(Debug)]
 pub(crate) struct Bodies<S: Scalar> {
@@ -64,43 +40,18 @@ pub(crate) struct Bodies<S: Scalar> {
     /// The bodies before this index are the ones a step moves.
     moving: usize,
     /// The index of each body in the columns.
-    slots: Slots<BodyId>,
+    pub(super) slots: Slots<BodyId>,
     /// Whether bodies have a last acceleration. The column is empty as long as all are zero.
     keeps_last: bool,
     /// Whether a body has come among those that move since the last step.
     any_come: bool,
     /// Whether all ticks at rest are known to be zero.
-    is_rest_zero: bool,
+    pub(super) is_rest_zero: bool,
     /// The bodies that are asleep; derived, so that waking costs nothing where nobody sleeps.
     asleep: Sleepers,
 }
 
 clone_by_field!(Bodies { columns, table, masses, moving, slots, keeps_last, any_come, is_rest_zero, asleep });
-
-/// How many bodies are asleep, and how many dynamic ones of them in each group.
-#[derive(Clone, Copy, Debug, Default)]
-struct Sleepers {
-    count: usize,
-    by_group: [u32; 32],
-}
-
-impl Sleepers {
-    /// Counts a body in (`by` = 1) or out (−1).
-    fn count<S: Scalar>(&mut self, info: &BodyInfo<S>, by: i32) {
-        self.count = self.count.wrapping_add_signed(by as isize);
-        let mut groups = if info.kind == BodyKind::Dynamic { info.groups } else { 0 };
-        while groups != 0 {
-            let group = groups.trailing_zeros() as usize;
-            self.by_group[group] = self.by_group[group].wrapping_add_signed(by);
-            groups &= groups - 1;
-        }
-    }
-
-    /// The groups with a dynamic body that sleeps.
-    fn groups(&self) -> u32 {
-        (0..32).fold(0, |groups, group| groups | u32::from(self.by_group[group] > 0) << group)
-    }
-}
 
 impl<S: Scalar> Default for Bodies<S> {
     fn default() -> Self {
@@ -250,48 +201,6 @@ impl<S: Scalar> Bodies<S> {
         self.slots.handle(self.columns.slot[dense])
     }
 
-    /// Indices in the columns in the order of the slots, which is the order of everything public.
-    pub(crate) fn in_order(&self) -> impl Iterator<Item = usize> {
-        self.slots.all().iter().filter_map(|slot| slot.index())
-    }
-
-    /// The same as ranges of indices that follow each other; `None` if there are many.
-    fn runs(&self) -> Option<Runs> {
-        let mut runs = Runs { ranges: [const { 0..0 }; MOST_RUNS], count: 0 };
-        let mut run = 0..0;
-        for slots in self.slots.all().chunks(64) {
-            // Where nothing was removed and nobody sleeps: without a branch a slot.
-            if slots.iter().zip(run.end..).fold(true, |follows, (slot, next)| follows & (slot.index_or_none() == next))
-            {
-                run.end += slots.len() as u32;
-                continue;
-            }
-            for dense in slots.iter().map(|slot| slot.index_or_none()).filter(|&dense| dense != NONE) {
-                if dense == run.end {
-                    run.end += 1;
-                } else {
-                    runs.push(core::mem::replace(&mut run, dense..dense + 1))?;
-                }
-            }
-        }
-        runs.push(run)?;
-        Some(runs)
-    }
-
-    /// Adds a column to a hash, in the order of the slots.
-    fn write_column<T: Copy, const BYTES: usize>(
-        &self,
-        sink: &mut StateHasher,
-        runs: Option<&Runs>,
-        column: &[T],
-        bytes: impl Fn(T) -> [u8; BYTES] + Copy,
-    ) {
-        match runs {
-            Some(runs) => runs.iter().for_each(|run| sink.all(&column[run], bytes)),
-            None => sink.each(self.in_order().map(|dense| column[dense]), bytes),
-        }
-    }
-
     /// Adds to a hash all bodies and how their handles are given out.
     pub(crate) fn write(&self, sink: &mut StateHasher, factor_table: &FactorTable<S>) {
         codec::count(sink, self.slots.len());
@@ -385,65 +294,8 @@ impl<S: Scalar> Bodies<S> {
         self.set_moving(dense, def.kind != BodyKind::Static);
     }
 
-    /// The index of the body in a slot.
-    pub(super) fn slot_index(&self, slot: usize) -> usize {
-        self.slots.all()[slot].index_or_none() as usize
-    }
-
-    /// The slots: how often each was taken before, and the index of its body in the columns.
-    pub(crate) fn slots(&self) -> impl ExactSizeIterator<Item = (u32, Option<usize>)> {
-        self.slots.all().iter().map(|slot| (slot.generation, slot.index()))
-    }
-
     pub(super) fn keeps_last(&self) -> bool {
         self.keeps_last
-    }
-
-    /// How often a slot was taken before.
-    pub(crate) fn generation(&self, slot: u32) -> Option<u32> {
-        self.slots.generation(slot)
-    }
-
-    /// The slots to take next, the last one first.
-    pub(crate) fn free(&self) -> &[u32] {
-        self.slots.free()
-    }
-
-    /// Says which slots to take next: each one without a body, and once.
-    pub(crate) fn set_free(&mut self, free: Vec<u32>) -> Result<(), Error> {
-        if self.slots.set_free(free) { Ok(()) } else { Err(Error::Inconsistent) }
-    }
-
-    /// Adds a body of another world with the same parameters, with all that it is but its handle.
-    pub(crate) fn adopt(
-        &mut self,
-        (other, body): (&Self, BodyId),
-        (other_tunings, factor_table): (&FactorTable<S>, &mut FactorTable<S>),
-    ) -> Result<BodyId, Error> {
-        let from = other.find(body)?;
-        let (info, key) = (other.info(from), &other_tunings.rows()[other.columns.factors[from] as usize].key);
-        let def = BodyDef {
-            kind: info.kind,
-            shape: info.shape.as_deref().cloned(),
-            mass: info.mass,
-            gravity_scale: key.gravity_scale,
-            linear_damping: key.linear,
-            angular_damping: key.angular,
-            max_speed: key.most[0],
-            max_angular_speed: key.most[1],
-            locks: other.mass(from).locks,
-            groups: info.groups,
-            key: info.key,
-            user_data: info.user_data,
-            ..BodyDef::dynamic()
-        };
-        let adopted = self.insert(def, *other.mass(from), factor_table);
-        let dense = self.find(adopted)?;
-        let dense = self.set_activity(dense, other.activity(from));
-        self.make_last_accelerations();
-        self.is_rest_zero = false;
-        self.columns.motion.copy(dense, &other.columns.motion, from);
-        Ok(adopted)
     }
 
     /// Removes a body; its slot is free for the next one, with the next generation.
@@ -490,7 +342,7 @@ impl<S: Scalar> Bodies<S> {
     }
 
     /// Fills the column of last accelerations, if there is one and it is empty.
-    fn make_last_accelerations(&mut self) {
+    pub(super) fn make_last_accelerations(&mut self) {
         if self.keeps_last {
             self.columns.motion.last.resize(self.len(), Acceleration::default());
         }

@@ -1,10 +1,12 @@
 //! Bodies: their definitions, handles, and the columns their state is kept in.
 
+mod asleep;
 mod columns;
 mod factors;
 mod info;
 mod mass;
 mod motion;
+mod order;
 mod record;
 mod sparse;
 mod target;

@@ -206,6 +206,38 @@ impl<S: Scalar> Bodies<S> {
         Ok(Some(dense))
     }
 
+    /// Adds a body of another world with the same parameters, with all that it is but its handle.
+    pub(crate) fn adopt(
+        &mut self,
+        (other, body): (&Self, BodyId),
+        (other_tunings, factor_table): (&FactorTable<S>, &mut FactorTable<S>),
+    ) -> Result<BodyId, Error> {
+        let from = other.find(body)?;
+        let (info, key) = (other.info(from), &other_tunings.rows()[other.columns.factors[from] as usize].key);
+        let def = BodyDef {
+            kind: info.kind,
+            shape: info.shape.as_deref().cloned(),
+            mass: info.mass,
+            gravity_scale: key.gravity_scale,
+            linear_damping: key.linear,
+            angular_damping: key.angular,
+            max_speed: key.most[0],
+            max_angular_speed: key.most[1],
+            locks: other.mass(from).locks,
+            groups: info.groups,
+            key: info.key,
+            user_data: info.user_data,
+            ..BodyDef::dynamic()
+        };
+        let adopted = self.insert(def, *other.mass(from), factor_table);
+        let dense = self.find(adopted)?;
+        let dense = self.set_activity(dense, other.activity(from));
+        self.make_last_accelerations();
+        self.is_rest_zero = false;
+        self.columns.motion.copy(dense, &other.columns.motion, from);
+        Ok(adopted)
+    }
+
     /// The shape of the body in a slot, if there is one with a shape.
     pub(crate) fn shape_in(&self, slot: u32) -> Option<&Arc<Shape<S>>> {
         let generation = self.generation(slot)?;
