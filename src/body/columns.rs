@@ -1,4 +1,4 @@
-//! All bodies: what steps change in columns, those that move first; what they do not change by slot.
+//! All bodies: in columns what steps change, the moving bodies first; in shared tables what no step changes.
 
 use alloc::sync::Arc;
 use alloc::vec::Vec;
@@ -17,13 +17,13 @@ use crate::shape::Shape;
 use crate::slots::{BodyId, Slots};
 pub(super) use crate::slots::{NONE, push};
 
-/// All columns.
+/// The columns, each with a value for each body, in one order.
 #[derive(Debug)]
 pub(crate) struct Columns<S: Scalar> {
     pub(crate) motion: Motion<S>,
-    /// Which of the [`FactorTable`] a body has.
+    /// The row of the [`FactorTable`] that each body has.
     pub(crate) factors: Vec<u32>,
-    /// Which row of the [`MassTable`] a body has.
+    /// The row of the [`MassTable`] that each body has.
     mass: Vec<u32>,
     pub(crate) slot: Vec<u32>,
     activity: Vec<Activity>,
@@ -31,7 +31,7 @@ pub(crate) struct Columns<S: Scalar> {
 
 clone_by_field!(Columns { motion, factors, mass, slot, activity });
 
-/// The bodies of a world. The allocator of handles is part of its state.
+/// The bodies of a world. The slots, from which new bodies get their handles, are part of the state.
 #[derive(Debug)]
 pub(crate) struct Bodies<S: Scalar> {
     pub(crate) columns: Columns<S>,
@@ -47,7 +47,7 @@ pub(crate) struct Bodies<S: Scalar> {
     any_come: bool,
     /// Whether all ticks at rest are known to be zero.
     pub(super) is_rest_zero: bool,
-    /// The bodies that are asleep; derived, so that waking costs nothing where nobody sleeps.
+    /// Counts of the bodies that are asleep; derived.
     asleep: Sleepers,
 }
 
@@ -99,12 +99,12 @@ impl<S: Scalar> Bodies<S> {
         self.asleep.groups() & groups != 0
     }
 
-    /// The bodies that are asleep, in no order. Looks at all that no step moves.
+    /// The bodies that are asleep, in no order. It looks at all bodies that no step moves.
     pub(crate) fn asleep(&self) -> impl Iterator<Item = usize> {
         (self.moving..self.len()).filter(|&dense| self.columns.activity[dense] == Activity::Asleep)
     }
 
-    /// What no step changes of the body at this index in the columns.
+    /// The properties that no step changes, of the body at this index in the columns.
     pub(crate) fn info(&self, dense: usize) -> &BodyInfo<S> {
         self.table.info(self.columns.slot[dense] as usize)
     }
@@ -115,13 +115,13 @@ impl<S: Scalar> Bodies<S> {
         self.masses.row(self.columns.mass[dense])
     }
 
-    /// Changes what no step does. A body that is asleep keeps its kind and its groups.
+    /// Changes properties that no step changes. *Domain* the kind and the groups of a body that is asleep stay the same.
     pub(crate) fn edit(&mut self, dense: usize, edit: impl FnOnce(&mut BodyInfo<S>)) {
         let slot = self.columns.slot[dense] as usize;
         Arc::make_mut(&mut self.table).edit(slot, edit);
     }
 
-    /// Makes the hashes of what calls have changed since the step before.
+    /// Makes the hashes of the bodies whose properties calls have changed since the step before.
     pub(crate) fn update_digests(&mut self, factor_table: &FactorTable<S>) {
         if self.table.is_stale() {
             let Self { table, slots, columns, masses, .. } = self;
@@ -129,7 +129,7 @@ impl<S: Scalar> Bodies<S> {
         }
     }
 
-    /// Gives a body a shape, or none, and the properties that follow.
+    /// Sets or removes the shape of a body, with the mass properties that follow.
     pub(crate) fn set_shape(&mut self, dense: usize, shape: Option<Shape<S>>, properties: MassProperties<S>) {
         let shapes = &mut Arc::make_mut(&mut self.table).shapes;
         let new = shape.map(|shape| shapes.acquire(shape));
@@ -143,7 +143,7 @@ impl<S: Scalar> Bodies<S> {
         }
     }
 
-    /// Gives a body a mass, or the same mass as another kind of body, and the properties that follow.
+    /// Sets the kind and the mass of a body, with the mass properties that follow.
     pub(crate) fn set_mass(&mut self, dense: usize, kind: BodyKind, mass: Mass<S>, properties: MassProperties<S>) {
         self.edit(dense, |info| (info.kind, info.mass) = (kind, mass));
         self.set_mass_row(dense, properties);
@@ -155,7 +155,7 @@ impl<S: Scalar> Bodies<S> {
         masses.release(core::mem::replace(&mut self.columns.mass[dense], new));
     }
 
-    /// Locks a body along some axes, unlocks it along the others, and gives it the factors that go with that.
+    /// Locks a body along some axes and unlocks it along the others, with the mass properties and factors that follow.
     pub(crate) fn set_locks(&mut self, dense: usize, factor_table: &mut FactorTable<S>, locks: Locks) {
         self.columns.motion.lock(dense, locks);
         let (info, inverse_mass) = (self.info(dense), self.mass(dense).inverse_mass);
@@ -165,7 +165,7 @@ impl<S: Scalar> Bodies<S> {
         self.set_factors(dense, factor_table, Key { still: [locks.x, locks.y], ..key });
     }
 
-    /// Gives a body the factors that go with a key.
+    /// Gives a body the factors of a key.
     pub(crate) fn set_factors(&mut self, dense: usize, factor_table: &mut FactorTable<S>, key: Key<S>) {
         let new = factor_table.acquire(key);
         factor_table.release(core::mem::replace(&mut self.columns.factors[dense], new));
@@ -176,7 +176,7 @@ impl<S: Scalar> Bodies<S> {
         self.columns.activity[dense]
     }
 
-    /// Changes whether a body takes part; returns its new index.
+    /// Sets the activity of a body; returns its new index.
     pub(crate) fn set_activity(&mut self, dense: usize, activity: Activity) -> usize {
         let old = core::mem::replace(&mut self.columns.activity[dense], activity);
         let slot = self.columns.slot[dense] as usize;
@@ -201,7 +201,7 @@ impl<S: Scalar> Bodies<S> {
         self.slots.handle(self.columns.slot[dense])
     }
 
-    /// Adds to a hash all bodies and how their handles are given out.
+    /// Adds all bodies to a hash, and the state of the slots.
     pub(crate) fn write(&self, sink: &mut StateHasher, factor_table: &FactorTable<S>) {
         codec::count(sink, self.slots.len());
         sink.all(self.slots.all(), |slot| (u64::from(slot.generation) << 1 | u64::from(slot.is_taken())).to_le_bytes());
@@ -235,7 +235,7 @@ impl<S: Scalar> Bodies<S> {
         }
     }
 
-    /// Refuses where there is no room for another body.
+    /// Refuses another body where the limit is reached.
     pub(crate) fn check_room(&self) -> Result<(), Error> {
         if self.slots.has_room(limits::BODIES) { Ok(()) } else { Err(Error::Full) }
     }
@@ -298,7 +298,7 @@ impl<S: Scalar> Bodies<S> {
         self.keeps_last
     }
 
-    /// Removes a body; its slot is free for the next one, with the next generation.
+    /// Removes a body and frees its slot.
     pub(crate) fn remove(&mut self, body: BodyId) -> Result<(), Error> {
         let dense = self.find(body)?;
         let dense = self.set_moving(dense, false);
@@ -378,7 +378,7 @@ impl<S: Scalar> Bodies<S> {
     }
 }
 
-/// What is hashed with the info of the body in a slot: the parameters its factors are made from, and its locks.
+/// The values that are hashed with the info of the body in a slot: the key of its factors, and its locks.
 fn hashed_with<'a, S: Scalar>(
     slots: &Slots<BodyId>,
     columns: &Columns<S>,

@@ -1,4 +1,4 @@
-//! Bodies: their definitions, handles, and the columns their state is kept in.
+//! Bodies: their definitions, and the columns that hold their state.
 
 mod asleep;
 mod columns;
@@ -28,20 +28,20 @@ pub(crate) use record::{Record, ShapeSource};
 pub(crate) use sparse::{Row, Sparse};
 pub(crate) use target::{KinematicTarget, KinematicTargets, Target, Velocities};
 
-/// What moves a body.
+/// How a body moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum BodyKind {
-    /// Nothing.
+    /// The body never moves.
     Static,
-    /// The velocity it is given; no force and no damping.
+    /// The body moves at the velocity you set. Forces and damping have no effect.
     Kinematic,
-    /// Everything.
+    /// The body responds to forces, gravity and damping.
     #[default]
     Dynamic,
 }
 
-/// Whether a body takes part in steps.
+/// The part a body takes in steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",
@@ -49,20 +49,21 @@ pub enum BodyKind {
     serde(rename_all = "snake_case", deny_unknown_fields)
 )]
 pub enum Activity {
-    /// It does.
+    /// The body takes part.
     #[default]
     Awake,
-    /// It is at rest and skipped, until something wakes it.
+    /// The body is at rest, and steps skip it until something wakes it.
     Asleep,
-    /// It left the envelope: back at its last good state and out of the simulation, until it is released.
+    /// The body left the allowed range, or a step failed for it. It is back in its state before that step and excluded from
+    /// the simulation until it is released.
     Quarantined,
-    /// It was taken out of the simulation as it was, until it is enabled.
+    /// A call excluded the body from the simulation. It stays as it was until it is enabled.
     Disabled,
 }
 
 impl Activity {
-    /// Whether the body is part of the simulation. One that is not stands still with the velocity it has, and whatever is
-    /// attached to it is inert.
+    /// Whether the body is part of the simulation. A body that is not stays in place and keeps its velocity, and fields that
+    /// are attached to it do nothing.
     ///
     /// ```
     /// use umbra_physics::{BodyDef, World, WorldDef};
@@ -83,21 +84,21 @@ impl Activity {
     }
 }
 
-/// Which components of a body's velocity are zero and stay zero, whatever acts on it: along such an axis not a bit of its
-/// position changes. The other components move as if the locked ones were at rest by chance.
+/// The locked axes of a body. The velocity along a locked axis is zero and stays zero, whatever acts on the body, and not a
+/// bit of the position along it changes. The other components move as if the locked ones happened to be zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Locks {
-    /// The velocity along x.
+    /// Locks the velocity along x.
     pub x: bool,
-    /// The velocity along y.
+    /// Locks the velocity along y.
     pub y: bool,
-    /// The angular velocity.
+    /// Locks the angular velocity.
     pub rotation: bool,
 }
 
 impl Locks {
-    /// It moves freely.
+    /// No locks.
     pub const NONE: Self = Self { x: false, y: false, rotation: false };
 }
 
@@ -116,8 +117,8 @@ impl Read for Locks {
     }
 }
 
-/// What a body is made from. Start from [`BodyDef::dynamic`], [`kinematic`](Self::kinematic) or
-/// [`fixed`](Self::fixed) and change what differs.
+/// The definition of a body. Start from [`BodyDef::dynamic`], [`kinematic`](Self::kinematic) or [`fixed`](Self::fixed) and
+/// change what differs.
 ///
 /// ```
 /// use umbra_physics::{BodyDef, BodyKind, Error, Mass, Shape, fx, vec2};
@@ -133,7 +134,7 @@ impl Read for Locks {
 /// let kinds = [wheel.kind, lift.kind, ground.kind];
 /// assert_eq!(kinds, [BodyKind::Dynamic, BodyKind::Kinematic, BodyKind::Static]);
 ///
-/// // What a world would refuse:
+/// // A definition can be checked without a world:
 /// assert_eq!(wheel.check(), Ok(()));
 /// assert_eq!(BodyDef { shape: None, ..wheel }.check(), Err(Error::NoShape));
 /// # Ok::<(), umbra_physics::Error>(())
@@ -141,37 +142,37 @@ impl Read for Locks {
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct BodyDef<S: Scalar = Fx> {
-    /// What moves it.
+    /// How the body moves.
     pub kind: BodyKind,
-    /// Where its centre of mass is, m.
+    /// The position of the centre of mass, m.
     pub position: Vec2<S>,
-    /// How far it is turned, rad.
+    /// The angle, rad.
     pub angle: S,
-    /// Its velocity, m/s. Zero for a static body.
+    /// The velocity, m/s. Zero for a static body.
     pub velocity: Vec2<S>,
-    /// Its angular velocity, rad/s. Zero for a static body.
+    /// The angular velocity, rad/s. Zero for a static body.
     pub angular_velocity: S,
-    /// Its shape, which gives it inertia and an outline to draw.
+    /// The shape, which gives the body its inertia and an outline to draw.
     pub shape: Option<Shape<S>>,
-    /// Its mass, if it is dynamic.
+    /// The mass, used while the body is dynamic.
     pub mass: Mass<S>,
-    /// How much of the world's gravity it feels: 1 all, 0 none, −1 upwards.
+    /// The factor on the world's gravity: 1 for all of it, 0 for none, −1 for the opposite direction.
     pub gravity_scale: S,
-    /// What is left of its velocity after a second, 0 to 1, in place of the world's.
+    /// The part of the velocity that damping leaves after a second, 0 to 1; `None` for the world's.
     pub linear_damping: Option<S>,
-    /// What is left of its angular velocity after a second, 0 to 1, in place of the world's.
+    /// The part of the angular velocity that damping leaves after a second, 0 to 1; `None` for the world's.
     pub angular_damping: Option<S>,
-    /// The largest speed it has after a step, m/s, if it is dynamic: what is faster is slowed down to it, in its direction.
+    /// The largest speed after a step, m/s, if the body is dynamic. A faster body is slowed down to it and keeps its direction.
     pub max_speed: Option<S>,
-    /// The largest angular speed it has after a step, rad/s, if it is dynamic.
+    /// The largest angular speed after a step, rad/s, if the body is dynamic.
     pub max_angular_speed: Option<S>,
-    /// Which components of its velocity are zero and stay zero.
+    /// The axes along which the body cannot move.
     pub locks: Locks,
-    /// The groups it is in: a force field with one of these bits acts on it.
+    /// The groups of the body: a force field with one of these bits acts on it.
     pub groups: u32,
-    /// A name of the caller's, by which worlds built in another order are compared.
+    /// A name of your choice for the body. Worlds that were built in different orders are compared by it.
     pub key: u64,
-    /// Anything of the caller's.
+    /// Data of your choice. The engine does not read it.
     pub user_data: u64,
 }
 
@@ -197,7 +198,7 @@ codec_struct!(BodyDef {
 });
 
 impl<S: Scalar> BodyDef<S> {
-    /// A body of 1 kg that everything moves, at rest at the origin.
+    /// A dynamic body of 1 kg, at rest at the origin.
     #[must_use]
     pub fn dynamic() -> Self {
         Self {
@@ -220,19 +221,19 @@ impl<S: Scalar> BodyDef<S> {
         }
     }
 
-    /// A body that moves with the velocity it is given.
+    /// A kinematic body at the origin. Set its velocity, or move it to targets.
     #[must_use]
     pub fn kinematic() -> Self {
         Self { kind: BodyKind::Kinematic, ..Self::dynamic() }
     }
 
-    /// A body that never moves.
+    /// A static body at the origin.
     #[must_use]
     pub fn fixed() -> Self {
         Self { kind: BodyKind::Static, ..Self::dynamic() }
     }
 
-    /// Refuses what a world would.
+    /// Checks the definition as a world does that the body is added to.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] naming the quantity; [`Error::NoShape`] for a density without a shape; [`Error::Locked`] for a
@@ -241,7 +242,7 @@ impl<S: Scalar> BodyDef<S> {
         self.checked().map(drop)
     }
 
-    /// The properties that follow from it, if no world would refuse it.
+    /// The mass properties of a body with this definition, if the definition is valid.
     pub(crate) fn checked(&self) -> Result<MassProperties<S>, Error> {
         check_position(self.position)?;
         check_angle(self.angle)?;
@@ -271,7 +272,7 @@ fn within<S: Scalar>(value: S, limit: Fx) -> bool {
     -limit <= value && value <= limit
 }
 
-/// What [`check_position`] and its like ask, of what a step left.
+/// Refuses a vector with a component beyond ±`limit`, to the last bit of an accumulator: for the results of steps.
 pub(crate) fn within_envelope<S: Scalar>(
     pair: Vec2<S::Accumulator>,
     limit: Fx,
@@ -303,7 +304,7 @@ pub(crate) fn check_unlocked<S: Scalar>(locks: Locks, velocity: Vec2<S>) -> Resu
     if moves { Err(Error::Locked { quantity: Quantity::Velocity }) } else { Ok(()) }
 }
 
-/// The same of an angular velocity.
+/// Refuses an angular velocity where the rotation is locked.
 pub(crate) fn check_turning<S: Scalar>(locks: Locks, velocity: S) -> Result<(), Error> {
     let turns = locks.rotation && velocity != S::ZERO;
     if turns { Err(Error::Locked { quantity: Quantity::AngularVelocity }) } else { Ok(()) }
