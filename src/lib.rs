@@ -76,7 +76,6 @@ pub mod scene;
 pub mod selftest;
 mod shape;
 mod slots;
-use slots as handle;
 mod step;
 mod world;
 

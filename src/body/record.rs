@@ -11,11 +11,11 @@ use super::{
 };
 use crate::codec::{self, Encoder, Malformed, Part, Read, Reader, Write, codec_struct};
 use crate::error::{Error, Quantity};
-use crate::handle::BodyId;
 use crate::limits;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator as _, Scalar, fx::Fx};
 use crate::shape::Shape;
+use crate::slots::BodyId;
 
 codec_struct!(Acceleration { linear, angular });
 

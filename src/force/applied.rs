@@ -4,9 +4,9 @@ use alloc::vec::Vec;
 
 use crate::body::{Row, Sparse};
 use crate::codec::{self, StateHasher, Write as _};
-use crate::handle::BodyId;
 use crate::math::Vec2;
 use crate::scalar::{Scalar, Sum, fx::Fx};
+use crate::slots::BodyId;
 
 /// The sum of the forces and torques applied to a body over a tick. Undoing the step of that tick needs it.
 ///

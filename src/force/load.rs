@@ -7,9 +7,9 @@ use super::{
 };
 use crate::body::{Bodies, BodyKind, Sparse};
 use crate::error::Cause;
-use crate::handle::FieldId;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, Angle, Factor, Offset, Scalar, SpringConstants, Sum, Wide};
+use crate::slots::FieldId;
 
 /// What the fields do to a body: accelerations that do not depend on its mass, forces and a torque, each summed so that
 /// the order of the fields never matters.

@@ -4,10 +4,10 @@ use alloc::vec::Vec;
 
 use crate::body::{BodyDef, BodyKind, Mass};
 use crate::force::{Attachment, End, FieldKind};
-use crate::handle::{BodyId, FieldId};
 use crate::math::{Random, Vec2, vec2};
 use crate::scalar::SpringConstants;
 use crate::scalar::fx::{Fx, fx};
+use crate::slots::{BodyId, FieldId};
 use crate::world::World;
 
 /// The most there are at once of those that come and go.

@@ -2,7 +2,7 @@
 
 use alloc::collections::BTreeMap;
 
-use crate::handle::{BodyId, FieldId};
+use crate::slots::{BodyId, FieldId};
 use crate::world::{Command, Created};
 
 /// Which body of another run stands for a body, and which force field for a field.

@@ -10,9 +10,9 @@ use super::drivers::{Asking, Detours, Inspector, Noting, Pairing, Seen, Undoing,
 use super::game::{ByTick, Course, Likeness, Subject};
 use super::{Handles, Oracle, Symmetry, Verdict, Violation};
 use crate::force::CustomForce;
-use crate::handle::BodyId;
 use crate::math::Random;
 use crate::replay::{Difference, RecordOptions, Recorder, Replay, Snapshot};
+use crate::slots::BodyId;
 use crate::world::{Created, Stepper, World};
 
 /// A run that is judged.

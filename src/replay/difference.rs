@@ -11,9 +11,9 @@ use super::snapshot::State;
 use crate::codec::{self, Encoder as _, FieldIndex, FieldValue, Part, StateHasher};
 #[cfg(feature = "oracles")]
 use crate::force::ForceField;
-use crate::handle::{BodyId, FieldId};
 use crate::integrate::Stage;
 use crate::scalar::Scalar;
+use crate::slots::{BodyId, FieldId};
 use crate::world::{Trace, World};
 
 /// What of a world a value belongs to.

@@ -5,8 +5,8 @@ use alloc::vec::Vec;
 use super::PHYSICS_VERSION;
 use crate::codec::{self, StateHasher, Write as _};
 use crate::force::FieldKind;
-use crate::handle::BodyId;
 use crate::scalar::Scalar;
+use crate::slots::BodyId;
 use crate::world::World;
 
 impl<S: Scalar> World<S> {

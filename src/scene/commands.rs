@@ -14,8 +14,8 @@ use super::{Scene, SceneBody};
 use crate::body::BodyDef;
 use crate::error::Error;
 use crate::force::{FieldKind, ForceField};
-use crate::handle::{BodyId, FieldId};
 use crate::scalar::FxFactor;
+use crate::slots::{BodyId, FieldId};
 use crate::world::{Command, Created, World, WorldDef};
 
 impl Scene {

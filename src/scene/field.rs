@@ -9,9 +9,9 @@ use super::node::{Kind, Node, Object, Result, quoted};
 use super::shape::vector;
 use crate::error::{Error, Quantity};
 use crate::force::{Attachment, End, FieldKind, ForceField, Region};
-use crate::handle::BodyId;
 use crate::math::Vec2;
 use crate::scalar::{Factor, FxFactor, Scalar, SpringConstants, fx::Fx};
+use crate::slots::BodyId;
 
 /// A force field of a scene.
 #[derive(Clone, Debug, PartialEq)]

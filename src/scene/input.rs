@@ -10,8 +10,8 @@ use super::repeat::check_count;
 use super::settings::{blob, integrator, random, sleep_after, time_step, world_damping};
 use super::shape::{ShapeDef, shape};
 use super::{Scene, Tables};
-use crate::handle::{BodyId, FieldId};
 use crate::scalar::fx::Fx;
+use crate::slots::{BodyId, FieldId};
 use crate::world::{ApplyOptions, Command, ForceOrImpulse, Frame};
 
 /// Something done to a world, at one tick or at several.

@@ -13,9 +13,9 @@ use super::node::quoted;
 use super::shape::vector;
 use super::{Scene, ShapeDef};
 use crate::error::{Error, Quantity};
-use crate::handle::{BodyId, FieldId};
 use crate::math::TimeStep;
 use crate::scalar::{Scalar, Wide, fx::Fx};
+use crate::slots::{BodyId, FieldId};
 use crate::world::{ApplyOptions, Command, Created, ForceOrImpulse, StepReport, Stepper, World, WorldDef};
 
 /// The world of a scene and what is still to be done to it.

@@ -12,9 +12,9 @@ use super::shape::{PartDef, ShapeDef};
 use super::{Scene, SceneBody};
 use crate::body::{BodyDef, BodyKind, Locks, Mass};
 use crate::force::{Attachment, End, FieldKind, ForceField, Region};
-use crate::handle::{BodyId, FieldId};
 use crate::math::{TimeStep, Vec2};
 use crate::scalar::fx::Fx;
+use crate::slots::{BodyId, FieldId};
 use crate::world::{Command, ForceOrImpulse, Frame, WorldDef};
 
 impl Scene {

@@ -5,10 +5,10 @@ use alloc::sync::Arc;
 use super::World;
 use crate::body::{BodyDef, BodyInfo, BodyKind, Key, Locks, Mass};
 use crate::error::Error;
-use crate::handle::BodyId;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, Angle, Scalar};
 use crate::shape::Shape;
+use crate::slots::BodyId;
 
 impl<S: Scalar> World<S> {
     /// Adds a body.

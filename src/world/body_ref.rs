@@ -4,10 +4,10 @@ use super::World;
 use crate::body::{Activity, BodyInfo, BodyKind, Key, Locks, Mass};
 use crate::error::Error;
 use crate::force::velocity_at;
-use crate::handle::BodyId;
 use crate::math::{Rot, Vec2};
 use crate::scalar::{Accumulator, Angle, Factor, Scalar, Wide, fx::Fx};
 use crate::shape::Shape;
+use crate::slots::BodyId;
 
 /// A look at a body.
 ///

@@ -9,12 +9,12 @@ use crate::body::{
 };
 use crate::error::{Error, Quantity};
 use crate::force::ForceField;
-use crate::handle::{BodyId, FieldId};
 use crate::integrate::{Integrator, rate};
 use crate::limits;
 use crate::math::{Elapsed, TimeStep, Vec2};
 use crate::scalar::{Angle, Scalar};
 use crate::shape::Shape;
+use crate::slots::{BodyId, FieldId};
 
 // The calls on bodies; forces and impulses are in `forces.rs`.
 impl<S: Scalar> World<S> {

@@ -4,10 +4,10 @@ use super::World;
 use crate::body::{Activity, BodyKind};
 use crate::codec::{self, Encoder, Malformed, Read, Reader, Write, codec_enum};
 use crate::error::{Error, Quantity};
-use crate::handle::BodyId;
 use crate::limits;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, Angle, Offset, Scalar, Wide, fx::Fx};
+use crate::slots::BodyId;
 
 /// What a vector is relative to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
