@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use crate::handle::{BodyId, FieldId};
+use crate::slots::{BodyId, FieldId};
 
 /// Gives an error its numbers, one a variant: those of a new variant are taken from no other, and a number, once given,
 /// stays. A variant that is not in the list does not compile. `docs/errors.md` has them all.

@@ -62,7 +62,6 @@ mod force;
 mod codec;
 #[cfg(any(doc, doctest))]
 pub mod guide;
-mod handle;
 mod integrate;
 mod kernel;
 pub mod limits;
@@ -72,6 +71,7 @@ pub mod scalar;
 #[cfg(feature = "selftest")]
 pub mod selftest;
 mod shape;
+mod slots;
 mod step;
 mod symmetry;
 mod world;
@@ -86,7 +86,6 @@ pub use force::{
     AppliedForce, Attachment, BodyState, CustomForce, CustomForceError, Dependence, End, FieldKind, ForceField,
     ForceTorque, Region,
 };
-pub use handle::{BodyId, FieldId};
 pub use integrate::{Integrator, Stage, StageKind};
 pub use math::{Elapsed, Random, Rot, TimeStep, Vec2, vec2};
 pub use replay::{
@@ -96,6 +95,7 @@ pub use replay::{
 pub use scalar::fx::{Fx, MathError, ParseFxError};
 pub use scalar::{FxAccumulator, FxFactor, FxWide, Scalar, SpringConstants, Turn};
 pub use shape::{Aabb, Geometry, Outline, Part, Shape};
+pub use slots::{BodyId, FieldId};
 #[cfg(feature = "timers")]
 pub use step::Timers;
 pub use symmetry::Symmetry;

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 /// Modules on one level do not name each other.
 const LEVELS: [&[&str]; 14] = [
-    &["kernel", "handle"],
+    &["kernel", "slots"],
     &["error"],
     &["scalar"],
     &["limits"],

@@ -7,9 +7,9 @@ use super::{
 };
 use crate::body::{Bodies, BodyKind, Sparse};
 use crate::error::Cause;
-use crate::handle::FieldId;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, Angle, Factor, Offset, Scalar, SpringConstants, Sum, Wide};
+use crate::slots::FieldId;
 
 /// What the fields do to a body: accelerations that do not depend on its mass, forces and a torque, each summed so that
 /// the order of the fields never matters.
@@ -135,7 +135,7 @@ impl<S: Scalar> Scene<'_, S> {
             dense: gives.then_some(dense),
             position: motion.position.get(dense).map(Accumulator::value),
             arm,
-            lever: if info.locks.rotation { Offset::<S>::default() } else { arm },
+            lever: if self.bodies.mass(dense).locks.rotation { Offset::<S>::default() } else { arm },
             velocity: motion.velocity.get(dense).map(Accumulator::value),
             angular_velocity: motion.angular_velocity[dense].value(),
         })
@@ -297,7 +297,8 @@ pub(crate) fn resist<S: Scalar>(
             if !info.feels(field.groups) || !only(i) {
                 continue;
             }
-            let (inverse_mass, locks) = (info.properties.inverse_mass, info.locks);
+            let mass = bodies.mass(i);
+            let (inverse_mass, axes) = (mass.inverse_mass, mass.axis_inverse_mass);
             let velocities = &mut bodies.columns.motion.velocity;
             let velocity = velocities.get(i);
             let speed = S::length(relative(velocity, *wind), S::ZERO);
@@ -310,14 +311,14 @@ pub(crate) fn resist<S: Scalar>(
                 continue;
             }
             let slowed = left.and_then(|left| {
-                let component = |v: S::Accumulator, w: S, locked: bool| {
-                    if locked {
+                let component = |v: S::Accumulator, w: S, inverse_mass: S::Factor| {
+                    if inverse_mass.is_zero() {
                         return Some(v);
                     }
                     let w = S::Accumulator::from_scalar(w);
                     Some(v.plus(w.negated()).scaled(left)?.plus(w))
                 };
-                Some(Vec2::new(component(velocity.x, wind.x, locks.x)?, component(velocity.y, wind.y, locks.y)?))
+                Some(Vec2::new(component(velocity.x, wind.x, axes.x)?, component(velocity.y, wind.y, axes.y)?))
             });
             match slowed {
                 Some(slowed) => velocities.set(i, slowed),
@@ -357,7 +358,7 @@ pub(crate) fn outer_drag<S: Scalar>(
             if info.feels(field.groups) {
                 let speed = S::length(relative(velocities.get(i), *wind), S::ZERO).plus(gain(i));
                 let slope = S::Factor::from_scalar(*linear).plus(S::Factor::from_scalar(*quadratic).times(speed));
-                *outside |= slope.times(info.properties.inverse_mass).times(time_step) > half;
+                *outside |= slope.times(bodies.mass(i).inverse_mass).times(time_step) > half;
             }
         }
     }

@@ -9,7 +9,7 @@ use core::fmt;
 use super::finding::TickPhase;
 use super::snapshot::State;
 use crate::codec::{self, Encoder as _, FieldIndex, FieldValue, Part, StateHasher};
-use crate::handle::{BodyId, FieldId};
+use crate::slots::{BodyId, FieldId};
 use crate::integrate::Stage;
 use crate::scalar::Scalar;
 use crate::world::{BodyRef, Trace, World};

@@ -5,7 +5,6 @@ use alloc::vec::Vec;
 use super::PHYSICS_VERSION;
 use crate::codec::{self, StateHasher, Write as _};
 use crate::force::FieldKind;
-use crate::handle::BodyId;
 use crate::scalar::Scalar;
 use crate::world::{BodyRef, World};
 

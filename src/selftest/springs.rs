@@ -5,10 +5,10 @@ use alloc::vec::Vec;
 use super::trial::{Played, Trial, add_all, exact, happened, near_fx, near_wide, same};
 use crate::body::{BodyDef, Mass};
 use crate::force::{Attachment, End, FieldKind};
-use crate::handle::BodyId;
 use crate::math::{Vec2, vec2};
 use crate::scalar::fx::{Fx, fx};
 use crate::scalar::{Accumulator as _, SpringConstants};
+use crate::slots::BodyId;
 use crate::world::{World, WorldDef};
 
 /// Verlet's x(n+1) − 2·x(n) + x(n−1) = −(ω·h)²·x(n) is cos(n·φ) with cos φ = 1 − (ω·h)²/2: sixty degrees for ω·h = 1.

@@ -21,9 +21,9 @@ use alloc::vec::Vec;
 use crate::body::{Acceleration, BLOCK, Bodies, FactorTable, KinematicTargets, Motion, Velocities};
 use crate::error::Fault;
 use crate::force::{Applied, CustomForces, Dependence, Directions, End, FieldKind, FieldSet, Loads};
-use crate::handle::BodyId;
 use crate::integrate::{Integrator, Plan, Stage};
 use crate::scalar::Scalar;
+use crate::slots::BodyId;
 use march::{Calm, Found, March, Pushed};
 use timers::timed;
 

@@ -61,14 +61,14 @@ impl Symmetry {
                 last.angular = last.angular.negated();
             }
         }
-        let locks = world.bodies.info(i).locks;
+        let locks = world.bodies.mass(i).locks;
         if self.locks(locks) != locks {
             world.bodies.set_locks(i, Arc::make_mut(&mut world.factor_table), self.locks(locks));
         }
         let info = world.bodies.info(i);
         if let Some(shape) = info.shape.as_deref().filter(|_| self.mirrors()) {
             let (kind, mass, shape) = (info.kind, info.mass, self.shape(shape)?);
-            let properties = mass_properties(kind, mass, Some(&shape)).ok()?;
+            let properties = mass_properties(kind, mass, Some(&shape), self.locks(locks)).ok()?;
             world.bodies.set_shape(i, Some(shape), properties);
         }
         Some(())

@@ -4,10 +4,10 @@ use super::World;
 use crate::body::{Activity, BodyInfo, BodyKind, Key, Locks, Mass};
 use crate::error::Error;
 use crate::force::velocity_at;
-use crate::handle::BodyId;
 use crate::math::{Rot, Vec2};
 use crate::scalar::{Accumulator, Angle, Factor, Scalar, Wide, fx::Fx};
 use crate::shape::Shape;
+use crate::slots::BodyId;
 
 /// A look at a body.
 ///
@@ -270,13 +270,13 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
     /// 1/m, 1/kg; zero for a body that no force moves, whatever its locks are. *Error* 2^-64 relative.
     #[must_use]
     pub fn inverse_mass(&self) -> S::Factor {
-        self.info().properties.inverse_mass
+        self.world.bodies.mass(self.dense).inverse_mass
     }
 
     /// 1/I, 1/(kg·m²); zero for a body that no torque turns, as for one whose rotation is locked. *Error* 2^-58 relative.
     #[must_use]
     pub fn inverse_inertia(&self) -> S::Factor {
-        if self.locks().rotation { S::Factor::ZERO } else { self.info().properties.inverse_inertia }
+        self.world.bodies.mass(self.dense).inverse_inertia
     }
 
     /// Its shape.
@@ -332,7 +332,7 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
     /// ```
     #[must_use]
     pub fn locks(&self) -> Locks {
-        self.info().locks
+        self.world.bodies.mass(self.dense).locks
     }
 
     /// The groups it is in.

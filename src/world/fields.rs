@@ -3,8 +3,8 @@
 use super::World;
 use crate::error::Error;
 use crate::force::{FieldKind, ForceField};
-use crate::handle::FieldId;
 use crate::scalar::Scalar;
+use crate::slots::FieldId;
 use alloc::sync::Arc;
 
 impl<S: Scalar> World<S> {

@@ -9,8 +9,8 @@ use super::{BodyRef, StepReport, World};
 use crate::body::BodyKind;
 use crate::error::Error;
 use crate::force::{FieldKind, ForceField};
-use crate::handle::BodyId;
 use crate::scalar::{Scalar, fx::Fx};
+use crate::slots::BodyId;
 
 /// A body and all that its future depends on, in a small world of their own.
 ///
