@@ -58,6 +58,7 @@ mod body;
 mod display;
 mod error;
 mod force;
+mod fx;
 // Documentation alone: there is no such module in what is built.
 mod codec;
 #[cfg(any(doc, doctest))]
@@ -89,6 +90,7 @@ pub use force::{
     AppliedForce, Attachment, BodyState, CustomForce, CustomForceError, Dependence, End, FieldKind, ForceField,
     ForceTorque, Region,
 };
+pub use fx::{Fx, MathError, ParseFxError};
 pub use handle::{BodyId, FieldId};
 pub use integrate::{Integrator, Stage, StageKind};
 pub use math::{Elapsed, Random, Rot, TimeStep, Vec2, vec2};
@@ -96,7 +98,7 @@ pub use replay::{
     Difference, Divergence, Dump, Finding, HashTree, Owner, PHYSICS_VERSION, Playback, RecordOptions, Recorder, Replay,
     ReplayError, ReplayLimits, Snapshot, SnapshotError, TickPhase, VerifyError,
 };
-pub use scalar::fx::{Fx, MathError, ParseFxError};
+
 pub use scalar::{FxAccumulator, FxFactor, FxWide, Scalar, SpringConstants, Turn};
 pub use shape::{Geometry, Part, Shape};
 #[cfg(feature = "timers")]

@@ -39,7 +39,10 @@
 //! assert_eq!(limits::TICK, 1 << 63);
 //! ```
 
-use crate::scalar::{KICK_LOG2, TRANSIENT_SPEED_LOG2, fx::Fx};
+use crate::error::Error;
+use crate::fx::Fx;
+use crate::math::TimeStep;
+use crate::scalar::{KICK_LOG2, TRANSIENT_SPEED_LOG2};
 
 const fn power(exponent: i32) -> Fx {
     Fx::from_bits(1 << (32 + exponent))
@@ -100,4 +103,32 @@ pub const BLOB: usize = 1 << 24;
 pub(crate) const fn tick_after(tick: u64, steps: u64) -> u64 {
     let later = tick.saturating_add(steps);
     if later < TICK { later } else { TICK }
+}
+
+impl TimeStep {
+    /// The same, if it is within the limits.
+    pub(crate) const fn checked(self) -> Result<Self, Error> {
+        let (num, den) = self.seconds();
+        let (n, d) = (num as u64, den as u64);
+        // A step of zero would have an infinite rate.
+        if num == 0 || d < n * RATE_MIN as u64 || d > n * RATE_MAX as u64 {
+            return Err(Error::TimeStep);
+        }
+        Ok(self)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_outside_the_rates_are_refused() {
+        for (num, den) in [(0, 1), (1, 0), (0, 0), (2, 1), (1, 10_001), (u32::MAX, 1)] {
+            assert_eq!(TimeStep::ratio(num, den).checked(), Err(Error::TimeStep), "{num}/{den}");
+        }
+        for (num, den) in [(1, 1), (1, 10_000), (1001, 60_000), (7, 420)] {
+            assert!(TimeStep::ratio(num, den).checked().is_ok(), "{num}/{den}");
+        }
+    }
 }

@@ -4,7 +4,7 @@ use core::ops::RangeInclusive;
 
 #[cfg(feature = "serde")]
 use super::serial;
-use crate::scalar::{Turn, fx::Fx};
+use crate::fx::Fx;
 
 /// A generator of random numbers: xoshiro256**, of period 2^256 − 1. Not for secrets: its future follows from its past.
 ///
@@ -134,11 +134,6 @@ impl Random {
     /// A number of a range, each as likely as the others; its start if it is empty.
     pub fn number(&mut self, range: RangeInclusive<Fx>) -> Fx {
         Fx::from_bits(self.integer(range.start().to_bits()..=range.end().to_bits()))
-    }
-
-    /// An angle, each as likely as the others.
-    pub fn angle(&mut self) -> Turn {
-        Turn::from_bits(self.bits())
     }
 
     /// Puts a list in random order, each as likely as the others.

@@ -7,7 +7,7 @@ use crate::body::{BodyDef, Locks, mass_properties};
 use crate::force::{Attachment, End, FieldKind, ForceField, Region};
 use crate::math::Vec2;
 use crate::scalar::fx::{Fx, fx};
-use crate::scalar::{Accumulator as _, Angle as _, FxAccumulator, FxSum, Number as _, Turn, Wide as _};
+use crate::scalar::{Accumulator as _, FxAccumulator, FxSum, Number as _, Turn};
 use crate::shape::{Geometry, Part, Shape};
 use crate::world::{Command, ForceOrImpulse, Frame, World};
 

@@ -4,9 +4,10 @@ use core::fmt;
 
 use super::decimal;
 use super::factor::FxFactor;
-use super::fx::Fx;
-use super::sweep;
-use super::{Accumulator, Number, TRANSIENT_SPEED_LOG2};
+use super::fx_bulk;
+use super::motion::TRANSIENT_SPEED_LOG2;
+use super::number::{Accumulator, Number, inherent};
+use crate::fx::Fx;
 use crate::kernel::round::shr_round;
 use crate::kernel::wide::mul_shift;
 
@@ -15,12 +16,12 @@ use crate::kernel::wide::mul_shift;
 /// It is kept as two words, so that loops over many of them can be compiled to vector instructions.
 ///
 /// ```
-/// use umbra_physics::scalar::Accumulator as _;
-/// use umbra_physics::{FxAccumulator, fx};
+/// use umbra_physics::{Fx, FxAccumulator, fx};
 ///
 /// let third_of_an_ulp = FxAccumulator::from_bits((1 << 64) / 3);
-/// let three = third_of_an_ulp.plus(third_of_an_ulp).plus(third_of_an_ulp);
-/// assert_eq!((third_of_an_ulp.value(), three.value()), (fx!(0), fx!(0.00000000023283064365386962890625)));
+/// let three = FxAccumulator::from_bits(3 * third_of_an_ulp.to_bits());
+/// assert_eq!((third_of_an_ulp.value(), three.value(), three.negated().value()), (fx!(0), Fx::DELTA, -Fx::DELTA));
+/// assert_eq!(FxAccumulator::from_scalar(fx!(1.5)).value(), fx!(1.5));
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct FxAccumulator {
@@ -36,6 +37,35 @@ impl FxAccumulator {
     #[must_use]
     pub const fn from_bits(bits: i128) -> Self {
         Self { high: (bits >> 64) as i64, low: bits as u64 }
+    }
+
+    /// The accumulator of this value, exactly.
+    #[inline]
+    #[must_use]
+    pub fn from_scalar(value: Fx) -> Self {
+        Self { high: value.to_bits(), low: 0 }
+    }
+
+    /// The nearest [`Fx`], ties to even: the public value. *Domain* it fits, as it does within [`limits`](crate::limits).
+    #[inline]
+    #[must_use]
+    pub fn value(self) -> Fx {
+        // A body that left the envelope is still below 2^31 here: `limits` has the proof.
+        Fx::from_bits(shr_round(self.bits(), 64) as i64)
+    }
+
+    /// The multiple of 2^-96.
+    #[inline]
+    #[must_use]
+    pub const fn to_bits(self) -> i128 {
+        self.bits()
+    }
+
+    /// The negative, exactly.
+    #[inline]
+    #[must_use]
+    pub const fn negated(self) -> Self {
+        Self::from_bits(self.bits().wrapping_neg())
     }
 
     #[inline]
@@ -75,15 +105,11 @@ impl Number for FxAccumulator {
 }
 
 impl Accumulator<Fx> for FxAccumulator {
-    #[inline]
-    fn from_scalar(value: Fx) -> Self {
-        Self { high: value.to_bits(), low: 0 }
-    }
-
-    #[inline]
-    fn value(self) -> Fx {
-        // A body that left the envelope is still below 2^31 here: `limits` has the proof.
-        Fx::from_bits(shr_round(self.bits(), 64) as i64)
+    inherent! {
+        fn from_scalar(value: Fx) -> Self;
+        fn value(self: Self) -> Fx;
+        fn negated(self: Self) -> Self;
+        fn to_bits(self: Self) -> i128;
     }
 
     #[inline]
@@ -103,11 +129,6 @@ impl Accumulator<Fx> for FxAccumulator {
     }
 
     #[inline]
-    fn negated(self) -> Self {
-        Self::from_bits(self.bits().wrapping_neg())
-    }
-
-    #[inline]
     fn scaled(self, factor: FxFactor) -> Option<Self> {
         let (mantissa, shift) = factor.parts();
         let product = mul_shift(self.bits(), u128::from(mantissa), shift)?;
@@ -116,17 +137,12 @@ impl Accumulator<Fx> for FxAccumulator {
 
     #[inline(always)]
     fn damped(self, kept: FxFactor) -> Self {
-        sweep::damped(self, kept)
+        fx_bulk::damped(self, kept)
     }
 
     #[inline]
     fn is_within(self, limit: Fx) -> bool {
         self.bits().unsigned_abs() <= (limit.to_bits() as u128) << 64
-    }
-
-    #[inline]
-    fn to_bits(self) -> i128 {
-        self.bits()
     }
 
     #[inline]

@@ -7,7 +7,10 @@ use dashu_float::round::mode::HalfEven;
 use dashu_int::{IBig, UBig};
 use proptest::prelude::*;
 
-use super::fixed_laws::{exponential, mean_exponential, near_share, share};
+use super::forces::{Forces, exponential, mean_exponential, near_share, share};
+use super::motion::Motion;
+use super::number::Arithmetic;
+use super::polygon::Polygons;
 use super::*;
 use crate::kernel::sqrt::{root_and_reciprocal, root_fine};
 

@@ -6,10 +6,11 @@ use core::fmt;
 use serde::de::{Deserialize, Deserializer, Error};
 use serde::ser::{Serialize, Serializer};
 
+use super::accumulator::FxAccumulator;
 use super::factor::FxFactor;
+use super::number::Number;
 use super::turn::Turn;
 use super::wide::{FxSum, FxWide};
-use super::{FxAccumulator, Number};
 
 /// The multiple of 2^-fraction that a text is, if it is one to the last bit. *Domain* fraction <= 96.
 fn parse(text: &str, fraction: u32) -> Option<i128> {

@@ -10,7 +10,7 @@ use crate::handle::BodyId;
 use crate::limits;
 use crate::math::{Vec2, vec2};
 use crate::scalar::fx::{Fx, fx};
-use crate::scalar::{Factor as _, FxFactor, SpringConstants};
+use crate::scalar::{FxFactor, SpringConstants};
 use crate::shape::{Part, Shape};
 use crate::world::{ApplyOptions, ForceOrImpulse, Frame, World, WorldDef};
 

@@ -11,7 +11,7 @@ use crate::handle::{BodyId, FieldId};
 use crate::integrate::Integrator;
 use crate::math::{TimeStep, Vec2, vec2};
 use crate::scalar::fx::{Fx, fx};
-use crate::scalar::{Factor as _, FxFactor, SpringConstants};
+use crate::scalar::{FxFactor, SpringConstants};
 use crate::shape::Shape;
 use crate::world::{ApplyOptions, Command, Created, ForceOrImpulse, World, WorldDef};
 

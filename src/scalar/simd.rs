@@ -1,4 +1,4 @@
-//! The rules of [`sweep`](super::sweep) for CPUs with wide vectors, chosen when the program runs.
+//! The loops of [`fx_bulk`](super::fx_bulk) for CPUs with wide vectors, chosen when the program runs.
 //!
 //! The loops are safe code on 32-bit halves, without branches, which the compiler turns into vector instructions when
 //! it may assume the CPU has them. Only AVX-512 makes that pay: it has 64-bit comparisons, and eight lanes make up for
@@ -29,7 +29,7 @@ pub mod wide_vectors {
     /// feature `std`).
     ///
     /// ```
-    /// use umbra_physics::scalar::wide_vectors;
+    /// use umbra_physics::scalar::internals::wide_vectors;
     /// println!("wide vectors: {}", wide_vectors::are_used()); // for a report of measurements
     /// wide_vectors::allow(false);
     /// assert!(!wide_vectors::are_used());
