@@ -5,7 +5,6 @@
 
 use divan::{Bencher, black_box};
 use fixed::types::I32F32;
-use umbra_physics::scalar::{Factor, Wide};
 use umbra_physics::{Fx, FxFactor, FxWide, Scalar, SpringConstants, fx};
 
 #[path = "../tests/support/cordic.rs"]
@@ -302,12 +301,12 @@ mod pow {
 mod custom_forces {
     use super::*;
 
-    type Pair = (FxWide, FxWide);
+    type Pair = Vec2<FxWide>;
 
     /// Vectors of either sign with `bits` random bits a component.
     fn vectors(seed: u64, bits: u32) -> Vec<Pair> {
-        let component = |seed| values(seed, bits).into_iter().map(FxWide::from_scalar);
-        component(seed).zip(component(seed + 1)).collect()
+        let component = |seed| values(seed, bits).into_iter().map(FxWide::from);
+        component(seed).zip(component(seed + 1)).map(Pair::from).collect()
     }
 
     fn factors(seed: u64, divisor: u64) -> Vec<FxFactor> {
@@ -357,7 +356,7 @@ mod custom_forces {
     /// A force over a mass.
     #[divan::bench]
     fn force_times_factor(bencher: Bencher) {
-        let forces: Vec<FxWide> = vectors(1, 40).into_iter().map(|(force, _)| force).collect();
+        let forces: Vec<FxWide> = vectors(1, 40).into_iter().map(|force| force.x).collect();
         two(bencher, (forces, factors(3, 1 << 40)), |force, factor: FxFactor| force.times(factor));
     }
 

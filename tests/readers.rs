@@ -7,7 +7,7 @@ mod real;
 
 use random::SplitMix;
 use real::{PRECISION, Real, TAU, exact, units};
-use umbra_physics::scalar::{Angle as _, FxSum, Sum as _};
+use umbra_physics::scalar::FxSum;
 use umbra_physics::{
     BodyDef, BodyId, BodyKind, Error, Fx, FxWide, Mass, Quantity, Shape, Turn, Vec2, World, WorldDef, fx, limits, vec2,
 };

@@ -11,7 +11,7 @@ use crate::scalar::{Scalar, Sum, fx::Fx};
 /// The sum of the forces and torques applied to a body over a tick; what undoing that step needs.
 ///
 /// ```
-/// use umbra_physics::{AppliedForce, BodyDef, Vec2, World, WorldDef, fx, scalar::Wide as _, vec2};
+/// use umbra_physics::{AppliedForce, BodyDef, Vec2, World, WorldDef, fx, vec2};
 ///
 /// let mut world: World = World::new(WorldDef::default())?;
 /// let body = world.add_body(BodyDef::dynamic())?;

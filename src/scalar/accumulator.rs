@@ -22,6 +22,7 @@ use crate::kernel::wide::mul_shift;
 /// let three = FxAccumulator::from_bits(3 * third_of_an_ulp.to_bits());
 /// assert_eq!((third_of_an_ulp.value(), three.value(), three.negated().value()), (fx!(0), Fx::DELTA, -Fx::DELTA));
 /// assert_eq!(FxAccumulator::from_scalar(fx!(1.5)).value(), fx!(1.5));
+/// assert!(third_of_an_ulp.is_within(Fx::DELTA) && !third_of_an_ulp.is_within(fx!(0)));
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct FxAccumulator {
@@ -68,6 +69,13 @@ impl FxAccumulator {
         Self::from_bits(self.bits().wrapping_neg())
     }
 
+    /// Returns true if the magnitude is at most `limit`. *Domain* limit ≥ 0.
+    #[inline]
+    #[must_use]
+    pub fn is_within(self, limit: Fx) -> bool {
+        self.bits().unsigned_abs() <= (limit.to_bits() as u128) << 64
+    }
+
     #[inline]
     pub(super) const fn bits(self) -> i128 {
         (self.high as i128) << 64 | self.low as i128
@@ -110,6 +118,7 @@ impl Accumulator<Fx> for FxAccumulator {
         fn value(self: Self) -> Fx;
         fn negated(self: Self) -> Self;
         fn to_bits(self: Self) -> i128;
+        fn is_within(self: Self, limit: Fx) -> bool;
     }
 
     #[inline]
@@ -138,11 +147,6 @@ impl Accumulator<Fx> for FxAccumulator {
     #[inline(always)]
     fn damped(self, kept: FxFactor) -> Self {
         fx_bulk::damped(self, kept)
-    }
-
-    #[inline]
-    fn is_within(self, limit: Fx) -> bool {
-        self.bits().unsigned_abs() <= (limit.to_bits() as u128) << 64
     }
 
     #[inline]

@@ -6,6 +6,7 @@ use super::number::{Accumulator, Angle, Factor, Scalar};
 use crate::fx::Fx;
 
 /// Rules of a step for many bodies at once.
+#[doc(hidden)]
 pub trait Bulk<S: Scalar>: Sized {
     /// Multiplies each value by `kept`; a value whose nearest scalar is then zero becomes zero. *Domain* kept <= 1, values below 2^26.
     fn damp_all(values: &mut [S::Accumulator], kept: S::Factor) {
@@ -51,6 +52,7 @@ pub trait Bulk<S: Scalar>: Sized {
 
 /// The factors of one step of damp, kick, drift, kick, damp, in which nothing acts but damping and a constant acceleration.
 #[derive(Clone, Copy, Debug)]
+#[doc(hidden)]
 pub struct KickDriftKick<S: Scalar> {
     /// Share of the velocity that damping leaves over half of the span, at most 1.
     pub kept: S::Factor,
@@ -64,6 +66,7 @@ pub struct KickDriftKick<S: Scalar> {
 
 /// The factors of one step of damp, turn, damp.
 #[derive(Clone, Copy, Debug)]
+#[doc(hidden)]
 pub struct DampedTurn<S: Scalar> {
     /// Share of the angular velocity that damping leaves over half of the span, at most 1.
     pub kept: S::Factor,

@@ -24,6 +24,7 @@ pub struct SpringConstants<S> {
 }
 
 /// Formulas of forces.
+#[doc(hidden)]
 pub trait Forces<S: Scalar>: Sized {
     /// The acceleration towards an attractor: mu·d / (d² + softening²)^(3/2); zero at its centre.
     fn attraction(mu: S::Factor, to_centre: Offset<S>, softening: S) -> Option<Offset<S>>;

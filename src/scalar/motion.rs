@@ -18,6 +18,7 @@ pub(crate) const TRANSIENT_SPEED_LOG2: i32 = 24;
 
 /// A multiple of the time step that an integrator moves over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[doc(hidden)]
 pub enum Weight {
     /// The whole step.
     Whole,
@@ -29,6 +30,7 @@ pub enum Weight {
 
 /// A duration: a multiple of the time step, or half of one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[doc(hidden)]
 pub struct Span {
     /// The time step as a ratio in seconds, num / den.
     pub ratio: (u32, u32),
@@ -41,12 +43,14 @@ pub struct Span {
 impl Span {
     /// Whether time runs backwards in it. Factors made from a span are made from its magnitude.
     #[must_use]
+    #[doc(hidden)]
     pub const fn is_negative(self) -> bool {
         matches!(self.weight, Weight::YoshidaInner)
     }
 }
 
 /// Durations, and the rates and lengths that go with them.
+#[doc(hidden)]
 pub trait Motion<S: Scalar>: Sized {
     /// How fast a velocity decays: see [`decay_rate`](Self::decay_rate).
     type DecayRate: Copy + Debug + Send + Sync;

@@ -26,6 +26,7 @@ macro_rules! inherent {
 pub(super) use inherent;
 
 /// A plain value: printed exactly, with the same words on every machine. It seals the traits of this module.
+#[doc(hidden)]
 pub trait Number: Copy + Debug + Display + Default + PartialEq + Send + Sync + 'static {
     /// Number of 64-bit words in hashes and files, at most three.
     const WORDS: usize;
@@ -136,6 +137,7 @@ pub trait Wide<S: Scalar>: PartialOrd + Number {
 }
 
 /// A sum of any number of wide values, checked once at its end, so that the order of the terms never matters.
+#[doc(hidden)]
 pub trait Sum<S: Scalar>: Number {
     /// Adds a term.
     fn add(&mut self, term: S::Wide);
@@ -231,6 +233,7 @@ pub trait Scalar:
 }
 
 /// Products, differences and functions of scalars.
+#[doc(hidden)]
 pub trait Arithmetic<S: Scalar>: Sized {
     /// Sine and cosine of an angle in radians.
     fn sin_cos(self) -> (Self, Self);

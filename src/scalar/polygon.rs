@@ -12,6 +12,7 @@ use crate::math::Vec2;
 
 /// Area, centroid and second moment of area of a polygon.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[doc(hidden)]
 pub struct AreaMoments<S: Scalar> {
     /// Area in m².
     pub area: S::Factor,
@@ -22,6 +23,7 @@ pub struct AreaMoments<S: Scalar> {
 }
 
 /// Moments of polygons, and what they need.
+#[doc(hidden)]
 pub trait Polygons<S: Scalar>: Sized {
     /// Area, centroid and second moment of a polygon, from sums that do not depend on its first corner or winding.
     /// `None` if it has no area.

@@ -21,6 +21,7 @@ pub mod wide_vectors {
     static ALLOWED: AtomicBool = AtomicBool::new(true);
 
     /// Allows or forbids them in this process. They change no bit: this is for tests that show so and for measurements.
+    #[doc(hidden)]
     pub fn allow(yes: bool) {
         ALLOWED.store(yes, Ordering::Relaxed);
     }
@@ -36,6 +37,7 @@ pub mod wide_vectors {
     /// # wide_vectors::allow(true);
     /// ```
     #[must_use]
+    #[doc(hidden)]
     pub fn are_used() -> bool {
         ALLOWED.load(Ordering::Relaxed) && has()
     }

@@ -12,7 +12,6 @@ use crate::shape::Shape;
 /// A look at a body.
 ///
 /// ```
-/// use umbra_physics::scalar::Factor as _;
 /// use umbra_physics::{Activity, BodyDef, BodyKind, Mass, Shape, World, WorldDef, fx, vec2};
 ///
 /// let mut world: World = World::new(WorldDef::default())?;
