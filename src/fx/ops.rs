@@ -274,7 +274,7 @@ impl Fx {
 /// The value, or a panic: what makes an operator behave alike with and without overflow checks.
 #[inline]
 #[track_caller]
-const fn fitting(value: Option<Fx>, otherwise: &'static str) -> Fx {
+pub(super) const fn fitting(value: Option<Fx>, otherwise: &'static str) -> Fx {
     match value {
         Some(value) => value,
         None => panic!("{}", otherwise),
@@ -284,7 +284,7 @@ const fn fitting(value: Option<Fx>, otherwise: &'static str) -> Fx {
 /// The divisor, or a panic.
 #[inline]
 #[track_caller]
-const fn nonzero(divisor: Fx) -> Fx {
+pub(super) const fn nonzero(divisor: Fx) -> Fx {
     assert!(divisor.to_bits() != 0, "Fx: division by zero");
     divisor
 }

@@ -59,7 +59,7 @@ fn real(mantissa: i128, exponent: isize) -> Real {
     Real::from_parts(mantissa.into(), exponent).with_precision(200).value()
 }
 
-/// Whether the magnitude of a value is at most num/den.
+/// Returns true if the magnitude of a value is at most num/den.
 fn is_within(value: &Real, num: i128, den: i128) -> bool {
     let most = real(num, 0) / real(den, 0);
     *value <= most && *value >= -most

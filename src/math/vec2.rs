@@ -173,13 +173,6 @@ impl<T: Neg<Output = T>> Neg for Vec2<T> {
     }
 }
 
-impl<T: Add<Output = T> + Default> core::iter::Sum for Vec2<T> {
-    #[track_caller]
-    fn sum<I: Iterator<Item = Self>>(vectors: I) -> Self {
-        vectors.fold(Self::default(), |sum, v| sum + v)
-    }
-}
-
 impl<T: fmt::Display> fmt::Display for Vec2<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("(")?;

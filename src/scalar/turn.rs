@@ -9,12 +9,24 @@ use super::motion::{Span, Weight, span_factor};
 use super::number::{Angle, Number, inherent};
 use super::wide::FxWide;
 use crate::fx::Fx;
+use crate::kernel::div::div_round;
 use crate::kernel::round::shr_round;
 use crate::kernel::trig;
 use crate::kernel::wide::mul_shift;
 use crate::math::{Random, Vec2};
 
-/// A multiple of 2^-64 turns. It wraps by itself, and quarter turns and mirror images are exact.
+/// An angle: a multiple of 2^-64 turns. It wraps by itself, and quarter turns and mirror images are exact.
+///
+/// ```
+/// use umbra_physics::{Fx, FxWide, Turn, fx, vec2};
+///
+/// let quarter = Turn::from_radians(Fx::FRAC_PI_2);
+/// assert_eq!((quarter.radians(), quarter.sin_cos()), (Fx::FRAC_PI_2, (fx!(1), fx!(0))));
+/// let turned = Turn::QUARTER.rotate(vec2(3, 1)).and_then(|v| v.try_map(FxWide::to_scalar));
+/// assert_eq!(turned, Some(vec2(-1, 3)));
+/// assert_eq!(Turn::QUARTER.way_to(Turn::default()).to_scalar(), Some(-Fx::FRAC_PI_2));
+/// assert_eq!(Turn::from_bits(Turn::QUARTER.to_bits()), Turn::QUARTER);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[repr(transparent)]
 pub struct Turn(pub(super) u64);
@@ -47,6 +59,26 @@ impl Turn {
     #[must_use]
     pub fn radians(self) -> Fx {
         Fx::from_bits(trig::radians_from_turn(self.0))
+    }
+
+    /// The angle of this number of degrees, which may be any number of turns. *Error* ½ of 2^-64 turns, ties to even.
+    ///
+    /// ```
+    /// # use umbra_physics::{Fx, Turn, fx};
+    /// assert_eq!(Turn::from_degrees(fx!(-270)), Turn::QUARTER);
+    /// assert_eq!((Turn::QUARTER.degrees(), Turn::QUARTER.radians()), (fx!(90), Fx::FRAC_PI_2));
+    /// ```
+    #[must_use]
+    pub fn from_degrees(degrees: Fx) -> Self {
+        // From units of 2^-32 to units of 2^-64 · 360: below 2^95. The cut to 64 bits takes whole turns away.
+        Self(div_round(i128::from(degrees.to_bits()) << 32, 360) as u64)
+    }
+
+    /// Degrees, from 0 to 360: an angle within half an ulp of a full turn rounds to 360. *Error* ½ ulp, ties to even.
+    #[must_use]
+    pub fn degrees(self) -> Fx {
+        // Below 2^64 · 360, in units of 2^-64.
+        Fx::from_bits(shr_round(i128::from(self.0) * 360, 32) as i64)
     }
 
     /// Sine and cosine. *Error* 0.5001 ulp.

@@ -23,13 +23,6 @@ impl<S: Scalar> Vec2<S> {
         self.x.product(other.y).plus(self.y.product(other.x).negated())
     }
 
-    /// The length; `None` if it does not fit. *Error* ½ ulp and 2^-32 of one.
-    #[doc(alias = "magnitude")]
-    #[must_use]
-    pub fn checked_length(self) -> Option<S> {
-        self.wide_length().to_scalar()
-    }
-
     /// The length, which always fits. *Error* 2^-64 relative.
     #[must_use]
     pub fn wide_length(self) -> S::Factor {
