@@ -57,7 +57,7 @@ fn two<T: Copy + Sync, U: Copy + Sync, R>(
     one(bencher, inputs, |(a, b)| function(a, b));
 }
 
-/// What the machine is worth: one 64-bit multiplication.
+/// A yardstick of the machine: one 64-bit multiplication.
 mod integer {
     use super::*;
 
@@ -257,7 +257,7 @@ mod exp2 {
         one(bencher, values(1, 36), Fx::exp2);
     }
 
-    /// e^x: the crate has no 2^x.
+    /// e^x, as the crate has no 2^x.
     #[divan::bench]
     fn cordic_crate_exp(bencher: Bencher) {
         one(bencher, fixeds(values(1, 36)), cordic::exp);
@@ -297,7 +297,7 @@ mod pow {
     }
 }
 
-/// The laws of force, metres apart.
+/// The force formulas, metres apart.
 mod custom_forces {
     use super::*;
 
@@ -332,7 +332,7 @@ mod custom_forces {
         one(bencher, vectors(1, 36), |offset| Fx::attraction(mu, offset, fx!(0.25)));
     }
 
-    /// At up to 16 m/s, with coefficients of ¼ a second and a metre, over 1/120 s.
+    /// Drag at up to 16 m/s, with coefficients of ¼ a second and a metre, over 1/120 s.
     fn drag(bencher: Bencher, linear: FxFactor, quadratic: FxFactor) {
         let seconds = FxFactor::from_ratio(1, 120);
         one(bencher, factors(1, 1 << 31), |speed| Fx::drag(speed, linear, quadratic, seconds, false));

@@ -40,3 +40,4 @@ mod serde;
 mod snapshot;
 mod tables;
 mod trace;
+mod vectors;

@@ -18,7 +18,7 @@ const fn quotient(a: Fx, b: Fx) -> i128 {
     div_round((a.to_bits() as i128) << 32, b.to_bits() as i128)
 }
 
-/// Whether a product or quotient of these is negative, if it does not fit: then neither is zero.
+/// Returns true if a product or quotient of these that does not fit is negative: then neither is zero.
 #[inline]
 const fn signs_differ(a: Fx, b: Fx) -> bool {
     (a.to_bits() < 0) != (b.to_bits() < 0)

@@ -42,7 +42,7 @@ fn whole(high: u128, low: u128) -> UBig {
     (UBig::from(high) << 128) + UBig::from(low)
 }
 
-/// To nearest, ties to even.
+/// Rounds num / den to nearest, ties to even.
 fn nearest(num: &UBig, den: &UBig) -> UBig {
     let (floor, twice) = (num / den, (num % den) * 2u8);
     let up = twice > *den || (twice == *den && &floor % 2u8 == 1);

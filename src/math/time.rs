@@ -31,7 +31,7 @@ struct Ratio {
 
 #[cfg(feature = "serde")]
 impl From<Ratio> for TimeStep {
-    /// In lowest terms, whatever was written: equal steps are equal.
+    /// The ratio in lowest terms, so that equal steps are equal.
     fn from(Ratio { num, den }: Ratio) -> Self {
         Self::ratio(num, den)
     }
@@ -75,13 +75,13 @@ impl Elapsed {
     /// No time.
     pub const ZERO: Self = Self { num: 0, den: 1 };
 
-    /// In lowest terms. *Domain* the denominator is not zero.
+    /// The ratio in lowest terms. *Domain* the denominator is not zero.
     pub(crate) fn reduced(self) -> Self {
         let divisor = gcd(self.num, self.den);
         Self { num: self.num / divisor, den: self.den / divisor }
     }
 
-    /// This time and so many steps; `None` if the ratio does not fit.
+    /// This time plus `ticks` steps; `None` if the ratio does not fit.
     pub(crate) fn plus(self, ticks: u64, step: TimeStep) -> Option<Self> {
         let (num, den) = step.seconds();
         let (n, d) = (u128::from(num) * u128::from(ticks), u128::from(den));

@@ -26,7 +26,7 @@ use crate::kernel::wide::mul_shift;
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct FxAccumulator {
-    /// Multiples of 2^-32, rounded down. First, for the order.
+    /// Multiples of 2^-32, rounded down. The first field, so that the derived order is that of the values.
     pub(super) high: i64,
     /// Multiples of 2^-96 above that.
     pub(super) low: u64,
@@ -81,7 +81,7 @@ impl FxAccumulator {
         (self.high as i128) << 64 | self.low as i128
     }
 
-    /// Nothing where the public value is zero: half an ulp rounds to zero, ties to even.
+    /// Zero where the public value is zero: half an ulp rounds to zero, ties to even; else the same bits.
     #[inline]
     const fn settled(bits: i128) -> Self {
         Self::from_bits(if bits.unsigned_abs() <= 1 << 63 { 0 } else { bits })

@@ -38,7 +38,7 @@ impl FxFactor {
         Self::nearest(value << zeros, shift + zeros as i32)
     }
 
-    /// The same of a value with its top bit set.
+    /// The factor nearest to value · 2^-shift. *Domain* the value has its top bit set.
     #[inline]
     const fn nearest(value: u128, shift: i32) -> Self {
         let (mantissa, rest) = ((value >> 64) as u64, value as u64);
@@ -107,7 +107,7 @@ impl FxFactor {
         (self.mantissa, self.shift)
     }
 
-    /// As a multiple of 2^-fraction, rounded down; `None` from 2^128 on.
+    /// The value as a multiple of 2^-fraction, rounded down; `None` from 2^128 on.
     pub(crate) const fn to_fixed(self, fraction: i32) -> Option<u128> {
         let shift = self.shift - fraction;
         if shift >= 128 {
@@ -360,7 +360,7 @@ mod tests {
             prop_assert_eq!(FxFactor::new(value, 7), nearest(&UBig::from(value), &UBig::ONE, 7));
         }
 
-        /// At a tie, and beside it by one of the bits below.
+        /// Quotients at a tie, and beside it by one of the bits below.
         #[test]
         fn quotients_of_256_bits_round_to_nearest_and_ties_to_even(
             mantissa in mantissa(),

@@ -62,7 +62,7 @@ impl FxFactor {
         Ok(quotient(numerator, denominator))
     }
 
-    /// All its digits, as `Fx` is written; 16,384 after the point at most.
+    /// Writes all digits, as `Fx` is written; 16,384 after the point at most.
     #[cfg_attr(not(feature = "scene"), allow(dead_code, reason = "only scenes are written in decimals"))]
     pub(crate) fn to_decimal(self) -> String {
         let (mantissa, shift) = self.parts();
@@ -176,7 +176,7 @@ impl Natural {
         self.trim();
     }
 
-    /// Subtracts `other` if it is not larger, and says whether it did.
+    /// Subtracts `other` if it is not larger; returns true if it did.
     fn take(&mut self, other: &Self) -> bool {
         let larger = self.0.len().cmp(&other.0.len()).then_with(|| self.0.iter().rev().cmp(other.0.iter().rev()));
         if larger.is_lt() {

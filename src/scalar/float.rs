@@ -1,7 +1,7 @@
 //! `f32` and `f64` as scalars, to compare the engine with, and floats for tools and drawing.
 //!
 //! None of the promises hold here: these builds show what the fixed-point one costs and gains. Every type beside the
-//! scalar is the float itself, and every law the textbook's formula.
+//! scalar is the float itself, and every formula the textbook's.
 
 use core::cmp::Ordering;
 
@@ -67,7 +67,7 @@ impl ToF64 for FxFactor {
     }
 }
 
-/// In radians, [0, 2π).
+/// Radians in [0, 2π).
 impl ToF64 for Turn {
     fn to_f64(self) -> f64 {
         Angle::to_bits(self) as f64 * (ULP * ULP) * core::f64::consts::TAU

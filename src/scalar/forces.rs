@@ -15,15 +15,15 @@ use crate::kernel::wide::{div_256, magnitude, mul_128, mul_192, mul_shift, mul_s
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct SpringConstants<S> {
-    /// Length at which it pulls nothing, m.
+    /// Length at which the spring exerts no force, m.
     pub rest: S,
-    /// N/m.
+    /// Stiffness, N/m.
     pub stiffness: S,
-    /// N·s/m, along the spring.
+    /// Damping along the spring, N·s/m.
     pub damping: S,
 }
 
-/// Formulas of forces.
+/// Force formulas.
 #[doc(hidden)]
 pub trait Forces<S: Scalar>: Sized {
     /// The acceleration towards an attractor: mu·d / (d² + softening²)^(3/2); zero at its centre.
@@ -33,9 +33,9 @@ pub trait Forces<S: Scalar>: Sized {
     fn tension(offset: Offset<S>, velocity: Offset<S>, spring: &SpringConstants<S>) -> Option<Offset<S>>;
     /// √(x² + y² + z²).
     fn length(offset: Offset<S>, third: S) -> S::Factor;
-    /// Whether an offset is no longer than this, exactly.
+    /// Returns true if the offset is no longer than this length, exactly.
     fn reaches(self, offset: Offset<S>) -> bool;
-    /// What is left of a velocity relative to the medium: du/dt = −(α + β·|u|)·u solved exactly over `seconds`, with
+    /// The share that is left of a velocity relative to the medium: du/dt = −(α + β·|u|)·u solved exactly over `seconds`, with
     /// α = linear·inverse_mass and β = quadratic·inverse_mass. Backwards the quadratic
     /// part is cut off short of its pole, where a speed grows fourfold. `None` if the linear part grows beyond 2^255.
     fn drag(
@@ -97,7 +97,7 @@ fn root(sum: u128, shift: i32) -> FxFactor {
     FxFactor::new(root_fine(sum << even), shift + (even / 2) as i32)
 }
 
-/// ⌊mantissa · 2^160 / cube⌋, what mu / d³ is made of, with 95 bits or more. *Domain* cube >= 2^125.
+/// ⌊mantissa · 2^160 / cube⌋, from which mu / d³ is made, with 95 bits or more. *Domain* cube >= 2^125.
 #[cold]
 pub(super) fn share(mantissa: u64, cube: u128) -> u128 {
     // mantissa · 2^160 < 2^224: its high half is below 2^96, which is below the cube.
@@ -125,7 +125,7 @@ pub(super) fn near_share(mantissa: u64, cube: u128, inverse: u64) -> u128 {
 struct Direction {
     /// The length with its top bit set.
     length: u128,
-    /// Its reciprocal, to divide by.
+    /// The reciprocal of the length, to divide by.
     reciprocal: u64,
     /// A component in ulps, shifted by this, is 2^-64 of what it is in the units of that length.
     scale: u32,

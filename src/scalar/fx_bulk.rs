@@ -127,7 +127,7 @@ pub(super) fn damped(v: FxAccumulator, kept: FxFactor) -> FxAccumulator {
     }
 }
 
-/// See [`Scalar::damp_all`].
+/// See [`Bulk::damp_all`].
 pub(super) fn damp(values: &mut [FxAccumulator], kept: FxFactor) {
     match kept.parts() {
         (mantissa, 64) if simd::damp(values, mantissa).is_some() => {}
@@ -140,14 +140,15 @@ pub(super) fn damp(values: &mut [FxAccumulator], kept: FxFactor) {
     }
 }
 
-/// See [`Scalar::kick_all`].
+/// See [`Bulk::kick_all`].
 pub(super) fn kick(values: &mut [FxAccumulator], gained: FxAccumulator) {
     if simd::kick(values, gained).is_none() {
         values.iter_mut().for_each(|v| *v = v.plus(gained));
     }
 }
 
-/// All bits if so, none if not: x ^ mask − mask is −x or x. Rounding is odd, so the way back is the way there negated.
+/// All bits set if negative, none if not: (x ^ mask) − mask is −x or x. Rounding is odd, so that a drift backwards is the drift
+/// forwards negated.
 fn mask(negative: bool) -> u64 {
     0u64.wrapping_sub(u64::from(negative))
 }
@@ -157,7 +158,7 @@ fn velocity(v: &FxAccumulator, backwards: u64) -> i64 {
     (v.value().to_bits() as u64 ^ backwards).wrapping_sub(backwards) as i64
 }
 
-/// See [`Scalar::drift_all`].
+/// See [`Bulk::drift_all`].
 pub(super) fn drift(positions: &mut [FxAccumulator], velocities: &[FxAccumulator], seconds: FxFactor, negative: bool) {
     let ((mantissa, shift), backwards) = (seconds.parts(), mask(negative));
     // From units of 2^-32 and 2^-shift to units of 2^-96. A span of ½ s or more, or of none, is rare.
@@ -173,7 +174,7 @@ pub(super) fn drift(positions: &mut [FxAccumulator], velocities: &[FxAccumulator
     }
 }
 
-/// See [`Scalar::turn_all`].
+/// See [`Bulk::turn_all`].
 pub(super) fn turn(angles: &mut [Turn], velocities: &[FxAccumulator], factor: FxFactor, negative: bool) {
     let ((mantissa, shift), backwards) = (factor.parts(), mask(negative));
     // From units of 2^-32 and 2^-shift to units of 2^-64.
@@ -189,13 +190,13 @@ pub(super) fn turn(angles: &mut [Turn], velocities: &[FxAccumulator], factor: Fx
     }
 }
 
-/// How a factor damps in loops that go through all stages at once: at least half is kept, or less.
+/// The shift beside the mantissa's 64 bits with which a factor damps in the fused loops; `None` for 1 and for less than 2^-64.
 fn cut(kept: FxFactor) -> Option<u32> {
     let cut = kept.parts().1.wrapping_sub(64);
     (0..64).contains(&cut).then_some(cut.unsigned_abs())
 }
 
-/// See [`Scalar::damped_turn_all`].
+/// See [`Bulk::damped_turn_all`].
 pub(super) fn damped_turn(angles: &mut [Turn], velocities: &mut [FxAccumulator], span: &DampedTurn<Fx>) {
     let shift = span.turn.parts().1.wrapping_sub(32);
     let usual = (1..64).contains(&shift) && !span.negative && !simd::pay(velocities.len());
@@ -222,7 +223,7 @@ fn damped_turn_fused(
     }
 }
 
-/// See [`Scalar::are_within`].
+/// See [`Bulk::are_within`].
 pub(super) fn are_within(values: &[FxAccumulator], log2: u32) -> bool {
     let limit = 1 << (32 + log2);
     // Below twice the limit, which is a power of two, if all are from −limit to limit.
@@ -230,7 +231,7 @@ pub(super) fn are_within(values: &[FxAccumulator], log2: u32) -> bool {
     bits < 2 * limit
 }
 
-/// See [`Scalar::kick_drift_kick_all`].
+/// See [`Bulk::kick_drift_kick_all`].
 pub(super) fn kick_drift_kick(
     positions: &mut [FxAccumulator],
     velocities: &mut [FxAccumulator],
@@ -253,7 +254,7 @@ pub(super) fn kick_drift_kick(
     }
 }
 
-/// All stages of one value after the other, without leaving the registers.
+/// Takes each body through all stages before the next, without leaving the registers.
 #[inline(always)]
 fn kick_drift_kick_fused<const KICKS: bool>(
     positions: &mut [FxAccumulator],
@@ -293,7 +294,7 @@ mod tests {
         FxFactor::new(u128::from(mantissa | TIE), shift)
     }
 
-    /// What each way of going through the values makes of them: all at once, few at a time, by the loops for lanes.
+    /// Compares the results of all loops with those of one value at a time: all at once, few at a time, the loops for wide vectors.
     fn alike<T: Copy + PartialEq + core::fmt::Debug>(
         values: &[T],
         sweep: impl Fn(usize, &mut [T]),

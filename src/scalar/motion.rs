@@ -11,9 +11,9 @@ use crate::kernel::exp_log::{exp2_for_64_bits, log2_fine};
 use crate::kernel::round::shr_round;
 use crate::kernel::wide::{div_256, mul_128, mul_ratio, mul_shift, shr_round_256};
 
-/// The velocity that one kick may add stays below two to this, in m/s or rad/s.
+/// Binary logarithm of the bound on the velocity that one kick may add, in m/s or rad/s.
 pub(crate) const KICK_LOG2: i32 = 21;
-/// Velocities between the stages of a step stay below two to this, and a few kicks.
+/// Binary logarithm of the bound on velocities between the stages of a step, but for a few kicks, in m/s or rad/s.
 pub(crate) const TRANSIENT_SPEED_LOG2: i32 = 24;
 
 /// A multiple of the time step that an integrator moves over.
@@ -24,7 +24,7 @@ pub enum Weight {
     Whole,
     /// 1 / (2 − ∛2) = 1.3512…, the first and third sub-step of the fourth-order composition (Yoshida 1990).
     YoshidaOuter,
-    /// −∛2 / (2 − ∛2) = −1.7024…, its second.
+    /// −∛2 / (2 − ∛2) = −1.7024…, the second sub-step of that composition.
     YoshidaInner,
 }
 
@@ -34,14 +34,14 @@ pub enum Weight {
 pub struct Span {
     /// The time step as a ratio in seconds, num / den.
     pub ratio: (u32, u32),
-    /// The multiple of it.
+    /// The multiple of the time step.
     pub weight: Weight,
-    /// Half of that, for the outer stages of a symmetric step.
+    /// True for half of that multiple, as in the outer stages of a symmetric step.
     pub half: bool,
 }
 
 impl Span {
-    /// Whether time runs backwards in it. Factors made from a span are made from its magnitude.
+    /// Returns true if time runs backwards in this span. Factors made from a span are made from its magnitude.
     #[must_use]
     #[doc(hidden)]
     pub const fn is_negative(self) -> bool {
@@ -52,37 +52,37 @@ impl Span {
 /// Durations, and the rates and lengths that go with them.
 #[doc(hidden)]
 pub trait Motion<S: Scalar>: Sized {
-    /// How fast a velocity decays: see [`decay_rate`](Self::decay_rate).
+    /// The rate at which a velocity decays: see [`decay_rate`](Self::decay_rate).
     type DecayRate: Copy + Debug + Send + Sync;
     /// True if a kick or a drift is taken back to the bit by the same one with the opposite sign: sums do not round, and
     /// the other roundings are odd.
     const IS_REVERSIBLE: bool = false;
 
-    /// A span in seconds, its magnitude.
+    /// The magnitude of a span, in seconds.
     fn seconds(span: Span) -> S::Factor;
     /// ½·dt² of the whole step, in s².
     fn half_square_seconds(ratio: (u32, u32)) -> S::Factor;
-    /// The rate at which a velocity decays of which `kept` is left after a second: from it what is left after a span follows
-    /// sooner. *Domain* 0 ≤ kept ≤ 1.
+    /// The rate of a velocity of which the share `kept` is left after a second. [`decay_over`](Self::decay_over) takes it, so that the
+    /// logarithm is computed once for all spans. *Domain* 0 ≤ kept ≤ 1.
     fn decay_rate(kept: S) -> Self::DecayRate;
-    /// What is left of 1 after a span at a rate, kept^span: the exact solution of dv/dt = v·ln kept. *Domain* kept > 0 where
+    /// The share of a velocity that is left after a span at a rate, kept^span: the exact solution of dv/dt = v·ln kept. *Domain* kept > 0 where
     /// the span is negative.
     fn decay_over(rate: Self::DecayRate, span: Span) -> S::Factor;
-    /// The same at `kept` a second. *Domain* 0 ≤ kept ≤ 1, kept > 0 where the span is negative.
+    /// The share of a velocity that is left after a span, of which `kept` is left after a second. *Domain* 0 ≤ kept ≤ 1, kept > 0 where the span is negative.
     fn decay(kept: S, span: Span) -> S::Factor {
         Self::decay_over(Self::decay_rate(kept), span)
     }
-    /// The way covered at this velocity in `seconds`. *Domain* |v| < 2^26 m/s, seconds < 2.
+    /// The distance covered at this velocity in `seconds`, m. *Domain* |v| < 2^26 m/s, seconds < 2.
     fn drift(self, seconds: S::Factor) -> S::Accumulator;
-    /// The velocity gained at this acceleration in `seconds`; `None` from 2^21 on.
+    /// The velocity gained at this acceleration in `seconds`, m/s; `None` from 2^21 on.
     fn kick(acceleration: S::Wide, seconds: S::Factor) -> Option<S::Accumulator>;
 }
 
-/// The rate of what stops at once.
+/// The rate of a velocity that stops at once.
 const NOTHING_LEFT: u128 = u128::MAX;
 
 impl Weight {
-    /// Its magnitude in units of 2^-126.
+    /// The magnitude in units of 2^-126.
     const fn magnitude(self) -> u128 {
         match self {
             Self::Whole => 1 << 126,
@@ -92,7 +92,7 @@ impl Weight {
     }
 }
 
-/// constant · 2^-shift · num / den of the span, halved or not.
+/// constant · 2^-shift times the time step of the span, num / den, and half of that if the span is halved.
 pub(super) const fn span_factor(constant: u128, shift: i32, span: Span) -> FxFactor {
     let (num, den) = span.ratio;
     let (high, low) = mul_128(constant, num as u128);

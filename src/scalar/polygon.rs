@@ -18,19 +18,20 @@ pub struct AreaMoments<S: Scalar> {
     pub area: S::Factor,
     /// Centroid in m.
     pub centroid: Vec2<S>,
-    /// Second moment about the centroid, in m⁴; it loses bits if that is far from the origin of the coordinates.
+    /// Second moment about the centroid, in m⁴. *Error* it loses bits if the centroid is far from the origin of the coordinates.
     pub second: S::Factor,
 }
 
-/// Moments of polygons, and what they need.
+/// Geometry of polygons: moments, orientation, weighted means.
 #[doc(hidden)]
 pub trait Polygons<S: Scalar>: Sized {
     /// Area, centroid and second moment of a polygon, from sums that do not depend on its first corner or winding.
     /// `None` if it has no area.
     fn polygon_moments(corners: &[Vec2<S>]) -> Option<AreaMoments<S>>;
-    /// Twice the signed area of the triangle, its sign alone: counter-clockwise, none, clockwise.
+    /// The sign of the triangle's signed area: `Greater` if its corners run counter-clockwise, `Equal` if they are on one line,
+    /// `Less` if they run clockwise.
     fn orientation(a: Vec2<S>, b: Vec2<S>, c: Vec2<S>) -> Ordering;
-    /// The mean of `values` by `weights`; `None` without weight.
+    /// The mean of `values`, each with its weight; `None` if all weights are zero.
     fn weighted_mean(weights: &[S::Factor], values: &[S]) -> Option<S>;
 }
 

@@ -110,7 +110,7 @@ impl Turn {
     }
 }
 
-/// In turns, from 0 to below 1: the exact decimal; with a precision, that many digits, rounded to nearest, ties to even.
+/// Turns from 0 to below 1, as the exact decimal; with a precision, that many digits, rounded to nearest, ties to even.
 impl fmt::Display for Turn {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         decimal::write(f, false, 0, u128::from(self.0) << 64)
@@ -161,7 +161,7 @@ impl Angle<Fx> for Turn {
         Self(self.0.wrapping_add(turns as u64))
     }
 
-    /// In units of 2^-62.
+    /// Sine and cosine in units of 2^-62.
     type Direction = (i64, i64);
 
     fn direction(self) -> (i64, i64) {

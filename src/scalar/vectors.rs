@@ -1,6 +1,6 @@
 //! Vectors and rotations of scalars.
 
-use super::number::{Angle, Factor, Scalar, Wide};
+use super::number::{Angle, Scalar, Wide};
 use crate::math::{Rot, Vec2};
 
 impl<S: Scalar> Vec2<S> {

@@ -40,7 +40,7 @@ impl FxWide {
         self.0
     }
 
-    /// In ulps of `Fx`, to nearest, ties to even.
+    /// The value in ulps of `Fx`, rounded to nearest, ties to even.
     #[inline]
     pub(crate) const fn ulps(self) -> i128 {
         shr_round(self.0, 32)
@@ -137,13 +137,13 @@ impl Wide<Fx> for FxWide {
     }
 }
 
-/// A sum of wide values modulo 2^64, and how often it went round.
+/// A sum of wide values modulo 2^64, and how often it wrapped.
 ///
 /// ```
 /// use umbra_physics::FxWide;
 /// use umbra_physics::scalar::FxSum;
 ///
-/// // More than fits on the way, in whatever order: the total is what counts.
+/// // A partial sum may be more than fits: only the total has to fit.
 /// let mut sum = FxSum::default();
 /// for bits in [i128::MAX, i128::MAX, 5, i128::MIN, i128::MIN + 2] {
 ///     sum.add(FxWide::from_bits(bits));
@@ -197,7 +197,7 @@ impl Number for FxSum {
     }
 }
 
-/// Its total as an exact decimal, or that it does not fit.
+/// The total as an exact decimal, or a note that it does not fit.
 impl fmt::Display for FxSum {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.total() {
