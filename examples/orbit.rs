@@ -7,9 +7,7 @@
 #[path = "shared/grid.rs"]
 mod grid;
 
-use umbra_physics::{
-    BodyDef, BodyId, End, Error, FieldKind, FxFactor, Preview, Vec2, World, WorldDef, fx, scalar::Factor as _, vec2,
-};
+use umbra_physics::{BodyDef, BodyId, End, Error, FieldKind, FxFactor, Preview, Vec2, World, WorldDef, fx, vec2};
 
 use grid::Grid;
 

@@ -58,6 +58,7 @@ mod body;
 mod display;
 mod error;
 mod force;
+mod fx;
 // Documentation alone: there is no such module in what is built.
 mod codec;
 #[cfg(any(doc, doctest))]
@@ -86,13 +87,15 @@ pub use force::{
     AppliedForce, Attachment, BodyState, CustomForce, CustomForceError, Dependence, End, FieldKind, ForceField,
     ForceTorque, Region,
 };
+pub use fx::{Fx, MathError, ParseFxError};
+
 pub use integrate::{Integrator, Stage, StageKind};
 pub use math::{Elapsed, Random, Rot, TimeStep, Vec2, vec2};
 pub use replay::{
     Difference, Divergence, Dump, Finding, HashTree, Owner, PHYSICS_VERSION, Playback, RecordOptions, Recorder, Replay,
     ReplayError, ReplayLimits, Snapshot, SnapshotError, TickPhase, VerifyError,
 };
-pub use scalar::fx::{Fx, MathError, ParseFxError};
+
 pub use scalar::{FxAccumulator, FxFactor, FxWide, Scalar, SpringConstants, Turn};
 pub use shape::{Aabb, Geometry, Outline, Part, Shape};
 pub use slots::{BodyId, FieldId};

@@ -37,3 +37,4 @@ mod serde;
 mod snapshot;
 mod tables;
 mod trace;
+mod vectors;

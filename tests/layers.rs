@@ -7,12 +7,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules on one level do not name each other.
-const LEVELS: [&[&str]; 14] = [
+const LEVELS: [&[&str]; 15] = [
     &["kernel", "slots"],
     &["error"],
+    &["fx"],
+    &["math"],
     &["scalar"],
     &["limits"],
-    &["math"],
     &["codec"],
     &["shape"],
     &["body"],
@@ -191,7 +192,7 @@ fn sources_below(folder: &str) -> Vec<(String, String)> {
 }
 
 /// The file with the wide vectors.
-const LANES: &str = "scalar/lanes.rs";
+const SIMD: &str = "scalar/simd.rs";
 /// The file with the stage timers.
 const TIMERS: &str = "step/timers.rs";
 
@@ -212,7 +213,8 @@ fn the_checker_sees_an_import_to_the_right_in_every_form() {
         ("kernel/div.rs", "use crate::scalar::Scalar;"),
         ("kernel/div.rs", "fn f() -> crate::error::Error { loop {} }"),
         ("scalar/mod.rs", "use crate::{kernel::div, limits};"),
-        ("scalar/fx/ops.rs", "use crate::{\n    kernel::{div, wide},\n    world::World,\n};"),
+        ("math/vec2.rs", "use crate::{fx::Fx, scalar::Scalar};"),
+        ("fx/ops.rs", "use crate::{\n    kernel::{div, wide},\n    world::World,\n};"),
         ("force/load.rs", "use crate::integrate::Plan;"),
         ("integrate/rules.rs", "use crate::force::Load;"),
         ("step/mod.rs", "use super::world::World;"),
@@ -229,7 +231,7 @@ fn the_checker_sees_an_import_to_the_right_in_every_form() {
         ("step/kick.rs", "use super::Context;\npub(super) fn f() {}\nuse crate::{body::{A, B}, force};"),
         ("world/mod.rs", "const TEXT: &str = \"crate::replay\"; const Q: char = '\"'; use crate::step::Context;"),
         ("limits.rs", "mod tests { use super::*; }"),
-        ("scalar/fx/ops.rs", "macro_rules! m { () => { $crate::Fx }; }"),
+        ("fx/ops.rs", "macro_rules! m { () => { $crate::Fx }; }"),
     ] {
         assert_eq!(wrong_imports(path, source), [""; 0], "{path}: {source}");
     }
@@ -260,7 +262,7 @@ fn one_file_names_the_crate_fixed() {
         words(&code, "fixed").any(|at| code[at + 5..].starts_with("::")) || code.contains("extern crate fixed")
     };
     let files: Vec<_> = library().into_iter().filter(names).map(|(path, _)| path).collect();
-    assert_eq!(files, ["scalar/fx/mod.rs"]);
+    assert_eq!(files, ["fx/mod.rs"]);
 }
 
 #[test]
@@ -306,7 +308,7 @@ fn kernels_are_raw_integers() {
 #[test]
 fn the_library_uses_neither_std_nor_the_outside() {
     // But for the file that asks the CPU what it has, and the one that asks for the time.
-    for (path, source) in library().iter().filter(|(path, _)| path != "lib.rs" && path != LANES && path != TIMERS) {
+    for (path, source) in library().iter().filter(|(path, _)| path != "lib.rs" && path != SIMD && path != TIMERS) {
         let code = code_of(source);
         let code = code.split("mod tests {").next().unwrap_or_default();
         assert_eq!(words(code, "std").next(), None, "{path} names std");
@@ -324,7 +326,7 @@ fn the_library_uses_neither_std_nor_the_outside() {
     assert!(manifest.contains("unsafe_code = \"deny\""));
     let mut named = files_with("unsafe_code");
     named.sort();
-    assert_eq!(named, ["lib.rs", LANES], "who denies it, and who allows it");
+    assert_eq!(named, ["lib.rs", SIMD], "who denies it, and who allows it");
 }
 
 #[test]

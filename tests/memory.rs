@@ -4,7 +4,7 @@ use allocation_counter::{AllocationInfo, measure};
 use umbra_physics::{
     ApplyOptions, Attachment, BodyDef, BodyId, Command, End, FieldKind, ForceField, ForceOrImpulse, Fx, FxFactor,
     History, Inputs, Integrator, Mass, Owner, RecordOptions, Recorder, Replay, ReplayError, Shape, SpringConstants,
-    Vec2, World, WorldDef, fx, scalar::Factor, vec2,
+    Vec2, World, WorldDef, fx, vec2,
 };
 
 fn world(integrator: Integrator) -> World {
@@ -145,7 +145,7 @@ fn busy(integrator: Integrator) -> impl FnMut() -> AllocationInfo {
         world.add_field(FieldKind::Spring { near, far, spring }).expect("a fair field");
     }
     let centre = End::Body(Attachment::centre(ids[200]));
-    let mu = <FxFactor as Factor<Fx>>::from_scalar(fx!(100));
+    let mu = FxFactor::from_scalar(fx!(100));
     let drag = FieldKind::Drag { linear: fx!(1), quadratic: fx!(0.5), wind: vec2(3, 0) };
     let at = Attachment { body: ids[300], point: vec2(0, 1) };
     for kind in

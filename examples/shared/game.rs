@@ -6,7 +6,7 @@
 
 use umbra_physics::{
     ApplyOptions, Attachment, BodyDef, BodyId, End, Error, FieldId, FieldKind, ForceField, ForceOrImpulse, Fx,
-    FxFactor, Mass, Shape, SpringConstants, TimeStep, Vec2, World, WorldDef, fx, scalar::Factor as _, vec2,
+    FxFactor, Mass, Shape, SpringConstants, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
 use crate::random::SplitMix;

@@ -11,7 +11,7 @@ use crate::slots::BodyId;
 /// The sum of the forces and torques applied to a body over a tick. Undoing the step of that tick needs it.
 ///
 /// ```
-/// use umbra_physics::{AppliedForce, BodyDef, Vec2, World, WorldDef, fx, scalar::Wide as _, vec2};
+/// use umbra_physics::{AppliedForce, BodyDef, Vec2, World, WorldDef, fx, vec2};
 ///
 /// let mut world: World = World::new(WorldDef::default())?;
 /// let body = world.add_body(BodyDef::dynamic())?;

@@ -21,19 +21,19 @@ pub(crate) struct Load<S: Scalar> {
 }
 
 impl<S: Scalar> Load<S> {
-    fn accelerate(&mut self, (x, y): Offset<S>) {
-        self.acceleration.x.add(x);
-        self.acceleration.y.add(y);
+    fn accelerate(&mut self, acceleration: Vec2<S::Wide>) {
+        self.acceleration.x.add(acceleration.x);
+        self.acceleration.y.add(acceleration.y);
     }
 
     /// Adds a force that acts at `arm` from the centre of mass. `None` if its torque does not fit.
     fn push(&mut self, arm: Offset<S>, force: Offset<S>) -> Option<()> {
         if arm != Offset::<S>::default() {
-            self.torque.add(S::torque(arm.0, force.1)?);
-            self.torque.add(S::torque(arm.1, force.0)?.negated());
+            self.torque.add(S::torque(arm.x, force.y)?);
+            self.torque.add(S::torque(arm.y, force.x)?.negated());
         }
-        self.force.x.add(force.0);
-        self.force.y.add(force.1);
+        self.force.x.add(force.x);
+        self.force.y.add(force.y);
         Some(())
     }
 
@@ -89,9 +89,9 @@ impl<S: Scalar> Anchor<S> {
     fn offset_to(&self, far: &Self) -> Option<Offset<S>> {
         let component =
             |to: S, from: S, to_arm: S::Wide, from_arm: S::Wide| to.offset(from).plus(to_arm)?.plus(from_arm.negated());
-        Some((
-            component(far.position.x, self.position.x, far.arm.0, self.arm.0)?,
-            component(far.position.y, self.position.y, far.arm.1, self.arm.1)?,
+        Some(Vec2::new(
+            component(far.position.x, self.position.x, far.arm.x, self.arm.x)?,
+            component(far.position.y, self.position.y, far.arm.y, self.arm.y)?,
         ))
     }
 
@@ -104,9 +104,9 @@ impl<S: Scalar> Anchor<S> {
 /// the sum where the arm is a multiple of an ulp: then its products are multiples of 2^-64.
 pub(crate) fn velocity_at<S: Scalar>(velocity: Vec2<S>, angular_velocity: S, arm: Offset<S>) -> Option<Offset<S>> {
     let angular_velocity = S::Wide::from_scalar(angular_velocity);
-    Some((
-        S::Wide::from_scalar(velocity.x).plus(S::torque(arm.1, angular_velocity)?.negated())?,
-        S::Wide::from_scalar(velocity.y).plus(S::torque(arm.0, angular_velocity)?)?,
+    Some(Vec2::new(
+        S::Wide::from_scalar(velocity.x).plus(S::torque(arm.y, angular_velocity)?.negated())?,
+        S::Wide::from_scalar(velocity.y).plus(S::torque(arm.x, angular_velocity)?)?,
     ))
 }
 
@@ -144,7 +144,7 @@ impl<S: Scalar> Scene<'_, S> {
     /// A vector of a body's frame in the world's.
     fn turned(&self, i: usize, vector: Vec2<S>, directions: &mut Directions<S>) -> Option<Offset<S>> {
         let (_, direction) = directions.get_or_insert(i, || (i, self.bodies.columns.motion.angle[i].direction()));
-        S::Angle::turn(*direction, vector.x, vector.y)
+        S::Angle::turn(*direction, vector)
     }
 
     fn end(&self, end: &End<S>, directions: &mut Directions<S>) -> Option<Anchor<S>> {
@@ -172,7 +172,7 @@ impl<S: Scalar> Scene<'_, S> {
         let at = self.position(i);
         match *region {
             Region::Box { min, max } => min.x <= at.x && at.x <= max.x && min.y <= at.y && at.y <= max.y,
-            Region::Disc { centre, radius } => radius.reaches((at.x.offset(centre.x), at.y.offset(centre.y))),
+            Region::Disc { centre, radius } => radius.reaches(Vec2::new(at.x.offset(centre.x), at.y.offset(centre.y))),
         }
     }
 
@@ -243,7 +243,7 @@ pub(crate) fn accumulate<S: Scalar>(
             FieldKind::Zone { region, acceleration } => {
                 let acceleration = acceleration.map(S::Wide::from_scalar);
                 for i in scene.targets(moving, field.groups).filter(|&i| scene.is_inside(i, region)) {
-                    loads.of(i).accelerate(acceleration.into());
+                    loads.of(i).accelerate(acceleration);
                 }
             }
             FieldKind::Custom { id: law } => {
@@ -267,14 +267,14 @@ fn pull<S: Scalar>(near: &Anchor<S>, far: &Anchor<S>, spring: &SpringConstants<S
         Offset::<S>::default()
     } else {
         let (v, w) = (far.point_velocity()?, near.point_velocity()?);
-        (v.0.plus(w.0.negated())?, v.1.plus(w.1.negated())?)
+        Vec2::new(v.x.plus(w.x.negated())?, v.y.plus(w.y.negated())?)
     };
     let force = S::tension(offset, velocity, spring)?;
     if let Some(i) = near.dense {
         loads.of(i).push(near.lever, force)?;
     }
     if let Some(i) = far.dense {
-        loads.of(i).push(far.lever, (force.0.negated(), force.1.negated()))?;
+        loads.of(i).push(far.lever, force.map(S::Wide::negated))?;
     }
     Some(())
 }
@@ -335,7 +335,7 @@ pub(crate) fn resist<S: Scalar>(
 
 /// The public velocity relative to a medium.
 fn relative<S: Scalar>(velocity: Vec2<S::Accumulator>, wind: Vec2<S>) -> Offset<S> {
-    (velocity.x.value().offset(wind.x), velocity.y.value().offset(wind.y))
+    Vec2::new(velocity.x.value().offset(wind.x), velocity.y.value().offset(wind.y))
 }
 
 /// Marks the bodies whose drag is too stiff to run backwards, those with (linear + quadratic·|u|)/m·dt > ½ for one of

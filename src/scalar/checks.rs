@@ -7,7 +7,10 @@ use dashu_float::round::mode::HalfEven;
 use dashu_int::{IBig, UBig};
 use proptest::prelude::*;
 
-use super::fixed_laws::{exponential, mean_exponential, near_share, share};
+use super::forces::{Forces, exponential, mean_exponential, near_share, share};
+use super::motion::Motion;
+use super::number::Arithmetic;
+use super::polygon::Polygons;
 use super::*;
 use crate::kernel::sqrt::{root_and_reciprocal, root_fine};
 
@@ -31,7 +34,7 @@ fn error_log2(f: FxFactor, reference: &Real) -> f64 {
     if error == 0.0 { -200.0 } else { error.log2() }
 }
 
-/// Half an ulp of a mantissa of 64 bits is at most 2^-64 of it.
+/// Returns true if the factor is within half an ulp of its 64-bit mantissa, at most 2^-64 of it.
 fn is_nearest(f: FxFactor, reference: &Real) -> bool {
     let (mantissa, shift) = f.parts();
     assert!(mantissa >> 63 == 1, "not normalised");

@@ -1,19 +1,22 @@
 //! `f32` and `f64` as scalars, to compare the engine with, and floats for tools and drawing.
 //!
 //! None of the promises hold here: these builds show what the fixed-point one costs and gains. Every type beside the
-//! scalar is the float itself, and every law the textbook's formula.
+//! scalar is the float itself, and every formula the textbook's.
 
 use core::cmp::Ordering;
 
+use super::Offset;
 use super::accumulator::FxAccumulator;
+use super::bulk::Bulk;
 use super::factor::FxFactor;
-use super::fx::Fx;
+use super::forces::{Forces, SpringConstants};
+use super::motion::{KICK_LOG2, Motion, Span, TRANSIENT_SPEED_LOG2, Weight};
+use super::number::{Accumulator, Angle, Arithmetic, Factor, Number, Scalar, Sum, Wide};
+use super::polygon::{AreaMoments, Polygons};
 use super::turn::Turn;
 use super::wide::FxWide;
-use super::{
-    Accumulator, Angle, AreaMoments, Factor, KICK_LOG2, Number, Offset, Scalar, Span, SpringConstants, Sum,
-    TRANSIENT_SPEED_LOG2, Weight, Wide,
-};
+use crate::fx::Fx;
+use crate::math::Vec2;
 
 /// The double nearest to a number of the engine, for drawing, tables and studies; never back into the state.
 ///
@@ -64,7 +67,7 @@ impl ToF64 for FxFactor {
     }
 }
 
-/// In radians, [0, 2π).
+/// Radians in [0, 2π).
 impl ToF64 for Turn {
     fn to_f64(self) -> f64 {
         Angle::to_bits(self) as f64 * (ULP * ULP) * core::f64::consts::TAU
@@ -214,7 +217,7 @@ macro_rules! float_scalar {
                 (libm::$sin(self), libm::$cos(self))
             }
             fn drift_factor(span: Span) -> $float {
-                <$float as Scalar>::seconds(span)
+                <$float as Motion<$float>>::seconds(span)
             }
             fn drifted(self, velocity: $float, drift_factor: $float, negative: bool) -> Self {
                 let passed = velocity * drift_factor;
@@ -236,9 +239,9 @@ macro_rules! float_scalar {
             fn direction(self) -> ($float, $float) {
                 (libm::$sin(self), libm::$cos(self))
             }
-            fn turn((sin, cos): ($float, $float), x: $float, y: $float) -> Option<($float, $float)> {
+            fn turn((sin, cos): ($float, $float), Vec2 { x, y }: Vec2<$float>) -> Option<Vec2<$float>> {
                 let (x, y) = (x * cos - y * sin, x * sin + y * cos);
-                (x.is_finite() && y.is_finite()).then_some((x, y))
+                (x.is_finite() && y.is_finite()).then_some(Vec2::new(x, y))
             }
             fn to_bits(self) -> u64 {
                 <$float>::to_bits(self).into()
@@ -251,7 +254,6 @@ macro_rules! float_scalar {
             type Angle = Self;
             type Wide = Self;
             type Sum = Self;
-            type DecayRate = Self;
 
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
@@ -266,6 +268,9 @@ macro_rules! float_scalar {
             fn is_finite(self) -> bool {
                 <$float>::is_finite(self)
             }
+        }
+
+        impl Arithmetic<$float> for $float {
             fn sin_cos(self) -> (Self, Self) {
                 (libm::$sin(self), libm::$cos(self))
             }
@@ -283,6 +288,11 @@ macro_rules! float_scalar {
                 let product = self * other;
                 product.is_finite().then_some(product)
             }
+        }
+
+        impl Motion<$float> for $float {
+            type DecayRate = Self;
+
             fn seconds(span: Span) -> Self {
                 let weight = match span.weight {
                     Weight::Whole => 1.0,
@@ -300,7 +310,7 @@ macro_rules! float_scalar {
                 kept
             }
             fn decay_over(kept: Self, span: Span) -> Self {
-                let seconds = Self::seconds(span);
+                let seconds = <Self as Motion<Self>>::seconds(span);
                 libm::$pow(kept, if span.is_negative() { -seconds } else { seconds })
             }
             fn drift(self, seconds: Self) -> Self {
@@ -310,6 +320,9 @@ macro_rules! float_scalar {
                 let gained = acceleration * seconds;
                 (libm::$fabs(gained) < (1u32 << KICK_LOG2) as $float).then_some(gained)
             }
+        }
+
+        impl Bulk<$float> for $float {
             fn damp_all(values: &mut [Self], kept: Self) {
                 values.iter_mut().for_each(|v| *v *= kept);
             }
@@ -321,28 +334,35 @@ macro_rules! float_scalar {
                     *angle = if whole { turned } else { Self::from_radians(turned) };
                 }
             }
-            fn attraction(mu: Self, (x, y): Offset<Self>, softening: Self) -> Option<Offset<Self>> {
+        }
+
+        impl Forces<$float> for $float {
+            fn attraction(mu: Self, Vec2 { x, y }: Offset<Self>, softening: Self) -> Option<Offset<Self>> {
                 let square = x * x + y * y + softening * softening;
                 if square == 0.0 {
-                    return Some((0.0, 0.0));
+                    return Some(Vec2::new(0.0, 0.0));
                 }
                 let share = mu / (square * libm::$sqrt(square));
                 let (x, y) = (x * share, y * share);
-                (x.is_finite() && y.is_finite()).then_some((x, y))
+                (x.is_finite() && y.is_finite()).then_some(Vec2::new(x, y))
             }
-            fn tension((x, y): Offset<Self>, v: Offset<Self>, spring: &SpringConstants<Self>) -> Option<Offset<Self>> {
+            fn tension(
+                Vec2 { x, y }: Offset<Self>,
+                v: Offset<Self>,
+                spring: &SpringConstants<Self>,
+            ) -> Option<Offset<Self>> {
                 let length = libm::$sqrt(x * x + y * y);
                 if length == 0.0 {
-                    return Some((0.0, 0.0));
+                    return Some(Vec2::new(0.0, 0.0));
                 }
                 let (x, y) = (x / length, y / length);
-                let force = spring.stiffness * (length - spring.rest) + spring.damping * (x * v.0 + y * v.1);
-                force.is_finite().then_some((force * x, force * y))
+                let force = spring.stiffness * (length - spring.rest) + spring.damping * (x * v.x + y * v.y);
+                force.is_finite().then_some(Vec2::new(force * x, force * y))
             }
-            fn length((x, y): Offset<Self>, third: Self) -> Self {
+            fn length(Vec2 { x, y }: Offset<Self>, third: Self) -> Self {
                 libm::$sqrt(x * x + y * y + third * third)
             }
-            fn reaches(self, (x, y): Offset<Self>) -> bool {
+            fn reaches(self, Vec2 { x, y }: Offset<Self>) -> bool {
                 self >= 0.0 && x * x + y * y <= self * self
             }
             fn drag(speed: Self, alpha: Self, beta: Self, seconds: Self, negative: bool) -> Option<Self> {
@@ -353,25 +373,28 @@ macro_rules! float_scalar {
                 let left = libm::$exp(-z) / if negative { slowed.max(0.25) } else { slowed };
                 left.is_finite().then_some(left)
             }
-            fn polygon_moments(corners: &[(Self, Self)]) -> Option<AreaMoments<Self>> {
+        }
+
+        impl Polygons<$float> for $float {
+            fn polygon_moments(corners: &[Vec2<Self>]) -> Option<AreaMoments<Self>> {
                 let (mut twice, mut first, mut second) = (0.0, (0.0, 0.0), 0.0);
                 for (i, p) in corners.iter().enumerate() {
                     let q = corners[(i + 1) % corners.len()];
-                    let cross = p.0 * q.1 - q.0 * p.1;
+                    let cross = p.x * q.y - q.x * p.y;
                     twice += cross;
-                    first = (first.0 + (p.0 + q.0) * cross, first.1 + (p.1 + q.1) * cross);
+                    first = (first.0 + (p.x + q.x) * cross, first.1 + (p.y + q.y) * cross);
                     let squares = |p: Self, q: Self| p * p + p * q + q * q;
-                    second += (squares(p.0, q.0) + squares(p.1, q.1)) * cross;
+                    second += (squares(p.x, q.x) + squares(p.y, q.y)) * cross;
                 }
                 (twice != 0.0).then(|| {
                     let area = libm::$fabs(twice) / 2.0;
-                    let centroid = (first.0 / (3.0 * twice), first.1 / (3.0 * twice));
-                    let out = centroid.0 * centroid.0 + centroid.1 * centroid.1;
+                    let centroid = Vec2::new(first.0 / (3.0 * twice), first.1 / (3.0 * twice));
+                    let out = centroid.x * centroid.x + centroid.y * centroid.y;
                     AreaMoments { area, centroid, second: libm::$fabs(second) / 12.0 - area * out }
                 })
             }
-            fn orientation(a: (Self, Self), b: (Self, Self), c: (Self, Self)) -> Ordering {
-                let (left, right) = ((b.0 - a.0) * (c.1 - a.1), (b.1 - a.1) * (c.0 - a.0));
+            fn orientation(a: Vec2<Self>, b: Vec2<Self>, c: Vec2<Self>) -> Ordering {
+                let (left, right) = ((b.x - a.x) * (c.y - a.y), (b.y - a.y) * (c.x - a.x));
                 left.partial_cmp(&right).unwrap_or(Ordering::Equal)
             }
             fn weighted_mean(weights: &[Self], values: &[Self]) -> Option<Self> {

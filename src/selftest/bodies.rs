@@ -9,7 +9,7 @@ use crate::force::{Attachment, End, FieldKind};
 use crate::limits;
 use crate::math::{Vec2, vec2};
 use crate::scalar::fx::{Fx, fx};
-use crate::scalar::{Factor as _, FxFactor, SpringConstants};
+use crate::scalar::{FxFactor, SpringConstants};
 use crate::shape::{Part, Shape};
 use crate::slots::BodyId;
 use crate::world::{ApplyOptions, ForceOrImpulse, Frame, World, WorldDef};

@@ -10,7 +10,7 @@ use crate::force::{Attachment, End, FieldKind, ForceField, Region};
 use crate::integrate::Integrator;
 use crate::math::{TimeStep, Vec2, vec2};
 use crate::scalar::fx::{Fx, fx};
-use crate::scalar::{Factor as _, FxFactor, SpringConstants};
+use crate::scalar::{FxFactor, SpringConstants};
 use crate::shape::Shape;
 use crate::slots::{BodyId, FieldId};
 use crate::world::{ApplyOptions, Command, Created, ForceOrImpulse, World, WorldDef};

@@ -14,7 +14,7 @@ use crate::force::{
 use crate::integrate::Integrator;
 use crate::math::{Vec2, vec2};
 use crate::scalar::fx::{Fx, fx};
-use crate::scalar::{Accumulator as _, Angle as _, Factor as _, FxFactor, Turn, Wide as _};
+use crate::scalar::{FxFactor, Turn};
 use crate::slots::BodyId;
 use crate::world::{World, WorldDef};
 

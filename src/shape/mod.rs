@@ -26,7 +26,7 @@ use crate::scalar::{Scalar, fx::Fx};
 /// Cloning one shares its corners or parts.
 ///
 /// ```
-/// use umbra_physics::{Fx, Geometry, Part, Shape, fx, scalar::Factor as _, vec2};
+/// use umbra_physics::{Fx, Geometry, Part, Shape, fx, vec2};
 ///
 /// let rod: Shape = Shape::capsule(fx!(2), fx!(0.5))?; // 2 m between the centres of its ends
 /// let weight = Shape::rectangle(fx!(1), fx!(1))?;

@@ -15,7 +15,7 @@ impl<S: Scalar> World<S> {
     /// [`Error::CustomForce`] for a law that is not registered; [`Error::OutOfRange`] naming the quantity; [`Error::Full`].
     ///
     /// ```
-    /// use umbra_physics::{BodyDef, End, FxFactor, FieldKind, World, WorldDef, fx, scalar::Factor as _, vec2};
+    /// use umbra_physics::{BodyDef, End, FxFactor, FieldKind, World, WorldDef, fx, vec2};
     ///
     /// let mut world: World = World::new(WorldDef::default())?;
     /// let star =

@@ -258,13 +258,13 @@ impl<S: Scalar> World<S> {
             return Err(out_of(quantity));
         }
         let motion = &self.bodies.columns.motion;
-        let wide = |v: Vec2<S>| Some(v.map(S::Wide::from_scalar).into());
+        let wide = |v: Vec2<S>| Some(v.map(S::Wide::from_scalar));
         let turn = |v: Vec2<S>| match frame {
             Frame::World => wide(v),
-            Frame::Body => motion.angle[dense].rotate(v.x, v.y),
+            Frame::Body => motion.angle[dense].rotate(v),
         };
         let world: Offset<S> = turn(vector).ok_or(out_of(quantity))?;
-        let Some(point) = point else { return Ok((world.into(), S::Wide::default())) };
+        let Some(point) = point else { return Ok((world, S::Wide::default())) };
         if !point.is_finite() {
             return Err(out_of(Quantity::Position));
         }
@@ -272,13 +272,13 @@ impl<S: Scalar> World<S> {
             Frame::Body => turn(point).ok_or(out_of(Quantity::Position))?,
             Frame::World => {
                 let centre = motion.position.get(dense).map(Accumulator::value);
-                (point.x.offset(centre.x), point.y.offset(centre.y))
+                Vec2::new(point.x.offset(centre.x), point.y.offset(centre.y))
             }
         };
-        let moment = || S::torque(arm.0, world.1)?.plus(S::torque(arm.1, world.0)?.negated());
+        let moment = || S::torque(arm.x, world.y)?.plus(S::torque(arm.y, world.x)?.negated());
         // Where nothing turns the body, it has no effect, however large it is.
         let none = self.bodies.mass(dense).locks.rotation.then(S::Wide::default);
-        Ok((world.into(), moment().or(none).ok_or(out_of(Quantity::Torque))?))
+        Ok((world, moment().or(none).ok_or(out_of(Quantity::Torque))?))
     }
 
     /// The velocities of a body after an impulse, if they stay within the envelope.

@@ -47,7 +47,7 @@ impl ShapeDef {
     ///
     /// ```
     /// use umbra_scene::{PartDef, ShapeDef};
-    /// use umbra_physics::{Fx, Shape, fx, scalar::Factor as _, vec2};
+    /// use umbra_physics::{Fx, Shape, fx, vec2};
     ///
     /// let ball = ShapeDef::Circle { radius: fx!(1) };
     /// let part = |x: i32| PartDef { shape: ball.clone(), position: vec2(x, 0), angle: fx!(0), density: fx!(1) };

@@ -9,7 +9,7 @@ use std::fmt;
 use std::time::{Duration, Instant};
 
 use umbra_physics::PHYSICS_VERSION;
-use umbra_physics::scalar::wide_vectors;
+use umbra_physics::scalar::internals::wide_vectors;
 use umbra_physics::selftest::{Failure, Golden, Outcome, Scene, Total, golden, scenes};
 
 pub use stream::Stream;

@@ -8,7 +8,6 @@ use std::sync::LazyLock;
 use dashu_float::FBig;
 use dashu_float::round::mode::HalfEven;
 use dashu_int::IBig;
-use umbra_physics::scalar::{Accumulator, Angle};
 use umbra_physics::{Fx, FxAccumulator, FxFactor, Turn};
 
 pub(crate) use closed::{Closed, closed};
@@ -51,7 +50,7 @@ impl Exact for Fx {
 
 impl Exact for FxAccumulator {
     fn exact(self) -> Real {
-        units(Accumulator::to_bits(self), 96)
+        units(self.to_bits(), 96)
     }
 }
 
@@ -64,7 +63,7 @@ impl Exact for FxFactor {
 
 impl Exact for Turn {
     fn exact(self) -> Real {
-        units(Angle::to_bits(self), 64) * &*TAU
+        units(self.to_bits(), 64) * &*TAU
     }
 }
 
@@ -84,7 +83,6 @@ exact_float!(f64, f32);
 #[cfg(test)]
 mod tests {
     use umbra_physics::fx;
-    use umbra_physics::scalar::Factor;
 
     use super::*;
 

@@ -13,7 +13,6 @@ use std::collections::BTreeSet;
 use crate::scenes::{RICH, texts};
 use commands::{Author, KINDS};
 use random::SplitMix;
-use umbra_physics::scalar::Factor as _;
 use umbra_physics::{
     BodyDef, BodyId, Command, End, Error, FieldId, FieldKind, ForceField, Fx, FxFactor, Integrator, Quantity, Shape,
     TimeStep, Vec2, World, WorldDef, fx, limits, vec2,

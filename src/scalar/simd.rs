@@ -1,4 +1,4 @@
-//! The rules of [`sweep`](super::sweep) for CPUs with wide vectors, chosen when the program runs.
+//! The loops of [`fx_bulk`](super::fx_bulk) for CPUs with wide vectors, chosen when the program runs.
 //!
 //! The loops are safe code on 32-bit halves, without branches, which the compiler turns into vector instructions when
 //! it may assume the CPU has them. Only AVX-512 makes that pay: it has 64-bit comparisons, and eight lanes make up for
@@ -14,28 +14,30 @@
 use super::accumulator::FxAccumulator;
 use super::turn::Turn;
 
-/// Whether a process uses wide vectors.
+/// The switch for wide vectors in this process.
 pub mod wide_vectors {
     use core::sync::atomic::{AtomicBool, Ordering};
 
     static ALLOWED: AtomicBool = AtomicBool::new(true);
 
-    /// Allows or forbids them in this process. They change no bit: this is for tests that show so and for measurements.
+    /// Allows or forbids wide vectors in this process. They change no bit: the switch is for tests that show it and for measurements.
+    #[doc(hidden)]
     pub fn allow(yes: bool) {
         ALLOWED.store(yes, Ordering::Relaxed);
     }
 
-    /// Whether they are used: they are allowed, the CPU has them (AVX-512), and so had the compiler (1.89 or newer, with the
+    /// Returns true if they are used: they are allowed, the CPU has them (AVX-512), and so had the compiler (1.89 or newer, with the
     /// feature `std`).
     ///
     /// ```
-    /// use umbra_physics::scalar::wide_vectors;
+    /// use umbra_physics::scalar::internals::wide_vectors;
     /// println!("wide vectors: {}", wide_vectors::are_used()); // for a report of measurements
     /// wide_vectors::allow(false);
     /// assert!(!wide_vectors::are_used());
     /// # wide_vectors::allow(true);
     /// ```
     #[must_use]
+    #[doc(hidden)]
     pub fn are_used() -> bool {
         ALLOWED.load(Ordering::Relaxed) && has()
     }
@@ -99,7 +101,7 @@ where_wide!(fn drift(
 where_wide!(fn spread(values: &[FxAccumulator], limit: u64) -> u64);
 where_wide!(fn turn(angles: &mut [Turn], velocities: &[FxAccumulator], mantissa: u64, shift: u32, backwards: u64));
 
-/// Whether so many values are done sooner with wide vectors.
+/// Returns true if wide vectors are faster for this number of values.
 pub(super) fn pay(count: usize) -> bool {
     count >= 16 && wide_vectors::are_used()
 }
@@ -160,7 +162,7 @@ pub(super) mod loops {
         rounded(floor, low & ((1 << shift) - 1), 1 << (shift - 1))
     }
 
-    /// v·mantissa / 2^64, and nothing where its public value is zero.
+    /// v·mantissa / 2^64, and zero where its public value is zero.
     #[inline(always)]
     pub(in crate::scalar) fn damp(values: &mut [FxAccumulator], mantissa: u64) {
         for v in values {

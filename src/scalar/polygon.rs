@@ -1,11 +1,64 @@
 //! Moments of polygons in fixed point: sums of exact integers, rounded once.
 
 use alloc::vec::Vec;
+use core::cmp::Ordering;
 
 use super::factor::FxFactor;
-use super::fx::Fx;
-use super::{AreaMoments, Factor};
+use super::number::Scalar;
+use crate::fx::Fx;
+use crate::kernel::div::div_round;
 use crate::kernel::wide::{div_256, mul_128};
+use crate::math::Vec2;
+
+/// Area, centroid and second moment of area of a polygon.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[doc(hidden)]
+pub struct AreaMoments<S: Scalar> {
+    /// Area in m².
+    pub area: S::Factor,
+    /// Centroid in m.
+    pub centroid: Vec2<S>,
+    /// Second moment about the centroid, in m⁴. *Error* it loses bits if the centroid is far from the origin of the coordinates.
+    pub second: S::Factor,
+}
+
+/// Geometry of polygons: moments, orientation, weighted means.
+#[doc(hidden)]
+pub trait Polygons<S: Scalar>: Sized {
+    /// Area, centroid and second moment of a polygon, from sums that do not depend on its first corner or winding.
+    /// `None` if it has no area.
+    fn polygon_moments(corners: &[Vec2<S>]) -> Option<AreaMoments<S>>;
+    /// The sign of the triangle's signed area: `Greater` if its corners run counter-clockwise, `Equal` if they are on one line,
+    /// `Less` if they run clockwise.
+    fn orientation(a: Vec2<S>, b: Vec2<S>, c: Vec2<S>) -> Ordering;
+    /// The mean of `values`, each with its weight; `None` if all weights are zero.
+    fn weighted_mean(weights: &[S::Factor], values: &[S]) -> Option<S>;
+}
+
+impl Polygons<Fx> for Fx {
+    fn polygon_moments(corners: &[Vec2]) -> Option<AreaMoments<Self>> {
+        of_polygon(corners)
+    }
+
+    fn orientation(a: Vec2, b: Vec2, c: Vec2) -> Ordering {
+        let minus = |p: Self, q: Self| i128::from(p.to_bits()) - i128::from(q.to_bits());
+        // Shapes are within 2^13 m, so each product is below 2^92.
+        (minus(b.x, a.x) * minus(c.y, a.y)).cmp(&(minus(b.y, a.y) * minus(c.x, a.x)))
+    }
+
+    fn weighted_mean(weights: &[FxFactor], values: &[Self]) -> Option<Self> {
+        let largest = weights.iter().filter(|w| !w.is_zero()).map(|w| w.parts().1).min()?;
+        let (mut sum, mut total) = (0i128, 0i128);
+        for (weight, value) in weights.iter().zip(values).filter(|(weight, _)| !weight.is_zero()) {
+            let (mantissa, shift) = weight.parts();
+            // Weights to 2^-60 of the largest; values are within 2^13 m = 2^45 ulps, so 2^20 parts stay below 2^126.
+            let weight = i128::from(mantissa >> 4) >> (shift - largest).min(63);
+            sum += weight * i128::from(value.to_bits());
+            total += weight;
+        }
+        Some(Self::from_bits(div_round(sum, total) as i64))
+    }
+}
 
 /// A signed integer of 256 bits, as far as a sum of products needs one.
 #[derive(Clone, Copy, Default)]
@@ -41,9 +94,9 @@ impl Sum256 {
 ///
 /// *Domain* coordinates within 2^13 m = 2^45 ulps, at most 2^16 corners: a cross product is below 2^91, a sum of them
 /// below 2^107, a term of the second moment below 2^184, a sum of those below 2^200.
-pub(super) fn of_polygon(corners: &[(Fx, Fx)]) -> Option<AreaMoments<Fx>> {
+fn of_polygon(corners: &[Vec2]) -> Option<AreaMoments<Fx>> {
     let points: Vec<(i128, i128)> =
-        corners.iter().map(|(x, y)| (i128::from(x.to_bits()), i128::from(y.to_bits()))).collect();
+        corners.iter().map(|Vec2 { x, y }| (i128::from(x.to_bits()), i128::from(y.to_bits()))).collect();
     let (mut area, mut first, mut second) = (0i128, [Sum256::default(); 2], Sum256::default());
     for (i, &p) in points.iter().enumerate() {
         let q = points[(i + 1) % points.len()];
@@ -76,5 +129,5 @@ pub(super) fn of_polygon(corners: &[(Fx, Fx)]) -> Option<AreaMoments<Fx>> {
         out.times(out)
     });
     let second = about_origin.minus(area.times(out[0].plus(out[1])));
-    Some(AreaMoments { area, centroid: (centroid[0], centroid[1]), second })
+    Some(AreaMoments { area, centroid: centroid.into(), second })
 }

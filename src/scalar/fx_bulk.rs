@@ -1,16 +1,51 @@
-//! The rules of a step over many bodies at once, in fixed point.
+//! The loops of [`Bulk`] in fixed point.
 //!
-//! These loops are most of what a step of free bodies costs. They give the bits of the one-by-one operations
-//! ([`Accumulator::scaled`](super::Accumulator::scaled), [`Scalar::drift`](super::Scalar::drift),
-//! [`Angle::drifted`](super::Angle::drifted)), which a test compares them with; where the CPU has wide vectors
-//! [`lanes`](super::lanes) takes over, with the same bits again.
+//! These loops are most of the cost of a step of free bodies. They give the bits of the one-by-one operations
+//! ([`Accumulator::damped`], [`Motion::drift`], [`Angle::drifted`]), which a test compares them with; where the CPU has wide
+//! vectors, [`simd`] takes over, with the same bits again.
 
 use super::accumulator::FxAccumulator;
+use super::bulk::{Bulk, DampedTurn, KickDriftKick, damped_turn_in_stages, kick_drift_kick_in_stages};
 use super::factor::FxFactor;
-use super::fx::Fx;
-use super::lanes;
+use super::motion::Motion;
+use super::number::{Accumulator, Angle};
+use super::simd;
 use super::turn::Turn;
-use super::{Accumulator, Angle, Factor, Glide, Scalar, Spin, glide_in_stages, spin_in_stages};
+use crate::fx::Fx;
+
+impl Bulk<Fx> for Fx {
+    fn damp_all(values: &mut [FxAccumulator], kept: FxFactor) {
+        damp(values, kept);
+    }
+
+    fn kick_all(values: &mut [FxAccumulator], gained: FxAccumulator) {
+        kick(values, gained);
+    }
+
+    fn drift_all(positions: &mut [FxAccumulator], velocities: &[FxAccumulator], seconds: FxFactor, negative: bool) {
+        drift(positions, velocities, seconds, negative);
+    }
+
+    fn kick_drift_kick_all(
+        positions: &mut [FxAccumulator],
+        velocities: &mut [FxAccumulator],
+        span: &KickDriftKick<Fx>,
+    ) {
+        kick_drift_kick(positions, velocities, span);
+    }
+
+    fn damped_turn_all(angles: &mut [Turn], velocities: &mut [FxAccumulator], span: &DampedTurn<Fx>) {
+        damped_turn(angles, velocities, span);
+    }
+
+    fn turn_all(angles: &mut [Turn], velocities: &[FxAccumulator], drift_factor: FxFactor, negative: bool) {
+        turn(angles, velocities, drift_factor, negative);
+    }
+
+    fn are_within(values: &[FxAccumulator], log2: u32) -> bool {
+        are_within(values, log2)
+    }
+}
 
 /// Half of the low word.
 const TIE: u64 = 1 << 63;
@@ -92,10 +127,10 @@ pub(super) fn damped(v: FxAccumulator, kept: FxFactor) -> FxAccumulator {
     }
 }
 
-/// See [`Scalar::damp_all`].
+/// See [`Bulk::damp_all`].
 pub(super) fn damp(values: &mut [FxAccumulator], kept: FxFactor) {
     match kept.parts() {
-        (mantissa, 64) if lanes::damp(values, mantissa).is_some() => {}
+        (mantissa, 64) if simd::damp(values, mantissa).is_some() => {}
         (mantissa, 64) => values.iter_mut().for_each(|v| *v = scaled(*v, mantissa)),
         (mantissa, shift @ 65..128) => {
             let cut = (shift - 64).unsigned_abs();
@@ -105,14 +140,15 @@ pub(super) fn damp(values: &mut [FxAccumulator], kept: FxFactor) {
     }
 }
 
-/// See [`Scalar::kick_all`].
+/// See [`Bulk::kick_all`].
 pub(super) fn kick(values: &mut [FxAccumulator], gained: FxAccumulator) {
-    if lanes::kick(values, gained).is_none() {
+    if simd::kick(values, gained).is_none() {
         values.iter_mut().for_each(|v| *v = v.plus(gained));
     }
 }
 
-/// All bits if so, none if not: x ^ mask − mask is −x or x. Rounding is odd, so the way back is the way there negated.
+/// All bits set if negative, none if not: (x ^ mask) − mask is −x or x. Rounding is odd, so that a drift backwards is the drift
+/// forwards negated.
 fn mask(negative: bool) -> u64 {
     0u64.wrapping_sub(u64::from(negative))
 }
@@ -122,7 +158,7 @@ fn velocity(v: &FxAccumulator, backwards: u64) -> i64 {
     (v.value().to_bits() as u64 ^ backwards).wrapping_sub(backwards) as i64
 }
 
-/// See [`Scalar::drift_all`].
+/// See [`Bulk::drift_all`].
 pub(super) fn drift(positions: &mut [FxAccumulator], velocities: &[FxAccumulator], seconds: FxFactor, negative: bool) {
     let ((mantissa, shift), backwards) = (seconds.parts(), mask(negative));
     // From units of 2^-32 and 2^-shift to units of 2^-96. A span of ½ s or more, or of none, is rare.
@@ -131,14 +167,14 @@ pub(super) fn drift(positions: &mut [FxAccumulator], velocities: &[FxAccumulator
         for (x, v) in positions.iter_mut().zip(velocities) {
             *x = x.plus(Fx::from_bits(velocity(v, backwards)).drift(seconds));
         }
-    } else if lanes::drift(positions, velocities, mantissa, shift, backwards).is_none() {
+    } else if simd::drift(positions, velocities, mantissa, shift, backwards).is_none() {
         for (x, v) in positions.iter_mut().zip(velocities) {
             *x = x.plus(FxAccumulator::from_bits(passed(velocity(v, backwards), mantissa, shift)));
         }
     }
 }
 
-/// See [`Scalar::turn_all`].
+/// See [`Bulk::turn_all`].
 pub(super) fn turn(angles: &mut [Turn], velocities: &[FxAccumulator], factor: FxFactor, negative: bool) {
     let ((mantissa, shift), backwards) = (factor.parts(), mask(negative));
     // From units of 2^-32 and 2^-shift to units of 2^-64.
@@ -147,38 +183,38 @@ pub(super) fn turn(angles: &mut [Turn], velocities: &[FxAccumulator], factor: Fx
         for (angle, v) in angles.iter_mut().zip(velocities) {
             *angle = angle.drifted(Fx::from_bits(velocity(v, backwards)), factor, false);
         }
-    } else if lanes::turn(angles, velocities, mantissa, shift, backwards).is_none() {
+    } else if simd::turn(angles, velocities, mantissa, shift, backwards).is_none() {
         for (angle, v) in angles.iter_mut().zip(velocities) {
             angle.0 = angle.0.wrapping_add(passed(velocity(v, backwards), mantissa, shift) as u64);
         }
     }
 }
 
-/// How a factor damps in loops that go through all stages at once: at least half is kept, or less.
+/// The shift beside the mantissa's 64 bits with which a factor damps in the fused loops; `None` for 1 and for less than 2^-64.
 fn cut(kept: FxFactor) -> Option<u32> {
     let cut = kept.parts().1.wrapping_sub(64);
     (0..64).contains(&cut).then_some(cut.unsigned_abs())
 }
 
-/// See [`Scalar::spin_all`].
-pub(super) fn angular_velocity(angles: &mut [Turn], velocities: &mut [FxAccumulator], angular_velocity: &Spin<Fx>) {
-    let shift = angular_velocity.turn.parts().1.wrapping_sub(32);
-    let usual = (1..64).contains(&shift) && !angular_velocity.negative && !lanes::pay(velocities.len());
-    match cut(angular_velocity.kept) {
-        Some(0) if usual => spin_at_once(angles, velocities, angular_velocity, scaled),
-        Some(cut) if usual => spin_at_once(angles, velocities, angular_velocity, |v, kept| scaled_down(v, kept, cut)),
-        _ => spin_in_stages(angles, velocities, angular_velocity),
+/// See [`Bulk::damped_turn_all`].
+pub(super) fn damped_turn(angles: &mut [Turn], velocities: &mut [FxAccumulator], span: &DampedTurn<Fx>) {
+    let shift = span.turn.parts().1.wrapping_sub(32);
+    let usual = (1..64).contains(&shift) && !span.negative && !simd::pay(velocities.len());
+    match cut(span.kept) {
+        Some(0) if usual => damped_turn_fused(angles, velocities, span, scaled),
+        Some(cut) if usual => damped_turn_fused(angles, velocities, span, |v, kept| scaled_down(v, kept, cut)),
+        _ => damped_turn_in_stages(angles, velocities, span),
     }
 }
 
 #[inline(always)]
-fn spin_at_once(
+fn damped_turn_fused(
     angles: &mut [Turn],
     velocities: &mut [FxAccumulator],
-    angular_velocity: &Spin<Fx>,
+    span: &DampedTurn<Fx>,
     damped: impl Fn(FxAccumulator, u64) -> FxAccumulator,
 ) {
-    let (kept, (mantissa, shift)) = (angular_velocity.kept.parts().0, angular_velocity.turn.parts());
+    let (kept, (mantissa, shift)) = (span.kept.parts().0, span.turn.parts());
     let shift = (shift - 32).unsigned_abs();
     for (angle, v) in angles.iter_mut().zip(velocities) {
         let midway = damped(*v, kept);
@@ -187,45 +223,49 @@ fn spin_at_once(
     }
 }
 
-/// See [`Scalar::are_within`].
+/// See [`Bulk::are_within`].
 pub(super) fn are_within(values: &[FxAccumulator], log2: u32) -> bool {
     let limit = 1 << (32 + log2);
     // Below twice the limit, which is a power of two, if all are from −limit to limit.
-    let bits = lanes::spread(values, limit).unwrap_or_else(|| lanes::loops::spread(values, limit));
+    let bits = simd::spread(values, limit).unwrap_or_else(|| simd::loops::spread(values, limit));
     bits < 2 * limit
 }
 
-/// See [`Scalar::glide_all`].
-pub(super) fn glide(positions: &mut [FxAccumulator], velocities: &mut [FxAccumulator], glide: &Glide<Fx>) {
-    let falls = glide.fall != FxAccumulator::default();
-    let shift = glide.seconds.parts().1.wrapping_sub(64);
+/// See [`Bulk::kick_drift_kick_all`].
+pub(super) fn kick_drift_kick(
+    positions: &mut [FxAccumulator],
+    velocities: &mut [FxAccumulator],
+    span: &KickDriftKick<Fx>,
+) {
+    let falls = span.gravity_delta_v != FxAccumulator::default();
+    let shift = span.seconds.parts().1.wrapping_sub(64);
     // Wide vectors do better stage by stage: in a shorter loop more of its turns are on their way at once.
-    if !(1..64).contains(&shift) || glide.negative || lanes::pay(velocities.len()) {
-        return glide_in_stages(positions, velocities, glide);
+    if !(1..64).contains(&shift) || span.negative || simd::pay(velocities.len()) {
+        return kick_drift_kick_in_stages(positions, velocities, span);
     }
-    let kept = glide.kept.parts().0;
-    match (glide.kept != FxFactor::ONE, cut(glide.kept)) {
-        (false, _) if !falls => drift(positions, velocities, glide.seconds, false),
-        (false, _) => glide_at_once::<true>(positions, velocities, glide, |v| v),
-        (true, Some(0)) if falls => glide_at_once::<true>(positions, velocities, glide, |v| scaled(v, kept)),
-        (true, Some(0)) => glide_at_once::<false>(positions, velocities, glide, |v| scaled(v, kept)),
-        (true, Some(cut)) => glide_at_once::<true>(positions, velocities, glide, |v| scaled_down(v, kept, cut)),
-        (true, None) => glide_in_stages(positions, velocities, glide),
+    let kept = span.kept.parts().0;
+    match (span.kept != FxFactor::ONE, cut(span.kept)) {
+        (false, _) if !falls => drift(positions, velocities, span.seconds, false),
+        (false, _) => kick_drift_kick_fused::<true>(positions, velocities, span, |v| v),
+        (true, Some(0)) if falls => kick_drift_kick_fused::<true>(positions, velocities, span, |v| scaled(v, kept)),
+        (true, Some(0)) => kick_drift_kick_fused::<false>(positions, velocities, span, |v| scaled(v, kept)),
+        (true, Some(cut)) => kick_drift_kick_fused::<true>(positions, velocities, span, |v| scaled_down(v, kept, cut)),
+        (true, None) => kick_drift_kick_in_stages(positions, velocities, span),
     }
 }
 
-/// All stages of one value after the other, without leaving the registers.
+/// Takes each body through all stages before the next, without leaving the registers.
 #[inline(always)]
-fn glide_at_once<const FALLS: bool>(
+fn kick_drift_kick_fused<const KICKS: bool>(
     positions: &mut [FxAccumulator],
     velocities: &mut [FxAccumulator],
-    glide: &Glide<Fx>,
+    span: &KickDriftKick<Fx>,
     damped: impl Fn(FxAccumulator) -> FxAccumulator,
 ) {
-    let fall = glide.fall;
-    let (mantissa, shift) = glide.seconds.parts();
+    let fall = span.gravity_delta_v;
+    let (mantissa, shift) = span.seconds.parts();
     let shift = (shift - 64).unsigned_abs();
-    let fallen = |v: FxAccumulator| if FALLS { v.plus(fall) } else { v };
+    let fallen = |v: FxAccumulator| if KICKS { v.plus(fall) } else { v };
     for (x, v) in positions.iter_mut().zip(velocities) {
         let midway = fallen(damped(*v));
         *x = x.plus(FxAccumulator::from_bits(passed(midway.value().to_bits(), mantissa, shift)));
@@ -238,7 +278,7 @@ mod tests {
     use alloc::vec::Vec;
     use proptest::prelude::*;
 
-    use super::super::lanes::loops;
+    use super::super::simd::loops;
     use super::super::{Scalar, Span, Weight};
     use super::*;
 
@@ -254,7 +294,7 @@ mod tests {
         FxFactor::new(u128::from(mantissa | TIE), shift)
     }
 
-    /// What each way of going through the values makes of them: all at once, few at a time, by the loops for lanes.
+    /// Compares the results of all loops with those of one value at a time: all at once, few at a time, the loops for wide vectors.
     fn alike<T: Copy + PartialEq + core::fmt::Debug>(
         values: &[T],
         sweep: impl Fn(usize, &mut [T]),
@@ -351,18 +391,18 @@ mod tests {
             negative: bool,
         ) {
             let span = Span { ratio: (1, den), weight: Weight::Whole, half: false };
-            let glide_over = Glide { kept, fall, seconds: Fx::seconds(span), negative };
-            let spin_over = Spin { kept, turn: Turn::drift_factor(span), negative };
+            let glide_over = KickDriftKick { kept, gravity_delta_v, seconds: Fx::seconds(span), negative };
+            let spin_over = DampedTurn { kept, turn: Turn::drift_factor(span), negative };
             let angles: Vec<Turn> = angles.into_iter().map(Turn::from_bits).collect();
             let start = (positions, velocities.clone(), angles, velocities);
             let (mut one, mut many, mut few) = (start.clone(), start.clone(), start);
-            glide_in_stages(&mut one.0, &mut one.1, &glide_over);
-            spin_in_stages(&mut one.2, &mut one.3, &spin_over);
-            glide(&mut many.0, &mut many.1, &glide_over);
-            angular_velocity(&mut many.2, &mut many.3, &spin_over);
+            kick_drift_kick_in_stages(&mut one.0, &mut one.1, &glide_over);
+            damped_turn_in_stages(&mut one.2, &mut one.3, &spin_over);
+            kick_drift_kick(&mut many.0, &mut many.1, &glide_over);
+            damped_turn(&mut many.2, &mut many.3, &spin_over);
             // Too few for wide vectors.
-            few.0.chunks_mut(7).zip(few.1.chunks_mut(7)).for_each(|(x, v)| glide(x, v, &glide_over));
-            few.2.chunks_mut(7).zip(few.3.chunks_mut(7)).for_each(|(x, v)| angular_velocity(x, v, &spin_over));
+            few.0.chunks_mut(7).zip(few.1.chunks_mut(7)).for_each(|(x, v)| kick_drift_kick(x, v, &glide_over));
+            few.2.chunks_mut(7).zip(few.3.chunks_mut(7)).for_each(|(x, v)| damped_turn(x, v, &spin_over));
             prop_assert_eq!(&many, &one, "many");
             prop_assert_eq!(&few, &one, "few");
         }

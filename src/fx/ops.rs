@@ -18,7 +18,7 @@ const fn quotient(a: Fx, b: Fx) -> i128 {
     div_round((a.to_bits() as i128) << 32, b.to_bits() as i128)
 }
 
-/// Whether a product or quotient of these is negative, if it does not fit: then neither is zero.
+/// Returns true if a product or quotient of these that does not fit is negative: then neither is zero.
 #[inline]
 const fn signs_differ(a: Fx, b: Fx) -> bool {
     (a.to_bits() < 0) != (b.to_bits() < 0)
@@ -274,7 +274,7 @@ impl Fx {
 /// The value, or a panic: what makes an operator behave alike with and without overflow checks.
 #[inline]
 #[track_caller]
-const fn fitting(value: Option<Fx>, otherwise: &'static str) -> Fx {
+pub(super) const fn fitting(value: Option<Fx>, otherwise: &'static str) -> Fx {
     match value {
         Some(value) => value,
         None => panic!("{}", otherwise),
@@ -284,7 +284,7 @@ const fn fitting(value: Option<Fx>, otherwise: &'static str) -> Fx {
 /// The divisor, or a panic.
 #[inline]
 #[track_caller]
-const fn nonzero(divisor: Fx) -> Fx {
+pub(super) const fn nonzero(divisor: Fx) -> Fx {
     assert!(divisor.to_bits() != 0, "Fx: division by zero");
     divisor
 }

@@ -1,60 +1,54 @@
-//! The engine's arithmetic in fixed point: spans, kicks and drifts, and the laws of force.
+//! Force formulas: attraction, springs, drag, and the lengths they need.
 
-use core::cmp::Ordering;
-
-use super::accumulator::FxAccumulator;
+use super::Offset;
 use super::factor::FxFactor;
-use super::fx::Fx;
-use super::moments;
-use super::sweep;
-use super::turn::Turn;
-use super::wide::{FxSum, FxWide};
-use super::{AreaMoments, Factor, Glide, KICK_LOG2, Number, Offset, Scalar, Span, Spin, SpringConstants, Weight};
-use crate::kernel::div::{div_round, div_round_by, reciprocal};
-use crate::kernel::exp_log::{exp2_for_64_bits, log2_fine};
+use super::motion::power_of_two;
+use super::number::Scalar;
+use super::wide::FxWide;
+use crate::fx::Fx;
+use crate::kernel::div::{div_round_by, reciprocal};
 use crate::kernel::round::{shr_round, shr_round_short};
 use crate::kernel::sqrt::{root_and_reciprocal, root_fine};
-use crate::kernel::wide::{
-    div_256, magnitude, mul_128, mul_192, mul_ratio, mul_shift, mul_shift_near, shr_round_256, with_sign,
-};
+use crate::kernel::wide::{div_256, magnitude, mul_128, mul_192, mul_shift, mul_shift_near, with_sign};
 
-/// The rate of what stops at once.
-const NOTHING_LEFT: u128 = u128::MAX;
+/// The constants of a spring.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct SpringConstants<S> {
+    /// Length at which the spring exerts no force, m.
+    pub rest: S,
+    /// Stiffness, N/m.
+    pub stiffness: S,
+    /// Damping along the spring, N·s/m.
+    pub damping: S,
+}
+
+/// Force formulas.
+#[doc(hidden)]
+pub trait Forces<S: Scalar>: Sized {
+    /// The acceleration towards an attractor: mu·d / (d² + softening²)^(3/2); zero at its centre.
+    fn attraction(mu: S::Factor, to_centre: Offset<S>, softening: S) -> Option<Offset<S>>;
+    /// The force of a spring on its near end, whose far end is at `offset` and moves at `velocity` relative to it:
+    /// stiffness·(length − rest) + damping·(d length/dt) along the spring; zero where the ends coincide.
+    fn tension(offset: Offset<S>, velocity: Offset<S>, spring: &SpringConstants<S>) -> Option<Offset<S>>;
+    /// √(x² + y² + z²).
+    fn length(offset: Offset<S>, third: S) -> S::Factor;
+    /// Returns true if the offset is no longer than this length, exactly.
+    fn reaches(self, offset: Offset<S>) -> bool;
+    /// The share that is left of a velocity relative to the medium: du/dt = −(α + β·|u|)·u solved exactly over `seconds`, with
+    /// α = linear·inverse_mass and β = quadratic·inverse_mass. Backwards the quadratic
+    /// part is cut off short of its pole, where a speed grows fourfold. `None` if the linear part grows beyond 2^255.
+    fn drag(
+        speed: S::Factor,
+        alpha: S::Factor,
+        beta: S::Factor,
+        seconds: S::Factor,
+        negative: bool,
+    ) -> Option<S::Factor>;
+}
 
 /// log2 e, within 2^-64 relative.
 const LOG2_E: (u128, i32) = (0xb8aa_3b29_5c17_f0bc, 63);
-
-impl Weight {
-    /// Its magnitude in units of 2^-126.
-    const fn magnitude(self) -> u128 {
-        match self {
-            Self::Whole => 1 << 126,
-            Self::YoshidaOuter => 0x567a_2dba_e58c_e184_a563_4b09_526b_4a60,
-            Self::YoshidaInner => 0x6cf4_5b75_cb19_c309_4ac6_9612_a4d6_94c1,
-        }
-    }
-}
-
-/// constant · 2^-shift · num / den of the span, halved or not.
-pub(super) const fn span_factor(constant: u128, shift: i32, span: Span) -> FxFactor {
-    let (num, den) = span.ratio;
-    let (high, low) = mul_128(constant, num as u128);
-    // A time step is at most 1 s, so num <= den; constant < 2^127, so the high half is below num / 2 < den.
-    let (quotient, rest) = div_256(high, low, den as u128);
-    // The quotient has over 110 bits, so that gathering what is left in its last bit leaves one rounding.
-    FxFactor::new(quotient | (rest != 0) as u128, shift + span.half as i32)
-}
-
-/// 2^±exponent, the exponent in units of 2^-120.
-fn power_of_two(exponent: u128, negative: bool) -> FxFactor {
-    let (whole, fraction) = ((exponent >> 120) as i32, exponent << 8);
-    match (negative, fraction) {
-        (true, 0) => FxFactor::new(1, whole),
-        // 2^-(n + f) = 2^-(n + 1) · 2^(1 − f).
-        (true, _) => FxFactor::new(exp2_for_64_bits(fraction.wrapping_neg()), 127 + whole + 1),
-        (false, _) => FxFactor::new(exp2_for_64_bits(fraction), 127 - whole),
-    }
-}
 
 /// e^-z, or e^z if `growth`; `None` beyond 2^255.
 pub(super) fn exponential(z: FxFactor, growth: bool) -> Option<FxFactor> {
@@ -84,7 +78,7 @@ pub(super) fn mean_exponential(z: FxFactor, exponential: FxFactor, growth: bool)
 /// 2^12 m of them, so that no two points of one are farther apart.
 fn squares(offset: Offset<Fx>, third: Fx) -> Option<(i128, i128, u128)> {
     const MOST: u128 = 12_000_000_000_000_000_000; // 2^63.38: 2·MOST² + 2^124 < 2^128
-    let (x, y) = (offset.0.ulps(), offset.1.ulps());
+    let (x, y) = (offset.x.ulps(), offset.y.ulps());
     let third = third.to_bits().unsigned_abs();
     let (along, across) = (magnitude(x), magnitude(y));
     if along > MOST || across > MOST || third > 1 << 62 {
@@ -103,7 +97,7 @@ fn root(sum: u128, shift: i32) -> FxFactor {
     FxFactor::new(root_fine(sum << even), shift + (even / 2) as i32)
 }
 
-/// ⌊mantissa · 2^160 / cube⌋, what mu / d³ is made of, with 95 bits or more. *Domain* cube >= 2^125.
+/// ⌊mantissa · 2^160 / cube⌋, from which mu / d³ is made, with 95 bits or more. *Domain* cube >= 2^125.
 #[cold]
 pub(super) fn share(mantissa: u64, cube: u128) -> u128 {
     // mantissa · 2^160 < 2^224: its high half is below 2^96, which is below the cube.
@@ -131,7 +125,7 @@ pub(super) fn near_share(mantissa: u64, cube: u128, inverse: u64) -> u128 {
 struct Direction {
     /// The length with its top bit set.
     length: u128,
-    /// Its reciprocal, to divide by.
+    /// The reciprocal of the length, to divide by.
     reciprocal: u64,
     /// A component in ulps, shifted by this, is 2^-64 of what it is in the units of that length.
     scale: u32,
@@ -164,147 +158,7 @@ impl Direction {
     }
 }
 
-impl Number for Fx {
-    const WORDS: usize = 1;
-
-    fn to_words(self) -> [u64; 3] {
-        [self.to_bits() as u64, 0, 0]
-    }
-}
-
-impl Scalar for Fx {
-    type Accumulator = FxAccumulator;
-    type Factor = FxFactor;
-    type Angle = Turn;
-    type Wide = FxWide;
-    type Sum = FxSum;
-    /// −log2 of what is left after a second, in units of 2^-120, or `u128::MAX` if nothing is left.
-    type DecayRate = u128;
-
-    const ZERO: Self = Self::ZERO;
-    const ONE: Self = Self::ONE;
-    const NAME: &'static str = "fx";
-    const IS_REVERSIBLE: bool = true;
-
-    #[inline]
-    fn from_fx(value: Fx) -> Self {
-        value
-    }
-
-    #[inline]
-    fn to_bits(self) -> i64 {
-        Self::to_bits(self)
-    }
-
-    #[inline]
-    fn is_finite(self) -> bool {
-        true
-    }
-
-    fn sin_cos(self) -> (Self, Self) {
-        Self::sin_cos(self)
-    }
-
-    #[inline]
-    fn product(self, other: Self) -> FxWide {
-        // At most 2^63 · 2^63.
-        FxWide::from_bits(i128::from(self.to_bits()) * i128::from(other.to_bits()))
-    }
-
-    #[inline]
-    fn offset(self, other: Self) -> FxWide {
-        // Below 2^64 ulps.
-        FxWide::from_bits((i128::from(self.to_bits()) - i128::from(other.to_bits())) << 32)
-    }
-
-    #[inline]
-    fn torque(arm: FxWide, force: FxWide) -> Option<FxWide> {
-        let torque = mul_shift(arm.to_bits(), magnitude(force.to_bits()), 64)?;
-        Some(FxWide::from_bits(with_sign(torque, force.to_bits())))
-    }
-
-    #[inline]
-    fn times(self, other: Self) -> Option<Self> {
-        self.checked_mul(other)
-    }
-
-    fn seconds(span: Span) -> FxFactor {
-        span_factor(span.weight.magnitude(), 126, span)
-    }
-
-    fn half_square_seconds((num, den): (u32, u32)) -> FxFactor {
-        let square = |n: u32| u64::from(n) * u64::from(n);
-        FxFactor::from_ratio(square(num), square(den)).times(FxFactor::new(1, 1))
-    }
-
-    fn decay_rate(kept: Self) -> u128 {
-        match kept.to_bits().unsigned_abs() {
-            0 => NOTHING_LEFT,
-            bits => log2_fine(bits).unsigned_abs(),
-        }
-    }
-
-    fn decay_over(rate: u128, span: Span) -> FxFactor {
-        if rate == NOTHING_LEFT {
-            return FxFactor::ZERO;
-        }
-        // −log2 kept is in [0, 32]; in units of 2^-120 it is below 2^126, times a weight below 2 it is below 2^127.
-        let (high, low) = mul_128(rate, span.weight.magnitude());
-        let Some(whole) = shr_round_256(high, low, 126) else { return FxFactor::ZERO };
-        // num <= den, so it is at most `whole`.
-        let exponent = mul_ratio(whole, span.ratio);
-        power_of_two(if span.half { exponent >> 1 } else { exponent }, !span.is_negative())
-    }
-
-    #[inline]
-    fn drift(self, seconds: FxFactor) -> FxAccumulator {
-        let (mantissa, shift) = seconds.parts();
-        // |v| < 2^26 m/s = 2^58 ulps, so the product is below 2^122; below 2 s the shift is at least −1.
-        let way = i128::from(self.to_bits()) * i128::from(mantissa);
-        let shift = shift - 64;
-        FxAccumulator::from_bits(if shift >= 0 {
-            shr_round(way, shift.unsigned_abs())
-        } else {
-            way << shift.unsigned_abs()
-        })
-    }
-
-    #[inline]
-    fn kick(acceleration: FxWide, seconds: FxFactor) -> Option<FxAccumulator> {
-        const MOST: u128 = 1 << (96 + KICK_LOG2);
-        let (mantissa, shift) = seconds.parts();
-        let gained = mul_shift(acceleration.to_bits(), u128::from(mantissa), shift - 32)?;
-        (gained.unsigned_abs() < MOST).then_some(FxAccumulator::from_bits(gained))
-    }
-
-    fn damp_all(values: &mut [FxAccumulator], kept: FxFactor) {
-        sweep::damp(values, kept);
-    }
-
-    fn kick_all(values: &mut [FxAccumulator], gained: FxAccumulator) {
-        sweep::kick(values, gained);
-    }
-
-    fn drift_all(positions: &mut [FxAccumulator], velocities: &[FxAccumulator], seconds: FxFactor, negative: bool) {
-        sweep::drift(positions, velocities, seconds, negative);
-    }
-
-    fn glide_all(positions: &mut [FxAccumulator], velocities: &mut [FxAccumulator], glide: &Glide<Self>) {
-        sweep::glide(positions, velocities, glide);
-    }
-
-    fn spin_all(angles: &mut [Turn], velocities: &mut [FxAccumulator], angular_velocity: &Spin<Self>) {
-        sweep::angular_velocity(angles, velocities, angular_velocity);
-    }
-
-    fn turn_all(angles: &mut [Turn], velocities: &[FxAccumulator], drift_factor: FxFactor, negative: bool) {
-        sweep::turn(angles, velocities, drift_factor, negative);
-    }
-
-    fn are_within(values: &[FxAccumulator], log2: u32) -> bool {
-        sweep::are_within(values, log2)
-    }
-
+impl Forces<Fx> for Fx {
     /// *Error* within 2^-64 + 2^-90 relative of the exact value for these inputs, then rounded to 2^-64 m/s².
     fn attraction(mu: FxFactor, to_centre: Offset<Self>, softening: Self) -> Option<Offset<Self>> {
         let (x, y, sum) = squares(to_centre, softening)?;
@@ -329,7 +183,7 @@ impl Scalar for Fx {
             };
             Some(FxWide::from_bits(with_sign(part, c)))
         };
-        Some((component(x)?, component(y)?))
+        Some(Offset::<Self>::new(component(x)?, component(y)?))
     }
 
     /// *Error* the tension is that of a spring 0.501 · 2^-64 m longer or shorter (from 2^23 m on 0.751), rounded to 2^-64 N;
@@ -350,12 +204,12 @@ impl Scalar for Fx {
         if spring.damping != Self::ZERO {
             // Velocities of points are below 2^34 m/s, so each part is below 2^34 · 2^(64 + 16) and a little.
             let part = |v: FxWide, c: i128| direction.part(v.to_bits(), c, 16);
-            let rate = shr_round(part(velocity.0, x)?.checked_add(part(velocity.1, y)?)?, 16);
+            let rate = shr_round(part(velocity.x, x)?.checked_add(part(velocity.y, y)?)?, 16);
             let damping = mul_shift(rate, u128::from(spring.damping.to_bits().unsigned_abs()), 32)?;
             tension = tension.checked_add(damping)?;
         }
         let part = |c: i128| Some(FxWide::from_bits(direction.part(tension, c, 0)?));
-        Some((part(x)?, part(y)?))
+        Some(Offset::<Self>::new(part(x)?, part(y)?))
     }
 
     fn length(offset: Offset<Self>, third: Self) -> FxFactor {
@@ -365,7 +219,7 @@ impl Scalar for Fx {
             None => {
                 let half = |c: FxWide| FxWide::from_bits(c.to_bits() / 4);
                 let third = Self::from_bits(third.to_bits() / 4);
-                match squares((half(offset.0), half(offset.1)), third) {
+                match squares(offset.map(half), third) {
                     Some((_, _, sum)) => root(sum, 62),
                     None => FxFactor::new(1, -32),
                 }
@@ -394,28 +248,5 @@ impl Scalar for Fx {
             return Some(left.over(FxFactor::ONE.minus(slowed.min(FxFactor::new(3, 2)))));
         }
         Some(left.over(FxFactor::ONE.plus(slowed)))
-    }
-
-    fn polygon_moments(corners: &[(Self, Self)]) -> Option<AreaMoments<Self>> {
-        moments::of_polygon(corners)
-    }
-
-    fn orientation(a: (Self, Self), b: (Self, Self), c: (Self, Self)) -> Ordering {
-        let minus = |p: Self, q: Self| i128::from(p.to_bits()) - i128::from(q.to_bits());
-        // Shapes are within 2^13 m, so each product is below 2^92.
-        (minus(b.0, a.0) * minus(c.1, a.1)).cmp(&(minus(b.1, a.1) * minus(c.0, a.0)))
-    }
-
-    fn weighted_mean(weights: &[FxFactor], values: &[Self]) -> Option<Self> {
-        let largest = weights.iter().filter(|w| !w.is_zero()).map(|w| w.parts().1).min()?;
-        let (mut sum, mut total) = (0i128, 0i128);
-        for (weight, value) in weights.iter().zip(values).filter(|(weight, _)| !weight.is_zero()) {
-            let (mantissa, shift) = weight.parts();
-            // Weights to 2^-60 of the largest; values are within 2^13 m = 2^45 ulps, so 2^20 parts stay below 2^126.
-            let weight = i128::from(mantissa >> 4) >> (shift - largest).min(63);
-            sum += weight * i128::from(value.to_bits());
-            total += weight;
-        }
-        Some(Self::from_bits(div_round(sum, total) as i64))
     }
 }

@@ -7,7 +7,7 @@ use core::str::FromStr;
 use super::Fx;
 use crate::error::codes;
 
-/// Why a text is not a number in I32F32.
+/// The reason that a text is not a number in I32F32.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 #[cfg_attr(
@@ -16,11 +16,11 @@ use crate::error::codes;
     serde(rename_all = "snake_case", deny_unknown_fields)
 )]
 pub enum ParseFxError {
-    /// There is no text.
+    /// The text is empty.
     Empty,
     /// The byte there cannot continue a decimal number, or the text ends where a digit must follow.
     InvalidDigit {
-        /// Its index in bytes; the length of the text if that ends too soon.
+        /// The index of that byte; the length of the text if it ends too soon.
         position: usize,
     },
     /// The number, once rounded, is not between −2^31 and 2^31 − 2^-32.
@@ -126,7 +126,7 @@ pub(crate) struct Decimal<'t> {
     /// The digits, with a point or `_` among them: text[start..end].
     start: usize,
     end: usize,
-    /// How many of the digits stand before the point once the exponent has moved it; may be negative or past the end.
+    /// Number of digits before the point once the exponent has moved it; may be negative or past the end.
     pub(crate) whole_digits: i64,
 }
 
@@ -173,7 +173,7 @@ impl<'t> Decimal<'t> {
         Ok(Self { text, negative, start, end, whole_digits: written.saturating_add(exponent) })
     }
 
-    /// Its digits in order, the zeros in front included.
+    /// The digits in order, the zeros in front included.
     pub(crate) fn digits(&self) -> impl Iterator<Item = u8> {
         self.text[self.start..self.end].iter().filter(|byte| byte.is_ascii_digit()).map(|byte| byte - b'0')
     }
@@ -291,7 +291,7 @@ impl fmt::Display for Fx {
 }
 
 impl fmt::Debug for Fx {
-    /// As [`Display`](fmt::Display).
+    /// Writes the number as [`Display`](fmt::Display) does.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Display::fmt(self, f)
     }

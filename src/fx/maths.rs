@@ -6,7 +6,7 @@ use super::Fx;
 use crate::error::codes;
 use crate::kernel::{exp_log, sqrt, trig};
 
-/// Why a function has no value for its argument.
+/// The reason that a function has no value for its argument.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 #[cfg_attr(
@@ -41,7 +41,7 @@ fn power(bits: Option<u64>) -> Result<Fx, MathError> {
 }
 
 impl Fx {
-    /// Sine and cosine, for the price of one.
+    /// Sine and cosine, at the cost of one of them.
     ///
     /// *Units* radians. *Domain* all, reduced with 128 bits of 1/2π. *Error* 0.5001 ulp.
     /// *Source* CORDIC (Volder 1959) with the first rotations merged into a table, the last ones into a product.

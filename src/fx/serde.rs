@@ -1,4 +1,4 @@
-//! `Fx` in files: its exact decimal text where people read, its bits where they do not.
+//! Serde of `Fx`: exact decimal text in readable formats, bits in binary ones.
 
 use core::fmt;
 

@@ -8,6 +8,7 @@ use fixed::types::I32F32;
 
 use crate::kernel::div::div_round;
 
+mod integers;
 mod maths;
 mod ops;
 #[cfg(feature = "serde")]
