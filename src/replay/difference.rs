@@ -9,9 +9,9 @@ use core::fmt;
 use super::finding::TickPhase;
 use super::snapshot::State;
 use crate::codec::{self, Encoder as _, FieldIndex, FieldValue, Part, StateHasher};
-use crate::slots::{BodyId, FieldId};
 use crate::integrate::Stage;
 use crate::scalar::Scalar;
+use crate::slots::{BodyId, FieldId};
 use crate::world::{BodyRef, Trace, World};
 
 /// What of a world a value belongs to.

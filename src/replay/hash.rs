@@ -6,6 +6,7 @@ use super::PHYSICS_VERSION;
 use crate::codec::{self, StateHasher, Write as _};
 use crate::force::FieldKind;
 use crate::scalar::Scalar;
+use crate::slots::BodyId;
 use crate::world::{BodyRef, World};
 
 impl<S: Scalar> World<S> {

@@ -107,10 +107,7 @@ impl<S: Scalar> Outline<S> {
     /// The outline where a part of a compound has it. *Domain* the part was checked: corners are within √2·2^13 m of its
     /// centre of mass, and that is within 2^13 m of the origin, so that sums stay below 2^15 m.
     fn placed(&self, direction: <S::Angle as Angle<S>>::Direction, position: Vec2<S>) -> Self {
-        let turned = |v: &Vec2<S>| {
-            let (x, y) = S::Angle::turn(direction, v.x, v.y)?;
-            Some(Vec2::new(x.to_scalar()?, y.to_scalar()?))
-        };
+        let turned = |v: &Vec2<S>| S::Angle::turn(direction, *v)?.try_map(Wide::to_scalar);
         // Nothing in the domain is too large to be turned.
         let place = |corner: &Vec2<S>| turned(corner).unwrap_or(*corner) + position;
         let core = match &self.core {
@@ -127,7 +124,7 @@ impl<S: Scalar> Outline<S> {
 /// The outward unit normal of the edge from `a` to `b`, counter-clockwise: (dy, −dx) / length. Both corners differ.
 fn normal<S: Scalar>(a: Vec2<S>, b: Vec2<S>) -> Vec2<S> {
     let edge = b - a;
-    let length = edge.length();
+    let length = edge.wide_length();
     // A quotient is at most 1, which fits. Magnitudes are rounded, so that a mirrored edge has the mirrored normal.
     let part = |component: S| {
         let size = S::Factor::from_scalar(component).over(length).to_scalar().unwrap_or(S::ONE);

@@ -7,8 +7,7 @@ use alloc::vec::Vec;
 use crate::body::{BodyDef, Locks};
 use crate::force::{Attachment, End, FieldKind, ForceField, Region};
 use crate::math::Vec2;
-use crate::scalar::fx::{Fx, fx};
-use crate::scalar::{Accumulator as _, FxAccumulator, FxSum, Number as _, Turn};
+use crate::scalar::{Turn, fx::Fx};
 use crate::shape::{Geometry, Part, Shape};
 use crate::world::{Command, ForceOrImpulse, Frame};
 
