@@ -8,7 +8,6 @@ mod real;
 use dashu_int::IBig;
 use random::SplitMix;
 use real::{Real, exact, real, to_f64};
-use umbra_physics::scalar::Wide as _;
 use umbra_physics::{Aabb, Fx, Geometry, Outline, Part, Shape, Vec2, fx, vec2};
 
 const CASES: usize = if cfg!(debug_assertions) { 200 } else { 4_000 };
@@ -130,7 +129,7 @@ fn polygons_and_segments_keep_their_corners_and_have_exact_normals() {
             assert!(is_normal(normal, a, b), "{normal} from {a} to {b}");
             // A component of the normal is up to 0.501 ulp off, so that a product is off by as much times the offset.
             let allowed = |d: Vec2| Fx::from_bits(((d.x.to_bits().abs() + d.y.to_bits().abs()) >> 32) + 1);
-            let away = |d: Vec2| d.dot(normal).expect("small").to_scalar().expect("small");
+            let away = |d: Vec2| d.wide_dot(normal).expect("small").to_scalar().expect("small");
             let outside = |p: Vec2| away(p - a) > allowed(p - a);
             assert!(!corners.iter().any(|&corner| outside(corner)), "{normal} points inwards");
         }
