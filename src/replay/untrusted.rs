@@ -17,7 +17,7 @@ use crate::force::{FieldKind, ForceField};
 use crate::handle::BodyId;
 use crate::integrate::Integrator;
 use crate::math::{Random, TimeStep, vec2};
-use crate::scalar::{Accumulator as _, fx::Fx};
+use crate::scalar::fx::Fx;
 use crate::world::{Command, Input, Inputs, World, WorldDef};
 
 /// What a chunk is and how long it is stands there twice.
