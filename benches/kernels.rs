@@ -5,7 +5,8 @@
 
 use divan::{Bencher, black_box};
 use fixed::types::I32F32;
-use umbra_physics::{Fx, FxFactor, FxWide, Scalar, SpringConstants, fx};
+use umbra_physics::scalar::internals::Forces as _;
+use umbra_physics::{Fx, FxFactor, FxWide, SpringConstants, Vec2, fx};
 
 #[path = "../tests/support/cordic.rs"]
 mod plain;

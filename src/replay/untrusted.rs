@@ -16,7 +16,7 @@ use crate::error::Error;
 use crate::force::{FieldKind, ForceField};
 use crate::integrate::Integrator;
 use crate::math::{Random, TimeStep, vec2};
-use crate::scalar::{Accumulator as _, fx::Fx};
+use crate::scalar::fx::Fx;
 use crate::slots::BodyId;
 use crate::world::{Command, Input, Inputs, World, WorldDef};
 

@@ -40,16 +40,18 @@ mod polygon;
 #[cfg(feature = "serde")]
 mod serial;
 mod simd;
+#[cfg(feature = "float")]
+mod to_f64;
 mod turn;
 mod vectors;
 mod wide;
 
 pub use accumulator::FxAccumulator;
 pub use factor::FxFactor;
-#[cfg(feature = "float")]
-pub use float::ToF64;
 pub use forces::SpringConstants;
 pub use number::{Accumulator, Angle, Factor, Scalar, Wide};
+#[cfg(feature = "float")]
+pub use to_f64::ToF64;
 pub use turn::Turn;
 pub use wide::{FxSum, FxWide};
 

@@ -15,6 +15,7 @@ use super::accumulator::FxAccumulator;
 use super::turn::Turn;
 
 /// The switch for wide vectors in this process.
+#[doc(hidden)]
 pub mod wide_vectors {
     use core::sync::atomic::{AtomicBool, Ordering};
 
