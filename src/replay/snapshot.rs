@@ -28,7 +28,7 @@ const FORMAT: u32 = 3;
 
 /// A world as it was: to go back to, to send, to keep.
 ///
-/// In memory it costs a copy of what steps change, 109 bytes a body; all else is shared until the world changes it. As
+/// In memory it costs a copy of what steps change, 113 bytes a body; all else is shared until the world changes it. As
 /// bytes it is the same on every machine, and takes less than 256 bytes for a body with a circle.
 ///
 /// A world that is restored is that world: it has the same hash, handles and future, in another process or on another
