@@ -193,7 +193,7 @@ impl<S: Scalar> Bodies<S> {
 
     /// The index of a body in the columns.
     pub(crate) fn find(&self, body: BodyId) -> Result<usize, Error> {
-        self.slots.find(body).ok_or_else(|| Error::NoSuchBody { body })
+        self.slots.find(body).ok_or(Error::NoSuchBody { body })
     }
 
     /// The handle of the body at this index in the columns.

@@ -137,7 +137,7 @@ fn inverse<S: Scalar>(f: S::Factor) -> S::Factor {
 /// The mass properties in use. Bodies that are alike share a row, so that a body takes four bytes for its masses, and a copy
 /// of a world those alone: copies share the table until a mass is changed in one.
 ///
-/// Which row a body has is no state: it changes no bit of a result.
+/// The row number of a body is no state: it changes no bit of a result.
 #[derive(Debug)]
 pub(super) struct MassTable<S: Scalar> {
     rows: Vec<MassProperties<S>>,

@@ -28,7 +28,7 @@ const FORMAT: u32 = 3;
 
 /// A world as it was: to go back to, to send, to keep.
 ///
-/// In memory it costs a copy of what steps change, 117 bytes a body (165 with
+/// In memory it costs a copy of what steps change, 121 bytes a body (169 with
 /// [`PublishedVerlet`](crate::Integrator::PublishedVerlet)); all else is shared until the world changes it. As bytes it is the
 /// same on every machine. There a body with a circle takes 151 to 196 bytes, by how many of its options are set. It takes 48
 /// more with `PublishedVerlet`, 72 more if a force waits for the next step, and 8 more if a call woke it since the last one:
