@@ -13,6 +13,18 @@ use crate::kernel::wide::shr_round_256;
 ///
 /// *Error* a result is the factor nearest to the exact one, ties to even: within 2^-64 relative. Below 2^-16320 it is zero,
 /// from 2^16448 on the largest factor there is; nothing in the engine comes near.
+///
+/// ```
+/// use umbra_physics::{FxFactor, fx};
+///
+/// let third = FxFactor::from_ratio(1, 3);
+/// assert_eq!(third.times(3.into()), FxFactor::ONE); // rounded
+/// assert_eq!(third.to_scalar(), Some(fx!(0.3333333333)));
+/// let four = FxFactor::from(fx!(2.5)).plus(fx!(1.5).into());
+/// assert_eq!((four.over(8.into()), four.minus(4.into()).is_zero()), (fx!(0.5).into(), true));
+/// assert_eq!(FxFactor::from_scalar(fx!(-4)), four); // the magnitude
+/// assert!(FxFactor::PI > 3.into() && FxFactor::ZERO.is_zero());
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct FxFactor {
     mantissa: u64,
@@ -134,12 +146,6 @@ impl FxFactor {
     #[must_use]
     pub fn from_scalar(value: Fx) -> Self {
         Self::new(u128::from(value.to_bits().unsigned_abs()), 32)
-    }
-
-    /// The magnitude of `value`. *Error* 2^-64 relative.
-    #[must_use]
-    pub fn from_wide(value: FxWide) -> Self {
-        Self::new(value.to_bits().unsigned_abs(), 64)
     }
 
     /// num / den. *Error* 2^-63 relative.
@@ -277,13 +283,16 @@ impl Factor<Fx> for FxFactor {
 
     inherent! {
         fn from_scalar(value: Fx) -> Self;
-        fn from_wide(value: FxWide) -> Self;
         fn from_ratio(num: u64, den: u64) -> Self;
         fn to_scalar(self: Self) -> Option<Fx>;
         fn times(self: Self, other: Self) -> Self;
         fn over(self: Self, other: Self) -> Self;
         fn plus(self: Self, other: Self) -> Self;
         fn minus(self: Self, other: Self) -> Self;
+    }
+
+    fn from_wide(value: FxWide) -> Self {
+        Self::new(value.to_bits().unsigned_abs(), 64)
     }
 }
 

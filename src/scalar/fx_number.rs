@@ -73,6 +73,12 @@ impl Arithmetic<Fx> for Fx {
 
 impl Fx {
     /// The product as an [`FxWide`], exactly.
+    ///
+    /// ```
+    /// # use umbra_physics::{Fx, fx};
+    /// let square = Fx::MAX.wide_mul(fx!(2));
+    /// assert_eq!((square.to_scalar(), format!("{square:.0}")), (None, "4294967296".into()));
+    /// ```
     #[inline]
     #[must_use]
     pub const fn wide_mul(self, other: Self) -> FxWide {

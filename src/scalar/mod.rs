@@ -34,6 +34,8 @@ mod float;
 mod forces;
 mod fx_bulk;
 mod fx_number;
+#[doc(hidden)]
+pub mod internals;
 mod motion;
 mod number;
 mod polygon;
@@ -62,17 +64,3 @@ pub(crate) use number::{Number, Sum};
 
 /// A vector of wide components: the offset between two points in m, a force in N.
 pub(crate) type Offset<S> = crate::math::Vec2<<S as Scalar>::Wide>;
-
-/// Internals for this crate's own tests, benches and fuzz targets. No part of the public interface: it changes without notice.
-#[doc(hidden)]
-pub mod internals {
-    pub use super::bulk::{Bulk, DampedTurn, KickDriftKick};
-    pub use super::forces::Forces;
-    pub use super::motion::{Motion, Span, Weight};
-    // Without it nothing outside implements a scalar.
-    #[cfg(feature = "selftest")]
-    pub use super::number::Number;
-    pub use super::number::{Arithmetic, Sum};
-    pub use super::polygon::{AreaMoments, Polygons};
-    pub use super::simd::wide_vectors;
-}

@@ -36,6 +36,12 @@ impl<S: Scalar> Vec2<S> {
     }
 
     /// Returns true if both components are finite; those of floats may not be.
+    ///
+    /// ```
+    /// # use umbra_physics::{Vec2, fx, vec2};
+    /// let v: Vec2 = vec2(1, fx!(0.5));
+    /// assert!(v.is_finite()); // always, with components in `Fx`
+    /// ```
     #[must_use]
     pub fn is_finite(self) -> bool {
         self.x.is_finite() && self.y.is_finite()
