@@ -29,7 +29,7 @@ pub(crate) enum Failure {
     Option { what: String },
     /// The picture cannot be drawn.
     Picture { file: PathBuf, what: String },
-    /// Some of this number of files are not as recorded.
+    /// `bad` files of `of` are not as recorded.
     Verify { bad: usize, of: usize, status: u8 },
     /// Two recordings are not the same.
     Differ { files: [PathBuf; 2] },

@@ -7,6 +7,7 @@ use umbra_physics::{Difference, Finding};
 #[derive(Serialize)]
 pub(crate) struct FindingLine {
     tick: u64,
+    #[serde(rename = "moment")]
     phase: String,
     place: String,
     field: String,

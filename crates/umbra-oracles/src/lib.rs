@@ -188,8 +188,9 @@ pub enum Verdict {
 ///
 /// let script =
 ///     Script { world: WorldDef::default(), commands: vec![(0, Command::AddBody(BodyDef::dynamic()))], ticks: 5 };
+/// let said = |violation: Box<Violation>| format!("{violation} [E{}]", violation.code());
 /// for oracle in Oracle::ALL {
-///     match script.judge(oracle).map_err(|violation: Box<Violation>| violation.to_string())? {
+///     match script.judge(oracle).map_err(said)? {
 ///         Verdict::Held => println!("{}: held", oracle.name()),
 ///         Verdict::Inapplicable { why } => println!("{oracle}: nothing to judge, {why}"),
 ///         _ => {}

@@ -28,6 +28,17 @@ pub struct Input {
 }
 
 /// An action of an input. Handles in it are indices in [`Scene::bodies`] and [`Scene::fields`].
+///
+/// ```
+/// use umbra_physics::Command;
+/// use umbra_scene::{Scene, SceneAction};
+///
+/// let text = r#"{"bodies": [{"name": "a"}], "inputs": [{"at": 4, "body": "a", "do": "remove"}]}"#;
+/// let scene = Scene::parse(text)?;
+/// let SceneAction::Command(Command::RemoveBody(body)) = scene.inputs[0].action else { unreachable!() };
+/// assert_eq!(scene.bodies[body.parts().0 as usize].name, "a");
+/// # Ok::<(), umbra_scene::SceneError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 #[allow(clippy::large_enum_variant, reason = "nearly all are commands")]

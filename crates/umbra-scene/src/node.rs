@@ -215,7 +215,7 @@ impl<'a> Node<'a> {
         if let Some(control) = text.chars().find(|c| c.is_control()) {
             let found = control.escape_debug();
             return Err(
-                self.fault(Flaw::Text.of(format_args!("a text must not have control characters: found {found}")))
+                self.fault(Flaw::Text.of(format_args!("a text must have no control characters: found {found}")))
             );
         }
         match self.round {

@@ -139,7 +139,7 @@ fn unknown_doubled_and_missing_fields_are_named() {
     let lines = refused("lines.json", with_body(r#""two\nlines": 5"#));
     assert!(lines.starts_with(r":3: bodies[0].two\nlines: unknown field"), "{lines}");
     let control = refused("control.json", r#"{"title": "\u001b[31mred"}"#);
-    assert_eq!(control, r":1: title: a text must not have control characters: found \u{1b}");
+    assert_eq!(control, r":1: title: a text must have no control characters: found \u{1b}");
     let top = refused("top.json", "{\"bodys\": []}");
     assert!(top.starts_with(":1: bodys: unknown field; there are title, about, "), "{top}");
 }
@@ -284,7 +284,7 @@ fn inputs_are_tried_before_the_run() {
     for (input, expected) in cases {
         let error = refused("input.json", with_input(input));
         let expected = match expected {
-            "" => ":3: inputs[1].torque: at tick 6: the body is not there at that tick".to_owned(),
+            "" => ":3: inputs[1].torque: at tick 6: the body does not exist at that tick".to_owned(),
             _ if expected.starts_with(':') => format!(":3: inputs[0]{expected}"),
             _ => format!(":3: inputs[0].{expected}"),
         };

@@ -20,9 +20,9 @@ const BYSTANDERS: u64 = 1 << 63;
 /// A fault in a game.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Fault {
-    /// Nothing does.
+    /// No fault.
     None,
-    /// Nothing does, and no body comes or goes.
+    /// No fault, and no body comes or goes.
     Calm,
     /// Matches share something.
     Shared,
@@ -40,11 +40,11 @@ enum Fault {
     Strength,
     /// A drag is added without the driver.
     Drag,
-    /// Of two ways the left one is preferred.
+    /// The left one of two ways is preferred.
     Left,
-    /// What is above is pushed, and nothing that is to the right.
+    /// Bodies above are pushed, bodies to the right are not.
     Above,
-    /// It matters how far from the origin something is.
+    /// The distance from the origin matters.
     Origin,
     /// A law of force reads what it does not say it reads.
     Velocity,
@@ -266,7 +266,7 @@ fn names(violations: &[Violation]) -> BTreeSet<Oracle> {
     violations.iter().map(|violation| violation.oracle).collect()
 }
 
-/// Some have to object, some may as well, and nobody else.
+/// Asserts that some oracles object, that some others may, and that no other does.
 #[track_caller]
 fn assert_found(fault: Fault, by: &[Oracle], perhaps: &[Oracle]) {
     let violations = objecting(fault);
