@@ -301,7 +301,7 @@ impl<'a, S: Subject> Trial<'a, S> {
             let meant = field.moved(|body| Some(handles.body(body))).unwrap_or(*field);
             let there = other.field(handles.field(id)).ok();
             if there != Some(&meant) {
-                return Some(Seen { beside, difference: World::field_difference(id, &meant, there) });
+                return Some(Seen { beside, difference: run.field_difference(id, &meant, there) });
             }
         }
         let is_same = other.body_count() == run.body_count() + bystanders.count()
