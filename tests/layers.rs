@@ -6,6 +6,9 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+#[path = "layers/cycles.rs"]
+mod cycles;
+
 /// Modules on one level do not name each other.
 const LEVELS: [&[&str]; 14] = [
     &["kernel", "handle"],

@@ -74,7 +74,7 @@ impl Read for TickPhase {
 
 /// A value in which two worlds, runs or files differ, or in which a file was changed.
 ///
-/// Its text is `tick 2, inputs, body 1, velocity.x: 3 and 4`; with `{:#}` the tick and the phase are left out.
+/// The text is `tick 2, inputs, body 1, velocity.x: 3 and 4`; with `{:#}` the tick and the phase are left out.
 ///
 /// ```
 /// use umbra_physics::{BodyDef, Difference, Owner, TickPhase, World, WorldDef, vec2};

@@ -95,7 +95,7 @@ impl Recorder {
     /// tick.
     ///
     /// # Errors
-    /// Those of [`World::execute`]; then nothing is recorded.
+    /// The errors of [`World::execute`]; then nothing is recorded.
     pub fn execute(&mut self, world: &mut World, command: &Command) -> Result<Created, Error> {
         let before = self.before_calls.get_or_insert_with(|| BeforeCalls::new(world, &self.restless_sleepers));
         let made = before.during(world, command, |world| world.execute(command))?;

@@ -73,7 +73,7 @@ impl<'a, T: Read> List<'a, T> {
         (0..self.count).map_while(move |_| T::read(&mut reader).ok())
     }
 
-    /// Whether two lists have the same bytes.
+    /// Says whether two lists have the same bytes.
     fn is_same(&self, other: &Self) -> bool {
         self.bytes == other.bytes
     }

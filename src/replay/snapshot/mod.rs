@@ -33,7 +33,7 @@ pub(super) use write::{Saved, State};
 ///
 /// A restored world has the same hash, handles and future as the saved one, in another process or on another machine too.
 /// A world read from bytes reports nothing of the steps before; only the bodies that calls had woken are still reported.
-/// Whatever was made after the snapshot is gone once the world is restored: a handle from that abandoned future may later
+/// Restoring drops everything made after the snapshot: a handle from that abandoned future may later
 /// name another body.
 ///
 /// ```

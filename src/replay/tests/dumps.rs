@@ -16,7 +16,7 @@ use crate::replay::{Dump, Owner, Replay, ReplayError, TickPhase};
 use crate::scalar::fx::{Fx, fx};
 use crate::world::{Command, Inputs, World, WorldDef};
 
-/// Two sides of a tick, each with what it did to its own world.
+/// The dumps of one tick on two machines, the second of which acts and ends otherwise.
 fn parted(act: impl FnOnce(&mut World), end: impl FnOnce(&mut World)) -> [Dump; 2] {
     let replay = Replay::from_bytes(&recording(), &custom_forces()).expect("it is whole");
     let before = replay.start().clone();
@@ -48,13 +48,13 @@ fn dumps_of_a_desync_name_where_it_begins() {
     let [ours, theirs] = parted(|_| {}, |_| {});
     assert_eq!(ours.first_difference(&theirs), None);
 
-    // Other doings.
+    // Another call.
     let [ours, theirs] = parted(|world| world.apply_force(body, vec2(0, Fx::DELTA)).expect("it is dynamic"), |_| {});
     let found = ours.first_difference(&theirs).expect("they differ");
     assert_eq!((found.tick, found.phase, found.owner), (9, TickPhase::Calls, Owner::Body(body)), "{found}");
     assert_eq!(found.field, "applied.force.y");
 
-    // A machine that computes something else, or whose memory failed.
+    // A machine with another result, or a memory fault.
     let nudge = |world: &mut World| {
         let place = world.body(body).expect("it is there").position();
         world.set_position(body, place + vec2(Fx::DELTA, 0)).expect("near");
@@ -66,7 +66,7 @@ fn dumps_of_a_desync_name_where_it_begins() {
     assert!(found.left.is_some() && found.right.is_some() && found.left != found.right);
 }
 
-/// Rises by an ulp of a newton where the version says so: a build that computes something else.
+/// A force that differs between two builds.
 struct Lift(Fx);
 
 impl CustomForce for Lift {
@@ -160,7 +160,7 @@ fn a_dump_tells_a_world_once_and_its_end_in_each_place() {
     let mut reader = Reader::new(&whole[12..]);
     let all: Parts = core::iter::from_fn(|| read_chunk(&mut reader)).map(|chunk| (chunk.tag, chunk.bytes)).collect();
     assert_eq!(Dump::from_bytes(&dump_of(&whole[..12], &all), &[]).expect("it is whole").to_bytes(), whole);
-    // What follows after `is_new` is a world, or nothing.
+    // A world follows after `is_new`, or nothing.
     let (mut last, mut told) = (Vec::new(), 0);
     for (number, (_, bytes)) in all.iter().enumerate().skip(2).take(all.len() - 3) {
         let at = if bytes[0] == 3 { 7 } else { 2 };

@@ -64,7 +64,7 @@ fn every_command_is_recorded_and_played_alike() {
     while playback.step().expect("it goes as recorded") {
         assert!(playback.outcomes().iter().all(|outcome| outcome.result.is_ok()), "{:?}", playback.outcomes());
     }
-    // From every tick to every other.
+    // Seeks from every tick to every other.
     let hashes: Vec<u64> = (replay.start().tick()..=replay.end())
         .map(|tick| {
             playback.seek(tick);
@@ -124,7 +124,7 @@ fn a_flipped_bit_anywhere_and_a_file_cut_off_anywhere_are_found() {
             matches!(cut, Err(ReplayError::Foreign)) && foreign || matches!(cut, Err(ReplayError::CutOff { .. })),
             "cut off at {at}: {cut:?}"
         );
-        // What is whole of it goes as recorded.
+        // The complete part of it runs as recorded.
         if let Ok(replay) = Replay::recovered(&whole[..at], &custom_forces()) {
             assert!(!replay.is_complete());
             if at % 64 == 0 {
@@ -137,13 +137,13 @@ fn a_flipped_bit_anywhere_and_a_file_cut_off_anywhere_are_found() {
     assert!(matches!(Replay::from_bytes(&longer, &custom_forces()), Err(ReplayError::Malformed { .. })));
 }
 
-/// What is found in a file in which one value was changed, and everything sealed anew.
+/// The result of reading and verifying a file in which one value was changed, and all seals made anew.
 fn forged(whole: &[u8], number: usize, at: usize, bit: usize) -> Result<(), Result<Box<Divergence>, ReplayError>> {
     let mut parts: Vec<(Tag, Vec<u8>)> = chunks(whole).into_iter().map(|(chunk, _)| (chunk.tag, chunk.bytes)).collect();
     parts[number].1[at + bit / 8] ^= 1 << (bit % 8);
     let (tag, bytes) = &mut parts[number];
     if *tag == SNAPSHOT {
-        // A forger makes its own hashes right as well, as far as what it says is a world.
+        // A forger makes the hashes right as well, if the values are those of a world.
         reseal(bytes);
     }
     let replay = Replay::from_bytes(&file(&parts), &custom_forces()).map_err(Err)?;
@@ -157,7 +157,7 @@ fn a_forged_value_is_refused_or_its_run_parts_from_the_recorded_one() {
     for (number, (chunk, _)) in chunks(&whole).into_iter().enumerate() {
         for (at, length, name, _) in values(&chunk) {
             if chunk.tag == SNAPSHOT && ["hash", "seal"].contains(&&name[..]) {
-                // What a forger makes right again.
+                // A forger makes these values right again.
                 continue;
             }
             // Not the last bit of a velocity: damping may round it away.
@@ -174,7 +174,7 @@ fn a_forged_value_is_refused_or_its_run_parts_from_the_recorded_one() {
         }
     }
     assert!(named > 300 && by_hash > 5 && refused > 300, "{named}, {by_hash}, {refused}");
-    // What changes nothing that comes after: who sent a command, how it was recorded, what only reports hand on, how long
+    // Changes with no effect on later ticks: who sent a command, how it was recorded, what only reports hand on, how long
     // a body was at rest that moves in the next tick, and of the one that the next tick moves to a goal what is below the ulp
     // of its place, how fast it was, and whether it was to stop.
     for what in unfelt {
@@ -217,11 +217,11 @@ fn the_first_difference_is_the_first_of_all() {
 }
 
 #[test]
-fn a_replay_of_another_law_is_refused_by_both_numbers() {
+fn a_replay_of_another_physics_version_is_refused_by_both_numbers() {
     let mut parts: Vec<(Tag, Vec<u8>)> =
         chunks(&recording()).into_iter().map(|(chunk, _)| (chunk.tag, chunk.bytes)).collect();
     parts[0].1[..4].copy_from_slice(&(PHYSICS_VERSION + 1).to_le_bytes());
-    let error = Replay::from_bytes(&file(&parts), &custom_forces()).expect_err("another law");
+    let error = Replay::from_bytes(&file(&parts), &custom_forces()).expect_err("another version");
     assert_eq!(error, ReplayError::PhysicsVersion { found: PHYSICS_VERSION + 1, own: PHYSICS_VERSION });
     let text = error.to_string();
     assert!(text.contains(&PHYSICS_VERSION.to_string()) && text.contains(&(PHYSICS_VERSION + 1).to_string()), "{text}");

@@ -40,7 +40,7 @@ fn of_a_chunk_that_was_changed_twice_no_value_is_named() {
     let world: World = World::new(WorldDef::default()).expect("a fair definition");
     let mut bytes = Recorder::new(&world, RecordOptions::default()).finish(&world);
     let at = bytes.windows(8).position(|letters| letters == b"UMBRASNP").expect("it begins with a snapshot");
-    // Two words, by as much: no one word is so far off.
+    // Two words change by the same amount: no single word explains it.
     bytes[at] += 1;
     bytes[at + 8] += 1;
     let error = Replay::from_bytes(&bytes, &[]).expect_err("it was changed");
@@ -49,7 +49,7 @@ fn of_a_chunk_that_was_changed_twice_no_value_is_named() {
     assert_eq!(found.field, "chunk 1.bytes");
 }
 
-/// A chunk whose seal says that its one word was changed by so much, and by so much times its place.
+/// A chunk whose sums say that its one word was changed by `change`, and by `weighted` times its place.
 fn sealed_otherwise(word: u64, change: i128, weighted: i128) -> Vec<u8> {
     let mut whole = Vec::new();
     write_chunk(&mut whole, TICKS, &word.to_le_bytes());
@@ -92,7 +92,7 @@ fn ticks_of_the_shortest_commands_are_read() {
     }
 }
 
-/// A run of four ticks, of which the first is not as it was recorded; in the second calls, or a player, add what there is many of.
+/// A run of four ticks, the first of which differs from the recording; in the second, calls or a player give many commands.
 fn forged_run(many: &[Command], by_a_player: bool) -> Replay {
     let mut world = World::new(WorldDef::default()).expect("a world");
     let body = world.add_body(BodyDef::dynamic()).expect("a body");
@@ -126,7 +126,7 @@ fn a_divergence_is_named_within_the_limits_and_no_further() {
             Err(VerifyError::Divergence(divergence)) => (divergence.tick, divergence.difference.field),
             other => panic!("{other:?}"),
         };
-        // What differs is in the snapshot at the end, to which it is played if it may be.
+        // The snapshot at the end has the difference, if the limits allow to play that far.
         assert_eq!(named(ReplayLimits { bodies: 11, fields: 11, ..most }), (1, "position.x".to_string()));
         assert_eq!(named(most), (1, "hash".to_string()));
         assert_eq!(forged_run(&many, by_a_player).verify().expect_err("it parts").difference.field, "position.x");
