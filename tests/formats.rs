@@ -353,7 +353,8 @@ fn files_of_other_formats_and_laws_are_refused_with_both_numbers() {
                 assert_eq!((found, own), (*law, PHYSICS_VERSION));
                 let text = error.to_string();
                 assert!(
-                    text.contains(&format!("law {law} ")) && text.contains(&format!("law {PHYSICS_VERSION}")),
+                    text.contains(&format!("physics version {law};"))
+                        && text.contains(&format!("physics version {PHYSICS_VERSION}")),
                     "{text}"
                 );
             }

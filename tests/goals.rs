@@ -391,7 +391,7 @@ fn goals_are_state() {
         world.move_to(body, vec2(2, 2), fx!(0.25)).expect("near enough");
         if steps == 0 {
             assert_ne!((world.state_hash(), world.physics_hash()), (still.state_hash(), still.physics_hash()));
-            let differences: Vec<String> = world.differences(&still).iter().map(ToString::to_string).collect();
+            let differences: Vec<String> = world.differences(&still).iter().map(|found| format!("{found:#}")).collect();
             assert_eq!(differences[0], "body 0, errand.given: true and false");
         }
         (0..steps).for_each(|_| _ = world.step());

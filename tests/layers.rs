@@ -6,6 +6,9 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+#[path = "layers/cycles.rs"]
+mod cycles;
+
 /// Modules on one level do not name each other.
 const LEVELS: [&[&str]; 15] = [
     &["kernel", "slots"],
@@ -416,7 +419,7 @@ fn each_limit_is_tried() {
     let limits = fs::read_to_string(root.join("src/limits.rs")).expect("the limits");
     let limits: Vec<_> = limits.lines().filter_map(|line| line.strip_prefix("pub const ")?.split(':').next()).collect();
     assert!(limits.len() > WITHIN.len() && WITHIN.iter().all(|name| limits.contains(name)), "{limits:?}");
-    let tests: Vec<_> = ["tests/envelope.rs", "tests/commands.rs", "src/replay/bounds.rs"]
+    let tests: Vec<_> = ["tests/envelope.rs", "tests/commands.rs", "src/replay/tests/bounds.rs"]
         .map(|file| fs::read_to_string(root.join(file)).expect("tests"))
         .iter()
         .map(|source| code_of(source))

@@ -317,7 +317,7 @@ fn locks_are_in_files_and_forgeries_are_refused() {
     assert_eq!((read.body(body).expect("it is there").locks(), read.state_hash()), (locks, world.state_hash()));
     let mut other = world.clone();
     other.set_locks(body, Locks::NONE).expect("it is there");
-    let differences: Vec<String> = world.differences(&other).iter().map(ToString::to_string).collect();
+    let differences: Vec<String> = world.differences(&other).iter().map(|found| format!("{found:#}")).collect();
     assert_eq!(differences, ["body 0, locks.x: true and false"]);
     assert_ne!(world.physics_hash(), other.physics_hash());
     // One that says it is locked along y, where it moves.

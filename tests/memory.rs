@@ -394,7 +394,7 @@ fn naming_a_changed_bit_takes_a_few_times_the_file() {
     file[middle] ^= 1;
     let took = measure(|| {
         let error = Replay::from_bytes(&file, &[]).expect_err("it was changed");
-        assert!(matches!(error, ReplayError::Tampered(finding) if matches!(finding.place, Owner::Body(_))));
+        assert!(matches!(error, ReplayError::Tampered(found) if matches!(found.owner, Owner::Body(_))));
     });
     let times = took.bytes_max / file.len() as u64;
     assert!(times <= 12, "{times} times {} bytes", file.len());

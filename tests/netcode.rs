@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use allocation_counter::measure;
 use ggrs::{GgrsError, GgrsRequest, PlayerType, SessionBuilder};
-use umbra_physics::{BodyId, Dump, Finding, Fx, Owner, TickPhase, World};
+use umbra_physics::{BodyId, Difference, Dump, Fx, Owner, TickPhase, World};
 
 #[path = "../examples/ggrs/adapter.rs"]
 #[allow(dead_code, reason = "the hashes of single frames are for peers")]
@@ -238,7 +238,7 @@ fn two_processes_in_lockstep_agree_at_every_tick() {
 
 /// A match that one side spoils: the tick at which both say that they part, and the first value that is not the same in what
 /// they wrote down.
-fn parted(orders: [&[&str]; 2]) -> (usize, Finding) {
+fn parted(orders: [&[&str]; 2]) -> (usize, Difference) {
     let (straight, _) = straight(1, 600, DELAY);
     let ended = lockstep_match(orders);
     let [a, b] = ended.each_ref().map(|side| {
@@ -273,7 +273,7 @@ fn an_ulp_on_one_side_is_found_by_both_at_its_tick() {
         assert_eq!(tick, 100);
         // Nothing that was done, and no stage: one world was changed from without after the step.
         assert_eq!((found.tick, found.phase), (99, TickPhase::End), "{found}");
-        assert_eq!((found.place, &found.field[..]), (Owner::Body(BodyId::from_parts(0, 0)), "position.x"), "{found}");
+        assert_eq!((found.owner, &found.field[..]), (Owner::Body(BodyId::from_parts(0, 0)), "position.x"), "{found}");
     }
 }
 

@@ -325,7 +325,7 @@ fn a_difference_is_named_to_the_body_and_field() {
     let found = world.differences(&other);
     let named = found.iter().find(|d| d.field == "user_data").expect("named");
     assert_eq!(
-        (named.place, named.left.as_deref(), named.right.as_deref()),
+        (named.owner, named.left.as_deref(), named.right.as_deref()),
         (Owner::Body(body), Some(&data[..]), Some("99"))
     );
     let path = ours.first_difference(&theirs).expect("they differ");
@@ -338,8 +338,8 @@ fn a_difference_is_named_to_the_body_and_field() {
     let body = world.bodies().find(carries).expect("one");
     let (body, velocity) = (body.id(), body.velocity());
     other.set_velocity(body, velocity).expect("it moves");
-    let fields: Vec<_> = world.differences(&other).into_iter().map(|d| (d.place, d.field)).collect();
-    assert!(fields.iter().all(|(place, _)| *place == Owner::Body(body)), "{fields:?}");
+    let fields: Vec<_> = world.differences(&other).into_iter().map(|d| (d.owner, d.field)).collect();
+    assert!(fields.iter().all(|(owner, _)| *owner == Owner::Body(body)), "{fields:?}");
     assert!(fields.iter().any(|(_, field)| field.starts_with("velocity.")), "{fields:?}");
 }
 

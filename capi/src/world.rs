@@ -734,7 +734,7 @@ pub unsafe extern "C" fn umbra_world_first_difference(
 ) -> UmbraStatus {
     guard(|| {
         let first = given(left)?.world().first_difference(given(right)?.world());
-        let text = first.map_or_else(String::new, |first| first.to_string());
+        let text = first.map_or_else(String::new, |first| format!("{first:#}"));
         // SAFETY: as the caller promises.
         unsafe { write_text(&text, buffer, capacity, length) }
     })

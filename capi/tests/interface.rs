@@ -905,7 +905,7 @@ fn a_replay_is_verified_within_limits() {
     let limits = UmbraReplayLimits { ticks: 2, commands: 4, bodies: 3, fields: 2 };
     assert_eq!(verify(limits), UMBRA_OK);
     assert_eq!(verify(UmbraReplayLimits { ticks: 1, ..limits }), UMBRA_ERROR_VERIFY_TICKS);
-    assert_eq!(last_message(), "it has 2 ticks, more than 1");
+    assert_eq!(last_message(), "the replay has 2 ticks, more than the limit of 1");
     assert_eq!(verify(UmbraReplayLimits { bodies: 2, ..limits }), UMBRA_ERROR_VERIFY_BODIES);
     assert_eq!(verify(UmbraReplayLimits { fields: 1, ..limits }), UMBRA_ERROR_VERIFY_FIELDS);
     assert_eq!(verify(UmbraReplayLimits { commands: 3, ..limits }), UMBRA_ERROR_VERIFY_COMMANDS);

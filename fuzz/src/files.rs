@@ -1,4 +1,4 @@
-//! Files that nobody recorded: their seals made right, so that what is behind them is looked at.
+//! Forged files with valid seals, so that the values behind the seals are reached.
 
 use arbitrary::{Result, Unstructured};
 use umbra_physics::{PHYSICS_VERSION, Random, Snapshot, SnapshotError, World, WorldDef, limits};
@@ -6,7 +6,7 @@ use xxhash_rust::xxh3::xxh3_64;
 
 use super::author;
 
-/// The bytes of a snapshot before its state: what it is, format, law.
+/// The number of bytes of a snapshot before its state: magic, format, physics version.
 pub const HEAD: usize = 16;
 
 /// The first bytes of a snapshot of this build.
@@ -15,7 +15,7 @@ pub fn head() -> Vec<u8> {
     world.snapshot().to_bytes()[..HEAD].to_vec()
 }
 
-/// Gives a snapshot the hash of the world it says, as far as it says one, and the seal of its bytes.
+/// Gives a snapshot the hash of its world, if it has one, and the seal of its bytes.
 pub fn seal_snapshot(bytes: &mut [u8]) {
     let Some(end) = bytes.len().checked_sub(16).filter(|end| *end >= HEAD) else { return };
     if let Err(SnapshotError::Changed { computed, .. }) = Snapshot::from_bytes(bytes, &author::custom_forces()) {
@@ -25,18 +25,18 @@ pub fn seal_snapshot(bytes: &mut [u8]) {
     bytes[end + 8..].copy_from_slice(&seal.to_le_bytes());
 }
 
-/// Puts a snapshot to a tick.
+/// Sets the tick of a snapshot.
 pub fn put_tick(bytes: &mut [u8], tick: u64) {
-    // After the settings, of which the last may be there or not.
+    // It comes after the settings, the last of which is optional.
     let sleep_after = HEAD + 41;
     let at = sleep_after + if bytes[sleep_after] == 1 { 5 } else { 1 };
     bytes[at..at + 8].copy_from_slice(&tick.to_le_bytes());
 }
 
-/// From this first byte on, an input is of a world at one of the last ticks.
+/// The smallest first byte of an input for a world at one of the last ticks.
 pub const LATE: u8 = 224;
 
-/// The same world there.
+/// The same world at one of the last ticks.
 pub fn late(world: &World, before: u8) -> World {
     let mut bytes = world.snapshot().to_bytes();
     put_tick(&mut bytes, limits::TICK - u64::from(before % 16));
@@ -51,9 +51,9 @@ pub struct Chunk {
     pub bytes: Vec<u8>,
 }
 
-/// The bytes before the chunks: what the file is, and the number of its format.
+/// The number of bytes before the chunks: the kind of the file, and the number of its format.
 pub const OPENING: usize = 12;
-/// Around the contents of a chunk: its word and the double of that; the hash and two sums.
+/// The numbers of bytes around the contents of a chunk: its word twice before; a hash and two sums after.
 const BEFORE: usize = 16;
 const AFTER: usize = 40;
 
@@ -69,8 +69,8 @@ pub fn chunks(file: &[u8]) -> Vec<Chunk> {
     chunks
 }
 
-/// A file of these chunks with seals of their own: snapshots among them sealed anew too, and laws that are told those of
-/// this build.
+/// A file of these chunks with valid seals, of the chunks and of the snapshots in them, and the physics version of this
+/// build.
 pub fn sealed(opening: &[u8], chunks: &[Chunk]) -> Vec<u8> {
     let mut file = opening.to_vec();
     for Chunk { tag, bytes } in chunks {
@@ -106,10 +106,10 @@ pub fn sealed(opening: &[u8], chunks: &[Chunk]) -> Vec<u8> {
     file
 }
 
-/// Numbers that break things.
+/// Numbers at the ends of ranges.
 const ODD: [u64; 9] = [0, 1, u64::MAX, i64::MAX as u64, 1 << 63, 1 << 32, u32::MAX as u64, 1 << 62, 1 << 52];
 
-/// Changes something: a bit, a byte, a word; or takes bytes out, or puts some in, or swaps some.
+/// Changes a bit, a byte or a word; or removes, inserts or swaps some bytes.
 pub fn disturb(bytes: &mut Vec<u8>, input: &mut Unstructured<'_>) -> Result<()> {
     let (kind, at) = (input.arbitrary::<u8>()?, usize::from(input.arbitrary::<u16>()?));
     if bytes.is_empty() {
@@ -118,7 +118,7 @@ pub fn disturb(bytes: &mut Vec<u8>, input: &mut Unstructured<'_>) -> Result<()> 
     let at = at % bytes.len();
     let end = bytes.len().min(at + 8);
     match kind % 8 {
-        // What stands in lists: ids, handles, corners.
+        // Entries of lists: ids, handles, corners.
         1 if kind >> 6 == 0 => {
             let length = [4, 8, 12, 16][usize::from(kind >> 4)];
             if let Some(pair) = bytes.get_mut(at..at + 2 * length) {
@@ -145,11 +145,11 @@ pub fn disturb(bytes: &mut Vec<u8>, input: &mut Unstructured<'_>) -> Result<()> 
     Ok(())
 }
 
-/// The memory that reading may take for each byte of a file, and for any file: what `docs/formats.md` promises.
+/// The memory that reading may take for each byte of a file, and for any file, as `docs/formats.md` promises.
 const TIMES: u64 = 16;
 pub const ANY: u64 = 1 << 16;
 
-/// Reads a file, and asserts that it took no more memory than is promised.
+/// Reads a file, and asserts that it takes no more memory than is promised.
 pub fn measured<T>(bytes: &[u8], read: impl FnOnce() -> T) -> T {
     let (value, took) = taken(read);
     let most = TIMES * bytes.len() as u64 + ANY;
@@ -157,14 +157,14 @@ pub fn measured<T>(bytes: &[u8], read: impl FnOnce() -> T) -> T {
     value
 }
 
-/// Does something, and says how much memory that took at most, what comes of it included.
+/// Does something, and measures the most memory it takes, its result included.
 pub fn taken<T>(act: impl FnOnce() -> T) -> (T, u64) {
     let mut value = None;
     let took = allocation_counter::measure(|| value = Some(act()));
     (value.expect("it was done"), took.bytes_max)
 }
 
-/// Everything that can be asked of a world and done to it, for a few ticks.
+/// Reads and changes a world in every way, for a few ticks.
 pub fn use_up(mut world: World, seed: u64) {
     let mut random = Random::seeded(seed);
     let ids: Vec<_> = world.bodies().map(|body| body.id()).collect();

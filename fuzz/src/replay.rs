@@ -1,7 +1,7 @@
-//! Any bytes as a replay, a dump or a command: refused, or played.
+//! Any bytes as a replay, a dump or a command: each is refused, or played.
 //!
-//! The first byte of an input says what the others are: a file as it is; the chunks of one, to be sealed; a run that is
-//! recorded, or a tick that is dumped, and what is changed of it before it is sealed again; a command.
+//! The first byte of an input says what the others are: a file as it is; the chunks of a file, to be sealed; a run to be
+//! recorded, or a tick to be dumped, and changes of the file before it is sealed again; a command.
 
 use arbitrary::{Result, Unstructured};
 use umbra_physics::{
@@ -32,7 +32,7 @@ pub fn run(data: &[u8]) {
     };
 }
 
-/// A file is read; whatever it is, and what can be recovered of it, is played.
+/// Reads a file, and plays it or the part that can be recovered.
 fn look(bytes: &[u8]) {
     let whole = measured(bytes, || Replay::from_bytes(bytes, &author::custom_forces()));
     let rest = Replay::recovered(bytes, &author::custom_forces());
@@ -45,7 +45,7 @@ fn look(bytes: &[u8]) {
             assert!(!rest.is_complete());
             assert!(bytes.starts_with(&rest.to_bytes()), "what is whole is written alike");
         }
-        // Cut off before its first world.
+        // The file is cut off before its first world.
         (Err(ReplayError::CutOff { .. }), Err(ReplayError::CutOff { .. })) => {}
         (Err(error), Err(same)) => assert_eq!(error, same),
         (whole, rest) => panic!("{whole:?}, {rest:?}"),
@@ -56,13 +56,13 @@ fn look(bytes: &[u8]) {
     };
     let verified = replay.verify();
     _ = verified.as_ref().map_err(|divergence| divergence.to_string());
-    // Within limits it is the same, or more than it may be.
+    // Within limits the result is the same, or a limit is exceeded.
     let few = ReplayLimits { ticks: u64::MAX, bodies: 3, fields: 2, commands: u64::MAX };
     match (replay.verify_within(few), &verified) {
         (Ok(()), verified) => assert_eq!(verified, &Ok(())),
         (Err(VerifyError::Divergence(found)), Err(divergence)) => {
-            let place = |of: &Divergence| (of.tick, of.recorded, of.computed);
-            assert_eq!(place(&found), place(divergence));
+            let hashes = |of: &Divergence| (of.tick, of.recorded, of.computed);
+            assert_eq!(hashes(&found), hashes(divergence));
         }
         (Err(VerifyError::Divergence(found)), Ok(())) => panic!("{found}"),
         (Err(_), _) => {}
@@ -120,12 +120,12 @@ fn forged_command(data: &[u8]) -> Result<()> {
 const REPLAY: [&[u8; 4]; 4] = [b"HEAD", b"SNAP", b"TICK", b"DONE"];
 const DUMP: [&[u8; 4]; 4] = [b"LAWS", b"TICK", b"MOMT", b"DONE"];
 
-/// What a file of another kind begins with: the eight letters, and the number of its format.
+/// The first bytes of a file: its eight letters, and the number of its format.
 fn opening(letters: &[u8; 8]) -> Vec<u8> {
     [&letters[..], &1u32.to_le_bytes()].concat()
 }
 
-/// Chunks as a byte for the letters, two for the length, and the contents.
+/// Reads chunks: a byte for the letters, two for the length, and the contents.
 fn from_chunks(data: &[u8]) -> Result<()> {
     let mut input = Unstructured::new(data);
     let is_dump: bool = input.arbitrary()?;
@@ -144,7 +144,7 @@ fn from_chunks(data: &[u8]) -> Result<()> {
     Ok(())
 }
 
-/// A world as the author begins it.
+/// A world made by the author.
 fn start(author: &mut Author<'_>, kind: u8) -> Result<World> {
     let world = author::world(author.world()?).or_else(|| author::world(WorldDef::default()));
     let mut world = world.expect("the usual definition is fair");
@@ -175,18 +175,24 @@ fn recorded(data: &[u8], kind: u8) -> Result<()> {
     };
     let mut recorder = Recorder::new(&world, options);
     let ticks = author.any::<u8>()? % 12;
+    let mut calls = Vec::new();
     for _ in 0..ticks {
         if author.any()? {
             let command = author.command()?;
             let made = recorder.execute(&mut world, &command);
             made.into_iter().for_each(|made| author.made(made));
+            calls.push(command);
         }
         let inputs = inputs(&mut author)?;
         recorder.step(&mut world, &inputs);
         let made = recorder.outcomes().iter().filter_map(|outcome| outcome.result.ok());
         made.for_each(|made| author.made(made));
     }
-    let file = recorder.finish(&world);
+    let file = recorder.clone().finish(&world);
+    // Calls after the last step belong to no tick, and leave no trace.
+    let mut later = world.clone();
+    calls.iter().for_each(|call| _ = recorder.execute(&mut later, call));
+    assert!(recorder.finish(&later) == file, "calls after the last step");
     let replay = Replay::from_bytes(&file, &author::custom_forces()).expect("it is whole");
     assert!(replay.verify() == Ok(()) && replay.to_bytes() == file);
     let mut playback = replay.play();
@@ -195,7 +201,7 @@ fn recorded(data: &[u8], kind: u8) -> Result<()> {
     if author.input.is_empty() {
         return Ok(());
     }
-    // A part of the file as it is, then sealed again.
+    // The file is changed as it is, then in its chunks, which are sealed again.
     let mut torn = file.clone();
     disturb(&mut torn, &mut author.input)?;
     look(&torn);
@@ -203,7 +209,7 @@ fn recorded(data: &[u8], kind: u8) -> Result<()> {
     Ok(())
 }
 
-/// The chunks, with changes; some of them again, or no more.
+/// The chunks, some of them changed, repeated or left out.
 fn changed(mut parts: Vec<Chunk>, input: &mut Unstructured<'_>) -> Result<Vec<Chunk>> {
     while !input.is_empty() {
         let (kind, number) = (input.arbitrary::<u8>()?, usize::from(input.arbitrary::<u8>()?));
@@ -218,7 +224,7 @@ fn changed(mut parts: Vec<Chunk>, input: &mut Unstructured<'_>) -> Result<Vec<Ch
             _ => {
                 disturb(&mut parts[number].bytes, input)?;
                 if parts[number].tag == *b"SNAP" {
-                    // Between changes too: what is told of a world may hang together.
+                    // Sealed between changes too: the values of a world may depend on each other.
                     seal_snapshot(&mut parts[number].bytes);
                 }
             }

@@ -1,7 +1,7 @@
-//! Any bytes as a snapshot: refused, or a world that goes on like any other.
+//! Any bytes as a snapshot: each is refused, or a world that goes on like any other.
 //!
-//! The first byte of an input says what the others are: a snapshot as it is; the state in one, sealed; or a world that is
-//! made, and what is changed of its bytes before they are sealed again.
+//! The first byte of an input says what the others are: a snapshot as it is; the state in a snapshot, to be sealed; or
+//! commands that make a world, and changes of its bytes before they are sealed again.
 
 use arbitrary::{Result, Unstructured};
 use umbra_physics::{Fx, Snapshot, World, WorldDef};

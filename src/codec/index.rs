@@ -1,12 +1,13 @@
-//! Values as their parts: where each stands, its name, how it reads.
+//! Indexes of values: the position, name and text of each field.
 
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use core::fmt::{self, Display};
 
-use super::{Encoder, Part, StateHasher, Write};
+use super::encode::{Encoder, Part, Write};
+use super::hash::StateHasher;
 
-/// The values of which a value is made: where each stands among its bytes, its name and how it reads.
+/// The fields of a value: the position of each among its bytes, its name and its text.
 #[derive(Debug, Default)]
 pub(crate) struct FieldIndex {
     path: Vec<Part>,
@@ -16,20 +17,20 @@ pub(crate) struct FieldIndex {
     pub(crate) leaves: Vec<FieldValue>,
 }
 
-/// Which values an index keeps: one takes some hundred bytes, however few it stands for.
+/// The fields that an index keeps: each takes some hundred bytes of memory.
 #[derive(Debug, Default)]
 pub(crate) enum Wanted {
     #[default]
     All,
-    /// The one that this byte belongs to.
+    /// The field that this byte belongs to.
     At(usize),
-    /// Those at this path.
+    /// The field at this path.
     On(Vec<Part>),
-    /// The one with so many before it.
+    /// The field after so many others.
     Nth(usize),
 }
 
-/// A value that has no parts.
+/// A field without parts, and its value.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct FieldValue {
     pub(crate) path: Vec<Part>,
@@ -45,7 +46,7 @@ impl FieldIndex {
         index
     }
 
-    /// The first value that is wanted.
+    /// The first field that is wanted.
     pub(crate) fn find(value: &impl Write, wanted: Wanted) -> Option<FieldValue> {
         let mut index = Self { wanted, ..Self::default() };
         value.write(&mut index);
@@ -93,8 +94,8 @@ impl Encoder for FieldIndex {
     }
 }
 
-/// The first value in which two differ that are walked over alike, as it is in each. Lengths and choices are values, so that
-/// one differs before what they lead to does; eight bytes a value are kept on the way.
+/// The first field in which two values of one type differ, as it is in each. Lengths and variants are fields too, which differ
+/// before the fields that depend on them. Takes eight bytes of memory for each field.
 pub(crate) fn first_difference(
     left: &impl Write,
     right: &impl Write,

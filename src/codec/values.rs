@@ -1,9 +1,10 @@
-//! The bytes of numbers, handles and what else belongs to no layer after this one.
+//! Encoding and decoding of numbers, handles and other values of the layers below.
 
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
-use super::{Encoder, Malformed, Part, Read, Reader, Write, count, field};
+use super::decode::{Malformed, Read, Reader};
+use super::encode::{Encoder, Part, Write, count, field};
 use crate::math::{Elapsed, Random, TimeStep, Vec2};
 use crate::scalar::{FxAccumulator, FxFactor, FxSum, FxWide, Number, Turn, fx::Fx};
 use crate::slots::{BodyId, FieldId};
@@ -16,7 +17,7 @@ impl<N: Number> Write for N {
     }
 }
 
-macro_rules! wire_integers {
+macro_rules! codec_integers {
     ($($integer:ident)*) => { $(
         impl Write for $integer {
             #[inline]
@@ -33,7 +34,7 @@ macro_rules! wire_integers {
     )* };
 }
 
-wire_integers!(u8 u16 u32 u64 u128);
+codec_integers!(u8 u16 u32 u64 u128);
 
 impl Read for Fx {
     fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {
@@ -127,7 +128,7 @@ impl<T: Read> Read for Vec2<T> {
     }
 }
 
-macro_rules! wire_handles {
+macro_rules! codec_handles {
     ($($handle:ident)*) => { $(
         impl Write for $handle {
             fn write(&self, out: &mut impl Encoder) {
@@ -145,7 +146,7 @@ macro_rules! wire_handles {
     )* };
 }
 
-wire_handles!(BodyId FieldId);
+codec_handles!(BodyId FieldId);
 
 impl Write for TimeStep {
     fn write(&self, out: &mut impl Encoder) {
@@ -195,7 +196,7 @@ impl Read for Random {
     }
 }
 
-/// Bytes of the caller's, after their number.
+/// Bytes of the caller, after their number.
 impl Write for Vec<u8> {
     fn write(&self, out: &mut impl Encoder) {
         count(out, self.len());

@@ -241,6 +241,16 @@ impl ChangeLog {
         self.pending.woken.iter().copied().filter(|&body| self.is_marked(body, WOKEN)).collect()
     }
 
+    /// The number of bodies that calls woke since the last step, with those that were taken out of the simulation after it.
+    pub(crate) fn woken_count(&self) -> usize {
+        self.pending.woken.len()
+    }
+
+    /// The bodies that calls woke after the first `count` of this tick.
+    pub(crate) fn woken_since(&self, count: usize) -> &[BodyId] {
+        self.pending.woken.get(count..).unwrap_or_default()
+    }
+
     /// Takes over [`woken`](Self::woken) of a world that was saved.
     pub(crate) fn set_woken(&mut self, woken: Vec<BodyId>) {
         self.woke(&woken);

@@ -209,7 +209,7 @@ fn a_run_that_parts_is_named_within_the_bound() {
     let file = recorder.finish(&world);
     bounded("a divergence", &file, |file| {
         let replay = Replay::from_bytes(file, &[]).expect("a replay");
-        assert_eq!(replay.verify().expect_err("it parts").finding.field, "position.x");
+        assert_eq!(replay.verify().expect_err("it parts").difference.field, "position.x");
     });
 }
 

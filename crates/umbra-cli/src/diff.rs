@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde::Serialize;
-use umbra_physics::{Difference, Dump, Finding, Replay, TickPhase, World};
+use umbra_physics::{Difference, Dump, Replay, TickPhase, World};
 
 use crate::failure::Failure;
 use crate::finding::{DifferenceLine, FindingLine};
@@ -89,7 +89,7 @@ pub(crate) fn diff(options: &Options) -> Result<(), Failure> {
 
 /// Says what was found. `ends` are the ticks after the last, and whether a recording was brought to its end.
 fn report(
-    finding: Option<Finding>,
+    finding: Option<Difference>,
     differences: Option<Vec<Difference>>,
     ends: [(u64, bool); 2],
     options: &Options,
@@ -109,7 +109,7 @@ fn report(
         text::print(finding.as_ref().map_or_else(|| same(ends, options), ToString::to_string))?;
         if let Some(all) = differences {
             text::print(format_args!("values that differ after that: {}", all.len()))?;
-            all.iter().try_for_each(|difference| text::print(format_args!("  {difference}")))?;
+            all.iter().try_for_each(|difference| text::print(format_args!("  {difference:#}")))?;
         }
     }
     let files = || [&options.a, &options.b].map(PathBuf::clone);
@@ -117,14 +117,14 @@ fn report(
 }
 
 /// The values in which the worlds of two dumps differ at the moment of a finding.
-fn at_moment(a: &Dump, b: &Dump, finding: &Finding) -> Vec<Difference> {
+fn at_moment(a: &Dump, b: &Dump, finding: &Difference) -> Vec<Difference> {
     let world = |dump: &Dump| dump.phases().find(|(phase, _)| *phase == finding.phase).map(|(_, world)| world.clone());
     world(a).zip(world(b)).map(|(a, b)| a.differences(&b)).unwrap_or_default()
 }
 
 /// The values in which the worlds differ once the tick of a finding is made: as snapshots have them where both do, else as
 /// the ticks from the last snapshot on make them here.
-fn after(a: &Replay, b: &Replay, finding: &Finding) -> Vec<Difference> {
+fn after(a: &Replay, b: &Replay, finding: &Difference) -> Vec<Difference> {
     let tick = finding.tick.saturating_add(u64::from(finding.phase != TickPhase::Start));
     let world = |replay: &Replay| -> World {
         let mut playback = replay.play();

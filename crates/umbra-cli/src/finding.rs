@@ -1,9 +1,10 @@
-//! Findings in JSON.
+//! Differences in JSON.
 
 use serde::Serialize;
-use umbra_physics::{Difference, Finding};
+use umbra_physics::Difference;
 
-/// The first value that is another one. Values are text, exactly as they are; null is none, or one that is not known.
+/// The first value in which two recordings differ, or in which a file was changed. Values are exact, as text; null is a value
+/// that is missing or unknown.
 #[derive(Serialize)]
 pub(crate) struct FindingLine {
     tick: u64,
@@ -15,16 +16,16 @@ pub(crate) struct FindingLine {
     found: Option<String>,
 }
 
-impl From<&Finding> for FindingLine {
-    fn from(finding: &Finding) -> Self {
-        let Finding { tick, phase, place, field, recorded, found } = finding;
+impl From<&Difference> for FindingLine {
+    fn from(difference: &Difference) -> Self {
+        let Difference { tick, phase, owner, field, left, right } = difference;
         Self {
             tick: *tick,
             phase: phase.to_string(),
-            place: place.to_string(),
+            place: owner.to_string(),
             field: field.clone(),
-            recorded: recorded.clone(),
-            found: found.clone(),
+            recorded: left.clone(),
+            found: right.clone(),
         }
     }
 }
@@ -40,7 +41,7 @@ pub(crate) struct DifferenceLine {
 
 impl From<&Difference> for DifferenceLine {
     fn from(difference: &Difference) -> Self {
-        let Difference { place, field, left, right } = difference;
-        Self { place: place.to_string(), field: field.clone(), left: left.clone(), right: right.clone() }
+        let Difference { owner, field, left, right, .. } = difference;
+        Self { place: owner.to_string(), field: field.clone(), left: left.clone(), right: right.clone() }
     }
 }

@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use clap::Args;
 use indicatif::ProgressBar;
 use serde::Serialize;
-use umbra_physics::{Divergence, Finding, Replay, ReplayError, World};
+use umbra_physics::{Difference, Divergence, Replay, ReplayError, World};
 
 use crate::failure::{Failure, UNREADABLE, tag};
 use crate::finding::FindingLine;
@@ -109,7 +109,7 @@ struct Verdict {
     status: Status,
     code: Option<u16>,
     reason: Option<String>,
-    finding: Option<Finding>,
+    finding: Option<Difference>,
     played: Played,
 }
 
@@ -128,7 +128,7 @@ impl Verdict {
 
     fn diverged(divergence: Divergence, played: Played) -> Self {
         let (code, reason) = (Some(divergence.code()), Some(divergence.to_string()));
-        Self { status: Status::Diverged, code, reason, finding: Some(divergence.finding), played }
+        Self { status: Status::Diverged, code, reason, finding: Some(divergence.difference), played }
     }
 
     fn line(&self, file: &Path) -> String {

@@ -176,7 +176,7 @@ fn moved_unlike(beside: &'static str, left: &World, right: &World) -> Option<See
     let moves = |difference: &Difference| {
         let name = difference.field.split('.').next().unwrap_or_default();
         let is_motion = matches!(name, "position" | "velocity" | "angle" | "angular_velocity");
-        is_motion && matches!(difference.place, Owner::Body(_))
+        is_motion && matches!(difference.owner, Owner::Body(_))
     };
     Some(Seen { beside, difference: left.differences(right).into_iter().find(moves) })
 }

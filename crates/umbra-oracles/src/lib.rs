@@ -217,7 +217,7 @@ impl fmt::Display for Violation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { oracle, tick, beside, difference } = self;
         write!(f, "{oracle}, tick {tick}, {beside}")?;
-        difference.as_ref().map_or(Ok(()), |difference| write!(f, ": {difference}"))
+        difference.as_ref().map_or(Ok(()), |difference| write!(f, ": {difference:#}"))
     }
 }
 

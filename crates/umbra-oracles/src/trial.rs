@@ -313,9 +313,9 @@ impl<'a, S: Subject> Trial<'a, S> {
 fn field_difference(id: FieldId, meant: ForceField, world: &World, there: FieldId) -> Option<Difference> {
     let mut expected = world.clone();
     expected.set_field(there, meant).ok()?;
-    let is_of_it = |difference: &Difference| difference.place == Owner::ForceField(there);
+    let is_of_it = |difference: &Difference| difference.owner == Owner::ForceField(there);
     let found = expected.differences(world).into_iter().find(is_of_it)?;
-    Some(Difference { place: Owner::ForceField(id), ..found })
+    Some(Difference { owner: Owner::ForceField(id), ..found })
 }
 
 /// The laws of force that may act in a world.

@@ -1,4 +1,4 @@
-//! From a scene to a replay, and what is found in one: `umbra run --record`, `verify`, `diff`.
+//! From a scene to a replay and its verification: `umbra run --record`, `verify`, `diff`.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,6 +10,8 @@ use umbra_physics::{
 };
 use umbra_scene::Scene;
 use xxhash_rust::xxh3::Xxh3;
+
+mod diff;
 
 use crate::{root, umbra};
 
@@ -27,14 +29,14 @@ impl Folder {
         self.0.join(name).to_str().expect("UTF-8").to_owned()
     }
 
-    /// Writes a file, and gives its path.
+    /// Writes a file, and returns its path.
     fn write(&self, name: &str, bytes: impl AsRef<[u8]>) -> String {
         let path = self.path(name);
         fs::write(&path, bytes).expect("a file");
         path
     }
 
-    /// The path of a replay of a scene in a file.
+    /// Records a replay of a scene, and returns its path.
     fn record(&self, scene: &str, more: &[&str]) -> String {
         let name = Path::new(scene).file_stem().expect("a name").to_string_lossy().into_owned();
         let path = self.path(&format!("{name}.umbrarep"));
@@ -54,14 +56,14 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).expect("UTF-8")
 }
 
-/// Exit status and JSON lines of `umbra verify`.
+/// The exit status and JSON lines of `umbra verify`.
 fn verify(files: &[&str], more: &[&str]) -> (i32, Vec<Value>) {
     let output = umbra(&[&["verify", "--json"], more, files].concat());
     let lines = text(&output.stdout).lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
     (output.status.code().expect("a status"), lines)
 }
 
-/// Exit status and JSON line for one file with these bytes.
+/// The exit status and JSON line of `umbra verify` for one file with these bytes.
 fn verified(folder: &Folder, name: &str, bytes: &[u8]) -> (i32, Value) {
     let path = folder.write(name, bytes);
     let (status, mut lines) = verify(&[&path], &[]);
@@ -104,7 +106,7 @@ fn flipped(bytes: &[u8], at: usize) -> Vec<u8> {
     changed
 }
 
-/// The file with other bytes in its first chunk, and the seal that they ask for.
+/// The file with other bytes in its first chunk, which gets a valid seal.
 fn resealed(file: &[u8], change: impl Fn(&mut [u8])) -> Vec<u8> {
     let mut file = file.to_vec();
     let (start, word) = (12 + 16, 12);
@@ -125,7 +127,7 @@ fn resealed(file: &[u8], change: impl Fn(&mut [u8])) -> Vec<u8> {
     file
 }
 
-/// A run in which somebody reaches past the recorder before tick 40.
+/// A run whose world is changed without the recorder before tick 40.
 fn strayed(options: RecordOptions) -> Vec<u8> {
     let mut world: World = World::new(WorldDef::default()).expect("a world");
     world.add_body(BodyDef::dynamic()).expect("a body");
@@ -190,8 +192,8 @@ fn all_that_a_scene_can_do_goes_through_the_recorder() {
         run.advance().expect("it goes on");
         assert_eq!(playback.world().state_hash(), run.world().state_hash(), "tick {tick}");
     }
-    // By ticks: an impulse; four times force and torque; two additions; an impulse and ten things set; two more; a field;
-    // five things of the world; and four calls.
+    // By ticks: an impulse; four times force and torque; two additions; an impulse and ten settings of a body; two more; a
+    // field; five settings of the world; and four calls.
     assert_eq!((commands, playback.step()), (1 + 4 * 2 + 2 + 11 + 2 + 1 + 5 + 4, Ok(false)));
 }
 
@@ -295,7 +297,7 @@ fn each_way_to_be_wrong_has_its_status() {
     assert_eq!(status("law", &law), is(2, "law", 0));
     let strayed = strayed(RecordOptions { hash_every: 1, snapshot_every: 8 });
     assert_eq!(status("strayed", &strayed), is(1, "diverged", 41));
-    // What is found in the part that is there counts more than that it is not all.
+    // A divergence in the part that is there counts more than the missing rest.
     assert_eq!(status("strayed-and-cut", &strayed[..strayed.len() - 1]), is(1, "diverged", 41));
     let (exit, lines) = verify(&[&folder.path("none")], &[]);
     assert_eq!((exit, lines[0]["status"].as_str()), (2, Some("unreadable")));
@@ -382,110 +384,4 @@ fn how_much_is_recorded_can_be_chosen() {
         assert!(!output.stderr.is_empty() && output.stdout.is_empty(), "{arguments:?}");
     }
     assert!(!Path::new(&never).exists(), "nothing is begun that cannot be done");
-}
-
-#[test]
-fn diff_names_what_was_done_otherwise() {
-    let folder = Folder::new("diff");
-    let record = |name: &str, push: &str, more: &[&str]| folder.record(&folder.write(name, busy(push)), more);
-    let (three, four) = (record("three.json", "3", &[]), record("four.json", "4", &[]));
-    let output = umbra(&["diff", &three, &four]);
-    assert_eq!(output.status.code(), Some(1));
-    assert_eq!(text(&output.stdout), "tick 2, calls, body 1, calls[0].action.impulse.x: 3 and 4\n");
-    assert_eq!(text(&output.stderr), format!("{three} and {four} are not the same\n"));
-    let json = |files: [&str; 2], more: &[&str]| -> (Option<i32>, Value) {
-        let output = umbra(&[&["diff", "--json"], &files[..], more].concat());
-        (output.status.code(), serde_json::from_slice(&output.stdout).expect("one JSON value"))
-    };
-    let (status, found) = json([&three, &four], &[]);
-    let finding: Value = serde_json::from_str(
-        r#"{"tick": 2, "moment": "calls", "place": "body 1", "field": "calls[0].action.impulse.x", "recorded": "3", "found": "4"}"#,
-    )
-    .expect("JSON");
-    assert_eq!((status, &found["same"], &found["finding"]), (Some(1), &Value::from(false), &finding));
-    assert!(found.get("differences").is_none());
-
-    // All that differs after that tick: a kilogram has 1 m/s more, but for the drag, and is further on.
-    let (status, found) = json([&three, &four], &["--all"]);
-    let all = found["differences"].as_array().expect("a list");
-    let fields: Vec<_> = all.iter().map(|it| (it["place"].as_str(), it["field"].as_str())).collect();
-    assert_eq!(fields, [(Some("body 1"), Some("position.x")), (Some("body 1"), Some("velocity.x"))]);
-    let speed = |side: &str| all[1][side].as_str().and_then(|it| it.parse::<f64>().ok()).expect("a number");
-    assert!(speed("left") < 3.0 && speed("right") < 4.0 && speed("right") - speed("left") > 0.99);
-    assert_eq!(status, Some(1));
-    let output = umbra(&["diff", "--all", &three, &four]);
-    let lines = text(&output.stdout);
-    assert_eq!(lines.lines().nth(1), Some("values that differ after that: 2"));
-    assert!(lines.lines().nth(2).is_some_and(|line| line.starts_with("  body 1, position.x: 5.")), "{lines}");
-
-    // One begins otherwise.
-    let other = folder.write("start.json", busy("3").replace("[5, 0]", "[6, 0]"));
-    let (status, found) = json([&three, &folder.record(&other, &[])], &["--all"]);
-    let finding = &found["finding"];
-    assert_eq!((status, finding["moment"].as_str(), finding["tick"].as_u64()), (Some(1), Some("start"), Some(0)));
-    assert_eq!((finding["place"].as_str(), finding["field"].as_str()), (Some("body 1"), Some("position.x")));
-    assert_eq!(found["differences"].as_array().map(Vec::len), Some(1));
-
-    // One ends sooner: they do not part.
-    let brief = record("brief.json", "3", &["--ticks", "40"]);
-    let (status, found) = json([&three, &brief], &["--all"]);
-    assert_eq!((status, &found["same"], &found["finding"]), (Some(0), &Value::from(true), &Value::Null));
-    assert_eq!(found["ends"], serde_json::json!([100, 40]));
-    let output = umbra(&["diff", &three, &brief]);
-    let expected = format!("the same as far as both go: {three} ends at tick 100, {brief} ends at tick 40\n");
-    assert_eq!((output.status.code(), text(&output.stdout)), (Some(0), expected));
-    let output = umbra(&["diff", &three, &three]);
-    assert_eq!((output.status.code(), text(&output.stdout)), (Some(0), "the same, to tick 100\n".to_owned()));
-}
-
-#[test]
-fn diff_reads_what_is_cut_off_and_refuses_what_is_no_recording() {
-    let folder = Folder::new("diff-input");
-    let replay = folder.record(&folder.write("busy.json", busy("3")), &[]);
-    let bytes = fs::read(&replay).expect("a replay");
-    let cut = folder.write("cut.umbrarep", &bytes[..bytes.len() - 1]);
-    let output = umbra(&["diff", "--json", &replay, &cut]);
-    let found: Value = serde_json::from_slice(&output.stdout).expect("JSON");
-    assert_eq!((output.status.code(), &found["complete"]), (Some(0), &serde_json::json!([true, false])));
-    let changed = folder.write("changed.umbrarep", flipped(&bytes, bytes.len() / 2));
-    let refused = |file: &str, reason: &str| {
-        for files in [[&replay[..], file], [file, &replay]] {
-            let output = umbra(&["diff", files[0], files[1]]);
-            assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0), "{files:?}");
-            let error = text(&output.stderr);
-            assert!(error.starts_with(&format!("{file}: {reason}")), "{error}");
-        }
-    };
-    refused(&changed, "changed after it was recorded: ");
-    refused("scenes/kepler.json", "expected a replay or a desync dump of umbra-physics");
-    refused(&folder.path("none"), "cannot read: ");
-}
-
-#[test]
-fn diff_of_two_dumps_names_the_moment_the_body_and_the_field() {
-    let folder = Folder::new("dumps");
-    let mut world: World = World::new(WorldDef::default()).expect("a world");
-    let body = world.add_body(BodyDef::dynamic()).expect("a body");
-    let dump = |x: i32| {
-        let mut after = world.clone();
-        let push = |world: &mut World| world.apply_force(body, vec2(x, 0)).expect("it is dynamic");
-        push(&mut after);
-        after.step();
-        Dump::of_game(&world, push, &after).to_bytes()
-    };
-    let (a, b) = (folder.write("a.umbradmp", dump(1)), folder.write("b.umbradmp", dump(2)));
-    let same = umbra(&["diff", &a, &a]);
-    assert_eq!((same.status.code(), text(&same.stdout)), (Some(0), "the same, to tick 1\n".to_owned()));
-    let differ = umbra(&["diff", &a, &b, "--json", "--all"]);
-    assert_eq!(differ.status.code(), Some(1));
-    let found: Value = serde_json::from_str(&text(&differ.stdout)).expect("JSON");
-    let finding = &found["finding"];
-    assert_eq!(
-        (finding["tick"].as_u64(), finding["field"].as_str(), finding["recorded"].as_str(), finding["found"].as_str()),
-        (Some(0), Some("applied.force.x"), Some("1"), Some("2")),
-        "{found}"
-    );
-    assert_eq!(found["differences"].as_array().map(Vec::len), Some(1), "{found}");
-    let replay = folder.record("scenes/kepler.json", &["--ticks", "3"]);
-    assert_eq!(umbra(&["diff", &a, &replay]).status.code(), Some(2));
 }

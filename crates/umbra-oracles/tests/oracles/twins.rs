@@ -330,7 +330,7 @@ fn a_field_that_is_another_one_among_bystanders_is_found() {
     let violations = objecting(Fault::Strength);
     let found = violations.iter().find(|violation| violation.oracle == Oracle::Bystanders).expect("it is found");
     let difference = found.difference.as_ref().expect("its strength");
-    assert!(matches!(difference.place, Owner::ForceField(_)) && difference.field.contains("linear"), "{found}");
+    assert!(matches!(difference.owner, Owner::ForceField(_)) && difference.field.contains("linear"), "{found}");
 }
 
 #[test]
@@ -385,7 +385,7 @@ fn what_is_found_says_where_and_in_what() {
     let violations = objecting(Fault::Left);
     let found = violations.iter().find(|violation| violation.oracle == Oracle::Mirror).expect("it is found");
     let difference = found.difference.as_ref().expect("a body moves in another way");
-    assert!(matches!(difference.place, umbra_physics::Owner::Body(_)) && difference.left != difference.right);
+    assert!(matches!(difference.owner, umbra_physics::Owner::Body(_)) && difference.left != difference.right);
     let text = found.to_string();
     assert!(text.starts_with(&format!("mirror, tick {}, mirror: body ", found.tick)), "{text}");
     assert_eq!(found.beside, Symmetry::MIRROR.name());

@@ -2,35 +2,38 @@
 
 use alloc::vec::Vec;
 
-use super::PHYSICS_VERSION;
-use super::file::{Doings, Done, Head};
+use super::format::{Done, Head};
 use super::layout::Writer;
+use super::ticks::NewTick;
 use crate::error::Error;
 use crate::math::Random;
+use crate::replay::snapshot::{BeforeCalls, PHYSICS_VERSION, restless_sleepers};
+use crate::slots::BodyId;
 use crate::world::{Command, Created, InputResult, Inputs, StepReport, Stepper, World};
 
-/// How much is recorded.
+/// Options that set how much is recorded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RecordOptions {
-    /// A hash after every so many ticks, by the world's count of them: how exactly a divergence is dated. At least 1.
+    /// The number of ticks from one recorded hash to the next, at least 1; the world's own count of ticks decides. A
+    /// divergence is dated to a tick with a hash.
     pub hash_every: u32,
-    /// A snapshot after every so many ticks, 0 for none on the way: what a divergence is named by, and from where
-    /// playback can begin. The last tick has one always.
+    /// The number of ticks from one snapshot to the next, 0 for none on the way. Snapshots tell which value diverged, and
+    /// playback can start from each. The last tick always has one.
     pub snapshot_every: u32,
 }
 
 impl Default for RecordOptions {
-    /// A hash every tick, a snapshot every 4,096.
+    /// A hash every tick, a snapshot every 4,096 ticks.
     fn default() -> Self {
         Self { hash_every: 1, snapshot_every: 4_096 }
     }
 }
 
-/// Records a run: the world it begins with, all that is done to it, and what comes of it.
+/// Records a run: the world at its start, all changes to it, and the hashes of the results.
 ///
-/// All changes go through the recorder, but two that it sees by itself: numbers drawn from the world's generator, and its
-/// blob.
+/// All changes must go through the recorder, but for two that it notices by itself: numbers drawn from the world's random
+/// generator, and changes of its blob.
 ///
 /// ```
 /// use umbra_physics::{BodyDef, Command, Input, Inputs, RecordOptions, Recorder, Replay, World, WorldDef, vec2};
@@ -57,15 +60,17 @@ impl Default for RecordOptions {
 pub struct Recorder {
     writer: Writer,
     calls: Vec<Command>,
-    /// The world before the first of these calls, if there are any.
-    uncalled: Option<World>,
+    /// The parts of the world that these calls changed, as the last step left them.
+    before_calls: Option<BeforeCalls>,
+    restless_sleepers: Vec<BodyId>,
     outcomes: Vec<InputResult>,
+    /// The random generator and the blob as the last step left them.
     random: Random,
     blob: Vec<u8>,
 }
 
 impl Recorder {
-    /// Begins with a world as it is.
+    /// Begins a recording with a world as it is.
     #[must_use]
     pub fn new(world: &World, options: RecordOptions) -> Self {
         let RecordOptions { hash_every, snapshot_every } = options;
@@ -78,26 +83,22 @@ impl Recorder {
         Self {
             writer: Writer::new(head, world),
             calls: Vec::new(),
-            uncalled: None,
+            before_calls: None,
+            restless_sleepers: restless_sleepers(world),
             outcomes: Vec::new(),
             random: *world.random(),
             blob: world.blob().to_vec(),
         }
     }
 
-    /// Does something outside of the players' inputs, as the level's own doings: it comes before the inputs of the tick.
+    /// Makes a call that is no input of a player, such as an action of the level itself. Calls come before the inputs of the
+    /// tick.
     ///
     /// # Errors
-    /// As [`World::execute`]; then nothing is recorded.
+    /// The errors of [`World::execute`]; then nothing is recorded.
     pub fn execute(&mut self, world: &mut World, command: &Command) -> Result<Created, Error> {
-        world.check(command)?;
-        if self.calls.is_empty() {
-            match &mut self.uncalled {
-                Some(uncalled) => uncalled.clone_from(world),
-                None => self.uncalled = Some(world.clone()),
-            }
-        }
-        let made = world.execute(command)?;
+        let before = self.before_calls.get_or_insert_with(|| BeforeCalls::new(world, &self.restless_sleepers));
+        let made = before.during(world, command, |world| world.execute(command))?;
         self.calls.push(command.clone());
         Ok(made)
     }
@@ -105,6 +106,7 @@ impl Recorder {
     /// Carries out the inputs of a tick and steps.
     pub fn step<'w>(&mut self, world: &'w mut World, inputs: &Inputs) -> StepReport<'w> {
         self.notice(world);
+        self.before_calls = None;
         let before = world.tick();
         world.carry_out_into(inputs, &mut self.outcomes);
         world.step();
@@ -113,7 +115,7 @@ impl Recorder {
         self.blob.extend_from_slice(world.blob());
         let (head, after) = (self.writer.head, world.tick());
         let hash = head.has_hash(after).then(|| world.state_hash());
-        self.writer.tick(before, &Doings { calls: &self.calls, inputs, hash }, after);
+        self.writer.tick(before, &NewTick { calls: &self.calls, inputs, hash }, after);
         self.calls.clear();
         if head.has_snapshot(after) {
             self.writer.snapshot(world);
@@ -121,26 +123,27 @@ impl Recorder {
         world.last_report()
     }
 
-    /// What became of the inputs of the last step.
+    /// The results of the inputs of the last step.
     #[must_use]
     pub fn outcomes(&self) -> &[InputResult] {
         &self.outcomes
     }
 
-    /// What of the file is finished, to be written away; each byte is handed out once.
+    /// Takes the finished bytes of the file, to write them out; each byte is handed out once.
     #[must_use]
     pub fn take_bytes(&mut self) -> Vec<u8> {
         core::mem::take(&mut self.writer.file)
     }
 
     /// Ends the recording with the world as the last step left it, and gives the rest of the file: all of it if nothing was
-    /// taken before. What was done since is of no tick, and not recorded.
+    /// taken before. Calls since the last step belong to no tick and are not recorded.
     #[must_use]
     pub fn finish(self, world: &World) -> Vec<u8> {
         let mut writer = self.writer;
         writer.finish_segment();
-        let uncalled = self.uncalled.filter(|_| !self.calls.is_empty());
-        let mut world = uncalled.unwrap_or_else(|| world.clone());
+        // A state that a world had can always be rebuilt.
+        let rebuilt = self.before_calls.and_then(|before| before.rebuild(world).ok());
+        let mut world = rebuilt.unwrap_or_else(|| world.clone());
         world.random = self.random;
         world.blob = self.blob;
         if !writer.head.has_snapshot(world.tick()) {
@@ -150,7 +153,7 @@ impl Recorder {
         writer.file
     }
 
-    /// Records what a game does to its world without commands.
+    /// Records the changes that a game makes without commands.
     fn notice(&mut self, world: &World) {
         if *world.random() != self.random {
             self.calls.push(Command::SetRandom(*world.random()));
@@ -161,7 +164,7 @@ impl Recorder {
     }
 }
 
-/// Ticks without players: all commands are the level's own.
+/// The ticks have no players: all commands are calls.
 impl Stepper for Recorder {
     fn execute(&mut self, world: &mut World, command: &Command) -> Result<Created, Error> {
         Self::execute(self, world, command)

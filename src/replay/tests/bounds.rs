@@ -1,17 +1,17 @@
-//! Worlds at their bounds: whatever is accepted goes on, and can be saved, recorded and read again after any step.
+//! Worlds at their bounds: each that is accepted goes on, and can be saved, recorded and read again after any step.
 
 use alloc::vec;
 use alloc::vec::Vec;
 
 use super::encodings::replaced;
-use super::tests::{custom_forces, everything};
-use super::{Dump, RecordOptions, Recorder, Replay, ReplayLimits, Snapshot, SnapshotError, VerifyError};
+use super::{custom_forces, everything};
 use crate::body::{BodyDef, FactorTable};
 use crate::error::{Error, Irreversible, Quantity};
 use crate::force::{FieldKind, FieldSet, ForceField};
 use crate::integrate::Integrator;
 use crate::limits;
 use crate::math::{Elapsed, Random, TimeStep, vec2};
+use crate::replay::{Dump, RecordOptions, Recorder, Replay, ReplayLimits, Snapshot, SnapshotError, VerifyError};
 use crate::scalar::fx::{Fx, fx};
 use crate::slots::{BodyId, FieldId};
 use crate::world::{Command, History, Inputs, World, WorldDef};

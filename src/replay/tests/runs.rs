@@ -1,12 +1,13 @@
-//! How runs are recorded, gone about in, and compared with each other.
+//! Runs: recording them, seeking in them, comparing them.
 
 use alloc::vec::Vec;
 
-use super::file::{Segment, TICKS};
-use super::tests::chunks;
-use super::{Owner, RecordOptions, Recorder, Replay, TickPhase};
+use super::chunks;
 use crate::body::BodyDef;
 use crate::codec::Reader;
+use crate::math::vec2;
+use crate::replay::file::{Segment, TICKS};
+use crate::replay::{Owner, RecordOptions, Recorder, Replay, TickPhase};
 use crate::scalar::fx::fx;
 use crate::world::{Command, Input, Inputs, World, WorldDef};
 
@@ -27,7 +28,7 @@ fn ticks_are_recorded_in_chunks_of_a_size() {
     assert_eq!(counts(Inputs::try_from(alloc::vec![large]).expect("it has a place"), 5), [2, 2, 1]);
 }
 
-/// What one side alone did is told by the tick, and whether it is a call or an input.
+/// A command that one side alone has is named by the tick, and as a call or an input.
 #[test]
 fn replays_with_unlike_numbers_of_calls_or_inputs_say_so() {
     let record = |calls: u32, inputs: u32| {
@@ -49,11 +50,11 @@ fn replays_with_unlike_numbers_of_calls_or_inputs_say_so() {
         [(record(2, 1), TickPhase::Calls, "calls.count"), (record(1, 3), TickPhase::Inputs, "inputs.count")]
     {
         let found = even.first_difference(&other).expect("they differ");
-        assert_eq!((found.tick, found.phase, found.place, &found.field[..]), (2, phase, Owner::World, field));
+        assert_eq!((found.tick, found.phase, found.owner, &found.field[..]), (2, phase, Owner::World, field));
     }
 }
 
-/// Of what was recorded alike and ran apart, the next snapshots have the values.
+/// Two runs with the same commands and other results differ in values of the next snapshots.
 #[test]
 fn replays_that_part_name_the_value_in_the_snapshot_after() {
     let record = |parts_at: u64| {
@@ -91,5 +92,46 @@ fn seeking_goes_on_from_where_it_is_or_from_a_nearer_snapshot() {
         let before = playback.world().rewinds();
         playback.seek(tick);
         assert_eq!((playback.world().tick(), playback.world().rewinds() != before), (tick, jumps), "to {tick}");
+    }
+}
+
+#[test]
+fn what_a_game_does_to_its_world_after_the_last_step_is_of_no_tick_recorded() {
+    for snapshot_every in [0, 3] {
+        let mut world = World::new(WorldDef::default()).expect("a world");
+        let mut recorder = Recorder::new(&world, RecordOptions { hash_every: 2, snapshot_every });
+        for tick in 0..3u8 {
+            recorder.step(&mut world, &Inputs::new());
+            // Between steps it is seen by the next one.
+            _ = world.random_mut().bits();
+            world.set_blob(&[tick]).expect("few");
+            recorder.execute(&mut world, &Command::AddBody(BodyDef::dynamic())).expect("there is room");
+            recorder.execute(&mut world, &Command::SetGravity(vec2(0, -1))).expect("it is fair");
+        }
+        let file = recorder.finish(&world);
+        let replay = Replay::from_bytes(&file, &[]).expect("it is whole");
+        assert_eq!(replay.verify(), Ok(()), "{snapshot_every}");
+        let mut playback = replay.play();
+        playback.seek(3);
+        assert_eq!((playback.world().blob(), playback.world().body_count()), (&[1][..], 2));
+    }
+}
+
+#[test]
+fn where_no_hash_is_recorded_that_of_a_snapshot_is_compared() {
+    for (snapshot_every, expected) in [(8, 16), (0, 20)] {
+        let mut world = World::new(WorldDef::default()).expect("a world");
+        let body = world.add_body(BodyDef::dynamic()).expect("a body");
+        let mut recorder = Recorder::new(&world, RecordOptions { hash_every: 1 << 30, snapshot_every });
+        for tick in 0..20 {
+            if tick == 10 {
+                // Past the recorder.
+                world.set_velocity(body, vec2(1, 0)).expect("it moves");
+            }
+            recorder.step(&mut world, &Inputs::new());
+        }
+        let replay = Replay::from_bytes(&recorder.finish(&world), &[]).expect("it is whole");
+        let divergence = replay.verify().expect_err("it goes another way");
+        assert_eq!((divergence.tick, &divergence.difference.field[..]), (expected, "position.x"));
     }
 }

@@ -1,49 +1,51 @@
-//! In which order the chunks of a replay follow each other, and where each ends: one way for each run. What writes a replay
-//! and what reads one go by the same rules, so that a file that is accepted is written again to the same bytes.
+//! The order of the chunks of a replay, and where each chunk of ticks ends. There is one valid order for each run: writer and
+//! reader follow the same rules, so that an accepted file is written again to the same bytes.
 
 use alloc::vec::Vec;
 
 use super::chunk;
-use super::file::{DONE, Done, HEAD, Head, REPLAY, SNAPSHOT, TICKS, Tick};
-use super::snapshot::Saved;
+use super::format::{DONE, Done, HEAD, Head, REPLAY, SNAPSHOT, TICKS};
+use super::ticks::Tick;
 use crate::codec::Write;
+use crate::replay::snapshot::Saved;
 use crate::world::World;
 
-/// A chunk of ticks has at most so many: what is lost when a recording is cut off.
+/// The most ticks of a chunk: at most so many are lost when a recording is cut off.
 const SEGMENT: u32 = 64;
-/// Or it ends with the first tick after which it has more bytes: a tick with a blob may have 2^24 more, and no chunk has 2^32.
+/// A chunk ends with the first tick after which it has more bytes than this. A tick with a blob may add 2^24 bytes, and no
+/// chunk has 2^32.
 const SEGMENT_BYTES: usize = 1 << 20;
 
 impl Head {
-    /// Whether the hash of the world at this tick is recorded.
+    /// Says whether the hash of the world at this tick is recorded.
     pub(super) fn has_hash(&self, tick: u64) -> bool {
         tick % u64::from(self.hash_every) == 0
     }
 
-    /// Whether there is a snapshot of the world at this tick, apart from those the replay begins and ends with.
+    /// Says whether there is a snapshot of the world at this tick, apart from those at the start and the end of the replay.
     pub(super) fn has_snapshot(&self, tick: u64) -> bool {
         self.snapshot_every > 0 && tick % u64::from(self.snapshot_every) == 0
     }
 
-    /// Whether a chunk of so many ticks and bytes ends, with the world at this tick.
+    /// Says whether a chunk ends that has so many ticks and bytes, with the world at this tick.
     fn ends_chunk(&self, tick: u64, ticks: u32, bytes: usize) -> bool {
         ticks == SEGMENT || bytes > SEGMENT_BYTES || self.has_snapshot(tick)
     }
 }
 
-/// A replay being written.
+/// A replay that is being written.
 #[derive(Clone, Debug)]
 pub(super) struct Writer {
     pub(super) head: Head,
-    /// What is finished of the file and was not taken yet.
+    /// The finished bytes of the file that were not taken yet.
     pub(super) file: Vec<u8>,
-    /// The ticks of the chunk to come, as bytes.
+    /// The bytes of the next chunk of ticks.
     segment: Vec<u8>,
     ticks: u32,
 }
 
 impl Writer {
-    /// Begins with the world at the tick of the head.
+    /// Begins a file with the world at the tick of the head.
     pub(super) fn new(head: Head, start: &World) -> Self {
         let mut bytes = Vec::new();
         head.write(&mut bytes);
@@ -54,14 +56,14 @@ impl Writer {
         writer
     }
 
-    /// Adds a tick: what was done, and the tick of the world before it and after it.
-    pub(super) fn tick(&mut self, before: u64, done: &impl Write, after: u64) {
+    /// Adds a tick, which took the world from tick `before` to tick `after`.
+    pub(super) fn tick(&mut self, before: u64, tick: &impl Write, after: u64) {
         if self.segment.is_empty() {
             before.write(&mut self.segment);
-            // The number of ticks, when it is known.
+            // The place for the number of ticks.
             0u32.write(&mut self.segment);
         }
-        done.write(&mut self.segment);
+        tick.write(&mut self.segment);
         self.ticks += 1;
         if self.head.ends_chunk(after, self.ticks, self.segment.len()) {
             self.finish_segment();
@@ -94,21 +96,21 @@ impl Writer {
     }
 }
 
-/// What may follow the chunks that were read.
+/// The chunks that may follow those that were read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Next {
     /// More ticks, or the end.
     Ticks,
     /// The snapshot that a tick has.
     Snapshot,
-    /// The end, as the chunk of ticks before had room for more.
+    /// The end, because the chunk of ticks before had room for more.
     End,
-    /// The end, as the last snapshot was read.
+    /// The end, because the last snapshot was read.
     Done,
 }
 
 impl Next {
-    /// Whether ticks may be here.
+    /// Refuses ticks where none may follow.
     pub(super) fn may_be_ticks(self) -> Result<(), &'static str> {
         match self {
             Self::Ticks => Ok(()),
@@ -118,7 +120,7 @@ impl Next {
         }
     }
 
-    /// After these ticks.
+    /// The chunks that may follow these ticks.
     pub(super) fn after_ticks(ticks: &Ticks<'_>) -> Result<Self, &'static str> {
         match ticks.has_ended {
             _ if ticks.count == 0 => Err("one tick at least"),
@@ -128,17 +130,17 @@ impl Next {
         }
     }
 
-    /// After a snapshot, with the world at this tick.
+    /// The chunks that may follow a snapshot of the world at this tick.
     pub(super) fn after_snapshot(self, head: &Head, tick: u64) -> Result<Self, &'static str> {
         match self {
             Self::Snapshot => Ok(Self::Ticks),
-            // The last one is left out where there is one already.
+            // The last snapshot is left out if there is one of its tick already.
             Self::Ticks | Self::End if !head.has_snapshot(tick) => Ok(Self::Done),
             _ => Err("no other snapshot of this tick"),
         }
     }
 
-    /// Whether `DONE` may be here, with the world at this tick.
+    /// Refuses the end where it may not follow, with the world at this tick.
     pub(super) fn may_be_done(self, head: &Head, tick: u64) -> Result<(), &'static str> {
         match self {
             Self::Done => Ok(()),
@@ -148,10 +150,10 @@ impl Next {
     }
 }
 
-/// The ticks of a chunk, looked at one after the other.
+/// The ticks of a chunk that is being read.
 pub(super) struct Ticks<'a> {
     head: &'a Head,
-    /// How many were before.
+    /// The number of ticks before the chunk.
     start: u64,
     pub(super) count: u32,
     has_ended: bool,
@@ -162,18 +164,18 @@ impl<'a> Ticks<'a> {
         Self { head, start, count: 0, has_ended: false }
     }
 
-    /// How many there are up to here, those before the chunk included.
+    /// The number of ticks up to here, those before the chunk included.
     pub(super) fn end(&self) -> u64 {
         self.start + u64::from(self.count)
     }
 
-    /// The tick the world is at then.
+    /// The tick of the world after them.
     pub(super) fn tick(&self) -> u64 {
         self.head.tick_after(self.end())
     }
 
-    /// Goes on by a tick, with which the chunk has so many bytes. Refuses what would not be written like this.
-    pub(super) fn see(&mut self, tick: &Tick<'_>, bytes: usize) -> Result<(), &'static str> {
+    /// Adds a tick, with which the chunk has so many bytes. Refuses one that a recorder would not have put here.
+    pub(super) fn add(&mut self, tick: &Tick<'_>, bytes: usize) -> Result<(), &'static str> {
         if self.has_ended {
             return Err("another chunk: of ticks, or the snapshot of this tick");
         }

@@ -1,36 +1,36 @@
-//! The frame of files: chunks, each with a code that finds damage and tells what was there before.
+//! Chunks, of which files are made. Each has a hash that detects a change, and sums that recover the value before it.
 //!
-//! A chunk is a word that says what it is and how long, the same word with every bit turned over, its bytes, and a seal:
-//! the XXH3 of word and bytes, and two sums over the bytes taken as words wₖ of 64 bits: Σ wₖ and Σ (k + 1)·wₖ. If one word
-//! was changed by d, the sums are off by d and by (k + 1)·d: their ratio says which word it is, their size what it was, and
-//! the hash that this is so.
+//! A chunk is a word with its tag and length, the same word with all bits inverted, its bytes, and a seal: the XXH3 of word
+//! and bytes, and two sums over the bytes taken as words wₖ of 64 bits: Σ wₖ and Σ (k + 1)·wₖ. If one word was changed by d,
+//! the sums are off by d and by (k + 1)·d. Their ratio gives the index of the word, d its value before, and the hash
+//! confirms both. So a change of one word can be named with the recorded and the found value; any other change is refused.
 
 use alloc::vec::Vec;
 
 use crate::codec::{Encoder as _, Malformed, Read, Reader, StateHasher};
 
-/// What a chunk holds.
+/// The kind of a chunk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Tag(pub(super) [u8; 4]);
+pub(in crate::replay) struct Tag(pub(in crate::replay) [u8; 4]);
 
-/// A chunk of a file, whole again if it could be made so.
+/// A chunk of a file. If one word of its bytes was changed, they are the recorded ones again.
 #[derive(Clone, Debug)]
-pub(super) struct Chunk {
-    pub(super) tag: Tag,
-    pub(super) bytes: Vec<u8>,
-    pub(super) damage: Option<Damage>,
+pub(in crate::replay) struct Chunk {
+    pub(in crate::replay) tag: Tag,
+    pub(in crate::replay) bytes: Vec<u8>,
+    pub(in crate::replay) damage: Option<Damage>,
 }
 
-/// How a chunk was changed.
+/// A change of a chunk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Damage {
-    /// The word before it, or its double.
+pub(in crate::replay) enum Damage {
+    /// The word with tag and length was changed, or its inverted double.
     Word { recorded: u64, found: u64, double: bool },
-    /// A word of its bytes, at this index of them; the bytes are as they were again.
+    /// A word of the bytes was changed; `at` is the index of its first byte.
     Bytes { at: usize, found: u64 },
-    /// The seal.
+    /// A part of the seal was changed.
     Seal { part: &'static str, recorded: u128, found: u128 },
-    /// More than that.
+    /// More than one word was changed.
     Unknown,
 }
 
@@ -72,8 +72,8 @@ fn word_of(tag: Tag, length: u32) -> u64 {
     u64::from(u32::from_le_bytes(tag.0)) | u64::from(length) << 32
 }
 
-/// Puts a chunk at the end of a file. *Domain* fewer than 2^32 bytes.
-pub(super) fn write(file: &mut Vec<u8>, tag: Tag, bytes: &[u8]) {
+/// Appends a chunk to a file. *Domain* fewer than 2^32 bytes.
+pub(in crate::replay) fn write(file: &mut Vec<u8>, tag: Tag, bytes: &[u8]) {
     let word = word_of(tag, bytes.len() as u32);
     let Seal { hash, sum, weighted } = Seal::of(word, bytes);
     file.extend_from_slice(&word.to_le_bytes());
@@ -84,11 +84,11 @@ pub(super) fn write(file: &mut Vec<u8>, tag: Tag, bytes: &[u8]) {
     file.extend_from_slice(&weighted.to_le_bytes());
 }
 
-/// Reads the next chunk; `None` where none follows whole.
-pub(super) fn read(reader: &mut Reader<'_>) -> Option<Chunk> {
+/// Reads the next chunk; `None` if the bytes end before it does.
+pub(in crate::replay) fn read(reader: &mut Reader<'_>) -> Option<Chunk> {
     let mut attempt = reader.clone();
     let (word, double) = (u64::read(&mut attempt).ok()?, !u64::read(&mut attempt).ok()?);
-    // If one of the two was changed, the one that a whole chunk follows is right.
+    // If one of the two was changed, the right one is followed by an undamaged chunk.
     let chunk = if word == double {
         body(&mut attempt, word).ok()?
     } else {
@@ -115,7 +115,7 @@ fn body(reader: &mut Reader<'_>, word: u64) -> Result<Chunk, Malformed> {
     Ok(Chunk { tag, bytes, damage })
 }
 
-/// Finds out what was changed, and undoes it.
+/// Finds the word that was changed, and recovers the recorded one.
 fn repair(word: u64, bytes: &mut [u8], recorded: Seal, found: Seal) -> Damage {
     if recorded.hash == found.hash {
         let (part, found, recorded) = if recorded.sum == found.sum {
@@ -123,7 +123,7 @@ fn repair(word: u64, bytes: &mut [u8], recorded: Seal, found: Seal) -> Damage {
         } else {
             ("sum", recorded.sum, found.sum)
         };
-        // What the bytes give was recorded, what is there is the change.
+        // The bytes are right: the sum they give is the recorded one.
         return Damage::Seal { part, recorded, found };
     }
     if recorded.sum == found.sum && recorded.weighted == found.weighted {

@@ -1,36 +1,61 @@
-//! How much a replay may be, and why one is not believed.
+//! Limits for the verification of a replay, and the reasons why it fails.
 
 use alloc::boxed::Box;
 use core::fmt;
 
-use super::playback::Divergence;
-use super::replay::Replay;
 use crate::error::codes;
+use crate::replay::diff::Difference;
 use crate::world::World;
 
-/// Limits on what a replay may ask for. Together with the size of the file they bound the time that verifying takes: a step
-/// takes time in proportion to the bodies, times the force fields that act on them, and a command in proportion to its bytes.
+/// A run that differs from the recorded one.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Divergence {
+    /// The tick of the first hash that differs.
+    pub tick: u64,
+    /// The recorded hash.
+    pub recorded: u64,
+    /// The hash of the run.
+    pub computed: u64,
+    /// The first value that differs at the next tick with a snapshot, the recorded value on the left; the hash itself if no
+    /// value does.
+    pub difference: Difference,
+}
+
+impl fmt::Display for Divergence {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { tick, recorded, computed, difference } = self;
+        write!(f, "at tick {tick} the hash is {computed:016x}, recorded was {recorded:016x}; {difference}")
+    }
+}
+
+codes!(Divergence = 420);
+
+impl core::error::Error for Divergence {}
+
+/// Limits on the work that a replay may cause. Together with the size of the file they bound the time of a verification: a
+/// step takes time in proportion to the bodies, times the force fields that act on them, and a command in proportion to its
+/// bytes.
 ///
 /// [`Replay::verify_within`] has an example.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct ReplayLimits {
-    /// The most ticks it may have.
+    /// The most ticks.
     pub ticks: u64,
-    /// The most bodies there may be at any time.
+    /// The most bodies at any time.
     pub bodies: u32,
-    /// The most force fields there may be at any time.
+    /// The most force fields at any time.
     pub fields: u32,
-    /// The most commands it may have over all of its ticks, calls and inputs.
+    /// The most commands in all ticks together, calls and inputs.
     pub commands: u64,
 }
 
 impl ReplayLimits {
-    /// More than there can be.
+    /// No limits: more than any replay can have.
     pub(super) const NONE: Self = Self { ticks: u64::MAX, bodies: u32::MAX, fields: u32::MAX, commands: u64::MAX };
 
-    pub(super) fn check_ticks(&self, replay: &Replay) -> Result<(), VerifyError> {
-        let found = replay.ticks;
+    pub(super) fn check_ticks(&self, found: u64) -> Result<(), VerifyError> {
         if found > self.ticks { Err(VerifyError::Ticks { found, most: self.ticks }) } else { Ok(()) }
     }
 
@@ -46,38 +71,38 @@ impl ReplayLimits {
     }
 }
 
-/// Why a replay is not believed.
+/// The reason why a replay is not accepted.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum VerifyError {
-    /// It goes another way than the run recorded.
+    /// The run differs from the recorded one.
     Divergence(Box<Divergence>),
-    /// It has more ticks than it may.
+    /// The replay has more ticks than the limit.
     Ticks {
-        /// How many it has.
+        /// The number of ticks.
         found: u64,
-        /// How many it may have.
+        /// The limit.
         most: u64,
     },
-    /// It makes more bodies than it may.
+    /// The run has more bodies than the limit.
     Bodies {
-        /// In which tick.
+        /// The tick in which the limit is exceeded.
         tick: u64,
-        /// How many it may make.
+        /// The limit.
         most: u32,
     },
-    /// It makes more force fields than it may.
+    /// The run has more force fields than the limit.
     Fields {
-        /// In which tick.
+        /// The tick in which the limit is exceeded.
         tick: u64,
-        /// How many it may make.
+        /// The limit.
         most: u32,
     },
-    /// It has more commands than it may.
+    /// The replay has more commands than the limit.
     Commands {
-        /// In which tick there are too many.
+        /// The tick in which the limit is exceeded.
         tick: u64,
-        /// How many it may have.
+        /// The limit.
         most: u64,
     },
 }
@@ -86,7 +111,7 @@ impl fmt::Display for VerifyError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Divergence(divergence) => divergence.fmt(f),
-            Self::Ticks { found, most } => write!(f, "it has {found} ticks, more than {most}"),
+            Self::Ticks { found, most } => write!(f, "the replay has {found} ticks, more than the limit of {most}"),
             Self::Bodies { tick, most } => write!(f, "more than {most} bodies at tick {tick}"),
             Self::Fields { tick, most } => write!(f, "more than {most} force fields at tick {tick}"),
             Self::Commands { tick, most } => write!(f, "more than {most} commands up to tick {tick}"),

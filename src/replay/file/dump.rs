@@ -1,31 +1,23 @@
-//! Desync dumps: one tick with all that is known of it, to be laid beside that of another machine.
+//! Desync dumps: one tick in full detail, to be compared with that of another machine.
 
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
-use super::PHYSICS_VERSION;
 use super::chunk::{self, Chunk, Tag};
-use super::damage::{malformed, sound, whole};
-use super::error::{ReplayError, SnapshotError};
-use super::file::{DONE, DUMP, Doings, Done, Segment, TICKS, Tick};
-use super::finding::{Finding, TickPhase};
-use super::replay::doings_differ;
-use super::snapshot::{self, Saved};
-use crate::codec::{self, Encoder, Malformed, Read, Reader, Write};
+use super::damage::{check_unchanged, read_whole};
+use super::error::ReplayError;
+use super::format::{DONE, DUMP, Done, PHASE, PhaseState, TICKS, VERSION};
+use super::ticks::{NewTick, Segment, Tick, tick_difference};
+use crate::codec::{Read, Reader, Write};
 use crate::force::CustomForce;
-use crate::integrate::StageKind;
+use crate::replay::diff::{Difference, TickPhase};
+use crate::replay::snapshot::{self, PHYSICS_VERSION, Saved, SnapshotError};
 use crate::world::{Command, Inputs, World};
 
-/// The laws it was made under.
-pub(super) const LAWS: Tag = Tag(*b"LAWS");
-/// A moment, and the world then if it is another than at the moment before.
-pub(super) const MOMENT: Tag = Tag(*b"MOMT");
-
-/// A tick from the snapshot before it to the world after it: what was done, and the world after each stage.
+/// One tick in full detail: the world before it, its calls and inputs, and the world after each stage.
 ///
-/// When peers find at a tick that their hashes differ, each writes one of that tick, from a snapshot of the last they
-/// agreed on; [`first_difference`](Self::first_difference) of the two, or `umbra diff`, names the first value that is not
-/// the same on both.
+/// When peers find that their hashes of a tick differ, each writes a dump of that tick, from a snapshot of the last tick they
+/// agreed on. [`first_difference`](Self::first_difference) of the two, or `umbra diff`, names the first value that differs.
 ///
 /// ```
 /// use umbra_physics::{BodyDef, Dump, Inputs, TickPhase, StageKind, World, WorldDef, fx, vec2};
@@ -44,50 +36,18 @@ pub(super) const MOMENT: Tag = Tag(*b"MOMT");
 /// let found = ours.first_difference(&theirs).unwrap();
 /// assert_eq!((found.tick, found.phase), (0, TickPhase::Start));
 /// assert_eq!(found.field, "settings.gravity.y");
-/// assert_eq!(found.recorded.as_deref(), Some("-10"));
+/// assert_eq!(found.left.as_deref(), Some("-10"));
 /// # Ok::<(), umbra_physics::Error>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct Dump {
-    /// What was done, as it stands in the file.
+    /// The calls and inputs, as they stand in the file.
     done: Vec<u8>,
-    /// Moments at which the world was the same share it.
-    phases: Vec<(TickPhase, Arc<World>)>,
-}
-
-impl Write for TickPhase {
-    fn write(&self, out: &mut impl Encoder) {
-        let (tag, index, kind) = match *self {
-            Self::Start => (0, 0, StageKind::Clear),
-            Self::Calls => (1, 0, StageKind::Clear),
-            Self::Inputs => (2, 0, StageKind::Clear),
-            Self::Stage { index, kind } => (3, index, kind),
-            Self::End => (4, 0, StageKind::Clear),
-        };
-        out.leaf(&[tag], self);
-        if let Self::Stage { .. } = self {
-            codec::field(out, "index", &index);
-            codec::field(out, "verb", &kind);
-        }
-    }
-}
-
-impl Read for TickPhase {
-    fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {
-        let malformed = reader.malformed("the number of a moment");
-        Ok(match u8::read(reader)? {
-            0 => Self::Start,
-            1 => Self::Calls,
-            2 => Self::Inputs,
-            3 => Self::Stage { index: u32::read(reader)?, kind: StageKind::read(reader)? },
-            4 => Self::End,
-            _ => return Err(malformed),
-        })
-    }
+    phases: Phases,
 }
 
 impl Dump {
-    /// Makes a tick once more from the world before it, looked at stage by stage; `after` is what it led to in the match.
+    /// Makes a dump by repeating a tick from the world before it, stage by stage. `after` is the world it led to in the match.
     ///
     /// Calls come before inputs, as in a [`Recorder`](super::Recorder).
     #[must_use]
@@ -98,19 +58,20 @@ impl Dump {
         }
         let called = world.clone();
         _ = world.carry_out(inputs);
-        Self::of_step(before, called, world, after, &Doings { calls, inputs, hash: Some(after.state_hash()) })
+        Self::of_step(before, called, world, after, &NewTick { calls, inputs, hash: Some(after.state_hash()) })
     }
 
-    /// The same for a game that does more than inputs say: `act` is all it does to its world in the tick before it steps.
+    /// Makes a dump for a game that changes its world other than by inputs: `act` makes all changes of the tick before the
+    /// step.
     #[must_use]
     pub fn of_game(before: &World, act: impl FnOnce(&mut World), after: &World) -> Self {
         let mut world = before.clone();
         act(&mut world);
-        let done = Doings { calls: &[], inputs: &Inputs::new(), hash: Some(after.state_hash()) };
+        let done = NewTick { calls: &[], inputs: &Inputs::new(), hash: Some(after.state_hash()) };
         Self::of_step(before, world.clone(), world, after, &done)
     }
 
-    fn of_step(before: &World, called: World, mut world: World, after: &World, done: &Doings<'_>) -> Self {
+    fn of_step(before: &World, called: World, mut world: World, after: &World, done: &NewTick<'_>) -> Self {
         let mut phases = alloc::vec![(TickPhase::Start, before.clone()), (TickPhase::Calls, called)];
         phases.push((TickPhase::Inputs, world.clone()));
         let trace = world.step_traced();
@@ -124,7 +85,7 @@ impl Dump {
         Self { done: bytes, phases: phases.into_iter().map(|(phase, world)| (phase, Arc::new(world))).collect() }
     }
 
-    /// The world at each moment of the tick, from its start to its end.
+    /// The world after each phase of the tick, from its start to its end.
     ///
     /// ```
     /// use umbra_physics::{BodyDef, Dump, Inputs, TickPhase, World, WorldDef, vec2};
@@ -134,7 +95,7 @@ impl Dump {
     /// let before = world.clone();
     /// world.step();
     /// for (phase, then) in Dump::of_tick(&before, &[], &Inputs::new(), &world).phases() {
-    ///     println!("{moment}: {:.3}", then.body(ball)?.velocity()); // 0 at the start, −1 at the end
+    ///     println!("{phase}: {:.3}", then.body(ball)?.velocity()); // 0 at the start, −1 at the end
     /// }
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
@@ -142,46 +103,46 @@ impl Dump {
         self.phases.iter().map(|(phase, world)| (*phase, &**world))
     }
 
-    /// The tick the world was at before.
+    /// The tick of the world before.
     #[must_use]
     pub fn tick(&self) -> u64 {
         self.phases.first().map_or(0, |(_, world)| world.tick())
     }
 
-    /// The first value in which two machines were not the same in this tick: in the world before, in what was done, after
-    /// a stage, or at the end alone, if either computes another thing now than it did then. `None` if they were the same.
+    /// The first value in which two machines differed in this tick: in the world before, in calls and inputs, after a stage,
+    /// or only at the end, if one of them computes another result now than in the match. `None` if they were the same.
     #[must_use]
-    pub fn first_difference(&self, other: &Self) -> Option<Finding> {
+    pub fn first_difference(&self, other: &Self) -> Option<Difference> {
         let tick = self.tick();
         let mut theirs = other.phases.iter();
         for (phase, world) in &self.phases {
             if *phase == TickPhase::Calls {
-                // They were made as ticks, or read as such.
+                // These bytes were written by a tick, or read as one.
                 let [ours, theirs] = [self, other].map(|dump| Tick::read(&mut Reader::new(&dump.done)));
-                let parting = ours.ok().zip(theirs.ok()).and_then(|(ours, theirs)| doings_differ(tick, &ours, &theirs));
-                if parting.is_some() {
-                    return parting;
+                let found = ours.ok().zip(theirs.ok()).and_then(|(ours, theirs)| tick_difference(tick, &ours, &theirs));
+                if found.is_some() {
+                    return found;
                 }
             }
             let Some((there, other)) = theirs.next() else { break };
-            // Stages that are not the same come from settings that are not, and these were compared before.
+            // The stages differ only if the settings do, and those were compared before.
             if phase != there {
                 break;
             }
             if let Some(found) = world.first_difference(other) {
-                return Some(Finding::at(tick, *phase, found));
+                return Some(found.at(tick, *phase));
             }
         }
         None
     }
 
-    /// As bytes to mail, the same on every machine; `docs/formats.md` has them one by one.
+    /// The dump as bytes, the same on every machine; `docs/formats.md` describes them one by one.
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut file = DUMP.begin();
-        chunk::write(&mut file, LAWS, &PHYSICS_VERSION.to_le_bytes());
+        chunk::write(&mut file, VERSION, &PHYSICS_VERSION.to_le_bytes());
         let mut bytes = Vec::new();
-        // A segment of one tick.
+        // The chunk has one tick.
         self.tick().write(&mut bytes);
         1u32.write(&mut bytes);
         bytes.extend_from_slice(&self.done);
@@ -192,8 +153,8 @@ impl Dump {
             Saved(&**world).write(&mut saved);
             bytes.clear();
             let is_new = last.as_ref() != Some(&saved);
-            Instant { phase: *phase, world: is_new.then_some(&**world) }.write(&mut bytes);
-            chunk::write(&mut file, MOMENT, &bytes);
+            PhaseState { phase: *phase, world: is_new.then_some(&**world) }.write(&mut bytes);
+            chunk::write(&mut file, PHASE, &bytes);
             last = Some(saved);
         }
         bytes.clear();
@@ -203,89 +164,97 @@ impl Dump {
         file
     }
 
-    /// The dump that is these bytes, of a world in which these laws of force may act. Reading takes at most 16 bytes of memory
-    /// for each of theirs and 64 KiB.
+    /// Reads a dump from bytes. The custom forces that the world uses must be among those given. Reading takes at most 16 bytes
+    /// of memory for each input byte and 64 KiB.
     ///
     /// # Errors
     /// A [`ReplayError`].
     pub fn from_bytes(bytes: &[u8], custom_forces: &[Arc<dyn CustomForce>]) -> Result<Self, ReplayError> {
-        let mut reader = Reader::new(bytes);
-        DUMP.enter(&mut reader)?;
-        let mut number = 0;
-        let mut next = |tag: Option<Tag>| -> Result<(Chunk, u32), ReplayError> {
-            let chunk = chunk::read(&mut reader).ok_or(ReplayError::CutOff { tick: 0 })?;
-            number += 1;
-            sound(&chunk, number - 1, 0, custom_forces)?;
-            match tag {
-                Some(tag) if tag != chunk.tag => Err(malformed(number - 1, "another chunk")),
-                _ => Ok((chunk, number - 1)),
-            }
-        };
-        let (chunk, at) = next(Some(LAWS))?;
-        match whole(&chunk, at, u32::read)? {
+        let mut chunks = Chunks { reader: Reader::new(bytes), number: 0, custom_forces };
+        DUMP.enter(&mut chunks.reader)?;
+        let (chunk, at) = chunks.next_of(VERSION)?;
+        match read_whole(&chunk, at, u32::read)? {
             PHYSICS_VERSION => {}
             found => return Err(ReplayError::PhysicsVersion { found, own: PHYSICS_VERSION }),
         }
-        let (chunk, at) = next(Some(TICKS))?;
+        let (chunk, at) = chunks.next_of(TICKS)?;
         let mut hash = None;
         let look = |tick: &Tick<'_>, _| {
             hash = tick.hash;
             Ok(())
         };
-        let Segment { tick, count, .. } = whole(&chunk, at, |reader| Segment::read_and(reader, look))?;
+        let Segment { tick, count, .. } = read_whole(&chunk, at, |reader| Segment::read_and(reader, look))?;
         if count != 1 {
-            return Err(malformed(at, "one tick"));
+            return Err(ReplayError::expected(at, "one tick"));
         }
         let mut done = chunk.bytes;
         done.drain(..Segment::HEAD);
-        let mut phases: Vec<(TickPhase, Arc<World>)> = Vec::new();
-        let mut saved = Vec::new();
-        loop {
-            let (chunk, at) = next(None)?;
-            match chunk.tag {
-                MOMENT => {
-                    let phase = read_moment(chunk, at, &phases, &mut saved, custom_forces)?;
-                    phases.push(phase);
-                }
-                DONE => {
-                    let end = whole(&chunk, at, Done::read)?;
-                    let is_it = |(_, world): &(TickPhase, Arc<World>)| world.state_hash() == end.hash;
-                    let starts = phases.first().is_some_and(|(_, world)| world.tick() == tick);
-                    if next_moment(&phases).is_some() {
-                        return Err(malformed(at, "the next moment"));
-                    }
-                    if !(starts && end.tick == tick && hash == Some(end.hash) && phases.last().is_some_and(is_it)) {
-                        return Err(malformed(at, "the tick, and the hash of its end, which the ticks have too"));
-                    }
-                    break;
-                }
-                _ => return Err(malformed(at, "a moment")),
-            }
-        }
-        reader.end().map_err(|malformed| ReplayError::Malformed { chunk: number, malformed })?;
+        let phases = chunks.read_phases(tick, hash)?;
+        let number = chunks.number;
+        chunks.reader.end().map_err(|malformed| ReplayError::Malformed { chunk: number, malformed })?;
         Ok(Self { done, phases })
     }
 }
 
-/// A moment as it is written: with the world, if it is another than at the moment before.
-pub(super) struct Instant<'a> {
-    pub(super) phase: TickPhase,
-    pub(super) world: Option<&'a World>,
+/// The phases of a tick, each with its world. Phases with the same world share it.
+type Phases = Vec<(TickPhase, Arc<World>)>;
+
+/// The chunks of a dump that are still to be read.
+struct Chunks<'a> {
+    reader: Reader<'a>,
+    /// The number of chunks that were read.
+    number: u32,
+    custom_forces: &'a [Arc<dyn CustomForce>],
 }
 
-impl Write for Instant<'_> {
-    fn write(&self, out: &mut impl Encoder) {
-        let Self { phase, world } = self;
-        codec::field(out, "moment", phase);
-        codec::field(out, "is_new", &world.is_some());
-        if let Some(world) = world {
-            Saved(*world).write(out);
+impl Chunks<'_> {
+    /// Reads a chunk, and gives its number.
+    fn next(&mut self) -> Result<(Chunk, u32), ReplayError> {
+        let chunk = chunk::read(&mut self.reader).ok_or(ReplayError::CutOff { tick: 0 })?;
+        let number = self.number;
+        self.number += 1;
+        check_unchanged(&chunk, number, 0, self.custom_forces)?;
+        Ok((chunk, number))
+    }
+
+    /// Reads a chunk with this tag.
+    fn next_of(&mut self, tag: Tag) -> Result<(Chunk, u32), ReplayError> {
+        let (chunk, number) = self.next()?;
+        if chunk.tag == tag { Ok((chunk, number)) } else { Err(ReplayError::expected(number, "another chunk")) }
+    }
+
+    /// Reads the phases of this tick, after which the world has this hash.
+    fn read_phases(&mut self, tick: u64, hash: Option<u64>) -> Result<Phases, ReplayError> {
+        let mut phases = Phases::new();
+        let mut saved = Vec::new();
+        loop {
+            let (chunk, at) = self.next()?;
+            match chunk.tag {
+                PHASE => {
+                    let phase = read_phase(chunk, at, &phases, &mut saved, self.custom_forces)?;
+                    phases.push(phase);
+                }
+                DONE => {
+                    let end = read_whole(&chunk, at, Done::read)?;
+                    let is_end = |(_, world): &(TickPhase, Arc<World>)| world.state_hash() == end.hash;
+                    let starts = phases.first().is_some_and(|(_, world)| world.tick() == tick);
+                    if next_phase(&phases).is_some() {
+                        return Err(ReplayError::expected(at, "the next phase"));
+                    }
+                    if !(starts && end.tick == tick && hash == Some(end.hash) && phases.last().is_some_and(is_end)) {
+                        let expected = "the tick, and the hash of its end, which the ticks have too";
+                        return Err(ReplayError::expected(at, expected));
+                    }
+                    return Ok(phases);
+                }
+                _ => return Err(ReplayError::expected(at, "a phase")),
+            }
         }
     }
 }
 
-/// The moment that comes after these. A tick has a few, each once.
-fn next_moment(before: &[(TickPhase, Arc<World>)]) -> Option<TickPhase> {
+/// The phase after these. A tick has each phase once.
+fn next_phase(before: &[(TickPhase, Arc<World>)]) -> Option<TickPhase> {
     Some(match before {
         [] => TickPhase::Start,
         [_] => TickPhase::Calls,
@@ -298,8 +267,8 @@ fn next_moment(before: &[(TickPhase, Arc<World>)]) -> Option<TickPhase> {
     })
 }
 
-/// A moment after these, and the world then; `saved` has the bytes of the world before.
-fn read_moment(
+/// Reads the phase after these, and its world; `saved` has the bytes of the world before.
+fn read_phase(
     chunk: Chunk,
     number: u32,
     before: &[(TickPhase, Arc<World>)],
@@ -309,9 +278,9 @@ fn read_moment(
     let mut bytes = chunk.bytes;
     let mut reader = Reader::new(&bytes);
     let mut read = || -> Result<(TickPhase, Arc<World>, usize), SnapshotError> {
-        let malformed = reader.malformed("the next moment");
+        let malformed = reader.malformed("the next phase");
         let phase = TickPhase::read(&mut reader)?;
-        if next_moment(before) != Some(phase) {
+        if next_phase(before) != Some(phase) {
             return Err(malformed.into());
         }
         let malformed = reader.malformed("whether the world is another than before, and if so that world");

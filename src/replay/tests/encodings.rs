@@ -1,24 +1,23 @@
-//! One encoding for each value: what no writer writes is refused, and what is accepted is written again to the same bytes.
+//! One encoding for each value: bytes that no writer makes are refused, and accepted ones are written again the same.
 
 use alloc::sync::Arc;
 use alloc::vec;
 use alloc::vec::Vec;
 
-use super::chunk::{self, Chunk, Tag};
-use super::file::{DONE, SNAPSHOT, Segment, TICKS, Tick};
-use super::tests::{chunks, custom_forces, file, recording, reseal, values};
-use super::{Dump, RecordOptions, Recorder, Replay, ReplayError, Snapshot, SnapshotError};
+use super::{chunks, file, reseal, values};
 use crate::body::BodyDef;
-use crate::codec::{Encoder as _, Malformed, Reader, Write as _};
+use crate::codec::{Malformed, Write as _};
 use crate::force::{BodyState, CustomForce, CustomForceError, Dependence, ForceTorque};
 use crate::math::{Vec2, vec2};
+use crate::replay::file::{Chunk, SNAPSHOT, TICKS, Tag};
+use crate::replay::{RecordOptions, Recorder, Replay, ReplayError, Snapshot, SnapshotError};
 use crate::scalar::fx::{Fx, fx};
 use crate::shape::{Part, Shape};
 use crate::slots::BodyId;
 use crate::world::{Command, Inputs, World, WorldDef};
 
-/// What should be there instead.
-fn expected<T>(read: Result<T, SnapshotError>) -> &'static str {
+/// The thing that is expected instead.
+pub(super) fn expected<T>(read: Result<T, SnapshotError>) -> &'static str {
     match read.err() {
         Some(SnapshotError::Malformed(Malformed { expected, .. })) => expected,
         other => panic!("{other:?}"),
@@ -88,10 +87,10 @@ fn corners_of_polygons_are_read_counter_clockwise_alone() {
     }
 }
 
-/// A law of force with this id.
-struct FieldKind(u64);
+/// A custom force with this id.
+struct NumberedForce(u64);
 
-impl CustomForce for FieldKind {
+impl CustomForce for NumberedForce {
     fn id(&self) -> u64 {
         self.0
     }
@@ -107,10 +106,10 @@ impl CustomForce for FieldKind {
 }
 
 #[test]
-fn laws_of_force_are_listed_by_their_ids() {
-    let given = [7, 3, 1 << 40].map(|id| Arc::new(FieldKind(id)) as Arc<dyn CustomForce>);
+fn custom_forces_are_listed_by_their_ids() {
+    let given = [7, 3, 1 << 40].map(|id| Arc::new(NumberedForce(id)) as Arc<dyn CustomForce>);
     let mut world = World::new(WorldDef::default()).expect("a world");
-    given.iter().for_each(|law| world.register_custom_force(law.clone()).expect("its id is free"));
+    given.iter().for_each(|force| world.register_custom_force(force.clone()).expect("its id is free"));
     let whole = world.snapshot().to_bytes();
     assert_eq!(Snapshot::from_bytes(&whole, &given).expect("its own bytes").to_bytes(), whole);
     let entry = |id: u64| [&id.to_le_bytes()[..], &1u32.to_le_bytes()].concat();
@@ -121,7 +120,7 @@ fn laws_of_force_are_listed_by_their_ids() {
         bytes[at..at + 36].copy_from_slice(&ids.map(entry).concat());
         reseal(&mut bytes);
         let error = Snapshot::from_bytes(&bytes, &given);
-        assert_eq!(expected(error), "a law of force with a larger id than the one before", "{ids:?}");
+        assert_eq!(expected(error), "a custom force with a larger id than the one before", "{ids:?}");
     }
 }
 
@@ -189,178 +188,18 @@ fn a_body_is_woken_once_in_a_tick() {
     assert_eq!(Snapshot::from_bytes(&bytes, &[]).expect("its own bytes").to_bytes(), bytes);
 }
 
-type Parts = Vec<(Tag, Vec<u8>)>;
+pub(super) type Parts = Vec<(Tag, Vec<u8>)>;
 
-fn parts(file: &[u8]) -> Parts {
+pub(super) fn parts(file: &[u8]) -> Parts {
     chunks(file).into_iter().map(|(chunk, _)| (chunk.tag, chunk.bytes)).collect()
 }
 
-/// The number of the chunk that is refused, and what should be there instead.
-fn instead(error: &ReplayError) -> (u32, &'static str) {
+/// The number of the chunk that is refused, and what is expected instead.
+pub(super) fn instead(error: &ReplayError) -> (u32, &'static str) {
     match error {
         ReplayError::Malformed { chunk, malformed } => (*chunk, malformed.expected),
         other => panic!("{other:?}"),
     }
-}
-
-/// A run of nothing, from this tick on.
-fn run(start: u64, ticks: u64, options: RecordOptions) -> Vec<u8> {
-    let mut world: World = World::new(WorldDef::default()).expect("a world");
-    (0..start).for_each(|_| _ = world.step());
-    let mut recorder = Recorder::new(&world, options);
-    (0..ticks).for_each(|_| _ = recorder.step(&mut world, &Inputs::new()));
-    recorder.finish(&world)
-}
-
-#[test]
-fn a_replay_is_written_to_the_bytes_it_was_read_from() {
-    let mut files = vec![recording()];
-    for (hash_every, snapshot_every) in [(1, 0), (1, 1), (3, 4), (7, 10), (2, 64), (5, 4096)] {
-        for ticks in [0, 1, 4, 63, 64, 65, 128, 130] {
-            files.extend([0, 3, 8].map(|start| run(start, ticks, RecordOptions { hash_every, snapshot_every })));
-        }
-    }
-    for whole in files {
-        let read = Replay::from_bytes(&whole, &custom_forces()).expect("it is whole");
-        assert!(read.to_bytes() == whole && read.verify().is_ok());
-        // Cut off, up to the last chunk that is whole.
-        let ends: Vec<usize> = chunks(&whole).iter().map(|(chunk, at)| at + chunk.bytes.len() + 40).collect();
-        for (end, next) in ends.iter().zip(&ends[1..]).skip(1) {
-            let cut = Replay::recovered(&whole[..next - 1], &custom_forces()).expect("the rest of it");
-            assert!(cut.to_bytes() == whole[..*end] && !cut.is_complete() && cut.verify().is_ok());
-        }
-    }
-}
-
-/// A chunk of these ticks, of the run of nothing from this tick on.
-fn segment(start: u64, ticks: &[&[u8]]) -> (Tag, Vec<u8>) {
-    let mut bytes = Vec::new();
-    start.write(&mut bytes);
-    (ticks.len() as u32).write(&mut bytes);
-    ticks.iter().for_each(|tick| bytes.bytes(tick));
-    (TICKS, bytes)
-}
-
-#[test]
-fn the_chunks_of_a_replay_are_those_of_a_recorder() {
-    let options = RecordOptions { hash_every: 2, snapshot_every: 100 };
-    let whole = parts(&run(0, 180, options));
-    let tags: Vec<[u8; 4]> = whole.iter().map(|(tag, _)| tag.0).collect();
-    // 64, 36 and a snapshot, 64, 16 and a snapshot.
-    let order = ["HEAD", "SNAP", "TICK", "TICK", "SNAP", "TICK", "TICK", "SNAP", "DONE"];
-    assert!(tags.iter().eq(order.map(str::as_bytes)), "{tags:?}");
-    assert!(Replay::from_bytes(&file(&whole), &[]).is_ok());
-    let ticks: Vec<Vec<u8>> = (whole.iter().filter(|(tag, _)| *tag == TICKS))
-        .flat_map(|(_, bytes)| {
-            let segment = Segment::read(&mut Reader::new(bytes)).expect("ticks");
-            segment.ticks().map(|tick| as_bytes(&tick)).collect::<Vec<_>>()
-        })
-        .collect();
-    let ticks: Vec<&[u8]> = ticks.iter().map(|tick| &tick[..]).collect();
-    let check = |what: &str, change: &dyn Fn(&mut Parts), (chunk, right): (u32, &str)| {
-        let mut parts = whole.clone();
-        change(&mut parts);
-        let error = Replay::from_bytes(&file(&parts), &[]).expect_err(what);
-        assert_eq!(instead(&error), (chunk, right), "{what}");
-    };
-    let ends = "another chunk: of ticks, or the snapshot of this tick";
-    let has_room = "the last snapshot: the chunk of ticks before has room for more";
-    let other = |start: usize, end: usize| segment(start as u64, &ticks[start..end]);
-    check("split", &|parts| drop(parts.splice(2..3, [other(0, 30), other(30, 64)])), (3, has_room));
-    check("shifted", &|parts| drop(parts.splice(2..4, [other(0, 63), other(63, 100)])), (3, has_room));
-    check("together", &|parts| drop(parts.splice(2..4, [other(0, 100)])), (2, ends));
-    check("over a snapshot", &|parts| drop(parts.splice(3..6, [other(64, 128)])), (3, ends));
-    check("none", &|parts| parts.insert(5, segment(100, &[])), (5, "one tick at least"));
-    check("no snapshot on the way", &|parts| drop(parts.remove(4)), (4, "the snapshot of this tick"));
-    check("a snapshot twice", &|parts| parts.insert(5, parts[4].clone()), (5, "no other snapshot of this tick"));
-    check("a snapshot too soon", &|parts| parts.insert(3, parts[4].clone()), (3, "the snapshot of this tick"));
-    check("no last snapshot", &|parts| drop(parts.remove(7)), (7, "the snapshot of the last tick"));
-    check("two last snapshots", &|parts| parts.insert(8, parts[7].clone()), (8, "no other snapshot of this tick"));
-    check("more after the last one", &|parts| parts.insert(8, segment(180, &[ticks[1]])), (8, "the end"));
-
-    let hashes = "a tick with a hash where the head says so, and nowhere else";
-    let (bare, hashed) = (ticks[0], ticks[1]);
-    assert_eq!((bare.len(), hashed.len()), (9, 17));
-    let with = |at: usize, tick: &[u8]| {
-        let mut some = ticks[..64].to_vec();
-        some[at] = tick;
-        segment(0, &some)
-    };
-    check("a hash more", &|parts| parts[2] = with(6, hashed), (2, hashes));
-    check("a hash less", &|parts| parts[2] = with(63, bare), (2, hashes));
-    // Another head says so.
-    let head = |parts: &mut Parts, at: usize, every: u32| parts[0].1[at..at + 4].copy_from_slice(&every.to_le_bytes());
-    check("hashes elsewhere", &|parts| head(parts, 12, 1), (2, hashes));
-    check("snapshots elsewhere", &|parts| head(parts, 16, 50), (2, ends));
-    check("no snapshots", &|parts| head(parts, 16, 0), (5, "the end"));
-}
-
-fn as_bytes(tick: &Tick<'_>) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    tick.write(&mut bytes);
-    bytes
-}
-
-#[test]
-fn where_the_last_tick_has_a_snapshot_there_is_no_other() {
-    let mut parts = parts(&run(0, 4, RecordOptions { hash_every: 1, snapshot_every: 4 }));
-    assert_eq!(parts.len(), 5);
-    let last = parts[3].clone();
-    parts.insert(4, last);
-    let error = Replay::from_bytes(&file(&parts), &[]).expect_err("one is enough");
-    assert_eq!(instead(&error), (4, "no other snapshot of this tick"));
-    parts.drain(3..5);
-    let error = Replay::from_bytes(&file(&parts), &[]).expect_err("none is too few");
-    assert_eq!(instead(&error), (3, "the snapshot of the last tick"));
-}
-
-/// A dump of these chunks, with seals of their own.
-fn dump_of(begin: &[u8], parts: &Parts) -> Vec<u8> {
-    let mut bytes = begin.to_vec();
-    parts.iter().for_each(|(tag, part)| chunk::write(&mut bytes, *tag, part));
-    bytes
-}
-
-#[test]
-fn a_dump_tells_a_world_once_and_its_end_in_each_place() {
-    let mut world = World::new(WorldDef { gravity: vec2(0, -1), ..WorldDef::default() }).expect("a world");
-    world.add_body(BodyDef::dynamic()).expect("a body");
-    let before = world.clone();
-    world.step();
-    let whole = Dump::of_tick(&before, &[], &Inputs::new(), &world).to_bytes();
-    let mut reader = Reader::new(&whole[12..]);
-    let all: Parts = core::iter::from_fn(|| chunk::read(&mut reader)).map(|chunk| (chunk.tag, chunk.bytes)).collect();
-    assert_eq!(Dump::from_bytes(&dump_of(&whole[..12], &all), &[]).expect("it is whole").to_bytes(), whole);
-    // What follows after `is_new` is a world, or nothing.
-    let (mut last, mut told) = (Vec::new(), 0);
-    for (number, (_, bytes)) in all.iter().enumerate().skip(2).take(all.len() - 3) {
-        let at = if bytes[0] == 3 { 7 } else { 2 };
-        if bytes[at - 1] == 1 {
-            last = bytes[at..].to_vec();
-            continue;
-        }
-        let mut parts = all.clone();
-        parts[number].1 = [&bytes[..at - 1], &[1], &last].concat();
-        let error = Dump::from_bytes(&dump_of(&whole[..12], &parts), &[]).expect_err("it is the same world");
-        let ReplayError::Snapshot { chunk, error } = error else { panic!("{error}") };
-        let right = "whether the world is another than before, and if so that world";
-        assert_eq!((chunk as usize, expected::<()>(Err(error))), (number, right));
-        told += 1;
-    }
-    assert!(told > 3, "{told}");
-    let [bare, other] = [None, Some(world.state_hash() ^ 1)].map(|hash: Option<u64>| {
-        let mut bytes = all[1].1[..20].to_vec();
-        hash.write(&mut bytes);
-        bytes
-    });
-    for ticks in [bare, other] {
-        let mut parts = all.clone();
-        parts[1].1 = ticks;
-        let error = Dump::from_bytes(&dump_of(&whole[..12], &parts), &[]).expect_err("it is another end");
-        let right = "the tick, and the hash of its end, which the ticks have too";
-        assert_eq!(instead(&error), (all.len() as u32 - 1, right));
-    }
-    assert_eq!(all[all.len() - 1].0, DONE);
 }
 
 #[test]
@@ -372,7 +211,7 @@ fn what_is_over_and_what_can_be_reduced_is_not_there() {
     let whole = world.snapshot().to_bytes();
     assert_eq!(Snapshot::from_bytes(&whole, &[]).expect("its own bytes").to_bytes(), whole);
     let over = replaced(&whole, "bodies[0].errand.arrived", 0, &[0]);
-    let right = "an errand with a goal or one that has arrived, or none";
+    let right = "a target with a goal or one that has arrived, or none";
     assert_eq!(expected(Snapshot::from_bytes(&over, &[])), right);
     for den in [0u128, 2, 60] {
         let twice = replaced(&whole, "elapsed.den", 0, &den.to_le_bytes());
@@ -380,7 +219,7 @@ fn what_is_over_and_what_can_be_reduced_is_not_there() {
     }
 }
 
-/// What the writers of numbers have no second way for either.
+/// Numbers, enums and options too.
 #[test]
 fn numbers_have_one_encoding() {
     let accepts = |bytes: &[u8]| {

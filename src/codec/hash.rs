@@ -1,10 +1,10 @@
-//! Values as a hash.
+//! Hashes of values.
 
 use xxhash_rust::xxh3::Xxh3;
 
-use super::{Encoder, Write};
+use super::encode::{Encoder, Write};
 
-/// So many values are handed to a hash at once.
+/// The number of values that are handed to the hash at once.
 const PIECE: usize = 128;
 
 /// A hash: XXH3, 64 bits (Collet).
@@ -26,19 +26,19 @@ impl StateHasher {
         self.0.digest()
     }
 
-    /// The hash of one value.
+    /// Hashes one value.
     pub(crate) fn of(value: &impl Write) -> u64 {
         let mut sink = Self::new();
         value.write(&mut sink);
         sink.finish()
     }
 
-    /// The hash of bytes.
+    /// Hashes bytes.
     pub(crate) fn of_bytes(bytes: &[u8]) -> u64 {
         xxhash_rust::xxh3::xxh3_64(bytes)
     }
 
-    /// Many values at once, each as so many bytes. Hashing takes larger pieces than one value faster.
+    /// Hashes many values, each as so many bytes. Larger pieces than one value are hashed faster.
     pub(crate) fn all<T: Copy, const BYTES: usize>(&mut self, values: &[T], bytes: impl Fn(T) -> [u8; BYTES]) {
         let mut piece = [[0; BYTES]; PIECE];
         for values in values.chunks(PIECE) {
@@ -49,7 +49,7 @@ impl StateHasher {
         }
     }
 
-    /// The same of values that do not stand side by side.
+    /// Hashes many values that do not stand side by side.
     pub(crate) fn each<T, const BYTES: usize>(
         &mut self,
         mut values: impl Iterator<Item = T>,

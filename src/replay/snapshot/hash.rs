@@ -1,17 +1,19 @@
-//! The hash of a world's state: over a canonical sequence of little-endian bytes, the same on every machine.
+//! Hashes of a world's state over a canonical sequence of little-endian bytes, the same on every machine.
 
 use alloc::vec::Vec;
 
-use super::PHYSICS_VERSION;
 use crate::codec::{self, StateHasher, Write as _};
 use crate::force::FieldKind;
 use crate::scalar::Scalar;
 use crate::slots::BodyId;
 use crate::world::{BodyRef, World};
 
+/// The physics version: it is increased whenever the results of a step or of a hash change.
+pub const PHYSICS_VERSION: u32 = 6;
+
 impl<S: Scalar> World<S> {
-    /// A hash of all that the future depends on, handles included: for peers that carried out the same calls. Equal
-    /// worlds have equal hashes whatever the machine; what is derived or cached is not in it.
+    /// A hash of the whole state that the future depends on, handles included: for peers that made the same calls. Equal
+    /// worlds have equal hashes on every machine; derived and cached values are not part of it.
     ///
     /// *Source* XXH3, 64 bits (Collet).
     #[must_use]
@@ -33,11 +35,11 @@ impl<S: Scalar> World<S> {
     }
 
     /// A hash of the motion alone, bodies by their [`key`](crate::BodyDef::key), no handles: for worlds with the same bodies
-    /// and fields that were built in another order. Keys should be different; bodies that share one are told apart by
-    /// their state alone.
+    /// and fields that were built in another order. Each body should have a key of its own; bodies that share one are
+    /// told apart by their state alone.
     ///
-    /// In it are settings and time, what bodies are and how they move, what was applied to them, and the fields: drags in
-    /// the order they act in, others in none. The generator and the blob are the game's and not in it.
+    /// The hash covers settings and time, the bodies and their motion, the applied forces, and the fields: drags in the
+    /// order they act in, other fields in any order. The random generator and the blob belong to the game and are left out.
     ///
     /// *Source* XXH3, 64 bits (Collet).
     ///
@@ -81,11 +83,11 @@ impl<S: Scalar> World<S> {
         sink.finish()
     }
 
-    /// The laws of force that are registered, without their number.
+    /// Hashes the registered custom forces, without their number.
     fn hash_custom_forces(&self, sink: &mut StateHasher) {
-        for law in self.custom_forces.values() {
-            law.id().write(sink);
-            law.version().write(sink);
+        for force in self.custom_forces.values() {
+            force.id().write(sink);
+            force.version().write(sink);
         }
     }
 

@@ -1,0 +1,152 @@
+//! A value in which two states, runs or files differ.
+
+use alloc::format;
+use alloc::string::{String, ToString as _};
+use core::fmt;
+
+use crate::codec::{self, Encoder, Malformed, Part, Read, Reader, Write};
+use crate::integrate::StageKind;
+use crate::replay::snapshot::Owner;
+
+/// A phase of a tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+pub enum TickPhase {
+    /// The start, before anything is done in the tick. Snapshots, and the values of a file that belong to no tick, count to it.
+    Start,
+    /// The calls that are no input of a player.
+    Calls,
+    /// The players' inputs.
+    Inputs,
+    /// A stage of the step, by its index in [`Integrator::stages`](crate::Integrator::stages).
+    Stage {
+        /// The index of the stage, from 0.
+        index: u32,
+        /// The kind of the stage.
+        kind: StageKind,
+    },
+    /// The end of the tick, after quarantine and sleep.
+    End,
+}
+
+impl fmt::Display for TickPhase {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Start => f.write_str("start"),
+            Self::Calls => f.write_str("calls"),
+            Self::Inputs => f.write_str("inputs"),
+            Self::Stage { index, kind } => write!(f, "stage {} ({})", index + 1, kind.name()),
+            Self::End => f.write_str("end"),
+        }
+    }
+}
+
+impl Write for TickPhase {
+    fn write(&self, out: &mut impl Encoder) {
+        let (tag, index, kind) = match *self {
+            Self::Start => (0, 0, StageKind::Clear),
+            Self::Calls => (1, 0, StageKind::Clear),
+            Self::Inputs => (2, 0, StageKind::Clear),
+            Self::Stage { index, kind } => (3, index, kind),
+            Self::End => (4, 0, StageKind::Clear),
+        };
+        out.leaf(&[tag], self);
+        if let Self::Stage { .. } = self {
+            codec::field(out, "index", &index);
+            codec::field(out, "verb", &kind);
+        }
+    }
+}
+
+impl Read for TickPhase {
+    fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {
+        let malformed = reader.malformed("the number of a phase");
+        Ok(match u8::read(reader)? {
+            0 => Self::Start,
+            1 => Self::Calls,
+            2 => Self::Inputs,
+            3 => Self::Stage { index: u32::read(reader)?, kind: StageKind::read(reader)? },
+            4 => Self::End,
+            _ => return Err(malformed),
+        })
+    }
+}
+
+/// A value in which two worlds, runs or files differ, or in which a file was changed.
+///
+/// The text is `tick 2, inputs, body 1, velocity.x: 3 and 4`; with `{:#}` the tick and the phase are left out.
+///
+/// ```
+/// use umbra_physics::{BodyDef, Difference, Owner, TickPhase, World, WorldDef, vec2};
+///
+/// let mut world: World = World::new(WorldDef::default())?;
+/// let body = world.add_body(BodyDef::dynamic())?;
+/// let mut other = world.clone();
+/// other.set_gravity(vec2(0, -10))?;
+/// other.set_velocity(body, vec2(1, 0))?;
+/// let found: Vec<Difference> = world.differences(&other);
+/// assert_eq!((found[0].owner, &found[0].field[..]), (Owner::World, "settings.gravity.y"));
+/// assert_eq!((found[1].owner, found[1].right.as_deref()), (Owner::Body(body), Some("1")));
+/// assert_eq!((found[1].tick, found[1].phase), (0, TickPhase::Start));
+/// assert_eq!(found[1].to_string(), "tick 0, start, body 0, velocity.x: 0 and 1");
+/// assert_eq!(format!("{:#}", found[1]), "body 0, velocity.x: 0 and 1");
+/// # Ok::<(), umbra_physics::Error>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Difference {
+    /// The tick the values are in: tick 0 takes the world from tick 0 to tick 1.
+    pub tick: u64,
+    /// The phase of the tick.
+    pub phase: TickPhase,
+    /// The part of the world that the values belong to.
+    pub owner: Owner,
+    /// The name of the value there, as `position.x`; empty if more was changed than can be told apart.
+    pub field: String,
+    /// The exact value in the first of the two: the recorded value of a file or a run. `None` if there is none, or it is
+    /// unknown.
+    pub left: Option<String>,
+    /// The exact value in the second of the two: the value that was found instead of the recorded one.
+    pub right: Option<String>,
+}
+
+impl Difference {
+    /// The same values in another tick and phase.
+    pub(in crate::replay) fn at(self, tick: u64, phase: TickPhase) -> Self {
+        Self { tick, phase, ..self }
+    }
+
+    /// Two hashes of a world at the end of a tick.
+    pub(in crate::replay) fn of_hashes(tick: u64, left: u64, right: u64) -> Self {
+        let [left, right] = [left, right].map(|hash| Some(format!("{hash:016x}")));
+        Self { tick, phase: TickPhase::End, owner: Owner::World, field: "hash".to_string(), left, right }
+    }
+}
+
+impl fmt::Display for Difference {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { tick, phase, owner, field, left, right } = self;
+        if !f.alternate() {
+            write!(f, "tick {tick}, {phase}, ")?;
+        }
+        owner.fmt(f)?;
+        if !field.is_empty() {
+            write!(f, ", {field}")?;
+        }
+        let none = if left.is_none() && right.is_none() { "unknown" } else { "nothing" };
+        write!(f, ": {} and {}", left.as_deref().unwrap_or(none), right.as_deref().unwrap_or(none))
+    }
+}
+
+/// Writes a path as a name: `bodies[3].position.x`.
+pub(in crate::replay) fn name_of(path: &[Part]) -> String {
+    let mut name = String::new();
+    for part in path {
+        match part {
+            Part::Name(part) if name.is_empty() => name.push_str(part),
+            Part::Name(part) => name.push_str(&format!(".{part}")),
+            Part::Entry(index) => name.push_str(&format!("[{index}]")),
+        }
+    }
+    name
+}

@@ -1,0 +1,162 @@
+//! The values in which two worlds differ.
+
+use alloc::collections::BTreeMap;
+use alloc::vec::Vec;
+
+use super::difference::{Difference, TickPhase, name_of};
+use crate::codec::{self, FieldIndex, FieldValue, Part};
+use crate::replay::snapshot::{Owner, State};
+use crate::scalar::Scalar;
+use crate::slots::{BodyId, FieldId};
+use crate::world::{BodyRef, World};
+
+impl<S: Scalar> World<S> {
+    /// All values in which the states of two worlds differ, in the order of a snapshot: values of the world itself, of its
+    /// bodies, of its force fields. Equal states have none. The tick is that of this world, the phase is
+    /// [`TickPhase::Start`].
+    ///
+    /// This is a tool for debugging: it is slow, and builds the names of all values.
+    #[must_use]
+    pub fn differences(&self, other: &Self) -> Vec<Difference> {
+        let (left, right) = (FieldIndex::of(&State(self)).leaves, FieldIndex::of(&State(other)).leaves);
+        let mut rest: BTreeMap<&[Part], &FieldValue> = right.iter().map(|leaf| (&leaf.path[..], leaf)).collect();
+        let mut found = Vec::new();
+        for leaf in &left {
+            let there = rest.remove(&leaf.path[..]);
+            if there.is_none_or(|there| there.bytes != leaf.bytes) {
+                found.push(self.difference(self, &leaf.path, Some(leaf), there));
+            }
+        }
+        found.extend(rest.into_iter().map(|(path, there)| self.difference(other, path, None, Some(there))));
+        found
+    }
+
+    /// The first of the [`differences`](Self::differences), found in little memory however much differs.
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, World, WorldDef, vec2};
+    ///
+    /// let mut world: World = World::new(WorldDef::default())?;
+    /// for x in 0..1_000 {
+    ///     world.add_body(BodyDef { position: vec2(x, 0), velocity: vec2(0, 1), ..BodyDef::dynamic() })?;
+    /// }
+    /// let mut other = world.clone();
+    /// assert_eq!(world.first_difference(&other), None);
+    /// other.step();
+    /// let first = world.first_difference(&other).unwrap();
+    /// assert_eq!(first.to_string(), "tick 0, start, the world, tick: 0 and 1");
+    /// assert_eq!(world.differences(&other).first(), Some(&first));
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    #[must_use]
+    pub fn first_difference(&self, other: &Self) -> Option<Difference> {
+        let (left, right) = codec::first_difference(&State(self), &State(other))?;
+        let (with, path) = match (&left, &right) {
+            (Some(leaf), _) => (self, &leaf.path),
+            (None, Some(leaf)) => (other, &leaf.path),
+            (None, None) => return None,
+        };
+        let right = right.as_ref().filter(|leaf| leaf.path == *path);
+        Some(self.difference(with, path, left.as_ref(), right))
+    }
+
+    /// The difference at a path, which the world `with` has.
+    fn difference(
+        &self,
+        with: &Self,
+        path: &[Part],
+        left: Option<&FieldValue>,
+        right: Option<&FieldValue>,
+    ) -> Difference {
+        let (owner, path) = with.owner_of(path);
+        difference(self.tick(), owner, path, left, right)
+    }
+
+    /// The owner of the value at a path, and the rest of the path.
+    pub(in crate::replay) fn owner_of<'p>(&self, path: &'p [Part]) -> (Owner, &'p [Part]) {
+        match *path {
+            [Part::Name("bodies"), Part::Entry(slot), ..] => {
+                let generation = self.bodies.generation(slot).unwrap_or_default();
+                (Owner::Body(BodyId::from_parts(slot, generation)), &path[2..])
+            }
+            [Part::Name("fields"), Part::Entry(slot), ..] => {
+                let generation = self.fields.generation(slot).unwrap_or_default();
+                (Owner::ForceField(FieldId::from_parts(slot, generation)), &path[2..])
+            }
+            _ => (Owner::World, path),
+        }
+    }
+}
+
+impl<S: Scalar> BodyRef<'_, S> {
+    /// The first value in which the body differs from another one, of this world or another, handles aside: definition, shape,
+    /// motion, rest. `None` if there is none; forces applied since the last step are not compared.
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, Owner, World, WorldDef, vec2};
+    ///
+    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let [a, b] = [1, 2].map(|x| world.add_body(BodyDef { velocity: vec2(x, 0), ..BodyDef::dynamic() }));
+    /// let (a, b) = (world.body(a?)?, world.body(b?)?);
+    /// let found = a.first_difference(&b).unwrap();
+    /// assert_eq!((found.owner, &found.field[..]), (Owner::Body(a.id()), "velocity.x"));
+    /// assert_eq!(a.first_difference(&a), None);
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    #[must_use]
+    pub fn first_difference(&self, other: &BodyRef<'_, S>) -> Option<Difference> {
+        let leaves = |body: &BodyRef<'_, S>| {
+            let (world, dense) = body.parts();
+            let mut leaves = FieldIndex::of(&world.bodies.record(dense, &world.factor_table)).leaves;
+            leaves.extend(body.shape().into_iter().flat_map(|shape| FieldIndex::of(shape).leaves));
+            leaves
+        };
+        first_unlike(self.parts().0.tick(), Owner::Body(self.id()), &leaves(self), &leaves(other))
+    }
+}
+
+fn difference(
+    tick: u64,
+    owner: Owner,
+    path: &[Part],
+    left: Option<&FieldValue>,
+    right: Option<&FieldValue>,
+) -> Difference {
+    let [left, right] = [left, right].map(|value| value.map(|value| value.text.clone()));
+    Difference { tick, phase: TickPhase::Start, owner, field: name_of(path), left, right }
+}
+
+/// The first value in which two records of one body or field differ.
+fn first_unlike(tick: u64, owner: Owner, left: &[FieldValue], right: &[FieldValue]) -> Option<Difference> {
+    let pairs = left.iter().map(|leaf| (leaf, right.iter().find(|there| there.path == leaf.path)));
+    let mut unlike = pairs.filter(|(leaf, there)| there.is_none_or(|there| there.bytes != leaf.bytes));
+    if let Some((leaf, there)) = unlike.next() {
+        return Some(difference(tick, owner, &leaf.path, Some(leaf), there));
+    }
+    let more = right.iter().find(|leaf| left.iter().all(|here| here.path != leaf.path));
+    more.map(|leaf| difference(tick, owner, &leaf.path, None, Some(leaf)))
+}
+
+#[cfg(test)]
+mod tests {
+    use alloc::string::ToString as _;
+
+    use super::*;
+
+    #[test]
+    fn a_value_that_only_one_of_two_records_has_is_a_difference() {
+        let leaf = |name| FieldValue {
+            path: alloc::vec![Part::Name(name)],
+            at: 0,
+            bytes: alloc::vec![1],
+            text: "1".to_string(),
+        };
+        let found = |left: &[FieldValue], right: &[FieldValue]| {
+            first_unlike(0, Owner::World, left, right).map(|Difference { field, left, right, .. }| (field, left, right))
+        };
+        let (b, one) = ("b".to_string(), Some("1".to_string()));
+        assert_eq!(found(&[leaf("a")], &[leaf("a")]), None);
+        assert_eq!(found(&[leaf("a")], &[leaf("a"), leaf("b")]), Some((b.clone(), None, one.clone())));
+        assert_eq!(found(&[leaf("a"), leaf("b")], &[leaf("a")]), Some((b, one, None)));
+    }
+}

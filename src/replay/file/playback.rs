@@ -1,0 +1,253 @@
+//! Playing a replay: tick by tick, compared with the recorded hashes.
+
+use alloc::boxed::Box;
+use alloc::vec::Vec;
+
+use super::replay::{Cursor, Replay};
+use super::verify::{Divergence, ReplayLimits, VerifyError};
+use crate::replay::diff::{Difference, TickPhase};
+use crate::world::{Command, InputResult, World};
+
+impl Replay {
+    /// Plays the replay from its start.
+    #[must_use]
+    pub fn play(&self) -> Playback<'_> {
+        Playback::new(self, ReplayLimits::NONE)
+    }
+
+    /// Runs the whole replay again, and compares every hash. For an untrusted replay use
+    /// [`verify_within`](Self::verify_within).
+    ///
+    /// # Errors
+    /// A [`Divergence`] at the first hash that differs.
+    pub fn verify(&self) -> Result<(), Box<Divergence>> {
+        let mut playback = self.play();
+        while playback.step()? {}
+        Ok(())
+    }
+
+    /// Verifies an untrusted replay within limits on its ticks and commands, and on the bodies and force fields at any time: a
+    /// short file can add many, and step them for long. The limits hold for the search of a divergence too.
+    ///
+    /// The time is at most that of `ticks` steps of `bodies` bodies in `fields` fields, of a pass over such a world, its blob
+    /// included, for each hash, and of the commands in the file, each on so many bodies and fields. A limit on the size of the
+    /// file limits its blobs and commands. The time of custom forces comes on top.
+    ///
+    /// # Errors
+    /// A [`VerifyError`]: the run diverged from the recording, or exceeded a limit.
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, Command, Inputs, RecordOptions, Recorder, Replay, ReplayLimits, VerifyError};
+    /// use umbra_physics::{World, WorldDef};
+    ///
+    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let mut recorder = Recorder::new(&world, RecordOptions::default());
+    /// for _ in 0..100 {
+    ///     recorder.execute(&mut world, &Command::AddBody(BodyDef::dynamic()))?;
+    ///     recorder.step(&mut world, &Inputs::new());
+    /// }
+    /// let replay = Replay::from_bytes(&recorder.finish(&world), &[])?;
+    /// let most = ReplayLimits { ticks: 60 * 60 * 30, bodies: 1_000, fields: 200, commands: 100_000 };
+    /// assert_eq!(replay.verify_within(most), Ok(()));
+    /// let error = replay.verify_within(ReplayLimits { bodies: 60, ..most }).unwrap_err();
+    /// assert_eq!(error, VerifyError::Bodies { tick: 60, most: 60 });
+    /// assert_eq!(error.to_string(), "more than 60 bodies at tick 60");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn verify_within(&self, limits: ReplayLimits) -> Result<(), VerifyError> {
+        Playback::new(self, limits).verify()
+    }
+}
+
+/// A replay that is being played.
+///
+/// ```
+/// use umbra_physics::{
+///     BodyDef, Command, Divergence, Inputs, Playback, RecordOptions, Recorder, Replay, World, WorldDef, vec2,
+/// };
+///
+/// let mut world: World = World::new(WorldDef::default())?;
+/// let body = world.add_body(BodyDef::dynamic())?;
+/// let mut recorder = Recorder::new(&world, RecordOptions::default());
+/// for tick in 0..10 {
+///     let mut inputs = Inputs::new();
+///     inputs.replace(0, [Command::SetVelocity { body, velocity: vec2(tick, 0) }]);
+///     recorder.step(&mut world, &inputs);
+///     assert!(recorder.outcomes()[0].result.is_ok());
+/// }
+/// let replay = Replay::from_bytes(&recorder.finish(&world), &[])?;
+/// let mut playback: Playback<'_> = replay.play();
+/// playback.seek(5);
+/// assert_eq!(playback.commands().count(), 1); // of the tick to come
+/// let went_on: Result<bool, Box<Divergence>> = playback.step();
+/// assert_eq!(went_on, Ok(true));
+/// assert_eq!(playback.outcomes().len(), 1);
+/// assert_eq!(playback.recorded_hash(), Some(playback.world().state_hash()));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Playback<'a> {
+    replay: &'a Replay,
+    world: World,
+    /// Before the tick to come.
+    cursor: Cursor,
+    /// The number of ticks played.
+    ticks: u64,
+    /// The recorded hash of the world as it is now.
+    recorded: Option<u64>,
+    outcomes: Vec<InputResult>,
+    limits: ReplayLimits,
+    /// The number of commands carried out.
+    commands: u64,
+    /// The limit that was exceeded. The playback stopped there, maybe within a tick, and does not go on.
+    exceeded: Option<VerifyError>,
+}
+
+impl<'a> Playback<'a> {
+    pub(super) fn new(replay: &'a Replay, limits: ReplayLimits) -> Self {
+        let (cursor, recorded, outcomes) = (Cursor::default(), None, Vec::new());
+        Self {
+            replay,
+            world: replay.start.clone(),
+            cursor,
+            ticks: 0,
+            recorded,
+            outcomes,
+            limits,
+            commands: 0,
+            exceeded: None,
+        }
+    }
+
+    /// Plays on to the end, or to the first divergence or exceeded limit.
+    pub(super) fn verify(mut self) -> Result<(), VerifyError> {
+        self.limits.check_ticks(self.replay.ticks)?;
+        self.limits.check(&self.world)?;
+        while self.step()? {}
+        self.exceeded.map_or(Ok(()), Err)
+    }
+
+    /// The world as it is now.
+    #[must_use]
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// The commands of the next tick in the order in which they are carried out, none at the end: first the calls that are no
+    /// input, then the inputs by player and sequence.
+    pub fn commands(&self) -> impl Iterator<Item = Command> + use<'a> {
+        let tick = self.replay.next(&mut self.cursor.clone());
+        let calls = tick.into_iter().flat_map(|tick| tick.calls.iter());
+        calls.chain(tick.into_iter().flat_map(|tick| tick.inputs.iter().map(|input| input.command)))
+    }
+
+    /// The results of the inputs of the last tick.
+    #[must_use]
+    pub fn outcomes(&self) -> &[InputResult] {
+        &self.outcomes
+    }
+
+    /// The recorded hash of the world as it is now, if there is one.
+    #[must_use]
+    pub fn recorded_hash(&self) -> Option<u64> {
+        self.recorded
+    }
+
+    /// Plays a tick and compares the result with the recorded one. Returns `false` at the end, where nothing is done.
+    ///
+    /// When the run diverges, a copy is played on up to a snapshot that tells which value differs. That may take long, and a
+    /// loop of the caller cannot interrupt it: the limits of [`Replay::verify_within`] hold for it too.
+    ///
+    /// # Errors
+    /// A [`Divergence`]. The world is at its tick, and the playback can go on.
+    pub fn step(&mut self) -> Result<bool, Box<Divergence>> {
+        if !self.advance() {
+            return Ok(false);
+        }
+        let snapshot = self.replay.snapshot_after(self.ticks);
+        let done = self.replay.done.filter(|_| self.replay.ticks == self.ticks);
+        let recorded = [self.recorded_hash(), snapshot.map(World::state_hash), done.map(|done| done.hash)];
+        let mut recorded = recorded.into_iter().flatten().peekable();
+        if recorded.peek().is_none() {
+            return Ok(true);
+        }
+        let computed = self.world.state_hash();
+        recorded.find(|&hash| hash != computed).map_or(Ok(true), |hash| Err(Box::new(self.divergence(hash))))
+    }
+
+    /// Plays a tick without comparing. Returns `false` at the end, and before the step if a limit is exceeded: it is the step
+    /// that takes long.
+    fn advance(&mut self) -> bool {
+        if self.exceeded.is_some() {
+            return false;
+        }
+        let Some(tick) = self.replay.next(&mut self.cursor) else { return false };
+        for call in tick.calls.iter() {
+            if self.exceeds_limits() {
+                return false;
+            }
+            // A refused call is not recorded. If one is refused here, the hash will differ.
+            _ = self.world.execute(&call);
+        }
+        self.outcomes.clear();
+        for input in tick.inputs.iter() {
+            if self.exceeds_limits() {
+                return false;
+            }
+            let outcome = self.world.carry_out_one(&input);
+            self.outcomes.push(outcome);
+        }
+        self.exceeded = self.limits.check(&self.world).err();
+        if self.exceeded.is_some() {
+            return false;
+        }
+        self.world.step();
+        self.ticks += 1;
+        self.recorded = tick.hash;
+        true
+    }
+
+    /// Says whether the last command exceeded a limit, or the next one would.
+    fn exceeds_limits(&mut self) -> bool {
+        let exceeded = VerifyError::Commands { tick: self.world.tick(), most: self.limits.commands };
+        self.exceeded =
+            self.limits.check(&self.world).err().or((self.commands == self.limits.commands).then_some(exceeded));
+        self.commands += 1;
+        self.exceeded.is_some()
+    }
+
+    /// Goes to a tick, or to the end if that is earlier: from the nearest snapshot before it, without comparing.
+    pub fn seek(&mut self, tick: u64) {
+        let ticks = tick.saturating_sub(self.replay.head.tick);
+        let (after, nearest) = self.replay.snapshot_before(ticks);
+        if self.ticks > ticks || self.ticks < after {
+            self.world.clone_from(nearest);
+            (self.cursor, self.recorded) = self.replay.cursor(after);
+            self.ticks = after;
+        }
+        self.seek_on(ticks);
+    }
+
+    /// Finds the first value in which the run differs from the recorded one, whose values are in its snapshots alone. The
+    /// limits hold: an untrusted run may grow until the next snapshot.
+    fn divergence(&self, recorded: u64) -> Divergence {
+        let (tick, computed) = (self.world.tick(), self.world.state_hash());
+        let head = &self.replay.head;
+        let mut ahead = self.clone();
+        let found = self.replay.snapshots_from(self.ticks).find_map(|(after, snapshot)| {
+            ahead.seek_on(after);
+            if ahead.exceeded.is_some() {
+                return None;
+            }
+            let found = snapshot.first_difference(&ahead.world)?;
+            Some(found.at(head.tick_after(after - 1), TickPhase::End))
+        });
+        let last = head.tick_after(self.ticks - 1);
+        let difference = found.unwrap_or_else(|| Difference::of_hashes(last, recorded, computed));
+        Divergence { tick, recorded, computed, difference }
+    }
+
+    fn seek_on(&mut self, ticks: u64) {
+        while self.ticks < ticks && self.advance() {}
+    }
+}

@@ -1,0 +1,235 @@
+//! Reading a world from the bytes of a snapshot: each value is checked, and a state that no world can have is refused.
+
+use alloc::collections::BTreeSet;
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+
+use super::error::SnapshotError;
+use super::hash::PHYSICS_VERSION;
+use super::owner::Owner;
+use super::write::{AppliedSums, FORMAT, MAGIC, Sources};
+use crate::body::{Activity, Bodies, BodyKind, FactorTable, KinematicTarget, Record, ShapeSource, check_position};
+use crate::codec::{Malformed, Read, Reader, StateHasher};
+use crate::error::Error;
+use crate::force::{CustomForce, CustomForces, FieldSet, ForceField};
+use crate::integrate::Integrator;
+use crate::limits;
+use crate::math::{Elapsed, Random};
+use crate::scalar::fx::Fx;
+use crate::slots::{BodyId, FieldId};
+use crate::world::{ChangeLog, World, WorldDef};
+
+/// Reads a snapshot; bytes after it are left to the caller.
+pub(in crate::replay) fn read(
+    reader: &mut Reader<'_>,
+    custom_forces: &[Arc<dyn CustomForce>],
+) -> Result<World, SnapshotError> {
+    let start = reader.at();
+    let world = read_world(reader, custom_forces)?;
+    let (recorded, computed) = (u64::read(reader)?, world.state_hash());
+    if recorded != computed {
+        return Err(SnapshotError::Changed { recorded, computed });
+    }
+    let malformed = reader.malformed("the hash of the bytes before it");
+    let seal = StateHasher::of_bytes(reader.since(start));
+    if u64::read(reader)? != seal {
+        return Err(malformed.into());
+    }
+    Ok(world)
+}
+
+/// Reads a snapshot that was changed, to name its values: its hash and its seal need not be right.
+pub(in crate::replay) fn read_unsealed(
+    reader: &mut Reader<'_>,
+    custom_forces: &[Arc<dyn CustomForce>],
+) -> Result<World, SnapshotError> {
+    let world = read_world(reader, custom_forces)?;
+    reader.take(16)?;
+    Ok(world)
+}
+
+fn read_world(reader: &mut Reader<'_>, custom_forces: &[Arc<dyn CustomForce>]) -> Result<World, SnapshotError> {
+    if reader.take(MAGIC.len()).ok() != Some(&MAGIC) {
+        return Err(SnapshotError::Foreign);
+    }
+    match u32::read(reader)? {
+        FORMAT => {}
+        found => return Err(SnapshotError::Format { found, known: FORMAT }),
+    }
+    match u32::read(reader)? {
+        PHYSICS_VERSION => {}
+        found => return Err(SnapshotError::PhysicsVersion { found, own: PHYSICS_VERSION }),
+    }
+    read_state(reader, custom_forces)
+}
+
+pub(super) fn read_state(
+    reader: &mut Reader<'_>,
+    custom_forces: &[Arc<dyn CustomForce>],
+) -> Result<World, SnapshotError> {
+    let def = WorldDef::read(reader)?;
+    let mut world = World::new(def)?;
+    world.tick = u64::read(reader)?;
+    world.change_log = ChangeLog::starting_at(world.tick);
+    world.counted = (Elapsed::read(reader)?, u64::read(reader)?);
+    world.targets.moved_at = u64::read(reader)?;
+    let (elapsed, since) = world.counted;
+    // Steps lead to these ticks and no others.
+    if world.tick > limits::TICK || world.targets.moved_at > world.tick {
+        return Err(Error::Inconsistent.into());
+    }
+    // A change of the time step leaves room for all ticks to come.
+    if elapsed.plus(u64::MAX, def.time_step).is_none() || since > world.tick {
+        return Err(Error::ElapsedTime.into());
+    }
+    world.random = Random::read(reader)?;
+    world.set_blob(&Vec::read(reader)?)?;
+    world.custom_forces = Arc::new(read_custom_forces(reader, custom_forces)?);
+    read_bodies(reader, &mut world)?;
+    world.fields = Arc::new(read_fields(reader, &world)?);
+    let woken = read_woken(reader)?;
+    woken.iter().try_for_each(|&body| world.bodies.find(body).map(drop))?;
+    world.change_log.set_woken(woken);
+    Ok(world)
+}
+
+/// Reads the force fields of a world that has its bodies.
+fn read_fields(reader: &mut Reader<'_>, world: &World) -> Result<FieldSet<Fx>, SnapshotError> {
+    let mut fields = FieldSet::default();
+    for slot in 0..reader.count(5)? {
+        let (generation, field) = (u32::read(reader)?, Option::<ForceField>::read(reader)?);
+        let checked = field.as_ref().map_or(Ok(()), |field| field.check_values(&world.bodies, &world.custom_forces));
+        let added = checked.and_then(|()| fields.rebuild(generation, field));
+        let owner = Owner::ForceField(FieldId::from_parts(slot as u32, generation));
+        added.map_err(|error| SnapshotError::Invalid { owner, error })?;
+    }
+    fields.set_free(read_list(reader, 4, u32::read)?)?;
+    fields.set_ages(&read_list(reader, 4, u32::read)?)?;
+    Ok(fields)
+}
+
+/// Reads the bodies that calls woke, in the order of the calls.
+fn read_woken(reader: &mut Reader<'_>) -> Result<Vec<BodyId>, Malformed> {
+    let mut once = BTreeSet::new();
+    read_list(reader, 8, |reader| {
+        let malformed = reader.malformed("a body that is not in the list before");
+        let body = BodyId::read(reader)?;
+        if once.insert(body) { Ok(body) } else { Err(malformed) }
+    })
+}
+
+/// Reads which custom forces a world has, by their ids: each must be among those given, in the same version.
+fn read_custom_forces(
+    reader: &mut Reader<'_>,
+    given: &[Arc<dyn CustomForce>],
+) -> Result<CustomForces<Fx>, SnapshotError> {
+    let mut custom_forces = CustomForces::new();
+    for _ in 0..reader.count(12)? {
+        let malformed = reader.malformed("a custom force with a larger id than the one before");
+        let (id, version) = (u64::read(reader)?, u32::read(reader)?);
+        if custom_forces.last_key_value().is_some_and(|(&last, _)| last >= id) {
+            return Err(malformed.into());
+        }
+        let force = given.iter().find(|force| force.id() == id && force.version() == version);
+        let force = force.ok_or(SnapshotError::CustomForce { id, version })?;
+        custom_forces.insert(id, force.clone());
+    }
+    Ok(custom_forces)
+}
+
+/// Reads the bodies one by one into a world that has none, and which slots are free.
+fn read_bodies(reader: &mut Reader<'_>, world: &mut World) -> Result<(), SnapshotError> {
+    let mut factor_table = FactorTable::default();
+    world.bodies = Bodies::empty(world.def.integrator == Integrator::PublishedVerlet);
+    let mut sources = Sources::default();
+    for slot in 0..reader.count(5)? {
+        let generation = u32::read(reader)?;
+        let body = BodyId::from_parts(slot as u32, generation);
+        if bool::read(reader)? {
+            read_body(reader, world, body, &mut factor_table, &mut sources)?;
+        } else {
+            let added = world.bodies.rebuild(generation, None, &mut factor_table);
+            added.map_err(|error| SnapshotError::Invalid { owner: Owner::Body(body), error })?;
+        }
+    }
+    world.bodies.set_free(read_list(reader, 4, u32::read)?)?;
+    world.factor_table = Arc::new(factor_table);
+    Ok(())
+}
+
+/// Reads a body into the next slot of a world.
+fn read_body(
+    reader: &mut Reader<'_>,
+    world: &mut World,
+    body: BodyId,
+    factor_table: &mut FactorTable<Fx>,
+    sources: &mut Sources<Fx>,
+) -> Result<(), SnapshotError> {
+    let World { def, bodies, applied, targets, .. } = world;
+    let (slot, generation) = body.parts();
+    let invalid = |error| SnapshotError::Invalid { owner: Owner::Body(body), error };
+    let record = Record::read(reader)?;
+    let malformed = reader.malformed("the shape, or the slot of the first body that has this shape");
+    let source = ShapeSource::read(reader)?;
+    let shape = match &source {
+        ShapeSource::None => None,
+        ShapeSource::New(shape) => Some(shape.clone()),
+        ShapeSource::AsOf(first) => Some(bodies.shape_in(*first).ok_or(malformed)?.clone()),
+    };
+    check_among(&record, def).map_err(invalid)?;
+    let dense = bodies.rebuild(generation, Some((record, shape)), factor_table).map_err(invalid)?;
+    if !dense.is_some_and(|dense| sources.name(slot, &bodies.info(dense).shape) == source) {
+        return Err(malformed.into());
+    }
+    if let Some(AppliedSums { force, torque }) = Option::read(reader)? {
+        let feels = |dense| bodies.info(dense).kind == BodyKind::Dynamic && bodies.activity(dense) == Activity::Awake;
+        if !dense.is_some_and(feels) {
+            return Err(invalid(Error::Inconsistent));
+        }
+        applied.adopt(body, force, torque);
+    }
+    let malformed = reader.malformed("a target with a goal or one that has arrived, or none");
+    if let Some(target) = Option::<KinematicTarget<Fx>>::read(reader)? {
+        if target.is_over() {
+            return Err(malformed.into());
+        }
+        check_target(&record, &target).map_err(invalid)?;
+        targets.set(body, target);
+    }
+    Ok(())
+}
+
+/// Refuses a body that the settings of its world forbid.
+fn check_among(record: &Record<Fx>, def: &WorldDef) -> Result<(), Error> {
+    if record.activity == Activity::Asleep && def.sleep_after.is_none() {
+        return Err(Error::Inconsistent);
+    }
+    let stops = |kept: Option<Fx>| def.integrator == Integrator::Yoshida4 && kept == Some(Fx::ZERO);
+    if stops(record.linear_damping) || stops(record.angular_damping) {
+        return Err(Error::DampingHasNoInverse);
+    }
+    Ok(())
+}
+
+/// Refuses a target that no call and no step gives a body.
+fn check_target(record: &Record<Fx>, target: &KinematicTarget<Fx>) -> Result<(), Error> {
+    let may = match record.activity {
+        Activity::Awake => true,
+        Activity::Asleep => false,
+        Activity::Quarantined | Activity::Disabled => target.goal.is_none(),
+    };
+    if record.kind != BodyKind::Kinematic || !may {
+        return Err(Error::Inconsistent);
+    }
+    let Some(goal) = target.goal else { return Ok(()) };
+    check_position(goal.position)?;
+    goal.check_locks(record.position, record.angle, record.locks)
+}
+
+fn read_list<T>(
+    reader: &mut Reader<'_>,
+    least: usize,
+    mut read: impl FnMut(&mut Reader<'_>) -> Result<T, Malformed>,
+) -> Result<Vec<T>, Malformed> {
+    (0..reader.count(least)?).map(|_| read(reader)).collect()
+}

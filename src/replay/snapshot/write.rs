@@ -1,0 +1,235 @@
+//! The walk over a world that gives a snapshot its bytes, and comparisons their fields.
+
+use alloc::collections::btree_map::{BTreeMap, Entry};
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+
+use super::hash::PHYSICS_VERSION;
+use crate::body::{KinematicTarget, Record, ShapeSource};
+use crate::codec::{self, Encoder, Malformed, Part, Read, Reader, StateHasher, Write};
+use crate::force::FieldSet;
+use crate::math::{Elapsed, Vec2};
+use crate::scalar::{FxSum, Scalar, fx::Fx};
+use crate::shape::Shape;
+use crate::slots::BodyId;
+use crate::world::{World, WorldDef};
+
+/// The first bytes of a snapshot.
+pub(super) const MAGIC: [u8; 8] = *b"UMBRASNP";
+/// The number of the format, in the four bytes after the magic. It is increased whenever the layout changes.
+pub(super) const FORMAT: u32 = 3;
+
+/// A world as the bytes of a snapshot.
+pub(in crate::replay) struct Saved<'a, S: Scalar>(pub(in crate::replay) &'a World<S>);
+
+impl<S: Scalar> Write for Saved<'_, S> {
+    fn write(&self, out: &mut impl Encoder) {
+        let unsealed = Unsealed(self.0);
+        unsealed.write(out);
+        codec::field(out, "seal", &StateHasher::of(&unsealed));
+    }
+}
+
+struct Unsealed<'a, S: Scalar>(&'a World<S>);
+
+impl<S: Scalar> Write for Unsealed<'_, S> {
+    fn write(&self, out: &mut impl Encoder) {
+        out.enter(Part::Name("magic"));
+        out.bytes(&MAGIC);
+        out.leave();
+        codec::field(out, "format", &FORMAT);
+        codec::field(out, "law", &PHYSICS_VERSION);
+        State(self.0).write(out);
+        codec::field(out, "hash", &self.0.state_hash());
+    }
+}
+
+/// The state of a world: all that its future depends on, body by body.
+pub(in crate::replay) struct State<'a, S: Scalar>(pub(in crate::replay) &'a World<S>);
+
+impl<S: Scalar> Write for State<'_, S> {
+    fn write(&self, out: &mut impl Encoder) {
+        StateView::of(self.0).write(out);
+    }
+}
+
+/// A slot for a body, as a snapshot has it.
+#[derive(Clone, Debug)]
+pub(super) struct SavedSlot<S: Scalar> {
+    pub(super) generation: u32,
+    pub(super) body: Option<SavedBody<S>>,
+}
+
+/// The state of a body, as a snapshot has it.
+#[derive(Clone, Debug)]
+pub(super) struct SavedBody<S: Scalar> {
+    pub(super) record: Record<S>,
+    shape: Option<Arc<Shape<S>>>,
+    applied: Option<AppliedSums<S>>,
+    target: Option<KinematicTarget<S>>,
+}
+
+impl<S: Scalar> SavedSlot<S> {
+    /// The slot with this number, if the world has so many.
+    pub(super) fn of(world: &World<S>, slot: u32) -> Option<Self> {
+        let generation = world.bodies.generation(slot)?;
+        let body = BodyId::from_parts(slot, generation);
+        let saved = |dense: usize| SavedBody {
+            record: world.bodies.record(dense, &world.factor_table),
+            shape: world.bodies.info(dense).shape.clone(),
+            applied: world.applied.row(body).map(|row| AppliedSums { force: row.force, torque: row.torque }),
+            target: world.targets.of(body).copied(),
+        };
+        Some(Self { generation, body: world.bodies.find(body).ok().map(saved) })
+    }
+
+    fn write(&self, slot: u32, sources: &mut Sources<S>, out: &mut impl Encoder) {
+        codec::field(out, "generation", &self.generation);
+        codec::field(out, "present", &self.body.is_some());
+        let Some(SavedBody { record, shape, applied, target }) = &self.body else { return };
+        record.write(out);
+        codec::field(out, "shape", &sources.name(slot, shape));
+        codec::field(out, "applied", applied);
+        codec::field(out, "errand", target);
+    }
+}
+
+/// The parts of a world's state: those of the world as it is, some of which [`BeforeCalls`](super::before::BeforeCalls)
+/// replaces by those the world had.
+pub(super) struct StateView<'a, S: Scalar> {
+    pub(super) world: &'a World<S>,
+    pub(super) def: &'a WorldDef<S>,
+    pub(super) counted: (Elapsed, u64),
+    /// The number of slots for bodies.
+    pub(super) slots: u32,
+    /// The slots that are replaced.
+    pub(super) replaced: Option<&'a BTreeMap<u32, SavedSlot<S>>>,
+    pub(super) free: &'a [u32],
+    pub(super) fields: &'a FieldSet<S>,
+    pub(super) woken: Vec<BodyId>,
+}
+
+impl<'a, S: Scalar> StateView<'a, S> {
+    pub(super) fn of(world: &'a World<S>) -> Self {
+        Self {
+            world,
+            def: &world.def,
+            counted: world.counted,
+            slots: world.bodies.slots().len() as u32,
+            replaced: None,
+            free: world.bodies.free(),
+            fields: &world.fields,
+            woken: world.change_log.woken(),
+        }
+    }
+
+    fn write_bodies(&self, out: &mut impl Encoder) {
+        let mut sources = Sources::default();
+        codec::count(out, self.slots as usize);
+        for slot in 0..self.slots {
+            entry(out, slot, |out| match self.replaced.and_then(|replaced| replaced.get(&slot)) {
+                Some(saved) => saved.write(slot, &mut sources, out),
+                None => {
+                    SavedSlot::of(self.world, slot).into_iter().for_each(|saved| saved.write(slot, &mut sources, out))
+                }
+            });
+        }
+    }
+
+    fn write_fields(&self, out: &mut impl Encoder) {
+        codec::count(out, self.fields.slots().len());
+        for (slot, (generation, field)) in (0..).zip(self.fields.slots()) {
+            entry(out, slot, |out| {
+                codec::field(out, "generation", &generation);
+                codec::field(out, "field", &field.copied());
+            });
+        }
+    }
+
+    fn write_custom_forces(&self, out: &mut impl Encoder) {
+        codec::count(out, self.world.custom_forces.len());
+        for (index, force) in (0..).zip(self.world.custom_forces.values()) {
+            entry(out, index, |out| {
+                codec::field(out, "id", &force.id());
+                codec::field(out, "version", &force.version());
+            });
+        }
+    }
+}
+
+impl<S: Scalar> Write for StateView<'_, S> {
+    fn write(&self, out: &mut impl Encoder) {
+        let world = self.world;
+        codec::field(out, "settings", self.def);
+        codec::field(out, "tick", &world.tick);
+        let (elapsed, since) = &self.counted;
+        codec::field(out, "elapsed", elapsed);
+        codec::field(out, "elapsed_at_tick", since);
+        codec::field(out, "moved_at_tick", &world.targets.moved_at);
+        codec::field(out, "random", &world.random);
+        codec::field(out, "blob", &world.blob);
+        part(out, "laws", |out| self.write_custom_forces(out));
+        part(out, "bodies", |out| self.write_bodies(out));
+        part(out, "free_slots", |out| codec::list(out, self.free.iter()));
+        part(out, "fields", |out| self.write_fields(out));
+        part(out, "free_fields", |out| codec::list(out, self.fields.free().iter()));
+        part(out, "fields_by_age", |out| codec::list(out, self.fields.ages().iter()));
+        part(out, "woken", |out| codec::list(out, self.woken.iter()));
+    }
+}
+
+/// The shapes of the bodies so far, with the slot of the first body that has each.
+pub(super) struct Sources<S: Scalar>(BTreeMap<*const Shape<S>, u32>);
+
+impl<S: Scalar> Default for Sources<S> {
+    fn default() -> Self {
+        Self(BTreeMap::new())
+    }
+}
+
+impl<S: Scalar> Sources<S> {
+    /// Says how the shape of the body in this slot is written.
+    pub(super) fn name(&mut self, slot: u32, shape: &Option<Arc<Shape<S>>>) -> ShapeSource<S> {
+        let Some(shape) = shape else { return ShapeSource::None };
+        // Equal shapes share one allocation. Its address decides nothing but that.
+        match self.0.entry(Arc::as_ptr(shape)) {
+            Entry::Occupied(first) => ShapeSource::AsOf(*first.get()),
+            Entry::Vacant(place) => {
+                place.insert(slot);
+                ShapeSource::New(shape.clone())
+            }
+        }
+    }
+}
+
+fn part<O: Encoder>(out: &mut O, name: &'static str, write: impl FnOnce(&mut O)) {
+    out.enter(Part::Name(name));
+    write(out);
+    out.leave();
+}
+
+fn entry<O: Encoder>(out: &mut O, index: u32, write: impl FnOnce(&mut O)) {
+    out.enter(Part::Entry(index));
+    write(out);
+    out.leave();
+}
+
+/// The sums of the forces and torques that were applied to a body since the last step.
+#[derive(Clone, Debug)]
+pub(super) struct AppliedSums<S: Scalar> {
+    pub(super) force: Vec2<S::Sum>,
+    pub(super) torque: S::Sum,
+}
+
+impl<S: Scalar> Write for AppliedSums<S> {
+    fn write(&self, out: &mut impl Encoder) {
+        codec::field(out, "force", &self.force);
+        codec::field(out, "torque", &self.torque);
+    }
+}
+
+impl Read for AppliedSums<Fx> {
+    fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {
+        Ok(Self { force: Vec2::read(reader)?, torque: FxSum::read(reader)? })
+    }
+}

@@ -1,0 +1,128 @@
+//! Calls after the last step: a recording ends with the world as that step left it.
+
+use alloc::vec;
+use alloc::vec::Vec;
+
+use super::encodings::replaced;
+use super::{commands, custom_forces, everything, recording};
+use crate::body::{Activity, BodyDef};
+use crate::force::{Attachment, End, FieldKind, ForceField, Region};
+use crate::integrate::Integrator;
+use crate::math::{Random, TimeStep, vec2};
+use crate::replay::{RecordOptions, Recorder, Replay, Snapshot};
+use crate::scalar::SpringConstants;
+use crate::scalar::fx::fx;
+use crate::shape::Shape;
+use crate::slots::{BodyId, FieldId};
+use crate::world::{Command, Inputs, World, WorldDef};
+
+/// Records some ticks, in which each of the commands is given with this chance in eight, and calls of another tick after each:
+/// these must leave no trace in a file that ends there. Says how many of them were carried out.
+fn calls_leave_no_trace(world: &World, commands: &[Command], chance: u64, random: &mut Random) -> u32 {
+    let mut world = world.clone();
+    let mut recorder = Recorder::new(&world, RecordOptions { hash_every: 1, snapshot_every: 0 });
+    let mut made = 0;
+    for _ in 0..3 {
+        let expected = recorder.clone().finish(&world);
+        for command in commands {
+            if random.below(8) < chance {
+                made += u32::from(recorder.execute(&mut world, command).is_ok());
+                assert!(recorder.clone().finish(&world) == expected, "after {command:?}");
+            }
+        }
+        recorder.step(&mut world, &Inputs::new());
+    }
+    let file = recorder.finish(&world);
+    assert_eq!(Replay::from_bytes(&file, &custom_forces()).expect("it is whole").verify(), Ok(()));
+    made
+}
+
+#[test]
+fn calls_of_every_kind_after_the_last_step_leave_no_trace() {
+    let mut random = Random::seeded(1);
+    let recorded = Replay::from_bytes(&recording(), &custom_forces()).expect("it is whole");
+    for world in [everything::world(), recorded.start().clone()] {
+        for command in commands() {
+            calls_leave_no_trace(&world, &[command], 8, &mut random);
+        }
+        let made: u32 = (0..20).map(|_| calls_leave_no_trace(&world, &commands(), 3, &mut random)).sum();
+        assert!(made > 500, "{made}");
+    }
+}
+
+/// Pairs of sleeping bodies on springs, some of one shape, one slot free.
+fn sleepers() -> World {
+    let mut world = World::new(WorldDef { sleep_after: Some(1), ..WorldDef::default() }).expect("a world");
+    let shapes = [Some(Shape::circle(fx!(0.5)).expect("a shape")), None, Shape::rectangle(fx!(1), fx!(1)).ok()];
+    let bodies: Vec<BodyId> = (0..9i32)
+        .map(|i| {
+            let def = BodyDef { position: vec2(i, 0), shape: shapes[i as usize % 3].clone(), ..BodyDef::dynamic() };
+            world.add_body(def).expect("there is room")
+        })
+        .collect();
+    let spring = SpringConstants { rest: fx!(1), stiffness: fx!(1), damping: fx!(1) };
+    for pair in bodies.chunks_exact(2) {
+        let [near, far] = [pair[0], pair[1]].map(|body| Attachment { body, point: vec2(0, 0) });
+        let kind = FieldKind::Spring { near, far: End::Body(far), spring };
+        world.add_field(ForceField { kind, groups: 1 }).expect("there is room");
+    }
+    world.remove_body(bodies[8]).expect("it is there");
+    (0..3).for_each(|_| _ = world.step());
+    assert!(world.bodies().all(|body| body.activity() == Activity::Asleep));
+    world
+}
+
+/// Commands that wake, add and remove bodies of [`sleepers`].
+fn disturbing() -> Vec<Command> {
+    let disc = || Some(Shape::circle(fx!(0.5)).expect("a shape"));
+    let pull =
+        FieldKind::Zone { region: Region::Disc { centre: vec2(0, 0), radius: fx!(3) }, acceleration: vec2(0, 1) };
+    let mut commands = vec![
+        Command::AddBody(BodyDef { shape: disc(), ..BodyDef::dynamic() }),
+        Command::AddBody(BodyDef { position: vec2(0, 9), ..BodyDef::dynamic() }),
+        Command::SetGravity(vec2(0, -1)),
+        Command::SetGravity(vec2(0, 0)),
+        Command::SetTimeStep(TimeStep::hz(50)),
+        Command::SetIntegrator(Integrator::PublishedVerlet),
+        Command::SetIntegrator(Integrator::Yoshida4),
+        Command::SetSleepAfter(None),
+        Command::SetSleepAfter(Some(1)),
+        Command::AddField(ForceField { kind: pull, groups: 1 }),
+        Command::RemoveField(FieldId::from_parts(1, 0)),
+        Command::ClearForces,
+        Command::SetBlob(vec![7]),
+        Command::SetRandom(Random::seeded(9)),
+    ];
+    for slot in 0..9 {
+        let body = BodyId::from_parts(slot, 0);
+        commands.extend([
+            Command::Wake(body),
+            Command::Disable(body),
+            Command::Enable(body),
+            Command::SetVelocity { body, velocity: vec2(0, 1) },
+            Command::SetPosition { body, position: vec2(2, 2) },
+            Command::SetShape { body, shape: disc() },
+            Command::RemoveBody(body),
+        ]);
+    }
+    commands
+}
+
+#[test]
+fn calls_that_wake_bodies_after_the_last_step_leave_no_trace() {
+    let (world, mut random) = (sleepers(), Random::seeded(2));
+    for command in disturbing() {
+        calls_leave_no_trace(&world, &[command], 8, &mut random);
+    }
+    let made: u32 = (0..40).map(|_| calls_leave_no_trace(&world, &disturbing(), 1, &mut random)).sum();
+    assert!(made > 300, "{made}");
+}
+
+/// A file may say that a sleeping body has rested for some ticks, which no step leaves it with.
+#[test]
+fn the_ticks_at_rest_of_a_sleeping_body_are_kept_too() {
+    let forged = replaced(&sleepers().snapshot().to_bytes(), "bodies[2].ticks_at_rest", 0, &7u32.to_le_bytes());
+    let world = Snapshot::from_bytes(&forged, &[]).expect("it may be so").into_world();
+    let wake = Command::Wake(BodyId::from_parts(3, 0));
+    assert!(calls_leave_no_trace(&world, &[wake], 8, &mut Random::seeded(3)) > 0);
+}
