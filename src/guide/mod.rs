@@ -14,8 +14,8 @@
 //! | [`languages`] | from C, C# and other languages, and in the browser |
 //! | [`migration`] | coming from Box2D or Rapier: their calls and ours, units, conventions |
 //!
-//! The [README](https://docs.rs/crate/umbra-physics) has what there is, `examples` whole programs, `ARCHITECTURE.md` how it
-//! is made.
+//! The [README](https://docs.rs/crate/umbra-physics) has what there is, `examples` whole programs, `docs/design.md` explains how
+//! it is built.
 
 #[doc = include_str!("accuracy.md")]
 pub mod accuracy {}

@@ -93,14 +93,14 @@ fn the_times_in_the_guide_are_those_of_the_report() {
     let measured: Vec<String> = prices.iter().map(|(_, price)| format!("{price:.1}")).collect();
     assert_eq!(measured, said);
 
-    // And the README, of those with fields and those without.
-    let readme = flowing(&read("README.md"));
+    // The text as well: problems with fields and problems without.
+    let text = flowing(&accuracy);
     let without = |name: &str| ["damped-fall", "spin"].contains(&name);
     let (least, most) = span(prices.iter().filter(|(name, _)| !without(name)).map(|&(_, price)| price));
     let (spin, fall) = span(prices.iter().filter(|(name, _)| without(name)).map(|&(_, price)| price));
     let claim =
         format!("{least} to {most} times as long as one of velocity Verlet where fields act, {spin} and {fall} times");
-    assert!(readme.contains(&claim), "{claim}");
+    assert!(text.contains(&claim), "{claim}");
 
     let report = report();
     let problems = report["problems"].as_array().expect("problems").iter();
@@ -110,7 +110,7 @@ fn the_times_in_the_guide_are_those_of_the_report() {
     let three = dearer(three[0]);
     let claim =
         format!("takes {least} to {most} times as long for a body or two, {three:.1} times where three attract");
-    assert!(readme.contains(&claim), "{claim}");
+    assert!(text.contains(&claim), "{claim}");
 }
 
 /// The error of these runs at a cost, between the two that are nearest to it; `None` beyond them or where one has none.
@@ -157,7 +157,7 @@ fn the_readme_says_of_other_engines_what_was_measured() {
     };
     let [ours, other, third] = ["fx, wide", "Box2D 3", "rapier"].map(nanoseconds);
     let whole = |figure: &str| figure.split('.').next().expect("a figure").to_owned();
-    let claim = format!("take {ours} ns each and step, where Box2D takes {} and rapier {third}", whole(&other));
+    let claim = format!("take {ours} ns each per step, where Box2D takes {} and rapier {third}", whole(&other));
     assert!(readme.contains(&claim), "{claim}");
 }
 
@@ -280,7 +280,7 @@ fn a_link_that_leads_nowhere_is_seen() {
     assert_eq!(links(text), ["b.md", "docs/f.md"]);
     assert_eq!(fault(readme, "docs/errors.md"), None);
     assert_eq!(fault(readme, "docs/none.md"), Some("is not there"));
-    assert_eq!(fault(readme, "#from-c-and-in-the-browser"), None);
+    assert_eq!(fault(readme, "#where-to-begin"), None);
     assert_eq!(fault(Path::new("docs/errors.md"), "formats.md#no-such"), Some("has no such heading"));
     let docs = |path: &str| format!("https://docs.rs/crate/umbra-physics/latest/source/{path}");
     assert_eq!(fault(readme, &docs("examples/ggrs/adapter.rs")), None);
