@@ -41,15 +41,15 @@ pub const UMBRA_ERROR_NOT_MOVABLE: UmbraStatus = 108;
 pub const UMBRA_ERROR_QUARANTINED: UmbraStatus = 109;
 /// The body is not quarantined, and cannot be released.
 pub const UMBRA_ERROR_NOT_QUARANTINED: UmbraStatus = 110;
-/// Yoshida4 cannot go with a damping of 0.
+/// Yoshida4 needs a damping above 0.
 pub const UMBRA_ERROR_DAMPING_HAS_NO_INVERSE: UmbraStatus = 111;
 /// Both ends of a spring are attached to one body.
 pub const UMBRA_ERROR_SAME_BODY: UmbraStatus = 112;
-/// The world holds as many as it can.
+/// The world already has the maximum number of bodies or force fields.
 pub const UMBRA_ERROR_FULL: UmbraStatus = 114;
-/// The elapsed time is no longer a ratio of 128-bit integers.
+/// The elapsed time no longer fits in a ratio of 128-bit integers.
 pub const UMBRA_ERROR_ELAPSED_TIME: UmbraStatus = 115;
-/// A tick has an input of this player and sequence already.
+/// The tick already has an input of this player and sequence.
 pub const UMBRA_ERROR_DUPLICATE_INPUT: UmbraStatus = 117;
 /// The body is locked along an axis of the velocity; `umbra_last_cause` has which velocity, 153 or 154.
 pub const UMBRA_ERROR_LOCKED: UmbraStatus = 121;
@@ -59,7 +59,7 @@ pub const UMBRA_ERROR_DISABLED: UmbraStatus = 122;
 pub const UMBRA_ERROR_NOT_DISABLED: UmbraStatus = 123;
 /// The call needs a kinematic body.
 pub const UMBRA_ERROR_NOT_KINEMATIC: UmbraStatus = 124;
-/// The bytes are no snapshot.
+/// The bytes are not a snapshot.
 pub const UMBRA_ERROR_SNAPSHOT_FOREIGN: UmbraStatus = 301;
 /// The bytes have another layout.
 pub const UMBRA_ERROR_SNAPSHOT_FORMAT: UmbraStatus = 302;
@@ -71,11 +71,11 @@ pub const UMBRA_ERROR_SNAPSHOT_MALFORMED: UmbraStatus = 304;
 pub const UMBRA_ERROR_SNAPSHOT_INVALID: UmbraStatus = 305;
 /// The snapshot uses a custom force, which this interface does not support.
 pub const UMBRA_ERROR_SNAPSHOT_CUSTOM_FORCE: UmbraStatus = 306;
-/// The world it makes does not have the hash it gives.
+/// The restored world does not have the hash that the snapshot states.
 pub const UMBRA_ERROR_SNAPSHOT_CHANGED: UmbraStatus = 307;
-/// The bytes are not what has to be there.
+/// The bytes are not what is expected there.
 pub const UMBRA_ERROR_MALFORMED: UmbraStatus = 320;
-/// The bytes are no replay.
+/// The bytes are not a replay.
 pub const UMBRA_ERROR_REPLAY_FOREIGN: UmbraStatus = 401;
 /// The bytes have another layout.
 pub const UMBRA_ERROR_REPLAY_FORMAT: UmbraStatus = 402;
@@ -85,13 +85,13 @@ pub const UMBRA_ERROR_REPLAY_PHYSICS_VERSION: UmbraStatus = 403;
 pub const UMBRA_ERROR_REPLAY_CUT_OFF: UmbraStatus = 404;
 /// The replay was changed after it was recorded; `umbra_last_message` names the value.
 pub const UMBRA_ERROR_REPLAY_TAMPERED: UmbraStatus = 405;
-/// A chunk of it is not what it should be.
+/// A chunk of the replay is malformed.
 pub const UMBRA_ERROR_REPLAY_MALFORMED: UmbraStatus = 406;
-/// A snapshot in it is none.
+/// A snapshot in the replay is invalid.
 pub const UMBRA_ERROR_REPLAY_SNAPSHOT: UmbraStatus = 407;
-/// The run goes another way than the one recorded; `umbra_last_message` has where.
+/// The run diverged from the recording; `umbra_last_message` says where.
 pub const UMBRA_ERROR_DIVERGENCE: UmbraStatus = 420;
-/// The replay has more ticks than it may.
+/// The replay has more ticks than the limit allows.
 pub const UMBRA_ERROR_VERIFY_TICKS: UmbraStatus = 422;
 /// The replay makes more bodies than the limit allows.
 pub const UMBRA_ERROR_VERIFY_BODIES: UmbraStatus = 423;
@@ -293,8 +293,8 @@ mod tests {
 
     #[test]
     fn a_meaning_is_plain_text() {
-        assert_eq!(meaning(302).as_deref(), Some("the layout is another: see old files"));
-        assert_eq!(meaning(111).as_deref(), Some("Yoshida4 cannot go with a damping of 0"));
+        assert_eq!(meaning(302).as_deref(), Some("the snapshot has another format: see old files"));
+        assert_eq!(meaning(111).as_deref(), Some("Yoshida4 needs a damping above 0"));
         assert_eq!(meaning(0).as_deref(), Some("done"));
         assert_eq!((meaning(1), meaning(-101), meaning(UmbraStatus::MAX)), (None, None, None));
     }
