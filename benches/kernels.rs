@@ -58,7 +58,7 @@ fn two<T: Copy + Sync, U: Copy + Sync, R>(
     one(bencher, inputs, |(a, b)| function(a, b));
 }
 
-/// What the machine is worth: one 64-bit multiplication.
+/// Baseline of the machine: one 64-bit multiplication.
 mod integer {
     use super::*;
 

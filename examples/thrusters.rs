@@ -13,7 +13,7 @@ use umbra_physics::{
 const MOON: Fx = fx!(-1.62); // m/s²
 const MASS: Fx = fx!(100); // kg
 const MOST: Fx = fx!(200); // N, of an engine
-/// Where the engines are, m from the centre of mass: right and left, at the foot.
+/// Positions of the engines, m from the centre of mass: right and left, at the foot.
 const ARM: Fx = fx!(0.75);
 const FOOT: Fx = fx!(0.5);
 
@@ -61,13 +61,13 @@ fn throttle(world: &mut World, hull: BodyId, engines: &mut [FieldId; 2], thrust:
     Ok(())
 }
 
-/// How far it is turned to the left, rad in (−π, π]: the angle of a body is in [0, 2π).
+/// Tilt to the left, rad in (−π, π]: the angle of a body is in [0, 2π).
 fn tilt(look: &BodyRef) -> Fx {
     let angle = look.angle();
     if angle > Fx::PI { angle - Fx::TAU } else { angle }
 }
 
-/// What the left and the right engine are to give, N.
+/// Forces of the left and the right engine, N.
 fn pilot(look: &BodyRef) -> [Fx; 2] {
     let clamp = |value: Fx, most: Fx| value.clamp(-most, most);
     let (Vec2 { x, y }, Vec2 { x: vx, y: vy }) = (look.position(), look.velocity());

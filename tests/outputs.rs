@@ -1,4 +1,4 @@
-//! What the program writes: whole or not at all, never over what it reads, and nothing that a terminal would obey.
+//! Output files of the program: whole or absent, never over an input, and free of terminal control characters.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -44,7 +44,7 @@ impl Folder {
         self.command(arguments).output().expect("the program starts")
     }
 
-    /// What is in the folder, by name.
+    /// Names of the files in the folder.
     fn names(&self) -> Vec<String> {
         let name = |entry: fs::DirEntry| entry.file_name().to_string_lossy().into_owned();
         let mut names: Vec<String> = fs::read_dir(&self.0).expect("it is there").flatten().map(name).collect();
@@ -58,7 +58,7 @@ impl Folder {
         self.names().into_iter().filter(is_part).map(|name| self.path(&name)).collect()
     }
 
-    /// It fails with status 2, prints nothing, leaves the folder as it was, and says this.
+    /// Asserts that the program fails with status 2, prints nothing, leaves the folder as it was, and says this.
     fn refuses(&self, arguments: &[&str], said: &str) {
         let content = |name: &String| Some(self.path(name)).filter(|it| it.is_file()).and_then(|it| fs::read(it).ok());
         let contents = || -> Vec<_> { self.names().into_iter().map(|name| (content(&name), name)).collect() };
@@ -509,7 +509,7 @@ fn a_reader_that_stops_early_changes_no_status() {
 #[cfg(unix)]
 const HOSTILE: &str = "a\u{1b}[31m\u{7}\nok  b\r\u{7f}\u{9b}2J\u{202e}\u{2066}c";
 
-/// Nothing that a terminal obeys, but for ends of lines.
+/// Returns true if the text has no terminal control characters but ends of lines.
 #[cfg(unix)]
 fn is_plain(bytes: &[u8]) -> bool {
     let acts = |c: char| {

@@ -55,7 +55,7 @@ fn hashes(scene: &Scene) -> Vec<u64> {
     hashes
 }
 
-/// What commands did, tick by tick.
+/// Results of commands, tick by tick.
 struct Played {
     def: WorldDef,
     commands: Vec<(u64, Command)>,

@@ -42,7 +42,7 @@ fn run<S: Scalar>(scene: &Scene, ticks: u64) -> (SceneRun<'_, S>, usize) {
     (run, faults)
 }
 
-/// So many ticks that all scenes together take seconds in a debug build too.
+/// Number of ticks for which all scenes together take seconds in a debug build too.
 fn short(scene: &Scene) -> u64 {
     scene.ticks.min(200_000 / (scene.bodies.len() as u64 + 100))
 }

@@ -21,7 +21,7 @@ use umbra_physics::{
 struct Page(PathBuf);
 
 impl Page {
-    /// That of a scene, with what was said of it.
+    /// Writes the page of a scene; returns it with the text that was printed about it.
     fn of(scene: &str, ticks: Option<u64>) -> (Self, String) {
         let name = Path::new(scene).file_stem().expect("a name").to_string_lossy().into_owned();
         let test = std::thread::current().name().unwrap_or("test").to_owned();
@@ -66,7 +66,7 @@ fn umbra(arguments: &[&str]) -> Output {
     command.current_dir(env!("CARGO_MANIFEST_DIR")).args(arguments).output().expect("the program starts")
 }
 
-/// What `umbra run --json` says of a scene.
+/// Output of `umbra run --json` for a scene.
 fn ran(scene: &str, ticks: u64) -> Value {
     let output = umbra(&["run", scene, "--json", "--ticks", &ticks.to_string()]);
     serde_json::from_slice(&output.stdout).expect("JSON")

@@ -1,11 +1,11 @@
-//! What GGRS asks of a game, done with a world: to save it, to load it, to move it on. A game can take this file as it is.
+//! Adapter between GGRS and a world: it saves, loads and advances the game. A game can take this file as it is.
 
 use std::fmt;
 
 use ggrs::{Config, Frame, GgrsRequest, InputStatus, NULL_FRAME};
 use umbra_physics::{Error, Snapshot, World};
 
-/// What GGRS keeps of a frame, a game's [`Config::State`]. The snapshot can be taken out again: the frame that is kept next in
+/// Saved state of a frame, a game's [`Config::State`]. The snapshot can be taken out again: the frame that is kept next in
 /// the same place goes into its memory, so that after the first frames one takes nothing from the heap.
 pub(crate) type Saved = Option<Snapshot>;
 
@@ -22,10 +22,10 @@ pub(crate) struct Rollback {
     work: Work,
 }
 
-/// What rolling back has cost so far.
+/// Statistics of rolling back so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Work {
-    /// How often a state was loaded.
+    /// Number of times a state was loaded.
     pub(crate) loads: u32,
     /// The number of frames that these loads undid.
     pub(crate) undone: u32,
@@ -33,7 +33,7 @@ pub(crate) struct Work {
     pub(crate) deepest: u32,
 }
 
-/// Why a request cannot be fulfilled.
+/// Reason why a request cannot be fulfilled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Failure {
     /// The world refused something.
@@ -126,7 +126,7 @@ impl Rollback {
         (saved == frame).then_some(hash)
     }
 
-    /// What rolling back has cost.
+    /// Statistics of rolling back.
     pub(crate) fn work(&self) -> Work {
         self.work
     }

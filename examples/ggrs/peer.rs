@@ -27,7 +27,7 @@ const LIMIT: Duration = Duration::from_secs(60);
 
 pub(crate) const OPTIONS: [&str; 6] = ["player", "frames", "seed", "latency", "lost", "desync"];
 
-/// What a peer is told.
+/// Settings of a peer.
 struct Orders {
     player: usize,
     frames: u32,

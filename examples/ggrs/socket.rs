@@ -7,7 +7,7 @@ use ggrs::{Message, NonBlockingSocket};
 
 use crate::random::SplitMix;
 
-/// How bad the line is.
+/// Quality of the line.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Line {
     /// A message is held back for so many calls of `receive_all_messages`, of which a game makes one a frame.
@@ -42,7 +42,7 @@ impl BadLine {
         Ok(Self { socket, line, random: SplitMix(seed), calls: 0, held: Vec::new() })
     }
 
-    /// Its port.
+    /// The port of the socket.
     ///
     /// # Errors
     /// If the system does not say.

@@ -22,7 +22,7 @@ const CHEAT_AT: u64 = 100;
 /// Hashes are printed every so many ticks; they are compared at each.
 const PRINT: u64 = 10;
 
-/// How a match ended.
+/// Result of a match.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Outcome {
     /// All hashes were the same.
@@ -57,7 +57,7 @@ struct Kept {
     tick: u64,
     hash: u64,
     world: World,
-    /// What was held over the tick that led to it.
+    /// Buttons held over the tick that led to the hash.
     held: [Controls; 2],
 }
 

@@ -1,4 +1,4 @@
-//! What two peers say to each other: frames of a length, u16 little-endian, and so many bytes.
+//! Messages between two peers: frames of a length, u16 little-endian, and that many bytes.
 
 use std::io::{self, Read, Write};
 
@@ -7,20 +7,20 @@ const LONGEST: usize = 64;
 
 const MAGIC: [u8; 4] = *b"UMLS";
 
-/// What both have to agree on before the first tick.
+/// Settings that both peers must agree on before the first tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Hello {
     /// [`umbra_physics::PHYSICS_VERSION`]: peers of other versions diverge sooner or later.
     pub(crate) physics_version: u32,
     /// The seed of the match.
     pub(crate) seed: u64,
-    /// How many ticks it has.
+    /// Number of ticks of the match.
     pub(crate) ticks: u64,
     /// The hash of the world it starts from.
     pub(crate) start: u64,
 }
 
-/// What a peer says at each tick.
+/// Message of a peer at each tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Turn {
     /// The tick.
@@ -58,7 +58,7 @@ impl Hello {
         Ok(Self { physics_version, seed, ticks, start })
     }
 
-    /// What two peers do not agree on, if anything.
+    /// First setting that two peers do not agree on, if any.
     pub(crate) fn differs_from(&self, other: &Self) -> Option<&'static str> {
         let differ = [
             (self.physics_version != other.physics_version, "physics version"),

@@ -16,7 +16,7 @@ const THRUST: Fx = fx!(4);
 
 pub(crate) const PLAYERS: usize = 3;
 
-/// What a player does.
+/// Action of a player.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Action {
     /// A thrust in a direction.
@@ -54,7 +54,7 @@ pub(crate) fn bots(random: &mut Random) -> Vec<Input> {
 pub(crate) struct Tow {
     ships: [BodyId; PLAYERS],
     ball: BodyId,
-    /// Whether inputs are looked at by player, in whatever order they arrive.
+    /// True if inputs are processed by player, in whatever order they arrive.
     pub(crate) is_mended: bool,
 }
 
@@ -65,7 +65,7 @@ impl Tow {
         Self { ships: [nobody; PLAYERS], ball: nobody, is_mended }
     }
 
-    /// What a action does to the world.
+    /// Effect of an action on the world.
     fn act(&self, world: &mut World, Input { player, action }: Input, driver: &mut dyn Stepper) -> Option<()> {
         let ship = self.ships[player];
         match action {

@@ -46,7 +46,7 @@ fn run() -> Result<ExitCode, Box<dyn std::error::Error>> {
     Ok(if campaign.found.is_some() != is_mended { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// What was played and judged.
+/// Summary of the campaign.
 fn report(campaign: &Campaign<Input>) {
     println!("{} matches were played", campaign.runs);
     for (oracle, held) in &campaign.held {

@@ -24,7 +24,7 @@ const REACH: Fx = fx!(1.25); // m, from the centre of what a shot hits
 const SHOT_TICKS: u32 = 45;
 const RELOAD_TICKS: u32 = 12;
 
-/// What a player holds down over a tick. The default is nothing: what GGRS takes for a player who is gone.
+/// Buttons that a player holds down over a tick. The default is none: GGRS uses it for a player who is gone.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Controls(pub(crate) u8);
 
@@ -45,7 +45,7 @@ pub(crate) fn bot(seed: u64, player: usize, tick: u64) -> Controls {
     Controls((SplitMix(seed ^ (held << 8) ^ player as u64).next() & 15) as u8)
 }
 
-/// What happened in a tick.
+/// Events of a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Tally {
     pub(crate) fired: usize,
@@ -155,7 +155,7 @@ impl Game {
         Ok(tally)
     }
 
-    /// All that the match does to its world in a tick before it steps.
+    /// Changes that the match makes to its world in a tick before it steps.
     ///
     /// # Errors
     /// What the world refuses: the same for every peer.
@@ -168,7 +168,7 @@ impl Game {
         Ok(tally)
     }
 
-    /// What a player's buttons do to the ship; whether it fired.
+    /// Applies a player's buttons to the ship; returns true if it fired.
     fn steer(&self, world: &mut World, player: usize, held: Controls) -> Result<bool, Error> {
         let (ship, engine_field) = (self.ships[player], self.engines[player]);
         let torque = match (held.holds(Controls::LEFT), held.holds(Controls::RIGHT)) {

@@ -17,9 +17,9 @@ pub(crate) struct Peer {
     deadline: Instant,
 }
 
-/// How a process ended.
+/// End of a process.
 pub(crate) struct Ended {
-    /// Its exit status; `None` if a signal ended it.
+    /// Exit status; `None` if a signal ended the process.
     pub(crate) status: Option<i32>,
     /// The lines it printed.
     pub(crate) said: Vec<String>,

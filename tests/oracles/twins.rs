@@ -16,7 +16,7 @@ use umbra_physics::{
 /// Keys from here on are no game's.
 const BYSTANDERS: u64 = 1 << 63;
 
-/// What breaks in a game, one thing each.
+/// Defects of a game, one thing each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Fault {
     /// Nothing does.
@@ -29,7 +29,7 @@ enum Fault {
     Beside,
     /// A velocity is set without the driver.
     Past,
-    /// Whoever comes first is pushed twice.
+    /// The first player to arrive is pushed twice.
     First,
     /// The body that comes last in the world is pushed.
     Slot,
@@ -39,11 +39,11 @@ enum Fault {
     Strength,
     /// A drag is added without the driver.
     Drag,
-    /// Of two ways the left one is preferred.
+    /// The left one of two ways is preferred.
     Left,
-    /// What is above is pushed, and nothing that is to the right.
+    /// A body above is pushed, and no body to the right.
     Above,
-    /// It matters how far from the origin something is.
+    /// The distance from the origin matters.
     Origin,
     /// A law of force reads what it does not say it reads.
     Velocity,

@@ -9,7 +9,7 @@ const RELOAD_TICKS: u64 = 12;
 /// Keys from here on are those of shots, two for each tick.
 const SHOTS: u64 = 10;
 
-/// What a player holds over a tick.
+/// Buttons that a player holds over a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Held {
     engine: bool,
@@ -17,7 +17,7 @@ pub(crate) struct Held {
     fire: bool,
 }
 
-/// What a player presses at a tick: other buttons every eight ticks, the trigger for some of these.
+/// Buttons of a player at a tick: other ones every eight ticks, the trigger for some of these.
 pub(crate) fn pressed(player: usize, tick: u64) -> Held {
     let hand = (tick / 8 * 5 + player as u64 * 3) % 7;
     Held { engine: hand % 2 == 1, turn: hand % 3 == 1, fire: hand > 3 && tick % 8 < 3 }

@@ -20,9 +20,9 @@ use umbra_physics::{Blend, BodyId, Interpolation, Pose, StepClock, TickFraction,
 
 use game::{Held, Match, SHOT_TICKS, fired_at, pressed};
 
-/// So many ticks player 1 is away.
+/// Number of ticks that player 1 is away.
 const LATE: u64 = 5;
-/// So many ticks the match can go back by.
+/// Number of ticks the match can go back by.
 const WINDOW: usize = 8;
 const TICKS: u64 = 300;
 /// From a frame of the display to the next, ns: 144 Hz, and ticks are 60 Hz.
@@ -53,7 +53,7 @@ struct Entities(BTreeMap<u64, Entity>);
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 struct Body(BodyId);
 
-/// Where to draw it. Floats come out of the world, and never go in.
+/// Pose to draw the body at. Floats come out of the world, and never go in.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 struct Place(Pose<f32>);
 
@@ -179,7 +179,7 @@ fn buttons(player: usize, tick: u64) -> Held {
     if tick < TICKS { pressed(player, tick) } else { Held::default() }
 }
 
-/// Whether the entities are the bodies: as many, each where its body is shown, on its way to where it is.
+/// Returns true if the entities match the bodies: as many, each shown on its body's way.
 fn check(ecs: &mut bevy_ecs::world::World) -> Result<(), Box<dyn Error>> {
     let entities: Vec<(Body, Place)> = ecs.query::<(&Body, &Place)>().iter(ecs).map(|(b, p)| (*b, *p)).collect();
     let (Physics { world, shown, .. }, Moment(at)) = (ecs.resource::<Physics>(), ecs.resource::<Moment>());
