@@ -2,7 +2,7 @@
 
 use std::io::{self, Read, Write};
 
-/// The longest frame there is. A longer one comes from somebody else, and nothing is set aside for it.
+/// Length of the longest frame. A longer one is not from a peer, and no memory is allocated for it.
 const LONGEST: usize = 64;
 
 const MAGIC: [u8; 4] = *b"UMLS";
@@ -16,7 +16,7 @@ pub(crate) struct Hello {
     pub(crate) seed: u64,
     /// Number of ticks of the match.
     pub(crate) ticks: u64,
-    /// The hash of the world it starts from.
+    /// The hash of the world at the start.
     pub(crate) start: u64,
 }
 
@@ -27,7 +27,7 @@ pub(crate) struct Turn {
     pub(crate) tick: u64,
     /// The hash of the state before its step.
     pub(crate) hash: u64,
-    /// The buttons held over a tick to come, later by the delay.
+    /// The buttons for a future tick, later by the delay.
     pub(crate) controls: u8,
 }
 
@@ -93,7 +93,7 @@ impl Turn {
 }
 
 fn send(to: &mut impl Write, bytes: &[u8]) -> io::Result<()> {
-    // In one write: with the delays of TCP off each one is a packet.
+    // In one write: without TCP's delays each write is a packet.
     let length = u16::try_from(bytes.len()).map_err(|_| wrong("too much for a frame"))?;
     let mut frame = length.to_le_bytes().to_vec();
     frame.extend(bytes);
@@ -120,7 +120,7 @@ impl Frame {
     fn take<const N: usize>(&mut self) -> io::Result<[u8; N]> {
         let mut taken = [0; N];
         for byte in &mut taken {
-            // The next byte is the last: they were turned round.
+            // The next byte is the last, because the bytes were reversed.
             *byte = self.0.pop().ok_or(wrong("a frame that is too short"))?;
         }
         Ok(taken)

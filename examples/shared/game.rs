@@ -1,7 +1,7 @@
 //! A game small enough to read: two ships in the pull of a star, each with a ball on a spring, among rocks that sleep until
 //! something hits them.
 //!
-//! All of its state is in the world, the game's own numbers as the bodies' user data. So a copy of the world is a copy of
+//! All of its state is in the world, the game's own numbers as user data of bodies. So a copy of the world is a copy of
 //! the game, and the hash of the world finds whatever differs between two peers.
 
 use umbra_physics::{
@@ -39,7 +39,7 @@ impl Controls {
     }
 }
 
-/// A player who never tires: buttons at random, another hand of them every six ticks.
+/// A bot: random buttons, changed every six ticks.
 pub(crate) fn bot(seed: u64, player: usize, tick: u64) -> Controls {
     let held = tick / 6;
     Controls((SplitMix(seed ^ (held << 8) ^ player as u64).next() & 15) as u8)
@@ -54,7 +54,7 @@ pub(crate) struct Tally {
     pub(crate) woke: usize,
 }
 
-/// The handles that hold for a whole match, the same on every peer.
+/// Handles that are fixed for a whole match, the same on every peer.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Game {
     pub(crate) ships: [BodyId; 2],
@@ -85,7 +85,7 @@ impl Game {
     /// A match at its first tick.
     ///
     /// # Errors
-    /// None, unless the definitions below are edited to what a world refuses.
+    /// None, unless the definitions below are edited to invalid ones.
     pub(crate) fn start() -> Result<(Self, World), Error> {
         let mut world = World::new(WorldDef {
             time_step: TimeStep::hz(60),
@@ -105,7 +105,7 @@ impl Game {
             groups: SHIP,
             ..BodyDef::dynamic()
         };
-        // Opposite each other, on their way around the star.
+        // Opposite each other, in orbit around the star.
         let mut add_ship = |key: u64, side: i32, angle: Fx| -> Result<_, Error> {
             let def =
                 BodyDef { position: vec2(-12 * side, 0), velocity: vec2(0, 5 * side), angle, key, ..ship.clone() };
@@ -137,7 +137,7 @@ impl Game {
         for (key, (x, y)) in (10..).zip([(0, 7), (6, 4), (6, -4), (0, -7), (-6, -4), (-6, 4)]) {
             world.add_body(BodyDef { position: vec2(x, y), key, ..rock.clone() })?;
         }
-        // Two that are bound to each other sleep and wake together.
+        // Bodies that are joined sleep and wake together.
         let bound = [(20, 1), (21, -1)].map(|(key, x)| BodyDef { position: vec2(x, 18), key, ..rock.clone() });
         let [a, b] = bound.map(|def| world.add_body(def));
         world.add_field(spring(a?, b?, fx!(2)))?;
@@ -147,7 +147,7 @@ impl Game {
     /// Moves the match on by a tick.
     ///
     /// # Errors
-    /// What the world refuses: the same for every peer.
+    /// An error of the world: the same for every peer.
     pub(crate) fn advance(&self, world: &mut World, controls: [Controls; 2]) -> Result<Tally, Error> {
         let mut tally = self.act(world, controls)?;
         let report = world.step();
@@ -158,7 +158,7 @@ impl Game {
     /// Changes that the match makes to its world in a tick before it steps.
     ///
     /// # Errors
-    /// What the world refuses: the same for every peer.
+    /// An error of the world: the same for every peer.
     pub(crate) fn act(&self, world: &mut World, controls: [Controls; 2]) -> Result<Tally, Error> {
         let mut tally = Tally::default();
         for (player, held) in controls.into_iter().enumerate() {
