@@ -2,12 +2,13 @@
 //! this and asserts that a scene does not pay for what it lacks.
 //!
 //! Needs valgrind and gungraun-runner, which has to be of gungraun's version:
-//! `cargo bench --features float --bench instructions`.
+//! `cargo bench -p umbra-physics --features float --bench instructions`.
 
 use std::hint::black_box;
 
 use gungraun::{Callgrind, EntryPoint, LibraryBenchmarkConfig, library_benchmark, library_benchmark_group, main};
-use umbra_physics::scalar::{Accumulator, Angle, Factor, Span, Weight, Wide as _};
+use umbra_physics::scalar::internals::{Bulk as _, Motion as _, Span, Weight};
+use umbra_physics::scalar::{Accumulator as _, Angle};
 use umbra_physics::{Fx, FxAccumulator, FxFactor, FxWide, Scalar, Turn, World, fx};
 
 #[allow(dead_code, reason = "the benches of time have scenes of their own")]

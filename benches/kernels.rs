@@ -5,8 +5,8 @@
 
 use divan::{Bencher, black_box};
 use fixed::types::I32F32;
-use umbra_physics::scalar::{Factor, Wide};
-use umbra_physics::{Fx, FxFactor, FxWide, Scalar, SpringConstants, fx};
+use umbra_physics::scalar::internals::Forces as _;
+use umbra_physics::{Fx, FxFactor, FxWide, SpringConstants, Vec2, fx};
 
 #[path = "../tests/support/cordic.rs"]
 mod plain;
@@ -58,7 +58,7 @@ fn two<T: Copy + Sync, U: Copy + Sync, R>(
     one(bencher, inputs, |(a, b)| function(a, b));
 }
 
-/// Baseline of the machine: one 64-bit multiplication.
+/// A yardstick of the machine: one 64-bit multiplication.
 mod integer {
     use super::*;
 
@@ -258,7 +258,7 @@ mod exp2 {
         one(bencher, values(1, 36), Fx::exp2);
     }
 
-    /// e^x: the crate has no 2^x.
+    /// e^x, as the crate has no 2^x.
     #[divan::bench]
     fn cordic_crate_exp(bencher: Bencher) {
         one(bencher, fixeds(values(1, 36)), cordic::exp);
@@ -298,16 +298,16 @@ mod pow {
     }
 }
 
-/// The laws of force, metres apart.
+/// The force formulas, metres apart.
 mod custom_forces {
     use super::*;
 
-    type Pair = (FxWide, FxWide);
+    type Pair = Vec2<FxWide>;
 
     /// Vectors of either sign with `bits` random bits a component.
     fn vectors(seed: u64, bits: u32) -> Vec<Pair> {
-        let component = |seed| values(seed, bits).into_iter().map(FxWide::from_scalar);
-        component(seed).zip(component(seed + 1)).collect()
+        let component = |seed| values(seed, bits).into_iter().map(FxWide::from);
+        component(seed).zip(component(seed + 1)).map(Pair::from).collect()
     }
 
     fn factors(seed: u64, divisor: u64) -> Vec<FxFactor> {
@@ -333,7 +333,7 @@ mod custom_forces {
         one(bencher, vectors(1, 36), |offset| Fx::attraction(mu, offset, fx!(0.25)));
     }
 
-    /// At up to 16 m/s, with coefficients of ¼ a second and a metre, over 1/120 s.
+    /// Drag at up to 16 m/s, with coefficients of ¼ a second and a metre, over 1/120 s.
     fn drag(bencher: Bencher, linear: FxFactor, quadratic: FxFactor) {
         let seconds = FxFactor::from_ratio(1, 120);
         one(bencher, factors(1, 1 << 31), |speed| Fx::drag(speed, linear, quadratic, seconds, false));
@@ -357,7 +357,7 @@ mod custom_forces {
     /// A force over a mass.
     #[divan::bench]
     fn force_times_factor(bencher: Bencher) {
-        let forces: Vec<FxWide> = vectors(1, 40).into_iter().map(|(force, _)| force).collect();
+        let forces: Vec<FxWide> = vectors(1, 40).into_iter().map(|force| force.x).collect();
         two(bencher, (forces, factors(3, 1 << 40)), |force, factor: FxFactor| force.times(factor));
     }
 

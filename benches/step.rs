@@ -5,10 +5,10 @@
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
-use umbra_physics::scene::Scene as File;
 #[cfg(feature = "parallel")]
 use umbra_physics::step_all;
 use umbra_physics::{Fx, Scalar};
+use umbra_scene::Scene as File;
 
 #[allow(dead_code, reason = "some scenes are for counts of instructions")]
 mod scenes;

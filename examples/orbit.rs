@@ -7,9 +7,7 @@
 #[path = "shared/grid.rs"]
 mod grid;
 
-use umbra_physics::{
-    BodyDef, BodyId, End, Error, FieldKind, FxFactor, Preview, Vec2, World, WorldDef, fx, scalar::Factor as _, vec2,
-};
+use umbra_physics::{BodyDef, BodyId, End, Error, FieldKind, Preview, Vec2, World, WorldDef, fx, vec2};
 
 use grid::Grid;
 
@@ -49,7 +47,7 @@ fn main() -> Result<(), Error> {
 fn sky() -> Result<(World, BodyId), Error> {
     let mut world: World = World::new(WorldDef::default())?;
     let centre = End::World(Vec2::ZERO);
-    world.add_field(FieldKind::Attractor { centre, mu: FxFactor::from_ratio(200, 1), softening: fx!(0) })?;
+    world.add_field(FieldKind::Attractor { centre, mu: 200.into(), softening: fx!(0) })?;
     let ship = BodyDef { position: vec2(8, 0), velocity: vec2(0, 5), key: 1, ..BodyDef::dynamic() };
     let ship = world.add_body(ship)?;
     for i in 0..100 {

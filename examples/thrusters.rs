@@ -7,7 +7,7 @@
 
 use umbra_physics::{
     ApplyOptions, Attachment, BodyDef, BodyId, BodyRef, Error, FieldId, FieldKind, ForceOrImpulse, Fx, Mass, Shape,
-    Vec2, World, WorldDef, fx, scalar::Factor as _, vec2,
+    Vec2, World, WorldDef, fx, vec2,
 };
 
 const MOON: Fx = fx!(-1.62); // m/s²

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use crate::handle::{BodyId, FieldId};
+use crate::slots::{BodyId, FieldId};
 
 /// Gives an error its numbers, one per variant. A number is never changed and never reused. A variant that is not in the list
 /// does not compile. `docs/errors.md` lists all numbers.

@@ -59,24 +59,22 @@ mod codec;
 mod display;
 mod error;
 mod force;
+mod fx;
 // Documentation only: ordinary builds do not contain this module.
 #[cfg(any(doc, doctest))]
 pub mod guide;
-mod handle;
 mod integrate;
 mod kernel;
 pub mod limits;
 mod math;
-#[cfg(feature = "oracles")]
-pub mod oracle;
 mod replay;
 pub mod scalar;
-#[cfg(feature = "scene")]
-pub mod scene;
 #[cfg(feature = "selftest")]
 pub mod selftest;
 mod shape;
+mod slots;
 mod step;
+mod symmetry;
 mod world;
 
 pub use body::{Activity, BodyDef, BodyKind, Locks, Mass};
@@ -89,18 +87,21 @@ pub use force::{
     AppliedForce, Attachment, BodyState, CustomForce, CustomForceError, Dependence, End, FieldKind, ForceField,
     ForceTorque, Region,
 };
-pub use handle::{BodyId, FieldId};
+pub use fx::{Fx, MathError, ParseFxError};
+
 pub use integrate::{Integrator, Stage, StageKind};
 pub use math::{Elapsed, Random, Rot, TimeStep, Vec2, vec2};
 pub use replay::{
     Difference, Divergence, Dump, Finding, HashTree, Owner, PHYSICS_VERSION, Playback, RecordOptions, Recorder, Replay,
     ReplayError, ReplayLimits, Snapshot, SnapshotError, TickPhase, VerifyError,
 };
-pub use scalar::fx::{Fx, MathError, ParseFxError};
+
 pub use scalar::{FxAccumulator, FxFactor, FxWide, Scalar, SpringConstants, Turn};
-pub use shape::{Geometry, Part, Shape};
+pub use shape::{Aabb, Geometry, Outline, Part, Shape};
+pub use slots::{BodyId, FieldId};
 #[cfg(feature = "timers")]
 pub use step::Timers;
+pub use symmetry::Symmetry;
 pub use world::{
     ApplyOptions, BodyRef, Command, Created, Event, ForceOrImpulse, Frame, History, Input, InputResult, Inputs,
     InputsIter, Preview, StepReport, Stepper, TickReport, Trace, World, WorldDef, step_all,

@@ -1,4 +1,4 @@
-//! The envelope: every range the engine admits, and why nothing wraps inside it.
+//! Limits: every range the engine admits (together the envelope), and the proof that nothing wraps inside it.
 //!
 //! A value beyond its bound is refused where it enters, by a typed error and with the world unchanged. A body that leaves
 //! the envelope during a step is quarantined at the end of it. Hence the arithmetic of a step, which is neither checked
@@ -16,8 +16,8 @@
 //! - *Forces.* A call adds at most 2^31 N a component or 2^63 N·m; sums are held in 192 bits and checked
 //!   once, in the step.
 //!
-//! Ticks are from 0 to [`TICK`] = 2^63, and no step leads out of that: at [`TICK`] the count stands still. So whatever a
-//! reader accepts can be saved, recorded and read again after any number of steps, also where a file names the last tick. A
+//! Ticks are from 0 to [`TICK`] = 2^63, and no step leads out of that range: at [`TICK`] the count stands still. So a file that a
+//! reader accepts can be saved, recorded and read again after any number of steps, even at the last tick. A
 //! run from tick 0 never gets there: 2^63 steps take 292 years at a nanosecond each. A tick and a number of ticks below 2^63
 //! add up in 64 bits.
 //!
@@ -39,7 +39,10 @@
 //! assert_eq!(limits::TICK, 1 << 63);
 //! ```
 
-use crate::scalar::{KICK_LOG2, TRANSIENT_SPEED_LOG2, fx::Fx};
+use crate::error::Error;
+use crate::fx::Fx;
+use crate::math::TimeStep;
+use crate::scalar::{KICK_LOG2, TRANSIENT_SPEED_LOG2};
 
 const fn power(exponent: i32) -> Fx {
     Fx::from_bits(1 << (32 + exponent))
@@ -54,13 +57,13 @@ pub const POSITION: Fx = power(POSITION_LOG2 as i32);
 pub const SPEED: Fx = power(SPEED_LOG2 as i32);
 /// The largest angular velocity: 2^20 rad/s either way.
 pub const ANGULAR_SPEED: Fx = power(SPEED_LOG2 as i32);
-/// A kick within a step stays below this: 2^21 m/s, or rad/s.
+/// The bound that a kick within a step stays below: 2^21 m/s, or rad/s.
 pub const KICK: Fx = power(KICK_LOG2);
-/// Velocities between the stages of a step: damping backwards in time stays below 2^24 m/s, or rad/s.
+/// The bound on velocities between the stages of a step: damping backwards in time stays below 2^24 m/s, or rad/s.
 pub const TRANSIENT_SPEED: Fx = power(TRANSIENT_SPEED_LOG2);
-/// Farther off no body is in the midst of a step: above 2^30.35 m by far enough that a shape still fits beside it.
+/// The largest coordinate of a position within a step: above 2^30.35 m by enough that a shape still fits beside it.
 pub(crate) const TRANSIENT_POSITION: Fx = Fx::from_bits(POSITION.to_bits() + POSITION.to_bits() / 2);
-/// Faster no body is in the midst of a step: 2^26 m/s, or rad/s, with all kicks on top of damping backwards.
+/// The largest component of a velocity within a step: 2^26 m/s, or rad/s, with all kicks on top of damping backwards.
 pub(crate) const TRANSIENT_SUM: Fx = power(26);
 /// The smallest mass of a dynamic body: 2^-16 kg, 15 mg.
 pub const MASS_MIN: Fx = power(-16);
@@ -90,14 +93,45 @@ pub const PARTS: usize = 256;
 pub const BODIES: usize = 1 << 24;
 /// The most force fields a world has, slots whose handles are used up included: handles are 32-bit.
 pub const FIELDS: usize = 1 << 24;
-/// The last tick: 2^63, 29 million years at the fastest rate. Where a file says that a world is there, a step moves it as
-/// everywhere, but its tick and its elapsed time stay what they are.
+/// The last tick: 2^63, 29 million years at the fastest rate. A world read from a file at this tick still moves with each step,
+/// but its tick and its elapsed time stay the same.
 pub const TICK: u64 = 1 << 63;
 /// The most bytes of a game's own data a world carries along: 16 MiB.
 pub const BLOB: usize = 1 << 24;
 
-/// The tick that so many steps after a tick lead to.
+/// The tick that is `steps` after a tick, at most [`TICK`].
 pub(crate) const fn tick_after(tick: u64, steps: u64) -> u64 {
     let later = tick.saturating_add(steps);
     if later < TICK { later } else { TICK }
+}
+
+impl TimeStep {
+    /// The time step itself if its rate is within the limits.
+    ///
+    /// # Errors
+    /// [`Error::TimeStep`].
+    pub(crate) const fn checked(self) -> Result<Self, Error> {
+        let (num, den) = self.seconds();
+        let (n, d) = (num as u64, den as u64);
+        // A step of zero would have an infinite rate.
+        if num == 0 || d < n * RATE_MIN as u64 || d > n * RATE_MAX as u64 {
+            return Err(Error::TimeStep);
+        }
+        Ok(self)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_outside_the_rates_are_refused() {
+        for (num, den) in [(0, 1), (1, 0), (0, 0), (2, 1), (1, 10_001), (u32::MAX, 1)] {
+            assert_eq!(TimeStep::ratio(num, den).checked(), Err(Error::TimeStep), "{num}/{den}");
+        }
+        for (num, den) in [(1, 1), (1, 10_000), (1001, 60_000), (7, 420)] {
+            assert!(TimeStep::ratio(num, den).checked().is_ok(), "{num}/{den}");
+        }
+    }
 }

@@ -7,10 +7,9 @@ mod real;
 
 use random::SplitMix;
 use real::{Real, exact, factor, ratio, to_f64, units};
-use umbra_physics::scalar::{Accumulator, Factor, Wide};
+use umbra_physics::scalar::internals::Forces;
 use umbra_physics::{
-    BodyDef, End, FieldKind, Fx, FxFactor, FxWide, Integrator, Scalar, SpringConstants, TimeStep, Vec2, World,
-    WorldDef, fx,
+    BodyDef, End, FieldKind, Fx, FxFactor, FxWide, Integrator, SpringConstants, TimeStep, Vec2, World, WorldDef, fx,
 };
 
 /// mu·d / (d² + s²)^(3/2).
@@ -21,8 +20,8 @@ fn attraction(mu: FxFactor, d: (Fx, Fx), softening: Fx) -> [Real; 2] {
     [x * &share, y * share]
 }
 
-fn offset(d: (Fx, Fx)) -> (FxWide, FxWide) {
-    (FxWide::from_scalar(d.0), FxWide::from_scalar(d.1))
+fn offset(d: (Fx, Fx)) -> Vec2<FxWide> {
+    Vec2::from(d).map(FxWide::from)
 }
 
 /// The largest distances from the exact value: in ulps of `Fx` once rounded to it, in units of 2^-64 without.
@@ -34,7 +33,7 @@ struct Worst {
 
 impl Worst {
     fn look(&mut self, mu: FxFactor, d: (Fx, Fx), softening: Fx) -> bool {
-        let Some((x, y)) = Fx::attraction(mu, offset(d), softening) else { return false };
+        let Some(Vec2 { x, y }) = Fx::attraction(mu, offset(d), softening) else { return false };
         for (kept, exact_value) in [x, y].into_iter().zip(attraction(mu, d, softening)) {
             if let Some(public) = kept.to_scalar() {
                 let off = to_f64(&((exact(public) - &exact_value) << 32)).abs();
@@ -112,7 +111,7 @@ fn attraction_is_within_half_an_ulp_at_random() {
 
 #[test]
 fn attraction_at_the_centre_is_zero() {
-    let zero = (FxWide::default(), FxWide::default());
+    let zero = Vec2::<FxWide>::default();
     assert_eq!(Fx::attraction(FxFactor::ONE, zero, Fx::ZERO), Some(zero));
     assert_eq!(Fx::attraction(FxFactor::ONE, zero, fx!(1)), Some(zero));
 }
@@ -168,7 +167,7 @@ fn a_springs_force_is_exact_however_short_it_is() {
         if d == (Fx::ZERO, Fx::ZERO) {
             continue;
         }
-        let Some((x, y)) = Fx::tension(offset(d), offset(v), &spring) else { continue };
+        let Some(Vec2 { x, y }) = Fx::tension(offset(d), offset(v), &spring) else { continue };
         looked += 1;
         for (force, right) in [x, y].into_iter().zip(tension(d, v, &spring)) {
             let off = to_f64(&((units(force.to_bits(), 64) - &right) << 64)).abs();

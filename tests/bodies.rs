@@ -5,7 +5,6 @@ use std::time::{Duration, Instant};
 
 #[cfg(feature = "timers")]
 use umbra_physics::Timers;
-use umbra_physics::scalar::{Accumulator, Angle, Factor, Wide};
 use umbra_physics::{
     Activity, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, Command, Created, End, Error, FieldId, FieldKind,
     ForceField, ForceOrImpulse, Frame, Fx, FxFactor, FxWide, Integrator, Locks, Mass, Random, Shape, SpringConstants,
@@ -27,11 +26,11 @@ fn ball(world: &mut World) -> BodyId {
 }
 
 fn factor(value: Fx) -> Option<FxFactor> {
-    Some(<FxFactor as Factor<Fx>>::from_scalar(value))
+    Some(FxFactor::from_scalar(value))
 }
 
 fn wide(value: Fx) -> FxWide {
-    <FxWide as Wide<Fx>>::from_scalar(value)
+    FxWide::from_scalar(value)
 }
 
 fn sixty_four() -> WorldDef {
@@ -367,7 +366,7 @@ fn a_removed_body_takes_its_fields_along_and_slots_are_used_again() {
         spring: SpringConstants { rest: fx!(1), stiffness: fx!(1), damping: fx!(1) },
     };
     let own = FieldKind::Thrust { at: Attachment::centre(bodies[0]), force: Vec2::X };
-    let mu = <FxFactor as Factor<Fx>>::ONE;
+    let mu = FxFactor::ONE;
     let carried = FieldKind::Attractor { centre: End::Body(Attachment::centre(bodies[0])), mu, softening: fx!(1) };
     let drag = FieldKind::Drag { linear: fx!(1), quadratic: fx!(0), wind: Vec2::ZERO };
     let custom_forces = [spring(0, 1), spring(1, 0), spring(1, 2), own, carried, drag];

@@ -4,10 +4,9 @@
 mod random;
 
 use random::SplitMix;
-use umbra_physics::scalar::{Accumulator, Angle};
 use umbra_physics::{
-    Activity, BodyDef, BodyId, BodyKind, Error, FieldKind, Fx, Integrator, Irreversible, Locks, Mass, Vec2, World,
-    WorldDef, fx, limits, vec2,
+    Activity, BodyDef, BodyId, BodyKind, Error, FieldKind, Fx, FxAccumulator, Integrator, Irreversible, Locks, Mass,
+    Vec2, World, WorldDef, fx, limits, vec2,
 };
 
 fn world(integrator: Integrator, gravity: Vec2) -> World {
@@ -143,7 +142,7 @@ fn caps_are_for_dynamic_bodies_and_nobody_else_notices() {
             .map(|id| {
                 let body = world.body(id).expect("it is there");
                 let (x, v) = (body.position_exact(), body.velocity_exact());
-                (x.map(Accumulator::to_bits), v.map(Accumulator::to_bits), Angle::<Fx>::to_bits(body.angle_exact()))
+                (x.map(FxAccumulator::to_bits), v.map(FxAccumulator::to_bits), body.angle_exact().to_bits())
             })
             .collect::<Vec<_>>()
     };

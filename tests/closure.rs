@@ -2,11 +2,10 @@
 
 use std::sync::Arc;
 
-use umbra_physics::scalar::{Accumulator, Angle, Factor};
 use umbra_physics::{
     Activity, Attachment, BodyDef, BodyId, BodyKind, BodyState, CustomForce, CustomForceError, Dependence, End, Error,
-    FieldId, FieldKind, ForceField, ForceTorque, Fx, FxFactor, Integrator, Mass, Region, Shape, Snapshot,
-    SpringConstants, TimeStep, Vec2, World, WorldDef, fx, vec2,
+    FieldId, FieldKind, ForceField, ForceTorque, Fx, FxAccumulator, FxFactor, Integrator, Mass, Region, Shape,
+    Snapshot, SpringConstants, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
 type Bits = ([i128; 5], u64, Activity);
@@ -14,7 +13,7 @@ type Bits = ([i128; 5], u64, Activity);
 fn bits(world: &World, body: BodyId) -> Bits {
     let body = world.body(body).expect("it is there");
     let (x, v) = (body.position_exact(), body.velocity_exact());
-    let sums = [x.x, x.y, v.x, v.y, body.angular_velocity_exact()].map(Accumulator::to_bits);
+    let sums = [x.x, x.y, v.x, v.y, body.angular_velocity_exact()].map(FxAccumulator::to_bits);
     (sums, body.angle_exact().to_bits(), body.activity())
 }
 
@@ -49,7 +48,7 @@ impl Dice {
 }
 
 fn mu(value: Fx) -> FxFactor {
-    <FxFactor as Factor<Fx>>::from_scalar(value)
+    FxFactor::from_scalar(value)
 }
 
 fn spring(near: BodyId, point: Vec2, far: End, rest: Fx, stiffness: Fx, damping: Fx) -> FieldKind {

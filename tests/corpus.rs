@@ -15,8 +15,8 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use umbra_physics::scene::Scene;
 use umbra_physics::{BodyDef, Command, PHYSICS_VERSION, Random, Shape, Vec2, World, WorldDef, vec2};
+use umbra_scene::Scene;
 
 fn folder(target: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/seeds").join(target)
@@ -92,7 +92,7 @@ fn the_dictionary_has_every_field_of_a_scene() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let dictionary = fs::read_to_string(root.join("fuzz/dictionaries/scene.txt")).expect("it is there");
     let mut looked = 0;
-    for file in fs::read_dir(root.join("src/scene")).expect("it is there") {
+    for file in fs::read_dir(root.join("crates/umbra-scene/src")).expect("it is there") {
         let source = fs::read_to_string(file.expect("a file").path()).expect("it can be read");
         let code = source.split("#[cfg(test)]").next().expect("there is a first part");
         for call in ["get(\"", "need(\"", "or(\"", "kept(\"", "words(&object, \"", "term(\""] {

@@ -55,7 +55,18 @@ fn missing_tool() -> Option<String> {
 
 fn count() -> Counts {
     // By the profile of the tests, for which what the bench depends on is built already.
-    let bench = ["bench", "--quiet", "--profile", "release", "--features", "float", "--bench", "instructions"];
+    let bench = [
+        "bench",
+        "--package",
+        "umbra-physics",
+        "--quiet",
+        "--profile",
+        "release",
+        "--features",
+        "float",
+        "--bench",
+        "instructions",
+    ];
     let bench = bench.into_iter().chain(["--", "--output-format=json"]);
     let output = Command::new(env!("CARGO")).args(bench).current_dir(env!("CARGO_MANIFEST_DIR")).output();
     let output = output.expect("cargo starts");
@@ -231,8 +242,18 @@ fn no_values_make_a_step_cost_three_times_a_calm_one() {
 /// The lines of `benches/calls.rs`, each in words; `None` where there is no valgrind.
 fn calls() -> Option<Vec<Vec<String>>> {
     missing_tool().is_none().then(|| {
-        let bench =
-            ["bench", "--quiet", "--profile", "release", "--features", "scene", "--bench", "calls", "--", "check"];
+        let bench = [
+            "bench",
+            "--package",
+            "umbra-physics",
+            "--quiet",
+            "--profile",
+            "release",
+            "--bench",
+            "calls",
+            "--",
+            "check",
+        ];
         let output = Command::new(env!("CARGO")).args(bench).current_dir(env!("CARGO_MANIFEST_DIR")).output();
         let output = output.expect("cargo starts");
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));

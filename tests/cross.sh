@@ -183,14 +183,14 @@ provide() {
 
 # Builds for a target; the program is then `program`, run by `runner`.
 build() {
-  local flags=(--release --bin umbra-selftest -j "$jobs") features=selftest directory=$outputs/${1//\//-}
+  local flags=(--release -p umbra-selftest --bin umbra-selftest -j "$jobs") features= directory=$outputs/${1//\//-}
   local variables=() name
   runner=()
   case $1 in
     *-checked) variables+=(CARGO_PROFILE_RELEASE_OPT_LEVEL=0 CARGO_PROFILE_RELEASE_DEBUG_ASSERTIONS=true
       CARGO_PROFILE_RELEASE_OVERFLOW_CHECKS=true) ;;
     *-native) variables+=(RUSTFLAGS=-Ctarget-cpu=native) ;;
-    *-parallel) features=selftest,parallel ;;
+    *-parallel) features=parallel ;;
   esac
   program=$directory/release/umbra-selftest
   case $1 in

@@ -1,8 +1,7 @@
 //! Disabled bodies: out of the simulation as they are, with what is attached to them inert, and back in it.
 
-use umbra_physics::scalar::Factor;
 use umbra_physics::{
-    Activity, Attachment, BodyDef, BodyId, BodyKind, End, Error, FieldKind, Fx, FxFactor, FxWide, Integrator, Locks,
+    Activity, Attachment, BodyDef, BodyId, BodyKind, End, Error, FieldKind, FxFactor, FxWide, Integrator, Locks,
     Snapshot, SpringConstants, World, WorldDef, fx, vec2,
 };
 
@@ -69,7 +68,7 @@ impl Twins for umbra_physics::BodyRef<'_> {
 
 #[test]
 fn what_is_attached_to_it_is_inert() {
-    let mu = <FxFactor as Factor<Fx>>::from_scalar(fx!(50));
+    let mu = FxFactor::from_scalar(fx!(50));
     for integrator in Integrator::ALL {
         let run = |is_there: bool| {
             let mut world = world(integrator);
@@ -169,7 +168,7 @@ fn an_inert_attractor_lets_sleep() {
     let mut world: World = World::new(WorldDef { sleep_after: Some(4), ..WorldDef::default() }).expect("a world");
     let body = world.add_body(BodyDef::dynamic()).expect("a body");
     let carrier = world.add_body(BodyDef { position: vec2(9, 0), ..BodyDef::kinematic() }).expect("a body");
-    let mu = <FxFactor as Factor<Fx>>::from_scalar(fx!(1));
+    let mu = FxFactor::from_scalar(fx!(1));
     world.disable(carrier).expect("it takes part");
     let centre = End::Body(Attachment::centre(carrier));
     world.add_field(FieldKind::Attractor { centre, mu, softening: fx!(1) }).expect("a field");

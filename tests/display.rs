@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use umbra_physics::scalar::{Factor, ToF64};
+use umbra_physics::scalar::ToF64;
 use umbra_physics::{
     Activity, Attachment, Blend, BodyClass, BodyDef, BodyId, BodyKind, Command, DebugDraw, DrawOptions, End, FieldId,
     FieldKind, Fx, FxFactor, History, Inputs, Interpolation, Part, Pose, Region, Role, Scalar, Shape, Snapshot,
@@ -460,7 +460,7 @@ fn fields_come_as_they_were_added_then_bodies_and_then_velocities_by_slot() {
     (0..2).for_each(|_| _ = world.step());
     let at = |body| Attachment { body, point: vec2(1, 0) };
     let spring = SpringConstants { rest: fx!(1), stiffness: fx!(1), damping: fx!(0) };
-    let mu = <FxFactor as Factor<Fx>>::from_scalar(fx!(1));
+    let mu = FxFactor::from_scalar(fx!(1));
     let attractor = |centre| FieldKind::Attractor { centre, mu, softening: fx!(1) };
     let disc = Region::Disc { centre: vec2(7, 7), radius: fx!(2) };
     let box_ = Region::Box { min: vec2(0, 0), max: vec2(4, 2) };

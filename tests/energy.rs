@@ -2,8 +2,8 @@
 
 use umbra_physics::scalar::{Factor, ToF64};
 use umbra_physics::{
-    Attachment, BodyDef, BodyId, End, FieldKind, Fx, Integrator, Scalar, SpringConstants, TimeStep, Vec2, World,
-    WorldDef, fx,
+    Attachment, BodyDef, BodyId, End, FieldKind, Fx, FxFactor, Integrator, Scalar, SpringConstants, TimeStep, Vec2,
+    World, WorldDef, fx,
 };
 
 /// A power of two, so that the damping control is one ulp of a second's damping.
@@ -149,7 +149,7 @@ fn worst_on_a_circle(orbits: u32) -> f64 {
     let speed = fx!(10).sqrt();
     let (position, velocity) = (Vec2::new(fx!(10), Fx::ZERO), Vec2::new(Fx::ZERO, speed));
     let body = world.add_body(BodyDef { position, velocity, ..BodyDef::dynamic() }).expect("a fair body");
-    let mu = <Fx as Scalar>::Factor::from_ratio(100, 1);
+    let mu = FxFactor::from_ratio(100, 1);
     let centre = End::World(Vec2::ZERO);
     world.add_field(FieldKind::Attractor { centre, mu, softening: Fx::ZERO }).expect("a fair field");
     let energy = |world: &World| {

@@ -25,18 +25,16 @@ mod locks;
 mod looking;
 mod mass;
 mod order;
+mod outlines;
 mod pacing;
 mod paths;
 mod random;
 mod readers;
 mod reverse;
 mod rollback;
-#[cfg(feature = "cli")]
-mod scene_text;
-#[cfg(feature = "cli")]
-mod scenes;
 #[cfg(feature = "serde")]
 mod serde;
 mod snapshot;
 mod tables;
 mod trace;
+mod vectors;

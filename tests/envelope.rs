@@ -9,12 +9,11 @@ use umbra_physics::limits::{
     ANGULAR_SPEED, BODIES, CORNERS, FIELDS, GRAVITY, GRAVITY_SCALE, MASS_MAX, MASS_MIN, MU_MAX_LOG2, PARTS, POSITION,
     RATE_MAX, RATE_MIN, SIZE_MAX, SIZE_MIN, SPEED,
 };
-use umbra_physics::scalar::{Accumulator, Angle, Factor};
 use umbra_physics::{
     Activity, AppliedForce, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, BodyState, Cause, Command,
     CustomForce, CustomForceError, Dependence, End, Error, Fault, FieldId, FieldKind, ForceField, ForceOrImpulse,
-    ForceTorque, Frame, Fx, FxFactor, Integrator, Locks, Mass, Part, Quantity, Region, Shape, SpringConstants,
-    TimeStep, Vec2, World, WorldDef, fx, vec2,
+    ForceTorque, Frame, Fx, FxAccumulator, FxFactor, Integrator, Locks, Mass, Part, Quantity, Region, Shape,
+    SpringConstants, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
 const ULP: Fx = Fx::DELTA;
@@ -28,7 +27,7 @@ fn out_of<T>(quantity: Quantity) -> Result<T, Error> {
 }
 
 fn mu(value: Fx) -> FxFactor {
-    <FxFactor as Factor<Fx>>::from_scalar(value)
+    FxFactor::from_scalar(value)
 }
 
 fn spring(near: BodyId, far: End, rest: Fx, stiffness: Fx, damping: Fx) -> FieldKind {
@@ -210,18 +209,18 @@ fn each_bound_of_a_number_is_accepted_and_one_ulp_past_it_refused() {
 fn mu_is_accepted_up_to_two_to_the_64_and_not_a_bit_further() {
     let (mut world, _, id) = stage();
     let most = {
-        let root = <FxFactor as Factor<Fx>>::from_ratio(1 << (MU_MAX_LOG2 / 2), 1);
-        Factor::<Fx>::times(root, root)
+        let root = FxFactor::from_ratio(1 << (MU_MAX_LOG2 / 2), 1);
+        root.times(root)
     };
     // The next factor is one part in 2^63 more.
-    let past = Factor::<Fx>::plus(most, <FxFactor as Factor<Fx>>::from_ratio(2, 1));
+    let past = most.plus(FxFactor::from_ratio(2, 1));
     assert!(past > most);
     let attract = |mu| Command::SetField {
         id,
         field: FieldKind::Attractor { centre: End::World(Vec2::X), mu, softening: fx!(0) }.into(),
     };
     expect(&mut world, &attract(most), Ok(()));
-    expect(&mut world, &attract(<FxFactor as Factor<Fx>>::ZERO), Ok(()));
+    expect(&mut world, &attract(FxFactor::ZERO), Ok(()));
     expect(&mut world, &attract(past), out_of(Quantity::Mu));
 }
 
@@ -386,7 +385,7 @@ type Bits = ([i128; 5], u64);
 fn bits(world: &World, body: BodyId) -> Bits {
     let body = world.body(body).expect("it is there");
     let (x, v) = (body.position_exact(), body.velocity_exact());
-    ([x.x, x.y, v.x, v.y, body.angular_velocity_exact()].map(Accumulator::to_bits), body.angle_exact().to_bits())
+    ([x.x, x.y, v.x, v.y, body.angular_velocity_exact()].map(FxAccumulator::to_bits), body.angle_exact().to_bits())
 }
 
 struct Faulty;
@@ -717,8 +716,8 @@ fn end() -> impl Strategy<Value = End> {
 
 fn law() -> impl Strategy<Value = FieldKind> {
     let any_mu = (any::<u64>(), 0u32..64, any::<bool>()).prop_map(|(value, by, past)| {
-        let value = <FxFactor as Factor<Fx>>::from_ratio((value >> by).max(1), 1);
-        if past { Factor::<Fx>::times(value, <FxFactor as Factor<Fx>>::from_ratio(1, 1 << 60)) } else { value }
+        let value = FxFactor::from_ratio((value >> by).max(1), 1);
+        if past { value.times(FxFactor::from_ratio(1, 1 << 60)) } else { value }
     });
     prop_oneof![
         (end(), any_mu, positive(SIZE_MAX)).prop_map(|(centre, mu, softening)| FieldKind::Attractor {
@@ -1006,7 +1005,7 @@ fn the_corners_of_the_envelope_are_stepped_through_without_a_panic() {
                             })
                             .unwrap();
                     }
-                    let most = <FxFactor as Factor<Fx>>::from_ratio(u64::MAX, 1);
+                    let most = FxFactor::from_ratio(u64::MAX, 1);
                     world
                         .add_field(FieldKind::Attractor {
                             centre: End::World(Vec2::ZERO),

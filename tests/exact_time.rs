@@ -4,7 +4,6 @@
 mod real;
 
 use real::{Real, TAU, exact, ratio, real, to_f64, units};
-use umbra_physics::scalar::Accumulator;
 use umbra_physics::{
     BodyDef, BodyId, Elapsed, Fx, FxAccumulator, Integrator, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };

@@ -19,7 +19,6 @@ use std::{env, fs};
 use everything::{commands, custom_forces, recording, world};
 use formats::{Content, Layouts, Value};
 use found::{activity, command, field, integrator, kind, locks, mass, number, random, shape, time_step, vector};
-use umbra_physics::scalar::{Accumulator, Angle};
 use umbra_physics::{
     BodyId, Command, FieldId, ForceField, Fx, Mass, PHYSICS_VERSION, Replay, ReplayError, Snapshot, SnapshotError,
     Turn, World, WorldDef,

@@ -4,10 +4,10 @@
 mod random;
 
 use random::SplitMix;
-use umbra_physics::scalar::{Accumulator, Angle};
 use umbra_physics::{
-    Activity, Attachment, BodyDef, BodyId, BodyKind, Cause, End, Error, FieldKind, Fx, Integrator, Irreversible, Locks,
-    Quantity, Snapshot, SnapshotError, SpringConstants, TimeStep, Turn, Vec2, World, WorldDef, fx, limits, vec2,
+    Activity, Attachment, BodyDef, BodyId, BodyKind, Cause, End, Error, FieldKind, Fx, FxAccumulator, Integrator,
+    Irreversible, Locks, Quantity, Snapshot, SnapshotError, SpringConstants, TimeStep, Turn, Vec2, World, WorldDef, fx,
+    limits, vec2,
 };
 
 fn world(integrator: Integrator) -> World {
@@ -23,7 +23,7 @@ fn lift(world: &mut World) -> BodyId {
 /// Returns true if the body is exactly there, with no remainder.
 fn is_at(world: &World, body: BodyId, position: Vec2, angle: Fx) {
     let body = world.body(body).expect("it is there");
-    let exact = position.map(<Fx as umbra_physics::Scalar>::Accumulator::from_scalar);
+    let exact = position.map(FxAccumulator::from_scalar);
     assert_eq!(body.position_exact(), exact);
     assert_eq!(body.angle_exact(), Turn::from_radians(angle));
 }
@@ -71,8 +71,7 @@ fn it_arrives_to_the_bit_and_then_stands_still() {
                 };
                 near(v.x, float(place.x) - float(x.x));
                 near(v.y, float(place.y) - float(x.y));
-                let way =
-                    Angle::<Fx>::to_bits(Turn::from_radians(angle)).wrapping_sub(Angle::<Fx>::to_bits(turn)) as i64;
+                let way = Turn::from_radians(angle).to_bits().wrapping_sub(turn.to_bits()) as i64;
                 near(spin, way as f64 / 2f64.powi(32) * std::f64::consts::TAU);
                 assert_eq!(world.body(body).expect("it is there").goal(), None);
             }
@@ -122,7 +121,7 @@ fn it_turns_the_short_way_round() {
         is_at(&world, body, Vec2::ZERO, fx(to));
     }
     // The way of half a turn is none: to either side it would be the same.
-    let way = |from: u64, to: u64| Angle::<Fx>::way_to(Turn::from_bits(from), Turn::from_bits(to)).to_bits();
+    let way = |from: u64, to: u64| Turn::from_bits(from).way_to(Turn::from_bits(to)).to_bits();
     assert_eq!(way(5, 5 + (1 << 63)), 0);
     assert_eq!(way(0, (1 << 63) - 1), -way(0, (1 << 63) + 1));
     assert!(way(0, (1 << 63) - 1) > 0);

@@ -8,7 +8,7 @@ use std::path::Path;
 use std::{env, fs};
 
 use umbra_physics::PHYSICS_VERSION;
-use umbra_physics::scalar::wide_vectors;
+use umbra_physics::scalar::internals::wide_vectors;
 use umbra_physics::selftest::{self, Golden, Outcome, Total, golden, scenes};
 
 fn path(below: &str) -> std::path::PathBuf {

@@ -7,22 +7,45 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules on one level do not name each other.
-const LEVELS: [&[&str]; 14] = [
-    &["kernel", "handle"],
+const LEVELS: [&[&str]; 15] = [
+    &["kernel", "slots"],
     &["error"],
+    &["fx"],
+    &["math"],
     &["scalar"],
     &["limits"],
-    &["math"],
     &["codec"],
     &["shape"],
     &["body"],
     &["force", "integrate"],
     &["step"],
     &["world"],
-    &["display", "replay", "scene"],
-    &["selftest", "oracle"],
-    &["bin", "guide"],
+    &["display", "replay", "symmetry"],
+    &["selftest"],
+    &["guide"],
 ];
+
+/// The packages beside the library, each with those among ours that it depends on. The compiler holds that they name public items
+/// alone; the tests below hold that there is no way round that.
+const PACKAGES: [(&str, &[&str]); 4] = [
+    ("umbra-cli", &["umbra-physics", "umbra-scene", "umbra-selftest"]),
+    ("umbra-oracles", &["umbra-physics"]),
+    ("umbra-scene", &["umbra-physics"]),
+    ("umbra-selftest", &["umbra-physics"]),
+];
+
+/// A file of the repository.
+fn text(path: &str) -> String {
+    fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(path))
+        .unwrap_or_else(|error| panic!("{path}: {error}"))
+}
+
+/// The lines of a part of a manifest, `[name]`, that say something.
+fn section<'a>(manifest: &'a str, name: &str) -> Vec<&'a str> {
+    let (_, rest) = manifest.split_once(&format!("\n[{name}]\n")).unwrap_or_else(|| panic!("no [{name}]"));
+    let lines = rest.lines().take_while(|line| !line.starts_with('['));
+    lines.filter(|line| !line.is_empty() && !line.starts_with('#')).collect()
+}
 
 fn level(module: &str) -> Option<usize> {
     LEVELS.iter().position(|modules| modules.contains(&module))
@@ -107,10 +130,6 @@ fn wrong_imports(path: &str, source: &str) -> Vec<String> {
     let Some(own_level) = level(own) else {
         return if own == "lib" { Vec::new() } else { vec![format!("{path}: {own} is on no level")] };
     };
-    // The program is a crate of its own: its `crate` is not ours, which it names `umbra_physics`.
-    if own == "bin" {
-        return Vec::new();
-    }
     let code = code_of(source);
     let mut wrong = Vec::new();
     let mut check = |named: &str| match level(named) {
@@ -142,7 +161,15 @@ fn wrong_imports(path: &str, source: &str) -> Vec<String> {
     wrong
 }
 
+/// The sources of the library, by their paths below `src`.
 fn sources() -> Vec<(String, String)> {
+    let files = sources_below("src");
+    assert!(files.len() > 40, "only {} files found", files.len());
+    files
+}
+
+/// The sources below a folder of the repository, by their paths in it.
+fn sources_below(folder: &str) -> Vec<(String, String)> {
     fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
         for entry in fs::read_dir(folder).expect("a folder of the crate") {
             let path = entry.expect("an entry").path();
@@ -153,10 +180,9 @@ fn sources() -> Vec<(String, String)> {
             }
         }
     }
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
     let mut files = Vec::new();
     collect(&root, &mut files);
-    assert!(files.len() > 40, "only {} files found", files.len());
     let named = |path: &PathBuf| {
         let below = path.strip_prefix(&root).expect("below src");
         let name = below.iter().map(|part| part.to_string_lossy()).collect::<Vec<_>>().join("/");
@@ -166,13 +192,13 @@ fn sources() -> Vec<(String, String)> {
 }
 
 /// The file with the wide vectors.
-const LANES: &str = "scalar/lanes.rs";
+const SIMD: &str = "scalar/simd.rs";
 /// The file with the stage timers.
 const TIMERS: &str = "step/timers.rs";
 
 /// The library's files, without the file of tests that compares with arbitrary precision.
 fn library() -> Vec<(String, String)> {
-    sources().into_iter().filter(|(path, _)| !path.starts_with("bin/") && path != "scalar/checks.rs").collect()
+    sources().into_iter().filter(|(path, _)| path != "scalar/checks.rs").collect()
 }
 
 #[test]
@@ -187,7 +213,8 @@ fn the_checker_sees_an_import_to_the_right_in_every_form() {
         ("kernel/div.rs", "use crate::scalar::Scalar;"),
         ("kernel/div.rs", "fn f() -> crate::error::Error { loop {} }"),
         ("scalar/mod.rs", "use crate::{kernel::div, limits};"),
-        ("scalar/fx/ops.rs", "use crate::{\n    kernel::{div, wide},\n    world::World,\n};"),
+        ("math/vec2.rs", "use crate::{fx::Fx, scalar::Scalar};"),
+        ("fx/ops.rs", "use crate::{\n    kernel::{div, wide},\n    world::World,\n};"),
         ("force/load.rs", "use crate::integrate::Plan;"),
         ("integrate/rules.rs", "use crate::force::Load;"),
         ("step/mod.rs", "use super::world::World;"),
@@ -204,7 +231,7 @@ fn the_checker_sees_an_import_to_the_right_in_every_form() {
         ("step/kick.rs", "use super::Context;\npub(super) fn f() {}\nuse crate::{body::{A, B}, force};"),
         ("world/mod.rs", "const TEXT: &str = \"crate::replay\"; const Q: char = '\"'; use crate::step::Context;"),
         ("limits.rs", "mod tests { use super::*; }"),
-        ("scalar/fx/ops.rs", "macro_rules! m { () => { $crate::Fx }; }"),
+        ("fx/ops.rs", "macro_rules! m { () => { $crate::Fx }; }"),
     ] {
         assert_eq!(wrong_imports(path, source), [""; 0], "{path}: {source}");
     }
@@ -220,7 +247,8 @@ fn every_level_names_modules_that_are_there() {
 }
 
 /// Files that may contain floats: the builds in floats, and output for a display, which nothing in a step can name.
-const FLOATS: [&str; 4] = ["scalar/float.rs", "display/draw.rs", "display/interpolation.rs", "display/pose.rs"];
+const FLOATS: [&str; 5] =
+    ["scalar/float.rs", "scalar/to_f64.rs", "display/draw.rs", "display/interpolation.rs", "display/pose.rs"];
 
 /// Files of the library in which the word stands in code.
 fn files_with(word: &str) -> Vec<String> {
@@ -235,7 +263,7 @@ fn one_file_names_the_crate_fixed() {
         words(&code, "fixed").any(|at| code[at + 5..].starts_with("::")) || code.contains("extern crate fixed")
     };
     let files: Vec<_> = library().into_iter().filter(names).map(|(path, _)| path).collect();
-    assert_eq!(files, ["scalar/fx/mod.rs"]);
+    assert_eq!(files, ["fx/mod.rs"]);
 }
 
 #[test]
@@ -281,7 +309,7 @@ fn kernels_are_raw_integers() {
 #[test]
 fn the_library_uses_neither_std_nor_the_outside() {
     // But for the file that asks the CPU what it has, and the one that asks for the time.
-    for (path, source) in library().iter().filter(|(path, _)| path != "lib.rs" && path != LANES && path != TIMERS) {
+    for (path, source) in library().iter().filter(|(path, _)| path != "lib.rs" && path != SIMD && path != TIMERS) {
         let code = code_of(source);
         let code = code.split("mod tests {").next().unwrap_or_default();
         assert_eq!(words(code, "std").next(), None, "{path} names std");
@@ -289,17 +317,95 @@ fn the_library_uses_neither_std_nor_the_outside() {
             assert_eq!(words(code, word).next(), None, "{path} names {word}");
         }
     }
-    let root = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("src/lib.rs")).expect("the root");
+    let root = text("src/lib.rs");
     assert!(root.contains("#![no_std]"));
     assert!(root.contains("forbid(unsafe_code)"), "where there are no vectors");
     let code = code_of(&root);
     // The one use of std: linking it for the feature of its name.
     assert_eq!(words(&code, "std").count(), 1, "{:?}", words(&code, "std").map(|at| &code[at..]).collect::<Vec<_>>());
-    let manifest = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml")).expect("the manifest");
+    let manifest = text("Cargo.toml");
     assert!(manifest.contains("unsafe_code = \"deny\""));
     let mut named = files_with("unsafe_code");
     named.sort();
-    assert_eq!(named, ["lib.rs", LANES], "who denies it, and who allows it");
+    assert_eq!(named, ["lib.rs", SIMD], "who denies it, and who allows it");
+}
+
+#[test]
+fn packages_beside_the_library_depend_on_it_and_name_public_items_alone() {
+    let is_hidden = |(_, source): &(String, String)| source.contains("#[doc(hidden)]");
+    let hidden: Vec<String> = sources().into_iter().filter(is_hidden).map(|(path, _)| path).collect();
+    for (package, expected) in PACKAGES {
+        let manifest = text(&format!("crates/{package}/Cargo.toml"));
+        let mut ours: Vec<&str> = section(&manifest, "dependencies")
+            .into_iter()
+            .filter_map(|line| line.split_once(" = ").map(|(name, _)| name))
+            .filter(|name| name.starts_with("umbra-"))
+            .collect();
+        ours.sort_unstable();
+        assert_eq!(ours, expected, "{package}");
+        let files = sources_below(&format!("crates/{package}/src"));
+        assert!(!files.is_empty(), "{package}");
+        for (path, source) in files {
+            let code = code_of(&source);
+            // Neither a file of another package as a module of this one, nor an item that is public for a macro's sake.
+            for way_round in ["#[path", "include!", "from_literal"] {
+                assert!(!code.contains(way_round), "{package}/src/{path}: {way_round}");
+            }
+        }
+    }
+    // `Fx::from_literal`, for `fx!`.
+    assert!(hidden.iter().all(|path| path.starts_with("scalar/")), "{hidden:?}");
+    let folders = fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("crates")).expect("the packages").count();
+    assert_eq!(folders, PACKAGES.len());
+}
+
+#[test]
+fn the_library_has_few_features_and_few_optional_dependencies() {
+    let manifest = text("Cargo.toml");
+    let features: Vec<&str> =
+        section(&manifest, "features").into_iter().filter(|line| !line.starts_with("default = ")).collect();
+    assert!(features.len() <= 7, "{features:?}");
+    let optional = section(&manifest, "dependencies").into_iter().filter(|line| line.contains("optional = true"));
+    assert!(optional.clone().count() <= 4, "{:?}", optional.collect::<Vec<_>>());
+}
+
+/// Enums that are open to more variants, with the files beside the library that have to know each: there the compiler asks for no
+/// more than `_`.
+const KNOWN: [(&str, &str, &[&str]); 3] = [
+    (
+        "src/world/command.rs",
+        "Command",
+        &["umbra-oracles/src/handles.rs", "umbra-scene/src/run.rs", "umbra-scene/src/text.rs"],
+    ),
+    ("src/force/field.rs", "FieldKind", &["umbra-scene/src/field.rs", "umbra-scene/src/text.rs"]),
+    ("src/shape/mod.rs", "Geometry", &["umbra-scene/src/shape.rs"]),
+];
+
+#[test]
+fn each_variant_is_known_beside_the_library() {
+    for (file, name, readers) in KNOWN {
+        let source = code_of(&text(file));
+        let (_, rest) = source.split_once(&format!("pub enum {name}<")).unwrap_or_else(|| panic!("no {name}"));
+        let body = rest.split("\n}").next().expect("an end");
+        // One step in from the margin; fields of a variant stand further in.
+        let variants: Vec<&str> = body
+            .lines()
+            .filter_map(|line| line.strip_prefix("    "))
+            .filter(|line| line.starts_with(char::is_uppercase))
+            .map(first_word)
+            .collect();
+        assert!(variants.len() >= 6, "{name}: {variants:?}");
+        for reader in readers {
+            let code = code_of(&text(&format!("crates/{reader}")));
+            for variant in &variants {
+                let path = format!("{name}::{variant}");
+                let is_named = code
+                    .match_indices(&path)
+                    .any(|(at, _)| code[at + path.len()..].bytes().next().is_none_or(|byte| !is_word(byte)));
+                assert!(is_named, "{reader} does not know {path}");
+            }
+        }
+    }
 }
 
 #[test]

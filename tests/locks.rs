@@ -1,6 +1,5 @@
 //! Locked axes: what acts along one has no effect to the bit, and changes nothing of the others.
 
-use umbra_physics::scalar::{Accumulator, Angle, Factor};
 use umbra_physics::{
     ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, Cause, Command, End, Error, FieldKind, ForceOrImpulse, Frame,
     Fx, FxFactor, Integrator, Locks, Mass, Quantity, Region, Snapshot, SnapshotError, SpringConstants, TimeStep, Vec2,
@@ -38,7 +37,7 @@ fn under_everything(integrator: Integrator, locks: Locks) -> (World, BodyId) {
     let (far, body) = (far.expect("a body"), body.expect("a body"));
     let at = Attachment { body, point: vec2(fx!(0.5), fx!(0.25)) };
     let spring = SpringConstants { rest: fx!(1), stiffness: fx!(7), damping: fx!(2) };
-    let mu = <FxFactor as Factor<Fx>>::from_scalar(fx!(5));
+    let mu = FxFactor::from_scalar(fx!(5));
     let region = Region::Disc { centre: Vec2::ZERO, radius: fx!(1000) };
     for law in [
         FieldKind::Attractor { centre: End::World(vec2(-5, 6)), mu, softening: fx!(1) },
@@ -69,7 +68,7 @@ fn push(world: &mut World, body: BodyId, tick: i32) {
 fn bits(world: &World, body: BodyId) -> [(i128, i128); 3] {
     let body = world.body(body).expect("it is there");
     let (x, v) = (body.position_exact(), body.velocity_exact());
-    let angle = i128::from(Angle::<Fx>::to_bits(body.angle_exact()));
+    let angle = i128::from(body.angle_exact().to_bits());
     let spin = body.angular_velocity_exact().to_bits();
     [(x.x.to_bits(), v.x.to_bits()), (x.y.to_bits(), v.y.to_bits()), (angle, spin)]
 }
@@ -91,7 +90,7 @@ fn nothing_moves_a_body_along_a_locked_axis() {
             }
             let read = world.body(body).expect("it is there");
             assert_eq!(read.locks(), locks);
-            assert_eq!(read.inverse_inertia() == <FxFactor as Factor<Fx>>::ZERO, locks.rotation);
+            assert_eq!(read.inverse_inertia() == FxFactor::ZERO, locks.rotation);
         }
     }
 }

@@ -298,7 +298,7 @@ fn a_length_has_all_its_bits_however_short_it_is() {
         let right = (&x * &x + &y * &y).sqrt();
         if right != real(0) {
             // Beyond 2^31 m a bit is lost.
-            let off = bits_off(&factor(v.length()), &right);
+            let off = bits_off(&factor(v.wide_length()), &right);
             assert!(off <= -62.0, "2^{off} in {v}");
         }
     }

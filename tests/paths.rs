@@ -2,7 +2,7 @@
 //! stage by stage, skipping what a scene lacks and not. Which one a body goes depends on its neighbours and on the machine, and
 //! must not show.
 
-use umbra_physics::scalar::wide_vectors;
+use umbra_physics::scalar::internals::wide_vectors;
 use umbra_physics::{
     Attachment, BodyDef, BodyId, End, FieldKind, ForceField, Fx, Integrator, Mass, Region, SpringConstants, TimeStep,
     Vec2, World, WorldDef, fx, step_all, vec2,

@@ -8,7 +8,7 @@ mod real;
 
 use random::SplitMix;
 use real::{PRECISION, Real, TAU, exact, units};
-use umbra_physics::scalar::{Accumulator as _, Angle as _, FxSum, Sum as _};
+use umbra_physics::scalar::FxSum;
 use umbra_physics::{
     ApplyOptions, BodyDef, BodyId, BodyKind, Error, ForceOrImpulse, Frame, Fx, FxWide, Mass, Quantity, Rot, Shape,
     Turn, Vec2, World, WorldDef, fx, limits, vec2,

@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use umbra_physics::scalar::Factor;
 use umbra_physics::{
     AppliedForce, Attachment, BodyDef, BodyId, BodyState, Cause, CustomForce, CustomForceError, Dependence, End, Error,
     Fault, FieldKind, ForceField, ForceTorque, Fx, FxFactor, Integrator, Irreversible, Mass, Region, Shape,
@@ -29,7 +28,7 @@ fn world(def: WorldDef, bodies: impl IntoIterator<Item = BodyDef>) -> (World, Ve
 }
 
 fn mu(value: Fx) -> FxFactor {
-    <FxFactor as Factor<Fx>>::from_scalar(value)
+    FxFactor::from_scalar(value)
 }
 
 /// Within ±2^(bits − 33).

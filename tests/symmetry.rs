@@ -15,7 +15,7 @@ use twins::{EVEN, FLOOR, HALF_AWAY, HALF_UP, Twin};
 use umbra_physics::scalar::{Accumulator, Angle, Factor};
 use umbra_physics::{
     ApplyOptions, Attachment, BodyDef, BodyId, Command, End, FieldKind, ForceField, ForceOrImpulse, Frame, Fx,
-    Integrator, Mass, Region, Scalar, Shape, SpringConstants, TimeStep, Vec2, World, WorldDef, fx, vec2,
+    FxFactor, Integrator, Mass, Region, Scalar, Shape, SpringConstants, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
 /// Steps of the scenes: 28 minutes at 1/60.
@@ -537,7 +537,7 @@ fn equal_bodies_of_any_mass_fall_alike_to_the_bit() {
             };
             world.add_body(def).unwrap()
         });
-        let mu = <Fx as Scalar>::Factor::from_scalar(fx!(500));
+        let mu = FxFactor::from_scalar(fx!(500));
         let centre = End::World(vec2(fx!(0.2), fx!(-1)));
         world.add_field(FieldKind::Attractor { centre, mu, softening: fx!(1) }).unwrap();
         let region = Region::Disc { centre: vec2(0, 0), radius: fx!(20) };

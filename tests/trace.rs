@@ -2,7 +2,6 @@
 
 use std::collections::BTreeSet;
 
-use umbra_physics::scalar::{Accumulator, Factor};
 use umbra_physics::{
     Activity, Attachment, BodyDef, BodyId, End, Error, FieldKind, ForceField, Fx, FxFactor, FxWide, Integrator, Mass,
     Quantity, Region, Snapshot, SpringConstants, Stage, StageKind, TimeStep, Vec2, World, WorldDef, fx, limits, vec2,
@@ -60,7 +59,7 @@ fn busy(integrator: Integrator, all: bool) -> (World, Vec<BodyId>) {
     let at = |i: usize| Attachment { body: ids[i], point: vec2(fx!(0.5), 1) };
     let spring = SpringConstants { rest: fx!(3), stiffness: fx!(2), damping: fx!(0.5) };
     let drag = |linear| FieldKind::Drag { linear, quadratic: fx!(0.01), wind: vec2(1, 2) };
-    let mu = <FxFactor as Factor<Fx>>::from_scalar(fx!(40));
+    let mu = FxFactor::from_scalar(fx!(40));
     let fields = [
         (1, FieldKind::Spring { near: at(0), far: End::Body(at(1)), spring }),
         (1, FieldKind::Thrust { at: at(4), force: vec2(fx!(0.5), fx!(2)) }),
@@ -121,7 +120,7 @@ fn parts(world: &World) -> [(&'static str, Vec<[i128; 4]>); 3] {
     let bodies = || world.bodies();
     let places = bodies().map(|body| {
         let x = body.position_exact();
-        [x.x.to_bits(), x.y.to_bits(), i128::from(umbra_physics::scalar::Angle::to_bits(body.angle_exact())), 0]
+        [x.x.to_bits(), x.y.to_bits(), i128::from(body.angle_exact().to_bits()), 0]
     });
     let speeds = bodies().map(|body| {
         let (v, spin) = (body.velocity_exact(), body.angular_velocity_exact());

@@ -3,12 +3,12 @@
 
 use std::f64::consts::TAU;
 
-use umbra_physics::scene::Scene;
 use umbra_physics::{
     ApplyOptions, Attachment, BodyDef, BodyId, Command, End, FieldKind, ForceField, ForceOrImpulse, Fx, Input, Inputs,
     Integrator, Mass, Part, RecordOptions, Recorder, Region, Replay, ReplayLimits, Shape, Snapshot, SpringConstants,
     TimeStep, World, WorldDef, fx, vec2,
 };
+use umbra_scene::Scene;
 
 /// A world with so many bodies, and commands to repeat.
 pub(crate) struct Hostile {

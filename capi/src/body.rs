@@ -2,7 +2,6 @@
 
 use std::mem::MaybeUninit;
 
-use umbra_physics::scalar::{Angle as _, Number as _};
 use umbra_physics::{Activity, BodyDef, BodyKind, BodyRef, Command, Fx, FxAccumulator, Locks, Mass, Vec2};
 
 use crate::UMBRA_NO_HANDLE;
@@ -250,8 +249,8 @@ fn flags_of(Locks { x, y, rotation }: Locks) -> UmbraLocks {
 }
 
 fn exact(value: FxAccumulator) -> UmbraInt128 {
-    let [high, low, _] = value.to_words();
-    UmbraInt128 { low, high: high as i64 }
+    let bits = value.to_bits();
+    UmbraInt128 { low: bits as u64, high: (bits >> 64) as i64 }
 }
 
 fn state_of(body: BodyRef<'_>) -> UmbraBodyState {
@@ -270,7 +269,7 @@ fn state_of(body: BodyRef<'_>) -> UmbraBodyState {
         exact_velocity_x: exact(velocity.x),
         exact_velocity_y: exact(velocity.y),
         exact_angular_velocity: exact(body.angular_velocity_exact()),
-        turn: body.angle_exact().to_words()[0],
+        turn: body.angle_exact().to_bits(),
         mass: body.mass().map_or(0, Fx::to_bits),
         inertia: body.inertia().unwrap_or_default().into(),
         gravity_scale: body.gravity_scale().to_bits(),

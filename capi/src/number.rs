@@ -3,7 +3,6 @@
 use std::ffi::c_char;
 use std::mem::MaybeUninit;
 
-use umbra_physics::scalar::Factor as _;
 use umbra_physics::{Fx, FxFactor, FxWide, Vec2};
 
 use crate::memory::{given, text, write_text};

@@ -4,7 +4,7 @@ use std::ffi::c_char;
 use std::mem::MaybeUninit;
 use std::sync::Arc;
 
-use umbra_physics::scene::{Scene, SceneRun};
+use umbra_scene::{Scene, SceneRun};
 use umbra_physics::{
     BodyId, Command, Created, FieldId, Fx, Input, InputResult, Inputs, Integrator, Recorder, StepReport, TimeStep,
     World, WorldDef,

@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::Path;
 
-use umbra_physics::scene::Scene;
+use umbra_scene::Scene;
 use umbra_physics::{
     ApplyOptions, Attachment, BodyDef, BodyId, End, Error, FieldKind, ForceField, ForceOrImpulse, Frame, Fx, FxFactor,
     Mass, Region, Shape, SpringConstants, Vec2, World, WorldDef, fx, vec2,

@@ -719,7 +719,7 @@ fn a_snapshot_is_made_where_another_was() {
 fn numbers_become_factors() {
     for number in [0, 1, ONE, -5 * ONE / 3, i64::MAX, i64::MIN] {
         let factor = out(|factor| umbra_factor_from_fx(number, factor)).expect("a factor");
-        let like = <FxFactor as umbra_physics::scalar::Factor<Fx>>::from_scalar(Fx::from_bits(number));
+        let like = FxFactor::from_scalar(Fx::from_bits(number));
         assert_eq!((factor.mantissa, factor.shift), like.parts());
     }
     // As long as they are said to be.

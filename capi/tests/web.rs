@@ -16,7 +16,7 @@ use std::thread;
 
 use browser::Browser;
 use serde_json::{Value, json};
-use umbra_physics::scene::Scene;
+use umbra_scene::Scene;
 use umbra_physics::{ApplyOptions, BodyId, Command, ForceOrImpulse, Fx, Input, Inputs, PHYSICS_VERSION, Vec2, World};
 
 const TICKS: usize = 1200;

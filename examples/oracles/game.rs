@@ -3,7 +3,8 @@
 //! The first version has a defect: if two players reach for the ball in the same tick, the player whose packet came first gets
 //! it, so peers may disagree.
 
-use umbra_physics::oracle::{Game, Symmetry};
+use umbra_oracles::Game;
+use umbra_physics::Symmetry;
 use umbra_physics::{
     ApplyOptions, Attachment, BodyDef, BodyId, Command, End, FieldKind, ForceOrImpulse, Fx, Mass, Random,
     SpringConstants, Stepper, Vec2, World, WorldDef, fx, vec2,

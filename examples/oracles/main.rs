@@ -1,8 +1,8 @@
 //! Bots play a game until an oracle objects to a match; then the match is shrunk.
 //!
 //! ```sh
-//! cargo run --release --features oracles --example oracles              # finds the defect in the game
-//! cargo run --release --features oracles --example oracles -- --mended  # finds nothing in the fixed game
+//! cargo run --release --example oracles              # finds the defect in the game
+//! cargo run --release --example oracles -- --mended  # finds nothing in the fixed game
 //! ```
 //!
 //! `--seed N` sets the seed, `--out FILE` the path of the replay. Exit status 0 if the defect was found, or with
@@ -15,7 +15,7 @@ use std::process::ExitCode;
 use std::{env, fs};
 
 use game::{Action, Input, Tow, bots};
-use umbra_physics::oracle::{Campaign, Counterexample, Fuzz, fuzz};
+use umbra_oracles::{Campaign, Counterexample, Fuzz, fuzz};
 
 fn main() -> ExitCode {
     run().unwrap_or_else(|error| {

@@ -5,8 +5,8 @@
 //! the game, and the hash of the world finds whatever differs between two peers.
 
 use umbra_physics::{
-    ApplyOptions, Attachment, BodyDef, BodyId, End, Error, FieldId, FieldKind, ForceField, ForceOrImpulse, Fx,
-    FxFactor, Mass, Shape, SpringConstants, TimeStep, Vec2, World, WorldDef, fx, scalar::Factor as _, vec2,
+    ApplyOptions, Attachment, BodyDef, BodyId, End, Error, FieldId, FieldKind, ForceField, ForceOrImpulse, Fx, Mass,
+    Shape, SpringConstants, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
 use crate::random::SplitMix;
@@ -93,11 +93,7 @@ impl Game {
             angular_damping: fx!(0.25),
             ..WorldDef::default()
         })?;
-        let star = FieldKind::Attractor {
-            centre: End::World(Vec2::ZERO),
-            mu: FxFactor::from_ratio(400, 1),
-            softening: fx!(2),
-        };
+        let star = FieldKind::Attractor { centre: End::World(Vec2::ZERO), mu: 400.into(), softening: fx!(2) };
         world.add_field(ForceField { kind: star, groups: SHIP | SHOT })?;
         let ship = BodyDef {
             shape: Some(Shape::rectangle(fx!(1.5), fx!(1))?),

@@ -7,7 +7,6 @@ use std::sync::LazyLock;
 
 use arbitrary::Result;
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use umbra_physics::scalar::{Accumulator, Angle};
 use umbra_physics::{
     Activity, AppliedForce, BodyDef, BodyRef, Command, FieldKind, ForceField, Fx, Random, Region, Snapshot, StepReport,
     Vec2, World, fx, step_all,
@@ -191,10 +190,10 @@ impl Motion {
     fn of(body: &BodyRef<'_>) -> Self {
         let (position, velocity) = (body.position_exact(), body.velocity_exact());
         Self {
-            position: [position.x, position.y].map(Accumulator::to_bits),
-            velocity: [velocity.x, velocity.y].map(Accumulator::to_bits),
-            spin: Accumulator::to_bits(body.angular_velocity_exact()),
-            angle: Angle::<Fx>::to_bits(body.angle_exact()),
+            position: [position.x, position.y].map(FxAccumulator::to_bits),
+            velocity: [velocity.x, velocity.y].map(FxAccumulator::to_bits),
+            spin: body.angular_velocity_exact().to_bits(),
+            angle: body.angle_exact().to_bits(),
             is_quarantined: body.activity() == Activity::Quarantined,
         }
     }

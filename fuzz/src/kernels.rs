@@ -9,10 +9,9 @@ use std::sync::LazyLock;
 
 use arbitrary::{Result, Unstructured};
 use dashu_int::{IBig, UBig};
-use umbra_physics::scalar::{Accumulator, Angle, Factor, Number, Sum, Wide};
-use umbra_physics::{
-    Fx, FxAccumulator, FxFactor, FxWide, MathError, ParseFxError, Scalar, SpringConstants, Turn, scalar::FxSum,
-};
+use umbra_physics::scalar::internals::{Arithmetic as _, Forces as _};
+use umbra_physics::scalar::{Accumulator, FxSum};
+use umbra_physics::{Fx, FxAccumulator, FxFactor, FxWide, MathError, ParseFxError, SpringConstants, Turn, Vec2};
 
 use super::reference::{Real, Reference, error, real};
 
@@ -380,14 +379,14 @@ fn factors(a: FxFactor, b: FxFactor) {
     let down = |shift: i32| (shift.clamp(0, 1_000) as usize, (-shift).clamp(0, 1_000) as usize);
     let (left, right) = (down(32 - p).0, down(32 - p).1);
     let scalar = nearest(&(IBig::from(m) << left), &(UBig::ONE << right));
-    assert_eq!(Factor::<Fx>::to_scalar(a).map(Fx::to_bits), i64::try_from(scalar).ok(), "{a}");
+    assert_eq!(a.to_scalar().map(Fx::to_bits), i64::try_from(scalar).ok(), "{a}");
 }
 
 fn ratio(a: i64, b: i64) {
     let den = b.unsigned_abs().max(1);
-    let factor = <FxFactor as Factor<Fx>>::from_ratio(a.unsigned_abs(), den);
+    let factor = FxFactor::from_ratio(a.unsigned_abs(), den);
     assert_nearest(factor, &UBig::from(a.unsigned_abs()), &UBig::from(den), 0);
-    let scalar = <FxFactor as Factor<Fx>>::from_scalar(fx(a));
+    let scalar = FxFactor::from_scalar(fx(a));
     assert_nearest(scalar, &UBig::from(a.unsigned_abs()), &UBig::ONE, 32);
 }
 
@@ -422,12 +421,12 @@ fn wide_numbers(values: [i128; 3], factor: FxFactor) {
     let total = IBig::from(a) + b + c;
     assert_eq!(sums[0].total().map(FxWide::to_bits), i128::try_from(total).ok());
     let magnitude = scaled(1, factor, 64);
-    let from = <FxWide as Wide<Fx>>::from_factor(factor, a < 0).map(FxWide::to_bits);
+    let from = FxWide::from_factor(factor, a < 0).map(FxWide::to_bits);
     assert_eq!(from, fits(magnitude).map(|bits| if a < 0 { -bits } else { bits }), "{factor}");
 }
 
 fn accumulators(a: FxAccumulator, b: FxAccumulator, factor: FxFactor) {
-    let (x, y) = (Accumulator::to_bits(a), Accumulator::to_bits(b));
+    let (x, y) = (a.to_bits(), b.to_bits());
     // Where a body may be, and what a stage may add: 2^31 m less half an ulp.
     let fits = |bits: i128| bits.unsigned_abs() < (1 << 127) - (1 << 63);
     if fits(x) {
@@ -437,7 +436,7 @@ fn accumulators(a: FxAccumulator, b: FxAccumulator, factor: FxFactor) {
         assert_eq!(a.negated().value(), -a.value());
     }
     if let Some(sum) = x.checked_add(y) {
-        assert_eq!(Accumulator::to_bits(a.plus(b)), sum);
+        assert_eq!(a.plus(b).to_bits(), sum);
         assert_eq!(a.plus(b).plus(b.negated()), a, "what is added does not go away again");
     }
     let limit = Fx::from_bits((y >> 64) as i64 & i64::MAX);
@@ -446,9 +445,7 @@ fn accumulators(a: FxAccumulator, b: FxAccumulator, factor: FxFactor) {
     let product = scaled(x, factor, 0).and_then(|exact| i128::try_from(exact).ok());
     let product = product.filter(|bits| bits.unsigned_abs() < 1 << 120);
     let settled = product.map(|bits| if bits.unsigned_abs() <= 1 << 63 { 0 } else { bits });
-    assert_eq!(a.scaled(factor).map(Accumulator::<Fx>::to_bits), settled, "{a} · {factor}");
-    let words = a.to_words();
-    assert_eq!((i128::from(words[0] as i64) << 64) | i128::from(words[1]), x);
+    assert_eq!(a.scaled(factor).map(FxAccumulator::to_bits), settled, "{a} · {factor}");
     assert_eq!(Accumulator::<Fx>::to_bytes(a), (x.rotate_left(64)).to_le_bytes());
 }
 
@@ -478,7 +475,7 @@ fn angles(turn: u64, radians: i64, x: i64, y: i64) {
     let off = error(back.to_bits(), &exact);
     assert!(off.abs() <= NEAREST && real(back.to_bits(), -32) < real(4, 0) * &REFERENCE.half_pi, "{turn:#x}: {off}");
     assert!(back >= Fx::ZERO, "{back}");
-    let of = |radians: i64| Angle::<Fx>::to_bits(Turn::from_radians(fx(radians)));
+    let of = |radians: i64| Turn::from_radians(fx(radians)).to_bits();
     // In units of 2^-64 turns, whole turns apart.
     let off = real(radians, 30) / &REFERENCE.half_pi - real(of(radians), 0);
     let turns = (off.clone() >> 64) + real(1, -1);
@@ -492,10 +489,10 @@ fn angles(turn: u64, radians: i64, x: i64, y: i64) {
     let allowed = 0.51 + 8.0 * (magnitude(&arms[0]) + magnitude(&arms[1]));
     let turned = [&arms[0] * &exact_cos - &arms[1] * &exact_sin, &arms[0] * &exact_sin + &arms[1] * &exact_cos];
     let (x, y) = (fx(x), fx(y));
-    let rotated = angle.rotate(x, y);
+    let rotated = angle.rotate(Vec2::new(x, y));
     match rotated {
         Some(found) => {
-            for (kept, exact) in [found.0, found.1].into_iter().zip(turned) {
+            for (kept, exact) in [found.x, found.y].into_iter().zip(turned) {
                 let off = magnitude(&((real(kept.to_bits(), -64) - exact) << 64));
                 assert!(off <= allowed, "{off} of {allowed} for {x}, {y} by {turn:#x}");
             }
@@ -507,10 +504,11 @@ fn angles(turn: u64, radians: i64, x: i64, y: i64) {
     }
     if let (Some(minus_x), Some(minus_y)) = (x.checked_neg(), y.checked_neg()) {
         // An end of the range that turns beyond it is refused alike in all of them.
-        let (left, mirrored) = (angle.rotate(minus_y, x), Turn::from_bits(turn.wrapping_neg()).rotate(x, minus_y));
-        assert_eq!(left, rotated.map(|(x, y)| (y.negated(), x)));
-        assert_eq!(mirrored, rotated.map(|(x, y)| (x, y.negated())));
-        assert_eq!(angle.rotate(minus_x, minus_y), rotated.map(|(x, y)| (x.negated(), y.negated())));
+        let (left, mirrored) =
+            (angle.rotate(Vec2::new(minus_y, x)), Turn::from_bits(turn.wrapping_neg()).rotate(Vec2::new(x, minus_y)));
+        assert_eq!(left, rotated.map(|v| Vec2::new(v.y.negated(), v.x)));
+        assert_eq!(mirrored, rotated.map(|v| Vec2::new(v.x, v.y.negated())));
+        assert_eq!(angle.rotate(Vec2::new(minus_x, minus_y)), rotated.map(|v| v.map(FxWide::negated)));
     }
 }
 
@@ -525,15 +523,15 @@ fn magnitude(value: &Real) -> f64 {
 
 fn attraction(mu: FxFactor, (x, y): (i64, i64), softening: i64) {
     // The world's: mu to 2^64 m³/s², softening from 0 to 2^12 m, positions within the envelope.
-    let most = <FxFactor as Factor<Fx>>::from_ratio(1 << 63, 1).times(<FxFactor as Factor<Fx>>::from_ratio(2, 1));
+    let most = FxFactor::from_ratio(1 << 63, 1).times(FxFactor::from_ratio(2, 1));
     let (x, y, softening) = (x >> 1, y >> 1, softening.unsigned_abs() >> 19);
     let far = |bits: i64| FxWide::from_scalar(fx(bits));
     if mu > most || (mu.parts().1 > 200) {
         return;
     }
-    let found = Fx::attraction(mu, (far(x), far(y)), fx(softening as i64));
+    let found = Fx::attraction(mu, Vec2::new(far(x), far(y)), fx(softening as i64));
     if (x, y) == (0, 0) {
-        return assert_eq!(found, Some((FxWide::default(), FxWide::default())));
+        return assert_eq!(found, Some(Vec2::default()));
     }
     let component = |raw: i64| real(raw, -32);
     let softening = component(softening as i64);
@@ -547,7 +545,7 @@ fn attraction(mu: FxFactor, (x, y): (i64, i64), softening: i64) {
             "{parts:?} at {x}, {y} with mu {mu}"
         );
     };
-    for (kept, raw) in [(found.0, x), (found.1, y)] {
+    for (kept, raw) in [(found.x, x), (found.y, y)] {
         let exact = component(raw).mul(&share);
         let off = magnitude(&((real(kept.to_bits(), -64) - &exact) << 64));
         // Rounded to 2^-64 m/s², after an error of 2^-90 relative.
@@ -560,10 +558,9 @@ fn tension((x, y): (i64, i64), velocity: (i64, i64), [rest, stiffness, damping]:
     let [rest, stiffness, damping] = [rest >> 1, stiffness, damping].map(|bits| bits & i64::MAX);
     let far = |bits: i64| FxWide::from_scalar(fx(bits));
     let law = SpringConstants { rest: fx(rest), stiffness: fx(stiffness), damping: fx(damping) };
-    let found = Fx::tension((far(x), far(y)), (far(velocity.0), far(velocity.1)), &law);
-    let none = (FxWide::default(), FxWide::default());
+    let found = Fx::tension(Vec2::new(far(x), far(y)), Vec2::new(far(velocity.0), far(velocity.1)), &law);
     if (x, y) == (0, 0) {
-        return assert_eq!(found, Some(none));
+        return assert_eq!(found, Some(Vec2::default()));
     }
     let unit = |raw: i64| real(raw, -32);
     let length = (unit(x) * unit(x) + unit(y) * unit(y)).sqrt();
@@ -581,12 +578,12 @@ fn tension((x, y): (i64, i64), velocity: (i64, i64), [rest, stiffness, damping]:
     let lost = (magnitude(&pull) + magnitude(&unit(damping)) * speed) * 2f64.powi(64 - 93);
     let stretched = if magnitude(&length) < 2f64.powi(23) { 0.501 } else { 0.751 };
     let allowed = stretched * magnitude(&unit(stiffness)) + 0.51 * magnitude(&unit(damping)) + 1.51 + lost;
-    for (kept, along) in [found.0, found.1].into_iter().zip(along) {
+    for (kept, along) in [found.x, found.y].into_iter().zip(along) {
         let off = magnitude(&((real(kept.to_bits(), -64) - &pull * along) << 64));
         assert!(off <= allowed, "{off} of {allowed} at {x}, {y} with {law:?} and {velocity:?}");
     }
-    let mirrored = Fx::tension((far(-x), far(y)), (far(-velocity.0), far(velocity.1)), &law);
-    assert_eq!(mirrored, Some((Neg::neg(Signed(found.0)).0, found.1)));
+    let mirrored = Fx::tension(Vec2::new(far(-x), far(y)), Vec2::new(far(-velocity.0), far(velocity.1)), &law);
+    assert_eq!(mirrored, Some(Vec2::new(Neg::neg(Signed(found.x)).0, found.y)));
 }
 
 struct Signed(FxWide);

@@ -1,7 +1,7 @@
 //! Any text as a scene: refused at a line and a field, or run.
 
-use umbra_physics::scene::{Scene, SceneError};
 use umbra_physics::{Fx, RecordOptions, Recorder, Replay, Scalar};
+use umbra_scene::{Scene, SceneError};
 
 use super::files::{ANY, taken};
 

@@ -5,7 +5,6 @@
 //! which `benches/worst.rs` looks into by counting instructions; the target sees to it that any of them can be stepped at
 //! all, and that no step takes out of proportion long, which libFuzzer's own timeout says.
 
-use umbra_physics::scalar::Factor;
 use umbra_physics::{
     ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, Command, End, FieldKind, ForceField, ForceOrImpulse, Fx,
     FxFactor, Integrator, Mass, Random, Region, Shape, SpringConstants, TimeStep, Vec2, World, WorldDef, fx, vec2,
@@ -175,7 +174,7 @@ impl Busy {
             add(FieldKind::Spring { near, far: End::Body(far), spring: SpringConstants { rest, stiffness, damping } });
         }
         let mu = values.size(fx!(100), Fx::DELTA, Fx::MAX);
-        let (mu, more) = (<FxFactor as Factor<Fx>>::from_scalar(mu), u64::from(values.byte() / 129));
+        let (mu, more) = (FxFactor::from_scalar(mu), u64::from(values.byte() / 129));
         let mu = mu.times(FxFactor::from_ratio(1 + (more << 32), 1));
         let softening = values.size(fx!(1), Fx::ZERO, fx!(4096));
         for (i, &body) in dynamic.iter().enumerate().take(usize::from(attractors % 5)) {

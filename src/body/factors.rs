@@ -1,4 +1,4 @@
-//! What bodies share: gravity scale, damping, caps and locks, and the factors that follow from them and the time step.
+//! The factors of a step that bodies share: they follow from gravity scale, damping, speed caps, locks and the time step.
 
 use alloc::collections::BTreeMap;
 use alloc::vec::Vec;
@@ -7,20 +7,20 @@ use super::columns::push;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, Factor, Scalar, Span, fx::Fx};
 
-/// The most spans an integrator's stages name.
+/// The largest number of spans in the stages of an integrator.
 pub(crate) const SPANS: usize = 4;
 
 /// Over so many steps the falls of a gentle tuning stay below half the limit of speeds.
 pub(crate) const GENTLE_STEPS: u8 = 32;
 
-/// What the factors are made from besides the body's own numbers.
+/// The parameters of the world that the factors are made from.
 pub(crate) struct WorldFactors<'a, S: Scalar> {
     gravity: Vec2<S>,
     /// The spans of the integrator's stages, how long each is in seconds, and whether bodies are damped over it.
     spans: &'a [Span],
     seconds: [S::Factor; SPANS],
     damps: [bool; SPANS],
-    /// What is left of the velocities of a body without a damping of its own, by span.
+    /// The factors of damping of a body without its own damping, by span.
     linear: [S::Factor; SPANS],
     angular: [S::Factor; SPANS],
 }
@@ -35,7 +35,7 @@ impl<'a, S: Scalar> WorldFactors<'a, S> {
         Self { linear, angular, ..world_factors }
     }
 
-    /// What is left of a velocity, by span, that decays at a rate.
+    /// The factors of a velocity that decays at a rate, by span.
     fn decays(&self, rate: S::DecayRate) -> [S::Factor; SPANS] {
         let mut decays = [S::Factor::ONE; SPANS];
         for (i, &span) in self.spans.iter().enumerate().filter(|(i, _)| self.damps[*i]) {
@@ -45,16 +45,16 @@ impl<'a, S: Scalar> WorldFactors<'a, S> {
     }
 }
 
-/// The factors of the bodies that have the same gravity scale, damping, caps and locks. All of it is derived.
+/// The factors of the bodies with the same gravity scale, damping, caps and locks of x and y. All of it is derived.
 #[derive(Clone, Debug)]
 pub(crate) struct StepFactors<S: Scalar> {
     pub(crate) key: Key<S>,
     users: u32,
-    /// The [`FactorTable::version`] its factors were made at; before that they are those of a body that nothing acts on.
+    /// The [`FactorTable::version`] the factors were made at. Before that they are neutral: nothing acts on the body.
     version: u64,
-    /// The rates of its own dampings, when they have been made once: no other time step changes them.
+    /// The decay rates of the body's own dampings, once they have been made. They do not depend on the time step.
     rates: Option<[Option<S::DecayRate>; 2]>,
-    /// Gravity as it feels it, m/s²: none along a locked axis.
+    /// The gravity that acts on the body, m/s²: zero along a locked axis.
     pub(crate) gravity: Vec2<S::Wide>,
     /// The velocity gained from it, by span.
     pub(crate) fall: [Vec2<S::Accumulator>; SPANS],
@@ -68,7 +68,7 @@ pub(crate) struct StepFactors<S: Scalar> {
     pub(crate) is_gentle: bool,
 }
 
-/// What a body has of its own that its factors are made from.
+/// The parameters of a body that its factors are made from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Key<S> {
     pub(crate) dynamic: bool,
@@ -77,7 +77,7 @@ pub(crate) struct Key<S> {
     pub(crate) angular: Option<S>,
     /// The largest speed and angular speed after a step.
     pub(crate) most: [Option<S>; 2],
-    /// Whether it is locked along x, and along y.
+    /// Whether the body is locked along x, and along y.
     pub(crate) still: [bool; 2],
 }
 
@@ -90,24 +90,24 @@ impl<S: Scalar> Key<S> {
         (self.dynamic, self.gravity_scale.to_bits(), own, self.still)
     }
 
-    /// Whether a step may have to slow it down.
+    /// Whether a step may have to slow the body down to a cap.
     pub(crate) fn is_capped(&self) -> bool {
         self.dynamic && self.most != [None; 2]
     }
 
-    /// Whether its velocities decay in a world of this damping.
+    /// Whether the velocities of the body decay in a world with this damping.
     pub(crate) fn is_damped(&self, linear: S, angular: S) -> bool {
         self.dynamic && (self.linear.unwrap_or(linear) != S::ONE || self.angular.unwrap_or(angular) != S::ONE)
     }
 
-    /// Whether it has a damping of its own that stops it at once.
+    /// Whether the body's own damping stops it at once.
     fn stops(&self) -> bool {
         [self.linear, self.angular].contains(&Some(S::ZERO))
     }
 }
 
 impl<S: Scalar> StepFactors<S> {
-    /// That of a body that nothing acts on.
+    /// The factors of a body that nothing acts on.
     fn neutral(key: Key<S>) -> Self {
         let none = S::Accumulator::default();
         Self {
@@ -125,7 +125,7 @@ impl<S: Scalar> StepFactors<S> {
         }
     }
 
-    /// Makes its factors anew.
+    /// Makes the factors anew.
     fn make(&mut self, world_factors: &WorldFactors<'_, S>) {
         let key = self.key;
         let rates = *self.rates.get_or_insert_with(|| [key.linear, key.angular].map(|kept| kept.map(S::decay_rate)));
@@ -154,22 +154,22 @@ impl<S: Scalar> StepFactors<S> {
     }
 }
 
-/// The tunings in use. Which index one has is no state: it changes no bit of what follows.
+/// The factors in use. The index of a row is no state: it changes no bit of a result.
 ///
-/// Factors take long to make, and one call may change those of all bodies: calls only note that, and the next step makes
-/// those of the bodies that it moves, once.
+/// Factors take long to make, and one call may change the factors of all bodies. So calls only note the change, and the next
+/// step makes the factors of the bodies that it moves, once.
 #[derive(Debug)]
 pub(crate) struct FactorTable<S: Scalar> {
     rows: Vec<StepFactors<S>>,
     index: BTreeMap<KeyBits, u32>,
     free: Vec<u32>,
-    /// Counts how often what all factors are made from has changed, from 1 on.
+    /// Counts from 1 on how often the parameters of the world have changed.
     version: u64,
     /// Whether a row may have to be made before the next step.
     is_stale: bool,
-    /// How many of those in use are capped.
+    /// The number of rows in use with a cap.
     capped: u32,
-    /// How many of those in use stop their bodies at once by a damping of their own.
+    /// The number of rows in use whose own damping stops the bodies at once.
     stopping: u32,
 }
 
@@ -183,12 +183,12 @@ impl<S: Scalar> Default for FactorTable<S> {
 }
 
 impl<S: Scalar> FactorTable<S> {
-    /// By index. Their keys are up to date at any time, the factors of the bodies that move after [`update`](Self::update).
+    /// The rows. Their keys are always up to date, the factors of moving bodies after [`update`](Self::update).
     pub(crate) fn rows(&self) -> &[StepFactors<S>] {
         &self.rows
     }
 
-    /// The keys of those that a body has.
+    /// The keys of the rows in use.
     pub(crate) fn used(&self) -> impl Iterator<Item = &Key<S>> {
         self.rows.iter().filter(|row| row.users > 0).map(|row| &row.key)
     }
@@ -198,12 +198,12 @@ impl<S: Scalar> FactorTable<S> {
         self.capped > 0
     }
 
-    /// Whether a body has a damping of its own that stops it at once.
+    /// Whether the own damping of a body stops it at once.
     pub(crate) fn any_stopping(&self) -> bool {
         self.stopping > 0
     }
 
-    /// The index for a body like this; it is given back by [`release`](Self::release).
+    /// The index of the row of a key. [`release`](Self::release) gives it back.
     pub(crate) fn acquire(&mut self, key: Key<S>) -> u32 {
         let index = *self.index.entry(key.bits()).or_insert_with(|| {
             self.capped += u32::from(key.is_capped());
@@ -219,7 +219,7 @@ impl<S: Scalar> FactorTable<S> {
         });
         let row = &mut self.rows[index as usize];
         row.users += 1;
-        // It may be that of bodies that do not move, and so not made since all have changed.
+        // A row of bodies that do not move may not have been made since the parameters of the world changed.
         self.is_stale |= row.version != self.version;
         index
     }
@@ -235,18 +235,18 @@ impl<S: Scalar> FactorTable<S> {
         }
     }
 
-    /// Notes that what all factors are made from has changed.
+    /// Notes that the parameters of the world have changed.
     pub(crate) fn change_all(&mut self) {
         self.version += 1;
         self.is_stale = true;
     }
 
-    /// Whether factors may have to be made.
+    /// Whether factors may have to be made before the next step.
     pub(crate) fn is_stale(&self) -> bool {
         self.is_stale
     }
 
-    /// Makes the factors of these rows that are not up to date.
+    /// Makes the factors of those of these rows that are not up to date.
     pub(crate) fn update(&mut self, world_factors: &WorldFactors<'_, S>, indices: &[u32]) {
         self.is_stale = false;
         for &index in indices {

@@ -1,4 +1,4 @@
-//! What a step does not change of a body.
+//! The properties of bodies that no step changes.
 
 use alloc::collections::BTreeMap;
 use alloc::sync::Arc;
@@ -6,60 +6,49 @@ use alloc::vec::Vec;
 
 use super::columns::{NONE, push};
 use super::factors::Key;
-use super::{BodyDef, BodyKind, Locks, Mass, MassProperties, inertia_of, mass_of};
+use super::mass::{inertia_of, mass_of};
+use super::{BodyDef, BodyKind, Locks, Mass};
 use crate::codec::{StateHasher, Write as _};
 use crate::scalar::Scalar;
 use crate::shape::Shape;
 
-/// What a step does not change of a body, and rarely reads.
+/// The properties of a body that no step changes, and few steps read.
 #[derive(Clone, Debug)]
 pub(crate) struct BodyInfo<S: Scalar> {
     pub(crate) kind: BodyKind,
-    pub(crate) locks: Locks,
     pub(crate) groups: u32,
     pub(crate) key: u64,
     pub(crate) user_data: u64,
     pub(crate) mass: Mass<S>,
-    /// Of a dynamic body; zero for others.
-    pub(crate) properties: MassProperties<S>,
     pub(crate) shape: Option<Arc<Shape<S>>>,
 }
 
 impl<S: Scalar> BodyInfo<S> {
-    pub(super) fn new(def: &BodyDef<S>, shape: Option<Arc<Shape<S>>>, properties: MassProperties<S>) -> Self {
-        Self {
-            kind: def.kind,
-            locks: def.locks,
-            groups: def.groups,
-            key: def.key,
-            user_data: def.user_data,
-            mass: def.mass,
-            properties,
-            shape,
-        }
+    pub(super) fn new(def: &BodyDef<S>, shape: Option<Arc<Shape<S>>>) -> Self {
+        Self { kind: def.kind, groups: def.groups, key: def.key, user_data: def.user_data, mass: def.mass, shape }
     }
 
-    /// Whether a field with these groups acts on it.
+    /// Whether a field with these groups acts on the body.
     pub(crate) fn feels(&self, groups: u32) -> bool {
         self.kind == BodyKind::Dynamic && self.groups & groups != 0
     }
 
-    /// kg; zero unless it is dynamic.
+    /// The mass, kg; zero unless the body is dynamic.
     pub(crate) fn kilograms(&self) -> S {
-        // A dynamic body's mass was found in range when it was given.
+        // The mass of a dynamic body was checked when it was set.
         match self.kind {
             BodyKind::Dynamic => mass_of(self.mass, self.shape.as_deref()).unwrap_or(S::ZERO),
             _ => S::ZERO,
         }
     }
 
-    /// kg·m²; zero for infinite, or unless it is dynamic.
+    /// The moment of inertia of a dynamic body, kg·m²; zero stands for infinite.
     pub(crate) fn inertia(&self) -> S::Factor {
         inertia_of(self.kilograms(), self.mass, self.shape.as_deref())
     }
 
-    /// A hash of all of it and of what its factors are made from.
-    pub(super) fn digest(&self, key: &Key<S>) -> u64 {
+    /// A hash of the info, the key of the body's factors, and its locks.
+    pub(super) fn digest(&self, (key, locks): (&Key<S>, Locks)) -> u64 {
         let mut sink = StateHasher::new();
         self.kind.write(&mut sink);
         self.groups.write(&mut sink);
@@ -71,19 +60,19 @@ impl<S: Scalar> BodyInfo<S> {
         key.angular.write(&mut sink);
         key.most[0].write(&mut sink);
         key.most[1].write(&mut sink);
-        self.locks.write(&mut sink);
+        locks.write(&mut sink);
         self.shape.write(&mut sink);
         sink.finish()
     }
 }
 
-/// The shapes in use, each kept once however many bodies have one like it: two bodies share their shape if and only if it is
-/// the same. By the hash and, for shapes with one hash, a number.
+/// The shapes in use. Bodies share a shape if and only if their shapes are equal. The key is the hash of the shape, and a
+/// number that tells shapes with one hash apart.
 #[derive(Clone, Debug)]
-pub(super) struct Shapes<S: Scalar>(BTreeMap<(u64, u32), Kept<S>>);
+pub(super) struct Shapes<S: Scalar>(BTreeMap<(u64, u32), Shared<S>>);
 
 /// A shape, and how many bodies have it.
-type Kept<S> = (Arc<Shape<S>>, u32);
+type Shared<S> = (Arc<Shape<S>>, u32);
 
 impl<S: Scalar> Default for Shapes<S> {
     fn default() -> Self {
@@ -92,14 +81,14 @@ impl<S: Scalar> Default for Shapes<S> {
 }
 
 impl<S: Scalar> Shapes<S> {
-    /// The shape that is kept; it is given back by [`release`](Self::release).
+    /// The shared shape that is equal to this one. [`release`](Self::release) gives it back.
     pub(super) fn acquire(&mut self, shape: Shape<S>) -> Arc<Shape<S>> {
         let digest = shape.digest();
         let mut free = 0;
-        for (&(_, number), (kept, users)) in self.0.range_mut((digest, 0)..=(digest, u32::MAX)) {
-            if **kept == shape {
+        for (&(_, number), (shared, users)) in self.0.range_mut((digest, 0)..=(digest, u32::MAX)) {
+            if **shared == shape {
                 *users += 1;
-                return kept.clone();
+                return shared.clone();
             }
             free += u32::from(number == free);
         }
@@ -111,7 +100,7 @@ impl<S: Scalar> Shapes<S> {
     pub(super) fn release(&mut self, shape: &Arc<Shape<S>>) {
         let digest = shape.digest();
         let mut alike = self.0.range_mut((digest, 0)..=(digest, u32::MAX));
-        if let Some((&key, (_, users))) = alike.find(|(_, (kept, _))| Arc::ptr_eq(kept, shape)) {
+        if let Some((&key, (_, users))) = alike.find(|(_, (shared, _))| Arc::ptr_eq(shared, shape)) {
             *users -= 1;
             if *users == 0 {
                 self.0.remove(&key);
@@ -122,44 +111,44 @@ impl<S: Scalar> Shapes<S> {
 
 const NOT_MADE: u64 = 0;
 
-/// The list of slots to make digests of keeps room for so many.
+/// The number of entries for which the list of stale digests keeps its memory.
 const STALE: usize = 256;
 
-/// What no step changes of any body. Worlds that are copies of each other share it until one is changed.
+/// The properties of all bodies that no step changes. Copies of a world share the table until it is changed in one.
 ///
-/// A slot without a body has no card: it takes as little as in a file, however many there are.
+/// A slot without a body has no info: it takes as little memory as in a file, however many there are.
 #[derive(Clone, Debug)]
 pub(super) struct BodyTable<S: Scalar> {
-    /// Where the card of a slot is, or [`NONE`].
+    /// The index of the info of each slot, or [`NONE`].
     at: Vec<u32>,
-    cards: Vec<BodyInfo<S>>,
-    /// Cards of bodies that are gone, to be used again.
+    infos: Vec<BodyInfo<S>>,
+    /// The infos without a body, to be used again.
     vacant: Vec<u32>,
-    /// Those of the cards, by slot, so that a hash of the world need not look at what no step changes. They are made by the
-    /// step after a change, once: a shape may be large, and a call that changes something else small. Until then one is
-    /// [`NOT_MADE`]; one that happens to have that value is made each time it is asked for.
+    /// The digests of the infos by slot, so that a hash of the world does not hash the infos again. The step after a change
+    /// makes the new digest, once for all changes: a call may change little, and a shape may be large. Until then the digest is
+    /// [`NOT_MADE`]. A digest that happens to have that value is made each time it is needed.
     digests: Vec<u64>,
-    /// The slots whose digests were set to [`NOT_MADE`]; some of them may have been vacated since.
+    /// The slots whose digests were set to [`NOT_MADE`]. Some of them may have lost their body since.
     stale: Vec<u32>,
     pub(super) shapes: Shapes<S>,
 }
 
 impl<S: Scalar> Default for BodyTable<S> {
     fn default() -> Self {
-        let (at, cards, vacant, digests) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        Self { at, cards, vacant, digests, stale: Vec::new(), shapes: Shapes::default() }
+        let (at, infos, vacant, digests) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        Self { at, infos, vacant, digests, stale: Vec::new(), shapes: Shapes::default() }
     }
 }
 
 impl<S: Scalar> BodyTable<S> {
-    /// The card of a slot with a body.
+    /// The info of the body in a slot.
     pub(super) fn info(&self, slot: usize) -> &BodyInfo<S> {
-        &self.cards[self.at[slot] as usize]
+        &self.infos[self.at[slot] as usize]
     }
 
-    /// Changes the card of a slot with a body, or what its factors are made from.
+    /// Changes the info of the body in a slot, or marks that its factors or locks have changed.
     pub(super) fn edit(&mut self, slot: usize, edit: impl FnOnce(&mut BodyInfo<S>)) {
-        edit(&mut self.cards[self.at[slot] as usize]);
+        edit(&mut self.infos[self.at[slot] as usize]);
         if core::mem::replace(&mut self.digests[slot], NOT_MADE) != NOT_MADE {
             push(&mut self.stale, slot as u32);
         }
@@ -170,53 +159,53 @@ impl<S: Scalar> BodyTable<S> {
         !self.stale.is_empty()
     }
 
-    /// Makes the digests that are not up to date; `key` gives what the factors of the body in a slot are made from.
-    pub(super) fn update<'k>(&mut self, key: impl Fn(usize) -> &'k Key<S>)
+    /// Makes the digests that are not up to date; `key` gives the key of the factors and the locks of the body in a slot.
+    pub(super) fn update<'k>(&mut self, key: impl Fn(usize) -> (&'k Key<S>, Locks))
     where
         S: 'k,
     {
         for slot in self.stale.drain(..).map(|slot| slot as usize) {
-            let info = self.cards.get(self.at[slot] as usize);
+            let info = self.infos.get(self.at[slot] as usize);
             self.digests[slot] = info.map_or(!NOT_MADE, |info| info.digest(key(slot)));
         }
         self.stale.shrink_to(STALE);
     }
 
-    /// The digest of a slot with a body as it is up to date.
-    pub(super) fn digest(&self, slot: usize, key: &Key<S>) -> u64 {
+    /// The up-to-date digest of the body in a slot.
+    pub(super) fn digest(&self, slot: usize, key: (&Key<S>, Locks)) -> u64 {
         match self.digests[slot] {
             NOT_MADE => self.info(slot).digest(key),
             digest => digest,
         }
     }
 
-    /// All digests by slot, if all are up to date.
+    /// The digests by slot, if all are up to date.
     pub(super) fn digests(&self) -> Option<&[u64]> {
         self.stale.is_empty().then_some(&self.digests)
     }
 
-    /// One slot more.
+    /// Adds a slot without a body.
     pub(super) fn open(&mut self) {
         push(&mut self.at, NONE);
         push(&mut self.digests, !NOT_MADE);
     }
 
-    /// Gives a slot without a body a card.
+    /// Puts the info of a body into a slot without one.
     pub(super) fn place(&mut self, slot: usize, info: BodyInfo<S>) {
         self.at[slot] = if let Some(at) = self.vacant.pop() {
-            self.cards[at as usize] = info;
+            self.infos[at as usize] = info;
             at
         } else {
-            push(&mut self.cards, info);
-            (self.cards.len() - 1) as u32
+            push(&mut self.infos, info);
+            (self.infos.len() - 1) as u32
         };
         self.edit(slot, |_| {});
     }
 
-    /// Takes the card of a slot away.
+    /// Removes the info of the body in a slot.
     pub(super) fn remove(&mut self, slot: usize) {
         let at = core::mem::replace(&mut self.at[slot], NONE);
-        if let Some(shape) = self.cards[at as usize].shape.take() {
+        if let Some(shape) = self.infos[at as usize].shape.take() {
             self.shapes.release(&shape);
         }
         self.vacant.push(at);
@@ -228,7 +217,7 @@ mod tests {
     use super::*;
     use crate::scalar::fx::fx;
 
-    /// As if two shapes had one hash, in whichever order the bodies come and go that have them.
+    /// Simulates two shapes with one hash, whose bodies come and go in either order.
     #[test]
     fn shapes_with_one_hash_are_kept_once_each() {
         let [ours, other] = [fx!(1), fx!(2)].map(|radius| Shape::circle(radius).expect("a size"));

@@ -1,9 +1,12 @@
-//! Bodies: their definitions, handles, and the columns their state is kept in.
+//! Bodies: their definitions, and the columns that hold their state.
 
+mod asleep;
 mod columns;
 mod factors;
 mod info;
+mod mass;
 mod motion;
+mod order;
 mod record;
 mod sparse;
 mod target;
@@ -12,31 +15,33 @@ use crate::codec::{self, Encoder, Malformed, Read, Reader, Write, codec_enum, co
 use crate::error::{Error, Quantity};
 use crate::limits;
 use crate::math::Vec2;
-use crate::scalar::{Accumulator, Factor, Scalar, fx::Fx};
+use crate::scalar::{Accumulator, Scalar, fx::Fx};
 use crate::shape::Shape;
 
-pub(crate) use columns::{Bodies, NONE, push};
+pub(crate) use columns::Bodies;
 pub(crate) use factors::{FactorTable, GENTLE_STEPS, Key, SPANS, StepFactors, WorldFactors};
 pub(crate) use info::BodyInfo;
+pub use mass::Mass;
+pub(crate) use mass::{MassProperties, mass_properties};
 pub(crate) use motion::{Acceleration, BLOCK, Block, Motion};
 pub(crate) use record::{Record, ShapeSource};
 pub(crate) use sparse::{Row, Sparse};
 pub(crate) use target::{KinematicTarget, KinematicTargets, Target, Velocities};
 
-/// What moves a body.
+/// How a body moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum BodyKind {
-    /// Nothing.
+    /// The body never moves.
     Static,
-    /// The velocity it is given; no force and no damping.
+    /// The body moves at the velocity you set. Forces and damping have no effect.
     Kinematic,
-    /// Everything.
+    /// The body responds to forces, gravity and damping.
     #[default]
     Dynamic,
 }
 
-/// Whether a body takes part in steps.
+/// The part a body takes in steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",
@@ -44,20 +49,21 @@ pub enum BodyKind {
     serde(rename_all = "snake_case", deny_unknown_fields)
 )]
 pub enum Activity {
-    /// It does.
+    /// The body takes part.
     #[default]
     Awake,
-    /// It is at rest and skipped, until something wakes it.
+    /// The body is at rest, and steps skip it until something wakes it.
     Asleep,
-    /// It left the envelope: back at its last good state and out of the simulation, until it is released.
+    /// The body left the allowed range, or a step failed for it. It is back in its state before that step and excluded from
+    /// the simulation until it is released.
     Quarantined,
-    /// It was taken out of the simulation as it was, until it is enabled.
+    /// A call excluded the body from the simulation. It stays as it was until it is enabled.
     Disabled,
 }
 
 impl Activity {
-    /// Whether the body is part of the simulation. One that is not stands still with the velocity it has, and whatever is
-    /// attached to it is inert.
+    /// Whether the body is part of the simulation. A body that is not stays in place and keeps its velocity, and fields that
+    /// are attached to it do nothing.
     ///
     /// ```
     /// use umbra_physics::{BodyDef, World, WorldDef};
@@ -78,22 +84,35 @@ impl Activity {
     }
 }
 
-/// Which components of a body's velocity are zero and stay zero, whatever acts on it: along such an axis not a bit of its
-/// position changes. The other components move as if the locked ones were at rest by chance.
+/// The locked axes of a body. The velocity along a locked axis is zero and stays zero, whatever acts on the body, and not a
+/// bit of the position along it changes. The other components move as if the locked ones happened to be zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Locks {
-    /// The velocity along x.
+    /// Locks the velocity along x.
     pub x: bool,
-    /// The velocity along y.
+    /// Locks the velocity along y.
     pub y: bool,
-    /// The angular velocity.
+    /// Locks the angular velocity.
     pub rotation: bool,
 }
 
 impl Locks {
-    /// It moves freely.
+    /// No locks.
     pub const NONE: Self = Self { x: false, y: false, rotation: false };
+
+    /// The names of what is locked: `x`, `y`, `rotation`, as scenes write them.
+    ///
+    /// ```
+    /// use umbra_physics::Locks;
+    ///
+    /// let locks = Locks { x: true, rotation: true, ..Locks::NONE };
+    /// assert!(locks.names().eq(["x", "rotation"]));
+    /// ```
+    pub fn names(self) -> impl Iterator<Item = &'static str> {
+        let named = [("x", self.x), ("y", self.y), ("rotation", self.rotation)];
+        named.into_iter().filter_map(|(name, is_locked)| is_locked.then_some(name))
+    }
 }
 
 impl Write for Locks {
@@ -111,29 +130,8 @@ impl Read for Locks {
     }
 }
 
-/// Where a dynamic body's mass and moment of inertia come from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(rename_all = "snake_case", deny_unknown_fields)
-)]
-pub enum Mass<S = Fx> {
-    /// kg/m² times the area of the shape, kg/m for a segment; the inertia from the shape.
-    Density(S),
-    /// kg; the inertia from the shape, or infinite without one: such a body does not turn.
-    Kilograms(S),
-    /// kg and kg·m².
-    Explicit {
-        /// kg.
-        mass: S,
-        /// kg·m².
-        inertia: S,
-    },
-}
-
-/// What a body is made from. Start from [`BodyDef::dynamic`], [`kinematic`](Self::kinematic) or
-/// [`fixed`](Self::fixed) and change what differs.
+/// The definition of a body. Start from [`BodyDef::dynamic`], [`kinematic`](Self::kinematic) or [`fixed`](Self::fixed) and
+/// change what differs.
 ///
 /// ```
 /// use umbra_physics::{BodyDef, BodyKind, Error, Mass, Shape, fx, vec2};
@@ -149,7 +147,7 @@ pub enum Mass<S = Fx> {
 /// let kinds = [wheel.kind, lift.kind, ground.kind];
 /// assert_eq!(kinds, [BodyKind::Dynamic, BodyKind::Kinematic, BodyKind::Static]);
 ///
-/// // What a world would refuse:
+/// // A definition can be checked without a world:
 /// assert_eq!(wheel.check(), Ok(()));
 /// assert_eq!(BodyDef { shape: None, ..wheel }.check(), Err(Error::NoShape));
 /// # Ok::<(), umbra_physics::Error>(())
@@ -157,47 +155,42 @@ pub enum Mass<S = Fx> {
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct BodyDef<S: Scalar = Fx> {
-    /// What moves it.
+    /// How the body moves.
     pub kind: BodyKind,
-    /// Where its centre of mass is, m.
+    /// The position of the centre of mass, m.
     pub position: Vec2<S>,
-    /// How far it is turned, rad.
+    /// The angle, rad.
     pub angle: S,
-    /// Its velocity, m/s. Zero for a static body.
+    /// The velocity, m/s. Zero for a static body.
     pub velocity: Vec2<S>,
-    /// Its angular velocity, rad/s. Zero for a static body.
+    /// The angular velocity, rad/s. Zero for a static body.
     pub angular_velocity: S,
-    /// Its shape, which gives it inertia and an outline to draw.
+    /// The shape, which gives the body its inertia and an outline to draw.
     pub shape: Option<Shape<S>>,
-    /// Its mass, if it is dynamic.
+    /// The mass, used while the body is dynamic.
     pub mass: Mass<S>,
-    /// How much of the world's gravity it feels: 1 all, 0 none, −1 upwards.
+    /// The factor on the world's gravity: 1 for all of it, 0 for none, −1 for the opposite direction.
     pub gravity_scale: S,
-    /// What is left of its velocity after a second, 0 to 1, in place of the world's.
+    /// The part of the velocity that damping leaves after a second, 0 to 1; `None` for the world's.
     pub linear_damping: Option<S>,
-    /// What is left of its angular velocity after a second, 0 to 1, in place of the world's.
+    /// The part of the angular velocity that damping leaves after a second, 0 to 1; `None` for the world's.
     pub angular_damping: Option<S>,
-    /// The largest speed it has after a step, m/s, if it is dynamic: what is faster is slowed down to it, in its direction.
+    /// The largest speed after a step, m/s, if the body is dynamic. A faster body is slowed down to it and keeps its direction.
     pub max_speed: Option<S>,
-    /// The largest angular speed it has after a step, rad/s, if it is dynamic.
+    /// The largest angular speed after a step, rad/s, if the body is dynamic.
     pub max_angular_speed: Option<S>,
-    /// Which components of its velocity are zero and stay zero.
+    /// The axes along which the body cannot move.
     pub locks: Locks,
-    /// The groups it is in: a force field with one of these bits acts on it.
+    /// The groups of the body: a force field with one of these bits acts on it.
     pub groups: u32,
-    /// A name of the caller's, by which worlds built in another order are compared.
+    /// A name of your choice for the body. Worlds that were built in different orders are compared by it.
     pub key: u64,
-    /// Anything of the caller's.
+    /// Data of your choice. The engine does not read it.
     pub user_data: u64,
 }
 
 codec_enum!(BodyKind, "the number of a kind of body", { 0 => Static, 1 => Kinematic, 2 => Dynamic });
 codec_enum!(Activity, "the number of an activity", { 0 => Awake, 1 => Asleep, 2 => Quarantined, 3 => Disabled });
-codec_enum!(Mass<S>, "the number of a way to give a mass", {
-    0 => Density(density),
-    1 => Kilograms(mass),
-    2 => Explicit { mass, inertia },
-});
 codec_struct!(BodyDef {
     kind,
     position,
@@ -218,7 +211,7 @@ codec_struct!(BodyDef {
 });
 
 impl<S: Scalar> BodyDef<S> {
-    /// A body of 1 kg that everything moves, at rest at the origin.
+    /// A dynamic body of 1 kg, at rest at the origin.
     #[must_use]
     pub fn dynamic() -> Self {
         Self {
@@ -241,19 +234,19 @@ impl<S: Scalar> BodyDef<S> {
         }
     }
 
-    /// A body that moves with the velocity it is given.
+    /// A kinematic body at the origin. Set its velocity, or move it to targets.
     #[must_use]
     pub fn kinematic() -> Self {
         Self { kind: BodyKind::Kinematic, ..Self::dynamic() }
     }
 
-    /// A body that never moves.
+    /// A static body at the origin.
     #[must_use]
     pub fn fixed() -> Self {
         Self { kind: BodyKind::Static, ..Self::dynamic() }
     }
 
-    /// Refuses what a world would.
+    /// Checks the definition as a world does that the body is added to.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] naming the quantity; [`Error::NoShape`] for a density without a shape; [`Error::Locked`] for a
@@ -262,7 +255,7 @@ impl<S: Scalar> BodyDef<S> {
         self.checked().map(drop)
     }
 
-    /// The properties that follow from it, if no world would refuse it.
+    /// The mass properties of a body with this definition, if the definition is valid.
     pub(crate) fn checked(&self) -> Result<MassProperties<S>, Error> {
         check_position(self.position)?;
         check_angle(self.angle)?;
@@ -279,63 +272,8 @@ impl<S: Scalar> BodyDef<S> {
         self.angular_damping.map_or(Ok(()), check_damping)?;
         self.max_speed.map_or(Ok(()), check_max_speed)?;
         self.max_angular_speed.map_or(Ok(()), check_max_angular_speed)?;
-        mass_properties(self.kind, self.mass, self.shape.as_ref())
+        mass_properties(self.kind, self.mass, self.shape.as_ref(), self.locks)
     }
-}
-
-/// 1/m and 1/I; zero for what no force moves or no torque turns.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct MassProperties<S: Scalar> {
-    pub(crate) inverse_mass: S::Factor,
-    pub(crate) inverse_inertia: S::Factor,
-}
-
-/// kg, of a dynamic body.
-fn mass_of<S: Scalar>(mass: Mass<S>, shape: Option<&Shape<S>>) -> Result<S, Error> {
-    let out_of = |quantity| Error::OutOfRange { quantity };
-    match mass {
-        Mass::Density(density) => {
-            if !(density > S::ZERO && density.is_finite()) {
-                return Err(out_of(Quantity::Density));
-            }
-            let area = shape.ok_or(Error::NoShape)?.measure();
-            S::Factor::from_scalar(density).times(area).to_scalar().ok_or(out_of(Quantity::Mass))
-        }
-        Mass::Kilograms(mass) | Mass::Explicit { mass, inertia: _ } => Ok(mass),
-    }
-}
-
-/// kg·m², of a body of this mass in kg; zero for infinite.
-fn inertia_of<S: Scalar>(kilograms: S, mass: Mass<S>, shape: Option<&Shape<S>>) -> S::Factor {
-    match (mass, shape) {
-        (Mass::Explicit { mass: _, inertia }, _) => S::Factor::from_scalar(inertia),
-        (_, Some(shape)) => S::Factor::from_scalar(kilograms).times(shape.gyration()),
-        (_, None) => S::Factor::ZERO,
-    }
-}
-
-/// The properties that follow from a definition.
-pub(crate) fn mass_properties<S: Scalar>(
-    kind: BodyKind,
-    mass: Mass<S>,
-    shape: Option<&Shape<S>>,
-) -> Result<MassProperties<S>, Error> {
-    let zero = S::Factor::ZERO;
-    if kind != BodyKind::Dynamic {
-        return Ok(MassProperties { inverse_mass: zero, inverse_inertia: zero });
-    }
-    if matches!(mass, Mass::Explicit { mass: _, inertia } if !(inertia > S::ZERO && inertia.is_finite())) {
-        return Err(Error::OutOfRange { quantity: Quantity::Inertia });
-    }
-    let kilograms = mass_of(mass, shape)?;
-    if !(kilograms >= S::from_fx(limits::MASS_MIN) && kilograms <= S::from_fx(limits::MASS_MAX)) {
-        return Err(Error::OutOfRange { quantity: Quantity::Mass });
-    }
-    let inverse = |f: S::Factor| if f.is_zero() { f } else { S::Factor::ONE.over(f) };
-    Ok(MassProperties {
-        inverse_mass: inverse(S::Factor::from_scalar(kilograms)),
-        inverse_inertia: inverse(inertia_of(kilograms, mass, shape)),
-    })
 }
 
 fn check(ok: bool, quantity: Quantity) -> Result<(), Error> {
@@ -347,7 +285,7 @@ fn within<S: Scalar>(value: S, limit: Fx) -> bool {
     -limit <= value && value <= limit
 }
 
-/// What [`check_position`] and its like ask, of what a step left.
+/// Refuses a vector with a component beyond ±`limit`, to the last bit of an accumulator: for the results of steps.
 pub(crate) fn within_envelope<S: Scalar>(
     pair: Vec2<S::Accumulator>,
     limit: Fx,
@@ -379,7 +317,7 @@ pub(crate) fn check_unlocked<S: Scalar>(locks: Locks, velocity: Vec2<S>) -> Resu
     if moves { Err(Error::Locked { quantity: Quantity::Velocity }) } else { Ok(()) }
 }
 
-/// The same of an angular velocity.
+/// Refuses an angular velocity where the rotation is locked.
 pub(crate) fn check_turning<S: Scalar>(locks: Locks, velocity: S) -> Result<(), Error> {
     let turns = locks.rotation && velocity != S::ZERO;
     if turns { Err(Error::Locked { quantity: Quantity::AngularVelocity }) } else { Ok(()) }

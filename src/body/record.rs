@@ -1,4 +1,4 @@
-//! A body with all that is state of it, apart from the others: how snapshots have bodies.
+//! The complete state of one body, as snapshots have it, and bodies made from such a state.
 
 use alloc::sync::Arc;
 
@@ -11,15 +11,15 @@ use super::{
 };
 use crate::codec::{self, Encoder, Malformed, Part, Read, Reader, Write, codec_struct};
 use crate::error::{Error, Quantity};
-use crate::handle::BodyId;
 use crate::limits;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator as _, Scalar, fx::Fx};
 use crate::shape::Shape;
+use crate::slots::BodyId;
 
 codec_struct!(Acceleration { linear, angular });
 
-/// All that is state of a body but its shape and its handle.
+/// The state of a body without its shape and its handle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Record<S: Scalar> {
     pub(crate) kind: BodyKind,
@@ -64,9 +64,9 @@ codec_struct!(Record {
 });
 
 impl<S: Scalar> Record<S> {
-    /// Refuses what no call and no step makes of a body.
+    /// Refuses a state that no call and no step leaves a body in.
     fn check(&self, shape: Option<&Shape<S>>) -> Result<MassProperties<S>, Error> {
-        // A quarantined one may be where a step has it on its way: it is looked at again before it is released.
+        // A quarantined body may be in a state within a step. It is checked again before it is released.
         let [position, speed, angular_speed] = match self.activity {
             Activity::Quarantined => [limits::TRANSIENT_POSITION, limits::TRANSIENT_SUM, limits::TRANSIENT_SUM],
             Activity::Awake | Activity::Asleep | Activity::Disabled => {
@@ -85,7 +85,7 @@ impl<S: Scalar> Record<S> {
         self.check_locks()?;
         let is_still = |v: S::Accumulator| v.is_still();
         let rests = is_still(self.velocity.x) && is_still(self.velocity.y) && is_still(self.angular_velocity);
-        // No step makes a static body of either kind.
+        // No step puts a static body to sleep or quarantines it.
         let stopped = matches!(self.activity, Activity::Asleep | Activity::Quarantined);
         if (stopped && self.kind == BodyKind::Static) || (self.activity == Activity::Asleep && !rests) {
             return Err(Error::Inconsistent);
@@ -95,10 +95,10 @@ impl<S: Scalar> Record<S> {
         self.angular_damping.map_or(Ok(()), check_damping)?;
         self.max_speed.map_or(Ok(()), check_max_speed)?;
         self.max_angular_speed.map_or(Ok(()), check_max_angular_speed)?;
-        mass_properties(self.kind, self.mass, shape)
+        mass_properties(self.kind, self.mass, shape, self.locks)
     }
 
-    /// Refuses a velocity along a locked axis, or what would bring one about.
+    /// Refuses a velocity along a locked axis, and a last acceleration that would cause one.
     fn check_locks(&self) -> Result<(), Error> {
         let (none, zero) = (S::Accumulator::default(), S::Wide::default());
         let last = self.last_acceleration.unwrap_or_default();
@@ -107,7 +107,7 @@ impl<S: Scalar> Record<S> {
             (self.locks.y, self.velocity.y, last.linear.y, Quantity::Velocity),
             (self.locks.rotation, self.angular_velocity, last.angular, Quantity::AngularVelocity),
         ];
-        // Forces move dynamic bodies alone.
+        // Forces move dynamic bodies only.
         if self.kind != BodyKind::Dynamic && [last.linear.x, last.linear.y, last.angular] != [zero; 3] {
             return Err(Error::Inconsistent);
         }
@@ -134,11 +134,11 @@ impl<S: Scalar> Record<S> {
     }
 }
 
-/// What is in a slot: a body and its shape, or none.
+/// The occupant of a slot: a body and its shape, or none.
 type Occupant<S> = Option<(Record<S>, Option<Arc<Shape<S>>>)>;
 
 impl<S: Scalar> Bodies<S> {
-    /// The body at this index in the columns.
+    /// The state of the body at this index in the columns.
     pub(crate) fn record(&self, dense: usize, factor_table: &FactorTable<S>) -> Record<S> {
         let (info, motion) = (self.info(dense), &self.columns.motion);
         let key = &factor_table.rows()[self.columns.factors[dense] as usize].key;
@@ -157,14 +157,14 @@ impl<S: Scalar> Bodies<S> {
             angular_damping: key.angular,
             max_speed: key.most[0],
             max_angular_speed: key.most[1],
-            locks: info.locks,
+            locks: self.mass(dense).locks,
             groups: info.groups,
             key: info.key,
             user_data: info.user_data,
         }
     }
 
-    /// No bodies, to [`rebuild`](Self::rebuild) those of a snapshot in.
+    /// An empty set of bodies, to [`rebuild`](Self::rebuild) the bodies of a snapshot in.
     pub(crate) fn empty(keep_last: bool) -> Self {
         let mut bodies = Self::default();
         bodies.keep_last_acceleration(keep_last);
@@ -206,6 +206,38 @@ impl<S: Scalar> Bodies<S> {
         Ok(Some(dense))
     }
 
+    /// Adds a copy of a body of another world with the same parameters. Everything is copied but its handle.
+    pub(crate) fn adopt(
+        &mut self,
+        (other, body): (&Self, BodyId),
+        (other_factors, factor_table): (&FactorTable<S>, &mut FactorTable<S>),
+    ) -> Result<BodyId, Error> {
+        let from = other.find(body)?;
+        let (info, key) = (other.info(from), &other_factors.rows()[other.columns.factors[from] as usize].key);
+        let def = BodyDef {
+            kind: info.kind,
+            shape: info.shape.as_deref().cloned(),
+            mass: info.mass,
+            gravity_scale: key.gravity_scale,
+            linear_damping: key.linear,
+            angular_damping: key.angular,
+            max_speed: key.most[0],
+            max_angular_speed: key.most[1],
+            locks: other.mass(from).locks,
+            groups: info.groups,
+            key: info.key,
+            user_data: info.user_data,
+            ..BodyDef::dynamic()
+        };
+        let adopted = self.insert(def, *other.mass(from), factor_table);
+        let dense = self.find(adopted)?;
+        let dense = self.set_activity(dense, other.activity(from));
+        self.make_last_accelerations();
+        self.is_rest_zero = false;
+        self.columns.motion.copy(dense, &other.columns.motion, from);
+        Ok(adopted)
+    }
+
     /// The shape of the body in a slot, if there is one with a shape.
     pub(crate) fn shape_in(&self, slot: u32) -> Option<&Arc<Shape<S>>> {
         let generation = self.generation(slot)?;
@@ -214,7 +246,8 @@ impl<S: Scalar> Bodies<S> {
     }
 }
 
-/// How a snapshot has the shapes of bodies: each once, and where it is used again the slot of the body it came with.
+/// The shape of a body as a snapshot has it. A snapshot has each shape once; other bodies name the slot of the first body that
+/// has it.
 #[derive(PartialEq)]
 pub(crate) enum ShapeSource<S: Scalar> {
     None,

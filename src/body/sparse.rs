@@ -1,21 +1,21 @@
-//! What some bodies have for a while and most have not: rows in no order, each found by its key.
+//! Rows for the few bodies that have something for a while: in no order, each found by its key.
 
 use alloc::vec::Vec;
 use core::mem;
 
 use super::columns::NONE;
 
-/// What a body may have one of.
+/// A row that a body may have.
 pub(crate) trait Row {
-    /// Whose it is: a slot, or an index in the columns.
+    /// The body of the row: its slot, or its index in the columns.
     fn key(&self) -> usize;
 }
 
-/// The rows of the bodies that have one. To add, find and remove one takes as long however many there are.
+/// A sparse set of rows. The time to add, find or remove a row does not depend on how many there are.
 #[derive(Debug)]
 pub(crate) struct Sparse<T> {
     rows: Vec<T>,
-    /// Where the row of a key is, or [`NONE`]; as long as it had to be.
+    /// The index of the row of each key, or [`NONE`]; long enough for the keys that have had a row.
     at: Vec<u32>,
 }
 
@@ -41,24 +41,24 @@ impl<T: Row> Sparse<T> {
         &self.rows
     }
 
-    /// The rows, whose keys are to stay theirs.
+    /// The rows. *Domain* their keys are not changed.
     pub(crate) fn rows_mut(&mut self) -> &mut [T] {
         &mut self.rows
     }
 
-    /// In the order of the keys.
+    /// The rows in the order of the keys.
     pub(crate) fn in_order(&self) -> impl Iterator<Item = &T> {
         let taken = if self.rows.is_empty() { &[] } else { &self.at[..] };
         taken.iter().filter_map(|&index| self.rows.get(index as usize))
     }
 
-    /// That of a key, if it has one.
+    /// The row of a key, if it has one.
     pub(crate) fn get(&self, key: usize) -> Option<&T> {
         let index = *self.at.get(key)?;
         self.rows.get(index as usize)
     }
 
-    /// That of a key, which gets one that is made for it if it has none.
+    /// The row of a key. If it has none, `make` makes it.
     pub(crate) fn get_or_insert(&mut self, key: usize, make: impl FnOnce() -> T) -> &mut T {
         if self.at.len() <= key {
             self.at.resize(key + 1, NONE);
@@ -72,7 +72,7 @@ impl<T: Row> Sparse<T> {
         &mut self.rows[self.at[key] as usize]
     }
 
-    /// Takes that of a key away, if it has one.
+    /// Removes the row of a key, if it has one.
     pub(crate) fn remove(&mut self, key: usize) {
         if let Some(&index) = self.at.get(key).filter(|&&index| index != NONE) {
             self.remove_at(index as usize);
@@ -87,9 +87,9 @@ impl<T: Row> Sparse<T> {
         }
     }
 
-    /// Takes away those that are not to be kept.
+    /// Removes the rows for which `is_kept` is false.
     pub(crate) fn retain(&mut self, is_kept: impl Fn(&T) -> bool) {
-        // From behind: what moves up in place of another was looked at.
+        // Backwards: the row that moves into a gap has been looked at already.
         for index in (0..self.rows.len()).rev() {
             if !is_kept(&self.rows[index]) {
                 self.remove_at(index);
@@ -97,14 +97,14 @@ impl<T: Row> Sparse<T> {
         }
     }
 
-    /// Takes all away.
+    /// Removes all rows.
     pub(crate) fn clear(&mut self) {
         for row in self.rows.drain(..) {
             self.at[row.key()] = NONE;
         }
     }
 
-    /// Moves all to a list, in place of what it had.
+    /// Moves all rows to a list, whose former contents are dropped.
     pub(crate) fn move_to(&mut self, list: &mut Vec<T>) {
         list.clear();
         for row in &self.rows {
@@ -114,7 +114,7 @@ impl<T: Row> Sparse<T> {
     }
 }
 
-/// With the key beside what is kept for it.
+/// A pair of a key and its value.
 impl<T> Row for (usize, T) {
     fn key(&self) -> usize {
         self.0
@@ -127,7 +127,7 @@ mod tests {
 
     use super::*;
 
-    /// Against a map, over some thousand changes.
+    /// Compares the set with a map over some thousand changes.
     #[test]
     fn as_a_map() {
         let (mut rows, mut map) = (Sparse::default(), BTreeMap::new());

@@ -1,14 +1,14 @@
-//! Where kinematic bodies are to be after the next step.
+//! The targets of kinematic bodies: where they are to be after the next step.
 
 use super::{Bodies, Locks, Motion, Row, Sparse};
 use crate::codec::{self, StateHasher, Write as _, codec_struct};
 use crate::error::{Error, Quantity};
-use crate::handle::BodyId;
 use crate::limits;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, Angle, Scalar, Wide, fx::Fx};
+use crate::slots::BodyId;
 
-/// A place and an angle to be at, to the bit.
+/// A position and an angle that a body is to have, to the bit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Target<S: Scalar> {
     pub(crate) position: Vec2<S>,
@@ -18,9 +18,9 @@ pub(crate) struct Target<S: Scalar> {
 codec_struct!(Target { position, angle });
 
 impl<S: Scalar> Target<S> {
-    /// The velocities that lead here in a step of 1/`rate` seconds from where body `i` is read to be, the short way round in
-    /// turns; none along a locked axis. `None` where a velocity is beyond the limit. An angular one never is: π a step is
-    /// below 2^15 rad/s at 10 kHz.
+    /// The velocities that take body `i` from its public position and angle to the target in a step of 1/`rate` seconds, the
+    /// short way round in angle; zero along a locked axis. `None` where a velocity is beyond the limit. An angular velocity
+    /// never is: π a step is below 2^15 rad/s at 10 kHz.
     pub(crate) fn approach(
         &self,
         motion: &Motion<S>,
@@ -38,7 +38,7 @@ impl<S: Scalar> Target<S> {
         is_slow.then_some((velocity, angular_velocity))
     }
 
-    /// Puts body `i` here, to the bit, but along locked axes, where it is already.
+    /// Sets the position and the angle of body `i` to the target, to the bit. Along locked axes it is there already.
     pub(crate) fn take(&self, motion: &mut Motion<S>, i: usize, locks: Locks) {
         let here = self.position.map(S::Accumulator::from_scalar);
         if !locks.x {
@@ -52,7 +52,7 @@ impl<S: Scalar> Target<S> {
         }
     }
 
-    /// Refuses what a body that is locked like this cannot be moved to.
+    /// Refuses a target that a body with these locks cannot reach.
     pub(crate) fn check_locks(
         &self,
         position: Vec2<S::Accumulator>,
@@ -70,30 +70,30 @@ impl<S: Scalar> Target<S> {
     }
 }
 
-/// Whether a goal is where an angle is: less than an ulp from it, so that the angle as it is read always is there. By the way
-/// there, which is as long in a mirror, as rounded angles are not.
+/// Whether two angles are less than an ulp apart, so that an angle is always equal to its public value. The test uses the way
+/// from one to the other, which is as long in a mirrored world; rounded angles are not mirrored.
 fn is_there<S: Scalar>(angle: S::Angle, goal: S::Angle) -> bool {
     let (way, ulp) = (angle.way_to(goal), S::Wide::from_scalar(S::from_fx(Fx::DELTA)));
-    // Half a turn has no way either.
+    // Half a turn has a way of zero as well.
     if way == S::Wide::default() { angle == goal } else { way < ulp && way.negated() < ulp }
 }
 
 /// Linear and angular velocity.
 pub(crate) type Velocities<S> = (Vec2<<S as Scalar>::Accumulator>, <S as Scalar>::Accumulator);
 
-/// Where the next step has a body go.
+/// The target of a kinematic body for the next step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct KinematicTarget<S: Scalar> {
     pub(crate) goal: Option<Target<S>>,
-    /// Whether the last step took it to a goal: it has the velocity that led there, and without another goal the next step
-    /// stops it.
+    /// Whether the last step took the body to its target. It then has the velocity that led there, and without another target
+    /// the next step stops it.
     pub(crate) arrived: bool,
 }
 
 codec_struct!(KinematicTarget { goal, arrived });
 
 impl<S: Scalar> KinematicTarget<S> {
-    /// Whether it is as if it had never been.
+    /// Whether nothing is left to do for the body.
     pub(crate) fn is_over(&self) -> bool {
         self.goal.is_none() && !self.arrived
     }
@@ -105,11 +105,11 @@ impl<S: Scalar> Row for (BodyId, KinematicTarget<S>) {
     }
 }
 
-/// The errands of the bodies that have one.
+/// The targets of the bodies that have one.
 #[derive(Debug)]
 pub(crate) struct KinematicTargets<S: Scalar> {
     rows: Sparse<(BodyId, KinematicTarget<S>)>,
-    /// The tick after the last step in which a body reached a goal or was stopped there, or 0: that step is not undone.
+    /// The tick after the last step in which a body reached its target or was stopped there, or 0. That step cannot be undone.
     pub(crate) moved_at: u64,
 }
 
@@ -122,7 +122,7 @@ impl<S: Scalar> Default for KinematicTargets<S> {
 }
 
 impl<S: Scalar> KinematicTargets<S> {
-    /// In no order.
+    /// The rows in no order.
     pub(crate) fn rows(&self) -> &[(BodyId, KinematicTarget<S>)] {
         self.rows.rows()
     }
@@ -131,18 +131,18 @@ impl<S: Scalar> KinematicTargets<S> {
         self.rows.rows_mut()
     }
 
-    /// Whether the next step sees to any of these bodies: those that take part in it.
+    /// Whether any of these bodies takes part in the next step.
     pub(crate) fn are_due(&self, bodies: &Bodies<S>) -> bool {
         let takes_part = |body| bodies.find(body).is_ok_and(|i| bodies.activity(i).takes_part());
         self.rows().iter().any(|(body, _)| takes_part(*body))
     }
 
-    /// That of a body, if it has one.
+    /// The target of a body, if it has one.
     pub(crate) fn of(&self, body: BodyId) -> Option<&KinematicTarget<S>> {
         self.rows.get(body.slot as usize).map(|(_, target)| target)
     }
 
-    /// Gives a body an errand, in place of what it had.
+    /// Sets the target of a body.
     pub(crate) fn set(&mut self, body: BodyId, target: KinematicTarget<S>) {
         if target.is_over() {
             self.forget(body);
@@ -151,30 +151,30 @@ impl<S: Scalar> KinematicTargets<S> {
         }
     }
 
-    /// Sends a body to a goal.
+    /// Gives a body a position and an angle to reach.
     pub(crate) fn send(&mut self, body: BodyId, goal: Target<S>) {
         let arrived = self.of(body).is_some_and(|target| target.arrived);
         self.set(body, KinematicTarget { goal: Some(goal), arrived });
     }
 
-    /// Takes the goal of a body back. One that has just arrived is still to be stopped.
+    /// Cancels the target of a body. A body that has just arrived still has to be stopped.
     pub(crate) fn recall(&mut self, body: BodyId) {
         if let Some(&KinematicTarget { arrived, .. }) = self.of(body) {
             self.set(body, KinematicTarget { goal: None, arrived });
         }
     }
 
-    /// Forgets all about a body: the velocity it has is its own.
+    /// Removes the row of a body: from now on it moves at the velocity it has.
     pub(crate) fn forget(&mut self, body: BodyId) {
         self.rows.remove(body.slot as usize);
     }
 
-    /// Removes the errands that are over.
+    /// Removes the rows of the bodies for which nothing is left to do.
     pub(crate) fn tidy(&mut self) {
         self.rows.retain(|(_, target)| !target.is_over());
     }
 
-    /// Adds them to a hash, in the order of the slots.
+    /// Adds the targets to a hash, in the order of the slots.
     pub(crate) fn write(&self, sink: &mut StateHasher) {
         codec::count(sink, self.rows().len());
         for (body, target) in self.rows.in_order() {

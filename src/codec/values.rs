@@ -4,9 +4,9 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use super::{Encoder, Malformed, Part, Read, Reader, Write, count, field};
-use crate::handle::{BodyId, FieldId};
 use crate::math::{Elapsed, Random, TimeStep, Vec2};
 use crate::scalar::{FxAccumulator, FxFactor, FxSum, FxWide, Number, Turn, fx::Fx};
+use crate::slots::{BodyId, FieldId};
 
 impl<N: Number> Write for N {
     #[inline]

@@ -6,10 +6,10 @@ use core::f64::consts::PI;
 use super::pose::{Placed, Pose};
 use crate::body::{Activity, BodyKind};
 use crate::force::{Attachment, End, FieldKind, ForceField, Region};
-use crate::handle::{BodyId, FieldId};
 use crate::math::Vec2;
 use crate::scalar::{Scalar, ToF64};
 use crate::shape::{Geometry, Shape};
+use crate::slots::{BodyId, FieldId};
 use crate::world::{BodyRef, World};
 
 /// Class of a body for drawing: kind and activity in one, to choose a colour by.

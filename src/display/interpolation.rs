@@ -5,8 +5,8 @@ use alloc::vec::Vec;
 use super::pose::Pose;
 use super::step_clock::TickFraction;
 use crate::body::Activity;
-use crate::handle::BodyId;
 use crate::scalar::{Angle, Scalar, ToF64};
+use crate::slots::BodyId;
 use crate::world::World;
 
 /// Moment to show, relative to the last ticks, from the [remainder](super::StepClock::remainder) of a step clock.

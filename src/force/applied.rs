@@ -1,17 +1,17 @@
-//! What was applied to bodies this tick, summed up.
+//! The sums of the forces and torques applied to bodies in this tick.
 
 use alloc::vec::Vec;
 
 use crate::body::{Row, Sparse};
 use crate::codec::{self, StateHasher, Write as _};
-use crate::handle::BodyId;
 use crate::math::Vec2;
 use crate::scalar::{Scalar, Sum, fx::Fx};
+use crate::slots::BodyId;
 
-/// The sum of the forces and torques applied to a body over a tick; what undoing that step needs.
+/// The sum of the forces and torques applied to a body over a tick. Undoing the step of that tick needs it.
 ///
 /// ```
-/// use umbra_physics::{AppliedForce, BodyDef, Vec2, World, WorldDef, fx, scalar::Wide as _, vec2};
+/// use umbra_physics::{AppliedForce, BodyDef, Vec2, World, WorldDef, fx, vec2};
 ///
 /// let mut world: World = World::new(WorldDef::default())?;
 /// let body = world.add_body(BodyDef::dynamic())?;
@@ -41,13 +41,13 @@ pub struct AppliedForce<S: Scalar = Fx> {
 }
 
 impl<S: Scalar> AppliedForce<S> {
-    /// Through the centre of mass, N; `None` if the sum does not fit.
+    /// The force through the centre of mass, N; `None` if the sum does not fit.
     #[must_use]
     pub fn force(&self) -> Option<Vec2<S::Wide>> {
         self.force.try_map(Sum::total)
     }
 
-    /// About it, N·m; `None` if the sum does not fit.
+    /// The torque about the centre of mass, N·m; `None` if the sum does not fit.
     #[must_use]
     pub fn torque(&self) -> Option<S::Wide> {
         self.torque.total()
@@ -60,7 +60,7 @@ impl<S: Scalar> Row for AppliedForce<S> {
     }
 }
 
-/// The sums of this tick, and those of the last step. Only bodies that were pushed have one.
+/// The sums of this tick, and the sums of the last step. Only bodies to which something was applied have one.
 #[derive(Debug)]
 pub(crate) struct Applied<S: Scalar> {
     rows: Sparse<AppliedForce<S>>,
@@ -80,23 +80,23 @@ impl<S: Scalar> Applied<S> {
         self.rows.rows()
     }
 
-    /// Those the last step used.
+    /// The sums that the last step used, in the order of the bodies.
     pub(crate) fn done(&self) -> &[AppliedForce<S>] {
         &self.done
     }
 
-    /// That of a body, if it was pushed.
+    /// The sum of a body, if something was applied to it.
     pub(crate) fn row(&self, body: BodyId) -> Option<&AppliedForce<S>> {
         self.rows.get(body.slot as usize)
     }
 
-    /// That of a body, from now on.
+    /// The sum of a body, which begins at zero if it has none.
     fn row_mut(&mut self, body: BodyId) -> &mut AppliedForce<S> {
         let none = || AppliedForce { body, force: Vec2::default(), torque: S::Sum::default() };
         self.rows.get_or_insert(body.slot as usize, none)
     }
 
-    /// Adds to the sums of a body.
+    /// Adds a force and a torque to the sum of a body.
     pub(crate) fn add(&mut self, body: BodyId, force: Vec2<S::Wide>, torque: S::Wide) {
         let row = self.row_mut(body);
         row.force.x.add(force.x);
@@ -104,12 +104,12 @@ impl<S: Scalar> Applied<S> {
         row.torque.add(torque);
     }
 
-    /// Takes over what was applied to a body of another world, or at another tick, in place of what it has.
+    /// Replaces the sum of a body by one from another world or another tick.
     pub(crate) fn adopt(&mut self, body: BodyId, force: Vec2<S::Sum>, torque: S::Sum) {
         *self.row_mut(body) = AppliedForce { body, force, torque };
     }
 
-    /// Forgets what was applied to a body.
+    /// Removes the sum of a body.
     pub(crate) fn forget(&mut self, body: BodyId) {
         self.rows.remove(body.slot as usize);
     }
@@ -120,17 +120,17 @@ impl<S: Scalar> Applied<S> {
         self.done.sort_unstable_by_key(|row| row.body);
     }
 
-    /// Forgets all that was applied since the last step.
+    /// Removes the sums of this tick.
     pub(crate) fn clear(&mut self) {
         self.rows.clear();
     }
 
-    /// Forgets what the last step used.
+    /// Removes the sums of the last step.
     pub(crate) fn forget_done(&mut self) {
         self.done.clear();
     }
 
-    /// Adds to a hash what was applied since the last step, in the order of the slots.
+    /// Adds the sums of this tick to a hash, in the order of the slots.
     pub(crate) fn write(&self, sink: &mut StateHasher) {
         codec::count(sink, self.rows().len());
         for row in self.rows.in_order() {

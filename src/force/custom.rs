@@ -1,4 +1,4 @@
-//! The hook for a law of the user's own.
+//! The hook for forces that the user defines.
 
 use core::fmt;
 
@@ -6,23 +6,23 @@ use super::Dependence;
 use crate::math::Vec2;
 use crate::scalar::{Scalar, fx::Fx};
 
-/// What a law sees of a body: public values, and what the caller gave it.
+/// The state of a body as a [`CustomForce`] sees it: public values, and the data given to the body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct BodyState<S = Fx> {
-    /// Its centre of mass, m.
+    /// The position of the centre of mass, m.
     pub position: Vec2<S>,
-    /// Its angle in [0, 2π), rad.
+    /// The angle in [0, 2π), rad.
     pub angle: S,
-    /// Its velocity, m/s.
+    /// The velocity, m/s.
     pub velocity: Vec2<S>,
-    /// Its angular velocity, rad/s.
+    /// The angular velocity, rad/s.
     pub angular_velocity: S,
-    /// Its mass, kg.
+    /// The mass, kg.
     pub mass: S,
-    /// The caller's name for it.
+    /// The key given to the body.
     pub key: u64,
-    /// The caller's data.
+    /// The user data given to the body.
     pub user_data: u64,
 }
 
@@ -30,41 +30,42 @@ pub struct BodyState<S = Fx> {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct ForceTorque<S = Fx> {
-    /// Through the centre of mass, world axes.
+    /// The force through the centre of mass in world axes, N.
     pub force: Vec2<S>,
-    /// About it.
+    /// The torque about the centre of mass, N·m.
     pub torque: S,
 }
 
-/// A law's word that it has no answer for a body; the body is quarantined at the end of the step.
+/// The error of a [`CustomForce`] that has no value for a body. The body is quarantined at the end of the step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct CustomForceError {
-    /// A number of the law's own, handed on to the report.
+    /// A number that the custom force chooses. The report of the step has it.
     pub code: u32,
 }
 
 impl fmt::Display for CustomForceError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "the law of force gave fault {}", self.code)
+        write!(f, "the custom force failed with code {}", self.code)
     }
 }
 
 impl core::error::Error for CustomForceError {}
 
-/// A law of force of the user's own. It acts through a field with [`FieldKind::Custom`](super::FieldKind::Custom).
+/// A force that the user defines. It acts through a field of the kind [`FieldKind::Custom`](super::FieldKind::Custom).
 ///
-/// It must be a function of what it is given alone: the same on every machine, without floats, clocks, random numbers or
-/// memory of earlier calls; it is called as often as an integrator needs it. Checked arithmetic is its own duty:
-/// what overflows is a [`CustomForceError`].
+/// The force must be a function of its argument alone: the same on every machine, without floats, clocks, random numbers or
+/// memory of earlier calls. An integrator calls it as often as it needs to. The function uses checked arithmetic and returns a
+/// [`CustomForceError`] on overflow.
 ///
 /// ```
 /// use std::sync::Arc;
 /// use umbra_physics::{
-///     BodyDef, BodyState, Dependence, Error, ForceField, CustomForce, Fx, FieldKind, CustomForceError, ForceTorque, World, WorldDef, fx, vec2,
+///     BodyDef, BodyState, CustomForce, CustomForceError, Dependence, Error, FieldKind, ForceField, ForceTorque, Fx, World,
+///     WorldDef, fx, vec2,
 /// };
 ///
-/// /// A magnet at the origin, which pulls bodies by the charge in their user data; within 1 m it has no answer.
+/// /// A magnet at the origin that pulls bodies by the charge in their user data. It has no value within 1 m.
 /// struct Magnet;
 ///
 /// impl CustomForce for Magnet {
@@ -98,19 +99,20 @@ impl core::error::Error for CustomForceError {}
 /// # Ok::<(), umbra_physics::Error>(())
 /// ```
 pub trait CustomForce<S: Scalar = Fx>: Send + Sync {
-    /// Names the law in scenes, hashes, snapshots and replays.
+    /// The id of the force in scenes, hashes, snapshots and replays.
     fn id(&self) -> u64;
 
-    /// Moves when the law's results do.
+    /// The version. Increase it whenever the results of the force change.
     fn version(&self) -> u32;
 
-    /// What of a body the force depends on. It must say no less than what `push` reads: a law that reads the velocity and
-    /// does not say so loses its order, and its forces, kept from one step for the next, make a copy of a world go another way.
+    /// The part of a body's state that the force depends on. It must name at least what `push` reads. A force that reads the
+    /// velocity without naming it loses its order of accuracy; and as its values are kept from one step for the next, a copy
+    /// of a world, which does not have them, diverges.
     fn depends_on(&self) -> Dependence;
 
-    /// The force on a body.
+    /// The force on a body, and the torque.
     ///
     /// # Errors
-    /// A [`CustomForceError`] where it has no answer.
+    /// A [`CustomForceError`] where the force has no value.
     fn push(&self, body: &BodyState<S>) -> Result<ForceTorque<S>, CustomForceError>;
 }

@@ -4,12 +4,12 @@ use super::CustomForces;
 use crate::body::{Bodies, BodyKind, check_velocity};
 use crate::codec::{codec_enum, codec_struct};
 use crate::error::{Error, Quantity};
-use crate::handle::BodyId;
 use crate::limits;
 use crate::math::Vec2;
 use crate::scalar::{Factor, Scalar, SpringConstants, fx::Fx};
+use crate::slots::BodyId;
 
-/// What of a body a force depends on.
+/// The part of a body's state that a force depends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(
     feature = "serde",
@@ -17,11 +17,12 @@ use crate::scalar::{Factor, Scalar, SpringConstants, fx::Fx};
     serde(rename_all = "snake_case", deny_unknown_fields)
 )]
 pub enum Dependence {
-    /// Nothing.
+    /// The force is constant.
     Nothing,
-    /// Position or angle: evaluated once a step.
+    /// Position or angle. The force is evaluated once a step.
     Position,
-    /// Velocity as well: evaluated again in the closing half kick, of order 2, in `Yoshida4` 3, and not reversible.
+    /// Velocity as well. The force is evaluated again in the closing half kick. The step is then of order 2, with `Yoshida4` of
+    /// order 3, and not reversible.
     Velocity,
 }
 
@@ -31,19 +32,19 @@ pub enum Dependence {
 pub struct Attachment<S = Fx> {
     /// The body.
     pub body: BodyId,
-    /// The point relative to its centre of mass, turning with it, m.
+    /// The point relative to the centre of mass of the body, in the axes of the body, m.
     pub point: Vec2<S>,
 }
 
 impl<S: Scalar> Attachment<S> {
-    /// The centre of mass.
+    /// The centre of mass of a body.
     #[must_use]
     pub fn centre(body: BodyId) -> Self {
         Self { body, point: Vec2::ZERO }
     }
 }
 
-/// Where the far end of a spring, or the centre of an attractor, is.
+/// The place of the far end of a spring, or of the centre of an attractor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",
@@ -57,7 +58,7 @@ pub enum End<S = Fx> {
     Body(Attachment<S>),
 }
 
-/// A closed region: its edge belongs to it.
+/// A closed region: a point on its edge is inside.
 ///
 /// ```
 /// use umbra_physics::{BodyDef, FieldKind, Region, World, WorldDef, vec2};
@@ -79,23 +80,23 @@ pub enum End<S = Fx> {
     serde(rename_all = "snake_case", deny_unknown_fields)
 )]
 pub enum Region<S = Fx> {
-    /// Around a centre, m.
+    /// A disc.
     Disc {
-        /// Its centre, m.
+        /// The centre, m.
         centre: Vec2<S>,
-        /// Its radius, m.
+        /// The radius, m.
         radius: S,
     },
-    /// From one corner to the opposite one.
+    /// A rectangle parallel to the axes.
     Box {
-        /// Its lower left corner, m.
+        /// The lower left corner, m.
         min: Vec2<S>,
-        /// Its upper right corner, m.
+        /// The upper right corner, m.
         max: Vec2<S>,
     },
 }
 
-/// A law of force.
+/// The kind of a force field, with its parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(
@@ -111,57 +112,58 @@ pub enum Region<S = Fx> {
     )
 )]
 pub enum FieldKind<S: Scalar = Fx> {
-    /// Acceleration mu·d / (d² + softening²)^(3/2) towards a point, the same for every mass. A body does not attract itself.
+    /// An acceleration mu·d / (d² + softening²)^(3/2) towards a point, the same for every mass. A body does not attract itself.
     Attractor {
-        /// The point.
+        /// The point that attracts.
         centre: End<S>,
         /// The gravitational parameter G·M, m³/s².
         mu: S::Factor,
-        /// The distance below which it softens, m; 0 for none.
+        /// The distance below which the attraction softens, m; 0 for none.
         softening: S,
     },
-    /// A spring with a damper along it. At zero length it has no direction and pulls nothing.
+    /// A spring with a damper along it. At zero length it has no direction and exerts no force.
     Spring {
-        /// One end.
+        /// The near end.
         near: Attachment<S>,
-        /// The other.
+        /// The far end.
         far: End<S>,
-        /// Its constants.
+        /// Rest length, stiffness and damping.
         spring: SpringConstants<S>,
     },
-    /// Drag against a medium: F = −(linear + quadratic·|u|)·u with u the velocity relative to it. Solved exactly.
+    /// Drag against a medium: F = −(linear + quadratic·|u|)·u with u the velocity relative to the medium. The equation is
+    /// solved exactly.
     ///
-    /// Several on one body act one after the other, in the order in which they were added.
+    /// Several drags on one body act one after the other, in the order in which they were added.
     Drag {
-        /// N·s/m.
+        /// The linear coefficient, N·s/m.
         linear: S,
-        /// N·s²/m².
+        /// The quadratic coefficient, N·s²/m².
         quadratic: S,
         /// The velocity of the medium, m/s.
         wind: Vec2<S>,
     },
     /// A force that turns with the body.
     Thrust {
-        /// Where it acts.
+        /// The point where the force acts.
         at: Attachment<S>,
-        /// The force in the body's frame, N.
+        /// The force in the axes of the body, N.
         force: Vec2<S>,
     },
     /// A constant acceleration of the bodies whose centre of mass is in a region, the same for every mass.
     Zone {
         /// The region.
         region: Region<S>,
-        /// m/s².
+        /// The acceleration, m/s².
         acceleration: Vec2<S>,
     },
-    /// A [`CustomForce`](super::CustomForce) of the user's own.
+    /// A [`CustomForce`](super::CustomForce) that the user defines.
     Custom {
-        /// Its id.
+        /// The id of the custom force.
         id: u64,
     },
 }
 
-/// A force field: a law and whom it acts on.
+/// A force field: its kind, and the bodies it acts on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -175,14 +177,15 @@ pub enum FieldKind<S: Scalar = Fx> {
     )
 )]
 pub struct ForceField<S: Scalar = Fx> {
-    /// The law.
+    /// The kind of the field, with its parameters.
     pub kind: FieldKind<S>,
-    /// It acts on dynamic bodies with one of these group bits; springs and thrusts act on their bodies alone.
+    /// The groups the field acts on: dynamic bodies with one of these bits. Springs and thrusts act only on the bodies they are
+    /// attached to.
     pub groups: u32,
 }
 
 impl<S: Scalar> From<FieldKind<S>> for ForceField<S> {
-    /// The law, for all bodies that are in any group.
+    /// A field of this kind that acts on the bodies of all groups.
     fn from(kind: FieldKind<S>) -> Self {
         Self { kind, groups: u32::MAX }
     }
@@ -215,7 +218,7 @@ fn not_negative<S: Scalar>(value: S) -> bool {
 }
 
 impl<S: Scalar> ForceField<S> {
-    /// Refuses what a world would.
+    /// Refuses a field that a world cannot add.
     pub(crate) fn check(&self, bodies: &Bodies<S>, custom_forces: &CustomForces<S>) -> Result<(), Error> {
         self.check_values(bodies, custom_forces)?;
         let dynamic = |body| match bodies.info(bodies.find(body)?).kind {
@@ -223,7 +226,7 @@ impl<S: Scalar> ForceField<S> {
             _ => Err(Error::NotDynamic { body }),
         };
         match &self.kind {
-            // One end has to give.
+            // At least one end has to be on a dynamic body.
             FieldKind::Spring { near, far: End::Body(far), .. } => dynamic(near.body).or_else(|_| dynamic(far.body)),
             FieldKind::Spring { near: at, .. } | FieldKind::Thrust { at, .. } => dynamic(at.body),
             FieldKind::Attractor { .. }
@@ -233,7 +236,8 @@ impl<S: Scalar> ForceField<S> {
         }
     }
 
-    /// Refuses what cannot be, also after the bodies it is attached to were changed.
+    /// Refuses parameters out of range and unknown bodies and custom forces. A field that was added passes for as long as its
+    /// bodies exist, also if they have changed.
     pub(crate) fn check_values(&self, bodies: &Bodies<S>, custom_forces: &CustomForces<S>) -> Result<(), Error> {
         let attachment = |a: &Attachment<S>| {
             bodies.find(a.body)?;
@@ -286,11 +290,12 @@ impl<S: Scalar> ForceField<S> {
         }
     }
 
-    /// What it depends on. A spring's damper is evaluated apart from its elastic force.
+    /// The part of the bodies' state that the field depends on. The damper of a spring is evaluated apart from its elastic
+    /// force.
     pub(crate) fn depends_on(&self, custom_forces: &CustomForces<S>) -> Dependence {
         match &self.kind {
             FieldKind::Spring { spring, .. } if spring.damping != S::ZERO => Dependence::Velocity,
-            FieldKind::Custom { id } => custom_forces.get(id).map_or(Dependence::Nothing, |law| law.depends_on()),
+            FieldKind::Custom { id } => custom_forces.get(id).map_or(Dependence::Nothing, |custom| custom.depends_on()),
             FieldKind::Drag { .. } => Dependence::Velocity,
             FieldKind::Zone { .. }
             | FieldKind::Spring { .. }
@@ -299,8 +304,20 @@ impl<S: Scalar> ForceField<S> {
         }
     }
 
-    /// The same on other bodies; `None` if one of its own has no other.
-    pub(crate) fn moved(&self, other: impl Fn(BodyId) -> Option<BodyId>) -> Option<Self> {
+    /// The same field with other bodies in place of those it names, as for the same things in another world; `None` where
+    /// `other` gives none.
+    ///
+    /// ```
+    /// use umbra_physics::{Attachment, BodyId, FieldKind, ForceField, vec2};
+    ///
+    /// let [here, there] = [1, 2].map(|slot| BodyId::from_parts(slot, 0));
+    /// let engine = |body| FieldKind::Thrust { at: Attachment::centre(body), force: vec2(0, 1) };
+    /// let field: ForceField = engine(here).into();
+    /// assert_eq!(field.map_bodies(|body| (body == here).then_some(there)), Some(engine(there).into()));
+    /// assert_eq!(field.map_bodies(|_| None), None);
+    /// ```
+    #[must_use]
+    pub fn map_bodies(&self, other: impl Fn(BodyId) -> Option<BodyId>) -> Option<Self> {
         let attachment = |a: &Attachment<S>| Some(Attachment { body: other(a.body)?, ..*a });
         let end = |e: &End<S>| match e {
             End::World(point) => Some(End::World(*point)),
@@ -319,7 +336,7 @@ impl<S: Scalar> ForceField<S> {
         Some(Self { kind, groups: self.groups })
     }
 
-    /// The bodies at its ends: two for a spring between bodies, at most one for the others.
+    /// The bodies at the ends of the field: two for a spring between bodies, at most one for other kinds.
     pub(crate) fn ends(&self) -> [Option<BodyId>; 2] {
         let end = |e: &End<S>| match e {
             End::World(_) => None,
@@ -333,7 +350,7 @@ impl<S: Scalar> ForceField<S> {
         }
     }
 
-    /// The bodies it is attached to.
+    /// The bodies that the field is attached to.
     pub(crate) fn bodies(&self) -> impl Iterator<Item = BodyId> + use<S> {
         self.ends().into_iter().flatten()
     }

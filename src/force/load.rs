@@ -7,9 +7,9 @@ use super::{
 };
 use crate::body::{Bodies, BodyKind, Sparse};
 use crate::error::Cause;
-use crate::handle::FieldId;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, Angle, Factor, Offset, Scalar, SpringConstants, Sum, Wide};
+use crate::slots::FieldId;
 
 /// What the fields do to a body: accelerations that do not depend on its mass, forces and a torque, each summed so that
 /// the order of the fields never matters.
@@ -21,19 +21,19 @@ pub(crate) struct Load<S: Scalar> {
 }
 
 impl<S: Scalar> Load<S> {
-    fn accelerate(&mut self, (x, y): Offset<S>) {
-        self.acceleration.x.add(x);
-        self.acceleration.y.add(y);
+    fn accelerate(&mut self, acceleration: Vec2<S::Wide>) {
+        self.acceleration.x.add(acceleration.x);
+        self.acceleration.y.add(acceleration.y);
     }
 
     /// Adds a force that acts at `arm` from the centre of mass. `None` if its torque does not fit.
     fn push(&mut self, arm: Offset<S>, force: Offset<S>) -> Option<()> {
         if arm != Offset::<S>::default() {
-            self.torque.add(S::torque(arm.0, force.1)?);
-            self.torque.add(S::torque(arm.1, force.0)?.negated());
+            self.torque.add(S::torque(arm.x, force.y)?);
+            self.torque.add(S::torque(arm.y, force.x)?.negated());
         }
-        self.force.x.add(force.0);
-        self.force.y.add(force.1);
+        self.force.x.add(force.x);
+        self.force.y.add(force.y);
         Some(())
     }
 
@@ -89,9 +89,9 @@ impl<S: Scalar> Anchor<S> {
     fn offset_to(&self, far: &Self) -> Option<Offset<S>> {
         let component =
             |to: S, from: S, to_arm: S::Wide, from_arm: S::Wide| to.offset(from).plus(to_arm)?.plus(from_arm.negated());
-        Some((
-            component(far.position.x, self.position.x, far.arm.0, self.arm.0)?,
-            component(far.position.y, self.position.y, far.arm.1, self.arm.1)?,
+        Some(Vec2::new(
+            component(far.position.x, self.position.x, far.arm.x, self.arm.x)?,
+            component(far.position.y, self.position.y, far.arm.y, self.arm.y)?,
         ))
     }
 
@@ -104,9 +104,9 @@ impl<S: Scalar> Anchor<S> {
 /// the sum where the arm is a multiple of an ulp: then its products are multiples of 2^-64.
 pub(crate) fn velocity_at<S: Scalar>(velocity: Vec2<S>, angular_velocity: S, arm: Offset<S>) -> Option<Offset<S>> {
     let angular_velocity = S::Wide::from_scalar(angular_velocity);
-    Some((
-        S::Wide::from_scalar(velocity.x).plus(S::torque(arm.1, angular_velocity)?.negated())?,
-        S::Wide::from_scalar(velocity.y).plus(S::torque(arm.0, angular_velocity)?)?,
+    Some(Vec2::new(
+        S::Wide::from_scalar(velocity.x).plus(S::torque(arm.y, angular_velocity)?.negated())?,
+        S::Wide::from_scalar(velocity.y).plus(S::torque(arm.x, angular_velocity)?)?,
     ))
 }
 
@@ -135,7 +135,7 @@ impl<S: Scalar> Scene<'_, S> {
             dense: gives.then_some(dense),
             position: motion.position.get(dense).map(Accumulator::value),
             arm,
-            lever: if info.locks.rotation { Offset::<S>::default() } else { arm },
+            lever: if self.bodies.mass(dense).locks.rotation { Offset::<S>::default() } else { arm },
             velocity: motion.velocity.get(dense).map(Accumulator::value),
             angular_velocity: motion.angular_velocity[dense].value(),
         })
@@ -144,7 +144,7 @@ impl<S: Scalar> Scene<'_, S> {
     /// A vector of a body's frame in the world's.
     fn turned(&self, i: usize, vector: Vec2<S>, directions: &mut Directions<S>) -> Option<Offset<S>> {
         let (_, direction) = directions.get_or_insert(i, || (i, self.bodies.columns.motion.angle[i].direction()));
-        S::Angle::turn(*direction, vector.x, vector.y)
+        S::Angle::turn(*direction, vector)
     }
 
     fn end(&self, end: &End<S>, directions: &mut Directions<S>) -> Option<Anchor<S>> {
@@ -172,7 +172,7 @@ impl<S: Scalar> Scene<'_, S> {
         let at = self.position(i);
         match *region {
             Region::Box { min, max } => min.x <= at.x && at.x <= max.x && min.y <= at.y && at.y <= max.y,
-            Region::Disc { centre, radius } => radius.reaches((at.x.offset(centre.x), at.y.offset(centre.y))),
+            Region::Disc { centre, radius } => radius.reaches(Vec2::new(at.x.offset(centre.x), at.y.offset(centre.y))),
         }
     }
 
@@ -243,7 +243,7 @@ pub(crate) fn accumulate<S: Scalar>(
             FieldKind::Zone { region, acceleration } => {
                 let acceleration = acceleration.map(S::Wide::from_scalar);
                 for i in scene.targets(moving, field.groups).filter(|&i| scene.is_inside(i, region)) {
-                    loads.of(i).accelerate(acceleration.into());
+                    loads.of(i).accelerate(acceleration);
                 }
             }
             FieldKind::Custom { id: law } => {
@@ -267,14 +267,14 @@ fn pull<S: Scalar>(near: &Anchor<S>, far: &Anchor<S>, spring: &SpringConstants<S
         Offset::<S>::default()
     } else {
         let (v, w) = (far.point_velocity()?, near.point_velocity()?);
-        (v.0.plus(w.0.negated())?, v.1.plus(w.1.negated())?)
+        Vec2::new(v.x.plus(w.x.negated())?, v.y.plus(w.y.negated())?)
     };
     let force = S::tension(offset, velocity, spring)?;
     if let Some(i) = near.dense {
         loads.of(i).push(near.lever, force)?;
     }
     if let Some(i) = far.dense {
-        loads.of(i).push(far.lever, (force.0.negated(), force.1.negated()))?;
+        loads.of(i).push(far.lever, force.map(S::Wide::negated))?;
     }
     Some(())
 }
@@ -297,7 +297,8 @@ pub(crate) fn resist<S: Scalar>(
             if !info.feels(field.groups) || !only(i) {
                 continue;
             }
-            let (inverse_mass, locks) = (info.properties.inverse_mass, info.locks);
+            let mass = bodies.mass(i);
+            let (inverse_mass, axes) = (mass.inverse_mass, mass.axis_inverse_mass);
             let velocities = &mut bodies.columns.motion.velocity;
             let velocity = velocities.get(i);
             let speed = S::length(relative(velocity, *wind), S::ZERO);
@@ -310,14 +311,14 @@ pub(crate) fn resist<S: Scalar>(
                 continue;
             }
             let slowed = left.and_then(|left| {
-                let component = |v: S::Accumulator, w: S, locked: bool| {
-                    if locked {
+                let component = |v: S::Accumulator, w: S, inverse_mass: S::Factor| {
+                    if inverse_mass.is_zero() {
                         return Some(v);
                     }
                     let w = S::Accumulator::from_scalar(w);
                     Some(v.plus(w.negated()).scaled(left)?.plus(w))
                 };
-                Some(Vec2::new(component(velocity.x, wind.x, locks.x)?, component(velocity.y, wind.y, locks.y)?))
+                Some(Vec2::new(component(velocity.x, wind.x, axes.x)?, component(velocity.y, wind.y, axes.y)?))
             });
             match slowed {
                 Some(slowed) => velocities.set(i, slowed),
@@ -334,7 +335,7 @@ pub(crate) fn resist<S: Scalar>(
 
 /// The public velocity relative to a medium.
 fn relative<S: Scalar>(velocity: Vec2<S::Accumulator>, wind: Vec2<S>) -> Offset<S> {
-    (velocity.x.value().offset(wind.x), velocity.y.value().offset(wind.y))
+    Vec2::new(velocity.x.value().offset(wind.x), velocity.y.value().offset(wind.y))
 }
 
 /// Marks the bodies whose drag is too stiff to run backwards, those with (linear + quadratic·|u|)/m·dt > ½ for one of
@@ -357,7 +358,7 @@ pub(crate) fn outer_drag<S: Scalar>(
             if info.feels(field.groups) {
                 let speed = S::length(relative(velocities.get(i), *wind), S::ZERO).plus(gain(i));
                 let slope = S::Factor::from_scalar(*linear).plus(S::Factor::from_scalar(*quadratic).times(speed));
-                *outside |= slope.times(info.properties.inverse_mass).times(time_step) > half;
+                *outside |= slope.times(bodies.mass(i).inverse_mass).times(time_step) > half;
             }
         }
     }

@@ -1,4 +1,4 @@
-//! Forces: the fields a world has, as data; the hook for a law of the user's own; and what was applied this tick.
+//! Forces: force fields as data, the hook for custom forces, and the forces and torques applied in this tick.
 
 mod applied;
 mod custom;
@@ -16,5 +16,5 @@ pub(crate) use set::FieldSet;
 use alloc::collections::BTreeMap;
 use alloc::sync::Arc;
 
-/// The laws of the user's own that are registered, by id.
+/// The registered custom forces, by id.
 pub(crate) type CustomForces<S> = BTreeMap<u64, Arc<dyn CustomForce<S>>>;

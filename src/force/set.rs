@@ -3,48 +3,39 @@
 use alloc::vec::Vec;
 
 use super::ForceField;
-use crate::body::{NONE, push};
 use crate::codec::{self, StateHasher, Write as _};
 use crate::error::Error;
-use crate::handle::{BodyId, FieldId, are_free};
 use crate::limits;
 use crate::scalar::Scalar;
+use crate::slots::{BodyId, FieldId, NONE, Slots, push};
 
-/// The fields, in the order in which they were added: by their slots, fields of others that came and went would decide which
-/// of two drags acts first.
+/// The fields in the order in which they were added. The order of their slots will not do: there, unrelated fields that came
+/// and went would decide which of two drags acts first.
 ///
-/// To add, replace, find and remove a field, and to go through those attached to a body, takes as long however many others
-/// there are.
+/// The time to add, replace, find or remove a field, and to visit the fields attached to a body, does not depend on the number
+/// of other fields.
 #[derive(Debug)]
 pub(crate) struct FieldSet<S: Scalar> {
-    slots: Vec<Slot>,
-    free: Vec<u32>,
+    /// The index of the entry of each field.
+    slots: Slots<FieldId>,
     entries: Vec<Entry<S>>,
-    /// Entries without a field, to be used again.
+    /// The entries without a field, to be used again.
     vacant: Vec<u32>,
-    /// The other entries, the oldest field first, and [`NONE`] where one was removed. At most half of it is [`NONE`].
+    /// The entries with a field, the oldest first, and [`NONE`] where one was removed. At most half of the list is [`NONE`].
     by_age: Vec<u32>,
-    /// The first edge of each body, by its slot, or [`NONE`]; as long as it had to be.
+    /// The first edge of each body by its slot, or [`NONE`]; long enough for the bodies that have had an edge.
     first_edges: Vec<u32>,
 }
 
-/// A slot without a field takes as little as in a file, however many there are.
-#[derive(Clone, Copy, Debug)]
-struct Slot {
-    generation: u32,
-    /// Where its entry is, or [`NONE`].
-    at: u32,
-}
-
-/// A field and its hash, so that a hash of the world need not look at what no step changes.
+/// A field with its hash, so that a hash of the world does not hash the fields again, which no step changes.
 #[derive(Clone, Copy, Debug)]
 struct Entry<S: Scalar> {
     slot: u32,
-    /// Where it is in `by_age`.
+    /// The index of the entry in `by_age`.
     age: u32,
     field: ForceField<S>,
     digest: u64,
-    /// One for each end of the field. Edge 2·i + e is end e of entry i.
+    /// An edge for each end of the field. Edge 2·i + e is end e of entry i.
     edges: [Edge; 2],
 }
 
@@ -57,34 +48,31 @@ struct Edge {
 
 const NO_EDGE: Edge = Edge { previous: NONE, next: NONE };
 
-clone_by_field!(FieldSet { slots, free, entries, vacant, by_age, first_edges });
+clone_by_field!(FieldSet { slots, entries, vacant, by_age, first_edges });
 
 impl<S: Scalar> Default for FieldSet<S> {
     fn default() -> Self {
-        let (slots, free, entries, vacant) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        Self { slots, free, entries, vacant, by_age: Vec::new(), first_edges: Vec::new() }
+        let (slots, entries, vacant) = (Slots::default(), Vec::new(), Vec::new());
+        Self { slots, entries, vacant, by_age: Vec::new(), first_edges: Vec::new() }
     }
 }
 
 impl<S: Scalar> FieldSet<S> {
-    /// Refuses where there is no room for another field.
+    /// Refuses another field where the limit is reached.
     pub(crate) fn check_room(&self) -> Result<(), Error> {
-        if self.free.is_empty() && self.slots.len() >= limits::FIELDS { Err(Error::Full) } else { Ok(()) }
+        if self.slots.has_room(limits::FIELDS) { Ok(()) } else { Err(Error::Full) }
     }
 
     /// Adds a field. *Domain* it was checked, and there is room.
     pub(crate) fn insert(&mut self, field: ForceField<S>) -> FieldId {
-        let slot = self.free.pop().unwrap_or_else(|| {
-            push(&mut self.slots, Slot { generation: 0, at: NONE });
-            (self.slots.len() - 1) as u32
-        });
+        let slot = self.slots.reuse().unwrap_or_else(|| self.slots.open(0));
         let at = self.place(slot, field);
         self.entries[at as usize].age = self.by_age.len() as u32;
         push(&mut self.by_age, at);
-        FieldId { slot, generation: self.slots[slot as usize].generation }
+        self.slots.handle(slot)
     }
 
-    /// Puts a field into a slot without one, and says where its entry is. Its age is the caller's to set.
+    /// Puts a field into a slot without one and returns the index of its entry. The caller sets its age.
     fn place(&mut self, slot: u32, field: ForceField<S>) -> u32 {
         let entry = Entry { slot, age: NONE, digest: StateHasher::of(&field), field, edges: [NO_EDGE; 2] };
         let at = if let Some(at) = self.vacant.pop() {
@@ -94,12 +82,12 @@ impl<S: Scalar> FieldSet<S> {
             push(&mut self.entries, entry);
             (self.entries.len() - 1) as u32
         };
-        self.slots[slot as usize].at = at;
+        self.slots.set_index(slot, at);
         self.attach(at);
         at
     }
 
-    /// Puts the edges of an entry before those that their bodies have.
+    /// Puts the edges of an entry at the head of the lists of their bodies.
     fn attach(&mut self, at: u32) {
         for (end, body) in self.entries[at as usize].field.ends().into_iter().enumerate() {
             let Some(body) = body else { continue };
@@ -142,27 +130,20 @@ impl<S: Scalar> FieldSet<S> {
         core::iter::from_fn(move || {
             let entry = self.entries.get(edge as usize / 2)?;
             edge = entry.edges[edge as usize % 2].next;
-            Some((self.id(entry.slot), &entry.field))
+            Some((self.slots.handle(entry.slot), &entry.field))
         })
     }
 
     /// The fields attached to a body of the world, the oldest first.
     pub(crate) fn attached_by_age(&self, body: BodyId) -> Vec<FieldId> {
         let mut ids: Vec<FieldId> = self.attached_to(body).map(|(id, _)| id).collect();
-        ids.sort_unstable_by_key(|id| self.entries[self.slots[id.slot as usize].at as usize].age);
+        ids.sort_unstable_by_key(|&id| self.slots.find(id).map(|at| self.entries[at].age));
         ids
     }
 
-    fn id(&self, slot: u32) -> FieldId {
-        FieldId { slot, generation: self.slots[slot as usize].generation }
-    }
-
-    /// Where the entry of a field is.
+    /// The index of the entry of a field.
     fn find(&self, id: FieldId) -> Result<usize, Error> {
-        match self.slots.get(id.slot as usize) {
-            Some(slot) if slot.generation == id.generation && slot.at != NONE => Ok(slot.at as usize),
-            _ => Err(Error::NoSuchField { field: id }),
-        }
+        self.slots.find(id).ok_or(Error::NoSuchField { field: id })
     }
 
     pub(crate) fn get(&self, id: FieldId) -> Result<&ForceField<S>, Error> {
@@ -184,21 +165,16 @@ impl<S: Scalar> FieldSet<S> {
         let Entry { field, age, .. } = self.entries[at];
         self.by_age[age as usize] = NONE;
         self.vacant.push(at as u32);
-        // As many have to be removed again before the next time.
+        // As many fields have to be removed again before this is done the next time.
         if self.by_age.len() > 2 * self.len() {
             self.by_age.retain(|&at| at != NONE);
             self.number_ages();
         }
-        let slot = &mut self.slots[id.slot as usize];
-        slot.at = NONE;
-        if let Some(next) = slot.generation.checked_add(1) {
-            slot.generation = next;
-            self.free.push(id.slot);
-        }
+        self.slots.release(id.slot);
         Ok(field)
     }
 
-    /// Tells the entries where they are in `by_age`.
+    /// Sets the ages of the entries from `by_age`.
     fn number_ages(&mut self) {
         for (age, &at) in self.by_age.iter().enumerate() {
             self.entries[at as usize].age = age as u32;
@@ -217,73 +193,75 @@ impl<S: Scalar> FieldSet<S> {
         self.len() == 0
     }
 
-    /// The oldest first.
+    /// The fields, the oldest first.
     pub(crate) fn iter(&self) -> impl DoubleEndedIterator<Item = (FieldId, &ForceField<S>)> {
-        self.by_age().map(|entry| (self.id(entry.slot), &entry.field))
+        self.by_age().map(|entry| (self.slots.handle(entry.slot), &entry.field))
     }
 
-    /// The slots with fields, that of the oldest first.
+    /// The slots with fields, in the order in which the fields were added.
     pub(crate) fn ages(&self) -> Vec<u32> {
         self.by_age().map(|entry| entry.slot).collect()
     }
 
-    /// The slots: how often each was taken before, and its field.
+    /// All slots: how often each was taken before, and its field.
     pub(crate) fn slots(&self) -> impl ExactSizeIterator<Item = (u32, Option<&ForceField<S>>)> {
-        self.slots.iter().map(|slot| (slot.generation, self.entries.get(slot.at as usize).map(|entry| &entry.field)))
+        self.slots.all().iter().map(|slot| (slot.generation, slot.index().map(|at| &self.entries[at].field)))
     }
 
-    /// How often a slot was taken before.
+    /// How often a slot was taken before; `None` beyond the last slot.
     pub(crate) fn generation(&self, slot: u32) -> Option<u32> {
-        self.slots.get(slot as usize).map(|slot| slot.generation)
+        self.slots.generation(slot)
     }
 
-    /// The slots to take next, the last one first.
+    /// The slots to take again, the next one last.
     pub(crate) fn free(&self) -> &[u32] {
-        &self.free
+        self.slots.free()
     }
 
-    /// Adds a slot as a snapshot has it; [`set_ages`](Self::set_ages) is to follow. *Domain* the field was checked.
+    /// Adds a slot from a snapshot; a call of [`set_ages`](Self::set_ages) has to follow. *Domain* the field was checked.
     pub(crate) fn rebuild(&mut self, generation: u32, field: Option<ForceField<S>>) -> Result<(), Error> {
         if self.slots.len() >= limits::FIELDS {
             return Err(Error::Full);
         }
-        push(&mut self.slots, Slot { generation, at: NONE });
+        let slot = self.slots.open(generation);
         if let Some(field) = field {
-            self.place((self.slots.len() - 1) as u32, field);
+            self.place(slot, field);
         }
         Ok(())
     }
 
-    /// Says which slots to take next: each one without a field, and once.
+    /// Sets which slots to take again.
+    ///
+    /// # Errors
+    /// [`Error::Inconsistent`] if one has a field or is listed twice.
     pub(crate) fn set_free(&mut self, free: Vec<u32>) -> Result<(), Error> {
-        if !are_free(self.slots.iter().map(|slot| slot.at == NONE), &free) {
-            return Err(Error::Inconsistent);
-        }
-        self.free = free;
-        Ok(())
+        if self.slots.set_free(free) { Ok(()) } else { Err(Error::Inconsistent) }
     }
 
-    /// Says in which order the fields came: each of them, and once.
+    /// Sets the order in which the fields were added, by their slots.
+    ///
+    /// # Errors
+    /// [`Error::Inconsistent`] unless each field is listed once.
     pub(crate) fn set_ages(&mut self, slots: &[u32]) -> Result<(), Error> {
-        let mut is_left: Vec<bool> = self.slots.iter().map(|slot| slot.at != NONE).collect();
+        let mut is_left: Vec<bool> = self.slots.all().iter().map(|slot| slot.is_taken()).collect();
         let mut take = |slot: u32| is_left.get_mut(slot as usize).is_some_and(core::mem::take);
         if slots.len() != self.entries.len() || !slots.iter().all(|&slot| take(slot)) {
             return Err(Error::Inconsistent);
         }
-        self.by_age = slots.iter().map(|&slot| self.slots[slot as usize].at).collect();
+        self.by_age = slots.iter().map(|&slot| self.slots.all()[slot as usize].index_or_none()).collect();
         self.number_ages();
         Ok(())
     }
 
-    /// Adds to a hash all fields and how their handles are given out.
+    /// Adds all fields to a hash, and the state of their slots.
     pub(crate) fn write(&self, sink: &mut StateHasher) {
         codec::count(sink, self.slots.len());
-        for slot in &self.slots {
+        for slot in self.slots.all() {
             slot.generation.write(sink);
-            self.entries.get(slot.at as usize).map(|entry| entry.digest).write(sink);
+            slot.index().map(|at| self.entries[at].digest).write(sink);
         }
-        codec::count(sink, self.free.len());
-        sink.all(&self.free, u32::to_le_bytes);
+        codec::count(sink, self.slots.free().len());
+        sink.all(self.slots.free(), u32::to_le_bytes);
         codec::count(sink, self.len());
         self.by_age().for_each(|entry| entry.slot.write(sink));
     }

@@ -12,7 +12,6 @@ use crate::scalar::{Angle, Factor, Scalar, Span, Weight};
 /// How a world moves from tick to tick.
 ///
 /// ```
-/// use umbra_physics::scalar::Weight;
 /// use umbra_physics::{Integrator, Stage, StageKind};
 ///
 /// let names: Vec<_> = Integrator::ALL.iter().map(|integrator| (integrator.name(), integrator.order())).collect();
@@ -23,8 +22,6 @@ use crate::scalar::{Angle, Factor, Scalar, Span, Weight};
 /// let verlet = Integrator::VelocityVerlet;
 /// let verbs: Vec<_> = verlet.stages().iter().map(|stage: &Stage| stage.kind.name()).collect();
 /// assert_eq!(verbs, ["damp", "kick", "drift", "fields", "kick", "damp", "clear"]);
-/// let drift = verlet.stages().iter().find(|stage| stage.kind == StageKind::Drift).unwrap();
-/// assert_eq!(verlet.spans()[drift.span], (Weight::Whole, false));
 /// assert!(verlet.inverse().is_some() && Integrator::ExplicitEuler.inverse().is_none());
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -98,7 +95,7 @@ impl StageKind {
 pub struct Stage {
     /// What it does.
     pub kind: StageKind,
-    /// Over which of the integrator's [`spans`](Integrator::spans).
+    /// Index of the span of time it covers, among those of the integrator: the parts of a step, the whole and the half of each.
     pub span: usize,
     /// Whether it mirrors an earlier stage: then what that did in order is done in reverse, and forces of velocity are
     /// evaluated a second time.
@@ -154,7 +151,7 @@ impl Integrator {
 
     /// The spans its stages name: weights of the time step, and whether they are halved.
     #[must_use]
-    pub const fn spans(self) -> &'static [(Weight, bool)] {
+    pub(crate) const fn spans(self) -> &'static [(Weight, bool)] {
         match self {
             Self::Yoshida4 => {
                 use Weight::{YoshidaInner, YoshidaOuter};

@@ -6,7 +6,7 @@ use super::Timing;
 use crate::body::{Acceleration, Block, StepFactors};
 use crate::error::Cause;
 use crate::math::Vec2;
-use crate::scalar::{Accumulator, Factor, Glide, Scalar, Spin, Wide};
+use crate::scalar::{Accumulator, DampedTurn, Factor, KickDriftKick, Scalar, Wide};
 
 /// The factors of a block's bodies: mostly all have the same.
 #[derive(Clone, Copy)]
@@ -168,12 +168,12 @@ pub(crate) fn glide<S: Scalar>(
     let Vec2 { x, y } = gained(row, half, backwards);
     let fall = [x, y];
     for ((x, v), fall) in block.position.iter_mut().zip(&mut block.velocity).zip(fall) {
-        let glide = Glide { kept: row.linear[half], fall, seconds: timing.seconds, negative: timing.negative };
-        S::glide_all(x, v, &glide);
+        let (kept, seconds, negative) = (row.linear[half], timing.seconds, timing.negative);
+        S::kick_drift_kick_all(x, v, &KickDriftKick { kept, gravity_delta_v: fall, seconds, negative });
     }
     if spins {
-        let angular_velocity = Spin { kept: row.angular[half], turn: timing.turn, negative: timing.negative };
-        S::spin_all(block.angle, block.angular_velocity, &angular_velocity);
+        let span = DampedTurn { kept: row.angular[half], turn: timing.turn, negative: timing.negative };
+        S::damped_turn_all(block.angle, block.angular_velocity, &span);
     }
 }
 
@@ -241,7 +241,7 @@ pub(crate) fn cap<S: Scalar>(block: &mut Block<'_, S>, tuned: BlockFactors<'_, S
         let [speed, angular_velocity] = if row.key.is_capped() { row.key.most } else { continue };
         if let Some(most) = speed {
             let v = Vec2::new(x[i].value(), y[i].value());
-            let way = v.map(S::Wide::from_scalar).into();
+            let way = v.map(S::Wide::from_scalar);
             if !most.reaches(way) {
                 let kept = S::Factor::from_scalar(most).over(S::length(way, S::ZERO));
                 let slowed = v.map(|v| S::Accumulator::from_scalar(v).damped(kept));

@@ -1,4 +1,4 @@
-//! Division: to nearest, ties to even; and of up to 256 bits by multiplication with a reciprocal.
+//! Division rounded to nearest, ties to even, and division of up to 256 bits by multiplication with a reciprocal.
 //!
 //! Few processors can divide 128 bits by 64. With the reciprocal of the divisor a digit of 64 bits takes three multiplications,
 //! and one reciprocal serves for all that is divided by it.
@@ -76,7 +76,7 @@ pub(crate) const fn div_word(n: u128, d: u64) -> (u64, u64) {
     if r >= d { (q + 1, r - d) } else { (q, r) }
 }
 
-/// ⌊(2^192 − 1) / d⌋ − 2^64, what [`div_by`] divides by `d` with. *Domain* `d` has its top bit set.
+/// ⌊(2^192 − 1) / d⌋ − 2^64, with which [`div_by`] divides by `d`. *Domain* `d` has its top bit set.
 ///
 /// *Source* algorithm 6.
 #[inline]

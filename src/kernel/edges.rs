@@ -42,7 +42,7 @@ fn whole(high: u128, low: u128) -> UBig {
     (UBig::from(high) << 128) + UBig::from(low)
 }
 
-/// To nearest, ties to even.
+/// Rounds num / den to nearest, ties to even.
 fn nearest(num: &UBig, den: &UBig) -> UBig {
     let (floor, twice) = (num / den, (num % den) * 2u8);
     let up = twice > *den || (twice == *den && &floor % 2u8 == 1);
@@ -59,7 +59,7 @@ fn real(mantissa: i128, exponent: isize) -> Real {
     Real::from_parts(mantissa.into(), exponent).with_precision(200).value()
 }
 
-/// Whether the magnitude of a value is at most num/den.
+/// Returns true if the magnitude of a value is at most num/den.
 fn is_within(value: &Real, num: i128, den: i128) -> bool {
     let most = real(num, 0) / real(den, 0);
     *value <= most && *value >= -most

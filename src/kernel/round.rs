@@ -27,7 +27,7 @@ pub(crate) const fn shr_round_u(a: u128, s: u32) -> u128 {
     floor + (rest > half - (floor & 1)) as u128
 }
 
-/// The same for `0 <= s <= 63`, in fewer instructions: the rest is a word.
+/// [`shr_round_u`] for `0 <= s <= 63`, in fewer instructions: the rest is a word.
 #[inline]
 pub(crate) const fn shr_round_short(a: u128, s: u32) -> u128 {
     let s = s & 63;

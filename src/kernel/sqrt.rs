@@ -7,6 +7,7 @@
 
 use super::round::shr_round_u;
 use super::tables::RSQRT_Q30;
+use super::wide::{div_256, mul_128};
 use super::{mul_high, mul_high_signed};
 
 /// 1/√v in Q3.61 with a relative error below 2^-28, for v = `m`·2^-64 in [¼, 1); 0 for 0.
@@ -35,7 +36,7 @@ const fn floor_root(x: u128) -> u64 {
     floor_and_reciprocal(x).0
 }
 
-/// That, and 1/√v in Q3.61 with a relative error below 2^-55, for v = `x`·2^-128 in [¼, 1).
+/// [`root_fine`] of `x`, and 1/√v in Q3.61 with a relative error below 2^-55, for v = `x`·2^-128 in [¼, 1).
 #[inline]
 const fn floor_and_reciprocal(x: u128) -> (u64, u64) {
     let m = (x >> 64) as u64;
@@ -73,7 +74,7 @@ pub(crate) const fn root_fine(x: u128) -> u128 {
     root_and_reciprocal(x).0
 }
 
-/// That, and 1/√v in Q3.61 with a relative error below 2^-55, for v = `x`·2^-128 in [¼, 1).
+/// [`root_fine`] of `x`, and 1/√v in Q3.61 with a relative error below 2^-55, for v = `x`·2^-128 in [¼, 1).
 #[inline]
 pub(crate) const fn root_and_reciprocal(x: u128) -> (u128, u64) {
     let (floor, y) = floor_and_reciprocal(x);
@@ -85,6 +86,30 @@ pub(crate) const fn root_and_reciprocal(x: u128) -> (u128, u64) {
     let miss = (rest << 47) as i128 - (estimate * floor as u128) as i128;
     let (below, above) = ((miss < 0) as u128, (miss >= floor as i128) as u128);
     (shr_round_u(((floor as u128) << 48) + estimate + above - below, 16), y)
+}
+
+/// c·whole / √`squares`, rounded to nearest (no tie is possible).
+///
+/// *Domain* c² <= squares <= 2^127, `squares` is c² plus a square and not zero, whole < 2^63. The result is at most `whole`.
+///
+/// A tie would be 2·c·whole / √squares = an odd integer. Then the root is an integer, the hypotenuse of a triangle with integer
+/// sides, and c / √squares in lowest terms has an odd denominator b: with c / √squares = a / b the odd integer times b would be
+/// 2·a·whole, which is even.
+#[inline]
+pub(crate) const fn over_root(c: u64, whole: u64, squares: u128) -> u64 {
+    let even = squares.leading_zeros() & !1;
+    // √squares in units of 2^-(32 + even/2), from 2^95 to 2^96, within 2^-95 relative.
+    let root = root_fine(squares << even);
+    let (product, up) = (c as u128 * whole as u128, 32 + even / 2);
+    // c <= √squares, so that product · 2^up is at most whole · root and a little: its high half is below the root.
+    let (quotient, _) = div_256(product >> (128 - up), product << up, root);
+    // Within 2^63 · 2^-95 = 2^-32 of the exact quotient, and rounded down: the nearest integer is this one or the next. That is the
+    // question whether (quotient + ½)·√squares < c·whole, exactly: 2·quotient + 1 < 2^64, so that each side is below 2^255.
+    let twice = 2 * quotient + 1;
+    let (high, low) = mul_128(twice * twice, squares);
+    let (most_high, most_low) = mul_128(2 * product, 2 * product);
+    let is_above = most_high > high || (most_high == high && most_low > low);
+    quotient as u64 + is_above as u64
 }
 
 /// The square root of an I32F32 value, rounded to nearest: √(raw·2^32) (no tie is possible).
@@ -113,6 +138,7 @@ pub(crate) const fn sqrt_fx(raw: u64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use alloc::vec::Vec;
     use dashu_int::UBig;
 
     /// Every power of two and square with their neighbours, and a million from a generator, all sizes alike.
@@ -171,6 +197,38 @@ mod tests {
             // In thousandths: (root ± 0.501)² around x · 2^64.
             let (root, exact) = (UBig::from(root_fine(x)) * 1000u32, (UBig::from(x) << 64) * 1_000_000u32);
             assert!((&root - 501u32).pow(2) < exact && exact < (&root + 501u32).pow(2), "{x}");
+        }
+    }
+
+    #[test]
+    fn a_share_of_a_root_is_the_nearest_integer() {
+        let mut state = 7u64;
+        let mut next = || {
+            state = state.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
+            (state ^ state >> 29).wrapping_mul(0xbf58_476d_1ce4_e5b9)
+        };
+        let ends = [0, 1, 2, 3, (1 << 62) - 1, 1 << 62, (1 << 63) - 1, 1 << 63];
+        let mut triples: Vec<(u64, u64, u64)> = Vec::new();
+        for c in ends {
+            for d in ends {
+                ends[..7].iter().for_each(|&whole| triples.push((c, d, whole)));
+            }
+        }
+        for _ in 0..if cfg!(debug_assertions) { 20_000 } else { 400_000 } {
+            let (cut, other, short) = (1 + next() % 63, 1 + next() % 63, 1 + next() % 63);
+            triples.push((next() >> cut, next() >> other, next() >> short));
+            // The sides of a right triangle, times anything: the root is an integer.
+            let (m, n, k) = (next() >> 50, next() >> 50, next() >> 30 >> (next() % 34));
+            triples.push((m.abs_diff(n) * (m + n) * k >> 1, m * n * k, next() >> short));
+        }
+        for (c, d, whole) in triples.into_iter().filter(|(c, d, _)| (*c, *d) != (0, 0)) {
+            let squares = u128::from(c).pow(2) + u128::from(d).pow(2);
+            let nearest = over_root(c, whole, squares);
+            // |q − c·whole/√squares| < ½: (2q − 1)²·squares < (2·c·whole)² < (2q + 1)²·squares.
+            let exact = (UBig::from(c) * whole * 2u8).pow(2);
+            let bound = |twice: u128| UBig::from(twice).pow(2) * squares;
+            let twice = 2 * u128::from(nearest);
+            assert!(exact < bound(twice + 1) && (nearest == 0 || exact > bound(twice - 1)), "{c}, {d}, {whole}");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Vectors as the types that others know.
+//! Conversions between vectors and the types of the crate `mint`.
 
 use ::mint::{IntoMint, Point2, Vector2};
 

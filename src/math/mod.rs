@@ -1,5 +1,6 @@
-//! Vectors, rotations and the time step.
+//! Vectors, rotations, the time step and random numbers: structure and operators, without any scalar but `Fx`.
 
+mod geometry;
 #[cfg(feature = "mint")]
 mod mint;
 mod random;

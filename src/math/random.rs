@@ -4,7 +4,7 @@ use core::ops::RangeInclusive;
 
 #[cfg(feature = "serde")]
 use super::serial;
-use crate::scalar::{Turn, fx::Fx};
+use crate::fx::Fx;
 
 /// A generator of random numbers: xoshiro256**, of period 2^256 − 1. Not for secrets: its future follows from its past.
 ///
@@ -35,7 +35,7 @@ use crate::scalar::{Turn, fx::Fx};
 /// random.shuffle(&mut deck);
 /// assert_ne!(deck[..5], [0, 1, 2, 3, 4]);
 ///
-/// // Streams that never meet: one for each of so many players, say, or by hand.
+/// // Streams that never overlap: one for each player, say, or by hand.
 /// let (mut a, mut b) = (random.split(), random.split());
 /// assert_ne!(a.bits(), b.bits());
 /// a.jump(); // 2^128 draws
@@ -52,7 +52,7 @@ pub struct Random {
 }
 
 impl Default for Random {
-    /// Seeded with 0.
+    /// The generator seeded with 0.
     fn default() -> Self {
         Self::seeded(0)
     }
@@ -72,13 +72,13 @@ impl Random {
         Self { state }
     }
 
-    /// The generator in this state; `None` for four zeros, from which it would never move.
+    /// The generator in this state; `None` for four zeros, a state that never changes.
     #[must_use]
     pub fn from_state(state: [u64; 4]) -> Option<Self> {
         (state != [0; 4]).then_some(Self { state })
     }
 
-    /// All that its future depends on.
+    /// The state, on which all future draws depend.
     #[must_use]
     pub const fn state(&self) -> [u64; 4] {
         self.state
@@ -136,29 +136,24 @@ impl Random {
         Fx::from_bits(self.integer(range.start().to_bits()..=range.end().to_bits()))
     }
 
-    /// An angle, each as likely as the others.
-    pub fn angle(&mut self) -> Turn {
-        Turn::from_bits(self.bits())
-    }
-
-    /// Puts a list in random order, each as likely as the others.
+    /// Shuffles a list; each order is as likely as the others.
     pub fn shuffle<T>(&mut self, list: &mut [T]) {
         for i in (1..list.len()).rev() {
             list.swap(i, self.below(i as u64 + 1) as usize);
         }
     }
 
-    /// Goes 2^128 draws ahead: the way to streams that never meet.
+    /// Skips 2^128 draws, to make streams that never overlap.
     pub fn jump(&mut self) {
         self.leap([0x180e_c6d3_3cfd_0aba, 0xd5a6_1266_f0c9_392c, 0xa958_2618_e03f_c9aa, 0x39ab_dc45_29b1_661c]);
     }
 
-    /// Goes 2^192 draws ahead: the way to sets of streams.
+    /// Skips 2^192 draws, to make sets of such streams.
     pub fn long_jump(&mut self) {
         self.leap([0x76e1_5d3e_fefd_cbbf, 0xc500_4e44_1c52_2fb3, 0x7771_0069_854e_e241, 0x3910_9bb0_2acb_e635]);
     }
 
-    /// A stream of 2^128 draws for somebody else; this one goes on behind it.
+    /// A generator of its own with 2^128 draws; this one continues behind them.
     #[must_use]
     pub fn split(&mut self) -> Self {
         let stream = *self;

@@ -1,4 +1,4 @@
-//! Times and generators in files. The integers of a time are text where people read: few readers take 128 bits from a number.
+//! Serde of times and generators. The integers of a time are text in readable formats: few readers take 128 bits from a number.
 
 use alloc::string::String;
 

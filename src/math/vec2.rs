@@ -1,37 +1,36 @@
-//! Pairs of scalars.
+//! Vectors of two components.
 
 use core::fmt;
-use core::ops::{Add, AddAssign, Neg, Sub, SubAssign};
+use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
-use crate::scalar::{Factor, Scalar, Wide, fx::Fx};
+use crate::fx::Fx;
 
-/// A vector of two components, or a pair of whatever `T` is.
+/// A vector of two components, or a pair of any `T`.
+///
+/// Operators work component by component, as the operator of the component does: those of `Fx` round to nearest, ties to
+/// even, and panic when a result does not fit.
 ///
 /// ```
-/// use umbra_physics::scalar::{Factor as _, Wide as _};
 /// use umbra_physics::{Fx, Vec2, fx, vec2};
 ///
 /// let (a, b): (Vec2, Vec2) = (vec2(3, 4), vec2(1, fx!(0.5)));
 /// assert_eq!((a + b, a - b, -a), (vec2(4, fx!(4.5)), vec2(2, fx!(3.5)), vec2(-3, -4)));
+/// assert_eq!((a * fx!(2), fx!(2) * a, a / fx!(2)), (vec2(6, 8), vec2(6, 8), vec2(fx!(1.5), 2)));
 /// assert_eq!(a.perp(), vec2(-4, 3)); // a quarter turn to the left
-/// assert_eq!(a.dot(b).and_then(|product| product.to_scalar()), Some(fx!(5)));
-/// assert_eq!(a.cross(b).and_then(|product| product.to_scalar()), Some(fx!(-2.5)));
-/// assert_eq!((a.length().to_scalar(), a.checked_length()), (Some(fx!(5)), Some(fx!(5))));
-/// assert_eq!(a.checked_scale(Fx::HALF), Some(vec2(fx!(1.5), 2)));
-/// assert_eq!(a.try_map(|c| c.checked_mul(Fx::MAX)), None); // does not fit
+/// assert_eq!((a.dot(b), a.cross(b), a.length()), (fx!(5), fx!(-2.5), fx!(5)));
 /// assert_eq!(a.map(Fx::to_bits).x, 3 << 32);
-/// assert!(a.is_finite()); // of an `Fx` always
+/// assert_eq!(a.try_map(|c| c.checked_mul(Fx::MAX)), None); // does not fit
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Vec2<T = Fx> {
-    /// To the right.
+    /// Component along x, to the right.
     pub x: T,
-    /// Upwards.
+    /// Component along y, upwards.
     pub y: T,
 }
 
-/// The vector (x, y), from anything that is exactly a scalar.
+/// The vector (x, y), from any types that convert to the component exactly.
 ///
 /// ```
 /// use umbra_physics::{Vec2, fx, vec2};
@@ -51,16 +50,26 @@ impl<T> Vec2<T> {
         Self { x, y }
     }
 
-    /// Each component put through `f`.
+    /// Applies `f` to each component.
     #[inline]
     pub fn map<U>(self, mut f: impl FnMut(T) -> U) -> Vec2<U> {
         Vec2 { x: f(self.x), y: f(self.y) }
     }
 
-    /// Each component put through `f`; `None` if either is.
+    /// Applies `f` to each component; `None` if either result is.
     #[inline]
     pub fn try_map<U>(self, mut f: impl FnMut(T) -> Option<U>) -> Option<Vec2<U>> {
         Some(Vec2 { x: f(self.x)?, y: f(self.y)? })
+    }
+}
+
+impl<T: Neg<Output = T>> Vec2<T> {
+    /// The vector turned by a quarter turn counter-clockwise: (−y, x), exactly.
+    #[inline]
+    #[must_use]
+    #[track_caller]
+    pub fn perp(self) -> Self {
+        Self { x: -self.y, y: self.x }
     }
 }
 
@@ -78,99 +87,87 @@ impl<T> From<Vec2<T>> for (T, T) {
     }
 }
 
-impl<S: Scalar> Vec2<S> {
-    /// (0, 0).
-    pub const ZERO: Self = Self { x: S::ZERO, y: S::ZERO };
-    /// (1, 0).
-    pub const X: Self = Self { x: S::ONE, y: S::ZERO };
-    /// (0, 1).
-    pub const Y: Self = Self { x: S::ZERO, y: S::ONE };
-
-    /// The dot product, exactly; `None` if it does not fit.
-    #[must_use]
-    pub fn dot(self, other: Self) -> Option<S::Wide> {
-        self.x.product(other.x).plus(self.y.product(other.y))
-    }
-
-    /// The cross product x·y' − y·x', exactly; `None` if it does not fit.
-    #[must_use]
-    pub fn cross(self, other: Self) -> Option<S::Wide> {
-        self.x.product(other.y).plus(self.y.product(other.x).negated())
-    }
-
-    /// The length; `None` if it does not fit. *Error* ½ ulp and 2^-32 of one.
-    #[doc(alias = "magnitude")]
-    #[must_use]
-    pub fn checked_length(self) -> Option<S> {
-        self.length().to_scalar()
-    }
-
-    /// The length, which always fits. *Error* 2^-64 relative.
-    #[must_use]
-    pub fn length(self) -> S::Factor {
-        S::length((S::Wide::from_scalar(self.x), S::Wide::from_scalar(self.y)), S::ZERO)
-    }
-
-    /// A quarter turn to the left: (−y, x), exactly.
+impl<T> From<[T; 2]> for Vec2<T> {
     #[inline]
-    #[must_use]
-    pub fn perp(self) -> Self {
-        Self { x: -self.y, y: self.x }
-    }
-
-    /// Each component times `factor`, rounded to nearest, ties to even; `None` if either does not fit.
-    #[must_use]
-    pub fn checked_scale(self, factor: S) -> Option<Self> {
-        self.try_map(|c| c.times(factor))
-    }
-
-    /// Whether both components are numbers; floats may not be.
-    #[must_use]
-    pub fn is_finite(self) -> bool {
-        self.x.is_finite() && self.y.is_finite()
-    }
-
-    /// Whether both components are within ±`limit`.
-    #[must_use]
-    pub(crate) fn is_within(self, limit: S) -> bool {
-        let within = |c: S| -limit <= c && c <= limit;
-        within(self.x) && within(self.y)
+    fn from([x, y]: [T; 2]) -> Self {
+        Self { x, y }
     }
 }
 
-impl<S: Scalar> Add for Vec2<S> {
+impl<T> From<Vec2<T>> for [T; 2] {
+    #[inline]
+    fn from(v: Vec2<T>) -> Self {
+        [v.x, v.y]
+    }
+}
+
+/// An operator between two vectors, and its assigning form.
+macro_rules! between_vectors {
+    ($operator:ident, $method:ident, $assign:ident, $assign_method:ident) => {
+        impl<T: $operator<Output = T>> $operator for Vec2<T> {
+            type Output = Self;
+
+            #[inline]
+            #[track_caller]
+            fn $method(self, other: Self) -> Self {
+                Self { x: self.x.$method(other.x), y: self.y.$method(other.y) }
+            }
+        }
+
+        impl<T: $operator<Output = T> + Copy> $assign for Vec2<T> {
+            #[inline]
+            #[track_caller]
+            fn $assign_method(&mut self, other: Self) {
+                *self = self.$method(other);
+            }
+        }
+    };
+}
+
+between_vectors!(Add, add, AddAssign, add_assign);
+between_vectors!(Sub, sub, SubAssign, sub_assign);
+
+/// An operator between a vector and a number, and its assigning form.
+macro_rules! with_a_number {
+    ($operator:ident, $method:ident, $assign:ident, $assign_method:ident) => {
+        impl<T: $operator<Output = T> + Copy> $operator<T> for Vec2<T> {
+            type Output = Self;
+
+            #[inline]
+            #[track_caller]
+            fn $method(self, number: T) -> Self {
+                Self { x: self.x.$method(number), y: self.y.$method(number) }
+            }
+        }
+
+        impl<T: $operator<Output = T> + Copy> $assign<T> for Vec2<T> {
+            #[inline]
+            #[track_caller]
+            fn $assign_method(&mut self, number: T) {
+                *self = self.$method(number);
+            }
+        }
+    };
+}
+
+with_a_number!(Mul, mul, MulAssign, mul_assign);
+with_a_number!(Div, div, DivAssign, div_assign);
+
+impl Mul<Vec2> for Fx {
+    type Output = Vec2;
+
+    #[inline]
+    #[track_caller]
+    fn mul(self, v: Vec2) -> Vec2 {
+        v * self
+    }
+}
+
+impl<T: Neg<Output = T>> Neg for Vec2<T> {
     type Output = Self;
-    #[inline]
-    fn add(self, other: Self) -> Self {
-        Self { x: self.x + other.x, y: self.y + other.y }
-    }
-}
 
-impl<S: Scalar> Sub for Vec2<S> {
-    type Output = Self;
     #[inline]
-    fn sub(self, other: Self) -> Self {
-        Self { x: self.x - other.x, y: self.y - other.y }
-    }
-}
-
-impl<S: Scalar> AddAssign for Vec2<S> {
-    #[inline]
-    fn add_assign(&mut self, other: Self) {
-        *self = *self + other;
-    }
-}
-
-impl<S: Scalar> SubAssign for Vec2<S> {
-    #[inline]
-    fn sub_assign(&mut self, other: Self) {
-        *self = *self - other;
-    }
-}
-
-impl<S: Scalar> Neg for Vec2<S> {
-    type Output = Self;
-    #[inline]
+    #[track_caller]
     fn neg(self) -> Self {
         Self { x: -self.x, y: -self.y }
     }

@@ -9,11 +9,11 @@ use super::{Dump, RecordOptions, Recorder, Replay, ReplayLimits, Snapshot, Snaps
 use crate::body::{BodyDef, FactorTable};
 use crate::error::{Error, Irreversible, Quantity};
 use crate::force::{FieldKind, FieldSet, ForceField};
-use crate::handle::{BodyId, FieldId};
 use crate::integrate::Integrator;
 use crate::limits;
 use crate::math::{Elapsed, Random, TimeStep, vec2};
 use crate::scalar::fx::{Fx, fx};
+use crate::slots::{BodyId, FieldId};
 use crate::world::{Command, History, Inputs, World, WorldDef};
 
 /// The same world, through bytes.

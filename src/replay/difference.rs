@@ -9,12 +9,10 @@ use core::fmt;
 use super::finding::TickPhase;
 use super::snapshot::State;
 use crate::codec::{self, Encoder as _, FieldIndex, FieldValue, Part, StateHasher};
-#[cfg(feature = "oracles")]
-use crate::force::ForceField;
-use crate::handle::{BodyId, FieldId};
 use crate::integrate::Stage;
 use crate::scalar::Scalar;
-use crate::world::{Trace, World};
+use crate::slots::{BodyId, FieldId};
+use crate::world::{BodyRef, Trace, World};
 
 /// What of a world a value belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -141,30 +139,6 @@ impl<S: Scalar> World<S> {
         Difference { place, field: name_of(path), left: text(left), right: text(right) }
     }
 
-    /// The first value in which a body is not one of another world, handles apart; `None` if there is none, or no such body.
-    #[cfg(feature = "oracles")]
-    pub(crate) fn body_difference(&self, body: BodyId, other: &Self, there: BodyId) -> Option<Difference> {
-        let (here, there) = (self.bodies.find(body).ok()?, other.bodies.find(there).ok()?);
-        let leaves = |world: &Self, dense: usize| {
-            let mut leaves = FieldIndex::of(&world.bodies.record(dense, &world.factor_table)).leaves;
-            let shape = world.bodies.info(dense).shape.as_deref();
-            leaves.extend(shape.into_iter().flat_map(|shape| FieldIndex::of(shape).leaves));
-            leaves
-        };
-        first_unlike(Owner::Body(body), &leaves(self, here), &leaves(other, there))
-    }
-
-    /// The first value in which a field is not as it has to be in another world; `None` if there is none.
-    #[cfg(feature = "oracles")]
-    pub(crate) fn field_difference(
-        id: FieldId,
-        meant: &ForceField<S>,
-        there: Option<&ForceField<S>>,
-    ) -> Option<Difference> {
-        let there = there.map(|there| FieldIndex::of(there).leaves).unwrap_or_default();
-        first_unlike(Owner::ForceField(id), &FieldIndex::of(meant).leaves, &there)
-    }
-
     /// What the value at a path belongs to, and the rest of the path.
     pub(super) fn place<'p>(&self, path: &'p [Part]) -> (Owner, &'p [Part]) {
         match *path {
@@ -181,8 +155,34 @@ impl<S: Scalar> World<S> {
     }
 }
 
+impl<S: Scalar> BodyRef<'_, S> {
+    /// The first value in which the body differs from another one, of this world or another, handles apart: definition, shape,
+    /// motion, rest. `None` if there is none; what was applied since the last step is not compared.
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, Owner, World, WorldDef, vec2};
+    ///
+    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let [a, b] = [1, 2].map(|x| world.add_body(BodyDef { velocity: vec2(x, 0), ..BodyDef::dynamic() }));
+    /// let (a, b) = (world.body(a?)?, world.body(b?)?);
+    /// let found = a.first_difference(&b).unwrap();
+    /// assert_eq!((found.place, &found.field[..]), (Owner::Body(a.id()), "velocity.x"));
+    /// assert_eq!(a.first_difference(&a), None);
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    #[must_use]
+    pub fn first_difference(&self, other: &BodyRef<'_, S>) -> Option<Difference> {
+        let leaves = |body: &BodyRef<'_, S>| {
+            let (world, dense) = body.parts();
+            let mut leaves = FieldIndex::of(&world.bodies.record(dense, &world.factor_table)).leaves;
+            leaves.extend(body.shape().into_iter().flat_map(|shape| FieldIndex::of(shape).leaves));
+            leaves
+        };
+        first_unlike(Owner::Body(self.id()), &leaves(self), &leaves(other))
+    }
+}
+
 /// The first value that is not the same in two records of one thing.
-#[cfg(feature = "oracles")]
 fn first_unlike(place: Owner, left: &[FieldValue], right: &[FieldValue]) -> Option<Difference> {
     let text = |leaf: Option<&FieldValue>| leaf.map(|leaf| leaf.text.clone());
     let named = |path: &[Part], left, right| {
@@ -321,7 +321,7 @@ impl HashTree {
     }
 }
 
-#[cfg(all(test, feature = "oracles"))]
+#[cfg(test)]
 mod tests {
     use alloc::string::ToString as _;
 

@@ -11,10 +11,10 @@ use super::{Dump, RecordOptions, Recorder, Replay, ReplayError, Snapshot, Snapsh
 use crate::body::BodyDef;
 use crate::codec::{Encoder as _, Malformed, Reader, Write as _};
 use crate::force::{BodyState, CustomForce, CustomForceError, Dependence, ForceTorque};
-use crate::handle::BodyId;
 use crate::math::{Vec2, vec2};
 use crate::scalar::fx::{Fx, fx};
 use crate::shape::{Part, Shape};
+use crate::slots::BodyId;
 use crate::world::{Command, Inputs, World, WorldDef};
 
 /// What should be there instead.

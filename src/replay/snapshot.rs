@@ -13,12 +13,12 @@ use crate::body::{Activity, Bodies, BodyKind, FactorTable, KinematicTarget, Reco
 use crate::codec::{self, Encoder, Malformed, Part, Read, Reader, StateHasher, Write};
 use crate::error::Error;
 use crate::force::{CustomForce, CustomForces, FieldSet, ForceField};
-use crate::handle::{BodyId, FieldId};
 use crate::integrate::Integrator;
 use crate::limits;
 use crate::math::{Elapsed, Random, Vec2};
 use crate::scalar::{FxSum, Scalar, fx::Fx};
 use crate::shape::Shape;
+use crate::slots::{BodyId, FieldId};
 use crate::world::{ChangeLog, World, WorldDef};
 
 /// The first bytes of a snapshot.

@@ -16,9 +16,9 @@ use super::{
 use crate::body::BodyDef;
 use crate::codec::{FieldIndex, Read as _, Reader};
 use crate::force::{BodyState, CustomForce, CustomForceError, Dependence, FieldKind, ForceField, ForceTorque};
-use crate::handle::BodyId;
 use crate::math::vec2;
 use crate::scalar::fx::{Fx, fx};
+use crate::slots::BodyId;
 use crate::world::{Command, Inputs, World, WorldDef};
 
 #[path = "../../tests/support/everything.rs"]

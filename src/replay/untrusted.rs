@@ -14,10 +14,10 @@ use crate::body::{Activity, BodyDef, BodyKind};
 use crate::codec::Reader;
 use crate::error::Error;
 use crate::force::{FieldKind, ForceField};
-use crate::handle::BodyId;
 use crate::integrate::Integrator;
 use crate::math::{Random, TimeStep, vec2};
-use crate::scalar::{Accumulator as _, fx::Fx};
+use crate::scalar::fx::Fx;
+use crate::slots::BodyId;
 use crate::world::{Command, Input, Inputs, World, WorldDef};
 
 /// What a chunk is and how long it is stands there twice.

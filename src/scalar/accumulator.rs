@@ -4,9 +4,10 @@ use core::fmt;
 
 use super::decimal;
 use super::factor::FxFactor;
-use super::fx::Fx;
-use super::sweep;
-use super::{Accumulator, Number, TRANSIENT_SPEED_LOG2};
+use super::fx_bulk;
+use super::motion::TRANSIENT_SPEED_LOG2;
+use super::number::{Accumulator, Number, inherent};
+use crate::fx::Fx;
 use crate::kernel::round::shr_round;
 use crate::kernel::wide::mul_shift;
 
@@ -15,16 +16,17 @@ use crate::kernel::wide::mul_shift;
 /// It is kept as two words, so that loops over many of them can be compiled to vector instructions.
 ///
 /// ```
-/// use umbra_physics::scalar::Accumulator as _;
-/// use umbra_physics::{FxAccumulator, fx};
+/// use umbra_physics::{Fx, FxAccumulator, fx};
 ///
 /// let third_of_an_ulp = FxAccumulator::from_bits((1 << 64) / 3);
-/// let three = third_of_an_ulp.plus(third_of_an_ulp).plus(third_of_an_ulp);
-/// assert_eq!((third_of_an_ulp.value(), three.value()), (fx!(0), fx!(0.00000000023283064365386962890625)));
+/// let three = FxAccumulator::from_bits(3 * third_of_an_ulp.to_bits());
+/// assert_eq!((third_of_an_ulp.value(), three.value(), three.negated().value()), (fx!(0), Fx::DELTA, -Fx::DELTA));
+/// assert_eq!(FxAccumulator::from_scalar(fx!(1.5)).value(), fx!(1.5));
+/// assert!(third_of_an_ulp.is_within(Fx::DELTA) && !third_of_an_ulp.is_within(fx!(0)));
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct FxAccumulator {
-    /// Multiples of 2^-32, rounded down. First, for the order.
+    /// Multiples of 2^-32, rounded down. The first field, so that the derived order is that of the values.
     pub(super) high: i64,
     /// Multiples of 2^-96 above that.
     pub(super) low: u64,
@@ -38,12 +40,48 @@ impl FxAccumulator {
         Self { high: (bits >> 64) as i64, low: bits as u64 }
     }
 
+    /// The accumulator of this value, exactly.
+    #[inline]
+    #[must_use]
+    pub fn from_scalar(value: Fx) -> Self {
+        Self { high: value.to_bits(), low: 0 }
+    }
+
+    /// The nearest [`Fx`], ties to even: the public value. *Domain* it fits, as it does within [`limits`](crate::limits).
+    #[inline]
+    #[must_use]
+    pub fn value(self) -> Fx {
+        // A body that left the envelope is still below 2^31 here: `limits` has the proof.
+        Fx::from_bits(shr_round(self.bits(), 64) as i64)
+    }
+
+    /// The multiple of 2^-96.
+    #[inline]
+    #[must_use]
+    pub const fn to_bits(self) -> i128 {
+        self.bits()
+    }
+
+    /// The negative, exactly.
+    #[inline]
+    #[must_use]
+    pub const fn negated(self) -> Self {
+        Self::from_bits(self.bits().wrapping_neg())
+    }
+
+    /// Returns true if the magnitude is at most `limit`. *Domain* limit ≥ 0.
+    #[inline]
+    #[must_use]
+    pub fn is_within(self, limit: Fx) -> bool {
+        self.bits().unsigned_abs() <= (limit.to_bits() as u128) << 64
+    }
+
     #[inline]
     pub(super) const fn bits(self) -> i128 {
         (self.high as i128) << 64 | self.low as i128
     }
 
-    /// Nothing where the public value is zero: half an ulp rounds to zero, ties to even.
+    /// Zero where the public value is zero: half an ulp rounds to zero, ties to even; else the same bits.
     #[inline]
     const fn settled(bits: i128) -> Self {
         Self::from_bits(if bits.unsigned_abs() <= 1 << 63 { 0 } else { bits })
@@ -75,15 +113,12 @@ impl Number for FxAccumulator {
 }
 
 impl Accumulator<Fx> for FxAccumulator {
-    #[inline]
-    fn from_scalar(value: Fx) -> Self {
-        Self { high: value.to_bits(), low: 0 }
-    }
-
-    #[inline]
-    fn value(self) -> Fx {
-        // A body that left the envelope is still below 2^31 here: `limits` has the proof.
-        Fx::from_bits(shr_round(self.bits(), 64) as i64)
+    inherent! {
+        fn from_scalar(value: Fx) -> Self;
+        fn value(self: Self) -> Fx;
+        fn negated(self: Self) -> Self;
+        fn to_bits(self: Self) -> i128;
+        fn is_within(self: Self, limit: Fx) -> bool;
     }
 
     #[inline]
@@ -103,11 +138,6 @@ impl Accumulator<Fx> for FxAccumulator {
     }
 
     #[inline]
-    fn negated(self) -> Self {
-        Self::from_bits(self.bits().wrapping_neg())
-    }
-
-    #[inline]
     fn scaled(self, factor: FxFactor) -> Option<Self> {
         let (mantissa, shift) = factor.parts();
         let product = mul_shift(self.bits(), u128::from(mantissa), shift)?;
@@ -116,17 +146,7 @@ impl Accumulator<Fx> for FxAccumulator {
 
     #[inline(always)]
     fn damped(self, kept: FxFactor) -> Self {
-        sweep::damped(self, kept)
-    }
-
-    #[inline]
-    fn is_within(self, limit: Fx) -> bool {
-        self.bits().unsigned_abs() <= (limit.to_bits() as u128) << 64
-    }
-
-    #[inline]
-    fn to_bits(self) -> i128 {
-        self.bits()
+        fx_bulk::damped(self, kept)
     }
 
     #[inline]

@@ -7,9 +7,12 @@ use dashu_float::round::mode::HalfEven;
 use dashu_int::{IBig, UBig};
 use proptest::prelude::*;
 
-use super::fixed_laws::{exponential, mean_exponential, near_share, share};
+use super::forces::{Forces, exponential, mean_exponential, near_share, share};
+use super::motion::Motion;
 use super::*;
+use crate::fx::Fx;
 use crate::kernel::sqrt::{root_and_reciprocal, root_fine};
+use crate::math::Vec2;
 
 type Real = FBig<HalfEven, 2>;
 
@@ -31,7 +34,7 @@ fn error_log2(f: FxFactor, reference: &Real) -> f64 {
     if error == 0.0 { -200.0 } else { error.log2() }
 }
 
-/// Half an ulp of a mantissa of 64 bits is at most 2^-64 of it.
+/// Returns true if the factor is within half an ulp of its 64-bit mantissa, at most 2^-64 of it.
 fn is_nearest(f: FxFactor, reference: &Real) -> bool {
     let (mantissa, shift) = f.parts();
     assert!(mantissa >> 63 == 1, "not normalised");
@@ -116,13 +119,13 @@ fn attraction(mu: FxFactor, (x, y): (i128, i128), softening: Fx) -> Option<(i128
     Some((part(x)?, part(y)?))
 }
 
-/// An offset of so many ulps.
+/// An offset of this number of ulps.
 fn offset((x, y): (i128, i128)) -> Offset<Fx> {
-    (FxWide::from_bits(x << 32), FxWide::from_bits(y << 32))
+    Vec2::new(FxWide::from_bits(x << 32), FxWide::from_bits(y << 32))
 }
 
 fn bits(vector: Option<Offset<Fx>>) -> Option<(i128, i128)> {
-    vector.map(|(x, y)| (x.to_bits(), y.to_bits()))
+    vector.map(|v| (v.x.to_bits(), v.y.to_bits()))
 }
 
 proptest! {
@@ -138,10 +141,10 @@ proptest! {
             stiffness: Fx::from_bits(stiffness >> cut.1),
             damping: Fx::from_bits(damping >> cut.2),
         };
-        // Of bodies, or whatever fits.
+        // Velocities of bodies, or any that fit.
         let v = if wide { v } else { (v.0 >> 30, v.1 >> 30) };
-        let velocity = (FxWide::from_bits(v.0), FxWide::from_bits(v.1));
-        prop_assert_eq!(bits(<Fx as Scalar>::tension(offset(ulps), velocity, &spring)), tension(ulps, v, &spring));
+        let velocity = Vec2::new(FxWide::from_bits(v.0), FxWide::from_bits(v.1));
+        prop_assert_eq!(bits(Fx::tension(offset(ulps), velocity, &spring)), tension(ulps, v, &spring));
     }
 
     #[test]
@@ -152,7 +155,7 @@ proptest! {
         // From what is next to nothing at this distance to what does not fit.
         let size = 128 - (ulps.0.unsigned_abs() | ulps.1.unsigned_abs()).leading_zeros() as i32;
         let mu = FxFactor::new(m.into(), 64 - 2 * (size - 32) + near);
-        prop_assert_eq!(bits(<Fx as Scalar>::attraction(mu, offset(ulps), softening)), attraction(mu, ulps, softening));
+        prop_assert_eq!(bits(Fx::attraction(mu, offset(ulps), softening)), attraction(mu, ulps, softening));
     }
 
     #[test]
@@ -207,7 +210,7 @@ proptest! {
         for weight in [Weight::Whole, Weight::YoshidaOuter, Weight::YoshidaInner] {
             for half in [false, true] {
                 let span = Span { ratio: (num, den), weight, half };
-                let f = <Fx as Scalar>::decay(Fx::from_bits(kept), span);
+                let f = Fx::decay(Fx::from_bits(kept), span);
                 let log = real(kept, -32).ln() * seconds(span);
                 let log = if span.is_negative() { log.neg() } else { log };
                 prop_assert!(error_log2(f, &log.exp()) < -63.99, "{}", error_log2(f, &log.exp()));
@@ -221,29 +224,29 @@ proptest! {
         for weight in [Weight::Whole, Weight::YoshidaOuter, Weight::YoshidaInner] {
             for half in [false, true] {
                 let span = Span { ratio: (num, den), weight, half };
-                prop_assert!(error_log2(<Fx as Scalar>::seconds(span), &seconds(span)) <= -64.0);
+                prop_assert!(error_log2(Fx::seconds(span), &seconds(span)) <= -64.0);
                 let turns = seconds(span) / &two_pi;
                 prop_assert!(error_log2(<Turn as Angle<Fx>>::drift_factor(span), &turns) <= -64.0);
             }
         }
         let square = real(num, 0) * real(num, 0) / (real(den, 0) * real(den, 0)) / real(2, 0);
-        prop_assert!(error_log2(<Fx as Scalar>::half_square_seconds((num, den)), &square) <= -64.0);
+        prop_assert!(error_log2(Fx::half_square_seconds((num, den)), &square) <= -64.0);
     }
 
     #[test]
     fn kicks_and_drifts_are_rounded_once(a: i64, v in -(1i64 << 56)..1 << 56, num in 1u32..=60, den in 60u32..=600_000) {
-        let h = <Fx as Scalar>::seconds(Span { ratio: (num, den), weight: Weight::Whole, half: true });
+        let h = Fx::seconds(Span { ratio: (num, den), weight: Weight::Whole, half: true });
         let nearest = |bits: i128, exact: Real| {
             let away = real(bits, -96) - exact;
             away <= real(1, -97) && away >= real(-1, -97)
         };
-        let way = Scalar::drift(Fx::from_bits(v), h);
+        let way = Fx::from_bits(v).drift(h);
         prop_assert!(nearest(Accumulator::to_bits(way), real(v, -32) * exact(h)));
-        prop_assert_eq!(Scalar::drift(Fx::from_bits(-v), h), way.negated());
+        prop_assert_eq!(Fx::from_bits(-v).drift(h), way.negated());
         let acceleration = FxWide::from_bits(i128::from(a) << 20);
-        let gained = <Fx as Scalar>::kick(acceleration, h).expect("below 2^19 m/s");
+        let gained = Fx::kick(acceleration, h).expect("below 2^19 m/s");
         prop_assert!(nearest(Accumulator::to_bits(gained), real(a, -44) * exact(h)));
-        prop_assert_eq!(<Fx as Scalar>::kick(acceleration.negated(), h), Some(gained.negated()));
+        prop_assert_eq!(Fx::kick(acceleration.negated(), h), Some(gained.negated()));
     }
 
     #[test]
@@ -284,22 +287,22 @@ proptest! {
     ) {
         let (x, y) = (x >> cut, y >> cut);
         prop_assume!((x, y) != (0, 0));
-        let offset = (FxWide::from_bits(i128::from(x) << 32), FxWide::from_bits(i128::from(y) << 32));
+        let offset = offset((x.into(), y.into()));
         let (rest, stiffness) = (Fx::from_bits(rest), Fx::from_bits(stiffness));
         let spring = SpringConstants { rest, stiffness, damping: Fx::ZERO };
         let none = Offset::<Fx>::default();
-        let force = <Fx as Scalar>::tension(offset, none, &spring).expect("below 2^43 N");
+        let force = Fx::tension(offset, none, &spring).expect("below 2^43 N");
         let (x, y) = (real(x, -32), real(y, -32));
         let length = (x.clone() * &x + y.clone() * &y).sqrt();
         let pull = real(stiffness.to_bits(), -32) * (length.clone() - real(rest.to_bits(), -32)) / &length;
-        for (component, exact) in [(force.0, pull.clone() * x), (force.1, pull * y)] {
+        for (component, exact) in [(force.x, pull.clone() * x), (force.y, pull * y)] {
             let away = (real(component.to_bits(), -64) - exact).to_f64().value();
             // An ulp of 2^-64 N for two roundings, and the stiffness times the length's 0.501 · 2^-64 m.
             let bound = 2f64.powi(-64) * (1.001 + 0.501 * stiffness.to_bits() as f64 * 2f64.powi(-32));
             prop_assert!(away.abs() <= bound, "{away:e} {bound:e}");
         }
-        let mirrored = (offset.0.negated(), offset.1);
-        prop_assert_eq!(<Fx as Scalar>::tension(mirrored, none, &spring), Some((force.0.negated(), force.1)));
+        let mirrored = Vec2::new(offset.x.negated(), offset.y);
+        prop_assert_eq!(Fx::tension(mirrored, none, &spring), Some(Vec2::new(force.x.negated(), force.y)));
     }
 
     #[test]
@@ -308,7 +311,7 @@ proptest! {
     ) {
         let [u, a, b] = [speed, alpha, beta].map(|bits| FxFactor::new(u128::from(bits), 32));
         let h = FxFactor::from_ratio(u64::from(num), 60);
-        let left = <Fx as Scalar>::drag(u, a, b, h, false).expect("forwards it always is");
+        let left = Fx::drag(u, a, b, h, false).expect("forwards it always is");
         let (u, a, b, h) = (exact(u), exact(a), exact(b), exact(h));
         let z = a.clone() * &h;
         let decayed = z.clone().neg().exp();
@@ -325,8 +328,8 @@ fn drag_without_measure_stops_and_has_no_way_back() {
     for beta in [FxFactor::ZERO, FxFactor::ONE] {
         for log2 in [8, 9, 31, 47] {
             let alpha = FxFactor::new(1 << log2, 0);
-            assert_eq!(<Fx as Scalar>::drag(speed, alpha, beta, second, false), Some(FxFactor::ZERO));
-            assert_eq!(<Fx as Scalar>::drag(speed, alpha, beta, second, true), None);
+            assert_eq!(Fx::drag(speed, alpha, beta, second, false), Some(FxFactor::ZERO));
+            assert_eq!(Fx::drag(speed, alpha, beta, second, true), None);
         }
     }
 }
@@ -382,13 +385,13 @@ fn attraction_is_defined_where_the_root_rounds_up_to_the_next_power_of_two() {
         (1_064_345_167_551_132_376, 443_167_417_682_604_259),
         (2_274_117_029_588_772_901, 381_187_249_096_818_150),
     ] {
-        let offset = (FxWide::from_bits(i128::from(x) << 32), FxWide::from_bits(i128::from(y) << 32));
+        let offset = offset((x.into(), y.into()));
         let mu = FxFactor::new(1, -60);
-        let (ax, ay) = <Fx as Scalar>::attraction(mu, offset, Fx::ZERO).expect("it fits");
+        let found = Fx::attraction(mu, offset, Fx::ZERO).expect("it fits");
         let (x, y) = (real(x, -32), real(y, -32));
         let square = x.clone() * &x + y.clone() * &y;
         let cube = square.clone() * square.sqrt();
-        for (component, exact) in [(ax, x / &cube), (ay, y / &cube)] {
+        for (component, exact) in [(found.x, x / &cube), (found.y, y / &cube)] {
             let away = (real(component.to_bits(), -124) - exact).to_f64().value() * 2f64.powi(124);
             assert!(away.abs() <= 0.51, "{away}");
         }

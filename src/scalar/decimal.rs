@@ -4,7 +4,7 @@ use core::fmt;
 
 /// The most digits after the point: a multiple of 2^-96 has no more.
 const DIGITS: usize = 96;
-/// 2^64 has 20 digits.
+/// The most digits before the point: 2^64 has 20.
 const WHOLE: usize = 20;
 
 /// Writes a number of this sign and magnitude `whole + fraction / 2^128`, all digits of it; with a precision, that many,

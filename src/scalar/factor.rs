@@ -3,9 +3,9 @@
 use core::cmp::Ordering;
 use core::fmt;
 
-use super::fx::Fx;
+use super::number::{Factor, Number, inherent};
 use super::wide::FxWide;
-use super::{Factor, Number};
+use crate::fx::Fx;
 use crate::kernel::div::div_word;
 use crate::kernel::wide::shr_round_256;
 
@@ -38,7 +38,7 @@ impl FxFactor {
         Self::nearest(value << zeros, shift + zeros as i32)
     }
 
-    /// The same of a value with its top bit set.
+    /// The factor nearest to value · 2^-shift. *Domain* the value has its top bit set.
     #[inline]
     const fn nearest(value: u128, shift: i32) -> Self {
         let (mantissa, rest) = ((value >> 64) as u64, value as u64);
@@ -107,7 +107,7 @@ impl FxFactor {
         (self.mantissa, self.shift)
     }
 
-    /// As a multiple of 2^-fraction, rounded down; `None` from 2^128 on.
+    /// The value as a multiple of 2^-fraction, rounded down; `None` from 2^128 on.
     pub(crate) const fn to_fixed(self, fraction: i32) -> Option<u128> {
         let shift = self.shift - fraction;
         if shift >= 128 {
@@ -119,6 +119,115 @@ impl FxFactor {
         } else {
             None
         }
+    }
+}
+
+impl FxFactor {
+    /// 0.
+    pub const ZERO: Self = Self { mantissa: 0, shift: 0 };
+    /// 1.
+    pub const ONE: Self = Self { mantissa: 1 << 63, shift: 63 };
+    /// π. *Error* 2^-64 relative.
+    pub const PI: Self = Self { mantissa: 0xc90f_daa2_2168_c235, shift: 62 };
+
+    /// The magnitude of `value`, exactly.
+    #[must_use]
+    pub fn from_scalar(value: Fx) -> Self {
+        Self::new(u128::from(value.to_bits().unsigned_abs()), 32)
+    }
+
+    /// The magnitude of `value`. *Error* 2^-64 relative.
+    #[must_use]
+    pub fn from_wide(value: FxWide) -> Self {
+        Self::new(value.to_bits().unsigned_abs(), 64)
+    }
+
+    /// num / den. *Error* 2^-63 relative.
+    ///
+    /// # Panics
+    /// When `den` is zero.
+    #[must_use]
+    #[track_caller]
+    pub fn from_ratio(num: u64, den: u64) -> Self {
+        assert!(den != 0, "FxFactor::from_ratio: the denominator is zero");
+        Self::new(u128::from(num), 0).over(Self::new(u128::from(den), 0))
+    }
+
+    /// The nearest [`Fx`], ties to even; `None` if it does not fit. *Error* ½ ulp.
+    #[must_use]
+    pub fn to_scalar(self) -> Option<Fx> {
+        let shift = self.shift - 32;
+        let bits = if shift >= 0 {
+            shr_round_256(0, u128::from(self.mantissa), shift.unsigned_abs())?
+        } else if self.mantissa == 0 {
+            0
+        } else {
+            return None;
+        };
+        i64::try_from(bits).ok().map(Fx::from_bits)
+    }
+
+    /// The product. *Error* 2^-64 relative.
+    #[must_use]
+    #[inline]
+    pub fn times(self, other: Self) -> Self {
+        let product = u128::from(self.mantissa) * u128::from(other.mantissa);
+        if product == 0 {
+            return Self::ZERO;
+        }
+        // Of two mantissas with their top bits set, the product lacks one bit at most; which it is cannot be predicted.
+        let lacks = (product >> 127) as u32 ^ 1;
+        let doubled = u128::from(lacks).wrapping_neg() & product;
+        Self::nearest(product + doubled, self.shift + other.shift + lacks as i32)
+    }
+
+    /// The quotient. *Domain* `other` is not zero. *Error* 2^-64 relative.
+    #[must_use]
+    pub fn over(self, other: Self) -> Self {
+        if self.mantissa == 0 {
+            return Self::ZERO;
+        }
+        // A quotient of 64 bits with its top bit set, whichever mantissa is the larger.
+        let halved = self.mantissa >= other.mantissa;
+        let (q, r) = div_word(u128::from(self.mantissa) << (64 - u32::from(halved)), other.mantissa);
+        let rest = other.mantissa - r;
+        // Of different mantissas the quotient is below 2^64 − 1, that of 2^64 − 2 and 2^64 − 1: there is no carry.
+        let rounded = q + u64::from(r > rest - (q & 1));
+        Self::bounded(rounded, self.shift - other.shift + 64 - i32::from(halved))
+    }
+
+    /// The sum. *Error* 2^-64 relative.
+    #[must_use]
+    pub fn plus(self, other: Self) -> Self {
+        let (large, small) = if self >= other { (self, other) } else { (other, self) };
+        if small.mantissa == 0 {
+            return large;
+        }
+        let gap = (small.shift - large.shift).unsigned_abs();
+        let (aligned, lost) = align(small.mantissa, gap);
+        // Each is below 2^127.
+        Self::new(((u128::from(large.mantissa) << 63) + aligned) | u128::from(lost), large.shift + 63)
+    }
+
+    /// The difference, or zero if `other` is the larger. *Error* 2^-64 relative.
+    #[must_use]
+    pub fn minus(self, other: Self) -> Self {
+        if self <= other {
+            return Self::ZERO;
+        }
+        if other.mantissa == 0 {
+            return self;
+        }
+        let gap = (other.shift - self.shift).unsigned_abs();
+        let (aligned, lost) = align(other.mantissa, gap);
+        let rest = (u128::from(self.mantissa) << 63) - aligned - u128::from(lost);
+        Self::new(rest | u128::from(lost), self.shift + 63)
+    }
+
+    /// Returns true for zero.
+    #[must_use]
+    pub const fn is_zero(self) -> bool {
+        self.mantissa == 0
     }
 }
 
@@ -137,82 +246,44 @@ impl Ord for FxFactor {
     }
 }
 
+impl From<Fx> for FxFactor {
+    /// The same value, exactly.
+    ///
+    /// # Panics
+    /// When negative: a factor has no sign. [`FxFactor::from_scalar`] takes the magnitude.
+    #[track_caller]
+    fn from(value: Fx) -> Self {
+        assert!(value >= Fx::ZERO, "FxFactor: a factor is not negative");
+        Self::from_scalar(value)
+    }
+}
+
+impl From<i32> for FxFactor {
+    /// The same value, exactly.
+    ///
+    /// # Panics
+    /// When negative: a factor has no sign.
+    #[track_caller]
+    fn from(value: i32) -> Self {
+        assert!(value >= 0, "FxFactor: a factor is not negative");
+        Self::new(value as u128, 0)
+    }
+}
+
 impl Factor<Fx> for FxFactor {
-    const ZERO: Self = Self { mantissa: 0, shift: 0 };
-    const ONE: Self = Self { mantissa: 1 << 63, shift: 63 };
-    const PI: Self = Self { mantissa: 0xc90f_daa2_2168_c235, shift: 62 };
+    const ZERO: Self = Self::ZERO;
+    const ONE: Self = Self::ONE;
+    const PI: Self = Self::PI;
 
-    fn from_scalar(value: Fx) -> Self {
-        Self::new(u128::from(value.to_bits().unsigned_abs()), 32)
-    }
-
-    fn from_wide(value: FxWide) -> Self {
-        Self::new(value.to_bits().unsigned_abs(), 64)
-    }
-
-    fn from_ratio(num: u64, den: u64) -> Self {
-        Self::new(u128::from(num), 0).over(Self::new(u128::from(den), 0))
-    }
-
-    fn to_scalar(self) -> Option<Fx> {
-        let shift = self.shift - 32;
-        let bits = if shift >= 0 {
-            shr_round_256(0, u128::from(self.mantissa), shift.unsigned_abs())?
-        } else if self.mantissa == 0 {
-            0
-        } else {
-            return None;
-        };
-        i64::try_from(bits).ok().map(Fx::from_bits)
-    }
-
-    #[inline]
-    fn times(self, other: Self) -> Self {
-        let product = u128::from(self.mantissa) * u128::from(other.mantissa);
-        if product == 0 {
-            return Self::ZERO;
-        }
-        // Of two mantissas with their top bits set, the product lacks one bit at most; which it is cannot be predicted.
-        let lacks = (product >> 127) as u32 ^ 1;
-        let doubled = u128::from(lacks).wrapping_neg() & product;
-        Self::nearest(product + doubled, self.shift + other.shift + lacks as i32)
-    }
-
-    fn over(self, other: Self) -> Self {
-        if self.mantissa == 0 {
-            return Self::ZERO;
-        }
-        // A quotient of 64 bits with its top bit set, whichever mantissa is the larger.
-        let halved = self.mantissa >= other.mantissa;
-        let (q, r) = div_word(u128::from(self.mantissa) << (64 - u32::from(halved)), other.mantissa);
-        let rest = other.mantissa - r;
-        // Of different mantissas the quotient is below 2^64 − 1, that of 2^64 − 2 and 2^64 − 1: there is no carry.
-        let rounded = q + u64::from(r > rest - (q & 1));
-        Self::bounded(rounded, self.shift - other.shift + 64 - i32::from(halved))
-    }
-
-    fn plus(self, other: Self) -> Self {
-        let (large, small) = if self >= other { (self, other) } else { (other, self) };
-        if small.mantissa == 0 {
-            return large;
-        }
-        let gap = (small.shift - large.shift).unsigned_abs();
-        let (aligned, lost) = align(small.mantissa, gap);
-        // Each is below 2^127.
-        Self::new(((u128::from(large.mantissa) << 63) + aligned) | u128::from(lost), large.shift + 63)
-    }
-
-    fn minus(self, other: Self) -> Self {
-        if self <= other {
-            return Self::ZERO;
-        }
-        if other.mantissa == 0 {
-            return self;
-        }
-        let gap = (other.shift - self.shift).unsigned_abs();
-        let (aligned, lost) = align(other.mantissa, gap);
-        let rest = (u128::from(self.mantissa) << 63) - aligned - u128::from(lost);
-        Self::new(rest | u128::from(lost), self.shift + 63)
+    inherent! {
+        fn from_scalar(value: Fx) -> Self;
+        fn from_wide(value: FxWide) -> Self;
+        fn from_ratio(num: u64, den: u64) -> Self;
+        fn to_scalar(self: Self) -> Option<Fx>;
+        fn times(self: Self, other: Self) -> Self;
+        fn over(self: Self, other: Self) -> Self;
+        fn plus(self: Self, other: Self) -> Self;
+        fn minus(self: Self, other: Self) -> Self;
     }
 }
 
@@ -240,95 +311,4 @@ fn align(mantissa: u64, gap: u32) -> (u128, bool) {
 }
 
 #[cfg(test)]
-mod tests {
-    use dashu_int::UBig;
-    use dashu_int::ops::BitTest;
-    use proptest::prelude::*;
-
-    use super::*;
-
-    /// num · 2^-shift / den to nearest, ties to even, from exact integers.
-    fn nearest(num: &UBig, den: &UBig, shift: i32) -> FxFactor {
-        if *num == UBig::ZERO {
-            return FxFactor::ZERO;
-        }
-        // A quotient of 130 bits or more: its last bit says whether anything is below, which is far from any tie.
-        let up = 130 + den.bit_len();
-        let (n, one) = (num << up, UBig::ONE);
-        let (quotient, rest) = (&n / den, &n % den);
-        let quotient = if rest == UBig::ZERO { quotient } else { quotient | &one };
-        let cut = quotient.bit_len() - 64;
-        let (floor, rest, half) = (&quotient >> cut, &quotient % (&one << cut), &one << (cut - 1));
-        let is_odd = &floor % UBig::from(2u8) == one;
-        let rounded = if rest > half || (rest == half && is_odd) { floor + one } else { floor };
-        let shift = shift + up as i32 - cut as i32;
-        match u64::try_from(&rounded) {
-            Ok(mantissa) => FxFactor { mantissa, shift },
-            Err(_) => FxFactor { mantissa: 1 << 63, shift: shift - 1 },
-        }
-    }
-
-    /// Mantissas next to the ends of their range, with long runs of zeros, and any.
-    fn mantissa() -> impl Strategy<Value = u64> {
-        let ends = (0u64..5, any::<bool>()).prop_map(|(off, low)| if low { (1 << 63) + off } else { u64::MAX - off });
-        let short = (any::<u64>(), 0u32..63).prop_map(|(word, k)| word >> k << k);
-        prop_oneof![any::<u64>(), ends, short].prop_map(|word| word | 1 << 63)
-    }
-
-    fn factor() -> impl Strategy<Value = FxFactor> {
-        (mantissa(), -200i32..200).prop_map(|(mantissa, shift)| FxFactor { mantissa, shift })
-    }
-
-    proptest! {
-        #![proptest_config(ProptestConfig::with_cases(if cfg!(debug_assertions) { 2_000 } else { 50_000 }))]
-
-        #[test]
-        fn values_round_to_nearest_and_ties_to_even(mantissa in mantissa(), below: u64, tie in 0u8..4, cut in 0u32..128) {
-            let below = [below, 1 << 63, (1 << 63) - 1, (1 << 63) + 1][usize::from(tie)];
-            let value = (u128::from(mantissa) << 64 | u128::from(below)) >> cut;
-            prop_assert_eq!(FxFactor::new(value, 7), nearest(&UBig::from(value), &UBig::ONE, 7));
-        }
-
-        /// At a tie, and beside it by one of the bits below.
-        #[test]
-        fn quotients_of_256_bits_round_to_nearest_and_ties_to_even(
-            mantissa in mantissa(),
-            divisor in prop_oneof![Just(1), Just(12), 1..u32::MAX],
-            up in 0usize..=126,
-            bit in 0usize..=126,
-            beside in 0u8..3,
-        ) {
-            let tie = ((UBig::from(mantissa) * 2u8 + UBig::ONE) * divisor) << up;
-            let bit = UBig::ONE << bit.min(up);
-            let value = tie + &bit * beside - bit;
-            let low = &value & &((UBig::ONE << 128) - UBig::ONE);
-            let [high, low] = [&value >> 128, low].map(|half| u128::try_from(half).expect("128 bits"));
-            let exact = nearest(&value, &UBig::from(divisor), 5);
-            prop_assert_eq!(FxFactor::from_256(high, low, divisor, 5), exact);
-        }
-
-        #[test]
-        fn products_and_quotients_round_to_nearest_and_ties_to_even(a in factor(), b in factor()) {
-            let (m, n) = (UBig::from(a.mantissa), UBig::from(b.mantissa));
-            prop_assert_eq!(a.times(b), nearest(&(&m * &n), &UBig::ONE, a.shift + b.shift));
-            prop_assert_eq!(a.over(b), nearest(&m, &n, a.shift - b.shift));
-            prop_assert_eq!(a.over(a), FxFactor::ONE);
-        }
-    }
-
-    #[test]
-    fn zero_times_and_over_anything_is_zero() {
-        let (zero, large) = (FxFactor::ZERO, FxFactor::new(u128::MAX, 3));
-        assert_eq!([zero.times(large), large.times(zero), zero.times(zero), zero.over(large)], [zero; 4]);
-    }
-
-    #[test]
-    fn quotients_next_to_one_do_not_carry() {
-        for (a, b) in
-            [(u64::MAX - 1, u64::MAX), (u64::MAX, u64::MAX - 1), (1 << 63, (1 << 63) + 1), (u64::MAX, 1 << 63)]
-        {
-            let quotient = FxFactor { mantissa: a, shift: 0 }.over(FxFactor { mantissa: b, shift: 0 });
-            assert_eq!(quotient, nearest(&UBig::from(a), &UBig::from(b), 0), "{a} / {b}");
-        }
-    }
-}
+mod tests;

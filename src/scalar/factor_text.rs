@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 use core::str::FromStr;
 
 use super::factor::FxFactor;
-use super::fx::{Decimal, ParseFxError};
+use crate::fx::{Decimal, ParseFxError};
 
 /// Values from 10^-60 to below 10^60 are read; beyond there is no quantity of the engine's.
 const REACH: i64 = 60;
@@ -17,7 +17,7 @@ const DIGITS: usize = 330;
 impl FxFactor {
     /// The factor nearest to a decimal number of at least zero, ties to even, rounded once to 64 significant bits.
     ///
-    /// The grammar is that of [`Fx::parse`](super::fx::Fx::parse). *Domain* 0, or 10^-60 to below 10^60.
+    /// The grammar is that of [`Fx::parse`](crate::Fx::parse). *Domain* 0, or 10^-60 to below 10^60.
     ///
     /// # Errors
     /// [`ParseFxError`] says whether there is no text, where it stops being a number, or that the value is negative or
@@ -62,9 +62,17 @@ impl FxFactor {
         Ok(quotient(numerator, denominator))
     }
 
-    /// All its digits, as `Fx` is written; 16,384 after the point at most.
-    #[cfg_attr(not(feature = "scene"), allow(dead_code, reason = "only scenes are written in decimals"))]
-    pub(crate) fn to_decimal(self) -> String {
+    /// The exact value as a decimal number, at most 16,384 digits after the point. [`parse`](Self::parse) reads it back within
+    /// its domain.
+    ///
+    /// ```
+    /// use umbra_physics::FxFactor;
+    /// let factor = FxFactor::parse("12.625")?;
+    /// assert_eq!((factor.to_decimal(), factor.to_string()), ("12.625".into(), "101·2^-3".into()));
+    /// # Ok::<(), umbra_physics::ParseFxError>(())
+    /// ```
+    #[must_use]
+    pub fn to_decimal(self) -> String {
         let (mantissa, shift) = self.parts();
         if mantissa == 0 {
             return "0".to_string();
@@ -176,7 +184,7 @@ impl Natural {
         self.trim();
     }
 
-    /// Subtracts `other` if it is not larger, and says whether it did.
+    /// Subtracts `other` if it is not larger; returns true if it did.
     fn take(&mut self, other: &Self) -> bool {
         let larger = self.0.len().cmp(&other.0.len()).then_with(|| self.0.iter().rev().cmp(other.0.iter().rev()));
         if larger.is_lt() {

@@ -1,104 +1,19 @@
-//! `f32` and `f64` as scalars, to compare the engine with, and floats for tools and drawing.
+//! `f32` and `f64` as scalars, to compare the engine with.
 //!
 //! None of the promises hold here: these builds show what the fixed-point one costs and gains. Every type beside the
-//! scalar is the float itself, and every law the textbook's formula.
+//! scalar is the float itself, and every formula the textbook's.
 
 use core::cmp::Ordering;
 
-use super::accumulator::FxAccumulator;
-use super::factor::FxFactor;
-use super::fx::Fx;
-use super::turn::Turn;
-use super::wide::FxWide;
-use super::{
-    Accumulator, Angle, AreaMoments, Factor, KICK_LOG2, Number, Offset, Scalar, Span, SpringConstants, Sum,
-    TRANSIENT_SPEED_LOG2, Weight, Wide,
-};
-
-/// The double nearest to a number of the engine, for drawing, tables and studies; never back into the state.
-///
-/// ```
-/// use umbra_physics::scalar::ToF64;
-/// use umbra_physics::{Fx, Turn, fx};
-///
-/// fn draw(x: impl ToF64, y: impl ToF64) -> (f64, f64) {
-///     (x.to_f64(), y.to_f64())
-/// }
-/// assert_eq!(draw(fx!(-2.5), fx!(0.25)), (-2.5, 0.25));
-/// assert_eq!(fx!(0.1).to_f32(), 0.1); // for drawing
-/// assert_eq!(Turn::QUARTER.to_f64(), std::f64::consts::FRAC_PI_2);
-/// // The way in is for tools alone: a level editor that writes decimals, say.
-/// assert_eq!(Fx::from_f64_for_tools(0.1), Some(fx!(0.1)));
-/// assert_eq!(Fx::from_f64_for_tools(f64::NAN), None);
-/// ```
-pub trait ToF64 {
-    /// The double nearest to it; where more than 53 bits are cut, by one rounding of what `as` does.
-    fn to_f64(self) -> f64;
-}
-
-/// 2^-32, 2^-64 and 2^-96, exactly.
-const ULP: f64 = 1.0 / 4_294_967_296.0;
-
-impl ToF64 for Fx {
-    fn to_f64(self) -> f64 {
-        self.to_bits() as f64 * ULP
-    }
-}
-
-impl ToF64 for FxAccumulator {
-    fn to_f64(self) -> f64 {
-        Accumulator::to_bits(self) as f64 * (ULP * ULP * ULP)
-    }
-}
-
-impl ToF64 for FxWide {
-    fn to_f64(self) -> f64 {
-        self.to_bits() as f64 * (ULP * ULP)
-    }
-}
-
-impl ToF64 for FxFactor {
-    fn to_f64(self) -> f64 {
-        let (mantissa, shift) = self.parts();
-        libm::scalbn(mantissa as f64, -shift)
-    }
-}
-
-/// In radians, [0, 2π).
-impl ToF64 for Turn {
-    fn to_f64(self) -> f64 {
-        Angle::to_bits(self) as f64 * (ULP * ULP) * core::f64::consts::TAU
-    }
-}
-
-impl ToF64 for f32 {
-    fn to_f64(self) -> f64 {
-        self.into()
-    }
-}
-
-impl ToF64 for f64 {
-    fn to_f64(self) -> f64 {
-        self
-    }
-}
-
-impl Fx {
-    /// The value nearest to a double, ties to even; `None` for what is no number or does not fit. For tools: a float that
-    /// gets into a simulation is a desync waiting for its machine.
-    #[must_use]
-    pub fn from_f64_for_tools(value: f64) -> Option<Self> {
-        // Scaling by a power of two is exact; below 2^63 so is the cast.
-        let ulps = libm::rint(value / ULP);
-        (libm::fabs(ulps) < 9_223_372_036_854_775_808.0).then(|| Self::from_bits(ulps as i64))
-    }
-
-    /// The single nearest to it, for drawing.
-    #[must_use]
-    pub fn to_f32(self) -> f32 {
-        self.to_bits() as f32 * ULP as f32
-    }
-}
+use super::Offset;
+use super::bulk::Bulk;
+use super::forces::{Forces, SpringConstants};
+use super::motion::{KICK_LOG2, Motion, Span, TRANSIENT_SPEED_LOG2, Weight};
+use super::number::{Accumulator, Angle, Arithmetic, Factor, Number, Scalar, Sum, Wide};
+use super::polygon::{AreaMoments, Polygons};
+use super::to_f64::ToF64;
+use crate::fx::Fx;
+use crate::math::Vec2;
 
 macro_rules! float_scalar {
     ($float:ident, $name:literal, $pow:ident, $exp:ident, $expm1:ident, $sqrt:ident, $sin:ident, $cos:ident, $fabs:ident) => {
@@ -214,7 +129,7 @@ macro_rules! float_scalar {
                 (libm::$sin(self), libm::$cos(self))
             }
             fn drift_factor(span: Span) -> $float {
-                <$float as Scalar>::seconds(span)
+                <$float as Motion<$float>>::seconds(span)
             }
             fn drifted(self, velocity: $float, drift_factor: $float, negative: bool) -> Self {
                 let passed = velocity * drift_factor;
@@ -236,9 +151,9 @@ macro_rules! float_scalar {
             fn direction(self) -> ($float, $float) {
                 (libm::$sin(self), libm::$cos(self))
             }
-            fn turn((sin, cos): ($float, $float), x: $float, y: $float) -> Option<($float, $float)> {
+            fn turn((sin, cos): ($float, $float), Vec2 { x, y }: Vec2<$float>) -> Option<Vec2<$float>> {
                 let (x, y) = (x * cos - y * sin, x * sin + y * cos);
-                (x.is_finite() && y.is_finite()).then_some((x, y))
+                (x.is_finite() && y.is_finite()).then_some(Vec2::new(x, y))
             }
             fn to_bits(self) -> u64 {
                 <$float>::to_bits(self).into()
@@ -251,7 +166,6 @@ macro_rules! float_scalar {
             type Angle = Self;
             type Wide = Self;
             type Sum = Self;
-            type DecayRate = Self;
 
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
@@ -266,6 +180,9 @@ macro_rules! float_scalar {
             fn is_finite(self) -> bool {
                 <$float>::is_finite(self)
             }
+        }
+
+        impl Arithmetic<$float> for $float {
             fn sin_cos(self) -> (Self, Self) {
                 (libm::$sin(self), libm::$cos(self))
             }
@@ -283,6 +200,11 @@ macro_rules! float_scalar {
                 let product = self * other;
                 product.is_finite().then_some(product)
             }
+        }
+
+        impl Motion<$float> for $float {
+            type DecayRate = Self;
+
             fn seconds(span: Span) -> Self {
                 let weight = match span.weight {
                     Weight::Whole => 1.0,
@@ -300,7 +222,7 @@ macro_rules! float_scalar {
                 kept
             }
             fn decay_over(kept: Self, span: Span) -> Self {
-                let seconds = Self::seconds(span);
+                let seconds = <Self as Motion<Self>>::seconds(span);
                 libm::$pow(kept, if span.is_negative() { -seconds } else { seconds })
             }
             fn drift(self, seconds: Self) -> Self {
@@ -310,6 +232,9 @@ macro_rules! float_scalar {
                 let gained = acceleration * seconds;
                 (libm::$fabs(gained) < (1u32 << KICK_LOG2) as $float).then_some(gained)
             }
+        }
+
+        impl Bulk<$float> for $float {
             fn damp_all(values: &mut [Self], kept: Self) {
                 values.iter_mut().for_each(|v| *v *= kept);
             }
@@ -321,28 +246,35 @@ macro_rules! float_scalar {
                     *angle = if whole { turned } else { Self::from_radians(turned) };
                 }
             }
-            fn attraction(mu: Self, (x, y): Offset<Self>, softening: Self) -> Option<Offset<Self>> {
+        }
+
+        impl Forces<$float> for $float {
+            fn attraction(mu: Self, Vec2 { x, y }: Offset<Self>, softening: Self) -> Option<Offset<Self>> {
                 let square = x * x + y * y + softening * softening;
                 if square == 0.0 {
-                    return Some((0.0, 0.0));
+                    return Some(Vec2::new(0.0, 0.0));
                 }
                 let share = mu / (square * libm::$sqrt(square));
                 let (x, y) = (x * share, y * share);
-                (x.is_finite() && y.is_finite()).then_some((x, y))
+                (x.is_finite() && y.is_finite()).then_some(Vec2::new(x, y))
             }
-            fn tension((x, y): Offset<Self>, v: Offset<Self>, spring: &SpringConstants<Self>) -> Option<Offset<Self>> {
+            fn tension(
+                Vec2 { x, y }: Offset<Self>,
+                v: Offset<Self>,
+                spring: &SpringConstants<Self>,
+            ) -> Option<Offset<Self>> {
                 let length = libm::$sqrt(x * x + y * y);
                 if length == 0.0 {
-                    return Some((0.0, 0.0));
+                    return Some(Vec2::new(0.0, 0.0));
                 }
                 let (x, y) = (x / length, y / length);
-                let force = spring.stiffness * (length - spring.rest) + spring.damping * (x * v.0 + y * v.1);
-                force.is_finite().then_some((force * x, force * y))
+                let force = spring.stiffness * (length - spring.rest) + spring.damping * (x * v.x + y * v.y);
+                force.is_finite().then_some(Vec2::new(force * x, force * y))
             }
-            fn length((x, y): Offset<Self>, third: Self) -> Self {
+            fn length(Vec2 { x, y }: Offset<Self>, third: Self) -> Self {
                 libm::$sqrt(x * x + y * y + third * third)
             }
-            fn reaches(self, (x, y): Offset<Self>) -> bool {
+            fn reaches(self, Vec2 { x, y }: Offset<Self>) -> bool {
                 self >= 0.0 && x * x + y * y <= self * self
             }
             fn drag(speed: Self, alpha: Self, beta: Self, seconds: Self, negative: bool) -> Option<Self> {
@@ -353,25 +285,28 @@ macro_rules! float_scalar {
                 let left = libm::$exp(-z) / if negative { slowed.max(0.25) } else { slowed };
                 left.is_finite().then_some(left)
             }
-            fn polygon_moments(corners: &[(Self, Self)]) -> Option<AreaMoments<Self>> {
+        }
+
+        impl Polygons<$float> for $float {
+            fn polygon_moments(corners: &[Vec2<Self>]) -> Option<AreaMoments<Self>> {
                 let (mut twice, mut first, mut second) = (0.0, (0.0, 0.0), 0.0);
                 for (i, p) in corners.iter().enumerate() {
                     let q = corners[(i + 1) % corners.len()];
-                    let cross = p.0 * q.1 - q.0 * p.1;
+                    let cross = p.x * q.y - q.x * p.y;
                     twice += cross;
-                    first = (first.0 + (p.0 + q.0) * cross, first.1 + (p.1 + q.1) * cross);
+                    first = (first.0 + (p.x + q.x) * cross, first.1 + (p.y + q.y) * cross);
                     let squares = |p: Self, q: Self| p * p + p * q + q * q;
-                    second += (squares(p.0, q.0) + squares(p.1, q.1)) * cross;
+                    second += (squares(p.x, q.x) + squares(p.y, q.y)) * cross;
                 }
                 (twice != 0.0).then(|| {
                     let area = libm::$fabs(twice) / 2.0;
-                    let centroid = (first.0 / (3.0 * twice), first.1 / (3.0 * twice));
-                    let out = centroid.0 * centroid.0 + centroid.1 * centroid.1;
+                    let centroid = Vec2::new(first.0 / (3.0 * twice), first.1 / (3.0 * twice));
+                    let out = centroid.x * centroid.x + centroid.y * centroid.y;
                     AreaMoments { area, centroid, second: libm::$fabs(second) / 12.0 - area * out }
                 })
             }
-            fn orientation(a: (Self, Self), b: (Self, Self), c: (Self, Self)) -> Ordering {
-                let (left, right) = ((b.0 - a.0) * (c.1 - a.1), (b.1 - a.1) * (c.0 - a.0));
+            fn orientation(a: Vec2<Self>, b: Vec2<Self>, c: Vec2<Self>) -> Ordering {
+                let (left, right) = ((b.x - a.x) * (c.y - a.y), (b.y - a.y) * (c.x - a.x));
                 left.partial_cmp(&right).unwrap_or(Ordering::Equal)
             }
             fn weighted_mean(weights: &[Self], values: &[Self]) -> Option<Self> {

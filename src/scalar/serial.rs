@@ -1,4 +1,4 @@
-//! Numbers in files, but for `Fx`: their exact decimal text where people read, their bits where they do not.
+//! Serde of the numbers beside `Fx`: exact decimal text in readable formats, bits in binary ones.
 
 use alloc::borrow::Cow;
 use core::fmt;
@@ -6,10 +6,11 @@ use core::fmt;
 use serde::de::{Deserialize, Deserializer, Error};
 use serde::ser::{Serialize, Serializer};
 
+use super::accumulator::FxAccumulator;
 use super::factor::FxFactor;
+use super::number::Number;
 use super::turn::Turn;
 use super::wide::{FxSum, FxWide};
-use super::{FxAccumulator, Number};
 
 /// The multiple of 2^-fraction that a text is, if it is one to the last bit. *Domain* fraction <= 96.
 fn parse(text: &str, fraction: u32) -> Option<i128> {
@@ -60,7 +61,7 @@ fn deserialize<'de, D: Deserializer<'de>>(deserializer: D, fraction: u32) -> Res
     parse(&text, fraction).ok_or_else(malformed)
 }
 
-/// Borrowed where the format can lend it.
+/// Text, borrowed where the format can lend it.
 #[derive(serde::Deserialize)]
 struct Text<'t>(#[serde(borrow)] Cow<'t, str>);
 
@@ -88,7 +89,7 @@ impl<'de> Deserialize<'de> for FxWide {
     }
 }
 
-/// In turns.
+/// The angle in turns, in readable formats.
 impl Serialize for Turn {
     fn serialize<W: Serializer>(&self, serializer: W) -> Result<W::Ok, W::Error> {
         if serializer.is_human_readable() { serializer.collect_str(self) } else { serializer.serialize_u64(self.0) }
@@ -129,7 +130,7 @@ impl<'de> Deserialize<'de> for FxFactor {
     }
 }
 
-/// In units of 2^-64, modulo 2^128, and how often it went round.
+/// A sum in units of 2^-64, modulo 2^128, and how often it wrapped.
 #[derive(serde::Serialize, serde::Deserialize)]
 #[serde(rename = "FxSum", deny_unknown_fields)]
 struct Carried {

@@ -4,19 +4,21 @@ use core::fmt;
 
 use super::decimal;
 use super::factor::FxFactor;
-use super::fx::Fx;
-use super::{Number, Sum, Wide};
+use super::number::{Number, Sum, Wide, inherent};
+use crate::fx::Fx;
 use crate::kernel::round::shr_round;
 use crate::kernel::wide::{mul_shift, shift_round_256};
 
 /// A multiple of 2^-64 up to ±2^63: the exact product of two [`Fx`].
 ///
 /// ```
-/// use umbra_physics::scalar::Scalar as _;
-/// use umbra_physics::{FxWide, fx};
+/// use umbra_physics::{FxFactor, FxWide, fx};
 ///
-/// let product: FxWide = fx!(1.5).product(fx!(-0.1)); // exactly, of 0.1 as it is here
+/// let product = fx!(1.5).wide_mul(fx!(-0.1)); // exactly, of 0.1 as it is here
 /// assert_eq!(product.to_string(), "-0.15000000013969838619232177734375");
+/// assert_eq!((product.to_scalar(), product.is_negative()), (Some(fx!(-0.15)), true));
+/// let force = FxWide::from(fx!(2)).times(FxFactor::from_ratio(1, 4)).and_then(|half| half.plus(fx!(1).into()));
+/// assert_eq!((force.map(FxWide::negated), FxWide::from_factor(3.into(), true)), (Some(fx!(-1.5).into()), Some(fx!(-3).into())));
 /// assert_eq!(FxWide::from_bits(product.to_bits()), product);
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -38,7 +40,7 @@ impl FxWide {
         self.0
     }
 
-    /// In ulps of `Fx`, to nearest, ties to even.
+    /// The value in ulps of `Fx`, rounded to nearest, ties to even.
     #[inline]
     pub(crate) const fn ulps(self) -> i128 {
         shr_round(self.0, 32)
@@ -61,53 +63,87 @@ impl Number for FxWide {
     }
 }
 
-impl Wide<Fx> for FxWide {
+impl FxWide {
+    /// The same value, exactly.
+    #[must_use]
     #[inline]
-    fn from_scalar(value: Fx) -> Self {
+    pub fn from_scalar(value: Fx) -> Self {
         Self(i128::from(value.to_bits()) << 32)
     }
 
-    fn from_factor(magnitude: FxFactor, negative: bool) -> Option<Self> {
+    /// The value nearest to plus or minus `magnitude`; `None` if it does not fit. *Error* ½ of 2^-64.
+    #[must_use]
+    pub fn from_factor(magnitude: FxFactor, negative: bool) -> Option<Self> {
         let (mantissa, shift) = magnitude.parts();
         let bits = i128::try_from(shift_round_256(0, u128::from(mantissa), shift - 64)?).ok()?;
         Some(Self(if negative { -bits } else { bits }))
     }
 
+    /// The nearest [`Fx`], ties to even; `None` if it does not fit. *Error* ½ ulp.
+    #[must_use]
     #[inline]
-    fn to_scalar(self) -> Option<Fx> {
+    pub fn to_scalar(self) -> Option<Fx> {
         i64::try_from(self.ulps()).ok().map(Fx::from_bits)
     }
 
+    /// The sum, exactly; `None` if it does not fit.
+    #[must_use]
     #[inline]
-    fn plus(self, other: Self) -> Option<Self> {
+    pub fn plus(self, other: Self) -> Option<Self> {
         self.0.checked_add(other.0).map(Self)
     }
 
+    /// The negative, exactly.
+    #[must_use]
     #[inline]
-    fn negated(self) -> Self {
+    pub fn negated(self) -> Self {
         // i128::MIN is −2^63 exactly; nothing the engine makes reaches it, and staying there is no worse than wrapping.
         Self(self.0.saturating_neg())
     }
 
+    /// The product, rounded to nearest, ties to even; `None` if it does not fit. *Error* ½ of 2^-64.
+    #[must_use]
     #[inline]
-    fn times(self, factor: FxFactor) -> Option<Self> {
+    pub fn times(self, factor: FxFactor) -> Option<Self> {
         let (mantissa, shift) = factor.parts();
         mul_shift(self.0, u128::from(mantissa), shift).map(Self)
     }
 
+    /// Returns true below zero.
+    #[must_use]
     #[inline]
-    fn is_negative(self) -> bool {
+    pub const fn is_negative(self) -> bool {
         self.0 < 0
     }
 }
 
-/// A sum of wide values modulo 2^64, and how often it went round.
+impl From<Fx> for FxWide {
+    /// The same value, exactly.
+    #[inline]
+    fn from(value: Fx) -> Self {
+        Self::from_scalar(value)
+    }
+}
+
+impl Wide<Fx> for FxWide {
+    inherent! {
+        fn from_scalar(value: Fx) -> Self;
+        fn from_factor(magnitude: FxFactor, negative: bool) -> Option<Self>;
+        fn to_scalar(self: Self) -> Option<Fx>;
+        fn plus(self: Self, other: Self) -> Option<Self>;
+        fn negated(self: Self) -> Self;
+        fn times(self: Self, factor: FxFactor) -> Option<Self>;
+        fn is_negative(self: Self) -> bool;
+    }
+}
+
+/// A sum of wide values modulo 2^64, and how often it wrapped.
 ///
 /// ```
 /// use umbra_physics::FxWide;
-/// use umbra_physics::scalar::{FxSum, Sum as _};
+/// use umbra_physics::scalar::FxSum;
 ///
-/// // More than fits on the way, in whatever order: the total is what counts.
+/// // A partial sum may be more than fits: only the total has to fit.
 /// let mut sum = FxSum::default();
 /// for bits in [i128::MAX, i128::MAX, 5, i128::MIN, i128::MIN + 2] {
 ///     sum.add(FxWide::from_bits(bits));
@@ -120,9 +156,10 @@ pub struct FxSum {
     carries: i64,
 }
 
-impl Sum<Fx> for FxSum {
+impl FxSum {
+    /// Adds a term, exactly.
     #[inline]
-    fn add(&mut self, term: FxWide) {
+    pub fn add(&mut self, term: FxWide) {
         let (low, wrapped) = self.low.overflowing_add(term.0);
         self.low = low;
         // A wrap goes the way of the term's sign, and 2^63 of them are never reached. The pair is one integer of 192
@@ -130,9 +167,18 @@ impl Sum<Fx> for FxSum {
         self.carries = self.carries.wrapping_add(if wrapped { if term.0 < 0 { -1 } else { 1 } } else { 0 });
     }
 
+    /// The total, exactly; `None` if it does not fit in an [`FxWide`].
     #[inline]
-    fn total(self) -> Option<FxWide> {
+    #[must_use]
+    pub fn total(self) -> Option<FxWide> {
         (self.carries == 0).then_some(FxWide(self.low))
+    }
+}
+
+impl Sum<Fx> for FxSum {
+    inherent! {
+        fn add(self: &mut Self, term: FxWide);
+        fn total(self: Self) -> Option<FxWide>;
     }
 }
 
@@ -151,7 +197,7 @@ impl Number for FxSum {
     }
 }
 
-/// Its total as an exact decimal, or that it does not fit.
+/// The total as an exact decimal, or a note that it does not fit.
 impl fmt::Display for FxSum {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.total() {

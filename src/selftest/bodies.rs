@@ -6,12 +6,12 @@ use super::trial::{Played, Trial, add_all, bits, exact, happened, near_fx, near_
 use crate::body::{Activity, BodyDef, BodyKind, Mass};
 use crate::error::{Cause, Error, Fault};
 use crate::force::{Attachment, End, FieldKind};
-use crate::handle::BodyId;
 use crate::limits;
 use crate::math::{Vec2, vec2};
 use crate::scalar::fx::{Fx, fx};
-use crate::scalar::{Factor as _, FxFactor, SpringConstants};
+use crate::scalar::{FxFactor, SpringConstants};
 use crate::shape::{Part, Shape};
+use crate::slots::BodyId;
 use crate::world::{ApplyOptions, ForceOrImpulse, Frame, World, WorldDef};
 
 /// Shapes and their I/m, m².

@@ -7,12 +7,12 @@ use super::trial::{Numbers, Played, Trial, add_all, exact, happened, refused, sa
 use crate::body::{BodyDef, BodyKind, Mass};
 use crate::error::Error;
 use crate::force::{Attachment, End, FieldKind, ForceField, Region};
-use crate::handle::{BodyId, FieldId};
 use crate::integrate::Integrator;
 use crate::math::{TimeStep, Vec2, vec2};
 use crate::scalar::fx::{Fx, fx};
-use crate::scalar::{Factor as _, FxFactor, SpringConstants};
+use crate::scalar::{FxFactor, SpringConstants};
 use crate::shape::Shape;
+use crate::slots::{BodyId, FieldId};
 use crate::world::{ApplyOptions, Command, Created, ForceOrImpulse, World, WorldDef};
 
 pub(super) fn recycling(trial: &mut Trial) -> Played {

@@ -7,7 +7,7 @@ use crate::force::{Attachment, End, FieldKind};
 use crate::limits;
 use crate::math::{TimeStep, Vec2, vec2};
 use crate::scalar::fx::{Fx, fx};
-use crate::scalar::{Factor as _, FxFactor, FxWide, SpringConstants, Wide as _};
+use crate::scalar::{FxFactor, FxWide, SpringConstants};
 use crate::shape::Shape;
 use crate::world::{World, WorldDef};
 

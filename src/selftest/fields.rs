@@ -11,11 +11,11 @@ use crate::error::{Cause, Error, Fault};
 use crate::force::{
     Attachment, BodyState, CustomForce, CustomForceError, Dependence, End, FieldKind, ForceField, ForceTorque, Region,
 };
-use crate::handle::BodyId;
 use crate::integrate::Integrator;
 use crate::math::{Vec2, vec2};
 use crate::scalar::fx::{Fx, fx};
-use crate::scalar::{Accumulator as _, Angle as _, Factor as _, FxFactor, Turn, Wide as _};
+use crate::scalar::{FxFactor, Turn};
+use crate::slots::BodyId;
 use crate::world::{World, WorldDef};
 
 /// An attractor that a body carries, of so many m³/s².

@@ -5,13 +5,13 @@ use alloc::vec::Vec;
 use super::trial::{Numbers, Played, Trial, add_all, happened, same, there};
 use crate::body::{BodyDef, Mass};
 use crate::force::{Attachment, End, FieldKind};
-use crate::handle::BodyId;
 use crate::integrate::Integrator;
 use crate::math::{Random, vec2};
 use crate::replay::{Dump, HashTree, RecordOptions, Recorder, Replay, Snapshot};
 use crate::scalar::SpringConstants;
 use crate::scalar::fx::{Fx, fx};
 use crate::shape::Shape;
+use crate::slots::BodyId;
 use crate::world::{Command, Input, Inputs, World, WorldDef};
 
 /// Bodies of every shape on springs between each other, one that sleeps, a generator and a blob.

@@ -10,7 +10,7 @@ use crate::integrate::Integrator;
 use crate::limits;
 use crate::math::{TimeStep, Vec2, vec2};
 use crate::scalar::fx::{Fx, fx};
-use crate::scalar::{Accumulator as _, Angle as _, FxAccumulator, SpringConstants, Turn};
+use crate::scalar::{FxAccumulator, SpringConstants, Turn};
 use crate::world::{World, WorldDef};
 
 fn along<T>(locked: bool, still: T, moved: T) -> T {

@@ -10,7 +10,7 @@ use crate::force::{Attachment, End, FieldKind};
 use crate::integrate::Integrator;
 use crate::math::{Elapsed, TimeStep, Vec2, vec2};
 use crate::scalar::fx::{Fx, fx};
-use crate::scalar::{Accumulator as _, Angle as _, Factor as _, FxFactor, FxWide, Turn, Wide as _};
+use crate::scalar::{FxFactor, FxWide, Turn};
 use crate::world::{World, WorldDef};
 
 pub(super) fn free_fall(trial: &mut Trial) -> Played {

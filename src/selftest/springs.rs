@@ -5,10 +5,10 @@ use alloc::vec::Vec;
 use super::trial::{Played, Trial, add_all, exact, happened, near_fx, near_wide, same};
 use crate::body::{BodyDef, Mass};
 use crate::force::{Attachment, End, FieldKind};
-use crate::handle::BodyId;
 use crate::math::{Vec2, vec2};
 use crate::scalar::fx::{Fx, fx};
-use crate::scalar::{Accumulator as _, SpringConstants};
+use crate::scalar::{FxAccumulator, SpringConstants};
+use crate::slots::BodyId;
 use crate::world::{World, WorldDef};
 
 /// Verlet's x(n+1) − 2·x(n) + x(n−1) = −(ω·h)²·x(n) is cos(n·φ) with cos φ = 1 − (ω·h)²/2: sixty degrees for ω·h = 1.
@@ -101,7 +101,7 @@ pub(super) fn net(trial: &mut Trial) -> Played {
         for row in 0..SIDE {
             for column in 0..SIDE / 2 {
                 let (left, right) = (world.body(id(column, row))?, world.body(id(SIDE - 1 - column, row))?);
-                let mirrored = |v: Vec2<_>| Vec2::new(crate::scalar::Accumulator::negated(v.x), v.y);
+                let mirrored = |v: Vec2<FxAccumulator>| Vec2::new(v.x.negated(), v.y);
                 same("place in the mirror", &left.position_exact(), &mirrored(right.position_exact()))?;
                 same("velocity in the mirror", &left.velocity_exact(), &mirrored(right.velocity_exact()))?;
             }

@@ -6,9 +6,9 @@ use super::{Outcome, Problem};
 use crate::body::BodyDef;
 use crate::codec::{Encoder as _, StateHasher, Write as _};
 use crate::error::Error;
-use crate::handle::BodyId;
 use crate::math::{TimeStep, Vec2};
-use crate::scalar::{Accumulator as _, Angle as _, FxAccumulator, FxWide, Turn, fx::Fx};
+use crate::scalar::{FxAccumulator, FxWide, Turn, fx::Fx};
+use crate::slots::BodyId;
 use crate::world::{World, WorldDef};
 
 pub(super) type Played = Result<(), Problem>;

@@ -4,6 +4,7 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::cmp::Ordering;
 
+use super::outline::outlines;
 use super::{Geometry, Part, Shape, mass};
 use crate::codec::StateHasher;
 use crate::error::{Error, Quantity};
@@ -29,7 +30,8 @@ fn check_point<S: Scalar>(point: Vec2<S>) -> Result<(), Error> {
 
 impl<S: Scalar> Shape<S> {
     fn of(geometry: Geometry<S>, shift: Vec2<S>, measure: S::Factor, gyration: S::Factor) -> Self {
-        let shape = Self { geometry, shift, measure, gyration, digest: 0 };
+        let outlines = outlines(&geometry);
+        let shape = Self { geometry, shift, measure, gyration, outlines, digest: 0 };
         Self { digest: StateHasher::of(&shape), ..shape }
     }
 
@@ -82,7 +84,7 @@ impl<S: Scalar> Shape<S> {
         let middle = |p: S, q: S| S::weighted_mean(&even, &[p, q]).unwrap_or(S::ZERO);
         let shift = Vec2::new(middle(a.x, b.x), middle(a.y, b.y));
         let ends = [a - shift, b - shift];
-        let length = (b - a).length();
+        let length = (b - a).wide_length();
         if length < S::Factor::from_scalar(S::from_fx(SIZE_MIN)) {
             return Err(Error::OutOfRange { quantity: Quantity::Size });
         }
@@ -103,17 +105,15 @@ impl<S: Scalar> Shape<S> {
         }
         corners.iter().try_for_each(|&corner| check_point(corner))?;
         let winding = check_convex(corners)?;
-        let pairs: Vec<(S, S)> = corners.iter().map(|&c| c.into()).collect();
         // Convex with three corners or more: its area is not zero.
-        let given = S::polygon_moments(&pairs).ok_or(Error::NotConvex { corner: 0 })?;
-        let shift = Vec2::from(given.centroid);
+        let given = S::polygon_moments(corners).ok_or(Error::NotConvex { corner: 0 })?;
+        let shift = given.centroid;
         let mut centred: Vec<Vec2<S>> = corners.iter().map(|&c| c - shift).collect();
         if winding == Ordering::Less {
             centred.reverse();
         }
         check_extent(&centred)?;
-        let pairs: Vec<(S, S)> = centred.iter().map(|&c| c.into()).collect();
-        let moments = S::polygon_moments(&pairs).ok_or(Error::NotConvex { corner: 0 })?;
+        let moments = S::polygon_moments(&centred).ok_or(Error::NotConvex { corner: 0 })?;
         let gyration = moments.second.over(moments.area);
         Ok(Self::of(Geometry::Polygon { corners: centred.into() }, shift, moments.area, gyration))
     }
@@ -153,16 +153,16 @@ impl<S: Scalar> Shape<S> {
 /// The way the corners turn, the same at each of them, and once around in all.
 fn check_convex<S: Scalar>(corners: &[Vec2<S>]) -> Result<Ordering, Error> {
     let n = corners.len();
-    let pair = |i: usize| <(S, S)>::from(corners[i % n]);
-    let winding = S::orientation(pair(n - 1), pair(0), pair(1));
+    let corner = |i: usize| corners[i % n];
+    let winding = S::orientation(corner(n - 1), corner(0), corner(1));
     for i in 0..n {
-        let turn = S::orientation(pair(i + n - 1), pair(i), pair(i + 1));
+        let turn = S::orientation(corner(i + n - 1), corner(i), corner(i + 1));
         if turn == Ordering::Equal || turn != winding {
             return Err(Error::NotConvex { corner: i });
         }
         // A star turns one way throughout as well, but goes round twice: then a corner is behind the first edge, or the
         // fan of triangles from the first corner folds back.
-        let behind = |p: usize, q: usize| S::orientation(pair(0), pair(p), pair(q)) != winding;
+        let behind = |p: usize, q: usize| S::orientation(corner(0), corner(p), corner(q)) != winding;
         if i >= 2 && (behind(1, i) || behind(i - 1, i)) {
             return Err(Error::NotConvex { corner: i });
         }

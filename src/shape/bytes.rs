@@ -1,8 +1,8 @@
-//! Shapes as bytes: in the coordinates they were given in, from which making them again gives the same shape to the bit.
+//! Shapes as bytes. A shape is written in the coordinates that it was made from, so that reading makes the same shape to
+//! the bit.
 //!
-//! What was given is what is kept plus the shift, exactly: both are multiples of an ulp and small. A polygon is kept, and so
-//! written, counter-clockwise and from any corner on; neither changes a bit of what is made from it. Read clockwise it would
-//! have a second encoding, and is refused.
+//! The given coordinates are the kept ones plus the shift, exactly: both are multiples of an ulp and small. A polygon is
+//! kept and written counter-clockwise. A clockwise polygon would be a second encoding of the same shape, and is refused.
 
 use alloc::vec::Vec;
 
@@ -95,7 +95,7 @@ fn read(reader: &mut Reader<'_>, may_be_compound: bool) -> Result<Shape<Fx>, Mal
     made.map_err(|_: Error| malformed)
 }
 
-/// A polygon, if there is one with these corners in this order.
+/// Reads a polygon. Refuses corners in clockwise order.
 fn read_polygon(reader: &mut Reader<'_>) -> Result<Result<Shape<Fx>, Error>, Malformed> {
     let malformed = reader.malformed("the corners of a polygon, counter-clockwise");
     let corners = many(reader, CORNERS, 16, Vec2::read)?;

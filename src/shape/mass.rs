@@ -1,10 +1,10 @@
-//! Area and moment of inertia per mass, by shape. All terms but one of an ulp are positive, so nothing cancels: a few
-//! 2^-64 relative.
+//! Area and moment of inertia per mass, by shape. All terms are positive but one of an ulp, so nothing cancels: the error
+//! is a few 2^-64, relative.
 //!
 //! *Source* uniform density; the half disc's centroid is 4r/3π from its diameter; compounds by the parallel-axis theorem.
 
 use super::Part;
-use crate::scalar::{Factor, Scalar, Wide};
+use crate::scalar::{Factor, Scalar};
 
 fn ratio<S: Scalar>(num: u64, den: u64) -> S::Factor {
     S::Factor::from_ratio(num, den)
@@ -51,7 +51,7 @@ pub(super) fn segment<S: Scalar>(length: S::Factor) -> (S::Factor, S::Factor) {
 pub(super) fn compound<S: Scalar>(parts: &[Part<S>], weights: &[S::Factor]) -> (S::Factor, S::Factor) {
     let (mut total, mut inertia) = (S::Factor::ZERO, S::Factor::ZERO);
     for (part, &weight) in parts.iter().zip(weights) {
-        let away = S::length((S::Wide::from_scalar(part.position.x), S::Wide::from_scalar(part.position.y)), S::ZERO);
+        let away = part.position.wide_length();
         total = total.plus(weight);
         inertia = inertia.plus(weight.times(part.shape.gyration.plus(away.times(away))));
     }

@@ -1,15 +1,22 @@
-//! Shapes and the mass properties that follow from them.
+//! Shapes, their mass properties, and their outlines.
 //!
-//! A shape is re-centred when it is made: its coordinates are relative to its centre of mass, and [`Shape::shift`] says
-//! where that was in the coordinates given.
+//! A shape is re-centred when it is made: its coordinates are relative to its centre of mass. [`Shape::shift`] is the
+//! position of the centre of mass in the coordinates that were given.
 
+mod aabb;
 mod build;
 mod bytes;
 mod mass;
+mod outline;
 #[cfg(feature = "serde")]
 mod serial;
 
+pub use aabb::Aabb;
+pub use outline::Outline;
+
 use alloc::sync::Arc;
+
+use outline::Outlines;
 
 use crate::math::Vec2;
 use crate::scalar::{Scalar, fx::Fx};
@@ -19,7 +26,7 @@ use crate::scalar::{Scalar, fx::Fx};
 /// Cloning one shares its corners or parts.
 ///
 /// ```
-/// use umbra_physics::{Fx, Geometry, Part, Shape, fx, scalar::Factor as _, vec2};
+/// use umbra_physics::{Fx, Geometry, Part, Shape, fx, vec2};
 ///
 /// let rod: Shape = Shape::capsule(fx!(2), fx!(0.5))?; // 2 m between the centres of its ends
 /// let weight = Shape::rectangle(fx!(1), fx!(1))?;
@@ -49,48 +56,49 @@ pub struct Shape<S: Scalar = Fx> {
     shift: Vec2<S>,
     measure: S::Factor,
     gyration: S::Factor,
-    /// A hash of its bytes, by which worlds keep shapes that are alike once.
+    outlines: Outlines<S>,
+    /// A hash of the bytes. A world keeps equal shapes once, and finds them by it.
     digest: u64,
 }
 
-/// What a shape looks like, in coordinates relative to its centre of mass.
+/// The geometry of a shape, in coordinates relative to its centre of mass.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
 pub enum Geometry<S: Scalar = Fx> {
     /// A disc.
     Circle {
-        /// Its radius, m.
+        /// The radius, m.
         radius: S,
     },
     /// A rectangle along the axes.
     Rectangle {
-        /// Its extent along x, m.
+        /// The extent along x, m.
         width: S,
-        /// Its extent along y, m.
+        /// The extent along y, m.
         height: S,
     },
     /// A rectangle along x with half discs at its ends.
     Capsule {
-        /// Between the centres of the half discs, m.
+        /// The distance between the centres of the half discs, m.
         length: S,
-        /// Of the half discs, m.
+        /// The radius of the half discs, m.
         radius: S,
     },
     /// A convex polygon.
     Polygon {
-        /// Its corners, counter-clockwise.
+        /// The corners, counter-clockwise, m.
         #[cfg_attr(feature = "serde", serde(serialize_with = "serial::all"))]
         corners: Arc<[Vec2<S>]>,
     },
     /// A thin rod.
     Segment {
-        /// Its ends.
+        /// The ends, m.
         ends: [Vec2<S>; 2],
     },
     /// Several shapes in one.
     Compound {
-        /// Its parts, placed relative to the centre of mass of the whole.
+        /// The parts, placed relative to the centre of mass of the compound.
         #[cfg_attr(feature = "serde", serde(serialize_with = "serial::all"))]
         parts: Arc<[Part<S>]>,
     },
@@ -100,30 +108,43 @@ pub enum Geometry<S: Scalar = Fx> {
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Part<S: Scalar = Fx> {
-    /// Its shape; parts are not compounds themselves.
+    /// The shape of the part, which is no compound itself.
     pub shape: Shape<S>,
-    /// Where its centre of mass is, m.
+    /// The position of its centre of mass, m.
     pub position: Vec2<S>,
-    /// How far it is turned, rad.
+    /// The angle that it is turned by, rad.
     pub angle: S,
-    /// Its density relative to the other parts.
+    /// The density, relative to the densities of the other parts.
     pub density: S,
 }
 
 impl<S: Scalar> Shape<S> {
-    /// What it looks like.
+    /// The geometry, relative to the centre of mass.
     #[must_use]
     pub fn geometry(&self) -> &Geometry<S> {
         &self.geometry
     }
 
-    /// Where its centre of mass was in the coordinates it was given in, m; each rounded to nearest.
+    /// The convex outlines that it consists of: one for each part of a compound in their order, else one.
+    #[must_use]
+    pub fn outlines(&self) -> &[Outline<S>] {
+        self.outlines.as_slice()
+    }
+
+    /// The least box around the shape, relative to its centre of mass, as long as the shape is not turned.
+    #[must_use]
+    pub fn bounds(&self) -> Aabb<S> {
+        let first = self.outlines()[0].bounds();
+        self.outlines().iter().fold(first, |bounds, outline| bounds.union(outline.bounds()))
+    }
+
+    /// The position of the centre of mass in the coordinates that were given, m; each component is rounded to nearest.
     #[must_use]
     pub fn shift(&self) -> Vec2<S> {
         self.shift
     }
 
-    /// Its area in m²; for a segment its length in m; for a compound the sum over its parts of density times that.
+    /// The area in m²; of a segment the length in m; of a compound the sum of area times density over its parts.
     /// *Error* 2^-61 relative.
     #[must_use]
     pub fn measure(&self) -> S::Factor {
@@ -134,7 +155,7 @@ impl<S: Scalar> Shape<S> {
         self.digest
     }
 
-    /// Its moment of inertia about the centre of mass per mass, m². *Error* 2^-58 relative.
+    /// The moment of inertia about the centre of mass per mass, m². *Error* 2^-58 relative.
     #[must_use]
     pub fn gyration(&self) -> S::Factor {
         self.gyration

@@ -1,5 +1,5 @@
-//! Shapes in files: what they were made from, in the coordinates it was given in. Reading one makes it again, with all
-//! checks, so that no shape is there that could not be made.
+//! Shapes for serde. A shape is written as the arguments that it was made from; reading calls the constructor again, with
+//! all its checks.
 //!
 //! For `Fx` it is the same shape to the bit. A corner lies at its own coordinates less the shift, both within 2^13 m, so that
 //! the difference is exact, and so is the sum that is written; from the same corners the same sums follow, and the same shift.
@@ -20,7 +20,7 @@ pub(super) fn all<T: Serialize, W: Serializer>(items: &Arc<[T]>, serializer: W) 
     items.as_ref().serialize(serializer)
 }
 
-/// What a shape is made from; `P` are the parts of a compound.
+/// The arguments that a shape is made from; `P` is the type of a compound's parts.
 #[derive(serde::Serialize, serde::Deserialize)]
 #[serde(rename = "Shape", rename_all = "snake_case", deny_unknown_fields)]
 enum Spec<S, P> {
@@ -42,7 +42,7 @@ struct PartSpec<S> {
     density: S,
 }
 
-/// A part of what is a part itself: there is none.
+/// The type of a part's parts: a part is no compound, so there are none.
 enum NoPart {}
 
 impl Serialize for NoPart {
@@ -57,7 +57,7 @@ impl<'de> Deserialize<'de> for NoPart {
     }
 }
 
-/// What a shape was made from.
+/// The arguments that a shape was made from.
 fn spec<S: Scalar, P>(shape: &Shape<S>, part: impl Fn(&Part<S>) -> Option<P>) -> Spec<S, P> {
     let given = |point: Vec2<S>| point + shape.shift;
     match shape.geometry {

@@ -4,31 +4,33 @@ use alloc::vec::Vec;
 
 use super::march::{March, Pushed, accelerations};
 use super::{Accelerations, Context, Has, Scratch};
-use crate::body::{Acceleration, BodyInfo};
+use crate::body::{Acceleration, MassProperties};
 use crate::error::Cause;
 use crate::force::{Dependence, Load, Scene, accumulate};
 use crate::integrate::{Stage, kick_by, sum};
 use crate::math::Vec2;
-use crate::scalar::{Scalar, Sum, Wide};
+use crate::scalar::{Factor, Scalar, Sum, Wide};
 
-/// a = Σ accelerations + Σ F / m, α = Σ τ / I, none along a locked axis; `None` if a sum does not fit.
-fn acceleration<S: Scalar>(load: &Load<S>, info: &BodyInfo<S>) -> Option<Acceleration<S>> {
-    let (properties, locks) = (&info.properties, info.locks);
-    let component = |a: S::Sum, f: S::Sum, locked: bool| {
-        if locked {
+/// a = Σ accelerations + Σ F / m, α = Σ τ / I, none along a locked axis; `None` if a sum does not fit. *Domain* the body is
+/// dynamic.
+fn acceleration<S: Scalar>(load: &Load<S>, mass: &MassProperties<S>) -> Option<Acceleration<S>> {
+    let component = |a: S::Sum, f: S::Sum, inverse_mass: S::Factor| {
+        // A sum along a locked axis has no effect and may be of any size.
+        if inverse_mass.is_zero() {
             return Some(S::Wide::default());
         }
         let (a, f) = (a.total()?, f.total()?);
-        if f == S::Wide::default() { Some(a) } else { a.plus(f.times(properties.inverse_mass)?) }
+        if f == S::Wide::default() { Some(a) } else { a.plus(f.times(inverse_mass)?) }
     };
-    let torque = if locks.rotation { S::Wide::default() } else { load.torque.total()? };
+    // A torque on a body of infinite inertia has to fit.
+    let torque = if mass.locks.rotation { S::Wide::default() } else { load.torque.total()? };
     let turns = torque != S::Wide::default();
     Some(Acceleration {
         linear: Vec2::new(
-            component(load.acceleration.x, load.force.x, locks.x)?,
-            component(load.acceleration.y, load.force.y, locks.y)?,
+            component(load.acceleration.x, load.force.x, mass.axis_inverse_mass.x)?,
+            component(load.acceleration.y, load.force.y, mass.axis_inverse_mass.y)?,
         ),
-        angular: if turns { torque.times(properties.inverse_inertia)? } else { torque },
+        angular: if turns { torque.times(mass.inverse_inertia)? } else { torque },
     })
 }
 
@@ -41,7 +43,7 @@ impl<S: Scalar> Context<'_, S> {
         for row in self.applied.rows() {
             let Ok(i) = self.bodies.find(row.body) else { continue };
             let load = Load { acceleration: Vec2::default(), force: row.force, torque: row.torque };
-            pushed.push((i, acceleration(&load, self.bodies.info(i))));
+            pushed.push((i, acceleration(&load, self.bodies.mass(i))));
         }
         pushed.sort_unstable_by_key(|(i, _)| *i);
         pushed
@@ -69,7 +71,7 @@ impl<S: Scalar> Context<'_, S> {
         accumulate(scene, pass, directions, loads, &mut found.faults);
         into.clear();
         for (i, load) in loads.rows() {
-            match acceleration(load, self.bodies.info(*i)) {
+            match acceleration(load, self.bodies.mass(*i)) {
                 Some(acceleration) => into.push((*i, acceleration)),
                 None => found.faults.push((*i, Cause::Force)),
             }

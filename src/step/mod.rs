@@ -21,9 +21,9 @@ use alloc::vec::Vec;
 use crate::body::{Acceleration, BLOCK, Bodies, FactorTable, KinematicTargets, Motion, Velocities};
 use crate::error::Fault;
 use crate::force::{Applied, CustomForces, Dependence, Directions, End, FieldKind, FieldSet, Loads};
-use crate::handle::BodyId;
 use crate::integrate::{Integrator, Plan, Stage};
 use crate::scalar::Scalar;
+use crate::slots::BodyId;
 use march::{Calm, Found, March, Pushed};
 use timers::timed;
 
@@ -52,7 +52,7 @@ pub(crate) type Probe<'a, S> = dyn FnMut(&Stage, &Bodies<S>) + 'a;
 #[cfg(feature = "parallel")]
 pub(crate) const MANY: usize = 64 * BLOCK;
 
-/// `THRONG` in `tests/promises/closure.rs`, where threads are to be used: it cannot see the other one.
+/// Fewer than `THRONG` in `tests/promises/closure.rs` and in `umbra-oracles`, where threads are to be used: they cannot see `MANY`.
 #[cfg(feature = "parallel")]
 const _: () = assert!(MANY <= 8_200);
 

@@ -17,7 +17,7 @@ impl<S: Scalar> Context<'_, S> {
             if !self.bodies.activity(i).takes_part() {
                 continue;
             }
-            let locks = self.bodies.info(i).locks;
+            let locks = self.bodies.mass(i).locks;
             let motion = &mut self.bodies.columns.motion;
             let velocities = match target {
                 KinematicTarget { goal: Some(goal), .. } => {
@@ -51,7 +51,7 @@ impl<S: Scalar> Context<'_, S> {
                 target.arrived = false;
                 continue;
             };
-            let locks = self.bodies.info(i).locks;
+            let locks = self.bodies.mass(i).locks;
             let motion = &mut self.bodies.columns.motion;
             if let Ok(at) = self.scratch.stranded.binary_search_by_key(&i, |(i, _)| *i) {
                 let (velocity, angular_velocity) = self.scratch.stranded[at].1;

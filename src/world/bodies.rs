@@ -5,10 +5,10 @@ use alloc::sync::Arc;
 use super::World;
 use crate::body::{BodyDef, BodyInfo, BodyKind, Key, Locks, Mass};
 use crate::error::Error;
-use crate::handle::BodyId;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, Angle, Scalar};
 use crate::shape::Shape;
+use crate::slots::BodyId;
 
 impl<S: Scalar> World<S> {
     /// Adds a body.
@@ -160,7 +160,10 @@ impl<S: Scalar> World<S> {
     /// [`Error::NoSuchBody`]; [`Error::NoShape`]; [`Error::OutOfRange`].
     pub fn set_mass(&mut self, body: BodyId, mass: Mass<S>) -> Result<(), Error> {
         let properties = self.check_body_mass(body, mass)?;
-        self.edit(body, |info| (info.mass, info.properties) = (mass, properties))
+        let dense = self.touch(body)?;
+        let kind = self.bodies.info(dense).kind;
+        self.bodies.set_mass(dense, kind, mass, properties);
+        Ok(())
     }
 
     /// Gives a body a shape, or none; its inertia follows, and its mass if that is a density. Its centre of mass stays
@@ -187,7 +190,8 @@ impl<S: Scalar> World<S> {
         let dense = self.bodies.find(body)?;
         self.applied.forget(body);
         self.targets.forget(body);
-        self.bodies.edit(dense, |info| (info.kind, info.properties) = (kind, properties));
+        let mass = self.bodies.info(dense).mass;
+        self.bodies.set_mass(dense, kind, mass, properties);
         let dense = self.bodies.set_moving(dense, kind != BodyKind::Static);
         let motion = &mut self.bodies.columns.motion;
         if kind == BodyKind::Static {

@@ -4,15 +4,14 @@ use super::World;
 use crate::body::{Activity, BodyInfo, BodyKind, Key, Locks, Mass};
 use crate::error::Error;
 use crate::force::velocity_at;
-use crate::handle::BodyId;
 use crate::math::{Rot, Vec2};
 use crate::scalar::{Accumulator, Angle, Factor, Scalar, Wide, fx::Fx};
 use crate::shape::Shape;
+use crate::slots::BodyId;
 
 /// A look at a body.
 ///
 /// ```
-/// use umbra_physics::scalar::Factor as _;
 /// use umbra_physics::{Activity, BodyDef, BodyKind, Mass, Shape, World, WorldDef, fx, vec2};
 ///
 /// let mut world: World = World::new(WorldDef::default())?;
@@ -54,6 +53,11 @@ pub struct BodyRef<'a, S: Scalar = Fx> {
 }
 
 impl<'a, S: Scalar> BodyRef<'a, S> {
+    /// Its world, and its index in the columns.
+    pub(crate) fn parts(&self) -> (&'a World<S>, usize) {
+        (self.world, self.dense)
+    }
+
     fn info(&self) -> &'a BodyInfo<S> {
         self.world.bodies.info(self.dense)
     }
@@ -85,9 +89,8 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
     pub fn origin(&self) -> Vec2<S> {
         let Some(shape) = self.shape() else { return self.position() };
         let shift = shape.shift();
-        let turned = self.angle_exact().rotate(shift.x, shift.y);
-        let (x, y) = turned.and_then(|(x, y)| Some((x.to_scalar()?, y.to_scalar()?))).unwrap_or((S::ZERO, S::ZERO));
-        self.position() - Vec2::new(x, y)
+        let turned = self.angle_exact().rotate(shift).and_then(|v| v.try_map(S::Wide::to_scalar));
+        self.position() - turned.unwrap_or(Vec2::ZERO)
     }
 
     /// How far it is turned, rad in [0, 2π).
@@ -151,18 +154,17 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
     #[must_use]
     pub fn velocity_at(&self, point: Vec2<S>) -> Option<Vec2<S>> {
         let centre = self.position();
-        let arm = (point.x.offset(centre.x), point.y.offset(centre.y));
-        let (x, y) = velocity_at(self.velocity(), self.angular_velocity(), arm)?;
-        Some(Vec2::new(x.to_scalar()?, y.to_scalar()?))
+        let arm = Vec2::new(point.x.offset(centre.x), point.y.offset(centre.y));
+        velocity_at(self.velocity(), self.angular_velocity(), arm)?.try_map(S::Wide::to_scalar)
     }
 
     /// Where in the world a point of the body is, m; `local` is in the body's axes, from its centre of mass. `None` if a
     /// component does not fit. *Error* ½ ulp, and 2^-60 of the distance from the centre.
     #[must_use]
     pub fn world_point(&self, local: Vec2<S>) -> Option<Vec2<S>> {
-        let (centre, (x, y)) = (self.position(), self.angle_exact().rotate(local.x, local.y)?);
+        let (centre, arm) = (self.position(), self.angle_exact().rotate(local)?);
         let component = |centre: S, arm: S::Wide| S::Wide::from_scalar(centre).plus(arm)?.to_scalar();
-        Some(Vec2::new(component(centre.x, x)?, component(centre.y, y)?))
+        Some(Vec2::new(component(centre.x, arm.x)?, component(centre.y, arm.y)?))
     }
 
     /// Where a point of the world is on the body, m, in the body's axes from its centre of mass. `None` if a component, or
@@ -177,8 +179,7 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
     /// length.
     #[must_use]
     pub fn world_vector(&self, local: Vec2<S>) -> Option<Vec2<S>> {
-        let (x, y) = self.angle_exact().rotate(local.x, local.y)?;
-        Some(Vec2::new(x.to_scalar()?, y.to_scalar()?))
+        self.angle_exact().rotate(local)?.try_map(S::Wide::to_scalar)
     }
 
     /// A vector of the world in the body's axes; `None` if a component does not fit, or `y` has no opposite. *Error* ½ ulp,
@@ -187,8 +188,8 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
     pub fn local_vector(&self, world: Vec2<S>) -> Option<Vec2<S>> {
         // The other way round by the same sine and cosine: mirrored, turned, mirrored.
         let mirrored = S::ZERO.offset(world.y).to_scalar()?;
-        let (x, y) = self.angle_exact().rotate(world.x, mirrored)?;
-        Some(Vec2::new(x.to_scalar()?, y.negated().to_scalar()?))
+        let turned = self.angle_exact().rotate(Vec2::new(world.x, mirrored))?;
+        Some(Vec2::new(turned.x.to_scalar()?, turned.y.negated().to_scalar()?))
     }
 
     /// Its part of the world's [`kinetic_energy`](World::kinetic_energy), J: zero unless it is dynamic and takes part.
@@ -265,13 +266,13 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
     /// 1/m, 1/kg; zero for a body that no force moves, whatever its locks are. *Error* 2^-64 relative.
     #[must_use]
     pub fn inverse_mass(&self) -> S::Factor {
-        self.info().properties.inverse_mass
+        self.world.bodies.mass(self.dense).inverse_mass
     }
 
     /// 1/I, 1/(kg·m²); zero for a body that no torque turns, as for one whose rotation is locked. *Error* 2^-58 relative.
     #[must_use]
     pub fn inverse_inertia(&self) -> S::Factor {
-        if self.locks().rotation { S::Factor::ZERO } else { self.info().properties.inverse_inertia }
+        self.world.bodies.mass(self.dense).inverse_inertia
     }
 
     /// Its shape.
@@ -327,7 +328,7 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
     /// ```
     #[must_use]
     pub fn locks(&self) -> Locks {
-        self.info().locks
+        self.world.bodies.mass(self.dense).locks
     }
 
     /// The groups it is in.

@@ -8,9 +8,9 @@ use core::mem;
 use super::{BodyRef, StepReport, World};
 use crate::body::{Bodies, Sparse};
 use crate::error::Fault;
-use crate::handle::BodyId;
 use crate::limits;
 use crate::scalar::Scalar;
+use crate::slots::BodyId;
 
 /// Something that happened to a body over a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,18 +3,18 @@
 
 use super::{World, WorldDef, check_gravity, check_sleep_after};
 use crate::body::{
-    Activity, BodyDef, BodyInfo, BodyKind, Mass, MassProperties, Target, check_angle, check_angular_velocity,
-    check_damping, check_gravity_scale, check_max_angular_speed, check_max_speed, check_position, check_turning,
-    check_unlocked, check_velocity, mass_properties, within_envelope,
+    Activity, BodyDef, BodyKind, Mass, MassProperties, Target, check_angle, check_angular_velocity, check_damping,
+    check_gravity_scale, check_max_angular_speed, check_max_speed, check_position, check_turning, check_unlocked,
+    check_velocity, mass_properties, within_envelope,
 };
 use crate::error::{Error, Quantity};
 use crate::force::ForceField;
-use crate::handle::{BodyId, FieldId};
 use crate::integrate::{Integrator, rate};
 use crate::limits;
 use crate::math::{Elapsed, TimeStep, Vec2};
 use crate::scalar::{Angle, Scalar};
 use crate::shape::Shape;
+use crate::slots::{BodyId, FieldId};
 
 // The calls on bodies; forces and impulses are in `forces.rs`.
 impl<S: Scalar> World<S> {
@@ -36,47 +36,50 @@ impl<S: Scalar> World<S> {
     }
 
     pub(super) fn check_body_velocity(&self, body: BodyId, velocity: Vec2<S>) -> Result<(), Error> {
-        let info = self.check_movable(body)?;
+        let dense = self.check_movable(body)?;
         check_velocity(velocity)?;
-        check_unlocked(info.locks, velocity)
+        check_unlocked(self.bodies.mass(dense).locks, velocity)
     }
 
     pub(super) fn check_body_angular_velocity(&self, body: BodyId, velocity: S) -> Result<(), Error> {
-        let info = self.check_movable(body)?;
+        let dense = self.check_movable(body)?;
         check_angular_velocity(velocity)?;
-        check_turning(info.locks, velocity)
+        check_turning(self.bodies.mass(dense).locks, velocity)
     }
 
     /// The goal of a body that is sent there.
     pub(super) fn check_move(&self, body: BodyId, position: Vec2<S>, angle: S) -> Result<Target<S>, Error> {
         let dense = self.check_taking_part(body)?;
-        let info = self.bodies.info(dense);
-        if info.kind != BodyKind::Kinematic {
+        if self.bodies.info(dense).kind != BodyKind::Kinematic {
             return Err(Error::NotKinematic { body });
         }
+        let locks = self.bodies.mass(dense).locks;
         check_position(position)?;
         check_angle(angle)?;
         let goal = Target { position, angle: S::Angle::from_radians(angle) };
         let motion = &self.bodies.columns.motion;
-        goal.check_locks(motion.position.get(dense), motion.angle[dense], info.locks)?;
+        goal.check_locks(motion.position.get(dense), motion.angle[dense], locks)?;
         let too_fast = Error::OutOfRange { quantity: Quantity::Velocity };
-        goal.approach(motion, dense, info.locks, rate::<S>(self.def.time_step)).ok_or(too_fast)?;
+        goal.approach(motion, dense, locks, rate::<S>(self.def.time_step)).ok_or(too_fast)?;
         Ok(goal)
     }
 
     pub(super) fn check_body_mass(&self, body: BodyId, mass: Mass<S>) -> Result<MassProperties<S>, Error> {
-        let info = self.bodies.info(self.bodies.find(body)?);
-        mass_properties(info.kind, mass, info.shape.as_deref())
+        let dense = self.bodies.find(body)?;
+        let info = self.bodies.info(dense);
+        mass_properties(info.kind, mass, info.shape.as_deref(), self.bodies.mass(dense).locks)
     }
 
     pub(super) fn check_body_shape(&self, body: BodyId, shape: Option<&Shape<S>>) -> Result<MassProperties<S>, Error> {
-        let info = self.bodies.info(self.bodies.find(body)?);
-        mass_properties(info.kind, info.mass, shape)
+        let dense = self.bodies.find(body)?;
+        let info = self.bodies.info(dense);
+        mass_properties(info.kind, info.mass, shape, self.bodies.mass(dense).locks)
     }
 
     pub(super) fn check_body_kind(&self, body: BodyId, kind: BodyKind) -> Result<MassProperties<S>, Error> {
-        let info = self.bodies.info(self.check_taking_part(body)?);
-        mass_properties(kind, info.mass, info.shape.as_deref())
+        let dense = self.check_taking_part(body)?;
+        let info = self.bodies.info(dense);
+        mass_properties(kind, info.mass, info.shape.as_deref(), self.bodies.mass(dense).locks)
     }
 
     pub(super) fn check_body_gravity_scale(&self, body: BodyId, scale: S) -> Result<(), Error> {
@@ -142,11 +145,11 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
-    fn check_movable(&self, body: BodyId) -> Result<&BodyInfo<S>, Error> {
-        let info = self.bodies.info(self.bodies.find(body)?);
-        match info.kind {
+    fn check_movable(&self, body: BodyId) -> Result<usize, Error> {
+        let dense = self.bodies.find(body)?;
+        match self.bodies.info(dense).kind {
             BodyKind::Static => Err(Error::NotMovable { body }),
-            _ => Ok(info),
+            _ => Ok(dense),
         }
     }
 }

@@ -7,11 +7,11 @@ use crate::body::{BodyDef, BodyKind, Locks, Mass};
 use crate::codec::{Malformed, Read as _, Reader, Write as _, codec_enum};
 use crate::error::Error;
 use crate::force::ForceField;
-use crate::handle::{BodyId, FieldId};
 use crate::integrate::Integrator;
 use crate::math::{Random, TimeStep, Vec2};
 use crate::scalar::{Scalar, fx::Fx};
 use crate::shape::Shape;
+use crate::slots::{BodyId, FieldId};
 
 /// A call that changes a world, as data to send, record and replay. The methods of [`World`] of the same names say what
 /// each does and when it is refused; [`World`](World#cost) says what each costs.

@@ -3,8 +3,8 @@
 use super::World;
 use crate::error::Error;
 use crate::force::{FieldKind, ForceField};
-use crate::handle::FieldId;
 use crate::scalar::Scalar;
+use crate::slots::FieldId;
 use alloc::sync::Arc;
 
 impl<S: Scalar> World<S> {
@@ -15,11 +15,11 @@ impl<S: Scalar> World<S> {
     /// [`Error::CustomForce`] for a law that is not registered; [`Error::OutOfRange`] naming the quantity; [`Error::Full`].
     ///
     /// ```
-    /// use umbra_physics::{BodyDef, End, FxFactor, FieldKind, World, WorldDef, fx, scalar::Factor as _, vec2};
+    /// use umbra_physics::{BodyDef, End, FieldKind, World, WorldDef, fx, vec2};
     ///
     /// let mut world: World = World::new(WorldDef::default())?;
     /// let star =
-    ///     FieldKind::Attractor { centre: End::World(vec2(0, 0)), mu: FxFactor::from_ratio(100, 1), softening: fx!(1) };
+    ///     FieldKind::Attractor { centre: End::World(vec2(0, 0)), mu: 100.into(), softening: fx!(1) };
     /// let star = world.add_field(star)?; // acts on all; a `Field` says on whom
     /// world.set_field(star, FieldKind::Drag { linear: fx!(1), quadratic: fx!(0), wind: vec2(3, 0) })?;
     /// assert_eq!(world.fields().map(|(id, _)| id).collect::<Vec<_>>(), [star]);

@@ -4,10 +4,10 @@ use super::World;
 use crate::body::{Activity, BodyKind};
 use crate::codec::{self, Encoder, Malformed, Read, Reader, Write, codec_enum};
 use crate::error::{Error, Quantity};
-use crate::handle::BodyId;
 use crate::limits;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, Angle, Offset, Scalar, Wide, fx::Fx};
+use crate::slots::BodyId;
 
 /// What a vector is relative to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -258,13 +258,13 @@ impl<S: Scalar> World<S> {
             return Err(out_of(quantity));
         }
         let motion = &self.bodies.columns.motion;
-        let wide = |v: Vec2<S>| Some(v.map(S::Wide::from_scalar).into());
+        let wide = |v: Vec2<S>| Some(v.map(S::Wide::from_scalar));
         let turn = |v: Vec2<S>| match frame {
             Frame::World => wide(v),
-            Frame::Body => motion.angle[dense].rotate(v.x, v.y),
+            Frame::Body => motion.angle[dense].rotate(v),
         };
         let world: Offset<S> = turn(vector).ok_or(out_of(quantity))?;
-        let Some(point) = point else { return Ok((world.into(), S::Wide::default())) };
+        let Some(point) = point else { return Ok((world, S::Wide::default())) };
         if !point.is_finite() {
             return Err(out_of(Quantity::Position));
         }
@@ -272,29 +272,24 @@ impl<S: Scalar> World<S> {
             Frame::Body => turn(point).ok_or(out_of(Quantity::Position))?,
             Frame::World => {
                 let centre = motion.position.get(dense).map(Accumulator::value);
-                (point.x.offset(centre.x), point.y.offset(centre.y))
+                Vec2::new(point.x.offset(centre.x), point.y.offset(centre.y))
             }
         };
-        let moment = || S::torque(arm.0, world.1)?.plus(S::torque(arm.1, world.0)?.negated());
+        let moment = || S::torque(arm.x, world.y)?.plus(S::torque(arm.y, world.x)?.negated());
         // Where nothing turns the body, it has no effect, however large it is.
-        let none = self.bodies.info(dense).locks.rotation.then(S::Wide::default);
-        Ok((world.into(), moment().or(none).ok_or(out_of(Quantity::Torque))?))
+        let none = self.bodies.mass(dense).locks.rotation.then(S::Wide::default);
+        Ok((world, moment().or(none).ok_or(out_of(Quantity::Torque))?))
     }
 
     /// The velocities of a body after an impulse, if they stay within the envelope.
     fn strike(&self, dense: usize, impulse: Vec2<S::Wide>, angular: S::Wide) -> Result<Effect<S>, Error> {
         let columns = &self.bodies.columns;
-        let info = self.bodies.info(dense);
-        let (properties, locks) = (&info.properties, info.locks);
-        // Along a locked axis it has no effect, however large it is.
-        let gained = |impulse, inverse, locked: bool| {
-            if locked { Some(S::Accumulator::default()) } else { S::kick(impulse, inverse) }
-        };
-        let along =
-            |impulse, locked| gained(impulse, properties.inverse_mass, locked).ok_or(out_of(Quantity::Velocity));
-        let gained_velocity = Vec2::new(along(impulse.x, locks.x)?, along(impulse.y, locks.y)?);
-        let spun = gained(angular, properties.inverse_inertia, locks.rotation);
-        let spun = spun.ok_or(out_of(Quantity::AngularVelocity))?;
+        let mass = self.bodies.mass(dense);
+        let (along_x, along_y) = (mass.axis_inverse_mass.x, mass.axis_inverse_mass.y);
+        // A factor of zero, along a locked axis, gives no velocity, however large the impulse is.
+        let gained = |impulse, inverse_mass| S::kick(impulse, inverse_mass).ok_or(out_of(Quantity::Velocity));
+        let gained_velocity = Vec2::new(gained(impulse.x, along_x)?, gained(impulse.y, along_y)?);
+        let spun = S::kick(angular, mass.inverse_inertia).ok_or(out_of(Quantity::AngularVelocity))?;
         let old = columns.motion.velocity.get(dense);
         let velocity = Vec2::new(old.x.plus(gained_velocity.x), old.y.plus(gained_velocity.y));
         let angular_velocity = columns.motion.angular_velocity[dense].plus(spun);

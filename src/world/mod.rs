@@ -25,11 +25,11 @@ use crate::body::{Bodies, FactorTable, KinematicTargets, WorldFactors, check_dam
 use crate::codec::codec_struct;
 use crate::error::{Error, Fault, Quantity};
 use crate::force::{Applied, AppliedForce, CustomForces, FieldSet};
-use crate::handle::BodyId;
 use crate::integrate::{Integrator, Plan};
 use crate::limits;
 use crate::math::{Elapsed, Random, TimeStep, Vec2};
 use crate::scalar::{Scalar, fx::Fx};
+use crate::slots::BodyId;
 use crate::step::{Context, Probe, Scratch};
 
 pub use body_ref::BodyRef;

@@ -9,8 +9,8 @@ use super::{BodyRef, StepReport, World};
 use crate::body::BodyKind;
 use crate::error::Error;
 use crate::force::{FieldKind, ForceField};
-use crate::handle::BodyId;
 use crate::scalar::{Scalar, fx::Fx};
+use crate::slots::BodyId;
 
 /// A body and all that its future depends on, in a small world of their own.
 ///
@@ -102,7 +102,7 @@ impl<S: Scalar> World<S> {
         }
         let fields = Arc::make_mut(&mut world.fields);
         for (_, field) in self.fields.iter().filter(|(_, field)| acts_on_any(field, &company)) {
-            if let Some(field) = field.moved(|body| adopted.get(&body).copied()) {
+            if let Some(field) = field.map_bodies(|body| adopted.get(&body).copied()) {
                 fields.insert(field);
             }
         }

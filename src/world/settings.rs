@@ -91,6 +91,21 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
+    /// The laws of force that are registered, by their ids: what reading a snapshot or a replay of this world needs.
+    ///
+    /// ```
+    /// use umbra_physics::{Snapshot, World, WorldDef};
+    ///
+    /// let world: World = World::new(WorldDef::default())?;
+    /// let laws: Vec<_> = world.custom_forces().cloned().collect();
+    /// let copy = Snapshot::from_bytes(&world.snapshot().to_bytes(), &laws)?.into_world();
+    /// assert_eq!((copy.state_hash(), laws.len()), (world.state_hash(), 0));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn custom_forces(&self) -> impl Iterator<Item = &Arc<dyn CustomForce<S>>> {
+        self.custom_forces.values()
+    }
+
     /// Changes the definition and notes that what is derived from it is stale, unless nothing changes; wakes all bodies: what
     /// was too little to move one may be enough now, also over a longer step.
     fn redefine(&mut self, def: WorldDef<S>) {

@@ -113,7 +113,7 @@ impl<S: Scalar> World<S> {
         let (motion, info) = (&self.bodies.columns.motion, self.bodies.info(i));
         let (x, v) = (motion.position.get(i).map(Accumulator::value), motion.velocity.get(i).map(Accumulator::value));
         let angular_velocity = motion.angular_velocity[i].value();
-        sum.add(x.cross(v)?.times(S::Factor::from_scalar(info.kilograms()))?);
+        sum.add(x.wide_cross(v)?.times(S::Factor::from_scalar(info.kilograms()))?);
         sum.add(S::Wide::from_factor(
             info.inertia().times(S::Factor::from_scalar(angular_velocity)),
             angular_velocity < S::ZERO,

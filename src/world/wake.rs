@@ -6,8 +6,8 @@ use super::World;
 use crate::body::{Activity, BodyKind};
 use crate::error::Error;
 use crate::force::FieldKind;
-use crate::handle::BodyId;
 use crate::scalar::Scalar;
+use crate::slots::BodyId;
 
 impl<S: Scalar> World<S> {
     /// Wakes a body, and those that springs join it to.

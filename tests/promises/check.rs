@@ -6,8 +6,8 @@ use std::path::PathBuf;
 
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestCaseError, TestError, TestRunner};
-use umbra_physics::oracle::{self, Oracle, Script};
-use umbra_physics::scene::Scene;
+use umbra_oracles::{self as oracle, Oracle, Script};
+use umbra_scene::Scene;
 
 use crate::plan::Plan;
 

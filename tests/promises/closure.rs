@@ -4,7 +4,7 @@
 
 use proptest::collection::vec;
 use proptest::prelude::*;
-use umbra_physics::oracle::{Oracle, Script};
+use umbra_oracles::{Oracle, Script};
 use umbra_physics::{
     Activity, BodyDef, BodyId, Command, Created, Error, FieldKind, ForceField, Fx, FxAccumulator, Turn, Vec2, World,
     limits,

@@ -1,6 +1,6 @@
 //! P5: nothing overflows or panics. What is unfair is refused and changes nothing; who leaves the envelope is put back.
 
-use umbra_physics::oracle::Script;
+use umbra_oracles::Script;
 use umbra_physics::{Activity, BodyId, BodyRef, Fx, Vec2, World, limits};
 
 use crate::check::{Verdict, check};

@@ -3,7 +3,7 @@
 use dashu_int::UBig;
 use proptest::collection::vec;
 use proptest::prelude::*;
-use umbra_physics::oracle::Script;
+use umbra_oracles::Script;
 use umbra_physics::{BodyDef, Command, Elapsed, Error, Fx, Integrator, TimeStep, World, WorldDef, limits};
 
 use crate::check::{Verdict, check_of, config, falsified, there_is};

@@ -5,8 +5,7 @@ use std::cell::Cell;
 
 use proptest::collection::vec;
 use proptest::prelude::*;
-use umbra_physics::oracle::Script;
-use umbra_physics::scalar::{Accumulator, Factor};
+use umbra_oracles::Script;
 use umbra_physics::{
     Attachment, BodyDef, BodyId, Command, End, FieldKind, ForceField, Fx, FxFactor, Integrator, Mass, SpringConstants,
     TimeStep, Vec2, World, WorldDef, fx,
@@ -114,7 +113,7 @@ fn law(bodies: u32) -> BoxedStrategy<FieldKind> {
         3 => (attachment(), end(), between(fx!(0.5), fx!(4)))
             .prop_map(move |(near, far, stiffness)| FieldKind::Spring { near, far, spring: spring(stiffness) }),
         2 => (end(), between(fx!(0.5), fx!(6)), between(fx!(1), fx!(3))).prop_map(|(centre, mu, softening)| {
-            FieldKind::Attractor { centre, mu: <FxFactor as Factor<Fx>>::from_scalar(mu), softening }
+            FieldKind::Attractor { centre, mu: FxFactor::from_scalar(mu), softening }
         }),
         1 => (between(fx!(0), fx!(1)), vector(fx!(2)))
             .prop_map(|(linear, wind)| FieldKind::Drag { linear, quadratic: fx!(0), wind }),

@@ -4,7 +4,7 @@
 use std::collections::BTreeSet;
 
 use allocation_counter::measure;
-use umbra_physics::oracle::{Oracle, Script};
+use umbra_oracles::{Oracle, Script};
 use umbra_physics::{Activity, BodyId, BodyKind, End, FieldKind, ForceField, World};
 
 use crate::check::{Verdict, check, judge, there_is};

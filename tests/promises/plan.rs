@@ -7,8 +7,7 @@
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::strategy::Union;
-use umbra_physics::oracle::Script;
-use umbra_physics::scalar::Factor;
+use umbra_oracles::Script;
 use umbra_physics::{
     ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, Command, Created, End, FieldId, FieldKind, ForceField,
     ForceOrImpulse, Frame, Fx, FxFactor, Integrator, Locks, Mass, Part, Random, Region, Shape, SpringConstants,
@@ -358,7 +357,7 @@ impl Taste {
     pub(crate) fn field_kind(self) -> BoxedStrategy<FieldKind> {
         let number = |high| self.number(Fx::ZERO, high, Fx::ZERO, Fx::MAX);
         let mu = union(vec![
-            (100 - self.near, number(fx!(9)).prop_map(<FxFactor as Factor<Fx>>::from_scalar).boxed()),
+            (100 - self.near, number(fx!(9)).prop_map(FxFactor::from_scalar).boxed()),
             // As large as it may be.
             (self.near, Just("18446744073709551616".parse().expect("2^64")).boxed()),
         ]);

@@ -1,6 +1,6 @@
 //! P9: a run of steps that have an inverse is undone to its first bit.
 
-use umbra_physics::oracle::{Oracle, Script};
+use umbra_oracles::{Oracle, Script};
 use umbra_physics::{Activity, Error, Irreversible};
 
 use crate::check::{Verdict, check, judge, there_is};

@@ -1,9 +1,9 @@
 //! P1: the same bits, however a run is done: again, from a copy, as a file, as a scene, on more threads. Other machines and
 //! builds have the corpus (`selftest`).
 
+use umbra_oracles::{Oracle, Script};
 use umbra_physics::Fx;
-use umbra_physics::oracle::{Oracle, Script};
-use umbra_physics::scene::Scene;
+use umbra_scene::Scene;
 
 use crate::check::{Verdict, check, judge};
 use crate::plan::{FAIR, Taste};

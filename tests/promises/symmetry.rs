@@ -5,7 +5,8 @@ use std::cell::Cell;
 
 use proptest::collection::vec;
 use proptest::prelude::*;
-use umbra_physics::oracle::{Oracle, Script, Symmetry};
+use umbra_oracles::{Oracle, Script};
+use umbra_physics::Symmetry;
 use umbra_physics::{
     Activity, ApplyOptions, BodyDef, BodyId, Command, End, Event, FieldKind, ForceField, ForceOrImpulse, Fx, History,
     Inputs, Mass, Random, Snapshot, Vec2, World, WorldDef, fx, limits, vec2,

@@ -1,6 +1,5 @@
 //! Commands that a match may see: fair ones, and every kind of unfair one.
 
-use umbra_physics::scalar::Factor;
 use umbra_physics::{
     ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, Command, End, FieldId, FieldKind, ForceField, ForceOrImpulse,
     Frame, Fx, FxFactor, Integrator, Locks, Mass, Part, Random, Region, Shape, SpringConstants, TimeStep, Vec2, World,
@@ -165,7 +164,7 @@ impl Author {
         };
         let kind = match self.random.next() % 7 {
             0 => {
-                let mu = <FxFactor as Factor<Fx>>::from_scalar(self.number(fx!(0), fx!(5)));
+                let mu = FxFactor::from_scalar(self.number(fx!(0), fx!(5)));
                 FieldKind::Attractor { centre: end(self), mu, softening: self.number(fx!(0.5), fx!(2)) }
             }
             1 | 2 => {

@@ -1,6 +1,5 @@
 //! Values read by the tables of `docs/formats.md`, in the form that the library has: by the names of fields and cases.
 
-use umbra_physics::scalar::Factor;
 use umbra_physics::{
     Activity, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, Command, End, FieldId, FieldKind, ForceField,
     ForceOrImpulse, Frame, Fx, FxFactor, Integrator, Locks, Mass, Part, Random, Region, Shape, SpringConstants,

@@ -7,10 +7,9 @@
 use std::sync::{Arc, LazyLock};
 
 use super::real::{Real, TAU, exact, ratio, real, units};
-use umbra_physics::scalar::{Accumulator, Angle, Factor};
 use umbra_physics::{
     Attachment, BodyDef, BodyId, BodyState, CustomForce, CustomForceError, Dependence, End, FieldKind, ForceTorque, Fx,
-    FxFactor, Mass, SpringConstants, Vec2, World, WorldDef, fx, vec2,
+    FxAccumulator, FxFactor, Mass, SpringConstants, Vec2, World, WorldDef, fx, vec2,
 };
 
 /// The fastest rate of each problem, rad/s.
@@ -350,8 +349,8 @@ pub(crate) fn state(world: &World, bodies: &[BodyId]) -> Vec<Real> {
         let body = world.body(body).expect("it is there");
         let (x, v) = (body.position_exact(), body.velocity_exact());
         let [x, y, vx, vy, spin] =
-            [x.x, x.y, v.x, v.y, body.angular_velocity_exact()].map(|a| units(Accumulator::to_bits(a), 96));
-        [x, y, vx, vy, units(Angle::to_bits(body.angle_exact()), 64) * &*TAU, spin]
+            [x.x, x.y, v.x, v.y, body.angular_velocity_exact()].map(|a| units(FxAccumulator::to_bits(a), 96));
+        [x, y, vx, vy, units(body.angle_exact().to_bits(), 64) * &*TAU, spin]
     };
     bodies.iter().flat_map(one).collect()
 }

@@ -4,8 +4,11 @@ use core::cmp::Ordering;
 use core::fmt;
 use core::ops::{Add, Neg, Sub};
 
-use umbra_physics::scalar::{Accumulator, Angle, AreaMoments, Factor, FxSum, Number, Offset, Scalar, Span, Sum, Wide};
-use umbra_physics::{Fx, FxAccumulator, FxFactor, FxWide, SpringConstants, Turn};
+use umbra_physics::scalar::internals::{AreaMoments, Arithmetic, Bulk, Forces, Motion, Number, Polygons, Span, Sum};
+use umbra_physics::scalar::{Accumulator, Angle, Factor, FxSum, Scalar, Wide};
+use umbra_physics::{Fx, FxAccumulator, FxFactor, FxWide, SpringConstants, Turn, Vec2};
+
+type Offset = Vec2<FxWide>;
 
 /// To nearest, ties to even: what `Fx` does, as a control of the twin itself.
 pub(crate) const EVEN: u8 = 0;
@@ -205,16 +208,16 @@ impl<const MODE: u8> Angle<Twin<MODE>> for Turn {
     fn direction(self) -> Self::Direction {
         Angle::<Fx>::direction(self)
     }
-    fn turn(direction: Self::Direction, x: Twin<MODE>, y: Twin<MODE>) -> Option<(FxWide, FxWide)> {
-        <Self as Angle<Fx>>::turn(direction, x.0, y.0)
+    fn turn(direction: Self::Direction, v: Vec2<Twin<MODE>>) -> Option<Offset> {
+        <Self as Angle<Fx>>::turn(direction, v.map(|c| c.0))
     }
     fn to_bits(self) -> u64 {
         Angle::<Fx>::to_bits(self)
     }
 }
 
-fn corners<const MODE: u8>(corners: &[(Twin<MODE>, Twin<MODE>)]) -> Vec<(Fx, Fx)> {
-    corners.iter().map(|(x, y)| (x.0, y.0)).collect()
+fn corners<const MODE: u8>(corners: &[Vec2<Twin<MODE>>]) -> Vec<Vec2> {
+    corners.iter().map(|corner| corner.map(|c| c.0)).collect()
 }
 
 impl<const MODE: u8> Scalar for Twin<MODE> {
@@ -223,7 +226,6 @@ impl<const MODE: u8> Scalar for Twin<MODE> {
     type Angle = Turn;
     type Wide = FxWide;
     type Sum = FxSum;
-    type DecayRate = <Fx as Scalar>::DecayRate;
 
     const ZERO: Self = Self(Fx::ZERO);
     const ONE: Self = Self(Fx::ONE);
@@ -238,6 +240,9 @@ impl<const MODE: u8> Scalar for Twin<MODE> {
     fn is_finite(self) -> bool {
         true
     }
+}
+
+impl<const MODE: u8> Arithmetic<Twin<MODE>> for Twin<MODE> {
     fn sin_cos(self) -> (Self, Self) {
         let (sin, cos) = self.0.sin_cos();
         (Self(sin), Self(cos))
@@ -252,8 +257,13 @@ impl<const MODE: u8> Scalar for Twin<MODE> {
         Fx::torque(arm, force)
     }
     fn times(self, other: Self) -> Option<Self> {
-        Scalar::times(self.0, other.0).map(Self)
+        Arithmetic::times(self.0, other.0).map(Self)
     }
+}
+
+impl<const MODE: u8> Motion<Twin<MODE>> for Twin<MODE> {
+    type DecayRate = <Fx as Motion<Fx>>::DecayRate;
+
     fn seconds(span: Span) -> FxFactor {
         Fx::seconds(span)
     }
@@ -275,28 +285,36 @@ impl<const MODE: u8> Scalar for Twin<MODE> {
     fn kick(acceleration: FxWide, seconds: FxFactor) -> Option<TwinAccumulator<MODE>> {
         Fx::kick(acceleration, seconds).map(|a| TwinAccumulator(Accumulator::<Fx>::to_bits(a)))
     }
-    fn attraction(mu: FxFactor, to_centre: Offset<Self>, softening: Self) -> Option<Offset<Self>> {
+}
+
+impl<const MODE: u8> Bulk<Twin<MODE>> for Twin<MODE> {}
+
+impl<const MODE: u8> Forces<Twin<MODE>> for Twin<MODE> {
+    fn attraction(mu: FxFactor, to_centre: Offset, softening: Self) -> Option<Offset> {
         Fx::attraction(mu, to_centre, softening.0)
     }
-    fn tension(offset: Offset<Self>, velocity: Offset<Self>, spring: &SpringConstants<Self>) -> Option<Offset<Self>> {
+    fn tension(offset: Offset, velocity: Offset, spring: &SpringConstants<Self>) -> Option<Offset> {
         let SpringConstants { rest, stiffness, damping } = *spring;
         Fx::tension(offset, velocity, &SpringConstants { rest: rest.0, stiffness: stiffness.0, damping: damping.0 })
     }
-    fn length(offset: Offset<Self>, third: Self) -> FxFactor {
+    fn length(offset: Offset, third: Self) -> FxFactor {
         Fx::length(offset, third.0)
     }
-    fn reaches(self, offset: Offset<Self>) -> bool {
+    fn reaches(self, offset: Offset) -> bool {
         self.0.reaches(offset)
     }
     fn drag(a: FxFactor, b: FxFactor, c: FxFactor, d: FxFactor, negative: bool) -> Option<FxFactor> {
         Fx::drag(a, b, c, d, negative)
     }
-    fn polygon_moments(given: &[(Self, Self)]) -> Option<AreaMoments<Self>> {
-        let AreaMoments { area, centroid: (x, y), second } = Fx::polygon_moments(&corners(given))?;
-        Some(AreaMoments { area, centroid: (Self(x), Self(y)), second })
+}
+
+impl<const MODE: u8> Polygons<Twin<MODE>> for Twin<MODE> {
+    fn polygon_moments(given: &[Vec2<Self>]) -> Option<AreaMoments<Self>> {
+        let AreaMoments { area, centroid, second } = Fx::polygon_moments(&corners(given))?;
+        Some(AreaMoments { area, centroid: centroid.map(Self), second })
     }
-    fn orientation(a: (Self, Self), b: (Self, Self), c: (Self, Self)) -> Ordering {
-        let [a, b, c] = [a, b, c].map(|(x, y)| (x.0, y.0));
+    fn orientation(a: Vec2<Self>, b: Vec2<Self>, c: Vec2<Self>) -> Ordering {
+        let [a, b, c] = [a, b, c].map(|corner| corner.map(|c| c.0));
         Fx::orientation(a, b, c)
     }
     fn weighted_mean(weights: &[FxFactor], values: &[Self]) -> Option<Self> {

@@ -1,11 +1,11 @@
 //! Every byte of a file changed in every way that breaks things, with its seals as they were and made new; and every length
 //! and count in it a lie. What is refused is refused with an error; what is not goes on like any other.
 
-use umbra_physics::scene::Scene;
 use umbra_physics::{
     BodyDef, Command, Dump, Fx, Inputs, PHYSICS_VERSION, RecordOptions, Recorder, Replay, ReplayError, Snapshot, World,
     WorldDef, vec2,
 };
+use umbra_scene::Scene;
 
 use crate::everything::{commands, custom_forces, recording, world};
 use crate::memory::{ANY, bounded};

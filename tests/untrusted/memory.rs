@@ -1,12 +1,12 @@
-//! Memory that reading takes, for files made to take as much as possible. `UMBRA_SAY=1 cargo test --release --features scene
+//! Memory that reading takes, for files made to take as much as possible. `UMBRA_SAY=1 cargo test --release
 //! --test untrusted memory -- --nocapture` prints it, as multiples of each file.
 
 use allocation_counter::measure;
-use umbra_physics::scene::Scene;
 use umbra_physics::{
     BodyDef, Command, Dump, FieldKind, ForceField, Fx, Input, Inputs, Integrator, Part, RecordOptions, Recorder,
     Replay, Shape, Snapshot, World, WorldDef, fx, vec2,
 };
+use umbra_scene::Scene;
 
 use crate::everything::custom_forces;
 use crate::seals::{self, chunk};

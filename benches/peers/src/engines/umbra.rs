@@ -5,7 +5,8 @@ use crate::scene::{self, Field, Kind, Scene, Shape};
 use std::cell::RefCell;
 use std::marker::PhantomData;
 use std::rc::Rc;
-use umbra_physics::scalar::{Factor, ToF64, wide_vectors};
+use umbra_physics::scalar::internals::wide_vectors;
+use umbra_physics::scalar::{Factor, ToF64};
 use umbra_physics::{
     Activity, Attachment, BodyDef, BodyId, BodyKind, End, FieldKind, Fx, Integrator, Mass, Scalar, Shape as Form,
     SpringConstants, TimeStep, Vec2, World as Umbra, WorldDef,

@@ -1,0 +1,115 @@
+//! Errors that end a task: one line of text, and an exit status.
+
+use std::fmt;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use umbra_physics::ReplayError;
+use umbra_scene::SceneError;
+
+use crate::text;
+
+/// The number of a file that cannot be read or written.
+pub(crate) const UNREADABLE: u16 = 801;
+
+/// A number as messages have it.
+pub(crate) fn tag(code: u16) -> String {
+    format!("E{code}")
+}
+
+#[derive(Debug)]
+pub(crate) enum Failure {
+    /// A scene is wrong, or goes wrong on the way.
+    Scene { file: PathBuf, error: SceneError },
+    /// A file is no replay that can be played.
+    Replay { file: PathBuf, error: ReplayError },
+    /// A file cannot be read or written.
+    File { file: PathBuf, doing: &'static str, error: io::Error },
+    /// An option does not go with the scene.
+    Option { what: String },
+    /// The picture cannot be drawn.
+    Picture { file: PathBuf, what: String },
+    /// Some of this number of files are not as recorded.
+    Verify { bad: usize, of: usize, status: u8 },
+    /// Two recordings are not the same.
+    Differ { files: [PathBuf; 2] },
+    /// A file is nothing that can be compared.
+    Foreign { file: PathBuf },
+    /// An output would go over an input or another output, which `with` says.
+    Clash { file: PathBuf, with: &'static str },
+    /// The arguments are wrong.
+    Usage { what: String },
+    /// This machine does not give the golden digests.
+    Selftest,
+}
+
+impl Failure {
+    pub(crate) fn scene(file: &Path) -> impl Fn(SceneError) -> Self + '_ {
+        |error| Self::Scene { file: file.into(), error }
+    }
+
+    pub(crate) fn file<'a>(file: &'a Path, doing: &'static str) -> impl Fn(io::Error) -> Self + 'a {
+        move |error| Self::File { file: file.into(), doing, error }
+    }
+
+    /// The number by which `docs/errors.md` has it; none for what is no error but a result.
+    pub(crate) const fn code(&self) -> Option<u16> {
+        Some(match self {
+            Self::Scene { error, .. } => error.code(),
+            Self::Replay { error, .. } => error.code(),
+            Self::File { .. } => UNREADABLE,
+            Self::Option { .. } => 802,
+            Self::Picture { .. } => 803,
+            Self::Foreign { .. } => 804,
+            Self::Clash { .. } => 805,
+            Self::Usage { .. } | Self::Verify { .. } | Self::Differ { .. } | Self::Selftest => return None,
+        })
+    }
+
+    /// 1 for a check that failed, 2 for bad usage, bad input, and what cannot be written.
+    pub(crate) const fn status(&self) -> u8 {
+        match self {
+            Self::Selftest | Self::Differ { .. } => 1,
+            Self::Verify { status, .. } => *status,
+            Self::Scene { .. }
+            | Self::Replay { .. }
+            | Self::File { .. }
+            | Self::Option { .. }
+            | Self::Foreign { .. }
+            | Self::Clash { .. }
+            | Self::Usage { .. }
+            | Self::Picture { .. } => 2,
+        }
+    }
+}
+
+impl fmt::Display for Failure {
+    /// The number last: a line begins with file and line, for editors to go there.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.describe(f)?;
+        self.code().map_or(Ok(()), |code| write!(f, " [{}]", tag(code)))
+    }
+}
+
+impl Failure {
+    fn describe(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Scene { file, error } => write!(f, "{}:{error}", text::path(file)),
+            Self::Replay { file, error } => write!(f, "{}: {error}", text::path(file)),
+            Self::File { file, doing, error } => write!(f, "{}: cannot {doing}: {error}", text::path(file)),
+            Self::Option { what } | Self::Usage { what } => f.write_str(what),
+            Self::Verify { bad, of, .. } => write!(f, "{bad} of {of} files are not as recorded"),
+            Self::Differ { files: [a, b] } => write!(f, "{} and {} are not the same", text::path(a), text::path(b)),
+            Self::Foreign { file } => {
+                write!(f, "{}: expected a replay or a desync dump of umbra-physics", text::path(file))
+            }
+            Self::Clash { file, with } => {
+                write!(f, "{}: cannot write: this is {with}; choose another path", text::path(file))
+            }
+            Self::Selftest => {
+                f.write_str("the self-test does not give the golden digests, which every machine must give")
+            }
+            Self::Picture { file, what } => write!(f, "{}: cannot draw: {what}", text::path(file)),
+        }
+    }
+}

@@ -1,0 +1,241 @@
+//! Files that tasks write: whole or not at all, never over an input, never two to one place.
+
+use std::fs::{self, OpenOptions, Permissions};
+use std::io::{self, BufWriter, ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+use same_file::Handle;
+use tempfile::NamedTempFile;
+
+use crate::failure::Failure;
+use crate::text;
+use umbra_selftest::Stream;
+
+/// Checks the destinations of a task before any work is done. It holds files open: drop it before they are replaced.
+pub(crate) struct Destinations<'a> {
+    inputs: Vec<&'a Path>,
+    taken: Vec<Identity>,
+}
+
+/// A file, whichever path leads to it.
+#[derive(PartialEq)]
+enum Identity {
+    Existing(Handle),
+    /// A pipe or a device, or a file that is not there yet: its path without links.
+    Path(PathBuf),
+}
+
+impl<'a> Destinations<'a> {
+    /// Takes the inputs, and the standard output: where that goes to a file, it is a destination like others.
+    pub(crate) fn beside(inputs: impl IntoIterator<Item = &'a PathBuf>) -> Result<Self, Failure> {
+        let inputs: Vec<&Path> = inputs.into_iter().map(PathBuf::as_path).collect();
+        let stdout = Handle::stdout().ok().filter(|it| it.as_file().metadata().is_ok_and(|it| it.is_file()));
+        let mut all = Self { inputs, taken: Vec::new() };
+        if let Some(stdout) = stdout {
+            all.take(Path::new(text::STDOUT), Identity::Existing(stdout))?;
+        }
+        Ok(all)
+    }
+
+    /// Adds a destination. It can be written to, and is neither an input nor one of those before.
+    pub(crate) fn add(&mut self, file: &Path) -> Result<Destination, Failure> {
+        let failed = Failure::file(file, "write");
+        let (target, identity) = Target::find(file).map_err(&failed)?;
+        self.take(file, identity)?;
+        if let Target::File { path, .. } = &target {
+            // Whether the folder takes a file shows when one is made. This one goes at once.
+            part(path).map_err(failed)?;
+        }
+        Ok(Destination { file: file.into(), target })
+    }
+
+    pub(crate) fn add_any(&mut self, file: Option<&PathBuf>) -> Result<Option<Destination>, Failure> {
+        file.map(|file| self.add(file)).transpose()
+    }
+
+    fn take(&mut self, file: &Path, identity: Identity) -> Result<(), Failure> {
+        let clash = |with| Err(Failure::Clash { file: file.into(), with });
+        if let Identity::Existing(handle) = &identity {
+            // A pipe is not opened: closing it again would break it for whoever writes to it.
+            let is_file = |input: &Path| fs::metadata(input).is_ok_and(|it| it.is_file());
+            let is_same = |input: &&Path| is_file(input) && Handle::from_path(input).is_ok_and(|it| it == *handle);
+            if self.inputs.iter().any(is_same) {
+                return clash("an input");
+            }
+        }
+        if self.taken.contains(&identity) {
+            return clash("where another output goes");
+        }
+        // It takes any number of outputs.
+        if identity != Identity::Path("/dev/null".into()) {
+            self.taken.push(identity);
+        }
+        Ok(())
+    }
+}
+
+/// The destination of an output.
+pub(crate) struct Destination {
+    file: PathBuf,
+    target: Target,
+}
+
+enum Target {
+    /// A regular file, or none yet: what is written replaces it when it is whole.
+    File {
+        path: PathBuf,
+        permissions: Option<Permissions>,
+    },
+    Stdout,
+    /// A pipe or a device, which has no contents to keep.
+    Stream,
+}
+
+impl Target {
+    fn find(file: &Path) -> io::Result<(Self, Identity)> {
+        // By these names. A file that the shell opened as the standard output is where that goes, and no second output.
+        if ["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"].iter().any(|name| file == Path::new(name)) {
+            return Ok((Self::Stdout, Identity::Path("/dev/stdout".into())));
+        }
+        match fs::metadata(file) {
+            Ok(found) if found.is_dir() => Err(ErrorKind::IsADirectory.into()),
+            Ok(found) if found.is_file() => {
+                // Opened for writing, though it will be replaced: a write-protected file is to stay.
+                let handle = Handle::from_file(OpenOptions::new().write(true).open(file)?)?;
+                let target = Self::File { path: resolved(file)?, permissions: Some(found.permissions()) };
+                Ok((target, Identity::Existing(handle)))
+            }
+            Ok(_) => Ok((Self::Stream, Identity::Path(resolved(file)?))),
+            Err(error) if error.kind() == ErrorKind::NotFound => {
+                let path = resolved(file)?;
+                let identity = Identity::Path(same_case(&path));
+                Ok((Self::File { path, permissions: None }, identity))
+            }
+            Err(error) => Err(error),
+        }
+    }
+}
+
+/// The path at the end of symbolic links, whether there is a file or not. Its folder has to exist.
+fn resolved(file: &Path) -> io::Result<PathBuf> {
+    /// The number of links that Linux follows.
+    const LINKS: usize = 40;
+    let folder = |path: &Path| path.parent().filter(|it| *it != Path::new("")).unwrap_or(Path::new(".")).to_owned();
+    let mut path = file.to_owned();
+    for _ in 0..LINKS {
+        let Ok(next) = fs::read_link(&path) else { break };
+        path = folder(&path).join(next);
+    }
+    let name = path.file_name().filter(|name| {
+        // With a slash or a dot behind the name it is a folder.
+        path.as_os_str().as_encoded_bytes().ends_with(name.as_encoded_bytes())
+    });
+    Ok(folder(&path).canonicalize()?.join(name.ok_or(ErrorKind::IsADirectory)?))
+}
+
+/// The path in lower case on systems whose file names usually ignore case.
+fn same_case(path: &Path) -> PathBuf {
+    if cfg!(any(windows, target_vendor = "apple")) { path.to_string_lossy().to_lowercase().into() } else { path.into() }
+}
+
+/// A temporary file in the folder of a path. It is removed when it is dropped.
+fn part(path: &Path) -> io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix("umbra-").suffix(".part");
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666)); // Less what the umask takes away.
+    builder.tempfile_in(path.parent().unwrap_or(Path::new(".")))
+}
+
+impl Destination {
+    /// The path as it was given.
+    pub(crate) fn file(&self) -> &Path {
+        &self.file
+    }
+
+    /// Begins an output.
+    pub(crate) fn create(&self) -> Result<Output, Failure> {
+        let begin = || {
+            Ok(match &self.target {
+                Target::File { path, permissions } => {
+                    let part = part(path)?;
+                    permissions.clone().map_or(Ok(()), |permissions| part.as_file().set_permissions(permissions))?;
+                    Sink::Part { part, path: path.clone() }
+                }
+                Target::Stdout => Sink::Stream(Box::new(Stream(io::stdout()))),
+                Target::Stream => Sink::Stream(Box::new(Stream(OpenOptions::new().write(true).open(&self.file)?))),
+            })
+        };
+        let sink = begin().map_err(Failure::file(&self.file, "write"))?;
+        Ok(Output { file: self.file.clone(), sink: BufWriter::new(sink) })
+    }
+
+    /// Writes an output at once.
+    pub(crate) fn write(&self, text: &str) -> Result<(), Failure> {
+        let mut output = self.create()?;
+        output.put(|out| out.write_all(text.as_bytes()))?;
+        output.finish()
+    }
+}
+
+/// An output in progress. Its destination is unchanged until it is finished.
+pub(crate) struct Output {
+    file: PathBuf,
+    sink: BufWriter<Sink>,
+}
+
+enum Sink {
+    Part { part: NamedTempFile, path: PathBuf },
+    Stream(Box<dyn Write>),
+}
+
+impl Write for Sink {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match self {
+            Self::Part { part, .. } => part.write(bytes),
+            Self::Stream(stream) => stream.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match self {
+            Self::Part { part, .. } => part.flush(),
+            Self::Stream(stream) => stream.flush(),
+        }
+    }
+}
+
+impl Output {
+    pub(crate) fn put(&mut self, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
+        write(&mut self.sink).map_err(Failure::file(&self.file, "write"))
+    }
+
+    /// Moves the output to its destination.
+    pub(crate) fn finish(self) -> Result<(), Failure> {
+        let Self { file, mut sink } = self;
+        let finish = || -> io::Result<()> {
+            sink.flush()?;
+            let Sink::Part { part, path } = sink.into_inner()? else { return Ok(()) };
+            // Some file systems report only here that there is no room.
+            part.as_file().sync_all()?;
+            part.persist(path).map(drop).or_else(|failed| {
+                let (_, left) = failed.file.keep()?;
+                Err(io::Error::new(
+                    failed.error.kind(),
+                    format!("{}; it is left in {}", failed.error, text::path(&left)),
+                ))
+            })
+        };
+        finish().map_err(Failure::file(&file, "write"))
+    }
+
+    /// Keeps the temporary file, and says where it is.
+    pub(crate) fn leave(self) {
+        let Self { file, sink } = self;
+        let Ok(Sink::Part { part, .. }) = sink.into_inner() else { return };
+        if let Ok((_, left)) = part.keep() {
+            let (file, left) = (text::path(&file), text::path(&left));
+            text::warn(format_args!("{file}: not written; what there is of it is left in {left}"));
+        }
+    }
+}

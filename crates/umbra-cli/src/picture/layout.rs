@@ -1,0 +1,72 @@
+//! The part of the plane that is shown, and its size.
+
+use super::clip::Window;
+use super::{Picture, Point};
+
+/// Units of the drawing to a pixel: plotters rounds to whole units.
+pub(super) const FINE: i32 = 8;
+/// The longer and the shorter side of the plot, px.
+const LONG: f64 = 760.0;
+const SHORT: f64 = 300.0;
+/// The shorter side where the scene says what is shown, px.
+const SHORTEST: f64 = 160.0;
+
+/// The part of the plane that is shown, m, and the size of the plot in px; both axes have the same scale.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Layout {
+    pub(super) least: Point,
+    pub(super) most: Point,
+    pub(super) width: i32,
+    pub(super) height: i32,
+}
+
+impl Layout {
+    pub(super) fn of(picture: &Picture<'_>) -> Self {
+        let [mut least, mut most] = picture.view.unwrap_or_else(|| around(picture));
+        let (width, height) = (most.0 - least.0, most.1 - least.1);
+        let scale = LONG / width.max(height);
+        let mut size = (width * scale, height * scale);
+        let short = if picture.view.is_some() { SHORTEST } else { SHORT };
+        // A thin picture is widened on both sides of what is in it.
+        let widen = |size: &mut f64, least: &mut f64, most: &mut f64| {
+            if *size < short {
+                let more = (short - *size) / scale / 2.0;
+                (*least, *most, *size) = (*least - more, *most + more, short);
+            }
+        };
+        widen(&mut size.0, &mut least.0, &mut most.0);
+        widen(&mut size.1, &mut least.1, &mut most.1);
+        Self { least, most, width: size.0.round() as i32, height: size.1.round() as i32 }
+    }
+
+    /// px per m.
+    pub(super) fn scale(&self) -> f64 {
+        f64::from(self.width) / (self.most.0 - self.least.0)
+    }
+
+    pub(super) fn window(&self) -> Window {
+        [self.least, self.most]
+    }
+
+    pub(super) fn holds(&self, (x, y): Point) -> bool {
+        x >= self.least.0 && x <= self.most.0 && y >= self.least.1 && y <= self.most.1
+    }
+}
+
+/// The rectangle around all that is drawn, with a margin.
+fn around(picture: &Picture<'_>) -> [Point; 2] {
+    let ways = picture.ways.iter().flat_map(|way| way.points.iter());
+    let outlines = picture.bodies.iter().map(|body| &body.outline).chain(picture.start).chain(picture.exposures);
+    let outlines = outlines.flat_map(|o| o.rings.iter().flatten().chain(o.strokes.iter().flatten()));
+    let rest = picture.bodies.iter().map(|body| &body.at).chain(&picture.scenery.centres);
+    let springs = picture.scenery.springs.iter().flatten();
+    let mut bounds: Option<[Point; 2]> = None;
+    for &(x, y) in ways.chain(outlines).chain(rest).chain(springs) {
+        let [least, most] = bounds.get_or_insert([(x, y); 2]);
+        *least = (least.0.min(x), least.1.min(y));
+        *most = (most.0.max(x), most.1.max(y));
+    }
+    let [least, most] = bounds.unwrap_or([(-1.0, -1.0), (1.0, 1.0)]);
+    let margin = 0.06 * (most.0 - least.0).max(most.1 - least.1).max(1e-3);
+    [(least.0 - margin, least.1 - margin), (most.0 + margin, most.1 + margin)]
+}

@@ -1,0 +1,118 @@
+//! The drawing of the library, as polygons and lines.
+
+use std::collections::BTreeSet;
+
+use umbra_physics::scalar::ToF64;
+use umbra_physics::{
+    BodyClass, BodyId, DebugDraw, DrawOptions, End, FieldId, FieldKind, Pose, Role, Scalar, Vec2, World,
+};
+
+use super::Point;
+
+/// A body as it is drawn: the closed lines around its shape, and the strokes that show how far a round one is turned. One
+/// without a shape has neither.
+#[derive(Clone, Debug)]
+pub(super) struct Outline {
+    pub(super) body: BodyId,
+    pub(super) class: BodyClass,
+    pub(super) rings: Vec<Vec<Point>>,
+    pub(super) strokes: Vec<[Point; 2]>,
+}
+
+impl Outline {
+    /// The outlines of all bodies, in the order of their slots.
+    pub(super) fn all<S: Scalar + ToF64>(world: &World<S>) -> Vec<Self> {
+        let mut outlines = Outlines::default();
+        world.debug_draw(Pose::of, &DrawOptions { fields: false, ..DrawOptions::default() }, &mut outlines);
+        outlines.0
+    }
+}
+
+#[derive(Default)]
+struct Outlines(Vec<Outline>);
+
+impl Outlines {
+    /// The outline of the body that is being drawn: a body comes in one piece.
+    fn of(&mut self, role: Role) -> Option<&mut Outline> {
+        let Role::Body(body, class) = role else { return None };
+        if self.0.last().is_none_or(|last| last.body != body) {
+            self.0.push(Outline { body, class, rings: Vec::new(), strokes: Vec::new() });
+        }
+        self.0.last_mut()
+    }
+}
+
+/// Force fields that are somewhere.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Scenery {
+    pub(super) springs: Vec<[Point; 2]>,
+    /// The centres of attractors that no body carries.
+    pub(super) centres: Vec<Point>,
+    pub(super) zones: Vec<Vec<Point>>,
+    carried: BTreeSet<FieldId>,
+}
+
+impl Scenery {
+    pub(super) fn of<S: Scalar + ToF64>(world: &World<S>) -> Self {
+        let is_carried = |law: &FieldKind<S>| matches!(law, FieldKind::Attractor { centre: End::Body(_), .. });
+        let carried = world.fields().filter(|(_, field)| is_carried(&field.kind)).map(|(id, _)| id).collect();
+        let mut scenery = Self { carried, ..Self::default() };
+        world.debug_draw(Pose::of, &DrawOptions { bodies: false, ..DrawOptions::default() }, &mut scenery);
+        scenery
+    }
+}
+
+/// A place of a world in a picture.
+pub(super) fn place<S: ToF64>(at: Vec2<S>) -> Point {
+    point(at.to_f64())
+}
+
+fn point([x, y]: [f64; 2]) -> Point {
+    (x, y)
+}
+
+fn ring(corners: &[[f64; 2]]) -> Vec<Point> {
+    corners.iter().copied().map(point).collect()
+}
+
+impl DebugDraw for Outlines {
+    fn polygon(&mut self, corners: &[[f64; 2]], role: Role) {
+        if let Some(outline) = self.of(role) {
+            outline.rings.push(ring(corners));
+        }
+    }
+
+    fn segment(&mut self, ends: [[f64; 2]; 2], role: Role) {
+        if let Some(outline) = self.of(role) {
+            outline.strokes.push(ends.map(point));
+        }
+    }
+
+    /// A body without a shape.
+    fn point(&mut self, _at: [f64; 2], role: Role) {
+        self.of(role);
+    }
+}
+
+impl DebugDraw for Scenery {
+    fn polygon(&mut self, corners: &[[f64; 2]], role: Role) {
+        if let Role::Zone(_) = role {
+            self.zones.push(ring(corners));
+        }
+    }
+
+    fn segment(&mut self, ends: [[f64; 2]; 2], role: Role) {
+        if let Role::Spring(_) = role {
+            self.springs.push(ends.map(point));
+        }
+    }
+
+    fn point(&mut self, at: [f64; 2], role: Role) {
+        if matches!(role, Role::Attractor(field) if !self.carried.contains(&field)) {
+            self.centres.push(point(at));
+        }
+    }
+
+    /// Leaves out the direction of a zone or a thrust: the trails show it.
+    fn arrow(&mut self, _from: [f64; 2], _to: [f64; 2], _role: Role) {}
+}

@@ -1,0 +1,218 @@
+//! `umbra report`: time against error, for every integrator, scalar and time step.
+
+mod analysis;
+mod conclude;
+mod data;
+mod measure;
+mod page;
+mod parting;
+mod problem;
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use indicatif::ProgressBar;
+use umbra_physics::{Fx, Integrator, Scalar};
+use umbra_scene::{Scene, SceneError};
+
+use crate::failure::Failure;
+use crate::output::{Destination, Destinations};
+use crate::progress::progress;
+use crate::truth::Exact;
+use data::{Line, Machine, Measured, Report, Results};
+use measure::Run;
+use parting::Parting;
+use problem::{PROBLEMS, Problem, Truth};
+
+#[derive(Args)]
+pub(crate) struct Options {
+    /// Writes the report as a page that needs nothing else.
+    #[arg(long, value_name = "FILE.html", default_value = "report.html")]
+    out: PathBuf,
+    /// Writes the same as data.
+    #[arg(long, value_name = "FILE.json")]
+    json: Option<PathBuf>,
+    /// Draws time against error of one problem by itself: the orbit, or the first there is.
+    #[arg(long, value_name = "FILE.svg")]
+    diagram: Option<PathBuf>,
+    /// A few time steps, measured once: seconds instead of minutes.
+    #[arg(long)]
+    quick: bool,
+    /// These problems alone.
+    #[arg(long, value_name = "NAME", num_args = 1.., value_parser = problem)]
+    problem: Vec<&'static Problem>,
+}
+
+fn problem(name: &str) -> Result<&'static Problem, String> {
+    let names = || PROBLEMS.iter().map(|problem| problem.name).collect::<Vec<_>>().join(", ");
+    PROBLEMS.iter().find(|problem| problem.name == name).ok_or_else(|| format!("expected one of {}", names()))
+}
+
+/// The measurements to make, and how thorough they are.
+struct Effort {
+    /// Steps a second. All divide what ends a problem evenly.
+    rates: &'static [u32],
+    /// Batches that each run is timed in. The fastest counts: what slows one down is somebody else.
+    batches: u32,
+    /// The chaotic scene: steps a second, and seconds.
+    parting: (u32, u32),
+}
+
+const FULL: Effort =
+    Effort { rates: &[10, 20, 30, 60, 120, 240, 500, 1000, 2000, 5000, 10_000], batches: 5, parting: (1000, 40) };
+const QUICK: Effort = Effort { rates: &[10, 60, 240, 1000], batches: 1, parting: (1000, 5) };
+
+impl Options {
+    /// The command that makes the same report again.
+    fn command(&self) -> String {
+        let mut command = String::from("cargo run --release -- report");
+        let mut file = |option: &str, path: &Path| command += &format!(" {option} {}", path.display());
+        file("--out", &self.out);
+        self.json.iter().for_each(|path| file("--json", path));
+        self.diagram.iter().for_each(|path| file("--diagram", path));
+        if self.quick {
+            command += " --quick";
+        }
+        self.problem.iter().for_each(|problem| command += &format!(" --problem {}", problem.name));
+        command
+    }
+}
+
+/// The destinations of a report.
+struct Outputs {
+    page: Destination,
+    data: Option<Destination>,
+    diagram: Option<Destination>,
+}
+
+impl Outputs {
+    fn of(options: &Options) -> Result<Self, Failure> {
+        let mut all = Destinations::beside([])?;
+        let (page, data) = (all.add(&options.out)?, all.add_any(options.json.as_ref())?);
+        Ok(Self { page, data, diagram: all.add_any(options.diagram.as_ref())? })
+    }
+}
+
+pub(crate) fn report(options: &Options) -> Result<(), Failure> {
+    let outputs = Outputs::of(options)?;
+    let effort = if options.quick { QUICK } else { FULL };
+    let chosen: Vec<&Problem> =
+        if options.problem.is_empty() { PROBLEMS.iter().collect() } else { options.problem.clone() };
+    let built_in = |error: SceneError| Failure::Option { what: format!("a built-in scene is refused: {error}") };
+    let runs = Integrator::ALL.len() * SCALARS.len() * effort.rates.len();
+    let progress = progress((chosen.len() * runs) as u64 * u64::from(1 + effort.batches), "run");
+    let mut all = Vec::new();
+    for problem in chosen {
+        all.push(Experiment::new(problem, &effort, &progress).map_err(built_in)?);
+    }
+    let parting = Parting::measure(effort.parting.0, effort.parting.1).map_err(built_in)?;
+    // Batches of the same run lie apart in time: what disturbs one will have passed.
+    for _ in 0..effort.batches {
+        all.iter_mut().for_each(|experiment| experiment.time(&progress));
+    }
+    progress.finish_and_clear();
+    let report = Report {
+        version: env!("CARGO_PKG_VERSION"),
+        command: options.command(),
+        machine: Machine::this(),
+        rates: effort.rates.to_vec(),
+        problems: all.into_iter().map(|experiment| experiment.results).collect(),
+        parting,
+    };
+    outputs.page.write(&page::page(&report))?;
+    if let Some(data) = &outputs.data {
+        data.write(&(serde_json::to_string(&report).unwrap_or_default() + "\n"))?;
+    }
+    outputs.diagram.map_or(Ok(()), |diagram| diagram.write(&page::diagram(&report)))
+}
+
+const SCALARS: [&str; 3] = [Fx::NAME, <f64 as Scalar>::NAME, <f32 as Scalar>::NAME];
+
+/// A run in whichever scalar.
+trait Costs {
+    fn cost(&mut self) -> f64;
+}
+
+impl<S: Scalar> Costs for Run<S> {
+    fn cost(&mut self) -> f64 {
+        Self::cost(self)
+    }
+}
+
+/// A problem's runs, in the order of its lines, and what is known of them so far.
+struct Experiment {
+    runs: Vec<Box<dyn Costs>>,
+    results: Results,
+}
+
+impl Experiment {
+    fn new(problem: &Problem, effort: &Effort, progress: &ProgressBar) -> Result<Self, SceneError> {
+        let scene = problem.scene()?;
+        let start = scene.build()?;
+        let truth = problem
+            .truth(&start)
+            .ok_or_else(|| SceneError::new(scene.place.clone(), "its motion is not known".to_owned()))?;
+        let results = Results {
+            name: problem.name,
+            title: problem.title,
+            about: problem.about,
+            unit: problem.unit(),
+            seconds: problem.seconds,
+            reference_error: truth.error,
+            lines: Vec::new(),
+        };
+        let mut experiment = Self { runs: Vec::new(), results };
+        let set = Set { problem, scene: &scene, truth: &truth, effort, progress };
+        for integrator in Integrator::ALL {
+            experiment.add::<Fx>(&set, integrator)?;
+            experiment.add::<f64>(&set, integrator)?;
+            experiment.add::<f32>(&set, integrator)?;
+        }
+        experiment.find_orders();
+        Ok(experiment)
+    }
+
+    /// Adds the line of an integrator in a scalar.
+    fn add<S>(&mut self, set: &Set<'_>, integrator: Integrator) -> Result<(), SceneError>
+    where
+        S: Scalar<Accumulator: Exact, Angle: Exact>,
+    {
+        let mut runs = Vec::new();
+        for &rate in set.effort.rates {
+            let run = Run::<S>::new(set.problem, set.scene, integrator, rate)?;
+            runs.push(Measured { rate, error: run.error(set.problem, set.truth), cost: f64::INFINITY });
+            self.runs.push(Box::new(run));
+            set.progress.inc(1);
+        }
+        self.results.lines.push(Line { integrator, scalar: S::NAME, order: None, runs });
+        Ok(())
+    }
+
+    /// fx and f64 show each other's order, f32 shows its own beside f64.
+    fn find_orders(&mut self) {
+        for lines in self.results.lines.chunks_mut(SCALARS.len()) {
+            let [fixed, double, single] = lines else { continue };
+            fixed.order = analysis::order(&fixed.runs, &double.runs);
+            double.order = fixed.order;
+            single.order = analysis::order(&single.runs, &double.runs);
+        }
+    }
+
+    /// Times each run once more.
+    fn time(&mut self, progress: &ProgressBar) {
+        let measured = self.results.lines.iter_mut().flat_map(|line| &mut line.runs);
+        for (run, measured) in self.runs.iter_mut().zip(measured) {
+            measured.cost = measured.cost.min(run.cost() / f64::from(self.results.seconds));
+            progress.inc(1);
+        }
+    }
+}
+
+/// The settings that the lines of a problem share.
+struct Set<'a> {
+    problem: &'a Problem,
+    scene: &'a Scene,
+    truth: &'a Truth,
+    effort: &'a Effort,
+    progress: &'a ProgressBar,
+}

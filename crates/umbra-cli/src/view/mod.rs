@@ -1,0 +1,111 @@
+//! `umbra view`: a run as one page that plays it, and needs nothing else.
+
+mod drawing;
+mod events;
+mod page;
+mod recording;
+mod track;
+mod words;
+
+use std::path::PathBuf;
+
+use clap::Args;
+use umbra_physics::{BodyId, FieldId, Fx, Replay};
+use umbra_scene::Scene;
+
+use crate::failure::Failure;
+use crate::load::{self, Run};
+use crate::output::{Destination, Destinations};
+use crate::progress::progress;
+use crate::text;
+use page::Heading;
+use recording::{Budget, Recording};
+use words::Names;
+
+#[derive(Args)]
+pub(crate) struct Options {
+    /// A scene, a JSON file, or a replay.
+    run: PathBuf,
+    /// The page.
+    #[arg(long, value_name = "FILE.html")]
+    out: PathBuf,
+    /// Number of steps [default: what the scene says; all of a replay].
+    #[arg(long, value_name = "N")]
+    ticks: Option<u64>,
+}
+
+pub(crate) fn view(options: &Options) -> Result<(), Failure> {
+    let out = Destinations::beside([&options.run])?.add(&options.out)?;
+    let file = options.run.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    match load::run(&options.run)? {
+        Run::Scene(scene) => {
+            let recording = of_scene(&scene, options)?;
+            let title = if scene.title.is_empty() { file } else { scene.title };
+            write(recording, &Heading { title, about: scene.about, view: scene.plot.view }, &out)
+        }
+        Run::Replay(replay) => {
+            let recording = of_replay(&replay, options);
+            write(recording, &Heading { title: file, about: String::new(), view: None }, &out)
+        }
+    }
+}
+
+/// The run of a scene.
+fn of_scene(scene: &Scene, options: &Options) -> Result<Recording, Failure> {
+    let at_fault = Failure::scene(&options.run);
+    let mut run = scene.start::<Fx>().map_err(&at_fault)?;
+    let ticks = options.ticks.unwrap_or(scene.ticks);
+    let mut recording = Recording::new(Budget::default());
+    let progress = progress(ticks, "tick");
+    recording.see(run.world(), None, |body: BodyId| run.name(body).to_owned());
+    for tick in 0..ticks {
+        for input in scene.inputs.iter().filter(|input| input.is_due(tick)) {
+            recording.input(tick, words::action(scene, &input.action));
+        }
+        run.advance().map_err(&at_fault)?;
+        recording.see(run.world(), None, |body: BodyId| run.name(body).to_owned());
+        progress.set_position(tick + 1);
+    }
+    progress.finish_and_clear();
+    recording.finish(run.world());
+    Ok(recording)
+}
+
+/// The run of a replay, made once more: up to where it is no longer the recorded one.
+fn of_replay(replay: &Replay, options: &Options) -> Recording {
+    let warn = |what: String| text::warn(format_args!("{}: {what}", text::path(&options.run)));
+    if !replay.is_complete() {
+        warn(format!("cut off: whole up to tick {}", replay.end()));
+    }
+    let mut playback = replay.play();
+    let start = playback.world().tick();
+    let ticks = options.ticks.unwrap_or(u64::MAX).min(replay.ticks());
+    let names = Names { body: |body: BodyId| body.to_string(), field: |field: FieldId| field.to_string() };
+    // The page calls bodies by their handles.
+    let unnamed = |_: BodyId| String::new();
+    let mut recording = Recording::new(Budget::default());
+    let progress = progress(ticks, "tick");
+    recording.see(playback.world(), None, unnamed);
+    for made in 0..ticks {
+        for command in playback.commands() {
+            recording.input(start + made, words::command(&command, &names));
+        }
+        let divergence = playback.step().err();
+        recording.see(playback.world(), divergence.as_ref().map(|divergence| divergence.recorded), unnamed);
+        progress.set_position(made + 1);
+        if let Some(divergence) = divergence {
+            warn(divergence.to_string());
+            break;
+        }
+    }
+    progress.finish_and_clear();
+    recording.finish(playback.world());
+    recording
+}
+
+fn write(recording: Recording, heading: &Heading, out: &Destination) -> Result<(), Failure> {
+    if let Some(thinned) = recording.thinned() {
+        text::warn(format_args!("{}: {thinned}", text::path(out.file())));
+    }
+    out.write(&page::page(recording, heading))
+}

@@ -1,0 +1,467 @@
+//! The data that the page shows of a run, gathered while it goes on.
+
+use std::collections::BTreeMap;
+
+use umbra_physics::{Activity, BodyId, BodyKind, BodyRef, FieldId, ForceField, Fx, Shape, TimeStep, World};
+
+use super::drawing;
+use super::events::{Events, What};
+use super::track::{Sample, Track};
+
+/// The limits of a page.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Budget {
+    /// Bytes of the page, about.
+    pub(crate) bytes: usize,
+    /// Bodies times ticks: a browser has 48 bytes for each.
+    pub(crate) samples: u64,
+}
+
+impl Default for Budget {
+    /// 20 MB, which a browser makes 150 MB of at most.
+    fn default() -> Self {
+        Self { bytes: 20_000_000, samples: 3_000_000 }
+    }
+}
+
+/// Fewer frames than this are not thinned any further.
+const FEWEST: u64 = 32;
+
+/// A run on its way to a page. All bodies, inputs and hashes are seen each tick; how bodies move is kept each so many
+/// ticks, twice as many whenever the page would be too large.
+#[derive(Clone, Debug)]
+pub(crate) struct Recording {
+    budget: Budget,
+    /// The integrator at the start.
+    pub(super) integrator: &'static str,
+    pub(super) start: u64,
+    /// The last tick seen.
+    pub(super) last: u64,
+    /// Ticks from a frame to the next.
+    pub(super) stride: u64,
+    /// The state hash of each frame; all but the last are a stride apart.
+    pub(super) hashes: Vec<u64>,
+    pub(super) clock: Vec<Span>,
+    pub(super) lives: Vec<Life>,
+    /// The bodies that are there, by slot.
+    alive: Vec<Option<usize>>,
+    pub(super) fields: Vec<Placed>,
+    fields_there: BTreeMap<FieldId, (ForceField<Fx>, usize)>,
+    /// Each with what it is drawn as.
+    pub(super) shapes: Vec<(Shape<Fx>, serde_json::Value)>,
+    shape_numbers: BTreeMap<String, usize>,
+    pub(super) events: Events,
+}
+
+/// Ticks with the same time step.
+#[derive(Clone, Debug)]
+pub(super) struct Span {
+    pub(super) tick: u64,
+    /// The time at that tick, s.
+    pub(super) time: (u128, u128),
+    pub(super) step: TimeStep,
+}
+
+/// A body from when it was added to when it was removed.
+#[derive(Clone, Debug)]
+pub(super) struct Life {
+    pub(super) id: BodyId,
+    pub(super) name: String,
+    /// The first and the last tick it was seen at.
+    pub(super) from: u64,
+    pub(super) to: u64,
+    /// The frame at which its track begins.
+    pub(super) first: u64,
+    pub(super) track: Track,
+    pub(super) looks: Vec<(u64, Look)>,
+}
+
+/// The properties of a body that no step changes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Look {
+    pub(super) kind: BodyKind,
+    pub(super) activity: Activity,
+    /// An index among the shapes.
+    pub(super) shape: Option<usize>,
+    pub(super) key: u64,
+    pub(super) mass: Option<Fx>,
+}
+
+/// A force field from when it was added, or put in another's place, to when it went.
+#[derive(Clone, Debug)]
+pub(super) struct Placed {
+    pub(super) from: u64,
+    /// The last tick it was seen at.
+    pub(super) to: u64,
+    pub(super) drawing: Option<serde_json::Value>,
+}
+
+impl Recording {
+    pub(crate) fn new(budget: Budget) -> Self {
+        Self {
+            budget,
+            integrator: "",
+            start: 0,
+            last: 0,
+            stride: 1,
+            hashes: Vec::new(),
+            clock: Vec::new(),
+            lives: Vec::new(),
+            alive: Vec::new(),
+            fields: Vec::new(),
+            fields_there: BTreeMap::new(),
+            shapes: Vec::new(),
+            shape_numbers: BTreeMap::new(),
+            events: Events::default(),
+        }
+    }
+
+    /// Takes in the world at its start, and then after each step. `name` is asked once for each body. A recorded hash that
+    /// differs from the world's is an event.
+    pub(crate) fn see(&mut self, world: &World<Fx>, recorded: Option<u64>, name: impl Fn(BodyId) -> String) {
+        let tick = world.tick();
+        if self.clock.is_empty() {
+            (self.start, self.integrator) = (tick, world.def().integrator.name());
+        }
+        let is_frame = (tick - self.start) % self.stride == 0;
+        self.see_clock(world);
+        for body in world.bodies() {
+            let life = self.see_body(&body, tick, &name);
+            if is_frame {
+                self.sample(life, &body);
+            }
+        }
+        self.see_gone(tick);
+        self.see_fields(world);
+        for fault in world.last_report().faults {
+            if let Some(&Some(life)) = self.alive.get(fault.body.parts().0 as usize) {
+                self.events.tell(tick, What::Quarantined, Some(life), fault.cause.to_string());
+            }
+        }
+        let hash = if is_frame || recorded.is_some() { world.state_hash() } else { 0 };
+        if let Some(recorded) = recorded.filter(|&recorded| recorded != hash) {
+            self.events.repeat(
+                tick,
+                What::Diverged,
+                format!("recorded with another state hash, first {recorded:016x}"),
+            );
+        }
+        self.last = tick;
+        if is_frame {
+            self.hashes.push(hash);
+            while self.is_too_much() {
+                self.thin();
+            }
+        }
+    }
+
+    /// Notes what is done before the step from this tick to the next. The same done again at the next tick goes on.
+    pub(crate) fn input(&mut self, tick: u64, text: String) {
+        self.events.repeat(tick, What::Input, text);
+    }
+
+    /// Takes in the last world once more, so that the run's end is a frame.
+    pub(crate) fn finish(&mut self, world: &World<Fx>) {
+        if (self.last - self.start) % self.stride == 0 {
+            return;
+        }
+        for body in world.bodies() {
+            if let Some(&Some(life)) = self.alive.get(body.id().parts().0 as usize) {
+                self.sample(life, &body);
+            }
+        }
+        self.hashes.push(world.state_hash());
+    }
+
+    fn see_clock(&mut self, world: &World<Fx>) {
+        let step = world.def().time_step;
+        if self.clock.last().is_some_and(|span| span.step == step) {
+            return;
+        }
+        // What changed the step did so at the tick before; what the time is now has this step in it.
+        let (now, (num, den)) = (world.elapsed(), step.seconds());
+        let (num, den) = (u128::from(num), u128::from(den));
+        let (tick, time) = match self.clock.is_empty() {
+            true => (world.tick(), (now.num, now.den)),
+            // A ratio that does not fit is for show alone.
+            false => {
+                let top = now.num.saturating_mul(den).saturating_sub(num.saturating_mul(now.den));
+                (self.last, (top, now.den.saturating_mul(den)))
+            }
+        };
+        self.clock.push(Span { tick, time, step });
+    }
+
+    /// The life of a body that is there.
+    fn see_body(&mut self, body: &BodyRef<'_>, tick: u64, name: &impl Fn(BodyId) -> String) -> usize {
+        let id = body.id();
+        let slot = id.parts().0 as usize;
+        if self.alive.len() <= slot {
+            self.alive.resize(slot + 1, None);
+        }
+        let known = self.alive[slot].filter(|&life| self.lives[life].id == id);
+        let life = known.unwrap_or_else(|| {
+            if let Some(before) = self.alive[slot] {
+                self.events.tell(tick, What::Removed, Some(before), String::new());
+            }
+            let first = (tick - self.start).div_ceil(self.stride);
+            let (name, track, looks) = (name(id), Track::default(), Vec::new());
+            self.lives.push(Life { id, name, from: tick, to: tick, first, track, looks });
+            self.alive[slot] = Some(self.lives.len() - 1);
+            if tick > self.start {
+                self.events.tell(tick, What::Added, Some(self.lives.len() - 1), String::new());
+            }
+            self.lives.len() - 1
+        });
+        self.lives[life].to = tick;
+        let shape = self.shape_number(life, body);
+        let look = Look { kind: body.kind(), activity: body.activity(), shape, key: body.key(), mass: body.mass() };
+        let before = self.lives[life].looks.last().map(|(_, look)| *look);
+        if before != Some(look) {
+            self.lives[life].looks.push((tick, look));
+            let what = match (before.map(|before| before.activity), look.activity) {
+                (Some(Activity::Awake), Activity::Asleep) => Some(What::Slept),
+                (Some(Activity::Asleep), Activity::Awake) => Some(What::Woke),
+                (Some(Activity::Quarantined), Activity::Awake | Activity::Asleep) => Some(What::Released),
+                (Some(Activity::Disabled), Activity::Awake | Activity::Asleep) => Some(What::Enabled),
+                (Some(before), Activity::Disabled) if before != Activity::Disabled => Some(What::Disabled),
+                // The report has those that were quarantined, with the cause.
+                _ => None,
+            };
+            if let Some(what) = what {
+                self.events.tell(tick, what, Some(life), String::new());
+            }
+        }
+        life
+    }
+
+    fn shape_number(&mut self, life: usize, body: &BodyRef<'_>) -> Option<usize> {
+        let shape = body.shape()?;
+        let before = self.lives[life].looks.last().and_then(|(_, look)| look.shape);
+        if before.is_some_and(|before| self.shapes[before].0 == *shape) {
+            return before;
+        }
+        let drawn = drawing::shape(body.id(), shape);
+        let number = *self.shape_numbers.entry(drawn.to_string()).or_insert_with(|| {
+            self.shapes.push((shape.clone(), drawn));
+            self.shapes.len() - 1
+        });
+        Some(number)
+    }
+
+    fn sample(&mut self, life: usize, body: &BodyRef<'_>) {
+        let (at, v) = (body.position(), body.velocity());
+        let values: [Fx; 6] = [at.x, at.y, body.angle(), v.x, v.y, body.angular_velocity()];
+        self.lives[life].track.push(values.map(Fx::to_bits));
+    }
+
+    fn see_gone(&mut self, tick: u64) {
+        for slot in 0..self.alive.len() {
+            if let Some(life) = self.alive[slot].filter(|&life| self.lives[life].to != tick) {
+                self.alive[slot] = None;
+                self.events.tell(tick, What::Removed, Some(life), String::new());
+            }
+        }
+    }
+
+    fn see_fields(&mut self, world: &World<Fx>) {
+        let (tick, mut there) = (world.tick(), std::mem::take(&mut self.fields_there));
+        for (id, field) in world.fields() {
+            let known = there.remove(&id).filter(|(known, _)| known == field);
+            let number = known.map_or_else(
+                || {
+                    let drawing = drawing::field(field, |body| {
+                        let life = self.alive.get(body.parts().0 as usize).copied().flatten()?;
+                        (self.lives[life].id == body).then_some(life)
+                    });
+                    self.fields.push(Placed { from: tick, to: tick, drawing });
+                    self.fields.len() - 1
+                },
+                |(_, number)| number,
+            );
+            self.fields[number].to = tick;
+            self.fields_there.insert(id, (*field, number));
+        }
+    }
+
+    fn is_too_much(&self) -> bool {
+        if self.hashes.len() as u64 <= FEWEST {
+            return false;
+        }
+        let (mut bytes, mut samples) = (8 * self.hashes.len(), 0);
+        // What the text takes, about.
+        let mut text = 16_000 + 100 * (self.events.told.len() + self.fields.len()) + 300 * self.shapes.len();
+        for life in &self.lives {
+            bytes += life.track.size();
+            samples += life.track.count();
+            text += 60 + life.name.len() + 40 * life.looks.len();
+        }
+        text + bytes / 3 * 4 > self.budget.bytes || samples > self.budget.samples
+    }
+
+    /// Keeps every other frame.
+    fn thin(&mut self) {
+        self.stride *= 2;
+        self.hashes = self.hashes.iter().copied().step_by(2).collect();
+        for life in &mut self.lives {
+            let odd = (life.first % 2) as usize;
+            let mut track = Track::default();
+            life.track.samples().skip(odd).step_by(2).for_each(|sample: Sample| track.push(sample));
+            life.track = track;
+            life.first = life.first.div_ceil(2);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use umbra_physics::{BodyDef, FieldKind, Region, TimeStep, WorldDef, fx, vec2};
+
+    use super::*;
+
+    fn world() -> World<Fx> {
+        World::new(WorldDef { gravity: vec2(0, -10), sleep_after: Some(5), ..WorldDef::default() }).expect("a world")
+    }
+
+    fn ball(x: i32) -> BodyDef {
+        BodyDef { position: vec2(x, 0), velocity: vec2(fx!(0.3), 1), angular_velocity: fx!(2.5), ..BodyDef::dynamic() }
+    }
+
+    fn unnamed(_: BodyId) -> String {
+        String::new()
+    }
+
+    /// The values of all bodies.
+    fn truth(world: &World<Fx>) -> BTreeMap<BodyId, Sample> {
+        let values = |body: BodyRef<'_>| {
+            let (at, v) = (body.position(), body.velocity());
+            (body.id(), [at.x, at.y, body.angle(), v.x, v.y, body.angular_velocity()].map(Fx::to_bits))
+        };
+        world.bodies().map(values).collect()
+    }
+
+    fn tick_of(recording: &Recording, frame: u64) -> u64 {
+        recording.last.min(recording.start + frame * recording.stride)
+    }
+
+    #[test]
+    fn every_frame_is_the_world_at_its_tick_however_often_it_was_thinned() {
+        for samples in [60, 100, 250, 700, 10_000] {
+            let mut world = world();
+            let (mut recording, mut states) = (Recording::new(Budget { samples, ..Budget::default() }), Vec::new());
+            world.step();
+            let mut bodies = vec![world.add_body(ball(0)).expect("there is room")];
+            for tick in 0..=203u64 {
+                states.push((world.tick(), world.state_hash(), truth(&world)));
+                recording.see(&world, None, unnamed);
+                if tick % 17 == 3 {
+                    bodies.push(world.add_body(ball(tick as i32)).expect("there is room"));
+                }
+                if tick % 29 == 11 {
+                    world.remove_body(bodies.remove(0)).expect("it is there");
+                }
+                if tick < 203 {
+                    world.step();
+                }
+            }
+            let last = states.last().map(|(tick, ..)| *tick).expect("some");
+            // What was done after the last step is not of the run.
+            recording.finish(&world);
+            assert_eq!((recording.start, recording.last), (1, last));
+            assert_eq!(recording.stride > 1, samples < 1000, "{samples}");
+            let mut seen = 0;
+            for (frame, hash) in recording.hashes.iter().enumerate() {
+                let tick = tick_of(&recording, frame as u64);
+                let (at, expected, values) = &states[(tick - 1) as usize];
+                assert_eq!((at, expected), (&tick, hash), "{samples}");
+                for life in &recording.lives {
+                    let sample = (frame as u64).checked_sub(life.first).filter(|&index| index < life.track.count());
+                    let sample = sample.and_then(|index| life.track.samples().nth(index as usize));
+                    let known = values.get(&life.id).copied();
+                    assert_eq!(sample, known, "{} at {tick}, {samples}", life.id);
+                    seen += usize::from(known.is_some());
+                }
+            }
+            assert!(seen > 50);
+        }
+    }
+
+    #[test]
+    fn a_slot_taken_again_within_a_tick_is_another_body() {
+        let mut world = world();
+        let mut recording = Recording::new(Budget::default());
+        let first = world.add_body(ball(1)).expect("there is room");
+        recording.see(&world, None, unnamed);
+        world.step();
+        world.remove_body(first).expect("it is there");
+        let second = world.add_body(ball(2)).expect("there is room");
+        assert_eq!(first.parts().0, second.parts().0);
+        recording.see(&world, None, unnamed);
+        let events: Vec<_> =
+            recording.events.told.iter().map(|event| (event.tick, event.what, &event.bodies[..])).collect();
+        assert_eq!(events, [(1, What::Removed, &[0][..]), (1, What::Added, &[1][..])]);
+        assert_eq!((recording.lives[0].to, recording.lives[1].from), (0, 1));
+    }
+
+    #[test]
+    fn a_run_that_is_not_the_recorded_one_is_one_event_while_it_lasts() {
+        let mut world = world();
+        let mut recording = Recording::new(Budget::default());
+        for tick in 0..12 {
+            let wrong = u64::from((3..7).contains(&tick) || tick == 10);
+            recording.see(&world, Some(world.state_hash() ^ wrong), unnamed);
+            world.step();
+        }
+        let events: Vec<_> = recording.events.told.iter().map(|event| (event.tick, event.until, event.what)).collect();
+        assert_eq!(events, [(3, 6, What::Diverged), (10, 10, What::Diverged)]);
+    }
+
+    #[test]
+    fn time_is_that_of_the_world_when_the_step_changes() {
+        let mut world = world();
+        let mut recording = Recording::new(Budget::default());
+        let mut times = Vec::new();
+        for tick in 0..40 {
+            times.push((world.elapsed().num, world.elapsed().den));
+            recording.see(&world, None, unnamed);
+            match tick {
+                9 => world.set_time_step(TimeStep::ratio(1001, 60_000)).expect("within the limits"),
+                10 => world.set_time_step(TimeStep::hz(7)).expect("within the limits"),
+                _ => {}
+            }
+            world.step();
+        }
+        assert_eq!(recording.clock.iter().map(|span| span.tick).collect::<Vec<_>>(), [0, 9, 10]);
+        for (tick, (num, den)) in times.into_iter().enumerate() {
+            let span = recording.clock.iter().rev().find(|span| span.tick <= tick as u64).expect("one");
+            let ((top, bottom), (n, d)) = (span.time, span.step.seconds());
+            let (n, d, ticks) = (u128::from(n), u128::from(d), u128::from(tick as u64 - span.tick));
+            assert_eq!((top * d + ticks * n * bottom) * den, num * bottom * d, "tick {tick}");
+        }
+    }
+
+    #[test]
+    fn bodies_at_rest_and_fields_have_their_ticks() {
+        let mut world = world();
+        let mut recording = Recording::new(Budget::default());
+        let still = BodyDef { gravity_scale: Fx::ZERO, ..BodyDef::dynamic() };
+        let body = world.add_body(still).expect("there is room");
+        let region = Region::Disc { centre: vec2(50, 0), radius: Fx::ONE };
+        let zone = |g: i32| FieldKind::Zone { region, acceleration: vec2(0, g) };
+        let field = world.add_field(zone(1)).expect("there is room");
+        for tick in 0..20 {
+            recording.see(&world, None, unnamed);
+            match tick {
+                8 => world.wake(body).expect("it is there"),
+                12 => world.set_field(field, zone(2)).expect("it is there"),
+                15 => world.remove_field(field).expect("it is there"),
+                _ => {}
+            }
+            world.step();
+        }
+        let events: Vec<_> = recording.events.told.iter().map(|event| (event.tick, event.what)).take(2).collect();
+        assert_eq!(events, [(5, What::Slept), (9, What::Woke)]);
+        let fields: Vec<_> = recording.fields.iter().map(|field| (field.from, field.to)).collect();
+        assert_eq!(fields, [(0, 12), (13, 15)]);
+    }
+}

@@ -1,0 +1,165 @@
+//! Commands in words.
+
+use umbra_physics::{
+    BodyId, BodyKind, Command, FieldId, FieldKind, ForceField, ForceOrImpulse, Frame, Fx, Locks, Mass, Vec2,
+};
+use umbra_scene::{Scene, SceneAction};
+
+/// The names of bodies and force fields.
+pub(crate) struct Names<B, F> {
+    pub(crate) body: B,
+    pub(crate) field: F,
+}
+
+/// A command in words.
+pub(crate) fn command<B, F>(command: &Command<Fx>, names: &Names<B, F>) -> String
+where
+    B: Fn(BodyId) -> String,
+    F: Fn(FieldId) -> String,
+{
+    let of = |body: &BodyId| (names.body)(*body);
+    match command {
+        Command::AddBody(def) => format!("add a {} body at {} m", kind(def.kind), vector(def.position)),
+        Command::RemoveBody(body) => format!("remove {}", of(body)),
+        Command::Apply { body, action, manner } => {
+            let frame = if manner.frame == Frame::Body { ", in its frame" } else { "" };
+            let wake = if manner.wake { "" } else { ", without waking it" };
+            format!("{} on {}{frame}{wake}", act(action), of(body))
+        }
+        Command::SetPosition { body, position } => format!("put {} at {} m", of(body), vector(*position)),
+        Command::SetAngle { body, angle } => format!("turn {} to {} rad", of(body), short(*angle)),
+        Command::SetVelocity { body, velocity } => format!("velocity of {}: {} m/s", of(body), vector(*velocity)),
+        Command::SetAngularVelocity { body, velocity } => {
+            format!("angular velocity of {}: {} rad/s", of(body), short(*velocity))
+        }
+        Command::SetMass { body, mass } => format!("mass of {}: {}", of(body), weight(*mass)),
+        Command::SetShape { body, shape: Some(_) } => format!("another shape for {}", of(body)),
+        Command::SetShape { body, shape: None } => format!("no shape for {}", of(body)),
+        Command::SetKind { body, kind: to } => format!("make {} {}", of(body), kind(*to)),
+        Command::SetGravityScale { body, scale } => format!("gravity scale of {}: {}", of(body), short(*scale)),
+        Command::SetBodyDamping { body, linear, angular } => {
+            let own = |damping: Option<Fx>| damping.map_or("the world's".to_owned(), short);
+            format!("damping of {}: linear {}, angular {}", of(body), own(*linear), own(*angular))
+        }
+        Command::SetMaxSpeeds { body, linear, angular } => {
+            let most = |most: Option<Fx>, unit| most.map_or("any".to_owned(), |most| format!("{} {unit}", short(most)));
+            format!("largest speeds of {}: {}, {}", of(body), most(*linear, "m/s"), most(*angular, "rad/s"))
+        }
+        Command::SetLocks { body, locks } => format!("locks of {}: {}", of(body), locked(*locks)),
+        Command::SetGroups { body, groups } => format!("groups of {}: {groups:#x}", of(body)),
+        Command::SetKey { body, key } => format!("key of {}: {key}", of(body)),
+        Command::SetUserData { body, user_data } => format!("user data of {}: {user_data}", of(body)),
+        Command::Wake(body) => format!("wake {}", of(body)),
+        Command::Release(body) => format!("release {}", of(body)),
+        Command::MoveTo { body, position, angle } => {
+            format!("move {} to {} m, {} rad", of(body), vector(*position), short(*angle))
+        }
+        Command::Disable(body) => format!("disable {}", of(body)),
+        Command::Enable(body) => format!("enable {}", of(body)),
+        Command::AddField(field) => format!("add {}", law(field)),
+        Command::SetField { id, field } => format!("in place of {}: {}", (names.field)(*id), law(field)),
+        Command::RemoveField(field) => format!("remove {}", (names.field)(*field)),
+        Command::SetTimeStep(step) => {
+            let (num, den) = step.seconds();
+            format!("time step: {num}/{den} s")
+        }
+        Command::SetGravity(gravity) => format!("gravity: {} m/s²", vector(*gravity)),
+        Command::SetIntegrator(integrator) => format!("integrator: {}", integrator.name()),
+        Command::SetDamping { linear, angular } => {
+            format!("damping: linear {}, angular {}", short(*linear), short(*angular))
+        }
+        Command::SetSleepAfter(Some(ticks)) => format!("sleep after {ticks} ticks"),
+        Command::SetSleepAfter(None) => "no sleep".to_owned(),
+        Command::SetRandom(_) => "another state of the generator".to_owned(),
+        Command::SetBlob(bytes) => format!("a blob of {} bytes", bytes.len()),
+        // One that this version does not know; its name at least.
+        other => format!("{other:?}").chars().take_while(char::is_ascii_alphanumeric).collect(),
+    }
+}
+
+/// Says in words what an input of a scene does.
+pub(super) fn action(scene: &Scene, action: &SceneAction) -> String {
+    // The handles in it are indices.
+    let body = |id: BodyId| scene.bodies.get(id.parts().0 as usize).map_or(id.to_string(), |body| body.name.clone());
+    let field = |id: FieldId| {
+        let name = scene.fields.get(id.parts().0 as usize).and_then(|field| field.name.clone());
+        name.unwrap_or_else(|| id.to_string())
+    };
+    match action {
+        SceneAction::Command(what) => command(what, &Names { body, field }),
+        SceneAction::AddBody(index) => format!("add {}", body(BodyId::from_parts(*index as u32, 0))),
+        SceneAction::AddField(index) => {
+            let added = &scene.fields[*index];
+            added.name.as_ref().map_or_else(|| format!("add {}", law(&added.field)), |name| format!("add {name}"))
+        }
+        SceneAction::SetShape { body: id, shape: Some(_) } => format!("another shape for {}", body(*id)),
+        SceneAction::SetShape { body: id, shape: None } => format!("no shape for {}", body(*id)),
+        other => format!("{other:?}").chars().take_while(char::is_ascii_alphanumeric).collect(),
+    }
+}
+
+fn act(action: &ForceOrImpulse) -> String {
+    let at = |point: &Option<Vec2>| point.map_or(String::new(), |point| format!(" at {} m", vector(point)));
+    match action {
+        ForceOrImpulse::Force { force, point } => format!("force {} N{}", vector(*force), at(point)),
+        ForceOrImpulse::Torque(torque) => format!("torque {} N·m", short(*torque)),
+        ForceOrImpulse::Impulse { impulse, point } => format!("impulse {} N·s{}", vector(*impulse), at(point)),
+        ForceOrImpulse::AngularImpulse(impulse) => format!("angular impulse {} N·m·s", short(*impulse)),
+    }
+}
+
+fn kind(kind: BodyKind) -> &'static str {
+    match kind {
+        BodyKind::Static => "static",
+        BodyKind::Kinematic => "kinematic",
+        BodyKind::Dynamic => "dynamic",
+    }
+}
+
+fn locked(locks: Locks) -> String {
+    if locks == Locks::NONE { "none".to_owned() } else { locks.names().collect::<Vec<_>>().join(", ") }
+}
+
+fn law(field: &ForceField) -> &'static str {
+    match field.kind {
+        FieldKind::Attractor { .. } => "an attractor",
+        FieldKind::Spring { .. } => "a spring",
+        FieldKind::Drag { .. } => "a drag",
+        FieldKind::Thrust { .. } => "a thrust",
+        FieldKind::Zone { .. } => "a zone",
+        FieldKind::Custom { .. } => "a law of the user's own",
+        _ => "a force field",
+    }
+}
+
+fn weight(mass: Mass) -> String {
+    match mass {
+        Mass::Density(density) => format!("{} kg/m²", short(density)),
+        Mass::Kilograms(mass) => format!("{} kg", short(mass)),
+        Mass::Explicit { mass, inertia } => format!("{} kg, {} kg·m²", short(mass), short(inertia)),
+    }
+}
+
+fn vector(v: Vec2) -> String {
+    format!("({}, {})", short(v.x), short(v.y))
+}
+
+/// The exact text if it is short, or if six digits after the point would be zeros; else these.
+fn short(value: Fx) -> String {
+    let (exact, near) = (value.to_string(), format!("{value:.6}"));
+    if exact.len() <= 9 || !near.contains(|digit| ('1'..='9').contains(&digit)) {
+        return exact;
+    }
+    near.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short_and_not_lost() {
+        let texts = [Fx::ZERO, Fx::from_bits(-(3 << 31)), Fx::from_bits(0x1999_999a), Fx::DELTA].map(short);
+        assert_eq!(texts, ["0", "-1.5", "0.1", "0.00000000023283064365386962890625"]);
+    }
+}

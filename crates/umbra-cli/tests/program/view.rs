@@ -1,0 +1,504 @@
+//! The page of `umbra view`: what is in it, and what a browser makes of it.
+//!
+//! Where there is no Chromium the tests that need one say that they are skipped, and with UMBRA_REQUIRE_BROWSER=1 they
+//! fail. Pictures of the page are left beside the build, in `tmp/view`.
+
+#[path = "../../../../tests/browser/mod.rs"]
+mod browser;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use browser::Browser;
+use serde_json::Value;
+use umbra_physics::{
+    BodyDef, Command as Order, Fx, Input, Inputs, RecordOptions, Recorder, Shape, World, WorldDef, fx, vec2,
+};
+use umbra_scene::Scene;
+
+use crate::{root, umbra};
+
+/// A page, or another file, of a test's own; it goes when the test is over.
+struct Page(PathBuf);
+
+impl Page {
+    /// The page of a scene, with what was printed.
+    fn of(scene: &str, ticks: Option<u64>) -> (Self, String) {
+        let name = Path::new(scene).file_stem().expect("a name").to_string_lossy().into_owned();
+        let test = std::thread::current().name().unwrap_or("test").to_owned();
+        let page =
+            Self(Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{}-{test}-{name}.html", std::process::id())));
+        let ticks = ticks.map(|ticks| ticks.to_string());
+        let mut arguments = vec!["view", scene, "--out", page.path()];
+        if let Some(ticks) = &ticks {
+            arguments.extend(["--ticks", ticks]);
+        }
+        let output = umbra(&arguments);
+        let said = String::from_utf8(output.stderr).expect("UTF-8");
+        assert_eq!(output.status.code(), Some(0), "{said}");
+        assert!(output.stdout.is_empty());
+        (page, said)
+    }
+
+    /// A scene or a replay, which goes as well.
+    fn scene(name: &str, content: impl AsRef<[u8]>) -> Self {
+        let file = Self(Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{}-{name}.json", std::process::id())));
+        fs::write(&file.0, content).expect("the scene can be written");
+        file
+    }
+
+    fn path(&self) -> &str {
+        self.0.to_str().expect("UTF-8")
+    }
+
+    fn text(&self) -> String {
+        fs::read_to_string(&self.0).expect("the page is there")
+    }
+}
+
+impl Drop for Page {
+    fn drop(&mut self) {
+        let _ = fs::remove_file(&self.0);
+    }
+}
+
+/// The output of `umbra run --json` for a scene.
+fn ran(scene: &str, ticks: u64) -> Value {
+    let output = umbra(&["run", scene, "--json", "--ticks", &ticks.to_string()]);
+    serde_json::from_slice(&output.stdout).expect("JSON")
+}
+
+/// The state hash at each tick, as the page writes them.
+fn hashes(scene: &str, ticks: u64) -> Vec<String> {
+    let text = fs::read_to_string(root().join(scene)).expect("the scene is there");
+    hashes_of(&text, ticks)
+}
+
+fn hashes_of(text: &str, ticks: u64) -> Vec<String> {
+    let scene = Scene::parse(text).expect("a scene");
+    let mut run = scene.start::<Fx>().expect("it starts");
+    let mut hashes = vec![format!("{:016x}", run.world().state_hash())];
+    for _ in 0..ticks {
+        run.advance().expect("it goes on");
+        hashes.push(format!("{:016x}", run.world().state_hash()));
+    }
+    hashes
+}
+
+/// The tick that the page shows.
+fn tick(browser: &mut Browser) -> usize {
+    let text = browser.text("#tick");
+    text.split(' ').next().and_then(|tick| tick.parse().ok()).unwrap_or_else(|| panic!("no tick in {text}"))
+}
+
+/// The tick that the page shows, which has to have its hash.
+fn checked_tick(browser: &mut Browser, hashes: &[String]) -> usize {
+    let tick = tick(browser);
+    assert_eq!(browser.text("#hash"), hashes[tick], "tick {tick}");
+    tick
+}
+
+const HOME: (&str, u32) = ("Home", 36);
+const END: (&str, u32) = ("End", 35);
+const LEFT: (&str, u32) = ("ArrowLeft", 37);
+const RIGHT: (&str, u32) = ("ArrowRight", 39);
+const SPACE: (&str, u32) = (" ", 32);
+
+#[test]
+fn a_page_needs_nothing_else_and_is_the_same_each_time() {
+    let (page, said) = Page::of("scenes/sleepers.json", Some(120));
+    assert_eq!(said, "", "nothing to say of a page with everything in it");
+    let text = page.text();
+    assert!(text.starts_with("<!DOCTYPE html>") && text.ends_with("</html>\n"));
+    assert!(text.contains("http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; "));
+    for outside in ["http://", "https://", " src=", "url(", "@import", "import(", "fetch(", &root().to_string_lossy()] {
+        assert!(!text.contains(outside), "{outside}");
+    }
+    assert_eq!(text, Page::of("scenes/sleepers.json", Some(120)).0.text());
+}
+
+#[test]
+fn what_cannot_be_read_or_written_is_named() {
+    let output = umbra(&["view", "scenes/no-such-scene.json", "--out", "x.html"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).starts_with("scenes/no-such-scene.json: cannot read: "));
+    let output = umbra(&["view", "scenes/kepler.json", "--ticks", "1", "--out", "no/such/folder/x.html"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).starts_with("no/such/folder/x.html: cannot write: "));
+    assert_eq!(umbra(&["view", "scenes/kepler.json"]).status.code(), Some(2), "it has to go somewhere");
+}
+
+#[test]
+fn it_plays_pauses_steps_and_scrubs() {
+    let Some(mut browser) = Browser::start() else { return };
+    let (page, _) = Page::of("scenes/kepler.json", Some(600));
+    let (hashes, end) = (hashes("scenes/kepler.json", 600), ran("scenes/kepler.json", 600));
+    browser.open(&page.0, "");
+    assert_eq!(checked_tick(&mut browser, &hashes), 0);
+    browser.click("#play");
+    browser.wait_for("parseInt(document.querySelector('#tick').textContent) > 5");
+    browser.click("#play");
+    let paused = checked_tick(&mut browser, &hashes);
+    std::thread::sleep(std::time::Duration::from_millis(200));
+    assert_eq!(tick(&mut browser), paused);
+    browser.click("#forth");
+    assert_eq!(checked_tick(&mut browser, &hashes), paused + 1);
+    browser.click("#back");
+    browser.click("#back");
+    assert_eq!(checked_tick(&mut browser, &hashes), paused - 1);
+    // From the thumb to the end of the bar.
+    browser.drag("#scrub", [0.5, 0.5], [1.0, 0.5]);
+    assert_eq!(checked_tick(&mut browser, &hashes), 600);
+    assert_eq!(browser.text("#hash"), end["state_hash"]);
+    assert_eq!(browser.text("#time"), format!("{} s", end["time"].as_str().expect("a ratio")));
+    browser.click_at("#scrub", [0.5, 0.5]);
+    let middle = checked_tick(&mut browser, &hashes);
+    assert!((295..=305).contains(&middle), "{middle}");
+    browser.click("#home");
+    assert_eq!(checked_tick(&mut browser, &hashes), 0);
+    browser.click("#end");
+    assert_eq!(checked_tick(&mut browser, &hashes), 600);
+    browser.assert_clean();
+}
+
+#[test]
+fn it_listens_to_the_keyboard() {
+    let Some(mut browser) = Browser::start() else { return };
+    let (page, _) = Page::of("scenes/kepler.json", Some(300));
+    let hashes = hashes("scenes/kepler.json", 300);
+    browser.open(&page.0, "tick=17");
+    assert_eq!(checked_tick(&mut browser, &hashes), 17, "from the address");
+    let expected = [(END, false, 300), (LEFT, false, 299), (LEFT, true, 289), (HOME, false, 0), (RIGHT, true, 10)];
+    for ((key, number), shift, tick) in expected {
+        browser.press(key, number, shift);
+        assert_eq!(checked_tick(&mut browser, &hashes), tick, "{key}");
+    }
+    browser.press(SPACE.0, SPACE.1, false);
+    browser.wait_for("parseInt(document.querySelector('#tick').textContent) > 15");
+    assert_eq!(browser.evaluate("document.querySelector('#play').getAttribute('aria-label')"), "Pause");
+    browser.press(SPACE.0, SPACE.1, false);
+    assert_eq!(browser.evaluate("document.querySelector('#play').getAttribute('aria-label')"), "Play");
+    checked_tick(&mut browser, &hashes);
+    // A run that is over stays at its end, and plays from the start again.
+    browser.press(END.0, END.1, false);
+    browser.press(LEFT.0, LEFT.1, true);
+    browser.evaluate("document.querySelector('#speed').value = '8'");
+    browser.press(SPACE.0, SPACE.1, false);
+    browser.wait_for("document.querySelector('#play').getAttribute('aria-label') === 'Play'");
+    assert_eq!(tick(&mut browser), 300);
+    browser.press(SPACE.0, SPACE.1, false);
+    browser.wait_for("parseInt(document.querySelector('#tick').textContent) < 250");
+    browser.assert_clean();
+}
+
+#[test]
+fn every_value_is_exact() {
+    let Some(mut browser) = Browser::start() else { return };
+    let table = Page(Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{}-exact.csv", std::process::id())));
+    // Thrown from one end of the world to the other each tick: what is stored wraps around.
+    let jumps = (0..24).map(|tick| {
+        let far = "1073741823.9999999997671694";
+        let sign = |bit: u32| if tick >> bit & 1 == 1 { "-" } else { "" };
+        let place = format!("[{}{far}, {}{far}]", sign(0), sign(1));
+        let velocity = format!("[{}1048575.3, {}1048575.7]", sign(2), sign(0));
+        format!("{{\"at\": {tick}, \"body\": \"a\", \"set\": {{\"position\": {place}, \"velocity\": {velocity}}}}}")
+    });
+    let jumps = jumps.collect::<Vec<_>>().join(", ");
+    let text = format!("{{\"time_step\": \"1/10000\", \"bodies\": [{{\"name\": \"a\"}}], \"inputs\": [{jumps}]}}");
+    let jumping = Page::scene("jumping", &text);
+    let scenes =
+        [("scenes/tumbling.json", "299", "13"), ("scenes/too-stiff.json", "40", "2"), (jumping.path(), "30", "1")];
+    for (scene, ticks, every) in scenes {
+        let (page, _) = Page::of(scene, ticks.parse().ok());
+        assert!(umbra(&["run", scene, "--ticks", ticks, "--csv", table.path(), "--every", every]).status.success());
+        let rows = table.text();
+        let rows: Vec<Vec<&str>> = rows.lines().skip(1).map(|line| line.split(',').collect()).collect();
+        browser.open(&page.0, "");
+        for row in rows {
+            let script = format!(
+                "(async () => {{
+                    const who = document.querySelector('#who');
+                    who.value = [...who.options].find(option => option.text === {:?}).value;
+                    who.dispatchEvent(new Event('change'));
+                    const scrub = document.querySelector('#scrub');
+                    scrub.value = {};
+                    scrub.dispatchEvent(new Event('input'));
+                    await new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)));
+                    return [...document.querySelectorAll('#body dd')].map(dd => `${{dd.dataset.name}}: ${{dd.textContent}}`);
+                }})()",
+                row[1], row[0]
+            );
+            let shown = browser.evaluate(&script);
+            let shown: Vec<&str> = shown.as_array().expect("a list").iter().filter_map(Value::as_str).collect();
+            let [_, name, x, y, angle, vx, vy, spin] = row[..] else { panic!("{row:?}") };
+            let expected = [
+                format!("name: {name}"),
+                format!("x: {x} m"),
+                format!("y: {y} m"),
+                format!("angle: {angle} rad"),
+                format!("velocity x: {vx} m/s"),
+                format!("velocity y: {vy} m/s"),
+                format!("spin: {spin} rad/s"),
+            ];
+            for value in &expected {
+                assert!(shown.contains(&value.as_str()), "tick {}: {value} in {shown:#?}", row[0]);
+            }
+        }
+        browser.assert_clean();
+    }
+}
+
+#[test]
+fn time_is_exact_when_the_step_changes() {
+    let Some(mut browser) = Browser::start() else { return };
+    let inputs = r#"{"at": 9, "set": {"time_step": "1001/60000"}}, {"at": 10, "set": {"time_step": "1/7"}}"#;
+    let scene = Page::scene("steps", format!("{{\"ticks\": 20, \"inputs\": [{inputs}]}}"));
+    let (page, _) = Page::of(scene.path(), None);
+    browser.open(&page.0, "");
+    for tick in [1, 8, 9, 10, 11, 20] {
+        browser.press(HOME.0, HOME.1, false);
+        (0..tick).for_each(|_| browser.press(RIGHT.0, RIGHT.1, false));
+        let (shown, exact) = (browser.text("#time"), ran(scene.path(), tick)["time"].clone());
+        let exact = exact.as_str().expect("a ratio");
+        let (num, den) = exact.split_once('/').expect("no whole number");
+        let value = num.parse::<f64>().expect("a number") / den.parse::<f64>().expect("a number");
+        let decimal = format!("{value} s");
+        assert!(shown == decimal || shown == format!("{exact} s ≈ {value:.3} s"), "{shown} for {exact}");
+    }
+    browser.assert_clean();
+}
+
+#[test]
+fn events_are_listed_and_marked() {
+    let Some(mut browser) = Browser::start() else { return };
+    let (page, _) = Page::of("scenes/sleepers.json", None);
+    browser.open(&page.0, "");
+    assert_eq!(browser.text("#counts"), "100 dynamic, 3 kinematic, 22 static");
+    assert_eq!(
+        browser.text("#list li").trim(),
+        "30fell asleep box-0-0, box-1-0, box-2-0, box-3-0, box-4-0, box-5-0, 94 more"
+    );
+    browser.click("#list li:first-child button");
+    assert_eq!(tick(&mut browser), 30);
+    assert_eq!(browser.text("#counts"), "3 kinematic, 22 static, 100 asleep");
+    assert_eq!(browser.text("#body dd[data-name=name]"), "box-0-0");
+    // The first mark: tick 30 of 780, between the middles of the thumb at both ends.
+    let share = browser.evaluate("(7 + (document.querySelector('#marks').clientWidth - 14) * 30 / 780) / document.querySelector('#marks').clientWidth");
+    browser.hover("#marks", [share.as_f64().expect("a number"), 0.5]);
+    assert!(browser.text("#tip").starts_with("tick 30: fell asleep\nbox-0-0, "));
+    assert_eq!(browser.evaluate("document.querySelector('#tip').hidden"), false);
+    // Inputs alone: a hundred, ten a row.
+    browser.evaluate("(() => { const kinds = document.querySelector('#kinds'); kinds.value = 'input'; kinds.dispatchEvent(new Event('change')); })()");
+    assert_eq!(browser.evaluate("document.querySelectorAll('#list li').length"), 100);
+    assert_eq!(browser.text("#list li").trim(), "60input impulse (4, 0) N·s at (0, 0.05) m on box-0-0");
+    browser.assert_clean();
+
+    let (page, _) = Page::of("scenes/too-stiff.json", None);
+    browser.open(&page.0, "");
+    assert_eq!(browser.text("#list"), "16quarantined ω·dt = 2.1: velocity beyond 2^20 m/s");
+    browser.click("#list button");
+    assert_eq!(browser.text("#counts"), "2 dynamic, 1 quarantined");
+    browser.click("#back");
+    assert_eq!(browser.text("#counts"), "3 dynamic");
+    let (page, _) = Page::of("scenes/lander.json", None);
+    browser.open(&page.0, "");
+    let held = "document.querySelectorAll('#list li')[2].textContent";
+    assert_eq!(browser.evaluate(held), "200input force (0, 2376) N on lander, in its frame (to tick 499)");
+    browser.assert_clean();
+}
+
+#[test]
+fn the_picture_pans_zooms_and_follows() {
+    let Some(mut browser) = Browser::start() else { return };
+    let (page, _) = Page::of("scenes/kepler.json", Some(600));
+    let picture = |browser: &mut Browser| browser.evaluate("document.querySelector('#canvas').toDataURL()");
+    let middle = [0.5, 0.5];
+    browser.open(&page.0, "tick=300");
+    // Away from the canvas, or what lies under the mouse has a ring around it.
+    browser.hover("h1", middle);
+    let whole = picture(&mut browser);
+    browser.drag("#canvas", middle, [0.6, 0.7]);
+    let panned = picture(&mut browser);
+    browser.wheel("#canvas", middle, -300.0);
+    let zoomed = picture(&mut browser);
+    assert!(whole != panned && panned != zoomed);
+    browser.click("#fit");
+    browser.hover("h1", middle);
+    assert!(picture(&mut browser) == whole, "it fits again");
+    // A body that is followed is in the middle of the canvas, where the mouse finds it.
+    browser.evaluate("(() => { const who = document.querySelector('#who'); who.selectedIndex = 1; who.dispatchEvent(new Event('change')); })()");
+    browser.click("#follow");
+    let followed = picture(&mut browser);
+    assert!(followed != whole);
+    browser.press("Escape", 27, false);
+    assert_eq!(browser.evaluate("document.querySelectorAll('#body dd').length"), 0);
+    browser.hover("#canvas", middle);
+    let name = browser.text("#body dd[data-name=name]");
+    browser.hover("h1", middle);
+    assert_eq!(browser.evaluate("document.querySelectorAll('#body dd').length"), 0, "none is under the mouse");
+    browser.click_at("#canvas", middle);
+    browser.hover("h1", middle);
+    assert_eq!(browser.text("#body dd[data-name=name]"), name, "it was clicked");
+    browser.press(END.0, END.1, false);
+    browser.hover("#canvas", middle);
+    assert_eq!(browser.evaluate("document.querySelector('#canvas').classList.contains('over')"), true, "still there");
+    for toggle in ["#arrows", "#trails"] {
+        let before = picture(&mut browser);
+        browser.click(toggle);
+        browser.hover("#canvas", middle);
+        assert!(picture(&mut browser) != before, "{toggle}");
+    }
+    browser.assert_clean();
+}
+
+#[test]
+fn nothing_at_all_is_a_page_too() {
+    let Some(mut browser) = Browser::start() else { return };
+    let scene = Page::scene("nothing", "{}");
+    for ticks in [0, 3] {
+        let (page, _) = Page::of(scene.path(), Some(ticks));
+        browser.open(&page.0, "");
+        assert_eq!(browser.text("#counts"), "none");
+        assert_eq!(browser.text("#hash"), hashes_of("{}", 0)[0]);
+        browser.press(END.0, END.1, false);
+        assert_eq!(tick(&mut browser) as u64, ticks);
+        browser.press(SPACE.0, SPACE.1, false);
+        browser.wait_for("document.querySelector('#play').getAttribute('aria-label') === 'Play'");
+        assert_eq!(tick(&mut browser) as u64, ticks);
+        browser.assert_clean();
+    }
+}
+
+#[test]
+fn a_replay_is_played_and_one_cut_off_as_far_as_it_goes() {
+    let mut world = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() }).expect("a world");
+    let shape = Some(Shape::circle(fx!(0.5)).expect("a circle"));
+    let ball = world.add_body(BodyDef { shape, ..BodyDef::dynamic() }).expect("there is room");
+    (0..7).for_each(|_| _ = world.step());
+    let mut recorder = Recorder::new(&world, RecordOptions { hash_every: 3, ..RecordOptions::default() });
+    let mut hashes = vec![format!("{:016x}", world.state_hash())];
+    for tick in 7..200 {
+        let mut inputs = Inputs::new();
+        if tick % 50 == 0 {
+            let command = Order::SetVelocity { body: ball, velocity: vec2(1, 5) };
+            inputs.insert(Input { player: 0, sequence: 0, command }).expect("one of its kind");
+        }
+        recorder.step(&mut world, &inputs);
+        hashes.push(format!("{:016x}", world.state_hash()));
+    }
+    let bytes = recorder.finish(&world);
+    let (whole, cut) = (Page::scene("whole", &bytes), Page::scene("cut", &bytes[..bytes.len() * 3 / 5]));
+    let (page, said) = Page::of(whole.path(), None);
+    assert_eq!(said, "");
+    let (cut_page, said) = Page::of(cut.path(), None);
+    assert!(said.contains("cut off: whole up to tick "), "{said}");
+    let foreign = Page::scene("foreign", &bytes[..40]);
+    let output = umbra(&["view", foreign.path(), "--out", page.path()]);
+    assert_eq!(output.status.code(), Some(2), "no world to begin with");
+    let Some(mut browser) = Browser::start() else { return };
+    // The page begins with tick 7.
+    let from_zero: Vec<String> = vec![String::new(); 7].into_iter().chain(hashes).collect();
+    browser.open(&page.0, "");
+    for (key, tick_there) in [(HOME, 7), (RIGHT, 8), (END, 200), (LEFT, 199)] {
+        browser.press(key.0, key.1, false);
+        assert_eq!(checked_tick(&mut browser, &from_zero), tick_there);
+    }
+    assert_eq!(browser.text("#list li"), "50input velocity of body 0: (1, 5) m/s");
+    assert_eq!(browser.evaluate("document.querySelectorAll('#list li').length"), 3, "one each 50 ticks, no divergence");
+    browser.open(&cut_page.0, "");
+    browser.press(END.0, END.1, false);
+    let end = checked_tick(&mut browser, &from_zero);
+    assert!((8..200).contains(&end), "{end}");
+    browser.assert_clean();
+}
+
+#[test]
+fn texts_of_a_scene_stay_texts() {
+    let hostile =
+        "</script></title><script>document.title = 'theirs'</script><img src=x onerror='alert(1)'>&lt;<!--{{about}}";
+    let scene = serde_json::json!({
+        "title": hostile,
+        "about": hostile,
+        "ticks": 3,
+        "bodies": [{"name": hostile, "shape": {"circle": {"radius": 1}}}],
+        "inputs": [{"at": 1, "body": hostile, "force": [1, 0]}, {"at": 2, "body": hostile, "do": "remove"}],
+    });
+    let file = Page::scene("hostile", scene.to_string());
+    let (page, _) = Page::of(file.path(), None);
+    assert!(!page.text().contains("<img"), "no tag of theirs");
+    let Some(mut browser) = Browser::start() else { return };
+    browser.open(&page.0, "");
+    assert_eq!(browser.evaluate("document.title"), hostile);
+    assert_eq!(browser.text("h1"), hostile);
+    assert_eq!(browser.text("details p"), hostile);
+    assert_eq!(browser.evaluate("document.querySelector('#who').options[1].text"), hostile);
+    browser.click("#list button");
+    assert!(browser.text("#list").contains(hostile));
+    browser.click("#end");
+    assert_eq!(browser.text("#counts"), "none");
+    assert_eq!(browser.evaluate("document.querySelectorAll('img').length"), 0);
+    browser.assert_clean();
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "steps a net of 1,000 nodes twice: in release builds")]
+fn a_large_run_is_thinned_and_the_page_says_so() {
+    let Some(mut browser) = Browser::start() else { return };
+    let (page, said) = Page::of("scenes/spring-net.json", None);
+    let thinned = "every 4th of 2000 ticks is in the page: all would make it too large";
+    assert_eq!(said, format!("{}: {thinned}\n", page.path()));
+    assert!(fs::metadata(&page.0).expect("it is there").len() <= 20_000_000);
+    let hashes = hashes("scenes/spring-net.json", 2000);
+    browser.open(&page.0, "");
+    assert_eq!(browser.text("#thinned"), thinned);
+    for (key, tick) in [(RIGHT, 4), (RIGHT, 8), (END, 2000), (LEFT, 1996)] {
+        browser.press(key.0, key.1, false);
+        assert_eq!(checked_tick(&mut browser, &hashes), tick);
+    }
+    browser.assert_clean();
+}
+
+/// The luminance of a colour such as `rgb(13, 17, 23)`, 0 to 1.
+fn luminance(colour: &str) -> f64 {
+    let numbers = colour.split(|c: char| !c.is_ascii_digit()).filter_map(|digits| digits.parse::<f64>().ok());
+    let linear = numbers.map(|value| {
+        let value = value / 255.0;
+        if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+    });
+    linear.zip([0.2126, 0.7152, 0.0722]).map(|(value, weight)| value * weight).sum()
+}
+
+#[test]
+fn it_is_legible_wide_narrow_and_dark() {
+    let Some(mut browser) = Browser::start() else { return };
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("view");
+    fs::create_dir_all(&folder).expect("a folder for pictures");
+    let (page, _) = Page::of("scenes/sleepers.json", None);
+    browser.open(&page.0, "tick=400");
+    for (name, size, scheme) in [
+        ("wide-light", [1280, 800], "light"),
+        ("wide-dark", [1280, 800], "dark"),
+        ("narrow-light", [390, 800], "light"),
+        ("narrow-dark", [390, 800], "dark"),
+    ] {
+        browser.look(size, scheme);
+        fs::write(folder.join(format!("{name}.png")), browser.picture()).expect("the picture can be written");
+        assert_eq!(browser.evaluate("document.documentElement.scrollWidth"), size[0], "{name}: nothing sticks out");
+        let colours = browser.evaluate(
+            "(() => { const { color, backgroundColor } = getComputedStyle(document.body); return [color, backgroundColor]; })()",
+        );
+        let [ink, paper] = [0, 1].map(|i| luminance(colours[i].as_str().expect("a colour")));
+        assert_eq!(paper < 0.1, scheme == "dark", "{name}");
+        assert!((ink.max(paper) + 0.05) / (ink.min(paper) + 0.05) > 7.0, "{name}: {colours}");
+        // All controls are where a hand can reach them.
+        let covered = browser.evaluate(
+            "[...document.querySelectorAll('#tools *, #transport button, #transport select, #transport input')].filter(e => {
+                const b = e.getBoundingClientRect();
+                const top = document.elementFromPoint(b.x + b.width / 2, b.y + b.height / 2);
+                return !(top && (e.contains(top) || top.contains(e)));
+            }).map(e => e.id)",
+        );
+        assert_eq!(covered, serde_json::json!([]), "{name}");
+    }
+    browser.assert_clean();
+}

@@ -1,0 +1,244 @@
+//! Drivers that check what is done to a world while they do it.
+
+use super::Handles;
+use umbra_physics::{
+    Command, Created, Difference, Error, FieldKind, ForceField, Fx, Owner, Region, Stepper, Vec2, World,
+};
+
+/// A fault that a driver saw.
+pub(super) struct Seen {
+    pub(super) beside: &'static str,
+    pub(super) difference: Option<Difference>,
+}
+
+/// A driver that sees what is wrong.
+pub(super) trait Inspector: Stepper {
+    /// The first that was wrong.
+    fn seen(&mut self) -> Option<Seen>;
+    /// The reason why there was nothing to check; `None` if there was.
+    fn idle(&self) -> Option<&'static str>;
+}
+
+impl Inspector for () {
+    fn seen(&mut self) -> Option<Seen> {
+        None
+    }
+
+    fn idle(&self) -> Option<&'static str> {
+        None
+    }
+}
+
+/// Compares two worlds that have to be equal.
+pub(super) fn unlike(beside: &'static str, left: &World, right: &World) -> Option<Seen> {
+    let is_same = left.state_hash() == right.state_hash();
+    (!is_same).then(|| Seen { beside, difference: left.differences(right).into_iter().next() })
+}
+
+/// Calls `check` before each command.
+#[derive(Default)]
+pub(super) struct Asking {
+    seen: Option<Seen>,
+    has_asked: bool,
+}
+
+impl Stepper for Asking {
+    fn execute(&mut self, world: &mut World, command: &Command) -> Result<Created, Error> {
+        self.has_asked = true;
+        let before = world.state_hash();
+        let said = world.check(command);
+        let none = |beside| Some(Seen { beside, difference: None });
+        if self.seen.is_none() && world.state_hash() != before {
+            self.seen = none("a check that changed the world");
+        }
+        let kept = said.is_err().then(|| world.clone());
+        let done = world.execute(command);
+        if self.seen.is_none() && said != done.map(drop) {
+            self.seen = none("a check that said otherwise");
+        }
+        if let (None, Err(_), Some(kept)) = (&self.seen, &done, kept) {
+            self.seen = unlike("a command that was refused", &kept, world);
+        }
+        done
+    }
+
+    fn step(&mut self, world: &mut World) {
+        world.step();
+    }
+}
+
+impl Inspector for Asking {
+    fn seen(&mut self) -> Option<Seen> {
+        self.seen.take()
+    }
+
+    fn idle(&self) -> Option<&'static str> {
+        (!self.has_asked).then_some("no command was given to the driver")
+    }
+}
+
+/// Undoes each step, and makes it again.
+#[derive(Default)]
+pub(super) struct Undoing {
+    seen: Option<Seen>,
+    has_undone: bool,
+}
+
+impl Stepper for Undoing {
+    fn execute(&mut self, world: &mut World, command: &Command) -> Result<Created, Error> {
+        world.execute(command)
+    }
+
+    fn step(&mut self, world: &mut World) {
+        let before = world.clone();
+        let applied = world.step().applied.to_vec();
+        let after = world.clone();
+        let is_undone = world.step_back(&applied).is_ok();
+        let mut seen = None;
+        if is_undone {
+            self.has_undone = true;
+            seen = unlike("a step that was undone", &before, world);
+            world.step();
+            seen = seen.or_else(|| unlike("a step that was undone and made again", &after, world));
+        } else {
+            seen = seen.or_else(|| unlike("a step that could not be undone", &after, world));
+        }
+        if seen.is_none() && world.last_report() != after.last_report() {
+            seen = Some(Seen { beside: "the report of a step that was undone", difference: None });
+        }
+        self.seen = self.seen.take().or(seen);
+    }
+}
+
+impl Inspector for Undoing {
+    fn seen(&mut self) -> Option<Seen> {
+        self.seen.take()
+    }
+
+    fn idle(&self) -> Option<&'static str> {
+        (!self.has_undone).then_some("no step of it can be undone")
+    }
+}
+
+/// Takes a copy through each step by the other ways there are.
+#[derive(Default)]
+pub(super) struct Detours {
+    seen: Option<Seen>,
+    has_stepped: bool,
+}
+
+impl Stepper for Detours {
+    fn execute(&mut self, world: &mut World, command: &Command) -> Result<Created, Error> {
+        world.execute(command)
+    }
+
+    fn step(&mut self, world: &mut World) {
+        self.has_stepped = true;
+        let mut traced = world.clone();
+        traced.step_traced();
+        // A field that acts on nobody takes all bodies stage by stage.
+        let region = Region::Disc { centre: Vec2::ZERO, radius: Fx::ONE };
+        let nobody = ForceField { kind: FieldKind::Zone { region, acceleration: Vec2::X }, groups: 0 };
+        let mut staged = world.clone();
+        let is_staged = staged.add_field(nobody).is_ok();
+        staged.step();
+        let mut awake = world.clone();
+        let is_awake = awake.set_sleep_after(None).is_ok();
+        awake.step();
+        world.step();
+        let seen = unlike("a step that was traced", world, &traced)
+            .or_else(|| moved_unlike("a step stage by stage", world, &staged).filter(|_| is_staged))
+            .or_else(|| moved_unlike("a step with all bodies awake", world, &awake).filter(|_| is_awake));
+        self.seen = self.seen.take().or(seen);
+    }
+}
+
+impl Inspector for Detours {
+    fn seen(&mut self) -> Option<Seen> {
+        self.seen.take()
+    }
+
+    fn idle(&self) -> Option<&'static str> {
+        (!self.has_stepped).then_some("no step was made by the driver")
+    }
+}
+
+/// Compares how two worlds moved the same bodies, and what they report of it. Sleep is left out.
+fn moved_unlike(beside: &'static str, left: &World, right: &World) -> Option<Seen> {
+    let is_same = left.bodies().zip(right.bodies()).all(|(a, b)| {
+        (a.position_exact(), a.velocity_exact(), a.angle_exact(), a.angular_velocity_exact())
+            == (b.position_exact(), b.velocity_exact(), b.angle_exact(), b.angular_velocity_exact())
+    });
+    let (a, b) = (left.last_report(), right.last_report());
+    if is_same && (a.faults, a.drag_outside) == (b.faults, b.drag_outside) {
+        return None;
+    }
+    let moves = |difference: &Difference| {
+        let name = difference.field.split('.').next().unwrap_or_default();
+        let is_motion = matches!(name, "position" | "velocity" | "angle" | "angular_velocity");
+        is_motion && matches!(difference.place, Owner::Body(_))
+    };
+    Some(Seen { beside, difference: left.differences(right).into_iter().find(moves) })
+}
+
+/// Notes what is made.
+#[derive(Default)]
+pub(super) struct Noting {
+    pub(super) made: Vec<Created>,
+}
+
+impl Stepper for Noting {
+    fn execute(&mut self, world: &mut World, command: &Command) -> Result<Created, Error> {
+        let made = world.execute(command)?;
+        if made != Created::Nothing {
+            self.made.push(made);
+        }
+        Ok(made)
+    }
+
+    fn step(&mut self, world: &mut World) {
+        world.step();
+    }
+}
+
+/// Does in another run of the same inputs what was done in a first one, and pairs what is made in both.
+pub(super) struct Pairing<'a, D> {
+    pub(super) handles: &'a mut Handles,
+    /// The bodies and fields that the first run made in this tick, in order.
+    pub(super) made: std::vec::IntoIter<Created>,
+    /// True if commands name the handles of the first run.
+    pub(super) translates: bool,
+    pub(super) inner: D,
+}
+
+impl<D: Stepper> Stepper for Pairing<'_, D> {
+    fn execute(&mut self, world: &mut World, command: &Command) -> Result<Created, Error> {
+        let renamed = self.translates.then(|| self.handles.command(command));
+        let made = self.inner.execute(world, renamed.as_ref().unwrap_or(command))?;
+        if made != Created::Nothing {
+            if let Some(first) = self.made.next() {
+                self.handles.pair(first, made);
+            }
+        }
+        Ok(made)
+    }
+
+    fn step(&mut self, world: &mut World) {
+        self.inner.step(world);
+    }
+}
+
+/// Steps on some threads.
+#[cfg(feature = "parallel")]
+pub(super) struct OnThreads<'a>(pub(super) &'a rayon::ThreadPool);
+
+#[cfg(feature = "parallel")]
+impl Stepper for OnThreads<'_> {
+    fn execute(&mut self, world: &mut World, command: &Command) -> Result<Created, Error> {
+        world.execute(command)
+    }
+
+    fn step(&mut self, world: &mut World) {
+        self.0.install(|| _ = world.step());
+    }
+}

@@ -1,0 +1,358 @@
+//! The checks themselves, one for each oracle.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::bystanders::{Bystanders, MOST};
+use super::drivers::{Asking, Detours, Inspector, Noting, Pairing, Seen, Undoing, unlike};
+use super::game::{ByTick, Course, Likeness, Subject};
+use super::{Handles, Oracle, Verdict, Violation};
+use umbra_physics::{
+    BodyId, Created, CustomForce, Difference, FieldId, ForceField, Owner, Random, RecordOptions, Recorder, Replay,
+    Snapshot, Stepper, Symmetry, World,
+};
+
+/// A run that is judged.
+pub(super) struct Trial<'a, S: Subject> {
+    oracle: Oracle,
+    subject: &'a S,
+    course: &'a Course<S::Input>,
+    inputs: ByTick<S::Input>,
+}
+
+type Judged = Result<Verdict, Box<Violation>>;
+
+const fn inapplicable(why: &'static str) -> Judged {
+    Ok(Verdict::Inapplicable { why })
+}
+
+/// A match on its way.
+struct Match<S: Subject> {
+    game: S::Match,
+    world: World,
+}
+
+impl<'a, S: Subject> Trial<'a, S> {
+    pub(super) fn new(oracle: Oracle, subject: &'a S, course: &'a Course<S::Input>) -> Self {
+        Self { oracle, subject, course, inputs: course.by_tick() }
+    }
+
+    pub(super) fn judge(&self) -> Judged {
+        let Some(run) = self.begin() else { return inapplicable("the world is refused") };
+        match self.oracle {
+            Oracle::Repeat => self.beside(&self.inputs, Likeness::State, "a second match", &mut ()),
+            Oracle::Refusal => {
+                self.beside(&self.inputs, Likeness::State, "a match that asks first", &mut Asking::default())
+            }
+            Oracle::Record => self.record(run),
+            Oracle::Restore => self.restore(run),
+            Oracle::Order => self.order(),
+            Oracle::Bystanders => self.bystanders(),
+            Oracle::Mirror => self.images(Symmetry::mirrors),
+            Oracle::Turn => self.images(|symmetry| !symmetry.mirrors() && !symmetry.is_shift()),
+            Oracle::Shift => self.images(Symmetry::is_shift),
+            Oracle::Reverse => {
+                self.beside(&self.inputs, Likeness::State, "a match with each step undone", &mut Undoing::default())
+            }
+            Oracle::Paths => {
+                self.beside(&self.inputs, Likeness::State, "a match by other ways", &mut Detours::default())
+            }
+            Oracle::Threads => self.threads(),
+        }
+    }
+
+    fn begin(&self) -> Option<Match<S>> {
+        let (game, world) = self.subject.begin()?;
+        Some(Match { game, world })
+    }
+
+    fn inputs_of(inputs: &ByTick<S::Input>, tick: u64) -> &[S::Input] {
+        inputs.get(&tick).map_or(&[], |inputs| inputs)
+    }
+
+    fn tick(&self, run: &mut Match<S>, tick: u64, driver: &mut dyn Stepper) {
+        self.subject.tick(&mut run.game, &mut run.world, Self::inputs_of(&self.inputs, tick), driver);
+    }
+
+    fn violation(&self, tick: u64, seen: Seen) -> Box<Violation> {
+        let Seen { beside, difference } = seen;
+        Box::new(Violation { oracle: self.oracle, tick, beside, difference })
+    }
+
+    /// Turns a fault that was seen into a violation.
+    fn clear(&self, tick: u64, seen: Option<Seen>) -> Result<(), Box<Violation>> {
+        seen.map_or(Ok(()), |seen| Err(self.violation(tick, seen)))
+    }
+
+    /// Two matches side by side, the second with its own inputs and driver.
+    fn beside<D: Inspector>(
+        &self,
+        inputs: &ByTick<S::Input>,
+        likeness: Likeness,
+        beside: &'static str,
+        driver: &mut D,
+    ) -> Judged {
+        let (Some(mut run), Some(mut other)) = (self.begin(), self.begin()) else {
+            return inapplicable("the world is refused");
+        };
+        let compare = |run: &World, other: &World| match likeness {
+            Likeness::State => unlike(beside, run, other),
+            Likeness::Motion => moves_unlike(beside, run, other),
+        };
+        self.clear(0, compare(&run.world, &other.world))?;
+        for tick in 0..self.course.ticks {
+            self.tick(&mut run, tick, &mut ());
+            self.subject.tick(&mut other.game, &mut other.world, Self::inputs_of(inputs, tick), driver);
+            self.clear(tick, driver.seen())?;
+            self.clear(tick, compare(&run.world, &other.world))?;
+        }
+        driver.idle().map_or_else(|| self.held(), inapplicable)
+    }
+
+    /// The verdict on a run that was compared after every tick.
+    fn held(&self) -> Judged {
+        if self.course.ticks == 0 { inapplicable("the run has no ticks") } else { Ok(Verdict::Held) }
+    }
+
+    fn record(&self, mut run: Match<S>) -> Judged {
+        let file = record(self.subject, self.course);
+        let replay = Replay::from_bytes(&file, &custom_forces(&run.world));
+        let Ok(replay) = replay else {
+            return Err(self.violation(0, Seen { beside: "a recording that cannot be read", difference: None }));
+        };
+        let mut playback = replay.play();
+        for tick in 0..self.course.ticks {
+            self.tick(&mut run, tick, &mut ());
+            // Whether it goes as recorded is seen in the worlds as well, and there in what.
+            let played = playback.step();
+            self.clear(tick, unlike("its recording, played", &run.world, playback.world()))?;
+            if !matches!(played, Ok(true)) {
+                return Err(self.violation(tick, Seen { beside: "a recording that ends too soon", difference: None }));
+            }
+        }
+        self.held()
+    }
+
+    fn restore(&self, mut run: Match<S>) -> Judged {
+        let mut has_compared = self.course.ticks == 0;
+        for tick in 0..self.course.ticks {
+            let snapshot = run.world.snapshot();
+            let read = Snapshot::from_bytes(&snapshot.to_bytes(), &custom_forces(&run.world));
+            let Ok(read) = read else {
+                return Err(self.violation(tick, Seen { beside: "a snapshot that cannot be read", difference: None }));
+            };
+            let mut copies = Vec::new();
+            for (beside, snapshot) in
+                [("a new match on a snapshot", &snapshot), ("a new match on a snapshot in bytes", &read)]
+            {
+                let Some(mut copy) = self.begin() else { continue };
+                copy.world.restore(snapshot);
+                self.tick(&mut copy, tick, &mut ());
+                copies.push((beside, copy.world));
+            }
+            self.tick(&mut run, tick, &mut ());
+            for (beside, copy) in copies {
+                self.clear(tick, unlike(beside, &run.world, &copy))?;
+                has_compared = true;
+            }
+        }
+        if has_compared { self.held() } else { inapplicable("no match goes on from a snapshot") }
+    }
+
+    fn order(&self) -> Judged {
+        let reversed: &mut dyn FnMut(&mut [usize]) = &mut |places: &mut [usize]| places.reverse();
+        let shuffled: &mut dyn FnMut(&mut [usize]) =
+            &mut |places: &mut [usize]| Random::seeded(places.len() as u64).shuffle(places);
+        let mut verdict = Verdict::Inapplicable { why: "there is but one order" };
+        for turn in [reversed, shuffled] {
+            let mut turned = false;
+            let (course, likeness) = self.subject.reordered(self.course, &mut |places| {
+                turned |= places.len() > 1;
+                turn(places);
+            });
+            if turned {
+                verdict = self.beside(&course.by_tick(), likeness, "a match in another order", &mut ())?;
+            }
+        }
+        Ok(verdict)
+    }
+
+    fn images(&self, is_meant: impl Fn(&Symmetry) -> bool) -> Judged {
+        let mut symmetries = self.subject.symmetries();
+        symmetries.retain(is_meant);
+        if symmetries.is_empty() {
+            return inapplicable("it has no such symmetry");
+        }
+        let mut has_compared = false;
+        for symmetry in symmetries {
+            has_compared |= self.image(&symmetry)?;
+        }
+        if has_compared { Ok(Verdict::Held) } else { inapplicable("the start or the first inputs have no image") }
+    }
+
+    /// Returns whether there was anything to compare.
+    fn image(&self, symmetry: &Symmetry) -> Result<bool, Box<Violation>> {
+        let (Some(mut run), Some(mut other)) = (self.begin(), self.begin()) else { return Ok(false) };
+        let Some(world) = symmetry.world(&run.world) else { return Ok(false) };
+        other.world = world;
+        for tick in 0..self.course.ticks {
+            let images = Self::inputs_of(&self.inputs, tick).iter().map(|input| self.subject.image(input, symmetry));
+            let Some(images) = images.collect::<Option<Vec<S::Input>>>() else { return Ok(tick > 0) };
+            self.tick(&mut run, tick, &mut ());
+            self.subject.tick(&mut other.game, &mut other.world, &images, &mut ());
+            let Some(mut image) = symmetry.world(&run.world) else { return Ok(tick > 0) };
+            // The game's own, and mirrored only as it sees fit.
+            *image.random_mut() = *other.world.random();
+            // A world holds it already: it is not too long.
+            _ = image.set_blob(other.world.blob());
+            self.clear(tick, unlike(symmetry.name(), &image, &other.world))?;
+        }
+        Ok(self.course.ticks > 0)
+    }
+
+    fn bystanders(&self) -> Judged {
+        let groups = self.subject.bystander_groups();
+        let mut verdict = Verdict::Held;
+        for count in [1, 6, MOST] {
+            let enter = |world: &mut World| Bystanders::enter(world, count, groups);
+            // It held if it did among each number of them.
+            verdict = verdict.max(self.among("a match with bystanders", enter, || ())?);
+        }
+        Ok(verdict)
+    }
+
+    #[cfg(feature = "parallel")]
+    fn threads(&self) -> Judged {
+        let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(2).build() else {
+            return inapplicable("there are no threads");
+        };
+        self.among("a match on two threads", Bystanders::throng, || super::drivers::OnThreads(&pool))
+    }
+
+    #[cfg(not(feature = "parallel"))]
+    #[allow(clippy::unused_self, reason = "with threads it needs it")]
+    fn threads(&self) -> Judged {
+        inapplicable("the feature `parallel` is off")
+    }
+
+    /// A match beside one with bystanders in it.
+    fn among<D: Stepper>(
+        &self,
+        beside: &'static str,
+        enter: impl FnOnce(&mut World) -> Option<Bystanders>,
+        driver: impl Fn() -> D,
+    ) -> Judged {
+        let (Some(mut run), Some(mut other)) = (self.begin(), self.begin()) else {
+            return inapplicable("the world is refused");
+        };
+        let mut handles = Handles::default();
+        let bodies: Vec<BodyId> = run.world.bodies().map(|body| body.id()).collect();
+        bodies.into_iter().for_each(|body| handles.pair(Created::Body(body), Created::Body(body)));
+        run.world.fields().for_each(|(field, _)| handles.pair(Created::ForceField(field), Created::ForceField(field)));
+        let Some(mut bystanders) = enter(&mut other.world) else {
+            return inapplicable("the world has no room for bystanders");
+        };
+        for tick in 0..self.course.ticks {
+            let inputs = Self::inputs_of(&self.inputs, tick);
+            let mut noting = Noting::default();
+            self.subject.tick(&mut run.game, &mut run.world, inputs, &mut noting);
+            // Those in commands are renamed as they come, as they may be of this very tick.
+            let renamed =
+                |input| if S::IS_COMMANDS { S::Input::clone(input) } else { self.subject.renamed(input, &handles) };
+            let inputs: Vec<S::Input> = inputs.iter().map(renamed).collect();
+            let mut pairing = Pairing {
+                handles: &mut handles,
+                made: noting.made.into_iter(),
+                translates: S::IS_COMMANDS,
+                inner: driver(),
+            };
+            self.subject.tick(&mut other.game, &mut other.world, &inputs, &mut pairing);
+            if run.world.bodies().any(|body| !handles.knows(body.id())) {
+                return inapplicable("a body was added past the driver");
+            }
+            if run.world.fields().any(|(field, _)| !handles.knows_field(field)) {
+                return inapplicable("a field was added past the driver");
+            }
+            self.clear(tick, self.disturbed(beside, &run.world, &other.world, &bystanders, &handles))?;
+            bystanders.pass(&mut other.world);
+        }
+        self.held()
+    }
+
+    /// Compares the bodies and fields of a run with those of one among bystanders.
+    fn disturbed(
+        &self,
+        beside: &'static str,
+        run: &World,
+        other: &World,
+        bystanders: &Bystanders,
+        handles: &Handles,
+    ) -> Option<Seen> {
+        for here in run.bodies() {
+            let there = other.body(handles.body(here.id()));
+            if there.is_ok_and(|there| there.physics_hash() == here.physics_hash()) {
+                continue;
+            }
+            return Some(Seen { beside, difference: there.ok().and_then(|there| here.first_difference(&there)) });
+        }
+        for (id, field) in run.fields() {
+            let meant = field.map_bodies(|body| Some(handles.body(body))).unwrap_or(*field);
+            let there = handles.field(id);
+            if other.field(there) != Ok(&meant) {
+                return Some(Seen { beside, difference: field_difference(id, meant, other, there) });
+            }
+        }
+        let is_same = other.body_count() == run.body_count() + bystanders.count()
+            && other.fields().count() == run.fields().count() + bystanders.field_count()
+            && (run.def(), run.random(), run.blob()) == (other.def(), other.random(), other.blob());
+        (!is_same).then_some(Seen { beside, difference: None })
+    }
+}
+
+/// The first value in which the field of a handle in a world is not the one that is meant; `None` if the world has none there.
+fn field_difference(id: FieldId, meant: ForceField, world: &World, there: FieldId) -> Option<Difference> {
+    let mut expected = world.clone();
+    expected.set_field(there, meant).ok()?;
+    let is_of_it = |difference: &Difference| difference.place == Owner::ForceField(there);
+    let found = expected.differences(world).into_iter().find(is_of_it)?;
+    Some(Difference { place: Owner::ForceField(id), ..found })
+}
+
+/// The laws of force that may act in a world.
+fn custom_forces(world: &World) -> Vec<Arc<dyn CustomForce>> {
+    world.custom_forces().cloned().collect()
+}
+
+/// A match as a replay: nothing if its world is refused.
+pub(super) fn record<S: Subject>(subject: &S, course: &Course<S::Input>) -> Vec<u8> {
+    let Some((mut game, mut world)) = subject.begin() else { return Vec::new() };
+    let mut recorder = Recorder::new(&world, RecordOptions::default());
+    let inputs = course.by_tick();
+    for tick in 0..course.ticks {
+        let inputs = inputs.get(&tick).map_or(&[][..], |inputs| inputs);
+        subject.tick(&mut game, &mut world, inputs, &mut recorder);
+    }
+    recorder.finish(&world)
+}
+
+/// Compares the bodies of two worlds by their keys.
+fn moves_unlike(beside: &'static str, left: &World, right: &World) -> Option<Seen> {
+    if left.physics_hash() == right.physics_hash() {
+        return None;
+    }
+    // Bodies that the other has as well are put aside; of the rest, those of one key belong together.
+    let digests = |world: &World| -> BTreeMap<(u64, u64), BodyId> {
+        world.bodies().map(|body| ((body.key(), body.physics_hash()), body.id())).collect()
+    };
+    let (mut here, mut there) = (digests(left), digests(right));
+    let both: Vec<(u64, u64)> = here.keys().filter(|digest| there.contains_key(digest)).copied().collect();
+    for digest in both {
+        here.remove(&digest);
+        there.remove(&digest);
+    }
+    let difference: Option<Difference> = here.iter().find_map(|((key, _), body)| {
+        let (_, other) = there.iter().find(|((other, _), _)| other == key)?;
+        left.body(*body).ok()?.first_difference(&right.body(*other).ok()?)
+    });
+    Some(Seen { beside, difference })
+}

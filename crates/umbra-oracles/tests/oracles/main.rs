@@ -1,0 +1,11 @@
+//! The kit of oracles: scripts, games that break what each oracle knows, and the example.
+
+#[path = "../../../../tests/support/commands.rs"]
+mod commands;
+#[path = "../../../../tests/support/example.rs"]
+mod example;
+#[path = "../../../../tests/support/random.rs"]
+mod random;
+mod scripts;
+mod tow;
+mod twins;

@@ -1,0 +1,197 @@
+//! Reading bodies.
+
+use alloc::string::String;
+
+use super::error::{Flaw, Place};
+use super::node::{Node, Object, Result};
+use super::shape::{ShapeDef, shape, vector};
+use umbra_physics::{BodyDef, BodyKind, Error, Fx, Locks, Mass, Quantity, Scalar, Vec2};
+
+/// A body of a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneBody {
+    /// The name. No other body of the scene has it.
+    pub name: String,
+    /// The definition, without the shape.
+    pub def: BodyDef,
+    /// The shape.
+    pub shape: Option<ShapeDef>,
+    /// The place in the text.
+    pub place: Place,
+}
+
+impl SceneBody {
+    /// The definition for a scalar, with the shape in it.
+    ///
+    /// # Errors
+    /// As the constructors of [`Shape`](umbra_physics::Shape): a polygon may have no area left in a coarser scalar.
+    pub fn def<S: Scalar>(&self) -> core::result::Result<BodyDef<S>, Error> {
+        let def = &self.def;
+        Ok(BodyDef {
+            kind: def.kind,
+            position: vector(def.position),
+            angle: S::from_fx(def.angle),
+            velocity: vector(def.velocity),
+            angular_velocity: S::from_fx(def.angular_velocity),
+            shape: self.shape.as_ref().map(ShapeDef::make).transpose()?,
+            mass: convert_mass(def.mass),
+            gravity_scale: S::from_fx(def.gravity_scale),
+            linear_damping: def.linear_damping.map(S::from_fx),
+            angular_damping: def.angular_damping.map(S::from_fx),
+            max_speed: def.max_speed.map(S::from_fx),
+            max_angular_speed: def.max_angular_speed.map(S::from_fx),
+            locks: def.locks,
+            groups: def.groups,
+            key: def.key,
+            user_data: def.user_data,
+        })
+    }
+}
+
+pub(super) fn convert_mass<S: Scalar>(mass: Mass) -> Mass<S> {
+    match mass {
+        Mass::Density(density) => Mass::Density(S::from_fx(density)),
+        Mass::Kilograms(mass) => Mass::Kilograms(S::from_fx(mass)),
+        Mass::Explicit { mass, inertia } => Mass::Explicit { mass: S::from_fx(mass), inertia: S::from_fx(inertia) },
+    }
+}
+
+/// The fields of a body in which a quantity of it can be wrong.
+const fn fields_of(error: &Error) -> &'static [&'static str] {
+    match error {
+        Error::OutOfRange { quantity } => match quantity {
+            Quantity::Position => &["position"],
+            Quantity::Angle => &["angle"],
+            Quantity::Velocity => &["velocity"],
+            Quantity::AngularVelocity => &["angular_velocity"],
+            Quantity::Mass => &["mass", "density"],
+            Quantity::Inertia => &["inertia"],
+            Quantity::Density => &["density"],
+            Quantity::GravityScale => &["gravity_scale"],
+            Quantity::Damping => &["damping"],
+            Quantity::MaxSpeed | Quantity::MaxAngularSpeed => &["max_speeds"],
+            _ => &[],
+        },
+        Error::Locked { quantity: Quantity::AngularVelocity } => &["angular_velocity"],
+        Error::Locked { .. } => &["velocity"],
+        Error::NoShape => &["density"],
+        Error::DampingHasNoInverse => &["damping"],
+        _ => &[],
+    }
+}
+
+/// Puts an error of the engine's at the field that it is about.
+pub(super) fn blame(object: &Object<'_>, error: Error) -> super::SceneError {
+    object.at(fields_of(&error)).fault(error)
+}
+
+/// Reads a body; `check` refuses what the world would.
+pub(super) fn body(object: &Object<'_>) -> Result<SceneBody> {
+    let name = object.need("name")?.string()?;
+    let kind = object.or("kind", BodyKind::Dynamic, kind)?;
+    let (linear_damping, angular_damping) = object.or("damping", (None, None), own_damping)?;
+    let (max_speed, max_angular_speed) = object.or("max_speeds", (None, None), max_speeds)?;
+    let def = BodyDef {
+        kind,
+        position: object.or("position", Vec2::ZERO, Node::point)?,
+        angle: object.or("angle", Fx::ZERO, Node::number)?,
+        velocity: object.or("velocity", Vec2::ZERO, Node::point)?,
+        angular_velocity: object.or("angular_velocity", Fx::ZERO, Node::number)?,
+        shape: None,
+        mass: mass(object)?.unwrap_or(Mass::Kilograms(Fx::ONE)),
+        gravity_scale: object.or("gravity_scale", Fx::ONE, Node::number)?,
+        linear_damping,
+        angular_damping,
+        max_speed,
+        max_angular_speed,
+        locks: object.or("locks", Locks::NONE, locks)?,
+        groups: object.or("groups", 1, groups)?,
+        key: object.or("key", 0, Node::whole)?,
+        user_data: object.or("user_data", 0, Node::whole)?,
+    };
+    let shape = object.get("shape").map(shape).transpose()?;
+    object.finish()?;
+    if kind == BodyKind::Static && (def.velocity != Vec2::ZERO || def.angular_velocity != Fx::ZERO) {
+        return Err(object.at(&["velocity", "angular_velocity"]).fault("a static body has no velocity"));
+    }
+    let body = SceneBody { name, def, shape, place: object.node.place() };
+    body.def::<Fx>().and_then(|def| def.check()).map_err(|error| blame(object, error))?;
+    Ok(body)
+}
+
+pub(super) fn kind(node: &Node<'_>) -> Result<BodyKind> {
+    node.choice(&[("static", BodyKind::Static), ("kinematic", BodyKind::Kinematic), ("dynamic", BodyKind::Dynamic)])
+}
+
+/// The mass that is given by `mass` and `inertia`, or `density`.
+pub(super) fn mass(object: &Object<'_>) -> Result<Option<Mass>> {
+    let (mass, density, inertia) = (object.get("mass"), object.get("density"), object.get("inertia"));
+    match (mass, density, inertia) {
+        (Some(_), Some(density), _) => Err(density.fault("`mass` is given already: give only one of the two")),
+        (None, _, Some(inertia)) => Err(inertia.fault("an `inertia` needs a `mass` beside it")),
+        (Some(mass), None, Some(inertia)) => {
+            Ok(Some(Mass::Explicit { mass: mass.number()?, inertia: inertia.number()? }))
+        }
+        (Some(mass), None, None) => Ok(Some(Mass::Kilograms(mass.number()?))),
+        (None, Some(density), None) => Ok(Some(Mass::Density(density.number()?))),
+        (None, None, None) => Ok(None),
+    }
+}
+
+/// {linear, angular}, both of which may be left out.
+pub(super) fn own_damping(node: &Node<'_>) -> Result<(Option<Fx>, Option<Fx>)> {
+    let object = node.object()?;
+    let kept = |name| object.get(name).map(share).transpose();
+    let damping = (kept("linear")?, kept("angular")?);
+    object.finish()?;
+    Ok(damping)
+}
+
+/// {linear, angular}, both of which may be left out.
+pub(super) fn max_speeds(node: &Node<'_>) -> Result<(Option<Fx>, Option<Fx>)> {
+    let object = node.object()?;
+    let most = |name| object.get(name).map(Node::number).transpose();
+    let speeds = (most("linear")?, most("angular")?);
+    object.finish()?;
+    Ok(speeds)
+}
+
+/// Reads the share of a velocity that is left after a second.
+fn share(node: &Node<'_>) -> Result<Fx> {
+    let kept = node.number()?;
+    if (Fx::ZERO..=Fx::ONE).contains(&kept) {
+        return Ok(kept);
+    }
+    Err(node.fault(Error::OutOfRange { quantity: Quantity::Damping }))
+}
+
+/// A degree of freedom that can be locked.
+type Axis = fn(&mut Locks) -> &mut bool;
+
+const AXES: [(&str, Axis); 3] =
+    [("x", |locks| &mut locks.x), ("y", |locks| &mut locks.y), ("rotation", |locks| &mut locks.rotation)];
+
+/// A list of axes.
+pub(super) fn locks(node: &Node<'_>) -> Result<Locks> {
+    let mut locks = Locks::NONE;
+    node.each(|node| {
+        let axis = node.choice(&AXES)?;
+        *axis(&mut locks) = true;
+        Ok(())
+    })?;
+    Ok(locks)
+}
+
+/// A list of group numbers from 0 to 31.
+pub(super) fn groups(node: &Node<'_>) -> Result<u32> {
+    let mut groups = 0;
+    node.each(|node| {
+        let group: u32 = node.whole()?;
+        if group > 31 {
+            return Err(node.fault(Flaw::OutOfRange.of("out of range: expected a group from 0 to 31")));
+        }
+        groups |= 1 << group;
+        Ok(())
+    })?;
+    Ok(groups)
+}

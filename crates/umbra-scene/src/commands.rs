@@ -1,0 +1,174 @@
+//! Writing the commands that a world was given as a scene.
+
+use alloc::collections::BTreeMap;
+use alloc::format;
+use alloc::vec::Vec;
+
+use super::error::{ExportError, Place};
+use super::field::{SceneField, convert_field, factor_text, symbol};
+use super::input::{Input, SceneAction};
+use super::run::convert_command;
+use super::settings::Plot;
+use super::shape::ShapeDef;
+use super::{Scene, SceneBody};
+use umbra_physics::{
+    BodyDef, BodyId, Command, Created, Error, FieldId, FieldKind, ForceField, FxFactor, World, WorldDef,
+};
+
+impl Scene {
+    /// The scene that is a new world of this definition, and commands that are carried out before the steps from their ticks;
+    /// those of one tick in the order of the list. Its bodies are called `body 1`, `body 2`, …, its force fields `field 1`, ….
+    ///
+    /// The run of the scene has the state of that world at every tick, to the last bit and with the same handles. A command
+    /// that the world refuses changes nothing and is left out, so is one at `ticks` or later; but a law of the user's own, which
+    /// another world may have, is an error. To tell, the world is run up to the last command.
+    ///
+    /// ```
+    /// use umbra_scene::Scene;
+    /// use umbra_physics::{BodyDef, BodyId, Command, Fx, WorldDef, vec2};
+    ///
+    /// let ball = BodyId::from_parts(0, 0);
+    /// let commands = [
+    ///     (0, Command::AddBody(BodyDef { position: vec2(0, 10), ..BodyDef::dynamic() })),
+    ///     (2, Command::SetVelocity { body: ball, velocity: vec2(3, 0) }),
+    /// ];
+    /// let scene = Scene::from_commands(WorldDef::default(), &commands, 60)?;
+    /// let text = scene.to_json();
+    /// assert!(text.contains(r#"{"at": 2, "body": "body 1", "set": {"velocity": [3, 0]}}"#));
+    /// assert_eq!(Scene::parse(&text)?.start::<Fx>()?.advance()?.tick, 1);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ExportError`] for what a scene has no words for, and for a definition that no world can be made from.
+    pub fn from_commands(world: WorldDef, commands: &[(u64, Command)], ticks: u64) -> Result<Self, ExportError> {
+        let mut writer = Writer {
+            world: World::new(world).map_err(ExportError::World)?,
+            scene: Self {
+                ticks,
+                world,
+                title: Default::default(),
+                about: Default::default(),
+                bodies: Vec::new(),
+                starting_bodies: 0,
+                fields: Vec::new(),
+                starting_fields: 0,
+                inputs: Vec::new(),
+                plot: Plot::default(),
+                place: Place::default(),
+            },
+            bodies: BTreeMap::new(),
+            fields: BTreeMap::new(),
+        };
+        let mut order: Vec<usize> = (0..commands.len()).filter(|&i| commands[i].0 < ticks).collect();
+        order.sort_by_key(|&i| commands[i].0);
+        for index in order {
+            let (tick, command) = &commands[index];
+            while writer.world.tick() < *tick {
+                writer.world.step();
+            }
+            writer.write(*tick, index, command)?;
+        }
+        Ok(writer.scene)
+    }
+}
+
+/// A scene being made, and its world on the way.
+struct Writer {
+    world: World,
+    scene: Scene,
+    /// The indices in the scene of what is in the world.
+    bodies: BTreeMap<BodyId, usize>,
+    fields: BTreeMap<FieldId, usize>,
+}
+
+impl Writer {
+    fn write(&mut self, tick: u64, index: usize, command: &Command) -> Result<(), ExportError> {
+        if let Command::AddField(field) | Command::SetField { field, .. } = command {
+            if let FieldKind::Custom { id } = field.kind {
+                return Err(ExportError::CustomForce { command: index, id });
+            }
+        }
+        // The start has bodies, then force fields: neither kind's handles depend on the other kind.
+        let starts = tick == 0 && self.scene.inputs.is_empty();
+        let Ok(made) = self.world.execute(command) else { return Ok(()) };
+        let is_full = |len: usize| len >= Scene::MOST as usize;
+        let action = match (command, made) {
+            (Command::AddBody(def), Created::Body(body)) => {
+                if is_full(self.scene.bodies.len()) {
+                    return Err(ExportError::Many { command: index });
+                }
+                let symbol = self.add_body(def.clone(), body);
+                if starts {
+                    self.scene.starting_bodies += 1;
+                    return Ok(());
+                }
+                SceneAction::AddBody(symbol)
+            }
+            (Command::AddField(field), Created::ForceField(id)) => {
+                if is_full(self.scene.fields.len()) {
+                    return Err(ExportError::Many { command: index });
+                }
+                let symbol = self.add_field(index, field, id)?;
+                if starts {
+                    self.scene.starting_fields += 1;
+                    return Ok(());
+                }
+                SceneAction::AddField(symbol)
+            }
+            (Command::SetShape { body, shape }, _) => {
+                let Ok(body) = self.body(*body) else { return Ok(()) };
+                SceneAction::SetShape { body, shape: shape.as_ref().map(ShapeDef::from) }
+            }
+            (command, _) => {
+                if let Command::SetField { field, .. } = command {
+                    check_mu(index, field)?;
+                }
+                let known = |field| self.fields.get(&field).map(|&i| FieldId::from_parts(i as u32, 0));
+                let fields = |field| known(field).ok_or(Error::NoSuchField { field });
+                // Carried out, so that all it names is there.
+                let Ok(command) = convert_command(command, &|body| self.body(body), &fields) else { return Ok(()) };
+                SceneAction::Command(command)
+            }
+        };
+        if is_full(self.scene.inputs.len()) {
+            return Err(ExportError::Many { command: index });
+        }
+        self.scene.inputs.push(Input { from: tick, to: tick, every: 1, action, place: Place::default() });
+        Ok(())
+    }
+
+    fn body(&self, body: BodyId) -> Result<BodyId, Error> {
+        self.bodies.get(&body).map(|&index| symbol(index)).ok_or(Error::NoSuchBody { body })
+    }
+
+    fn add_body(&mut self, def: BodyDef, body: BodyId) -> usize {
+        let index = self.scene.bodies.len();
+        self.bodies.insert(body, index);
+        let shape = def.shape.as_ref().map(ShapeDef::from);
+        let def = BodyDef { shape: None, ..def };
+        self.scene.bodies.push(SceneBody { name: format!("body {}", index + 1), def, shape, place: Place::default() });
+        index
+    }
+
+    fn add_field(&mut self, command: usize, field: &ForceField, id: FieldId) -> Result<usize, ExportError> {
+        check_mu(command, field)?;
+        let index = self.scene.fields.len();
+        // Carried out, so that all it names is there.
+        let field = convert_field(field, &|body| self.body(body)).unwrap_or(*field);
+        let name = Some(format!("field {}", index + 1));
+        self.scene.fields.push(SceneField { name, field, place: Place::default() });
+        self.fields.insert(id, index);
+        Ok(index)
+    }
+}
+
+/// Refuses a factor that no text is read as.
+fn check_mu(command: usize, field: &ForceField) -> Result<(), ExportError> {
+    match field.kind {
+        FieldKind::Attractor { mu, .. } if FxFactor::parse(&factor_text(mu)) != Ok(mu) => {
+            Err(ExportError::Mu { command })
+        }
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,285 @@
+//! Scene files for `umbra-physics`: a world, and what is done to it at which tick, as JSON text.
+//!
+//! Numbers are read from the text itself and rounded once, never through a float. An error names the line and the field. The format
+//! is described in `docs/scene.md`.
+//!
+//! ```
+//! use umbra_physics::{Fx, fx};
+//! use umbra_scene::Scene;
+//!
+//! let scene = Scene::parse(r#"{
+//!     "gravity": [0, -10],
+//!     "bodies": [{"name": "ball", "position": [0, 10], "shape": {"circle": {"radius": 0.5}}}],
+//!     "inputs": [{"at": 30, "body": "ball", "impulse": [0, 5]}]
+//! }"#)?;
+//! let mut run = scene.start::<Fx>()?;
+//! for _ in 0..60 {
+//!     run.advance()?;
+//! }
+//! let [ball] = run.world().bodies().collect::<Vec<_>>()[..] else { unreachable!() };
+//! // 10 − ½·10·1² + 5·½, exactly.
+//! assert_eq!(ball.position().y, fx!(7.5));
+//! # Ok::<(), umbra_scene::SceneError>(())
+//! ```
+#![no_std]
+#![forbid(unsafe_code)]
+#![warn(missing_docs)]
+
+extern crate alloc;
+
+mod body;
+mod commands;
+mod error;
+mod field;
+mod input;
+mod node;
+mod repeat;
+mod run;
+mod settings;
+mod shape;
+mod text;
+
+use alloc::string::String;
+use alloc::vec::Vec;
+
+use umbra_physics::{Fx, Scalar, World, WorldDef};
+
+use error::Flaw;
+use field::Names;
+use node::{Node, Object, Source, quoted};
+
+pub use body::SceneBody;
+pub use error::{ExportError, Place, SceneError};
+pub use field::SceneField;
+pub use input::{Input, SceneAction};
+pub use run::SceneRun;
+pub use settings::{Plot, Trails};
+pub use shape::{PartDef, ShapeDef};
+
+/// A scene: the definition of a world, and what is done to it at which tick. It is plain data, which you may change; the changes are
+/// checked when it starts.
+///
+/// ```
+/// use umbra_scene::{Plot, Scene, SceneBody, SceneField, SceneRun, ShapeDef, Trails};
+/// use umbra_physics::{BodyDef, Fx, TimeStep};
+///
+/// let mut scene = Scene::parse(
+///     r#"{
+/// "bodies": [{"name": "ball", "shape": {"circle": {"radius": 0.5}}, "velocity": [1, 0]}],
+/// "fields": [{"drag": {"linear": 0.1}}]
+/// }"#,
+/// )?;
+/// let ball: &SceneBody = &scene.bodies[0];
+/// let Some(ShapeDef::Circle { radius }) = ball.shape else { unreachable!() };
+/// let SceneField { name, .. } = &scene.fields[0];
+/// assert_eq!((radius, name), (Fx::HALF, &None));
+/// assert!(ball.def::<Fx>().is_ok_and(|def: BodyDef| def.shape.is_some()));
+/// assert_eq!(scene.plot, Plot { trails: Trails::All, ..Plot::default() });
+///
+/// // Plain data: it can be changed before it is built.
+/// scene.world.time_step = TimeStep::hz(120);
+/// assert_eq!(scene.build::<Fx>()?.body_count(), 1);
+/// let mut run: SceneRun<'_, Fx> = scene.start_finer(4)?; // four steps to a tick
+/// run.advance()?;
+/// assert_eq!((run.tick(), run.world().tick()), (1, 4));
+/// let body = run.world().bodies().next().unwrap().id();
+/// assert_eq!((run.index(body), run.name(body)), (Some(0), "ball"));
+/// let world = run.into_world();
+/// assert!(world.tick() == 4 && Scene::MOST == 131_072);
+/// # Ok::<(), umbra_scene::SceneError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    /// The title.
+    pub title: String,
+    /// A description: what the scene is about, and what to look at.
+    pub about: String,
+    /// The number of ticks that the scene is meant to run for.
+    pub ticks: u64,
+    /// The definition of the world.
+    pub world: WorldDef,
+    /// All bodies. Those that inputs add come last.
+    pub bodies: Vec<SceneBody>,
+    /// The number of bodies that are there from the start.
+    pub starting_bodies: usize,
+    /// All force fields. Those that inputs add come last.
+    pub fields: Vec<SceneField>,
+    /// The number of force fields that are there from the start.
+    pub starting_fields: usize,
+    /// The inputs, in the order of the file. Inputs of the same tick are carried out in this order.
+    pub inputs: Vec<Input>,
+    /// Settings for drawing it.
+    pub plot: Plot,
+    /// The place where the text of the scene begins.
+    pub place: Place,
+}
+
+/// The names that are in use, with their indices, and the number of things of a kind that are allowed.
+struct Tables {
+    bodies: Names,
+    fields: Names,
+    most: u64,
+}
+
+/// The most bytes of a name, its indices filled in.
+const NAME: usize = 256;
+
+/// The number of ticks of a scene that gives none.
+const TICKS: u64 = 600;
+
+impl Scene {
+    /// The most bodies of a scene, the most force fields, and the most things that its inputs do: 131,072.
+    pub const MOST: u32 = 1 << 17;
+
+    /// Reads a scene from JSON text.
+    ///
+    /// # Errors
+    /// A [`SceneError`] with the line and the field: text that is not JSON, unknown or doubled fields, names that are
+    /// taken or that nothing has, more than [`MOST`](Self::MOST) of a kind, and what the engine would refuse.
+    pub fn parse(text: &str) -> Result<Self, SceneError> {
+        Self::parse_within(text, Self::MOST)
+    }
+
+    /// Reads a scene as [`parse`](Self::parse) does, with your own limit on the number of bodies, of force fields and of things that
+    /// inputs do: a short text can ask for many. The text that repetitions would have if they were written out is limited as well, to
+    /// 512 bytes for each of the things allowed.
+    ///
+    /// Memory: at most 64 KiB, 8 bytes for a byte of the text and of what repetitions would be, and 4 KiB for each thing.
+    ///
+    /// # Errors
+    /// As [`parse`](Self::parse).
+    ///
+    /// ```
+    /// use umbra_scene::Scene;
+    ///
+    /// let text = r#"{"bodies": [
+    ///     {"name": "{i}", "repeat": {"i": 100000}}]}"#;
+    /// assert_eq!(Scene::parse(text)?.bodies.len(), 100_000);
+    /// let error = Scene::parse_within(text, 1_000).unwrap_err();
+    /// assert_eq!(error.to_string(), "2: bodies[0].repeat: out of range: at most 1000 can be made");
+    /// # Ok::<(), umbra_scene::SceneError>(())
+    /// ```
+    pub fn parse_within(text: &str, most: u32) -> Result<Self, SceneError> {
+        let source = Source::new(text);
+        let root = Node::document(&source)?;
+        let object = root.object()?;
+        let mut scene = Self {
+            title: settings::words(&object, "title")?,
+            about: settings::words(&object, "about")?,
+            ticks: object.or("ticks", TICKS, Node::whole)?,
+            world: settings::world(&object)?,
+            bodies: Vec::new(),
+            starting_bodies: 0,
+            fields: Vec::new(),
+            starting_fields: 0,
+            inputs: Vec::new(),
+            plot: Plot::default(),
+            place: root.place(),
+        };
+        let mut tables = Tables { bodies: Names::new(), fields: Names::new(), most: most.into() };
+        scene.read_start(&object, &mut tables)?;
+        if let Some(list) = object.get("inputs") {
+            repeat::each(list, most.into(), |object| input::input(object, &mut scene, &mut tables))?;
+        }
+        if let Some(node) = object.get("plot") {
+            scene.plot = settings::plot(node, &tables.bodies)?;
+        }
+        object.finish()?;
+        if !scene.inputs.is_empty() {
+            scene.start::<Fx>()?.rehearse()?;
+        }
+        Ok(scene)
+    }
+
+    /// The bodies and the force fields of the start. Both are added to a world as they are read, which refuses what is
+    /// wrong with them while the place is known.
+    fn read_start(&mut self, object: &Object<'_>, tables: &mut Tables) -> Result<(), SceneError> {
+        let mut world = World::new(self.world).map_err(|error| object.node.fault(error))?;
+        let mut handles = Vec::new();
+        if let Some(list) = object.get("bodies") {
+            repeat::each(list, tables.most, |object| {
+                let read = body::body(object)?;
+                let def = read.def().map_err(|error| body::blame(object, error))?;
+                handles.push(world.add_body(def).map_err(|error| body::blame(object, error))?);
+                self.add_body(read, object.at(&["name"]), tables).map(drop)
+            })?;
+        }
+        self.starting_bodies = self.bodies.len();
+        if let Some(list) = object.get("fields") {
+            repeat::each(list, tables.most, |object| {
+                let read = field::field(object, &tables.bodies)?;
+                // All names are those of bodies that were added above.
+                let field = field::convert_field(&read.field, &|body| Ok(handles[body.parts().0 as usize]));
+                let added = field.and_then(|field| world.add_field(field));
+                added.map_err(|error| field::blame(object, error))?;
+                self.add_field(read, object.at(&["name"]), tables).map(drop)
+            })?;
+        }
+        self.starting_fields = self.fields.len();
+        Ok(())
+    }
+
+    fn add_body(&mut self, body: SceneBody, node: &Node<'_>, tables: &mut Tables) -> Result<usize, SceneError> {
+        let index = self.bodies.len();
+        check_name(&body.name, node)?;
+        repeat::check_count(node, index as u64 + 1, tables.most)?;
+        if tables.bodies.insert(body.name.clone(), index).is_some() {
+            return Err(node.fault(
+                Flaw::Taken.of(format_args!("there is a body {} already: choose another name", quoted(&body.name))),
+            ));
+        }
+        self.bodies.push(body);
+        Ok(index)
+    }
+
+    fn add_field(&mut self, field: SceneField, node: &Node<'_>, tables: &mut Tables) -> Result<usize, SceneError> {
+        let index = self.fields.len();
+        repeat::check_count(node, index as u64 + 1, tables.most)?;
+        if let Some(name) = &field.name {
+            check_name(name, node)?;
+            if tables.fields.insert(name.clone(), index).is_some() {
+                return Err(node.fault(
+                    Flaw::Taken
+                        .of(format_args!("there is a force field {} already: choose another name", quoted(name))),
+                ));
+            }
+        }
+        self.fields.push(field);
+        Ok(index)
+    }
+
+    /// Makes the world as it is at the start.
+    ///
+    /// # Errors
+    /// A [`SceneError`] if the engine refuses something: the scene was changed since it was read, or a scalar other than
+    /// [`Fx`] is too coarse for it.
+    pub fn build<S: Scalar>(&self) -> Result<World<S>, SceneError> {
+        self.start().map(SceneRun::into_world)
+    }
+
+    /// Makes the world as it is at the start, with all inputs still to come.
+    ///
+    /// # Errors
+    /// As [`build`](Self::build).
+    pub fn start<S: Scalar>(&self) -> Result<SceneRun<'_, S>, SceneError> {
+        SceneRun::new(self, 1)
+    }
+
+    /// Starts the scene with several equal steps in each tick, to see the error of the time step. Inputs come at the same moments.
+    /// A force that is applied for a tick acts over all of its steps as over the first: one in the body's frame does not turn with the
+    /// body meanwhile, and one at a point keeps its torque. It is rounded to the scalar. A kinematic target is reached in the first of
+    /// the steps, at a velocity that is higher by their number.
+    ///
+    /// # Errors
+    /// As [`build`](Self::build); also if the steps are too short for a world.
+    pub fn start_finer<S: Scalar>(&self, steps: u32) -> Result<SceneRun<'_, S>, SceneError> {
+        SceneRun::new(self, steps)
+    }
+}
+
+fn check_name(name: &str, node: &Node<'_>) -> Result<(), SceneError> {
+    if name.len() <= NAME {
+        return Ok(());
+    }
+    Err(node.fault(Flaw::Text.of(format_args!("a name has at most {NAME} bytes"))))
+}

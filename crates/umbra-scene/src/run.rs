@@ -1,0 +1,364 @@
+//! A scene that is running: its world, and the inputs still to come.
+
+use alloc::collections::{BTreeMap, BTreeSet};
+use alloc::format;
+use alloc::string::{String, ToString};
+use alloc::vec::Vec;
+
+use super::body::convert_mass;
+use super::error::{Coded, Flaw, Place, SceneError};
+use super::field::{convert_field, symbol};
+use super::input::{Input, SceneAction};
+use super::node::quoted;
+use super::shape::vector;
+use super::{Scene, ShapeDef};
+use umbra_physics::{
+    ApplyOptions, BodyId, Command, Created, Error, FieldId, ForceOrImpulse, Fx, Quantity, Scalar, StepReport, Stepper,
+    TimeStep, World, WorldDef, scalar::Wide,
+};
+
+/// A running scene: its world, and the inputs still to come.
+#[derive(Clone, Debug)]
+pub struct SceneRun<'a, S: Scalar = Fx> {
+    scene: &'a Scene,
+    world: World<S>,
+    /// Steps to a tick of the scene.
+    steps: u32,
+    bodies: Vec<Option<BodyId>>,
+    fields: Vec<Option<FieldId>>,
+    indices: BTreeMap<BodyId, usize>,
+    /// The inputs in the order of their first ticks, and how many of them have begun.
+    order: Vec<usize>,
+    begun: usize,
+    /// The inputs that have begun and not ended, in the order of the file.
+    active: BTreeSet<usize>,
+}
+
+impl<'a, S: Scalar> SceneRun<'a, S> {
+    pub(super) fn new(scene: &'a Scene, steps: u32) -> Result<Self, SceneError> {
+        let def = &scene.world;
+        let world = World::new(WorldDef {
+            time_step: divided(def.time_step, steps),
+            gravity: vector(def.gravity),
+            integrator: def.integrator,
+            linear_damping: S::from_fx(def.linear_damping),
+            angular_damping: S::from_fx(def.angular_damping),
+            sleep_after: def.sleep_after.map(|ticks| ticks.saturating_mul(steps)),
+        });
+        let world = world.map_err(|error| scene.place.fault(error))?;
+        let mut order: Vec<usize> = (0..scene.inputs.len()).collect();
+        order.sort_by_key(|&index| scene.inputs[index].from);
+        let mut run = Self {
+            scene,
+            world,
+            steps,
+            bodies: Vec::new(),
+            fields: Vec::new(),
+            indices: BTreeMap::new(),
+            order,
+            begun: 0,
+            active: BTreeSet::new(),
+        };
+        run.bodies.resize(scene.bodies.len(), None);
+        run.fields.resize(scene.fields.len(), None);
+        if scene.starting_bodies > scene.bodies.len() || scene.starting_fields > scene.fields.len() {
+            return Err(scene
+                .place
+                .fault(Flaw::OutOfRange.of("out of range: the start has more bodies or force fields than the scene")));
+        }
+        for index in 0..scene.starting_bodies {
+            run.carry_out(&SceneAction::AddBody(index), &mut ())
+                .map_err(|e| scene.bodies[index].place.fault(Coded(e.code(), run.explain(e))))?;
+        }
+        for index in 0..scene.starting_fields {
+            run.carry_out(&SceneAction::AddField(index), &mut ())
+                .map_err(|e| scene.fields[index].place.fault(Coded(e.code(), run.explain(e))))?;
+        }
+        Ok(run)
+    }
+
+    /// The world.
+    #[must_use]
+    pub fn world(&self) -> &World<S> {
+        &self.world
+    }
+
+    /// Returns the world, without the inputs still to come.
+    #[must_use]
+    pub fn into_world(self) -> World<S> {
+        self.world
+    }
+
+    /// The index in [`Scene::bodies`] of a body.
+    #[must_use]
+    pub fn index(&self, body: BodyId) -> Option<usize> {
+        self.indices.get(&body).copied()
+    }
+
+    /// The name of a body; empty if it is none of the scene's.
+    #[must_use]
+    pub fn name(&self, body: BodyId) -> &'a str {
+        self.index(body).map_or("", |index| &self.scene.bodies[index].name)
+    }
+
+    /// The number of ticks that were made.
+    #[must_use]
+    pub fn tick(&self) -> u64 {
+        self.world.tick() / u64::from(self.steps)
+    }
+
+    /// Carries out the inputs of this tick and steps the world. Where a tick has several steps, the report is that of the
+    /// last.
+    ///
+    /// # Errors
+    /// A [`SceneError`] at an input that the world refuses. The inputs before it have been carried out.
+    pub fn advance(&mut self) -> Result<StepReport<'_, S>, SceneError> {
+        self.advance_by(&mut ())
+    }
+
+    /// Advances by a tick through a driver, which carries out all commands and steps the world. With a
+    /// [`Recorder`](umbra_physics::Recorder) that was made from the world at the start, the run becomes a replay.
+    ///
+    /// ```
+    /// use umbra_scene::Scene;
+    /// use umbra_physics::{RecordOptions, Recorder, Replay};
+    ///
+    /// let push = r#"{"at": 2, "body": "a", "impulse": [1, 0]}"#;
+    /// let scene = Scene::parse(&format!(r#"{{"bodies": [{{"name": "a"}}], "inputs": [{push}]}}"#))?;
+    /// let mut run = scene.start()?;
+    /// let mut recorder = Recorder::new(run.world(), RecordOptions::default());
+    /// for _ in 0..5 {
+    ///     run.advance_by(&mut recorder)?;
+    /// }
+    /// let replay = Replay::from_bytes(&recorder.finish(run.world()), &[])?;
+    /// assert_eq!((replay.end(), replay.verify()), (5, Ok(())));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`advance`](Self::advance).
+    pub fn advance_by(&mut self, driver: &mut impl Stepper<S>) -> Result<StepReport<'_, S>, SceneError> {
+        let tick = self.tick();
+        let scene = self.scene;
+        while let Some(&index) = self.order.get(self.begun).filter(|&&index| scene.inputs[index].from <= tick) {
+            self.active.insert(index);
+            self.begun += 1;
+        }
+        let due: Vec<usize> = self.active.iter().copied().filter(|&i| scene.inputs[i].is_due(tick)).collect();
+        for index in due {
+            let Input { action, place, .. } = &scene.inputs[index];
+            let done = self.carry_out(action, driver);
+            done.map_err(|error| self.blame(place, tick, error))?;
+        }
+        self.active.retain(|&index| scene.inputs[index].to > tick);
+        driver.step(&mut self.world);
+        for _ in 1..self.steps {
+            let held = self.hold(driver);
+            held.map_err(|error| self.blame(&scene.place, tick, error))?;
+            driver.step(&mut self.world);
+        }
+        Ok(self.world.last_report())
+    }
+
+    /// Applies over the next step what was applied over the last.
+    fn hold(&mut self, driver: &mut impl Stepper<S>) -> Result<(), Error> {
+        let manner = ApplyOptions { wake: false, ..ApplyOptions::default() };
+        for applied in self.world.last_report().applied.to_vec() {
+            let body = applied.body;
+            if !self.world.body(body)?.activity().takes_part() {
+                continue;
+            }
+            let force = applied.force().and_then(|force| force.try_map(S::Wide::to_scalar));
+            let force = force.ok_or(Error::OutOfRange { quantity: Quantity::Force })?;
+            let torque = applied.torque().and_then(S::Wide::to_scalar);
+            let torque = torque.ok_or(Error::OutOfRange { quantity: Quantity::Torque })?;
+            for action in [ForceOrImpulse::Force { force, point: None }, ForceOrImpulse::Torque(torque)] {
+                driver.execute(&mut self.world, &Command::Apply { body, action, manner })?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Tries the inputs in their order, on a world that does not move on.
+    pub(super) fn rehearse(mut self) -> Result<(), SceneError> {
+        for index in core::mem::take(&mut self.order) {
+            let Input { from, action, place, .. } = &self.scene.inputs[index];
+            // What these are refused for depends on the motion before.
+            let depends = matches!(
+                action,
+                SceneAction::Command(Command::Release(_) | Command::MoveTo { .. })
+                    | SceneAction::Command(Command::Apply {
+                        action: ForceOrImpulse::Impulse { .. }
+                            | ForceOrImpulse::AngularImpulse(_)
+                            | ForceOrImpulse::Force { point: Some(_), .. },
+                        ..
+                    })
+            );
+            if !depends {
+                let done = self.carry_out(action, &mut ());
+                done.map_err(|error| self.blame(place, *from, error))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn carry_out(&mut self, action: &SceneAction, driver: &mut impl Stepper<S>) -> Result<(), Error> {
+        let command = self.command(action)?;
+        let made = driver.execute(&mut self.world, &command)?;
+        match (action, made) {
+            (SceneAction::AddBody(index), Created::Body(body)) => {
+                self.bodies[*index] = Some(body);
+                self.indices.insert(body, *index);
+            }
+            (SceneAction::AddField(index), Created::ForceField(field)) => self.fields[*index] = Some(field),
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// Returns the command to the world that an action is.
+    fn command(&self, action: &SceneAction) -> Result<Command<S>, Error> {
+        Ok(match action {
+            SceneAction::AddBody(index) => {
+                let unknown = Error::NoSuchBody { body: symbol(*index) };
+                Command::AddBody(self.scene.bodies.get(*index).ok_or(unknown)?.def()?)
+            }
+            SceneAction::AddField(index) => {
+                let unknown = Error::NoSuchField { field: FieldId::from_parts(*index as u32, 0) };
+                let field = &self.scene.fields.get(*index).ok_or(unknown)?.field;
+                Command::AddField(convert_field(field, &|body| self.body(body))?)
+            }
+            SceneAction::SetShape { body, shape } => {
+                let shape = shape.as_ref().map(ShapeDef::make).transpose()?;
+                Command::SetShape { body: self.body(*body)?, shape }
+            }
+            SceneAction::Command(command) => {
+                let fields = |field| self.field(field);
+                match convert_command(command, &|body| self.body(body), &fields)? {
+                    Command::SetTimeStep(time_step) => Command::SetTimeStep(divided(time_step, self.steps)),
+                    Command::SetSleepAfter(ticks) => {
+                        Command::SetSleepAfter(ticks.map(|ticks| ticks.saturating_mul(self.steps)))
+                    }
+                    command => command,
+                }
+            }
+        })
+    }
+
+    /// The handle of a body that a scene names by its index.
+    fn body(&self, symbol: BodyId) -> Result<BodyId, Error> {
+        let known = self.bodies.get(symbol.parts().0 as usize).copied().flatten();
+        known.ok_or(Error::NoSuchBody { body: BodyId::from_parts(u32::MAX, 0) })
+    }
+
+    fn field(&self, symbol: FieldId) -> Result<FieldId, Error> {
+        let known = self.fields.get(symbol.parts().0 as usize).copied().flatten();
+        known.ok_or(Error::NoSuchField { field: symbol })
+    }
+
+    /// Puts an error of the engine at the place of the input that it refuses.
+    fn blame(&self, place: &Place, tick: u64, error: Error) -> SceneError {
+        place.fault(Coded(error.code(), format_args!("at tick {tick}: {}", self.explain(error))))
+    }
+
+    /// An error of the engine's, with names in place of handles.
+    fn explain(&self, error: Error) -> String {
+        let (body, what) = match error {
+            Error::NoSuchBody { .. } => return "the body does not exist at that tick".to_string(),
+            Error::NoSuchField { .. } => return "the force field does not exist at that tick".to_string(),
+            Error::NotDynamic { body } => (body, "is not dynamic"),
+            Error::NotMovable { body } => (body, "is static and has no velocity"),
+            Error::Quarantined { body } => (body, "is quarantined"),
+            Error::NotQuarantined { body } => (body, "is not quarantined"),
+            Error::Disabled { body } => (body, "is disabled"),
+            Error::NotDisabled { body } => (body, "is not disabled"),
+            Error::NotKinematic { body } => (body, "is not kinematic"),
+            Error::SameBody { body } => (body, "is at both ends"),
+            other => return other.to_string(),
+        };
+        format!("{} {what}", quoted(self.name(body)))
+    }
+}
+
+/// A part of a time step; what has none is refused by the world.
+fn divided(time_step: TimeStep, by: u32) -> TimeStep {
+    let (num, den) = time_step.seconds();
+    TimeStep::ratio(num, den.checked_mul(by).unwrap_or(0))
+}
+
+fn convert_action<S: Scalar>(action: ForceOrImpulse) -> ForceOrImpulse<S> {
+    match action {
+        ForceOrImpulse::Force { force, point } => {
+            ForceOrImpulse::Force { force: vector(force), point: point.map(vector) }
+        }
+        ForceOrImpulse::Torque(torque) => ForceOrImpulse::Torque(S::from_fx(torque)),
+        ForceOrImpulse::Impulse { impulse, point } => {
+            ForceOrImpulse::Impulse { impulse: vector(impulse), point: point.map(vector) }
+        }
+        ForceOrImpulse::AngularImpulse(impulse) => ForceOrImpulse::AngularImpulse(S::from_fx(impulse)),
+    }
+}
+
+/// Converts a command to a scalar and to other handles. Commands that add something or set a shape are refused: a scene has actions
+/// of its own for them.
+pub(super) fn convert_command<S: Scalar>(
+    command: &Command,
+    bodies: &impl Fn(BodyId) -> Result<BodyId, Error>,
+    fields: &impl Fn(FieldId) -> Result<FieldId, Error>,
+) -> Result<Command<S>, Error> {
+    let scalar = S::from_fx;
+    Ok(match *command {
+        Command::RemoveBody(body) => Command::RemoveBody(bodies(body)?),
+        Command::Apply { body, action, manner } => {
+            Command::Apply { body: bodies(body)?, action: convert_action(action), manner }
+        }
+        Command::ClearForces => Command::ClearForces,
+        Command::SetPosition { body, position } => {
+            Command::SetPosition { body: bodies(body)?, position: vector(position) }
+        }
+        Command::SetAngle { body, angle } => Command::SetAngle { body: bodies(body)?, angle: scalar(angle) },
+        Command::SetVelocity { body, velocity } => {
+            Command::SetVelocity { body: bodies(body)?, velocity: vector(velocity) }
+        }
+        Command::SetAngularVelocity { body, velocity } => {
+            Command::SetAngularVelocity { body: bodies(body)?, velocity: scalar(velocity) }
+        }
+        Command::SetMass { body, mass } => Command::SetMass { body: bodies(body)?, mass: convert_mass(mass) },
+        Command::SetKind { body, kind } => Command::SetKind { body: bodies(body)?, kind },
+        Command::SetGravityScale { body, scale } => {
+            Command::SetGravityScale { body: bodies(body)?, scale: scalar(scale) }
+        }
+        Command::SetBodyDamping { body, linear, angular } => {
+            Command::SetBodyDamping { body: bodies(body)?, linear: linear.map(scalar), angular: angular.map(scalar) }
+        }
+        Command::SetMaxSpeeds { body, linear, angular } => {
+            Command::SetMaxSpeeds { body: bodies(body)?, linear: linear.map(scalar), angular: angular.map(scalar) }
+        }
+        Command::SetLocks { body, locks } => Command::SetLocks { body: bodies(body)?, locks },
+        Command::SetGroups { body, groups } => Command::SetGroups { body: bodies(body)?, groups },
+        Command::SetKey { body, key } => Command::SetKey { body: bodies(body)?, key },
+        Command::SetUserData { body, user_data } => Command::SetUserData { body: bodies(body)?, user_data },
+        Command::Wake(body) => Command::Wake(bodies(body)?),
+        Command::Release(body) => Command::Release(bodies(body)?),
+        Command::Disable(body) => Command::Disable(bodies(body)?),
+        Command::Enable(body) => Command::Enable(bodies(body)?),
+        Command::MoveTo { body, position, angle } => {
+            Command::MoveTo { body: bodies(body)?, position: vector(position), angle: scalar(angle) }
+        }
+        Command::SetField { id, ref field } => {
+            Command::SetField { id: fields(id)?, field: convert_field(field, bodies)? }
+        }
+        Command::RemoveField(field) => Command::RemoveField(fields(field)?),
+        Command::SetTimeStep(time_step) => Command::SetTimeStep(time_step),
+        Command::SetGravity(gravity) => Command::SetGravity(vector(gravity)),
+        Command::SetIntegrator(integrator) => Command::SetIntegrator(integrator),
+        Command::SetDamping { linear, angular } => {
+            Command::SetDamping { linear: scalar(linear), angular: scalar(angular) }
+        }
+        Command::SetSleepAfter(ticks) => Command::SetSleepAfter(ticks),
+        Command::SetRandom(random) => Command::SetRandom(random),
+        Command::SetBlob(ref bytes) => Command::SetBlob(bytes.clone()),
+        // All there are stand above or here: `tests/layers.rs` compares the lists.
+        Command::AddBody(_) | Command::AddField(_) | Command::SetShape { .. } | _ => return Err(Error::Full),
+    })
+}

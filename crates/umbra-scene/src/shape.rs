@@ -1,0 +1,198 @@
+//! Reading shapes.
+
+use alloc::vec::Vec;
+
+use super::error::Flaw;
+use super::node::{Node, Result};
+use umbra_physics::{
+    Error, Fx, Geometry, Part, Quantity, Scalar, Shape, Vec2,
+    limits::{CORNERS, PARTS, SIZE_MAX, SIZE_MIN},
+};
+
+/// A shape in the coordinates of the file, to be made for any scalar. Sizes in m.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+#[allow(missing_docs, reason = "as in `Geometry`, before re-centring")]
+pub enum ShapeDef {
+    Circle { radius: Fx },
+    Rectangle { width: Fx, height: Fx },
+    Capsule { length: Fx, radius: Fx },
+    Polygon { corners: Vec<Vec2> },
+    Segment { ends: [Vec2; 2] },
+    Compound { parts: Vec<PartDef> },
+}
+
+/// A part of a compound.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PartDef {
+    /// The shape of the part.
+    pub shape: ShapeDef,
+    /// The position of its centre of mass, m.
+    pub position: Vec2,
+    /// The angle, rad.
+    pub angle: Fx,
+    /// The density relative to the other parts.
+    pub density: Fx,
+}
+
+pub(super) fn vector<S: Scalar>(v: Vec2) -> Vec2<S> {
+    v.map(S::from_fx)
+}
+
+impl ShapeDef {
+    /// The shape.
+    ///
+    /// # Errors
+    /// As the constructors of [`Shape`].
+    ///
+    /// ```
+    /// use umbra_scene::{PartDef, ShapeDef};
+    /// use umbra_physics::{Fx, Shape, fx, vec2};
+    ///
+    /// let ball = ShapeDef::Circle { radius: fx!(1) };
+    /// let part = |x: i32| PartDef { shape: ball.clone(), position: vec2(x, 0), angle: fx!(0), density: fx!(1) };
+    /// let dumbbell: Shape<Fx> = ShapeDef::Compound { parts: vec![part(-2), part(2)] }.make()?;
+    /// assert_eq!(dumbbell.measure().to_scalar().map(|area| format!("{area:.4}")), Some("6.2832".into()));
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    pub fn make<S: Scalar>(&self) -> core::result::Result<Shape<S>, Error> {
+        match self {
+            Self::Circle { radius } => Shape::circle(S::from_fx(*radius)),
+            Self::Rectangle { width, height } => Shape::rectangle(S::from_fx(*width), S::from_fx(*height)),
+            Self::Capsule { length, radius } => Shape::capsule(S::from_fx(*length), S::from_fx(*radius)),
+            Self::Polygon { corners } => {
+                let corners: Vec<_> = corners.iter().map(|&corner| vector(corner)).collect();
+                Shape::polygon(&corners)
+            }
+            Self::Segment { ends: [a, b] } => Shape::segment(vector(*a), vector(*b)),
+            Self::Compound { parts } => {
+                let part = |part: &PartDef| {
+                    let PartDef { shape, position, angle, density } = part;
+                    Ok(Part {
+                        shape: shape.make()?,
+                        position: vector(*position),
+                        angle: S::from_fx(*angle),
+                        density: S::from_fx(*density),
+                    })
+                };
+                let parts: core::result::Result<Vec<_>, Error> = parts.iter().map(part).collect();
+                Shape::compound(&parts?)
+            }
+        }
+    }
+}
+
+impl From<&Shape> for ShapeDef {
+    /// Recovers what the shape was made from, exactly: the values it keeps and its shift are small multiples of an ulp. A polygon
+    /// has its corners counter-clockwise.
+    fn from(shape: &Shape) -> Self {
+        let given = |point: Vec2| point + shape.shift();
+        match shape.geometry() {
+            &Geometry::Circle { radius } => Self::Circle { radius },
+            &Geometry::Rectangle { width, height } => Self::Rectangle { width, height },
+            &Geometry::Capsule { length, radius } => Self::Capsule { length, radius },
+            Geometry::Polygon { corners } => Self::Polygon { corners: corners.iter().map(|&c| given(c)).collect() },
+            &Geometry::Segment { ends } => Self::Segment { ends: ends.map(given) },
+            Geometry::Compound { parts } => {
+                let part = |part: &Part| {
+                    let Part { ref shape, position, angle, density } = *part;
+                    PartDef { shape: shape.into(), position: given(position), angle, density }
+                };
+                Self::Compound { parts: parts.iter().map(part).collect() }
+            }
+            // All there are stand above: `tests/layers.rs` compares the lists.
+            other => unreachable!("a scene has no words for {other:?}"),
+        }
+    }
+}
+
+fn size(node: &Node<'_>) -> Result<Fx> {
+    let size = node.number()?;
+    if (SIZE_MIN..=SIZE_MAX).contains(&size) {
+        return Ok(size);
+    }
+    Err(node.fault(Error::OutOfRange { quantity: Quantity::Size }))
+}
+
+/// Reads a shape and makes sure that it can be made.
+pub(super) fn shape(node: &Node<'_>) -> Result<ShapeDef> {
+    read(node, false)
+}
+
+fn read(node: &Node<'_>, part_of_one: bool) -> Result<ShapeDef> {
+    let object = node.object()?;
+    let (name, inner) = object.one_of(&["circle", "rectangle", "capsule", "polygon", "segment", "compound"])?;
+    object.finish()?;
+    if part_of_one && name == "compound" {
+        // Refused before it is looked into: the depth of a file is no depth of calls.
+        return Err(inner.fault("a part cannot be a compound itself"));
+    }
+    let def = match name {
+        "polygon" => polygon(inner)?,
+        "segment" => {
+            let [a, b] = inner.tuple()?;
+            ShapeDef::Segment { ends: [a.point()?, b.point()?] }
+        }
+        "compound" => {
+            let parts = inner.list(PARTS, Error::OutOfRange { quantity: Quantity::Count })?;
+            ShapeDef::Compound { parts: parts.iter().map(part).collect::<Result<_>>()? }
+        }
+        _ => {
+            let object = inner.object()?;
+            let sized = |name| size(object.need(name)?);
+            let def = match name {
+                "circle" => ShapeDef::Circle { radius: sized("radius")? },
+                "rectangle" => ShapeDef::Rectangle { width: sized("width")?, height: sized("height")? },
+                _ => ShapeDef::Capsule { length: sized("length")?, radius: sized("radius")? },
+            };
+            object.finish()?;
+            def
+        }
+    };
+    def.make::<Fx>().map_err(|error| inner.fault(error))?;
+    Ok(def)
+}
+
+fn polygon(node: &Node<'_>) -> Result<ShapeDef> {
+    let nodes = node.list(CORNERS, Error::OutOfRange { quantity: Quantity::Count })?;
+    let corners = nodes.iter().map(Node::point).collect::<Result<Vec<_>>>()?;
+    match Shape::polygon(&corners) {
+        Err(Error::NotConvex { corner }) => Err(nodes[corner].fault(Error::NotConvex { corner })),
+        Err(error) => Err(node.fault(error)),
+        Ok(_) => Ok(ShapeDef::Polygon { corners }),
+    }
+}
+
+fn part(node: &Node<'_>) -> Result<PartDef> {
+    let object = node.object()?;
+    let part = PartDef {
+        shape: read(object.need("shape")?, true)?,
+        position: object.or("position", Vec2::ZERO, Node::point)?,
+        angle: object.or("angle", Fx::ZERO, Node::number)?,
+        density: object.or("density", Fx::ONE, Node::number)?,
+    };
+    if part.density <= Fx::ZERO {
+        return Err(object.at(&["density"]).fault(Error::OutOfRange { quantity: Quantity::Density }));
+    }
+    object.finish()?;
+    Ok(part)
+}
+
+impl Node<'_> {
+    /// A vector: [x, y], or {length, angle} in rad.
+    pub(super) fn point(&self) -> Result<Vec2> {
+        if self.kind() != super::node::Kind::Object {
+            let [x, y] = self.tuple()?;
+            return Ok(Vec2::new(x.number()?, y.number()?));
+        }
+        let object = self.object()?;
+        let (length, angle) = (object.need("length")?.number()?, object.need("angle")?.number()?);
+        object.finish()?;
+        let (sin, cos) = angle.sin_cos();
+        // |sin| and |cos| are at most 1. Against the largest length there is room for it one way alone: −2^31 turned round is no `Fx`.
+        let component = |unit| length.checked_mul(unit);
+        let vector = component(cos).zip(component(sin)).map(|(x, y)| Vec2::new(x, y));
+        vector
+            .ok_or_else(|| self.fault(Flaw::OutOfRange.of("out of range: a component of the vector is not below 2^31")))
+    }
+}

@@ -1,0 +1,463 @@
+//! Writing scenes as text: exact decimals, a line for each body, force field and input; defaults are left out.
+
+use alloc::format;
+use alloc::string::{String, ToString};
+use alloc::vec::Vec;
+use core::fmt::Display;
+
+use super::field::{SceneField, factor_text, symbol};
+use super::input::{Input, SceneAction};
+use super::settings::{Plot, Trails};
+use super::shape::{PartDef, ShapeDef};
+use super::{Scene, SceneBody};
+use umbra_physics::{
+    Attachment, BodyDef, BodyId, BodyKind, Command, End, FieldId, FieldKind, ForceField, ForceOrImpulse, Frame, Fx,
+    Locks, Mass, Region, TimeStep, Vec2, WorldDef,
+};
+
+impl Scene {
+    /// The scene as text, from which [`parse`](Self::parse) makes the same scene, but for places: every number has all its
+    /// digits. Repetitions are written out, and each input does one thing.
+    ///
+    /// This holds for what was parsed or comes from [`from_commands`](Self::from_commands). A scene that was changed since may
+    /// say what the format does not have: then `parse` refuses the text, and says where.
+    #[must_use]
+    pub fn to_json(&self) -> String {
+        let WorldDef { time_step, gravity, integrator, linear_damping, angular_damping, sleep_after } = self.world;
+        let standard: WorldDef = WorldDef::default();
+        let damping = linear_angular(Some(linear_damping), Some(angular_damping));
+        let bodies = self.bodies.iter().take(self.starting_bodies).map(SceneBody::text);
+        let fields = self.fields.iter().take(self.starting_fields).map(|field| self.scene_field(field));
+        let inputs = self.inputs.iter().map(|input| self.input(input));
+        let mut object = Fields::default();
+        object.unless(self.title.is_empty(), "title", text(&self.title));
+        object.unless(self.about.is_empty(), "about", text(&self.about));
+        object.put("ticks", self.ticks);
+        object.put("time_step", ratio(time_step));
+        object.put("gravity", point(gravity));
+        object.put("integrator", text(integrator.name()));
+        object.unless((linear_damping, angular_damping) == (Fx::ONE, Fx::ONE), "damping", damping);
+        object.unless(sleep_after == standard.sleep_after, "sleep_after", ticks(sleep_after));
+        object.unless(self.starting_bodies == 0, "bodies", lines(bodies));
+        object.unless(self.starting_fields == 0, "fields", lines(fields));
+        object.unless(self.inputs.is_empty(), "inputs", lines(inputs));
+        object.unless(self.plot == Plot::default(), "plot", self.plot_text());
+        format!("{{\n  {}\n}}\n", object.0.join(",\n  "))
+    }
+
+    /// `null` for what the scene does not have: nothing is read as a name of another.
+    fn body_name(&self, body: BodyId) -> String {
+        self.bodies.get(body.parts().0 as usize).map_or_else(null, |body| text(&body.name))
+    }
+
+    fn field_name(&self, field: FieldId) -> String {
+        let name = self.fields.get(field.parts().0 as usize).and_then(|field| field.name.as_deref());
+        name.map_or_else(null, text)
+    }
+
+    fn attachment(&self, at: &Attachment) -> String {
+        if at.point == Vec2::ZERO {
+            return self.body_name(at.body);
+        }
+        let mut object = Fields::default();
+        object.put("body", self.body_name(at.body));
+        object.put("point", point(at.point));
+        object.line()
+    }
+
+    fn end(&self, end: &End) -> String {
+        match end {
+            End::World(place) => point(*place),
+            End::Body(at) => self.attachment(at),
+        }
+    }
+
+    fn scene_field(&self, field: &SceneField) -> String {
+        self.field(field.name.as_deref().map_or_else(Fields::default, Fields::of_name), &field.field)
+    }
+
+    fn field(&self, mut object: Fields, field: &ForceField) -> String {
+        let mut law = Fields::default();
+        let name = match &field.kind {
+            FieldKind::Attractor { centre, mu, softening } => {
+                law.put("at", self.end(centre));
+                law.put("mu", factor_text(*mu));
+                law.unless(*softening == Fx::ZERO, "softening", softening);
+                "attractor"
+            }
+            FieldKind::Spring { near, far, spring } => {
+                law.put("from", self.attachment(near));
+                law.put("to", self.end(far));
+                law.unless(spring.rest == Fx::ZERO, "rest", spring.rest);
+                law.put("stiffness", spring.stiffness);
+                law.unless(spring.damping == Fx::ZERO, "damping", spring.damping);
+                "spring"
+            }
+            FieldKind::Drag { linear, quadratic, wind } => {
+                law.unless(*linear == Fx::ZERO, "linear", linear);
+                law.unless(*quadratic == Fx::ZERO, "quadratic", quadratic);
+                law.unless(*wind == Vec2::ZERO, "wind", point(*wind));
+                "drag"
+            }
+            FieldKind::Thrust { at, force } => {
+                law.put("at", self.attachment(at));
+                law.put("force", point(*force));
+                "thrust"
+            }
+            FieldKind::Zone { region, acceleration } => {
+                let mut parts = Fields::default();
+                let kind = match *region {
+                    Region::Disc { centre, radius } => {
+                        parts.put("centre", point(centre));
+                        parts.put("radius", radius);
+                        "disc"
+                    }
+                    Region::Box { min, max } => {
+                        parts.put("min", point(min));
+                        parts.put("max", point(max));
+                        "box"
+                    }
+                };
+                law.put(kind, parts.line());
+                law.put("acceleration", point(*acceleration));
+                "zone"
+            }
+            // No scene has one: it is refused where it stands.
+            FieldKind::Custom { id } => {
+                law.put("id", id);
+                "custom"
+            }
+            // All there are stand above: `tests/layers.rs` compares the lists.
+            _ => "unknown",
+        };
+        object.put(name, law.line());
+        object.unless(field.groups == u32::MAX, "groups", groups(field.groups));
+        object.line()
+    }
+
+    fn input(&self, input: &Input) -> String {
+        let mut object = Fields::default();
+        if input.from == input.to && input.every == 1 {
+            object.put("at", input.from);
+        } else {
+            object.put("from", input.from);
+            object.put("to", input.to);
+            object.unless(input.every == 1, "every", input.every);
+        }
+        match &input.action {
+            SceneAction::Command(command) => self.command(&mut object, command),
+            SceneAction::AddBody(index) => {
+                object.put("add", self.bodies.get(*index).map_or_else(String::new, SceneBody::text));
+            }
+            SceneAction::AddField(index) => {
+                let field = self.fields.get(*index);
+                object.put("add_field", field.map_or_else(String::new, |field| self.scene_field(field)));
+            }
+            SceneAction::SetShape { body, shape } => self.set_shape(&mut object, *body, shape.as_ref()),
+        }
+        object.line()
+    }
+
+    fn set_body(&self, object: &mut Fields, body: BodyId, property: &str, value: impl Display) {
+        object.put("body", self.body_name(body));
+        object.put("set", Fields::of(property, value));
+    }
+
+    fn do_to_body(&self, object: &mut Fields, body: BodyId, what: &str) {
+        object.put("body", self.body_name(body));
+        object.put("do", text(what));
+    }
+
+    fn set_shape(&self, object: &mut Fields, body: BodyId, shape: Option<&ShapeDef>) {
+        self.set_body(object, body, "shape", shape.map_or_else(null, ShapeDef::text));
+    }
+
+    fn command(&self, object: &mut Fields, command: &Command) {
+        let set = |object: &mut Fields, property, value: String| object.put("set", Fields::of(property, value));
+        match *command {
+            // A scene has actions of its own for these. As commands no run carries them out, but they read alike.
+            Command::AddBody(ref def) => object.put("add", body_text(Fields::default(), def, None)),
+            Command::AddField(ref field) => object.put("add_field", self.field(Fields::default(), field)),
+            Command::SetShape { body, ref shape } => {
+                self.set_shape(object, body, shape.as_ref().map(ShapeDef::from).as_ref());
+            }
+            Command::RemoveBody(body) => self.do_to_body(object, body, "remove"),
+            Command::Wake(body) => self.do_to_body(object, body, "wake"),
+            Command::Release(body) => self.do_to_body(object, body, "release"),
+            Command::Disable(body) => self.do_to_body(object, body, "disable"),
+            Command::Enable(body) => self.do_to_body(object, body, "enable"),
+            Command::MoveTo { body, position, angle } => {
+                object.put("body", self.body_name(body));
+                let mut goal = Fields::default();
+                goal.put("position", point(position));
+                goal.unless(angle == Fx::ZERO, "angle", angle);
+                object.put("move_to", goal.line());
+            }
+            Command::Apply { body, action, manner } => {
+                object.put("body", self.body_name(body));
+                object.action(action);
+                object.unless(manner.frame == Frame::World, "frame", text("body"));
+                object.unless(manner.wake, "wake", manner.wake);
+            }
+            Command::SetKind { body, kind } => self.set_body(object, body, "kind", text(kind_name(kind))),
+            Command::SetMass { body, mass } => {
+                object.put("body", self.body_name(body));
+                let mut given = Fields::default();
+                given.mass(mass);
+                object.put("set", given.line());
+            }
+            Command::SetPosition { body, position } => self.set_body(object, body, "position", point(position)),
+            Command::SetAngle { body, angle } => self.set_body(object, body, "angle", angle),
+            Command::SetVelocity { body, velocity } => self.set_body(object, body, "velocity", point(velocity)),
+            Command::SetAngularVelocity { body, velocity } => {
+                self.set_body(object, body, "angular_velocity", velocity);
+            }
+            Command::SetGravityScale { body, scale } => self.set_body(object, body, "gravity_scale", scale),
+            Command::SetBodyDamping { body, linear, angular } => {
+                self.set_body(object, body, "damping", linear_angular(linear, angular));
+            }
+            Command::SetMaxSpeeds { body, linear, angular } => {
+                self.set_body(object, body, "max_speeds", linear_angular(linear, angular));
+            }
+            Command::SetLocks { body, locks } => self.set_body(object, body, "locks", locked(locks)),
+            Command::SetGroups { body, groups: bits } => self.set_body(object, body, "groups", groups(bits)),
+            Command::SetKey { body, key } => self.set_body(object, body, "key", key),
+            Command::SetUserData { body, user_data } => self.set_body(object, body, "user_data", user_data),
+            Command::SetField { id, ref field } => {
+                object.put("field", self.field_name(id));
+                object.put("replace", self.field(Fields::default(), field));
+            }
+            Command::RemoveField(id) => {
+                object.put("field", self.field_name(id));
+                object.put("do", text("remove"));
+            }
+            Command::ClearForces => object.put("do", text("clear_forces")),
+            Command::SetTimeStep(time_step) => set(object, "time_step", ratio(time_step)),
+            Command::SetGravity(gravity) => set(object, "gravity", point(gravity)),
+            Command::SetIntegrator(integrator) => set(object, "integrator", text(integrator.name())),
+            Command::SetDamping { linear, angular } => {
+                set(object, "damping", linear_angular(Some(linear), Some(angular)));
+            }
+            Command::SetSleepAfter(after) => set(object, "sleep_after", ticks(after)),
+            Command::SetRandom(random) => set(object, "random", list(random.state())),
+            Command::SetBlob(ref bytes) => set(object, "blob", hexadecimal(bytes)),
+            // All there are stand above: `tests/layers.rs` compares the lists.
+            _ => {}
+        }
+    }
+
+    fn plot_text(&self) -> String {
+        let Plot { view, trails, exposures } = &self.plot;
+        let mut object = Fields::default();
+        if let Some([least, most]) = view {
+            object.put("view", list([point(*least), point(*most)]));
+        }
+        match trails {
+            Trails::All => {}
+            Trails::None => object.put("trails", text("none")),
+            Trails::Of(bodies) => {
+                let name = |&index: &usize| self.body_name(symbol(index));
+                object.put("trails", list(bodies.iter().map(name)));
+            }
+        }
+        object.unless(*exposures == 0, "exposures", exposures);
+        object.line()
+    }
+}
+
+impl SceneBody {
+    fn text(&self) -> String {
+        body_text(Fields::of_name(&self.name), &self.def, self.shape.as_ref())
+    }
+}
+
+fn body_text(mut object: Fields, def: &BodyDef, shape: Option<&ShapeDef>) -> String {
+    object.unless(def.kind == BodyKind::Dynamic, "kind", text(kind_name(def.kind)));
+    object.unless(def.position == Vec2::ZERO, "position", point(def.position));
+    object.unless(def.angle == Fx::ZERO, "angle", def.angle);
+    object.unless(def.velocity == Vec2::ZERO, "velocity", point(def.velocity));
+    object.unless(def.angular_velocity == Fx::ZERO, "angular_velocity", def.angular_velocity);
+    if let Some(shape) = shape {
+        object.put("shape", shape.text());
+    }
+    if def.mass != Mass::Kilograms(Fx::ONE) {
+        object.mass(def.mass);
+    }
+    object.unless(def.gravity_scale == Fx::ONE, "gravity_scale", def.gravity_scale);
+    let own = (def.linear_damping, def.angular_damping);
+    object.unless(own == (None, None), "damping", linear_angular(own.0, own.1));
+    let most = (def.max_speed, def.max_angular_speed);
+    object.unless(most == (None, None), "max_speeds", linear_angular(most.0, most.1));
+    object.unless(def.locks == Locks::NONE, "locks", locked(def.locks));
+    object.unless(def.groups == 1, "groups", groups(def.groups));
+    object.unless(def.key == 0, "key", def.key);
+    object.unless(def.user_data == 0, "user_data", def.user_data);
+    object.line()
+}
+
+impl ShapeDef {
+    fn text(&self) -> String {
+        let mut inner = Fields::default();
+        let (name, inner) = match self {
+            Self::Circle { radius } => {
+                inner.put("radius", radius);
+                ("circle", inner.line())
+            }
+            Self::Rectangle { width, height } => {
+                inner.put("width", width);
+                inner.put("height", height);
+                ("rectangle", inner.line())
+            }
+            Self::Capsule { length, radius } => {
+                inner.put("length", length);
+                inner.put("radius", radius);
+                ("capsule", inner.line())
+            }
+            Self::Polygon { corners } => ("polygon", list(corners.iter().copied().map(point))),
+            Self::Segment { ends } => ("segment", list(ends.map(point))),
+            Self::Compound { parts } => ("compound", list(parts.iter().map(PartDef::text))),
+        };
+        Fields::of(name, inner)
+    }
+}
+
+impl PartDef {
+    fn text(&self) -> String {
+        let mut object = Fields::default();
+        object.put("shape", self.shape.text());
+        object.unless(self.position == Vec2::ZERO, "position", point(self.position));
+        object.unless(self.angle == Fx::ZERO, "angle", self.angle);
+        object.unless(self.density == Fx::ONE, "density", self.density);
+        object.line()
+    }
+}
+
+/// The fields of an object, each `"name": value`.
+#[derive(Default)]
+struct Fields(Vec<String>);
+
+impl Fields {
+    fn put(&mut self, name: &str, value: impl Display) {
+        self.0.push(format!("\"{name}\": {value}"));
+    }
+
+    fn unless(&mut self, is_default: bool, name: &str, value: impl Display) {
+        if !is_default {
+            self.put(name, value);
+        }
+    }
+
+    fn line(&self) -> String {
+        format!("{{{}}}", self.0.join(", "))
+    }
+
+    /// An object of one field, in a line.
+    fn of(name: &str, value: impl Display) -> String {
+        format!("{{\"{name}\": {value}}}")
+    }
+
+    fn of_name(name: &str) -> Self {
+        let mut object = Self::default();
+        object.put("name", text(name));
+        object
+    }
+
+    fn mass(&mut self, mass: Mass) {
+        match mass {
+            Mass::Density(density) => self.put("density", density),
+            Mass::Kilograms(mass) => self.put("mass", mass),
+            Mass::Explicit { mass, inertia } => {
+                self.put("mass", mass);
+                self.put("inertia", inertia);
+            }
+        }
+    }
+
+    fn action(&mut self, action: ForceOrImpulse) {
+        let at = match action {
+            ForceOrImpulse::Force { force, point: at } => {
+                self.put("force", point(force));
+                at
+            }
+            ForceOrImpulse::Impulse { impulse, point: at } => {
+                self.put("impulse", point(impulse));
+                at
+            }
+            ForceOrImpulse::Torque(torque) => return self.put("torque", torque),
+            ForceOrImpulse::AngularImpulse(impulse) => return self.put("angular_impulse", impulse),
+        };
+        if let Some(at) = at {
+            self.put("point", point(at));
+        }
+    }
+}
+
+fn null() -> String {
+    "null".to_string()
+}
+
+/// A text in quotes.
+fn text(text: &str) -> String {
+    serde_json::Value::from(text).to_string()
+}
+
+fn list(items: impl IntoIterator<Item = impl Display>) -> String {
+    let items: Vec<String> = items.into_iter().map(|item| item.to_string()).collect();
+    format!("[{}]", items.join(", "))
+}
+
+/// A list with an item a line.
+fn lines(items: impl Iterator<Item = String>) -> String {
+    let items: Vec<String> = items.collect();
+    format!("[\n    {}\n  ]", items.join(",\n    "))
+}
+
+fn point(v: Vec2) -> String {
+    list([v.x, v.y])
+}
+
+fn ratio(time_step: TimeStep) -> String {
+    let (num, den) = time_step.seconds();
+    format!("\"{num}/{den}\"")
+}
+
+fn ticks(after: Option<u32>) -> String {
+    after.map_or_else(null, |ticks| ticks.to_string())
+}
+
+fn linear_angular(linear: Option<Fx>, angular: Option<Fx>) -> String {
+    let mut object = Fields::default();
+    for (name, value) in [("linear", linear), ("angular", angular)] {
+        if let Some(value) = value {
+            object.put(name, value);
+        }
+    }
+    object.line()
+}
+
+fn locked(locks: Locks) -> String {
+    list(locks.names().map(text))
+}
+
+fn groups(bits: u32) -> String {
+    list((0..u32::BITS).filter(|group| bits >> group & 1 == 1))
+}
+
+const fn kind_name(kind: BodyKind) -> &'static str {
+    match kind {
+        BodyKind::Static => "static",
+        BodyKind::Kinematic => "kinematic",
+        BodyKind::Dynamic => "dynamic",
+    }
+}
+
+fn hexadecimal(bytes: &[u8]) -> String {
+    let mut text = String::with_capacity(2 * bytes.len() + 2);
+    let digit = |digit: u8| char::from(b"0123456789abcdef"[usize::from(digit)]);
+    text.push('"');
+    for byte in bytes {
+        text.extend([digit(byte >> 4), digit(byte & 15)]);
+    }
+    text.push('"');
+    text
+}

@@ -1,0 +1,5 @@
+//! The tests of scenes, as one program.
+#![allow(clippy::module_inception, reason = "a module is named after what it tests")]
+
+mod scenes;
+mod text;

@@ -1,0 +1,70 @@
+//! The program `umbra-selftest`: what it prints, and its exit status.
+
+use std::ffi::OsStr;
+use std::fs;
+use std::process::{Command, Stdio};
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).expect("UTF-8")
+}
+
+/// A device on which there is no room.
+#[cfg(target_os = "linux")]
+fn full() -> fs::File {
+    fs::OpenOptions::new().write(true).open("/dev/full").expect("Linux has it")
+}
+
+/// The program, without an input.
+fn selftest() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_umbra-selftest"));
+    command.stdin(Stdio::null());
+    command
+}
+
+#[test]
+fn the_small_selftest_takes_no_arguments_whatever_they_are() {
+    let many = vec!["1"; 20_000];
+    for arguments in [&["--count=99999999999999999999"][..], &["--help"], &["--"], &[""], &["\u{1b}[31m"], &many] {
+        let output = selftest().args(arguments).output().expect("the program starts");
+        assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0));
+        assert!(output.stderr.starts_with(b"usage: umbra-selftest\n"));
+    }
+    #[cfg(unix)]
+    {
+        let bytes = std::os::unix::ffi::OsStrExt::from_bytes(b"\xff\xfe");
+        let output = selftest().arg::<&OsStr>(bytes).output().expect("the program starts");
+        assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0));
+    }
+}
+
+#[test]
+fn the_small_selftest_says_what_came_out_whoever_reads() {
+    let mut child = selftest().stdout(Stdio::piped()).stderr(Stdio::null()).spawn().expect("the program starts");
+    drop(child.stdout.take());
+    assert_eq!(child.wait().expect("it ends").code(), Some(0));
+    #[cfg(target_os = "linux")]
+    {
+        let output = selftest().stdout(full()).output().expect("the program starts");
+        assert_eq!(output.status.code(), Some(2));
+        let error = text(&output.stderr);
+        assert!(error.lines().any(|line| line.starts_with("standard output: cannot write: ")), "{error}");
+        let output = selftest().stderr(full()).output().expect("the program starts");
+        assert_eq!(output.status.code(), Some(0));
+        assert!(text(&output.stdout).lines().last().is_some_and(|line| line.starts_with("all ")));
+        // Its usage finds no room.
+        let output = selftest().arg("x").stderr(full()).output().expect("the program starts");
+        assert_eq!(output.status.code(), Some(2));
+    }
+}
+
+#[test]
+fn the_small_selftest_prints_the_golden_list() {
+    let output = selftest().output().expect("the program starts");
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let golden =
+        fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../src/selftest/golden.txt")).expect("the list");
+    let golden: Vec<&str> = golden.lines().filter(|line| !line.starts_with('#')).collect();
+    assert_eq!(text(&output.stdout).lines().collect::<Vec<_>>(), golden);
+    let output = selftest().arg("x").output().expect("the program starts");
+    assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0));
+}

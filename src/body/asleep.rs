@@ -1,0 +1,30 @@
+//! Counts of the bodies that are asleep, so that a call that may wake bodies costs nothing where none sleeps.
+
+use super::BodyKind;
+use super::info::BodyInfo;
+use crate::scalar::Scalar;
+
+/// How many bodies are asleep, and how many of the dynamic ones among them are in each group.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Sleepers {
+    pub(super) count: usize,
+    by_group: [u32; 32],
+}
+
+impl Sleepers {
+    /// Adds a body to the counts (`by` = 1) or takes it out of them (−1).
+    pub(super) fn count<S: Scalar>(&mut self, info: &BodyInfo<S>, by: i32) {
+        self.count = self.count.wrapping_add_signed(by as isize);
+        let mut groups = if info.kind == BodyKind::Dynamic { info.groups } else { 0 };
+        while groups != 0 {
+            let group = groups.trailing_zeros() as usize;
+            self.by_group[group] = self.by_group[group].wrapping_add_signed(by);
+            groups &= groups - 1;
+        }
+    }
+
+    /// The groups with a dynamic body that is asleep.
+    pub(super) fn groups(&self) -> u32 {
+        (0..32).fold(0, |groups, group| groups | u32::from(self.by_group[group] > 0) << group)
+    }
+}

@@ -1,0 +1,298 @@
+//! `Fx` as decimal text, exactly: every digit out, one rounding in.
+
+use alloc::string::String;
+use core::fmt::{self, Write};
+use core::str::FromStr;
+
+use super::Fx;
+use crate::error::codes;
+
+/// The reason that a text is not a number in I32F32.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
+pub enum ParseFxError {
+    /// The text is empty.
+    Empty,
+    /// The byte there cannot continue a decimal number, or the text ends where a digit must follow.
+    InvalidDigit {
+        /// The index of that byte; the length of the text if it ends too soon.
+        position: usize,
+    },
+    /// The number, once rounded, is not between −2^31 and 2^31 − 2^-32.
+    OutOfRange,
+}
+
+impl fmt::Display for ParseFxError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Empty => f.write_str("a number is expected, and there is no text"),
+            Self::InvalidDigit { position } => write!(f, "not a decimal number: no digit at byte {position}"),
+            Self::OutOfRange => f.write_str("the number is outside the range of I32F32, from -2^31 to below 2^31"),
+        }
+    }
+}
+
+codes!(ParseFxError { Empty = 711, InvalidDigit = 712, OutOfRange = 713 });
+
+impl core::error::Error for ParseFxError {}
+
+impl FromStr for Fx {
+    type Err = ParseFxError;
+
+    /// The nearest value, ties to even: see [`Fx::parse`].
+    fn from_str(text: &str) -> Result<Self, ParseFxError> {
+        Self::parse(text)
+    }
+}
+
+impl Fx {
+    /// The value nearest to a decimal number, ties to even, rounded once however many digits there are.
+    ///
+    /// The number is an optional sign, digits with an optional point among, before or after them, and an optional
+    /// exponent (`e` or `E`, an optional sign, digits): all that JSON allows, and `+1`, `.5`, `5.` beside.
+    ///
+    /// # Errors
+    /// [`ParseFxError`] says whether there is no text, where it stops being a number, or that the value does not fit.
+    ///
+    /// ```
+    /// # use umbra_physics::{Fx, ParseFxError};
+    /// assert_eq!(Fx::parse("-1.5e-1")?.to_string(), "-0.1499999999068677425384521484375");
+    /// assert_eq!(Fx::parse("0.1e"), Err(ParseFxError::InvalidDigit { position: 4 }));
+    /// // 2^-33 is a tie, and goes to 0; anything more is an ulp.
+    /// assert_eq!(Fx::parse("0.000000000116415321826934814453125"), Ok(Fx::ZERO));
+    /// assert_eq!(Fx::parse("0.0000000001164153218269348144531250001"), Ok(Fx::DELTA));
+    /// # Ok::<(), ParseFxError>(())
+    /// ```
+    pub const fn parse(text: &str) -> Result<Self, ParseFxError> {
+        match Decimal::scan(text.as_bytes(), false) {
+            Ok(decimal) => decimal.round(),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// The value of a literal of Rust, for [`fx!`](crate::fx): as `parse`, and digits may be parted by `_`.
+    #[doc(hidden)]
+    #[must_use]
+    pub const fn from_literal(text: &str) -> Self {
+        let value = match Decimal::scan(text.as_bytes(), true) {
+            Ok(decimal) => decimal.round(),
+            Err(error) => Err(error),
+        };
+        match value {
+            Ok(value) => value,
+            Err(ParseFxError::OutOfRange) => panic!("the number does not fit in I32F32: from -2^31 to below 2^31"),
+            Err(_) => panic!("not a decimal number without a suffix"),
+        }
+    }
+}
+
+/// The `Fx` nearest to a decimal literal, ties to even, made at compile time and never through a float.
+///
+/// A literal that does not fit is a compile error:
+///
+/// ```
+/// use umbra_physics::{Fx, fx};
+///
+/// assert_eq!(fx!(0.5), Fx::HALF);
+/// assert_eq!(fx!(-9.81).to_bits(), -42_133_629_174);
+/// assert_eq!(fx!(1_000.5e-3), fx!(1.0005));
+/// ```
+/// ```compile_fail
+/// # use umbra_physics::fx;
+/// let too_large = fx!(2147483648);
+/// ```
+/// ```compile_fail
+/// # use umbra_physics::fx;
+/// let suffixed = fx!(1.5f64);
+/// ```
+#[macro_export]
+macro_rules! fx {
+    ($number:literal) => {
+        const { $crate::Fx::from_literal(::core::stringify!($number)) }
+    };
+}
+#[cfg(any(test, feature = "selftest"))]
+pub(crate) use fx;
+
+/// A decimal number as written: where its digits are, and what they are worth.
+pub(crate) struct Decimal<'t> {
+    text: &'t [u8],
+    pub(crate) negative: bool,
+    /// The digits, with a point or `_` among them: text[start..end].
+    start: usize,
+    end: usize,
+    /// Number of digits before the point once the exponent has moved it; may be negative or past the end.
+    pub(crate) whole_digits: i64,
+}
+
+impl<'t> Decimal<'t> {
+    /// Checks the grammar.
+    pub(crate) const fn scan(text: &'t [u8], underscores: bool) -> Result<Self, ParseFxError> {
+        if text.is_empty() {
+            return Err(ParseFxError::Empty);
+        }
+        let negative = text[0] == b'-';
+        let start = (negative || text[0] == b'+') as usize;
+        let (mut at, mut digits, mut point) = (start, 0, None);
+        while at < text.len() {
+            match text[at] {
+                b'0'..=b'9' => digits += 1,
+                b'.' if point.is_none() => point = Some(digits),
+                b'_' if underscores && digits > 0 => {}
+                _ => break,
+            }
+            at += 1;
+        }
+        if digits == 0 {
+            return Err(ParseFxError::InvalidDigit { position: at });
+        }
+        let end = at;
+        let exponent = if at < text.len() && (text[at] == b'e' || text[at] == b'E') {
+            match scan_exponent(text, at + 1) {
+                Ok((exponent, after)) => {
+                    at = after;
+                    exponent
+                }
+                Err(error) => return Err(error),
+            }
+        } else {
+            0
+        };
+        if at < text.len() {
+            return Err(ParseFxError::InvalidDigit { position: at });
+        }
+        let written: i64 = match point {
+            Some(before) => before,
+            None => digits,
+        };
+        Ok(Self { text, negative, start, end, whole_digits: written.saturating_add(exponent) })
+    }
+
+    /// The digits in order, the zeros in front included.
+    pub(crate) fn digits(&self) -> impl Iterator<Item = u8> {
+        self.text[self.start..self.end].iter().filter(|byte| byte.is_ascii_digit()).map(|byte| byte - b'0')
+    }
+
+    /// Rounds to a multiple of 2^-32, to nearest, ties to even.
+    const fn round(&self) -> Result<Fx, ParseFxError> {
+        /// No tie needs more digits after the point: it is an odd multiple of 2^-33.
+        const FRACTION_DIGITS: u32 = 33;
+        /// More than any value that fits; times ten and a digit more, it still fits 64 bits.
+        const TOO_LARGE: u64 = 1 << 32;
+
+        let (mut whole, mut fraction, mut beyond) = (0u64, 0u128, false);
+        // Zeros between the point and the first digit count as fraction digits that were read.
+        let mut read = if self.whole_digits < 0 { self.whole_digits.unsigned_abs() } else { 0 };
+        let mut digits_left = self.whole_digits;
+        let mut at = self.start;
+        while at < self.end {
+            let byte = self.text[at];
+            at += 1;
+            if !byte.is_ascii_digit() {
+                continue;
+            }
+            let digit = byte - b'0';
+            if digits_left > 0 {
+                digits_left -= 1;
+                whole = if whole >= TOO_LARGE { TOO_LARGE } else { whole * 10 + digit as u64 };
+            } else if read < FRACTION_DIGITS as u64 {
+                read += 1;
+                fraction = fraction * 10 + digit as u128;
+            } else {
+                beyond |= digit != 0;
+            }
+        }
+        // The exponent's zeros: at most ten of them, from 1 to past the range.
+        while digits_left > 0 && whole != 0 && whole < TOO_LARGE {
+            digits_left -= 1;
+            whole *= 10;
+        }
+        // The fraction is below 10^33, and less by the digits that were not written.
+        while read < FRACTION_DIGITS as u64 {
+            read += 1;
+            fraction *= 10;
+        }
+        // fraction·10^-33·2^33 = fraction / 5^33: the bits of the result and the one below, exactly.
+        const SCALE: u128 = 5u128.pow(FRACTION_DIGITS);
+        let bits_and_half = (fraction / SCALE) as u64;
+        let above_half = beyond || fraction % SCALE != 0;
+        let floor = bits_and_half >> 1;
+        let up = bits_and_half & 1 == 1 && (above_half || floor & 1 == 1);
+        // whole < 11·2^32 here: less than 2^68.
+        let magnitude = ((whole as i128) << 32) + floor as i128 + up as i128;
+        match Fx::narrow(if self.negative { -magnitude } else { magnitude }) {
+            Some(value) => Ok(value),
+            None => Err(ParseFxError::OutOfRange),
+        }
+    }
+}
+
+/// The exponent from `at` on, and where it ends. One that no text is long enough to make up for is cut off.
+const fn scan_exponent(text: &[u8], mut at: usize) -> Result<(i64, usize), ParseFxError> {
+    const FAR: i64 = 1 << 60;
+
+    let negative = at < text.len() && text[at] == b'-';
+    if negative || (at < text.len() && text[at] == b'+') {
+        at += 1;
+    }
+    let (first, mut exponent) = (at, 0);
+    while at < text.len() && text[at].is_ascii_digit() {
+        exponent = if exponent >= FAR / 10 { FAR } else { exponent * 10 + (text[at] - b'0') as i64 };
+        at += 1;
+    }
+    if at == first {
+        return Err(ParseFxError::InvalidDigit { position: at });
+    }
+    Ok((if negative { -exponent } else { exponent }, at))
+}
+
+impl fmt::Display for Fx {
+    /// The exact decimal value, with as many digits as it takes (at most 32 after the point); with a precision, rounded
+    /// to that many digits, ties to even. Width, fill, sign and zero flags as for integers.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let magnitude = self.to_bits().unsigned_abs();
+        let (mut whole, mut rest) = (magnitude >> 32, magnitude & 0xffff_ffff);
+        let wanted = f.precision();
+        // A multiple of 2^-32 has at most 32 digits; those past them are zeros.
+        let mut digits = [0u8; 32];
+        let mut len = 0;
+        while rest != 0 && len < wanted.unwrap_or(digits.len()) {
+            // rest < 2^32.
+            rest *= 10;
+            digits[len] = (rest >> 32) as u8;
+            rest &= 0xffff_ffff;
+            len += 1;
+        }
+        let last = if len == 0 { whole & 1 } else { u64::from(digits[len - 1] & 1) };
+        if rest > (1 << 31) - last {
+            // Adds one to the last digit; a nine passes it on, at last to the whole part.
+            let nines = digits[..len].iter().rev().take_while(|&&digit| digit == 9).count();
+            digits[len - nines..len].fill(0);
+            match digits[..len - nines].last_mut() {
+                Some(digit) => *digit += 1,
+                None => whole += 1,
+            }
+        }
+        let mut text = String::new();
+        write!(text, "{whole}")?;
+        let shown = wanted.unwrap_or(len);
+        if shown > 0 {
+            text.push('.');
+            text.extend(digits[..len].iter().map(|digit| char::from(b'0' + digit)));
+            text.extend(core::iter::repeat_n('0', shown - len));
+        }
+        f.pad_integral(self.to_bits() >= 0, "", &text)
+    }
+}
+
+impl fmt::Debug for Fx {
+    /// Writes the number as [`Display`](fmt::Display) does.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
+}

@@ -1,0 +1,298 @@
+//! Geometry of vectors of `Fx`: each result rounded once, from exact integers.
+
+use super::{Rot, Vec2};
+use crate::fx::Fx;
+use crate::kernel::round::shr_round;
+use crate::kernel::sqrt::over_root;
+use core::ops::Mul;
+
+/// a·b + c·d in ulps, rounded to nearest, ties to even; `None` if it does not fit.
+#[inline]
+fn sum_of_products(a: Fx, b: Fx, c: Fx, d: Fx) -> Option<Fx> {
+    let product = |a: Fx, b: Fx| i128::from(a.to_bits()) * i128::from(b.to_bits());
+    // Each is at most 2^126; only the sum of both at that end leaves i128.
+    narrow(shr_round(product(a, b).checked_add(product(c, d))?, 32))
+}
+
+/// a·b − c·d, as [`sum_of_products`].
+#[inline]
+fn difference_of_products(a: Fx, b: Fx, c: Fx, d: Fx) -> Option<Fx> {
+    let product = |a: Fx, b: Fx| i128::from(a.to_bits()) * i128::from(b.to_bits());
+    // Between −(2^126 + 2^126) and 2^127 − 2^95: the products of the least value with itself are positive.
+    narrow(shr_round(product(a, b).checked_sub(product(c, d))?, 32))
+}
+
+#[inline]
+fn narrow(bits: i128) -> Option<Fx> {
+    i64::try_from(bits).ok().map(Fx::from_bits)
+}
+
+/// The result, or a panic: an operator behaves alike in every profile.
+#[inline]
+#[track_caller]
+fn fitting<T>(value: Option<T>, otherwise: &'static str) -> T {
+    match value {
+        Some(value) => value,
+        None => panic!("{}", otherwise),
+    }
+}
+
+impl Vec2 {
+    /// The dot product x·x' + y·y'.
+    ///
+    /// *Error* ½ ulp: the exact sum, rounded once, ties to even. [`wide_dot`](Self::wide_dot) is exact.
+    ///
+    /// # Panics
+    /// When it does not fit; [`checked_dot`](Self::checked_dot) gives `None`.
+    ///
+    /// ```
+    /// # use umbra_physics::{Fx, Vec2, fx, vec2};
+    /// let (a, b): (Vec2, Vec2) = (vec2(3, 4), vec2(1, fx!(0.5)));
+    /// assert_eq!((a.dot(b), a.cross(b)), (fx!(5), fx!(-2.5)));
+    /// assert_eq!((a.checked_dot(vec2(Fx::MAX, 0)), a.checked_cross(vec2(0, Fx::MAX))), (None, None));
+    /// assert_eq!(a.wide_dot(b).and_then(|product| product.to_scalar()), Some(fx!(5)));
+    /// assert_eq!(a.wide_cross(b).and_then(|product| product.to_scalar()), Some(fx!(-2.5)));
+    /// ```
+    #[must_use]
+    #[track_caller]
+    pub fn dot(self, other: Self) -> Fx {
+        fitting(self.checked_dot(other), "Vec2: the dot product does not fit")
+    }
+
+    /// The dot product; `None` if it does not fit. *Error* ½ ulp.
+    #[must_use]
+    pub fn checked_dot(self, other: Self) -> Option<Fx> {
+        sum_of_products(self.x, other.x, self.y, other.y)
+    }
+
+    /// The cross product x·y' − y·x': positive if `other` is counter-clockwise of this vector.
+    ///
+    /// *Error* ½ ulp: the exact difference, rounded once, ties to even. [`wide_cross`](Self::wide_cross) is exact.
+    ///
+    /// # Panics
+    /// When it does not fit; [`checked_cross`](Self::checked_cross) gives `None`.
+    #[must_use]
+    #[track_caller]
+    pub fn cross(self, other: Self) -> Fx {
+        fitting(self.checked_cross(other), "Vec2: the cross product does not fit")
+    }
+
+    /// The cross product; `None` if it does not fit. *Error* ½ ulp.
+    #[must_use]
+    pub fn checked_cross(self, other: Self) -> Option<Fx> {
+        difference_of_products(self.x, other.y, self.y, other.x)
+    }
+
+    /// The length √(x² + y²).
+    ///
+    /// *Error* ½ ulp: the nearest value, and there are no ties. *Source* the exact root of the exact sum ([`Fx::checked_hypot`]).
+    ///
+    /// # Panics
+    /// When it does not fit; [`checked_length`](Self::checked_length) gives `None`.
+    ///
+    /// ```
+    /// # use umbra_physics::{Fx, Vec2, fx, vec2};
+    /// let (a, b): (Vec2, Vec2) = (vec2(3, 4), vec2(Fx::MAX, Fx::MAX));
+    /// assert_eq!((a.length(), a.distance(vec2(0, 8)), b.checked_length()), (fx!(5), fx!(5), None));
+    /// assert_eq!((a.checked_distance(b), b.wide_length() > Fx::MAX.into()), (None, true));
+    /// ```
+    #[doc(alias = "magnitude")]
+    #[must_use]
+    #[track_caller]
+    pub fn length(self) -> Fx {
+        fitting(self.checked_length(), "Vec2: the length does not fit")
+    }
+
+    /// The length; `None` if it does not fit. *Error* ½ ulp.
+    #[must_use]
+    pub fn checked_length(self) -> Option<Fx> {
+        self.x.checked_hypot(self.y)
+    }
+
+    /// The distance between two points. *Error* ½ ulp: the nearest value, and there are no ties.
+    ///
+    /// # Panics
+    /// When it does not fit; [`checked_distance`](Self::checked_distance) gives `None`.
+    #[must_use]
+    #[track_caller]
+    pub fn distance(self, other: Self) -> Fx {
+        fitting(self.checked_distance(other), "Vec2: the distance does not fit")
+    }
+
+    /// The distance between two points; `None` if it does not fit. *Error* ½ ulp.
+    #[must_use]
+    pub fn checked_distance(self, other: Self) -> Option<Fx> {
+        // A difference that does not fit is a distance that does not.
+        other.checked_sub(self)?.checked_length()
+    }
+
+    /// The vector of length 1 in this direction; `None` for the zero vector.
+    ///
+    /// *Domain* all. *Error* ½ ulp in each component: the nearest value, and there are no ties. *Source* the component over
+    /// the root of the exact sum of squares, settled against the exact square.
+    ///
+    /// ```
+    /// # use umbra_physics::{Fx, Vec2, fx, vec2};
+    /// let a: Vec2 = vec2(3, -4);
+    /// assert_eq!((a.normalize(), Vec2::ZERO.normalize()), (Some(vec2(fx!(0.6), fx!(-0.8))), None::<Vec2>));
+    /// assert_eq!((a.clamp_length(fx!(10)), a.clamp_length(fx!(1))), (a, vec2(fx!(0.6), fx!(-0.8))));
+    /// ```
+    #[must_use]
+    pub fn normalize(self) -> Option<Self> {
+        (self != Self::default()).then(|| self.of_length(Fx::ONE))
+    }
+
+    /// The vector itself, or shortened to the length `most` if it is longer.
+    ///
+    /// *Domain* most ≥ 0. *Error* ½ ulp in each component: the nearest value, and there are no ties. Rounding may leave a
+    /// shortened vector up to √½ ulp longer than `most`.
+    ///
+    /// # Panics
+    /// When `most` is negative.
+    #[must_use]
+    #[track_caller]
+    pub fn clamp_length(self, most: Fx) -> Self {
+        assert!(most >= Fx::ZERO, "Vec2::clamp_length: a length is not negative");
+        let most_squared = u128::from(most.to_bits().unsigned_abs()).pow(2);
+        if self.squares() <= most_squared { self } else { self.of_length(most) }
+    }
+
+    /// x² + y², at most 2^127, in units of 2^-64.
+    fn squares(self) -> u128 {
+        let square = |c: Fx| u128::from(c.to_bits().unsigned_abs()).pow(2);
+        square(self.x) + square(self.y)
+    }
+
+    /// The vector of this length in this direction. *Domain* not the zero vector, length ≥ 0.
+    fn of_length(self, length: Fx) -> Self {
+        let squares = self.squares();
+        self.map(|c| {
+            let magnitude = over_root(c.to_bits().unsigned_abs(), length.to_bits().unsigned_abs(), squares) as i64;
+            // At most the length, which fits.
+            Fx::from_bits(if c < Fx::ZERO { -magnitude } else { magnitude })
+        })
+    }
+
+    /// The point between two: this one at t = 0, `other` at t = 1, and on the line through both elsewhere.
+    ///
+    /// *Error* ½ ulp in each component: x + (x' − x)·t exactly, rounded once, ties to even.
+    ///
+    /// # Panics
+    /// When a component does not fit, as it may for t outside [0, 1]; [`checked_lerp`](Self::checked_lerp) gives `None`.
+    ///
+    /// ```
+    /// # use umbra_physics::{Fx, Vec2, fx, vec2};
+    /// let (a, b): (Vec2, Vec2) = (vec2(1, Fx::MIN), vec2(2, Fx::MAX));
+    /// assert_eq!((a.lerp(b, fx!(0)), a.lerp(b, fx!(1)), a.lerp(b, Fx::HALF).x), (a, b, fx!(1.5)));
+    /// assert_eq!(a.checked_lerp(b, fx!(2)), None);
+    /// ```
+    #[must_use]
+    #[track_caller]
+    pub fn lerp(self, other: Self, t: Fx) -> Self {
+        fitting(self.checked_lerp(other, t), "Vec2: the point does not fit")
+    }
+
+    /// The point between two; `None` if a component does not fit. *Error* ½ ulp. See [`lerp`](Self::lerp).
+    #[must_use]
+    pub fn checked_lerp(self, other: Self, t: Fx) -> Option<Self> {
+        let component = |from: Fx, to: Fx| {
+            let way = i128::from(to.to_bits()) - i128::from(from.to_bits());
+            // Below 2^64 times at most 2^63. A sum beyond 2^127 is beyond 2^31 m as well.
+            let passed = way * i128::from(t.to_bits());
+            narrow(shr_round(passed.checked_add(i128::from(from.to_bits()) << 32)?, 32))
+        };
+        Some(Self { x: component(self.x, other.x)?, y: component(self.y, other.y)? })
+    }
+
+    /// The smaller of each component.
+    ///
+    /// ```
+    /// # use umbra_physics::{Fx, Vec2, vec2};
+    /// let (a, b): (Vec2, Vec2) = (vec2(1, -5), vec2(2, 4));
+    /// assert_eq!((a.min(b), a.max(b), a.abs()), (vec2(1, -5), vec2(2, 4), vec2(1, 5)));
+    /// assert_eq!(vec2(0, Fx::MIN).checked_abs(), None);
+    /// ```
+    #[must_use]
+    pub fn min(self, other: Self) -> Self {
+        Self { x: self.x.min(other.x), y: self.y.min(other.y) }
+    }
+
+    /// The larger of each component.
+    #[must_use]
+    pub fn max(self, other: Self) -> Self {
+        Self { x: self.x.max(other.x), y: self.y.max(other.y) }
+    }
+
+    /// The magnitude of each component.
+    ///
+    /// # Panics
+    /// When a component is [`Fx::MIN`]; [`checked_abs`](Self::checked_abs) gives `None`.
+    #[must_use]
+    #[track_caller]
+    pub fn abs(self) -> Self {
+        fitting(self.checked_abs(), "Vec2: the magnitude does not fit")
+    }
+
+    /// The magnitude of each component; `None` if one is [`Fx::MIN`].
+    #[must_use]
+    pub fn checked_abs(self) -> Option<Self> {
+        self.try_map(Fx::checked_abs)
+    }
+
+    /// The sum; `None` if a component does not fit.
+    ///
+    /// ```
+    /// # use umbra_physics::{Fx, Vec2, fx, vec2};
+    /// let (a, b): (Vec2, Vec2) = (vec2(1, 2), vec2(Fx::MAX, 0));
+    /// assert_eq!((a.checked_add(b), b.checked_sub(-a), a.checked_add(a)), (None, None, Some(vec2(2, 4))));
+    /// assert_eq!((b.checked_scale(fx!(2)), a.checked_div(fx!(0)), a.checked_div(fx!(2))), (None, None, Some(vec2(fx!(0.5), 1))));
+    /// ```
+    #[must_use]
+    pub fn checked_add(self, other: Self) -> Option<Self> {
+        Some(Self { x: self.x.checked_add(other.x)?, y: self.y.checked_add(other.y)? })
+    }
+
+    /// The difference; `None` if a component does not fit.
+    #[must_use]
+    pub fn checked_sub(self, other: Self) -> Option<Self> {
+        Some(Self { x: self.x.checked_sub(other.x)?, y: self.y.checked_sub(other.y)? })
+    }
+
+    /// Each component over `divisor`; `None` if one does not fit or `divisor` is zero. *Error* ½ ulp.
+    #[must_use]
+    pub fn checked_div(self, divisor: Fx) -> Option<Self> {
+        self.try_map(|c| c.checked_div(divisor))
+    }
+}
+
+impl Mul<Vec2> for Rot {
+    type Output = Vec2;
+
+    /// The vector turned. *Error* ½ ulp, and half an ulp of sine and cosine times the length.
+    ///
+    /// # Panics
+    /// When a component does not fit; [`Rot::checked_rotate`] gives `None`.
+    #[track_caller]
+    fn mul(self, v: Vec2) -> Vec2 {
+        let turned = || {
+            let x = difference_of_products(self.cos, v.x, self.sin, v.y)?;
+            Some(Vec2 { x, y: sum_of_products(self.sin, v.x, self.cos, v.y)? })
+        };
+        fitting(turned(), "Rot: the turned vector does not fit")
+    }
+}
+
+impl core::iter::Sum for Vec2 {
+    /// The sum, exactly, whatever the order of the terms.
+    ///
+    /// # Panics
+    /// When the total does not fit.
+    #[track_caller]
+    fn sum<I: Iterator<Item = Self>>(vectors: I) -> Self {
+        // 2^64 terms of at most 2^63 would leave i128.
+        let add = |(x, y): (i128, i128), v: Self| (x + i128::from(v.x.to_bits()), y + i128::from(v.y.to_bits()));
+        let (x, y) = vectors.fold((0, 0), add);
+        let total = || Some(Self { x: narrow(x)?, y: narrow(y)? });
+        fitting(total(), "Vec2: the sum does not fit")
+    }
+}

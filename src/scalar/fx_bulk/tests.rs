@@ -1,0 +1,146 @@
+//! The loops against the operations on one value.
+
+use alloc::vec::Vec;
+use proptest::prelude::*;
+
+use super::super::motion::{Span, Weight};
+use super::super::simd::loops;
+use super::*;
+
+/// Velocities of every size, with the low words where roundings turn.
+fn accumulators() -> impl Strategy<Value = Vec<FxAccumulator>> {
+    let low = prop_oneof![any::<u64>(), Just(0), Just(1), Just(TIE - 1), Just(TIE), Just(TIE + 1), Just(u64::MAX)];
+    let high = (any::<i64>(), 6u32..64).prop_map(|(bits, cut)| bits >> cut);
+    let one = (high, low).prop_map(|(high, low)| FxAccumulator { high, low });
+    prop::collection::vec(one, 33)
+}
+
+fn factor(mantissa: u64, shift: i32) -> FxFactor {
+    FxFactor::new(u128::from(mantissa | TIE), shift)
+}
+
+/// Compares the results of all loops with those of one value at a time: all at once, few at a time, the loops for wide vectors.
+fn alike<T: Copy + PartialEq + core::fmt::Debug>(
+    values: &[T],
+    sweep: impl Fn(usize, &mut [T]),
+    loops: impl Fn(&mut [T]),
+    one: impl Fn(usize, T) -> T,
+) -> Result<(), TestCaseError> {
+    let expected: Vec<T> = values.iter().enumerate().map(|(i, v)| one(i, *v)).collect();
+    let (mut long, mut short, mut lanes) = (values.to_vec(), values.to_vec(), values.to_vec());
+    sweep(0, &mut long);
+    short.chunks_mut(5).enumerate().for_each(|(k, few)| sweep(5 * k, few));
+    loops(&mut lanes);
+    prop_assert_eq!(&long, &expected, "all at once");
+    prop_assert_eq!(&short, &expected, "few at a time");
+    prop_assert_eq!(&lanes, &expected, "lanes");
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(512))]
+
+    #[test]
+    fn damping_many_is_damping_each(values in accumulators(), mantissa: u64, close in 0u32..64) {
+        // Factors near 1 as well.
+        let kept = factor(!(!mantissa >> close), 64);
+        alike(
+            &values,
+            |_, v| damp(v, kept),
+            |v| loops::damp(v, kept.parts().0),
+            |_, v| v.shrunk(kept),
+        )?;
+    }
+
+    #[test]
+    fn damping_to_nearly_nothing_is_damping_each(values in accumulators(), mantissa: u64, shift in 65i32..200) {
+        let kept = factor(mantissa, shift);
+        alike(&values, |_, v| damp(v, kept), |v| damp(v, kept), |_, v| v.shrunk(kept))?;
+    }
+
+    #[test]
+    fn kicking_many_is_kicking_each(values in accumulators(), gained in accumulators()) {
+        let gained = gained[0];
+        alike(&values, |_, v| kick(v, gained), |v| loops::kick(v, gained), |_, v| v.plus(gained))?;
+    }
+
+    #[test]
+    fn moving_many_is_moving_each(
+        positions in accumulators(),
+        velocities in accumulators(),
+        angles in prop::collection::vec(any::<u64>(), 33),
+        (num, den) in (1u32..=10_000).prop_flat_map(|den| (1..=den, Just(den))),
+        weight in prop_oneof![Just(Weight::Whole), Just(Weight::YoshidaOuter), Just(Weight::YoshidaInner)],
+        half: bool,
+    ) {
+        let span = Span { ratio: (num, den), weight, half };
+        let (seconds, negative) = (Fx::seconds(span), span.is_negative());
+        let (mantissa, shift) = seconds.parts();
+        let backwards = mask(negative);
+        alike(
+            &positions,
+            |at, x| drift(x, &velocities[at..at + x.len()], seconds, negative),
+            |x| match shift - 64 {
+                shift @ 1.. => loops::drift(x, &velocities, mantissa, shift as u32, backwards),
+                _ => drift(x, &velocities, seconds, negative),
+            },
+            |at, x| {
+                let way = velocities[at].value().drift(seconds);
+                x.plus(if negative { way.negated() } else { way })
+            },
+        )?;
+        let angles: Vec<Turn> = angles.into_iter().map(Turn::from_bits).collect();
+        let per_turn = Turn::drift_factor(span);
+        let (mantissa, shift) = per_turn.parts();
+        alike(
+            &angles,
+            |at, angle| turn(angle, &velocities[at..at + angle.len()], per_turn, negative),
+            |angle| loops::turn(angle, &velocities, mantissa, shift as u32 - 32, backwards),
+            |at, angle| angle.drifted(velocities[at].value(), per_turn, negative),
+        )?;
+    }
+
+    #[test]
+    fn all_at_once_is_stage_by_stage(
+        positions in accumulators(),
+        velocities in accumulators(),
+        angles in prop::collection::vec(any::<u64>(), 33),
+        gravity_delta_v in prop_oneof![Just(FxAccumulator::default()), accumulators().prop_map(|v| v[0])],
+        kept in prop_oneof![
+            Just(FxFactor::ONE),
+            any::<u64>().prop_map(|m| factor(!(!m >> 8), 64)),
+            (any::<u64>(), 65i32..140).prop_map(|(m, shift)| factor(m, shift)),
+            Just(FxFactor::ZERO),
+        ],
+        den in 1u32..=10_000,
+        negative: bool,
+    ) {
+        let step = Span { ratio: (1, den), weight: Weight::Whole, half: false };
+        let span = KickDriftKick { kept, gravity_delta_v, seconds: Fx::seconds(step), negative };
+        let turn_span = DampedTurn { kept, turn: Turn::drift_factor(step), negative };
+        let angles: Vec<Turn> = angles.into_iter().map(Turn::from_bits).collect();
+        let start = (positions, velocities.clone(), angles, velocities);
+        let (mut one, mut many, mut few) = (start.clone(), start.clone(), start);
+        kick_drift_kick_in_stages(&mut one.0, &mut one.1, &span);
+        damped_turn_in_stages(&mut one.2, &mut one.3, &turn_span);
+        kick_drift_kick(&mut many.0, &mut many.1, &span);
+        damped_turn(&mut many.2, &mut many.3, &turn_span);
+        // Too few for wide vectors.
+        few.0.chunks_mut(7).zip(few.1.chunks_mut(7)).for_each(|(x, v)| kick_drift_kick(x, v, &span));
+        few.2.chunks_mut(7).zip(few.3.chunks_mut(7)).for_each(|(x, v)| damped_turn(x, v, &turn_span));
+        prop_assert_eq!(&many, &one, "many");
+        prop_assert_eq!(&few, &one, "few");
+    }
+
+    #[test]
+    fn what_is_said_to_be_within_is(values in accumulators(), log2 in 0u32..31) {
+        let limit = Fx::from_bits(1 << (32 + log2));
+        if are_within(&values, log2) {
+            prop_assert!(values.iter().all(|v| v.is_within(limit)));
+        } else {
+            // Refused at the limit itself or beyond.
+            let smaller = FxAccumulator { high: limit.to_bits() - 1, low: u64::MAX };
+            prop_assert!(values.iter().any(|v| *v > smaller || v.negated() >= smaller));
+        }
+    }
+}
