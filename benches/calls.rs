@@ -1,4 +1,4 @@
-//! What a kilobyte of commands costs at worst, in steps of the world that it is sent to, by counting instructions under
+//! Cost of a kilobyte of commands at worst, in steps of the world that it is sent to, by counting instructions under
 //! callgrind.
 //!
 //! `cargo bench -p umbra-physics --bench calls -- check` counts those of `benches/scenes/hostile.rs`, a line each: whether their cost is constant,
@@ -41,7 +41,7 @@ const KILOBYTE: usize = 1024;
 const MOST_STEPS: u64 = 10;
 /// Candidates of a generation.
 const GENERATION: usize = 16;
-/// How many commands a candidate of the search repeats.
+/// Number of commands that a candidate of the search repeats.
 const PATTERN: usize = 6;
 
 /// The function whose calls are counted.
@@ -74,10 +74,10 @@ fn measure(mut calm: World, mut world: World, inputs: &Inputs) {
     counted(|| _ = world.step());
 }
 
-/// How often [`measure`] counts.
+/// Number of times [`measure`] counts.
 const COUNTS: usize = 4;
 
-/// What [`measure`] counts.
+/// Things that [`measure`] counts.
 #[derive(Clone, Copy, Debug)]
 struct Counts {
     step: u64,
@@ -92,8 +92,8 @@ impl Counts {
         counts.chunks_exact(COUNTS).map(of).collect()
     }
 
-    /// How many steps the calls cost and what they leave the next step to do. What they add to the world for good, such as a
-    /// force field that acts on all bodies, is a part of its step.
+    /// Cost of the calls and of the work they leave to the next step, in steps. Things they add for good, such as a
+    /// force field that acts on all bodies, are part of its step.
     fn steps(&self) -> f64 {
         let once = self.calls + self.step_after.saturating_sub(self.next_step);
         once as f64 / self.step.max(self.next_step) as f64
@@ -102,7 +102,7 @@ impl Counts {
 
 /// Bodies of the worlds that the kilobytes are sent to.
 const SIZES: [usize; 2] = [1_000, 4_000];
-/// How many things the growing calls name.
+/// Number of things that the growing calls name.
 const GROWN: [usize; 2] = [4_000, 16_000];
 
 fn check(folder: &Path) {
@@ -121,7 +121,7 @@ fn check(folder: &Path) {
     }
 }
 
-/// What [`check`] counts.
+/// Runs everything that [`check`] counts.
 fn measure_all() {
     for hostile in Hostile::ALL {
         for size in SIZES {

@@ -21,7 +21,7 @@ mod work;
 use scenes::Scene;
 use work::Busy;
 
-/// How many steps a measurement counts, and values the arithmetic.
+/// Number of steps that a measurement counts, and of values for the arithmetic.
 const STEPS: usize = 4;
 const VALUES: usize = 1_000;
 
@@ -31,7 +31,7 @@ const BRANCHES: [&str; 2] = ["--cache-sim=no", "--branch-sim=yes"];
 /// The caches of no machine in particular. The last one holds 2,000 bodies and not 100,000.
 const CACHES: [&str; 4] = ["--cache-sim=yes", "--I1=32768,8,64", "--D1=32768,8,64", "--LL=1048576,16,64"];
 
-/// All that is counted of a step.
+/// Parts of a step that are counted.
 #[inline(never)]
 fn one_step<S: Scalar>(world: &mut World<S>) {
     black_box(world).step();

@@ -93,7 +93,7 @@ sizes! {
     hash_100k: hash(100_000);
 }
 
-/// How far a rollback goes back.
+/// Number of ticks that a rollback goes back.
 const BACK: u64 = 8;
 
 /// A world and its last ticks, without inputs.
@@ -176,7 +176,7 @@ ways! {
     step_net_1k: scenes::net(40, 25);
 }
 
-/// So many ticks are measured at once, that a hash every so often is in each sample.
+/// Number of ticks measured at once, so that each sample contains the occasional hash.
 const TICKS: u32 = 16;
 
 /// A player who pushes the last body.

@@ -20,7 +20,7 @@ mod counting;
 
 use work::{BYTES, Busy, Genes, KINDS};
 
-/// As in `benches/instructions.rs`: steps that are counted, after a first one.
+/// Number of steps counted after a first one, as in `benches/instructions.rs`.
 const STEPS: usize = 4;
 /// Scenes of a generation.
 const GENERATION: usize = 24;
@@ -30,7 +30,7 @@ fn counted_step(scene: &mut Busy) {
     std::hint::black_box(&mut scene.world).step();
 }
 
-/// What runs under callgrind: the scenes in a file, a line each.
+/// The part that runs under callgrind: the scenes in a file, a line each.
 fn measure(path: &str) {
     for line in fs::read_to_string(path).expect("a file of scenes").lines() {
         let mut scene = Busy::new(&work::genes(line).expect("a scene in a line"));

@@ -1,4 +1,4 @@
-//! A stone falls from a kilometre, at 60 ticks a second, and is where the formula says at every second: to the bit.
+//! A stone falls from a kilometre at 60 ticks a second. At every second its position equals the formula to the bit.
 //!
 //! ```sh
 //! cargo run --release --example hello
@@ -22,7 +22,7 @@ fn main() -> Result<(), Error> {
         let look = world.body(stone)?;
         let (height, velocity) = (look.position().y, look.velocity().y);
         println!("{second:>2}  {height:<38}  {velocity}");
-        // The formula, of the same g: of 9.81 as far as 32 bits after the point go. Its products fit in them.
+        // The formula, with the same g: 9.81 rounded to 32 fraction bits. Its products fit in them.
         let s = Fx::from(second);
         assert_eq!(height, HEIGHT + GRAVITY * Fx::HALF * s * s);
         assert_eq!(velocity, GRAVITY * s);

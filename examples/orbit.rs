@@ -1,4 +1,4 @@
-//! Aim lines: where a ship will be, without stepping the world, and what it would come to after a burn.
+//! Aim lines: the future path of a ship without stepping the world, and its path after a burn.
 //!
 //! ```sh
 //! cargo run --release --example orbit
@@ -12,11 +12,11 @@ use umbra_physics::{BodyDef, BodyId, End, Error, FieldKind, Preview, Vec2, World
 use grid::Grid;
 
 const TICKS: usize = 360;
-/// Characters to a map: two a metre from left to right, one from top to bottom.
+/// Characters on the map: two per metre from left to right, one from top to bottom.
 const WIDTH: i64 = 76;
 const HEIGHT: i64 = 28;
 
-/// The impulse of a burn, N·s: along the way the ship goes, which has 1 kg.
+/// The impulse of a burn, N·s, in the direction of flight of the ship, whose mass is 1 kg.
 fn burn() -> Vec2 {
     vec2(0, fx!(0.9))
 }
@@ -24,7 +24,7 @@ fn burn() -> Vec2 {
 fn main() -> Result<(), Error> {
     let (mut world, ship) = sky()?;
 
-    // Each line is of a small world of its own: the ship and the star's pull. The hundred rocks are not in it.
+    // Each line is computed in a small world of its own: the ship and the star's pull, without the hundred rocks.
     let mut coast = world.preview(ship)?;
     let mut burnt = world.preview(ship)?;
     let there = burnt.id();
@@ -33,7 +33,7 @@ fn main() -> Result<(), Error> {
     let (coast, burnt) = (line(&mut coast)?, line(&mut burnt)?);
     draw(&world, &coast, &burnt);
 
-    // The player burns; the world goes where the line went, bit by bit.
+    // The player burns; the world follows the line, bit by bit.
     world.apply_impulse(ship, burn())?;
     for at in &burnt {
         world.step();

@@ -1,7 +1,7 @@
-//! A match is recorded and verified. Then it is tampered with in three ways, and each time the tick is named.
+//! A match is recorded and verified. Then it is tampered with in three ways, and each time the change is found.
 //!
 //! ```sh
-//! cargo run --release --example record              # the replay goes into a folder for what is temporary
+//! cargo run --release --example record              # writes the replay to a temporary folder
 //! cargo run --release --example record -- FILE      # or into a file, for `umbra verify FILE` and `umbra view FILE`
 //! ```
 
@@ -22,15 +22,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     replay.verify()?;
     println!("{}: {} bytes, {} ticks, as recorded", file.display(), honest.len(), replay.end());
 
-    // A bit is changed in the file: each part of it has a seal, by which the value is found and what it was.
+    // A bit is changed in the file: each part of it has a checksum, which locates the value that was changed.
     let mut changed = honest.clone();
     let middle = changed.len() / 2;
     changed[middle] ^= 1;
     let Err(ReplayError::Tampered(found)) = Replay::from_bytes(&changed, &[]) else { return Err("unnoticed".into()) };
     println!("a bit changed in the file:   {found}");
 
-    // A player puts the ship aside by an ulp, past the recorder. The file is sound, but what it says was done does not
-    // lead to the hashes that it says came of it.
+    // A player moves the ship by an ulp, bypassing the recorder. The file is intact, but its inputs do not
+    // lead to its hashes.
     const CHEATED: u64 = 123;
     let cheat = play(|world, ship| {
         if world.tick() != CHEATED {
@@ -43,7 +43,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("an ulp past the recorder:    {divergence}");
     assert_eq!(divergence.tick, CHEATED + 1); // the first hash with the ulp in it
 
-    // The game goes down, or the file is cut: what is whole of it can be played.
+    // The game crashes, or the file is cut off: the intact part can be played.
     let part = &honest[..middle];
     let Err(ReplayError::CutOff { tick }) = Replay::from_bytes(part, &[]) else { return Err("unnoticed".into()) };
     let recovered = Replay::recovered(part, &[])?;
@@ -53,13 +53,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// A match of one ship that is pushed about, and what else happens before each tick; the file of it.
+/// A match of one ship that is pushed about, with further changes before each tick; returns the file.
 fn play(
     mut meddle: impl FnMut(&mut World, BodyId) -> Result<(), umbra_physics::Error>,
 ) -> Result<Vec<u8>, umbra_physics::Error> {
     let mut world: World = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() })?;
     let ship = world.add_body(BodyDef::dynamic())?;
-    // A snapshot a second: where a run goes another way, the next one tells in what.
+    // A snapshot a second: after a divergence the next one names the value that differs.
     let mut recorder = Recorder::new(&world, RecordOptions { snapshot_every: 60, ..RecordOptions::default() });
     for tick in 0..TICKS {
         meddle(&mut world, ship)?;

@@ -34,8 +34,8 @@ fn main() -> Result<(), Error> {
             world.step();
         }
         print(second, &world)?;
-        // It wavers with the stretch and does not drift: by less than a ten thousandth of the 13.3 J between here and where
-        // the rope hangs straight.
+        // The energy varies with the stretch and does not drift: by less than a ten thousandth of the 13.3 J between here and
+        // the rope hanging straight.
         assert!((world.energy()?.to_bits() - energy.to_bits()).abs() < (13 << 64) / 10_000);
     }
 
@@ -52,7 +52,7 @@ fn rope() -> Result<(World, Vec<BodyId>), Error> {
     let mut world: World = World::new(WorldDef {
         time_step: TimeStep::hz(RATE),
         gravity: vec2(0, fx!(-9.81)),
-        // What falls asleep has lost what it had left: that could not be undone.
+        // Falling asleep cannot be undone, so sleeping is off.
         sleep_after: None,
         ..WorldDef::default()
     })?;

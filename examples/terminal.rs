@@ -1,8 +1,8 @@
-//! Lanterns on a chain, in gusts of wind, drawn in the terminal in real time: 60 ticks a second, integers alone.
+//! Lanterns on a chain, in gusts of wind, drawn in the terminal in real time: 60 ticks a second, integers only.
 //!
 //! ```sh
 //! cargo run --release --example terminal                  # ten seconds
-//! cargo run --release --example terminal -- --frames 60   # or so many frames
+//! cargo run --release --example terminal -- --frames 60   # or a number of frames
 //! ```
 
 #[path = "shared/grid.rs"]
@@ -21,7 +21,7 @@ use umbra_physics::{
 use grid::Grid;
 
 const RATE: u32 = 60;
-/// A frame makes up for so many ticks at most: a terminal that stood still for longer has lost the rest.
+/// Largest number of ticks per frame: time beyond it is dropped after the terminal stood still.
 const MOST_TICKS: u32 = 6;
 
 /// Characters: four to a metre from left to right, two from top to bottom.
@@ -57,7 +57,7 @@ fn play(frames: u64) -> Result<(), Box<dyn std::error::Error>> {
     let (start, mut seen, mut lost) = (Instant::now(), 0, 0);
     print!("\x1b[2J"); // an empty screen
     for _ in 0..frames {
-        // In whole nanoseconds: no error adds up, and the clock reaches no state.
+        // In whole nanoseconds: no error accumulates, and the clock never enters the state.
         let now = start.elapsed().as_nanos() as u64;
         let due = step_clock.frame(now - seen);
         seen = now;
@@ -115,7 +115,7 @@ fn air(wind: Vec2) -> FieldKind {
     FieldKind::Drag { linear: fx!(0.15), quadratic: fx!(0), wind }
 }
 
-/// Another wind every second. Its numbers come from the world, so that a copy of the world has the same weather.
+/// Changes the wind every second. Its numbers come from the world, so that a copy of the world has the same weather.
 fn blow(world: &mut World, wind: FieldId) -> Result<(), Error> {
     if world.tick() % u64::from(RATE) == 0 {
         let speed = world.random_mut().number(fx!(-12)..=fx!(12));

@@ -1,5 +1,5 @@
-//! A lander with two engines bolted to it, each pushing along its own axis wherever the hull points. It is thrown off its
-//! way, straightens itself up, and comes down on its pad.
+//! A lander with two engines, each pushing along its own axis wherever the hull points. It is thrown off its
+//! course, straightens itself, and lands on its pad.
 //!
 //! ```sh
 //! cargo run --release --example thrusters
@@ -13,7 +13,7 @@ use umbra_physics::{
 const MOON: Fx = fx!(-1.62); // m/s²
 const MASS: Fx = fx!(100); // kg
 const MOST: Fx = fx!(200); // N, of an engine
-/// Where the engines are, m from the centre of mass: right and left, at the foot.
+/// Positions of the engines, m from the centre of mass: right and left, at the foot.
 const ARM: Fx = fx!(0.75);
 const FOOT: Fx = fx!(0.5);
 
@@ -27,7 +27,7 @@ fn main() -> Result<(), Error> {
         ..BodyDef::dynamic()
     })?;
     let mut engines = [world.add_field(engine(hull, -ARM, Fx::ZERO))?, world.add_field(engine(hull, ARM, Fx::ZERO))?];
-    // The bolt that held its right side fires late: 40 N·s, along the body's own axes and at a point of its own.
+    // The right side gets an impulse of 40 N·s, along the body's own axes and at a point of its own.
     let bolt = ForceOrImpulse::Impulse { impulse: vec2(0, 40), point: Some(vec2(ARM, 0)) };
     world.apply(hull, bolt, ApplyOptions::BODY)?;
 
@@ -61,17 +61,17 @@ fn throttle(world: &mut World, hull: BodyId, engines: &mut [FieldId; 2], thrust:
     Ok(())
 }
 
-/// How far it is turned to the left, rad in (−π, π]: the angle of a body is in [0, 2π).
+/// Tilt to the left, rad in (−π, π]: the angle of a body is in [0, 2π).
 fn tilt(look: &BodyRef) -> Fx {
     let angle = look.angle();
     if angle > Fx::PI { angle - Fx::TAU } else { angle }
 }
 
-/// What the left and the right engine are to give, N.
+/// Forces of the left and the right engine, N.
 fn pilot(look: &BodyRef) -> [Fx; 2] {
     let clamp = |value: Fx, most: Fx| value.clamp(-most, most);
     let (Vec2 { x, y }, Vec2 { x: vx, y: vy }) = (look.position(), look.velocity());
-    // Down the slower the nearer it is; the tilt that takes it over the pad; the turning that brings about that tilt.
+    // The descent rate falls with height; the tilt steers over the pad; the turning rate reaches that tilt.
     let wanted = -(fx!(0.5) + fx!(0.1) * y);
     let lift = MASS * (fx!(2) * (wanted - vy) - MOON);
     let lean = clamp(fx!(0.05) * x + fx!(0.2) * vx, fx!(0.4));

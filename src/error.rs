@@ -1,16 +1,16 @@
-//! What can be refused, and why.
+//! Reasons why a call is refused, and faults of bodies in a step.
 
 use core::fmt;
 
 use crate::slots::{BodyId, FieldId};
 
-/// Gives an error its numbers, one a variant: those of a new variant are taken from no other, and a number, once given,
-/// stays. A variant that is not in the list does not compile. `docs/errors.md` has them all.
+/// Gives an error its numbers, one per variant. A number is never changed and never reused. A variant that is not in the list
+/// does not compile. `docs/errors.md` lists all numbers.
 macro_rules! codes {
     ($type:ident { $($variant:ident = $code:literal),* $(,)? }) => {
         impl $type {
-            /// The number by which `docs/errors.md` has it: the same in every version, and no other error's. What it was
-            /// caused by ([`source`](core::error::Error::source)) has one of its own.
+            /// The number of the error in `docs/errors.md`: unique, and the same in every version. Its cause
+            /// ([`source`](core::error::Error::source)) has a number of its own.
             #[must_use]
             pub const fn code(&self) -> u16 {
                 match self {
@@ -21,7 +21,7 @@ macro_rules! codes {
     };
     ($type:ident = $code:literal) => {
         impl $type {
-            /// The number by which `docs/errors.md` has it: the same in every version, and no other error's.
+            /// The number of the error in `docs/errors.md`: unique, and the same in every version.
             #[must_use]
             pub const fn code(&self) -> u16 {
                 $code
@@ -32,7 +32,7 @@ macro_rules! codes {
 
 pub(crate) use codes;
 
-/// Why a call was refused. The world is as it was before the call.
+/// Reason why a call was refused. The world is unchanged by a refused call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 #[cfg_attr(
@@ -43,7 +43,7 @@ pub(crate) use codes;
 pub enum Error {
     /// A value is outside the range that [`limits`](crate::limits) gives for its kind.
     OutOfRange {
-        /// What the value is.
+        /// Kind of the value.
         quantity: Quantity,
     },
     /// The handle names no body: it was removed, or never in this world.
@@ -60,7 +60,7 @@ pub enum Error {
     TimeStep,
     /// A polygon's corner is not convex, or repeats its neighbour.
     NotConvex {
-        /// Its index in the list given.
+        /// Index of the corner in the given list.
         corner: usize,
     },
     /// A mass from a density, or a moment of inertia, was asked of a body without a shape.
@@ -85,39 +85,39 @@ pub enum Error {
         /// The body.
         body: BodyId,
     },
-    /// `Yoshida4` runs its middle sub-step backwards, which a damping of 0 (nothing left after a step) has no way back from.
+    /// `Yoshida4` runs its middle sub-step backwards, which is impossible with a damping of 0 (nothing left after a step).
     DampingHasNoInverse,
     /// Both ends of a spring are attached to the same body.
     SameBody {
         /// The body.
         body: BodyId,
     },
-    /// No law of force with this id is registered, or one is already.
+    /// No custom force with this id is registered, or one is registered already.
     CustomForce {
         /// The id.
         id: u64,
     },
-    /// The world holds as many of them as it can.
+    /// The world already has the maximum number of bodies or force fields, 2^24 each.
     Full,
-    /// The elapsed time is no longer a ratio of 128-bit integers: too many different time steps were used.
+    /// The elapsed time no longer fits in a ratio of 128-bit integers: too many different time steps or speeds were used.
     ElapsedTime,
-    /// A snapshot says things of a world that cannot be so together.
+    /// The parts of a snapshot contradict each other.
     Inconsistent,
-    /// A tick has an input of this player and sequence already.
+    /// The tick already has an input of this player and sequence.
     DuplicateInput {
         /// The player.
         player: u32,
         /// The sequence.
         sequence: u32,
     },
-    /// A history does not go back so far.
+    /// The history does not go back to this tick.
     TickForgotten {
         /// The tick that was asked for.
         tick: u64,
-        /// The oldest that is kept.
+        /// The oldest tick that is kept.
         oldest: u64,
     },
-    /// A history has not come so far.
+    /// The history has not reached this tick yet.
     TickToCome {
         /// The tick that was asked for.
         tick: u64,
@@ -126,12 +126,12 @@ pub enum Error {
     },
     /// The last step cannot be undone.
     NotReversible {
-        /// Why not.
+        /// The reason.
         why: Irreversible,
     },
     /// The body is locked along an axis of a velocity.
     Locked {
-        /// Which velocity: linear or angular.
+        /// The velocity: linear or angular.
         quantity: Quantity,
     },
     /// The body is disabled: enable it first.
@@ -151,7 +151,7 @@ pub enum Error {
     },
 }
 
-/// Why a step cannot be undone.
+/// Reason why a step cannot be undone.
 ///
 /// ```
 /// use umbra_physics::{Error, Irreversible, World, WorldDef, fx};
@@ -170,42 +170,42 @@ pub enum Error {
 )]
 #[non_exhaustive]
 pub enum Irreversible {
-    /// The sums of the world's scalar round, as those of floats do.
+    /// The world's scalar is a float type, whose sums round.
     Scalar,
     /// The integrator has no inverse: [`Integrator::inverse`](crate::Integrator::inverse).
     Integrator,
-    /// The world is at tick 0.
+    /// The world is at tick 0: no step has been taken yet.
     Start,
-    /// The time step was changed at this tick: the elapsed time counts from here.
+    /// The time step was changed at this tick, and the one before is no longer known.
     TimeStep,
-    /// Sleeping is on: for how long a body was at rest is not known.
+    /// Sleeping is on: the number of ticks a body was at rest before is not known.
     Sleep,
-    /// A body is damped: what a damping rounds away is gone.
+    /// A body is damped: the bits that damping rounds away are lost.
     Damping,
-    /// The force of a field depends on the velocity: a drag, a spring with a damper, a law of force that says so.
+    /// The force of a field depends on the velocity: drag, a spring with a damper, or a custom force that says so.
     Velocity {
         /// The field.
         field: FieldId,
     },
-    /// A body is quarantined: how far it came in its last step is not known.
+    /// A body is quarantined: its motion in the last step is not known.
     Quarantined {
         /// The body.
         body: BodyId,
     },
-    /// Forces were applied since, for the step to come; [`clear_forces`](crate::World::clear_forces) takes them back.
+    /// Forces were applied for the next step; [`clear_forces`](crate::World::clear_forces) takes them back.
     Pending,
-    /// What was applied to a body is given twice.
+    /// The list of applied forces names a body twice.
     Twice {
         /// The body.
         body: BodyId,
     },
-    /// On the way back a body would leave the envelope, or a force does not fit: no step led here.
+    /// A body would leave the allowed range on the way back, or a force does not fit: no step led to this state.
     Fault(Fault),
-    /// The speed of a dynamic body is capped: how fast it was before the cap is not known.
+    /// The speed of a dynamic body is limited: its speed before the limit was applied is not known.
     Capped,
-    /// A kinematic body reached a goal in the last step, or stopped there, or has one for the step to come.
+    /// A kinematic body reached a target in the last step, or stopped there, or has a target for the next step.
     Moved,
-    /// The world is at the [last tick](crate::limits::TICK): how many steps were made there is not counted.
+    /// The world is at the [last tick](crate::limits::TICK), where steps are no longer counted.
     End,
 }
 
@@ -238,25 +238,25 @@ impl core::error::Error for Irreversible {
 impl fmt::Display for Irreversible {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Scalar => f.write_str("sums of floats round"),
+            Self::Scalar => f.write_str("the world computes in floats, whose sums round"),
             Self::Integrator => f.write_str("the integrator has no inverse"),
-            Self::Start => f.write_str("none was made"),
+            Self::Start => f.write_str("no step has been taken yet"),
             Self::TimeStep => f.write_str("the time step was changed at this tick"),
-            Self::Sleep => f.write_str("sleeping is on"),
+            Self::Sleep => f.write_str("sleeping is on: set sleep_after to None"),
             Self::Damping => f.write_str("a body is damped"),
             Self::Velocity { field } => write!(f, "the force of {field} depends on the velocity"),
             Self::Quarantined { body } => write!(f, "{body} is quarantined"),
-            Self::Pending => f.write_str("forces were applied since"),
-            Self::Twice { body } => write!(f, "what was applied to {body} is given twice"),
-            Self::Fault(fault) => write!(f, "on the way back {fault}"),
-            Self::Capped => f.write_str("the speed of a body is capped"),
-            Self::Moved => f.write_str("a body was moved to a goal, or stopped there"),
+            Self::Pending => f.write_str("forces were applied for the next step: clear them first"),
+            Self::Twice { body } => write!(f, "the list of applied forces names {body} twice"),
+            Self::Fault(fault) => write!(f, "on the way back {} is out of range: {}", fault.body, fault.cause),
+            Self::Capped => f.write_str("the speed of a body is limited"),
+            Self::Moved => f.write_str("a kinematic body was moved to a target, or stopped there"),
             Self::End => f.write_str("the world is at the last tick, 2^63"),
         }
     }
 }
 
-/// What a value that was refused is.
+/// Kind of a value that was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 #[cfg_attr(
@@ -269,9 +269,9 @@ pub enum Quantity {
     Position,
     /// An angle.
     Angle,
-    /// A velocity, or what it would become.
+    /// A velocity, or the velocity that a call would lead to.
     Velocity,
-    /// An angular velocity, or what it would become.
+    /// An angular velocity, or the one that a call would lead to.
     AngularVelocity,
     /// A mass.
     Mass,
@@ -293,7 +293,7 @@ pub enum Quantity {
     Gravity,
     /// A gravity scale.
     GravityScale,
-    /// A damping: what is left of a velocity after a second, 0 to 1.
+    /// A damping: the fraction of a velocity left after a second, 0 to 1.
     Damping,
     /// A gravitational parameter.
     Mu,
@@ -318,7 +318,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// Its name and range as a message gives them.
+    /// Name and range of the quantity, for messages.
     const fn range(self) -> &'static str {
         match self {
             Self::Position => "position within ±2^30 m",
@@ -397,19 +397,29 @@ impl fmt::Display for Error {
             Self::NoShape => f.write_str("a density needs a shape"),
             Self::NotDynamic { body } => write!(f, "{body} is not dynamic"),
             Self::NotMovable { body } => write!(f, "{body} is static and has no velocity"),
-            Self::Quarantined { body } => write!(f, "{body} is quarantined"),
+            Self::Quarantined { body } => write!(f, "{body} is quarantined: release it first"),
             Self::NotQuarantined { body } => write!(f, "{body} is not quarantined"),
-            Self::DampingHasNoInverse => f.write_str("Yoshida4 cannot go with a damping of 0"),
-            Self::SameBody { body } => write!(f, "both ends are attached to {body}"),
-            Self::CustomForce { id } => write!(f, "force law {id:#x} is not registered, or registered twice"),
-            Self::Full => f.write_str("the world holds no more of these"),
-            Self::Inconsistent => f.write_str("the parts of the snapshot do not fit together"),
-            Self::ElapsedTime => f.write_str("the elapsed time is no longer a ratio of 128-bit integers"),
-            Self::DuplicateInput { player, sequence } => write!(f, "player {player} has an input {sequence} already"),
-            Self::TickForgotten { tick, oldest } => write!(f, "tick {tick} is forgotten: the oldest kept is {oldest}"),
-            Self::TickToCome { tick, present } => write!(f, "tick {tick} is still to come: it is tick {present}"),
+            Self::DampingHasNoInverse => f.write_str("Yoshida4 needs a damping above 0"),
+            Self::SameBody { body } => write!(f, "both ends of the spring are attached to {body}"),
+            Self::CustomForce { id } => write!(f, "custom force {id:#x} is not registered, or is registered already"),
+            Self::Full => {
+                f.write_str("the world already has the maximum number of bodies or force fields (16,777,216 each)")
+            },
+            Self::Inconsistent => f.write_str("the parts of the snapshot contradict each other"),
+            Self::ElapsedTime => f.write_str(
+                "the elapsed time no longer fits in a ratio of 128-bit integers: use fewer different time steps or speeds",
+            ),
+            Self::DuplicateInput { player, sequence } => {
+                write!(f, "player {player} already has an input with sequence {sequence} in this tick")
+            },
+            Self::TickForgotten { tick, oldest } => {
+                write!(f, "tick {tick} is no longer kept: the oldest is tick {oldest}")
+            },
+            Self::TickToCome { tick, present } => {
+                write!(f, "tick {tick} is in the future: the world is at tick {present}")
+            },
             Self::NotReversible { why } => write!(f, "the step cannot be undone: {why}"),
-            Self::Disabled { body } => write!(f, "{body} is disabled"),
+            Self::Disabled { body } => write!(f, "{body} is disabled: enable it first"),
             Self::NotDisabled { body } => write!(f, "{body} is not disabled"),
             Self::NotKinematic { body } => write!(f, "{body} is not kinematic"),
             Self::Locked { quantity: Quantity::AngularVelocity } => f.write_str("the rotation of the body is locked"),
@@ -455,7 +465,7 @@ impl core::error::Error for Error {
     }
 }
 
-/// A body that was quarantined in a step, and why.
+/// A body that was quarantined in a step, and the reason.
 ///
 /// ```
 /// use umbra_physics::{BodyDef, Cause, Fault, World, WorldDef, limits, vec2};
@@ -464,7 +474,7 @@ impl core::error::Error for Error {
 /// let body = world.add_body(BodyDef { velocity: vec2(limits::SPEED, 0), ..BodyDef::dynamic() })?;
 /// let fault: Fault = world.step().faults[0];
 /// assert_eq!(fault, Fault { body, cause: Cause::Velocity });
-/// assert_eq!((fault.code(), fault.to_string()), (202, "body 0 is at fault: velocity beyond 2^20 m/s".into()));
+/// assert_eq!((fault.code(), fault.to_string()), (202, "body 0 was quarantined: velocity beyond 2^20 m/s".into()));
 /// # Ok::<(), umbra_physics::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -472,12 +482,12 @@ impl core::error::Error for Error {
 pub struct Fault {
     /// The body.
     pub body: BodyId,
-    /// The first thing that went wrong with it.
+    /// The first reason that was found.
     pub cause: Cause,
 }
 
 impl Fault {
-    /// That of its cause.
+    /// The error number of the cause.
     #[must_use]
     pub const fn code(&self) -> u16 {
         self.cause.code()
@@ -487,7 +497,7 @@ impl Fault {
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { body, cause } = self;
-        write!(f, "{body} is at fault: {cause}")
+        write!(f, "{body} was quarantined: {cause}")
     }
 }
 
@@ -497,7 +507,7 @@ impl core::error::Error for Fault {
     }
 }
 
-/// What went wrong with a body in a step.
+/// Reason why a body was quarantined in a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 #[cfg_attr(
@@ -506,24 +516,24 @@ impl core::error::Error for Fault {
     serde(rename_all = "snake_case", deny_unknown_fields)
 )]
 pub enum Cause {
-    /// It left the positions of the envelope.
+    /// The position left the allowed range.
     Position,
-    /// It became too fast.
+    /// The velocity became too large.
     Velocity,
-    /// It spun too fast.
+    /// The angular velocity became too large.
     AngularVelocity,
-    /// The forces on it sum to more than can be.
+    /// The sum of the forces on the body does not fit.
     Force,
-    /// A field's force on it does not fit.
+    /// The force of a field on the body does not fit.
     Field {
         /// The field.
         field: FieldId,
     },
-    /// A law of the user's own had no answer.
+    /// A custom force returned an error.
     CustomForce {
-        /// Its field.
+        /// The field.
         field: FieldId,
-        /// The code it gave.
+        /// The code that the custom force returned.
         code: u32,
     },
 }
@@ -539,8 +549,8 @@ impl fmt::Display for Cause {
             Self::Velocity => f.write_str("velocity beyond 2^20 m/s"),
             Self::AngularVelocity => f.write_str("angular velocity beyond 2^20 rad/s"),
             Self::Force => f.write_str("sum of forces too large"),
-            Self::Field { field } => write!(f, "{field} gave a force too large"),
-            Self::CustomForce { field, code } => write!(f, "the law of {field} gave fault {code}"),
+            Self::Field { field } => write!(f, "the force of {field} is too large"),
+            Self::CustomForce { field, code } => write!(f, "the custom force of {field} returned error {code}"),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Deterministic 2D rigid-body physics in fixed point: the same bits on every machine, in every build.
 //!
-//! A [`World`] holds bodies and force fields and moves them tick by tick. Its state is I32F32 fixed point ([`Fx`]) with
-//! finer fractions where remainders are carried, so that lockstep, rollback and replays agree to the bit.
+//! A [`World`] holds bodies and force fields and steps them tick by tick. Its state is I32F32 fixed point ([`Fx`]), with
+//! finer fractions that carry the remainders of each step, so that lockstep, rollback and replays agree to the bit.
 //!
 //! ```
 //! use umbra_physics::{BodyDef, Mass, Shape, TimeStep, Vec2, World, WorldDef, fx, vec2};
@@ -23,7 +23,7 @@
 //!
 //! Units are m, kg, s and rad. One ulp is 2^-32 of them, and error bounds are given in ulps.
 //!
-//! The [guide] has a chapter each on [numbers](guide::numbers), [accuracy](guide::accuracy), [bodies](guide::bodies),
+//! The [guide] has chapters on [numbers](guide::numbers), [accuracy](guide::accuracy), [bodies](guide::bodies),
 //! [determinism](guide::determinism) of your own code, [lockstep](guide::lockstep), [rollback](guide::rollback),
 //! [replays](guide::replays), [frames](guide::frames) and drawing, [engines](guide::engines), [other languages](guide::languages),
 //! and on [coming from Box2D or Rapier](guide::migration).
@@ -35,11 +35,11 @@
 extern crate alloc;
 #[cfg(any(test, feature = "std"))]
 extern crate std;
-// What tests in `tests` share with those beside the code names the crate as they do.
+// Test code shared with `tests` names the crate as `umbra_physics`.
 #[cfg(test)]
 extern crate self as umbra_physics;
 
-/// `Clone` field by field, also for `clone_from`, which a derive does not hand on: it reuses the memory that is there.
+/// Implements `Clone` field by field. Unlike a derive it also implements `clone_from`, which reuses memory.
 macro_rules! clone_by_field {
     ($type:ident { $($field:ident),* $(,)? }) => {
         impl<S: crate::scalar::Scalar> Clone for $type<S> {
@@ -55,12 +55,12 @@ macro_rules! clone_by_field {
 }
 
 mod body;
+mod codec;
 mod display;
 mod error;
 mod force;
 mod fx;
-// Documentation alone: there is no such module in what is built.
-mod codec;
+// Documentation only: ordinary builds do not contain this module.
 #[cfg(any(doc, doctest))]
 pub mod guide;
 mod integrate;

@@ -75,7 +75,7 @@ handle!(
 /// A slot. One without an occupant takes as little memory as in a file, however many there are.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Slot {
-    /// How often the slot was taken before.
+    /// Generation of the slot: the number of times it was taken before.
     pub(crate) generation: u32,
     /// The index of the occupant in the list of its owner, or [`NONE`].
     index: u32,
@@ -124,7 +124,7 @@ impl<H> Default for Slots<H> {
 }
 
 impl<H: Handle> Slots<H> {
-    /// How many slots there are, with an occupant or without.
+    /// Number of slots, with an occupant or without.
     pub(crate) fn len(&self) -> usize {
         self.slots.len()
     }
@@ -134,7 +134,7 @@ impl<H: Handle> Slots<H> {
         &self.slots
     }
 
-    /// Whether another occupant fits into at most `limit` slots.
+    /// Returns true if another occupant fits into at most `limit` slots.
     pub(crate) fn has_room(&self, limit: usize) -> bool {
         !self.free.is_empty() || self.slots.len() < limit
     }
@@ -179,7 +179,7 @@ impl<H: Handle> Slots<H> {
         H::new(slot, self.slots[slot as usize].generation)
     }
 
-    /// How often a slot was taken before; `None` beyond the last slot.
+    /// Generation of a slot; `None` beyond the last slot.
     pub(crate) fn generation(&self, slot: u32) -> Option<u32> {
         self.slots.get(slot as usize).map(|slot| slot.generation)
     }

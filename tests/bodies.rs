@@ -1,4 +1,4 @@
-//! What the calls of a world do to its bodies.
+//! Effects of the calls of a world on its bodies.
 
 #[cfg(feature = "timers")]
 use std::time::{Duration, Instant};

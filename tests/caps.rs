@@ -105,7 +105,7 @@ fn an_impulse_is_felt_for_a_step() {
     assert_eq!((now.position(), now.velocity()), (vec2(1, 0), vec2(1, 0)));
 }
 
-/// One that is too fast on the way, but not after it was slowed down, stays in the world.
+/// A body that is too fast during the step, but not after it was slowed down, stays in the world.
 #[test]
 fn the_envelope_is_for_what_is_left() {
     let mut world = world(Integrator::VelocityVerlet, Vec2::ZERO);

@@ -129,7 +129,7 @@ fn stage(integrator: Integrator, order: &[usize]) -> (World, Vec<BodyId>) {
     (world, ids)
 }
 
-/// What is applied at a tick: body, force, point.
+/// Forces applied at a tick: body, force, point.
 fn pushes(tick: u32) -> Vec<(usize, Vec2, Vec2)> {
     let mut dice = Dice(0x9e37_79b9_7f4a_7c15 + u64::from(tick));
     (0..dice.throw(6))
@@ -1061,7 +1061,7 @@ fn a_body_asleep_and_one_about_to_be_are_told_apart() {
     assert_ne!(world.state_hash(), before);
 }
 
-/// What an outlook and the world say of a body.
+/// Values of a body in a preview and in the world.
 #[track_caller]
 fn assert_foreseen(world: &World, body: BodyId, ticks: u32) -> usize {
     let mut ahead = world.preview(body).expect("it is there");

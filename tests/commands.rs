@@ -135,7 +135,7 @@ fn a_command_is_checked_against_the_world_as_it_is_now() {
     assert_eq!((world.check(&step), world.execute(&step)), (Err(Error::TimeStep), Err(Error::TimeStep)));
 }
 
-/// What some players do in a tick.
+/// Commands of some players in a tick.
 fn inputs_of_a_tick(author: &mut Author, world: &World) -> Vec<Input> {
     let sequences = [(0, 0), (0, 1), (0, 7), (1, 0), (2, 0), (2, u32::MAX), (u32::MAX, 3)];
     let input = |(player, sequence)| Input { player, sequence, command: author.any(world) };

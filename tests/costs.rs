@@ -10,7 +10,7 @@ use std::sync::LazyLock;
 
 use serde_json::Value;
 
-/// As in the bench: the steps of a measurement, and the values that arithmetic by itself is counted over.
+/// Number of steps of a measurement, and of values of a count of arithmetic alone, as in the bench.
 const STEPS: i64 = 4;
 const VALUES: i64 = 1_000;
 
@@ -28,7 +28,7 @@ impl Counts {
         self.event("Ir", measurement)
     }
 
-    /// What arithmetic on so many values in each step has to cost, from its count by itself. Half of that: within a loop
+    /// Lower bound for arithmetic on the values in each step, from its count by itself. It is half of that count: within a loop
     /// that does more it shares loads and stores.
     fn share(&self, arithmetic: &str, values_a_step: i64) -> i64 {
         STEPS * values_a_step * self.instructions(arithmetic) / VALUES / 2

@@ -17,7 +17,7 @@ fn join(world: &mut World, near: BodyId, far: BodyId) {
     world.add_field(FieldKind::Spring { near, far: End::Body(Attachment::centre(far)), spring }).expect("a field");
 }
 
-/// All that is known of a body, in words.
+/// Every known value of a body, as text.
 fn all(world: &World, body: BodyId) -> String {
     let body = world.body(body).expect("it is there");
     let (x, v) = (body.position_exact(), body.velocity_exact());
@@ -52,7 +52,7 @@ fn a_disabled_body_stays_as_it_is_and_goes_on_as_it_was() {
 }
 
 trait Twins {
-    /// Whether it is what its twin is in another world, handles apart.
+    /// Returns true if the body equals its twin in another world, handles apart.
     fn last_tick_free(&self, other: &World, twin: BodyId) -> bool;
 }
 
@@ -253,7 +253,7 @@ fn what_was_applied_to_a_body_that_is_disabled_by_now_is_not_undone() {
     world.step();
 }
 
-/// Whom a call woke before a step that is undone is woken before the next one, but not if it is out by then.
+/// A body woken by a call before a step that is undone is woken before the next one, unless it is out by then.
 #[test]
 fn one_that_woke_before_an_undone_step_and_is_disabled_since_did_not_wake() {
     let mut world: World = World::new(WorldDef { sleep_after: Some(1), ..WorldDef::default() }).expect("a world");

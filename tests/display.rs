@@ -1,4 +1,4 @@
-//! What leaves for a display: poses between ticks, and the drawing of a world.
+//! Output for a display: poses between ticks, and the drawing of a world.
 
 use std::f64::consts::{PI, TAU};
 
@@ -47,7 +47,7 @@ fn near(a: f64, b: f64) -> bool {
     (a - b).abs() < 1e-6
 }
 
-/// Whether a body is shown where it is, all the way between the last two ticks.
+/// Returns true if a body is shown at its position, all the way between the last two ticks.
 fn is_where_it_is(world: &World, interpolation: &Interpolation, body: BodyId) -> bool {
     let all = [part(0, 1), part(1, 3), part(1, 1)];
     all.iter().all(|&at| interpolation.pose(body, at) == Some(now(world, body)))
@@ -323,7 +323,7 @@ fn what_is_left_over_in_a_pause_is_shown_as_it_was_when_the_time_step_changes() 
     assert!(near(shown(&interpolation, &step_clock), before));
 }
 
-/// What was drawn, as it came.
+/// Record of the drawing calls, in order.
 #[derive(Clone, Debug, PartialEq)]
 enum Mark {
     Polygon(Vec<[f64; 2]>),

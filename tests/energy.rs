@@ -9,7 +9,7 @@ use umbra_physics::{
 /// A power of two, so that the damping control is one ulp of a second's damping.
 const RATE: u32 = 256;
 
-/// Something that goes round for ever.
+/// Periodic motions.
 #[derive(Clone, Copy, Debug)]
 enum Scene {
     /// x″ = −ω²x with ω = 8 rad/s from 10 m: 201 steps a period.
@@ -65,7 +65,7 @@ impl Scene {
         (vx * vx + vy * vy) / 2.0 + potential
     }
 
-    /// How much higher the mean energy of the last tenth of the periods is than that of the first, relative.
+    /// Relative difference of the mean energy of the last tenth of the periods to that of the first.
     fn drift<S: Scalar<Accumulator: ToF64>>(self, integrator: Integrator, kept: Fx, steps: u32) -> f64 {
         let (mut world, body) = self.world::<S>(integrator, kept);
         // Whole periods, so that the energy's swing within one cancels.
@@ -88,7 +88,7 @@ impl Scene {
 
 const ALLOWED: f64 = 1e-8;
 
-/// What a scheme changes beyond what `control` changes at the same time step in f64, relative.
+/// Relative change by a scheme beyond the change by `control` at the same time step in f64.
 fn excess(scene: Scene, integrator: Integrator, kept: Fx, control: Integrator, steps: u32) -> f64 {
     let (fixed, float) = (scene.drift::<Fx>(integrator, kept, steps), scene.drift::<f64>(control, Fx::ONE, steps));
     let excess = fixed - float;
@@ -97,7 +97,7 @@ fn excess(scene: Scene, integrator: Integrator, kept: Fx, control: Integrator, s
 }
 
 const LONG: u32 = 1_000_000;
-/// What an unoptimised build takes.
+/// Number of periods that an unoptimised build can afford.
 const SHORT: u32 = 60_000;
 
 fn energy_is_kept(steps: u32) {

@@ -820,7 +820,7 @@ fn command() -> impl Strategy<Value = Command> {
     ]
 }
 
-/// What may not be after a step, whatever came before.
+/// Asserts the conditions that hold after every step, whatever came before.
 fn check(world: &World) {
     for body in world.bodies() {
         let (x, v, spin) = (body.position_exact(), body.velocity_exact(), body.angular_velocity_exact());

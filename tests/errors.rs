@@ -270,7 +270,7 @@ fn what_an_error_passes_on_is_its_source() {
     let undone = Error::NotReversible { why };
     assert_eq!((undone.code(), why.code(), fault.code()), (120, 141, 204));
     assert_eq!((sourced(&undone), sourced(&why)), (Some(why.to_string()), Some(Cause::Force.to_string())));
-    assert_eq!(fault.to_string(), "body 3 is at fault: sum of forces too large");
+    assert_eq!(fault.to_string(), "body 3 was quarantined: sum of forces too large");
     assert_eq!((Error::Full.code(), sourced(&Error::Full)), (114, None));
 
     let malformed = Command::from_bytes(&[99]).expect_err("no command");

@@ -13,7 +13,7 @@ fn start(name: &str, arguments: &[&str]) -> Output {
     Command::new(example::example(name)).args(arguments).output().expect("a program of this machine")
 }
 
-/// What an example prints, if it ends well.
+/// Output of an example that ends well.
 fn run(name: &str, arguments: &[&str]) -> String {
     let output = start(name, arguments);
     assert!(output.status.success(), "{name}: {}", String::from_utf8_lossy(&output.stderr));

@@ -281,7 +281,7 @@ fn committed(extension: &str) -> BTreeMap<(u32, u32), Vec<u8>> {
     files.map(|path| (numbers(&stem(&path)), fs::read(&path).expect("it can be read"))).collect()
 }
 
-/// What is to be in the folder: the name, the extension, the bytes, and where in them the law is.
+/// Expected files of the folder: name, extension, bytes, and the position of the physics version in them.
 fn made_now() -> [(&'static str, &'static str, Vec<u8>, usize); 2] {
     let snapshot = world().snapshot().to_bytes();
     [("snapshot", "umbrasnp", snapshot, 12), ("replay", "umbrarep", recording(), 28)]

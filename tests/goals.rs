@@ -20,7 +20,7 @@ fn lift(world: &mut World) -> BodyId {
     world.add_body(BodyDef { position: vec2(1, 2), angle: fx!(0.5), ..BodyDef::kinematic() }).expect("a body")
 }
 
-/// It is there, and no bit beside it.
+/// Returns true if the body is exactly there, with no remainder.
 fn is_at(world: &World, body: BodyId, position: Vec2, angle: Fx) {
     let body = world.body(body).expect("it is there");
     let exact = position.map(FxAccumulator::from_scalar);
@@ -336,7 +336,7 @@ fn steps_to_and_from_a_goal_are_not_undone() {
     assert_eq!(world.step_back(&[]), refused, "to when it stopped, and no farther");
 }
 
-/// What it has still to do then is to stop; meanwhile no step sees to it.
+/// A body that arrived and is disabled still has to stop when it is enabled; meanwhile no step touches it.
 #[test]
 fn steps_in_which_one_that_arrived_is_out_are_undone() {
     let def = WorldDef { gravity: vec2(0, -10), sleep_after: None, ..WorldDef::default() };
@@ -452,7 +452,7 @@ fn a_step_that_became_too_short_quarantines_also_where_bodies_sleep_at_once() {
     assert_eq!(Snapshot::from_bytes(&bytes, &[]).expect("it is whole").world().state_hash(), world.state_hash());
 }
 
-/// Where rounding reads an angle and its mirror image as other than mirrored.
+/// Rounding reads some angles and their mirror images as not mirrored.
 #[test]
 fn whether_a_locked_angle_is_the_one_that_is_asked_for_is_the_same_in_a_mirror() {
     let locks = Locks { rotation: true, ..Locks::NONE };

@@ -91,7 +91,7 @@ fn is_word(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || byte == b'_'
 }
 
-/// Where `word` stands as a word of its own.
+/// Positions at which `word` stands as a word of its own.
 fn words<'a>(code: &'a str, word: &'a str) -> impl Iterator<Item = usize> + 'a {
     code.match_indices(word).map(|(at, _)| at).filter(move |&at| {
         let before = at.checked_sub(1).map(|i| code.as_bytes()[i]);
@@ -126,7 +126,7 @@ fn heads(code: &str) -> Vec<String> {
     heads
 }
 
-/// What is wrong with the imports of a file, given its path below `src`.
+/// Wrong imports of a file, given its path below `src`.
 fn wrong_imports(path: &str, source: &str) -> Vec<String> {
     let parts: Vec<&str> = path.trim_end_matches(".rs").split('/').filter(|part| *part != "mod").collect();
     let own = parts[0];
@@ -249,7 +249,7 @@ fn every_level_names_modules_that_are_there() {
     }
 }
 
-/// Where floats may be: the builds in floats, and what goes out to a display, which nothing in a step can name.
+/// Files that may contain floats: the builds in floats, and output for a display, which nothing in a step can name.
 const FLOATS: [&str; 5] =
     ["scalar/float.rs", "scalar/to_f64.rs", "display/draw.rs", "display/interpolation.rs", "display/pose.rs"];
 

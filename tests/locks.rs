@@ -64,7 +64,7 @@ fn push(world: &mut World, body: BodyId, tick: i32) {
     }
 }
 
-/// Where it is and how it moves, along x, along y, and in rotation.
+/// Position and velocity along x, along y, and in rotation.
 fn bits(world: &World, body: BodyId) -> [(i128, i128); 3] {
     let body = world.body(body).expect("it is there");
     let (x, v) = (body.position_exact(), body.velocity_exact());
@@ -95,7 +95,7 @@ fn nothing_moves_a_body_along_a_locked_axis() {
     }
 }
 
-/// Where the axes have nothing to do with each other, the other ones move as if nothing was locked.
+/// Free axes move as if nothing was locked, if the axes do not interact.
 #[test]
 fn the_other_axes_move_in_the_same_bits() {
     for integrator in Integrator::ALL {

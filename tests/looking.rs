@@ -93,7 +93,7 @@ fn events_come_one_kind_after_the_other() {
     assert!(world.step().events().next().is_none());
 }
 
-/// All that is public of a body, as text.
+/// Every public value of a body, as text.
 fn seen(body: &BodyRef<'_>) -> String {
     format!(
         "{:?}",
@@ -110,7 +110,7 @@ fn seen(body: &BodyRef<'_>) -> String {
 /// A world and what follows it by its events and its changes alone.
 struct Watched {
     world: World,
-    /// What is public of the bodies, as of the last look.
+    /// Public values of the bodies at the last look.
     known: BTreeMap<BodyId, String>,
     looked: u64,
     there: BTreeSet<BodyId>,
@@ -118,7 +118,7 @@ struct Watched {
     touched: BTreeSet<BodyId>,
     put: BTreeSet<BodyId>,
     before: BTreeSet<BodyId>,
-    /// How often a body that no step moves was and was not among the changed ones.
+    /// Number of times that a body which no step moves was and was not among the changed ones.
     still: [u64; 2],
 }
 
@@ -179,7 +179,7 @@ impl Watched {
         self.before = now;
     }
 
-    /// Those that changed since the last look, in order, and no others but moving ones.
+    /// Bodies that changed since the last look, in order, and no others but moving ones.
     fn look(&mut self) {
         let changed = ids(self.world.changed_since(self.looked));
         let in_order: Vec<u32> = changed.iter().map(|body| body.parts().0).collect();

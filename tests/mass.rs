@@ -14,7 +14,7 @@ fn bits_off(value: &Real, right: &Real) -> f64 {
     to_f64(&((value - right) / right)).abs().log2()
 }
 
-/// What is promised: of an area 2^-61, of a moment of inertia per mass 2^-58, relative.
+/// Promised relative errors: 2^-61 of an area, 2^-58 of a moment of inertia per mass.
 const AREA: f64 = -61.0;
 const GYRATION: f64 = -58.0;
 

@@ -34,7 +34,7 @@ fn discs(world: &mut World, count: i32) -> Vec<BodyId> {
     (0..count).map(|i| world.add_body(disc(i)).expect("a fair body")).collect()
 }
 
-/// What a body takes of the heap in a world of so many, after two steps.
+/// Bytes that a body takes of the heap in a world of `count` bodies, after two steps.
 fn heap_a_body(count: i32, integrator: Integrator, def: impl Fn(i32) -> BodyDef) -> i64 {
     let mut kept = None;
     let taken = measure(|| {
@@ -340,7 +340,7 @@ fn bodies_that_come_and_go_without_a_step_take_nothing_for_good() {
     assert_eq!(taken.bytes_current, 0);
 }
 
-/// What players do that adds and removes nothing.
+/// Commands of players that add and remove nothing.
 fn pushes(ids: &[BodyId], tick: u64) -> impl Iterator<Item = Command> {
     let pushed = ids.iter().skip(tick as usize % 7).step_by(7);
     pushed.flat_map(|&body| {

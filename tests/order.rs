@@ -37,7 +37,7 @@ impl Ladder {
         logs.windows(2).map(|pair| pair[0] - pair[1]).collect()
     }
 
-    /// Whether `halvings` or more show this order to within the tolerance, none of them excepted.
+    /// Returns true if `halvings` or more show this order to within the tolerance, without exception.
     fn shows(&self, order: f64, tolerance: f64, halvings: usize) -> Result<(), String> {
         let slopes = self.slopes();
         println!("{}: {slopes:.3?}, at last {:.1e} over a floor of {:.1e}", self.name, self.last().0, self.last().1);
@@ -55,7 +55,7 @@ impl Ladder {
     }
 }
 
-/// How a ladder is climbed.
+/// A measurement of the order over successive halvings of the time step.
 #[derive(Clone, Copy)]
 struct Climb {
     integrator: Integrator,
@@ -126,7 +126,7 @@ impl Climb {
     }
 }
 
-/// How far a slope may be from the order.
+/// Tolerance of a slope around the order.
 fn tolerance(order: u32) -> f64 {
     if order == 4 { 0.1 } else { 0.03 }
 }
@@ -194,7 +194,7 @@ fn yoshida4_has_order_4_down_to_a_step_of_a_512th_at_a_kilometre() {
     climb.climb(&OSCILLATOR).shows(4.0, 0.1, 6).unwrap_or_else(|why| panic!("{why}"));
 }
 
-/// Those with forces of velocity that have no exact solution of their own.
+/// Problems with forces of velocity that have no exact solution of their own.
 const OF_VELOCITY: [Problem; 2] = [SPRING_DAMPER, TURNED];
 
 #[test]

@@ -43,7 +43,7 @@ fn polygon(random: &mut SplitMix) -> Shape {
     }
 }
 
-/// Whether `normal` is (dy, −dx) / length of the edge from `a` to `b`, within 0.501 ulp. Squares of integers: exact.
+/// Returns true if `normal` is (dy, −dx) / length of the edge from `a` to `b`, within 0.501 ulp. Squares of integers: exact.
 fn is_normal(normal: Vec2, a: Vec2, b: Vec2) -> bool {
     let bits = |value: Fx| IBig::from(value.to_bits());
     let (dx, dy) = (bits(b.x) - bits(a.x), bits(b.y) - bits(a.y));
@@ -80,7 +80,7 @@ fn only(shape: &Shape) -> &Outline {
     outline
 }
 
-/// Whether two values are halves of `size` to each side of zero: the same to the bit, and half an ulp off at most.
+/// Returns true if two values are halves of `size` to each side of zero: the same to the bit, and half an ulp off at most.
 fn are_halves(low: Fx, high: Fx, size: Fx) -> bool {
     low == -high && (2 * high.to_bits() - size.to_bits()).abs() <= 1
 }

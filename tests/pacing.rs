@@ -59,7 +59,7 @@ fn of_ticks(part: TickFraction) -> Exact {
     Exact::new(part.num, part.den)
 }
 
-/// What a pacer has to say, by arithmetic without bounds: all the time that went in, and what came out.
+/// Model of a step clock by arithmetic without bounds: the time that went in, and the ticks that came out.
 #[derive(Clone, Debug)]
 struct Model {
     step: TimeStep,
@@ -76,7 +76,7 @@ impl Model {
         Self { step, speed: (1, 1), is_paused: false, total: zero.clone(), given: zero }
     }
 
-    /// What a nanosecond is, and what is left over, both in ticks.
+    /// Ticks in a nanosecond, and ticks left over.
     fn gain(&self) -> Exact {
         Exact::new(self.speed.0, UBig::from(1_000_000_000u64) * self.speed.1).over(&seconds(self.step))
     }
@@ -96,7 +96,7 @@ impl Model {
         ticks
     }
 
-    /// Whether all that a pacer may have to hold fits in 128 bits: over the one denominator of what is left over and of a
+    /// Returns true if all values a clock may have to hold fit in 128 bits: over the one denominator of the remainder and of a
     /// nanosecond, the longest frame there is on top of what is left over, or of a whole tick.
     fn fits(&self) -> bool {
         let (left, gain) = (self.left().in_lowest_terms(), self.gain().in_lowest_terms());
@@ -130,7 +130,7 @@ impl Model {
         Some((missing.0 + &missing.1 - 1u8) / missing.1)
     }
 
-    /// Whether the pacer is where this is.
+    /// Asserts that the clock agrees with the model.
     fn agrees(&self, step_clock: &StepClock) -> bool {
         self.given.plus(&of_ticks(step_clock.remainder()).times(&seconds(self.step))) == self.total
             && step_clock.until_tick().map(UBig::from) == self.until_tick()

@@ -1,4 +1,4 @@
-//! What a body is read as: points, vectors and velocities against their exact values, what was applied to it, and the terms of
+//! Readers of a body: points, vectors and velocities against their exact values, applied forces, and the terms of
 //! totals.
 
 #[path = "support/random.rs"]
@@ -30,7 +30,7 @@ fn sin_cos(angle: Turn) -> (Real, Real) {
     (units(angle.to_bits(), 64) * &*TAU).with_precision(PRECISION).value().sin_cos()
 }
 
-/// How far a number is from the exact one, in ulps beyond the half that rounding once takes, in units of 2^-60 of a length.
+/// Distance of a number from the exact one, in ulps beyond the half of one rounding, in units of 2^-60 of a length.
 fn check(found: Option<Vec2>, [x, y]: [Real; 2], length: &Real, what: &str) {
     let half = units(1, 33);
     let bound = &half + (length.clone() >> 60);
@@ -250,7 +250,7 @@ fn the_terms_of_bodies_sum_to_the_totals() {
     }
 }
 
-/// What does not fit into a total does not fit alone either.
+/// A value that does not fit into a total does not fit alone either.
 #[test]
 fn a_term_that_does_not_fit_is_refused() {
     let mut world: World = World::new(WorldDef::default()).expect("a world");

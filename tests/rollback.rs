@@ -15,7 +15,7 @@ use umbra_physics::{
 
 const PLAYERS: u32 = 3;
 
-/// All that can be seen of a tick.
+/// Everything that can be seen of a tick.
 #[derive(Clone, Debug, PartialEq)]
 struct Seen {
     state: u64,
@@ -57,8 +57,8 @@ fn all_of(commands: &[Vec<Command>; PLAYERS as usize]) -> Inputs {
     inputs
 }
 
-/// What a player does in a tick: mostly pushes, at times anything there is, at times a body is thrown out of the envelope.
-/// Nothing at all but in one tick of so many, as what is cached lives from one change to the next.
+/// Inputs of a player in a tick: mostly pushes, sometimes any command, sometimes a body is thrown out of the allowed range.
+/// Most ticks have none, because cached values live from one change to the next.
 fn moves(author: &mut Author, quiet: u64, world: &World) -> Vec<Command> {
     let mut commands = Vec::new();
     if !author.one_in(quiet) {
@@ -100,7 +100,7 @@ impl Match {
     }
 }
 
-/// How often something happened.
+/// Number of times something happened.
 #[derive(Debug, Default)]
 struct Counts {
     rollbacks: usize,
@@ -130,7 +130,7 @@ impl Counts {
     }
 }
 
-/// What is taken for a player's inputs until they arrive.
+/// Guess of a player's inputs until they arrive.
 fn guess(author: &mut Author, played: &Match, tick: usize, player: usize, world: &World) -> Vec<Command> {
     match author.random.next() % 3 {
         0 => Vec::new(),

@@ -429,7 +429,10 @@ fn what_could_not_be_made_is_not_read() {
         refused::<Shape>(json, why);
     }
     let input = |player: u32| format!(r#"{{"player":{player},"sequence":0,"command":{{"set_sleep_after":null}}}}"#);
-    refused::<Inputs>(&format!("[{0},{1},{0}]", input(2), input(1)), "player 2 has an input 0 already");
+    refused::<Inputs>(
+        &format!("[{0},{1},{0}]", input(2), input(1)),
+        "player 2 already has an input with sequence 0 in this tick",
+    );
     let inputs: Inputs = serde_json::from_str(&format!("[{},{}]", input(2), input(1))).expect("in any order");
     assert_eq!(inputs.iter().map(|input| input.player).collect::<Vec<_>>(), [1, 2]);
 }

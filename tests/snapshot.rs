@@ -212,7 +212,7 @@ fn a_restored_world_has_the_same_future_and_handles() {
     assert_eq!(seen, [true; 4], "slept, quarantined, recycled, pushed");
 }
 
-/// What 1,000 bodies like this one, without their shapes, add to the bytes of a snapshot, for one body.
+/// Bytes that each of 1,000 bodies like this one, without their shapes, adds to a snapshot.
 fn bytes_a_body(def: WorldDef, body: &BodyDef, prepare: impl Fn(&mut World, BodyId), shared: bool) -> usize {
     let mut world: World = World::new(def).expect("a world");
     let head = world.snapshot().to_bytes().len();

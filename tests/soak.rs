@@ -19,7 +19,7 @@ use umbra_physics::{
 };
 
 const BODIES: usize = 1_000;
-/// As many fields as bodies would make each tick a thousand times as long.
+/// Limit for fields: as many fields as bodies would make each tick a thousand times as long.
 const FIELDS: usize = 32;
 const COMMANDS: u64 = 8;
 /// Between two looks at the memory.

@@ -142,7 +142,7 @@ fn symmetries(rate: u32) -> [Symmetry; 5] {
     ]
 }
 
-/// What moves in the scene, beside bodies the scene is not driven through.
+/// Bodies that the scene's commands name.
 struct Cast {
     wheel: BodyId,
     slab: BodyId,
@@ -157,14 +157,14 @@ const FIELDS: u32 = 1;
 const DRAGGED: u32 = 2;
 const SHORT: u32 = 4;
 
-/// Where the bodies with short numbers start, and how fast: x, y, vx, vy.
+/// Starting positions and velocities of the bodies with short numbers: x, y, vx, vy.
 const STARTS: [[Fx; 4]; 3] = [
     [fx!(1), fx!(1), Fx::from_bits((1 << 31) + 1), fx!(0)],
     [fx!(1.5), fx!(1), fx!(0), Fx::from_bits((1 << 30) - 1)],
     [fx!(2), fx!(1), Fx::from_bits(1 - (1 << 29)), fx!(0)],
 ];
 
-/// All there is in one scene, kept in bounds by springs, drags and dampings.
+/// Everything in one scene, kept in bounds by springs, drags and dampings.
 fn scene<S: Scalar>(image: &Symmetry, integrator: Integrator, rate: u32) -> (World<S>, Cast) {
     let s = S::from_fx;
     let p = |x, y| image.point(Vec2::new(x, y));
@@ -289,7 +289,7 @@ fn scene<S: Scalar>(image: &Symmetry, integrator: Integrator, rate: u32) -> (Wor
     (world, Cast { wheel, slab, light, sleeper, rail, weights })
 }
 
-/// What the user does at a tick.
+/// Commands of the user at a tick.
 fn drive<S: Scalar>(world: &mut World<S>, cast: &Cast, image: &Symmetry, tick: u32) {
     let mut act = |body, action, frame| {
         world
@@ -373,7 +373,7 @@ impl Bits {
         }
     }
 
-    /// How many public values are read from exactly between two ulps.
+    /// Number of public values that are read from exactly between two ulps.
     fn ties(&self) -> u64 {
         let all = [self.position.x, self.position.y, self.velocity.x, self.velocity.y, self.spin];
         all.into_iter().map(|bits| u64::from(bits as u64 == 1 << 63)).sum()

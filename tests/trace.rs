@@ -115,7 +115,7 @@ fn a_step_that_is_traced_is_the_step() {
     }
 }
 
-/// What a stage may write, by name, to the bit; the forces applied are looked at by their public sums.
+/// Quantities that a stage may write, by name, to the bit; applied forces are compared by their public sums.
 fn parts(world: &World) -> [(&'static str, Vec<[i128; 4]>); 3] {
     let bodies = || world.bodies();
     let places = bodies().map(|body| {

@@ -13,7 +13,7 @@ use umbra_scene::Scene;
 /// A world with so many bodies, and commands to repeat.
 pub(crate) struct Hostile {
     pub(crate) name: &'static str,
-    /// Whether what the commands cost has to be the same however many bodies there are.
+    /// True if the commands must cost the same however many bodies there are.
     pub(crate) is_constant: bool,
     pub(crate) make: fn(usize) -> (World, Vec<Command>),
 }
@@ -151,7 +151,7 @@ fn snapshot_read(count: usize) -> Box<dyn FnOnce()> {
     Box::new(move || _ = std::hint::black_box(Snapshot::from_bytes(&bytes, &[]).expect("its own bytes")))
 }
 
-/// As many commands that change the factors of all bodies as there are bodies.
+/// One command that changes the factors of all bodies for each body.
 fn replay_verified(count: usize) -> Box<dyn FnOnce()> {
     let (mut world, commands) = integrators(count);
     let mut recorder = Recorder::new(&world, RecordOptions::default());

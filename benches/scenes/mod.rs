@@ -47,7 +47,7 @@ fn calm<S: Scalar>() -> WorldDef<S> {
     WorldDef { sleep_after: None, ..WorldDef::default() }
 }
 
-/// What is left of a velocity after a second.
+/// Fraction of a velocity left after a second.
 const KEPT: Fx = fx!(0.9);
 
 /// Gravity and damping for all.
@@ -94,7 +94,7 @@ fn tumbling<S: Scalar>(count: usize) -> impl Iterator<Item = BodyDef<S>> {
         .map(move |body| BodyDef { angular_velocity: S::from_fx(Fx::from_bits(random.next() >> 29 | 1)), ..body })
 }
 
-/// Everything that a body alone can have: gravity, damping, spin.
+/// All properties that a body alone can have: gravity, damping, spin.
 pub(crate) fn free<S: Scalar>(count: usize) -> Scene<S> {
     scene(rough(), tumbling(count))
 }
@@ -104,7 +104,7 @@ pub(crate) fn plain<S: Scalar>(count: usize) -> Scene<S> {
     scene(calm(), moving(count))
 }
 
-/// As `plain`, moved by no force: they have no mass.
+/// Like `plain`, but without a mass, so that no force moves the bodies.
 pub(crate) fn kinematic<S: Scalar>(count: usize) -> Scene<S> {
     let velocities = moving::<S>(count);
     scene(
@@ -113,7 +113,7 @@ pub(crate) fn kinematic<S: Scalar>(count: usize) -> Scene<S> {
     )
 }
 
-/// As `free`, with bodies that never move.
+/// Like `free`, with bodies that never move.
 pub(crate) fn beside_static<S: Scalar>(count: usize, fixed: usize) -> Scene<S> {
     let fixed = resting(fixed).map(|BodyDef { position, .. }| BodyDef { position, ..BodyDef::fixed() });
     scene(rough(), fixed.chain(tumbling(count)))
@@ -124,7 +124,7 @@ pub(crate) fn at_rest<S: Scalar>(count: usize) -> Scene<S> {
     scene(calm(), resting(count))
 }
 
-/// As `free`, beside bodies that are asleep.
+/// Like `free`, beside bodies that are asleep.
 pub(crate) fn beside_sleepers<S: Scalar>(count: usize, sleepers: usize) -> Scene<S> {
     let weightless = resting(sleepers).map(|body| BodyDef { gravity_scale: S::ZERO, ..body });
     let def = WorldDef { sleep_after: Some(1), ..rough() };
@@ -136,14 +136,14 @@ pub(crate) fn beside_sleepers<S: Scalar>(count: usize, sleepers: usize) -> Scene
     scene
 }
 
-/// As `plain`, the first so many pushed each tick.
+/// Like `plain`, with the first `count` bodies pushed each tick.
 pub(crate) fn pushed<S: Scalar>(count: usize, pushed: usize) -> Scene<S> {
     let mut scene = plain(count);
     scene.pushed = scene.world.bodies().map(|body| body.id()).take(pushed).collect();
     scene
 }
 
-/// As `plain`, all pushed in the tick before.
+/// Like `plain`, with all bodies pushed in the tick before.
 pub(crate) fn pushed_before<S: Scalar>(count: usize) -> Scene<S> {
     let mut scene = pushed(count, count);
     scene.advance();
@@ -151,17 +151,17 @@ pub(crate) fn pushed_before<S: Scalar>(count: usize) -> Scene<S> {
     scene
 }
 
-/// As `plain`, turning.
+/// Like `plain`, turning.
 pub(crate) fn spinning<S: Scalar>(count: usize) -> Scene<S> {
     scene(calm(), tumbling(count))
 }
 
-/// As `spinning`, in gravity.
+/// Like `spinning`, in gravity.
 pub(crate) fn falling<S: Scalar>(count: usize) -> Scene<S> {
     scene(WorldDef { gravity: vector(Fx::ZERO, fx!(-9.81)), ..calm() }, tumbling(count))
 }
 
-/// As `plain`, damped.
+/// Like `plain`, damped.
 pub(crate) fn damped<S: Scalar>(count: usize) -> Scene<S> {
     scene(WorldDef { linear_damping: S::from_fx(KEPT), ..calm() }, moving(count))
 }
@@ -177,7 +177,7 @@ fn with_fields<S: Scalar, F: Into<ForceField<S>>>(
     scene
 }
 
-/// So many thrusts fixed in the frame of each of the first `some` bodies.
+/// A number of thrusts fixed in the frame of each of the first `some` bodies.
 fn with_thrusters<S: Scalar>(scene: Scene<S>, some: usize, each: usize) -> Scene<S> {
     with_fields(scene, |bodies| {
         let thrust = |&body| FieldKind::Thrust { at: Attachment::centre(body), force: vector(fx!(0.25), fx!(0.5)) };
@@ -185,19 +185,19 @@ fn with_thrusters<S: Scalar>(scene: Scene<S>, some: usize, each: usize) -> Scene
     })
 }
 
-/// As `plain`, with so many thrusts on each body.
+/// Like `plain`, with a number of thrusts on each body.
 pub(crate) fn thrusters<S: Scalar>(count: usize, each: usize) -> Scene<S> {
     with_thrusters(plain(count), count, each)
 }
 
-/// As `thrusters`, one each, and all pushed each tick besides.
+/// Like `thrusters` with one thrust each, and all bodies pushed each tick besides.
 pub(crate) fn pushed_thrusters<S: Scalar>(count: usize) -> Scene<S> {
     let mut scene = thrusters(count, 1);
     scene.pushed = scene.world.bodies().map(|body| body.id()).collect();
     scene
 }
 
-/// As `free`, the first tenth with a thrust each, the second joined in a chain of springs.
+/// Like `free`, the first tenth with a thrust each, the second joined in a chain of springs.
 pub(crate) fn mixed<S: Scalar>(count: usize) -> Scene<S> {
     with_fields(with_thrusters(free(count), count / 10, 1), |bodies| {
         let spring = SpringConstants { rest: S::from_fx(fx!(4)), stiffness: S::from_fx(fx!(10)), damping: S::ZERO };
@@ -210,7 +210,7 @@ pub(crate) fn mixed<S: Scalar>(count: usize) -> Scene<S> {
     })
 }
 
-/// As `free`, around three attractors.
+/// Like `free`, around three attractors.
 pub(crate) fn orbits<S: Scalar>(count: usize) -> Scene<S> {
     with_fields(free(count), |_| {
         let centres = [(-1000, 0), (1000, 0), (0, 1000)];
@@ -223,7 +223,7 @@ pub(crate) fn orbits<S: Scalar>(count: usize) -> Scene<S> {
     })
 }
 
-/// As `free`, against a wind.
+/// Like `free`, against a wind.
 pub(crate) fn drag<S: Scalar>(count: usize) -> Scene<S> {
     with_fields(free(count), |_| {
         let (linear, quadratic) = (S::from_fx(fx!(0.125)), S::from_fx(fx!(0.0078125)));
@@ -280,12 +280,12 @@ fn with_steady_law<S: Scalar>(mut scene: Scene<S>) -> Scene<S> {
     with_fields(scene, |_| vec![FieldKind::Custom { id: 1 }])
 }
 
-/// As `free`, with a law of the caller's own.
+/// Like `free`, with a custom force.
 pub(crate) fn custom<S: Scalar>(count: usize) -> Scene<S> {
     with_steady_law(free(count))
 }
 
-/// As `thrusters` on the first so many bodies, with a law of the caller's own, so that a force acts on each.
+/// Like `thrusters` on the first bodies, with a custom force, so that a force acts on each body.
 pub(crate) fn thrusters_on_some<S: Scalar>(count: usize, some: usize, each: usize) -> Scene<S> {
     with_thrusters(with_steady_law(plain(count)), some, each)
 }

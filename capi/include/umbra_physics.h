@@ -1,22 +1,21 @@
 /*
  * umbra-physics: deterministic 2D rigid-body physics in fixed point, the same bits on every machine.
  *
- * Numbers are integers: an UmbraFx is this many 2^-32 of a metre, kilogram, second or radian, and handles are 64 bits. There
- * is no float in this interface, and no struct is given by value.
+ * Numbers are integers: an UmbraFx counts multiples of 2^-32 of a metre, kilogram, second or radian, and handles have 64 bits. There
+ * is no float in this interface, and no struct is passed by value.
  *
- * Calls give UMBRA_OK or the number of an error; then nothing is changed and nothing written, except where a buffer was too
- * small, for how large it has to be, and where it is said. Numbers stay: docs/errors.md has them all.
+ * Calls return UMBRA_OK or the number of an error. A refused call changes nothing and writes nothing, except the required size when a
+ * buffer was too small, and where the function says so. Error numbers never change: docs/errors.md lists them.
  *
- * What a function gives through a pointer to a pointer is the caller's, until it is handed to the function that frees its
- * kind. What it is given it does not keep: definitions, shapes, texts and buffers can go after the call.
+ * An object returned through a pointer to a pointer belongs to the caller, who passes it to the function that frees its type. The
+ * library keeps no arguments: definitions, shapes, texts and buffers can be freed after the call.
  *
- * Pointers are null or point to as many aligned values as are spoken of. Null is refused, unless it is said what it means; where
- * there are 0 bytes, characters or entries it may be null.
- * What a call writes to is used by nothing else meanwhile, nor by another argument of it. Handles to things that were freed
- * are not to be used; those to bodies and fields that were removed are refused.
+ * Pointers must be null or point to as many aligned values as the function says. Null is refused unless the function says what it
+ * means; for 0 bytes, characters or entries it is allowed. Memory that a call writes to must not be used by another thread or by
+ * another argument of the call. Handles of freed objects must not be used; handles of removed bodies and fields are refused.
  *
- * Threads: different worlds have nothing to do with each other. Functions that take a const world may read it from several
- * threads at once, while none changes it. The last error is one a thread.
+ * Threads: different worlds are independent. Several threads may call functions that take a const world at the same time, while no
+ * thread changes it. Each thread has a last error of its own.
  */
 
 #ifndef UMBRA_PHYSICS_H
@@ -55,8 +54,8 @@ typedef struct UmbraSnapshot UmbraSnapshot;
 // A world.
 typedef struct UmbraWorld UmbraWorld;
 
-// What came of a call: `UMBRA_OK`, or the number of an error. They are those of the library (`docs/errors.md`), with some of
-// the interface's own from 901 on. A number, once given, stays.
+// Result of a call: `UMBRA_OK`, or the number of an error. The numbers are those of the library (`docs/errors.md`), with
+// some of the interface's own from 901 on. A number is never changed or reused.
 typedef int32_t UmbraStatus;
 
 // A number: this many 2^-32. 1 m is 4294967296, and `UMBRA_ONE`.
@@ -90,63 +89,63 @@ typedef struct UmbraVec2 {
 
 // A part of a compound.
 typedef struct UmbraPart {
-    // Where its centre of mass is, m.
+    // Position of the centre of mass, m.
     struct UmbraVec2 position;
-    // How far it is turned, rad.
+    // Angle of the part, rad.
     UmbraFx angle;
-    // Its density relative to that of the other parts, above 0.
+    // Density relative to the other parts, above 0.
     UmbraFx density;
-    // Its shape, which is no compound.
+    // Shape of the part; it must not be a compound.
     const struct UmbraShape *shape;
 } UmbraPart;
 
-// How a world moves from tick to tick: one of the five below.
+// Integrator of a world: one of the five values below.
 typedef uint32_t UmbraIntegrator;
 
-// What a world is made from; `umbra_world_def_default` fills it in.
+// Definition of a world; `umbra_world_def_default` fills it in.
 typedef struct UmbraWorldDef {
     // A step takes step_num / step_den seconds, from 1 to 10,000 steps a second: 1 and 60.
     uint32_t step_num;
     // See `step_num`.
     uint32_t step_den;
-    // How bodies move from tick to tick: `UMBRA_VELOCITY_VERLET`.
+    // Integrator; default `UMBRA_VELOCITY_VERLET`.
     UmbraIntegrator integrator;
     // The number of ticks at rest after which a body falls asleep, or `UMBRA_NEVER`: 30.
     uint32_t sleep_after;
     // Gravity, m/s²: none.
     struct UmbraVec2 gravity;
-    // What is left of a velocity after a second, 0 to 1, unless the body says otherwise: 1.
+    // Fraction of a velocity left after a second, 0 to 1, unless the body says otherwise; default 1.
     UmbraFx linear_damping;
-    // What is left of an angular velocity after a second, 0 to 1, unless the body says otherwise: 1.
+    // Fraction of an angular velocity left after a second, 0 to 1, unless the body says otherwise; default 1.
     UmbraFx angular_damping;
 } UmbraWorldDef;
 
-// What a command made: nothing, a body, or a field.
+// Result of a command: nothing, a body, or a field.
 typedef uint32_t UmbraMadeKind;
 
-// What became of an input.
+// Result of an input.
 typedef struct UmbraOutcome {
-    // Whose it was.
+    // The player.
     uint32_t player;
-    // Its place among the inputs of this player.
+    // Sequence of the input among the inputs of this player.
     uint32_t sequence;
     // `UMBRA_OK`, or why it was refused: then it changed nothing.
     UmbraStatus status;
-    // What it made.
+    // Body or field that the input created.
     UmbraMadeKind made;
     // The handle of what it made, or `UMBRA_NO_HANDLE`.
     uint64_t handle;
 } UmbraOutcome;
 
-// What a step did, in figures; `umbra_world_faults` and its like have the bodies.
+// Summary of a step in numbers; `umbra_world_faults` and similar functions list the bodies.
 typedef struct UmbraReport {
     // The tick the world is at now.
     uint64_t tick;
-    // How many bodies were quarantined.
+    // Number of bodies quarantined.
     uint64_t faults;
-    // How many bodies fell asleep.
+    // Number of bodies that fell asleep.
     uint64_t fell_asleep;
-    // How many bodies calls since the step before woke.
+    // Number of bodies woken by calls since the step before.
     uint64_t woke;
     // With Yoshida4, how many bodies had a drag too stiff for its backward sub-step, which acted around the whole step instead.
     uint32_t drag_outside;
@@ -174,38 +173,38 @@ typedef struct UmbraUint128 {
     uint64_t high;
 } UmbraUint128;
 
-// What moves a body: one of the three below.
+// How a body moves: one of the three values below.
 typedef uint32_t UmbraBodyKind;
 
-// Where mass and moment of inertia come from: one of the three below.
+// Source of mass and moment of inertia: one of the three values below.
 typedef uint32_t UmbraMassKind;
 
-// Which components of a body's velocity are zero and stay zero: 0, or any of the flags below.
+// Components of a body's velocity that are held at zero: 0, or any of the flags below.
 typedef uint32_t UmbraLocks;
 
-// What a body is made from; `umbra_body_def_default` fills it in.
+// Definition of a body; `umbra_body_def_default` fills it in.
 typedef struct UmbraBodyDef {
-    // What moves it: `UMBRA_DYNAMIC`.
+    // How the body moves; default `UMBRA_DYNAMIC`.
     UmbraBodyKind kind;
-    // Where its mass comes from: `UMBRA_MASS_OF`.
+    // Source of the mass; default `UMBRA_MASS_OF`.
     UmbraMassKind mass_kind;
-    // Its mass as its kind has it, 2^-16 to 2^24 kg: 1.
+    // Mass in kg or density, as `mass_kind` says, 2^-16 to 2^24 kg; default 1.
     UmbraFx mass;
-    // Its moment of inertia, for `UMBRA_MASS_WITH_INERTIA` alone.
+    // Moment of inertia, for `UMBRA_MASS_WITH_INERTIA` only.
     UmbraFx inertia;
-    // Where its centre of mass is, m, within ±2^30: the origin.
+    // Position of the centre of mass, m, within ±2^30; default the origin.
     struct UmbraVec2 position;
-    // Its velocity, m/s, within ±2^20: none.
+    // Velocity, m/s, within ±2^20; default 0.
     struct UmbraVec2 velocity;
-    // How far it is turned, rad, of any size: 0.
+    // Angle, rad, of any size; default 0.
     UmbraFx angle;
-    // Its angular velocity, rad/s, within ±2^20: none.
+    // Angular velocity, rad/s, within ±2^20; default 0.
     UmbraFx angular_velocity;
-    // How much of the world's gravity it feels, within ±16: 1.
+    // Factor on the world's gravity, within ±16; default 1.
     UmbraFx gravity_scale;
-    // What is left of its velocity after a second, 0 to 1: `UMBRA_AS_WORLD`.
+    // Fraction of the velocity left after a second, 0 to 1; default `UMBRA_AS_WORLD`.
     UmbraFx linear_damping;
-    // What is left of its angular velocity after a second, 0 to 1: `UMBRA_AS_WORLD`.
+    // Fraction of the angular velocity left after a second, 0 to 1; default `UMBRA_AS_WORLD`.
     UmbraFx angular_damping;
     // The largest speed it has after a step, 0 to 2^20 m/s, if it is dynamic: `UMBRA_NO_LIMIT`.
     UmbraFx max_speed;
@@ -217,50 +216,50 @@ typedef struct UmbraBodyDef {
     uint64_t user_data;
     // The groups it is in: a force field with one of these bits acts on it. 1.
     uint32_t groups;
-    // Which components of its velocity are zero and stay zero: none.
+    // Components of the velocity that are held at zero; default none.
     UmbraLocks locks;
-    // Its shape: null for none. Last, so that all else lies at the same place whatever the size of pointers.
+    // Shape, or null for none. The last field, so that the offsets of the others do not depend on the size of pointers.
     const struct UmbraShape *shape;
 } UmbraBodyDef;
 
-// Whether a body takes part in steps: one of the four below.
+// State of activity of a body: one of the four values below.
 typedef uint32_t UmbraActivity;
 
 // A body as it is. Its shape, what its mass was given as and where it is sent have functions of their own.
 typedef struct UmbraBodyState {
-    // Where its centre of mass is, m.
+    // Position of the centre of mass, m.
     struct UmbraVec2 position;
-    // Its velocity, m/s.
+    // Velocity, m/s.
     struct UmbraVec2 velocity;
-    // How far it is turned, rad in [0, 2π).
+    // Angle, rad in [0, 2π).
     UmbraFx angle;
-    // Its angular velocity, rad/s.
+    // Angular velocity, rad/s.
     UmbraFx angular_velocity;
     // The cosine of its angle.
     UmbraFx cos;
     // The sine of its angle.
     UmbraFx sin;
-    // Its position as it is kept, with what is carried from step to step: multiples of 2^-96 m.
+    // Full position with the carried remainder: multiples of 2^-96 m.
     struct UmbraInt128 exact_x;
     // See `exact_x`.
     struct UmbraInt128 exact_y;
-    // Its velocity as it is kept: multiples of 2^-96 m/s.
+    // Full velocity: multiples of 2^-96 m/s.
     struct UmbraInt128 exact_velocity_x;
     // See `exact_velocity_x`.
     struct UmbraInt128 exact_velocity_y;
-    // Its angular velocity as it is kept: multiples of 2^-96 rad/s.
+    // Full angular velocity: multiples of 2^-96 rad/s.
     struct UmbraInt128 exact_angular_velocity;
-    // Its angle as it is kept: multiples of 2^-64 turns.
+    // Full angle: multiples of 2^-64 turns.
     uint64_t turn;
-    // Its mass, kg; 0 unless it is dynamic.
+    // Mass, kg; 0 unless the body is dynamic.
     UmbraFx mass;
-    // Its moment of inertia, kg·m²; 0 if that is infinite.
+    // Moment of inertia, kg·m²; 0 if it is infinite.
     struct UmbraFactor inertia;
-    // How much of the world's gravity it feels.
+    // Factor on the world's gravity.
     UmbraFx gravity_scale;
-    // What is left of its velocity after a second, or `UMBRA_AS_WORLD`.
+    // Fraction of the velocity left after a second, or `UMBRA_AS_WORLD`.
     UmbraFx linear_damping;
-    // What is left of its angular velocity after a second, or `UMBRA_AS_WORLD`.
+    // Fraction of the angular velocity left after a second, or `UMBRA_AS_WORLD`.
     UmbraFx angular_damping;
     // The largest speed it has after a step, or `UMBRA_NO_LIMIT`.
     UmbraFx max_speed;
@@ -270,17 +269,17 @@ typedef struct UmbraBodyState {
     uint64_t key;
     // The caller's data.
     uint64_t user_data;
-    // What moves it.
+    // How the body moves.
     UmbraBodyKind kind;
-    // Whether it takes part in steps.
+    // State of activity.
     UmbraActivity activity;
     // The groups it is in.
     uint32_t groups;
-    // Which components of its velocity are zero and stay zero.
+    // Components of the velocity that are held at zero.
     UmbraLocks locks;
 } UmbraBodyState;
 
-// Where the next step moves a body.
+// Kinematic target: the pose to which the next step moves a body.
 typedef struct UmbraGoal {
     // The position it is to have, m.
     struct UmbraVec2 position;
@@ -292,21 +291,21 @@ typedef struct UmbraGoal {
     uint32_t reserved;
 } UmbraGoal;
 
-// What drawing needs of a body.
+// Values of a body needed to draw it.
 typedef struct UmbraPose {
     // The body.
     uint64_t body;
-    // Where its centre of mass is, m.
+    // Position of the part's centre of mass, m.
     struct UmbraVec2 position;
-    // How far it is turned, rad in [0, 2π).
+    // Angle, rad in [0, 2π).
     UmbraFx angle;
     // The caller's name for it, by which what is drawn stays with its body through a rollback.
     uint64_t key;
     // The caller's data: what to draw, say.
     uint64_t user_data;
-    // What moves it.
+    // How the body moves.
     UmbraBodyKind kind;
-    // Whether it takes part in steps.
+    // State of activity.
     UmbraActivity activity;
 } UmbraPose;
 
@@ -320,7 +319,7 @@ typedef uint32_t UmbraRegion;
 typedef struct UmbraFieldDef {
     // The law.
     UmbraFieldKind kind;
-    // It acts on dynamic bodies with one of these group bits; springs and thrusts act on their bodies alone. All.
+    // Groups of dynamic bodies that the field acts on, as bits; springs and thrusts act on their bodies alone. Default all.
     uint32_t groups;
     // The region of a zone.
     UmbraRegion region;
@@ -328,11 +327,11 @@ typedef struct UmbraFieldDef {
     uint32_t reserved;
     // The body that a thrust acts on, or a spring's near end is at.
     uint64_t body;
-    // Where on it, in its own axes from its centre of mass, m.
+    // Point of the body, in its own axes from its centre of mass, m.
     struct UmbraVec2 point;
     // The body that an attractor's centre or a spring's far end is at, or `UMBRA_NO_HANDLE` for a point of the world.
     uint64_t other;
-    // Where on it, or where in the world, m.
+    // Point of the body, or of the world, m.
     struct UmbraVec2 other_point;
     // The gravitational parameter G·M of an attractor, 0 to 2^64 m³/s².
     struct UmbraFactor mu;
@@ -364,14 +363,14 @@ typedef struct UmbraFieldDef {
     struct UmbraVec2 max;
 } UmbraFieldDef;
 
-// How an action is meant: 0, or any of the flags below.
+// Options of a force or impulse: 0, or any of the flags below.
 typedef uint32_t UmbraManner;
 
-// What a command made.
+// Body or force field that a command created.
 typedef struct UmbraMade {
     // The handle of what it made, or `UMBRA_NO_HANDLE`.
     uint64_t handle;
-    // What that is.
+    // Kind of the created thing.
     UmbraMadeKind kind;
     // 0.
     uint32_t reserved;
@@ -392,7 +391,7 @@ typedef struct UmbraReplayLimits {
 // 1 as an `UmbraFx`.
 #define UMBRA_ONE 4294967296
 
-// It was done.
+// The call was carried out.
 #define UMBRA_OK 0
 
 // A value is outside of the range of its kind; `umbra_last_cause` has the number of the kind, 151 to 175.
@@ -425,19 +424,19 @@ typedef struct UmbraReplayLimits {
 // The body is not quarantined, and cannot be released.
 #define UMBRA_ERROR_NOT_QUARANTINED 110
 
-// Yoshida4 cannot go with a damping of 0.
+// Yoshida4 needs a damping above 0.
 #define UMBRA_ERROR_DAMPING_HAS_NO_INVERSE 111
 
 // Both ends of a spring are attached to one body.
 #define UMBRA_ERROR_SAME_BODY 112
 
-// The world holds as many as it can.
+// The world already has the maximum number of bodies or force fields.
 #define UMBRA_ERROR_FULL 114
 
-// The elapsed time is no longer a ratio of 128-bit integers.
+// The elapsed time no longer fits in a ratio of 128-bit integers.
 #define UMBRA_ERROR_ELAPSED_TIME 115
 
-// A tick has an input of this player and sequence already.
+// The tick already has an input of this player and sequence.
 #define UMBRA_ERROR_DUPLICATE_INPUT 117
 
 // The body is locked along an axis of the velocity; `umbra_last_cause` has which velocity, 153 or 154.
@@ -452,64 +451,64 @@ typedef struct UmbraReplayLimits {
 // The call needs a kinematic body.
 #define UMBRA_ERROR_NOT_KINEMATIC 124
 
-// The bytes are no snapshot.
+// The bytes are not a snapshot.
 #define UMBRA_ERROR_SNAPSHOT_FOREIGN 301
 
-// They are one of another layout.
+// The bytes have another layout.
 #define UMBRA_ERROR_SNAPSHOT_FORMAT 302
 
-// It was made under other custom_forces of physics.
+// The snapshot was made under another physics version.
 #define UMBRA_ERROR_SNAPSHOT_PHYSICS_VERSION 303
 
-// It is cut off or damaged.
+// The snapshot is cut off or damaged.
 #define UMBRA_ERROR_SNAPSHOT_MALFORMED 304
 
-// It says what cannot be; `umbra_last_cause` has why.
+// The snapshot contains an impossible value; `umbra_last_cause` has the reason.
 #define UMBRA_ERROR_SNAPSHOT_INVALID 305
 
-// It has a law of force of a user's own, which this interface has not.
+// The snapshot uses a custom force, which this interface does not support.
 #define UMBRA_ERROR_SNAPSHOT_CUSTOM_FORCE 306
 
-// The world it makes does not have the hash it gives.
+// The restored world does not have the hash that the snapshot states.
 #define UMBRA_ERROR_SNAPSHOT_CHANGED 307
 
-// The bytes are not what has to be there.
+// The bytes are not what is expected there.
 #define UMBRA_ERROR_MALFORMED 320
 
-// The bytes are no replay.
+// The bytes are not a replay.
 #define UMBRA_ERROR_REPLAY_FOREIGN 401
 
-// They are one of another layout.
+// The bytes have another layout.
 #define UMBRA_ERROR_REPLAY_FORMAT 402
 
-// It was recorded under other custom_forces of physics.
+// The replay was recorded under another physics version.
 #define UMBRA_ERROR_REPLAY_PHYSICS_VERSION 403
 
-// It ends before the recording did.
+// The file ends before the recording did.
 #define UMBRA_ERROR_REPLAY_CUT_OFF 404
 
-// It was changed after it was recorded; `umbra_last_message` names the value.
+// The replay was changed after it was recorded; `umbra_last_message` names the value.
 #define UMBRA_ERROR_REPLAY_TAMPERED 405
 
-// A chunk of it is not what it should be.
+// A chunk of the replay is malformed.
 #define UMBRA_ERROR_REPLAY_MALFORMED 406
 
-// A snapshot in it is none.
+// A snapshot in the replay is invalid.
 #define UMBRA_ERROR_REPLAY_SNAPSHOT 407
 
-// The run goes another way than the one recorded; `umbra_last_message` has where.
+// The run diverged from the recording; `umbra_last_message` says where.
 #define UMBRA_ERROR_DIVERGENCE 420
 
-// The replay has more ticks than it may.
+// The replay has more ticks than the limit allows.
 #define UMBRA_ERROR_VERIFY_TICKS 422
 
-// It makes more bodies than it may.
+// The replay makes more bodies than the limit allows.
 #define UMBRA_ERROR_VERIFY_BODIES 423
 
-// It makes more force fields than it may.
+// The replay makes more force fields than the limit allows.
 #define UMBRA_ERROR_VERIFY_FIELDS 424
 
-// It has more commands than it may.
+// The replay has more commands than the limit allows.
 #define UMBRA_ERROR_VERIFY_COMMANDS 425
 
 // The scene says what cannot be. Scenes have numbers from 500 to 510, and those of what the engine refuses of them;
@@ -575,16 +574,16 @@ typedef struct UmbraReplayLimits {
 // Everything.
 #define UMBRA_DYNAMIC 2
 
-// It does.
+// The body takes part in steps.
 #define UMBRA_AWAKE 0
 
-// It is at rest and skipped, until something wakes it.
+// The body is at rest and is skipped until something wakes it.
 #define UMBRA_ASLEEP 1
 
-// It left the envelope: back at its last good state and out of the simulation, until it is released.
+// The body left the allowed range: restored to its last good state and excluded from simulation until it is released.
 #define UMBRA_QUARANTINED 2
 
-// It was taken out of the simulation as it was, until it is enabled.
+// The body was taken out of the simulation by a call, until it is enabled.
 #define UMBRA_DISABLED 3
 
 // `mass` is a density: kg/m² times the area of the shape, kg/m for a segment.
@@ -638,7 +637,7 @@ typedef struct UmbraReplayLimits {
 // Vector and point are in the axes of the body, the point from its centre of mass; not in those of the world.
 #define UMBRA_BODY_FRAME 1
 
-// It does not wake a sleeping body, which does not feel it then.
+// Does not wake a sleeping body, which then ignores the force.
 #define UMBRA_NO_WAKE 2
 
 #ifdef __cplusplus
@@ -658,15 +657,15 @@ const char *umbra_version(void);
 // stands in `src/selftest/golden.txt`.
 UmbraStatus umbra_selftest(uint64_t *digest);
 
-// So many bytes, all 0, to write into: for hosts whose memory the library does not see, as that of a module of WebAssembly.
+// Allocates bytes, all 0, to write into: for hosts whose memory the library does not see, such as a WebAssembly host.
 // They lie at a multiple of 16.
 UmbraStatus umbra_bytes_new(size_t length,
                             struct UmbraBytes **bytes);
 
-// Where they lie, until they are freed; null for null.
+// Address of the bytes, valid until they are freed; null for null.
 uint8_t *umbra_bytes_data(struct UmbraBytes *bytes);
 
-// How many there are; 0 for null.
+// Number of bytes; 0 for null.
 size_t umbra_bytes_length(const struct UmbraBytes *bytes);
 
 // Frees them. Null is let be.
@@ -707,8 +706,8 @@ UmbraStatus umbra_last_message(char *buffer,
                                size_t capacity,
                                size_t *length);
 
-// What a number means, in general, as `docs/errors.md` has it; text as `umbra_last_message` gives it. `UMBRA_ERROR_BAD_ARGUMENT`
-// for a number that means nothing, and then nothing is written. The last error stays what it is.
+// General meaning of an error number, as `docs/errors.md` gives it; text as for `umbra_last_message`.
+// `UMBRA_ERROR_BAD_ARGUMENT` for an unknown number, and then nothing is written. The last error is not changed.
 UmbraStatus umbra_status_message(UmbraStatus status,
                                  char *buffer,
                                  size_t capacity,
@@ -771,7 +770,7 @@ UmbraStatus umbra_world_clone(const struct UmbraWorld *world,
 // Frees a world. Null is let be.
 void umbra_world_free(struct UmbraWorld *world);
 
-// What the world was made from, as changed since.
+// Definition of the world, with all changes since.
 UmbraStatus umbra_world_def(const struct UmbraWorld *world, struct UmbraWorldDef *def);
 
 // Moves a world on by a tick. Only a scene can be refused: what it does in this tick before that is done, and the step is not
@@ -783,7 +782,7 @@ UmbraStatus umbra_world_step(struct UmbraWorld *world);
 UmbraStatus umbra_world_step_inputs(struct UmbraWorld *world,
                                     const struct UmbraInputs *inputs);
 
-// What became of the inputs of the last step, in their order.
+// Results of the inputs of the last step, in their order.
 //
 // Lists go into a buffer with room for `capacity` entries. `count`, which may be null, is given the number of entries, also if
 // the buffer is too small; a `capacity` of 0 asks for the number alone.
@@ -818,7 +817,7 @@ UmbraStatus umbra_inputs_clear(struct UmbraInputs *inputs);
 // Frees inputs. Null is let be.
 void umbra_inputs_free(struct UmbraInputs *inputs);
 
-// What the last step did.
+// Summary of the last step.
 UmbraStatus umbra_world_report(const struct UmbraWorld *world, struct UmbraReport *report);
 
 // The bodies that the last step quarantined, in the order of their slots; a list as `umbra_world_outcomes` gives it.
@@ -871,14 +870,14 @@ UmbraStatus umbra_world_body(const struct UmbraWorld *world, uint64_t body, stru
 // The shape of a body, which is the caller's as one that was made; null if it has none.
 UmbraStatus umbra_world_body_shape(const struct UmbraWorld *world, uint64_t body, struct UmbraShape **shape);
 
-// What the mass of a body was given as, to the bit, also while it is not dynamic; an `inertia` that was not given is 0.
+// Mass of a body as it was given, to the bit, also while it is not dynamic; an `inertia` that was not given is 0.
 UmbraStatus umbra_world_body_mass_def(const struct UmbraWorld *world,
                                       uint64_t body,
                                       UmbraMassKind *kind,
                                       UmbraFx *mass,
                                       UmbraFx *inertia);
 
-// Where the next step moves a body, if it does.
+// Kinematic target of a body, if it has one.
 UmbraStatus umbra_world_body_goal(const struct UmbraWorld *world, uint64_t body, struct UmbraGoal *goal);
 
 // The velocity of a point of the world that moves with a body, m/s, rounded once. `UMBRA_ERROR_NUMBER_OUT_OF_RANGE` if a
@@ -889,7 +888,7 @@ UmbraStatus umbra_world_body_velocity_at(const struct UmbraWorld *world,
                                          UmbraFx y,
                                          struct UmbraVec2 *velocity);
 
-// Where in the world a point of a body is, m, given in its axes from its centre of mass. `UMBRA_ERROR_NUMBER_OUT_OF_RANGE` if a
+// World coordinates of a point of a body, m, given in its axes from its centre of mass. `UMBRA_ERROR_NUMBER_OUT_OF_RANGE` if a
 // component does not fit.
 UmbraStatus umbra_world_body_world_point(const struct UmbraWorld *world,
                                          uint64_t body,
@@ -897,7 +896,7 @@ UmbraStatus umbra_world_body_world_point(const struct UmbraWorld *world,
                                          UmbraFx y,
                                          struct UmbraVec2 *point);
 
-// Where on a body a point of the world is, m, in its axes from its centre of mass. `UMBRA_ERROR_NUMBER_OUT_OF_RANGE` if a
+// Coordinates of a world point on a body, m, in its axes from its centre of mass. `UMBRA_ERROR_NUMBER_OUT_OF_RANGE` if a
 // component, or one of the way from the centre, does not fit.
 UmbraStatus umbra_world_body_local_point(const struct UmbraWorld *world,
                                          uint64_t body,
@@ -923,7 +922,7 @@ UmbraStatus umbra_world_body_count(const struct UmbraWorld *world,
 // The handles of all bodies, in the order of their slots; a list as `umbra_world_outcomes` gives it.
 UmbraStatus umbra_world_bodies(const struct UmbraWorld *world, uint64_t *bodies, size_t capacity, size_t *count);
 
-// Where all bodies are, in the order of their slots: one call a frame; a list as `umbra_world_outcomes` gives it.
+// Poses of all bodies, in the order of their slots: one call a frame; a list as `umbra_world_outcomes` gives it.
 UmbraStatus umbra_world_poses(const struct UmbraWorld *world, struct UmbraPose *poses, size_t capacity, size_t *count);
 
 // Puts a body somewhere else, m; wakes it. The fraction below 2^-32 is dropped.
@@ -1043,7 +1042,7 @@ UmbraStatus umbra_world_execute(struct UmbraWorld *world,
                                 size_t length,
                                 struct UmbraMade *made);
 
-// Whether `umbra_world_execute` would carry a command out now: the same answer, and nothing changes.
+// Checks whether `umbra_world_execute` would carry a command out now: gives the same answer and changes nothing.
 UmbraStatus umbra_world_check(const struct UmbraWorld *world, const uint8_t *command, size_t length);
 
 // A draft: all that would change it is written down as a command instead, so that each function that changes a world also
@@ -1128,8 +1127,8 @@ UmbraStatus umbra_world_record(struct UmbraWorld *world,
                                uint32_t hash_every,
                                uint32_t snapshot_every);
 
-// What of the recording is finished, to be written away; each byte is handed out once. What `umbra_world_end_record` gives
-// goes after it.
+// Takes the finished part of the recording, to be written away; each byte is handed out once. The bytes of
+// `umbra_world_end_record` go after it.
 UmbraStatus umbra_world_take_record(struct UmbraWorld *world,
                                     struct UmbraBytes **bytes);
 

@@ -11,7 +11,7 @@ use crate::shape::UmbraShape;
 use crate::status::{Refusal, Result, UMBRA_ERROR_NO_SUCH_BODY, UMBRA_ERROR_NUMBER_OUT_OF_RANGE, UmbraStatus, guard};
 use crate::world::{UmbraWorld, body_id, change, change_by, look, made, word};
 
-/// What moves a body: one of the three below.
+/// How a body moves: one of the three values below.
 pub type UmbraBodyKind = u32;
 
 /// Nothing.
@@ -21,19 +21,19 @@ pub const UMBRA_KINEMATIC: UmbraBodyKind = 1;
 /// Everything.
 pub const UMBRA_DYNAMIC: UmbraBodyKind = 2;
 
-/// Whether a body takes part in steps: one of the four below.
+/// State of activity of a body: one of the four values below.
 pub type UmbraActivity = u32;
 
-/// It does.
+/// The body takes part in steps.
 pub const UMBRA_AWAKE: UmbraActivity = 0;
-/// It is at rest and skipped, until something wakes it.
+/// The body is at rest and is skipped until something wakes it.
 pub const UMBRA_ASLEEP: UmbraActivity = 1;
-/// It left the envelope: back at its last good state and out of the simulation, until it is released.
+/// The body left the allowed range: restored to its last good state and excluded from simulation until it is released.
 pub const UMBRA_QUARANTINED: UmbraActivity = 2;
-/// It was taken out of the simulation as it was, until it is enabled.
+/// The body was taken out of the simulation by a call, until it is enabled.
 pub const UMBRA_DISABLED: UmbraActivity = 3;
 
-/// Where mass and moment of inertia come from: one of the three below.
+/// Source of mass and moment of inertia: one of the three values below.
 pub type UmbraMassKind = u32;
 
 /// `mass` is a density: kg/m² times the area of the shape, kg/m for a segment.
@@ -49,7 +49,7 @@ pub const UMBRA_AS_WORLD: UmbraFx = -1;
 /// In place of a largest speed: none.
 pub const UMBRA_NO_LIMIT: UmbraFx = -1;
 
-/// Which components of a body's velocity are zero and stay zero: 0, or any of the flags below.
+/// Components of a body's velocity that are held at zero: 0, or any of the flags below.
 pub type UmbraLocks = u32;
 
 /// The velocity along x.
@@ -59,31 +59,31 @@ pub const UMBRA_LOCK_Y: UmbraLocks = 2;
 /// The angular velocity.
 pub const UMBRA_LOCK_ROTATION: UmbraLocks = 4;
 
-/// What a body is made from; `umbra_body_def_default` fills it in.
+/// Definition of a body; `umbra_body_def_default` fills it in.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct UmbraBodyDef {
-    /// What moves it: `UMBRA_DYNAMIC`.
+    /// How the body moves; default `UMBRA_DYNAMIC`.
     pub kind: UmbraBodyKind,
-    /// Where its mass comes from: `UMBRA_MASS_OF`.
+    /// Source of the mass; default `UMBRA_MASS_OF`.
     pub mass_kind: UmbraMassKind,
-    /// Its mass as its kind has it, 2^-16 to 2^24 kg: 1.
+    /// Mass in kg or density, as `mass_kind` says, 2^-16 to 2^24 kg; default 1.
     pub mass: UmbraFx,
-    /// Its moment of inertia, for `UMBRA_MASS_WITH_INERTIA` alone.
+    /// Moment of inertia, for `UMBRA_MASS_WITH_INERTIA` only.
     pub inertia: UmbraFx,
-    /// Where its centre of mass is, m, within ±2^30: the origin.
+    /// Position of the centre of mass, m, within ±2^30; default the origin.
     pub position: UmbraVec2,
-    /// Its velocity, m/s, within ±2^20: none.
+    /// Velocity, m/s, within ±2^20; default 0.
     pub velocity: UmbraVec2,
-    /// How far it is turned, rad, of any size: 0.
+    /// Angle, rad, of any size; default 0.
     pub angle: UmbraFx,
-    /// Its angular velocity, rad/s, within ±2^20: none.
+    /// Angular velocity, rad/s, within ±2^20; default 0.
     pub angular_velocity: UmbraFx,
-    /// How much of the world's gravity it feels, within ±16: 1.
+    /// Factor on the world's gravity, within ±16; default 1.
     pub gravity_scale: UmbraFx,
-    /// What is left of its velocity after a second, 0 to 1: `UMBRA_AS_WORLD`.
+    /// Fraction of the velocity left after a second, 0 to 1; default `UMBRA_AS_WORLD`.
     pub linear_damping: UmbraFx,
-    /// What is left of its angular velocity after a second, 0 to 1: `UMBRA_AS_WORLD`.
+    /// Fraction of the angular velocity left after a second, 0 to 1; default `UMBRA_AS_WORLD`.
     pub angular_damping: UmbraFx,
     /// The largest speed it has after a step, 0 to 2^20 m/s, if it is dynamic: `UMBRA_NO_LIMIT`.
     pub max_speed: UmbraFx,
@@ -95,9 +95,9 @@ pub struct UmbraBodyDef {
     pub user_data: u64,
     /// The groups it is in: a force field with one of these bits acts on it. 1.
     pub groups: u32,
-    /// Which components of its velocity are zero and stay zero: none.
+    /// Components of the velocity that are held at zero; default none.
     pub locks: UmbraLocks,
-    /// Its shape: null for none. Last, so that all else lies at the same place whatever the size of pointers.
+    /// Shape, or null for none. The last field, so that the offsets of the others do not depend on the size of pointers.
     pub shape: *const UmbraShape,
 }
 
@@ -105,39 +105,39 @@ pub struct UmbraBodyDef {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct UmbraBodyState {
-    /// Where its centre of mass is, m.
+    /// Position of the centre of mass, m.
     pub position: UmbraVec2,
-    /// Its velocity, m/s.
+    /// Velocity, m/s.
     pub velocity: UmbraVec2,
-    /// How far it is turned, rad in [0, 2π).
+    /// Angle, rad in [0, 2π).
     pub angle: UmbraFx,
-    /// Its angular velocity, rad/s.
+    /// Angular velocity, rad/s.
     pub angular_velocity: UmbraFx,
     /// The cosine of its angle.
     pub cos: UmbraFx,
     /// The sine of its angle.
     pub sin: UmbraFx,
-    /// Its position as it is kept, with what is carried from step to step: multiples of 2^-96 m.
+    /// Full position with the carried remainder: multiples of 2^-96 m.
     pub exact_x: UmbraInt128,
     /// See `exact_x`.
     pub exact_y: UmbraInt128,
-    /// Its velocity as it is kept: multiples of 2^-96 m/s.
+    /// Full velocity: multiples of 2^-96 m/s.
     pub exact_velocity_x: UmbraInt128,
     /// See `exact_velocity_x`.
     pub exact_velocity_y: UmbraInt128,
-    /// Its angular velocity as it is kept: multiples of 2^-96 rad/s.
+    /// Full angular velocity: multiples of 2^-96 rad/s.
     pub exact_angular_velocity: UmbraInt128,
-    /// Its angle as it is kept: multiples of 2^-64 turns.
+    /// Full angle: multiples of 2^-64 turns.
     pub turn: u64,
-    /// Its mass, kg; 0 unless it is dynamic.
+    /// Mass, kg; 0 unless the body is dynamic.
     pub mass: UmbraFx,
-    /// Its moment of inertia, kg·m²; 0 if that is infinite.
+    /// Moment of inertia, kg·m²; 0 if it is infinite.
     pub inertia: UmbraFactor,
-    /// How much of the world's gravity it feels.
+    /// Factor on the world's gravity.
     pub gravity_scale: UmbraFx,
-    /// What is left of its velocity after a second, or `UMBRA_AS_WORLD`.
+    /// Fraction of the velocity left after a second, or `UMBRA_AS_WORLD`.
     pub linear_damping: UmbraFx,
-    /// What is left of its angular velocity after a second, or `UMBRA_AS_WORLD`.
+    /// Fraction of the angular velocity left after a second, or `UMBRA_AS_WORLD`.
     pub angular_damping: UmbraFx,
     /// The largest speed it has after a step, or `UMBRA_NO_LIMIT`.
     pub max_speed: UmbraFx,
@@ -147,17 +147,17 @@ pub struct UmbraBodyState {
     pub key: u64,
     /// The caller's data.
     pub user_data: u64,
-    /// What moves it.
+    /// How the body moves.
     pub kind: UmbraBodyKind,
-    /// Whether it takes part in steps.
+    /// State of activity.
     pub activity: UmbraActivity,
     /// The groups it is in.
     pub groups: u32,
-    /// Which components of its velocity are zero and stay zero.
+    /// Components of the velocity that are held at zero.
     pub locks: UmbraLocks,
 }
 
-/// Where the next step moves a body.
+/// Kinematic target: the pose to which the next step moves a body.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct UmbraGoal {
@@ -171,23 +171,23 @@ pub struct UmbraGoal {
     pub reserved: u32,
 }
 
-/// What drawing needs of a body.
+/// Values of a body needed to draw it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct UmbraPose {
     /// The body.
     pub body: u64,
-    /// Where its centre of mass is, m.
+    /// Position of the centre of mass, m.
     pub position: UmbraVec2,
-    /// How far it is turned, rad in [0, 2π).
+    /// Angle, rad in [0, 2π).
     pub angle: UmbraFx,
     /// The caller's name for it, by which what is drawn stays with its body through a rollback.
     pub key: u64,
     /// The caller's data: what to draw, say.
     pub user_data: u64,
-    /// What moves it.
+    /// How the body moves.
     pub kind: UmbraBodyKind,
-    /// Whether it takes part in steps.
+    /// State of activity.
     pub activity: UmbraActivity,
 }
 
@@ -374,7 +374,7 @@ pub extern "C" fn umbra_world_body_shape(
     look(world, shape, |world| Ok(world.body(body_id(body))?.shape().cloned().and_then(UmbraShape::boxed)))
 }
 
-/// What the mass of a body was given as, to the bit, also while it is not dynamic; an `inertia` that was not given is 0.
+/// Mass of a body as it was given, to the bit, also while it is not dynamic; an `inertia` that was not given is 0.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_world_body_mass_def(
     world: Option<&UmbraWorld>,
@@ -397,7 +397,7 @@ pub extern "C" fn umbra_world_body_mass_def(
     })
 }
 
-/// Where the next step moves a body, if it does.
+/// Kinematic target of a body, if it has one.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_world_body_goal(
     world: Option<&UmbraWorld>,
@@ -441,7 +441,7 @@ pub extern "C" fn umbra_world_body_velocity_at(
     seen(world, body, velocity, |body| body.velocity_at(vector(x, y)))
 }
 
-/// Where in the world a point of a body is, m, given in its axes from its centre of mass. `UMBRA_ERROR_NUMBER_OUT_OF_RANGE` if a
+/// World coordinates of a point of a body, m, given in its axes from its centre of mass. `UMBRA_ERROR_NUMBER_OUT_OF_RANGE` if a
 /// component does not fit.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_world_body_world_point(
@@ -454,7 +454,7 @@ pub extern "C" fn umbra_world_body_world_point(
     seen(world, body, point, |body| body.world_point(vector(x, y)))
 }
 
-/// Where on a body a point of the world is, m, in its axes from its centre of mass. `UMBRA_ERROR_NUMBER_OUT_OF_RANGE` if a
+/// Coordinates of a world point on a body, m, in its axes from its centre of mass. `UMBRA_ERROR_NUMBER_OUT_OF_RANGE` if a
 /// component, or one of the way from the centre, does not fit.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_world_body_local_point(
@@ -531,7 +531,7 @@ pub unsafe extern "C" fn umbra_world_bodies(
     })
 }
 
-/// Where all bodies are, in the order of their slots: one call a frame; a list as `umbra_world_outcomes` gives it.
+/// Poses of all bodies, in the order of their slots: one call a frame; a list as `umbra_world_outcomes` gives it.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn umbra_world_poses(
     world: Option<&UmbraWorld>,

@@ -8,13 +8,13 @@ use crate::memory::{fill, given, slice};
 use crate::status::{UmbraStatus, guard};
 use crate::world::{UmbraMadeKind, UmbraWorld, made};
 
-/// What a command made.
+/// Body or force field that a command created.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct UmbraMade {
     /// The handle of what it made, or `UMBRA_NO_HANDLE`.
     pub handle: u64,
-    /// What that is.
+    /// Kind of the created thing.
     pub kind: UmbraMadeKind,
     /// 0.
     pub reserved: u32,
@@ -40,7 +40,7 @@ pub unsafe extern "C" fn umbra_world_execute(
     })
 }
 
-/// Whether `umbra_world_execute` would carry a command out now: the same answer, and nothing changes.
+/// Checks whether `umbra_world_execute` would carry a command out now: gives the same answer and changes nothing.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn umbra_world_check(
     world: Option<&UmbraWorld>,

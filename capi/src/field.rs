@@ -44,7 +44,7 @@ pub const UMBRA_ALL_GROUPS: u32 = 0xFFFF_FFFF;
 pub struct UmbraFieldDef {
     /// The law.
     pub kind: UmbraFieldKind,
-    /// It acts on dynamic bodies with one of these group bits; springs and thrusts act on their bodies alone. All.
+    /// Groups of dynamic bodies that the field acts on, as bits; springs and thrusts act on their bodies alone. Default all.
     pub groups: u32,
     /// The region of a zone.
     pub region: UmbraRegion,
@@ -52,11 +52,11 @@ pub struct UmbraFieldDef {
     pub reserved: u32,
     /// The body that a thrust acts on, or a spring's near end is at.
     pub body: u64,
-    /// Where on it, in its own axes from its centre of mass, m.
+    /// Point of the body, in its own axes from its centre of mass, m.
     pub point: UmbraVec2,
     /// The body that an attractor's centre or a spring's far end is at, or `UMBRA_NO_HANDLE` for a point of the world.
     pub other: u64,
-    /// Where on it, or where in the world, m.
+    /// Point of the body, or of the world, m.
     pub other_point: UmbraVec2,
     /// The gravitational parameter G·M of an attractor, 0 to 2^64 m³/s².
     pub mu: UmbraFactor,
@@ -90,7 +90,7 @@ pub struct UmbraFieldDef {
 
 const EMPTY: UmbraVec2 = UmbraVec2 { x: 0, y: 0 };
 
-/// Of no law yet.
+/// A field whose kind is not set yet.
 const BLANK: UmbraFieldDef = UmbraFieldDef {
     kind: 0,
     groups: UMBRA_ALL_GROUPS,

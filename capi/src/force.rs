@@ -6,12 +6,12 @@ use crate::number::{UmbraFx, UmbraVec2, vector};
 use crate::status::{Refusal, Result, UmbraStatus};
 use crate::world::{UmbraWorld, body_id, change, change_by};
 
-/// How an action is meant: 0, or any of the flags below.
+/// Options of a force or impulse: 0, or any of the flags below.
 pub type UmbraManner = u32;
 
 /// Vector and point are in the axes of the body, the point from its centre of mass; not in those of the world.
 pub const UMBRA_BODY_FRAME: UmbraManner = 1;
-/// It does not wake a sleeping body, which does not feel it then.
+/// Does not wake a sleeping body, which then ignores the force.
 pub const UMBRA_NO_WAKE: UmbraManner = 2;
 
 fn manner(flags: UmbraManner) -> Result<ApplyOptions> {

@@ -1,20 +1,18 @@
 //! `umbra-physics` behind a C ABI: for C, C++, C#, engines that load libraries, and browsers.
 //!
-//! It is a package of its own because pointers from elsewhere need `unsafe`, and a library that is `no_std` and forbids
-//! `unsafe` is no place for them. Nothing is computed here: every function checks what it is given, calls the library, and hands
-//! back what that says. The header, `include/umbra_physics.h`, is made from these sources; `README.md` has how to build, link
-//! and own things.
+//! It is a separate package because pointers from other languages need `unsafe`, which the library forbids. Nothing is computed here:
+//! every function checks its arguments, calls the library, and returns the result. The header, `include/umbra_physics.h`, is generated
+//! from these sources; `README.md` describes building, linking and ownership.
 //!
 //! # Safety
-//! What the functions ask of their caller, all of them the same:
-//! - a pointer is null, or it is aligned and points to as many values as the function says. Handles come from this library and
-//!   are not freed yet. Null is refused where it has no meaning, with `UMBRA_ERROR_NULL_POINTER`;
-//! - what is written to in a call is not read or written by another at the same time, nor by another argument of the same;
-//! - a definition (`UmbraBodyDef`, …) is filled in before it is read; its `_default` function does.
+//! All functions have the same requirements for their caller:
+//! - a pointer is null, or aligned and points to as many values as the function says. Objects come from this library and are not freed
+//!   yet. Null is refused where it has no meaning, with `UMBRA_ERROR_NULL_POINTER`;
+//! - memory that a call writes to is not used by another call at the same time, nor by another argument of the call;
+//! - a definition (`UmbraBodyDef`, …) is filled in before it is read; its `_default` function does so.
 //!
-//! Whatever the numbers, handles, lengths and bytes are then, a call does what it says or gives an error and changes nothing.
-//! No panic goes through to the caller: it would be a fault in the library, and gives `UMBRA_ERROR_PANIC`; in WebAssembly,
-//! where panics do not unwind, it traps.
+//! Then, for any numbers, handles, lengths and bytes, a call succeeds or returns an error and changes nothing. No panic reaches the
+//! caller: it would be a bug of the library, and returns `UMBRA_ERROR_PANIC`; in WebAssembly, where panics do not unwind, it traps.
 #![allow(clippy::missing_safety_doc, reason = "it is the same for all, and stands above and in the header")]
 #![allow(clippy::type_complexity, reason = "types as C has them: pointers to places for pointers")]
 

@@ -1,11 +1,11 @@
-//! What lies at pointers: the one place where they become slices.
+//! Slices from pointers: the one place where the interface dereferences the caller's pointers.
 
 use std::ffi::c_char;
 use std::mem::MaybeUninit;
 
 use crate::status::{Refusal, Result, UMBRA_ERROR_BUFFER_TOO_SMALL, UMBRA_ERROR_NULL_POINTER, UmbraStatus, guard};
 
-/// What is there, unless the pointer is null.
+/// The value at a pointer, unless the pointer is null.
 pub(crate) fn given<T>(pointer: Option<T>) -> Result<T> {
     pointer.ok_or_else(|| Refusal::own(UMBRA_ERROR_NULL_POINTER, "a pointer is null"))
 }
@@ -18,7 +18,7 @@ fn check_length<T>(length: usize) -> Result {
     }
 }
 
-/// So many values at a pointer, which may be null if there are none.
+/// A slice of `count` values at a pointer, which may be null if the count is 0.
 ///
 /// # Safety
 /// They are there, initialised, and stay as they are as long as the slice is used.
@@ -106,7 +106,7 @@ pub(crate) unsafe fn write_text(
 pub struct UmbraBytes {
     /// Never longer than it was made, so that it stays where it is.
     bytes: Vec<u8>,
-    /// Where the caller's bytes begin.
+    /// Start of the caller's bytes.
     from: usize,
 }
 
@@ -116,10 +116,10 @@ impl UmbraBytes {
     }
 }
 
-/// What structs of the interface need, and more: room that was asked for is for any of them.
+/// Alignment of the structs of the interface, or more: allocated room may hold any of them.
 const ALIGNMENT: usize = 16;
 
-/// So many bytes, all 0, to write into: for hosts whose memory the library does not see, as that of a module of WebAssembly.
+/// Allocates bytes, all 0, to write into: for hosts whose memory the library does not see, such as a WebAssembly host.
 /// They lie at a multiple of 16.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_bytes_new(
@@ -138,14 +138,14 @@ pub extern "C" fn umbra_bytes_new(
     })
 }
 
-/// Where they lie, until they are freed; null for null.
+/// Address of the bytes, valid until they are freed; null for null.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_bytes_data(bytes: Option<&mut UmbraBytes>) -> *mut u8 {
     // Without a reference to them: pointers that were given out before stay good.
     bytes.map_or(std::ptr::null_mut(), |bytes| bytes.bytes.as_mut_ptr().wrapping_add(bytes.from))
 }
 
-/// How many there are; 0 for null.
+/// Number of bytes; 0 for null.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_bytes_length(bytes: Option<&UmbraBytes>) -> usize {
     bytes.map_or(0, |bytes| bytes.bytes.len() - bytes.from)

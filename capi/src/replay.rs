@@ -31,8 +31,8 @@ pub extern "C" fn umbra_world_record(
     })
 }
 
-/// What of the recording is finished, to be written away; each byte is handed out once. What `umbra_world_end_record` gives
-/// goes after it.
+/// Takes the finished part of the recording, to be written away; each byte is handed out once. The bytes of
+/// `umbra_world_end_record` go after it.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_world_take_record(
     world: Option<&mut UmbraWorld>,

@@ -23,13 +23,13 @@ impl UmbraShape {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct UmbraPart {
-    /// Where its centre of mass is, m.
+    /// Position of the part's centre of mass, m.
     pub position: UmbraVec2,
-    /// How far it is turned, rad.
+    /// Angle of the part, rad.
     pub angle: UmbraFx,
-    /// Its density relative to that of the other parts, above 0.
+    /// Density relative to the other parts, above 0.
     pub density: UmbraFx,
-    /// Its shape, which is no compound.
+    /// Shape of the part; it must not be a compound.
     pub shape: *const UmbraShape,
 }
 

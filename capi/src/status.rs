@@ -1,4 +1,4 @@
-//! What calls give: numbers that stay, and words for them.
+//! Statuses of calls: error numbers that stay, and their messages.
 
 use std::any::Any;
 use std::cell::RefCell;
@@ -15,11 +15,11 @@ use umbra_physics::{
 
 use crate::memory::write_text;
 
-/// What came of a call: `UMBRA_OK`, or the number of an error. They are those of the library (`docs/errors.md`), with some of
-/// the interface's own from 901 on. A number, once given, stays.
+/// Result of a call: `UMBRA_OK`, or the number of an error. The numbers are those of the library (`docs/errors.md`), with
+/// some of the interface's own from 901 on. A number is never changed or reused.
 pub type UmbraStatus = i32;
 
-/// It was done.
+/// The call was carried out.
 pub const UMBRA_OK: UmbraStatus = 0;
 /// A value is outside of the range of its kind; `umbra_last_cause` has the number of the kind, 151 to 175.
 pub const UMBRA_ERROR_OUT_OF_RANGE: UmbraStatus = 101;
@@ -41,15 +41,15 @@ pub const UMBRA_ERROR_NOT_MOVABLE: UmbraStatus = 108;
 pub const UMBRA_ERROR_QUARANTINED: UmbraStatus = 109;
 /// The body is not quarantined, and cannot be released.
 pub const UMBRA_ERROR_NOT_QUARANTINED: UmbraStatus = 110;
-/// Yoshida4 cannot go with a damping of 0.
+/// Yoshida4 needs a damping above 0.
 pub const UMBRA_ERROR_DAMPING_HAS_NO_INVERSE: UmbraStatus = 111;
 /// Both ends of a spring are attached to one body.
 pub const UMBRA_ERROR_SAME_BODY: UmbraStatus = 112;
-/// The world holds as many as it can.
+/// The world already has the maximum number of bodies or force fields.
 pub const UMBRA_ERROR_FULL: UmbraStatus = 114;
-/// The elapsed time is no longer a ratio of 128-bit integers.
+/// The elapsed time no longer fits in a ratio of 128-bit integers.
 pub const UMBRA_ERROR_ELAPSED_TIME: UmbraStatus = 115;
-/// A tick has an input of this player and sequence already.
+/// The tick already has an input of this player and sequence.
 pub const UMBRA_ERROR_DUPLICATE_INPUT: UmbraStatus = 117;
 /// The body is locked along an axis of the velocity; `umbra_last_cause` has which velocity, 153 or 154.
 pub const UMBRA_ERROR_LOCKED: UmbraStatus = 121;
@@ -59,45 +59,45 @@ pub const UMBRA_ERROR_DISABLED: UmbraStatus = 122;
 pub const UMBRA_ERROR_NOT_DISABLED: UmbraStatus = 123;
 /// The call needs a kinematic body.
 pub const UMBRA_ERROR_NOT_KINEMATIC: UmbraStatus = 124;
-/// The bytes are no snapshot.
+/// The bytes are not a snapshot.
 pub const UMBRA_ERROR_SNAPSHOT_FOREIGN: UmbraStatus = 301;
-/// They are one of another layout.
+/// The bytes have another layout.
 pub const UMBRA_ERROR_SNAPSHOT_FORMAT: UmbraStatus = 302;
-/// It was made under other laws of physics.
+/// The snapshot was made under another physics version.
 pub const UMBRA_ERROR_SNAPSHOT_PHYSICS_VERSION: UmbraStatus = 303;
-/// It is cut off or damaged.
+/// The snapshot is cut off or damaged.
 pub const UMBRA_ERROR_SNAPSHOT_MALFORMED: UmbraStatus = 304;
-/// It says what cannot be; `umbra_last_cause` has why.
+/// The snapshot contains an impossible value; `umbra_last_cause` has the reason.
 pub const UMBRA_ERROR_SNAPSHOT_INVALID: UmbraStatus = 305;
-/// It has a law of force of a user's own, which this interface has not.
+/// The snapshot uses a custom force, which this interface does not support.
 pub const UMBRA_ERROR_SNAPSHOT_CUSTOM_FORCE: UmbraStatus = 306;
-/// The world it makes does not have the hash it gives.
+/// The restored world does not have the hash that the snapshot states.
 pub const UMBRA_ERROR_SNAPSHOT_CHANGED: UmbraStatus = 307;
-/// The bytes are not what has to be there.
+/// The bytes are not what is expected there.
 pub const UMBRA_ERROR_MALFORMED: UmbraStatus = 320;
-/// The bytes are no replay.
+/// The bytes are not a replay.
 pub const UMBRA_ERROR_REPLAY_FOREIGN: UmbraStatus = 401;
-/// They are one of another layout.
+/// The bytes have another layout.
 pub const UMBRA_ERROR_REPLAY_FORMAT: UmbraStatus = 402;
-/// It was recorded under other laws of physics.
+/// The replay was recorded under another physics version.
 pub const UMBRA_ERROR_REPLAY_PHYSICS_VERSION: UmbraStatus = 403;
-/// It ends before the recording did.
+/// The file ends before the recording did.
 pub const UMBRA_ERROR_REPLAY_CUT_OFF: UmbraStatus = 404;
-/// It was changed after it was recorded; `umbra_last_message` names the value.
+/// The replay was changed after it was recorded; `umbra_last_message` names the value.
 pub const UMBRA_ERROR_REPLAY_TAMPERED: UmbraStatus = 405;
-/// A chunk of it is not what it should be.
+/// A chunk of the replay is malformed.
 pub const UMBRA_ERROR_REPLAY_MALFORMED: UmbraStatus = 406;
-/// A snapshot in it is none.
+/// A snapshot in the replay is invalid.
 pub const UMBRA_ERROR_REPLAY_SNAPSHOT: UmbraStatus = 407;
-/// The run goes another way than the one recorded; `umbra_last_message` has where.
+/// The run diverged from the recording; `umbra_last_message` says where.
 pub const UMBRA_ERROR_DIVERGENCE: UmbraStatus = 420;
-/// The replay has more ticks than it may.
+/// The replay has more ticks than the limit allows.
 pub const UMBRA_ERROR_VERIFY_TICKS: UmbraStatus = 422;
-/// It makes more bodies than it may.
+/// The replay makes more bodies than the limit allows.
 pub const UMBRA_ERROR_VERIFY_BODIES: UmbraStatus = 423;
-/// It makes more force fields than it may.
+/// The replay makes more force fields than the limit allows.
 pub const UMBRA_ERROR_VERIFY_FIELDS: UmbraStatus = 424;
-/// It has more commands than it may.
+/// The replay has more commands than the limit allows.
 pub const UMBRA_ERROR_VERIFY_COMMANDS: UmbraStatus = 425;
 /// The scene says what cannot be. Scenes have numbers from 500 to 510, and those of what the engine refuses of them;
 /// `umbra_last_message` has the line.
@@ -121,7 +121,7 @@ pub const UMBRA_ERROR_PANIC: UmbraStatus = 904;
 /// is being recorded does not go to another state at once.
 pub const UMBRA_ERROR_BUSY: UmbraStatus = 905;
 
-/// Why a call was refused.
+/// Reason why a call was refused.
 #[derive(Debug)]
 pub(crate) struct Refusal {
     status: UmbraStatus,
@@ -235,8 +235,8 @@ pub unsafe extern "C" fn umbra_last_message(
     unsafe { write_text(&text, buffer, capacity, length) }.map_or_else(|refusal| refusal.status, |()| UMBRA_OK)
 }
 
-/// What a number means, in general, as `docs/errors.md` has it; text as `umbra_last_message` gives it. `UMBRA_ERROR_BAD_ARGUMENT`
-/// for a number that means nothing, and then nothing is written. The last error stays what it is.
+/// General meaning of an error number, as `docs/errors.md` gives it; text as for `umbra_last_message`.
+/// `UMBRA_ERROR_BAD_ARGUMENT` for an unknown number, and then nothing is written. The last error is not changed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn umbra_status_message(
     status: UmbraStatus,
@@ -293,8 +293,8 @@ mod tests {
 
     #[test]
     fn a_meaning_is_plain_text() {
-        assert_eq!(meaning(302).as_deref(), Some("the layout is another: see old files"));
-        assert_eq!(meaning(111).as_deref(), Some("Yoshida4 cannot go with a damping of 0"));
+        assert_eq!(meaning(302).as_deref(), Some("the snapshot has another format: see old files"));
+        assert_eq!(meaning(111).as_deref(), Some("Yoshida4 needs a damping above 0"));
         assert_eq!(meaning(0).as_deref(), Some("done"));
         assert_eq!((meaning(1), meaning(-101), meaning(UmbraStatus::MAX)), (None, None, None));
     }

@@ -15,7 +15,7 @@ use crate::memory::{fill, given, slice, text, write_text};
 use crate::number::{UmbraFx, UmbraUint128, UmbraVec2};
 use crate::status::{Refusal, Result, UMBRA_ERROR_BUSY, UMBRA_OK, UmbraStatus, guard};
 
-/// How a world moves from tick to tick: one of the five below.
+/// Integrator of a world: one of the five values below.
 pub type UmbraIntegrator = u32;
 
 /// Order 1; gains energy. For comparison.
@@ -40,7 +40,7 @@ const INTEGRATORS: [Integrator; 5] = [
 /// In place of a number of ticks: bodies never fall asleep.
 pub const UMBRA_NEVER: u32 = 0;
 
-/// What a world is made from; `umbra_world_def_default` fills it in.
+/// Definition of a world; `umbra_world_def_default` fills it in.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct UmbraWorldDef {
@@ -48,29 +48,29 @@ pub struct UmbraWorldDef {
     pub step_num: u32,
     /// See `step_num`.
     pub step_den: u32,
-    /// How bodies move from tick to tick: `UMBRA_VELOCITY_VERLET`.
+    /// Integrator; default `UMBRA_VELOCITY_VERLET`.
     pub integrator: UmbraIntegrator,
     /// The number of ticks at rest after which a body falls asleep, or `UMBRA_NEVER`: 30.
     pub sleep_after: u32,
     /// Gravity, m/s²: none.
     pub gravity: UmbraVec2,
-    /// What is left of a velocity after a second, 0 to 1, unless the body says otherwise: 1.
+    /// Fraction of a velocity left after a second, 0 to 1, unless the body says otherwise; default 1.
     pub linear_damping: UmbraFx,
-    /// What is left of an angular velocity after a second, 0 to 1, unless the body says otherwise: 1.
+    /// Fraction of an angular velocity left after a second, 0 to 1, unless the body says otherwise; default 1.
     pub angular_damping: UmbraFx,
 }
 
-/// What a step did, in figures; `umbra_world_faults` and its like have the bodies.
+/// Summary of a step in numbers; `umbra_world_faults` and similar functions list the bodies.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct UmbraReport {
     /// The tick the world is at now.
     pub tick: u64,
-    /// How many bodies were quarantined.
+    /// Number of bodies quarantined.
     pub faults: u64,
-    /// How many bodies fell asleep.
+    /// Number of bodies that fell asleep.
     pub fell_asleep: u64,
-    /// How many bodies calls since the step before woke.
+    /// Number of bodies woken by calls since the step before.
     pub woke: u64,
     /// With Yoshida4, how many bodies had a drag too stiff for its backward sub-step, which acted around the whole step instead.
     pub drag_outside: u32,
@@ -92,7 +92,7 @@ pub struct UmbraFault {
     pub reserved: u32,
 }
 
-/// What a command made: nothing, a body, or a field.
+/// Result of a command: nothing, a body, or a field.
 pub type UmbraMadeKind = u32;
 
 /// Nothing new.
@@ -102,17 +102,17 @@ pub const UMBRA_MADE_BODY: UmbraMadeKind = 1;
 /// A force field.
 pub const UMBRA_MADE_FIELD: UmbraMadeKind = 2;
 
-/// What became of an input.
+/// Result of an input.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct UmbraOutcome {
-    /// Whose it was.
+    /// The player.
     pub player: u32,
-    /// Its place among the inputs of this player.
+    /// Sequence of the input among the inputs of this player.
     pub sequence: u32,
     /// `UMBRA_OK`, or why it was refused: then it changed nothing.
     pub status: UmbraStatus,
-    /// What it made.
+    /// Body or field that the input created.
     pub made: UmbraMadeKind,
     /// The handle of what it made, or `UMBRA_NO_HANDLE`.
     pub handle: u64,
@@ -131,7 +131,7 @@ pub struct UmbraWorld {
     outcomes: Vec<InputResult>,
 }
 
-/// Who changes a world.
+/// The owner of the changes to a world.
 enum State {
     /// The caller.
     Own(World),
@@ -187,7 +187,7 @@ impl UmbraWorld {
         }
     }
 
-    /// What its scene calls a body. Only as long as it is borrowed, whatever the run says.
+    /// Name of a body in its scene. Valid as long as it is borrowed, whatever the run says.
     fn name(&self, body: BodyId) -> Option<&str> {
         self.play().ok().map(|play| play.run.name(body)).filter(|name| !name.is_empty())
     }
@@ -231,7 +231,7 @@ impl UmbraWorld {
         })
     }
 
-    /// What [`execute`](Self::execute) would say.
+    /// The answer that [`execute`](Self::execute) would give.
     pub(crate) fn check(&self, command: &Command) -> Result {
         match &self.state {
             State::Own(world) => Ok(world.check(command)?),
@@ -498,7 +498,7 @@ pub extern "C" fn umbra_world_free(world: Option<Box<UmbraWorld>>) {
     drop(world);
 }
 
-/// What the world was made from, as changed since.
+/// Definition of the world, with all changes since.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_world_def(
     world: Option<&UmbraWorld>,
@@ -521,7 +521,7 @@ pub extern "C" fn umbra_world_step_inputs(world: Option<&mut UmbraWorld>, inputs
     guard(|| given(world)?.step(&given(inputs)?.inputs))
 }
 
-/// What became of the inputs of the last step, in their order.
+/// Results of the inputs of the last step, in their order.
 ///
 /// Lists go into a buffer with room for `capacity` entries. `count`, which may be null, is given the number of entries, also if
 /// the buffer is too small; a `capacity` of 0 asks for the number alone.
@@ -616,7 +616,7 @@ pub extern "C" fn umbra_inputs_free(inputs: Option<Box<UmbraInputs>>) {
     drop(inputs);
 }
 
-/// What the last step did.
+/// Summary of the last step.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_world_report(
     world: Option<&UmbraWorld>,
@@ -744,7 +744,7 @@ pub unsafe extern "C" fn umbra_world_first_difference(
 mod tests {
     use super::*;
 
-    /// What the header says of threads.
+    /// The rules for threads that the header states.
     #[test]
     fn worlds_go_from_thread_to_thread_and_are_read_by_several() {
         const fn may<T: Send + Sync>() {}

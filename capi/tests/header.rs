@@ -38,7 +38,7 @@ fn declared(header: &str) -> BTreeSet<&str> {
     code.filter_map(|line| line.split_once('(')?.0.rsplit([' ', '*']).next()).collect()
 }
 
-/// What the generator does not see it leaves out without a word.
+/// Items that the generator does not see are left out of the header silently.
 #[test]
 fn every_function_is_in_the_header_and_has_words() {
     let (sources, header) = (sources(), fs::read_to_string(header()).expect("the header"));

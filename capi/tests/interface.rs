@@ -16,7 +16,7 @@ use umbra_physics_capi::*;
 /// More than any replay here asks for.
 const LIMITS: UmbraReplayLimits = UmbraReplayLimits { ticks: 1_000, commands: 1_000, bodies: 100, fields: 100 };
 
-/// What a function gives through a pointer.
+/// The value that a function gives through a pointer.
 fn out<T>(call: impl FnOnce(Option<&mut MaybeUninit<T>>) -> UmbraStatus) -> Result<T, UmbraStatus> {
     let mut place = MaybeUninit::uninit();
     match call(Some(&mut place)) {
@@ -480,7 +480,7 @@ fn what_cannot_be_is_refused_and_changes_nothing() {
     umbra_world_free(Some(world));
 }
 
-/// What a body has that its state has not, as the library sees it.
+/// Values of a body that are not in its state struct, as the library has them.
 #[test]
 fn the_rest_of_a_body_is_read() {
     let mut here = world();
@@ -748,7 +748,7 @@ fn nothing_is_written_of_what_is_refused() {
     }
 }
 
-/// What calls itself the library's version is this package's.
+/// The version that the library reports is this package's.
 #[test]
 fn the_interface_has_the_version_of_the_library() {
     // SAFETY: it is text that ends with a zero, and stays.
@@ -955,7 +955,7 @@ fn the_numbers_of_errors_are_those_of_the_document() {
     assert_eq!(count, 48);
 }
 
-/// As C has them: on these numbers the page in `examples/web` stands too.
+/// The struct sizes of C, which the page in `examples/web` relies on too.
 #[test]
 fn structs_lie_as_they_are_known() {
     assert_eq!((size_of::<UmbraWorldDef>(), size_of::<UmbraPose>()), (48, 56));

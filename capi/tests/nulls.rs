@@ -21,7 +21,7 @@ macro_rules! refused {
     };
 }
 
-/// What a call that is done gives.
+/// The status of a call that is carried out.
 fn made<T>(call: impl FnOnce(Option<&mut MaybeUninit<T>>) -> UmbraStatus) -> T {
     let mut place = MaybeUninit::uninit();
     assert_eq!(call(Some(&mut place)), UMBRA_OK);
@@ -289,7 +289,7 @@ fn null_is_refused_everywhere() {
     assert_eq!(seen, expected);
 }
 
-/// Where there is nothing to be read or written.
+/// An address where nothing may be read or written.
 #[test]
 fn null_is_good_for_nothing_at_all() {
     let def = made(|def| umbra_world_def_default(def));

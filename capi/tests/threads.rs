@@ -16,7 +16,7 @@ use umbra_physics_capi::*;
 const ONE: i64 = UMBRA_ONE;
 const THREADS: u64 = 6;
 
-/// What a function gives through a pointer.
+/// The value that a function gives through a pointer.
 fn out<T>(call: impl FnOnce(Option<&mut MaybeUninit<T>>) -> UmbraStatus) -> Result<T, UmbraStatus> {
     let mut place = MaybeUninit::uninit();
     match call(Some(&mut place)) {

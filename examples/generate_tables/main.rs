@@ -1,5 +1,5 @@
 //! Writes the tables of the kernels: `cargo run --example generate_tables`. `tests/tables.rs` compares the file with
-//! what this makes.
+//! its output.
 
 mod tables;
 

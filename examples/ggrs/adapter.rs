@@ -1,18 +1,18 @@
-//! What GGRS asks of a game, done with a world: to save it, to load it, to move it on. A game can take this file as it is.
+//! Adapter between GGRS and a world: it saves, loads and advances the game. A game can take this file as it is.
 
 use std::fmt;
 
 use ggrs::{Config, Frame, GgrsRequest, InputStatus, NULL_FRAME};
 use umbra_physics::{Error, Snapshot, World};
 
-/// What GGRS keeps of a frame, a game's [`Config::State`]. The snapshot can be taken out again: the frame that is kept next in
-/// the same place goes into its memory, so that after the first frames one takes nothing from the heap.
+/// Saved state of a frame, a game's [`Config::State`]. The snapshot can be taken out again: the next frame saved in the
+/// same place reuses its memory, so that after the first frames nothing is allocated.
 pub(crate) type Saved = Option<Snapshot>;
 
-/// Hashes of so many frames are kept, which has to be more than the window of prediction.
+/// Number of frames whose hashes are kept; it must exceed the prediction window.
 const HASHES: usize = 64;
 
-/// A world that GGRS takes back and forth.
+/// A world that GGRS saves and restores.
 pub(crate) struct Rollback {
     world: World,
     /// The tick of frame 0.
@@ -22,10 +22,10 @@ pub(crate) struct Rollback {
     work: Work,
 }
 
-/// What rolling back has cost so far.
+/// Statistics of rolling back so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Work {
-    /// How often a state was loaded.
+    /// Number of times a state was loaded.
     pub(crate) loads: u32,
     /// The number of frames that these loads undid.
     pub(crate) undone: u32,
@@ -33,19 +33,19 @@ pub(crate) struct Work {
     pub(crate) deepest: u32,
 }
 
-/// Why a request cannot be fulfilled.
+/// Reason why a request cannot be fulfilled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Failure {
     /// The world refused something.
     Refused(Error),
-    /// The world is at another tick than GGRS's frame: a game has to step once whenever it is told to advance.
+    /// The world is at another tick than GGRS's frame: the game must step exactly once whenever it advances.
     OutOfStep {
         /// The frame.
         frame: Frame,
         /// The tick, counted from that of frame 0.
         ticks: u64,
     },
-    /// GGRS wants a frame back that was not saved.
+    /// GGRS asked for a frame that was not saved.
     NotSaved(Frame),
 }
 
@@ -89,7 +89,7 @@ impl Rollback {
                     self.check_step(frame)?;
                     let hash = self.world.state_hash();
                     self.hashes[frame as usize % HASHES] = (frame, hash);
-                    // Nobody looks at a frame that is about to be written over. The guard goes before the cell is saved to.
+                    // Nobody reads a frame that is about to be overwritten. Drop the guard before saving to the cell.
                     let mut saved: Saved = cell.data().and_then(|mut old| old.as_mut_dangerous().take());
                     match &mut saved {
                         Some(snapshot) => self.world.snapshot_into(snapshot),
@@ -115,7 +115,7 @@ impl Rollback {
         Ok(())
     }
 
-    /// The world at the present frame: what a game draws. Up to GGRS's window of its past may yet be another.
+    /// The world at the present frame, to draw. Frames within GGRS's window may still be corrected.
     pub(crate) fn world(&self) -> &World {
         &self.world
     }
@@ -126,7 +126,7 @@ impl Rollback {
         (saved == frame).then_some(hash)
     }
 
-    /// What rolling back has cost.
+    /// Statistics of rolling back.
     pub(crate) fn work(&self) -> Work {
         self.work
     }

@@ -2,12 +2,12 @@
 //!
 //! ```sh
 //! cargo run --release --example ggrs                  # starts both sides, and compares what they say
-//! cargo run --release --example ggrs -- --desync 100  # the same, and one side cheats by an ulp at frame 100
-//! cargo run --release --example ggrs -- synctest      # both players here, and before each frame seven are undone
+//! cargo run --release --example ggrs -- --desync 100  # the same, but one side moves a ship by an ulp at frame 100
+//! cargo run --release --example ggrs -- synctest      # both players here; seven frames are undone before each frame
 //! ```
 //!
-//! `adapter.rs` is what a game needs and can take as it is; `session.rs` tells GGRS about this game; `peer.rs` is a loop of
-//! a game; `socket.rs` makes a good line bad.
+//! `adapter.rs` is reusable in any game; `session.rs` describes this game to GGRS; `peer.rs` is the main loop of
+//! the game; `socket.rs` simulates a bad line.
 
 mod adapter;
 #[path = "../shared/game.rs"]
@@ -59,12 +59,12 @@ fn synctest(options: &Options) -> Result<ExitCode, Box<dyn Error>> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Starts two peers, tells them of each other, and compares what they say.
+/// Starts two peers, tells them each other's ports, and compares their output.
 fn both(arguments: impl Iterator<Item = String>) -> Result<ExitCode, Box<dyn Error>> {
     let options = Options::read(arguments, &["frames", "seed", "latency", "lost", "desync"])?;
     let program = env::current_exe()?;
     let start = |player: &str| {
-        // They part if one side alone does something.
+        // They diverge if only one side does something.
         let orders = options.pairs().filter(|(name, _)| player == "1" || *name != "desync");
         let orders = orders.flat_map(|(name, value)| [format!("--{name}"), value.to_owned()]);
         let all: Vec<_> = ["peer", "--player", player].map(String::from).into_iter().chain(orders).collect();

@@ -18,22 +18,22 @@ use crate::options::Options;
 use crate::session::{Match, WINDOW, controls};
 use crate::socket::{BadLine, Line};
 
-/// A frame's share of time. So a match is over in seconds; the line counts frames.
+/// Duration of a frame: short, so that a match is over in seconds; the line counts frames.
 const FRAME: Duration = Duration::from_millis(2);
-/// Peers compare hashes every so many frames, and print them.
+/// Interval in frames at which peers compare hashes and print them.
 const CHECK: u32 = 10;
-/// A match that is not over by then never will be.
+/// Time limit of a match.
 const LIMIT: Duration = Duration::from_secs(60);
 
 pub(crate) const OPTIONS: [&str; 6] = ["player", "frames", "seed", "latency", "lost", "desync"];
 
-/// What a peer is told.
+/// Settings of a peer.
 struct Orders {
     player: usize,
     frames: u32,
     seed: u64,
     line: Line,
-    /// Before this frame a ship is put one ulp aside, on this side alone.
+    /// Frame before which a ship is moved by one ulp, on this side only.
     desync: Option<u64>,
 }
 
@@ -79,7 +79,7 @@ struct Peer {
     rollback: Rollback,
     /// The frame whose hash is printed next.
     next: u32,
-    /// Frames to leave out, so that the other side catches up.
+    /// Number of frames to skip, so that the other side catches up.
     skip: u32,
     parted: bool,
 }
@@ -89,7 +89,7 @@ struct Peer {
 /// has another hash; at last `done` and the work of rolling back. Ends when its standard input does.
 ///
 /// # Errors
-/// What went wrong, for the user.
+/// A message for the user.
 pub(crate) fn play(options: &Options) -> Result<ExitCode, Box<dyn Error>> {
     let orders = Orders::read(options)?;
     let socket = BadLine::bind(orders.line, orders.seed.wrapping_add(orders.player as u64))?;
@@ -102,7 +102,7 @@ pub(crate) fn play(options: &Options) -> Result<ExitCode, Box<dyn Error>> {
     let (game, world) = Game::start()?;
     let mut peer = Peer { orders, session, game, rollback: Rollback::new(world), next: CHECK, skip: 0, parted: false };
     let deadline = Instant::now() + LIMIT;
-    // The other side may still need what this one has to say when it is done.
+    // The other side may still need packets of this one after it is done.
     let mut done = false;
     while !(done && dismissed.load(Ordering::Relaxed)) {
         if Instant::now() > deadline {
@@ -137,7 +137,7 @@ impl Peer {
             self.session.poll_remote_clients();
             return self.hear();
         }
-        // If GGRS does not move on, the same frame is asked for again, and this has to be the same then.
+        // If GGRS does not advance, it asks for the same frame again, and this input must be the same then.
         let held = bot(self.orders.seed, self.orders.player, self.session.current_frame() as u64);
         self.session.add_local_input(self.orders.player, held)?;
         let requests = match self.session.advance_frame() {
@@ -146,7 +146,7 @@ impl Peer {
         };
         let (game, ship, desync) = (self.game, self.game.ships[0], self.orders.desync);
         self.rollback.fulfil(requests, |world, inputs| {
-            // Each time this frame comes by: it may be undone and come again.
+            // Repeated whenever this frame is recomputed.
             if desync == Some(world.tick()) {
                 aside(world, ship)?;
             }
@@ -158,7 +158,7 @@ impl Peer {
 
     /// Prints the hashes of the frames before which all inputs are known.
     fn print_confirmed(&mut self) {
-        // The call before this one rolled back by all that was known then, so what is saved of such a frame is final.
+        // The call before this one rolled back with all known inputs, so the saved hash of such a frame is final.
         let confirmed = self.session.confirmed_frame() + 1;
         while self.next <= self.orders.frames && self.next as Frame <= confirmed {
             let Some(hash) = self.rollback.hash(self.next as Frame) else { break };
@@ -176,7 +176,7 @@ impl Peer {
                     self.parted = true;
                 }
                 GgrsEvent::Disconnected { .. } => return Err("the other side is gone".into()),
-                // Stages of getting to know each other, and of a line that is silent for a while.
+                // Messages about connecting, and about a line that is silent for a while.
                 _ => {}
             }
         }
@@ -184,7 +184,7 @@ impl Peer {
     }
 }
 
-/// Moves a body to the right by the least there is.
+/// Moves a body to the right by an ulp.
 fn aside(world: &mut World, body: umbra_physics::BodyId) -> Result<(), umbra_physics::Error> {
     let mut position = world.body(body)?.position();
     position.x = position.x.saturating_add(Fx::from_bits(1));

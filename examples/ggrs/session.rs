@@ -1,4 +1,4 @@
-//! The sessions of this game: what GGRS is told of it, and the test without a network.
+//! The sessions of this game: its description for GGRS, and the test without a network.
 
 use std::net::SocketAddr;
 
@@ -19,19 +19,19 @@ impl Config for Match {
     type Address = SocketAddr;
 }
 
-/// The most frames that are predicted, and so undone at a time.
+/// Largest number of frames that are predicted, and so undone at a time.
 pub(crate) const WINDOW: usize = 8;
 
-/// The inputs of the two players, whatever GGRS knows of them: a player who is gone holds nothing.
+/// The inputs of the two players; a player who is gone presses nothing.
 pub(crate) fn controls(inputs: &[(Controls, InputStatus)]) -> [Controls; 2] {
     [0, 1].map(|player| inputs.get(player).map_or(Controls::default(), |(held, _)| *held))
 }
 
-/// Plays a match of two bots alone. Before each frame it goes back by seven and comes again by the same inputs: the hashes
-/// have to be the same.
+/// Plays a match of two bots alone. Before each frame it goes back by seven and repeats them with the same inputs: the hashes
+/// must be the same.
 ///
 /// # Errors
-/// [`MismatchedChecksum`](ggrs::GgrsError::MismatchedChecksum) if they are not; what the adapter could not do.
+/// [`MismatchedChecksum`](ggrs::GgrsError::MismatchedChecksum) if they are not; an error of the adapter.
 pub(crate) fn sync_test(
     world: World,
     frames: u32,

@@ -1,4 +1,4 @@
-//! UDP over a bad line: late, out of order, lost and doubled, as a seed says.
+//! UDP over a simulated bad line: late, out of order, lost and doubled packets, from a seed.
 
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr, UdpSocket};
@@ -7,16 +7,16 @@ use ggrs::{Message, NonBlockingSocket};
 
 use crate::random::SplitMix;
 
-/// How bad the line is.
+/// Quality of the line.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Line {
-    /// A message is held back for so many calls of `receive_all_messages`, of which a game makes one a frame.
+    /// Number of calls of `receive_all_messages` that a message is held back; a game makes one call a frame.
     pub(crate) latency: u64,
-    /// And for up to so many more, so that messages overtake each other.
+    /// Largest number of further calls, so that messages overtake each other.
     pub(crate) jitter: u64,
-    /// In percent.
+    /// Loss, in percent.
     pub(crate) lost: u64,
-    /// In percent.
+    /// Doubled packets, in percent.
     pub(crate) doubled: u64,
 }
 
@@ -42,7 +42,7 @@ impl BadLine {
         Ok(Self { socket, line, random: SplitMix(seed), calls: 0, held: Vec::new() })
     }
 
-    /// Its port.
+    /// The port of the socket.
     ///
     /// # Errors
     /// If the system does not say.
@@ -62,7 +62,7 @@ impl BadLine {
 
 impl NonBlockingSocket<SocketAddr> for BadLine {
     fn send_to(&mut self, message: &Message, address: &SocketAddr) {
-        // What cannot be sent is lost, as it might be on the way: GGRS sends again what is not acknowledged.
+        // A packet that cannot be sent is lost, as on a real line: GGRS resends unacknowledged packets.
         if let Ok(bytes) = postcard::to_allocvec(message) {
             let _ = self.socket.send_to(&bytes, address);
         }
@@ -71,7 +71,7 @@ impl NonBlockingSocket<SocketAddr> for BadLine {
     fn receive_all_messages(&mut self) -> Vec<(SocketAddr, Message)> {
         self.calls += 1;
         let mut bytes = [0; 4096];
-        // Any error means that there is nothing to be had now.
+        // Any error means that nothing can be received now.
         while let Ok((length, from)) = self.socket.recv_from(&mut bytes) {
             let Ok(message) = postcard::from_bytes::<Message>(&bytes[..length]) else { continue };
             if self.percent(self.line.lost) {

@@ -1,14 +1,14 @@
-//! Lockstep without rollback: two processes over TCP. A tick is stepped when both sides' inputs for it are there; inputs are
-//! given for a few ticks ahead, so that they are on their way meanwhile. Each side sends the hash of its state at every tick.
+//! Lockstep without rollback: two processes over TCP. A tick is stepped once both sides' inputs for it have arrived; inputs are
+//! sent a few ticks ahead, to allow for the delay of the network. Each side sends the hash of its state at every tick.
 //!
 //! ```sh
-//! cargo run --release --example lockstep                  # starts both sides, and compares what they say
-//! cargo run --release --example lockstep -- --desync ulp  # the same, and one side cheats by an ulp; or `drop`: it misses an input
-//! cargo run --release --example lockstep -- serve         # or each side by itself: prints a port,
-//! cargo run --release --example lockstep -- join --port PORT  # which the other one takes
+//! cargo run --release --example lockstep                  # starts both sides and compares their output
+//! cargo run --release --example lockstep -- --desync ulp  # one side moves a ship by an ulp; `drop`: it misses an input
+//! cargo run --release --example lockstep -- serve         # one side only: prints a port,
+//! cargo run --release --example lockstep -- join --port PORT  # for the other side
 //! ```
 //!
-//! Exit status 0 if they agree to the end, 1 if they part, 2 if there is no match.
+//! Exit status 0 if the sides agree to the end, 1 if they diverge, 2 if there is no match.
 
 #[path = "../shared/game.rs"]
 mod game;
@@ -67,7 +67,7 @@ fn run(role: Option<&str>, arguments: impl Iterator<Item = String>) -> Result<Ex
     })
 }
 
-/// The first to come, within a minute: nobody may be left to stop a process that waits for ever.
+/// Accepts the first connection within a minute, so that no process waits for ever.
 fn accept(listener: &TcpListener) -> io::Result<TcpStream> {
     listener.set_nonblocking(true)?;
     let deadline = Instant::now() + Duration::from_secs(60);
@@ -76,13 +76,13 @@ fn accept(listener: &TcpListener) -> io::Result<TcpStream> {
             Err(error) if error.kind() == io::ErrorKind::WouldBlock && Instant::now() < deadline => {
                 thread::sleep(Duration::from_millis(5));
             }
-            // On some systems a connection is as its listener is.
+            // On some systems a connection inherits the settings of its listener.
             accepted => return accepted.and_then(|(stream, _)| stream.set_nonblocking(false).map(|()| stream)),
         }
     }
 }
 
-/// Starts two sides, and compares what they say.
+/// Starts two sides and compares their output.
 fn both(options: &Options) -> Result<ExitCode, Box<dyn Error>> {
     let program = env::current_exe()?;
     let start = |role: &[&str], cheats: bool| {
@@ -104,7 +104,7 @@ fn both(options: &Options) -> Result<ExitCode, Box<dyn Error>> {
     let (ours, theirs) = (of(0, false), of(1, false));
     for (player, (said, other)) in [(&ours, &theirs), (&theirs, &ours)].into_iter().enumerate() {
         println!("player {player} ends with status {:?}", sides[player].status);
-        // Of the states of two that part, what differs.
+        // The first value that differs, if the sides diverged.
         said.iter().filter(|line| !other.contains(line)).for_each(|line| println!("  {line}"));
     }
     let dumps: Vec<&str> =

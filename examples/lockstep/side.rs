@@ -13,30 +13,30 @@ use umbra_physics::{Dump, Fx, PHYSICS_VERSION, World};
 use crate::game::{Controls, Game, bot};
 use crate::wire::{Hello, Turn};
 
-/// Buttons act so many ticks after they are pressed: 67 ms at 60 ticks a second, which a packet may take without anyone waiting.
+/// Delay of buttons in ticks: 67 ms at 60 ticks a second, the time that a packet may take without delaying anyone.
 pub(crate) const DELAY: u64 = 4;
-/// A side that says nothing for so long is gone.
+/// Timeout after which a silent side is considered gone.
 const PATIENCE: Duration = Duration::from_secs(10);
-/// The tick from which a side that is told to cheats.
+/// First tick at which the option `--desync` takes effect.
 const CHEAT_AT: u64 = 100;
-/// Hashes are printed every so many ticks; they are compared at each.
+/// Interval in ticks at which hashes are printed; they are compared at every tick.
 const PRINT: u64 = 10;
 
-/// How a match ended.
+/// Result of a match.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Outcome {
     /// All hashes were the same.
     Agreed,
-    /// One was not.
+    /// A hash differed.
     Parted,
 }
 
 /// Ways to provoke a desync.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Cheat {
-    /// A ship is put aside by an ulp, before the hash of tick 100 is taken.
+    /// Moves a ship by an ulp, before the hash of tick 100 is taken.
     Ulp,
-    /// The first buttons of the other player's from tick 100 on are missed.
+    /// Misses the first buttons of the other player from tick 100 on.
     Drop,
 }
 
@@ -52,32 +52,32 @@ impl FromStr for Cheat {
     }
 }
 
-/// The state at a tick, until the other side has said what it has there.
+/// The state at a tick, until the hash of the other side arrives.
 struct Kept {
     tick: u64,
     hash: u64,
     world: World,
-    /// What was held over the tick that led to it.
+    /// Buttons held over the tick that led to the hash.
     held: [Controls; 2],
 }
 
-/// The connection, and what is under way on it.
+/// The connection, and the messages under way on it.
 struct Side {
     stream: TcpStream,
-    /// The ticks that the other side has not spoken about yet, the oldest first: as many as the delay has, and this one.
+    /// Ticks whose hash the other side has not sent yet, the oldest first: as many as the delay has, and this one.
     kept: VecDeque<Kept>,
-    /// The last state that both sides have.
+    /// The last state on which both sides agreed.
     agreed: Option<World>,
-    /// The memory of a state that is no longer kept, for the next one.
+    /// Memory of a state that is no longer kept, to reuse.
     spare: Option<World>,
-    /// The other side's buttons for the ticks to come.
+    /// Buttons of the other side for future ticks.
     others: VecDeque<Controls>,
 }
 
 /// Plays a match over a connection. Prints `hash TICK HASH` for every tenth tick that both agree on, and `done TICK HASH`.
 ///
 /// # Errors
-/// What went wrong, for the user: the other side is gone, silent, or plays another match.
+/// A message for the user: the other side is gone, silent, or plays another match.
 pub(crate) fn play(
     player: usize,
     stream: TcpStream,
@@ -86,7 +86,7 @@ pub(crate) fn play(
     cheat: Option<Cheat>,
 ) -> Result<Outcome, Box<dyn Error>> {
     let (game, mut world) = Game::start()?;
-    // What is pressed at the first tick acts after the delay; before that nobody holds anything.
+    // Buttons pressed at the first tick act after the delay; until then nobody presses anything.
     let mut ours: VecDeque<Controls> = (0..DELAY).map(|_| Controls::default()).collect();
     let mut side = Side { stream, kept: VecDeque::new(), agreed: None, spare: None, others: ours.clone() };
     side.greet(Hello { physics_version: PHYSICS_VERSION, seed, ticks, start: world.state_hash() })?;
@@ -101,7 +101,7 @@ pub(crate) fn play(
         let pressed = bot(seed, player, tick);
         ours.push_back(pressed);
         side.say(&world, tick, pressed, both)?;
-        // What the other side said a delay ago has its buttons for this tick.
+        // The message that the other side sent a delay ago has its buttons for this tick.
         if tick >= DELAY && !side.hear(&game, player)? {
             return Ok(Outcome::Parted);
         }
@@ -116,7 +116,7 @@ pub(crate) fn play(
         both = if player == 0 { [held, other] } else { [other, held] };
         game.advance(&mut world, both)?;
     }
-    // The hashes of the last ticks are still on their way.
+    // The hashes of the last ticks are still under way.
     while !side.kept.is_empty() {
         if !side.hear(&game, player)? {
             return Ok(Outcome::Parted);
@@ -129,7 +129,7 @@ pub(crate) fn play(
 impl Side {
     /// Makes sure that the other side plays the same match.
     fn greet(&mut self, hello: Hello) -> Result<(), Box<dyn Error>> {
-        // A turn is small and wanted at once: it must not wait for the next one to share its packet.
+        // A message is small and urgent: it must not wait to share a packet with the next one.
         self.stream.set_nodelay(true)?;
         self.stream.set_read_timeout(Some(PATIENCE))?;
         self.stream.set_write_timeout(Some(PATIENCE))?;
@@ -155,7 +155,7 @@ impl Side {
         Ok(())
     }
 
-    /// Waits for what the other side says of the oldest tick that is kept; whether it has the same state there.
+    /// Waits for the other side's message about the oldest kept tick; returns true if the hashes agree.
     fn hear(&mut self, game: &Game, player: usize) -> Result<bool, Box<dyn Error>> {
         let Some(kept) = self.kept.pop_front() else { return Ok(true) };
         let Kept { tick, hash, .. } = kept;
@@ -176,8 +176,8 @@ impl Side {
         Ok(true)
     }
 
-    /// Closes the connection without taking from the other side what is on its way to it: closed with something unread, TCP
-    /// resets, and the other side would hear of that in place of the turn that tells it the same.
+    /// Closes the connection without losing data under way: if it is closed with unread data, TCP resets it, and the other side
+    /// would see an error in place of the message with the hash that differs.
     fn leave(&mut self) {
         if self.stream.shutdown(Shutdown::Write).is_ok() {
             let _ = std::io::copy(&mut self.stream, &mut std::io::sink());
@@ -185,11 +185,11 @@ impl Side {
     }
 }
 
-/// Writes down all that is known of the tick in which the sides parted, for `umbra diff` and its like: from the last world that
-/// both had to the first that is another, by way of what this side holds was done.
+/// Writes a dump of the tick in which the sides diverged, for `umbra diff`: from the last world that
+/// both had to the first that differs, with the inputs of this side.
 fn dump(game: &Game, before: &World, kept: &Kept, player: usize) -> Result<PathBuf, Box<dyn Error>> {
     let act = |world: &mut World| {
-        // What is refused is refused on both sides.
+        // A refused command is refused on both sides.
         let _ = game.act(world, kept.held);
     };
     let file = env::temp_dir().join(format!("lockstep-{}-{}-{player}.umbradmp", std::process::id(), kept.tick));

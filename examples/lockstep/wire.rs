@@ -1,33 +1,33 @@
-//! What two peers say to each other: frames of a length, u16 little-endian, and so many bytes.
+//! Messages between two peers: frames of a length, u16 little-endian, and that many bytes.
 
 use std::io::{self, Read, Write};
 
-/// The longest frame there is. A longer one comes from somebody else, and nothing is set aside for it.
+/// Length of the longest frame. A longer one is not from a peer, and no memory is allocated for it.
 const LONGEST: usize = 64;
 
 const MAGIC: [u8; 4] = *b"UMLS";
 
-/// What both have to agree on before the first tick.
+/// Settings that both peers must agree on before the first tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Hello {
     /// [`umbra_physics::PHYSICS_VERSION`]: peers of other versions diverge sooner or later.
     pub(crate) physics_version: u32,
     /// The seed of the match.
     pub(crate) seed: u64,
-    /// How many ticks it has.
+    /// Number of ticks of the match.
     pub(crate) ticks: u64,
-    /// The hash of the world it starts from.
+    /// The hash of the world at the start.
     pub(crate) start: u64,
 }
 
-/// What a peer says at each tick.
+/// Message of a peer at each tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Turn {
     /// The tick.
     pub(crate) tick: u64,
     /// The hash of the state before its step.
     pub(crate) hash: u64,
-    /// The buttons held over a tick to come, later by the delay.
+    /// The buttons for a future tick, later by the delay.
     pub(crate) controls: u8,
 }
 
@@ -58,7 +58,7 @@ impl Hello {
         Ok(Self { physics_version, seed, ticks, start })
     }
 
-    /// What two peers do not agree on, if anything.
+    /// First setting that two peers do not agree on, if any.
     pub(crate) fn differs_from(&self, other: &Self) -> Option<&'static str> {
         let differ = [
             (self.physics_version != other.physics_version, "physics version"),
@@ -93,7 +93,7 @@ impl Turn {
 }
 
 fn send(to: &mut impl Write, bytes: &[u8]) -> io::Result<()> {
-    // In one write: with the delays of TCP off each one is a packet.
+    // In one write: without TCP's delays each write is a packet.
     let length = u16::try_from(bytes.len()).map_err(|_| wrong("too much for a frame"))?;
     let mut frame = length.to_le_bytes().to_vec();
     frame.extend(bytes);
@@ -120,7 +120,7 @@ impl Frame {
     fn take<const N: usize>(&mut self) -> io::Result<[u8; N]> {
         let mut taken = [0; N];
         for byte in &mut taken {
-            // The next byte is the last: they were turned round.
+            // The next byte is the last, because the bytes were reversed.
             *byte = self.0.pop().ok_or(wrong("a frame that is too short"))?;
         }
         Ok(taken)

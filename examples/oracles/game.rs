@@ -1,7 +1,7 @@
 //! Three ships around a ball that lies free, until one of them takes it in tow.
 //!
-//! As it is written first, two players who reach for the ball in the same tick get it by whose packet came first: other peers
-//! see it in tow of the other one.
+//! The first version has a defect: if two players reach for the ball in the same tick, the player whose packet came first gets
+//! it, so peers may disagree.
 
 use umbra_oracles::Game;
 use umbra_physics::Symmetry;
@@ -10,14 +10,14 @@ use umbra_physics::{
     SpringConstants, Stepper, Vec2, World, WorldDef, fx, vec2,
 };
 
-/// m, between the centres of a ship and the ball.
+/// Reach of a ship, m, between the centres of the ship and the ball.
 const REACH: Fx = fx!(3);
-/// N·s.
+/// Impulse of a thrust, N·s.
 const THRUST: Fx = fx!(4);
 
 pub(crate) const PLAYERS: usize = 3;
 
-/// What a player does.
+/// Action of a player.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Action {
     /// A thrust in a direction.
@@ -26,14 +26,14 @@ pub(crate) enum Action {
     Grab,
 }
 
-/// A action, and whose it is.
+/// An action and its player.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Input {
     pub(crate) player: usize,
     pub(crate) action: Action,
 }
 
-/// Players who never tire: what they do in a tick, at random.
+/// Bots: random actions in each tick.
 pub(crate) fn bots(random: &mut Random) -> Vec<Input> {
     let mut inputs = Vec::new();
     for player in 0..PLAYERS {
@@ -49,24 +49,24 @@ pub(crate) fn bots(random: &mut Random) -> Vec<Input> {
     inputs
 }
 
-/// The handles that hold for a match; all else is in the world. Who has the ball is in the ball's user data: 0 for nobody,
+/// Handles that are fixed for a match; everything else is in the world. The ball's user data says who has it: 0 for nobody,
 /// then the players.
 #[derive(Clone, Debug)]
 pub(crate) struct Tow {
     ships: [BodyId; PLAYERS],
     ball: BodyId,
-    /// Whether inputs are looked at by player, in whatever order they arrive.
+    /// True if inputs are processed by player, in whatever order they arrive.
     pub(crate) is_mended: bool,
 }
 
 impl Tow {
-    /// A match that has not begun.
+    /// A match before its start.
     pub(crate) fn new(is_mended: bool) -> Self {
         let nobody = BodyId::from_parts(u32::MAX, 0);
         Self { ships: [nobody; PLAYERS], ball: nobody, is_mended }
     }
 
-    /// What a action does to the world.
+    /// Effect of an action on the world.
     fn act(&self, world: &mut World, Input { player, action }: Input, driver: &mut dyn Stepper) -> Option<()> {
         let ship = self.ships[player];
         match action {
@@ -117,13 +117,13 @@ impl Game for Tow {
             inputs.sort_by_key(|input| input.player);
         }
         for input in inputs {
-            // What cannot be done is not.
+            // An impossible action is ignored.
             let _ = self.act(world, input, driver);
         }
         driver.step(world);
     }
 
-    /// Nothing in the game knows left from right, nor where it is.
+    /// The game does not depend on left and right, nor on its place.
     fn symmetries(&self) -> Vec<Symmetry> {
         let shift = Symmetry::shift(vec2(1_000, -777));
         [Symmetry::MIRROR, Symmetry::FLIP, Symmetry::DIAGONAL, Symmetry::TURN].into_iter().chain(shift).collect()

@@ -1,11 +1,11 @@
-//! A game is played by bots until an oracle objects to a match, and the match is made as small as it can be.
+//! Bots play a game until an oracle objects to a match; then the match is shrunk.
 //!
 //! ```sh
-//! cargo run --release --example oracles              # finds the fault that was left in the game
-//! cargo run --release --example oracles -- --mended  # finds nothing in the game without it
+//! cargo run --release --example oracles              # finds the defect in the game
+//! cargo run --release --example oracles -- --mended  # finds nothing in the fixed game
 //! ```
 //!
-//! `--seed N` begins elsewhere, `--out FILE` says where the replay goes. Exit status 0 if the fault was found, or with
+//! `--seed N` sets the seed, `--out FILE` the path of the replay. Exit status 0 if the defect was found, or with
 //! `--mended` nothing; 1 otherwise; 2 if the arguments are wrong or the replay cannot be written.
 
 mod game;
@@ -46,7 +46,7 @@ fn run() -> Result<ExitCode, Box<dyn std::error::Error>> {
     Ok(if campaign.found.is_some() != is_mended { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// What was played and judged.
+/// Summary of the campaign.
 fn report(campaign: &Campaign<Input>) {
     println!("{} matches were played", campaign.runs);
     for (oracle, held) in &campaign.held {

@@ -1,7 +1,7 @@
 //! A game small enough to read: two ships in the pull of a star, each with a ball on a spring, among rocks that sleep until
 //! something hits them.
 //!
-//! All of its state is in the world, the game's own numbers as the bodies' user data. So a copy of the world is a copy of
+//! All of its state is in the world, the game's own numbers as user data of bodies. So a copy of the world is a copy of
 //! the game, and the hash of the world finds whatever differs between two peers.
 
 use umbra_physics::{
@@ -24,7 +24,7 @@ const REACH: Fx = fx!(1.25); // m, from the centre of what a shot hits
 const SHOT_TICKS: u32 = 45;
 const RELOAD_TICKS: u32 = 12;
 
-/// What a player holds down over a tick. The default is nothing: what GGRS takes for a player who is gone.
+/// Buttons that a player holds down over a tick. The default is none: GGRS uses it for a player who is gone.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Controls(pub(crate) u8);
 
@@ -39,13 +39,13 @@ impl Controls {
     }
 }
 
-/// A player who never tires: buttons at random, another hand of them every six ticks.
+/// A bot: random buttons, changed every six ticks.
 pub(crate) fn bot(seed: u64, player: usize, tick: u64) -> Controls {
     let held = tick / 6;
     Controls((SplitMix(seed ^ (held << 8) ^ player as u64).next() & 15) as u8)
 }
 
-/// What happened in a tick.
+/// Events of a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Tally {
     pub(crate) fired: usize,
@@ -54,7 +54,7 @@ pub(crate) struct Tally {
     pub(crate) woke: usize,
 }
 
-/// The handles that hold for a whole match, the same on every peer.
+/// Handles that are fixed for a whole match, the same on every peer.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Game {
     pub(crate) ships: [BodyId; 2],
@@ -85,7 +85,7 @@ impl Game {
     /// A match at its first tick.
     ///
     /// # Errors
-    /// None, unless the definitions below are edited to what a world refuses.
+    /// None, unless the definitions below are edited to invalid ones.
     pub(crate) fn start() -> Result<(Self, World), Error> {
         let mut world = World::new(WorldDef {
             time_step: TimeStep::hz(60),
@@ -101,7 +101,7 @@ impl Game {
             groups: SHIP,
             ..BodyDef::dynamic()
         };
-        // Opposite each other, on their way around the star.
+        // Opposite each other, in orbit around the star.
         let mut add_ship = |key: u64, side: i32, angle: Fx| -> Result<_, Error> {
             let def =
                 BodyDef { position: vec2(-12 * side, 0), velocity: vec2(0, 5 * side), angle, key, ..ship.clone() };
@@ -133,7 +133,7 @@ impl Game {
         for (key, (x, y)) in (10..).zip([(0, 7), (6, 4), (6, -4), (0, -7), (-6, -4), (-6, 4)]) {
             world.add_body(BodyDef { position: vec2(x, y), key, ..rock.clone() })?;
         }
-        // Two that are bound to each other sleep and wake together.
+        // Bodies that are joined sleep and wake together.
         let bound = [(20, 1), (21, -1)].map(|(key, x)| BodyDef { position: vec2(x, 18), key, ..rock.clone() });
         let [a, b] = bound.map(|def| world.add_body(def));
         world.add_field(spring(a?, b?, fx!(2)))?;
@@ -143,7 +143,7 @@ impl Game {
     /// Moves the match on by a tick.
     ///
     /// # Errors
-    /// What the world refuses: the same for every peer.
+    /// An error of the world: the same for every peer.
     pub(crate) fn advance(&self, world: &mut World, controls: [Controls; 2]) -> Result<Tally, Error> {
         let mut tally = self.act(world, controls)?;
         let report = world.step();
@@ -151,10 +151,10 @@ impl Game {
         Ok(tally)
     }
 
-    /// All that the match does to its world in a tick before it steps.
+    /// Changes that the match makes to its world in a tick before it steps.
     ///
     /// # Errors
-    /// What the world refuses: the same for every peer.
+    /// An error of the world: the same for every peer.
     pub(crate) fn act(&self, world: &mut World, controls: [Controls; 2]) -> Result<Tally, Error> {
         let mut tally = Tally::default();
         for (player, held) in controls.into_iter().enumerate() {
@@ -164,7 +164,7 @@ impl Game {
         Ok(tally)
     }
 
-    /// What a player's buttons do to the ship; whether it fired.
+    /// Applies a player's buttons to the ship; returns true if it fired.
     fn steer(&self, world: &mut World, player: usize, held: Controls) -> Result<bool, Error> {
         let (ship, engine_field) = (self.ships[player], self.engines[player]);
         let torque = match (held.holds(Controls::LEFT), held.holds(Controls::RIGHT)) {

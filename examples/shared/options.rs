@@ -9,7 +9,7 @@ impl Options {
     /// Takes the pairs apart; of the names, only those that are known.
     ///
     /// # Errors
-    /// What is wrong, for the user.
+    /// A message for the user.
     pub(crate) fn read(mut arguments: impl Iterator<Item = String>, known: &[&str]) -> Result<Self, String> {
         let mut pairs = Vec::new();
         while let Some(name) = arguments.next() {

@@ -1,4 +1,4 @@
-//! A process that plays one side, started and heard by another: what the examples do to show two, and what their tests do.
+//! Processes that play one side of a match, started and read by another process: for the examples and their tests.
 
 use std::ffi::OsStr;
 use std::io::{self, BufRead as _, BufReader, Write as _};
@@ -8,7 +8,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// A process under a time limit. It goes with this value.
+/// A process under a time limit. It is ended when this value is dropped.
 pub(crate) struct Peer {
     child: Child,
     input: Option<ChildStdin>,
@@ -17,9 +17,9 @@ pub(crate) struct Peer {
     deadline: Instant,
 }
 
-/// How a process ended.
+/// End of a process.
 pub(crate) struct Ended {
-    /// Its exit status; `None` if a signal ended it.
+    /// Exit status; `None` if a signal ended the process.
     pub(crate) status: Option<i32>,
     /// The lines it printed.
     pub(crate) said: Vec<String>,
@@ -35,7 +35,7 @@ impl Peer {
         let (input, output) = (child.stdin.take(), child.stdout.take());
         let (sender, lines) = channel();
         thread::spawn(move || {
-            // It ends with the process's output, or when nobody listens any more.
+            // The thread ends with the process's output, or when nobody reads any more.
             output.map(|output| BufReader::new(output).lines().try_for_each(|line| sender.send(line)))
         });
         Ok(Self { child, input, lines, said: Vec::new(), deadline: Instant::now() + limit })

@@ -14,10 +14,10 @@ use umbra_physics::{
     Locks, Mass, Part, Random, Region, Scalar, Shape, SpringConstants, TimeStep, Vec2, World, WorldDef, fx, limits,
 };
 
-/// How the image of a run comes of it: mirrored about x = 0 or not, then shifted.
+/// Image of a run: mirrored about x = 0 or not, then shifted.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Image {
-    /// Whether left is right.
+    /// True if left and right are exchanged.
     pub is_mirrored: bool,
     /// By so much; an even number of ulps.
     pub shift: Vec2,
@@ -33,7 +33,7 @@ impl Image {
 pub struct Author<'a, S: Scalar = Fx> {
     pub input: Unstructured<'a>,
     image: Image,
-    /// Whether all is fair: sizes of everyday life, nothing near a limit, no damping that stops at once.
+    /// True if all values are fair: everyday sizes, nothing near a limit, no damping that stops at once.
     is_tame: bool,
     bodies: Vec<BodyId>,
     fields: Vec<FieldId>,
@@ -42,7 +42,7 @@ pub struct Author<'a, S: Scalar = Fx> {
     scalar: PhantomData<S>,
 }
 
-/// Of numbers that are no everyday ones: where things end, and a number of bits to look beyond.
+/// Values that are not everyday ones: ends of ranges, and a number of bits to look beyond.
 const EDGES: [Fx; 12] = [
     Fx::ZERO,
     Fx::DELTA,
@@ -71,7 +71,7 @@ impl<'a, S: Scalar> Author<'a, S> {
         }
     }
 
-    /// One who is fair throughout.
+    /// An author who is fair throughout.
     pub fn tame(data: &'a [u8]) -> Self {
         Self { is_tame: true, ..Self::new(data, Image::default()) }
     }
@@ -143,7 +143,7 @@ impl<'a, S: Scalar> Author<'a, S> {
         Ok(S::from_fx(self.image.sign(value)))
     }
 
-    /// What is left after a second.
+    /// Fraction left after a second.
     fn share(&mut self) -> Result<S> {
         Ok(match self.below(8)? {
             0..4 => S::ONE,
@@ -265,7 +265,7 @@ impl<'a, S: Scalar> Author<'a, S> {
         if self.one_in(8)? { self.scalar(fx!(0), fx!(4)).map(Some) } else { Ok(None) }
     }
 
-    /// What a body is made from. Half of them are at rest, to fall asleep.
+    /// Definition of a body. Half of them are at rest, to fall asleep.
     pub fn body(&mut self) -> Result<BodyDef<S>> {
         let kind = self.kind()?;
         let is_still = kind == BodyKind::Static || self.any()?;
@@ -462,7 +462,7 @@ impl<S: Scalar> CustomForce<S> for Brake {
     }
 }
 
-/// One that is the same everywhere, and for mirror images.
+/// A force law that is the same everywhere, also for mirror images.
 struct Lift;
 
 impl<S: Scalar> CustomForce<S> for Lift {

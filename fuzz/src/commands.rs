@@ -84,7 +84,7 @@ fn reread(world: &World) -> World {
 
 /// Runs beside a world that do the same, and have to go the same way.
 struct Company<'a> {
-    /// One that was written and read now and then.
+    /// A twin that is written and read now and then.
     saved: World,
     /// One in which nobody sleeps.
     sleepless: Sleepless,
@@ -176,7 +176,7 @@ fn there_and_back(world: &mut World, before: u64, after: u64, applied: &[Applied
     assert_eq!(world.state_hash(), after, "there, back and there again");
 }
 
-/// What a step changes of a body.
+/// Quantities of a body that a step changes.
 #[derive(Debug, PartialEq)]
 struct Motion {
     position: [i128; 2],
@@ -213,7 +213,7 @@ impl Motion {
     }
 }
 
-/// Which of them sleep is left out: it changes no bit of the rest.
+/// Asserts that both worlds moved alike. The list of sleeping bodies is left out: sleep changes no bit of the rest.
 fn assert_moved_alike(world: &World, other: &World) {
     assert_eq!(world.body_count(), other.body_count());
     for (here, there) in world.bodies().zip(other.bodies()) {
@@ -233,7 +233,7 @@ impl Sleepless {
         Self(world)
     }
 
-    /// Whether what is about to be done to the world is done here too.
+    /// True if the next change of the world is made here too.
     fn feels(&self, world: &World, command: &Command) -> bool {
         match command {
             Command::SetSleepAfter(_) => false,
@@ -261,7 +261,7 @@ impl<'a> Reflection<'a> {
         Ok(Some(Self { image, author, world }))
     }
 
-    /// Whether an image may come to the edge of the envelope sooner or later than the world. Mirrored at the middle it
+    /// Returns true if an image may come to the edge of the range sooner or later than the world. Mirrored at the middle it
     /// does not.
     fn is_too_far(&self, author: &Author<'_>, world: &World) -> bool {
         // A body moves by less than 2^27 m a step: what it has to spare here, two shifts and it do not use up.

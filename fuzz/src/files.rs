@@ -164,7 +164,7 @@ pub fn taken<T>(act: impl FnOnce() -> T) -> (T, u64) {
     (value.expect("it was done"), took.bytes_max)
 }
 
-/// Reads and changes a world in every way, for a few ticks.
+/// Asks a world for everything and does everything to it, for a few ticks.
 pub fn use_up(mut world: World, seed: u64) {
     let mut random = Random::seeded(seed);
     let ids: Vec<_> = world.bodies().map(|body| body.id()).collect();

@@ -119,14 +119,14 @@ struct Slopes {
     speed: f64,
 }
 
-/// What a step did to one end of a field, with a margin.
+/// Effect of a step on one end of a field, with a margin.
 struct Way {
     from: [f64; 2],
     to: [f64; 2],
     /// More than it can have strayed from either, with Yoshida's detours.
     reach: f64,
     speed: f64,
-    /// Its distance from the centre of mass.
+    /// Distance of the end from the centre of mass.
     arm: f64,
     /// 1/m and 1/I of its body.
     yields: [f64; 2],
@@ -170,7 +170,7 @@ impl Way {
         }
     }
 
-    /// What a force on it that changes by `force` for each unit of a place or speed of both ends changes of accelerations,
+    /// Change of accelerations by a force that changes by `force` for each unit of a place or speed of both ends,
     /// the force itself being at most `most`.
     fn felt(&self, force: f64, most: f64) -> f64 {
         // The torque's lever turns as well.
@@ -250,7 +250,7 @@ fn law_body(end: &End<f64>) -> Option<BodyId> {
     }
 }
 
-/// How far the two builds may be apart, in ulps: in places and angles, in speeds; and in the acceleration that
+/// Bounds on the difference of the two builds, in ulps: in places and angles, in speeds; and in the acceleration that
 /// `PublishedVerlet` keeps.
 #[derive(Clone, Copy, Debug, Default)]
 struct Error {

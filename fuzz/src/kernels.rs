@@ -108,7 +108,7 @@ fn fx(bits: i64) -> Fx {
     Fx::from_bits(bits)
 }
 
-/// What `checked_`, `saturating_` and `wrapping_` are to make of an exact result in ulps.
+/// Expected results of `checked_`, `saturating_` and `wrapping_` for an exact result in ulps.
 fn assert_fits(exact: &IBig, checked: Option<Fx>, saturating: Fx, wrapping: Fx) {
     let fits = i64::try_from(exact).ok();
     assert_eq!(checked.map(Fx::to_bits), fits, "{exact}");
@@ -237,7 +237,7 @@ struct Decimal {
     den: UBig,
 }
 
-/// Why a text is none that can be held: no number, or one with too many digits on either side of the point.
+/// Reason why a text is not a number that fits: no number, or too many digits on either side of the point.
 #[derive(Debug, PartialEq)]
 enum Unread {
     Grammar,

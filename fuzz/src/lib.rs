@@ -1,4 +1,4 @@
-//! What bystanders can send, tried with any bytes: the bodies of the fuzz targets.
+//! Bodies of the fuzz targets: everything that an untrusted source can send, tried with any bytes.
 //!
 //! Each target is a function of bytes that panics where a promise is broken. libFuzzer calls it from `fuzz_targets`, and
 //! `tests/corpus.rs` of the library, which includes this file, calls it on stable with all committed inputs.
@@ -20,7 +20,7 @@ mod reference;
 /// A target by its name, and what it does with an input.
 pub type Target = (&'static str, fn(&[u8]));
 
-/// All of them.
+/// All targets.
 pub const TARGETS: [Target; 7] = [
     ("commands", commands::run),
     ("fx_f64", fx_f64::run),

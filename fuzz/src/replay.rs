@@ -120,7 +120,7 @@ fn forged_command(data: &[u8]) -> Result<()> {
 const REPLAY: [&[u8; 4]; 4] = [b"HEAD", b"SNAP", b"TICK", b"DONE"];
 const DUMP: [&[u8; 4]; 4] = [b"LAWS", b"TICK", b"MOMT", b"DONE"];
 
-/// The first bytes of a file: its eight letters, and the number of its format.
+/// Start of a file of another kind: the eight letters, and the number of its format.
 fn opening(letters: &[u8; 8]) -> Vec<u8> {
     [&letters[..], &1u32.to_le_bytes()].concat()
 }

@@ -5,7 +5,7 @@ use umbra_scene::{Scene, SceneError};
 
 use super::files::{ANY, taken};
 
-/// Of a kind there are no more than so many things; a repetition makes that many in a few bytes.
+/// Largest number of things of a kind; a repetition makes that many in a few bytes.
 const MOST: u32 = 64;
 /// Ticks of a run.
 const TICKS: u64 = 3;

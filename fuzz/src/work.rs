@@ -1,4 +1,4 @@
-//! What a step costs at worst: scenes of 1,000 bodies made from a few bytes.
+//! Cost of a step at worst: scenes of 1,000 bodies made from a few bytes.
 //!
 //! The first bytes say what there is: an integrator, and how many bodies and fields of which kind. The others are values:
 //! places, speeds, masses, strengths, up to the limits. Two scenes of the same first bytes have to cost about the same,
@@ -10,7 +10,7 @@ use umbra_physics::{
     FxFactor, Integrator, Mass, Random, Region, Shape, SpringConstants, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
-/// How many bodies there are.
+/// Number of bodies.
 pub const BODIES: usize = 1_000;
 /// Bytes that say what there is, and bytes in all.
 pub const KINDS: usize = 12;
@@ -85,7 +85,7 @@ impl Values<'_> {
         Fx::from_bits(bits.clamp(least.to_bits().into(), most.to_bits().into()) as i64)
     }
 
-    /// Of either sign, up to a size.
+    /// A value of either sign, up to a size.
     fn number(&mut self, size: Fx) -> Fx {
         self.random.number(-size..=size)
     }
@@ -222,7 +222,7 @@ impl Busy {
         }
     }
 
-    /// What there is: bodies of each kind, and fields of each law with what they depend on.
+    /// Numbers of things in the scene: bodies of each kind, and fields of each law with what they depend on.
     #[must_use]
     pub fn counts(&self) -> Vec<(String, usize)> {
         let bodies = self.world.bodies().map(|body| format!("{:?}", body.kind()));

@@ -4,7 +4,7 @@ use super::BodyKind;
 use super::info::BodyInfo;
 use crate::scalar::Scalar;
 
-/// How many bodies are asleep, and how many of the dynamic ones among them are in each group.
+/// Number of bodies asleep, and number of the dynamic ones among them in each group.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Sleepers {
     pub(super) count: usize,

@@ -28,7 +28,7 @@ impl<S: Scalar> BodyInfo<S> {
         Self { kind: def.kind, groups: def.groups, key: def.key, user_data: def.user_data, mass: def.mass, shape }
     }
 
-    /// Whether a field with these groups acts on the body.
+    /// Returns true if a field with these groups acts on the body.
     pub(crate) fn feels(&self, groups: u32) -> bool {
         self.kind == BodyKind::Dynamic && self.groups & groups != 0
     }
@@ -154,7 +154,7 @@ impl<S: Scalar> BodyTable<S> {
         }
     }
 
-    /// Whether there is anything to [`update`](Self::update).
+    /// Returns true if there is anything to [`update`](Self::update).
     pub(super) fn is_stale(&self) -> bool {
         !self.stale.is_empty()
     }

@@ -141,14 +141,14 @@ fn inverse<S: Scalar>(f: S::Factor) -> S::Factor {
 #[derive(Debug)]
 pub(super) struct MassTable<S: Scalar> {
     rows: Vec<MassProperties<S>>,
-    /// How many bodies have each row.
+    /// Number of bodies that have each row.
     users: Vec<u32>,
     /// Rows without a body, to be used again.
     free: Vec<u32>,
     /// A hash table of the rows with linear probing: a row, or [`NONE`]. A row that was given back and used again is in it
     /// once for each time, and found at one of its places.
     places: Vec<u32>,
-    /// How many of the places are not [`NONE`]: at most half.
+    /// Number of places that are not [`NONE`]: at most half.
     taken: usize,
 }
 

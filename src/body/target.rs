@@ -70,7 +70,7 @@ impl<S: Scalar> Target<S> {
     }
 }
 
-/// Whether two angles are less than an ulp apart, so that an angle is always equal to its public value. The test uses the way
+/// Returns true if two angles are less than an ulp apart, so that an angle always equals its public value. The test uses the way
 /// from one to the other, which is as long in a mirrored world; rounded angles are not mirrored.
 fn is_there<S: Scalar>(angle: S::Angle, goal: S::Angle) -> bool {
     let (way, ulp) = (angle.way_to(goal), S::Wide::from_scalar(S::from_fx(Fx::DELTA)));
@@ -85,7 +85,7 @@ pub(crate) type Velocities<S> = (Vec2<<S as Scalar>::Accumulator>, <S as Scalar>
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct KinematicTarget<S: Scalar> {
     pub(crate) goal: Option<Target<S>>,
-    /// Whether the last step took the body to its target. It then has the velocity that led there, and without another target
+    /// True if the last step took the body to its target. It then has the velocity that led there, and without another target
     /// the next step stops it.
     pub(crate) arrived: bool,
 }
@@ -93,7 +93,7 @@ pub(crate) struct KinematicTarget<S: Scalar> {
 codec_struct!(KinematicTarget { goal, arrived });
 
 impl<S: Scalar> KinematicTarget<S> {
-    /// Whether nothing is left to do for the body.
+    /// Returns true if nothing is left to do for the body.
     pub(crate) fn is_over(&self) -> bool {
         self.goal.is_none() && !self.arrived
     }
@@ -131,7 +131,7 @@ impl<S: Scalar> KinematicTargets<S> {
         self.rows.rows_mut()
     }
 
-    /// Whether any of these bodies takes part in the next step.
+    /// Returns true if any of these bodies takes part in the next step.
     pub(crate) fn are_due(&self, bodies: &Bodies<S>) -> bool {
         let takes_part = |body| bodies.find(body).is_ok_and(|i| bodies.activity(i).takes_part());
         self.rows().iter().any(|(body, _)| takes_part(*body))

@@ -12,7 +12,7 @@ use crate::shape::{Geometry, Shape};
 use crate::slots::{BodyId, FieldId};
 use crate::world::{BodyRef, World};
 
-/// How a body takes part, as it is mostly told apart by colours.
+/// Class of a body for drawing: kind and activity in one, to choose a colour by.
 ///
 /// ```
 /// use umbra_physics::{Activity, BodyClass, BodyKind, Role};
@@ -44,7 +44,7 @@ pub enum BodyClass {
 }
 
 impl BodyClass {
-    /// That of a body of this kind and activity.
+    /// The class of a body of this kind and activity.
     #[must_use]
     pub const fn new(kind: BodyKind, activity: Activity) -> Self {
         match (activity, kind) {
@@ -58,13 +58,13 @@ impl BodyClass {
     }
 }
 
-/// What is drawn.
+/// Meaning of a drawn outline, segment or point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Role {
-    /// The outline of a body, or a point where it is if it has no shape.
+    /// The outline of a body, or a point at its position if it has no shape.
     Body(BodyId, BodyClass),
-    /// An arrow from where a body is, along its velocity.
+    /// An arrow from the position of a body, along its velocity.
     Velocity(BodyId),
     /// A spring, from end to end.
     Spring(FieldId),
@@ -76,13 +76,13 @@ pub enum Role {
     Zone(FieldId),
 }
 
-/// What can draw a world. Points and lengths are in m, of the world's axes; what is drawn says what it is, and the rest,
-/// colours and widths and whether areas are filled, is for those who draw.
+/// A renderer for [`World::debug_draw`]. Points and lengths are in m, in the world's axes. Each call says what is drawn by a
+/// [`Role`]; colours, line widths and filling are up to the renderer.
 ///
 /// ```
 /// use umbra_physics::{BodyDef, DebugDraw, DrawOptions, Pose, Role, Shape, World, WorldDef, fx, vec2};
 ///
-/// /// Lines alone.
+/// /// A renderer of lines only.
 /// #[derive(Default)]
 /// struct Lines(Vec<[[f64; 2]; 2]>);
 ///
@@ -142,7 +142,7 @@ pub trait DebugDraw {
 
 /// The outline of a capsule; of a disc if its ends are one point.
 fn round([a, b]: [[f64; 2]; 2], radius: f64) -> Vec<[f64; 2]> {
-    /// Of a half disc.
+    /// Segments of a half disc.
     const PARTS: u32 = 24;
     let along = libm::atan2(b[1] - a[1], b[0] - a[0]);
     let arc = |centre: [f64; 2], from: f64, points: u32| {
@@ -156,14 +156,14 @@ fn round([a, b]: [[f64; 2]; 2], radius: f64) -> Vec<[f64; 2]> {
     arc(b, along - PI / 2.0, points).chain(arc(a, along + PI / 2.0, points)).collect()
 }
 
-/// What of a world is drawn.
+/// Selection of the parts of a world to draw.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DrawOptions {
     /// The outlines of bodies.
     pub bodies: bool,
     /// Force fields that are somewhere: springs, attractors, thrusts, zones.
     pub fields: bool,
-    /// Velocities, as the way that each body gets in so many seconds, or would if it took part.
+    /// Velocities, as the distance that each body moves in this many seconds.
     pub velocities: Option<f64>,
 }
 

@@ -9,14 +9,14 @@ use crate::scalar::{Angle, Scalar, ToF64};
 use crate::slots::BodyId;
 use crate::world::World;
 
-/// Which moment near the last tick is shown, by what a [`StepClock`](super::StepClock) has left over.
+/// Moment to show, relative to the last ticks, from the [remainder](super::StepClock::remainder) of a step clock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Blend {
-    /// So far on the way from the tick before the last to the last: always where bodies were, a tick late. Beyond 1 it is
-    /// the last tick.
+    /// Between the tick before the last (0) and the last tick (1): positions that bodies had, a tick late. Above 1 the last
+    /// tick is shown.
     Interpolated(TickFraction),
-    /// So far beyond the last tick at the velocities of then, in ticks: no later than the world, but not where bodies will be
-    /// if anything acts on them. All the way, also beyond 1: what a pacer in a pause has left over is all to come.
+    /// Beyond the last tick by this fraction, at the velocities of that tick: not late, but wrong wherever a force acts.
+    /// Fractions above 1 are used in full: the remainder of a paused clock is all still to come.
     Extrapolated(TickFraction),
 }
 
@@ -83,14 +83,14 @@ pub struct Interpolation {
 }
 
 impl Interpolation {
-    /// One that has seen nothing yet.
+    /// An interpolation that has not looked at a world yet.
     #[must_use]
     pub const fn new() -> Self {
         Self { seen: Vec::new(), looked: None, time_step: 0.0 }
     }
 
-    /// Takes in where the bodies are, after a step: of one and the same world, each time. Looking again at the same tick takes
-    /// in nothing but another time step, which [`Blend::Extrapolated`] counts in.
+    /// Reads the poses of all bodies after a step. Call it with the same world each time. Looking again at the same tick only
+    /// updates the time step, which [`Blend::Extrapolated`] uses.
     ///
     /// It takes nothing from the heap while no slots are added.
     pub fn look<S: Scalar + ToF64>(&mut self, world: &World<S>) {

@@ -1,5 +1,5 @@
-//! What a display asks of a world: how many ticks a frame of real time takes, where bodies are between two ticks, and what
-//! they look like. Nothing here is state, and the floats that leave here never come back.
+//! Everything a display needs of a world: the number of ticks for a frame of real time, poses between two ticks, and
+//! outlines to draw. Nothing here is state, and the floats that leave here never come back.
 
 #[cfg(feature = "float")]
 mod draw;

@@ -1,13 +1,13 @@
-//! Where a body is, in floats.
+//! Poses of bodies in floats.
 
 use crate::math::Vec2;
 use crate::scalar::{Angle, Scalar, ToF64};
 use crate::world::BodyRef;
 
-/// Where a body is and how far it is turned, for drawing.
+/// Position and angle of a body, for drawing.
 ///
-/// A single has 24 bits: 10 km from the origin its steps are a millimetre. What is drawn in singles is better first put
-/// [relative](Self::relative_to) to the camera, in doubles.
+/// An `f32` has 24 bits: 10 km from the origin its spacing is a millimetre. Make a pose
+/// [relative to the camera](Self::relative_to) in `f64` before converting it to `f32`.
 ///
 /// ```
 /// use umbra_physics::{BodyDef, Fx, Pose, World, WorldDef, vec2};
@@ -25,9 +25,9 @@ use crate::world::BodyRef;
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pose<T = f64> {
-    /// Where the centre of mass is, m.
+    /// Position of the centre of mass, m.
     pub position: [T; 2],
-    /// How far it is turned, rad, in [0, 2π); a single may be 2π itself.
+    /// Angle, rad, in [0, 2π); an `f32` may round up to 2π itself.
     pub angle: T,
 }
 
@@ -35,7 +35,7 @@ impl Pose {
     /// At the origin, not turned.
     pub const ORIGIN: Self = Self { position: [0.0; 2], angle: 0.0 };
 
-    /// Where a body is at the tick of its world.
+    /// The pose of a body at the tick of its world.
     #[must_use]
     pub fn of<S: Scalar + ToF64>(body: &BodyRef<'_, S>) -> Self {
         Self { position: body.position().to_f64(), angle: body.angle().to_f64() }
@@ -54,7 +54,7 @@ impl Pose {
         Self { position: [self.position[0] - x, self.position[1] - y], angle: self.angle }
     }
 
-    /// Where a point of the body is that is `at` this point of its own axes, from its centre of mass, m.
+    /// World coordinates of a point of the body, m; `at` is in the body's axes, from its centre of mass.
     #[must_use]
     pub fn point(self, at: [f64; 2]) -> [f64; 2] {
         Placed::at(self).point(at)
@@ -129,7 +129,7 @@ impl Placed {
     }
 }
 
-/// As a matrix of homogeneous coordinates, to multiply column vectors by.
+/// Converts to a matrix of homogeneous coordinates, to multiply column vectors by.
 #[cfg(feature = "mint")]
 impl From<Pose> for mint::ColumnMatrix3<f64> {
     fn from(pose: Pose) -> Self {
@@ -137,7 +137,7 @@ impl From<Pose> for mint::ColumnMatrix3<f64> {
     }
 }
 
-/// As a matrix of homogeneous coordinates, to multiply column vectors by.
+/// Converts to a matrix of homogeneous coordinates, to multiply column vectors by.
 #[cfg(feature = "mint")]
 impl From<Pose<f32>> for mint::ColumnMatrix3<f32> {
     fn from(pose: Pose<f32>) -> Self {
@@ -152,7 +152,7 @@ fn matrix<T: Scalar<Angle = T> + Angle<T, Direction = (T, T)>>(pose: Pose<T>) ->
     mint::ColumnMatrix3 { x: column(cos, sin, T::ZERO), y: column(-sin, cos, T::ZERO), z: column(x, y, T::ONE) }
 }
 
-/// Where it is.
+/// Position of the body.
 #[cfg(feature = "mint")]
 impl<T> From<Pose<T>> for mint::Point2<T> {
     fn from(pose: Pose<T>) -> Self {

@@ -1,4 +1,4 @@
-//! From frames of real time, each as long as it is, to ticks.
+//! Conversion of frames of real time, of any length, to ticks.
 
 use crate::error::Error;
 use crate::math::{TimeStep, gcd};
@@ -36,7 +36,7 @@ impl TickFraction {
     }
 }
 
-/// What a frame asks for.
+/// Number of ticks that a frame asks for.
 ///
 /// ```
 /// use umbra_physics::{StepsDue, StepClock, TimeStep};
@@ -50,19 +50,19 @@ impl TickFraction {
 pub struct StepsDue {
     /// The number of ticks to step.
     pub ticks: u32,
-    /// How many more there would have been: the limit dropped them, and the game is behind by so many for good.
+    /// The number of further ticks that the limit dropped: the game stays behind real time by these.
     pub dropped: u128,
 }
 
-/// Says how many ticks to step in each frame: a fixed time step under frames of any length, with an accumulator of what is
-/// left over.
+/// Computes how many ticks to step in each frame: a fixed time step under frames of any length, with an exact accumulator for
+/// the remainder.
 ///
-/// It is the caller's, beside the world: no state, in no hash, and what it says may differ from peer to peer. Time goes in as
-/// whole nanoseconds and comes out as whole ticks and an exact [remainder](Self::remainder). Nothing is rounded and nothing
-/// drifts: after any frames, the ticks, dropped ones included, are ⌊total time · speed / time step⌋.
+/// The clock belongs to the caller and is not part of the world: it is in no hash, and it may differ from peer to peer. Time goes
+/// in as whole nanoseconds and comes out as whole ticks and an exact [remainder](Self::remainder). Nothing is rounded, so
+/// nothing drifts: after any frames, the number of ticks, dropped ones included, is ⌊total time · speed / time step⌋.
 ///
-/// A game that takes longer for a tick than a tick takes would ask for more of them in each frame than in the one before. The
-/// [limit](Self::set_limit) ends that spiral: it drops ticks, not parts of them, so that the remainder goes on evenly.
+/// A game whose ticks take longer to compute than they last would ask for more of them in every frame. The
+/// [limit](Self::set_limit) ends that spiral: it drops whole ticks, so that the remainder continues evenly.
 ///
 /// ```
 /// use umbra_physics::{StepClock, TickFraction, TimeStep};
@@ -81,11 +81,11 @@ pub struct StepsDue {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StepClock {
     time_step: TimeStep,
-    /// Num / den, as it was given.
+    /// Numerator and denominator as given.
     speed: (u32, u32),
     is_paused: bool,
     limit: u32,
-    /// What is not stepped yet, and what a nanosecond adds to it, both in parts of a tick, `den` of which make one.
+    /// Time not stepped yet (`rest`), and the time that a nanosecond adds to it (`gain`), both in units of 1/`den` tick.
     ///
     /// u64::MAX nanoseconds on top of the rest, or of a whole tick, fit: see [`paced`].
     rest: u128,
@@ -95,9 +95,9 @@ pub struct StepClock {
 
 const NANOSECONDS: u128 = 1_000_000_000;
 
-/// (rest, gain, den) of a pacer at this speed in which `rest` ticks are not stepped; `None` if they do not fit.
+/// Computes (rest, gain, den) of a clock at this speed with `rest` ticks not stepped yet; `None` if they do not fit.
 ///
-/// They always do without a rest: with steps of n/d s at a speed of p/q a nanosecond is p·d / (10⁹·q·n) ticks, in which
+/// They always fit without a rest: with steps of n/d s at a speed of p/q a nanosecond is p·d / (10⁹·q·n) ticks, in which
 /// p·d <= (2^32 − 1)² and 10⁹·q·n < 2^94, and (2^64 − 1)·(2^32 − 1)² + 2^94 < 2^128.
 fn paced(rest: TickFraction, time_step: TimeStep, (num, den): (u32, u32)) -> Option<(u128, u128, u128)> {
     let (n, d) = time_step.seconds();
@@ -112,11 +112,11 @@ fn paced(rest: TickFraction, time_step: TimeStep, (num, den): (u32, u32)) -> Opt
 }
 
 impl StepClock {
-    /// The [limit](Self::set_limit) of a new one. A display of 30 Hz at three times the speed of a world of 60 Hz asks for six
+    /// The [limit](Self::set_limit) of a new clock. A display of 30 Hz at three times the speed of a world of 60 Hz asks for six
     /// ticks a frame; frames that are a third late are within the limit as well.
     pub const LIMIT: u32 = 8;
 
-    /// A pacer for a world with this time step, at normal speed, with nothing left over.
+    /// A clock for a world with this time step, at normal speed, with no remainder.
     ///
     /// # Errors
     /// [`Error::TimeStep`], as for a world.
@@ -127,7 +127,7 @@ impl StepClock {
         Ok(Self { time_step, speed, is_paused: false, limit: Self::LIMIT, rest, gain, den })
     }
 
-    /// Takes in so many nanoseconds of real time, those since the frame before, and says how many ticks to step now.
+    /// Adds the real time since the frame before, in nanoseconds, and returns how many ticks to step now.
     pub const fn frame(&mut self, nanoseconds: u64) -> StepsDue {
         if self.is_paused {
             return StepsDue { ticks: 0, dropped: 0 };
@@ -140,15 +140,15 @@ impl StepClock {
         StepsDue { ticks: due, dropped: ticks - due as u128 }
     }
 
-    /// How far after the last tick stepped the present is, in ticks: below 1 after each [`frame`](Self::frame) but those in a
-    /// pause, which leave as it is what [another time step](Self::set_time_step) made more than a tick of.
+    /// Time since the last tick stepped, in ticks. It is below 1 after each [`frame`](Self::frame), except in a pause after a
+    /// [shorter time step](Self::set_time_step) was set.
     #[must_use]
     pub const fn remainder(&self) -> TickFraction {
         TickFraction::reduced(self.rest, self.den)
     }
 
     /// The real time from the last frame until the next tick is due, ns: the shortest frame that asks for one. `None` while no
-    /// time passes, in a pause or at a speed of zero. For those who sleep until there is something to do.
+    /// time passes: in a pause or at a speed of zero. Use it to sleep until the next tick.
     ///
     /// ```
     /// use umbra_physics::{StepClock, TimeStep};
@@ -170,11 +170,11 @@ impl StepClock {
         Some(self.den.saturating_sub(self.rest).div_ceil(self.gain) as u64)
     }
 
-    /// Goes on with another time step, that of the world from this tick on. The time that is left over is the same: it may be
-    /// more than one of the new ticks, which the next frame asks for then.
+    /// Changes the time step, together with that of the world, from this tick on. The remaining time stays the same; if it is
+    /// more than a new tick, the next frame asks for that tick.
     ///
     /// # Errors
-    /// [`Error::TimeStep`]; [`Error::ElapsedTime`] if what is left over could not stay exact. Nothing is changed.
+    /// [`Error::TimeStep`]; [`Error::ElapsedTime`] if the remainder could not stay exact. Nothing is changed then.
     ///
     /// ```
     /// use umbra_physics::{StepClock, TickFraction, TimeStep};
@@ -189,7 +189,7 @@ impl StepClock {
     pub fn set_time_step(&mut self, time_step: TimeStep) -> Result<(), Error> {
         let time_step = time_step.checked()?;
         let ((n, d), (new_n, new_d)) = (self.time_step.seconds(), time_step.seconds());
-        // So many new ticks is an old one. Both products fit in 64 bits.
+        // The number of new ticks in an old one. Both products fit in 64 bits.
         let ratio = TickFraction::reduced(u128::from(n) * u128::from(new_d), u128::from(d) * u128::from(new_n));
         let TickFraction { num, den } = self.remainder();
         let (a, b) = (gcd(num, ratio.den), gcd(ratio.num, den));
@@ -200,12 +200,12 @@ impl StepClock {
         Ok(())
     }
 
-    /// Lets time pass at num/den of its speed from now on: 1/2 is slow motion, 2/1 fast motion, 0/1 none at all.
+    /// Sets the speed of time to num/den of real time from now on: 1/2 is slow motion, 2/1 fast motion, 0/1 stops time.
     ///
     /// # Errors
-    /// [`Error::ElapsedTime`] for a denominator of zero, or if what is left over could not stay exact: after a few speeds that
-    /// have nothing in common. Speeds over one denominator never come to that. Nothing is changed;
-    /// [`settle`](Self::settle) makes room.
+    /// [`Error::ElapsedTime`] for a denominator of zero, or if the remainder could not stay exact, which can happen after several
+    /// speeds without a common denominator. Speeds over one denominator never fail. Nothing is changed then;
+    /// [`settle`](Self::settle) drops the remainder and makes room.
     ///
     /// ```
     /// use umbra_physics::{StepClock, TimeStep};
@@ -224,8 +224,8 @@ impl StepClock {
         Ok(())
     }
 
-    /// Lets no time pass, so that frames ask for no tick, until it is called with `false`; what is left over stays, whole ticks
-    /// of another time step included.
+    /// Pauses or resumes the clock. While it is paused, frames ask for no ticks; the remainder stays, also if a new time step
+    /// made it more than a tick.
     ///
     /// ```
     /// use umbra_physics::{StepClock, TimeStep};
@@ -242,8 +242,8 @@ impl StepClock {
         self.is_paused = is_paused;
     }
 
-    /// Changes how many ticks a frame may ask for, at least one. The limit should hold what the longest frame that is normal
-    /// asks for at the highest speed.
+    /// Sets the largest number of ticks a frame may ask for, at least one. Choose the number that the longest normal frame asks
+    /// for at the highest speed.
     ///
     /// ```
     /// use umbra_physics::{StepsDue, StepClock, TimeStep};
@@ -258,7 +258,7 @@ impl StepClock {
         self.limit = if ticks == 0 { 1 } else { ticks };
     }
 
-    /// Drops what is left over: the present is the last tick. After a level was loaded, say.
+    /// Drops the remainder: the present is the last tick. Call it after loading a level, for example.
     ///
     /// ```
     /// use umbra_physics::{StepClock, TickFraction, TimeStep};
@@ -270,31 +270,31 @@ impl StepClock {
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
     pub fn settle(&mut self) {
-        // Always, as nothing is left: no more than when it was made.
+        // Always fits without a remainder, as it did in `new`.
         if let Some(paced) = paced(TickFraction::ZERO, self.time_step, self.speed) {
             (self.rest, self.gain, self.den) = paced;
         }
     }
 
-    /// The time step it counts in.
+    /// The time step of the clock.
     #[must_use]
     pub const fn time_step(&self) -> TimeStep {
         self.time_step
     }
 
-    /// (num, den) of the speed at which time passes, as it was given.
+    /// The speed of time as (num, den), as given.
     #[must_use]
     pub const fn speed(&self) -> (u32, u32) {
         self.speed
     }
 
-    /// Whether no time passes.
+    /// Returns true while the clock is paused.
     #[must_use]
     pub const fn is_paused(&self) -> bool {
         self.is_paused
     }
 
-    /// How many ticks a frame may ask for.
+    /// The largest number of ticks a frame may ask for.
     #[must_use]
     pub const fn limit(&self) -> u32 {
         self.limit

@@ -1,21 +1,21 @@
-//! A guide, chapter by chapter: each can be read by itself, and its examples run as tests.
+//! Guide to the engine. Each chapter can be read by itself, and its examples run as tests.
 //!
-//! | chapter | for |
+//! | chapter | contents |
 //! |---|---|
-//! | [`numbers`] | fixed point in five minutes: what a number is, what does not fit, angles |
-//! | [`accuracy`] | which integrator, how many ticks a second, damping, how stiff a spring may be |
-//! | [`determinism`] | what makes two machines part in *your* code, and how to find it |
-//! | [`bodies`] | moving platforms, rails, caps, out of play, points of a body, keys, sprites that follow, totals |
-//! | [`lockstep`] | peers that send inputs alone: hashes, and what to do when they differ |
-//! | [`rollback`] | inputs that arrive late: going back, and to the present again |
-//! | [`replays`] | recording, and verifying on a server what strangers send |
-//! | [`frames`] | a clock's nanoseconds to ticks, poses between ticks, drawing, events |
-//! | [`engines`] | entities that follow bodies, as with `bevy_ecs` |
-//! | [`languages`] | from C, C# and other languages, and in the browser |
-//! | [`migration`] | coming from Box2D or Rapier: their calls and ours, units, conventions |
+//! | [`numbers`] | fixed point in five minutes: exactness, overflow, angles |
+//! | [`accuracy`] | choosing an integrator, a tick rate, damping and spring stiffness |
+//! | [`determinism`] | causes of desyncs in *your* code, and how to find them |
+//! | [`bodies`] | moving platforms, locks, speed limits, disabling, local points, keys, sprites, energy and momentum |
+//! | [`lockstep`] | peers that exchange only inputs; comparing hashes, and finding the difference |
+//! | [`rollback`] | handling late inputs: going back and recomputing the present |
+//! | [`replays`] | recording, and verifying replays from untrusted players on a server |
+//! | [`frames`] | frame times to ticks, poses between ticks, drawing, events |
+//! | [`engines`] | keeping entities in step with bodies, with `bevy_ecs` as an example |
+//! | [`languages`] | using the library from C, C# and other languages, and in the browser |
+//! | [`migration`] | moving from Box2D or Rapier: calls, units, conventions |
 //!
-//! The [README](https://docs.rs/crate/umbra-physics) has what there is, `examples` whole programs, `ARCHITECTURE.md` how it
-//! is made.
+//! The [README](https://docs.rs/crate/umbra-physics) is the overview, `examples` has whole programs, and `docs/design.md` explains the
+//! design.
 
 #[doc = include_str!("accuracy.md")]
 pub mod accuracy {}

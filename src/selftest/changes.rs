@@ -190,7 +190,7 @@ fn busy() -> Result<(World, alloc::vec::Vec<BodyId>), Error> {
     Ok((world, ids))
 }
 
-/// What players do at a tick.
+/// Inputs of the players at a tick.
 fn inputs(world: &mut World, ids: &[BodyId], tick: u32) -> Result<(), Error> {
     let id = ids[tick as usize * 5 % ids.len()];
     world.apply_force(id, Vec2::new(Fx::from_int(tick as i32 % 9), fx!(2)))?;

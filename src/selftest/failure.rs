@@ -1,4 +1,4 @@
-//! Why a scene failed.
+//! Reasons why a scene failed.
 
 use core::fmt;
 
@@ -21,39 +21,39 @@ use crate::error::{Error, codes};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub struct Failure {
-    /// Its name.
+    /// Name of the scene.
     pub scene: &'static str,
-    /// The number of ticks it made.
+    /// The number of ticks made before the failure.
     pub tick: u64,
-    /// What went wrong.
+    /// The reason.
     pub problem: Problem,
 }
 
-/// What went wrong in a scene.
+/// Reason why a scene failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Problem {
-    /// A call was refused that is in order.
+    /// A valid call was refused.
     Refused(Error),
-    /// What the scene is for did not happen.
+    /// The event that the scene is meant for did not happen.
     DidNotHappen {
-        /// What should have.
+        /// Name of the event.
         what: &'static str,
     },
-    /// Two things that are to have the same bits have not.
+    /// Two values that must have the same bits differ.
     Differs {
-        /// What they are.
+        /// Name of the values.
         what: &'static str,
     },
-    /// A value is farther from what it is to be than the bound.
+    /// A value is farther from the expected one than the bound allows.
     Wrong {
-        /// What it is.
+        /// Name of the value.
         what: &'static str,
         /// The value, in units of its last place.
         found: i128,
-        /// What it is to be.
+        /// The expected value.
         expected: i128,
-        /// How far it may be from that.
+        /// The largest allowed difference.
         bound: u128,
     },
 }
@@ -76,7 +76,7 @@ impl core::error::Error for Problem {
 }
 
 impl Failure {
-    /// That of its problem.
+    /// The error number of the problem.
     #[must_use]
     pub const fn code(&self) -> u16 {
         self.problem.code()

@@ -1,4 +1,4 @@
-//! What goes out as bytes and comes back, and steps undone.
+//! Scenes that write bytes and read them back, and that undo steps.
 
 use alloc::vec::Vec;
 
@@ -46,7 +46,7 @@ fn start(integrator: Integrator) -> Result<(World, Vec<BodyId>), crate::error::E
     Ok((world, ids))
 }
 
-/// What two players do at a tick: nothing at most.
+/// Inputs of two players at a tick: none at most ticks.
 fn inputs(tick: u64, ids: &[BodyId]) -> Inputs {
     let mut inputs = Inputs::new();
     let body = ids[tick as usize % ids.len()];

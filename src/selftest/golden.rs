@@ -50,13 +50,13 @@ impl<'t> Golden<'t> {
         self.lines().find_map(|mut words| (words.next()? == "law").then(|| words.next()?.parse().ok())?)
     }
 
-    /// What a scene is to give.
+    /// Expected outcome of a scene.
     #[must_use]
     pub fn scene(&self, name: &str) -> Option<Outcome> {
         self.scenes().find(|(own, _)| *own == name).map(|(_, outcome)| outcome)
     }
 
-    /// What all scenes are to give together, as [`run`](super::run) does.
+    /// Expected outcome of all scenes together, as returned by [`run`](super::run).
     #[must_use]
     pub fn all(&self) -> Option<Outcome> {
         self.outcomes().find(|(name, _)| *name == ALL).map(|(_, outcome)| outcome)

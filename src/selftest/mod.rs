@@ -1,17 +1,17 @@
-//! Scenes that a program carries with it, to see that its machine computes what all others do.
+//! Built-in scenes that show that a machine computes the same bits as all others.
 //!
-//! Each scene runs some hundred ticks and gives a digest of the [state hash](crate::World::state_hash) of every tick. Two
-//! builds agree if their digests do, and [`golden`] has those that every build is to have. A digest shows that a result
-//! changed, not that it was right, and nothing at all if the scene never came to what it is there for. So each scene
-//! also checks, in integers, that this happened (something slept, left the envelope, wrapped), and what came out: against a
-//! closed form, a conserved quantity, its mirror image, or the same thing made in another way.
+//! Each scene runs some hundred ticks and returns a digest of the [state hash](crate::World::state_hash) of every tick. Two
+//! builds agree if their digests do, and [`golden`] has the digests that every build must return. A digest shows that a result
+//! changed, not that it was right. So each scene also checks, in integers, that the event it is meant for happened (a body
+//! slept, left the allowed range, wrapped), and what the result was: against a closed form, a conserved quantity, its mirror
+//! image, or the same motion computed in another way.
 //!
 //! ```
 //! use umbra_physics::selftest;
 //!
 //! let scene = &selftest::scenes()[0];
 //! let outcome = scene.run()?;
-//! // What to send to the other players; or to compare with what this version is to give:
+//! // Send it to the other players, or compare it with the outcome that this version must return:
 //! assert_eq!(Some(outcome), scene.golden());
 //! # Ok::<(), selftest::Failure>(())
 //! ```
@@ -36,7 +36,7 @@ use crate::codec::{self, Encoder as _, StateHasher, Write as _};
 use crate::integrate::Integrator;
 use trial::{Played, Trial};
 
-/// A scene of the corpus.
+/// A scene of the self-test.
 #[derive(Clone, Copy, Debug)]
 pub struct Scene {
     name: &'static str,
@@ -44,7 +44,7 @@ pub struct Scene {
     play: fn(&mut Trial) -> Played,
 }
 
-/// What came out of a scene, or of all of them.
+/// Outcome of a scene, or of all scenes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Outcome {
     /// The number of ticks whose states are in the digest.
@@ -54,22 +54,22 @@ pub struct Outcome {
 }
 
 impl Scene {
-    /// Its name: lower case, one word.
+    /// Name of the scene: lower case, one word.
     #[must_use]
     pub const fn name(&self) -> &'static str {
         self.name
     }
 
-    /// What it is there for, in a line.
+    /// Purpose of the scene in one line.
     #[must_use]
     pub const fn about(&self) -> &'static str {
         self.about
     }
 
-    /// Runs it.
+    /// Runs the scene.
     ///
     /// # Errors
-    /// [`Failure`] if a call was refused, if what the scene is for did not happen, or if what came out is wrong.
+    /// [`Failure`] if a call was refused, if the event the scene is meant for did not happen, or if the result is wrong.
     pub fn run(&self) -> Result<Outcome, Failure> {
         let mut trial = Trial::new();
         let played = (self.play)(&mut trial);
@@ -80,7 +80,7 @@ impl Scene {
         }
     }
 
-    /// What it is to give; `None` if the list has no such scene.
+    /// Expected outcome; `None` if the list has no such scene.
     #[must_use]
     pub fn golden(&self) -> Option<Outcome> {
         golden().scene(self.name)
@@ -90,7 +90,7 @@ impl Scene {
 /// Runs all scenes, in order.
 ///
 /// # Errors
-/// That of the first scene that fails.
+/// [`Failure`] of the first scene that fails.
 pub fn run() -> Result<Outcome, Failure> {
     scenes()
         .iter()
@@ -99,7 +99,7 @@ pub fn run() -> Result<Outcome, Failure> {
         .map(|total| total.outcome())
 }
 
-/// The outcome of scenes in order, made from theirs: what [`run`] gives for all of them.
+/// The combined outcome of scenes in order, as [`run`] returns it for all scenes.
 ///
 /// ```
 /// use umbra_physics::selftest::{Total, scenes};
@@ -114,7 +114,7 @@ pub struct Total {
 }
 
 impl Total {
-    /// What they are together.
+    /// The combined outcome.
     #[must_use]
     pub fn outcome(&self) -> Outcome {
         Outcome { ticks: self.ticks, digest: self.digest.finish() }
@@ -135,13 +135,13 @@ impl FromIterator<(&'static str, Outcome)> for Total {
     }
 }
 
-/// The corpus.
+/// All scenes of the self-test.
 #[must_use]
 pub const fn scenes() -> &'static [Scene] {
     SCENES
 }
 
-/// The corpus as a table: name, what plays it, what it is there for.
+/// The scenes as a table: name, function, purpose.
 macro_rules! scenes {
     ($($name:ident: $play:expr, $about:literal;)*) => {
         const SCENES: &[Scene] = &[$(Scene { name: stringify!($name), about: $about, play: $play }),*];

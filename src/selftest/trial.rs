@@ -1,4 +1,4 @@
-//! What a scene runs with: the digest of its ticks, and the checks.
+//! Tools of a scene: the digest of its ticks, and the checks.
 
 use alloc::vec::Vec;
 
@@ -59,12 +59,12 @@ pub(super) fn add_all(world: &mut World, defs: impl IntoIterator<Item = BodyDef>
     defs.into_iter().map(|def| world.add_body(def)).collect()
 }
 
-/// What the scene is for happened.
+/// Checks that the event the scene is meant for happened.
 pub(super) fn happened(what: &'static str, yes: bool) -> Played {
     if yes { Ok(()) } else { Err(Problem::DidNotHappen { what }) }
 }
 
-/// Two things are one and the same.
+/// Checks that two values are equal.
 pub(super) fn same<T: PartialEq>(what: &'static str, found: &T, expected: &T) -> Played {
     if found == expected { Ok(()) } else { Err(Problem::Differs { what }) }
 }

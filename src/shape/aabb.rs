@@ -41,7 +41,7 @@ impl<S: Scalar> Aabb<S> {
         }
     }
 
-    /// Whether the two have a point in common; boxes that touch have.
+    /// Returns true if the boxes have a point in common; boxes that touch do.
     ///
     /// ```
     /// use umbra_physics::{Aabb, vec2};
@@ -57,7 +57,7 @@ impl<S: Scalar> Aabb<S> {
         meet(self.min.x, self.max.x, other.min.x, other.max.x) && meet(self.min.y, self.max.y, other.min.y, other.max.y)
     }
 
-    /// Whether a point is in it; points of its edges are.
+    /// Returns true if a point is in the box or on its edges.
     #[must_use]
     pub fn contains(self, point: Vec2<S>) -> bool {
         self.overlaps(Self { min: point, max: point })

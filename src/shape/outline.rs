@@ -48,7 +48,7 @@ enum Core<S> {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Outlines<S: Scalar> {
     One(Outline<S>),
-    /// Those of a compound's parts.
+    /// Outlines of a compound's parts.
     Parts(Arc<[Outline<S>]>),
 }
 

@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
-/// What a browser that works takes for anything, with room for a machine that has other things to do.
+/// Longest time that a working browser takes for anything, with room for a busy machine.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 const FLAGS: [&str; 11] = [
@@ -56,7 +56,7 @@ pub(crate) struct Browser {
     profile: PathBuf,
     session: String,
     last_id: u64,
-    /// What the page asked for and what went wrong in it, since it was opened.
+    /// Requests of the page and its errors, since it was opened.
     pub(crate) requests: Vec<String>,
     pub(crate) problems: Vec<String>,
 }

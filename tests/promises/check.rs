@@ -11,7 +11,7 @@ use umbra_scene::Scene;
 
 use crate::plan::Plan;
 
-/// What is wrong, in words.
+/// Description of the violation.
 pub(crate) type Verdict = Result<(), String>;
 
 /// `PROPTEST_CASES`, or so many; a tenth of them in an unoptimised build.
@@ -27,7 +27,7 @@ pub(crate) fn until_found() -> Config {
     Config { cases: 5_000, ..config(0) }
 }
 
-/// Whether there is such a value among these.
+/// Returns true if one of the generated values satisfies the condition.
 pub(crate) fn there_is<T: std::fmt::Debug>(values: impl Strategy<Value = T>, is_such: impl Fn(&T) -> bool) -> bool {
     let found = |value: &T| if is_such(value) { Err("found".to_owned()) } else { Ok(()) };
     falsified(Config { max_shrink_iters: 0, ..until_found() }, values, found).is_some()
@@ -61,7 +61,7 @@ pub(crate) fn written(promise: &str, why: &str, script: &Script) -> Result<PathB
     Ok(file)
 }
 
-/// What a property says of a script; of one that makes it panic, what it said then.
+/// Result of a property on a script; the panic message if the script makes it panic.
 fn verdict(script: &Script, property: &impl Fn(&Script) -> Verdict) -> Verdict {
     catch_unwind(AssertUnwindSafe(|| property(script))).unwrap_or_else(|panic| {
         let said = panic.downcast_ref::<String>().map(String::as_str).or(panic.downcast_ref::<&str>().copied());
@@ -69,7 +69,7 @@ fn verdict(script: &Script, property: &impl Fn(&Script) -> Verdict) -> Verdict {
     })
 }
 
-/// What is left of a script that breaks a property when no command can go any more, and no tick at the end.
+/// Shrinks a script that breaks a property until no command can go any more, and no tick at the end.
 fn least(mut script: Script, property: &impl Fn(&Script) -> Verdict) -> Script {
     let breaks = |script: &Script| verdict(script, property).is_err();
     loop {

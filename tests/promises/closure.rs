@@ -16,23 +16,23 @@ use crate::plan::{Cast, FAIR, Plan, Taste};
 /// The group that bystanders alone are in, and their fields alone act on.
 const BYSTANDERS: u32 = 1 << 31;
 
-/// So many moving bodies that a step uses all threads: `MANY` in `src/step/mod.rs`, which is held to be no more.
+/// Number of moving bodies from which a step uses all threads: `MANY` in `src/step/mod.rs`, which is held to be no more.
 const THRONG: i32 = 8_200;
 
 #[derive(Clone, Debug)]
 struct Company {
-    /// Those who are watched.
+    /// Commands of the bodies that are watched.
     plan: Plan,
     /// Bodies, fields and deeds of bystanders.
     bystanders: Plan,
-    /// Which of the two does something next, in turn: the bystanders where it says so.
+    /// Order in which the two casts act, in turn: true for the bystanders.
     turns: Vec<bool>,
-    /// Which of the bystanders are thrown out of the envelope, and when.
+    /// Bystanders that are thrown out of the allowed range, and when.
     expelled: Option<(u32, u64)>,
     threads: usize,
-    /// Whether so many more are there that a step uses all threads.
+    /// True if enough bystanders are added that a step uses all threads.
     throng: bool,
-    /// Whether they are none: fields act on them and the others alike.
+    /// True if the others are no bystanders: fields act on both alike.
     friends: bool,
 }
 
@@ -49,7 +49,7 @@ fn in_groups(command: Command, of: impl Fn(u32) -> u32) -> Command {
     }
 }
 
-/// Whether it is about bodies and fields, and not about the world that all are in.
+/// Returns true for commands about bodies and fields, false for those about the world.
 fn is_of_bodies(command: &Command) -> bool {
     !matches!(
         command,
@@ -104,7 +104,7 @@ fn seen(world: &World, cast: &Cast) -> Vec<Result<Seen, ()>> {
     cast.bodies.iter().map(look).collect()
 }
 
-/// Who of a cast is in a list of handles, by number.
+/// Members of a cast in a list of handles, by number.
 fn numbers(cast: &Cast, bodies: impl Iterator<Item = BodyId>) -> Vec<Option<usize>> {
     let mut numbers: Vec<_> = bodies.map(|body| cast.bodies.iter().position(|&other| other == body)).collect();
     numbers.retain(Option::is_some);

@@ -14,7 +14,7 @@ fn bits(body: &BodyRef<'_>) -> impl PartialEq {
     (body.position_exact(), body.velocity_exact(), body.angle_exact(), body.angular_velocity_exact())
 }
 
-/// What a step may leave: each body within the envelope, and who is newly quarantined where it was before.
+/// Asserts that after a step each body is within range, and newly quarantined ones are where they were before.
 fn is_sound(before: &World, after: &World) -> Verdict {
     let faults: Vec<BodyId> = after.last_report().faults.iter().map(|fault| fault.body).collect();
     for body in after.bodies() {

@@ -37,7 +37,7 @@ impl Problem {
         Script { world, commands, ticks: (SECONDS * rate).into() }
     }
 
-    /// Where the bodies are at every quarter of a second, in units of 2^-96 m.
+    /// Positions of the bodies at every quarter of a second, in units of 2^-96 m.
     fn places(&self, rate: u32) -> Result<Vec<i128>, String> {
         let script = self.script(rate);
         let mut world = script.start().map_err(|error| error.to_string())?;

@@ -102,7 +102,7 @@ fn takes_nothing_the_second_time(script: &Script) -> Verdict {
 
 const NEAR: Taste = Taste { near: 3, ..FAIR };
 
-/// What a step leaves out, and where it takes several bodies through at once, changes nothing.
+/// Leaving out parts of a step, or taking several bodies through it at once, changes nothing.
 #[test]
 fn no_short_cut_changes_a_bit() {
     judge("pays", 400, NEAR.plan(), Oracle::Paths);

@@ -48,7 +48,7 @@ fn products_and_quotients_are_the_nearest_and_ties_go_to_even() {
     assert!(found.is_none(), "{found:?}");
 }
 
-/// Whether r is √n to the nearest integer: r − ½ < √n < r + ½, as no integer's root is halfway.
+/// Returns true if r is √n to the nearest integer: r − ½ < √n < r + ½, as no integer's root is halfway.
 fn is_root(r: u64, n: u128) -> bool {
     let r = u128::from(r);
     // (r ± ½)² = r² ± r + ¼.

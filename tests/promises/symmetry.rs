@@ -44,7 +44,7 @@ impl Side {
         Self { saved: world.snapshot(), world, history: History::new(5) }
     }
 
-    /// What the last step told.
+    /// Report of the last step.
     fn told(&self) -> (Vec<Event>, u32, Vec<BodyId>) {
         let report = self.world.last_report();
         let changed = self.world.changed_since(report.tick).map(|body| body.id());
@@ -61,14 +61,14 @@ impl Side {
 /// A run and its image, with calls between its commands that chance decides on.
 struct Reflected {
     symmetry: Symmetry,
-    /// Of the commands: the same, unless it is to be found out.
+    /// Image of the commands: the same ones, unless the twin is to be found out.
     of_commands: Symmetry,
     sides: [Side; 2],
     dice: Random,
     compared: u32,
 }
 
-/// Why there is nothing more to compare.
+/// Reason to stop comparing.
 enum Ended {
     /// Something has no image.
     Over,
@@ -207,7 +207,7 @@ impl Reflected {
     }
 }
 
-/// How often a run and its image were compared and the same.
+/// Number of times that a run and its image were compared and equal.
 fn keeps_images(script: &Script, seed: u64, of_commands: impl Fn(Symmetry) -> Symmetry) -> Result<u32, String> {
     let mut dice = Random::seeded(seed);
     let ulp = Fx::DELTA;

@@ -1,4 +1,4 @@
-//! Figures in the README and other texts: counts of what there is, and what the report has measured.
+//! Figures in the README, the guide and other texts: counts of scenes and ticks, and results of the report.
 
 use std::path::Path;
 
@@ -13,6 +13,9 @@ fn grouped(number: u64) -> String {
         digits.as_bytes().rchunks(3).rev().filter_map(|group| std::str::from_utf8(group).ok()).collect();
     groups.join(",")
 }
+
+/// The chapter with the results of the report.
+const ACCURACY: &str = "src/guide/accuracy.md";
 
 fn assert_says(path: &str, claim: &str) {
     assert!(flowing(&read(path)).contains(claim), "{path}: {claim}");
@@ -49,17 +52,17 @@ fn all_runs(report: &Value, scalar: &str, integrator: &str) -> Vec<(String, Vec<
 }
 
 #[test]
-fn the_report_has_the_problems_and_steps_that_the_readme_says() {
+fn the_report_has_the_problems_and_steps_that_the_guide_says() {
     let report = report();
     let rates: Vec<u64> = report["rates"].as_array().expect("rates").iter().filter_map(Value::as_u64).collect();
     let (first, last) = (grouped(rates[0]), grouped(rates[rates.len() - 1]));
     assert_eq!(report["problems"].as_array().expect("problems").len(), 9);
     let claim = format!("has nine problems, all steps from 1/{first} to 1/{last} s");
-    assert_says("README.md", &claim);
+    assert_says(ACCURACY, &claim);
 }
 
 #[test]
-fn fixed_point_errs_as_doubles_do_down_to_what_the_readme_says() {
+fn fixed_point_errs_as_doubles_do_down_to_what_the_guide_says() {
     let report = report();
     let mut compared = 0;
     for integrator in umbra_physics::Integrator::ALL.map(umbra_physics::Integrator::name) {
@@ -78,11 +81,11 @@ fn fixed_point_errs_as_doubles_do_down_to_what_the_readme_says() {
         }
     }
     assert!(compared > 200, "{compared}");
-    assert_says("README.md", "**fx** errs as f64 does, to 1 %, for as long as the error is above 10⁻⁶ m");
+    assert_says(ACCURACY, "**fx** errs as f64 does, to 1 %, for as long as the error is above 10⁻⁶ m");
 }
 
 #[test]
-fn singles_have_a_best_step_as_the_readme_says() {
+fn singles_have_a_best_step_as_the_guide_says() {
     let report = report();
     // The rate at which a problem's error is least, and that error.
     let best = |runs: &[Value]| -> (f64, u64) {
@@ -99,13 +102,13 @@ fn singles_have_a_best_step_as_the_readme_says() {
     let early = yoshida.iter().filter(|(_, runs)| best(runs).1 <= 120).count();
     let claim = format!("with Yoshida4 in {early} of the {} problems from 120 steps a second on", yoshida.len());
     assert_says(
-        "README.md",
+        ACCURACY,
         &format!("**f32** errs by 10⁻⁶ to 10⁻³ m at its best step: a finer one makes it worse, {claim}"),
     );
 }
 
 #[test]
-fn the_chaotic_scene_parts_when_the_readme_says() {
+fn the_chaotic_scene_parts_when_the_guide_says() {
     let report = report();
     let pairs = report["parting"]["pairs"].as_array().expect("pairs");
     let beyond = |a: &str, b: &str, distance: &str| {
@@ -119,5 +122,5 @@ fn the_chaotic_scene_parts_when_the_readme_says() {
         "fx and f64 are a millimetre apart after {millimetre} s and a metre after {metre} s, but either is a metre from the \
          truth after {truth} s"
     );
-    assert_says("README.md", &claim);
+    assert_says(ACCURACY, &claim);
 }

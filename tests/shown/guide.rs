@@ -1,10 +1,10 @@
-//! What the guide and the README have beside examples that run as tests: figures of the report, excerpts of a program, links.
+//! Parts of the guide and the README that do not run as tests: figures of the report, excerpts of programs, links.
 
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-/// Of the repository: not all of it is in the package that is published.
+/// Reads a file of the repository; some of them are not in the published package.
 pub(crate) fn read(path: &str) -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
     std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
@@ -33,7 +33,7 @@ pub(crate) fn runs(problem: &Value, scalar: &str, integrator: &str) -> Vec<Value
     line["runs"].as_array().expect("runs").clone()
 }
 
-/// What runs cost as a multiple of what others cost, the median over the rates at which both came through.
+/// Cost of runs as a multiple of the cost of others, the median over the rates at which both came through.
 fn times(runs: &[Value], others: &[Value]) -> f64 {
     let both = runs.iter().zip(others).filter(|(run, other)| !run["error"].is_null() && !other["error"].is_null());
     let cost = |run: &Value| run["cost"].as_f64().expect("a cost");
@@ -93,14 +93,14 @@ fn the_times_in_the_guide_are_those_of_the_report() {
     let measured: Vec<String> = prices.iter().map(|(_, price)| format!("{price:.1}")).collect();
     assert_eq!(measured, said);
 
-    // And the README, of those with fields and those without.
-    let readme = flowing(&read("README.md"));
+    // The text as well: problems with fields and problems without.
+    let text = flowing(&accuracy);
     let without = |name: &str| ["damped-fall", "spin"].contains(&name);
     let (least, most) = span(prices.iter().filter(|(name, _)| !without(name)).map(|&(_, price)| price));
     let (spin, fall) = span(prices.iter().filter(|(name, _)| without(name)).map(|&(_, price)| price));
     let claim =
         format!("{least} to {most} times as long as one of velocity Verlet where fields act, {spin} and {fall} times");
-    assert!(readme.contains(&claim), "{claim}");
+    assert!(text.contains(&claim), "{claim}");
 
     let report = report();
     let problems = report["problems"].as_array().expect("problems").iter();
@@ -110,7 +110,7 @@ fn the_times_in_the_guide_are_those_of_the_report() {
     let three = dearer(three[0]);
     let claim =
         format!("takes {least} to {most} times as long for a body or two, {three:.1} times where three attract");
-    assert!(readme.contains(&claim), "{claim}");
+    assert!(text.contains(&claim), "{claim}");
 }
 
 /// The error of these runs at a cost, between the two that are nearest to it; `None` beyond them or where one has none.
@@ -157,7 +157,7 @@ fn the_readme_says_of_other_engines_what_was_measured() {
     };
     let [ours, other, third] = ["fx, wide", "Box2D 3", "rapier"].map(nanoseconds);
     let whole = |figure: &str| figure.split('.').next().expect("a figure").to_owned();
-    let claim = format!("take {ours} ns each and step, where Box2D takes {} and rapier {third}", whole(&other));
+    let claim = format!("take {ours} ns each per step, where Box2D takes {} and rapier {third}", whole(&other));
     assert!(readme.contains(&claim), "{claim}");
 }
 
@@ -186,7 +186,7 @@ fn the_excerpts_in_the_guide_stand_in_the_examples() {
     }
 }
 
-/// Where the links of a text in Markdown lead to; code is left out.
+/// Targets of the links in a Markdown text; code is left out.
 fn links(text: &str) -> Vec<&str> {
     let prose = text.split("```").step_by(2);
     let inline = prose.clone().flat_map(|text| text.split("](").skip(1).filter_map(|rest| rest.split(')').next()));
@@ -206,7 +206,7 @@ fn anchor(heading: &str) -> String {
     signs.collect()
 }
 
-/// Whether it is in the package that docs.rs has: packages of their own are not, nor what the manifest leaves out.
+/// Returns true for a path in the package on docs.rs: other packages are not in it, nor files the manifest excludes.
 fn is_published(path: &Path) -> bool {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let manifest = read("Cargo.toml");
@@ -218,7 +218,7 @@ fn is_published(path: &Path) -> bool {
     })
 }
 
-/// What is wrong with a link of a file, if anything is.
+/// Fault of a link in a file, if any.
 fn fault(file: &Path, link: &str) -> Option<&'static str> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let (to, heading) = link.split_once('#').map_or((link, None), |(to, heading)| (to, Some(heading)));
@@ -280,7 +280,7 @@ fn a_link_that_leads_nowhere_is_seen() {
     assert_eq!(links(text), ["b.md", "docs/f.md"]);
     assert_eq!(fault(readme, "docs/errors.md"), None);
     assert_eq!(fault(readme, "docs/none.md"), Some("is not there"));
-    assert_eq!(fault(readme, "#from-c-and-in-the-browser"), None);
+    assert_eq!(fault(readme, "#where-to-begin"), None);
     assert_eq!(fault(Path::new("docs/errors.md"), "formats.md#no-such"), Some("has no such heading"));
     let docs = |path: &str| format!("https://docs.rs/crate/umbra-physics/latest/source/{path}");
     assert_eq!(fault(readme, &docs("examples/ggrs/adapter.rs")), None);

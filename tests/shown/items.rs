@@ -31,7 +31,7 @@ fn is_word(c: char) -> bool {
     c.is_alphanumeric() || c == '_'
 }
 
-/// Whether `word` stands in the code as a word of its own.
+/// Returns true if `word` stands in the code as a word of its own.
 fn has_word(code: &str, word: &str) -> bool {
     code.match_indices(word).any(|(at, _)| {
         let ends = code[at + word.len()..].chars().next();
@@ -39,7 +39,7 @@ fn has_word(code: &str, word: &str) -> bool {
     })
 }
 
-/// Whether `word` is called or named after a `.` or `::`.
+/// Returns true if `word` is called or named after a `.` or `::`.
 fn has_member(code: &str, word: &str) -> bool {
     code.match_indices(word).any(|(at, _)| {
         let ends = code[at + word.len()..].chars().next();
@@ -51,7 +51,7 @@ fn first_word(text: &str) -> &str {
     text.split(|c| !is_word(c)).next().unwrap_or_default()
 }
 
-/// What is public in a source, line by line as rustfmt leaves it.
+/// Public items in a source, line by line as rustfmt leaves it.
 fn items(file: &str, source: &str) -> Vec<Item> {
     const KINDS: [&str; 7] = ["fn ", "const fn ", "struct ", "enum ", "trait ", "type ", "const "];
     let source = source.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
@@ -169,8 +169,8 @@ fn interface() -> (Vec<Item>, Vec<Block>) {
     (all, shown)
 }
 
-/// Whether an item is used in code that is shown. A member is, where the code also names its type, or is in the docs beside it: other
-/// types have members of that name.
+/// Returns true if an item is used in shown code. For a member the code must also name its type, or be in the docs beside it:
+/// other types have members of that name.
 fn is_shown(item: &Item, shown: &[Block]) -> bool {
     shown.iter().any(|block| match &item.owner {
         None => has_word(&without_imports(&block.code), &item.name),
@@ -178,7 +178,7 @@ fn is_shown(item: &Item, shown: &[Block]) -> bool {
     })
 }
 
-/// Those of a file that are shown nowhere, with the file.
+/// Items of a file that are shown nowhere, with the file.
 fn missing<'a>(all: &'a [Item], shown: &'a [Block]) -> impl Iterator<Item = String> {
     all.iter().filter(|item| !is_shown(item, shown)).map(|item| format!("{} {}", item.file, item.path()))
 }

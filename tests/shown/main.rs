@@ -1,5 +1,6 @@
-//! What the documentation shows, and that it is so.
+//! Tests of the statements and examples in the documentation.
 
 mod figures;
 mod guide;
 mod items;
+mod openings;

@@ -72,7 +72,7 @@ fn rounded(value: f64) -> Fx {
     Fx::from_f64_for_tools(value).expect("it fits")
 }
 
-/// How stiff a spring has to be.
+/// Stiffness of a spring for ω·dt = z at this rate.
 fn stiffness(mass: Fx, rate: u32, z: f64) -> Fx {
     rounded(mass.to_f64() * (z * f64::from(rate)).powi(2))
 }
@@ -96,7 +96,7 @@ fn oscillator(integrator: Integrator, mass: Fx, rate: u32, z: f64) -> Scene {
     Scene::oscillator(mass, stiffness, vec2(position, 0), vec2(velocity, 0))
 }
 
-/// Whether the oscillator keeps within twice its start for so many steps.
+/// Returns true if the oscillator stays within twice its start for this number of steps.
 fn keeps(integrator: Integrator, mass: Fx, rate: u32, z: f64, steps: u32) -> bool {
     let mut world = oscillator(integrator, mass, rate, z).world::<Fx>(rate, integrator);
     let swing = |body: BodyRef| match integrator {
@@ -169,7 +169,7 @@ fn explicit_euler_grows_at_every_stiffness_as_its_step_says() {
 /// Steps a second, beside a stiff spring.
 const RATE: u32 = 60;
 
-/// What lives beside the stiff spring: two on a spring of their own, and one by itself.
+/// Bodies beside the stiff spring: two on a spring of their own, and one by itself.
 fn beside() -> Scene {
     let mut scene = Scene::pair([fx!(3), fx!(1)], fx!(10), fx!(5));
     scene.springs.push(Spring { near: 0, far: Some(1), rest: fx!(8), stiffness: fx!(0.75) });

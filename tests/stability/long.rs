@@ -17,7 +17,7 @@ pub(crate) struct Run {
     pub(crate) rate: u32,
     /// The fastest rate in it, rad/s.
     pub(crate) fastest: f64,
-    /// Whether nothing but the bodies themselves pulls.
+    /// True if only the bodies themselves attract.
     pub(crate) is_free: bool,
 }
 
@@ -41,7 +41,7 @@ fn spring_net() -> Run {
     Run { name: "spring net", scene: Scene::net(5, [fx!(1), fx!(3)]), rate: 240, fastest: 800f64.sqrt(), is_free: true }
 }
 
-/// How far a run came from its start, or may come.
+/// Distance of a run from its start, measured or allowed.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Drift {
     /// J.
@@ -80,7 +80,7 @@ impl Run {
         [worst, self.allowed(&seen, steps)]
     }
 
-    /// What velocity Verlet and the rounding of `Fx` may do to a run that was seen so.
+    /// Bounds on the error of velocity Verlet and of the rounding of `Fx` in a run observed like this.
     fn allowed(&self, seen: &[Weighed], steps: u32) -> Drift {
         let h = 1.0 / f64::from(self.rate);
         let most = |f: fn(&Weighed) -> f64| seen.iter().map(|w| f(w).abs()).fold(0.0, f64::max);

@@ -53,13 +53,13 @@ impl Exact for f32 {
     }
 }
 
-/// How far apart two momenta are, kg·m/s: the larger component.
+/// Distance of two momenta, kg·m/s: the larger component.
 pub(crate) fn apart(a: &[Real; 2], b: &[Real; 2]) -> f64 {
     let component = |i: usize| to_f64(&(&a[i] - &b[i])).abs();
     component(0).max(component(1))
 }
 
-/// How far velocity Verlet's rounding may move a component of momentum in so many steps, kg·m/s, where the magnitudes
+/// Bound on the change of a component of momentum by velocity Verlet's rounding in a number of steps, kg·m/s, if the magnitudes
 /// of all forces add up to `pull` at most.
 ///
 /// A spring pulls both its bodies by the same bits; F/m is then rounded to 2^-64 m/s², with a 1/m that is within 2^-64
@@ -81,7 +81,7 @@ fn twins() -> Scene {
     Scene { bodies, springs: vec![], gravity: None }
 }
 
-/// What joins two bodies.
+/// Connections between two bodies.
 type Join<S> = fn([Attachment<S>; 2]) -> Vec<FieldKind<S>>;
 
 fn joined<S: Scalar>(integrator: Integrator, join: Join<S>) -> World<S> {
@@ -166,7 +166,7 @@ fn crowd() -> Scene {
     Scene { springs: (0..ring.len()).map(join).collect(), bodies, gravity }
 }
 
-/// How far momentum moved in so many steps, and how far rounding may have moved it.
+/// Change of momentum in a number of steps, and the change that rounding allows.
 fn moved<S: Exact>(scene: &Scene, rate: u32, steps: u32) -> (f64, f64) {
     let mut world = scene.world::<S>(rate, Integrator::VelocityVerlet);
     let start = momentum(scene, &world);

@@ -17,7 +17,7 @@ fn rates() -> &'static [u32] {
 const SECONDS: u32 = 120;
 const OMEGA: f64 = 0.25;
 
-/// How far the oscillator is from cos(ω·t) at the end, as a share of its swing.
+/// Distance of the oscillator from cos(ω·t) at the end, as a fraction of its amplitude.
 fn off_the_cosine(integrator: Integrator, rate: u32) -> f64 {
     let scene = Scene::oscillator(fx!(1), fx!(0.0625), vec2(1000, 0), vec2(0, 0));
     let mut world = scene.world::<Fx>(rate, integrator);
@@ -27,7 +27,7 @@ fn off_the_cosine(integrator: Integrator, rate: u32) -> f64 {
     (look(&world)[0].x[0] / 1000.0 - (OMEGA * f64::from(SECONDS)).cos()).abs()
 }
 
-/// How much a step over z is off in its phase, relative: −z⁴·0.0661… in Yoshida4, z²/24 in velocity Verlet and its kin.
+/// Relative phase error of a step over z: −z⁴·0.0661… in Yoshida4, z²/24 in velocity Verlet and its kin.
 fn phase_error(integrator: Integrator) -> (f64, i32) {
     match integrator {
         Integrator::Yoshida4 => {
@@ -38,7 +38,7 @@ fn phase_error(integrator: Integrator) -> (f64, i32) {
     }
 }
 
-/// What the first term of the integrator's error makes of it.
+/// Error predicted by the first term of the integrator's error.
 fn order_error(integrator: Integrator, rate: u32) -> f64 {
     let z = OMEGA / f64::from(rate);
     let (constant, power) = phase_error(integrator);
@@ -77,7 +77,7 @@ fn explicit_euler_is_farther_off_at_every_rate() {
     }
 }
 
-/// How far a body falls in `SECONDS` at this rate, and when that is.
+/// Position of a falling body after `SECONDS` at this rate, and the elapsed time.
 fn fall<S: Scalar>(rate: u32, integrator: Integrator) -> (Vec2<S>, Elapsed) {
     let gravity = Vec2::new(S::ZERO, S::from_fx(fx!(-9.8125)));
     let def = WorldDef { time_step: TimeStep::hz(rate), integrator, gravity, ..WorldDef::default() };
@@ -90,7 +90,7 @@ fn fall<S: Scalar>(rate: u32, integrator: Integrator) -> (Vec2<S>, Elapsed) {
     (world.body(body).expect("it is there").position(), world.elapsed())
 }
 
-/// Of the exact −½·9.8125·120², 3.25·120.
+/// Returns true if the place is within an ulp of the exact (3.25·120, −½·9.8125·120²).
 fn is_exact(place: Vec2<Fx>) -> bool {
     let off = |is: Fx, right: Fx| (is - right).abs() <= Fx::DELTA;
     off(place.x, fx!(390)) && off(place.y, fx!(-70650))

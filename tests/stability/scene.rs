@@ -48,10 +48,10 @@ pub(crate) struct Seen {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Weighed {
     pub(crate) energy: f64,
-    /// What velocity Verlet keeps beside the energy, over h²: see [`Scene::weigh`].
+    /// Quantity that velocity Verlet conserves beside the energy, over h²: see [`Scene::weigh`].
     pub(crate) shadow: f64,
     pub(crate) angular_momentum: f64,
-    /// What errors of 1 in all public positions and velocities, independent of each other, do to the energy and the
+    /// Effect of errors of 1 in all public positions and velocities, independent of each other, on the energy and the
     /// angular momentum in a second, root mean square.
     pub(crate) energy_noise: f64,
     pub(crate) angular_noise: f64,
@@ -59,20 +59,20 @@ pub(crate) struct Weighed {
     pub(crate) pull: f64,
 }
 
-/// What pulls at a body: towards another, or towards the origin.
+/// Bond on a body: to another, or to the origin.
 #[derive(Clone, Copy)]
 enum Bond {
     Spring { rest: f64, stiffness: f64 },
     Gravity { strength: f64, softening: f64 },
 }
 
-/// What all bonds do.
+/// Energy and forces of all bonds.
 struct Loads {
     potential: f64,
     pull: f64,
     /// On each body.
     force: Vec<[f64; 2]>,
-    /// How that changes in a second.
+    /// Change of the force in a second.
     change: Vec<[f64; 2]>,
 }
 
@@ -89,7 +89,7 @@ fn plus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
 }
 
 impl Bond {
-    /// Its potential energy at the offset d, the slope of that, and how the slope changes while d changes by w.
+    /// Potential energy at the offset d, its slope, and the change of the slope while d changes by w.
     fn at(self, d: [f64; 2], w: [f64; 2]) -> (f64, [f64; 2], [f64; 2]) {
         let (along, square) = (dot(d, w), dot(d, d));
         match self {

@@ -6,7 +6,7 @@ use std::ops::Index;
 
 pub(crate) const PATH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/formats.md");
 
-/// What a table says a value is made of.
+/// Content of a value, as a table gives it.
 #[derive(Debug)]
 pub(crate) enum Content {
     /// Fields, one after the other: (name, form).
@@ -20,7 +20,7 @@ pub(crate) struct Case {
     pub(crate) tag: u8,
     pub(crate) name: String,
     fields: Vec<(String, String)>,
-    /// What the table says of its length, if it does.
+    /// Length that the table gives, if it does.
     pub(crate) bytes: String,
 }
 
@@ -53,7 +53,7 @@ impl Value {
         self.case.as_deref().expect("a choice")
     }
 
-    /// What is there of an option.
+    /// Content of an option.
     pub(crate) fn option(&self) -> Option<&Value> {
         self.entries.first()
     }

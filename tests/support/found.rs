@@ -1,4 +1,4 @@
-//! What was read by the tables of `docs/formats.md`, as what the library has: by the names of fields and cases.
+//! Values read by the tables of `docs/formats.md`, in the form that the library has: by the names of fields and cases.
 
 use umbra_physics::{
     Activity, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, Command, End, FieldId, FieldKind, ForceField,

@@ -12,7 +12,7 @@ impl Random {
         (z ^ (z >> 31)) as i64
     }
 
-    /// Of either sign, every magnitude from 2^0 to 2^62 as likely as another.
+    /// Values of either sign, every magnitude from 2^0 to 2^62 equally likely.
     pub(crate) fn next_by_exponent(&mut self) -> i64 {
         let bits = self.next();
         let shift = (self.next() as u64 % 63) as u32;

@@ -1,4 +1,4 @@
-//! What the tests of the kernels share.
+//! Helpers that the tests of the kernels share.
 
 pub(crate) mod cordic;
 pub(crate) mod hard;

@@ -18,13 +18,13 @@ pub(crate) const RATE: f64 = 3.75;
 /// A scene and its equations.
 pub(crate) struct Problem {
     pub(crate) name: &'static str,
-    /// How long it is watched, in tenths of a second.
+    /// Duration of the observation, in tenths of a second.
     pub(crate) tenths: u32,
     /// The scene in a world, all lengths times 2^scale.
     pub(crate) scene: fn(WorldDef, Scale) -> (World, Vec<BodyId>),
     /// The torque applied at each tick, N·m.
     pub(crate) torque: Option<Fx>,
-    /// What is enlarged to see the rounding: lengths, or angles if nothing else moves.
+    /// Magnified quantity, to see the rounding: lengths, or angles if nothing else moves.
     pub(crate) enlarged: Enlarged,
     /// d/dt of (x, y, v_x, v_y, angle, spin) of each body.
     pub(crate) slope: fn(&[Real]) -> Vec<Real>,
@@ -128,7 +128,7 @@ pub(crate) const OSCILLATOR: Problem = Problem {
     slope: |state| moving(state, [-(exact(STIFFNESS) * &state[0]), -(exact(STIFFNESS) * &state[1])]),
 };
 
-/// What is left of the oscillator's velocity after a second.
+/// Fraction of the oscillator's velocity left after a second.
 pub(crate) const KEPT: Fx = fx!(0.75);
 
 /// The oscillator with the exponential damping of the world.
@@ -239,7 +239,7 @@ pub(crate) const ELLIPSE: Problem = Problem {
 
 const TORQUE: Fx = fx!(20);
 const INERTIA: Fx = fx!(0.5);
-/// What is left of the spin after a second.
+/// Fraction of the spin left after a second.
 pub(crate) const SPIN_KEPT: Fx = fx!(0.0235);
 
 /// A constant torque against angular damping.
@@ -339,7 +339,7 @@ pub(crate) const PAIR: Problem = Problem {
     },
 };
 
-/// Those with forces of position, drag and damping, in which every integrator has its order.
+/// Problems with forces of position, drag and damping, in which every integrator has its order.
 pub(crate) const PROBLEMS: [Problem; 8] =
     [FALL, OSCILLATOR, DAMPED_OSCILLATOR, CIRCLE, ELLIPSE, SPUN_UP, PULLED_ROUND, PAIR];
 

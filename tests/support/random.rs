@@ -18,7 +18,7 @@ impl SplitMix {
         low + (self.next() % high.abs_diff(low)) as i64
     }
 
-    /// Of either sign, uniform in its number of bits.
+    /// A value of either sign, uniform in its number of bits.
     pub(crate) fn of_bits(&mut self, most: u32) -> i64 {
         let bits = 1 + self.next() % u64::from(most);
         let magnitude = (self.next() >> (64 - bits)) as i64;

@@ -23,7 +23,7 @@ pub(crate) const HALF_AWAY: u8 = 3;
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 pub(crate) struct Twin<const MODE: u8>(pub(crate) Fx);
 
-/// Its accumulator: a multiple of 2^-96, as the one of `Fx`.
+/// The accumulator: a multiple of 2^-96, as the one of `Fx`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct TwinAccumulator<const MODE: u8>(i128);
 

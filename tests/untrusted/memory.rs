@@ -1,4 +1,4 @@
-//! What reading takes, of files that are made to take as much as they can. `UMBRA_SAY=1 cargo test --release
+//! Memory that reading takes, for files made to take as much as possible. `UMBRA_SAY=1 cargo test --release
 //! --test untrusted memory -- --nocapture` prints it, as multiples of each file.
 
 use allocation_counter::measure;

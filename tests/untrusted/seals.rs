@@ -5,7 +5,7 @@ use xxhash_rust::xxh3::xxh3_64;
 
 use crate::everything::custom_forces;
 
-/// What a file of a kind begins with.
+/// Start of a file of a kind.
 pub(crate) fn begin(magic: &[u8; 8], format: u32) -> Vec<u8> {
     [&magic[..], &format.to_le_bytes()].concat()
 }

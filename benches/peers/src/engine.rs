@@ -1,4 +1,4 @@
-//! What a peer must offer to be measured. A further engine is one file in
+//! Traits that a peer implements to be measured. A further engine is one file in
 //! `engines/` that implements these two traits, plus one line in `engines/mod.rs`.
 
 use crate::scene::Scene;
@@ -43,7 +43,7 @@ pub trait Engine {
     fn refuse(&self, _scene: &Scene) -> Option<String> {
         None
     }
-    /// Whether `build` makes a `scene.field` that is not pushed.
+    /// Returns true if `build` makes a `scene.field` that is not pushed.
     fn has_fields(&self) -> bool {
         false
     }

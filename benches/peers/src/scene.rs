@@ -98,7 +98,7 @@ pub struct Scene {
     pub gravity: [f64; 2],
     pub dt: f64,
     pub sleep: bool,
-    /// Whether bodies touch.
+    /// True if bodies touch.
     pub contacts: bool,
     /// None: the engine's default.
     pub substeps: Option<u32>,
@@ -110,7 +110,7 @@ pub struct Scene {
     pub joints: Vec<Joint>,
     /// A force field that acts on all bodies.
     pub field: Option<Field>,
-    /// Whether the field is pushed by the harness, before each step, in place of being the engine's own.
+    /// True if the harness pushes the field before each step, instead of the engine evaluating its own.
     pub pushed: bool,
 }
 

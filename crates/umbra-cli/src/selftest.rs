@@ -29,7 +29,7 @@ struct SceneLine<'a> {
     wall_seconds: f64,
 }
 
-/// All of them in JSON.
+/// All scenes in JSON.
 #[derive(Serialize)]
 struct LastLine {
     law: u32,

@@ -6,10 +6,10 @@ use umbra_physics::{
 
 pub(crate) const SHOT_TICKS: u64 = 40;
 const RELOAD_TICKS: u64 = 12;
-/// Keys from here on are those of shots, two for each tick.
+/// Keys from here on belong to shots, two for each tick.
 const SHOTS: u64 = 10;
 
-/// What a player holds over a tick.
+/// Buttons that a player holds over a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Held {
     engine: bool,
@@ -17,7 +17,7 @@ pub(crate) struct Held {
     fire: bool,
 }
 
-/// What a player presses at a tick: other buttons every eight ticks, the trigger for some of these.
+/// Buttons of a player at a tick: other ones every eight ticks, the trigger for some of these.
 pub(crate) fn pressed(player: usize, tick: u64) -> Held {
     let hand = (tick / 8 * 5 + player as u64 * 3) % 7;
     Held { engine: hand % 2 == 1, turn: hand % 3 == 1, fire: hand > 3 && tick % 8 < 3 }
@@ -28,7 +28,7 @@ pub(crate) fn fired_at(key: u64) -> Option<u64> {
     Some(key.checked_sub(SHOTS)? / 2)
 }
 
-/// The handles that hold for a whole match.
+/// Handles that are fixed for a whole match.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Match {
     ships: [BodyId; 2],
@@ -36,7 +36,7 @@ pub(crate) struct Match {
 
 impl Match {
     /// # Errors
-    /// None, unless the definitions are edited to what a world refuses.
+    /// None, unless the definitions are edited to invalid ones.
     pub(crate) fn start() -> Result<(Self, World), Error> {
         let mut world =
             World::new(WorldDef { linear_damping: fx!(0.5), angular_damping: fx!(0.2), ..WorldDef::default() })?;
@@ -56,10 +56,10 @@ impl Match {
         Ok((Self { ships }, world))
     }
 
-    /// A tick of the match: a function of the world and the buttons alone.
+    /// A tick of the match: it depends only on the world and the buttons.
     pub(crate) fn tick(&self, world: &mut World, held: [Held; 2]) {
         for (player, held) in held.into_iter().enumerate() {
-            // What the world refuses it refuses on every peer.
+            // Every peer refuses the same commands.
             _ = self.steer(world, player, held);
         }
         let now = world.tick();
@@ -86,7 +86,7 @@ impl Match {
                 mass: Mass::Kilograms(fx!(0.125)),
                 position: look.position(),
                 velocity: look.velocity() + ahead,
-                // The same shot has the same name, however often the tick it was fired in is made.
+                // The same shot has the same key, however often its tick is recomputed.
                 key: SHOTS + 2 * world.tick() + player as u64,
                 user_data: world.tick() + SHOT_TICKS,
                 ..BodyDef::dynamic()

@@ -1,13 +1,13 @@
-//! A match of two ships, whose entities follow the bodies of a world. One player's buttons arrive five ticks late and are
-//! guessed until then, so that the world goes back and comes again: shots that were guessed go, all others stay the entities
-//! they are.
+//! A match of two ships, with entities that follow the bodies of a world. One player's buttons arrive five ticks late and are
+//! guessed until then. Corrections roll the world back: entities of wrongly guessed shots disappear, all others keep their
+//! identity.
 //!
 //! ```sh
 //! cargo run --release            # in this folder
 //! ```
 //!
-//! The world is what the match is. Systems write to it in one place, `advance`; everything else reads. So it does not matter
-//! in which order the ECS walks its entities, nor on how many threads.
+//! The world is the match. One system writes to it, `advance`; all others read. So it does not matter
+//! in which order the ECS visits its entities, or on how many threads.
 
 mod game;
 
@@ -20,15 +20,15 @@ use umbra_physics::{Blend, BodyId, Interpolation, Pose, StepClock, TickFraction,
 
 use game::{Held, Match, SHOT_TICKS, fired_at, pressed};
 
-/// So many ticks player 1 is away.
+/// Number of ticks that player 1 is away.
 const LATE: u64 = 5;
-/// So many ticks the match can go back by.
+/// Number of ticks the match can go back by.
 const WINDOW: usize = 8;
 const TICKS: u64 = 300;
-/// From a frame of the display to the next, ns: 144 Hz, and ticks are 60 Hz.
+/// Duration of a display frame, ns: 144 Hz, while ticks are 60 Hz.
 const FRAME: u64 = 6_944_444;
 
-/// The match; its last ticks: the world before each, and what was held, or guessed to be; where its bodies are between two.
+/// The match; its last ticks with the world before each and the buttons, real or guessed; and the poses between two ticks.
 #[derive(Resource)]
 struct Physics {
     game: Match,
@@ -37,15 +37,15 @@ struct Physics {
     shown: Interpolation,
 }
 
-/// The moment of this frame, by what the pacer has left over.
+/// The moment of this frame, from the remainder of the step clock.
 #[derive(Resource)]
 struct Moment(Blend);
 
-/// Buttons that came from the network: of which tick, of which player.
+/// Buttons from the network, with their tick and player.
 #[derive(Resource, Default)]
 struct Arrived(Vec<(u64, usize, Held)>);
 
-/// The entity of each body, by the body's key: what a body is called stays when the world goes back, its handle may not.
+/// The entity of each body, by the body's key, which stays the same through a rollback, unlike the handle.
 #[derive(Resource, Default)]
 struct Entities(BTreeMap<u64, Entity>);
 
@@ -53,15 +53,15 @@ struct Entities(BTreeMap<u64, Entity>);
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 struct Body(BodyId);
 
-/// Where to draw it. Floats come out of the world, and never go in.
+/// Pose to draw the body at. Floats come out of the world, and never go in.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 struct Place(Pose<f32>);
 
-/// Makes good what arrived late, then a tick.
+/// Applies late inputs, then makes a tick.
 fn advance(mut physics: ResMut<Physics>, mut arrived: ResMut<Arrived>) {
     let Physics { game, world, past, shown } = &mut *physics;
     let present = world.tick();
-    // What is not known yet is guessed: a player goes on as in the tick before.
+    // Unknown buttons are guessed: a player continues as in the tick before.
     let mut held = past.back().map_or_else(Default::default, |(_, held)| *held);
     let mut first = present;
     for (tick, player, buttons) in arrived.0.drain(..) {
@@ -80,7 +80,7 @@ fn advance(mut physics: ResMut<Physics>, mut arrived: ResMut<Arrived>) {
             shown.look(world);
         }
     }
-    // The memory of the oldest tick serves for this one.
+    // Reuse the memory of the oldest tick.
     let mut row = if past.len() == WINDOW { past.pop_front() } else { None };
     match &mut row {
         Some((before, _)) => before.clone_from(world),
@@ -91,8 +91,8 @@ fn advance(mut physics: ResMut<Physics>, mut arrived: ResMut<Arrived>) {
     shown.look(world);
 }
 
-/// Makes an entity of each body, and of no other, where it is at the moment of the frame: after a step, after many, after the
-/// world went back.
+/// Keeps one entity for each body, at its pose at the moment of the frame: after a step, after many, after a
+/// rollback.
 fn follow(
     mut commands: Commands,
     physics: Res<Physics>,
@@ -135,9 +135,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     frames.add_systems(follow);
 
     let (mut tick, mut last, mut guessed) = (0, BTreeMap::new(), 0);
-    // At the end nobody presses anything for as long as buttons are on their way.
+    // At the end nobody presses anything, until all inputs have arrived.
     while tick < TICKS + LATE {
-        // One or none: a frame is shorter than a tick.
+        // At most one: a frame is shorter than a tick.
         let due = step_clock.frame(FRAME).ticks;
         for _ in 0..due {
             let mut arrived = ecs.resource_mut::<Arrived>();
@@ -163,7 +163,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
 
-    // The same match with everything in time, and without an ECS.
+    // The same match with all inputs in time, and without an ECS.
     let mut straight = start;
     for tick in 0..TICKS + LATE {
         game.tick(&mut straight, [buttons(0, tick), buttons(1, tick)]);
@@ -179,7 +179,7 @@ fn buttons(player: usize, tick: u64) -> Held {
     if tick < TICKS { pressed(player, tick) } else { Held::default() }
 }
 
-/// Whether the entities are the bodies: as many, each where its body is shown, on its way to where it is.
+/// Returns true if the entities match the bodies: as many, each shown on its body's way.
 fn check(ecs: &mut bevy_ecs::world::World) -> Result<(), Box<dyn Error>> {
     let entities: Vec<(Body, Place)> = ecs.query::<(&Body, &Place)>().iter(ecs).map(|(b, p)| (*b, *p)).collect();
     let (Physics { world, shown, .. }, Moment(at)) = (ecs.resource::<Physics>(), ecs.resource::<Moment>());

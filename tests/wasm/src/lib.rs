@@ -25,9 +25,9 @@ fn panic(_: &PanicInfo<'_>) -> ! {
     core::arch::wasm32::unreachable()
 }
 
-/// What [`execute`] gives for one that is refused, or is none; nothing made has it.
+/// Result of [`execute`] for a command that is refused, or is none; no handle has this value.
 const REFUSED: i64 = -1;
-/// What it gives for one that made nothing new.
+/// Result for a command that made nothing new.
 const DONE: i64 = -2;
 
 /// A world of so many steps a second, or none if that is out of range.
@@ -55,19 +55,19 @@ pub extern "C" fn hash(world: &World) -> u64 {
     world.state_hash()
 }
 
-/// So many bytes that the host writes into, where [`address`] says.
+/// Number of bytes that the host writes at [`address`].
 #[unsafe(no_mangle)]
 pub extern "C" fn buffer(length: usize) -> Box<Vec<u8>> {
     Box::new(alloc::vec![0; length])
 }
 
-/// Where bytes lie.
+/// Address of the bytes.
 #[unsafe(no_mangle)]
 pub extern "C" fn address(bytes: &Vec<u8>) -> usize {
     bytes.as_ptr() as usize
 }
 
-/// How many there are.
+/// Number of bytes.
 #[unsafe(no_mangle)]
 pub extern "C" fn length(bytes: &Vec<u8>) -> usize {
     bytes.len()
@@ -159,7 +159,7 @@ pub extern "C" fn corpus() -> u64 {
     selftest::run().map_or(0, |outcome| outcome.digest)
 }
 
-/// Where a body is along x, for drawing: floats, on purpose.
+/// Position of a body along x, for drawing: floats, on purpose.
 #[cfg(feature = "drawing")]
 #[unsafe(no_mangle)]
 pub extern "C" fn draw_x(world: &World, body: u64) -> f64 {

@@ -47,7 +47,7 @@ fn vector<S: Number>(x: f64, y: f64) -> Vec2<S> {
     Vec2::new(S::number(x), S::number(y))
 }
 
-/// What is left of a velocity after a second of dv/dt = -c v: how this engine is told its damping.
+/// Fraction of a velocity left after a second of dv/dt = -c v: the form in which this engine takes damping.
 fn kept<S: Number>(c: f64) -> S {
     S::number((-c).exp())
 }

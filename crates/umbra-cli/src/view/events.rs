@@ -23,7 +23,7 @@ pub(super) enum What {
     Diverged,
 }
 
-/// Something that happened, to all the bodies it happened to at a tick.
+/// Event of a tick, with all its bodies.
 #[derive(Clone, Debug)]
 pub(super) struct Event {
     pub(super) tick: u64,

@@ -67,7 +67,7 @@ impl Track {
         self.bytes.len()
     }
 
-    /// All of it.
+    /// The whole track.
     pub(super) fn finish(mut self) -> Vec<u8> {
         self.say();
         self.bytes

@@ -30,7 +30,7 @@ enum Fault {
     Beside,
     /// A velocity is set without the driver.
     Past,
-    /// Whoever comes first is pushed twice.
+    /// The first player to arrive is pushed twice.
     First,
     /// The body that comes last in the world is pushed.
     Slot,
@@ -42,7 +42,7 @@ enum Fault {
     Drag,
     /// The left one of two ways is preferred.
     Left,
-    /// Bodies above are pushed, bodies to the right are not.
+    /// A body above is pushed, and no body to the right.
     Above,
     /// The distance from the origin matters.
     Origin,

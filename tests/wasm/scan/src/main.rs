@@ -37,7 +37,7 @@ struct Findings {
     functions: u64,
     instructions: u64,
     exports: BTreeSet<String>,
-    /// What has a float in it, and how often.
+    /// Functions that contain a float, and how often.
     floats: BTreeMap<String, u64>,
 }
 
