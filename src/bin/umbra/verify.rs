@@ -56,6 +56,7 @@ enum Status {
     Tampered,
     Diverged,
     CutOff,
+    #[serde(rename = "law")]
     PhysicsVersion,
     Malformed,
     Unreadable,
