@@ -8,7 +8,7 @@ use std::sync::LazyLock;
 use arbitrary::Result;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use umbra_physics::{
-    Activity, AppliedForce, BodyDef, BodyRef, Command, FieldKind, ForceField, Fx, Random, Region, Snapshot, StepReport,
+    Activity, AppliedForce, BodyDef, BodyRef, Command, FieldKind, ForceField, Fx, FxAccumulator, Random, Region, Snapshot, StepReport,
     Vec2, World, fx, step_all,
 };
 

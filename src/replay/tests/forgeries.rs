@@ -7,7 +7,6 @@ use crate::body::BodyDef;
 use crate::math::Random;
 use crate::replay::file::{SNAPSHOT, Tag};
 use crate::replay::{Replay, Snapshot};
-use crate::scalar::Accumulator as _;
 use crate::slots::BodyId;
 use crate::world::{Command, World};
 
