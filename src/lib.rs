@@ -35,8 +35,8 @@
 extern crate alloc;
 #[cfg(any(test, feature = "std"))]
 extern crate std;
-// What tests in `tests` share with those beside the code names the crate as they do.
-#[cfg(test)]
+// Files that this crate shares with `tests` name the crate as they do there.
+#[cfg(any(test, feature = "oracles"))]
 extern crate self as umbra_physics;
 
 /// `Clone` field by field, also for `clone_from`, which a derive does not hand on: it reuses the memory that is there.

@@ -50,6 +50,7 @@
 //! ```
 
 mod bystanders;
+mod commands;
 mod drivers;
 mod fuzz;
 mod game;
@@ -62,6 +63,7 @@ mod trial;
 use alloc::boxed::Box;
 use core::fmt;
 
+pub use commands::{Choices, Generator, Taste};
 pub use fuzz::{Campaign, Fuzz, fuzz};
 pub use game::{Course, Game};
 pub use handles::Handles;

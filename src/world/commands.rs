@@ -56,9 +56,6 @@ macro_rules! commands {
         });
 
         impl<S: Scalar> Command<S> {
-            /// The number of kinds of commands. Their numbers are 0 up to this.
-            pub const KINDS: u8 = [$($number),*].len() as u8;
-
             /// The number of its kind: the first of its [bytes](Command::to_bytes).
             #[must_use]
             pub const fn number(&self) -> u8 {
@@ -116,6 +113,9 @@ macro_rules! commands {
         }
 
         impl Command {
+            /// The number of kinds of commands; their numbers are the whole numbers below it.
+            pub const KINDS: u8 = [$($number),*].len() as u8;
+
             /// A command of the kind with this number, with values from a source; `None` from [`KINDS`](Self::KINDS) on.
             #[allow(unused_variables, reason = "a command may have no fields")]
             pub fn fill(number: u8, source: &mut impl CommandSource) -> Option<Self> {
