@@ -73,7 +73,7 @@ macro_rules! corpora {
     };
 }
 
-corpora!(commands fx_f64 kernels replay scene snapshot work);
+corpora!(commands fx_f64 kernels replay scene snapshot threads work);
 
 #[test]
 fn corpora_are_small() {
@@ -165,7 +165,7 @@ fn write_seeds() {
         fs::create_dir_all(folder(target)).expect("a folder");
         fs::write(folder(target).join(name), bytes).expect("it can be written");
     };
-    for target in ["commands", "fx_f64", "kernels", "replay", "snapshot", "work"] {
+    for target in ["commands", "fx_f64", "kernels", "replay", "snapshot", "threads", "work"] {
         for i in 0..16u8 {
             let length = random.below(if target == "kernels" { 60 } else { 400 });
             // Zeros are what ends a list and what is usual.
