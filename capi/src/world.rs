@@ -343,9 +343,9 @@ pub(crate) const fn field_id(word: u64) -> FieldId {
 
 pub(crate) fn made(made: Created) -> (UmbraMadeKind, u64) {
     match made {
-        Created::Nothing => (UMBRA_MADE_NOTHING, UMBRA_NO_HANDLE),
         Created::Body(body) => (UMBRA_MADE_BODY, word(body.parts())),
         Created::ForceField(field) => (UMBRA_MADE_FIELD, word(field.parts())),
+        _ => (UMBRA_MADE_NOTHING, UMBRA_NO_HANDLE),
     }
 }
 

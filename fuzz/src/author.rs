@@ -81,7 +81,7 @@ impl<'a> Author<'a> {
         match made {
             Created::Body(body) => self.bodies.push(body),
             Created::ForceField(field) => self.fields.push(field),
-            Created::Nothing => {}
+            _ => {}
         }
     }
 }

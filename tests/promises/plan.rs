@@ -72,7 +72,7 @@ impl Cast {
         match made {
             Created::Body(body) => self.bodies.push(body),
             Created::ForceField(field) => self.fields.push(field),
-            Created::Nothing => {}
+            _ => {}
         }
     }
 
