@@ -181,10 +181,10 @@ impl<S: Scalar> World<S> {
     /// assert_eq!(world.body(ship)?.applied_torque().map(|torque| torque.to_string()), Some("0".into()));
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
-    pub fn apply(&mut self, body: BodyId, action: ForceOrImpulse<S>, manner: ApplyOptions) -> Result<(), Error> {
-        let (dense, effect) = self.effect(body, action, manner.frame)?;
+    pub fn apply(&mut self, body: BodyId, action: ForceOrImpulse<S>, options: ApplyOptions) -> Result<(), Error> {
+        let (dense, effect) = self.effect(body, action, options.frame)?;
         let asleep = self.bodies.activity(dense) == Activity::Asleep;
-        if asleep && !manner.wake {
+        if asleep && !options.wake {
             return Ok(());
         }
         match effect {
