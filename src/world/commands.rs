@@ -57,6 +57,16 @@ macro_rules! commands {
 
         impl<S: Scalar> Command<S> {
             /// The number of its kind: the first of its [bytes](Command::to_bytes).
+            ///
+            /// ```
+            /// use umbra_physics::{BodyId, Command};
+            ///
+            /// let body = BodyId::from_parts(3, 0);
+            /// let wake: Command = Command::Wake(body);
+            /// assert_eq!((wake.number(), wake.name()), (15, "Wake"));
+            /// assert!(wake.number() < Command::KINDS);
+            /// assert_eq!((wake.body(), wake.field()), (Some(body), None));
+            /// ```
             #[must_use]
             pub const fn number(&self) -> u8 {
                 match self {
