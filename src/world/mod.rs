@@ -146,7 +146,7 @@ fn check_sleep_after(ticks: Option<u32>) -> Result<(), Error> {
 /// | the first change after a copy was made | all bodies or all fields, whichever it changes: copies share them until then |
 /// | `step`, `step_back` | the bodies that move, and for each the fields that act on it |
 /// | calls that read the whole world: `bodies`, `fields`, `bodies_with_key`, energies, hashes, copies, differences, drawing | the world |
-/// | [`preview`](Self::look_ahead) | all fields, and the bodies that its body depends on |
+/// | [`preview`](Self::preview) | all fields, and the bodies that its body depends on |
 ///
 /// Some calls leave work to the next step, which does it once for all of them. After a change of the time step, the integrator,
 /// gravity or damping, it computes the factors of the moving bodies, once for bodies with the same damping. After a change of a
