@@ -165,14 +165,14 @@ fn write_seeds() {
         fs::create_dir_all(folder(target)).expect("a folder");
         fs::write(folder(target).join(name), bytes).expect("it can be written");
     };
-    for target in ["commands", "fx_f64", "kernels", "replay", "snapshot", "threads", "work"] {
+    for target in ["commands", "fx_f64", "kernels", "replay", "snapshot", "work"] {
         for i in 0..16u8 {
             let length = random.below(if target == "kernels" { 60 } else { 400 });
             // Zeros are what ends a list and what is usual.
             let byte = |random: &mut Random| if random.below(3) == 0 { 0 } else { random.bits() as u8 };
             let mut bytes: Vec<u8> = (0..length).map(|_| byte(&mut random)).collect();
             // The first byte says what the others are.
-            bytes.insert(0, if target == "commands" { 0 } else { i });
+            bytes.insert(0, i);
             write(target, &format!("random-{i:02}"), &bytes);
         }
     }
