@@ -103,8 +103,8 @@ pub use slots::{BodyId, FieldId};
 pub use step::Timers;
 pub use symmetry::Symmetry;
 pub use world::{
-    ApplyOptions, BodyRef, Command, Created, Event, ForceOrImpulse, Frame, History, Input, InputResult, Inputs,
-    InputsIter, Preview, StepReport, Stepper, TickReport, Trace, World, WorldDef, step_all,
+    ApplyOptions, BodyRef, Command, CommandMap, CommandSource, Created, Event, ForceOrImpulse, Frame, History, Input,
+    InputResult, Inputs, InputsIter, Preview, StepReport, Stepper, TickReport, Trace, World, WorldDef, step_all,
 };
 
 /// The README's examples, compiled and run as tests.

@@ -73,7 +73,7 @@ macro_rules! corpora {
     };
 }
 
-corpora!(commands fx_f64 kernels replay scene snapshot work);
+corpora!(commands fx_f64 kernels replay scene snapshot threads work);
 
 #[test]
 fn corpora_are_small() {
@@ -172,7 +172,7 @@ fn write_seeds() {
             let byte = |random: &mut Random| if random.below(3) == 0 { 0 } else { random.bits() as u8 };
             let mut bytes: Vec<u8> = (0..length).map(|_| byte(&mut random)).collect();
             // The first byte says what the others are.
-            bytes.insert(0, if target == "commands" { 0 } else { i });
+            bytes.insert(0, i);
             write(target, &format!("random-{i:02}"), &bytes);
         }
     }

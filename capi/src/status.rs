@@ -7,11 +7,11 @@ use std::ffi::c_char;
 use std::mem::MaybeUninit;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use umbra_scene::SceneError;
 use umbra_physics::selftest::{Failure, Problem};
 use umbra_physics::{
     Cause, Divergence, Error, Irreversible, Malformed, ParseFxError, Quantity, ReplayError, SnapshotError, VerifyError,
 };
+use umbra_scene::SceneError;
 
 use crate::memory::write_text;
 

@@ -4,11 +4,11 @@ use std::ffi::c_char;
 use std::mem::MaybeUninit;
 use std::sync::Arc;
 
-use umbra_scene::{Scene, SceneRun};
 use umbra_physics::{
     BodyId, Command, Created, FieldId, Fx, Input, InputResult, Inputs, Integrator, Recorder, StepReport, TimeStep,
     World, WorldDef,
 };
+use umbra_scene::{Scene, SceneRun};
 
 use crate::UMBRA_NO_HANDLE;
 use crate::memory::{fill, given, slice, text, write_text};
@@ -343,9 +343,9 @@ pub(crate) const fn field_id(word: u64) -> FieldId {
 
 pub(crate) fn made(made: Created) -> (UmbraMadeKind, u64) {
     match made {
-        Created::Nothing => (UMBRA_MADE_NOTHING, UMBRA_NO_HANDLE),
         Created::Body(body) => (UMBRA_MADE_BODY, word(body.parts())),
         Created::ForceField(field) => (UMBRA_MADE_FIELD, word(field.parts())),
+        _ => (UMBRA_MADE_NOTHING, UMBRA_NO_HANDLE),
     }
 }
 

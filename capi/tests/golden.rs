@@ -4,11 +4,11 @@
 use std::fs;
 use std::path::Path;
 
-use umbra_scene::Scene;
 use umbra_physics::{
     ApplyOptions, Attachment, BodyDef, BodyId, End, Error, FieldKind, ForceField, ForceOrImpulse, Frame, Fx, FxFactor,
     Mass, Region, Shape, SpringConstants, Vec2, World, WorldDef, fx, vec2,
 };
+use umbra_scene::Scene;
 
 const TICKS: u32 = 600;
 const SCENE: &str = "scenes/lander.json";

@@ -16,8 +16,8 @@ use std::thread;
 
 use browser::Browser;
 use serde_json::{Value, json};
-use umbra_scene::Scene;
 use umbra_physics::{ApplyOptions, BodyId, Command, ForceOrImpulse, Fx, Input, Inputs, PHYSICS_VERSION, Vec2, World};
+use umbra_scene::Scene;
 
 const TICKS: usize = 1200;
 const EVERY: usize = 30;

@@ -1,71 +1,121 @@
-//! Any commands on any world, beside runs that have to go the same way.
+//! Any commands on any world, held to one promise an input: a second run that has to go the same way.
 //!
-//! An input is how its images are made, the world's definition, and commands with the steps after each. Its first byte may
-//! ask for a crowd instead: as many bodies as it takes for a step to go side by side on several threads.
-
-use std::sync::LazyLock;
+//! The first byte of an input says which promise, the second which values, then come the world's definition and commands with
+//! the steps after each. After the last command the world goes on for a while.
 
 use arbitrary::Result;
-use rayon::{ThreadPool, ThreadPoolBuilder};
+use umbra_oracles::Taste;
+use umbra_physics::scalar::{Accumulator, Angle};
 use umbra_physics::{
-    Activity, AppliedForce, BodyDef, BodyRef, Command, FieldKind, ForceField, Fx, FxAccumulator, Random, Region, Snapshot, StepReport,
-    Vec2, World, fx, step_all,
+    Activity, AppliedForce, BodyRef, Command, FieldKind, ForceField, Fx, Region, Snapshot, StepReport, Symmetry, Vec2,
+    World, WorldDef,
 };
 
-use super::author::{self, Author, Image};
+use super::author::{self, Author, WILD};
 
 /// The target.
 pub fn run(data: &[u8]) {
-    _ = match data {
-        [0xff, rest @ ..] => crowd(rest),
-        [_, rest @ ..] => play(rest),
-        [] => Ok(()),
-    };
+    if let [promise, taste, rest @ ..] = data {
+        let taste =
+            [Taste { custom_forces: 3, ..Taste::FAIR }, Taste { wild: 0, ..WILD }, WILD, WILD][usize::from(taste % 4)];
+        _ = play(*promise, Author::of_taste(rest, taste));
+    }
 }
 
-/// The most commands and steps of an input: what breaks breaks early.
-const COMMANDS: usize = 48;
-const STEPS: usize = 96;
+/// The most commands and steps of an input, and the least steps: what breaks breaks early, but not at once.
+const COMMANDS: usize = 32;
+const STEPS: usize = 48;
+const FEWEST: usize = 24;
+/// Runs are compared after each so many steps: what parts them does not go away.
+const EVERY: usize = 4;
 
-fn play(data: &[u8]) -> Result<()> {
-    let mut author = Author::<Fx>::new(data, Image::default());
-    let shift = shift(&mut author)?;
-    let def = author.world()?;
-    let Some(mut world) = author::world(def) else {
+fn play(promise: u8, mut author: Author<'_>) -> Result<()> {
+    let promise = Promise::new(promise, &mut author)?;
+    let def = author.world();
+    let mut world = author::world(def).unwrap_or_else(|| {
         assert!(def.check().is_err(), "{def:?}");
-        return Ok(());
-    };
-    let mut company = Company {
-        saved: world.clone(),
-        sleepless: Sleepless::of(&world),
-        images: [
-            Reflection::new(data, Image { is_mirrored: true, shift: Vec2::ZERO })?,
-            Reflection::new(data, Image { is_mirrored: false, shift })?,
-            Reflection::new(data, Image { is_mirrored: true, shift })?,
-        ],
-    };
-    let mut left = STEPS;
+        author::world(WorldDef::default()).expect("the usual definition is fair")
+    });
+    let Some(mut second) = Second::new(promise, &world) else { return Ok(()) };
+    let mut steps = 0;
     for _ in 0..COMMANDS {
         if author.input.is_empty() {
             break;
         }
-        let command = author.command()?;
-        company.execute(&mut world, &mut author, &command)?;
-        let steps = author.any::<u8>()?;
-        company.images.iter_mut().flatten().for_each(|image| _ = image.author.any::<u8>());
-        if steps & 0x30 == 0x30 {
-            company.saved = reread(&world);
+        let command = author.command();
+        second.execute(&mut world, &mut author, &command);
+        for _ in 0..author.any::<u8>()? % 4 {
+            if steps == STEPS {
+                return Ok(());
+            }
+            second.step(&mut world, steps);
+            steps += 1;
         }
-        for _ in 0..usize::from(steps & 0xf).saturating_sub(11).min(left) {
-            company.step(&mut world, &author);
-            left -= 1;
-        }
+    }
+    // The last step is one that is compared.
+    while steps < FEWEST || steps % EVERY != 0 {
+        second.step(&mut world, steps);
+        steps += 1;
     }
     Ok(())
 }
 
-fn shift<S: umbra_physics::Scalar>(author: &mut Author<'_, S>) -> Result<Vec2> {
-    // Even, and less than 2^24 m.
+/// What has to hold of a run.
+#[derive(Clone, Copy)]
+enum Promise {
+    /// A world that was written to bytes and read has the same future.
+    Restored,
+    /// The motion is the same where no body ever sleeps.
+    Sleepless,
+    /// The image of a run under a symmetry is a run: the images of commands lead to the image of the world.
+    Image(Symmetry),
+    /// Bodies that go stage by stage move as those that go through the fused step.
+    Staged,
+    /// A step that is traced leads to the same state.
+    Traced,
+    /// A body by itself moves as it does among the others.
+    Preview,
+    /// A step undone leads back to the bit, or changes nothing.
+    Reverse,
+}
+
+impl Promise {
+    fn new(number: u8, author: &mut Author<'_>) -> Result<Self> {
+        Ok(match number % 10 {
+            0 => Self::Restored,
+            1 => Self::Sleepless,
+            2 => Self::Staged,
+            3 => Self::Traced,
+            4 => Self::Preview,
+            5 => Self::Reverse,
+            // The custom forces are the same in a mirror beside the world, and where it is shifted.
+            6 => Self::Image(Symmetry::MIRROR),
+            7 => Self::Image(Symmetry::MIRROR.about(shift(author)?).unwrap_or(Symmetry::MIRROR)),
+            8 => Self::Image(Symmetry::shift(shift(author)?).unwrap_or(Symmetry::MIRROR)),
+            _ => {
+                author.taste.custom_forces = author.taste.custom_forces.min(1);
+                let turns = [Symmetry::FLIP, Symmetry::DIAGONAL, Symmetry::TURN];
+                let turn = turns[usize::from(author.any::<u8>()? % 3)];
+                Self::Image(turn.about(shift(author)?).unwrap_or(turn))
+            }
+        })
+    }
+}
+
+impl Promise {
+    /// Asserts that the second run is as promised; false where the promise says nothing about it any more.
+    fn is_kept(self, world: &World, second: &World) -> bool {
+        match self {
+            Self::Sleepless => assert_moved_alike(world, second),
+            Self::Image(symmetry) => return is_image(&symmetry, world, second),
+            _ => assert_eq!(second.state_hash(), world.state_hash(), "read from bytes"),
+        }
+        true
+    }
+}
+
+/// An even number of ulps in each coordinate, less than 2^24 m.
+fn shift(author: &mut Author<'_>) -> Result<Vec2> {
     let mut part = || Ok(Fx::from_bits(2 * (author.any::<i64>()? >> (9 + author.any::<u8>()? % 50))));
     Ok(Vec2::new(part()?, part()?))
 }
@@ -82,78 +132,146 @@ fn reread(world: &World) -> World {
     read
 }
 
-/// Runs beside a world that do the same, and have to go the same way.
-struct Company<'a> {
-    /// A twin that is written and read now and then.
-    saved: World,
-    /// One in which nobody sleeps.
-    sleepless: Sleepless,
-    /// Mirrored and shifted.
-    images: [Option<Reflection<'a>>; 3],
+/// A second run that a promise compares with the first.
+struct Second {
+    promise: Promise,
+    /// The world of the second run; `None` once the promise says nothing about it any more.
+    world: Option<World>,
+    /// So many commands were carried out.
+    commands: usize,
 }
 
-impl Company<'_> {
-    fn execute(&mut self, world: &mut World, author: &mut Author<'_>, command: &Command) -> Result<()> {
-        let before = world.state_hash();
-        let bytes = command.to_bytes();
-        assert_eq!(Command::from_bytes(&bytes).as_ref(), Ok(command), "its own bytes");
+impl Second {
+    fn new(promise: Promise, world: &World) -> Option<Self> {
+        let own = match promise {
+            Promise::Restored => Some(world.clone()),
+            Promise::Sleepless => {
+                let mut world = world.clone();
+                world.set_sleep_after(None).expect("never is a fair answer");
+                Some(world)
+            }
+            Promise::Image(symmetry) => Some(image(&symmetry, world)?),
+            Promise::Staged | Promise::Traced | Promise::Preview | Promise::Reverse => None,
+        };
+        Some(Self { promise, world: own, commands: 0 })
+    }
+
+    fn execute(&mut self, world: &mut World, author: &mut Author<'_>, command: &Command) {
+        assert_eq!(Command::from_bytes(&command.to_bytes()).as_ref(), Ok(command), "its own bytes");
         let expected = world.check(command).err();
-        let is_felt = self.sleepless.feels(world, command);
+        let before = expected.map(|_| world.state_hash());
+        let there = self.counterpart(world, command);
         let done = world.execute(command);
-        if is_felt {
-            assert_eq!(self.sleepless.0.execute(command), done, "where nobody sleeps: {command:?}");
-        }
         assert_eq!(done.err(), expected, "what was foreseen: {command:?}");
-        if done.is_err() {
+        if let Some(before) = before {
             assert_eq!(world.state_hash(), before, "refused, and yet it changed the world: {command:?}");
         }
-        assert_eq!(self.saved.execute(command), done, "{command:?}");
-        self.leave_behind(author, world);
-        for image in self.images.iter_mut().flatten() {
-            let command = image.author.command()?;
-            let there = image.world.execute(&command);
-            assert_eq!(there, done, "as {:?}: {command:?}", image.image);
-            there.into_iter().for_each(|made| image.author.made(made));
+        match (&mut self.world, there) {
+            (Some(second), Counterpart::Is(there)) => assert_eq!(second.execute(&there), done, "{command:?}"),
+            (_, Counterpart::Nothing) => {}
+            _ => self.world = None,
         }
         done.into_iter().for_each(|made| author.made(made));
-        Ok(())
-    }
-
-    /// Parts with the images that cannot go on.
-    fn leave_behind(&mut self, author: &Author<'_>, world: &World) {
-        self.images.iter_mut().for_each(|image| drop(image.take_if(|image| image.is_too_far(author, world))));
-    }
-
-    fn step(&mut self, world: &mut World, author: &Author<'_>) {
-        let before = world.state_hash();
-        let mut staged = stage_by_stage(world);
-        let mut alone = world.bodies().last().map(|body| (body.id(), world.preview(body.id())));
-        let mut traced = world.clone();
-        let applied = world.step().applied.to_vec();
-        let after = world.state_hash();
-
-        staged.step();
-        assert_moved_alike(world, &staged);
-        traced.step_traced();
-        assert_eq!(traced.state_hash(), after, "a step looked into");
-        if let Some((id, ahead)) = &mut alone {
-            let ahead = ahead.as_mut().expect("it is there");
-            ahead.step();
-            let (here, there) = (world.body(*id).expect("it is there"), ahead.body().expect("it is there"));
-            assert_eq!(Motion::of(&here), Motion::of(&there), "a body by itself");
+        self.commands += 1;
+        if matches!(self.promise, Promise::Restored) && self.commands % 3 == 0 {
+            self.world = Some(reread(world));
         }
-        self.saved.step();
-        assert_eq!(self.saved.state_hash(), after, "read from bytes");
-        self.sleepless.0.step();
-        assert_moved_alike(world, &self.sleepless.0);
-        for image in self.images.iter_mut().flatten() {
-            image.world.step();
-            image.assert_is_image(world);
-        }
-        self.leave_behind(author, world);
-        there_and_back(&mut traced, before, after, &applied);
-        _ = (world.energy(), world.momentum(), world.angular_momentum(), world.elapsed(), world.physics_hash());
     }
+
+    /// The command in the second run.
+    fn counterpart(&self, world: &World, command: &Command) -> Counterpart {
+        match (self.promise, command) {
+            (Promise::Sleepless, Command::SetSleepAfter(_)) => Counterpart::Nothing,
+            // A sleeping body does not feel what does not wake it.
+            (Promise::Sleepless, Command::Apply { body, manner, .. })
+                if !manner.wake && world.body(*body).is_ok_and(|body| body.activity() == Activity::Asleep) =>
+            {
+                Counterpart::Nothing
+            }
+            (Promise::Image(symmetry), command) => match command {
+                Command::AddField(field) | Command::SetField { field, .. }
+                    if matches!(field.kind, FieldKind::Custom { .. }) =>
+                {
+                    Counterpart::Is(Box::new(command.clone()))
+                }
+                command => {
+                    symmetry.command(command).map_or(Counterpart::Unknown, |image| Counterpart::Is(Box::new(image)))
+                }
+            },
+            _ => Counterpart::Is(Box::new(command.clone())),
+        }
+    }
+
+    fn step(&mut self, world: &mut World, number: usize) {
+        let is_compared = number % EVERY == EVERY - 1;
+        if let Some(second) = &mut self.world {
+            world.step();
+            second.step();
+            if is_compared && !self.promise.is_kept(world, second) {
+                self.world = None;
+            }
+            return;
+        }
+        match self.promise {
+            Promise::Staged if is_compared => {
+                let mut staged = stage_by_stage(world);
+                world.step();
+                staged.step();
+                assert_moved_alike(world, &staged);
+            }
+            Promise::Traced if is_compared => {
+                let mut traced = world.clone();
+                world.step();
+                traced.step_traced();
+                assert_eq!(traced.state_hash(), world.state_hash(), "a step looked into");
+                _ = (world.energy(), world.momentum(), world.angular_momentum(), world.elapsed(), world.physics_hash());
+            }
+            Promise::Preview if is_compared => preview(world),
+            Promise::Reverse if is_compared => {
+                let before = world.state_hash();
+                let applied = world.step().applied.to_vec();
+                let after = world.state_hash();
+                there_and_back(world, before, after, &applied);
+            }
+            _ => _ = world.step(),
+        }
+    }
+}
+
+/// A command in the second run.
+enum Counterpart {
+    Is(Box<Command>),
+    /// The second run does nothing instead.
+    Nothing,
+    /// There is none: the runs go different ways from here.
+    Unknown,
+}
+
+/// The world without custom forces, which have no images by themselves.
+fn without_custom_forces(world: &World) -> World {
+    let mut world = world.clone();
+    let is_custom = |(id, field): (_, &ForceField)| matches!(field.kind, FieldKind::Custom { .. }).then_some(id);
+    let custom: Vec<_> = world.fields().filter_map(is_custom).collect();
+    custom.into_iter().for_each(|id| world.remove_field(id).expect("it is there"));
+    world
+}
+
+fn image(symmetry: &Symmetry, world: &World) -> Option<World> {
+    symmetry.world(&without_custom_forces(world))
+}
+
+/// Asserts that the second world is the image of the first; false where there is none any more.
+fn is_image(symmetry: &Symmetry, world: &World, second: &World) -> bool {
+    let told = |StepReport { faults, fell_asleep, woke, drag_outside, .. }: StepReport<'_>| {
+        (faults.to_vec(), fell_asleep.to_vec(), woke.to_vec(), drag_outside)
+    };
+    assert_eq!(told(world.last_report()), told(second.last_report()), "as {symmetry:?}");
+    let Some(expected) = image(symmetry, world) else { return false };
+    let second = without_custom_forces(second);
+    if expected.state_hash() != second.state_hash() {
+        panic!("as {symmetry:?}: {:?}", expected.differences(&second));
+    }
+    true
 }
 
 /// The same world, its bodies taken through the step stage by stage, for a field that acts on nobody; all awake.
@@ -176,7 +294,18 @@ fn there_and_back(world: &mut World, before: u64, after: u64, applied: &[Applied
     assert_eq!(world.state_hash(), after, "there, back and there again");
 }
 
-/// Quantities of a body that a step changes.
+/// The last body by itself.
+fn preview(world: &mut World) {
+    let alone = world.bodies().last().map(|body| (body.id(), world.preview(body.id()).expect("it is there")));
+    world.step();
+    if let Some((id, mut ahead)) = alone {
+        ahead.step();
+        let (here, there) = (world.body(id).expect("it is there"), ahead.body().expect("it is there"));
+        assert_eq!(Motion::of(&here), Motion::of(&there), "a body by itself");
+    }
+}
+
+/// What a step changes of a body.
 #[derive(Debug, PartialEq)]
 struct Motion {
     position: [i128; 2],
@@ -190,30 +319,16 @@ impl Motion {
     fn of(body: &BodyRef<'_>) -> Self {
         let (position, velocity) = (body.position_exact(), body.velocity_exact());
         Self {
-            position: [position.x, position.y].map(FxAccumulator::to_bits),
-            velocity: [velocity.x, velocity.y].map(FxAccumulator::to_bits),
-            spin: body.angular_velocity_exact().to_bits(),
-            angle: body.angle_exact().to_bits(),
+            position: [position.x, position.y].map(Accumulator::to_bits),
+            velocity: [velocity.x, velocity.y].map(Accumulator::to_bits),
+            spin: Accumulator::to_bits(body.angular_velocity_exact()),
+            angle: Angle::<Fx>::to_bits(body.angle_exact()),
             is_quarantined: body.activity() == Activity::Quarantined,
         }
     }
-
-    fn seen(self, image: &Image) -> Self {
-        let mut seen = self;
-        if image.is_mirrored {
-            seen.position[0] = -seen.position[0];
-            seen.velocity[0] = -seen.velocity[0];
-            seen.spin = -seen.spin;
-            seen.angle = seen.angle.wrapping_neg();
-        }
-        for (own, shift) in seen.position.iter_mut().zip([image.shift.x, image.shift.y]) {
-            *own += i128::from(shift.to_bits()) << 64;
-        }
-        seen
-    }
 }
 
-/// Asserts that both worlds moved alike. The list of sleeping bodies is left out: sleep changes no bit of the rest.
+/// Which of them sleep is left out: it changes no bit of the rest.
 fn assert_moved_alike(world: &World, other: &World) {
     assert_eq!(world.body_count(), other.body_count());
     for (here, there) in world.bodies().zip(other.bodies()) {
@@ -221,108 +336,4 @@ fn assert_moved_alike(world: &World, other: &World) {
     }
     let (here, there) = (world.last_report(), other.last_report());
     assert_eq!((here.faults, here.drag_outside), (there.faults, there.drag_outside));
-}
-
-/// The same run where no body ever sleeps.
-struct Sleepless(World);
-
-impl Sleepless {
-    fn of(world: &World) -> Self {
-        let mut world = world.clone();
-        world.set_sleep_after(None).expect("never is a fair answer");
-        Self(world)
-    }
-
-    /// True if the next change of the world is made here too.
-    fn feels(&self, world: &World, command: &Command) -> bool {
-        match command {
-            Command::SetSleepAfter(_) => false,
-            // A sleeping body does not feel what does not wake it.
-            Command::Apply { body, manner, .. } if !manner.wake => {
-                world.body(*body).is_ok_and(|body| body.activity() != Activity::Asleep)
-            }
-            _ => true,
-        }
-    }
-}
-
-/// A run that is the image of another.
-struct Reflection<'a> {
-    image: Image,
-    author: Author<'a>,
-    world: World,
-}
-
-impl<'a> Reflection<'a> {
-    fn new(data: &'a [u8], image: Image) -> Result<Option<Self>> {
-        let mut author = Author::new(data, image);
-        shift(&mut author)?;
-        let world = author::world(author.world()?).expect("what is refused is so in the image");
-        Ok(Some(Self { image, author, world }))
-    }
-
-    /// Returns true if an image may come to the edge of the range sooner or later than the world. Mirrored at the middle it
-    /// does not.
-    fn is_too_far(&self, author: &Author<'_>, world: &World) -> bool {
-        // A body moves by less than 2^27 m a step: what it has to spare here, two shifts and it do not use up.
-        let far = |x: Fx| x.to_bits().unsigned_abs() > 1 << (32 + 28);
-        let is_far = || world.bodies().any(|body| far(body.position().x) || far(body.position().y));
-        self.image.shift != Vec2::ZERO && (author.farthest > 1 << (32 + 28) || is_far())
-    }
-
-    fn assert_is_image(&self, world: &World) {
-        for (here, there) in world.bodies().zip(self.world.bodies()) {
-            assert_eq!(Motion::of(&here).seen(&self.image), Motion::of(&there), "{} as {:?}", here.id(), self.image);
-            assert_eq!(here.activity(), there.activity());
-        }
-        let told = |StepReport { faults, fell_asleep, woke, drag_outside, .. }| {
-            (faults.to_vec(), fell_asleep.to_vec(), woke.to_vec(), drag_outside)
-        };
-        assert_eq!(told(world.last_report()), told(self.world.last_report()), "as {:?}", self.image);
-    }
-}
-
-static POOLS: LazyLock<[ThreadPool; 2]> =
-    LazyLock::new(|| [1, 2].map(|count| ThreadPoolBuilder::new().num_threads(count).build().expect("threads")));
-
-/// Enough bodies for a step to go side by side: 64 blocks of 128, and some.
-const CROWD: u64 = 8_192;
-
-/// Two threads do what one does.
-fn crowd(data: &[u8]) -> Result<()> {
-    let mut author = Author::<Fx>::new(data, Image::default());
-    let Some(mut world) = author::world(author.world()?) else { return Ok(()) };
-    let mut random = Random::seeded(author.any()?);
-    // A few kinds of bodies, one of them as the input says; the others differ in where they are and how they move.
-    let special = author.body()?;
-    let every = u64::from(author.any::<u8>()?) + 1;
-    for i in 0..CROWD + u64::from(author.any::<u8>()?) {
-        let mut number = |size: Fx| random.number(-size..=size);
-        let (position, velocity) =
-            (Vec2::new(number(fx!(99)), number(fx!(99))), Vec2::new(number(fx!(3)), number(fx!(3))));
-        let def = BodyDef { position, velocity, angular_velocity: number(fx!(1)), ..BodyDef::dynamic() };
-        let made = if i % every == 0 { world.add_body(special.clone()) } else { world.add_body(def) };
-        if let Ok(body) = made {
-            author.made(umbra_physics::Created::Body(body));
-        }
-    }
-    let mut others = [world.clone(), world.clone()];
-    for _ in 0..8 {
-        if author.input.is_empty() {
-            break;
-        }
-        let command = author.command()?;
-        let done = POOLS[0].install(|| world.execute(&command));
-        for other in &mut others {
-            assert_eq!(POOLS[1].install(|| other.execute(&command)), done);
-        }
-        done.into_iter().for_each(|made| author.made(made));
-        POOLS[0].install(|| _ = world.step());
-        POOLS[1].install(|| step_all(&mut others));
-        for other in &others {
-            assert_eq!(other.state_hash(), world.state_hash(), "on two threads");
-            assert_eq!(other.last_report(), world.last_report());
-        }
-    }
-    Ok(())
 }

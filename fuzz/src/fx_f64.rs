@@ -14,12 +14,15 @@
 //! A largest speed is held by the public velocity, all of which is within √½ ulp of the exact one. To slow down takes no two
 //! velocities further apart, but can turn errors of u along both axes into one of √2·u along one.
 
+use std::convert::Infallible;
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2, TAU};
 
 use arbitrary::Result;
+use umbra_oracles::Taste;
 use umbra_physics::scalar::ToF64;
 use umbra_physics::{
-    Attachment, BodyId, BodyKind, BodyRef, Command, End, FieldKind, ForceField, Fx, Integrator, Scalar, Vec2, World,
+    Attachment, BodyId, BodyKind, BodyRef, Command, CommandMap, End, FieldKind, ForceField, Fx, FxFactor, Geometry,
+    Integrator, Scalar, Shape, Vec2, World, WorldDef,
 };
 
 use super::author::{self, Author};
@@ -38,9 +41,9 @@ pub fn run(data: &[u8]) {
 }
 
 fn play(data: &[u8]) -> Result<()> {
-    let (mut author, mut other) = (Author::<Fx>::tame(data), Author::<f64>::tame(data));
-    let (def, there) = (author.world()?, other.world()?);
-    let (Some(mut world), Some(mut float)) = (author::world(def), author::world(there)) else {
+    let mut author = Author::of_taste(data, Taste { smooth: true, custom_forces: 2, ..Taste::FAIR });
+    let def = author.world();
+    let (Some(mut world), Some(mut float)) = (author::world(def), author::world(in_floats(def))) else {
         panic!("a fair definition is refused: {def:?}");
     };
     let mut error = Error::default();
@@ -48,18 +51,17 @@ fn play(data: &[u8]) -> Result<()> {
         if author.input.is_empty() {
             break;
         }
-        let (command, there) = (author.command()?, other.command()?);
+        let command = author.command();
+        let Ok(there) = command.clone().map(&mut InFloats);
         let done = world.execute(&command);
         assert_eq!(done, float.execute(&there), "{command:?}");
         if let Ok(made) = done {
             author.made(made);
-            other.made(made);
         }
         if let Command::SetIntegrator(_) = command {
             error = Error::default();
         }
         let ticks = author.any::<u8>()? % (TICKS + 1);
-        other.any::<u8>()?;
         for _ in 0..ticks {
             let before = Snapshot::of(&float);
             let is_safe = world.step().faults.is_empty() & float.step().faults.is_empty();
@@ -76,6 +78,40 @@ fn play(data: &[u8]) -> Result<()> {
         meet(&mut world, &mut float);
     }
     Ok(())
+}
+
+fn in_floats(def: WorldDef) -> WorldDef<f64> {
+    let WorldDef { time_step, gravity, integrator, linear_damping, angular_damping, sleep_after } = def;
+    let [linear_damping, angular_damping] = [linear_damping, angular_damping].map(f64::from_fx);
+    let gravity = gravity.map(f64::from_fx);
+    WorldDef { time_step, gravity, integrator, linear_damping, angular_damping, sleep_after }
+}
+
+/// Converts commands to `f64`.
+struct InFloats;
+
+impl CommandMap<Fx, f64> for InFloats {
+    type Error = Infallible;
+
+    fn scalar(&mut self, value: Fx) -> std::result::Result<f64, Infallible> {
+        Ok(f64::from_fx(value))
+    }
+
+    fn factor(&mut self, value: FxFactor) -> std::result::Result<f64, Infallible> {
+        let value: Option<Fx> = value.to_scalar();
+        Ok(f64::from_fx(value.expect("fair values are small")))
+    }
+
+    fn shape(&mut self, shape: Shape) -> std::result::Result<Shape<f64>, Infallible> {
+        let float = f64::from_fx;
+        let shape = match *shape.geometry() {
+            Geometry::Circle { radius } => Shape::circle(float(radius)),
+            Geometry::Rectangle { width, height } => Shape::rectangle(float(width), float(height)),
+            Geometry::Capsule { length, radius } => Shape::capsule(float(length), float(radius)),
+            ref other => panic!("a coarser scalar may see it otherwise: {other:?}"),
+        };
+        Ok(shape.expect("a fair size"))
+    }
 }
 
 /// Puts both where the fixed-point one is, to the ulp.

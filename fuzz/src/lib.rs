@@ -1,4 +1,4 @@
-//! Bodies of the fuzz targets: everything that an untrusted source can send, tried with any bytes.
+//! The bodies of the fuzz targets: any bytes in place of all that a stranger can send.
 //!
 //! Each target is a function of bytes that panics where a promise is broken. libFuzzer calls it from `fuzz_targets`, and
 //! `tests/corpus.rs` of the library, which includes this file, calls it on stable with all committed inputs.
@@ -11,22 +11,24 @@ pub mod kernels;
 pub mod replay;
 pub mod scene;
 pub mod snapshot;
+pub mod threads;
 pub mod work;
 
 #[path = "../../tests/support/reference.rs"]
 #[allow(dead_code, reason = "the tests of accuracy use all of it")]
 mod reference;
 
-/// A target by its name, and what it does with an input.
+/// The name of a target, and the function that runs an input.
 pub type Target = (&'static str, fn(&[u8]));
 
 /// All targets.
-pub const TARGETS: [Target; 7] = [
+pub const TARGETS: [Target; 8] = [
     ("commands", commands::run),
     ("fx_f64", fx_f64::run),
     ("kernels", kernels::run),
     ("replay", replay::run),
     ("scene", scene::run),
     ("snapshot", snapshot::run),
+    ("threads", threads::run),
     ("work", work::run),
 ];

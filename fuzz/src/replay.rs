@@ -5,11 +5,11 @@
 
 use arbitrary::{Result, Unstructured};
 use umbra_physics::{
-    Command, Divergence, Dump, Fx, Input, Inputs, RecordOptions, Recorder, Replay, ReplayError, ReplayLimits,
-    VerifyError, World, WorldDef,
+    Command, Divergence, Dump, Input, Inputs, RecordOptions, Recorder, Replay, ReplayError, ReplayLimits, VerifyError,
+    World, WorldDef,
 };
 
-use super::author::{self, Author, Image};
+use super::author::{self, Author};
 use super::files::{Chunk, LATE, OPENING, chunks, disturb, late, measured, seal_snapshot, sealed, use_up};
 
 /// The target.
@@ -107,8 +107,8 @@ fn look_at_command(bytes: &[u8]) {
 
 /// A command by the author, with changes.
 fn forged_command(data: &[u8]) -> Result<()> {
-    let mut author = Author::<Fx>::new(data, Image::default());
-    let mut bytes = author.command()?.to_bytes();
+    let mut author = Author::new(data);
+    let mut bytes = author.command().to_bytes();
     look_at_command(&bytes);
     while !author.input.is_empty() {
         disturb(&mut bytes, &mut author.input)?;
@@ -146,10 +146,10 @@ fn from_chunks(data: &[u8]) -> Result<()> {
 
 /// A world made by the author.
 fn start(author: &mut Author<'_>, kind: u8) -> Result<World> {
-    let world = author::world(author.world()?).or_else(|| author::world(WorldDef::default()));
+    let world = author::world(author.world()).or_else(|| author::world(WorldDef::default()));
     let mut world = world.expect("the usual definition is fair");
     for _ in 0..author.any::<u8>()? % 8 {
-        let command = author.command()?;
+        let command = author.command();
         world.execute(&command).into_iter().for_each(|made| author.made(made));
     }
     Ok(if kind >= LATE { late(&world, kind) } else { world })
@@ -160,14 +160,14 @@ fn inputs(author: &mut Author<'_>) -> Result<Inputs> {
     let mut inputs = Inputs::new();
     for sequence in 0..u32::from(author.any::<u8>()? % 4) {
         let player = u32::from(author.any::<u8>()? % 3);
-        let command = author.command()?;
+        let command = author.command();
         inputs.insert(Input { player, sequence, command }).expect("each sequence comes once");
     }
     Ok(inputs)
 }
 
 fn recorded(data: &[u8], kind: u8) -> Result<()> {
-    let mut author = Author::<Fx>::new(data, Image::default());
+    let mut author = Author::new(data);
     let mut world = start(&mut author, kind)?;
     let options = RecordOptions {
         hash_every: 1 + u32::from(author.any::<u8>()? % 3),
@@ -178,7 +178,7 @@ fn recorded(data: &[u8], kind: u8) -> Result<()> {
     let mut calls = Vec::new();
     for _ in 0..ticks {
         if author.any()? {
-            let command = author.command()?;
+            let command = author.command();
             let made = recorder.execute(&mut world, &command);
             made.into_iter().for_each(|made| author.made(made));
             calls.push(command);
@@ -234,9 +234,9 @@ fn changed(mut parts: Vec<Chunk>, input: &mut Unstructured<'_>) -> Result<Vec<Ch
 }
 
 fn dumped(data: &[u8], kind: u8) -> Result<()> {
-    let mut author = Author::<Fx>::new(data, Image::default());
+    let mut author = Author::new(data);
     let before = start(&mut author, kind)?;
-    let calls = if author.any()? { vec![author.command()?] } else { Vec::new() };
+    let calls = if author.any()? { vec![author.command()] } else { Vec::new() };
     let inputs = inputs(&mut author)?;
     let mut after = before.clone();
     calls.iter().for_each(|call| _ = after.execute(call));

@@ -4,9 +4,9 @@
 //! commands that make a world, and changes of its bytes before they are sealed again.
 
 use arbitrary::{Result, Unstructured};
-use umbra_physics::{Fx, Snapshot, World, WorldDef};
+use umbra_physics::{Snapshot, World, WorldDef};
 
-use super::author::{self, Author, Image};
+use super::author::{self, Author};
 use super::files::{LATE, disturb, head, late, measured, seal_snapshot, use_up};
 
 /// The target.
@@ -27,10 +27,10 @@ pub fn run(data: &[u8]) {
 
 /// A world of a few bodies and fields.
 fn made(author: &mut Author<'_>) -> Result<World> {
-    let world = author::world(author.world()?).or_else(|| author::world(WorldDef::default()));
+    let world = author::world(author.world()).or_else(|| author::world(WorldDef::default()));
     let mut world = world.expect("the usual definition is fair");
     for _ in 0..author.any::<u8>()? % 24 {
-        let command = author.command()?;
+        let command = author.command();
         if let Ok(made) = world.execute(&command) {
             author.made(made);
         }
@@ -42,7 +42,7 @@ fn made(author: &mut Author<'_>) -> Result<World> {
 }
 
 fn forged(data: &[u8], kind: u8) -> Result<Vec<u8>> {
-    let mut author = Author::<Fx>::new(data, Image::default());
+    let mut author = Author::new(data);
     let world = made(&mut author)?;
     let mut bytes = if kind >= LATE { late(&world, kind) } else { world }.snapshot().to_bytes();
     assert!(Snapshot::from_bytes(&bytes, &author::custom_forces()).is_ok(), "its own bytes");

@@ -5,11 +5,11 @@ mod world;
 use alloc::vec::Vec;
 
 use crate::body::{BodyDef, Locks};
-use crate::force::{Attachment, End, FieldKind, ForceField, Region};
+use crate::force::{ForceField, Region};
 use crate::math::Vec2;
-use crate::scalar::{Turn, fx::Fx};
+use crate::scalar::{FxFactor, Turn, fx::Fx};
 use crate::shape::{Geometry, Part, Shape};
-use crate::world::{Command, ForceOrImpulse, Frame};
+use crate::world::{Command, CommandMap};
 
 /// A symmetry of the engine: p' = A·p + t, where A mirrors, turns by a quarter or does nothing, and t is an even number of
 /// ulps. A world and its image, given images of the same inputs, stay each other's image to the bit.
@@ -221,145 +221,86 @@ impl Symmetry {
         }
     }
 
-    fn attachment(&self, at: &Attachment) -> Option<Attachment> {
-        Some(Attachment { point: self.local(at.point)?, ..*at })
-    }
-
-    fn end(&self, end: &End) -> Option<End> {
-        Some(match end {
-            End::World(point) => End::World(self.point(*point)?),
-            End::Body(at) => End::Body(self.attachment(at)?),
-        })
-    }
-
-    fn region(&self, region: &Region) -> Option<Region> {
-        Some(match *region {
-            Region::Disc { centre, radius } => Region::Disc { centre: self.point(centre)?, radius },
-            Region::Box { min, max } => {
-                let (a, b) = (self.point(min)?, self.point(max)?);
-                // What was the lower edge is the upper one where its axis is turned round; an empty box stays empty.
-                let turned = |row: [i8; 2]| row.contains(&-1);
-                let along = |row, a: Fx, b: Fx| if turned(row) { (b, a) } else { (a, b) };
-                let ((x, right), (y, top)) = (along(self.matrix[0], a.x, b.x), along(self.matrix[1], a.y, b.y));
-                Region::Box { min: Vec2::new(x, y), max: Vec2::new(right, top) }
-            }
-        })
-    }
-
-    /// The image of a force field; none of a law of force of the user's own.
+    /// The image of a force field; none of a custom force.
     #[must_use]
     pub fn field(&self, field: &ForceField) -> Option<ForceField> {
-        let kind = match &field.kind {
-            FieldKind::Attractor { centre, mu, softening } => {
-                FieldKind::Attractor { centre: self.end(centre)?, mu: *mu, softening: *softening }
-            }
-            FieldKind::Spring { near, far, spring } => {
-                FieldKind::Spring { near: self.attachment(near)?, far: self.end(far)?, spring: *spring }
-            }
-            FieldKind::Drag { linear, quadratic, wind } => {
-                FieldKind::Drag { linear: *linear, quadratic: *quadratic, wind: self.vector(*wind)? }
-            }
-            FieldKind::Thrust { at, force } => {
-                FieldKind::Thrust { at: self.attachment(at)?, force: self.local(*force)? }
-            }
-            FieldKind::Zone { region, acceleration } => {
-                FieldKind::Zone { region: self.region(region)?, acceleration: self.vector(*acceleration)? }
-            }
-            FieldKind::Custom { .. } => return None,
-        };
-        Some(ForceField { kind, groups: field.groups })
+        Image(self).force_field(*field).ok()
     }
 
     /// The image of a body to be added.
     #[must_use]
     pub fn body(&self, def: &BodyDef) -> Option<BodyDef> {
-        let shape = match &def.shape {
-            Some(shape) => Some(self.shape(shape)?),
-            None => None,
-        };
-        Some(BodyDef {
-            position: self.point(def.position)?,
-            angle: self.angle(def.angle)?,
-            velocity: self.vector(def.velocity)?,
-            angular_velocity: self.angular_velocity(def.angular_velocity)?,
-            shape,
-            locks: self.locks(def.locks),
-            ..def.clone()
-        })
-    }
-
-    fn action(&self, action: &ForceOrImpulse, frame: Frame) -> Option<ForceOrImpulse> {
-        let vector = |v| if frame == Frame::Body { self.local(v) } else { self.vector(v) };
-        let at = |point: Option<Vec2>| match point {
-            Some(point) if frame == Frame::Body => self.local(point).map(Some),
-            Some(point) => self.point(point).map(Some),
-            None => Some(None),
-        };
-        Some(match *action {
-            ForceOrImpulse::Force { force, point } => {
-                ForceOrImpulse::Force { force: vector(force)?, point: at(point)? }
-            }
-            ForceOrImpulse::Impulse { impulse, point } => {
-                ForceOrImpulse::Impulse { impulse: vector(impulse)?, point: at(point)? }
-            }
-            ForceOrImpulse::Torque(torque) => ForceOrImpulse::Torque(self.angular_velocity(torque)?),
-            ForceOrImpulse::AngularImpulse(impulse) => ForceOrImpulse::AngularImpulse(self.angular_velocity(impulse)?),
-        })
+        Image(self).body_def(def.clone()).ok()
     }
 
     /// The image of a command, for the same bodies and fields.
     #[must_use]
     pub fn command(&self, command: &Command) -> Option<Command> {
-        Some(match command {
-            Command::AddBody(def) => Command::AddBody(self.body(def)?),
-            Command::Apply { body, action, manner } => {
-                Command::Apply { body: *body, action: self.action(action, manner.frame)?, manner: *manner }
+        command.clone().map(&mut Image(self)).ok()
+    }
+}
+
+/// No image to the bit.
+struct NoImage;
+
+/// Replaces values by their images.
+struct Image<'a>(&'a Symmetry);
+
+impl CommandMap<Fx> for Image<'_> {
+    type Error = NoImage;
+
+    fn scalar(&mut self, value: Fx) -> Result<Fx, NoImage> {
+        Ok(value)
+    }
+
+    fn factor(&mut self, value: FxFactor) -> Result<FxFactor, NoImage> {
+        Ok(value)
+    }
+
+    fn shape(&mut self, shape: Shape) -> Result<Shape, NoImage> {
+        self.0.shape(&shape).ok_or(NoImage)
+    }
+
+    fn vector(&mut self, vector: Vec2) -> Result<Vec2, NoImage> {
+        self.0.vector(vector).ok_or(NoImage)
+    }
+
+    fn point(&mut self, point: Vec2) -> Result<Vec2, NoImage> {
+        self.0.point(point).ok_or(NoImage)
+    }
+
+    fn local(&mut self, local: Vec2) -> Result<Vec2, NoImage> {
+        self.0.local(local).ok_or(NoImage)
+    }
+
+    fn angle(&mut self, angle: Fx) -> Result<Fx, NoImage> {
+        self.0.angle(angle).ok_or(NoImage)
+    }
+
+    fn pseudoscalar(&mut self, value: Fx) -> Result<Fx, NoImage> {
+        self.0.angular_velocity(value).ok_or(NoImage)
+    }
+
+    fn locks(&mut self, locks: Locks) -> Result<Locks, NoImage> {
+        Ok(self.0.locks(locks))
+    }
+
+    fn custom_force(&mut self, _: u64) -> Result<u64, NoImage> {
+        Err(NoImage)
+    }
+
+    fn region(&mut self, region: Region) -> Result<Region, NoImage> {
+        Ok(match region {
+            Region::Disc { centre, radius } => Region::Disc { centre: self.point(centre)?, radius },
+            Region::Box { min, max } => {
+                let (a, b) = (self.point(min)?, self.point(max)?);
+                // The lower edge becomes the upper one where its axis is reversed; an empty box stays empty.
+                let reversed = |row: [i8; 2]| row.contains(&-1);
+                let along = |row, a: Fx, b: Fx| if reversed(row) { (b, a) } else { (a, b) };
+                let [horizontal, vertical] = self.0.matrix;
+                let ((left, right), (bottom, top)) = (along(horizontal, a.x, b.x), along(vertical, a.y, b.y));
+                Region::Box { min: Vec2::new(left, bottom), max: Vec2::new(right, top) }
             }
-            Command::SetPosition { body, position } => {
-                Command::SetPosition { body: *body, position: self.point(*position)? }
-            }
-            Command::SetAngle { body, angle } => Command::SetAngle { body: *body, angle: self.angle(*angle)? },
-            Command::MoveTo { body, position, angle } => {
-                Command::MoveTo { body: *body, position: self.point(*position)?, angle: self.angle(*angle)? }
-            }
-            Command::SetVelocity { body, velocity } => {
-                Command::SetVelocity { body: *body, velocity: self.vector(*velocity)? }
-            }
-            Command::SetAngularVelocity { body, velocity } => {
-                Command::SetAngularVelocity { body: *body, velocity: self.angular_velocity(*velocity)? }
-            }
-            Command::SetShape { body, shape } => {
-                let shape = match shape {
-                    Some(shape) => Some(self.shape(shape)?),
-                    None => None,
-                };
-                Command::SetShape { body: *body, shape }
-            }
-            Command::SetLocks { body, locks } => Command::SetLocks { body: *body, locks: self.locks(*locks) },
-            Command::AddField(field) => Command::AddField(self.field(field)?),
-            Command::SetField { id, field } => Command::SetField { id: *id, field: self.field(field)? },
-            Command::SetGravity(gravity) => Command::SetGravity(self.vector(*gravity)?),
-            Command::RemoveBody(_)
-            | Command::ClearForces
-            | Command::SetMass { .. }
-            | Command::SetKind { .. }
-            | Command::SetGravityScale { .. }
-            | Command::SetBodyDamping { .. }
-            | Command::SetMaxSpeeds { .. }
-            | Command::SetGroups { .. }
-            | Command::SetKey { .. }
-            | Command::SetUserData { .. }
-            | Command::Wake(_)
-            | Command::Release(_)
-            | Command::Disable(_)
-            | Command::Enable(_)
-            | Command::RemoveField(_)
-            | Command::SetTimeStep(_)
-            | Command::SetIntegrator(_)
-            | Command::SetDamping { .. }
-            | Command::SetSleepAfter(_)
-            | Command::SetRandom(_)
-            | Command::SetBlob(_) => command.clone(),
         })
     }
 }

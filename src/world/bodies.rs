@@ -21,7 +21,7 @@ impl<S: Scalar> World<S> {
     ///
     /// let mut world: World = World::new(WorldDef::default())?;
     /// let body = world.add_body(BodyDef { position: vec2(1, 2), ..BodyDef::dynamic() })?;
-    /// // Whatever a definition says can be changed later.
+    /// // Everything in a definition can be changed later.
     /// world.set_shape(body, Some(Shape::circle(fx!(0.5))?))?;
     /// world.set_mass(body, Mass::Density(fx!(2)))?;
     /// world.set_angle(body, Fx::FRAC_PI_2)?;
@@ -44,13 +44,13 @@ impl<S: Scalar> World<S> {
         Ok(body)
     }
 
-    /// Removes a body and the force fields attached to it, and wakes what they joined it to.
+    /// Removes a body and the force fields attached to it, and wakes the bodies at their other ends.
     ///
     /// # Errors
     /// [`Error::NoSuchBody`].
     pub fn remove_body(&mut self, body: BodyId) -> Result<(), Error> {
         self.touch(body)?;
-        // Which of their slots is taken next is state: the last one that is freed.
+        // The order is state: the slot that is freed last is taken first.
         for field in self.fields.attached_by_age(body) {
             self.remove_field(field)?;
         }
@@ -62,7 +62,7 @@ impl<S: Scalar> World<S> {
         self.bodies.remove(body)
     }
 
-    /// Puts a body somewhere else; wakes it. The fraction below the ulp is dropped.
+    /// Sets the position of a body's centre of mass, m; wakes the body. The carried fraction below the ulp is dropped.
     ///
     /// # Errors
     /// [`Error::NoSuchBody`]; [`Error::OutOfRange`] with [`Quantity::Position`](crate::Quantity::Position).
@@ -75,7 +75,7 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
-    /// Turns a body to an angle in radians, of any size; wakes it.
+    /// Sets the angle of a body in radians, of any size; wakes the body.
     ///
     /// # Errors
     /// [`Error::NoSuchBody`]; [`Error::OutOfRange`] for a float that is no number.
@@ -88,7 +88,7 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
-    /// Gives a body a velocity, m/s; wakes it.
+    /// Sets the velocity of a body, m/s; wakes the body.
     ///
     /// # Errors
     /// [`Error::NoSuchBody`]; [`Error::NotMovable`]; [`Error::OutOfRange`] or [`Error::Locked`] with
@@ -101,7 +101,7 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
-    /// Gives a body an angular velocity, rad/s; wakes it.
+    /// Sets the angular velocity of a body, rad/s; wakes the body.
     ///
     /// # Errors
     /// [`Error::NoSuchBody`]; [`Error::NotMovable`]; [`Error::OutOfRange`] or [`Error::Locked`] with
@@ -114,18 +114,18 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
-    /// Moves a kinematic body to a position and an angle over the next step, the short way round; wakes it. It arrives to the
-    /// bit, as by [`set_position`](Self::set_position) and [`set_angle`](Self::set_angle), but on the way, and as read after the
-    /// step, it has the velocity (position − x)/dt, which the dampers of springs on it feel. From the step after that on it
-    /// stands still, unless it is moved again: once a tick makes a path of any shape.
+    /// Moves a kinematic body to a position and an angle over the next step, the short way round; wakes the body. The body
+    /// arrives to the bit, as by [`set_position`](Self::set_position) and [`set_angle`](Self::set_angle). During the step, and
+    /// as read after it, the body has the velocity (position − x)/dt, which the dampers of attached springs see. From the
+    /// following step on the body stands still, unless it is moved again: one call a tick makes a path of any shape.
     ///
-    /// The time step may be changed before: it arrives in one step, whatever its length. If that would take more than the limit
-    /// of speeds, it stays where it is and is quarantined. Exactly half a turn, which has no short way, it makes at once at the
-    /// end of the step, without an angular velocity.
+    /// The time step may be changed before the step: the body arrives in one step of any length. If that would take more than
+    /// the speed limit, the body stays where it is and is quarantined. A rotation of exactly half a turn has no short way: the
+    /// body makes it at once at the end of the step, without an angular velocity.
     ///
-    /// Its goal is forgotten when it is put, turned or locked otherwise, gets a velocity or another kind, or is disabled. Where
-    /// it has arrived already, it is stopped all the same; but a velocity or a kind that it is given then makes all of its
-    /// velocity its own.
+    /// The target is dropped when the body is placed, turned or locked by another call, gets a velocity or another kind, or is
+    /// disabled. A body that has already arrived is stopped all the same, unless it is given a velocity or another kind: then
+    /// its velocity is kept.
     ///
     /// # Errors
     /// [`Error::NoSuchBody`]; [`Error::Quarantined`]; [`Error::Disabled`]; [`Error::NotKinematic`]; [`Error::Locked`] for a way
@@ -154,7 +154,7 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
-    /// Gives a body a mass; its inertia follows. A body that is not dynamic keeps it for when it is.
+    /// Sets the mass of a body, and with it the moment of inertia. A body that is not dynamic uses it once it is dynamic.
     ///
     /// # Errors
     /// [`Error::NoSuchBody`]; [`Error::NoShape`]; [`Error::OutOfRange`].
@@ -166,8 +166,8 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
-    /// Gives a body a shape, or none; its inertia follows, and its mass if that is a density. Its centre of mass stays
-    /// where it is.
+    /// Sets or removes the shape of a body. The moment of inertia follows, and the mass if it is given as a density. The centre
+    /// of mass stays where it is.
     ///
     /// # Errors
     /// [`Error::NoSuchBody`]; [`Error::NoShape`]; [`Error::OutOfRange`].
@@ -178,7 +178,7 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
-    /// Changes what moves a body. One that becomes static stops; what was applied to it this tick is forgotten.
+    /// Sets the kind of a body. A body that becomes static stops. Forces applied to it since the last step are dropped.
     ///
     /// # Errors
     /// [`Error::NoSuchBody`]; [`Error::Quarantined`]; [`Error::Disabled`]; [`Error::NoShape`] or [`Error::OutOfRange`] if
@@ -207,7 +207,7 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
-    /// Changes how much of gravity a body feels; wakes it.
+    /// Sets the factor by which gravity acts on a body; wakes the body.
     ///
     /// # Errors
     /// [`Error::NoSuchBody`]; [`Error::OutOfRange`] with [`Quantity::GravityScale`](crate::Quantity::GravityScale).
@@ -218,8 +218,8 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
-    /// Gives a body a damping of its own, or the world's again: what is left of its linear and angular velocity after a
-    /// second. Wakes it.
+    /// Sets the damping of a body, or returns to the world's damping (`None`): the share of its linear and angular velocity that
+    /// is left after a second, 0 to 1. Wakes the body.
     ///
     /// # Errors
     /// [`Error::NoSuchBody`]; [`Error::OutOfRange`] with [`Quantity::Damping`](crate::Quantity::Damping);
@@ -231,11 +231,11 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
-    /// Caps the speed of a body, m/s, and its angular speed, rad/s, or takes the caps away; wakes it. A dynamic body that is
-    /// faster after a step is slowed down in its direction, up to then it may be as fast as it will: also by an impulse, for the
-    /// step to come.
+    /// Sets or removes the largest speed of a body, m/s, and the largest angular speed, rad/s; wakes the body. A dynamic body
+    /// that is faster at the end of a step is slowed down without a change of direction. Within a step it may be faster, for
+    /// example after an impulse.
     ///
-    /// *Error* its public speed after a step is at most the cap and √½ ulp, its angular speed at most the cap.
+    /// *Error* the public speed after a step is at most the cap and √½ ulp, the angular speed at most the cap.
     ///
     /// # Errors
     /// [`Error::NoSuchBody`]; [`Error::OutOfRange`] with [`Quantity::MaxSpeed`](crate::Quantity::MaxSpeed) or
@@ -247,8 +247,8 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
-    /// Locks a body along these axes, where it stops, and unlocks it along the others; wakes it. What acts along a locked axis
-    /// has no effect, and changes nothing of how the body moves along the others.
+    /// Locks a body along these axes, where it stops, and unlocks it along the others; wakes the body. Forces along a locked
+    /// axis have no effect, and do not change the motion along the others.
     ///
     /// # Errors
     /// [`Error::NoSuchBody`].
@@ -272,7 +272,7 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
-    /// Changes the groups a body is in; wakes it.
+    /// Sets the groups of a body; wakes the body.
     ///
     /// # Errors
     /// [`Error::NoSuchBody`].
@@ -280,7 +280,7 @@ impl<S: Scalar> World<S> {
         self.edit(body, |info| info.groups = groups)
     }
 
-    /// Changes the caller's name for a body; wakes it, as a law of force may read it.
+    /// Sets the caller's key of a body; wakes the body, as a custom force may read the key.
     ///
     /// # Errors
     /// [`Error::NoSuchBody`].
@@ -288,7 +288,7 @@ impl<S: Scalar> World<S> {
         self.edit(body, |info| info.key = key)
     }
 
-    /// Changes the caller's data for a body; wakes it, as a law of force may read it.
+    /// Sets the caller's data of a body; wakes the body, as a custom force may read the data.
     ///
     /// # Errors
     /// [`Error::NoSuchBody`].
@@ -296,14 +296,14 @@ impl<S: Scalar> World<S> {
         self.edit(body, |info| info.user_data = user_data)
     }
 
-    /// Touches a body and changes what no step does.
+    /// Wakes a body and changes properties that no step changes.
     fn edit(&mut self, body: BodyId, edit: impl FnOnce(&mut BodyInfo<S>)) -> Result<(), Error> {
         let dense = self.touch(body)?;
         self.bodies.edit(dense, edit);
         Ok(())
     }
 
-    /// Changes what a body's factors are made from.
+    /// Changes the parameters that a body's step factors are derived from.
     fn set_factors(&mut self, dense: usize, edit: impl FnOnce(&mut Key<S>)) {
         let mut key = self.factor_table.rows()[self.bodies.columns.factors[dense] as usize].key;
         edit(&mut key);

@@ -1,4 +1,4 @@
-//! Reading bodies.
+//! Views of bodies.
 
 use super::World;
 use crate::body::{Activity, BodyInfo, BodyKind, Key, Locks, Mass};
@@ -9,7 +9,7 @@ use crate::scalar::{Accumulator, Angle, Factor, Scalar, Wide, fx::Fx};
 use crate::shape::Shape;
 use crate::slots::BodyId;
 
-/// A look at a body.
+/// A read-only view of a body.
 ///
 /// ```
 /// use umbra_physics::{Activity, BodyDef, BodyKind, Mass, Shape, World, WorldDef, fx, vec2};
@@ -48,7 +48,7 @@ use crate::slots::BodyId;
 /// ```
 #[derive(Clone, Copy)]
 pub struct BodyRef<'a, S: Scalar = Fx> {
-    world: &'a World<S>,
+    pub(super) world: &'a World<S>,
     pub(super) dense: usize,
 }
 
@@ -62,29 +62,29 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
         self.world.bodies.info(self.dense)
     }
 
-    fn tuning_key(&self) -> &'a Key<S> {
+    fn factor_key(&self) -> &'a Key<S> {
         &self.world.factor_table.rows()[self.world.bodies.columns.factors[self.dense] as usize].key
     }
 
-    /// Its handle.
+    /// The handle.
     #[must_use]
     pub fn id(&self) -> BodyId {
         self.world.bodies.id(self.dense)
     }
 
-    /// Where its centre of mass is, m: the exact position to nearest, ties to even.
+    /// The position of the centre of mass, m: the exact position rounded to nearest, ties to even.
     #[must_use]
     pub fn position(&self) -> Vec2<S> {
         self.position_exact().map(Accumulator::value)
     }
 
-    /// Where its centre of mass is, with the remainders that are carried from step to step.
+    /// The position of the centre of mass with the remainders that are carried from step to step.
     #[must_use]
     pub fn position_exact(&self) -> Vec2<S::Accumulator> {
         self.world.bodies.columns.motion.position.get(self.dense)
     }
 
-    /// Where the origin of its shape's own coordinates is, m; its position if it has no shape.
+    /// The position of the origin of the shape's coordinates, m; without a shape, the position of the body.
     #[must_use]
     pub fn origin(&self) -> Vec2<S> {
         let Some(shape) = self.shape() else { return self.position() };
@@ -93,43 +93,43 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
         self.position() - turned.unwrap_or(Vec2::ZERO)
     }
 
-    /// How far it is turned, rad in [0, 2π).
+    /// The angle, rad in [0, 2π).
     #[must_use]
     pub fn angle(&self) -> S {
         self.angle_exact().radians()
     }
 
-    /// How far it is turned, as it is kept.
+    /// The angle in the form in which the world stores it.
     #[must_use]
     pub fn angle_exact(&self) -> S::Angle {
         self.world.bodies.columns.motion.angle[self.dense]
     }
 
-    /// Its rotation; computed when asked for.
+    /// The rotation by the angle; computed by each call.
     #[must_use]
     pub fn rotation(&self) -> Rot<S> {
         Rot::from_angle(self.angle_exact())
     }
 
-    /// Its velocity, m/s.
+    /// The velocity of the centre of mass, m/s.
     #[must_use]
     pub fn velocity(&self) -> Vec2<S> {
         self.velocity_exact().map(Accumulator::value)
     }
 
-    /// Its velocity with the remainders that are carried.
+    /// The velocity with the remainders that are carried from step to step.
     #[must_use]
     pub fn velocity_exact(&self) -> Vec2<S::Accumulator> {
         self.world.bodies.columns.motion.velocity.get(self.dense)
     }
 
-    /// Its angular velocity, rad/s.
+    /// The angular velocity, rad/s.
     #[must_use]
     pub fn angular_velocity(&self) -> S {
         self.angular_velocity_exact().value()
     }
 
-    /// Its angular velocity with the remainder that is carried.
+    /// The angular velocity with the remainder that is carried from step to step.
     #[must_use]
     pub fn angular_velocity_exact(&self) -> S::Accumulator {
         self.world.bodies.columns.motion.angular_velocity[self.dense]
@@ -158,7 +158,7 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
         velocity_at(self.velocity(), self.angular_velocity(), arm)?.try_map(S::Wide::to_scalar)
     }
 
-    /// Where in the world a point of the body is, m; `local` is in the body's axes, from its centre of mass. `None` if a
+    /// The position in the world of a point of the body, m; `local` is in the body's axes, from its centre of mass. `None` if a
     /// component does not fit. *Error* ½ ulp, and 2^-60 of the distance from the centre.
     #[must_use]
     pub fn world_point(&self, local: Vec2<S>) -> Option<Vec2<S>> {
@@ -167,32 +167,32 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
         Some(Vec2::new(component(centre.x, arm.x)?, component(centre.y, arm.y)?))
     }
 
-    /// Where a point of the world is on the body, m, in the body's axes from its centre of mass. `None` if a component, or
-    /// one of the way from the centre, does not fit. *Error* ½ ulp, and 2^-60 of the distance from the centre.
+    /// The position of a point of the world in the body's axes, from its centre of mass, m. `None` if a component, or one of
+    /// the vector from the centre, does not fit. *Error* ½ ulp, and 2^-60 of the distance from the centre.
     #[must_use]
     pub fn local_point(&self, world: Vec2<S>) -> Option<Vec2<S>> {
         let centre = self.position();
         self.local_vector(Vec2::new(world.x.offset(centre.x).to_scalar()?, world.y.offset(centre.y).to_scalar()?))
     }
 
-    /// A vector in the body's axes as the world sees it; `None` if a component does not fit. *Error* ½ ulp, and 2^-60 of its
+    /// A vector of the body's axes in the world's axes; `None` if a component does not fit. *Error* ½ ulp, and 2^-60 of its
     /// length.
     #[must_use]
     pub fn world_vector(&self, local: Vec2<S>) -> Option<Vec2<S>> {
         self.angle_exact().rotate(local)?.try_map(S::Wide::to_scalar)
     }
 
-    /// A vector of the world in the body's axes; `None` if a component does not fit, or `y` has no opposite. *Error* ½ ulp,
+    /// A vector of the world's axes in the body's axes; `None` if a component does not fit, or `y` has no opposite. *Error* ½ ulp,
     /// and 2^-60 of its length.
     #[must_use]
     pub fn local_vector(&self, world: Vec2<S>) -> Option<Vec2<S>> {
-        // The other way round by the same sine and cosine: mirrored, turned, mirrored.
+        // The inverse rotation with the same sine and cosine: mirrored, rotated, mirrored.
         let mirrored = S::ZERO.offset(world.y).to_scalar()?;
         let turned = self.angle_exact().rotate(Vec2::new(world.x, mirrored))?;
         Some(Vec2::new(turned.x.to_scalar()?, turned.y.negated().to_scalar()?))
     }
 
-    /// Its part of the world's [`kinetic_energy`](World::kinetic_energy), J: zero unless it is dynamic and takes part.
+    /// The body's share of the world's [`kinetic_energy`](World::kinetic_energy), J: zero unless it is dynamic and simulated.
     ///
     /// ```
     /// use umbra_physics::{BodyDef, Mass, World, WorldDef, fx, vec2};
@@ -216,15 +216,15 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
         self.world.kinetic_energy_of(self.dense)
     }
 
-    /// Its part of the world's [`momentum`](World::momentum), kg·m/s, exact for the public velocity: zero unless it is
-    /// dynamic and takes part.
+    /// The body's share of the world's [`momentum`](World::momentum), kg·m/s, exact for the public velocity: zero unless it
+    /// is dynamic and simulated.
     #[must_use]
     pub fn momentum(&self) -> Vec2<S::Wide> {
         self.world.momentum_of(self.dense)
     }
 
-    /// Its part of the world's [`angular_momentum`](World::angular_momentum), about the origin of the world, kg·m²/s: zero
-    /// unless it is dynamic and takes part.
+    /// The body's share of the world's [`angular_momentum`](World::angular_momentum) about the origin, kg·m²/s: zero unless it
+    /// is dynamic and simulated.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] with [`Quantity::Total`](crate::Quantity::Total) beyond 2^63.
@@ -232,86 +232,86 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
         self.world.angular_momentum_of(self.dense)
     }
 
-    /// What moves it.
+    /// The kind: static, kinematic or dynamic.
     #[must_use]
     pub fn kind(&self) -> BodyKind {
         self.info().kind
     }
 
-    /// Whether it takes part in steps.
+    /// The activity: awake, asleep, quarantined or disabled.
     #[must_use]
     pub fn activity(&self) -> Activity {
         self.world.bodies.activity(self.dense)
     }
 
-    /// Its mass, kg; `None` unless it is dynamic.
+    /// The mass, kg; `None` unless it is dynamic.
     #[must_use]
     pub fn mass(&self) -> Option<S> {
         (self.kind() == BodyKind::Dynamic).then_some(self.info().kilograms())
     }
 
-    /// What its mass and moment of inertia come from: what was given, to the bit, also while it is not dynamic.
+    /// The mass as it was given, to the bit, also while the body is not dynamic.
     #[must_use]
     pub fn mass_def(&self) -> Mass<S> {
         self.info().mass
     }
 
-    /// Its moment of inertia, kg·m², whatever its locks are; `None` if it is infinite. *Error* 2^-58 relative.
+    /// The moment of inertia, kg·m², regardless of locks; `None` if it is infinite. *Error* 2^-58 relative.
     #[must_use]
     pub fn inertia(&self) -> Option<S::Factor> {
         let inertia = self.info().inertia();
         (!inertia.is_zero()).then_some(inertia)
     }
 
-    /// 1/m, 1/kg; zero for a body that no force moves, whatever its locks are. *Error* 2^-64 relative.
+    /// The inverse mass 1/m, 1/kg, regardless of locks; zero for a body that no force moves. *Error* 2^-64 relative.
     #[must_use]
     pub fn inverse_mass(&self) -> S::Factor {
         self.world.bodies.mass(self.dense).inverse_mass
     }
 
-    /// 1/I, 1/(kg·m²); zero for a body that no torque turns, as for one whose rotation is locked. *Error* 2^-58 relative.
+    /// The inverse moment of inertia 1/I, 1/(kg·m²); zero for a body that no torque turns, or whose rotation is locked. *Error* 2^-58 relative.
     #[must_use]
     pub fn inverse_inertia(&self) -> S::Factor {
         self.world.bodies.mass(self.dense).inverse_inertia
     }
 
-    /// Its shape.
+    /// The shape.
     #[must_use]
     pub fn shape(&self) -> Option<&'a Shape<S>> {
         self.info().shape.as_deref()
     }
 
-    /// How much of the world's gravity it feels.
+    /// The factor by which the world's gravity acts on the body.
     #[must_use]
     pub fn gravity_scale(&self) -> S {
-        self.tuning_key().gravity_scale
+        self.factor_key().gravity_scale
     }
 
-    /// Its own linear damping, if it has one.
+    /// The body's own linear damping; `None` if the world's applies.
     #[must_use]
     pub fn linear_damping(&self) -> Option<S> {
-        self.tuning_key().linear
+        self.factor_key().linear
     }
 
-    /// Its own angular damping, if it has one.
+    /// The body's own angular damping; `None` if the world's applies.
     #[must_use]
     pub fn angular_damping(&self) -> Option<S> {
-        self.tuning_key().angular
+        self.factor_key().angular
     }
 
-    /// The largest speed it has after a step, m/s, if it is capped.
+    /// The largest speed after a step, m/s; `None` if there is no cap.
     #[must_use]
     pub fn max_speed(&self) -> Option<S> {
-        self.tuning_key().most[0]
+        self.factor_key().most[0]
     }
 
-    /// The largest angular speed it has after a step, rad/s, if it is capped.
+    /// The largest angular speed after a step, rad/s; `None` if there is no cap.
     #[must_use]
     pub fn max_angular_speed(&self) -> Option<S> {
-        self.tuning_key().most[1]
+        self.factor_key().most[1]
     }
 
-    /// Which components of its velocity are zero and stay zero.
+    /// The locked axes: the components of the velocity that are zero and stay zero.
     ///
     /// ```
     /// use umbra_physics::{BodyDef, Locks, World, WorldDef, fx, vec2};
@@ -331,13 +331,13 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
         self.world.bodies.mass(self.dense).locks
     }
 
-    /// The groups it is in.
+    /// The groups of the body, one a bit.
     #[must_use]
     pub fn groups(&self) -> u32 {
         self.info().groups
     }
 
-    /// The caller's name for it.
+    /// The caller's key.
     #[must_use]
     pub fn key(&self) -> u64 {
         self.info().key
@@ -349,7 +349,7 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
         self.info().user_data
     }
 
-    /// Where the next step [moves](World::move_to) it, position in m and angle, if it does.
+    /// The target that the next step [moves](World::move_to) the body to: position, m, and angle.
     ///
     /// ```
     /// use umbra_physics::{BodyDef, World, WorldDef, fx, vec2};
@@ -368,66 +368,15 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
         self.world.targets.of(self.id()).and_then(|target| target.goal).map(|goal| (goal.position, goal.angle))
     }
 
-    /// The sum of the forces applied to it since the last step, N; `None` if it does not fit.
+    /// The sum of the forces applied since the last step, N; `None` if it does not fit.
     #[must_use]
     pub fn applied_force(&self) -> Option<Vec2<S::Wide>> {
         self.world.applied.row(self.id()).map_or(Some(Vec2::default()), |row| row.force())
     }
 
-    /// The sum of the torques applied to it since the last step, N·m; `None` if it does not fit.
+    /// The sum of the torques applied since the last step, N·m; `None` if it does not fit.
     #[must_use]
     pub fn applied_torque(&self) -> Option<S::Wide> {
         self.world.applied.row(self.id()).map_or(Some(S::Wide::default()), |row| row.torque())
-    }
-}
-
-impl<S: Scalar> World<S> {
-    /// A look at a body.
-    ///
-    /// # Errors
-    /// [`Error::NoSuchBody`].
-    pub fn body(&self, body: BodyId) -> Result<BodyRef<'_, S>, Error> {
-        Ok(BodyRef { world: self, dense: self.bodies.find(body)? })
-    }
-
-    /// All bodies, in the order of their slots.
-    pub fn bodies(&self) -> impl Iterator<Item = BodyRef<'_, S>> {
-        self.bodies.in_order().map(|dense| BodyRef { world: self, dense })
-    }
-
-    /// The first body by slot that has this [key](BodyRef::key). It looks through all of them: whoever asks often keeps the
-    /// handle.
-    ///
-    /// ```
-    /// use umbra_physics::{BodyDef, World, WorldDef};
-    ///
-    /// let mut world: World = World::new(WorldDef::default())?;
-    /// let [red, _, green] = [1, 2, 1].map(|key| world.add_body(BodyDef { key, ..BodyDef::dynamic() }));
-    /// let [red, green] = [red?, green?];
-    /// assert_eq!(world.body_with_key(1).map(|body| body.id()), Some(red));
-    /// assert!(world.bodies_with_key(1).map(|body| body.id()).eq([red, green]));
-    /// assert!(world.body_with_key(3).is_none());
-    /// # Ok::<(), umbra_physics::Error>(())
-    /// ```
-    #[must_use]
-    pub fn body_with_key(&self, key: u64) -> Option<BodyRef<'_, S>> {
-        self.bodies_with_key(key).next()
-    }
-
-    /// All bodies that have this [key](BodyRef::key), in the order of their slots. It looks through all bodies.
-    pub fn bodies_with_key(&self, key: u64) -> impl Iterator<Item = BodyRef<'_, S>> {
-        self.bodies().filter(move |body| body.key() == key)
-    }
-
-    /// The number of bodies.
-    #[must_use]
-    pub fn body_count(&self) -> usize {
-        self.bodies.len()
-    }
-
-    /// The number of bodies a step moves: not static, not asleep, not quarantined, not disabled.
-    #[must_use]
-    pub fn moving_count(&self) -> usize {
-        self.bodies.moving()
     }
 }

@@ -1,65 +1,20 @@
-//! What happened to bodies, for those who look on: what calls did to them since the step before, and when one that no step
-//! moves was last changed. All of it is derived: it is in no hash and in no file, and no step reads it.
+//! The log of changes to bodies: changes by calls since the previous step, and the tick of the last change of each body that no
+//! step moves. The log is for observers: it is in no hash and in no file, and no step reads it.
 
 use alloc::collections::BTreeSet;
 use alloc::vec::Vec;
 use core::mem;
 
-use super::{BodyRef, StepReport, World};
+#[cfg(doc)]
+use super::StepReport;
+use super::{BodyRef, World};
 use crate::body::{Bodies, Sparse};
 use crate::error::Fault;
 use crate::limits;
 use crate::scalar::Scalar;
 use crate::slots::BodyId;
 
-/// Something that happened to a body over a tick.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
-pub enum Event {
-    /// A call removed it.
-    Removed(BodyId),
-    /// A call added it.
-    Added(BodyId),
-    /// A call put it somewhere else, turned it, or changed its kind: it did not get there by moving.
-    Placed(BodyId),
-    /// A call woke it.
-    Woke(BodyId),
-    /// The step quarantined it.
-    Quarantined(Fault),
-    /// It fell asleep in the step.
-    FellAsleep(BodyId),
-}
-
-impl<'a, S: Scalar> StepReport<'a, S> {
-    /// All that it reports of bodies, one kind after the other, in the order in which [`Event`] has them: what calls did
-    /// before the step, each kind in the order of the calls, then what the step did, each kind in the order of the handles.
-    ///
-    /// A body that calls both added and removed is in it neither way, and one that they added is not placed as well: whoever
-    /// follows the events has the bodies of the world, each once.
-    ///
-    /// ```
-    /// use umbra_physics::{BodyDef, Event, World, WorldDef, vec2};
-    ///
-    /// let mut world: World = World::new(WorldDef::default())?;
-    /// let [a, b] = [world.add_body(BodyDef::dynamic())?, world.add_body(BodyDef::dynamic())?];
-    /// assert!(world.step().events().eq([Event::Added(a), Event::Added(b)]));
-    /// world.set_position(b, vec2(3, 4))?;
-    /// world.remove_body(a)?;
-    /// assert!(world.step().events().eq([Event::Removed(a), Event::Placed(b)]));
-    /// # Ok::<(), umbra_physics::Error>(())
-    /// ```
-    pub fn events(self) -> impl Iterator<Item = Event> + use<'a, S> {
-        let Self { removed, added, placed, woke, faults, fell_asleep, .. } = self;
-        let by_calls = removed.iter().copied().map(Event::Removed).chain(added.iter().copied().map(Event::Added));
-        let by_calls = by_calls.chain(placed.iter().copied().map(Event::Placed));
-        let by_calls = by_calls.chain(woke.iter().copied().map(Event::Woke));
-        let by_step = faults.iter().copied().map(Event::Quarantined);
-        by_calls.chain(by_step).chain(fell_asleep.iter().copied().map(Event::FellAsleep))
-    }
-}
-
-/// What calls did, in their order. Handles of bodies that are gone since may be among those added and placed.
+/// Changes by calls, in the order of the calls. The lists `added` and `placed` may name bodies that were removed since.
 #[derive(Debug, Default)]
 pub(crate) struct BodyChanges {
     pub(crate) removed: Vec<BodyId>,
@@ -78,7 +33,7 @@ impl BodyChanges {
         [removed, added, placed, woken].into_iter().for_each(Vec::clear);
     }
 
-    /// Forgets what was done to bodies that are gone.
+    /// Drops the entries of bodies that were removed.
     fn tidy<S: Scalar>(&mut self, bodies: &Bodies<S>) {
         for list in [&mut self.added, &mut self.placed] {
             list.retain(|&body| bodies.find(body).is_ok());
@@ -93,27 +48,28 @@ impl BodyChanges {
     }
 }
 
-/// That a body is listed as added, as placed, or as woken. One that is listed and not marked was removed, or disabled.
+/// Marks of a body that is listed as added, as placed, or as woken. A listed body without a mark was removed, or disabled.
 const ADDED: u8 = 1;
 const PLACED: u8 = 2;
 const WOKEN: u8 = 4;
 
 #[derive(Debug, Default)]
 pub(crate) struct ChangeLog {
-    /// What calls did since the last step, and before it.
+    /// Changes by calls since the last step.
     pending: BodyChanges,
+    /// Changes by calls between the last step and the one before.
     pub(crate) reported: BodyChanges,
-    /// Whether there may be any of either.
+    /// True if either may have entries.
     has_deeds: bool,
-    /// How the body of a slot is listed in what is pending; the slots that are missing are not.
+    /// The marks of bodies in `pending`, by slot; missing slots have none.
     marks: Vec<u8>,
-    /// The slots of bodies that have nobody asleep around them, as one was looked for since the last step.
+    /// The slots of bodies without sleeping neighbours, known from a search since the last step.
     awake_around: Sparse<(usize, ())>,
-    /// By slot, for bodies that no step moves: the tick since which one is as it is. The slots that are missing have 0.
+    /// The tick of the last change, by slot, for bodies that no step moves; 0 for missing slots.
     stamps: Vec<u64>,
     /// The tick the world is at.
     tick: u64,
-    /// All bodies count as changed since the ticks before this one: these may have been looked at in another past.
+    /// The first tick of the present past: since each earlier tick all bodies count as changed.
     all_before: u64,
     rewinds: u64,
 }
@@ -126,7 +82,7 @@ impl Clone for ChangeLog {
         copy
     }
 
-    /// What the world is put back to has another past than the one it had.
+    /// Copies the log of a world that is restored: its past is another one.
     fn clone_from(&mut self, source: &Self) {
         self.rewind();
         self.all_before = self.all_before.max(source.all_before);
@@ -135,12 +91,12 @@ impl Clone for ChangeLog {
 }
 
 impl ChangeLog {
-    /// That of a world made at this tick.
+    /// The log of a world that begins at this tick.
     pub(crate) fn starting_at(tick: u64) -> Self {
         Self { tick, all_before: tick.saturating_add(1), ..Self::default() }
     }
 
-    /// Takes over all but what belongs to a past.
+    /// Copies everything except the past.
     fn take(&mut self, source: &Self) {
         self.awake_around.clear();
         self.unmark();
@@ -150,7 +106,7 @@ impl ChangeLog {
         self.stamps.clone_from(&source.stamps);
         self.tick = source.tick;
         self.mark();
-        // Marked is what is listed, but for those woken bodies that are not marked there.
+        // Listed bodies are marked, except woken bodies without a mark in the source.
         for body in &source.pending.woken {
             if !source.is_marked(*body, WOKEN) {
                 *at(&mut self.marks, body.slot) &= !WOKEN;
@@ -162,12 +118,12 @@ impl ChangeLog {
         self.marks.get(body.slot as usize).is_some_and(|marks| marks & mark != 0)
     }
 
-    /// Takes over the past as well, that of the world which this is to keep and nobody looks at.
+    /// Copies the past too: of a world that is stored, and that nobody observes.
     pub(crate) fn keep_past(&mut self, source: &Self) {
         (self.all_before, self.rewinds) = (source.all_before, source.rewinds);
     }
 
-    /// What comes is another past.
+    /// Begins another past.
     fn rewind(&mut self) {
         self.all_before = self.all_before.max(self.tick.saturating_add(1));
         self.rewinds = self.rewinds.wrapping_add(1);
@@ -191,10 +147,10 @@ impl ChangeLog {
 
     pub(super) fn added<S: Scalar>(&mut self, body: BodyId, bodies: &Bodies<S>) {
         let added = &mut self.pending.added;
-        // Bodies that came and went, over and over without a step, must not add up.
+        // Bodies that are added and removed repeatedly without a step must not accumulate.
         if added.len() == added.capacity() {
             added.retain(|&body| bodies.find(body).is_ok());
-            // Room for as many again, so that this is rare.
+            // Reserve as many again, so that this happens rarely.
             added.reserve(added.len());
         }
         added.push(body);
@@ -219,24 +175,24 @@ impl ChangeLog {
         }
     }
 
-    /// Calls woke these bodies.
+    /// Logs bodies that a call woke.
     pub(super) fn woke(&mut self, bodies: &[BodyId]) {
         for body in bodies {
             *at(&mut self.marks, body.slot) |= WOKEN;
         }
         self.pending.woken.extend_from_slice(bodies);
-        // So that the step which reports them takes nothing from the heap.
+        // The step that reports them must not allocate.
         let room = self.pending.woken.len().saturating_sub(self.reported.woken.len());
         self.reported.woken.reserve(room);
         self.has_deeds |= !bodies.is_empty();
     }
 
-    /// A call took a body out of the simulation: it does not count as woken.
+    /// Logs a body that a call disabled: it does not count as woken.
     pub(super) fn taken_out(&mut self, body: BodyId) {
         *at(&mut self.marks, body.slot) &= !WOKEN;
     }
 
-    /// The bodies that calls woke since the last step and that take part since.
+    /// The bodies that calls woke since the last step and that are still simulated.
     pub(crate) fn woken(&self) -> Vec<BodyId> {
         self.pending.woken.iter().copied().filter(|&body| self.is_marked(body, WOKEN)).collect()
     }
@@ -251,12 +207,12 @@ impl ChangeLog {
         self.pending.woken.get(count..).unwrap_or_default()
     }
 
-    /// Takes over [`woken`](Self::woken) of a world that was saved.
+    /// Sets [`woken`](Self::woken) from a saved world.
     pub(crate) fn set_woken(&mut self, woken: Vec<BodyId>) {
         self.woke(&woken);
     }
 
-    /// Whether somebody may be asleep around a body. Who asks wakes them: nobody falls asleep until the next step.
+    /// True if a neighbour of the body may sleep. The caller wakes the neighbours: none falls asleep until the next step.
     pub(super) fn looks_around(&mut self, body: BodyId) -> bool {
         let slot = body.slot as usize;
         let looks = self.awake_around.get(slot).is_none();
@@ -264,12 +220,12 @@ impl ChangeLog {
         looks
     }
 
-    /// A call changes the body in this slot, which no step moves.
+    /// Logs a change by a call of the body in this slot, which no step moves.
     pub(super) fn changed(&mut self, slot: u32) {
         *at(&mut self.stamps, slot) = self.tick + 1;
     }
 
-    /// A step begins, to this tick.
+    /// Begins a step to this tick.
     #[inline]
     pub(super) fn begin<S: Scalar>(&mut self, tick: u64, bodies: &Bodies<S>) {
         self.tick = tick;
@@ -283,7 +239,7 @@ impl ChangeLog {
     fn report<S: Scalar>(&mut self, bodies: &Bodies<S>) {
         self.drop_unmarked_woken();
         self.unmark();
-        // Each keeps its memory: a world that is put back has as much in either as before.
+        // Both lists keep their memory, so that a restored world allocates nothing.
         self.reported.clone_from(&self.pending);
         self.pending.clear();
         self.reported.tidy(bodies);
@@ -295,7 +251,7 @@ impl ChangeLog {
         pending.woken.retain(|body| marks[body.slot as usize] & WOKEN != 0);
     }
 
-    /// What a step ends with no step moves on.
+    /// Logs bodies that stopped moving in a step.
     #[inline]
     pub(super) fn end(&mut self, faults: &[Fault], fell_asleep: &[BodyId]) {
         if !(faults.is_empty() && fell_asleep.is_empty()) {
@@ -310,17 +266,17 @@ impl ChangeLog {
         }
     }
 
-    /// The step to this tick was the last one: what calls did before it is pending once more.
+    /// Undoes a step, back to this tick: the changes by calls before it are pending again.
     pub(super) fn undo<S: Scalar>(&mut self, tick: u64, bodies: &Bodies<S>) {
         self.rewind();
         self.tick = tick;
         self.awake_around.clear();
         self.drop_unmarked_woken();
-        // Once, however often. A slot that is marked so has the body that it had in the step.
+        // Each body is listed once. A slot with this mark has the body that it had in the step.
         self.reported.placed.retain(|body| *at(&mut self.marks, body.slot) & PLACED == 0);
         self.unmark();
         let (earlier, pending) = (&mut self.reported, &mut self.pending);
-        // One that is added once more was never there to be removed or placed.
+        // A body that is pending as added again cannot be pending as removed or placed.
         if !(earlier.added.is_empty() || pending.removed.is_empty() && pending.placed.is_empty()) {
             let mut added = earlier.added.clone();
             added.sort_unstable();
@@ -335,19 +291,19 @@ impl ChangeLog {
         mem::swap(earlier, pending);
         pending.tidy(bodies);
         let takes_part = |body| bodies.find(body).is_ok_and(|i| bodies.activity(i).takes_part());
-        // Once: it may have fallen asleep in the step, and been woken again since.
+        // Each body is listed once: it may have fallen asleep in the step and been woken since.
         let mut once = BTreeSet::new();
         pending.woken.retain(|&body| takes_part(body) && once.insert(body));
         self.mark();
     }
 
-    /// Whether a body that no step moves was changed after this tick.
+    /// True if a body that no step moves changed after this tick.
     fn is_changed_since(&self, slot: u32, tick: u64) -> bool {
         self.stamps.get(slot as usize).is_some_and(|&stamp| stamp > tick)
     }
 }
 
-/// The entry of a slot; those up to it are made.
+/// The entry of a slot; missing entries up to it are created.
 fn at<T: Clone + Default>(column: &mut Vec<T>, slot: u32) -> &mut T {
     let slot = slot as usize;
     if column.len() <= slot {
@@ -357,13 +313,13 @@ fn at<T: Clone + Default>(column: &mut Vec<T>, slot: u32) -> &mut T {
 }
 
 impl<S: Scalar> World<S> {
-    /// The bodies whose public state changed after a tick, in the order of their slots: by steps since that tick, or by calls
-    /// since the step that led to it. For what is kept beside the world of bodies that mostly rest: sprites, a grid, packets.
+    /// The bodies with a public state that changed after a tick, in the order of their slots: by steps since that tick, or by
+    /// calls since the step that led to it. Use it to update sprites, a grid or packets of bodies that mostly rest.
     ///
-    /// All that a step moves count as changed, whether they get anywhere or not: awake bodies that are not static. After
-    /// [`restore`](Self::restore), `clone_from`, [`step_back`](Self::step_back) or a [`History`](super::History)'s rollback
-    /// all bodies count as changed since the ticks there had been, and in a world that was read from bytes since those before.
-    /// Bodies that are gone are in the [events](StepReport::events) alone. It looks at all slots; steps do nothing for it.
+    /// Awake bodies that are not static always count as changed. After [`restore`](Self::restore), `clone_from`,
+    /// [`step_back`](Self::step_back) or a rollback of a [`History`](super::History) all bodies count as changed since every
+    /// earlier tick, and so they do in a world that was read from bytes. Removed bodies are only in the
+    /// [events](StepReport::events). The call looks at all slots; steps do no work for it.
     ///
     /// ```
     /// use umbra_physics::{BodyDef, World, WorldDef, vec2};
@@ -382,16 +338,16 @@ impl<S: Scalar> World<S> {
     /// ```
     pub fn changed_since(&self, tick: u64) -> impl Iterator<Item = BodyRef<'_, S>> {
         let (change_log, moving) = (&self.change_log, self.bodies.moving());
-        // Of the steps at the last tick, the tick does not say which came first.
+        // Steps at the largest tick cannot be told apart.
         let all = tick < change_log.all_before || self.tick == limits::TICK;
         self.bodies().filter(move |body| {
             all || body.dense < moving || change_log.is_changed_since(self.bodies.columns.slot[body.dense], tick)
         })
     }
 
-    /// How often the world was put back: by [`restore`](Self::restore), `clone_from`, [`step_back`](Self::step_back) or a
-    /// [`History`](super::History). Whoever keeps something of the last ticks beside the world sees by it that these are no
-    /// longer its past. It is no state; a clone counts on from it.
+    /// The number of times the world was set back: by [`restore`](Self::restore), `clone_from`, [`step_back`](Self::step_back) or
+    /// a [`History`](super::History). A change of the number tells code that keeps data of past ticks that they are no longer
+    /// the world's past. The number is not part of the state; a clone counts on from it.
     ///
     /// ```
     /// use umbra_physics::{World, WorldDef};
@@ -401,7 +357,7 @@ impl<S: Scalar> World<S> {
     /// world.step();
     /// assert_eq!(world.rewinds(), before);
     /// world.restore(&saved);
-    /// assert_ne!(world.rewinds(), before); // what was seen of tick 1 is of no use for the next tick 1
+    /// assert_ne!(world.rewinds(), before); // data about tick 1 is stale
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
     #[must_use]
@@ -409,7 +365,7 @@ impl<S: Scalar> World<S> {
         self.change_log.rewinds
     }
 
-    /// As `clone_from`, for a world that is kept to be gone back to: its past is that of the other one.
+    /// Copies a world that is stored for a rollback, including its past.
     pub(crate) fn keep(&mut self, source: &Self) {
         self.clone_from(source);
         self.change_log.keep_past(&source.change_log);

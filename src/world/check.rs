@@ -1,5 +1,5 @@
-//! What calls refuse. Each call that changes a world asks here first, and goes on with what it is given back; so does
-//! [`World::check`], which goes no further.
+//! The checks of calls. Each call that changes a world checks its arguments here first and uses the result; [`World::check`]
+//! does no more than check.
 
 use super::{World, WorldDef, check_gravity, check_sleep_after};
 use crate::body::{
@@ -47,7 +47,7 @@ impl<S: Scalar> World<S> {
         check_turning(self.bodies.mass(dense).locks, velocity)
     }
 
-    /// The goal of a body that is sent there.
+    /// The target of a kinematic body.
     pub(super) fn check_move(&self, body: BodyId, position: Vec2<S>, angle: S) -> Result<Target<S>, Error> {
         let dense = self.check_taking_part(body)?;
         if self.bodies.info(dense).kind != BodyKind::Kinematic {
@@ -105,7 +105,7 @@ impl<S: Scalar> World<S> {
         angular.map_or(Ok(()), check_max_angular_speed)
     }
 
-    /// Refuses a body that takes no part in steps.
+    /// Refuses a body that is quarantined or disabled.
     pub(super) fn check_taking_part(&self, body: BodyId) -> Result<usize, Error> {
         let dense = self.bodies.find(body)?;
         match self.bodies.activity(dense) {
@@ -123,14 +123,14 @@ impl<S: Scalar> World<S> {
         }
     }
 
-    /// Refuses a body that is not quarantined, or is so beyond the envelope.
+    /// Refuses a body that is not quarantined, or is outside the limits.
     pub(super) fn check_release(&self, body: BodyId) -> Result<usize, Error> {
         let dense = self.bodies.find(body)?;
         if self.bodies.activity(dense) != Activity::Quarantined {
             return Err(Error::NotQuarantined { body });
         }
         let motion = &self.bodies.columns.motion;
-        // To the last bit, as the end of a step looks at it.
+        // To the last bit, as the end of a step checks it.
         within_envelope::<S>(motion.position.get(dense), limits::POSITION, Quantity::Position)?;
         within_envelope::<S>(motion.velocity.get(dense), limits::SPEED, Quantity::Velocity)?;
         let angular_velocity = Vec2::new(motion.angular_velocity[dense], motion.angular_velocity[dense]);
@@ -161,7 +161,7 @@ impl<S: Scalar> World<S> {
         self.fields.check_room()
     }
 
-    /// The field in its place until now.
+    /// The field that would be replaced.
     pub(super) fn check_next_field(&self, id: FieldId, field: &ForceField<S>) -> Result<ForceField<S>, Error> {
         let old = self.check_field(id)?;
         field.check(&self.bodies, &self.custom_forces)?;
@@ -175,7 +175,7 @@ impl<S: Scalar> World<S> {
 
 // The calls on the parameters of the step. Each gives the definition as it would be.
 impl<S: Scalar> World<S> {
-    /// And the time elapsed until now.
+    /// The definition with another time step, and the time elapsed until now.
     pub(super) fn check_time_step(&self, time_step: TimeStep) -> Result<(WorldDef<S>, Elapsed), Error> {
         let time_step = time_step.checked()?;
         let now = self.counted.0.plus(self.tick - self.counted.1, self.def.time_step).ok_or(Error::ElapsedTime)?;

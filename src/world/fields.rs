@@ -8,11 +8,11 @@ use crate::slots::FieldId;
 use alloc::sync::Arc;
 
 impl<S: Scalar> World<S> {
-    /// Adds a force field; wakes what it may act on.
+    /// Adds a force field; wakes the bodies that it may act on.
     ///
     /// # Errors
     /// [`Error::NoSuchBody`], [`Error::NotDynamic`] or [`Error::SameBody`] for what it is attached to;
-    /// [`Error::CustomForce`] for a law that is not registered; [`Error::OutOfRange`] naming the quantity; [`Error::Full`].
+    /// [`Error::CustomForce`] for a custom force that is not registered; [`Error::OutOfRange`] naming the quantity; [`Error::Full`].
     ///
     /// ```
     /// use umbra_physics::{BodyDef, End, FieldKind, World, WorldDef, fx, vec2};
@@ -20,7 +20,7 @@ impl<S: Scalar> World<S> {
     /// let mut world: World = World::new(WorldDef::default())?;
     /// let star =
     ///     FieldKind::Attractor { centre: End::World(vec2(0, 0)), mu: 100.into(), softening: fx!(1) };
-    /// let star = world.add_field(star)?; // acts on all; a `Field` says on whom
+    /// let star = world.add_field(star)?; // acts on all bodies; a `ForceField` with `groups` on some
     /// world.set_field(star, FieldKind::Drag { linear: fx!(1), quadratic: fx!(0), wind: vec2(3, 0) })?;
     /// assert_eq!(world.fields().map(|(id, _)| id).collect::<Vec<_>>(), [star]);
     /// world.remove_field(star)?;
@@ -43,12 +43,12 @@ impl<S: Scalar> World<S> {
         self.fields.get(id)
     }
 
-    /// All force fields, in the order in which they were added: the order in which drags act.
+    /// The force fields in the order in which they were added. Drags act in this order.
     pub fn fields(&self) -> impl Iterator<Item = (FieldId, &ForceField<S>)> {
         self.fields.iter()
     }
 
-    /// Puts another field in the place of one; wakes what either may act on.
+    /// Replaces a force field; wakes the bodies that either may act on.
     ///
     /// # Errors
     /// [`Error::NoSuchField`], and as [`add_field`](Self::add_field).
@@ -61,7 +61,7 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
-    /// Removes a force field; wakes what it may have acted on.
+    /// Removes a force field; wakes the bodies that it may have acted on.
     ///
     /// # Errors
     /// [`Error::NoSuchField`].
@@ -75,7 +75,7 @@ impl<S: Scalar> World<S> {
         match field.kind {
             FieldKind::Spring { .. } | FieldKind::Thrust { .. } => {
                 let bodies: alloc::vec::Vec<_> = field.bodies().collect();
-                // What else hangs on one that nothing moves does not feel it, nor whom it attracts.
+                // Fields on the same static body, and bodies that it attracts, are not affected.
                 self.wake_reached(&bodies, 0);
             }
             _ => self.wake_reached(&[], field.groups),

@@ -9,7 +9,7 @@ use crate::math::Vec2;
 use crate::scalar::{Accumulator, Angle, Offset, Scalar, Wide, fx::Fx};
 use crate::slots::BodyId;
 
-/// What a vector is relative to.
+/// The frame of reference of vectors.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Frame {
@@ -20,29 +20,29 @@ pub enum Frame {
     Body,
 }
 
-/// How an action is meant.
+/// Options of a force or impulse.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct ApplyOptions {
-    /// What its vectors are relative to.
+    /// The frame of the vectors and the point.
     pub frame: Frame,
-    /// Whether it wakes a sleeping body; if not, a sleeping body does not feel it.
+    /// True if the body is woken. Without it, the call has no effect on a sleeping body.
     pub wake: bool,
 }
 
 impl ApplyOptions {
-    /// In the body's frame, waking it.
+    /// Vectors in the body's frame; the body is woken.
     pub const BODY: Self = Self { frame: Frame::Body, wake: true };
 }
 
 impl Default for ApplyOptions {
-    /// In the world's frame, waking the body.
+    /// Vectors in the world's frame; the body is woken.
     fn default() -> Self {
         Self { frame: Frame::World, wake: true }
     }
 }
 
-/// What is done to a body. Forces and torques add up over a tick and act over its step; impulses act at once.
+/// A force, torque or impulse on a body. Forces and torques add up and act over the next step; impulses act at once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",
@@ -54,7 +54,7 @@ pub enum ForceOrImpulse<S = Fx> {
     Force {
         /// The force.
         force: Vec2<S>,
-        /// Where it acts, m.
+        /// The point where it acts, m.
         point: Option<Vec2<S>>,
     },
     /// A torque in N·m.
@@ -63,18 +63,18 @@ pub enum ForceOrImpulse<S = Fx> {
     Impulse {
         /// The impulse.
         impulse: Vec2<S>,
-        /// Where it acts, m.
+        /// The point where it acts, m.
         point: Option<Vec2<S>>,
     },
     /// An angular impulse in N·m·s.
     AngularImpulse(S),
 }
 
-/// What an action does to the body that it was found for.
+/// The effect of a force or impulse on the body it was computed for.
 pub(super) enum Effect<S: Scalar> {
-    /// Adds to what acts over the next step, in the world's frame.
+    /// An addition to the forces of the next step, in the world's frame.
     ForceTorque { force: Vec2<S::Wide>, torque: S::Wide },
-    /// Gives it these velocities.
+    /// New velocities.
     Strike { velocity: Vec2<S::Accumulator>, angular_velocity: S::Accumulator },
 }
 
@@ -113,7 +113,7 @@ impl<S: Scalar> World<S> {
         self.apply(body, ForceOrImpulse::Force { force, point: None }, ApplyOptions::default())
     }
 
-    /// Applies a force at a point of the world over the next step: τ = r × F besides, r from the centre of mass as it is now.
+    /// Applies a force at a point of the world over the next step, with the torque τ = r × F, r from the present centre of mass.
     ///
     /// # Errors
     /// As [`apply`](Self::apply).
@@ -154,7 +154,7 @@ impl<S: Scalar> World<S> {
         self.apply(body, ForceOrImpulse::AngularImpulse(impulse), ApplyOptions::default())
     }
 
-    /// Does something to a body.
+    /// Applies a force, torque or impulse to a body.
     ///
     /// *Error* in the world's frame forces, torques and torques of forces at a point are exact. In the body's frame a force F is
     /// within 2^-60·|F| and 2^-64 N, and its torque at a point r within 2^-58·|r|·|F| and 2^-64 of |r| + |F| + 1, in N·m. An
@@ -171,7 +171,7 @@ impl<S: Scalar> World<S> {
     /// let mut world: World = World::new(WorldDef::default())?;
     /// let shape = Some(Shape::rectangle(fx!(2), fx!(1))?);
     /// let ship = world.add_body(BodyDef { shape, angle: Fx::FRAC_PI_2, ..BodyDef::dynamic() })?;
-    /// // Ahead, whichever way it points; if it sleeps, it sleeps on.
+    /// // Forwards in the ship's frame; a sleeping ship sleeps on.
     /// let ahead = ForceOrImpulse::Impulse { impulse: vec2(3, 0), point: None };
     /// world.apply(ship, ahead, ApplyOptions { frame: Frame::Body, wake: false })?;
     /// assert_eq!(format!("{:.6}", world.body(ship)?.velocity()), "(0.000000, 3.000000)");
@@ -179,19 +179,19 @@ impl<S: Scalar> World<S> {
     /// world.apply_angular_impulse(ship, fx!(1))?; // acts at once
     /// world.apply_force_at_point(ship, vec2(0, 5), vec2(1, 0))?; // acts over the next step: 5 N, and 5 N·m
     /// assert_eq!(world.body(ship)?.applied_torque().map(|torque| torque.to_string()), Some("5".into()));
-    /// world.clear_forces(); // or not
+    /// world.clear_forces(); // drops it again
     /// assert_eq!(world.body(ship)?.applied_torque().map(|torque| torque.to_string()), Some("0".into()));
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
-    pub fn apply(&mut self, body: BodyId, action: ForceOrImpulse<S>, manner: ApplyOptions) -> Result<(), Error> {
-        let (dense, effect) = self.effect(body, action, manner.frame)?;
+    pub fn apply(&mut self, body: BodyId, action: ForceOrImpulse<S>, options: ApplyOptions) -> Result<(), Error> {
+        let (dense, effect) = self.effect(body, action, options.frame)?;
         let asleep = self.bodies.activity(dense) == Activity::Asleep;
-        if asleep && !manner.wake {
+        if asleep && !options.wake {
             return Ok(());
         }
         match effect {
             Effect::ForceTorque { force, torque } => {
-                // Unlike a change of its state, a force leaves what the fields do as it is.
+                // Unlike a change of the body's state, a force does not change what the fields do.
                 if asleep {
                     self.touch(body)?;
                 }
@@ -207,12 +207,12 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
-    /// Takes back what was applied since the last step: the sums of forces and torques. Impulses have acted already.
+    /// Drops the forces and torques applied since the last step. Impulses have acted already.
     pub fn clear_forces(&mut self) {
         self.applied.clear();
     }
 
-    /// The index of a body, and what an action would do to it.
+    /// The index of a body, and the effect that a force or impulse would have on it.
     pub(super) fn effect(
         &self,
         body: BodyId,

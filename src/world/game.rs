@@ -1,4 +1,4 @@
-//! What a game keeps in a world so that snapshots, hashes and replays carry it along.
+//! Data of a game that the world stores, so that snapshots, hashes and replays include it.
 
 use super::World;
 use crate::error::{Error, Quantity};
@@ -7,14 +7,14 @@ use crate::math::Random;
 use crate::scalar::Scalar;
 
 impl<S: Scalar> World<S> {
-    /// The world's generator of random numbers, as it is now.
+    /// The world's generator of random numbers.
     #[must_use]
     pub fn random(&self) -> &Random {
         &self.random
     }
 
-    /// The world's generator of random numbers, to draw from. Drawing is a change of state: peers that are to agree draw
-    /// alike, in the same tick and in the same order.
+    /// The world's generator of random numbers, to draw from. Drawing changes the state: peers that have to agree draw in the
+    /// same ticks and in the same order.
     ///
     /// ```
     /// use umbra_physics::{Random, World, WorldDef};
@@ -31,18 +31,18 @@ impl<S: Scalar> World<S> {
         &mut self.random
     }
 
-    /// Puts another generator in its place, to seed it, say.
+    /// Replaces the generator, for example to seed it.
     pub fn set_random(&mut self, random: Random) {
         self.random = random;
     }
 
-    /// The game's own data: whatever else its next tick depends on, as bytes.
+    /// The game's own data as bytes: all else that its next tick depends on.
     #[must_use]
     pub fn blob(&self) -> &[u8] {
         &self.blob
     }
 
-    /// Puts other bytes in their place.
+    /// Replaces the game's own data.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] with [`Quantity::Blob`].

@@ -1,4 +1,4 @@
-//! The ring of past ticks that a rollback goes back to.
+//! The past ticks that a rollback can return to.
 
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
@@ -7,14 +7,14 @@ use super::{Command, InputResult, Inputs, StepReport, World};
 use crate::error::Error;
 use crate::scalar::{Scalar, fx::Fx};
 
-/// The last ticks of a world, their inputs and states, to go back to when inputs arrive late.
+/// The last ticks of a world with their inputs and states, to return to when inputs arrive late.
 ///
-/// All that changes the world goes through the inputs: what calls change between ticks is lost when a tick before is done
-/// over. Laws of force are registered before the first tick. A handle that was given out in a tick that is done over may
-/// name another body or field afterwards, or none: take handles from the reports of what is done over as well.
+/// Make every change of the world through the inputs: a change by a call between ticks is lost when an earlier tick is
+/// simulated again. Register custom forces before the first tick. A handle that was given out in a tick that is simulated
+/// again may name another body or field afterwards, or none: take handles from the reports of those ticks as well.
 ///
-/// Once it is full, a tick that has no more inputs than those before takes nothing from the heap, if they change motion
-/// alone: what no step changes is shared with the states that are kept, and copied when it is changed.
+/// Once the history is full, a tick with no more inputs than the ticks before does not allocate, if the inputs change motion
+/// alone: properties that no step changes are shared with the stored states, and copied when they change.
 ///
 /// ```
 /// use umbra_physics::{ForceOrImpulse, BodyDef, Command, History, Inputs, ApplyOptions, World, WorldDef, vec2};
@@ -27,18 +27,18 @@ use crate::scalar::{Scalar, fx::Fx};
 /// let ships = [world.add_body(BodyDef::dynamic())?, world.add_body(BodyDef::dynamic())?];
 /// let mut history = History::new(8);
 ///
-/// // Player 0 is here. What player 1 does is guessed: the ship is not pushed.
+/// // Player 0 is local. The inputs of player 1 are predicted: no push.
 /// for _ in 0..5 {
 ///     let mut inputs = Inputs::new();
 ///     inputs.replace(0, [push(ships[0], 1)]);
 ///     history.advance(&mut world, &inputs);
 /// }
-/// // Tick 2 of player 1 arrives three ticks late, and is not as guessed.
+/// // Tick 2 of player 1 arrives three ticks late, and is not as predicted.
 /// let mut again = Vec::new();
 /// history.correct(&mut world, 2, 1, [push(ships[1], 6)], |tick| again.push(tick.step.tick))?;
-/// assert_eq!(again, [3, 4, 5]); // the ticks reached anew
+/// assert_eq!(again, [3, 4, 5]); // the ticks simulated again
 /// assert_eq!(world.body(ships[1])?.velocity(), vec2(6, 0));
-/// // Tick 3 arrives, and is as guessed: nothing is done over.
+/// // Tick 3 arrives as predicted: nothing is simulated again.
 /// assert_eq!(history.correct(&mut world, 3, 1, [], |_| ())?, 0);
 /// # Ok::<(), umbra_physics::Error>(())
 /// ```
@@ -56,12 +56,12 @@ use crate::scalar::{Scalar, fx::Fx};
 /// assert_eq!(history.oldest(), Some(2)); // 0 and 1 are forgotten
 /// assert_eq!(history.inputs(1).err(), Some(Error::TickForgotten { tick: 1, oldest: 2 }));
 ///
-/// // Several corrections, and one way back for all of them.
+/// // Several corrections, and one rollback for all of them.
 /// history.inputs_mut(4)?.replace(0, [Command::SetVelocity { body, velocity: vec2(3, 0) }]);
 /// history.replace(3, 1, [Command::SetUserData { body, user_data: 7 }])?;
 /// assert_eq!(history.redo(&mut world, |_| ()), 3);
 ///
-/// // Back, to make the ticks in some other way; and another match.
+/// // A rollback without inputs, to make the ticks anew; and another match.
 /// history.rollback_to(&mut world, 3)?;
 /// assert_eq!((world.tick(), world.body(body)?.user_data()), (3, 0));
 /// history.clear();
@@ -69,29 +69,29 @@ use crate::scalar::{Scalar, fx::Fx};
 /// ```
 #[derive(Debug)]
 pub struct History<S: Scalar = Fx> {
-    /// The ticks that are kept, each the next one's predecessor, and after them memory for others.
+    /// The stored ticks in order, and after them memory for others.
     rows: VecDeque<Row<S>>,
-    /// How many are kept.
+    /// The number of stored ticks.
     held: usize,
-    /// The most there may be.
+    /// The largest number of stored ticks.
     most: usize,
     /// The tick of the first row.
     first: u64,
-    /// The first row whose inputs are not those that the world was stepped with.
+    /// The first row with inputs that the world was not stepped with.
     changed: Option<usize>,
     outcomes: Vec<InputResult>,
 }
 
 #[derive(Debug)]
 struct Row<S: Scalar> {
-    /// The world before the tick, if it `is_known`; otherwise some other world, and the rows before lead here.
+    /// The world before the tick if `is_known`; otherwise any world, and the state follows from the rows before.
     before: World<S>,
     is_known: bool,
     inputs: Inputs<S>,
 }
 
 impl<S: Scalar> Row<S> {
-    /// With what is cached: otherwise a world that was put back would evaluate all its fields once more.
+    /// Stores a world with its caches: otherwise a restored world would evaluate all its fields once more.
     fn keep(&mut self, world: &World<S>) {
         self.before.keep(world);
         self.before.scratch.clone_cached_from(&world.scratch);
@@ -99,26 +99,26 @@ impl<S: Scalar> Row<S> {
     }
 }
 
-/// What happened in a tick. It borrows from the history and the world: take out what is to be kept.
+/// The report of a tick. It borrows from the history and the world: copy values that you need longer.
 #[derive(Clone, Copy, Debug)]
 pub struct TickReport<'a, S: Scalar = Fx> {
-    /// What became of its inputs, in their order.
+    /// The results of its inputs, in their order.
     pub outcomes: &'a [InputResult],
-    /// What its step did.
+    /// The report of its step.
     pub step: StepReport<'a, S>,
     /// The world after it.
     pub world: &'a World<S>,
 }
 
 impl<S: Scalar> History<S> {
-    /// A history that goes back by so many ticks, at least one.
+    /// A history of this many ticks, at least one.
     #[must_use]
     pub const fn new(ticks: usize) -> Self {
         let most = if ticks == 0 { 1 } else { ticks };
         Self { rows: VecDeque::new(), held: 0, most, first: 0, changed: None, outcomes: Vec::new() }
     }
 
-    /// The first tick that can be gone back to; `None` if there is none yet. The last one is the present.
+    /// The first tick that a rollback can return to; `None` if there is none yet. The last one is the present.
     #[must_use]
     pub fn oldest(&self) -> Option<u64> {
         (self.held > 0).then_some(self.first)
@@ -132,7 +132,7 @@ impl<S: Scalar> History<S> {
         Ok(&self.rows[self.find(tick)?].inputs)
     }
 
-    /// The inputs of a past tick, to change. [`redo`](Self::redo) does what follows from that.
+    /// The inputs of a past tick, to change. Call [`redo`](Self::redo) afterwards.
     ///
     /// # Errors
     /// [`Error::TickForgotten`]; [`Error::TickToCome`].
@@ -142,8 +142,8 @@ impl<S: Scalar> History<S> {
         Ok(&mut self.rows[index].inputs)
     }
 
-    /// Puts these commands in the place of a player's in a past tick, as [`Inputs::replace`], and says whether that changed
-    /// anything. [`redo`](Self::redo) does what follows from that.
+    /// Replaces a player's commands in a past tick, as [`Inputs::replace`] does, and returns true if they were other ones. Call
+    /// [`redo`](Self::redo) afterwards.
     ///
     /// # Errors
     /// [`Error::TickForgotten`]; [`Error::TickToCome`].
@@ -161,11 +161,11 @@ impl<S: Scalar> History<S> {
         Ok(changed)
     }
 
-    /// Keeps the state and the inputs of this tick, carries the inputs out, and moves the world on. The oldest tick is
-    /// forgotten if there are too many.
+    /// Stores the state and the inputs of this tick, carries the inputs out, and steps the world. The oldest tick is dropped if
+    /// there are too many.
     ///
-    /// Inputs changed before and not done over are done over first, without reports. A world that is not at the tick that
-    /// the history ended at begins a new one.
+    /// Changed inputs of past ticks are applied first, as by [`redo`](Self::redo), without reports. A world that is not at the
+    /// tick at which the history ended begins a new history.
     pub fn advance<'a>(&'a mut self, world: &'a mut World<S>, inputs: &Inputs<S>) -> TickReport<'a, S> {
         if world.tick() != self.present() {
             self.clear();
@@ -186,8 +186,8 @@ impl<S: Scalar> History<S> {
         TickReport { outcomes: &self.outcomes, step: world.last_report(), world }
     }
 
-    /// Goes back to the first tick whose inputs were changed, and steps to the present again; `report` sees each tick that
-    /// is done over. Returns how many these are.
+    /// Returns to the first tick with changed inputs, and steps to the present again; `report` receives each of these ticks.
+    /// Returns their number.
     pub fn redo(&mut self, world: &mut World<S>, report: impl FnMut(TickReport<'_, S>)) -> u64 {
         let Some(changed) = self.changed.take() else { return 0 };
         self.restore(world, changed);
@@ -195,8 +195,8 @@ impl<S: Scalar> History<S> {
         (self.held - changed) as u64
     }
 
-    /// [`replace`](Self::replace) and [`redo`](Self::redo): what a player really did in a past tick has arrived. Returns how
-    /// many ticks were done over: none if it is what the tick was stepped with.
+    /// [`replace`](Self::replace) and [`redo`](Self::redo), for the commands that a player really gave in a past tick. Returns
+    /// the number of ticks simulated again: none if the tick was stepped with these commands.
     ///
     /// # Errors
     /// [`Error::TickForgotten`]; [`Error::TickToCome`]. The world is as it was.
@@ -212,8 +212,8 @@ impl<S: Scalar> History<S> {
         Ok(self.redo(world, report))
     }
 
-    /// Puts the world back to where it was before a tick, inputs changed since taken into account, and forgets that tick
-    /// and those after it: they are the caller's to do over, by [`advance`](Self::advance).
+    /// Restores the world before a tick, with the changed inputs of earlier ticks, and drops that tick and all later ones: the
+    /// caller makes them again by [`advance`](Self::advance).
     ///
     /// # Errors
     /// [`Error::TickForgotten`]; [`Error::TickToCome`]. World and history are as they were.
@@ -232,12 +232,12 @@ impl<S: Scalar> History<S> {
         Ok(())
     }
 
-    /// Forgets all ticks. The memory stays for others.
+    /// Drops all ticks. The memory is kept for others.
     pub fn clear(&mut self) {
         (self.held, self.changed) = (0, None);
     }
 
-    /// The tick that the world is at.
+    /// The world's present tick.
     fn present(&self) -> u64 {
         self.first + self.held as u64
     }
@@ -250,13 +250,13 @@ impl<S: Scalar> History<S> {
         Ok(index as usize)
     }
 
-    /// The states after a tick whose inputs change are not known any more.
+    /// Marks a tick's inputs as changed: the states after it are no longer known.
     fn mark_changed(&mut self, index: usize) {
         self.changed = Some(self.changed.map_or(index, |changed| changed.min(index)));
         self.rows.range_mut(index + 1..self.held).for_each(|row| row.is_known = false);
     }
 
-    /// Makes the world what it was before a row, from the last state that is known. The first is.
+    /// Restores the world before a row, from the last known state. The first state is always known.
     fn restore(&mut self, world: &mut World<S>, index: usize) {
         let known = (0..=index).rev().find(|&i| i < self.held && self.rows[i].is_known).unwrap_or(0);
         let Some(row) = self.rows.get(known) else { return };
@@ -270,9 +270,8 @@ impl<S: Scalar> History<S> {
 
     /// Steps the world from before a row to the present.
     ///
-    /// Not every state on the way is kept, as copies would take a sixth of the time. The next late inputs are most likely
-    /// for the next tick or one soon after, so that the states 0, 1, 2, 4, 8, … ticks on are: whichever tick is next to be
-    /// done over, no more steps are needed than now.
+    /// Copies of all states on the way would take a sixth of the time. The next late inputs are most likely for the next tick or
+    /// one soon after: so the states 0, 1, 2, 4, 8, … ticks on are stored. No later rollback needs more steps than this one.
     fn replay(&mut self, world: &mut World<S>, first: usize, mut report: impl FnMut(TickReport<'_, S>)) {
         for (i, row) in self.rows.range_mut(first..self.held).enumerate() {
             if (i == 0 || i.is_power_of_two()) && !row.is_known {
@@ -284,7 +283,7 @@ impl<S: Scalar> History<S> {
         }
     }
 
-    /// Makes room for another tick. The state before the next one has to be known then: no row is left to lead there.
+    /// Drops the oldest tick. The state before the next one has to be known then, as no earlier row is left.
     fn forget_oldest(&mut self, world: &mut World<S>) {
         let Some(mut oldest) = self.rows.pop_front() else { return };
         if let Some(next) = self.rows.front_mut().filter(|next| self.held > 1 && !next.is_known) {

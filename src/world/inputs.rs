@@ -1,4 +1,4 @@
-//! The inputs of a tick, in an order of their own.
+//! The inputs of a tick in a canonical order.
 
 use alloc::collections::{BTreeMap, btree_map};
 use alloc::vec::Vec;
@@ -8,7 +8,7 @@ use crate::codec::codec_struct;
 use crate::error::Error;
 use crate::scalar::{Scalar, fx::Fx};
 
-/// A command of a player's.
+/// A command of a player.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -22,11 +22,11 @@ use crate::scalar::{Scalar, fx::Fx};
     )
 )]
 pub struct Input<S: Scalar = Fx> {
-    /// Whose it is. Players that are let go first have lower numbers.
+    /// The player. Inputs are carried out in ascending player order.
     pub player: u32,
-    /// Its place among the inputs of this player in this tick.
+    /// The place among the inputs of this player in this tick.
     pub sequence: u32,
-    /// What it does.
+    /// The command.
     pub command: Command<S>,
 }
 
@@ -38,8 +38,8 @@ impl<S: Scalar> Input<S> {
     }
 }
 
-/// The inputs of one tick: by player, then by sequence, in whatever order they arrived. Peers that have the same inputs
-/// carry them out in the same order.
+/// The inputs of one tick, ordered by player and then by sequence, regardless of the order in which they arrived. Peers with
+/// the same inputs carry them out in the same order.
 ///
 /// ```
 /// use umbra_physics::{BodyDef, Command, Input, Inputs, Created, World, WorldDef};
@@ -68,7 +68,7 @@ impl<S: Scalar> Input<S> {
 /// }
 /// let in_order: InputsIter<'_> = inputs.iter();
 /// assert_eq!(in_order.map(|input| input.player).collect::<Vec<_>>(), [0, 1, 2]);
-/// inputs.clear(); // for those of another tick, in the same memory
+/// inputs.clear(); // keeps the memory for another tick
 /// assert_eq!((inputs.is_empty(), inputs.len()), (true, 0));
 /// ```
 #[derive(Debug)]
@@ -81,17 +81,16 @@ impl<S: Scalar> Input<S> {
     )
 )]
 pub struct Inputs<S: Scalar = Fx> {
-    /// In their order.
+    /// Inputs in order.
     rows: Vec<Input<S>>,
-    /// Inputs that came after one with a later place, which is still the last of the rows or before it: put in among the
-    /// rows, each would move all behind it.
+    /// Inputs that arrived after an input with a later place: inserted into the rows, each would move all rows behind it.
     late: BTreeMap<(u32, u32), Input<S>>,
 }
 
 clone_by_field!(Inputs { rows, late });
 
 impl<S: Scalar> PartialEq for Inputs<S> {
-    /// Whether they are the same inputs, in whatever order they arrived.
+    /// Compares the inputs, regardless of the order in which they arrived.
     fn eq(&self, other: &Self) -> bool {
         self.iter().eq(other)
     }
@@ -112,10 +111,10 @@ impl<S: Scalar> Inputs<S> {
 
     /// Adds an input in its place.
     ///
-    /// *Cost* that of a search in a sorted list, in whatever order they arrive; in their order nothing but room for one more.
+    /// *Cost* a search in a sorted list; for inputs that arrive in order, constant.
     ///
     /// # Errors
-    /// [`Error::DuplicateInput`] if there is one of the same player and sequence; that one stays.
+    /// [`Error::DuplicateInput`] if there is one of the same player and sequence, which is kept.
     pub fn insert(&mut self, input: Input<S>) -> Result<(), Error> {
         let place = input.place();
         if self.rows.last().is_none_or(|last| last.place() < place) {
@@ -130,8 +129,7 @@ impl<S: Scalar> Inputs<S> {
         Ok(())
     }
 
-    /// Puts these commands, with sequences from 0, in the place of all inputs of a player. Says whether that changed
-    /// anything.
+    /// Replaces all inputs of a player by these commands, with sequences from 0. Returns true if they were other ones.
     ///
     /// *Cost* in proportion to the inputs of the tick, and to the commands.
     pub fn replace(&mut self, player: u32, commands: impl IntoIterator<Item = Command<S>>) -> bool {
@@ -153,7 +151,7 @@ impl<S: Scalar> Inputs<S> {
         changed
     }
 
-    /// Puts those that came late among the others.
+    /// Merges the late inputs into the rows.
     fn merge(&mut self) {
         if !self.late.is_empty() {
             let mut all = Vec::with_capacity(self.len());
@@ -168,32 +166,32 @@ impl<S: Scalar> Inputs<S> {
         }
     }
 
-    /// In their order.
+    /// Iterates over the inputs in order.
     #[must_use]
     pub fn iter(&self) -> InputsIter<'_, S> {
         InputsIter { rows: self.rows.iter(), late: self.late.values() }
     }
 
-    /// How many there are.
+    /// The number of inputs.
     #[must_use]
     pub fn len(&self) -> usize {
         self.rows.len() + self.late.len()
     }
 
-    /// Whether there are none.
+    /// True if there are no inputs.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Removes all, and keeps the memory for those of another tick.
+    /// Removes all inputs, and keeps the memory.
     pub fn clear(&mut self) {
         self.rows.clear();
         self.late.clear();
     }
 }
 
-/// Goes through [`Inputs`] in their order.
+/// An iterator over [`Inputs`] in order.
 #[derive(Clone, Debug)]
 pub struct InputsIter<'a, S: Scalar = Fx> {
     rows: core::slice::Iter<'a, Input<S>>,
@@ -222,7 +220,7 @@ impl<S: Scalar> ExactSizeIterator for InputsIter<'_, S> {}
 impl<S: Scalar> TryFrom<Vec<Input<S>>> for Inputs<S> {
     type Error = Error;
 
-    /// Inputs in any order.
+    /// Takes inputs in any order.
     ///
     /// # Errors
     /// [`Error::DuplicateInput`] for the first two of the same player and sequence.
@@ -254,34 +252,34 @@ impl<'a, S: Scalar> IntoIterator for &'a Inputs<S> {
     }
 }
 
-/// What became of an input.
+/// The result of an input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct InputResult {
-    /// Whose it was.
+    /// The player.
     pub player: u32,
-    /// Its place among the inputs of this player.
+    /// The place among the inputs of this player.
     pub sequence: u32,
-    /// What it made, or why it was refused: then it changed nothing.
+    /// The created handle, or the error with which the command was refused: then it changed nothing.
     pub result: Result<Created, Error>,
 }
 
 impl<S: Scalar> World<S> {
-    /// Carries out the inputs of a tick in their order, and says what became of each, in the same order. One that is
-    /// refused changes nothing and stops no other: it is the same for every peer.
+    /// Carries out the inputs of a tick in order, and returns their results in the same order. An input that is refused changes
+    /// nothing and does not stop the others: it is refused for every peer.
     pub fn carry_out(&mut self, inputs: &Inputs<S>) -> Vec<InputResult> {
         let mut outcomes = Vec::with_capacity(inputs.len());
         self.carry_out_into(inputs, &mut outcomes);
         outcomes
     }
 
-    /// The same, in memory that is there.
+    /// [`carry_out`](Self::carry_out) into existing memory.
     pub(crate) fn carry_out_into(&mut self, inputs: &Inputs<S>, outcomes: &mut Vec<InputResult>) {
         outcomes.clear();
         outcomes.extend(inputs.iter().map(|input| self.carry_out_one(input)));
     }
 
-    /// The same of one alone.
+    /// Carries out one input.
     pub(crate) fn carry_out_one(&mut self, input: &Input<S>) -> InputResult {
         let result = self.execute(&input.command);
         InputResult { player: input.player, sequence: input.sequence, result }

@@ -5,12 +5,16 @@ mod body_ref;
 mod change_log;
 mod check;
 mod command;
+mod command_map;
+mod commands;
+mod events;
 mod fields;
 mod forces;
 mod game;
 mod history;
 mod inputs;
 mod preview;
+mod query;
 mod reverse;
 mod settings;
 mod stepper;
@@ -34,8 +38,9 @@ use crate::step::{Context, Probe, Scratch};
 
 pub use body_ref::BodyRef;
 pub(crate) use change_log::ChangeLog;
-pub use change_log::Event;
-pub use command::{Command, Created};
+pub use command_map::{CommandMap, CommandSource};
+pub use commands::{Command, Created};
+pub use events::Event;
 pub use forces::{ApplyOptions, ForceOrImpulse, Frame};
 pub use history::{History, TickReport};
 pub use inputs::{Input, InputResult, Inputs, InputsIter};
@@ -43,7 +48,7 @@ pub use preview::Preview;
 pub use stepper::Stepper;
 pub use trace::Trace;
 
-/// What a world is made from.
+/// The definition of a world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct WorldDef<S: Scalar = Fx> {
@@ -51,11 +56,11 @@ pub struct WorldDef<S: Scalar = Fx> {
     pub time_step: TimeStep,
     /// Gravity, m/s².
     pub gravity: Vec2<S>,
-    /// How bodies move from tick to tick.
+    /// The integrator.
     pub integrator: Integrator,
-    /// What is left of a velocity after a second, 0 to 1, unless the body says otherwise. 1 is no damping.
+    /// Linear damping: the share of a velocity that is left after a second, 0 to 1, for bodies without their own. 1 is none.
     pub linear_damping: S,
-    /// What is left of an angular velocity after a second, 0 to 1, unless the body says otherwise.
+    /// Angular damping: the share of an angular velocity that is left after a second, 0 to 1, for bodies without their own.
     pub angular_damping: S,
     /// The number of ticks at rest after which a body falls asleep; `None` for never.
     pub sleep_after: Option<u32>,
@@ -78,7 +83,7 @@ impl<S: Scalar> Default for WorldDef<S> {
 codec_struct!(WorldDef { time_step, gravity, integrator, linear_damping, angular_damping, sleep_after });
 
 impl<S: Scalar> WorldDef<S> {
-    /// Refuses what no world can be.
+    /// Checks the definition.
     ///
     /// # Errors
     /// [`Error::TimeStep`]; [`Error::OutOfRange`] naming the quantity; [`Error::DampingHasNoInverse`].
@@ -119,15 +124,15 @@ fn check_sleep_after(ticks: Option<u32>) -> Result<(), Error> {
     Ok(())
 }
 
-/// Bodies and force fields, moved tick by tick.
+/// Bodies and force fields, simulated tick by tick.
 ///
 /// The next step depends on the state and the inputs alone, and no body's bits depend on bodies it does not interact with.
 ///
-/// `clone` makes a world with the same future; `clone_from` does so in the memory another world has. Reports of what calls
-/// and steps did are no state: they are not in the hash.
+/// `clone` makes a world with the same future; `clone_from` does so in the memory of another world. Reports of calls and steps
+/// are not part of the state: they are not in the hash.
 ///
 /// # Cost
-/// A call and a [`Command`] take constant time, but for a logarithm: at most 10,000 instructions. The exceptions:
+/// A call or a [`Command`] takes constant time, up to a logarithm: at most 10,000 instructions. The exceptions:
 ///
 /// | call | takes time in proportion to |
 /// |---|---|
@@ -136,31 +141,31 @@ fn check_sleep_after(ticks: Option<u32>) -> Result<(), Error> {
 /// | `remove_body` | the fields attached to the body |
 /// | a call that wakes | the bodies it wakes and the fields attached to them |
 /// | `set_kind`, and any change of a static, kinematic or disabled body, once between two steps | the fields attached to the body |
-/// | `add_field`, `set_field`, `remove_field` for groups in which a body sleeps | all bodies; afterwards none of these groups has one that sleeps |
+/// | `add_field`, `set_field`, `remove_field` for groups in which a body sleeps | all bodies; afterwards no body of these groups sleeps |
 /// | `set_sleep_after`, once between two steps | all bodies |
 /// | the first change after a copy was made | all bodies or all fields, whichever it changes: copies share them until then |
 /// | `step`, `step_back` | the bodies that move, and for each the fields that act on it |
-/// | all that reads the whole world: `bodies`, `fields`, `bodies_with_key`, energies, hashes, copies, differences, drawing | the world |
+/// | calls that read the whole world: `bodies`, `fields`, `bodies_with_key`, energies, hashes, copies, differences, drawing | the world |
 /// | [`preview`](Self::preview) | all fields, and the bodies that its body depends on |
 ///
-/// Some calls leave work to the next step, which does it once, however many calls asked for it: a change of the time step, the
-/// integrator, gravity or damping has it make the factors of the bodies that move, those of bodies that are damped alike once;
-/// a change of a body has it hash the properties of that body, shape included. No kilobyte of commands that a search found
-/// costs more than ten steps of its world, that work included.
+/// Some calls leave work to the next step, which does it once for all of them. After a change of the time step, the integrator,
+/// gravity or damping, it computes the factors of the moving bodies, once for bodies with the same damping. After a change of a
+/// body, it hashes the properties of that body, including the shape. A search for expensive commands found no kilobyte of them
+/// that costs more than ten steps of its world, including that work.
 pub struct World<S: Scalar = Fx> {
     pub(crate) def: WorldDef<S>,
     pub(crate) tick: u64,
     /// The time at which the present time step began to count, and the tick of it.
     pub(crate) counted: (Elapsed, u64),
     pub(crate) bodies: Bodies<S>,
-    /// Shared, like the laws and tunings, with the worlds that are copies, until one changes it.
+    /// Shared with copies of the world until one changes it, as are the custom forces and the factor table.
     pub(crate) fields: Arc<FieldSet<S>>,
     pub(crate) custom_forces: Arc<CustomForces<S>>,
     pub(crate) applied: Applied<S>,
     pub(crate) targets: KinematicTargets<S>,
     pub(crate) random: Random,
     pub(crate) blob: Vec<u8>,
-    // From here on all is derived, scratch, or a report.
+    // The fields below are derived values, scratch memory and reports.
     pub(crate) factor_table: Arc<FactorTable<S>>,
     pub(crate) plan: Plan<S>,
     pub(crate) scratch: Scratch<S>,
@@ -184,7 +189,7 @@ clone_by_field!(World {
     change_log,
 });
 
-/// What a step did. It borrows from the world: take out what is to be kept.
+/// The report of a step. It borrows from the world: copy values that you need longer.
 ///
 /// ```
 /// use umbra_physics::{BodyDef, StepReport, World, WorldDef, vec2};
@@ -212,19 +217,19 @@ pub struct StepReport<'a, S: Scalar = Fx> {
     pub faults: &'a [Fault],
     /// Bodies that fell asleep, in the order of their handles.
     pub fell_asleep: &'a [BodyId],
-    /// Bodies that calls since the step before woke, in the order of the calls.
+    /// Bodies woken by calls since the previous step, in the order of the calls.
     pub woke: &'a [BodyId],
-    /// Bodies that calls since the step before removed, in the order of the calls, but for those added since then.
+    /// Bodies removed by calls since the previous step, in the order of the calls, without those that were also added since.
     pub removed: &'a [BodyId],
-    /// Bodies that calls since the step before added, in the order of the calls, but for those removed again.
+    /// Bodies added by calls since the previous step, in the order of the calls, without those that were removed again.
     pub added: &'a [BodyId],
-    /// Bodies that were there at the step before and that calls since then put somewhere else, turned, or gave another kind:
-    /// in the order of the first such call to each.
+    /// Bodies of the previous step that calls since then placed elsewhere, turned, or gave another kind, in the order of the
+    /// first such call to each.
     pub placed: &'a [BodyId],
-    /// What was applied to bodies over the tick, in the order of their handles: what undoing the step needs.
+    /// Forces and torques applied to bodies over the tick, in the order of their handles. Undoing the step needs them.
     pub applied: &'a [AppliedForce<S>],
-    /// With `Yoshida4`, the number of bodies whose drag was too stiff for its backward sub-step and acted
-    /// around the whole step instead.
+    /// The number of bodies under `Yoshida4` with a drag too stiff for the backward sub-step: it acted around the whole step
+    /// instead.
     pub drag_outside: u32,
 }
 
@@ -256,14 +261,14 @@ impl<S: Scalar> World<S> {
         })
     }
 
-    /// Moves the world on by a tick.
+    /// Simulates one tick.
     pub fn step(&mut self) -> StepReport<'_, S> {
         self.advance(None);
         self.change_log.end(&self.scratch.faults, &self.scratch.fell_asleep);
         self.last_report()
     }
 
-    /// A step, seen by a probe or not.
+    /// Simulates one tick, with or without a probe.
     fn advance<'a>(&'a mut self, probe: Option<&'a mut Probe<'a, S>>) {
         self.tick = limits::tick_after(self.tick, 1);
         self.change_log.begin(self.tick, &self.bodies);
@@ -271,7 +276,7 @@ impl<S: Scalar> World<S> {
         self.context(probe).step();
     }
 
-    /// Makes what calls have left stale, of the bodies that the step moves.
+    /// Computes the derived values that calls have made stale, of the bodies that the step moves.
     fn update(&mut self) {
         self.plan.update(self.def.integrator, self.def.time_step);
         let any_come = self.bodies.begin_step(&self.factor_table);
@@ -301,7 +306,7 @@ impl<S: Scalar> World<S> {
         }
     }
 
-    /// The report of the last step. After [`step_back`](Self::step_back) it has nothing in it.
+    /// The report of the last step. After [`step_back`](Self::step_back) it is empty.
     #[must_use]
     pub fn last_report(&self) -> StepReport<'_, S> {
         StepReport {
@@ -317,7 +322,7 @@ impl<S: Scalar> World<S> {
         }
     }
 
-    /// Where the time of this world's steps went. A clone starts from none; `clone_from` goes on counting.
+    /// The time that this world's steps spent in their parts. A clone starts from zero; `clone_from` goes on counting.
     #[cfg(feature = "timers")]
     #[must_use]
     pub fn timers(&self) -> crate::step::Timers {
@@ -330,22 +335,21 @@ impl<S: Scalar> World<S> {
         self.tick
     }
 
-    /// The time simulated, an exact ratio in seconds, also when the time step was changed on the way.
+    /// The simulated time, an exact ratio in seconds, also after changes of the time step.
     #[must_use]
     pub fn elapsed(&self) -> Elapsed {
         // A change of the time step makes sure that the ratio fits for 2^64 steps more.
         self.counted.0.plus(self.tick - self.counted.1, self.def.time_step).unwrap_or(self.counted.0)
     }
 
-    /// What the world was made from, as changed since.
+    /// The definition, with later changes.
     #[must_use]
     pub fn def(&self) -> &WorldDef<S> {
         &self.def
     }
 }
 
-/// Moves each of these worlds on by a tick, with the feature `parallel` side by side; [`World::last_report`] says what each
-/// step did.
+/// Steps each of these worlds, with the feature `parallel` on several threads; [`World::last_report`] has the report of each.
 ///
 /// ```
 /// use umbra_physics::{BodyDef, World, WorldDef, step_all, vec2};

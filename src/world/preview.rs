@@ -1,4 +1,4 @@
-//! Looking ahead with one body.
+//! Previews: the future of one body.
 
 use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::sync::Arc;
@@ -14,8 +14,8 @@ use crate::slots::BodyId;
 
 /// A body and all that its future depends on, in a small world of their own.
 ///
-/// What is not joined to a body by force fields never changes a bit of it, so this goes exactly where the world itself
-/// would go without further inputs, at the price of these few bodies.
+/// Bodies that force fields do not connect to a body never change a bit of it. So a preview takes exactly the path that the
+/// world itself would take without further inputs, at the cost of a few bodies.
 #[derive(Clone, Debug)]
 pub struct Preview<S: Scalar = Fx> {
     world: World<S>,
@@ -23,12 +23,12 @@ pub struct Preview<S: Scalar = Fx> {
 }
 
 impl<S: Scalar> Preview<S> {
-    /// Looks a tick farther ahead.
+    /// Simulates one more tick.
     pub fn step(&mut self) -> StepReport<'_, S> {
         self.world.step()
     }
 
-    /// The body there.
+    /// The body in the small world.
     ///
     /// # Errors
     /// [`Error::NoSuchBody`] if it was removed there.
@@ -36,7 +36,7 @@ impl<S: Scalar> Preview<S> {
         self.world.body(self.body)
     }
 
-    /// Its handle there; in the world it comes from it may be another.
+    /// The handle of the body in the small world, which may differ from its handle in the original world.
     #[must_use]
     pub fn id(&self) -> BodyId {
         self.body
@@ -48,17 +48,17 @@ impl<S: Scalar> Preview<S> {
         &self.world
     }
 
-    /// The small world, to try something out: an impulse, another velocity.
+    /// The small world, to try changes: an impulse, another velocity.
     pub fn world_mut(&mut self) -> &mut World<S> {
         &mut self.world
     }
 }
 
 impl<S: Scalar> World<S> {
-    /// Looks ahead with one body, without copying the world: for an aim line, say.
+    /// Previews the future of one body without a copy of the world, for example for an aim line.
     ///
-    /// It takes the body, those that springs join it to over any number of them, those that carry attractors which act on
-    /// one of these, and the fields that act on them.
+    /// The preview has the body, all bodies that springs connect to it directly or indirectly, bodies that carry an attractor
+    /// which acts on one of these, and the fields that act on them.
     ///
     /// *Cost* in proportion to the fields of the world and to those bodies.
     ///
@@ -109,7 +109,7 @@ impl<S: Scalar> World<S> {
         Ok(Preview { body: adopted[&body], world })
     }
 
-    /// A body and those that its future depends on, and the groups that a field has to have one of to act on them.
+    /// The body and the bodies that its future depends on, and the groups of which a field needs one to act on them.
     fn company(&self, body: BodyId) -> (BTreeSet<BodyId>, u32) {
         let carried = self.fields.iter().filter(|(_, field)| matches!(field.kind, FieldKind::Attractor { .. }));
         let carried = carried.filter_map(|(_, field)| Some((field.groups, field.bodies().next()?)));
@@ -118,14 +118,14 @@ impl<S: Scalar> World<S> {
         while let Some(one) = to_ask.pop() {
             let Ok(i) = self.bodies.find(one) else { continue };
             let info = self.bodies.info(i);
-            // What never moves hands nothing on from one spring to another.
+            // A static body passes nothing on from one spring to another.
             if info.kind != BodyKind::Static {
                 let springs =
                     self.fields.attached_to(one).filter(|(_, field)| matches!(field.kind, FieldKind::Spring { .. }));
                 let joined = springs.flat_map(|(_, field)| field.bodies());
                 to_ask.extend(joined.filter(|&other| company.insert(other)));
             }
-            // There are 32 groups: the attractors are gone through as often at most.
+            // At most 32 times, as there are 32 groups.
             let more = if info.kind == BodyKind::Dynamic { info.groups & !felt } else { 0 };
             if more != 0 {
                 felt |= more;
@@ -137,7 +137,7 @@ impl<S: Scalar> World<S> {
     }
 }
 
-/// Whether a field acts on one of these bodies.
+/// True if a field acts on one of these bodies.
 fn acts_on_any<S: Scalar>(field: &ForceField<S>, (bodies, felt): &(BTreeSet<BodyId>, u32)) -> bool {
     match &field.kind {
         FieldKind::Spring { .. } | FieldKind::Thrust { .. } => field.bodies().any(|own| bodies.contains(&own)),

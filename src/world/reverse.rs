@@ -1,4 +1,4 @@
-//! Undoing steps.
+//! Undo of steps.
 
 use super::{World, WorldDef};
 use crate::body::{Activity, BodyKind};
@@ -9,24 +9,24 @@ use crate::limits;
 use crate::scalar::Scalar;
 
 impl<S: Scalar> World<S> {
-    /// Undoes the last step: the world is what it was before, to the bit. What was applied over that tick is applied again,
+    /// Undoes the last step: the world is what it was before, to the bit. The forces applied over that tick are applied again,
     /// the state has the [hash](Self::state_hash) it had, and a step leads here again.
     ///
-    /// `applied` is what [`StepReport::applied`](crate::StepReport::applied) gave for the step; keep a copy, as a world has
-    /// that of the last step alone. These are sums, not calls: the arm of a force at a point belongs to where the body was.
+    /// `applied` is a copy of [`StepReport::applied`](crate::StepReport::applied) of the step; a world keeps it for the last
+    /// step alone. These are sums of forces and torques: a force at a point acted on the body where it was.
     ///
-    /// It takes an integrator with an [inverse](crate::Integrator::inverse), forces that are constant or depend on the
-    /// position alone, no damping, no caps of speeds, no body that was moved to a goal in the step or stopped there, and no
-    /// sleep. It costs what a step costs. The report of the step is gone.
+    /// A step can be undone with an integrator that has an [inverse](crate::Integrator::inverse), with forces that are constant
+    /// or depend on the position alone, without damping, caps of speeds, and sleep, and if no body was moved to a target in the
+    /// step or stopped there. The cost is that of a step. The report of the step is lost.
     ///
-    /// Calls between two steps are the caller's to take back, the last one first, before the step before them is undone:
-    /// forces with [`clear_forces`](Self::clear_forces), an impulse with its opposite, another gravity, mass, field or
-    /// integrator with the one before. Nothing tells whether that was done and `applied` is the right one: if not, the
-    /// world goes back another way, to a state from which a step leads here.
+    /// Undo calls between two steps yourself, the last one first, before you undo the step before them: forces with
+    /// [`clear_forces`](Self::clear_forces), an impulse with its opposite, gravity, mass, field or integrator with the value
+    /// before. The world cannot check that, nor that `applied` is right: otherwise it goes to another earlier state, from which
+    /// a step leads here.
     ///
     /// # Errors
     /// [`Error::NotReversible`] with the [reason](Irreversible); [`Error::NoSuchBody`], [`Error::NotDynamic`] or
-    /// [`Error::Disabled`] for a body that `applied` names. The state is as it was, to the bit.
+    /// [`Error::Disabled`] for a body in `applied`. The state is unchanged, to the bit.
     ///
     /// ```
     /// use umbra_physics::{BodyDef, World, WorldDef, vec2};
@@ -85,7 +85,7 @@ impl<S: Scalar> World<S> {
         if let Some((field, _)) = self.fields.iter().find(|(_, field)| resists(field.depends_on(&self.custom_forces))) {
             return Err(Irreversible::Velocity { field });
         }
-        // They do not move, so they are not among the first.
+        // Bodies that do not move are behind the moving ones.
         let still = self.bodies.moving()..self.bodies.len();
         if let Some(i) = still.rev().find(|&i| self.bodies.activity(i) == Activity::Quarantined) {
             return Err(Irreversible::Quarantined { body: self.bodies.id(i) });
@@ -99,7 +99,7 @@ impl<S: Scalar> World<S> {
         Ok(stages)
     }
 
-    /// Applies what was applied before. On an error a part of it is.
+    /// Applies the forces of the step again. On an error a part of them is applied.
     fn apply_again(&mut self, applied: &[AppliedForce<S>]) -> Result<(), Error> {
         for row in applied {
             let body = row.body;

@@ -1,4 +1,4 @@
-//! Changing the parameters of the step. What is derived from them is made by the next step, once.
+//! Changes of the parameters of the step. The next step derives values from them, once.
 
 use alloc::sync::Arc;
 
@@ -10,7 +10,7 @@ use crate::math::{TimeStep, Vec2};
 use crate::scalar::Scalar;
 
 impl<S: Scalar> World<S> {
-    /// Changes the length of a step; wakes all bodies. Damping keeps acting alike over time.
+    /// Sets the length of a step; wakes all bodies. Damping has the same effect over a second as before.
     ///
     /// # Errors
     /// [`Error::TimeStep`]; [`Error::ElapsedTime`] if the elapsed time could not stay exact.
@@ -35,7 +35,7 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
-    /// Changes gravity; wakes all bodies.
+    /// Sets gravity, m/s²; wakes all bodies.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] with [`Quantity::Gravity`](crate::Quantity::Gravity).
@@ -45,7 +45,7 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
-    /// Changes the integrator; wakes all bodies. `PublishedVerlet` starts from a last acceleration of zero.
+    /// Sets the integrator; wakes all bodies. `PublishedVerlet` starts from a last acceleration of zero.
     ///
     /// # Errors
     /// [`Error::DampingHasNoInverse`] for `Yoshida4` where the world or a body has a damping of 0.
@@ -56,8 +56,8 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
-    /// Changes the damping of the bodies that have none of their own: what is left of their linear and angular velocity
-    /// after a second. Wakes all bodies.
+    /// Sets the damping of the bodies without their own: the share of the linear and angular velocity that is left after a
+    /// second, 0 to 1. Wakes all bodies.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] with [`Quantity::Damping`](crate::Quantity::Damping); [`Error::DampingHasNoInverse`].
@@ -67,7 +67,7 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
-    /// Changes after how many ticks at rest a body falls asleep, `None` for never; wakes all bodies.
+    /// Sets the number of ticks at rest after which a body falls asleep, `None` for never; wakes all bodies.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] with [`Quantity::SleepAfter`](crate::Quantity::SleepAfter) for zero.
@@ -78,10 +78,10 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
-    /// Registers a law of force of the caller's own, for fields to name. Worlds that are to agree have the same laws.
+    /// Registers a custom force, for fields to name. Worlds that have to agree need the same custom forces.
     ///
     /// # Errors
-    /// [`Error::CustomForce`] if one with its id is registered.
+    /// [`Error::CustomForce`] if a custom force with this id is registered.
     pub fn register_custom_force(&mut self, law: Arc<dyn CustomForce<S>>) -> Result<(), Error> {
         let id = law.id();
         if self.custom_forces.contains_key(&id) {
@@ -91,23 +91,23 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
-    /// The laws of force that are registered, by their ids: what reading a snapshot or a replay of this world needs.
+    /// The registered custom forces, sorted by their ids: reading a snapshot or a replay of this world needs them.
     ///
     /// ```
     /// use umbra_physics::{Snapshot, World, WorldDef};
     ///
     /// let world: World = World::new(WorldDef::default())?;
-    /// let laws: Vec<_> = world.custom_forces().cloned().collect();
-    /// let copy = Snapshot::from_bytes(&world.snapshot().to_bytes(), &laws)?.into_world();
-    /// assert_eq!((copy.state_hash(), laws.len()), (world.state_hash(), 0));
+    /// let forces: Vec<_> = world.custom_forces().cloned().collect();
+    /// let copy = Snapshot::from_bytes(&world.snapshot().to_bytes(), &forces)?.into_world();
+    /// assert_eq!((copy.state_hash(), forces.len()), (world.state_hash(), 0));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn custom_forces(&self) -> impl Iterator<Item = &Arc<dyn CustomForce<S>>> {
         self.custom_forces.values()
     }
 
-    /// Changes the definition and notes that what is derived from it is stale, unless nothing changes; wakes all bodies: what
-    /// was too little to move one may be enough now, also over a longer step.
+    /// Changes the definition and marks the values derived from it as stale, unless nothing changes. Wakes all bodies, as a
+    /// force too small to move a body may be large enough now, also over a longer step.
     fn redefine(&mut self, def: WorldDef<S>) {
         if def != self.def {
             self.def = def;

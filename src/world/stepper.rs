@@ -1,11 +1,11 @@
-//! Who carries out what is done to a world.
+//! Steppers: values that carry out commands and steps.
 
 use super::{Command, Created, World};
 use crate::error::Error;
 use crate::scalar::{Scalar, fx::Fx};
 
-/// Carries out what is done to a world and steps it: `()` does no more, a [`Recorder`](crate::Recorder) keeps an account of
-/// it. A scene's run takes one (`SceneRun::advance_by`).
+/// A value that carries out commands and steps. `()` does no more; a [`Recorder`](crate::Recorder) also records them. A scene's
+/// run takes one (`SceneRun::advance_by`).
 pub trait Stepper<S: Scalar = Fx> {
     /// Carries out a command.
     ///
@@ -13,7 +13,7 @@ pub trait Stepper<S: Scalar = Fx> {
     /// As [`World::execute`]; the world is as it was.
     fn execute(&mut self, world: &mut World<S>, command: &Command<S>) -> Result<Created, Error>;
 
-    /// Steps.
+    /// Steps the world.
     fn step(&mut self, world: &mut World<S>);
 }
 

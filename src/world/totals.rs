@@ -23,8 +23,8 @@ impl<S: Scalar> World<S> {
     }
 
     /// The potential energy of the dynamic bodies in gravity (zero at y = 0 and x = 0), attractors (zero far away) and
-    /// springs, J. Zones, thrusts and laws of the user's own have none. Of an attractor that a dynamic body carries half is
-    /// counted: two that attract each other by G·m have it twice.
+    /// springs, J. Zones, thrusts and custom forces have none. An attractor on a dynamic body counts half: two bodies that
+    /// attract each other by G·m have two attractors.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] with [`Quantity::Total`] beyond 2^63 J.
@@ -87,7 +87,7 @@ impl<S: Scalar> World<S> {
         total::<S>(all.map(|()| sum))
     }
 
-    /// The terms of one body in the totals; all zero for one that is not counted there.
+    /// The terms of one body in the totals; zero for a body that is not counted there.
     pub(super) fn kinetic_energy_of(&self, i: usize) -> Result<S::Wide, Error> {
         let energy = if self.counts(i) { self.kinetic_term(i) } else { Some(S::Wide::default()) };
         energy.ok_or(Error::OutOfRange { quantity: Quantity::Total })
@@ -144,13 +144,13 @@ impl<S: Scalar> World<S> {
         let columns = &self.bodies.columns;
         for i in self.counted_bodies() {
             let mass = S::Factor::from_scalar(self.bodies.info(i).kilograms());
-            // Also along a locked axis, where it does not move the body.
+            // Gravity along a locked axis counts, although it does not move the body.
             let scale = self.factor_table.rows()[columns.factors[i] as usize].key.gravity_scale;
             let gravity = self.def.gravity.map(|g| g.product(scale));
             let at = columns.motion.position.get(i);
             for (g, x) in [(gravity.x, at.x.value()), (gravity.y, at.y.value())] {
                 let energy = S::Factor::from_wide(g).times(S::Factor::from_scalar(x)).times(mass);
-                // Against the field is uphill.
+                // The energy grows against the direction of gravity.
                 sum.add(S::Wide::from_factor(energy, g.is_negative() == (x < S::ZERO))?);
             }
         }
@@ -193,7 +193,7 @@ impl<S: Scalar> World<S> {
             if carrier == Some(i) || info.groups & groups == 0 {
                 continue;
             }
-            // One whose carrier takes no part attracts nothing.
+            // An attractor on a quarantined or disabled body attracts nothing.
             let Some(offset) = scene.offset_between(&own, centre, &mut directions) else { continue };
             let distance = S::length(offset, softening);
             if distance.is_zero() {
@@ -205,7 +205,7 @@ impl<S: Scalar> World<S> {
         Some(())
     }
 
-    /// The dynamic bodies that take part, in the order of their slots.
+    /// The dynamic bodies that are simulated, in the order of their slots.
     fn counted_bodies(&self) -> impl Iterator<Item = usize> {
         self.bodies.in_order().filter(|&i| self.counts(i))
     }
@@ -215,7 +215,7 @@ impl<S: Scalar> World<S> {
     }
 }
 
-/// ½·k·(length − rest)²; nothing for a spring on a body that takes no part.
+/// The energy ½·k·(length − rest)² of a spring; zero for a spring on a quarantined or disabled body.
 fn spring_energy<S: Scalar>(
     scene: Scene<'_, S>,
     near: &Attachment<S>,

@@ -1,4 +1,4 @@
-//! A step looked at stage by stage.
+//! Traces: the world after each stage of a step.
 
 use alloc::vec::Vec;
 
@@ -8,12 +8,11 @@ use crate::integrate::{Stage, StageKind};
 use crate::scalar::{Scalar, fx::Fx};
 use crate::step::find_strays;
 
-/// The world after each stage of a step: where two runs part, the first stage after which they differ says what parted
-/// them.
+/// The world after each stage of a step. Where two runs diverge, the first stage after which they differ is the cause.
 ///
-/// All are at the tick before the step; what was applied over it is forgotten after the last of them, clear. What comes before
-/// the stages, the velocities of bodies that are sent to a goal, shows after the first of them. What follows the stages, caps
-/// of speeds, arrival at goals, quarantine and sleep, shows in the world that was traced.
+/// All these worlds are at the tick before the step. Forces applied over it are dropped after the last stage, `clear`. The
+/// velocities of bodies that are moved to a target are set before the stages, and show after the first. Caps of speeds, arrival
+/// at targets, quarantine and sleep follow the stages, and show in the world that was traced.
 ///
 /// ```
 /// use umbra_physics::{BodyDef, Trace, World, WorldDef, vec2};
@@ -34,17 +33,17 @@ pub struct Trace<S: Scalar = Fx> {
 impl<S: Scalar> Trace<S> {
     /// The stages in order, each with the world after it.
     ///
-    /// It differs from the one before in what the stage's [verb](StageKind) writes alone. Between stages a body may be beyond the
-    /// envelope, and come back or not: there it is quarantined, where it is; what was applied to it and where it was sent are forgotten.
+    /// Each world differs from the one before in the values that the stage's [kind](StageKind) writes, and in nothing else.
+    /// Between stages a body may be outside the limits for a while: in these worlds it is quarantined at its place, without
+    /// applied forces and without a target.
     pub fn stages(&self) -> impl DoubleEndedIterator<Item = (&Stage, &World<S>)> + ExactSizeIterator {
         self.stages.iter().map(|(stage, world)| (stage, world))
     }
 }
 
 impl<S: Scalar> World<S> {
-    /// Moves the world on by a tick as [`step`](Self::step) does, with the same bits and the same
-    /// [report](Self::last_report), and keeps the world as it was after each stage. Slow: it is for finding where two runs
-    /// part.
+    /// Simulates one tick as [`step`](Self::step) does, with the same bits and the same [report](Self::last_report), and returns
+    /// the world after each stage. It is slow: use it to find where two runs diverge.
     ///
     /// ```
     /// use umbra_physics::{BodyDef, StageKind, World, WorldDef, vec2};
@@ -75,13 +74,13 @@ impl<S: Scalar> World<S> {
         Trace { stages }
     }
 
-    /// Makes of a world in the midst of a step one like any other, which may be moved on as well.
+    /// Turns a world in the middle of a step into a valid world, which can be stepped.
     fn quarantine_strays(&mut self) {
         let mut strays = Vec::new();
         find_strays(&self.bodies.all_moving(), &mut strays);
-        // Each changes places with the last body that moves: from the last one on, the others stay where they are.
+        // A quarantined body changes places with the last moving one: in descending order, the indices of the others stay.
         for (i, _) in strays.into_iter().rev() {
-            // One that is taken out has nothing applied to it, and is sent nowhere.
+            // A quarantined body has no applied forces and no target.
             let body = self.bodies.id(i);
             self.applied.forget(body);
             self.targets.recall(body);

@@ -69,30 +69,6 @@ fn verdict(script: &Script, property: &impl Fn(&Script) -> Verdict) -> Verdict {
     })
 }
 
-/// Shrinks a script that breaks a property until no command can go any more, and no tick at the end.
-fn least(mut script: Script, property: &impl Fn(&Script) -> Verdict) -> Script {
-    let breaks = |script: &Script| verdict(script, property).is_err();
-    loop {
-        let size = (script.commands.len(), script.ticks);
-        for index in (0..script.commands.len()).rev() {
-            let fewer = script.with(|other| other != index);
-            if breaks(&fewer) {
-                script = fewer;
-            }
-        }
-        for ticks in [script.ticks / 2, script.ticks.saturating_sub(1)] {
-            let shorter = Script { ticks, ..script.clone() };
-            if breaks(&shorter) {
-                script = shorter;
-                break;
-            }
-        }
-        if size == (script.commands.len(), script.ticks) {
-            return script;
-        }
-    }
-}
-
 /// The least run of these plans that breaks a property, and how.
 pub(crate) fn broken(
     config: Config,
@@ -100,7 +76,10 @@ pub(crate) fn broken(
     property: impl Fn(&Script) -> Verdict,
 ) -> Option<(Script, String)> {
     let (plan, first) = falsified(config, plans, |plan| verdict(&plan.script(), &property))?;
-    let script = least(plan.script(), &property);
+    let script = plan.script();
+    // What breaks it once and then holds is as it was found.
+    let least = script.shrunk_by(20_000, |script| verdict(script, &property).err().map(|_| u64::MAX));
+    let script = least.unwrap_or(script);
     // What does not break it again broke it once.
     let why = verdict(&script, &property).err().unwrap_or(first);
     Some((script, why))

@@ -2,12 +2,14 @@
 //! bystanders, by number; here both are made up: what they are, what acts among them, what is done to either, when bystanders
 //! come and go, which of them leave the envelope, and on how many threads a step goes.
 
+use std::convert::Infallible;
+
 use proptest::collection::vec;
 use proptest::prelude::*;
 use umbra_oracles::{Oracle, Script};
 use umbra_physics::{
-    Activity, BodyDef, BodyId, Command, Created, Error, FieldKind, ForceField, Fx, FxAccumulator, Turn, Vec2, World,
-    limits,
+    Activity, BodyDef, BodyId, Command, CommandMap, Created, Error, FieldId, FieldKind, ForceField, Fx, FxAccumulator,
+    FxFactor, Shape, Turn, Vec2, World, limits,
 };
 
 use crate::check::{Verdict, check_of, judge, there_is};
@@ -36,32 +38,48 @@ struct Company {
     friends: bool,
 }
 
-/// With groups of either kind alone.
-fn in_groups(command: Command, of: impl Fn(u32) -> u32) -> Command {
-    match command {
-        Command::AddBody(def) => Command::AddBody(BodyDef { groups: of(def.groups), ..def }),
-        Command::SetGroups { body, groups } => Command::SetGroups { body, groups: of(groups) },
-        Command::AddField(field) => Command::AddField(ForceField { groups: of(field.groups), ..field }),
-        Command::SetField { id, field } => {
-            Command::SetField { id, field: ForceField { groups: of(field.groups), ..field } }
-        }
-        command => command,
+/// Replaces the groups in a command, and notes whether it is about bodies and fields rather than about the whole world.
+struct Regroup<F> {
+    groups: F,
+    is_of_bodies: bool,
+}
+
+impl<F: Fn(u32) -> u32> CommandMap<Fx> for Regroup<F> {
+    type Error = Infallible;
+
+    fn scalar(&mut self, value: Fx) -> Result<Fx, Infallible> {
+        Ok(value)
+    }
+
+    fn factor(&mut self, value: FxFactor) -> Result<FxFactor, Infallible> {
+        Ok(value)
+    }
+
+    fn shape(&mut self, shape: Shape) -> Result<Shape, Infallible> {
+        Ok(shape)
+    }
+
+    fn body(&mut self, body: BodyId) -> Result<BodyId, Infallible> {
+        self.is_of_bodies = true;
+        Ok(body)
+    }
+
+    fn field(&mut self, field: FieldId) -> Result<FieldId, Infallible> {
+        self.is_of_bodies = true;
+        Ok(field)
+    }
+
+    fn groups(&mut self, groups: u32) -> Result<u32, Infallible> {
+        self.is_of_bodies = true;
+        Ok((self.groups)(groups))
     }
 }
 
-/// Returns true for commands about bodies and fields, false for those about the world.
-fn is_of_bodies(command: &Command) -> bool {
-    !matches!(
-        command,
-        Command::ClearForces
-            | Command::SetTimeStep(_)
-            | Command::SetGravity(_)
-            | Command::SetIntegrator(_)
-            | Command::SetDamping { .. }
-            | Command::SetSleepAfter(_)
-            | Command::SetRandom(_)
-            | Command::SetBlob(_)
-    )
+/// The command with other groups, and whether it is about bodies or fields.
+fn in_groups(command: Command, groups: impl Fn(u32) -> u32) -> (Command, bool) {
+    let mut regroup = Regroup { groups, is_of_bodies: false };
+    let Ok(command) = command.map(&mut regroup);
+    (command, regroup.is_of_bodies)
 }
 
 /// A bystander that stops at once would keep `Yoshida4` out of the world for all.
@@ -120,13 +138,14 @@ fn kind(done: Result<Created, Error>) -> String {
 
 impl Company {
     fn own(&self, tick: u64) -> Vec<Command> {
-        self.plan.due(tick).into_iter().map(|command| in_groups(command, |groups| groups & !BYSTANDERS)).collect()
+        self.plan.due(tick).into_iter().map(|command| in_groups(command, |groups| groups & !BYSTANDERS).0).collect()
     }
 
     fn strange(&self, tick: u64) -> Vec<Command> {
         let groups = if self.friends { u32::MAX } else { BYSTANDERS };
-        let due = self.bystanders.due(tick).into_iter().filter(is_of_bodies);
-        let mut due: Vec<Command> = due.map(|command| goes_on(in_groups(command, |_| groups))).collect();
+        let due = self.bystanders.due(tick).into_iter().map(|command| in_groups(command, |_| groups));
+        let mut due: Vec<Command> =
+            due.filter(|(_, is_of_bodies)| *is_of_bodies).map(|(command, _)| goes_on(command)).collect();
         if let Some((number, _)) = self.expelled.filter(|(_, at)| *at == tick) {
             let body = BodyId::from_parts(number, 0);
             due.push(Command::SetPosition { body, position: Vec2::new(limits::POSITION, Fx::ZERO) });

@@ -1,7 +1,9 @@
 //! The handles of one run in another.
 
 use std::collections::BTreeMap;
-use umbra_physics::{BodyId, Command, Created, FieldId};
+use std::convert::Infallible;
+
+use umbra_physics::{BodyId, Command, CommandMap, Created, FieldId, Fx, FxFactor, Shape};
 
 /// A map from the bodies and force fields of one run to those of another.
 ///
@@ -46,48 +48,8 @@ impl Handles {
     /// The command with these counterparts in place of what it names.
     #[must_use]
     pub fn command(&self, command: &Command) -> Command {
-        let mut command = command.clone();
-        match &mut command {
-            Command::Apply { body, .. }
-            | Command::SetPosition { body, .. }
-            | Command::SetAngle { body, .. }
-            | Command::SetVelocity { body, .. }
-            | Command::SetAngularVelocity { body, .. }
-            | Command::SetMass { body, .. }
-            | Command::SetShape { body, .. }
-            | Command::SetKind { body, .. }
-            | Command::SetGravityScale { body, .. }
-            | Command::SetBodyDamping { body, .. }
-            | Command::SetGroups { body, .. }
-            | Command::SetKey { body, .. }
-            | Command::SetUserData { body, .. }
-            | Command::SetLocks { body, .. }
-            | Command::SetMaxSpeeds { body, .. }
-            | Command::MoveTo { body, .. }
-            | Command::RemoveBody(body)
-            | Command::Wake(body)
-            | Command::Release(body)
-            | Command::Disable(body)
-            | Command::Enable(body) => *body = self.body(*body),
-            Command::AddField(field) => *field = field.map_bodies(|body| Some(self.body(body))).unwrap_or(*field),
-            Command::SetField { id, field } => {
-                *id = self.field(*id);
-                *field = field.map_bodies(|body| Some(self.body(body))).unwrap_or(*field);
-            }
-            Command::RemoveField(id) => *id = self.field(*id),
-            Command::AddBody(_)
-            | Command::ClearForces
-            | Command::SetTimeStep(_)
-            | Command::SetGravity(_)
-            | Command::SetIntegrator(_)
-            | Command::SetDamping { .. }
-            | Command::SetSleepAfter(_)
-            | Command::SetRandom(_)
-            | Command::SetBlob(_) => {}
-            // All there are stand above: `tests/layers.rs` compares the lists.
-            _ => {}
-        }
-        command
+        let Ok(renamed) = command.clone().map(&mut Rename(self));
+        renamed
     }
 
     pub(super) fn knows(&self, body: BodyId) -> bool {
@@ -105,5 +67,32 @@ impl Handles {
             (Created::ForceField(here), Created::ForceField(there)) => _ = self.fields.insert(here, there),
             _ => {}
         }
+    }
+}
+
+/// Replaces handles by their counterparts.
+struct Rename<'a>(&'a Handles);
+
+impl CommandMap<Fx> for Rename<'_> {
+    type Error = Infallible;
+
+    fn scalar(&mut self, value: Fx) -> Result<Fx, Infallible> {
+        Ok(value)
+    }
+
+    fn factor(&mut self, value: FxFactor) -> Result<FxFactor, Infallible> {
+        Ok(value)
+    }
+
+    fn shape(&mut self, shape: Shape) -> Result<Shape, Infallible> {
+        Ok(shape)
+    }
+
+    fn body(&mut self, body: BodyId) -> Result<BodyId, Infallible> {
+        Ok(self.0.body(body))
+    }
+
+    fn field(&mut self, field: FieldId) -> Result<FieldId, Infallible> {
+        Ok(self.0.field(field))
     }
 }

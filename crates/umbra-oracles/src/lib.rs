@@ -53,6 +53,7 @@
 #![warn(missing_docs)]
 
 mod bystanders;
+mod commands;
 mod drivers;
 mod fuzz;
 mod game;
@@ -65,6 +66,7 @@ use std::fmt;
 
 use umbra_physics::Difference;
 
+pub use commands::{Choices, Generator, Taste};
 pub use fuzz::{Campaign, Fuzz, fuzz};
 pub use game::{Course, Game};
 pub use handles::Handles;

@@ -1,8 +1,11 @@
-//! Shrinking a failing run.
+//! Making a failing run small.
+
+use std::convert::Infallible;
 
 use super::game::{Commands, Course, Game, Played, Subject};
 use super::trial::{Trial, record};
 use super::{Oracle, Script, Verdict, Violation};
+use umbra_physics::{CommandMap, Fx, FxFactor, Locks, Shape};
 
 /// A failing run, shrunk.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -32,7 +35,13 @@ pub fn shrink<G: Game>(
     oracle: Oracle,
     tries: u32,
 ) -> Option<Counterexample<G::Input>> {
-    smallest(&Played(game), course, oracle, tries)
+    let subject = Played(game);
+    let mut violation = None;
+    let (course, tries) = smallest(&subject, course, tries, &mut |course| {
+        violation = Some(*Trial::new(oracle, &subject, course).judge().err()?);
+        violation.as_ref().map(|violation| violation.tick)
+    })?;
+    Some(Counterexample { violation: violation?, replay: record(&subject, &course), course, tries })
 }
 
 impl Script {
@@ -45,28 +54,147 @@ impl Script {
         Trial::new(oracle, &Commands(self.world), &course).judge()
     }
 
-    /// Makes a script that an oracle objects to as small as it can, as [`shrink`] does, and says what is wrong with it then.
+    /// Makes a script that an oracle objects to as small as it can, as [`shrink`] does, and then the values in its commands as
+    /// simple as it can, and says what is wrong with it then.
     #[must_use]
     pub fn shrunk(&self, oracle: Oracle, tries: u32) -> Option<(Self, Violation)> {
+        let mut violation = None;
+        let script = self.shrunk_by(tries, |script| {
+            violation = Some(*script.judge(oracle).err()?);
+            violation.as_ref().map(|violation| violation.tick)
+        })?;
+        Some((script, violation?))
+    }
+
+    /// Makes a script that fails a check as small and simple as it can, with at most so many checks; `None` if it does not fail.
+    ///
+    /// The check returns the tick at which a script fails, or any later tick if it does not know; `None` if it does not fail.
+    /// Of what is left, no command can be left out, nor ticks, unless the tries were used up. Numbers in commands become zero,
+    /// whole or multiples of an eighth where the script still fails.
+    ///
+    /// ```
+    /// use umbra_oracles::Script;
+    /// use umbra_physics::{BodyDef, Command, World, WorldDef, fx, vec2};
+    ///
+    /// let add = |x| Command::AddBody(BodyDef { position: vec2(x, fx!(0.7)), ..BodyDef::dynamic() });
+    /// let script = Script { world: WorldDef::default(), commands: vec![(0, add(fx!(3.3))), (4, add(fx!(7.9)))], ticks: 9 };
+    /// let is_far = |world: &World| world.bodies().any(|body| body.position().x > fx!(5));
+    /// let least = script.shrunk_by(1_000, |script| script.run().is_ok_and(|end| is_far(&end)).then_some(u64::MAX)).unwrap();
+    /// assert!(matches!(&least.commands[..], [(0, Command::AddBody(def))] if def.position == vec2(7, 0)), "{least:?}");
+    /// assert_eq!(least.ticks, 1);
+    /// ```
+    #[must_use]
+    pub fn shrunk_by(&self, tries: u32, mut fails: impl FnMut(&Self) -> Option<u64>) -> Option<Self> {
         let course = Course { inputs: self.commands.clone(), ticks: self.ticks };
         let commands = Commands(self.world);
-        let found = smallest(&commands, &course, oracle, tries)?;
-        Some((commands.script(&found.course), found.violation))
+        let mut used = 0;
+        let (course, _) = smallest(&commands, &course, tries, &mut |course| {
+            used += 1;
+            fails(&commands.script(course))
+        })?;
+        let mut script = commands.script(&course);
+        let mut is_as_bad = |script: &Self| {
+            used += 1;
+            used <= tries && fails(script).is_some()
+        };
+        for place in 0..script.commands.len() {
+            simplify(&mut script, place, &mut is_as_bad);
+        }
+        Some(script)
     }
 }
 
+/// Makes the values of a command simple, one at a time, where the script still fails.
+fn simplify(script: &mut Script, place: usize, fails: &mut impl FnMut(&Script) -> bool) {
+    let mut at = 0;
+    loop {
+        let mut count = 0;
+        for form in [Form::Zero, Form::Whole, Form::Eighths] {
+            let mut simpler = Simpler { at, form, count: 0 };
+            let Ok(command) = script.commands[place].1.clone().map(&mut simpler);
+            count = simpler.count;
+            if command == script.commands[place].1 {
+                continue;
+            }
+            let before = core::mem::replace(&mut script.commands[place].1, command);
+            if fails(script) {
+                break;
+            }
+            script.commands[place].1 = before;
+        }
+        at += 1;
+        if at >= count {
+            return;
+        }
+    }
+}
+
+/// How a number becomes simpler.
+#[derive(Clone, Copy)]
+enum Form {
+    /// Zero, or absent.
+    Zero,
+    /// The whole number next to it towards zero.
+    Whole,
+    /// The multiple of an eighth next to it towards zero.
+    Eighths,
+}
+
+/// Makes one value of a command simpler, the one at this place in the order in which they are mapped.
+struct Simpler {
+    at: usize,
+    form: Form,
+    /// How many values there were so far.
+    count: usize,
+}
+
+impl Simpler {
+    fn is_it(&mut self) -> bool {
+        self.count += 1;
+        self.count == self.at + 1
+    }
+}
+
+impl CommandMap<Fx> for Simpler {
+    type Error = Infallible;
+
+    fn scalar(&mut self, value: Fx) -> Result<Fx, Infallible> {
+        let unit = match self.form {
+            Form::Zero => return Ok(if self.is_it() { Fx::ZERO } else { value }),
+            Form::Whole => Fx::ONE.to_bits(),
+            Form::Eighths => Fx::ONE.to_bits() / 8,
+        };
+        Ok(if self.is_it() { Fx::from_bits(value.to_bits() / unit * unit) } else { value })
+    }
+
+    fn factor(&mut self, value: FxFactor) -> Result<FxFactor, Infallible> {
+        Ok(value)
+    }
+
+    fn shape(&mut self, shape: Shape) -> Result<Shape, Infallible> {
+        Ok(shape)
+    }
+
+    fn optional_shape(&mut self, shape: Option<Shape>) -> Result<Option<Shape>, Infallible> {
+        Ok(if self.is_it() { None } else { shape })
+    }
+
+    fn locks(&mut self, locks: Locks) -> Result<Locks, Infallible> {
+        Ok(if self.is_it() { Locks::NONE } else { locks })
+    }
+}
+
+/// Makes a course as small as it can while `fails` returns a tick, and says after how many tries.
 fn smallest<S: Subject>(
     subject: &S,
     course: &Course<S::Input>,
-    oracle: Oracle,
     tries: u32,
-) -> Option<Counterexample<S::Input>> {
-    let mut search =
-        Search { subject, course, oracle, order: Vec::new(), ticks: 0, found: None, tries: 0, most: tries };
+    fails: &mut dyn FnMut(&Course<S::Input>) -> Option<u64>,
+) -> Option<(Course<S::Input>, u32)> {
+    let mut search = Search { subject, course, fails, order: Vec::new(), ticks: 0, found: None, tries: 0, most: tries };
     search.attempt(course.order(), course.ticks);
     while search.drop_inputs() | search.drop_ticks() {}
-    let (violation, course) = search.found?;
-    Some(Counterexample { violation, replay: record(subject, &course), course, tries: search.tries })
+    Some((search.found?, search.tries))
 }
 
 /// A run that is being made small.
@@ -74,11 +202,12 @@ struct Search<'a, S: Subject> {
     subject: &'a S,
     /// The run as it was given.
     course: &'a Course<S::Input>,
-    oracle: Oracle,
+    /// The tick at which a run fails.
+    fails: &'a mut dyn FnMut(&Course<S::Input>) -> Option<u64>,
     /// The inputs that are left, by their places, at their ticks.
     order: Vec<(u64, usize)>,
     ticks: u64,
-    found: Option<(Violation, Course<S::Input>)>,
+    found: Option<Course<S::Input>>,
     tries: u32,
     most: u32,
 }
@@ -96,10 +225,10 @@ impl<S: Subject> Search<'_, S> {
             self.tries += 1;
             order.retain(|(tick, _)| *tick < ticks);
             let course = self.subject.arranged(self.course, order.clone(), ticks);
-            let Err(violation) = Trial::new(self.oracle, self.subject, &course).judge() else { break };
-            let end = violation.tick + 1;
+            let Some(tick) = (self.fails)(&course) else { break };
+            let end = tick.saturating_add(1);
             (self.order, self.ticks, is_found) = (order.clone(), ticks, true);
-            self.found = Some((*violation, course));
+            self.found = Some(course);
             if end >= ticks {
                 break;
             }

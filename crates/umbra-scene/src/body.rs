@@ -2,9 +2,10 @@
 
 use alloc::string::String;
 
+use super::convert::convert_body;
 use super::error::{Flaw, Place};
 use super::node::{Node, Object, Result};
-use super::shape::{ShapeDef, shape, vector};
+use super::shape::{ShapeDef, shape};
 use umbra_physics::{BodyDef, BodyKind, Error, Fx, Locks, Mass, Quantity, Scalar, Vec2};
 
 /// A body of a scene.
@@ -26,33 +27,8 @@ impl SceneBody {
     /// # Errors
     /// As the constructors of [`Shape`](umbra_physics::Shape): a polygon may have no area left in a coarser scalar.
     pub fn def<S: Scalar>(&self) -> core::result::Result<BodyDef<S>, Error> {
-        let def = &self.def;
-        Ok(BodyDef {
-            kind: def.kind,
-            position: vector(def.position),
-            angle: S::from_fx(def.angle),
-            velocity: vector(def.velocity),
-            angular_velocity: S::from_fx(def.angular_velocity),
-            shape: self.shape.as_ref().map(ShapeDef::make).transpose()?,
-            mass: convert_mass(def.mass),
-            gravity_scale: S::from_fx(def.gravity_scale),
-            linear_damping: def.linear_damping.map(S::from_fx),
-            angular_damping: def.angular_damping.map(S::from_fx),
-            max_speed: def.max_speed.map(S::from_fx),
-            max_angular_speed: def.max_angular_speed.map(S::from_fx),
-            locks: def.locks,
-            groups: def.groups,
-            key: def.key,
-            user_data: def.user_data,
-        })
-    }
-}
-
-pub(super) fn convert_mass<S: Scalar>(mass: Mass) -> Mass<S> {
-    match mass {
-        Mass::Density(density) => Mass::Density(S::from_fx(density)),
-        Mass::Kilograms(mass) => Mass::Kilograms(S::from_fx(mass)),
-        Mass::Explicit { mass, inertia } => Mass::Explicit { mass: S::from_fx(mass), inertia: S::from_fx(inertia) },
+        let shape = self.shape.as_ref().map(ShapeDef::make).transpose()?;
+        Ok(BodyDef { shape, ..convert_body(&self.def)? })
     }
 }
 

@@ -4,10 +4,10 @@ use alloc::collections::BTreeMap;
 use alloc::format;
 use alloc::vec::Vec;
 
+use super::convert::{convert_command, convert_field};
 use super::error::{ExportError, Place};
-use super::field::{SceneField, convert_field, factor_text, symbol};
+use super::field::{SceneField, factor_text, symbol};
 use super::input::{Input, SceneAction};
-use super::run::convert_command;
 use super::settings::Plot;
 use super::shape::ShapeDef;
 use super::{Scene, SceneBody};

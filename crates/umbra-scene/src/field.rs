@@ -6,7 +6,6 @@ use alloc::string::String;
 use super::body::groups;
 use super::error::{Coded, Flaw, Place};
 use super::node::{Kind, Node, Object, Result, quoted};
-use super::shape::vector;
 use umbra_physics::{
     Attachment, BodyId, End, Error, FieldKind, ForceField, Fx, FxFactor, Quantity, Region, Scalar, SpringConstants,
     Vec2, scalar::Factor,
@@ -177,8 +176,8 @@ fn end(node: &Node<'_>, names: &Names) -> Result<End> {
     if node.kind() == Kind::List { node.point().map(End::World) } else { attachment(node, names).map(End::Body) }
 }
 
-/// Converts a factor to another scalar, rounded to nearest in a float.
-fn convert_factor<S: Scalar>(factor: FxFactor) -> S::Factor {
+/// The same factor for another scalar; rounded to nearest in a float.
+pub(super) fn convert_factor<S: Scalar>(factor: FxFactor) -> S::Factor {
     let (mantissa, mut shift) = factor.parts();
     let mut value = S::Factor::from_ratio(mantissa, 1);
     while shift != 0 {
@@ -188,46 +187,4 @@ fn convert_factor<S: Scalar>(factor: FxFactor) -> S::Factor {
         shift -= by;
     }
     value
-}
-
-/// Converts a field to a scalar, and its indices to the handles of a world. The error is that of an index without a body.
-pub(super) fn convert_field<S: Scalar>(
-    field: &ForceField,
-    handle: &impl Fn(BodyId) -> core::result::Result<BodyId, Error>,
-) -> core::result::Result<ForceField<S>, Error> {
-    let attachment = |at: &Attachment| Ok(Attachment { body: handle(at.body)?, point: vector(at.point) });
-    let end = |end: &End| match end {
-        End::World(point) => Ok(End::World(vector(*point))),
-        End::Body(at) => attachment(at).map(End::Body),
-    };
-    let scalar = S::from_fx;
-    let kind = match &field.kind {
-        FieldKind::Attractor { centre, mu, softening } => {
-            FieldKind::Attractor { centre: end(centre)?, mu: convert_factor::<S>(*mu), softening: scalar(*softening) }
-        }
-        FieldKind::Spring { near, far, spring } => FieldKind::Spring {
-            near: attachment(near)?,
-            far: end(far)?,
-            spring: SpringConstants {
-                rest: scalar(spring.rest),
-                stiffness: scalar(spring.stiffness),
-                damping: scalar(spring.damping),
-            },
-        },
-        FieldKind::Drag { linear, quadratic, wind } => {
-            FieldKind::Drag { linear: scalar(*linear), quadratic: scalar(*quadratic), wind: vector(*wind) }
-        }
-        FieldKind::Thrust { at, force } => FieldKind::Thrust { at: attachment(at)?, force: vector(*force) },
-        FieldKind::Zone { region, acceleration } => {
-            let region = match *region {
-                Region::Disc { centre, radius } => Region::Disc { centre: vector(centre), radius: scalar(radius) },
-                Region::Box { min, max } => Region::Box { min: vector(min), max: vector(max) },
-            };
-            FieldKind::Zone { region, acceleration: vector(*acceleration) }
-        }
-        FieldKind::Custom { id } => FieldKind::Custom { id: *id },
-        // All there are stand above: `tests/layers.rs` compares the lists.
-        _ => return Err(Error::Inconsistent),
-    };
-    Ok(ForceField { kind, groups: field.groups })
 }

@@ -29,6 +29,7 @@ extern crate alloc;
 
 mod body;
 mod commands;
+mod convert;
 mod error;
 mod field;
 mod input;
@@ -209,7 +210,7 @@ impl Scene {
             repeat::each(list, tables.most, |object| {
                 let read = field::field(object, &tables.bodies)?;
                 // All names are those of bodies that were added above.
-                let field = field::convert_field(&read.field, &|body| Ok(handles[body.parts().0 as usize]));
+                let field = convert::convert_field(&read.field, &|body| Ok(handles[body.parts().0 as usize]));
                 let added = field.and_then(|field| world.add_field(field));
                 added.map_err(|error| field::blame(object, error))?;
                 self.add_field(read, object.at(&["name"]), tables).map(drop)

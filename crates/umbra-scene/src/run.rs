@@ -5,9 +5,9 @@ use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
-use super::body::convert_mass;
+use super::convert::{convert_command, convert_field};
 use super::error::{Coded, Flaw, Place, SceneError};
-use super::field::{convert_field, symbol};
+use super::field::symbol;
 use super::input::{Input, SceneAction};
 use super::node::quoted;
 use super::shape::vector;
@@ -284,81 +284,4 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
 fn divided(time_step: TimeStep, by: u32) -> TimeStep {
     let (num, den) = time_step.seconds();
     TimeStep::ratio(num, den.checked_mul(by).unwrap_or(0))
-}
-
-fn convert_action<S: Scalar>(action: ForceOrImpulse) -> ForceOrImpulse<S> {
-    match action {
-        ForceOrImpulse::Force { force, point } => {
-            ForceOrImpulse::Force { force: vector(force), point: point.map(vector) }
-        }
-        ForceOrImpulse::Torque(torque) => ForceOrImpulse::Torque(S::from_fx(torque)),
-        ForceOrImpulse::Impulse { impulse, point } => {
-            ForceOrImpulse::Impulse { impulse: vector(impulse), point: point.map(vector) }
-        }
-        ForceOrImpulse::AngularImpulse(impulse) => ForceOrImpulse::AngularImpulse(S::from_fx(impulse)),
-    }
-}
-
-/// Converts a command to a scalar and to other handles. Commands that add something or set a shape are refused: a scene has actions
-/// of its own for them.
-pub(super) fn convert_command<S: Scalar>(
-    command: &Command,
-    bodies: &impl Fn(BodyId) -> Result<BodyId, Error>,
-    fields: &impl Fn(FieldId) -> Result<FieldId, Error>,
-) -> Result<Command<S>, Error> {
-    let scalar = S::from_fx;
-    Ok(match *command {
-        Command::RemoveBody(body) => Command::RemoveBody(bodies(body)?),
-        Command::Apply { body, action, manner } => {
-            Command::Apply { body: bodies(body)?, action: convert_action(action), manner }
-        }
-        Command::ClearForces => Command::ClearForces,
-        Command::SetPosition { body, position } => {
-            Command::SetPosition { body: bodies(body)?, position: vector(position) }
-        }
-        Command::SetAngle { body, angle } => Command::SetAngle { body: bodies(body)?, angle: scalar(angle) },
-        Command::SetVelocity { body, velocity } => {
-            Command::SetVelocity { body: bodies(body)?, velocity: vector(velocity) }
-        }
-        Command::SetAngularVelocity { body, velocity } => {
-            Command::SetAngularVelocity { body: bodies(body)?, velocity: scalar(velocity) }
-        }
-        Command::SetMass { body, mass } => Command::SetMass { body: bodies(body)?, mass: convert_mass(mass) },
-        Command::SetKind { body, kind } => Command::SetKind { body: bodies(body)?, kind },
-        Command::SetGravityScale { body, scale } => {
-            Command::SetGravityScale { body: bodies(body)?, scale: scalar(scale) }
-        }
-        Command::SetBodyDamping { body, linear, angular } => {
-            Command::SetBodyDamping { body: bodies(body)?, linear: linear.map(scalar), angular: angular.map(scalar) }
-        }
-        Command::SetMaxSpeeds { body, linear, angular } => {
-            Command::SetMaxSpeeds { body: bodies(body)?, linear: linear.map(scalar), angular: angular.map(scalar) }
-        }
-        Command::SetLocks { body, locks } => Command::SetLocks { body: bodies(body)?, locks },
-        Command::SetGroups { body, groups } => Command::SetGroups { body: bodies(body)?, groups },
-        Command::SetKey { body, key } => Command::SetKey { body: bodies(body)?, key },
-        Command::SetUserData { body, user_data } => Command::SetUserData { body: bodies(body)?, user_data },
-        Command::Wake(body) => Command::Wake(bodies(body)?),
-        Command::Release(body) => Command::Release(bodies(body)?),
-        Command::Disable(body) => Command::Disable(bodies(body)?),
-        Command::Enable(body) => Command::Enable(bodies(body)?),
-        Command::MoveTo { body, position, angle } => {
-            Command::MoveTo { body: bodies(body)?, position: vector(position), angle: scalar(angle) }
-        }
-        Command::SetField { id, ref field } => {
-            Command::SetField { id: fields(id)?, field: convert_field(field, bodies)? }
-        }
-        Command::RemoveField(field) => Command::RemoveField(fields(field)?),
-        Command::SetTimeStep(time_step) => Command::SetTimeStep(time_step),
-        Command::SetGravity(gravity) => Command::SetGravity(vector(gravity)),
-        Command::SetIntegrator(integrator) => Command::SetIntegrator(integrator),
-        Command::SetDamping { linear, angular } => {
-            Command::SetDamping { linear: scalar(linear), angular: scalar(angular) }
-        }
-        Command::SetSleepAfter(ticks) => Command::SetSleepAfter(ticks),
-        Command::SetRandom(random) => Command::SetRandom(random),
-        Command::SetBlob(ref bytes) => Command::SetBlob(bytes.clone()),
-        // All there are stand above or here: `tests/layers.rs` compares the lists.
-        Command::AddBody(_) | Command::AddField(_) | Command::SetShape { .. } | _ => return Err(Error::Full),
-    })
 }

@@ -30,39 +30,7 @@ impl fmt::Display for Owner {
 impl Owner {
     /// The body or field that a command names, or else the world.
     pub(in crate::replay) fn of_command(command: &Command) -> Self {
-        match *command {
-            Command::RemoveBody(body)
-            | Command::Apply { body, .. }
-            | Command::SetPosition { body, .. }
-            | Command::SetAngle { body, .. }
-            | Command::SetVelocity { body, .. }
-            | Command::SetAngularVelocity { body, .. }
-            | Command::SetMass { body, .. }
-            | Command::SetShape { body, .. }
-            | Command::SetKind { body, .. }
-            | Command::SetGravityScale { body, .. }
-            | Command::SetBodyDamping { body, .. }
-            | Command::SetGroups { body, .. }
-            | Command::SetKey { body, .. }
-            | Command::SetUserData { body, .. }
-            | Command::SetLocks { body, .. }
-            | Command::SetMaxSpeeds { body, .. }
-            | Command::MoveTo { body, .. }
-            | Command::Wake(body)
-            | Command::Release(body)
-            | Command::Disable(body)
-            | Command::Enable(body) => Self::Body(body),
-            Command::SetField { id, .. } | Command::RemoveField(id) => Self::ForceField(id),
-            Command::AddBody(_)
-            | Command::AddField(_)
-            | Command::SetTimeStep(_)
-            | Command::SetGravity(_)
-            | Command::SetIntegrator(_)
-            | Command::SetDamping { .. }
-            | Command::SetSleepAfter(_)
-            | Command::SetRandom(_)
-            | Command::SetBlob(_)
-            | Command::ClearForces => Self::World,
-        }
+        let field = command.field().map_or(Self::World, Self::ForceField);
+        command.body().map_or(field, Self::Body)
     }
 }

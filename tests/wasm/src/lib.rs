@@ -101,7 +101,7 @@ pub extern "C" fn execute(world: &mut World, bytes: &Vec<u8>) -> i64 {
         Err(_) => REFUSED,
         Ok(Created::Body(body)) => word(body.parts()),
         Ok(Created::ForceField(field)) => word(field.parts()),
-        Ok(Created::Nothing) => DONE,
+        Ok(_) => DONE,
     }
 }
 

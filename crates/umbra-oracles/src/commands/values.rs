@@ -1,0 +1,229 @@
+//! The values of random commands, by the roles that they have in commands.
+
+use umbra_physics::{
+    ApplyOptions, BodyDef, BodyId, BodyKind, CommandSource, FieldId, ForceField, ForceOrImpulse, Frame, Fx, Integrator,
+    Locks, Mass, Random, Shape, TimeStep, Vec2, WorldDef, fx, limits,
+};
+
+use super::{Choices, Generator};
+
+/// Angles far beyond whole turns.
+pub(super) const ANGLE: Fx = Fx::MAX;
+
+impl<C: Choices + ?Sized> CommandSource for Generator<'_, C> {
+    /// One of the bodies; of a wild taste, now and then one that never was.
+    fn body(&mut self) -> BodyId {
+        if self.bodies.is_empty() || self.is_wild() {
+            return BodyId::from_parts(self.choices.choose(8) as u32, self.choices.choose(3) as u32);
+        }
+        self.bodies[self.choices.choose(self.bodies.len() as u64) as usize]
+    }
+
+    fn field(&mut self) -> FieldId {
+        if self.fields.is_empty() || self.is_wild() {
+            return FieldId::from_parts(self.choices.choose(8) as u32, self.choices.choose(3) as u32);
+        }
+        self.fields[self.choices.choose(self.fields.len() as u64) as usize]
+    }
+
+    /// The definition of a body. A third of them rest, to fall asleep.
+    fn body_def(&mut self) -> BodyDef {
+        let (kind, locks) = (self.kind(), self.locks());
+        let is_wild = self.is_wild();
+        let is_resting = self.choices.one_in(3);
+        let is_still = is_resting || kind == BodyKind::Static && !is_wild;
+        let free = |value: Fx, is_locked: bool| if is_locked && !is_wild { Fx::ZERO } else { value };
+        let (velocity, angular_velocity) =
+            if is_still { (Vec2::ZERO, Fx::ZERO) } else { (self.velocity(), self.angular_velocity()) };
+        let shape = self.optional_shape();
+        let mass = match self.mass() {
+            Mass::Density(density) if shape.is_none() && !is_wild => Mass::Kilograms(density.max(limits::MASS_MIN)),
+            mass => mass,
+        };
+        let key = self.choices.choose(16);
+        BodyDef {
+            kind,
+            position: self.position(),
+            angle: self.angle(),
+            velocity: Vec2::new(free(velocity.x, locks.x), free(velocity.y, locks.y)),
+            angular_velocity: free(angular_velocity, locks.rotation),
+            shape,
+            mass,
+            gravity_scale: if is_resting { Fx::ZERO } else { self.gravity_scale() },
+            linear_damping: self.body_damping(),
+            angular_damping: self.body_damping(),
+            max_speed: self.max_speed(),
+            max_angular_speed: self.max_angular_speed(),
+            locks,
+            groups: self.groups(),
+            key,
+            user_data: key,
+        }
+    }
+
+    fn force_field(&mut self) -> ForceField {
+        let kind = self.field_kind();
+        ForceField { kind, groups: if self.choices.one_in(2) { self.groups() } else { u32::MAX } }
+    }
+
+    fn force_or_impulse(&mut self) -> ForceOrImpulse {
+        let point = if self.choices.one_in(2) { Some(self.vector(fx!(20), Fx::MAX)) } else { None };
+        match self.choices.choose(if self.taste.reversible { 3 } else { 5 }) {
+            0 | 1 => ForceOrImpulse::Force { force: self.vector(fx!(20), Fx::MAX), point },
+            2 => ForceOrImpulse::Torque(self.signed(fx!(5), Fx::MAX)),
+            3 => ForceOrImpulse::Impulse { impulse: self.vector(fx!(1), Fx::MAX), point },
+            _ => ForceOrImpulse::AngularImpulse(self.signed(fx!(1), Fx::MAX)),
+        }
+    }
+
+    fn apply_options(&mut self) -> ApplyOptions {
+        let frame = if self.choices.one_in(3) { Frame::Body } else { Frame::World };
+        ApplyOptions { frame, wake: !self.choices.one_in(4) }
+    }
+
+    fn position(&mut self) -> Vec2 {
+        self.vector(fx!(20), limits::POSITION)
+    }
+
+    fn angle(&mut self) -> Fx {
+        self.signed(fx!(9), ANGLE)
+    }
+
+    fn velocity(&mut self) -> Vec2 {
+        self.vector(fx!(3), limits::SPEED)
+    }
+
+    fn angular_velocity(&mut self) -> Fx {
+        self.signed(fx!(3), limits::ANGULAR_SPEED)
+    }
+
+    fn mass(&mut self) -> Mass {
+        let usual = [fx!(0.25), fx!(4)];
+        let mut kilograms = || self.number(usual, [limits::MASS_MIN, limits::MASS_MAX]);
+        let mass = kilograms();
+        match self.choices.choose(8) {
+            0..3 => Mass::Kilograms(Fx::ONE),
+            3..5 => Mass::Kilograms(mass),
+            5..7 => Mass::Explicit { mass, inertia: self.number(usual, [Fx::DELTA, Fx::MAX]) },
+            _ if self.taste.smooth => Mass::Kilograms(mass),
+            _ => Mass::Density(self.number(usual, [Fx::DELTA, Fx::MAX])),
+        }
+    }
+
+    fn optional_shape(&mut self) -> Option<Shape> {
+        if self.choices.one_in(2) { self.shape() } else { None }
+    }
+
+    fn kind(&mut self) -> BodyKind {
+        match self.choices.choose(10) {
+            8 => BodyKind::Kinematic,
+            9 => BodyKind::Static,
+            _ => BodyKind::Dynamic,
+        }
+    }
+
+    fn gravity_scale(&mut self) -> Fx {
+        match self.choices.one_in(2) {
+            true => self.number([fx!(-1), fx!(2)], [-limits::GRAVITY_SCALE, limits::GRAVITY_SCALE]),
+            false => Fx::ONE,
+        }
+    }
+
+    fn body_damping(&mut self) -> Option<Fx> {
+        if self.choices.one_in(3) { Some(self.damping()) } else { None }
+    }
+
+    fn max_speed(&mut self) -> Option<Fx> {
+        let is_capped = !self.taste.reversible && self.choices.one_in(7);
+        if is_capped { Some(self.not_negative(fx!(4), limits::SPEED)) } else { None }
+    }
+
+    fn max_angular_speed(&mut self) -> Option<Fx> {
+        let is_capped = !self.taste.reversible && self.choices.one_in(7);
+        if is_capped { Some(self.not_negative(fx!(4), limits::ANGULAR_SPEED)) } else { None }
+    }
+
+    fn groups(&mut self) -> u32 {
+        if self.choices.one_in(3) { self.choices.draw(32) as u32 } else { 1 }
+    }
+
+    fn key(&mut self) -> u64 {
+        if self.choices.one_in(2) { self.choices.choose(16) } else { self.choices.draw(64) }
+    }
+
+    fn user_data(&mut self) -> u64 {
+        self.choices.draw(64)
+    }
+
+    /// Mostly none.
+    fn locks(&mut self) -> Locks {
+        let bits = if self.choices.one_in(6) { self.choices.draw(3) } else { 0 };
+        Locks { x: bits & 1 != 0, y: bits & 2 != 0, rotation: bits & 4 != 0 }
+    }
+
+    fn time_step(&mut self) -> TimeStep {
+        const RATES: [(u32, u32); 10] = [
+            (1, 60),
+            (1, 60),
+            (1, 64),
+            (1, 144),
+            (1001, 60_000),
+            (1, 100),
+            (1, 50),
+            // Steps of a second and of a tenth of a millisecond.
+            (1, 7),
+            (1, 1),
+            (1, 10_000),
+        ];
+        if self.is_wild() {
+            return TimeStep::ratio(self.choices.draw(32) as u32, self.choices.draw(32) as u32);
+        }
+        if !self.taste.smooth && self.choices.one_in(6) {
+            let (num, den) = (1 + self.choices.choose(500), 500 + self.choices.choose(59_501));
+            let time_step = TimeStep::ratio(num as u32, den as u32);
+            let def: WorldDef = WorldDef { time_step, ..WorldDef::default() };
+            return if def.check().is_ok() { time_step } else { TimeStep::hz(60) };
+        }
+        let rates = if self.taste.smooth { &RATES[..7] } else { &RATES };
+        let (num, den) = rates[self.choices.choose(rates.len() as u64) as usize];
+        TimeStep::ratio(num, den)
+    }
+
+    fn gravity(&mut self) -> Vec2 {
+        self.vector(fx!(12), limits::GRAVITY)
+    }
+
+    fn integrator(&mut self) -> Integrator {
+        let all = Integrator::ALL.into_iter().filter(|own| !self.taste.reversible || own.inverse().is_some());
+        let all: Vec<Integrator> = all.collect();
+        all[self.choices.choose(all.len() as u64) as usize]
+    }
+
+    /// The share of a velocity that is left after a second.
+    fn damping(&mut self) -> Fx {
+        if self.taste.reversible {
+            return Fx::ONE;
+        }
+        match self.choices.choose(8) {
+            0..5 => Fx::ONE,
+            5 if !self.taste.smooth && self.choices.one_in(2) => Fx::ZERO,
+            _ => self.number([fx!(0.5), fx!(1)], [Fx::ZERO, Fx::ONE]),
+        }
+    }
+
+    fn sleep_after(&mut self) -> Option<u32> {
+        if self.taste.reversible || self.taste.smooth {
+            return None;
+        }
+        let ticks = [None, Some(1), Some(3), Some(4), Some(30)];
+        if self.is_wild() { Some(self.choices.draw(32) as u32 & 1) } else { ticks[self.choices.choose(5) as usize] }
+    }
+
+    fn random(&mut self) -> Random {
+        Random::seeded(self.choices.draw(64))
+    }
+
+    fn blob(&mut self) -> Vec<u8> {
+        vec![self.choices.draw(8) as u8; self.choices.choose(9) as usize]
+    }
+}

@@ -1,0 +1,61 @@
+//! Two threads do what one does.
+//!
+//! An input is a world's definition, a seed, a kind of body, and commands. Enough bodies are added for a step to use several
+//! threads.
+
+use std::sync::LazyLock;
+
+use arbitrary::Result;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use umbra_physics::{BodyDef, CommandSource as _, Created, Fx, Random, Vec2, fx, step_all};
+
+use super::author::{self, Author};
+
+/// The target.
+pub fn run(data: &[u8]) {
+    _ = play(data);
+}
+
+static POOLS: LazyLock<[ThreadPool; 2]> =
+    LazyLock::new(|| [1, 2].map(|count| ThreadPoolBuilder::new().num_threads(count).build().expect("threads")));
+
+/// Enough bodies for a step to go side by side: 64 blocks of 128, and some.
+const CROWD: u64 = 8_192;
+
+fn play(data: &[u8]) -> Result<()> {
+    let mut author = Author::new(data);
+    let Some(mut world) = author::world(author.world()) else { return Ok(()) };
+    let mut random = Random::seeded(author.any()?);
+    // A few kinds of bodies, one of them as the input says; the others differ in where they are and how they move.
+    let special = author.generator().body_def();
+    let every = u64::from(author.any::<u8>()?) + 1;
+    for i in 0..CROWD + u64::from(author.any::<u8>()?) {
+        let mut number = |size: Fx| random.number(-size..=size);
+        let (position, velocity) =
+            (Vec2::new(number(fx!(99)), number(fx!(99))), Vec2::new(number(fx!(3)), number(fx!(3))));
+        let def = BodyDef { position, velocity, angular_velocity: number(fx!(1)), ..BodyDef::dynamic() };
+        let made = if i % every == 0 { world.add_body(special.clone()) } else { world.add_body(def) };
+        if let Ok(body) = made {
+            author.made(Created::Body(body));
+        }
+    }
+    let mut others = [world.clone(), world.clone()];
+    for _ in 0..8 {
+        if author.input.is_empty() {
+            break;
+        }
+        let command = author.command();
+        let done = POOLS[0].install(|| world.execute(&command));
+        for other in &mut others {
+            assert_eq!(POOLS[1].install(|| other.execute(&command)), done);
+        }
+        done.into_iter().for_each(|made| author.made(made));
+        POOLS[0].install(|| _ = world.step());
+        POOLS[1].install(|| step_all(&mut others));
+        for other in &others {
+            assert_eq!(other.state_hash(), world.state_hash(), "on two threads");
+            assert_eq!(other.last_report(), world.last_report());
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,273 @@
+//! Rebuilding a command value by value, and making one from nothing.
+//!
+//! Both know a value by its role: a position turns with the world, an angular velocity changes its sign in a mirror. The rows
+//! of the table in `commands.rs` name the role of each field.
+
+use super::{ApplyOptions, ForceOrImpulse, Frame};
+use crate::body::{BodyDef, BodyKind, Locks, Mass};
+use crate::force::{Attachment, End, FieldKind, ForceField, Region};
+use crate::integrate::Integrator;
+use crate::math::{Random, TimeStep, Vec2};
+use crate::scalar::{Scalar, SpringConstants, fx::Fx};
+use crate::shape::Shape;
+use crate::slots::{BodyId, FieldId};
+
+use alloc::vec::Vec;
+
+/// A change of all values of one role in a [`Command`](super::Command), for [`Command::map`](super::Command::map).
+///
+/// Three methods are required: they convert from the scalar `S` to the scalar `T`, or return the value. Every other method has
+/// a default that returns the value, or rebuilds it with the methods of its parts. Override the roles that change.
+///
+/// ```
+/// use umbra_physics::{BodyId, Command, CommandMap, Fx, FxFactor, Shape, fx, vec2};
+///
+/// /// Renames bodies: slot 0 becomes slot 7.
+/// struct Rename;
+///
+/// impl CommandMap<Fx> for Rename {
+///     type Error = core::convert::Infallible;
+///     fn scalar(&mut self, value: Fx) -> Result<Fx, Self::Error> {
+///         Ok(value)
+///     }
+///     fn factor(&mut self, value: FxFactor) -> Result<FxFactor, Self::Error> {
+///         Ok(value)
+///     }
+///     fn shape(&mut self, shape: Shape) -> Result<Shape, Self::Error> {
+///         Ok(shape)
+///     }
+///     fn body(&mut self, body: BodyId) -> Result<BodyId, Self::Error> {
+///         let (slot, generation) = body.parts();
+///         Ok(BodyId::from_parts(if slot == 0 { 7 } else { slot }, generation))
+///     }
+/// }
+///
+/// let [here, there] = [0, 7].map(|slot| BodyId::from_parts(slot, 0));
+/// let command = Command::SetVelocity { body: here, velocity: vec2(1, 0) };
+/// assert_eq!(command.map(&mut Rename), Ok(Command::SetVelocity { body: there, velocity: vec2(1, 0) }));
+/// ```
+#[allow(clippy::missing_errors_doc, reason = "every method fails for a value without a counterpart")]
+pub trait CommandMap<S: Scalar, T: Scalar = S> {
+    /// The reason why a value has no counterpart.
+    type Error;
+
+    /// A scalar without a direction: a mass, length, stiffness, share or gravity scale.
+    fn scalar(&mut self, value: S) -> Result<T, Self::Error>;
+
+    /// The strength μ of an attractor.
+    fn factor(&mut self, value: S::Factor) -> Result<T::Factor, Self::Error>;
+
+    /// A shape.
+    fn shape(&mut self, shape: Shape<S>) -> Result<Shape<T>, Self::Error>;
+
+    /// A handle of a body.
+    fn body(&mut self, body: BodyId) -> Result<BodyId, Self::Error> {
+        Ok(body)
+    }
+
+    /// A handle of a force field.
+    fn field(&mut self, field: FieldId) -> Result<FieldId, Self::Error> {
+        Ok(field)
+    }
+
+    /// A velocity, force, impulse or acceleration in the world's axes.
+    fn vector(&mut self, vector: Vec2<S>) -> Result<Vec2<T>, Self::Error> {
+        Ok(Vec2::new(self.scalar(vector.x)?, self.scalar(vector.y)?))
+    }
+
+    /// A point of the world.
+    fn point(&mut self, point: Vec2<S>) -> Result<Vec2<T>, Self::Error> {
+        self.vector(point)
+    }
+
+    /// A point or vector in the axes of a body.
+    fn local(&mut self, local: Vec2<S>) -> Result<Vec2<T>, Self::Error> {
+        self.vector(local)
+    }
+
+    /// An angle in radians.
+    fn angle(&mut self, angle: S) -> Result<T, Self::Error> {
+        self.scalar(angle)
+    }
+
+    /// A scalar that changes its sign in a mirror: an angular velocity, torque or angular impulse.
+    fn pseudoscalar(&mut self, value: S) -> Result<T, Self::Error> {
+        self.scalar(value)
+    }
+
+    /// A scalar that may be absent.
+    fn optional_scalar(&mut self, value: Option<S>) -> Result<Option<T>, Self::Error> {
+        value.map(|value| self.scalar(value)).transpose()
+    }
+
+    /// A shape that may be absent.
+    fn optional_shape(&mut self, shape: Option<Shape<S>>) -> Result<Option<Shape<T>>, Self::Error> {
+        shape.map(|shape| self.shape(shape)).transpose()
+    }
+
+    /// The bits of the groups that a body is in, or that a field acts on.
+    fn groups(&mut self, groups: u32) -> Result<u32, Self::Error> {
+        Ok(groups)
+    }
+
+    /// The locked axes of a body.
+    fn locks(&mut self, locks: Locks) -> Result<Locks, Self::Error> {
+        Ok(locks)
+    }
+
+    /// A value that is the same in every run: a key, a kind, a number of ticks, bytes.
+    fn plain<V>(&mut self, value: V) -> Result<V, Self::Error> {
+        Ok(value)
+    }
+
+    /// The id of a custom force.
+    fn custom_force(&mut self, id: u64) -> Result<u64, Self::Error> {
+        Ok(id)
+    }
+
+    /// A mass.
+    fn mass(&mut self, mass: Mass<S>) -> Result<Mass<T>, Self::Error> {
+        Ok(match mass {
+            Mass::Kilograms(mass) => Mass::Kilograms(self.scalar(mass)?),
+            Mass::Explicit { mass, inertia } => {
+                Mass::Explicit { mass: self.scalar(mass)?, inertia: self.scalar(inertia)? }
+            }
+            Mass::Density(density) => Mass::Density(self.scalar(density)?),
+        })
+    }
+
+    /// The definition of a body.
+    fn body_def(&mut self, def: BodyDef<S>) -> Result<BodyDef<T>, Self::Error> {
+        Ok(BodyDef {
+            kind: def.kind,
+            position: self.point(def.position)?,
+            angle: self.angle(def.angle)?,
+            velocity: self.vector(def.velocity)?,
+            angular_velocity: self.pseudoscalar(def.angular_velocity)?,
+            shape: self.optional_shape(def.shape)?,
+            mass: self.mass(def.mass)?,
+            gravity_scale: self.scalar(def.gravity_scale)?,
+            linear_damping: self.optional_scalar(def.linear_damping)?,
+            angular_damping: self.optional_scalar(def.angular_damping)?,
+            max_speed: self.optional_scalar(def.max_speed)?,
+            max_angular_speed: self.optional_scalar(def.max_angular_speed)?,
+            locks: self.locks(def.locks)?,
+            groups: self.groups(def.groups)?,
+            key: def.key,
+            user_data: def.user_data,
+        })
+    }
+
+    /// A point of a body that a field is attached to.
+    fn attachment(&mut self, at: Attachment<S>) -> Result<Attachment<T>, Self::Error> {
+        Ok(Attachment { body: self.body(at.body)?, point: self.local(at.point)? })
+    }
+
+    /// An end of a field.
+    fn end(&mut self, end: End<S>) -> Result<End<T>, Self::Error> {
+        Ok(match end {
+            End::World(point) => End::World(self.point(point)?),
+            End::Body(at) => End::Body(self.attachment(at)?),
+        })
+    }
+
+    /// A region of the world.
+    fn region(&mut self, region: Region<S>) -> Result<Region<T>, Self::Error> {
+        Ok(match region {
+            Region::Disc { centre, radius } => {
+                Region::Disc { centre: self.point(centre)?, radius: self.scalar(radius)? }
+            }
+            Region::Box { min, max } => Region::Box { min: self.point(min)?, max: self.point(max)? },
+        })
+    }
+
+    /// A force field.
+    fn force_field(&mut self, field: ForceField<S>) -> Result<ForceField<T>, Self::Error> {
+        let kind = match field.kind {
+            FieldKind::Attractor { centre, mu, softening } => FieldKind::Attractor {
+                centre: self.end(centre)?,
+                mu: self.factor(mu)?,
+                softening: self.scalar(softening)?,
+            },
+            FieldKind::Spring { near, far, spring } => FieldKind::Spring {
+                near: self.attachment(near)?,
+                far: self.end(far)?,
+                spring: SpringConstants {
+                    rest: self.scalar(spring.rest)?,
+                    stiffness: self.scalar(spring.stiffness)?,
+                    damping: self.scalar(spring.damping)?,
+                },
+            },
+            FieldKind::Drag { linear, quadratic, wind } => FieldKind::Drag {
+                linear: self.scalar(linear)?,
+                quadratic: self.scalar(quadratic)?,
+                wind: self.vector(wind)?,
+            },
+            FieldKind::Thrust { at, force } => {
+                FieldKind::Thrust { at: self.attachment(at)?, force: self.local(force)? }
+            }
+            FieldKind::Zone { region, acceleration } => {
+                FieldKind::Zone { region: self.region(region)?, acceleration: self.vector(acceleration)? }
+            }
+            FieldKind::Custom { id } => FieldKind::Custom { id: self.custom_force(id)? },
+        };
+        Ok(ForceField { kind, groups: self.groups(field.groups)? })
+    }
+
+    /// A force or impulse, whose vectors are in this frame.
+    fn force_or_impulse(
+        &mut self,
+        action: ForceOrImpulse<S>,
+        options: ApplyOptions,
+    ) -> Result<ForceOrImpulse<T>, Self::Error> {
+        let is_local = options.frame == Frame::Body;
+        let vector = |own: &mut Self, v| if is_local { own.local(v) } else { own.vector(v) };
+        let point = |own: &mut Self, point: Option<_>| {
+            point.map(|point| if is_local { own.local(point) } else { own.point(point) }).transpose()
+        };
+        Ok(match action {
+            ForceOrImpulse::Force { force, point: at } => {
+                ForceOrImpulse::Force { force: vector(self, force)?, point: point(self, at)? }
+            }
+            ForceOrImpulse::Torque(torque) => ForceOrImpulse::Torque(self.pseudoscalar(torque)?),
+            ForceOrImpulse::Impulse { impulse, point: at } => {
+                ForceOrImpulse::Impulse { impulse: vector(self, impulse)?, point: point(self, at)? }
+            }
+            ForceOrImpulse::AngularImpulse(impulse) => ForceOrImpulse::AngularImpulse(self.pseudoscalar(impulse)?),
+        })
+    }
+}
+
+/// A source of values for [`Command::fill`](super::Command::fill): a method for each kind of value in a command. The ranges are
+/// the source's own choice; a world refuses a command with a value out of range.
+#[allow(missing_docs, reason = "each method gives the argument of this name of a method of `World`")]
+pub trait CommandSource {
+    fn body(&mut self) -> BodyId;
+    fn field(&mut self) -> FieldId;
+    fn body_def(&mut self) -> BodyDef;
+    fn force_field(&mut self) -> ForceField;
+    fn force_or_impulse(&mut self) -> ForceOrImpulse;
+    fn apply_options(&mut self) -> ApplyOptions;
+    fn position(&mut self) -> Vec2;
+    fn angle(&mut self) -> Fx;
+    fn velocity(&mut self) -> Vec2;
+    fn angular_velocity(&mut self) -> Fx;
+    fn mass(&mut self) -> Mass;
+    fn optional_shape(&mut self) -> Option<Shape>;
+    fn kind(&mut self) -> BodyKind;
+    fn gravity_scale(&mut self) -> Fx;
+    fn body_damping(&mut self) -> Option<Fx>;
+    fn max_speed(&mut self) -> Option<Fx>;
+    fn max_angular_speed(&mut self) -> Option<Fx>;
+    fn groups(&mut self) -> u32;
+    fn key(&mut self) -> u64;
+    fn user_data(&mut self) -> u64;
+    fn locks(&mut self) -> Locks;
+    fn time_step(&mut self) -> TimeStep;
+    fn gravity(&mut self) -> Vec2;
+    fn integrator(&mut self) -> Integrator;
+    fn damping(&mut self) -> Fx;
+    fn sleep_after(&mut self) -> Option<u32>;
+    fn random(&mut self) -> Random;
+    fn blob(&mut self) -> Vec<u8>;
+}
