@@ -190,8 +190,8 @@ impl Motion {
     fn of(body: &BodyRef<'_>) -> Self {
         let (position, velocity) = (body.position_exact(), body.velocity_exact());
         Self {
-            position: [position.x, position.y].map(FxAccumulator::to_bits),
-            velocity: [velocity.x, velocity.y].map(FxAccumulator::to_bits),
+            position: [position.x, position.y].map(umbra_physics::FxAccumulator::to_bits),
+            velocity: [velocity.x, velocity.y].map(umbra_physics::FxAccumulator::to_bits),
             spin: body.angular_velocity_exact().to_bits(),
             angle: body.angle_exact().to_bits(),
             is_quarantined: body.activity() == Activity::Quarantined,
