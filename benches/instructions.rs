@@ -7,8 +7,8 @@
 use std::hint::black_box;
 
 use gungraun::{Callgrind, EntryPoint, LibraryBenchmarkConfig, library_benchmark, library_benchmark_group, main};
+use umbra_physics::scalar::Angle;
 use umbra_physics::scalar::internals::{Bulk as _, Motion as _, Span, Weight};
-use umbra_physics::scalar::{Accumulator as _, Angle};
 use umbra_physics::{Fx, FxAccumulator, FxFactor, FxWide, Scalar, Turn, World, fx};
 
 #[allow(dead_code, reason = "the benches of time have scenes of their own")]

@@ -126,7 +126,7 @@ fn product(a: i64, b: i64) {
     let (sum, difference) = (IBig::from(a) + b, IBig::from(a) - b);
     assert_fits(&sum, x.checked_add(y), x.saturating_add(y), x.wrapping_add(y));
     assert_fits(&difference, x.checked_sub(y), x.saturating_sub(y), x.wrapping_sub(y));
-    assert_eq!(x.product(y).to_bits(), i128::from(a) * i128::from(b));
+    assert_eq!(x.wide_mul(y).to_bits(), i128::from(a) * i128::from(b));
     assert_eq!(x.offset(y).to_bits(), (i128::from(a) - i128::from(b)) << 32);
 }
 
