@@ -89,7 +89,7 @@ typedef struct UmbraVec2 {
 
 // A part of a compound.
 typedef struct UmbraPart {
-    // Position of the centre of mass, m.
+    // Position of the part's centre of mass, m.
     struct UmbraVec2 position;
     // Angle of the part, rad.
     UmbraFx angle;
@@ -295,7 +295,7 @@ typedef struct UmbraGoal {
 typedef struct UmbraPose {
     // The body.
     uint64_t body;
-    // Position of the part's centre of mass, m.
+    // Position of the centre of mass, m.
     struct UmbraVec2 position;
     // Angle, rad in [0, 2π).
     UmbraFx angle;
@@ -647,7 +647,7 @@ extern "C" {
 // The number of the interface that the library has.
 uint32_t umbra_api(void);
 
-// The number of the custom_forces of physics. Peers, snapshots and replays go together if they have the same.
+// The number of the laws of physics. Peers, snapshots and replays go together if they have the same.
 uint32_t umbra_physics_version(void);
 
 // The version of the library as text, which stays. This interface has the same.
@@ -659,8 +659,7 @@ UmbraStatus umbra_selftest(uint64_t *digest);
 
 // Allocates bytes, all 0, to write into: for hosts whose memory the library does not see, such as a WebAssembly host.
 // They lie at a multiple of 16.
-UmbraStatus umbra_bytes_new(size_t length,
-                            struct UmbraBytes **bytes);
+UmbraStatus umbra_bytes_new(size_t length, struct UmbraBytes **bytes);
 
 // Address of the bytes, valid until they are freed; null for null.
 uint8_t *umbra_bytes_data(struct UmbraBytes *bytes);
@@ -708,10 +707,7 @@ UmbraStatus umbra_last_message(char *buffer,
 
 // General meaning of an error number, as `docs/errors.md` gives it; text as for `umbra_last_message`.
 // `UMBRA_ERROR_BAD_ARGUMENT` for an unknown number, and then nothing is written. The last error is not changed.
-UmbraStatus umbra_status_message(UmbraStatus status,
-                                 char *buffer,
-                                 size_t capacity,
-                                 size_t *length);
+UmbraStatus umbra_status_message(UmbraStatus status, char *buffer, size_t capacity, size_t *length);
 
 // A disc of a radius of 2^-7 to 2^12 m.
 UmbraStatus umbra_shape_circle(UmbraFx radius, struct UmbraShape **shape);
@@ -1129,8 +1125,7 @@ UmbraStatus umbra_world_record(struct UmbraWorld *world,
 
 // Takes the finished part of the recording, to be written away; each byte is handed out once. The bytes of
 // `umbra_world_end_record` go after it.
-UmbraStatus umbra_world_take_record(struct UmbraWorld *world,
-                                    struct UmbraBytes **bytes);
+UmbraStatus umbra_world_take_record(struct UmbraWorld *world, struct UmbraBytes **bytes);
 
 // Ends the recording with the last step, and gives the rest of the file: all of it if nothing was taken before.
 UmbraStatus umbra_world_end_record(struct UmbraWorld *world, struct UmbraBytes **bytes);
