@@ -41,11 +41,11 @@ pub(crate) struct Bodies<S: Scalar> {
     moving: usize,
     /// The index of each body in the columns.
     pub(super) slots: Slots<BodyId>,
-    /// Whether bodies have a last acceleration. The column is empty as long as all are zero.
+    /// True if bodies have a last acceleration. The column is empty as long as all are zero.
     keeps_last: bool,
-    /// Whether a body has come among those that move since the last step.
+    /// True if a body started to move since the last step.
     any_come: bool,
-    /// Whether all ticks at rest are known to be zero.
+    /// True if all ticks at rest are known to be zero.
     pub(super) is_rest_zero: bool,
     /// Counts of the bodies that are asleep; derived.
     asleep: Sleepers,
@@ -94,7 +94,7 @@ impl<S: Scalar> Bodies<S> {
         self.asleep.count > 0
     }
 
-    /// Whether a dynamic body in one of these groups is asleep.
+    /// Returns true if a dynamic body in one of these groups is asleep.
     pub(crate) fn any_asleep_in(&self, groups: u32) -> bool {
         self.asleep.groups() & groups != 0
     }

@@ -58,13 +58,13 @@ pub(crate) struct StepFactors<S: Scalar> {
     pub(crate) gravity: Vec2<S::Wide>,
     /// The velocity gained from it, by span.
     pub(crate) fall: [Vec2<S::Accumulator>; SPANS],
-    /// What is left of the velocities, by span.
+    /// Fraction of the velocities that is left, by span.
     pub(crate) linear: [S::Factor; SPANS],
     pub(crate) angular: [S::Factor; SPANS],
     pub(crate) is_damped: bool,
-    /// Whether no factor is above 1: one is where damping runs backwards.
+    /// True if no factor is above 1; factors above 1 occur where damping runs backwards.
     pub(crate) decays: bool,
-    /// Whether moreover the falls of [`GENTLE_STEPS`] steps are small beside the limit of speeds.
+    /// True if moreover the velocity gained by gravity in [`GENTLE_STEPS`] steps is small beside the limit of speeds.
     pub(crate) is_gentle: bool,
 }
 
@@ -77,7 +77,7 @@ pub(crate) struct Key<S> {
     pub(crate) angular: Option<S>,
     /// The largest speed and angular speed after a step.
     pub(crate) most: [Option<S>; 2],
-    /// Whether the body is locked along x, and along y.
+    /// Locks of the body along x, and along y.
     pub(crate) still: [bool; 2],
 }
 
@@ -90,17 +90,17 @@ impl<S: Scalar> Key<S> {
         (self.dynamic, self.gravity_scale.to_bits(), own, self.still)
     }
 
-    /// Whether a step may have to slow the body down to a cap.
+    /// Returns true if a step may have to slow the body down to its speed limit.
     pub(crate) fn is_capped(&self) -> bool {
         self.dynamic && self.most != [None; 2]
     }
 
-    /// Whether the velocities of the body decay in a world with this damping.
+    /// Returns true if the velocities of the body decay in a world with this damping.
     pub(crate) fn is_damped(&self, linear: S, angular: S) -> bool {
         self.dynamic && (self.linear.unwrap_or(linear) != S::ONE || self.angular.unwrap_or(angular) != S::ONE)
     }
 
-    /// Whether the body's own damping stops it at once.
+    /// Returns true if the body's own damping stops it at once.
     fn stops(&self) -> bool {
         [self.linear, self.angular].contains(&Some(S::ZERO))
     }
@@ -165,7 +165,7 @@ pub(crate) struct FactorTable<S: Scalar> {
     free: Vec<u32>,
     /// Counts from 1 on how often the parameters of the world have changed.
     version: u64,
-    /// Whether a row may have to be made before the next step.
+    /// Returns true if a row may have to be made before the next step.
     is_stale: bool,
     /// The number of rows in use with a cap.
     capped: u32,
@@ -193,12 +193,12 @@ impl<S: Scalar> FactorTable<S> {
         self.rows.iter().filter(|row| row.users > 0).map(|row| &row.key)
     }
 
-    /// Whether a step may have to slow down a body.
+    /// Returns true if a step may have to slow down a body.
     pub(crate) fn any_capped(&self) -> bool {
         self.capped > 0
     }
 
-    /// Whether the own damping of a body stops it at once.
+    /// Returns true if the own damping of a body stops it at once.
     pub(crate) fn any_stopping(&self) -> bool {
         self.stopping > 0
     }
@@ -241,7 +241,7 @@ impl<S: Scalar> FactorTable<S> {
         self.is_stale = true;
     }
 
-    /// Whether factors may have to be made before the next step.
+    /// Returns true if factors may have to be made before the next step.
     pub(crate) fn is_stale(&self) -> bool {
         self.is_stale
     }

@@ -62,7 +62,7 @@ pub enum Activity {
 }
 
 impl Activity {
-    /// Whether the body is part of the simulation. A body that is not stays in place and keeps its velocity, and fields that
+    /// True if the body is part of the simulation. Otherwise it stays in place and keeps its velocity, and fields that
     /// are attached to it do nothing.
     ///
     /// ```

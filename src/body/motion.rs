@@ -1,4 +1,4 @@
-//! What a step changes, one array per quantity and component.
+//! Quantities that a step changes, one array per quantity and component.
 
 use alloc::vec::Vec;
 
@@ -57,7 +57,7 @@ impl<T: Copy> Plane<T> {
     }
 }
 
-/// What a step changes of the bodies.
+/// Quantities of the bodies that a step changes.
 #[derive(Debug)]
 pub(crate) struct Motion<S: Scalar> {
     pub(crate) position: Plane<S::Accumulator>,
@@ -165,7 +165,7 @@ impl<S: Scalar> Motion<S> {
         }
     }
 
-    /// Whether body `i` of the block that was kept is what it was, to the bit.
+    /// Returns true if body `i` of the kept block is unchanged, to the bit.
     pub(crate) fn is_same(&self, block: &Block<'_, S>, i: usize) -> bool {
         self.position.get(i) == Vec2::new(block.position[0][i], block.position[1][i])
             && self.velocity.get(i) == Vec2::new(block.velocity[0][i], block.velocity[1][i])
@@ -210,7 +210,7 @@ pub(crate) struct Block<'a, S: Scalar> {
     pub(crate) rest: &'a mut [u32],
     /// Empty but with `PublishedVerlet`.
     pub(crate) last: &'a mut [Acceleration<S>],
-    /// Which of the [`FactorTable`](super::FactorTable) they have.
+    /// Rows of the [`FactorTable`](super::FactorTable) that the bodies have.
     pub(crate) factors: &'a [u32],
 }
 
@@ -263,12 +263,12 @@ impl<'a, S: Scalar> Block<'a, S> {
         )
     }
 
-    /// Whether any of them turns.
+    /// Returns true if any of the bodies turns.
     pub(crate) fn any_spins(&self) -> bool {
         self.angular_velocity.iter().any(|angular_velocity| *angular_velocity != S::Accumulator::default())
     }
 
-    /// Whether the public velocities of body `i` of the block are zero.
+    /// Returns true if the public velocities of body `i` of the block are zero.
     pub(crate) fn is_still(&self, i: usize) -> bool {
         self.velocity[0][i].is_still() && self.velocity[1][i].is_still() && self.angular_velocity[i].is_still()
     }

@@ -11,7 +11,7 @@ use crate::math::Vec2;
 use crate::scalar::{Accumulator, Angle, Factor, Offset, Scalar, SpringConstants, Sum, Wide};
 use crate::slots::FieldId;
 
-/// What the fields do to a body: accelerations that do not depend on its mass, forces and a torque, each summed so that
+/// Effect of the fields on a body: accelerations that do not depend on its mass, forces and a torque, each summed so that
 /// the order of the fields never matters.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Load<S: Scalar> {
@@ -44,11 +44,11 @@ impl<S: Scalar> Load<S> {
     }
 }
 
-/// What the fields do to the bodies that one reaches.
+/// Effects of the fields on the bodies that they reach.
 pub(crate) type Loads<S> = Sparse<(usize, Load<S>)>;
 
 impl<S: Scalar> Loads<S> {
-    /// That of body `i` in the columns.
+    /// Entry of body `i` in the columns.
     fn of(&mut self, i: usize) -> &mut Load<S> {
         &mut self.get_or_insert(i, || (i, Load::default())).1
     }
@@ -57,7 +57,7 @@ impl<S: Scalar> Loads<S> {
 /// Sines and cosines that were computed already: at most once for a body as long as it does not turn.
 pub(crate) type Directions<S> = Sparse<(usize, <<S as Scalar>::Angle as Angle<S>>::Direction)>;
 
-/// What fields see.
+/// Inputs of the fields.
 #[derive(Clone, Copy)]
 pub(crate) struct Scene<'a, S: Scalar> {
     pub(crate) bodies: &'a Bodies<S>,
@@ -67,7 +67,7 @@ pub(crate) struct Scene<'a, S: Scalar> {
 
 /// A point of the world or of a body, and how it moves.
 struct Anchor<S: Scalar> {
-    /// Its body's index in the columns, if a force on it moves something.
+    /// Index of the body in the columns, if a force on it moves something.
     dense: Option<usize>,
     position: Vec2<S>,
     /// From there to the point.

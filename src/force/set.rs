@@ -208,7 +208,7 @@ impl<S: Scalar> FieldSet<S> {
         self.slots.all().iter().map(|slot| (slot.generation, slot.index().map(|at| &self.entries[at].field)))
     }
 
-    /// How often a slot was taken before; `None` beyond the last slot.
+    /// Generation of a slot; `None` beyond the last slot.
     pub(crate) fn generation(&self, slot: u32) -> Option<u32> {
         self.slots.generation(slot)
     }

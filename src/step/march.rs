@@ -12,7 +12,7 @@ use crate::integrate::{BlockFactors, Plan, Stage, StageKind, cap, damp, drift, f
 use crate::limits;
 use crate::scalar::{Accumulator, Scalar};
 
-/// What all blocks share in a step.
+/// Data that all blocks share in a step.
 #[derive(Clone, Copy)]
 pub(super) struct March<'a, S: Scalar> {
     pub(super) stages: &'static [Stage],
@@ -21,9 +21,9 @@ pub(super) struct March<'a, S: Scalar> {
     /// What the forces applied this tick do, in the order of the columns; `None` where their sum does not fit.
     pub(super) pushed: &'a [Pushed<S>],
     pub(super) sleep_after: Option<u32>,
-    /// Whether a body with a fault goes back to what it was. Where a step is undone all bodies do, or none.
+    /// True if a body with a fault is restored to its state before the step. When a step is undone, all bodies are, or none.
     pub(super) restores: bool,
-    /// Whether the speed of a body is capped.
+    /// True if the speed of a body is limited.
     pub(super) caps: bool,
 }
 
@@ -238,7 +238,7 @@ fn is_far_inside<S: Scalar>(block: &Block<'_, S>) -> bool {
     are_inside(block, [limits::POSITION_LOG2 - 1, limits::SPEED_LOG2 - 1])
 }
 
-/// Whether positions are within two to the first, and velocities and angular velocities within two to the second. At a limit
+/// Returns true if positions are within two to the first, and velocities and angular velocities within two to the second. At a limit
 /// itself the answer may be no.
 fn are_inside<S: Scalar>(block: &Block<'_, S>, [position, speed]: [u32; 2]) -> bool {
     block.velocity.iter().all(|v| S::are_within(v, speed))

@@ -26,7 +26,7 @@ pub(crate) struct Plan {
     pub(crate) ticks: u64,
 }
 
-/// What a plan has made in a world so far.
+/// Bodies and fields that a plan has made in a world so far.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Cast {
     pub(crate) bodies: Vec<BodyId>,
@@ -114,7 +114,7 @@ impl CommandMap<Fx> for Named<'_> {
 }
 
 impl Plan {
-    /// What is done at a tick, in order; the start comes first.
+    /// Commands at a tick, in order; the start comes first.
     pub(crate) fn due(&self, tick: u64) -> Vec<Command> {
         let mut due = Vec::new();
         if tick == 0 {
@@ -142,17 +142,17 @@ impl Plan {
 /// The kind of values that plans have.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Taste {
-    /// How many numbers of a hundred are at a limit.
+    /// Percentage of numbers at a limit.
     pub(crate) near: u32,
-    /// How many are beyond one, or anything at all.
+    /// Percentage of numbers beyond a limit, or arbitrary.
     pub(crate) unfair: u32,
-    /// Whether every step can be undone.
+    /// True if every step can be undone.
     pub(crate) reversible: bool,
-    /// Whether anything is done after the start but pushes.
+    /// True if there are commands other than pushes after the start.
     pub(crate) changes: bool,
-    /// How many bodies there are at the start, at most.
+    /// Largest number of bodies at the start.
     pub(crate) bodies: usize,
-    /// How many ticks, at most.
+    /// Largest number of ticks.
     pub(crate) ticks: u64,
 }
 

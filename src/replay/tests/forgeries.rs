@@ -76,7 +76,7 @@ fn disturb(bytes: &mut [u8], random: &mut Random) {
     }
 }
 
-/// How often a test tries: more if asked to.
+/// Number of tries of a test: more if asked to.
 fn tries(usual: u64) -> u64 {
     option_env!("UMBRA_TRIES").and_then(|tries| tries.parse().ok()).unwrap_or(usual)
 }
