@@ -64,6 +64,7 @@ mod codec;
 pub mod guide;
 mod handle;
 mod integrate;
+mod island;
 mod kernel;
 pub mod limits;
 mod math;

@@ -7,7 +7,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules on one level do not name each other.
-const LEVELS: [&[&str]; 14] = [
+const LEVELS: [&[&str]; 15] = [
     &["kernel", "handle"],
     &["error"],
     &["scalar"],
@@ -17,6 +17,7 @@ const LEVELS: [&[&str]; 14] = [
     &["shape"],
     &["body"],
     &["force", "integrate"],
+    &["island"],
     &["step"],
     &["world"],
     &["display", "replay", "scene"],

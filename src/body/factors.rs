@@ -10,8 +10,8 @@ use crate::scalar::{Accumulator, Factor, Scalar, Span, fx::Fx};
 /// The most spans an integrator's stages name.
 pub(crate) const SPANS: usize = 4;
 
-/// Over so many steps the falls of a gentle tuning stay below half the limit of speeds.
-pub(crate) const GENTLE_STEPS: u8 = 32;
+/// The number of steps over which bounded factors change a speed by less than half the limit of speeds.
+pub(crate) const BOUNDED_STEPS: u8 = 32;
 
 /// What the factors are made from besides the body's own numbers.
 pub(crate) struct WorldFactors<'a, S: Scalar> {
@@ -56,16 +56,16 @@ pub(crate) struct StepFactors<S: Scalar> {
     rates: Option<[Option<S::DecayRate>; 2]>,
     /// Gravity as it feels it, m/s²: none along a locked axis.
     pub(crate) gravity: Vec2<S::Wide>,
-    /// The velocity gained from it, by span.
-    pub(crate) fall: [Vec2<S::Accumulator>; SPANS],
+    /// The change of velocity by gravity over a span, by span.
+    pub(crate) gravity_delta_v: [Vec2<S::Accumulator>; SPANS],
     /// What is left of the velocities, by span.
     pub(crate) linear: [S::Factor; SPANS],
     pub(crate) angular: [S::Factor; SPANS],
     pub(crate) is_damped: bool,
     /// Whether no factor is above 1: one is where damping runs backwards.
     pub(crate) decays: bool,
-    /// Whether moreover the falls of [`GENTLE_STEPS`] steps are small beside the limit of speeds.
-    pub(crate) is_gentle: bool,
+    /// Whether moreover gravity changes a speed by less than half the limit of speeds in [`BOUNDED_STEPS`] steps.
+    pub(crate) is_bounded: bool,
 }
 
 /// What a body has of its own that its factors are made from.
@@ -116,12 +116,12 @@ impl<S: Scalar> StepFactors<S> {
             version: 0,
             rates: None,
             gravity: Vec2::default(),
-            fall: [Vec2::new(none, none); SPANS],
+            gravity_delta_v: [Vec2::new(none, none); SPANS],
             linear: [S::Factor::ONE; SPANS],
             angular: [S::Factor::ONE; SPANS],
             is_damped: false,
             decays: true,
-            is_gentle: true,
+            is_bounded: true,
         }
     }
 
@@ -138,9 +138,8 @@ impl<S: Scalar> StepFactors<S> {
             Vec2::new(felt(world_factors.gravity.x, key.still[0]), felt(world_factors.gravity.y, key.still[1]));
         for (i, &span) in world_factors.spans.iter().enumerate() {
             // Gravity and its scale are limited so that no span's kick reaches the limit of kicks.
-            let fall = |g| S::kick(g, world_factors.seconds[i]).unwrap_or_default();
-            let fall = self.gravity.map(fall);
-            self.fall[i] = if span.is_negative() { fall.map(Accumulator::negated) } else { fall };
+            let delta_v = self.gravity.map(|g| S::kick(g, world_factors.seconds[i]).unwrap_or_default());
+            self.gravity_delta_v[i] = if span.is_negative() { delta_v.map(Accumulator::negated) } else { delta_v };
         }
         self.linear = rates[0].map_or(world_factors.linear, |rate| world_factors.decays(rate));
         self.angular = rates[1].map_or(world_factors.angular, |rate| world_factors.decays(rate));
@@ -149,8 +148,8 @@ impl<S: Scalar> StepFactors<S> {
         self.decays = factors.all(|f| *f <= S::Factor::ONE);
         // A step has at most six kicks: 32·6·2^11 is below 2^19, half of the limit.
         let small = S::from_fx(Fx::from_int(1 << 11));
-        self.is_gentle =
-            self.decays && self.fall.iter().all(|fall| [fall.x, fall.y].iter().all(|f| f.is_within(small)));
+        self.is_bounded =
+            self.decays && self.gravity_delta_v.iter().all(|v| v.x.is_within(small) && v.y.is_within(small));
     }
 }
 

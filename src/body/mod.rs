@@ -1,10 +1,12 @@
 //! Bodies: their definitions, handles, and the columns their state is kept in.
 
+mod changes;
 mod columns;
 mod factors;
 mod info;
 mod motion;
 mod record;
+mod sets;
 mod sparse;
 mod target;
 
@@ -15,8 +17,9 @@ use crate::math::Vec2;
 use crate::scalar::{Accumulator, Factor, Scalar, fx::Fx};
 use crate::shape::Shape;
 
+pub(crate) use changes::Change;
 pub(crate) use columns::{Bodies, NONE, push};
-pub(crate) use factors::{FactorTable, GENTLE_STEPS, Key, SPANS, StepFactors, WorldFactors};
+pub(crate) use factors::{BOUNDED_STEPS, FactorTable, Key, SPANS, StepFactors, WorldFactors};
 pub(crate) use info::BodyInfo;
 pub(crate) use motion::{Acceleration, BLOCK, Block, Motion};
 pub(crate) use record::{Record, ShapeSource};

@@ -1,8 +1,12 @@
 //! The integrators: which stages a step has, in which order, and over which part of the time step.
 
 mod rules;
+mod schedule;
 
-pub(crate) use rules::{BlockFactors, cap, damp, drift, fall, glide, glide_each, kick_by, sum};
+pub(crate) use rules::{
+    BlockFactors, cap, damp, drift, fused_kick_drift_kick, fused_kick_drift_kick_each, gravity_delta_v, kick_by, sum,
+};
+pub(crate) use schedule::{FreeStage, Schedule, split_fused};
 
 use crate::body::SPANS;
 use crate::codec::codec_enum;

@@ -6,7 +6,7 @@ use super::World;
 use crate::body::{Activity, Bodies};
 use crate::integrate::{Stage, StageKind};
 use crate::scalar::{Scalar, fx::Fx};
-use crate::step::find_strays;
+use crate::step::find_out_of_bounds;
 
 /// The world after each stage of a step: where two runs part, the first stage after which they differ says what parted
 /// them.
@@ -67,20 +67,20 @@ impl<S: Scalar> World<S> {
             if stage.kind == StageKind::Clear {
                 world.applied.finish();
             }
-            world.quarantine_strays();
+            world.quarantine_out_of_bounds();
             stages.push((*stage, world));
         };
         self.advance(Some(&mut probe));
-        self.change_log.end(&self.scratch.faults, &self.scratch.fell_asleep);
+        self.change_log.end(&self.workspace.report.faults, &self.workspace.report.fell_asleep);
         Trace { stages }
     }
 
     /// Makes of a world in the midst of a step one like any other, which may be moved on as well.
-    fn quarantine_strays(&mut self) {
-        let mut strays = Vec::new();
-        find_strays(&self.bodies.all_moving(), &mut strays);
-        // Each changes places with the last body that moves: from the last one on, the others stay where they are.
-        for (i, _) in strays.into_iter().rev() {
+    fn quarantine_out_of_bounds(&mut self) {
+        let mut faults = Vec::new();
+        find_out_of_bounds(&self.bodies.all_moving(), &mut faults);
+        // From the last one on: those before it stay where they are when it is taken out.
+        for (i, _) in faults.into_iter().rev() {
             // One that is taken out has nothing applied to it, and is sent nowhere.
             let body = self.bodies.id(i);
             self.applied.forget(body);
