@@ -69,11 +69,15 @@ impl Changes {
         match self.bodies.last_mut() {
             Some((last, noted)) if *last == slot => *noted = noted.or(change),
             _ if count < (slots / 8).max(64) => self.bodies.push((slot, change)),
-            _ => (self.bodies, self.all) = (Vec::new(), true),
+            _ => {
+                self.bodies.clear();
+                self.all = true;
+            }
         }
     }
 
     /// Notes that any body and any field may have changed in anything.
+    #[cfg(feature = "oracles")]
     pub(crate) fn note_all(&mut self) {
         *self = Self::default();
     }

@@ -23,7 +23,7 @@ pub(crate) const NONE: u32 = u32::MAX;
 #[derive(Debug)]
 pub(crate) struct Columns<S: Scalar> {
     pub(crate) motion: Motion<S>,
-    /// Which of the [`FactorTable`] a body has.
+    /// The rows of the [`FactorTable`] that the bodies have.
     pub(crate) factors: Vec<u32>,
     pub(crate) slot: Vec<u32>,
     activity: Vec<Activity>,
@@ -69,7 +69,7 @@ pub(crate) struct Bodies<S: Scalar> {
     table: Arc<BodyTable<S>>,
     /// The bodies before this index are the ones a step moves.
     pub(super) moving: usize,
-    /// Of these, the bodies before this index are free and the others coupled, but for what `changes` has.
+    /// The moving bodies before this index are free and the others coupled, but for what `changes` has.
     pub(super) first_coupled: usize,
     /// The groups of all fields that act on bodies by their groups, as the bodies are parted now.
     pub(super) coupling_groups: u32,
@@ -175,12 +175,12 @@ impl<S: Scalar> Bodies<S> {
         (self.moving..self.len()).filter(|&dense| self.columns.activity[dense] == Activity::Asleep)
     }
 
-    /// What no step changes of the body at this index in the columns.
+    /// The properties that no step changes, of the body at this index in the columns.
     pub(crate) fn info(&self, dense: usize) -> &BodyInfo<S> {
         self.table.info(self.columns.slot[dense] as usize)
     }
 
-    /// Changes what no step does. A body that is asleep keeps its kind and its groups.
+    /// Changes properties that no step changes. A body that is asleep keeps its kind and its groups.
     pub(crate) fn edit(&mut self, dense: usize, edit: impl FnOnce(&mut BodyInfo<S>)) {
         let slot = self.columns.slot[dense] as usize;
         Arc::make_mut(&mut self.table).edit(slot, edit);
@@ -521,7 +521,7 @@ impl<S: Scalar> Bodies<S> {
     }
 }
 
-/// What the factors of the body in a slot are made from.
+/// The key that the factors of the body in a slot are made from.
 fn key_of<'a, S: Scalar>(
     slots: &[Slot],
     columns: &Columns<S>,

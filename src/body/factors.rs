@@ -1,4 +1,4 @@
-//! What bodies share: gravity scale, damping, caps and locks, and the factors that follow from them and the time step.
+//! Rows that bodies share: gravity scale, damping, caps and locks, and the factors that follow from them and the time step.
 
 use alloc::collections::BTreeMap;
 use alloc::vec::Vec;
@@ -13,14 +13,14 @@ pub(crate) const SPANS: usize = 4;
 /// The number of steps over which bounded factors change a speed by less than half the limit of speeds.
 pub(crate) const BOUNDED_STEPS: u8 = 32;
 
-/// What the factors are made from besides the body's own numbers.
+/// The parameters of the world that factors are made from.
 pub(crate) struct WorldFactors<'a, S: Scalar> {
     gravity: Vec2<S>,
     /// The spans of the integrator's stages, how long each is in seconds, and whether bodies are damped over it.
     spans: &'a [Span],
     seconds: [S::Factor; SPANS],
     damps: [bool; SPANS],
-    /// What is left of the velocities of a body without a damping of its own, by span.
+    /// The part of the velocities that is left after a span, of a body without a damping of its own.
     linear: [S::Factor; SPANS],
     angular: [S::Factor; SPANS],
 }
@@ -35,7 +35,7 @@ impl<'a, S: Scalar> WorldFactors<'a, S> {
         Self { linear, angular, ..world_factors }
     }
 
-    /// What is left of a velocity, by span, that decays at a rate.
+    /// The part of a velocity that is left after each span, if it decays at a rate.
     fn decays(&self, rate: S::DecayRate) -> [S::Factor; SPANS] {
         let mut decays = [S::Factor::ONE; SPANS];
         for (i, &span) in self.spans.iter().enumerate().filter(|(i, _)| self.damps[*i]) {
@@ -58,7 +58,7 @@ pub(crate) struct StepFactors<S: Scalar> {
     pub(crate) gravity: Vec2<S::Wide>,
     /// The change of velocity by gravity over a span, by span.
     pub(crate) gravity_delta_v: [Vec2<S::Accumulator>; SPANS],
-    /// What is left of the velocities, by span.
+    /// The part of the velocities that is left, by span.
     pub(crate) linear: [S::Factor; SPANS],
     pub(crate) angular: [S::Factor; SPANS],
     pub(crate) is_damped: bool,
@@ -68,7 +68,7 @@ pub(crate) struct StepFactors<S: Scalar> {
     pub(crate) is_bounded: bool,
 }
 
-/// What a body has of its own that its factors are made from.
+/// The properties of a body that its factors are made from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Key<S> {
     pub(crate) dynamic: bool,
@@ -107,7 +107,7 @@ impl<S: Scalar> Key<S> {
 }
 
 impl<S: Scalar> StepFactors<S> {
-    /// That of a body that nothing acts on.
+    /// The factors of a body that nothing acts on.
     fn neutral(key: Key<S>) -> Self {
         let none = S::Accumulator::default();
         Self {
@@ -153,7 +153,7 @@ impl<S: Scalar> StepFactors<S> {
     }
 }
 
-/// The tunings in use. Which index one has is no state: it changes no bit of what follows.
+/// The factors in use. Which index a row has is not state: it changes no bit of what follows.
 ///
 /// Factors take long to make, and one call may change those of all bodies: calls only note that, and the next step makes
 /// those of the bodies that it moves, once.

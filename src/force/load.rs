@@ -11,7 +11,7 @@ use crate::handle::{BodyId, FieldId};
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, Angle, Offset, Scalar, SpringConstants, Sum, Wide};
 
-/// What the fields do to a body: accelerations that do not depend on its mass, forces and a torque, each summed so that
+/// The sums of what the fields do to a body: accelerations that do not depend on its mass, forces and a torque, each summed so that
 /// the order of the fields never matters.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Load<S: Scalar> {
@@ -48,7 +48,7 @@ impl<S: Scalar> Load<S> {
 pub(crate) type Loads<S> = Sparse<(usize, Load<S>)>;
 
 impl<S: Scalar> Loads<S> {
-    /// That of body `i` in the columns.
+    /// The load of body `i` in the columns.
     fn of(&mut self, i: usize) -> &mut Load<S> {
         &mut self.get_or_insert(i, || (i, Load::default())).1
     }
@@ -57,7 +57,7 @@ impl<S: Scalar> Loads<S> {
 /// Sines and cosines that were computed already: at most once for a body as long as it does not turn.
 pub(crate) type Directions<S> = Sparse<(usize, <<S as Scalar>::Angle as Angle<S>>::Direction)>;
 
-/// What fields see.
+/// The view that fields have of the world.
 #[derive(Clone, Copy)]
 pub(crate) struct Scene<'a, S: Scalar> {
     pub(crate) bodies: &'a Bodies<S>,
@@ -218,7 +218,7 @@ pub(crate) fn accumulate<S: Scalar>(
     }
 }
 
-/// What is evaluated, and where it goes to.
+/// An evaluation of fields, and the lists that it adds to.
 struct Evaluation<'a, S: Scalar> {
     scene: Scene<'a, S>,
     targets: Targets<'a>,

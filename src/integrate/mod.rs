@@ -60,7 +60,7 @@ codec_enum!(Integrator, "the number of an integrator", {
     4 => Yoshida4,
 });
 
-/// What a stage does.
+/// The kind of a stage: the work that it does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",
@@ -100,7 +100,7 @@ impl StageKind {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Stage {
-    /// What it does.
+    /// The work that it does.
     pub kind: StageKind,
     /// Over which of the integrator's [`spans`](Integrator::spans).
     pub span: usize,

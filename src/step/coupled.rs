@@ -98,7 +98,7 @@ impl<S: Scalar> Coupled<'_, S> {
         }
     }
 
-    /// What fields see.
+    /// The view that fields have of the world.
     pub(super) fn scene(&self) -> Scene<'_, S> {
         let Forces { fields, custom_forces } = self.forces;
         Scene { bodies: self.bodies, fields, custom_forces }

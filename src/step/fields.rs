@@ -47,6 +47,7 @@ impl<S: Scalar> Workspace<S> {
     /// Drops what belongs to the positions and angles of coupled bodies.
     pub(super) fn drop_cached(&mut self) {
         self.is_current = false;
+        self.outdated.clear();
         self.directions.clear();
     }
 
@@ -99,6 +100,7 @@ impl<S: Scalar> Workspace<S> {
     /// Takes over what is cached of another one, which this one is a copy of.
     pub(super) fn clone_cached_from(&mut self, source: &Self) {
         self.is_current = source.is_current && source.outdated.is_empty();
+        self.outdated.clear();
         if self.is_current {
             self.position.clone_from(&source.position);
         }

@@ -11,7 +11,7 @@ use alloc::vec::Vec;
 use super::applied::part_in;
 use super::bounds::{SafeSteps, check_bounds_and_rest};
 use super::{Constants, Found, kick};
-use crate::body::{BLOCK, Block, Bodies, Change, Motion};
+use crate::body::{BLOCK, Block, Bodies, Motion};
 use crate::error::Cause;
 use crate::integrate::{
     BlockFactors, FreeStage, Stage, StageKind, cap, damp, drift, fused_kick_drift_kick, fused_kick_drift_kick_each,
@@ -43,8 +43,8 @@ impl<S: Scalar> Workspace<S> {
     /// Drops what is cached of the blocks with bodies that changed.
     pub(super) fn drop_changed(&mut self, bodies: &Bodies<S>) {
         let Some(changed) = bodies.changes().bodies() else { return self.drop_cached() };
-        let changed = changed.iter().filter(|(_, change)| change.is_any_of(Change::POSE.or(Change::VELOCITY)));
-        for i in changed.filter_map(|&(slot, _)| bodies.index_in(slot)) {
+        // Any change counts: a body that became free stands in a block that was checked without it.
+        for i in changed.iter().filter_map(|&(slot, _)| bodies.index_in(slot)) {
             if let Some(safe_steps) = self.safe_steps.get_mut(i / BLOCK) {
                 *safe_steps = SafeSteps::default();
             }
@@ -76,7 +76,7 @@ pub(super) fn run<S: Scalar>(
     pass.run(blocks, safe_steps, backup, found);
 }
 
-/// What all blocks share in a step.
+/// The list of stages, and what all blocks share in a step.
 #[derive(Clone, Copy)]
 pub(super) struct FreePass<'a, S: Scalar> {
     pub(super) constants: Constants<'a, S>,

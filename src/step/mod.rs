@@ -25,7 +25,9 @@ pub(crate) use workspace::{Report, Workspace};
 
 use alloc::vec::Vec;
 
-use crate::body::{Acceleration, BLOCK, Block, Bodies, FactorTable, KinematicTargets, StepFactors};
+#[cfg(feature = "parallel")]
+use crate::body::BLOCK;
+use crate::body::{Acceleration, Block, Bodies, FactorTable, KinematicTargets, StepFactors};
 use crate::error::{Cause, Fault};
 use crate::force::{Applied, CustomForces, FieldSet};
 use crate::integrate::{Integrator, Plan, Schedule, Stage};
@@ -35,7 +37,7 @@ use free::FreePass;
 use timers::timed;
 use workspace::Found;
 
-/// All that a step works on.
+/// The parts of a world that a step works on.
 pub(crate) struct Step<'a, S: Scalar> {
     pub(crate) bodies: &'a mut Bodies<S>,
     pub(crate) applied: &'a mut Applied<S>,
@@ -82,7 +84,7 @@ type AppliedAcceleration<S> = (usize, Option<Acceleration<S>>);
 /// Accelerations of some bodies, by their indices in the columns.
 type Accelerations<S> = Vec<(usize, Acceleration<S>)>;
 
-/// What is the same for all bodies over a step.
+/// Values that are the same for all bodies over a step.
 #[derive(Clone, Copy)]
 struct Constants<'a, S: Scalar> {
     plan: &'a Plan<S>,

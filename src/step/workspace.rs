@@ -27,7 +27,7 @@ pub(crate) struct Workspace<S: Scalar> {
     pub(crate) timers: super::Timers,
 }
 
-/// What the passes found. By indices in the columns.
+/// Bodies that the passes found, by their indices in the columns.
 #[derive(Debug, Default)]
 pub(super) struct Found {
     /// In the order in which they happened to a body.
@@ -45,7 +45,7 @@ impl Found {
     }
 }
 
-/// What the last step reported.
+/// The report of the last step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Report {
     pub(crate) faults: Vec<Fault>,
