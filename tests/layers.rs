@@ -193,7 +193,7 @@ fn the_checker_sees_an_import_to_the_right_in_every_form() {
         ("integrate/rules.rs", "use crate::force::Load;"),
         ("step/mod.rs", "use super::world::World;"),
         ("error.rs", "use super::limits;"),
-        ("step/finish.rs", "use super::super::world::World;"),
+        ("step/sleep.rs", "use super::super::world::World;"),
         ("body/mod.rs", "use crate::World;"),
         ("body/mod.rs", "mod tests { use crate::world::World; }"),
         ("sideways/mod.rs", ""),
