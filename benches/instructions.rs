@@ -61,7 +61,7 @@ fn warm<S: Scalar>(mut scene: Scene<S>) -> Scene<S> {
 /// After a change of all bodies, which makes the next step look where they are; so do forces, once they are over.
 fn touched<S: Scalar>(mut scene: Scene<S>) -> Scene<S> {
     let bodies: Vec<BodyId> = scene.world.bodies().map(|body| body.id()).collect();
-    bodies.into_iter().for_each(|body| scene.world.set_user_data(body, 1).expect("it is there"));
+    bodies.into_iter().for_each(|body| scene.world.wake(body).expect("it is there"));
     scene
 }
 

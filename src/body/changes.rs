@@ -39,11 +39,13 @@ pub(crate) struct Changes {
     all: bool,
     /// Whether a field that acts on bodies by their groups was added, replaced or removed.
     group_fields: bool,
+    /// Memory that parting the bodies uses again.
+    pub(super) indices: Vec<usize>,
 }
 
 impl Clone for Changes {
     fn clone(&self) -> Self {
-        Self { bodies: self.bodies.clone(), ..*self }
+        Self { bodies: self.bodies.clone(), indices: Vec::new(), ..*self }
     }
 
     fn clone_from(&mut self, source: &Self) {
@@ -55,7 +57,7 @@ impl Clone for Changes {
 impl Default for Changes {
     /// Nothing is known of the bodies yet.
     fn default() -> Self {
-        Self { bodies: Vec::new(), all: true, group_fields: true }
+        Self { bodies: Vec::new(), all: true, group_fields: true, indices: Vec::new() }
     }
 }
 

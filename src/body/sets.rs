@@ -3,7 +3,6 @@
 //! A moving body is *coupled* if a force field may act on it or is attached to it, and *free* otherwise. Which set a body is in,
 //! and its index within a set, is not state: it decides how a step computes, not what.
 
-use alloc::vec::Vec;
 use core::ops::Range;
 
 use super::changes::{Change, Changes};
@@ -94,17 +93,20 @@ impl<S: Scalar> Bodies<S> {
         let groups = groups.unwrap_or(self.coupling_groups);
         let is_coupled = |bodies: &Self, i: usize| bodies.info(i).feels(groups) || is_attached(bodies.id(i));
         let same_groups = core::mem::replace(&mut self.coupling_groups, groups) == groups;
+        let mut indices = core::mem::take(&mut self.changes.indices);
+        indices.clear();
         match self.changes.bodies() {
             Some(changed) if same_groups => {
                 let changed = changed.iter().filter(|(_, change)| change.is_any_of(Change::FORCES));
-                let mut changed: Vec<usize> = changed.filter_map(|&(slot, _)| self.index_in(slot)).collect();
-                changed.sort_unstable();
-                changed.dedup();
-                changed.retain(|&i| i < self.moving && is_coupled(self, i) != (i >= self.first_coupled));
-                self.change_sets(&changed);
+                indices.extend(changed.filter_map(|&(slot, _)| self.index_in(slot)));
+                indices.sort_unstable();
+                indices.dedup();
+                indices.retain(|&i| i < self.moving && is_coupled(self, i) != (i >= self.first_coupled));
+                self.change_sets(&indices);
             }
             _ => self.part_all(is_coupled),
         }
+        self.changes.indices = indices;
     }
 
     /// Moves these bodies, in ascending order, from the set they are in to the other one.

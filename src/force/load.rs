@@ -21,12 +21,14 @@ pub(crate) struct Load<S: Scalar> {
 }
 
 impl<S: Scalar> Load<S> {
+    #[inline]
     fn accelerate(&mut self, (x, y): Offset<S>) {
         self.acceleration.x.add(x);
         self.acceleration.y.add(y);
     }
 
     /// Adds a force that acts at `arm` from the centre of mass. `None` if its torque does not fit.
+    #[inline]
     fn push(&mut self, arm: Offset<S>, force: Offset<S>) -> Option<()> {
         if arm != Offset::<S>::default() {
             self.torque.add(S::torque(arm.0, force.1)?);
@@ -37,6 +39,7 @@ impl<S: Scalar> Load<S> {
         Some(())
     }
 
+    #[inline]
     fn push_freely(&mut self, push: &ForceTorque<S>) {
         self.force.x.add(S::Wide::from_scalar(push.force.x));
         self.force.y.add(S::Wide::from_scalar(push.force.y));
@@ -49,6 +52,7 @@ pub(crate) type Loads<S> = Sparse<(usize, Load<S>)>;
 
 impl<S: Scalar> Loads<S> {
     /// The load of body `i` in the columns.
+    #[inline]
     fn of(&mut self, i: usize) -> &mut Load<S> {
         &mut self.get_or_insert(i, || (i, Load::default())).1
     }

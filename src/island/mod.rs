@@ -21,6 +21,7 @@ pub(crate) struct Workspace {
 
 /// Whether a body tries to fall asleep after so many steps at rest. The last body of an island that comes to rest tries first;
 /// one that others keep awake tries again every `ticks` steps.
+#[inline]
 pub(crate) fn is_candidate(ticks_at_rest: u32, ticks: u32) -> bool {
     ticks_at_rest >= ticks && ticks_at_rest % ticks == 0
 }

@@ -11,6 +11,7 @@ use crate::math::Vec2;
 use crate::scalar::{Scalar, Sum, Wide};
 
 /// a = Σ accelerations + Σ F / m, α = Σ τ / I, none along a locked axis; `None` if a sum does not fit.
+#[inline]
 pub(super) fn acceleration<S: Scalar>(load: &Load<S>, info: &BodyInfo<S>) -> Option<Acceleration<S>> {
     let (properties, locks) = (&info.properties, info.locks);
     let component = |a: S::Sum, f: S::Sum, locked: bool| {
