@@ -9,7 +9,7 @@ use std::hint::black_box;
 use gungraun::{Callgrind, EntryPoint, LibraryBenchmarkConfig, library_benchmark, library_benchmark_group, main};
 use umbra_physics::scalar::Angle;
 use umbra_physics::scalar::internals::{Bulk as _, Motion as _, Span, Weight};
-use umbra_physics::{Fx, FxAccumulator, FxFactor, FxWide, Scalar, Turn, World, fx};
+use umbra_physics::{BodyId, Fx, FxAccumulator, FxFactor, FxWide, Scalar, Turn, World, fx};
 
 #[allow(dead_code, reason = "the benches of time have scenes of their own")]
 mod scenes;
@@ -59,10 +59,10 @@ fn warm<S: Scalar>(mut scene: Scene<S>) -> Scene<S> {
     scene
 }
 
-/// After a change, which makes the next step look where the bodies are; so do forces, once they are over.
+/// After a change of all bodies, which makes the next step look where they are; so do forces, once they are over.
 fn touched<S: Scalar>(mut scene: Scene<S>) -> Scene<S> {
-    let body = scene.world.bodies().next().map(|body| body.id());
-    scene.world.set_user_data(body.expect("there are bodies"), 1).expect("it is there");
+    let bodies: Vec<BodyId> = scene.world.bodies().map(|body| body.id()).collect();
+    bodies.into_iter().for_each(|body| scene.world.wake(body).expect("it is there"));
     scene
 }
 
@@ -80,6 +80,9 @@ fn steps<S: Scalar>(mut scene: Scene<S>) -> Scene<S> {
 #[bench::free_2k(scenes::free(2_000))]
 #[bench::free_10k(scenes::free(10_000))]
 #[bench::free_100k(scenes::free(100_000))]
+#[bench::free_100k_one_spring(scenes::one_spring(100_000))]
+#[bench::free_1k_zone_on_nobody(scenes::zone(1_000, 2))]
+#[bench::free_1k_zone(scenes::zone(1_000, 1))]
 #[bench::free_1m(scenes::free(1_000_000))]
 #[bench::free_1k_beside_100k_static(scenes::beside_static(1_000, 100_000))]
 #[bench::asleep_10k(scenes::beside_sleepers(0, 10_000))]
@@ -90,6 +93,7 @@ fn steps<S: Scalar>(mut scene: Scene<S>) -> Scene<S> {
 #[bench::spinning_1k(scenes::spinning(1_000))]
 #[bench::damped_1k(scenes::damped(1_000))]
 #[bench::thrusters_1k(scenes::thrusters(1_000, 1))]
+#[bench::thrusters_1k_beside_platform(scenes::thrusters_beside_platform(1_000))]
 #[bench::thrusters_one_on_each_of_1k(scenes::thrusters_on_some(1_000, 1_000, 1))]
 #[bench::thrusters_two_on_500_of_1k(scenes::thrusters_on_some(1_000, 500, 2))]
 fn fx(scene: Scene<Fx>) -> Scene<Fx> {

@@ -64,6 +64,7 @@ mod fx;
 #[cfg(any(doc, doctest))]
 pub mod guide;
 mod integrate;
+mod island;
 mod kernel;
 pub mod limits;
 mod math;

@@ -73,16 +73,16 @@ fn a_capped_body_falls_at_its_cap_in_every_integrator() {
     for integrator in Integrator::ALL {
         let mut world = world(integrator, vec2(6, -8));
         let body = world.add_body(capped(fx!(5), fx!(2))).expect("a body");
-        let engaged = world.add_body(BodyDef { position: vec2(0, 9), ..capped(fx!(5), fx!(2)) }).expect("a body");
+        let coupled = world.add_body(BodyDef { position: vec2(0, 9), ..capped(fx!(5), fx!(2)) }).expect("a body");
         world
-            .add_field(FieldKind::Thrust { at: umbra_physics::Attachment::centre(engaged), force: vec2(0, 0) })
+            .add_field(FieldKind::Thrust { at: umbra_physics::Attachment::centre(coupled), force: vec2(0, 0) })
             .expect("one");
         for _ in 0..120 {
             world.apply_torque(body, fx!(10)).expect("a torque");
-            world.apply_torque(engaged, fx!(10)).expect("a torque");
+            world.apply_torque(coupled, fx!(10)).expect("a torque");
             world.step();
         }
-        for id in [body, engaged] {
+        for id in [body, coupled] {
             let now = world.body(id).expect("it is there");
             assert_eq!((now.velocity(), now.angular_velocity()), (vec2(3, -4), fx!(2)), "{integrator:?}");
             assert_eq!((now.max_speed(), now.max_angular_speed()), (Some(fx!(5)), Some(fx!(2))));

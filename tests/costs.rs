@@ -191,7 +191,7 @@ fn without_force_fields_no_body_goes_through_a_table_of_functions() {
     let (once, twice) = (indirect("free_1k"), indirect("free_2k"));
     // What is there once a block of bodies, such as a jump by the kind of a stage, is no table a body goes through.
     assert!((twice - once) * 10 < STEPS * 1_000, "{once} for 1,000 bodies, {twice} for twice as many");
-    let control = indirect("custom_law_1k") - once;
+    let control = indirect("custom_force_1k") - once;
     assert!(control >= STEPS * 1_000, "{control} for a law of the caller's own on all");
 }
 
@@ -220,6 +220,39 @@ fn a_body_costs_the_same_in_worlds_of_all_sizes() {
     let each = sizes.map(|(scene, bodies)| counts.instructions(scene) as f64 / (STEPS * bodies) as f64);
     let (least, most) = (each.into_iter().fold(f64::MAX, f64::min), each.into_iter().fold(0.0, f64::max));
     assert!(most <= 1.02 * least, "a body and step: {each:.1?}");
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "counts optimised code: in release builds")]
+fn one_spring_costs_the_bodies_that_it_does_not_join_nothing() {
+    let Some(counts) = counts() else { return };
+    let (without, with) = (counts.instructions("fx/free_100k"), counts.instructions("fx/free_100k_one_spring"));
+    assert!((with - without) * 100 <= without, "{with} with a spring among 100,000 bodies, {without} without");
+    // It acts: a step is more than that of the other bodies.
+    let each = without / 100_000;
+    assert!(with >= without + 2 * each, "{with} with a spring, {without} without");
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "counts optimised code: in release builds")]
+fn a_field_on_nobody_costs_nothing() {
+    let Some(counts) = counts() else { return };
+    let (without, with) = (counts.instructions("fx/free_1k"), counts.instructions("fx/free_1k_zone_on_nobody"));
+    assert!((with - without).abs() <= 100 * STEPS, "{with} with a zone that acts on nobody, {without} without");
+    let control = counts.instructions("fx/free_1k_zone");
+    assert!(control >= 2 * without, "{control} with one that acts on all");
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "counts optimised code: in release builds")]
+fn a_moving_platform_costs_bodies_that_it_does_not_touch_nothing() {
+    let Some(counts) = counts() else { return };
+    let without = counts.instructions("fx/thrusters_1k");
+    let with = counts.instructions("fx/thrusters_1k_beside_platform");
+    assert!((with - without) * 100 <= without, "{with} beside a platform on its way, {without} without");
+    // Where it has the fields of all bodies evaluated twice a step, the products of the thrusts alone would show.
+    let all_changed = counts.share("sine_and_cosine/values", 1_000);
+    assert!(all_changed * 100 > without, "{all_changed} for the sines and cosines of all, {without} for the steps");
 }
 
 #[test]

@@ -6,6 +6,7 @@
 mod accuracy;
 mod attraction;
 mod bodies;
+mod cached;
 mod caps;
 mod closure;
 mod commands;

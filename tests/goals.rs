@@ -39,11 +39,11 @@ const STILL: (Vec2, Fx) = (Vec2::ZERO, Fx::ZERO);
 fn it_arrives_to_the_bit_and_then_stands_still() {
     let mut random = SplitMix(0x90a1_0000_0000_0001);
     for integrator in Integrator::ALL {
-        for is_engaged in [false, true] {
+        for is_coupled in [false, true] {
             let mut world = world(integrator);
             let body = lift(&mut world);
             let load = world.add_body(BodyDef { position: vec2(1, 1), ..BodyDef::dynamic() }).expect("a body");
-            if is_engaged {
+            if is_coupled {
                 let near = Attachment { body: load, point: vec2(1, 0) };
                 let far = End::Body(Attachment { body, point: vec2(0, fx!(0.5)) });
                 let spring = SpringConstants { rest: fx!(1), stiffness: fx!(10), damping: fx!(1) };

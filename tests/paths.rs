@@ -110,6 +110,17 @@ fn a_field_that_acts_on_nobody_changes_nothing() {
 }
 
 #[test]
+fn a_field_that_acts_on_all_and_pushes_nobody_changes_nothing() {
+    let zone = |world: &mut World, i: usize| {
+        if i == 0 {
+            let region = Region::Disc { centre: vec2(1 << 26, 0), radius: fx!(1) };
+            world.add_field(FieldKind::Zone { region, acceleration: vec2(1, 1) }).expect("a fair field");
+        }
+    };
+    same("all stage by stage", zone, |_, _| {});
+}
+
+#[test]
 fn a_spring_in_the_same_block_changes_nothing() {
     let spring = |world: &mut World, i: usize| {
         if i % 100 == 50 {

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use umbra_physics::scalar::Factor;
 use umbra_physics::{
     Attachment, BodyDef, BodyId, BodyState, CustomForce, CustomForceError, Dependence, End, FieldKind, ForceField,
-    ForceTorque, Fx, Scalar, SpringConstants, Vec2, World, WorldDef, fx,
+    ForceTorque, Fx, Region, Scalar, SpringConstants, Vec2, World, WorldDef, fx,
 };
 
 #[path = "../../tests/support/inputs.rs"]
@@ -20,14 +20,21 @@ pub(crate) struct Scene<S: Scalar> {
     pub(crate) world: World<S>,
     /// The bodies that are pushed before each step.
     pub(crate) pushed: Vec<BodyId>,
+    /// A kinematic body that is sent on before each step.
+    pub(crate) platform: Option<BodyId>,
 }
 
 impl<S: Scalar> Scene<S> {
-    /// Applies the forces of a tick.
+    /// Applies the forces of a tick, and sends the platform on.
     pub(crate) fn push(&mut self) {
         let force = vector(fx!(0.25), fx!(-0.5));
         for &body in &self.pushed {
             self.world.apply_force(body, force).expect("a fair force");
+        }
+        if let Some(platform) = self.platform {
+            let at = self.world.body(platform).expect("it is there").position();
+            let next = at + vector(fx!(0.125), Fx::ZERO);
+            self.world.move_to(platform, next, S::ZERO).expect("it is near");
         }
     }
 
@@ -61,7 +68,7 @@ fn scene<S: Scalar>(def: WorldDef<S>, bodies: impl IntoIterator<Item = BodyDef<S
     for body in bodies {
         world.add_body(body).expect("a fair body");
     }
-    Scene { world, pushed: Vec::new() }
+    Scene { world, pushed: Vec::new(), platform: None }
 }
 
 /// Bodies 4 m apart in a square, at rest.
@@ -197,7 +204,34 @@ pub(crate) fn pushed_thrusters<S: Scalar>(count: usize) -> Scene<S> {
     scene
 }
 
-/// Like `free`, the first tenth with a thrust each, the second joined in a chain of springs.
+/// As `free`, two of the bodies in the midst of the others joined by a spring.
+pub(crate) fn one_spring<S: Scalar>(count: usize) -> Scene<S> {
+    with_fields(free(count), |bodies| {
+        let [near, far] = [count / 2, count / 2 + 1].map(|i| Attachment::centre(bodies[i]));
+        let spring = SpringConstants { rest: S::from_fx(fx!(4)), stiffness: S::ONE, damping: S::ZERO };
+        vec![FieldKind::Spring { near, far: End::Body(far), spring }]
+    })
+}
+
+/// As `free`, with a zone around all bodies that acts on those in these groups; the bodies are in group 1.
+pub(crate) fn zone<S: Scalar>(count: usize, groups: u32) -> Scene<S> {
+    with_fields(free(count), |_| {
+        let [min, max] = [fx!(-1_000_000), fx!(1_000_000)].map(|c| vector(c, c));
+        let kind = FieldKind::Zone { region: Region::Box { min, max }, acceleration: vector(fx!(1), fx!(2)) };
+        vec![ForceField { kind, groups }]
+    })
+}
+
+/// As `thrusters`, one each, beside a kinematic body that is sent on each tick.
+pub(crate) fn thrusters_beside_platform<S: Scalar>(count: usize) -> Scene<S> {
+    let mut scene = thrusters(count, 1);
+    let position = vector(fx!(0), fx!(-100));
+    let platform = BodyDef { position, ..BodyDef::kinematic() };
+    scene.platform = Some(scene.world.add_body(platform).expect("a fair body"));
+    scene
+}
+
+/// As `free`, the first tenth with a thrust each, the second joined in a chain of springs.
 pub(crate) fn mixed<S: Scalar>(count: usize) -> Scene<S> {
     with_fields(with_thrusters(free(count), count / 10, 1), |bodies| {
         let spring = SpringConstants { rest: S::from_fx(fx!(4)), stiffness: S::from_fx(fx!(10)), damping: S::ZERO };

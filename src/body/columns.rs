@@ -4,10 +4,11 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use super::asleep::Sleepers;
+use super::changes::{Change, Changes};
 use super::factors::{FactorTable, Key};
 use super::info::{BodyInfo, BodyTable};
 use super::mass::{MassTable, inverse_inertia_of};
-use super::motion::{Acceleration, Block, Motion};
+use super::motion::{Acceleration, Motion};
 use super::{Activity, BodyDef, BodyKind, Locks, Mass, MassProperties};
 use crate::codec::{self, StateHasher, Write as _};
 use crate::error::Error;
@@ -38,20 +39,38 @@ pub(crate) struct Bodies<S: Scalar> {
     table: Arc<BodyTable<S>>,
     masses: Arc<MassTable<S>>,
     /// The bodies before this index are the ones a step moves.
-    moving: usize,
+    pub(super) moving: usize,
+    /// The moving bodies before this index are free and the others coupled, except for the bodies in `changes`.
+    pub(super) first_coupled: usize,
+    /// The groups of all fields that act on bodies by their groups, as the bodies are parted now.
+    pub(super) coupling_groups: u32,
+    pub(super) changes: Changes,
     /// The index of each body in the columns.
     pub(super) slots: Slots<BodyId>,
     /// True if bodies have a last acceleration. The column is empty as long as all are zero.
     keeps_last: bool,
     /// True if a body started to move since the last step.
-    any_come: bool,
+    pub(super) any_come: bool,
     /// True if all ticks at rest are known to be zero.
     pub(super) is_rest_zero: bool,
     /// Counts of the bodies that are asleep; derived.
     asleep: Sleepers,
 }
 
-clone_by_field!(Bodies { columns, table, masses, moving, slots, keeps_last, any_come, is_rest_zero, asleep });
+clone_by_field!(Bodies {
+    columns,
+    table,
+    masses,
+    moving,
+    first_coupled,
+    coupling_groups,
+    changes,
+    slots,
+    keeps_last,
+    any_come,
+    is_rest_zero,
+    asleep
+});
 
 impl<S: Scalar> Default for Bodies<S> {
     fn default() -> Self {
@@ -62,6 +81,9 @@ impl<S: Scalar> Default for Bodies<S> {
             table: Arc::default(),
             masses: Arc::default(),
             moving: 0,
+            first_coupled: 0,
+            coupling_groups: 0,
+            changes: Changes::default(),
             slots: Slots::default(),
             keeps_last: false,
             any_come: false,
@@ -74,20 +96,6 @@ impl<S: Scalar> Default for Bodies<S> {
 impl<S: Scalar> Bodies<S> {
     pub(crate) fn len(&self) -> usize {
         self.columns.slot.len()
-    }
-
-    pub(crate) fn moving(&self) -> usize {
-        self.moving
-    }
-
-    /// The bodies that move.
-    pub(crate) fn all_moving(&mut self) -> Block<'_, S> {
-        self.block(0, self.moving)
-    }
-
-    /// Some of the bodies that move, by their indices.
-    pub(crate) fn block(&mut self, first: usize, end: usize) -> Block<'_, S> {
-        Block::new(&mut self.columns.motion, &self.columns.factors, first, end)
     }
 
     pub(crate) fn any_asleep(&self) -> bool {
@@ -186,7 +194,8 @@ impl<S: Scalar> Bodies<S> {
         if activity == Activity::Asleep {
             self.asleep.count(self.table.info(slot), 1);
         }
-        self.columns.motion.rest[dense] = 0;
+        self.columns.motion.ticks_at_rest[dense] = 0;
+        self.note(dense, Change::ALL);
         let moves = activity == Activity::Awake && self.info(dense).kind != BodyKind::Static;
         self.set_moving(dense, moves)
     }
@@ -215,7 +224,7 @@ impl<S: Scalar> Bodies<S> {
             self.write_column(sink, runs, column, Accumulator::to_bytes);
         }
         self.write_column(sink, runs, &motion.angle, |angle| angle.to_bits().to_le_bytes());
-        self.write_column(sink, runs, &motion.rest, u32::to_le_bytes);
+        self.write_column(sink, runs, &motion.ticks_at_rest, u32::to_le_bytes);
         self.write_column(sink, runs, activity, |activity| [activity as u8]);
         let is_taken = |slot: &usize| self.slots.all()[*slot].is_taken();
         let taken = (0..self.slots.len()).filter(is_taken);
@@ -229,7 +238,7 @@ impl<S: Scalar> Bodies<S> {
             }
         }
         if self.keeps_last {
-            for last in self.in_order().map(|dense| motion.last.get(dense).copied().unwrap_or_default()) {
+            for last in self.in_order().map(|dense| motion.last_acceleration.get(dense).copied().unwrap_or_default()) {
                 [last.linear.x, last.linear.y, last.angular].iter().for_each(|a| a.write(sink));
             }
         }
@@ -273,8 +282,8 @@ impl<S: Scalar> Bodies<S> {
         self.slots.set_index(slot, dense as u32);
         let columns = &mut self.columns;
         columns.motion.push(def.position, def.velocity, S::Angle::from_radians(def.angle), def.angular_velocity);
-        if self.keeps_last && columns.motion.last.len() == dense {
-            push(&mut columns.motion.last, Acceleration::default());
+        if self.keeps_last && columns.motion.last_acceleration.len() == dense {
+            push(&mut columns.motion.last_acceleration, Acceleration::default());
         }
         let key = Key {
             dynamic: def.kind == BodyKind::Dynamic,
@@ -291,6 +300,7 @@ impl<S: Scalar> Bodies<S> {
         let table = Arc::make_mut(&mut self.table);
         let info = BodyInfo::new(&def, def.shape.clone().map(|shape| table.shapes.acquire(shape)));
         table.place(slot as usize, info);
+        self.note(dense, Change::ALL);
         self.set_moving(dense, def.kind != BodyKind::Static);
     }
 
@@ -317,41 +327,23 @@ impl<S: Scalar> Bodies<S> {
         Ok(())
     }
 
-    /// Moves a body among those that move, or out of them; returns its new index.
-    pub(crate) fn set_moving(&mut self, dense: usize, moving: bool) -> usize {
-        match (dense < self.moving, moving) {
-            (false, true) => {
-                self.any_come = true;
-                self.swap(dense, self.moving);
-                self.moving += 1;
-                self.moving - 1
-            }
-            (true, false) => {
-                self.moving -= 1;
-                self.swap(dense, self.moving);
-                self.moving
-            }
-            _ => dense,
-        }
-    }
-
     /// Gives every body a last acceleration of zero, or none any.
     pub(crate) fn keep_last_acceleration(&mut self, keep: bool) {
         self.keeps_last = keep;
-        self.columns.motion.last.clear();
+        self.columns.motion.last_acceleration.clear();
     }
 
     /// Fills the column of last accelerations, if there is one and it is empty.
     pub(super) fn make_last_accelerations(&mut self) {
         if self.keeps_last {
-            self.columns.motion.last.resize(self.len(), Acceleration::default());
+            self.columns.motion.last_acceleration.resize(self.len(), Acceleration::default());
         }
     }
 
     /// Sets the ticks at rest of all bodies to zero.
     pub(crate) fn clear_rest(&mut self) {
         if !core::mem::replace(&mut self.is_rest_zero, true) {
-            self.columns.motion.rest.fill(0);
+            self.columns.motion.ticks_at_rest.fill(0);
         }
     }
 
@@ -363,10 +355,11 @@ impl<S: Scalar> Bodies<S> {
         core::mem::take(&mut self.any_come)
     }
 
-    fn swap(&mut self, a: usize, b: usize) {
+    pub(super) fn swap(&mut self, a: usize, b: usize) {
         if a == b {
             return;
         }
+        [a, b].into_iter().for_each(|dense| self.note(dense, Change::POSE));
         let columns = &mut self.columns;
         columns.motion.swap(a, b);
         columns.factors.swap(a, b);

@@ -10,8 +10,8 @@ use crate::scalar::{Accumulator, Factor, Scalar, Span, fx::Fx};
 /// The largest number of spans in the stages of an integrator.
 pub(crate) const SPANS: usize = 4;
 
-/// Over so many steps the falls of a gentle tuning stay below half the limit of speeds.
-pub(crate) const GENTLE_STEPS: u8 = 32;
+/// The number of steps over which bounded factors change a speed by less than half the limit of speeds.
+pub(crate) const BOUNDED_STEPS: u8 = 32;
 
 /// The parameters of the world that the factors are made from.
 pub(crate) struct WorldFactors<'a, S: Scalar> {
@@ -56,19 +56,19 @@ pub(crate) struct StepFactors<S: Scalar> {
     rates: Option<[Option<S::DecayRate>; 2]>,
     /// The gravity that acts on the body, m/s²: zero along a locked axis.
     pub(crate) gravity: Vec2<S::Wide>,
-    /// The velocity gained from it, by span.
-    pub(crate) fall: [Vec2<S::Accumulator>; SPANS],
-    /// Fraction of the velocities that is left, by span.
+    /// The change of velocity by gravity over a span, by span.
+    pub(crate) gravity_delta_v: [Vec2<S::Accumulator>; SPANS],
+    /// The fraction of the velocities that is left, by span.
     pub(crate) linear: [S::Factor; SPANS],
     pub(crate) angular: [S::Factor; SPANS],
     pub(crate) is_damped: bool,
     /// True if no factor is above 1; factors above 1 occur where damping runs backwards.
     pub(crate) decays: bool,
-    /// True if moreover the velocity gained by gravity in [`GENTLE_STEPS`] steps is small beside the limit of speeds.
-    pub(crate) is_gentle: bool,
+    /// True if moreover gravity changes a speed by less than half the limit of speeds in [`BOUNDED_STEPS`] steps.
+    pub(crate) is_bounded: bool,
 }
 
-/// The parameters of a body that its factors are made from.
+/// The properties of a body that its factors are made from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Key<S> {
     pub(crate) dynamic: bool,
@@ -116,12 +116,12 @@ impl<S: Scalar> StepFactors<S> {
             version: 0,
             rates: None,
             gravity: Vec2::default(),
-            fall: [Vec2::new(none, none); SPANS],
+            gravity_delta_v: [Vec2::new(none, none); SPANS],
             linear: [S::Factor::ONE; SPANS],
             angular: [S::Factor::ONE; SPANS],
             is_damped: false,
             decays: true,
-            is_gentle: true,
+            is_bounded: true,
         }
     }
 
@@ -138,9 +138,8 @@ impl<S: Scalar> StepFactors<S> {
             Vec2::new(felt(world_factors.gravity.x, key.still[0]), felt(world_factors.gravity.y, key.still[1]));
         for (i, &span) in world_factors.spans.iter().enumerate() {
             // Gravity and its scale are limited so that no span's kick reaches the limit of kicks.
-            let fall = |g| S::kick(g, world_factors.seconds[i]).unwrap_or_default();
-            let fall = self.gravity.map(fall);
-            self.fall[i] = if span.is_negative() { fall.map(Accumulator::negated) } else { fall };
+            let delta_v = self.gravity.map(|g| S::kick(g, world_factors.seconds[i]).unwrap_or_default());
+            self.gravity_delta_v[i] = if span.is_negative() { delta_v.map(Accumulator::negated) } else { delta_v };
         }
         self.linear = rates[0].map_or(world_factors.linear, |rate| world_factors.decays(rate));
         self.angular = rates[1].map_or(world_factors.angular, |rate| world_factors.decays(rate));
@@ -149,12 +148,12 @@ impl<S: Scalar> StepFactors<S> {
         self.decays = factors.all(|f| *f <= S::Factor::ONE);
         // A step has at most six kicks: 32·6·2^11 is below 2^19, half of the limit.
         let small = S::from_fx(Fx::from_int(1 << 11));
-        self.is_gentle =
-            self.decays && self.fall.iter().all(|fall| [fall.x, fall.y].iter().all(|f| f.is_within(small)));
+        self.is_bounded =
+            self.decays && self.gravity_delta_v.iter().all(|v| v.x.is_within(small) && v.y.is_within(small));
     }
 }
 
-/// The factors in use. The index of a row is no state: it changes no bit of a result.
+/// The factors in use. Which index a row has is not state: it changes no bit of what follows.
 ///
 /// Factors take long to make, and one call may change the factors of all bodies. So calls only note the change, and the next
 /// step makes the factors of the bodies that it moves, once.

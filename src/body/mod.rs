@@ -1,6 +1,7 @@
 //! Bodies: their definitions, and the columns that hold their state.
 
 mod asleep;
+mod changes;
 mod columns;
 mod factors;
 mod info;
@@ -8,6 +9,7 @@ mod mass;
 mod motion;
 mod order;
 mod record;
+mod sets;
 mod sparse;
 mod target;
 
@@ -18,8 +20,9 @@ use crate::math::Vec2;
 use crate::scalar::{Accumulator, Scalar, fx::Fx};
 use crate::shape::Shape;
 
+pub(crate) use changes::Change;
 pub(crate) use columns::Bodies;
-pub(crate) use factors::{FactorTable, GENTLE_STEPS, Key, SPANS, StepFactors, WorldFactors};
+pub(crate) use factors::{BOUNDED_STEPS, FactorTable, Key, SPANS, StepFactors, WorldFactors};
 pub(crate) use info::BodyInfo;
 pub use mass::Mass;
 pub(crate) use mass::{MassProperties, mass_properties};

@@ -64,13 +64,13 @@ pub(crate) struct Motion<S: Scalar> {
     pub(crate) velocity: Plane<S::Accumulator>,
     pub(crate) angle: Vec<S::Angle>,
     pub(crate) angular_velocity: Vec<S::Accumulator>,
-    /// Ticks at rest.
-    pub(crate) rest: Vec<u32>,
+    /// The number of steps in a row that left the body as it was.
+    pub(crate) ticks_at_rest: Vec<u32>,
     /// The acceleration of the step before: state of `PublishedVerlet`, empty otherwise.
-    pub(crate) last: Vec<Acceleration<S>>,
+    pub(crate) last_acceleration: Vec<Acceleration<S>>,
 }
 
-clone_by_field!(Motion { position, velocity, angle, angular_velocity, rest, last });
+clone_by_field!(Motion { position, velocity, angle, angular_velocity, ticks_at_rest, last_acceleration });
 
 impl<S: Scalar> Default for Motion<S> {
     fn default() -> Self {
@@ -79,20 +79,20 @@ impl<S: Scalar> Default for Motion<S> {
             velocity: Plane::default(),
             angle: Vec::new(),
             angular_velocity: Vec::new(),
-            rest: Vec::new(),
-            last: Vec::new(),
+            ticks_at_rest: Vec::new(),
+            last_acceleration: Vec::new(),
         }
     }
 }
 
 impl<S: Scalar> Motion<S> {
-    /// Adds a body; `last` is the caller's.
+    /// Adds a body; its last acceleration is left to the caller.
     pub(super) fn push(&mut self, position: Vec2<S>, velocity: Vec2<S>, angle: S::Angle, angular_velocity: S) {
         self.position.push(position.map(S::Accumulator::from_scalar));
         self.velocity.push(velocity.map(S::Accumulator::from_scalar));
         push(&mut self.angle, angle);
         push(&mut self.angular_velocity, S::Accumulator::from_scalar(angular_velocity));
-        push(&mut self.rest, 0);
+        push(&mut self.ticks_at_rest, 0);
     }
 
     /// Takes over a body of `other`, to the bit.
@@ -101,8 +101,8 @@ impl<S: Scalar> Motion<S> {
         self.velocity.set(i, other.velocity.get(j));
         self.angle[i] = other.angle[j];
         self.angular_velocity[i] = other.angular_velocity[j];
-        self.rest[i] = other.rest[j];
-        if let (Some(own), Some(other)) = (self.last.get_mut(i), other.last.get(j)) {
+        self.ticks_at_rest[i] = other.ticks_at_rest[j];
+        if let (Some(own), Some(other)) = (self.last_acceleration.get_mut(i), other.last_acceleration.get(j)) {
             *own = *other;
         }
     }
@@ -112,7 +112,7 @@ impl<S: Scalar> Motion<S> {
         let Locks { x, y, rotation } = locks;
         let still = S::Accumulator::default();
         let mut none = Acceleration::default();
-        let last = self.last.get_mut(i).unwrap_or(&mut none);
+        let last = self.last_acceleration.get_mut(i).unwrap_or(&mut none);
         if x {
             (self.velocity.x[i], last.linear.x) = (still, S::Wide::default());
         }
@@ -149,7 +149,7 @@ impl<S: Scalar> Motion<S> {
         copy(&mut self.velocity.y, vy);
         copy(&mut self.angle, block.angle);
         copy(&mut self.angular_velocity, block.angular_velocity);
-        copy(&mut self.last, block.last);
+        copy(&mut self.last_acceleration, block.last_acceleration);
     }
 
     /// Takes body `i` of the block that was kept back to what it was; its ticks at rest begin anew.
@@ -159,9 +159,9 @@ impl<S: Scalar> Motion<S> {
         (block.velocity[0][i], block.velocity[1][i]) = (velocity.x, velocity.y);
         block.angle[i] = self.angle[i];
         block.angular_velocity[i] = self.angular_velocity[i];
-        block.rest[i] = 0;
-        if let Some(last) = self.last.get(i) {
-            block.last[i] = *last;
+        block.ticks_at_rest[i] = 0;
+        if let Some(last) = self.last_acceleration.get(i) {
+            block.last_acceleration[i] = *last;
         }
     }
 
@@ -171,7 +171,7 @@ impl<S: Scalar> Motion<S> {
             && self.velocity.get(i) == Vec2::new(block.velocity[0][i], block.velocity[1][i])
             && self.angle[i] == block.angle[i]
             && self.angular_velocity[i] == block.angular_velocity[i]
-            && self.last.get(i) == block.last.get(i)
+            && self.last_acceleration.get(i) == block.last_acceleration.get(i)
     }
 
     /// Removes the last body.
@@ -180,8 +180,8 @@ impl<S: Scalar> Motion<S> {
         self.velocity.pop();
         self.angle.pop();
         self.angular_velocity.pop();
-        self.rest.pop();
-        self.last.pop();
+        self.ticks_at_rest.pop();
+        self.last_acceleration.pop();
     }
 
     pub(super) fn swap(&mut self, a: usize, b: usize) {
@@ -189,9 +189,9 @@ impl<S: Scalar> Motion<S> {
         self.velocity.swap(a, b);
         self.angle.swap(a, b);
         self.angular_velocity.swap(a, b);
-        self.rest.swap(a, b);
-        if !self.last.is_empty() {
-            self.last.swap(a, b);
+        self.ticks_at_rest.swap(a, b);
+        if !self.last_acceleration.is_empty() {
+            self.last_acceleration.swap(a, b);
         }
     }
 }
@@ -207,25 +207,29 @@ pub(crate) struct Block<'a, S: Scalar> {
     pub(crate) velocity: [&'a mut [S::Accumulator]; 2],
     pub(crate) angle: &'a mut [S::Angle],
     pub(crate) angular_velocity: &'a mut [S::Accumulator],
-    pub(crate) rest: &'a mut [u32],
-    /// Empty but with `PublishedVerlet`.
-    pub(crate) last: &'a mut [Acceleration<S>],
-    /// Rows of the [`FactorTable`](super::FactorTable) that the bodies have.
+    pub(crate) ticks_at_rest: &'a mut [u32],
+    /// Empty unless the integrator is `PublishedVerlet`.
+    pub(crate) last_acceleration: &'a mut [Acceleration<S>],
+    /// The rows of the [`FactorTable`](super::FactorTable) that the bodies have.
     pub(crate) factors: &'a [u32],
 }
 
 impl<'a, S: Scalar> Block<'a, S> {
     pub(super) fn new(motion: &'a mut Motion<S>, factors: &'a [u32], first: usize, end: usize) -> Self {
         let range = first..end;
-        let Motion { position, velocity, angle, angular_velocity, rest, last } = motion;
+        let Motion { position, velocity, angle, angular_velocity, ticks_at_rest, last_acceleration } = motion;
         Self {
             first,
             position: [&mut position.x[range.clone()], &mut position.y[range.clone()]],
             velocity: [&mut velocity.x[range.clone()], &mut velocity.y[range.clone()]],
             angle: &mut angle[range.clone()],
             angular_velocity: &mut angular_velocity[range.clone()],
-            rest: &mut rest[range.clone()],
-            last: if last.is_empty() { last } else { &mut last[range.clone()] },
+            ticks_at_rest: &mut ticks_at_rest[range.clone()],
+            last_acceleration: if last_acceleration.is_empty() {
+                last_acceleration
+            } else {
+                &mut last_acceleration[range.clone()]
+            },
             factors: &factors[range],
         }
     }
@@ -243,28 +247,29 @@ impl<'a, S: Scalar> Block<'a, S> {
         let (position, position2) = pair(self.position, count);
         let (velocity, velocity2) = pair(self.velocity, count);
         let (angle, angle2) = self.angle.split_at_mut(count);
-        let (angular_velocity, spin2) = self.angular_velocity.split_at_mut(count);
-        let (rest, rest2) = self.rest.split_at_mut(count);
-        let (last, last2) = self.last.split_at_mut(count.min(self.last.len()));
-        let (factors, tuning2) = self.factors.split_at(count);
+        let (angular_velocity, angular_velocity2) = self.angular_velocity.split_at_mut(count);
+        let (ticks_at_rest, ticks_at_rest2) = self.ticks_at_rest.split_at_mut(count);
+        let (last_acceleration, last_acceleration2) =
+            self.last_acceleration.split_at_mut(count.min(self.last_acceleration.len()));
+        let (factors, factors2) = self.factors.split_at(count);
         let first = self.first;
         (
-            Self { first, position, velocity, angle, angular_velocity, rest, last, factors },
+            Self { first, position, velocity, angle, angular_velocity, ticks_at_rest, last_acceleration, factors },
             Self {
                 first: first + count,
                 position: position2,
                 velocity: velocity2,
                 angle: angle2,
-                angular_velocity: spin2,
-                rest: rest2,
-                last: last2,
-                factors: tuning2,
+                angular_velocity: angular_velocity2,
+                ticks_at_rest: ticks_at_rest2,
+                last_acceleration: last_acceleration2,
+                factors: factors2,
             },
         )
     }
 
-    /// Returns true if any of the bodies turns.
-    pub(crate) fn any_spins(&self) -> bool {
+    /// Returns true if any body of the block turns.
+    pub(crate) fn any_turns(&self) -> bool {
         self.angular_velocity.iter().any(|angular_velocity| *angular_velocity != S::Accumulator::default())
     }
 

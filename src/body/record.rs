@@ -149,8 +149,10 @@ impl<S: Scalar> Bodies<S> {
             velocity: motion.velocity.get(dense),
             angle: motion.angle[dense],
             angular_velocity: motion.angular_velocity[dense],
-            ticks_at_rest: motion.rest[dense],
-            last_acceleration: self.keeps_last().then(|| motion.last.get(dense).copied().unwrap_or_default()),
+            ticks_at_rest: motion.ticks_at_rest[dense],
+            last_acceleration: self
+                .keeps_last()
+                .then(|| motion.last_acceleration.get(dense).copied().unwrap_or_default()),
             mass: info.mass,
             gravity_scale: key.gravity_scale,
             linear_damping: key.linear,
@@ -199,8 +201,8 @@ impl<S: Scalar> Bodies<S> {
         motion.velocity.set(dense, record.velocity);
         motion.angle[dense] = record.angle;
         motion.angular_velocity[dense] = record.angular_velocity;
-        motion.rest[dense] = record.ticks_at_rest;
-        if let (Some(own), Some(last)) = (motion.last.get_mut(dense), record.last_acceleration) {
+        motion.ticks_at_rest[dense] = record.ticks_at_rest;
+        if let (Some(own), Some(last)) = (motion.last_acceleration.get_mut(dense), record.last_acceleration) {
             *own = last;
         }
         Ok(Some(dense))

@@ -217,6 +217,23 @@ fn not_negative<S: Scalar>(value: S) -> bool {
     value >= S::ZERO && value.is_finite()
 }
 
+impl<S: Scalar> FieldKind<S> {
+    /// Whether it acts on the bodies of its groups; otherwise on those that it is attached to alone.
+    pub(crate) fn acts_by_groups(&self) -> bool {
+        !matches!(self, Self::Spring { .. } | Self::Thrust { .. })
+    }
+}
+
+impl<S: Scalar> End<S> {
+    /// The body that it is on.
+    pub(crate) fn body(&self) -> Option<BodyId> {
+        match self {
+            Self::World(_) => None,
+            Self::Body(attachment) => Some(attachment.body),
+        }
+    }
+}
+
 impl<S: Scalar> ForceField<S> {
     /// Refuses a field that a world cannot add.
     pub(crate) fn check(&self, bodies: &Bodies<S>, custom_forces: &CustomForces<S>) -> Result<(), Error> {
@@ -338,13 +355,9 @@ impl<S: Scalar> ForceField<S> {
 
     /// The bodies at the ends of the field: two for a spring between bodies, at most one for other kinds.
     pub(crate) fn ends(&self) -> [Option<BodyId>; 2] {
-        let end = |e: &End<S>| match e {
-            End::World(_) => None,
-            End::Body(a) => Some(a.body),
-        };
         match &self.kind {
-            FieldKind::Attractor { centre, .. } => [end(centre), None],
-            FieldKind::Spring { near, far, .. } => [Some(near.body), end(far)],
+            FieldKind::Attractor { centre, .. } => [centre.body(), None],
+            FieldKind::Spring { near, far, .. } => [Some(near.body), far.body()],
             FieldKind::Thrust { at, .. } => [Some(at.body), None],
             FieldKind::Drag { .. } | FieldKind::Zone { .. } | FieldKind::Custom { .. } => [None, None],
         }

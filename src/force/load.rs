@@ -8,10 +8,10 @@ use super::{
 use crate::body::{Bodies, BodyKind, Sparse};
 use crate::error::Cause;
 use crate::math::Vec2;
-use crate::scalar::{Accumulator, Angle, Factor, Offset, Scalar, SpringConstants, Sum, Wide};
-use crate::slots::FieldId;
+use crate::scalar::{Accumulator, Angle, Offset, Scalar, SpringConstants, Sum, Wide};
+use crate::slots::{BodyId, FieldId};
 
-/// Effect of the fields on a body: accelerations that do not depend on its mass, forces and a torque, each summed so that
+/// The sums of what the fields do to a body: accelerations that do not depend on its mass, forces and a torque, each summed so that
 /// the order of the fields never matters.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Load<S: Scalar> {
@@ -21,12 +21,14 @@ pub(crate) struct Load<S: Scalar> {
 }
 
 impl<S: Scalar> Load<S> {
+    #[inline]
     fn accelerate(&mut self, acceleration: Vec2<S::Wide>) {
         self.acceleration.x.add(acceleration.x);
         self.acceleration.y.add(acceleration.y);
     }
 
     /// Adds a force that acts at `arm` from the centre of mass. `None` if its torque does not fit.
+    #[inline]
     fn push(&mut self, arm: Offset<S>, force: Offset<S>) -> Option<()> {
         if arm != Offset::<S>::default() {
             self.torque.add(S::torque(arm.x, force.y)?);
@@ -37,6 +39,7 @@ impl<S: Scalar> Load<S> {
         Some(())
     }
 
+    #[inline]
     fn push_freely(&mut self, push: &ForceTorque<S>) {
         self.force.x.add(S::Wide::from_scalar(push.force.x));
         self.force.y.add(S::Wide::from_scalar(push.force.y));
@@ -44,11 +47,12 @@ impl<S: Scalar> Load<S> {
     }
 }
 
-/// Effects of the fields on the bodies that they reach.
+/// The loads of the bodies that a field acts on.
 pub(crate) type Loads<S> = Sparse<(usize, Load<S>)>;
 
 impl<S: Scalar> Loads<S> {
-    /// Entry of body `i` in the columns.
+    /// The load of body `i` in the columns.
+    #[inline]
     fn of(&mut self, i: usize) -> &mut Load<S> {
         &mut self.get_or_insert(i, || (i, Load::default())).1
     }
@@ -57,7 +61,7 @@ impl<S: Scalar> Loads<S> {
 /// Sines and cosines that were computed already: at most once for a body as long as it does not turn.
 pub(crate) type Directions<S> = Sparse<(usize, <<S as Scalar>::Angle as Angle<S>>::Direction)>;
 
-/// Inputs of the fields.
+/// The view that fields have of the world.
 #[derive(Clone, Copy)]
 pub(crate) struct Scene<'a, S: Scalar> {
     pub(crate) bodies: &'a Bodies<S>,
@@ -67,7 +71,7 @@ pub(crate) struct Scene<'a, S: Scalar> {
 
 /// A point of the world or of a body, and how it moves.
 struct Anchor<S: Scalar> {
-    /// Index of the body in the columns, if a force on it moves something.
+    /// Its body's index in the columns, if a force on it moves something.
     dense: Option<usize>,
     position: Vec2<S>,
     /// From there to the point.
@@ -111,11 +115,6 @@ pub(crate) fn velocity_at<S: Scalar>(velocity: Vec2<S>, angular_velocity: S, arm
 }
 
 impl<S: Scalar> Scene<'_, S> {
-    /// The first `moving` bodies that a field with these groups acts on.
-    fn targets(&self, moving: usize, groups: u32) -> impl Iterator<Item = usize> {
-        (0..moving).filter(move |&i| self.bodies.info(i).feels(groups))
-    }
-
     /// `None` if its body takes no part, so that whatever is attached to it is inert.
     fn attached(&self, attachment: &Attachment<S>, directions: &mut Directions<S>) -> Option<Anchor<S>> {
         let dense = self.bodies.find(attachment.body).ok()?;
@@ -191,176 +190,167 @@ impl<S: Scalar> Scene<'_, S> {
     }
 }
 
-/// Adds what the fields of one dependence do to the bodies that move. `Position` takes in what depends on nothing, and the
-/// elastic part of a spring, whose damper comes with `Velocity`. Drag is no part of either: it is [`resist`]ed.
+/// The bodies that fields are evaluated for, by their indices.
+#[derive(Clone, Copy)]
+pub(crate) enum Targets<'a> {
+    /// All coupled bodies: the first, and the one after the last.
+    Coupled(usize, usize),
+    /// These coupled bodies, in ascending order.
+    Only(&'a [usize]),
+}
+
+/// Adds what the fields of one dependence do to the targets. `Position` takes in what depends on nothing, and the elastic part of a spring, whose damper comes with `Velocity`.
+/// Drag is no part of either: [`resist`](super::resist) has it.
 pub(crate) fn accumulate<S: Scalar>(
     scene: Scene<'_, S>,
     pass: Dependence,
+    targets: Targets<'_>,
     directions: &mut Directions<S>,
     loads: &mut Loads<S>,
     faults: &mut Vec<(usize, Cause)>,
 ) {
-    let moving = scene.bodies.moving();
+    let mut evaluation = Evaluation { scene, targets, directions, loads, faults };
     for (id, field) in scene.fields.iter() {
         let own_pass = match field.depends_on(scene.custom_forces) {
             Dependence::Velocity => Dependence::Velocity,
             Dependence::Nothing | Dependence::Position => Dependence::Position,
         };
-        let mut fault = |i: usize, cause| faults.push((i, cause));
-        let too_large = Cause::Field { field: id };
+        let is_spring = matches!(field.kind, FieldKind::Spring { .. });
+        if own_pass == pass || (is_spring && pass == Dependence::Position) {
+            evaluation.field(id, field, pass);
+        }
+    }
+}
+
+/// An evaluation of fields, and the lists that it adds to.
+struct Evaluation<'a, S: Scalar> {
+    scene: Scene<'a, S>,
+    targets: Targets<'a>,
+    directions: &'a mut Directions<S>,
+    loads: &'a mut Loads<S>,
+    faults: &'a mut Vec<(usize, Cause)>,
+}
+
+impl<S: Scalar> Evaluation<'_, S> {
+    fn field(&mut self, id: FieldId, field: &ForceField<S>, pass: Dependence) {
+        let scene = self.scene;
         match &field.kind {
-            FieldKind::Spring { near, far, spring } if own_pass == pass || pass == Dependence::Position => {
-                let law = match pass {
-                    Dependence::Velocity => SpringConstants { stiffness: S::ZERO, ..*spring },
-                    _ => SpringConstants { damping: S::ZERO, ..*spring },
-                };
-                let (near, far) = (scene.attached(near, directions), scene.end(far, directions));
-                let (Some(near), Some(far)) = (near, far) else { continue };
-                if pull(&near, &far, &law, loads).is_none() {
-                    [near.dense, far.dense].into_iter().flatten().for_each(|i| fault(i, too_large));
-                }
-            }
-            _ if own_pass != pass => {}
+            FieldKind::Spring { near, far, spring } => self.spring(id, near, far, spring, pass),
             FieldKind::Attractor { centre, mu, softening } => {
-                let Some(centre) = scene.end(centre, directions) else { continue };
+                let Some(centre) = scene.end(centre, self.directions) else { return };
                 let carrier = field.bodies().next().and_then(|body| scene.bodies.find(body).ok());
-                for i in scene.targets(moving, field.groups).filter(|&i| carrier != Some(i)) {
+                self.each_in(field.groups, |one, i| {
+                    if carrier == Some(i) {
+                        return;
+                    }
                     let offset = Anchor::at(scene.position(i)).offset_to(&centre);
                     match offset.and_then(|offset| S::attraction(*mu, offset, *softening)) {
-                        Some(acceleration) => loads.of(i).accelerate(acceleration),
-                        None => fault(i, too_large),
+                        Some(acceleration) => one.loads.of(i).accelerate(acceleration),
+                        None => one.faults.push((i, Cause::Field { field: id })),
                     }
-                }
+                });
             }
-            FieldKind::Thrust { at, force } => {
-                let Some(at) = scene.attached(at, directions) else { continue };
-                let Some(i) = at.dense else { continue };
-                let turned = scene.turned(i, *force, directions);
-                if turned.and_then(|force| loads.of(i).push(at.lever, force)).is_none() {
-                    fault(i, too_large);
-                }
-            }
+            FieldKind::Thrust { at, force } => self.thrust(id, at, force),
             FieldKind::Zone { region, acceleration } => {
                 let acceleration = acceleration.map(S::Wide::from_scalar);
-                for i in scene.targets(moving, field.groups).filter(|&i| scene.is_inside(i, region)) {
-                    loads.of(i).accelerate(acceleration);
-                }
+                self.each_in(field.groups, |one, i| {
+                    if scene.is_inside(i, region) {
+                        one.loads.of(i).accelerate(acceleration);
+                    }
+                });
             }
             FieldKind::Custom { id: law } => {
-                let Some(law) = scene.custom_forces.get(law) else { continue };
-                for i in scene.targets(moving, field.groups) {
-                    match law.push(&scene.state(i)) {
-                        Ok(push) => loads.of(i).push_freely(&push),
-                        Err(answer) => fault(i, Cause::CustomForce { field: id, code: answer.code }),
-                    }
+                let Some(law) = scene.custom_forces.get(law) else { return };
+                self.each_in(field.groups, |one, i| match law.push(&scene.state(i)) {
+                    Ok(push) => one.loads.of(i).push_freely(&push),
+                    Err(answer) => one.faults.push((i, Cause::CustomForce { field: id, code: answer.code })),
+                });
+            }
+            FieldKind::Drag { .. } => {}
+        }
+    }
+
+    /// Whether a body is a target.
+    fn is_target(&self, i: usize) -> bool {
+        match self.targets {
+            Targets::Coupled(..) => true,
+            Targets::Only(only) => only.binary_search(&i).is_ok(),
+        }
+    }
+
+    /// Whether a field attached to this body, and perhaps to another, acts on a target.
+    fn is_any_target(&self, bodies: [Option<BodyId>; 2]) -> bool {
+        matches!(self.targets, Targets::Coupled(..))
+            || bodies.into_iter().flatten().any(|body| self.scene.bodies.find(body).is_ok_and(|i| self.is_target(i)))
+    }
+
+    /// The targets that a field with these groups acts on.
+    #[inline(always)]
+    fn each_in(&mut self, groups: u32, mut act: impl FnMut(&mut Self, usize)) {
+        let bodies = self.scene.bodies;
+        match self.targets {
+            Targets::Only(only) => only.iter().filter(|&&i| bodies.info(i).feels(groups)).for_each(|&i| act(self, i)),
+            Targets::Coupled(first, end) => {
+                (first..end).filter(|&i| bodies.info(i).feels(groups)).for_each(|i| act(self, i));
+            }
+        }
+    }
+
+    fn spring(
+        &mut self,
+        id: FieldId,
+        near: &Attachment<S>,
+        far: &End<S>,
+        spring: &SpringConstants<S>,
+        pass: Dependence,
+    ) {
+        if !self.is_any_target([Some(near.body), far.body()]) {
+            return;
+        }
+        let law = match pass {
+            Dependence::Velocity => SpringConstants { stiffness: S::ZERO, ..*spring },
+            _ => SpringConstants { damping: S::ZERO, ..*spring },
+        };
+        let (near, far) = (self.scene.attached(near, self.directions), self.scene.end(far, self.directions));
+        let (Some(near), Some(far)) = (near, far) else { return };
+        if self.pull(&near, &far, &law).is_none() {
+            for i in [near.dense, far.dense].into_iter().flatten() {
+                if self.is_target(i) {
+                    self.faults.push((i, Cause::Field { field: id }));
                 }
             }
-            FieldKind::Drag { .. } | FieldKind::Spring { .. } => {}
         }
     }
-}
 
-/// A spring's force on both its ends, equal and opposite to the bit.
-fn pull<S: Scalar>(near: &Anchor<S>, far: &Anchor<S>, spring: &SpringConstants<S>, loads: &mut Loads<S>) -> Option<()> {
-    let offset = near.offset_to(far)?;
-    let velocity = if spring.damping == S::ZERO {
-        Offset::<S>::default()
-    } else {
-        let (v, w) = (far.point_velocity()?, near.point_velocity()?);
-        Vec2::new(v.x.plus(w.x.negated())?, v.y.plus(w.y.negated())?)
-    };
-    let force = S::tension(offset, velocity, spring)?;
-    if let Some(i) = near.dense {
-        loads.of(i).push(near.lever, force)?;
-    }
-    if let Some(i) = far.dense {
-        loads.of(i).push(far.lever, force.map(S::Wide::negated))?;
-    }
-    Some(())
-}
-
-/// Drag over a span: the exact solution for each field, one after the other, in reverse order if `closing`.
-///
-/// `only` says which bodies feel it: with `Yoshida4` some feel theirs around the whole step.
-pub(crate) fn resist<S: Scalar>(
-    fields: &FieldSet<S>,
-    bodies: &mut Bodies<S>,
-    span: (S::Factor, bool),
-    mirrored: bool,
-    only: impl Fn(usize) -> bool,
-    faults: &mut Vec<(usize, Cause)>,
-) {
-    let mut one = |id: FieldId, field: &ForceField<S>| {
-        let FieldKind::Drag { linear, quadratic, wind } = &field.kind else { return };
-        for i in 0..bodies.moving() {
-            let info = bodies.info(i);
-            if !info.feels(field.groups) || !only(i) {
-                continue;
-            }
-            let mass = bodies.mass(i);
-            let (inverse_mass, axes) = (mass.inverse_mass, mass.axis_inverse_mass);
-            let velocities = &mut bodies.columns.motion.velocity;
-            let velocity = velocities.get(i);
-            let speed = S::length(relative(velocity, *wind), S::ZERO);
-            let (alpha, beta) = (
-                S::Factor::from_scalar(*linear).times(inverse_mass),
-                S::Factor::from_scalar(*quadratic).times(inverse_mass),
-            );
-            let left = S::drag(speed, alpha, beta, span.0, span.1);
-            if left == Some(S::Factor::ONE) {
-                continue;
-            }
-            let slowed = left.and_then(|left| {
-                let component = |v: S::Accumulator, w: S, inverse_mass: S::Factor| {
-                    if inverse_mass.is_zero() {
-                        return Some(v);
-                    }
-                    let w = S::Accumulator::from_scalar(w);
-                    Some(v.plus(w.negated()).scaled(left)?.plus(w))
-                };
-                Some(Vec2::new(component(velocity.x, wind.x, axes.x)?, component(velocity.y, wind.y, axes.y)?))
-            });
-            match slowed {
-                Some(slowed) => velocities.set(i, slowed),
-                None => faults.push((i, Cause::Field { field: id })),
-            }
+    /// A spring's force on both its ends, equal and opposite to the bit.
+    fn pull(&mut self, near: &Anchor<S>, far: &Anchor<S>, spring: &SpringConstants<S>) -> Option<()> {
+        let offset = near.offset_to(far)?;
+        let velocity = if spring.damping == S::ZERO {
+            Offset::<S>::default()
+        } else {
+            let (v, w) = (far.point_velocity()?, near.point_velocity()?);
+            Vec2::new(v.x.plus(w.x.negated())?, v.y.plus(w.y.negated())?)
+        };
+        let force = S::tension(offset, velocity, spring)?;
+        if let Some(i) = near.dense.filter(|&i| self.is_target(i)) {
+            self.loads.of(i).push(near.lever, force)?;
         }
-    };
-    if mirrored {
-        fields.iter().rev().for_each(|(id, field)| one(id, field));
-    } else {
-        fields.iter().for_each(|(id, field)| one(id, field));
+        if let Some(i) = far.dense.filter(|&i| self.is_target(i)) {
+            self.loads.of(i).push(far.lever, force.map(S::Wide::negated))?;
+        }
+        Some(())
     }
-}
 
-/// The public velocity relative to a medium.
-fn relative<S: Scalar>(velocity: Vec2<S::Accumulator>, wind: Vec2<S>) -> Offset<S> {
-    Vec2::new(velocity.x.value().offset(wind.x), velocity.y.value().offset(wind.y))
-}
-
-/// Marks the bodies whose drag is too stiff to run backwards, those with (linear + quadratic·|u|)/m·dt > ½ for one of
-/// the fields, and counts them. |u| is the speed at the start and what `gain` says that the step may add.
-pub(crate) fn outer_drag<S: Scalar>(
-    fields: &FieldSet<S>,
-    bodies: &Bodies<S>,
-    time_step: S::Factor,
-    gain: impl Fn(usize) -> S::Factor,
-    outside: &mut Vec<bool>,
-) -> u32 {
-    outside.clear();
-    outside.resize(bodies.moving(), false);
-    let half = S::Factor::from_ratio(1, 2);
-    let velocities = &bodies.columns.motion.velocity;
-    for (_, field) in fields.iter() {
-        let FieldKind::Drag { linear, quadratic, wind } = &field.kind else { continue };
-        for (i, outside) in outside.iter_mut().enumerate() {
-            let info = bodies.info(i);
-            if info.feels(field.groups) {
-                let speed = S::length(relative(velocities.get(i), *wind), S::ZERO).plus(gain(i));
-                let slope = S::Factor::from_scalar(*linear).plus(S::Factor::from_scalar(*quadratic).times(speed));
-                *outside |= slope.times(bodies.mass(i).inverse_mass).times(time_step) > half;
-            }
+    fn thrust(&mut self, id: FieldId, at: &Attachment<S>, force: &Vec2<S>) {
+        let scene = self.scene;
+        if !self.is_any_target([Some(at.body), None]) {
+            return;
+        }
+        let Some(at) = scene.attached(at, self.directions) else { return };
+        let Some(i) = at.dense else { return };
+        let turned = scene.turned(i, *force, self.directions);
+        if turned.and_then(|force| self.loads.of(i).push(at.lever, force)).is_none() {
+            self.faults.push((i, Cause::Field { field: id }));
         }
     }
-    outside.iter().map(|&is| u32::from(is)).sum()
 }

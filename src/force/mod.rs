@@ -2,6 +2,7 @@
 
 mod applied;
 mod custom;
+mod drag;
 mod field;
 mod load;
 mod set;
@@ -9,8 +10,9 @@ mod set;
 pub(crate) use applied::Applied;
 pub use applied::AppliedForce;
 pub use custom::{BodyState, CustomForce, CustomForceError, ForceTorque};
+pub(crate) use drag::{outer_drag, resist};
 pub use field::{Attachment, Dependence, End, FieldKind, ForceField, Region};
-pub(crate) use load::{Directions, Load, Loads, Scene, accumulate, outer_drag, resist, velocity_at};
+pub(crate) use load::{Directions, Load, Loads, Scene, Targets, accumulate, velocity_at};
 pub(crate) use set::FieldSet;
 
 use alloc::collections::BTreeMap;

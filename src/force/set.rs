@@ -134,6 +134,17 @@ impl<S: Scalar> FieldSet<S> {
         })
     }
 
+    /// Whether a field is attached to a body of the world.
+    pub(crate) fn is_attached(&self, body: BodyId) -> bool {
+        self.first_edges.get(body.slot as usize).is_some_and(|&edge| edge != NONE)
+    }
+
+    /// The groups of all fields that act on bodies by their groups. It looks at all fields.
+    pub(crate) fn coupling_groups(&self) -> u32 {
+        let by_groups = self.by_age().filter(|entry| entry.field.kind.acts_by_groups());
+        by_groups.fold(0, |groups, entry| groups | entry.field.groups)
+    }
+
     /// The fields attached to a body of the world, the oldest first.
     pub(crate) fn attached_by_age(&self, body: BodyId) -> Vec<FieldId> {
         let mut ids: Vec<FieldId> = self.attached_to(body).map(|(id, _)| id).collect();
@@ -187,10 +198,6 @@ impl<S: Scalar> FieldSet<S> {
 
     pub(crate) fn len(&self) -> usize {
         self.entries.len() - self.vacant.len()
-    }
-
-    pub(crate) fn is_empty(&self) -> bool {
-        self.len() == 0
     }
 
     /// The fields, the oldest first.

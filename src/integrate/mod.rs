@@ -1,8 +1,12 @@
 //! The integrators: which stages a step has, in which order, and over which part of the time step.
 
 mod rules;
+mod schedule;
 
-pub(crate) use rules::{BlockFactors, cap, damp, drift, fall, glide, glide_each, kick_by, sum};
+pub(crate) use rules::{
+    BlockFactors, cap, damp, drift, fused_kick_drift_kick, fused_kick_drift_kick_each, gravity_delta_v, kick_by, sum,
+};
+pub(crate) use schedule::{FreeStage, Schedule, split_fused};
 
 use crate::body::SPANS;
 use crate::codec::codec_enum;
@@ -12,6 +16,7 @@ use crate::scalar::{Angle, Factor, Scalar, Span, Weight};
 /// How a world moves from tick to tick.
 ///
 /// ```
+/// use umbra_physics::scalar::Weight;
 /// use umbra_physics::{Integrator, Stage, StageKind};
 ///
 /// let names: Vec<_> = Integrator::ALL.iter().map(|integrator| (integrator.name(), integrator.order())).collect();
@@ -22,6 +27,8 @@ use crate::scalar::{Angle, Factor, Scalar, Span, Weight};
 /// let verlet = Integrator::VelocityVerlet;
 /// let verbs: Vec<_> = verlet.stages().iter().map(|stage: &Stage| stage.kind.name()).collect();
 /// assert_eq!(verbs, ["damp", "kick", "drift", "fields", "kick", "damp", "clear"]);
+/// let drift = verlet.stages().iter().find(|stage| stage.kind == StageKind::Drift).unwrap();
+/// assert_eq!(verlet.spans()[drift.span], (Weight::Whole, false));
 /// assert!(verlet.inverse().is_some() && Integrator::ExplicitEuler.inverse().is_none());
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -53,7 +60,7 @@ codec_enum!(Integrator, "the number of an integrator", {
     4 => Yoshida4,
 });
 
-/// Kind of a stage.
+/// The kind of a stage: the work that it does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",
@@ -76,7 +83,7 @@ pub enum StageKind {
 codec_enum!(StageKind, "the number of a verb", { 0 => Fields, 1 => Damp, 2 => Kick, 3 => Drift, 4 => Clear });
 
 impl StageKind {
-    /// Name in traces, hashes and benches.
+    /// Its name in traces, hashes and benches.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -93,11 +100,11 @@ impl StageKind {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Stage {
-    /// Kind of the stage.
+    /// The work that it does.
     pub kind: StageKind,
-    /// Index of the span of time it covers, among those of the integrator: the parts of a step, the whole and the half of each.
+    /// Over which of the integrator's [`spans`](Integrator::spans).
     pub span: usize,
-    /// True if the stage mirrors an earlier one: it then runs in reverse order, and forces of velocity are
+    /// Whether it mirrors an earlier stage: then what that did in order is done in reverse, and forces of velocity are
     /// evaluated a second time.
     pub mirrored: bool,
 }
@@ -111,11 +118,11 @@ const fn mirrored(kind: StageKind, span: usize) -> Stage {
 }
 
 impl Integrator {
-    /// All integrators.
+    /// All of them.
     pub const ALL: [Self; 5] =
         [Self::ExplicitEuler, Self::SymplecticEuler, Self::VelocityVerlet, Self::PublishedVerlet, Self::Yoshida4];
 
-    /// Name in scenes and on the command line.
+    /// Its name in scenes and on the command line.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -133,7 +140,7 @@ impl Integrator {
         Self::ALL.into_iter().find(|integrator| integrator.name() == name)
     }
 
-    /// Order of convergence for forces of position.
+    /// Its order of convergence for forces of position.
     #[must_use]
     pub const fn order(self) -> u32 {
         match self {
@@ -143,7 +150,7 @@ impl Integrator {
         }
     }
 
-    /// Returns true if a step begins with evaluating the fields, and all its kicks use the result; otherwise kicks at its
+    /// Whether a step begins with evaluating the fields, and all its kicks take them from there; otherwise kicks at its
     /// start go with the fields as they were at the end of the step before.
     pub(crate) fn opens_with_fields(self) -> bool {
         self.stages()[0].kind == StageKind::Fields
@@ -151,7 +158,7 @@ impl Integrator {
 
     /// The spans its stages name: weights of the time step, and whether they are halved.
     #[must_use]
-    pub(crate) const fn spans(self) -> &'static [(Weight, bool)] {
+    pub const fn spans(self) -> &'static [(Weight, bool)] {
         match self {
             Self::Yoshida4 => {
                 use Weight::{YoshidaInner, YoshidaOuter};
@@ -161,7 +168,7 @@ impl Integrator {
         }
     }
 
-    /// For each span, true if bodies are damped over it.
+    /// Whether bodies are damped over each of its spans.
     pub(crate) fn damps(self) -> [bool; SPANS] {
         let damps = self.stages().iter().filter(|stage| stage.kind == StageKind::Damp);
         damps.fold([false; SPANS], |mut damps, stage| {
@@ -256,7 +263,7 @@ pub(crate) struct Plan<S: Scalar> {
     pub(crate) rate: S::Factor,
     /// ½·dt².
     pub(crate) half_square: S::Factor,
-    /// True if the plan undoes steps: time runs the other way in every span.
+    /// Whether it undoes steps: time runs the other way in every span.
     pub(crate) backwards: bool,
     made_for: (Integrator, TimeStep),
 }

@@ -1,4 +1,4 @@
-//! The update rules of the stages, over a block of the bodies that move.
+//! The update rules of the stages, over a block of moving bodies.
 
 use alloc::vec::Vec;
 
@@ -8,7 +8,7 @@ use crate::error::Cause;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, DampedTurn, Factor, KickDriftKick, Scalar, Wide};
 
-/// The factors of a block's bodies: mostly all have the same.
+/// The factors of the bodies of a block; in most blocks all bodies have the same.
 #[derive(Clone, Copy)]
 pub(crate) enum BlockFactors<'a, S: Scalar> {
     Alike(&'a StepFactors<S>),
@@ -26,7 +26,7 @@ impl<'a, S: Scalar> BlockFactors<'a, S> {
         }
     }
 
-    /// Whether nobody's damping runs backwards.
+    /// Whether no damping runs backwards.
     pub(crate) fn decay(&self, block: &Block<'_, S>) -> bool {
         match self {
             Self::Alike(row) => row.decays,
@@ -34,11 +34,11 @@ impl<'a, S: Scalar> BlockFactors<'a, S> {
         }
     }
 
-    /// Whether no stage could take a body of the block out of the envelope that is far inside it.
-    pub(crate) fn are_gentle(&self, block: &Block<'_, S>) -> bool {
+    /// Whether no stage could take a body of the block out of the allowed range if it is well inside.
+    pub(crate) fn are_bounded(&self, block: &Block<'_, S>) -> bool {
         match self {
-            Self::Alike(row) => row.is_gentle,
-            Self::Each(rows) => block.factors.iter().all(|&row| rows[row as usize].is_gentle),
+            Self::Alike(row) => row.is_bounded,
+            Self::Each(rows) => block.factors.iter().all(|&row| rows[row as usize].is_bounded),
         }
     }
 }
@@ -46,19 +46,19 @@ impl<'a, S: Scalar> BlockFactors<'a, S> {
 /// v *= d^h, linear and angular.
 pub(crate) fn damp<S: Scalar>(
     block: &mut Block<'_, S>,
-    tuned: BlockFactors<'_, S>,
+    factors: BlockFactors<'_, S>,
     span: usize,
-    spins: bool,
+    turns: bool,
     faults: &mut Vec<(usize, Cause)>,
 ) {
-    match tuned {
+    match factors {
         BlockFactors::Alike(row) if !row.is_damped => {}
         BlockFactors::Alike(row) if row.decays => {
             let one = S::Factor::ONE;
             if row.linear[span] != one {
                 block.velocity.iter_mut().for_each(|v| S::damp_all(v, row.linear[span]));
             }
-            if spins && row.angular[span] != one {
+            if turns && row.angular[span] != one {
                 S::damp_all(block.angular_velocity, row.angular[span]);
             }
         }
@@ -96,19 +96,24 @@ fn damp_one<S: Scalar>(
     }
 }
 
-/// The velocity gained from gravity in a span.
-fn gained<S: Scalar>(row: &StepFactors<S>, span: usize, backwards: bool) -> Vec2<S::Accumulator> {
-    let fall = row.fall[span];
-    if backwards { fall.map(Accumulator::negated) } else { fall }
+/// The change of velocity by gravity over a span.
+fn gravity_over<S: Scalar>(row: &StepFactors<S>, span: usize, backwards: bool) -> Vec2<S::Accumulator> {
+    let delta_v = row.gravity_delta_v[span];
+    if backwards { delta_v.map(Accumulator::negated) } else { delta_v }
 }
 
 /// v += g·h, from the factors that bodies share: the same bits for every mass. v −= g·h if `backwards`.
-pub(crate) fn fall<S: Scalar>(block: &mut Block<'_, S>, tuned: BlockFactors<'_, S>, span: usize, backwards: bool) {
+pub(crate) fn gravity_delta_v<S: Scalar>(
+    block: &mut Block<'_, S>,
+    factors: BlockFactors<'_, S>,
+    span: usize,
+    backwards: bool,
+) {
     let none = S::Accumulator::default();
     let [x, y] = &mut block.velocity;
-    match tuned {
+    match factors {
         BlockFactors::Alike(row) => {
-            let gained = gained(row, span, backwards);
+            let gained = gravity_over(row, span, backwards);
             for (v, gained) in [(x, gained.x), (y, gained.y)] {
                 if gained != none {
                     S::kick_all(v, gained);
@@ -117,7 +122,7 @@ pub(crate) fn fall<S: Scalar>(block: &mut Block<'_, S>, tuned: BlockFactors<'_, 
         }
         BlockFactors::Each(rows) => {
             for (i, &row) in block.factors.iter().enumerate() {
-                let gained = gained(&rows[row as usize], span, backwards);
+                let gained = gravity_over(&rows[row as usize], span, backwards);
                 (x[i], y[i]) = (x[i].plus(gained.x), y[i].plus(gained.y));
             }
         }
@@ -147,52 +152,51 @@ pub(crate) fn kick_by<S: Scalar>(
 }
 
 /// x += v·h and θ += ω·h with the public velocities, so that what is below half an ulp a second moves nothing.
-pub(crate) fn drift<S: Scalar>(block: &mut Block<'_, S>, timing: &Timing<S>, spins: bool) {
+pub(crate) fn drift<S: Scalar>(block: &mut Block<'_, S>, timing: &Timing<S>, turns: bool) {
     for (x, v) in block.position.iter_mut().zip(&block.velocity) {
         S::drift_all(x, v, timing.seconds, timing.negative);
     }
-    if spins {
+    if turns {
         S::turn_all(block.angle, block.angular_velocity, timing.turn, timing.negative);
     }
 }
 
-/// The stages damp, kick, drift, kick, damp of one span, of which `half` is the half, for bodies that are alike and whose
-/// damping decays.
-pub(crate) fn glide<S: Scalar>(
+/// The stages damp, kick, drift, kick, damp in one loop, for bodies that share their factors and whose damping decays. The
+/// drift takes the span of `timing`, the others the span `half`.
+pub(crate) fn fused_kick_drift_kick<S: Scalar>(
     block: &mut Block<'_, S>,
     row: &StepFactors<S>,
     (half, timing): (usize, &Timing<S>),
-    spins: bool,
+    turns: bool,
     backwards: bool,
 ) {
-    let Vec2 { x, y } = gained(row, half, backwards);
-    let fall = [x, y];
-    for ((x, v), fall) in block.position.iter_mut().zip(&mut block.velocity).zip(fall) {
+    let Vec2 { x, y } = gravity_over(row, half, backwards);
+    for ((x, v), fall) in block.position.iter_mut().zip(&mut block.velocity).zip([x, y]) {
         let (kept, seconds, negative) = (row.linear[half], timing.seconds, timing.negative);
         S::kick_drift_kick_all(x, v, &KickDriftKick { kept, gravity_delta_v: fall, seconds, negative });
     }
-    if spins {
+    if turns {
         let span = DampedTurn { kept: row.angular[half], turn: timing.turn, negative: timing.negative };
         S::damped_turn_all(block.angle, block.angular_velocity, &span);
     }
 }
 
-/// The same of bodies that are not alike: all drift alike, and only before and after that each looks up its own factors.
-pub(crate) fn glide_each<S: Scalar>(
+/// The same for bodies with factors of their own: each looks its factors up before the drift and after it.
+pub(crate) fn fused_kick_drift_kick_each<S: Scalar>(
     block: &mut Block<'_, S>,
     rows: &[StepFactors<S>],
     (half, timing): (usize, &Timing<S>),
-    spins: bool,
+    turns: bool,
     backwards: bool,
 ) {
-    damp_and_fall::<S, true>(block, rows, half, backwards);
-    drift(block, timing, spins);
-    damp_and_fall::<S, false>(block, rows, half, backwards);
+    damp_and_accelerate::<S, true>(block, rows, half, backwards);
+    drift(block, timing, turns);
+    damp_and_accelerate::<S, false>(block, rows, half, backwards);
 }
 
-/// Damps and lets fall each body by itself, or the other way round. *Domain* all dampings decay.
+/// Damping, then gravity, body by body; the other way round unless `OPENING`. *Domain* all dampings decay.
 #[inline(always)]
-fn damp_and_fall<S: Scalar, const OPENING: bool>(
+fn damp_and_accelerate<S: Scalar, const OPENING: bool>(
     block: &mut Block<'_, S>,
     rows: &[StepFactors<S>],
     span: usize,
@@ -202,7 +206,7 @@ fn damp_and_fall<S: Scalar, const OPENING: bool>(
     let velocities = x.iter_mut().zip(y.iter_mut()).zip(block.angular_velocity.iter_mut());
     for (((x, y), angular_velocity), &row) in velocities.zip(block.factors) {
         let row = &rows[row as usize];
-        let gained = gained(row, span, backwards);
+        let gained = gravity_over(row, span, backwards);
         if !OPENING {
             (*x, *y) = (x.plus(gained.x), y.plus(gained.y));
         }
@@ -228,36 +232,36 @@ fn damp_and_fall<S: Scalar, const OPENING: bool>(
 /// and √½ ulp, by which rounding its components may lengthen it. Each component, to its last bit, and the angular speed are
 /// at most the cap, as the limit of speeds is one.
 #[inline(never)]
-pub(crate) fn cap<S: Scalar>(block: &mut Block<'_, S>, tuned: BlockFactors<'_, S>) {
-    if matches!(tuned, BlockFactors::Alike(row) if !row.key.is_capped()) {
+pub(crate) fn cap<S: Scalar>(block: &mut Block<'_, S>, factors: BlockFactors<'_, S>) {
+    if matches!(factors, BlockFactors::Alike(row) if !row.key.is_capped()) {
         return;
     }
     let [x, y] = &mut block.velocity;
     for (i, &row) in block.factors.iter().enumerate() {
-        let row = match tuned {
+        let row = match factors {
             BlockFactors::Alike(row) => row,
             BlockFactors::Each(rows) => &rows[row as usize],
         };
         let [speed, angular_velocity] = if row.key.is_capped() { row.key.most } else { continue };
         if let Some(most) = speed {
             let v = Vec2::new(x[i].value(), y[i].value());
-            let way = v.map(S::Wide::from_scalar);
+            let way = v.map(S::Wide::from_scalar).into();
             if !most.reaches(way) {
                 let kept = S::Factor::from_scalar(most).over(S::length(way, S::ZERO));
                 let slowed = v.map(|v| S::Accumulator::from_scalar(v).damped(kept));
                 (x[i], y[i]) = (slowed.x, slowed.y);
             }
             // The factor is rounded, and below the ulp the velocity may be above what it is in public.
-            (x[i], y[i]) = (held::<S>(x[i], most), held::<S>(y[i], most));
+            (x[i], y[i]) = (clamp::<S>(x[i], most), clamp::<S>(y[i], most));
         }
         if let Some(most) = angular_velocity {
-            block.angular_velocity[i] = held::<S>(block.angular_velocity[i], most);
+            block.angular_velocity[i] = clamp::<S>(block.angular_velocity[i], most);
         }
     }
 }
 
-/// What is nearest to a value within ±`most`.
-fn held<S: Scalar>(value: S::Accumulator, most: S) -> S::Accumulator {
+/// The value within ±`most` that is nearest to `value`.
+fn clamp<S: Scalar>(value: S::Accumulator, most: S) -> S::Accumulator {
     // A float that is no number stays one, to be found.
     if value.is_within(most) || !value.value().is_finite() {
         return value;

@@ -1,14 +1,14 @@
-//! Where the time of steps goes, behind the feature `timers`; without it nothing of this is compiled.
+//! Timers for the parts of a step, behind the feature `timers`; without it nothing of this is compiled.
 
 /// Runs an expression, and adds the time it takes to a part of the timers.
 macro_rules! timed {
-    ($scratch:expr, $part:ident, $run:expr) => {{
+    ($workspace:expr, $part:ident, $run:expr) => {{
         #[cfg(feature = "timers")]
         let start = crate::step::timers::now();
         let done = $run;
         #[cfg(feature = "timers")]
         {
-            $scratch.timers.$part += start.elapsed();
+            $workspace.timers.$part += start.elapsed();
         }
         done
     }};
@@ -29,8 +29,8 @@ pub(super) fn now() -> std::time::Instant {
 /// let mut world: World = World::new(WorldDef::default())?;
 /// world.add_body(BodyDef::dynamic())?;
 /// (0..10).for_each(|_| _ = world.step());
-/// let Timers { steps, march, kick, .. } = world.timers();
-/// println!("{steps} steps: {march:?} for free bodies, {kick:?} for the kicks of others");
+/// let Timers { steps, free, kick, .. } = world.timers();
+/// println!("{steps} steps: {free:?} for free bodies, {kick:?} for the kicks of others");
 /// assert_eq!(steps, 10);
 /// # Ok::<(), umbra_physics::Error>(())
 /// ```
@@ -40,11 +40,12 @@ pub(super) fn now() -> std::time::Instant {
 pub struct Timers {
     /// Steps, also those that undo one.
     pub steps: u64,
-    /// What was applied over the tick to accelerations, and which bodies a field may reach.
+    /// Finding the coupled bodies, dropping what is cached of bodies that changed, and turning applied forces into
+    /// accelerations.
     pub survey: core::time::Duration,
-    /// All stages of the bodies that no field reaches.
-    pub march: core::time::Duration,
-    /// Of the others: evaluating the fields of position.
+    /// All stages of free bodies: those that no field can act on.
+    pub free: core::time::Duration,
+    /// Evaluating the fields of position. This and what follows is the time of coupled bodies.
     pub fields: core::time::Duration,
     /// Damping and drag.
     pub damp: core::time::Duration,
@@ -52,6 +53,6 @@ pub struct Timers {
     pub kick: core::time::Duration,
     /// Velocities to positions.
     pub drift: core::time::Duration,
-    /// Quarantine and sleep, of the others also keeping what they were before the step.
+    /// Backups of coupled bodies, and for all bodies quarantine and sleep.
     pub finish: core::time::Duration,
 }

@@ -34,7 +34,7 @@ impl Symmetry {
                 (goal.position, goal.angle) = (self.point(goal.position)?, self.turn(goal.angle));
             }
         }
-        image.scratch.forget();
+        image.bodies.changes_mut().note_all();
         Some(image)
     }
 
@@ -55,7 +55,7 @@ impl Symmetry {
         if self.mirrors() {
             motion.angular_velocity[i] = motion.angular_velocity[i].negated();
         }
-        if let Some(last) = motion.last.get_mut(i) {
+        if let Some(last) = motion.last_acceleration.get_mut(i) {
             last.linear = self.signed(last.linear, |wide| Some(wide.negated()))?;
             if self.mirrors() {
                 last.angular = last.angular.negated();

@@ -3,7 +3,7 @@
 use alloc::sync::Arc;
 
 use super::World;
-use crate::body::{BodyDef, BodyInfo, BodyKind, Key, Locks, Mass};
+use crate::body::{BodyDef, BodyInfo, BodyKind, Change, Key, Locks, Mass};
 use crate::error::Error;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, Angle, Scalar};
@@ -38,7 +38,6 @@ impl<S: Scalar> World<S> {
     pub fn add_body(&mut self, def: BodyDef<S>) -> Result<BodyId, Error> {
         let properties = self.check_new_body(&def)?;
         let body = self.bodies.insert(def, properties, Arc::make_mut(&mut self.factor_table));
-        self.scratch.forget();
         self.change_log.added(body, &self.bodies);
         self.mark_if_still(body);
         Ok(body)
@@ -49,7 +48,7 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::NoSuchBody`].
     pub fn remove_body(&mut self, body: BodyId) -> Result<(), Error> {
-        self.touch(body)?;
+        self.touch(body, Change::ALL)?;
         // The order is state: the slot that is freed last is taken first.
         for field in self.fields.attached_by_age(body) {
             self.remove_field(field)?;
@@ -68,7 +67,7 @@ impl<S: Scalar> World<S> {
     /// [`Error::NoSuchBody`]; [`Error::OutOfRange`] with [`Quantity::Position`](crate::Quantity::Position).
     pub fn set_position(&mut self, body: BodyId, position: Vec2<S>) -> Result<(), Error> {
         self.check_body_position(body, position)?;
-        let dense = self.touch(body)?;
+        let dense = self.touch(body, Change::ALL)?;
         self.targets.recall(body);
         self.bodies.columns.motion.position.set(dense, position.map(Accumulator::from_scalar));
         self.change_log.placed(body);
@@ -81,7 +80,7 @@ impl<S: Scalar> World<S> {
     /// [`Error::NoSuchBody`]; [`Error::OutOfRange`] for a float that is no number.
     pub fn set_angle(&mut self, body: BodyId, angle: S) -> Result<(), Error> {
         self.check_body_angle(body, angle)?;
-        let dense = self.touch(body)?;
+        let dense = self.touch(body, Change::ALL)?;
         self.targets.recall(body);
         self.bodies.columns.motion.angle[dense] = S::Angle::from_radians(angle);
         self.change_log.placed(body);
@@ -95,7 +94,7 @@ impl<S: Scalar> World<S> {
     /// [`Quantity::Velocity`](crate::Quantity::Velocity).
     pub fn set_velocity(&mut self, body: BodyId, velocity: Vec2<S>) -> Result<(), Error> {
         self.check_body_velocity(body, velocity)?;
-        let dense = self.touch(body)?;
+        let dense = self.touch(body, Change::VELOCITY)?;
         self.targets.forget(body);
         self.bodies.columns.motion.velocity.set(dense, velocity.map(Accumulator::from_scalar));
         Ok(())
@@ -108,7 +107,7 @@ impl<S: Scalar> World<S> {
     /// [`Quantity::AngularVelocity`](crate::Quantity::AngularVelocity).
     pub fn set_angular_velocity(&mut self, body: BodyId, velocity: S) -> Result<(), Error> {
         self.check_body_angular_velocity(body, velocity)?;
-        let dense = self.touch(body)?;
+        let dense = self.touch(body, Change::VELOCITY)?;
         self.targets.forget(body);
         self.bodies.columns.motion.angular_velocity[dense] = S::Accumulator::from_scalar(velocity);
         Ok(())
@@ -149,7 +148,7 @@ impl<S: Scalar> World<S> {
     /// ```
     pub fn move_to(&mut self, body: BodyId, position: Vec2<S>, angle: S) -> Result<(), Error> {
         let goal = self.check_move(body, position, angle)?;
-        self.touch(body)?;
+        self.touch(body, Change::VELOCITY)?;
         self.targets.send(body, goal);
         Ok(())
     }
@@ -160,7 +159,7 @@ impl<S: Scalar> World<S> {
     /// [`Error::NoSuchBody`]; [`Error::NoShape`]; [`Error::OutOfRange`].
     pub fn set_mass(&mut self, body: BodyId, mass: Mass<S>) -> Result<(), Error> {
         let properties = self.check_body_mass(body, mass)?;
-        let dense = self.touch(body)?;
+        let dense = self.touch(body, Change::ALL)?;
         let kind = self.bodies.info(dense).kind;
         self.bodies.set_mass(dense, kind, mass, properties);
         Ok(())
@@ -173,7 +172,7 @@ impl<S: Scalar> World<S> {
     /// [`Error::NoSuchBody`]; [`Error::NoShape`]; [`Error::OutOfRange`].
     pub fn set_shape(&mut self, body: BodyId, shape: Option<Shape<S>>) -> Result<(), Error> {
         let properties = self.check_body_shape(body, shape.as_ref())?;
-        let dense = self.touch(body)?;
+        let dense = self.touch(body, Change::ALL)?;
         self.bodies.set_shape(dense, shape, properties);
         Ok(())
     }
@@ -185,7 +184,7 @@ impl<S: Scalar> World<S> {
     /// it becomes dynamic without a mass it can have.
     pub fn set_kind(&mut self, body: BodyId, kind: BodyKind) -> Result<(), Error> {
         let properties = self.check_body_kind(body, kind)?;
-        self.touch(body)?;
+        self.touch(body, Change::ALL)?;
         self.wake_joined(body);
         let dense = self.bodies.find(body)?;
         self.applied.forget(body);
@@ -198,7 +197,7 @@ impl<S: Scalar> World<S> {
             motion.velocity.set(dense, Vec2::default());
             motion.angular_velocity[dense] = S::Accumulator::default();
         }
-        if let Some(last) = motion.last.get_mut(dense) {
+        if let Some(last) = motion.last_acceleration.get_mut(dense) {
             *last = Default::default();
         }
         self.set_factors(dense, |key| key.dynamic = kind == BodyKind::Dynamic);
@@ -213,7 +212,7 @@ impl<S: Scalar> World<S> {
     /// [`Error::NoSuchBody`]; [`Error::OutOfRange`] with [`Quantity::GravityScale`](crate::Quantity::GravityScale).
     pub fn set_gravity_scale(&mut self, body: BodyId, scale: S) -> Result<(), Error> {
         self.check_body_gravity_scale(body, scale)?;
-        let dense = self.touch(body)?;
+        let dense = self.touch(body, Change::ALL)?;
         self.set_factors(dense, |key| key.gravity_scale = scale);
         Ok(())
     }
@@ -226,7 +225,7 @@ impl<S: Scalar> World<S> {
     /// [`Error::DampingHasNoInverse`].
     pub fn set_body_damping(&mut self, body: BodyId, linear: Option<S>, angular: Option<S>) -> Result<(), Error> {
         self.check_body_damping(body, linear, angular)?;
-        let dense = self.touch(body)?;
+        let dense = self.touch(body, Change::ALL)?;
         self.set_factors(dense, |key| (key.linear, key.angular) = (linear, angular));
         Ok(())
     }
@@ -242,7 +241,7 @@ impl<S: Scalar> World<S> {
     /// [`Quantity::MaxAngularSpeed`](crate::Quantity::MaxAngularSpeed).
     pub fn set_max_speeds(&mut self, body: BodyId, linear: Option<S>, angular: Option<S>) -> Result<(), Error> {
         self.check_body_max_speeds(body, linear, angular)?;
-        let dense = self.touch(body)?;
+        let dense = self.touch(body, Change::ALL)?;
         self.set_factors(dense, |key| key.most = [linear, angular]);
         Ok(())
     }
@@ -266,7 +265,7 @@ impl<S: Scalar> World<S> {
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
     pub fn set_locks(&mut self, body: BodyId, locks: Locks) -> Result<(), Error> {
-        let dense = self.touch(body)?;
+        let dense = self.touch(body, Change::ALL)?;
         self.targets.recall(body);
         self.bodies.set_locks(dense, Arc::make_mut(&mut self.factor_table), locks);
         Ok(())
@@ -298,7 +297,7 @@ impl<S: Scalar> World<S> {
 
     /// Wakes a body and changes properties that no step changes.
     fn edit(&mut self, body: BodyId, edit: impl FnOnce(&mut BodyInfo<S>)) -> Result<(), Error> {
-        let dense = self.touch(body)?;
+        let dense = self.touch(body, Change::ALL)?;
         self.bodies.edit(dense, edit);
         Ok(())
     }

@@ -1,8 +1,9 @@
 //! Adding, removing and changing force fields.
 
 use super::World;
+use crate::body::Change;
 use crate::error::Error;
-use crate::force::{FieldKind, ForceField};
+use crate::force::ForceField;
 use crate::scalar::Scalar;
 use crate::slots::FieldId;
 use alloc::sync::Arc;
@@ -71,14 +72,17 @@ impl<S: Scalar> World<S> {
         Arc::make_mut(&mut self.fields).remove(id).map(drop)
     }
 
+    /// Notes that a field comes, goes or changes, and wakes what it may act on.
     fn wake_for(&mut self, field: &ForceField<S>) {
-        match field.kind {
-            FieldKind::Spring { .. } | FieldKind::Thrust { .. } => {
-                let bodies: alloc::vec::Vec<_> = field.bodies().collect();
-                // Fields on the same static body, and bodies that it attracts, are not affected.
-                self.wake_reached(&bodies, 0);
-            }
-            _ => self.wake_reached(&[], field.groups),
+        let by_groups = field.kind.acts_by_groups();
+        field.bodies().for_each(|body| self.bodies.note_body(body, Change::FORCES));
+        if by_groups {
+            self.bodies.changes_mut().note_group_fields();
+            self.wake_reached(&[], field.groups);
+        } else {
+            let bodies: alloc::vec::Vec<_> = field.bodies().collect();
+            // Fields on the same static body, and bodies that it attracts, are not affected.
+            self.wake_reached(&bodies, 0);
         }
     }
 }

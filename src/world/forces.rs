@@ -1,7 +1,7 @@
 //! Applying forces and impulses.
 
 use super::World;
-use crate::body::{Activity, BodyKind};
+use crate::body::{Activity, BodyKind, Change};
 use crate::codec::{self, Encoder, Malformed, Read, Reader, Write, codec_enum};
 use crate::error::{Error, Quantity};
 use crate::limits;
@@ -193,12 +193,12 @@ impl<S: Scalar> World<S> {
             Effect::ForceTorque { force, torque } => {
                 // Unlike a change of the body's state, a force does not change what the fields do.
                 if asleep {
-                    self.touch(body)?;
+                    self.touch(body, Change::VELOCITY)?;
                 }
                 self.applied.add(body, force, torque);
             }
             Effect::Strike { velocity, angular_velocity } => {
-                let dense = self.touch(body)?;
+                let dense = self.touch(body, Change::VELOCITY)?;
                 let motion = &mut self.bodies.columns.motion;
                 motion.velocity.set(dense, velocity);
                 motion.angular_velocity[dense] = angular_velocity;

@@ -94,7 +94,7 @@ impl<S: Scalar> Row<S> {
     /// Stores a world with its caches: otherwise a restored world would evaluate all its fields once more.
     fn keep(&mut self, world: &World<S>) {
         self.before.keep(world);
-        self.before.scratch.clone_cached_from(&world.scratch);
+        self.before.workspace.clone_cached_from(&world.workspace);
         self.is_known = true;
     }
 }
@@ -261,7 +261,7 @@ impl<S: Scalar> History<S> {
         let known = (0..=index).rev().find(|&i| i < self.held && self.rows[i].is_known).unwrap_or(0);
         let Some(row) = self.rows.get(known) else { return };
         world.clone_from(&row.before);
-        world.scratch.clone_cached_from(&row.before.scratch);
+        world.workspace.clone_cached_from(&row.before.workspace);
         for row in self.rows.range(known..index) {
             world.carry_out_into(&row.inputs, &mut self.outcomes);
             world.step();
@@ -288,14 +288,14 @@ impl<S: Scalar> History<S> {
         let Some(mut oldest) = self.rows.pop_front() else { return };
         if let Some(next) = self.rows.front_mut().filter(|next| self.held > 1 && !next.is_known) {
             let before = &mut oldest.before;
-            // The scratch memory of the world, which is about to step anyway, serves for this step too.
-            core::mem::swap(&mut before.scratch, &mut world.scratch);
-            before.scratch.forget();
+            // The working memory of the world, which is about to step anyway, serves for this step too.
+            core::mem::swap(&mut before.workspace, &mut world.workspace);
+            before.workspace.drop_cached();
             before.carry_out_into(&oldest.inputs, &mut self.outcomes);
             before.step();
-            core::mem::swap(&mut before.scratch, &mut world.scratch);
-            before.scratch.clone_from(&world.scratch);
-            world.scratch.forget();
+            core::mem::swap(&mut before.workspace, &mut world.workspace);
+            before.workspace.clone_from(&world.workspace);
+            world.workspace.drop_cached();
             core::mem::swap(before, &mut next.before);
             next.is_known = true;
         }

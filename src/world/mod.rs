@@ -34,7 +34,7 @@ use crate::limits;
 use crate::math::{Elapsed, Random, TimeStep, Vec2};
 use crate::scalar::{Scalar, fx::Fx};
 use crate::slots::BodyId;
-use crate::step::{Context, Probe, Scratch};
+use crate::step::{Forces, Probe, Settings, Step, Workspace};
 
 pub use body_ref::BodyRef;
 pub(crate) use change_log::ChangeLog;
@@ -168,7 +168,7 @@ pub struct World<S: Scalar = Fx> {
     // The fields below are derived values, scratch memory and reports.
     pub(crate) factor_table: Arc<FactorTable<S>>,
     pub(crate) plan: Plan<S>,
-    pub(crate) scratch: Scratch<S>,
+    pub(crate) workspace: Workspace<S>,
     pub(crate) change_log: ChangeLog,
 }
 
@@ -185,7 +185,7 @@ clone_by_field!(World {
     blob,
     factor_table,
     plan,
-    scratch,
+    workspace,
     change_log,
 });
 
@@ -256,7 +256,7 @@ impl<S: Scalar> World<S> {
             blob: Vec::new(),
             factor_table: Arc::default(),
             plan: Plan::new(def.integrator, def.time_step),
-            scratch: Scratch::default(),
+            workspace: Workspace::default(),
             change_log: ChangeLog::default(),
         })
     }
@@ -264,7 +264,7 @@ impl<S: Scalar> World<S> {
     /// Simulates one tick.
     pub fn step(&mut self) -> StepReport<'_, S> {
         self.advance(None);
-        self.change_log.end(&self.scratch.faults, &self.scratch.fell_asleep);
+        self.change_log.end(&self.workspace.report.faults, &self.workspace.report.fell_asleep);
         self.last_report()
     }
 
@@ -273,7 +273,7 @@ impl<S: Scalar> World<S> {
         self.tick = limits::tick_after(self.tick, 1);
         self.change_log.begin(self.tick, &self.bodies);
         self.update();
-        self.context(probe).step();
+        self.next_step(probe).step();
     }
 
     /// Computes the derived values that calls have made stale, of the bodies that the step moves.
@@ -289,20 +289,22 @@ impl<S: Scalar> World<S> {
         }
     }
 
-    fn context<'a>(&'a mut self, probe: Option<&'a mut Probe<'a, S>>) -> Context<'a, S> {
-        Context {
+    /// All that a step works on.
+    fn next_step<'a>(&'a mut self, probe: Option<&'a mut Probe<'a, S>>) -> Step<'a, S> {
+        Step {
             bodies: &mut self.bodies,
-            factor_table: &self.factor_table,
-            fields: &self.fields,
-            custom_forces: &self.custom_forces,
             applied: &mut self.applied,
             targets: &mut self.targets,
-            tick: self.tick,
-            plan: &self.plan,
-            integrator: self.def.integrator,
-            sleep_after: self.def.sleep_after,
+            forces: Forces { fields: &self.fields, custom_forces: &self.custom_forces },
+            settings: Settings {
+                tick: self.tick,
+                integrator: self.def.integrator,
+                plan: &self.plan,
+                factor_table: &self.factor_table,
+                sleep_after: self.def.sleep_after,
+            },
             probe,
-            scratch: &mut self.scratch,
+            workspace: &mut self.workspace,
         }
     }
 
@@ -311,14 +313,14 @@ impl<S: Scalar> World<S> {
     pub fn last_report(&self) -> StepReport<'_, S> {
         StepReport {
             tick: self.tick,
-            faults: &self.scratch.faults,
-            fell_asleep: &self.scratch.fell_asleep,
+            faults: &self.workspace.report.faults,
+            fell_asleep: &self.workspace.report.fell_asleep,
             woke: &self.change_log.reported.woken,
             removed: &self.change_log.reported.removed,
             added: &self.change_log.reported.added,
             placed: &self.change_log.reported.placed,
             applied: self.applied.done(),
-            drag_outside: self.scratch.drag_outside,
+            drag_outside: self.workspace.report.drag_outside,
         }
     }
 
@@ -326,7 +328,7 @@ impl<S: Scalar> World<S> {
     #[cfg(feature = "timers")]
     #[must_use]
     pub fn timers(&self) -> crate::step::Timers {
-        self.scratch.timers
+        self.workspace.timers
     }
 
     /// The number of steps made, at most [`limits::TICK`].

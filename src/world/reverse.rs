@@ -4,7 +4,7 @@ use super::{World, WorldDef};
 use crate::body::{Activity, BodyKind};
 use crate::error::{Error, Irreversible};
 use crate::force::{AppliedForce, Dependence};
-use crate::integrate::Stage;
+use crate::integrate::Schedule;
 use crate::limits;
 use crate::scalar::Scalar;
 
@@ -42,26 +42,26 @@ impl<S: Scalar> World<S> {
     /// ```
     pub fn step_back(&mut self, applied: &[AppliedForce<S>]) -> Result<(), Error> {
         self.update();
-        let stages = self.way_back().map_err(|why| Error::NotReversible { why })?;
+        let schedule = self.way_back().map_err(|why| Error::NotReversible { why })?;
         self.apply_again(applied)
             .and_then(|()| {
-                let undone = self.context(None).step_back(stages);
+                let undone = self.next_step(None).step_back(schedule);
                 undone.map_err(|fault| Error::NotReversible { why: Irreversible::Fault(fault) })
             })
             .inspect_err(|_| self.applied.clear())?;
         self.tick -= 1;
         self.applied.forget_done();
-        self.scratch.forget_report();
+        self.workspace.report.clear();
         self.change_log.undo(self.tick, &self.bodies);
         Ok(())
     }
 
     /// The stages that undo the last step, if it has an inverse.
-    fn way_back(&self) -> Result<&'static [Stage], Irreversible> {
+    fn way_back(&self) -> Result<Schedule, Irreversible> {
         if !S::IS_REVERSIBLE {
             return Err(Irreversible::Scalar);
         }
-        let stages = self.def.integrator.inverse().ok_or(Irreversible::Integrator)?;
+        let schedule = self.def.integrator.inverse_schedule().ok_or(Irreversible::Integrator)?;
         if self.tick == 0 {
             return Err(Irreversible::Start);
         }
@@ -96,7 +96,7 @@ impl<S: Scalar> World<S> {
         if !self.applied.rows().is_empty() {
             return Err(Irreversible::Pending);
         }
-        Ok(stages)
+        Ok(schedule)
     }
 
     /// Applies the forces of the step again. On an error a part of them is applied.

@@ -88,6 +88,7 @@ impl<S: Scalar> World<S> {
             return Err(Error::CustomForce { id });
         }
         Arc::make_mut(&mut self.custom_forces).insert(id, law);
+        self.bodies.changes_mut().note_group_fields();
         Ok(())
     }
 

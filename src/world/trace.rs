@@ -6,7 +6,7 @@ use super::World;
 use crate::body::{Activity, Bodies};
 use crate::integrate::{Stage, StageKind};
 use crate::scalar::{Scalar, fx::Fx};
-use crate::step::find_strays;
+use crate::step::find_out_of_bounds;
 
 /// The world after each stage of a step. Where two runs diverge, the first stage after which they differ is the cause.
 ///
@@ -66,20 +66,20 @@ impl<S: Scalar> World<S> {
             if stage.kind == StageKind::Clear {
                 world.applied.finish();
             }
-            world.quarantine_strays();
+            world.quarantine_out_of_bounds();
             stages.push((*stage, world));
         };
         self.advance(Some(&mut probe));
-        self.change_log.end(&self.scratch.faults, &self.scratch.fell_asleep);
+        self.change_log.end(&self.workspace.report.faults, &self.workspace.report.fell_asleep);
         Trace { stages }
     }
 
     /// Turns a world in the middle of a step into a valid world, which can be stepped.
-    fn quarantine_strays(&mut self) {
-        let mut strays = Vec::new();
-        find_strays(&self.bodies.all_moving(), &mut strays);
+    fn quarantine_out_of_bounds(&mut self) {
+        let mut faults = Vec::new();
+        find_out_of_bounds(&self.bodies.all_moving(), &mut faults);
         // A quarantined body changes places with the last moving one: in descending order, the indices of the others stay.
-        for (i, _) in strays.into_iter().rev() {
+        for (i, _) in faults.into_iter().rev() {
             // A quarantined body has no applied forces and no target.
             let body = self.bodies.id(i);
             self.applied.forget(body);

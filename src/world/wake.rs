@@ -3,9 +3,10 @@
 use alloc::vec::Vec;
 
 use super::World;
-use crate::body::{Activity, BodyKind};
+use crate::body::{Activity, BodyKind, Change};
 use crate::error::Error;
 use crate::force::FieldKind;
+use crate::island;
 use crate::scalar::Scalar;
 use crate::slots::BodyId;
 
@@ -28,7 +29,7 @@ impl<S: Scalar> World<S> {
     /// ```
     pub fn wake(&mut self, body: BodyId) -> Result<(), Error> {
         self.check_taking_part(body)?;
-        self.touch(body).map(drop)
+        self.touch(body, Change::VELOCITY).map(drop)
     }
 
     /// Takes a quarantined body back into the simulation, at the state it has: its last good one, or what was set since.
@@ -87,17 +88,17 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
-    /// Drops what is cached, wakes the body if it sleeps, and gives its index. The body is about to be changed.
-    pub(super) fn touch(&mut self, body: BodyId) -> Result<usize, Error> {
+    /// Notes what is about to change of a body, wakes it if it sleeps, and gives its index.
+    pub(super) fn touch(&mut self, body: BodyId, change: Change) -> Result<usize, Error> {
         let dense = self.bodies.find(body)?;
-        self.scratch.forget();
         // Neighbours of an awake dynamic body are awake. Those of a body that keeps nothing awake may sleep, and what one
         // that takes no part is changed to will move them when it does again.
         if self.bodies.activity(dense) == Activity::Asleep || self.bodies.info(dense).kind != BodyKind::Dynamic {
             self.wake_joined(body);
         }
         let dense = self.bodies.find(body)?;
-        self.bodies.columns.motion.rest[dense] = 0;
+        self.bodies.note(dense, change);
+        self.bodies.columns.motion.ticks_at_rest[dense] = 0;
         self.mark_if_still(body);
         Ok(dense)
     }
@@ -111,7 +112,6 @@ impl<S: Scalar> World<S> {
 
     /// Wakes a body and all that a field reaches from it, over any number of springs.
     pub(super) fn wake_joined(&mut self, body: BodyId) {
-        self.scratch.forget();
         // Nobody falls asleep until the next step: once is enough.
         if !self.bodies.any_asleep() || !self.change_log.looks_around(body) {
             return;
@@ -127,56 +127,34 @@ impl<S: Scalar> World<S> {
         self.wake_reached(&reached, groups);
     }
 
-    /// Wakes bodies, those that a field with these groups acts on, and whatever springs join to either. Others sleep on: what
-    /// a field does not act on must not feel that it came.
+    /// Wakes bodies, those that a field with these groups acts on, and the islands of either. Others sleep on: what a field does
+    /// not act on must not feel that it came.
     ///
     /// It looks at the bodies that it wakes and the fields attached to them, and at all that sleep if one of them feels the
     /// groups: then none of these is left that does, until the next step.
     pub(super) fn wake_reached(&mut self, bodies: &[BodyId], groups: u32) {
-        self.scratch.forget();
         let mut woken = Vec::new();
-        bodies.iter().for_each(|&body| self.rouse(body, &mut woken));
+        island::wake(&mut self.bodies, &self.fields, bodies.iter().copied(), &mut woken);
         if self.bodies.any_asleep_in(groups) {
             let feel = self.bodies.asleep().filter(|&i| self.bodies.info(i).feels(groups));
             let feel: Vec<BodyId> = feel.map(|i| self.bodies.id(i)).collect();
-            feel.into_iter().for_each(|body| self.rouse(body, &mut woken));
+            island::wake(&mut self.bodies, &self.fields, feel, &mut woken);
         }
-        if woken.is_empty() {
-            return;
-        }
-        // Islands sleep as wholes: who was awake before has nobody asleep in its own.
-        let fields = self.fields.clone();
-        let mut next = 0;
-        while let Some(&body) = woken.get(next) {
-            for (_, field) in
-                fields.attached_to(body).filter(|(_, field)| matches!(field.kind, FieldKind::Spring { .. }))
-            {
-                field.bodies().for_each(|joined| self.rouse(joined, &mut woken));
-            }
-            next += 1;
-        }
-        woken.sort_unstable();
-        self.change_log.woke(&woken);
-    }
-
-    /// Wakes a body if it sleeps, and says so.
-    fn rouse(&mut self, body: BodyId, woken: &mut Vec<BodyId>) {
-        let Ok(dense) = self.bodies.find(body) else { return };
-        if self.bodies.activity(dense) == Activity::Asleep {
-            self.bodies.set_activity(dense, Activity::Awake);
-            woken.push(body);
-        }
+        self.report_woken(woken);
     }
 
     /// Wakes all that sleeps.
     pub(super) fn wake_all(&mut self) {
-        self.scratch.forget();
         if self.bodies.any_asleep() {
-            let sleepers: Vec<BodyId> = self.bodies.asleep().map(|i| self.bodies.id(i)).collect();
-            let mut woken = Vec::with_capacity(sleepers.len());
-            sleepers.into_iter().for_each(|body| self.rouse(body, &mut woken));
-            woken.sort_unstable();
-            self.change_log.woke(&woken);
+            let asleep: Vec<BodyId> = self.bodies.asleep().map(|i| self.bodies.id(i)).collect();
+            let mut woken = Vec::with_capacity(asleep.len());
+            island::wake(&mut self.bodies, &self.fields, asleep, &mut woken);
+            self.report_woken(woken);
         }
+    }
+
+    fn report_woken(&mut self, mut woken: Vec<BodyId>) {
+        woken.sort_unstable();
+        self.change_log.woke(&woken);
     }
 }

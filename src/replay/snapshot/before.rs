@@ -143,6 +143,6 @@ impl BeforeCalls {
 /// The sleeping bodies whose count of ticks at rest is not zero. Steps and calls make none: a body that falls asleep has zero.
 /// A file may have some, which become fewer until none is left.
 pub(in crate::replay) fn restless_sleepers(world: &World) -> Vec<BodyId> {
-    let restless = |&dense: &usize| world.bodies.columns.motion.rest[dense] != 0;
+    let restless = |&dense: &usize| world.bodies.columns.motion.ticks_at_rest[dense] != 0;
     world.bodies.asleep().filter(restless).map(|dense| world.bodies.id(dense)).collect()
 }

@@ -195,7 +195,7 @@ fn a_body_rests_for_no_longer_than_can_be_counted() {
             let world = with(def, [BodyDef::dynamic()]);
             lives_on(&forged(&world, &[("bodies[0].ticks_at_rest", &rest.to_le_bytes())]).expect("a world"), 4);
             let mut world = world;
-            world.bodies.columns.motion.rest[0] = rest;
+            world.bodies.columns.motion.ticks_at_rest[0] = rest;
             (0..4).for_each(|_| _ = world.step());
             read_again(&world);
         }

@@ -1,0 +1,63 @@
+//! The forces and torques that were applied since the last step, as accelerations that are constant over the step.
+//!
+//! Reads: the applied sums, masses, locks. Writes: the applied accelerations.
+
+use alloc::vec::Vec;
+
+use super::AppliedAcceleration;
+use crate::body::{Acceleration, Block, Bodies, MassProperties};
+use crate::force::{Applied, Load};
+use crate::math::Vec2;
+use crate::scalar::{Factor, Scalar, Sum, Wide};
+
+/// a = Σ accelerations + Σ F / m, α = Σ τ / I, none along a locked axis; `None` if a sum does not fit. *Domain* the body is
+/// dynamic.
+#[inline]
+pub(super) fn acceleration<S: Scalar>(load: &Load<S>, mass: &MassProperties<S>) -> Option<Acceleration<S>> {
+    let component = |a: S::Sum, f: S::Sum, inverse_mass: S::Factor| {
+        // A sum along a locked axis has no effect and may be of any size.
+        if inverse_mass.is_zero() {
+            return Some(S::Wide::default());
+        }
+        let (a, f) = (a.total()?, f.total()?);
+        if f == S::Wide::default() { Some(a) } else { a.plus(f.times(inverse_mass)?) }
+    };
+    // A torque on a body of infinite inertia has to fit.
+    let torque = if mass.locks.rotation { S::Wide::default() } else { load.torque.total()? };
+    let turns = torque != S::Wide::default();
+    Some(Acceleration {
+        linear: Vec2::new(
+            component(load.acceleration.x, load.force.x, mass.axis_inverse_mass.x)?,
+            component(load.acceleration.y, load.force.y, mass.axis_inverse_mass.y)?,
+        ),
+        angular: if turns { torque.times(mass.inverse_inertia)? } else { torque },
+    })
+}
+
+/// Lists the accelerations in the order of the columns, whatever the order of the calls.
+pub(super) fn convert<S: Scalar>(
+    applied: &Applied<S>,
+    bodies: &Bodies<S>,
+    accelerations: &mut Vec<AppliedAcceleration<S>>,
+) {
+    accelerations.clear();
+    for row in applied.rows() {
+        let Ok(i) = bodies.find(row.body) else { continue };
+        let load = Load { acceleration: Vec2::default(), force: row.force, torque: row.torque };
+        accelerations.push((i, acceleration(&load, bodies.mass(i))));
+    }
+    accelerations.sort_unstable_by_key(|(i, _)| *i);
+}
+
+/// The accelerations that fit.
+pub(super) fn accelerations<S: Scalar>(
+    applied: &[AppliedAcceleration<S>],
+) -> impl Iterator<Item = (&usize, &Acceleration<S>)> {
+    applied.iter().filter_map(|(i, acceleration)| Some((i, acceleration.as_ref()?)))
+}
+
+/// The entries about bodies of a block, of a list in the order of their indices.
+pub(super) fn part_in<'a, S: Scalar, T>(block: &Block<'_, S>, list: &'a [(usize, T)]) -> &'a [(usize, T)] {
+    let before = |end: usize| list.partition_point(|(index, _)| *index < end);
+    if list.is_empty() { list } else { &list[before(block.first)..before(block.first + block.len())] }
+}

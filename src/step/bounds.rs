@@ -1,0 +1,89 @@
+//! The check at the end of a step: which bodies left the allowed range, and which are at rest.
+//!
+//! Reads: positions, velocities, the backup. Writes: ticks at rest, faults, candidates for sleep.
+
+use alloc::vec::Vec;
+
+use super::applied::part_in;
+use super::{Constants, Found};
+use crate::body::{BOUNDED_STEPS, Block, Motion};
+use crate::error::Cause;
+use crate::island::is_candidate;
+use crate::limits;
+use crate::scalar::{Accumulator, Scalar};
+
+/// The number of steps for which no body of a block can leave the allowed range, if its factors are bounded and nothing else
+/// acts on it. Cached: dropped when a body of the block changes.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct SafeSteps(u8);
+
+impl SafeSteps {
+    /// Whether the next step is safe.
+    pub(super) fn pass<S: Scalar>(&mut self, block: &Block<'_, S>) -> bool {
+        if self.0 == 0 && is_well_inside(block) {
+            self.0 = BOUNDED_STEPS;
+        }
+        let passes = self.0 > 0;
+        self.0 = self.0.saturating_sub(1);
+        passes
+    }
+}
+
+/// Whether all bodies are within half of each limit, so that [`BOUNDED_STEPS`] steps of bounded factors cannot take them out:
+/// gravity adds less than half the limit of speeds, and the way of 32 · 4.43 s at that limit is less than 2^28 m.
+fn is_well_inside<S: Scalar>(block: &Block<'_, S>) -> bool {
+    are_inside(block, [limits::POSITION_LOG2 - 1, limits::SPEED_LOG2 - 1])
+}
+
+/// Whether positions are within two to the first, and velocities and angular velocities within two to the second. At a limit
+/// itself the answer may be no.
+fn are_inside<S: Scalar>(block: &Block<'_, S>, [position, speed]: [u32; 2]) -> bool {
+    block.velocity.iter().all(|v| S::are_within(v, speed))
+        && S::are_within(block.angular_velocity, speed)
+        && block.position.iter().all(|x| S::are_within(x, position))
+}
+
+/// Adds a fault for each body outside the allowed range.
+pub(crate) fn find_out_of_bounds<S: Scalar>(block: &Block<'_, S>, faults: &mut Vec<(usize, Cause)>) {
+    // In most steps there are none, and a column is checked faster than a body.
+    if are_inside(block, [limits::POSITION_LOG2, limits::SPEED_LOG2]) {
+        return;
+    }
+    let [position, speed, angular_velocity] = [limits::POSITION, limits::SPEED, limits::ANGULAR_SPEED].map(S::from_fx);
+    for i in 0..block.len() {
+        let cause = if !block.velocity.iter().all(|v| v[i].is_within(speed)) {
+            Cause::Velocity
+        } else if !block.position.iter().all(|x| x[i].is_within(position)) {
+            Cause::Position
+        } else if !block.angular_velocity[i].is_within(angular_velocity) {
+            Cause::AngularVelocity
+        } else {
+            continue;
+        };
+        faults.push((block.first + i, cause));
+    }
+}
+
+/// Finds the bodies of a block that left the allowed range, and counts for how many steps each has been at rest.
+pub(super) fn check_bounds_and_rest<S: Scalar>(
+    block: &mut Block<'_, S>,
+    backup: &Motion<S>,
+    constants: &Constants<'_, S>,
+    found: &mut Found,
+) {
+    find_out_of_bounds(block, &mut found.faults);
+    let Some(ticks) = constants.sleep_after else { return };
+    for i in 0..block.len() {
+        // The next step would leave it as it is, to the bit: its public velocities are zero, and the step changed
+        // nothing below them either.
+        let at_rest = block.is_still(i) && backup.is_same(block, i);
+        block.ticks_at_rest[i] = if at_rest { block.ticks_at_rest[i].saturating_add(1) } else { 0 };
+    }
+    for (i, _) in part_in(block, constants.applied) {
+        block.ticks_at_rest[i - block.first] = 0;
+    }
+    if block.ticks_at_rest.iter().any(|&rest| is_candidate(rest, ticks)) {
+        let candidates = block.ticks_at_rest.iter().enumerate().filter(|(_, rest)| is_candidate(**rest, ticks));
+        found.candidates.extend(candidates.map(|(i, _)| block.first + i));
+    }
+}

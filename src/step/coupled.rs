@@ -1,0 +1,173 @@
+//! The pass of coupled bodies: all of them stage by stage, as a field looks at many bodies at once.
+//!
+//! Reads: fields, rows of factors, applied accelerations. Writes: positions, angles, velocities, ticks at rest, faults.
+
+use core::ops::Range;
+
+use super::applied::part_in;
+use super::bounds::check_bounds_and_rest;
+use super::timers::timed;
+use super::{Constants, Forces, Probe, Workspace as StepWorkspace, damp, drift, fields, kick};
+use crate::body::{BLOCK, Block, Bodies, BodyKind, Motion};
+use crate::force::{Dependence, End, FieldKind, Scene, Targets};
+use crate::integrate::{BlockFactors, Integrator, Stage, StageKind, cap};
+use crate::scalar::Scalar;
+
+/// Memory that the pass uses again.
+#[derive(Debug)]
+pub(super) struct Workspace<S: Scalar> {
+    /// The coupled bodies as they were before the step.
+    backup: Motion<S>,
+}
+
+impl<S: Scalar> Default for Workspace<S> {
+    fn default() -> Self {
+        Self { backup: Motion::default() }
+    }
+}
+
+impl<S: Scalar> Workspace<S> {
+    /// Takes all coupled bodies back to what they were before the step.
+    pub(super) fn restore_all(&self, coupled: &mut Block<'_, S>) {
+        (0..coupled.len()).for_each(|i| self.backup.restore(coupled, i));
+    }
+}
+
+/// The kinds of fields that there are; a stage of a kind that is missing is passed over.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct FieldKinds {
+    pub(super) position: bool,
+    pub(super) velocity: bool,
+    pub(super) drag: bool,
+    /// Attractors that a movable body carries.
+    pub(super) moving_attractors: bool,
+}
+
+impl FieldKinds {
+    pub(super) fn of<S: Scalar>(forces: Forces<'_, S>, bodies: &Bodies<S>) -> Self {
+        let mut kinds = Self::default();
+        for (_, field) in forces.fields.iter() {
+            let depends_on = field.depends_on(forces.custom_forces);
+            match &field.kind {
+                FieldKind::Drag { .. } => kinds.drag = true,
+                FieldKind::Spring { .. } => {
+                    kinds.position = true;
+                    kinds.velocity |= depends_on == Dependence::Velocity;
+                }
+                _ if depends_on == Dependence::Velocity => kinds.velocity = true,
+                _ => kinds.position = true,
+            }
+            if let FieldKind::Attractor { centre: End::Body(carrier), .. } = &field.kind {
+                kinds.moving_attractors |= bodies.find(carrier.body).is_ok_and(|i| may_move(bodies, i));
+            }
+        }
+        kinds
+    }
+}
+
+/// Whether a step may move a body.
+pub(super) fn may_move<S: Scalar>(bodies: &Bodies<S>, i: usize) -> bool {
+    bodies.info(i).kind != BodyKind::Static && bodies.activity(i).takes_part()
+}
+
+/// The coupled bodies, and what acts on them.
+pub(super) struct Coupled<'a, S: Scalar> {
+    pub(super) bodies: &'a mut Bodies<S>,
+    /// The coupled ones.
+    pub(super) indices: Range<usize>,
+    pub(super) forces: Forces<'a, S>,
+    pub(super) constants: Constants<'a, S>,
+    pub(super) integrator: Integrator,
+    pub(super) kinds: FieldKinds,
+}
+
+impl<S: Scalar> Coupled<'_, S> {
+    /// All coupled bodies.
+    pub(super) fn all(&mut self) -> Block<'_, S> {
+        self.bodies.block(self.indices.clone())
+    }
+
+    /// The coupled bodies, a block after the other.
+    pub(super) fn each_block(&mut self, mut act: impl FnMut(&mut Block<'_, S>)) {
+        let mut others = self.all();
+        while others.len() > 0 {
+            let count = BLOCK.min(others.len());
+            let (mut block, rest) = others.split(count);
+            others = rest;
+            act(&mut block);
+        }
+    }
+
+    /// The view that fields have of the world.
+    pub(super) fn scene(&self) -> Scene<'_, S> {
+        let Forces { fields, custom_forces } = self.forces;
+        Scene { bodies: self.bodies, fields, custom_forces }
+    }
+
+    /// The bodies that fields act on.
+    pub(super) fn targets(&self) -> Targets<'static> {
+        Targets::Coupled(self.indices.start, self.indices.end)
+    }
+}
+
+/// Takes the coupled bodies through the whole step.
+pub(super) fn run<S: Scalar>(
+    mut pass: Coupled<'_, S>,
+    mut stages: &[Stage],
+    workspace: &mut StepWorkspace<S>,
+    mut probe: Option<&mut Probe<'_, S>>,
+) {
+    let Constants { rows, any_capped, .. } = pass.constants;
+    timed!(workspace, finish, begin(&mut pass, workspace));
+    if pass.kinds.position && !pass.integrator.opens_with_fields() {
+        timed!(workspace, fields, fields::complete(&pass, &mut workspace.fields, &mut workspace.found.faults));
+    }
+    if pass.kinds.drag && pass.integrator == Integrator::Yoshida4 {
+        timed!(workspace, damp, damp::open_outside(&mut pass, workspace));
+    }
+    while let [stage, others @ ..] = stages {
+        match stage.kind {
+            StageKind::Fields => timed!(workspace, fields, fields::run(&pass, workspace)),
+            StageKind::Damp => timed!(workspace, damp, damp::run(&mut pass, stage, workspace)),
+            StageKind::Kick => timed!(workspace, kick, kick::run(&mut pass, stage, workspace)),
+            StageKind::Drift => timed!(workspace, drift, drift::run(&mut pass, stage, workspace)),
+            StageKind::Clear => {}
+        }
+        // Drag around the whole step ends with the last damp.
+        if workspace.report.drag_outside > 0 && matches!(others, [Stage { kind: StageKind::Clear, .. }]) {
+            timed!(workspace, damp, damp::close_outside(&mut pass, workspace));
+        }
+        if let Some(probe) = &mut probe {
+            probe(stage, pass.bodies);
+        }
+        stages = others;
+    }
+    if any_capped {
+        pass.each_block(|block| cap(block, BlockFactors::of(block, rows)));
+    }
+    timed!(workspace, finish, finish(&mut pass, workspace));
+}
+
+/// Keeps a backup, and finds the bodies whose applied forces do not fit.
+fn begin<S: Scalar>(pass: &mut Coupled<'_, S>, workspace: &mut StepWorkspace<S>) {
+    let constants = pass.constants;
+    let coupled = pass.all();
+    workspace.coupled.backup.keep(&coupled);
+    constants.report_overloaded(&coupled, &mut workspace.found.faults);
+}
+
+/// Checks the bodies, and gives those with a fault back what they were.
+fn finish<S: Scalar>(pass: &mut Coupled<'_, S>, workspace: &mut StepWorkspace<S>) {
+    let StepWorkspace { coupled: Workspace { backup }, found, .. } = workspace;
+    let constants = pass.constants;
+    let mut coupled = pass.all();
+    check_bounds_and_rest(&mut coupled, backup, &constants, found);
+    // Stable: the first fault of a body stays its first.
+    found.faults.sort_by_key(|(i, _)| *i);
+    if constants.restores {
+        let first = coupled.first;
+        for (i, _) in part_in(&coupled, &found.faults) {
+            backup.restore(&mut coupled, *i - first);
+        }
+    }
+}

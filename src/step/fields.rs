@@ -1,0 +1,170 @@
+//! The fields stage: the accelerations by force fields at the positions now.
+//!
+//! Reads: fields, positions, angles, velocities, masses, groups. Writes: the accelerations by fields, faults.
+//!
+//! The accelerations by fields of position hold until something moves: those at the end of a step serve the first kick of the
+//! next one. They are a function of the state, not state.
+
+use alloc::vec::Vec;
+
+use super::applied::acceleration;
+use super::coupled::Coupled;
+use super::{Accelerations, Workspace as StepWorkspace};
+use crate::body::{Bodies, Change};
+use crate::error::Cause;
+use crate::force::{Dependence, Directions, FieldKind, FieldSet, Loads, Targets, accumulate};
+use crate::scalar::Scalar;
+
+/// Memory that the stage uses again.
+#[derive(Debug)]
+pub(super) struct Workspace<S: Scalar> {
+    loads: Loads<S>,
+    /// Sines and cosines of the angles now.
+    directions: Directions<S>,
+    /// The accelerations by fields of position; those of the positions now if `is_current`, but for the bodies in `outdated`.
+    pub(super) position: Accelerations<S>,
+    is_current: bool,
+    /// In ascending order. They have no entry in `position`.
+    outdated: Vec<usize>,
+    /// The accelerations by fields of velocity, as evaluated for the kick before.
+    pub(super) velocity: Accelerations<S>,
+}
+
+impl<S: Scalar> Default for Workspace<S> {
+    fn default() -> Self {
+        Self {
+            loads: Loads::default(),
+            directions: Directions::<S>::default(),
+            position: Vec::new(),
+            is_current: false,
+            outdated: Vec::new(),
+            velocity: Vec::new(),
+        }
+    }
+}
+
+impl<S: Scalar> Workspace<S> {
+    /// Drops what belongs to the positions and angles of coupled bodies.
+    pub(super) fn drop_cached(&mut self) {
+        self.is_current = false;
+        self.outdated.clear();
+        self.directions.clear();
+    }
+
+    /// Drops what is cached of bodies that changed, and of those on which fields depend that are attached to them.
+    pub(super) fn drop_changed(&mut self, bodies: &Bodies<S>, fields: &FieldSet<S>) {
+        let changed = bodies.changes().bodies().filter(|_| !bodies.changes().group_fields());
+        let Some(changed) = changed else { return self.drop_cached() };
+        // Some were not needed in the last step, and may be elsewhere now.
+        self.is_current &= self.outdated.is_empty();
+        self.outdated.clear();
+        for &(slot, change) in changed.iter().filter(|(_, change)| change.is_any_of(Change::POSE.or(Change::FORCES))) {
+            let Some(i) = bodies.index_in(slot) else { continue };
+            if change.is_any_of(Change::POSE) {
+                self.directions.remove(i);
+            }
+            if self.is_current {
+                self.outdate(i, bodies, fields);
+            }
+        }
+        if self.is_current {
+            self.drop_outdated(bodies);
+        }
+    }
+
+    /// Marks a body that changed, and the other ends of what is attached to it.
+    fn outdate(&mut self, i: usize, bodies: &Bodies<S>, fields: &FieldSet<S>) {
+        self.outdated.push(i);
+        for (_, field) in fields.attached_to(bodies.id(i)) {
+            if matches!(field.kind, FieldKind::Attractor { .. }) {
+                self.is_current = false;
+                return;
+            }
+            self.outdated.extend(field.bodies().filter_map(|body| bodies.find(body).ok()));
+        }
+    }
+
+    fn drop_outdated(&mut self, bodies: &Bodies<S>) {
+        let coupled = bodies.free_count()..bodies.moving();
+        self.outdated.sort_unstable();
+        self.outdated.dedup();
+        self.outdated.retain(|i| coupled.contains(i));
+        if self.outdated.len() > coupled.len() / 4 {
+            self.is_current = false;
+            return;
+        }
+        let outdated = &self.outdated;
+        self.position.retain(|(i, _)| coupled.contains(i) && outdated.binary_search(i).is_err());
+    }
+
+    /// Takes over what is cached of another one, which this one is a copy of.
+    pub(super) fn clone_cached_from(&mut self, source: &Self) {
+        self.is_current = source.is_current && source.outdated.is_empty();
+        self.outdated.clear();
+        if self.is_current {
+            self.position.clone_from(&source.position);
+        }
+    }
+}
+
+/// Evaluates the fields of position, and those of velocity.
+pub(super) fn run<S: Scalar>(pass: &Coupled<'_, S>, workspace: &mut StepWorkspace<S>) {
+    let StepWorkspace { fields, found, .. } = workspace;
+    if pass.kinds.position {
+        fields.is_current = false;
+        complete(pass, fields, &mut found.faults);
+    }
+    if pass.kinds.velocity {
+        evaluate_velocity(pass, fields, &mut found.faults);
+    }
+}
+
+/// Evaluates the fields of position where their accelerations are not current.
+pub(super) fn complete<S: Scalar>(
+    pass: &Coupled<'_, S>,
+    workspace: &mut Workspace<S>,
+    faults: &mut Vec<(usize, Cause)>,
+) {
+    let Workspace { position, is_current, outdated, .. } = workspace;
+    let (mut into, only) = (core::mem::take(position), core::mem::take(outdated));
+    if !*is_current {
+        into.clear();
+        evaluate(pass, Dependence::Position, pass.targets(), workspace, &mut into, faults);
+    } else if !only.is_empty() {
+        evaluate(pass, Dependence::Position, Targets::Only(&only), workspace, &mut into, faults);
+    }
+    (workspace.position, workspace.outdated, workspace.is_current) = (into, only, true);
+    workspace.outdated.clear();
+}
+
+/// Evaluates the fields of velocity.
+pub(super) fn evaluate_velocity<S: Scalar>(
+    pass: &Coupled<'_, S>,
+    workspace: &mut Workspace<S>,
+    faults: &mut Vec<(usize, Cause)>,
+) {
+    let mut into = core::mem::take(&mut workspace.velocity);
+    into.clear();
+    evaluate(pass, Dependence::Velocity, pass.targets(), workspace, &mut into, faults);
+    workspace.velocity = into;
+}
+
+/// Adds the accelerations by the fields of one dependence, of all coupled bodies or of some.
+pub(super) fn evaluate<S: Scalar>(
+    pass: &Coupled<'_, S>,
+    dependence: Dependence,
+    targets: Targets<'_>,
+    workspace: &mut Workspace<S>,
+    into: &mut Accelerations<S>,
+    faults: &mut Vec<(usize, Cause)>,
+) {
+    let Workspace { directions, loads, .. } = workspace;
+    loads.clear();
+    accumulate(pass.scene(), dependence, targets, directions, loads, faults);
+    for (i, load) in loads.rows() {
+        match acceleration(load, pass.bodies.mass(*i)) {
+            Some(acceleration) => into.push((*i, acceleration)),
+            None => faults.push((*i, Cause::Force)),
+        }
+    }
+}

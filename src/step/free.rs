@@ -1,0 +1,193 @@
+//! The pass of free bodies: a block at a time through all stages of the step, while it is in the nearest cache.
+//!
+//! Reads: the rows of factors, the applied accelerations. Writes: positions, angles, velocities, ticks at rest, faults.
+//!
+//! No field acts on a free body, so its way depends on itself alone. Where a block's bodies allow it, damp, kick, drift, kick
+//! and damp are one loop. A block whose bodies are all well inside the allowed range, as nearly every block is, needs no
+//! backup and no check: no stage could take a body out.
+
+use alloc::vec::Vec;
+
+use super::applied::part_in;
+use super::bounds::{SafeSteps, check_bounds_and_rest};
+use super::{Constants, Found, kick};
+use crate::body::{BLOCK, Block, Bodies, Motion};
+use crate::error::Cause;
+use crate::integrate::{
+    BlockFactors, FreeStage, Stage, StageKind, cap, damp, drift, fused_kick_drift_kick, fused_kick_drift_kick_each,
+    split_fused,
+};
+use crate::scalar::Scalar;
+
+/// Memory that the pass uses again.
+#[derive(Debug)]
+pub(super) struct Workspace<S: Scalar> {
+    /// By the number of the block.
+    safe_steps: Vec<SafeSteps>,
+    /// A block as it was before the step.
+    backup: Motion<S>,
+}
+
+impl<S: Scalar> Default for Workspace<S> {
+    fn default() -> Self {
+        Self { safe_steps: Vec::new(), backup: Motion::default() }
+    }
+}
+
+impl<S: Scalar> Workspace<S> {
+    /// Drops what is cached of all blocks.
+    pub(super) fn drop_cached(&mut self) {
+        self.safe_steps.clear();
+    }
+
+    /// Drops what is cached of the blocks with bodies that changed.
+    pub(super) fn drop_changed(&mut self, bodies: &Bodies<S>) {
+        let Some(changed) = bodies.changes().bodies() else { return self.drop_cached() };
+        // Any change counts: a body that became free stands in a block that was checked without it.
+        for i in changed.iter().filter_map(|&(slot, _)| bodies.index_in(slot)) {
+            if let Some(safe_steps) = self.safe_steps.get_mut(i / BLOCK) {
+                *safe_steps = SafeSteps::default();
+            }
+        }
+    }
+
+    pub(super) fn clone_cached_from(&mut self, source: &Self) {
+        self.safe_steps.clone_from(&source.safe_steps);
+    }
+}
+
+/// The pass over the first `count` bodies.
+pub(super) fn run<S: Scalar>(
+    pass: &FreePass<'_, S>,
+    bodies: &mut Bodies<S>,
+    count: usize,
+    workspace: &mut Workspace<S>,
+    found: &mut Found,
+) {
+    let Workspace { safe_steps, backup } = workspace;
+    safe_steps.resize(count.div_ceil(BLOCK), SafeSteps::default());
+    // Now, not in the step in which a block first needs it.
+    backup.make_room(BLOCK.min(count));
+    let blocks = bodies.block(0..count);
+    #[cfg(feature = "parallel")]
+    if count >= super::MANY {
+        return pass.run_in_parallel(blocks, safe_steps, found);
+    }
+    pass.run(blocks, safe_steps, backup, found);
+}
+
+/// The list of stages, and what all blocks share in a step.
+#[derive(Clone, Copy)]
+pub(super) struct FreePass<'a, S: Scalar> {
+    pub(super) constants: Constants<'a, S>,
+    pub(super) stages: &'static [FreeStage],
+}
+
+impl<S: Scalar> FreePass<'_, S> {
+    /// Takes blocks through the whole step. `safe_steps` has one entry a block.
+    fn run(&self, mut blocks: Block<'_, S>, safe_steps: &mut [SafeSteps], backup: &mut Motion<S>, found: &mut Found) {
+        for safe_steps in safe_steps {
+            let count = BLOCK.min(blocks.len());
+            let (mut block, others) = blocks.split(count);
+            blocks = others;
+            self.run_block(&mut block, safe_steps, backup, found);
+        }
+    }
+
+    /// The same on all cores: a body's way depends on itself alone, and what was found is put together in order.
+    #[cfg(feature = "parallel")]
+    fn run_in_parallel(&self, blocks: Block<'_, S>, safe_steps: &mut [SafeSteps], found: &mut Found) {
+        // Some tens of microseconds, so that handing it to another core is worth it.
+        const FEW: usize = 32 * BLOCK;
+        if blocks.len() <= FEW {
+            return self.run(blocks, safe_steps, &mut Motion::default(), found);
+        }
+        let half = (blocks.len() / 2).next_multiple_of(BLOCK);
+        let (blocks, others) = blocks.split(half);
+        let (safe_steps, safe_steps_there) = safe_steps.split_at_mut(half / BLOCK);
+        let mut found_there = Found::default();
+        rayon::join(
+            || self.run_in_parallel(blocks, safe_steps, found),
+            || self.run_in_parallel(others, safe_steps_there, &mut found_there),
+        );
+        found.append(&mut found_there);
+    }
+
+    fn run_block(
+        &self,
+        block: &mut Block<'_, S>,
+        safe_steps: &mut SafeSteps,
+        backup: &mut Motion<S>,
+        found: &mut Found,
+    ) {
+        let Constants { rows, applied, sleep_after, restores, any_capped, plan } = self.constants;
+        let factors = BlockFactors::of(block, rows);
+        let is_pushed = !part_in(block, applied).is_empty();
+        let may_rest = sleep_after.is_some() && (0..block.len()).any(|i| block.is_still(i));
+        let is_guarded = is_pushed || !factors.are_bounded(block) || !safe_steps.pass(block) || may_rest;
+        if is_guarded {
+            *safe_steps = SafeSteps::default();
+            if restores {
+                backup.keep(block);
+            }
+        }
+        let first_fault = found.faults.len();
+        if is_pushed {
+            self.constants.report_overloaded(block, &mut found.faults);
+        }
+        let mut turns = block.any_turns();
+        let fuses = !is_pushed && factors.decay(block);
+        for stage in self.stages {
+            match *stage {
+                FreeStage::FusedKickDriftKick { half, whole } if fuses => {
+                    let span = (half, &plan.timing[whole]);
+                    match factors {
+                        BlockFactors::Alike(row) => fused_kick_drift_kick(block, row, span, turns, plan.backwards),
+                        BlockFactors::Each(rows) => {
+                            fused_kick_drift_kick_each(block, rows, span, turns, plan.backwards);
+                        }
+                    }
+                }
+                FreeStage::FusedKickDriftKick { half, whole } => {
+                    for stage in split_fused(half, whole) {
+                        self.run_stage(&stage, block, factors, turns, &mut found.faults);
+                        turns = turns || (is_pushed && block.any_turns());
+                    }
+                }
+                FreeStage::Single(stage) => {
+                    self.run_stage(&stage, block, factors, turns, &mut found.faults);
+                    turns = turns || (is_pushed && block.any_turns());
+                }
+            }
+        }
+        if any_capped {
+            cap(block, factors);
+        }
+        if is_guarded {
+            check_bounds_and_rest(block, backup, &self.constants, found);
+            if restores {
+                for &(i, _) in &found.faults[first_fault..] {
+                    backup.restore(block, i - block.first);
+                }
+            }
+        } else if sleep_after.is_some() {
+            block.ticks_at_rest.fill(0);
+        }
+    }
+
+    fn run_stage(
+        &self,
+        stage: &Stage,
+        block: &mut Block<'_, S>,
+        factors: BlockFactors<'_, S>,
+        turns: bool,
+        faults: &mut Vec<(usize, Cause)>,
+    ) {
+        match stage.kind {
+            StageKind::Damp => damp(block, factors, stage.span, turns, faults),
+            StageKind::Kick => kick::kick_block(block, factors, stage, &self.constants, faults),
+            StageKind::Drift => drift(block, &self.constants.plan.timing[stage.span], turns),
+            StageKind::Fields | StageKind::Clear => {}
+        }
+    }
+}

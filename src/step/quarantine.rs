@@ -1,0 +1,41 @@
+//! Quarantine: bodies with a fault are taken out of the simulation. The checks gave them back the state before the step.
+//!
+//! Reads: the faults found. Writes: the report, activities.
+
+use super::{Report, Workspace};
+use crate::body::{Activity, Bodies};
+use crate::error::Fault;
+use crate::scalar::Scalar;
+
+use super::workspace::Found;
+
+/// Reports the faults in the order of the handles; the first fault of a body is its cause.
+pub(super) fn find<S: Scalar>(bodies: &Bodies<S>, workspace: &mut Workspace<S>) {
+    let Workspace { found: Found { faults: found, .. }, report, .. } = workspace;
+    if found.is_empty() {
+        return;
+    }
+    // Stable, which matters within a body alone.
+    found.sort_by_key(|(i, _)| *i);
+    found.dedup_by_key(|(i, _)| *i);
+    report.faults.extend(found.iter().map(|&(i, cause)| Fault { body: bodies.id(i), cause }));
+    report.faults.sort_unstable_by_key(|fault| fault.body);
+}
+
+/// The first fault in the order of the handles.
+pub(super) fn first<S: Scalar>(bodies: &Bodies<S>, found: &Found) -> Option<Fault> {
+    let faults = found.faults.iter().map(|&(i, cause)| Fault { body: bodies.id(i), cause });
+    // The first of those that are equal: the first cause of a body.
+    faults.min_by_key(|fault| fault.body)
+}
+
+/// Takes the bodies that are at fault and those that fell asleep out of the moving ones.
+pub(super) fn take_out<S: Scalar>(bodies: &mut Bodies<S>, report: &Report) {
+    let at_fault = report.faults.iter().map(|fault| (fault.body, Activity::Quarantined));
+    let asleep = report.fell_asleep.iter().map(|&body| (body, Activity::Asleep));
+    for (body, activity) in at_fault.chain(asleep) {
+        if let Ok(i) = bodies.find(body) {
+            bodies.set_activity(i, activity);
+        }
+    }
+}

@@ -1,0 +1,125 @@
+//! The memory that steps use again, and the report of the last one. None of it is state.
+
+use alloc::vec::Vec;
+
+use super::{AppliedAcceleration, coupled, damp, fields, free, kick, targets};
+use crate::body::Bodies;
+use crate::error::{Cause, Fault};
+use crate::force::FieldSet;
+use crate::island;
+use crate::scalar::Scalar;
+use crate::slots::BodyId;
+
+/// The memory of each stage.
+#[derive(Debug)]
+pub(crate) struct Workspace<S: Scalar> {
+    pub(super) targets: targets::Workspace<S>,
+    pub(super) applied: Vec<AppliedAcceleration<S>>,
+    pub(super) free: free::Workspace<S>,
+    pub(super) coupled: coupled::Workspace<S>,
+    pub(super) fields: fields::Workspace<S>,
+    pub(super) damp: damp::Workspace<S>,
+    pub(super) kick: kick::Workspace<S>,
+    pub(super) islands: island::Workspace,
+    pub(super) found: Found,
+    pub(crate) report: Report,
+    #[cfg(feature = "timers")]
+    pub(crate) timers: super::Timers,
+}
+
+/// Bodies that the passes found, by their indices in the columns.
+#[derive(Debug, Default)]
+pub(super) struct Found {
+    /// In the order in which they happened to a body.
+    pub(super) faults: Vec<(usize, Cause)>,
+    /// Bodies that have been at rest for long enough to try to sleep.
+    pub(super) candidates: Vec<usize>,
+}
+
+impl Found {
+    /// Takes over what was found of other bodies.
+    #[cfg(feature = "parallel")]
+    pub(super) fn append(&mut self, other: &mut Self) {
+        self.faults.append(&mut other.faults);
+        self.candidates.append(&mut other.candidates);
+    }
+}
+
+/// The report of the last step.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Report {
+    pub(crate) faults: Vec<Fault>,
+    pub(crate) fell_asleep: Vec<BodyId>,
+    pub(crate) drag_outside: u32,
+}
+
+impl Report {
+    pub(crate) fn clear(&mut self) {
+        self.faults.clear();
+        self.fell_asleep.clear();
+        self.drag_outside = 0;
+    }
+}
+
+impl<S: Scalar> Default for Workspace<S> {
+    fn default() -> Self {
+        Self {
+            targets: targets::Workspace::default(),
+            applied: Vec::new(),
+            free: free::Workspace::default(),
+            coupled: coupled::Workspace::default(),
+            fields: fields::Workspace::default(),
+            damp: damp::Workspace::default(),
+            kick: kick::Workspace::default(),
+            islands: island::Workspace::default(),
+            found: Found::default(),
+            report: Report::default(),
+            #[cfg(feature = "timers")]
+            timers: super::Timers::default(),
+        }
+    }
+}
+
+impl<S: Scalar> Workspace<S> {
+    /// Makes it ready for a step: drops what is cached of bodies that changed since the last one, and forgets the changes.
+    pub(super) fn begin(&mut self, bodies: &mut Bodies<S>, fields: &FieldSet<S>) {
+        self.found.faults.clear();
+        self.found.candidates.clear();
+        if !bodies.changes().is_empty() {
+            self.free.drop_changed(bodies);
+            self.fields.drop_changed(bodies, fields);
+            bodies.changes_mut().clear();
+        }
+        #[cfg(feature = "timers")]
+        {
+            self.timers.steps += 1;
+        }
+    }
+
+    /// Drops all that is cached: it belongs to other bodies. A step that finds nothing cached has the same bits.
+    pub(crate) fn drop_cached(&mut self) {
+        self.free.drop_cached();
+        self.fields.drop_cached();
+    }
+
+    /// Does what `clone_from` does, with what is cached: for a copy of the world that `source` belongs to.
+    pub(crate) fn clone_cached_from(&mut self, source: &Self) {
+        self.clone_from(source);
+        self.free.clone_cached_from(&source.free);
+        self.fields.clone_cached_from(&source.fields);
+    }
+}
+
+/// The report alone: a step makes the rest anew.
+impl<S: Scalar> Clone for Workspace<S> {
+    fn clone(&self) -> Self {
+        Self { report: self.report.clone(), ..Self::default() }
+    }
+
+    fn clone_from(&mut self, source: &Self) {
+        self.drop_cached();
+        self.report.faults.clone_from(&source.report.faults);
+        self.report.fell_asleep.clone_from(&source.report.fell_asleep);
+        self.report.drag_outside = source.report.drag_outside;
+    }
+}

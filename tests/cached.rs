@@ -1,0 +1,124 @@
+//! A step keeps for the next one what still holds, and drops what belongs to bodies that changed. Whether something was kept
+//! must not show: a world is stepped beside one that forgets everything before each step.
+
+use umbra_physics::{
+    Attachment, BodyDef, BodyId, BodyKind, End, FieldId, FieldKind, ForceField, Fx, FxFactor, Integrator, Mass, Region,
+    Snapshot, SpringConstants, Vec2, World, WorldDef, fx, vec2,
+};
+
+#[path = "support/inputs.rs"]
+#[allow(dead_code, reason = "this file uses a part of the inputs")]
+mod inputs;
+
+use inputs::Random;
+
+const COUNT: usize = 300;
+const TICKS: u32 = 200;
+
+fn number(random: &mut Random, bits: u32) -> Fx {
+    Fx::from_bits(random.next() >> (64 - bits))
+}
+
+fn vector(random: &mut Random, bits: u32) -> Vec2 {
+    Vec2::new(number(random, bits), number(random, bits))
+}
+
+fn below(random: &mut Random, count: usize) -> usize {
+    random.next().unsigned_abs() as usize % count
+}
+
+/// A world of bodies at rest, every third in a group of its own, one in ten of another kind.
+fn world(integrator: Integrator) -> (World, Vec<BodyId>) {
+    let def = WorldDef { integrator, sleep_after: Some(4), ..WorldDef::default() };
+    let mut world = World::new(def).expect("a fair definition");
+    let mut random = Random(5);
+    let bodies = (0..COUNT).map(|i| {
+        let def = BodyDef {
+            position: vector(&mut random, 38),
+            groups: if i % 3 == 0 { 2 } else { 1 },
+            mass: Mass::Explicit { mass: fx!(2), inertia: fx!(0.5) },
+            kind: match i % 20 {
+                7 => BodyKind::Static,
+                13 => BodyKind::Kinematic,
+                _ => BodyKind::Dynamic,
+            },
+            ..BodyDef::dynamic()
+        };
+        world.add_body(def).expect("a fair body")
+    });
+    let bodies = bodies.collect();
+    (world, bodies)
+}
+
+fn field(random: &mut Random, bodies: &[BodyId]) -> ForceField {
+    let [near, far] = [(); 2]
+        .map(|()| Attachment { point: vector(random, 33), ..Attachment::centre(bodies[below(random, bodies.len())]) });
+    let spring = SpringConstants { rest: fx!(1), stiffness: fx!(3), damping: Fx::from(below(random, 2) as i32) };
+    let groups = [0, 2, 4, u32::MAX][below(random, 4)];
+    let kind = match below(random, 12) {
+        0 => FieldKind::Attractor { centre: End::Body(near), mu: FxFactor::from_ratio(20, 1), softening: fx!(1) },
+        1 => FieldKind::Drag { linear: fx!(0.5), quadratic: fx!(0.25), wind: vec2(1, 0) },
+        2 => {
+            let region = Region::Disc { centre: vector(random, 38), radius: fx!(20) };
+            FieldKind::Zone { region, acceleration: vec2(1, 2) }
+        }
+        3..6 => FieldKind::Thrust { at: near, force: vec2(1, 2) },
+        _ => FieldKind::Spring { near, far: End::Body(far), spring },
+    };
+    ForceField { kind, groups }
+}
+
+/// One call or another, some of which are refused.
+fn change(world: &mut World, random: &mut Random, bodies: &mut Vec<BodyId>, fields: &mut Vec<FieldId>) {
+    let body = bodies[below(random, bodies.len())];
+    let vector = vector(random, 34);
+    _ = match below(random, 16) {
+        0 => world.set_position(body, vector),
+        1 => world.set_angle(body, vector.x),
+        2 => world.set_velocity(body, vector),
+        3 => world.set_groups(body, 1 << below(random, 3)),
+        4 => world.set_mass(body, Mass::Explicit { mass: fx!(3), inertia: fx!(2) }),
+        5 => world.set_kind(body, [BodyKind::Static, BodyKind::Kinematic, BodyKind::Dynamic][below(random, 3)]),
+        6 => world.disable(body),
+        7 => world.enable(body),
+        8 => world.wake(body),
+        9 | 10 => world.move_to(body, vector, fx!(1)),
+        11 => world.apply_force(body, vector),
+        12 => world.remove_body(body).map(|()| bodies.retain(|&other| other != body)),
+        13 => world.add_body(BodyDef { position: vector, ..BodyDef::dynamic() }).map(|body| bodies.push(body)),
+        14 => world.add_field(field(random, bodies)).map(|field| fields.push(field)),
+        _ if fields.is_empty() => Ok(()),
+        _ => world.remove_field(fields.swap_remove(below(random, fields.len()))),
+    };
+}
+
+/// The same world as a file has it: its bodies came in another order, and it has never taken a step.
+fn forgetful(world: &World) -> World {
+    let bytes = world.snapshot().to_bytes();
+    Snapshot::from_bytes(&bytes, &[]).expect("it was written just now").into_world()
+}
+
+#[test]
+fn what_a_step_keeps_for_the_next_one_changes_nothing() {
+    let (mut slept, mut moved) = (0, 0);
+    for integrator in Integrator::ALL {
+        let mut random = Random(3);
+        let (mut world, mut bodies) = world(integrator);
+        let mut fields = Vec::new();
+        for tick in 0..TICKS {
+            // Ticks without a call, with a few, and with so many that all is dropped.
+            let count = [0, 1, 2, 5, 200][below(&mut random, 5)];
+            (0..count).for_each(|_| change(&mut world, &mut random, &mut bodies, &mut fields));
+            let (mut cloned, mut restored) = (world.clone(), forgetful(&world));
+            slept += world.step().fell_asleep.len();
+            cloned.step();
+            restored.step();
+            moved += world.moving_count();
+            let expected = world.state_hash();
+            assert_eq!(cloned.state_hash(), expected, "a copy, {integrator:?}, tick {tick}");
+            assert_eq!(restored.state_hash(), expected, "a restored one, {integrator:?}, tick {tick}");
+            assert_eq!(cloned.last_report().faults, world.last_report().faults, "{integrator:?}, tick {tick}");
+        }
+    }
+    assert!(slept > 100 && moved > 1000, "{slept} slept, {moved} moved");
+}
