@@ -122,3 +122,21 @@ fn what_a_step_keeps_for_the_next_one_changes_nothing() {
     }
     assert!(slept > 100 && moved > 1000, "{slept} slept, {moved} moved");
 }
+
+/// The block that it comes to was found safe for many steps without it.
+#[test]
+fn a_body_that_a_field_lets_go_is_quarantined_where_it_leaves_the_allowed_range() {
+    let mut world = World::new(WorldDef { sleep_after: None, ..WorldDef::default() }).expect("a fair definition");
+    for _ in 0..40 {
+        world.add_body(BodyDef { velocity: vec2(1, 0), ..BodyDef::dynamic() }).expect("a fair body");
+    }
+    let (position, velocity) = (vec2(1_073_741_814, 0), vec2(60, 0));
+    world.add_body(BodyDef { position, velocity, groups: 2, ..BodyDef::dynamic() }).expect("a fair body");
+    let region = Region::Disc { centre: vec2(0, 0), radius: fx!(1) };
+    let kind = FieldKind::Zone { region, acceleration: vec2(0, 0) };
+    let zone = world.add_field(ForceField { kind, groups: 2 }).expect("a fair field");
+    world.step();
+    world.remove_field(zone).expect("it is there");
+    let faults: Vec<usize> = (0..15).map(|_| world.step().faults.len()).collect();
+    assert_eq!(faults.iter().sum::<usize>(), 1, "{faults:?}");
+}

@@ -109,6 +109,11 @@ impl<S: Scalar> Bodies<S> {
         self.changes.indices = indices;
     }
 
+    /// Makes all bodies that a step moves free: there are no fields.
+    pub(crate) fn free_all(&mut self) {
+        (self.coupling_groups, self.first_coupled) = (0, self.moving);
+    }
+
     /// Moves these bodies, in ascending order, from the set they are in to the other one.
     fn change_sets(&mut self, indices: &[usize]) {
         let (free, coupled) = indices.split_at(indices.partition_point(|&i| i < self.first_coupled));

@@ -42,7 +42,9 @@ impl<S: Scalar> Workspace<S> {
 
     /// Drops what is cached of the blocks with bodies that changed.
     pub(super) fn drop_changed(&mut self, bodies: &Bodies<S>) {
-        let Some(changed) = bodies.changes().bodies() else { return self.drop_cached() };
+        // Where fields that act by groups changed, bodies may have come to a block without a change of their own.
+        let changed = bodies.changes().bodies().filter(|_| !bodies.changes().group_fields());
+        let Some(changed) = changed else { return self.drop_cached() };
         // Any change counts: a body that became free stands in a block that was checked without it.
         for i in changed.iter().filter_map(|&(slot, _)| bodies.index_in(slot)) {
             if let Some(safe_steps) = self.safe_steps.get_mut(i / BLOCK) {

@@ -186,8 +186,10 @@ impl<S: Scalar> Step<'_, S> {
 
     /// Parts the bodies into free and coupled ones.
     fn part(&mut self) {
-        if !self.bodies.changes().is_empty() {
-            let fields = self.forces.fields;
+        let fields = self.forces.fields;
+        if fields.len() == 0 {
+            self.bodies.free_all();
+        } else if !self.bodies.changes().is_empty() {
             let groups = self.bodies.changes().group_fields().then(|| fields.coupling_groups());
             self.bodies.part(groups, |body| fields.is_attached(body));
         }
