@@ -71,7 +71,7 @@ pub(crate) struct Scene<'a, S: Scalar> {
 
 /// A point of the world or of a body, and how it moves.
 struct Anchor<S: Scalar> {
-    /// Its body's index in the columns, if a force on it moves something.
+    /// Index of the body in the columns, if a force on it moves something.
     dense: Option<usize>,
     position: Vec2<S>,
     /// From there to the point.
@@ -270,7 +270,7 @@ impl<S: Scalar> Evaluation<'_, S> {
         }
     }
 
-    /// Whether a body is a target.
+    /// Returns true if a body is a target.
     fn is_target(&self, i: usize) -> bool {
         match self.targets {
             Targets::Coupled(..) => true,
@@ -278,7 +278,7 @@ impl<S: Scalar> Evaluation<'_, S> {
         }
     }
 
-    /// Whether a field attached to this body, and perhaps to another, acts on a target.
+    /// Returns true if a field attached to this body, and perhaps to another, acts on a target.
     fn is_any_target(&self, bodies: [Option<BodyId>; 2]) -> bool {
         matches!(self.targets, Targets::Coupled(..))
             || bodies.into_iter().flatten().any(|body| self.scene.bodies.find(body).is_ok_and(|i| self.is_target(i)))

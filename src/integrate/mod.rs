@@ -83,7 +83,7 @@ pub enum StageKind {
 codec_enum!(StageKind, "the number of a verb", { 0 => Fields, 1 => Damp, 2 => Kick, 3 => Drift, 4 => Clear });
 
 impl StageKind {
-    /// Its name in traces, hashes and benches.
+    /// Name in traces, hashes and benches.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -104,7 +104,7 @@ pub struct Stage {
     pub kind: StageKind,
     /// Over which of the integrator's [`spans`](Integrator::spans).
     pub span: usize,
-    /// Whether it mirrors an earlier stage: then what that did in order is done in reverse, and forces of velocity are
+    /// True if the stage mirrors an earlier one: it then runs in reverse order, and forces of velocity are
     /// evaluated a second time.
     pub mirrored: bool,
 }
@@ -118,11 +118,11 @@ const fn mirrored(kind: StageKind, span: usize) -> Stage {
 }
 
 impl Integrator {
-    /// All of them.
+    /// All integrators.
     pub const ALL: [Self; 5] =
         [Self::ExplicitEuler, Self::SymplecticEuler, Self::VelocityVerlet, Self::PublishedVerlet, Self::Yoshida4];
 
-    /// Its name in scenes and on the command line.
+    /// Name in scenes and on the command line.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -140,7 +140,7 @@ impl Integrator {
         Self::ALL.into_iter().find(|integrator| integrator.name() == name)
     }
 
-    /// Its order of convergence for forces of position.
+    /// Order of convergence for forces of position.
     #[must_use]
     pub const fn order(self) -> u32 {
         match self {
@@ -150,7 +150,7 @@ impl Integrator {
         }
     }
 
-    /// Whether a step begins with evaluating the fields, and all its kicks take them from there; otherwise kicks at its
+    /// Returns true if a step begins with evaluating the fields, and all its kicks use the result; otherwise kicks at its
     /// start go with the fields as they were at the end of the step before.
     pub(crate) fn opens_with_fields(self) -> bool {
         self.stages()[0].kind == StageKind::Fields
@@ -168,7 +168,7 @@ impl Integrator {
         }
     }
 
-    /// Whether bodies are damped over each of its spans.
+    /// For each span, true if bodies are damped over it.
     pub(crate) fn damps(self) -> [bool; SPANS] {
         let damps = self.stages().iter().filter(|stage| stage.kind == StageKind::Damp);
         damps.fold([false; SPANS], |mut damps, stage| {
@@ -263,7 +263,7 @@ pub(crate) struct Plan<S: Scalar> {
     pub(crate) rate: S::Factor,
     /// ½·dt².
     pub(crate) half_square: S::Factor,
-    /// Whether it undoes steps: time runs the other way in every span.
+    /// True if the plan undoes steps: time runs the other way in every span.
     pub(crate) backwards: bool,
     made_for: (Integrator, TimeStep),
 }

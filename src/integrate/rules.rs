@@ -26,7 +26,7 @@ impl<'a, S: Scalar> BlockFactors<'a, S> {
         }
     }
 
-    /// Whether no damping runs backwards.
+    /// Returns true if no damping runs backwards.
     pub(crate) fn decay(&self, block: &Block<'_, S>) -> bool {
         match self {
             Self::Alike(row) => row.decays,
@@ -34,7 +34,7 @@ impl<'a, S: Scalar> BlockFactors<'a, S> {
         }
     }
 
-    /// Whether no stage could take a body of the block out of the allowed range if it is well inside.
+    /// Returns true if no stage could take a body of the block out of the allowed range if it is well inside.
     pub(crate) fn are_bounded(&self, block: &Block<'_, S>) -> bool {
         match self {
             Self::Alike(row) => row.is_bounded,

@@ -19,7 +19,7 @@ pub(crate) struct Workspace {
     members: Vec<usize>,
 }
 
-/// Whether a body tries to fall asleep after so many steps at rest. The last body of an island that comes to rest tries first;
+/// Returns true if a body tries to fall asleep after this many steps at rest. The last body of an island that comes to rest tries first;
 /// one that others keep awake tries again every `ticks` steps.
 #[inline]
 pub(crate) fn is_candidate(ticks_at_rest: u32, ticks: u32) -> bool {
@@ -49,7 +49,7 @@ pub(crate) fn find_sleepers<S: Scalar>(
     fell_asleep.sort_unstable();
 }
 
-/// Whether the island of a body is at rest; then the workspace has its members. The search ends where one is not at rest.
+/// Returns true if the island of a body is at rest; then the workspace has its members. The search ends where one is not at rest.
 fn rests<S: Scalar>(
     bodies: &Bodies<S>,
     fields: &FieldSet<S>,

@@ -18,7 +18,7 @@ use crate::scalar::{Accumulator, Scalar};
 pub(super) struct SafeSteps(u8);
 
 impl SafeSteps {
-    /// Whether the next step is safe.
+    /// Returns true if the next step is safe.
     pub(super) fn pass<S: Scalar>(&mut self, block: &Block<'_, S>) -> bool {
         if self.0 == 0 && is_well_inside(block) {
             self.0 = BOUNDED_STEPS;
@@ -29,13 +29,13 @@ impl SafeSteps {
     }
 }
 
-/// Whether all bodies are within half of each limit, so that [`BOUNDED_STEPS`] steps of bounded factors cannot take them out:
+/// Returns true if all bodies are within half of each limit, so that [`BOUNDED_STEPS`] steps of bounded factors cannot take them out:
 /// gravity adds less than half the limit of speeds, and the way of 32 · 4.43 s at that limit is less than 2^28 m.
 fn is_well_inside<S: Scalar>(block: &Block<'_, S>) -> bool {
     are_inside(block, [limits::POSITION_LOG2 - 1, limits::SPEED_LOG2 - 1])
 }
 
-/// Whether positions are within two to the first, and velocities and angular velocities within two to the second. At a limit
+/// Returns true if positions are within two to the first, and velocities and angular velocities within two to the second. At a limit
 /// itself the answer may be no.
 fn are_inside<S: Scalar>(block: &Block<'_, S>, [position, speed]: [u32; 2]) -> bool {
     block.velocity.iter().all(|v| S::are_within(v, speed))

@@ -65,7 +65,7 @@ impl FieldKinds {
     }
 }
 
-/// Whether a step may move a body.
+/// Returns true if a step may move a body.
 pub(super) fn may_move<S: Scalar>(bodies: &Bodies<S>, i: usize) -> bool {
     bodies.info(i).kind != BodyKind::Static && bodies.activity(i).takes_part()
 }

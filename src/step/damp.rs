@@ -19,7 +19,7 @@ use crate::scalar::{Factor, Scalar};
 pub(super) struct Workspace<S: Scalar> {
     /// The most that a step may add to the speed of a body.
     speed_gain: Vec<S::Factor>,
-    /// Whether the drag of a body acts around the whole step.
+    /// Returns true if the drag of a body acts around the whole step.
     outside: Vec<bool>,
 }
 

@@ -92,9 +92,9 @@ struct Constants<'a, S: Scalar> {
     /// In the order of the columns.
     applied: &'a [AppliedAcceleration<S>],
     sleep_after: Option<u32>,
-    /// Whether a body with a fault goes back to what it was. Where a step is undone all bodies do, or none.
+    /// True if a body with a fault is restored to its state before the step. When a step is undone, all bodies are, or none.
     restores: bool,
-    /// Whether the speed of a body is capped.
+    /// True if the speed of a body is limited.
     any_capped: bool,
 }
 

@@ -289,7 +289,7 @@ impl<S: Scalar> World<S> {
         }
     }
 
-    /// All that a step works on.
+    /// Everything a step works on.
     fn next_step<'a>(&'a mut self, probe: Option<&'a mut Probe<'a, S>>) -> Step<'a, S> {
         Step {
             bodies: &mut self.bodies,
