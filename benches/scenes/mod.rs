@@ -204,7 +204,7 @@ pub(crate) fn pushed_thrusters<S: Scalar>(count: usize) -> Scene<S> {
     scene
 }
 
-/// As `free`, two of the bodies in the midst of the others joined by a spring.
+/// Like `free`, two of the bodies in the midst of the others joined by a spring.
 pub(crate) fn one_spring<S: Scalar>(count: usize) -> Scene<S> {
     with_fields(free(count), |bodies| {
         let [near, far] = [count / 2, count / 2 + 1].map(|i| Attachment::centre(bodies[i]));
@@ -213,7 +213,7 @@ pub(crate) fn one_spring<S: Scalar>(count: usize) -> Scene<S> {
     })
 }
 
-/// As `free`, with a zone around all bodies that acts on those in these groups; the bodies are in group 1.
+/// Like `free`, with a zone around all bodies that acts on those in these groups; the bodies are in group 1.
 pub(crate) fn zone<S: Scalar>(count: usize, groups: u32) -> Scene<S> {
     with_fields(free(count), |_| {
         let [min, max] = [fx!(-1_000_000), fx!(1_000_000)].map(|c| vector(c, c));
@@ -222,7 +222,7 @@ pub(crate) fn zone<S: Scalar>(count: usize, groups: u32) -> Scene<S> {
     })
 }
 
-/// As `thrusters`, one each, beside a kinematic body that is sent on each tick.
+/// Like `thrusters`, one each, beside a kinematic body that is sent on each tick.
 pub(crate) fn thrusters_beside_platform<S: Scalar>(count: usize) -> Scene<S> {
     let mut scene = thrusters(count, 1);
     let position = vector(fx!(0), fx!(-100));
@@ -231,7 +231,7 @@ pub(crate) fn thrusters_beside_platform<S: Scalar>(count: usize) -> Scene<S> {
     scene
 }
 
-/// As `free`, the first tenth with a thrust each, the second joined in a chain of springs.
+/// Like `free`, the first tenth with a thrust each, the second joined in a chain of springs.
 pub(crate) fn mixed<S: Scalar>(count: usize) -> Scene<S> {
     with_fields(with_thrusters(free(count), count / 10, 1), |bodies| {
         let spring = SpringConstants { rest: S::from_fx(fx!(4)), stiffness: S::from_fx(fx!(10)), damping: S::ZERO };

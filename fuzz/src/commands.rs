@@ -60,7 +60,7 @@ fn play(promise: u8, mut author: Author<'_>) -> Result<()> {
     Ok(())
 }
 
-/// What has to hold of a run.
+/// A promise that a run is held to.
 #[derive(Clone, Copy)]
 enum Promise {
     /// A world that was written to bytes and read has the same future.
@@ -137,7 +137,7 @@ struct Second {
     promise: Promise,
     /// The world of the second run; `None` once the promise says nothing about it any more.
     world: Option<World>,
-    /// So many commands were carried out.
+    /// The number of commands that were executed.
     commands: usize,
 }
 
@@ -305,7 +305,7 @@ fn preview(world: &mut World) {
     }
 }
 
-/// What a step changes of a body.
+/// The quantities of a body that a step changes.
 #[derive(Debug, PartialEq)]
 struct Motion {
     position: [i128; 2],
@@ -328,7 +328,7 @@ impl Motion {
     }
 }
 
-/// Which of them sleep is left out: it changes no bit of the rest.
+/// Sleep is left out: it changes no bit of the rest.
 fn assert_moved_alike(world: &World, other: &World) {
     assert_eq!(world.body_count(), other.body_count());
     for (here, there) in world.bodies().zip(other.bodies()) {

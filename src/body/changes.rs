@@ -14,10 +14,10 @@ impl Change {
     /// Anything that decides which fields act on it and how: kind, groups, mass, locks, activity, the fields attached to it,
     /// or data that a custom force may read.
     pub(crate) const FORCES: Self = Self(1 << 2);
-    /// All of these.
+    /// All changes.
     pub(crate) const ALL: Self = Self(0b111);
 
-    /// Whether any of these quantities changed.
+    /// Returns true if any of these quantities changed.
     pub(crate) fn is_any_of(self, others: Self) -> bool {
         self.0 & others.0 != 0
     }
@@ -35,9 +35,9 @@ impl Change {
 pub(crate) struct Changes {
     /// Slots and changes, in the order of the calls; a slot may be there more than once, and its body may be gone.
     bodies: Vec<(u32, Change)>,
-    /// Whether any body may have changed in anything.
+    /// True if any body may have changed in any quantity.
     all: bool,
-    /// Whether a field that acts on bodies by their groups was added, replaced or removed.
+    /// True if a field that acts on bodies by their groups was added, replaced or removed.
     group_fields: bool,
     /// Memory that parting the bodies uses again.
     pub(super) indices: Vec<usize>,

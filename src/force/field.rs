@@ -218,7 +218,7 @@ fn not_negative<S: Scalar>(value: S) -> bool {
 }
 
 impl<S: Scalar> FieldKind<S> {
-    /// Whether it acts on the bodies of its groups; otherwise on those that it is attached to alone.
+    /// Returns true if the field acts on the bodies of its groups, false if on the bodies that it is attached to.
     pub(crate) fn acts_by_groups(&self) -> bool {
         !matches!(self, Self::Spring { .. } | Self::Thrust { .. })
     }

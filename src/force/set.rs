@@ -134,7 +134,7 @@ impl<S: Scalar> FieldSet<S> {
         })
     }
 
-    /// Whether a field is attached to a body of the world.
+    /// Returns true if a field is attached to a body of the world.
     pub(crate) fn is_attached(&self, body: BodyId) -> bool {
         self.first_edges.get(body.slot as usize).is_some_and(|&edge| edge != NONE)
     }

@@ -53,7 +53,7 @@ pub struct BodyRef<'a, S: Scalar = Fx> {
 }
 
 impl<'a, S: Scalar> BodyRef<'a, S> {
-    /// Its world, and its index in the columns.
+    /// The world of the body, and its index in the columns.
     pub(crate) fn parts(&self) -> (&'a World<S>, usize) {
         (self.world, self.dense)
     }

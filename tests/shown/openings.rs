@@ -81,7 +81,6 @@ fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
 }
 
 #[test]
-#[ignore = "folders that are being rewritten are above the limit"]
 fn fewer_than_one_doc_block_in_two_hundred_opens_headless() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut files = Vec::new();

@@ -54,13 +54,13 @@ impl Choices for Random {
 /// The kind of values a [`Generator`] gives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Taste {
-    /// How many of 256 numbers are at a limit, or one ulp inside it.
+    /// The number, of 256 values, that are at a limit, or one ulp inside it.
     pub near: u8,
-    /// How many of 256 numbers, handles and definitions are beyond what a world admits, or anything at all.
+    /// The number, of 256 values, handles and definitions, that a world refuses, or that are anything at all.
     pub wild: u8,
-    /// Whether every step can be undone: no damping, no drag, no impulse, no largest speed.
+    /// True if every step can be undone: no damping, no drag, no impulse, no largest speed.
     pub reversible: bool,
-    /// Whether another scalar makes the same decisions: no zones, no shapes that only a fine scalar finds valid, no sleep, no
+    /// True if another scalar makes the same decisions: no zones, no shapes that only a fine scalar finds valid, no sleep, no
     /// damping that stops a body at once.
     pub smooth: bool,
     /// Custom forces have ids below this; 0 for none.

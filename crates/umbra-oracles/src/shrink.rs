@@ -144,7 +144,7 @@ enum Form {
 struct Simpler {
     at: usize,
     form: Form,
-    /// How many values there were so far.
+    /// The number of values so far.
     count: usize,
 }
 
