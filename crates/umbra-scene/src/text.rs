@@ -1,8 +1,8 @@
 //! Writing scenes as text: exact decimals, a line for each body, force field and input; defaults are left out.
 
-use alloc::format;
-use alloc::string::{String, ToString};
-use alloc::vec::Vec;
+mod json;
+
+use alloc::string::String;
 use core::fmt::Display;
 
 use super::field::{SceneField, factor_text, symbol};
@@ -10,9 +10,12 @@ use super::input::{Input, SceneAction};
 use super::settings::{Plot, Trails};
 use super::shape::{PartDef, ShapeDef};
 use super::{Scene, SceneBody};
+use json::{
+    Fields, groups, hexadecimal, kind_name, linear_angular, lines, list, locked, null, point, ratio, text, ticks,
+};
 use umbra_physics::{
-    Attachment, BodyDef, BodyId, BodyKind, Command, End, FieldId, FieldKind, ForceField, ForceOrImpulse, Frame, Fx,
-    Locks, Mass, Region, TimeStep, Vec2, WorldDef,
+    Attachment, BodyDef, BodyId, BodyKind, Command, End, FieldId, FieldKind, ForceField, Frame, Fx, Locks, Mass,
+    Region, Vec2, WorldDef,
 };
 
 impl Scene {
@@ -42,7 +45,7 @@ impl Scene {
         object.unless(self.starting_fields == 0, "fields", lines(fields));
         object.unless(self.inputs.is_empty(), "inputs", lines(inputs));
         object.unless(self.plot == Plot::default(), "plot", self.plot_text());
-        format!("{{\n  {}\n}}\n", object.0.join(",\n  "))
+        object.lines()
     }
 
     /// `null` for what the scene does not have: nothing is read as a name of another.
@@ -330,134 +333,4 @@ impl PartDef {
         object.unless(self.density == Fx::ONE, "density", self.density);
         object.line()
     }
-}
-
-/// The fields of an object, each `"name": value`.
-#[derive(Default)]
-struct Fields(Vec<String>);
-
-impl Fields {
-    fn put(&mut self, name: &str, value: impl Display) {
-        self.0.push(format!("\"{name}\": {value}"));
-    }
-
-    fn unless(&mut self, is_default: bool, name: &str, value: impl Display) {
-        if !is_default {
-            self.put(name, value);
-        }
-    }
-
-    fn line(&self) -> String {
-        format!("{{{}}}", self.0.join(", "))
-    }
-
-    /// An object of one field, in a line.
-    fn of(name: &str, value: impl Display) -> String {
-        format!("{{\"{name}\": {value}}}")
-    }
-
-    fn of_name(name: &str) -> Self {
-        let mut object = Self::default();
-        object.put("name", text(name));
-        object
-    }
-
-    fn mass(&mut self, mass: Mass) {
-        match mass {
-            Mass::Density(density) => self.put("density", density),
-            Mass::Kilograms(mass) => self.put("mass", mass),
-            Mass::Explicit { mass, inertia } => {
-                self.put("mass", mass);
-                self.put("inertia", inertia);
-            }
-        }
-    }
-
-    fn action(&mut self, action: ForceOrImpulse) {
-        let at = match action {
-            ForceOrImpulse::Force { force, point: at } => {
-                self.put("force", point(force));
-                at
-            }
-            ForceOrImpulse::Impulse { impulse, point: at } => {
-                self.put("impulse", point(impulse));
-                at
-            }
-            ForceOrImpulse::Torque(torque) => return self.put("torque", torque),
-            ForceOrImpulse::AngularImpulse(impulse) => return self.put("angular_impulse", impulse),
-        };
-        if let Some(at) = at {
-            self.put("point", point(at));
-        }
-    }
-}
-
-fn null() -> String {
-    "null".to_string()
-}
-
-/// A text in quotes.
-fn text(text: &str) -> String {
-    serde_json::Value::from(text).to_string()
-}
-
-fn list(items: impl IntoIterator<Item = impl Display>) -> String {
-    let items: Vec<String> = items.into_iter().map(|item| item.to_string()).collect();
-    format!("[{}]", items.join(", "))
-}
-
-/// A list with an item a line.
-fn lines(items: impl Iterator<Item = String>) -> String {
-    let items: Vec<String> = items.collect();
-    format!("[\n    {}\n  ]", items.join(",\n    "))
-}
-
-fn point(v: Vec2) -> String {
-    list([v.x, v.y])
-}
-
-fn ratio(time_step: TimeStep) -> String {
-    let (num, den) = time_step.seconds();
-    format!("\"{num}/{den}\"")
-}
-
-fn ticks(after: Option<u32>) -> String {
-    after.map_or_else(null, |ticks| ticks.to_string())
-}
-
-fn linear_angular(linear: Option<Fx>, angular: Option<Fx>) -> String {
-    let mut object = Fields::default();
-    for (name, value) in [("linear", linear), ("angular", angular)] {
-        if let Some(value) = value {
-            object.put(name, value);
-        }
-    }
-    object.line()
-}
-
-fn locked(locks: Locks) -> String {
-    list(locks.names().map(text))
-}
-
-fn groups(bits: u32) -> String {
-    list((0..u32::BITS).filter(|group| bits >> group & 1 == 1))
-}
-
-const fn kind_name(kind: BodyKind) -> &'static str {
-    match kind {
-        BodyKind::Static => "static",
-        BodyKind::Kinematic => "kinematic",
-        BodyKind::Dynamic => "dynamic",
-    }
-}
-
-fn hexadecimal(bytes: &[u8]) -> String {
-    let mut text = String::with_capacity(2 * bytes.len() + 2);
-    let digit = |digit: u8| char::from(b"0123456789abcdef"[usize::from(digit)]);
-    text.push('"');
-    for byte in bytes {
-        text.extend([digit(byte >> 4), digit(byte & 15)]);
-    }
-    text.push('"');
-    text
 }

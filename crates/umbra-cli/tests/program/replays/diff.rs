@@ -75,7 +75,7 @@ fn diff_reads_what_is_cut_off_and_refuses_what_is_no_recording() {
         }
     };
     refused(&changed, "changed after it was recorded: ");
-    refused("scenes/kepler.json", "neither a replay nor a desync dump of umbra-physics");
+    refused("scenes/kepler.json", "expected a replay or a desync dump of umbra-physics");
     refused(&folder.path("none"), "cannot read: ");
 }
 
