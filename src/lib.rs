@@ -68,6 +68,7 @@ mod island;
 mod kernel;
 pub mod limits;
 mod math;
+pub mod prelude;
 mod replay;
 pub mod scalar;
 #[cfg(feature = "selftest")]
@@ -89,14 +90,12 @@ pub use force::{
     ForceTorque, Region,
 };
 pub use fx::{Fx, MathError, ParseFxError};
-
 pub use integrate::{Integrator, Stage, StageKind};
 pub use math::{Elapsed, Random, Rot, TimeStep, Vec2, vec2};
 pub use replay::{
     Difference, Divergence, Dump, HashTree, Owner, PHYSICS_VERSION, Playback, RecordOptions, Recorder, Replay,
     ReplayError, ReplayLimits, Snapshot, SnapshotError, TickPhase, VerifyError,
 };
-
 pub use scalar::{FxAccumulator, FxFactor, FxWide, Scalar, SpringConstants, Turn};
 pub use shape::{Aabb, Geometry, Outline, Part, Shape};
 pub use slots::{BodyId, FieldId};

@@ -62,6 +62,7 @@ codec_enum!(Integrator, "the number of an integrator", {
 
 /// The kind of a stage: the work that it does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),

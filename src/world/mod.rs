@@ -209,6 +209,7 @@ clone_by_field!(World {
 /// # Ok::<(), umbra_physics::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound(serialize = "S::Sum: serde::Serialize")))]
 pub struct StepReport<'a, S: Scalar = Fx> {
     /// The tick the world is at now.

@@ -10,6 +10,7 @@ use crate::replay::snapshot::Owner;
 
 /// A phase of a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum TickPhase {
     /// The start, before anything is done in the tick. Snapshots, and the values of a file that belong to no tick, count to it.
