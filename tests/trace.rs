@@ -153,6 +153,7 @@ fn a_stage_writes_what_its_verb_says_alone() {
                     StageKind::Damp | StageKind::Kick => "speeds",
                     StageKind::Drift => "places",
                     StageKind::Clear => "forces",
+                    other => panic!("{other:?} has no list of what it may write"),
                 };
                 for ((name, old), (_, new)) in parts(&before).iter().zip(&parts(after)) {
                     assert!(old == new || *name == may, "{integrator:?}, {stage:?} writes {name}");
