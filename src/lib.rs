@@ -68,7 +68,6 @@ mod island;
 mod kernel;
 pub mod limits;
 mod math;
-pub mod prelude;
 mod replay;
 pub mod scalar;
 #[cfg(feature = "selftest")]
@@ -106,6 +105,26 @@ pub use world::{
     ApplyOptions, BodyRef, Command, CommandMap, CommandSource, Created, Event, ForceOrImpulse, Frame, History, Input,
     InputResult, Inputs, InputsIter, Preview, StepReport, Stepper, TickReport, Trace, World, WorldDef, step_all,
 };
+
+/// The names that most programs need: `use umbra_physics::prelude::*`.
+///
+/// ```
+/// use umbra_physics::prelude::*;
+///
+/// let mut world: World = World::new(WorldDef { gravity: vec2(0, fx!(-9.81)), ..WorldDef::default() })?;
+/// let shape = Some(Shape::rectangle(fx!(1), fx!(0.5))?);
+/// let crate_ = world.add_body(BodyDef { shape, position: vec2(0, 5), ..BodyDef::dynamic() })?;
+/// world.step();
+/// assert!(world.body(crate_)?.position().y < fx!(5));
+/// # Ok::<(), Error>(())
+/// ```
+pub mod prelude {
+    pub use crate::{
+        Attachment, BodyDef, BodyId, BodyKind, Command, End, Error, Event, FieldId, FieldKind, ForceField, Fx,
+        FxFactor, History, Input, Inputs, Integrator, Locks, Mass, Rot, Shape, SpringConstants, TimeStep, Turn, Vec2,
+        World, WorldDef, fx, vec2,
+    };
+}
 
 /// The README's examples, compiled and run as tests.
 #[cfg(doctest)]

@@ -122,8 +122,8 @@ fn names() -> Vec<String> {
 
 #[test]
 fn each_example_is_run_and_in_the_readme() {
-    let tests = ["examples.rs", "netcode.rs", "oracles/tow.rs"].map(|file| {
-        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests").join(file);
+    let tests = ["tests/examples.rs", "tests/netcode.rs", "crates/umbra-oracles/tests/oracles/tow.rs"].map(|file| {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(file);
         fs::read_to_string(file).expect("a test")
     });
     let readme = include_str!("../README.md");
