@@ -245,7 +245,7 @@ pub(crate) fn cap<S: Scalar>(block: &mut Block<'_, S>, factors: BlockFactors<'_,
         let [speed, angular_velocity] = if row.key.is_capped() { row.key.most } else { continue };
         if let Some(most) = speed {
             let v = Vec2::new(x[i].value(), y[i].value());
-            let way = v.map(S::Wide::from_scalar).into();
+            let way = v.map(S::Wide::from_scalar);
             if !most.reaches(way) {
                 let kept = S::Factor::from_scalar(most).over(S::length(way, S::ZERO));
                 let slowed = v.map(|v| S::Accumulator::from_scalar(v).damped(kept));

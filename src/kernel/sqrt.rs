@@ -219,7 +219,7 @@ mod tests {
             triples.push((next() >> cut, next() >> other, next() >> short));
             // The sides of a right triangle, times anything: the root is an integer.
             let (m, n, k) = (next() >> 50, next() >> 50, next() >> 30 >> (next() % 34));
-            triples.push((m.abs_diff(n) * (m + n) * k >> 1, m * n * k, next() >> short));
+            triples.push(((m.abs_diff(n) * (m + n) * k) >> 1, m * n * k, next() >> short));
         }
         for (c, d, whole) in triples.into_iter().filter(|(c, d, _)| (*c, *d) != (0, 0)) {
             let squares = u128::from(c).pow(2) + u128::from(d).pow(2);

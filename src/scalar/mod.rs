@@ -5,7 +5,7 @@
 //! are [`Accumulator`]s; the time step, 1/m and moments of inertia are [`Factor`]s; forces, torques, accelerations and
 //! energies are [`Wide`]; angles are [`Angle`]s. For a float all of them are the float.
 //!
-//! The types of `Fx` ([`FxAccumulator`], [`FxFactor`], [`FxWide`], [`FxSum`], [`Turn`](crate::Turn)) have methods of their own:
+//! The types of `Fx` ([`FxAccumulator`], [`FxFactor`], [`FxWide`], [`FxSum`], [`Turn`]) have methods of their own:
 //! the traits are needed only in code that is generic over the scalar. They are sealed.
 //!
 //! ```

@@ -37,7 +37,7 @@ impl core::error::Error for Divergence {}
 /// step takes time in proportion to the bodies, times the force fields that act on them, and a command in proportion to its
 /// bytes.
 ///
-/// [`Replay::verify_within`] has an example.
+/// [`Replay::verify_within`](crate::Replay::verify_within) has an example.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct ReplayLimits {
