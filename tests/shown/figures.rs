@@ -38,7 +38,7 @@ fn the_self_test_has_the_scenes_ticks_and_digest_that_are_said() {
     let of = |name: &str| lines.iter().find(|line| line[0] == name).expect("a line");
     let ticks = grouped(of("all")[1].parse().expect("a number"));
     let (digest, law) = (of("all")[2], of("law")[1]);
-    let claim = format!("`{digest}` of {scenes} scenes and {ticks} ticks under law {law}");
+    let claim = format!("`{digest}` of {scenes} scenes and {ticks} ticks under version {law}");
     assert_says("docs/determinism.md", &claim);
     assert_says("docs/determinism.md", &format!("The self-test has {scenes} scenes"));
     assert_says("CHANGELOG.md", &format!("(feature `selftest`): {scenes} scenes"));
