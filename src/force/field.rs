@@ -220,7 +220,10 @@ fn not_negative<S: Scalar>(value: S) -> bool {
 impl<S: Scalar> FieldKind<S> {
     /// Returns true if the field acts on the bodies of its groups, false if on the bodies that it is attached to.
     pub(crate) fn acts_by_groups(&self) -> bool {
-        !matches!(self, Self::Spring { .. } | Self::Thrust { .. })
+        match self {
+            Self::Spring { .. } | Self::Thrust { .. } => false,
+            Self::Attractor { .. } | Self::Drag { .. } | Self::Zone { .. } | Self::Custom { .. } => true,
+        }
     }
 }
 

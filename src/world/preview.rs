@@ -139,8 +139,5 @@ impl<S: Scalar> World<S> {
 
 /// True if a field acts on one of these bodies.
 fn acts_on_any<S: Scalar>(field: &ForceField<S>, (bodies, felt): &(BTreeSet<BodyId>, u32)) -> bool {
-    match &field.kind {
-        FieldKind::Spring { .. } | FieldKind::Thrust { .. } => field.bodies().any(|own| bodies.contains(&own)),
-        _ => field.groups & felt != 0,
-    }
+    if field.kind.acts_by_groups() { field.groups & felt != 0 } else { field.bodies().any(|own| bodies.contains(&own)) }
 }
