@@ -182,6 +182,8 @@ pub(crate) fn fused_kick_drift_kick<S: Scalar>(
 }
 
 /// The same for bodies with factors of their own: each looks its factors up before the drift and after it.
+// Inlined into the free pass it takes registers from the loop over bodies that share their factors.
+#[inline(never)]
 pub(crate) fn fused_kick_drift_kick_each<S: Scalar>(
     block: &mut Block<'_, S>,
     rows: &[StepFactors<S>],
