@@ -16,7 +16,7 @@ use crate::kernel::wide::{mul_shift, shift_round_256};
 ///
 /// let product = fx!(1.5).wide_mul(fx!(-0.1)); // exactly, of 0.1 as it is here
 /// assert_eq!(product.to_string(), "-0.15000000013969838619232177734375");
-/// assert_eq!((product.to_scalar(), product.is_negative()), (Some(fx!(-0.15)), true));
+/// assert_eq!((product.to_scalar(), product.is_negative()), (fx!(1.5).checked_mul(fx!(-0.1)), true));
 /// let force = FxWide::from(fx!(2)).times(FxFactor::from_ratio(1, 4)).and_then(|half| half.plus(fx!(1).into()));
 /// assert_eq!((force.map(FxWide::negated), FxWide::from_factor(3.into(), true)), (Some(fx!(-1.5).into()), Some(FxWide::from_scalar(fx!(-3)))));
 /// assert_eq!(FxWide::from_bits(product.to_bits()), product);
