@@ -140,3 +140,63 @@ fn a_body_that_a_field_lets_go_is_quarantined_where_it_leaves_the_allowed_range(
     let faults: Vec<usize> = (0..15).map(|_| world.step().faults.len()).collect();
     assert_eq!(faults.iter().sum::<usize>(), 1, "{faults:?}");
 }
+
+/// Steps a world beside one that has nothing cached.
+fn same_steps(world: &mut World, ticks: u32, what: &str) {
+    let mut fresh = Snapshot::from_bytes(&world.snapshot().to_bytes(), &[]).expect("its own bytes").into_world();
+    for _ in 0..ticks {
+        world.step();
+        fresh.step();
+        assert_eq!(world.state_hash(), fresh.state_hash(), "{what}");
+    }
+}
+
+#[test]
+fn a_body_that_turned_while_no_field_was_attached_has_the_direction_it_has_now() {
+    for integrator in Integrator::ALL {
+        let mut world: World = World::new(WorldDef { integrator, ..WorldDef::default() }).expect("a world");
+        let [body, other] = [fx!(1), fx!(-2)].map(|angular_velocity| {
+            let mass = Mass::Explicit { mass: fx!(1), inertia: fx!(1) };
+            world.add_body(BodyDef { angular_velocity, mass, ..BodyDef::dynamic() }).expect("a fair body")
+        });
+        let thrust = FieldKind::Thrust { at: Attachment::centre(body), force: vec2(1, 0) };
+        let spring = SpringConstants { rest: fx!(1), stiffness: fx!(3), damping: fx!(0) };
+        let near = Attachment { point: vec2(0, 1), ..Attachment::centre(body) };
+        let tie = FieldKind::Spring { near, far: End::Body(Attachment::centre(other)), spring };
+        for kind in [thrust, tie] {
+            let field = world.add_field(kind).expect("a fair field");
+            same_steps(&mut world, 1, "attached");
+            world.remove_field(field).expect("it is there");
+            (0..3).for_each(|_| _ = world.step());
+            let field = world.add_field(kind).expect("a fair field");
+            same_steps(&mut world, 2, "attached again");
+            // The same through a field on a body that takes no part for a while.
+            world.disable(body).expect("it is there");
+            (0..2).for_each(|_| _ = world.step());
+            world.enable(body).expect("it is disabled");
+            same_steps(&mut world, 2, "enabled again");
+            world.remove_field(field).expect("it is there");
+        }
+    }
+}
+
+#[test]
+fn a_body_that_is_named_often_and_has_many_fields_is_looked_at_once() {
+    let mut world: World = World::new(WorldDef::default()).expect("a world");
+    let bodies: Vec<BodyId> = (0..400)
+        .map(|i| world.add_body(BodyDef { position: vec2(i, 0), ..BodyDef::dynamic() }).expect("a fair body"))
+        .collect();
+    let spring = SpringConstants { rest: fx!(1), stiffness: fx!(1), damping: fx!(0) };
+    for &far in &bodies[1..] {
+        let far = End::Body(Attachment::centre(far));
+        world.add_field(FieldKind::Spring { near: Attachment::centre(bodies[0]), far, spring }).expect("a fair field");
+    }
+    same_steps(&mut world, 2, "at first");
+    for i in 0..20 {
+        world.set_user_data(bodies[0], i).expect("it is there");
+        world.set_user_data(bodies[1], i).expect("it is there");
+    }
+    same_steps(&mut world, 2, "the hub was named");
+    world.set_user_data(bodies[7], 1).expect("it is there");
+    same_steps(&mut world, 2, "a rim was named");
+}

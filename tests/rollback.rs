@@ -387,3 +387,29 @@ fn the_time_step_may_change_on_the_way() {
     assert_eq!(history.correct(&mut world, 3, 0, [slower], |_| ()), Ok(5));
     assert_eq!((world.elapsed(), world.state_hash()), (straight.elapsed(), straight.state_hash()));
 }
+
+#[test]
+fn a_world_that_is_rolled_back_has_the_report_of_its_own_step() {
+    let (mut world, body) = small();
+    let mut history = History::new(6);
+    let mut faults = Vec::new();
+    let lost = BodyDef { position: Vec2::new(limits::POSITION, fx!(0)), velocity: vec2(1, 0), ..BodyDef::dynamic() };
+    for tick in 0..6 {
+        let mut inputs = Inputs::new();
+        if tick == 2 {
+            let command = Command::AddBody(lost.clone());
+            inputs.insert(Input { player: 2, sequence: 0, command }).expect("it has its place");
+        }
+        history.advance(&mut world, &inputs);
+    }
+    history.correct(&mut world, 0, 1, set(body, 3), |_| ()).expect("it is kept");
+    for _ in 0..4 {
+        faults.push((world.tick(), world.last_report().faults.to_vec()));
+        history.advance(&mut world, &Inputs::new());
+    }
+    for (tick, faults) in faults.into_iter().rev() {
+        if history.rollback_to(&mut world, tick).is_ok() {
+            assert_eq!(world.last_report().faults, faults, "the step to tick {tick}");
+        }
+    }
+}

@@ -294,3 +294,22 @@ fn a_body_beyond_the_envelope_by_less_than_an_ulp_is_not_released() {
     beyond.set_position(body, edge).expect("it is the last there is");
     assert_eq!(beyond.release(body), Ok(()));
 }
+
+#[test]
+fn worlds_of_stages_have_the_factors_of_bodies_that_came_with_the_step() {
+    let gravity = vec2(0, -10);
+    let mut world: World = World::new(WorldDef { gravity, ..WorldDef::default() }).expect("a world");
+    let body = world.add_body(BodyDef::dynamic()).expect("a fair body");
+    world.disable(body).expect("it is there");
+    world.step();
+    world.enable(body).expect("it is disabled");
+    let trace = world.step_traced();
+    for (stage, after) in trace.stages() {
+        let mut after = after.clone();
+        let bytes = after.snapshot().to_bytes();
+        let mut read = umbra_physics::Snapshot::from_bytes(&bytes, &[]).expect("its own bytes").into_world();
+        after.step();
+        read.step();
+        assert_eq!(after.state_hash(), read.state_hash(), "{stage:?}");
+    }
+}

@@ -58,29 +58,36 @@ impl<S: Scalar> Workspace<S> {
         // Some were not needed in the last step, and may be elsewhere now.
         self.is_current &= self.outdated.is_empty();
         self.outdated.clear();
-        for &(slot, change) in changed.iter().filter(|(_, change)| change.is_any_of(Change::POSE.or(Change::FORCES))) {
+        for &(slot, _) in changed.iter().filter(|(_, change)| change.is_any_of(Change::POSE.or(Change::FORCES))) {
             let Some(i) = bodies.index_in(slot) else { continue };
-            if change.is_any_of(Change::POSE) {
-                self.directions.remove(i);
-            }
-            if self.is_current {
-                self.outdate(i, bodies, fields);
-            }
+            // Also where the pose did not change: a body that was free in between turned, and no one noted it.
+            self.directions.remove(i);
+            self.outdated.push(i);
+        }
+        if self.is_current {
+            self.outdated.sort_unstable();
+            self.outdated.dedup();
+            self.outdate_neighbours(bodies, fields);
         }
         if self.is_current {
             self.drop_outdated(bodies);
+        } else {
+            self.outdated.clear();
         }
     }
 
-    /// Marks a body that changed, and the other ends of what is attached to it.
-    fn outdate(&mut self, i: usize, bodies: &Bodies<S>, fields: &FieldSet<S>) {
-        self.outdated.push(i);
-        for (_, field) in fields.attached_to(bodies.id(i)) {
-            if matches!(field.kind, FieldKind::Attractor { .. }) {
-                self.is_current = false;
-                return;
+    /// Marks the other ends of what is attached to the bodies that changed. It gives up where these are many: a kilobyte of
+    /// calls may name a body with any number of fields.
+    fn outdate_neighbours(&mut self, bodies: &Bodies<S>, fields: &FieldSet<S>) {
+        let most = bodies.moving() - bodies.free_count();
+        for place in 0..self.outdated.len() {
+            for (_, field) in fields.attached_to(bodies.id(self.outdated[place])) {
+                if matches!(field.kind, FieldKind::Attractor { .. }) || self.outdated.len() > most {
+                    self.is_current = false;
+                    return;
+                }
+                self.outdated.extend(field.bodies().filter_map(|body| bodies.find(body).ok()));
             }
-            self.outdated.extend(field.bodies().filter_map(|body| bodies.find(body).ok()));
         }
     }
 

@@ -289,12 +289,17 @@ impl<S: Scalar> History<S> {
         if let Some(next) = self.rows.front_mut().filter(|next| self.held > 1 && !next.is_known) {
             let before = &mut oldest.before;
             // The working memory of the world, which is about to step anyway, serves for this step too.
-            core::mem::swap(&mut before.workspace, &mut world.workspace);
+            // The report of the world's last step stays with the world.
+            let swap = |before: &mut World<S>, world: &mut World<S>| {
+                core::mem::swap(&mut before.workspace, &mut world.workspace);
+                core::mem::swap(&mut before.workspace.report, &mut world.workspace.report);
+            };
+            swap(before, world);
             before.workspace.drop_cached();
             before.carry_out_into(&oldest.inputs, &mut self.outcomes);
             before.step();
-            core::mem::swap(&mut before.workspace, &mut world.workspace);
-            before.workspace.clone_from(&world.workspace);
+            swap(before, world);
+            before.workspace.drop_cached();
             world.workspace.drop_cached();
             core::mem::swap(before, &mut next.before);
             next.is_known = true;

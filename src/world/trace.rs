@@ -58,6 +58,8 @@ impl<S: Scalar> World<S> {
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
     pub fn step_traced(&mut self) -> Trace<S> {
+        // The worlds of the stages share these factors, and are stepped on like any other.
+        self.update();
         let before = self.clone();
         let mut stages = Vec::with_capacity(self.def.integrator.stages().len());
         let mut probe = |stage: &Stage, bodies: &Bodies<S>| {
