@@ -1241,7 +1241,7 @@ fn a_body_that_leaves_is_caught_at_once_however_calm_its_block_was() {
 
 #[test]
 fn a_body_that_only_falls_is_caught_at_the_same_step_as_one_that_is_watched() {
-    // 2,047 m/s a kick is gentle still; one more a second is not, and such a body is looked at in each step.
+    // 2,047 m/s a kick is still bounded; one more a second is not, and such a body is looked at in each step.
     for gravity in [fx!(-4_094), fx!(-4_097), fx!(-60_000)] {
         let def = WorldDef {
             gravity: Vec2::new(fx!(0), gravity),

@@ -324,7 +324,7 @@ fn what_peers_send_comes_back_whole_or_not_at_all() {
 fn what_a_stranger_sends_ends_a_match_with_an_error() {
     let program = example("lockstep");
     let length = |length: u16| length.to_le_bytes().to_vec();
-    let strangers = [
+    let untrusted = [
         ("nothing", vec![]),
         ("half a length", vec![5]),
         ("a frame cut off", [length(32), vec![0; 9]].concat()),
@@ -333,7 +333,7 @@ fn what_a_stranger_sends_ends_a_match_with_an_error() {
         ("another protocol", b"GET / HTTP/1.1\r\n\r\n".to_vec()),
         ("a hello of zeros", [length(32), vec![0; 32]].concat()),
     ];
-    for (what, bytes) in strangers {
+    for (what, bytes) in untrusted {
         let mut server = Peer::start(&program, &["serve"], LIMIT).expect("a server starts");
         let port = server.hear("port").expect("a server says its port").parse().expect("a port");
         let mut stream = TcpStream::connect((Ipv4Addr::LOCALHOST, port)).expect("the server listens");

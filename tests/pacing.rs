@@ -1,4 +1,4 @@
-//! The pacer gives real time out in ticks to the last nanosecond, whatever the frames are.
+//! A step clock gives real time out in ticks to the last nanosecond, whatever the frames are.
 
 use dashu_int::UBig;
 use dashu_int::ops::Gcd as _;

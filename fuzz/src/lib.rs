@@ -1,4 +1,4 @@
-//! The bodies of the fuzz targets: any bytes in place of all that a stranger can send.
+//! The fuzz targets as functions of bytes: any bytes in place of all untrusted input.
 //!
 //! Each target is a function of bytes that panics where a promise is broken. libFuzzer calls it from `fuzz_targets`, and
 //! `tests/corpus.rs` of the library, which includes this file, calls it on stable with all committed inputs.

@@ -237,7 +237,7 @@ pub(super) fn looking_ahead(trial: &mut Trial) -> Played {
         trial.step(&mut world);
         for (preview, &id) in ahead.iter_mut().zip(&ids) {
             preview.step();
-            same_body("an outlook", (preview.world(), preview.id()), (&world, id))?;
+            same_body("a preview", (preview.world(), preview.id()), (&world, id))?;
         }
     }
     let companies: alloc::vec::Vec<usize> = ahead.iter().map(|preview| preview.world().body_count()).collect();

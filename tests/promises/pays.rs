@@ -115,7 +115,7 @@ fn a_step_goes_through_the_bodies_that_may_move() {
 
 #[test]
 fn a_look_ahead_takes_along_what_it_depends_on() {
-    check("pays-outlook", 500, NEAR.plan(), looks_ahead_with_few);
+    check("pays-preview", 500, NEAR.plan(), looks_ahead_with_few);
 }
 
 #[test]

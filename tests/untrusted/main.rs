@@ -1,4 +1,4 @@
-//! Files from strangers: whatever is in them, they are refused with a typed error or are what they say, nothing panics, and
+//! Untrusted files: whatever is in them, they are refused with a typed error or are what they say, nothing panics, and
 //! reading one takes a small multiple of its size.
 //!
 //! What is named of a file that was changed, and what worlds out of forged files go on to do, the tests beside `replay` look
