@@ -3,9 +3,6 @@
 //!
 //! `PROPTEST_CASES=10000 cargo test --release --all-features --test promises` tries more of them.
 
-#[allow(dead_code, reason = "the program alone is run")]
-#[path = "../support/example.rs"]
-mod example;
 #[path = "../support/real.rs"]
 mod real;
 #[path = "../support/reference.rs"]

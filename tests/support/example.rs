@@ -1,4 +1,4 @@
-//! Programs that tests run and that are not of the test's own package: those of `examples`, and `umbra`.
+//! The programs of `examples`, which tests run.
 
 use std::env::consts::EXE_SUFFIX;
 use std::fs;
@@ -6,21 +6,11 @@ use std::path::{Path, PathBuf};
 
 /// An example, beside this test.
 pub(crate) fn example(name: &str) -> PathBuf {
-    up_to_date("examples", name, &format!("--example {name}"))
-}
-
-/// The program `umbra`, beside this test.
-#[allow(dead_code, reason = "one of the tests runs it")]
-pub(crate) fn umbra() -> PathBuf {
-    up_to_date("", "umbra", "--package umbra-cli")
-}
-
-/// A program in a folder of target/PROFILE, made from the sources as they are: with `--test` alone cargo makes none.
-fn up_to_date(folder: &str, name: &str, options: &str) -> PathBuf {
+    // It has to be made from the sources as they are: with `--test` alone cargo makes none.
     let test = std::env::current_exe().expect("a test has a file");
-    let folder = test.ancestors().nth(2).expect("it is target/PROFILE/deps/TEST").join(folder);
+    let folder = test.ancestors().nth(2).expect("it is target/PROFILE/deps/TEST").join("examples");
     let program = folder.join(format!("{name}{EXE_SUFFIX}"));
-    let how = format!("run `cargo test` without `--test`, or first `cargo build {options}` in the same profile");
+    let how = format!("run `cargo test` without `--test`, or first `cargo build --example {name}` in the same profile");
     let changed = |file: &Path| fs::metadata(file).and_then(|file| file.modified());
     let Ok(made) = changed(&program) else { panic!("{} is missing: {how}", program.display()) };
     // Cargo's list of what it is made from: `PROGRAM: SOURCE SOURCE…`, with spaces in names as `\ `.
