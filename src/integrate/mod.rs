@@ -101,7 +101,7 @@ impl StageKind {
 pub struct Stage {
     /// The work that it does.
     pub kind: StageKind,
-    /// Over which of the integrator's [`spans`](Integrator::spans).
+    /// The number of the span of time that it acts over, among those of its integrator: the whole step, its half, or a part of it.
     pub span: usize,
     /// True if the stage mirrors an earlier one: it then runs in reverse order, and forces of velocity are
     /// evaluated a second time.
@@ -157,7 +157,7 @@ impl Integrator {
 
     /// The spans its stages name: weights of the time step, and whether they are halved.
     #[must_use]
-    pub const fn spans(self) -> &'static [(Weight, bool)] {
+    pub(crate) const fn spans(self) -> &'static [(Weight, bool)] {
         match self {
             Self::Yoshida4 => {
                 use Weight::{YoshidaInner, YoshidaOuter};
