@@ -11,6 +11,9 @@
 //! to a goal in a step is off by as much as the place is, over h. All that is covered by a last ulp. The bound is taken twice,
 //! as what the forces of one stage do to each other is left out.
 //!
+//! Fixed point sets a velocity whose public value is zero to zero where a damping or a drag acts, so that a damped body comes to
+//! rest: each of them takes up to ½ ulp of a speed, in each stage.
+//!
 //! A largest speed is held by the public velocity, all of which is within √½ ulp of the exact one. To slow down takes no two
 //! velocities further apart, but can turn errors of u along both axes into one of √2·u along one.
 
@@ -153,6 +156,8 @@ impl Snapshot {
 struct Slopes {
     place: f64,
     speed: f64,
+    /// The most that dampings and drags take of a speed at once by setting it to zero, ulps.
+    stop: f64,
 }
 
 /// Effect of a step on one end of a field, with a margin.
@@ -217,6 +222,7 @@ impl Way {
 impl Slopes {
     /// `None` if they are too steep for a bound.
     fn over(before: &Snapshot, after: &World<f64>) -> Option<Self> {
+        let mut stops = u32::from(is_damped(&before.world));
         let mut slopes: Vec<(BodyId, [f64; 2])> = after.bodies().map(|body| (body.id(), [0.0; 2])).collect();
         let mut add = |body: BodyId, place: f64, speed: f64| {
             if let Some((_, [own_place, own_speed])) = slopes.iter_mut().find(|(id, _)| *id == body) {
@@ -240,7 +246,7 @@ impl Slopes {
                     let moved = 2.0 + a.arm + b.arm;
                     let place = moved * (spring.stiffness + 2.0 * (force + spring.damping * rate) / least);
                     let speed = moved * spring.damping;
-                    for (way, body) in [(&a, Some(near.body)), (&b, law_body(far))] {
+                    for (way, body) in [(&a, Some(near.body)), (&b, body_of(far))] {
                         if let Some(body) = body {
                             add(body, way.felt(place, force), way.felt(speed, 0.0));
                         }
@@ -258,6 +264,7 @@ impl Slopes {
                     add(at.body, way.yields[0] * long([force.x, force.y]), 0.0);
                 }
                 FieldKind::Drag { linear, quadratic, wind } => {
+                    stops += 1;
                     for body in before.world.bodies() {
                         let way = Way::of(before, after, &Attachment::centre(body.id()))?;
                         let speed = way.speed + long([wind.x, wind.y]);
@@ -273,13 +280,21 @@ impl Slopes {
             }
         }
         let most = |which: usize| slopes.iter().map(|(_, slopes)| slopes[which]).fold(0.0, f64::max);
-        let slopes = Self { place: most(0), speed: most(1) };
+        let slopes = Self { place: most(0), speed: most(1), stop: 0.5 * f64::from(stops) };
         let h = before.seconds;
         (slopes.place * h * h < STIFF && slopes.speed * h < STIFF).then_some(slopes)
     }
 }
 
-fn law_body(end: &End<f64>) -> Option<BodyId> {
+/// Returns true if any body is damped.
+fn is_damped(world: &World<f64>) -> bool {
+    let WorldDef { linear_damping, angular_damping, .. } = world.def();
+    let own = |body: &BodyRef<'_, f64>| [body.linear_damping(), body.angular_damping()];
+    [*linear_damping, *angular_damping].iter().any(|&kept| kept != 1.0)
+        || world.bodies().any(|body| own(&body).into_iter().flatten().any(|kept| kept != 1.0))
+}
+
+fn body_of(end: &End<f64>) -> Option<BodyId> {
     match end {
         End::Body(at) => Some(at.body),
         End::World(_) => None,
@@ -307,9 +322,9 @@ impl Error {
             // Kicked over the first half, drifted over the whole, kicked over the second half. Half of the speed backwards in
             // time is what damping makes of it in a second: 2^h.
             let half = 0.5 * weight * seconds;
-            let speed = (self.speed + half * push(self.place, self.speed)) * half.exp2();
+            let speed = (self.speed + half * push(self.place, self.speed)) * half.exp2() + slopes.stop;
             let place = self.place + 2.0 * half * (speed + 0.5);
-            self.speed = (speed + half * push(place, speed)) * half.exp2();
+            self.speed = (speed + half * push(place, speed)) * half.exp2() + slopes.stop;
             self.place = place;
         }
     }
@@ -321,7 +336,7 @@ impl Error {
         let (kick, drift) = if is_published { (0.5 * (self.push + push), 0.5 * h * h * push) } else { (push, 0.0) };
         let speed = self.speed + h * kick;
         self.place += h * (speed + 0.5) + drift;
-        self.speed = speed + h * slopes.speed * (speed + 0.5);
+        self.speed = speed + h * slopes.speed * (speed + 0.5) + slopes.stop;
         self.push = if is_published { push } else { 0.0 };
     }
 
