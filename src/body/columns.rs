@@ -2,6 +2,7 @@
 
 use alloc::sync::Arc;
 use alloc::vec::Vec;
+use core::{borrow::Borrow, convert::identity};
 
 use super::asleep::Sleepers;
 use super::changes::{Change, Changes};
@@ -120,7 +121,7 @@ impl<S: Scalar> Bodies<S> {
     /// The inverse masses and the locks of the body at this index in the columns.
     #[inline]
     pub(crate) fn mass(&self, dense: usize) -> &MassProperties<S> {
-        self.masses.row(self.columns.mass[dense])
+        &self.masses.all()[self.columns.mass[dense] as usize]
     }
 
     /// Changes properties that no step changes. *Domain* the kind and the groups of a body that is asleep stay the same.
@@ -159,7 +160,7 @@ impl<S: Scalar> Bodies<S> {
 
     fn set_mass_row(&mut self, dense: usize, properties: MassProperties<S>) {
         let masses = Arc::make_mut(&mut self.masses);
-        let new = masses.acquire(properties);
+        let new = masses.acquire(properties, identity);
         masses.release(core::mem::replace(&mut self.columns.mass[dense], new));
     }
 
@@ -252,7 +253,19 @@ impl<S: Scalar> Bodies<S> {
     /// Adds a body. *Domain* the definition was checked, and there is room.
     pub(crate) fn insert(
         &mut self,
-        def: BodyDef<S>,
+        mut def: BodyDef<S>,
+        properties: MassProperties<S>,
+        factor_table: &mut FactorTable<S>,
+    ) -> BodyId {
+        let shape = def.shape.take();
+        self.insert_with(&def, shape, properties, factor_table)
+    }
+
+    /// Adds a body with this shape. *Domain* the definition was checked, and there is room.
+    pub(super) fn insert_with(
+        &mut self,
+        def: &BodyDef<S>,
+        shape: Option<impl Borrow<Shape<S>> + Into<Arc<Shape<S>>>>,
         properties: MassProperties<S>,
         factor_table: &mut FactorTable<S>,
     ) -> BodyId {
@@ -260,7 +273,7 @@ impl<S: Scalar> Bodies<S> {
             Some(slot) => slot,
             None => self.new_slot(0),
         };
-        self.insert_at(slot, def, properties, factor_table);
+        self.insert_at(slot, def, shape, properties, factor_table);
         self.slots.handle(slot)
     }
 
@@ -270,11 +283,12 @@ impl<S: Scalar> Bodies<S> {
         self.slots.open(generation)
     }
 
-    /// Puts a body into a slot without one. *Domain* the definition was checked.
+    /// Puts a body with this shape into a slot without one. *Domain* the definition was checked.
     pub(super) fn insert_at(
         &mut self,
         slot: u32,
-        def: BodyDef<S>,
+        def: &BodyDef<S>,
+        shape: Option<impl Borrow<Shape<S>> + Into<Arc<Shape<S>>>>,
         properties: MassProperties<S>,
         factor_table: &mut FactorTable<S>,
     ) {
@@ -294,11 +308,11 @@ impl<S: Scalar> Bodies<S> {
             still: [def.locks.x, def.locks.y],
         };
         push(&mut columns.factors, factor_table.acquire(key));
-        push(&mut columns.mass, Arc::make_mut(&mut self.masses).acquire(properties));
+        push(&mut columns.mass, Arc::make_mut(&mut self.masses).acquire(properties, identity));
         push(&mut columns.slot, slot);
         push(&mut columns.activity, Activity::Awake);
         let table = Arc::make_mut(&mut self.table);
-        let info = BodyInfo::new(&def, def.shape.clone().map(|shape| table.shapes.acquire(shape)));
+        let info = BodyInfo::new(def, shape.map(|shape| table.shapes.acquire(shape)));
         table.place(slot as usize, info);
         self.note(dense, Change::ALL);
         self.set_moving(dense, def.kind != BodyKind::Static);
@@ -380,5 +394,5 @@ fn hashed_with<'a, S: Scalar>(
     slot: usize,
 ) -> (&'a Key<S>, Locks) {
     let dense = slots.all()[slot].index_or_none() as usize;
-    (&factor_table.rows()[columns.factors[dense] as usize].key, masses.row(columns.mass[dense]).locks)
+    (&factor_table.rows()[columns.factors[dense] as usize].key, masses.all()[columns.mass[dense] as usize].locks)
 }

@@ -1,9 +1,6 @@
 //! The factors of a step that bodies share: they follow from gravity scale, damping, speed caps, locks and the time step.
 
-use alloc::collections::BTreeMap;
-use alloc::vec::Vec;
-
-use super::columns::push;
+use super::rows::{Keyed, SharedRows, mix};
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, Factor, Scalar, Span, fx::Fx};
 
@@ -49,7 +46,6 @@ impl<'a, S: Scalar> WorldFactors<'a, S> {
 #[derive(Clone, Debug)]
 pub(crate) struct StepFactors<S: Scalar> {
     pub(crate) key: Key<S>,
-    users: u32,
     /// The [`FactorTable::version`] the factors were made at. Before that they are neutral: nothing acts on the body.
     version: u64,
     /// The decay rates of the body's own dampings, once they have been made. They do not depend on the time step.
@@ -69,7 +65,7 @@ pub(crate) struct StepFactors<S: Scalar> {
 }
 
 /// The properties of a body that its factors are made from.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Key<S> {
     pub(crate) dynamic: bool,
     pub(crate) gravity_scale: S,
@@ -81,13 +77,20 @@ pub(crate) struct Key<S> {
     pub(crate) still: [bool; 2],
 }
 
-type KeyBits = (bool, i64, [Option<i64>; 4], [bool; 2]);
+/// Keys are equal if their bits are: the sign of a zero is state in floats.
+impl<S: Scalar> PartialEq for Key<S> {
+    fn eq(&self, other: &Self) -> bool {
+        self.bits() == other.bits()
+    }
+}
 
 impl<S: Scalar> Key<S> {
-    fn bits(&self) -> KeyBits {
-        let [speed, angular_velocity] = self.most;
-        let own = [self.linear, self.angular, speed, angular_velocity].map(|own| own.map(S::to_bits));
-        (self.dynamic, self.gravity_scale.to_bits(), own, self.still)
+    fn bits(&self) -> [u64; 6] {
+        let own = [self.linear, self.angular, self.most[0], self.most[1]];
+        let flags = [self.dynamic, self.still[0], self.still[1]].into_iter().chain(own.map(|own| own.is_some()));
+        let flags = flags.fold(0, |flags, flag| flags << 1 | u64::from(flag));
+        let [linear, angular, speed, angular_speed] = own.map(|own| own.map_or(0, |own| own.to_bits() as u64));
+        [flags, self.gravity_scale.to_bits() as u64, linear, angular, speed, angular_speed]
     }
 
     /// Returns true if a step may have to slow the body down to its speed limit.
@@ -106,13 +109,24 @@ impl<S: Scalar> Key<S> {
     }
 }
 
+impl<S: Scalar> Keyed for StepFactors<S> {
+    type Key = Key<S>;
+
+    fn key(&self) -> Key<S> {
+        self.key
+    }
+
+    fn hash(key: &Key<S>) -> u64 {
+        key.bits().into_iter().fold(0, mix)
+    }
+}
+
 impl<S: Scalar> StepFactors<S> {
     /// The factors of a body that nothing acts on.
     fn neutral(key: Key<S>) -> Self {
         let none = S::Accumulator::default();
         Self {
             key,
-            users: 0,
             version: 0,
             rates: None,
             gravity: Vec2::default(),
@@ -129,7 +143,7 @@ impl<S: Scalar> StepFactors<S> {
     fn make(&mut self, world_factors: &WorldFactors<'_, S>) {
         let key = self.key;
         let rates = *self.rates.get_or_insert_with(|| [key.linear, key.angular].map(|kept| kept.map(S::decay_rate)));
-        *self = Self { users: self.users, version: self.version, rates: self.rates, ..Self::neutral(key) };
+        *self = Self { version: self.version, rates: self.rates, ..Self::neutral(key) };
         if !key.dynamic {
             return;
         }
@@ -153,18 +167,16 @@ impl<S: Scalar> StepFactors<S> {
     }
 }
 
-/// The factors in use. Which index a row has is not state: it changes no bit of what follows.
+/// The factors in use.
 ///
 /// Factors take long to make, and one call may change the factors of all bodies. So calls only note the change, and the next
 /// step makes the factors of the bodies that it moves, once.
 #[derive(Debug)]
 pub(crate) struct FactorTable<S: Scalar> {
-    rows: Vec<StepFactors<S>>,
-    index: BTreeMap<KeyBits, u32>,
-    free: Vec<u32>,
+    shared: SharedRows<StepFactors<S>>,
     /// Counts from 1 on how often the parameters of the world have changed.
     version: u64,
-    /// Returns true if a row may have to be made before the next step.
+    /// True if a row may have to be made before the next step.
     is_stale: bool,
     /// The number of rows in use with a cap.
     capped: u32,
@@ -172,24 +184,23 @@ pub(crate) struct FactorTable<S: Scalar> {
     stopping: u32,
 }
 
-clone_by_field!(FactorTable { rows, index, free, version, is_stale, capped, stopping });
+clone_by_field!(FactorTable { shared, version, is_stale, capped, stopping });
 
 impl<S: Scalar> Default for FactorTable<S> {
     fn default() -> Self {
-        let (rows, index, free) = (Vec::new(), BTreeMap::new(), Vec::new());
-        Self { rows, index, free, version: 1, is_stale: false, capped: 0, stopping: 0 }
+        Self { shared: SharedRows::default(), version: 1, is_stale: false, capped: 0, stopping: 0 }
     }
 }
 
 impl<S: Scalar> FactorTable<S> {
     /// The rows. Their keys are always up to date, the factors of moving bodies after [`update`](Self::update).
     pub(crate) fn rows(&self) -> &[StepFactors<S>] {
-        &self.rows
+        self.shared.all()
     }
 
     /// The keys of the rows in use.
     pub(crate) fn used(&self) -> impl Iterator<Item = &Key<S>> {
-        self.rows.iter().filter(|row| row.users > 0).map(|row| &row.key)
+        self.shared.used().map(|row| &row.key)
     }
 
     /// Returns true if a step may have to slow down a body.
@@ -204,33 +215,21 @@ impl<S: Scalar> FactorTable<S> {
 
     /// The index of the row of a key. [`release`](Self::release) gives it back.
     pub(crate) fn acquire(&mut self, key: Key<S>) -> u32 {
-        let index = *self.index.entry(key.bits()).or_insert_with(|| {
+        let index = self.shared.acquire(key, |key| {
             self.capped += u32::from(key.is_capped());
             self.stopping += u32::from(key.stops());
-            let row = StepFactors::neutral(key);
-            if let Some(free) = self.free.pop() {
-                self.rows[free as usize] = row;
-                free
-            } else {
-                push(&mut self.rows, row);
-                (self.rows.len() - 1) as u32
-            }
+            StepFactors::neutral(key)
         });
-        let row = &mut self.rows[index as usize];
-        row.users += 1;
         // A row of bodies that do not move may not have been made since the parameters of the world changed.
-        self.is_stale |= row.version != self.version;
+        self.is_stale |= self.rows()[index as usize].version != self.version;
         index
     }
 
     pub(crate) fn release(&mut self, index: u32) {
-        let row = &mut self.rows[index as usize];
-        row.users -= 1;
-        if row.users == 0 {
-            self.capped -= u32::from(row.key.is_capped());
-            self.stopping -= u32::from(row.key.stops());
-            self.index.remove(&row.key.bits());
-            self.free.push(index);
+        let key = self.rows()[index as usize].key;
+        if self.shared.release(index) {
+            self.capped -= u32::from(key.is_capped());
+            self.stopping -= u32::from(key.stops());
         }
     }
 
@@ -240,16 +239,18 @@ impl<S: Scalar> FactorTable<S> {
         self.is_stale = true;
     }
 
-    /// Returns true if factors may have to be made before the next step.
-    pub(crate) fn is_stale(&self) -> bool {
-        self.is_stale
+    /// Returns true if factors of these rows may have to be made before the next step; `any_come` says whether there are others
+    /// than before the last one.
+    pub(crate) fn is_stale(&self, indices: &[u32], any_come: bool) -> bool {
+        let is_old = |index: &u32| self.rows()[*index as usize].version != self.version;
+        self.is_stale || (any_come && indices.iter().any(is_old))
     }
 
     /// Makes the factors of those of these rows that are not up to date.
     pub(crate) fn update(&mut self, world_factors: &WorldFactors<'_, S>, indices: &[u32]) {
         self.is_stale = false;
         for &index in indices {
-            let row = &mut self.rows[index as usize];
+            let row = self.shared.row_mut(index);
             if core::mem::replace(&mut row.version, self.version) != self.version {
                 row.make(world_factors);
             }

@@ -3,13 +3,14 @@
 use alloc::collections::BTreeMap;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
+use core::{borrow::Borrow, ptr};
 
 use super::columns::{NONE, push};
 use super::factors::Key;
 use super::mass::{inertia_of, mass_of};
 use super::{BodyDef, BodyKind, Locks, Mass};
 use crate::codec::{StateHasher, Write as _};
-use crate::scalar::Scalar;
+use crate::scalar::{Factor as _, Scalar};
 use crate::shape::Shape;
 
 /// The properties of a body that no step changes, and few steps read.
@@ -42,9 +43,12 @@ impl<S: Scalar> BodyInfo<S> {
         }
     }
 
-    /// The moment of inertia of a dynamic body, kg·m²; zero stands for infinite.
+    /// The moment of inertia, kg·m²; zero stands for infinite, and is that of every body that is not dynamic.
     pub(crate) fn inertia(&self) -> S::Factor {
-        inertia_of(self.kilograms(), self.mass, self.shape.as_deref())
+        match self.kind {
+            BodyKind::Dynamic => inertia_of(self.kilograms(), self.mass, self.shape.as_deref()),
+            _ => S::Factor::ZERO,
+        }
     }
 
     /// A hash of the info, the key of the body's factors, and its locks.
@@ -62,7 +66,7 @@ impl<S: Scalar> BodyInfo<S> {
         key.most[1].write(&mut sink);
         locks.write(&mut sink);
         self.shape.write(&mut sink);
-        sink.finish()
+        sink.finish().max(NOT_MADE + 1)
     }
 }
 
@@ -82,17 +86,18 @@ impl<S: Scalar> Default for Shapes<S> {
 
 impl<S: Scalar> Shapes<S> {
     /// The shared shape that is equal to this one. [`release`](Self::release) gives it back.
-    pub(super) fn acquire(&mut self, shape: Shape<S>) -> Arc<Shape<S>> {
-        let digest = shape.digest();
+    pub(super) fn acquire(&mut self, shape: impl Borrow<Shape<S>> + Into<Arc<Shape<S>>>) -> Arc<Shape<S>> {
+        let (own, digest) = (shape.borrow(), shape.borrow().digest());
         let mut free = 0;
         for (&(_, number), (shared, users)) in self.0.range_mut((digest, 0)..=(digest, u32::MAX)) {
-            if **shared == shape {
+            // Many bodies of a file have one large shape: equality is not worked out for each of them.
+            if ptr::eq(&**shared, own) || **shared == *own {
                 *users += 1;
                 return shared.clone();
             }
             free += u32::from(number == free);
         }
-        let shape = Arc::new(shape);
+        let shape = shape.into();
         self.0.insert((digest, free), (shape.clone(), 1));
         shape
     }
@@ -126,7 +131,7 @@ pub(super) struct BodyTable<S: Scalar> {
     vacant: Vec<u32>,
     /// The digests of the infos by slot, so that a hash of the world does not hash the infos again. The step after a change
     /// makes the new digest, once for all changes: a call may change little, and a shape may be large. Until then the digest is
-    /// [`NOT_MADE`]. A digest that happens to have that value is made each time it is needed.
+    /// [`NOT_MADE`], which no digest is.
     digests: Vec<u64>,
     /// The slots whose digests were set to [`NOT_MADE`]. Some of them may have lost their body since.
     stale: Vec<u32>,

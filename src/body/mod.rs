@@ -9,6 +9,7 @@ mod mass;
 mod motion;
 mod order;
 mod record;
+mod rows;
 mod sets;
 mod sparse;
 mod target;
@@ -31,7 +32,7 @@ pub(crate) use record::{Record, ShapeSource};
 pub(crate) use sparse::{Row, Sparse};
 pub(crate) use target::{KinematicTarget, KinematicTargets, Target, Velocities};
 
-/// How a body moves.
+/// Kind of motion of a body.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum BodyKind {
@@ -270,12 +271,17 @@ impl<S: Scalar> BodyDef<S> {
         }
         check_unlocked(self.locks, self.velocity)?;
         check_turning(self.locks, self.angular_velocity)?;
+        self.check_properties(self.shape.as_ref())
+    }
+
+    /// The mass properties of a body with this definition and shape, if its properties other than its motion are valid.
+    fn check_properties(&self, shape: Option<&Shape<S>>) -> Result<MassProperties<S>, Error> {
         check_gravity_scale(self.gravity_scale)?;
         self.linear_damping.map_or(Ok(()), check_damping)?;
         self.angular_damping.map_or(Ok(()), check_damping)?;
         self.max_speed.map_or(Ok(()), check_max_speed)?;
         self.max_angular_speed.map_or(Ok(()), check_max_angular_speed)?;
-        mass_properties(self.kind, self.mass, self.shape.as_ref(), self.locks)
+        mass_properties(self.kind, self.mass, shape, self.locks)
     }
 }
 
@@ -288,14 +294,18 @@ fn within<S: Scalar>(value: S, limit: Fx) -> bool {
     -limit <= value && value <= limit
 }
 
-/// Refuses a vector with a component beyond ±`limit`, to the last bit of an accumulator: for the results of steps.
+/// Refuses a position, a velocity or an angular velocity with a component beyond these limits, to the last bit of an
+/// accumulator: for the results of steps.
 pub(crate) fn within_envelope<S: Scalar>(
-    pair: Vec2<S::Accumulator>,
-    limit: Fx,
-    quantity: Quantity,
+    position: Vec2<S::Accumulator>,
+    (velocity, angular_velocity): Velocities<S>,
+    limits: [Fx; 3],
 ) -> Result<(), Error> {
-    let limit = S::from_fx(limit);
-    check(pair.x.is_within(limit) && pair.y.is_within(limit), quantity)
+    let [at, speed, angular_speed] = limits.map(S::from_fx);
+    let both = |v: Vec2<S::Accumulator>, limit| v.x.is_within(limit) && v.y.is_within(limit);
+    check(both(position, at), Quantity::Position)?;
+    check(both(velocity, speed), Quantity::Velocity)?;
+    check(angular_velocity.is_within(angular_speed), Quantity::AngularVelocity)
 }
 
 pub(crate) fn check_position<S: Scalar>(position: Vec2<S>) -> Result<(), Error> {

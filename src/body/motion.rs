@@ -154,14 +154,13 @@ impl<S: Scalar> Motion<S> {
         copy(&mut self.last_acceleration, block.last_acceleration);
     }
 
-    /// Takes body `i` of the block that was kept back to what it was; its ticks at rest begin anew.
+    /// Takes body `i` of the block that was kept back to what it was. Its ticks at rest are not kept.
     pub(crate) fn restore(&self, block: &mut Block<'_, S>, i: usize) {
         let (position, velocity) = (self.position.get(i), self.velocity.get(i));
         (block.position[0][i], block.position[1][i]) = (position.x, position.y);
         (block.velocity[0][i], block.velocity[1][i]) = (velocity.x, velocity.y);
         block.angle[i] = self.angle[i];
         block.angular_velocity[i] = self.angular_velocity[i];
-        block.ticks_at_rest[i] = 0;
         if let Some(last) = self.last_acceleration.get(i) {
             block.last_acceleration[i] = *last;
         }

@@ -75,11 +75,6 @@ impl<S: Scalar> Bodies<S> {
         }
     }
 
-    /// The index of the body in a slot.
-    pub(super) fn slot_index(&self, slot: usize) -> usize {
-        self.slots.all()[slot].index_or_none() as usize
-    }
-
     /// All slots: how often each was taken before, and the index of its body in the columns.
     pub(crate) fn slots(&self) -> impl ExactSizeIterator<Item = (u32, Option<usize>)> {
         self.slots.all().iter().map(|slot| (slot.generation, slot.index()))

@@ -5,10 +5,7 @@ use alloc::sync::Arc;
 use super::columns::Bodies;
 use super::factors::FactorTable;
 use super::motion::Acceleration;
-use super::{
-    Activity, BodyDef, BodyKind, Locks, Mass, MassProperties, check_damping, check_gravity_scale,
-    check_max_angular_speed, check_max_speed, mass_properties, within_envelope,
-};
+use super::{Activity, BodyDef, BodyKind, Locks, Mass, MassProperties, within_envelope};
 use crate::codec::{self, Encoder, Malformed, Part, Read, Reader, Write, codec_struct};
 use crate::error::{Error, Quantity};
 use crate::limits;
@@ -67,16 +64,13 @@ impl<S: Scalar> Record<S> {
     /// Refuses a state that no call and no step leaves a body in.
     fn check(&self, shape: Option<&Shape<S>>) -> Result<MassProperties<S>, Error> {
         // A quarantined body may be in a state within a step. It is checked again before it is released.
-        let [position, speed, angular_speed] = match self.activity {
+        let limits = match self.activity {
             Activity::Quarantined => [limits::TRANSIENT_POSITION, limits::TRANSIENT_SUM, limits::TRANSIENT_SUM],
             Activity::Awake | Activity::Asleep | Activity::Disabled => {
                 [limits::POSITION, limits::SPEED, limits::ANGULAR_SPEED]
             }
         };
-        within_envelope::<S>(self.position, position, Quantity::Position)?;
-        within_envelope::<S>(self.velocity, speed, Quantity::Velocity)?;
-        let angular_velocity = Vec2::new(self.angular_velocity, self.angular_velocity);
-        within_envelope::<S>(angular_velocity, angular_speed, Quantity::AngularVelocity)?;
+        within_envelope::<S>(self.position, (self.velocity, self.angular_velocity), limits)?;
         let none = S::Accumulator::default();
         let moves = self.velocity != Vec2::new(none, none) || self.angular_velocity != none;
         if self.kind == BodyKind::Static && moves {
@@ -90,12 +84,7 @@ impl<S: Scalar> Record<S> {
         if (stopped && self.kind == BodyKind::Static) || (self.activity == Activity::Asleep && !rests) {
             return Err(Error::Inconsistent);
         }
-        check_gravity_scale(self.gravity_scale)?;
-        self.linear_damping.map_or(Ok(()), check_damping)?;
-        self.angular_damping.map_or(Ok(()), check_damping)?;
-        self.max_speed.map_or(Ok(()), check_max_speed)?;
-        self.max_angular_speed.map_or(Ok(()), check_max_angular_speed)?;
-        mass_properties(self.kind, self.mass, shape, self.locks)
+        self.def().check_properties(shape)
     }
 
     /// Refuses a velocity along a locked axis, and a last acceleration that would cause one.
@@ -115,10 +104,10 @@ impl<S: Scalar> Record<S> {
         moves.map_or(Ok(()), |(.., quantity)| Err(Error::Locked { quantity }))
     }
 
-    fn def(&self, shape: Option<Shape<S>>) -> BodyDef<S> {
+    /// The definition, without the shape and the motion.
+    fn def(&self) -> BodyDef<S> {
         BodyDef {
             kind: self.kind,
-            shape,
             mass: self.mass,
             gravity_scale: self.gravity_scale,
             linear_damping: self.linear_damping,
@@ -193,8 +182,8 @@ impl<S: Scalar> Bodies<S> {
             return Err(Error::Inconsistent);
         }
         let slot = self.new_slot(generation);
-        self.insert_at(slot, record.def(shape.as_deref().cloned()), properties, factor_table);
-        let dense = self.slot_index(slot as usize);
+        self.insert_at(slot, &record.def(), shape, properties, factor_table);
+        let dense = self.slots.all()[slot as usize].index_or_none() as usize;
         let dense = self.set_activity(dense, record.activity);
         let motion = &mut self.columns.motion;
         motion.position.set(dense, record.position);
@@ -215,23 +204,8 @@ impl<S: Scalar> Bodies<S> {
         (other_factors, factor_table): (&FactorTable<S>, &mut FactorTable<S>),
     ) -> Result<BodyId, Error> {
         let from = other.find(body)?;
-        let (info, key) = (other.info(from), &other_factors.rows()[other.columns.factors[from] as usize].key);
-        let def = BodyDef {
-            kind: info.kind,
-            shape: info.shape.as_deref().cloned(),
-            mass: info.mass,
-            gravity_scale: key.gravity_scale,
-            linear_damping: key.linear,
-            angular_damping: key.angular,
-            max_speed: key.most[0],
-            max_angular_speed: key.most[1],
-            locks: other.mass(from).locks,
-            groups: info.groups,
-            key: info.key,
-            user_data: info.user_data,
-            ..BodyDef::dynamic()
-        };
-        let adopted = self.insert(def, *other.mass(from), factor_table);
+        let (def, shape) = (other.record(from, other_factors).def(), other.info(from).shape.clone());
+        let adopted = self.insert_with(&def, shape, *other.mass(from), factor_table);
         let dense = self.find(adopted)?;
         let dense = self.set_activity(dense, other.activity(from));
         self.make_last_accelerations();
@@ -242,9 +216,7 @@ impl<S: Scalar> Bodies<S> {
 
     /// The shape of the body in a slot, if there is one with a shape.
     pub(crate) fn shape_in(&self, slot: u32) -> Option<&Arc<Shape<S>>> {
-        let generation = self.generation(slot)?;
-        let dense = self.find(BodyId::from_parts(slot, generation)).ok()?;
-        self.info(dense).shape.as_ref()
+        self.info(self.index_in(slot)?).shape.as_ref()
     }
 }
 

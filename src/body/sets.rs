@@ -56,7 +56,7 @@ impl<S: Scalar> Bodies<S> {
 
     /// The index of the body in a slot, if there is one.
     pub(crate) fn index_in(&self, slot: u32) -> Option<usize> {
-        Some(self.slot_index(slot as usize)).filter(|&dense| dense < self.len())
+        self.slots.all().get(slot as usize)?.index()
     }
 
     /// Moves a body among those that a step moves, or out of them; returns its new index.

@@ -61,19 +61,13 @@ impl<S: Scalar> Row for AppliedForce<S> {
 }
 
 /// The sums of this tick, and the sums of the last step. Only bodies to which something was applied have one.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Applied<S: Scalar> {
     rows: Sparse<AppliedForce<S>>,
     done: Vec<AppliedForce<S>>,
 }
 
 clone_by_field!(Applied { rows, done });
-
-impl<S: Scalar> Default for Applied<S> {
-    fn default() -> Self {
-        Self { rows: Sparse::default(), done: Vec::new() }
-    }
-}
 
 impl<S: Scalar> Applied<S> {
     pub(crate) fn rows(&self) -> &[AppliedForce<S>] {

@@ -34,7 +34,9 @@ pub(crate) fn resist<S: Scalar>(
             let (inverse_mass, axes) = (mass.inverse_mass, mass.axis_inverse_mass);
             let velocities = &mut bodies.columns.motion.velocity;
             let velocity = velocities.get(i);
-            let speed = S::length(relative(velocity, *wind), S::ZERO);
+            // A square root for the quadratic part alone.
+            let speed =
+                if *quadratic == S::ZERO { S::Factor::ZERO } else { S::length(relative(velocity, *wind), S::ZERO) };
             let (alpha, beta) = (
                 S::Factor::from_scalar(*linear).times(inverse_mass),
                 S::Factor::from_scalar(*quadratic).times(inverse_mass),

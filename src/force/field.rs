@@ -19,7 +19,7 @@ use crate::slots::BodyId;
 pub enum Dependence {
     /// The force is constant.
     Nothing,
-    /// Position or angle. The force is evaluated once a step.
+    /// Position or angle. The force is evaluated once in each fields stage.
     Position,
     /// Velocity as well. The force is evaluated again in the closing half kick. The step is then of order 2, with `Yoshida4` of
     /// order 3, and not reversible.

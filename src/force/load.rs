@@ -115,7 +115,7 @@ pub(crate) fn velocity_at<S: Scalar>(velocity: Vec2<S>, angular_velocity: S, arm
 }
 
 impl<S: Scalar> Scene<'_, S> {
-    /// `None` if its body takes no part, so that whatever is attached to it is inert.
+    /// The anchor of an attachment; `None` if its body takes no part: the fields attached to it are inert then.
     fn attached(&self, attachment: &Attachment<S>, directions: &mut Directions<S>) -> Option<Anchor<S>> {
         let dense = self.bodies.find(attachment.body).ok()?;
         if !self.bodies.activity(dense).takes_part() {
@@ -199,8 +199,8 @@ pub(crate) enum Targets<'a> {
     Only(&'a [usize]),
 }
 
-/// Adds what the fields of one dependence do to the targets. `Position` takes in what depends on nothing, and the elastic part of a spring, whose damper comes with `Velocity`.
-/// Drag is no part of either: [`resist`](super::resist) has it.
+/// Adds the loads of the fields of one dependence on the targets. `Position` includes fields that depend on nothing, and the
+/// elastic part of springs, whose dampers come with `Velocity`. Drag belongs to neither: [`resist`](super::resist) has it.
 pub(crate) fn accumulate<S: Scalar>(
     scene: Scene<'_, S>,
     pass: Dependence,

@@ -14,7 +14,7 @@ use crate::slots::{BodyId, FieldId, NONE, Slots, push};
 ///
 /// The time to add, replace, find or remove a field, and to visit the fields attached to a body, does not depend on the number
 /// of other fields.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct FieldSet<S: Scalar> {
     /// The index of the entry of each field.
     slots: Slots<FieldId>,
@@ -49,13 +49,6 @@ struct Edge {
 const NO_EDGE: Edge = Edge { previous: NONE, next: NONE };
 
 clone_by_field!(FieldSet { slots, entries, vacant, by_age, first_edges });
-
-impl<S: Scalar> Default for FieldSet<S> {
-    fn default() -> Self {
-        let (slots, entries, vacant) = (Slots::default(), Vec::new(), Vec::new());
-        Self { slots, entries, vacant, by_age: Vec::new(), first_edges: Vec::new() }
-    }
-}
 
 impl<S: Scalar> FieldSet<S> {
     /// Refuses another field where the limit is reached.
@@ -123,10 +116,9 @@ impl<S: Scalar> FieldSet<S> {
         &mut self.entries[edge as usize / 2].edges[edge as usize % 2]
     }
 
-    /// The fields attached to a body of the world, in no order; a spring whose ends are on one body does not exist.
+    /// The fields attached to a body of the world, in no order; each once, as no spring has both ends on one body.
     pub(crate) fn attached_to(&self, body: BodyId) -> impl Iterator<Item = (FieldId, &ForceField<S>)> {
-        let first = self.first_edges.get(body.slot as usize).copied().unwrap_or(NONE);
-        let mut edge = first;
+        let mut edge = self.first_edges.get(body.slot as usize).copied().unwrap_or(NONE);
         core::iter::from_fn(move || {
             let entry = self.entries.get(edge as usize / 2)?;
             edge = entry.edges[edge as usize % 2].next;

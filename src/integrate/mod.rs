@@ -307,7 +307,7 @@ impl<S: Scalar> Plan<S> {
         }
     }
 
-    /// The same with the time running the other way.
+    /// The plan of a step backwards in time.
     pub(crate) fn reversed(&self) -> Self {
         let timing = self.timing.map(|timing| Timing { negative: !timing.negative, ..timing });
         Self { timing, backwards: !self.backwards, ..*self }

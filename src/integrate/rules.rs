@@ -181,7 +181,7 @@ pub(crate) fn fused_kick_drift_kick<S: Scalar>(
     }
 }
 
-/// The same for bodies with factors of their own: each looks its factors up before the drift and after it.
+/// Damps, kicks and drifts bodies with factors of their own: each looks its factors up before the drift and after it.
 // Inlined into the free pass it takes registers from the loop over bodies that share their factors.
 #[inline(never)]
 pub(crate) fn fused_kick_drift_kick_each<S: Scalar>(

@@ -53,7 +53,7 @@ impl Integrator {
         const IN_TURN: &[FreeStage] = &[Single(stage(Drift, 0)), Single(stage(Kick, 0))];
         let free = match self {
             Self::SymplecticEuler => IN_TURN,
-            // The same from either end.
+            // Their lists read the same from either end.
             _ => self.schedule().free,
         };
         match self.inverse() {

@@ -82,8 +82,6 @@ pub(super) fn check_bounds_and_rest<S: Scalar>(
     for (i, _) in part_in(block, constants.applied) {
         block.ticks_at_rest[i - block.first] = 0;
     }
-    if block.ticks_at_rest.iter().any(|&rest| is_candidate(rest, ticks)) {
-        let candidates = block.ticks_at_rest.iter().enumerate().filter(|(_, rest)| is_candidate(**rest, ticks));
-        found.candidates.extend(candidates.map(|(i, _)| block.first + i));
-    }
+    let candidates = block.ticks_at_rest.iter().enumerate().filter(|(_, rest)| is_candidate(**rest, ticks));
+    found.candidates.extend(candidates.map(|(i, _)| block.first + i));
 }

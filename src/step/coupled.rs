@@ -14,16 +14,10 @@ use crate::integrate::{BlockFactors, Integrator, Stage, StageKind, cap};
 use crate::scalar::Scalar;
 
 /// Memory that the pass uses again.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Workspace<S: Scalar> {
     /// The coupled bodies as they were before the step.
     backup: Motion<S>,
-}
-
-impl<S: Scalar> Default for Workspace<S> {
-    fn default() -> Self {
-        Self { backup: Motion::default() }
-    }
 }
 
 impl<S: Scalar> Workspace<S> {
@@ -168,6 +162,7 @@ fn finish<S: Scalar>(pass: &mut Coupled<'_, S>, workspace: &mut StepWorkspace<S>
         let first = coupled.first;
         for (i, _) in part_in(&coupled, &found.faults) {
             backup.restore(&mut coupled, *i - first);
+            coupled.ticks_at_rest[*i - first] = 0;
         }
     }
 }

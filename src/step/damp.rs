@@ -15,18 +15,12 @@ use crate::math::Vec2;
 use crate::scalar::{Factor, Scalar};
 
 /// Memory that the stage uses again. By indices in the coupled bodies.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Workspace<S: Scalar> {
     /// The most that a step may add to the speed of a body.
     speed_gain: Vec<S::Factor>,
-    /// Returns true if the drag of a body acts around the whole step.
+    /// True for each body whose drag acts around the whole step.
     outside: Vec<bool>,
-}
-
-impl<S: Scalar> Default for Workspace<S> {
-    fn default() -> Self {
-        Self { speed_gain: Vec::new(), outside: Vec::new() }
-    }
 }
 
 pub(super) fn run<S: Scalar>(pass: &mut Coupled<'_, S>, stage: &Stage, workspace: &mut StepWorkspace<S>) {
@@ -65,7 +59,7 @@ pub(super) fn open_outside<S: Scalar>(pass: &mut Coupled<'_, S>, workspace: &mut
     resist_outside(pass, false, workspace);
 }
 
-/// Lets the second half of it act.
+/// Lets the second half of the drag around the whole step act.
 pub(super) fn close_outside<S: Scalar>(pass: &mut Coupled<'_, S>, workspace: &mut StepWorkspace<S>) {
     resist_outside(pass, true, workspace);
 }

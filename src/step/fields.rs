@@ -16,7 +16,7 @@ use crate::force::{Dependence, Directions, FieldKind, FieldSet, Loads, Targets, 
 use crate::scalar::Scalar;
 
 /// Memory that the stage uses again.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Workspace<S: Scalar> {
     loads: Loads<S>,
     /// Sines and cosines of the angles now.
@@ -30,19 +30,6 @@ pub(super) struct Workspace<S: Scalar> {
     pub(super) velocity: Accelerations<S>,
 }
 
-impl<S: Scalar> Default for Workspace<S> {
-    fn default() -> Self {
-        Self {
-            loads: Loads::default(),
-            directions: Directions::<S>::default(),
-            position: Vec::new(),
-            is_current: false,
-            outdated: Vec::new(),
-            velocity: Vec::new(),
-        }
-    }
-}
-
 impl<S: Scalar> Workspace<S> {
     /// Drops what belongs to the positions and angles of coupled bodies.
     pub(super) fn drop_cached(&mut self) {
@@ -51,7 +38,7 @@ impl<S: Scalar> Workspace<S> {
         self.directions.clear();
     }
 
-    /// Drops what is cached of bodies that changed, and of those on which fields depend that are attached to them.
+    /// Drops what is cached of bodies that changed, and of the bodies at the other ends of fields attached to them.
     pub(super) fn drop_changed(&mut self, bodies: &Bodies<S>, fields: &FieldSet<S>) {
         let changed = bodies.changes().bodies().filter(|_| !bodies.changes().group_fields());
         let Some(changed) = changed else { return self.drop_cached() };

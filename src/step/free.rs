@@ -20,18 +20,12 @@ use crate::integrate::{
 use crate::scalar::Scalar;
 
 /// Memory that the pass uses again.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Workspace<S: Scalar> {
     /// By the number of the block.
     safe_steps: Vec<SafeSteps>,
     /// A block as it was before the step.
     backup: Motion<S>,
-}
-
-impl<S: Scalar> Default for Workspace<S> {
-    fn default() -> Self {
-        Self { safe_steps: Vec::new(), backup: Motion::default() }
-    }
 }
 
 impl<S: Scalar> Workspace<S> {
@@ -68,13 +62,14 @@ pub(super) fn run<S: Scalar>(
 ) {
     let Workspace { safe_steps, backup } = workspace;
     safe_steps.resize(count.div_ceil(BLOCK), SafeSteps::default());
-    // Now, not in the step in which a block first needs it.
-    backup.make_room(BLOCK.min(count));
     let blocks = bodies.block(0..count);
     #[cfg(feature = "parallel")]
     if count >= super::MANY {
+        // Each piece allocates a backup of its own, if it needs one.
         return pass.run_in_parallel(blocks, safe_steps, found);
     }
+    // Now, not in the step in which a block first needs it.
+    backup.make_room(BLOCK.min(count));
     pass.run(blocks, safe_steps, backup, found);
 }
 
@@ -96,7 +91,8 @@ impl<S: Scalar> FreePass<'_, S> {
         }
     }
 
-    /// The same on all cores: a body's way depends on itself alone, and what was found is put together in order.
+    /// Takes blocks through the whole step on all cores. The motion of a body depends on itself alone, and what was found is put
+    /// together in order: no bit depends on the number of cores.
     #[cfg(feature = "parallel")]
     fn run_in_parallel(&self, blocks: Block<'_, S>, safe_steps: &mut [SafeSteps], found: &mut Found) {
         // Some tens of microseconds, so that handing it to another core is worth it.
@@ -126,7 +122,7 @@ impl<S: Scalar> FreePass<'_, S> {
         let factors = BlockFactors::of(block, rows);
         let is_pushed = !part_in(block, applied).is_empty();
         let may_rest = sleep_after.is_some() && (0..block.len()).any(|i| block.is_still(i));
-        let is_guarded = is_pushed || !factors.are_bounded(block) || !safe_steps.pass(block) || may_rest;
+        let is_guarded = is_pushed || may_rest || !factors.are_bounded(block) || !safe_steps.pass(block);
         if is_guarded {
             *safe_steps = SafeSteps::default();
             if restores {
@@ -170,6 +166,7 @@ impl<S: Scalar> FreePass<'_, S> {
             if restores {
                 for &(i, _) in &found.faults[first_fault..] {
                     backup.restore(block, i - block.first);
+                    block.ticks_at_rest[i - block.first] = 0;
                 }
             }
         } else if sleep_after.is_some() {

@@ -14,18 +14,12 @@ use crate::integrate::{BlockFactors, Integrator, Stage, gravity_delta_v, kick_by
 use crate::scalar::Scalar;
 
 /// Memory that the stage uses again.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Workspace<S: Scalar> {
     /// The second evaluation of the fields of velocity.
     second: Accelerations<S>,
     /// For `PublishedVerlet`, by the index in the coupled bodies: the acceleration of a body, if the sum fits.
     total: Vec<Option<Acceleration<S>>>,
-}
-
-impl<S: Scalar> Default for Workspace<S> {
-    fn default() -> Self {
-        Self { second: Vec::new(), total: Vec::new() }
-    }
 }
 
 /// The kick of a block by gravity and the applied forces.

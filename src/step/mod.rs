@@ -74,7 +74,8 @@ pub(crate) type Probe<'a, S> = dyn FnMut(&Stage, &Bodies<S>) + 'a;
 #[cfg(feature = "parallel")]
 pub(crate) const MANY: usize = 64 * BLOCK;
 
-/// `THRONG` in `tests/promises/closure.rs`, where threads are to be used: it cannot see the other one.
+// The tests of threads have 8,200 bodies and must reach the parallel pass; they cannot import this constant. They are `THRONG` in
+// `tests/promises/closure.rs` and `throng` in `umbra-oracles`.
 #[cfg(feature = "parallel")]
 const _: () = assert!(MANY <= 8_200);
 

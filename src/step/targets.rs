@@ -10,16 +10,10 @@ use crate::integrate::Plan;
 use crate::scalar::Scalar;
 
 /// Memory that this uses again.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Workspace<S: Scalar> {
     /// The velocities, before the step, of bodies whose targets are too far off, by their indices.
     out_of_reach: Vec<(usize, Velocities<S>)>,
-}
-
-impl<S: Scalar> Default for Workspace<S> {
-    fn default() -> Self {
-        Self { out_of_reach: Vec::new() }
-    }
 }
 
 /// Gives bodies with a target the velocity that leads there, and stops those that reached theirs in the step before.

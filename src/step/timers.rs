@@ -45,11 +45,12 @@ pub struct Timers {
     pub survey: core::time::Duration,
     /// All stages of free bodies: those that no field can act on.
     pub free: core::time::Duration,
-    /// Evaluating the fields of position. This and what follows is the time of coupled bodies.
+    /// The fields stage: evaluating the fields of position, and those of velocity that it needs. This and the parts below are
+    /// the time of coupled bodies.
     pub fields: core::time::Duration,
     /// Damping and drag.
     pub damp: core::time::Duration,
-    /// Gravity, forces and fields to velocities; evaluates the fields of velocity.
+    /// Gravity, forces and fields to velocities; evaluates the fields of velocity for a closing half kick.
     pub kick: core::time::Duration,
     /// Velocities to positions.
     pub drift: core::time::Duration,

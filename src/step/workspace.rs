@@ -11,7 +11,7 @@ use crate::scalar::Scalar;
 use crate::slots::BodyId;
 
 /// The memory of each stage.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Workspace<S: Scalar> {
     pub(super) targets: targets::Workspace<S>,
     pub(super) applied: Vec<AppliedAcceleration<S>>,
@@ -58,25 +58,6 @@ impl Report {
         self.faults.clear();
         self.fell_asleep.clear();
         self.drag_outside = 0;
-    }
-}
-
-impl<S: Scalar> Default for Workspace<S> {
-    fn default() -> Self {
-        Self {
-            targets: targets::Workspace::default(),
-            applied: Vec::new(),
-            free: free::Workspace::default(),
-            coupled: coupled::Workspace::default(),
-            fields: fields::Workspace::default(),
-            damp: damp::Workspace::default(),
-            kick: kick::Workspace::default(),
-            islands: island::Workspace::default(),
-            found: Found::default(),
-            report: Report::default(),
-            #[cfg(feature = "timers")]
-            timers: super::Timers::default(),
-        }
     }
 }
 

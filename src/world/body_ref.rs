@@ -256,7 +256,8 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
         self.info().mass
     }
 
-    /// The moment of inertia, kg·m², regardless of locks; `None` if it is infinite. *Error* 2^-58 relative.
+    /// The moment of inertia, kg·m², regardless of locks; `None` if it is infinite, or the body is not dynamic. *Error* 2^-58
+    /// relative.
     #[must_use]
     pub fn inertia(&self) -> Option<S::Factor> {
         let inertia = self.info().inertia();

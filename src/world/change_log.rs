@@ -60,7 +60,7 @@ pub(crate) struct ChangeLog {
     /// Changes by calls between the last step and the one before.
     pub(crate) reported: BodyChanges,
     /// True if either may have entries.
-    has_deeds: bool,
+    has_entries: bool,
     /// The marks of bodies in `pending`, by slot; missing slots have none.
     marks: Vec<u8>,
     /// The slots of bodies without sleeping neighbours, known from a search since the last step.
@@ -102,7 +102,7 @@ impl ChangeLog {
         self.unmark();
         self.pending.clone_from(&source.pending);
         self.reported.clone_from(&source.reported);
-        self.has_deeds = source.has_deeds;
+        self.has_entries = source.has_entries;
         self.stamps.clone_from(&source.stamps);
         self.tick = source.tick;
         self.mark();
@@ -154,7 +154,7 @@ impl ChangeLog {
             added.reserve(added.len());
         }
         added.push(body);
-        self.has_deeds = true;
+        self.has_entries = true;
         *at(&mut self.marks, body.slot) = ADDED;
     }
 
@@ -162,7 +162,7 @@ impl ChangeLog {
         let mark = mem::take(at(&mut self.marks, body.slot));
         if mark & ADDED == 0 {
             self.pending.removed.push(body);
-            self.has_deeds = true;
+            self.has_entries = true;
         }
     }
 
@@ -171,7 +171,7 @@ impl ChangeLog {
         if *mark & (ADDED | PLACED) == 0 {
             *mark |= PLACED;
             self.pending.placed.push(body);
-            self.has_deeds = true;
+            self.has_entries = true;
         }
     }
 
@@ -184,7 +184,7 @@ impl ChangeLog {
         // The step that reports them must not allocate.
         let room = self.pending.woken.len().saturating_sub(self.reported.woken.len());
         self.reported.woken.reserve(room);
-        self.has_deeds |= !bodies.is_empty();
+        self.has_entries |= !bodies.is_empty();
     }
 
     /// Logs a body that a call disabled: it does not count as woken.
@@ -230,7 +230,7 @@ impl ChangeLog {
     pub(super) fn begin<S: Scalar>(&mut self, tick: u64, bodies: &Bodies<S>) {
         self.tick = tick;
         self.awake_around.clear();
-        if self.has_deeds {
+        if self.has_entries {
             self.report(bodies);
         }
     }
@@ -243,7 +243,7 @@ impl ChangeLog {
         self.reported.clone_from(&self.pending);
         self.pending.clear();
         self.reported.tidy(bodies);
-        self.has_deeds = !self.reported.is_empty();
+        self.has_entries = !self.reported.is_empty();
     }
 
     fn drop_unmarked_woken(&mut self) {

@@ -131,11 +131,9 @@ impl<S: Scalar> World<S> {
         }
         let motion = &self.bodies.columns.motion;
         // To the last bit, as the end of a step checks it.
-        within_envelope::<S>(motion.position.get(dense), limits::POSITION, Quantity::Position)?;
-        within_envelope::<S>(motion.velocity.get(dense), limits::SPEED, Quantity::Velocity)?;
-        let angular_velocity = Vec2::new(motion.angular_velocity[dense], motion.angular_velocity[dense]);
-        within_envelope::<S>(angular_velocity, limits::ANGULAR_SPEED, Quantity::AngularVelocity)?;
-        Ok(dense)
+        let velocities = (motion.velocity.get(dense), motion.angular_velocity[dense]);
+        let most = [limits::POSITION, limits::SPEED, limits::ANGULAR_SPEED];
+        within_envelope::<S>(motion.position.get(dense), velocities, most).map(|()| dense)
     }
 
     fn check_own_damping(&self, linear: Option<S>, angular: Option<S>) -> Result<(), Error> {

@@ -14,7 +14,7 @@ use crate::scalar::{Scalar, fx::Fx};
 /// again may name another body or field afterwards, or none: take handles from the reports of those ticks as well.
 ///
 /// Once the history is full, a tick with no more inputs than the ticks before does not allocate, if the inputs change motion
-/// alone: properties that no step changes are shared with the stored states, and copied when they change.
+/// alone and wake no body: properties that no step changes are shared with the stored states, and copied when they change.
 ///
 /// ```
 /// use umbra_physics::{ForceOrImpulse, BodyDef, Command, History, Inputs, ApplyOptions, World, WorldDef, vec2};

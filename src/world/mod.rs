@@ -140,7 +140,7 @@ fn check_sleep_after(ticks: Option<u32>) -> Result<(), Error> {
 /// | `set_blob` | its bytes |
 /// | `remove_body` | the fields attached to the body |
 /// | a call that wakes | the bodies it wakes and the fields attached to them |
-/// | `set_kind`, and any change of a static, kinematic or disabled body, once between two steps | the fields attached to the body |
+/// | `set_kind`, `disable`, `enable`, and any change of a static or kinematic body, once between two steps | the fields attached to the body |
 /// | `add_field`, `set_field`, `remove_field` for groups in which a body sleeps | all bodies; afterwards no body of these groups sleeps |
 /// | `set_sleep_after`, once between two steps | all bodies |
 /// | the first change after a copy was made | all bodies or all fields, whichever it changes: copies share them until then |
@@ -281,11 +281,12 @@ impl<S: Scalar> World<S> {
     fn update(&mut self) {
         self.plan.update(self.def.integrator, self.def.time_step);
         let any_come = self.bodies.begin_step(&self.factor_table);
-        if any_come || self.factor_table.is_stale() {
+        let indices = &self.bodies.columns.factors[..self.bodies.moving()];
+        // A copy of the world may have the same table: it is copied only if a row has to be made.
+        if self.factor_table.is_stale(indices, any_come) {
             let WorldDef { gravity, linear_damping, angular_damping, integrator, .. } = self.def;
             let (spans, damps) = (&self.plan.spans[..integrator.spans().len()], integrator.damps());
             let world_factors = WorldFactors::new(gravity, [linear_damping, angular_damping], spans, damps);
-            let indices = &self.bodies.columns.factors[..self.bodies.moving()];
             Arc::make_mut(&mut self.factor_table).update(&world_factors, indices);
         }
     }

@@ -82,12 +82,12 @@ impl<S: Scalar> World<S> {
     ///
     /// # Errors
     /// [`Error::CustomForce`] if a custom force with this id is registered.
-    pub fn register_custom_force(&mut self, law: Arc<dyn CustomForce<S>>) -> Result<(), Error> {
-        let id = law.id();
+    pub fn register_custom_force(&mut self, force: Arc<dyn CustomForce<S>>) -> Result<(), Error> {
+        let id = force.id();
         if self.custom_forces.contains_key(&id) {
             return Err(Error::CustomForce { id });
         }
-        Arc::make_mut(&mut self.custom_forces).insert(id, law);
+        Arc::make_mut(&mut self.custom_forces).insert(id, force);
         self.bodies.changes_mut().note_group_fields();
         Ok(())
     }

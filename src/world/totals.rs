@@ -162,7 +162,7 @@ impl<S: Scalar> World<S> {
                     sum.add(spring_energy(scene, near, far, spring, &mut directions)?)
                 }
                 FieldKind::Attractor { centre, mu, softening } => {
-                    self.add_attraction(sum, (centre, *mu, *softening), field.groups)?;
+                    self.add_attraction(sum, (centre, *mu, *softening), field.groups, (scene, &mut directions))?;
                 }
                 FieldKind::Drag { .. }
                 | FieldKind::Thrust { .. }
@@ -178,15 +178,14 @@ impl<S: Scalar> World<S> {
         sum: &mut S::Sum,
         (centre, mu, softening): (&End<S>, S::Factor, S),
         groups: u32,
+        (scene, directions): (Scene<'_, S>, &mut Directions<S>),
     ) -> Option<()> {
-        let scene = Scene { bodies: &self.bodies, fields: &self.fields, custom_forces: &self.custom_forces };
         let carrier = match centre {
             End::Body(at) => self.bodies.find(at.body).ok(),
             End::World(_) => None,
         };
         let mutual = carrier.is_some_and(|i| self.bodies.info(i).kind == BodyKind::Dynamic);
         let mu = if mutual { mu.times(S::Factor::from_ratio(1, 2)) } else { mu };
-        let mut directions = Directions::<S>::default();
         for i in self.counted_bodies() {
             let info = self.bodies.info(i);
             let own = End::Body(Attachment::centre(self.bodies.id(i)));
@@ -194,7 +193,7 @@ impl<S: Scalar> World<S> {
                 continue;
             }
             // An attractor on a quarantined or disabled body attracts nothing.
-            let Some(offset) = scene.offset_between(&own, centre, &mut directions) else { continue };
+            let Some(offset) = scene.offset_between(&own, centre, directions) else { continue };
             let distance = S::length(offset, softening);
             if distance.is_zero() {
                 return None;

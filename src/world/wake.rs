@@ -91,8 +91,8 @@ impl<S: Scalar> World<S> {
     /// Notes what is about to change of a body, wakes it if it sleeps, and gives its index.
     pub(super) fn touch(&mut self, body: BodyId, change: Change) -> Result<usize, Error> {
         let dense = self.bodies.find(body)?;
-        // Neighbours of an awake dynamic body are awake. Those of a body that keeps nothing awake may sleep, and what one
-        // that takes no part is changed to will move them when it does again.
+        // Neighbours of an awake dynamic body are awake. Those of a static or kinematic body may sleep. A disabled or quarantined
+        // dynamic body wakes its neighbours when it takes part again.
         if self.bodies.activity(dense) == Activity::Asleep || self.bodies.info(dense).kind != BodyKind::Dynamic {
             self.wake_joined(body);
         }
