@@ -1,5 +1,8 @@
 //! Reasons why a call is refused, and faults of bodies in a step.
 
+mod fault;
+mod quantity;
+
 use core::fmt;
 
 use crate::slots::{BodyId, FieldId};
@@ -31,6 +34,8 @@ macro_rules! codes {
 }
 
 pub(crate) use codes;
+pub use fault::{Cause, Fault};
+pub use quantity::Quantity;
 
 /// Reason why a call was refused. The world is unchanged by a refused call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -63,7 +68,7 @@ pub enum Error {
         /// Index of the corner in the given list.
         corner: usize,
     },
-    /// A mass from a density, or a moment of inertia, was asked of a body without a shape.
+    /// The mass is given by a density, and the body has no shape.
     NoShape,
     /// The call needs a dynamic body.
     NotDynamic {
@@ -256,140 +261,10 @@ impl fmt::Display for Irreversible {
     }
 }
 
-/// Kind of a value that was refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(rename_all = "snake_case", deny_unknown_fields)
-)]
-pub enum Quantity {
-    /// A position or a point.
-    Position,
-    /// An angle.
-    Angle,
-    /// A velocity, or the velocity that a call would lead to.
-    Velocity,
-    /// An angular velocity, or the one that a call would lead to.
-    AngularVelocity,
-    /// A mass.
-    Mass,
-    /// A moment of inertia.
-    Inertia,
-    /// A density.
-    Density,
-    /// A size of a shape.
-    Size,
-    /// The number of corners or parts of a shape.
-    Count,
-    /// A force.
-    Force,
-    /// A torque.
-    Torque,
-    /// An impulse.
-    Impulse,
-    /// A gravity.
-    Gravity,
-    /// A gravity scale.
-    GravityScale,
-    /// A damping: the fraction of a velocity left after a second, 0 to 1.
-    Damping,
-    /// A gravitational parameter.
-    Mu,
-    /// A softening length.
-    Softening,
-    /// The stiffness of a spring.
-    Stiffness,
-    /// A coefficient of drag or of a damper.
-    Drag,
-    /// The rest length of a spring.
-    RestLength,
-    /// The number of ticks after which bodies fall asleep.
-    SleepAfter,
-    /// A total of energy or momentum.
-    Total,
-    /// The number of bytes of a game's own data.
-    Blob,
-    /// The largest speed of a body.
-    MaxSpeed,
-    /// The largest angular speed of a body.
-    MaxAngularSpeed,
-}
-
-impl Quantity {
-    /// Name and range of the quantity, for messages.
-    const fn range(self) -> &'static str {
-        match self {
-            Self::Position => "position within ±2^30 m",
-            Self::Angle => "angle that is a number",
-            Self::Velocity => "velocity within ±2^20 m/s a component",
-            Self::AngularVelocity => "angular velocity within ±2^20 rad/s",
-            Self::Mass => "mass from 2^-16 to 2^24 kg",
-            Self::Inertia => "moment of inertia above zero",
-            Self::Density => "density above zero",
-            Self::Size => "size from 2^-7 to 2^12 m",
-            Self::Count => "number of corners from 3 to 64, of parts from 1 to 256",
-            Self::Force => "force within ±2^31 N a component",
-            Self::Torque => "torque within ±2^63 N·m",
-            Self::Impulse => "impulse within ±2^31 N·s a component",
-            Self::Gravity => "gravity within ±2^16 m/s² a component",
-            Self::GravityScale => "gravity scale within ±16",
-            Self::Damping => "damping from 0 to 1",
-            Self::Mu => "gravitational parameter from 0 to 2^64 m³/s²",
-            Self::Softening => "softening length from 0 to 2^12 m",
-            Self::Stiffness => "stiffness of at least zero",
-            Self::Drag => "coefficient of at least zero",
-            Self::RestLength => "rest length from 0 to 2^30 m",
-            Self::SleepAfter => "number of ticks from 1",
-            Self::Total => "total that fits in 64 bits before and after the point",
-            Self::Blob => "blob of at most 2^24 bytes",
-            Self::MaxSpeed => "largest speed from 0 to 2^20 m/s",
-            Self::MaxAngularSpeed => "largest angular speed from 0 to 2^20 rad/s",
-        }
-    }
-}
-
-codes!(Quantity {
-    Position = 151,
-    Angle = 152,
-    Velocity = 153,
-    AngularVelocity = 154,
-    Mass = 155,
-    Inertia = 156,
-    Density = 157,
-    Size = 158,
-    Count = 159,
-    Force = 160,
-    Torque = 161,
-    Impulse = 162,
-    Gravity = 163,
-    GravityScale = 164,
-    Damping = 165,
-    Mu = 166,
-    Softening = 167,
-    Stiffness = 168,
-    Drag = 169,
-    RestLength = 170,
-    SleepAfter = 171,
-    Total = 172,
-    Blob = 173,
-    MaxSpeed = 174,
-    MaxAngularSpeed = 175,
-});
-
-impl core::error::Error for Quantity {}
-
-impl fmt::Display for Quantity {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.range())
-    }
-}
-
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
-            Self::OutOfRange { quantity } => write!(f, "out of range: expected a {quantity}"),
+            Self::OutOfRange { quantity } => write!(f, "out of range: expected {quantity}"),
             Self::NoSuchBody { body } => write!(f, "no such body: {body}"),
             Self::NoSuchField { field } => write!(f, "no such force field: {field}"),
             Self::TimeStep => f.write_str("the time step must be num/den seconds, from 1 to 10,000 steps a second"),
@@ -458,99 +333,10 @@ codes!(Error {
 impl core::error::Error for Error {
     fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
         match self {
-            Self::OutOfRange { quantity } | Self::Locked { quantity } => Some(quantity),
+            // Nothing is wrong with the range of what a lock forbids.
+            Self::OutOfRange { quantity } => Some(quantity),
             Self::NotReversible { why } => Some(why),
             _ => None,
-        }
-    }
-}
-
-/// A body that was quarantined in a step, and the reason.
-///
-/// ```
-/// use umbra_physics::{BodyDef, Cause, Fault, World, WorldDef, limits, vec2};
-///
-/// let mut world: World = World::new(WorldDef { gravity: vec2(100, 0), ..WorldDef::default() })?;
-/// let body = world.add_body(BodyDef { velocity: vec2(limits::SPEED, 0), ..BodyDef::dynamic() })?;
-/// let fault: Fault = world.step().faults[0];
-/// assert_eq!(fault, Fault { body, cause: Cause::Velocity });
-/// assert_eq!((fault.code(), fault.to_string()), (202, "body 0 was quarantined: velocity beyond 2^20 m/s".into()));
-/// # Ok::<(), umbra_physics::Error>(())
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
-pub struct Fault {
-    /// The body.
-    pub body: BodyId,
-    /// The first reason that was found.
-    pub cause: Cause,
-}
-
-impl Fault {
-    /// The error number of the cause.
-    #[must_use]
-    pub const fn code(&self) -> u16 {
-        self.cause.code()
-    }
-}
-
-impl fmt::Display for Fault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { body, cause } = self;
-        write!(f, "{body} was quarantined: {cause}")
-    }
-}
-
-impl core::error::Error for Fault {
-    fn source(&self) -> Option<&(dyn core::error::Error + 'static)> {
-        Some(&self.cause)
-    }
-}
-
-/// Reason why a body was quarantined in a step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-#[non_exhaustive]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(rename_all = "snake_case", deny_unknown_fields)
-)]
-pub enum Cause {
-    /// The position left the allowed range.
-    Position,
-    /// The velocity became too large.
-    Velocity,
-    /// The angular velocity became too large.
-    AngularVelocity,
-    /// The sum of the forces on the body does not fit.
-    Force,
-    /// The force of a field on the body does not fit.
-    Field {
-        /// The field.
-        field: FieldId,
-    },
-    /// A custom force returned an error.
-    CustomForce {
-        /// The field.
-        field: FieldId,
-        /// The code that the custom force returned.
-        code: u32,
-    },
-}
-
-codes!(Cause { Position = 201, Velocity = 202, AngularVelocity = 203, Force = 204, Field = 205, CustomForce = 206 });
-
-impl core::error::Error for Cause {}
-
-impl fmt::Display for Cause {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Position => f.write_str("position beyond 2^30 m"),
-            Self::Velocity => f.write_str("velocity beyond 2^20 m/s"),
-            Self::AngularVelocity => f.write_str("angular velocity beyond 2^20 rad/s"),
-            Self::Force => f.write_str("sum of forces too large"),
-            Self::Field { field } => write!(f, "the force of {field} is too large"),
-            Self::CustomForce { field, code } => write!(f, "the custom force of {field} returned error {code}"),
         }
     }
 }

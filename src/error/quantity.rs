@@ -1,0 +1,135 @@
+//! The kinds of values that calls check, with their ranges.
+
+use core::fmt;
+
+use super::codes;
+
+/// Kind of a value that was refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
+pub enum Quantity {
+    /// A position or a point.
+    Position,
+    /// An angle.
+    Angle,
+    /// A velocity, or the velocity that a call would lead to.
+    Velocity,
+    /// An angular velocity, or the one that a call would lead to.
+    AngularVelocity,
+    /// A mass.
+    Mass,
+    /// A moment of inertia.
+    Inertia,
+    /// A density.
+    Density,
+    /// A size of a shape.
+    Size,
+    /// The number of corners or parts of a shape.
+    Count,
+    /// A force.
+    Force,
+    /// A torque.
+    Torque,
+    /// An impulse.
+    Impulse,
+    /// A gravity.
+    Gravity,
+    /// A gravity scale.
+    GravityScale,
+    /// A damping: the fraction of a velocity left after a second, 0 to 1.
+    Damping,
+    /// A gravitational parameter.
+    Mu,
+    /// A softening length.
+    Softening,
+    /// The stiffness of a spring.
+    Stiffness,
+    /// A coefficient of drag or of a damper.
+    Drag,
+    /// The rest length of a spring.
+    RestLength,
+    /// The number of ticks after which bodies fall asleep.
+    SleepAfter,
+    /// A total of energy or momentum.
+    Total,
+    /// The number of bytes of a game's own data.
+    Blob,
+    /// The largest speed of a body.
+    MaxSpeed,
+    /// The largest angular speed of a body.
+    MaxAngularSpeed,
+}
+
+impl Quantity {
+    /// Name and range of the quantity, with an article, for messages.
+    const fn range(self) -> &'static str {
+        match self {
+            Self::Position => "a position within ±2^30 m",
+            Self::Angle => "an angle that is a number",
+            Self::Velocity => "a velocity within ±2^20 m/s a component",
+            Self::AngularVelocity => "an angular velocity within ±2^20 rad/s",
+            Self::Mass => "a mass from 2^-16 to 2^24 kg",
+            Self::Inertia => "a moment of inertia above zero",
+            Self::Density => "a density above zero",
+            Self::Size => "a size from 2^-7 to 2^12 m",
+            Self::Count => "a number of corners from 3 to 64, of parts from 1 to 256",
+            Self::Force => "a force within ±2^31 N a component",
+            Self::Torque => "a torque within ±2^63 N·m",
+            Self::Impulse => "an impulse within ±2^31 N·s a component",
+            Self::Gravity => "gravity within ±2^16 m/s² a component",
+            Self::GravityScale => "a gravity scale within ±16",
+            Self::Damping => "damping from 0 to 1",
+            Self::Mu => "a gravitational parameter from 0 to 2^64 m³/s²",
+            Self::Softening => "a softening length from 0 to 2^12 m",
+            Self::Stiffness => "a stiffness of at least zero",
+            Self::Drag => "a coefficient of at least zero",
+            Self::RestLength => "a rest length from 0 to 2^30 m",
+            Self::SleepAfter => "a number of ticks from 1",
+            Self::Total => "a total that fits in 64 bits before and after the point",
+            Self::Blob => "a blob of at most 2^24 bytes",
+            Self::MaxSpeed => "a largest speed from 0 to 2^20 m/s",
+            Self::MaxAngularSpeed => "a largest angular speed from 0 to 2^20 rad/s",
+        }
+    }
+}
+
+codes!(Quantity {
+    Position = 151,
+    Angle = 152,
+    Velocity = 153,
+    AngularVelocity = 154,
+    Mass = 155,
+    Inertia = 156,
+    Density = 157,
+    Size = 158,
+    Count = 159,
+    Force = 160,
+    Torque = 161,
+    Impulse = 162,
+    Gravity = 163,
+    GravityScale = 164,
+    Damping = 165,
+    Mu = 166,
+    Softening = 167,
+    Stiffness = 168,
+    Drag = 169,
+    RestLength = 170,
+    SleepAfter = 171,
+    Total = 172,
+    Blob = 173,
+    MaxSpeed = 174,
+    MaxAngularSpeed = 175,
+});
+
+impl core::error::Error for Quantity {}
+
+impl fmt::Display for Quantity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.range())
+    }
+}
