@@ -4,8 +4,9 @@ use alloc::collections::BTreeMap;
 use alloc::vec::Vec;
 
 use super::columns::push;
+use crate::fx::Fx;
 use crate::math::Vec2;
-use crate::scalar::{Accumulator, Factor, Scalar, Span, fx::Fx};
+use crate::scalar::{Accumulator, Factor, Scalar, Span};
 
 /// The largest number of spans in the stages of an integrator.
 pub(crate) const SPANS: usize = 4;

@@ -5,9 +5,10 @@ use alloc::vec::Vec;
 use super::{BodyInfo, BodyKind, Locks};
 use crate::codec::codec_enum;
 use crate::error::{Error, Quantity};
+use crate::fx::Fx;
 use crate::limits;
 use crate::math::Vec2;
-use crate::scalar::{Factor, Number, Scalar, fx::Fx};
+use crate::scalar::{Factor, Number, Scalar};
 use crate::shape::Shape;
 use crate::slots::{NONE, push};
 

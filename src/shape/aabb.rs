@@ -1,7 +1,8 @@
 //! Boxes along the axes.
 
+use crate::fx::Fx;
 use crate::math::Vec2;
-use crate::scalar::{Scalar, fx::Fx};
+use crate::scalar::Scalar;
 
 /// An axis-aligned box: all points from `min` to `max`, both included.
 ///

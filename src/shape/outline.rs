@@ -7,8 +7,9 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use super::{Aabb, Geometry, Part};
+use crate::fx::Fx;
 use crate::math::Vec2;
-use crate::scalar::{Angle, Factor, Scalar, Wide, fx::Fx};
+use crate::scalar::{Angle, Factor, Scalar, Wide};
 
 /// A convex core and a radius: all points within `radius` of the core, in coordinates relative to the centre of mass of
 /// the shape it belongs to.
