@@ -215,11 +215,11 @@ impl Forces<Fx> for Fx {
     fn length(offset: Offset<Self>, third: Self) -> FxFactor {
         match squares(offset, third) {
             Some((_, _, sum)) => root(sum, 64),
-            // Twice as far as any two points of the envelope: by halves, one bit coarser.
+            // Farther than any two points of the envelope are from each other: by quarters, two bits coarser.
             None => {
-                let half = |c: FxWide| FxWide::from_bits(c.to_bits() / 4);
+                let quarter = |c: FxWide| FxWide::from_bits(c.to_bits() / 4);
                 let third = Self::from_bits(third.to_bits() / 4);
-                match squares(offset.map(half), third) {
+                match squares(offset.map(quarter), third) {
                     Some((_, _, sum)) => root(sum, 62),
                     None => FxFactor::new(1, -32),
                 }

@@ -1,7 +1,5 @@
 //! Outlines: each shape as convex cores with a radius around them, made once, when the shape is made.
-//!
-//! Whatever asks where the boundary of a shape is starts from these and not from [`Geometry`]: a disc is a point with a
-//! radius, a capsule a line with one, a rectangle a polygon.
+//! A disc is a point with a radius, a capsule a line with one, a rectangle a polygon.
 
 use alloc::sync::Arc;
 use alloc::vec::Vec;
