@@ -26,7 +26,6 @@ mod accumulator;
 mod bulk;
 #[cfg(test)]
 mod checks;
-mod decimal;
 mod factor;
 mod factor_text;
 #[cfg(feature = "float")]
