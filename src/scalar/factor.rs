@@ -195,6 +195,11 @@ impl FxFactor {
     #[track_caller]
     pub fn over(self, other: Self) -> Self {
         assert!(other.mantissa != 0, "FxFactor: the divisor is zero");
+        self.over_nonzero(other)
+    }
+
+    /// The quotient, without the check, which costs drag a hundredth of its instructions. *Domain* `other` is not zero.
+    pub(super) fn over_nonzero(self, other: Self) -> Self {
         if self.mantissa == 0 {
             return Self::ZERO;
         }
