@@ -93,9 +93,10 @@ impl Interpolation {
         Self { seen: Vec::new(), looked: None, time_step: 0.0 }
     }
 
-    /// Reads the poses of all bodies after a step. Call it with the same world each time. Looking again at the same tick only
-    /// updates the time step, which [`Blend::Extrapolated`] uses; but at [`limits::TICK`], where ticks are no longer counted, each look
-    /// counts as the look after a step.
+    /// Reads the poses of all bodies after a step. Call it with the same world each time.
+    ///
+    /// Looking again at the same tick only updates the time step, which [`Blend::Extrapolated`] uses. At [`limits::TICK`], where
+    /// ticks are no longer counted, each look is taken as one after a step.
     ///
     /// It takes nothing from the heap while no slots are added.
     pub fn look<S: Scalar + ToF64>(&mut self, world: &World<S>) {

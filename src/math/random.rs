@@ -162,8 +162,8 @@ impl Random {
 
     /// A stream of 2^128 draws, as a generator; this one continues behind them.
     ///
-    /// Split all streams from one generator. A stream itself is neither split nor [jumped](Self::jump): behind its draws begins the
-    /// next stream.
+    /// Split all streams from one generator. Neither split nor [jump](Self::jump) a stream itself: behind its draws the next
+    /// stream begins.
     #[must_use]
     pub fn split(&mut self) -> Self {
         let stream = *self;
