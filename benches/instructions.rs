@@ -240,7 +240,7 @@ fn angle_drift(values: Vec<(Turn, Fx)>, factor: FxFactor) -> i128 {
 }
 
 #[library_benchmark(config = whole())]
-#[bench::values(velocities(), Fx::decay(fx!(0.9), HALF_STEP))]
+#[bench::values(velocities(), Fx::decay_over(Fx::decay_rate(fx!(0.9)), HALF_STEP))]
 fn damping(mut values: Vec<FxAccumulator>, factor: FxFactor) -> Vec<FxAccumulator> {
     Fx::damp_all(&mut values, factor);
     values

@@ -4,7 +4,7 @@ use std::panic::catch_unwind;
 
 use fixed::types::I32F32;
 use proptest::prelude::*;
-use umbra_physics::{Fx, MathError, ParseFxError, fx};
+use umbra_physics::{Fx, FxAccumulator, FxWide, MathError, ParseFxError, Turn, fx};
 
 fn panics(operation: impl FnOnce() -> Fx + std::panic::UnwindSafe) -> bool {
     catch_unwind(operation).is_err()
@@ -197,6 +197,26 @@ fn display_is_exact_and_rounds_to_the_precision_asked() {
     assert_eq!(format!("{:08.3}", fx!(-1.5)), "-001.500");
     assert_eq!(format!("{:.40}", Fx::DELTA), format!("{}{}", Fx::DELTA, "0".repeat(8)));
     assert_eq!(format!("{:.31}", Fx::DELTA), "0.0000000002328306436538696289062");
+    // Numbers of all types are written alike, and as those of the standard library.
+    macro_rules! as_a_double {
+        ($($form:literal $number:expr;)*) => {$(
+            let (x, double): (Fx, f64) = (fx!($number), $number);
+            let found = [format!($form, x), format!($form, FxWide::from(x)), format!($form, FxAccumulator::from_scalar(x))];
+            assert_eq!(found, [(); 3].map(|()| format!($form, double)));
+        )*};
+    }
+    as_a_double! {
+        "{:.2}" -0.001;
+        "{:.0}" -0.5;
+        "{:+.1}" 0.25;
+        "{:*>9.1}" -0.04;
+        "{:<9}|" 2.5;
+        "{:08.1}" -0.75;
+        "{:.96}" -0.5;
+        "{:.120}" -0.5;
+        "{:+0130.120}" 1.5;
+    }
+    assert_eq!(format!("{:.99}", Turn::QUARTER), format!("0.25{}", "0".repeat(97)));
 }
 
 #[test]

@@ -78,8 +78,13 @@ fn products_of_vectors_are_the_nearest() {
         }
         let scaled = |c: Fx| fitting(nearest(&(big(c) * big(b.x)), &ulp()));
         assert_eq!(a.checked_scale(b.x), scaled(a.x).zip(scaled(a.y)).map(Vec2::from), "{a} times {}", b.x);
-        if let Some(turned) = (Rot { cos: b.x, sin: b.y }).checked_rotate(a) {
-            assert_eq!(Rot { cos: b.x, sin: b.y } * a, turned, "{a} turned by {b}");
+        let rot = Rot { cos: b.x, sin: b.y };
+        let component = |sum: IBig| fitting(nearest(&sum, &ulp()));
+        let x = component(big(b.x) * big(a.x) - big(b.y) * big(a.y));
+        let turned = x.zip(component(big(b.y) * big(a.x) + big(b.x) * big(a.y))).map(Vec2::from);
+        assert_eq!(rot.checked_rotate(a), turned, "{a} turned by {b}");
+        if let Some(turned) = turned {
+            assert_eq!(rot * a, turned, "{a} turned by {b}");
         }
     }
     assert!(fits > CASES / 4 && beyond > CASES / 20, "{fits} fit, {beyond} do not");
@@ -201,7 +206,7 @@ fn operators_of_vectors_are_those_of_their_components() {
 #[test]
 fn operators_panic_where_a_result_does_not_fit() {
     let (max, one, min) = (Vec2::new(Fx::MAX, Fx::ZERO), Vec2::<Fx>::X, Vec2::new(Fx::ZERO, Fx::MIN));
-    let cases: [(&str, &dyn Fn() -> Vec2); 9] = [
+    let cases: [(&str, &dyn Fn() -> Vec2); 11] = [
         ("sum", &|| max + one),
         ("difference", &|| min - Vec2::Y),
         ("negative", &|| -min),
@@ -211,6 +216,8 @@ fn operators_panic_where_a_result_does_not_fit() {
         ("sum", &|| [max, one].into_iter().sum()),
         ("point", &|| Vec2::ZERO.lerp(max, fx!(2))),
         ("length is not negative", &|| max.clamp_length(fx!(-1))),
+        ("negative", &|| min.perp()),
+        ("turned vector", &|| Rot { cos: fx!(1), sin: fx!(-1) } * (max + Vec2::Y)),
     ];
     let numbers: [(&str, &dyn Fn() -> Fx); 9] = [
         ("dot product", &|| max.dot(max)),
@@ -231,6 +238,10 @@ fn operators_panic_where_a_result_does_not_fit() {
         let said = result.expect_err(word);
         let said = said.downcast_ref::<String>().cloned().or(said.downcast_ref::<&str>().map(|text| (*text).into()));
         assert!(said.as_ref().is_some_and(|said| said.contains(word)), "{word}: {said:?}");
+    }
+    for dividend in [FxFactor::ONE, FxFactor::ZERO] {
+        let said = std::panic::catch_unwind(|| dividend.over(FxFactor::ZERO)).expect_err("a division by zero");
+        assert!(said.downcast_ref::<&str>().is_some_and(|said| said.contains("divisor is zero")));
     }
     let said = std::panic::catch_unwind(|| FxFactor::from(fx!(-1))).expect_err("a negative factor");
     assert!(said.downcast_ref::<&str>().is_some_and(|said| said.contains("negative")));

@@ -1,8 +1,9 @@
 //! The factors of a step that bodies share: they follow from gravity scale, damping, speed caps, locks and the time step.
 
 use super::rows::{Keyed, SharedRows, mix};
+use crate::fx::Fx;
 use crate::math::Vec2;
-use crate::scalar::{Accumulator, Factor, Scalar, Span, fx::Fx};
+use crate::scalar::{Accumulator, Factor, Scalar, Span};
 
 /// The largest number of spans in the stages of an integrator.
 pub(crate) const SPANS: usize = 4;

@@ -220,7 +220,7 @@ impl<S: Scalar> BodyTable<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scalar::fx::fx;
+    use crate::fx::fx;
 
     /// Simulates two shapes with one hash, whose bodies come and go in either order.
     #[test]

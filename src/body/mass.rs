@@ -4,9 +4,10 @@ use super::rows::{Keyed, SharedRows, mix};
 use super::{BodyInfo, BodyKind, Locks};
 use crate::codec::codec_enum;
 use crate::error::{Error, Quantity};
+use crate::fx::Fx;
 use crate::limits;
 use crate::math::Vec2;
-use crate::scalar::{Factor, Number, Scalar, fx::Fx};
+use crate::scalar::{Factor, Number, Scalar};
 use crate::shape::Shape;
 
 /// Mass and moment of inertia of a dynamic body, as they are given.

@@ -16,9 +16,10 @@ mod target;
 
 use crate::codec::{self, Encoder, Malformed, Read, Reader, Write, codec_enum, codec_struct};
 use crate::error::{Error, Quantity};
+use crate::fx::Fx;
 use crate::limits;
 use crate::math::Vec2;
-use crate::scalar::{Accumulator, Scalar, fx::Fx};
+use crate::scalar::{Accumulator, Scalar};
 use crate::shape::Shape;
 
 pub(crate) use changes::Change;

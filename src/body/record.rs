@@ -8,9 +8,10 @@ use super::motion::Acceleration;
 use super::{Activity, BodyDef, BodyKind, Locks, Mass, MassProperties, within_envelope};
 use crate::codec::{self, Encoder, Malformed, Part, Read, Reader, Write, codec_struct};
 use crate::error::{Error, Quantity};
+use crate::fx::Fx;
 use crate::limits;
 use crate::math::Vec2;
-use crate::scalar::{Accumulator as _, Scalar, fx::Fx};
+use crate::scalar::{Accumulator as _, Scalar};
 use crate::shape::Shape;
 use crate::slots::BodyId;
 

@@ -3,9 +3,10 @@
 use super::{Bodies, Locks, Motion, Row, Sparse};
 use crate::codec::{self, StateHasher, Write as _, codec_struct};
 use crate::error::{Error, Quantity};
+use crate::fx::Fx;
 use crate::limits;
 use crate::math::Vec2;
-use crate::scalar::{Accumulator, Angle, Scalar, Wide, fx::Fx};
+use crate::scalar::{Accumulator, Angle, Scalar, Wide};
 use crate::slots::BodyId;
 
 /// A position and an angle that a body is to have, to the bit.

@@ -10,7 +10,7 @@ macro_rules! codec_struct {
             }
         }
 
-        impl $crate::codec::Read for $type<$crate::scalar::fx::Fx> {
+        impl $crate::codec::Read for $type<$crate::fx::Fx> {
             fn read(reader: &mut $crate::codec::Reader<'_>) -> Result<Self, $crate::codec::Malformed> {
                 Ok(Self { $($field: $crate::codec::Read::read(reader)?),* })
             }
@@ -41,7 +41,7 @@ macro_rules! codec_enum {
         });
     };
     (@read $type:ident <$s:ident>, $expected:literal, $variants:tt) => {
-        codec_enum!(@from [$type<$crate::scalar::fx::Fx>], $expected, $variants);
+        codec_enum!(@from [$type<$crate::fx::Fx>], $expected, $variants);
     };
     (@read $type:ident, $expected:literal, $variants:tt) => {
         codec_enum!(@from [$type], $expected, $variants);

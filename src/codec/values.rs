@@ -5,8 +5,9 @@ use alloc::vec::Vec;
 
 use super::decode::{Malformed, Read, Reader};
 use super::encode::{Encoder, Part, Write, count, field};
+use crate::fx::Fx;
 use crate::math::{Elapsed, Random, TimeStep, Vec2};
-use crate::scalar::{FxAccumulator, FxFactor, FxSum, FxWide, Number, Turn, fx::Fx};
+use crate::scalar::{FxAccumulator, FxFactor, FxSum, FxWide, Number, Turn};
 use crate::slots::{BodyId, FieldId};
 
 impl<N: Number> Write for N {

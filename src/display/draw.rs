@@ -179,7 +179,7 @@ impl<S: Scalar + ToF64> World<S> {
     /// [`Interpolation`](super::Interpolation).
     ///
     /// First the fields in the order in which they were added, then the bodies in the order of their slots, then the
-    /// velocities in that order. The state is read alone.
+    /// velocities in that order. The state of the world is only read.
     pub fn debug_draw(
         &self,
         pose: impl Fn(&BodyRef<'_, S>) -> Pose,

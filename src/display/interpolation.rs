@@ -5,6 +5,7 @@ use alloc::vec::Vec;
 use super::pose::Pose;
 use super::step_clock::TickFraction;
 use crate::body::Activity;
+use crate::limits;
 use crate::scalar::{Angle, Scalar, ToF64};
 use crate::slots::BodyId;
 use crate::world::World;
@@ -32,16 +33,19 @@ struct Seen {
 
 /// Keeps where the bodies of a world were at its last two ticks, and gives their poses between these or soon after.
 ///
-/// It [looks](Self::look) at the world after each step and is no part of it: steps do nothing for it. Nothing is blended over
-/// what is no motion. A body that a call [placed](crate::StepReport::placed), or added, is where it is from the first of the
-/// two ticks on, also in the slot of one that was removed; and after the world was put back ([`World::rewinds`]), or moved on
-/// without a look, all are. Looking at each tick that a rollback does over as well, as in this loop, leaves that one jump at
-/// its first tick, which is shown only if it is the last one too.
+/// It is no part of the world: call [`look`](Self::look) after each step. It blends motion alone, and shows a body at its place
+/// in the last tick, without a blend, when
+/// - a call [placed](crate::StepReport::placed) or added the body since the tick before, in a slot used before or not;
+/// - the world was put back ([`World::rewinds`]), or stepped without a look: then this holds for all bodies.
 ///
-/// It knows the world by its tick and its rewinds alone, and another one may have the same: a copy that went another way, or
-/// the world of a snapshot from elsewhere ([`Snapshot::into_world`](crate::Snapshot::into_world)), which begins to count anew.
-/// Whoever goes on with such a one lets the world become it, by [`World::restore`] or `clone_from`, or
-/// [clears](Self::clear) the interpolation; else bodies may be blended from where they were in the other.
+/// A rollback puts the world back. Look at each tick that is done over, as in the loop below: then only the first of them is
+/// without a blend, and it is shown only if it is the last tick as well.
+///
+/// An interpolation tells one world from another by tick and rewinds alone. A different world may have both in common: a copy
+/// that was stepped with other inputs, or the world of a received snapshot
+/// ([`Snapshot::into_world`](crate::Snapshot::into_world)), whose rewinds start at 0. To go on with such a world, use
+/// [`World::restore`] or `clone_from` on the world that was shown, or [clear](Self::clear) the interpolation. Otherwise bodies
+/// may be blended from their places in the world before.
 ///
 /// ```
 /// use umbra_physics::{Blend, BodyDef, Command, History, Inputs, Interpolation, StepClock, World, WorldDef, vec2};
@@ -89,18 +93,21 @@ impl Interpolation {
         Self { seen: Vec::new(), looked: None, time_step: 0.0 }
     }
 
-    /// Reads the poses of all bodies after a step. Call it with the same world each time. Looking again at the same tick only
-    /// updates the time step, which [`Blend::Extrapolated`] uses.
+    /// Reads the poses of all bodies after a step. Call it with the same world each time.
+    ///
+    /// Looking again at the same tick only updates the time step, which [`Blend::Extrapolated`] uses. At [`limits::TICK`], where
+    /// ticks are no longer counted, each look is taken as one after a step.
     ///
     /// It takes nothing from the heap while no slots are added.
     pub fn look<S: Scalar + ToF64>(&mut self, world: &World<S>) {
         let (tick, rewinds) = (world.tick(), world.rewinds());
         let (num, den) = world.def().time_step.seconds();
         self.time_step = f64::from(num) / f64::from(den);
-        if self.looked == Some((tick, rewinds)) {
+        let again = self.looked == Some((tick, rewinds));
+        if again && tick != limits::TICK {
             return;
         }
-        let goes_on = tick > 0 && self.looked == Some((tick - 1, rewinds));
+        let goes_on = again || (tick > 0 && self.looked == Some((tick - 1, rewinds)));
         self.looked = Some((tick, rewinds));
         let mut free = 0;
         for body in world.bodies() {
@@ -154,7 +161,7 @@ impl Interpolation {
         self.seen.iter().flatten().map(move |seen| (seen.body, seen.pose(at, self.time_step)))
     }
 
-    /// Forgets what it saw: nothing is blended up to the second look from now. For another world.
+    /// Forgets the bodies, to look at another world next. Nothing is blended until the second look from now.
     ///
     /// ```
     /// use umbra_physics::{Blend, BodyDef, Interpolation, TickFraction, World, WorldDef};
@@ -173,7 +180,7 @@ impl Interpolation {
     }
 }
 
-/// Near enough for drawing: two roundings to doubles and one of their ratio.
+/// The ratio, rounded three times: numerator, denominator and quotient.
 impl ToF64 for TickFraction {
     fn to_f64(self) -> f64 {
         self.num as f64 / self.den as f64
@@ -190,6 +197,30 @@ impl Seen {
                 let position = [0, 1].map(|i| position[i] + velocity[i] * seconds);
                 Pose { position, angle: angle.turned(angular_velocity * seconds) }
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::body::BodyDef;
+    use crate::math::vec2;
+    use crate::world::WorldDef;
+
+    #[test]
+    fn poses_go_on_where_ticks_are_no_longer_counted() {
+        let mut world: World = World::new(WorldDef::default()).expect("a world");
+        let body = world.add_body(BodyDef { velocity: vec2(60, 0), ..BodyDef::dynamic() }).expect("a body");
+        world.tick = limits::TICK - 2;
+        let mut interpolation = Interpolation::new();
+        interpolation.look(&world);
+        for metres in 1..5 {
+            world.step();
+            interpolation.look(&world);
+            let half = interpolation.pose(body, Blend::Interpolated(TickFraction { num: 1, den: 2 })).expect("a pose");
+            let off = half.position[0] - (f64::from(metres) - 0.5);
+            assert!((-1e-6..1e-6).contains(&off), "{metres}: {off}");
         }
     }
 }

@@ -41,14 +41,14 @@ impl Pose {
         Self { position: body.position().to_f64(), angle: body.angle().to_f64() }
     }
 
-    /// The same, rounded to singles.
+    /// Rounds position and angle to singles.
     #[must_use]
     pub const fn to_f32(self) -> Pose<f32> {
         let Self { position: [x, y], angle } = self;
         Pose { position: [x as f32, y as f32], angle: angle as f32 }
     }
 
-    /// The same from another origin, m: that of a camera.
+    /// The pose in coordinates whose origin is at this point, m: the position of a camera, for example.
     #[must_use]
     pub fn relative_to(self, [x, y]: [f64; 2]) -> Self {
         Self { position: [self.position[0] - x, self.position[1] - y], angle: self.angle }

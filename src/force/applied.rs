@@ -4,8 +4,9 @@ use alloc::vec::Vec;
 
 use crate::body::{Row, Sparse};
 use crate::codec::{self, StateHasher, Write as _};
+use crate::fx::Fx;
 use crate::math::Vec2;
-use crate::scalar::{Scalar, Sum, fx::Fx};
+use crate::scalar::{Scalar, Sum};
 use crate::slots::BodyId;
 
 /// The sum of the forces and torques applied to a body over a tick. Undoing the step of that tick needs it.

@@ -3,8 +3,9 @@
 use core::fmt;
 
 use super::Dependence;
+use crate::fx::Fx;
 use crate::math::Vec2;
-use crate::scalar::{Scalar, fx::Fx};
+use crate::scalar::Scalar;
 
 /// The state of a body as a [`CustomForce`] sees it: public values, and the data given to the body.
 #[derive(Clone, Copy, Debug, PartialEq)]

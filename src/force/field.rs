@@ -4,9 +4,10 @@ use super::CustomForces;
 use crate::body::{Bodies, BodyKind, check_velocity};
 use crate::codec::{codec_enum, codec_struct};
 use crate::error::{Error, Quantity};
+use crate::fx::Fx;
 use crate::limits;
 use crate::math::Vec2;
-use crate::scalar::{Factor, Scalar, SpringConstants, fx::Fx};
+use crate::scalar::{Factor, Scalar, SpringConstants};
 use crate::slots::BodyId;
 
 /// The part of a body's state that a force depends on.

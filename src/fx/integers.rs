@@ -51,7 +51,7 @@ impl Fx {
     pub const fn checked_rem(self, divisor: Self) -> Option<Self> {
         match divisor.to_bits() {
             0 => None,
-            // That of the least value by −1 ulp is zero, while the quotient does not fit.
+            // Of `Fx::MIN` and −1 ulp the quotient does not fit, but the remainder is zero.
             bits => Some(Self::from_bits(self.to_bits().wrapping_rem(bits))),
         }
     }
@@ -67,7 +67,7 @@ impl Fx {
         Self::from_bits(self.to_bits().wrapping_rem_euclid(nonzero(divisor).to_bits()))
     }
 
-    /// The greatest integer that is not above; it always fits.
+    /// The greatest integer that is not above this number; it always fits.
     ///
     /// ```
     /// # use umbra_physics::{Fx, fx};
@@ -82,15 +82,15 @@ impl Fx {
         (self.to_bits() >> 32) as i32
     }
 
-    /// The least integer that is not below: at most 2^31.
+    /// The least integer that is not below this number; it is at most 2^31.
     #[must_use]
     #[inline]
     pub const fn ceil_to_int(self) -> i64 {
-        // The negative of the greatest integer that is not above the negative, where that fits as well.
+        // The integer below, and one more unless the number is that integer.
         (self.to_bits() >> 32) + (self.to_bits() as u32 != 0) as i64
     }
 
-    /// The nearest integer, ties to even: at most 2^31.
+    /// The nearest integer, ties to even; it is at most 2^31.
     #[must_use]
     #[inline]
     pub const fn round_to_int(self) -> i64 {
@@ -120,7 +120,7 @@ impl Fx {
     /// An angle in radians as degrees. *Error* 0.5001 ulp.
     ///
     /// # Panics
-    /// When it does not fit, from 37,480,660 rad on; [`checked_to_degrees`](Self::checked_to_degrees) gives `None`.
+    /// When it does not fit, from 37,480,660.3 rad on; [`checked_to_degrees`](Self::checked_to_degrees) gives `None`.
     #[must_use]
     #[inline]
     #[track_caller]
@@ -223,7 +223,7 @@ macro_rules! try_from_integer {
         impl TryFrom<$integer> for Fx {
             type Error = MathError;
 
-            /// The same value, exactly.
+            /// Converts exactly.
             ///
             /// # Errors
             /// [`MathError::Overflow`] outside −2^31 to 2^31 − 1.

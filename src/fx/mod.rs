@@ -8,6 +8,7 @@ use fixed::types::I32F32;
 
 use crate::kernel::div::div_round;
 
+pub(crate) mod decimal;
 mod integers;
 mod maths;
 mod ops;
@@ -16,6 +17,7 @@ mod serde;
 mod text;
 
 pub use maths::MathError;
+pub(crate) use ops::fitting;
 pub(crate) use text::Decimal;
 pub use text::ParseFxError;
 #[cfg(any(test, feature = "selftest"))]
@@ -124,7 +126,7 @@ impl Fx {
 
     /// The value of `bits`·2^-32, if it fits.
     #[inline]
-    const fn narrow(bits: i128) -> Option<Self> {
+    pub(crate) const fn narrow(bits: i128) -> Option<Self> {
         if bits as i64 as i128 == bits { Some(Self::from_bits(bits as i64)) } else { None }
     }
 }

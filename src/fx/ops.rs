@@ -218,14 +218,14 @@ impl Fx {
         fitting(self.checked_abs(), "Fx: the magnitude does not fit")
     }
 
-    /// −1, 0 or 1, as the sign is.
+    /// −1 for a negative number, 0 for zero, 1 for a positive one.
     #[must_use]
     #[inline]
     pub const fn signum(self) -> Self {
         Self::from_int(self.to_bits().signum() as i32)
     }
 
-    /// The greatest integer that is not above.
+    /// The greatest integer that is not above this number.
     ///
     /// ```
     /// # use umbra_physics::fx;
@@ -239,7 +239,7 @@ impl Fx {
         Self::from_bits(self.to_bits() & !0xffff_ffff)
     }
 
-    /// The least integer that is not below.
+    /// The least integer that is not below this number.
     ///
     /// # Panics
     /// Above 2^31 − 1.
@@ -271,10 +271,10 @@ impl Fx {
     }
 }
 
-/// The value, or a panic: what makes an operator behave alike with and without overflow checks.
+/// The value, or a panic: so an operator behaves alike with and without overflow checks.
 #[inline]
 #[track_caller]
-pub(super) const fn fitting(value: Option<Fx>, otherwise: &'static str) -> Fx {
+pub(crate) const fn fitting<T: Copy>(value: Option<T>, otherwise: &'static str) -> T {
     match value {
         Some(value) => value,
         None => panic!("{}", otherwise),

@@ -1,10 +1,9 @@
 //! `Fx` as decimal text, exactly: every digit out, one rounding in.
 
-use alloc::string::String;
-use core::fmt::{self, Write};
+use core::fmt;
 use core::str::FromStr;
 
-use super::Fx;
+use super::{Fx, decimal};
 use crate::error::codes;
 
 /// The reason that a text is not a number in I32F32.
@@ -253,40 +252,10 @@ const fn scan_exponent(text: &[u8], mut at: usize) -> Result<(i64, usize), Parse
 
 impl fmt::Display for Fx {
     /// The exact decimal value, with as many digits as it takes (at most 32 after the point); with a precision, rounded
-    /// to that many digits, ties to even. Width, fill, sign and zero flags as for integers.
+    /// to that many digits, ties to even. Width, fill, sign and zero flags as for `f64`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let magnitude = self.to_bits().unsigned_abs();
-        let (mut whole, mut rest) = (magnitude >> 32, magnitude & 0xffff_ffff);
-        let wanted = f.precision();
-        // A multiple of 2^-32 has at most 32 digits; those past them are zeros.
-        let mut digits = [0u8; 32];
-        let mut len = 0;
-        while rest != 0 && len < wanted.unwrap_or(digits.len()) {
-            // rest < 2^32.
-            rest *= 10;
-            digits[len] = (rest >> 32) as u8;
-            rest &= 0xffff_ffff;
-            len += 1;
-        }
-        let last = if len == 0 { whole & 1 } else { u64::from(digits[len - 1] & 1) };
-        if rest > (1 << 31) - last {
-            // Adds one to the last digit; a nine passes it on, at last to the whole part.
-            let nines = digits[..len].iter().rev().take_while(|&&digit| digit == 9).count();
-            digits[len - nines..len].fill(0);
-            match digits[..len - nines].last_mut() {
-                Some(digit) => *digit += 1,
-                None => whole += 1,
-            }
-        }
-        let mut text = String::new();
-        write!(text, "{whole}")?;
-        let shown = wanted.unwrap_or(len);
-        if shown > 0 {
-            text.push('.');
-            text.extend(digits[..len].iter().map(|digit| char::from(b'0' + digit)));
-            text.extend(core::iter::repeat_n('0', shown - len));
-        }
-        f.pad_integral(self.to_bits() >= 0, "", &text)
+        decimal::write(f, self.to_bits() < 0, magnitude >> 32, u128::from(magnitude) << 96)
     }
 }
 

@@ -36,7 +36,7 @@ const fn floor_root(x: u128) -> u64 {
     floor_and_reciprocal(x).0
 }
 
-/// [`root_fine`] of `x`, and 1/√v in Q3.61 with a relative error below 2^-55, for v = `x`·2^-128 in [¼, 1).
+/// The square root of `x`, rounded down, and 1/√v in Q3.61 with a relative error below 2^-55, for v = `x`·2^-128 in [¼, 1).
 #[inline]
 const fn floor_and_reciprocal(x: u128) -> (u64, u64) {
     let m = (x >> 64) as u64;

@@ -1,88 +1,11 @@
 //! Geometry of vectors of `Fx`: each result rounded once, from exact integers.
 
-use super::{Rot, Vec2};
-use crate::fx::Fx;
+use super::Vec2;
+use crate::fx::{Fx, fitting};
 use crate::kernel::round::shr_round;
 use crate::kernel::sqrt::over_root;
-use core::ops::Mul;
-
-/// a·b + c·d in ulps, rounded to nearest, ties to even; `None` if it does not fit.
-#[inline]
-fn sum_of_products(a: Fx, b: Fx, c: Fx, d: Fx) -> Option<Fx> {
-    let product = |a: Fx, b: Fx| i128::from(a.to_bits()) * i128::from(b.to_bits());
-    // Each is at most 2^126; only the sum of both at that end leaves i128.
-    narrow(shr_round(product(a, b).checked_add(product(c, d))?, 32))
-}
-
-/// a·b − c·d, as [`sum_of_products`].
-#[inline]
-fn difference_of_products(a: Fx, b: Fx, c: Fx, d: Fx) -> Option<Fx> {
-    let product = |a: Fx, b: Fx| i128::from(a.to_bits()) * i128::from(b.to_bits());
-    // Between −(2^126 + 2^126) and 2^127 − 2^95: the products of the least value with itself are positive.
-    narrow(shr_round(product(a, b).checked_sub(product(c, d))?, 32))
-}
-
-#[inline]
-fn narrow(bits: i128) -> Option<Fx> {
-    i64::try_from(bits).ok().map(Fx::from_bits)
-}
-
-/// The result, or a panic: an operator behaves alike in every profile.
-#[inline]
-#[track_caller]
-fn fitting<T>(value: Option<T>, otherwise: &'static str) -> T {
-    match value {
-        Some(value) => value,
-        None => panic!("{}", otherwise),
-    }
-}
 
 impl Vec2 {
-    /// The dot product x·x' + y·y'.
-    ///
-    /// *Error* ½ ulp: the exact sum, rounded once, ties to even. [`wide_dot`](Self::wide_dot) is exact.
-    ///
-    /// # Panics
-    /// When it does not fit; [`checked_dot`](Self::checked_dot) gives `None`.
-    ///
-    /// ```
-    /// # use umbra_physics::{Fx, Vec2, fx, vec2};
-    /// let (a, b): (Vec2, Vec2) = (vec2(3, 4), vec2(1, fx!(0.5)));
-    /// assert_eq!((a.dot(b), a.cross(b)), (fx!(5), fx!(-2.5)));
-    /// assert_eq!((a.checked_dot(vec2(Fx::MAX, 0)), a.checked_cross(vec2(0, Fx::MAX))), (None, None));
-    /// assert_eq!(a.wide_dot(b).and_then(|product| product.to_scalar()), Some(fx!(5)));
-    /// assert_eq!(a.wide_cross(b).and_then(|product| product.to_scalar()), Some(fx!(-2.5)));
-    /// ```
-    #[must_use]
-    #[track_caller]
-    pub fn dot(self, other: Self) -> Fx {
-        fitting(self.checked_dot(other), "Vec2: the dot product does not fit")
-    }
-
-    /// The dot product; `None` if it does not fit. *Error* ½ ulp.
-    #[must_use]
-    pub fn checked_dot(self, other: Self) -> Option<Fx> {
-        sum_of_products(self.x, other.x, self.y, other.y)
-    }
-
-    /// The cross product x·y' − y·x': positive if `other` is counter-clockwise of this vector.
-    ///
-    /// *Error* ½ ulp: the exact difference, rounded once, ties to even. [`wide_cross`](Self::wide_cross) is exact.
-    ///
-    /// # Panics
-    /// When it does not fit; [`checked_cross`](Self::checked_cross) gives `None`.
-    #[must_use]
-    #[track_caller]
-    pub fn cross(self, other: Self) -> Fx {
-        fitting(self.checked_cross(other), "Vec2: the cross product does not fit")
-    }
-
-    /// The cross product; `None` if it does not fit. *Error* ½ ulp.
-    #[must_use]
-    pub fn checked_cross(self, other: Self) -> Option<Fx> {
-        difference_of_products(self.x, other.y, self.y, other.x)
-    }
-
     /// The length √(x² + y²).
     ///
     /// *Error* ½ ulp: the nearest value, and there are no ties. *Source* the exact root of the exact sum ([`Fx::checked_hypot`]).
@@ -199,7 +122,7 @@ impl Vec2 {
             let way = i128::from(to.to_bits()) - i128::from(from.to_bits());
             // Below 2^64 times at most 2^63. A sum beyond 2^127 is beyond 2^31 m as well.
             let passed = way * i128::from(t.to_bits());
-            narrow(shr_round(passed.checked_add(i128::from(from.to_bits()) << 32)?, 32))
+            Fx::narrow(shr_round(passed.checked_add(i128::from(from.to_bits()) << 32)?, 32))
         };
         Some(Self { x: component(self.x, other.x)?, y: component(self.y, other.y)? })
     }
@@ -265,23 +188,6 @@ impl Vec2 {
     }
 }
 
-impl Mul<Vec2> for Rot {
-    type Output = Vec2;
-
-    /// The vector turned. *Error* ½ ulp, and half an ulp of sine and cosine times the length.
-    ///
-    /// # Panics
-    /// When a component does not fit; [`Rot::checked_rotate`] gives `None`.
-    #[track_caller]
-    fn mul(self, v: Vec2) -> Vec2 {
-        let turned = || {
-            let x = difference_of_products(self.cos, v.x, self.sin, v.y)?;
-            Some(Vec2 { x, y: sum_of_products(self.sin, v.x, self.cos, v.y)? })
-        };
-        fitting(turned(), "Rot: the turned vector does not fit")
-    }
-}
-
 impl core::iter::Sum for Vec2 {
     /// The sum, exactly, whatever the order of the terms.
     ///
@@ -292,7 +198,7 @@ impl core::iter::Sum for Vec2 {
         // 2^64 terms of at most 2^63 would leave i128.
         let add = |(x, y): (i128, i128), v: Self| (x + i128::from(v.x.to_bits()), y + i128::from(v.y.to_bits()));
         let (x, y) = vectors.fold((0, 0), add);
-        let total = || Some(Self { x: narrow(x)?, y: narrow(y)? });
+        let total = || Some(Self { x: Fx::narrow(x)?, y: Fx::narrow(y)? });
         fitting(total(), "Vec2: the sum does not fit")
     }
 }

@@ -35,11 +35,18 @@ use crate::fx::Fx;
 /// random.shuffle(&mut deck);
 /// assert_ne!(deck[..5], [0, 1, 2, 3, 4]);
 ///
-/// // Streams that never overlap: one for each player, say, or by hand.
+/// // Streams that never overlap: one for each player, for example.
+/// let root = random;
 /// let (mut a, mut b) = (random.split(), random.split());
 /// assert_ne!(a.bits(), b.bits());
-/// a.jump(); // 2^128 draws
-/// b.long_jump(); // 2^192
+/// // By hand: a stream is a copy, and a jump skips its 2^128 draws.
+/// let mut third = root;
+/// third.jump();
+/// third.jump();
+/// assert_eq!(third, random.split());
+/// // A generator whose streams overlap with none of `root`'s.
+/// let mut far = root;
+/// far.long_jump(); // 2^192 draws
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(
@@ -143,7 +150,7 @@ impl Random {
         }
     }
 
-    /// Skips 2^128 draws, to make streams that never overlap.
+    /// Skips 2^128 draws, to make streams that never overlap: [`split`](Self::split) is a copy and a jump.
     pub fn jump(&mut self) {
         self.leap([0x180e_c6d3_3cfd_0aba, 0xd5a6_1266_f0c9_392c, 0xa958_2618_e03f_c9aa, 0x39ab_dc45_29b1_661c]);
     }
@@ -153,7 +160,10 @@ impl Random {
         self.leap([0x76e1_5d3e_fefd_cbbf, 0xc500_4e44_1c52_2fb3, 0x7771_0069_854e_e241, 0x3910_9bb0_2acb_e635]);
     }
 
-    /// A generator of its own with 2^128 draws; this one continues behind them.
+    /// A stream of 2^128 draws, as a generator; this one continues behind them.
+    ///
+    /// Split all streams from one generator. Neither split nor [jump](Self::jump) a stream itself: behind its draws the next
+    /// stream begins.
     #[must_use]
     pub fn split(&mut self) -> Self {
         let stream = *self;

@@ -65,6 +65,9 @@ impl<T> Vec2<T> {
 
 impl<T: Neg<Output = T>> Vec2<T> {
     /// The vector turned by a quarter turn counter-clockwise: (−y, x), exactly.
+    ///
+    /// # Panics
+    /// When y is [`Fx::MIN`], whose negative does not fit.
     #[inline]
     #[must_use]
     #[track_caller]

@@ -2,12 +2,11 @@
 
 use core::fmt;
 
-use super::decimal;
 use super::factor::FxFactor;
 use super::fx_bulk;
 use super::motion::TRANSIENT_SPEED_LOG2;
 use super::number::{Accumulator, Number, inherent};
-use crate::fx::Fx;
+use crate::fx::{Fx, decimal};
 use crate::kernel::round::shr_round;
 use crate::kernel::wide::mul_shift;
 
@@ -81,7 +80,9 @@ impl FxAccumulator {
         (self.high as i128) << 64 | self.low as i128
     }
 
-    /// Zero where the public value is zero: half an ulp rounds to zero, ties to even; else the same bits.
+    /// Zero where the public value is zero (half an ulp rounds to zero, ties to even); else these bits.
+    ///
+    /// So a damped body comes to rest: a product that is only rounded stays at some multiples of 2^-96 for ever.
     #[inline]
     const fn settled(bits: i128) -> Self {
         Self::from_bits(if bits.unsigned_abs() <= 1 << 63 { 0 } else { bits })
@@ -151,7 +152,7 @@ impl Accumulator<Fx> for FxAccumulator {
 
     #[inline]
     fn to_bytes(self) -> [u8; 16] {
-        // The same as without this, word by word: the compiler copies them as they lie.
+        // The bytes of the default method, made word by word: so the compiler copies the words as they lie in memory.
         let (high, low) = (self.high.to_le_bytes(), self.low.to_le_bytes());
         core::array::from_fn(|i| if i < 8 { high[i] } else { low[i - 8] })
     }

@@ -210,7 +210,7 @@ proptest! {
         for weight in [Weight::Whole, Weight::YoshidaOuter, Weight::YoshidaInner] {
             for half in [false, true] {
                 let span = Span { ratio: (num, den), weight, half };
-                let f = Fx::decay(Fx::from_bits(kept), span);
+                let f = Fx::decay_over(Fx::decay_rate(Fx::from_bits(kept)), span);
                 let log = real(kept, -32).ln() * seconds(span);
                 let log = if span.is_negative() { log.neg() } else { log };
                 prop_assert!(error_log2(f, &log.exp()) < -63.99, "{}", error_log2(f, &log.exp()));

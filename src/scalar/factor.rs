@@ -187,9 +187,19 @@ impl FxFactor {
         Self::nearest(product + doubled, self.shift + other.shift + lacks as i32)
     }
 
-    /// The quotient. *Domain* `other` is not zero. *Error* 2^-64 relative.
+    /// The quotient. *Error* 2^-64 relative.
+    ///
+    /// # Panics
+    /// When `other` is zero.
     #[must_use]
+    #[track_caller]
     pub fn over(self, other: Self) -> Self {
+        assert!(other.mantissa != 0, "FxFactor: the divisor is zero");
+        self.over_nonzero(other)
+    }
+
+    /// The quotient, without the check, which costs drag a hundredth of its instructions. *Domain* `other` is not zero.
+    pub(super) fn over_nonzero(self, other: Self) -> Self {
         if self.mantissa == 0 {
             return Self::ZERO;
         }
@@ -253,7 +263,7 @@ impl Ord for FxFactor {
 }
 
 impl From<Fx> for FxFactor {
-    /// The same value, exactly.
+    /// Converts exactly.
     ///
     /// # Panics
     /// When negative: a factor has no sign. [`FxFactor::from_scalar`] takes the magnitude.
@@ -265,7 +275,7 @@ impl From<Fx> for FxFactor {
 }
 
 impl From<i32> for FxFactor {
-    /// The same value, exactly.
+    /// Converts exactly.
     ///
     /// # Panics
     /// When negative: a factor has no sign.

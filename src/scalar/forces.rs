@@ -63,13 +63,13 @@ pub(super) fn exponential(z: FxFactor, growth: bool) -> Option<FxFactor> {
 pub(super) fn mean_exponential(z: FxFactor, exponential: FxFactor, growth: bool) -> FxFactor {
     // Below 2^-16 the difference would lose more than the series does: 1 ∓ z/2 + z²/6 ∓ z³/24, next term z⁴/120 < 2^-70.
     if z < FxFactor::new(1, 16) {
-        let series = |terms: FxFactor, divisor: u64| z.times(terms).over(FxFactor::from_ratio(divisor, 1));
+        let series = |terms: FxFactor, divisor: u64| z.times(terms).over_nonzero(FxFactor::from_ratio(divisor, 1));
         let third = FxFactor::ONE;
         let join = |next: FxFactor| if growth { FxFactor::ONE.plus(next) } else { FxFactor::ONE.minus(next) };
         return join(series(join(series(join(series(third, 4)), 3)), 2));
     }
     let change = if growth { exponential.minus(FxFactor::ONE) } else { FxFactor::ONE.minus(exponential) };
-    change.over(z)
+    change.over_nonzero(z)
 }
 
 /// An offset in ulps, the sum of the squares of its components, and of a third.
@@ -215,11 +215,11 @@ impl Forces<Fx> for Fx {
     fn length(offset: Offset<Self>, third: Self) -> FxFactor {
         match squares(offset, third) {
             Some((_, _, sum)) => root(sum, 64),
-            // Twice as far as any two points of the envelope: by halves, one bit coarser.
+            // Farther than any two points of the envelope are from each other: by quarters, two bits coarser.
             None => {
-                let half = |c: FxWide| FxWide::from_bits(c.to_bits() / 4);
+                let quarter = |c: FxWide| FxWide::from_bits(c.to_bits() / 4);
                 let third = Self::from_bits(third.to_bits() / 4);
-                match squares(offset.map(half), third) {
+                match squares(offset.map(quarter), third) {
                     Some((_, _, sum)) => root(sum, 62),
                     None => FxFactor::new(1, -32),
                 }
@@ -245,8 +245,8 @@ impl Forces<Fx> for Fx {
         let slowed = beta.times(speed).times(seconds).times(mean);
         if negative {
             // The flow backwards has a pole at 1; short of it a body's speed grows fourfold at most.
-            return Some(left.over(FxFactor::ONE.minus(slowed.min(FxFactor::new(3, 2)))));
+            return Some(left.over_nonzero(FxFactor::ONE.minus(slowed.min(FxFactor::new(3, 2)))));
         }
-        Some(left.over(FxFactor::ONE.plus(slowed)))
+        Some(left.over_nonzero(FxFactor::ONE.plus(slowed)))
     }
 }

@@ -13,40 +13,6 @@ use super::simd;
 use super::turn::Turn;
 use crate::fx::Fx;
 
-impl Bulk<Fx> for Fx {
-    fn damp_all(values: &mut [FxAccumulator], kept: FxFactor) {
-        damp(values, kept);
-    }
-
-    fn kick_all(values: &mut [FxAccumulator], gained: FxAccumulator) {
-        kick(values, gained);
-    }
-
-    fn drift_all(positions: &mut [FxAccumulator], velocities: &[FxAccumulator], seconds: FxFactor, negative: bool) {
-        drift(positions, velocities, seconds, negative);
-    }
-
-    fn kick_drift_kick_all(
-        positions: &mut [FxAccumulator],
-        velocities: &mut [FxAccumulator],
-        span: &KickDriftKick<Fx>,
-    ) {
-        kick_drift_kick(positions, velocities, span);
-    }
-
-    fn damped_turn_all(angles: &mut [Turn], velocities: &mut [FxAccumulator], span: &DampedTurn<Fx>) {
-        damped_turn(angles, velocities, span);
-    }
-
-    fn turn_all(angles: &mut [Turn], velocities: &[FxAccumulator], drift_factor: FxFactor, negative: bool) {
-        turn(angles, velocities, drift_factor, negative);
-    }
-
-    fn are_within(values: &[FxAccumulator], log2: u32) -> bool {
-        are_within(values, log2)
-    }
-}
-
 /// Half of the low word.
 const TIE: u64 = 1 << 63;
 
@@ -127,26 +93,6 @@ pub(super) fn damped(v: FxAccumulator, kept: FxFactor) -> FxAccumulator {
     }
 }
 
-/// See [`Bulk::damp_all`].
-pub(super) fn damp(values: &mut [FxAccumulator], kept: FxFactor) {
-    match kept.parts() {
-        (mantissa, 64) if simd::damp(values, mantissa).is_some() => {}
-        (mantissa, 64) => values.iter_mut().for_each(|v| *v = scaled(*v, mantissa)),
-        (mantissa, shift @ 65..128) => {
-            let cut = (shift - 64).unsigned_abs();
-            values.iter_mut().for_each(|v| *v = scaled_down(*v, mantissa, cut));
-        }
-        _ => values.iter_mut().for_each(|v| *v = damped(*v, kept)),
-    }
-}
-
-/// See [`Bulk::kick_all`].
-pub(super) fn kick(values: &mut [FxAccumulator], gained: FxAccumulator) {
-    if simd::kick(values, gained).is_none() {
-        values.iter_mut().for_each(|v| *v = v.plus(gained));
-    }
-}
-
 /// All bits set if negative, none if not: (x ^ mask) − mask is −x or x. Rounding is odd, so that a drift backwards is the drift
 /// forwards negated.
 fn mask(negative: bool) -> u64 {
@@ -158,53 +104,10 @@ fn velocity(v: &FxAccumulator, backwards: u64) -> i64 {
     (v.value().to_bits() as u64 ^ backwards).wrapping_sub(backwards) as i64
 }
 
-/// See [`Bulk::drift_all`].
-pub(super) fn drift(positions: &mut [FxAccumulator], velocities: &[FxAccumulator], seconds: FxFactor, negative: bool) {
-    let ((mantissa, shift), backwards) = (seconds.parts(), mask(negative));
-    // From units of 2^-32 and 2^-shift to units of 2^-96. A span of ½ s or more, or of none, is rare.
-    let shift = shift.wrapping_sub(64) as u32;
-    if !(1..64).contains(&shift) {
-        for (x, v) in positions.iter_mut().zip(velocities) {
-            *x = x.plus(Fx::from_bits(velocity(v, backwards)).drift(seconds));
-        }
-    } else if simd::drift(positions, velocities, mantissa, shift, backwards).is_none() {
-        for (x, v) in positions.iter_mut().zip(velocities) {
-            *x = x.plus(FxAccumulator::from_bits(passed(velocity(v, backwards), mantissa, shift)));
-        }
-    }
-}
-
-/// See [`Bulk::turn_all`].
-pub(super) fn turn(angles: &mut [Turn], velocities: &[FxAccumulator], factor: FxFactor, negative: bool) {
-    let ((mantissa, shift), backwards) = (factor.parts(), mask(negative));
-    // From units of 2^-32 and 2^-shift to units of 2^-64.
-    let shift = shift.wrapping_sub(32) as u32;
-    if !(1..64).contains(&shift) {
-        for (angle, v) in angles.iter_mut().zip(velocities) {
-            *angle = angle.drifted(Fx::from_bits(velocity(v, backwards)), factor, false);
-        }
-    } else if simd::turn(angles, velocities, mantissa, shift, backwards).is_none() {
-        for (angle, v) in angles.iter_mut().zip(velocities) {
-            angle.0 = angle.0.wrapping_add(passed(velocity(v, backwards), mantissa, shift) as u64);
-        }
-    }
-}
-
 /// The shift beside the mantissa's 64 bits with which a factor damps in the fused loops; `None` for 1 and for less than 2^-64.
 fn cut(kept: FxFactor) -> Option<u32> {
     let cut = kept.parts().1.wrapping_sub(64);
     (0..64).contains(&cut).then_some(cut.unsigned_abs())
-}
-
-/// See [`Bulk::damped_turn_all`].
-pub(super) fn damped_turn(angles: &mut [Turn], velocities: &mut [FxAccumulator], span: &DampedTurn<Fx>) {
-    let shift = span.turn.parts().1.wrapping_sub(32);
-    let usual = (1..64).contains(&shift) && !span.negative && !simd::pay(velocities.len());
-    match cut(span.kept) {
-        Some(0) if usual => damped_turn_fused(angles, velocities, span, scaled),
-        Some(cut) if usual => damped_turn_fused(angles, velocities, span, |v, kept| scaled_down(v, kept, cut)),
-        _ => damped_turn_in_stages(angles, velocities, span),
-    }
 }
 
 #[inline(always)]
@@ -220,37 +123,6 @@ fn damped_turn_fused(
         let midway = damped(*v, kept);
         angle.0 = angle.0.wrapping_add(passed(midway.value().to_bits(), mantissa, shift) as u64);
         *v = damped(midway, kept);
-    }
-}
-
-/// See [`Bulk::are_within`].
-pub(super) fn are_within(values: &[FxAccumulator], log2: u32) -> bool {
-    let limit = 1 << (32 + log2);
-    // Below twice the limit, which is a power of two, if all are from −limit to limit.
-    let bits = simd::spread(values, limit).unwrap_or_else(|| simd::loops::spread(values, limit));
-    bits < 2 * limit
-}
-
-/// See [`Bulk::kick_drift_kick_all`].
-pub(super) fn kick_drift_kick(
-    positions: &mut [FxAccumulator],
-    velocities: &mut [FxAccumulator],
-    span: &KickDriftKick<Fx>,
-) {
-    let falls = span.gravity_delta_v != FxAccumulator::default();
-    let shift = span.seconds.parts().1.wrapping_sub(64);
-    // Wide vectors do better stage by stage: in a shorter loop more of its turns are on their way at once.
-    if !(1..64).contains(&shift) || span.negative || simd::pay(velocities.len()) {
-        return kick_drift_kick_in_stages(positions, velocities, span);
-    }
-    let kept = span.kept.parts().0;
-    match (span.kept != FxFactor::ONE, cut(span.kept)) {
-        (false, _) if !falls => drift(positions, velocities, span.seconds, false),
-        (false, _) => kick_drift_kick_fused::<true>(positions, velocities, span, |v| v),
-        (true, Some(0)) if falls => kick_drift_kick_fused::<true>(positions, velocities, span, |v| scaled(v, kept)),
-        (true, Some(0)) => kick_drift_kick_fused::<false>(positions, velocities, span, |v| scaled(v, kept)),
-        (true, Some(cut)) => kick_drift_kick_fused::<true>(positions, velocities, span, |v| scaled_down(v, kept, cut)),
-        (true, None) => kick_drift_kick_in_stages(positions, velocities, span),
     }
 }
 
@@ -270,6 +142,97 @@ fn kick_drift_kick_fused<const KICKS: bool>(
         let midway = fallen(damped(*v));
         *x = x.plus(FxAccumulator::from_bits(passed(midway.value().to_bits(), mantissa, shift)));
         *v = damped(fallen(midway));
+    }
+}
+
+impl Bulk<Fx> for Fx {
+    fn damp_all(values: &mut [FxAccumulator], kept: FxFactor) {
+        match kept.parts() {
+            (mantissa, 64) if simd::damp(values, mantissa).is_some() => {}
+            (mantissa, 64) => values.iter_mut().for_each(|v| *v = scaled(*v, mantissa)),
+            (mantissa, shift @ 65..128) => {
+                let cut = (shift - 64).unsigned_abs();
+                values.iter_mut().for_each(|v| *v = scaled_down(*v, mantissa, cut));
+            }
+            _ => values.iter_mut().for_each(|v| *v = damped(*v, kept)),
+        }
+    }
+
+    fn kick_all(values: &mut [FxAccumulator], gained: FxAccumulator) {
+        if simd::kick(values, gained).is_none() {
+            values.iter_mut().for_each(|v| *v = v.plus(gained));
+        }
+    }
+
+    fn drift_all(positions: &mut [FxAccumulator], velocities: &[FxAccumulator], seconds: FxFactor, negative: bool) {
+        let ((mantissa, shift), backwards) = (seconds.parts(), mask(negative));
+        // From units of 2^-32 and 2^-shift to units of 2^-96. A span of ½ s or more, or of none, is rare.
+        let shift = shift.wrapping_sub(64) as u32;
+        if !(1..64).contains(&shift) {
+            for (x, v) in positions.iter_mut().zip(velocities) {
+                *x = x.plus(Fx::from_bits(velocity(v, backwards)).drift(seconds));
+            }
+        } else if simd::drift(positions, velocities, mantissa, shift, backwards).is_none() {
+            for (x, v) in positions.iter_mut().zip(velocities) {
+                *x = x.plus(FxAccumulator::from_bits(passed(velocity(v, backwards), mantissa, shift)));
+            }
+        }
+    }
+
+    fn kick_drift_kick_all(
+        positions: &mut [FxAccumulator],
+        velocities: &mut [FxAccumulator],
+        span: &KickDriftKick<Fx>,
+    ) {
+        let falls = span.gravity_delta_v != FxAccumulator::default();
+        let shift = span.seconds.parts().1.wrapping_sub(64);
+        // Wide vectors do better stage by stage: in a shorter loop more of its turns are on their way at once.
+        if !(1..64).contains(&shift) || span.negative || simd::pay(velocities.len()) {
+            return kick_drift_kick_in_stages(positions, velocities, span);
+        }
+        let kept = span.kept.parts().0;
+        match (span.kept != FxFactor::ONE, cut(span.kept)) {
+            (false, _) if !falls => Self::drift_all(positions, velocities, span.seconds, false),
+            (false, _) => kick_drift_kick_fused::<true>(positions, velocities, span, |v| v),
+            (true, Some(0)) if falls => kick_drift_kick_fused::<true>(positions, velocities, span, |v| scaled(v, kept)),
+            (true, Some(0)) => kick_drift_kick_fused::<false>(positions, velocities, span, |v| scaled(v, kept)),
+            (true, Some(cut)) => {
+                kick_drift_kick_fused::<true>(positions, velocities, span, |v| scaled_down(v, kept, cut))
+            }
+            (true, None) => kick_drift_kick_in_stages(positions, velocities, span),
+        }
+    }
+
+    fn damped_turn_all(angles: &mut [Turn], velocities: &mut [FxAccumulator], span: &DampedTurn<Fx>) {
+        let shift = span.turn.parts().1.wrapping_sub(32);
+        let usual = (1..64).contains(&shift) && !span.negative && !simd::pay(velocities.len());
+        match cut(span.kept) {
+            Some(0) if usual => damped_turn_fused(angles, velocities, span, scaled),
+            Some(cut) if usual => damped_turn_fused(angles, velocities, span, |v, kept| scaled_down(v, kept, cut)),
+            _ => damped_turn_in_stages(angles, velocities, span),
+        }
+    }
+
+    fn turn_all(angles: &mut [Turn], velocities: &[FxAccumulator], factor: FxFactor, negative: bool) {
+        let ((mantissa, shift), backwards) = (factor.parts(), mask(negative));
+        // From units of 2^-32 and 2^-shift to units of 2^-64.
+        let shift = shift.wrapping_sub(32) as u32;
+        if !(1..64).contains(&shift) {
+            for (angle, v) in angles.iter_mut().zip(velocities) {
+                *angle = angle.drifted(Fx::from_bits(velocity(v, backwards)), factor, false);
+            }
+        } else if simd::turn(angles, velocities, mantissa, shift, backwards).is_none() {
+            for (angle, v) in angles.iter_mut().zip(velocities) {
+                angle.0 = angle.0.wrapping_add(passed(velocity(v, backwards), mantissa, shift) as u64);
+            }
+        }
+    }
+
+    fn are_within(values: &[FxAccumulator], log2: u32) -> bool {
+        let limit = 1 << (32 + log2);
+        // Below twice the limit, which is a power of two, if all are from −limit to limit.
+        let bits = simd::spread(values, limit).unwrap_or_else(|| simd::loops::spread(values, limit));
+        bits < 2 * limit
     }
 }
 

@@ -26,7 +26,6 @@ mod accumulator;
 mod bulk;
 #[cfg(test)]
 mod checks;
-mod decimal;
 mod factor;
 mod factor_text;
 #[cfg(feature = "float")]
@@ -57,7 +56,6 @@ pub use to_f64::ToF64;
 pub use turn::Turn;
 pub use wide::{FxSum, FxWide};
 
-pub(crate) use crate::fx;
 pub(crate) use bulk::{DampedTurn, KickDriftKick};
 pub(crate) use motion::{KICK_LOG2, Span, TRANSIENT_SPEED_LOG2, Weight};
 pub(crate) use number::{Number, Sum};

@@ -68,10 +68,6 @@ pub trait Motion<S: Scalar>: Sized {
     /// The share of a velocity that is left after a span at a rate, kept^span: the exact solution of dv/dt = v·ln kept. *Domain* kept > 0 where
     /// the span is negative.
     fn decay_over(rate: Self::DecayRate, span: Span) -> S::Factor;
-    /// The share of a velocity that is left after a span, of which `kept` is left after a second. *Domain* 0 ≤ kept ≤ 1, kept > 0 where the span is negative.
-    fn decay(kept: S, span: Span) -> S::Factor {
-        Self::decay_over(Self::decay_rate(kept), span)
-    }
     /// The distance covered at this velocity in `seconds`, m. *Domain* |v| < 2^26 m/s, seconds < 2.
     fn drift(self, seconds: S::Factor) -> S::Accumulator;
     /// The velocity gained at this acceleration in `seconds`, m/s; `None` from 2^21 on.

@@ -119,7 +119,7 @@ pub trait Factor<S: Scalar>: PartialOrd + Number {
 
 /// A signed quantity that outgrows the scalar: a force, torque, acceleration, momentum or energy.
 pub trait Wide<S: Scalar>: PartialOrd + Number {
-    /// The same value, exactly.
+    /// Converts a scalar, exactly.
     fn from_scalar(value: S) -> Self;
     /// The value nearest to plus or minus `magnitude`; `None` if it does not fit.
     fn from_factor(magnitude: S::Factor, negative: bool) -> Option<Self>;
@@ -224,7 +224,7 @@ pub trait Scalar:
     /// The name in tables and on the command line.
     const NAME: &'static str;
 
-    /// The same value; rounded to nearest in a float.
+    /// Converts an `Fx`: exactly, or to the nearest float.
     fn from_fx(value: Fx) -> Self;
     /// The bits.
     fn to_bits(self) -> i64;

@@ -6,7 +6,7 @@ use super::turn::Turn;
 use super::wide::FxWide;
 use crate::fx::Fx;
 
-/// The double nearest to a number of the engine, for drawing, tables and studies; never back into the state.
+/// Conversion of the engine's numbers to doubles, for drawing, tables and studies; never back into the state.
 ///
 /// ```
 /// use umbra_physics::scalar::ToF64;
@@ -23,7 +23,7 @@ use crate::fx::Fx;
 /// assert_eq!(Fx::from_f64_for_tools(f64::NAN), None);
 /// ```
 pub trait ToF64 {
-    /// The double nearest to it; where more than 53 bits are cut, by one rounding of what `as` does.
+    /// The number as a double: the nearest one, ties to even, unless the documentation of a type's implementation says otherwise.
     fn to_f64(self) -> f64;
 }
 
@@ -48,6 +48,7 @@ impl ToF64 for FxWide {
     }
 }
 
+/// Infinite from 2^1024 on.
 impl ToF64 for FxFactor {
     fn to_f64(self) -> f64 {
         let (mantissa, shift) = self.parts();
@@ -55,10 +56,12 @@ impl ToF64 for FxFactor {
     }
 }
 
-/// Radians in [0, 2π).
+/// Radians in [0, [`TAU`](core::f64::consts::TAU)), rounded twice. An angle that would round to `TAU` is 0.
 impl ToF64 for Turn {
     fn to_f64(self) -> f64 {
-        self.to_bits() as f64 * (ULP * ULP) * core::f64::consts::TAU
+        // The angles within 2^-54 turns of a whole one round to it.
+        let turns = self.to_bits() as f64 * (ULP * ULP);
+        if turns < 1.0 { turns * core::f64::consts::TAU } else { 0.0 }
     }
 }
 
@@ -75,18 +78,46 @@ impl ToF64 for f64 {
 }
 
 impl Fx {
-    /// The value nearest to a double, ties to even; `None` for what is no number or does not fit. For tools: a float that
-    /// gets into a simulation is a desync waiting for its machine.
+    /// The value nearest to a double, ties to even; `None` for a NaN or a number that does not fit. For tools alone: floats
+    /// differ from machine to machine, and a simulation that takes one in desyncs.
     #[must_use]
     pub fn from_f64_for_tools(value: f64) -> Option<Self> {
-        // Scaling by a power of two is exact; below 2^63 so is the cast.
+        /// 2^63.
+        const END: f64 = 9_223_372_036_854_775_808.0;
+        // Scaling by a power of two is exact, and so is the cast within the range.
         let ulps = libm::rint(value / ULP);
-        (libm::fabs(ulps) < 9_223_372_036_854_775_808.0).then(|| Self::from_bits(ulps as i64))
+        (-END..END).contains(&ulps).then(|| Self::from_bits(ulps as i64))
     }
 
     /// The single nearest to it, for drawing.
     #[must_use]
     pub fn to_f32(self) -> f32 {
         self.to_bits() as f32 * ULP as f32
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use core::f64::consts::TAU;
+
+    use super::*;
+
+    #[test]
+    fn both_ends_of_the_range_come_back_from_doubles() {
+        assert_eq!(Fx::from_f64_for_tools(Fx::MIN.to_f64()), Some(Fx::MIN));
+        assert_eq!(Fx::from_f64_for_tools(Fx::MIN.to_f64() * (1.0 + f64::EPSILON)), None);
+        // The greatest value rounds up to 2^31, which does not fit.
+        assert_eq!(Fx::from_f64_for_tools(Fx::MAX.to_f64()), None);
+        let below = Fx::from_f64_for_tools(Fx::MAX.to_f64() * (1.0 - f64::EPSILON / 2.0));
+        assert_eq!(below, Some(Fx::from_bits(i64::MAX - 1023)));
+    }
+
+    #[test]
+    fn angles_are_below_a_whole_turn() {
+        for below in 1..5000 {
+            let radians = Turn::from_bits(u64::MAX - below + 1).to_f64();
+            assert!((0.0..TAU).contains(&radians), "{below}: {radians}");
+        }
+        assert_eq!(Turn::from_bits(u64::MAX - 2047).to_f64(), TAU * (1.0 - f64::EPSILON / 2.0));
     }
 }

@@ -3,12 +3,11 @@
 use core::fmt;
 
 use super::accumulator::FxAccumulator;
-use super::decimal;
 use super::factor::FxFactor;
 use super::motion::{Span, Weight, span_factor};
 use super::number::{Angle, Number, inherent};
 use super::wide::FxWide;
-use crate::fx::Fx;
+use crate::fx::{Fx, decimal};
 use crate::kernel::div::div_round;
 use crate::kernel::round::shr_round;
 use crate::kernel::trig;

@@ -1,6 +1,9 @@
 //! Vectors and rotations of scalars.
 
+use core::ops::Mul;
+
 use super::number::{Angle, Scalar, Wide};
+use crate::fx::{Fx, fitting};
 use crate::math::{Rot, Vec2};
 
 impl<S: Scalar> Vec2<S> {
@@ -55,6 +58,53 @@ impl<S: Scalar> Vec2<S> {
     }
 }
 
+impl Vec2 {
+    /// The dot product x·x' + y·y'.
+    ///
+    /// *Error* ½ ulp: the exact sum, rounded once, ties to even. [`wide_dot`](Self::wide_dot) is exact.
+    ///
+    /// # Panics
+    /// When it does not fit; [`checked_dot`](Self::checked_dot) gives `None`.
+    ///
+    /// ```
+    /// # use umbra_physics::{Fx, Vec2, fx, vec2};
+    /// let (a, b): (Vec2, Vec2) = (vec2(3, 4), vec2(1, fx!(0.5)));
+    /// assert_eq!((a.dot(b), a.cross(b)), (fx!(5), fx!(-2.5)));
+    /// assert_eq!((a.checked_dot(vec2(Fx::MAX, 0)), a.checked_cross(vec2(0, Fx::MAX))), (None, None));
+    /// assert_eq!(a.wide_dot(b).and_then(|product| product.to_scalar()), Some(fx!(5)));
+    /// assert_eq!(a.wide_cross(b).and_then(|product| product.to_scalar()), Some(fx!(-2.5)));
+    /// ```
+    #[must_use]
+    #[track_caller]
+    pub fn dot(self, other: Self) -> Fx {
+        fitting(self.checked_dot(other), "Vec2: the dot product does not fit")
+    }
+
+    /// The dot product; `None` if it does not fit. *Error* ½ ulp.
+    #[must_use]
+    pub fn checked_dot(self, other: Self) -> Option<Fx> {
+        self.wide_dot(other)?.to_scalar()
+    }
+
+    /// The cross product x·y' − y·x': positive if `other` is counter-clockwise of this vector.
+    ///
+    /// *Error* ½ ulp: the exact difference, rounded once, ties to even. [`wide_cross`](Self::wide_cross) is exact.
+    ///
+    /// # Panics
+    /// When it does not fit; [`checked_cross`](Self::checked_cross) gives `None`.
+    #[must_use]
+    #[track_caller]
+    pub fn cross(self, other: Self) -> Fx {
+        fitting(self.checked_cross(other), "Vec2: the cross product does not fit")
+    }
+
+    /// The cross product; `None` if it does not fit. *Error* ½ ulp.
+    #[must_use]
+    pub fn checked_cross(self, other: Self) -> Option<Fx> {
+        self.wide_cross(other)?.to_scalar()
+    }
+}
+
 impl<S: Scalar> Rot<S> {
     /// No rotation.
     pub const IDENTITY: Self = Self { cos: S::ONE, sin: S::ZERO };
@@ -89,5 +139,18 @@ impl<S: Scalar> Rot<S> {
         let (cos_x, sin_x) = (self.cos.product(v.x), self.sin.product(v.x));
         let (cos_y, sin_y) = (self.cos.product(v.y), self.sin.product(v.y));
         Some(Vec2::new(cos_x.plus(sin_y.negated())?.to_scalar()?, sin_x.plus(cos_y)?.to_scalar()?))
+    }
+}
+
+impl Mul<Vec2> for Rot {
+    type Output = Vec2;
+
+    /// The vector turned. *Error* as of [`Rot::checked_rotate`].
+    ///
+    /// # Panics
+    /// When a component does not fit; [`Rot::checked_rotate`] gives `None`.
+    #[track_caller]
+    fn mul(self, v: Vec2) -> Vec2 {
+        fitting(self.checked_rotate(v), "Rot: the turned vector does not fit")
     }
 }

@@ -2,10 +2,9 @@
 
 use core::fmt;
 
-use super::decimal;
 use super::factor::FxFactor;
 use super::number::{Number, Sum, Wide, inherent};
-use crate::fx::Fx;
+use crate::fx::{Fx, decimal};
 use crate::kernel::round::shr_round;
 use crate::kernel::wide::{mul_shift, shift_round_256};
 
@@ -64,7 +63,7 @@ impl Number for FxWide {
 }
 
 impl FxWide {
-    /// The same value, exactly.
+    /// Converts a scalar, exactly.
     #[must_use]
     #[inline]
     pub fn from_scalar(value: Fx) -> Self {
@@ -93,11 +92,11 @@ impl FxWide {
         self.0.checked_add(other.0).map(Self)
     }
 
-    /// The negative, exactly.
+    /// The negative, exactly; for the least value, whose negative does not fit, the greatest.
     #[must_use]
     #[inline]
     pub fn negated(self) -> Self {
-        // i128::MIN is −2^63 exactly; nothing the engine makes reaches it, and staying there is no worse than wrapping.
+        // Nothing that the engine makes reaches the least value.
         Self(self.0.saturating_neg())
     }
 
@@ -118,7 +117,7 @@ impl FxWide {
 }
 
 impl From<Fx> for FxWide {
-    /// The same value, exactly.
+    /// Converts exactly.
     #[inline]
     fn from(value: Fx) -> Self {
         Self::from_scalar(value)
@@ -221,7 +220,7 @@ mod tests {
         assert_eq!(format!("{:.1}", wide(7 << 30)), "1.8");
         assert_eq!(format!("{:.0}|{:.0}|{:.0}", wide(1 << 31), wide(3 << 31), wide(5 << 31)), "0|2|2");
         assert_eq!(format!("{:.3}", wide((10 << 32) - 1)), "10.000");
-        assert_eq!(format!("{:.0}", FxWide::from_bits(-1)), "0");
+        assert_eq!(format!("{:.0}", FxWide::from_bits(-1)), "-0");
         assert_eq!(format!("{:8.2}|{:<6}|", wide(1 << 32), wide(0)), "    1.00|0     |");
         assert_eq!(format!("{}", FxWide::from_bits(i128::MIN)), "-9223372036854775808");
         assert_eq!(format!("{}", FxWide::from_bits(1)).len(), 66);

@@ -6,9 +6,9 @@ use super::trial::{Played, Trial, add_all, bits, exact, happened, near_fx, near_
 use crate::body::{Activity, BodyDef, BodyKind, Mass};
 use crate::error::{Cause, Error, Fault};
 use crate::force::{Attachment, End, FieldKind};
+use crate::fx::{Fx, fx};
 use crate::limits;
 use crate::math::{Vec2, vec2};
-use crate::scalar::fx::{Fx, fx};
 use crate::scalar::{FxFactor, SpringConstants};
 use crate::shape::{Part, Shape};
 use crate::slots::BodyId;

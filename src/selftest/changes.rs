@@ -7,9 +7,9 @@ use super::trial::{Numbers, Played, Trial, add_all, exact, happened, refused, sa
 use crate::body::{BodyDef, BodyKind, Mass};
 use crate::error::Error;
 use crate::force::{Attachment, End, FieldKind, ForceField, Region};
+use crate::fx::{Fx, fx};
 use crate::integrate::Integrator;
 use crate::math::{TimeStep, Vec2, vec2};
-use crate::scalar::fx::{Fx, fx};
 use crate::scalar::{FxFactor, SpringConstants};
 use crate::shape::Shape;
 use crate::slots::{BodyId, FieldId};

@@ -6,10 +6,10 @@ use super::trial::{Numbers, Played, Trial, add_all, happened, same, same_body};
 use crate::body::{BodyDef, Mass};
 use crate::error::Error;
 use crate::force::{Attachment, End, FieldKind, ForceField, Region};
+use crate::fx::{Fx, fx};
 use crate::integrate::Integrator;
 use crate::math::{TimeStep, vec2};
 use crate::scalar::SpringConstants;
-use crate::scalar::fx::{Fx, fx};
 use crate::slots::BodyId;
 use crate::world::{World, WorldDef};
 

@@ -4,9 +4,9 @@ use super::trial::{Flight, Played, Trial, add_all, exact, happened, near, near_w
 use crate::body::{Activity, BodyDef, Mass};
 use crate::error::{Cause, Error, Quantity};
 use crate::force::{Attachment, End, FieldKind};
+use crate::fx::{Fx, fx};
 use crate::limits;
 use crate::math::{TimeStep, Vec2, vec2};
-use crate::scalar::fx::{Fx, fx};
 use crate::scalar::{FxFactor, FxWide, SpringConstants};
 use crate::shape::Shape;
 use crate::world::{World, WorldDef};

@@ -11,9 +11,9 @@ use crate::error::{Cause, Error, Fault};
 use crate::force::{
     Attachment, BodyState, CustomForce, CustomForceError, Dependence, End, FieldKind, ForceField, ForceTorque, Region,
 };
+use crate::fx::{Fx, fx};
 use crate::integrate::Integrator;
 use crate::math::{Vec2, vec2};
-use crate::scalar::fx::{Fx, fx};
 use crate::scalar::{FxFactor, Turn};
 use crate::slots::BodyId;
 use crate::world::{World, WorldDef};

@@ -6,10 +6,10 @@ use super::trial::{Flight, Played, Trial, add_all, bits, exact, happened, near_f
 use crate::body::{Activity, BodyDef, BodyKind, Locks, Mass};
 use crate::error::{Error, Quantity};
 use crate::force::{Attachment, End, FieldKind};
+use crate::fx::{Fx, fx};
 use crate::integrate::Integrator;
 use crate::limits;
 use crate::math::{TimeStep, Vec2, vec2};
-use crate::scalar::fx::{Fx, fx};
 use crate::scalar::{FxAccumulator, SpringConstants, Turn};
 use crate::world::{World, WorldDef};
 

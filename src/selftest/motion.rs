@@ -7,9 +7,9 @@ use super::trial::{
 use crate::body::{BodyDef, Mass};
 use crate::error::Error;
 use crate::force::{Attachment, End, FieldKind};
+use crate::fx::{Fx, fx};
 use crate::integrate::Integrator;
 use crate::math::{Elapsed, TimeStep, Vec2, vec2};
-use crate::scalar::fx::{Fx, fx};
 use crate::scalar::{FxFactor, FxWide, Turn};
 use crate::world::{World, WorldDef};
 

@@ -6,8 +6,9 @@ use super::{Outcome, Problem};
 use crate::body::BodyDef;
 use crate::codec::{Encoder as _, StateHasher, Write as _};
 use crate::error::Error;
+use crate::fx::Fx;
 use crate::math::{TimeStep, Vec2};
-use crate::scalar::{FxAccumulator, FxWide, Turn, fx::Fx};
+use crate::scalar::{FxAccumulator, FxWide, Turn};
 use crate::slots::BodyId;
 use crate::world::{World, WorldDef};
 

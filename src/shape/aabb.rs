@@ -1,7 +1,8 @@
 //! Boxes along the axes.
 
+use crate::fx::Fx;
 use crate::math::Vec2;
-use crate::scalar::{Scalar, fx::Fx};
+use crate::scalar::Scalar;
 
 /// An axis-aligned box: all points from `min` to `max`, both included.
 ///
@@ -22,7 +23,7 @@ pub struct Aabb<S = Fx> {
 }
 
 impl<S: Scalar> Aabb<S> {
-    /// The least box around points, grown by `radius` m on each side. *Domain* at least one point, all within 2^14 m.
+    /// The least box around points, grown by `radius` m on each side. *Domain* at least one point, all within 2^15 m.
     pub(super) fn around(points: &[Vec2<S>], radius: S) -> Self {
         let first = Self { min: points[0], max: points[0] };
         let tight = points.iter().fold(first, |bounds, &point| bounds.union(Self { min: point, max: point }));

@@ -9,9 +9,10 @@ use alloc::vec::Vec;
 use super::{Geometry, Part, Shape};
 use crate::codec::{self, Encoder, Malformed, Read, Reader, Write};
 use crate::error::Error;
+use crate::fx::Fx;
 use crate::limits::{CORNERS, PARTS};
 use crate::math::Vec2;
-use crate::scalar::{Scalar, fx::Fx};
+use crate::scalar::Scalar;
 
 const CIRCLE: u8 = 0;
 const RECTANGLE: u8 = 1;

@@ -27,7 +27,7 @@ pub(super) fn rectangle<S: Scalar>(width: S, height: S) -> (S::Factor, S::Factor
     (area, square(width).plus(square(height)).over(ratio::<S>(12, 1)))
 }
 
-/// The rectangle's and the disc's, the disc's halves l/2 away from the middle.
+/// Area and moment of inertia per mass of a rectangle and a disc, whose halves are moved l/2 away from the middle.
 pub(super) fn capsule<S: Scalar>(length: S, radius: S) -> (S::Factor, S::Factor) {
     let (disc, disc_gyration) = circle(radius);
     let diameter = S::Factor::from_scalar(radius).times(ratio::<S>(2, 1));

@@ -18,8 +18,9 @@ use alloc::sync::Arc;
 
 use outline::Outlines;
 
+use crate::fx::Fx;
 use crate::math::Vec2;
-use crate::scalar::{Scalar, fx::Fx};
+use crate::scalar::Scalar;
 
 /// A shape with its centre of mass at the origin, its area, and its moment of inertia per mass.
 ///

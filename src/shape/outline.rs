@@ -1,14 +1,13 @@
 //! Outlines: each shape as convex cores with a radius around them, made once, when the shape is made.
-//!
-//! Whatever asks where the boundary of a shape is starts from these and not from [`Geometry`]: a disc is a point with a
-//! radius, a capsule a line with one, a rectangle a polygon.
+//! A disc is a point with a radius, a capsule a line with one, a rectangle a polygon.
 
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use super::{Aabb, Geometry, Part};
+use crate::fx::Fx;
 use crate::math::Vec2;
-use crate::scalar::{Angle, Factor, Scalar, Wide, fx::Fx};
+use crate::scalar::{Angle, Factor, Scalar, Wide};
 
 /// A convex core and a radius: all points within `radius` of the core, in coordinates relative to the centre of mass of
 /// the shape it belongs to.

@@ -6,8 +6,9 @@ use alloc::vec::Vec;
 
 use crate::body::{BodyDef, Locks};
 use crate::force::{ForceField, Region};
+use crate::fx::Fx;
 use crate::math::Vec2;
-use crate::scalar::{FxFactor, Turn, fx::Fx};
+use crate::scalar::{FxFactor, Turn};
 use crate::shape::{Geometry, Part, Shape};
 use crate::world::{Command, CommandMap};
 

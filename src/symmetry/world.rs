@@ -4,8 +4,9 @@ use alloc::sync::Arc;
 
 use super::{FAR, Symmetry};
 use crate::body::mass_properties;
+use crate::fx::Fx;
 use crate::math::Vec2;
-use crate::scalar::{Accumulator as _, FxAccumulator, FxSum, Number as _, fx::Fx};
+use crate::scalar::{Accumulator as _, FxAccumulator, FxSum, Number as _};
 use crate::world::World;
 
 impl Symmetry {

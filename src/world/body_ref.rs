@@ -4,8 +4,9 @@ use super::World;
 use crate::body::{Activity, BodyInfo, BodyKind, Key, Locks, Mass};
 use crate::error::Error;
 use crate::force::velocity_at;
+use crate::fx::Fx;
 use crate::math::{Rot, Vec2};
-use crate::scalar::{Accumulator, Angle, Factor, Scalar, Wide, fx::Fx};
+use crate::scalar::{Accumulator, Angle, Factor, Scalar, Wide};
 use crate::shape::Shape;
 use crate::slots::BodyId;
 

@@ -6,9 +6,10 @@
 use super::{ApplyOptions, ForceOrImpulse, Frame};
 use crate::body::{BodyDef, BodyKind, Locks, Mass};
 use crate::force::{Attachment, End, FieldKind, ForceField, Region};
+use crate::fx::Fx;
 use crate::integrate::Integrator;
 use crate::math::{Random, TimeStep, Vec2};
-use crate::scalar::{Scalar, SpringConstants, fx::Fx};
+use crate::scalar::{Scalar, SpringConstants};
 use crate::shape::Shape;
 use crate::slots::{BodyId, FieldId};
 

@@ -8,9 +8,10 @@ use crate::body::{BodyDef, BodyKind, Locks, Mass};
 use crate::codec::codec_enum;
 use crate::error::Error;
 use crate::force::ForceField;
+use crate::fx::Fx;
 use crate::integrate::Integrator;
 use crate::math::{Random, TimeStep, Vec2};
-use crate::scalar::{Scalar, fx::Fx};
+use crate::scalar::Scalar;
 use crate::shape::Shape;
 use crate::slots::{BodyId, FieldId};
 

@@ -4,9 +4,10 @@ use super::World;
 use crate::body::{Activity, BodyKind, Change};
 use crate::codec::{self, Encoder, Malformed, Read, Reader, Write, codec_enum};
 use crate::error::{Error, Quantity};
+use crate::fx::Fx;
 use crate::limits;
 use crate::math::Vec2;
-use crate::scalar::{Accumulator, Angle, Offset, Scalar, Wide, fx::Fx};
+use crate::scalar::{Accumulator, Angle, Offset, Scalar, Wide};
 use crate::slots::BodyId;
 
 /// The frame of reference of vectors.

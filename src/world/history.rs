@@ -5,7 +5,8 @@ use alloc::vec::Vec;
 
 use super::{Command, InputResult, Inputs, StepReport, World};
 use crate::error::Error;
-use crate::scalar::{Scalar, fx::Fx};
+use crate::fx::Fx;
+use crate::scalar::Scalar;
 
 /// The last ticks of a world with their inputs and states, to return to when inputs arrive late.
 ///

@@ -6,7 +6,8 @@ use alloc::vec::Vec;
 use super::{Command, Created, World};
 use crate::codec::codec_struct;
 use crate::error::Error;
-use crate::scalar::{Scalar, fx::Fx};
+use crate::fx::Fx;
+use crate::scalar::Scalar;
 
 /// A command of a player.
 #[derive(Clone, Debug, PartialEq)]

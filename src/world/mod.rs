@@ -29,10 +29,11 @@ use crate::body::{Bodies, FactorTable, KinematicTargets, WorldFactors, check_dam
 use crate::codec::codec_struct;
 use crate::error::{Error, Fault, Quantity};
 use crate::force::{Applied, AppliedForce, CustomForces, FieldSet};
+use crate::fx::Fx;
 use crate::integrate::{Integrator, Plan};
 use crate::limits;
 use crate::math::{Elapsed, Random, TimeStep, Vec2};
-use crate::scalar::{Scalar, fx::Fx};
+use crate::scalar::Scalar;
 use crate::slots::BodyId;
 use crate::step::{Forces, Probe, Settings, Step, Workspace};
 

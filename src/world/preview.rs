@@ -9,7 +9,8 @@ use super::{BodyRef, StepReport, World};
 use crate::body::BodyKind;
 use crate::error::Error;
 use crate::force::{FieldKind, ForceField};
-use crate::scalar::{Scalar, fx::Fx};
+use crate::fx::Fx;
+use crate::scalar::Scalar;
 use crate::slots::BodyId;
 
 /// A body and all that its future depends on, in a small world of their own.

@@ -2,7 +2,8 @@
 
 use super::{Command, Created, World};
 use crate::error::Error;
-use crate::scalar::{Scalar, fx::Fx};
+use crate::fx::Fx;
+use crate::scalar::Scalar;
 
 /// A value that carries out commands and steps. `()` does no more; a [`Recorder`](crate::Recorder) also records them. A scene's
 /// run takes one (`SceneRun::advance_by`).

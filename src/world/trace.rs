@@ -4,8 +4,9 @@ use alloc::vec::Vec;
 
 use super::World;
 use crate::body::{Activity, Bodies};
+use crate::fx::Fx;
 use crate::integrate::{Stage, StageKind};
-use crate::scalar::{Scalar, fx::Fx};
+use crate::scalar::Scalar;
 use crate::step::find_out_of_bounds;
 
 /// The world after each stage of a step. Where two runs diverge, the first stage after which they differ is the cause.

@@ -14,8 +14,8 @@ use super::write::{SavedSlot, StateView};
 use crate::body::Activity;
 use crate::codec::{Reader, Write as _};
 use crate::force::FieldSet;
+use crate::fx::Fx;
 use crate::math::Elapsed;
-use crate::scalar::fx::Fx;
 use crate::slots::BodyId;
 use crate::world::{Command, World, WorldDef};
 

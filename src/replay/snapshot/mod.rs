@@ -16,7 +16,8 @@ use core::fmt;
 
 use crate::codec::{Reader, Write as _};
 use crate::force::CustomForce;
-use crate::scalar::{Scalar, fx::Fx};
+use crate::fx::Fx;
+use crate::scalar::Scalar;
 use crate::world::World;
 
 pub(super) use before::{BeforeCalls, restless_sleepers};

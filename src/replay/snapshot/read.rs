@@ -12,10 +12,10 @@ use crate::body::{Activity, Bodies, BodyKind, FactorTable, KinematicTarget, Reco
 use crate::codec::{Malformed, Read, Reader, StateHasher};
 use crate::error::Error;
 use crate::force::{CustomForce, CustomForces, FieldSet, ForceField};
+use crate::fx::Fx;
 use crate::integrate::Integrator;
 use crate::limits;
 use crate::math::{Elapsed, Random};
-use crate::scalar::fx::Fx;
 use crate::slots::{BodyId, FieldId};
 use crate::world::{ChangeLog, World, WorldDef};
 

@@ -8,11 +8,11 @@ use super::{custom_forces, everything};
 use crate::body::{BodyDef, FactorTable};
 use crate::error::{Error, Irreversible, Quantity};
 use crate::force::{FieldKind, FieldSet, ForceField};
+use crate::fx::{Fx, fx};
 use crate::integrate::Integrator;
 use crate::limits;
 use crate::math::{Elapsed, Random, TimeStep, vec2};
 use crate::replay::{Dump, RecordOptions, Recorder, Replay, ReplayLimits, Snapshot, SnapshotError, VerifyError};
-use crate::scalar::fx::{Fx, fx};
 use crate::slots::{BodyId, FieldId};
 use crate::world::{Command, History, Inputs, World, WorldDef};
 

@@ -8,11 +8,11 @@ use super::{custom_forces, recording};
 use crate::body::BodyDef;
 use crate::codec::{Reader, Write as _};
 use crate::force::{BodyState, CustomForce, CustomForceError, Dependence, FieldKind, ForceField, ForceTorque};
+use crate::fx::{Fx, fx};
 use crate::integrate::{Integrator, StageKind};
 use crate::math::vec2;
 use crate::replay::file::{DONE, read_chunk, write_chunk};
 use crate::replay::{Dump, Owner, Replay, ReplayError, TickPhase};
-use crate::scalar::fx::{Fx, fx};
 use crate::slots::BodyId;
 use crate::world::{Command, Inputs, World, WorldDef};
 

@@ -5,10 +5,10 @@ use alloc::vec::Vec;
 use super::chunks;
 use crate::body::BodyDef;
 use crate::codec::Reader;
+use crate::fx::fx;
 use crate::math::vec2;
 use crate::replay::file::{Segment, TICKS};
 use crate::replay::{Owner, RecordOptions, Recorder, Replay, TickPhase};
-use crate::scalar::fx::fx;
 use crate::world::{Command, Input, Inputs, World, WorldDef};
 
 /// Ticks come in chunks of 64, and of fewer where they have much in them.

@@ -9,12 +9,12 @@ use crate::body::{Activity, BodyDef, BodyKind};
 use crate::codec::Reader;
 use crate::error::Error;
 use crate::force::{FieldKind, ForceField};
+use crate::fx::Fx;
 use crate::math::{TimeStep, vec2};
 use crate::replay::file::{Chunk, Damage, SNAPSHOT, TICKS, read_chunk, write_chunk};
 use crate::replay::{
     Owner, RecordOptions, Recorder, Replay, ReplayError, ReplayLimits, Snapshot, SnapshotError, VerifyError,
 };
-use crate::scalar::fx::Fx;
 use crate::slots::BodyId;
 use crate::world::{Command, Input, Inputs, World, WorldDef};
 

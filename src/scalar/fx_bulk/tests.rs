@@ -19,21 +19,18 @@ fn factor(mantissa: u64, shift: i32) -> FxFactor {
     FxFactor::new(u128::from(mantissa | TIE), shift)
 }
 
-/// Compares the results of all loops with those of one value at a time: all at once, few at a time, the loops for wide vectors.
+/// Compares a loop over many values with the operation on one: over all values at once, and over few at a time.
 fn alike<T: Copy + PartialEq + core::fmt::Debug>(
     values: &[T],
-    sweep: impl Fn(usize, &mut [T]),
-    loops: impl Fn(&mut [T]),
+    many: impl Fn(usize, &mut [T]),
     one: impl Fn(usize, T) -> T,
 ) -> Result<(), TestCaseError> {
     let expected: Vec<T> = values.iter().enumerate().map(|(i, v)| one(i, *v)).collect();
-    let (mut long, mut short, mut lanes) = (values.to_vec(), values.to_vec(), values.to_vec());
-    sweep(0, &mut long);
-    short.chunks_mut(5).enumerate().for_each(|(k, few)| sweep(5 * k, few));
-    loops(&mut lanes);
+    let (mut long, mut short) = (values.to_vec(), values.to_vec());
+    many(0, &mut long);
+    short.chunks_mut(5).enumerate().for_each(|(k, few)| many(5 * k, few));
     prop_assert_eq!(&long, &expected, "all at once");
     prop_assert_eq!(&short, &expected, "few at a time");
-    prop_assert_eq!(&lanes, &expected, "lanes");
     Ok(())
 }
 
@@ -44,24 +41,21 @@ proptest! {
     fn damping_many_is_damping_each(values in accumulators(), mantissa: u64, close in 0u32..64) {
         // Factors near 1 as well.
         let kept = factor(!(!mantissa >> close), 64);
-        alike(
-            &values,
-            |_, v| damp(v, kept),
-            |v| loops::damp(v, kept.parts().0),
-            |_, v| v.shrunk(kept),
-        )?;
+        alike(&values, |_, v| Fx::damp_all(v, kept), |_, v| v.shrunk(kept))?;
+        alike(&values, |_, v| loops::damp(v, kept.parts().0), |_, v| v.shrunk(kept))?;
     }
 
     #[test]
     fn damping_to_nearly_nothing_is_damping_each(values in accumulators(), mantissa: u64, shift in 65i32..200) {
         let kept = factor(mantissa, shift);
-        alike(&values, |_, v| damp(v, kept), |v| damp(v, kept), |_, v| v.shrunk(kept))?;
+        alike(&values, |_, v| Fx::damp_all(v, kept), |_, v| v.shrunk(kept))?;
     }
 
     #[test]
     fn kicking_many_is_kicking_each(values in accumulators(), gained in accumulators()) {
         let gained = gained[0];
-        alike(&values, |_, v| kick(v, gained), |v| loops::kick(v, gained), |_, v| v.plus(gained))?;
+        alike(&values, |_, v| Fx::kick_all(v, gained), |_, v| v.plus(gained))?;
+        alike(&values, |_, v| loops::kick(v, gained), |_, v| v.plus(gained))?;
     }
 
     #[test]
@@ -77,27 +71,24 @@ proptest! {
         let (seconds, negative) = (Fx::seconds(span), span.is_negative());
         let (mantissa, shift) = seconds.parts();
         let backwards = mask(negative);
-        alike(
-            &positions,
-            |at, x| drift(x, &velocities[at..at + x.len()], seconds, negative),
-            |x| match shift - 64 {
-                shift @ 1.. => loops::drift(x, &velocities, mantissa, shift as u32, backwards),
-                _ => drift(x, &velocities, seconds, negative),
-            },
-            |at, x| {
-                let way = velocities[at].value().drift(seconds);
-                x.plus(if negative { way.negated() } else { way })
-            },
-        )?;
+        let moved = |at: usize, x: FxAccumulator| {
+            let way = velocities[at].value().drift(seconds);
+            x.plus(if negative { way.negated() } else { way })
+        };
+        let of = |at: usize, count: usize| &velocities[at..at + count];
+        alike(&positions, |at, x| Fx::drift_all(x, of(at, x.len()), seconds, negative), moved)?;
+        // The loops for wide vectors take no span of ½ s or more.
+        if let shift @ 1.. = shift - 64 {
+            let drift = |at, x: &mut [_]| loops::drift(x, of(at, x.len()), mantissa, shift as u32, backwards);
+            alike(&positions, drift, moved)?;
+        }
         let angles: Vec<Turn> = angles.into_iter().map(Turn::from_bits).collect();
         let per_turn = Turn::drift_factor(span);
         let (mantissa, shift) = per_turn.parts();
-        alike(
-            &angles,
-            |at, angle| turn(angle, &velocities[at..at + angle.len()], per_turn, negative),
-            |angle| loops::turn(angle, &velocities, mantissa, shift as u32 - 32, backwards),
-            |at, angle| angle.drifted(velocities[at].value(), per_turn, negative),
-        )?;
+        let turned = |at: usize, angle: Turn| angle.drifted(velocities[at].value(), per_turn, negative);
+        let turn = |at, x: &mut [_]| loops::turn(x, of(at, x.len()), mantissa, shift as u32 - 32, backwards);
+        alike(&angles, |at, x| Fx::turn_all(x, of(at, x.len()), per_turn, negative), turned)?;
+        alike(&angles, turn, turned)?;
     }
 
     #[test]
@@ -123,11 +114,11 @@ proptest! {
         let (mut one, mut many, mut few) = (start.clone(), start.clone(), start);
         kick_drift_kick_in_stages(&mut one.0, &mut one.1, &span);
         damped_turn_in_stages(&mut one.2, &mut one.3, &turn_span);
-        kick_drift_kick(&mut many.0, &mut many.1, &span);
-        damped_turn(&mut many.2, &mut many.3, &turn_span);
+        Fx::kick_drift_kick_all(&mut many.0, &mut many.1, &span);
+        Fx::damped_turn_all(&mut many.2, &mut many.3, &turn_span);
         // Too few for wide vectors.
-        few.0.chunks_mut(7).zip(few.1.chunks_mut(7)).for_each(|(x, v)| kick_drift_kick(x, v, &span));
-        few.2.chunks_mut(7).zip(few.3.chunks_mut(7)).for_each(|(x, v)| damped_turn(x, v, &turn_span));
+        few.0.chunks_mut(7).zip(few.1.chunks_mut(7)).for_each(|(x, v)| Fx::kick_drift_kick_all(x, v, &span));
+        few.2.chunks_mut(7).zip(few.3.chunks_mut(7)).for_each(|(x, v)| Fx::damped_turn_all(x, v, &turn_span));
         prop_assert_eq!(&many, &one, "many");
         prop_assert_eq!(&few, &one, "few");
     }
@@ -135,7 +126,7 @@ proptest! {
     #[test]
     fn what_is_said_to_be_within_is(values in accumulators(), log2 in 0u32..31) {
         let limit = Fx::from_bits(1 << (32 + log2));
-        if are_within(&values, log2) {
+        if Fx::are_within(&values, log2) {
             prop_assert!(values.iter().all(|v| v.is_within(limit)));
         } else {
             // Refused at the limit itself or beyond.

@@ -1,15 +1,18 @@
 //! Fixed point as decimal text, exactly.
 
-use core::fmt;
+use alloc::string::String;
+use core::{fmt, iter, str};
 
 /// The most digits after the point: a multiple of 2^-96 has no more.
 const DIGITS: usize = 96;
 /// The most digits before the point: 2^64 has 20.
 const WHOLE: usize = 20;
 
-/// Writes a number of this sign and magnitude `whole + fraction / 2^128`, all digits of it; with a precision, that many,
-/// rounded to nearest, ties to even. *Domain* the fraction is a multiple of 2^-96, whole < 2^64 − 1.
-pub(super) fn write(f: &mut fmt::Formatter<'_>, negative: bool, whole: u64, fraction: u128) -> fmt::Result {
+/// Writes a number of this sign and magnitude `whole + fraction / 2^128`, all digits of it; with a precision, that many, rounded
+/// to nearest, ties to even. Signs, widths and zeros behind the last digit are those of `f64`.
+///
+/// *Domain* the fraction is a multiple of 2^-96, whole < 2^64 − 1.
+pub(crate) fn write(f: &mut fmt::Formatter<'_>, negative: bool, whole: u64, fraction: u128) -> fmt::Result {
     let mut text = [b'0'; WHOLE + 1 + DIGITS];
     let (mut whole, mut fraction) = (whole, fraction);
     let wanted = f.precision().unwrap_or(DIGITS).min(DIGITS);
@@ -40,7 +43,13 @@ pub(super) fn write(f: &mut fmt::Formatter<'_>, negative: bool, whole: u64, frac
         whole /= 10;
     }
     let end = if count == 0 { WHOLE } else { WHOLE + 1 + count };
-    // What rounds to zero has no sign.
-    let is_zero = text[start..end].iter().all(|&byte| byte == b'0' || byte == b'.');
-    f.pad_integral(!negative || is_zero, "", core::str::from_utf8(&text[start..end]).unwrap_or_default())
+    let text = str::from_utf8(&text[start..end]).unwrap_or_default();
+    match f.precision() {
+        // More digits than any number has.
+        Some(precision @ DIGITS..) => {
+            let zeros = iter::repeat_n('0', precision - DIGITS);
+            f.pad_integral(!negative, "", &text.chars().chain(zeros).collect::<String>())
+        }
+        _ => f.pad_integral(!negative, "", text),
+    }
 }
