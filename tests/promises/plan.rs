@@ -5,15 +5,13 @@
 //! still be about the rest, which is what shrinking needs. The values come from the generator of the oracles, each from a seed
 //! of its own; shrinking leaves out parts, and then makes the values of the script simple.
 
-use std::convert::Infallible;
-
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::strategy::Union;
-use umbra_oracles::{Generator, Script};
+use umbra_oracles::{Generator, Script, rename};
 use umbra_physics::{
-    Attachment, BodyDef, BodyId, Command, CommandMap, CommandSource as _, Created, End, FieldId, FieldKind, ForceField,
-    Fx, FxFactor, Random, Shape, Vec2, World, WorldDef,
+    Attachment, BodyDef, BodyId, Command, CommandSource as _, Created, End, FieldId, FieldKind, ForceField, Fx, Random,
+    Vec2, World, WorldDef,
 };
 
 /// A run in which a handle's slot is the number of a body or field: of all that were made so far, counted round.
@@ -60,8 +58,7 @@ impl Cast {
 
     /// The command with handles of the world in place of numbers.
     pub(crate) fn command(&self, command: &Command) -> Command {
-        let Ok(command) = command.clone().map(&mut Named(self));
-        match command {
+        match rename(command, |number| self.body(number), |number| self.field(number)) {
             Command::AddField(field) => Command::AddField(self.between_two(field)),
             Command::SetField { id, field } => Command::SetField { id, field: self.between_two(field) },
             command => command,
@@ -83,33 +80,6 @@ impl Cast {
             self.made(made);
         }
         command
-    }
-}
-
-/// Replaces numbers by the handles of a cast.
-struct Named<'a>(&'a Cast);
-
-impl CommandMap<Fx> for Named<'_> {
-    type Error = Infallible;
-
-    fn scalar(&mut self, value: Fx) -> Result<Fx, Infallible> {
-        Ok(value)
-    }
-
-    fn factor(&mut self, value: FxFactor) -> Result<FxFactor, Infallible> {
-        Ok(value)
-    }
-
-    fn shape(&mut self, shape: Shape) -> Result<Shape, Infallible> {
-        Ok(shape)
-    }
-
-    fn body(&mut self, body: BodyId) -> Result<BodyId, Infallible> {
-        Ok(self.0.body(body))
-    }
-
-    fn field(&mut self, field: FieldId) -> Result<FieldId, Infallible> {
-        Ok(self.0.field(field))
     }
 }
 
