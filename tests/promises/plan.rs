@@ -43,7 +43,7 @@ impl Cast {
         self.fields.get(place).copied().unwrap_or(FieldId::from_parts(u32::MAX, 0))
     }
 
-    /// The same field, or one whose spring leads to the next body rather than back to its own.
+    /// Returns the field, or one whose spring leads to the next body rather than back to its own.
     fn between_two(&self, field: ForceField) -> ForceField {
         match field.kind {
             FieldKind::Spring { near, far: End::Body(far), spring } if near.body == far.body => {
@@ -95,7 +95,7 @@ impl Plan {
         due
     }
 
-    /// The same run as commands of a world.
+    /// The run as commands of a world.
     pub(crate) fn script(&self) -> Script {
         let mut world = World::new(self.world).expect("plans have fair worlds");
         let (mut cast, mut commands) = (Cast::default(), Vec::new());

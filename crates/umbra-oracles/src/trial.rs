@@ -328,7 +328,7 @@ fn field_difference(id: FieldId, meant: ForceField, world: &World, there: FieldI
     Some(Difference { owner: Owner::ForceField(id), ..found })
 }
 
-/// The laws of force that may act in a world.
+/// The custom forces that may act in a world.
 fn custom_forces(world: &World) -> Vec<Arc<dyn CustomForce>> {
     world.custom_forces().cloned().collect()
 }
