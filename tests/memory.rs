@@ -193,7 +193,7 @@ fn a_step_takes_little_from_the_heap_however_often_a_body_with_many_fields_is_na
         world.add_field(FieldKind::Spring { near, far, spring }).expect("a fair field");
     }
     (0..2).for_each(|_| _ = world.step());
-    for i in 0..60 {
+    for i in 0..30 {
         world.set_user_data(ids[0], i).expect("it is there");
         world.set_user_data(ids[1 + i as usize], i).expect("it is there");
     }
