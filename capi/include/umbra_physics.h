@@ -315,7 +315,8 @@ typedef uint32_t UmbraFieldKind;
 // The region of a zone: one of the two below. Its edge belongs to it.
 typedef uint32_t UmbraRegion;
 
-// A force field: its kind, and the bodies that it acts on. Only what its kind reads matters. `umbra_field_def_default` fills it in.
+// A force field: its kind, and the bodies that it acts on. Only what its kind reads matters. `umbra_field_def_default` fills
+// it in.
 typedef struct UmbraFieldDef {
     // The kind.
     UmbraFieldKind kind;

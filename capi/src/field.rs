@@ -38,7 +38,8 @@ pub const UMBRA_BOX: UmbraRegion = 1;
 /// All groups.
 pub const UMBRA_ALL_GROUPS: u32 = 0xFFFF_FFFF;
 
-/// A force field: its kind, and the bodies that it acts on. Only what its kind reads matters. `umbra_field_def_default` fills it in.
+/// A force field: its kind, and the bodies that it acts on. Only what its kind reads matters. `umbra_field_def_default` fills
+/// it in.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct UmbraFieldDef {

@@ -1,8 +1,9 @@
 //! `umbra-physics` behind a C ABI: for C, C++, C#, engines that load libraries, and browsers.
 //!
-//! It is a separate package because pointers from other languages need `unsafe`, which the library denies outside one file of vector
-//! instructions. Nothing is computed here: every function checks its arguments, calls the library, and returns the result. The header,
-//! `include/umbra_physics.h`, is generated from these sources; `README.md` describes building, linking and ownership.
+//! It is a separate package because pointers from other languages need `unsafe`, which the library denies outside one file of
+//! vector instructions. Nothing is computed here: every function checks its arguments, calls the library, and returns the result.
+//! The header, `include/umbra_physics.h`, is generated from these sources; `README.md` describes building, linking and
+//! ownership.
 //!
 //! # Safety
 //! All functions have the same requirements for their caller:

@@ -141,8 +141,8 @@ impl Script {
         made
     }
 
-    /// Makes a script of some of the commands, by their places in the list, at other ticks and in another order, with the handles that
-    /// they have there. `made` is what [`Self::made`] returns.
+    /// Makes a script of some of the commands, by their places in the list, at other ticks and in another order, with the
+    /// handles that they have there. `made` is what [`Self::made`] returns.
     pub(super) fn arranged(&self, made: &BTreeMap<usize, Created>, mut order: Vec<(u64, usize)>, ticks: u64) -> Self {
         order.sort_by_key(|(tick, _)| *tick);
         let mut handles = Handles::default();
