@@ -200,7 +200,7 @@ fn unrecorded(bencher: Bencher, mut world: World) {
     });
 }
 
-/// The same recorded, the bytes taken as a game takes them that writes them away.
+/// Ticks that are recorded, with the bytes taken as by a game that writes them away.
 fn recorded(bencher: Bencher, mut world: World, hash_every: u32) {
     let inputs = push(&world);
     let mut recorder = Recorder::new(&world, RecordOptions { hash_every, ..RecordOptions::default() });

@@ -86,7 +86,7 @@ scenes! {
     free_1k_beside_10k_asleep: scenes::beside_sleepers(1_000, 10_000);
 }
 
-/// The same on one core and on two.
+/// Steps on one core and on two.
 #[cfg(feature = "parallel")]
 mod threads {
     use super::*;

@@ -182,6 +182,25 @@ fn a_step_takes_nothing_from_the_heap_after_the_first() {
     }
 }
 
+/// Each call names the hub of a wheel, or a body on its rim. The step looks at each of them once.
+#[test]
+fn a_step_takes_little_from_the_heap_however_often_a_body_with_many_fields_is_named() {
+    let mut world = world(Integrator::VelocityVerlet);
+    let ids = discs(&mut world, 401);
+    let spring = SpringConstants { rest: fx!(1), stiffness: fx!(1), damping: fx!(0) };
+    for &rim in &ids[1..] {
+        let (near, far) = (Attachment::centre(ids[0]), End::Body(Attachment::centre(rim)));
+        world.add_field(FieldKind::Spring { near, far, spring }).expect("a fair field");
+    }
+    (0..2).for_each(|_| _ = world.step());
+    for i in 0..30 {
+        world.set_user_data(ids[0], i).expect("it is there");
+        world.set_user_data(ids[1 + i as usize], i).expect("it is there");
+    }
+    let taken = measure(|| _ = world.step()).bytes_total;
+    assert!(taken <= 64 * 401, "{taken} bytes");
+}
+
 #[test]
 fn a_hash_takes_nothing_from_the_heap() {
     let mut world = world(Integrator::PublishedVerlet);

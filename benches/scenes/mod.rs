@@ -87,13 +87,13 @@ fn random_velocity<S: Scalar>(random: &mut Random) -> Vec2<S> {
     vector(component(), component())
 }
 
-/// The same bodies, each on its way.
+/// Bodies of [`resting`], each on its way.
 fn moving<S: Scalar>(count: usize) -> impl Iterator<Item = BodyDef<S>> {
     let mut random = Random(1);
     resting(count).map(move |body| BodyDef { velocity: random_velocity(&mut random), ..body })
 }
 
-/// The same bodies, each turning as well, by up to 4 rad/s.
+/// Bodies of [`moving`], each turning as well, by up to 4 rad/s.
 fn tumbling<S: Scalar>(count: usize) -> impl Iterator<Item = BodyDef<S>> {
     let mut random = Random(2);
     // An odd number of ulps is not zero.

@@ -309,15 +309,16 @@ typedef struct UmbraPose {
     UmbraActivity activity;
 } UmbraPose;
 
-// A law of force: one of the five below.
+// A kind of force field: one of the five below.
 typedef uint32_t UmbraFieldKind;
 
 // The region of a zone: one of the two below. Its edge belongs to it.
 typedef uint32_t UmbraRegion;
 
-// A force field: a law and whom it acts on. Only what its law reads matters. `umbra_field_def_default` fills it in.
+// A force field: its kind, and the bodies that it acts on. Only what its kind reads matters. `umbra_field_def_default` fills
+// it in.
 typedef struct UmbraFieldDef {
-    // The law.
+    // The kind.
     UmbraFieldKind kind;
     // Groups of dynamic bodies that the field acts on, as bits; springs and thrusts act on their bodies alone. Default all.
     uint32_t groups;
@@ -647,7 +648,7 @@ extern "C" {
 // The number of the interface that the library has.
 uint32_t umbra_api(void);
 
-// The number of the laws of physics. Peers, snapshots and replays go together if they have the same.
+// The physics version. Peers, snapshots and replays go together if they have the same.
 uint32_t umbra_physics_version(void);
 
 // The version of the library as text, which stays. This interface has the same.
@@ -985,7 +986,7 @@ UmbraStatus umbra_world_wake(struct UmbraWorld *world, uint64_t body);
 // Lets a quarantined body take part again.
 UmbraStatus umbra_world_release(struct UmbraWorld *world, uint64_t body);
 
-// Fills in the definition of a field of a law: all groups, no body, everything else 0.
+// Fills in the definition of a field of a kind: all groups, no body, everything else 0.
 UmbraStatus umbra_field_def_default(UmbraFieldKind kind, struct UmbraFieldDef *def);
 
 // Adds a force field; wakes what it may act on.
@@ -1093,7 +1094,7 @@ UmbraStatus umbra_world_blob(const struct UmbraWorld *world, uint8_t *bytes, siz
 // The world as it is, to go back to.
 UmbraStatus umbra_world_snapshot(const struct UmbraWorld *world, struct UmbraSnapshot **snapshot);
 
-// The same in the memory that another snapshot has: what a ring of them for rollback does each tick.
+// Takes a snapshot in the memory of another one, as a ring of them for rollback does each tick.
 UmbraStatus umbra_world_snapshot_into(const struct UmbraWorld *world, struct UmbraSnapshot *snapshot);
 
 // Goes back to a snapshot, of this world or another. Handles made after it may come to name other bodies; what became of the

@@ -10,7 +10,7 @@ use crate::number::{UmbraFactor, UmbraFx, UmbraVec2, factor};
 use crate::status::{Refusal, Result, UmbraStatus, guard};
 use crate::world::{UmbraWorld, body_id, change, change_by, field_id, look, made, word};
 
-/// A law of force: one of the five below.
+/// A kind of force field: one of the five below.
 pub type UmbraFieldKind = u32;
 
 /// Acceleration mu·d / (d² + softening²)^(3/2) towards a point, the same for every mass. Reads `other`, `other_point`, `mu`,
@@ -38,11 +38,12 @@ pub const UMBRA_BOX: UmbraRegion = 1;
 /// All groups.
 pub const UMBRA_ALL_GROUPS: u32 = 0xFFFF_FFFF;
 
-/// A force field: a law and whom it acts on. Only what its law reads matters. `umbra_field_def_default` fills it in.
+/// A force field: its kind, and the bodies that it acts on. Only what its kind reads matters. `umbra_field_def_default` fills
+/// it in.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct UmbraFieldDef {
-    /// The law.
+    /// The kind.
     pub kind: UmbraFieldKind,
     /// Groups of dynamic bodies that the field acts on, as bits; springs and thrusts act on their bodies alone. Default all.
     pub groups: u32,
@@ -158,7 +159,7 @@ impl UmbraFieldDef {
             },
             UMBRA_THRUST => FieldKind::Thrust { at: self.near(), force: self.force.into() },
             UMBRA_ZONE => FieldKind::Zone { region: self.zone()?, acceleration: self.acceleration.into() },
-            _ => return Err(Refusal::bad("no law of force has this number")),
+            _ => return Err(Refusal::bad("no kind of force field has this number")),
         };
         Ok(ForceField { kind, groups: self.groups })
     }
@@ -206,13 +207,13 @@ impl UmbraFieldDef {
                     }
                 }
             }
-            _ => return Err(Refusal::bad("the field has a law of force that this interface has not")),
+            _ => return Err(Refusal::bad("this interface does not have the kind of this force field")),
         }
         Ok(def)
     }
 }
 
-/// Fills in the definition of a field of a law: all groups, no body, everything else 0.
+/// Fills in the definition of a field of a kind: all groups, no body, everything else 0.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_field_def_default(
     kind: UmbraFieldKind,

@@ -1,8 +1,9 @@
 //! `umbra-physics` behind a C ABI: for C, C++, C#, engines that load libraries, and browsers.
 //!
-//! It is a separate package because pointers from other languages need `unsafe`, which the library forbids. Nothing is computed here:
-//! every function checks its arguments, calls the library, and returns the result. The header, `include/umbra_physics.h`, is generated
-//! from these sources; `README.md` describes building, linking and ownership.
+//! It is a separate package because pointers from other languages need `unsafe`, which the library denies outside one file of
+//! vector instructions. Nothing is computed here: every function checks its arguments, calls the library, and returns the result.
+//! The header, `include/umbra_physics.h`, is generated from these sources; `README.md` describes building, linking and
+//! ownership.
 //!
 //! # Safety
 //! All functions have the same requirements for their caller:
@@ -68,7 +69,7 @@ pub extern "C" fn umbra_api() -> u32 {
     UMBRA_API
 }
 
-/// The number of the laws of physics. Peers, snapshots and replays go together if they have the same.
+/// The physics version. Peers, snapshots and replays go together if they have the same.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_physics_version() -> u32 {
     umbra_physics::PHYSICS_VERSION

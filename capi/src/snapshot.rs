@@ -26,7 +26,7 @@ pub extern "C" fn umbra_world_snapshot(
     })
 }
 
-/// The same in the memory that another snapshot has: what a ring of them for rollback does each tick.
+/// Takes a snapshot in the memory of another one, as a ring of them for rollback does each tick.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_world_snapshot_into(
     world: Option<&UmbraWorld>,

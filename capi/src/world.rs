@@ -289,7 +289,7 @@ pub(crate) fn change(world: Option<&mut UmbraWorld>, command: Command) -> UmbraS
     change_by(world, || Ok(command))
 }
 
-/// The same of a command that the arguments may not make.
+/// Carries out the command that `command` makes of the arguments, unless it refuses them.
 pub(crate) fn change_by(world: Option<&mut UmbraWorld>, command: impl FnOnce() -> Result<Command>) -> UmbraStatus {
     guard(|| {
         let world = given(world)?;

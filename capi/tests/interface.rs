@@ -13,23 +13,12 @@ use umbra_physics::{
 };
 use umbra_physics_capi::*;
 
+#[path = "support/out.rs"]
+mod support;
+use support::{out, own};
+
 /// More than any replay here asks for.
 const LIMITS: UmbraReplayLimits = UmbraReplayLimits { ticks: 1_000, commands: 1_000, bodies: 100, fields: 100 };
-
-/// The value that a function gives through a pointer.
-fn out<T>(call: impl FnOnce(Option<&mut MaybeUninit<T>>) -> UmbraStatus) -> Result<T, UmbraStatus> {
-    let mut place = MaybeUninit::uninit();
-    match call(Some(&mut place)) {
-        // SAFETY: a call that is done has written it.
-        UMBRA_OK => Ok(unsafe { place.assume_init() }),
-        status => Err(status),
-    }
-}
-
-/// The same of a thing that is the caller's.
-fn own<T>(call: impl FnOnce(Option<&mut MaybeUninit<Option<Box<T>>>>) -> UmbraStatus) -> Result<Box<T>, UmbraStatus> {
-    out(call).map(|thing| thing.expect("a call that is done gives something"))
-}
 
 /// A list, in two calls.
 fn list<T>(

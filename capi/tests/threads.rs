@@ -13,22 +13,16 @@ use std::thread::{scope, spawn};
 use umbra_physics::{Fx, Random, fx};
 use umbra_physics_capi::*;
 
+#[path = "support/out.rs"]
+mod support;
+use support::out;
+
 const ONE: i64 = UMBRA_ONE;
 const THREADS: u64 = 6;
 
-/// The value that a function gives through a pointer.
-fn out<T>(call: impl FnOnce(Option<&mut MaybeUninit<T>>) -> UmbraStatus) -> Result<T, UmbraStatus> {
-    let mut place = MaybeUninit::uninit();
-    match call(Some(&mut place)) {
-        // SAFETY: a call that is done has written it.
-        UMBRA_OK => Ok(unsafe { place.assume_init() }),
-        status => Err(status),
-    }
-}
-
-/// The same of a thing that is the caller's.
+/// An object that a function makes.
 fn own<T>(call: impl FnOnce(Option<&mut MaybeUninit<Option<Box<T>>>>) -> UmbraStatus) -> Box<T> {
-    out(call).expect("it is done").expect("a call that is done gives something")
+    support::own(call).expect("it is done")
 }
 
 fn last_message() -> String {

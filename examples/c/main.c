@@ -426,7 +426,7 @@ int main(int count, char **arguments)
         fprintf(stderr, "the library has interface %" PRIu32 ", the header %d\n", umbra_api(), UMBRA_API);
         return 2;
     }
-    printf("umbra-physics %s, law %" PRIu32 "\n", umbra_version(), umbra_physics_version());
+    printf("umbra-physics %s, physics version %" PRIu32 "\n", umbra_version(), umbra_physics_version());
     golden();
     saved();
     sent();

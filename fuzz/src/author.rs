@@ -141,8 +141,8 @@ pub fn custom_forces<S: Scalar>() -> [Arc<dyn CustomForce<S>>; 2] {
 /// A world with these custom forces, or none if its definition is refused.
 pub fn world<S: Scalar>(def: WorldDef<S>) -> Option<World<S>> {
     let mut world = World::new(def).ok()?;
-    for law in custom_forces() {
-        world.register_custom_force(law).expect("each is registered once");
+    for force in custom_forces() {
+        world.register_custom_force(force).expect("each is registered once");
     }
     Some(world)
 }

@@ -7,8 +7,8 @@ use arbitrary::Result;
 use umbra_oracles::Taste;
 use umbra_physics::scalar::{Accumulator, Angle};
 use umbra_physics::{
-    Activity, AppliedForce, BodyRef, Command, FieldKind, ForceField, Fx, Region, Snapshot, StepReport, Symmetry, Vec2,
-    World, WorldDef,
+    Activity, AppliedForce, BodyRef, Command, FieldKind, ForceField, Fx, Snapshot, StepReport, Symmetry, Vec2, World,
+    WorldDef,
 };
 
 use super::author::{self, Author, WILD};
@@ -69,9 +69,7 @@ enum Promise {
     Sleepless,
     /// The image of a run under a symmetry is a run: the images of commands lead to the image of the world.
     Image(Symmetry),
-    /// Bodies that go stage by stage move as those that go through the fused step.
-    Staged,
-    /// A step that is traced leads to the same state.
+    /// A step that is traced, in which all bodies go stage by stage, leads to the same state.
     Traced,
     /// A body by itself moves as it does among the others.
     Preview,
@@ -84,8 +82,7 @@ impl Promise {
         Ok(match number % 10 {
             0 => Self::Restored,
             1 => Self::Sleepless,
-            2 => Self::Staged,
-            3 => Self::Traced,
+            2 | 3 => Self::Traced,
             4 => Self::Preview,
             5 => Self::Reverse,
             // The custom forces are the same in a mirror beside the world, and where it is shifted.
@@ -151,7 +148,7 @@ impl Second {
                 Some(world)
             }
             Promise::Image(symmetry) => Some(image(&symmetry, world)?),
-            Promise::Staged | Promise::Traced | Promise::Preview | Promise::Reverse => None,
+            Promise::Traced | Promise::Preview | Promise::Reverse => None,
         };
         Some(Self { promise, world: own, commands: 0 })
     }
@@ -213,12 +210,6 @@ impl Second {
             return;
         }
         match self.promise {
-            Promise::Staged if is_compared => {
-                let mut staged = stage_by_stage(world);
-                world.step();
-                staged.step();
-                assert_moved_alike(world, &staged);
-            }
             Promise::Traced if is_compared => {
                 let mut traced = world.clone();
                 world.step();
@@ -272,16 +263,6 @@ fn is_image(symmetry: &Symmetry, world: &World, second: &World) -> bool {
         panic!("as {symmetry:?}: {:?}", expected.differences(&second));
     }
     true
-}
-
-/// The same world, its bodies taken through the step stage by stage, for a field that acts on nobody; all awake.
-fn stage_by_stage(world: &World) -> World {
-    let mut world = world.clone();
-    let region = Region::Disc { centre: Vec2::ZERO, radius: Fx::ONE };
-    world
-        .add_field(ForceField { kind: FieldKind::Zone { region, acceleration: Vec2::X }, groups: 0 })
-        .expect("there is room");
-    world
 }
 
 /// A step that is undone leads to the state before it, and on to the one after it; one that cannot be undone changes

@@ -36,7 +36,7 @@ pub fn put_tick(bytes: &mut [u8], tick: u64) {
 /// The smallest first byte of an input for a world at one of the last ticks.
 pub const LATE: u8 = 224;
 
-/// The same world at one of the last ticks.
+/// A copy of a world at one of the last ticks.
 pub fn late(world: &World, before: u8) -> World {
     let mut bytes = world.snapshot().to_bytes();
     put_tick(&mut bytes, limits::TICK - u64::from(before % 16));

@@ -1,6 +1,6 @@
-//! The same commands on the engine in fixed point and in f64: within what rounding comes to, tick by tick.
+//! Commands on the engine in fixed point and in f64: alike within what rounding comes to, tick by tick.
 //!
-//! A law of force that means one thing in one build and another in the other shows here, as do factors, levers and signs.
+//! A force field that means one thing in one build and another in the other shows here, as do factors, levers and signs.
 //! Commands are fair: nothing is near a limit, and bodies do not sleep, as a float hardly ever comes to rest.
 //!
 //! *Bound*, in ulps of 2^-32. Before a tick both worlds are put where the fixed-point one is to the ulp, which f64 holds

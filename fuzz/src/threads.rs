@@ -1,13 +1,13 @@
 //! Two threads do what one does.
 //!
-//! An input is a world's definition, a seed, a kind of body, and commands. Enough bodies are added for a step to use several
-//! threads.
+//! An input is a world's definition, a seed, a kind of body, and commands. Enough free bodies are added for a step to use
+//! several threads: threads share free bodies alone.
 
 use std::sync::LazyLock;
 
 use arbitrary::Result;
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use umbra_physics::{BodyDef, CommandSource as _, Created, Fx, Random, Vec2, fx, step_all};
+use umbra_physics::{BodyDef, CommandSource as _, Created, Fx, Integrator, Random, Vec2, WorldDef, fx, step_all, vec2};
 
 use super::author::{self, Author};
 
@@ -19,12 +19,20 @@ pub fn run(data: &[u8]) {
 static POOLS: LazyLock<[ThreadPool; 2]> =
     LazyLock::new(|| [1, 2].map(|count| ThreadPoolBuilder::new().num_threads(count).build().expect("threads")));
 
-/// Enough bodies for a step to go side by side: 64 blocks of 128, and some.
-const CROWD: u64 = 8_192;
+/// The number of bodies that are refused, fall asleep or are reached by fields, as the input says. After each come
+/// [`STEADY`] that move for ever and that no field reaches: 8,200 in all, enough for a step to use several threads.
+const CROWD: u64 = 2_050;
+const STEADY: u64 = 4;
 
 fn play(data: &[u8]) -> Result<()> {
     let mut author = Author::new(data);
-    let Some(mut world) = author::world(author.world()) else { return Ok(()) };
+    let def = author.world();
+    let integrator = match def.integrator {
+        // It has no free bodies.
+        Integrator::PublishedVerlet => Integrator::VelocityVerlet,
+        other => other,
+    };
+    let Some(mut world) = author::world(WorldDef { integrator, ..def }) else { return Ok(()) };
     let mut random = Random::seeded(author.any()?);
     // A few kinds of bodies, one of them as the input says; the others differ in where they are and how they move.
     let special = author.generator().body_def();
@@ -37,6 +45,10 @@ fn play(data: &[u8]) -> Result<()> {
         let made = if i % every == 0 { world.add_body(special.clone()) } else { world.add_body(def) };
         if let Ok(body) = made {
             author.made(Created::Body(body));
+        }
+        for _ in 0..STEADY {
+            let def = BodyDef { position, velocity: vec2(1, 0), groups: 0, ..BodyDef::kinematic() };
+            world.add_body(def).expect("a fair body");
         }
     }
     let mut others = [world.clone(), world.clone()];

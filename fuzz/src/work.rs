@@ -222,7 +222,7 @@ impl Busy {
         }
     }
 
-    /// Numbers of things in the scene: bodies of each kind, and fields of each law with what they depend on.
+    /// Numbers of things in the scene: bodies of each kind, and fields of each kind with what they depend on.
     #[must_use]
     pub fn counts(&self) -> Vec<(String, usize)> {
         let bodies = self.world.bodies().map(|body| format!("{:?}", body.kind()));
@@ -233,7 +233,7 @@ impl Busy {
             FieldKind::Drag { .. } => "drag".to_string(),
             FieldKind::Thrust { .. } => "thrust".to_string(),
             FieldKind::Zone { .. } => "zone".to_string(),
-            _ => "law of the user's".to_string(),
+            _ => "custom force".to_string(),
         });
         let mut all: Vec<String> = bodies.chain(fields).chain([format!("pushed: {}", self.pushed.len())]).collect();
         all.sort();

@@ -130,7 +130,7 @@ fn numbers(cast: &Cast, bodies: impl Iterator<Item = BodyId>) -> Vec<Option<usiz
     numbers
 }
 
-/// The same words for what names other handles.
+/// The words of a result without its numbers, so that other handles make no difference.
 fn kind(done: Result<Created, Error>) -> String {
     let text = format!("{:?}", done.map(drop));
     text.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.chars().all(|c| c.is_ascii_digit())).collect()

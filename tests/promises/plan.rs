@@ -5,15 +5,13 @@
 //! still be about the rest, which is what shrinking needs. The values come from the generator of the oracles, each from a seed
 //! of its own; shrinking leaves out parts, and then makes the values of the script simple.
 
-use std::convert::Infallible;
-
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::strategy::Union;
-use umbra_oracles::{Generator, Script};
+use umbra_oracles::{Generator, Script, rename};
 use umbra_physics::{
-    Attachment, BodyDef, BodyId, Command, CommandMap, CommandSource as _, Created, End, FieldId, FieldKind, ForceField,
-    Fx, FxFactor, Random, Shape, Vec2, World, WorldDef,
+    Attachment, BodyDef, BodyId, Command, CommandSource as _, Created, End, FieldId, FieldKind, ForceField, Fx, Random,
+    Vec2, World, WorldDef,
 };
 
 /// A run in which a handle's slot is the number of a body or field: of all that were made so far, counted round.
@@ -45,7 +43,7 @@ impl Cast {
         self.fields.get(place).copied().unwrap_or(FieldId::from_parts(u32::MAX, 0))
     }
 
-    /// The same field, or one whose spring leads to the next body rather than back to its own.
+    /// Returns the field, or one whose spring leads to the next body rather than back to its own.
     fn between_two(&self, field: ForceField) -> ForceField {
         match field.kind {
             FieldKind::Spring { near, far: End::Body(far), spring } if near.body == far.body => {
@@ -60,8 +58,7 @@ impl Cast {
 
     /// The command with handles of the world in place of numbers.
     pub(crate) fn command(&self, command: &Command) -> Command {
-        let Ok(command) = command.clone().map(&mut Named(self));
-        match command {
+        match rename(command, |number| self.body(number), |number| self.field(number)) {
             Command::AddField(field) => Command::AddField(self.between_two(field)),
             Command::SetField { id, field } => Command::SetField { id, field: self.between_two(field) },
             command => command,
@@ -86,33 +83,6 @@ impl Cast {
     }
 }
 
-/// Replaces numbers by the handles of a cast.
-struct Named<'a>(&'a Cast);
-
-impl CommandMap<Fx> for Named<'_> {
-    type Error = Infallible;
-
-    fn scalar(&mut self, value: Fx) -> Result<Fx, Infallible> {
-        Ok(value)
-    }
-
-    fn factor(&mut self, value: FxFactor) -> Result<FxFactor, Infallible> {
-        Ok(value)
-    }
-
-    fn shape(&mut self, shape: Shape) -> Result<Shape, Infallible> {
-        Ok(shape)
-    }
-
-    fn body(&mut self, body: BodyId) -> Result<BodyId, Infallible> {
-        Ok(self.0.body(body))
-    }
-
-    fn field(&mut self, field: FieldId) -> Result<FieldId, Infallible> {
-        Ok(self.0.field(field))
-    }
-}
-
 impl Plan {
     /// Commands at a tick, in order; the start comes first.
     pub(crate) fn due(&self, tick: u64) -> Vec<Command> {
@@ -125,7 +95,7 @@ impl Plan {
         due
     }
 
-    /// The same run as commands of a world.
+    /// The run as commands of a world.
     pub(crate) fn script(&self) -> Script {
         let mut world = World::new(self.world).expect("plans have fair worlds");
         let (mut cast, mut commands) = (Cast::default(), Vec::new());

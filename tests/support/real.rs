@@ -23,7 +23,7 @@ pub(crate) fn units(value: impl Into<IBig>, fraction: isize) -> Real {
     Real::from(value.into()).with_precision(PRECISION).value() >> fraction
 }
 
-/// The same value.
+/// A scalar, exactly.
 pub(crate) fn exact(value: Fx) -> Real {
     units(value.to_bits(), 32)
 }

@@ -166,7 +166,7 @@ pub fn free(n: usize) -> Scene {
     s
 }
 
-/// The same with circle colliders that never come near each other: adds the price
+/// Free bodies with circle colliders that never come near each other: adds the price
 /// of keeping the broad phase current. No gravity and no damping, so that it costs
 /// the same however many steps an engine is given.
 pub fn free_far(n: usize) -> Scene {

@@ -210,29 +210,36 @@ impl Output {
         write(&mut self.sink).map_err(Failure::file(&self.file, "write"))
     }
 
-    /// Moves the output to its destination.
-    pub(crate) fn finish(self) -> Result<(), Failure> {
-        let Self { file, mut sink } = self;
-        let finish = || -> io::Result<()> {
-            sink.flush()?;
-            let Sink::Part { part, path } = sink.into_inner()? else { return Ok(()) };
-            // Some file systems report only here that there is no room.
-            part.as_file().sync_all()?;
-            part.persist(path).map(drop).or_else(|failed| {
-                let (_, left) = failed.file.keep()?;
-                Err(io::Error::new(
-                    failed.error.kind(),
-                    format!("{}; it is left in {}", failed.error, text::path(&left)),
-                ))
-            })
+    /// Writes what is still in memory.
+    pub(crate) fn sync(&mut self) -> Result<(), Failure> {
+        let mut sync = || -> io::Result<()> {
+            self.sink.flush()?;
+            match self.sink.get_ref() {
+                // Some file systems report only here that there is no room.
+                Sink::Part { part, .. } => part.as_file().sync_all(),
+                Sink::Stream(_) => Ok(()),
+            }
         };
-        finish().map_err(Failure::file(&file, "write"))
+        sync().map_err(Failure::file(&self.file, "write"))
+    }
+
+    /// Moves the output to its destination.
+    pub(crate) fn finish(mut self) -> Result<(), Failure> {
+        self.sync()?;
+        let Sink::Part { part, path } = self.sink.into_parts().0 else { return Ok(()) };
+        let placed = part.persist(path).map(drop).or_else(|failed| {
+            let (_, left) = failed.file.keep()?;
+            Err(io::Error::new(failed.error.kind(), format!("{}; it is left in {}", failed.error, text::path(&left))))
+        });
+        placed.map_err(Failure::file(&self.file, "write"))
     }
 
     /// Keeps the temporary file, and says where it is.
     pub(crate) fn leave(self) {
-        let Self { file, sink } = self;
-        let Ok(Sink::Part { part, .. }) = sink.into_inner() else { return };
+        let Self { file, mut sink } = self;
+        // After a failed write the rest may find no room either: what was written stays.
+        _ = sink.flush();
+        let Sink::Part { part, .. } = sink.into_parts().0 else { return };
         if let Ok((_, left)) = part.keep() {
             let (file, left) = (text::path(&file), text::path(&left));
             text::warn(format_args!("{file}: not written; what there is of it is left in {left}"));

@@ -19,11 +19,17 @@ impl Recording {
         Ok(Self { recorder: Recorder::new(world, options), output: to.create()?, failure: None })
     }
 
-    /// Ends it with the world as the last step left it.
+    /// Ends it with the world as the last step left it. What cannot be written to its end is left in the temporary file.
     pub(crate) fn finish(self, world: &World) -> Result<(), Failure> {
         let Self { recorder, mut output, .. } = self;
-        output.put(|out| out.write_all(&recorder.finish(world)))?;
-        output.finish()
+        let written = output.put(|out| out.write_all(&recorder.finish(world))).and_then(|()| output.sync());
+        match written {
+            Ok(()) => output.finish(),
+            Err(failure) => {
+                output.leave();
+                Err(failure)
+            }
+        }
     }
 
     /// Fails if a step could not be written.

@@ -68,7 +68,7 @@ pub(crate) fn selftest(options: &Options) -> Result<(), Failure> {
         let verdict = check(&ways, |checked| print(row(checked)));
         let all = verdict.all.map_or_else(|| "one failed".to_owned(), digest);
         print(format!("\n{:<24} {:>6}  {all}", "all", verdict.all.map_or(0, |all| all.ticks)));
-        print(format!("{:<24} {PHYSICS_VERSION}", "law"));
+        print(format!("{:<24} {PHYSICS_VERSION}", "physics version"));
         names.iter().for_each(|name| print(format!("{:<24} {name}", "alike with")));
         let word = if verdict.agrees { "agrees: this machine computes what all others do" } else { "DOES NOT AGREE" };
         print(word.to_owned());

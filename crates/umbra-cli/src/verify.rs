@@ -26,7 +26,7 @@ A line for each file, in the order given: what it is, its name, and why.
   tampered    the file was changed after it was recorded
   diverged    the run goes another way than the one recorded
   cut_off     the file ends before the recording did; as far as it goes it is ok
-  law         it was recorded under other laws of physics
+  law         it was recorded under another physics version
   malformed   no replay that this program can play
   unreadable  no file that can be read
 

@@ -161,6 +161,9 @@ impl<'a, C: Choices + ?Sized> Generator<'a, C> {
 
     /// A number usually from `low` to `high`, of few bits half of the time, so that sums come to ties; else, as the taste
     /// says, at one of the limits `least` and `most`, beyond them, or of any size.
+    ///
+    /// # Panics
+    /// If `least` is more than `most` and the taste has values near limits.
     pub fn number(&mut self, [low, high]: [Fx; 2], [least, most]: [Fx; 2]) -> Fx {
         let (near, wild) = (u64::from(self.taste.near), u64::from(self.taste.wild));
         let style = self.choices.draw(8);

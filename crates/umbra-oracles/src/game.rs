@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 
 use super::{Handles, Script};
-use umbra_physics::{Command, FieldKind, ForceField, ForceOrImpulse, Fx, Stepper, Symmetry, Vec2, World, WorldDef, fx};
+use umbra_physics::{
+    Command, Created, FieldKind, ForceField, ForceOrImpulse, Fx, Stepper, Symmetry, Vec2, World, WorldDef, fx,
+};
 
 /// A game whose ticks are to be checked.
 ///
@@ -113,9 +115,9 @@ impl<I: Clone> Course<I> {
 /// The part of the state in which a run in another order has to be the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Likeness {
-    /// In all its state.
+    /// All of the state.
     State,
-    /// In the motion of its bodies, whatever their handles.
+    /// The motion of the bodies, whatever their handles.
     Motion,
 }
 
@@ -124,6 +126,8 @@ pub(super) trait Subject {
     type Input: Clone;
     /// A match that has begun.
     type Match;
+    /// The bodies and fields that inputs make, by the places of the inputs in the list.
+    type Made;
     /// True if inputs are the commands themselves, so that handles in them may be of the same tick.
     const IS_COMMANDS: bool;
 
@@ -134,8 +138,16 @@ pub(super) trait Subject {
     fn image(&self, input: &Self::Input, symmetry: &Symmetry) -> Option<Self::Input>;
     fn renamed(&self, input: &Self::Input, handles: &Handles) -> Self::Input;
     fn bystander_groups(&self) -> u32;
+    /// Returns what inputs make, for [`arranged`](Self::arranged).
+    fn made(&self, course: &Course<Self::Input>) -> Self::Made;
     /// The inputs at other ticks and in another order, by their places in the list.
-    fn arranged(&self, course: &Course<Self::Input>, order: Vec<(u64, usize)>, ticks: u64) -> Course<Self::Input>;
+    fn arranged(
+        &self,
+        course: &Course<Self::Input>,
+        made: &Self::Made,
+        order: Vec<(u64, usize)>,
+        ticks: u64,
+    ) -> Course<Self::Input>;
     /// Returns the inputs in another order, which `turn` makes of lists of places, and what has to be the same then.
     fn reordered(
         &self,
@@ -150,6 +162,7 @@ pub(super) struct Played<'a, G>(pub(super) &'a G);
 impl<G: Game> Subject for Played<'_, G> {
     type Input = G::Input;
     type Match = G;
+    type Made = ();
     const IS_COMMANDS: bool = false;
 
     fn begin(&self) -> Option<(G, World)> {
@@ -178,7 +191,9 @@ impl<G: Game> Subject for Played<'_, G> {
         self.0.bystander_groups()
     }
 
-    fn arranged(&self, course: &Course<G::Input>, order: Vec<(u64, usize)>, ticks: u64) -> Course<G::Input> {
+    fn made(&self, _: &Course<G::Input>) {}
+
+    fn arranged(&self, course: &Course<G::Input>, (): &(), order: Vec<(u64, usize)>, ticks: u64) -> Course<G::Input> {
         Course { inputs: order.into_iter().map(|(tick, i)| (tick, course.inputs[i].1.clone())).collect(), ticks }
     }
 
@@ -190,7 +205,7 @@ impl<G: Game> Subject for Played<'_, G> {
             turn(&mut places);
             tick.iter().map(|(tick, _)| *tick).zip(places).collect::<Vec<_>>()
         });
-        (self.arranged(course, turned.collect(), course.ticks), Likeness::State)
+        (self.arranged(course, &(), turned.collect(), course.ticks), Likeness::State)
     }
 }
 
@@ -200,6 +215,7 @@ pub(super) struct Commands(pub(super) WorldDef);
 impl Subject for Commands {
     type Input = Command;
     type Match = ();
+    type Made = BTreeMap<usize, Created>;
     const IS_COMMANDS: bool = true;
 
     fn begin(&self) -> Option<((), World)> {
@@ -228,7 +244,7 @@ impl Subject for Commands {
 
     fn image(&self, command: &Command, symmetry: &Symmetry) -> Option<Command> {
         match command {
-            // No law of the user's own is registered here: it is refused, and so is its image.
+            // No custom force is registered here: the field is refused, and so is its image.
             Command::AddField(field) | Command::SetField { field, .. }
                 if matches!(field.kind, FieldKind::Custom { .. }) =>
             {
@@ -247,8 +263,18 @@ impl Subject for Commands {
         u32::MAX
     }
 
-    fn arranged(&self, course: &Course<Command>, order: Vec<(u64, usize)>, ticks: u64) -> Course<Command> {
-        let Script { commands, ticks, .. } = self.script(course).arranged(order, ticks);
+    fn made(&self, course: &Course<Command>) -> Self::Made {
+        self.script(course).made()
+    }
+
+    fn arranged(
+        &self,
+        course: &Course<Command>,
+        made: &Self::Made,
+        order: Vec<(u64, usize)>,
+        ticks: u64,
+    ) -> Course<Command> {
+        let Script { commands, ticks, .. } = self.script(course).arranged(made, order, ticks);
         Course { inputs: commands, ticks }
     }
 
@@ -274,7 +300,7 @@ impl Subject for Commands {
             turn(&mut places);
             run.iter_mut().zip(places).for_each(|((_, place), turned)| *place = turned);
         }
-        (self.arranged(course, order, course.ticks), Likeness::Motion)
+        (self.arranged(course, &self.made(course), order, course.ticks), Likeness::Motion)
     }
 }
 

@@ -48,8 +48,7 @@ impl Handles {
     /// The command with these counterparts in place of what it names.
     #[must_use]
     pub fn command(&self, command: &Command) -> Command {
-        let Ok(renamed) = command.clone().map(&mut Rename(self));
-        renamed
+        rename(command, |body| self.body(body), |field| self.field(field))
     }
 
     pub(super) fn knows(&self, body: BodyId) -> bool {
@@ -70,10 +69,28 @@ impl Handles {
     }
 }
 
-/// Replaces handles by their counterparts.
-struct Rename<'a>(&'a Handles);
+/// Returns the command with other handles in place of those that it names.
+///
+/// ```
+/// use umbra_oracles::rename;
+/// use umbra_physics::{BodyId, Command};
+///
+/// let [here, there] = [0, 7].map(|slot| BodyId::from_parts(slot, 0));
+/// assert_eq!(rename(&Command::Wake(here), |_| there, |field| field), Command::Wake(there));
+/// ```
+#[must_use]
+pub fn rename(command: &Command, body: impl FnMut(BodyId) -> BodyId, field: impl FnMut(FieldId) -> FieldId) -> Command {
+    let Ok(renamed) = command.clone().map(&mut Rename { body, field });
+    renamed
+}
 
-impl CommandMap<Fx> for Rename<'_> {
+/// Replaces handles.
+struct Rename<B, F> {
+    body: B,
+    field: F,
+}
+
+impl<B: FnMut(BodyId) -> BodyId, F: FnMut(FieldId) -> FieldId> CommandMap<Fx> for Rename<B, F> {
     type Error = Infallible;
 
     fn scalar(&mut self, value: Fx) -> Result<Fx, Infallible> {
@@ -89,10 +106,10 @@ impl CommandMap<Fx> for Rename<'_> {
     }
 
     fn body(&mut self, body: BodyId) -> Result<BodyId, Infallible> {
-        Ok(self.0.body(body))
+        Ok((self.body)(body))
     }
 
     fn field(&mut self, field: FieldId) -> Result<FieldId, Infallible> {
-        Ok(self.0.field(field))
+        Ok((self.field)(field))
     }
 }

@@ -69,7 +69,7 @@ use umbra_physics::Difference;
 pub use commands::{Choices, Generator, Taste};
 pub use fuzz::{Campaign, Fuzz, fuzz};
 pub use game::{Course, Game};
-pub use handles::Handles;
+pub use handles::{Handles, rename};
 pub use script::Script;
 pub use shrink::{Counterexample, shrink};
 
@@ -111,10 +111,12 @@ pub enum Oracle {
     /// A step that is undone leads to the state before it and on to the one after it, and one that cannot be undone leaves
     /// the world as it was.
     Reverse,
-    /// A step that is traced, one that goes stage by stage, and one with all bodies awake move the bodies as the step does.
+    /// A step that is traced, which takes all bodies stage by stage, leads to the same state, and a step with all bodies awake
+    /// moves them in the same way.
     Paths,
     /// On two threads, with as many bystanders as make a step use them, the bodies move as on one: with the feature
-    /// `parallel`.
+    /// `parallel`, and unless all steps are of [`PublishedVerlet`](umbra_physics::Integrator::PublishedVerlet), which uses one
+    /// thread.
     Threads,
 }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::Handles;
-use umbra_physics::{Command, Error, RecordOptions, Recorder, Stepper, World, WorldDef};
+use umbra_physics::{Command, Created, Error, RecordOptions, Recorder, Stepper, World, WorldDef};
 
 /// A run: an empty world, what is done to it, and for how long.
 ///
@@ -125,12 +125,11 @@ impl Script {
     #[must_use]
     pub fn with(&self, mut keep: impl FnMut(usize) -> bool) -> Self {
         let kept = self.commands.iter().enumerate().filter(|(index, _)| keep(*index));
-        self.arranged(kept.map(|(index, (tick, _))| (*tick, index)).collect(), self.ticks)
+        self.arranged(&self.made(), kept.map(|(index, (tick, _))| (*tick, index)).collect(), self.ticks)
     }
 
-    /// Makes a script of some of the commands, by their places in the list, at other ticks and in another order, with the handles that
-    /// they have there.
-    pub(super) fn arranged(&self, mut order: Vec<(u64, usize)>, ticks: u64) -> Self {
+    /// The bodies and fields that the commands make, by the places of the commands in the list.
+    pub(super) fn made(&self) -> BTreeMap<usize, Created> {
         let mut made = BTreeMap::new();
         let mut given: Vec<(u64, usize)> = self.commands.iter().enumerate().map(|(i, (tick, _))| (*tick, i)).collect();
         given.sort_by_key(|(tick, _)| *tick);
@@ -139,6 +138,12 @@ impl Script {
                 made.insert(index, new);
             }
         });
+        made
+    }
+
+    /// Makes a script of some of the commands, by their places in the list, at other ticks and in another order, with the
+    /// handles that they have there. `made` is what [`Self::made`] returns.
+    pub(super) fn arranged(&self, made: &BTreeMap<usize, Created>, mut order: Vec<(u64, usize)>, ticks: u64) -> Self {
         order.sort_by_key(|(tick, _)| *tick);
         let mut handles = Handles::default();
         let mut commands = Vec::with_capacity(order.len());

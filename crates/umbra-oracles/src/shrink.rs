@@ -54,7 +54,7 @@ impl Script {
         Trial::new(oracle, &Commands(self.world), &course).judge()
     }
 
-    /// Makes a script that an oracle objects to as small as it can, as [`shrink`] does, and then the values in its commands as
+    /// Makes a script that an oracle objects to as small as it can, as [`shrink`] does, and the values in its commands as
     /// simple as it can, and says what is wrong with it then.
     #[must_use]
     pub fn shrunk(&self, oracle: Oracle, tries: u32) -> Option<(Self, Violation)> {
@@ -85,22 +85,27 @@ impl Script {
     /// ```
     #[must_use]
     pub fn shrunk_by(&self, tries: u32, mut fails: impl FnMut(&Self) -> Option<u64>) -> Option<Self> {
-        let course = Course { inputs: self.commands.clone(), ticks: self.ticks };
         let commands = Commands(self.world);
-        let mut used = 0;
-        let (course, _) = smallest(&commands, &course, tries, &mut |course| {
-            used += 1;
-            fails(&commands.script(course))
-        })?;
-        let mut script = commands.script(&course);
-        let mut is_as_bad = |script: &Self| {
-            used += 1;
-            used <= tries && fails(script).is_some()
-        };
-        for place in 0..script.commands.len() {
-            simplify(&mut script, place, &mut is_as_bad);
+        let (mut script, mut used) = (self.clone(), 0);
+        loop {
+            let before = Course { inputs: script.commands.clone(), ticks: script.ticks };
+            let smaller = smallest(&commands, &before, tries - used, &mut |course| fails(&commands.script(course)));
+            let Some((course, took)) = smaller else { return (used > 0).then_some(script) };
+            script = commands.script(&course);
+            used += took;
+            let mut is_as_bad = |script: &Self| {
+                let may_try = used < tries;
+                used += u32::from(may_try);
+                may_try && fails(script).is_some()
+            };
+            for place in 0..script.commands.len() {
+                simplify(&mut script, place, &mut is_as_bad);
+            }
+            // Simpler values may let go of commands and ticks that were needed before.
+            if (&script.commands, script.ticks) == (&before.inputs, before.ticks) {
+                return Some(script);
+            }
         }
-        Some(script)
     }
 }
 
@@ -109,18 +114,20 @@ fn simplify(script: &mut Script, place: usize, fails: &mut impl FnMut(&Script) -
     let mut at = 0;
     loop {
         let mut count = 0;
+        // Short of one, zero and the whole number are the same, and what is no number has one simpler form.
+        let mut tried = None;
         for form in [Form::Zero, Form::Whole, Form::Eighths] {
             let mut simpler = Simpler { at, form, count: 0 };
             let Ok(command) = script.commands[place].1.clone().map(&mut simpler);
             count = simpler.count;
-            if command == script.commands[place].1 {
+            if command == script.commands[place].1 || tried.as_ref() == Some(&command) {
                 continue;
             }
             let before = core::mem::replace(&mut script.commands[place].1, command);
             if fails(script) {
                 break;
             }
-            script.commands[place].1 = before;
+            tried = Some(core::mem::replace(&mut script.commands[place].1, before));
         }
         at += 1;
         if at >= count {
@@ -191,7 +198,9 @@ fn smallest<S: Subject>(
     tries: u32,
     fails: &mut dyn FnMut(&Course<S::Input>) -> Option<u64>,
 ) -> Option<(Course<S::Input>, u32)> {
-    let mut search = Search { subject, course, fails, order: Vec::new(), ticks: 0, found: None, tries: 0, most: tries };
+    let made = subject.made(course);
+    let mut search =
+        Search { subject, course, made, fails, order: Vec::new(), ticks: 0, found: None, tries: 0, most: tries };
     search.attempt(course.order(), course.ticks);
     while search.drop_inputs() | search.drop_ticks() {}
     Some((search.found?, search.tries))
@@ -202,7 +211,8 @@ struct Search<'a, S: Subject> {
     subject: &'a S,
     /// The run as it was given.
     course: &'a Course<S::Input>,
-    /// The tick at which a run fails.
+    made: S::Made,
+    /// Returns the tick at which a run fails; `None` if it does not.
     fails: &'a mut dyn FnMut(&Course<S::Input>) -> Option<u64>,
     /// The inputs that are left, by their places, at their ticks.
     order: Vec<(u64, usize)>,
@@ -224,7 +234,7 @@ impl<S: Subject> Search<'_, S> {
         while !self.is_spent() {
             self.tries += 1;
             order.retain(|(tick, _)| *tick < ticks);
-            let course = self.subject.arranged(self.course, order.clone(), ticks);
+            let course = self.subject.arranged(self.course, &self.made, order.clone(), ticks);
             let Some(tick) = (self.fails)(&course) else { break };
             let end = tick.saturating_add(1);
             (self.order, self.ticks, is_found) = (order.clone(), ticks, true);

@@ -1,5 +1,7 @@
 //! The checks themselves, one for each oracle.
 
+#[cfg(feature = "parallel")]
+use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -26,6 +28,8 @@ const fn inapplicable(why: &'static str) -> Judged {
     Ok(Verdict::Inapplicable { why })
 }
 
+const REFUSED: &str = "the world is refused";
+
 /// A match on its way.
 struct Match<S: Subject> {
     game: S::Match,
@@ -38,14 +42,13 @@ impl<'a, S: Subject> Trial<'a, S> {
     }
 
     pub(super) fn judge(&self) -> Judged {
-        let Some(run) = self.begin() else { return inapplicable("the world is refused") };
         match self.oracle {
             Oracle::Repeat => self.beside(&self.inputs, Likeness::State, "a second match", &mut ()),
             Oracle::Refusal => {
                 self.beside(&self.inputs, Likeness::State, "a match that asks first", &mut Asking::default())
             }
-            Oracle::Record => self.record(run),
-            Oracle::Restore => self.restore(run),
+            Oracle::Record => self.record(),
+            Oracle::Restore => self.restore(),
             Oracle::Order => self.order(),
             Oracle::Bystanders => self.bystanders(),
             Oracle::Mirror => self.images(Symmetry::mirrors),
@@ -93,7 +96,7 @@ impl<'a, S: Subject> Trial<'a, S> {
         driver: &mut D,
     ) -> Judged {
         let (Some(mut run), Some(mut other)) = (self.begin(), self.begin()) else {
-            return inapplicable("the world is refused");
+            return inapplicable(REFUSED);
         };
         let compare = |run: &World, other: &World| match likeness {
             Likeness::State => unlike(beside, run, other),
@@ -114,7 +117,8 @@ impl<'a, S: Subject> Trial<'a, S> {
         if self.course.ticks == 0 { inapplicable("the run has no ticks") } else { Ok(Verdict::Held) }
     }
 
-    fn record(&self, mut run: Match<S>) -> Judged {
+    fn record(&self) -> Judged {
+        let Some(mut run) = self.begin() else { return inapplicable(REFUSED) };
         let file = record(self.subject, self.course);
         let replay = Replay::from_bytes(&file, &custom_forces(&run.world));
         let Ok(replay) = replay else {
@@ -133,7 +137,8 @@ impl<'a, S: Subject> Trial<'a, S> {
         self.held()
     }
 
-    fn restore(&self, mut run: Match<S>) -> Judged {
+    fn restore(&self) -> Judged {
+        let Some(mut run) = self.begin() else { return inapplicable(REFUSED) };
         let mut has_compared = self.course.ticks == 0;
         for tick in 0..self.course.ticks {
             let snapshot = run.world.snapshot();
@@ -226,7 +231,12 @@ impl<'a, S: Subject> Trial<'a, S> {
         let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(2).build() else {
             return inapplicable("there are no threads");
         };
-        self.among("a match on two threads", Bystanders::throng, || super::drivers::OnThreads(&pool))
+        let has_shared = Cell::new(false);
+        let driver = || super::drivers::OnThreads { pool: &pool, has_shared: &has_shared };
+        match self.among("a match on two threads", Bystanders::throng, driver)? {
+            Verdict::Held if !has_shared.get() => inapplicable("under PublishedVerlet a step uses one thread"),
+            verdict => Ok(verdict),
+        }
     }
 
     #[cfg(not(feature = "parallel"))]
@@ -243,7 +253,7 @@ impl<'a, S: Subject> Trial<'a, S> {
         driver: impl Fn() -> D,
     ) -> Judged {
         let (Some(mut run), Some(mut other)) = (self.begin(), self.begin()) else {
-            return inapplicable("the world is refused");
+            return inapplicable(REFUSED);
         };
         let mut handles = Handles::default();
         let bodies: Vec<BodyId> = run.world.bodies().map(|body| body.id()).collect();
@@ -318,7 +328,7 @@ fn field_difference(id: FieldId, meant: ForceField, world: &World, there: FieldI
     Some(Difference { owner: Owner::ForceField(id), ..found })
 }
 
-/// The laws of force that may act in a world.
+/// The custom forces that may act in a world.
 fn custom_forces(world: &World) -> Vec<Arc<dyn CustomForce>> {
     world.custom_forces().cloned().collect()
 }

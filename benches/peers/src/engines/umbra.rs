@@ -61,7 +61,7 @@ fn time_step(dt: f64) -> TimeStep {
 fn body<S: Number>(b: &scene::Body) -> BodyDef<S> {
     let fair = "a shape within the limits";
     let (shape, mass) = match b.shape {
-        Shape::None { mass, inertia } => (None, Mass::WithInertia(S::number(mass), S::number(inertia))),
+        Shape::None { mass, inertia } => (None, Mass::Explicit { mass: S::number(mass), inertia: S::number(inertia) }),
         Shape::Circle { r } => (Some(Form::circle(S::number(r)).expect(fair)), Mass::Density(S::ONE)),
         Shape::Box { hx, hy } => {
             let form = Form::rectangle(S::number(2.0 * hx), S::number(2.0 * hy)).expect(fair);

@@ -41,7 +41,7 @@ pub(super) fn shape(body: BodyId, shape: &Shape) -> Value {
     Value::Array(primitives.0)
 }
 
-/// A force field with a place; None for those that are everywhere or that only their law knows. `life` has the number
+/// A force field with a place; None for those that are everywhere or that are custom forces. `life` has the number
 /// under which the page knows a body.
 pub(super) fn field(field: &ForceField<Fx>, life: impl Fn(BodyId) -> Option<usize>) -> Option<Value> {
     // A point of the world, or a body and a point in its axes.

@@ -85,7 +85,7 @@ fn contents(recording: Recording, heading: &Heading, thinned: Option<String>) ->
     let run = json!({
         "view": heading.view.map(|corners| corners.map(Vec2::to_f64)),
         "thinned": thinned,
-        "made": format!("umbra-physics {}, law {PHYSICS_VERSION}", env!("CARGO_PKG_VERSION")),
+        "made": format!("umbra-physics {}, physics version {PHYSICS_VERSION}", env!("CARGO_PKG_VERSION")),
         "integrator": recording.integrator,
         "start": recording.start,
         "last": recording.last,

@@ -56,8 +56,8 @@ where
         }
         Command::Disable(body) => format!("disable {}", of(body)),
         Command::Enable(body) => format!("enable {}", of(body)),
-        Command::AddField(field) => format!("add {}", law(field)),
-        Command::SetField { id, field } => format!("in place of {}: {}", (names.field)(*id), law(field)),
+        Command::AddField(field) => format!("add {}", field_words(field)),
+        Command::SetField { id, field } => format!("in place of {}: {}", (names.field)(*id), field_words(field)),
         Command::RemoveField(field) => format!("remove {}", (names.field)(*field)),
         Command::SetTimeStep(step) => {
             let (num, den) = step.seconds();
@@ -90,7 +90,10 @@ pub(super) fn action(scene: &Scene, action: &SceneAction) -> String {
         SceneAction::AddBody(index) => format!("add {}", body(BodyId::from_parts(*index as u32, 0))),
         SceneAction::AddField(index) => {
             let added = &scene.fields[*index];
-            added.name.as_ref().map_or_else(|| format!("add {}", law(&added.field)), |name| format!("add {name}"))
+            added
+                .name
+                .as_ref()
+                .map_or_else(|| format!("add {}", field_words(&added.field)), |name| format!("add {name}"))
         }
         SceneAction::SetShape { body: id, shape: Some(_) } => format!("another shape for {}", body(*id)),
         SceneAction::SetShape { body: id, shape: None } => format!("no shape for {}", body(*id)),
@@ -120,14 +123,14 @@ fn locked(locks: Locks) -> String {
     if locks == Locks::NONE { "none".to_owned() } else { locks.names().collect::<Vec<_>>().join(", ") }
 }
 
-fn law(field: &ForceField) -> &'static str {
+fn field_words(field: &ForceField) -> &'static str {
     match field.kind {
         FieldKind::Attractor { .. } => "an attractor",
         FieldKind::Spring { .. } => "a spring",
         FieldKind::Drag { .. } => "a drag",
         FieldKind::Thrust { .. } => "a thrust",
         FieldKind::Zone { .. } => "a zone",
-        FieldKind::Custom { .. } => "a law of the user's own",
+        FieldKind::Custom { .. } => "a custom force",
         _ => "a force field",
     }
 }

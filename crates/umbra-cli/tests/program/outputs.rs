@@ -196,13 +196,28 @@ fn what_is_protected_stays() {
     let old = folder.write("old", "old");
     fs::set_permissions(&old, PermissionsExt::from_mode(0o444)).expect("its owner may");
     fs::set_permissions(&closed, PermissionsExt::from_mode(0o555)).expect("its owner may");
-    if fs::OpenOptions::new().write(true).open(&old).is_ok() {
-        println!("SKIPPED: for this user nothing is protected");
+    // For root permissions protect nothing: without that power it is as any user.
+    let is_root = fs::OpenOptions::new().write(true).open(&old).is_ok();
+    let setpriv = ["--bounding-set=-dac_override,-dac_read_search", "--inh-caps=-dac_override,-dac_read_search"];
+    let umbra = |name: &str| {
+        let arguments = ["run", "s.json", "--csv", name];
+        if !is_root {
+            return folder.command(arguments).output();
+        }
+        let mut command = Command::new("setpriv");
+        command.current_dir(&folder.0).args(setpriv).arg(env!("CARGO_BIN_EXE_umbra")).args(arguments).output()
+    };
+    if is_root && !umbra("new").is_ok_and(|output| output.status.success()) {
+        println!("SKIPPED: for this user nothing is protected, and there is no setpriv");
     } else {
         for name in ["old", "closed/old", "closed/new"] {
-            folder.refuses(&["run", "s.json", "--csv", name], &format!("{name}: cannot write: "));
+            let output = umbra(name).expect("the program starts");
+            let error = text(&output.stderr);
+            assert_eq!(output.status.code(), Some(2), "{error}");
+            assert!(error.starts_with(&format!("{name}: cannot write: ")), "{error}");
         }
-        assert_eq!(folder.read("closed/old"), b"old");
+        assert_eq!((folder.read("old"), folder.read("closed/old")), (b"old".into(), b"old".into()));
+        assert!(!folder.path("closed/new").exists());
     }
     fs::set_permissions(&closed, PermissionsExt::from_mode(0o755)).expect("its owner may");
 }
@@ -474,20 +489,40 @@ fn what_finds_no_room_is_an_error() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_file_that_finds_no_room_leaves_the_old_one_and_no_rest() {
+fn a_file_that_finds_no_room_leaves_the_old_one_and_of_a_recording_what_there_is() {
     let folder = with_replays("no-room");
     let before = folder.read("r.umbrarep");
-    for option in ["--csv", "--record"] {
-        // A limit to the size of files, and a program that lives to see it.
-        let run = format!("run s.json --ticks 4000000000 {option} r.umbrarep");
-        let script = format!("trap '' XFSZ; ulimit -f 64; exec \"$0\" {run}");
+    // A limit to the size of files, in blocks of half a kilobyte: it is reached on the way, and by the last write.
+    for (option, blocks, ticks) in [("csv", 64, "4000000000"), ("record", 64, "4000000000"), ("record", 4, "90")] {
+        let run = format!("run s.json --ticks {ticks} --{option} r.umbrarep");
+        // A program that lives to see it.
+        let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" {run}");
         let mut shell = Command::new("sh");
         shell.current_dir(&folder.0).args(["-c", &script, env!("CARGO_BIN_EXE_umbra")]);
         let mut child = shell.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("a shell");
         assert_eq!(status(&mut child), Some(2), "{option}");
         let error = text(&child.wait_with_output().expect("it ended").stderr);
+        let (warnings, error) = error.trim_end().rsplit_once('\n').unwrap_or(("", error.trim_end()));
         assert!(error.starts_with("r.umbrarep: cannot write: File too large"), "{error}");
-        assert!(folder.read("r.umbrarep") == before && folder.parts().is_empty(), "{option}: {:?}", folder.names());
+        assert!(folder.read("r.umbrarep") == before, "{option}");
+        let parts = folder.parts();
+        if option == "csv" {
+            assert_eq!((warnings, parts), ("", vec![]));
+            continue;
+        }
+        // Of the recording there is what went before, and it is said where.
+        let [part] = &parts[..] else { panic!("{parts:?}") };
+        let said = "r.umbrarep: not written; what there is of it is left in ";
+        let left = warnings.strip_prefix(said).unwrap_or_else(|| panic!("{warnings}"));
+        assert_eq!(
+            fs::canonicalize(folder.path(left)).expect("it is there"),
+            fs::canonicalize(part).expect("it is there")
+        );
+        let verdict = folder.umbra(&["verify", "--json", left]);
+        let line: Value = serde_json::from_slice(&verdict.stdout).expect("JSON");
+        assert_eq!(line["status"].as_str(), Some("cut_off"), "{line}");
+        assert!(line["ticks"].as_u64().is_some_and(|played| played >= 64), "{line}");
+        fs::remove_file(part).expect("it is there");
     }
 }
 

@@ -211,3 +211,42 @@ fn every_oracle_holds_of_scripts_and_has_something_to_judge() {
         assert!(!is_on || held * 6 >= RUNS, "{oracle} had something to judge in {held} runs");
     }
 }
+
+/// Once the first body stands at zero, the second command is needed no more.
+#[test]
+fn what_simpler_values_make_superfluous_is_left_out_as_well() {
+    let add = |x| Command::AddBody(BodyDef { position: vec2(x, 0), ..BodyDef::dynamic() });
+    let commands = vec![(0, add(fx!(3.3))), (0, Command::ClearForces)];
+    let script = Script { world: WorldDef::default(), commands, ticks: 1 };
+    let fails = |script: &Script| {
+        let (first, others) = script.commands.split_first()?;
+        let is_first = matches!(&first.1, Command::AddBody(def) if def.position.x == fx!(0) || !others.is_empty());
+        is_first.then_some(0)
+    };
+    let least = script.shrunk_by(1_000, fails).expect("it fails");
+    assert!(matches!(&least.commands[..], [(0, Command::AddBody(def))] if def.position == vec2(0, 0)), "{least:?}");
+    // With few tries it is still a script that fails.
+    for tries in 1..60 {
+        let tried = std::cell::Cell::new(0);
+        let counted = |script: &Script| {
+            tried.set(tried.get() + 1);
+            fails(script)
+        };
+        let smaller = script.shrunk_by(tries, counted).expect("the first try is the script itself");
+        assert!(fails(&smaller).is_some() && tried.get() <= tries, "{tries}");
+    }
+}
+
+/// Threads share free bodies, and with published Verlet no body is free.
+#[test]
+fn threads_are_judged_only_of_steps_that_use_them() {
+    let commands = vec![(0, Command::AddBody(BodyDef { velocity: vec2(1, 0), ..BodyDef::dynamic() }))];
+    let of = |integrator, ticks| {
+        let world = WorldDef { integrator, ..WorldDef::default() };
+        Script { world, commands: commands.clone(), ticks }.judge(Oracle::Threads)
+    };
+    assert!(matches!(of(Integrator::PublishedVerlet, 3), Ok(Verdict::Inapplicable { .. })));
+    if cfg!(feature = "parallel") {
+        assert_eq!(of(Integrator::VelocityVerlet, 3), Ok(Verdict::Held));
+    }
+}

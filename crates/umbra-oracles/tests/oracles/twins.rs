@@ -46,11 +46,11 @@ enum Fault {
     Above,
     /// The distance from the origin matters.
     Origin,
-    /// A law of force reads what it does not say it reads.
+    /// A custom force reads what it does not say it reads.
     Velocity,
-    /// A law of force remembers.
+    /// A custom force remembers.
     Memory,
-    /// A law of force asks on which thread it is.
+    /// A custom force asks on which thread it is.
     Thread,
 }
 
@@ -196,7 +196,7 @@ fn weak(linear: i32) -> ForceField {
     ForceField { kind: FieldKind::Drag { linear: linear.into(), quadratic: Fx::ZERO, wind: Vec2::ZERO }, groups: 0 }
 }
 
-/// A law of force with a fault.
+/// A custom force with a fault.
 struct Odd(Fault, AtomicI64);
 
 impl CustomForce for Odd {
@@ -360,7 +360,7 @@ fn a_place_that_matters_is_found() {
 
 #[test]
 fn a_law_that_says_it_reads_less_than_it_does_is_found() {
-    // Forces are kept for a step that are no longer the same; what has an image of such a law nobody knows.
+    // Forces are kept for a step that are no longer the same; what the image of such a force is nobody knows.
     let by = [Oracle::Restore, Oracle::Reverse, Oracle::Paths];
     assert_found(Fault::Velocity, &by, &[Oracle::Record, Oracle::Bystanders, Oracle::Threads]);
 }

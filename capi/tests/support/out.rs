@@ -1,0 +1,22 @@
+//! What functions give through pointers.
+
+use std::mem::MaybeUninit;
+
+use umbra_physics_capi::{UMBRA_OK, UmbraStatus};
+
+/// The value that a function gives through a pointer.
+pub fn out<T>(call: impl FnOnce(Option<&mut MaybeUninit<T>>) -> UmbraStatus) -> Result<T, UmbraStatus> {
+    let mut place = MaybeUninit::uninit();
+    match call(Some(&mut place)) {
+        // SAFETY: a call that is done has written it.
+        UMBRA_OK => Ok(unsafe { place.assume_init() }),
+        status => Err(status),
+    }
+}
+
+/// An object that a function makes, which is the caller's.
+pub fn own<T>(
+    call: impl FnOnce(Option<&mut MaybeUninit<Option<Box<T>>>>) -> UmbraStatus,
+) -> Result<Box<T>, UmbraStatus> {
+    out(call).map(|thing| thing.expect("a call that is done gives something"))
+}
