@@ -20,7 +20,7 @@ impl Scene {
     /// those of one tick in the order of the list. Its bodies are called `body 1`, `body 2`, …, its force fields `field 1`, ….
     ///
     /// The run of the scene has the state of that world at every tick, to the last bit and with the same handles. A command
-    /// that the world refuses changes nothing and is left out, so is one at `ticks` or later; but a law of the user's own, which
+    /// that the world refuses changes nothing and is left out, so is one at `ticks` or later; but a custom force, which
     /// another world may have, is an error. To tell, the world is run up to the last command.
     ///
     /// ```
