@@ -106,7 +106,7 @@ pub(super) fn kinds(trial: &mut Trial) -> Played {
     same("moving bodies", &world.moving_count(), &2)
 }
 
-/// The same push in one of the two frames, on a body at `centre` that is not turned.
+/// Pushes a body that is not turned. The push of a tick is the same in both frames.
 fn push(world: &mut World, id: BodyId, frame: Frame, tick: u32) -> Result<(), Error> {
     let manner = ApplyOptions { frame, wake: true };
     let size = Fx::from_int(1 + (tick % 7) as i32);
