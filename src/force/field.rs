@@ -197,7 +197,7 @@ codec_struct!(SpringConstants { rest, stiffness, damping });
 codec_struct!(ForceField { groups, kind });
 codec_enum!(End<S>, "0 or 1 for an end", { 0 => World(point), 1 => Body(attachment) });
 codec_enum!(Region<S>, "0 or 1 for a region", { 0 => Disc { centre, radius }, 1 => Box { min, max } });
-codec_enum!(FieldKind<S>, "the number of a law of force", {
+codec_enum!(FieldKind<S>, "the number of a kind of field", {
     0 => Attractor { centre, mu, softening },
     1 => Spring { near, far, spring },
     2 => Drag { linear, quadratic, wind },

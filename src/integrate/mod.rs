@@ -24,8 +24,8 @@ use crate::scalar::{Angle, Factor, Scalar, Span, Weight};
 ///
 /// // What executes a step walks this list, and so can a program that shows it.
 /// let verlet = Integrator::VelocityVerlet;
-/// let verbs: Vec<_> = verlet.stages().iter().map(|stage: &Stage| stage.kind.name()).collect();
-/// assert_eq!(verbs, ["damp", "kick", "drift", "fields", "kick", "damp", "clear"]);
+/// let kinds: Vec<_> = verlet.stages().iter().map(|stage: &Stage| stage.kind.name()).collect();
+/// assert_eq!(kinds, ["damp", "kick", "drift", "fields", "kick", "damp", "clear"]);
 /// assert!(verlet.stages().iter().any(|stage| stage.kind == StageKind::Drift && !stage.mirrored));
 /// assert!(verlet.inverse().is_some() && Integrator::ExplicitEuler.inverse().is_none());
 /// ```
@@ -79,7 +79,7 @@ pub enum StageKind {
     Clear,
 }
 
-codec_enum!(StageKind, "the number of a verb", { 0 => Fields, 1 => Damp, 2 => Kick, 3 => Drift, 4 => Clear });
+codec_enum!(StageKind, "the number of a stage kind", { 0 => Fields, 1 => Damp, 2 => Kick, 3 => Drift, 4 => Clear });
 
 impl StageKind {
     /// Name in traces, hashes and benches.

@@ -106,7 +106,7 @@ pub(super) fn kinds(trial: &mut Trial) -> Played {
     same("moving bodies", &world.moving_count(), &2)
 }
 
-/// The same push in one of the two frames, on a body at `centre` that is not turned.
+/// Pushes a body that is not turned. The push of a tick is the same in both frames.
 fn push(world: &mut World, id: BodyId, frame: Frame, tick: u32) -> Result<(), Error> {
     let manner = ApplyOptions { frame, wake: true };
     let size = Fx::from_int(1 + (tick % 7) as i32);
@@ -142,11 +142,11 @@ pub(super) fn pushes(trial: &mut Trial) -> Played {
         let size = Fx::from_int(1 + (tick % 7) as i32);
         let force = Vec2::new(size, fx!(-0.25) * size);
         let arm = Vec2::new(fx!(0.5), Fx::from_ratio(i64::from(tick % 5) - 2, 4));
-        let phase = arm.x * force.y - arm.y * force.x;
+        let torque = arm.x * force.y - arm.y * force.x;
         let second = Fx::from_ratio(1, 64);
         match tick % 4 {
-            0 => (momentum, spin) = (momentum + force.map(|c| c * second), spin + phase * second),
-            1 => (momentum, spin) = (momentum + force, spin + phase),
+            0 => (momentum, spin) = (momentum + force.map(|c| c * second), spin + torque * second),
+            1 => (momentum, spin) = (momentum + force, spin + torque),
             2 => spin += size * second,
             _ => spin -= size,
         }

@@ -1,4 +1,4 @@
-//! Force fields but for springs: attractors, drag, thrust, zones, laws of the user's own, groups.
+//! Force fields but for springs: attractors, drag, thrust, zones, custom forces, groups.
 
 use alloc::sync::Arc;
 
@@ -64,7 +64,7 @@ pub(super) fn three_bodies(trial: &mut Trial) -> Played {
     let before = world.momentum()?;
     trial.steps(&mut world, 3000);
     let after = world.momentum()?;
-    // Public velocities are within ½ ulp, 7 kg in all; the laws' 2^-61 of 2^10 m/s² over 50 s is nothing beside it.
+    // Public velocities are within ½ ulp, 7 kg in all; the fields' 2^-61 of 2^10 m/s² over 50 s is nothing beside it.
     near_wide("momentum along x", after.x, before.x, 4 << 32)?;
     near_wide("momentum along y", after.y, before.y, 4 << 32)?;
     let far = world.bodies().all(|body| body.position().x.abs() < fx!(1000));

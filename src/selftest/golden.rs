@@ -4,7 +4,7 @@ use core::fmt;
 
 use super::Outcome;
 
-/// The outcomes of all scenes under a law of physics, as text: a line a scene, so that what changed shows in a diff.
+/// The outcomes of all scenes under a physics version, as text: a line a scene, so that what changed shows in a diff.
 ///
 /// [`Golden::write`] writes what [`Golden::parse`] reads.
 ///
@@ -28,7 +28,7 @@ pub struct Golden<'t> {
     text: &'t str,
 }
 
-/// The list of this version, made when its law was.
+/// The list of this physics version, made together with it.
 #[must_use]
 pub const fn golden() -> Golden<'static> {
     Golden { text: include_str!("golden.txt") }
@@ -44,7 +44,7 @@ impl<'t> Golden<'t> {
         Self { text }
     }
 
-    /// The number of the law of physics it was made under, as [`PHYSICS_VERSION`](crate::PHYSICS_VERSION).
+    /// The [physics version](crate::PHYSICS_VERSION) it was made under.
     #[must_use]
     pub fn physics_version(&self) -> Option<u32> {
         self.lines().find_map(|mut words| (words.next()? == "law").then(|| words.next()?.parse().ok())?)
@@ -81,16 +81,16 @@ impl<'t> Golden<'t> {
     /// Writes the text of a list: what a bless writes into the sources.
     ///
     /// # Errors
-    /// Those of the writer.
+    /// An error of the writer.
     pub fn write<'a>(
         to: &mut impl fmt::Write,
-        law: u32,
+        physics_version: u32,
         scenes: impl IntoIterator<Item = (&'a str, Outcome)>,
         all: Outcome,
     ) -> fmt::Result {
         writeln!(to, "# Scene, ticks, digest: src/selftest/mod.rs says what each is. They change with the law alone.")?;
         writeln!(to, "# Written by: UMBRA_BLESS=1 cargo test --release --features selftest --test golden")?;
-        writeln!(to, "law {law}")?;
+        writeln!(to, "law {physics_version}")?;
         for (name, Outcome { ticks, digest }) in scenes.into_iter().chain([(ALL, all)]) {
             writeln!(to, "{name:<24} {ticks:>6} {digest:016x}")?;
         }

@@ -11,7 +11,7 @@ use crate::world::World;
 
 impl Symmetry {
     /// The image of a world, with the same handles. What the game keeps in it, its generator, its blob and the bodies' data,
-    /// is as it was. None where a law of force of the user's own acts, or a body is more than 2^29 m out and would be shifted.
+    /// is as it was. None where a custom force acts, or a body is more than 2^29 m out and would be shifted.
     #[must_use]
     pub fn world(&self, world: &World) -> Option<World> {
         let mut image = world.clone();

@@ -61,7 +61,7 @@ pub(super) fn blame(object: &Object<'_>, error: Error) -> super::SceneError {
     object.at(fields_of(&error)).fault(error)
 }
 
-/// Reads a body; `check` refuses what the world would.
+/// Reads a body. It is left to the caller to make its definition, and to refuse what the world would.
 pub(super) fn body(object: &Object<'_>) -> Result<SceneBody> {
     let name = object.need("name")?.string()?;
     let kind = object.or("kind", BodyKind::Dynamic, kind)?;
@@ -90,9 +90,7 @@ pub(super) fn body(object: &Object<'_>) -> Result<SceneBody> {
     if kind == BodyKind::Static && (def.velocity != Vec2::ZERO || def.angular_velocity != Fx::ZERO) {
         return Err(object.at(&["velocity", "angular_velocity"]).fault("a static body has no velocity"));
     }
-    let body = SceneBody { name, def, shape, place: object.node.place() };
-    body.def::<Fx>().and_then(|def| def.check()).map_err(|error| blame(object, error))?;
-    Ok(body)
+    Ok(SceneBody { name, def, shape, place: object.node.place() })
 }
 
 pub(super) fn kind(node: &Node<'_>) -> Result<BodyKind> {

@@ -1,21 +1,18 @@
 //! Commands of a scene for a world: another scalar, and the world's handles in place of indices.
 
 use super::field::convert_factor;
-use super::shape::vector;
+use super::shape::{ShapeDef, vector};
 use umbra_physics::{
     BodyDef, BodyId, Command, CommandMap, Error, FieldId, ForceField, Fx, FxFactor, Scalar, Shape, Vec2,
 };
 
-/// Converts a command. A scene has actions of its own for commands that make something or have a shape: these are refused.
+/// Converts a command.
 pub(super) fn convert_command<S: Scalar>(
     command: &Command,
     bodies: &impl Fn(BodyId) -> Result<BodyId, Error>,
     fields: &impl Fn(FieldId) -> Result<FieldId, Error>,
 ) -> Result<Command<S>, Error> {
-    match command {
-        Command::AddBody(_) | Command::AddField(_) | Command::SetShape { .. } => Err(Error::Full),
-        _ => command.clone().map(&mut Convert { bodies, fields }),
-    }
+    command.clone().map(&mut Convert { bodies, fields })
 }
 
 /// Converts a force field; the error names the index of a body that is not there.
@@ -52,8 +49,8 @@ where
         Ok(convert_factor::<S>(value))
     }
 
-    fn shape(&mut self, _: Shape) -> Result<Shape<S>, Error> {
-        Err(Error::Full)
+    fn shape(&mut self, shape: Shape) -> Result<Shape<S>, Error> {
+        ShapeDef::from(&shape).make()
     }
 
     fn vector(&mut self, v: Vec2) -> Result<Vec2<S>, Error> {

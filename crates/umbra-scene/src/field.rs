@@ -176,7 +176,7 @@ fn end(node: &Node<'_>, names: &Names) -> Result<End> {
     if node.kind() == Kind::List { node.point().map(End::World) } else { attachment(node, names).map(End::Body) }
 }
 
-/// The same factor for another scalar; rounded to nearest in a float.
+/// Converts a factor to another scalar; a float is rounded to nearest.
 pub(super) fn convert_factor<S: Scalar>(factor: FxFactor) -> S::Factor {
     let (mantissa, mut shift) = factor.parts();
     let mut value = S::Factor::from_ratio(mantissa, 1);

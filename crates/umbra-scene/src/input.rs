@@ -2,7 +2,7 @@
 
 use alloc::vec::Vec;
 
-use super::body::{body, groups, kind, locks, mass, max_speeds, own_damping};
+use super::body::{blame, body, groups, kind, locks, mass, max_speeds, own_damping};
 use super::error::{Flaw, Place};
 use super::field::{field, named, symbol};
 use super::node::{Node, Object, Result};
@@ -43,7 +43,7 @@ pub struct Input {
 #[non_exhaustive]
 #[allow(clippy::large_enum_variant, reason = "nearly all are commands")]
 pub enum SceneAction {
-    /// A command of the world's.
+    /// A command of the world's. A body or force field that it adds has no index in the scene.
     Command(Command),
     /// The body of this index is added.
     AddBody(usize),
@@ -63,7 +63,10 @@ pub(super) fn input(object: &Object<'_>, scene: &mut Scene, tables: &mut Tables)
     let mut actions = Vec::new();
     let mut push = |node: &Node<'_>, action| actions.push((node.place(), action));
     if let Some(node) = object.get("add") {
-        push(node, SceneAction::AddBody(scene.add_body(body(&node.object()?)?, node, tables)?));
+        let object = node.object()?;
+        let body = body(&object)?;
+        body.def::<Fx>().and_then(|def| def.check()).map_err(|error| blame(&object, error))?;
+        push(node, SceneAction::AddBody(scene.add_body(body, node, tables)?));
     }
     if let Some(node) = object.get("add_field") {
         let field = field(&node.object()?, &tables.bodies)?;
@@ -154,6 +157,19 @@ fn span(object: &Object<'_>) -> Result<(u64, u64, u64)> {
 
 /// Forces and impulses.
 fn read_forces(object: &Object<'_>, target: BodyId, push: &mut impl FnMut(&Node<'_>, SceneAction)) -> Result<()> {
+    let [force, torque, impulse, angular_impulse] =
+        ["force", "torque", "impulse", "angular_impulse"].map(|name| object.get(name));
+    let has_point = force.or(impulse).is_some();
+    let is_any = has_point || torque.or(angular_impulse).is_some();
+    if let Some(node) = object.get("point").filter(|_| !has_point) {
+        return Err(node.fault("a `point` needs a `force` or an `impulse` beside it"));
+    }
+    for name in ["frame", "wake"] {
+        if let Some(node) = object.get(name).filter(|_| !is_any) {
+            let message = "needs a `force`, `torque`, `impulse` or `angular_impulse` beside it";
+            return Err(node.fault(format_args!("`{name}` {message}")));
+        }
+    }
     let frame = |node: &Node<'_>| node.choice(&[("world", Frame::World), ("body", Frame::Body)]);
     let manner =
         ApplyOptions { frame: object.or("frame", Frame::World, frame)?, wake: object.or("wake", true, Node::boolean)? };
@@ -161,16 +177,16 @@ fn read_forces(object: &Object<'_>, target: BodyId, push: &mut impl FnMut(&Node<
     let mut apply = |node: &Node<'_>, action| {
         push(node, SceneAction::Command(Command::Apply { body: target, action, manner }));
     };
-    if let Some(node) = object.get("force") {
+    if let Some(node) = force {
         apply(node, ForceOrImpulse::Force { force: node.point()?, point });
     }
-    if let Some(node) = object.get("torque") {
+    if let Some(node) = torque {
         apply(node, ForceOrImpulse::Torque(node.number()?));
     }
-    if let Some(node) = object.get("impulse") {
+    if let Some(node) = impulse {
         apply(node, ForceOrImpulse::Impulse { impulse: node.point()?, point });
     }
-    if let Some(node) = object.get("angular_impulse") {
+    if let Some(node) = angular_impulse {
         apply(node, ForceOrImpulse::AngularImpulse(node.number()?));
     }
     Ok(())

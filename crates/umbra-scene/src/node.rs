@@ -33,8 +33,9 @@ fn ends(text: &[u8]) -> usize {
 impl<'a> Source<'a> {
     pub(super) fn new(text: &'a str) -> Self {
         let pages = text.as_bytes().chunks(PAGE).scan(0, |before, page| {
+            let start = *before;
             *before += ends(page);
-            Some(*before - ends(page))
+            Some(start)
         });
         Self { text, pages: pages.collect() }
     }

@@ -128,7 +128,7 @@ fn read(node: &Node<'_>, part_of_one: bool) -> Result<ShapeDef> {
         return Err(inner.fault("a part cannot be a compound itself"));
     }
     let def = match name {
-        "polygon" => polygon(inner)?,
+        "polygon" => return polygon(inner),
         "segment" => {
             let [a, b] = inner.tuple()?;
             ShapeDef::Segment { ends: [a.point()?, b.point()?] }

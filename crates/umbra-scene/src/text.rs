@@ -178,8 +178,11 @@ impl Scene {
     fn command(&self, object: &mut Fields, command: &Command) {
         let set = |object: &mut Fields, property, value: String| object.put("set", Fields::of(property, value));
         match *command {
-            // A scene has actions of its own for these. As commands no run carries them out, but they read alike.
-            Command::AddBody(ref def) => object.put("add", body_text(Fields::default(), def, None)),
+            // A scene has actions of its own for these. A body that a command adds has no name, without which none is read.
+            Command::AddBody(ref def) => {
+                let shape = def.shape.as_ref().map(ShapeDef::from);
+                object.put("add", body_text(Fields::default(), def, shape.as_ref()));
+            }
             Command::AddField(ref field) => object.put("add_field", self.field(Fields::default(), field)),
             Command::SetShape { body, ref shape } => {
                 self.set_shape(object, body, shape.as_ref().map(ShapeDef::from).as_ref());

@@ -36,7 +36,7 @@ impl fmt::Display for Way {
 impl Way {
     /// All ways that this build has on this machine.
     pub fn all() -> Vec<Self> {
-        wide_vectors::allow(true);
+        let _own = OwnVectors::allow(true);
         let wide: &[bool] = if wide_vectors::are_used() { &[true, false] } else { &[false] };
         let threads: &[Option<usize>] = if cfg!(feature = "parallel") { &[Some(1), Some(2), Some(8)] } else { &[None] };
         threads.iter().flat_map(|&threads| wide.iter().map(move |&wide| Self { threads, wide })).collect()
@@ -44,13 +44,31 @@ impl Way {
 
     /// Runs something in this way; the error says why there are no threads for it.
     fn with<T: Send>(self, run: impl FnOnce() -> T + Send) -> Result<T, String> {
-        wide_vectors::allow(self.wide);
+        let _own = OwnVectors::allow(self.wide);
         #[cfg(feature = "parallel")]
         if let Some(threads) = self.threads {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
             return Ok(pool.map_err(|error| error.to_string())?.install(run));
         }
         Ok(run())
+    }
+}
+
+/// Wide vectors as this library needs them; when it is dropped, they are what they were before. The switch is one for the whole
+/// process, which may be a game.
+struct OwnVectors(bool);
+
+impl OwnVectors {
+    fn allow(wide: bool) -> Self {
+        let before = wide_vectors::are_used();
+        wide_vectors::allow(wide);
+        Self(before)
+    }
+}
+
+impl Drop for OwnVectors {
+    fn drop(&mut self) {
+        wide_vectors::allow(self.0);
     }
 }
 
@@ -95,7 +113,9 @@ impl fmt::Display for Trouble {
                 write!(f, "with {way} it gives {:016x}, before it gave {:016x}", here.digest, first.digest)
             }
             Self::NotGolden { golden } => write!(f, "expected {:016x} of {} ticks", golden.digest, golden.ticks),
-            Self::NoGolden => write!(f, "there is no golden digest of law {PHYSICS_VERSION} to compare with"),
+            Self::NoGolden => {
+                write!(f, "there is no golden digest of physics version {PHYSICS_VERSION} to compare with")
+            }
             Self::Threads { what } => write!(f, "no threads: {what}"),
         }
     }
@@ -105,7 +125,7 @@ impl fmt::Display for Trouble {
 pub struct Checked {
     /// The scene.
     pub scene: &'static Scene,
-    /// The outcome in the first way; `None` if the scene failed.
+    /// The outcome in the first way; `None` if the scene failed in it.
     pub outcome: Option<Outcome>,
     /// The disagreements; empty if all is well.
     pub troubles: Vec<Trouble>,
@@ -123,8 +143,8 @@ impl Checked {
                 Ok(Err(failure)) => checked.troubles.push(Trouble::Failed { way, failure }),
                 Ok(Ok(here)) => match checked.outcome {
                     Some(first) if first != here => checked.troubles.push(Trouble::Ways { way, first, here }),
-                    Some(_) => {}
-                    None => checked.outcome = Some(here),
+                    None if i == 0 => checked.outcome = Some(here),
+                    _ => {}
                 },
             }
             if i == 0 {

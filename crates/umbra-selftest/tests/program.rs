@@ -4,6 +4,9 @@ use std::ffi::OsStr;
 use std::fs;
 use std::process::{Command, Stdio};
 
+use umbra_physics::scalar::internals::wide_vectors;
+use umbra_selftest::{Way, check};
+
 fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).expect("UTF-8")
 }
@@ -65,6 +68,16 @@ fn the_small_selftest_prints_the_golden_list() {
         fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../src/selftest/golden.txt")).expect("the list");
     let golden: Vec<&str> = golden.lines().filter(|line| !line.starts_with('#')).collect();
     assert_eq!(text(&output.stdout).lines().collect::<Vec<_>>(), golden);
-    let output = selftest().arg("x").output().expect("the program starts");
-    assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0));
+}
+
+#[test]
+fn a_check_leaves_wide_vectors_as_they_were() {
+    let were_used = wide_vectors::are_used();
+    let ways = Way::all();
+    // The last way is without them.
+    assert!(check(&ways[ways.len() - 1..], |_| ()).agrees);
+    assert_eq!(wide_vectors::are_used(), were_used);
+    wide_vectors::allow(false);
+    assert_eq!(Way::all(), ways);
+    assert!(!wide_vectors::are_used());
 }

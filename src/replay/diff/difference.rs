@@ -112,7 +112,7 @@ pub struct Difference {
 }
 
 impl Difference {
-    /// The same values in another tick and phase.
+    /// Moves the values to another tick and phase.
     pub(in crate::replay) fn at(self, tick: u64, phase: TickPhase) -> Self {
         Self { tick, phase, ..self }
     }

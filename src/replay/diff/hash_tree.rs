@@ -53,7 +53,8 @@ impl HashTree {
         Self::over(format!("tick {}", world.tick()), &leaves, 0)
     }
 
-    /// Builds the tree of a step: the state after each of its stages, and at its end.
+    /// Builds the tree of a step: the state after each of its stages, and at its end. Its tick is that of the world before the
+    /// step, as in a [`Difference`](super::Difference).
     #[must_use]
     pub fn of_step<S: Scalar>(trace: &Trace<S>, end: &World<S>) -> Self {
         let stage = |(index, (stage, world)): (u32, (&Stage, &World<S>))| {
@@ -62,7 +63,8 @@ impl HashTree {
         };
         let mut parts: Vec<Self> = (0..).zip(trace.stages()).map(stage).collect();
         parts.push(Self { name: TickPhase::End.to_string(), ..Self::of(end) });
-        Self::group(format!("tick {}", end.tick()), parts)
+        let tick = trace.stages().next().map_or(end.tick(), |(_, world)| world.tick());
+        Self::group(format!("tick {tick}"), parts)
     }
 
     /// Puts a node over trees that were built before.

@@ -72,7 +72,7 @@ fn word_of(tag: Tag, length: u32) -> u64 {
     u64::from(u32::from_le_bytes(tag.0)) | u64::from(length) << 32
 }
 
-/// Appends a chunk to a file. *Domain* fewer than 2^32 bytes.
+/// Appends a chunk to a file. *Domain* fewer than 2^32 bytes, which [`Recorder`](super::Recorder) asks of its caller.
 pub(in crate::replay) fn write(file: &mut Vec<u8>, tag: Tag, bytes: &[u8]) {
     let word = word_of(tag, bytes.len() as u32);
     let Seal { hash, sum, weighted } = Seal::of(word, bytes);

@@ -105,7 +105,7 @@ impl Content<'_> {
             Self::File(phase) => (tick, *phase, Owner::World, name_of(path)),
             Self::World(world, phase) => {
                 let (owner, path) = world.owner_of(path);
-                (world.tick(), *phase, owner, name_of(path))
+                (tick, *phase, owner, name_of(path))
             }
             Self::Ticks(segment) => match *path {
                 [Part::Name("ticks"), Part::Entry(i), ..] => {

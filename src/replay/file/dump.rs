@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 use super::chunk::{self, Chunk, Tag};
 use super::damage::{check_unchanged, read_whole};
 use super::error::ReplayError;
-use super::format::{DONE, DUMP, Done, PHASE, PhaseState, TICKS, VERSION};
+use super::format::{DONE, DUMP, Done, PHASE, TICKS, VERSION, write_phase};
 use super::ticks::{NewTick, Segment, Tick, tick_difference};
 use crate::codec::{Read, Reader, Write};
 use crate::force::CustomForce;
@@ -147,15 +147,18 @@ impl Dump {
         1u32.write(&mut bytes);
         bytes.extend_from_slice(&self.done);
         chunk::write(&mut file, TICKS, &bytes);
-        let mut last = None;
+        let mut last = Vec::new();
         for (phase, world) in &self.phases {
             let mut saved = Vec::new();
             Saved(&**world).write(&mut saved);
             bytes.clear();
-            let is_new = last.as_ref() != Some(&saved);
-            PhaseState { phase: *phase, world: is_new.then_some(&**world) }.write(&mut bytes);
+            let is_new = last != saved;
+            write_phase(&mut bytes, *phase, is_new);
+            if is_new {
+                bytes.extend_from_slice(&saved);
+            }
             chunk::write(&mut file, PHASE, &bytes);
-            last = Some(saved);
+            last = saved;
         }
         bytes.clear();
         let end = self.phases.last().map_or(0, |(_, world)| world.state_hash());
@@ -170,7 +173,7 @@ impl Dump {
     /// # Errors
     /// A [`ReplayError`].
     pub fn from_bytes(bytes: &[u8], custom_forces: &[Arc<dyn CustomForce>]) -> Result<Self, ReplayError> {
-        let mut chunks = Chunks { reader: Reader::new(bytes), number: 0, custom_forces };
+        let mut chunks = Chunks { reader: Reader::new(bytes), number: 0, tick: 0, custom_forces };
         DUMP.enter(&mut chunks.reader)?;
         let (chunk, at) = chunks.next_of(VERSION)?;
         match read_whole(&chunk, at, u32::read)? {
@@ -189,7 +192,8 @@ impl Dump {
         }
         let mut done = chunk.bytes;
         done.drain(..Segment::HEAD);
-        let phases = chunks.read_phases(tick, hash)?;
+        chunks.tick = tick;
+        let phases = chunks.read_phases(hash)?;
         let number = chunks.number;
         chunks.reader.end().map_err(|malformed| ReplayError::Malformed { chunk: number, malformed })?;
         Ok(Self { done, phases })
@@ -204,16 +208,18 @@ struct Chunks<'a> {
     reader: Reader<'a>,
     /// The number of chunks that were read.
     number: u32,
+    /// The tick of the dump; 0 as long as it is unknown.
+    tick: u64,
     custom_forces: &'a [Arc<dyn CustomForce>],
 }
 
 impl Chunks<'_> {
     /// Reads a chunk, and gives its number.
     fn next(&mut self) -> Result<(Chunk, u32), ReplayError> {
-        let chunk = chunk::read(&mut self.reader).ok_or(ReplayError::CutOff { tick: 0 })?;
+        let chunk = chunk::read(&mut self.reader).ok_or(ReplayError::CutOff { tick: self.tick })?;
         let number = self.number;
         self.number += 1;
-        check_unchanged(&chunk, number, 0, self.custom_forces)?;
+        check_unchanged(&chunk, number, self.tick, self.custom_forces)?;
         Ok((chunk, number))
     }
 
@@ -223,9 +229,9 @@ impl Chunks<'_> {
         if chunk.tag == tag { Ok((chunk, number)) } else { Err(ReplayError::expected(number, "another chunk")) }
     }
 
-    /// Reads the phases of this tick, after which the world has this hash.
-    fn read_phases(&mut self, tick: u64, hash: Option<u64>) -> Result<Phases, ReplayError> {
-        let mut phases = Phases::new();
+    /// Reads the phases of the tick, after which the world has this hash.
+    fn read_phases(&mut self, hash: Option<u64>) -> Result<Phases, ReplayError> {
+        let (tick, mut phases) = (self.tick, Phases::new());
         let mut saved = Vec::new();
         loop {
             let (chunk, at) = self.next()?;

@@ -61,10 +61,10 @@ impl ReplayError {
 impl fmt::Display for ReplayError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Foreign => f.write_str("not a replay of umbra-physics"),
-            Self::Format { found, known } => write!(f, "a replay of format {found}; this build reads format {known}"),
+            Self::Foreign => f.write_str("not a replay or dump of umbra-physics"),
+            Self::Format { found, known } => write!(f, "a file of format {found}; this build reads format {known}"),
             Self::PhysicsVersion { found, own } => {
-                write!(f, "a replay recorded under physics version {found}; this build has physics version {own}")
+                write!(f, "a file recorded under physics version {found}; this build has physics version {own}")
             }
             Self::CutOff { tick } => write!(f, "cut off: whole up to tick {tick}"),
             Self::Tampered(difference) => write!(f, "changed after it was recorded: {difference}"),

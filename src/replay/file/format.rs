@@ -125,10 +125,15 @@ pub(in crate::replay) struct PhaseState<'a> {
 impl Write for PhaseState<'_> {
     fn write(&self, out: &mut impl Encoder) {
         let Self { phase, world } = self;
-        codec::field(out, "moment", phase);
-        codec::field(out, "is_new", &world.is_some());
+        write_phase(out, *phase, world.is_some());
         if let Some(world) = world {
             Saved(*world).write(out);
         }
     }
+}
+
+/// Writes a phase without its world.
+pub(in crate::replay) fn write_phase(out: &mut impl Encoder, phase: TickPhase, is_new: bool) {
+    codec::field(out, "moment", &phase);
+    codec::field(out, "is_new", &is_new);
 }

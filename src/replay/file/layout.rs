@@ -12,8 +12,8 @@ use crate::world::World;
 
 /// The most ticks of a chunk: at most so many are lost when a recording is cut off.
 const SEGMENT: u32 = 64;
-/// A chunk ends with the first tick after which it has more bytes than this. A tick with a blob may add 2^24 bytes, and no
-/// chunk has 2^32.
+/// A chunk ends with the first tick after which it has more bytes than this. That tick may take many more: each blob in it has
+/// up to 2^24 bytes.
 const SEGMENT_BYTES: usize = 1 << 20;
 
 impl Head {

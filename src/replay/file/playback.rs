@@ -141,7 +141,7 @@ impl<'a> Playback<'a> {
         calls.chain(tick.into_iter().flat_map(|tick| tick.inputs.iter().map(|input| input.command)))
     }
 
-    /// The results of the inputs of the last tick.
+    /// The results of the inputs of the last tick; none after a [`seek`](Self::seek).
     #[must_use]
     pub fn outcomes(&self) -> &[InputResult] {
         &self.outcomes
@@ -164,10 +164,7 @@ impl<'a> Playback<'a> {
         if !self.advance() {
             return Ok(false);
         }
-        let snapshot = self.replay.snapshot_after(self.ticks);
-        let done = self.replay.done.filter(|_| self.replay.ticks == self.ticks);
-        let recorded = [self.recorded_hash(), snapshot.map(World::state_hash), done.map(|done| done.hash)];
-        let mut recorded = recorded.into_iter().flatten().peekable();
+        let mut recorded = self.replay.hashes_after(self.ticks, self.recorded).into_iter().flatten().peekable();
         if recorded.peek().is_none() {
             return Ok(true);
         }
@@ -226,6 +223,7 @@ impl<'a> Playback<'a> {
             self.ticks = after;
         }
         self.seek_on(ticks);
+        self.outcomes.clear();
     }
 
     /// Finds the first value in which the run differs from the recorded one, whose values are in its snapshots alone. The

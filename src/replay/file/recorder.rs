@@ -35,6 +35,10 @@ impl Default for RecordOptions {
 /// All changes must go through the recorder, but for two that it notices by itself: numbers drawn from the world's random
 /// generator, and changes of its blob.
 ///
+/// The calls and inputs of a tick, and the snapshot of a world, must take less than 4 GiB each: a longer part makes the file
+/// unreadable. The limit is 255 blobs of the largest size in one tick; a snapshot reaches it with 13 million bodies, or with
+/// fewer that have large shapes.
+///
 /// ```
 /// use umbra_physics::{BodyDef, Command, Input, Inputs, RecordOptions, Recorder, Replay, World, WorldDef, vec2};
 ///

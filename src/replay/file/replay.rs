@@ -275,6 +275,13 @@ impl Replay {
         self.snapshots_from(ticks).next().filter(|(after, _)| *after == ticks).map(|(_, world)| world)
     }
 
+    /// The recorded hashes of the world after `ticks` ticks: `last`, which the last of these ticks has, that of a snapshot, and
+    /// that of the end.
+    pub(super) fn hashes_after(&self, ticks: u64, last: Option<u64>) -> [Option<u64>; 3] {
+        let done = self.done.filter(|_| self.ticks == ticks);
+        [last, self.snapshot_after(ticks).map(World::state_hash), done.map(|done| done.hash)]
+    }
+
     /// The last snapshot after `ticks` ticks or fewer, with the number of ticks before it.
     pub(super) fn snapshot_before(&self, ticks: u64) -> (u64, &World) {
         let later = self.snapshots.partition_point(|(after, _)| *after <= ticks);
@@ -324,11 +331,14 @@ impl Replay {
             if let Some(found) = tick_difference(tick, &ours, &theirs) {
                 return Some(found);
             }
-            if let (Some(a), Some(b)) = (ours.hash, theirs.hash) {
-                if a != b {
-                    let found = self.first_snapshot_difference(other, before + 1);
-                    return Some(found.unwrap_or_else(|| Difference::of_hashes(tick, a, b)));
-                }
+            let (ours, theirs) =
+                (self.hashes_after(before + 1, ours.hash), other.hashes_after(before + 1, theirs.hash));
+            // The two may have recorded the hash of this tick in different places.
+            let first = |hashes: [Option<u64>; 3]| hashes.into_iter().flatten().next();
+            let pairs = ours.into_iter().zip(theirs).chain([(first(ours), first(theirs))]);
+            if let Some((a, b)) = pairs.filter_map(|(a, b)| a.zip(b)).find(|(a, b)| a != b) {
+                let found = self.first_snapshot_difference(other, before + 1);
+                return Some(found.unwrap_or_else(|| Difference::of_hashes(tick, a, b)));
             }
         }
         None

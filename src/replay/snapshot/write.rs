@@ -3,6 +3,7 @@
 use alloc::collections::btree_map::{BTreeMap, Entry};
 use alloc::sync::Arc;
 use alloc::vec::Vec;
+use core::fmt::Display;
 
 use super::hash::PHYSICS_VERSION;
 use crate::body::{KinematicTarget, Record, ShapeSource};
@@ -25,23 +26,46 @@ pub(in crate::replay) struct Saved<'a, S: Scalar>(pub(in crate::replay) &'a Worl
 
 impl<S: Scalar> Write for Saved<'_, S> {
     fn write(&self, out: &mut impl Encoder) {
-        let unsealed = Unsealed(self.0);
-        unsealed.write(out);
-        codec::field(out, "seal", &StateHasher::of(&unsealed));
+        let mut sealed = Sealed { out, seal: StateHasher::new() };
+        sealed.enter(Part::Name("magic"));
+        sealed.bytes(&MAGIC);
+        sealed.leave();
+        codec::field(&mut sealed, "format", &FORMAT);
+        codec::field(&mut sealed, "law", &PHYSICS_VERSION);
+        State(self.0).write(&mut sealed);
+        codec::field(&mut sealed, "hash", &self.0.state_hash());
+        let Sealed { out, seal } = sealed;
+        codec::field(out, "seal", &seal.finish());
     }
 }
 
-struct Unsealed<'a, S: Scalar>(&'a World<S>);
+/// An encoder that hands its bytes on, and hashes them.
+struct Sealed<'a, E> {
+    out: &'a mut E,
+    seal: StateHasher,
+}
 
-impl<S: Scalar> Write for Unsealed<'_, S> {
-    fn write(&self, out: &mut impl Encoder) {
-        out.enter(Part::Name("magic"));
-        out.bytes(&MAGIC);
-        out.leave();
-        codec::field(out, "format", &FORMAT);
-        codec::field(out, "law", &PHYSICS_VERSION);
-        State(self.0).write(out);
-        codec::field(out, "hash", &self.0.state_hash());
+impl<E: Encoder> Encoder for Sealed<'_, E> {
+    #[inline]
+    fn bytes(&mut self, bytes: &[u8]) {
+        self.seal.bytes(bytes);
+        self.out.bytes(bytes);
+    }
+
+    #[inline]
+    fn enter(&mut self, part: Part) {
+        self.out.enter(part);
+    }
+
+    #[inline]
+    fn leave(&mut self) {
+        self.out.leave();
+    }
+
+    #[inline]
+    fn leaf(&mut self, bytes: &[u8], value: &dyn Display) {
+        self.seal.bytes(bytes);
+        self.out.leaf(bytes, value);
     }
 }
 

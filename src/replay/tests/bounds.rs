@@ -16,7 +16,7 @@ use crate::replay::{Dump, RecordOptions, Recorder, Replay, ReplayLimits, Snapsho
 use crate::slots::{BodyId, FieldId};
 use crate::world::{Command, History, Inputs, World, WorldDef};
 
-/// The same world, through bytes.
+/// Writes a world as bytes, and reads it from them.
 fn read_again(world: &World) -> World {
     let bytes = world.snapshot().to_bytes();
     let read = Snapshot::from_bytes(&bytes, &custom_forces()).expect("a world like any other");

@@ -143,6 +143,35 @@ fn a_changed_chunk_of_a_dump_is_named_by_its_number() {
     assert!(number > 7, "{number} chunks");
 }
 
+#[test]
+fn an_error_in_a_dump_is_of_its_tick() {
+    let [dump, _] = parted(|_| {}, |_| {});
+    let whole = dump.to_bytes();
+    let error = Dump::from_bytes(&whole[..whole.len() - 1], &custom_forces()).expect_err("it is cut off");
+    assert_eq!((dump.tick(), error), (9, ReplayError::CutOff { tick: 9 }));
+    // The place of each chunk: of the version and the ticks, of the phases, of the end.
+    let mut reader = Reader::new(&whole[12..]);
+    let mut starts = Vec::new();
+    loop {
+        let at = 12 + reader.at();
+        match read_chunk(&mut reader) {
+            Some(_) => starts.push(at),
+            None => break,
+        }
+    }
+    for &start in &starts[2..] {
+        // The first word of the chunk, and a value in it: of the last world too, which is at the tick after.
+        for at in [start, start + 40] {
+            let mut changed = whole.clone();
+            changed[at.min(whole.len() - 1)] ^= 1;
+            match Dump::from_bytes(&changed, &custom_forces()) {
+                Err(ReplayError::Tampered(found)) => assert_eq!(found.tick, 9, "{at}: {found}"),
+                other => panic!("{at}: {other:?}"),
+            }
+        }
+    }
+}
+
 /// A dump of these chunks, with seals of their own.
 fn dump_of(begin: &[u8], parts: &Parts) -> Vec<u8> {
     let mut bytes = begin.to_vec();

@@ -135,3 +135,53 @@ fn where_no_hash_is_recorded_that_of_a_snapshot_is_compared() {
         assert_eq!((divergence.tick, &divergence.difference.field[..]), (expected, "position.x"));
     }
 }
+
+#[test]
+fn replays_that_part_where_no_tick_has_a_hash_are_compared_by_snapshots_and_the_end() {
+    let record = |hash_every: u32, snapshot_every: u32, ticks: u64, parts_at: u64| {
+        let mut world = World::new(WorldDef { sleep_after: None, ..WorldDef::default() }).expect("a world");
+        let body = world.add_body(BodyDef::dynamic()).expect("a body");
+        let mut recorder = Recorder::new(&world, RecordOptions { hash_every, snapshot_every });
+        for tick in 0..ticks {
+            if tick == parts_at {
+                // Past the recorder.
+                world.set_velocity(body, vec2(1, 0)).expect("it moves");
+            }
+            recorder.step(&mut world, &Inputs::new());
+        }
+        Replay::from_bytes(&recorder.finish(&world), &[]).expect("it is whole")
+    };
+    let never = u64::MAX;
+    // The last two pairs have no hash in common from tick 70 on: the end of one is compared with a hash of the other.
+    for (ours, theirs, found_at, field) in [
+        (record(60, 0, 90, never), record(60, 0, 90, 70), Some(89), "position.x"),
+        (record(60, 8, 90, never), record(60, 8, 90, 70), Some(71), "position.x"),
+        (record(60, 80, 100, never), record(60, 80, 90, 70), Some(79), "position.x"),
+        (record(60, 0, 90, never), record(1, 0, 100, 70), Some(89), "hash"),
+        (record(60, 0, 90, never), record(1, 7, 100, never), None, ""),
+    ] {
+        for (a, b) in [(&ours, &theirs), (&theirs, &ours)] {
+            let found = a.first_difference(b);
+            let found = found.as_ref().map(|found| (found.tick, found.phase, &found.field[..]));
+            assert_eq!(found, found_at.map(|tick| (tick, TickPhase::End, field)));
+        }
+    }
+}
+
+#[test]
+fn a_seek_leaves_no_results_of_inputs() {
+    let mut world: World = World::new(WorldDef::default()).expect("a world");
+    let mut recorder = Recorder::new(&world, RecordOptions { snapshot_every: 10, ..RecordOptions::default() });
+    let input = Input { player: 0, sequence: 0, command: Command::ClearForces };
+    let inputs = Inputs::try_from(alloc::vec![input]).expect("it has a place");
+    (0..20).for_each(|_| _ = recorder.step(&mut world, &inputs));
+    let replay = Replay::from_bytes(&recorder.finish(&world), &[]).expect("it is whole");
+    let mut playback = replay.play();
+    // Back to the start, on to a snapshot, and on to a tick without one.
+    for tick in [0, 10, 15] {
+        assert_eq!(playback.step(), Ok(true));
+        assert_eq!(playback.outcomes().len(), 1);
+        playback.seek(tick);
+        assert!(playback.outcomes().is_empty(), "at {tick}");
+    }
+}

@@ -6,7 +6,9 @@ use std::path::Path;
 
 use proptest::prelude::*;
 use umbra_physics::scalar::ToF64;
-use umbra_physics::{Activity, Fx, Random, Scalar, Vec2, fx};
+use umbra_physics::{
+    Activity, Attachment, BodyDef, BodyId, Command, FieldKind, ForceField, Fx, Random, Scalar, Shape, Vec2, fx, vec2,
+};
 use umbra_scene::{Scene, SceneAction, SceneError, SceneRun};
 
 /// The scenes by name.
@@ -307,6 +309,62 @@ fn what_is_added_is_added_once() {
         assert!(error.message.contains("added once"), "{error}");
         assert!(Scene::parse(&format!(r#"{{"inputs": [{{"from": 3, "to": 3, {what}}}]}}"#)).is_ok());
     }
+}
+
+#[test]
+fn what_belongs_to_a_force_is_refused_without_one() {
+    let parse = |with: &str| {
+        let text = format!(r#"{{"bodies": [{{"name": "a"}}], "inputs": [{{"at": 0, "body": "a", {with}}}]}}"#);
+        Scene::parse(&text).map(drop).map_err(|error| (error.place.field.clone(), error.message))
+    };
+    let any = "needs a `force`, `torque`, `impulse` or `angular_impulse` beside it";
+    for (name, with, message) in [
+        ("wake", r#""set": {"angle": 1}, "wake": false"#, format!("`wake` {any}")),
+        ("frame", r#""do": "wake", "frame": "body""#, format!("`frame` {any}")),
+        ("point", r#""torque": 1, "point": [1, 0]"#, "a `point` needs a `force` or an `impulse` beside it".into()),
+        ("point", r#""do": "wake", "point": [1, 0]"#, "a `point` needs a `force` or an `impulse` beside it".into()),
+    ] {
+        assert_eq!(parse(with), Err((format!("inputs[0].{name}"), message)), "{with}");
+    }
+    for with in [
+        r#""force": [1, 0], "point": [1, 0], "frame": "body", "wake": false"#,
+        r#""torque": 1, "frame": "body", "wake": false"#,
+        r#""impulse": [1, 0], "point": [1, 0]"#,
+        r#""angular_impulse": 1, "wake": false, "set": {"angle": 1}"#,
+    ] {
+        assert_eq!(parse(with), Ok(()), "{with}");
+    }
+}
+
+#[test]
+fn commands_that_add_or_have_a_shape_are_carried_out() {
+    let mut scene = Scene::parse(
+        r#"{"sleep_after": null, "bodies": [{"name": "a"}, {"name": "b"}], "inputs": [
+            {"at": 0, "body": "b", "do": "wake"}, {"at": 1, "body": "b", "do": "wake"}, {"at": 2, "body": "b", "do": "wake"}]}"#,
+    )
+    .unwrap();
+    let disc: Shape = Shape::circle(fx!(2)).expect("a shape");
+    let [a, b] = [0, 1].map(|index| BodyId::from_parts(index, 0));
+    let thrust =
+        ForceField::from(FieldKind::Thrust { at: Attachment { body: b, point: Vec2::ZERO }, force: vec2(60, 0) });
+    let new = BodyDef { shape: Some(disc.clone()), ..BodyDef::dynamic() };
+    let commands = [Command::SetShape { body: a, shape: Some(disc) }, Command::AddField(thrust), Command::AddBody(new)];
+    for (input, command) in scene.inputs.iter_mut().zip(commands) {
+        input.action = SceneAction::Command(command);
+    }
+    let (run, _) = self::run::<Fx>(&scene, 3);
+    let bodies: Vec<_> = run.world().bodies().collect();
+    assert_eq!(bodies.iter().map(|body| body.shape().is_some()).collect::<Vec<_>>(), [true, false, true]);
+    assert_eq!(bodies.iter().map(|body| body.velocity().x > fx!(0)).collect::<Vec<_>>(), [false, true, false]);
+    assert_eq!((run.index(bodies[2].id()), run.name(bodies[2].id())), (None, ""));
+    assert!(self::run::<f64>(&scene, 3).0.world().bodies().all(|body| body.shape().is_some() || body.id() == b));
+    // As text the first two are what they were. A body needs a name there.
+    let text = scene.to_json();
+    assert!(text.contains(r#""add": {"shape": {"circle": {"radius": 2}}}"#), "{text}");
+    assert_eq!(Scene::parse(&text).expect_err("no name").place.field, "inputs[2].add");
+    scene.inputs.pop();
+    let again = Scene::parse(&scene.to_json()).expect("it is a scene");
+    assert_eq!(self::run::<Fx>(&again, 3).0.world().state_hash(), self::run::<Fx>(&scene, 3).0.world().state_hash());
 }
 
 #[test]
