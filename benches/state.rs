@@ -183,7 +183,7 @@ const TICKS: u32 = 16;
 fn push(world: &World) -> Inputs {
     let body = world.bodies().last().expect("it has bodies").id();
     let action = ForceOrImpulse::Force { force: vec2(1, fx!(0.5)), point: None };
-    let command = Command::Apply { body, action, manner: ApplyOptions::default() };
+    let command = Command::Apply { body, action, options: ApplyOptions::default() };
     let mut inputs = Inputs::new();
     inputs.insert(Input { player: 0, sequence: 0, command }).expect("the first");
     inputs

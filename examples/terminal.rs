@@ -99,7 +99,7 @@ fn chain() -> Result<(World, FieldId), Error> {
             let lantern = BodyDef {
                 position: vec2(i as i32 - 9, 2),
                 mass: Mass::Kilograms(fx!(0.5)),
-                groups: LANTERN,
+                force_groups: LANTERN,
                 key: 100 + i,
                 ..BodyDef::dynamic()
             };
@@ -107,7 +107,7 @@ fn chain() -> Result<(World, FieldId), Error> {
             world.add_field(link(lantern, last, fx!(2)))?;
         }
     }
-    let wind = world.add_field(ForceField { kind: air(Vec2::ZERO), groups: 1 | LANTERN })?;
+    let wind = world.add_field(ForceField { kind: air(Vec2::ZERO), force_groups: 1 | LANTERN })?;
     Ok((world, wind))
 }
 
@@ -119,7 +119,7 @@ fn air(wind: Vec2) -> FieldKind {
 fn blow(world: &mut World, wind: FieldId) -> Result<(), Error> {
     if world.tick() % u64::from(RATE) == 0 {
         let speed = world.random_mut().number(fx!(-12)..=fx!(12));
-        world.set_field(wind, ForceField { kind: air(vec2(speed, 0)), groups: 1 | LANTERN })?;
+        world.set_field(wind, ForceField { kind: air(vec2(speed, 0)), force_groups: 1 | LANTERN })?;
     }
     Ok(())
 }
@@ -130,7 +130,7 @@ fn draw(world: &World) -> io::Result<()> {
     for body in world.bodies() {
         // A position has 32 bits below a metre: 30 below a quarter, 31 below a half. A shift rounds down.
         let at = body.position();
-        let sign = if body.groups() == LANTERN { '@' } else { '.' };
+        let sign = if body.force_groups() == LANTERN { '@' } else { '.' };
         grid.put(at.x.to_bits() >> 30, at.y.to_bits() >> 31, sign);
     }
     let mut picture = String::from("\x1b[H"); // to the upper left corner

@@ -304,7 +304,7 @@ fn every_setter_wakes_and_a_sleeper_is_woken_through_its_springs() {
         |w, b| w.set_kind(b, BodyKind::Dynamic),
         |w, b| w.set_gravity_scale(b, fx!(1)),
         |w, b| w.set_body_damping(b, None, None),
-        |w, b| w.set_groups(b, 1),
+        |w, b| w.set_force_groups(b, 1),
         |w, b| w.set_key(b, 0),
         |w, b| w.set_user_data(b, 0),
         |w, b| w.wake(b),
@@ -377,8 +377,8 @@ fn a_removed_body_takes_its_fields_along_and_slots_are_used_again() {
     let again = world.add_field(drag).unwrap();
     assert_eq!(again.parts(), (4, 1), "the last slot freed, in its next generation");
     assert_eq!(world.field(fields[4]).err(), Some(Error::NoSuchField { field: fields[4] }));
-    world.set_field(again, ForceField { groups: 0, ..drag.into() }).unwrap();
-    assert_eq!(world.field(again).unwrap().groups, 0);
+    world.set_field(again, ForceField { force_groups: 0, ..drag.into() }).unwrap();
+    assert_eq!(world.field(again).unwrap().force_groups, 0);
     world.remove_body(bodies[1]).unwrap();
     assert_eq!(world.fields().count(), 2);
     assert_eq!((world.body_count(), world.moving_count()), (1, 1));
@@ -418,7 +418,7 @@ fn what_is_set_is_what_is_read() {
         max_speed: Some(fx!(0.1)),
         max_angular_speed: None,
         locks: Locks::NONE,
-        groups: 6,
+        force_groups: 6,
         key: 5,
         user_data: u64::MAX,
         kind: BodyKind::Dynamic,
@@ -431,7 +431,7 @@ fn what_is_set_is_what_is_read() {
     assert_eq!((body.mass(), body.gravity_scale()), (Some(fx!(6)), def.gravity_scale));
     assert_eq!((body.linear_damping(), body.angular_damping()), (def.linear_damping, None));
     assert_eq!((body.max_speed(), body.max_angular_speed()), (def.max_speed, None));
-    assert_eq!((body.groups(), body.key(), body.user_data()), (6, 5, u64::MAX));
+    assert_eq!((body.force_groups(), body.key(), body.user_data()), (6, 5, u64::MAX));
     assert_eq!(body.shape(), def.shape.as_ref());
     assert_eq!(body.position_exact().x.to_bits(), i128::from(fx!(-3.7).to_bits()) << 64);
     assert_eq!(world.bodies().count(), 1);
@@ -458,7 +458,7 @@ fn by_method(world: &mut World, command: &Command) -> Result<Created, Error> {
     match command.clone() {
         Command::AddBody(def) => world.add_body(def).map(Created::Body),
         Command::RemoveBody(body) => nothing(world.remove_body(body)),
-        Command::Apply { body, action, manner } if manner == ApplyOptions::default() => nothing(match action {
+        Command::Apply { body, action, options } if options == ApplyOptions::default() => nothing(match action {
             ForceOrImpulse::Force { force, point: None } => world.apply_force(body, force),
             ForceOrImpulse::Force { force, point: Some(point) } => world.apply_force_at_point(body, force, point),
             ForceOrImpulse::Torque(torque) => world.apply_torque(body, torque),
@@ -468,7 +468,7 @@ fn by_method(world: &mut World, command: &Command) -> Result<Created, Error> {
             }
             ForceOrImpulse::AngularImpulse(impulse) => world.apply_angular_impulse(body, impulse),
         }),
-        Command::Apply { body, action, manner } => nothing(world.apply(body, action, manner)),
+        Command::Apply { body, action, options } => nothing(world.apply(body, action, options)),
         Command::ClearForces => {
             world.clear_forces();
             Ok(Created::Nothing)
@@ -482,7 +482,7 @@ fn by_method(world: &mut World, command: &Command) -> Result<Created, Error> {
         Command::SetKind { body, kind } => nothing(world.set_kind(body, kind)),
         Command::SetGravityScale { body, scale } => nothing(world.set_gravity_scale(body, scale)),
         Command::SetBodyDamping { body, linear, angular } => nothing(world.set_body_damping(body, linear, angular)),
-        Command::SetGroups { body, groups } => nothing(world.set_groups(body, groups)),
+        Command::SetForceGroups { body, force_groups } => nothing(world.set_force_groups(body, force_groups)),
         Command::SetKey { body, key } => nothing(world.set_key(body, key)),
         Command::SetUserData { body, user_data } => nothing(world.set_user_data(body, user_data)),
         Command::Wake(body) => nothing(world.wake(body)),
@@ -520,8 +520,8 @@ fn a_command_does_what_the_method_of_its_name_does() {
         .unwrap();
     world.step();
     assert_eq!(world.body(far).unwrap().activity(), Activity::Quarantined);
-    let manner = ApplyOptions::default();
-    let apply = |action| Command::Apply { body, action, manner };
+    let options = ApplyOptions::default();
+    let apply = |action| Command::Apply { body, action, options };
     let field = ForceField::from(FieldKind::Thrust { at: Attachment::centre(body), force: Vec2::X });
     let force = Vec2::new(fx!(2), fx!(1));
     let commands = [
@@ -536,12 +536,12 @@ fn a_command_does_what_the_method_of_its_name_does() {
         Command::Apply {
             body,
             action: ForceOrImpulse::Force { force, point: Some(force) },
-            manner: ApplyOptions::BODY,
+            options: ApplyOptions::BODY,
         },
         Command::Apply {
             body,
             action: ForceOrImpulse::Torque(fx!(1)),
-            manner: ApplyOptions { frame: Frame::World, wake: false },
+            options: ApplyOptions { frame: Frame::World, wake: false },
         },
         Command::ClearForces,
         Command::SetPosition { body, position: force },
@@ -554,7 +554,7 @@ fn a_command_does_what_the_method_of_its_name_does() {
         Command::SetKind { body, kind: BodyKind::Dynamic },
         Command::SetGravityScale { body, scale: fx!(2) },
         Command::SetBodyDamping { body, linear: Some(fx!(0.5)), angular: Some(fx!(0.25)) },
-        Command::SetGroups { body, groups: 3 },
+        Command::SetForceGroups { body, force_groups: 3 },
         Command::SetKey { body, key: 4 },
         Command::SetUserData { body, user_data: 5 },
         Command::Wake(body),

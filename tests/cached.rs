@@ -38,7 +38,7 @@ fn world(integrator: Integrator) -> (World, Vec<BodyId>) {
     let bodies = (0..COUNT).map(|i| {
         let def = BodyDef {
             position: vector(&mut random, 38),
-            groups: if i % 3 == 0 { 2 } else { 1 },
+            force_groups: if i % 3 == 0 { 2 } else { 1 },
             mass: Mass::Explicit { mass: fx!(2), inertia: fx!(0.5) },
             kind: match i % 20 {
                 7 => BodyKind::Static,
@@ -59,7 +59,7 @@ fn field(random: &mut Random, bodies: &[BodyId], is_reversible: bool) -> ForceFi
         .map(|()| Attachment { point: vector(random, 33), ..Attachment::centre(bodies[below(random, bodies.len())]) });
     let damping = if is_reversible { Fx::ZERO } else { Fx::from(below(random, 2) as i32) };
     let spring = SpringConstants { rest: fx!(1), stiffness: fx!(3), damping };
-    let groups = [0, 2, 4, u32::MAX][below(random, 4)];
+    let force_groups = [0, 2, 4, u32::MAX][below(random, 4)];
     let kind = match below(random, 14) {
         0 => FieldKind::Attractor { centre: End::Body(near), mu: FxFactor::from_ratio(20, 1), softening: fx!(1) },
         1 if !is_reversible => FieldKind::Drag { linear: fx!(0.5), quadratic: fx!(0.25), wind: vec2(1, 0) },
@@ -71,7 +71,7 @@ fn field(random: &mut Random, bodies: &[BodyId], is_reversible: bool) -> ForceFi
         6..8 => FieldKind::Custom { id: Charge.id() },
         _ => FieldKind::Spring { near, far: End::Body(far), spring },
     };
-    ForceField { kind, groups }
+    ForceField { kind, force_groups }
 }
 
 /// A custom force of position that reads the user data.
@@ -131,7 +131,7 @@ fn change(world: &mut World, random: &mut Random, scene: &mut Scene) {
         0 => world.set_position(body, vector),
         1 => world.set_angle(body, vector.x),
         2 => world.set_velocity(body, vector),
-        3 => world.set_groups(body, 1 << one_of),
+        3 => world.set_force_groups(body, 1 << one_of),
         4 => world.set_mass(body, Mass::Explicit { mass: fx!(3), inertia: fx!(2) }),
         5 => world.set_kind(body, [BodyKind::Static, BodyKind::Kinematic, BodyKind::Dynamic][one_of]),
         6 => world.disable(body),
@@ -214,10 +214,10 @@ fn a_body_that_a_field_lets_go_is_quarantined_where_it_leaves_the_allowed_range(
         world.add_body(BodyDef { velocity: vec2(1, 0), ..BodyDef::dynamic() }).expect("a fair body");
     }
     let (position, velocity) = (vec2(1_073_741_814, 0), vec2(60, 0));
-    world.add_body(BodyDef { position, velocity, groups: 2, ..BodyDef::dynamic() }).expect("a fair body");
+    world.add_body(BodyDef { position, velocity, force_groups: 2, ..BodyDef::dynamic() }).expect("a fair body");
     let region = Region::Disc { centre: vec2(0, 0), radius: fx!(1) };
     let kind = FieldKind::Zone { region, acceleration: vec2(0, 0) };
-    let zone = world.add_field(ForceField { kind, groups: 2 }).expect("a fair field");
+    let zone = world.add_field(ForceField { kind, force_groups: 2 }).expect("a fair field");
     world.step();
     world.remove_field(zone).expect("it is there");
     let faults: Vec<usize> = (0..15).map(|_| world.step().faults.len()).collect();

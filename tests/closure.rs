@@ -112,8 +112,8 @@ fn fields(id: &[BodyId]) -> Vec<ForceField> {
         drag(fx!(0.03), fx!(0.1)),
     ];
     // The medium is there for the dragged bystanders too.
-    let groups = |law: &FieldKind| if matches!(law, FieldKind::Drag { .. }) { 1 | DRAGGED } else { 1 };
-    custom_forces.into_iter().map(|law| ForceField { groups: groups(&law), kind: law }).collect()
+    let force_groups = |law: &FieldKind| if matches!(law, FieldKind::Drag { .. }) { 1 | DRAGGED } else { 1 };
+    custom_forces.into_iter().map(|law| ForceField { force_groups: force_groups(&law), kind: law }).collect()
 }
 
 /// The cast and its fields in a world, added in some order.
@@ -267,7 +267,7 @@ const DRAGGED: u32 = 8;
 /// the envelope, some so fast that `Yoshida4` has their drag around the step.
 fn add_stranger(world: &mut World, i: usize, last: Option<BodyId>) -> BodyId {
     let position = vec2(50 + i as i32, -3);
-    let base = BodyDef { position, groups: 2, ..BodyDef::dynamic() };
+    let base = BodyDef { position, force_groups: 2, ..BodyDef::dynamic() };
     let def = match i % 6 {
         0 => BodyDef { gravity_scale: Fx::ZERO, ..base },
         1 => BodyDef { position, ..BodyDef::fixed() },
@@ -280,7 +280,7 @@ fn add_stranger(world: &mut World, i: usize, last: Option<BodyId>) -> BodyId {
             velocity: vec2(fx!(9000), 0),
             angular_velocity: fx!(50),
             angular_damping: Some(fx!(0.1)),
-            groups: DRAGGED,
+            force_groups: DRAGGED,
             ..base
         },
     };
@@ -402,7 +402,8 @@ fn pool(integrator: Integrator, sleep_after: Option<u32>) -> (World, Vec<BodyId>
         .map(|i| {
             let shape = Some(Shape::circle(fx!(0.5)).expect("a disc"));
             let kind = [BodyKind::Dynamic, BodyKind::Kinematic, BodyKind::Static][[0, 0, 0, 1, 0, 2][i as usize % 6]];
-            let def = BodyDef { kind, shape, position: vec2(3 * i, i % 5), groups: 1 << (i % 3), ..BodyDef::dynamic() };
+            let def =
+                BodyDef { kind, shape, position: vec2(3 * i, i % 5), force_groups: 1 << (i % 3), ..BodyDef::dynamic() };
             world.add_body(def).expect("a body")
         })
         .collect();
@@ -433,7 +434,7 @@ fn change(world: &mut World, bodies: &[BodyId], dice: &mut Dice) -> Result<(), E
         10 => world.set_kind(body, [BodyKind::Dynamic, BodyKind::Static, BodyKind::Kinematic][dice.throw(3)]),
         11 => world.set_gravity_scale(body, dice.number(fx!(1))),
         12 => world.set_body_damping(body, Some(fx!(0.001)), [None, Some(fx!(0.01))][dice.throw(2)]),
-        13 => world.set_groups(body, dice.throw(8) as u32),
+        13 => world.set_force_groups(body, dice.throw(8) as u32),
         14 => world.wake(body),
         15 => world.set_time_step(TimeStep::ratio(1, [1, 10, 60, 64, 1000][dice.throw(5)])),
         // Gravity so small that what it gives in a short step is damped away, and in a long one is not.
@@ -447,12 +448,12 @@ fn change(world: &mut World, bodies: &[BodyId], dice: &mut Dice) -> Result<(), E
         20 => {
             let centre = End::Body(Attachment::centre(body));
             let law = FieldKind::Attractor { centre, mu: mu(dice.number(fx!(0.0001))), softening: fx!(1) };
-            world.add_field(ForceField { kind: law, groups: 2 }).map(drop)
+            world.add_field(ForceField { kind: law, force_groups: 2 }).map(drop)
         }
         21 => {
             let region = Region::Disc { centre: dice.vector(fx!(20)), radius: fx!(4) };
             let law = FieldKind::Zone { region, acceleration: Vec2::new(tiny, tiny) };
-            world.add_field(ForceField { kind: law, groups: 4 }).map(drop)
+            world.add_field(ForceField { kind: law, force_groups: 4 }).map(drop)
         }
         22..=24 if !fields.is_empty() => world.remove_field(fields[dice.throw(fields.len())]),
         _ => Ok(()),
@@ -603,7 +604,7 @@ fn a_stranger_that_falls_asleep_puts_nobody_else_to_sleep() {
 #[test]
 fn drags_act_in_the_order_in_which_they_came_whichever_slots_strangers_left_them() {
     let zone = FieldKind::Zone { region: Region::Disc { centre: Vec2::ZERO, radius: fx!(1) }, acceleration: Vec2::X };
-    let strange = ForceField { groups: 2, ..ForceField::from(zone) };
+    let strange = ForceField { force_groups: 2, ..ForceField::from(zone) };
     let drag = |linear, wind| FieldKind::Drag { linear, quadratic: fx!(0.3), wind: vec2(wind, 0) };
     // A bystander's field makes room after the first drag came, and the second one takes its place.
     let play = |bystanders: bool, restored: bool, drags: [FieldKind; 2]| {
@@ -646,9 +647,9 @@ fn a_field_wakes_whom_it_acts_on_and_what_hangs_on_them_alone() {
     for law in custom_forces {
         let mut world = World::new(WorldDef { sleep_after: Some(3), ..WorldDef::default() }).expect("a world");
         world.register_custom_force(Arc::new(Push1(5, 1))).expect("a law");
-        let mut add = |groups, x: i32| {
+        let mut add = |force_groups, x: i32| {
             let position = vec2(Fx::from(x), 0);
-            world.add_body(BodyDef { position, groups, ..BodyDef::dynamic() }).expect("a body")
+            world.add_body(BodyDef { position, force_groups, ..BodyDef::dynamic() }).expect("a body")
         };
         let (own, hanging, strange) = (add(4, 5), add(1, 6), add(2, 7));
         let far = End::Body(Attachment::centre(hanging));
@@ -663,7 +664,7 @@ fn a_field_wakes_whom_it_acts_on_and_what_hangs_on_them_alone() {
             assert_eq!(asleep(world), [true; 3], "{law:?}");
         };
         rest(&mut world);
-        let of = |groups| ForceField { groups, ..ForceField::from(law) };
+        let of = |force_groups| ForceField { force_groups, ..ForceField::from(law) };
         let field = world.add_field(of(8)).expect("a field");
         assert_eq!(asleep(&world), [true; 3], "{law:?} acts on none");
         world.set_field(field, of(4)).expect("a field");
@@ -866,13 +867,13 @@ fn equal_worlds_hash_alike_and_any_single_difference_shows() {
         ("gravity scale", |w, b, _| w.set_gravity_scale(b, fx!(2)).unwrap()),
         ("own damping", |w, b, _| w.set_body_damping(b, Some(Fx::ONE), None).unwrap()),
         ("own angular damping", |w, b, _| w.set_body_damping(b, None, Some(Fx::ONE)).unwrap()),
-        ("groups", |w, b, _| w.set_groups(b, 2).unwrap()),
+        ("groups", |w, b, _| w.set_force_groups(b, 2).unwrap()),
         ("key", |w, b, _| w.set_key(b, 1).unwrap()),
         ("user data", |w, b, _| w.set_user_data(b, 1).unwrap()),
         ("remove_field", |w, _, f| w.remove_field(f).unwrap()),
         ("groups of a field", |w, _, f| {
             let field = *w.field(f).unwrap();
-            w.set_field(f, ForceField { groups: 3, ..field }).unwrap();
+            w.set_field(f, ForceField { force_groups: 3, ..field }).unwrap();
         }),
         ("rest", |w, b, f| {
             law(
@@ -1082,12 +1083,12 @@ fn looking_ahead_with_one_body_is_its_future() {
     for integrator in Integrator::ALL {
         let mut dice = Dice(0x5eed_0a11);
         let mut world = World::new(world_def(integrator)).expect("a fair definition");
-        let body = |dice: &mut Dice, groups| BodyDef {
+        let body = |dice: &mut Dice, force_groups| BodyDef {
             position: dice.vector(fx!(20)),
             velocity: dice.vector(fx!(3)),
             angular_velocity: dice.number(fx!(2)),
             mass: Mass::Explicit { mass: fx!(2), inertia: fx!(0.5) },
-            groups,
+            force_groups,
             ..BodyDef::dynamic()
         };
         let bystanders: Vec<_> = (0..150).map(|_| world.add_body(body(&mut dice, 1)).expect("fair")).collect();
@@ -1108,15 +1109,15 @@ fn looking_ahead_with_one_body_is_its_future() {
             mu: mu(fx!(50)),
             softening: fx!(1),
         };
-        custom_forces.push(ForceField { kind: attractor(suns[0]), groups: 2 });
-        custom_forces.push(ForceField { kind: attractor(suns[1]), groups: 4 });
+        custom_forces.push(ForceField { kind: attractor(suns[0]), force_groups: 2 });
+        custom_forces.push(ForceField { kind: attractor(suns[1]), force_groups: 4 });
         custom_forces.push(ForceField {
             kind: FieldKind::Drag { linear: fx!(0.25), quadratic: fx!(0.125), wind: vec2(1, 0) },
-            groups: 3,
+            force_groups: 3,
         });
         custom_forces.push(ForceField {
             kind: FieldKind::Drag { linear: fx!(0.5), quadratic: fx!(0), wind: vec2(0, 1) },
-            groups: 2,
+            force_groups: 2,
         });
         let at = Attachment { body: chain[0], point: vec2(0, 1) };
         custom_forces.push(FieldKind::Thrust { at, force: vec2(3, 0) }.into());

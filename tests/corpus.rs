@@ -143,7 +143,7 @@ fn second_encodings() -> Vec<(&'static str, &'static str, Vec<u8>)> {
     vec![
         ("replay", "second-polygon", first(7, &polygon(&command))),
         ("snapshot", "second-polygon", first(1, &polygon(state))),
-        ("snapshot", "second-laws", first(1, &custom_forces)),
+        ("snapshot", "second-custom-forces", first(1, &custom_forces)),
         ("snapshot", "second-shape", first(1, &shapes)),
     ]
 }
@@ -156,7 +156,7 @@ fn second_encodings_are_committed() {
 }
 
 /// Writes inputs to begin with: random bytes for the targets that make worlds of them, the repository's scenes, and the
-/// files of format and law.
+/// files of this format and physics version.
 #[test]
 #[ignore = "writes files"]
 fn write_seeds() {
@@ -197,11 +197,11 @@ fn write_seeds() {
         }
     }
     for (target, kind, extension) in [("snapshot", "snapshot", "umbrasnp"), ("replay", "replay", "umbrarep")] {
-        let end = format!("-law{PHYSICS_VERSION}.{extension}");
+        let end = format!("-version{PHYSICS_VERSION}.{extension}");
         let files = fs::read_dir(root.join("tests/files")).expect("there are files");
         let mut paths = files.map(|file| file.expect("a file").path());
         let path = paths.find(|path| path.to_string_lossy().ends_with(&end)).expect("this law's");
         let file = fs::read(path).expect("it can be read");
-        write(target, &format!("{kind}-law{PHYSICS_VERSION}"), &[&[0], &file[..]].concat());
+        write(target, &format!("{kind}-version{PHYSICS_VERSION}"), &[&[0], &file[..]].concat());
     }
 }

@@ -442,12 +442,12 @@ fn each_shape_is_drawn_where_its_pose_is() {
 #[test]
 fn fields_come_as_they_were_added_then_bodies_and_then_velocities_by_slot() {
     let mut world = World::new(WorldDef { sleep_after: Some(2), ..WorldDef::default() }).expect("a fair definition");
-    let moving = BodyDef { velocity: vec2(0, 3), groups: 0, ..BodyDef::dynamic() };
+    let moving = BodyDef { velocity: vec2(0, 3), force_groups: 0, ..BodyDef::dynamic() };
     let gone = add(&mut world, moving.clone());
-    let still = BodyDef { groups: 0, ..BodyDef::dynamic() };
+    let still = BodyDef { force_groups: 0, ..BodyDef::dynamic() };
     let b = add(&mut world, BodyDef { position: vec2(4, 0), ..still.clone() });
     let c = add(&mut world, BodyDef { position: vec2(5, 0), ..BodyDef::fixed() });
-    let kinematic = BodyDef { position: vec2(6, 0), velocity: vec2(1, 0), groups: 0, ..BodyDef::kinematic() };
+    let kinematic = BodyDef { position: vec2(6, 0), velocity: vec2(1, 0), force_groups: 0, ..BodyDef::kinematic() };
     let d = add(&mut world, kinematic);
     let edge = BodyDef { position: vec2(fx!(1_073_741_824), 0), velocity: vec2(60, 0), ..still };
     let e = add(&mut world, edge);
@@ -474,13 +474,13 @@ fn fields_come_as_they_were_added_then_bodies_and_then_velocities_by_slot() {
         FieldKind::Zone { region: box_, acceleration: vec2(0, -3) },
         FieldKind::Drag { linear: fx!(1), quadratic: fx!(0), wind: vec2(0, 0) },
     ] {
-        fields.push(world.add_field(umbra_physics::ForceField { kind: law, groups: 2 }).expect("a fair field"));
+        fields.push(world.add_field(umbra_physics::ForceField { kind: law, force_groups: 2 }).expect("a fair field"));
     }
     // The slot of the first field has the one that was added last.
     let first = fields.remove(0);
     let law = world.field(first).expect("it is there").kind;
     world.remove_field(first).expect("it is there");
-    fields.push(world.add_field(umbra_physics::ForceField { kind: law, groups: 2 }).expect("a fair field"));
+    fields.push(world.add_field(umbra_physics::ForceField { kind: law, force_groups: 2 }).expect("a fair field"));
     assert_eq!((first.parts(), fields[6].parts()), ((0, 0), (0, 1)));
     // Half a turn, to see that points of bodies turn with them.
     let pose = |body: &umbra_physics::BodyRef<'_>| Pose {

@@ -343,7 +343,7 @@ fn what_a_body_cannot_take_is_refused_by_its_kind() {
     let force = |body| Command::Apply {
         body,
         action: ForceOrImpulse::Force { force: Vec2::X, point: None },
-        manner: ApplyOptions::default(),
+        options: ApplyOptions::default(),
     };
     expect(&mut world, &force(rail), Err(Error::NotDynamic { body: rail }));
     expect(&mut world, &force(wall), Err(Error::NotDynamic { body: wall }));
@@ -365,7 +365,7 @@ fn what_a_body_cannot_take_is_refused_by_its_kind() {
     expect(&mut world, &Command::Release(ball), Err(Error::NotQuarantined { body: ball }));
     // Nothing is too much for a single force; its torque, or an impulse, may be.
     let far = |vector: Vec2, point| ForceOrImpulse::Force { force: vector, point: Some(point) };
-    let apply = |action| Command::Apply { body: ball, action, manner: ApplyOptions::default() };
+    let apply = |action| Command::Apply { body: ball, action, options: ApplyOptions::default() };
     expect(&mut world, &apply(far(vec2(Fx::MAX, Fx::MIN), vec2(Fx::MIN, Fx::MAX))), Ok(()));
     // From the far corner the two parts of the moment are 1.5·2^62 N·m each.
     world.set_position(ball, vec2(POSITION, -POSITION)).unwrap();
@@ -412,13 +412,13 @@ impl CustomForce for Faulty {
 /// A doomed body with neighbours on springs, and how it comes to leave the envelope.
 fn doom(integrator: Integrator, way: usize) -> (World, [BodyId; 3], Option<Cause>) {
     let mut world = World::new(WorldDef { integrator, ..WorldDef::default() }).expect("a world");
-    let base = BodyDef { groups: 2, shape: Some(Shape::circle(fx!(1)).expect("a disc")), ..BodyDef::dynamic() };
+    let base = BodyDef { force_groups: 2, shape: Some(Shape::circle(fx!(1)).expect("a disc")), ..BodyDef::dynamic() };
     let at = |position, velocity, spin| BodyDef {
         position,
         velocity,
         angular_velocity: spin,
         key: 1,
-        groups: 1,
+        force_groups: 1,
         ..base.clone()
     };
     let edge = POSITION - ULP;
@@ -459,12 +459,12 @@ fn doom(integrator: Integrator, way: usize) -> (World, [BodyId; 3], Option<Cause
                     softening: fx!(0),
                 })
                 .unwrap();
-            world.set_field(field, ForceField { groups: 1, ..*world.field(field).unwrap() }).unwrap();
+            world.set_field(field, ForceField { force_groups: 1, ..*world.field(field).unwrap() }).unwrap();
             Some(Cause::Field { field })
         }
         5 => {
             world.register_custom_force(Arc::new(Faulty)).unwrap();
-            let field = world.add_field(ForceField { kind: FieldKind::Custom { id: 99 }, groups: 1 }).unwrap();
+            let field = world.add_field(ForceField { kind: FieldKind::Custom { id: 99 }, force_groups: 1 }).unwrap();
             Some(Cause::CustomForce { field, code: 42 })
         }
         _ => {
@@ -516,7 +516,7 @@ fn a_body_that_leaves_the_envelope_is_put_back_taken_out_and_reported() {
             world.set_velocity(doomed, Vec2::ZERO).unwrap();
             world.set_angular_velocity(doomed, Fx::ZERO).unwrap();
             world.set_key(doomed, 0).unwrap();
-            world.set_groups(doomed, 2).unwrap();
+            world.set_force_groups(doomed, 2).unwrap();
             world.release(doomed).unwrap();
             assert_eq!(world.body(doomed).unwrap().activity(), Activity::Awake);
             assert_eq!(world.step().faults, [], "{integrator:?}, way {way}");
@@ -689,7 +689,7 @@ prop_compose! {
         gravity_scale in within(GRAVITY_SCALE),
         (linear_damping, angular_damping) in (damping(), damping()),
         ((max_speed, max_angular_speed), locks) in ((most(), most()), locks()),
-        groups in 0u32..4,
+        force_groups in 0u32..4,
     ) -> BodyDef {
         let still = kind == BodyKind::Static;
         let velocity = if still { Vec2::ZERO } else { velocity };
@@ -697,7 +697,7 @@ prop_compose! {
         let free = |v: Fx, locked: bool| if locked { Fx::ZERO } else { v };
         let velocity = Vec2::new(free(velocity.x, locks.x), free(velocity.y, locks.y));
         BodyDef { kind, position, angle, velocity, angular_velocity, shape, mass, gravity_scale, linear_damping,
-            angular_damping, max_speed, max_angular_speed, locks, groups, key: 0, user_data: 0 }
+            angular_damping, max_speed, max_angular_speed, locks, force_groups, key: 0, user_data: 0 }
     }
 }
 
@@ -746,7 +746,7 @@ fn law() -> impl Strategy<Value = FieldKind> {
 }
 
 fn field() -> impl Strategy<Value = ForceField> {
-    (law(), prop_oneof![Just(u32::MAX), 0u32..4]).prop_map(|(kind, groups)| ForceField { kind, groups })
+    (law(), prop_oneof![Just(u32::MAX), 0u32..4]).prop_map(|(kind, force_groups)| ForceField { kind, force_groups })
 }
 
 fn time_step() -> impl Strategy<Value = TimeStep> {
@@ -775,7 +775,7 @@ fn action() -> impl Strategy<Value = ForceOrImpulse> {
     ]
 }
 
-fn manner() -> impl Strategy<Value = ApplyOptions> {
+fn options() -> impl Strategy<Value = ApplyOptions> {
     (any::<bool>(), any::<bool>())
         .prop_map(|(own, wake)| ApplyOptions { frame: if own { Frame::Body } else { Frame::World }, wake })
 }
@@ -785,7 +785,7 @@ fn command() -> impl Strategy<Value = Command> {
     prop_oneof![
         6 => body_def().prop_map(Command::AddBody),
         1 => handle().prop_map(Command::RemoveBody),
-        6 => (handle(), action(), manner()).prop_map(|(body, action, manner)| Command::Apply { body, action, manner }),
+        6 => (handle(), action(), options()).prop_map(|(body, action, options)| Command::Apply { body, action, options }),
         1 => Just(Command::ClearForces),
         1 => (handle(), edge_vector()).prop_map(|(body, position)| Command::SetPosition { body, position }),
         1 => (handle(), edge()).prop_map(|(body, angle)| Command::SetAngle { body, angle }),
@@ -797,7 +797,7 @@ fn command() -> impl Strategy<Value = Command> {
         1 => (handle(), edge()).prop_map(|(body, scale)| Command::SetGravityScale { body, scale }),
         1 => (handle(), damping(), damping())
             .prop_map(|(body, linear, angular)| Command::SetBodyDamping { body, linear, angular }),
-        1 => (handle(), any::<u32>()).prop_map(|(body, groups)| Command::SetGroups { body, groups }),
+        1 => (handle(), any::<u32>()).prop_map(|(body, force_groups)| Command::SetForceGroups { body, force_groups }),
         1 => (handle(), 0u64..3).prop_map(|(body, key)| Command::SetKey { body, key }),
         1 => (handle(), any::<u64>()).prop_map(|(body, user_data)| Command::SetUserData { body, user_data }),
         1 => handle().prop_map(Command::Wake),
@@ -1054,7 +1054,7 @@ mod floats {
                 let near = Attachment::centre(body);
                 let origin = End::World(Vec2::ZERO);
                 let disc = Region::Disc { centre: Vec2::ZERO, radius: 1.0 };
-                let own = |action| Command::Apply { body, action, manner: ApplyOptions::default() };
+                let own = |action| Command::Apply { body, action, options: ApplyOptions::default() };
                 let add = |change: fn(&mut BodyDef<f64>, Vec2<f64>)| {
                     let mut def = BodyDef { shape: shape.clone(), ..BodyDef::dynamic() };
                     change(&mut def, v);

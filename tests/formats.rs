@@ -1,8 +1,8 @@
 //! `docs/formats.md` is right: a reader that knows nothing but its tables reads files and commands, and what it finds is what
-//! the library says. The files of every format and law so far are in `tests/files`.
+//! the library says. The files of every format and physics version so far are in `tests/files`.
 //!
-//! `UMBRA_BLESS=1 cargo test --release --test formats` adds those of a new format or law. It never writes over one: those of
-//! older laws are to be refused, with both numbers.
+//! `UMBRA_BLESS=1 cargo test --release --test formats` adds those of a new format or physics version. It never writes over one: those of
+//! older versions are to be refused, with both numbers.
 
 #[path = "support/everything.rs"]
 mod everything;
@@ -62,7 +62,7 @@ fn hash_of(state: &Value) -> u64 {
     for body in &bodies {
         let names = [
             "kind",
-            "groups",
+            "force_groups",
             "key",
             "user_data",
             "mass",
@@ -78,7 +78,7 @@ fn hash_of(state: &Value) -> u64 {
             None => info.push(0),
             Some(shape) => {
                 info.push(1);
-                info.extend(shape.bytes());
+                info.extend(xxh3_64(shape.bytes()).to_le_bytes());
             }
         }
         hashed.extend(xxh3_64(&info).to_le_bytes());
@@ -99,7 +99,7 @@ fn hash_of(state: &Value) -> u64 {
 
     let targets: Vec<(u32, &Value)> = (0u32..)
         .zip(state["bodies"].list())
-        .filter_map(|(slot, entry)| Some((slot, entry["present"].option()?["errand"].option()?)))
+        .filter_map(|(slot, entry)| Some((slot, entry["present"].option()?["kinematic_target"].option()?)))
         .collect();
     hashed.extend((targets.len() as u32).to_le_bytes());
     for (slot, target) in targets {
@@ -118,7 +118,7 @@ fn hash_of(state: &Value) -> u64 {
     }
     hashed.extend(state["free_fields"].bytes());
     hashed.extend(state["fields_by_age"].bytes());
-    hashed.extend(state["laws"].bytes());
+    hashed.extend(state["custom_forces"].bytes());
     xxh3_64(&hashed)
 }
 
@@ -201,10 +201,10 @@ fn compare(state: &Value, world: &World) {
         assert_eq!(found["max_speed"].option().map(number), own.max_speed(), "{id}");
         assert_eq!(found["max_angular_speed"].option().map(number), own.max_angular_speed(), "{id}");
         assert_eq!(locks(&found["locks"]), own.locks(), "{id}");
-        let goal = found["errand"].option().and_then(|target| target["goal"].option());
+        let goal = found["kinematic_target"].option().and_then(|target| target["goal"].option());
         let goal = goal.map(|goal| (vector(&goal["position"]), Turn::from_bits(goal["angle"].natural())));
         assert_eq!(goal, own.goal(), "{id}");
-        assert_eq!(found["groups"].natural(), u64::from(own.groups()), "{id}");
+        assert_eq!(found["force_groups"].natural(), u64::from(own.force_groups()), "{id}");
         assert_eq!(found["key"].natural(), own.key(), "{id}");
         assert_eq!(found["user_data"].natural(), own.user_data(), "{id}");
         assert_eq!(shape_of(slots, found).map(shape).as_ref(), own.shape(), "{id}");
@@ -228,9 +228,9 @@ fn compare(state: &Value, world: &World) {
         .collect();
     let own: Vec<(FieldId, ForceField)> = world.fields().map(|(id, field)| (id, *field)).collect();
     assert_eq!(found, own);
-    let given: Vec<(u64, u32)> = custom_forces().iter().map(|law| (law.id(), law.version())).collect();
-    let version = |law: &Value| (law["id"].natural(), law["version"].natural() as u32);
-    assert_eq!(state["laws"].list().iter().map(version).collect::<Vec<_>>(), given);
+    let given: Vec<(u64, u32)> = custom_forces().iter().map(|force| (force.id(), force.version())).collect();
+    let version = |force: &Value| (force["id"].natural(), force["version"].natural() as u32);
+    assert_eq!(state["custom_forces"].list().iter().map(version).collect::<Vec<_>>(), given);
 }
 
 /// The chunks of a replay, by their letters, each with its seal right.
@@ -264,14 +264,14 @@ fn folder() -> PathBuf {
     PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/files"))
 }
 
-/// The format and the law in the name of a file: `replay-format1-law3.umbrarep`.
+/// The format and the physics version in the name of a file: `replay-format1-version3.umbrarep`.
 fn numbers(stem: &str) -> (u32, u32) {
     let (_, numbers) = stem.split_once("-format").expect("a format");
-    let (format, law) = numbers.split_once("-law").expect("a law");
-    (format.parse().expect("a number"), law.parse().expect("a number"))
+    let (format, version) = numbers.split_once("-version").expect("a physics version");
+    (format.parse().expect("a number"), version.parse().expect("a number"))
 }
 
-/// The files of a kind, by format and law.
+/// The files of a kind, by format and physics version.
 fn committed(extension: &str) -> BTreeMap<(u32, u32), Vec<u8>> {
     static BLESSED: Once = Once::new();
     BLESSED.call_once(bless);
@@ -287,14 +287,14 @@ fn made_now() -> [(&'static str, &'static str, Vec<u8>, usize); 2] {
     [("snapshot", "umbrasnp", snapshot, 12), ("replay", "umbrarep", recording(), 28)]
 }
 
-/// Adds the files of this format and law, if that is asked for and they are not there.
+/// Adds the files of this format and physics version, if that is asked for and they are not there.
 fn bless() {
     if env::var_os("UMBRA_BLESS").is_none_or(|value| value != "1") {
         return;
     }
     for (name, extension, bytes, force_at) in made_now() {
-        let (format, law) = (word(&bytes, 8), word(&bytes, force_at));
-        let path = folder().join(format!("{name}-format{format}-law{law}.{extension}"));
+        let (format, version) = (word(&bytes, 8), word(&bytes, force_at));
+        let path = folder().join(format!("{name}-format{format}-version{version}.{extension}"));
         if !path.exists() {
             fs::write(path, &bytes).expect("the file can be written");
         }
@@ -306,59 +306,60 @@ fn word(bytes: &[u8], at: usize) -> u32 {
 }
 
 #[test]
-fn files_of_this_format_and_law_are_there_and_made_the_same_now() {
+fn files_of_this_format_and_version_are_there_and_made_the_same_now() {
     for (name, extension, bytes, force_at) in made_now() {
-        let (format, law) = (word(&bytes, 8), word(&bytes, force_at));
-        assert_eq!(law, PHYSICS_VERSION);
+        let (format, version) = (word(&bytes, 8), word(&bytes, force_at));
+        assert_eq!(version, PHYSICS_VERSION);
         let all = committed(extension);
-        let old =
-            all.get(&(format, law)).unwrap_or_else(|| panic!("no {name} of format {format} and law {law}: bless"));
-        assert!(*old == bytes, "the bytes of a {name} changed: that needs another format or law");
+        let old = all
+            .get(&(format, version))
+            .unwrap_or_else(|| panic!("no {name} of format {format} and physics version {version}: bless"));
+        assert!(*old == bytes, "the bytes of a {name} changed: that needs another format or physics version");
     }
 }
 
 #[test]
-fn files_of_other_formats_and_laws_are_refused_with_both_numbers() {
+fn files_of_other_formats_and_versions_are_refused_with_both_numbers() {
     let [own_format, own_snapshots] = ["Replays", "Snapshots"].map(|of| Layouts::documented().number_of(of));
-    // As it will be once there is another law.
+    // As it will be once there is another physics version.
     let mut replays = committed("umbrarep");
     let mut snapshots = committed("umbrasnp");
     let newest = snapshots[&(own_snapshots, PHYSICS_VERSION)].clone();
-    snapshots.extend([(12, PHYSICS_VERSION + 1), (8, PHYSICS_VERSION)].map(|(at, law)| {
+    snapshots.extend([(12, PHYSICS_VERSION + 1), (8, PHYSICS_VERSION)].map(|(at, version)| {
         let mut other = newest.clone();
         other[at] += 1;
-        ((u32::from(at == 8) + own_snapshots, law), other)
+        ((u32::from(at == 8) + own_snapshots, version), other)
     }));
     let mut newest = replays[&(own_format, PHYSICS_VERSION)].clone();
     newest[8] += 1;
     replays.insert((own_format + 1, PHYSICS_VERSION), newest);
     assert!(snapshots.len() >= 3 && replays.len() >= 2);
-    for ((format, law), file) in &snapshots {
+    for ((format, version), file) in &snapshots {
         let read = Snapshot::from_bytes(file, &custom_forces());
         match read {
-            Ok(_) => assert_eq!((*format, *law), (own_snapshots, PHYSICS_VERSION)),
+            Ok(_) => assert_eq!((*format, *version), (own_snapshots, PHYSICS_VERSION)),
             Err(SnapshotError::Format { found, known }) => assert_eq!((found, known), (*format, own_snapshots)),
-            Err(SnapshotError::PhysicsVersion { found, own }) => assert_eq!((found, own), (*law, PHYSICS_VERSION)),
-            Err(error) => panic!("format {format}, law {law}: {error}"),
+            Err(SnapshotError::PhysicsVersion { found, own }) => assert_eq!((found, own), (*version, PHYSICS_VERSION)),
+            Err(error) => panic!("format {format}, physics version {version}: {error}"),
         }
     }
-    for ((format, law), file) in &replays {
+    for ((format, version), file) in &replays {
         match Replay::from_bytes(file, &custom_forces()) {
             Ok(replay) => {
-                assert_eq!((*format, *law), (own_format, PHYSICS_VERSION));
+                assert_eq!((*format, *version), (own_format, PHYSICS_VERSION));
                 assert_eq!(replay.verify(), Ok(()));
             }
             Err(ReplayError::Format { found, known }) => assert_eq!((found, known), (*format, own_format)),
             Err(error @ ReplayError::PhysicsVersion { found, own }) => {
-                assert_eq!((found, own), (*law, PHYSICS_VERSION));
+                assert_eq!((found, own), (*version, PHYSICS_VERSION));
                 let text = error.to_string();
                 assert!(
-                    text.contains(&format!("physics version {law};"))
+                    text.contains(&format!("physics version {version};"))
                         && text.contains(&format!("physics version {PHYSICS_VERSION}")),
                     "{text}"
                 );
             }
-            Err(error) => panic!("format {format}, law {law}: {error}"),
+            Err(error) => panic!("format {format}, physics version {version}: {error}"),
         }
     }
 }
@@ -379,7 +380,7 @@ fn the_tables_read_a_snapshot() {
     assert!(bodies.iter().any(|body| body["applied"].option().is_some()));
     assert!(bodies.iter().any(|body| body["locks"]["rotation"].natural() == 1 && body["locks"]["x"].natural() == 0));
     assert!(bodies.iter().any(|body| body["max_speed"].option().is_some()));
-    let target = bodies.iter().find_map(|body| body["errand"].option()).expect("one is on its way");
+    let target = bodies.iter().find_map(|body| body["kinematic_target"].option()).expect("one is on its way");
     assert!(target["goal"].option().is_some() && target["arrived"].natural() == 1);
     assert!(bodies.iter().any(|body| body["shape"].case() == "AsOf"));
     assert!(!state["free_slots"].list().is_empty() && !state["free_fields"].list().is_empty());
@@ -399,7 +400,10 @@ fn the_tables_read_a_replay() {
             "HEAD" => {
                 let head = layouts.whole("head", contents);
                 assert_eq!(i, 0);
-                assert_eq!((head["law"].natural(), head["hash_every"].natural()), (u64::from(PHYSICS_VERSION), 1));
+                assert_eq!(
+                    (head["physics_version"].natural(), head["hash_every"].natural()),
+                    (u64::from(PHYSICS_VERSION), 1)
+                );
                 assert_eq!(head["tick"].natural(), replay.start().tick());
                 assert_eq!(head["snapshot_every"].natural(), 8);
             }

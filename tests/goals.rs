@@ -392,7 +392,7 @@ fn goals_are_state() {
         if steps == 0 {
             assert_ne!((world.state_hash(), world.physics_hash()), (still.state_hash(), still.physics_hash()));
             let differences: Vec<String> = world.differences(&still).iter().map(|found| format!("{found:#}")).collect();
-            assert_eq!(differences[0], "body 0, errand.given: true and false");
+            assert_eq!(differences[0], "body 0, kinematic_target.given: true and false");
         }
         (0..steps).for_each(|_| _ = world.step());
         let bytes = world.snapshot().to_bytes();
@@ -412,12 +412,12 @@ fn goals_are_state() {
 }
 
 #[test]
-fn forged_errands_are_refused() {
+fn forged_targets_are_refused() {
     let mut world = world(Integrator::VelocityVerlet);
     let body = lift(&mut world);
     world.move_to(body, vec2(2, 2), fx!(0.25)).expect("near enough");
     let bytes = world.snapshot().to_bytes();
-    // The only body: its errand ends where its slot does, before the free slots, fields, their free slots, ages, the woken
+    // The only body: its kinematic target ends where its slot does, before the free slots, fields, their free slots, ages, the woken
     // ones, hash and seal.
     let end = bytes.len() - 16 - 5 * 4;
     let arrived = end - 1;

@@ -44,7 +44,11 @@ fn every_scene_gives_its_golden_digest() {
         fs::write(file, text).expect("the file can be written");
         return;
     }
-    assert_eq!(golden().physics_version(), Some(PHYSICS_VERSION), "the golden digests are of another law: bless them");
+    assert_eq!(
+        golden().physics_version(),
+        Some(PHYSICS_VERSION),
+        "the golden digests are of another physics version: bless them"
+    );
     assert_eq!(changed(golden(), &outcomes), [""; 0]);
     let listed: Vec<_> = golden().scenes().collect();
     assert_eq!(listed, outcomes, "scenes came or went: bless them");
@@ -58,13 +62,13 @@ fn all_at_once_is_one_by_one() {
 }
 
 #[test]
-fn a_new_law_is_in_the_changelog() {
+fn a_new_physics_version_is_in_the_changelog() {
     let changelog = fs::read_to_string(path("CHANGELOG.md")).expect("the changelog");
     let (_, results) = changelog.split_once("\n### Results changed\n").expect("a heading for changed results");
     let results = results.split("\n#").next().unwrap_or_default();
     assert!(
-        results.contains(&format!("\n- Law {PHYSICS_VERSION}: ")),
-        "the changelog does not say what changed with law {PHYSICS_VERSION}"
+        results.contains(&format!("\n- Physics version {PHYSICS_VERSION}: ")),
+        "the changelog does not say what changed with physics version {PHYSICS_VERSION}"
     );
 }
 
@@ -79,7 +83,13 @@ fn a_list_is_read_as_it_was_written() {
     assert_eq!(list.scenes().collect::<Vec<_>>(), some);
     assert_eq!(list.scene("two"), Some(some[1].1));
     assert_eq!(changed(list, &[("one", all), some[1], ("three", all)]), ["one gives 0000000000000001"]);
-    for broken in ["", "law", "law x\none 1", "one 3 xyz\none 3\n\n# one 3 ab", "law 99999999999"] {
+    for broken in [
+        "",
+        "physics_version",
+        "physics_version x\none 1",
+        "one 3 xyz\none 3\n\n# one 3 ab",
+        "physics_version 99999999999",
+    ] {
         let list = Golden::parse(broken);
         assert_eq!((list.physics_version(), list.all(), list.scenes().count()), (None, None, 0), "{broken}");
     }

@@ -101,7 +101,7 @@ fn seen(body: &BodyRef<'_>) -> String {
             (body.position_exact(), body.velocity_exact(), body.angle_exact(), body.angular_velocity_exact()),
             (body.kind(), body.activity(), body.mass(), body.inertia(), body.inverse_mass(), body.inverse_inertia()),
             (body.mass_def(), body.gravity_scale(), body.linear_damping(), body.angular_damping(), body.locks()),
-            (body.max_speed(), body.max_angular_speed(), body.goal(), body.groups(), body.key()),
+            (body.max_speed(), body.max_angular_speed(), body.goal(), body.force_groups(), body.key()),
             (body.shape(), body.user_data(), body.applied_force(), body.applied_torque()),
         )
     )
@@ -215,7 +215,7 @@ fn named(command: &Command, made: Created) -> Option<BodyId> {
             | Command::SetShape { body, .. }
             | Command::SetGravityScale { body, .. }
             | Command::SetBodyDamping { body, .. }
-            | Command::SetGroups { body, .. }
+            | Command::SetForceGroups { body, .. }
             | Command::SetLocks { body, .. }
             | Command::SetMaxSpeeds { body, .. }
             | Command::Disable(body)

@@ -151,7 +151,7 @@ fn busy(integrator: Integrator) -> impl FnMut() -> AllocationInfo {
     for kind in
         [FieldKind::Attractor { centre, mu, softening: fx!(1) }, drag, FieldKind::Thrust { at, force: vec2(1, 0) }]
     {
-        world.add_field(ForceField { kind, groups: 1 }).expect("a fair field");
+        world.add_field(ForceField { kind, force_groups: 1 }).expect("a fair field");
     }
     move || {
         measure(|| {
@@ -365,7 +365,7 @@ fn pushes(ids: &[BodyId], tick: u64) -> impl Iterator<Item = Command> {
     pushed.flat_map(|&body| {
         let force = ForceOrImpulse::Force { force: vec2(1, 2), point: Some(vec2(3, 4)) };
         let impulse = ForceOrImpulse::Impulse { impulse: vec2(fx!(0.125), 0), point: None };
-        [force, impulse].map(|action| Command::Apply { body, action, manner: ApplyOptions::default() })
+        [force, impulse].map(|action| Command::Apply { body, action, options: ApplyOptions::default() })
     })
 }
 

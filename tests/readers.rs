@@ -139,8 +139,8 @@ fn forces_and_impulses_are_within_their_bounds_of_the_exact_ones() {
 
         // In the body's.
         world.clear_forces();
-        let manner = ApplyOptions { frame: Frame::Body, ..ApplyOptions::default() };
-        world.apply(body, ForceOrImpulse::Force { force, point: Some(point) }, manner).expect("it fits");
+        let options = ApplyOptions { frame: Frame::Body, ..ApplyOptions::default() };
+        world.apply(body, ForceOrImpulse::Force { force, point: Some(point) }, options).expect("it fits");
         let at = world.body(body).expect("it is there");
         let (sin, cos) = sin_cos(at.angle_exact());
         let turned = [&f[0] * &cos - &f[1] * &sin, &f[0] * &sin + &f[1] * &cos];

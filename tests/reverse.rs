@@ -63,7 +63,7 @@ fn kepler(integrator: Integrator) -> (World, Vec<BodyId>) {
     let moon = BodyDef { position: vec2(21, 5), velocity: vec2(0, fx!(0.9)), ..BodyDef::dynamic() };
     let (mut world, ids) = world(
         WorldDef { gravity: Vec2::ZERO, ..def(integrator) },
-        [planet, asteroid, moon].map(|b| BodyDef { groups: 3, ..b }),
+        [planet, asteroid, moon].map(|b| BodyDef { force_groups: 3, ..b }),
     );
     let star = FieldKind::Attractor { centre: End::World(Vec2::ZERO), mu: mu(fx!(100)), softening: fx!(0) };
     let own =
@@ -131,7 +131,7 @@ impl CustomForce for Trough {
 
 /// Springs and thrusts on a few bodies, beside blocks of bodies that no field reaches.
 fn few(integrator: Integrator) -> (World, Vec<BodyId>) {
-    let free = tumbling(300, 1).map(|body| BodyDef { groups: 0, ..body });
+    let free = tumbling(300, 1).map(|body| BodyDef { force_groups: 0, ..body });
     let nail = BodyDef { position: vec2(3, 3), ..BodyDef::fixed() };
     let cart = BodyDef { velocity: vec2(1, fx!(0.25)), angular_velocity: fx!(0.7), ..BodyDef::kinematic() };
     let (mut world, ids) = world(def(integrator), tumbling(20, 2).chain(free).chain([nail, cart]));
@@ -164,7 +164,7 @@ fn everything(integrator: Integrator) -> (World, Vec<BodyId>) {
         FieldKind::Custom { id: 7 },
     ];
     for law in custom_forces {
-        world.add_field(ForceField { kind: law, groups: 1 }).expect("a fair field");
+        world.add_field(ForceField { kind: law, force_groups: 1 }).expect("a fair field");
     }
     (world, ids)
 }
@@ -289,8 +289,12 @@ fn a_million_steps_go_back_to_the_bit() {
         let planet = BodyDef { position: vec2(10, 0), velocity: vec2(0, fx!(2.5)), ..BodyDef::dynamic() };
         let one = BodyDef { position: vec2(-20, 1), velocity: vec2(0, fx!(-2)), ..BodyDef::dynamic() };
         let other = BodyDef { position: vec2(-21, 1), angular_velocity: fx!(3), ..one.clone() };
-        let free =
-            BodyDef { groups: 0, velocity: vec2(fx!(0.01), fx!(0.02)), angular_velocity: fx!(1), ..planet.clone() };
+        let free = BodyDef {
+            force_groups: 0,
+            velocity: vec2(fx!(0.01), fx!(0.02)),
+            angular_velocity: fx!(1),
+            ..planet.clone()
+        };
         let calm = WorldDef { gravity: Vec2::ZERO, ..def(integrator) };
         let (mut world, ids) = world(calm, [planet, one, other, free]);
         let star = FieldKind::Attractor { centre: End::World(Vec2::ZERO), mu: mu(fx!(100)), softening: fx!(0.125) };
@@ -298,7 +302,7 @@ fn a_million_steps_go_back_to_the_bit() {
         let far = End::Body(Attachment { body: ids[2], point: vec2(fx!(0.25), 0) });
         let spring = FieldKind::Spring { near: Attachment::centre(ids[1]), far, spring };
         for law in [star, spring] {
-            world.add_field(ForceField { kind: law, groups: 1 }).expect("a fair field");
+            world.add_field(ForceField { kind: law, force_groups: 1 }).expect("a fair field");
         }
         let mut random = Random(11);
         let mut applied: Vec<AppliedForce> = Vec::new();

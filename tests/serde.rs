@@ -188,7 +188,7 @@ fn bodies() -> Vec<BodyDef> {
         angle: fx!(-0.1),
         linear_damping: Some(fx!(0.1)),
         angular_damping: None,
-        groups: u32::MAX,
+        force_groups: u32::MAX,
         key: u64::MAX,
         user_data: 1 << 63,
         ..BodyDef::dynamic()
@@ -273,7 +273,7 @@ fn every_plain_struct_comes_back() {
     through_both(&Locks { x: true, y: false, rotation: true });
     through_both(&WorldDef::<Fx> { gravity: vec2(0, fx!(-9.81)), sleep_after: None, ..WorldDef::default() });
     through_both(&attachment());
-    custom_forces().into_iter().for_each(|law| through_both(&ForceField { kind: law, groups: 5 }));
+    custom_forces().into_iter().for_each(|law| through_both(&ForceField { kind: law, force_groups: 5 }));
     bodies().iter().for_each(through_both);
     for integrator in Integrator::ALL {
         integrator.stages().iter().for_each(through_both::<Stage>);

@@ -99,7 +99,7 @@ fn meddle(world: &mut World, seed: u64, tick: u32) {
                     0 => BodyDef::fixed(),
                     1 => BodyDef { velocity: vector(&mut dice), ..BodyDef::kinematic() },
                     // Nothing acts on it, so it sleeps.
-                    2 => BodyDef { gravity_scale: Fx::ZERO, groups: 0, ..BodyDef::dynamic() },
+                    2 => BodyDef { gravity_scale: Fx::ZERO, force_groups: 0, ..BodyDef::dynamic() },
                     _ => BodyDef {
                         velocity: vector(&mut dice),
                         angular_velocity: number(&mut dice),
@@ -145,7 +145,7 @@ fn meddle(world: &mut World, seed: u64, tick: u32) {
                         softening: fx!(0.5),
                     },
                 };
-                _ = world.add_field(ForceField { kind: law, groups: 1 });
+                _ = world.add_field(ForceField { kind: law, force_groups: 1 });
             }
             (12, Some(body)) => {
                 let field = world.fields().next().map(|(id, _)| id);

@@ -115,7 +115,7 @@ impl Symmetry {
         S::from_fx(if self.quarters == 1 { turned + QUARTER } else { turned })
     }
 
-    fn manner(frame: Frame) -> ApplyOptions {
+    fn options(frame: Frame) -> ApplyOptions {
         ApplyOptions { frame, wake: true }
     }
 
@@ -201,7 +201,7 @@ fn scene<S: Scalar>(image: &Symmetry, integrator: Integrator, rate: u32) -> (Wor
         angular_velocity: image.pseudo(fx!(-5.5)),
         shape: Some(Shape::circle(s(fx!(0.5))).expect("a disc")),
         mass: Mass::Density(s(fx!(1.3))),
-        groups: FIELDS | DRAGGED,
+        force_groups: FIELDS | DRAGGED,
         ..dynamic()
     });
     let slab = add(BodyDef {
@@ -212,7 +212,7 @@ fn scene<S: Scalar>(image: &Symmetry, integrator: Integrator, rate: u32) -> (Wor
         mass: Mass::Kilograms(s(fx!(2.7))),
         gravity_scale: s(fx!(0.5)),
         linear_damping: Some(s(fx!(0.6))),
-        groups: FIELDS,
+        force_groups: FIELDS,
         ..dynamic()
     });
     let light = add(BodyDef {
@@ -222,7 +222,7 @@ fn scene<S: Scalar>(image: &Symmetry, integrator: Integrator, rate: u32) -> (Wor
         mass: Mass::Explicit { mass: s(fx!(0.01)), inertia: s(fx!(0.003)) },
         gravity_scale: s(fx!(-1)),
         angular_damping: Some(s(fx!(0.5))),
-        groups: FIELDS | DRAGGED,
+        force_groups: FIELDS | DRAGGED,
         ..dynamic()
     });
     let sleeper = add(BodyDef {
@@ -231,7 +231,7 @@ fn scene<S: Scalar>(image: &Symmetry, integrator: Integrator, rate: u32) -> (Wor
         gravity_scale: S::ZERO,
         linear_damping: Some(s(fx!(0.000001))),
         angular_damping: Some(s(fx!(0.000001))),
-        groups: 0,
+        force_groups: 0,
         ..dynamic()
     });
     // Short numbers, no damping: v gains odd multiples of half ulps, x of 2^-6 ulp, and half of them are ties.
@@ -240,14 +240,15 @@ fn scene<S: Scalar>(image: &Symmetry, integrator: Integrator, rate: u32) -> (Wor
         velocity: v(vx, vy),
         linear_damping: Some(S::ONE),
         gravity_scale: S::ZERO,
-        groups: SHORT,
+        force_groups: SHORT,
         ..dynamic()
     };
     let weights = STARTS.map(|[x, y, vx, vy]| add(short(x, y, vx, vy)));
     add(BodyDef { gravity_scale: S::ONE, ..short(fx!(0), fx!(0), ULP, -ULP) });
 
-    let mut field =
-        |kind: FieldKind<S>, groups| world.add_field(ForceField { kind, groups }).map(drop).expect("a field");
+    let mut field = |kind: FieldKind<S>, force_groups| {
+        world.add_field(ForceField { kind, force_groups }).map(drop).expect("a field")
+    };
     let mu = |mu: Fx| S::Factor::from_scalar(s(mu));
     let centre = End::World(p(fx!(0.5), fx!(-0.5)));
     field(FieldKind::Attractor { centre, mu: mu(fx!(9.1)), softening: s(fx!(0.75)) }, FIELDS);
@@ -293,7 +294,7 @@ fn scene<S: Scalar>(image: &Symmetry, integrator: Integrator, rate: u32) -> (Wor
 fn drive<S: Scalar>(world: &mut World<S>, cast: &Cast, image: &Symmetry, tick: u32) {
     let mut act = |body, action, frame| {
         world
-            .apply(body, action, Symmetry::manner(frame))
+            .apply(body, action, Symmetry::options(frame))
             .unwrap_or_else(|e| panic!("{}, tick {tick}: {e}", image.name));
     };
     let sign = |value: Fx| if tick % 2 == 0 { value } else { -value };

@@ -45,7 +45,7 @@ fn busy(integrator: Integrator, all: bool) -> (World, Vec<BodyId>) {
             angle: number(&mut random, 35),
             angular_velocity: number(&mut random, 35),
             mass: Mass::Explicit { mass: fx!(2), inertia: fx!(0.5) },
-            groups: if i < 20 { 1 } else { 2 },
+            force_groups: if i < 20 { 1 } else { 2 },
             ..BodyDef::dynamic()
         })
         .collect();
@@ -54,7 +54,7 @@ fn busy(integrator: Integrator, all: bool) -> (World, Vec<BodyId>) {
     }
     bodies[30].position = vec2(fx!(1_073_741_823), 0);
     bodies[30].velocity = vec2(20, 0);
-    bodies[31] = BodyDef { groups: 4, mass: Mass::Kilograms(fx!(0.001)), ..bodies[31].clone() };
+    bodies[31] = BodyDef { force_groups: 4, mass: Mass::Kilograms(fx!(0.001)), ..bodies[31].clone() };
     let ids: Vec<BodyId> = bodies.into_iter().map(|body| world.add_body(body).expect("a fair body")).collect();
     let at = |i: usize| Attachment { body: ids[i], point: vec2(fx!(0.5), 1) };
     let spring = SpringConstants { rest: fx!(3), stiffness: fx!(2), damping: fx!(0.5) };
@@ -67,8 +67,8 @@ fn busy(integrator: Integrator, all: bool) -> (World, Vec<BodyId>) {
         (1, drag(fx!(0.25))),
         (4, drag(fx!(1))),
     ];
-    for (groups, law) in fields.into_iter().take(if all { 5 } else { 2 }) {
-        world.add_field(ForceField { kind: law, groups }).expect("a fair field");
+    for (force_groups, law) in fields.into_iter().take(if all { 5 } else { 2 }) {
+        world.add_field(ForceField { kind: law, force_groups }).expect("a fair field");
     }
     (world, ids)
 }

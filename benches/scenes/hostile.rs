@@ -317,14 +317,16 @@ fn pairs_woken(count: usize) -> (World, Vec<Command>) {
 fn groups_woken(count: usize) -> (World, Vec<Command>) {
     let (mut world, bodies) = unlike_world(count);
     for (i, &body) in bodies.iter().enumerate() {
-        world.set_groups(body, 1 << (i % 31)).expect("it is there");
+        world.set_force_groups(body, 1 << (i % 31)).expect("it is there");
     }
     let region = Region::Disc { centre: vec2(0, 0), radius: fx!(1) };
-    let zone =
-        |group: u32| ForceField { kind: FieldKind::Zone { region, acceleration: vec2(1, 0) }, groups: 1 << group };
+    let zone = |group: u32| ForceField {
+        kind: FieldKind::Zone { region, acceleration: vec2(1, 0) },
+        force_groups: 1 << group,
+    };
     // Those that nobody is in between them.
-    let groups = (0..31).flat_map(|group| [31, group]);
-    (asleep(world), groups.map(|group| Command::AddField(zone(group))).collect())
+    let force_groups = (0..31).flat_map(|group| [31, group]);
+    (asleep(world), force_groups.map(|group| Command::AddField(zone(group))).collect())
 }
 
 fn disabled_when_woken(count: usize) -> (World, Vec<Command>) {
@@ -345,6 +347,6 @@ fn pushes(count: usize) -> (World, Vec<Command>) {
     let def = BodyDef { shape, mass: Mass::Density(fx!(1)), angle: fx!(1), ..BodyDef::dynamic() };
     let bodies: Vec<_> = (0..count).map(|_| world.add_body(def.clone()).expect("a body")).collect();
     let action = ForceOrImpulse::Impulse { impulse: vec2(1, 2), point: Some(vec2(1, 1)) };
-    let manner = ApplyOptions { frame: umbra_physics::Frame::Body, wake: true };
-    (world, bodies.iter().map(|&body| Command::Apply { body, action, manner }).collect())
+    let options = ApplyOptions { frame: umbra_physics::Frame::Body, wake: true };
+    (world, bodies.iter().map(|&body| Command::Apply { body, action, options }).collect())
 }

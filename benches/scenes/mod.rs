@@ -214,11 +214,11 @@ pub(crate) fn one_spring<S: Scalar>(count: usize) -> Scene<S> {
 }
 
 /// Like `free`, with a zone around all bodies that acts on those in these groups; the bodies are in group 1.
-pub(crate) fn zone<S: Scalar>(count: usize, groups: u32) -> Scene<S> {
+pub(crate) fn zone<S: Scalar>(count: usize, force_groups: u32) -> Scene<S> {
     with_fields(free(count), |_| {
         let [min, max] = [fx!(-1_000_000), fx!(1_000_000)].map(|c| vector(c, c));
         let kind = FieldKind::Zone { region: Region::Box { min, max }, acceleration: vector(fx!(1), fx!(2)) };
-        vec![ForceField { kind, groups }]
+        vec![ForceField { kind, force_groups }]
     })
 }
 

@@ -37,7 +37,7 @@
 #define UMBRA_NEVER 0
 
 // All groups.
-#define UMBRA_ALL_GROUPS 4294967295
+#define UMBRA_ALL_FORCE_GROUPS 4294967295
 
 // Bytes that the library owns: a snapshot, a replay, or room that a caller without memory of its own asked for.
 typedef struct UmbraBytes UmbraBytes;
@@ -215,7 +215,7 @@ typedef struct UmbraBodyDef {
     // Anything of the caller's: 0.
     uint64_t user_data;
     // The groups it is in: a force field with one of these bits acts on it. 1.
-    uint32_t groups;
+    uint32_t force_groups;
     // Components of the velocity that are held at zero; default none.
     UmbraLocks locks;
     // Shape, or null for none. The last field, so that the offsets of the others do not depend on the size of pointers.
@@ -274,7 +274,7 @@ typedef struct UmbraBodyState {
     // State of activity.
     UmbraActivity activity;
     // The groups it is in.
-    uint32_t groups;
+    uint32_t force_groups;
     // Components of the velocity that are held at zero.
     UmbraLocks locks;
 } UmbraBodyState;
@@ -321,7 +321,7 @@ typedef struct UmbraFieldDef {
     // The kind.
     UmbraFieldKind kind;
     // Groups of dynamic bodies that the field acts on, as bits; springs and thrusts act on their bodies alone. Default all.
-    uint32_t groups;
+    uint32_t force_groups;
     // The region of a zone.
     UmbraRegion region;
     // 0.
@@ -365,7 +365,7 @@ typedef struct UmbraFieldDef {
 } UmbraFieldDef;
 
 // Options of a force or impulse: 0, or any of the flags below.
-typedef uint32_t UmbraManner;
+typedef uint32_t UmbraApplyFlags;
 
 // Body or force field that a command created.
 typedef struct UmbraMade {
@@ -957,7 +957,7 @@ UmbraStatus umbra_world_set_gravity_scale(struct UmbraWorld *world, uint64_t bod
 UmbraStatus umbra_world_set_body_damping(struct UmbraWorld *world, uint64_t body, UmbraFx linear, UmbraFx angular);
 
 // Changes the groups a body is in.
-UmbraStatus umbra_world_set_groups(struct UmbraWorld *world, uint64_t body, uint32_t groups);
+UmbraStatus umbra_world_set_force_groups(struct UmbraWorld *world, uint64_t body, uint32_t force_groups);
 
 // Changes the caller's name for a body.
 UmbraStatus umbra_world_set_key(struct UmbraWorld *world, uint64_t body, uint64_t key);
@@ -1011,10 +1011,10 @@ UmbraStatus umbra_world_apply_force(struct UmbraWorld *world,
                                     UmbraFx x,
                                     UmbraFx y,
                                     const struct UmbraVec2 *point,
-                                    UmbraManner manner);
+                                    UmbraApplyFlags options);
 
 // Applies a torque, N·m, over the next step.
-UmbraStatus umbra_world_apply_torque(struct UmbraWorld *world, uint64_t body, UmbraFx torque, UmbraManner manner);
+UmbraStatus umbra_world_apply_torque(struct UmbraWorld *world, uint64_t body, UmbraFx torque, UmbraApplyFlags options);
 
 // Changes the velocity by an impulse, N·s, at once, at a point, or through the centre of mass for null.
 UmbraStatus umbra_world_apply_impulse(struct UmbraWorld *world,
@@ -1022,13 +1022,13 @@ UmbraStatus umbra_world_apply_impulse(struct UmbraWorld *world,
                                       UmbraFx x,
                                       UmbraFx y,
                                       const struct UmbraVec2 *point,
-                                      UmbraManner manner);
+                                      UmbraApplyFlags options);
 
 // Changes the angular velocity by an angular impulse, N·m·s, at once.
 UmbraStatus umbra_world_apply_angular_impulse(struct UmbraWorld *world,
                                               uint64_t body,
                                               UmbraFx impulse,
-                                              UmbraManner manner);
+                                              UmbraApplyFlags options);
 
 // Takes back the forces and torques applied since the last step.
 UmbraStatus umbra_world_clear_forces(struct UmbraWorld *world);

@@ -94,7 +94,7 @@ pub struct UmbraBodyDef {
     /// Anything of the caller's: 0.
     pub user_data: u64,
     /// The groups it is in: a force field with one of these bits acts on it. 1.
-    pub groups: u32,
+    pub force_groups: u32,
     /// Components of the velocity that are held at zero; default none.
     pub locks: UmbraLocks,
     /// Shape, or null for none. The last field, so that the offsets of the others do not depend on the size of pointers.
@@ -152,7 +152,7 @@ pub struct UmbraBodyState {
     /// State of activity.
     pub activity: UmbraActivity,
     /// The groups it is in.
-    pub groups: u32,
+    pub force_groups: u32,
     /// Components of the velocity that are held at zero.
     pub locks: UmbraLocks,
 }
@@ -281,7 +281,7 @@ fn state_of(body: BodyRef<'_>) -> UmbraBodyState {
         user_data: body.user_data(),
         kind: number_of(body.kind()),
         activity: activity_of(body.activity()),
-        groups: body.groups(),
+        force_groups: body.force_groups(),
         locks: flags_of(body.locks()),
     }
 }
@@ -306,7 +306,7 @@ pub extern "C" fn umbra_body_def_default(def: Option<&mut MaybeUninit<UmbraBodyD
             max_angular_speed: UMBRA_NO_LIMIT,
             key: 0,
             user_data: 0,
-            groups: 1,
+            force_groups: 1,
             locks: 0,
             shape: std::ptr::null(),
         });
@@ -339,7 +339,7 @@ pub unsafe extern "C" fn umbra_world_add_body(
             max_speed: limit_of(def.max_speed),
             max_angular_speed: limit_of(def.max_angular_speed),
             locks: locks_of(def.locks)?,
-            groups: def.groups,
+            force_groups: def.force_groups,
             key: def.key,
             user_data: def.user_data,
         }))?;
@@ -668,8 +668,8 @@ pub extern "C" fn umbra_world_set_body_damping(
 
 /// Changes the groups a body is in.
 #[unsafe(no_mangle)]
-pub extern "C" fn umbra_world_set_groups(world: Option<&mut UmbraWorld>, body: u64, groups: u32) -> UmbraStatus {
-    change(world, Command::SetGroups { body: body_id(body), groups })
+pub extern "C" fn umbra_world_set_force_groups(world: Option<&mut UmbraWorld>, body: u64, force_groups: u32) -> UmbraStatus {
+    change(world, Command::SetForceGroups { body: body_id(body), force_groups })
 }
 
 /// Changes the caller's name for a body.

@@ -36,7 +36,7 @@ pub const UMBRA_DISC: UmbraRegion = 0;
 pub const UMBRA_BOX: UmbraRegion = 1;
 
 /// All groups.
-pub const UMBRA_ALL_GROUPS: u32 = 0xFFFF_FFFF;
+pub const UMBRA_ALL_FORCE_GROUPS: u32 = 0xFFFF_FFFF;
 
 /// A force field: its kind, and the bodies that it acts on. Only what its kind reads matters. `umbra_field_def_default` fills
 /// it in.
@@ -46,7 +46,7 @@ pub struct UmbraFieldDef {
     /// The kind.
     pub kind: UmbraFieldKind,
     /// Groups of dynamic bodies that the field acts on, as bits; springs and thrusts act on their bodies alone. Default all.
-    pub groups: u32,
+    pub force_groups: u32,
     /// The region of a zone.
     pub region: UmbraRegion,
     /// 0.
@@ -94,7 +94,7 @@ const EMPTY: UmbraVec2 = UmbraVec2 { x: 0, y: 0 };
 /// A field whose kind is not set yet.
 const BLANK: UmbraFieldDef = UmbraFieldDef {
     kind: 0,
-    groups: UMBRA_ALL_GROUPS,
+    force_groups: UMBRA_ALL_FORCE_GROUPS,
     region: UMBRA_DISC,
     reserved: 0,
     body: UMBRA_NO_HANDLE,
@@ -161,7 +161,7 @@ impl UmbraFieldDef {
             UMBRA_ZONE => FieldKind::Zone { region: self.zone()?, acceleration: self.acceleration.into() },
             _ => return Err(Refusal::bad("no kind of force field has this number")),
         };
-        Ok(ForceField { kind, groups: self.groups })
+        Ok(ForceField { kind, force_groups: self.force_groups })
     }
 
     fn zone(&self) -> Result<Region> {
@@ -173,7 +173,7 @@ impl UmbraFieldDef {
     }
 
     fn of(field: &ForceField) -> Result<Self> {
-        let mut def = Self { groups: field.groups, ..BLANK };
+        let mut def = Self { force_groups: field.force_groups, ..BLANK };
         match &field.kind {
             FieldKind::Attractor { centre, mu, softening } => {
                 def.kind = UMBRA_ATTRACTOR;

@@ -7,23 +7,23 @@ use crate::status::{Refusal, Result, UmbraStatus};
 use crate::world::{UmbraWorld, body_id, change, change_by};
 
 /// Options of a force or impulse: 0, or any of the flags below.
-pub type UmbraManner = u32;
+pub type UmbraApplyFlags = u32;
 
 /// Vector and point are in the axes of the body, the point from its centre of mass; not in those of the world.
-pub const UMBRA_BODY_FRAME: UmbraManner = 1;
+pub const UMBRA_BODY_FRAME: UmbraApplyFlags = 1;
 /// Does not wake a sleeping body, which then ignores the force.
-pub const UMBRA_NO_WAKE: UmbraManner = 2;
+pub const UMBRA_NO_WAKE: UmbraApplyFlags = 2;
 
-fn manner(flags: UmbraManner) -> Result<ApplyOptions> {
+fn options(flags: UmbraApplyFlags) -> Result<ApplyOptions> {
     if flags & !(UMBRA_BODY_FRAME | UMBRA_NO_WAKE) != 0 {
-        return Err(Refusal::bad("a flag is none of a manner's"));
+        return Err(Refusal::bad("a flag is none of ours"));
     }
     let frame = if flags & UMBRA_BODY_FRAME == 0 { Frame::World } else { Frame::Body };
     Ok(ApplyOptions { frame, wake: flags & UMBRA_NO_WAKE == 0 })
 }
 
-fn apply(world: Option<&mut UmbraWorld>, body: u64, action: ForceOrImpulse, flags: UmbraManner) -> UmbraStatus {
-    change_by(world, || Ok(Command::Apply { body: body_id(body), action, manner: manner(flags)? }))
+fn apply(world: Option<&mut UmbraWorld>, body: u64, action: ForceOrImpulse, flags: UmbraApplyFlags) -> UmbraStatus {
+    change_by(world, || Ok(Command::Apply { body: body_id(body), action, options: options(flags)? }))
 }
 
 /// Applies a force, N, over the next step, at a point, or through the centre of mass for null.
@@ -34,10 +34,10 @@ pub extern "C" fn umbra_world_apply_force(
     x: UmbraFx,
     y: UmbraFx,
     point: Option<&UmbraVec2>,
-    manner: UmbraManner,
+    options: UmbraApplyFlags,
 ) -> UmbraStatus {
     let action = ForceOrImpulse::Force { force: vector(x, y), point: point.map(|&point| point.into()) };
-    apply(world, body, action, manner)
+    apply(world, body, action, options)
 }
 
 /// Applies a torque, N·m, over the next step.
@@ -46,9 +46,9 @@ pub extern "C" fn umbra_world_apply_torque(
     world: Option<&mut UmbraWorld>,
     body: u64,
     torque: UmbraFx,
-    manner: UmbraManner,
+    options: UmbraApplyFlags,
 ) -> UmbraStatus {
-    apply(world, body, ForceOrImpulse::Torque(Fx::from_bits(torque)), manner)
+    apply(world, body, ForceOrImpulse::Torque(Fx::from_bits(torque)), options)
 }
 
 /// Changes the velocity by an impulse, N·s, at once, at a point, or through the centre of mass for null.
@@ -59,10 +59,10 @@ pub extern "C" fn umbra_world_apply_impulse(
     x: UmbraFx,
     y: UmbraFx,
     point: Option<&UmbraVec2>,
-    manner: UmbraManner,
+    options: UmbraApplyFlags,
 ) -> UmbraStatus {
     let action = ForceOrImpulse::Impulse { impulse: vector(x, y), point: point.map(|&point| point.into()) };
-    apply(world, body, action, manner)
+    apply(world, body, action, options)
 }
 
 /// Changes the angular velocity by an angular impulse, N·m·s, at once.
@@ -71,9 +71,9 @@ pub extern "C" fn umbra_world_apply_angular_impulse(
     world: Option<&mut UmbraWorld>,
     body: u64,
     impulse: UmbraFx,
-    manner: UmbraManner,
+    options: UmbraApplyFlags,
 ) -> UmbraStatus {
-    apply(world, body, ForceOrImpulse::AngularImpulse(Fx::from_bits(impulse)), manner)
+    apply(world, body, ForceOrImpulse::AngularImpulse(Fx::from_bits(impulse)), options)
 }
 
 /// Takes back the forces and torques applied since the last step.

@@ -33,7 +33,7 @@ fn build() -> Result<(World, BodyId, BodyId), Error> {
         mass: Mass::Kilograms(fx!(2)),
         angle: fx!(0.1),
         position: vec2(20, 0),
-        groups: 2,
+        force_groups: 2,
         ..BodyDef::dynamic()
     })?;
     for (side, damping) in [(2, fx!(0)), (-2, fx!(0.25))] {
@@ -44,7 +44,7 @@ fn build() -> Result<(World, BodyId, BodyId), Error> {
         })?;
     }
     let wind = FieldKind::Drag { linear: fx!(0), quadratic: fx!(0.02), wind: vec2(3, 0) };
-    world.add_field(ForceField { kind: wind, groups: 2 })?;
+    world.add_field(ForceField { kind: wind, force_groups: 2 })?;
     let star =
         world.add_body(BodyDef { position: vec2(0, 100), velocity: vec2(fx!(0.5), 0), ..BodyDef::kinematic() })?;
     world.add_body(BodyDef {
@@ -52,12 +52,12 @@ fn build() -> Result<(World, BodyId, BodyId), Error> {
         velocity: vec2(0, 14),
         gravity_scale: fx!(0),
         linear_damping: Some(fx!(1)),
-        groups: 4,
+        force_groups: 4,
         ..BodyDef::dynamic()
     })?;
     let mu = FxFactor::parse("1000").expect("a number");
     let centre = End::Body(Attachment::centre(star));
-    world.add_field(ForceField { kind: FieldKind::Attractor { centre, mu, softening: fx!(0) }, groups: 4 })?;
+    world.add_field(ForceField { kind: FieldKind::Attractor { centre, mu, softening: fx!(0) }, force_groups: 4 })?;
     let rocket = world.add_body(BodyDef {
         shape: Some(Shape::polygon(&[vec2(fx!(-0.5), -1), vec2(fx!(0.5), -1), vec2(0, 1)])?),
         mass: Mass::Explicit { mass: fx!(3), inertia: fx!(2) },
@@ -118,6 +118,6 @@ fn the_golden_hashes_are_those_of_the_library() -> Result<(), Box<dyn std::error
     if std::env::var("UMBRA_BLESS").is_ok_and(|value| value == "1") {
         fs::write(&file, &made)?;
     }
-    assert_eq!(fs::read_to_string(&file)?, made, "UMBRA_BLESS=1 cargo test --test golden, if the law moved");
+    assert_eq!(fs::read_to_string(&file)?, made, "UMBRA_BLESS=1 cargo test --test golden, if the physics version changed");
     Ok(())
 }

@@ -115,10 +115,10 @@ fn fields() -> Vec<(UmbraFieldDef, ForceField)> {
             FieldKind::Attractor { centre: End::World(vec2(1, 2)), mu, softening: fx!(1) }.into(),
         ),
         (
-            UmbraFieldDef { other: BODY_WORD, other_point: point, groups: 5, ..def(UMBRA_ATTRACTOR) },
+            UmbraFieldDef { other: BODY_WORD, other_point: point, force_groups: 5, ..def(UMBRA_ATTRACTOR) },
             ForceField {
                 kind: FieldKind::Attractor { centre: End::Body(at), mu: FxFactor::default(), softening: fx!(0) },
-                groups: 5,
+                force_groups: 5,
             },
         ),
         (
@@ -204,7 +204,7 @@ fn every_change_is_the_command_of_its_name() {
             Command::SetBodyDamping { body, linear: Some(bits(10)), angular: None };
         umbra_world_set_body_damping(BODY_WORD, UMBRA_AS_WORLD, 11) =>
             Command::SetBodyDamping { body, linear: None, angular: Some(bits(11)) };
-        umbra_world_set_groups(BODY_WORD, 12) => Command::SetGroups { body, groups: 12 };
+        umbra_world_set_force_groups(BODY_WORD, 12) => Command::SetForceGroups { body, force_groups: 12 };
         umbra_world_set_key(BODY_WORD, u64::MAX) => Command::SetKey { body, key: u64::MAX };
         umbra_world_set_user_data(BODY_WORD, 14) => Command::SetUserData { body, user_data: 14 };
         umbra_world_set_locks(BODY_WORD, UMBRA_LOCK_X | UMBRA_LOCK_ROTATION) =>
@@ -229,15 +229,15 @@ fn every_change_is_the_command_of_its_name() {
         umbra_world_seed(42) => Command::SetRandom(Random::seeded(42));
         umbra_world_clear_forces() => Command::ClearForces;
         umbra_world_apply_force(BODY_WORD, 6, 7, Some(&point), UMBRA_BODY_FRAME) =>
-            Command::Apply { body, action: force, manner: body_frame };
+            Command::Apply { body, action: force, options: body_frame };
         umbra_world_apply_impulse(BODY_WORD, 6, 7, None, UMBRA_NO_WAKE) =>
-            Command::Apply { body, action: impulse, manner: no_wake };
+            Command::Apply { body, action: impulse, options: no_wake };
         umbra_world_apply_torque(BODY_WORD, 8, 0) =>
-            Command::Apply { body, action: ForceOrImpulse::Torque(bits(8)), manner: ApplyOptions::default() };
+            Command::Apply { body, action: ForceOrImpulse::Torque(bits(8)), options: ApplyOptions::default() };
         umbra_world_apply_angular_impulse(BODY_WORD, 9, both) => Command::Apply {
             body,
             action: ForceOrImpulse::AngularImpulse(bits(9)),
-            manner: ApplyOptions { frame: Frame::Body, wake: false },
+            options: ApplyOptions { frame: Frame::Body, wake: false },
         };
     }
     let integrators = [
@@ -275,7 +275,7 @@ fn every_change_is_the_command_of_its_name() {
         max_angular_speed: 16,
         key: 12,
         user_data: 13,
-        groups: 14,
+        force_groups: 14,
         locks: UMBRA_LOCK_Y,
         shape: &raw const *shape,
     };
@@ -295,7 +295,7 @@ fn every_change_is_the_command_of_its_name() {
         locks: Locks { x: false, y: true, rotation: false },
         key: 12,
         user_data: 13,
-        groups: 14,
+        force_groups: 14,
         shape: Some(Shape::capsule(fx!(2), fx!(1)).expect("a shape")),
     };
     is(&draft, UMBRA_OK, Command::AddBody(full));
@@ -380,7 +380,7 @@ fn bodies_are_read_to_the_last_bit() {
     let inertia = look.inertia().expect("one").parts();
     assert_eq!((state.mass, (state.inertia.mantissa, state.inertia.shift)), (ONE, inertia));
     assert_eq!((state.linear_damping, state.angular_damping), (UMBRA_AS_WORLD, UMBRA_AS_WORLD));
-    assert_eq!((state.key, state.user_data, state.groups, state.gravity_scale), (6, 5, 1, ONE));
+    assert_eq!((state.key, state.user_data, state.force_groups, state.gravity_scale), (6, 5, 1, ONE));
     assert_eq!((state.kind, state.activity), (UMBRA_DYNAMIC, UMBRA_AWAKE));
 
     // SAFETY: the buffers are those of `list`.

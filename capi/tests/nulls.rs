@@ -174,7 +174,7 @@ fn null_is_refused_everywhere() {
         umbra_world_set_kind(None, b, UMBRA_STATIC);
         umbra_world_set_gravity_scale(None, b, 0);
         umbra_world_set_body_damping(None, b, 0, 0);
-        umbra_world_set_groups(None, b, 0);
+        umbra_world_set_force_groups(None, b, 0);
         umbra_world_set_key(None, b, 0);
         umbra_world_set_user_data(None, b, 0);
         umbra_world_set_locks(None, b, 0);

@@ -49,7 +49,7 @@ fn hashes() -> Vec<String> {
             (Value::Null, Value::Array(by)) => ForceOrImpulse::AngularImpulse(number(&by[0])),
             other => panic!("{other:?}"),
         };
-        Command::Apply { body, action, manner: ApplyOptions::default() }
+        Command::Apply { body, action, options: ApplyOptions::default() }
     };
     let mut hashes = vec![format!("{:016x}", world.state_hash())];
     for tick in 0..TICKS {
@@ -71,13 +71,13 @@ fn hashes() -> Vec<String> {
 fn the_hashes_are_those_of_the_library() {
     let rows: Vec<String> = hashes().iter().map(|hash| format!("    \"{hash}\"")).collect();
     let made = format!(
-        "{{\n  \"law\": {PHYSICS_VERSION},\n  \"every\": {EVERY},\n  \"hashes\": [\n{}\n  ]\n}}\n",
+        "{{\n  \"physics_version\": {PHYSICS_VERSION},\n  \"every\": {EVERY},\n  \"hashes\": [\n{}\n  ]\n}}\n",
         rows.join(",\n")
     );
     if std::env::var("UMBRA_BLESS").is_ok_and(|value| value == "1") {
         fs::write(folder().join("golden.json"), &made).expect("it can be written");
     }
-    assert_eq!(read("golden.json"), made, "UMBRA_BLESS=1 cargo test --test web, if the law or the arena changed");
+    assert_eq!(read("golden.json"), made, "UMBRA_BLESS=1 cargo test --test web, if the physics version or the arena changed");
 }
 
 /// The module, where it was built.

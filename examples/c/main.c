@@ -109,7 +109,7 @@ static UmbraWorld *build(uint64_t *ball, uint64_t *rocket)
     body.mass = 2 * UMBRA_ONE;
     body.angle = fx("0.1");
     body.position.x = 20 * UMBRA_ONE;
-    body.groups = 2;
+    body.force_groups = 2;
     DO(umbra_world_add_body(world, &body, &plank));
     umbra_shape_free(shape);
 
@@ -128,7 +128,7 @@ static UmbraWorld *build(uint64_t *ball, uint64_t *rocket)
     DO(umbra_field_def_default(UMBRA_DRAG, &field));
     field.quadratic = fx("0.02");
     field.wind.x = 3 * UMBRA_ONE;
-    field.groups = 2;
+    field.force_groups = 2;
     DO(umbra_world_add_field(world, &field, &id));
 
     DO(umbra_body_def_default(&body));
@@ -142,11 +142,11 @@ static UmbraWorld *build(uint64_t *ball, uint64_t *rocket)
     body.velocity.y = 14 * UMBRA_ONE;
     body.gravity_scale = 0;
     body.linear_damping = UMBRA_ONE;
-    body.groups = 4;
+    body.force_groups = 4;
     DO(umbra_world_add_body(world, &body, &moon));
     DO(umbra_field_def_default(UMBRA_ATTRACTOR, &field));
     field.other = star;
-    field.groups = 4;
+    field.force_groups = 4;
     DO(umbra_factor_from_text("1e3", 3, &field.mu));
     DO(umbra_world_add_field(world, &field, &id));
 

@@ -72,7 +72,7 @@ impl Tow {
         match action {
             Action::Thrust(direction) => {
                 let action = ForceOrImpulse::Impulse { impulse: direction.checked_scale(THRUST)?, point: None };
-                driver.execute(world, &Command::Apply { body: ship, action, manner: ApplyOptions::default() }).ok()?;
+                driver.execute(world, &Command::Apply { body: ship, action, options: ApplyOptions::default() }).ok()?;
             }
             Action::Grab => {
                 let ball = world.body(self.ball).ok()?;

@@ -11,7 +11,7 @@ use umbra_physics::{
 
 use crate::random::SplitMix;
 
-/// The bits of [`BodyDef::groups`].
+/// The bits of [`BodyDef::force_groups`].
 const SHIP: u32 = 1;
 const ROCK: u32 = 2;
 const SHOT: u32 = 4;
@@ -94,11 +94,11 @@ impl Game {
             ..WorldDef::default()
         })?;
         let star = FieldKind::Attractor { centre: End::World(Vec2::ZERO), mu: 400.into(), softening: fx!(2) };
-        world.add_field(ForceField { kind: star, groups: SHIP | SHOT })?;
+        world.add_field(ForceField { kind: star, force_groups: SHIP | SHOT })?;
         let ship = BodyDef {
             shape: Some(Shape::rectangle(fx!(1.5), fx!(1))?),
             mass: Mass::Kilograms(fx!(2)),
-            groups: SHIP,
+            force_groups: SHIP,
             ..BodyDef::dynamic()
         };
         // Opposite each other, in orbit around the star.
@@ -112,7 +112,7 @@ impl Game {
                 mass: Mass::Kilograms(fx!(0.5)),
                 position: position - vec2(2 * side, 0),
                 velocity,
-                groups: SHIP,
+                force_groups: SHIP,
                 key: key + 2,
                 ..BodyDef::dynamic()
             };
@@ -127,7 +127,7 @@ impl Game {
             // Soon at rest again, and asleep.
             linear_damping: Some(fx!(0.0001)),
             angular_damping: Some(fx!(0.0001)),
-            groups: ROCK,
+            force_groups: ROCK,
             ..BodyDef::dynamic()
         };
         for (key, (x, y)) in (10..).zip([(0, 7), (6, 4), (6, -4), (0, -7), (-6, -4), (-6, 4)]) {
@@ -193,7 +193,7 @@ impl Game {
             position: look.position() + ahead(fx!(1)),
             velocity: look.velocity() + ahead(SHOT_SPEED),
             linear_damping: Some(Fx::ONE),
-            groups: SHOT,
+            force_groups: SHOT,
             key: 100 + player as u64,
             user_data: u64::from(now + SHOT_TICKS),
             ..BodyDef::dynamic()
@@ -208,7 +208,7 @@ impl Game {
     /// Takes out the shots that hit something or have flown for long enough; the number of hits.
     fn strike(&self, world: &mut World) -> Result<usize, Error> {
         let mut hits = 0;
-        let shots: Vec<BodyId> = world.bodies().filter(|b| b.groups() == SHOT).map(|b| b.id()).collect();
+        let shots: Vec<BodyId> = world.bodies().filter(|b| b.force_groups() == SHOT).map(|b| b.id()).collect();
         for shot in shots {
             let look = world.body(shot)?;
             let (at, velocity, owner) = (look.position(), look.velocity(), look.key() - 100);
@@ -235,7 +235,7 @@ impl Game {
             apart.checked_length().is_some_and(|distance| distance <= REACH)
         };
         let hit = |b: &umbra_physics::BodyRef<'_>| {
-            (b.groups() == ROCK || b.id() == self.ships[1 - owner]) && near(b.position())
+            (b.force_groups() == ROCK || b.id() == self.ships[1 - owner]) && near(b.position())
         };
         world.bodies().find(hit).map(|b| b.id())
     }

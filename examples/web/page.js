@@ -313,7 +313,9 @@ try {
   const [arena, script, golden] = await Promise.all(["arena.json", "script.json", "golden.json"].map(text));
   library = await load("umbra_physics.wasm");
   sources = [arena, JSON.parse(script), JSON.parse(golden)];
-  if (sources[2].law !== library.law) throw new Error(`golden.json is of law ${sources[2].law}, the module of ${library.law}`);
+  if (sources[2].physics_version !== library.physicsVersion) {
+    throw new Error(`golden.json is of physics version ${sources[2].physics_version}, the module of ${library.physicsVersion}`);
+  }
   readColours();
   begin();
   requestAnimationFrame(frame);

@@ -33,7 +33,7 @@ class Library {
 
   get view() { return new DataView(this.exports.memory.buffer); }
   get bytes() { return new Uint8Array(this.exports.memory.buffer); }
-  get law() { return this.exports.umbra_physics_version(); }
+  get physicsVersion() { return this.exports.umbra_physics_version(); }
 
   // Calls, and throws what is refused, with its words and number.
   call(name, ...args) {
@@ -179,8 +179,8 @@ class Draft {
     return this.taken();
   }
 
-  force(body, x, y, manner) {
-    this.library.call("umbra_world_apply_force", this.handle, body, x, y, 0, manner);
+  force(body, x, y, options) {
+    this.library.call("umbra_world_apply_force", this.handle, body, x, y, 0, options);
     return this.taken();
   }
 

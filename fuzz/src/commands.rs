@@ -180,8 +180,8 @@ impl Second {
         match (self.promise, command) {
             (Promise::Sleepless, Command::SetSleepAfter(_)) => Counterpart::Nothing,
             // A sleeping body does not feel what does not wake it.
-            (Promise::Sleepless, Command::Apply { body, manner, .. })
-                if !manner.wake && world.body(*body).is_ok_and(|body| body.activity() == Activity::Asleep) =>
+            (Promise::Sleepless, Command::Apply { body, options, .. })
+                if !options.wake && world.body(*body).is_ok_and(|body| body.activity() == Activity::Asleep) =>
             {
                 Counterpart::Nothing
             }

@@ -76,9 +76,9 @@ pub fn sealed(opening: &[u8], chunks: &[Chunk]) -> Vec<u8> {
     for Chunk { tag, bytes } in chunks {
         let mut bytes = bytes.clone();
         match tag {
-            b"HEAD" | b"LAWS" if bytes.len() >= 4 => bytes[..4].copy_from_slice(&PHYSICS_VERSION.to_le_bytes()),
+            b"HEAD" | b"PHYS" if bytes.len() >= 4 => bytes[..4].copy_from_slice(&PHYSICS_VERSION.to_le_bytes()),
             b"SNAP" => seal_snapshot(&mut bytes),
-            b"MOMT" => {
+            b"PHAS" => {
                 // A stage is five bytes more. Then whether there is a world, and the world.
                 let before = if bytes.first() == Some(&3) { 7 } else { 2 };
                 if let Some(world) = bytes.get_mut(before..) {

@@ -118,11 +118,12 @@ fn forged_command(data: &[u8]) -> Result<()> {
 }
 
 const REPLAY: [&[u8; 4]; 4] = [b"HEAD", b"SNAP", b"TICK", b"DONE"];
-const DUMP: [&[u8; 4]; 4] = [b"LAWS", b"TICK", b"MOMT", b"DONE"];
+const DUMP: [&[u8; 4]; 4] = [b"PHYS", b"TICK", b"PHAS", b"DONE"];
 
 /// Start of a file of another kind: the eight letters, and the number of its format.
 fn opening(letters: &[u8; 8]) -> Vec<u8> {
-    [&letters[..], &1u32.to_le_bytes()].concat()
+    let format = if letters == b"UMBRADMP" { 2u32 } else { 1 };
+    [&letters[..], &format.to_le_bytes()].concat()
 }
 
 /// Reads chunks: a byte for the letters, two for the length, and the contents.

@@ -47,7 +47,7 @@ fn play(data: &[u8]) -> Result<()> {
             author.made(Created::Body(body));
         }
         for _ in 0..STEADY {
-            let def = BodyDef { position, velocity: vec2(1, 0), groups: 0, ..BodyDef::kinematic() };
+            let def = BodyDef { position, velocity: vec2(1, 0), force_groups: 0, ..BodyDef::kinematic() };
             world.add_body(def).expect("a fair body");
         }
     }

@@ -166,8 +166,9 @@ impl Busy {
         let damping = if dampers % 2 == 0 { Fx::ZERO } else { values.size(fx!(0.5), Fx::DELTA, fx!(1000000000)) };
         let lever = if levers % 2 == 0 { Vec2::ZERO } else { vec2(values.size(fx!(0.25), Fx::DELTA, fx!(4096)), 0) };
         let stride = [1, 2, 17, dynamic.len() / 2][usize::from(values.byte() % 128) % 4];
-        let mut add =
-            |kind: FieldKind| world.add_field(ForceField { kind, groups: u32::MAX }).map(drop).expect("a fair field");
+        let mut add = |kind: FieldKind| {
+            world.add_field(ForceField { kind, force_groups: u32::MAX }).map(drop).expect("a fair field")
+        };
         for i in 0..many(springs) {
             let near = Attachment { body: dynamic[i % dynamic.len()], point: lever };
             let far = Attachment { body: dynamic[(i + stride) % dynamic.len()], point: lever };
@@ -212,12 +213,12 @@ impl Busy {
 
     /// Applies the forces of a tick.
     pub fn push(&mut self) {
-        let manner = ApplyOptions { wake: false, ..ApplyOptions::default() };
+        let options = ApplyOptions { wake: false, ..ApplyOptions::default() };
         for &body in &self.pushed {
             let force = ForceOrImpulse::Force { force: self.force, point: None };
             for action in [force, ForceOrImpulse::Torque(self.torque)] {
                 // Who was taken out feels nothing.
-                _ = self.world.execute(&Command::Apply { body, action, manner });
+                _ = self.world.execute(&Command::Apply { body, action, options });
             }
         }
     }

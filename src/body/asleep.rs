@@ -15,16 +15,16 @@ impl Sleepers {
     /// Adds a body to the counts (`by` = 1) or takes it out of them (−1).
     pub(super) fn count<S: Scalar>(&mut self, info: &BodyInfo<S>, by: i32) {
         self.count = self.count.wrapping_add_signed(by as isize);
-        let mut groups = if info.kind == BodyKind::Dynamic { info.groups } else { 0 };
-        while groups != 0 {
-            let group = groups.trailing_zeros() as usize;
+        let mut force_groups = if info.kind == BodyKind::Dynamic { info.force_groups } else { 0 };
+        while force_groups != 0 {
+            let group = force_groups.trailing_zeros() as usize;
             self.by_group[group] = self.by_group[group].wrapping_add_signed(by);
-            groups &= groups - 1;
+            force_groups &= force_groups - 1;
         }
     }
 
     /// The groups with a dynamic body that is asleep.
-    pub(super) fn groups(&self) -> u32 {
-        (0..32).fold(0, |groups, group| groups | u32::from(self.by_group[group] > 0) << group)
+    pub(super) fn force_groups(&self) -> u32 {
+        (0..32).fold(0, |force_groups, group| force_groups | u32::from(self.by_group[group] > 0) << group)
     }
 }

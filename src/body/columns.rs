@@ -104,8 +104,8 @@ impl<S: Scalar> Bodies<S> {
     }
 
     /// Returns true if a dynamic body in one of these groups is asleep.
-    pub(crate) fn any_asleep_in(&self, groups: u32) -> bool {
-        self.asleep.groups() & groups != 0
+    pub(crate) fn any_asleep_in(&self, force_groups: u32) -> bool {
+        self.asleep.force_groups() & force_groups != 0
     }
 
     /// The bodies that are asleep, in no order. It looks at all bodies that no step moves.

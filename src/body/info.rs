@@ -17,7 +17,7 @@ use crate::shape::Shape;
 #[derive(Clone, Debug)]
 pub(crate) struct BodyInfo<S: Scalar> {
     pub(crate) kind: BodyKind,
-    pub(crate) groups: u32,
+    pub(crate) force_groups: u32,
     pub(crate) key: u64,
     pub(crate) user_data: u64,
     pub(crate) mass: Mass<S>,
@@ -26,12 +26,19 @@ pub(crate) struct BodyInfo<S: Scalar> {
 
 impl<S: Scalar> BodyInfo<S> {
     pub(super) fn new(def: &BodyDef<S>, shape: Option<Arc<Shape<S>>>) -> Self {
-        Self { kind: def.kind, groups: def.groups, key: def.key, user_data: def.user_data, mass: def.mass, shape }
+        Self {
+            kind: def.kind,
+            force_groups: def.force_groups,
+            key: def.key,
+            user_data: def.user_data,
+            mass: def.mass,
+            shape,
+        }
     }
 
     /// Returns true if a field with these groups acts on the body.
-    pub(crate) fn feels(&self, groups: u32) -> bool {
-        self.kind == BodyKind::Dynamic && self.groups & groups != 0
+    pub(crate) fn feels(&self, force_groups: u32) -> bool {
+        self.kind == BodyKind::Dynamic && self.force_groups & force_groups != 0
     }
 
     /// The mass, kg; zero unless the body is dynamic.
@@ -55,7 +62,7 @@ impl<S: Scalar> BodyInfo<S> {
     pub(super) fn digest(&self, (key, locks): (&Key<S>, Locks)) -> u64 {
         let mut sink = StateHasher::new();
         self.kind.write(&mut sink);
-        self.groups.write(&mut sink);
+        self.force_groups.write(&mut sink);
         self.key.write(&mut sink);
         self.user_data.write(&mut sink);
         self.mass.write(&mut sink);
@@ -65,7 +72,7 @@ impl<S: Scalar> BodyInfo<S> {
         key.most[0].write(&mut sink);
         key.most[1].write(&mut sink);
         locks.write(&mut sink);
-        self.shape.write(&mut sink);
+        self.shape.as_deref().map(Shape::digest).write(&mut sink);
         sink.finish().max(NOT_MADE + 1)
     }
 }

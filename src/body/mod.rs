@@ -187,7 +187,7 @@ pub struct BodyDef<S: Scalar = Fx> {
     /// The axes along which the body cannot move.
     pub locks: Locks,
     /// The groups of the body: a force field with one of these bits acts on it.
-    pub groups: u32,
+    pub force_groups: u32,
     /// A name of your choice for the body. Worlds that were built in different orders are compared by it.
     pub key: u64,
     /// Data of your choice. The engine does not read it.
@@ -210,7 +210,7 @@ codec_struct!(BodyDef {
     max_speed,
     max_angular_speed,
     locks,
-    groups,
+    force_groups,
     key,
     user_data,
 });
@@ -233,7 +233,7 @@ impl<S: Scalar> BodyDef<S> {
             max_speed: None,
             max_angular_speed: None,
             locks: Locks::NONE,
-            groups: 1,
+            force_groups: 1,
             key: 0,
             user_data: 0,
         }

@@ -35,7 +35,7 @@ pub(crate) struct Record<S: Scalar> {
     pub(crate) max_speed: Option<S>,
     pub(crate) max_angular_speed: Option<S>,
     pub(crate) locks: Locks,
-    pub(crate) groups: u32,
+    pub(crate) force_groups: u32,
     pub(crate) key: u64,
     pub(crate) user_data: u64,
 }
@@ -56,7 +56,7 @@ codec_struct!(Record {
     max_speed,
     max_angular_speed,
     locks,
-    groups,
+    force_groups,
     key,
     user_data,
 });
@@ -116,7 +116,7 @@ impl<S: Scalar> Record<S> {
             max_speed: self.max_speed,
             max_angular_speed: self.max_angular_speed,
             locks: self.locks,
-            groups: self.groups,
+            force_groups: self.force_groups,
             key: self.key,
             user_data: self.user_data,
             ..BodyDef::dynamic()
@@ -150,7 +150,7 @@ impl<S: Scalar> Bodies<S> {
             max_speed: key.most[0],
             max_angular_speed: key.most[1],
             locks: self.mass(dense).locks,
-            groups: info.groups,
+            force_groups: info.force_groups,
             key: info.key,
             user_data: info.user_data,
         }

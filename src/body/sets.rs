@@ -87,12 +87,12 @@ impl<S: Scalar> Bodies<S> {
     /// Parts the bodies that a step moves into free and coupled ones. It looks at the bodies that changed, or at all where
     /// the groups changed by which fields act.
     ///
-    /// `groups` are those of all fields that act on bodies by their groups, if they may have changed; `is_attached` says
+    /// `force_groups` are those of all fields that act on bodies by their groups, if they may have changed; `is_attached` says
     /// whether a field is attached to a body.
-    pub(crate) fn part(&mut self, groups: Option<u32>, is_attached: impl Fn(BodyId) -> bool) {
-        let groups = groups.unwrap_or(self.coupling_groups);
-        let is_coupled = |bodies: &Self, i: usize| bodies.info(i).feels(groups) || is_attached(bodies.id(i));
-        let same_groups = core::mem::replace(&mut self.coupling_groups, groups) == groups;
+    pub(crate) fn part(&mut self, force_groups: Option<u32>, is_attached: impl Fn(BodyId) -> bool) {
+        let force_groups = force_groups.unwrap_or(self.coupling_groups);
+        let is_coupled = |bodies: &Self, i: usize| bodies.info(i).feels(force_groups) || is_attached(bodies.id(i));
+        let same_groups = core::mem::replace(&mut self.coupling_groups, force_groups) == force_groups;
         let mut indices = core::mem::take(&mut self.changes.indices);
         indices.clear();
         match self.changes.bodies() {

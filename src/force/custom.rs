@@ -93,7 +93,7 @@ impl core::error::Error for CustomForceError {}
 /// let mut world: World = World::new(WorldDef::default())?;
 /// assert_eq!(world.add_field(FieldKind::Custom { id: 7 }), Err(Error::CustomForce { id: 7 }));
 /// world.register_custom_force(Arc::new(Magnet))?;
-/// world.add_field(ForceField { kind: FieldKind::Custom { id: 7 }, groups: 1 })?;
+/// world.add_field(ForceField { kind: FieldKind::Custom { id: 7 }, force_groups: 1 })?;
 /// let body = world.add_body(BodyDef { position: vec2(2, 0), user_data: 8, ..BodyDef::dynamic() })?;
 /// world.step();
 /// assert_eq!(format!("{:.3}", world.body(body)?.velocity().x), "-0.067"); // a force of 4 N for 1/60 s

@@ -27,7 +27,7 @@ pub(crate) fn resist<S: Scalar>(
         let FieldKind::Drag { linear, quadratic, wind } = &field.kind else { return };
         for i in coupled.clone() {
             let info = bodies.info(i);
-            if !info.feels(field.groups) || !only(i) {
+            if !info.feels(field.force_groups) || !only(i) {
                 continue;
             }
             let mass = bodies.mass(i);
@@ -91,7 +91,7 @@ pub(crate) fn outer_drag<S: Scalar>(
         let FieldKind::Drag { linear, quadratic, wind } = &field.kind else { continue };
         for (i, outside) in coupled.clone().zip(outside.iter_mut()) {
             let info = bodies.info(i);
-            if info.feels(field.groups) {
+            if info.feels(field.force_groups) {
                 let speed = S::length(relative(velocities.get(i), *wind), S::ZERO).plus(gain(i));
                 let slope = S::Factor::from_scalar(*linear).plus(S::Factor::from_scalar(*quadratic).times(speed));
                 *outside |= slope.times(bodies.mass(i).inverse_mass).times(time_step) > half;

@@ -182,19 +182,19 @@ pub struct ForceField<S: Scalar = Fx> {
     pub kind: FieldKind<S>,
     /// The groups the field acts on: dynamic bodies with one of these bits. Springs and thrusts act only on the bodies they are
     /// attached to.
-    pub groups: u32,
+    pub force_groups: u32,
 }
 
 impl<S: Scalar> From<FieldKind<S>> for ForceField<S> {
     /// A field of this kind that acts on the bodies of all groups.
     fn from(kind: FieldKind<S>) -> Self {
-        Self { kind, groups: u32::MAX }
+        Self { kind, force_groups: u32::MAX }
     }
 }
 
 codec_struct!(Attachment { body, point });
 codec_struct!(SpringConstants { rest, stiffness, damping });
-codec_struct!(ForceField { groups, kind });
+codec_struct!(ForceField { force_groups, kind });
 codec_enum!(End<S>, "0 or 1 for an end", { 0 => World(point), 1 => Body(attachment) });
 codec_enum!(Region<S>, "0 or 1 for a region", { 0 => Disc { centre, radius }, 1 => Box { min, max } });
 codec_enum!(FieldKind<S>, "the number of a kind of field", {
@@ -354,7 +354,7 @@ impl<S: Scalar> ForceField<S> {
             FieldKind::Thrust { at, force } => FieldKind::Thrust { at: attachment(&at)?, force },
             kind @ (FieldKind::Drag { .. } | FieldKind::Zone { .. } | FieldKind::Custom { .. }) => kind,
         };
-        Some(Self { kind, groups: self.groups })
+        Some(Self { kind, force_groups: self.force_groups })
     }
 
     /// The bodies at the ends of the field: two for a spring between bodies, at most one for other kinds.

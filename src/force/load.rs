@@ -239,7 +239,7 @@ impl<S: Scalar> Evaluation<'_, S> {
             FieldKind::Attractor { centre, mu, softening } => {
                 let Some(centre) = scene.end(centre, self.directions) else { return };
                 let carrier = field.bodies().next().and_then(|body| scene.bodies.find(body).ok());
-                self.each_in(field.groups, |one, i| {
+                self.each_in(field.force_groups, |one, i| {
                     if carrier == Some(i) {
                         return;
                     }
@@ -253,7 +253,7 @@ impl<S: Scalar> Evaluation<'_, S> {
             FieldKind::Thrust { at, force } => self.thrust(id, at, force),
             FieldKind::Zone { region, acceleration } => {
                 let acceleration = acceleration.map(S::Wide::from_scalar);
-                self.each_in(field.groups, |one, i| {
+                self.each_in(field.force_groups, |one, i| {
                     if scene.is_inside(i, region) {
                         one.loads.of(i).accelerate(acceleration);
                     }
@@ -261,7 +261,7 @@ impl<S: Scalar> Evaluation<'_, S> {
             }
             FieldKind::Custom { id: law } => {
                 let Some(law) = scene.custom_forces.get(law) else { return };
-                self.each_in(field.groups, |one, i| match law.push(&scene.state(i)) {
+                self.each_in(field.force_groups, |one, i| match law.push(&scene.state(i)) {
                     Ok(push) => one.loads.of(i).push_freely(&push),
                     Err(answer) => one.faults.push((i, Cause::CustomForce { field: id, code: answer.code })),
                 });
@@ -286,12 +286,14 @@ impl<S: Scalar> Evaluation<'_, S> {
 
     /// The targets that a field with these groups acts on.
     #[inline(always)]
-    fn each_in(&mut self, groups: u32, mut act: impl FnMut(&mut Self, usize)) {
+    fn each_in(&mut self, force_groups: u32, mut act: impl FnMut(&mut Self, usize)) {
         let bodies = self.scene.bodies;
         match self.targets {
-            Targets::Only(only) => only.iter().filter(|&&i| bodies.info(i).feels(groups)).for_each(|&i| act(self, i)),
+            Targets::Only(only) => {
+                only.iter().filter(|&&i| bodies.info(i).feels(force_groups)).for_each(|&i| act(self, i))
+            }
             Targets::Coupled(first, end) => {
-                (first..end).filter(|&i| bodies.info(i).feels(groups)).for_each(|i| act(self, i));
+                (first..end).filter(|&i| bodies.info(i).feels(force_groups)).for_each(|i| act(self, i));
             }
         }
     }

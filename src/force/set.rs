@@ -134,7 +134,7 @@ impl<S: Scalar> FieldSet<S> {
     /// The groups of all fields that act on bodies by their groups. It looks at all fields.
     pub(crate) fn coupling_groups(&self) -> u32 {
         let by_groups = self.by_age().filter(|entry| entry.field.kind.acts_by_groups());
-        by_groups.fold(0, |groups, entry| groups | entry.field.groups)
+        by_groups.fold(0, |force_groups, entry| force_groups | entry.field.force_groups)
     }
 
     /// The fields attached to a body of the world, the oldest first.

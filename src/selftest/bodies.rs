@@ -108,17 +108,17 @@ pub(super) fn kinds(trial: &mut Trial) -> Played {
 
 /// Pushes a body that is not turned. The push of a tick is the same in both frames.
 fn push(world: &mut World, id: BodyId, frame: Frame, tick: u32) -> Result<(), Error> {
-    let manner = ApplyOptions { frame, wake: true };
+    let options = ApplyOptions { frame, wake: true };
     let size = Fx::from_int(1 + (tick % 7) as i32);
     let force = Vec2::new(size, fx!(-0.25) * size);
     let arm = Vec2::new(fx!(0.5), Fx::from_ratio(i64::from(tick % 5) - 2, 4));
     let centre = world.body(id)?.position();
     let point = Some(if frame == Frame::World { centre + arm } else { arm });
     match tick % 4 {
-        0 => world.apply(id, ForceOrImpulse::Force { force, point }, manner),
-        1 => world.apply(id, ForceOrImpulse::Impulse { impulse: force, point }, manner),
-        2 => world.apply(id, ForceOrImpulse::Torque(size), manner),
-        _ => world.apply(id, ForceOrImpulse::AngularImpulse(-size), manner),
+        0 => world.apply(id, ForceOrImpulse::Force { force, point }, options),
+        1 => world.apply(id, ForceOrImpulse::Impulse { impulse: force, point }, options),
+        2 => world.apply(id, ForceOrImpulse::Torque(size), options),
+        _ => world.apply(id, ForceOrImpulse::AngularImpulse(-size), options),
     }
 }
 
@@ -248,7 +248,7 @@ pub(super) fn quarantine(trial: &mut Trial) -> Played {
     let position = Vec2::new(place - fx!(8), fx!(5));
     let farther = world.add_body(BodyDef { position, velocity: vec2(64, 0), ..start.clone() })?;
     let quicker = world.add_body(BodyDef { angular_velocity: spin - one, ..start.clone() })?;
-    let pulled = world.add_body(BodyDef { position: vec2(0, 1), groups: 2, ..start })?;
+    let pulled = world.add_body(BodyDef { position: vec2(0, 1), force_groups: 2, ..start })?;
     let mut last = Vec::new();
     for _ in 0..8 {
         world.apply_torque(quicker, fx!(8))?;
@@ -262,7 +262,7 @@ pub(super) fn quarantine(trial: &mut Trial) -> Played {
     world.apply_torque(quicker, fx!(8))?;
     let mu = FxFactor::from_ratio(1 << 32, 1).times(FxFactor::from_ratio(1 << 32, 1));
     let kind = FieldKind::Attractor { centre: End::World(vec2(0, 0)), mu, softening: fx!(0) };
-    let field = world.add_field(crate::force::ForceField { kind, groups: 2 })?;
+    let field = world.add_field(crate::force::ForceField { kind, force_groups: 2 })?;
     trial.step(&mut world);
     let causes = [Cause::Velocity, Cause::Position, Cause::AngularVelocity, Cause::Field { field }];
     let ids = [faster, farther, quicker, pulled];

@@ -68,13 +68,13 @@ fn as_it_became() -> Result<(WorldDef, BodyDef, [ForceField; 2]), Error> {
         gravity_scale: fx!(-0.5),
         linear_damping: Some(fx!(0.9)),
         angular_damping: Some(fx!(0.6)),
-        groups: 6,
+        force_groups: 6,
         key: 11,
         user_data: 12,
         ..BodyDef::dynamic()
     };
     let region = Region::Disc { centre: vec2(0, 0), radius: fx!(1000) };
-    let zone = ForceField { kind: FieldKind::Zone { region, acceleration: vec2(0, 2) }, groups: 4 };
+    let zone = ForceField { kind: FieldKind::Zone { region, acceleration: vec2(0, 2) }, force_groups: 4 };
     let attractor =
         FieldKind::Attractor { centre: End::World(vec2(1, 1)), mu: FxFactor::from_ratio(30, 1), softening: fx!(0.5) };
     Ok((def, body, [zone, attractor.into()]))
@@ -108,7 +108,7 @@ pub(super) fn setters(trial: &mut Trial) -> Played {
         ForceOrImpulse::AngularImpulse(fx!(1)),
     ];
     for action in shots {
-        world.execute(&Command::Apply { body: other, action, manner: ApplyOptions::BODY })?;
+        world.execute(&Command::Apply { body: other, action, options: ApplyOptions::BODY })?;
     }
     // Out at once, and back.
     world.execute(&Command::SetPosition { body: other, position: Vec2::new(crate::limits::POSITION, fx!(0)) })?;
@@ -131,7 +131,7 @@ pub(super) fn setters(trial: &mut Trial) -> Played {
         Command::SetAngularVelocity { body, velocity: like.angular_velocity },
         Command::SetGravityScale { body, scale: like.gravity_scale },
         Command::SetBodyDamping { body, linear: like.linear_damping, angular: like.angular_damping },
-        Command::SetGroups { body, groups: like.groups },
+        Command::SetForceGroups { body, force_groups: like.force_groups },
         Command::SetKey { body, key: like.key },
         Command::SetUserData { body, user_data: like.user_data },
         Command::SetField { id, field: zone },
@@ -159,7 +159,7 @@ pub(super) fn setters(trial: &mut Trial) -> Played {
         same_body("a body that became so", (&world, body), (&anew, copy))?;
     }
     let body = world.body(body)?;
-    same("what the caller gave it", &(body.groups(), body.key(), body.user_data()), &(6, 11, 12))?;
+    same("what the caller gave it", &(body.force_groups(), body.key(), body.user_data()), &(6, 11, 12))?;
     happened("one body is left", world.body_count() == 1)
 }
 
@@ -173,16 +173,16 @@ fn busy() -> Result<(World, alloc::vec::Vec<BodyId>), Error> {
         velocity: numbers.vec(3),
         angular_velocity: numbers.fx(2),
         mass: Mass::Explicit { mass: Fx::from_int(1 + i), inertia: fx!(2) },
-        groups: if i < 6 { 1 } else { 2 },
+        force_groups: if i < 6 { 1 } else { 2 },
         ..BodyDef::dynamic()
     });
     let ids = add_all(&mut world, swarm)?;
     let centre = End::Body(Attachment::centre(ids[0]));
     let pull = FieldKind::Attractor { centre, mu: FxFactor::from_ratio(50, 1), softening: fx!(1) };
-    world.add_field(ForceField { kind: pull, groups: 1 })?;
+    world.add_field(ForceField { kind: pull, force_groups: 1 })?;
     world.add_field(ForceField {
         kind: FieldKind::Drag { linear: fx!(0.1), quadratic: fx!(0.01), wind: vec2(1, 0) },
-        groups: 2,
+        force_groups: 2,
     })?;
     let spring = SpringConstants { rest: fx!(3), stiffness: fx!(20), damping: fx!(0.2) };
     let near = Attachment { body: ids[7], point: vec2(fx!(0.5), 0) };

@@ -74,15 +74,15 @@ pub(super) fn mixed_blocks(trial: &mut Trial) -> Played {
         0 => BodyDef { gravity_scale: fx!(-2), linear_damping: Some(fx!(0.001)), ..def },
         1 => BodyDef { kind: crate::body::BodyKind::Kinematic, ..def },
         2 => BodyDef { position: def.position, ..BodyDef::fixed() },
-        3 => BodyDef { position: def.position, gravity_scale: fx!(0), groups: 0, ..BodyDef::dynamic() },
-        4 => BodyDef { velocity: vec2(1_048_575, 5), linear_damping: Some(fx!(1)), groups: 0, ..def },
-        5 => BodyDef { groups: 2, ..def },
+        3 => BodyDef { position: def.position, gravity_scale: fx!(0), force_groups: 0, ..BodyDef::dynamic() },
+        4 => BodyDef { velocity: vec2(1_048_575, 5), linear_damping: Some(fx!(1)), force_groups: 0, ..def },
+        5 => BodyDef { force_groups: 2, ..def },
         _ => def,
     };
     let bodies: Vec<BodyDef> = (0..400).map(|_| flying(&mut numbers)).collect();
     let ids = add_all(&mut world, (0..).zip(bodies).map(sort))?;
     let region = Region::Box { min: vec2(-2000, -2000), max: vec2(2000, 2000) };
-    world.add_field(ForceField { kind: FieldKind::Zone { region, acceleration: vec2(3, 1) }, groups: 2 })?;
+    world.add_field(ForceField { kind: FieldKind::Zone { region, acceleration: vec2(3, 1) }, force_groups: 2 })?;
     let spring = SpringConstants { rest: fx!(5), stiffness: fx!(3), damping: fx!(0.25) };
     world.add_field(FieldKind::Spring { near: Attachment::centre(ids[6]), far: End::World(vec2(0, 0)), spring })?;
     let far = End::Body(Attachment::centre(ids[399]));

@@ -102,11 +102,12 @@ pub(super) fn largest_numbers(trial: &mut Trial) -> Played {
     let flies = world.add_body(flies)?;
     let heavy = BodyDef { mass: Mass::Kilograms(limits::MASS_MAX), gravity_scale: fx!(0), ..BodyDef::dynamic() };
     let pushed = world.add_body(BodyDef { position: vec2(0, 1 << 20), ..heavy.clone() })?;
-    let drawn = world.add_body(BodyDef { position: Vec2::new(Fx::from_int(1 << 27), fx!(0)), groups: 2, ..heavy })?;
+    let drawn =
+        world.add_body(BodyDef { position: Vec2::new(Fx::from_int(1 << 27), fx!(0)), force_groups: 2, ..heavy })?;
     // 2^64 m³/s² from 2^27 m away: 2^10 m/s².
     let mu = FxFactor::from_ratio(1 << 32, 1).times(FxFactor::from_ratio(1 << 32, 1));
     let kind = FieldKind::Attractor { centre: End::World(vec2(0, 0)), mu, softening: fx!(0) };
-    world.add_field(crate::force::ForceField { kind, groups: 2 })?;
+    world.add_field(crate::force::ForceField { kind, force_groups: 2 })?;
     let mut force = FxWide::default();
     for _ in 0..128 {
         for _ in 0..3 {

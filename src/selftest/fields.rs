@@ -148,8 +148,9 @@ pub(super) fn zones(trial: &mut Trial) -> Played {
         FieldKind::Zone { region: Region::Disc { centre: vec2(0, 0), radius: fx!(5) }, acceleration: vec2(0, -8) };
     let shelf = Region::Box { min: vec2(10, 10), max: vec2(20, 500) };
     world.add_field(disc)?;
-    world.add_field(ForceField { kind: FieldKind::Zone { region: shelf, acceleration: vec2(0, 4) }, groups: 2 })?;
-    let at = |x: Fx, y: Fx, groups| BodyDef { position: Vec2::new(x, y), groups, ..BodyDef::dynamic() };
+    world
+        .add_field(ForceField { kind: FieldKind::Zone { region: shelf, acceleration: vec2(0, 4) }, force_groups: 2 })?;
+    let at = |x: Fx, y: Fx, force_groups| BodyDef { position: Vec2::new(x, y), force_groups, ..BodyDef::dynamic() };
     let falls = world.add_body(at(fx!(3), fx!(4), 1))?; // on the very edge of the disc
     let outside = world.add_body(at(fx!(3), fx!(4) + Fx::DELTA, 1))?;
     let lifted = world.add_body(at(fx!(10), fx!(10), 3))?; // in the corner of the box
@@ -208,7 +209,7 @@ pub(super) fn magnet(trial: &mut Trial) -> Played {
     let mut world = World::new(WorldDef::default())?;
     let law = Arc::new(Magnet { strength: fx!(2) });
     world.register_custom_force(law.clone())?;
-    refused("a law twice", world.register_custom_force(law.clone()), Error::CustomForce { id: law.id() })?;
+    refused("a custom force twice", world.register_custom_force(law.clone()), Error::CustomForce { id: law.id() })?;
     // ω = 1/s, so a radius of 3 m around the origin.
     let start =
         BodyDef { mass: Mass::Kilograms(fx!(2)), position: vec2(0, 3), velocity: vec2(3, 0), ..BodyDef::dynamic() };
@@ -249,7 +250,7 @@ impl CustomForce for Cliff {
     }
 }
 
-pub(super) fn law_without_answer(trial: &mut Trial) -> Played {
+pub(super) fn custom_force_error(trial: &mut Trial) -> Played {
     let mut world = World::new(exact())?;
     world.register_custom_force(Arc::new(Cliff))?;
     let walker = world.add_body(BodyDef { velocity: vec2(1, 0), ..BodyDef::dynamic() })?;
@@ -275,9 +276,9 @@ pub(super) fn groups(trial: &mut Trial) -> Played {
     for bit in 0..4 {
         // 1, 2, 4, 8 m/s² along x.
         let kind = FieldKind::Zone { region: everywhere, acceleration: vec2(1 << bit, 0) };
-        world.add_field(ForceField { kind, groups: 1 << bit })?;
+        world.add_field(ForceField { kind, force_groups: 1 << bit })?;
     }
-    let ids = add_all(&mut world, (0..16).map(|groups| BodyDef { groups, ..BodyDef::dynamic() }))?;
+    let ids = add_all(&mut world, (0..16).map(|force_groups| BodyDef { force_groups, ..BodyDef::dynamic() }))?;
     trial.steps(&mut world, 64);
     for (mask, &id) in (0..).zip(&ids) {
         // The accelerations of its groups add up to its mask; ½·a·1².
@@ -285,7 +286,7 @@ pub(super) fn groups(trial: &mut Trial) -> Played {
     }
     // All into the groups they were not in: after another second all have the same velocity.
     for (mask, &id) in (0..).zip(&ids) {
-        world.set_groups(id, 15 ^ mask)?;
+        world.set_force_groups(id, 15 ^ mask)?;
     }
     trial.steps(&mut world, 64);
     for &id in &ids {
@@ -294,7 +295,7 @@ pub(super) fn groups(trial: &mut Trial) -> Played {
     // Those in no group feel nothing, as if there were no fields.
     let mut alone = World::new(exact())?;
     let free = alone.add_body(BodyDef { velocity: vec2(fx!(0.3), 1), ..BodyDef::dynamic() })?;
-    let none = world.add_body(BodyDef { groups: 0, velocity: vec2(fx!(0.3), 1), ..BodyDef::dynamic() })?;
+    let none = world.add_body(BodyDef { force_groups: 0, velocity: vec2(fx!(0.3), 1), ..BodyDef::dynamic() })?;
     for _ in 0..64 {
         trial.step(&mut world);
         alone.step();

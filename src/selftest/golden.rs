@@ -47,7 +47,7 @@ impl<'t> Golden<'t> {
     /// The [physics version](crate::PHYSICS_VERSION) it was made under.
     #[must_use]
     pub fn physics_version(&self) -> Option<u32> {
-        self.lines().find_map(|mut words| (words.next()? == "law").then(|| words.next()?.parse().ok())?)
+        self.lines().find_map(|mut words| (words.next()? == "physics_version").then(|| words.next()?.parse().ok())?)
     }
 
     /// Expected outcome of a scene.
@@ -88,9 +88,12 @@ impl<'t> Golden<'t> {
         scenes: impl IntoIterator<Item = (&'a str, Outcome)>,
         all: Outcome,
     ) -> fmt::Result {
-        writeln!(to, "# Scene, ticks, digest: src/selftest/mod.rs says what each is. They change with the law alone.")?;
+        writeln!(
+            to,
+            "# Scene, ticks, digest: src/selftest/mod.rs says what each is. They change with the physics version alone."
+        )?;
         writeln!(to, "# Written by: UMBRA_BLESS=1 cargo test --release --features selftest --test golden")?;
-        writeln!(to, "law {physics_version}")?;
+        writeln!(to, "physics_version {physics_version}")?;
         for (name, Outcome { ticks, digest }) in scenes.into_iter().chain([(ALL, all)]) {
             writeln!(to, "{name:<24} {ticks:>6} {digest:016x}")?;
         }

@@ -167,8 +167,8 @@ scenes! {
     drag_stiff: fields::drag_stiff, "too stiff for Yoshida's step back: acts around the whole step, and is as exact";
     thruster: fields::thruster, "a thrust off centre that turns with its body: ω = α·t";
     zones: fields::zones, "a disc and a box, their edges, and the way out";
-    magnet: fields::magnet, "a custom law of velocity: a circle at constant speed";
-    law_without_answer: fields::law_without_answer, "a custom law that gives up: quarantined at that very tick";
+    magnet: fields::magnet, "a custom force of velocity: a circle at constant speed";
+    custom_force_error: fields::custom_force_error, "a custom force that gives up: quarantined at that very tick";
     groups: fields::groups, "fields act on their groups alone, and on who joins them on the way";
     spring_to_anchor: springs::to_anchor, "ω·dt = 1: a period of six steps, exactly";
     spring_pair: springs::pair, "between points of two bodies, with a damper: momentum stays, energy goes";

@@ -191,8 +191,8 @@ impl<S: Scalar> Step<'_, S> {
         if fields.len() == 0 {
             self.bodies.free_all();
         } else if !self.bodies.changes().is_empty() {
-            let groups = self.bodies.changes().group_fields().then(|| fields.coupling_groups());
-            self.bodies.part(groups, |body| fields.is_attached(body));
+            let force_groups = self.bodies.changes().group_fields().then(|| fields.coupling_groups());
+            self.bodies.part(force_groups, |body| fields.is_attached(body));
         }
     }
 

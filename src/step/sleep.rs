@@ -39,7 +39,7 @@ fn keep_awake_around_moving_attractors<S: Scalar>(bodies: &mut Bodies<S>, fields
         }
         // Free bodies feel no field.
         for i in bodies.free_count()..bodies.moving() {
-            if i != own && bodies.info(i).feels(field.groups) {
+            if i != own && bodies.info(i).feels(field.force_groups) {
                 bodies.columns.motion.ticks_at_rest[i] = 0;
             }
         }

@@ -28,7 +28,7 @@ impl<S: Scalar> World<S> {
     /// world.set_angular_velocity(body, fx!(3))?;
     /// world.set_gravity_scale(body, fx!(-1))?; // it rises
     /// world.set_body_damping(body, Some(fx!(0.5)), None)?;
-    /// world.set_groups(body, 0b110)?;
+    /// world.set_force_groups(body, 0b110)?;
     /// world.set_key(body, 42)?;
     /// world.set_kind(body, BodyKind::Kinematic)?;
     /// world.remove_body(body)?;
@@ -275,8 +275,8 @@ impl<S: Scalar> World<S> {
     ///
     /// # Errors
     /// [`Error::NoSuchBody`].
-    pub fn set_groups(&mut self, body: BodyId, groups: u32) -> Result<(), Error> {
-        self.edit(body, |info| info.groups = groups)
+    pub fn set_force_groups(&mut self, body: BodyId, force_groups: u32) -> Result<(), Error> {
+        self.edit(body, |info| info.force_groups = force_groups)
     }
 
     /// Sets the caller's key of a body; wakes the body, as a custom force may read the key.

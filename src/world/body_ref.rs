@@ -335,8 +335,8 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
 
     /// The groups of the body, one a bit.
     #[must_use]
-    pub fn groups(&self) -> u32 {
-        self.info().groups
+    pub fn force_groups(&self) -> u32 {
+        self.info().force_groups
     }
 
     /// The caller's key.

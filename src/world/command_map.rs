@@ -107,8 +107,8 @@ pub trait CommandMap<S: Scalar, T: Scalar = S> {
     }
 
     /// The bits of the groups that a body is in, or that a field acts on.
-    fn groups(&mut self, groups: u32) -> Result<u32, Self::Error> {
-        Ok(groups)
+    fn force_groups(&mut self, force_groups: u32) -> Result<u32, Self::Error> {
+        Ok(force_groups)
     }
 
     /// The locked axes of a body.
@@ -153,7 +153,7 @@ pub trait CommandMap<S: Scalar, T: Scalar = S> {
             max_speed: self.optional_scalar(def.max_speed)?,
             max_angular_speed: self.optional_scalar(def.max_angular_speed)?,
             locks: self.locks(def.locks)?,
-            groups: self.groups(def.groups)?,
+            force_groups: self.force_groups(def.force_groups)?,
             key: def.key,
             user_data: def.user_data,
         })
@@ -212,7 +212,7 @@ pub trait CommandMap<S: Scalar, T: Scalar = S> {
             }
             FieldKind::Custom { id } => FieldKind::Custom { id: self.custom_force(id)? },
         };
-        Ok(ForceField { kind, groups: self.groups(field.groups)? })
+        Ok(ForceField { kind, force_groups: self.force_groups(field.force_groups)? })
     }
 
     /// A force or impulse, whose vectors are in this frame.
@@ -260,7 +260,7 @@ pub trait CommandSource {
     fn body_damping(&mut self) -> Option<Fx>;
     fn max_speed(&mut self) -> Option<Fx>;
     fn max_angular_speed(&mut self) -> Option<Fx>;
-    fn groups(&mut self) -> u32;
+    fn force_groups(&mut self) -> u32;
     fn key(&mut self) -> u64;
     fn user_data(&mut self) -> u64;
     fn locks(&mut self) -> Locks;

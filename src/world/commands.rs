@@ -201,9 +201,9 @@ commands! { world:
         check world.bodies.find(*body),
         execute world.remove_body(*body);
     /// Calls [`World::apply`].
-    2 => Apply { body: BodyId as body(body), action: ForceOrImpulse<S> as force_or_impulse(force_or_impulse) with manner, manner: ApplyOptions as plain(apply_options) },
-        check world.effect(*body, *action, manner.frame),
-        execute world.apply(*body, *action, *manner);
+    2 => Apply { body: BodyId as body(body), action: ForceOrImpulse<S> as force_or_impulse(force_or_impulse) with options, options: ApplyOptions as plain(apply_options) },
+        check world.effect(*body, *action, options.frame),
+        execute world.apply(*body, *action, *options);
     /// Calls [`World::clear_forces`].
     27 => ClearForces,
         check Ok(()),
@@ -244,10 +244,10 @@ commands! { world:
     11 => SetBodyDamping { body: BodyId as body(body), linear: Option<S> as optional_scalar(body_damping), angular: Option<S> as optional_scalar(body_damping) },
         check world.check_body_damping(*body, *linear, *angular),
         execute world.set_body_damping(*body, *linear, *angular);
-    /// Calls [`World::set_groups`].
-    12 => SetGroups { body: BodyId as body(body), groups: u32 as groups(groups) },
+    /// Calls [`World::set_force_groups`].
+    12 => SetForceGroups { body: BodyId as body(body), force_groups: u32 as force_groups(force_groups) },
         check world.bodies.find(*body),
-        execute world.set_groups(*body, *groups);
+        execute world.set_force_groups(*body, *force_groups);
     /// Calls [`World::set_key`].
     13 => SetKey { body: BodyId as body(body), key: u64 as plain(key) },
         check world.bodies.find(*body),

@@ -21,7 +21,7 @@ impl<S: Scalar> World<S> {
     /// let mut world: World = World::new(WorldDef::default())?;
     /// let star =
     ///     FieldKind::Attractor { centre: End::World(vec2(0, 0)), mu: 100.into(), softening: fx!(1) };
-    /// let star = world.add_field(star)?; // acts on all bodies; a `ForceField` with `groups` on some
+    /// let star = world.add_field(star)?; // acts on all bodies; a `ForceField` with `force_groups` on some
     /// world.set_field(star, FieldKind::Drag { linear: fx!(1), quadratic: fx!(0), wind: vec2(3, 0) })?;
     /// assert_eq!(world.fields().map(|(id, _)| id).collect::<Vec<_>>(), [star]);
     /// world.remove_field(star)?;
@@ -78,7 +78,7 @@ impl<S: Scalar> World<S> {
         field.bodies().for_each(|body| self.bodies.note_body(body, Change::FORCES));
         if by_groups {
             self.bodies.changes_mut().note_group_fields();
-            self.wake_reached(&[], field.groups);
+            self.wake_reached(&[], field.force_groups);
         } else {
             let bodies: alloc::vec::Vec<_> = field.bodies().collect();
             // Fields on the same static body, and bodies that it attracts, are not affected.

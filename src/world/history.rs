@@ -22,7 +22,7 @@ use crate::scalar::Scalar;
 ///
 /// let push = |body, x: i32| {
 ///     let action = ForceOrImpulse::Impulse { impulse: vec2(x, 0), point: None };
-///     Command::Apply { body, action, manner: ApplyOptions::default() }
+///     Command::Apply { body, action, options: ApplyOptions::default() }
 /// };
 /// let mut world: World = World::new(WorldDef::default())?;
 /// let ships = [world.add_body(BodyDef::dynamic())?, world.add_body(BodyDef::dynamic())?];

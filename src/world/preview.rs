@@ -113,7 +113,7 @@ impl<S: Scalar> World<S> {
     /// The body and the bodies that its future depends on, and the groups of which a field needs one to act on them.
     fn company(&self, body: BodyId) -> (BTreeSet<BodyId>, u32) {
         let carried = self.fields.iter().filter(|(_, field)| matches!(field.kind, FieldKind::Attractor { .. }));
-        let carried = carried.filter_map(|(_, field)| Some((field.groups, field.bodies().next()?)));
+        let carried = carried.filter_map(|(_, field)| Some((field.force_groups, field.bodies().next()?)));
         let carried: Vec<(u32, BodyId)> = carried.collect();
         let (mut company, mut to_ask, mut felt) = (BTreeSet::from([body]), Vec::from([body]), 0);
         while let Some(one) = to_ask.pop() {
@@ -127,10 +127,11 @@ impl<S: Scalar> World<S> {
                 to_ask.extend(joined.filter(|&other| company.insert(other)));
             }
             // At most 32 times, as there are 32 groups.
-            let more = if info.kind == BodyKind::Dynamic { info.groups & !felt } else { 0 };
+            let more = if info.kind == BodyKind::Dynamic { info.force_groups & !felt } else { 0 };
             if more != 0 {
                 felt |= more;
-                let carriers = carried.iter().filter(|(groups, _)| groups & more != 0).map(|&(_, carrier)| carrier);
+                let carriers =
+                    carried.iter().filter(|(force_groups, _)| force_groups & more != 0).map(|&(_, carrier)| carrier);
                 to_ask.extend(carriers.filter(|&carrier| company.insert(carrier)));
             }
         }
@@ -140,5 +141,9 @@ impl<S: Scalar> World<S> {
 
 /// True if a field acts on one of these bodies.
 fn acts_on_any<S: Scalar>(field: &ForceField<S>, (bodies, felt): &(BTreeSet<BodyId>, u32)) -> bool {
-    if field.kind.acts_by_groups() { field.groups & felt != 0 } else { field.bodies().any(|own| bodies.contains(&own)) }
+    if field.kind.acts_by_groups() {
+        field.force_groups & felt != 0
+    } else {
+        field.bodies().any(|own| bodies.contains(&own))
+    }
 }

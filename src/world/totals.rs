@@ -162,7 +162,7 @@ impl<S: Scalar> World<S> {
                     sum.add(spring_energy(scene, near, far, spring, &mut directions)?)
                 }
                 FieldKind::Attractor { centre, mu, softening } => {
-                    self.add_attraction(sum, (centre, *mu, *softening), field.groups, (scene, &mut directions))?;
+                    self.add_attraction(sum, (centre, *mu, *softening), field.force_groups, (scene, &mut directions))?;
                 }
                 FieldKind::Drag { .. }
                 | FieldKind::Thrust { .. }
@@ -177,7 +177,7 @@ impl<S: Scalar> World<S> {
         &self,
         sum: &mut S::Sum,
         (centre, mu, softening): (&End<S>, S::Factor, S),
-        groups: u32,
+        force_groups: u32,
         (scene, directions): (Scene<'_, S>, &mut Directions<S>),
     ) -> Option<()> {
         let carrier = match centre {
@@ -189,7 +189,7 @@ impl<S: Scalar> World<S> {
         for i in self.counted_bodies() {
             let info = self.bodies.info(i);
             let own = End::Body(Attachment::centre(self.bodies.id(i)));
-            if carrier == Some(i) || info.groups & groups == 0 {
+            if carrier == Some(i) || info.force_groups & force_groups == 0 {
                 continue;
             }
             // An attractor on a quarantined or disabled body attracts nothing.

@@ -117,14 +117,14 @@ impl<S: Scalar> World<S> {
             return;
         }
         let mut reached = Vec::from([body]);
-        let mut groups = 0;
+        let mut force_groups = 0;
         for (_, field) in self.fields.attached_to(body) {
             if matches!(field.kind, FieldKind::Attractor { .. }) {
-                groups |= field.groups;
+                force_groups |= field.force_groups;
             }
             reached.extend(field.bodies());
         }
-        self.wake_reached(&reached, groups);
+        self.wake_reached(&reached, force_groups);
     }
 
     /// Wakes bodies, those that a field with these groups acts on, and the islands of either. Others sleep on: what a field does
@@ -132,11 +132,11 @@ impl<S: Scalar> World<S> {
     ///
     /// It looks at the bodies that it wakes and the fields attached to them, and at all that sleep if one of them feels the
     /// groups: then none of these is left that does, until the next step.
-    pub(super) fn wake_reached(&mut self, bodies: &[BodyId], groups: u32) {
+    pub(super) fn wake_reached(&mut self, bodies: &[BodyId], force_groups: u32) {
         let mut woken = Vec::new();
         island::wake(&mut self.bodies, &self.fields, bodies.iter().copied(), &mut woken);
-        if self.bodies.any_asleep_in(groups) {
-            let feel = self.bodies.asleep().filter(|&i| self.bodies.info(i).feels(groups));
+        if self.bodies.any_asleep_in(force_groups) {
+            let feel = self.bodies.asleep().filter(|&i| self.bodies.info(i).feels(force_groups));
             let feel: Vec<BodyId> = feel.map(|i| self.bodies.id(i)).collect();
             island::wake(&mut self.bodies, &self.fields, feel, &mut woken);
         }

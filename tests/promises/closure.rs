@@ -40,7 +40,7 @@ struct Company {
 
 /// Replaces the groups in a command, and notes whether it is about bodies and fields rather than about the whole world.
 struct Regroup<F> {
-    groups: F,
+    force_groups: F,
     is_of_bodies: bool,
 }
 
@@ -69,15 +69,15 @@ impl<F: Fn(u32) -> u32> CommandMap<Fx> for Regroup<F> {
         Ok(field)
     }
 
-    fn groups(&mut self, groups: u32) -> Result<u32, Infallible> {
+    fn force_groups(&mut self, force_groups: u32) -> Result<u32, Infallible> {
         self.is_of_bodies = true;
-        Ok((self.groups)(groups))
+        Ok((self.force_groups)(force_groups))
     }
 }
 
 /// The command with other groups, and whether it is about bodies or fields.
-fn in_groups(command: Command, groups: impl Fn(u32) -> u32) -> (Command, bool) {
-    let mut regroup = Regroup { groups, is_of_bodies: false };
+fn in_groups(command: Command, force_groups: impl Fn(u32) -> u32) -> (Command, bool) {
+    let mut regroup = Regroup { force_groups, is_of_bodies: false };
     let Ok(command) = command.map(&mut regroup);
     (command, regroup.is_of_bodies)
 }
@@ -138,12 +138,16 @@ fn kind(done: Result<Created, Error>) -> String {
 
 impl Company {
     fn own(&self, tick: u64) -> Vec<Command> {
-        self.plan.due(tick).into_iter().map(|command| in_groups(command, |groups| groups & !BYSTANDERS).0).collect()
+        self.plan
+            .due(tick)
+            .into_iter()
+            .map(|command| in_groups(command, |force_groups| force_groups & !BYSTANDERS).0)
+            .collect()
     }
 
     fn strange(&self, tick: u64) -> Vec<Command> {
-        let groups = if self.friends { u32::MAX } else { BYSTANDERS };
-        let due = self.bystanders.due(tick).into_iter().map(|command| in_groups(command, |_| groups));
+        let force_groups = if self.friends { u32::MAX } else { BYSTANDERS };
+        let due = self.bystanders.due(tick).into_iter().map(|command| in_groups(command, |_| force_groups));
         let mut due: Vec<Command> =
             due.filter(|(_, is_of_bodies)| *is_of_bodies).map(|(command, _)| goes_on(command)).collect();
         if let Some((number, _)) = self.expelled.filter(|(_, at)| *at == tick) {
@@ -160,7 +164,7 @@ impl Company {
         let (mut own, mut strange) = (Cast::default(), Cast::default());
         let mut quarantined = 0;
         if with_bystanders && self.throng {
-            let one = BodyDef { velocity: Vec2::X, groups: BYSTANDERS, ..BodyDef::kinematic() };
+            let one = BodyDef { velocity: Vec2::X, force_groups: BYSTANDERS, ..BodyDef::kinematic() };
             for i in 0..THRONG {
                 let position = Vec2::new(Fx::from(i), Fx::from(-1_000));
                 world.add_body(BodyDef { position, ..one.clone() }).map_err(|error| error.to_string())?;
@@ -280,17 +284,17 @@ fn bystanders_come_in_all_numbers_and_sleep_and_leave() {
     happens("one of the others sleeps beside a field of theirs that reaches far", |company| {
         let end = company.script().run().expect("a fair world");
         let is_far = |field: &ForceField| !matches!(field.kind, FieldKind::Spring { .. } | FieldKind::Thrust { .. });
-        end.fields().any(|(_, field)| field.groups == BYSTANDERS && is_far(field))
-            && end.bodies().any(|body| body.groups() & !BYSTANDERS != 0 && body.activity() == Activity::Asleep)
+        end.fields().any(|(_, field)| field.force_groups == BYSTANDERS && is_far(field))
+            && end.bodies().any(|body| body.force_groups() & !BYSTANDERS != 0 && body.activity() == Activity::Asleep)
     });
     happens("they are tied to each other", |company| {
         let end = company.script().run().expect("a fair world");
-        let strange = |body: BodyId| end.body(body).is_ok_and(|body| body.groups() == BYSTANDERS);
+        let strange = |body: BodyId| end.body(body).is_ok_and(|body| body.force_groups() == BYSTANDERS);
         end.fields().any(|(_, field)| matches!(field.kind, FieldKind::Spring { near, .. } if strange(near.body)))
     });
     happens("one is asleep", |company| {
         let end = company.script().run().expect("a fair world");
-        end.bodies().any(|body| body.groups() == BYSTANDERS && body.activity() == Activity::Asleep)
+        end.bodies().any(|body| body.force_groups() == BYSTANDERS && body.activity() == Activity::Asleep)
     });
     happens("one is removed", |company| {
         let end = company.script().run().expect("a fair world");

@@ -32,8 +32,9 @@ fn moves_those_alone_who_may_move(script: &Script) -> Verdict {
 /// The bodies whose fields reach a body, by way of others or not: what there is to ask about its future, and no more.
 fn reaching(world: &World, body: BodyId) -> BTreeSet<BodyId> {
     let mut reaching = BTreeSet::from([body]);
-    let is_acted_on =
-        |field: &ForceField, one: BodyId| world.body(one).is_ok_and(|body| body.groups() & field.groups != 0);
+    let is_acted_on = |field: &ForceField, one: BodyId| {
+        world.body(one).is_ok_and(|body| body.force_groups() & field.force_groups != 0)
+    };
     loop {
         let mut more = reaching.clone();
         for (_, field) in world.fields() {

@@ -188,7 +188,7 @@ impl Reflected {
                 let Some(body) = body else { return Ok(()) };
                 let mut part = || self.dice.number(fx!(-3)..=fx!(3));
                 let action = ForceOrImpulse::Impulse { impulse: Vec2::new(part(), part()), point: None };
-                let push = Command::Apply { body, action, manner: ApplyOptions::default() };
+                let push = Command::Apply { body, action, options: ApplyOptions::default() };
                 let [here, there] = self.on_each(&push, |side, push| {
                     side.history.correct(&mut side.world, tick, 1, [push.clone()], |_| ()).map_err(|e| e.to_string())
                 })?;

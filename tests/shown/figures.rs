@@ -9,9 +9,9 @@ use crate::guide::{flowing, read, report, runs};
 /// With commas between the thousands, as texts have it.
 fn grouped(number: u64) -> String {
     let digits = number.to_string();
-    let groups: Vec<&str> =
+    let force_groups: Vec<&str> =
         digits.as_bytes().rchunks(3).rev().filter_map(|group| std::str::from_utf8(group).ok()).collect();
-    groups.join(",")
+    force_groups.join(",")
 }
 
 /// The chapter with the results of the report.
@@ -37,8 +37,8 @@ fn the_self_test_has_the_scenes_ticks_and_digest_that_are_said() {
     let scenes = lines.iter().filter(is_scene).count();
     let of = |name: &str| lines.iter().find(|line| line[0] == name).expect("a line");
     let ticks = grouped(of("all")[1].parse().expect("a number"));
-    let (digest, law) = (of("all")[2], of("law")[1]);
-    let claim = format!("`{digest}` of {scenes} scenes and {ticks} ticks under version {law}");
+    let (digest, version) = (of("all")[2], of("physics_version")[1]);
+    let claim = format!("`{digest}` of {scenes} scenes and {ticks} ticks under version {version}");
     assert_says("docs/determinism.md", &claim);
     assert_says("docs/determinism.md", &format!("The self-test has {scenes} scenes"));
     assert_says("CHANGELOG.md", &format!("(feature `selftest`): {scenes} scenes"));

@@ -61,7 +61,7 @@ fn fields() -> Vec<ForceField> {
         FieldKind::Zone { region: Region::Box { min: vec2(0, 0), max: vec2(1, 1) }, acceleration: vec2(0, 1) },
         FieldKind::Custom { id: 9 },
     ];
-    kinds.map(|kind| ForceField { kind, groups: 5 }).into()
+    kinds.map(|kind| ForceField { kind, force_groups: 5 }).into()
 }
 
 /// Every command there is, the shortest and the longest of each; all are allowed in the world that is recorded.
@@ -74,8 +74,8 @@ pub(crate) fn commands() -> Vec<Command> {
         ForceOrImpulse::Impulse { impulse: vec2(1, 2), point: None },
         ForceOrImpulse::AngularImpulse(fx!(-0.25)),
     ];
-    let manner = ApplyOptions { frame: Frame::Body, wake: false };
-    let mut commands: Vec<Command> = actions.map(|action| Command::Apply { body, action, manner }).into();
+    let options = ApplyOptions { frame: Frame::Body, wake: false };
+    let mut commands: Vec<Command> = actions.map(|action| Command::Apply { body, action, options }).into();
     let masses = [Mass::Density(fx!(2)), Mass::Kilograms(fx!(3)), Mass::Explicit { mass: fx!(4), inertia: fx!(5) }];
     commands.extend(masses.map(|mass| Command::SetMass { body, mass }));
     commands.extend(shapes().into_iter().map(|shape| Command::SetShape { body, shape: Some(shape) }));
@@ -92,7 +92,7 @@ pub(crate) fn commands() -> Vec<Command> {
             gravity_scale: fx!(2),
             max_speed: Some(fx!(9)),
             max_angular_speed: Some(fx!(0.75)),
-            groups: 6,
+            force_groups: 6,
             key: 7,
             user_data: u64::MAX,
             ..damped
@@ -107,7 +107,7 @@ pub(crate) fn commands() -> Vec<Command> {
         Command::SetGravityScale { body, scale: fx!(-0.5) },
         Command::SetBodyDamping { body, linear: Some(fx!(0.5)), angular: Some(fx!(0.75)) },
         Command::SetBodyDamping { body, linear: None, angular: None },
-        Command::SetGroups { body, groups: 3 },
+        Command::SetForceGroups { body, force_groups: 3 },
         Command::SetKey { body, key: 1 << 40 },
         Command::SetUserData { body, user_data: 6 },
         Command::Wake(body),
@@ -155,7 +155,7 @@ pub(crate) fn world() -> World {
     let gone = world.add_field(fields()[3]).expect("a field");
     world.remove_field(gone).expect("it is there");
     world.set_blob(b"some bytes of the game's").expect("few");
-    world.add_body(BodyDef { gravity_scale: Fx::ZERO, groups: 0, ..BodyDef::dynamic() }).expect("a body");
+    world.add_body(BodyDef { gravity_scale: Fx::ZERO, force_groups: 0, ..BodyDef::dynamic() }).expect("a body");
     // One on its way, one that is disabled, one that is locked.
     let rail = world.add_body(BodyDef::kinematic()).expect("a body");
     let capped = BodyDef { max_speed: Some(fx!(7)), max_angular_speed: Some(fx!(0.5)), ..BodyDef::dynamic() };

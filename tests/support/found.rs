@@ -70,8 +70,8 @@ pub(crate) fn random(value: &Value) -> Random {
 pub(crate) fn mass(value: &Value) -> Mass {
     match value.case() {
         "Density" => Mass::Density(number(&value["density"])),
-        "Of" => Mass::Kilograms(number(&value["mass"])),
-        "WithInertia" => Mass::Explicit { mass: number(&value["mass"]), inertia: number(&value["inertia"]) },
+        "Kilograms" => Mass::Kilograms(number(&value["mass"])),
+        "Explicit" => Mass::Explicit { mass: number(&value["mass"]), inertia: number(&value["inertia"]) },
         other => panic!("mass {other}"),
     }
 }
@@ -123,7 +123,7 @@ pub(crate) fn factor(value: &Value) -> FxFactor {
 }
 
 pub(crate) fn field(value: &Value) -> ForceField {
-    let law = &value["law"];
+    let law = &value["kind"];
     let spring = |value: &Value| SpringConstants {
         rest: number(&value["rest"]),
         stiffness: number(&value["stiffness"]),
@@ -148,7 +148,7 @@ pub(crate) fn field(value: &Value) -> ForceField {
         "Custom" => FieldKind::Custom { id: law["id"].natural() },
         other => panic!("law {other}"),
     };
-    ForceField { kind, groups: value["groups"].natural() as u32 }
+    ForceField { kind, force_groups: value["force_groups"].natural() as u32 }
 }
 
 pub(crate) fn action(value: &Value) -> ForceOrImpulse {
@@ -162,7 +162,7 @@ pub(crate) fn action(value: &Value) -> ForceOrImpulse {
     }
 }
 
-pub(crate) fn manner(value: &Value) -> ApplyOptions {
+pub(crate) fn options(value: &Value) -> ApplyOptions {
     let frame = match value["frame"].case() {
         "World" => Frame::World,
         "Body" => Frame::Body,
@@ -186,7 +186,7 @@ pub(crate) fn body_def(value: &Value) -> BodyDef {
         max_speed: value["max_speed"].option().map(number),
         max_angular_speed: value["max_angular_speed"].option().map(number),
         locks: locks(&value["locks"]),
-        groups: value["groups"].natural() as u32,
+        force_groups: value["force_groups"].natural() as u32,
         key: value["key"].natural(),
         user_data: value["user_data"].natural(),
     }
@@ -197,7 +197,7 @@ pub(crate) fn command(value: &Value) -> Command {
     match value.case() {
         "AddBody" => Command::AddBody(body_def(&value["def"])),
         "RemoveBody" => Command::RemoveBody(on()),
-        "Apply" => Command::Apply { body: on(), action: action(&value["action"]), manner: manner(&value["manner"]) },
+        "Apply" => Command::Apply { body: on(), action: action(&value["action"]), options: options(&value["options"]) },
         "SetPosition" => Command::SetPosition { body: on(), position: vector(&value["position"]) },
         "SetAngle" => Command::SetAngle { body: on(), angle: number(&value["angle"]) },
         "SetVelocity" => Command::SetVelocity { body: on(), velocity: vector(&value["velocity"]) },
@@ -211,7 +211,9 @@ pub(crate) fn command(value: &Value) -> Command {
             linear: value["linear"].option().map(number),
             angular: value["angular"].option().map(number),
         },
-        "SetGroups" => Command::SetGroups { body: on(), groups: value["groups"].natural() as u32 },
+        "SetForceGroups" => {
+            Command::SetForceGroups { body: on(), force_groups: value["force_groups"].natural() as u32 }
+        }
         "SetKey" => Command::SetKey { body: on(), key: value["key"].natural() },
         "SetUserData" => Command::SetUserData { body: on(), user_data: value["user_data"].natural() },
         "Wake" => Command::Wake(on()),

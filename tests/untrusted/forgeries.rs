@@ -107,7 +107,7 @@ fn every_command() {
 type Chunks = Vec<([u8; 4], Vec<u8>)>;
 
 fn file(magic: &[u8; 8], chunks: &Chunks) -> Vec<u8> {
-    let mut file = begin(magic, 1);
+    let mut file = begin(magic, if magic == b"UMBRADMP" { 2 } else { 1 });
     chunks.iter().for_each(|(tag, contents)| chunk(&mut file, tag, contents));
     file
 }
@@ -188,7 +188,7 @@ fn dumps() {
 
     let parts = chunks(&whole);
     let (mut accepted, mut refused) = (0, 0);
-    forge_chunks(b"UMBRADMP", &parts, *b"MOMT", |file| match bounded("a forged dump", file, read) {
+    forge_chunks(b"UMBRADMP", &parts, *b"PHAS", |file| match bounded("a forged dump", file, read) {
         Ok(forged) => {
             assert_eq!(forged.to_bytes(), file);
             // Nothing but what was done can be another without a world that is.
@@ -211,12 +211,12 @@ fn dumps() {
     }
     // Of times to come.
     let mut format = whole.clone();
-    format[8] = 2;
-    assert_eq!(read(&format).err(), Some(ReplayError::Format { found: 2, known: 1 }));
-    let mut law = parts;
-    law[0].1 = (PHYSICS_VERSION + 1).to_le_bytes().to_vec();
+    format[8] = 3;
+    assert_eq!(read(&format).err(), Some(ReplayError::Format { found: 3, known: 2 }));
+    let mut version = parts;
+    version[0].1 = (PHYSICS_VERSION + 1).to_le_bytes().to_vec();
     assert_eq!(
-        read(&file(b"UMBRADMP", &law)).err(),
+        read(&file(b"UMBRADMP", &version)).err(),
         Some(ReplayError::PhysicsVersion { found: PHYSICS_VERSION + 1, own: PHYSICS_VERSION })
     );
 }

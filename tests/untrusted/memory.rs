@@ -50,7 +50,8 @@ fn parts(count: i32, angle: Fx) -> Vec<Part> {
 #[test]
 fn worlds_of_what_takes_little_in_a_file() {
     held("nothing", &world());
-    let drag = ForceField { kind: FieldKind::Drag { linear: fx!(1), quadratic: fx!(0), wind: vec2(0, 0) }, groups: 1 };
+    let drag =
+        ForceField { kind: FieldKind::Drag { linear: fx!(1), quadratic: fx!(0), wind: vec2(0, 0) }, force_groups: 1 };
     let mut emptied = world();
     let bodies: Vec<_> = (0..50_000).map(|_| emptied.add_body(BodyDef::dynamic()).expect("a body")).collect();
     let fields: Vec<_> = (0..50_000).map(|_| emptied.add_field(drag).expect("a field")).collect();
@@ -133,8 +134,8 @@ fn played(what: &str, file: &[u8]) {
     bounded(what, file, |file| assert_eq!(read(file).first_difference(&other), None));
     for (tag, contents) in seals::chunks(file) {
         if tag == *b"TICK" && contents[8..12] == [1, 0, 0, 0] {
-            let mut dump = seals::begin(b"UMBRADMP", 1);
-            chunk(&mut dump, b"LAWS", &umbra_physics::PHYSICS_VERSION.to_le_bytes());
+            let mut dump = seals::begin(b"UMBRADMP", 2);
+            chunk(&mut dump, b"PHYS", &umbra_physics::PHYSICS_VERSION.to_le_bytes());
             chunk(&mut dump, &tag, &contents);
             bounded(what, &dump, |file| assert!(Dump::from_bytes(file, &[]).is_err(), "it has no moments"));
         }
@@ -230,9 +231,9 @@ fn dumps_in_which_nothing_happens() {
 /// A dump each moment of which has a world of its own, as no step makes them.
 fn parted(what: &str, world: &World) {
     let dump = Dump::of_tick(world, &[], &Inputs::new(), world);
-    let mut file = seals::begin(b"UMBRADMP", 1);
+    let mut file = seals::begin(b"UMBRADMP", 2);
     for (number, (tag, contents)) in seals::chunks(&dump.to_bytes()).into_iter().enumerate() {
-        if tag != *b"MOMT" {
+        if tag != *b"PHAS" {
             chunk(&mut file, &tag, &contents);
             continue;
         }
@@ -345,8 +346,8 @@ fn scenes_of_what_takes_little_in_a_file() {
     assert_eq!(refused("one field again", format!("{{{}}}", fields(|_| r#""a":0"#.into()))), 504);
     assert_eq!(refused("many fields", format!("{{{}}}", fields(|i| format!(r#""{i}":0"#)))), 510);
 
-    let groups = body(&format!(r#""groups": {}"#, list("31")));
-    assert!(scene("groups", &groups, 0, 10).is_ok());
+    let force_groups = body(&format!(r#""force_groups": {}"#, list("31")));
+    assert!(scene("groups", &force_groups, 0, 10).is_ok());
     let trails = format!(r#"{{"bodies": [{{"name": "a"}}], "plot": {{"trails": {}}}}}"#, list(r#""a""#));
     assert!(scene("trails", &trails, 0, 10).is_ok());
     let number = body(&format!(r#""mass": 1.{}"#, "0".repeat(MANY)));
@@ -373,8 +374,8 @@ fn scenes_that_make_many_from_one() {
     assert!(scene("fields", &text, written(&text), most).is_ok());
     let text = r#"{"bodies": [{"name": "a"}], "inputs": [{"at": 1, "body": "a", "force": [0, 0], "torque": 0, "repeat": {"i": 10000}}]}"#.to_owned();
     assert!(scene("inputs", &text, written(&text), most).is_ok());
-    let sets =
-        vec![r#"{"at":1,"body":"a","set":{"key":1,"angle":1,"mass":1,"user_data":1,"groups":[]}}"#; 4_000].join(",");
+    let sets = vec![r#"{"at":1,"body":"a","set":{"key":1,"angle":1,"mass":1,"user_data":1,"force_groups":[]}}"#; 4_000]
+        .join(",");
     let text = format!(r#"{{"bodies":[{{"name":"a"}}],"inputs":[{sets}]}}"#);
     assert!(scene("inputs that set", &text, 0, most).is_ok());
     assert_eq!(scene("and too much", &text, 0, most - 1).map(drop), Err(510));

@@ -8,9 +8,9 @@ use umbra_physics::Difference;
 #[derive(Serialize)]
 pub(crate) struct FindingLine {
     tick: u64,
-    #[serde(rename = "moment")]
+    #[serde(rename = "phase")]
     phase: String,
-    place: String,
+    owner: String,
     field: String,
     recorded: Option<String>,
     found: Option<String>,
@@ -22,7 +22,7 @@ impl From<&Difference> for FindingLine {
         Self {
             tick: *tick,
             phase: phase.to_string(),
-            place: owner.to_string(),
+            owner: owner.to_string(),
             field: field.clone(),
             recorded: left.clone(),
             found: right.clone(),
@@ -33,7 +33,7 @@ impl From<&Difference> for FindingLine {
 /// A value in which two worlds differ.
 #[derive(Serialize)]
 pub(crate) struct DifferenceLine {
-    place: String,
+    owner: String,
     field: String,
     left: Option<String>,
     right: Option<String>,
@@ -42,6 +42,6 @@ pub(crate) struct DifferenceLine {
 impl From<&Difference> for DifferenceLine {
     fn from(difference: &Difference) -> Self {
         let Difference { owner, field, left, right, .. } = difference;
-        Self { place: owner.to_string(), field: field.clone(), left: left.clone(), right: right.clone() }
+        Self { owner: owner.to_string(), field: field.clone(), left: left.clone(), right: right.clone() }
     }
 }

@@ -32,7 +32,7 @@ struct SceneLine<'a> {
 /// All scenes in JSON.
 #[derive(Serialize)]
 struct LastLine {
-    law: u32,
+    physics_version: u32,
     ways: Vec<String>,
     ticks: Option<u64>,
     digest: Option<String>,
@@ -56,7 +56,7 @@ pub(crate) fn selftest(options: &Options) -> Result<(), Failure> {
         let verdict = check(&ways, |checked| print(json(&scene_line(checked))));
         let Verdict { all, agrees } = verdict;
         print(json(&LastLine {
-            law: PHYSICS_VERSION,
+            physics_version: PHYSICS_VERSION,
             ways: names,
             ticks: all.map(|all| all.ticks),
             digest: all.map(digest),

@@ -22,18 +22,18 @@ use crate::text;
 
 const HELP: &str = "\
 A line for each file, in the order given: what it is, its name, and why.
-  ok          every hash is the one recorded
-  tampered    the file was changed after it was recorded
-  diverged    the run goes another way than the one recorded
-  cut_off     the file ends before the recording did; as far as it goes it is ok
-  law         it was recorded under another physics version
-  malformed   no replay that this program can play
-  unreadable  no file that can be read
+  ok               every hash is the one recorded
+  tampered         the file was changed after it was recorded
+  diverged         the run goes another way than the one recorded
+  cut_off          the file ends before the recording did; as far as it goes it is ok
+  physics_version  it was recorded under another physics version
+  malformed        no replay that this program can play
+  unreadable       no file that can be read
 
 What is not ok has the number of its error at the end, as [E405]: docs/errors.md has them all.
 
-Exit status: 0 if all are ok; 1 for tampered, diverged, cut_off; 2 for law, malformed, unreadable, and for bad usage.
-Of several files the highest counts.";
+Exit status: 0 if all are ok; 1 for tampered, diverged, cut_off; 2 for physics_version, malformed,
+unreadable, and for bad usage. Of several files the highest counts.";
 
 #[derive(Args)]
 #[command(after_help = HELP)]
@@ -56,7 +56,7 @@ enum Status {
     Tampered,
     Diverged,
     CutOff,
-    #[serde(rename = "law")]
+    #[serde(rename = "physics_version")]
     PhysicsVersion,
     Malformed,
     Unreadable,
@@ -69,7 +69,7 @@ impl Status {
             Self::Tampered => "tampered",
             Self::Diverged => "diverged",
             Self::CutOff => "cut_off",
-            Self::PhysicsVersion => "law",
+            Self::PhysicsVersion => "physics_version",
             Self::Malformed => "malformed",
             Self::Unreadable => "unreadable",
         }

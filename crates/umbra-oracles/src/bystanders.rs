@@ -18,7 +18,7 @@ const KEY: u64 = 1 << 63;
 /// Bystanders in a world.
 pub(super) struct Bystanders {
     random: Random,
-    groups: u32,
+    force_groups: u32,
     here: Vec<BodyId>,
     /// The springs between them.
     springs: Vec<FieldId>,
@@ -30,9 +30,9 @@ pub(super) struct Bystanders {
 
 impl Bystanders {
     /// Adds `count` bystanders in these groups; `None` if the world takes fewer.
-    pub(super) fn enter(world: &mut World, count: usize, groups: u32) -> Option<Self> {
+    pub(super) fn enter(world: &mut World, count: usize, force_groups: u32) -> Option<Self> {
         let random = Random::seeded(count as u64);
-        let mut bystanders = Self { random, groups, here: Vec::new(), springs: Vec::new(), for_good: 0, ever: 0 };
+        let mut bystanders = Self { random, force_groups, here: Vec::new(), springs: Vec::new(), for_good: 0, ever: 0 };
         (0..count).for_each(|_| bystanders.come(world));
         (bystanders.count() == count).then_some(bystanders)
     }
@@ -44,8 +44,13 @@ impl Bystanders {
         let mut bystanders = Self::enter(world, 0, 0)?;
         while bystanders.for_good < THRONG {
             let position = vec2(0, bystanders.ever as i32);
-            let def =
-                BodyDef { position, velocity: vec2(1, 0), key: bystanders.key(), groups: 0, ..BodyDef::kinematic() };
+            let def = BodyDef {
+                position,
+                velocity: vec2(1, 0),
+                key: bystanders.key(),
+                force_groups: 0,
+                ..BodyDef::kinematic()
+            };
             world.add_body(def).ok()?;
             bystanders.for_good += 1;
         }
@@ -86,7 +91,7 @@ impl Bystanders {
     fn come(&mut self, world: &mut World) {
         let number = self.ever;
         let position = vec2(50 + number as i32, -3);
-        let base = BodyDef { position, groups: self.groups, key: self.key(), ..BodyDef::dynamic() };
+        let base = BodyDef { position, force_groups: self.force_groups, key: self.key(), ..BodyDef::dynamic() };
         let def = match number % 6 {
             0 => BodyDef { gravity_scale: Fx::ZERO, ..base },
             1 => BodyDef { kind: BodyKind::Static, ..base },

@@ -284,16 +284,15 @@ impl Subject for Commands {
         let is_drag = |field: &ForceField| matches!(field.kind, FieldKind::Drag { .. });
         let made_drag = |command: &Command| matches!(command, Command::SetField { field, .. } if is_drag(field));
         let keep_order = course.inputs.iter().any(|(_, command)| made_drag(command));
-        let kind = |place: usize| match &course.inputs[place].1 {
-            Command::AddBody(_) => 1,
-            Command::AddField(field) if !keep_order && !is_drag(field) => 2,
-            Command::Apply { action: ForceOrImpulse::Force { .. } | ForceOrImpulse::Torque(_), manner, .. }
-                if manner.wake =>
-            {
-                3
-            }
-            _ => 0,
-        };
+        let kind =
+            |place: usize| match &course.inputs[place].1 {
+                Command::AddBody(_) => 1,
+                Command::AddField(field) if !keep_order && !is_drag(field) => 2,
+                Command::Apply {
+                    action: ForceOrImpulse::Force { .. } | ForceOrImpulse::Torque(_), options, ..
+                } if options.wake => 3,
+                _ => 0,
+            };
         let mut order = course.order();
         for run in order.chunk_by_mut(|a, b| a.0 == b.0 && kind(a.1) == kind(b.1)).filter(|run| kind(run[0].1) > 0) {
             let mut places: Vec<usize> = run.iter().map(|(_, place)| *place).collect();

@@ -30,7 +30,7 @@
 //!             self.pressed += 1;
 //!             if self.pressed % 2 == 0 {
 //!                 let action = ForceOrImpulse::Impulse { impulse: vec2(0, 1), point: None };
-//!                 let fire = Command::Apply { body: self.bodies[player], action, manner: ApplyOptions::default() };
+//!                 let fire = Command::Apply { body: self.bodies[player], action, options: ApplyOptions::default() };
 //!                 driver.execute(world, &fire).unwrap();
 //!             }
 //!         }

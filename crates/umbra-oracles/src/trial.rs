@@ -216,10 +216,10 @@ impl<'a, S: Subject> Trial<'a, S> {
     }
 
     fn bystanders(&self) -> Judged {
-        let groups = self.subject.bystander_groups();
+        let force_groups = self.subject.bystander_groups();
         let mut verdict = Verdict::Held;
         for count in [1, 6, MOST] {
-            let enter = |world: &mut World| Bystanders::enter(world, count, groups);
+            let enter = |world: &mut World| Bystanders::enter(world, count, force_groups);
             // It held if it did among each number of them.
             verdict = verdict.max(self.among("a match with bystanders", enter, || ())?);
         }

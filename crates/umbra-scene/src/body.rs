@@ -81,7 +81,7 @@ pub(super) fn body(object: &Object<'_>) -> Result<SceneBody> {
         max_speed,
         max_angular_speed,
         locks: object.or("locks", Locks::NONE, locks)?,
-        groups: object.or("groups", 1, groups)?,
+        force_groups: object.or("force_groups", 1, force_groups)?,
         key: object.or("key", 0, Node::whole)?,
         user_data: object.or("user_data", 0, Node::whole)?,
     };
@@ -157,15 +157,15 @@ pub(super) fn locks(node: &Node<'_>) -> Result<Locks> {
 }
 
 /// A list of group numbers from 0 to 31.
-pub(super) fn groups(node: &Node<'_>) -> Result<u32> {
-    let mut groups = 0;
+pub(super) fn force_groups(node: &Node<'_>) -> Result<u32> {
+    let mut force_groups = 0;
     node.each(|node| {
         let group: u32 = node.whole()?;
         if group > 31 {
             return Err(node.fault(Flaw::OutOfRange.of("out of range: expected a group from 0 to 31")));
         }
-        groups |= 1 << group;
+        force_groups |= 1 << group;
         Ok(())
     })?;
-    Ok(groups)
+    Ok(force_groups)
 }

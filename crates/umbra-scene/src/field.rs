@@ -3,7 +3,7 @@
 use alloc::collections::BTreeMap;
 use alloc::string::String;
 
-use super::body::groups;
+use super::body::force_groups;
 use super::error::{Coded, Flaw, Place};
 use super::node::{Kind, Node, Object, Result, quoted};
 use umbra_physics::{
@@ -41,7 +41,7 @@ pub(super) fn named(node: &Node<'_>, names: &Names, what: &str) -> Result<usize>
 /// Reads a force field.
 pub(super) fn field(object: &Object<'_>, names: &Names) -> Result<SceneField> {
     let name = object.get("name").map(Node::string).transpose()?;
-    let groups = object.or("groups", u32::MAX, groups)?;
+    let force_groups = object.or("force_groups", u32::MAX, force_groups)?;
     let (kind, inner) = object.one_of(&["attractor", "spring", "drag", "thrust", "zone"])?;
     object.finish()?;
     let kind = match kind {
@@ -57,7 +57,7 @@ pub(super) fn field(object: &Object<'_>, names: &Names) -> Result<SceneField> {
         }
         _ => zone(&inner.object()?)?,
     };
-    Ok(SceneField { name, field: ForceField { kind, groups }, place: inner.place() })
+    Ok(SceneField { name, field: ForceField { kind, force_groups }, place: inner.place() })
 }
 
 /// Puts an error of the engine's at the field of the law that it is about.

@@ -2,7 +2,7 @@
 
 use alloc::vec::Vec;
 
-use super::body::{blame, body, groups, kind, locks, mass, max_speeds, own_damping};
+use super::body::{blame, body, force_groups, kind, locks, mass, max_speeds, own_damping};
 use super::error::{Flaw, Place};
 use super::field::{field, named, symbol};
 use super::node::{Node, Object, Result};
@@ -171,11 +171,11 @@ fn read_forces(object: &Object<'_>, target: BodyId, push: &mut impl FnMut(&Node<
         }
     }
     let frame = |node: &Node<'_>| node.choice(&[("world", Frame::World), ("body", Frame::Body)]);
-    let manner =
+    let options =
         ApplyOptions { frame: object.or("frame", Frame::World, frame)?, wake: object.or("wake", true, Node::boolean)? };
     let point = object.get("point").map(Node::point).transpose()?;
     let mut apply = |node: &Node<'_>, action| {
-        push(node, SceneAction::Command(Command::Apply { body: target, action, manner }));
+        push(node, SceneAction::Command(Command::Apply { body: target, action, options }));
     };
     if let Some(node) = force {
         apply(node, ForceOrImpulse::Force { force: node.point()?, point });
@@ -226,8 +226,8 @@ fn set_body(object: &Object<'_>, body: BodyId, push: &mut impl FnMut(&Node<'_>, 
     if let Some(node) = object.get("locks") {
         set(node, Command::SetLocks { body, locks: locks(node)? });
     }
-    if let Some(node) = object.get("groups") {
-        set(node, Command::SetGroups { body, groups: groups(node)? });
+    if let Some(node) = object.get("force_groups") {
+        set(node, Command::SetForceGroups { body, force_groups: force_groups(node)? });
     }
     if let Some(node) = object.get("key") {
         set(node, Command::SetKey { body, key: node.whole()? });

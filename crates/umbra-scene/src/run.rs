@@ -162,7 +162,7 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
 
     /// Applies over the next step what was applied over the last.
     fn hold(&mut self, driver: &mut impl Stepper<S>) -> Result<(), Error> {
-        let manner = ApplyOptions { wake: false, ..ApplyOptions::default() };
+        let options = ApplyOptions { wake: false, ..ApplyOptions::default() };
         for applied in self.world.last_report().applied.to_vec() {
             let body = applied.body;
             if !self.world.body(body)?.activity().takes_part() {
@@ -173,7 +173,7 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
             let torque = applied.torque().and_then(S::Wide::to_scalar);
             let torque = torque.ok_or(Error::OutOfRange { quantity: Quantity::Torque })?;
             for action in [ForceOrImpulse::Force { force, point: None }, ForceOrImpulse::Torque(torque)] {
-                driver.execute(&mut self.world, &Command::Apply { body, action, manner })?;
+                driver.execute(&mut self.world, &Command::Apply { body, action, options })?;
             }
         }
         Ok(())

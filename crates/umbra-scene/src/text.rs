@@ -11,7 +11,7 @@ use super::settings::{Plot, Trails};
 use super::shape::{PartDef, ShapeDef};
 use super::{Scene, SceneBody};
 use json::{
-    Fields, groups, hexadecimal, kind_name, linear_angular, lines, list, locked, null, point, ratio, text, ticks,
+    Fields, force_groups, hexadecimal, kind_name, linear_angular, lines, list, locked, null, point, ratio, text, ticks,
 };
 use umbra_physics::{
     Attachment, BodyDef, BodyId, BodyKind, Command, End, FieldId, FieldKind, ForceField, Frame, Fx, Locks, Mass,
@@ -134,7 +134,7 @@ impl Scene {
             _ => "unknown",
         };
         object.put(name, law.line());
-        object.unless(field.groups == u32::MAX, "groups", groups(field.groups));
+        object.unless(field.force_groups == u32::MAX, "force_groups", force_groups(field.force_groups));
         object.line()
     }
 
@@ -199,11 +199,11 @@ impl Scene {
                 goal.unless(angle == Fx::ZERO, "angle", angle);
                 object.put("move_to", goal.line());
             }
-            Command::Apply { body, action, manner } => {
+            Command::Apply { body, action, options } => {
                 object.put("body", self.body_name(body));
                 object.action(action);
-                object.unless(manner.frame == Frame::World, "frame", text("body"));
-                object.unless(manner.wake, "wake", manner.wake);
+                object.unless(options.frame == Frame::World, "frame", text("body"));
+                object.unless(options.wake, "wake", options.wake);
             }
             Command::SetKind { body, kind } => self.set_body(object, body, "kind", text(kind_name(kind))),
             Command::SetMass { body, mass } => {
@@ -226,7 +226,9 @@ impl Scene {
                 self.set_body(object, body, "max_speeds", linear_angular(linear, angular));
             }
             Command::SetLocks { body, locks } => self.set_body(object, body, "locks", locked(locks)),
-            Command::SetGroups { body, groups: bits } => self.set_body(object, body, "groups", groups(bits)),
+            Command::SetForceGroups { body, force_groups: bits } => {
+                self.set_body(object, body, "force_groups", force_groups(bits))
+            }
             Command::SetKey { body, key } => self.set_body(object, body, "key", key),
             Command::SetUserData { body, user_data } => self.set_body(object, body, "user_data", user_data),
             Command::SetField { id, ref field } => {
@@ -295,7 +297,7 @@ fn body_text(mut object: Fields, def: &BodyDef, shape: Option<&ShapeDef>) -> Str
     let most = (def.max_speed, def.max_angular_speed);
     object.unless(most == (None, None), "max_speeds", linear_angular(most.0, most.1));
     object.unless(def.locks == Locks::NONE, "locks", locked(def.locks));
-    object.unless(def.groups == 1, "groups", groups(def.groups));
+    object.unless(def.force_groups == 1, "force_groups", force_groups(def.force_groups));
     object.unless(def.key == 0, "key", def.key);
     object.unless(def.user_data == 0, "user_data", def.user_data);
     object.line()

@@ -34,7 +34,7 @@ fn warn(what: impl Display) {
 
 fn run(out: &mut impl Write) -> io::Result<bool> {
     let ways = Way::all();
-    writeln!(out, "law {PHYSICS_VERSION}")?;
+    writeln!(out, "physics_version {PHYSICS_VERSION}")?;
     for way in &ways {
         warn(format_args!("with {way}"));
     }

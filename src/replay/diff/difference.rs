@@ -54,7 +54,7 @@ impl Write for TickPhase {
         out.leaf(&[tag], self);
         if let Self::Stage { .. } = self {
             codec::field(out, "index", &index);
-            codec::field(out, "verb", &kind);
+            codec::field(out, "kind", &kind);
         }
     }
 }

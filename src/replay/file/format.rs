@@ -19,7 +19,7 @@ pub(in crate::replay) struct Kind {
 }
 
 pub(in crate::replay) const REPLAY: Kind = Kind { magic: *b"UMBRAREP", format: 1 };
-pub(in crate::replay) const DUMP: Kind = Kind { magic: *b"UMBRADMP", format: 1 };
+pub(in crate::replay) const DUMP: Kind = Kind { magic: *b"UMBRADMP", format: 2 };
 
 impl Kind {
     /// Begins a file without chunks.
@@ -51,9 +51,9 @@ pub(in crate::replay) const TICKS: Tag = Tag(*b"TICK");
 /// The end: without this chunk the file was cut off.
 pub(in crate::replay) const DONE: Tag = Tag(*b"DONE");
 /// The physics version that a dump was made under: its first chunk.
-pub(in crate::replay) const VERSION: Tag = Tag(*b"LAWS");
+pub(in crate::replay) const VERSION: Tag = Tag(*b"PHYS");
 /// A phase of the tick of a dump, with the world if it differs from that of the phase before.
-pub(in crate::replay) const PHASE: Tag = Tag(*b"MOMT");
+pub(in crate::replay) const PHASE: Tag = Tag(*b"PHAS");
 
 /// The settings of a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -134,6 +134,6 @@ impl Write for PhaseState<'_> {
 
 /// Writes a phase without its world.
 pub(in crate::replay) fn write_phase(out: &mut impl Encoder, phase: TickPhase, is_new: bool) {
-    codec::field(out, "moment", &phase);
+    codec::field(out, "phase", &phase);
     codec::field(out, "is_new", &is_new);
 }

@@ -157,12 +157,16 @@ impl Recorder {
         writer.file
     }
 
-    /// Records the changes that a game makes without commands.
+    /// Records the changes that a game makes without commands, as calls after all others.
     fn notice(&mut self, world: &World) {
-        if *world.random() != self.random {
+        let set_random = |call: &Command| if let Command::SetRandom(random) = call { Some(*random) } else { None };
+        let random = self.calls.iter().rev().find_map(set_random).unwrap_or(self.random);
+        let set_blob = |call| if let &Command::SetBlob(ref blob) = call { Some(&blob[..]) } else { None };
+        let is_blob_recorded = world.blob() == self.calls.iter().rev().find_map(set_blob).unwrap_or(&self.blob);
+        if *world.random() != random {
             self.calls.push(Command::SetRandom(*world.random()));
         }
-        if world.blob() != self.blob {
+        if !is_blob_recorded {
             self.calls.push(Command::SetBlob(world.blob().to_vec()));
         }
     }

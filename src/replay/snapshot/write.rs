@@ -31,7 +31,7 @@ impl<S: Scalar> Write for Saved<'_, S> {
         sealed.bytes(&MAGIC);
         sealed.leave();
         codec::field(&mut sealed, "format", &FORMAT);
-        codec::field(&mut sealed, "law", &PHYSICS_VERSION);
+        codec::field(&mut sealed, "physics_version", &PHYSICS_VERSION);
         State(self.0).write(&mut sealed);
         codec::field(&mut sealed, "hash", &self.0.state_hash());
         let Sealed { out, seal } = sealed;
@@ -115,7 +115,7 @@ impl<S: Scalar> SavedSlot<S> {
         record.write(out);
         codec::field(out, "shape", &sources.name(slot, shape));
         codec::field(out, "applied", applied);
-        codec::field(out, "errand", target);
+        codec::field(out, "kinematic_target", target);
     }
 }
 
@@ -193,7 +193,7 @@ impl<S: Scalar> Write for StateView<'_, S> {
         codec::field(out, "moved_at_tick", &world.targets.moved_at);
         codec::field(out, "random", &world.random);
         codec::field(out, "blob", &world.blob);
-        part(out, "laws", |out| self.write_custom_forces(out));
+        part(out, "custom_forces", |out| self.write_custom_forces(out));
         part(out, "bodies", |out| self.write_bodies(out));
         part(out, "free_slots", |out| codec::list(out, self.free.iter()));
         part(out, "fields", |out| self.write_fields(out));

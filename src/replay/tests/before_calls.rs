@@ -64,7 +64,7 @@ fn sleepers() -> World {
     for pair in bodies.chunks_exact(2) {
         let [near, far] = [pair[0], pair[1]].map(|body| Attachment { body, point: vec2(0, 0) });
         let kind = FieldKind::Spring { near, far: End::Body(far), spring };
-        world.add_field(ForceField { kind, groups: 1 }).expect("there is room");
+        world.add_field(ForceField { kind, force_groups: 1 }).expect("there is room");
     }
     world.remove_body(bodies[8]).expect("it is there");
     (0..3).for_each(|_| _ = world.step());
@@ -87,7 +87,7 @@ fn disturbing() -> Vec<Command> {
         Command::SetIntegrator(Integrator::Yoshida4),
         Command::SetSleepAfter(None),
         Command::SetSleepAfter(Some(1)),
-        Command::AddField(ForceField { kind: pull, groups: 1 }),
+        Command::AddField(ForceField { kind: pull, force_groups: 1 }),
         Command::RemoveField(FieldId::from_parts(1, 0)),
         Command::ClearForces,
         Command::SetBlob(vec![7]),

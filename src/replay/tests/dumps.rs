@@ -90,8 +90,8 @@ fn a_machine_that_computes_another_force_is_found_at_the_stage_it_acts_in() {
         let mut world = World::new(WorldDef::default()).expect("a world");
         world.register_custom_force(Arc::new(Lift(force))).expect("a law");
         world.add_body(BodyDef::dynamic()).expect("a body");
-        let second = world.add_body(BodyDef { groups: 2, ..BodyDef::dynamic() }).expect("a body");
-        world.add_field(ForceField { kind: FieldKind::Custom { id: 1 }, groups: 2 }).expect("a field");
+        let second = world.add_body(BodyDef { force_groups: 2, ..BodyDef::dynamic() }).expect("a body");
+        world.add_field(ForceField { kind: FieldKind::Custom { id: 1 }, force_groups: 2 }).expect("a field");
         let before = world.clone();
         world.step();
         (Dump::of_tick(&before, &[], &Inputs::new(), &world), second)

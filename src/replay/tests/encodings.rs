@@ -210,7 +210,7 @@ fn what_is_over_and_what_can_be_reduced_is_not_there() {
     world.step();
     let whole = world.snapshot().to_bytes();
     assert_eq!(Snapshot::from_bytes(&whole, &[]).expect("its own bytes").to_bytes(), whole);
-    let over = replaced(&whole, "bodies[0].errand.arrived", 0, &[0]);
+    let over = replaced(&whole, "bodies[0].kinematic_target.arrived", 0, &[0]);
     let right = "a target with a goal or one that has arrived, or none";
     assert_eq!(expected(Snapshot::from_bytes(&over, &[])), right);
     for den in [0u128, 2, 60] {

@@ -142,7 +142,7 @@ fn a_forged_value_is_refused_or_its_run_parts_from_the_recorded_one() {
     for what in unfelt {
         let labels = ["player", "sequence", "_every", "woken", "wake", "ticks_at_rest"];
         let is_label = labels.iter().any(|label| what.contains(label));
-        let of_the_moved = ["position", "velocity", "angular_velocity", "errand.arrived"];
+        let of_the_moved = ["position", "velocity", "angular_velocity", "kinematic_target.arrived"];
         let is_moved = of_the_moved.iter().any(|part| what.starts_with(&format!("chunk 1, bodies[9].{part}")));
         let is_overwritten = what.contains("inputs[") || what.contains("calls[") || is_moved;
         assert!(is_label || is_overwritten, "{what}");

@@ -113,8 +113,10 @@ fn forged_run(many: &[Command], by_a_player: bool) -> Replay {
 
 #[test]
 fn a_divergence_is_named_within_the_limits_and_no_further() {
-    let drag =
-        ForceField { kind: FieldKind::Drag { linear: Fx::ZERO, quadratic: Fx::ZERO, wind: vec2(0, 0) }, groups: 1 };
+    let drag = ForceField {
+        kind: FieldKind::Drag { linear: Fx::ZERO, quadratic: Fx::ZERO, wind: vec2(0, 0) },
+        force_groups: 1,
+    };
     let most = ReplayLimits { ticks: 4, bodies: 10, fields: 10, commands: 100 };
     for (many, by_a_player) in [
         (vec![Command::AddBody(BodyDef::dynamic()); 10], false),

@@ -21,9 +21,9 @@ where
     match command {
         Command::AddBody(def) => format!("add a {} body at {} m", kind(def.kind), vector(def.position)),
         Command::RemoveBody(body) => format!("remove {}", of(body)),
-        Command::Apply { body, action, manner } => {
-            let frame = if manner.frame == Frame::Body { ", in its frame" } else { "" };
-            let wake = if manner.wake { "" } else { ", without waking it" };
+        Command::Apply { body, action, options } => {
+            let frame = if options.frame == Frame::Body { ", in its frame" } else { "" };
+            let wake = if options.wake { "" } else { ", without waking it" };
             format!("{} on {}{frame}{wake}", act(action), of(body))
         }
         Command::SetPosition { body, position } => format!("put {} at {} m", of(body), vector(*position)),
@@ -46,7 +46,7 @@ where
             format!("largest speeds of {}: {}, {}", of(body), most(*linear, "m/s"), most(*angular, "rad/s"))
         }
         Command::SetLocks { body, locks } => format!("locks of {}: {}", of(body), locked(*locks)),
-        Command::SetGroups { body, groups } => format!("groups of {}: {groups:#x}", of(body)),
+        Command::SetForceGroups { body, force_groups } => format!("force groups of {}: {force_groups:#x}", of(body)),
         Command::SetKey { body, key } => format!("key of {}: {key}", of(body)),
         Command::SetUserData { body, user_data } => format!("user data of {}: {user_data}", of(body)),
         Command::Wake(body) => format!("wake {}", of(body)),

@@ -61,7 +61,7 @@ fn each_message_ends_with_the_number_of_its_error() {
         ("E505", r#"{"bodies": [{}]}"#.to_owned()),
         ("E506", r#"{"bodies": [{"name": "a"}, {"name": "a"}]}"#.to_owned()),
         ("E507", r#"{"fields": [{"thrust": {"at": "b", "force": [0, 1]}}]}"#.to_owned()),
-        ("E508", with_body("\"groups\": [32]")),
+        ("E508", with_body("\"force_groups\": [32]")),
         ("E509", r#"{"title": "\u001b"}"#.to_owned()),
         ("E510", r#"{"bodies": [{"repeat": {"i": 2000000000}, "name": "{i}"}]}"#.to_owned()),
         ("E101", with_body("\"mass\": 0")),
@@ -178,7 +178,7 @@ fn numbers_out_of_range_are_refused_at_their_field() {
         ("\"gravity_scale\": 17", "gravity_scale: out of range: expected a gravity scale within ±16"),
         ("\"kind\": \"solid\"", "kind: expected one of static, kinematic, dynamic, found \"solid\""),
         ("\"kind\": \"static\", \"velocity\": [1, 0]", "velocity: a static body has no velocity"),
-        ("\"groups\": [32]", "groups[0]: out of range: expected a group from 0 to 31"),
+        ("\"force_groups\": [32]", "force_groups[0]: out of range: expected a group from 0 to 31"),
         ("\"key\": -1", "key: out of range: expected a whole number that fits in 64 bits"),
         ("\"density\": 1", "density: a density needs a shape"),
         (
@@ -449,7 +449,7 @@ fn the_selftest_as_json_is_an_object_a_line() {
     let all = golden.all().expect("one digest of all");
     assert_eq!(last["digest"], format!("{:016x}", all.digest));
     assert_eq!(
-        (last["law"].as_u64(), last["agrees"].as_bool()),
+        (last["physics_version"].as_u64(), last["agrees"].as_bool()),
         (Some(umbra_physics::PHYSICS_VERSION.into()), Some(true))
     );
 }

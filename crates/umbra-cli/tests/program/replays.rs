@@ -83,7 +83,7 @@ fn busy(push: &str) -> String {
         {"at": 4, "add": {"name": "c", "shape": {"rectangle": {"width": 1, "height": 2}}, "mass": 2}},
         {"at": 4, "add_field": {"name": "p", "spring": {"from": "c", "to": "b", "stiffness": 3}}},
         {"at": 5, "body": "c", "angular_impulse": 1, "set": {"position": [1, 1], "angle": 1, "velocity": [1, 0],
-            "angular_velocity": 2, "gravity_scale": 0.5, "damping": {"linear": 0.5}, "groups": [1], "key": 3,
+            "angular_velocity": 2, "gravity_scale": 0.5, "damping": {"linear": 0.5}, "force_groups": [1], "key": 3,
             "user_data": 4, "shape": null}},
         {"at": 6, "body": "c", "set": {"mass": 3, "inertia": 2, "shape": {"circle": {"radius": 0.5}}}},
         {"at": 7, "field": "d", "replace": {"zone": {"disc": {"centre": [0, 0], "radius": 3}, "acceleration": [0, 1]}}},
@@ -230,7 +230,7 @@ fn a_changed_byte_is_named_by_tick_moment_body_and_field() {
     let push = Order::Apply {
         body: BodyId::from_parts(1, 0),
         action: ForceOrImpulse::Impulse { impulse: vec2(3, 0), point: None },
-        manner: ApplyOptions::default(),
+        options: ApplyOptions::default(),
     };
     let push = push.to_bytes();
     let [at] = starts(&bytes, &push)[..] else { panic!("the push is there once") };
@@ -249,8 +249,8 @@ fn a_changed_byte_is_named_by_tick_moment_body_and_field() {
         let (status, line) = verified(&folder, "changed.umbrarep", &flipped(&bytes, at));
         let finding = &line["finding"];
         assert_eq!((status, line["status"].as_str()), (1, Some("tampered")), "{line}");
-        assert_eq!((finding["tick"].as_u64(), finding["moment"].as_str()), (Some(tick), Some(phase)), "{line}");
-        assert_eq!((finding["place"].as_str(), finding["field"].as_str()), (Some(place), Some(field)), "{line}");
+        assert_eq!((finding["tick"].as_u64(), finding["phase"].as_str()), (Some(tick), Some(phase)), "{line}");
+        assert_eq!((finding["owner"].as_str(), finding["field"].as_str()), (Some(place), Some(field)), "{line}");
         let values = (finding["recorded"].as_str(), finding["found"].as_str());
         assert_eq!(values, (Some(recorded), Some(found)), "{line}");
     }
@@ -272,7 +272,7 @@ fn each_way_to_be_wrong_has_its_status() {
         let codes: &[&str] = match line["status"].as_str() {
             Some("ok") => &[],
             Some("cut_off") => &["E404"],
-            Some("law") => &["E403"],
+            Some("physics_version") => &["E403"],
             Some("diverged") => &["E420"],
             _ => &["E401", "E402", "E406"],
         };
@@ -294,7 +294,7 @@ fn each_way_to_be_wrong_has_its_status() {
     assert_eq!(status("format", &format), is(2, "malformed", 0));
     assert_eq!(status("resealed", &resealed(&bytes, |_| {})), is(0, "ok", 100));
     let law = resealed(&bytes, |head| head[..4].copy_from_slice(&(PHYSICS_VERSION + 1).to_le_bytes()));
-    assert_eq!(status("law", &law), is(2, "law", 0));
+    assert_eq!(status("law", &law), is(2, "physics_version", 0));
     let strayed = strayed(RecordOptions { hash_every: 1, snapshot_every: 8 });
     assert_eq!(status("strayed", &strayed), is(1, "diverged", 41));
     // A divergence in the part that is there counts more than the missing rest.
@@ -312,8 +312,8 @@ fn a_run_that_went_another_way_is_named_by_the_next_snapshot() {
         assert_eq!((status, line["status"].as_str()), (1, Some("diverged")), "{line}");
         assert_eq!(line["hashes"].as_u64(), Some((hash_tick - 1) / u64::from(hash_every)), "{line}");
         let finding = &line["finding"];
-        assert_eq!((finding["tick"].as_u64(), finding["moment"].as_str()), (Some(tick), Some("end")), "{line}");
-        assert_eq!((finding["place"].as_str(), finding["field"].as_str()), (Some("body 1"), Some("position.y")));
+        assert_eq!((finding["tick"].as_u64(), finding["phase"].as_str()), (Some(tick), Some("end")), "{line}");
+        assert_eq!((finding["owner"].as_str(), finding["field"].as_str()), (Some("body 1"), Some("position.y")));
         // 2 m/s for so many ticks: the exact place, with what is below the ulp.
         let place = finding["recorded"].as_str().and_then(|y| y.parse::<f64>().ok()).expect("a number");
         assert!((place - 2.0 * (tick + 1 - 40) as f64 / 60.0).abs() < 1e-9, "{line}");

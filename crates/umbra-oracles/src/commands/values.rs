@@ -55,7 +55,7 @@ impl<C: Choices + ?Sized> CommandSource for Generator<'_, C> {
             max_speed: self.max_speed(),
             max_angular_speed: self.max_angular_speed(),
             locks,
-            groups: self.groups(),
+            force_groups: self.force_groups(),
             key,
             user_data: key,
         }
@@ -63,7 +63,7 @@ impl<C: Choices + ?Sized> CommandSource for Generator<'_, C> {
 
     fn force_field(&mut self) -> ForceField {
         let kind = self.field_kind();
-        ForceField { kind, groups: if self.choices.one_in(2) { self.groups() } else { u32::MAX } }
+        ForceField { kind, force_groups: if self.choices.one_in(2) { self.force_groups() } else { u32::MAX } }
     }
 
     fn force_or_impulse(&mut self) -> ForceOrImpulse {
@@ -143,7 +143,7 @@ impl<C: Choices + ?Sized> CommandSource for Generator<'_, C> {
         if is_capped { Some(self.not_negative(fx!(4), limits::ANGULAR_SPEED)) } else { None }
     }
 
-    fn groups(&mut self) -> u32 {
+    fn force_groups(&mut self) -> u32 {
         if self.choices.one_in(3) { self.choices.draw(32) as u32 } else { 1 }
     }
 

@@ -82,7 +82,7 @@ impl Twin {
     fn push(&self, world: &mut World, driver: &mut dyn Stepper, body: BodyId, impulse: Vec2) {
         let action = ForceOrImpulse::Impulse { impulse, point: None };
         // A body that is gone is not pushed.
-        let _ = driver.execute(world, &Command::Apply { body, action, manner: ApplyOptions::default() });
+        let _ = driver.execute(world, &Command::Apply { body, action, options: ApplyOptions::default() });
     }
 
     /// The bodies of the game's own, by their keys.
@@ -193,7 +193,10 @@ impl Game for Twin {
 
 /// A drag that nobody feels.
 fn weak(linear: i32) -> ForceField {
-    ForceField { kind: FieldKind::Drag { linear: linear.into(), quadratic: Fx::ZERO, wind: Vec2::ZERO }, groups: 0 }
+    ForceField {
+        kind: FieldKind::Drag { linear: linear.into(), quadratic: Fx::ZERO, wind: Vec2::ZERO },
+        force_groups: 0,
+    }
 }
 
 /// A custom force with a fault.
@@ -409,7 +412,7 @@ impl Game for Hiccup {
             let action = ForceOrImpulse::Impulse { impulse: Vec2::X, point: None };
             let body = BodyId::from_parts(0, 0);
             driver
-                .execute(world, &Command::Apply { body, action, manner: ApplyOptions::default() })
+                .execute(world, &Command::Apply { body, action, options: ApplyOptions::default() })
                 .expect("it is there");
         }
         driver.step(world);

@@ -119,7 +119,7 @@ pub(super) fn locked(locks: Locks) -> String {
     list(locks.names().map(text))
 }
 
-pub(super) fn groups(bits: u32) -> String {
+pub(super) fn force_groups(bits: u32) -> String {
     list((0..u32::BITS).filter(|group| bits >> group & 1 == 1))
 }
 

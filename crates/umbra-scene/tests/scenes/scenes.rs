@@ -138,13 +138,13 @@ pub(crate) const RICH: &str = r#"{
     {"name": "s", "kind": "static", "shape": {"segment": [[-5, 0], [5, 0]]}, "position": [0, -3]},
     {"name": "k", "kind": "kinematic", "velocity": [1, 0], "angular_velocity": 2, "shape": {"capsule": {"length": 1, "radius": 0.5}}},
     {"repeat": {"i": 2, "j": [-1, 1]}, "name": "r-{i}-{j}-{n}", "position": [{"start": 0.1, "i": 0.1, "j": 1e-3}, {"random": [-1, 1], "seed": 7}],
-     "velocity": {"length": 3, "angle": {"j": 0.5}}, "mass": 2, "inertia": 0.5, "key": {"i": 5}, "user_data": 9, "groups": [0, 31]},
+     "velocity": {"length": 3, "angle": {"j": 0.5}}, "mass": 2, "inertia": 0.5, "key": {"i": 5}, "user_data": 9, "force_groups": [0, 31]},
     {"name": "c", "angle": 1, "gravity_scale": -1, "damping": {"linear": 0.1}, "density": 3, "shape": {"compound": [
       {"shape": {"polygon": [[0, 0], [1, 0], [0, 1]]}, "position": [1, 0], "angle": 0.5, "density": 2},
       {"shape": {"rectangle": {"width": 1, "height": 2}}}, {"shape": {"circle": {"radius": 0.25}}, "position": [0, 1]}]}}
   ],
   "fields": [
-    {"name": "sun", "attractor": {"at": [10, 10], "mu": 3.986004418e3, "softening": 0.5}, "groups": [0]},
+    {"name": "sun", "attractor": {"at": [10, 10], "mu": 3.986004418e3, "softening": 0.5}, "force_groups": [0]},
     {"attractor": {"at": {"body": "c", "point": [0, 1]}, "mu": 1}},
     {"spring": {"from": {"body": "c", "point": [0, 1]}, "to": [0, 5], "rest": 1, "stiffness": 10, "damping": 0.5}},
     {"repeat": {"i": [0, 0]}, "spring": {"from": "r-{i}-0-2", "to": "r-{i+1}-0-3", "stiffness": 10}},
@@ -166,7 +166,7 @@ pub(crate) const RICH: &str = r#"{
     {"at": 10, "do": "clear_forces", "set": {"random": [1, 2, 3, 18446744073709551615], "blob": "00fFa9"}},
     {"at": 10, "set": {"random": 7}},
     {"at": 11, "body": "c", "set": {"kind": "dynamic", "mass": 3, "position": [0, 0], "angle": 0, "velocity": [0, 0], "angular_velocity": 0,
-      "gravity_scale": 1, "damping": {}, "groups": [1], "key": 18446744073709551615, "user_data": 1, "shape": null}}
+      "gravity_scale": 1, "damping": {}, "force_groups": [1], "key": 18446744073709551615, "user_data": 1, "shape": null}}
   ],
   "plot": {"view": [[-9, -9], [9, 9]], "trails": ["c", "k"], "exposures": 3}
 }"#;
@@ -409,7 +409,7 @@ fn a_few_lines_that_repeat_a_long_one_are_refused() {
 fn thousands_of_inputs_to_a_large_world_are_all_tried() {
     let text = r#"{
         "bodies": [{"name": "b{n}", "repeat": {"i": 8192}}],
-        "fields": [{"zone": {"disc": {"centre": [0, 0], "radius": 1}, "acceleration": [1, 0]}, "groups": [9],
+        "fields": [{"zone": {"disc": {"centre": [0, 0], "radius": 1}, "acceleration": [1, 0]}, "force_groups": [9],
             "repeat": {"i": 65536}}],
         "inputs": [
             {"at": 5, "body": "b{n}", "do": "remove", "repeat": {"i": 8192}},

@@ -17,7 +17,7 @@ fn diff_names_what_was_done_otherwise() {
     };
     let (status, found) = json([&three, &four], &[]);
     let finding: Value = serde_json::from_str(
-        r#"{"tick": 2, "moment": "calls", "place": "body 1", "field": "calls[0].action.impulse.x", "recorded": "3", "found": "4"}"#,
+        r#"{"tick": 2, "phase": "calls", "owner": "body 1", "field": "calls[0].action.impulse.x", "recorded": "3", "found": "4"}"#,
     )
     .expect("JSON");
     assert_eq!((status, &found["same"], &found["finding"]), (Some(1), &Value::from(false), &finding));
@@ -26,7 +26,7 @@ fn diff_names_what_was_done_otherwise() {
     // The values that differ after that tick: a kilogram has 1 m/s more, but for the drag, and is further on.
     let (status, found) = json([&three, &four], &["--all"]);
     let all = found["differences"].as_array().expect("a list");
-    let fields: Vec<_> = all.iter().map(|it| (it["place"].as_str(), it["field"].as_str())).collect();
+    let fields: Vec<_> = all.iter().map(|it| (it["owner"].as_str(), it["field"].as_str())).collect();
     assert_eq!(fields, [(Some("body 1"), Some("position.x")), (Some("body 1"), Some("velocity.x"))]);
     let speed = |side: &str| all[1][side].as_str().and_then(|it| it.parse::<f64>().ok()).expect("a number");
     assert!(speed("left") < 3.0 && speed("right") < 4.0 && speed("right") - speed("left") > 0.99);
@@ -40,8 +40,8 @@ fn diff_names_what_was_done_otherwise() {
     let other = folder.write("start.json", busy("3").replace("[5, 0]", "[6, 0]"));
     let (status, found) = json([&three, &folder.record(&other, &[])], &["--all"]);
     let finding = &found["finding"];
-    assert_eq!((status, finding["moment"].as_str(), finding["tick"].as_u64()), (Some(1), Some("start"), Some(0)));
-    assert_eq!((finding["place"].as_str(), finding["field"].as_str()), (Some("body 1"), Some("position.x")));
+    assert_eq!((status, finding["phase"].as_str(), finding["tick"].as_u64()), (Some(1), Some("start"), Some(0)));
+    assert_eq!((finding["owner"].as_str(), finding["field"].as_str()), (Some("body 1"), Some("position.x")));
     assert_eq!(found["differences"].as_array().map(Vec::len), Some(1));
 
     // A replay that ends sooner does not differ.
