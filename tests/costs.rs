@@ -1,6 +1,6 @@
 //! A scene does not pay for what it lacks: counts of instructions, each beside a control that has the thing and pays.
 //!
-//! `benches/instructions.rs` does the counting, in the scenes of `benches/scenes`. Where valgrind or gungraun-runner is
+//! `benches/instructions.rs` and `benches/calls.rs` do the counting, in the scenes of `benches/scenes`. Where valgrind or gungraun-runner is
 //! missing the tests say that they are skipped, and with UMBRA_REQUIRE_COUNTS=1 they fail.
 
 use std::collections::BTreeMap;
@@ -274,7 +274,8 @@ fn no_values_make_a_step_cost_three_times_a_calm_one() {
 
 /// The lines of `benches/calls.rs`, each in words; `None` where there is no valgrind.
 fn calls() -> Option<Vec<Vec<String>>> {
-    missing_tool().is_none().then(|| {
+    // The other counts say what is missing, or fail.
+    counts().map(|_| {
         let bench = [
             "bench",
             "--package",
@@ -322,7 +323,7 @@ fn no_kilobyte_of_commands_costs_more_than_ten_steps_and_no_call_more_than_what_
                 let factor = number(many) / number(few);
                 // A logarithm adds a fifth: that of 4,000 beside that of 1,000.
                 assert!(factor <= 4.0 * 1.25, "{name}: {factor:.2} times as much for four times as many");
-                // In a scene a body and an input each.
+                // In a scene a body and an input each, in a dump the bodies of two snapshots and as many springs.
                 let each = number(many) / 16_000.0;
                 assert!(
                     each <= if name.starts_with("a_scene") { 100_000.0 } else { 25_000.0 },

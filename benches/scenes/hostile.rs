@@ -4,9 +4,9 @@
 use std::f64::consts::TAU;
 
 use umbra_physics::{
-    ApplyOptions, Attachment, BodyDef, BodyId, Command, End, FieldKind, ForceField, ForceOrImpulse, Fx, Input, Inputs,
-    Integrator, Mass, Part, RecordOptions, Recorder, Region, Replay, ReplayLimits, Shape, Snapshot, SpringConstants,
-    TimeStep, World, WorldDef, fx, vec2,
+    ApplyOptions, Attachment, BodyDef, BodyId, Command, Dump, End, FieldKind, ForceField, ForceOrImpulse, Fx, Input,
+    Inputs, Integrator, Mass, Part, RecordOptions, Recorder, Region, Replay, ReplayLimits, Shape, Snapshot,
+    SpringConstants, TimeStep, World, WorldDef, fx, vec2,
 };
 use umbra_scene::Scene;
 
@@ -66,7 +66,10 @@ impl Growing {
         Self { name: "all_woken_disabled", make: all_woken_disabled },
         Self { name: "all_fields_removed", make: all_fields_removed },
         Self { name: "a_hub_removed", make: hub_removed },
-        Self { name: "a_snapshot_read", make: snapshot_read },
+        Self { name: "a_snapshot_read", make: |n| snapshot_read(&chain(n)) },
+        Self { name: "a_snapshot_with_a_shared_shape_read", make: |n| snapshot_read(&of_large_shape(n).0) },
+        Self { name: "corners_read_and_set", make: corners_read_and_set },
+        Self { name: "a_dump_read", make: dump_read },
         Self { name: "a_replay_of_one_tick_verified", make: replay_verified },
         Self { name: "a_scene_read", make: scene_read },
         Self { name: "a_scene_moved_on", make: scene_moved_on },
@@ -146,9 +149,33 @@ fn hub_removed(count: usize) -> Box<dyn FnOnce()> {
     Box::new(move || world.remove_body(hub).expect("it is there"))
 }
 
-fn snapshot_read(count: usize) -> Box<dyn FnOnce()> {
-    let bytes = chain(count).snapshot().to_bytes();
+fn snapshot_read(world: &World) -> Box<dyn FnOnce()> {
+    let bytes = world.snapshot().to_bytes();
     Box::new(move || _ = std::hint::black_box(Snapshot::from_bytes(&bytes, &[]).expect("its own bytes")))
+}
+
+/// A dump whose tick has one call, so that the world stands in it twice.
+fn dump_read(count: usize) -> Box<dyn FnOnce()> {
+    let before = chain(count);
+    let mut after = before.clone();
+    let calls = [Command::SetGravity(vec2(0, 0))];
+    after.execute(&calls[0]).expect("a gravity");
+    after.step();
+    let bytes = Dump::of_tick(&before, &calls, &Inputs::new(), &after).to_bytes();
+    Box::new(move || _ = std::hint::black_box(Dump::from_bytes(&bytes, &[]).expect("its own bytes")))
+}
+
+/// Reads and carries out a command with so many corners, or as many as a shape can have.
+fn corners_read_and_set(count: usize) -> Box<dyn FnOnce()> {
+    let (mut world, bodies) = unlike_world(1);
+    let parts = vec![Part { shape: polygon(), position: vec2(0, 0), angle: fx!(0), density: fx!(1) }; count / 64];
+    let shape = Some(Shape::compound(&parts).expect("a compound"));
+    let bytes = Command::SetShape { body: bodies[0], shape }.to_bytes();
+    Box::new(move || {
+        let command: Command = Command::from_bytes(&bytes).expect("its own bytes");
+        world.execute(&command).expect("it is there");
+        world.step();
+    })
 }
 
 /// One command that changes the factors of all bodies for each body.
@@ -166,11 +193,11 @@ fn replay_verified(count: usize) -> Box<dyn FnOnce()> {
     })
 }
 
-/// A few hundred bytes for many bodies, each with a damping of its own, and as many commands that change the factors of all.
+/// A few hundred bytes for many bodies, each with a damping of its own, and as many commands, each of which changes the factors of all.
 fn scene(count: usize) -> String {
     format!(
         r#"{{"bodies": [{{"name": "b{{n}}", "damping": {{"linear": {{"start": 0.5, "i": 0.00001}}}}, "repeat": {{"i": {count}}}}}],
-            "inputs": [{{"at": 0, "set": {{"integrator": "symplectic_euler"}}, "repeat": {{"i": {count}}}}}]}}"#
+            "inputs": [{{"at": 0, "set": {{"gravity": [0, {{"start": -10, "i": 0.00001}}]}}, "repeat": {{"i": {count}}}}}]}}"#
     )
 }
 
@@ -278,18 +305,30 @@ fn removals_beside_inert_fields(count: usize) -> (World, Vec<Command>) {
     (world, rest.iter().take(200).map(|&body| Command::RemoveBody(body)).collect())
 }
 
-fn keys_of_large_shapes(count: usize) -> (World, Vec<Command>) {
+/// A polygon with as many corners as there may be.
+fn polygon() -> Shape {
     let corner = |i: i32| {
         let angle = TAU * f64::from(i) / 64.0;
         let bits = |x: f64| Fx::from_bits((x * 2f64.powi(34)) as i64);
         vec2(bits(angle.cos()), bits(angle.sin()))
     };
-    let polygon = Shape::polygon(&(0..64).map(corner).collect::<Vec<_>>()).expect("a polygon");
+    Shape::polygon(&(0..64).map(corner).collect::<Vec<_>>()).expect("a polygon")
+}
+
+/// A world whose bodies share the largest shape there may be.
+fn of_large_shape(count: usize) -> (World, Vec<BodyId>) {
+    let polygon = polygon();
     let part = |i: i32| Part { shape: polygon.clone(), position: vec2(i, 0), angle: fx!(0), density: fx!(1) };
     let shape = Shape::compound(&(0..256).map(part).collect::<Vec<_>>()).expect("a compound");
     let (mut world, bodies) = unlike_world(count);
-    world.set_shape(bodies[0], Some(shape)).expect("a shape");
-    (world, (0..100).map(|key| Command::SetKey { body: bodies[0], key }).collect())
+    bodies.iter().for_each(|&body| world.set_shape(body, Some(shape.clone())).expect("a shape"));
+    (world, bodies)
+}
+
+/// Keys for bodies that share a large shape: none of their corners is to be looked at.
+fn keys_of_large_shapes(count: usize) -> (World, Vec<Command>) {
+    let (world, bodies) = of_large_shape(count);
+    (world, bodies.into_iter().take(100).zip(1..).map(|(body, key)| Command::SetKey { body, key }).collect())
 }
 
 fn fields_removed(count: usize) -> (World, Vec<Command>) {

@@ -159,14 +159,19 @@ impl Recorder {
 
     /// Records the changes that a game makes without commands, as calls after all others.
     fn notice(&mut self, world: &World) {
-        let set_random = |call: &Command| if let Command::SetRandom(random) = call { Some(*random) } else { None };
-        let random = self.calls.iter().rev().find_map(set_random).unwrap_or(self.random);
-        let set_blob = |call| if let &Command::SetBlob(ref blob) = call { Some(&blob[..]) } else { None };
-        let is_blob_recorded = world.blob() == self.calls.iter().rev().find_map(set_blob).unwrap_or(&self.blob);
-        if *world.random() != random {
+        let (mut random, mut blob) = (&self.random, &self.blob);
+        for call in &self.calls {
+            match call {
+                Command::SetRandom(set) => random = set,
+                Command::SetBlob(set) => blob = set,
+                _ => {}
+            }
+        }
+        let (is_random_new, is_blob_new) = (world.random() != random, world.blob() != blob);
+        if is_random_new {
             self.calls.push(Command::SetRandom(*world.random()));
         }
-        if !is_blob_recorded {
+        if is_blob_new {
             self.calls.push(Command::SetBlob(world.blob().to_vec()));
         }
     }
