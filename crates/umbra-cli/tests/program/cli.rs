@@ -174,7 +174,7 @@ fn numbers_out_of_range_are_refused_at_their_field() {
         ("\"position\": [0, 1.1e9]", "position: out of range: expected a position within ±2^30 m"),
         ("\"position\": [0]", "position: expected a list of 2 values, found 1"),
         ("\"velocity\": [2e6, 0]", "velocity: out of range: expected a velocity within ±2^20 m/s a component"),
-        ("\"damping\": {\"linear\": 1.5}", "damping.linear: out of range: expected a damping from 0 to 1"),
+        ("\"damping\": {\"linear\": 1.5}", "damping.linear: out of range: expected damping from 0 to 1"),
         ("\"gravity_scale\": 17", "gravity_scale: out of range: expected a gravity scale within ±16"),
         ("\"kind\": \"solid\"", "kind: expected one of static, kinematic, dynamic, found \"solid\""),
         ("\"kind\": \"static\", \"velocity\": [1, 0]", "velocity: a static body has no velocity"),
@@ -277,7 +277,7 @@ fn inputs_are_tried_before_the_run() {
         ),
         (
             "{\"at\": 5, \"set\": {\"gravity\": [0, 1e6]}}",
-            "set.gravity: at tick 5: out of range: expected a gravity within ±2^16 m/s² a component",
+            "set.gravity: at tick 5: out of range: expected gravity within ±2^16 m/s² a component",
         ),
         ("{\"at\": 5, \"body\": \"a\", \"do\": \"remove\"}, {\"at\": 6, \"body\": \"a\", \"torque\": 1}", ""),
     ];
