@@ -38,7 +38,7 @@ fn play(promise: u8, mut author: Author<'_>) -> Result<()> {
     });
     let Some(mut second) = Second::new(promise, &world) else { return Ok(()) };
     let mut steps = 0;
-    for _ in 0..COMMANDS {
+    'commands: for _ in 0..COMMANDS {
         if author.input.is_empty() {
             break;
         }
@@ -46,7 +46,7 @@ fn play(promise: u8, mut author: Author<'_>) -> Result<()> {
         second.execute(&mut world, &mut author, &command);
         for _ in 0..author.any::<u8>()? % 4 {
             if steps == STEPS {
-                return Ok(());
+                break 'commands;
             }
             second.step(&mut world, steps);
             steps += 1;
@@ -57,6 +57,7 @@ fn play(promise: u8, mut author: Author<'_>) -> Result<()> {
         second.step(&mut world, steps);
         steps += 1;
     }
+    second.finish(&world);
     Ok(())
 }
 
@@ -125,7 +126,6 @@ fn reread(world: &World) -> World {
     assert_eq!(read.to_bytes(), bytes);
     let read = read.into_world();
     assert_eq!(read.state_hash(), world.state_hash());
-    assert!(world.differences(&read).is_empty());
     read
 }
 
@@ -227,6 +227,13 @@ impl Second {
             _ => _ = world.step(),
         }
     }
+
+    /// Asserts what costs too much to ask of each step: worlds of one hash have no differences.
+    fn finish(&self, world: &World) {
+        if let (Promise::Restored, Some(second)) = (self.promise, &self.world) {
+            assert!(world.differences(second).is_empty(), "{:?}", world.differences(second));
+        }
+    }
 }
 
 /// A command in the second run.
@@ -316,5 +323,11 @@ fn assert_moved_alike(world: &World, other: &World) {
         assert_eq!(Motion::of(&here), Motion::of(&there), "{}", here.id());
     }
     let (here, there) = (world.last_report(), other.last_report());
-    assert_eq!((here.faults, here.drag_outside), (there.faults, there.drag_outside));
+    assert_eq!(here.faults, there.faults);
+    // A sleeping body is not stepped, and so its drag is not counted.
+    if world.bodies().any(|body| body.activity() == Activity::Asleep) {
+        assert!(here.drag_outside <= there.drag_outside);
+    } else {
+        assert_eq!(here.drag_outside, there.drag_outside);
+    }
 }
