@@ -82,6 +82,9 @@ pub(super) fn check_bounds_and_rest<S: Scalar>(
     for (i, _) in part_in(block, constants.applied) {
         block.ticks_at_rest[i - block.first] = 0;
     }
-    let candidates = block.ticks_at_rest.iter().enumerate().filter(|(_, rest)| is_candidate(**rest, ticks));
-    found.candidates.extend(candidates.map(|(i, _)| block.first + i));
+    // In most steps there are none, and to look is faster than to collect.
+    if block.ticks_at_rest.iter().any(|&rest| is_candidate(rest, ticks)) {
+        let candidates = block.ticks_at_rest.iter().enumerate().filter(|(_, rest)| is_candidate(**rest, ticks));
+        found.candidates.extend(candidates.map(|(i, _)| block.first + i));
+    }
 }

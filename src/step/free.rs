@@ -122,7 +122,7 @@ impl<S: Scalar> FreePass<'_, S> {
         let factors = BlockFactors::of(block, rows);
         let is_pushed = !part_in(block, applied).is_empty();
         let may_rest = sleep_after.is_some() && (0..block.len()).any(|i| block.is_still(i));
-        let is_guarded = is_pushed || may_rest || !factors.are_bounded(block) || !safe_steps.pass(block);
+        let is_guarded = is_pushed || !factors.are_bounded(block) || !safe_steps.pass(block) || may_rest;
         if is_guarded {
             *safe_steps = SafeSteps::default();
             if restores {
