@@ -7,7 +7,7 @@ mod real;
 
 use random::SplitMix;
 use real::{Real, TAU, exact, factor, ratio, real, to_f64};
-use umbra_physics::{BodyDef, Fx, Geometry, Mass, Part, Shape, Vec2, World, WorldDef, fx, vec2};
+use umbra_physics::{BodyDef, BodyKind, Fx, Geometry, Mass, Part, Shape, Vec2, World, WorldDef, fx, vec2};
 
 /// log2 of the relative error.
 fn bits_off(value: &Real, right: &Real) -> f64 {
@@ -301,5 +301,19 @@ fn a_length_has_all_its_bits_however_short_it_is() {
             let off = bits_off(&factor(v.wide_length()), &right);
             assert!(off <= -62.0, "2^{off} in {v}");
         }
+    }
+}
+
+#[test]
+fn only_a_dynamic_body_has_a_mass_and_an_inertia() {
+    let mut world: World = World::new(WorldDef::default()).expect("a world");
+    let mass = Mass::Explicit { mass: fx!(2), inertia: fx!(3) };
+    for def in [BodyDef::fixed(), BodyDef::kinematic()] {
+        let body = world.add_body(BodyDef { mass, ..def }).expect("a body");
+        let look = world.body(body).expect("it is there");
+        assert_eq!((look.mass(), look.inertia(), look.mass_def()), (None, None, mass));
+        world.set_kind(body, BodyKind::Dynamic).expect("a mass");
+        let look = world.body(body).expect("it is there");
+        assert_eq!((look.mass(), look.inertia()), (Some(fx!(2)), Some(fx!(3).into())));
     }
 }

@@ -668,7 +668,11 @@ pub extern "C" fn umbra_world_set_body_damping(
 
 /// Changes the groups a body is in.
 #[unsafe(no_mangle)]
-pub extern "C" fn umbra_world_set_force_groups(world: Option<&mut UmbraWorld>, body: u64, force_groups: u32) -> UmbraStatus {
+pub extern "C" fn umbra_world_set_force_groups(
+    world: Option<&mut UmbraWorld>,
+    body: u64,
+    force_groups: u32,
+) -> UmbraStatus {
     change(world, Command::SetForceGroups { body: body_id(body), force_groups })
 }
 

@@ -118,6 +118,10 @@ fn the_golden_hashes_are_those_of_the_library() -> Result<(), Box<dyn std::error
     if std::env::var("UMBRA_BLESS").is_ok_and(|value| value == "1") {
         fs::write(&file, &made)?;
     }
-    assert_eq!(fs::read_to_string(&file)?, made, "UMBRA_BLESS=1 cargo test --test golden, if the physics version changed");
+    assert_eq!(
+        fs::read_to_string(&file)?,
+        made,
+        "UMBRA_BLESS=1 cargo test --test golden, if the physics version changed"
+    );
     Ok(())
 }

@@ -77,7 +77,11 @@ fn the_hashes_are_those_of_the_library() {
     if std::env::var("UMBRA_BLESS").is_ok_and(|value| value == "1") {
         fs::write(folder().join("golden.json"), &made).expect("it can be written");
     }
-    assert_eq!(read("golden.json"), made, "UMBRA_BLESS=1 cargo test --test web, if the physics version or the arena changed");
+    assert_eq!(
+        read("golden.json"),
+        made,
+        "UMBRA_BLESS=1 cargo test --test web, if the physics version or the arena changed"
+    );
 }
 
 /// The module, where it was built.

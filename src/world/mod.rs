@@ -151,7 +151,7 @@ fn check_sleep_after(ticks: Option<u32>) -> Result<(), Error> {
 ///
 /// Some calls leave work to the next step, which does it once for all of them. After a change of the time step, the integrator,
 /// gravity or damping, it computes the factors of the moving bodies, once for bodies with the same damping. After a change of a
-/// body, it hashes the properties of that body, including the shape. A search for expensive commands found no kilobyte of them
+/// body, it hashes the properties of that body. A search for expensive commands found no kilobyte of them
 /// that costs more than ten steps of its world, including that work.
 pub struct World<S: Scalar = Fx> {
     pub(crate) def: WorldDef<S>,

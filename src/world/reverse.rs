@@ -114,3 +114,32 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::body::BodyDef;
+    use crate::force::{FieldKind, Region};
+    use crate::fx::fx;
+    use crate::math::vec2;
+
+    /// Refuses a step back of a coupled body whose ticks at rest only a file can have: no call leaves them without sleep.
+    #[test]
+    fn a_refused_step_back_keeps_the_ticks_at_rest() {
+        let mut world: World = World::new(WorldDef { sleep_after: None, ..WorldDef::default() }).expect("a world");
+        let position = vec2(-(1 << 30), 0) + vec2(1, 0);
+        let region = Region::Disc { centre: vec2(0, 0), radius: fx!(1) };
+        let field = FieldKind::Zone { region, acceleration: vec2(1, 0) };
+        world.add_field(field).expect("a field");
+        let def = BodyDef { position, velocity: vec2(60, 0), ..BodyDef::dynamic() };
+        let body = world.add_body(def).expect("a body");
+        world.step();
+        world.set_velocity(body, vec2(6_000, 0)).expect("a velocity");
+        world.bodies.columns.motion.ticks_at_rest[0] = 5;
+        let before = world.state_hash();
+        let refused = world.step_back(&[]).expect_err("the way back leads out");
+        assert!(matches!(refused, Error::NotReversible { why: Irreversible::Fault(_) }), "{refused}");
+        assert_eq!(world.state_hash(), before);
+        assert_eq!(world.bodies.columns.motion.ticks_at_rest, [5]);
+    }
+}

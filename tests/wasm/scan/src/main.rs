@@ -76,7 +76,9 @@ fn scan(module: &[u8]) -> wasmparser::Result<Findings> {
     for payload in Parser::new(0).parse_all(module) {
         match payload? {
             Payload::TypeSection(force_groups) => {
-                for kind in force_groups.into_iter().collect::<Result<Vec<_>, _>>()?.iter().flat_map(|group| group.types()) {
+                for kind in
+                    force_groups.into_iter().collect::<Result<Vec<_>, _>>()?.iter().flat_map(|group| group.types())
+                {
                     if let CompositeInnerType::Func(signature) = &kind.composite_type.inner {
                         signature.params().iter().for_each(|&kind| findings.value(kind, "parameter"));
                         signature.results().iter().for_each(|&kind| findings.value(kind, "result"));
