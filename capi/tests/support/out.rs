@@ -5,7 +5,7 @@ use std::mem::MaybeUninit;
 use umbra_physics_capi::{UMBRA_OK, UmbraStatus};
 
 /// The value that a function gives through a pointer.
-pub fn out<T>(call: impl FnOnce(Option<&mut MaybeUninit<T>>) -> UmbraStatus) -> Result<T, UmbraStatus> {
+pub(crate) fn out<T>(call: impl FnOnce(Option<&mut MaybeUninit<T>>) -> UmbraStatus) -> Result<T, UmbraStatus> {
     let mut place = MaybeUninit::uninit();
     match call(Some(&mut place)) {
         // SAFETY: a call that is done has written it.
@@ -15,7 +15,7 @@ pub fn out<T>(call: impl FnOnce(Option<&mut MaybeUninit<T>>) -> UmbraStatus) -> 
 }
 
 /// An object that a function makes, which is the caller's.
-pub fn own<T>(
+pub(crate) fn own<T>(
     call: impl FnOnce(Option<&mut MaybeUninit<Option<Box<T>>>>) -> UmbraStatus,
 ) -> Result<Box<T>, UmbraStatus> {
     out(call).map(|thing| thing.expect("a call that is done gives something"))
