@@ -323,7 +323,7 @@ fn no_kilobyte_of_commands_costs_more_than_ten_steps_and_no_call_more_than_what_
                 let factor = number(many) / number(few);
                 // A logarithm adds a fifth: that of 4,000 beside that of 1,000.
                 assert!(factor <= 4.0 * 1.25, "{name}: {factor:.2} times as much for four times as many");
-                // In a scene a body and an input each, in a dump the bodies of two snapshots and as many springs.
+                // In a scene a body and an input each.
                 let each = number(many) / 16_000.0;
                 assert!(
                     each <= if name.starts_with("a_scene") { 100_000.0 } else { 25_000.0 },

@@ -3,7 +3,7 @@
 use alloc::collections::BTreeMap;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
-use core::{borrow::Borrow, ptr};
+use core::borrow::Borrow;
 
 use super::columns::{NONE, push};
 use super::factors::Key;
@@ -97,8 +97,8 @@ impl<S: Scalar> Shapes<S> {
         let (own, digest) = (shape.borrow(), shape.borrow().digest());
         let mut free = 0;
         for (&(_, number), (shared, users)) in self.0.range_mut((digest, 0)..=(digest, u32::MAX)) {
-            // Many bodies of a file have one large shape: equality is not worked out for each of them.
-            if ptr::eq(&**shared, own) || **shared == *own {
+            // Many bodies have copies of one large shape: its corners are not compared for each of them.
+            if shared.is_copy_of(own) || **shared == *own {
                 *users += 1;
                 return shared.clone();
             }

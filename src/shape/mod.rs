@@ -156,6 +156,16 @@ impl<S: Scalar> Shape<S> {
         self.digest
     }
 
+    /// Returns true if one of the two shapes is certainly a copy of the other: they share their list of corners or parts.
+    pub(crate) fn is_copy_of(&self, other: &Self) -> bool {
+        let shares_list = match (&self.geometry, &other.geometry) {
+            (Geometry::Polygon { corners: own }, Geometry::Polygon { corners: others }) => Arc::ptr_eq(own, others),
+            (Geometry::Compound { parts: own }, Geometry::Compound { parts: others }) => Arc::ptr_eq(own, others),
+            _ => false,
+        };
+        shares_list && self.shift == other.shift
+    }
+
     /// The moment of inertia about the centre of mass per mass, m². *Error* 2^-58 relative.
     #[must_use]
     pub fn gyration(&self) -> S::Factor {
