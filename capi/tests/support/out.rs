@@ -1,10 +1,10 @@
-//! What functions give through pointers.
+//! Helpers for functions that give their results through pointers.
 
 use std::mem::MaybeUninit;
 
 use umbra_physics_capi::{UMBRA_OK, UmbraStatus};
 
-/// The value that a function gives through a pointer.
+/// Calls a function that gives a value through a pointer, and returns the value.
 pub(crate) fn out<T>(call: impl FnOnce(Option<&mut MaybeUninit<T>>) -> UmbraStatus) -> Result<T, UmbraStatus> {
     let mut place = MaybeUninit::uninit();
     match call(Some(&mut place)) {
@@ -14,7 +14,7 @@ pub(crate) fn out<T>(call: impl FnOnce(Option<&mut MaybeUninit<T>>) -> UmbraStat
     }
 }
 
-/// An object that a function makes, which is the caller's.
+/// Calls a function that makes an object, and returns the object.
 pub(crate) fn own<T>(
     call: impl FnOnce(Option<&mut MaybeUninit<Option<Box<T>>>>) -> UmbraStatus,
 ) -> Result<Box<T>, UmbraStatus> {

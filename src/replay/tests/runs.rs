@@ -6,7 +6,7 @@ use super::chunks;
 use crate::body::BodyDef;
 use crate::codec::Reader;
 use crate::fx::fx;
-use crate::math::vec2;
+use crate::math::{Random, vec2};
 use crate::replay::file::{Segment, TICKS};
 use crate::replay::{Owner, RecordOptions, Recorder, Replay, TickPhase};
 use crate::world::{Command, Input, Inputs, World, WorldDef};
@@ -26,6 +26,29 @@ fn ticks_are_recorded_in_chunks_of_a_size() {
     // 600 kB a tick: after a MiB another chunk begins.
     let large = Input { player: 0, sequence: 0, command: Command::SetBlob(alloc::vec![1; 600_000]) };
     assert_eq!(counts(Inputs::try_from(alloc::vec![large]).expect("it has a place"), 5), [2, 2, 1]);
+}
+
+/// A generator and a blob that calls set are recorded as these calls alone; set without a command, or once more after a command,
+/// as one call more each.
+#[test]
+fn what_a_call_sets_is_recorded_once() {
+    let calls = |execute: bool, set: bool| {
+        let mut world: World = World::new(WorldDef::default()).expect("a fair definition");
+        let mut recorder = Recorder::new(&world, RecordOptions::default());
+        let commands = [Command::SetRandom(Random::seeded(5)), Command::SetBlob(alloc::vec![1, 2])];
+        for command in commands.iter().filter(|_| execute) {
+            recorder.execute(&mut world, command).expect("it is always allowed");
+        }
+        if set {
+            world.random_mut().bits();
+            world.set_blob(&[3]).expect("a small blob");
+        }
+        recorder.step(&mut world, &Inputs::new());
+        let replay = Replay::from_bytes(&recorder.finish(&world), &[]).expect("it is whole");
+        replay.verify().expect("it is as recorded");
+        replay.play().commands().count()
+    };
+    assert_eq!([(false, false), (true, false), (false, true), (true, true)].map(|(a, b)| calls(a, b)), [0, 2, 2, 4]);
 }
 
 /// A command that one side alone has is named by the tick, and as a call or an input.
