@@ -148,6 +148,9 @@ fn errors() -> Vec<Error> {
         Error::Disabled { body },
         Error::NotDisabled { body },
         Error::NotKinematic { body },
+        Error::NoSuchPlayer { player: 3 },
+        Error::ChangedBetweenTicks { tick: 4 },
+        Error::SteppedInTick { tick: u64::MAX },
     ]
 }
 

@@ -13,9 +13,11 @@ mod forces;
 mod game;
 mod history;
 mod inputs;
+mod journal;
 mod preview;
 mod query;
 mod reverse;
+mod rollback;
 mod settings;
 mod stepper;
 mod totals;
@@ -45,7 +47,9 @@ pub use events::Event;
 pub use forces::{ApplyOptions, ForceOrImpulse, Frame};
 pub use history::{History, TickReport};
 pub use inputs::{Input, InputResult, Inputs, InputsIter};
+pub(crate) use journal::Journal;
 pub use preview::Preview;
+pub use rollback::{ConfirmedTick, EventStatus, Rollback, RollbackReport, TickEvent};
 pub use stepper::Stepper;
 pub use trace::Trace;
 
@@ -171,6 +175,7 @@ pub struct World<S: Scalar = Fx> {
     pub(crate) plan: Plan<S>,
     pub(crate) workspace: Workspace<S>,
     pub(crate) change_log: ChangeLog,
+    pub(crate) journal: Journal<S>,
 }
 
 clone_by_field!((clone_world, clone_world_from) World {
@@ -188,6 +193,7 @@ clone_by_field!((clone_world, clone_world_from) World {
     plan,
     workspace,
     change_log,
+    journal,
 });
 
 /// The report of a step. It borrows from the world: copy values that you need longer.
@@ -264,6 +270,7 @@ impl<S: Scalar> World<S> {
             plan: Plan::new(def.integrator, def.time_step),
             workspace: Workspace::default(),
             change_log: ChangeLog::default(),
+            journal: Journal::default(),
         })
     }
 

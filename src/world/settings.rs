@@ -2,7 +2,7 @@
 
 use alloc::sync::Arc;
 
-use super::{World, WorldDef};
+use super::{Command, World, WorldDef};
 use crate::error::Error;
 use crate::force::CustomForce;
 use crate::integrate::Integrator;
@@ -30,6 +30,7 @@ impl<S: Scalar> World<S> {
     /// ```
     pub fn set_time_step(&mut self, time_step: TimeStep) -> Result<(), Error> {
         let (def, now) = self.check_time_step(time_step)?;
+        self.journal.note(|| Command::SetTimeStep(time_step));
         self.counted = (now, self.tick);
         self.redefine(def);
         Ok(())
@@ -41,6 +42,7 @@ impl<S: Scalar> World<S> {
     /// [`Error::OutOfRange`] with [`Quantity::Gravity`](crate::Quantity::Gravity).
     pub fn set_gravity(&mut self, gravity: Vec2<S>) -> Result<(), Error> {
         let def = self.check_gravity(gravity)?;
+        self.journal.note(|| Command::SetGravity(gravity));
         self.redefine(def);
         Ok(())
     }
@@ -51,6 +53,7 @@ impl<S: Scalar> World<S> {
     /// [`Error::DampingHasNoInverse`] for `Yoshida4` where the world or a body has a damping of 0.
     pub fn set_integrator(&mut self, integrator: Integrator) -> Result<(), Error> {
         let def = self.check_integrator(integrator)?;
+        self.journal.note(|| Command::SetIntegrator(integrator));
         self.bodies.keep_last_acceleration(integrator == Integrator::PublishedVerlet);
         self.redefine(def);
         Ok(())
@@ -63,6 +66,7 @@ impl<S: Scalar> World<S> {
     /// [`Error::OutOfRange`] with [`Quantity::Damping`](crate::Quantity::Damping); [`Error::DampingHasNoInverse`].
     pub fn set_damping(&mut self, linear: S, angular: S) -> Result<(), Error> {
         let def = self.check_damping(linear, angular)?;
+        self.journal.note(|| Command::SetDamping { linear, angular });
         self.redefine(def);
         Ok(())
     }
@@ -77,6 +81,7 @@ impl<S: Scalar> World<S> {
 
     pub(crate) fn set_sleep_after_inner(&mut self, ticks: Option<u32>) -> Result<(), Error> {
         self.def = self.check_sleep_after(ticks)?;
+        self.journal.note(|| Command::SetSleepAfter(ticks));
         self.wake_all();
         self.bodies.clear_rest();
         Ok(())
