@@ -4,9 +4,9 @@
 use std::fs;
 use std::path::Path;
 
-use umbra_physics::{Damping, 
-    ApplyOptions, Attachment, BodyDef, BodyId, End, Error, FieldKind, ForceField, ForceOrImpulse, Frame, Fx, FxFactor,
-    Mass, Region, Shape, SpringConstants, Vec2, World, WorldDef, fx, vec2,
+use umbra_physics::{
+    ApplyOptions, Attachment, BodyDef, BodyId, Damping, End, Error, FieldKind, ForceField, ForceOrImpulse, Frame, Fx,
+    FxFactor, Mass, Region, Shape, SpringConstants, Vec2, World, WorldDef, fx, vec2,
 };
 use umbra_scene::Scene;
 
@@ -14,8 +14,11 @@ const TICKS: u32 = 600;
 const SCENE: &str = "scenes/lander.json";
 
 fn build() -> Result<(World, BodyId, BodyId), Error> {
-    let mut world =
-        World::new(WorldDef { gravity: vec2(0, fx!(-9.81)), linear_damping: Damping::kept_per_second(fx!(0.9)), ..WorldDef::default() })?;
+    let mut world = World::new(WorldDef {
+        gravity: vec2(0, fx!(-9.81)),
+        linear_damping: Damping::kept_per_second(fx!(0.9)),
+        ..WorldDef::default()
+    })?;
     let corners = [vec2(0, 0), vec2(100, 0), vec2(100, 1), vec2(0, 1)];
     let ground = Some(Shape::polygon(&corners)?);
     world.add_body(BodyDef { shape: ground, position: vec2(0, -10), ..BodyDef::fixed() })?;

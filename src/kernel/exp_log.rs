@@ -231,6 +231,16 @@ mod tests {
     }
 
     #[test]
+    fn powers_of_e_end_where_they_no_longer_fit() {
+        assert_eq!((exp(0), exp(1), exp(-1)), (Some(1 << 32), Some((1 << 32) + 1), Some((1 << 32) - 1)));
+        assert_eq!((exp(1 << 32), exp(-1 << 32)), (Some(11_674_931_555), Some(1_580_030_169)));
+        // ln(2^31 − 2^-33) and 33·ln 2 in I32F32, rounded down.
+        assert_eq!((exp(92_288_378_626).is_some(), exp(92_288_378_627)), (true, None));
+        assert_eq!((exp(-98_242_467_570), exp(-98_242_467_571)), (Some(1), Some(0)));
+        assert_eq!((exp(i64::MAX), exp(i64::MIN)), (None, Some(0)));
+    }
+
+    #[test]
     fn the_power_undoes_the_logarithm() {
         for k in 1..20_000u64 {
             let raw = k.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> (k % 63) | 1;

@@ -5,7 +5,7 @@ use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use core::fmt::Display;
 
-use umbra_physics::{BodyKind, Damping, ForceOrImpulse, Fx, Locks, Mass, TimeStep, Vec2};
+use umbra_physics::{BodyKind, Damping, ForceOrImpulse, Locks, Mass, TimeStep, Vec2};
 
 /// The fields of an object, each `"name": value`.
 #[derive(Default)]
