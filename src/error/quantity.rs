@@ -83,7 +83,7 @@ impl Quantity {
             Self::Impulse => "an impulse within ±2^31 N·s a component",
             Self::Gravity => "gravity within ±2^16 m/s² a component",
             Self::GravityScale => "a gravity scale within ±16",
-            Self::Damping => "damping that keeps from 0 to 1 of a velocity a second",
+            Self::Damping => "damping that keeps from 0 to 1 of a velocity a second, so a rate of at least 0",
             Self::Mu => "a gravitational parameter from 0 to 2^64 m³/s²",
             Self::Softening => "a softening length from 0 to 2^12 m",
             Self::Stiffness => "a stiffness of at least zero",
