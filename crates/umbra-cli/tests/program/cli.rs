@@ -189,7 +189,10 @@ fn numbers_out_of_range_are_refused_at_their_field() {
             "damping.linear: expected a damping: {\"rate\": 0.1} in 1/s as in Box2D and Rapier, {\"kept_per_second\": 0.9} for the share \
              of a velocity that is left after a second, or \"none\", found a number",
         ),
-        ("\"damping\": 0.9", "damping: expected dampings such as {\"linear\": {\"rate\": 0.1}, \"angular\": {\"kept_per_second\": 0.9}}, found a number"),
+        (
+            "\"damping\": 0.9",
+            "damping: expected dampings such as {\"linear\": {\"rate\": 0.1}, \"angular\": {\"kept_per_second\": 0.9}}, found a number",
+        ),
         ("\"damping\": {\"rate\": 0.1}", "damping.rate: unknown field; there are linear, angular"),
         ("\"gravity_scale\": 17", "gravity_scale: out of range: expected a gravity scale within ±16"),
         ("\"kind\": \"solid\"", "kind: expected one of static, kinematic, dynamic, found \"solid\""),
