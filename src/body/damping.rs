@@ -72,7 +72,7 @@ impl<S: Scalar> Damping<S> {
 
     /// Returns true for a damping that leaves nothing of a velocity.
     ///
-    /// [`Yoshida4`](crate::Integrator::Yoshida4) steps backwards in time in the middle of a step, which nothing left forbids.
+    /// [`Yoshida4`](crate::Integrator::Yoshida4) steps backwards in time in the middle of a step, and has no inverse for it.
     pub(crate) fn stops(self) -> bool {
         self.kept_per_second == S::ZERO
     }
@@ -90,8 +90,8 @@ impl Damping<Fx> {
     /// to e^(−c·t) as the steps get shorter; at 60 steps a second and c = 0.5 they keep 0.6078 of a velocity in a second, not 0.6065.
     ///
     /// *Units* 1/s. *Domain* 0 and above; a negative rate is refused by what the damping is given to, as nothing may gain speed.
-    /// *Error* of the share 0.5001 ulp. From 22.8739 (33·ln 2) on the share is 0, and the velocity stops at once. For a body that is to
-    /// coast longer than that, see [`FieldKind::Drag`](crate::FieldKind::Drag). *Source* a power of two, as [`Fx::exp2`].
+    /// *Error* of the share 0.5001 ulp. From 22.8739 (33·ln 2) on the share is 0, and the velocity stops at once. For a stronger
+    /// damping that does not stop at once, use a linear [`FieldKind::Drag`](crate::FieldKind::Drag). *Source* a power of two, as [`Fx::exp2`].
     ///
     /// A `Damping<f64>` or `Damping<f32>` is made as `Damping::kept_per_second((-c).exp())`.
     ///
