@@ -102,7 +102,7 @@ mod step;
 mod symmetry;
 mod world;
 
-pub use body::{Activity, BodyDef, BodyKind, Locks, Mass};
+pub use body::{Activity, BodyDef, BodyKind, Damping, Locks, Mass};
 pub use codec::Malformed;
 #[cfg(feature = "float")]
 pub use display::{Blend, BodyClass, DebugDraw, DrawOptions, Interpolation, Pose, Role};
@@ -144,7 +144,7 @@ pub use world::{
 /// ```
 pub mod prelude {
     pub use crate::{
-        Attachment, BodyDef, BodyId, BodyKind, Command, End, Error, Event, FieldId, FieldKind, ForceField, Fx,
+        Attachment, BodyDef, BodyId, BodyKind, Command, Damping, End, Error, Event, FieldId, FieldKind, ForceField, Fx,
         FxFactor, History, Input, Inputs, Integrator, Locks, Mass, Rot, Shape, SpringConstants, TimeStep, Turn, Vec2,
         World, WorldDef, fx, vec2,
     };

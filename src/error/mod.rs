@@ -90,7 +90,7 @@ pub enum Error {
         /// The body.
         body: BodyId,
     },
-    /// `Yoshida4` runs its middle sub-step backwards, which is impossible with a damping of 0 (nothing left after a step).
+    /// `Yoshida4` runs its middle sub-step backwards, which is impossible with a damping that leaves nothing of a velocity.
     DampingHasNoInverse,
     /// Both ends of a spring are attached to the same body.
     SameBody {
@@ -174,9 +174,10 @@ pub enum Error {
 /// Reason why a step cannot be undone.
 ///
 /// ```
-/// use umbra_physics::{Error, Irreversible, World, WorldDef, fx};
+/// use umbra_physics::{Damping, Error, Irreversible, World, WorldDef, fx};
 ///
-/// let mut world = World::new(WorldDef { linear_damping: fx!(0.5), sleep_after: None, ..WorldDef::default() })?;
+/// let linear_damping = Damping::rate(fx!(0.5));
+/// let mut world = World::new(WorldDef { linear_damping, sleep_after: None, ..WorldDef::default() })?;
 /// world.add_body(umbra_physics::BodyDef::dynamic())?;
 /// world.step();
 /// assert_eq!(world.step_back(&[]), Err(Error::NotReversible { why: Irreversible::Damping }));
@@ -289,7 +290,7 @@ impl fmt::Display for Error {
             Self::NotMovable { body } => write!(f, "{body} is static and has no velocity"),
             Self::Quarantined { body } => write!(f, "{body} is quarantined: release it first"),
             Self::NotQuarantined { body } => write!(f, "{body} is not quarantined"),
-            Self::DampingHasNoInverse => f.write_str("Yoshida4 needs a damping above 0"),
+            Self::DampingHasNoInverse => f.write_str("Yoshida4 needs damping that keeps more than 0 of a velocity a second"),
             Self::SameBody { body } => write!(f, "both ends of the spring are attached to {body}"),
             Self::CustomForce { id } => write!(f, "custom force {id:#x} is not registered, or is registered already"),
             Self::Full => {

@@ -3,7 +3,7 @@
 use alloc::sync::Arc;
 
 use super::{Command, World};
-use crate::body::{BodyDef, BodyInfo, BodyKind, Change, Key, Locks, Mass};
+use crate::body::{BodyDef, BodyInfo, BodyKind, Change, Damping, Key, Locks, Mass};
 use crate::error::Error;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, Angle, Scalar};
@@ -14,10 +14,10 @@ impl<S: Scalar> World<S> {
     /// Adds a body.
     ///
     /// # Errors
-    /// As [`BodyDef::check`]; [`Error::DampingHasNoInverse`] for a damping of 0 under `Yoshida4`; [`Error::Full`].
+    /// As [`BodyDef::check`]; [`Error::DampingHasNoInverse`] for a damping that leaves nothing under `Yoshida4`; [`Error::Full`].
     ///
     /// ```
-    /// use umbra_physics::{BodyDef, BodyKind, Fx, Mass, Shape, World, WorldDef, fx, vec2};
+    /// use umbra_physics::{BodyDef, BodyKind, Damping, Fx, Mass, Shape, World, WorldDef, fx, vec2};
     ///
     /// let mut world: World = World::new(WorldDef::default())?;
     /// let body = world.add_body(BodyDef { position: vec2(1, 2), ..BodyDef::dynamic() })?;
@@ -27,7 +27,7 @@ impl<S: Scalar> World<S> {
     /// world.set_angle(body, Fx::FRAC_PI_2)?;
     /// world.set_angular_velocity(body, fx!(3))?;
     /// world.set_gravity_scale(body, fx!(-1))?; // it rises
-    /// world.set_body_damping(body, Some(fx!(0.5)), None)?;
+    /// world.set_body_damping(body, Some(Damping::rate(fx!(0.5))), None)?;
     /// world.set_force_groups(body, 0b110)?;
     /// world.set_key(body, 42)?;
     /// world.set_kind(body, BodyKind::Kinematic)?;
@@ -252,13 +252,17 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
-    /// Sets the damping of a body, or returns to the world's damping (`None`): the share of its linear and angular velocity that
-    /// is left after a second, 0 to 1. Wakes the body.
+    /// Sets the damping of a body, of its velocity and of its angular velocity, or returns to the world's (`None`); wakes the body.
     ///
     /// # Errors
     /// [`Error::NoSuchBody`]; [`Error::OutOfRange`] with [`Quantity::Damping`](crate::Quantity::Damping);
     /// [`Error::DampingHasNoInverse`].
-    pub fn set_body_damping(&mut self, body: BodyId, linear: Option<S>, angular: Option<S>) -> Result<(), Error> {
+    pub fn set_body_damping(
+        &mut self,
+        body: BodyId,
+        linear: Option<Damping<S>>,
+        angular: Option<Damping<S>>,
+    ) -> Result<(), Error> {
         self.check_body_damping(body, linear, angular)?;
         let dense = self.touch(body, Change::ALL)?;
         self.journal.note(|| Command::SetBodyDamping { body, linear, angular });

@@ -27,7 +27,7 @@ mod wake;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
-use crate::body::{Bodies, FactorTable, KinematicTargets, WorldFactors, check_damping};
+use crate::body::{Bodies, Damping, FactorTable, KinematicTargets, WorldFactors};
 use crate::codec::codec_struct;
 use crate::error::{Error, Fault, Quantity};
 use crate::force::{Applied, AppliedForce, CustomForces, FieldSet};
@@ -63,10 +63,10 @@ pub struct WorldDef<S: Scalar = Fx> {
     pub gravity: Vec2<S>,
     /// The integrator.
     pub integrator: Integrator,
-    /// Linear damping: the share of a velocity that is left after a second, 0 to 1, for bodies without their own. 1 is none.
-    pub linear_damping: S,
-    /// Angular damping: the share of an angular velocity that is left after a second, 0 to 1, for bodies without their own.
-    pub angular_damping: S,
+    /// The damping of velocities, for bodies without their own.
+    pub linear_damping: Damping<S>,
+    /// The damping of angular velocities, for bodies without their own.
+    pub angular_damping: Damping<S>,
     /// The number of ticks at rest after which a body falls asleep; `None` for never.
     pub sleep_after: Option<u32>,
 }
@@ -78,8 +78,8 @@ impl<S: Scalar> Default for WorldDef<S> {
             time_step: TimeStep::hz(60),
             gravity: Vec2::ZERO,
             integrator: Integrator::default(),
-            linear_damping: S::ONE,
-            angular_damping: S::ONE,
+            linear_damping: Damping::NONE,
+            angular_damping: Damping::NONE,
             sleep_after: Some(30),
         }
     }
@@ -104,10 +104,10 @@ impl<S: Scalar> WorldDef<S> {
     pub fn check(&self) -> Result<(), Error> {
         self.time_step.checked()?;
         check_gravity(self.gravity)?;
-        check_damping(self.linear_damping)?;
-        check_damping(self.angular_damping)?;
+        self.linear_damping.check()?;
+        self.angular_damping.check()?;
         check_sleep_after(self.sleep_after)?;
-        let stops = self.linear_damping == S::ZERO || self.angular_damping == S::ZERO;
+        let stops = self.linear_damping.stops() || self.angular_damping.stops();
         if self.integrator == Integrator::Yoshida4 && stops {
             return Err(Error::DampingHasNoInverse);
         }
