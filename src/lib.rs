@@ -126,8 +126,9 @@ pub use slots::{BodyId, FieldId};
 pub use step::Timers;
 pub use symmetry::Symmetry;
 pub use world::{
-    ApplyOptions, BodyRef, Command, CommandMap, CommandSource, ConfirmedTick, Created, Event, EventStatus, ForceOrImpulse, Frame, History, Input,
-    InputResult, Inputs, InputsIter, Preview, Rollback, RollbackReport, StepReport, Stepper, TickEvent, TickReport, Trace, World, WorldDef, step_all,
+    ApplyOptions, BodyRef, Command, CommandMap, CommandSource, ConfirmedTick, Created, Event, EventStatus,
+    ForceOrImpulse, Frame, History, Input, InputResult, Inputs, InputsIter, Preview, Rollback, RollbackReport,
+    StepReport, Stepper, TickEvent, TickReport, Trace, World, WorldDef, step_all,
 };
 
 /// The names that most programs need: `use umbra_physics::prelude::*`.

@@ -9,7 +9,7 @@ use crate::error::Error;
 use crate::math::Random;
 use crate::replay::snapshot::{BeforeCalls, PHYSICS_VERSION, restless_sleepers};
 use crate::slots::BodyId;
-use crate::world::{Command, Created, InputResult, Inputs, StepReport, Stepper, World};
+use crate::world::{Command, ConfirmedTick, Created, InputResult, Inputs, StepReport, Stepper, World};
 
 /// Options that set how much is recorded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,6 +71,8 @@ pub struct Recorder {
     /// The random generator and the blob as the last step left them.
     random: Random,
     blob: Vec<u8>,
+    /// The tick that is recorded next.
+    next: u64,
 }
 
 impl Recorder {
@@ -92,6 +94,7 @@ impl Recorder {
             outcomes: Vec::new(),
             random: *world.random(),
             blob: world.blob().to_vec(),
+            next: world.tick(),
         }
     }
 
@@ -114,17 +117,72 @@ impl Recorder {
         let before = world.tick();
         world.carry_out_into(inputs, &mut self.outcomes);
         world.step();
+        let mut calls = core::mem::take(&mut self.calls);
+        self.next = before;
+        self.add(world, &calls, inputs);
+        calls.clear();
+        self.calls = calls;
+        world.last_report()
+    }
+
+    /// Adds a tick with the world after it. Returns the hash, if it is recorded.
+    fn add(&mut self, world: &World, calls: &[Command], inputs: &Inputs) -> Option<u64> {
         self.random = *world.random();
         self.blob.clear();
         self.blob.extend_from_slice(world.blob());
         let (head, after) = (self.writer.head, world.tick());
         let hash = head.has_hash(after).then(|| world.state_hash());
-        self.writer.tick(before, &NewTick { calls: &self.calls, inputs, hash }, after);
-        self.calls.clear();
+        self.writer.tick(self.next, &NewTick { calls, inputs, hash }, after);
+        self.next = after;
         if head.has_snapshot(after) {
             self.writer.snapshot(world);
         }
-        world.last_report()
+        hash
+    }
+
+    /// Records a tick that a [`Rollback`](crate::Rollback) has confirmed: the calls of its tick function. The next tick to
+    /// record is the one after it. Returns the hash of the world after the tick, if the options say that it is recorded.
+    ///
+    /// At the end, [`finish`](Self::finish) takes the world after the last confirmed tick,
+    /// [`Rollback::confirmed_world`](crate::Rollback::confirmed_world).
+    ///
+    /// # Errors
+    /// [`Error::TickForgotten`] or [`Error::TickToCome`] if another tick was to be recorded; nothing is recorded then.
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, RecordOptions, Recorder, Replay, Rollback, World, WorldDef, vec2};
+    ///
+    /// let mut world = World::new(WorldDef::default())?;
+    /// let ship = world.add_body(BodyDef::dynamic())?;
+    /// let mut recorder = Recorder::new(&world, RecordOptions::default());
+    /// let mut rollback = Rollback::new(&world, [0, 1], 8);
+    /// for now in 0..60 {
+    ///     rollback.add_input(now, 0, now as i32)?;
+    ///     if let Some(late) = now.checked_sub(3) {
+    ///         rollback.add_input(late, 1, -1)?;
+    ///     }
+    ///     let tick = |world: &mut World, inputs: &[(u32, i32)]| {
+    ///         let sum: i32 = inputs.iter().map(|(_, speed)| speed).sum();
+    ///         world.set_velocity(ship, vec2(sum, 0)).expect("a slow ship");
+    ///     };
+    ///     for confirmed in rollback.advance(&mut world, tick)?.confirmed() {
+    ///         let _hash = recorder.record(&confirmed)?; // to compare with the other peers
+    ///     }
+    /// }
+    /// let replay = Replay::from_bytes(&recorder.finish(rollback.confirmed_world(&world)), &[])?;
+    /// replay.verify()?;
+    /// assert_eq!(replay.ticks(), 57);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn record<I>(&mut self, confirmed: &ConfirmedTick<'_, I>) -> Result<Option<u64>, Error> {
+        let ConfirmedTick { tick, commands, after: world, .. } = *confirmed;
+        if tick < self.next {
+            return Err(Error::TickForgotten { tick, oldest: self.next });
+        }
+        if tick > self.next {
+            return Err(Error::TickToCome { tick, present: self.next });
+        }
+        Ok(self.add(world, commands, &Inputs::new()))
     }
 
     /// The results of the inputs of the last step.

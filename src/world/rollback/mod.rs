@@ -203,7 +203,14 @@ impl<I: Clone + Default + PartialEq, S: Scalar> Rollback<I, S> {
         };
         self.handed_out = (self.first_unconfirmed() - self.first) as usize;
         self.rewinds = Some(world.rewinds());
-        Ok(RollbackReport::new(redone, waits_for, self.first, (&self.rows, self.handed_out, self.made), &self.events, world))
+        Ok(RollbackReport::new(
+            redone,
+            waits_for,
+            self.first,
+            (&self.rows, self.handed_out, self.made),
+            &self.events,
+            world,
+        ))
     }
 
     /// Drops all ticks that are not confirmed and their inputs, and goes on from a world as it is: after a snapshot was loaded,
@@ -224,7 +231,11 @@ impl<I: Clone + Default + PartialEq, S: Scalar> Rollback<I, S> {
     fn check_unchanged(&self, world: &World<S>) -> Result<(), Error> {
         let Some(rewinds) = self.rewinds else {
             // Calls before the first tick prepare the level.
-            return if world.tick() == self.first { Ok(()) } else { Err(Error::ChangedBetweenTicks { tick: self.first }) };
+            return if world.tick() == self.first {
+                Ok(())
+            } else {
+                Err(Error::ChangedBetweenTicks { tick: self.first })
+            };
         };
         let is_same = world.tick() == self.present() && world.rewinds() == rewinds && world.journal.is_empty();
         if is_same { Ok(()) } else { Err(Error::ChangedBetweenTicks { tick: self.present() }) }
