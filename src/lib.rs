@@ -88,7 +88,7 @@ pub use force::{
     AppliedForce, Attachment, BodyState, CustomForce, CustomForceError, Dependence, End, FieldKind, ForceField,
     ForceTorque, Region,
 };
-pub use fx::{Fx, MathError, ParseFxError};
+pub use fx::{Fx, IntoFx, MathError, ParseFxError};
 pub use integrate::{Integrator, Stage, StageKind};
 pub use math::{Elapsed, Random, Rot, TimeStep, Vec2, vec2};
 pub use replay::{
@@ -102,8 +102,9 @@ pub use slots::{BodyId, FieldId};
 pub use step::Timers;
 pub use symmetry::Symmetry;
 pub use world::{
-    ApplyOptions, BodyRef, Command, CommandMap, CommandSource, Created, Event, ForceOrImpulse, Frame, History, Input,
-    InputResult, Inputs, InputsIter, Preview, StepReport, Stepper, TickReport, Trace, World, WorldDef, step_all,
+    ApplyOptions, BodyIter, BodyRef, Command, CommandMap, CommandSource, Created, Event, ForceOrImpulse, Frame,
+    History, Input, InputResult, Inputs, InputsIter, Preview, StepReport, Stepper, TickReport, Trace, World, WorldDef,
+    step_all,
 };
 
 /// The names that most programs need: `use umbra_physics::prelude::*`.
@@ -111,7 +112,7 @@ pub use world::{
 /// ```
 /// use umbra_physics::prelude::*;
 ///
-/// let mut world: World = World::new(WorldDef { gravity: vec2(0, fx!(-9.81)), ..WorldDef::default() })?;
+/// let mut world = World::new(WorldDef { gravity: vec2(0, fx!(-9.81)), ..WorldDef::default() })?;
 /// let shape = Some(Shape::rectangle(fx!(1), fx!(0.5))?);
 /// let crate_ = world.add_body(BodyDef { shape, position: vec2(0, 5), ..BodyDef::dynamic() })?;
 /// world.step();

@@ -64,7 +64,7 @@ fn rough<S: Scalar>() -> WorldDef<S> {
 }
 
 fn scene<S: Scalar>(def: WorldDef<S>, bodies: impl IntoIterator<Item = BodyDef<S>>) -> Scene<S> {
-    let mut world = World::new(def).expect("a fair definition");
+    let mut world = World::with_scalar(def).expect("a fair definition");
     for body in bodies {
         world.add_body(body).expect("a fair body");
     }

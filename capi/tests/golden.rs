@@ -83,7 +83,7 @@ fn play(world: &mut World, ball: BodyId, rocket: BodyId, tick: u32) -> Result<()
         world.apply_force(ball, vec2(100, 0))?;
     }
     if tick == 200 {
-        let up: Vec2 = vec2(0, 5);
+        let up = vec2(0, 5);
         world.set_velocity(ball, up)?;
     }
     Ok(())

@@ -107,13 +107,13 @@ impl CommandMap<Fx, f64> for InFloats {
 
     fn shape(&mut self, shape: Shape) -> std::result::Result<Shape<f64>, Infallible> {
         let float = f64::from_fx;
-        let shape = match *shape.geometry() {
-            Geometry::Circle { radius } => Shape::circle(float(radius)),
-            Geometry::Rectangle { width, height } => Shape::rectangle(float(width), float(height)),
-            Geometry::Capsule { length, radius } => Shape::capsule(float(length), float(radius)),
+        let geometry = match *shape.geometry() {
+            Geometry::Circle { radius } => Geometry::Circle { radius: float(radius) },
+            Geometry::Rectangle { width, height } => Geometry::Rectangle { width: float(width), height: float(height) },
+            Geometry::Capsule { length, radius } => Geometry::Capsule { length: float(length), radius: float(radius) },
             ref other => panic!("a coarser scalar may see it otherwise: {other:?}"),
         };
-        Ok(shape.expect("a fair size"))
+        Ok(Shape::new(geometry).expect("a fair size"))
     }
 }
 

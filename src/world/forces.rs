@@ -169,7 +169,7 @@ impl<S: Scalar> World<S> {
     /// ```
     /// use umbra_physics::{ForceOrImpulse, BodyDef, Frame, Fx, ApplyOptions, Shape, World, WorldDef, fx, vec2};
     ///
-    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let mut world = World::new(WorldDef::default())?;
     /// let shape = Some(Shape::rectangle(fx!(2), fx!(1))?);
     /// let ship = world.add_body(BodyDef { shape, angle: Fx::FRAC_PI_2, ..BodyDef::dynamic() })?;
     /// // Forwards in the ship's frame; a sleeping ship sleeps on.

@@ -46,6 +46,7 @@ pub use forces::{ApplyOptions, ForceOrImpulse, Frame};
 pub use history::{History, TickReport};
 pub use inputs::{Input, InputResult, Inputs, InputsIter};
 pub use preview::Preview;
+pub use query::BodyIter;
 pub use stepper::Stepper;
 pub use trace::Trace;
 
@@ -92,7 +93,7 @@ impl<S: Scalar> WorldDef<S> {
     /// ```
     /// use umbra_physics::{Error, Quantity, TimeStep, WorldDef, vec2};
     ///
-    /// let def: WorldDef = WorldDef { gravity: vec2(0, 100_000), ..WorldDef::default() };
+    /// let def = WorldDef { gravity: vec2(0, 100_000), ..WorldDef::default() };
     /// assert_eq!(def.check(), Err(Error::OutOfRange { quantity: Quantity::Gravity }));
     /// let def: WorldDef = WorldDef { time_step: TimeStep::hz(20_000), ..WorldDef::default() };
     /// assert_eq!(def.check(), Err(Error::TimeStep));
@@ -190,12 +191,13 @@ clone_by_field!(World {
     change_log,
 });
 
-/// The report of a step. It borrows from the world: copy values that you need longer.
+/// The report of a step. It borrows from the world: copy values that you need longer. `for event in world.step()` has the
+/// [events](Self::events) in a list of their own, so that the world can change meanwhile.
 ///
 /// ```
 /// use umbra_physics::{BodyDef, StepReport, World, WorldDef, vec2};
 ///
-/// let mut world: World = World::new(WorldDef::default())?;
+/// let mut world = World::new(WorldDef::default())?;
 /// let brick = world.add_body(BodyDef::dynamic())?;
 /// let mut slept = Vec::new();
 /// for _ in 0..31 {
@@ -235,12 +237,32 @@ pub struct StepReport<'a, S: Scalar = Fx> {
     pub drag_outside: u32,
 }
 
-impl<S: Scalar> World<S> {
+impl World {
     /// An empty world.
     ///
     /// # Errors
     /// As [`WorldDef::check`].
-    pub fn new(def: WorldDef<S>) -> Result<Self, Error> {
+    pub fn new(def: WorldDef) -> Result<Self, Error> {
+        Self::with_scalar(def)
+    }
+}
+
+impl<S: Scalar> World<S> {
+    /// An empty world with numbers of the type of its definition: of [`Fx`], or of floats to compare with.
+    ///
+    /// # Errors
+    /// As [`WorldDef::check`].
+    ///
+    /// ```
+    /// # #[cfg(feature = "float")] {
+    /// use umbra_physics::{World, WorldDef};
+    ///
+    /// let world: World<f64> = World::with_scalar(WorldDef::default())?;
+    /// # assert_eq!(world.tick(), 0);
+    /// # }
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    pub fn with_scalar(def: WorldDef<S>) -> Result<Self, Error> {
         def.check()?;
         let def = WorldDef { time_step: def.time_step.checked()?, ..def };
         let mut bodies = Bodies::default();
@@ -377,14 +399,4 @@ pub fn step_all<S: Scalar>(worlds: &mut [World<S>]) {
     }
     #[cfg(not(feature = "parallel"))]
     worlds.iter_mut().for_each(|world| _ = world.step());
-}
-
-impl<S: Scalar> core::fmt::Debug for World<S> {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.debug_struct("World")
-            .field("def", &self.def)
-            .field("tick", &self.tick)
-            .field("bodies", &self.bodies.len())
-            .finish_non_exhaustive()
-    }
 }

@@ -151,7 +151,7 @@ impl Scene {
     /// The scene in a world where nothing sleeps.
     pub(crate) fn world<S: Scalar>(&self, rate: u32, integrator: Integrator) -> World<S> {
         let def = WorldDef { time_step: TimeStep::hz(rate), integrator, sleep_after: None, ..WorldDef::default() };
-        let mut world = World::<S>::new(def).expect("a fair definition");
+        let mut world = World::<S>::with_scalar(def).expect("a fair definition");
         let vector = |v: Vec2| v.map(S::from_fx);
         let centres = self.bodies.iter().map(|ball| {
             let mass = Mass::Kilograms(S::from_fx(ball.mass));
