@@ -44,7 +44,7 @@ impl Scene {
         let body = world.add_body(BodyDef { position, velocity, ..BodyDef::dynamic() }).expect("a fair body");
         let field = match self {
             Self::Oscillator => FieldKind::Spring {
-                near: Attachment::centre(body),
+                near: Attachment { body, point: Vec2::ZERO },
                 far: origin,
                 spring: SpringConstants { rest: S::ZERO, stiffness: number(fx!(64)), damping: S::ZERO },
             },

@@ -1052,7 +1052,7 @@ mod floats {
                 let at = Attachment { body, point: v };
                 let set = |law: FieldKind<f64>| Command::SetField { id, field: law.into() };
                 let spring = SpringConstants { rest: 1.0, stiffness: 1.0, damping: 1.0 };
-                let near = Attachment::centre(body);
+                let near = Attachment { body, point: Vec2::ZERO };
                 let origin = End::World(Vec2::ZERO);
                 let disc = Region::Disc { centre: Vec2::ZERO, radius: 1.0 };
                 let own = |action| Command::Apply { body, action, options: ApplyOptions::default() };

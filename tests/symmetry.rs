@@ -259,7 +259,12 @@ fn scene<S: Scalar>(image: &Symmetry, integrator: Integrator, rate: u32) -> (Wor
         |rest, stiffness, damping| SpringConstants { rest: s(rest), stiffness: s(stiffness), damping: s(damping) };
     let anchored = |body, point, far, spring| FieldKind::Spring { near: Attachment { body, point }, far, spring };
     field(
-        anchored(wheel, l(fx!(0.25), fx!(-0.3)), End::Body(Attachment::centre(hub)), spring(fx!(1), fx!(3), fx!(0.1))),
+        anchored(
+            wheel,
+            l(fx!(0.25), fx!(-0.3)),
+            End::Body(Attachment { body: hub, point: Vec2::ZERO }),
+            spring(fx!(1), fx!(3), fx!(0.1)),
+        ),
         0,
     );
     let far = End::Body(Attachment { body: light, point: l(fx!(-0.1), fx!(0.4)) });

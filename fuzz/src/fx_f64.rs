@@ -266,7 +266,7 @@ impl Slopes {
                 FieldKind::Drag { linear, quadratic, wind } => {
                     stops += 1;
                     for body in before.world.bodies() {
-                        let way = Way::of(before, after, &Attachment::centre(body.id()))?;
+                        let way = Way::of(before, after, &Attachment { body: body.id(), point: Vec2::ZERO })?;
                         let speed = way.speed + long([wind.x, wind.y]);
                         add(body.id(), 0.0, way.yields[0] * (linear + 2.0 * quadratic * speed));
                     }

@@ -37,10 +37,10 @@ pub struct Attachment<S = Fx> {
     pub point: Vec2<S>,
 }
 
-impl<S: Scalar> Attachment<S> {
+impl Attachment {
     /// The centre of mass of a body.
     #[must_use]
-    pub fn centre(body: BodyId) -> Self {
+    pub const fn centre(body: BodyId) -> Self {
         Self { body, point: Vec2::ZERO }
     }
 }

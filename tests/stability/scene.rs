@@ -157,7 +157,7 @@ impl Scene {
             let mass = Mass::Kilograms(S::from_fx(ball.mass));
             let (position, velocity) = (vector(ball.position), vector(ball.velocity));
             let body = world.add_body(BodyDef { mass, position, velocity, ..BodyDef::dynamic() });
-            Attachment::centre(body.expect("a fair body"))
+            Attachment { body: body.expect("a fair body"), point: Vec2::ZERO }
         });
         let centres: Vec<_> = centres.collect();
         for law in self.custom_forces(&centres) {
