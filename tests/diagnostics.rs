@@ -86,7 +86,7 @@ const INFERRED: &str = "
             world.remove_body(body)?;
         }
     }
-    for body in &world {
+    for body in &*world {
         println!(\"{body:?} {}\", body.activity());
     }
     let _ = BodyDef { position: v, ..Default::default() };

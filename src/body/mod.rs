@@ -70,7 +70,7 @@ pub enum Activity {
 }
 
 impl fmt::Display for BodyKind {
-    /// The kind in one word, as scenes write it.
+    /// Writes the kind in one word, as scenes do.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(match self {
             Self::Static => "static",
@@ -81,7 +81,7 @@ impl fmt::Display for BodyKind {
 }
 
 impl fmt::Display for Activity {
-    /// The activity in one word.
+    /// Writes the activity in one word.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(match self {
             Self::Awake => "awake",
@@ -242,7 +242,7 @@ codec_struct!(BodyDef {
 });
 
 impl<S: Scalar> Default for BodyDef<S> {
-    /// [`BodyDef::dynamic`].
+    /// A dynamic body, as [`dynamic`](Self::dynamic) gives it.
     fn default() -> Self {
         Self::dynamic()
     }

@@ -111,7 +111,7 @@ const fn integer(text: &[u8]) -> i64 {
         assert!(digit.is_ascii_digit() || digit == b'_', "fx! takes ratios of two integers, as in fx!(1/60)");
         if digit != b'_' {
             value = match value.checked_mul(10) {
-                // The digit fits: the sum is at most i64::MAX + 2, so it is checked as well.
+                // Ten times a number may end in 800, the greatest one in 807: the sum is checked as well.
                 Some(tens) => match tens.checked_add((digit - b'0') as i64) {
                     Some(sum) => sum,
                     None => panic!("fx! takes ratios of integers below 2^63"),

@@ -119,7 +119,7 @@ const fn mirrored(kind: StageKind, span: usize) -> Stage {
 }
 
 impl fmt::Display for Integrator {
-    /// Its [name](Self::name).
+    /// Writes the [name](Self::name).
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(self.name())
     }

@@ -298,6 +298,23 @@ mod tests {
         }
 
         #[test]
+        fn a_precision_rounds_once_ties_to_even(mantissa: u64, places in 0i32..100, precision in 0usize..120) {
+            // A tie in one case of some: few bits after the point.
+            for mantissa in [mantissa, mantissa | 1 << 63, mantissa >> 58] {
+                let factor = FxFactor::new(mantissa.into(), places);
+                let text = format!("{factor:.precision$}");
+                let (num, den) = (UBig::from(mantissa) * UBig::from(10u8).pow(precision), UBig::ONE << places as usize);
+                let (floor, rest) = (&num / &den, (&num % &den) << 1);
+                let is_odd = &floor % UBig::from(2u8) == UBig::ONE;
+                let nearest = if rest > den || (rest == den && is_odd) { floor + UBig::ONE } else { floor };
+                let digits: UBig = text.replace('.', "").parse().unwrap_or_default();
+                prop_assert_eq!(digits, nearest, "{} of {}", text, factor);
+                let after = text.split_once('.').map_or(0, |(_, after)| after.len());
+                prop_assert_eq!(after, precision);
+            }
+        }
+
+        #[test]
         fn any_text_is_answered(text in ".*") {
             let _ = FxFactor::parse(&text);
         }

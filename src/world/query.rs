@@ -120,7 +120,7 @@ impl<S: Scalar> fmt::Debug for World<S> {
 }
 
 impl<S: Scalar> fmt::Debug for BodyRef<'_, S> {
-    /// The handle, the kind and the state of the body, with exact decimals.
+    /// Writes the handle, the kind and the state of the body, with exact decimals.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("BodyRef")
             .field("id", &self.id())
