@@ -4,7 +4,7 @@
 //! finer fractions that carry the remainders of each step, so that lockstep, rollback and replays agree to the bit.
 //!
 //! ```
-//! use umbra_physics::{BodyDef, Mass, Shape, TimeStep, Vec2, World, WorldDef, fx, vec2};
+//! use umbra_physics::{BodyDef, Mass, Shape, TimeStep, World, WorldDef, fx, vec2};
 //!
 //! let mut world = World::new(WorldDef { time_step: TimeStep::hz(60), gravity: vec2(0, -10), ..WorldDef::default() })?;
 //! let ball = world.add_body(BodyDef {

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use umbra_physics::{
     ApplyOptions, Attachment, BodyDef, BodyId, End, Error, FieldKind, ForceField, ForceOrImpulse, Frame, Fx, FxFactor,
-    Mass, Region, Shape, SpringConstants, Vec2, World, WorldDef, fx, vec2,
+    Mass, Region, Shape, SpringConstants, World, WorldDef, fx, vec2,
 };
 use umbra_scene::Scene;
 

@@ -89,7 +89,7 @@ impl<S: ToF64> Vec2<S> {
     /// The doubles nearest to its components.
     ///
     /// ```
-    /// use umbra_physics::{Vec2, fx, vec2};
+    /// use umbra_physics::{fx, vec2};
     ///
     /// let wind = vec2(3, fx!(-0.5));
     /// assert_eq!(wind.to_f64(), [3.0, -0.5]);

@@ -14,7 +14,7 @@ impl Vec2 {
     /// When it does not fit; [`checked_length`](Self::checked_length) gives `None`.
     ///
     /// ```
-    /// # use umbra_physics::{Fx, Vec2, fx, vec2};
+    /// # use umbra_physics::{Fx, fx, vec2};
     /// let (a, b) = (vec2(3, 4), vec2(Fx::MAX, Fx::MAX));
     /// assert_eq!((a.length(), a.distance(vec2(0, 8)), b.checked_length()), (fx!(5), fx!(5), None));
     /// assert_eq!((a.checked_distance(b), b.wide_length() > Fx::MAX.into()), (None, true));
@@ -147,7 +147,7 @@ impl Vec2 {
     /// When a component does not fit, as it may for t outside [0, 1]; [`checked_lerp`](Self::checked_lerp) gives `None`.
     ///
     /// ```
-    /// # use umbra_physics::{Fx, Vec2, fx, vec2};
+    /// # use umbra_physics::{Fx, fx, vec2};
     /// let (a, b) = (vec2(1, Fx::MIN), vec2(2, Fx::MAX));
     /// assert_eq!((a.lerp(b, fx!(0)), a.lerp(b, fx!(1)), a.lerp(b, Fx::HALF).x), (a, b, fx!(1.5)));
     /// assert_eq!(a.checked_lerp(b, fx!(2)), None);
@@ -173,7 +173,7 @@ impl Vec2 {
     /// The smaller of each component.
     ///
     /// ```
-    /// # use umbra_physics::{Fx, Vec2, vec2};
+    /// # use umbra_physics::{Fx, vec2};
     /// let (a, b) = (vec2(1, -5), vec2(2, 4));
     /// assert_eq!((a.min(b), a.max(b), a.abs()), (vec2(1, -5), vec2(2, 4), vec2(1, 5)));
     /// assert_eq!(vec2(0, Fx::MIN).checked_abs(), None);
@@ -208,7 +208,7 @@ impl Vec2 {
     /// The sum; `None` if a component does not fit.
     ///
     /// ```
-    /// # use umbra_physics::{Fx, Vec2, fx, vec2};
+    /// # use umbra_physics::{Fx, fx, vec2};
     /// let (a, b) = (vec2(1, 2), vec2(Fx::MAX, 0));
     /// assert_eq!((a.checked_add(b), b.checked_sub(-a), a.checked_add(a)), (None, None, Some(vec2(2, 4))));
     /// assert_eq!((b.checked_scale(fx!(2)), a.checked_div(fx!(0)), a.checked_div(fx!(2))), (None, None, Some(vec2(fx!(0.5), 1))));

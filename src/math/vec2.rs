@@ -11,7 +11,7 @@ use crate::fx::{Fx, IntoFx};
 /// even, and panic when a result does not fit.
 ///
 /// ```
-/// use umbra_physics::{Fx, Vec2, fx, vec2};
+/// use umbra_physics::{Fx, fx, vec2};
 ///
 /// let (a, b) = (vec2(3, 4), vec2(1, fx!(0.5)));
 /// assert_eq!((a + b, a - b, -a), (vec2(4, fx!(4.5)), vec2(2, fx!(3.5)), vec2(-3, -4)));
