@@ -169,7 +169,7 @@ impl From<Fx> for I32F32 {
 #[diagnostic::on_unimplemented(
     message = "`{Self}` does not convert to `Fx` exactly",
     label = "write a constant as `fx!(0.5)`",
-    note = "`fx!` takes decimals and ratios: `fx!(-9.81)`, `fx!(1/60)`; integers up to 32 bits need no `fx!`",
+    note = "`fx!` takes decimals and ratios: `fx!(-9.81)`, `fx!(1/60)`; integers that fit in an `i32` need no `fx!`",
     note = "values known at run time convert by `Fx::from_ratio(a, b)`, `Fx::try_from(integer)` or `Fx::parse(text)`"
 )]
 pub trait IntoFx: Into<Fx> {}
