@@ -174,7 +174,7 @@ pub struct World<S: Scalar = Fx> {
     pub(crate) change_log: ChangeLog,
 }
 
-clone_by_field!(World {
+clone_by_field!((clone_world, clone_world_from) World {
     def,
     tick,
     counted,
@@ -263,6 +263,10 @@ impl<S: Scalar> World<S> {
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
     pub fn with_scalar(def: WorldDef<S>) -> Result<Self, Error> {
+        S::new_world(def)
+    }
+
+    pub(crate) fn new_inner(def: WorldDef<S>) -> Result<Self, Error> {
         def.check()?;
         let def = WorldDef { time_step: def.time_step.checked()?, ..def };
         let mut bodies = Bodies::default();
@@ -287,13 +291,13 @@ impl<S: Scalar> World<S> {
 
     /// Simulates one tick.
     pub fn step(&mut self) -> StepReport<'_, S> {
-        self.advance(None);
+        S::step(self);
         self.change_log.end(&self.workspace.report.faults, &self.workspace.report.fell_asleep);
         self.last_report()
     }
 
     /// Simulates one tick, with or without a probe.
-    fn advance<'a>(&'a mut self, probe: Option<&'a mut Probe<'a, S>>) {
+    pub(crate) fn advance<'a>(&'a mut self, probe: Option<&'a mut Probe<'a, S>>) {
         self.tick = limits::tick_after(self.tick, 1);
         self.change_log.begin(self.tick, &self.bodies);
         self.update();
@@ -347,13 +351,6 @@ impl<S: Scalar> World<S> {
             applied: self.applied.done(),
             drag_outside: self.workspace.report.drag_outside,
         }
-    }
-
-    /// The time that this world's steps spent in their parts. A clone starts from zero; `clone_from` goes on counting.
-    #[cfg(feature = "timers")]
-    #[must_use]
-    pub fn timers(&self) -> crate::step::Timers {
-        self.workspace.timers
     }
 
     /// The number of steps made, at most [`limits::TICK`].

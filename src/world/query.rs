@@ -58,6 +58,13 @@ impl<S: Scalar> World<S> {
     pub fn moving_count(&self) -> usize {
         self.bodies.moving()
     }
+
+    /// The time that this world's steps spent in their parts. A clone starts from zero; `clone_from` goes on counting.
+    #[cfg(feature = "timers")]
+    #[must_use]
+    pub fn timers(&self) -> crate::step::Timers {
+        self.workspace.timers
+    }
 }
 
 /// An iterator over the bodies of a world in the order of their slots.
