@@ -11,7 +11,7 @@ use umbra_physics::{
 };
 
 /// Every number that was ever given, and to what. Lines are added, none is changed or taken out.
-const GIVEN: [(u16, &str); 125] = [
+const GIVEN: [(u16, &str); 128] = [
     (101, "Error::OutOfRange"),
     (102, "Error::NoSuchBody"),
     (103, "Error::NoSuchField"),
@@ -36,6 +36,9 @@ const GIVEN: [(u16, &str); 125] = [
     (122, "Error::Disabled"),
     (123, "Error::NotDisabled"),
     (124, "Error::NotKinematic"),
+    (125, "Error::NoSuchPlayer"),
+    (126, "Error::ChangedBetweenTicks"),
+    (127, "Error::SteppedInTick"),
     (131, "Irreversible::Scalar"),
     (132, "Irreversible::Integrator"),
     (133, "Irreversible::Start"),

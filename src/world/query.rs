@@ -6,6 +6,7 @@ use super::{BodyRef, World};
 use crate::body::InOrder;
 use crate::error::Error;
 use crate::fx::Fx;
+use crate::math::Elapsed;
 use crate::scalar::Scalar;
 use crate::slots::BodyId;
 
@@ -64,6 +65,13 @@ impl<S: Scalar> World<S> {
     #[must_use]
     pub fn timers(&self) -> crate::step::Timers {
         self.workspace.timers
+    }
+
+    /// The simulated time, an exact ratio in seconds, also after changes of the time step.
+    #[must_use]
+    pub fn elapsed(&self) -> Elapsed {
+        // A change of the time step makes sure that the ratio fits for 2^64 steps more.
+        self.counted.0.plus(self.tick - self.counted.1, self.def.time_step).unwrap_or(self.counted.0)
     }
 }
 
