@@ -100,7 +100,7 @@ const BACK: u64 = 8;
 fn kept<S: Scalar>(mut world: World<S>) -> (World<S>, History<S>) {
     let mut history = History::new(BACK as usize + 1);
     for _ in 0..32 {
-        history.advance(&mut world, &Inputs::new());
+        history.advance(&mut world, &Inputs::default());
     }
     (world, history)
 }

@@ -11,7 +11,7 @@ const GRAVITY: Fx = fx!(-9.81);
 
 fn main() -> Result<(), Error> {
     let def = WorldDef { time_step: TimeStep::hz(60), gravity: vec2(0, GRAVITY), ..WorldDef::default() };
-    let mut world: World = World::new(def)?;
+    let mut world = World::new(def)?;
     let stone = world.add_body(BodyDef { position: vec2(0, HEIGHT), ..BodyDef::dynamic() })?;
 
     println!(" s  height, m                               velocity, m/s");

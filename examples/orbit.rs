@@ -45,7 +45,7 @@ fn main() -> Result<(), Error> {
 
 /// A ship on its way around a star, among rocks of the same sky.
 fn sky() -> Result<(World, BodyId), Error> {
-    let mut world: World = World::new(WorldDef::default())?;
+    let mut world = World::new(WorldDef::default())?;
     let centre = End::World(Vec2::ZERO);
     world.add_field(FieldKind::Attractor { centre, mu: 200.into(), softening: fx!(0) })?;
     let ship = BodyDef { position: vec2(8, 0), velocity: vec2(0, 5), key: 1, ..BodyDef::dynamic() };

@@ -57,7 +57,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn play(
     mut meddle: impl FnMut(&mut World, BodyId) -> Result<(), umbra_physics::Error>,
 ) -> Result<Vec<u8>, umbra_physics::Error> {
-    let mut world: World = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() })?;
+    let mut world = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() })?;
     let ship = world.add_body(BodyDef::dynamic())?;
     // A snapshot a second: after a divergence the next one names the value that differs.
     let mut recorder = Recorder::new(&world, RecordOptions { snapshot_every: 60, ..RecordOptions::default() });

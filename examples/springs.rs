@@ -49,7 +49,7 @@ fn main() -> Result<(), Error> {
 
 /// A rope that hangs from a hook, held out to the right.
 fn rope() -> Result<(World, Vec<BodyId>), Error> {
-    let mut world: World = World::new(WorldDef {
+    let mut world = World::new(WorldDef {
         time_step: TimeStep::hz(RATE),
         gravity: vec2(0, fx!(-9.81)),
         // Falling asleep cannot be undone, so sleeping is off.

@@ -78,7 +78,7 @@ fn play(frames: u64) -> Result<(), Box<dyn std::error::Error>> {
 /// A chain between two posts, with a lantern at every fourth of its nodes; and the wind.
 fn chain() -> Result<(World, FieldId), Error> {
     let gravity = vec2(0, fx!(-9.81));
-    let mut world: World = World::new(WorldDef { time_step: TimeStep::hz(RATE), gravity, ..WorldDef::default() })?;
+    let mut world = World::new(WorldDef { time_step: TimeStep::hz(RATE), gravity, ..WorldDef::default() })?;
     world.set_random(Random::seeded(7));
     let hook = |x: i32| End::World(vec2(x, 4));
     let link = |near: BodyId, far: End, rest: Fx| {

@@ -18,7 +18,7 @@ const ARM: Fx = fx!(0.75);
 const FOOT: Fx = fx!(0.5);
 
 fn main() -> Result<(), Error> {
-    let mut world: World = World::new(WorldDef { gravity: vec2(0, MOON), ..WorldDef::default() })?;
+    let mut world = World::new(WorldDef { gravity: vec2(0, MOON), ..WorldDef::default() })?;
     let hull = world.add_body(BodyDef {
         shape: Some(Shape::rectangle(fx!(1.5), fx!(1))?),
         mass: Mass::Kilograms(MASS),

@@ -4,7 +4,7 @@
 //! finer fractions that carry the remainders of each step, so that lockstep, rollback and replays agree to the bit.
 //!
 //! ```
-//! use umbra_physics::{BodyDef, Mass, Shape, TimeStep, Vec2, World, WorldDef, fx, vec2};
+//! use umbra_physics::{BodyDef, Mass, Shape, TimeStep, World, WorldDef, fx, vec2};
 //!
 //! let mut world = World::new(WorldDef { time_step: TimeStep::hz(60), gravity: vec2(0, -10), ..WorldDef::default() })?;
 //! let ball = world.add_body(BodyDef {
@@ -112,7 +112,7 @@ pub use force::{
     AppliedForce, Attachment, BodyState, CustomForce, CustomForceError, Dependence, End, FieldKind, ForceField,
     ForceTorque, Region,
 };
-pub use fx::{Fx, MathError, ParseFxError};
+pub use fx::{Fx, IntoFx, MathError, ParseFxError};
 pub use integrate::{Integrator, Stage, StageKind};
 pub use math::{Elapsed, Random, Rot, TimeStep, Vec2, vec2};
 pub use replay::{
@@ -126,7 +126,7 @@ pub use slots::{BodyId, FieldId};
 pub use step::Timers;
 pub use symmetry::Symmetry;
 pub use world::{
-    ApplyOptions, BodyRef, Command, CommandMap, CommandSource, ConfirmedTick, Created, Event, EventStatus,
+    ApplyOptions, BodyIter, BodyRef, Command, CommandMap, CommandSource, ConfirmedTick, Created, Event, EventStatus,
     ForceOrImpulse, Frame, History, Input, InputResult, Inputs, InputsIter, Preview, Rollback, RollbackReport,
     StepReport, Stepper, TickEvent, TickReport, Trace, World, WorldDef, step_all,
 };
@@ -136,7 +136,7 @@ pub use world::{
 /// ```
 /// use umbra_physics::prelude::*;
 ///
-/// let mut world: World = World::new(WorldDef { gravity: vec2(0, fx!(-9.81)), ..WorldDef::default() })?;
+/// let mut world = World::new(WorldDef { gravity: vec2(0, fx!(-9.81)), ..WorldDef::default() })?;
 /// let shape = Some(Shape::rectangle(fx!(1), fx!(0.5))?);
 /// let crate_ = world.add_body(BodyDef { shape, position: vec2(0, 5), ..BodyDef::dynamic() })?;
 /// world.step();

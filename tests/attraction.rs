@@ -132,7 +132,7 @@ fn a_world_kicks_by_the_exact_attraction() {
             sleep_after: None,
             ..WorldDef::default()
         };
-        let mut world = World::<Fx>::new(def).expect("a fair definition");
+        let mut world = World::new(def).expect("a fair definition");
         let body = world.add_body(BodyDef { position: Vec2::new(x, y), ..BodyDef::dynamic() }).expect("a fair body");
         let centre = End::World(Vec2::ZERO);
         world.add_field(FieldKind::Attractor { centre, mu, softening: Fx::ZERO }).expect("a fair field");

@@ -705,7 +705,7 @@ fn totals_do_not_depend_on_the_order_of_the_bodies() {
 
 #[test]
 fn setting_the_time_step_it_has_changes_nothing_of_a_world() {
-    let mut world = World::<Fx>::new(WorldDef::default()).expect("a world");
+    let mut world = World::new(WorldDef::default()).expect("a world");
     world.step();
     let before = world.state_hash();
     world.set_time_step(TimeStep::ratio(2, 120)).expect("a time step");

@@ -244,7 +244,7 @@ fn same_steps(world: &mut World, ticks: u32, what: &str) {
 #[test]
 fn a_body_that_turned_while_no_field_was_attached_has_the_direction_it_has_now() {
     for integrator in Integrator::ALL {
-        let mut world: World = World::new(WorldDef { integrator, ..WorldDef::default() }).expect("a world");
+        let mut world = World::new(WorldDef { integrator, ..WorldDef::default() }).expect("a world");
         let [body, other] = [fx!(1), fx!(-2)].map(|angular_velocity| {
             let mass = Mass::Explicit { mass: fx!(1), inertia: fx!(1) };
             world.add_body(BodyDef { angular_velocity, mass, ..BodyDef::dynamic() }).expect("a fair body")
@@ -272,7 +272,7 @@ fn a_body_that_turned_while_no_field_was_attached_has_the_direction_it_has_now()
 
 #[test]
 fn a_body_that_is_named_often_and_has_many_fields_moves_as_ever() {
-    let mut world: World = World::new(WorldDef::default()).expect("a world");
+    let mut world = World::new(WorldDef::default()).expect("a world");
     let bodies: Vec<BodyId> = (0..400)
         .map(|i| world.add_body(BodyDef { position: vec2(i, 0), ..BodyDef::dynamic() }).expect("a fair body"))
         .collect();

@@ -1069,7 +1069,7 @@ fn equal_worlds_hash_alike_and_any_single_difference_shows() {
 
 #[test]
 fn a_body_asleep_and_one_about_to_be_are_told_apart() {
-    let mut world = World::<Fx>::new(WorldDef { sleep_after: Some(3), ..WorldDef::default() }).expect("a world");
+    let mut world = World::new(WorldDef { sleep_after: Some(3), ..WorldDef::default() }).expect("a world");
     let body = world.add_body(BodyDef::dynamic()).expect("a body");
     let mut hashes = vec![world.state_hash()];
     for _ in 0..4 {

@@ -121,7 +121,7 @@ fn checking_a_command_says_what_carrying_it_out_would_and_what_is_refused_change
 
 #[test]
 fn a_command_is_checked_against_the_world_as_it_is_now() {
-    let mut world: World = World::new(WorldDef::default()).expect("a fair definition");
+    let mut world = World::new(WorldDef::default()).expect("a fair definition");
     let gone = BodyId::from_parts(0, 0);
     let wake = Command::Wake(gone);
     assert_eq!(world.check(&wake), Err(Error::NoSuchBody { body: gone }));
@@ -212,7 +212,7 @@ fn an_input_that_is_there_already_is_refused_by_name_and_the_first_one_stays() {
 
 #[test]
 fn what_is_refused_is_named_and_stops_no_other() {
-    let mut world: World = World::new(WorldDef::default()).expect("a fair definition");
+    let mut world = World::new(WorldDef::default()).expect("a fair definition");
     let gone = BodyId::from_parts(5, 0);
     let mut inputs = Inputs::new();
     for (player, command) in

@@ -142,7 +142,7 @@ fn strangers_notice_nothing() {
 
 #[test]
 fn what_it_was_joined_to_wakes_when_it_goes_and_when_it_comes() {
-    let mut world: World = World::new(WorldDef { sleep_after: Some(4), ..WorldDef::default() }).expect("a world");
+    let mut world = World::new(WorldDef { sleep_after: Some(4), ..WorldDef::default() }).expect("a world");
     let [left, middle, right, bystander] =
         [-1, 0, 1, 9].map(|x| world.add_body(BodyDef { position: vec2(x, 0), ..BodyDef::dynamic() }).expect("a body"));
     for far in [left, right] {
@@ -171,7 +171,7 @@ fn what_it_was_joined_to_wakes_when_it_goes_and_when_it_comes() {
 /// An attractor whose carrier is out keeps nobody awake, and wakes those it acts on when it is back.
 #[test]
 fn an_inert_attractor_lets_sleep() {
-    let mut world: World = World::new(WorldDef { sleep_after: Some(4), ..WorldDef::default() }).expect("a world");
+    let mut world = World::new(WorldDef { sleep_after: Some(4), ..WorldDef::default() }).expect("a world");
     let body = world.add_body(BodyDef::dynamic()).expect("a body");
     let carrier = world.add_body(BodyDef { position: vec2(9, 0), ..BodyDef::kinematic() }).expect("a body");
     let mu = FxFactor::from_scalar(fx!(1));
@@ -227,7 +227,7 @@ fn what_it_cannot_do_is_refused_and_the_rest_is_not() {
 #[test]
 fn a_step_in_which_it_was_out_is_undone() {
     let def = WorldDef { gravity: vec2(0, -10), sleep_after: None, ..WorldDef::default() };
-    let mut world: World = World::new(def).expect("a world");
+    let mut world = World::new(def).expect("a world");
     let [body, out] =
         [1, 2].map(|x| world.add_body(BodyDef { velocity: vec2(x, 0), ..BodyDef::dynamic() }).expect("one"));
     join(&mut world, body, out);
@@ -247,7 +247,7 @@ fn a_step_in_which_it_was_out_is_undone() {
 
 #[test]
 fn what_was_applied_to_a_body_that_is_disabled_by_now_is_not_undone() {
-    let mut world: World = World::new(WorldDef { sleep_after: None, ..WorldDef::default() }).expect("a world");
+    let mut world = World::new(WorldDef { sleep_after: None, ..WorldDef::default() }).expect("a world");
     let bodies = [(); 2].map(|()| world.add_body(BodyDef::dynamic()).expect("a body"));
     world.apply_force(bodies[1], vec2(1, 0)).expect("it is dynamic");
     let applied = world.step().applied.to_vec();
@@ -262,7 +262,7 @@ fn what_was_applied_to_a_body_that_is_disabled_by_now_is_not_undone() {
 /// A body woken by a call before a step that is undone is woken before the next one, unless it is out by then.
 #[test]
 fn one_that_woke_before_an_undone_step_and_is_disabled_since_did_not_wake() {
-    let mut world: World = World::new(WorldDef { sleep_after: Some(1), ..WorldDef::default() }).expect("a world");
+    let mut world = World::new(WorldDef { sleep_after: Some(1), ..WorldDef::default() }).expect("a world");
     let [body, other] =
         [1, 2].map(|x| world.add_body(BodyDef { position: vec2(x, 0), ..BodyDef::dynamic() }).expect("a body"));
     world.step();

@@ -276,7 +276,7 @@ fn over_a_rollback_of_two_ticks_motion_goes_on_in_its_new_past() {
 #[test]
 fn worlds_of_floats_are_shown_alike() {
     fn shown<S: Scalar + ToF64>() -> [Pose; 2] {
-        let mut world: World<S> = World::new(WorldDef::default()).expect("a fair definition");
+        let mut world: World<S> = World::with_scalar(WorldDef::default()).expect("a fair definition");
         let def = BodyDef {
             velocity: Vec2::new(S::from_fx(fx!(60)), S::ZERO),
             angular_velocity: S::from_fx(fx!(-30)),

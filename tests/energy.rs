@@ -33,7 +33,7 @@ impl Scene {
             sleep_after: None,
             ..WorldDef::default()
         };
-        let mut world = World::new(def).expect("a fair definition");
+        let mut world = World::with_scalar(def).expect("a fair definition");
         let origin = End::World(Vec2::ZERO);
         let (from, speed) = match self {
             Self::Oscillator => (fx!(10), fx!(30)),
@@ -44,7 +44,7 @@ impl Scene {
         let body = world.add_body(BodyDef { position, velocity, ..BodyDef::dynamic() }).expect("a fair body");
         let field = match self {
             Self::Oscillator => FieldKind::Spring {
-                near: Attachment::centre(body),
+                near: Attachment { body, point: Vec2::ZERO },
                 far: origin,
                 spring: SpringConstants { rest: S::ZERO, stiffness: number(fx!(64)), damping: S::ZERO },
             },
@@ -145,7 +145,7 @@ fn a_velocity_scaled_by_a_2_to_the_40th_a_step_fails_the_test_of_energy() {
 /// The largest relative change of the energy on a circle of 10 m about GM = 100 at 100 steps a second.
 fn worst_on_a_circle(orbits: u32) -> f64 {
     let def = WorldDef { time_step: TimeStep::hz(100), sleep_after: None, ..WorldDef::default() };
-    let mut world = World::<Fx>::new(def).expect("a fair definition");
+    let mut world = World::new(def).expect("a fair definition");
     let speed = fx!(10).sqrt();
     let (position, velocity) = (Vec2::new(fx!(10), Fx::ZERO), Vec2::new(Fx::ZERO, speed));
     let body = world.add_body(BodyDef { position, velocity, ..BodyDef::dynamic() }).expect("a fair body");

@@ -249,14 +249,14 @@ fn rates_and_sleeping_times_have_their_bounds() {
         TimeStep::ratio(429_496, u32::MAX),
     ] {
         expect(&mut world, &Command::SetTimeStep(bad), Err(Error::TimeStep));
-        assert!(World::<Fx>::new(WorldDef { time_step: bad, ..WorldDef::default() }).is_err(), "{bad:?}");
+        assert!(World::new(WorldDef { time_step: bad, ..WorldDef::default() }).is_err(), "{bad:?}");
     }
     expect(&mut world, &Command::SetSleepAfter(Some(u32::MAX)), Ok(()));
     expect(&mut world, &Command::SetSleepAfter(Some(0)), out_of(Quantity::SleepAfter));
     let zero = WorldDef { sleep_after: Some(0), ..WorldDef::default() };
-    assert_eq!(World::<Fx>::new(zero).err(), out_of::<()>(Quantity::SleepAfter).err());
+    assert_eq!(World::new(zero).err(), out_of::<()>(Quantity::SleepAfter).err());
     let steep = WorldDef { gravity: vec2(0, GRAVITY + ULP), ..WorldDef::default() };
-    assert_eq!(World::<Fx>::new(steep).err(), out_of::<()>(Quantity::Gravity).err());
+    assert_eq!(World::new(steep).err(), out_of::<()>(Quantity::Gravity).err());
 }
 
 #[test]
@@ -1067,11 +1067,12 @@ fn the_corners_of_the_envelope_are_stepped_through_without_a_panic() {
 #[cfg(feature = "float")]
 mod floats {
     use super::*;
+    use umbra_physics::Geometry;
 
     #[test]
     fn what_is_no_number_is_refused_wherever_it_enters() {
-        let mut world = World::<f64>::new(WorldDef::default()).unwrap();
-        let shape = Some(Shape::circle(1.0).unwrap());
+        let mut world = World::<f64>::with_scalar(WorldDef::default()).unwrap();
+        let shape = Some(Shape::new(Geometry::Circle { radius: 1.0 }).unwrap());
         let body = world.add_body(BodyDef { shape: shape.clone(), ..BodyDef::dynamic() }).unwrap();
         let rail = world.add_body(BodyDef::kinematic()).unwrap();
         let id = world.add_field(FieldKind::Drag { linear: 1.0, quadratic: 0.0, wind: Vec2::ZERO }).unwrap();
@@ -1080,7 +1081,7 @@ mod floats {
                 let at = Attachment { body, point: v };
                 let set = |law: FieldKind<f64>| Command::SetField { id, field: law.into() };
                 let spring = SpringConstants { rest: 1.0, stiffness: 1.0, damping: 1.0 };
-                let near = Attachment::centre(body);
+                let near = Attachment { body, point: Vec2::ZERO };
                 let origin = End::World(Vec2::ZERO);
                 let disc = Region::Disc { centre: Vec2::ZERO, radius: 1.0 };
                 let own = |action| Command::Apply { body, action, options: ApplyOptions::default() };
@@ -1149,8 +1150,11 @@ mod floats {
                     assert!(matches!(refused, Err(Error::OutOfRange { .. })), "{command:?}: {refused:?}");
                     assert_eq!(world.state_hash(), before, "{command:?}");
                 }
-                assert!(Shape::circle(bad).is_err() && Shape::rectangle(1.0, bad).is_err());
-                assert!(Shape::capsule(bad, 1.0).is_err() && Shape::segment(v, Vec2::ZERO).is_err());
+                let (disc, rectangle) =
+                    (Geometry::Circle { radius: bad }, Geometry::Rectangle { width: 1.0, height: bad });
+                assert!(Shape::new(disc).is_err() && Shape::new(rectangle).is_err());
+                let capsule = Geometry::Capsule { length: bad, radius: 1.0 };
+                assert!(Shape::new(capsule).is_err() && Shape::segment(v, Vec2::ZERO).is_err());
                 assert!(Shape::polygon(&[Vec2::ZERO, Vec2::X, v]).is_err());
             }
         }
@@ -1159,7 +1163,7 @@ mod floats {
     #[test]
     fn a_float_body_that_leaves_the_envelope_is_quarantined_too() {
         for integrator in Integrator::ALL {
-            let mut world = World::<f64>::new(WorldDef { integrator, ..WorldDef::default() }).unwrap();
+            let mut world = World::<f64>::with_scalar(WorldDef { integrator, ..WorldDef::default() }).unwrap();
             let body = world.add_body(BodyDef { mass: Mass::Kilograms(1.0 / 65_536.0), ..BodyDef::dynamic() }).unwrap();
             world.apply_force(body, Vec2::new(f64::MAX, 0.0)).unwrap();
             assert_eq!(world.step().faults.len(), 1, "{integrator:?}");
@@ -1170,7 +1174,7 @@ mod floats {
     #[test]
     fn however_many_leave_at_once_all_are_quarantined() {
         for count in 1..=4 {
-            let mut world = World::<f64>::new(WorldDef::default()).unwrap();
+            let mut world = World::<f64>::with_scalar(WorldDef::default()).unwrap();
             for i in 0..8 {
                 let y = if i < count { 1_073_741_823.0 } else { 0.0 };
                 let (position, velocity) = (Vec2::new(0.0, y), Vec2::new(0.0, 1_000.0));

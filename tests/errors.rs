@@ -286,7 +286,7 @@ fn what_an_error_passes_on_is_its_source() {
     let inner = error.source().and_then(|inner| inner.source());
     assert_eq!((error.code(), inner.map(ToString::to_string)), (407, Some(malformed.to_string())));
 
-    let mut world: World = World::new(WorldDef::default()).expect("a world");
+    let mut world = World::new(WorldDef::default()).expect("a world");
     let mut recorder = Recorder::new(&world, RecordOptions::default());
     // Past the recorder.
     world.add_body(BodyDef::dynamic()).expect("a body");

@@ -91,7 +91,7 @@ fn an_hour_of_free_fall_is_exact_in_yoshida4() {
 #[test]
 fn elapsed_time_is_the_exact_ratio() {
     for step in RATES {
-        let mut world = World::<Fx>::new(WorldDef { time_step: step, ..WorldDef::default() }).expect("a fair rate");
+        let mut world = World::new(WorldDef { time_step: step, ..WorldDef::default() }).expect("a fair rate");
         for _ in 0..an_hour(step) {
             world.step();
         }

@@ -225,6 +225,27 @@ fn literals_are_constants() {
     const FINE: Fx = fx!(1_000.000_5e-3);
     assert_eq!(GRAVITY, "-9.81".parse().unwrap());
     assert_eq!(FINE, "1.0000005".parse().unwrap());
+    const RATIOS: [(Fx, (i64, i64)); 8] = [
+        (fx!(1 / 60), (1, 60)),
+        (fx!(-1 / 60), (-1, 60)),
+        (fx!(1 / -60), (1, -60)),
+        (fx!(-2 / -3), (2, 3)),
+        // Ties: 2^-33 goes to 0, and three times of it to 2 ulps.
+        (fx!(1 / 8_589_934_592), (1, 1 << 33)),
+        (fx!(-3 / 8_589_934_592), (-3, 1 << 33)),
+        (fx!(9_223_372_036_854_775_807 / 4_294_967_296), (i64::MAX, 1 << 32)),
+        (fx!(9_223_372_036_854_775_807 / -9_223_372_036_854_775_807), (-1, 1)),
+    ];
+    for (made, (num, den)) in RATIOS {
+        assert_eq!(Some(made), Fx::checked_from_ratio(num, den), "{num}/{den}");
+    }
+    assert_eq!([RATIOS[4].0.to_bits(), RATIOS[5].0.to_bits()], [0, -2]);
+    macro_rules! passed_on {
+        ($number:literal) => {
+            fx!($number)
+        };
+    }
+    assert_eq!((passed_on!(-0.5), passed_on!(2)), (-Fx::HALF, Fx::from(2)));
 }
 
 fn any_fx() -> impl Strategy<Value = Fx> {

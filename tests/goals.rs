@@ -117,7 +117,7 @@ fn it_turns_the_short_way_round() {
         [(0.1, 6.2, -1), (6.2, 0.1, 1), (3.0, 3.2, 1), (0.0, 3.1, 1), (0.0, 3.2, -1), (2.0, -2.0, 1)]
     {
         let fx = |value: f64| Fx::from_bits((value * 4_294_967_296.0) as i64);
-        let mut world: World = World::new(WorldDef::default()).expect("a world");
+        let mut world = World::new(WorldDef::default()).expect("a world");
         let body = world.add_body(BodyDef { angle: fx(from), ..BodyDef::kinematic() }).expect("a body");
         world.move_to(body, Vec2::ZERO, fx(to)).expect("any angle");
         world.step();
@@ -217,7 +217,7 @@ fn one_that_is_out_arrives_nowhere_and_stops_when_it_is_back() {
 
 #[test]
 fn refusals_have_their_reasons() {
-    let mut world: World = World::new(WorldDef::default()).expect("a world");
+    let mut world = World::new(WorldDef::default()).expect("a world");
     let body = world.add_body(BodyDef::kinematic()).expect("a body");
     let [ball, wall] = [BodyDef::dynamic(), BodyDef::fixed()].map(|def| world.add_body(def).expect("a body"));
     for body in [ball, wall] {
@@ -263,7 +263,7 @@ fn the_edge_of_the_envelope_is_a_goal() {
 
 #[test]
 fn a_step_that_became_too_short_quarantines_and_moves_nothing() {
-    let mut world: World = World::new(WorldDef { sleep_after: None, ..WorldDef::default() }).expect("a world");
+    let mut world = World::new(WorldDef { sleep_after: None, ..WorldDef::default() }).expect("a world");
     let bystanders: Vec<BodyId> = (0..200).map(|_| world.add_body(BodyDef::dynamic()).expect("a body")).collect();
     let body = lift(&mut world);
     world.set_velocity(body, vec2(1, 2)).expect("inside");
@@ -322,7 +322,7 @@ fn sleep_changes_nothing() {
 #[test]
 fn steps_to_and_from_a_goal_are_not_undone() {
     let def = WorldDef { gravity: vec2(0, -10), sleep_after: None, ..WorldDef::default() };
-    let mut world: World = World::new(def).expect("a world");
+    let mut world = World::new(def).expect("a world");
     let body = world.add_body(BodyDef::kinematic()).expect("a body");
     let refused = Err(Error::NotReversible { why: Irreversible::Moved });
     world.step();
@@ -346,7 +346,7 @@ fn steps_to_and_from_a_goal_are_not_undone() {
 #[test]
 fn steps_in_which_one_that_arrived_is_out_are_undone() {
     let def = WorldDef { gravity: vec2(0, -10), sleep_after: None, ..WorldDef::default() };
-    let mut world: World = World::new(def).expect("a world");
+    let mut world = World::new(def).expect("a world");
     let [body, _] = [BodyDef::kinematic(), BodyDef::dynamic()].map(|def| world.add_body(def).expect("a body"));
     world.move_to(body, vec2(1, 0), fx!(0)).expect("near enough");
     world.step();
@@ -367,7 +367,7 @@ fn steps_in_which_one_that_arrived_is_out_are_undone() {
 fn a_crowd_arrives_in_whatever_order_it_is_sent() {
     const COUNT: u32 = 1 << 16;
     let goal = |i: u32| vec2(Fx::from_bits(i64::from(i) << 24), 1);
-    let mut world: World = World::new(WorldDef::default()).expect("a world");
+    let mut world = World::new(WorldDef::default()).expect("a world");
     let bodies: Vec<BodyId> = (0..COUNT).map(|_| world.add_body(BodyDef::kinematic()).expect("a body")).collect();
     let mut twin = world.clone();
     for (i, body) in (0..COUNT).zip(&bodies).rev() {

@@ -136,7 +136,7 @@ fn the_other_axes_move_in_the_same_bits() {
 #[test]
 fn wind_across_a_rail_is_part_of_the_drag_along_it() {
     let run = |locks, wind| {
-        let mut world: World = World::new(WorldDef { sleep_after: None, ..WorldDef::default() }).expect("a world");
+        let mut world = World::new(WorldDef { sleep_after: None, ..WorldDef::default() }).expect("a world");
         let def = BodyDef { velocity: vec2(8, 0), locks, ..BodyDef::dynamic() };
         let body = world.add_body(def).expect("a body");
         world.add_field(FieldKind::Drag { linear: fx!(0), quadratic: fx!(1), wind }).expect("a field");
@@ -215,7 +215,7 @@ fn a_lock_stops_and_its_release_lets_go() {
     let moves: BodyDef =
         BodyDef { velocity: vec2(0, 1), locks: Locks { y: true, ..Locks::NONE }, ..BodyDef::dynamic() };
     assert_eq!(moves.check(), Err(Error::Locked { quantity: Quantity::Velocity }));
-    let turns: BodyDef = BodyDef { angular_velocity: fx!(1), locks: ALL, ..BodyDef::kinematic() };
+    let turns = BodyDef { angular_velocity: fx!(1), locks: ALL, ..BodyDef::kinematic() };
     assert_eq!(turns.check(), Err(Error::Locked { quantity: Quantity::AngularVelocity }));
     assert_eq!(BodyDef { locks: ALL, ..BodyDef::<Fx>::fixed() }.check(), Ok(()));
 }
@@ -223,7 +223,7 @@ fn a_lock_stops_and_its_release_lets_go() {
 /// A force that is too large for its body is no fault along a locked axis.
 #[test]
 fn what_has_no_effect_is_never_too_large() {
-    let mut world: World = World::new(WorldDef::default()).expect("a world");
+    let mut world = World::new(WorldDef::default()).expect("a world");
     let light = BodyDef {
         mass: Mass::Explicit { mass: limits::MASS_MIN, inertia: Fx::DELTA },
         locks: ALL,
@@ -238,7 +238,7 @@ fn what_has_no_effect_is_never_too_large() {
     let position = Vec2::new(limits::POSITION, limits::POSITION);
     let (push, point) = (Vec2::new(Fx::MAX, Fx::MIN), Vec2::new(Fx::MIN, Fx::MIN));
     for locks in [ALL, Locks { rotation: false, ..ALL }] {
-        let mut world: World = World::new(WorldDef::default()).expect("a world");
+        let mut world = World::new(WorldDef::default()).expect("a world");
         let body = world.add_body(BodyDef { position, locks, ..BodyDef::dynamic() }).expect("a body");
         let too_large = Err(Error::OutOfRange { quantity: Quantity::Torque });
         assert_eq!(world.apply_force_at_point(body, push, point), if locks == ALL { Ok(()) } else { too_large });
@@ -254,7 +254,7 @@ fn what_has_no_effect_is_never_too_large() {
 #[test]
 fn energy_is_that_of_where_a_body_is_and_how_it_moves() {
     let potential = |locks| {
-        let mut world: World = World::new(WorldDef { gravity: vec2(2, -10), ..WorldDef::default() }).expect("a world");
+        let mut world = World::new(WorldDef { gravity: vec2(2, -10), ..WorldDef::default() }).expect("a world");
         let def = BodyDef {
             position: vec2(3, 7),
             mass: Mass::Kilograms(fx!(2)),
@@ -268,7 +268,7 @@ fn energy_is_that_of_where_a_body_is_and_how_it_moves() {
     // −m·g·x: −2·(1·3 − 5·7).
     assert!(each().all(|locks| potential(locks) == "64"));
     // On a rail it keeps its energy as a free one does.
-    let mut world: World = World::new(WorldDef { sleep_after: None, ..WorldDef::default() }).expect("a world");
+    let mut world = World::new(WorldDef { sleep_after: None, ..WorldDef::default() }).expect("a world");
     let locks = Locks { y: true, rotation: true, ..Locks::NONE };
     let body = world.add_body(BodyDef { position: vec2(1, 0), locks, ..BodyDef::dynamic() }).expect("a body");
     let spring = SpringConstants { rest: fx!(0), stiffness: fx!(4), damping: fx!(0) };
@@ -309,7 +309,7 @@ fn steps_with_locks_are_undone() {
 
 #[test]
 fn locks_are_in_files_and_forgeries_are_refused() {
-    let mut world: World = World::new(WorldDef::default()).expect("a world");
+    let mut world = World::new(WorldDef::default()).expect("a world");
     let locks = Locks { x: true, ..Locks::NONE };
     let body = world.add_body(BodyDef { velocity: vec2(0, 3), locks, ..BodyDef::dynamic() }).expect("a body");
     let bytes = world.snapshot().to_bytes();

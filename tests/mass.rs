@@ -252,7 +252,7 @@ fn two_halves_make_a_whole() {
 
 #[test]
 fn a_body_has_mass_and_inertia_of_its_shape_and_density() {
-    let mut world = World::<Fx>::new(WorldDef::default()).expect("a fair definition");
+    let mut world = World::new(WorldDef::default()).expect("a fair definition");
     let mut random = SplitMix(8);
     let mut made = 0;
     for _ in 0..CASES / 10 {
@@ -279,7 +279,7 @@ fn a_body_has_mass_and_inertia_of_its_shape_and_density() {
 fn a_disc_of_a_centimetre_and_one_of_a_kilometre_keep_their_inertia() {
     // 3 ulps of kg·m², and 8.8e12 kg·m²: neither fits in the public format.
     for (radius, mass) in [(fx!(0.0078125), fx!(0.0000152587890625)), (fx!(1000), fx!(16000000))] {
-        let mut world = World::<Fx>::new(WorldDef::default()).expect("a fair definition");
+        let mut world = World::new(WorldDef::default()).expect("a fair definition");
         let shape = Some(Shape::circle(radius).expect("a fair size"));
         let body =
             world.add_body(BodyDef { shape, mass: Mass::Kilograms(mass), ..BodyDef::dynamic() }).expect("a fair body");
@@ -306,7 +306,7 @@ fn a_length_has_all_its_bits_however_short_it_is() {
 
 #[test]
 fn only_a_dynamic_body_has_a_mass_and_an_inertia() {
-    let mut world: World = World::new(WorldDef::default()).expect("a world");
+    let mut world = World::new(WorldDef::default()).expect("a world");
     let mass = Mass::Explicit { mass: fx!(2), inertia: fx!(3) };
     for def in [BodyDef::fixed(), BodyDef::kinematic()] {
         let body = world.add_body(BodyDef { mass, ..def }).expect("a body");

@@ -364,7 +364,7 @@ fn what_cannot_be_exact_is_refused_and_settling_makes_room() {
 
 #[test]
 fn the_time_of_a_paced_world_and_what_is_left_over_are_all_the_time_there_was() {
-    let mut world: World = World::new(WorldDef::default()).expect("a fair definition");
+    let mut world = World::new(WorldDef::default()).expect("a fair definition");
     let mut step_clock = StepClock::new(world.def().time_step).expect("that of a world");
     let steps = [TimeStep::hz(60), TimeStep::ratio(1001, 60_000), TimeStep::hz(50), TimeStep::hz(144)];
     let mut total = UBig::ZERO;

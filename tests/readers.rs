@@ -60,7 +60,7 @@ fn length(v: [&Real; 2]) -> Real {
 #[test]
 fn points_and_vectors_are_within_their_bound_of_the_exact_ones() {
     let mut random = SplitMix(0x0b0d_1e50_0000_0001);
-    let mut world: World = World::new(WorldDef { sleep_after: None, ..WorldDef::default() }).expect("a world");
+    let mut world = World::new(WorldDef { sleep_after: None, ..WorldDef::default() }).expect("a world");
     let body = world.add_body(BodyDef { velocity: vec2(1, -2), angular_velocity: fx!(3), ..BodyDef::dynamic() });
     let body = body.expect("a body");
     let mut refused = 0;
@@ -123,7 +123,7 @@ fn forces_and_impulses_are_within_their_bounds_of_the_exact_ones() {
         };
         let def =
             BodyDef { mass, angle: number(&mut random, 30), position: vector(&mut random, 20), ..BodyDef::dynamic() };
-        let mut world: World = World::new(WorldDef::default()).expect("a world");
+        let mut world = World::new(WorldDef::default()).expect("a world");
         let body = world.add_body(def).expect("a body");
         let (force, point) = (vector(&mut random, 20), vector(&mut random, 20));
         let (f, p) = ([force.x, force.y].map(exact), [point.x, point.y].map(exact));
@@ -191,7 +191,7 @@ fn a_rotation_in_public_numbers_is_within_its_bound() {
 
 #[test]
 fn a_quarter_turn_is_exact() {
-    let mut world: World = World::new(WorldDef::default()).expect("a world");
+    let mut world = World::new(WorldDef::default()).expect("a world");
     let def = BodyDef { position: vec2(5, -7), velocity: vec2(1, 2), angular_velocity: fx!(3), ..BodyDef::dynamic() };
     let body = world.add_body(def).expect("a body");
     let at = world.body(body).expect("it is there");
@@ -211,7 +211,7 @@ fn a_quarter_turn_is_exact() {
 #[test]
 fn the_terms_of_bodies_sum_to_the_totals() {
     let mut random = SplitMix(0x0b0d_1e50_0000_0002);
-    let mut world: World = World::new(WorldDef { sleep_after: None, ..WorldDef::default() }).expect("a world");
+    let mut world = World::new(WorldDef { sleep_after: None, ..WorldDef::default() }).expect("a world");
     let kinds = [BodyKind::Dynamic, BodyKind::Dynamic, BodyKind::Dynamic, BodyKind::Kinematic, BodyKind::Static];
     let mut leaver: Option<BodyId> = None;
     for case in 0..40 {
@@ -253,7 +253,7 @@ fn the_terms_of_bodies_sum_to_the_totals() {
 /// A value that does not fit into a total does not fit alone either.
 #[test]
 fn a_term_that_does_not_fit_is_refused() {
-    let mut world: World = World::new(WorldDef::default()).expect("a world");
+    let mut world = World::new(WorldDef::default()).expect("a world");
     let def =
         BodyDef { velocity: vec2(1 << 20, 1 << 20), mass: Mass::Kilograms(limits::MASS_MAX), ..BodyDef::dynamic() };
     let body = world.add_body(def).expect("a body");
@@ -265,7 +265,7 @@ fn a_term_that_does_not_fit_is_refused() {
 
 #[test]
 fn masses_are_read_as_they_were_given() {
-    let mut world: World = World::new(WorldDef::default()).expect("a world");
+    let mut world = World::new(WorldDef::default()).expect("a world");
     let disc = Some(Shape::circle(fx!(0.3)).expect("a circle"));
     let given = [
         Mass::Kilograms(fx!(0.1)),
@@ -305,7 +305,7 @@ fn totals_print_exactly() {
 #[cfg(feature = "float")]
 #[test]
 fn floats_read_alike() {
-    let mut world: World<f64> = World::new(WorldDef::default()).expect("a world");
+    let mut world: World<f64> = World::with_scalar(WorldDef::default()).expect("a world");
     let def = BodyDef {
         position: Vec2::new(1.0, 2.0),
         angular_velocity: 2.0,

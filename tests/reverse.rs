@@ -638,7 +638,7 @@ fn what_calls_woke_before_a_step_is_reported_by_the_step_after_it_was_undone() {
 #[cfg(feature = "float")]
 #[test]
 fn floats_are_refused_as_their_sums_round() {
-    let mut world = World::<f64>::new(WorldDef { sleep_after: None, ..WorldDef::default() }).expect("fair");
+    let mut world = World::<f64>::with_scalar(WorldDef { sleep_after: None, ..WorldDef::default() }).expect("fair");
     world.add_body(BodyDef { velocity: Vec2::new(0.1, 0.2), ..BodyDef::dynamic() }).expect("a fair body");
     world.step();
     let before = world.state_hash();

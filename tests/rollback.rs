@@ -222,7 +222,7 @@ fn late_inputs_lead_to_the_states_that_inputs_in_time_lead_to() {
 
 /// A world of a few bodies that are pushed apart by hand.
 fn small() -> (World, BodyId) {
-    let mut world: World = World::new(WorldDef { gravity: vec2(0, -1), ..WorldDef::default() }).expect("fair");
+    let mut world = World::new(WorldDef { gravity: vec2(0, -1), ..WorldDef::default() }).expect("fair");
     let body = world.add_body(BodyDef { velocity: vec2(1, 2), ..BodyDef::dynamic() }).expect("fair");
     (world, body)
 }

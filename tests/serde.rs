@@ -201,7 +201,7 @@ fn bodies() -> Vec<BodyDef> {
 
 fn a_world() -> (Author, World) {
     let mut author = Author { random: SplitMix(5), unfair: 9 };
-    let mut world: World = World::new(WorldDef::default()).expect("fair");
+    let mut world = World::new(WorldDef::default()).expect("fair");
     while world.bodies().count() < 5 || world.fields().count() < 3 {
         let _ = world.add_body(author.body());
         let _ = world.add_field(author.field(&world));
@@ -302,7 +302,7 @@ fn every_plain_struct_comes_back() {
 
 #[test]
 fn what_was_applied_over_a_tick_comes_back() {
-    let mut world: World = World::new(WorldDef::default()).expect("fair");
+    let mut world = World::new(WorldDef::default()).expect("fair");
     let ids = [0, 1].map(|_| world.add_body(BodyDef::dynamic()).expect("fair"));
     for _ in 0..5 {
         world.apply_force_at_point(ids[0], vec2(fx!(-0.1), Fx::MAX), vec2(fx!(0.3), 7)).expect("fair");
@@ -556,10 +556,10 @@ fn the_geometry_of_a_shape_can_be_written() {
 #[cfg(feature = "float")]
 #[test]
 fn commands_of_the_float_builds_come_back() {
-    let shape = Shape::<f64>::rectangle(0.5, 1.5).expect("fair");
+    let shape = Shape::new(Geometry::Rectangle { width: 0.5, height: 1.5 }).expect("fair");
     let body: BodyDef<f64> = BodyDef { shape: Some(shape), angle: 0.1, ..BodyDef::dynamic() };
     through_both(&Command::AddBody(body));
-    let law = FieldKind::<f64>::Attractor { centre: End::World(vec2(0.25, 3.0)), mu: 0.1, softening: 0.5 };
+    let law = FieldKind::<f64>::Attractor { centre: End::World(Vec2::new(0.25, 3.0)), mu: 0.1, softening: 0.5 };
     through_both(&Command::AddField(ForceField::from(law)));
     through_both(&WorldDef::<f32>::default());
 }

@@ -214,7 +214,7 @@ fn a_restored_world_has_the_same_future_and_handles() {
 
 /// Bytes that each of 1,000 bodies like this one, without their shapes, adds to a snapshot.
 fn bytes_a_body(def: WorldDef, body: &BodyDef, prepare: impl Fn(&mut World, BodyId), shared: bool) -> usize {
-    let mut world: World = World::new(def).expect("a world");
+    let mut world = World::new(def).expect("a world");
     let head = world.snapshot().to_bytes().len();
     for i in 0..1_000 {
         let radius = fx!(0.5) + if shared { Fx::ZERO } else { Fx::from_bits(i) };
@@ -251,7 +251,7 @@ fn a_body_takes_as_many_bytes_as_documented() {
     assert_eq!(bytes_a_body(verlet, &all_set, push, false), 196 + 72);
     assert_eq!(bytes_a_body(published, &all_set, push, false), 196 + 48 + 72);
     // The worst: a force wakes it. One body alone, as the steps until it sleeps clear what was applied to others.
-    let mut world: World = World::new(published).expect("a world");
+    let mut world = World::new(published).expect("a world");
     let head = world.snapshot().to_bytes().len();
     let body = world.add_body(all_set.clone()).expect("a body");
     while world.body(body).expect("it is there").activity() != Activity::Asleep {
@@ -269,7 +269,7 @@ fn a_body_takes_as_many_bytes_as_documented() {
 #[test]
 fn an_idle_tick_takes_18_bytes_of_a_replay() {
     let file = |ticks: u64| {
-        let mut world: World = World::new(WorldDef::default()).expect("a world");
+        let mut world = World::new(WorldDef::default()).expect("a world");
         let mut recorder = Recorder::new(&world, RecordOptions { snapshot_every: 0, ..RecordOptions::default() });
         (0..ticks).for_each(|_| _ = recorder.step(&mut world, &Inputs::new()));
         recorder.finish(&world).len()
@@ -368,7 +368,7 @@ fn a_tree_of_a_step_leads_to_the_stage_the_body_and_the_field() {
 
 #[test]
 fn a_blob_has_its_limit() {
-    let mut world: World = World::new(WorldDef::default()).expect("a world");
+    let mut world = World::new(WorldDef::default()).expect("a world");
     let most = umbra_physics::limits::BLOB;
     assert_eq!(world.set_blob(&vec![1; most]), Ok(()));
     let hash = world.state_hash();
@@ -381,7 +381,7 @@ fn a_blob_has_its_limit() {
 fn a_hash_does_not_depend_on_where_in_memory_bodies_stand() {
     for integrator in [Integrator::VelocityVerlet, Integrator::PublishedVerlet] {
         for gaps in [0, 1, 20, 200] {
-            let mut world: World = World::new(WorldDef { integrator, ..WorldDef::default() }).expect("a world");
+            let mut world = World::new(WorldDef { integrator, ..WorldDef::default() }).expect("a world");
             let body =
                 |i: i32| BodyDef { position: vec2(i, 0), velocity: vec2(1, i), key: i as u64, ..BodyDef::dynamic() };
             let ids: Vec<BodyId> = (0..500).map(|i| world.add_body(body(i)).expect("a body")).collect();

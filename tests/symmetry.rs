@@ -15,7 +15,8 @@ use twins::{EVEN, FLOOR, HALF_AWAY, HALF_UP, Twin};
 use umbra_physics::scalar::{Accumulator, Angle, Factor};
 use umbra_physics::{
     ApplyOptions, Attachment, BodyDef, BodyId, Command, Damping, End, FieldKind, ForceField, ForceOrImpulse, Frame, Fx,
-    FxFactor, Integrator, Mass, Region, Scalar, Shape, SpringConstants, TimeStep, Vec2, World, WorldDef, fx, vec2,
+    FxFactor, Geometry, Integrator, Mass, Region, Scalar, Shape, SpringConstants, TimeStep, Vec2, World, WorldDef, fx,
+    vec2,
 };
 
 /// Steps of the scenes: 28 minutes at 1/60.
@@ -174,7 +175,7 @@ fn scene<S: Scalar>(image: &Symmetry, integrator: Integrator, rate: u32) -> (Wor
         let corners: Vec<Vec2<S>> = corners.iter().map(|&(x, y)| l(x, y)).collect();
         Some(Shape::polygon(&corners).expect("a convex polygon"))
     };
-    let mut world = World::<S>::new(WorldDef {
+    let mut world = World::<S>::with_scalar(WorldDef {
         time_step: TimeStep::hz(rate),
         gravity: v(fx!(0.3), fx!(-1.25) + ULP),
         integrator,
@@ -199,7 +200,7 @@ fn scene<S: Scalar>(image: &Symmetry, integrator: Integrator, rate: u32) -> (Wor
         velocity: v(fx!(0.1), fx!(1.7)),
         angle: image.angle(fx!(1.1)),
         angular_velocity: image.pseudo(fx!(-5.5)),
-        shape: Some(Shape::circle(s(fx!(0.5))).expect("a disc")),
+        shape: Some(Shape::new(Geometry::Circle { radius: s(fx!(0.5)) }).expect("a disc")),
         mass: Mass::Density(s(fx!(1.3))),
         force_groups: FIELDS | DRAGGED,
         ..dynamic()
@@ -258,7 +259,12 @@ fn scene<S: Scalar>(image: &Symmetry, integrator: Integrator, rate: u32) -> (Wor
         |rest, stiffness, damping| SpringConstants { rest: s(rest), stiffness: s(stiffness), damping: s(damping) };
     let anchored = |body, point, far, spring| FieldKind::Spring { near: Attachment { body, point }, far, spring };
     field(
-        anchored(wheel, l(fx!(0.25), fx!(-0.3)), End::Body(Attachment::centre(hub)), spring(fx!(1), fx!(3), fx!(0.1))),
+        anchored(
+            wheel,
+            l(fx!(0.25), fx!(-0.3)),
+            End::Body(Attachment { body: hub, point: Vec2::ZERO }),
+            spring(fx!(1), fx!(3), fx!(0.1)),
+        ),
         0,
     );
     let far = End::Body(Attachment { body: light, point: l(fx!(-0.1), fx!(0.4)) });

@@ -282,7 +282,7 @@ fn a_body_pushed_beyond_the_envelope_is_quarantined_in_worlds_that_go_on() {
 
 #[test]
 fn a_body_beyond_the_envelope_by_less_than_an_ulp_is_not_released() {
-    let mut world: World = World::new(WorldDef { sleep_after: None, ..WorldDef::default() }).expect("fair");
+    let mut world = World::new(WorldDef { sleep_after: None, ..WorldDef::default() }).expect("fair");
     let edge = Vec2::new(limits::POSITION, fx!(0));
     let velocity = Vec2::new(Fx::from_bits(1), fx!(0));
     let body = world.add_body(BodyDef { position: edge, velocity, ..BodyDef::dynamic() }).expect("fair");
@@ -299,7 +299,7 @@ fn a_body_beyond_the_envelope_by_less_than_an_ulp_is_not_released() {
 #[test]
 fn worlds_of_stages_have_the_factors_of_bodies_that_came_with_the_step() {
     let gravity = vec2(0, -10);
-    let mut world: World = World::new(WorldDef { gravity, ..WorldDef::default() }).expect("a world");
+    let mut world = World::new(WorldDef { gravity, ..WorldDef::default() }).expect("a world");
     let body = world.add_body(BodyDef::dynamic()).expect("a fair body");
     world.disable(body).expect("it is there");
     world.step();

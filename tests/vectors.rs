@@ -76,6 +76,10 @@ fn products_of_vectors_are_the_nearest() {
             assert_eq!(wide.map(FxWide::to_bits), i128::try_from(exact).ok(), "{a} and {b}");
             *if found.is_some() { &mut fits } else { &mut beyond } += 1;
         }
+        let squares = |x: IBig, y: IBig| fitting(nearest(&(&x * &x + &y * &y), &ulp()));
+        assert_eq!(a.checked_length_squared(), squares(big(a.x), big(a.y)), "{a}");
+        let distance = squares(big(b.x) - big(a.x), big(b.y) - big(a.y));
+        assert_eq!(a.checked_distance_squared(b), distance, "{a} to {b}");
         let scaled = |c: Fx| fitting(nearest(&(big(c) * big(b.x)), &ulp()));
         assert_eq!(a.checked_scale(b.x), scaled(a.x).zip(scaled(a.y)).map(Vec2::from), "{a} times {}", b.x);
         let rot = Rot { cos: b.x, sin: b.y };
@@ -197,6 +201,17 @@ fn operators_of_vectors_are_those_of_their_components() {
             c /= s;
             assert_eq!((a / s, c), (quotient, quotient));
         }
+        let n = numbers.0.of_bits(31) as i32;
+        if let Some(product) = a.try_map(|c| c.checked_mul_int(n)) {
+            let mut c = a;
+            c *= n;
+            assert_eq!((a * n, n * a, c), (product, product, product));
+        }
+        if let Some(quotient) = a.try_map(|c| c.checked_div_int(n)) {
+            let mut c = a;
+            c /= n;
+            assert_eq!((a / n, c), (quotient, quotient));
+        }
         assert_eq!((Vec2::from([a.x, a.y]), <[Fx; 2]>::from(a), <(Fx, Fx)>::from(a)), (a, [a.x, a.y], (a.x, a.y)));
     }
     assert!(tried > 100, "{tried} products fit");
@@ -206,12 +221,14 @@ fn operators_of_vectors_are_those_of_their_components() {
 #[test]
 fn operators_panic_where_a_result_does_not_fit() {
     let (max, one, min) = (Vec2::new(Fx::MAX, Fx::ZERO), Vec2::<Fx>::X, Vec2::new(Fx::ZERO, Fx::MIN));
-    let cases: [(&str, &dyn Fn() -> Vec2); 11] = [
+    let cases: [(&str, &dyn Fn() -> Vec2); 13] = [
         ("sum", &|| max + one),
         ("difference", &|| min - Vec2::Y),
         ("negative", &|| -min),
         ("product", &|| max * fx!(2)),
         ("division by zero", &|| max / Fx::ZERO),
+        ("product", &|| max * 2),
+        ("division by zero", &|| max / 0),
         ("magnitude", &|| min.abs()),
         ("sum", &|| [max, one].into_iter().sum()),
         ("point", &|| Vec2::ZERO.lerp(max, fx!(2))),
@@ -219,11 +236,13 @@ fn operators_panic_where_a_result_does_not_fit() {
         ("negative", &|| min.perp()),
         ("turned vector", &|| Rot { cos: fx!(1), sin: fx!(-1) } * (max + Vec2::Y)),
     ];
-    let numbers: [(&str, &dyn Fn() -> Fx); 9] = [
+    let numbers: [(&str, &dyn Fn() -> Fx); 11] = [
         ("dot product", &|| max.dot(max)),
         ("cross product", &|| max.cross(min)),
         ("length", &|| (max + min).length()),
         ("distance", &|| max.distance(min)),
+        ("square of the length", &|| max.length_squared()),
+        ("square of the distance", &|| max.distance_squared(min)),
         ("product", &|| Fx::MAX * 2),
         ("quotient", &|| Fx::MIN / -1),
         ("division by zero", &|| fx!(1) / 0),

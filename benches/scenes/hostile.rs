@@ -95,7 +95,7 @@ fn inserted(sequences: impl Iterator<Item = u32> + 'static) -> Box<dyn FnOnce()>
 }
 
 fn replaced_in_front(count: usize) -> Box<dyn FnOnce()> {
-    let mut inputs: Inputs = Inputs::new();
+    let mut inputs = Inputs::new();
     inputs.replace(1, std::iter::repeat_n(Command::ClearForces, count));
     Box::new(move || {
         inputs.replace(0, std::iter::repeat_n(Command::ClearForces, count));
@@ -182,7 +182,7 @@ fn corners_read_and_set(count: usize) -> Box<dyn FnOnce()> {
 fn replay_verified(count: usize) -> Box<dyn FnOnce()> {
     let (mut world, commands) = integrators(count);
     let mut recorder = Recorder::new(&world, RecordOptions::default());
-    let mut inputs: Inputs = Inputs::new();
+    let mut inputs = Inputs::new();
     inputs.replace(0, commands.into_iter().cycle().take(count));
     recorder.step(&mut world, &inputs);
     let bytes = recorder.finish(&world);

@@ -69,7 +69,7 @@ fn rough<S: Scalar>() -> WorldDef<S> {
 }
 
 fn scene<S: Scalar>(def: WorldDef<S>, bodies: impl IntoIterator<Item = BodyDef<S>>) -> Scene<S> {
-    let mut world = World::new(def).expect("a fair definition");
+    let mut world = World::with_scalar(def).expect("a fair definition");
     for body in bodies {
         world.add_body(body).expect("a fair body");
     }
@@ -192,7 +192,10 @@ fn with_fields<S: Scalar, F: Into<ForceField<S>>>(
 /// A number of thrusts fixed in the frame of each of the first `some` bodies.
 fn with_thrusters<S: Scalar>(scene: Scene<S>, some: usize, each: usize) -> Scene<S> {
     with_fields(scene, |bodies| {
-        let thrust = |&body| FieldKind::Thrust { at: Attachment::centre(body), force: vector(fx!(0.25), fx!(0.5)) };
+        let thrust = |&body| FieldKind::Thrust {
+            at: Attachment { body, point: Vec2::ZERO },
+            force: vector(fx!(0.25), fx!(0.5)),
+        };
         bodies[..some].iter().flat_map(|body| std::iter::repeat_n(thrust(body), each)).collect()
     })
 }
@@ -212,7 +215,7 @@ pub(crate) fn pushed_thrusters<S: Scalar>(count: usize) -> Scene<S> {
 /// Like `free`, two of the bodies in the midst of the others joined by a spring.
 pub(crate) fn one_spring<S: Scalar>(count: usize) -> Scene<S> {
     with_fields(free(count), |bodies| {
-        let [near, far] = [count / 2, count / 2 + 1].map(|i| Attachment::centre(bodies[i]));
+        let [near, far] = [count / 2, count / 2 + 1].map(|i| Attachment { body: bodies[i], point: Vec2::ZERO });
         let spring = SpringConstants { rest: S::from_fx(fx!(4)), stiffness: S::ONE, damping: S::ZERO };
         vec![FieldKind::Spring { near, far: End::Body(far), spring }]
     })
@@ -241,8 +244,8 @@ pub(crate) fn mixed<S: Scalar>(count: usize) -> Scene<S> {
     with_fields(with_thrusters(free(count), count / 10, 1), |bodies| {
         let spring = SpringConstants { rest: S::from_fx(fx!(4)), stiffness: S::from_fx(fx!(10)), damping: S::ZERO };
         let join = |pair: &[BodyId]| FieldKind::Spring {
-            near: Attachment::centre(pair[0]),
-            far: End::Body(Attachment::centre(pair[1])),
+            near: Attachment { body: pair[0], point: Vec2::ZERO },
+            far: End::Body(Attachment { body: pair[1], point: Vec2::ZERO }),
             spring,
         };
         bodies[count / 10..count / 5].windows(2).map(join).collect()
@@ -283,8 +286,8 @@ pub(crate) fn net<S: Scalar>(columns: usize, rows: usize) -> Scene<S> {
     with_fields(scene(calm(), bodies), |bodies| {
         let spring = SpringConstants { rest: S::ONE, stiffness: S::from_fx(fx!(100)), damping: S::ZERO };
         let join = |a: usize, b: usize| FieldKind::Spring {
-            near: Attachment::centre(bodies[a]),
-            far: End::Body(Attachment::centre(bodies[b])),
+            near: Attachment { body: bodies[a], point: Vec2::ZERO },
+            far: End::Body(Attachment { body: bodies[b], point: Vec2::ZERO }),
             spring,
         };
         let across = nodes.clone().filter(|&(x, _)| x > 0).map(|(x, y)| (y * columns + x, 1));

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use umbra_physics::{
     ApplyOptions, Attachment, BodyDef, BodyId, Damping, End, Error, FieldKind, ForceField, ForceOrImpulse, Frame, Fx,
-    FxFactor, Mass, Region, Shape, SpringConstants, Vec2, World, WorldDef, fx, vec2,
+    FxFactor, Mass, Region, Shape, SpringConstants, World, WorldDef, fx, vec2,
 };
 use umbra_scene::Scene;
 
@@ -86,7 +86,7 @@ fn play(world: &mut World, ball: BodyId, rocket: BodyId, tick: u32) -> Result<()
         world.apply_force(ball, vec2(100, 0))?;
     }
     if tick == 200 {
-        let up: Vec2 = vec2(0, 5);
+        let up = vec2(0, 5);
         world.set_velocity(ball, up)?;
     }
     Ok(())

@@ -346,7 +346,7 @@ fn fields_are_read_as_they_were_made() {
 #[test]
 fn bodies_are_read_to_the_last_bit() {
     let mut here = world();
-    let mut there: World = World::new(WorldDef::default()).expect("a world");
+    let mut there = World::new(WorldDef::default()).expect("a world");
     assert_eq!(umbra_world_set_gravity(Some(&mut here), 1, -9 * ONE - 3), UMBRA_OK);
     there.set_gravity(vec2(Fx::DELTA, Fx::from_bits(-9 * ONE - 3))).expect("a gravity");
     let shape = own(|shape| umbra_shape_circle(ONE, shape)).expect("a shape");
@@ -500,7 +500,7 @@ fn the_rest_of_a_body_is_read() {
     let lift = add(&mut here, &UmbraBodyDef { kind: UMBRA_KINEMATIC, key: 7, ..body_def() }).expect("a body");
     umbra_shape_free(Some(shape));
 
-    let mut there: World = World::new(WorldDef::default()).expect("a world");
+    let mut there = World::new(WorldDef::default()).expect("a world");
     let like = Shape::segment(vec2(-1, 0), vec2(2, 1)).expect("a shape");
     let id = there.add_body(BodyDef {
         shape: Some(like.clone()),

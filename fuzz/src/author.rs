@@ -140,7 +140,7 @@ pub fn custom_forces<S: Scalar>() -> [Arc<dyn CustomForce<S>>; 2] {
 
 /// A world with these custom forces, or none if its definition is refused.
 pub fn world<S: Scalar>(def: WorldDef<S>) -> Option<World<S>> {
-    let mut world = World::new(def).ok()?;
+    let mut world = World::with_scalar(def).ok()?;
     for force in custom_forces() {
         world.register_custom_force(force).expect("each is registered once");
     }

@@ -11,7 +11,7 @@ pub const HEAD: usize = 16;
 
 /// The first bytes of a snapshot of this build.
 pub fn head() -> Vec<u8> {
-    let world: World = World::new(WorldDef::default()).expect("a fair definition");
+    let world = World::new(WorldDef::default()).expect("a fair definition");
     world.snapshot().to_bytes()[..HEAD].to_vec()
 }
 

@@ -108,13 +108,13 @@ impl CommandMap<Fx, f64> for InFloats {
 
     fn shape(&mut self, shape: Shape) -> std::result::Result<Shape<f64>, Infallible> {
         let float = f64::from_fx;
-        let shape = match *shape.geometry() {
-            Geometry::Circle { radius } => Shape::circle(float(radius)),
-            Geometry::Rectangle { width, height } => Shape::rectangle(float(width), float(height)),
-            Geometry::Capsule { length, radius } => Shape::capsule(float(length), float(radius)),
+        let geometry = match *shape.geometry() {
+            Geometry::Circle { radius } => Geometry::Circle { radius: float(radius) },
+            Geometry::Rectangle { width, height } => Geometry::Rectangle { width: float(width), height: float(height) },
+            Geometry::Capsule { length, radius } => Geometry::Capsule { length: float(length), radius: float(radius) },
             ref other => panic!("a coarser scalar may see it otherwise: {other:?}"),
         };
-        Ok(shape.expect("a fair size"))
+        Ok(Shape::new(geometry).expect("a fair size"))
     }
 }
 
@@ -267,7 +267,7 @@ impl Slopes {
                 FieldKind::Drag { linear, quadratic, wind } => {
                     stops += 1;
                     for body in before.world.bodies() {
-                        let way = Way::of(before, after, &Attachment::centre(body.id()))?;
+                        let way = Way::of(before, after, &Attachment { body: body.id(), point: Vec2::ZERO })?;
                         let speed = way.speed + long([wind.x, wind.y]);
                         add(body.id(), 0.0, way.yields[0] * (linear + 2.0 * quadratic * speed));
                     }

@@ -15,6 +15,8 @@ mod sets;
 mod sparse;
 mod target;
 
+use core::fmt;
+
 use crate::codec::{self, Encoder, Malformed, Read, Reader, Write, codec_enum, codec_struct};
 use crate::error::{Error, Quantity};
 use crate::fx::Fx;
@@ -31,6 +33,7 @@ pub(crate) use info::BodyInfo;
 pub use mass::Mass;
 pub(crate) use mass::{MassProperties, mass_properties};
 pub(crate) use motion::{Acceleration, BLOCK, Block, Motion};
+pub(crate) use order::InOrder;
 pub(crate) use record::{Record, ShapeSource};
 pub(crate) use sparse::{Row, Sparse};
 pub(crate) use target::{KinematicTarget, KinematicTargets, Target, Velocities};
@@ -68,6 +71,29 @@ pub enum Activity {
     Disabled,
 }
 
+impl fmt::Display for BodyKind {
+    /// Writes the kind in one word, as scenes do.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::Static => "static",
+            Self::Kinematic => "kinematic",
+            Self::Dynamic => "dynamic",
+        })
+    }
+}
+
+impl fmt::Display for Activity {
+    /// Writes the activity in one word.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::Awake => "awake",
+            Self::Asleep => "asleep",
+            Self::Quarantined => "quarantined",
+            Self::Disabled => "disabled",
+        })
+    }
+}
+
 impl Activity {
     /// True if the body is part of the simulation. Otherwise it stays in place and keeps its velocity, and fields that
     /// are attached to it do nothing.
@@ -75,7 +101,7 @@ impl Activity {
     /// ```
     /// use umbra_physics::{BodyDef, World, WorldDef};
     ///
-    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let mut world = World::new(WorldDef::default())?;
     /// let body = world.add_body(BodyDef::dynamic())?;
     /// assert!(world.body(body)?.activity().takes_part());
     /// world.disable(body)?;
@@ -149,8 +175,8 @@ impl Read for Locks {
 ///     position: vec2(0, 3),
 ///     ..BodyDef::dynamic()
 /// };
-/// let lift: BodyDef = BodyDef { velocity: vec2(0, 1), ..BodyDef::kinematic() };
-/// let ground: BodyDef = BodyDef { shape: Some(Shape::segment(vec2(-10, 0), vec2(10, 0))?), ..BodyDef::fixed() };
+/// let lift = BodyDef { velocity: vec2(0, 1), ..BodyDef::kinematic() };
+/// let ground = BodyDef { shape: Some(Shape::segment(vec2(-10, 0), vec2(10, 0))?), ..BodyDef::fixed() };
 /// let kinds = [wheel.kind, lift.kind, ground.kind];
 /// assert_eq!(kinds, [BodyKind::Dynamic, BodyKind::Kinematic, BodyKind::Static]);
 ///
@@ -216,6 +242,13 @@ codec_struct!(BodyDef {
     key,
     user_data,
 });
+
+impl<S: Scalar> Default for BodyDef<S> {
+    /// A dynamic body, as [`dynamic`](Self::dynamic) gives it.
+    fn default() -> Self {
+        Self::dynamic()
+    }
+}
 
 impl<S: Scalar> BodyDef<S> {
     /// A dynamic body of 1 kg, at rest at the origin.

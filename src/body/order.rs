@@ -2,11 +2,13 @@
 
 use alloc::vec::Vec;
 use core::ops::Range;
+use core::slice;
 
 use super::columns::{Bodies, NONE};
 use crate::codec::StateHasher;
 use crate::error::Error;
 use crate::scalar::Scalar;
+use crate::slots::Slot;
 
 /// The most ranges that bodies are looked up in; with more of them it is done body by body.
 const MOST_RUNS: usize = 32;
@@ -32,10 +34,26 @@ impl Runs {
     }
 }
 
+/// The indices of bodies in the columns, in the order of their slots.
+#[derive(Clone, Debug)]
+pub(crate) struct InOrder<'a>(slice::Iter<'a, Slot>);
+
+impl Iterator for InOrder<'_> {
+    type Item = usize;
+
+    fn next(&mut self) -> Option<usize> {
+        self.0.find_map(|slot| slot.index())
+    }
+
+    fn fold<B, F: FnMut(B, usize) -> B>(self, init: B, f: F) -> B {
+        self.0.filter_map(|slot| slot.index()).fold(init, f)
+    }
+}
+
 impl<S: Scalar> Bodies<S> {
     /// Indices in the columns in the order of the slots, which is the order of everything public.
-    pub(crate) fn in_order(&self) -> impl Iterator<Item = usize> {
-        self.slots.all().iter().filter_map(|slot| slot.index())
+    pub(crate) fn in_order(&self) -> InOrder<'_> {
+        InOrder(self.slots.all().iter())
     }
 
     /// The indices of [`in_order`](Self::in_order) as ranges of consecutive ones; `None` if there are more than a few.

@@ -101,7 +101,7 @@ pub enum Role {
 ///     }
 /// }
 ///
-/// let mut world: World = World::new(WorldDef::default())?;
+/// let mut world = World::new(WorldDef::default())?;
 /// let shape = Some(Shape::rectangle(fx!(2), fx!(1))?);
 /// world.add_body(BodyDef { shape, position: vec2(5, 0), ..BodyDef::dynamic() })?;
 /// let mut lines = Lines::default();

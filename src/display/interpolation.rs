@@ -50,7 +50,7 @@ struct Seen {
 /// ```
 /// use umbra_physics::{Blend, BodyDef, Command, History, Inputs, Interpolation, StepClock, World, WorldDef, vec2};
 ///
-/// let mut world: World = World::new(WorldDef::default())?;
+/// let mut world = World::new(WorldDef::default())?;
 /// let ball = world.add_body(BodyDef { velocity: vec2(6, 0), ..BodyDef::dynamic() })?;
 /// let mut history = History::new(8);
 /// let mut step_clock = StepClock::new(world.def().time_step)?;
@@ -147,7 +147,7 @@ impl Interpolation {
     /// ```
     /// use umbra_physics::{Blend, BodyDef, Interpolation, TickFraction, World, WorldDef, vec2};
     ///
-    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let mut world = World::new(WorldDef::default())?;
     /// let ball = world.add_body(BodyDef { velocity: vec2(60, 0), ..BodyDef::dynamic() })?;
     /// let mut interpolation = Interpolation::new();
     /// interpolation.look(&world);
@@ -166,7 +166,7 @@ impl Interpolation {
     /// ```
     /// use umbra_physics::{Blend, BodyDef, Interpolation, TickFraction, World, WorldDef};
     ///
-    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let mut world = World::new(WorldDef::default())?;
     /// world.add_body(BodyDef::dynamic())?;
     /// let mut interpolation = Interpolation::new();
     /// interpolation.look(&world);
@@ -210,7 +210,7 @@ mod tests {
 
     #[test]
     fn poses_go_on_where_ticks_are_no_longer_counted() {
-        let mut world: World = World::new(WorldDef::default()).expect("a world");
+        let mut world = World::new(WorldDef::default()).expect("a world");
         let body = world.add_body(BodyDef { velocity: vec2(60, 0), ..BodyDef::dynamic() }).expect("a body");
         world.tick = limits::TICK - 2;
         let mut interpolation = Interpolation::new();

@@ -12,7 +12,7 @@ use crate::world::BodyRef;
 /// ```
 /// use umbra_physics::{BodyDef, Fx, Pose, World, WorldDef, vec2};
 ///
-/// let mut world: World = World::new(WorldDef::default())?;
+/// let mut world = World::new(WorldDef::default())?;
 /// let def = BodyDef { position: vec2(100_000_003, 4), angle: Fx::FRAC_PI_2, ..BodyDef::dynamic() };
 /// let body = world.add_body(def)?;
 /// let pose = Pose::of(&world.body(body)?);
@@ -89,9 +89,9 @@ impl<S: ToF64> Vec2<S> {
     /// The doubles nearest to its components.
     ///
     /// ```
-    /// use umbra_physics::{Vec2, fx, vec2};
+    /// use umbra_physics::{fx, vec2};
     ///
-    /// let wind: Vec2 = vec2(3, fx!(-0.5));
+    /// let wind = vec2(3, fx!(-0.5));
     /// assert_eq!(wind.to_f64(), [3.0, -0.5]);
     /// ```
     #[must_use]

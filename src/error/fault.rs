@@ -10,7 +10,7 @@ use crate::slots::{BodyId, FieldId};
 /// ```
 /// use umbra_physics::{BodyDef, Cause, Fault, World, WorldDef, limits, vec2};
 ///
-/// let mut world: World = World::new(WorldDef { gravity: vec2(100, 0), ..WorldDef::default() })?;
+/// let mut world = World::new(WorldDef { gravity: vec2(100, 0), ..WorldDef::default() })?;
 /// let body = world.add_body(BodyDef { velocity: vec2(limits::SPEED, 0), ..BodyDef::dynamic() })?;
 /// let fault: Fault = world.step().faults[0];
 /// assert_eq!(fault, Fault { body, cause: Cause::Velocity });

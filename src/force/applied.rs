@@ -14,7 +14,7 @@ use crate::slots::BodyId;
 /// ```
 /// use umbra_physics::{AppliedForce, BodyDef, Vec2, World, WorldDef, fx, vec2};
 ///
-/// let mut world: World = World::new(WorldDef::default())?;
+/// let mut world = World::new(WorldDef::default())?;
 /// let body = world.add_body(BodyDef::dynamic())?;
 /// world.apply_force(body, vec2(1, 0))?;
 /// world.apply_force(body, vec2(2, 5))?;

@@ -90,7 +90,7 @@ impl core::error::Error for CustomForceError {}
 ///     }
 /// }
 ///
-/// let mut world: World = World::new(WorldDef::default())?;
+/// let mut world = World::new(WorldDef::default())?;
 /// assert_eq!(world.add_field(FieldKind::Custom { id: 7 }), Err(Error::CustomForce { id: 7 }));
 /// world.register_custom_force(Arc::new(Magnet))?;
 /// world.add_field(ForceField { kind: FieldKind::Custom { id: 7 }, force_groups: 1 })?;

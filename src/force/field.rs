@@ -37,10 +37,10 @@ pub struct Attachment<S = Fx> {
     pub point: Vec2<S>,
 }
 
-impl<S: Scalar> Attachment<S> {
+impl Attachment {
     /// The centre of mass of a body.
     #[must_use]
-    pub fn centre(body: BodyId) -> Self {
+    pub const fn centre(body: BodyId) -> Self {
         Self { body, point: Vec2::ZERO }
     }
 }
@@ -66,7 +66,7 @@ pub enum End<S = Fx> {
 ///
 /// // A shaft of air that rises at 2 m/s².
 /// let shaft = Region::Box { min: vec2(-1, 0), max: vec2(1, 10) };
-/// let mut world: World = World::new(WorldDef::default())?;
+/// let mut world = World::new(WorldDef::default())?;
 /// world.add_field(FieldKind::Zone { region: shaft, acceleration: vec2(0, 2) })?;
 /// let [inside, outside] = [0, 5].map(|x| world.add_body(BodyDef { position: vec2(x, 1), ..BodyDef::dynamic() }));
 /// (0..60).for_each(|_| _ = world.step());

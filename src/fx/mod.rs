@@ -145,6 +145,37 @@ impl From<Fx> for I32F32 {
     }
 }
 
+/// A number that converts to an [`Fx`] exactly: an `Fx`, or an integer of a type that fits.
+///
+/// [`vec2`](crate::vec2) and the constructors of shapes take such numbers. Implement it for a type of your own that has
+/// `Into<Fx>`, and they take that as well.
+///
+/// ```
+/// use umbra_physics::{Fx, IntoFx, Shape, fx, vec2};
+///
+/// #[derive(Clone, Copy)]
+/// struct Tiles(i32);
+///
+/// impl From<Tiles> for Fx {
+///     fn from(tiles: Tiles) -> Fx {
+///         fx!(0.75) * tiles.0
+///     }
+/// }
+/// impl IntoFx for Tiles {}
+///
+/// assert_eq!(vec2(Tiles(4), 1), vec2(3, fx!(1)));
+/// assert_eq!(Shape::rectangle(Tiles(4), 1), Shape::rectangle(fx!(3), fx!(1)));
+/// ```
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` does not convert to `Fx` exactly",
+    label = "write a constant as `fx!(0.5)`",
+    note = "`fx!` takes decimals and ratios: `fx!(-9.81)`, `fx!(1/60)`; integers that fit in an `i32` need no `fx!`",
+    note = "values known at run time convert by `Fx::from_ratio(a, b)`, `Fx::try_from(integer)` or `Fx::parse(text)`"
+)]
+pub trait IntoFx: Into<Fx> {}
+
+impl IntoFx for Fx {}
+
 /// Exact conversions from the integers that fit.
 macro_rules! from_integer {
     ($($integer:ty),*) => {$(
@@ -154,6 +185,8 @@ macro_rules! from_integer {
                 Self::from_int(i32::from(value))
             }
         }
+
+        impl IntoFx for $integer {}
     )*};
 }
 

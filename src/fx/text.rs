@@ -84,15 +84,51 @@ impl Fx {
         };
         match value {
             Ok(value) => value,
-            Err(ParseFxError::OutOfRange) => panic!("the number does not fit in I32F32: from -2^31 to below 2^31"),
-            Err(_) => panic!("not a decimal number without a suffix"),
+            Err(ParseFxError::OutOfRange) => panic!("fx!: the number does not fit in I32F32, from -2^31 to below 2^31"),
+            Err(_) => panic!("fx! takes a decimal number without a suffix, as in fx!(0.5)"),
+        }
+    }
+
+    /// The ratio of two integer literals, for [`fx!`](crate::fx).
+    #[doc(hidden)]
+    #[must_use]
+    pub const fn from_literals(num: &str, den: &str) -> Self {
+        let (num, den) = (integer(num.as_bytes()), integer(den.as_bytes()));
+        assert!(den != 0, "fx!: the denominator is zero");
+        match Self::checked_from_ratio(num, den) {
+            Some(ratio) => ratio,
+            None => panic!("fx!: the ratio does not fit in I32F32, from -2^31 to below 2^31"),
         }
     }
 }
 
-/// The `Fx` nearest to a decimal literal, ties to even, made at compile time and never through a float.
+/// The value of an integer literal.
+const fn integer(text: &[u8]) -> i64 {
+    let negative = text[0] == b'-';
+    let (mut at, mut value) = (negative as usize, 0i64);
+    while at < text.len() {
+        let digit = text[at];
+        assert!(digit.is_ascii_digit() || digit == b'_', "fx! takes ratios of two integers, as in fx!(1/60)");
+        if digit != b'_' {
+            value = match value.checked_mul(10) {
+                // Ten times a number may end in 800, the greatest one in 807: the sum is checked as well.
+                Some(tens) => match tens.checked_add((digit - b'0') as i64) {
+                    Some(sum) => sum,
+                    None => panic!("fx! takes ratios of integers below 2^63"),
+                },
+                None => panic!("fx! takes ratios of integers below 2^63"),
+            };
+        }
+        at += 1;
+    }
+    if negative { -value } else { value }
+}
+
+/// The `Fx` nearest to a decimal literal or to a ratio of two integers, ties to even, made at compile time and never through a
+/// float.
 ///
-/// A literal that does not fit is a compile error:
+/// A number that does not fit is a compile error, and so is all that is no literal: [`Fx::from`] takes integers,
+/// [`Fx::from_ratio`] ratios and [`Fx::parse`] text that is known at run time only.
 ///
 /// ```
 /// use umbra_physics::{Fx, fx};
@@ -100,6 +136,8 @@ impl Fx {
 /// assert_eq!(fx!(0.5), Fx::HALF);
 /// assert_eq!(fx!(-9.81).to_bits(), -42_133_629_174);
 /// assert_eq!(fx!(1_000.5e-3), fx!(1.0005));
+/// const FRAME: Fx = fx!(1 / 60);
+/// assert_eq!((FRAME, fx!(-2/3)), (Fx::from_ratio(1, 60), Fx::from_ratio(-2, 3)));
 /// ```
 /// ```compile_fail
 /// # use umbra_physics::fx;
@@ -111,8 +149,27 @@ impl Fx {
 /// ```
 #[macro_export]
 macro_rules! fx {
+    // A minus sign by itself: a fragment that begins with one and is no literal would end in an error of the parser.
+    (-$number:literal) => {
+        const { $crate::Fx::from_literal(::core::concat!("-", ::core::stringify!($number))) }
+    };
+    (-$num:literal / $den:literal) => {
+        const { $crate::Fx::from_literals(::core::concat!("-", ::core::stringify!($num)), ::core::stringify!($den)) }
+    };
+    (-$($other:tt)*) => {
+        $crate::fx!(@)
+    };
     ($number:literal) => {
         const { $crate::Fx::from_literal(::core::stringify!($number)) }
+    };
+    ($num:literal / $den:literal) => {
+        const { $crate::Fx::from_literals(::core::stringify!($num), ::core::stringify!($den)) }
+    };
+    ($($other:tt)*) => {
+        ::core::compile_error!(
+            "fx! takes a literal, as in fx!(0.5), fx!(-9.81) or fx!(1/60); values known at run time convert by \
+             Fx::from(integer), Fx::from_ratio(a, b) or Fx::parse(text)"
+        )
     };
 }
 #[cfg(any(test, feature = "selftest"))]

@@ -8,6 +8,8 @@ pub(crate) use rules::{
 };
 pub(crate) use schedule::{FreeStage, Schedule, split_fused};
 
+use core::fmt;
+
 use crate::body::SPANS;
 use crate::codec::codec_enum;
 use crate::math::TimeStep;
@@ -116,12 +118,19 @@ const fn mirrored(kind: StageKind, span: usize) -> Stage {
     Stage { kind, span, mirrored: true }
 }
 
+impl fmt::Display for Integrator {
+    /// Writes the [name](Self::name).
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
 impl Integrator {
     /// All integrators.
     pub const ALL: [Self; 5] =
         [Self::ExplicitEuler, Self::SymplecticEuler, Self::VelocityVerlet, Self::PublishedVerlet, Self::Yoshida4];
 
-    /// Name in scenes and on the command line.
+    /// Name in scenes and on the command line; `Display` writes it too.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {

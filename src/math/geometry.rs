@@ -2,7 +2,7 @@
 
 use super::Vec2;
 use crate::fx::{Fx, fitting};
-use crate::kernel::round::shr_round;
+use crate::kernel::round::{shr_round, shr_round_u};
 use crate::kernel::sqrt::over_root;
 
 impl Vec2 {
@@ -14,8 +14,8 @@ impl Vec2 {
     /// When it does not fit; [`checked_length`](Self::checked_length) gives `None`.
     ///
     /// ```
-    /// # use umbra_physics::{Fx, Vec2, fx, vec2};
-    /// let (a, b): (Vec2, Vec2) = (vec2(3, 4), vec2(Fx::MAX, Fx::MAX));
+    /// # use umbra_physics::{Fx, fx, vec2};
+    /// let (a, b) = (vec2(3, 4), vec2(Fx::MAX, Fx::MAX));
     /// assert_eq!((a.length(), a.distance(vec2(0, 8)), b.checked_length()), (fx!(5), fx!(5), None));
     /// assert_eq!((a.checked_distance(b), b.wide_length() > Fx::MAX.into()), (None, true));
     /// ```
@@ -49,6 +49,49 @@ impl Vec2 {
         other.checked_sub(self)?.checked_length()
     }
 
+    /// The distance between two points, squared: (x' − x)² + (y' − y)². *Error* ½ ulp: the exact sum, rounded once, ties to even.
+    ///
+    /// # Panics
+    /// When it does not fit, which is from 46.3 km on; [`checked_distance_squared`](Self::checked_distance_squared) gives `None`.
+    ///
+    /// ```
+    /// # use umbra_physics::{fx, vec2};
+    /// let (a, b) = (vec2(3, 4), vec2(0, 8));
+    /// assert_eq!((a.length_squared(), a.distance_squared(b)), (fx!(25), fx!(25)));
+    /// let far = vec2(50_000, 0);
+    /// assert_eq!((far.checked_length_squared(), far.checked_distance_squared(a)), (None, None));
+    /// assert!(far.distance(a) > fx!(49_996)); // a distance that is not squared fits
+    /// ```
+    #[must_use]
+    #[track_caller]
+    pub fn distance_squared(self, other: Self) -> Fx {
+        fitting(self.checked_distance_squared(other), "Vec2: the square of the distance does not fit")
+    }
+
+    /// The distance between two points, squared; `None` if it does not fit. *Error* ½ ulp.
+    #[must_use]
+    pub fn checked_distance_squared(self, other: Self) -> Option<Fx> {
+        // A difference that does not fit has a square that does not.
+        other.checked_sub(self)?.checked_length_squared()
+    }
+
+    /// The length squared, x² + y². *Error* ½ ulp: the exact sum, rounded once, ties to even.
+    ///
+    /// # Panics
+    /// When it does not fit; [`checked_length_squared`](Self::checked_length_squared) gives `None`.
+    #[must_use]
+    #[track_caller]
+    pub fn length_squared(self) -> Fx {
+        fitting(self.checked_length_squared(), "Vec2: the square of the length does not fit")
+    }
+
+    /// The length squared; `None` if it does not fit. *Error* ½ ulp. [`wide_dot`](Self::wide_dot) of the vector with itself is exact.
+    #[must_use]
+    pub fn checked_length_squared(self) -> Option<Fx> {
+        // At most 2^127 in units of 2^-64, so at most 2^95 here.
+        Fx::narrow(shr_round_u(self.squares(), 32) as i128)
+    }
+
     /// The vector of length 1 in this direction; `None` for the zero vector.
     ///
     /// *Domain* all. *Error* ½ ulp in each component: the nearest value, and there are no ties. *Source* the component over
@@ -56,7 +99,7 @@ impl Vec2 {
     ///
     /// ```
     /// # use umbra_physics::{Fx, Vec2, fx, vec2};
-    /// let a: Vec2 = vec2(3, -4);
+    /// let a = vec2(3, -4);
     /// assert_eq!((a.normalize(), Vec2::ZERO.normalize()), (Some(vec2(fx!(0.6), fx!(-0.8))), None::<Vec2>));
     /// assert_eq!((a.clamp_length(fx!(10)), a.clamp_length(fx!(1))), (a, vec2(fx!(0.6), fx!(-0.8))));
     /// ```
@@ -104,8 +147,8 @@ impl Vec2 {
     /// When a component does not fit, as it may for t outside [0, 1]; [`checked_lerp`](Self::checked_lerp) gives `None`.
     ///
     /// ```
-    /// # use umbra_physics::{Fx, Vec2, fx, vec2};
-    /// let (a, b): (Vec2, Vec2) = (vec2(1, Fx::MIN), vec2(2, Fx::MAX));
+    /// # use umbra_physics::{Fx, fx, vec2};
+    /// let (a, b) = (vec2(1, Fx::MIN), vec2(2, Fx::MAX));
     /// assert_eq!((a.lerp(b, fx!(0)), a.lerp(b, fx!(1)), a.lerp(b, Fx::HALF).x), (a, b, fx!(1.5)));
     /// assert_eq!(a.checked_lerp(b, fx!(2)), None);
     /// ```
@@ -130,8 +173,8 @@ impl Vec2 {
     /// The smaller of each component.
     ///
     /// ```
-    /// # use umbra_physics::{Fx, Vec2, vec2};
-    /// let (a, b): (Vec2, Vec2) = (vec2(1, -5), vec2(2, 4));
+    /// # use umbra_physics::{Fx, vec2};
+    /// let (a, b) = (vec2(1, -5), vec2(2, 4));
     /// assert_eq!((a.min(b), a.max(b), a.abs()), (vec2(1, -5), vec2(2, 4), vec2(1, 5)));
     /// assert_eq!(vec2(0, Fx::MIN).checked_abs(), None);
     /// ```
@@ -165,8 +208,8 @@ impl Vec2 {
     /// The sum; `None` if a component does not fit.
     ///
     /// ```
-    /// # use umbra_physics::{Fx, Vec2, fx, vec2};
-    /// let (a, b): (Vec2, Vec2) = (vec2(1, 2), vec2(Fx::MAX, 0));
+    /// # use umbra_physics::{Fx, fx, vec2};
+    /// let (a, b) = (vec2(1, 2), vec2(Fx::MAX, 0));
     /// assert_eq!((a.checked_add(b), b.checked_sub(-a), a.checked_add(a)), (None, None, Some(vec2(2, 4))));
     /// assert_eq!((b.checked_scale(fx!(2)), a.checked_div(fx!(0)), a.checked_div(fx!(2))), (None, None, Some(vec2(fx!(0.5), 1))));
     /// ```

@@ -9,7 +9,7 @@ use crate::fx::Fx;
 /// ```
 /// use umbra_physics::{Fx, Rot, Turn, vec2};
 ///
-/// let quarter: Rot = Rot::from_angle(Turn::QUARTER);
+/// let quarter = Rot::from_angle(Turn::QUARTER);
 /// assert_eq!(quarter.checked_rotate(vec2(3, 1)), Some(vec2(-1, 3)));
 /// assert_eq!(quarter.inverse().checked_rotate(vec2(-1, 3)), Some(vec2(3, 1)));
 /// assert_eq!(quarter * vec2(3, 1), vec2(-1, 3));

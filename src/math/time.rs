@@ -7,7 +7,7 @@
 ///
 /// let ntsc = TimeStep::ratio(1001, 60_000);
 /// assert_eq!(TimeStep::ratio(2, 120).seconds(), TimeStep::hz(60).seconds());
-/// let mut world: World = World::new(WorldDef { time_step: ntsc, ..WorldDef::default() })?;
+/// let mut world = World::new(WorldDef { time_step: ntsc, ..WorldDef::default() })?;
 /// assert_eq!(world.elapsed(), Elapsed::ZERO);
 /// (0..60).for_each(|_| _ = world.step());
 /// assert_eq!(world.elapsed(), Elapsed { num: 1001, den: 1000 }); // of a second, exactly

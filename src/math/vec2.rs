@@ -3,7 +3,7 @@
 use core::fmt;
 use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
-use crate::fx::Fx;
+use crate::fx::{Fx, IntoFx};
 
 /// A vector of two components, or a pair of any `T`.
 ///
@@ -11,11 +11,12 @@ use crate::fx::Fx;
 /// even, and panic when a result does not fit.
 ///
 /// ```
-/// use umbra_physics::{Fx, Vec2, fx, vec2};
+/// use umbra_physics::{Fx, fx, vec2};
 ///
-/// let (a, b): (Vec2, Vec2) = (vec2(3, 4), vec2(1, fx!(0.5)));
+/// let (a, b) = (vec2(3, 4), vec2(1, fx!(0.5)));
 /// assert_eq!((a + b, a - b, -a), (vec2(4, fx!(4.5)), vec2(2, fx!(3.5)), vec2(-3, -4)));
-/// assert_eq!((a * fx!(2), fx!(2) * a, a / fx!(2)), (vec2(6, 8), vec2(6, 8), vec2(fx!(1.5), 2)));
+/// assert_eq!((a * fx!(0.5), fx!(0.5) * a, a / fx!(0.5)), (vec2(fx!(1.5), 2), vec2(fx!(1.5), 2), vec2(6, 8)));
+/// assert_eq!((a * 2, 2 * a, a / 2), (vec2(6, 8), vec2(6, 8), vec2(fx!(1.5), 2)));
 /// assert_eq!(a.perp(), vec2(-4, 3)); // a quarter turn to the left
 /// assert_eq!((a.dot(b), a.cross(b), a.length()), (fx!(5), fx!(-2.5), fx!(5)));
 /// assert_eq!(a.map(Fx::to_bits).x, 3 << 32);
@@ -30,15 +31,15 @@ pub struct Vec2<T = Fx> {
     pub y: T,
 }
 
-/// The vector (x, y), from any types that convert to the component exactly.
+/// The vector (x, y), from `Fx` and integers. [`Vec2::new`] takes components of any type.
 ///
 /// ```
-/// use umbra_physics::{Vec2, fx, vec2};
-/// let gravity: Vec2 = vec2(0, fx!(-9.81));
-/// assert_eq!(gravity.y, fx!(-9.81));
+/// use umbra_physics::{fx, vec2};
+/// let gravity = vec2(0, fx!(-9.81));
+/// assert_eq!((gravity.x, gravity.y), (fx!(0), fx!(-9.81)));
 /// ```
 #[inline]
-pub fn vec2<S>(x: impl Into<S>, y: impl Into<S>) -> Vec2<S> {
+pub fn vec2(x: impl IntoFx, y: impl IntoFx) -> Vec2 {
     Vec2 { x: x.into(), y: y.into() }
 }
 
@@ -157,6 +158,42 @@ with_a_number!(Mul, mul, MulAssign, mul_assign);
 with_a_number!(Div, div, DivAssign, div_assign);
 
 impl Mul<Vec2> for Fx {
+    type Output = Vec2;
+
+    #[inline]
+    #[track_caller]
+    fn mul(self, v: Vec2) -> Vec2 {
+        v * self
+    }
+}
+
+/// An operator between a vector of `Fx` and an integer, and its assigning form.
+macro_rules! with_an_integer {
+    ($operator:ident, $method:ident, $assign:ident, $assign_method:ident) => {
+        impl $operator<i32> for Vec2 {
+            type Output = Self;
+
+            #[inline]
+            #[track_caller]
+            fn $method(self, number: i32) -> Self {
+                Self { x: self.x.$method(number), y: self.y.$method(number) }
+            }
+        }
+
+        impl $assign<i32> for Vec2 {
+            #[inline]
+            #[track_caller]
+            fn $assign_method(&mut self, number: i32) {
+                *self = self.$method(number);
+            }
+        }
+    };
+}
+
+with_an_integer!(Mul, mul, MulAssign, mul_assign);
+with_an_integer!(Div, div, DivAssign, div_assign);
+
+impl Mul<Vec2> for i32 {
     type Output = Vec2;
 
     #[inline]

@@ -23,7 +23,7 @@ use crate::kernel::wide::mul_shift_64;
 /// assert_eq!(FxAccumulator::from_scalar(fx!(1.5)).value(), fx!(1.5));
 /// assert!(third_of_an_ulp.is_within(Fx::DELTA) && !third_of_an_ulp.is_within(fx!(0)));
 /// ```
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct FxAccumulator {
     /// Multiples of 2^-32, rounded down. The first field, so that the derived order is that of the values.
     pub(super) high: i64,
@@ -102,6 +102,13 @@ impl fmt::Display for FxAccumulator {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (bits, magnitude) = (self.bits(), self.bits().unsigned_abs());
         decimal::write(f, bits < 0, (magnitude >> 96) as u64, magnitude << 32)
+    }
+}
+
+impl fmt::Debug for FxAccumulator {
+    /// Writes the number as [`Display`](fmt::Display) does.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
     }
 }
 

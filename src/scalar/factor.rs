@@ -1,7 +1,6 @@
 //! Normalised factors in fixed point: 64 significant bits at any size.
 
 use core::cmp::Ordering;
-use core::fmt;
 
 use super::number::{Factor, Number, inherent};
 use super::wide::FxWide;
@@ -25,7 +24,7 @@ use crate::kernel::wide::shr_round_256;
 /// assert_eq!(FxFactor::from_scalar(fx!(-4)), four); // the magnitude
 /// assert!(FxFactor::PI > 3.into() && FxFactor::ZERO.is_zero());
 /// ```
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Default, PartialEq, Eq, Hash)]
 pub struct FxFactor {
     mantissa: u64,
     shift: i32,
@@ -311,15 +310,6 @@ impl Number for FxFactor {
 
     fn to_words(self) -> [u64; 3] {
         [i64::from(self.shift) as u64, self.mantissa, 0]
-    }
-}
-
-/// The exact value as an integer times a power of two.
-impl fmt::Display for FxFactor {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // In lowest terms: 1 is 1·2^0.
-        let zeros = if self.mantissa == 0 { 0 } else { self.mantissa.trailing_zeros() };
-        write!(f, "{}·2^{}", self.mantissa >> zeros, i64::from(zeros) - i64::from(self.shift))
     }
 }
 

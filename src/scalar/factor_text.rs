@@ -3,6 +3,8 @@
 use alloc::string::{String, ToString};
 use alloc::vec;
 use alloc::vec::Vec;
+use core::cmp::Ordering;
+use core::fmt;
 use core::str::FromStr;
 
 use super::factor::FxFactor;
@@ -62,22 +64,10 @@ impl FxFactor {
         Ok(quotient(numerator, denominator))
     }
 
-    /// The exact value as a decimal number, at most 16,384 digits after the point. [`parse`](Self::parse) reads it back within
-    /// its domain.
-    ///
-    /// ```
-    /// use umbra_physics::FxFactor;
-    /// let factor = FxFactor::parse("12.625")?;
-    /// assert_eq!((factor.to_decimal(), factor.to_string()), ("12.625".into(), "101·2^-3".into()));
-    /// # Ok::<(), umbra_physics::ParseFxError>(())
-    /// ```
-    #[must_use]
-    pub fn to_decimal(self) -> String {
+    /// The decimal digits of the value, the lowest first, and how many of them are after the point; one at least is before it.
+    fn decimal(self) -> (Vec<u8>, usize) {
         let (mantissa, shift) = self.parts();
-        if mantissa == 0 {
-            return "0".to_string();
-        }
-        let zeros = mantissa.trailing_zeros();
+        let zeros = if mantissa == 0 { 0 } else { mantissa.trailing_zeros() };
         let (odd, shift) = (mantissa >> zeros, shift - zeros as i32);
         let mut digits: Vec<u8> = odd.to_string().bytes().rev().map(|digit| digit - b'0').collect();
         // odd · 2^-shift is odd · 5^shift · 10^-shift.
@@ -86,13 +76,61 @@ impl FxFactor {
         }
         let places = shift.max(0) as usize;
         digits.resize(digits.len().max(places + 1), 0);
+        (digits, places)
+    }
+}
+
+impl fmt::Display for FxFactor {
+    /// The exact decimal value, at most 16,384 digits after the point; with a precision, that many digits, rounded to nearest,
+    /// ties to even. Width, fill and zero flags as for `f64`. [`FxFactor::parse`] reads the exact value back within its domain.
+    ///
+    /// ```
+    /// use umbra_physics::FxFactor;
+    /// let factor = FxFactor::parse("12.625")?;
+    /// assert_eq!((factor.to_string(), format!("{factor:.2}"), format!("{factor:08.1?}")), ("12.625".into(), "12.62".into(), "000012.6".into()));
+    /// # Ok::<(), umbra_physics::ParseFxError>(())
+    /// ```
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (mut digits, mut places) = self.decimal();
+        if let Some(precision) = f.precision() {
+            if precision < places {
+                round_off(&mut digits, places - precision);
+            } else {
+                digits.splice(0..0, vec![0; precision - places]);
+            }
+            places = precision;
+        }
         let digit = |&digit: &u8| char::from(b'0' + digit);
         let mut text: String = digits[places..].iter().rev().map(digit).collect();
         if places > 0 {
             text.push('.');
             text.extend(digits[..places].iter().rev().map(digit));
         }
-        text
+        f.pad_integral(true, "", &text)
+    }
+}
+
+impl fmt::Debug for FxFactor {
+    /// Writes the number as [`Display`](fmt::Display) does.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
+}
+
+/// Takes the lowest `count` digits off, rounded to nearest, ties to even. *Domain* count > 0, and digits remain.
+fn round_off(digits: &mut Vec<u8>, count: usize) {
+    let rest: Vec<u8> = digits.drain(..count).collect();
+    let beyond_half = match rest[count - 1].cmp(&5) {
+        Ordering::Equal if rest[..count - 1].iter().all(|&digit| digit == 0) => digits[0] % 2 == 1,
+        order => order.is_ge(),
+    };
+    if beyond_half {
+        let nines = digits.iter().take_while(|&&digit| digit == 9).count();
+        digits[..nines].fill(0);
+        match digits.get_mut(nines) {
+            Some(digit) => *digit += 1,
+            None => digits.push(1),
+        }
     }
 }
 
@@ -248,7 +286,7 @@ mod tests {
         #[test]
         fn all_digits_are_written(mantissa: u64, places in -60i32..190) {
             let factor = FxFactor::new(mantissa.into(), places);
-            let text = factor.to_decimal();
+            let text = factor.to_string();
             prop_assert_eq!(FxFactor::parse(&text), Ok(factor));
             let (whole, fraction) = text.split_once('.').unwrap_or((&text, ""));
             prop_assert!(!fraction.ends_with('0') && (whole == "0" || !whole.starts_with('0')), "{}", text);
@@ -257,6 +295,23 @@ mod tests {
             let (up, down) = (places.max(0) as usize, (-places).max(0) as usize);
             let scaled = UBig::from(mantissa) * UBig::from(10u8).pow(fraction.len());
             prop_assert_eq!(written << up, scaled << down);
+        }
+
+        #[test]
+        fn a_precision_rounds_once_ties_to_even(mantissa: u64, places in 0i32..100, precision in 0usize..120) {
+            // A tie in one case of some: few bits after the point.
+            for mantissa in [mantissa, mantissa | 1 << 63, mantissa >> 58] {
+                let factor = FxFactor::new(mantissa.into(), places);
+                let text = format!("{factor:.precision$}");
+                let (num, den) = (UBig::from(mantissa) * UBig::from(10u8).pow(precision), UBig::ONE << places as usize);
+                let (floor, rest) = (&num / &den, (&num % &den) << 1);
+                let is_odd = &floor % UBig::from(2u8) == UBig::ONE;
+                let nearest = if rest > den || (rest == den && is_odd) { floor + UBig::ONE } else { floor };
+                let digits: UBig = text.replace('.', "").parse().unwrap_or_default();
+                prop_assert_eq!(digits, nearest, "{} of {}", text, factor);
+                let after = text.split_once('.').map_or(0, |(_, after)| after.len());
+                prop_assert_eq!(after, precision);
+            }
         }
 
         #[test]

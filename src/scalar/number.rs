@@ -191,6 +191,11 @@ pub trait Angle<S: Scalar>: Number {
 ///
 /// The trait is sealed: nothing else implements it. Operators of `Fx` panic on overflow in every profile; the engine's own
 /// arithmetic goes through the associated types, whose ranges are proved in [`limits`](crate::limits).
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is not a number type of the engine",
+    label = "write a constant as `fx!(1)` or `fx!(0.5)`",
+    note = "a world computes in `Fx`; values known at run time convert by `Fx::from(integer)` or `Fx::from_ratio(a, b)`"
+)]
 pub trait Scalar:
     Copy
     + Debug

@@ -26,7 +26,7 @@ use crate::math::{Random, Vec2};
 /// assert_eq!(Turn::QUARTER.way_to(Turn::default()).to_scalar(), Some(-Fx::FRAC_PI_2));
 /// assert_eq!(Turn::from_bits(Turn::QUARTER.to_bits()), Turn::QUARTER);
 /// ```
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Default, PartialEq, Eq, Hash)]
 #[repr(transparent)]
 pub struct Turn(pub(super) u64);
 
@@ -113,6 +113,13 @@ impl Turn {
 impl fmt::Display for Turn {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         decimal::write(f, false, 0, u128::from(self.0) << 64)
+    }
+}
+
+impl fmt::Debug for Turn {
+    /// Writes the number as [`Display`](fmt::Display) does.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
     }
 }
 

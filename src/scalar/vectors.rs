@@ -41,8 +41,8 @@ impl<S: Scalar> Vec2<S> {
     /// Returns true if both components are finite; those of floats may not be.
     ///
     /// ```
-    /// # use umbra_physics::{Vec2, fx, vec2};
-    /// let v: Vec2 = vec2(1, fx!(0.5));
+    /// # use umbra_physics::{fx, vec2};
+    /// let v = vec2(1, fx!(0.5));
     /// assert!(v.is_finite()); // always, with components in `Fx`
     /// ```
     #[must_use]
@@ -67,8 +67,8 @@ impl Vec2 {
     /// When it does not fit; [`checked_dot`](Self::checked_dot) gives `None`.
     ///
     /// ```
-    /// # use umbra_physics::{Fx, Vec2, fx, vec2};
-    /// let (a, b): (Vec2, Vec2) = (vec2(3, 4), vec2(1, fx!(0.5)));
+    /// # use umbra_physics::{Fx, fx, vec2};
+    /// let (a, b) = (vec2(3, 4), vec2(1, fx!(0.5)));
     /// assert_eq!((a.dot(b), a.cross(b)), (fx!(5), fx!(-2.5)));
     /// assert_eq!((a.checked_dot(vec2(Fx::MAX, 0)), a.checked_cross(vec2(0, Fx::MAX))), (None, None));
     /// assert_eq!(a.wide_dot(b).and_then(|product| product.to_scalar()), Some(fx!(5)));

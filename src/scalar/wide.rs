@@ -20,7 +20,7 @@ use crate::kernel::wide::{mul_shift_64, shift_round_256};
 /// assert_eq!((force.map(FxWide::negated), FxWide::from_factor(3.into(), true)), (Some(fx!(-1.5).into()), Some(FxWide::from_scalar(fx!(-3)))));
 /// assert_eq!(FxWide::from_bits(product.to_bits()), product);
 /// ```
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(transparent)]
 pub struct FxWide(i128);
 
@@ -51,6 +51,13 @@ impl fmt::Display for FxWide {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let magnitude = self.0.unsigned_abs();
         decimal::write(f, self.0 < 0, (magnitude >> 64) as u64, magnitude << 64)
+    }
+}
+
+impl fmt::Debug for FxWide {
+    /// Writes the number as [`Display`](fmt::Display) does.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
     }
 }
 

@@ -9,7 +9,7 @@ use crate::scalar::Scalar;
 /// ```
 /// use umbra_physics::{Aabb, Shape, fx, vec2};
 ///
-/// let capsule: Shape = Shape::capsule(fx!(2), fx!(0.5))?;
+/// let capsule = Shape::capsule(fx!(2), fx!(0.5))?;
 /// assert_eq!(capsule.bounds(), Aabb { min: vec2(fx!(-1.5), fx!(-0.5)), max: vec2(fx!(1.5), fx!(0.5)) });
 /// # Ok::<(), umbra_physics::Error>(())
 /// ```

@@ -8,6 +8,7 @@ use super::outline::outlines;
 use super::{Geometry, Part, Shape, mass};
 use crate::codec::StateHasher;
 use crate::error::{Error, Quantity};
+use crate::fx::IntoFx;
 use crate::limits::{CORNERS, PARTS, SIZE_MAX, SIZE_MIN};
 use crate::math::Vec2;
 use crate::scalar::{Factor, Scalar};
@@ -28,6 +29,39 @@ fn check_point<S: Scalar>(point: Vec2<S>) -> Result<(), Error> {
     Err(Error::OutOfRange { quantity: Quantity::Size })
 }
 
+impl Shape {
+    /// A disc of this radius in m.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] with [`Quantity::Size`].
+    ///
+    /// ```
+    /// use umbra_physics::{Shape, fx};
+    /// let wheel = Shape::circle(fx!(0.5))?;
+    /// let gate = Shape::rectangle(50, 1)?; // integers need no fx!
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    pub fn circle(radius: impl IntoFx) -> Result<Self, Error> {
+        Self::new(Geometry::Circle { radius: radius.into() })
+    }
+
+    /// A rectangle of this width (along x) and height in m.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] with [`Quantity::Size`].
+    pub fn rectangle(width: impl IntoFx, height: impl IntoFx) -> Result<Self, Error> {
+        Self::new(Geometry::Rectangle { width: width.into(), height: height.into() })
+    }
+
+    /// A capsule along x: `length` in m between the centres of its round ends, `radius` in m.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] with [`Quantity::Size`].
+    pub fn capsule(length: impl IntoFx, radius: impl IntoFx) -> Result<Self, Error> {
+        Self::new(Geometry::Capsule { length: length.into(), radius: radius.into() })
+    }
+}
+
 impl<S: Scalar> Shape<S> {
     fn of(geometry: Geometry<S>, shift: Vec2<S>, measure: S::Factor, gyration: S::Factor) -> Self {
         S::new_shape(geometry, shift, measure, gyration)
@@ -39,42 +73,39 @@ impl<S: Scalar> Shape<S> {
         Self { digest: StateHasher::of(&shape), ..shape }
     }
 
-    /// A disc of this radius in m.
+    /// A shape of this geometry, re-centred at its centre of mass.
+    ///
+    /// The named constructors make the same shapes of `Fx`; this one makes those of floats too.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] with [`Quantity::Size`].
+    /// [`Error::OutOfRange`] with [`Quantity::Size`] for a disc, a rectangle or a capsule, and as [`segment`](Self::segment),
+    /// [`polygon`](Self::polygon) and [`compound`](Self::compound).
     ///
     /// ```
-    /// use umbra_physics::{Shape, fx};
-    /// let wheel = Shape::circle(fx!(0.5))?;
-    /// # Ok::<(), umbra_physics::Error>(())
+    /// use umbra_physics::{Geometry, Shape, fx};
+    /// assert_eq!(Shape::new(Geometry::Circle { radius: fx!(0.5) }), Shape::circle(fx!(0.5)));
     /// ```
-    pub fn circle(radius: S) -> Result<Self, Error> {
-        check_size(radius)?;
-        let (measure, gyration) = mass::circle(radius);
-        Ok(Self::of(Geometry::Circle { radius }, Vec2::ZERO, measure, gyration))
-    }
-
-    /// A rectangle of this width (along x) and height in m.
-    ///
-    /// # Errors
-    /// [`Error::OutOfRange`] with [`Quantity::Size`].
-    pub fn rectangle(width: S, height: S) -> Result<Self, Error> {
-        check_size(width)?;
-        check_size(height)?;
-        let (measure, gyration) = mass::rectangle(width, height);
-        Ok(Self::of(Geometry::Rectangle { width, height }, Vec2::ZERO, measure, gyration))
-    }
-
-    /// A capsule along x: `length` in m between the centres of its round ends, `radius` in m.
-    ///
-    /// # Errors
-    /// [`Error::OutOfRange`] with [`Quantity::Size`].
-    pub fn capsule(length: S, radius: S) -> Result<Self, Error> {
-        check_size(length)?;
-        check_size(radius)?;
-        let (measure, gyration) = mass::capsule(length, radius);
-        Ok(Self::of(Geometry::Capsule { length, radius }, Vec2::ZERO, measure, gyration))
+    pub fn new(geometry: Geometry<S>) -> Result<Self, Error> {
+        let (measure, gyration) = match geometry {
+            Geometry::Circle { radius } => {
+                check_size(radius)?;
+                mass::circle(radius)
+            }
+            Geometry::Rectangle { width, height } => {
+                check_size(width)?;
+                check_size(height)?;
+                mass::rectangle(width, height)
+            }
+            Geometry::Capsule { length, radius } => {
+                check_size(length)?;
+                check_size(radius)?;
+                mass::capsule(length, radius)
+            }
+            Geometry::Polygon { corners } => return Self::polygon(&corners),
+            Geometry::Segment { ends: [a, b] } => return Self::segment(a, b),
+            Geometry::Compound { parts } => return Self::compound(&parts),
+        };
+        Ok(Self::of(geometry, Vec2::ZERO, measure, gyration))
     }
 
     /// A thin rod between two points. Its density is in kg/m.

@@ -29,7 +29,7 @@ use crate::scalar::Scalar;
 /// ```
 /// use umbra_physics::{Fx, Geometry, Part, Shape, fx, vec2};
 ///
-/// let rod: Shape = Shape::capsule(fx!(2), fx!(0.5))?; // 2 m between the centres of its ends
+/// let rod = Shape::capsule(fx!(2), fx!(0.5))?; // 2 m between the centres of its ends
 /// let weight = Shape::rectangle(fx!(1), fx!(1))?;
 /// let part = |shape: &Shape, x: i32, density: Fx| Part {
 ///     shape: shape.clone(),
@@ -47,7 +47,7 @@ use crate::scalar::Scalar;
 /// assert_eq!(weight.measure().to_scalar(), Some(fx!(1)));
 /// assert_eq!(weight.gyration().to_scalar(), Some(Fx::from_ratio(1, 6)));
 /// // A thin rod: its measure is its length.
-/// let rod: Shape = Shape::segment(vec2(0, 0), vec2(3, 4))?;
+/// let rod = Shape::segment(vec2(0, 0), vec2(3, 4))?;
 /// assert_eq!(rod.measure().to_scalar(), Some(fx!(5)));
 /// # Ok::<(), umbra_physics::Error>(())
 /// ```

@@ -15,14 +15,14 @@ use crate::scalar::{Angle, Factor, Scalar, Wide};
 /// ```
 /// use umbra_physics::{Aabb, Outline, Shape, fx, vec2};
 ///
-/// let capsule: Shape = Shape::capsule(fx!(2), fx!(0.5))?;
+/// let capsule = Shape::capsule(fx!(2), fx!(0.5))?;
 /// let [outline] = capsule.outlines() else { unreachable!() };
 /// assert_eq!(outline.corners(), [vec2(-1, 0), vec2(1, 0)]);
 /// assert_eq!(outline.normals(), [vec2(0, -1), vec2(0, 1)]);
 /// assert_eq!(outline.radius(), fx!(0.5));
 /// assert_eq!(outline.bounds(), Aabb { min: vec2(fx!(-1.5), fx!(-0.5)), max: vec2(fx!(1.5), fx!(0.5)) });
 ///
-/// let wedge: Shape = Shape::polygon(&[vec2(0, 0), vec2(6, 0), vec2(0, 3)])?;
+/// let wedge = Shape::polygon(&[vec2(0, 0), vec2(6, 0), vec2(0, 3)])?;
 /// let outline: &Outline = &wedge.outlines()[0];
 /// assert_eq!(outline.corners(), [vec2(-2, -1), vec2(4, -1), vec2(-2, 2)]);
 /// assert_eq!(outline.normals()[0], vec2(0, -1)); // of the edge from corner 0 to corner 1

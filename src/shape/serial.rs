@@ -75,9 +75,9 @@ fn spec<S: Scalar, P>(shape: &Shape<S>, part: impl Fn(&Part<S>) -> Option<P>) ->
 
 fn shape<S: Scalar, P>(spec: Spec<S, P>, part: impl Fn(P) -> Result<Part<S>, Error>) -> Result<Shape<S>, Error> {
     match spec {
-        Spec::Circle { radius } => Shape::circle(radius),
-        Spec::Rectangle { width, height } => Shape::rectangle(width, height),
-        Spec::Capsule { length, radius } => Shape::capsule(length, radius),
+        Spec::Circle { radius } => Shape::new(Geometry::Circle { radius }),
+        Spec::Rectangle { width, height } => Shape::new(Geometry::Rectangle { width, height }),
+        Spec::Capsule { length, radius } => Shape::new(Geometry::Capsule { length, radius }),
         Spec::Polygon { corners } => Shape::polygon(&corners),
         Spec::Segment { ends: [a, b] } => Shape::segment(a, b),
         Spec::Compound { parts } => {

@@ -26,7 +26,7 @@ pub(super) fn now() -> std::time::Instant {
 /// ```
 /// use umbra_physics::{BodyDef, Timers, World, WorldDef};
 ///
-/// let mut world: World = World::new(WorldDef::default())?;
+/// let mut world = World::new(WorldDef::default())?;
 /// world.add_body(BodyDef::dynamic())?;
 /// (0..10).for_each(|_| _ = world.step());
 /// let Timers { steps, free, kick, .. } = world.timers();

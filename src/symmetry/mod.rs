@@ -36,7 +36,7 @@ use crate::world::{Command, CommandMap};
 /// // A world and its image, given images of the same commands, stay each other's image to the bit.
 /// let rod = Shape::segment(vec2(0, 0), vec2(1, 2))?;
 /// assert_eq!(mirror.shape(&rod), Shape::segment(vec2(0, 0), vec2(-1, 2)).ok());
-/// let mut world: World = World::new(WorldDef { gravity: vec2(1, -9), ..WorldDef::default() })?;
+/// let mut world = World::new(WorldDef { gravity: vec2(1, -9), ..WorldDef::default() })?;
 /// let body = world.add_body(BodyDef {
 ///     position: vec2(2, 3),
 ///     shape: Some(rod),

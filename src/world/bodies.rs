@@ -19,7 +19,7 @@ impl<S: Scalar> World<S> {
     /// ```
     /// use umbra_physics::{BodyDef, BodyKind, Damping, Fx, Mass, Shape, World, WorldDef, fx, vec2};
     ///
-    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let mut world = World::new(WorldDef::default())?;
     /// let body = world.add_body(BodyDef { position: vec2(1, 2), ..BodyDef::dynamic() })?;
     /// // Everything in a definition can be changed later.
     /// world.set_shape(body, Some(Shape::circle(fx!(0.5))?))?;
@@ -149,7 +149,7 @@ impl<S: Scalar> World<S> {
     /// ```
     /// use umbra_physics::{BodyDef, World, WorldDef, fx, vec2};
     ///
-    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let mut world = World::new(WorldDef::default())?;
     /// let lift = world.add_body(BodyDef::kinematic())?;
     /// world.move_to(lift, vec2(0, fx!(0.1)), fx!(0.2))?;
     /// world.step();
@@ -296,7 +296,7 @@ impl<S: Scalar> World<S> {
     /// ```
     /// use umbra_physics::{BodyDef, Locks, World, WorldDef, fx, vec2};
     ///
-    /// let mut world: World = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() })?;
+    /// let mut world = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() })?;
     /// let locks = Locks { y: true, rotation: true, ..Locks::NONE };
     /// let cart = world.add_body(BodyDef { position: vec2(0, fx!(0.1)), locks, ..BodyDef::dynamic() })?;
     /// world.apply_impulse_at_point(cart, vec2(3, 4), vec2(1, 1))?;

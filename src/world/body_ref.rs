@@ -10,12 +10,12 @@ use crate::scalar::{Accumulator, Angle, Factor, Scalar, Wide};
 use crate::shape::Shape;
 use crate::slots::BodyId;
 
-/// A read-only view of a body.
+/// A read-only view of a body. `{:?}` prints its state.
 ///
 /// ```
 /// use umbra_physics::{Activity, BodyDef, BodyKind, Mass, Shape, World, WorldDef, fx, vec2};
 ///
-/// let mut world: World = World::new(WorldDef::default())?;
+/// let mut world = World::new(WorldDef::default())?;
 /// let shape = Shape::polygon(&[vec2(0, 0), vec2(3, 0), vec2(0, 3)])?; // its centre of mass is at (1, 1)
 /// let body = world.add_body(BodyDef {
 ///     shape: Some(shape),
@@ -37,6 +37,8 @@ use crate::slots::BodyId;
 /// );
 ///
 /// assert_eq!((look.kind(), look.activity()), (BodyKind::Dynamic, Activity::Awake));
+/// assert_eq!(format!("a {} body, {}", look.kind(), look.activity()), "a dynamic body, awake");
+/// assert!(format!("{look:?}").contains("inertia: Some(4)"));
 /// assert_eq!((look.mass(), look.inverse_mass().to_scalar()), (Some(fx!(4)), Some(fx!(0.25))));
 /// assert_eq!(look.inertia().and_then(|inertia| inertia.to_scalar()), Some(fx!(4)));
 /// assert_eq!(look.inverse_inertia().to_scalar(), Some(fx!(0.25)));
@@ -142,7 +144,7 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
     /// ```
     /// use umbra_physics::{BodyDef, World, WorldDef, fx, vec2};
     ///
-    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let mut world = World::new(WorldDef::default())?;
     /// let wheel = world.add_body(BodyDef { position: vec2(5, 1), angular_velocity: fx!(2), ..BodyDef::dynamic() })?;
     /// let wheel = world.body(wheel)?;
     /// // Its top, in its own axes and in the world's.
@@ -198,7 +200,7 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
     /// ```
     /// use umbra_physics::{BodyDef, Mass, World, WorldDef, fx, vec2};
     ///
-    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let mut world = World::new(WorldDef::default())?;
     /// let mass = Mass::Explicit { mass: fx!(0.5), inertia: fx!(0.25) };
     /// let velocity = vec2(3, fx!(0.1));
     /// let body = world.add_body(BodyDef { mass, velocity, position: vec2(0, 2), ..BodyDef::dynamic() })?;
@@ -318,7 +320,7 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
     /// ```
     /// use umbra_physics::{BodyDef, Locks, World, WorldDef, fx, vec2};
     ///
-    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let mut world = World::new(WorldDef::default())?;
     /// let lift = world.add_body(BodyDef { velocity: vec2(3, 4), ..BodyDef::dynamic() })?;
     /// world.set_locks(lift, Locks { x: true, ..Locks::NONE })?;
     /// world.set_max_speeds(lift, Some(fx!(2)), Some(fx!(1)))?;
@@ -356,7 +358,7 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
     /// ```
     /// use umbra_physics::{BodyDef, World, WorldDef, fx, vec2};
     ///
-    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let mut world = World::new(WorldDef::default())?;
     /// let door = world.add_body(BodyDef::kinematic())?;
     /// world.move_to(door, vec2(fx!(0.1), 0), fx!(0.5))?;
     /// assert_eq!(world.body(door)?.goal().map(|(position, _)| position), Some(vec2(fx!(0.1), 0)));

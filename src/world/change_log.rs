@@ -324,7 +324,7 @@ impl<S: Scalar> World<S> {
     /// ```
     /// use umbra_physics::{BodyDef, World, WorldDef, vec2};
     ///
-    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let mut world = World::new(WorldDef::default())?;
     /// let [ball, wall, door] = [BodyDef::dynamic(), BodyDef::fixed(), BodyDef::fixed()].map(|def| world.add_body(def));
     /// let (ball, door) = (ball?, door?);
     /// world.step();
@@ -352,7 +352,7 @@ impl<S: Scalar> World<S> {
     /// ```
     /// use umbra_physics::{World, WorldDef};
     ///
-    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let mut world = World::new(WorldDef::default())?;
     /// let (saved, before) = (world.snapshot(), world.rewinds());
     /// world.step();
     /// assert_eq!(world.rewinds(), before);

@@ -149,7 +149,7 @@ macro_rules! commands {
             /// ```
             /// use umbra_physics::{BodyDef, BodyId, Command, Error, World, WorldDef, vec2};
             ///
-            /// let mut world: World = World::new(WorldDef::default())?;
+            /// let mut world = World::new(WorldDef::default())?;
             /// let body = BodyId::from_parts(0, 0);
             /// let push = Command::SetVelocity { body, velocity: vec2(1, 0) };
             /// assert_eq!(world.check(&push), Err(Error::NoSuchBody { body }));

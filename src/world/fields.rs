@@ -18,7 +18,7 @@ impl<S: Scalar> World<S> {
     /// ```
     /// use umbra_physics::{BodyDef, End, FieldKind, World, WorldDef, fx, vec2};
     ///
-    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let mut world = World::new(WorldDef::default())?;
     /// let star =
     ///     FieldKind::Attractor { centre: End::World(vec2(0, 0)), mu: 100.into(), softening: fx!(1) };
     /// let star = world.add_field(star)?; // acts on all bodies; a `ForceField` with `force_groups` on some

@@ -115,6 +115,7 @@ impl<S: Scalar> World<S> {
     }
 
     /// Applies a force at a point of the world over the next step, with the torque τ = r × F, r from the present centre of mass.
+    /// Without inertia the torque does nothing, as in [`apply_torque`](Self::apply_torque).
     ///
     /// # Errors
     /// As [`apply`](Self::apply).
@@ -123,6 +124,9 @@ impl<S: Scalar> World<S> {
     }
 
     /// Applies a torque, N·m, over the next step.
+    ///
+    /// It does nothing to a body whose moment of inertia is infinite, such as one of given mass without a shape, or whose rotation
+    /// is locked: [`BodyRef::inertia`](crate::BodyRef::inertia) is `None`, [`BodyRef::locks`](crate::BodyRef::locks) has `rotation`.
     ///
     /// # Errors
     /// As [`apply`](Self::apply).
@@ -139,7 +143,7 @@ impl<S: Scalar> World<S> {
     }
 
     /// Changes the velocity by J/m and the angular velocity by (r × J)/I at once, r from the centre of mass to a point of
-    /// the world.
+    /// the world. Without inertia the body does not turn, as in [`apply_torque`](Self::apply_torque).
     ///
     /// # Errors
     /// As [`apply`](Self::apply).
@@ -147,7 +151,7 @@ impl<S: Scalar> World<S> {
         self.apply(body, ForceOrImpulse::Impulse { impulse, point: Some(point) }, ApplyOptions::default())
     }
 
-    /// Changes the angular velocity by L/I at once.
+    /// Changes the angular velocity by L/I at once. Without inertia it does nothing, as [`apply_torque`](Self::apply_torque).
     ///
     /// # Errors
     /// As [`apply`](Self::apply).
@@ -156,6 +160,9 @@ impl<S: Scalar> World<S> {
     }
 
     /// Applies a force, torque or impulse to a body.
+    ///
+    /// Only a dynamic body takes one. It is accepted and has no effect along a locked axis, on the rotation of a body without
+    /// inertia, and on a sleeping body that the options do not wake.
     ///
     /// *Error* in the world's frame forces, torques and torques of forces at a point are exact. In the body's frame a force F is
     /// within 2^-60·|F| and 2^-64 N, and its torque at a point r within 2^-58·|r|·|F| and 2^-64 of |r| + |F| + 1, in N·m. An
@@ -169,7 +176,7 @@ impl<S: Scalar> World<S> {
     /// ```
     /// use umbra_physics::{ForceOrImpulse, BodyDef, Frame, Fx, ApplyOptions, Shape, World, WorldDef, fx, vec2};
     ///
-    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let mut world = World::new(WorldDef::default())?;
     /// let shape = Some(Shape::rectangle(fx!(2), fx!(1))?);
     /// let ship = world.add_body(BodyDef { shape, angle: Fx::FRAC_PI_2, ..BodyDef::dynamic() })?;
     /// // Forwards in the ship's frame; a sleeping ship sleeps on.

@@ -19,7 +19,7 @@ impl<S: Scalar> World<S> {
     /// ```
     /// use umbra_physics::{Random, World, WorldDef};
     ///
-    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let mut world = World::new(WorldDef::default())?;
     /// world.set_random(Random::seeded(42));
     /// let saved = world.clone();
     /// let drawn = world.random_mut().below(6);

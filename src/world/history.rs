@@ -24,7 +24,7 @@ use crate::scalar::Scalar;
 ///     let action = ForceOrImpulse::Impulse { impulse: vec2(x, 0), point: None };
 ///     Command::Apply { body, action, options: ApplyOptions::default() }
 /// };
-/// let mut world: World = World::new(WorldDef::default())?;
+/// let mut world = World::new(WorldDef::default())?;
 /// let ships = [world.add_body(BodyDef::dynamic())?, world.add_body(BodyDef::dynamic())?];
 /// let mut history = History::new(8);
 ///
@@ -47,7 +47,7 @@ use crate::scalar::Scalar;
 /// ```
 /// use umbra_physics::{BodyDef, Command, Error, History, Inputs, TickReport, World, WorldDef, vec2};
 ///
-/// let mut world: World = World::new(WorldDef::default())?;
+/// let mut world = World::new(WorldDef::default())?;
 /// let body = world.add_body(BodyDef::dynamic())?;
 /// let mut history = History::new(4);
 /// for tick in 0..6 {

@@ -50,7 +50,7 @@ impl<S: Scalar> Input<S> {
 /// inputs.insert(Input { player: 1, sequence: 0, command })?;
 /// inputs.insert(Input { player: 0, sequence: 0, command: Command::AddBody(BodyDef::dynamic()) })?;
 ///
-/// let mut world: World = World::new(WorldDef::default())?;
+/// let mut world = World::new(WorldDef::default())?;
 /// for outcome in world.carry_out(&inputs) {
 ///     if let (1, Ok(Created::Body(body))) = (outcome.player, outcome.result) {
 ///         assert_eq!(world.body(body)?.user_data(), 7);
@@ -63,7 +63,7 @@ impl<S: Scalar> Input<S> {
 /// ```
 /// use umbra_physics::{Command, Inputs, InputsIter, Random};
 ///
-/// let mut inputs: Inputs = Inputs::new();
+/// let mut inputs = Inputs::new();
 /// for player in [2, 0, 1] {
 ///     assert!(inputs.replace(player, [Command::SetRandom(Random::seeded(player.into()))]));
 /// }
@@ -98,18 +98,21 @@ impl<S: Scalar> PartialEq for Inputs<S> {
 }
 
 impl<S: Scalar> Default for Inputs<S> {
+    /// No inputs.
     fn default() -> Self {
-        Self::new()
+        Self { rows: Vec::new(), late: BTreeMap::new() }
     }
 }
 
-impl<S: Scalar> Inputs<S> {
-    /// No inputs.
+impl Inputs {
+    /// No inputs. [`Inputs::default`] has none either, of any type of number.
     #[must_use]
     pub const fn new() -> Self {
         Self { rows: Vec::new(), late: BTreeMap::new() }
     }
+}
 
+impl<S: Scalar> Inputs<S> {
     /// Adds an input in its place.
     ///
     /// *Cost* a search in a sorted list; for inputs that arrive in order, constant.

@@ -49,6 +49,7 @@ pub use history::{History, TickReport};
 pub use inputs::{Input, InputResult, Inputs, InputsIter};
 pub(crate) use journal::Journal;
 pub use preview::Preview;
+pub use query::BodyIter;
 pub use rollback::{ConfirmedTick, EventStatus, Rollback, RollbackReport, TickEvent};
 pub use stepper::Stepper;
 pub use trace::Trace;
@@ -96,7 +97,7 @@ impl<S: Scalar> WorldDef<S> {
     /// ```
     /// use umbra_physics::{Error, Quantity, TimeStep, WorldDef, vec2};
     ///
-    /// let def: WorldDef = WorldDef { gravity: vec2(0, 100_000), ..WorldDef::default() };
+    /// let def = WorldDef { gravity: vec2(0, 100_000), ..WorldDef::default() };
     /// assert_eq!(def.check(), Err(Error::OutOfRange { quantity: Quantity::Gravity }));
     /// let def: WorldDef = WorldDef { time_step: TimeStep::hz(20_000), ..WorldDef::default() };
     /// assert_eq!(def.check(), Err(Error::TimeStep));
@@ -196,12 +197,13 @@ clone_by_field!((clone_world, clone_world_from) World {
     journal,
 });
 
-/// The report of a step. It borrows from the world: copy values that you need longer.
+/// The report of a step. It borrows from the world: copy values that you need longer. `for event in world.step()` has the
+/// [events](Self::events) in a list of their own, so that the world can change meanwhile.
 ///
 /// ```
 /// use umbra_physics::{BodyDef, StepReport, World, WorldDef, vec2};
 ///
-/// let mut world: World = World::new(WorldDef::default())?;
+/// let mut world = World::new(WorldDef::default())?;
 /// let brick = world.add_body(BodyDef::dynamic())?;
 /// let mut slept = Vec::new();
 /// for _ in 0..31 {
@@ -241,12 +243,32 @@ pub struct StepReport<'a, S: Scalar = Fx> {
     pub drag_outside: u32,
 }
 
-impl<S: Scalar> World<S> {
+impl World {
     /// An empty world.
     ///
     /// # Errors
     /// As [`WorldDef::check`].
-    pub fn new(def: WorldDef<S>) -> Result<Self, Error> {
+    pub fn new(def: WorldDef) -> Result<Self, Error> {
+        Self::with_scalar(def)
+    }
+}
+
+impl<S: Scalar> World<S> {
+    /// An empty world with numbers of the type of its definition: of [`Fx`], or of floats to compare with.
+    ///
+    /// # Errors
+    /// As [`WorldDef::check`].
+    ///
+    /// ```
+    /// # #[cfg(feature = "float")] {
+    /// use umbra_physics::{World, WorldDef};
+    ///
+    /// let world: World<f64> = World::with_scalar(WorldDef::default())?;
+    /// # assert_eq!(world.tick(), 0);
+    /// # }
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    pub fn with_scalar(def: WorldDef<S>) -> Result<Self, Error> {
         S::new_world(def)
     }
 
@@ -338,24 +360,10 @@ impl<S: Scalar> World<S> {
         }
     }
 
-    /// The time that this world's steps spent in their parts. A clone starts from zero; `clone_from` goes on counting.
-    #[cfg(feature = "timers")]
-    #[must_use]
-    pub fn timers(&self) -> crate::step::Timers {
-        self.workspace.timers
-    }
-
     /// The number of steps made, at most [`limits::TICK`].
     #[must_use]
     pub fn tick(&self) -> u64 {
         self.tick
-    }
-
-    /// The simulated time, an exact ratio in seconds, also after changes of the time step.
-    #[must_use]
-    pub fn elapsed(&self) -> Elapsed {
-        // A change of the time step makes sure that the ratio fits for 2^64 steps more.
-        self.counted.0.plus(self.tick - self.counted.1, self.def.time_step).unwrap_or(self.counted.0)
     }
 
     /// The definition, with later changes.
@@ -388,14 +396,4 @@ pub fn step_all<S: Scalar>(worlds: &mut [World<S>]) {
     }
     #[cfg(not(feature = "parallel"))]
     worlds.iter_mut().for_each(|world| _ = world.step());
-}
-
-impl<S: Scalar> core::fmt::Debug for World<S> {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.debug_struct("World")
-            .field("def", &self.def)
-            .field("tick", &self.tick)
-            .field("bodies", &self.bodies.len())
-            .finish_non_exhaustive()
-    }
 }

@@ -69,7 +69,7 @@ impl<S: Scalar> World<S> {
     /// ```
     /// use umbra_physics::{BodyDef, World, WorldDef, vec2};
     ///
-    /// let mut world: World = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() })?;
+    /// let mut world = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() })?;
     /// let ball = world.add_body(BodyDef::dynamic())?;
     /// let mut ahead = world.preview(ball)?;
     /// let shot = ahead.id();
@@ -89,7 +89,7 @@ impl<S: Scalar> World<S> {
     pub(crate) fn preview_inner(&self, body: BodyId) -> Result<Preview<S>, Error> {
         self.bodies.find(body)?;
         let company = self.company(body);
-        let mut world = World::new(self.def)?;
+        let mut world = World::with_scalar(self.def)?;
         (world.tick, world.counted, world.custom_forces) = (self.tick, self.counted, self.custom_forces.clone());
         world.change_log = ChangeLog::starting_at(self.tick);
         world.targets.moved_at = self.targets.moved_at;

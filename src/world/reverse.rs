@@ -31,7 +31,7 @@ impl<S: Scalar> World<S> {
     /// ```
     /// use umbra_physics::{BodyDef, World, WorldDef, vec2};
     ///
-    /// let mut world: World = World::new(WorldDef { gravity: vec2(0, -10), sleep_after: None, ..WorldDef::default() })?;
+    /// let mut world = World::new(WorldDef { gravity: vec2(0, -10), sleep_after: None, ..WorldDef::default() })?;
     /// let ball = world.add_body(BodyDef::dynamic())?;
     /// world.apply_force(ball, vec2(3, 0))?;
     /// let before = world.state_hash();
@@ -130,7 +130,7 @@ mod tests {
     /// Refuses a step back of a coupled body whose ticks at rest only a file can have: no call leaves them without sleep.
     #[test]
     fn a_refused_step_back_keeps_the_ticks_at_rest() {
-        let mut world: World = World::new(WorldDef { sleep_after: None, ..WorldDef::default() }).expect("a world");
+        let mut world = World::new(WorldDef { sleep_after: None, ..WorldDef::default() }).expect("a world");
         let position = vec2(-(1 << 30), 0) + vec2(1, 0);
         let region = Region::Disc { centre: vec2(0, 0), radius: fx!(1) };
         let field = FieldKind::Zone { region, acceleration: vec2(1, 0) };

@@ -19,7 +19,7 @@ impl<S: Scalar> World<S> {
     /// ```
     /// use umbra_physics::{Damping, Elapsed, Integrator, TimeStep, World, WorldDef, fx};
     ///
-    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let mut world = World::new(WorldDef::default())?;
     /// (0..60).for_each(|_| _ = world.step());
     /// world.set_time_step(TimeStep::hz(240))?; // a stiff spring is about to come
     /// world.set_integrator(Integrator::Yoshida4)?;
@@ -106,7 +106,7 @@ impl<S: Scalar> World<S> {
     /// ```
     /// use umbra_physics::{Snapshot, World, WorldDef};
     ///
-    /// let world: World = World::new(WorldDef::default())?;
+    /// let world = World::new(WorldDef::default())?;
     /// let forces: Vec<_> = world.custom_forces().cloned().collect();
     /// let copy = Snapshot::from_bytes(&world.snapshot().to_bytes(), &forces)?.into_world();
     /// assert_eq!((copy.state_hash(), forces.len()), (world.state_hash(), 0));

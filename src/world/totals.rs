@@ -196,7 +196,7 @@ impl<S: Scalar> World<S> {
         let mu = if mutual { mu.times(S::Factor::from_ratio(1, 2)) } else { mu };
         for i in self.counted_bodies() {
             let info = self.bodies.info(i);
-            let own = End::Body(Attachment::centre(self.bodies.id(i)));
+            let own = End::Body(Attachment { body: self.bodies.id(i), point: Vec2::ZERO });
             if carrier == Some(i) || info.force_groups & force_groups == 0 {
                 continue;
             }

@@ -18,7 +18,7 @@ use crate::step::find_out_of_bounds;
 /// ```
 /// use umbra_physics::{BodyDef, Trace, World, WorldDef, vec2};
 ///
-/// let mut world: World = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() })?;
+/// let mut world = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() })?;
 /// world.add_body(BodyDef::dynamic())?;
 /// let trace: Trace = world.step_traced();
 /// for (stage, after) in trace.stages() {
@@ -49,7 +49,7 @@ impl<S: Scalar> World<S> {
     /// ```
     /// use umbra_physics::{BodyDef, StageKind, World, WorldDef, vec2};
     ///
-    /// let mut world: World = World::new(WorldDef { gravity: vec2(0, -60), ..WorldDef::default() })?;
+    /// let mut world = World::new(WorldDef { gravity: vec2(0, -60), ..WorldDef::default() })?;
     /// let ball = world.add_body(BodyDef::dynamic())?;
     /// let trace = world.step_traced();
     /// let kicks = trace.stages().filter(|(stage, _)| stage.kind == StageKind::Kick);

@@ -19,7 +19,7 @@ impl<S: Scalar> World<S> {
     /// ```
     /// use umbra_physics::{Activity, BodyDef, World, WorldDef};
     ///
-    /// let mut world: World = World::new(WorldDef { sleep_after: Some(1), ..WorldDef::default() })?;
+    /// let mut world = World::new(WorldDef { sleep_after: Some(1), ..WorldDef::default() })?;
     /// let body = world.add_body(BodyDef::dynamic())?;
     /// world.step();
     /// assert_eq!(world.body(body)?.activity(), Activity::Asleep);
@@ -56,7 +56,7 @@ impl<S: Scalar> World<S> {
     /// ```
     /// use umbra_physics::{BodyDef, World, WorldDef, vec2};
     ///
-    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let mut world = World::new(WorldDef::default())?;
     /// let ball = world.add_body(BodyDef { velocity: vec2(60, 0), ..BodyDef::dynamic() })?;
     /// world.disable(ball)?;
     /// world.step();

@@ -31,7 +31,7 @@ fn later((num, den): (&UBig, &UBig), ticks: u64, step: TimeStep) -> (UBig, UBig)
 /// The elapsed time is the sum of the steps in lowest terms; a step is refused where that is no ratio of 128 bits in 2^64
 /// steps' time, and nowhere else.
 fn is_the_sum(steps: &Steps) -> Verdict {
-    let mut world = World::<Fx>::new(WorldDef::default()).expect("the standard world");
+    let mut world = World::new(WorldDef::default()).expect("the standard world");
     let (mut num, mut den) = (UBig::ZERO, UBig::ONE);
     for &(step, ticks) in steps {
         let (furthest, common) = later((&num, &den), u64::MAX, step);

@@ -86,7 +86,7 @@ type Join<S> = fn([Attachment<S>; 2]) -> Vec<FieldKind<S>>;
 
 fn joined<S: Scalar>(integrator: Integrator, join: Join<S>) -> World<S> {
     let mut world = twins().world::<S>(60, integrator);
-    let centres: Vec<_> = world.bodies().map(|body| Attachment::centre(body.id())).collect();
+    let centres: Vec<_> = world.bodies().map(|body| Attachment { body: body.id(), point: Vec2::ZERO }).collect();
     for law in join([centres[0], centres[1]]) {
         world.add_field(law).expect("a fair field");
     }

@@ -81,7 +81,7 @@ fn explicit_euler_is_farther_off_at_every_rate() {
 fn fall<S: Scalar>(rate: u32, integrator: Integrator) -> (Vec2<S>, Elapsed) {
     let gravity = Vec2::new(S::ZERO, S::from_fx(fx!(-9.8125)));
     let def = WorldDef { time_step: TimeStep::hz(rate), integrator, gravity, ..WorldDef::default() };
-    let mut world = World::new(def).expect("a fair definition");
+    let mut world = World::with_scalar(def).expect("a fair definition");
     let velocity = Vec2::new(S::from_fx(fx!(3.25)), S::ZERO);
     let body = world.add_body(BodyDef { velocity, ..BodyDef::dynamic() }).expect("a fair body");
     for _ in 0..SECONDS * rate {

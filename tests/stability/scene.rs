@@ -151,13 +151,13 @@ impl Scene {
     /// The scene in a world where nothing sleeps.
     pub(crate) fn world<S: Scalar>(&self, rate: u32, integrator: Integrator) -> World<S> {
         let def = WorldDef { time_step: TimeStep::hz(rate), integrator, sleep_after: None, ..WorldDef::default() };
-        let mut world = World::<S>::new(def).expect("a fair definition");
+        let mut world = World::<S>::with_scalar(def).expect("a fair definition");
         let vector = |v: Vec2| v.map(S::from_fx);
         let centres = self.bodies.iter().map(|ball| {
             let mass = Mass::Kilograms(S::from_fx(ball.mass));
             let (position, velocity) = (vector(ball.position), vector(ball.velocity));
             let body = world.add_body(BodyDef { mass, position, velocity, ..BodyDef::dynamic() });
-            Attachment::centre(body.expect("a fair body"))
+            Attachment { body: body.expect("a fair body"), point: Vec2::ZERO }
         });
         let centres: Vec<_> = centres.collect();
         for law in self.custom_forces(&centres) {

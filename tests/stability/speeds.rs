@@ -13,7 +13,7 @@ const ULP: Fx = Fx::DELTA;
 fn world<S: Scalar>(rate: u32, gravity: Fx, body: BodyDef<S>) -> (World<S>, BodyId) {
     let gravity = Vec2::new(S::from_fx(gravity), S::ZERO);
     let def = WorldDef { time_step: TimeStep::hz(rate), gravity, sleep_after: None, ..WorldDef::default() };
-    let mut world = World::new(def).expect("a fair definition");
+    let mut world = World::with_scalar(def).expect("a fair definition");
     let body = world.add_body(body).expect("a fair body");
     (world, body)
 }

@@ -165,7 +165,7 @@ fn replays() {
 
 #[test]
 fn dumps() {
-    let mut before: World = World::new(WorldDef::default()).expect("a world");
+    let mut before = World::new(WorldDef::default()).expect("a world");
     let body = before.add_body(BodyDef { velocity: vec2(1, 0), ..BodyDef::dynamic() }).expect("a body");
     let calls = [Command::SetVelocity { body, velocity: vec2(0, 1) }, Command::SetBlob(vec![1, 2, 3])];
     let mut after = before.clone();

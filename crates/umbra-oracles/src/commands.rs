@@ -85,7 +85,7 @@ const OFTEN: [u8; 10] = [0, 0, 0, 2, 2, 2, 17, 17, 32, 32];
 /// use umbra_physics::{BodyId, Command, Random, World, WorldDef};
 ///
 /// let mut random = Random::seeded(1);
-/// let mut world: World = World::new(WorldDef::default())?;
+/// let mut world = World::new(WorldDef::default())?;
 /// let mut bodies: Vec<BodyId> = Vec::new();
 /// while world.tick() < 100 {
 ///     let command = Generator::new(&mut random, Taste::WILD, &bodies, &[]).command();

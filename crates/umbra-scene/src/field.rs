@@ -1,7 +1,7 @@
 //! Reading force fields. The slot of a handle in them is an index in the scene's list of bodies.
 
 use alloc::collections::BTreeMap;
-use alloc::string::String;
+use alloc::string::{String, ToString};
 
 use super::body::force_groups;
 use super::error::{Coded, Flaw, Place};
@@ -111,7 +111,7 @@ fn factor(node: &Node<'_>) -> Result<FxFactor> {
 /// The text that is read as this factor. The one that is nearest to 10^-60 lies below it, where nothing is read.
 pub(super) fn factor_text(factor: FxFactor) -> String {
     const LEAST: &str = "1e-60";
-    if FxFactor::parse(LEAST) == Ok(factor) { LEAST.into() } else { factor.to_decimal() }
+    if FxFactor::parse(LEAST) == Ok(factor) { LEAST.into() } else { factor.to_string() }
 }
 
 fn spring(object: &Object<'_>, names: &Names) -> Result<FieldKind> {

@@ -38,7 +38,7 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
     pub(super) fn new(scene: &'a Scene, steps: u32) -> Result<Self, SceneError> {
         let def = &scene.world;
         let damping = |damping: Damping| Damping::kept_per_second(S::from_fx(damping.kept()));
-        let world = World::new(WorldDef {
+        let world = World::with_scalar(WorldDef {
             time_step: divided(def.time_step, steps),
             gravity: vector(def.gravity),
             integrator: def.integrator,

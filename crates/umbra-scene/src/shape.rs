@@ -56,10 +56,15 @@ impl ShapeDef {
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
     pub fn make<S: Scalar>(&self) -> core::result::Result<Shape<S>, Error> {
+        let scalar = |value: &Fx| S::from_fx(*value);
         match self {
-            Self::Circle { radius } => Shape::circle(S::from_fx(*radius)),
-            Self::Rectangle { width, height } => Shape::rectangle(S::from_fx(*width), S::from_fx(*height)),
-            Self::Capsule { length, radius } => Shape::capsule(S::from_fx(*length), S::from_fx(*radius)),
+            Self::Circle { radius } => Shape::new(Geometry::Circle { radius: scalar(radius) }),
+            Self::Rectangle { width, height } => {
+                Shape::new(Geometry::Rectangle { width: scalar(width), height: scalar(height) })
+            }
+            Self::Capsule { length, radius } => {
+                Shape::new(Geometry::Capsule { length: scalar(length), radius: scalar(radius) })
+            }
             Self::Polygon { corners } => {
                 let corners: Vec<_> = corners.iter().map(|&corner| vector(corner)).collect();
                 Shape::polygon(&corners)

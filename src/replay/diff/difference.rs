@@ -80,7 +80,7 @@ impl Read for TickPhase {
 /// ```
 /// use umbra_physics::{BodyDef, Difference, Owner, TickPhase, World, WorldDef, vec2};
 ///
-/// let mut world: World = World::new(WorldDef::default())?;
+/// let mut world = World::new(WorldDef::default())?;
 /// let body = world.add_body(BodyDef::dynamic())?;
 /// let mut other = world.clone();
 /// other.set_gravity(vec2(0, -10))?;

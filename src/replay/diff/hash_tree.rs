@@ -19,7 +19,7 @@ use crate::world::{Trace, World};
 /// ```
 /// use umbra_physics::{BodyDef, HashTree, World, WorldDef, vec2};
 ///
-/// let mut here: World = World::new(WorldDef::default())?;
+/// let mut here = World::new(WorldDef::default())?;
 /// let body = here.add_body(BodyDef { velocity: vec2(1, 0), ..BodyDef::dynamic() })?;
 /// let mut there = here.clone();
 /// there.set_velocity(body, vec2(2, 0))?;

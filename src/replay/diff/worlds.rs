@@ -40,7 +40,7 @@ impl<S: Scalar> World<S> {
     /// ```
     /// use umbra_physics::{BodyDef, World, WorldDef, vec2};
     ///
-    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let mut world = World::new(WorldDef::default())?;
     /// for x in 0..1_000 {
     ///     world.add_body(BodyDef { position: vec2(x, 0), velocity: vec2(0, 1), ..BodyDef::dynamic() })?;
     /// }
@@ -103,7 +103,7 @@ impl<S: Scalar> BodyRef<'_, S> {
     /// ```
     /// use umbra_physics::{BodyDef, Owner, World, WorldDef, vec2};
     ///
-    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let mut world = World::new(WorldDef::default())?;
     /// let [a, b] = [1, 2].map(|x| world.add_body(BodyDef { velocity: vec2(x, 0), ..BodyDef::dynamic() }));
     /// let (a, b) = (world.body(a?)?, world.body(b?)?);
     /// let found = a.first_difference(&b).unwrap();

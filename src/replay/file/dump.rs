@@ -22,7 +22,7 @@ use crate::world::{Command, Inputs, World};
 /// ```
 /// use umbra_physics::{BodyDef, Dump, Inputs, TickPhase, StageKind, World, WorldDef, fx, vec2};
 ///
-/// let mut here: World = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() })?;
+/// let mut here = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() })?;
 /// let ball = here.add_body(BodyDef::dynamic())?;
 /// let mut there = here.clone();
 /// there.set_gravity(vec2(0, -9))?; // a peer with another level
@@ -90,7 +90,7 @@ impl Dump {
     /// ```
     /// use umbra_physics::{BodyDef, Dump, Inputs, TickPhase, World, WorldDef, vec2};
     ///
-    /// let mut world: World = World::new(WorldDef { gravity: vec2(0, -60), ..WorldDef::default() })?;
+    /// let mut world = World::new(WorldDef { gravity: vec2(0, -60), ..WorldDef::default() })?;
     /// let ball = world.add_body(BodyDef::dynamic())?;
     /// let before = world.clone();
     /// world.step();

@@ -40,7 +40,7 @@ impl Replay {
     /// use umbra_physics::{BodyDef, Command, Inputs, RecordOptions, Recorder, Replay, ReplayLimits, VerifyError};
     /// use umbra_physics::{World, WorldDef};
     ///
-    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let mut world = World::new(WorldDef::default())?;
     /// let mut recorder = Recorder::new(&world, RecordOptions::default());
     /// for _ in 0..100 {
     ///     recorder.execute(&mut world, &Command::AddBody(BodyDef::dynamic()))?;
@@ -66,7 +66,7 @@ impl Replay {
 ///     BodyDef, Command, Divergence, Inputs, Playback, RecordOptions, Recorder, Replay, World, WorldDef, vec2,
 /// };
 ///
-/// let mut world: World = World::new(WorldDef::default())?;
+/// let mut world = World::new(WorldDef::default())?;
 /// let body = world.add_body(BodyDef::dynamic())?;
 /// let mut recorder = Recorder::new(&world, RecordOptions::default());
 /// for tick in 0..10 {

@@ -42,7 +42,7 @@ impl Default for RecordOptions {
 /// ```
 /// use umbra_physics::{BodyDef, Command, Input, Inputs, RecordOptions, Recorder, Replay, World, WorldDef, vec2};
 ///
-/// let mut world: World = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() })?;
+/// let mut world = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() })?;
 /// let ball = world.add_body(BodyDef::dynamic())?;
 ///
 /// let mut recorder = Recorder::new(&world, RecordOptions::default());

@@ -22,7 +22,7 @@ use crate::world::World;
 /// use umbra_physics::{BodyDef, Command, Inputs, RecordOptions, Recorder, Replay, World, WorldDef, vec2};
 ///
 /// let record = |turn: i32| {
-///     let mut world: World = World::new(WorldDef::default())?;
+///     let mut world = World::new(WorldDef::default())?;
 ///     let body = world.add_body(BodyDef::dynamic())?;
 ///     let mut recorder = Recorder::new(&world, RecordOptions::default());
 ///     for tick in 0..9 {
@@ -201,7 +201,7 @@ impl Replay {
     /// ```
     /// use umbra_physics::{Inputs, RecordOptions, Recorder, Replay, World, WorldDef};
     ///
-    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let mut world = World::new(WorldDef::default())?;
     /// let mut recorder = Recorder::new(&world, RecordOptions::default());
     /// (0..100).for_each(|_| _ = recorder.step(&mut world, &Inputs::new()));
     /// let file = recorder.finish(&world);
@@ -245,7 +245,7 @@ impl Replay {
     /// ```
     /// use umbra_physics::{Inputs, RecordOptions, Recorder, Replay, World, WorldDef};
     ///
-    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let mut world = World::new(WorldDef::default())?;
     /// (0..7).for_each(|_| _ = world.step());
     /// let mut recorder = Recorder::new(&world, RecordOptions::default());
     /// (0..30).for_each(|_| _ = recorder.step(&mut world, &Inputs::new()));

@@ -11,7 +11,7 @@ use crate::error::{Error, codes};
 /// ```
 /// use umbra_physics::{Snapshot, SnapshotError, World, WorldDef};
 ///
-/// let world: World = World::new(WorldDef::default())?;
+/// let world = World::new(WorldDef::default())?;
 /// let mut bytes = world.snapshot().to_bytes();
 /// assert!(Snapshot::from_bytes(&bytes, &[]).is_ok());
 /// assert_eq!(Snapshot::from_bytes(b"something else", &[]).err(), Some(SnapshotError::Foreign));

@@ -51,7 +51,7 @@ impl<S: Scalar> World<S> {
     /// use umbra_physics::{BodyDef, World, WorldDef, vec2};
     ///
     /// let bodies = [1, 2].map(|key| BodyDef { key, velocity: vec2(key as i32, 0), ..BodyDef::dynamic() });
-    /// let [mut a, mut b]: [World; 2] = [World::new(WorldDef::default())?, World::new(WorldDef::default())?];
+    /// let [mut a, mut b] = [World::new(WorldDef::default())?, World::new(WorldDef::default())?];
     /// bodies.iter().try_for_each(|def| a.add_body(def.clone()).map(drop))?;
     /// bodies.iter().rev().try_for_each(|def| b.add_body(def.clone()).map(drop))?;
     /// _ = (a.step(), b.step());
@@ -122,7 +122,7 @@ impl<S: Scalar> BodyRef<'_, S> {
     /// ```
     /// use umbra_physics::{BodyDef, World, WorldDef, vec2};
     ///
-    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let mut world = World::new(WorldDef::default())?;
     /// let [a, b] = [(); 2].map(|()| world.add_body(BodyDef { velocity: vec2(1, 0), ..BodyDef::dynamic() }));
     /// let (a, b) = (a?, b?);
     /// world.step();

@@ -43,7 +43,7 @@ pub(super) use write::{Saved, State};
 /// ```
 /// use umbra_physics::{BodyDef, Snapshot, World, WorldDef, vec2};
 ///
-/// let mut world: World = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() })?;
+/// let mut world = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() })?;
 /// let ball = world.add_body(BodyDef::dynamic())?;
 /// let saved = world.snapshot();
 /// for _ in 0..60 {
@@ -124,7 +124,7 @@ impl Snapshot {
     /// ```
     /// use umbra_physics::{BodyDef, Snapshot, World, WorldDef};
     ///
-    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let mut world = World::new(WorldDef::default())?;
     /// world.add_body(BodyDef::dynamic())?;
     /// let mut message = b"state: ".to_vec();
     /// world.snapshot().write_to(&mut message);

@@ -125,7 +125,7 @@ fn a_flipped_bit_in_a_dump_is_named() {
 
 #[test]
 fn a_changed_chunk_of_a_dump_is_named_by_its_number() {
-    let before: World = World::new(WorldDef::default()).expect("a fair definition");
+    let before = World::new(WorldDef::default()).expect("a fair definition");
     let mut after = before.clone();
     after.step();
     let whole = Dump::of_tick(&before, &[], &Inputs::new(), &after).to_bytes();

@@ -12,7 +12,7 @@ use crate::world::{Inputs, World, WorldDef};
 
 /// A run of nothing, from this tick on.
 fn run(start: u64, ticks: u64, options: RecordOptions) -> Vec<u8> {
-    let mut world: World = World::new(WorldDef::default()).expect("a world");
+    let mut world = World::new(WorldDef::default()).expect("a world");
     (0..start).for_each(|_| _ = world.step());
     let mut recorder = Recorder::new(&world, options);
     (0..ticks).for_each(|_| _ = recorder.step(&mut world, &Inputs::new()));

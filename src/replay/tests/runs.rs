@@ -15,7 +15,7 @@ use crate::world::{Command, Input, Inputs, World, WorldDef};
 #[test]
 fn ticks_are_recorded_in_chunks_of_a_size() {
     let counts = |inputs: Inputs, ticks: u32| -> Vec<u32> {
-        let mut world: World = World::new(WorldDef::default()).expect("a fair definition");
+        let mut world = World::new(WorldDef::default()).expect("a fair definition");
         let mut recorder = Recorder::new(&world, RecordOptions { snapshot_every: 0, ..RecordOptions::default() });
         (0..ticks).for_each(|_| _ = recorder.step(&mut world, &inputs));
         let file = recorder.finish(&world);
@@ -33,7 +33,7 @@ fn ticks_are_recorded_in_chunks_of_a_size() {
 #[test]
 fn what_a_call_sets_is_recorded_once() {
     let calls = |execute: bool, set: bool| {
-        let mut world: World = World::new(WorldDef::default()).expect("a fair definition");
+        let mut world = World::new(WorldDef::default()).expect("a fair definition");
         let mut recorder = Recorder::new(&world, RecordOptions::default());
         let commands = [Command::SetRandom(Random::seeded(5)), Command::SetBlob(alloc::vec![1, 2])];
         for command in commands.iter().filter(|_| execute) {
@@ -55,7 +55,7 @@ fn what_a_call_sets_is_recorded_once() {
 #[test]
 fn replays_with_unlike_numbers_of_calls_or_inputs_say_so() {
     let record = |calls: u32, inputs: u32| {
-        let mut world: World = World::new(WorldDef::default()).expect("a fair definition");
+        let mut world = World::new(WorldDef::default()).expect("a fair definition");
         let mut recorder = Recorder::new(&world, RecordOptions::default());
         for tick in 0..4 {
             let many = |count: u32| if tick == 2 { count } else { 1 };
@@ -81,7 +81,7 @@ fn replays_with_unlike_numbers_of_calls_or_inputs_say_so() {
 #[test]
 fn replays_that_part_name_the_value_in_the_snapshot_after() {
     let record = |parts_at: u64| {
-        let mut world: World = World::new(WorldDef::default()).expect("a fair definition");
+        let mut world = World::new(WorldDef::default()).expect("a fair definition");
         let body = world.add_body(BodyDef::dynamic()).expect("there is room");
         let options = RecordOptions { hash_every: 1, snapshot_every: 4 };
         let mut recorder = Recorder::new(&world, options);
@@ -104,7 +104,7 @@ fn replays_that_part_name_the_value_in_the_snapshot_after() {
 /// Each way forward goes over as few ticks as the snapshots allow: only another one of them puts the world back.
 #[test]
 fn seeking_goes_on_from_where_it_is_or_from_a_nearer_snapshot() {
-    let mut world: World = World::new(WorldDef::default()).expect("a fair definition");
+    let mut world = World::new(WorldDef::default()).expect("a fair definition");
     let mut recorder = Recorder::new(&world, RecordOptions { snapshot_every: 10, ..RecordOptions::default() });
     (0..40).for_each(|_| _ = recorder.step(&mut world, &Inputs::new()));
     let replay = Replay::from_bytes(&recorder.finish(&world), &[]).expect("it is whole");
@@ -193,7 +193,7 @@ fn replays_that_part_where_no_tick_has_a_hash_are_compared_by_snapshots_and_the_
 
 #[test]
 fn a_seek_leaves_no_results_of_inputs() {
-    let mut world: World = World::new(WorldDef::default()).expect("a world");
+    let mut world = World::new(WorldDef::default()).expect("a world");
     let mut recorder = Recorder::new(&world, RecordOptions { snapshot_every: 10, ..RecordOptions::default() });
     let input = Input { player: 0, sequence: 0, command: Command::ClearForces };
     let inputs = Inputs::try_from(alloc::vec![input]).expect("it has a place");

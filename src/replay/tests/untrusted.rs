@@ -37,7 +37,7 @@ fn a_word_before_a_chunk_is_named_with_what_it_was_and_what_it_is() {
 
 #[test]
 fn of_a_chunk_that_was_changed_twice_no_value_is_named() {
-    let world: World = World::new(WorldDef::default()).expect("a fair definition");
+    let world = World::new(WorldDef::default()).expect("a fair definition");
     let mut bytes = Recorder::new(&world, RecordOptions::default()).finish(&world);
     let at = bytes.windows(8).position(|letters| letters == b"UMBRASNP").expect("it begins with a snapshot");
     // Two words change by the same amount: no single word explains it.

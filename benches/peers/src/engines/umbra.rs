@@ -8,7 +8,7 @@ use std::rc::Rc;
 use umbra_physics::scalar::internals::wide_vectors;
 use umbra_physics::scalar::{Factor, ToF64};
 use umbra_physics::{
-    Activity, Attachment, BodyDef, BodyId, BodyKind, Damping, End, FieldKind, Fx, Integrator, Mass, Scalar,
+    Activity, Attachment, BodyDef, BodyId, BodyKind, Damping, End, FieldKind, Fx, Geometry, Integrator, Mass, Scalar,
     Shape as Form, SpringConstants, TimeStep, Vec2, World as Umbra, WorldDef,
 };
 
@@ -62,10 +62,12 @@ fn body<S: Number>(b: &scene::Body) -> BodyDef<S> {
     let fair = "a shape within the limits";
     let (shape, mass) = match b.shape {
         Shape::None { mass, inertia } => (None, Mass::Explicit { mass: S::number(mass), inertia: S::number(inertia) }),
-        Shape::Circle { r } => (Some(Form::circle(S::number(r)).expect(fair)), Mass::Density(S::ONE)),
+        Shape::Circle { r } => {
+            (Some(Form::new(Geometry::Circle { radius: S::number(r) }).expect(fair)), Mass::Density(S::ONE))
+        }
         Shape::Box { hx, hy } => {
-            let form = Form::rectangle(S::number(2.0 * hx), S::number(2.0 * hy)).expect(fair);
-            (Some(form), Mass::Density(S::ONE))
+            let geometry = Geometry::Rectangle { width: S::number(2.0 * hx), height: S::number(2.0 * hy) };
+            (Some(Form::new(geometry).expect(fair)), Mass::Density(S::ONE))
         }
     };
     let def = match b.kind {
@@ -92,7 +94,7 @@ fn law<S: Number>(field: Field, body: BodyId) -> FieldKind<S> {
             FieldKind::Attractor { centre: origin, mu: S::Factor::from_scalar(S::number(gm)), softening: S::ZERO }
         }
         Field::Spring(k) => FieldKind::Spring {
-            near: Attachment::centre(body),
+            near: Attachment { body, point: Vec2::ZERO },
             far: origin,
             spring: SpringConstants { rest: S::ZERO, stiffness: S::number(k), damping: S::ZERO },
         },
@@ -161,7 +163,7 @@ impl<S: Number> Engine for Build<S> {
             sleep_after: if scene.sleep { WorldDef::<S>::default().sleep_after } else { None },
             ..WorldDef::default()
         };
-        let mut world = Umbra::<S>::new(def).expect("a definition within the limits");
+        let mut world = Umbra::<S>::with_scalar(def).expect("a definition within the limits");
         let add = |b| world.add_body(body(b)).expect("a body within the limits");
         let ids: Vec<_> = scene.bodies.iter().map(add).collect();
         if let (Some(field), false) = (scene.field, scene.pushed) {

@@ -129,7 +129,7 @@ fn resealed(file: &[u8], change: impl Fn(&mut [u8])) -> Vec<u8> {
 
 /// A run whose world is changed without the recorder before tick 40.
 fn strayed(options: RecordOptions) -> Vec<u8> {
-    let mut world: World = World::new(WorldDef::default()).expect("a world");
+    let mut world = World::new(WorldDef::default()).expect("a world");
     world.add_body(BodyDef::dynamic()).expect("a body");
     let body = world.add_body(BodyDef { velocity: vec2(1, 0), ..BodyDef::dynamic() }).expect("a body");
     let mut recorder = Recorder::new(&world, options);

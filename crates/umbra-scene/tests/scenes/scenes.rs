@@ -343,7 +343,7 @@ fn commands_that_add_or_have_a_shape_are_carried_out() {
             {"at": 0, "body": "b", "do": "wake"}, {"at": 1, "body": "b", "do": "wake"}, {"at": 2, "body": "b", "do": "wake"}]}"#,
     )
     .unwrap();
-    let disc: Shape = Shape::circle(fx!(2)).expect("a shape");
+    let disc = Shape::circle(fx!(2)).expect("a shape");
     let [a, b] = [0, 1].map(|index| BodyId::from_parts(index, 0));
     let thrust =
         ForceField::from(FieldKind::Thrust { at: Attachment { body: b, point: Vec2::ZERO }, force: vec2(60, 0) });

@@ -161,7 +161,7 @@ fn a_slot_that_is_freed_before_the_first_tick_is_taken_again() {
     let commands = [still.clone(), Command::RemoveBody(first), moving, still].map(|command| (0, command));
     let scene = Scene::from_commands(WorldDef::default(), &commands, 1).expect("a scene");
     assert_eq!((scene.starting_bodies, scene.inputs.len()), (1, 3));
-    let mut world: World = World::new(WorldDef::default()).expect("the standard world");
+    let mut world = World::new(WorldDef::default()).expect("the standard world");
     commands.iter().for_each(|(_, command)| _ = world.execute(command));
     world.step();
     assert_eq!(hashes(&read(&scene.to_json())), [world.state_hash()]);

@@ -82,7 +82,7 @@ fn diff_reads_what_is_cut_off_and_refuses_what_is_no_recording() {
 #[test]
 fn diff_of_two_dumps_names_the_moment_the_body_and_the_field() {
     let folder = Folder::new("dumps");
-    let mut world: World = World::new(WorldDef::default()).expect("a world");
+    let mut world = World::new(WorldDef::default()).expect("a world");
     let body = world.add_body(BodyDef::dynamic()).expect("a body");
     let dump = |x: i32| {
         let mut after = world.clone();
