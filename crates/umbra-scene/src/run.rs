@@ -6,7 +6,7 @@ use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
 use super::convert::{convert_command, convert_field};
-use super::error::{Coded, Flaw, Place, SceneError};
+use super::error::{Coded, Flaw, Found, Place, SceneError, SceneErrors};
 use super::field::symbol;
 use super::input::{Input, SceneAction};
 use super::node::quoted;
@@ -179,8 +179,9 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
         Ok(())
     }
 
-    /// Tries the inputs in their order, on a world that does not move on.
-    pub(super) fn rehearse(mut self) -> Result<(), SceneError> {
+    /// Tries the inputs in their order, on a world that does not move on. One that is refused changes nothing, and the next are tried.
+    pub(super) fn rehearse(mut self) -> Result<(), SceneErrors> {
+        let found = Found::default();
         for index in core::mem::take(&mut self.order) {
             let Input { from, action, place, .. } = &self.scene.inputs[index];
             // What these are refused for depends on the motion before.
@@ -195,11 +196,12 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
                     })
             );
             if !depends {
-                let done = self.carry_out(action, &mut ());
-                done.map_err(|error| self.blame(place, *from, error))?;
+                if let Err(error) = self.carry_out(action, &mut ()) {
+                    found.add(|| self.blame(place, *from, error));
+                }
             }
         }
-        Ok(())
+        found.finish()
     }
 
     fn carry_out(&mut self, action: &SceneAction, driver: &mut impl Stepper<S>) -> Result<(), Error> {
