@@ -37,12 +37,13 @@ pub(super) struct Names {
 pub(super) const REFUSED: usize = u32::MAX as usize;
 
 impl Names {
-    /// Takes in the name of what was refused, so that a second error is not made of what refers to it.
-    pub(super) fn note_refused(&mut self, object: &Object<'_>) {
-        let name = object.at(&["name"]);
-        match name.filled() {
-            Ok(name) if object.has("name") => _ = self.indices.entry(name).or_insert(REFUSED),
-            _ => self.has_more = true,
+    /// Takes in the name of what was refused, so that a second error is not made of what refers to it. A name that is needed
+    /// may be there under another field's name.
+    pub(super) fn note_refused(&mut self, object: &Object<'_>, is_needed: bool) {
+        match object.at(&["name"]).filled() {
+            Ok(name) => _ = self.indices.entry(name).or_insert(REFUSED),
+            // A body needs a name, and a name that cannot be read is one; without any, a field is not referred to.
+            Err(_) => self.has_more |= is_needed || object.has("name"),
         }
     }
 }

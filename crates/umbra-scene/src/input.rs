@@ -73,14 +73,14 @@ pub(super) fn input(object: &Object<'_>, scene: &mut Scene, tables: &mut Tables)
             checked.map_err(|error| blame(&object, error))?;
             scene.add_body(body, node, tables)
         });
-        let index = read.inspect_err(|_| tables.bodies.note_refused(&object))?;
+        let index = read.inspect_err(|_| tables.bodies.note_refused(&object, true))?;
         push(node, SceneAction::AddBody(index));
         Ok(())
     });
     object.or("add_field", (), |node| {
         let object = node.object()?;
         let read = field(&object, &tables.bodies).and_then(|field| scene.add_field(field, node, tables));
-        let index = read.inspect_err(|_| tables.fields.note_refused(&object))?;
+        let index = read.inspect_err(|_| tables.fields.note_refused(&object, false))?;
         push(node, SceneAction::AddField(index));
         Ok(())
     });

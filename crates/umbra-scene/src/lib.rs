@@ -217,7 +217,7 @@ impl Scene {
                     handles.push(handle);
                     Ok(())
                 });
-                read.inspect_err(|_| tables.bodies.note_refused(object))
+                read.inspect_err(|_| tables.bodies.note_refused(object, true))
             })
         });
         self.starting_bodies = self.bodies.len();
@@ -234,7 +234,7 @@ impl Scene {
                     }
                     self.add_field(read, object.at(&["name"]), tables).map(drop)
                 });
-                read.inspect_err(|_| tables.fields.note_refused(object))
+                read.inspect_err(|_| tables.fields.note_refused(object, false))
             })
         });
         self.starting_fields = self.fields.len();

@@ -1,5 +1,6 @@
 //! The tests of scenes, as one program.
 #![allow(clippy::module_inception, reason = "a module is named after what it tests")]
 
+mod errors;
 mod scenes;
 mod text;
