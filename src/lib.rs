@@ -92,7 +92,7 @@ pub use fx::{Fx, MathError, ParseFxError};
 pub use integrate::{Integrator, Stage, StageKind};
 pub use math::{Elapsed, Random, Rot, TimeStep, Vec2, vec2};
 pub use replay::{
-    Difference, Divergence, Dump, HashTree, Owner, PHYSICS_VERSION, Playback, RecordOptions, Recorder, Replay,
+    Difference, Divergence, Dump, HashTree, Labels, Owner, PHYSICS_VERSION, Playback, RecordOptions, Recorder, Replay,
     ReplayError, ReplayLimits, Snapshot, SnapshotError, TickPhase, VerifyError,
 };
 pub use scalar::{FxAccumulator, FxFactor, FxWide, Scalar, SpringConstants, Turn};

@@ -185,10 +185,7 @@ fn numbers_out_of_range_are_refused_at_their_field() {
             "\"shape\": {\"circle\": {\"radius\": 5000}}",
             "shape.circle.radius: out of range: expected a size from 2^-7 to 2^12 m",
         ),
-        (
-            "\"shape\": {\"ball\": {}}",
-            "shape.ball: unknown field: did you mean `circle`?",
-        ),
+        ("\"shape\": {\"ball\": {}}", "shape.ball: unknown field: did you mean `circle`?"),
     ];
     for (fields, expected) in cases {
         assert_eq!(refused("range.json", with_body(fields)), format!(":3: bodies[0].{expected}"), "{fields}");
