@@ -34,7 +34,7 @@ pub(crate) enum Failure {
     /// Two recordings are not the same.
     Differ { files: [PathBuf; 2] },
     /// A file is nothing that can be compared.
-    Foreign { file: PathBuf },
+    Foreign { file: PathBuf, is_scene: bool },
     /// An output would go over an input or another output, which `with` says.
     Clash { file: PathBuf, with: &'static str },
     /// The arguments are wrong.
@@ -110,8 +110,16 @@ impl Failure {
             Self::Option { what } | Self::Usage { what } => f.write_str(what),
             Self::Verify { bad, of, .. } => write!(f, "{bad} of {of} files are not as recorded"),
             Self::Differ { files: [a, b] } => write!(f, "{} and {} are not the same", text::path(a), text::path(b)),
-            Self::Foreign { file } => {
-                write!(f, "{}: expected a replay or a desync dump of umbra-physics", text::path(file))
+            Self::Foreign { file, is_scene } => {
+                let file = text::path(file);
+                write!(f, "{file}: expected a replay or a desync dump of umbra-physics")?;
+                if *is_scene {
+                    write!(
+                        f,
+                        ", found a scene: record it with `umbra run {file} --record FILE` and compare the replays"
+                    )?;
+                }
+                Ok(())
             }
             Self::Clash { file, with } => {
                 write!(f, "{}: cannot write: this is {with}; choose another path", text::path(file))

@@ -13,8 +13,8 @@ use super::node::quoted;
 use super::shape::vector;
 use super::{Scene, ShapeDef};
 use umbra_physics::{
-    ApplyOptions, BodyId, Command, Created, Error, FieldId, ForceOrImpulse, Fx, Quantity, Scalar, StepReport, Stepper,
-    TimeStep, World, WorldDef, scalar::Wide,
+    ApplyOptions, BodyId, Command, Created, Error, FieldId, ForceOrImpulse, Fx, Labels, Quantity, Scalar, StepReport,
+    Stepper, TimeStep, World, WorldDef, scalar::Wide,
 };
 
 /// A running scene: its world, and the inputs still to come.
@@ -101,6 +101,22 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
         self.index(body).map_or("", |index| &self.scene.bodies[index].name)
     }
 
+    /// The names of the bodies and force fields that the scene has added up to now, for a
+    /// [`Recorder`](umbra_physics::Recorder::labels_mut): the replay then has them too.
+    #[must_use]
+    pub fn labels(&self) -> Labels {
+        let mut labels = Labels::new();
+        for (body, index) in &self.indices {
+            labels.set_body(*body, &self.scene.bodies[*index].name);
+        }
+        for (field, id) in self.scene.fields.iter().zip(&self.fields) {
+            if let (Some(name), Some(id)) = (&field.name, id) {
+                labels.set_field(*id, name);
+            }
+        }
+        labels
+    }
+
     /// The number of ticks that were made.
     #[must_use]
     pub fn tick(&self) -> u64 {
@@ -130,8 +146,11 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
     /// for _ in 0..5 {
     ///     run.advance_by(&mut recorder)?;
     /// }
+    /// *recorder.labels_mut() = run.labels();
     /// let replay = Replay::from_bytes(&recorder.finish(run.world()), &[])?;
     /// assert_eq!((replay.end(), replay.verify()), (5, Ok(())));
+    /// let body = run.world().bodies().next().unwrap().id();
+    /// assert_eq!(replay.labels().body(body), Some("a"));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
