@@ -3,6 +3,8 @@
 //! A [`World`] holds bodies and force fields and steps them tick by tick. Its state is I32F32 fixed point ([`Fx`]), with
 //! finer fractions that carry the remainders of each step, so that lockstep, rollback and replays agree to the bit.
 //!
+//! **Bodies do not collide yet.** They pass through each other, and the only joints are springs.
+//!
 //! ```
 //! use umbra_physics::{BodyDef, Mass, Shape, TimeStep, Vec2, World, WorldDef, fx, vec2};
 //!

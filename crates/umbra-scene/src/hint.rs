@@ -70,13 +70,14 @@ pub(super) fn word<'n>(found: &str, words: &[&'n str]) -> Option<&'n str> {
     same.or_else(|| nearest(found, words.iter().copied()))
 }
 
-/// The name that differs least from a text: by a letter if the text has three, by two from six on. The first of several.
+/// The name that differs least from a text: by a letter if the text has three or four, by two from five on. The first
+/// of several.
 pub(super) fn nearest<'n>(found: &str, names: impl Iterator<Item = &'n str>) -> Option<&'n str> {
     let found = plain(found);
     if found.is_empty() || found.len() > LONGEST {
         return None;
     }
-    let allowed = (found.len() / 3).min(2);
+    let allowed = (2 * found.len() / 5).min(2);
     let near = names.take(MOST).filter_map(|name| {
         // No text within two letters is longer by more, and a letter has at most four bytes.
         if name.len() > 5 * (LONGEST + 2) {

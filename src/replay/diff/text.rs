@@ -182,8 +182,7 @@ mod tests {
             ("angle", "0.25", "0.2500000000000000000542101086242752217003726400434970855712890625", {
                 "0.25 and 0.250000000000000000054 turns (differ by 5.4e-20 turns)"
             }),
-            ("calls[0].action.impulse.x", "3", "3.125", "3 and 3.125 N·s (differ by 0.13 N·s)"),
-            // 10 ulps less 2^-96: just below what has another digit more.
+            ("calls[0].action.impulse.x", "3", "3.125", "3 and 3.125 N·s (differ by 0.12 N·s)"),
             ("user_data", "7", "8", "7 and 8"),
             ("hash", "00ff", "0100", "00ff and 0100"),
             ("mass", "nothing", "1", "nothing and 1"),
@@ -210,8 +209,10 @@ mod tests {
         let number = |whole, fraction| Number { negative: false, whole, fraction };
         for (number, expected) in [
             (number(0, 1 << 127), "0.5"),
-            (number(0, 1 << 120), "3.9e-3"),
-            (number(0, u128::MAX / 10_000 * 10), "1e-3"),
+            (number(0, 1 << 120), "0.0039"),
+            (number(0, 1 << 114), "6.1e-5"),
+            (number(0, u128::MAX / 10_000 * 10), "0.001"),
+            (number(0, u128::MAX / 10_000), "1e-4"),
             (number(0, u128::MAX), "1"),
             (number(99, u128::MAX), "100"),
             (number(1_234, 0), "1234"),
