@@ -3,8 +3,8 @@
 
 use allocation_counter::measure;
 use umbra_physics::{
-    BodyDef, Command, Dump, FieldKind, ForceField, Fx, Input, Inputs, Integrator, Part, RecordOptions, Recorder,
-    Replay, Shape, Snapshot, World, WorldDef, fx, vec2,
+    BodyDef, BodyId, Command, Dump, FieldId, FieldKind, ForceField, Fx, Input, Inputs, Integrator, Part, RecordOptions,
+    Recorder, Replay, Shape, Snapshot, World, WorldDef, fx, vec2,
 };
 use umbra_scene::{Scene, SceneErrors};
 
@@ -212,6 +212,18 @@ fn a_run_that_parts_is_named_within_the_bound() {
         let replay = Replay::from_bytes(file, &[]).expect("a replay");
         assert_eq!(replay.verify().expect_err("it parts").difference.field, "position.x");
     });
+}
+
+#[test]
+fn names_of_one_letter_and_a_world_of_nobody() {
+    let (start, mut recorder) = (world(), Recorder::new(&world(), RecordOptions::default()));
+    for slot in 0..100_000 {
+        recorder.labels_mut().set_body(BodyId::from_parts(slot, 0), "x");
+        recorder.labels_mut().set_field(FieldId::from_parts(slot, 0), "x");
+    }
+    let file = recorder.finish(&start);
+    let replay = bounded("names", &file, |file| Replay::from_bytes(file, &[])).expect("it is whole");
+    assert!(replay.to_bytes() == file);
 }
 
 #[test]
