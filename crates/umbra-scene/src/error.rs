@@ -159,6 +159,7 @@ impl core::error::Error for SceneError {}
 /// assert_eq!(texts[0], "1: gravity: expected [x, y] or {\"x\": …, \"y\": …}, found a number");
 /// assert_eq!(texts[1], "2: bodies[0].shape.circle.raduis: unknown field: did you mean `radius`?");
 /// assert_eq!((errors.errors().len(), errors.more(), errors.code()), (2, 0, 502));
+/// assert_eq!(SceneErrors::LISTED, 20);
 /// assert_eq!(errors.to_string(), texts.join("\n"));
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
