@@ -9,7 +9,7 @@ use umbra_physics::scalar::ToF64;
 use umbra_physics::{
     Activity, Attachment, BodyDef, BodyId, Command, FieldKind, ForceField, Fx, Random, Scalar, Shape, Vec2, fx, vec2,
 };
-use umbra_scene::{Scene, SceneAction, SceneError, SceneErrors, SceneRun};
+use umbra_scene::{Scene, SceneAction, SceneErrors, SceneRun};
 
 /// The scenes by name.
 pub(crate) fn texts() -> BTreeMap<String, String> {
