@@ -42,6 +42,8 @@ extern crate std;
 extern crate self as umbra_physics;
 
 /// Implements `Clone` field by field. Unlike a derive it also implements `clone_from`, which reuses memory.
+///
+/// The form `(clone, clone_from)` names functions of [`compiled`] that the impl calls, for types with much to clone.
 macro_rules! clone_by_field {
     ($type:ident { $($field:ident),* $(,)? }) => {
         impl<S: crate::scalar::Scalar> Clone for $type<S> {
@@ -54,10 +56,32 @@ macro_rules! clone_by_field {
             }
         }
     };
+    (($clone:ident, $clone_from:ident) $type:ident { $($field:ident),* $(,)? }) => {
+        impl<S: crate::scalar::Scalar> Clone for $type<S> {
+            fn clone(&self) -> Self {
+                S::$clone(self)
+            }
+
+            fn clone_from(&mut self, source: &Self) {
+                S::$clone_from(self, source);
+            }
+        }
+
+        impl<S: crate::scalar::Scalar> $type<S> {
+            pub(crate) fn clone_inner(&self) -> Self {
+                Self { $($field: self.$field.clone()),* }
+            }
+
+            pub(crate) fn clone_from_inner(&mut self, source: &Self) {
+                $(self.$field.clone_from(&source.$field);)*
+            }
+        }
+    };
 }
 
 mod body;
 mod codec;
+mod compiled;
 mod display;
 mod error;
 mod force;

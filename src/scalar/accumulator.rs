@@ -8,7 +8,7 @@ use super::motion::TRANSIENT_SPEED_LOG2;
 use super::number::{Accumulator, Number, inherent};
 use crate::fx::{Fx, decimal};
 use crate::kernel::round::shr_round;
-use crate::kernel::wide::mul_shift;
+use crate::kernel::wide::mul_shift_64;
 
 /// A multiple of 2^-96: an [`Fx`] and 64 bits below its ulp, where the remainders of every step are carried.
 ///
@@ -93,7 +93,7 @@ impl FxAccumulator {
     pub(super) fn shrunk(self, factor: FxFactor) -> Self {
         let (mantissa, shift) = factor.parts();
         // At most as large as it was, so it fits.
-        Self::settled(mul_shift(self.bits(), u128::from(mantissa), shift).unwrap_or(0))
+        Self::settled(mul_shift_64(self.bits(), mantissa, shift).unwrap_or(0))
     }
 }
 
@@ -141,7 +141,7 @@ impl Accumulator<Fx> for FxAccumulator {
     #[inline]
     fn scaled(self, factor: FxFactor) -> Option<Self> {
         let (mantissa, shift) = factor.parts();
-        let product = mul_shift(self.bits(), u128::from(mantissa), shift)?;
+        let product = mul_shift_64(self.bits(), mantissa, shift)?;
         (product.unsigned_abs() < TRANSIENT).then_some(Self::settled(product))
     }
 

@@ -9,7 +9,7 @@ use crate::fx::Fx;
 use crate::kernel::div::{div_round_by, reciprocal};
 use crate::kernel::round::{shr_round, shr_round_short};
 use crate::kernel::sqrt::{root_and_reciprocal, root_fine};
-use crate::kernel::wide::{div_256, magnitude, mul_128, mul_192, mul_shift, mul_shift_near, with_sign};
+use crate::kernel::wide::{div_256, magnitude, mul_128, mul_192, mul_shift_64, mul_shift_near, with_sign};
 
 /// The constants of a spring.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -179,7 +179,7 @@ impl Forces<Fx> for Fx {
             let size = magnitude(c) as u64;
             let part = match mul_shift_near(near, size, shift) {
                 Some(part) => part,
-                None => mul_shift(share(mantissa, cube) as i128, size.into(), shift)?,
+                None => mul_shift_64(share(mantissa, cube) as i128, size, shift)?,
             };
             Some(FxWide::from_bits(with_sign(part, c)))
         };
@@ -200,12 +200,12 @@ impl Forces<Fx> for Fx {
         let length = shr_round_short(fine, up);
         let stretch = length as i128 - (i128::from(spring.rest.to_bits()) << 32);
         let direction = Direction::new(fine, up);
-        let mut tension = mul_shift(stretch, u128::from(spring.stiffness.to_bits().unsigned_abs()), 32)?;
+        let mut tension = mul_shift_64(stretch, spring.stiffness.to_bits().unsigned_abs(), 32)?;
         if spring.damping != Self::ZERO {
             // Velocities of points are below 2^34 m/s, so each part is below 2^34 · 2^(64 + 16) and a little.
             let part = |v: FxWide, c: i128| direction.part(v.to_bits(), c, 16);
             let rate = shr_round(part(velocity.x, x)?.checked_add(part(velocity.y, y)?)?, 16);
-            let damping = mul_shift(rate, u128::from(spring.damping.to_bits().unsigned_abs()), 32)?;
+            let damping = mul_shift_64(rate, spring.damping.to_bits().unsigned_abs(), 32)?;
             tension = tension.checked_add(damping)?;
         }
         let part = |c: i128| Some(FxWide::from_bits(direction.part(tension, c, 0)?));

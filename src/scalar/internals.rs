@@ -6,6 +6,6 @@ pub use super::motion::{Motion, Span, Weight};
 // Without it nothing outside implements a scalar.
 #[cfg(feature = "selftest")]
 pub use super::number::Number;
-pub use super::number::{Arithmetic, Sum};
+pub use super::number::{Arithmetic, Compiled, Sum};
 pub use super::polygon::{AreaMoments, Polygons};
 pub use super::simd::wide_vectors;

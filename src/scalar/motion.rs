@@ -9,7 +9,7 @@ use super::wide::FxWide;
 use crate::fx::Fx;
 use crate::kernel::exp_log::{exp2_for_64_bits, log2_fine};
 use crate::kernel::round::shr_round;
-use crate::kernel::wide::{div_256, mul_128, mul_ratio, mul_shift, shr_round_256};
+use crate::kernel::wide::{div_256, mul_128, mul_ratio, mul_shift_64, shr_round_256};
 
 /// Binary logarithm of the bound on the velocity that one kick may add, in m/s or rad/s.
 pub(crate) const KICK_LOG2: i32 = 21;
@@ -155,11 +155,11 @@ impl Motion<Fx> for Fx {
         })
     }
 
-    #[inline]
+    #[inline(always)]
     fn kick(acceleration: FxWide, seconds: FxFactor) -> Option<FxAccumulator> {
         const MOST: u128 = 1 << (96 + KICK_LOG2);
         let (mantissa, shift) = seconds.parts();
-        let gained = mul_shift(acceleration.to_bits(), u128::from(mantissa), shift - 32)?;
+        let gained = mul_shift_64(acceleration.to_bits(), mantissa, shift - 32)?;
         (gained.unsigned_abs() < MOST).then_some(FxAccumulator::from_bits(gained))
     }
 }

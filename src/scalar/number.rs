@@ -11,6 +11,8 @@ use super::bulk::Bulk;
 use super::forces::Forces;
 use super::motion::{Motion, Span};
 use super::polygon::Polygons;
+#[doc(hidden)]
+pub use crate::compiled::Compiled;
 use crate::fx::Fx;
 use crate::math::Vec2;
 
@@ -204,6 +206,7 @@ pub trait Scalar:
     + Bulk<Self>
     + Forces<Self>
     + Polygons<Self>
+    + Compiled<Self>
 {
     /// Components of positions and velocities.
     type Accumulator: Accumulator<Self>;

@@ -6,7 +6,7 @@ use super::factor::FxFactor;
 use super::number::{Number, Sum, Wide, inherent};
 use crate::fx::{Fx, decimal};
 use crate::kernel::round::shr_round;
-use crate::kernel::wide::{mul_shift, shift_round_256};
+use crate::kernel::wide::{mul_shift_64, shift_round_256};
 
 /// A multiple of 2^-64 up to ±2^63: the exact product of two [`Fx`].
 ///
@@ -105,7 +105,7 @@ impl FxWide {
     #[inline]
     pub fn times(self, factor: FxFactor) -> Option<Self> {
         let (mantissa, shift) = factor.parts();
-        mul_shift(self.0, u128::from(mantissa), shift).map(Self)
+        mul_shift_64(self.0, mantissa, shift).map(Self)
     }
 
     /// Returns true below zero.

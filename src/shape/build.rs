@@ -30,6 +30,10 @@ fn check_point<S: Scalar>(point: Vec2<S>) -> Result<(), Error> {
 
 impl<S: Scalar> Shape<S> {
     fn of(geometry: Geometry<S>, shift: Vec2<S>, measure: S::Factor, gyration: S::Factor) -> Self {
+        S::new_shape(geometry, shift, measure, gyration)
+    }
+
+    pub(crate) fn of_inner(geometry: Geometry<S>, shift: Vec2<S>, measure: S::Factor, gyration: S::Factor) -> Self {
         let outlines = outlines(&geometry);
         let shape = Self { geometry, shift, measure, gyration, outlines, digest: 0 };
         Self { digest: StateHasher::of(&shape), ..shape }
@@ -100,6 +104,10 @@ impl<S: Scalar> Shape<S> {
     /// [`Error::NotConvex`] at the first corner that does not turn the way the others do, or repeats another;
     /// [`Error::OutOfRange`] with [`Quantity::Count`] or [`Quantity::Size`].
     pub fn polygon(corners: &[Vec2<S>]) -> Result<Self, Error> {
+        S::polygon(corners)
+    }
+
+    pub(crate) fn polygon_inner(corners: &[Vec2<S>]) -> Result<Self, Error> {
         if !(3..=CORNERS).contains(&corners.len()) {
             return Err(Error::OutOfRange { quantity: Quantity::Count });
         }
@@ -124,6 +132,10 @@ impl<S: Scalar> Shape<S> {
     /// [`Error::OutOfRange`] with [`Quantity::Count`] for no parts, too many, or a compound among them; with
     /// [`Quantity::Density`] or [`Quantity::Size`] for a part's.
     pub fn compound(parts: &[Part<S>]) -> Result<Self, Error> {
+        S::compound(parts)
+    }
+
+    pub(crate) fn compound_inner(parts: &[Part<S>]) -> Result<Self, Error> {
         let nested = parts.iter().any(|p| matches!(p.shape.geometry, Geometry::Compound { .. }));
         if parts.is_empty() || parts.len() > PARTS || nested {
             return Err(Error::OutOfRange { quantity: Quantity::Count });

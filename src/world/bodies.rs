@@ -36,6 +36,10 @@ impl<S: Scalar> World<S> {
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
     pub fn add_body(&mut self, def: BodyDef<S>) -> Result<BodyId, Error> {
+        S::add_body(self, def)
+    }
+
+    pub(crate) fn add_body_inner(&mut self, def: BodyDef<S>) -> Result<BodyId, Error> {
         let properties = self.check_new_body(&def)?;
         let body = self.bodies.insert(def, properties, Arc::make_mut(&mut self.factor_table));
         self.change_log.added(body, &self.bodies);
@@ -48,6 +52,10 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::NoSuchBody`].
     pub fn remove_body(&mut self, body: BodyId) -> Result<(), Error> {
+        S::remove_body(self, body)
+    }
+
+    pub(crate) fn remove_body_inner(&mut self, body: BodyId) -> Result<(), Error> {
         self.touch(body, Change::ALL)?;
         // The order is state: the slot that is freed last is taken first.
         for field in self.fields.attached_by_age(body) {
@@ -147,6 +155,10 @@ impl<S: Scalar> World<S> {
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
     pub fn move_to(&mut self, body: BodyId, position: Vec2<S>, angle: S) -> Result<(), Error> {
+        S::move_to(self, body, position, angle)
+    }
+
+    pub(crate) fn move_to_inner(&mut self, body: BodyId, position: Vec2<S>, angle: S) -> Result<(), Error> {
         let goal = self.check_move(body, position, angle)?;
         self.touch(body, Change::VELOCITY)?;
         self.targets.send(body, goal);
@@ -158,6 +170,10 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::NoSuchBody`]; [`Error::NoShape`]; [`Error::OutOfRange`].
     pub fn set_mass(&mut self, body: BodyId, mass: Mass<S>) -> Result<(), Error> {
+        S::set_mass(self, body, mass)
+    }
+
+    pub(crate) fn set_mass_inner(&mut self, body: BodyId, mass: Mass<S>) -> Result<(), Error> {
         let properties = self.check_body_mass(body, mass)?;
         let dense = self.touch(body, Change::ALL)?;
         let kind = self.bodies.info(dense).kind;
@@ -171,6 +187,10 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::NoSuchBody`]; [`Error::NoShape`]; [`Error::OutOfRange`].
     pub fn set_shape(&mut self, body: BodyId, shape: Option<Shape<S>>) -> Result<(), Error> {
+        S::set_shape(self, body, shape)
+    }
+
+    pub(crate) fn set_shape_inner(&mut self, body: BodyId, shape: Option<Shape<S>>) -> Result<(), Error> {
         let properties = self.check_body_shape(body, shape.as_ref())?;
         let dense = self.touch(body, Change::ALL)?;
         self.bodies.set_shape(dense, shape, properties);
@@ -183,6 +203,10 @@ impl<S: Scalar> World<S> {
     /// [`Error::NoSuchBody`]; [`Error::Quarantined`]; [`Error::Disabled`]; [`Error::NoShape`] or [`Error::OutOfRange`] if
     /// it becomes dynamic without a mass it can have.
     pub fn set_kind(&mut self, body: BodyId, kind: BodyKind) -> Result<(), Error> {
+        S::set_kind(self, body, kind)
+    }
+
+    pub(crate) fn set_kind_inner(&mut self, body: BodyId, kind: BodyKind) -> Result<(), Error> {
         let properties = self.check_body_kind(body, kind)?;
         self.touch(body, Change::ALL)?;
         self.wake_joined(body);
@@ -265,6 +289,10 @@ impl<S: Scalar> World<S> {
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
     pub fn set_locks(&mut self, body: BodyId, locks: Locks) -> Result<(), Error> {
+        S::set_locks(self, body, locks)
+    }
+
+    pub(crate) fn set_locks_inner(&mut self, body: BodyId, locks: Locks) -> Result<(), Error> {
         let dense = self.touch(body, Change::ALL)?;
         self.targets.recall(body);
         self.bodies.set_locks(dense, Arc::make_mut(&mut self.factor_table), locks);
@@ -306,6 +334,6 @@ impl<S: Scalar> World<S> {
     fn set_factors(&mut self, dense: usize, edit: impl FnOnce(&mut Key<S>)) {
         let mut key = self.factor_table.rows()[self.bodies.columns.factors[dense] as usize].key;
         edit(&mut key);
-        self.bodies.set_factors(dense, Arc::make_mut(&mut self.factor_table), key);
+        S::set_factors(&mut self.bodies, dense, &mut self.factor_table, key);
     }
 }

@@ -158,8 +158,12 @@ macro_rules! commands {
             /// assert!(push.to_bytes().len() <= Command::BYTES);
             /// # Ok::<(), umbra_physics::Error>(())
             /// ```
-            #[allow(unused_variables, reason = "some checks need no values")]
             pub fn check(&self, command: &Command<S>) -> Result<(), Error> {
+                S::check(self, command)
+            }
+
+            #[allow(unused_variables, reason = "some checks need no values")]
+            pub(crate) fn check_inner(&self, command: &Command<S>) -> Result<(), Error> {
                 let $world = self;
                 match command {
                     $(Command::$variant $({ $($field),* })? $(($entry))? => dropped($check),)*
@@ -171,6 +175,10 @@ macro_rules! commands {
             /// # Errors
             /// The errors of the method that the command stands for; the world is as it was.
             pub fn execute(&mut self, command: &Command<S>) -> Result<Created, Error> {
+                S::execute(self, command)
+            }
+
+            pub(crate) fn execute_inner(&mut self, command: &Command<S>) -> Result<Created, Error> {
                 let $world = self;
                 match command {
                     $(Command::$variant $({ $($field),* })? $(($entry))? => created($execute),)*

@@ -29,7 +29,10 @@ impl<S: Scalar> World<S> {
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
     pub fn add_field(&mut self, field: impl Into<ForceField<S>>) -> Result<FieldId, Error> {
-        let field = field.into();
+        S::add_field(self, field.into())
+    }
+
+    pub(crate) fn add_field_inner(&mut self, field: ForceField<S>) -> Result<FieldId, Error> {
         self.check_new_field(&field)?;
         let id = Arc::make_mut(&mut self.fields).insert(field);
         self.wake_for(&field);
@@ -54,7 +57,10 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::NoSuchField`], and as [`add_field`](Self::add_field).
     pub fn set_field(&mut self, id: FieldId, field: impl Into<ForceField<S>>) -> Result<(), Error> {
-        let field = field.into();
+        S::set_field(self, id, field.into())
+    }
+
+    pub(crate) fn set_field_inner(&mut self, id: FieldId, field: ForceField<S>) -> Result<(), Error> {
         let old = self.check_next_field(id, &field)?;
         self.wake_for(&old);
         Arc::make_mut(&mut self.fields).replace(id, field)?;
@@ -67,6 +73,10 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::NoSuchField`].
     pub fn remove_field(&mut self, id: FieldId) -> Result<(), Error> {
+        S::remove_field(self, id)
+    }
+
+    pub(crate) fn remove_field_inner(&mut self, id: FieldId) -> Result<(), Error> {
         let field = self.check_field(id)?;
         self.wake_for(&field);
         Arc::make_mut(&mut self.fields).remove(id).map(drop)

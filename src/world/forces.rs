@@ -185,6 +185,15 @@ impl<S: Scalar> World<S> {
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
     pub fn apply(&mut self, body: BodyId, action: ForceOrImpulse<S>, options: ApplyOptions) -> Result<(), Error> {
+        S::apply(self, body, action, options)
+    }
+
+    pub(crate) fn apply_inner(
+        &mut self,
+        body: BodyId,
+        action: ForceOrImpulse<S>,
+        options: ApplyOptions,
+    ) -> Result<(), Error> {
         let (dense, effect) = self.effect(body, action, options.frame)?;
         let asleep = self.bodies.activity(dense) == Activity::Asleep;
         if asleep && !options.wake {

@@ -168,11 +168,16 @@ impl<S: Scalar> History<S> {
     /// Changed inputs of past ticks are applied first, as by [`redo`](Self::redo), without reports. A world that is not at the
     /// tick at which the history ended begins a new history.
     pub fn advance<'a>(&'a mut self, world: &'a mut World<S>, inputs: &Inputs<S>) -> TickReport<'a, S> {
+        S::advance_history(self, world, inputs);
+        TickReport { outcomes: &self.outcomes, step: world.last_report(), world }
+    }
+
+    pub(crate) fn advance_inner(&mut self, world: &mut World<S>, inputs: &Inputs<S>) {
         if world.tick() != self.present() {
             self.clear();
             self.first = world.tick();
         }
-        self.redo(world, |_| ());
+        self.redo_inner(world, &mut |_| ());
         if self.held == self.most {
             self.forget_oldest(world);
         }
@@ -184,12 +189,15 @@ impl<S: Scalar> History<S> {
         self.held += 1;
         world.carry_out_into(inputs, &mut self.outcomes);
         world.step();
-        TickReport { outcomes: &self.outcomes, step: world.last_report(), world }
     }
 
     /// Returns to the first tick with changed inputs, and steps to the present again; `report` receives each of these ticks.
     /// Returns their number.
-    pub fn redo(&mut self, world: &mut World<S>, report: impl FnMut(TickReport<'_, S>)) -> u64 {
+    pub fn redo(&mut self, world: &mut World<S>, mut report: impl FnMut(TickReport<'_, S>)) -> u64 {
+        S::redo(self, world, &mut report)
+    }
+
+    pub(crate) fn redo_inner(&mut self, world: &mut World<S>, report: &mut dyn FnMut(TickReport<'_, S>)) -> u64 {
         let Some(changed) = self.changed.take() else { return 0 };
         self.restore(world, changed);
         self.replay(world, changed, report);
@@ -219,6 +227,10 @@ impl<S: Scalar> History<S> {
     /// # Errors
     /// [`Error::TickForgotten`]; [`Error::TickToCome`]. World and history are as they were.
     pub fn rollback_to(&mut self, world: &mut World<S>, tick: u64) -> Result<(), Error> {
+        S::rollback_to(self, world, tick)
+    }
+
+    pub(crate) fn rollback_to_inner(&mut self, world: &mut World<S>, tick: u64) -> Result<(), Error> {
         if self.held == 0 {
             self.first = world.tick();
         }
@@ -273,7 +285,7 @@ impl<S: Scalar> History<S> {
     ///
     /// Copies of all states on the way would take a sixth of the time. The next late inputs are most likely for the next tick or
     /// one soon after: so the states 0, 1, 2, 4, 8, … ticks on are stored. No later rollback needs more steps than this one.
-    fn replay(&mut self, world: &mut World<S>, first: usize, mut report: impl FnMut(TickReport<'_, S>)) {
+    fn replay(&mut self, world: &mut World<S>, first: usize, report: &mut dyn FnMut(TickReport<'_, S>)) {
         for (i, row) in self.rows.range_mut(first..self.held).enumerate() {
             if (i == 0 || i.is_power_of_two()) && !row.is_known {
                 row.keep(world);

@@ -88,7 +88,7 @@ pub struct Inputs<S: Scalar = Fx> {
     late: BTreeMap<(u32, u32), Input<S>>,
 }
 
-clone_by_field!(Inputs { rows, late });
+clone_by_field!((clone_inputs, clone_inputs_from) Inputs { rows, late });
 
 impl<S: Scalar> PartialEq for Inputs<S> {
     /// Compares the inputs, regardless of the order in which they arrived.
@@ -134,6 +134,10 @@ impl<S: Scalar> Inputs<S> {
     ///
     /// *Cost* in proportion to the inputs of the tick, and to the commands.
     pub fn replace(&mut self, player: u32, commands: impl IntoIterator<Item = Command<S>>) -> bool {
+        S::replace(self, player, &mut commands.into_iter())
+    }
+
+    pub(crate) fn replace_inner(&mut self, player: u32, commands: &mut dyn Iterator<Item = Command<S>>) -> bool {
         self.merge();
         let first = self.rows.partition_point(|input| input.player < player);
         let end = first + self.rows[first..].partition_point(|input| input.player == player);
@@ -276,6 +280,10 @@ impl<S: Scalar> World<S> {
 
     /// [`carry_out`](Self::carry_out) into existing memory.
     pub(crate) fn carry_out_into(&mut self, inputs: &Inputs<S>, outcomes: &mut Vec<InputResult>) {
+        S::carry_out(self, inputs, outcomes);
+    }
+
+    pub(crate) fn carry_out_inner(&mut self, inputs: &Inputs<S>, outcomes: &mut Vec<InputResult>) {
         outcomes.clear();
         outcomes.extend(inputs.iter().map(|input| self.carry_out_one(input)));
     }

@@ -173,7 +173,7 @@ pub struct World<S: Scalar = Fx> {
     pub(crate) change_log: ChangeLog,
 }
 
-clone_by_field!(World {
+clone_by_field!((clone_world, clone_world_from) World {
     def,
     tick,
     counted,
@@ -241,6 +241,10 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// As [`WorldDef::check`].
     pub fn new(def: WorldDef<S>) -> Result<Self, Error> {
+        S::new_world(def)
+    }
+
+    pub(crate) fn new_inner(def: WorldDef<S>) -> Result<Self, Error> {
         def.check()?;
         let def = WorldDef { time_step: def.time_step.checked()?, ..def };
         let mut bodies = Bodies::default();
@@ -265,13 +269,13 @@ impl<S: Scalar> World<S> {
 
     /// Simulates one tick. Bodies do not collide yet.
     pub fn step(&mut self) -> StepReport<'_, S> {
-        self.advance(None);
+        S::step(self);
         self.change_log.end(&self.workspace.report.faults, &self.workspace.report.fell_asleep);
         self.last_report()
     }
 
     /// Simulates one tick, with or without a probe.
-    fn advance<'a>(&'a mut self, probe: Option<&'a mut Probe<'a, S>>) {
+    pub(crate) fn advance<'a>(&'a mut self, probe: Option<&'a mut Probe<'a, S>>) {
         self.tick = limits::tick_after(self.tick, 1);
         self.change_log.begin(self.tick, &self.bodies);
         self.update();

@@ -83,6 +83,10 @@ impl<S: Scalar> World<S> {
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
     pub fn preview(&self, body: BodyId) -> Result<Preview<S>, Error> {
+        S::preview(self, body)
+    }
+
+    pub(crate) fn preview_inner(&self, body: BodyId) -> Result<Preview<S>, Error> {
         self.bodies.find(body)?;
         let company = self.company(body);
         let mut world = World::new(self.def)?;

@@ -41,6 +41,10 @@ impl<S: Scalar> World<S> {
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
     pub fn step_back(&mut self, applied: &[AppliedForce<S>]) -> Result<(), Error> {
+        S::step_back(self, applied)
+    }
+
+    pub(crate) fn step_back_inner(&mut self, applied: &[AppliedForce<S>]) -> Result<(), Error> {
         self.update();
         let schedule = self.way_back().map_err(|why| Error::NotReversible { why })?;
         self.apply_again(applied)

@@ -72,6 +72,10 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::OutOfRange`] with [`Quantity::SleepAfter`](crate::Quantity::SleepAfter) for zero.
     pub fn set_sleep_after(&mut self, ticks: Option<u32>) -> Result<(), Error> {
+        S::set_sleep_after(self, ticks)
+    }
+
+    pub(crate) fn set_sleep_after_inner(&mut self, ticks: Option<u32>) -> Result<(), Error> {
         self.def = self.check_sleep_after(ticks)?;
         self.wake_all();
         self.bodies.clear_rest();
@@ -110,6 +114,10 @@ impl<S: Scalar> World<S> {
     /// Changes the definition and marks the values derived from it as stale, unless nothing changes. Wakes all bodies, as a
     /// force too small to move a body may be large enough now, also over a longer step.
     fn redefine(&mut self, def: WorldDef<S>) {
+        S::redefine(self, def);
+    }
+
+    pub(crate) fn redefine_inner(&mut self, def: WorldDef<S>) {
         if def != self.def {
             self.def = def;
             Arc::make_mut(&mut self.factor_table).change_all();

@@ -18,6 +18,10 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::OutOfRange`] with [`Quantity::Total`] beyond 2^63 J.
     pub fn kinetic_energy(&self) -> Result<S::Wide, Error> {
+        S::kinetic_energy(self)
+    }
+
+    pub(crate) fn kinetic_energy_inner(&self) -> Result<S::Wide, Error> {
         let mut sum = S::Sum::default();
         total::<S>(self.add_kinetic(&mut sum).map(|()| sum))
     }
@@ -29,6 +33,10 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::OutOfRange`] with [`Quantity::Total`] beyond 2^63 J.
     pub fn potential_energy(&self) -> Result<S::Wide, Error> {
+        S::potential_energy(self)
+    }
+
+    pub(crate) fn potential_energy_inner(&self) -> Result<S::Wide, Error> {
         let mut sum = S::Sum::default();
         total::<S>(self.add_potential(&mut sum).map(|()| sum))
     }

@@ -59,6 +59,10 @@ impl<S: Scalar> World<S> {
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
     pub fn step_traced(&mut self) -> Trace<S> {
+        S::step_traced(self)
+    }
+
+    pub(crate) fn step_traced_inner(&mut self) -> Trace<S> {
         // The worlds of the stages share these factors, and are stepped on like any other.
         self.update();
         let before = self.clone();

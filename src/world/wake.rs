@@ -90,6 +90,10 @@ impl<S: Scalar> World<S> {
 
     /// Notes what is about to change of a body, wakes it if it sleeps, and gives its index.
     pub(super) fn touch(&mut self, body: BodyId, change: Change) -> Result<usize, Error> {
+        S::touch(self, body, change)
+    }
+
+    pub(crate) fn touch_inner(&mut self, body: BodyId, change: Change) -> Result<usize, Error> {
         let dense = self.bodies.find(body)?;
         // Neighbours of an awake dynamic body are awake. Those of a static or kinematic body may sleep. A disabled or quarantined
         // dynamic body wakes its neighbours when it takes part again.
@@ -112,6 +116,10 @@ impl<S: Scalar> World<S> {
 
     /// Wakes a body and all that a field reaches from it, over any number of springs.
     pub(super) fn wake_joined(&mut self, body: BodyId) {
+        S::wake_joined(self, body);
+    }
+
+    pub(crate) fn wake_joined_inner(&mut self, body: BodyId) {
         // Nobody falls asleep until the next step: once is enough.
         if !self.bodies.any_asleep() || !self.change_log.looks_around(body) {
             return;

@@ -4,7 +4,9 @@ use core::cmp::Ordering;
 use core::fmt;
 use core::ops::{Add, Neg, Sub};
 
-use umbra_physics::scalar::internals::{AreaMoments, Arithmetic, Bulk, Forces, Motion, Number, Polygons, Span, Sum};
+use umbra_physics::scalar::internals::{
+    AreaMoments, Arithmetic, Bulk, Compiled, Forces, Motion, Number, Polygons, Span, Sum,
+};
 use umbra_physics::scalar::{Accumulator, Angle, Factor, FxSum, Scalar, Wide};
 use umbra_physics::{Fx, FxAccumulator, FxFactor, FxWide, SpringConstants, Turn, Vec2};
 
@@ -288,6 +290,8 @@ impl<const MODE: u8> Motion<Twin<MODE>> for Twin<MODE> {
 }
 
 impl<const MODE: u8> Bulk<Twin<MODE>> for Twin<MODE> {}
+
+impl<const MODE: u8> Compiled<Twin<MODE>> for Twin<MODE> {}
 
 impl<const MODE: u8> Forces<Twin<MODE>> for Twin<MODE> {
     fn attraction(mu: FxFactor, to_centre: Offset, softening: Self) -> Option<Offset> {

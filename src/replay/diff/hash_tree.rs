@@ -49,6 +49,10 @@ impl HashTree {
     /// Builds the tree of a state, by its parts, bodies and fields.
     #[must_use]
     pub fn of<S: Scalar>(world: &World<S>) -> Self {
+        S::hash_tree(world)
+    }
+
+    pub(crate) fn of_inner<S: Scalar>(world: &World<S>) -> Self {
         let leaves = FieldIndex::of(&State(world)).leaves;
         Self::over(format!("tick {}", world.tick()), &leaves, 0)
     }

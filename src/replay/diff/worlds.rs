@@ -18,6 +18,10 @@ impl<S: Scalar> World<S> {
     /// This is a tool for debugging: it is slow, and builds the names of all values.
     #[must_use]
     pub fn differences(&self, other: &Self) -> Vec<Difference> {
+        S::differences(self, other)
+    }
+
+    pub(crate) fn differences_inner(&self, other: &Self) -> Vec<Difference> {
         let (left, right) = (FieldIndex::of(&State(self)).leaves, FieldIndex::of(&State(other)).leaves);
         let mut rest: BTreeMap<&[Part], &FieldValue> = right.iter().map(|leaf| (&leaf.path[..], leaf)).collect();
         let mut found = Vec::new();
@@ -50,6 +54,10 @@ impl<S: Scalar> World<S> {
     /// ```
     #[must_use]
     pub fn first_difference(&self, other: &Self) -> Option<Difference> {
+        S::first_difference(self, other)
+    }
+
+    pub(crate) fn first_difference_inner(&self, other: &Self) -> Option<Difference> {
         let (left, right) = codec::first_difference(&State(self), &State(other))?;
         let (with, path) = match (&left, &right) {
             (Some(leaf), _) => (self, &leaf.path),

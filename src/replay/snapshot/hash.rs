@@ -18,6 +18,10 @@ impl<S: Scalar> World<S> {
     /// *Source* XXH3, 64 bits (Collet).
     #[must_use]
     pub fn state_hash(&self) -> u64 {
+        S::state_hash(self)
+    }
+
+    pub(crate) fn state_hash_inner(&self) -> u64 {
         let mut sink = StateHasher::new();
         PHYSICS_VERSION.write(&mut sink);
         self.def.write(&mut sink);
@@ -57,6 +61,10 @@ impl<S: Scalar> World<S> {
     /// ```
     #[must_use]
     pub fn physics_hash(&self) -> u64 {
+        S::physics_hash(self)
+    }
+
+    pub(crate) fn physics_hash_inner(&self) -> u64 {
         let mut sink = StateHasher::new();
         PHYSICS_VERSION.write(&mut sink);
         self.def.write(&mut sink);
@@ -125,6 +133,10 @@ impl<S: Scalar> BodyRef<'_, S> {
     /// ```
     #[must_use]
     pub fn physics_hash(&self) -> u64 {
+        S::physics_hash_of(self)
+    }
+
+    pub(crate) fn physics_hash_inner(&self) -> u64 {
         let (world, dense) = self.parts();
         world.motion_of(dense).1
     }
