@@ -1130,7 +1130,8 @@ UmbraStatus umbra_world_record(struct UmbraWorld *world,
 UmbraStatus umbra_world_take_record(struct UmbraWorld *world, struct UmbraBytes **bytes);
 
 // Ends the recording with the last step, and gives the rest of the file: all of it if nothing was taken before. A scene's names are kept.
-UmbraStatus umbra_world_end_record(struct UmbraWorld *world, struct UmbraBytes **bytes);
+UmbraStatus umbra_world_end_record(struct UmbraWorld *world,
+                                   struct UmbraBytes **bytes);
 
 // Runs a replay again and compares every hash: `UMBRA_OK`, `UMBRA_ERROR_DIVERGENCE`, or why the bytes, which may come from
 // anybody, are no replay that can be played, or ask for more than `limits` allow. `ticks`, which may be null, receives the
