@@ -74,6 +74,14 @@ compiled! {
     fn clone_world_from(world: &mut World<S>, source: &World<S>) {
         world.clone_from_inner(source);
     }
+    fn keep(kept: &mut World<S>, world: &World<S>) {
+        kept.keep(world);
+        kept.workspace.clone_cached_from(&world.workspace);
+    }
+    fn restore(world: &mut World<S>, kept: &World<S>) {
+        world.clone_from_inner(kept);
+        world.workspace.clone_cached_from(&kept.workspace);
+    }
     fn check(world: &World<S>, command: &Command<S>) -> Result<(), Error> {
         world.check_inner(command)
     }

@@ -104,7 +104,7 @@ mod step;
 mod symmetry;
 mod world;
 
-pub use body::{Activity, BodyDef, BodyKind, Locks, Mass};
+pub use body::{Activity, BodyDef, BodyKind, Damping, Locks, Mass};
 pub use codec::Malformed;
 #[cfg(feature = "float")]
 pub use display::{Blend, BodyClass, DebugDraw, DrawOptions, Interpolation, Pose, Role};
@@ -128,8 +128,9 @@ pub use slots::{BodyId, FieldId};
 pub use step::Timers;
 pub use symmetry::Symmetry;
 pub use world::{
-    ApplyOptions, BodyRef, Command, CommandMap, CommandSource, Created, Event, ForceOrImpulse, Frame, History, Input,
-    InputResult, Inputs, InputsIter, Preview, StepReport, Stepper, TickReport, Trace, World, WorldDef, step_all,
+    ApplyOptions, BodyRef, Command, CommandMap, CommandSource, ConfirmedTick, Created, Event, EventStatus,
+    ForceOrImpulse, Frame, History, Input, InputResult, Inputs, InputsIter, Preview, Rollback, RollbackReport,
+    StepReport, Stepper, TickEvent, TickReport, Trace, World, WorldDef, step_all,
 };
 
 /// The names that most programs need: `use umbra_physics::prelude::*`.
@@ -146,7 +147,7 @@ pub use world::{
 /// ```
 pub mod prelude {
     pub use crate::{
-        Attachment, BodyDef, BodyId, BodyKind, Command, End, Error, Event, FieldId, FieldKind, ForceField, Fx,
+        Attachment, BodyDef, BodyId, BodyKind, Command, Damping, End, Error, Event, FieldId, FieldKind, ForceField, Fx,
         FxFactor, History, Input, Inputs, Integrator, Locks, Mass, Rot, Shape, SpringConstants, TimeStep, Turn, Vec2,
         World, WorldDef, fx, vec2,
     };

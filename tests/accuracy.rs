@@ -12,7 +12,7 @@ use support::cordic::Cordic;
 use support::hard;
 use support::inputs::{Random, edges};
 use support::reference::{Reference, error, real};
-use umbra_physics::{Fx, MathError};
+use umbra_physics::{Damping, Fx, MathError, WorldDef};
 
 /// Random inputs of each distribution, a function: as many as `UMBRA_INPUTS` says, a million at leisure.
 static RANDOM: LazyLock<usize> = LazyLock::new(|| {
@@ -41,7 +41,7 @@ struct Function {
     error: fn(&Reference, Input) -> Option<f64>,
 }
 
-const FUNCTIONS: [Function; 10] = [
+const FUNCTIONS: [Function; 11] = [
     Function {
         name: "sin",
         methods: &["sin", "sin_cos"],
@@ -165,6 +165,30 @@ const FUNCTIONS: [Function; 10] = [
             assert_eq!(power == Err(MathError::Overflow), raw >= 31 << 32, "{raw}");
             let power = power.ok()?.to_bits();
             Some(if raw < -80 << 32 { power as f64 } else { error(power, &reference.exp2(&real(raw, -32))) })
+        },
+    },
+    Function {
+        name: "Damping::rate",
+        methods: &[],
+        allowed: 0.5001,
+        inputs: |_| {
+            let mut random = Random(17);
+            // The share is 0 from 33·ln 2 on; what is next to the tie of 2^-33 there, and next to none.
+            let last = 98_242_467_570;
+            let rates = (0..*RANDOM).map(|_| random.within(0, 23 << 32)).collect::<Vec<_>>();
+            let ends = (-DENSE..=DENSE).flat_map(|d| [d.abs(), last + d]);
+            singles(rates.into_iter().chain(ends).chain(common()))
+        },
+        error: |reference, (raw, _)| {
+            let damping = Damping::rate(Fx::from_bits(raw));
+            let refused = WorldDef { linear_damping: damping, ..WorldDef::default() }.check().is_err();
+            assert_eq!((refused, damping == Damping::NONE), (raw < 0, raw == 0), "{raw}");
+            let kept = damping.kept();
+            if !(-92_288_378_626..=80 << 32).contains(&raw) {
+                assert_eq!(kept, if raw < 0 { Fx::MAX } else { Fx::ZERO }, "{raw}");
+                return None;
+            }
+            Some(error(kept.to_bits(), &reference.exp(&real(-i128::from(raw), -32))))
         },
     },
     Function {

@@ -6,9 +6,9 @@ use std::time::{Duration, Instant};
 #[cfg(feature = "timers")]
 use umbra_physics::Timers;
 use umbra_physics::{
-    Activity, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, Command, Created, End, Error, FieldId, FieldKind,
-    ForceField, ForceOrImpulse, Frame, Fx, FxFactor, FxWide, Integrator, Locks, Mass, Random, Shape, SpringConstants,
-    TimeStep, Turn, Vec2, World, WorldDef, fx, vec2,
+    Activity, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, Command, Created, Damping, End, Error, FieldId,
+    FieldKind, ForceField, ForceOrImpulse, Frame, Fx, FxFactor, FxWide, Integrator, Locks, Mass, Random, Shape,
+    SpringConstants, TimeStep, Turn, Vec2, World, WorldDef, fx, vec2,
 };
 
 fn world(def: WorldDef) -> World {
@@ -78,7 +78,11 @@ fn a_new_mass_acts_from_the_next_step_on() {
 
 #[test]
 fn a_new_time_step_damps_alike_over_time_and_keeps_the_elapsed_time_exact() {
-    let def = WorldDef { linear_damping: fx!(0.25), angular_damping: fx!(0.5), ..sixty_four() };
+    let def = WorldDef {
+        linear_damping: Damping::kept_per_second(fx!(0.25)),
+        angular_damping: Damping::kept_per_second(fx!(0.5)),
+        ..sixty_four()
+    };
     let mut world = world(def);
     let body = ball(&mut world);
     world.set_velocity(body, vec2(fx!(1024), 0)).unwrap();
@@ -105,8 +109,8 @@ fn a_new_time_step_damps_alike_over_time_and_keeps_the_elapsed_time_exact() {
 fn a_damping_of_its_own_overrides_the_worlds_each_for_itself_and_not_at_all_for_kinematic_bodies() {
     let def = WorldDef {
         time_step: TimeStep::hz(1),
-        linear_damping: fx!(0.5),
-        angular_damping: fx!(0.25),
+        linear_damping: Damping::kept_per_second(fx!(0.5)),
+        angular_damping: Damping::kept_per_second(fx!(0.25)),
         sleep_after: None,
         ..WorldDef::default()
     };
@@ -114,9 +118,13 @@ fn a_damping_of_its_own_overrides_the_worlds_each_for_itself_and_not_at_all_for_
     let start = BodyDef { velocity: vec2(64, 0), angular_velocity: fx!(64), shape: disc(fx!(1)), ..BodyDef::dynamic() };
     let defs = [
         start.clone(),
-        BodyDef { linear_damping: Some(Fx::ONE), ..start.clone() },
-        BodyDef { angular_damping: Some(Fx::ONE), ..start.clone() },
-        BodyDef { linear_damping: Some(Fx::ZERO), angular_damping: Some(fx!(0.5)), ..start.clone() },
+        BodyDef { linear_damping: Some(Damping::NONE), ..start.clone() },
+        BodyDef { angular_damping: Some(Damping::NONE), ..start.clone() },
+        BodyDef {
+            linear_damping: Some(Damping::kept_per_second(Fx::ZERO)),
+            angular_damping: Some(Damping::kept_per_second(fx!(0.5))),
+            ..start.clone()
+        },
         BodyDef { kind: BodyKind::Kinematic, ..start },
     ];
     let bodies = defs.map(|def| world.add_body(def).unwrap());
@@ -125,7 +133,7 @@ fn a_damping_of_its_own_overrides_the_worlds_each_for_itself_and_not_at_all_for_
     let pairs = |list: [(i32, i32); 5]| list.map(|(v, w)| (Fx::from(v), Fx::from(w)));
     assert_eq!(now(&world), pairs([(32, 16), (64, 16), (32, 64), (0, 32), (64, 64)]));
     world.set_body_damping(bodies[1], None, None).unwrap();
-    world.set_damping(fx!(0.25), fx!(1)).unwrap();
+    world.set_damping(Damping::kept_per_second(fx!(0.25)), Damping::NONE).unwrap();
     world.step();
     assert_eq!(now(&world), pairs([(8, 16), (16, 16), (8, 64), (0, 16), (64, 64)]));
 }
@@ -413,7 +421,7 @@ fn what_is_set_is_what_is_read() {
         shape: Some(Shape::polygon(&corners).unwrap()),
         mass: Mass::Density(fx!(3)),
         gravity_scale: fx!(-0.3),
-        linear_damping: Some(fx!(0.7)),
+        linear_damping: Some(Damping::kept_per_second(fx!(0.7))),
         angular_damping: None,
         max_speed: Some(fx!(0.1)),
         max_angular_speed: None,
@@ -553,7 +561,11 @@ fn a_command_does_what_the_method_of_its_name_does() {
         Command::SetKind { body, kind: BodyKind::Kinematic },
         Command::SetKind { body, kind: BodyKind::Dynamic },
         Command::SetGravityScale { body, scale: fx!(2) },
-        Command::SetBodyDamping { body, linear: Some(fx!(0.5)), angular: Some(fx!(0.25)) },
+        Command::SetBodyDamping {
+            body,
+            linear: Some(Damping::kept_per_second(fx!(0.5))),
+            angular: Some(Damping::kept_per_second(fx!(0.25))),
+        },
         Command::SetForceGroups { body, force_groups: 3 },
         Command::SetKey { body, key: 4 },
         Command::SetUserData { body, user_data: 5 },
@@ -567,7 +579,10 @@ fn a_command_does_what_the_method_of_its_name_does() {
         Command::SetTimeStep(TimeStep::hz(50)),
         Command::SetGravity(force),
         Command::SetIntegrator(Integrator::SymplecticEuler),
-        Command::SetDamping { linear: fx!(0.5), angular: fx!(0.25) },
+        Command::SetDamping {
+            linear: Damping::kept_per_second(fx!(0.5)),
+            angular: Damping::kept_per_second(fx!(0.25)),
+        },
         Command::SetSleepAfter(Some(9)),
         Command::SetRandom(Random::seeded(3)),
         Command::SetBlob(vec![1, 2, 3]),

@@ -4,8 +4,8 @@
 use std::sync::Arc;
 
 use umbra_physics::{
-    Attachment, BodyDef, BodyId, BodyKind, BodyState, CustomForce, CustomForceError, Dependence, End, Error, FieldId,
-    FieldKind, ForceField, ForceTorque, Fx, FxFactor, Integrator, Locks, Mass, Region, Shape, Snapshot,
+    Attachment, BodyDef, BodyId, BodyKind, BodyState, CustomForce, CustomForceError, Damping, Dependence, End, Error,
+    FieldId, FieldKind, ForceField, ForceTorque, Fx, FxFactor, Integrator, Locks, Mass, Region, Shape, Snapshot,
     SpringConstants, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
@@ -161,9 +161,16 @@ fn change(world: &mut World, random: &mut Random, scene: &mut Scene) {
         }
         28 => world.move_to(body, vector, fx!(1)),
         29 => world.release(body),
-        30 => world.set_body_damping(body, [None, Some(fx!(0.5)), Some(fx!(1))][one_of], None),
+        30 => world.set_body_damping(
+            body,
+            [None, Some(fx!(0.5)), Some(fx!(1))][one_of].map(Damping::kept_per_second),
+            None,
+        ),
         31 => world.set_max_speeds(body, [None, Some(fx!(2)), Some(fx!(5))][one_of], None),
-        32 => world.set_damping([fx!(1), fx!(0.75), fx!(0.5)][one_of], fx!(0.75)),
+        32 => world.set_damping(
+            [fx!(1), fx!(0.75), fx!(0.5)].map(Damping::kept_per_second)[one_of],
+            Damping::kept_per_second(fx!(0.75)),
+        ),
         33 => world.set_time_step(TimeStep::hz([50, 60, 100][one_of])),
         34 => world.set_integrator(Integrator::ALL[below(random, Integrator::ALL.len())]),
         _ => Ok(()),

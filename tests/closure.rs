@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use umbra_physics::{
-    Activity, Attachment, BodyDef, BodyId, BodyKind, BodyState, CustomForce, CustomForceError, Dependence, End, Error,
-    FieldId, FieldKind, ForceField, ForceTorque, Fx, FxAccumulator, FxFactor, Integrator, Mass, Region, Shape,
-    Snapshot, SpringConstants, TimeStep, Vec2, World, WorldDef, fx, vec2,
+    Activity, Attachment, BodyDef, BodyId, BodyKind, BodyState, CustomForce, CustomForceError, Damping, Dependence,
+    End, Error, FieldId, FieldKind, ForceField, ForceTorque, Fx, FxAccumulator, FxFactor, Integrator, Mass, Region,
+    Shape, Snapshot, SpringConstants, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
 type Bits = ([i128; 5], u64, Activity);
@@ -62,8 +62,8 @@ fn spring(near: BodyId, point: Vec2, far: End, rest: Fx, stiffness: Fx, damping:
 fn world_def(integrator: Integrator) -> WorldDef {
     WorldDef {
         gravity: vec2(fx!(0.1), fx!(-2)),
-        linear_damping: fx!(0.8),
-        angular_damping: fx!(0.9),
+        linear_damping: Damping::kept_per_second(fx!(0.8)),
+        angular_damping: Damping::kept_per_second(fx!(0.9)),
         integrator,
         ..WorldDef::default()
     }
@@ -87,7 +87,11 @@ fn cast() -> Vec<BodyDef> {
     bodies[3] =
         BodyDef { velocity: Vec2::ZERO, angular_velocity: Fx::ZERO, key: 3, position: at(3), ..BodyDef::fixed() };
     bodies[5] = BodyDef { kind: BodyKind::Kinematic, ..bodies[5].clone() };
-    bodies[6] = BodyDef { linear_damping: Some(fx!(0.5)), gravity_scale: fx!(-0.5), ..bodies[6].clone() };
+    bodies[6] = BodyDef {
+        linear_damping: Some(Damping::kept_per_second(fx!(0.5))),
+        gravity_scale: fx!(-0.5),
+        ..bodies[6].clone()
+    };
     bodies
 }
 
@@ -271,15 +275,18 @@ fn add_stranger(world: &mut World, i: usize, last: Option<BodyId>) -> BodyId {
     let def = match i % 6 {
         0 => BodyDef { gravity_scale: Fx::ZERO, ..base },
         1 => BodyDef { position, ..BodyDef::fixed() },
-        2 => {
-            BodyDef { velocity: vec2(fx!(1), 0), linear_damping: Some(Fx::ONE), mass: Mass::Kilograms(fx!(77)), ..base }
-        }
+        2 => BodyDef {
+            velocity: vec2(fx!(1), 0),
+            linear_damping: Some(Damping::NONE),
+            mass: Mass::Kilograms(fx!(77)),
+            ..base
+        },
         3 => BodyDef { position: vec2(fx!(1073741823), 0), velocity: vec2(fx!(900000), 0), ..base },
         4 => BodyDef { kind: BodyKind::Kinematic, velocity: vec2(0, fx!(3)), ..base },
         _ => BodyDef {
             velocity: vec2(fx!(9000), 0),
             angular_velocity: fx!(50),
-            angular_damping: Some(fx!(0.1)),
+            angular_damping: Some(Damping::kept_per_second(fx!(0.1))),
             force_groups: DRAGGED,
             ..base
         },
@@ -392,8 +399,8 @@ fn a_clone_has_the_same_future_and_leaves_the_original_alone() {
 fn pool(integrator: Integrator, sleep_after: Option<u32>) -> (World, Vec<BodyId>) {
     let def = WorldDef {
         sleep_after,
-        linear_damping: fx!(0.0001),
-        angular_damping: fx!(0.0001),
+        linear_damping: Damping::kept_per_second(fx!(0.0001)),
+        angular_damping: Damping::kept_per_second(fx!(0.0001)),
         integrator,
         ..WorldDef::default()
     };
@@ -433,14 +440,21 @@ fn change(world: &mut World, bodies: &[BodyId], dice: &mut Dice) -> Result<(), E
         9 => world.set_shape(body, Some(Shape::circle(fx!(1) + dice.number(fx!(0.9)))?)),
         10 => world.set_kind(body, [BodyKind::Dynamic, BodyKind::Static, BodyKind::Kinematic][dice.throw(3)]),
         11 => world.set_gravity_scale(body, dice.number(fx!(1))),
-        12 => world.set_body_damping(body, Some(fx!(0.001)), [None, Some(fx!(0.01))][dice.throw(2)]),
+        12 => world.set_body_damping(
+            body,
+            Some(Damping::kept_per_second(fx!(0.001))),
+            [None, Some(Damping::kept_per_second(fx!(0.01)))][dice.throw(2)],
+        ),
         13 => world.set_force_groups(body, dice.throw(8) as u32),
         14 => world.wake(body),
         15 => world.set_time_step(TimeStep::ratio(1, [1, 10, 60, 64, 1000][dice.throw(5)])),
         // Gravity so small that what it gives in a short step is damped away, and in a long one is not.
         16 => world.set_gravity(Vec2::new(tiny, -tiny)),
         17 => world.set_integrator(Integrator::ALL[dice.throw(5)]),
-        18 => world.set_damping(fx!(0.0001), [fx!(0.0001), fx!(0.01)][dice.throw(2)]),
+        18 => world.set_damping(
+            Damping::kept_per_second(fx!(0.0001)),
+            [fx!(0.0001), fx!(0.01)].map(Damping::kept_per_second)[dice.throw(2)],
+        ),
         19 => {
             let far = End::Body(Attachment::centre(other));
             world.add_field(spring(body, vec2(0, fx!(0.1)), far, fx!(2), fx!(5), fx!(0.5))).map(drop)
@@ -530,7 +544,7 @@ fn a_longer_time_step_moves_a_sleeper_that_a_shorter_one_left_at_rest() {
         let def = WorldDef {
             time_step: TimeStep::hz(1_000),
             gravity: Vec2::new(Fx::ZERO, Fx::from_bits(-8)),
-            linear_damping: fx!(0.5),
+            linear_damping: Damping::kept_per_second(fx!(0.5)),
             sleep_after,
             ..WorldDef::default()
         };
@@ -556,8 +570,13 @@ fn another_integrator_moves_a_sleeper_that_the_one_before_left_at_rest() {
     // 24 ulp/s²: 0.4 ulp/s a step, which damping clears; the first of Yoshida's sub-steps gains 0.54, which it does not.
     let make = |sleep_after| {
         let gravity = Vec2::new(Fx::ZERO, Fx::from_bits(-24));
-        let mut world = World::new(WorldDef { gravity, linear_damping: fx!(0.5), sleep_after, ..WorldDef::default() })
-            .expect("a world");
+        let mut world = World::new(WorldDef {
+            gravity,
+            linear_damping: Damping::kept_per_second(fx!(0.5)),
+            sleep_after,
+            ..WorldDef::default()
+        })
+        .expect("a world");
         let body = world.add_body(BodyDef::dynamic()).expect("a body");
         (world, body)
     };
@@ -711,8 +730,12 @@ fn what_strangers_hang_on_an_anchor_wakes_nobody_else_who_hangs_there() {
 fn no_body_sleeps_while_an_attractor_may_come_by() {
     // From 4000 m its pull is cleared by damping, so that the body stays where it is to the bit; from near it is not.
     let make = |sleep_after| {
-        let mut world =
-            World::new(WorldDef { linear_damping: fx!(0.5), sleep_after, ..WorldDef::default() }).expect("a world");
+        let mut world = World::new(WorldDef {
+            linear_damping: Damping::kept_per_second(fx!(0.5)),
+            sleep_after,
+            ..WorldDef::default()
+        })
+        .expect("a world");
         let body = world.add_body(BodyDef { position: vec2(0, 1), ..BodyDef::dynamic() }).expect("a body");
         let comet = BodyDef { position: vec2(4_000, 0), velocity: vec2(-1_000, 0), ..BodyDef::kinematic() };
         let centre = End::Body(Attachment::centre(world.add_body(comet).expect("a body")));
@@ -865,8 +888,8 @@ fn equal_worlds_hash_alike_and_any_single_difference_shows() {
         }),
         ("kinematic", |w, b, _| w.set_kind(b, BodyKind::Kinematic).unwrap()),
         ("gravity scale", |w, b, _| w.set_gravity_scale(b, fx!(2)).unwrap()),
-        ("own damping", |w, b, _| w.set_body_damping(b, Some(Fx::ONE), None).unwrap()),
-        ("own angular damping", |w, b, _| w.set_body_damping(b, None, Some(Fx::ONE)).unwrap()),
+        ("own damping", |w, b, _| w.set_body_damping(b, Some(Damping::NONE), None).unwrap()),
+        ("own angular damping", |w, b, _| w.set_body_damping(b, None, Some(Damping::NONE)).unwrap()),
         ("groups", |w, b, _| w.set_force_groups(b, 2).unwrap()),
         ("key", |w, b, _| w.set_key(b, 1).unwrap()),
         ("user data", |w, b, _| w.set_user_data(b, 1).unwrap()),
@@ -1002,8 +1025,8 @@ fn equal_worlds_hash_alike_and_any_single_difference_shows() {
         ("symplectic Euler", |w, _, _| w.set_integrator(Integrator::SymplecticEuler).unwrap()),
         ("published", |w, _, _| w.set_integrator(Integrator::PublishedVerlet).unwrap()),
         ("Yoshida", |w, _, _| w.set_integrator(Integrator::Yoshida4).unwrap()),
-        ("damping", |w, _, _| w.set_damping(fx!(0.5), Fx::ONE).unwrap()),
-        ("angular damping", |w, _, _| w.set_damping(Fx::ONE, fx!(0.5)).unwrap()),
+        ("damping", |w, _, _| w.set_damping(Damping::kept_per_second(fx!(0.5)), Damping::NONE).unwrap()),
+        ("angular damping", |w, _, _| w.set_damping(Damping::NONE, Damping::kept_per_second(fx!(0.5))).unwrap()),
         ("never sleeps", |w, _, _| w.set_sleep_after(None).unwrap()),
         ("sleeps later", |w, _, _| w.set_sleep_after(Some(31)).unwrap()),
         ("a step", |w, _, _| {

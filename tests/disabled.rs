@@ -1,13 +1,19 @@
 //! Disabled bodies: out of the simulation as they are, with what is attached to them inert, and back in it.
 
 use umbra_physics::{
-    Activity, Attachment, BodyDef, BodyId, BodyKind, End, Error, FieldKind, FxFactor, FxWide, Integrator, Locks,
-    Snapshot, SpringConstants, World, WorldDef, fx, vec2,
+    Activity, Attachment, BodyDef, BodyId, BodyKind, Damping, End, Error, FieldKind, FxFactor, FxWide, Integrator,
+    Locks, Snapshot, SpringConstants, World, WorldDef, fx, vec2,
 };
 
 fn world(integrator: Integrator) -> World {
     let gravity = vec2(fx!(0.5), -10);
-    let def = WorldDef { integrator, gravity, linear_damping: fx!(0.9), sleep_after: Some(4), ..WorldDef::default() };
+    let def = WorldDef {
+        integrator,
+        gravity,
+        linear_damping: Damping::kept_per_second(fx!(0.9)),
+        sleep_after: Some(4),
+        ..WorldDef::default()
+    };
     World::new(def).expect("a world")
 }
 

@@ -2,8 +2,8 @@
 
 use umbra_physics::scalar::{Factor, ToF64};
 use umbra_physics::{
-    Attachment, BodyDef, BodyId, End, FieldKind, Fx, FxFactor, Integrator, Scalar, SpringConstants, TimeStep, Vec2,
-    World, WorldDef, fx,
+    Attachment, BodyDef, BodyId, Damping, End, FieldKind, Fx, FxFactor, Integrator, Scalar, SpringConstants, TimeStep,
+    Vec2, World, WorldDef, fx,
 };
 
 /// A power of two, so that the damping control is one ulp of a second's damping.
@@ -29,7 +29,7 @@ impl Scene {
         let def = WorldDef {
             time_step: TimeStep::hz(RATE),
             integrator,
-            linear_damping: number(kept),
+            linear_damping: Damping::kept_per_second(number(kept)),
             sleep_after: None,
             ..WorldDef::default()
         };

@@ -11,9 +11,9 @@ use umbra_physics::limits::{
 };
 use umbra_physics::{
     Activity, AppliedForce, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, BodyState, Cause, Command,
-    CustomForce, CustomForceError, Dependence, End, Error, Fault, FieldId, FieldKind, ForceField, ForceOrImpulse,
-    ForceTorque, Frame, Fx, FxAccumulator, FxFactor, Integrator, Locks, Mass, Part, Quantity, Region, Shape,
-    SpringConstants, TimeStep, Vec2, World, WorldDef, fx, vec2,
+    CustomForce, CustomForceError, Damping, Dependence, End, Error, Fault, FieldId, FieldKind, ForceField,
+    ForceOrImpulse, ForceTorque, Frame, Fx, FxAccumulator, FxFactor, Integrator, Locks, Mass, Part, Quantity, Region,
+    Shape, SpringConstants, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
 const ULP: Fx = Fx::DELTA;
@@ -154,17 +154,23 @@ fn each_bound_of_a_number_is_accepted_and_one_ulp_past_it_refused() {
     try_scalar(scales, Quantity::GravityScale, |scale, body, _| Command::SetGravityScale { body, scale });
     try_scalar(scales, Quantity::GravityScale, |scale, _, _| body(|def| def.gravity_scale = scale));
     let kept = [Fx::ZERO, Fx::ONE];
-    try_scalar(kept, Quantity::Damping, |kept, _, _| Command::SetDamping { linear: kept, angular: Fx::ONE });
-    try_scalar(kept, Quantity::Damping, |kept, _, _| Command::SetDamping { linear: Fx::ONE, angular: kept });
+    try_scalar(kept, Quantity::Damping, |kept, _, _| Command::SetDamping {
+        linear: Damping::kept_per_second(kept),
+        angular: Damping::NONE,
+    });
+    try_scalar(kept, Quantity::Damping, |kept, _, _| Command::SetDamping {
+        linear: Damping::NONE,
+        angular: Damping::kept_per_second(kept),
+    });
     try_scalar(kept, Quantity::Damping, |kept, body, _| Command::SetBodyDamping {
         body,
-        linear: Some(kept),
+        linear: Some(Damping::kept_per_second(kept)),
         angular: None,
     });
     try_scalar(kept, Quantity::Damping, |kept, body, _| Command::SetBodyDamping {
         body,
         linear: None,
-        angular: Some(kept),
+        angular: Some(Damping::kept_per_second(kept)),
     });
     let most = [Fx::ZERO, SPEED];
     try_scalar(most, Quantity::MaxSpeed, |most, body, _| Command::SetMaxSpeeds {
@@ -179,8 +185,12 @@ fn each_bound_of_a_number_is_accepted_and_one_ulp_past_it_refused() {
     });
     try_scalar(most, Quantity::MaxSpeed, |most, _, _| body(|def| def.max_speed = Some(most)));
     try_scalar(most, Quantity::MaxAngularSpeed, |most, _, _| body(|def| def.max_angular_speed = Some(most)));
-    try_scalar(kept, Quantity::Damping, |kept, _, _| body(|def| def.linear_damping = Some(kept)));
-    try_scalar(kept, Quantity::Damping, |kept, _, _| body(|def| def.angular_damping = Some(kept)));
+    try_scalar(kept, Quantity::Damping, |kept, _, _| {
+        body(|def| def.linear_damping = Some(Damping::kept_per_second(kept)))
+    });
+    try_scalar(kept, Quantity::Damping, |kept, _, _| {
+        body(|def| def.angular_damping = Some(Damping::kept_per_second(kept)))
+    });
     let none = Fx::ZERO;
     try_scalar([none, POSITION], Quantity::RestLength, |rest, body, id| {
         set(id, spring(body, End::World(Vec2::ZERO), rest, fx!(1), fx!(1)))
@@ -253,16 +263,36 @@ fn rates_and_sleeping_times_have_their_bounds() {
 fn yoshida4_and_a_damping_of_zero_refuse_each_other_either_way() {
     let refused = Err(Error::DampingHasNoInverse);
     let (mut world, [one, ..], _) = stage();
-    expect(&mut world, &Command::SetDamping { linear: Fx::ZERO, angular: Fx::ONE }, Ok(()));
+    expect(
+        &mut world,
+        &Command::SetDamping { linear: Damping::kept_per_second(Fx::ZERO), angular: Damping::NONE },
+        Ok(()),
+    );
     expect(&mut world, &Command::SetIntegrator(Integrator::Yoshida4), refused);
-    expect(&mut world, &Command::SetDamping { linear: Fx::ONE, angular: Fx::ONE }, Ok(()));
-    expect(&mut world, &Command::SetBodyDamping { body: one, linear: None, angular: Some(Fx::ZERO) }, Ok(()));
+    expect(&mut world, &Command::SetDamping { linear: Damping::NONE, angular: Damping::NONE }, Ok(()));
+    expect(
+        &mut world,
+        &Command::SetBodyDamping { body: one, linear: None, angular: Some(Damping::kept_per_second(Fx::ZERO)) },
+        Ok(()),
+    );
     expect(&mut world, &Command::SetIntegrator(Integrator::Yoshida4), refused);
-    expect(&mut world, &Command::SetBodyDamping { body: one, linear: None, angular: Some(ULP) }, Ok(()));
+    expect(
+        &mut world,
+        &Command::SetBodyDamping { body: one, linear: None, angular: Some(Damping::kept_per_second(ULP)) },
+        Ok(()),
+    );
     expect(&mut world, &Command::SetIntegrator(Integrator::Yoshida4), Ok(()));
-    expect(&mut world, &Command::SetBodyDamping { body: one, linear: Some(Fx::ZERO), angular: None }, refused);
-    expect(&mut world, &Command::SetDamping { linear: Fx::ONE, angular: Fx::ZERO }, refused);
-    expect(&mut world, &body(|def| def.linear_damping = Some(Fx::ZERO)), refused);
+    expect(
+        &mut world,
+        &Command::SetBodyDamping { body: one, linear: Some(Damping::kept_per_second(Fx::ZERO)), angular: None },
+        refused,
+    );
+    expect(
+        &mut world,
+        &Command::SetDamping { linear: Damping::NONE, angular: Damping::kept_per_second(Fx::ZERO) },
+        refused,
+    );
+    expect(&mut world, &body(|def| def.linear_damping = Some(Damping::kept_per_second(Fx::ZERO))), refused);
 }
 
 #[test]
@@ -655,14 +685,9 @@ fn mass() -> impl Strategy<Value = Mass> {
     ]
 }
 
-fn damping() -> impl Strategy<Value = Option<Fx>> {
-    prop_oneof![
-        Just(None),
-        Just(Some(ULP)),
-        Just(Some(Fx::ZERO)),
-        Just(Some(Fx::ONE)),
-        positive(Fx::ONE).prop_map(Some)
-    ]
+fn damping() -> impl Strategy<Value = Option<Damping>> {
+    let kept = prop_oneof![Just(ULP), Just(Fx::ZERO), Just(Fx::ONE), positive(Fx::ONE)];
+    prop_oneof![1 => Just(None), 4 => kept.prop_map(Damping::kept_per_second).prop_map(Some)]
 }
 
 fn most() -> impl Strategy<Value = Option<Fx>> {
@@ -815,7 +840,10 @@ fn command() -> impl Strategy<Value = Command> {
         1 => time_step().prop_map(Command::SetTimeStep),
         1 => edge_vector().prop_map(Command::SetGravity),
         2 => integrator().prop_map(Command::SetIntegrator),
-        1 => (edge(), edge()).prop_map(|(linear, angular)| Command::SetDamping { linear, angular }),
+        1 => (edge(), edge()).prop_map(|(linear, angular)| {
+            let [linear, angular] = [linear, angular].map(Damping::kept_per_second);
+            Command::SetDamping { linear, angular }
+        }),
         1 => prop::option::of(0u32..4).prop_map(Command::SetSleepAfter),
     ]
 }
@@ -853,12 +881,13 @@ proptest! {
         time_step in time_step(),
         integrator in integrator(),
         gravity in vector_within(GRAVITY),
-        (linear, angular) in (positive(Fx::ONE), positive(Fx::ONE)),
+        dampings in (positive(Fx::ONE), positive(Fx::ONE)),
         bodies in prop::collection::vec(body_def(), 1..5),
         fields in prop::collection::vec(field(), 0..6),
         pushes in prop::collection::vec((handle(), action()), 0..4),
     ) {
-        let def = WorldDef { time_step, integrator, gravity, linear_damping: linear, angular_damping: angular, sleep_after: Some(2) };
+        let [linear_damping, angular_damping] = [dampings.0, dampings.1].map(Damping::kept_per_second);
+        let def = WorldDef { time_step, integrator, gravity, linear_damping, angular_damping, sleep_after: Some(2) };
         if let Ok(mut world) = World::new(def) {
             world.register_custom_force(Arc::new(Faulty)).unwrap();
             for body in bodies { let _ = world.add_body(body); }
@@ -970,8 +999,8 @@ fn the_corners_of_the_envelope_are_stepped_through_without_a_panic() {
                         time_step,
                         integrator,
                         gravity: vec2(GRAVITY, -GRAVITY),
-                        linear_damping: kept,
-                        angular_damping: kept,
+                        linear_damping: Damping::kept_per_second(kept),
+                        angular_damping: Damping::kept_per_second(kept),
                         sleep_after: Some(1),
                     };
                     let mut world = World::new(def).unwrap();
@@ -1066,7 +1095,7 @@ mod floats {
                     add(|def, v| def.angle = v.x + v.y),
                     add(|def, v| def.angular_velocity = v.x + v.y),
                     add(|def, v| def.gravity_scale = v.x + v.y),
-                    add(|def, v| def.linear_damping = Some(v.x + v.y)),
+                    add(|def, v| def.linear_damping = Some(Damping::kept_per_second(v.x + v.y))),
                     add(|def, v| def.mass = Mass::Kilograms(v.x + v.y)),
                     Command::SetPosition { body, position: v },
                     Command::SetVelocity { body, velocity: v },
@@ -1076,8 +1105,8 @@ mod floats {
                     Command::SetMass { body, mass: Mass::Density(bad) },
                     Command::SetMass { body, mass: Mass::Explicit { mass: 1.0, inertia: bad } },
                     Command::SetGravityScale { body, scale: bad },
-                    Command::SetBodyDamping { body, linear: Some(bad), angular: None },
-                    Command::SetBodyDamping { body, linear: None, angular: Some(bad) },
+                    Command::SetBodyDamping { body, linear: Some(Damping::kept_per_second(bad)), angular: None },
+                    Command::SetBodyDamping { body, linear: None, angular: Some(Damping::kept_per_second(bad)) },
                     Command::SetMaxSpeeds { body, linear: Some(bad), angular: None },
                     Command::SetMaxSpeeds { body, linear: None, angular: Some(bad) },
                     Command::MoveTo { body: rail, position: v, angle: 0.0 },
@@ -1085,8 +1114,8 @@ mod floats {
                     add(|def, v| def.max_speed = Some(v.x + v.y)),
                     add(|def, v| def.max_angular_speed = Some(v.x + v.y)),
                     Command::SetGravity(v),
-                    Command::SetDamping { linear: bad, angular: 1.0 },
-                    Command::SetDamping { linear: 1.0, angular: bad },
+                    Command::SetDamping { linear: Damping::kept_per_second(bad), angular: Damping::NONE },
+                    Command::SetDamping { linear: Damping::NONE, angular: Damping::kept_per_second(bad) },
                     own(ForceOrImpulse::Force { force: v, point: None }),
                     own(ForceOrImpulse::Force { force: Vec2::X, point: Some(v) }),
                     own(ForceOrImpulse::Torque(bad)),
@@ -1155,7 +1184,7 @@ mod floats {
 /// Damping to 2^-32 of a velocity makes 2^11 times of it in the middle of a step of Yoshida's, which goes back in time there.
 #[test]
 fn damping_that_goes_too_far_back_takes_out_the_body_that_it_carries_away() {
-    for own in [None, Some(fx!(0.5))] {
+    for own in [None, Some(Damping::kept_per_second(fx!(0.5)))] {
         for at in [0, 1, 77, 199] {
             for (cause, fast) in [
                 (Cause::Velocity, BodyDef { velocity: vec2(0, 1 << 19), ..BodyDef::dynamic() }),
@@ -1164,8 +1193,8 @@ fn damping_that_goes_too_far_back_takes_out_the_body_that_it_carries_away() {
                 let mut world = World::new(WorldDef {
                     integrator: Integrator::Yoshida4,
                     time_step: TimeStep::hz(1),
-                    linear_damping: ULP,
-                    angular_damping: ULP,
+                    linear_damping: Damping::kept_per_second(ULP),
+                    angular_damping: Damping::kept_per_second(ULP),
                     ..WorldDef::default()
                 })
                 .expect("a world");

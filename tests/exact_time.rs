@@ -5,7 +5,7 @@ mod real;
 
 use real::{Real, TAU, exact, ratio, real, to_f64, units};
 use umbra_physics::{
-    BodyDef, BodyId, Elapsed, Fx, FxAccumulator, Integrator, TimeStep, Vec2, World, WorldDef, fx, vec2,
+    BodyDef, BodyId, Damping, Elapsed, Fx, FxAccumulator, Integrator, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
 const RATES: [TimeStep; 5] =
@@ -127,8 +127,8 @@ fn a_spin_of_ten_radians_a_second_is_exact_after_a_thousand_seconds() {
 fn damped(step: TimeStep, ticks: u64, kept: Fx, start: Fx, integrator: Integrator) -> (Vec2, Fx) {
     let def = WorldDef {
         time_step: step,
-        linear_damping: kept,
-        angular_damping: kept,
+        linear_damping: Damping::kept_per_second(kept),
+        angular_damping: Damping::kept_per_second(kept),
         integrator,
         sleep_after: None,
         ..WorldDef::default()
@@ -190,7 +190,7 @@ fn a_hundred_and_fifty_steps_a_second_damp_alike() {
 fn damping_never_increases_speed() {
     for kept in [fx!(0.999999), fx!(0.5), fx!(0.0001), Fx::from_bits(1), fx!(0)] {
         let (mut world, body) = one_body(
-            WorldDef { linear_damping: kept, sleep_after: None, ..WorldDef::default() },
+            WorldDef { linear_damping: Damping::kept_per_second(kept), sleep_after: None, ..WorldDef::default() },
             BodyDef { velocity: vec2(fx!(1000), fx!(-0.001)), ..BodyDef::dynamic() },
         );
         let mut before = world.body(body).expect("it is there").velocity_exact();

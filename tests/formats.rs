@@ -18,7 +18,9 @@ use std::{env, fs};
 
 use everything::{commands, custom_forces, recording, world};
 use formats::{Content, Layouts, Value};
-use found::{activity, command, field, integrator, kind, locks, mass, number, random, shape, time_step, vector};
+use found::{
+    activity, command, damping, field, integrator, kind, locks, mass, number, random, shape, time_step, vector,
+};
 use umbra_physics::{
     BodyDef, BodyId, Command, FieldId, ForceField, Fx, Inputs, Mass, PHYSICS_VERSION, RecordOptions, Recorder, Replay,
     ReplayError, Snapshot, SnapshotError, Turn, World, WorldDef,
@@ -167,8 +169,8 @@ fn compare(state: &Value, world: &World) {
         time_step: time_step(&settings["time_step"]),
         gravity: vector(&settings["gravity"]),
         integrator: integrator(&settings["integrator"]),
-        linear_damping: number(&settings["linear_damping"]),
-        angular_damping: number(&settings["angular_damping"]),
+        linear_damping: damping(&settings["linear_damping"]),
+        angular_damping: damping(&settings["angular_damping"]),
         sleep_after: settings["sleep_after"].option().map(|ticks| ticks.natural() as u32),
     };
     assert_eq!(found, *def);
@@ -196,8 +198,8 @@ fn compare(state: &Value, world: &World) {
         assert_eq!(found["angle"].natural(), own.angle_exact().to_bits(), "{id}");
         assert_eq!(found["angular_velocity"].integer(), own.angular_velocity_exact().to_bits(), "{id}");
         assert_eq!(number(&found["gravity_scale"]), own.gravity_scale(), "{id}");
-        assert_eq!(found["linear_damping"].option().map(number), own.linear_damping(), "{id}");
-        assert_eq!(found["angular_damping"].option().map(number), own.angular_damping(), "{id}");
+        assert_eq!(found["linear_damping"].option().map(damping), own.linear_damping(), "{id}");
+        assert_eq!(found["angular_damping"].option().map(damping), own.angular_damping(), "{id}");
         assert_eq!(found["max_speed"].option().map(number), own.max_speed(), "{id}");
         assert_eq!(found["max_angular_speed"].option().map(number), own.max_angular_speed(), "{id}");
         assert_eq!(locks(&found["locks"]), own.locks(), "{id}");

@@ -5,14 +5,20 @@ mod random;
 
 use random::SplitMix;
 use umbra_physics::{
-    Activity, Attachment, BodyDef, BodyId, BodyKind, Cause, End, Error, FieldKind, Fx, FxAccumulator, Integrator,
-    Irreversible, Locks, Quantity, Snapshot, SnapshotError, SpringConstants, TimeStep, Turn, Vec2, World, WorldDef, fx,
-    limits, vec2,
+    Activity, Attachment, BodyDef, BodyId, BodyKind, Cause, Damping, End, Error, FieldKind, Fx, FxAccumulator,
+    Integrator, Irreversible, Locks, Quantity, Snapshot, SnapshotError, SpringConstants, TimeStep, Turn, Vec2, World,
+    WorldDef, fx, limits, vec2,
 };
 
 fn world(integrator: Integrator) -> World {
     let gravity = vec2(0, -10);
-    let def = WorldDef { integrator, gravity, linear_damping: fx!(0.5), sleep_after: Some(4), ..WorldDef::default() };
+    let def = WorldDef {
+        integrator,
+        gravity,
+        linear_damping: Damping::kept_per_second(fx!(0.5)),
+        sleep_after: Some(4),
+        ..WorldDef::default()
+    };
     World::new(def).expect("a world")
 }
 

@@ -1,9 +1,9 @@
 //! Locked axes: what acts along one has no effect to the bit, and changes nothing of the others.
 
 use umbra_physics::{
-    ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, Cause, Command, End, Error, FieldKind, ForceOrImpulse, Frame,
-    Fx, FxFactor, Integrator, Locks, Mass, Quantity, Region, Snapshot, SnapshotError, SpringConstants, TimeStep, Vec2,
-    World, WorldDef, fx, limits, vec2,
+    ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, Cause, Command, Damping, End, Error, FieldKind,
+    ForceOrImpulse, Frame, Fx, FxFactor, Integrator, Locks, Mass, Quantity, Region, Snapshot, SnapshotError,
+    SpringConstants, TimeStep, Vec2, World, WorldDef, fx, limits, vec2,
 };
 
 const ALL: Locks = Locks { x: true, y: true, rotation: true };
@@ -16,8 +16,8 @@ fn def(integrator: Integrator) -> WorldDef {
     WorldDef {
         integrator,
         gravity: vec2(3, -10),
-        linear_damping: fx!(0.7),
-        angular_damping: fx!(0.6),
+        linear_damping: Damping::kept_per_second(fx!(0.7)),
+        angular_damping: Damping::kept_per_second(fx!(0.6)),
         sleep_after: None,
         ..WorldDef::default()
     }
@@ -156,7 +156,7 @@ fn free_blocks_have_locks_too() {
     let locks: Vec<Locks> = each().collect();
     let run = |is_locked: bool| {
         let mut world =
-            World::new(WorldDef { linear_damping: Fx::ONE, ..def(Integrator::VelocityVerlet) }).expect("a world");
+            World::new(WorldDef { linear_damping: Damping::NONE, ..def(Integrator::VelocityVerlet) }).expect("a world");
         let ids: Vec<BodyId> = (0..300)
             .map(|i| {
                 let locks = if is_locked { locks[i % 8] } else { Locks::NONE };
@@ -183,8 +183,8 @@ fn free_blocks_have_locks_too() {
 fn a_lock_stops_and_its_release_lets_go() {
     for kind in [BodyKind::Dynamic, BodyKind::Kinematic] {
         let mut world = World::new(WorldDef {
-            linear_damping: Fx::ONE,
-            angular_damping: Fx::ONE,
+            linear_damping: Damping::NONE,
+            angular_damping: Damping::NONE,
             ..def(Integrator::PublishedVerlet)
         })
         .expect("a world");
@@ -286,7 +286,7 @@ fn energy_is_that_of_where_a_body_is_and_how_it_moves() {
 fn steps_with_locks_are_undone() {
     for integrator in Integrator::ALL.into_iter().filter(|integrator| integrator.inverse().is_some()) {
         for locks in each() {
-            let def = WorldDef { linear_damping: Fx::ONE, angular_damping: Fx::ONE, ..def(integrator) };
+            let def = WorldDef { linear_damping: Damping::NONE, angular_damping: Damping::NONE, ..def(integrator) };
             let mut world = World::new(def).expect("a world");
             let body = world.add_body(BodyDef { locks, ..BodyDef::dynamic() }).expect("a body");
             let near = Attachment { body, point: vec2(1, fx!(0.5)) };

@@ -2,16 +2,16 @@
 
 use allocation_counter::{AllocationInfo, measure};
 use umbra_physics::{
-    ApplyOptions, Attachment, BodyDef, BodyId, Command, End, FieldKind, ForceField, ForceOrImpulse, Fx, FxFactor,
-    History, Inputs, Integrator, Mass, Owner, RecordOptions, Recorder, Replay, ReplayError, Shape, SpringConstants,
-    Vec2, World, WorldDef, fx, vec2,
+    ApplyOptions, Attachment, BodyDef, BodyId, Command, Damping, End, FieldKind, ForceField, ForceOrImpulse, Fx,
+    FxFactor, History, Inputs, Integrator, Mass, Owner, RecordOptions, Recorder, Replay, ReplayError, Shape,
+    SpringConstants, Vec2, World, WorldDef, fx, vec2,
 };
 
 fn world(integrator: Integrator) -> World {
     let def = WorldDef {
         gravity: vec2(0, -10),
-        linear_damping: fx!(0.75),
-        angular_damping: fx!(0.75),
+        linear_damping: Damping::kept_per_second(fx!(0.75)),
+        angular_damping: Damping::kept_per_second(fx!(0.75)),
         integrator,
         ..WorldDef::default()
     };
@@ -57,8 +57,8 @@ fn a_free_body_with_a_disc_takes_as_much_of_the_heap_as_documented() {
     // What bodies otherwise share, with a value for each.
     let nothing_shared = |i: i32| BodyDef {
         gravity_scale: own(fx!(0.5), i),
-        linear_damping: Some(own(fx!(0.5), i)),
-        angular_damping: Some(own(fx!(0.5), i)),
+        linear_damping: Some(Damping::kept_per_second(own(fx!(0.5), i))),
+        angular_damping: Some(Damping::kept_per_second(own(fx!(0.5), i))),
         max_speed: Some(own(fx!(5), i)),
         max_angular_speed: Some(own(fx!(5), i)),
         ..own_disc(i)
@@ -220,7 +220,7 @@ fn a_hash_takes_nothing_from_the_heap() {
 fn a_step_back_takes_nothing_from_the_heap_after_the_first() {
     for integrator in [Integrator::SymplecticEuler, Integrator::VelocityVerlet, Integrator::Yoshida4] {
         let mut world = world(integrator);
-        world.set_damping(fx!(1), fx!(1)).expect("a fair damping");
+        world.set_damping(Damping::NONE, Damping::NONE).expect("a fair damping");
         world.set_sleep_after(None).expect("a fair number");
         let ids = discs(&mut world, 500);
         let spring = SpringConstants { rest: fx!(1), stiffness: fx!(5), damping: fx!(0) };
@@ -253,7 +253,7 @@ fn a_step_back_takes_nothing_from_the_heap_after_the_first() {
 fn a_step_takes_nothing_from_the_heap_when_a_body_first_comes_near_the_envelope() {
     let mut world = world(Integrator::VelocityVerlet);
     let ids = discs(&mut world, 200);
-    world.set_damping(fx!(1), fx!(1)).expect("a fair damping");
+    world.set_damping(Damping::NONE, Damping::NONE).expect("a fair damping");
     // Half way to the edge in its 40th step or so, and out of the calm before that.
     world.set_position(ids[150], vec2(fx!(536_870_900), fx!(0))).expect("a fair position");
     world.set_velocity(ids[150], vec2(20, 0)).expect("a fair velocity");

@@ -4,8 +4,8 @@
 
 use umbra_physics::scalar::internals::wide_vectors;
 use umbra_physics::{
-    Attachment, BodyDef, BodyId, End, FieldKind, Fx, Integrator, Mass, Region, SpringConstants, TimeStep, Vec2, World,
-    WorldDef, fx, step_all, vec2,
+    Attachment, BodyDef, BodyId, Damping, End, FieldKind, Fx, Integrator, Mass, Region, SpringConstants, TimeStep,
+    Vec2, World, WorldDef, fx, step_all, vec2,
 };
 
 #[path = "support/inputs.rs"]
@@ -22,8 +22,8 @@ fn def(integrator: Integrator) -> WorldDef {
         time_step: TimeStep::hz(60),
         gravity: vec2(fx!(0.5), fx!(-9.81)),
         integrator,
-        linear_damping: fx!(0.75),
-        angular_damping: fx!(0.5),
+        linear_damping: Damping::kept_per_second(fx!(0.75)),
+        angular_damping: Damping::kept_per_second(fx!(0.5)),
         sleep_after: None,
     }
 }
@@ -152,7 +152,7 @@ fn next_to_the_envelope_and_to_half_of_it_every_way_is_the_same() {
     let mut random = inputs::Random(23);
     let mut faults = 0;
     let time_steps = [TimeStep::hz(1), TimeStep::hz(2), TimeStep::hz(60), TimeStep::hz(10_000)];
-    let dampings = [fx!(0), fx!(0.001), fx!(0.75), fx!(1)];
+    let dampings = [fx!(0), fx!(0.001), fx!(0.75), fx!(1)].map(Damping::kept_per_second);
     for case in 0..400 {
         let [a, b, c] = [0, 1, 2].map(|_| random.next().unsigned_abs() as usize);
         let definition = WorldDef {
@@ -195,8 +195,16 @@ fn next_to_the_envelope_and_to_half_of_it_every_way_is_the_same() {
 fn neighbours_with_other_damping_and_gravity_change_nothing() {
     let other = |world: &mut World, i: usize| {
         let body = match i % 4 {
-            0 => BodyDef { linear_damping: Some(fx!(1)), angular_damping: Some(fx!(1)), ..BodyDef::dynamic() },
-            1 => BodyDef { gravity_scale: fx!(-2), linear_damping: Some(fx!(0.001)), ..BodyDef::dynamic() },
+            0 => BodyDef {
+                linear_damping: Some(Damping::NONE),
+                angular_damping: Some(Damping::NONE),
+                ..BodyDef::dynamic()
+            },
+            1 => BodyDef {
+                gravity_scale: fx!(-2),
+                linear_damping: Some(Damping::kept_per_second(fx!(0.001))),
+                ..BodyDef::dynamic()
+            },
             2 => BodyDef { velocity: vec2(1, 1), angular_velocity: fx!(3), ..BodyDef::kinematic() },
             _ => BodyDef::fixed(),
         };
@@ -244,8 +252,8 @@ fn sleep_changes_no_motion() {
     for integrator in Integrator::ALL {
         let still = WorldDef {
             gravity: vec2(0, 0),
-            linear_damping: fx!(0.0001),
-            angular_damping: fx!(0.0001),
+            linear_damping: Damping::kept_per_second(fx!(0.0001)),
+            angular_damping: Damping::kept_per_second(fx!(0.0001)),
             ..def(integrator)
         };
         let (mut awake, ids) = world(still, |_, _| {});
@@ -285,7 +293,7 @@ fn the_number_of_threads_changes_nothing() {
                 _ => Vec2::new(number(&mut random, 38), number(&mut random, 38)),
             },
             gravity_scale: if i % 1_000 == 1 { fx!(0) } else { fx!(1) },
-            linear_damping: Some(fx!(1)),
+            linear_damping: Some(Damping::NONE),
             ..BodyDef::dynamic()
         };
         start.add_body(body).expect("a fair body");

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use umbra_physics::{
-    AppliedForce, Attachment, BodyDef, BodyId, BodyState, Cause, CustomForce, CustomForceError, Dependence, End, Error,
-    Fault, FieldKind, ForceField, ForceTorque, Fx, FxFactor, Integrator, Irreversible, Mass, Region, Shape,
+    AppliedForce, Attachment, BodyDef, BodyId, BodyState, Cause, CustomForce, CustomForceError, Damping, Dependence,
+    End, Error, Fault, FieldKind, ForceField, ForceTorque, Fx, FxFactor, Integrator, Irreversible, Mass, Region, Shape,
     SpringConstants, StageKind, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
@@ -434,16 +434,19 @@ fn there_is_nothing_before_the_start_or_a_change_of_the_time_step() {
 #[test]
 fn damping_that_acts_is_refused_and_one_that_does_not_is_not() {
     let calm = def(Integrator::VelocityVerlet);
-    for damped in [WorldDef { linear_damping: fx!(0.5), ..calm }, WorldDef { angular_damping: fx!(0.5), ..calm }] {
+    for damped in [
+        WorldDef { linear_damping: Damping::kept_per_second(fx!(0.5)), ..calm },
+        WorldDef { angular_damping: Damping::kept_per_second(fx!(0.5)), ..calm },
+    ] {
         let (mut world, ball) = stepped(damped);
         assert_eq!(why(refused(&mut world, &[])), Irreversible::Damping);
         // No damping of its own, and bodies that feel none.
-        world.set_body_damping(ball, Some(fx!(1)), Some(fx!(1))).expect("a fair damping");
+        world.set_body_damping(ball, Some(Damping::NONE), Some(Damping::NONE)).expect("a fair damping");
         world.add_body(BodyDef { velocity: vec2(1, 0), ..BodyDef::kinematic() }).expect("a fair body");
         world.step();
         assert_eq!(world.step_back(&[]), Ok(()));
     }
-    for own in [(Some(fx!(0.5)), None), (None, Some(fx!(0)))] {
+    for own in [(Some(Damping::kept_per_second(fx!(0.5))), None), (None, Some(Damping::kept_per_second(fx!(0))))] {
         let (mut world, ball) = stepped(calm);
         world.set_body_damping(ball, own.0, own.1).expect("a fair damping");
         assert_eq!(why(refused(&mut world, &[])), Irreversible::Damping);

@@ -18,7 +18,7 @@ use serde_json::Value;
 use umbra_physics::scalar::FxSum;
 use umbra_physics::{
     Activity, AppliedForce, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, BodyState, Cause, Command, Created,
-    CustomForceError, Dependence, Elapsed, End, Error, Fault, FieldId, FieldKind, ForceField, ForceOrImpulse,
+    CustomForceError, Damping, Dependence, Elapsed, End, Error, Fault, FieldId, FieldKind, ForceField, ForceOrImpulse,
     ForceTorque, Frame, Fx, FxAccumulator, FxFactor, FxWide, Geometry, Input, InputResult, Inputs, Integrator,
     Irreversible, Locks, Mass, MathError, ParseFxError, Part, Quantity, Random, Region, Rot, Shape, SpringConstants,
     Stage, StageKind, TimeStep, Turn, Vec2, World, WorldDef, fx, vec2,
@@ -148,6 +148,9 @@ fn errors() -> Vec<Error> {
         Error::Disabled { body },
         Error::NotDisabled { body },
         Error::NotKinematic { body },
+        Error::NoSuchPlayer { player: 3 },
+        Error::ChangedBetweenTicks { tick: 4 },
+        Error::SteppedInTick { tick: u64::MAX },
     ]
 }
 
@@ -186,7 +189,7 @@ fn bodies() -> Vec<BodyDef> {
     let def = |shape: Option<Shape>| BodyDef {
         shape,
         angle: fx!(-0.1),
-        linear_damping: Some(fx!(0.1)),
+        linear_damping: Some(Damping::kept_per_second(fx!(0.1))),
         angular_damping: None,
         force_groups: u32::MAX,
         key: u64::MAX,

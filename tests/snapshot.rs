@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use umbra_physics::{
-    Activity, Attachment, BodyDef, BodyId, BodyKind, BodyState, CustomForce, CustomForceError, Dependence, End, Error,
-    FieldKind, ForceField, ForceTorque, Fx, HashTree, Inputs, Integrator, Mass, Owner, PHYSICS_VERSION, Random,
-    RecordOptions, Recorder, Region, Shape, Snapshot, SnapshotError, SpringConstants, TimeStep, Vec2, World, WorldDef,
-    fx, vec2,
+    Activity, Attachment, BodyDef, BodyId, BodyKind, BodyState, CustomForce, CustomForceError, Damping, Dependence,
+    End, Error, FieldKind, ForceField, ForceTorque, Fx, HashTree, Inputs, Integrator, Mass, Owner, PHYSICS_VERSION,
+    Random, RecordOptions, Recorder, Region, Shape, Snapshot, SnapshotError, SpringConstants, TimeStep, Vec2, World,
+    WorldDef, fx, vec2,
 };
 
 #[allow(dead_code, reason = "each test that takes this file in uses a part of it")]
@@ -61,7 +61,7 @@ fn shapes() -> Vec<Shape> {
 fn lived(integrator: Integrator, seed: u64, ticks: u32) -> World {
     let mut world = World::new(WorldDef {
         gravity: vec2(fx!(0.1), fx!(-3)),
-        linear_damping: fx!(0.9),
+        linear_damping: Damping::kept_per_second(fx!(0.9)),
         integrator,
         sleep_after: Some(4),
         ..WorldDef::default()
@@ -103,7 +103,7 @@ fn meddle(world: &mut World, seed: u64, tick: u32) {
                     _ => BodyDef {
                         velocity: vector(&mut dice),
                         angular_velocity: number(&mut dice),
-                        angular_damping: Some(fx!(0.5)),
+                        angular_damping: Some(Damping::kept_per_second(fx!(0.5))),
                         ..BodyDef::dynamic()
                     },
                 };
@@ -233,8 +233,8 @@ fn a_body_takes_as_many_bytes_as_documented() {
     let circle = BodyDef { shape: Some(Shape::circle(fx!(0.5)).expect("a shape")), ..plain.clone() };
     let all_set = BodyDef {
         mass: Mass::Explicit { mass: fx!(1), inertia: fx!(1) },
-        linear_damping: Some(fx!(0.5)),
-        angular_damping: Some(fx!(0.5)),
+        linear_damping: Some(Damping::kept_per_second(fx!(0.5))),
+        angular_damping: Some(Damping::kept_per_second(fx!(0.5))),
         max_speed: Some(fx!(5)),
         max_angular_speed: Some(fx!(5)),
         ..circle.clone()

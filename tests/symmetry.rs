@@ -14,7 +14,7 @@ mod twins;
 use twins::{EVEN, FLOOR, HALF_AWAY, HALF_UP, Twin};
 use umbra_physics::scalar::{Accumulator, Angle, Factor};
 use umbra_physics::{
-    ApplyOptions, Attachment, BodyDef, BodyId, Command, End, FieldKind, ForceField, ForceOrImpulse, Frame, Fx,
+    ApplyOptions, Attachment, BodyDef, BodyId, Command, Damping, End, FieldKind, ForceField, ForceOrImpulse, Frame, Fx,
     FxFactor, Integrator, Mass, Region, Scalar, Shape, SpringConstants, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
@@ -178,8 +178,8 @@ fn scene<S: Scalar>(image: &Symmetry, integrator: Integrator, rate: u32) -> (Wor
         time_step: TimeStep::hz(rate),
         gravity: v(fx!(0.3), fx!(-1.25) + ULP),
         integrator,
-        linear_damping: s(fx!(0.9)),
-        angular_damping: s(fx!(0.7)),
+        linear_damping: Damping::kept_per_second(s(fx!(0.9))),
+        angular_damping: Damping::kept_per_second(s(fx!(0.7))),
         ..WorldDef::default()
     })
     .expect("a world");
@@ -211,7 +211,7 @@ fn scene<S: Scalar>(image: &Symmetry, integrator: Integrator, rate: u32) -> (Wor
         shape: polygon(&[(fx!(0), fx!(0)), (fx!(2.1), fx!(0.3)), (fx!(1.7), fx!(1.4)), (fx!(0.2), fx!(0.9))]),
         mass: Mass::Kilograms(s(fx!(2.7))),
         gravity_scale: s(fx!(0.5)),
-        linear_damping: Some(s(fx!(0.6))),
+        linear_damping: Some(Damping::kept_per_second(s(fx!(0.6)))),
         force_groups: FIELDS,
         ..dynamic()
     });
@@ -221,7 +221,7 @@ fn scene<S: Scalar>(image: &Symmetry, integrator: Integrator, rate: u32) -> (Wor
         angle: image.angle(fx!(2.2)),
         mass: Mass::Explicit { mass: s(fx!(0.01)), inertia: s(fx!(0.003)) },
         gravity_scale: s(fx!(-1)),
-        angular_damping: Some(s(fx!(0.5))),
+        angular_damping: Some(Damping::kept_per_second(s(fx!(0.5)))),
         force_groups: FIELDS | DRAGGED,
         ..dynamic()
     });
@@ -229,8 +229,8 @@ fn scene<S: Scalar>(image: &Symmetry, integrator: Integrator, rate: u32) -> (Wor
         position: p(fx!(-6), fx!(-4)),
         shape: polygon(&[(fx!(0), fx!(1)), (fx!(-1), fx!(-1)), (fx!(1), fx!(-0.9))]),
         gravity_scale: S::ZERO,
-        linear_damping: Some(s(fx!(0.000001))),
-        angular_damping: Some(s(fx!(0.000001))),
+        linear_damping: Some(Damping::kept_per_second(s(fx!(0.000001)))),
+        angular_damping: Some(Damping::kept_per_second(s(fx!(0.000001)))),
         force_groups: 0,
         ..dynamic()
     });
@@ -238,7 +238,7 @@ fn scene<S: Scalar>(image: &Symmetry, integrator: Integrator, rate: u32) -> (Wor
     let short = |x, y, vx, vy| BodyDef {
         position: p(x, y),
         velocity: v(vx, vy),
-        linear_damping: Some(S::ONE),
+        linear_damping: Some(Damping::NONE),
         gravity_scale: S::ZERO,
         force_groups: SHORT,
         ..dynamic()
@@ -517,8 +517,8 @@ fn equal_bodies_of_any_mass_fall_alike_to_the_bit() {
     for integrator in Integrator::ALL {
         let mut world = World::new(WorldDef {
             gravity: vec2(fx!(0.37), fx!(-9.81)),
-            linear_damping: fx!(0.93),
-            angular_damping: fx!(0.8),
+            linear_damping: Damping::kept_per_second(fx!(0.93)),
+            angular_damping: Damping::kept_per_second(fx!(0.8)),
             integrator,
             ..WorldDef::default()
         })

@@ -3,8 +3,9 @@
 use std::collections::BTreeSet;
 
 use umbra_physics::{
-    Activity, Attachment, BodyDef, BodyId, End, Error, FieldKind, ForceField, Fx, FxFactor, FxWide, Integrator, Mass,
-    Quantity, Region, Snapshot, SpringConstants, Stage, StageKind, TimeStep, Vec2, World, WorldDef, fx, limits, vec2,
+    Activity, Attachment, BodyDef, BodyId, Damping, End, Error, FieldKind, ForceField, Fx, FxFactor, FxWide,
+    Integrator, Mass, Quantity, Region, Snapshot, SpringConstants, Stage, StageKind, TimeStep, Vec2, World, WorldDef,
+    fx, limits, vec2,
 };
 
 #[path = "support/inputs.rs"]
@@ -16,8 +17,8 @@ use inputs::Random;
 fn def(integrator: Integrator) -> WorldDef {
     WorldDef {
         gravity: vec2(fx!(0.5), fx!(-3)),
-        linear_damping: fx!(0.75),
-        angular_damping: fx!(0.5),
+        linear_damping: Damping::kept_per_second(fx!(0.75)),
+        angular_damping: Damping::kept_per_second(fx!(0.5)),
         integrator,
         sleep_after: Some(2),
         ..WorldDef::default()

@@ -4,8 +4,8 @@
 use std::f64::consts::TAU;
 
 use umbra_physics::{
-    ApplyOptions, Attachment, BodyDef, BodyId, Command, Dump, End, FieldKind, ForceField, ForceOrImpulse, Fx, Input,
-    Inputs, Integrator, Mass, Part, RecordOptions, Recorder, Region, Replay, ReplayLimits, Shape, Snapshot,
+    ApplyOptions, Attachment, BodyDef, BodyId, Command, Damping, Dump, End, FieldKind, ForceField, ForceOrImpulse, Fx,
+    Input, Inputs, Integrator, Mass, Part, RecordOptions, Recorder, Region, Replay, ReplayLimits, Shape, Snapshot,
     SpringConstants, TimeStep, World, WorldDef, fx, vec2,
 };
 use umbra_scene::Scene;
@@ -196,7 +196,7 @@ fn replay_verified(count: usize) -> Box<dyn FnOnce()> {
 /// A few hundred bytes for many bodies, each with a damping of its own, and as many commands, each of which changes the factors of all.
 fn scene(count: usize) -> String {
     format!(
-        r#"{{"bodies": [{{"name": "b{{n}}", "damping": {{"linear": {{"start": 0.5, "i": 0.00001}}}}, "repeat": {{"i": {count}}}}}],
+        r#"{{"bodies": [{{"name": "b{{n}}", "damping": {{"linear": {{"kept_per_second": {{"start": 0.5, "i": 0.00001}}}}}}, "repeat": {{"i": {count}}}}}],
             "inputs": [{{"at": 0, "set": {{"gravity": [0, {{"start": -10, "i": 0.00001}}]}}, "repeat": {{"i": {count}}}}}]}}"#
     )
 }
@@ -222,7 +222,7 @@ fn unlike(world: &mut World, count: usize) -> Vec<BodyId> {
     let def = |i: usize| BodyDef {
         position: vec2((i % 100) as i32 * 4, (i / 100) as i32 * 4),
         gravity_scale: fx!(0),
-        linear_damping: Some(Fx::from_bits(Fx::HALF.to_bits() + i as i64)),
+        linear_damping: Some(Damping::kept_per_second(Fx::from_bits(Fx::HALF.to_bits() + i as i64))),
         ..BodyDef::dynamic()
     };
     (0..count).map(|i| world.add_body(def(i)).expect("a body")).collect()
@@ -265,8 +265,8 @@ fn gravities(count: usize) -> (World, Vec<Command>) {
 }
 
 fn dampings(count: usize) -> (World, Vec<Command>) {
-    let kept = [fx!(0.5), fx!(1)];
-    (unlike_world(count).0, kept.map(|kept| Command::SetDamping { linear: kept, angular: kept }).into())
+    let dampings = [fx!(0.5), fx!(1)].map(Damping::kept_per_second);
+    (unlike_world(count).0, dampings.map(|both| Command::SetDamping { linear: both, angular: both }).into())
 }
 
 fn sleep_after(count: usize) -> (World, Vec<Command>) {
@@ -275,10 +275,10 @@ fn sleep_after(count: usize) -> (World, Vec<Command>) {
 
 fn own_dampings(count: usize) -> (World, Vec<Command>) {
     let (world, bodies) = unlike_world(count);
-    let kept = |i: i64| Some(Fx::from_bits(Fx::HALF.to_bits() / 2 + i));
+    let own = |i: i64| Some(Damping::kept_per_second(Fx::from_bits(Fx::HALF.to_bits() / 2 + i)));
     let set = |(i, &body): (usize, &BodyId)| {
         let i = i as i64;
-        Command::SetBodyDamping { body, linear: kept(2 * i), angular: kept(2 * i + 1) }
+        Command::SetBodyDamping { body, linear: own(2 * i), angular: own(2 * i + 1) }
     };
     (world, bodies.iter().enumerate().take(100).map(set).collect())
 }
@@ -287,8 +287,8 @@ fn bodies_come_and_go(count: usize) -> (World, Vec<Command>) {
     let (world, bodies) = unlike_world(count);
     // The first free slot, time and again.
     let pairs = (0..100).flat_map(|i| {
-        let kept = Some(Fx::from_bits(i64::from(i) + 1));
-        let def = BodyDef { linear_damping: kept, angular_damping: kept, ..BodyDef::dynamic() };
+        let own = Some(Damping::kept_per_second(Fx::from_bits(i64::from(i) + 1)));
+        let def = BodyDef { linear_damping: own, angular_damping: own, ..BodyDef::dynamic() };
         [Command::AddBody(def), Command::RemoveBody(BodyId::from_parts(bodies.len() as u32, i))]
     });
     (world, pairs.collect())

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use umbra_physics::scalar::Factor;
 use umbra_physics::{
-    Attachment, BodyDef, BodyId, BodyState, CustomForce, CustomForceError, Dependence, End, FieldKind, ForceField,
-    ForceTorque, Fx, Region, Scalar, SpringConstants, Vec2, World, WorldDef, fx,
+    Attachment, BodyDef, BodyId, BodyState, CustomForce, CustomForceError, Damping, Dependence, End, FieldKind,
+    ForceField, ForceTorque, Fx, Region, Scalar, SpringConstants, Vec2, World, WorldDef, fx,
 };
 
 #[path = "../../tests/support/inputs.rs"]
@@ -60,7 +60,12 @@ const KEPT: Fx = fx!(0.9);
 /// Gravity and damping for all.
 fn rough<S: Scalar>() -> WorldDef<S> {
     let gravity = vector(Fx::ZERO, fx!(-9.81));
-    WorldDef { gravity, linear_damping: S::from_fx(KEPT), angular_damping: S::from_fx(KEPT), ..calm() }
+    WorldDef {
+        gravity,
+        linear_damping: Damping::kept_per_second(S::from_fx(KEPT)),
+        angular_damping: Damping::kept_per_second(S::from_fx(KEPT)),
+        ..calm()
+    }
 }
 
 fn scene<S: Scalar>(def: WorldDef<S>, bodies: impl IntoIterator<Item = BodyDef<S>>) -> Scene<S> {
@@ -170,7 +175,7 @@ pub(crate) fn falling<S: Scalar>(count: usize) -> Scene<S> {
 
 /// Like `plain`, damped.
 pub(crate) fn damped<S: Scalar>(count: usize) -> Scene<S> {
-    scene(WorldDef { linear_damping: S::from_fx(KEPT), ..calm() }, moving(count))
+    scene(WorldDef { linear_damping: Damping::kept_per_second(S::from_fx(KEPT)), ..calm() }, moving(count))
 }
 
 fn with_fields<S: Scalar, F: Into<ForceField<S>>>(

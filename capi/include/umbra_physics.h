@@ -115,10 +115,11 @@ typedef struct UmbraWorldDef {
     uint32_t sleep_after;
     // Gravity, m/s²: none.
     struct UmbraVec2 gravity;
-    // Fraction of a velocity left after a second, 0 to 1, unless the body says otherwise; default 1.
-    UmbraFx linear_damping;
-    // Fraction of an angular velocity left after a second, 0 to 1, unless the body says otherwise; default 1.
-    UmbraFx angular_damping;
+    // Damping of bodies without their own: the share of a velocity that is left after a second, from 0 (stops at once) to `UMBRA_ONE`
+    // (none). This is not the damping of Box2D, which is a rate: see `umbra_kept_at_rate`. Default `UMBRA_ONE`.
+    UmbraFx linear_kept_per_second;
+    // Damping of bodies without their own: the share of an angular velocity that is left after a second; default `UMBRA_ONE`.
+    UmbraFx angular_kept_per_second;
 } UmbraWorldDef;
 
 // Result of a command: nothing, a body, or a field.
@@ -203,10 +204,11 @@ typedef struct UmbraBodyDef {
     UmbraFx angular_velocity;
     // Factor on the world's gravity, within ±16; default 1.
     UmbraFx gravity_scale;
-    // Fraction of the velocity left after a second, 0 to 1; default `UMBRA_AS_WORLD`.
-    UmbraFx linear_damping;
-    // Fraction of the angular velocity left after a second, 0 to 1; default `UMBRA_AS_WORLD`.
-    UmbraFx angular_damping;
+    // Damping: the share of the velocity that is left after a second, from 0 (stops at once) to `UMBRA_ONE` (none). This is not the
+    // damping of Box2D, which is a rate: see `umbra_kept_at_rate`. Default `UMBRA_AS_WORLD`.
+    UmbraFx linear_kept_per_second;
+    // Damping: the share of the angular velocity that is left after a second; default `UMBRA_AS_WORLD`.
+    UmbraFx angular_kept_per_second;
     // The largest speed it has after a step, 0 to 2^20 m/s, if it is dynamic: `UMBRA_NO_LIMIT`.
     UmbraFx max_speed;
     // The largest angular speed it has after a step, 0 to 2^20 rad/s, if it is dynamic: `UMBRA_NO_LIMIT`.
@@ -258,10 +260,10 @@ typedef struct UmbraBodyState {
     struct UmbraFactor inertia;
     // Factor on the world's gravity.
     UmbraFx gravity_scale;
-    // Fraction of the velocity left after a second, or `UMBRA_AS_WORLD`.
-    UmbraFx linear_damping;
-    // Fraction of the angular velocity left after a second, or `UMBRA_AS_WORLD`.
-    UmbraFx angular_damping;
+    // The share of the velocity that its damping leaves after a second, or `UMBRA_AS_WORLD`.
+    UmbraFx linear_kept_per_second;
+    // The share of the angular velocity that its damping leaves after a second, or `UMBRA_AS_WORLD`.
+    UmbraFx angular_kept_per_second;
     // The largest speed it has after a step, or `UMBRA_NO_LIMIT`.
     UmbraFx max_speed;
     // The largest angular speed it has after a step, or `UMBRA_NO_LIMIT`.
@@ -426,7 +428,7 @@ typedef struct UmbraReplayLimits {
 // The body is not quarantined, and cannot be released.
 #define UMBRA_ERROR_NOT_QUARANTINED 110
 
-// Yoshida4 needs a damping above 0.
+// Yoshida4 needs damping that keeps more than 0 of a velocity a second.
 #define UMBRA_ERROR_DAMPING_HAS_NO_INVERSE 111
 
 // Both ends of a spring are attached to one body.
@@ -954,8 +956,12 @@ UmbraStatus umbra_world_set_kind(struct UmbraWorld *world, uint64_t body, UmbraB
 // Changes how much of the world's gravity a body feels, within ±16.
 UmbraStatus umbra_world_set_gravity_scale(struct UmbraWorld *world, uint64_t body, UmbraFx scale);
 
-// Gives a body dampings of its own, 0 to 1, or takes them from it with `UMBRA_AS_WORLD`.
-UmbraStatus umbra_world_set_body_damping(struct UmbraWorld *world, uint64_t body, UmbraFx linear, UmbraFx angular);
+// Gives a body dampings of its own, as the share of each velocity that is left after a second, 0 to 1: see `umbra_kept_at_rate`.
+// `UMBRA_AS_WORLD` takes one from it.
+UmbraStatus umbra_world_set_body_kept_per_second(struct UmbraWorld *world,
+                                                 uint64_t body,
+                                                 UmbraFx linear,
+                                                 UmbraFx angular);
 
 // Changes the groups a body is in.
 UmbraStatus umbra_world_set_force_groups(struct UmbraWorld *world, uint64_t body, uint32_t force_groups);
@@ -1063,10 +1069,16 @@ UmbraStatus umbra_world_set_gravity(struct UmbraWorld *world, UmbraFx x, UmbraFx
 // Changes the integrator; wakes all bodies.
 UmbraStatus umbra_world_set_integrator(struct UmbraWorld *world, UmbraIntegrator integrator);
 
-// Changes what is left, after a second, of the velocities of bodies without dampings of their own, 0 to 1; wakes all bodies.
-UmbraStatus umbra_world_set_damping(struct UmbraWorld *world,
-                                    UmbraFx linear,
-                                    UmbraFx angular);
+// Changes the damping of bodies without their own: the share of each velocity that is left after a second, 0 to 1. Wakes all
+// bodies. See `umbra_kept_at_rate`.
+UmbraStatus umbra_world_set_kept_per_second(struct UmbraWorld *world,
+                                            UmbraFx linear,
+                                            UmbraFx angular);
+
+// Returns the share of a velocity that is left after a second at a damping rate c, in 1/s: e^-c, within 0.5001 · 2^-32. The rate
+// is what Box2D calls damping; 0 is none, and from 22.8739 on nothing is left. A negative rate gives a share above 1, which is
+// refused by what it is given to.
+UmbraFx umbra_kept_at_rate(UmbraFx rate);
 
 // Changes after how many ticks at rest a body falls asleep, or `UMBRA_NEVER`; wakes all bodies.
 UmbraStatus umbra_world_set_sleep_after(struct UmbraWorld *world, uint32_t ticks);

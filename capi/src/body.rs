@@ -2,7 +2,7 @@
 
 use std::mem::MaybeUninit;
 
-use umbra_physics::{Activity, BodyDef, BodyKind, BodyRef, Command, Fx, FxAccumulator, Locks, Mass, Vec2};
+use umbra_physics::{Activity, BodyDef, BodyKind, BodyRef, Command, Damping, Fx, FxAccumulator, Locks, Mass, Vec2};
 
 use crate::UMBRA_NO_HANDLE;
 use crate::memory::{fill, given};
@@ -81,10 +81,11 @@ pub struct UmbraBodyDef {
     pub angular_velocity: UmbraFx,
     /// Factor on the world's gravity, within ±16; default 1.
     pub gravity_scale: UmbraFx,
-    /// Fraction of the velocity left after a second, 0 to 1; default `UMBRA_AS_WORLD`.
-    pub linear_damping: UmbraFx,
-    /// Fraction of the angular velocity left after a second, 0 to 1; default `UMBRA_AS_WORLD`.
-    pub angular_damping: UmbraFx,
+    /// Damping: the share of the velocity that is left after a second, from 0 (stops at once) to `UMBRA_ONE` (none). This is not the
+    /// damping of Box2D, which is a rate: see `umbra_kept_at_rate`. Default `UMBRA_AS_WORLD`.
+    pub linear_kept_per_second: UmbraFx,
+    /// Damping: the share of the angular velocity that is left after a second; default `UMBRA_AS_WORLD`.
+    pub angular_kept_per_second: UmbraFx,
     /// The largest speed it has after a step, 0 to 2^20 m/s, if it is dynamic: `UMBRA_NO_LIMIT`.
     pub max_speed: UmbraFx,
     /// The largest angular speed it has after a step, 0 to 2^20 rad/s, if it is dynamic: `UMBRA_NO_LIMIT`.
@@ -135,10 +136,10 @@ pub struct UmbraBodyState {
     pub inertia: UmbraFactor,
     /// Factor on the world's gravity.
     pub gravity_scale: UmbraFx,
-    /// Fraction of the velocity left after a second, or `UMBRA_AS_WORLD`.
-    pub linear_damping: UmbraFx,
-    /// Fraction of the angular velocity left after a second, or `UMBRA_AS_WORLD`.
-    pub angular_damping: UmbraFx,
+    /// The share of the velocity that its damping leaves after a second, or `UMBRA_AS_WORLD`.
+    pub linear_kept_per_second: UmbraFx,
+    /// The share of the angular velocity that its damping leaves after a second, or `UMBRA_AS_WORLD`.
+    pub angular_kept_per_second: UmbraFx,
     /// The largest speed it has after a step, or `UMBRA_NO_LIMIT`.
     pub max_speed: UmbraFx,
     /// The largest angular speed it has after a step, or `UMBRA_NO_LIMIT`.
@@ -227,8 +228,8 @@ fn mass_of(kind: UmbraMassKind, mass: UmbraFx, inertia: UmbraFx) -> Result<Mass>
     }
 }
 
-fn damping_of(kept: UmbraFx) -> Option<Fx> {
-    (kept != UMBRA_AS_WORLD).then(|| Fx::from_bits(kept))
+fn damping_of(kept: UmbraFx) -> Option<Damping> {
+    (kept != UMBRA_AS_WORLD).then(|| Damping::kept_per_second(Fx::from_bits(kept)))
 }
 
 fn limit_of(most: UmbraFx) -> Option<Fx> {
@@ -255,7 +256,7 @@ fn exact(value: FxAccumulator) -> UmbraInt128 {
 
 fn state_of(body: BodyRef<'_>) -> UmbraBodyState {
     let (place, velocity, rotation) = (body.position_exact(), body.velocity_exact(), body.rotation());
-    let damping = |own: Option<Fx>| own.map_or(UMBRA_AS_WORLD, Fx::to_bits);
+    let kept = |own: Option<Damping>| own.map_or(UMBRA_AS_WORLD, |own| own.kept().to_bits());
     let limit = |most: Option<Fx>| most.map_or(UMBRA_NO_LIMIT, Fx::to_bits);
     UmbraBodyState {
         position: body.position().into(),
@@ -273,8 +274,8 @@ fn state_of(body: BodyRef<'_>) -> UmbraBodyState {
         mass: body.mass().map_or(0, Fx::to_bits),
         inertia: body.inertia().unwrap_or_default().into(),
         gravity_scale: body.gravity_scale().to_bits(),
-        linear_damping: damping(body.linear_damping()),
-        angular_damping: damping(body.angular_damping()),
+        linear_kept_per_second: kept(body.linear_damping()),
+        angular_kept_per_second: kept(body.angular_damping()),
         max_speed: limit(body.max_speed()),
         max_angular_speed: limit(body.max_angular_speed()),
         key: body.key(),
@@ -300,8 +301,8 @@ pub extern "C" fn umbra_body_def_default(def: Option<&mut MaybeUninit<UmbraBodyD
             angle: 0,
             angular_velocity: 0,
             gravity_scale: UMBRA_ONE,
-            linear_damping: UMBRA_AS_WORLD,
-            angular_damping: UMBRA_AS_WORLD,
+            linear_kept_per_second: UMBRA_AS_WORLD,
+            angular_kept_per_second: UMBRA_AS_WORLD,
             max_speed: UMBRA_NO_LIMIT,
             max_angular_speed: UMBRA_NO_LIMIT,
             key: 0,
@@ -334,8 +335,8 @@ pub unsafe extern "C" fn umbra_world_add_body(
             shape: shape.map(|shape| shape.shape.clone()),
             mass: mass_of(def.mass_kind, def.mass, def.inertia)?,
             gravity_scale: Fx::from_bits(def.gravity_scale),
-            linear_damping: damping_of(def.linear_damping),
-            angular_damping: damping_of(def.angular_damping),
+            linear_damping: damping_of(def.linear_kept_per_second),
+            angular_damping: damping_of(def.angular_kept_per_second),
             max_speed: limit_of(def.max_speed),
             max_angular_speed: limit_of(def.max_angular_speed),
             locks: locks_of(def.locks)?,
@@ -654,9 +655,10 @@ pub extern "C" fn umbra_world_set_gravity_scale(
     change(world, Command::SetGravityScale { body: body_id(body), scale: Fx::from_bits(scale) })
 }
 
-/// Gives a body dampings of its own, 0 to 1, or takes them from it with `UMBRA_AS_WORLD`.
+/// Gives a body dampings of its own, as the share of each velocity that is left after a second, 0 to 1: see `umbra_kept_at_rate`.
+/// `UMBRA_AS_WORLD` takes one from it.
 #[unsafe(no_mangle)]
-pub extern "C" fn umbra_world_set_body_damping(
+pub extern "C" fn umbra_world_set_body_kept_per_second(
     world: Option<&mut UmbraWorld>,
     body: u64,
     linear: UmbraFx,

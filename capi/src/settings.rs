@@ -2,7 +2,7 @@
 
 use std::mem::MaybeUninit;
 
-use umbra_physics::{Command, Fx, Random, TimeStep};
+use umbra_physics::{Command, Damping, Fx, Random, TimeStep};
 
 use crate::memory::{fill, given, slice};
 use crate::number::{UmbraFx, vector};
@@ -30,14 +30,24 @@ pub extern "C" fn umbra_world_set_integrator(
     change_by(world, || Ok(Command::SetIntegrator(self::integrator(integrator)?)))
 }
 
-/// Changes what is left, after a second, of the velocities of bodies without dampings of their own, 0 to 1; wakes all bodies.
+/// Changes the damping of bodies without their own: the share of each velocity that is left after a second, 0 to 1. Wakes all
+/// bodies. See `umbra_kept_at_rate`.
 #[unsafe(no_mangle)]
-pub extern "C" fn umbra_world_set_damping(
+pub extern "C" fn umbra_world_set_kept_per_second(
     world: Option<&mut UmbraWorld>,
     linear: UmbraFx,
     angular: UmbraFx,
 ) -> UmbraStatus {
-    change(world, Command::SetDamping { linear: Fx::from_bits(linear), angular: Fx::from_bits(angular) })
+    let [linear, angular] = [linear, angular].map(|kept| Damping::kept_per_second(Fx::from_bits(kept)));
+    change(world, Command::SetDamping { linear, angular })
+}
+
+/// Returns the share of a velocity that is left after a second at a damping rate c, in 1/s: e^-c, within 0.5001 · 2^-32. The rate
+/// is what Box2D calls damping; 0 is none, and from 22.8739 on nothing is left. A negative rate gives a share above 1, which is
+/// refused by what it is given to.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_kept_at_rate(rate: UmbraFx) -> UmbraFx {
+    Damping::rate(Fx::from_bits(rate)).kept().to_bits()
 }
 
 /// Changes after how many ticks at rest a body falls asleep, or `UMBRA_NEVER`; wakes all bodies.

@@ -41,7 +41,7 @@ pub const UMBRA_ERROR_NOT_MOVABLE: UmbraStatus = 108;
 pub const UMBRA_ERROR_QUARANTINED: UmbraStatus = 109;
 /// The body is not quarantined, and cannot be released.
 pub const UMBRA_ERROR_NOT_QUARANTINED: UmbraStatus = 110;
-/// Yoshida4 needs a damping above 0.
+/// Yoshida4 needs damping that keeps more than 0 of a velocity a second.
 pub const UMBRA_ERROR_DAMPING_HAS_NO_INVERSE: UmbraStatus = 111;
 /// Both ends of a spring are attached to one body.
 pub const UMBRA_ERROR_SAME_BODY: UmbraStatus = 112;
@@ -294,7 +294,10 @@ mod tests {
     #[test]
     fn a_meaning_is_plain_text() {
         assert_eq!(meaning(302).as_deref(), Some("the snapshot has another format: see old files"));
-        assert_eq!(meaning(111).as_deref(), Some("Yoshida4 needs a damping above 0"));
+        assert_eq!(
+            meaning(111).as_deref(),
+            Some("Yoshida4 needs damping that keeps more than 0 of a velocity a second")
+        );
         assert_eq!(meaning(0).as_deref(), Some("done"));
         assert_eq!((meaning(1), meaning(-101), meaning(UmbraStatus::MAX)), (None, None, None));
     }

@@ -5,8 +5,8 @@ use std::mem::MaybeUninit;
 use std::sync::Arc;
 
 use umbra_physics::{
-    BodyId, Command, Created, FieldId, Fx, Input, InputResult, Inputs, Integrator, Labels, Recorder, StepReport,
-    TimeStep, World, WorldDef,
+    BodyId, Command, Created, Damping, FieldId, Fx, Input, InputResult, Inputs, Integrator, Labels, Recorder,
+    StepReport, TimeStep, World, WorldDef,
 };
 use umbra_scene::{Scene, SceneRun};
 
@@ -54,10 +54,11 @@ pub struct UmbraWorldDef {
     pub sleep_after: u32,
     /// Gravity, m/s²: none.
     pub gravity: UmbraVec2,
-    /// Fraction of a velocity left after a second, 0 to 1, unless the body says otherwise; default 1.
-    pub linear_damping: UmbraFx,
-    /// Fraction of an angular velocity left after a second, 0 to 1, unless the body says otherwise; default 1.
-    pub angular_damping: UmbraFx,
+    /// Damping of bodies without their own: the share of a velocity that is left after a second, from 0 (stops at once) to `UMBRA_ONE`
+    /// (none). This is not the damping of Box2D, which is a rate: see `umbra_kept_at_rate`. Default `UMBRA_ONE`.
+    pub linear_kept_per_second: UmbraFx,
+    /// Damping of bodies without their own: the share of an angular velocity that is left after a second; default `UMBRA_ONE`.
+    pub angular_kept_per_second: UmbraFx,
 }
 
 /// Summary of a step in numbers; `umbra_world_faults` and similar functions list the bodies.
@@ -384,8 +385,8 @@ fn as_def(def: &WorldDef) -> UmbraWorldDef {
         integrator: number.map_or(u32::MAX, |number| number as u32),
         sleep_after: def.sleep_after.unwrap_or(UMBRA_NEVER),
         gravity: def.gravity.into(),
-        linear_damping: def.linear_damping.to_bits(),
-        angular_damping: def.angular_damping.to_bits(),
+        linear_kept_per_second: def.linear_damping.kept().to_bits(),
+        angular_kept_per_second: def.angular_damping.kept().to_bits(),
     }
 }
 
@@ -402,8 +403,8 @@ pub extern "C" fn umbra_world_new(
             time_step: TimeStep::ratio(def.step_num, def.step_den),
             gravity: def.gravity.into(),
             integrator: integrator(def.integrator)?,
-            linear_damping: Fx::from_bits(def.linear_damping),
-            angular_damping: Fx::from_bits(def.angular_damping),
+            linear_damping: Damping::kept_per_second(Fx::from_bits(def.linear_kept_per_second)),
+            angular_damping: Damping::kept_per_second(Fx::from_bits(def.angular_kept_per_second)),
             sleep_after: sleep_after(def.sleep_after),
         };
         place.write(UmbraWorld::boxed(World::new(def)?));

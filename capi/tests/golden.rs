@@ -5,8 +5,8 @@ use std::fs;
 use std::path::Path;
 
 use umbra_physics::{
-    ApplyOptions, Attachment, BodyDef, BodyId, End, Error, FieldKind, ForceField, ForceOrImpulse, Frame, Fx, FxFactor,
-    Mass, Region, Shape, SpringConstants, Vec2, World, WorldDef, fx, vec2,
+    ApplyOptions, Attachment, BodyDef, BodyId, Damping, End, Error, FieldKind, ForceField, ForceOrImpulse, Frame, Fx,
+    FxFactor, Mass, Region, Shape, SpringConstants, Vec2, World, WorldDef, fx, vec2,
 };
 use umbra_scene::Scene;
 
@@ -14,8 +14,11 @@ const TICKS: u32 = 600;
 const SCENE: &str = "scenes/lander.json";
 
 fn build() -> Result<(World, BodyId, BodyId), Error> {
-    let mut world =
-        World::new(WorldDef { gravity: vec2(0, fx!(-9.81)), linear_damping: fx!(0.9), ..WorldDef::default() })?;
+    let mut world = World::new(WorldDef {
+        gravity: vec2(0, fx!(-9.81)),
+        linear_damping: Damping::kept_per_second(fx!(0.9)),
+        ..WorldDef::default()
+    })?;
     let corners = [vec2(0, 0), vec2(100, 0), vec2(100, 1), vec2(0, 1)];
     let ground = Some(Shape::polygon(&corners)?);
     world.add_body(BodyDef { shape: ground, position: vec2(0, -10), ..BodyDef::fixed() })?;
@@ -23,7 +26,7 @@ fn build() -> Result<(World, BodyId, BodyId), Error> {
         shape: Some(Shape::circle(fx!(0.5))?),
         mass: Mass::Density(fx!(2.5)),
         velocity: vec2(3, 0),
-        angular_damping: Some(fx!(0.5)),
+        angular_damping: Some(Damping::kept_per_second(fx!(0.5))),
         angular_velocity: fx!(1),
         user_data: 7,
         ..BodyDef::dynamic()
@@ -51,7 +54,7 @@ fn build() -> Result<(World, BodyId, BodyId), Error> {
         position: vec2(5, 100),
         velocity: vec2(0, 14),
         gravity_scale: fx!(0),
-        linear_damping: Some(fx!(1)),
+        linear_damping: Some(Damping::NONE),
         force_groups: 4,
         ..BodyDef::dynamic()
     })?;

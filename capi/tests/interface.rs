@@ -7,9 +7,9 @@ use std::path::Path;
 use std::ptr;
 
 use umbra_physics::{
-    ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, Command, End, FieldId, FieldKind, ForceField, ForceOrImpulse,
-    Frame, Fx, FxFactor, Integrator, Locks, Mass, Random, Region, Shape, Snapshot, SpringConstants, TimeStep, World,
-    WorldDef, fx, vec2,
+    ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, Command, Damping, End, FieldId, FieldKind, ForceField,
+    ForceOrImpulse, Frame, Fx, FxFactor, Integrator, Locks, Mass, Random, Region, Shape, Snapshot, SpringConstants,
+    TimeStep, World, WorldDef, fx, vec2,
 };
 use umbra_physics_capi::*;
 
@@ -88,6 +88,10 @@ fn drafted(draft: &UmbraWorld) -> Vec<u8> {
     // SAFETY: the buffers are those of `list`.
     list(|buffer, capacity, length| unsafe { umbra_draft_command(Some(draft), buffer, capacity, length) })
         .expect("bytes")
+}
+
+fn damping(kept: i64) -> Damping {
+    Damping::kept_per_second(Fx::from_bits(kept))
 }
 
 const BODY: BodyId = BodyId::from_parts(3, 2);
@@ -200,10 +204,10 @@ fn every_change_is_the_command_of_its_name() {
         umbra_world_set_kind(BODY_WORD, UMBRA_KINEMATIC) => Command::SetKind { body, kind: BodyKind::Kinematic };
         umbra_world_set_kind(BODY_WORD, UMBRA_DYNAMIC) => Command::SetKind { body, kind: BodyKind::Dynamic };
         umbra_world_set_gravity_scale(BODY_WORD, 9) => Command::SetGravityScale { body, scale: bits(9) };
-        umbra_world_set_body_damping(BODY_WORD, 10, UMBRA_AS_WORLD) =>
-            Command::SetBodyDamping { body, linear: Some(bits(10)), angular: None };
-        umbra_world_set_body_damping(BODY_WORD, UMBRA_AS_WORLD, 11) =>
-            Command::SetBodyDamping { body, linear: None, angular: Some(bits(11)) };
+        umbra_world_set_body_kept_per_second(BODY_WORD, 10, UMBRA_AS_WORLD) =>
+            Command::SetBodyDamping { body, linear: Some(damping(10)), angular: None };
+        umbra_world_set_body_kept_per_second(BODY_WORD, UMBRA_AS_WORLD, 11) =>
+            Command::SetBodyDamping { body, linear: None, angular: Some(damping(11)) };
         umbra_world_set_force_groups(BODY_WORD, 12) => Command::SetForceGroups { body, force_groups: 12 };
         umbra_world_set_key(BODY_WORD, u64::MAX) => Command::SetKey { body, key: u64::MAX };
         umbra_world_set_user_data(BODY_WORD, 14) => Command::SetUserData { body, user_data: 14 };
@@ -223,7 +227,7 @@ fn every_change_is_the_command_of_its_name() {
         umbra_world_remove_field(FIELD_WORD) => Command::RemoveField(FIELD);
         umbra_world_set_time_step(1001, 60_000) => Command::SetTimeStep(TimeStep::ratio(1001, 60_000));
         umbra_world_set_gravity(15, -16) => Command::SetGravity(pair(15, -16));
-        umbra_world_set_damping(17, 18) => Command::SetDamping { linear: bits(17), angular: bits(18) };
+        umbra_world_set_kept_per_second(17, 18) => Command::SetDamping { linear: damping(17), angular: damping(18) };
         umbra_world_set_sleep_after(UMBRA_NEVER) => Command::SetSleepAfter(None);
         umbra_world_set_sleep_after(1) => Command::SetSleepAfter(Some(1));
         umbra_world_seed(42) => Command::SetRandom(Random::seeded(42));
@@ -269,8 +273,8 @@ fn every_change_is_the_command_of_its_name() {
         angle: 7,
         angular_velocity: 8,
         gravity_scale: 9,
-        linear_damping: 10,
-        angular_damping: 11,
+        linear_kept_per_second: 10,
+        angular_kept_per_second: 11,
         max_speed: 15,
         max_angular_speed: 16,
         key: 12,
@@ -288,8 +292,8 @@ fn every_change_is_the_command_of_its_name() {
         angle: bits(7),
         angular_velocity: bits(8),
         gravity_scale: bits(9),
-        linear_damping: Some(bits(10)),
-        angular_damping: Some(bits(11)),
+        linear_damping: Some(damping(10)),
+        angular_damping: Some(damping(11)),
         max_speed: Some(bits(15)),
         max_angular_speed: Some(bits(16)),
         locks: Locks { x: false, y: true, rotation: false },
@@ -379,7 +383,7 @@ fn bodies_are_read_to_the_last_bit() {
     assert_eq!(umbra_physics::Turn::from_bits(state.turn), look.angle_exact());
     let inertia = look.inertia().expect("one").parts();
     assert_eq!((state.mass, (state.inertia.mantissa, state.inertia.shift)), (ONE, inertia));
-    assert_eq!((state.linear_damping, state.angular_damping), (UMBRA_AS_WORLD, UMBRA_AS_WORLD));
+    assert_eq!((state.linear_kept_per_second, state.angular_kept_per_second), (UMBRA_AS_WORLD, UMBRA_AS_WORLD));
     assert_eq!((state.key, state.user_data, state.force_groups, state.gravity_scale), (6, 5, 1, ONE));
     assert_eq!((state.kind, state.activity), (UMBRA_DYNAMIC, UMBRA_AWAKE));
 
@@ -429,7 +433,10 @@ fn what_cannot_be_is_refused_and_changes_nothing() {
     assert_eq!(umbra_world_apply_force(Some(&mut world), body, 0, 0, None, 4), bad);
     assert_eq!(out(|number| umbra_world_random_below(Some(&mut world), 0, number)), Err(bad));
     assert_eq!(add(&mut world, &UmbraBodyDef { mass_kind: 9, ..body_def() }), Err(bad));
-    assert_eq!(add(&mut world, &UmbraBodyDef { linear_damping: -2, ..body_def() }), Err(UMBRA_ERROR_OUT_OF_RANGE));
+    assert_eq!(
+        add(&mut world, &UmbraBodyDef { linear_kept_per_second: -2, ..body_def() }),
+        Err(UMBRA_ERROR_OUT_OF_RANGE)
+    );
     assert_eq!(umbra_last_cause(), 165);
     let field = UmbraFieldDef {
         mu: UmbraFactor { mantissa: 1, shift: 0, reserved: 0 },
@@ -625,18 +632,34 @@ fn a_definition_is_read_as_it_was_given_and_changed() {
         integrator: UMBRA_YOSHIDA4,
         sleep_after: UMBRA_NEVER,
         gravity: UmbraVec2 { x: 1, y: -2 },
-        linear_damping: ONE / 2,
-        angular_damping: ONE / 4,
+        linear_kept_per_second: ONE / 2,
+        angular_kept_per_second: ONE / 4,
     };
     let mut world = own(|world| umbra_world_new(Some(&def), world)).expect("a world");
     let read = |world: &UmbraWorld| out(|def| umbra_world_def(Some(world), def));
     // A ratio is kept in lowest terms.
     assert_eq!(read(&world), Ok(UmbraWorldDef { step_num: 1, step_den: 64, ..def }));
-    assert_eq!(umbra_world_set_damping(Some(&mut world), 3, 4), UMBRA_OK);
+    assert_eq!(umbra_world_set_kept_per_second(Some(&mut world), 3, 4), UMBRA_OK);
     assert_eq!(umbra_world_set_time_step(Some(&mut world), 1, 30), UMBRA_OK);
-    let changed = UmbraWorldDef { step_num: 1, step_den: 30, linear_damping: 3, angular_damping: 4, ..def };
+    let changed =
+        UmbraWorldDef { step_num: 1, step_den: 30, linear_kept_per_second: 3, angular_kept_per_second: 4, ..def };
     assert_eq!(read(&world), Ok(changed));
     umbra_world_free(Some(world));
+}
+
+#[test]
+fn a_rate_of_damping_becomes_the_share_that_is_kept() {
+    for rate in [0, 1, ONE / 10, ONE / 2, ONE, 20 * ONE, 23 * ONE, i64::MAX] {
+        assert_eq!(umbra_kept_at_rate(rate), Damping::rate(Fx::from_bits(rate)).kept().to_bits(), "{rate}");
+    }
+    assert_eq!((umbra_kept_at_rate(0), umbra_kept_at_rate(23 * ONE)), (ONE, 0));
+    for negative in [-1, -ONE, i64::MIN] {
+        let kept = umbra_kept_at_rate(negative);
+        let standard = out(|def| umbra_world_def_default(def)).expect("a definition");
+        let def = UmbraWorldDef { linear_kept_per_second: kept, ..standard };
+        let refused = own(|world| umbra_world_new(Some(&def), world)).map(drop).expect_err("it gains speed");
+        assert_eq!((refused, umbra_last_cause()), (UMBRA_ERROR_OUT_OF_RANGE, 165), "{negative}");
+    }
 }
 
 #[test]

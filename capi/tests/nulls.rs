@@ -173,7 +173,7 @@ fn null_is_refused_everywhere() {
         umbra_world_set_shape(None, b, None);
         umbra_world_set_kind(None, b, UMBRA_STATIC);
         umbra_world_set_gravity_scale(None, b, 0);
-        umbra_world_set_body_damping(None, b, 0, 0);
+        umbra_world_set_body_kept_per_second(None, b, 0, 0);
         umbra_world_set_force_groups(None, b, 0);
         umbra_world_set_key(None, b, 0);
         umbra_world_set_user_data(None, b, 0);
@@ -212,7 +212,7 @@ fn null_is_refused_everywhere() {
         umbra_world_set_time_step(None, 1, 60);
         umbra_world_set_gravity(None, 0, 0);
         umbra_world_set_integrator(None, UMBRA_YOSHIDA4);
-        umbra_world_set_damping(None, 0, 0);
+        umbra_world_set_kept_per_second(None, 0, 0);
         umbra_world_set_sleep_after(None, 1);
         umbra_world_seed(None, 1);
         umbra_world_random_below(None, 1, Some(&mut MaybeUninit::uninit()));

@@ -80,7 +80,7 @@ static UmbraWorld *build(uint64_t *ball, uint64_t *rocket)
 
     DO(umbra_world_def_default(&def));
     def.gravity.y = fx("-9.81");
-    def.linear_damping = fx("0.9");
+    def.linear_kept_per_second = fx("0.9");
     DO(umbra_world_new(&def, &world));
 
     DO(umbra_shape_polygon(corners, 4, &shape));
@@ -97,7 +97,7 @@ static UmbraWorld *build(uint64_t *ball, uint64_t *rocket)
     body.mass_kind = UMBRA_MASS_DENSITY;
     body.mass = fx("2.5");
     body.velocity.x = 3 * UMBRA_ONE;
-    body.angular_damping = fx("0.5");
+    body.angular_kept_per_second = fx("0.5");
     body.angular_velocity = UMBRA_ONE;
     body.user_data = 7;
     DO(umbra_world_add_body(world, &body, ball));
@@ -141,7 +141,7 @@ static UmbraWorld *build(uint64_t *ball, uint64_t *rocket)
     body.position.y = 100 * UMBRA_ONE;
     body.velocity.y = 14 * UMBRA_ONE;
     body.gravity_scale = 0;
-    body.linear_damping = UMBRA_ONE;
+    body.linear_kept_per_second = UMBRA_ONE;
     body.force_groups = 4;
     DO(umbra_world_add_body(world, &body, &moon));
     DO(umbra_field_def_default(UMBRA_ATTRACTOR, &field));

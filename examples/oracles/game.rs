@@ -6,7 +6,7 @@
 use umbra_oracles::Game;
 use umbra_physics::Symmetry;
 use umbra_physics::{
-    ApplyOptions, Attachment, BodyDef, BodyId, Command, End, FieldKind, ForceOrImpulse, Fx, Mass, Random,
+    ApplyOptions, Attachment, BodyDef, BodyId, Command, Damping, End, FieldKind, ForceOrImpulse, Fx, Mass, Random,
     SpringConstants, Stepper, Vec2, World, WorldDef, fx, vec2,
 };
 
@@ -98,7 +98,9 @@ impl Game for Tow {
     type Input = Input;
 
     fn start(&mut self) -> World {
-        let mut world = World::new(WorldDef { linear_damping: fx!(0.5), ..WorldDef::default() }).expect("a fair world");
+        let mut world =
+            World::new(WorldDef { linear_damping: Damping::kept_per_second(fx!(0.5)), ..WorldDef::default() })
+                .expect("a fair world");
         let mut add = |def| world.add_body(def).expect("a fair body");
         self.ball = add(BodyDef { mass: Mass::Kilograms(fx!(0.5)), ..BodyDef::dynamic() });
         // On their way to the ball, which they come to at the same time.

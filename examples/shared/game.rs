@@ -5,8 +5,8 @@
 //! the game, and the hash of the world finds whatever differs between two peers.
 
 use umbra_physics::{
-    ApplyOptions, Attachment, BodyDef, BodyId, End, Error, FieldId, FieldKind, ForceField, ForceOrImpulse, Fx, Mass,
-    Shape, SpringConstants, TimeStep, Vec2, World, WorldDef, fx, vec2,
+    ApplyOptions, Attachment, BodyDef, BodyId, Damping, End, Error, FieldId, FieldKind, ForceField, ForceOrImpulse, Fx,
+    Mass, Shape, SpringConstants, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
 use crate::random::SplitMix;
@@ -89,8 +89,8 @@ impl Game {
     pub(crate) fn start() -> Result<(Self, World), Error> {
         let mut world = World::new(WorldDef {
             time_step: TimeStep::hz(60),
-            linear_damping: fx!(0.75),
-            angular_damping: fx!(0.25),
+            linear_damping: Damping::kept_per_second(fx!(0.75)),
+            angular_damping: Damping::kept_per_second(fx!(0.25)),
             ..WorldDef::default()
         })?;
         let star = FieldKind::Attractor { centre: End::World(Vec2::ZERO), mu: 400.into(), softening: fx!(2) };
@@ -125,8 +125,8 @@ impl Game {
             shape: Some(Shape::circle(fx!(1))?),
             mass: Mass::Kilograms(fx!(4)),
             // Soon at rest again, and asleep.
-            linear_damping: Some(fx!(0.0001)),
-            angular_damping: Some(fx!(0.0001)),
+            linear_damping: Some(Damping::kept_per_second(fx!(0.0001))),
+            angular_damping: Some(Damping::kept_per_second(fx!(0.0001))),
             force_groups: ROCK,
             ..BodyDef::dynamic()
         };
@@ -192,7 +192,7 @@ impl Game {
             mass: Mass::Kilograms(SHOT_MASS),
             position: look.position() + ahead(fx!(1)),
             velocity: look.velocity() + ahead(SHOT_SPEED),
-            linear_damping: Some(Fx::ONE),
+            linear_damping: Some(Damping::NONE),
             force_groups: SHOT,
             key: 100 + player as u64,
             user_data: u64::from(now + SHOT_TICKS),

@@ -24,8 +24,8 @@ use arbitrary::Result;
 use umbra_oracles::Taste;
 use umbra_physics::scalar::ToF64;
 use umbra_physics::{
-    Attachment, BodyId, BodyKind, BodyRef, Command, CommandMap, End, FieldKind, ForceField, Fx, FxFactor, Geometry,
-    Integrator, Scalar, Shape, Vec2, World, WorldDef,
+    Attachment, BodyId, BodyKind, BodyRef, Command, CommandMap, Damping, End, FieldKind, ForceField, Fx, FxFactor,
+    Geometry, Integrator, Scalar, Shape, Vec2, World, WorldDef,
 };
 
 use super::author::{self, Author};
@@ -85,7 +85,8 @@ fn play(data: &[u8]) -> Result<()> {
 
 fn in_floats(def: WorldDef) -> WorldDef<f64> {
     let WorldDef { time_step, gravity, integrator, linear_damping, angular_damping, sleep_after } = def;
-    let [linear_damping, angular_damping] = [linear_damping, angular_damping].map(f64::from_fx);
+    let [linear_damping, angular_damping] =
+        [linear_damping, angular_damping].map(|damping| Damping::kept_per_second(f64::from_fx(damping.kept())));
     let gravity = gravity.map(f64::from_fx);
     WorldDef { time_step, gravity, integrator, linear_damping, angular_damping, sleep_after }
 }
@@ -290,8 +291,8 @@ impl Slopes {
 fn is_damped(world: &World<f64>) -> bool {
     let WorldDef { linear_damping, angular_damping, .. } = world.def();
     let own = |body: &BodyRef<'_, f64>| [body.linear_damping(), body.angular_damping()];
-    [*linear_damping, *angular_damping].iter().any(|&kept| kept != 1.0)
-        || world.bodies().any(|body| own(&body).into_iter().flatten().any(|kept| kept != 1.0))
+    [*linear_damping, *angular_damping].iter().any(|&damping| damping != Damping::NONE)
+        || world.bodies().any(|body| own(&body).into_iter().flatten().any(|own| own != Damping::NONE))
 }
 
 fn body_of(end: &End<f64>) -> Option<BodyId> {

@@ -6,8 +6,8 @@
 //! all, and that no step takes out of proportion long, which libFuzzer's own timeout says.
 
 use umbra_physics::{
-    ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, Command, End, FieldKind, ForceField, ForceOrImpulse, Fx,
-    FxFactor, Integrator, Mass, Random, Region, Shape, SpringConstants, TimeStep, Vec2, World, WorldDef, fx, vec2,
+    ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, Command, Damping, End, FieldKind, ForceField, ForceOrImpulse,
+    Fx, FxFactor, Integrator, Mass, Random, Region, Shape, SpringConstants, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
 /// Number of bodies.
@@ -118,8 +118,8 @@ impl Busy {
             time_step: TimeStep::hz(rate),
             gravity: Vec2::new(Fx::ZERO, -gravity),
             integrator,
-            linear_damping: linear,
-            angular_damping: angular,
+            linear_damping: Damping::kept_per_second(linear),
+            angular_damping: Damping::kept_per_second(angular),
             sleep_after: if sleeps % 2 == 0 { None } else { Some(ticks) },
         };
         let mut world = World::new(def).expect("all within its limits");
@@ -143,6 +143,10 @@ impl Busy {
             let own = |most: Fx| {
                 (factor_table > 1).then(|| Fx::from_bits(most.to_bits() - (i % factor_table) as i64 * 4_097))
             };
+            let own_damping = |kept| {
+                let kept = own(kept).filter(|_| damped % 4 != 0);
+                kept.map(|kept| Damping::kept_per_second(kept.max(Fx::DELTA)))
+            };
             let def = BodyDef {
                 kind,
                 position: position.map(|x| x.clamp(fx!(-1073741824), fx!(1073741824))),
@@ -152,8 +156,8 @@ impl Busy {
                 shape: shape.clone(),
                 mass: Mass::Kilograms(mass),
                 gravity_scale: own(fx!(16)).unwrap_or(fx!(1)),
-                linear_damping: own(linear).filter(|_| damped % 4 != 0).map(|kept| kept.max(Fx::DELTA)),
-                angular_damping: own(angular).filter(|_| damped % 4 != 0).map(|kept| kept.max(Fx::DELTA)),
+                linear_damping: own_damping(linear),
+                angular_damping: own_damping(angular),
                 ..BodyDef::dynamic()
             };
             ids.push(world.add_body(def).expect("all within its limits"));

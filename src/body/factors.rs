@@ -1,5 +1,6 @@
 //! The factors of a step that bodies share: they follow from gravity scale, damping, speed caps, locks and the time step.
 
+use super::Damping;
 use super::rows::{Keyed, SharedRows, mix};
 use crate::fx::Fx;
 use crate::math::Vec2;
@@ -24,12 +25,12 @@ pub(crate) struct WorldFactors<'a, S: Scalar> {
 }
 
 impl<'a, S: Scalar> WorldFactors<'a, S> {
-    pub(crate) fn new(gravity: Vec2<S>, kept: [S; 2], spans: &'a [Span], damps: [bool; SPANS]) -> Self {
+    pub(crate) fn new(gravity: Vec2<S>, damping: [Damping<S>; 2], spans: &'a [Span], damps: [bool; SPANS]) -> Self {
         let one = [S::Factor::ONE; SPANS];
         let mut seconds = one;
         spans.iter().zip(&mut seconds).for_each(|(&span, seconds)| *seconds = S::seconds(span));
         let world_factors = Self { gravity, spans, seconds, damps, linear: one, angular: one };
-        let [linear, angular] = kept.map(|kept| world_factors.decays(S::decay_rate(kept)));
+        let [linear, angular] = damping.map(|damping| world_factors.decays(S::decay_rate(damping.kept())));
         Self { linear, angular, ..world_factors }
     }
 
@@ -70,8 +71,8 @@ pub(crate) struct StepFactors<S: Scalar> {
 pub(crate) struct Key<S> {
     pub(crate) dynamic: bool,
     pub(crate) gravity_scale: S,
-    pub(crate) linear: Option<S>,
-    pub(crate) angular: Option<S>,
+    pub(crate) linear: Option<Damping<S>>,
+    pub(crate) angular: Option<Damping<S>>,
     /// The largest speed and angular speed after a step.
     pub(crate) most: [Option<S>; 2],
     /// Locks of the body along x, and along y.
@@ -87,7 +88,8 @@ impl<S: Scalar> PartialEq for Key<S> {
 
 impl<S: Scalar> Key<S> {
     fn bits(&self) -> [u64; 6] {
-        let own = [self.linear, self.angular, self.most[0], self.most[1]];
+        let [linear, angular] = [self.linear, self.angular].map(|own| own.map(Damping::kept));
+        let own = [linear, angular, self.most[0], self.most[1]];
         let flags = [self.dynamic, self.still[0], self.still[1]].into_iter().chain(own.map(|own| own.is_some()));
         let flags = flags.fold(0, |flags, flag| flags << 1 | u64::from(flag));
         let [linear, angular, speed, angular_speed] = own.map(|own| own.map_or(0, |own| own.to_bits() as u64));
@@ -100,13 +102,14 @@ impl<S: Scalar> Key<S> {
     }
 
     /// Returns true if the velocities of the body decay in a world with this damping.
-    pub(crate) fn is_damped(&self, linear: S, angular: S) -> bool {
-        self.dynamic && (self.linear.unwrap_or(linear) != S::ONE || self.angular.unwrap_or(angular) != S::ONE)
+    pub(crate) fn is_damped(&self, linear: Damping<S>, angular: Damping<S>) -> bool {
+        self.dynamic
+            && (self.linear.unwrap_or(linear) != Damping::NONE || self.angular.unwrap_or(angular) != Damping::NONE)
     }
 
     /// Returns true if the body's own damping stops it at once.
     fn stops(&self) -> bool {
-        [self.linear, self.angular].contains(&Some(S::ZERO))
+        [self.linear, self.angular].into_iter().flatten().any(Damping::stops)
     }
 }
 
@@ -143,7 +146,9 @@ impl<S: Scalar> StepFactors<S> {
     /// Makes the factors anew.
     fn make(&mut self, world_factors: &WorldFactors<'_, S>) {
         let key = self.key;
-        let rates = *self.rates.get_or_insert_with(|| [key.linear, key.angular].map(|kept| kept.map(S::decay_rate)));
+        let rates = *self
+            .rates
+            .get_or_insert_with(|| [key.linear, key.angular].map(|own| own.map(|own| S::decay_rate(own.kept()))));
         *self = Self { version: self.version, rates: self.rates, ..Self::neutral(key) };
         if !key.dynamic {
             return;

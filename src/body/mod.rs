@@ -3,6 +3,7 @@
 mod asleep;
 mod changes;
 mod columns;
+mod damping;
 mod factors;
 mod info;
 mod mass;
@@ -24,6 +25,7 @@ use crate::shape::Shape;
 
 pub(crate) use changes::Change;
 pub(crate) use columns::Bodies;
+pub use damping::Damping;
 pub(crate) use factors::{BOUNDED_STEPS, FactorTable, Key, SPANS, StepFactors, WorldFactors};
 pub(crate) use info::BodyInfo;
 pub use mass::Mass;
@@ -176,10 +178,10 @@ pub struct BodyDef<S: Scalar = Fx> {
     pub mass: Mass<S>,
     /// The factor on the world's gravity: 1 for all of it, 0 for none, −1 for the opposite direction.
     pub gravity_scale: S,
-    /// The part of the velocity that damping leaves after a second, 0 to 1; `None` for the world's.
-    pub linear_damping: Option<S>,
-    /// The part of the angular velocity that damping leaves after a second, 0 to 1; `None` for the world's.
-    pub angular_damping: Option<S>,
+    /// The damping of the velocity; `None` for the world's.
+    pub linear_damping: Option<Damping<S>>,
+    /// The damping of the angular velocity; `None` for the world's.
+    pub angular_damping: Option<Damping<S>>,
     /// The largest speed after a step, m/s, if the body is dynamic. A faster body is slowed down to it and keeps its direction.
     pub max_speed: Option<S>,
     /// The largest angular speed after a step, rad/s, if the body is dynamic.
@@ -278,8 +280,8 @@ impl<S: Scalar> BodyDef<S> {
     /// The mass properties of a body with this definition and shape, if its properties other than its motion are valid.
     fn check_properties(&self, shape: Option<&Shape<S>>) -> Result<MassProperties<S>, Error> {
         check_gravity_scale(self.gravity_scale)?;
-        self.linear_damping.map_or(Ok(()), check_damping)?;
-        self.angular_damping.map_or(Ok(()), check_damping)?;
+        self.linear_damping.map_or(Ok(()), Damping::check)?;
+        self.angular_damping.map_or(Ok(()), Damping::check)?;
         self.max_speed.map_or(Ok(()), check_max_speed)?;
         self.max_angular_speed.map_or(Ok(()), check_max_angular_speed)?;
         mass_properties(self.kind, self.mass, shape, self.locks)
@@ -347,8 +349,4 @@ pub(crate) fn check_max_speed<S: Scalar>(most: S) -> Result<(), Error> {
 
 pub(crate) fn check_max_angular_speed<S: Scalar>(most: S) -> Result<(), Error> {
     check(most >= S::ZERO && within(most, limits::ANGULAR_SPEED), Quantity::MaxAngularSpeed)
-}
-
-pub(crate) fn check_damping<S: Scalar>(kept: S) -> Result<(), Error> {
-    check(kept >= S::ZERO && kept <= S::ONE, Quantity::Damping)
 }

@@ -5,7 +5,7 @@ use alloc::sync::Arc;
 use super::columns::Bodies;
 use super::factors::FactorTable;
 use super::motion::Acceleration;
-use super::{Activity, BodyDef, BodyKind, Locks, Mass, MassProperties, within_envelope};
+use super::{Activity, BodyDef, BodyKind, Damping, Locks, Mass, MassProperties, within_envelope};
 use crate::codec::{self, Encoder, Malformed, Part, Read, Reader, Write, codec_struct};
 use crate::error::{Error, Quantity};
 use crate::fx::Fx;
@@ -30,8 +30,8 @@ pub(crate) struct Record<S: Scalar> {
     pub(crate) last_acceleration: Option<Acceleration<S>>,
     pub(crate) mass: Mass<S>,
     pub(crate) gravity_scale: S,
-    pub(crate) linear_damping: Option<S>,
-    pub(crate) angular_damping: Option<S>,
+    pub(crate) linear_damping: Option<Damping<S>>,
+    pub(crate) angular_damping: Option<Damping<S>>,
     pub(crate) max_speed: Option<S>,
     pub(crate) max_angular_speed: Option<S>,
     pub(crate) locks: Locks,

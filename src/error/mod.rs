@@ -90,7 +90,7 @@ pub enum Error {
         /// The body.
         body: BodyId,
     },
-    /// `Yoshida4` runs its middle sub-step backwards, which is impossible with a damping of 0 (nothing left after a step).
+    /// `Yoshida4` runs its middle sub-step backwards, which is impossible with a damping that leaves nothing of a velocity.
     DampingHasNoInverse,
     /// Both ends of a spring are attached to the same body.
     SameBody {
@@ -115,19 +115,34 @@ pub enum Error {
         /// The sequence.
         sequence: u32,
     },
-    /// The history does not go back to this tick.
+    /// The tick is no longer kept, or confirmed.
     TickForgotten {
         /// The tick that was asked for.
         tick: u64,
         /// The oldest tick that is kept.
         oldest: u64,
     },
-    /// The history has not reached this tick yet.
+    /// The tick is in the future, or too far in it.
     TickToCome {
         /// The tick that was asked for.
         tick: u64,
         /// The tick that the world is at.
         present: u64,
+    },
+    /// The rollback has no player with this number.
+    NoSuchPlayer {
+        /// The player.
+        player: u32,
+    },
+    /// The world was changed between two ticks of a rollback. The change would be lost when an earlier tick is made again.
+    ChangedBetweenTicks {
+        /// The tick that was to be made.
+        tick: u64,
+    },
+    /// The tick function of a rollback stepped or restored the world.
+    SteppedInTick {
+        /// The tick.
+        tick: u64,
     },
     /// The last step cannot be undone.
     NotReversible {
@@ -159,9 +174,10 @@ pub enum Error {
 /// Reason why a step cannot be undone.
 ///
 /// ```
-/// use umbra_physics::{Error, Irreversible, World, WorldDef, fx};
+/// use umbra_physics::{Damping, Error, Irreversible, World, WorldDef, fx};
 ///
-/// let mut world = World::new(WorldDef { linear_damping: fx!(0.5), sleep_after: None, ..WorldDef::default() })?;
+/// let linear_damping = Damping::rate(fx!(0.5));
+/// let mut world = World::new(WorldDef { linear_damping, sleep_after: None, ..WorldDef::default() })?;
 /// world.add_body(umbra_physics::BodyDef::dynamic())?;
 /// world.step();
 /// assert_eq!(world.step_back(&[]), Err(Error::NotReversible { why: Irreversible::Damping }));
@@ -274,7 +290,7 @@ impl fmt::Display for Error {
             Self::NotMovable { body } => write!(f, "{body} is static and has no velocity"),
             Self::Quarantined { body } => write!(f, "{body} is quarantined: release it first"),
             Self::NotQuarantined { body } => write!(f, "{body} is not quarantined"),
-            Self::DampingHasNoInverse => f.write_str("Yoshida4 needs a damping above 0"),
+            Self::DampingHasNoInverse => f.write_str("Yoshida4 needs damping that keeps more than 0 of a velocity a second"),
             Self::SameBody { body } => write!(f, "both ends of the spring are attached to {body}"),
             Self::CustomForce { id } => write!(f, "custom force {id:#x} is not registered, or is registered already"),
             Self::Full => {
@@ -293,6 +309,15 @@ impl fmt::Display for Error {
             Self::TickToCome { tick, present } => {
                 write!(f, "tick {tick} is in the future: the world is at tick {present}")
             },
+            Self::NoSuchPlayer { player } => write!(f, "the rollback has no player {player}: name all players at its start"),
+            Self::ChangedBetweenTicks { tick } => write!(
+                f,
+                "the world was changed before tick {tick}, outside of the tick function: make all changes in it, or restart the rollback",
+            ),
+            Self::SteppedInTick { tick } => write!(
+                f,
+                "the tick function stepped or restored the world in tick {tick}: the rollback steps it after the function",
+            ),
             Self::NotReversible { why } => write!(f, "the step cannot be undone: {why}"),
             Self::Disabled { body } => write!(f, "{body} is disabled: enable it first"),
             Self::NotDisabled { body } => write!(f, "{body} is not disabled"),
@@ -328,6 +353,9 @@ codes!(Error {
     Disabled = 122,
     NotDisabled = 123,
     NotKinematic = 124,
+    NoSuchPlayer = 125,
+    ChangedBetweenTicks = 126,
+    SteppedInTick = 127,
 });
 
 impl core::error::Error for Error {

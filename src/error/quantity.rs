@@ -41,7 +41,7 @@ pub enum Quantity {
     Gravity,
     /// A gravity scale.
     GravityScale,
-    /// A damping: the fraction of a velocity left after a second, 0 to 1.
+    /// A [damping](crate::Damping): the share of a velocity that is left after a second, 0 to 1.
     Damping,
     /// A gravitational parameter.
     Mu,
@@ -83,7 +83,7 @@ impl Quantity {
             Self::Impulse => "an impulse within ±2^31 N·s a component",
             Self::Gravity => "gravity within ±2^16 m/s² a component",
             Self::GravityScale => "a gravity scale within ±16",
-            Self::Damping => "damping from 0 to 1",
+            Self::Damping => "damping that keeps from 0 to 1 of a velocity a second, so a rate of at least 0",
             Self::Mu => "a gravitational parameter from 0 to 2^64 m³/s²",
             Self::Softening => "a softening length from 0 to 2^12 m",
             Self::Stiffness => "a stiffness of at least zero",

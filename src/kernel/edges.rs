@@ -325,5 +325,6 @@ fn logarithms_and_powers_at_the_borders_of_the_tables() {
     }
     for raw in words().into_iter().map(|word| word as i64) {
         assert_eq!(exp2(raw).is_none(), raw >= 31 << 32, "{raw:#x}");
+        assert_eq!(exp(raw).is_none(), raw > 92_288_378_626, "{raw:#x}");
     }
 }

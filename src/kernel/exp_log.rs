@@ -130,6 +130,29 @@ pub(crate) const fn exp2(raw: i64) -> Option<u64> {
     fx_from_power(raw >> 32, (raw as u32 as u128) << 96, false)
 }
 
+/// e^raw in I32F32, within 0.5001 ulp; `None` if it does not fit.
+///
+/// It is 0 from −33·ln 2 down. There are no ties, as e^raw is irrational but for raw = 0.
+pub(crate) const fn exp(raw: i64) -> Option<u64> {
+    /// From 32 on the exponent of two is above 46.
+    const FAR: u64 = 32 << 32;
+
+    let (magnitude, negative) = (raw.unsigned_abs(), raw < 0);
+    if magnitude >= FAR {
+        return if negative { Some(0) } else { None };
+    }
+    // |raw|·log2 e in Q121: below 2^(37 + 89), and 1.45 times that. The constant and the product leave out 2^-121 of it at most.
+    let magnitude_q121 = (magnitude as u128) << 89;
+    let power_q121 = magnitude_q121 + mul_high_wide(magnitude_q121, LOG2_E_LESS_ONE_Q127 << 1);
+    let (whole, frac) = ((power_q121 >> 121) as i64, power_q121 << 7);
+    match (negative, frac) {
+        (false, _) => fx_from_power(whole, frac, false),
+        (true, 0) => fx_from_power(-whole, 0, false),
+        // 2^-(n + f) = 2^-(n + 1) · 2^(1 − f).
+        (true, _) => fx_from_power(-whole - 1, frac.wrapping_neg(), false),
+    }
+}
+
 /// base^exponent in I32F32 for `base` > 0, within 0.5001 ulp, ties to even; `None` if it does not fit.
 pub(crate) const fn pow(base: u64, exponent: i64) -> Option<u64> {
     let log_q120 = log2_fine(base);
@@ -205,6 +228,16 @@ mod tests {
         assert_eq!(exp2(i64::MIN), Some(0));
         assert_eq!(exp2(i64::MAX), None);
         assert_eq!(exp2_fine(0), 1 << 127);
+    }
+
+    #[test]
+    fn powers_of_e_end_where_they_no_longer_fit() {
+        assert_eq!((exp(0), exp(1), exp(-1)), (Some(1 << 32), Some((1 << 32) + 1), Some((1 << 32) - 1)));
+        assert_eq!((exp(1 << 32), exp(-1 << 32)), (Some(11_674_931_555), Some(1_580_030_169)));
+        // ln(2^31 − 2^-33) and 33·ln 2 in I32F32, rounded down.
+        assert_eq!((exp(92_288_378_626).is_some(), exp(92_288_378_627)), (true, None));
+        assert_eq!((exp(-98_242_467_570), exp(-98_242_467_571)), (Some(1), Some(0)));
+        assert_eq!((exp(i64::MAX), exp(i64::MIN)), (None, Some(0)));
     }
 
     #[test]

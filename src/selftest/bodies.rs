@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 
 use super::trial::{Played, Trial, add_all, bits, exact, happened, near_fx, near_vec, refused, same, same_body, there};
-use crate::body::{Activity, BodyDef, BodyKind, Mass};
+use crate::body::{Activity, BodyDef, BodyKind, Damping, Mass};
 use crate::error::{Cause, Error, Fault};
 use crate::force::{Attachment, End, FieldKind};
 use crate::fx::{Fx, fx};
@@ -71,13 +71,16 @@ pub(super) fn shapes(trial: &mut Trial) -> Played {
 }
 
 pub(super) fn kinds(trial: &mut Trial) -> Played {
-    let def = WorldDef { gravity: vec2(0, -8), linear_damping: fx!(0.5), ..exact() };
+    let def = WorldDef { gravity: vec2(0, -8), linear_damping: Damping::kept_per_second(fx!(0.5)), ..exact() };
     let mut world = World::new(def)?;
     let fixed = world.add_body(BodyDef { position: vec2(1, 2), angle: fx!(1), ..BodyDef::fixed() })?;
     let carried =
         world.add_body(BodyDef { velocity: vec2(3, 1), angular_velocity: fx!(0.5), ..BodyDef::kinematic() })?;
-    let falling =
-        world.add_body(BodyDef { position: vec2(0, 100), linear_damping: Some(fx!(1)), ..BodyDef::dynamic() })?;
+    let falling = world.add_body(BodyDef {
+        position: vec2(0, 100),
+        linear_damping: Some(Damping::NONE),
+        ..BodyDef::dynamic()
+    })?;
     refused("a force on a static body", world.apply_force(fixed, vec2(1, 0)), Error::NotDynamic { body: fixed })?;
     refused(
         "a force on a kinematic body",
@@ -96,7 +99,7 @@ pub(super) fn kinds(trial: &mut Trial) -> Played {
     world.set_kind(fixed, BodyKind::Kinematic)?;
     world.set_velocity(fixed, vec2(-1, 0))?;
     world.set_kind(carried, BodyKind::Dynamic)?;
-    world.set_body_damping(carried, Some(fx!(1)), None)?;
+    world.set_body_damping(carried, Some(Damping::NONE), None)?;
     world.set_kind(falling, BodyKind::Static)?;
     trial.steps(&mut world, 64);
     same("from static to kinematic", &world.body(fixed)?.position(), &vec2(0, 2))?;
@@ -169,8 +172,8 @@ pub(super) fn pushes(trial: &mut Trial) -> Played {
 
 pub(super) fn sleep(trial: &mut Trial) -> Played {
     let def = WorldDef {
-        linear_damping: fx!(0.0001),
-        angular_damping: fx!(0.0001),
+        linear_damping: Damping::kept_per_second(fx!(0.0001)),
+        angular_damping: Damping::kept_per_second(fx!(0.0001)),
         sleep_after: Some(10),
         ..WorldDef::default()
     };

@@ -4,7 +4,7 @@ use alloc::collections::VecDeque;
 
 use super::Problem;
 use super::trial::{Numbers, Played, Trial, add_all, exact, happened, refused, same, same_body, there};
-use crate::body::{BodyDef, BodyKind, Mass};
+use crate::body::{BodyDef, BodyKind, Damping, Mass};
 use crate::error::Error;
 use crate::force::{Attachment, End, FieldKind, ForceField, Region};
 use crate::fx::{Fx, fx};
@@ -16,7 +16,11 @@ use crate::slots::{BodyId, FieldId};
 use crate::world::{ApplyOptions, Command, Created, ForceOrImpulse, World, WorldDef};
 
 pub(super) fn recycling(trial: &mut Trial) -> Played {
-    let def = WorldDef { gravity: vec2(fx!(0.1), fx!(-9.81)), linear_damping: fx!(0.9), ..WorldDef::default() };
+    let def = WorldDef {
+        gravity: vec2(fx!(0.1), fx!(-9.81)),
+        linear_damping: Damping::kept_per_second(fx!(0.9)),
+        ..WorldDef::default()
+    };
     let (mut world, mut alone) = (World::new(def)?, World::new(def)?);
     let mut numbers = Numbers(2);
     let mut bystanders: VecDeque<(BodyId, FieldId)> = VecDeque::new();
@@ -54,8 +58,8 @@ fn as_it_became() -> Result<(WorldDef, BodyDef, [ForceField; 2]), Error> {
         time_step: TimeStep::ratio(1001, 60_000),
         gravity: vec2(1, -3),
         integrator: Integrator::Yoshida4,
-        linear_damping: fx!(0.75),
-        angular_damping: fx!(0.5),
+        linear_damping: Damping::kept_per_second(fx!(0.75)),
+        angular_damping: Damping::kept_per_second(fx!(0.5)),
         sleep_after: None,
     };
     let body = BodyDef {
@@ -66,8 +70,8 @@ fn as_it_became() -> Result<(WorldDef, BodyDef, [ForceField; 2]), Error> {
         shape: Some(Shape::capsule(fx!(2), fx!(0.5))?),
         mass: Mass::Density(fx!(3)),
         gravity_scale: fx!(-0.5),
-        linear_damping: Some(fx!(0.9)),
-        angular_damping: Some(fx!(0.6)),
+        linear_damping: Some(Damping::kept_per_second(fx!(0.9))),
+        angular_damping: Some(Damping::kept_per_second(fx!(0.6))),
         force_groups: 6,
         key: 11,
         user_data: 12,
@@ -165,7 +169,8 @@ pub(super) fn setters(trial: &mut Trial) -> Played {
 
 /// Some of everything: a swarm around an attractor that a body carries, in wind, with a pair on a spring.
 fn busy() -> Result<(World, alloc::vec::Vec<BodyId>), Error> {
-    let def = WorldDef { gravity: vec2(0, -1), linear_damping: fx!(0.95), ..WorldDef::default() };
+    let def =
+        WorldDef { gravity: vec2(0, -1), linear_damping: Damping::kept_per_second(fx!(0.95)), ..WorldDef::default() };
     let mut world = World::new(def)?;
     let mut numbers = Numbers(3);
     let swarm = (0..12).map(|i| BodyDef {

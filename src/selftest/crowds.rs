@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 
 use super::trial::{Numbers, Played, Trial, add_all, happened, same, same_body};
-use crate::body::{BodyDef, Mass};
+use crate::body::{BodyDef, Damping, Mass};
 use crate::error::Error;
 use crate::force::{Attachment, End, FieldKind, ForceField, Region};
 use crate::fx::{Fx, fx};
@@ -51,8 +51,8 @@ pub(super) fn wide_blocks(trial: &mut Trial) -> Played {
             time_step: TimeStep::hz(60),
             gravity: vec2(fx!(0.5), fx!(-9.81)),
             integrator,
-            linear_damping: fx!(0.75),
-            angular_damping: fx!(0.5),
+            linear_damping: Damping::kept_per_second(fx!(0.75)),
+            angular_damping: Damping::kept_per_second(fx!(0.5)),
             sleep_after: None,
         };
         let mut world = World::new(def)?;
@@ -66,16 +66,20 @@ pub(super) fn wide_blocks(trial: &mut Trial) -> Played {
 
 /// Neighbours of every sort: other factors, other kinds, pushed, asleep, leaving, in fields and on springs.
 pub(super) fn mixed_blocks(trial: &mut Trial) -> Played {
-    let def =
-        WorldDef { gravity: vec2(0, -5), linear_damping: fx!(0.875), sleep_after: Some(5), ..WorldDef::default() };
+    let def = WorldDef {
+        gravity: vec2(0, -5),
+        linear_damping: Damping::kept_per_second(fx!(0.875)),
+        sleep_after: Some(5),
+        ..WorldDef::default()
+    };
     let mut world = World::new(def)?;
     let mut numbers = Numbers(20);
     let sort = |(i, def): (u32, BodyDef)| match i % 8 {
-        0 => BodyDef { gravity_scale: fx!(-2), linear_damping: Some(fx!(0.001)), ..def },
+        0 => BodyDef { gravity_scale: fx!(-2), linear_damping: Some(Damping::kept_per_second(fx!(0.001))), ..def },
         1 => BodyDef { kind: crate::body::BodyKind::Kinematic, ..def },
         2 => BodyDef { position: def.position, ..BodyDef::fixed() },
         3 => BodyDef { position: def.position, gravity_scale: fx!(0), force_groups: 0, ..BodyDef::dynamic() },
-        4 => BodyDef { velocity: vec2(1_048_575, 5), linear_damping: Some(fx!(1)), force_groups: 0, ..def },
+        4 => BodyDef { velocity: vec2(1_048_575, 5), linear_damping: Some(Damping::NONE), force_groups: 0, ..def },
         5 => BodyDef { force_groups: 2, ..def },
         _ => def,
     };

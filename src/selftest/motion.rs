@@ -4,7 +4,7 @@ use super::trial::{
     Flight, Numbers, Played, Trial, add_all, exact, happened, near, near_fx, near_turn, near_vec, near_wide, same,
     there,
 };
-use crate::body::{BodyDef, Mass};
+use crate::body::{BodyDef, Damping, Mass};
 use crate::error::Error;
 use crate::force::{Attachment, End, FieldKind};
 use crate::fx::{Fx, fx};
@@ -94,7 +94,8 @@ pub(super) fn integrators_in_turn(trial: &mut Trial) -> Played {
 
 pub(super) fn damping(trial: &mut Trial) -> Played {
     let (half, quarter) = (fx!(0.5), fx!(0.25));
-    let mut world = World::new(WorldDef { linear_damping: half, angular_damping: quarter, ..WorldDef::default() })?;
+    let [linear_damping, angular_damping] = [half, quarter].map(Damping::kept_per_second);
+    let mut world = World::new(WorldDef { linear_damping, angular_damping, ..WorldDef::default() })?;
     let own = [
         (None, None),
         (Some(fx!(1)), None),
@@ -103,11 +104,11 @@ pub(super) fn damping(trial: &mut Trial) -> Played {
         (Some(fx!(0)), Some(fx!(0))),
         (Some(fx!(0.9375)), Some(half)),
     ];
-    let bodies = own.map(|(linear_damping, angular_damping)| BodyDef {
+    let bodies = own.map(|(linear, angular)| BodyDef {
         velocity: vec2(1024, -512),
         angular_velocity: fx!(256),
-        linear_damping,
-        angular_damping,
+        linear_damping: linear.map(Damping::kept_per_second),
+        angular_damping: angular.map(Damping::kept_per_second),
         ..BodyDef::dynamic()
     });
     let ids = add_all(&mut world, bodies)?;

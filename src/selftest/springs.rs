@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 
 use super::trial::{Played, Trial, add_all, exact, happened, near_fx, near_wide, same};
-use crate::body::{BodyDef, Mass};
+use crate::body::{BodyDef, Damping, Mass};
 use crate::force::{Attachment, End, FieldKind};
 use crate::fx::{Fx, fx};
 use crate::math::{Vec2, vec2};
@@ -65,7 +65,11 @@ pub(super) fn pair(trial: &mut Trial) -> Played {
 /// A net of 8 by 8 nodes, the upper corners of which are held.
 pub(super) fn net(trial: &mut Trial) -> Played {
     const SIDE: i32 = 8;
-    let mut world = World::new(WorldDef { gravity: vec2(0, -10), linear_damping: fx!(0.8), ..WorldDef::default() })?;
+    let mut world = World::new(WorldDef {
+        gravity: vec2(0, -10),
+        linear_damping: Damping::kept_per_second(fx!(0.8)),
+        ..WorldDef::default()
+    })?;
     // Half metres apart, from −7/4 to 7/4 m: the mirror is x = 0.
     let node = |i: i32| {
         let (column, row) = (i % SIDE, i / SIDE);

@@ -2,8 +2,8 @@
 
 use alloc::sync::Arc;
 
-use super::World;
-use crate::body::{BodyDef, BodyInfo, BodyKind, Change, Key, Locks, Mass};
+use super::{Command, World};
+use crate::body::{BodyDef, BodyInfo, BodyKind, Change, Damping, Key, Locks, Mass};
 use crate::error::Error;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, Angle, Scalar};
@@ -14,10 +14,10 @@ impl<S: Scalar> World<S> {
     /// Adds a body.
     ///
     /// # Errors
-    /// As [`BodyDef::check`]; [`Error::DampingHasNoInverse`] for a damping of 0 under `Yoshida4`; [`Error::Full`].
+    /// As [`BodyDef::check`]; [`Error::DampingHasNoInverse`] for a damping that leaves nothing under `Yoshida4`; [`Error::Full`].
     ///
     /// ```
-    /// use umbra_physics::{BodyDef, BodyKind, Fx, Mass, Shape, World, WorldDef, fx, vec2};
+    /// use umbra_physics::{BodyDef, BodyKind, Damping, Fx, Mass, Shape, World, WorldDef, fx, vec2};
     ///
     /// let mut world: World = World::new(WorldDef::default())?;
     /// let body = world.add_body(BodyDef { position: vec2(1, 2), ..BodyDef::dynamic() })?;
@@ -27,7 +27,7 @@ impl<S: Scalar> World<S> {
     /// world.set_angle(body, Fx::FRAC_PI_2)?;
     /// world.set_angular_velocity(body, fx!(3))?;
     /// world.set_gravity_scale(body, fx!(-1))?; // it rises
-    /// world.set_body_damping(body, Some(fx!(0.5)), None)?;
+    /// world.set_body_damping(body, Some(Damping::rate(fx!(0.5))), None)?;
     /// world.set_force_groups(body, 0b110)?;
     /// world.set_key(body, 42)?;
     /// world.set_kind(body, BodyKind::Kinematic)?;
@@ -41,6 +41,7 @@ impl<S: Scalar> World<S> {
 
     pub(crate) fn add_body_inner(&mut self, def: BodyDef<S>) -> Result<BodyId, Error> {
         let properties = self.check_new_body(&def)?;
+        self.journal.note(|| Command::AddBody(def.clone()));
         let body = self.bodies.insert(def, properties, Arc::make_mut(&mut self.factor_table));
         self.change_log.added(body, &self.bodies);
         self.mark_if_still(body);
@@ -57,9 +58,10 @@ impl<S: Scalar> World<S> {
 
     pub(crate) fn remove_body_inner(&mut self, body: BodyId) -> Result<(), Error> {
         self.touch(body, Change::ALL)?;
+        self.journal.note(|| Command::RemoveBody(body));
         // The order is state: the slot that is freed last is taken first.
         for field in self.fields.attached_by_age(body) {
-            self.remove_field(field)?;
+            self.take_field(field)?;
         }
         let dense = self.bodies.find(body)?;
         self.applied.forget(body);
@@ -76,6 +78,7 @@ impl<S: Scalar> World<S> {
     pub fn set_position(&mut self, body: BodyId, position: Vec2<S>) -> Result<(), Error> {
         self.check_body_position(body, position)?;
         let dense = self.touch(body, Change::ALL)?;
+        self.journal.note(|| Command::SetPosition { body, position });
         self.targets.recall(body);
         self.bodies.columns.motion.position.set(dense, position.map(Accumulator::from_scalar));
         self.change_log.placed(body);
@@ -89,6 +92,7 @@ impl<S: Scalar> World<S> {
     pub fn set_angle(&mut self, body: BodyId, angle: S) -> Result<(), Error> {
         self.check_body_angle(body, angle)?;
         let dense = self.touch(body, Change::ALL)?;
+        self.journal.note(|| Command::SetAngle { body, angle });
         self.targets.recall(body);
         self.bodies.columns.motion.angle[dense] = S::Angle::from_radians(angle);
         self.change_log.placed(body);
@@ -103,6 +107,7 @@ impl<S: Scalar> World<S> {
     pub fn set_velocity(&mut self, body: BodyId, velocity: Vec2<S>) -> Result<(), Error> {
         self.check_body_velocity(body, velocity)?;
         let dense = self.touch(body, Change::VELOCITY)?;
+        self.journal.note(|| Command::SetVelocity { body, velocity });
         self.targets.forget(body);
         self.bodies.columns.motion.velocity.set(dense, velocity.map(Accumulator::from_scalar));
         Ok(())
@@ -116,6 +121,7 @@ impl<S: Scalar> World<S> {
     pub fn set_angular_velocity(&mut self, body: BodyId, velocity: S) -> Result<(), Error> {
         self.check_body_angular_velocity(body, velocity)?;
         let dense = self.touch(body, Change::VELOCITY)?;
+        self.journal.note(|| Command::SetAngularVelocity { body, velocity });
         self.targets.forget(body);
         self.bodies.columns.motion.angular_velocity[dense] = S::Accumulator::from_scalar(velocity);
         Ok(())
@@ -161,6 +167,7 @@ impl<S: Scalar> World<S> {
     pub(crate) fn move_to_inner(&mut self, body: BodyId, position: Vec2<S>, angle: S) -> Result<(), Error> {
         let goal = self.check_move(body, position, angle)?;
         self.touch(body, Change::VELOCITY)?;
+        self.journal.note(|| Command::MoveTo { body, position, angle });
         self.targets.send(body, goal);
         Ok(())
     }
@@ -176,6 +183,7 @@ impl<S: Scalar> World<S> {
     pub(crate) fn set_mass_inner(&mut self, body: BodyId, mass: Mass<S>) -> Result<(), Error> {
         let properties = self.check_body_mass(body, mass)?;
         let dense = self.touch(body, Change::ALL)?;
+        self.journal.note(|| Command::SetMass { body, mass });
         let kind = self.bodies.info(dense).kind;
         self.bodies.set_mass(dense, kind, mass, properties);
         Ok(())
@@ -193,6 +201,7 @@ impl<S: Scalar> World<S> {
     pub(crate) fn set_shape_inner(&mut self, body: BodyId, shape: Option<Shape<S>>) -> Result<(), Error> {
         let properties = self.check_body_shape(body, shape.as_ref())?;
         let dense = self.touch(body, Change::ALL)?;
+        self.journal.note(|| Command::SetShape { body, shape: shape.clone() });
         self.bodies.set_shape(dense, shape, properties);
         Ok(())
     }
@@ -209,6 +218,7 @@ impl<S: Scalar> World<S> {
     pub(crate) fn set_kind_inner(&mut self, body: BodyId, kind: BodyKind) -> Result<(), Error> {
         let properties = self.check_body_kind(body, kind)?;
         self.touch(body, Change::ALL)?;
+        self.journal.note(|| Command::SetKind { body, kind });
         self.wake_joined(body);
         let dense = self.bodies.find(body)?;
         self.applied.forget(body);
@@ -237,19 +247,25 @@ impl<S: Scalar> World<S> {
     pub fn set_gravity_scale(&mut self, body: BodyId, scale: S) -> Result<(), Error> {
         self.check_body_gravity_scale(body, scale)?;
         let dense = self.touch(body, Change::ALL)?;
+        self.journal.note(|| Command::SetGravityScale { body, scale });
         self.set_factors(dense, |key| key.gravity_scale = scale);
         Ok(())
     }
 
-    /// Sets the damping of a body, or returns to the world's damping (`None`): the share of its linear and angular velocity that
-    /// is left after a second, 0 to 1. Wakes the body.
+    /// Sets the damping of a body, of its velocity and of its angular velocity, or returns to the world's (`None`); wakes the body.
     ///
     /// # Errors
     /// [`Error::NoSuchBody`]; [`Error::OutOfRange`] with [`Quantity::Damping`](crate::Quantity::Damping);
     /// [`Error::DampingHasNoInverse`].
-    pub fn set_body_damping(&mut self, body: BodyId, linear: Option<S>, angular: Option<S>) -> Result<(), Error> {
+    pub fn set_body_damping(
+        &mut self,
+        body: BodyId,
+        linear: Option<Damping<S>>,
+        angular: Option<Damping<S>>,
+    ) -> Result<(), Error> {
         self.check_body_damping(body, linear, angular)?;
         let dense = self.touch(body, Change::ALL)?;
+        self.journal.note(|| Command::SetBodyDamping { body, linear, angular });
         self.set_factors(dense, |key| (key.linear, key.angular) = (linear, angular));
         Ok(())
     }
@@ -266,6 +282,7 @@ impl<S: Scalar> World<S> {
     pub fn set_max_speeds(&mut self, body: BodyId, linear: Option<S>, angular: Option<S>) -> Result<(), Error> {
         self.check_body_max_speeds(body, linear, angular)?;
         let dense = self.touch(body, Change::ALL)?;
+        self.journal.note(|| Command::SetMaxSpeeds { body, linear, angular });
         self.set_factors(dense, |key| key.most = [linear, angular]);
         Ok(())
     }
@@ -294,6 +311,7 @@ impl<S: Scalar> World<S> {
 
     pub(crate) fn set_locks_inner(&mut self, body: BodyId, locks: Locks) -> Result<(), Error> {
         let dense = self.touch(body, Change::ALL)?;
+        self.journal.note(|| Command::SetLocks { body, locks });
         self.targets.recall(body);
         self.bodies.set_locks(dense, Arc::make_mut(&mut self.factor_table), locks);
         Ok(())
@@ -304,7 +322,9 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::NoSuchBody`].
     pub fn set_force_groups(&mut self, body: BodyId, force_groups: u32) -> Result<(), Error> {
-        self.edit(body, |info| info.force_groups = force_groups)
+        self.edit(body, |info| info.force_groups = force_groups)?;
+        self.journal.note(|| Command::SetForceGroups { body, force_groups });
+        Ok(())
     }
 
     /// Sets the caller's key of a body; wakes the body, as a custom force may read the key.
@@ -312,7 +332,9 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::NoSuchBody`].
     pub fn set_key(&mut self, body: BodyId, key: u64) -> Result<(), Error> {
-        self.edit(body, |info| info.key = key)
+        self.edit(body, |info| info.key = key)?;
+        self.journal.note(|| Command::SetKey { body, key });
+        Ok(())
     }
 
     /// Sets the caller's data of a body; wakes the body, as a custom force may read the data.
@@ -320,7 +342,9 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::NoSuchBody`].
     pub fn set_user_data(&mut self, body: BodyId, user_data: u64) -> Result<(), Error> {
-        self.edit(body, |info| info.user_data = user_data)
+        self.edit(body, |info| info.user_data = user_data)?;
+        self.journal.note(|| Command::SetUserData { body, user_data });
+        Ok(())
     }
 
     /// Wakes a body and changes properties that no step changes.

@@ -1,7 +1,7 @@
 //! Views of bodies.
 
 use super::World;
-use crate::body::{Activity, BodyInfo, BodyKind, Key, Locks, Mass};
+use crate::body::{Activity, BodyInfo, BodyKind, Damping, Key, Locks, Mass};
 use crate::error::Error;
 use crate::force::velocity_at;
 use crate::fx::Fx;
@@ -291,13 +291,13 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
 
     /// The body's own linear damping; `None` if the world's applies.
     #[must_use]
-    pub fn linear_damping(&self) -> Option<S> {
+    pub fn linear_damping(&self) -> Option<Damping<S>> {
         self.factor_key().linear
     }
 
     /// The body's own angular damping; `None` if the world's applies.
     #[must_use]
-    pub fn angular_damping(&self) -> Option<S> {
+    pub fn angular_damping(&self) -> Option<Damping<S>> {
         self.factor_key().angular
     }
 

@@ -3,7 +3,7 @@
 
 use super::{World, WorldDef, check_gravity, check_sleep_after};
 use crate::body::{
-    Activity, BodyDef, BodyKind, Mass, MassProperties, Target, check_angle, check_angular_velocity, check_damping,
+    Activity, BodyDef, BodyKind, Damping, Mass, MassProperties, Target, check_angle, check_angular_velocity,
     check_gravity_scale, check_max_angular_speed, check_max_speed, check_position, check_turning, check_unlocked,
     check_velocity, mass_properties, within_envelope,
 };
@@ -87,10 +87,15 @@ impl<S: Scalar> World<S> {
         check_gravity_scale(scale)
     }
 
-    pub(super) fn check_body_damping(&self, body: BodyId, linear: Option<S>, angular: Option<S>) -> Result<(), Error> {
+    pub(super) fn check_body_damping(
+        &self,
+        body: BodyId,
+        linear: Option<Damping<S>>,
+        angular: Option<Damping<S>>,
+    ) -> Result<(), Error> {
         self.bodies.find(body)?;
-        linear.map_or(Ok(()), check_damping)?;
-        angular.map_or(Ok(()), check_damping)?;
+        linear.map_or(Ok(()), Damping::check)?;
+        angular.map_or(Ok(()), Damping::check)?;
         self.check_own_damping(linear, angular)
     }
 
@@ -136,8 +141,9 @@ impl<S: Scalar> World<S> {
         within_envelope::<S>(motion.position.get(dense), velocities, most).map(|()| dense)
     }
 
-    fn check_own_damping(&self, linear: Option<S>, angular: Option<S>) -> Result<(), Error> {
-        if self.def.integrator == Integrator::Yoshida4 && (stops(linear) || stops(angular)) {
+    fn check_own_damping(&self, linear: Option<Damping<S>>, angular: Option<Damping<S>>) -> Result<(), Error> {
+        let stops = [linear, angular].into_iter().flatten().any(Damping::stops);
+        if self.def.integrator == Integrator::Yoshida4 && stops {
             return Err(Error::DampingHasNoInverse);
         }
         Ok(())
@@ -195,7 +201,7 @@ impl<S: Scalar> World<S> {
         Ok(def)
     }
 
-    pub(super) fn check_damping(&self, linear: S, angular: S) -> Result<WorldDef<S>, Error> {
+    pub(super) fn check_damping(&self, linear: Damping<S>, angular: Damping<S>) -> Result<WorldDef<S>, Error> {
         let def = WorldDef { linear_damping: linear, angular_damping: angular, ..self.def };
         def.check()?;
         Ok(def)
@@ -205,8 +211,4 @@ impl<S: Scalar> World<S> {
         check_sleep_after(ticks)?;
         Ok(WorldDef { sleep_after: ticks, ..self.def })
     }
-}
-
-fn stops<S: Scalar>(kept: Option<S>) -> bool {
-    kept == Some(S::ZERO)
 }

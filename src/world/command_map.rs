@@ -4,7 +4,7 @@
 //! of the table in `commands.rs` name the role of each field.
 
 use super::{ApplyOptions, ForceOrImpulse, Frame};
-use crate::body::{BodyDef, BodyKind, Locks, Mass};
+use crate::body::{BodyDef, BodyKind, Damping, Locks, Mass};
 use crate::force::{Attachment, End, FieldKind, ForceField, Region};
 use crate::fx::Fx;
 use crate::integrate::Integrator;
@@ -101,6 +101,16 @@ pub trait CommandMap<S: Scalar, T: Scalar = S> {
         value.map(|value| self.scalar(value)).transpose()
     }
 
+    /// A damping of the world.
+    fn damping(&mut self, damping: Damping<S>) -> Result<Damping<T>, Self::Error> {
+        self.scalar(damping.kept()).map(Damping::kept_per_second)
+    }
+
+    /// A damping of a body's own, which may be absent.
+    fn optional_damping(&mut self, damping: Option<Damping<S>>) -> Result<Option<Damping<T>>, Self::Error> {
+        damping.map(|damping| self.damping(damping)).transpose()
+    }
+
     /// A shape that may be absent.
     fn optional_shape(&mut self, shape: Option<Shape<S>>) -> Result<Option<Shape<T>>, Self::Error> {
         shape.map(|shape| self.shape(shape)).transpose()
@@ -148,8 +158,8 @@ pub trait CommandMap<S: Scalar, T: Scalar = S> {
             shape: self.optional_shape(def.shape)?,
             mass: self.mass(def.mass)?,
             gravity_scale: self.scalar(def.gravity_scale)?,
-            linear_damping: self.optional_scalar(def.linear_damping)?,
-            angular_damping: self.optional_scalar(def.angular_damping)?,
+            linear_damping: self.optional_damping(def.linear_damping)?,
+            angular_damping: self.optional_damping(def.angular_damping)?,
             max_speed: self.optional_scalar(def.max_speed)?,
             max_angular_speed: self.optional_scalar(def.max_angular_speed)?,
             locks: self.locks(def.locks)?,
@@ -257,7 +267,7 @@ pub trait CommandSource {
     fn optional_shape(&mut self) -> Option<Shape>;
     fn kind(&mut self) -> BodyKind;
     fn gravity_scale(&mut self) -> Fx;
-    fn body_damping(&mut self) -> Option<Fx>;
+    fn body_damping(&mut self) -> Option<Damping>;
     fn max_speed(&mut self) -> Option<Fx>;
     fn max_angular_speed(&mut self) -> Option<Fx>;
     fn force_groups(&mut self) -> u32;
@@ -267,7 +277,7 @@ pub trait CommandSource {
     fn time_step(&mut self) -> TimeStep;
     fn gravity(&mut self) -> Vec2;
     fn integrator(&mut self) -> Integrator;
-    fn damping(&mut self) -> Fx;
+    fn damping(&mut self) -> Damping;
     fn sleep_after(&mut self) -> Option<u32>;
     fn random(&mut self) -> Random;
     fn blob(&mut self) -> Vec<u8>;

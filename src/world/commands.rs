@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 
 use super::command_map::{CommandMap, CommandSource};
 use super::{ApplyOptions, ForceOrImpulse, World};
-use crate::body::{BodyDef, BodyKind, Locks, Mass};
+use crate::body::{BodyDef, BodyKind, Damping, Locks, Mass};
 use crate::codec::codec_enum;
 use crate::error::Error;
 use crate::force::ForceField;
@@ -249,7 +249,7 @@ commands! { world:
         check world.check_body_gravity_scale(*body, *scale),
         execute world.set_gravity_scale(*body, *scale);
     /// Calls [`World::set_body_damping`].
-    11 => SetBodyDamping { body: BodyId as body(body), linear: Option<S> as optional_scalar(body_damping), angular: Option<S> as optional_scalar(body_damping) },
+    11 => SetBodyDamping { body: BodyId as body(body), linear: Option<Damping<S>> as optional_damping(body_damping), angular: Option<Damping<S>> as optional_damping(body_damping) },
         check world.check_body_damping(*body, *linear, *angular),
         execute world.set_body_damping(*body, *linear, *angular);
     /// Calls [`World::set_force_groups`].
@@ -297,7 +297,7 @@ commands! { world:
         check world.check_integrator(*integrator),
         execute world.set_integrator(*integrator);
     /// Calls [`World::set_damping`].
-    23 => SetDamping { linear: S as scalar(damping), angular: S as scalar(damping) },
+    23 => SetDamping { linear: Damping<S> as damping(damping), angular: Damping<S> as damping(damping) },
         check world.check_damping(*linear, *angular),
         execute world.set_damping(*linear, *angular);
     /// Calls [`World::set_sleep_after`].

@@ -1,6 +1,6 @@
 //! Adding, removing and changing force fields.
 
-use super::World;
+use super::{Command, World};
 use crate::body::Change;
 use crate::error::Error;
 use crate::force::ForceField;
@@ -34,6 +34,7 @@ impl<S: Scalar> World<S> {
 
     pub(crate) fn add_field_inner(&mut self, field: ForceField<S>) -> Result<FieldId, Error> {
         self.check_new_field(&field)?;
+        self.journal.note(|| Command::AddField(field));
         let id = Arc::make_mut(&mut self.fields).insert(field);
         self.wake_for(&field);
         Ok(id)
@@ -62,6 +63,7 @@ impl<S: Scalar> World<S> {
 
     pub(crate) fn set_field_inner(&mut self, id: FieldId, field: ForceField<S>) -> Result<(), Error> {
         let old = self.check_next_field(id, &field)?;
+        self.journal.note(|| Command::SetField { id, field });
         self.wake_for(&old);
         Arc::make_mut(&mut self.fields).replace(id, field)?;
         self.wake_for(&field);
@@ -77,6 +79,13 @@ impl<S: Scalar> World<S> {
     }
 
     pub(crate) fn remove_field_inner(&mut self, id: FieldId) -> Result<(), Error> {
+        self.take_field(id)?;
+        self.journal.note(|| Command::RemoveField(id));
+        Ok(())
+    }
+
+    /// Removes a force field as part of another change.
+    pub(super) fn take_field(&mut self, id: FieldId) -> Result<(), Error> {
         let field = self.check_field(id)?;
         self.wake_for(&field);
         Arc::make_mut(&mut self.fields).remove(id).map(drop)

@@ -1,6 +1,6 @@
 //! Applying forces and impulses.
 
-use super::World;
+use super::{Command, World};
 use crate::body::{Activity, BodyKind, Change};
 use crate::codec::{self, Encoder, Malformed, Read, Reader, Write, codec_enum};
 use crate::error::{Error, Quantity};
@@ -195,6 +195,7 @@ impl<S: Scalar> World<S> {
         options: ApplyOptions,
     ) -> Result<(), Error> {
         let (dense, effect) = self.effect(body, action, options.frame)?;
+        self.journal.note(|| Command::Apply { body, action, options });
         let asleep = self.bodies.activity(dense) == Activity::Asleep;
         if asleep && !options.wake {
             return Ok(());
@@ -220,6 +221,7 @@ impl<S: Scalar> World<S> {
     /// Drops the forces and torques applied since the last step. Impulses have acted already.
     pub fn clear_forces(&mut self) {
         self.applied.clear();
+        self.journal.note(|| Command::ClearForces);
     }
 
     /// The index of a body, and the effect that a force or impulse would have on it.

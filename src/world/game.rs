@@ -1,6 +1,6 @@
 //! Data of a game that the world stores, so that snapshots, hashes and replays include it.
 
-use super::World;
+use super::{Command, World};
 use crate::error::{Error, Quantity};
 use crate::limits;
 use crate::math::Random;
@@ -28,12 +28,14 @@ impl<S: Scalar> World<S> {
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
     pub fn random_mut(&mut self) -> &mut Random {
+        self.journal.note_draw();
         &mut self.random
     }
 
     /// Replaces the generator, for example to seed it.
     pub fn set_random(&mut self, random: Random) {
         self.random = random;
+        self.journal.note(|| Command::SetRandom(random));
     }
 
     /// The game's own data as bytes: all else that its next tick depends on.
@@ -50,6 +52,7 @@ impl<S: Scalar> World<S> {
         Self::check_blob(bytes)?;
         self.blob.clear();
         self.blob.extend_from_slice(bytes);
+        self.journal.note(|| Command::SetBlob(bytes.to_vec()));
         Ok(())
     }
 

@@ -94,8 +94,7 @@ struct Row<S: Scalar> {
 impl<S: Scalar> Row<S> {
     /// Stores a world with its caches: otherwise a restored world would evaluate all its fields once more.
     fn keep(&mut self, world: &World<S>) {
-        self.before.keep(world);
-        self.before.workspace.clone_cached_from(&world.workspace);
+        S::keep(&mut self.before, world);
         self.is_known = true;
     }
 }
@@ -273,8 +272,7 @@ impl<S: Scalar> History<S> {
     fn restore(&mut self, world: &mut World<S>, index: usize) {
         let known = (0..=index).rev().find(|&i| i < self.held && self.rows[i].is_known).unwrap_or(0);
         let Some(row) = self.rows.get(known) else { return };
-        world.clone_from(&row.before);
-        world.workspace.clone_cached_from(&row.before.workspace);
+        S::restore(world, &row.before);
         for row in self.rows.range(known..index) {
             world.carry_out_into(&row.inputs, &mut self.outcomes);
             world.step();

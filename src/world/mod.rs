@@ -13,9 +13,11 @@ mod forces;
 mod game;
 mod history;
 mod inputs;
+mod journal;
 mod preview;
 mod query;
 mod reverse;
+mod rollback;
 mod settings;
 mod stepper;
 mod totals;
@@ -25,7 +27,7 @@ mod wake;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
-use crate::body::{Bodies, FactorTable, KinematicTargets, WorldFactors, check_damping};
+use crate::body::{Bodies, Damping, FactorTable, KinematicTargets, WorldFactors};
 use crate::codec::codec_struct;
 use crate::error::{Error, Fault, Quantity};
 use crate::force::{Applied, AppliedForce, CustomForces, FieldSet};
@@ -45,7 +47,9 @@ pub use events::Event;
 pub use forces::{ApplyOptions, ForceOrImpulse, Frame};
 pub use history::{History, TickReport};
 pub use inputs::{Input, InputResult, Inputs, InputsIter};
+pub(crate) use journal::Journal;
 pub use preview::Preview;
+pub use rollback::{ConfirmedTick, EventStatus, Rollback, RollbackReport, TickEvent};
 pub use stepper::Stepper;
 pub use trace::Trace;
 
@@ -59,10 +63,10 @@ pub struct WorldDef<S: Scalar = Fx> {
     pub gravity: Vec2<S>,
     /// The integrator.
     pub integrator: Integrator,
-    /// Linear damping: the share of a velocity that is left after a second, 0 to 1, for bodies without their own. 1 is none.
-    pub linear_damping: S,
-    /// Angular damping: the share of an angular velocity that is left after a second, 0 to 1, for bodies without their own.
-    pub angular_damping: S,
+    /// The damping of velocities, for bodies without their own.
+    pub linear_damping: Damping<S>,
+    /// The damping of angular velocities, for bodies without their own.
+    pub angular_damping: Damping<S>,
     /// The number of ticks at rest after which a body falls asleep; `None` for never.
     pub sleep_after: Option<u32>,
 }
@@ -74,8 +78,8 @@ impl<S: Scalar> Default for WorldDef<S> {
             time_step: TimeStep::hz(60),
             gravity: Vec2::ZERO,
             integrator: Integrator::default(),
-            linear_damping: S::ONE,
-            angular_damping: S::ONE,
+            linear_damping: Damping::NONE,
+            angular_damping: Damping::NONE,
             sleep_after: Some(30),
         }
     }
@@ -100,10 +104,10 @@ impl<S: Scalar> WorldDef<S> {
     pub fn check(&self) -> Result<(), Error> {
         self.time_step.checked()?;
         check_gravity(self.gravity)?;
-        check_damping(self.linear_damping)?;
-        check_damping(self.angular_damping)?;
+        self.linear_damping.check()?;
+        self.angular_damping.check()?;
         check_sleep_after(self.sleep_after)?;
-        let stops = self.linear_damping == S::ZERO || self.angular_damping == S::ZERO;
+        let stops = self.linear_damping.stops() || self.angular_damping.stops();
         if self.integrator == Integrator::Yoshida4 && stops {
             return Err(Error::DampingHasNoInverse);
         }
@@ -171,6 +175,7 @@ pub struct World<S: Scalar = Fx> {
     pub(crate) plan: Plan<S>,
     pub(crate) workspace: Workspace<S>,
     pub(crate) change_log: ChangeLog,
+    pub(crate) journal: Journal<S>,
 }
 
 clone_by_field!((clone_world, clone_world_from) World {
@@ -188,6 +193,7 @@ clone_by_field!((clone_world, clone_world_from) World {
     plan,
     workspace,
     change_log,
+    journal,
 });
 
 /// The report of a step. It borrows from the world: copy values that you need longer.
@@ -264,6 +270,7 @@ impl<S: Scalar> World<S> {
             plan: Plan::new(def.integrator, def.time_step),
             workspace: Workspace::default(),
             change_log: ChangeLog::default(),
+            journal: Journal::default(),
         })
     }
 

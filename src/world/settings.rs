@@ -2,7 +2,8 @@
 
 use alloc::sync::Arc;
 
-use super::{World, WorldDef};
+use super::{Command, World, WorldDef};
+use crate::body::Damping;
 use crate::error::Error;
 use crate::force::CustomForce;
 use crate::integrate::Integrator;
@@ -16,13 +17,13 @@ impl<S: Scalar> World<S> {
     /// [`Error::TimeStep`]; [`Error::ElapsedTime`] if the elapsed time could not stay exact.
     ///
     /// ```
-    /// use umbra_physics::{Elapsed, Integrator, TimeStep, World, WorldDef, fx};
+    /// use umbra_physics::{Damping, Elapsed, Integrator, TimeStep, World, WorldDef, fx};
     ///
     /// let mut world: World = World::new(WorldDef::default())?;
     /// (0..60).for_each(|_| _ = world.step());
     /// world.set_time_step(TimeStep::hz(240))?; // a stiff spring is about to come
     /// world.set_integrator(Integrator::Yoshida4)?;
-    /// world.set_damping(fx!(0.5), fx!(0.9))?;
+    /// world.set_damping(Damping::rate(fx!(0.5)), Damping::NONE)?;
     /// world.set_sleep_after(Some(120))?; // ticks: as long as before
     /// (0..60).for_each(|_| _ = world.step());
     /// assert_eq!(world.elapsed(), Elapsed { num: 5, den: 4 });
@@ -30,6 +31,7 @@ impl<S: Scalar> World<S> {
     /// ```
     pub fn set_time_step(&mut self, time_step: TimeStep) -> Result<(), Error> {
         let (def, now) = self.check_time_step(time_step)?;
+        self.journal.note(|| Command::SetTimeStep(time_step));
         self.counted = (now, self.tick);
         self.redefine(def);
         Ok(())
@@ -41,6 +43,7 @@ impl<S: Scalar> World<S> {
     /// [`Error::OutOfRange`] with [`Quantity::Gravity`](crate::Quantity::Gravity).
     pub fn set_gravity(&mut self, gravity: Vec2<S>) -> Result<(), Error> {
         let def = self.check_gravity(gravity)?;
+        self.journal.note(|| Command::SetGravity(gravity));
         self.redefine(def);
         Ok(())
     }
@@ -48,21 +51,22 @@ impl<S: Scalar> World<S> {
     /// Sets the integrator; wakes all bodies. `PublishedVerlet` starts from a last acceleration of zero.
     ///
     /// # Errors
-    /// [`Error::DampingHasNoInverse`] for `Yoshida4` where the world or a body has a damping of 0.
+    /// [`Error::DampingHasNoInverse`] for `Yoshida4` where the damping of the world or of a body leaves nothing of a velocity.
     pub fn set_integrator(&mut self, integrator: Integrator) -> Result<(), Error> {
         let def = self.check_integrator(integrator)?;
+        self.journal.note(|| Command::SetIntegrator(integrator));
         self.bodies.keep_last_acceleration(integrator == Integrator::PublishedVerlet);
         self.redefine(def);
         Ok(())
     }
 
-    /// Sets the damping of the bodies without their own: the share of the linear and angular velocity that is left after a
-    /// second, 0 to 1. Wakes all bodies.
+    /// Sets the damping of the bodies without their own, of the velocity and of the angular velocity; wakes all bodies.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] with [`Quantity::Damping`](crate::Quantity::Damping); [`Error::DampingHasNoInverse`].
-    pub fn set_damping(&mut self, linear: S, angular: S) -> Result<(), Error> {
+    pub fn set_damping(&mut self, linear: Damping<S>, angular: Damping<S>) -> Result<(), Error> {
         let def = self.check_damping(linear, angular)?;
+        self.journal.note(|| Command::SetDamping { linear, angular });
         self.redefine(def);
         Ok(())
     }
@@ -77,6 +81,7 @@ impl<S: Scalar> World<S> {
 
     pub(crate) fn set_sleep_after_inner(&mut self, ticks: Option<u32>) -> Result<(), Error> {
         self.def = self.check_sleep_after(ticks)?;
+        self.journal.note(|| Command::SetSleepAfter(ticks));
         self.wake_all();
         self.bodies.clear_rest();
         Ok(())

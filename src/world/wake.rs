@@ -2,7 +2,7 @@
 
 use alloc::vec::Vec;
 
-use super::World;
+use super::{Command, World};
 use crate::body::{Activity, BodyKind, Change};
 use crate::error::Error;
 use crate::force::FieldKind;
@@ -29,6 +29,7 @@ impl<S: Scalar> World<S> {
     /// ```
     pub fn wake(&mut self, body: BodyId) -> Result<(), Error> {
         self.check_taking_part(body)?;
+        self.journal.note(|| Command::Wake(body));
         self.touch(body, Change::VELOCITY).map(drop)
     }
 
@@ -39,6 +40,7 @@ impl<S: Scalar> World<S> {
     /// body that is still beyond the envelope.
     pub fn release(&mut self, body: BodyId) -> Result<(), Error> {
         let dense = self.check_release(body)?;
+        self.journal.note(|| Command::Release(body));
         self.bodies.set_activity(dense, Activity::Awake);
         self.wake_joined(body);
         Ok(())
@@ -65,6 +67,7 @@ impl<S: Scalar> World<S> {
     /// ```
     pub fn disable(&mut self, body: BodyId) -> Result<(), Error> {
         self.check_taking_part(body)?;
+        self.journal.note(|| Command::Disable(body));
         self.wake_joined(body);
         let dense = self.bodies.find(body)?;
         self.bodies.set_activity(dense, Activity::Disabled);
@@ -81,6 +84,7 @@ impl<S: Scalar> World<S> {
     /// [`Error::NoSuchBody`]; [`Error::NotDisabled`].
     pub fn enable(&mut self, body: BodyId) -> Result<(), Error> {
         let dense = self.check_enable(body)?;
+        self.journal.note(|| Command::Enable(body));
         self.bodies.set_activity(dense, Activity::Awake);
         self.wake_joined(body);
         // A static one: no step moves it.

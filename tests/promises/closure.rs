@@ -8,8 +8,8 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use umbra_oracles::{Oracle, Script};
 use umbra_physics::{
-    Activity, BodyDef, BodyId, Command, CommandMap, Created, Error, FieldId, FieldKind, ForceField, Fx, FxAccumulator,
-    FxFactor, Shape, Turn, Vec2, World, limits,
+    Activity, BodyDef, BodyId, Command, CommandMap, Created, Damping, Error, FieldId, FieldKind, ForceField, Fx,
+    FxAccumulator, FxFactor, Shape, Turn, Vec2, World, limits,
 };
 
 use crate::check::{Verdict, check_of, judge, there_is};
@@ -84,7 +84,7 @@ fn in_groups(command: Command, force_groups: impl Fn(u32) -> u32) -> (Command, b
 
 /// A bystander that stops at once would keep `Yoshida4` out of the world for all.
 fn goes_on(command: Command) -> Command {
-    let some = |kept: Option<Fx>| kept.map(|kept| kept.max(Fx::DELTA));
+    let some = |own: Option<Damping>| own.map(|own| Damping::kept_per_second(own.kept().max(Fx::DELTA)));
     match command {
         Command::AddBody(def) => Command::AddBody(BodyDef {
             linear_damping: some(def.linear_damping),

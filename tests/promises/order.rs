@@ -7,8 +7,8 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use umbra_oracles::Script;
 use umbra_physics::{
-    Attachment, BodyDef, BodyId, Command, End, FieldKind, ForceField, Fx, FxFactor, Integrator, Mass, SpringConstants,
-    TimeStep, Vec2, World, WorldDef, fx,
+    Attachment, BodyDef, BodyId, Command, Damping, End, FieldKind, ForceField, Fx, FxFactor, Integrator, Mass,
+    SpringConstants, TimeStep, Vec2, World, WorldDef, fx,
 };
 
 use crate::check::{check_of, there_is};
@@ -123,8 +123,8 @@ fn law(bodies: u32) -> BoxedStrategy<FieldKind> {
 }
 
 fn problem(integrator: Integrator) -> impl Strategy<Value = Problem> {
-    let share = || prop_oneof![Just(Fx::ONE), between(fx!(0.5), fx!(1))];
-    let world = (vector(fx!(5)), share(), share()).prop_map(move |(gravity, linear_damping, angular_damping)| {
+    let damping = || prop_oneof![Just(Fx::ONE), between(fx!(0.5), fx!(1))].prop_map(Damping::kept_per_second);
+    let world = (vector(fx!(5)), damping(), damping()).prop_map(move |(gravity, linear_damping, angular_damping)| {
         WorldDef { gravity, integrator, linear_damping, angular_damping, sleep_after: None, ..WorldDef::default() }
     });
     // Springs from a body to itself are refused, and nothing pulls then.

@@ -4,3 +4,4 @@ mod figures;
 mod guide;
 mod items;
 mod openings;
+mod packages;

@@ -4,10 +4,10 @@ use std::sync::Arc;
 use std::{vec, vec::Vec};
 
 use umbra_physics::{
-    ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, BodyState, Command, CustomForce, CustomForceError, Dependence,
-    End, FieldId, FieldKind, ForceField, ForceOrImpulse, ForceTorque, Frame, Fx, FxFactor, Input, Inputs, Integrator,
-    Locks, Mass, Part, Random, RecordOptions, Recorder, Region, Shape, SpringConstants, TimeStep, World, WorldDef, fx,
-    vec2,
+    ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, BodyState, Command, CustomForce, CustomForceError, Damping,
+    Dependence, End, FieldId, FieldKind, ForceField, ForceOrImpulse, ForceTorque, Frame, Fx, FxFactor, Input, Inputs,
+    Integrator, Locks, Mass, Part, Random, RecordOptions, Recorder, Region, Shape, SpringConstants, TimeStep, World,
+    WorldDef, fx, vec2,
 };
 
 struct Still;
@@ -80,7 +80,11 @@ pub(crate) fn commands() -> Vec<Command> {
     commands.extend(masses.map(|mass| Command::SetMass { body, mass }));
     commands.extend(shapes().into_iter().map(|shape| Command::SetShape { body, shape: Some(shape) }));
     commands.extend(fields().into_iter().map(Command::AddField));
-    let damped = BodyDef { linear_damping: Some(fx!(0.5)), angular_damping: Some(fx!(0.25)), ..BodyDef::dynamic() };
+    let damped = BodyDef {
+        linear_damping: Some(Damping::kept_per_second(fx!(0.5))),
+        angular_damping: Some(Damping::kept_per_second(fx!(0.25))),
+        ..BodyDef::dynamic()
+    };
     let set_field = |field| Command::SetField { id: FieldId::from_parts(0, 0), field };
     commands.extend([
         Command::AddBody(BodyDef {
@@ -105,7 +109,11 @@ pub(crate) fn commands() -> Vec<Command> {
         Command::SetAngularVelocity { body, velocity: fx!(0.5) },
         Command::SetKind { body, kind: BodyKind::Dynamic },
         Command::SetGravityScale { body, scale: fx!(-0.5) },
-        Command::SetBodyDamping { body, linear: Some(fx!(0.5)), angular: Some(fx!(0.75)) },
+        Command::SetBodyDamping {
+            body,
+            linear: Some(Damping::kept_per_second(fx!(0.5))),
+            angular: Some(Damping::kept_per_second(fx!(0.75))),
+        },
         Command::SetBodyDamping { body, linear: None, angular: None },
         Command::SetForceGroups { body, force_groups: 3 },
         Command::SetKey { body, key: 1 << 40 },
@@ -118,7 +126,10 @@ pub(crate) fn commands() -> Vec<Command> {
         Command::SetTimeStep(TimeStep::ratio(1001, 60_000)),
         Command::SetGravity(vec2(0, -9)),
         Command::SetIntegrator(Integrator::PublishedVerlet),
-        Command::SetDamping { linear: fx!(0.5), angular: fx!(0.25) },
+        Command::SetDamping {
+            linear: Damping::kept_per_second(fx!(0.5)),
+            angular: Damping::kept_per_second(fx!(0.25)),
+        },
         Command::SetSleepAfter(None),
         Command::SetSleepAfter(Some(20)),
         Command::SetRandom(Random::seeded(3)),
@@ -144,7 +155,13 @@ pub(crate) fn world() -> World {
     world.register_custom_force(custom_forces().remove(0)).expect("a law");
     for shape in shapes().into_iter().chain([shapes().remove(0)]) {
         let def = BodyDef { shape: Some(shape), position: vec2(fx!(0.3), 3), ..BodyDef::dynamic() };
-        world.add_body(BodyDef { angular_velocity: fx!(1), linear_damping: Some(fx!(0.9)), ..def }).expect("a body");
+        world
+            .add_body(BodyDef {
+                angular_velocity: fx!(1),
+                linear_damping: Some(Damping::kept_per_second(fx!(0.9))),
+                ..def
+            })
+            .expect("a body");
     }
     // Beyond the envelope with its first step.
     let edge = BodyDef { position: vec2(1 << 30, 0), velocity: vec2(1 << 20, 0), ..BodyDef::dynamic() };

@@ -1,15 +1,19 @@
 //! Values read by the tables of `docs/formats.md`, in the form that the library has: by the names of fields and cases.
 
 use umbra_physics::{
-    Activity, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, Command, End, FieldId, FieldKind, ForceField,
-    ForceOrImpulse, Frame, Fx, FxFactor, Integrator, Locks, Mass, Part, Random, Region, Shape, SpringConstants,
-    TimeStep, Vec2,
+    Activity, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, Command, Damping, End, FieldId, FieldKind,
+    ForceField, ForceOrImpulse, Frame, Fx, FxFactor, Integrator, Locks, Mass, Part, Random, Region, Shape,
+    SpringConstants, TimeStep, Vec2,
 };
 
 use super::formats::Value;
 
 pub(crate) fn number(value: &Value) -> Fx {
     Fx::from_bits(value.integer() as i64)
+}
+
+pub(crate) fn damping(value: &Value) -> Damping {
+    Damping::kept_per_second(number(value))
 }
 
 pub(crate) fn vector(value: &Value) -> Vec2 {
@@ -181,8 +185,8 @@ pub(crate) fn body_def(value: &Value) -> BodyDef {
         shape: value["shape"].option().map(shape),
         mass: mass(&value["mass"]),
         gravity_scale: number(&value["gravity_scale"]),
-        linear_damping: value["linear_damping"].option().map(number),
-        angular_damping: value["angular_damping"].option().map(number),
+        linear_damping: value["linear_damping"].option().map(damping),
+        angular_damping: value["angular_damping"].option().map(damping),
         max_speed: value["max_speed"].option().map(number),
         max_angular_speed: value["max_angular_speed"].option().map(number),
         locks: locks(&value["locks"]),
@@ -208,8 +212,8 @@ pub(crate) fn command(value: &Value) -> Command {
         "SetGravityScale" => Command::SetGravityScale { body: on(), scale: number(&value["scale"]) },
         "SetBodyDamping" => Command::SetBodyDamping {
             body: on(),
-            linear: value["linear"].option().map(number),
-            angular: value["angular"].option().map(number),
+            linear: value["linear"].option().map(damping),
+            angular: value["angular"].option().map(damping),
         },
         "SetForceGroups" => {
             Command::SetForceGroups { body: on(), force_groups: value["force_groups"].natural() as u32 }
@@ -224,7 +228,7 @@ pub(crate) fn command(value: &Value) -> Command {
         "SetTimeStep" => Command::SetTimeStep(time_step(&value["time_step"])),
         "SetGravity" => Command::SetGravity(vector(&value["gravity"])),
         "SetIntegrator" => Command::SetIntegrator(integrator(&value["integrator"])),
-        "SetDamping" => Command::SetDamping { linear: number(&value["linear"]), angular: number(&value["angular"]) },
+        "SetDamping" => Command::SetDamping { linear: damping(&value["linear"]), angular: damping(&value["angular"]) },
         "SetSleepAfter" => Command::SetSleepAfter(value["ticks"].option().map(|ticks| ticks.natural() as u32)),
         "SetRandom" => Command::SetRandom(random(&value["random"])),
         "SetBlob" => Command::SetBlob(value["bytes"].raw().to_vec()),

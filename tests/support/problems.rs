@@ -8,8 +8,8 @@ use std::sync::{Arc, LazyLock};
 
 use super::real::{Real, TAU, exact, ratio, real, units};
 use umbra_physics::{
-    Attachment, BodyDef, BodyId, BodyState, CustomForce, CustomForceError, Dependence, End, FieldKind, ForceTorque, Fx,
-    FxAccumulator, FxFactor, Mass, SpringConstants, Vec2, World, WorldDef, fx, vec2,
+    Attachment, BodyDef, BodyId, BodyState, CustomForce, CustomForceError, Damping, Dependence, End, FieldKind,
+    ForceTorque, Fx, FxAccumulator, FxFactor, Mass, SpringConstants, Vec2, World, WorldDef, fx, vec2,
 };
 
 /// The fastest rate of each problem, rad/s.
@@ -134,7 +134,7 @@ pub(crate) const KEPT: Fx = fx!(0.75);
 /// The oscillator with the exponential damping of the world.
 pub(crate) const DAMPED_OSCILLATOR: Problem = Problem {
     name: "damped oscillator",
-    scene: |def, scale| tied(WorldDef { linear_damping: KEPT, ..def }, scale, fx!(0)),
+    scene: |def, scale| tied(WorldDef { linear_damping: Damping::kept_per_second(KEPT), ..def }, scale, fx!(0)),
     slope: |state| {
         static LOG: LazyLock<Real> = LazyLock::new(|| exact(KEPT).ln());
         let component = |i: usize| &*LOG * &state[i + 2] - exact(STIFFNESS) * &state[i];
@@ -247,7 +247,7 @@ pub(crate) const SPUN_UP: Problem = Problem {
     name: "spin under torque and damping",
     tenths: 10,
     scene: |def, scale| {
-        let def = WorldDef { angular_damping: SPIN_KEPT, ..def };
+        let def = WorldDef { angular_damping: Damping::kept_per_second(SPIN_KEPT), ..def };
         let mass = Mass::Explicit { mass: fx!(1), inertia: INERTIA };
         world(def, [BodyDef { mass, angular_velocity: scale.of(fx!(3)), ..BodyDef::dynamic() }])
     },

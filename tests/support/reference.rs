@@ -70,6 +70,11 @@ impl Reference {
         value << (scaled >> 64) as isize
     }
 
+    /// e^power, for |power| below 2^39.
+    pub(crate) fn exp(&self, power: &Real) -> Real {
+        self.exp2(&(power / &self.ln_2))
+    }
+
     /// log2(raw·2^-32).
     pub(crate) fn log2(&self, raw: i64) -> Real {
         // A guess within 2^-40, then ln(1 + e) = e - e²/2 + e³/3 - e⁴/4 of what it leaves.

@@ -1,8 +1,8 @@
 //! Bodies that interact with nothing.
 
 use umbra_physics::{
-    Attachment, BodyDef, BodyId, BodyKind, End, FieldId, FieldKind, Fx, Mass, Random, SpringConstants, Vec2, World, fx,
-    vec2,
+    Attachment, BodyDef, BodyId, BodyKind, Damping, End, FieldId, FieldKind, Fx, Mass, Random, SpringConstants, Vec2,
+    World, fx, vec2,
 };
 
 /// The largest number of those that come and go.
@@ -95,14 +95,22 @@ impl Bystanders {
         let def = match number % 6 {
             0 => BodyDef { gravity_scale: Fx::ZERO, ..base },
             1 => BodyDef { kind: BodyKind::Static, ..base },
-            2 => {
-                BodyDef { velocity: vec2(1, 0), linear_damping: Some(Fx::ONE), mass: Mass::Kilograms(fx!(77)), ..base }
-            }
+            2 => BodyDef {
+                velocity: vec2(1, 0),
+                linear_damping: Some(Damping::NONE),
+                mass: Mass::Kilograms(fx!(77)),
+                ..base
+            },
             3 => BodyDef { position: vec2(1_073_741_823, 0), velocity: vec2(900_000, 0), ..base },
             4 => BodyDef { kind: BodyKind::Kinematic, velocity: vec2(0, 3), ..base },
             _ => {
                 let (velocity, angular_velocity) = (vec2(9_000, 0), fx!(50));
-                BodyDef { velocity, angular_velocity, angular_damping: Some(fx!(0.1)), ..base }
+                BodyDef {
+                    velocity,
+                    angular_velocity,
+                    angular_damping: Some(Damping::kept_per_second(fx!(0.1))),
+                    ..base
+                }
             }
         };
         let Ok(body) = world.add_body(def) else { return };

@@ -4,8 +4,8 @@ mod values;
 
 use umbra_physics::scalar::Factor;
 use umbra_physics::{
-    Attachment, BodyId, Command, CommandSource as _, End, FieldId, FieldKind, Fx, FxFactor, Part, Random, Region,
-    Shape, SpringConstants, TimeStep, Vec2, WorldDef, fx, limits,
+    Attachment, BodyId, Command, CommandSource as _, Damping, End, FieldId, FieldKind, Fx, FxFactor, Part, Random,
+    Region, Shape, SpringConstants, TimeStep, Vec2, WorldDef, fx, limits,
 };
 use values::ANGLE;
 
@@ -150,7 +150,7 @@ impl<'a, C: Choices + ?Sized> Generator<'a, C> {
             return def;
         }
         // Not every integrator goes with every damping, nor is every ratio a rate.
-        let undamped = WorldDef { linear_damping: Fx::ONE, angular_damping: Fx::ONE, ..def };
+        let undamped = WorldDef { linear_damping: Damping::NONE, angular_damping: Damping::NONE, ..def };
         let standard = WorldDef { time_step: TimeStep::hz(60), ..undamped };
         [def, undamped].into_iter().find(|def| def.check().is_ok()).unwrap_or(standard)
     }

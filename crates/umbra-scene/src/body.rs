@@ -5,10 +5,10 @@ use alloc::string::String;
 use super::convert::convert_body;
 use super::error::Refused;
 use super::error::{Flaw, Place};
-use super::node::{Node, Result};
+use super::node::{Kind, Node, Result};
 use super::object::Object;
 use super::shape::{ShapeDef, shape};
-use umbra_physics::{BodyDef, BodyKind, Error, Fx, Locks, Mass, Quantity, Scalar, Vec2};
+use umbra_physics::{BodyDef, BodyKind, Damping, Error, Fx, Locks, Mass, Quantity, Scalar, Vec2};
 
 /// A body of a scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -116,12 +116,17 @@ pub(super) fn mass(object: &Object<'_>) -> Result<Option<Mass>> {
 }
 
 /// {linear, angular}, both of which may be left out.
-pub(super) fn own_damping(node: &Node<'_>) -> Result<(Option<Fx>, Option<Fx>)> {
+pub(super) fn own_damping(node: &Node<'_>) -> Result<(Option<Damping>, Option<Damping>)> {
+    if node.kind() != Kind::Object {
+        return Err(
+            node.wrong_kind(r#"dampings such as {"linear": {"rate": 0.1}, "angular": {"kept_per_second": 0.9}}"#)
+        );
+    }
     let object = node.object()?;
-    let kept = |name| object.or(name, None, |node| share(node).map(Some));
-    let damping = (kept("linear"), kept("angular"));
+    let own = |name| object.or(name, None, |node| damping(node).map(Some));
+    let dampings = (own("linear"), own("angular"));
     object.finish()?;
-    Ok(damping)
+    Ok(dampings)
 }
 
 /// {linear, angular}, both of which may be left out.
@@ -133,13 +138,25 @@ pub(super) fn max_speeds(node: &Node<'_>) -> Result<(Option<Fx>, Option<Fx>)> {
     Ok(speeds)
 }
 
-/// Reads the share of a velocity that is left after a second.
-fn share(node: &Node<'_>) -> Result<Fx> {
-    let kept = node.number()?;
-    if (Fx::ZERO..=Fx::ONE).contains(&kept) {
-        return Ok(kept);
+/// {kept_per_second}, {rate}, or "none". A number by itself would be read as the one or as the other.
+fn damping(node: &Node<'_>) -> Result<Damping> {
+    match node.kind() {
+        Kind::Object => {
+            let object = node.object()?;
+            let (name, number) = object.one_of(&["kept_per_second", "rate"])?;
+            let make = if name == "rate" { Damping::rate } else { Damping::kept_per_second };
+            let damping = make(number.number()?);
+            object.finish()?;
+            if (Fx::ZERO..=Fx::ONE).contains(&damping.kept()) {
+                return Ok(damping);
+            }
+            Err(number.fault(Error::OutOfRange { quantity: Quantity::Damping }))
+        }
+        Kind::Text => node.choice(&[("none", Damping::NONE)]),
+        _ => Err(node.wrong_kind(
+            r#"a damping: {"rate": 0.1} in 1/s as in Box2D and Rapier, {"kept_per_second": 0.9} for the share of a velocity that is left after a second, or "none""#,
+        )),
     }
-    Err(node.fault(Error::OutOfRange { quantity: Quantity::Damping }))
 }
 
 /// A degree of freedom that can be locked.

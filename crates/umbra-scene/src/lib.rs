@@ -27,6 +27,11 @@
 
 extern crate alloc;
 
+/// The README's example, compiled and run as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
+
 mod body;
 mod commands;
 mod convert;

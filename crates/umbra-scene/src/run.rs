@@ -13,8 +13,8 @@ use super::node::quoted;
 use super::shape::vector;
 use super::{Scene, ShapeDef};
 use umbra_physics::{
-    ApplyOptions, BodyId, Command, Created, Error, FieldId, ForceOrImpulse, Fx, Labels, Quantity, Scalar, StepReport,
-    Stepper, TimeStep, World, WorldDef, scalar::Wide,
+    ApplyOptions, BodyId, Command, Created, Damping, Error, FieldId, ForceOrImpulse, Fx, Labels, Quantity, Scalar,
+    StepReport, Stepper, TimeStep, World, WorldDef, scalar::Wide,
 };
 
 /// A running scene: its world, and the inputs still to come.
@@ -37,12 +37,13 @@ pub struct SceneRun<'a, S: Scalar = Fx> {
 impl<'a, S: Scalar> SceneRun<'a, S> {
     pub(super) fn new(scene: &'a Scene, steps: u32) -> Result<Self, SceneError> {
         let def = &scene.world;
+        let damping = |damping: Damping| Damping::kept_per_second(S::from_fx(damping.kept()));
         let world = World::new(WorldDef {
             time_step: divided(def.time_step, steps),
             gravity: vector(def.gravity),
             integrator: def.integrator,
-            linear_damping: S::from_fx(def.linear_damping),
-            angular_damping: S::from_fx(def.angular_damping),
+            linear_damping: damping(def.linear_damping),
+            angular_damping: damping(def.angular_damping),
             sleep_after: def.sleep_after.map(|ticks| ticks.saturating_mul(steps)),
         });
         let world = world.map_err(|error| scene.place.fault(error))?;

@@ -8,12 +8,12 @@ use super::error::Flaw;
 use super::field::{Names, named};
 use super::node::{Kind, Node, Result};
 use super::object::Object;
-use umbra_physics::{Error, Fx, Integrator, Quantity, Random, TimeStep, Vec2, WorldDef};
+use umbra_physics::{Damping, Error, Integrator, Quantity, Random, TimeStep, Vec2, WorldDef};
 
 /// Reads the world's definition and refuses what no world can be; the rest is then read with a standard world.
 pub(super) fn world(object: &Object<'_>) -> WorldDef {
     let standard: WorldDef = WorldDef::default();
-    let (linear_damping, angular_damping) = object.or("damping", (Fx::ONE, Fx::ONE), world_damping);
+    let (linear_damping, angular_damping) = object.or("damping", (Damping::NONE, Damping::NONE), world_damping);
     let def = WorldDef {
         time_step: object.or("time_step", standard.time_step, time_step),
         gravity: object.or("gravity", Vec2::ZERO, Node::point),
@@ -62,9 +62,9 @@ pub(super) fn sleep_after(node: &Node<'_>) -> Result<Option<u32>> {
     if node.kind() == Kind::Null { Ok(None) } else { node.whole().map(Some) }
 }
 
-pub(super) fn world_damping(node: &Node<'_>) -> Result<(Fx, Fx)> {
+pub(super) fn world_damping(node: &Node<'_>) -> Result<(Damping, Damping)> {
     let (linear, angular) = own_damping(node)?;
-    Ok((linear.unwrap_or(Fx::ONE), angular.unwrap_or(Fx::ONE)))
+    Ok((linear.unwrap_or_default(), angular.unwrap_or_default()))
 }
 
 /// A seed, or the four words of a generator's state.

@@ -11,11 +11,12 @@ use super::settings::{Plot, Trails};
 use super::shape::{PartDef, ShapeDef};
 use super::{Scene, SceneBody};
 use json::{
-    Fields, force_groups, hexadecimal, kind_name, linear_angular, lines, list, locked, null, point, ratio, text, ticks,
+    Fields, dampings, force_groups, hexadecimal, kind_name, linear_angular, lines, list, locked, null, point, ratio,
+    text, ticks,
 };
 use umbra_physics::{
-    Attachment, BodyDef, BodyId, BodyKind, Command, End, FieldId, FieldKind, ForceField, Frame, Fx, Locks, Mass,
-    Region, Vec2, WorldDef,
+    Attachment, BodyDef, BodyId, BodyKind, Command, Damping, End, FieldId, FieldKind, ForceField, Frame, Fx, Locks,
+    Mass, Region, Vec2, WorldDef,
 };
 
 impl Scene {
@@ -28,7 +29,7 @@ impl Scene {
     pub fn to_json(&self) -> String {
         let WorldDef { time_step, gravity, integrator, linear_damping, angular_damping, sleep_after } = self.world;
         let standard: WorldDef = WorldDef::default();
-        let damping = linear_angular(Some(linear_damping), Some(angular_damping));
+        let damping = dampings(Some(linear_damping), Some(angular_damping));
         let bodies = self.bodies.iter().take(self.starting_bodies).map(SceneBody::text);
         let fields = self.fields.iter().take(self.starting_fields).map(|field| self.scene_field(field));
         let inputs = self.inputs.iter().map(|input| self.input(input));
@@ -39,7 +40,7 @@ impl Scene {
         object.put("time_step", ratio(time_step));
         object.put("gravity", point(gravity));
         object.put("integrator", text(integrator.name()));
-        object.unless((linear_damping, angular_damping) == (Fx::ONE, Fx::ONE), "damping", damping);
+        object.unless((linear_damping, angular_damping) == (Damping::NONE, Damping::NONE), "damping", damping);
         object.unless(sleep_after == standard.sleep_after, "sleep_after", ticks(sleep_after));
         object.unless(self.starting_bodies == 0, "bodies", lines(bodies));
         object.unless(self.starting_fields == 0, "fields", lines(fields));
@@ -220,7 +221,7 @@ impl Scene {
             }
             Command::SetGravityScale { body, scale } => self.set_body(object, body, "gravity_scale", scale),
             Command::SetBodyDamping { body, linear, angular } => {
-                self.set_body(object, body, "damping", linear_angular(linear, angular));
+                self.set_body(object, body, "damping", dampings(linear, angular));
             }
             Command::SetMaxSpeeds { body, linear, angular } => {
                 self.set_body(object, body, "max_speeds", linear_angular(linear, angular));
@@ -244,7 +245,7 @@ impl Scene {
             Command::SetGravity(gravity) => set(object, "gravity", point(gravity)),
             Command::SetIntegrator(integrator) => set(object, "integrator", text(integrator.name())),
             Command::SetDamping { linear, angular } => {
-                set(object, "damping", linear_angular(Some(linear), Some(angular)));
+                set(object, "damping", dampings(Some(linear), Some(angular)));
             }
             Command::SetSleepAfter(after) => set(object, "sleep_after", ticks(after)),
             Command::SetRandom(random) => set(object, "random", list(random.state())),
@@ -293,7 +294,7 @@ fn body_text(mut object: Fields, def: &BodyDef, shape: Option<&ShapeDef>) -> Str
     }
     object.unless(def.gravity_scale == Fx::ONE, "gravity_scale", def.gravity_scale);
     let own = (def.linear_damping, def.angular_damping);
-    object.unless(own == (None, None), "damping", linear_angular(own.0, own.1));
+    object.unless(own == (None, None), "damping", dampings(own.0, own.1));
     let most = (def.max_speed, def.max_angular_speed);
     object.unless(most == (None, None), "max_speeds", linear_angular(most.0, most.1));
     object.unless(def.locks == Locks::NONE, "locks", locked(def.locks));

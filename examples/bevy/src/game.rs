@@ -1,7 +1,7 @@
 //! The match: two ships that fly and fire, all of it in the world.
 
 use umbra_physics::{
-    ApplyOptions, BodyDef, BodyId, Error, ForceOrImpulse, Fx, Mass, Shape, Vec2, World, WorldDef, fx, vec2,
+    ApplyOptions, BodyDef, BodyId, Damping, Error, ForceOrImpulse, Fx, Mass, Shape, Vec2, World, WorldDef, fx, vec2,
 };
 
 pub(crate) const SHOT_TICKS: u64 = 40;
@@ -38,8 +38,11 @@ impl Match {
     /// # Errors
     /// None, unless the definitions are edited to invalid ones.
     pub(crate) fn start() -> Result<(Self, World), Error> {
-        let mut world =
-            World::new(WorldDef { linear_damping: fx!(0.5), angular_damping: fx!(0.2), ..WorldDef::default() })?;
+        let mut world = World::new(WorldDef {
+            linear_damping: Damping::kept_per_second(fx!(0.5)),
+            angular_damping: Damping::kept_per_second(fx!(0.2)),
+            ..WorldDef::default()
+        })?;
         let mut ship = |key: u64, x: i32, angle: Fx| {
             let shape = Some(Shape::rectangle(fx!(2), fx!(1))?);
             let def = BodyDef {

@@ -8,7 +8,9 @@ use super::error::SnapshotError;
 use super::hash::PHYSICS_VERSION;
 use super::owner::Owner;
 use super::write::{AppliedSums, FORMAT, MAGIC, Sources};
-use crate::body::{Activity, Bodies, BodyKind, FactorTable, KinematicTarget, Record, ShapeSource, check_position};
+use crate::body::{
+    Activity, Bodies, BodyKind, Damping, FactorTable, KinematicTarget, Record, ShapeSource, check_position,
+};
 use crate::codec::{Malformed, Read, Reader, StateHasher};
 use crate::error::Error;
 use crate::force::{CustomForce, CustomForces, FieldSet, ForceField};
@@ -204,8 +206,8 @@ fn check_among(record: &Record<Fx>, def: &WorldDef) -> Result<(), Error> {
     if record.activity == Activity::Asleep && def.sleep_after.is_none() {
         return Err(Error::Inconsistent);
     }
-    let stops = |kept: Option<Fx>| def.integrator == Integrator::Yoshida4 && kept == Some(Fx::ZERO);
-    if stops(record.linear_damping) || stops(record.angular_damping) {
+    let stops = [record.linear_damping, record.angular_damping].into_iter().flatten().any(Damping::stops);
+    if def.integrator == Integrator::Yoshida4 && stops {
         return Err(Error::DampingHasNoInverse);
     }
     Ok(())

@@ -8,8 +8,8 @@ use std::rc::Rc;
 use umbra_physics::scalar::internals::wide_vectors;
 use umbra_physics::scalar::{Factor, ToF64};
 use umbra_physics::{
-    Activity, Attachment, BodyDef, BodyId, BodyKind, End, FieldKind, Fx, Integrator, Mass, Scalar, Shape as Form,
-    SpringConstants, TimeStep, Vec2, World as Umbra, WorldDef,
+    Activity, Attachment, BodyDef, BodyId, BodyKind, Damping, End, FieldKind, Fx, Integrator, Mass, Scalar,
+    Shape as Form, SpringConstants, TimeStep, Vec2, World as Umbra, WorldDef,
 };
 
 /// The scalars, and how the scenes' doubles become them.
@@ -47,9 +47,9 @@ fn vector<S: Number>(x: f64, y: f64) -> Vec2<S> {
     Vec2::new(S::number(x), S::number(y))
 }
 
-/// Fraction of a velocity left after a second of dv/dt = -c v: the form in which this engine takes damping.
-fn kept<S: Number>(c: f64) -> S {
-    S::number((-c).exp())
+/// The damping of dv/dt = -c v, by the share of a velocity that is left after a second.
+fn damping<S: Number>(c: f64) -> Damping<S> {
+    Damping::kept_per_second(S::number((-c).exp()))
 }
 
 fn time_step(dt: f64) -> TimeStep {
@@ -79,8 +79,8 @@ fn body<S: Number>(b: &scene::Body) -> BodyDef<S> {
         angular_velocity: S::number(b.w),
         shape,
         mass,
-        linear_damping: Some(kept(b.lin_damp)),
-        angular_damping: Some(kept(b.ang_damp)),
+        linear_damping: Some(damping(b.lin_damp)),
+        angular_damping: Some(damping(b.ang_damp)),
         ..def
     }
 }
@@ -134,7 +134,7 @@ impl<S: Number> Engine for Build<S> {
             solver: "defaults: velocity Verlet, no substeps, no collision yet; symplectic Euler where the harness \
                      pushes what depends on the position: a push is constant over its step",
             damping_law: "v *= d^dt with d = exp(-c) as the scalar holds it",
-            damped: |v0, c, dt, steps, _| v0 * kept::<S>(c).to_f64().powf(dt * f64::from(steps)),
+            damped: |v0, c, dt, steps, _| v0 * damping::<S>(c).kept().to_f64().powf(dt * f64::from(steps)),
             default_substeps: 1,
             body_struct_bytes: None,
         }

@@ -50,7 +50,7 @@ pub(crate) const PROBLEMS: [Problem; 9] = [
         about: "Gravity, and damping that halves the velocity every second. Both are solved exactly by themselves; what \
                 is left is how they are put together.",
         seconds: 5,
-        scene: r#"{"gravity": [0, -9.8125], "sleep_after": null, "damping": {"linear": 0.5},
+        scene: r#"{"gravity": [0, -9.8125], "sleep_after": null, "damping": {"linear": {"kept_per_second": 0.5}},
             "bodies": [{"name": "ball", "velocity": [60, 80]}]}"#,
         known: Known::Formula(Closed::DampedFall),
     },

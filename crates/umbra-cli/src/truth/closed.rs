@@ -27,7 +27,7 @@ pub(crate) fn closed(formula: Closed, world: &World, seconds: u32, bits: usize) 
     let law = world.fields().next().map(|(_, field)| field.kind);
     Some(match (formula, law) {
         (Closed::DampedFall, None) => {
-            let rate = -wide(world.def().linear_damping.exact()).ln();
+            let rate = -wide(world.def().linear_damping.kept().exact()).ln();
             let g = [world.def().gravity.x, world.def().gravity.y].map(Exact::exact);
             (0..2).map(|i| fallen(&x[i], &v[i], &g[i], &rate, &time)).collect()
         }
@@ -103,7 +103,7 @@ mod tests {
         "fields": [{"attractor": {"at": [0, 0], "mu": 11}}]}"#;
     const TIED: &str = r#"{"bodies": [{"name": "a", "mass": 3, "position": [3, -1], "velocity": [0.5, 2]}],
         "fields": [{"spring": {"from": "a", "to": [0, 0], "stiffness": 7}}]}"#;
-    const FALLING: &str = r#"{"gravity": [1, -9.81], "damping": {"linear": 0.25},
+    const FALLING: &str = r#"{"gravity": [1, -9.81], "damping": {"linear": {"kept_per_second": 0.25}},
         "bodies": [{"name": "a", "position": [3, -1], "velocity": [0.5, 2]}]}"#;
 
     #[test]
@@ -134,7 +134,8 @@ mod tests {
         let place = at(Closed::Kepler, circle, 10);
         assert!((place[0] - 10.0 * 10f64.cos()).abs() < 1e-14 && (place[1] - 10.0 * 10f64.sin()).abs() < 1e-14);
         // A quarter of it is left after a second: half a second leaves a half. From rest towards g/ln 4.
-        let dropped = r#"{"gravity": [0, -8], "damping": {"linear": 0.25}, "bodies": [{"name": "a"}]}"#;
+        let dropped =
+            r#"{"gravity": [0, -8], "damping": {"linear": {"kept_per_second": 0.25}}, "bodies": [{"name": "a"}]}"#;
         let (place, rate) = (at(Closed::DampedFall, dropped, 1), 4f64.ln());
         assert!((place[1] + 8.0 / rate * (1.0 - 0.75 / rate)).abs() < 1e-14);
         let wheel = r#"{"bodies": [{"name": "a", "mass": 1, "inertia": 0.25, "angular_velocity": 1}]}"#;

@@ -81,7 +81,7 @@ impl Equations {
         Some(Self {
             mass: bodies.iter().map(|body| body.mass().map(Fx::exact)).collect::<Option<_>>()?,
             gravity: [def.gravity.x.exact(), def.gravity.y.exact()],
-            damping: def.linear_damping.exact().ln(),
+            damping: def.linear_damping.kept().exact().ln(),
             forces: world.fields().map(|(_, field)| force(&field.kind)).collect::<Option<_>>()?,
         })
     }
@@ -202,7 +202,7 @@ mod tests {
 
     #[test]
     fn accelerations_are_those_of_the_laws() {
-        let text = r#"{"gravity": [0, -10], "damping": {"linear": 0.5},
+        let text = r#"{"gravity": [0, -10], "damping": {"linear": {"kept_per_second": 0.5}},
             "bodies": [{"name": "a", "mass": 2}, {"name": "b", "mass": 4}],
             "fields": [{"drag": {"linear": 1, "quadratic": 0.5, "wind": [3, 4]}},
                 {"attractor": {"at": "b", "mu": 125, "softening": 3}},

@@ -1,7 +1,7 @@
 //! Commands in words.
 
 use umbra_physics::{
-    BodyId, BodyKind, Command, FieldId, FieldKind, ForceField, ForceOrImpulse, Frame, Fx, Locks, Mass, Vec2,
+    BodyId, BodyKind, Command, Damping, FieldId, FieldKind, ForceField, ForceOrImpulse, Frame, Fx, Locks, Mass, Vec2,
 };
 use umbra_scene::{Scene, SceneAction};
 
@@ -38,7 +38,7 @@ where
         Command::SetKind { body, kind: to } => format!("make {} {}", of(body), kind(*to)),
         Command::SetGravityScale { body, scale } => format!("gravity scale of {}: {}", of(body), short(*scale)),
         Command::SetBodyDamping { body, linear, angular } => {
-            let own = |damping: Option<Fx>| damping.map_or("the world's".to_owned(), short);
+            let own = |damping: Option<Damping>| damping.map_or("the world's".to_owned(), damped);
             format!("damping of {}: linear {}, angular {}", of(body), own(*linear), own(*angular))
         }
         Command::SetMaxSpeeds { body, linear, angular } => {
@@ -66,7 +66,7 @@ where
         Command::SetGravity(gravity) => format!("gravity: {} m/s²", vector(*gravity)),
         Command::SetIntegrator(integrator) => format!("integrator: {}", integrator.name()),
         Command::SetDamping { linear, angular } => {
-            format!("damping: linear {}, angular {}", short(*linear), short(*angular))
+            format!("damping: linear {}, angular {}", damped(*linear), damped(*angular))
         }
         Command::SetSleepAfter(Some(ticks)) => format!("sleep after {ticks} ticks"),
         Command::SetSleepAfter(None) => "no sleep".to_owned(),
@@ -148,6 +148,10 @@ fn vector(v: Vec2) -> String {
 }
 
 /// The exact text if it is short, or if six digits after the point would be zeros; else these.
+fn damped(damping: Damping) -> String {
+    if damping == Damping::NONE { "none".to_owned() } else { format!("keeps {} a second", short(damping.kept())) }
+}
+
 fn short(value: Fx) -> String {
     let (exact, near) = (value.to_string(), format!("{value:.6}"));
     if exact.len() <= 9 || !near.contains(|digit| ('1'..='9').contains(&digit)) {

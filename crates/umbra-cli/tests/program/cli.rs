@@ -174,7 +174,26 @@ fn numbers_out_of_range_are_refused_at_their_field() {
         ("\"position\": [0, 1.1e9]", "position: out of range: expected a position within ±2^30 m"),
         ("\"position\": [0]", "position: expected a list of 2 values, found 1"),
         ("\"velocity\": [2e6, 0]", "velocity: out of range: expected a velocity within ±2^20 m/s a component"),
-        ("\"damping\": {\"linear\": 1.5}", "damping.linear: out of range: expected damping from 0 to 1"),
+        (
+            "\"damping\": {\"linear\": {\"kept_per_second\": 1.5}}",
+            "damping.linear.kept_per_second: out of range: expected damping that keeps from 0 to 1 of a velocity a second, so a \
+             rate of at least 0",
+        ),
+        (
+            "\"damping\": {\"linear\": {\"rate\": -0.1}}",
+            "damping.linear.rate: out of range: expected damping that keeps from 0 to 1 of a velocity a second, so a \
+             rate of at least 0",
+        ),
+        (
+            "\"damping\": {\"linear\": 0}",
+            "damping.linear: expected a damping: {\"rate\": 0.1} in 1/s as in Box2D and Rapier, {\"kept_per_second\": 0.9} for the share \
+             of a velocity that is left after a second, or \"none\", found a number",
+        ),
+        (
+            "\"damping\": 0.9",
+            "damping: expected dampings such as {\"linear\": {\"rate\": 0.1}, \"angular\": {\"kept_per_second\": 0.9}}, found a number",
+        ),
+        ("\"damping\": {\"rate\": 0.1}", "damping.rate: unknown field; there are linear, angular"),
         ("\"gravity_scale\": 17", "gravity_scale: out of range: expected a gravity scale within ±16"),
         ("\"kind\": \"solid\"", "kind: expected one of static, kinematic, dynamic, found \"solid\""),
         ("\"kind\": \"static\", \"velocity\": [1, 0]", "velocity: a static body has no velocity"),

@@ -69,7 +69,11 @@ fn what_a_scene_refuses_is_said() {
     assert_eq!(output.status.code(), Some(0));
     let table = String::from_utf8(output.stdout).expect("UTF-8");
     assert!(table.contains("the reference is velocity_verlet in f64"), "{table}");
-    assert_eq!(table.matches("Yoshida4 needs a damping above 0").count(), 3, "{table}");
+    assert_eq!(
+        table.matches("Yoshida4 needs damping that keeps more than 0 of a velocity a second").count(),
+        3,
+        "{table}"
+    );
     let result = compared("scenes/too-stiff.json", &[]);
     assert_eq!(run(&result, "velocity_verlet", "fx")["quarantined"], 1);
 }

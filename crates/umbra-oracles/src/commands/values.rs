@@ -1,8 +1,8 @@
 //! The values of random commands, by the roles that they have in commands.
 
 use umbra_physics::{
-    ApplyOptions, BodyDef, BodyId, BodyKind, CommandSource, FieldId, ForceField, ForceOrImpulse, Frame, Fx, Integrator,
-    Locks, Mass, Random, Shape, TimeStep, Vec2, WorldDef, fx, limits,
+    ApplyOptions, BodyDef, BodyId, BodyKind, CommandSource, Damping, FieldId, ForceField, ForceOrImpulse, Frame, Fx,
+    Integrator, Locks, Mass, Random, Shape, TimeStep, Vec2, WorldDef, fx, limits,
 };
 
 use super::{Choices, Generator};
@@ -129,7 +129,7 @@ impl<C: Choices + ?Sized> CommandSource for Generator<'_, C> {
         }
     }
 
-    fn body_damping(&mut self) -> Option<Fx> {
+    fn body_damping(&mut self) -> Option<Damping> {
         if self.choices.one_in(3) { Some(self.damping()) } else { None }
     }
 
@@ -199,16 +199,15 @@ impl<C: Choices + ?Sized> CommandSource for Generator<'_, C> {
         all[self.choices.choose(all.len() as u64) as usize]
     }
 
-    /// The share of a velocity that is left after a second.
-    fn damping(&mut self) -> Fx {
+    fn damping(&mut self) -> Damping {
         if self.taste.reversible {
-            return Fx::ONE;
+            return Damping::NONE;
         }
-        match self.choices.choose(8) {
+        Damping::kept_per_second(match self.choices.choose(8) {
             0..5 => Fx::ONE,
             5 if !self.taste.smooth && self.choices.one_in(2) => Fx::ZERO,
             _ => self.number([fx!(0.5), fx!(1)], [Fx::ZERO, Fx::ONE]),
-        }
+        })
     }
 
     fn sleep_after(&mut self) -> Option<u32> {

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use umbra_oracles::{Oracle, Script, Verdict};
-use umbra_physics::{BodyDef, BodyId, Command, FieldKind, Integrator, Replay, World, WorldDef, fx, vec2};
+use umbra_physics::{BodyDef, BodyId, Command, Damping, FieldKind, Integrator, Replay, World, WorldDef, fx, vec2};
 
 use crate::commands::Author;
 use crate::random::SplitMix;
@@ -68,7 +68,7 @@ fn a_script_runs_as_its_commands_do_and_is_recorded() {
         assert_eq!(hash(&turned), hash(&script));
     }
     let refused = Script {
-        world: WorldDef { linear_damping: fx!(2), ..WorldDef::default() },
+        world: WorldDef { linear_damping: Damping::kept_per_second(fx!(2)), ..WorldDef::default() },
         commands: vec![(0, Command::ClearForces)],
         ticks: 3,
     };

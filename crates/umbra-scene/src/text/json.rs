@@ -5,7 +5,7 @@ use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use core::fmt::Display;
 
-use umbra_physics::{BodyKind, ForceOrImpulse, Fx, Locks, Mass, TimeStep, Vec2};
+use umbra_physics::{BodyKind, Damping, ForceOrImpulse, Locks, Mass, TimeStep, Vec2};
 
 /// The fields of an object, each `"name": value`.
 #[derive(Default)]
@@ -105,12 +105,20 @@ pub(super) fn ticks(after: Option<u32>) -> String {
     after.map_or_else(null, |ticks| ticks.to_string())
 }
 
-pub(super) fn linear_angular(linear: Option<Fx>, angular: Option<Fx>) -> String {
+pub(super) fn dampings(linear: Option<Damping>, angular: Option<Damping>) -> String {
+    let text = |damping: Damping| {
+        if damping == Damping::NONE { text("none") } else { Fields::of("kept_per_second", damping.kept()) }
+    };
+    linear_angular(linear.map(text), angular.map(text))
+}
+
+pub(super) fn linear_angular(linear: Option<impl Display>, angular: Option<impl Display>) -> String {
     let mut object = Fields::default();
-    for (name, value) in [("linear", linear), ("angular", angular)] {
-        if let Some(value) = value {
-            object.put(name, value);
-        }
+    if let Some(linear) = linear {
+        object.put("linear", linear);
+    }
+    if let Some(angular) = angular {
+        object.put("angular", angular);
     }
     object.line()
 }

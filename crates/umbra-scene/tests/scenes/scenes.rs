@@ -133,13 +133,13 @@ fn in_doubles_nearly_no_node_of_the_net_is_still_an_image() {
 /// Everything the format has, in few bodies.
 pub(crate) const RICH: &str = r#"{
   "title": "All of it", "about": "…", "ticks": 20, "time_step": {"num": 1, "den": 120}, "gravity": [0, -9.81],
-  "integrator": "velocity_verlet", "damping": {"linear": 0.9, "angular": 0.5}, "sleep_after": null,
+  "integrator": "velocity_verlet", "damping": {"linear": {"kept_per_second": 0.9}, "angular": {"kept_per_second": 0.5}}, "sleep_after": null,
   "bodies": [
     {"name": "s", "kind": "static", "shape": {"segment": [[-5, 0], [5, 0]]}, "position": [0, -3]},
     {"name": "k", "kind": "kinematic", "velocity": [1, 0], "angular_velocity": 2, "shape": {"capsule": {"length": 1, "radius": 0.5}}},
     {"repeat": {"i": 2, "j": [-1, 1]}, "name": "r-{i}-{j}-{n}", "position": [{"start": 0.1, "i": 0.1, "j": 1e-3}, {"random": [-1, 1], "seed": 7}],
      "velocity": {"length": 3, "angle": {"j": 0.5}}, "mass": 2, "inertia": 0.5, "key": {"i": 5}, "user_data": 9, "force_groups": [0, 31]},
-    {"name": "c", "angle": 1, "gravity_scale": -1, "damping": {"linear": 0.1}, "density": 3, "shape": {"compound": [
+    {"name": "c", "angle": 1, "gravity_scale": -1, "damping": {"linear": {"kept_per_second": 0.1}}, "density": 3, "shape": {"compound": [
       {"shape": {"polygon": [[0, 0], [1, 0], [0, 1]]}, "position": [1, 0], "angle": 0.5, "density": 2},
       {"shape": {"rectangle": {"width": 1, "height": 2}}}, {"shape": {"circle": {"radius": 0.25}}, "position": [0, 1]}]}}
   ],
@@ -162,7 +162,7 @@ pub(crate) const RICH: &str = r#"{
     {"at": 8, "field": "late", "do": "remove"},
     {"at": 9, "body": "new-0", "do": "remove"},
     {"at": 9, "body": "new-1", "do": "wake"},
-    {"at": 10, "set": {"time_step": "1/60", "gravity": [0, 1], "integrator": "yoshida4", "damping": {"linear": 0.5}, "sleep_after": 9}},
+    {"at": 10, "set": {"time_step": "1/60", "gravity": [0, 1], "integrator": "yoshida4", "damping": {"linear": {"kept_per_second": 0.5}}, "sleep_after": 9}},
     {"at": 10, "do": "clear_forces", "set": {"random": [1, 2, 3, 18446744073709551615], "blob": "00fFa9"}},
     {"at": 10, "set": {"random": 7}},
     {"at": 11, "body": "c", "set": {"kind": "dynamic", "mass": 3, "position": [0, 0], "angle": 0, "velocity": [0, 0], "angular_velocity": 0,

@@ -1,0 +1,46 @@
+//! Damping in scenes: a rate, a share or none, and never a number that could be either.
+
+use umbra_physics::{Damping, fx};
+use umbra_scene::Scene;
+
+fn scene(linear: &str) -> String {
+    format!(r#"{{"damping": {{"linear": {linear}}}, "bodies": [{{"name": "a", "damping": {{"angular": {linear}}}}}]}}"#)
+}
+
+#[test]
+fn a_damping_is_what_it_says() {
+    for (text, damping) in [
+        (r#""none""#, Damping::NONE),
+        (r#"{"rate": 0}"#, Damping::NONE),
+        (r#"{"rate": 0.1}"#, Damping::rate(fx!(0.1))),
+        (r#"{"rate": 30}"#, Damping::kept_per_second(fx!(0))),
+        (r#"{"kept_per_second": 0}"#, Damping::kept_per_second(fx!(0))),
+        (r#"{"kept_per_second": 0.1}"#, Damping::kept_per_second(fx!(0.1))),
+        (r#"{"kept_per_second": 1}"#, Damping::NONE),
+    ] {
+        let parsed = Scene::parse(&scene(text)).unwrap_or_else(|error| panic!("{text}: {error}"));
+        assert_eq!((parsed.world.linear_damping, parsed.world.angular_damping), (damping, Damping::NONE), "{text}");
+        let own = &parsed.bodies[0].def;
+        assert_eq!((own.linear_damping, own.angular_damping), (None, Some(damping)), "{text}");
+        let written = Scene::parse(&parsed.to_json()).expect("what it wrote itself");
+        assert_eq!((written.world, &written.bodies[0].def), (parsed.world, own), "{text}");
+    }
+}
+
+#[test]
+fn what_is_no_damping_is_refused_with_words_that_say_what_is() {
+    for (text, says) in [
+        ("0", r#"expected a damping: {"rate": 0.1}"#),
+        ("0.9", r#"{"kept_per_second": 0.9} for the share of a velocity that is left after a second"#),
+        ("[1]", r#"or "none", found a list"#),
+        (r#""off""#, "expected one of none, found \"off\""),
+        ("{}", "one of the fields kept_per_second, rate is missing"),
+        (r#"{"rate": 1, "kept_per_second": 1}"#, "give only one of the two"),
+        (r#"{"rate": -0.1}"#, "a rate of at least 0"),
+        (r#"{"kept_per_second": 1.1}"#, "from 0 to 1"),
+        (r#"{"kept": 1}"#, "unknown field; there are kept_per_second, rate"),
+    ] {
+        let error = Scene::parse(&scene(text)).expect_err(text).to_string();
+        assert!(error.contains(says), "{text}: {error}");
+    }
+}
