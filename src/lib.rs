@@ -3,6 +3,8 @@
 //! A [`World`] holds bodies and force fields and steps them tick by tick. Its state is I32F32 fixed point ([`Fx`]), with
 //! finer fractions that carry the remainders of each step, so that lockstep, rollback and replays agree to the bit.
 //!
+//! **Bodies do not collide yet.** They pass through each other, and the only joints are springs.
+//!
 //! ```
 //! use umbra_physics::{BodyDef, Mass, Shape, TimeStep, World, WorldDef, fx, vec2};
 //!
@@ -116,7 +118,7 @@ pub use fx::{Fx, IntoFx, MathError, ParseFxError};
 pub use integrate::{Integrator, Stage, StageKind};
 pub use math::{Elapsed, Random, Rot, TimeStep, Vec2, vec2};
 pub use replay::{
-    Difference, Divergence, Dump, HashTree, Owner, PHYSICS_VERSION, Playback, RecordOptions, Recorder, Replay,
+    Difference, Divergence, Dump, HashTree, Labels, Owner, PHYSICS_VERSION, Playback, RecordOptions, Recorder, Replay,
     ReplayError, ReplayLimits, Snapshot, SnapshotError, TickPhase, VerifyError,
 };
 pub use scalar::{FxAccumulator, FxFactor, FxWide, Scalar, SpringConstants, Turn};

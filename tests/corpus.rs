@@ -96,7 +96,9 @@ fn the_dictionary_has_every_field_of_a_scene() {
     for path in folder.map(|entry| entry.expect("an entry").path()).filter(|path| path.is_file()) {
         let source = fs::read_to_string(path).expect("it can be read");
         let code = source.split("#[cfg(test)]").next().expect("there is a first part");
-        for call in ["get(\"", "need(\"", "or(\"", "kept(\"", "words(&object, \"", "term(\""] {
+        for call in
+            ["get(\"", "need(\"", "or(\"", "kept(\"", "words(&object, \"", "term(\"", "set_by(object, \"", "apply(\""]
+        {
             let named = code.split(call).skip(1).filter_map(|rest| rest.split('"').next());
             let is_field = |text: &&str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_lowercase() || b == b'_');
             for field in named.filter(is_field) {

@@ -22,8 +22,8 @@ use found::{
     activity, command, damping, field, integrator, kind, locks, mass, number, random, shape, time_step, vector,
 };
 use umbra_physics::{
-    BodyId, Command, FieldId, ForceField, Fx, Mass, PHYSICS_VERSION, Replay, ReplayError, Snapshot, SnapshotError,
-    Turn, World, WorldDef,
+    BodyDef, BodyId, Command, FieldId, ForceField, Fx, Inputs, Mass, PHYSICS_VERSION, RecordOptions, Recorder, Replay,
+    ReplayError, Snapshot, SnapshotError, Turn, World, WorldDef,
 };
 use xxhash_rust::xxh3::xxh3_64;
 
@@ -446,6 +446,25 @@ fn the_tables_read_a_replay() {
     }
     assert_eq!(playback.world().tick(), replay.end());
     assert!(snapshots > 2 && accelerations > 0 && players.iter().all(|&some| some > 5) && calls > 5);
+}
+
+#[test]
+fn the_tables_read_the_names_in_a_replay() {
+    let mut world: World = World::new(WorldDef::default()).expect("a world");
+    let body = world.add_body(BodyDef::dynamic()).expect("a body");
+    let mut recorder = Recorder::new(&world, RecordOptions::default());
+    recorder.step(&mut world, &Inputs::new());
+    recorder.labels_mut().set_body(body, "ball");
+    recorder.labels_mut().set_field(FieldId::from_parts(2, 1), "wind");
+    let layouts = Layouts::documented();
+    let chunks = chunks(&layouts, &recorder.finish(&world));
+    let letters: Vec<&str> = chunks.iter().map(|(letters, _)| &letters[..]).collect();
+    assert_eq!(letters, ["HEAD", "SNAP", "TICK", "SNAP", "NAME", "DONE"]);
+    let labels = layouts.whole("labels", &chunks[4].1);
+    let lists = ["bodies", "fields"].map(|list| labels[list].list());
+    assert_eq!(lists.map(|list| list.len()), [1, 1]);
+    let name = lists.map(|list| list[0]["name"].bytes()[4..].to_vec());
+    assert_eq!(name, [b"ball".to_vec(), b"wind".to_vec()]);
 }
 
 #[test]

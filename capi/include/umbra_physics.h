@@ -1,5 +1,6 @@
 /*
  * umbra-physics: deterministic 2D rigid-body physics in fixed point, the same bits on every machine.
+ * Bodies do not collide yet.
  *
  * Numbers are integers: an UmbraFx counts multiples of 2^-32 of a metre, kilogram, second or radian, and handles have 64 bits. There
  * is no float in this interface, and no struct is passed by value.
@@ -846,8 +847,8 @@ UmbraStatus umbra_world_state_hash(const struct UmbraWorld *world, uint64_t *has
 // A hash of the motion alone, bodies by their keys: for worlds that were built in another order.
 UmbraStatus umbra_world_physics_hash(const struct UmbraWorld *world, uint64_t *hash);
 
-// The first value in which two worlds differ, with both values, as in `body 3, position.x: 1 and 2`; empty if they do not. Text
-// as `umbra_last_message` gives it. It is for finding out what went wrong, and takes its time.
+// The first value in which two worlds differ, with both values, as in `body 3, position.x: 1 and 2 m (differ by 1 m)`; empty
+// if they do not. Text as `umbra_last_message` gives it. It is for finding out what went wrong, and takes its time.
 UmbraStatus umbra_world_first_difference(const struct UmbraWorld *left,
                                          const struct UmbraWorld *right,
                                          char *buffer,
@@ -1140,8 +1141,9 @@ UmbraStatus umbra_world_record(struct UmbraWorld *world,
 // `umbra_world_end_record` go after it.
 UmbraStatus umbra_world_take_record(struct UmbraWorld *world, struct UmbraBytes **bytes);
 
-// Ends the recording with the last step, and gives the rest of the file: all of it if nothing was taken before.
-UmbraStatus umbra_world_end_record(struct UmbraWorld *world, struct UmbraBytes **bytes);
+// Ends the recording with the last step, and gives the rest of the file: all of it if nothing was taken before. A scene's names are kept.
+UmbraStatus umbra_world_end_record(struct UmbraWorld *world,
+                                   struct UmbraBytes **bytes);
 
 // Runs a replay again and compares every hash: `UMBRA_OK`, `UMBRA_ERROR_DIVERGENCE`, or why the bytes, which may come from
 // anybody, are no replay that can be played, or ask for more than `limits` allow. `ticks`, which may be null, receives the

@@ -46,7 +46,7 @@ pub extern "C" fn umbra_world_take_record(
     })
 }
 
-/// Ends the recording with the last step, and gives the rest of the file: all of it if nothing was taken before.
+/// Ends the recording with the last step, and gives the rest of the file: all of it if nothing was taken before. A scene's names are kept.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_world_end_record(
     world: Option<&mut UmbraWorld>,
@@ -54,7 +54,10 @@ pub extern "C" fn umbra_world_end_record(
 ) -> UmbraStatus {
     guard(|| {
         let (world, place) = (given(world)?, given(bytes)?);
-        let recorder = world.recorder().take().ok_or_else(not_recorded)?;
+        let mut recorder = world.recorder().take().ok_or_else(not_recorded)?;
+        if let Some(labels) = world.labels() {
+            *recorder.labels_mut() = labels;
+        }
         place.write(UmbraBytes::boxed(recorder.finish(world.world())));
         Ok(())
     })

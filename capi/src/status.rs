@@ -11,7 +11,7 @@ use umbra_physics::selftest::{Failure, Problem};
 use umbra_physics::{
     Cause, Divergence, Error, Irreversible, Malformed, ParseFxError, Quantity, ReplayError, SnapshotError, VerifyError,
 };
-use umbra_scene::SceneError;
+use umbra_scene::{SceneError, SceneErrors};
 
 use crate::memory::write_text;
 
@@ -168,7 +168,7 @@ macro_rules! refusals {
     };
 }
 
-refusals!(Error, Malformed, SnapshotError, ReplayError, Divergence, SceneError, ParseFxError);
+refusals!(Error, Malformed, SnapshotError, ReplayError, Divergence, SceneError, SceneErrors, ParseFxError);
 
 impl From<VerifyError> for Refusal {
     fn from(error: VerifyError) -> Self {

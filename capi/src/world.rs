@@ -5,8 +5,8 @@ use std::mem::MaybeUninit;
 use std::sync::Arc;
 
 use umbra_physics::{
-    BodyId, Command, Created, Damping, FieldId, Fx, Input, InputResult, Inputs, Integrator, Recorder, StepReport,
-    TimeStep, World, WorldDef,
+    BodyId, Command, Created, Damping, FieldId, Fx, Input, InputResult, Inputs, Integrator, Labels, Recorder,
+    StepReport, TimeStep, World, WorldDef,
 };
 use umbra_scene::{Scene, SceneRun};
 
@@ -212,6 +212,14 @@ impl UmbraWorld {
         match self.parts()? {
             (world, None, _) => Ok(world),
             _ => Err(Refusal::own(UMBRA_ERROR_BUSY, "this world is being recorded")),
+        }
+    }
+
+    /// The names of a scene's bodies and force fields.
+    pub(crate) fn labels(&self) -> Option<Labels> {
+        match &self.state {
+            State::Scene(play) => Some(play.run.labels()),
+            _ => None,
         }
     }
 
@@ -723,8 +731,8 @@ pub extern "C" fn umbra_world_physics_hash(
     look(world, hash, |world| Ok(world.physics_hash()))
 }
 
-/// The first value in which two worlds differ, with both values, as in `body 3, position.x: 1 and 2`; empty if they do not. Text
-/// as `umbra_last_message` gives it. It is for finding out what went wrong, and takes its time.
+/// The first value in which two worlds differ, with both values, as in `body 3, position.x: 1 and 2 m (differ by 1 m)`; empty
+/// if they do not. Text as `umbra_last_message` gives it. It is for finding out what went wrong, and takes its time.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn umbra_world_first_difference(
     left: Option<&UmbraWorld>,

@@ -1,7 +1,7 @@
 //! Any text as a scene: refused at a line and a field, or run.
 
 use umbra_physics::{Fx, RecordOptions, Recorder, Replay, Scalar};
-use umbra_scene::{Scene, SceneError};
+use umbra_scene::{Scene, SceneError, SceneErrors};
 
 use super::files::{ANY, taken};
 
@@ -17,7 +17,10 @@ pub fn run(data: &[u8]) {
     assert!(took <= promised(text, scene.as_ref().ok()), "{took} bytes taken to read {}", text.len());
     let scene = match scene {
         Ok(scene) => scene,
-        Err(error) => return assert_says_where(&error, text),
+        Err(errors) => {
+            assert!((1..=SceneErrors::LISTED).contains(&errors.errors().len()));
+            return errors.errors().iter().for_each(|error| assert_says_where(error, text));
+        }
     };
     assert_eq!(Scene::parse_within(text, MOST).as_ref(), Ok(&scene), "read twice");
     play::<Fx>(&scene, text, 1);

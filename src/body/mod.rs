@@ -198,7 +198,7 @@ pub struct BodyDef<S: Scalar = Fx> {
     pub velocity: Vec2<S>,
     /// The angular velocity, rad/s. Zero for a static body.
     pub angular_velocity: S,
-    /// The shape, which gives the body its inertia and an outline to draw.
+    /// The shape, which gives the body its inertia and an outline to draw. Bodies do not collide yet.
     pub shape: Option<Shape<S>>,
     /// The mass, used while the body is dynamic.
     pub mass: Mass<S>,

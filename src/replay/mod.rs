@@ -7,7 +7,9 @@ mod file;
 mod snapshot;
 
 pub use diff::{Difference, HashTree, TickPhase};
-pub use file::{Divergence, Dump, Playback, RecordOptions, Recorder, Replay, ReplayError, ReplayLimits, VerifyError};
+pub use file::{
+    Divergence, Dump, Labels, Playback, RecordOptions, Recorder, Replay, ReplayError, ReplayLimits, VerifyError,
+};
 pub use snapshot::{Owner, PHYSICS_VERSION, Snapshot, SnapshotError};
 
 #[cfg(test)]

@@ -296,7 +296,7 @@ impl<S: Scalar> World<S> {
         })
     }
 
-    /// Simulates one tick.
+    /// Simulates one tick. Bodies do not collide yet.
     pub fn step(&mut self) -> StepReport<'_, S> {
         S::step(self);
         self.change_log.end(&self.workspace.report.faults, &self.workspace.report.fell_asleep);

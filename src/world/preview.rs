@@ -13,7 +13,7 @@ use crate::fx::Fx;
 use crate::scalar::Scalar;
 use crate::slots::BodyId;
 
-/// A body and all that its future depends on, in a small world of their own.
+/// A small world with one body and everything that its future depends on.
 ///
 /// Bodies that force fields do not connect to a body never change a bit of it. So a preview takes exactly the path that the
 /// world itself would take without further inputs, at the cost of a few bodies.

@@ -246,7 +246,7 @@ fn scenes() {
         let bound = 8 * (text.len() as u64 + 512 * u64::from(MOST)) + 4_096 * 3 * u64::from(MOST) + ANY;
         assert!(taken <= bound, "{taken} bytes for {text}");
         let read = read.expect("it was read");
-        if let Err(error) = &read {
+        for error in read.as_ref().err().iter().flat_map(|errors| errors.errors()) {
             let line = error.place.line;
             assert!(line >= 1 && line <= text.split('\n').count(), "line {line}: {error}");
             assert!(!error.to_string().contains('\n') && error.code() > 100, "{error}");

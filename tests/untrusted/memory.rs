@@ -3,10 +3,10 @@
 
 use allocation_counter::measure;
 use umbra_physics::{
-    BodyDef, Command, Dump, FieldKind, ForceField, Fx, Input, Inputs, Integrator, Part, RecordOptions, Recorder,
-    Replay, Shape, Snapshot, World, WorldDef, fx, vec2,
+    BodyDef, BodyId, Command, Dump, FieldId, FieldKind, ForceField, Fx, Input, Inputs, Integrator, Part, RecordOptions,
+    Recorder, Replay, Shape, Snapshot, World, WorldDef, fx, vec2,
 };
-use umbra_scene::Scene;
+use umbra_scene::{Scene, SceneErrors};
 
 use crate::everything::custom_forces;
 use crate::seals::{self, chunk};
@@ -215,6 +215,18 @@ fn a_run_that_parts_is_named_within_the_bound() {
 }
 
 #[test]
+fn names_of_one_letter_and_a_world_of_nobody() {
+    let (start, mut recorder) = (world(), Recorder::new(&world(), RecordOptions::default()));
+    for slot in 0..100_000 {
+        recorder.labels_mut().set_body(BodyId::from_parts(slot, 0), "x");
+        recorder.labels_mut().set_field(FieldId::from_parts(slot, 0), "x");
+    }
+    let file = recorder.finish(&start);
+    let replay = bounded("names", &file, |file| Replay::from_bytes(file, &[])).expect("it is whole");
+    assert!(replay.to_bytes() == file);
+}
+
+#[test]
 fn dumps_in_which_nothing_happens() {
     let mut before = World::new(WorldDef { integrator: Integrator::Yoshida4, ..WorldDef::default() }).expect("a world");
     for i in 0..1_000 {
@@ -320,9 +332,12 @@ fn scene(what: &str, text: &str, written_out: usize, most: u32) -> Result<Scene,
         println!("{what:<28} {:>9} {things:>9} {taken:>10} {:>6.2}", text.len(), taken as f64 / bound as f64);
     }
     assert!(taken <= bound, "{what}: {taken} bytes taken for {} and {things} things", text.len());
-    result.map_err(|error| {
-        assert!(error.place.line >= 1 && error.to_string().len() < 1_000, "{error}");
-        error.code()
+    result.map_err(|errors| {
+        for error in errors.errors() {
+            assert!(error.place.line >= 1 && error.to_string().len() < 1_000, "{error}");
+        }
+        assert!(errors.errors().len() <= SceneErrors::LISTED);
+        errors.code()
     })
 }
 
@@ -389,6 +404,7 @@ fn scenes_that_make_many_from_one() {
     let square = r#"{"bodies": [
         {"name": "{i} {j}", "repeat": {"i": [-2147483648, 2147483647], "j": [-2147483648, 2147483647]}}]}"#;
     let error = Scene::parse(square).expect_err("too many");
+    let error = error.first();
     assert_eq!((error.code(), error.place.line, &error.place.field[..]), (510, 2, "bodies[0].repeat"));
     assert_eq!(scene("a square", square, 0, 10).map(drop), Err(510));
     // Repetitions are of things, not of what is in them.

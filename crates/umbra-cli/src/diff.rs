@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde::Serialize;
-use umbra_physics::{Difference, Dump, Replay, TickPhase, World};
+use umbra_physics::{Difference, Dump, Owner, Replay, TickPhase, World};
 
 use crate::failure::Failure;
 use crate::finding::{DifferenceLine, FindingLine};
@@ -15,7 +15,8 @@ use crate::text;
 
 const HELP: &str = "\
 Of replays what they begin with, what is done tick by tick, and what was recorded of it are compared, as far as both go; of
-desync dumps the worlds before the tick, what was done in it, and the worlds after each of its stages.
+desync dumps the worlds before the tick, what was done in it, and the worlds after each of its stages. Numbers are shown with as
+many digits as it takes to see the difference; one ulp is 2^-32. To compare two scenes, record both with `umbra run --record`.
 
 Exit status: 0 if they are the same, 1 if they differ, 2 for bad input or usage.";
 
@@ -32,6 +33,9 @@ pub(crate) struct Options {
     /// Lists every value in which the worlds differ after that tick as well.
     #[arg(long)]
     all: bool,
+    /// Prints all digits of the values, which JSON always has.
+    #[arg(long)]
+    exact: bool,
 }
 
 /// The contents of a file, told by its first bytes.
@@ -46,7 +50,7 @@ impl Content {
         match &bytes {
             _ if bytes.starts_with(load::REPLAY) => load::replay(&bytes, file).map(|it| Self::Replay(Box::new(it))),
             _ if bytes.starts_with(load::DUMP) => load::dump(&bytes, file).map(|it| Self::Dump(Box::new(it))),
-            _ => Err(Failure::Foreign { file: file.into() }),
+            _ => Err(Failure::Foreign { file: file.into(), is_scene: bytes.trim_ascii_start().starts_with(b"{") }),
         }
     }
 }
@@ -106,14 +110,21 @@ fn report(
         // Texts and numbers always have a form in JSON.
         text::print(serde_json::to_string(&outcome).unwrap_or_default())?;
     } else {
-        text::print(finding.as_ref().map_or_else(|| same(ends, options), ToString::to_string))?;
+        text::print(finding.as_ref().map_or_else(|| same(ends, options), |found| said(found, options.exact)))?;
         if let Some(all) = differences {
             text::print(format_args!("values that differ after that: {}", all.len()))?;
-            all.iter().try_for_each(|difference| text::print(format_args!("  {difference:#}")))?;
+            for found in &all {
+                let line = if options.exact { format!("  {:#}", found.exact()) } else { format!("  {found:#}") };
+                text::print(line)?;
+            }
         }
     }
     let files = || [&options.a, &options.b].map(PathBuf::clone);
     finding.map_or(Ok(()), |_| Err(Failure::Differ { files: files() }))
+}
+
+fn said(found: &Difference, exact: bool) -> String {
+    if exact { found.exact().to_string() } else { found.to_string() }
 }
 
 /// The values in which the worlds of two dumps differ at the moment of a finding.
@@ -131,7 +142,16 @@ fn after(a: &Replay, b: &Replay, finding: &Difference) -> Vec<Difference> {
         playback.seek(tick);
         playback.world().clone()
     };
-    world(a).differences(&world(b))
+    let mut all = world(a).differences(&world(b));
+    for found in &mut all {
+        let name = |replay: &Replay| match found.owner {
+            Owner::Body(body) => replay.labels().body(body).map(str::to_owned),
+            Owner::ForceField(field) => replay.labels().field(field).map(str::to_owned),
+            _ => None,
+        };
+        found.name = name(a).or_else(|| name(b));
+    }
+    all
 }
 
 /// Says how far two recordings are the same.

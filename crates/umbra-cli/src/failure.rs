@@ -5,7 +5,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use umbra_physics::ReplayError;
-use umbra_scene::SceneError;
+use umbra_scene::SceneErrors;
 
 use crate::text;
 
@@ -20,7 +20,7 @@ pub(crate) fn tag(code: u16) -> String {
 #[derive(Debug)]
 pub(crate) enum Failure {
     /// A scene is wrong, or goes wrong on the way.
-    Scene { file: PathBuf, error: SceneError },
+    Scene { file: PathBuf, errors: SceneErrors },
     /// A file is no replay that can be played.
     Replay { file: PathBuf, error: ReplayError },
     /// A file cannot be read or written.
@@ -34,7 +34,7 @@ pub(crate) enum Failure {
     /// Two recordings are not the same.
     Differ { files: [PathBuf; 2] },
     /// A file is nothing that can be compared.
-    Foreign { file: PathBuf },
+    Foreign { file: PathBuf, is_scene: bool },
     /// An output would go over an input or another output, which `with` says.
     Clash { file: PathBuf, with: &'static str },
     /// The arguments are wrong.
@@ -44,25 +44,27 @@ pub(crate) enum Failure {
 }
 
 impl Failure {
-    pub(crate) fn scene(file: &Path) -> impl Fn(SceneError) -> Self + '_ {
-        |error| Self::Scene { file: file.into(), error }
+    pub(crate) fn scene<E: Into<SceneErrors>>(file: &Path) -> impl Fn(E) -> Self + '_ {
+        |errors| Self::Scene { file: file.into(), errors: errors.into() }
     }
 
     pub(crate) fn file<'a>(file: &'a Path, doing: &'static str) -> impl Fn(io::Error) -> Self + 'a {
         move |error| Self::File { file: file.into(), doing, error }
     }
 
-    /// The number by which `docs/errors.md` has it; none for what is no error but a result.
+    /// The number by which `docs/errors.md` has it; none for what is no error but a result, and for a scene, where each error has
+    /// its own.
     pub(crate) const fn code(&self) -> Option<u16> {
         Some(match self {
-            Self::Scene { error, .. } => error.code(),
             Self::Replay { error, .. } => error.code(),
             Self::File { .. } => UNREADABLE,
             Self::Option { .. } => 802,
             Self::Picture { .. } => 803,
             Self::Foreign { .. } => 804,
             Self::Clash { .. } => 805,
-            Self::Usage { .. } | Self::Verify { .. } | Self::Differ { .. } | Self::Selftest => return None,
+            Self::Scene { .. } | Self::Usage { .. } | Self::Verify { .. } | Self::Differ { .. } | Self::Selftest => {
+                return None;
+            }
         })
     }
 
@@ -94,14 +96,30 @@ impl fmt::Display for Failure {
 impl Failure {
     fn describe(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Scene { file, error } => write!(f, "{}:{error}", text::path(file)),
+            Self::Scene { file, errors } => {
+                let lines = errors.errors().iter();
+                let mut lines: Vec<String> =
+                    lines.map(|error| format!("{}:{error} [{}]", text::path(file), tag(error.code()))).collect();
+                if errors.more() > 0 {
+                    lines.push(format!("{}: and {} more", text::path(file), errors.more()));
+                }
+                f.write_str(&lines.join("\n"))
+            }
             Self::Replay { file, error } => write!(f, "{}: {error}", text::path(file)),
             Self::File { file, doing, error } => write!(f, "{}: cannot {doing}: {error}", text::path(file)),
             Self::Option { what } | Self::Usage { what } => f.write_str(what),
             Self::Verify { bad, of, .. } => write!(f, "{bad} of {of} files are not as recorded"),
             Self::Differ { files: [a, b] } => write!(f, "{} and {} are not the same", text::path(a), text::path(b)),
-            Self::Foreign { file } => {
-                write!(f, "{}: expected a replay or a desync dump of umbra-physics", text::path(file))
+            Self::Foreign { file, is_scene } => {
+                let file = text::path(file);
+                write!(f, "{file}: expected a replay or a desync dump of umbra-physics")?;
+                if *is_scene {
+                    write!(
+                        f,
+                        ", found a scene: record it with `umbra run {file} --record FILE` and compare the replays"
+                    )?;
+                }
+                Ok(())
             }
             Self::Clash { file, with } => {
                 write!(f, "{}: cannot write: this is {with}; choose another path", text::path(file))

@@ -4,13 +4,14 @@ use serde::Serialize;
 use umbra_physics::Difference;
 
 /// The first value in which two recordings differ, or in which a file was changed. Values are exact, as text; null is a value
-/// that is missing or unknown.
+/// that is missing or unknown, and a name that there is none; a key of 0 is none.
 #[derive(Serialize)]
 pub(crate) struct FindingLine {
     tick: u64,
-    #[serde(rename = "phase")]
     phase: String,
     owner: String,
+    name: Option<String>,
+    key: u64,
     field: String,
     recorded: Option<String>,
     found: Option<String>,
@@ -18,11 +19,13 @@ pub(crate) struct FindingLine {
 
 impl From<&Difference> for FindingLine {
     fn from(difference: &Difference) -> Self {
-        let Difference { tick, phase, owner, field, left, right } = difference;
+        let Difference { tick, phase, owner, name, key, field, left, right } = difference;
         Self {
             tick: *tick,
             phase: phase.to_string(),
             owner: owner.to_string(),
+            name: name.clone(),
+            key: *key,
             field: field.clone(),
             recorded: left.clone(),
             found: right.clone(),
@@ -34,6 +37,8 @@ impl From<&Difference> for FindingLine {
 #[derive(Serialize)]
 pub(crate) struct DifferenceLine {
     owner: String,
+    name: Option<String>,
+    key: u64,
     field: String,
     left: Option<String>,
     right: Option<String>,
@@ -41,7 +46,8 @@ pub(crate) struct DifferenceLine {
 
 impl From<&Difference> for DifferenceLine {
     fn from(difference: &Difference) -> Self {
-        let Difference { owner, field, left, right, .. } = difference;
-        Self { owner: owner.to_string(), field: field.clone(), left: left.clone(), right: right.clone() }
+        let Difference { owner, name, key, field, left, right, .. } = difference;
+        let (name, field, left, right) = (name.clone(), field.clone(), left.clone(), right.clone());
+        Self { owner: owner.to_string(), name, key: *key, field, left, right }
     }
 }

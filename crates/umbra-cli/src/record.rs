@@ -1,6 +1,7 @@
 //! A run on its way into a replay.
 
 use umbra_physics::{Command, Created, Error, RecordOptions, Recorder, Stepper, World};
+use umbra_scene::SceneRun;
 
 use crate::failure::Failure;
 use crate::output::{Destination, Output};
@@ -19,10 +20,12 @@ impl Recording {
         Ok(Self { recorder: Recorder::new(world, options), output: to.create()?, failure: None })
     }
 
-    /// Ends it with the world as the last step left it. What cannot be written to its end is left in the temporary file.
-    pub(crate) fn finish(self, world: &World) -> Result<(), Failure> {
-        let Self { recorder, mut output, .. } = self;
-        let written = output.put(|out| out.write_all(&recorder.finish(world))).and_then(|()| output.sync());
+    /// Ends it with the world as the last step left it, and the names of the scene. What cannot be written to its end is left in the
+    /// temporary file.
+    pub(crate) fn finish(self, run: &SceneRun<'_>) -> Result<(), Failure> {
+        let Self { mut recorder, mut output, .. } = self;
+        *recorder.labels_mut() = run.labels();
+        let written = output.put(|out| out.write_all(&recorder.finish(run.world()))).and_then(|()| output.sync());
         match written {
             Ok(()) => output.finish(),
             Err(failure) => {

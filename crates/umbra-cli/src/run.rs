@@ -124,7 +124,7 @@ fn record(scene: &Scene, options: &Options, outputs: &Outputs, to: &Destination)
     let mut recording = Recording::create(to, run.world(), RecordOptions { hash_every, snapshot_every })?;
     match simulate(scene, &mut run, &mut recording, Recording::check, options, outputs) {
         Ok(summary) => {
-            recording.finish(run.world())?;
+            recording.finish(&run)?;
             text::print_result(&summary, options.json)
         }
         Err(failure) => {

@@ -44,6 +44,9 @@ pub(crate) struct Options {
     /// Prints a JSON object a line, one for each file.
     #[arg(long)]
     json: bool,
+    /// Prints all digits of the values, which JSON always has.
+    #[arg(long)]
+    exact: bool,
     /// Number of files to verify at once [default: the number of processors].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
@@ -131,9 +134,12 @@ impl Verdict {
         Self { status: Status::Diverged, code, reason, finding: Some(divergence.difference), played }
     }
 
-    fn line(&self, file: &Path) -> String {
-        let Self { status, code, reason, played, .. } = self;
-        let what = reason.clone().unwrap_or_else(|| played.describe());
+    fn line(&self, file: &Path, exact: bool) -> String {
+        let Self { status, code, reason, finding, played } = self;
+        let mut what = reason.clone().unwrap_or_else(|| played.describe());
+        if let Some(finding) = finding.as_ref().filter(|_| exact) {
+            what = what.replace(&finding.to_string(), &finding.exact().to_string());
+        }
         let code = code.map_or_else(String::new, |code| format!(" [{}]", tag(code)));
         format!("{}  {}  {what}{code}", status.name(), text::path(file))
     }
@@ -206,7 +212,7 @@ pub(crate) fn verify(options: &Options) -> Result<(), Failure> {
         jobs.unwrap_or(1),
         |file| check(file, &bar),
         |file, verdict| {
-            let line = if options.json { verdict.json(file) } else { verdict.line(file) };
+            let line = if options.json { verdict.json(file) } else { verdict.line(file, options.exact) };
             bad += usize::from(verdict.status != Status::Ok);
             status = status.max(verdict.status.exit());
             bar.suspend(|| text::print(line))

@@ -3,8 +3,10 @@
 use alloc::string::String;
 
 use super::convert::convert_body;
+use super::error::Refused;
 use super::error::{Flaw, Place};
-use super::node::{Kind, Node, Object, Result};
+use super::node::{Kind, Node, Result};
+use super::object::Object;
 use super::shape::{ShapeDef, shape};
 use umbra_physics::{BodyDef, BodyKind, Damping, Error, Fx, Locks, Mass, Quantity, Scalar, Vec2};
 
@@ -57,40 +59,40 @@ const fn fields_of(error: &Error) -> &'static [&'static str] {
 }
 
 /// Puts an error of the engine's at the field that it is about.
-pub(super) fn blame(object: &Object<'_>, error: Error) -> super::SceneError {
+pub(super) fn blame(object: &Object<'_>, error: Error) -> Refused {
     object.at(fields_of(&error)).fault(error)
 }
 
 /// Reads a body. It is left to the caller to make its definition, and to refuse what the world would.
 pub(super) fn body(object: &Object<'_>) -> Result<SceneBody> {
-    let name = object.need("name")?.string()?;
-    let kind = object.or("kind", BodyKind::Dynamic, kind)?;
-    let (linear_damping, angular_damping) = object.or("damping", (None, None), own_damping)?;
-    let (max_speed, max_angular_speed) = object.or("max_speeds", (None, None), max_speeds)?;
+    let name = object.need("name", Node::string);
+    let kind = object.or("kind", BodyKind::Dynamic, kind);
+    let (linear_damping, angular_damping) = object.or("damping", (None, None), own_damping);
+    let (max_speed, max_angular_speed) = object.or("max_speeds", (None, None), max_speeds);
     let def = BodyDef {
         kind,
-        position: object.or("position", Vec2::ZERO, Node::point)?,
-        angle: object.or("angle", Fx::ZERO, Node::number)?,
-        velocity: object.or("velocity", Vec2::ZERO, Node::point)?,
-        angular_velocity: object.or("angular_velocity", Fx::ZERO, Node::number)?,
+        position: object.or("position", Vec2::ZERO, Node::point),
+        angle: object.or("angle", Fx::ZERO, Node::number),
+        velocity: object.or("velocity", Vec2::ZERO, Node::point),
+        angular_velocity: object.or("angular_velocity", Fx::ZERO, Node::number),
         shape: None,
-        mass: mass(object)?.unwrap_or(Mass::Kilograms(Fx::ONE)),
-        gravity_scale: object.or("gravity_scale", Fx::ONE, Node::number)?,
+        mass: mass(object).ok().flatten().unwrap_or(Mass::Kilograms(Fx::ONE)),
+        gravity_scale: object.or("gravity_scale", Fx::ONE, Node::number),
         linear_damping,
         angular_damping,
         max_speed,
         max_angular_speed,
-        locks: object.or("locks", Locks::NONE, locks)?,
-        force_groups: object.or("force_groups", 1, force_groups)?,
-        key: object.or("key", 0, Node::whole)?,
-        user_data: object.or("user_data", 0, Node::whole)?,
+        locks: object.or("locks", Locks::NONE, locks),
+        force_groups: object.or("force_groups", 1, force_groups),
+        key: object.or("key", 0, Node::whole),
+        user_data: object.or("user_data", 0, Node::whole),
     };
-    let shape = object.get("shape").map(shape).transpose()?;
+    let shape = object.get("shape").map(shape).transpose();
     object.finish()?;
     if kind == BodyKind::Static && (def.velocity != Vec2::ZERO || def.angular_velocity != Fx::ZERO) {
         return Err(object.at(&["velocity", "angular_velocity"]).fault("a static body has no velocity"));
     }
-    Ok(SceneBody { name, def, shape, place: object.node.place() })
+    Ok(SceneBody { name: name?, def, shape: shape?, place: object.node.place() })
 }
 
 pub(super) fn kind(node: &Node<'_>) -> Result<BodyKind> {
@@ -104,7 +106,8 @@ pub(super) fn mass(object: &Object<'_>) -> Result<Option<Mass>> {
         (Some(_), Some(density), _) => Err(density.fault("`mass` is given already: give only one of the two")),
         (None, _, Some(inertia)) => Err(inertia.fault("an `inertia` needs a `mass` beside it")),
         (Some(mass), None, Some(inertia)) => {
-            Ok(Some(Mass::Explicit { mass: mass.number()?, inertia: inertia.number()? }))
+            let (mass, inertia) = (mass.number(), inertia.number());
+            Ok(Some(Mass::Explicit { mass: mass?, inertia: inertia? }))
         }
         (Some(mass), None, None) => Ok(Some(Mass::Kilograms(mass.number()?))),
         (None, Some(density), None) => Ok(Some(Mass::Density(density.number()?))),
@@ -120,8 +123,8 @@ pub(super) fn own_damping(node: &Node<'_>) -> Result<(Option<Damping>, Option<Da
         );
     }
     let object = node.object()?;
-    let own = |name| object.get(name).map(damping).transpose();
-    let dampings = (own("linear")?, own("angular")?);
+    let own = |name| object.or(name, None, |node| damping(node).map(Some));
+    let dampings = (own("linear"), own("angular"));
     object.finish()?;
     Ok(dampings)
 }
@@ -129,8 +132,8 @@ pub(super) fn own_damping(node: &Node<'_>) -> Result<(Option<Damping>, Option<Da
 /// {linear, angular}, both of which may be left out.
 pub(super) fn max_speeds(node: &Node<'_>) -> Result<(Option<Fx>, Option<Fx>)> {
     let object = node.object()?;
-    let most = |name| object.get(name).map(Node::number).transpose();
-    let speeds = (most("linear")?, most("angular")?);
+    let most = |name| object.or(name, None, |node| node.number().map(Some));
+    let speeds = (most("linear"), most("angular"));
     object.finish()?;
     Ok(speeds)
 }

@@ -1,6 +1,8 @@
 //! Errors in scenes: the reason, the line and the field.
 
 use alloc::string::{String, ToString};
+use alloc::vec::Vec;
+use core::cell::{Cell, RefCell};
 use core::fmt;
 use umbra_physics::{Error, ParseFxError};
 
@@ -95,7 +97,8 @@ impl Place {
 /// ```
 /// use umbra_scene::{Place, Scene, SceneError};
 ///
-/// let error = Scene::parse("{\n \"bodies\": [{\"name\": \"a\", \"mass\": -1}]}").unwrap_err();
+/// let errors = Scene::parse("{\n \"bodies\": [{\"name\": \"a\", \"mass\": -1}]}").unwrap_err();
+/// let error: &SceneError = errors.first();
 /// assert_eq!((error.place.line, &error.place.field[..], error.code()), (2, "bodies[0].mass", 101));
 /// // An error of a program's own, in the same form.
 /// let own = SceneError::new(Place { line: 3, field: "plot".into() }, "nothing to draw".into());
@@ -138,6 +141,129 @@ impl fmt::Display for SceneError {
 }
 
 impl core::error::Error for SceneError {}
+
+/// All errors in the text of a scene, in the order of its lines; the first [`LISTED`](Self::LISTED) that were found are listed.
+///
+/// An error that follows from another one is left out where that is known: a field that is missing because its name has a typing
+/// error, or the name of a body that could not be read. Inputs are tried on a world once all of the text reads well.
+///
+/// ```
+/// use umbra_scene::{Scene, SceneErrors};
+///
+/// let errors: SceneErrors = Scene::parse(
+///     r#"{"gravity": -10,
+/// "bodies": [{"name": "ball", "shape": {"circle": {"raduis": 0.5}}, "mass": 0}]}"#,
+/// )
+/// .unwrap_err();
+/// let texts: Vec<String> = errors.errors().iter().map(ToString::to_string).collect();
+/// assert_eq!(texts[0], "1: gravity: expected [x, y] or {\"x\": …, \"y\": …}, found a number");
+/// assert_eq!(texts[1], "2: bodies[0].shape.circle.raduis: unknown field: did you mean `radius`?");
+/// assert_eq!((errors.errors().len(), errors.more(), errors.code()), (2, 0, 502));
+/// assert_eq!(SceneErrors::LISTED, 20);
+/// assert_eq!(errors.to_string(), texts.join("\n"));
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SceneErrors {
+    /// At least one.
+    errors: Vec<SceneError>,
+    more: u64,
+}
+
+impl SceneErrors {
+    /// The most errors that are listed: 20.
+    pub const LISTED: usize = 20;
+
+    /// The listed errors, at least one.
+    #[must_use]
+    pub fn errors(&self) -> &[SceneError] {
+        &self.errors
+    }
+
+    /// The first error.
+    #[must_use]
+    pub fn first(&self) -> &SceneError {
+        &self.errors[0]
+    }
+
+    /// The number of errors that are not listed.
+    #[must_use]
+    pub const fn more(&self) -> u64 {
+        self.more
+    }
+
+    /// The number of the first error, as [`SceneError::code`].
+    #[must_use]
+    pub fn code(&self) -> u16 {
+        self.first().code()
+    }
+}
+
+impl From<SceneError> for SceneErrors {
+    fn from(error: SceneError) -> Self {
+        Self { errors: alloc::vec![error], more: 0 }
+    }
+}
+
+impl fmt::Display for SceneErrors {
+    /// A line for each error, and `and 7 more` if not all are listed.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, error) in self.errors.iter().enumerate() {
+            write!(f, "{}{error}", if index == 0 { "" } else { "\n" })?;
+        }
+        if self.more == 0 { Ok(()) } else { write!(f, "\nand {} more", self.more) }
+    }
+}
+
+impl core::error::Error for SceneErrors {}
+
+/// The mark of a value that was refused; the error is among those [`Found`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Refused {
+    /// Whether the rest of the list that it is in is left unread.
+    pub(super) ends_list: bool,
+}
+
+impl Refused {
+    /// Leaves the rest of the list unread.
+    pub(super) const fn ending_list(self) -> Self {
+        Self { ends_list: true }
+    }
+}
+
+/// The errors of a text that were found so far. Those beyond the most that are listed are counted, and take no memory.
+#[derive(Default)]
+pub(super) struct Found {
+    errors: RefCell<Vec<SceneError>>,
+    count: Cell<u64>,
+}
+
+impl Found {
+    /// Adds an error, which is made only if it is to be listed.
+    pub(super) fn add(&self, error: impl FnOnce() -> SceneError) -> Refused {
+        self.count.set(self.count.get() + 1);
+        if self.errors.borrow().len() < SceneErrors::LISTED {
+            let error = error();
+            self.errors.borrow_mut().push(error);
+        }
+        Refused::default()
+    }
+
+    /// The number of errors so far.
+    pub(super) fn count(&self) -> u64 {
+        self.count.get()
+    }
+
+    /// All errors by line, or nothing if there are none.
+    pub(super) fn finish(self) -> Result<(), SceneErrors> {
+        let mut errors = self.errors.into_inner();
+        if errors.is_empty() {
+            return Ok(());
+        }
+        errors.sort_by_key(|error| error.place.line);
+        let more = self.count.get() - errors.len() as u64;
+        Err(SceneErrors { errors, more })
+    }
+}
 
 /// The reason why some commands cannot be written as a scene.
 ///

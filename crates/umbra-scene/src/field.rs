@@ -1,11 +1,14 @@
 //! Reading force fields. The slot of a handle in them is an index in the scene's list of bodies.
 
 use alloc::collections::BTreeMap;
+use alloc::format;
 use alloc::string::{String, ToString};
 
 use super::body::force_groups;
-use super::error::{Coded, Flaw, Place};
-use super::node::{Kind, Node, Object, Result, quoted};
+use super::error::{Coded, Flaw, Place, Refused};
+use super::hint;
+use super::node::{Kind, Node, Result, quoted};
+use super::object::Object;
 use umbra_physics::{
     Attachment, BodyId, End, Error, FieldKind, ForceField, Fx, FxFactor, Quantity, Region, Scalar, SpringConstants,
     Vec2, scalar::Factor,
@@ -23,7 +26,27 @@ pub struct SceneField {
 }
 
 /// Names of bodies or of fields, with their indices.
-pub(super) type Names = BTreeMap<String, usize>;
+#[derive(Default)]
+pub(super) struct Names {
+    pub(super) indices: BTreeMap<String, usize>,
+    /// Whether there are more names, of what was refused. Then it is not known that nothing has a name.
+    pub(super) has_more: bool,
+}
+
+/// The index of what was refused and has a name. No list has so many entries.
+pub(super) const REFUSED: usize = u32::MAX as usize;
+
+impl Names {
+    /// Takes in the name of what was refused, so that a second error is not made of what refers to it. A name that is needed
+    /// may be there under another field's name.
+    pub(super) fn note_refused(&mut self, object: &Object<'_>, is_needed: bool) {
+        match object.at(&["name"]).filled() {
+            Ok(name) => _ = self.indices.entry(name).or_insert(REFUSED),
+            // A body needs a name, and a name that cannot be read is one; without any, a field is not referred to.
+            Err(_) => self.has_more |= is_needed || object.has("name"),
+        }
+    }
+}
 
 /// The handle that stands for a body of this index.
 pub(super) const fn symbol(index: usize) -> BodyId {
@@ -34,34 +57,35 @@ pub(super) const fn symbol(index: usize) -> BodyId {
 /// The index of the body that a text names.
 pub(super) fn named(node: &Node<'_>, names: &Names, what: &str) -> Result<usize> {
     let name = node.string()?;
-    let missing = || node.fault(Flaw::NoSuchName.of(format_args!("there is no {what} {}", quoted(&name))));
-    names.get(&name).copied().ok_or_else(missing)
+    if let Some(index) = names.indices.get(&name) {
+        return Ok(*index);
+    }
+    if names.has_more {
+        return Ok(REFUSED);
+    }
+    let meant = hint::nearest(&name, names.indices.keys().map(String::as_str));
+    let meant = meant.map_or_else(String::new, |meant| format!(": did you mean {}?", quoted(meant)));
+    Err(node.fault(Flaw::NoSuchName.of(format_args!("there is no {what} {}{meant}", quoted(&name)))))
 }
 
 /// Reads a force field.
 pub(super) fn field(object: &Object<'_>, names: &Names) -> Result<SceneField> {
-    let name = object.get("name").map(Node::string).transpose()?;
-    let force_groups = object.or("force_groups", u32::MAX, force_groups)?;
+    let name = object.or("name", None, |node| node.string().map(Some));
+    let force_groups = object.or("force_groups", u32::MAX, force_groups);
     let (kind, inner) = object.one_of(&["attractor", "spring", "drag", "thrust", "zone"])?;
+    let kind = inner.object().and_then(|inner| match kind {
+        "attractor" => attractor(&inner, names),
+        "spring" => spring(&inner, names),
+        "drag" => drag(&inner),
+        "thrust" => thrust(&inner, names),
+        _ => zone(&inner),
+    });
     object.finish()?;
-    let kind = match kind {
-        "attractor" => attractor(&inner.object()?, names)?,
-        "spring" => spring(&inner.object()?, names)?,
-        "drag" => drag(&inner.object()?)?,
-        "thrust" => {
-            let object = inner.object()?;
-            let at = attachment(object.need("at")?, names)?;
-            let kind = FieldKind::Thrust { at, force: object.need("force")?.point()? };
-            object.finish()?;
-            kind
-        }
-        _ => zone(&inner.object()?)?,
-    };
-    Ok(SceneField { name, field: ForceField { kind, force_groups }, place: inner.place() })
+    Ok(SceneField { name, field: ForceField { kind: kind?, force_groups }, place: inner.place() })
 }
 
 /// Puts an error of the engine's at the field of the law that it is about.
-pub(super) fn blame(object: &Object<'_>, error: Error) -> super::SceneError {
+pub(super) fn blame(object: &Object<'_>, error: Error) -> Refused {
     let law = object.at(&["attractor", "spring", "drag", "thrust", "zone"]);
     let fields: &[&str] = match error {
         Error::OutOfRange { quantity } => match quantity {
@@ -89,14 +113,11 @@ pub(super) fn blame(object: &Object<'_>, error: Error) -> super::SceneError {
 }
 
 fn attractor(object: &Object<'_>, names: &Names) -> Result<FieldKind> {
-    let mu = object.need("mu")?;
-    let law = FieldKind::Attractor {
-        centre: end(object.need("at")?, names)?,
-        mu: factor(mu)?,
-        softening: object.or("softening", Fx::ZERO, Node::number)?,
-    };
+    let mu = object.need("mu", factor);
+    let centre = object.need("at", |node| end(node, names));
+    let softening = object.or("softening", Fx::ZERO, Node::number);
     object.finish()?;
-    Ok(law)
+    Ok(FieldKind::Attractor { centre: centre?, mu: mu?, softening })
 }
 
 /// A number of at least zero with 64 significant bits.
@@ -115,28 +136,31 @@ pub(super) fn factor_text(factor: FxFactor) -> String {
 }
 
 fn spring(object: &Object<'_>, names: &Names) -> Result<FieldKind> {
-    let law = FieldKind::Spring {
-        near: attachment(object.need("from")?, names)?,
-        far: end(object.need("to")?, names)?,
-        spring: SpringConstants {
-            rest: object.or("rest", Fx::ZERO, Node::number)?,
-            stiffness: not_negative(object.need("stiffness")?, Quantity::Stiffness)?,
-            damping: object.or("damping", Fx::ZERO, |node| not_negative(node, Quantity::Drag))?,
-        },
-    };
+    let near = object.need("from", |node| attachment(node, names));
+    let far = object.need("to", |node| end(node, names));
+    let rest = object.or("rest", Fx::ZERO, Node::number);
+    let stiffness = object.need("stiffness", |node| not_negative(node, Quantity::Stiffness));
+    let damping = object.or("damping", Fx::ZERO, |node| not_negative(node, Quantity::Drag));
     object.finish()?;
-    Ok(law)
+    Ok(FieldKind::Spring { near: near?, far: far?, spring: SpringConstants { rest, stiffness: stiffness?, damping } })
 }
 
 fn drag(object: &Object<'_>) -> Result<FieldKind> {
     let coefficient = |node: &Node<'_>| not_negative(node, Quantity::Drag);
     let law = FieldKind::Drag {
-        linear: object.or("linear", Fx::ZERO, coefficient)?,
-        quadratic: object.or("quadratic", Fx::ZERO, coefficient)?,
-        wind: object.or("wind", Vec2::ZERO, Node::point)?,
+        linear: object.or("linear", Fx::ZERO, coefficient),
+        quadratic: object.or("quadratic", Fx::ZERO, coefficient),
+        wind: object.or("wind", Vec2::ZERO, Node::point),
     };
     object.finish()?;
     Ok(law)
+}
+
+fn thrust(object: &Object<'_>, names: &Names) -> Result<FieldKind> {
+    let at = object.need("at", |node| attachment(node, names));
+    let force = object.need("force", Node::point);
+    object.finish()?;
+    Ok(FieldKind::Thrust { at: at?, force: force? })
 }
 
 fn not_negative(node: &Node<'_>, quantity: Quantity) -> Result<Fx> {
@@ -145,18 +169,23 @@ fn not_negative(node: &Node<'_>, quantity: Quantity) -> Result<Fx> {
 }
 
 fn zone(object: &Object<'_>) -> Result<FieldKind> {
+    let acceleration = object.need("acceleration", Node::point);
     let (kind, inner) = object.one_of(&["disc", "box"])?;
-    let acceleration = object.need("acceleration")?.point()?;
+    let region = inner.object().and_then(|parts| region(kind, &parts));
     object.finish()?;
-    let parts = inner.object()?;
-    let region = if kind == "disc" {
-        let (centre, radius) = (parts.need("centre")?.point()?, parts.need("radius")?);
-        Region::Disc { centre, radius: not_negative(radius, Quantity::Position)? }
-    } else {
-        Region::Box { min: parts.need("min")?.point()?, max: parts.need("max")?.point()? }
-    };
+    Ok(FieldKind::Zone { region: region?, acceleration: acceleration? })
+}
+
+fn region(kind: &str, parts: &Object<'_>) -> Result<Region> {
+    if kind == "disc" {
+        let centre = parts.need("centre", Node::point);
+        let radius = parts.need("radius", |node| not_negative(node, Quantity::Position));
+        parts.finish()?;
+        return Ok(Region::Disc { centre: centre?, radius: radius? });
+    }
+    let (min, max) = (parts.need("min", Node::point), parts.need("max", Node::point));
     parts.finish()?;
-    Ok(FieldKind::Zone { region, acceleration })
+    Ok(Region::Box { min: min?, max: max? })
 }
 
 /// "name", or {body, point}.
@@ -164,16 +193,28 @@ fn attachment(node: &Node<'_>, names: &Names) -> Result<Attachment> {
     if node.kind() == Kind::Text {
         return Ok(Attachment::centre(symbol(named(node, names, "body")?)));
     }
-    let object = node.object()?;
-    let body = symbol(named(object.need("body")?, names, "body")?);
-    let point = object.or("point", Vec2::ZERO, Node::point)?;
-    object.finish()?;
-    Ok(Attachment { body, point })
+    attached(&node.object()?, names)
 }
 
-/// A point of the world as [x, y], or a point of a body.
+fn attached(object: &Object<'_>, names: &Names) -> Result<Attachment> {
+    let body = object.need("body", |node| named(node, names, "body"));
+    let point = object.or("point", Vec2::ZERO, Node::point);
+    object.finish()?;
+    Ok(Attachment { body: symbol(body?), point })
+}
+
+/// A point of the world as [x, y] or {x, y}, or a point of a body.
 fn end(node: &Node<'_>, names: &Names) -> Result<End> {
-    if node.kind() == Kind::List { node.point().map(End::World) } else { attachment(node, names).map(End::Body) }
+    match node.kind() {
+        Kind::Text => attachment(node, names).map(End::Body),
+        Kind::Object => {
+            let object = node.object()?;
+            let is_point = object.has("x") || object.has("y");
+            if is_point { object.vector().map(End::World) } else { attached(&object, names).map(End::Body) }
+        }
+        Kind::List => node.point().map(End::World),
+        _ => Err(node.wrong_kind("a point [x, y], the name of a body, or an object with a `body`")),
+    }
 }
 
 /// Converts a factor to another scalar; a float is rounded to nearest.

@@ -4,8 +4,9 @@ use alloc::vec::Vec;
 
 use super::body::{blame, body, force_groups, kind, locks, mass, max_speeds, own_damping};
 use super::error::{Flaw, Place};
-use super::field::{field, named, symbol};
-use super::node::{Node, Object, Result};
+use super::field::{REFUSED, field, named, symbol};
+use super::node::{Node, Result};
+use super::object::Object;
 use super::repeat::check_count;
 use super::settings::{blob, integrator, random, sleep_after, time_step, world_damping};
 use super::shape::{ShapeDef, shape};
@@ -37,7 +38,7 @@ pub struct Input {
 /// let scene = Scene::parse(text)?;
 /// let SceneAction::Command(Command::RemoveBody(body)) = scene.inputs[0].action else { unreachable!() };
 /// assert_eq!(scene.bodies[body.parts().0 as usize].name, "a");
-/// # Ok::<(), umbra_scene::SceneError>(())
+/// # Ok::<(), umbra_scene::SceneErrors>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -58,69 +59,63 @@ pub enum SceneAction {
     },
 }
 
+/// Where the actions of an input are put, each with its place in the text.
+type Actions = Vec<(Place, SceneAction)>;
+
 /// Reads an input, which may do several things in the order in which they stand here.
 pub(super) fn input(object: &Object<'_>, scene: &mut Scene, tables: &mut Tables) -> Result<()> {
-    let mut actions = Vec::new();
+    let mut actions = Actions::new();
     let mut push = |node: &Node<'_>, action| actions.push((node.place(), action));
-    if let Some(node) = object.get("add") {
+    object.or("add", (), |node| {
         let object = node.object()?;
-        let body = body(&object)?;
-        body.def::<Fx>().and_then(|def| def.check()).map_err(|error| blame(&object, error))?;
-        push(node, SceneAction::AddBody(scene.add_body(body, node, tables)?));
-    }
-    if let Some(node) = object.get("add_field") {
-        let field = field(&node.object()?, &tables.bodies)?;
-        push(node, SceneAction::AddField(scene.add_field(field, node, tables)?));
-    }
+        let read = body(&object).and_then(|body| {
+            let checked = body.def::<Fx>().and_then(|def| def.check());
+            checked.map_err(|error| blame(&object, error))?;
+            scene.add_body(body, node, tables)
+        });
+        let index = read.inspect_err(|_| tables.bodies.note_refused(&object, true))?;
+        push(node, SceneAction::AddBody(index));
+        Ok(())
+    });
+    object.or("add_field", (), |node| {
+        let object = node.object()?;
+        let read = field(&object, &tables.bodies).and_then(|field| scene.add_field(field, node, tables));
+        let index = read.inspect_err(|_| tables.fields.note_refused(&object, false))?;
+        push(node, SceneAction::AddField(index));
+        Ok(())
+    });
     if let Some(node) = object.get("body") {
-        let target = symbol(named(node, &tables.bodies, "body")?);
-        read_forces(object, target, &mut push)?;
-        if let Some(node) = object.get("move_to") {
-            let goal = node.object()?;
-            let (position, angle) = (goal.need("position")?.point()?, goal.or("angle", Fx::ZERO, Node::number)?);
-            goal.finish()?;
-            push(node, SceneAction::Command(Command::MoveTo { body: target, position, angle }));
-        }
-        if let Some(set) = object.get("set") {
-            set_body(&set.object()?, target, &mut push)?;
-        }
-        if let Some(node) = object.get("do") {
-            let command =
-                match node.choice(&[("remove", 0), ("release", 1), ("wake", 2), ("disable", 3), ("enable", 4)])? {
-                    0 => Command::RemoveBody(target),
-                    1 => Command::Release(target),
-                    2 => Command::Wake(target),
-                    3 => Command::Disable(target),
-                    _ => Command::Enable(target),
-                };
-            push(node, SceneAction::Command(command));
-        }
+        // With a name that nothing has the rest is read all the same.
+        let target = symbol(named(node, &tables.bodies, "body").unwrap_or(REFUSED));
+        do_to_body(object, target, &mut push);
     } else if let Some(node) = object.get("field") {
-        let target = FieldId::from_parts(named(node, &tables.fields, "force field")? as u32, 0);
-        if let Some(node) = object.get("replace") {
+        let target = named(node, &tables.fields, "force field").unwrap_or(REFUSED);
+        let target = FieldId::from_parts(target as u32, 0);
+        object.or("replace", (), |node| {
             let field = field(&node.object()?, &tables.bodies)?.field;
             push(node, SceneAction::Command(Command::SetField { id: target, field }));
-        }
-        if let Some(node) = object.get("do") {
+            Ok(())
+        });
+        object.or("do", (), |node| {
             node.choice(&[("remove", ())])?;
             push(node, SceneAction::Command(Command::RemoveField(target)));
-        }
+            Ok(())
+        });
     } else {
-        if let Some(set) = object.get("set") {
-            set_world(&set.object()?, &mut push)?;
-        }
-        if let Some(node) = object.get("do") {
+        object.or("set", (), |set| set_world(&set.object()?, &mut push));
+        object.or("do", (), |node| {
             node.choice(&[("clear_forces", ())])?;
             push(node, SceneAction::Command(Command::ClearForces));
-        }
+            Ok(())
+        });
     }
     // Last, so that what is unknown is known to be.
     let (from, to, every) = span(object)?;
     object.finish()?;
     let is_added =
         |(_, action): &(Place, SceneAction)| matches!(action, SceneAction::AddBody(_) | SceneAction::AddField(_));
-    if let Some((place, _)) = actions.iter().find(|action| from != to && is_added(action)) {
-        return Err(place.fault(
+    if actions.iter().any(|action| from != to && is_added(action)) {
+        return Err(object.at(&["add", "add_field"]).fault(
             Flaw::OutOfRange.of("out of range: a body or field with a name is added once: give `at` with one tick"),
         ));
     }
@@ -133,17 +128,44 @@ pub(super) fn input(object: &Object<'_>, scene: &mut Scene, tables: &mut Tables)
     Ok(())
 }
 
+/// Reads what is done to a body.
+fn do_to_body(object: &Object<'_>, target: BodyId, push: &mut impl FnMut(&Node<'_>, SceneAction)) {
+    // What is refused is with the errors.
+    _ = read_forces(object, target, push);
+    object.or("move_to", (), |node| {
+        let goal = node.object()?;
+        let (position, angle) = (goal.need("position", Node::point), goal.or("angle", Fx::ZERO, Node::number));
+        goal.finish()?;
+        push(node, SceneAction::Command(Command::MoveTo { body: target, position: position?, angle }));
+        Ok(())
+    });
+    object.or("set", (), |set| set_body(&set.object()?, target, push));
+    object.or("do", (), |node| {
+        let command = match node.choice(&[("remove", 0), ("release", 1), ("wake", 2), ("disable", 3), ("enable", 4)])? {
+            0 => Command::RemoveBody(target),
+            1 => Command::Release(target),
+            2 => Command::Wake(target),
+            3 => Command::Disable(target),
+            _ => Command::Enable(target),
+        };
+        push(node, SceneAction::Command(command));
+        Ok(())
+    });
+}
+
 /// `at` one tick, or `from` one `to` another, `every` so many.
 fn span(object: &Object<'_>) -> Result<(u64, u64, u64)> {
     let (name, node) = object.one_of(&["at", "from"])?;
-    let first: u64 = node.whole()?;
+    let first = node.whole();
     if name == "at" {
+        let first = first?;
         return Ok((first, first, 1));
     }
-    let to = object.need("to")?;
-    let (last, every): (u64, u64) = (to.whole()?, object.or("every", 1, Node::whole)?);
+    let (last, every) = (object.need("to", Node::whole), object.or("every", 1, Node::whole));
+    object.finish()?;
+    let (first, last): (u64, u64) = (first?, last?);
     if last < first {
-        return Err(to.fault(
+        return Err(object.at(&["to"]).fault(
             Flaw::OutOfRange.of("out of range: the last tick is before the first: expected `to` of at least `from`"),
         ));
     }
@@ -157,10 +179,10 @@ fn span(object: &Object<'_>) -> Result<(u64, u64, u64)> {
 
 /// Forces and impulses.
 fn read_forces(object: &Object<'_>, target: BodyId, push: &mut impl FnMut(&Node<'_>, SceneAction)) -> Result<()> {
-    let [force, torque, impulse, angular_impulse] =
-        ["force", "torque", "impulse", "angular_impulse"].map(|name| object.get(name));
-    let has_point = force.or(impulse).is_some();
-    let is_any = has_point || torque.or(angular_impulse).is_some();
+    let [has_force, has_torque, has_impulse, has_angular_impulse] =
+        ["force", "torque", "impulse", "angular_impulse"].map(|name| object.has(name));
+    let has_point = has_force || has_impulse;
+    let is_any = has_point || has_torque || has_angular_impulse;
     if let Some(node) = object.get("point").filter(|_| !has_point) {
         return Err(node.fault("a `point` needs a `force` or an `impulse` beside it"));
     }
@@ -172,100 +194,79 @@ fn read_forces(object: &Object<'_>, target: BodyId, push: &mut impl FnMut(&Node<
     }
     let frame = |node: &Node<'_>| node.choice(&[("world", Frame::World), ("body", Frame::Body)]);
     let options =
-        ApplyOptions { frame: object.or("frame", Frame::World, frame)?, wake: object.or("wake", true, Node::boolean)? };
-    let point = object.get("point").map(Node::point).transpose()?;
-    let mut apply = |node: &Node<'_>, action| {
-        push(node, SceneAction::Command(Command::Apply { body: target, action, options }));
+        ApplyOptions { frame: object.or("frame", Frame::World, frame), wake: object.or("wake", true, Node::boolean) };
+    let point = object.or("point", None, |node| node.point().map(Some));
+    let mut apply = |name, read: &dyn Fn(&Node<'_>) -> Result<ForceOrImpulse>| {
+        object.or(name, (), |node| {
+            let action = read(node)?;
+            push(node, SceneAction::Command(Command::Apply { body: target, action, options }));
+            Ok(())
+        });
     };
-    if let Some(node) = force {
-        apply(node, ForceOrImpulse::Force { force: node.point()?, point });
-    }
-    if let Some(node) = torque {
-        apply(node, ForceOrImpulse::Torque(node.number()?));
-    }
-    if let Some(node) = impulse {
-        apply(node, ForceOrImpulse::Impulse { impulse: node.point()?, point });
-    }
-    if let Some(node) = angular_impulse {
-        apply(node, ForceOrImpulse::AngularImpulse(node.number()?));
-    }
+    apply("force", &|node| Ok(ForceOrImpulse::Force { force: node.point()?, point }));
+    apply("torque", &|node| node.number().map(ForceOrImpulse::Torque));
+    apply("impulse", &|node| Ok(ForceOrImpulse::Impulse { impulse: node.point()?, point }));
+    apply("angular_impulse", &|node| node.number().map(ForceOrImpulse::AngularImpulse));
     Ok(())
 }
 
+/// Reads a field of an object, if it is there, as the command that sets it.
+fn set_by<'a>(
+    object: &Object<'a>,
+    name: &'static str,
+    push: &mut impl FnMut(&Node<'_>, SceneAction),
+    read: impl FnOnce(&Node<'a>) -> Result<Command>,
+) {
+    object.or(name, (), |node| {
+        let command = read(node)?;
+        push(node, SceneAction::Command(command));
+        Ok(())
+    });
+}
+
 fn set_body(object: &Object<'_>, body: BodyId, push: &mut impl FnMut(&Node<'_>, SceneAction)) -> Result<()> {
-    let mut set = |node: &Node<'_>, command| push(node, SceneAction::Command(command));
-    if let Some(node) = object.get("kind") {
-        set(node, Command::SetKind { body, kind: kind(node)? });
+    set_by(object, "kind", push, |node| Ok(Command::SetKind { body, kind: kind(node)? }));
+    if let Ok(Some(mass)) = mass(object) {
+        push(object.at(&["mass", "density"]), SceneAction::Command(Command::SetMass { body, mass }));
     }
-    if let Some(mass) = mass(object)? {
-        set(object.at(&["mass", "density"]), Command::SetMass { body, mass });
-    }
-    if let Some(node) = object.get("position") {
-        set(node, Command::SetPosition { body, position: node.point()? });
-    }
-    if let Some(node) = object.get("angle") {
-        set(node, Command::SetAngle { body, angle: node.number()? });
-    }
-    if let Some(node) = object.get("velocity") {
-        set(node, Command::SetVelocity { body, velocity: node.point()? });
-    }
-    if let Some(node) = object.get("angular_velocity") {
-        set(node, Command::SetAngularVelocity { body, velocity: node.number()? });
-    }
-    if let Some(node) = object.get("gravity_scale") {
-        set(node, Command::SetGravityScale { body, scale: node.number()? });
-    }
-    if let Some(node) = object.get("damping") {
+    set_by(object, "position", push, |node| Ok(Command::SetPosition { body, position: node.point()? }));
+    set_by(object, "angle", push, |node| Ok(Command::SetAngle { body, angle: node.number()? }));
+    set_by(object, "velocity", push, |node| Ok(Command::SetVelocity { body, velocity: node.point()? }));
+    set_by(object, "angular_velocity", push, |node| Ok(Command::SetAngularVelocity { body, velocity: node.number()? }));
+    set_by(object, "gravity_scale", push, |node| Ok(Command::SetGravityScale { body, scale: node.number()? }));
+    set_by(object, "damping", push, |node| {
         let (linear, angular) = own_damping(node)?;
-        set(node, Command::SetBodyDamping { body, linear, angular });
-    }
-    if let Some(node) = object.get("max_speeds") {
+        Ok(Command::SetBodyDamping { body, linear, angular })
+    });
+    set_by(object, "max_speeds", push, |node| {
         let (linear, angular) = max_speeds(node)?;
-        set(node, Command::SetMaxSpeeds { body, linear, angular });
-    }
-    if let Some(node) = object.get("locks") {
-        set(node, Command::SetLocks { body, locks: locks(node)? });
-    }
-    if let Some(node) = object.get("force_groups") {
-        set(node, Command::SetForceGroups { body, force_groups: force_groups(node)? });
-    }
-    if let Some(node) = object.get("key") {
-        set(node, Command::SetKey { body, key: node.whole()? });
-    }
-    if let Some(node) = object.get("user_data") {
-        set(node, Command::SetUserData { body, user_data: node.whole()? });
-    }
-    if let Some(node) = object.get("shape") {
+        Ok(Command::SetMaxSpeeds { body, linear, angular })
+    });
+    set_by(object, "locks", push, |node| Ok(Command::SetLocks { body, locks: locks(node)? }));
+    set_by(object, "force_groups", push, |node| {
+        Ok(Command::SetForceGroups { body, force_groups: force_groups(node)? })
+    });
+    set_by(object, "key", push, |node| Ok(Command::SetKey { body, key: node.whole()? }));
+    set_by(object, "user_data", push, |node| Ok(Command::SetUserData { body, user_data: node.whole()? }));
+    object.or("shape", (), |node| {
         let shape = if node.raw() == "null" { None } else { Some(shape(node)?) };
         push(node, SceneAction::SetShape { body, shape });
-    }
+        Ok(())
+    });
     object.finish()
 }
 
 fn set_world(object: &Object<'_>, push: &mut impl FnMut(&Node<'_>, SceneAction)) -> Result<()> {
-    let mut set = |node: &Node<'_>, command| push(node, SceneAction::Command(command));
-    if let Some(node) = object.get("time_step") {
-        set(node, Command::SetTimeStep(time_step(node)?));
-    }
-    if let Some(node) = object.get("gravity") {
-        set(node, Command::SetGravity(node.point()?));
-    }
-    if let Some(node) = object.get("integrator") {
-        set(node, Command::SetIntegrator(integrator(node)?));
-    }
-    if let Some(node) = object.get("damping") {
+    set_by(object, "time_step", push, |node| time_step(node).map(Command::SetTimeStep));
+    set_by(object, "gravity", push, |node| node.point().map(Command::SetGravity));
+    set_by(object, "integrator", push, |node| integrator(node).map(Command::SetIntegrator));
+    set_by(object, "damping", push, |node| {
         let (linear, angular) = world_damping(node)?;
-        set(node, Command::SetDamping { linear, angular });
-    }
-    if let Some(node) = object.get("sleep_after") {
-        set(node, Command::SetSleepAfter(sleep_after(node)?));
-    }
-    if let Some(node) = object.get("random") {
-        set(node, Command::SetRandom(random(node)?));
-    }
-    if let Some(node) = object.get("blob") {
-        set(node, Command::SetBlob(blob(node)?));
-    }
+        Ok(Command::SetDamping { linear, angular })
+    });
+    set_by(object, "sleep_after", push, |node| sleep_after(node).map(Command::SetSleepAfter));
+    set_by(object, "random", push, |node| random(node).map(Command::SetRandom));
+    set_by(object, "blob", push, |node| blob(node).map(Command::SetBlob));
     object.finish()
 }
 
@@ -280,7 +281,7 @@ impl Input {
     /// let scene = Scene::parse(text)?;
     /// let due: Vec<u64> = (0..20).filter(|&tick| scene.inputs[0].is_due(tick)).collect();
     /// assert_eq!(due, [4, 7, 10]);
-    /// # Ok::<(), umbra_scene::SceneError>(())
+    /// # Ok::<(), umbra_scene::SceneErrors>(())
     /// ```
     #[must_use]
     pub const fn is_due(&self, tick: u64) -> bool {

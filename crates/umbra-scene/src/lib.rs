@@ -1,7 +1,7 @@
 //! Scene files for `umbra-physics`: a world, and what is done to it at which tick, as JSON text.
 //!
-//! Numbers are read from the text itself and rounded once, never through a float. An error names the line and the field. The format
-//! is described in `docs/scene.md`.
+//! Numbers are read from the text itself and rounded once, never through a float. All errors of a text are reported at once, each with
+//! its line and field. The format is described in `docs/scene.md`.
 //!
 //! ```
 //! use umbra_physics::{Fx, fx};
@@ -19,7 +19,7 @@
 //! let [ball] = run.world().bodies().collect::<Vec<_>>()[..] else { unreachable!() };
 //! // 10 − ½·10·1² + 5·½, exactly.
 //! assert_eq!(ball.position().y, fx!(7.5));
-//! # Ok::<(), umbra_scene::SceneError>(())
+//! # Ok::<(), umbra_scene::SceneErrors>(())
 //! ```
 #![no_std]
 #![forbid(unsafe_code)]
@@ -37,8 +37,10 @@ mod commands;
 mod convert;
 mod error;
 mod field;
+mod hint;
 mod input;
 mod node;
+mod object;
 mod repeat;
 mod run;
 mod settings;
@@ -48,14 +50,15 @@ mod text;
 use alloc::string::String;
 use alloc::vec::Vec;
 
-use umbra_physics::{Fx, Scalar, World, WorldDef};
+use umbra_physics::{BodyId, Error, Fx, Scalar, World, WorldDef};
 
 use error::Flaw;
 use field::Names;
-use node::{Node, Object, Source, quoted};
+use node::{Node, Source, quoted};
+use object::Object;
 
 pub use body::SceneBody;
-pub use error::{ExportError, Place, SceneError};
+pub use error::{ExportError, Place, SceneError, SceneErrors};
 pub use field::SceneField;
 pub use input::{Input, SceneAction};
 pub use run::SceneRun;
@@ -92,7 +95,7 @@ pub use shape::{PartDef, ShapeDef};
 /// assert_eq!((run.index(body), run.name(body)), (Some(0), "ball"));
 /// let world = run.into_world();
 /// assert!(world.tick() == 4 && Scene::MOST == 131_072);
-/// # Ok::<(), umbra_scene::SceneError>(())
+/// # Ok::<(), umbra_scene::SceneErrors>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
@@ -140,9 +143,9 @@ impl Scene {
     /// Reads a scene from JSON text.
     ///
     /// # Errors
-    /// A [`SceneError`] with the line and the field: text that is not JSON, unknown or doubled fields, names that are
+    /// [`SceneErrors`], each with the line and the field: text that is not JSON, unknown or doubled fields, names that are
     /// taken or that nothing has, more than [`MOST`](Self::MOST) of a kind, and what the engine would refuse.
-    pub fn parse(text: &str) -> Result<Self, SceneError> {
+    pub fn parse(text: &str) -> Result<Self, SceneErrors> {
         Self::parse_within(text, Self::MOST)
     }
 
@@ -163,17 +166,30 @@ impl Scene {
     /// assert_eq!(Scene::parse(text)?.bodies.len(), 100_000);
     /// let error = Scene::parse_within(text, 1_000).unwrap_err();
     /// assert_eq!(error.to_string(), "2: bodies[0].repeat: out of range: at most 1000 can be made");
-    /// # Ok::<(), umbra_scene::SceneError>(())
+    /// # Ok::<(), umbra_scene::SceneErrors>(())
     /// ```
-    pub fn parse_within(text: &str, most: u32) -> Result<Self, SceneError> {
+    pub fn parse_within(text: &str, most: u32) -> Result<Self, SceneErrors> {
         let source = Source::new(text);
-        let root = Node::document(&source)?;
+        let scene = Self::read(&source, most);
+        source.found.finish()?;
+        // A mark of a value that was refused has its error beside it.
+        let scene = scene.map_err(|_| Place::default().fault(Flaw::NotJson.of("not a scene")))?;
+        if !scene.inputs.is_empty() {
+            scene.start::<Fx>()?.rehearse()?;
+        }
+        Ok(scene)
+    }
+
+    /// Reads as much as there is. What is refused is among the errors of the source, and the scene is then good for nothing but to
+    /// find more of them.
+    fn read(source: &Source<'_>, most: u32) -> node::Result<Self> {
+        let root = Node::document(source)?;
         let object = root.object()?;
         let mut scene = Self {
-            title: settings::words(&object, "title")?,
-            about: settings::words(&object, "about")?,
-            ticks: object.or("ticks", TICKS, Node::whole)?,
-            world: settings::world(&object)?,
+            title: settings::words(&object, "title"),
+            about: settings::words(&object, "about"),
+            ticks: object.or("ticks", TICKS, Node::whole),
+            world: settings::world(&object),
             bodies: Vec::new(),
             starting_bodies: 0,
             fields: Vec::new(),
@@ -182,73 +198,80 @@ impl Scene {
             plot: Plot::default(),
             place: root.place(),
         };
-        let mut tables = Tables { bodies: Names::new(), fields: Names::new(), most: most.into() };
+        let mut tables = Tables { bodies: Names::default(), fields: Names::default(), most: most.into() };
         scene.read_start(&object, &mut tables)?;
-        if let Some(list) = object.get("inputs") {
-            repeat::each(list, most.into(), |object| input::input(object, &mut scene, &mut tables))?;
-        }
-        if let Some(node) = object.get("plot") {
-            scene.plot = settings::plot(node, &tables.bodies)?;
-        }
+        object.or("inputs", (), |list| {
+            repeat::each(list, most.into(), |object| input::input(object, &mut scene, &mut tables))
+        });
+        scene.plot = object.or("plot", Plot::default(), |node| settings::plot(node, &tables.bodies));
         object.finish()?;
-        if !scene.inputs.is_empty() {
-            scene.start::<Fx>()?.rehearse()?;
-        }
         Ok(scene)
     }
 
     /// The bodies and the force fields of the start. Both are added to a world as they are read, which refuses what is
     /// wrong with them while the place is known.
-    fn read_start(&mut self, object: &Object<'_>, tables: &mut Tables) -> Result<(), SceneError> {
+    fn read_start(&mut self, object: &Object<'_>, tables: &mut Tables) -> node::Result<()> {
         let mut world = World::new(self.world).map_err(|error| object.node.fault(error))?;
         let mut handles = Vec::new();
-        if let Some(list) = object.get("bodies") {
+        object.or("bodies", (), |list| {
             repeat::each(list, tables.most, |object| {
-                let read = body::body(object)?;
-                let def = read.def().map_err(|error| body::blame(object, error))?;
-                handles.push(world.add_body(def).map_err(|error| body::blame(object, error))?);
-                self.add_body(read, object.at(&["name"]), tables).map(drop)
-            })?;
-        }
+                let read = body::body(object).and_then(|read| {
+                    let def = read.def().map_err(|error| body::blame(object, error))?;
+                    let handle = world.add_body(def).map_err(|error| body::blame(object, error))?;
+                    self.add_body(read, object.at(&["name"]), tables)?;
+                    handles.push(handle);
+                    Ok(())
+                });
+                read.inspect_err(|_| tables.bodies.note_refused(object, true))
+            })
+        });
         self.starting_bodies = self.bodies.len();
-        if let Some(list) = object.get("fields") {
+        object.or("fields", (), |list| {
             repeat::each(list, tables.most, |object| {
-                let read = field::field(object, &tables.bodies)?;
-                // All names are those of bodies that were added above.
-                let field = convert::convert_field(&read.field, &|body| Ok(handles[body.parts().0 as usize]));
-                let added = field.and_then(|field| world.add_field(field));
-                added.map_err(|error| field::blame(object, error))?;
-                self.add_field(read, object.at(&["name"]), tables).map(drop)
-            })?;
-        }
+                let read = field::field(object, &tables.bodies).and_then(|read| {
+                    let handle = |body: BodyId| handles.get(body.parts().0 as usize).copied();
+                    let field =
+                        convert::convert_field(&read.field, &|body| handle(body).ok_or(Error::NoSuchBody { body }));
+                    match field.and_then(|field| world.add_field(field)) {
+                        // All names are those of bodies above; one that was refused has its error there.
+                        Ok(_) | Err(Error::NoSuchBody { .. }) => {}
+                        Err(error) => return Err(field::blame(object, error)),
+                    }
+                    self.add_field(read, object.at(&["name"]), tables).map(drop)
+                });
+                read.inspect_err(|_| tables.fields.note_refused(object, false))
+            })
+        });
         self.starting_fields = self.fields.len();
         Ok(())
     }
 
-    fn add_body(&mut self, body: SceneBody, node: &Node<'_>, tables: &mut Tables) -> Result<usize, SceneError> {
+    fn add_body(&mut self, body: SceneBody, node: &Node<'_>, tables: &mut Tables) -> node::Result<usize> {
         let index = self.bodies.len();
         check_name(&body.name, node)?;
         repeat::check_count(node, index as u64 + 1, tables.most)?;
-        if tables.bodies.insert(body.name.clone(), index).is_some() {
+        if tables.bodies.indices.contains_key(&body.name) {
             return Err(node.fault(
                 Flaw::Taken.of(format_args!("there is a body {} already: choose another name", quoted(&body.name))),
             ));
         }
+        tables.bodies.indices.insert(body.name.clone(), index);
         self.bodies.push(body);
         Ok(index)
     }
 
-    fn add_field(&mut self, field: SceneField, node: &Node<'_>, tables: &mut Tables) -> Result<usize, SceneError> {
+    fn add_field(&mut self, field: SceneField, node: &Node<'_>, tables: &mut Tables) -> node::Result<usize> {
         let index = self.fields.len();
         repeat::check_count(node, index as u64 + 1, tables.most)?;
         if let Some(name) = &field.name {
             check_name(name, node)?;
-            if tables.fields.insert(name.clone(), index).is_some() {
+            if tables.fields.indices.contains_key(name) {
                 return Err(node.fault(
                     Flaw::Taken
                         .of(format_args!("there is a force field {} already: choose another name", quoted(name))),
                 ));
             }
+            tables.fields.indices.insert(name.clone(), index);
         }
         self.fields.push(field);
         Ok(index)
@@ -283,7 +306,7 @@ impl Scene {
     }
 }
 
-fn check_name(name: &str, node: &Node<'_>) -> Result<(), SceneError> {
+fn check_name(name: &str, node: &Node<'_>) -> node::Result<()> {
     if name.len() <= NAME {
         return Ok(());
     }

@@ -6,21 +6,24 @@
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
-use core::cell::{Cell, RefCell};
 use core::fmt;
+use core::ops::ControlFlow;
 
-use serde::de::{Deserializer as _, MapAccess, SeqAccess, Visitor};
+use serde::de::{Deserializer as _, SeqAccess, Visitor};
 use serde_json::value::RawValue;
 
-use super::error::{Flaw, Place, Reason, SceneError};
+use super::error::{Flaw, Found, Place, Reason, Refused};
+use super::hint;
 use super::repeat::Round;
 
-pub(super) type Result<T> = core::result::Result<T, SceneError>;
+/// A value that was read, or the mark that it was refused: the error itself is with the [`Source`].
+pub(super) type Result<T> = core::result::Result<T, Refused>;
 
-/// A scene's text, and how many lines end before each page of it.
+/// A scene's text, how many lines end before each page of it, and the errors found in it.
 pub(super) struct Source<'a> {
     text: &'a str,
     pages: Vec<usize>,
+    pub(super) found: Found,
 }
 
 /// Bytes of text between two counts of lines: few to count again, and few counts.
@@ -37,7 +40,7 @@ impl<'a> Source<'a> {
             *before += ends(page);
             Some(start)
         });
-        Self { text, pages: pages.collect() }
+        Self { text, pages: pages.collect(), found: Found::default() }
     }
 
     /// The line, from 1, of a byte.
@@ -51,9 +54,9 @@ impl<'a> Source<'a> {
 /// A value in the text of a scene.
 #[derive(Clone)]
 pub(super) struct Node<'a> {
-    source: &'a Source<'a>,
+    pub(super) source: &'a Source<'a>,
     text: &'a str,
-    field: String,
+    pub(super) field: String,
     /// The repetition it is read in.
     pub(super) round: Option<Round>,
 }
@@ -90,7 +93,8 @@ impl<'a> Node<'a> {
             // serde_json ends with the place; the line stands in front of ours.
             let what = message.split(" at line ").next().unwrap_or(&message);
             let place = Place { line: error.line().max(1), field: String::new() };
-            place.fault(Flaw::NotJson.of(format_args!("not JSON: {what} at column {}", error.column())))
+            let what = format!("not JSON: {what} at column {}", error.column());
+            source.found.add(|| place.fault(Flaw::NotJson.of(what)))
         })?;
         Ok(Self { source, text: raw.get(), field: String::new(), round: None })
     }
@@ -102,11 +106,12 @@ impl<'a> Node<'a> {
         Place { line: self.source.line(offset), field: self.field.clone() }
     }
 
-    pub(super) fn fault(&self, reason: impl Reason) -> SceneError {
-        self.place().fault(reason)
+    /// Refuses the value.
+    pub(super) fn fault(&self, reason: impl Reason) -> Refused {
+        self.source.found.add(|| self.place().fault(reason))
     }
 
-    pub(super) fn wrong_kind(&self, expected: &str) -> SceneError {
+    pub(super) fn wrong_kind(&self, expected: &str) -> Refused {
         self.fault(Flaw::WrongKind.of(format_args!("expected {expected}, found {}", self.kind().name())))
     }
 
@@ -131,26 +136,28 @@ impl<'a> Node<'a> {
         Self { field: format!("{}{round}", self.field), round: Some(round), ..self.clone() }
     }
 
-    fn child(&self, raw: &'a RawValue, step: fmt::Arguments<'_>) -> Self {
+    pub(super) fn child(&self, raw: &'a RawValue, step: fmt::Arguments<'_>) -> Self {
         Self { source: self.source, text: raw.get(), field: format!("{}{step}", self.field), round: self.round }
     }
 
-    /// Hands on the values of a list one by one: all of them at once would take many times their text.
+    /// Hands on the values of a list one by one: all of them at once would take many times their text. One that is refused does not
+    /// keep the next ones from being read.
     pub(super) fn each(&self, mut read: impl FnMut(Self) -> Result<()>) -> Result<()> {
         if self.kind() != Kind::List {
             return Err(self.wrong_kind("a list"));
         }
-        let mut index = 0;
+        let (mut index, mut result) = (0, Ok(()));
         let one = |raw: &'a RawValue| {
             let node = self.child(raw, format_args!("[{index}]"));
             index += 1;
-            read(node)
+            let Err(refused) = read(node) else { return ControlFlow::Continue(()) };
+            result = Err(Refused::default());
+            if refused.ends_list { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
-        let mut visit = Visit { one, refused: None };
         let mut text = serde_json::Deserializer::from_str(self.text);
-        let visited = text.deserialize_seq(&mut visit);
-        // What was refused is why the rest was not looked at.
-        visit.refused.map_or(Ok(()), Err)?;
+        let visited = text.deserialize_seq(&mut Visit(one));
+        // A list that was left before its end is no error of its text.
+        result?;
         visited.map_err(|e| self.fault(Flaw::NotJson.of(e)))
     }
 
@@ -159,7 +166,7 @@ impl<'a> Node<'a> {
         let mut nodes = Vec::new();
         self.each(|node| {
             if nodes.len() == most {
-                return Err(self.fault(&too_many));
+                return Err(self.fault(&too_many).ending_list());
             }
             nodes.push(node);
             Ok(())
@@ -181,48 +188,22 @@ impl<'a> Node<'a> {
         if count > N { Err(other(nodes)) } else { nodes.try_into().map_err(other) }
     }
 
-    pub(super) fn object(&self) -> Result<Object<'a>> {
-        if self.kind() != Kind::Object {
-            return Err(self.wrong_kind("an object"));
-        }
-        let mut entries: Vec<Entry<'a>> = Vec::new();
-        let one = |name: String, raw: &'a RawValue| {
-            let dot = if self.field.is_empty() { "" } else { "." };
-            let node = self.child(raw, format_args!("{dot}{}", in_a_line(&name)));
-            if entries.iter().any(|entry| entry.name == name) {
-                return Err(node.fault(Flaw::Doubled.of("this field is given twice: give it once")));
-            }
-            if entries.len() == FIELDS {
-                return Err(node.fault(Flaw::TooMany.of(format_args!("out of range: at most {FIELDS} fields"))));
-            }
-            entries.push(Entry { name, node, used: Cell::new(false) });
-            Ok(())
-        };
-        let mut visit = VisitFields { one, refused: None };
-        let mut text = serde_json::Deserializer::from_str(self.text);
-        let visited = text.deserialize_map(&mut visit);
-        visit.refused.map_or(Ok(()), Err)?;
-        visited.map_err(|e| self.fault(Flaw::NotJson.of(e)))?;
-        Ok(Object { node: self.clone(), entries, asked: RefCell::default() })
-    }
-
     /// A text; in a repetition with its indices put in for `{i}`, `{j}`, `{i+1}` and the like.
     pub(super) fn string(&self) -> Result<String> {
         if self.kind() != Kind::Text {
             return Err(self.wrong_kind("a text"));
         }
-        let text: String = serde_json::from_str(self.text).map_err(|e| self.fault(Flaw::NotJson.of(e)))?;
+        self.filled().map_err(|message| self.fault(Flaw::Text.of(message)))
+    }
+
+    /// The text that the value is, or the reason why it is none that a scene may have.
+    pub(super) fn filled(&self) -> core::result::Result<String, String> {
+        let text: String = serde_json::from_str(self.text).map_err(|error| format!("not a text: {error}"))?;
         // Names and titles go to terminals, tables and pictures, where these would do something.
         if let Some(control) = text.chars().find(|c| c.is_control()) {
-            let found = control.escape_debug();
-            return Err(
-                self.fault(Flaw::Text.of(format_args!("a text must have no control characters: found {found}")))
-            );
+            return Err(format!("a text must have no control characters: found {}", control.escape_debug()));
         }
-        match self.round {
-            Some(round) => round.fill(&text).map_err(|message| self.fault(Flaw::Text.of(message))),
-            None => Ok(text),
-        }
+        self.round.map_or(Ok(text.clone()), |round| round.fill(&text))
     }
 
     pub(super) fn boolean(&self) -> Result<bool> {
@@ -239,95 +220,17 @@ impl<'a> Node<'a> {
         let found = choices.iter().find(|(name, _)| *name == text);
         found.map(|(_, value)| *value).ok_or_else(|| {
             let names: Vec<&str> = choices.iter().map(|(name, _)| *name).collect();
+            let meant = hint::word(&text, &names).map_or_else(String::new, |name| format!(": did you mean `{name}`?"));
             let (names, found) = (names.join(", "), quoted(&text));
-            self.fault(Flaw::WrongKind.of(format_args!("expected one of {names}, found {found}")))
+            self.fault(Flaw::WrongKind.of(format_args!("expected one of {names}, found {found}{meant}")))
         })
     }
 }
 
-struct Entry<'a> {
-    name: String,
-    node: Node<'a>,
-    used: Cell<bool>,
-}
+/// Hands on the values of a list as long as they are wanted.
+struct Visit<F>(F);
 
-/// The fields of an object. Those that nobody asks for are unknown.
-pub(super) struct Object<'a> {
-    pub(super) node: Node<'a>,
-    entries: Vec<Entry<'a>>,
-    asked: RefCell<Vec<&'static str>>,
-}
-
-impl<'a> Object<'a> {
-    pub(super) fn get(&self, name: &'static str) -> Option<&Node<'a>> {
-        self.asked.borrow_mut().push(name);
-        let entry = self.entries.iter().find(|entry| entry.name == name)?;
-        entry.used.set(true);
-        Some(&entry.node)
-    }
-
-    pub(super) fn need(&self, name: &'static str) -> Result<&Node<'a>> {
-        self.get(name).ok_or_else(|| self.node.fault(Flaw::Missing.of(format_args!("the field `{name}` is missing"))))
-    }
-
-    /// Reads a field with `read`, or returns `otherwise` if it is missing.
-    pub(super) fn or<T>(
-        &self,
-        name: &'static str,
-        otherwise: T,
-        read: impl FnOnce(&Node<'a>) -> Result<T>,
-    ) -> Result<T> {
-        self.get(name).map_or(Ok(otherwise), read)
-    }
-
-    /// The one field of these that is there.
-    pub(super) fn one_of(&self, names: &[&'static str]) -> Result<(&'static str, &Node<'a>)> {
-        let mut found = None;
-        for name in names {
-            if let Some(node) = self.get(name) {
-                if let Some((other, _)) = found {
-                    return Err(node.fault(format_args!("`{other}` is given already: give only one of the two")));
-                }
-                found = Some((*name, node));
-            }
-        }
-        found.ok_or_else(|| {
-            let missing = || {
-                let names = names.join(", ");
-                self.node.fault(Flaw::Missing.of(format_args!("one of the fields {names} is missing")))
-            };
-            self.unknown().unwrap_or_else(missing)
-        })
-    }
-
-    /// Returns the value of the first of these fields that is there, or the object itself if none is: the place for an error.
-    pub(super) fn at(&self, names: &[&str]) -> &Node<'a> {
-        let named = names.iter().find_map(|name| self.entries.iter().find(|entry| entry.name == *name));
-        named.map_or(&self.node, |entry| &entry.node)
-    }
-
-    fn unknown(&self) -> Option<SceneError> {
-        let entry = self.entries.iter().find(|entry| !entry.used.get())?;
-        let asked = self.asked.borrow();
-        Some(entry.node.fault(Flaw::Unknown.of(format_args!("unknown field; there are {}", asked.join(", ")))))
-    }
-
-    /// Refuses fields that nobody asked for.
-    pub(super) fn finish(&self) -> Result<()> {
-        self.unknown().map_or(Ok(()), Err)
-    }
-}
-
-/// The most fields of an object: more than any has that is read, and few enough to be looked through for doubles.
-const FIELDS: usize = 64;
-
-/// Hands on the parts of a value, until one is refused.
-struct Visit<F> {
-    one: F,
-    refused: Option<SceneError>,
-}
-
-impl<'de, F: FnMut(&'de RawValue) -> Result<()>> Visitor<'de> for &mut Visit<F> {
+impl<'de, F: FnMut(&'de RawValue) -> ControlFlow<()>> Visitor<'de> for &mut Visit<F> {
     type Value = ();
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -336,32 +239,7 @@ impl<'de, F: FnMut(&'de RawValue) -> Result<()>> Visitor<'de> for &mut Visit<F> 
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> core::result::Result<(), A::Error> {
         while let Some(raw) = list.next_element()? {
-            if let Err(refused) = (self.one)(raw) {
-                self.refused = Some(refused);
-                break;
-            }
-        }
-        Ok(())
-    }
-}
-
-/// Hands on the fields of an object, until one is refused.
-struct VisitFields<F> {
-    one: F,
-    refused: Option<SceneError>,
-}
-
-impl<'de, F: FnMut(String, &'de RawValue) -> Result<()>> Visitor<'de> for &mut VisitFields<F> {
-    type Value = ();
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("an object")
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> core::result::Result<(), A::Error> {
-        while let Some((name, raw)) = map.next_entry()? {
-            if let Err(refused) = (self.one)(name, raw) {
-                self.refused = Some(refused);
+            if (self.0)(raw).is_break() {
                 break;
             }
         }

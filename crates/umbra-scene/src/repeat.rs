@@ -4,8 +4,9 @@ use alloc::format;
 use alloc::string::{String, ToString};
 use core::fmt;
 
-use super::error::{Coded, Flaw};
-use super::node::{Kind, Node, Object, Result, in_a_line};
+use super::error::{Coded, Flaw, Refused};
+use super::node::{Kind, Node, Result, in_a_line};
+use super::object::Object;
 use umbra_physics::{Fx, ParseFxError};
 
 /// The indices of a repetition.
@@ -63,32 +64,29 @@ impl Round {
 /// The number of bytes allowed for each thing a scene may have, if all repetitions were written out.
 const BYTES_EACH: u64 = 512;
 
-/// Reads a list of at most so many things, in which an object with the field `repeat` stands for many.
+/// Reads a list of at most so many things, in which an object with the field `repeat` stands for many. Where one of these is refused,
+/// the others are not read: they would be refused alike.
 pub(super) fn each<'a>(list: &Node<'a>, most: u64, mut read: impl FnMut(&Object<'a>) -> Result<()>) -> Result<()> {
     let (mut made, mut bytes) = (0u64, 0u64);
     list.each(|node| {
+        made = made.saturating_add(1);
+        check_count(&node, made, most)?;
         let object = node.object()?;
-        let Some(repeat) = object.get("repeat") else {
-            made += 1;
-            check_count(&node, made, most)?;
-            return read(&object);
-        };
+        let Some(repeat) = object.get("repeat") else { return read(&object) };
         let counts = repeat.object()?;
-        let (i, j) = (counts.need("i")?, counts.get("j"));
-        let (i, planar) = (range(i)?, j.is_some());
-        let j = j.map_or(Ok((0, 0)), range)?;
+        let (i, j, planar) = (counts.need("i", range), counts.or("j", (0, 0), range), counts.has("j"));
         counts.finish()?;
+        let i = i?;
         // Each range has at most 2^32 in it.
         let count = |(first, last): (i64, i64)| last.abs_diff(first) + 1;
         let rounds = count(i).saturating_mul(count(j));
-        made = made.saturating_add(rounds);
+        made = made.saturating_add(rounds - 1);
         check_count(repeat, made, most)?;
         bytes = bytes.saturating_add(rounds.saturating_mul(node.raw().len() as u64));
         if bytes > most.saturating_mul(BYTES_EACH) {
             let most = most.saturating_mul(BYTES_EACH);
-            return Err(repeat.fault(
-                Flaw::TooMany.of(format_args!("out of range: written out, this would be more than {most} bytes")),
-            ));
+            let reason = format_args!("out of range: written out, this would be more than {most} bytes");
+            return Err(repeat.fault(Flaw::TooMany.of(reason)).ending_list());
         }
         let mut n = 0;
         for j in j.0..=j.1 {
@@ -108,14 +106,15 @@ pub(super) fn check_count(node: &Node<'_>, made: u64, most: u64) -> Result<()> {
     if made <= most {
         return Ok(());
     }
-    Err(node.fault(Flaw::TooMany.of(format_args!("out of range: at most {most} can be made"))))
+    let refused = node.fault(Flaw::TooMany.of(format_args!("out of range: at most {most} can be made")));
+    Err(refused.ending_list())
 }
 
 /// A count n for 0 to n − 1, or [first, last].
 fn range(node: &Node<'_>) -> Result<(i64, i64)> {
     let (first, last) = if node.kind() == Kind::List {
-        let [first, last] = node.tuple()?;
-        (first.whole::<i32>()?.into(), last.whole::<i32>()?.into())
+        let [first, last] = node.tuple()?.map(|index: Node<'_>| index.whole::<i32>());
+        (first?.into(), last?.into())
     } else {
         (0, i64::from(node.whole::<i32>()?) - 1)
     };
@@ -200,7 +199,7 @@ impl Node<'_> {
         })
     }
 
-    pub(super) fn unread(&self, error: ParseFxError) -> super::SceneError {
+    pub(super) fn unread(&self, error: ParseFxError) -> Refused {
         match error {
             ParseFxError::OutOfRange => {
                 self.fault(Coded(error.code(), "out of range: expected a number from -2^31 to below 2^31"))
@@ -213,13 +212,13 @@ impl Node<'_> {
     fn made(&self, round: Round) -> Result<Fx> {
         let object = self.object()?;
         if let Some(bounds) = object.get("random") {
-            let [low, high] = bounds.tuple()?;
-            let (least, most) = (low.number()?, high.number()?);
+            let seed = object.need("seed", Node::whole::<u64>);
+            object.finish()?;
+            let (seed, [least, most]) = (seed?, bounds.tuple()?.map(|bound: Node<'_>| bound.number()));
+            let (least, most) = (least?, most?);
             if least > most {
                 return Err(bounds.fault(Flaw::OutOfRange.of("out of range: the first is larger than the second")));
             }
-            let seed: u64 = object.need("seed")?.whole()?;
-            object.finish()?;
             // least + ⌊(most − least + 1 ulp)·random / 2^64⌋; at most 2^64 ulps times below 2^64 fits in 128 bits.
             let ulps = (i128::from(most.to_bits()) - i128::from(least.to_bits())) as u128 + 1;
             let random = u128::from(split_mix(seed, round.n));
@@ -242,7 +241,7 @@ impl Node<'_> {
                 Exact::parse(node.raw()).ok_or_else(|| long(node))
             })
         };
-        let (start, by_i, by_j) = (term("start")?, term("i")?, term("j")?);
+        let (start, by_i, by_j) = (term("start"), term("i"), term("j"));
         object.finish()?;
         let sum = || start.plus(by_i.times(round.i)?)?.plus(by_j.times(round.j)?);
         sum().ok_or_else(|| long(self))

@@ -6,15 +6,15 @@ use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
 use super::convert::{convert_command, convert_field};
-use super::error::{Coded, Flaw, Place, SceneError};
+use super::error::{Coded, Flaw, Found, Place, SceneError, SceneErrors};
 use super::field::symbol;
 use super::input::{Input, SceneAction};
 use super::node::quoted;
 use super::shape::vector;
 use super::{Scene, ShapeDef};
 use umbra_physics::{
-    ApplyOptions, BodyId, Command, Created, Damping, Error, FieldId, ForceOrImpulse, Fx, Quantity, Scalar, StepReport,
-    Stepper, TimeStep, World, WorldDef, scalar::Wide,
+    ApplyOptions, BodyId, Command, Created, Damping, Error, FieldId, ForceOrImpulse, Fx, Labels, Quantity, Scalar,
+    StepReport, Stepper, TimeStep, World, WorldDef, scalar::Wide,
 };
 
 /// A running scene: its world, and the inputs still to come.
@@ -102,6 +102,22 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
         self.index(body).map_or("", |index| &self.scene.bodies[index].name)
     }
 
+    /// The names of the bodies and force fields that the scene has added up to now, for a
+    /// [`Recorder`](umbra_physics::Recorder::labels_mut): the replay then has them too.
+    #[must_use]
+    pub fn labels(&self) -> Labels {
+        let mut labels = Labels::new();
+        for (body, index) in &self.indices {
+            labels.set_body(*body, &self.scene.bodies[*index].name);
+        }
+        for (field, id) in self.scene.fields.iter().zip(&self.fields) {
+            if let (Some(name), Some(id)) = (&field.name, id) {
+                labels.set_field(*id, name);
+            }
+        }
+        labels
+    }
+
     /// The number of ticks that were made.
     #[must_use]
     pub fn tick(&self) -> u64 {
@@ -131,8 +147,11 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
     /// for _ in 0..5 {
     ///     run.advance_by(&mut recorder)?;
     /// }
+    /// *recorder.labels_mut() = run.labels();
     /// let replay = Replay::from_bytes(&recorder.finish(run.world()), &[])?;
     /// assert_eq!((replay.end(), replay.verify()), (5, Ok(())));
+    /// let body = run.world().bodies().next().unwrap().id();
+    /// assert_eq!(replay.labels().body(body), Some("a"));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
@@ -180,8 +199,9 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
         Ok(())
     }
 
-    /// Tries the inputs in their order, on a world that does not move on.
-    pub(super) fn rehearse(mut self) -> Result<(), SceneError> {
+    /// Tries the inputs in their order, on a world that does not move on. One that is refused changes nothing, and the next are tried.
+    pub(super) fn rehearse(mut self) -> Result<(), SceneErrors> {
+        let found = Found::default();
         for index in core::mem::take(&mut self.order) {
             let Input { from, action, place, .. } = &self.scene.inputs[index];
             // What these are refused for depends on the motion before.
@@ -196,11 +216,12 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
                     })
             );
             if !depends {
-                let done = self.carry_out(action, &mut ());
-                done.map_err(|error| self.blame(place, *from, error))?;
+                if let Err(error) = self.carry_out(action, &mut ()) {
+                    found.add(|| self.blame(place, *from, error));
+                }
             }
         }
-        Ok(())
+        found.finish()
     }
 
     fn carry_out(&mut self, action: &SceneAction, driver: &mut impl Stepper<S>) -> Result<(), Error> {

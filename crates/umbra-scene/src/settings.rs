@@ -6,31 +6,31 @@ use alloc::vec::Vec;
 use super::body::own_damping;
 use super::error::Flaw;
 use super::field::{Names, named};
-use super::node::{Kind, Node, Object, Result};
+use super::node::{Kind, Node, Result};
+use super::object::Object;
 use umbra_physics::{Damping, Error, Integrator, Quantity, Random, TimeStep, Vec2, WorldDef};
 
-/// Reads the world's definition and refuses what no world can be.
-pub(super) fn world(object: &Object<'_>) -> Result<WorldDef> {
+/// Reads the world's definition and refuses what no world can be; the rest is then read with a standard world.
+pub(super) fn world(object: &Object<'_>) -> WorldDef {
     let standard: WorldDef = WorldDef::default();
-    let (linear_damping, angular_damping) = object.or("damping", (Damping::NONE, Damping::NONE), world_damping)?;
+    let (linear_damping, angular_damping) = object.or("damping", (Damping::NONE, Damping::NONE), world_damping);
     let def = WorldDef {
-        time_step: object.or("time_step", standard.time_step, time_step)?,
-        gravity: object.or("gravity", Vec2::ZERO, Node::point)?,
-        integrator: object.or("integrator", standard.integrator, integrator)?,
+        time_step: object.or("time_step", standard.time_step, time_step),
+        gravity: object.or("gravity", Vec2::ZERO, Node::point),
+        integrator: object.or("integrator", standard.integrator, integrator),
         linear_damping,
         angular_damping,
-        sleep_after: object.or("sleep_after", standard.sleep_after, sleep_after)?,
+        sleep_after: object.or("sleep_after", standard.sleep_after, sleep_after),
     };
-    def.check().map_err(|error| {
-        let field = match error {
-            Error::TimeStep => "time_step",
-            Error::OutOfRange { quantity: Quantity::Gravity } => "gravity",
-            Error::OutOfRange { quantity: Quantity::SleepAfter } => "sleep_after",
-            _ => "damping",
-        };
-        object.at(&[field]).fault(error)
-    })?;
-    Ok(def)
+    let Err(error) = def.check() else { return def };
+    let field = match error {
+        Error::TimeStep => "time_step",
+        Error::OutOfRange { quantity: Quantity::Gravity } => "gravity",
+        Error::OutOfRange { quantity: Quantity::SleepAfter } => "sleep_after",
+        _ => "damping",
+    };
+    object.at(&[field]).fault(error);
+    standard
 }
 
 /// "num/den" or {num, den}, in s.
@@ -38,9 +38,9 @@ pub(super) fn time_step(node: &Node<'_>) -> Result<TimeStep> {
     let (num, den) = match node.kind() {
         Kind::Object => {
             let object = node.object()?;
-            let ratio = (object.need("num")?.whole()?, object.need("den")?.whole()?);
+            let (num, den) = (object.need("num", Node::whole), object.need("den", Node::whole));
             object.finish()?;
-            ratio
+            (num?, den?)
         }
         Kind::Text => {
             let text = node.string()?;
@@ -72,8 +72,8 @@ pub(super) fn random(node: &Node<'_>) -> Result<Random> {
     if node.kind() != Kind::List {
         return node.whole().map(Random::seeded);
     }
-    let [a, b, c, d] = node.tuple()?;
-    let state = [a.whole()?, b.whole()?, c.whole()?, d.whole()?];
+    let [a, b, c, d] = node.tuple()?.map(|word: Node<'_>| word.whole());
+    let state = [a?, b?, c?, d?];
     Random::from_state(state).ok_or_else(|| node.fault("out of range: the state of a generator must not be four zeros"))
 }
 
@@ -118,8 +118,8 @@ const EXPOSURES: u32 = 1000;
 pub(super) fn plot(node: &Node<'_>, bodies: &Names) -> Result<Plot> {
     let object = node.object()?;
     let view = object.get("view").map(|node| {
-        let [least, most] = node.tuple()?;
-        let (least, most) = (least.point()?, most.point()?);
+        let [least, most] = node.tuple()?.map(|corner: Node<'_>| corner.point());
+        let (least, most) = (least?, most?);
         if least.x >= most.x || least.y >= most.y {
             return Err(node.fault("expected the lower left corner, then the upper right one"));
         }
@@ -136,9 +136,9 @@ pub(super) fn plot(node: &Node<'_>, bodies: &Names) -> Result<Plot> {
         }
     };
     let plot = Plot {
-        view: view.transpose()?,
-        trails: object.or("trails", Trails::All, trails)?,
-        exposures: object.or("exposures", 0, Node::whole)?,
+        view: view.and_then(Result::ok),
+        trails: object.or("trails", Trails::All, trails),
+        exposures: object.or("exposures", 0, Node::whole),
     };
     object.finish()?;
     if plot.exposures > EXPOSURES {
@@ -150,6 +150,6 @@ pub(super) fn plot(node: &Node<'_>, bodies: &Names) -> Result<Plot> {
 }
 
 /// A text that may be left out.
-pub(super) fn words(object: &Object<'_>, name: &'static str) -> Result<String> {
+pub(super) fn words(object: &Object<'_>, name: &'static str) -> String {
     object.or(name, String::new(), Node::string)
 }

@@ -3,7 +3,8 @@
 use alloc::vec::Vec;
 
 use super::error::Flaw;
-use super::node::{Node, Result};
+use super::node::{Kind, Node, Result};
+use super::object::Object;
 use umbra_physics::{
     Error, Fx, Geometry, Part, Quantity, Scalar, Shape, Vec2,
     limits::{CORNERS, PARTS, SIZE_MAX, SIZE_MIN},
@@ -119,6 +120,17 @@ fn size(node: &Node<'_>) -> Result<Fx> {
     Err(node.fault(Error::OutOfRange { quantity: Quantity::Size }))
 }
 
+/// The sizes that an object consists of.
+fn sizes<const N: usize>(object: &Object<'_>, names: [&'static str; N]) -> Result<[Fx; N]> {
+    let read = names.map(|name| object.need(name, size));
+    object.finish()?;
+    let mut sizes = [Fx::ZERO; N];
+    for (size, read) in sizes.iter_mut().zip(read) {
+        *size = read?;
+    }
+    Ok(sizes)
+}
+
 /// Reads a shape and makes sure that it can be made.
 pub(super) fn shape(node: &Node<'_>) -> Result<ShapeDef> {
     read(node, false)
@@ -135,23 +147,30 @@ fn read(node: &Node<'_>, part_of_one: bool) -> Result<ShapeDef> {
     let def = match name {
         "polygon" => return polygon(inner),
         "segment" => {
-            let [a, b] = inner.tuple()?;
-            ShapeDef::Segment { ends: [a.point()?, b.point()?] }
+            let [a, b] = inner.tuple()?.map(|end: Node<'_>| end.point());
+            ShapeDef::Segment { ends: [a?, b?] }
         }
         "compound" => {
             let parts = inner.list(PARTS, Error::OutOfRange { quantity: Quantity::Count })?;
-            ShapeDef::Compound { parts: parts.iter().map(part).collect::<Result<_>>()? }
+            let parts: Vec<_> = parts.iter().map(part).collect();
+            ShapeDef::Compound { parts: parts.into_iter().collect::<Result<_>>()? }
         }
         _ => {
             let object = inner.object()?;
-            let sized = |name| size(object.need(name)?);
-            let def = match name {
-                "circle" => ShapeDef::Circle { radius: sized("radius")? },
-                "rectangle" => ShapeDef::Rectangle { width: sized("width")?, height: sized("height")? },
-                _ => ShapeDef::Capsule { length: sized("length")?, radius: sized("radius")? },
-            };
-            object.finish()?;
-            def
+            match name {
+                "circle" => {
+                    let [radius] = sizes(&object, ["radius"])?;
+                    ShapeDef::Circle { radius }
+                }
+                "rectangle" => {
+                    let [width, height] = sizes(&object, ["width", "height"])?;
+                    ShapeDef::Rectangle { width, height }
+                }
+                _ => {
+                    let [length, radius] = sizes(&object, ["length", "radius"])?;
+                    ShapeDef::Capsule { length, radius }
+                }
+            }
         }
     };
     def.make::<Fx>().map_err(|error| inner.fault(error))?;
@@ -160,7 +179,8 @@ fn read(node: &Node<'_>, part_of_one: bool) -> Result<ShapeDef> {
 
 fn polygon(node: &Node<'_>) -> Result<ShapeDef> {
     let nodes = node.list(CORNERS, Error::OutOfRange { quantity: Quantity::Count })?;
-    let corners = nodes.iter().map(Node::point).collect::<Result<Vec<_>>>()?;
+    let corners: Vec<_> = nodes.iter().map(Node::point).collect();
+    let corners = corners.into_iter().collect::<Result<Vec<_>>>()?;
     match Shape::polygon(&corners) {
         Err(Error::NotConvex { corner }) => Err(nodes[corner].fault(Error::NotConvex { corner })),
         Err(error) => Err(node.fault(error)),
@@ -170,34 +190,49 @@ fn polygon(node: &Node<'_>) -> Result<ShapeDef> {
 
 fn part(node: &Node<'_>) -> Result<PartDef> {
     let object = node.object()?;
-    let part = PartDef {
-        shape: read(object.need("shape")?, true)?,
-        position: object.or("position", Vec2::ZERO, Node::point)?,
-        angle: object.or("angle", Fx::ZERO, Node::number)?,
-        density: object.or("density", Fx::ONE, Node::number)?,
-    };
+    let shape = object.need("shape", |node| read(node, true));
+    let position = object.or("position", Vec2::ZERO, Node::point);
+    let angle = object.or("angle", Fx::ZERO, Node::number);
+    let density = object.or("density", Fx::ONE, Node::number);
+    object.finish()?;
+    let part = PartDef { shape: shape?, position, angle, density };
     if part.density <= Fx::ZERO {
         return Err(object.at(&["density"]).fault(Error::OutOfRange { quantity: Quantity::Density }));
     }
-    object.finish()?;
     Ok(part)
 }
 
 impl Node<'_> {
-    /// A vector: [x, y], or {length, angle} in rad.
+    /// A vector: [x, y], {x, y}, or {length, angle} in rad.
     pub(super) fn point(&self) -> Result<Vec2> {
-        if self.kind() != super::node::Kind::Object {
-            let [x, y] = self.tuple()?;
-            return Ok(Vec2::new(x.number()?, y.number()?));
+        if self.kind() == Kind::List {
+            let [x, y] = self.tuple()?.map(|component: Node<'_>| component.number());
+            return Ok(Vec2::new(x?, y?));
         }
-        let object = self.object()?;
-        let (length, angle) = (object.need("length")?.number()?, object.need("angle")?.number()?);
-        object.finish()?;
+        if self.kind() != Kind::Object {
+            return Err(self.wrong_kind(r#"[x, y] or {"x": …, "y": …}"#));
+        }
+        self.object()?.vector()
+    }
+}
+
+impl Object<'_> {
+    /// The vector that an object with `x` and `y`, or `length` and `angle`, is.
+    pub(super) fn vector(&self) -> Result<Vec2> {
+        if !self.has("length") && !self.has("angle") {
+            let (x, y) = (self.need("x", Node::number), self.need("y", Node::number));
+            self.finish()?;
+            return Ok(Vec2::new(x?, y?));
+        }
+        let (length, angle) = (self.need("length", Node::number), self.need("angle", Node::number));
+        self.finish()?;
+        let (length, angle) = (length?, angle?);
         let (sin, cos) = angle.sin_cos();
         // |sin| and |cos| are at most 1. Against the largest length there is room for it one way alone: −2^31 turned round is no `Fx`.
         let component = |unit| length.checked_mul(unit);
         let vector = component(cos).zip(component(sin)).map(|(x, y)| Vec2::new(x, y));
-        vector
-            .ok_or_else(|| self.fault(Flaw::OutOfRange.of("out of range: a component of the vector is not below 2^31")))
+        vector.ok_or_else(|| {
+            self.node.fault(Flaw::OutOfRange.of("out of range: a component of the vector is not below 2^31"))
+        })
     }
 }

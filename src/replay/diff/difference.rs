@@ -4,6 +4,7 @@ use alloc::format;
 use alloc::string::{String, ToString as _};
 use core::fmt;
 
+use super::text;
 use crate::codec::{self, Encoder, Malformed, Part, Read, Reader, Write};
 use crate::integrate::StageKind;
 use crate::replay::snapshot::Owner;
@@ -75,13 +76,15 @@ impl Read for TickPhase {
 
 /// A value in which two worlds, runs or files differ, or in which a file was changed.
 ///
-/// The text is `tick 2, inputs, body 1, velocity.x: 3 and 4`; with `{:#}` the tick and the phase are left out.
+/// The text is `tick 2, inputs, body 1 "ball", input 1, velocity.x: 3 and 4 m/s (differ by 1 m/s)`; with `{:#}` the tick and the phase are
+/// left out. Numbers have as many digits as show the difference, [`exact`](Self::exact) has all. One ulp is 2^-32; a difference of less
+/// than a million is given in ulps too.
 ///
 /// ```
 /// use umbra_physics::{BodyDef, Difference, Owner, TickPhase, World, WorldDef, vec2};
 ///
 /// let mut world = World::new(WorldDef::default())?;
-/// let body = world.add_body(BodyDef::dynamic())?;
+/// let body = world.add_body(BodyDef { key: 7, ..BodyDef::dynamic() })?;
 /// let mut other = world.clone();
 /// other.set_gravity(vec2(0, -10))?;
 /// other.set_velocity(body, vec2(1, 0))?;
@@ -89,8 +92,8 @@ impl Read for TickPhase {
 /// assert_eq!((found[0].owner, &found[0].field[..]), (Owner::World, "settings.gravity.y"));
 /// assert_eq!((found[1].owner, found[1].right.as_deref()), (Owner::Body(body), Some("1")));
 /// assert_eq!((found[1].tick, found[1].phase), (0, TickPhase::Start));
-/// assert_eq!(found[1].to_string(), "tick 0, start, body 0, velocity.x: 0 and 1");
-/// assert_eq!(format!("{:#}", found[1]), "body 0, velocity.x: 0 and 1");
+/// assert_eq!(found[1].to_string(), "tick 0, start, body 0 (key 7), velocity.x: 0 and 1 m/s (differ by 1 m/s)");
+/// assert_eq!(format!("{:#}", found[1]), "body 0 (key 7), velocity.x: 0 and 1 m/s (differ by 1 m/s)");
 /// # Ok::<(), umbra_physics::Error>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -102,6 +105,10 @@ pub struct Difference {
     pub phase: TickPhase,
     /// The part of the world that the values belong to.
     pub owner: Owner,
+    /// The name that the body or force field has in the [`Labels`](crate::Labels) of a replay.
+    pub name: Option<String>,
+    /// The key of the body, where it is known; else 0.
+    pub key: u64,
     /// The name of the value there, as `position.x`; empty if more was changed than can be told apart.
     pub field: String,
     /// The exact value in the first of the two: the recorded value of a file or a run. `None` if there is none, or it is
@@ -117,26 +124,83 @@ impl Difference {
         Self { tick, phase, ..self }
     }
 
+    /// The text with all digits of its numbers.
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, Fx, World, WorldDef, vec2};
+    ///
+    /// let mut world: World = World::new(WorldDef::default())?;
+    /// let body = world.add_body(BodyDef::dynamic())?;
+    /// let mut other = world.clone();
+    /// other.set_velocity(body, vec2(Fx::DELTA, Fx::ZERO))?;
+    /// let found = world.first_difference(&other).unwrap();
+    /// let exact = "body 0, velocity.x: 0 and 0.00000000023283064365386962890625 m/s (differ by 1 ulp, 2.3e-10 m/s)";
+    /// assert_eq!(format!("{:#}", found.exact()), exact);
+    /// assert_eq!(format!("{found:#}"), "body 0, velocity.x: 0 and 0.00000000023 m/s (differ by 1 ulp, 2.3e-10 m/s)");
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    pub fn exact(&self) -> impl fmt::Display {
+        Exact(self)
+    }
+
+    fn write(&self, f: &mut fmt::Formatter<'_>, exact: bool) -> fmt::Result {
+        let Self { tick, phase, owner, name, key, field, left, right } = self;
+        if !f.alternate() {
+            write!(f, "tick {tick}, {phase}, ")?;
+        }
+        write!(f, "{owner}")?;
+        if let Some(name) = name {
+            write!(f, " {name:?}")?;
+        }
+        if *key != 0 {
+            write!(f, " (key {key})")?;
+        }
+        if !field.is_empty() {
+            write!(f, ", {}", spoken(field))?;
+        }
+        f.write_str(": ")?;
+        let none = if left.is_none() && right.is_none() { "unknown" } else { "nothing" };
+        text::write(f, field, left.as_deref().unwrap_or(none), right.as_deref().unwrap_or(none), exact)
+    }
+
     /// Two hashes of a world at the end of a tick.
     pub(in crate::replay) fn of_hashes(tick: u64, left: u64, right: u64) -> Self {
         let [left, right] = [left, right].map(|hash| Some(format!("{hash:016x}")));
-        Self { tick, phase: TickPhase::End, owner: Owner::World, field: "hash".to_string(), left, right }
+        let (name, key, field) = (None, 0, "hash".to_string());
+        Self { tick, phase: TickPhase::End, owner: Owner::World, name, key, field, left, right }
     }
 }
 
 impl fmt::Display for Difference {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { tick, phase, owner, field, left, right } = self;
-        if !f.alternate() {
-            write!(f, "tick {tick}, {phase}, ")?;
-        }
-        owner.fmt(f)?;
-        if !field.is_empty() {
-            write!(f, ", {field}")?;
-        }
-        let none = if left.is_none() && right.is_none() { "unknown" } else { "nothing" };
-        write!(f, ": {} and {}", left.as_deref().unwrap_or(none), right.as_deref().unwrap_or(none))
+        self.write(f, false)
     }
+}
+
+/// A difference, to be written with all digits.
+struct Exact<'a>(&'a Difference);
+
+impl fmt::Display for Exact<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.write(f, true)
+    }
+}
+
+/// The name of a field for a sentence: the calls and inputs of a tick are counted from 1.
+fn spoken(field: &str) -> String {
+    for (list, one) in [("calls", "call"), ("inputs", "input")] {
+        let Some(rest) = field.strip_prefix(list) else { continue };
+        if rest == ".count" {
+            return format!("number of {list}");
+        }
+        let entry = rest.strip_prefix('[').and_then(|rest| rest.split_once(']'));
+        if let Some((Ok(index), within)) = entry.map(|(index, within)| (index.parse::<u32>(), within)) {
+            let within = within.strip_prefix('.').unwrap_or(within);
+            let comma = if within.is_empty() { "" } else { ", " };
+            return format!("{one} {}{comma}{within}", u64::from(index) + 1);
+        }
+    }
+    field.to_string()
 }
 
 /// Writes a path as a name: `bodies[3].position.x`.

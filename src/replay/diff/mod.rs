@@ -2,6 +2,7 @@
 
 mod difference;
 mod hash_tree;
+mod text;
 mod worlds;
 
 pub(super) use difference::name_of;

@@ -77,7 +77,11 @@ impl<S: Scalar> World<S> {
         right: Option<&FieldValue>,
     ) -> Difference {
         let (owner, path) = with.owner_of(path);
-        difference(self.tick(), owner, path, left, right)
+        let key = match owner {
+            Owner::Body(body) => with.body(body).map_or(0, |body| body.key()),
+            _ => 0,
+        };
+        Difference { key, ..difference(self.tick(), owner, path, left, right) }
     }
 
     /// The owner of the value at a path, and the rest of the path.
@@ -119,7 +123,8 @@ impl<S: Scalar> BodyRef<'_, S> {
             leaves.extend(body.shape().into_iter().flat_map(|shape| FieldIndex::of(shape).leaves));
             leaves
         };
-        first_unlike(self.parts().0.tick(), Owner::Body(self.id()), &leaves(self), &leaves(other))
+        let found = first_unlike(self.parts().0.tick(), Owner::Body(self.id()), &leaves(self), &leaves(other))?;
+        Some(Difference { key: self.key(), ..found })
     }
 }
 
@@ -131,7 +136,8 @@ fn difference(
     right: Option<&FieldValue>,
 ) -> Difference {
     let [left, right] = [left, right].map(|value| value.map(|value| value.text.clone()));
-    Difference { tick, phase: TickPhase::Start, owner, field: name_of(path), left, right }
+    let (phase, field) = (TickPhase::Start, name_of(path));
+    Difference { tick, phase, owner, name: None, key: 0, field, left, right }
 }
 
 /// The first value in which two records of one body or field differ.

@@ -7,7 +7,8 @@ use alloc::sync::Arc;
 
 use super::chunk::{Chunk, Damage};
 use super::error::ReplayError;
-use super::format::{DONE, Done, HEAD, Head, PHASE, PhaseState, SNAPSHOT, TICKS, VERSION};
+use super::format::{DONE, Done, HEAD, Head, NAMES, PHASE, PhaseState, SNAPSHOT, TICKS, VERSION};
+use super::labels::Labels;
 use super::ticks::{Segment, Tick, owner_in_tick};
 use crate::codec::{FieldIndex, FieldValue, Malformed, Part, Read, Reader, Wanted};
 use crate::force::CustomForce;
@@ -38,8 +39,10 @@ pub(super) fn check_unchanged(
     let Some(damage) = chunk.damage else { return Ok(()) };
     let in_frame = |part: &str, left: Option<String>, right: Option<String>| Difference {
         tick,
-        phase: if matches!(chunk.tag, TICKS | DONE) { TickPhase::End } else { TickPhase::Start },
+        phase: if matches!(chunk.tag, TICKS | NAMES | DONE) { TickPhase::End } else { TickPhase::Start },
         owner: Owner::World,
+        name: None,
+        key: 0,
         field: format!("chunk {number}.{part}"),
         left,
         right,
@@ -86,7 +89,8 @@ fn changed_value(
     // computes hashes anew, and it is their bytes that were changed.
     let right = find_value(chunk, &changed, custom_forces, Wanted::On(value.path.clone())).and_then(|(value, _)| value);
     let right = right.filter(|right| right.text != value.text).map_or_else(hex, |right| right.text);
-    Some(Difference { tick, phase, owner, field, left: Some(value.text), right: Some(right) })
+    let (left, right) = (Some(value.text), Some(right));
+    Some(Difference { tick, phase, owner, name: None, key: 0, field, left, right })
 }
 
 /// The content of a chunk.
@@ -131,6 +135,7 @@ fn find_value<'a>(
     Some(match chunk.tag {
         HEAD => (FieldIndex::find(&Head::read(&mut reader).ok()?, wanted), Content::File(TickPhase::Start)),
         DONE => (FieldIndex::find(&Done::read(&mut reader).ok()?, wanted), Content::File(TickPhase::End)),
+        NAMES => (FieldIndex::find(&Labels::read(&mut reader).ok()?, wanted), Content::File(TickPhase::End)),
         SNAPSHOT => {
             let world = read_unsealed(&mut reader, custom_forces).ok()?;
             (FieldIndex::find(&Saved(&world), wanted), Content::World(Box::new(world), TickPhase::Start))

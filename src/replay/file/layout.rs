@@ -4,7 +4,8 @@
 use alloc::vec::Vec;
 
 use super::chunk;
-use super::format::{DONE, Done, HEAD, Head, REPLAY, SNAPSHOT, TICKS};
+use super::format::{DONE, Done, HEAD, Head, NAMES, REPLAY, SNAPSHOT, TICKS};
+use super::labels::Labels;
 use super::ticks::Tick;
 use crate::codec::Write;
 use crate::replay::snapshot::Saved;
@@ -88,6 +89,15 @@ impl Writer {
         self.ticks = 0;
     }
 
+    /// Adds the names, if there are any.
+    pub(super) fn labels(&mut self, labels: &Labels) {
+        if !labels.is_empty() {
+            let mut bytes = Vec::new();
+            labels.write(&mut bytes);
+            chunk::write(&mut self.file, NAMES, &bytes);
+        }
+    }
+
     /// Adds the end.
     pub(super) fn done(&mut self, done: Done) {
         let mut bytes = Vec::new();
@@ -105,8 +115,10 @@ pub(super) enum Next {
     Snapshot,
     /// The end, because the chunk of ticks before had room for more.
     End,
-    /// The end, because the last snapshot was read.
+    /// Names or the end, because the last snapshot was read.
     Done,
+    /// The end, because the names were read.
+    Named,
 }
 
 impl Next {
@@ -116,7 +128,7 @@ impl Next {
             Self::Ticks => Ok(()),
             Self::Snapshot => Err("the snapshot of this tick"),
             Self::End => Err("the last snapshot: the chunk of ticks before has room for more"),
-            Self::Done => Err("the end"),
+            Self::Done | Self::Named => Err("the end"),
         }
     }
 
@@ -140,10 +152,18 @@ impl Next {
         }
     }
 
+    /// The chunks that may follow the names, with the world at this tick.
+    pub(super) fn after_names(self, head: &Head, tick: u64) -> Result<Self, &'static str> {
+        if self == Self::Named {
+            return Err("the end");
+        }
+        self.may_be_done(head, tick).map(|()| Self::Named)
+    }
+
     /// Refuses the end where it may not follow, with the world at this tick.
     pub(super) fn may_be_done(self, head: &Head, tick: u64) -> Result<(), &'static str> {
         match self {
-            Self::Done => Ok(()),
+            Self::Done | Self::Named => Ok(()),
             Self::Ticks if head.has_snapshot(tick) => Ok(()),
             _ => Err("the snapshot of the last tick"),
         }

@@ -5,6 +5,7 @@ mod damage;
 mod dump;
 mod error;
 mod format;
+mod labels;
 mod layout;
 mod playback;
 mod recorder;
@@ -14,6 +15,7 @@ mod verify;
 
 pub use dump::Dump;
 pub use error::ReplayError;
+pub use labels::Labels;
 pub use playback::Playback;
 pub use recorder::{RecordOptions, Recorder};
 pub use replay::Replay;
@@ -22,6 +24,6 @@ pub use verify::{Divergence, ReplayLimits, VerifyError};
 #[cfg(test)]
 pub(super) use chunk::{Chunk, Damage, Tag, read as read_chunk, write as write_chunk};
 #[cfg(test)]
-pub(super) use format::{DONE, Done, HEAD, Head, REPLAY, SNAPSHOT, TICKS};
+pub(super) use format::{DONE, Done, HEAD, Head, NAMES, REPLAY, SNAPSHOT, TICKS};
 #[cfg(test)]
 pub(super) use ticks::{Segment, Tick};

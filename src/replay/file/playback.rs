@@ -242,6 +242,7 @@ impl<'a> Playback<'a> {
         });
         let last = head.tick_after(self.ticks - 1);
         let difference = found.unwrap_or_else(|| Difference::of_hashes(last, recorded, computed));
+        let difference = self.replay.labels.name(difference, &self.world);
         Divergence { tick, recorded, computed, difference }
     }
 

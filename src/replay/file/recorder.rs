@@ -3,6 +3,7 @@
 use alloc::vec::Vec;
 
 use super::format::{Done, Head};
+use super::labels::Labels;
 use super::layout::Writer;
 use super::ticks::NewTick;
 use crate::error::Error;
@@ -63,6 +64,7 @@ impl Default for RecordOptions {
 #[derive(Clone, Debug)]
 pub struct Recorder {
     writer: Writer,
+    labels: Labels,
     calls: Vec<Command>,
     /// The parts of the world that these calls changed, as the last step left them.
     before_calls: Option<BeforeCalls>,
@@ -88,6 +90,7 @@ impl Recorder {
         };
         Self {
             writer: Writer::new(head, world),
+            labels: Labels::new(),
             calls: Vec::new(),
             before_calls: None,
             restless_sleepers: restless_sleepers(world),
@@ -191,6 +194,13 @@ impl Recorder {
         &self.outcomes
     }
 
+    /// The names of bodies and force fields, to be changed at any time before the end. They are written at the end: a file that is cut
+    /// off has none.
+    #[must_use]
+    pub const fn labels_mut(&mut self) -> &mut Labels {
+        &mut self.labels
+    }
+
     /// Takes the finished bytes of the file, to write them out; each byte is handed out once.
     #[must_use]
     pub fn take_bytes(&mut self) -> Vec<u8> {
@@ -211,6 +221,7 @@ impl Recorder {
         if !writer.head.has_snapshot(world.tick()) {
             writer.snapshot(&world);
         }
+        writer.labels(&self.labels);
         writer.done(Done { tick: world.tick(), hash: world.state_hash() });
         writer.file
     }

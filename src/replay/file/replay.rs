@@ -7,7 +7,8 @@ use alloc::vec::Vec;
 use super::chunk::{self, Chunk};
 use super::damage::{check_unchanged, read_whole};
 use super::error::ReplayError;
-use super::format::{DONE, Done, HEAD, Head, REPLAY, SNAPSHOT, TICKS};
+use super::format::{DONE, Done, HEAD, Head, NAMES, REPLAY, SNAPSHOT, TICKS};
+use super::labels::Labels;
 use super::layout::{Next, Ticks, Writer};
 use super::ticks::{Segment, Tick, tick_difference};
 use crate::codec::{Read, Reader};
@@ -47,6 +48,7 @@ pub struct Replay {
     pub(super) ticks: u64,
     /// The later snapshots, each with the number of ticks before it, in ascending order.
     snapshots: Vec<(u64, Box<World>)>,
+    pub(super) labels: Labels,
     pub(super) done: Option<Done>,
 }
 
@@ -103,7 +105,7 @@ impl Replay {
         let Some(second) = chunk::read(&mut reader) else { return Err(ReplayError::CutOff { tick: head.tick }) };
         let start = Self::read_start(&second, &head, custom_forces)?;
         let (segments, snapshots) = (Vec::new(), Vec::new());
-        let mut replay = Self { head, start, segments, ticks: 0, snapshots, done: None };
+        let mut replay = Self { head, start, segments, ticks: 0, snapshots, labels: Labels::new(), done: None };
         let (mut number, mut next) = (2, Next::Ticks);
         while replay.done.is_none() {
             let Some(chunk) = chunk::read(&mut reader) else {
@@ -182,6 +184,11 @@ impl Replay {
                 self.snapshots.push((self.ticks, Box::new(world)));
                 Ok(next)
             }
+            NAMES => {
+                let next = next.after_names(&self.head, self.end()).map_err(malformed)?;
+                self.labels = read_whole(&chunk, number, Labels::read)?;
+                Ok(next)
+            }
             DONE => {
                 let done = read_whole(&chunk, number, Done::read)?;
                 if done.tick != self.end() {
@@ -224,6 +231,7 @@ impl Replay {
         }
         writer.finish_segment();
         snapshots.for_each(|(_, world)| writer.snapshot(world));
+        writer.labels(&self.labels);
         self.done.into_iter().for_each(|done| writer.done(done));
         writer.file
     }
@@ -232,6 +240,12 @@ impl Replay {
     #[must_use]
     pub fn start(&self) -> &World {
         &self.start
+    }
+
+    /// The names of bodies and force fields that the recorder was given.
+    #[must_use]
+    pub const fn labels(&self) -> &Labels {
+        &self.labels
     }
 
     /// The tick of the world at the end.
@@ -320,9 +334,15 @@ impl Replay {
     }
 
     /// The first value in which the runs of two replays differ: in the world at the start, in calls and inputs, or in the
-    /// recorded results. `None` if they are the same as far as both go.
+    /// recorded results. `None` if they are the same as far as both go. Names are not compared; the difference has the name that its body
+    /// or force field has in either, this replay first.
     #[must_use]
     pub fn first_difference(&self, other: &Self) -> Option<Difference> {
+        let found = self.first_unnamed_difference(other)?;
+        Some(other.labels.name(self.labels.name(found, &self.start), &other.start))
+    }
+
+    fn first_unnamed_difference(&self, other: &Self) -> Option<Difference> {
         if let Some(found) = self.start.first_difference(&other.start) {
             return Some(found.at(self.head.tick, TickPhase::Start));
         }

@@ -184,7 +184,7 @@ pub(in crate::replay) fn tick_difference(tick: u64, ours: &Tick<'_>, theirs: &Ti
     let ListDifference { path, left, right } =
         calls.or_else(|| list_difference("inputs", &ours.inputs, &theirs.inputs))?;
     let (phase, owner) = owner_in_tick(ours, &path);
-    Some(Difference { tick, phase, owner, field: name_of(&path), left, right })
+    Some(Difference { tick, phase, owner, name: None, key: 0, field: name_of(&path), left, right })
 }
 
 /// The path at which two lists differ, and the value in each.

@@ -4,7 +4,9 @@ use alloc::string::String;
 use alloc::vec::Vec;
 
 use super::diff::name_of;
-use super::file::{Chunk, DONE, Done, HEAD, Head, REPLAY, SNAPSHOT, Segment, TICKS, Tag, read_chunk, write_chunk};
+use super::file::{
+    Chunk, DONE, Done, HEAD, Head, Labels, NAMES, REPLAY, SNAPSHOT, Segment, TICKS, Tag, read_chunk, write_chunk,
+};
 use super::snapshot::{Saved, SnapshotError, read};
 use crate::codec::{FieldIndex, Read as _, Reader, StateHasher};
 
@@ -13,6 +15,7 @@ mod bounds;
 mod dumps;
 mod encodings;
 mod forgeries;
+mod labels;
 mod named;
 mod order;
 mod runs;
@@ -49,6 +52,7 @@ pub(super) fn values(chunk: &Chunk) -> Vec<(usize, usize, String, String)> {
     let index = match chunk.tag {
         HEAD => FieldIndex::of(&Head::read(&mut reader).expect("a head")),
         DONE => FieldIndex::of(&Done::read(&mut reader).expect("an end")),
+        NAMES => FieldIndex::of(&Labels::read(&mut reader).expect("names")),
         TICKS => FieldIndex::of(&Segment::read(&mut reader).expect("ticks")),
         SNAPSHOT => FieldIndex::of(&Saved(&read(&mut reader, &custom_forces()).expect("a snapshot"))),
         _ => panic!("no chunk of this format"),

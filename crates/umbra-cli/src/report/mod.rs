@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use indicatif::ProgressBar;
 use umbra_physics::{Fx, Integrator, Scalar};
-use umbra_scene::{Scene, SceneError};
+use umbra_scene::{Scene, SceneError, SceneErrors};
 
 use crate::failure::Failure;
 use crate::output::{Destination, Destinations};
@@ -98,7 +98,7 @@ pub(crate) fn report(options: &Options) -> Result<(), Failure> {
     let effort = if options.quick { QUICK } else { FULL };
     let chosen: Vec<&Problem> =
         if options.problem.is_empty() { PROBLEMS.iter().collect() } else { options.problem.clone() };
-    let built_in = |error: SceneError| Failure::Option { what: format!("a built-in scene is refused: {error}") };
+    let built_in = |error: SceneErrors| Failure::Option { what: format!("a built-in scene is refused: {error}") };
     let runs = Integrator::ALL.len() * SCALARS.len() * effort.rates.len();
     let progress = progress((chosen.len() * runs) as u64 * u64::from(1 + effort.batches), "run");
     let mut all = Vec::new();
@@ -146,7 +146,7 @@ struct Experiment {
 }
 
 impl Experiment {
-    fn new(problem: &Problem, effort: &Effort, progress: &ProgressBar) -> Result<Self, SceneError> {
+    fn new(problem: &Problem, effort: &Effort, progress: &ProgressBar) -> Result<Self, SceneErrors> {
         let scene = problem.scene()?;
         let start = scene.build()?;
         let truth = problem

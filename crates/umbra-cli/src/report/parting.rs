@@ -3,7 +3,7 @@
 use serde::Serialize;
 use umbra_physics::scalar::ToF64;
 use umbra_physics::{Integrator, Scalar, TimeStep, World, WorldDef};
-use umbra_scene::{Scene, SceneError};
+use umbra_scene::{Scene, SceneError, SceneErrors};
 
 use super::problem::{positions, state};
 use crate::truth::{Equations, real, solve, to_f64};
@@ -49,7 +49,7 @@ pub(crate) struct Pair {
 type Way = Vec<Vec<f64>>;
 
 impl Parting {
-    pub(crate) fn measure(rate: u32, seconds: u32) -> Result<Option<Self>, SceneError> {
+    pub(crate) fn measure(rate: u32, seconds: u32) -> Result<Option<Self>, SceneErrors> {
         let scene = Scene::parse(SCENE)?;
         let start = scene.build()?;
         let Some(equations) = Equations::of(&start) else { return Ok(None) };

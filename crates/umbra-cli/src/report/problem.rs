@@ -1,7 +1,7 @@
 //! The problems: scenes whose motion is known.
 
 use umbra_physics::{BodyRef, Fx, Scalar, World, fx};
-use umbra_scene::{Scene, SceneError};
+use umbra_scene::{Scene, SceneErrors};
 
 use crate::truth::{BITS, Closed, Equations, Exact, MORE_BITS, Real, TAU, closed, real, solve, to_f64};
 
@@ -135,7 +135,7 @@ pub(crate) const PROBLEMS: [Problem; 9] = [
 
 impl Problem {
     /// The scene, to be started with any scalar, integrator and time step.
-    pub(crate) fn scene(&self) -> Result<Scene, SceneError> {
+    pub(crate) fn scene(&self) -> Result<Scene, SceneErrors> {
         Scene::parse(self.scene)
     }
 

@@ -96,7 +96,7 @@ mod tests {
     use super::*;
 
     fn world(text: &str) -> World {
-        Scene::parse(text).and_then(|scene| scene.build()).expect("a scene")
+        Scene::parse(text).expect("a scene").build().expect("a world")
     }
 
     const ORBIT: &str = r#"{"bodies": [{"name": "a", "position": [3, -1], "velocity": [0.5, 2]}],

@@ -197,7 +197,7 @@ mod tests {
     use super::*;
 
     fn equations(text: &str) -> Option<Equations> {
-        Equations::of(&Scene::parse(text).and_then(|scene| scene.build()).expect("a scene"))
+        Equations::of(&Scene::parse(text).expect("a scene").build().expect("a world"))
     }
 
     #[test]

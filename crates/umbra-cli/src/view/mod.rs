@@ -80,18 +80,22 @@ fn of_replay(replay: &Replay, options: &Options) -> Recording {
     let mut playback = replay.play();
     let start = playback.world().tick();
     let ticks = options.ticks.unwrap_or(u64::MAX).min(replay.ticks());
-    let names = Names { body: |body: BodyId| body.to_string(), field: |field: FieldId| field.to_string() };
-    // The page calls bodies by their handles.
-    let unnamed = |_: BodyId| String::new();
+    let labels = replay.labels();
+    let names = Names {
+        body: |body: BodyId| labels.body(body).map_or_else(|| body.to_string(), str::to_owned),
+        field: |field: FieldId| labels.field(field).map_or_else(|| field.to_string(), str::to_owned),
+    };
+    // The page calls bodies without a name by their handles.
+    let name = |body: BodyId| labels.body(body).unwrap_or_default().to_owned();
     let mut recording = Recording::new(Budget::default());
     let progress = progress(ticks, "tick");
-    recording.see(playback.world(), None, unnamed);
+    recording.see(playback.world(), None, name);
     for made in 0..ticks {
         for command in playback.commands() {
             recording.input(start + made, words::command(&command, &names));
         }
         let divergence = playback.step().err();
-        recording.see(playback.world(), divergence.as_ref().map(|divergence| divergence.recorded), unnamed);
+        recording.see(playback.world(), divergence.as_ref().map(|divergence| divergence.recorded), name);
         progress.set_position(made + 1);
         if let Some(divergence) = divergence {
             warn(divergence.to_string());

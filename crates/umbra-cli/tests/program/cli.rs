@@ -141,7 +141,7 @@ fn unknown_doubled_and_missing_fields_are_named() {
     let control = refused("control.json", r#"{"title": "\u001b[31mred"}"#);
     assert_eq!(control, r":1: title: a text must have no control characters: found \u{1b}");
     let top = refused("top.json", "{\"bodys\": []}");
-    assert!(top.starts_with(":1: bodys: unknown field; there are title, about, "), "{top}");
+    assert!(top.starts_with(":1: bodys: unknown field: did you mean `bodies`?"), "{top}");
 }
 
 #[test]
@@ -204,10 +204,7 @@ fn numbers_out_of_range_are_refused_at_their_field() {
             "\"shape\": {\"circle\": {\"radius\": 5000}}",
             "shape.circle.radius: out of range: expected a size from 2^-7 to 2^12 m",
         ),
-        (
-            "\"shape\": {\"ball\": {}}",
-            "shape.ball: unknown field; there are circle, rectangle, capsule, polygon, segment, compound",
-        ),
+        ("\"shape\": {\"ball\": {}}", "shape.ball: unknown field: did you mean `circle`?"),
     ];
     for (fields, expected) in cases {
         assert_eq!(refused("range.json", with_body(fields)), format!(":3: bodies[0].{expected}"), "{fields}");

@@ -2,5 +2,6 @@
 #![allow(clippy::module_inception, reason = "a module is named after what it tests")]
 
 mod damping;
+mod errors;
 mod scenes;
 mod text;

@@ -9,7 +9,7 @@ use umbra_physics::scalar::ToF64;
 use umbra_physics::{
     Activity, Attachment, BodyDef, BodyId, Command, FieldKind, ForceField, Fx, Random, Scalar, Shape, Vec2, fx, vec2,
 };
-use umbra_scene::{Scene, SceneAction, SceneError, SceneRun};
+use umbra_scene::{Scene, SceneAction, SceneErrors, SceneRun};
 
 /// The scenes by name.
 pub(crate) fn texts() -> BTreeMap<String, String> {
@@ -180,13 +180,13 @@ fn mutate(text: &str, at: usize, cut: usize, put: &str) -> String {
 }
 
 /// Parses, and runs what is a scene; the place of what is not.
-fn try_out(text: &str) -> Result<(), SceneError> {
+fn try_out(text: &str) -> Result<(), SceneErrors> {
     let scene = Scene::parse(text)?;
     let mut run = scene.start::<Fx>()?;
     for _ in 0..scene.ticks.min(20) {
         run.advance()?;
     }
-    scene.start::<f32>().map(drop)
+    Ok(scene.start::<f32>().map(drop)?)
 }
 
 #[test]
@@ -211,7 +211,9 @@ proptest! {
         let is_empty_scene = text.trim() == "{}";
         match Scene::parse(&text) {
             Ok(_) => prop_assert!(is_empty_scene),
-            Err(error) => prop_assert_eq!(error.to_string().lines().count(), 1, "{}", error),
+            Err(errors) => for error in errors.errors() {
+                prop_assert_eq!(error.to_string().lines().count(), 1, "{}", error);
+            },
         }
     }
 
@@ -230,11 +232,10 @@ proptest! {
         ])), 1..4),
     ) {
         let text = changes.iter().fold(RICH.to_owned(), |text, &(at, cut, put)| mutate(&text, at, cut, put));
-        if let Err(error) = try_out(&text) {
-            let line = error.place.line;
-            // A text that ends too soon may do so after its last line.
-            let lines = text.matches('\n').count() + 1;
-            prop_assert!(line >= 1 && line <= lines, "line {line} of {lines}");
+        // A text that ends too soon may do so after its last line.
+        let lines = text.matches('\n').count() + 1;
+        for error in try_out(&text).err().iter().flat_map(SceneErrors::errors) {
+            prop_assert!((1..=lines).contains(&error.place.line), "line {} of {lines}", error.place.line);
             prop_assert_eq!(error.to_string().lines().count(), 1, "{}", error);
         }
     }
@@ -306,7 +307,7 @@ fn what_is_added_is_added_once() {
     for what in [r#""add": {"name": "b"}"#, r#""add_field": {"drag": {}}"#] {
         let error =
             Scene::parse(&format!(r#"{{"inputs": [{{"from": 0, "to": 9, {what}}}]}}"#)).expect_err("ten of them");
-        assert!(error.message.contains("added once"), "{error}");
+        assert!(error.first().message.contains("added once"), "{error}");
         assert!(Scene::parse(&format!(r#"{{"inputs": [{{"from": 3, "to": 3, {what}}}]}}"#)).is_ok());
     }
 }
@@ -315,7 +316,9 @@ fn what_is_added_is_added_once() {
 fn what_belongs_to_a_force_is_refused_without_one() {
     let parse = |with: &str| {
         let text = format!(r#"{{"bodies": [{{"name": "a"}}], "inputs": [{{"at": 0, "body": "a", {with}}}]}}"#);
-        Scene::parse(&text).map(drop).map_err(|error| (error.place.field.clone(), error.message))
+        Scene::parse(&text)
+            .map(drop)
+            .map_err(|errors| (errors.first().place.field.clone(), errors.first().message.clone()))
     };
     let any = "needs a `force`, `torque`, `impulse` or `angular_impulse` beside it";
     for (name, with, message) in [
@@ -361,7 +364,7 @@ fn commands_that_add_or_have_a_shape_are_carried_out() {
     // As text the first two are what they were. A body needs a name there.
     let text = scene.to_json();
     assert!(text.contains(r#""add": {"shape": {"circle": {"radius": 2}}}"#), "{text}");
-    assert_eq!(Scene::parse(&text).expect_err("no name").place.field, "inputs[2].add");
+    assert_eq!(Scene::parse(&text).expect_err("no name").first().place.field, "inputs[2].add");
     scene.inputs.pop();
     let again = Scene::parse(&scene.to_json()).expect("it is a scene");
     assert_eq!(self::run::<Fx>(&again, 3).0.world().state_hash(), self::run::<Fx>(&scene, 3).0.world().state_hash());
@@ -395,8 +398,9 @@ fn a_few_lines_that_repeat_a_long_one_are_refused() {
         |count: u32, shape: &str| format!(r#"{{"name": "{{n}}", "repeat": {{"i": {count}}}, "shape": {shape}}}"#);
     let refused = |bodies: &[String]| {
         let error = Scene::parse(&format!("{{\"bodies\": [\n{}\n]}}", bodies.join(",\n"))).expect_err("too much");
+        let error = error.first();
         assert!(error.message.contains("written out"), "{error}");
-        (error.place.line, error.place.field)
+        (error.place.line, error.place.field.clone())
     };
     assert_eq!(refused(&[body(1 << 17, &compound)]), (2, "bodies[0].repeat".to_string()));
     // Nor bit by bit: two times 2^25 bytes and a little.
@@ -416,5 +420,5 @@ fn thousands_of_inputs_to_a_large_world_are_all_tried() {
             {"at": 7, "body": "b0", "force": [1, 0]}
         ]}"#;
     let error = Scene::parse(text).expect_err("b0 is not there any more");
-    assert!(error.message.starts_with("at tick 7"), "{error}");
+    assert!(error.first().message.starts_with("at tick 7"), "{error}");
 }

@@ -246,6 +246,7 @@ fn a_scene_changed_by_hand_is_refused_where_it_says_what_the_format_lacks() {
         let mut changed = scene.clone();
         change(&mut changed);
         let error = Scene::parse(&changed.to_json()).expect_err("it is no scene");
+        let error = error.first();
         assert!(error.place.field == field && error.message.contains(message), "{error}");
     };
     let nobody = BodyId::from_parts(1, 0);
@@ -269,6 +270,7 @@ fn a_scene_changed_by_hand_is_refused_where_it_says_what_the_format_lacks() {
 fn bytes_and_generators_are_refused_with_their_place() {
     let refused = |set: &str, field: &str, message: &str| {
         let error = Scene::parse(&format!("{{\"inputs\": [\n{{\"at\": 1, {set}}}]}}")).expect_err("it is no scene");
+        let error = error.first();
         assert_eq!((error.place.line, &*error.place.field), (2, field), "{error}");
         assert!(error.message.contains(message), "{error}");
     };

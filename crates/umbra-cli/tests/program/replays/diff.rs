@@ -9,7 +9,10 @@ fn diff_names_what_was_done_otherwise() {
     let (three, four) = (record("three.json", "3", &[]), record("four.json", "4", &[]));
     let output = umbra(&["diff", &three, &four]);
     assert_eq!(output.status.code(), Some(1));
-    assert_eq!(text(&output.stdout), "tick 2, calls, body 1, calls[0].action.impulse.x: 3 and 4\n");
+    assert_eq!(
+        text(&output.stdout),
+        "tick 2, calls, body 1 \"b\", call 1, action.impulse.x: 3 and 4 N·s (differ by 1 N·s)\n"
+    );
     assert_eq!(text(&output.stderr), format!("{three} and {four} are not the same\n"));
     let json = |files: [&str; 2], more: &[&str]| -> (Option<i32>, Value) {
         let output = umbra(&[&["diff", "--json"], &files[..], more].concat());
@@ -17,7 +20,7 @@ fn diff_names_what_was_done_otherwise() {
     };
     let (status, found) = json([&three, &four], &[]);
     let finding: Value = serde_json::from_str(
-        r#"{"tick": 2, "phase": "calls", "owner": "body 1", "field": "calls[0].action.impulse.x", "recorded": "3", "found": "4"}"#,
+        r#"{"tick": 2, "phase": "calls", "owner": "body 1", "name": "b", "key": 0, "field": "calls[0].action.impulse.x", "recorded": "3", "found": "4"}"#,
     )
     .expect("JSON");
     assert_eq!((status, &found["same"], &found["finding"]), (Some(1), &Value::from(false), &finding));
@@ -34,7 +37,13 @@ fn diff_names_what_was_done_otherwise() {
     let output = umbra(&["diff", "--all", &three, &four]);
     let lines = text(&output.stdout);
     assert_eq!(lines.lines().nth(1), Some("values that differ after that: 2"));
-    assert!(lines.lines().nth(2).is_some_and(|line| line.starts_with("  body 1, position.x: 5.")), "{lines}");
+    assert!(lines.lines().nth(2).is_some_and(|line| line.starts_with("  body 1 \"b\", position.x: 5.")), "{lines}");
+
+    let digits = |more: &[&str]| {
+        let output = umbra(&[&["diff", "--all", &three, &four], more].concat());
+        text(&output.stdout).lines().nth(3).map(str::len).expect("a velocity")
+    };
+    assert!(digits(&[]) < 80 && digits(&["--exact"]) > 150);
 
     // Two replays with different starts.
     let other = folder.write("start.json", busy("3").replace("[5, 0]", "[6, 0]"));
@@ -75,7 +84,10 @@ fn diff_reads_what_is_cut_off_and_refuses_what_is_no_recording() {
         }
     };
     refused(&changed, "changed after it was recorded: ");
-    refused("scenes/kepler.json", "expected a replay or a desync dump of umbra-physics");
+    let record = "found a scene: record it with `umbra run scenes/kepler.json --record FILE` and compare the replays";
+    refused("scenes/kepler.json", &format!("expected a replay or a desync dump of umbra-physics, {record} [E804]"));
+    let table = folder.write("table.csv", "1,2\n");
+    refused(&table, "expected a replay or a desync dump of umbra-physics [E804]");
     refused(&folder.path("none"), "cannot read: ");
 }
 

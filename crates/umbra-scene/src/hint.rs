@@ -1,0 +1,159 @@
+//! Hints in errors: the name that was probably meant.
+
+use alloc::vec::Vec;
+
+/// The longest name for which there is a hint, and the most names that it is compared with: hints are for people, and bound the
+/// time that any text can take.
+const LONGEST: usize = 40;
+const MOST: usize = 4_096;
+
+/// Names that other engines and formats have for a field or a value of ours.
+const SYNONYMS: [(&str, &str); 30] = [
+    ("type", "kind"),
+    ("fixed", "static"),
+    ("id", "name"),
+    ("pos", "position"),
+    ("rotation", "angle"),
+    ("vel", "velocity"),
+    ("linear_velocity", "velocity"),
+    ("omega", "angular_velocity"),
+    ("linear_damping", "damping"),
+    ("angular_damping", "damping"),
+    ("fixed_rotation", "locks"),
+    ("box", "rectangle"),
+    ("rect", "rectangle"),
+    ("square", "rectangle"),
+    ("ball", "circle"),
+    ("disc", "circle"),
+    ("disk", "circle"),
+    ("sphere", "circle"),
+    ("line", "segment"),
+    ("edge", "segment"),
+    ("dt", "time_step"),
+    ("steps", "ticks"),
+    ("objects", "bodies"),
+    ("forces", "fields"),
+    ("commands", "inputs"),
+    ("gravity", "acceleration"),
+    ("rest_length", "rest"),
+    ("tick", "at"),
+    ("x", "position"),
+    ("y", "position"),
+];
+
+/// Fields that other engines have for collisions.
+const COLLISION: [&str; 12] = [
+    "friction",
+    "restitution",
+    "bounciness",
+    "elasticity",
+    "sensor",
+    "is_sensor",
+    "collider",
+    "colliders",
+    "collision_groups",
+    "collision_filter",
+    "category_bits",
+    "mask_bits",
+];
+
+/// Returns whether a field is one that collisions would need.
+pub(super) fn is_of_collision(field: &str) -> bool {
+    COLLISION.iter().any(|name| plain(name) == plain(field))
+}
+
+/// The one of our own words that was probably meant: one that means the same elsewhere, or the nearest.
+pub(super) fn word<'n>(found: &str, words: &[&'n str]) -> Option<&'n str> {
+    let short = plain(found);
+    let same = SYNONYMS.iter().find(|(other, ours)| plain(other) == short && words.contains(ours));
+    let same = same.and_then(|(_, ours)| words.iter().find(|word| *word == ours).copied());
+    same.or_else(|| nearest(found, words.iter().copied()))
+}
+
+/// The name that differs least from a text: by a letter if the text has three or four, by two from five on. The first
+/// of several.
+pub(super) fn nearest<'n>(found: &str, names: impl Iterator<Item = &'n str>) -> Option<&'n str> {
+    let found = plain(found);
+    if found.is_empty() || found.len() > LONGEST {
+        return None;
+    }
+    let allowed = (2 * found.len() / 5).min(2);
+    let near = names.take(MOST).filter_map(|name| {
+        // No text within two letters is longer by more, and a letter has at most four bytes.
+        if name.len() > 5 * (LONGEST + 2) {
+            return None;
+        }
+        let letters = plain(name);
+        (letters.len().abs_diff(found.len()) <= allowed).then(|| (distance(&found, &letters), name))
+    });
+    near.filter(|(distance, _)| *distance <= allowed).min_by_key(|(distance, _)| *distance).map(|(_, name)| name)
+}
+
+/// The letters of a name, without what separates its words: `gravityScale` is `gravity_scale`.
+fn plain(name: &str) -> Vec<char> {
+    name.chars().filter(|c| !matches!(c, '_' | '-' | ' ')).map(|c| c.to_ascii_lowercase()).take(LONGEST + 3).collect()
+}
+
+/// The number of letters to insert, remove, replace or swap with the next one, each letter once (optimal string alignment).
+fn distance(a: &[char], b: &[char]) -> usize {
+    // Rows of the table: the one before the last, the last, and the new one.
+    let mut last: Vec<usize> = (0..=b.len()).collect();
+    let mut before = last.clone();
+    for i in 1..=a.len() {
+        let mut row = Vec::with_capacity(b.len() + 1);
+        row.push(i);
+        for j in 1..=b.len() {
+            let replaced = last[j - 1] + usize::from(a[i - 1] != b[j - 1]);
+            let mut least = replaced.min(last[j] + 1).min(row[j - 1] + 1);
+            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
+                least = least.min(before[j - 2] + 1);
+            }
+            row.push(least);
+        }
+        before = core::mem::replace(&mut last, row);
+    }
+    last[b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distances_count_letters() {
+        let letters = |text: &str| text.chars().collect::<Vec<_>>();
+        for (a, b, expected) in [
+            ("", "", 0),
+            ("", "ab", 2),
+            ("raduis", "radius", 1),
+            ("masss", "mass", 1),
+            ("ca", "abc", 3),
+            ("abc", "xyz", 3),
+        ] {
+            assert_eq!(distance(&letters(a), &letters(b)), expected, "{a} {b}");
+            assert_eq!(distance(&letters(b), &letters(a)), expected, "{b} {a}");
+        }
+    }
+
+    #[test]
+    fn words_that_are_near_or_mean_the_same_are_found() {
+        let body = ["name", "kind", "position", "mass", "gravity_scale", "at", "to"];
+        for (found, meant) in [
+            ("nmae", Some("name")),
+            ("type", Some("kind")),
+            ("gravityScale", Some("gravity_scale")),
+            ("Mass", Some("mass")),
+            ("postion", Some("position")),
+            ("it", None),
+            ("colour", None),
+            ("", None),
+        ] {
+            assert_eq!(word(found, &body), meant, "{found}");
+        }
+        assert_eq!(word("box", &["circle", "rectangle"]), Some("rectangle"));
+        assert_eq!(word("bax", &["disc", "box"]), Some("box"));
+        assert_eq!(nearest("ball 1", ["ball 3", "ball 2", "bell 1"].into_iter()), Some("ball 3"));
+        assert_eq!(nearest(&"x".repeat(1_000_000), ["xxx"].into_iter()), None);
+        assert!(is_of_collision("isSensor") && is_of_collision("friction") && !is_of_collision("mass"));
+    }
+}
