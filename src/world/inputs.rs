@@ -4,7 +4,7 @@ use alloc::collections::{BTreeMap, btree_map};
 use alloc::vec::Vec;
 
 use super::{Command, Created, World};
-use crate::codec::codec_struct;
+use crate::codec::{self, Malformed, Read as _, Reader, codec_struct};
 use crate::error::Error;
 use crate::fx::Fx;
 use crate::scalar::Scalar;
@@ -34,6 +34,9 @@ pub struct Input<S: Scalar = Fx> {
 codec_struct!(Input { player, sequence, command });
 
 impl<S: Scalar> Input<S> {
+    /// The smallest number of bytes: a player, a sequence, and the shortest command.
+    pub(crate) const LEAST_BYTES: usize = 8 + Command::LEAST_BYTES;
+
     fn place(&self) -> (u32, u32) {
         (self.player, self.sequence)
     }
@@ -196,6 +199,52 @@ impl<S: Scalar> Inputs<S> {
     pub fn clear(&mut self) {
         self.rows.clear();
         self.late.clear();
+    }
+}
+
+impl Inputs {
+    /// Encodes the inputs in their order: the same bytes on every machine, as `docs/formats.md` describes them.
+    ///
+    /// ```
+    /// use umbra_physics::{BodyId, Command, Inputs, vec2};
+    ///
+    /// let mut inputs = Inputs::new();
+    /// inputs.replace(1, [Command::SetVelocity { body: BodyId::from_parts(3, 0), velocity: vec2(1, 0) }]);
+    /// let packet = inputs.to_bytes();
+    /// assert_eq!(packet.len(), 4 + 8 + 25);
+    /// assert_eq!(Inputs::from_bytes(&packet), Ok(inputs));
+    /// assert!(Inputs::from_bytes(&packet[..20]).is_err());
+    /// ```
+    #[must_use]
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        codec::list(&mut bytes, self.iter());
+        bytes
+    }
+
+    /// Decodes inputs. The bytes need not be trusted: they are refused, or are what [`to_bytes`](Self::to_bytes) writes for these
+    /// inputs. Decoding takes at most 40 bytes of memory for each byte read, and 64 KiB. A limit on the bytes is a limit on the
+    /// commands: each takes nine bytes or more.
+    ///
+    /// # Errors
+    /// [`Malformed`] with the place of the first byte that no inputs have there: inputs out of order and inputs given twice are
+    /// refused as well.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, Malformed> {
+        let mut reader = Reader::new(bytes);
+        let count = reader.count(Input::<Fx>::LEAST_BYTES)?;
+        // 40 bytes of memory a byte: a list that grew as it is read would take more.
+        const { assert!(size_of::<Input>() <= 40 * Input::<Fx>::LEAST_BYTES) };
+        let mut rows: Vec<Input> = Vec::with_capacity(count);
+        for _ in 0..count {
+            let malformed = reader.malformed("inputs by player and sequence");
+            let input = Input::read(&mut reader)?;
+            if rows.last().is_some_and(|last| last.place() >= input.place()) {
+                return Err(malformed);
+            }
+            rows.push(input);
+        }
+        reader.end()?;
+        Ok(Self { rows, late: BTreeMap::new() })
     }
 }
 

@@ -103,12 +103,10 @@ impl<'a> Tick<'a> {
     const LEAST_BYTES: usize = 9;
 
     pub(in crate::replay) fn read(reader: &mut Reader<'a>) -> Result<Self, Malformed> {
-        // The shortest input: a player, a sequence, and the shortest command.
-        let least = 8 + Command::LEAST_BYTES;
         let in_order = |a: &Input, b: &Input| (a.player, a.sequence) < (b.player, b.sequence);
         Ok(Self {
             calls: List::read(reader, Command::LEAST_BYTES, "a command", |_, _| true)?,
-            inputs: List::read(reader, least, "inputs by player and sequence", in_order)?,
+            inputs: List::read(reader, Input::<crate::fx::Fx>::LEAST_BYTES, "inputs by player and sequence", in_order)?,
             hash: Option::read(reader)?,
         })
     }

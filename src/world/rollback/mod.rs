@@ -78,6 +78,9 @@ pub struct Rollback<I, S: Scalar = Fx> {
     events: Vec<TickEvent>,
 }
 
+/// The function of the game that makes a tick's calls.
+type TickFunction<'a, I, S> = dyn FnMut(&mut World<S>, &[(u32, I)]) + 'a;
+
 /// A made tick.
 struct Row<I, S: Scalar> {
     before: World<S>,
@@ -177,7 +180,7 @@ impl<I: Clone + Default + PartialEq, S: Scalar> Rollback<I, S> {
     fn advance_inner<'a>(
         &'a mut self,
         world: &'a mut World<S>,
-        tick: &mut dyn FnMut(&mut World<S>, &[(u32, I)]),
+        tick: &mut TickFunction<'_, I, S>,
     ) -> Result<RollbackReport<'a, I, S>, Error> {
         self.check_unchanged(world)?;
         self.forget_handed_out();
@@ -196,6 +199,7 @@ impl<I: Clone + Default + PartialEq, S: Scalar> Rollback<I, S> {
                 }
             }
             self.made += 1;
+            S::keep(&mut self.rows[index].before, world);
             self.make(index, world, tick)?;
             None
         } else {
@@ -254,7 +258,7 @@ impl<I: Clone + Default + PartialEq, S: Scalar> Rollback<I, S> {
     }
 
     /// Makes the ticks again from the first one that was made with other inputs than it has now. Returns their number.
-    fn redo(&mut self, world: &mut World<S>, tick: &mut dyn FnMut(&mut World<S>, &[(u32, I)])) -> Result<u64, Error> {
+    fn redo(&mut self, world: &mut World<S>, tick: &mut TickFunction<'_, I, S>) -> Result<u64, Error> {
         let Some(from) = self.players.take_first_new() else { return Ok(0) };
         let from = from.max(self.first) - self.first;
         let mut first_wrong = None;
@@ -267,23 +271,19 @@ impl<I: Clone + Default + PartialEq, S: Scalar> Rollback<I, S> {
         let Some(first_wrong) = first_wrong else { return Ok(0) };
         let before = &self.rows[first_wrong].before;
         S::restore(world, before);
-        for index in first_wrong..self.made {
+        self.make(first_wrong, world, tick)?;
+        for index in first_wrong + 1..self.made {
+            S::keep(&mut self.rows[index].before, world);
             self.make(index, world, tick)?;
         }
         Ok((self.made - first_wrong) as u64)
     }
 
-    /// Makes a tick: stores the state before it, calls the tick function, steps, and compares the events with those reported.
-    fn make(
-        &mut self,
-        index: usize,
-        world: &mut World<S>,
-        tick: &mut dyn FnMut(&mut World<S>, &[(u32, I)]),
-    ) -> Result<(), Error> {
+    /// Makes a tick whose state before it is stored: calls the tick function, steps, and compares the events with those reported.
+    fn make(&mut self, index: usize, world: &mut World<S>, tick: &mut TickFunction<'_, I, S>) -> Result<(), Error> {
         let now = self.first + index as u64;
         let row = &mut self.rows[index];
         self.players.inputs_into(now, &mut row.inputs);
-        S::keep(&mut row.before, world);
         world.journal.start();
         let rewinds = world.rewinds();
         tick(world, &row.inputs);

@@ -80,7 +80,7 @@ fn late_inputs_in_any_order_lead_where_inputs_in_time_lead() {
         // (when it arrives, tick, player); the ticks of player 0 are in time.
         let mut mail: Vec<(u64, u64, u32)> = Vec::new();
         for tick in 0..TICKS {
-            mail.extend((1..PLAYERS).map(|player| (tick + u64::from(random.below(12)), tick, player)));
+            mail.extend((1..PLAYERS).map(|player| (tick + random.below(12), tick, player)));
         }
         let (mut confirmed, mut redone) = (Vec::new(), 0);
         let mut now = 0;
