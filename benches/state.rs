@@ -8,7 +8,8 @@ use divan::counter::{BytesCount, ItemsCount};
 use divan::{Bencher, black_box};
 use scenes::Scene;
 use umbra_physics::{
-    ApplyOptions, Command, ForceOrImpulse, Fx, History, Input, Inputs, RecordOptions, Recorder, Scalar, World, fx, vec2,
+    ApplyOptions, Command, ForceOrImpulse, Fx, Input, Inputs, RecordOptions, Recorder, Rollback, Scalar, World, fx,
+    vec2,
 };
 
 #[allow(dead_code, reason = "these benches use one of the scenes")]
@@ -96,30 +97,38 @@ sizes! {
 /// Number of ticks that a rollback goes back.
 const BACK: u64 = 8;
 
-/// A world and its last ticks, without inputs.
-fn kept<S: Scalar>(mut world: World<S>) -> (World<S>, History<S>) {
-    let mut history = History::new(BACK as usize + 1);
-    for _ in 0..32 {
-        history.advance(&mut world, &Inputs::default());
+/// A player who changes nothing in the world.
+fn no_calls<S: Scalar>(_: &mut World<S>, _: &[(u32, bool)]) {}
+
+/// A world and a rollback with as many unconfirmed ticks.
+fn unconfirmed<S: Scalar>(mut world: World<S>) -> (World<S>, Rollback<bool, S>) {
+    let mut rollback = Rollback::new(&world, [0], BACK as usize + 1);
+    for now in 0..32 {
+        if let Some(confirmed) = (now as u64).checked_sub(BACK) {
+            rollback.add_input(confirmed, 0, false).expect("a player");
+        }
+        rollback.advance(&mut world, no_calls).expect("nothing else changes the world");
     }
-    (world, history)
+    (world, rollback)
 }
 
-/// Back by eight ticks and to the present again.
+/// An input that was predicted wrongly: back by eight ticks, to the present again, and on to the next tick.
 fn roll_back<S: Scalar>(bencher: Bencher, scene: Scene<S>) {
-    let (mut world, mut history) = kept(scene.world);
+    let (mut world, mut rollback) = unconfirmed(scene.world);
+    let mut pressed = true;
     bencher.bench_local(|| {
-        let tick = world.tick() - BACK;
-        history.inputs_mut(tick).expect("it is kept");
-        black_box(&mut history).redo(black_box(&mut world), |tick| _ = black_box(tick.step.faults))
+        rollback.add_input(rollback.first_unconfirmed(), 0, pressed).expect("a player");
+        let report = black_box(&mut rollback).advance(black_box(&mut world), no_calls).expect("unchanged");
+        assert_eq!(black_box(report.redone), BACK);
+        pressed = !pressed;
     });
 }
 
 /// The steps alone.
-fn eight_steps<S: Scalar>(bencher: Bencher, scene: Scene<S>) {
-    let (mut world, _) = kept(scene.world);
+fn nine_steps<S: Scalar>(bencher: Bencher, scene: Scene<S>) {
+    let (mut world, _) = unconfirmed(scene.world);
     bencher.bench_local(|| {
-        for _ in 0..BACK {
+        for _ in 0..=BACK {
             black_box(&mut world).step();
         }
     });
@@ -131,8 +140,8 @@ macro_rules! rollbacks {
             use super::*;
 
             #[divan::bench]
-            fn eight_steps(bencher: Bencher) {
-                super::eight_steps::<Fx>(bencher, $scene);
+            fn nine_steps(bencher: Bencher) {
+                super::nine_steps::<Fx>(bencher, $scene);
             }
 
             #[divan::bench]

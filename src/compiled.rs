@@ -20,8 +20,7 @@ use crate::scalar::Scalar;
 use crate::shape::{Geometry, Part, Shape};
 use crate::slots::{BodyId, FieldId};
 use crate::world::{
-    ApplyOptions, BodyRef, Command, Created, ForceOrImpulse, History, InputResult, Inputs, Preview, TickReport, Trace,
-    World, WorldDef,
+    ApplyOptions, BodyRef, Command, Created, ForceOrImpulse, InputResult, Inputs, Preview, Trace, World, WorldDef,
 };
 
 /// Makes the trait with a body for each function, and an impl with the same bodies for each number type of this crate.
@@ -152,15 +151,6 @@ compiled! {
     }
     fn clone_inputs_from(inputs: &mut Inputs<S>, source: &Inputs<S>) {
         inputs.clone_from_inner(source);
-    }
-    fn advance_history(history: &mut History<S>, world: &mut World<S>, inputs: &Inputs<S>) {
-        history.advance_inner(world, inputs);
-    }
-    fn redo(history: &mut History<S>, world: &mut World<S>, report: &mut dyn FnMut(TickReport<'_, S>)) -> u64 {
-        history.redo_inner(world, report)
-    }
-    fn rollback_to(history: &mut History<S>, world: &mut World<S>, tick: u64) -> Result<(), Error> {
-        history.rollback_to_inner(world, tick)
     }
     fn new_shape(geometry: Geometry<S>, shift: Vec2<S>, measure: <S as Scalar>::Factor, gyration: <S as Scalar>::Factor) -> Shape<S> {
         Shape::of_inner(geometry, shift, measure, gyration)

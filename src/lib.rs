@@ -129,8 +129,8 @@ pub use step::Timers;
 pub use symmetry::Symmetry;
 pub use world::{
     ApplyOptions, BodyIter, BodyRef, Command, CommandMap, CommandSource, ConfirmedTick, Created, Event, EventStatus,
-    ForceOrImpulse, Frame, History, Input, InputResult, Inputs, InputsIter, Preview, Rollback, RollbackReport,
-    StepReport, Stepper, TickEvent, TickReport, Trace, World, WorldDef, step_all,
+    ForceOrImpulse, Frame, Input, InputResult, Inputs, InputsIter, Preview, Rollback, RollbackReport, StepReport,
+    Stepper, TickEvent, Trace, World, WorldDef, step_all,
 };
 
 /// The names that most programs need: `use umbra_physics::prelude::*`.
@@ -148,7 +148,7 @@ pub use world::{
 pub mod prelude {
     pub use crate::{
         Attachment, BodyDef, BodyId, BodyKind, Command, Damping, End, Error, Event, FieldId, FieldKind, ForceField, Fx,
-        FxFactor, History, Input, Inputs, Integrator, Locks, Mass, Rot, Shape, SpringConstants, TimeStep, Turn, Vec2,
+        FxFactor, Input, Inputs, Integrator, Locks, Mass, Rollback, Rot, Shape, SpringConstants, TimeStep, Turn, Vec2,
         World, WorldDef, fx, vec2,
     };
 }

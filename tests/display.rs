@@ -4,9 +4,9 @@ use std::f64::consts::{PI, TAU};
 
 use umbra_physics::scalar::ToF64;
 use umbra_physics::{
-    Activity, Attachment, Blend, BodyClass, BodyDef, BodyId, BodyKind, Command, DebugDraw, DrawOptions, End, FieldId,
-    FieldKind, Fx, FxFactor, History, Inputs, Interpolation, Part, Pose, Region, Role, Scalar, Shape, Snapshot,
-    SpringConstants, StepClock, TickFraction, TimeStep, Vec2, World, WorldDef, fx, vec2,
+    Activity, Attachment, Blend, BodyClass, BodyDef, BodyId, BodyKind, DebugDraw, DrawOptions, End, FieldId, FieldKind,
+    Fx, FxFactor, Interpolation, Part, Pose, Region, Role, Rollback, Scalar, Shape, Snapshot, SpringConstants,
+    StepClock, TickFraction, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
 fn world() -> World {
@@ -257,19 +257,27 @@ fn a_state_from_elsewhere_is_not_blended_into_if_the_world_becomes_it_or_after_a
 
 #[test]
 fn over_a_rollback_of_two_ticks_motion_goes_on_in_its_new_past() {
-    let (mut world, mut interpolation) = (world(), Interpolation::new());
-    let body = add(&mut world, mover());
-    let mut history = History::new(8);
-    for _ in 0..5 {
-        history.advance(&mut world, &Inputs::new());
-        interpolation.look(&world);
-    }
-    let turn = Command::SetVelocity { body, velocity: vec2(0, 60) };
-    for (tick, is_jump) in [(3, false), (4, true)] {
-        let again =
-            history.correct(&mut world, tick, tick as u32, [turn.clone()], |tick| interpolation.look(tick.world));
-        assert_eq!(again, Ok(5 - tick));
-        assert_eq!(is_where_it_is(&world, &interpolation, body), is_jump, "from tick {tick}");
+    // Looked at as each tick begins, or only when all are made.
+    for (looks_in_tick, is_jump) in [(true, false), (false, true)] {
+        let (mut world, mut interpolation) = (world(), Interpolation::new());
+        let body = add(&mut world, mover());
+        let mut rollback = Rollback::new(&world, [0], 8).with_prediction(|_| false);
+        for now in 0..6 {
+            if now == 5 {
+                assert_eq!(rollback.add_input(4, 0, true), Ok(true));
+            }
+            let tick = |world: &mut World, inputs: &[(u32, bool)]| {
+                if looks_in_tick {
+                    interpolation.look(world);
+                }
+                if inputs[0].1 {
+                    world.set_velocity(body, vec2(0, 60)).expect("it is there");
+                }
+            };
+            assert_eq!(rollback.advance(&mut world, tick).expect("unchanged").redone, u64::from(now == 5));
+            interpolation.look(&world);
+        }
+        assert_eq!(is_where_it_is(&world, &interpolation, body), is_jump, "{looks_in_tick}");
     }
 }
 

@@ -10,8 +10,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use commands::Author;
 use random::SplitMix;
 use umbra_physics::{
-    Activity, BodyDef, BodyId, BodyKind, BodyRef, Cause, Command, Created, Event, History, Inputs, Snapshot, World,
-    WorldDef, fx, vec2,
+    Activity, BodyDef, BodyId, BodyKind, BodyRef, Cause, Command, Created, Event, Rollback, Snapshot, World, WorldDef,
+    fx, vec2,
 };
 
 fn world(sleep_after: Option<u32>) -> World {
@@ -307,17 +307,22 @@ fn a_match_after_another_in_the_same_memory_sees_changes_from_its_start() {
 fn whatever_puts_a_world_back_counts_and_a_clone_counts_on() {
     let mut world = world(None);
     let wall = add(&mut world, BodyDef::fixed());
-    let mut history = History::new(4);
+    let mut rollback = Rollback::new(&world, [0], 8).with_prediction(|_| false);
+    let tick = |world: &mut World, inputs: &[(u32, bool)]| {
+        if inputs[0].1 {
+            world.wake(wall).expect("it is there");
+        }
+    };
     for _ in 0..6 {
-        history.advance(&mut world, &Inputs::new());
+        rollback.advance(&mut world, tick).expect("unchanged");
     }
     assert_eq!(world.rewinds(), 0);
     let still = |world: &World, since| world.changed_since(since).count();
     assert_eq!((still(&world, 5), still(&world, 6)), (0, 0));
-    history.correct(&mut world, 4, 0, [Command::Wake(wall)], |_| ()).expect("it is kept");
-    assert_eq!((world.rewinds(), still(&world, 5), still(&world, 6)), (1, 1, 1));
-    world.step();
-    assert_eq!((still(&world, 6), still(&world, 7)), (1, 0));
+    // The wall was woken in tick 4: ticks 4 and 5 are made again, and one more.
+    rollback.add_input(4, 0, true).expect("a player");
+    assert_eq!(rollback.advance(&mut world, tick).expect("unchanged").redone, 2);
+    assert_eq!((world.rewinds(), still(&world, 5), still(&world, 6), still(&world, 7)), (1, 1, 1, 0));
     let twin = world.clone();
     assert_eq!((twin.rewinds(), still(&twin, 6), still(&twin, 7)), (1, 1, 0));
     world.clone_from(&twin);

@@ -2,9 +2,8 @@
 
 use allocation_counter::{AllocationInfo, measure};
 use umbra_physics::{
-    ApplyOptions, Attachment, BodyDef, BodyId, Command, Damping, End, FieldKind, ForceField, ForceOrImpulse, Fx,
-    FxFactor, History, Inputs, Integrator, Mass, Owner, RecordOptions, Recorder, Replay, ReplayError, Shape,
-    SpringConstants, Vec2, World, WorldDef, fx, vec2,
+    Attachment, BodyDef, BodyId, Damping, End, FieldKind, ForceField, Fx, FxFactor, Integrator, Mass, Owner,
+    RecordOptions, Recorder, Replay, ReplayError, Rollback, Shape, SpringConstants, Vec2, World, WorldDef, fx, vec2,
 };
 
 fn world(integrator: Integrator) -> World {
@@ -359,18 +358,16 @@ fn bodies_that_come_and_go_without_a_step_take_nothing_for_good() {
     assert_eq!(taken.bytes_current, 0);
 }
 
-/// Commands of players that add and remove nothing.
-fn pushes(ids: &[BodyId], tick: u64) -> impl Iterator<Item = Command> {
-    let pushed = ids.iter().skip(tick as usize % 7).step_by(7);
-    pushed.flat_map(|&body| {
-        let force = ForceOrImpulse::Force { force: vec2(1, 2), point: Some(vec2(3, 4)) };
-        let impulse = ForceOrImpulse::Impulse { impulse: vec2(fx!(0.125), 0), point: None };
-        [force, impulse].map(|action| Command::Apply { body, action, options: ApplyOptions::default() })
-    })
+/// Applies a force and an impulse to every seventh body, at other bodies for other buttons.
+fn pushes(world: &mut World, ids: &[BodyId], buttons: u8) {
+    for &body in ids.iter().skip(usize::from(buttons)).step_by(7) {
+        world.apply_force_at_point(body, vec2(1, 2), vec2(3, 4)).expect("a fair force");
+        world.apply_impulse(body, vec2(fx!(0.125), 0)).expect("a fair impulse");
+    }
 }
 
 #[test]
-fn a_history_takes_nothing_from_the_heap_once_it_is_full() {
+fn a_rollback_takes_nothing_from_the_heap_once_its_window_is_full() {
     let mut world = world(Integrator::VelocityVerlet);
     let ids = discs(&mut world, 300);
     for pair in ids[..40].windows(2) {
@@ -378,28 +375,32 @@ fn a_history_takes_nothing_from_the_heap_once_it_is_full() {
         let spring = SpringConstants { rest: fx!(1), stiffness: fx!(5), damping: fx!(0.5) };
         world.add_field(FieldKind::Spring { near, far, spring }).expect("a fair field");
     }
-    let mut history = History::new(12);
-    let mut inputs = Inputs::new();
-    let (mut taken, mut done_over) = (0, 0);
-    for round in 0..400 {
-        inputs.replace(0, pushes(&ids, round));
-        taken += measure(|| _ = history.advance(&mut world, &inputs)).count_total;
-        // Back by 1 to 12 ticks, or not at all, so that states on the way are missing when the oldest is forgotten.
-        let late = world.tick().saturating_sub(1 + round * 5 % 12);
-        if round % 3 < 2 {
-            let mut commands = pushes(&ids, round + 1).collect::<Vec<_>>().into_iter();
-            taken += measure(|| {
-                let again = history.correct(&mut world, late, 1, &mut commands, |_| ());
-                done_over += again.expect("it is kept");
-            })
-            .count_total;
-        }
-        // By then every tick that is kept has had as many inputs as any has.
-        if round == 200 {
-            (taken, done_over) = (0, 0);
+    let mut rollback = Rollback::new(&world, [0, 1], 12);
+    let (mut taken, mut redone, mut confirmed) = (0, 0, 0);
+    for now in 0..400 {
+        let report = measure(|| {
+            rollback.add_input(now, 0, now as u8 % 7).expect("a player");
+            // One to twelve ticks late, several at once, and mostly not as predicted.
+            for late in now.saturating_sub(12)..now {
+                if late + 1 + late * 5 % 12 == now {
+                    rollback.add_input(late, 1, late as u8 / 2 % 7).expect("a player");
+                }
+            }
+            let tick = |world: &mut World, inputs: &[(u32, u8)]| {
+                inputs.iter().for_each(|(_, buttons)| pushes(world, &ids, *buttons));
+            };
+            let report = rollback.advance(&mut world, tick).expect("nothing else changes the world");
+            assert_eq!(report.waits_for, None);
+            redone += report.redone;
+            confirmed += report.confirmed().filter(|tick| !tick.commands.is_empty()).count();
+        });
+        taken += report.count_total;
+        // By then every list has been as long as any gets.
+        if now == 200 {
+            (taken, redone, confirmed) = (0, 0, 0);
         }
     }
-    assert!(done_over > 500, "{done_over}");
+    assert!(redone > 500 && confirmed > 180, "{redone}, {confirmed}");
     assert_eq!(taken, 0);
 }
 

@@ -6,11 +6,14 @@ mod commands;
 #[path = "support/random.rs"]
 mod random;
 
-use commands::Author;
+use std::collections::BTreeSet;
+
+use commands::{Author, KINDS};
 use random::SplitMix;
+use umbra_oracles::{Generator, Taste};
 use umbra_physics::{
-    Activity, BodyDef, BodyId, Command, Created, Error, Fault, Fx, History, Input, InputResult, Inputs, Integrator,
-    TickReport, TimeStep, Vec2, World, WorldDef, fx, limits, vec2,
+    Activity, BodyDef, BodyId, Command, CommandSource as _, Created, Error, Fault, Fx, Input, InputResult, Inputs,
+    Integrator, RecordOptions, Recorder, Replay, Rollback, TimeStep, Vec2, World, WorldDef, fx, limits, vec2,
 };
 
 const PLAYERS: u32 = 3;
@@ -26,23 +29,23 @@ struct Seen {
     drag_outside: u32,
 }
 
-fn seen(tick: &TickReport<'_>) -> Seen {
-    assert_eq!(tick.step.tick, tick.world.tick());
+/// The last tick of a world, and the results of its inputs.
+fn seen(world: &World, outcomes: &[InputResult]) -> Seen {
+    let step = world.last_report();
+    assert_eq!(step.tick, world.tick());
     Seen {
-        state: tick.world.state_hash(),
-        outcomes: tick.outcomes.to_vec(),
-        faults: tick.step.faults.to_vec(),
-        fell_asleep: tick.step.fell_asleep.to_vec(),
-        woke: tick.step.woke.to_vec(),
-        drag_outside: tick.step.drag_outside,
+        state: world.state_hash(),
+        outcomes: outcomes.to_vec(),
+        faults: step.faults.to_vec(),
+        fell_asleep: step.fell_asleep.to_vec(),
+        woke: step.woke.to_vec(),
+        drag_outside: step.drag_outside,
     }
 }
 
 /// A match as it should have been: what each player did in each tick, and what came of it.
 struct Match {
     start: World,
-    /// A player does something in one tick of so many.
-    quiet: u64,
     inputs: Vec<[Vec<Command>; PLAYERS as usize]>,
     seen: Vec<Seen>,
 }
@@ -93,10 +96,10 @@ impl Match {
             let commands = [(); PLAYERS as usize].map(|()| moves(author, quiet, &world));
             let outcomes = world.carry_out(&all_of(&commands));
             world.step();
-            all.push(seen(&TickReport { outcomes: &outcomes, step: world.last_report(), world: &world }));
+            all.push(seen(&world, &outcomes));
             inputs.push(commands);
         }
-        Self { start, quiet, inputs, seen: all }
+        Self { start, inputs, seen: all }
     }
 }
 
@@ -104,8 +107,9 @@ impl Match {
 #[derive(Debug, Default)]
 struct Counts {
     rollbacks: usize,
-    wrong_guesses: usize,
     right_guesses: usize,
+    waits: usize,
+    returns: usize,
     added: usize,
     removed: usize,
     quarantined: usize,
@@ -130,75 +134,107 @@ impl Counts {
     }
 }
 
-/// Guess of a player's inputs until they arrive.
-fn guess(author: &mut Author, played: &Match, tick: usize, player: usize, world: &World) -> Vec<Command> {
-    match author.random.next() % 3 {
-        0 => Vec::new(),
-        1 => played.inputs[tick.saturating_sub(1)][player].clone(),
-        _ => moves(author, played.quiet, world),
+type Prediction = fn(&Vec<Command>) -> Vec<Command>;
+
+/// Nothing, the same again, and something else.
+const PREDICTIONS: [Prediction; 3] = [
+    |_| Vec::new(),
+    Vec::clone,
+    |last| {
+        let mut inputs = Inputs::new();
+        inputs.replace(0, last.iter().cloned());
+        let seed = inputs.to_bytes().iter().fold(7, |seed: u64, byte| seed.wrapping_mul(31) + u64::from(*byte));
+        let (mut random, bodies) = (SplitMix(seed), [0, 1, 2, 5, 8].map(|slot| BodyId::from_parts(slot, 0)));
+        let mut generator = Generator::new(&mut random, Taste::FAIR, &bodies, &[]);
+        (0..2).map(|_| generator.command()).collect()
+    },
+];
+
+/// The tick function of a game whose inputs are commands.
+fn carry_out(world: &mut World, inputs: &[(u32, Vec<Command>)]) -> Vec<InputResult> {
+    let mut outcomes = Vec::new();
+    for (player, commands) in inputs {
+        for (sequence, command) in (0..).zip(commands) {
+            outcomes.push(InputResult { player: *player, sequence, result: world.execute(command) });
+        }
+    }
+    outcomes
+}
+
+fn execute(world: &mut World, inputs: &[(u32, Vec<Command>)]) {
+    carry_out(world, inputs);
+}
+
+/// The ticks of a match as they were made last.
+struct Log {
+    outcomes: Vec<Vec<InputResult>>,
+    seen: Vec<Option<Seen>>,
+}
+
+impl Log {
+    /// Notes the tick that led to this state. For the first tick of a rollback this is the restored state.
+    fn look(&mut self, world: &World) {
+        let Some(last) = world.tick().checked_sub(1).map(|tick| tick as usize) else { return };
+        if let Some(place) = self.seen.get_mut(last) {
+            *place = Some(seen(world, &self.outcomes[last]));
+        }
+    }
+
+    fn tick(&mut self, world: &mut World, inputs: &[(u32, Vec<Command>)]) {
+        self.look(world);
+        let now = world.tick() as usize;
+        let outcomes = carry_out(world, inputs);
+        if let Some(place) = self.outcomes.get_mut(now) {
+            *place = outcomes;
+        }
     }
 }
 
-/// Goes back without a late input, as a caller does who steps again himself.
-fn go_back_and_on(author: &mut Author, history: &mut History, world: &mut World, again: &mut [Option<Seen>]) {
-    let (Some(oldest), present) = (history.oldest(), world.tick()) else { return };
-    let tick = author.random.between(oldest as i64, present as i64 + 1) as u64;
-    let inputs: Vec<Inputs> = (tick..present).map(|t| history.inputs(t).expect("it is kept").clone()).collect();
-    history.rollback_to(world, tick).expect("it is kept");
-    assert_eq!(world.tick(), tick);
-    if tick > 0 {
-        assert_eq!(Some(world.state_hash()), again[tick as usize - 1].as_ref().map(|seen| seen.state));
-    }
-    for (tick, inputs) in (tick..).zip(&inputs) {
-        again[tick as usize] = Some(seen(&history.advance(world, inputs)));
-    }
-}
-
-/// Plays a match with inputs that are late by up to the length of the history.
-fn play_late(author: &mut Author, played: &Match, ticks: usize, counts: &mut Counts) {
+/// Plays a match with inputs that are late by up to two ticks more than there are in the window.
+fn play_late(author: &mut Author, played: &Match, window: usize, predict: Prediction, counts: &mut Counts) {
+    let ticks = played.seen.len();
     let mut world = played.start.clone();
-    let mut history = History::new(ticks);
-    let mut again = vec![None; played.seen.len()];
+    let mut rollback = Rollback::new(&world, 0..PLAYERS, window).with_prediction(predict);
+    let mut log = Log { outcomes: vec![Vec::new(); ticks], seen: vec![None; ticks] };
     // (when it arrives, tick, player)
     let mut under_way: Vec<(usize, usize, u32)> = Vec::new();
-    // At the end the last inputs arrive while nothing new happens.
-    for tick in 0..played.seen.len() + ticks {
-        if tick < played.seen.len() {
-            let mut inputs = all_of(&played.inputs[tick]);
-            for player in 0..PLAYERS {
-                let delay = author.random.next() as usize % (ticks + 1);
-                if delay > 0 {
-                    inputs.replace(player, guess(author, played, tick, player as usize, &world));
-                    under_way.push((tick + delay, tick, player));
-                }
-            }
-            let report = history.advance(&mut world, &inputs);
-            again[tick] = Some(seen(&report));
-        }
+    for tick in 0..ticks {
+        let delay = |_| author.random.next() as usize % (window + 3);
+        under_way.extend((0..PLAYERS).map(|player| (tick + delay(player), tick, player)));
+    }
+    let (mut now, mut confirmed) = (0, 0);
+    while confirmed < ticks {
         // In any order, each by itself or several at once.
-        let (mut arrived, others): (Vec<_>, Vec<_>) = under_way.into_iter().partition(|(when, ..)| *when == tick + 1);
-        under_way = others;
+        let (mut arrived, others): (Vec<_>, Vec<_>) = under_way.into_iter().partition(|(when, ..)| *when == now);
+        (under_way, now) = (others, now + 1);
+        let mut was_guessed = false;
         while !arrived.is_empty() {
-            let (_, late, player) = arrived.swap_remove(author.random.next() as usize % arrived.len());
-            let commands = played.inputs[late][player as usize].clone();
-            let mut visit = |tick: TickReport<'_>| again[tick.step.tick as usize - 1] = Some(seen(&tick));
-            let done_over = if author.one_in(2) {
-                history.correct(&mut world, late as u64, player, commands, visit).expect("it is kept")
-            } else {
-                history.replace(late as u64, player, commands).expect("it is kept");
-                if arrived.is_empty() { history.redo(&mut world, &mut visit) } else { continue }
-            };
-            let behind = world.tick() - late as u64;
-            counts.rollbacks += usize::from(done_over > 0);
-            counts.right_guesses += usize::from(done_over == 0);
-            counts.wrong_guesses += usize::from(done_over >= behind);
-            if author.one_in(4) {
-                go_back_and_on(author, &mut history, &mut world, &mut again);
-            }
+            let (_, tick, player) = arrived.swap_remove(author.random.next() as usize % arrived.len());
+            was_guessed |= (tick as u64) < rollback.present();
+            let commands = played.inputs[tick][player as usize].clone();
+            assert_eq!(rollback.add_input(tick as u64, player, commands), Ok(true));
+        }
+        let report = rollback.advance(&mut world, |world, inputs| log.tick(world, inputs)).expect("unchanged");
+        counts.rollbacks += usize::from(report.redone > 0);
+        counts.right_guesses += usize::from(was_guessed && report.redone == 0);
+        counts.waits += usize::from(report.waits_for.is_some());
+        for tick in report.confirmed() {
+            assert_eq!(tick.tick, confirmed as u64);
+            assert!(tick.inputs.iter().map(|(_, commands)| commands).eq(&played.inputs[confirmed]));
+            assert_eq!(tick.after.state_hash(), played.seen[confirmed].state, "tick {confirmed}, a window of {window}");
+            confirmed += 1;
+        }
+        log.look(&world);
+        if author.one_in(20) {
+            // Back to the last confirmed tick; the inputs after it have arrived already.
+            world = rollback.confirmed_world(&world).clone();
+            assert_eq!(world.tick(), confirmed as u64);
+            rollback.restart(&world);
+            counts.returns += 1;
         }
     }
-    for (tick, (again, seen)) in again.iter().zip(&played.seen).enumerate() {
-        assert_eq!(again.as_ref(), Some(seen), "tick {tick}, a history of {ticks}");
+    for (tick, (again, seen)) in log.seen.iter().zip(&played.seen).enumerate() {
+        assert_eq!(again.as_ref(), Some(seen), "tick {tick}, a window of {window}");
     }
 }
 
@@ -210,163 +246,173 @@ fn late_inputs_lead_to_the_states_that_inputs_in_time_lead_to() {
         let integrator = Integrator::ALL[run % Integrator::ALL.len()];
         let played = Match::play(&mut author, integrator, [1, 10][run / 5 % 2], 50);
         counts.add(&played);
-        play_late(&mut author, &played, 1 + run % 17, &mut counts);
+        play_late(&mut author, &played, run % 17, PREDICTIONS[run % 3], &mut counts);
     }
     // Otherwise this shows less than it says.
-    let Counts { rollbacks, wrong_guesses, right_guesses, added, removed, quarantined, slept, woke, refused } = counts;
-    assert!(rollbacks > 1_000 && wrong_guesses > 1_000 && right_guesses > 500, "{counts:?}");
-    for count in [added, removed, quarantined, slept, woke, refused] {
+    let Counts { rollbacks, right_guesses, waits, returns, added, removed, quarantined, slept, woke, refused } = counts;
+    assert!(rollbacks > 1_000 && right_guesses > 500, "{counts:?}");
+    for count in [waits, returns, added, removed, quarantined, slept, woke, refused] {
         assert!(count > 50, "{counts:?}");
     }
 }
 
-/// A world of a few bodies that are pushed apart by hand.
+/// A tick of commands, and now and then a draw. Returns the commands that the world accepted.
+fn tick_with_draws(world: &mut World, inputs: &[(u32, Vec<Command>)]) -> Vec<Command> {
+    let mut accepted = Vec::new();
+    for command in inputs.iter().flat_map(|(_, commands)| commands) {
+        if world.execute(command).is_ok() {
+            accepted.push(command.clone());
+        }
+    }
+    if world.tick() % 5 == 3 {
+        let drawn = world.random_mut().below(6);
+        _ = world.set_gravity(vec2(0, -(drawn as i32)));
+        accepted.extend([Command::SetGravity(vec2(0, -(drawn as i32))), Command::SetRandom(*world.random())]);
+    }
+    accepted
+}
+
+#[test]
+fn confirmed_ticks_hold_every_accepted_command_and_make_a_replay_of_the_straight_run() {
+    const TICKS: u64 = 40;
+    let mut author = Author { random: SplitMix(8), unfair: 40 };
+    let (mut kinds, mut redone) = (BTreeSet::new(), 0);
+    for run in 0..60 {
+        let start = Match::play(&mut author, Integrator::ALL[run % Integrator::ALL.len()], 1, 0).start;
+        // Straight on: the inputs, the accepted commands and the states.
+        let mut world = start.clone();
+        let (mut inputs, mut straight) = (Vec::new(), Vec::new());
+        for _ in 0..TICKS {
+            let mut any = |_| author.of_kind(author.random.next() % KINDS, &world);
+            let commands: Vec<(u32, Vec<Command>)> =
+                (0..PLAYERS).map(|player| (player, vec![any(0), any(1)])).collect();
+            let accepted = tick_with_draws(&mut world, &commands);
+            kinds.extend(accepted.iter().map(Command::number));
+            world.step();
+            inputs.push(commands);
+            straight.push((accepted, world.state_hash()));
+        }
+        // Late, and recorded.
+        let mut late = start.clone();
+        let mut recorder = Recorder::new(&late, RecordOptions { hash_every: 3, snapshot_every: 16 });
+        let window = 1 + run % 12;
+        let mut rollback = Rollback::new(&late, 0..PLAYERS, window).with_prediction(PREDICTIONS[run % 3]);
+        let mut confirmed = 0;
+        while confirmed < TICKS {
+            for (tick, inputs) in inputs.iter().enumerate().take(rollback.present() as usize + 1) {
+                for (player, commands) in inputs {
+                    if author.one_in(window as u64) {
+                        rollback.add_input(tick as u64, *player, commands.clone()).expect("a player");
+                    }
+                }
+            }
+            let report =
+                rollback.advance(&mut late, |world, inputs| _ = tick_with_draws(world, inputs)).expect("unchanged");
+            redone += report.redone;
+            for tick in report.confirmed() {
+                let (accepted, hash) = &straight[tick.tick as usize];
+                assert_eq!(tick.commands, accepted, "tick {}", tick.tick);
+                assert_eq!(tick.after.state_hash(), *hash);
+                let recorded = recorder.record(&tick).expect("the next one");
+                assert!(recorded.is_none_or(|recorded| recorded == *hash));
+                confirmed += 1;
+            }
+        }
+        let file = recorder.finish(rollback.confirmed_world(&late));
+        let replay = Replay::from_bytes(&file, &[]).expect("it is whole");
+        assert_eq!((replay.verify(), replay.ticks()), (Ok(()), TICKS));
+        let mut playback = replay.play();
+        playback.seek(TICKS);
+        assert_eq!(playback.world().state_hash(), world.state_hash());
+    }
+    assert!(redone > 5_000, "{redone}");
+    assert_eq!(kinds.len() as u64, KINDS, "{kinds:?}");
+}
+
+/// A world of a body in motion.
 fn small() -> (World, BodyId) {
     let mut world = World::new(WorldDef { gravity: vec2(0, -1), ..WorldDef::default() }).expect("fair");
     let body = world.add_body(BodyDef { velocity: vec2(1, 2), ..BodyDef::dynamic() }).expect("fair");
     (world, body)
 }
 
-fn set(body: BodyId, x: i32) -> [Command; 1] {
-    [Command::SetVelocity { body, velocity: vec2(x, 0) }]
+/// A rollback over commands of player 0, and some ticks without any.
+fn idle(world: &mut World, ticks: u64) -> Rollback<Vec<Command>> {
+    let mut rollback = Rollback::new(world, [0], 8).with_prediction(PREDICTIONS[0]);
+    for _ in 0..ticks {
+        rollback.advance(world, execute).expect("unchanged");
+    }
+    rollback
+}
+
+fn set(body: BodyId, x: i32) -> Vec<Command> {
+    vec![Command::SetVelocity { body, velocity: vec2(x, 0) }]
 }
 
 #[test]
-fn ticks_that_are_not_kept_are_refused_by_name_and_nothing_changes() {
+fn inputs_of_confirmed_ticks_and_of_ticks_far_ahead_change_nothing() {
     let (mut world, body) = small();
-    let mut history = History::new(3);
-    assert_eq!(history.oldest(), None);
-    assert_eq!(history.inputs(0), Err(Error::TickToCome { tick: 0, present: 0 }));
-    for _ in 0..5 {
-        history.advance(&mut world, &Inputs::new());
+    let mut rollback = idle(&mut world, 5);
+    for tick in 0..3 {
+        assert_eq!(rollback.add_input(tick, 0, Vec::new()), Ok(true));
     }
-    assert_eq!(history.oldest(), Some(2));
-    let before = world.state_hash();
-    let to_come = Error::TickToCome { tick: 5, present: 5 };
-    let forgotten = Error::TickForgotten { tick: 1, oldest: 2 };
-    for (tick, error) in [(5, to_come), (1, forgotten)] {
-        assert_eq!(history.inputs(tick), Err(error));
-        assert_eq!(history.inputs_mut(tick).map(drop), Err(error));
-        assert_eq!(history.replace(tick, 0, []), Err(error));
-        let visit = |_: TickReport<'_>| panic!("nothing is done over");
-        assert_eq!(history.correct(&mut world, tick, 0, set(body, 1), visit), Err(error));
+    assert_eq!(rollback.advance(&mut world, execute).expect("unchanged").confirmed().len(), 3);
+    let mut straight = world.clone();
+    for tick in 0..3 {
+        assert_eq!(rollback.add_input(tick, 0, set(body, 9)), Ok(false));
     }
-    assert_eq!(history.rollback_to(&mut world, 1), Err(forgotten));
-    assert_eq!(history.rollback_to(&mut world, 6), Err(Error::TickToCome { tick: 6, present: 5 }));
-    // To the present: it is there.
-    assert_eq!(history.rollback_to(&mut world, 5), Ok(()));
-    assert_eq!((world.state_hash(), history.oldest()), (before, Some(2)));
+    let far = rollback.present() + Rollback::<Vec<Command>>::AHEAD + 1;
+    assert_eq!(rollback.add_input(far, 0, set(body, 9)), Err(Error::TickToCome { tick: far, present: 6 }));
+    assert_eq!(rollback.advance(&mut world, execute).expect("unchanged").redone, 0);
+    straight.step();
+    assert_eq!(world.state_hash(), straight.state_hash());
 }
 
 #[test]
-fn all_of_a_history_can_be_gone_back_over_and_it_begins_again_there() {
+fn a_world_that_went_astray_is_refused_and_what_came_late_is_of_a_past_that_it_has_no_more() {
     let (mut world, body) = small();
-    let mut history = History::new(4);
-    let start = world.state_hash();
-    for _ in 0..4 {
-        history.advance(&mut world, &Inputs::new());
-    }
-    history.rollback_to(&mut world, 0).expect("it is kept");
-    assert_eq!((world.state_hash(), world.tick(), history.oldest()), (start, 0, None));
-    assert_eq!(history.rollback_to(&mut world, 0), Ok(()));
-    assert_eq!(history.rollback_to(&mut world, 1), Err(Error::TickToCome { tick: 1, present: 0 }));
-    history.advance(&mut world, &Inputs::new());
-    assert_eq!(history.correct(&mut world, 0, 0, set(body, 7), |_| ()), Ok(1));
-    assert_eq!(world.body(body).expect("it is there").velocity().x, fx!(7));
-}
-
-#[test]
-fn a_history_of_no_ticks_has_one() {
-    let (mut world, body) = small();
-    let mut history = History::new(0);
-    for _ in 0..3 {
-        history.advance(&mut world, &Inputs::new());
-    }
-    assert_eq!(history.oldest(), Some(2));
-    assert_eq!(history.correct(&mut world, 2, 0, set(body, 7), |_| ()), Ok(1));
-}
-
-#[test]
-fn a_world_at_another_tick_begins_another_history() {
-    let (mut world, body) = small();
-    let mut history = History::new(4);
-    for _ in 0..4 {
-        history.advance(&mut world, &Inputs::new());
-    }
-    history.replace(2, 0, set(body, 9)).expect("it is kept");
-    // By itself: what was changed above is of a past that this world does not have any more.
+    let mut rollback = idle(&mut world, 4);
+    rollback.add_input(2, 0, set(body, 9)).expect("a player");
     world.step();
     let mut straight = world.clone();
+    let refused = rollback.advance(&mut world, execute).map(drop);
+    assert_eq!(refused, Err(Error::ChangedBetweenTicks { tick: 4 }));
+    assert_eq!(world.state_hash(), straight.state_hash());
+    rollback.restart(&world);
+    assert_eq!(rollback.advance(&mut world, execute).expect("from there").redone, 0);
     straight.step();
-    history.advance(&mut world, &Inputs::new());
-    assert_eq!((history.oldest(), world.state_hash()), (Some(5), straight.state_hash()));
+    assert_eq!((rollback.present(), world.state_hash()), (6, straight.state_hash()));
 }
 
 #[test]
-fn a_world_that_went_astray_is_put_back() {
-    let (mut world, _) = small();
-    let mut history = History::new(4);
-    for _ in 0..4 {
-        history.advance(&mut world, &Inputs::new());
-    }
-    let present = world.state_hash();
-    world.step();
-    history.rollback_to(&mut world, 4).expect("it is where the history ends");
-    assert_eq!((world.state_hash(), history.oldest()), (present, Some(0)));
-}
-
-#[test]
-fn inputs_changed_and_not_done_over_count_in_what_comes_next() {
-    let (mut straight, body) = small();
-    let mut world = straight.clone();
-    let mut history = History::new(4);
-    for tick in 0..4 {
-        history.advance(&mut world, &Inputs::new());
-        if tick == 1 {
-            straight.set_velocity(body, vec2(7, 0)).expect("fair");
-        }
+fn late_inputs_of_several_ticks_take_one_rollback_from_the_first_of_them() {
+    let (mut world, body) = small();
+    let mut straight = world.clone();
+    let mut rollback = idle(&mut world, 4);
+    rollback.add_input(3, 0, set(body, 3)).expect("a player");
+    rollback.add_input(1, 0, set(body, 7)).expect("a player");
+    // The first one counts.
+    assert_eq!(rollback.add_input(1, 0, set(body, 4)), Ok(false));
+    assert_eq!(rollback.advance(&mut world, execute).expect("unchanged").redone, 3);
+    for tick in 0..5 {
+        execute(&mut straight, &[(0, [vec![], set(body, 7), vec![], set(body, 3), vec![]][tick].clone())]);
         straight.step();
     }
-    // By the next tick.
-    history.replace(1, 0, set(body, 7)).expect("it is kept");
-    let report = history.advance(&mut world, &Inputs::new());
-    let next = report.world.state_hash();
-    // By going back to a tick after the change.
-    history.replace(1, 0, set(body, 3)).expect("it is kept");
-    history.replace(1, 0, set(body, 7)).expect("it is kept");
-    history.rollback_to(&mut world, 4).expect("it is kept");
-    assert_eq!(world.state_hash(), straight.state_hash());
-    straight.step();
-    assert_eq!(next, straight.state_hash());
-}
-
-#[test]
-fn what_was_changed_in_a_tick_that_is_given_up_is_gone_with_it() {
-    let (mut world, body) = small();
-    let mut history = History::new(4);
-    for _ in 0..4 {
-        history.advance(&mut world, &Inputs::new());
-    }
-    history.replace(3, 0, set(body, 3)).expect("it is kept");
-    history.rollback_to(&mut world, 1).expect("it is kept");
-    let mut straight = world.clone();
-    history.advance(&mut world, &Inputs::new());
-    straight.step();
     assert_eq!(world.state_hash(), straight.state_hash());
 }
 
 #[test]
-fn a_handle_from_a_future_that_was_given_up_may_name_another_body() {
+fn a_handle_from_a_tick_that_is_made_again_may_name_another_body() {
     let (mut world, _) = small();
-    let mut history = History::new(4);
+    let mut rollback = Rollback::new(&world, [0, 1], 8).with_prediction(PREDICTIONS[0]);
     let mut made = Vec::new();
-    let mut inputs = Inputs::new();
-    inputs.replace(1, [Command::AddBody(BodyDef { key: 1, ..BodyDef::dynamic() })]);
-    made.push(history.advance(&mut world, &inputs).outcomes[0].result);
-    let shot = [Command::AddBody(BodyDef { key: 2, ..BodyDef::dynamic() })];
-    history.correct(&mut world, 0, 0, shot, |tick| made.push(tick.outcomes[0].result)).expect("it is kept");
-    assert_eq!(made[0], made[1]);
-    let Ok(Created::Body(body)) = made[0] else { panic!("{made:?}") };
+    let shot = |key| vec![Command::AddBody(BodyDef { key, ..BodyDef::dynamic() })];
+    rollback.add_input(0, 1, shot(1)).expect("a player");
+    rollback.advance(&mut world, |world, inputs| made.extend(carry_out(world, inputs))).expect("unchanged");
+    rollback.add_input(0, 0, shot(2)).expect("a player");
+    rollback.advance(&mut world, |world, inputs| made.extend(carry_out(world, inputs))).expect("unchanged");
+    assert_eq!(made[0].result, made[1].result);
+    let Ok(Created::Body(body)) = made[0].result else { panic!("{made:?}") };
     assert_eq!(world.body(body).expect("it is there").key(), 2);
     assert_eq!(world.body(body).expect("it is there").activity(), Activity::Awake);
 }
@@ -374,44 +420,17 @@ fn a_handle_from_a_future_that_was_given_up_may_name_another_body() {
 #[test]
 fn the_time_step_may_change_on_the_way() {
     let (mut world, _) = small();
-    let mut history = History::new(8);
     let mut straight = world.clone();
-    for tick in 0..8 {
-        history.advance(&mut world, &Inputs::new());
+    let mut rollback = idle(&mut world, 8);
+    for tick in 0..9 {
         if tick == 3 {
             straight.set_time_step(TimeStep::ratio(1001, 60_000)).expect("fair");
         }
         straight.step();
     }
-    let slower = Command::SetTimeStep(TimeStep::ratio(1001, 60_000));
-    assert_eq!(history.correct(&mut world, 3, 0, [slower], |_| ()), Ok(5));
+    // It makes the ticks of the window again, and with the inputs up to there the next one.
+    rollback.add_input(3, 0, vec![Command::SetTimeStep(TimeStep::ratio(1001, 60_000))]).expect("a player");
+    (0..3).for_each(|tick| _ = rollback.add_input(tick, 0, Vec::new()).expect("a player"));
+    assert_eq!(rollback.advance(&mut world, execute).expect("unchanged").redone, 5);
     assert_eq!((world.elapsed(), world.state_hash()), (straight.elapsed(), straight.state_hash()));
-}
-
-#[test]
-fn a_world_that_is_rolled_back_has_the_report_of_its_own_step() {
-    let (mut world, body) = small();
-    let mut history = History::new(6);
-    let lost = BodyDef { position: Vec2::new(limits::POSITION, fx!(0)), velocity: vec2(1, 0), ..BodyDef::dynamic() };
-    let mut reports = Vec::new();
-    for tick in 0..10 {
-        if tick == 6 {
-            history.correct(&mut world, 0, 1, set(body, 3), |_| ()).expect("it is kept");
-        }
-        let mut inputs = Inputs::new();
-        if tick == 2 || tick == 7 {
-            let command = Command::AddBody(lost.clone());
-            inputs.insert(Input { player: 2, sequence: 0, command }).expect("it has its place");
-        }
-        history.advance(&mut world, &inputs);
-        reports.push((world.tick(), world.last_report().faults.to_vec()));
-    }
-    let mut compared = Vec::new();
-    for (tick, faults) in reports.into_iter().rev() {
-        if history.rollback_to(&mut world, tick).is_ok() {
-            assert_eq!(world.last_report().faults, faults, "the step to tick {tick}");
-            compared.push((tick, faults.len()));
-        }
-    }
-    assert_eq!(compared, [(10, 0), (9, 0), (8, 1), (7, 0), (6, 0), (5, 0), (4, 0)]);
 }

@@ -38,8 +38,8 @@ struct Seen {
 /// - a call [placed](crate::StepReport::placed) or added the body since the tick before, in a slot used before or not;
 /// - the world was put back ([`World::rewinds`]), or stepped without a look: then this holds for all bodies.
 ///
-/// A rollback puts the world back. Look at each tick that is done over, as in the loop below: then only the first of them is
-/// without a blend, and it is shown only if it is the last tick as well.
+/// A [`Rollback`](crate::Rollback) sets the world back to make ticks again. Look at each tick as it begins, in the tick function,
+/// and at the present one before a frame is drawn, as in the loop below: then motion is blended in its new past.
 ///
 /// An interpolation tells one world from another by tick and rewinds alone. A different world may have both in common: a copy
 /// that was stepped with other inputs, or the world of a received snapshot
@@ -48,31 +48,35 @@ struct Seen {
 /// may be blended from their places in the world before.
 ///
 /// ```
-/// use umbra_physics::{Blend, BodyDef, Command, History, Inputs, Interpolation, StepClock, World, WorldDef, vec2};
+/// use umbra_physics::{Blend, BodyDef, Interpolation, Rollback, StepClock, World, WorldDef, vec2};
 ///
 /// let mut world = World::new(WorldDef::default())?;
 /// let ball = world.add_body(BodyDef { velocity: vec2(6, 0), ..BodyDef::dynamic() })?;
-/// let mut history = History::new(8);
+/// let mut rollback = Rollback::<bool>::new(&world, [0], 8);
 /// let mut step_clock = StepClock::new(world.def().time_step)?;
 /// let mut interpolation = Interpolation::new();
 /// interpolation.look(&world);
 /// let mut shown = Vec::new();
 /// for frame in 0..6 {
-///     // What arrived late: here in frame 4, that the ball was stopped in tick 1.
+///     // What arrived late: here in frame 4, that the player stopped the ball in tick 1.
 ///     if frame == 4 {
-///         let stop = Command::SetVelocity { body: ball, velocity: vec2(0, 0) };
-///         history.correct(&mut world, 1, 1, [stop], |tick| interpolation.look(tick.world))?;
+///         rollback.add_input(1, 0, true)?;
 ///     }
 ///     // As many ticks as there is time for: a display of 120 Hz.
 ///     for _ in 0..step_clock.frame(8_333_334).ticks {
-///         history.advance(&mut world, &Inputs::new());
+///         rollback.advance(&mut world, |world, inputs| {
+///             interpolation.look(world);
+///             if inputs[0].1 {
+///                 world.set_velocity(ball, vec2(0, 0)).expect("it is there");
+///             }
+///         })?;
 ///         interpolation.look(&world);
 ///     }
 ///     let at = Blend::Interpolated(step_clock.remainder());
 ///     shown.push(interpolation.pose(ball, at).expect("it is there").position[0]);
 /// }
 /// // Half a tick is 5 cm. Shown a tick late; then it is found where it was stopped.
-/// let expected = [0.0, 0.0, 0.05, 0.1, 0.1, 0.1];
+/// let expected = [0.0, 0.0, 0.05, 0.1, 0.15, 0.1];
 /// assert!(shown.iter().zip(expected).all(|(x, expected)| (x - expected).abs() < 1e-6), "{shown:?}");
 /// # Ok::<(), umbra_physics::Error>(())
 /// ```

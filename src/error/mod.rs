@@ -115,18 +115,18 @@ pub enum Error {
         /// The sequence.
         sequence: u32,
     },
-    /// The tick is no longer kept, or confirmed.
+    /// The tick is confirmed or recorded already.
     TickForgotten {
         /// The tick that was asked for.
         tick: u64,
-        /// The oldest tick that is kept.
+        /// The first tick that is not.
         oldest: u64,
     },
-    /// The tick is in the future, or too far in it.
+    /// The tick is too far in the future.
     TickToCome {
         /// The tick that was asked for.
         tick: u64,
-        /// The tick that the world is at.
+        /// The tick that is made or recorded next.
         present: u64,
     },
     /// The rollback has no player with this number.
@@ -304,10 +304,10 @@ impl fmt::Display for Error {
                 write!(f, "player {player} already has an input with sequence {sequence} in this tick")
             },
             Self::TickForgotten { tick, oldest } => {
-                write!(f, "tick {tick} is no longer kept: the oldest is tick {oldest}")
+                write!(f, "tick {tick} is confirmed or recorded already: the first that is not is tick {oldest}")
             },
             Self::TickToCome { tick, present } => {
-                write!(f, "tick {tick} is in the future: the world is at tick {present}")
+                write!(f, "tick {tick} is too far in the future: the next one is tick {present}")
             },
             Self::NoSuchPlayer { player } => write!(f, "the rollback has no player {player}: name all players at its start"),
             Self::ChangedBetweenTicks { tick } => write!(

@@ -317,7 +317,7 @@ impl<S: Scalar> World<S> {
     /// calls since the step that led to it. Use it to update sprites, a grid or packets of bodies that mostly rest.
     ///
     /// Awake bodies that are not static always count as changed. After [`restore`](Self::restore), `clone_from`,
-    /// [`step_back`](Self::step_back) or a rollback of a [`History`](super::History) all bodies count as changed since every
+    /// [`step_back`](Self::step_back) or a [`Rollback`](super::Rollback) to an earlier tick all bodies count as changed since every
     /// earlier tick, and so they do in a world that was read from bytes. Removed bodies are only in the
     /// [events](StepReport::events). The call looks at all slots; steps do no work for it.
     ///
@@ -346,7 +346,7 @@ impl<S: Scalar> World<S> {
     }
 
     /// The number of times the world was set back: by [`restore`](Self::restore), `clone_from`, [`step_back`](Self::step_back) or
-    /// a [`History`](super::History). A change of the number tells code that keeps data of past ticks that they are no longer
+    /// a [`Rollback`](super::Rollback). A change of the number tells code that keeps data of past ticks that they are no longer
     /// the world's past. The number is not part of the state; a clone counts on from it.
     ///
     /// ```

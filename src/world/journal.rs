@@ -51,9 +51,9 @@ impl<S: Scalar> Journal<S> {
         self.commands.clear();
     }
 
-    /// Returns true if nothing was noted since it was started.
+    /// Returns true if it was started and nothing was noted since.
     pub(super) fn is_empty(&self) -> bool {
-        self.commands.is_empty() && !self.has_drawn
+        self.is_on && self.commands.is_empty() && !self.has_drawn
     }
 
     /// Exchanges the commands for an empty list. `random` is the world's generator as it is now.

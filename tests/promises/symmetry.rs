@@ -8,8 +8,8 @@ use proptest::prelude::*;
 use umbra_oracles::{Oracle, Script};
 use umbra_physics::Symmetry;
 use umbra_physics::{
-    Activity, ApplyOptions, BodyDef, BodyId, Command, End, Event, FieldKind, ForceField, ForceOrImpulse, Fx, History,
-    Inputs, Mass, Random, Snapshot, Vec2, World, WorldDef, fx, limits, vec2,
+    Activity, ApplyOptions, BodyDef, BodyId, Command, Created, End, Error, Event, FieldKind, ForceField,
+    ForceOrImpulse, Fx, Mass, Random, Rollback, Snapshot, Vec2, World, WorldDef, fx, limits, vec2,
 };
 
 use crate::check::{Verdict, check_of, judge, there_is};
@@ -36,12 +36,41 @@ fn a_run_shifted_by_an_even_number_of_ulps_is_the_run_shifted() {
 struct Side {
     world: World,
     saved: Snapshot,
-    history: History,
+    /// Over commands of players 0 and 1.
+    rollback: Rollback<Vec<Command>>,
 }
 
 impl Side {
     fn new(world: World) -> Self {
-        Self { saved: world.snapshot(), world, history: History::new(5) }
+        let rollback = Rollback::new(&world, [0, 1], 5).with_prediction(|_| Vec::new());
+        Self { saved: world.snapshot(), world, rollback }
+    }
+
+    /// Makes the next tick with these inputs of player 0. Returns the number of ticks made again, or the refusal after which the
+    /// rollback goes on from the world as it is; and the results of all commands of all ticks made.
+    fn advance(&mut self, commands: &[Command]) -> (Result<u64, Error>, Vec<Result<Created, Error>>) {
+        let (mut refused, mut results) = (None, Vec::new());
+        loop {
+            let (now, first) = (self.rollback.present(), self.rollback.first_unconfirmed());
+            _ = self.rollback.add_input(now, 0, commands.to_vec()).expect("a player");
+            if first + 5 == now {
+                // Otherwise it waits.
+                _ = self.rollback.add_input(first, 1, Vec::new()).expect("a player");
+            }
+            let tick = |world: &mut World, inputs: &[(u32, Vec<Command>)]| {
+                results.extend(inputs.iter().flat_map(|(_, commands)| commands).map(|command| world.execute(command)));
+            };
+            match self.rollback.advance(&mut self.world, tick).map(|report| (report.redone, report.waits_for)) {
+                Ok((redone, waits_for)) => {
+                    assert_eq!(waits_for, None);
+                    return (refused.map_or(Ok(redone), Err), results);
+                }
+                Err(error) => {
+                    assert_eq!(refused.replace(error), None);
+                    self.rollback.restart(&self.world);
+                }
+            }
+        }
     }
 
     /// Report of the last step.
@@ -66,6 +95,7 @@ struct Reflected {
     sides: [Side; 2],
     dice: Random,
     compared: u32,
+    redone: u64,
 }
 
 /// Reason to stop comparing.
@@ -118,16 +148,12 @@ impl Reflected {
         let images = commands.iter().map(|command| self.image(command)).collect::<Result<Vec<Command>, Ended>>()?;
         let [ours, theirs] = &mut self.sides;
         if self.dice.below(2) == 0 {
-            // By a history, as inputs of a player.
-            let mut outcomes = Vec::new();
-            for (side, commands) in [(ours, commands), (theirs, &images[..])] {
-                let mut inputs = Inputs::new();
-                inputs.replace(0, commands.iter().cloned());
-                outcomes.push(side.history.advance(&mut side.world, &inputs).outcomes.to_vec());
+            // By a rollback, as inputs of a player.
+            let (here, there) = (ours.advance(commands), theirs.advance(&images));
+            if here != there {
+                return Err(Ended::Unlike(format!("what became of inputs: {here:?} and {there:?}")));
             }
-            if outcomes[0] != outcomes[1] {
-                return Err(Ended::Unlike(format!("what became of inputs: {outcomes:?}")));
-            }
+            self.redone += here.0.unwrap_or(0);
         } else {
             for (command, image) in commands.iter().zip(&images) {
                 let (here, there) = (ours.world.execute(command), theirs.world.execute(image));
@@ -178,10 +204,13 @@ impl Reflected {
             6 => {
                 // What another player did in a past tick arrives.
                 let [ours, theirs] = &self.sides;
-                let range = ours.history.oldest().map(|oldest| oldest..ours.world.tick());
-                let Some(past) = range.filter(|ticks| !ticks.is_empty()) else { return Ok(()) };
-                if theirs.history.oldest() != Some(past.start) {
-                    return Err(Ended::Unlike("a history".to_owned()));
+                let ticks = |side: &Side| side.rollback.first_unconfirmed()..side.rollback.present();
+                let past = ticks(ours);
+                if ticks(theirs) != past {
+                    return Err(Ended::Unlike("ticks that are not confirmed".to_owned()));
+                }
+                if past.is_empty() {
+                    return Ok(());
                 }
                 let tick = past.start + self.dice.below(past.end - past.start);
                 let body = ours.world.bodies().next().map(|body| body.id());
@@ -189,17 +218,18 @@ impl Reflected {
                 let mut part = || self.dice.number(fx!(-3)..=fx!(3));
                 let action = ForceOrImpulse::Impulse { impulse: Vec2::new(part(), part()), point: None };
                 let push = Command::Apply { body, action, options: ApplyOptions::default() };
-                let [here, there] = self.on_each(&push, |side, push| {
-                    side.history.correct(&mut side.world, tick, 1, [push.clone()], |_| ()).map_err(|e| e.to_string())
-                })?;
+                let [here, there] =
+                    self.on_each(&push, |side, push| side.rollback.add_input(tick, 1, vec![push.clone()]))?;
                 if here != there {
-                    return Err(Ended::Unlike(format!("ticks done over: {here:?} and {there:?}")));
+                    return Err(Ended::Unlike(format!("late inputs: {here:?} and {there:?}")));
                 }
             }
             _ => {
-                self.both("back to the oldest tick", |side| {
-                    let oldest = side.history.oldest()?;
-                    side.history.rollback_to(&mut side.world, oldest).ok()
+                self.both("back to the confirmed tick", |side| {
+                    let confirmed = side.rollback.confirmed_world(&side.world).clone();
+                    side.world.clone_from(&confirmed);
+                    side.rollback.restart(&side.world);
+                    side.world.tick()
                 })?;
             }
         }
@@ -207,8 +237,8 @@ impl Reflected {
     }
 }
 
-/// Number of times that a run and its image were compared and equal.
-fn keeps_images(script: &Script, seed: u64, of_commands: impl Fn(Symmetry) -> Symmetry) -> Result<u32, String> {
+/// Number of times that a run and its image were compared and equal, and of ticks that were made again.
+fn keeps_images(script: &Script, seed: u64, of_commands: impl Fn(Symmetry) -> Symmetry) -> Result<(u32, u64), String> {
     let mut dice = Random::seeded(seed);
     let ulp = Fx::DELTA;
     let kinds = [Symmetry::MIRROR, Symmetry::FLIP, Symmetry::DIAGONAL, Symmetry::TURN, Symmetry::TURN];
@@ -218,7 +248,7 @@ fn keeps_images(script: &Script, seed: u64, of_commands: impl Fn(Symmetry) -> Sy
     let world = script.start().map_err(|error| error.to_string())?;
     let image = symmetry.world(&world).ok_or("an empty world has an image")?;
     let sides = [world, image].map(Side::new);
-    let mut run = Reflected { symmetry, of_commands: of_commands(symmetry), sides, dice, compared: 0 };
+    let mut run = Reflected { symmetry, of_commands: of_commands(symmetry), sides, dice, compared: 0, redone: 0 };
     let mut play = || {
         for tick in 0..script.ticks {
             let commands: Vec<Command> = script.commands_of(tick).cloned().collect();
@@ -230,14 +260,14 @@ fn keeps_images(script: &Script, seed: u64, of_commands: impl Fn(Symmetry) -> Sy
         Ok(())
     };
     match play() {
-        Ok(()) | Err(Ended::Over) => Ok(run.compared),
+        Ok(()) | Err(Ended::Over) => Ok((run.compared, run.redone)),
         Err(Ended::Unlike(why)) => Err(why),
     }
 }
 
 #[test]
 fn calls_of_every_kind_keep_images() {
-    let (tried, compared) = (Cell::new(0u32), Cell::new(0u32));
+    let (tried, compared, redone) = (Cell::new(0u32), Cell::new(0u32), Cell::new(0u64));
     let runs = || (TASTE.plan(), any::<u64>());
     check_of(
         "fair-calls",
@@ -245,15 +275,17 @@ fn calls_of_every_kind_keep_images() {
         runs(),
         |(plan, _)| plan.script(),
         |(plan, seed)| {
-            let times = keeps_images(&plan.script(), *seed, |symmetry| symmetry)?;
+            let (times, ticks) = keeps_images(&plan.script(), *seed, |symmetry| symmetry)?;
             tried.set(tried.get() + 1);
             compared.set(compared.get() + times);
+            redone.set(redone.get() + ticks);
             Ok(())
         },
     );
     // Runs have up to 40 ticks, and some have things without an image in them.
-    println!("{} runs, compared {} times", tried.get(), compared.get());
+    println!("{} runs, compared {} times, {} ticks made again", tried.get(), compared.get(), redone.get());
     assert!(compared.get() >= 10 * tried.get(), "{compared:?} in {tried:?} runs");
+    assert!(redone.get() > u64::from(tried.get()) / 4, "{redone:?} in {tried:?} runs");
     // With the commands of another image they part.
     let other = |_| Symmetry::shift(Vec2::ZERO).expect("by nothing");
     assert!(there_is(runs(), |(plan, seed)| keeps_images(&plan.script(), *seed, other).is_err()));

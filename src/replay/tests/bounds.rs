@@ -14,7 +14,7 @@ use crate::limits;
 use crate::math::{Elapsed, Random, TimeStep, vec2};
 use crate::replay::{Dump, RecordOptions, Recorder, Replay, ReplayLimits, Snapshot, SnapshotError, VerifyError};
 use crate::slots::{BodyId, FieldId};
-use crate::world::{Command, History, Inputs, World, WorldDef};
+use crate::world::{Command, Inputs, Rollback, World, WorldDef};
 
 /// Writes a world as bytes, and reads it from them.
 fn read_again(world: &World) -> World {
@@ -33,7 +33,7 @@ fn inputs(tick: u64) -> Inputs {
 /// A world goes on for some ticks: saved and read after each, dumped, undone, done over, recorded and played.
 fn lives_on(start: &World, ticks: u64) {
     let mut world = read_again(start);
-    let (mut saved, mut history) = (world.clone(), History::new(3));
+    let mut saved = world.clone();
     for tick in 0..ticks {
         let inputs = inputs(tick);
         let before = world.clone();
@@ -56,10 +56,21 @@ fn lives_on(start: &World, ticks: u64) {
             assert_eq!(read_again(&back).state_hash(), called, "undone");
         }
         let mut over = before.clone();
-        history.advance(&mut over, &inputs);
-        assert_eq!(over.state_hash(), hash);
-        history.inputs_mut(before.tick()).expect("it is kept");
-        assert!(history.redo(&mut over, |_| ()) == 1 && over.state_hash() == hash, "done over");
+        let mut rollback = Rollback::new(&over, [0], 3);
+        let make = |world: &mut World, inputs: &[(u32, Inputs)]| _ = world.carry_out(&inputs[0].1);
+        rollback.advance(&mut over, make).expect("the first tick");
+        rollback.add_input(before.tick(), 0, inputs).expect("a player");
+        match rollback.advance(&mut over, make) {
+            Ok(report) => {
+                let made: Vec<u64> = report.confirmed().map(|tick| tick.after.state_hash()).collect();
+                assert_eq!((report.redone, &made[..]), (1, &[hash][..]), "made again");
+            }
+            // The count of ticks ends, and a rollback with it.
+            Err(error) => {
+                assert_eq!(before.tick(), limits::TICK);
+                assert_eq!(error, Error::ChangedBetweenTicks { tick: limits::TICK + 1 });
+            }
+        }
     }
     for (hash_every, snapshot_every) in [(1, 0), (1, 1), (3, 4), (64, 4096)] {
         let mut again = start.clone();

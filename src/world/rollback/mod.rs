@@ -62,6 +62,31 @@ pub use report::{ConfirmedTick, EventStatus, RollbackReport, TickEvent};
 /// assert!(report.confirmed().map(|tick| tick.tick).eq([0, 1, 2]));
 /// # Ok::<(), umbra_physics::Error>(())
 /// ```
+///
+/// The inputs may be commands. Until they arrive, predict none:
+///
+/// ```
+/// use umbra_physics::{BodyDef, Command, Rollback, World, WorldDef, vec2};
+///
+/// let mut world = World::new(WorldDef::default())?;
+/// let ship = world.add_body(BodyDef::dynamic())?;
+/// let tick = |world: &mut World, inputs: &[(u32, Vec<Command>)]| {
+///     for command in inputs.iter().flat_map(|(_player, commands)| commands) {
+///         // A refused command changes nothing, and is refused for every peer.
+///         let _result = world.execute(command);
+///     }
+/// };
+/// let mut rollback = Rollback::new(&world, [0, 1], 8).with_prediction(|_| Vec::new());
+/// for now in 0..5 {
+///     rollback.add_input(now, 0, Vec::new())?;
+///     rollback.advance(&mut world, tick)?;
+/// }
+/// rollback.add_input(0, 1, vec![Command::SetVelocity { body: ship, velocity: vec2(6, 0) }])?;
+/// let report = rollback.advance(&mut world, tick)?;
+/// assert_eq!((report.redone, report.confirmed().len()), (5, 1));
+/// assert_eq!(world.body(ship)?.velocity(), vec2(6, 0));
+/// # Ok::<(), umbra_physics::Error>(())
+/// ```
 pub struct Rollback<I, S: Scalar = Fx> {
     players: Players<I>,
     window: usize,
@@ -166,9 +191,9 @@ impl<I: Clone + Default + PartialEq, S: Scalar> Rollback<I, S> {
     /// player, and steps the world. It waits instead if as many ticks as the window has are unconfirmed.
     ///
     /// # Errors
-    /// [`Error::ChangedBetweenTicks`] if the world is not as the last call left it: it was changed by a call, stepped, or restored.
-    /// Call [`restart`](Self::restart) to go on from there. [`Error::SteppedInTick`] if the tick function stepped or restored the
-    /// world. Otherwise the world is as it was.
+    /// [`Error::ChangedBetweenTicks`] if the world is not as the last call left it: it was changed by a call, stepped, restored,
+    /// or replaced by another one. Call [`restart`](Self::restart) to go on from there. [`Error::SteppedInTick`] if the tick
+    /// function stepped or restored the world. Otherwise the world is as it was.
     pub fn advance<'a>(
         &'a mut self,
         world: &'a mut World<S>,
@@ -217,19 +242,20 @@ impl<I: Clone + Default + PartialEq, S: Scalar> Rollback<I, S> {
         ))
     }
 
-    /// Drops all ticks that are not confirmed and their inputs, and goes on from a world as it is: after a snapshot was loaded,
-    /// or after a change between ticks on which all peers agree.
+    /// Drops all ticks that are not confirmed, and goes on from a world as it is: after a snapshot was loaded, or after a change
+    /// between ticks on which all peers agree. Inputs that have arrived for its tick and later ones count, unless the world is
+    /// at a tick before the ones that were kept: then all inputs are dropped.
     pub fn restart(&mut self, world: &World<S>) {
         (self.made, self.handed_out, self.rewinds) = (0, 0, None);
         self.first = world.tick();
         self.players.restart(world.tick());
     }
 
-    /// The world after the last confirmed tick. `world` is the present one.
+    /// The world after the last confirmed tick that a report handed out. `world` is the present one.
     #[must_use]
     pub fn confirmed_world<'a>(&'a self, world: &'a World<S>) -> &'a World<S> {
-        let index = (self.first_unconfirmed() - self.first) as usize;
-        if index < self.made { &self.rows[index].before } else { world }
+        // Inputs that were added since may have confirmed more ticks, which are not made with them yet.
+        if self.handed_out < self.made { &self.rows[self.handed_out].before } else { world }
     }
 
     fn check_unchanged(&self, world: &World<S>) -> Result<(), Error> {

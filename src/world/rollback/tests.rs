@@ -140,13 +140,15 @@ fn changes_outside_of_the_tick_function_are_noticed() {
         (world, rollback)
     };
     let other = level();
-    let changes: [&dyn Fn(&mut World); 6] = [
+    let changes: [&dyn Fn(&mut World); 7] = [
         &|world| world.set_velocity(ship(0), vec2(1, 0)).expect("a velocity"),
         &|world| world.set_blob(&[1]).expect("a blob"),
         &|world| _ = world.random_mut().below(3),
         &|world| _ = world.step(),
         &|world| world.restore(&other.snapshot()),
         &|world| world.clear_forces(),
+        // Nobody can tell whether it was changed before.
+        &|world| *world = world.clone(),
     ];
     for (i, change) in changes.into_iter().enumerate() {
         let (mut world, mut rollback) = advanced();
@@ -211,6 +213,23 @@ fn a_player_who_leaves_is_not_waited_for() {
         expected.step();
     }
     assert_eq!(world.state_hash(), expected.state_hash());
+}
+
+#[test]
+fn the_confirmed_world_is_the_one_of_the_last_report() {
+    let mut world = level();
+    let mut rollback = Rollback::new(&world, [0], 8);
+    for _ in 0..3 {
+        rollback.advance(&mut world, tick).expect("unchanged");
+    }
+    let start = level().state_hash();
+    // Known, and not made with yet.
+    rollback.add_input(0, 0, 1).expect("a player");
+    assert_eq!(rollback.confirmed_world(&world).state_hash(), start);
+    let report = rollback.advance(&mut world, tick).expect("unchanged");
+    let after = report.confirmed().next().expect("its input is known").after.state_hash();
+    assert_eq!(rollback.confirmed_world(&world).state_hash(), after);
+    assert_ne!(after, start);
 }
 
 #[test]
