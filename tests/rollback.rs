@@ -12,8 +12,8 @@ use commands::{Author, KINDS};
 use random::SplitMix;
 use umbra_oracles::{Generator, Taste};
 use umbra_physics::{
-    Activity, BodyDef, BodyId, Command, CommandSource as _, Created, Error, Fault, Fx, Input, InputResult, Inputs,
-    Integrator, RecordOptions, Recorder, Replay, Rollback, TimeStep, Vec2, World, WorldDef, fx, limits, vec2,
+    Activity, BodyDef, BodyId, Command, Created, Error, Fault, Fx, Input, InputResult, Inputs, Integrator,
+    RecordOptions, Recorder, Replay, Rollback, TimeStep, Vec2, World, WorldDef, fx, limits, vec2,
 };
 
 const PLAYERS: u32 = 3;
@@ -199,8 +199,8 @@ fn play_late(author: &mut Author, played: &Match, window: usize, predict: Predic
     // (when it arrives, tick, player)
     let mut under_way: Vec<(usize, usize, u32)> = Vec::new();
     for tick in 0..ticks {
-        let delay = |_| author.random.next() as usize % (window + 3);
-        under_way.extend((0..PLAYERS).map(|player| (tick + delay(player), tick, player)));
+        let mut arrival = || tick + author.random.next() as usize % (window + 3);
+        under_way.extend((0..PLAYERS).map(|player| (arrival(), tick, player)));
     }
     let (mut now, mut confirmed) = (0, 0);
     while confirmed < ticks {
@@ -283,9 +283,11 @@ fn confirmed_ticks_hold_every_accepted_command_and_make_a_replay_of_the_straight
         let mut world = start.clone();
         let (mut inputs, mut straight) = (Vec::new(), Vec::new());
         for _ in 0..TICKS {
-            let mut any = |_| author.of_kind(author.random.next() % KINDS, &world);
-            let commands: Vec<(u32, Vec<Command>)> =
-                (0..PLAYERS).map(|player| (player, vec![any(0), any(1)])).collect();
+            let mut any = || {
+                let kind = author.random.next() % KINDS;
+                author.of_kind(kind, &world)
+            };
+            let commands: Vec<(u32, Vec<Command>)> = (0..PLAYERS).map(|player| (player, vec![any(), any()])).collect();
             let accepted = tick_with_draws(&mut world, &commands);
             kinds.extend(accepted.iter().map(Command::number));
             world.step();
