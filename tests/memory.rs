@@ -380,9 +380,9 @@ fn a_rollback_takes_nothing_from_the_heap_once_its_window_is_full() {
     for now in 0..400 {
         let report = measure(|| {
             rollback.add_input(now, 0, now as u8 % 7).expect("a player");
-            // One to twelve ticks late, several at once, and mostly not as predicted.
+            // Two to twelve ticks late, and mostly not as predicted.
             for late in now.saturating_sub(12)..now {
-                if late + 1 + late * 5 % 12 == now {
+                if late + 2 + late * 10 % 12 == now {
                     rollback.add_input(late, 1, late as u8 / 2 % 7).expect("a player");
                 }
             }

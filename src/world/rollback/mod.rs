@@ -208,6 +208,9 @@ impl<I: Clone + Default + PartialEq, S: Scalar> Rollback<I, S> {
         tick: &mut TickFunction<'_, I, S>,
     ) -> Result<RollbackReport<'a, I, S>, Error> {
         self.check_unchanged(world)?;
+        if self.rewinds.is_none() {
+            world.journal.start();
+        }
         self.forget_handed_out();
         self.events.clear();
         let redone = self.redo(world, tick)?;
