@@ -216,9 +216,9 @@ fn the_engine_is_compiled_in_the_library_and_not_in_a_program() {
     let compiler = Compiler::new("weight");
     let object = compiler.compile(&program(GAME)).unwrap_or_else(|said| panic!("{said}"));
     let bytes = fs::metadata(&object).expect("what was compiled").len();
-    // The stages of the step alone take over 100 kB.
+    // With the symbols and tables of an object file. With the engine it would be over 600 kB.
     assert!(
-        bytes < 120_000,
+        bytes < 200_000,
         "{bytes} bytes of code and tables: a generic function of the engine was compiled with the program"
     );
 }

@@ -295,7 +295,7 @@ impl<I: Clone + Default + PartialEq, S: Scalar> Rollback<I, S> {
         row.commands.clear();
         world.journal.take(random, &mut row.commands);
         world.step();
-        report::compare(now, &mut row.events, world.last_report().events(), &mut self.events);
+        report::compare(now, &mut row.events, &mut world.last_report().events(), &mut self.events);
         Ok(())
     }
 }
