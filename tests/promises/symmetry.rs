@@ -285,7 +285,7 @@ fn calls_of_every_kind_keep_images() {
     // Runs have up to 40 ticks, and some have things without an image in them.
     println!("{} runs, compared {} times, {} ticks made again", tried.get(), compared.get(), redone.get());
     assert!(compared.get() >= 10 * tried.get(), "{compared:?} in {tried:?} runs");
-    assert!(redone.get() > u64::from(tried.get()) / 4, "{redone:?} in {tried:?} runs");
+    assert!(redone.get() > u64::from(tried.get()) / 8, "{redone:?} in {tried:?} runs");
     // With the commands of another image they part.
     let other = |_| Symmetry::shift(Vec2::ZERO).expect("by nothing");
     assert!(there_is(runs(), |(plan, seed)| keeps_images(&plan.script(), *seed, other).is_err()));
