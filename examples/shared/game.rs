@@ -50,8 +50,6 @@ pub(crate) fn bot(seed: u64, player: usize, tick: u64) -> Controls {
 pub(crate) struct Tally {
     pub(crate) fired: usize,
     pub(crate) hits: usize,
-    pub(crate) fell_asleep: usize,
-    pub(crate) woke: usize,
 }
 
 /// Handles that are fixed for a whole match, the same on every peer.
@@ -140,18 +138,7 @@ impl Game {
         Ok((Self { ships: [left.0, right.0], engines: [left.1, right.1] }, world))
     }
 
-    /// Moves the match on by a tick.
-    ///
-    /// # Errors
-    /// An error of the world: the same for every peer.
-    pub(crate) fn advance(&self, world: &mut World, controls: [Controls; 2]) -> Result<Tally, Error> {
-        let mut tally = self.act(world, controls)?;
-        let report = world.step();
-        (tally.fell_asleep, tally.woke) = (report.fell_asleep.len(), report.woke.len());
-        Ok(tally)
-    }
-
-    /// Changes that the match makes to its world in a tick before it steps.
+    /// Makes the calls of a tick from the world and the buttons alone; after them the world is stepped.
     ///
     /// # Errors
     /// An error of the world: the same for every peer.
