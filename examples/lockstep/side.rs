@@ -79,7 +79,10 @@ pub(crate) fn play(
     cheat: Option<Cheat>,
 ) -> Result<bool, Box<dyn Error>> {
     let (game, world) = Game::start()?;
-    greet(&mut stream, Hello { magic: MAGIC, physics_version: PHYSICS_VERSION, seed, ticks, start: world.state_hash() })?;
+    greet(
+        &mut stream,
+        Hello { magic: MAGIC, physics_version: PHYSICS_VERSION, seed, ticks, start: world.state_hash() },
+    )?;
     // A window of 0: no tick is made before the buttons of both players are known.
     let mut rollback = Rollback::new(&world, [0, 1], 0);
     // Buttons pressed at the first tick act after the delay; until then nobody presses anything.
@@ -147,7 +150,8 @@ impl Side {
     /// Waits for the other side's message of a tick: its hash, and its buttons for a later tick. Returns true if the hashes agree.
     fn hear(&mut self, tick: u64) -> Result<bool, Box<dyn Error>> {
         let mut turn: Turn = receive(&mut self.stream)?;
-        let kept = self.kept.pop_front().filter(|_| turn.tick == tick).ok_or("a message of the other side is missing")?;
+        let kept =
+            self.kept.pop_front().filter(|_| turn.tick == tick).ok_or("a message of the other side is missing")?;
         let hash = kept.hash;
         if turn.hash != hash {
             println!("desync {tick} {hash:016x} {:016x}", turn.hash);

@@ -225,11 +225,11 @@ impl<I: Clone + Default + PartialEq, S: Scalar> Rollback<I, S> {
         self.players.restart(world.tick());
     }
 
-    /// The world after the last confirmed tick. `world` is the present one.
+    /// The world after the last confirmed tick that was handed out. `world` is the present one.
     #[must_use]
     pub fn confirmed_world<'a>(&'a self, world: &'a World<S>) -> &'a World<S> {
-        let index = (self.first_unconfirmed() - self.first) as usize;
-        if index < self.made { &self.rows[index].before } else { world }
+        // Inputs that were added since may confirm more ticks, but these are not made with them yet.
+        if self.handed_out < self.made { &self.rows[self.handed_out].before } else { world }
     }
 
     fn check_unchanged(&self, world: &World<S>) -> Result<(), Error> {

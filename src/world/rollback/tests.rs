@@ -214,6 +214,26 @@ fn a_player_who_leaves_is_not_waited_for() {
 }
 
 #[test]
+fn the_confirmed_world_does_not_depend_on_inputs_added_since() {
+    let mut world = level();
+    let mut rollback = Rollback::new(&world, [0, 1], 8);
+    for now in 0..4 {
+        rollback.add_input(now, 0, 1).expect("a player");
+        rollback.advance(&mut world, tick).expect("unchanged");
+    }
+    // Ticks 0 to 2 have all inputs now, but were made with predictions that were wrong.
+    (0..3).for_each(|now| assert_eq!(rollback.add_input(now, 1, 1), Ok(true)));
+    assert_eq!(rollback.confirmed_world(&world).state_hash(), level().state_hash());
+    rollback.advance(&mut world, tick).expect("unchanged");
+    let mut expected = level();
+    for _ in 0..3 {
+        tick(&mut expected, &[(0, 1), (1, 1)]);
+        expected.step();
+    }
+    assert_eq!(rollback.confirmed_world(&world).state_hash(), expected.state_hash());
+}
+
+#[test]
 fn predictions_are_the_last_input_or_what_the_game_says() {
     let predicted = |rollback: Rollback<Buttons>| {
         let (mut world, mut rollback, mut seen) = (level(), rollback, Vec::new());
