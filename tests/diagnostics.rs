@@ -1,4 +1,5 @@
-//! What the compiler says to a wrong number: one error, which says what to write instead.
+//! What the compiler says to a wrong number: one error, which says what to write instead. And what it has to compile: not the
+//! engine, which the library holds.
 //!
 //! Each case is a program that rustc refuses against the library that this test was built with. The texts of the library are
 //! compared, not those of the compiler, which differ from version to version.
@@ -113,12 +114,13 @@ struct Compiler {
 }
 
 impl Compiler {
-    fn new() -> Self {
+    /// Its files go into a folder of this name.
+    fn new(name: &str) -> Self {
         let beside = Path::new(env!("CARGO")).with_file_name(format!("rustc{}", env::consts::EXE_SUFFIX));
         let rustc = env::var_os("RUSTC").map_or(beside, PathBuf::from);
         let test = env::current_exe().expect("a test has a file");
         let libraries = test.parent().expect("it is in a folder").to_owned();
-        let folder = env::temp_dir().join(format!("umbra-diagnostics-{}", std::process::id()));
+        let folder = env::temp_dir().join(format!("umbra-{name}-{}", std::process::id()));
         fs::create_dir_all(&folder).expect("a temporary folder");
         let mut compiler = Self { rustc, libraries, library: PathBuf::new(), folder };
         // Those of other features and of earlier sources may lie beside it: it is the last one that was made.
@@ -135,13 +137,13 @@ impl Compiler {
         compiler
     }
 
-    /// What the compiler says to a program.
-    fn compile(&self, source: &str) -> Result<(), String> {
+    /// What the compiler says to a program, or the file that it makes, optimised.
+    fn compile(&self, source: &str) -> Result<PathBuf, String> {
         let file = self.folder.join("program.rs");
         fs::write(&file, source).expect("room for a file");
         let output = Command::new(&self.rustc)
             // Constants are computed when code is made.
-            .args(["--edition=2024", "--crate-type=lib", "--emit=obj", "--out-dir"])
+            .args(["--edition=2024", "--crate-type=lib", "--emit=obj", "-O", "--out-dir"])
             .arg(&self.folder)
             .arg("--extern")
             .arg(format!("umbra_physics={}", self.library.display()))
@@ -150,7 +152,11 @@ impl Compiler {
             .arg(&file)
             .output()
             .expect("the compiler that made this test");
-        if output.status.success() { Ok(()) } else { Err(String::from_utf8_lossy(&output.stderr).into_owned()) }
+        if output.status.success() {
+            Ok(file.with_extension("o"))
+        } else {
+            Err(String::from_utf8_lossy(&output.stderr).into_owned())
+        }
     }
 }
 
@@ -162,7 +168,7 @@ impl Drop for Compiler {
 
 #[test]
 fn a_wrong_number_is_one_error_that_says_what_to_write() {
-    let compiler = Compiler::new();
+    let compiler = Compiler::new("diagnostics");
     let right: String = CASES.iter().map(|case| format!("let _ = {}\n", case.right)).collect();
     if let Err(said) = compiler.compile(&program(&(right + INFERRED))) {
         panic!("what the errors say to write compiles:\n{said}");
@@ -175,4 +181,44 @@ fn a_wrong_number_is_one_error_that_says_what_to_write() {
             assert!(said.contains(words), "{wrong} is not answered by {words}:\n{said}");
         }
     }
+}
+
+/// A program that uses much of the engine.
+const GAME: &str = "
+    let copy = world.clone();
+    world.clone_from(&copy);
+    world.restore(&Snapshot::from_bytes(&world.snapshot().to_bytes(), &[]).map_err(|_| Error::Inconsistent)?);
+    world.execute(&Command::Wake(body))?;
+    world.add_body(BodyDef { shape: Some(Shape::polygon(&[vec2(0, 0), vec2(1, 0), vec2(0, 1)])?), ..BodyDef::dynamic() })?;
+    world.add_field(FieldKind::Attractor { centre: End::Body(Attachment::centre(body)), mu: 60.into(), softening: fx!(0) })?;
+    world.set_position(body, vec2(1, 2))?;
+    world.set_kind(body, BodyKind::Kinematic)?;
+    world.move_to(body, vec2(1, 2), fx!(1))?;
+    world.apply_force_at_point(body, vec2(1, 2), vec2(0, 0))?;
+    world.set_gravity(vec2(0, -10))?;
+    world.preview(body)?.step();
+    world.step_traced();
+    world.step();
+    world.step_back(&[])?;
+    world.remove_body(body)?;
+    let mut rollback = Rollback::new(world, [0, 1], 8);
+    let mut recorder = Recorder::new(world, RecordOptions::default());
+    rollback.add_input(world.tick(), 0, number)?;
+    let tick = |world: &mut World, _: &[(u32, i32)]| _ = world.set_velocity(body, vec2(1, 0));
+    for confirmed in rollback.advance(world, tick)?.confirmed() {
+        recorder.record(&confirmed)?;
+    }
+    println!(\"{} {:?}\", world.state_hash(), world.differences(&copy));
+";
+
+#[test]
+fn the_engine_is_compiled_in_the_library_and_not_in_a_program() {
+    let compiler = Compiler::new("weight");
+    let object = compiler.compile(&program(GAME)).unwrap_or_else(|said| panic!("{said}"));
+    let bytes = fs::metadata(&object).expect("what was compiled").len();
+    // With the symbols and tables of an object file. With the engine it would be over 600 kB.
+    assert!(
+        bytes < 200_000,
+        "{bytes} bytes of code and tables: a generic function of the engine was compiled with the program"
+    );
 }

@@ -234,9 +234,9 @@ fn every_error_has_numbers() {
     let errors = texts.iter().flat_map(|text| text.split("::error::Error for ").skip(1));
     let names: Vec<&str> = errors.map(|rest| rest.split([' ', '{']).next().unwrap_or_default()).collect();
     assert!(names.len() > 15, "{names:?}");
-    // Those of `Fault` and `Failure` are their causes'; that of `SceneError` is a `Flaw`'s or the engine's; and `CustomForceError` is a
-    // user's own word, which the engine hands on as a `Cause`.
-    let others = ["Fault", "Failure", "SceneError", "CustomForceError"];
+    // Those of `Fault` and `Failure` are their causes'; that of `SceneError` is a `Flaw`'s or the engine's, and `SceneErrors` lists
+    // several; `CustomForceError` is a user's own word, which the engine hands on as a `Cause`.
+    let others = ["Fault", "Failure", "SceneError", "SceneErrors", "CustomForceError"];
     for name in names.iter().filter(|name| !others.contains(name)) {
         let has = |given: &str| given.split("::").next() == Some(*name);
         assert!(GIVEN.iter().any(|(_, given)| has(given)), "{name}");

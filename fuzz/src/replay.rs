@@ -93,6 +93,9 @@ fn look_at_dump(bytes: &[u8]) {
 }
 
 fn look_at_command(bytes: &[u8]) {
+    if let Ok(inputs) = measured(bytes, || Inputs::from_bytes(bytes)) {
+        assert_eq!(inputs.to_bytes(), bytes, "what is read is written alike");
+    }
     let Ok(command) = measured(bytes, || Command::from_bytes(bytes)) else { return };
     assert_eq!(command.to_bytes(), bytes, "what is read is written alike");
     let mut world = author::world(WorldDef::default()).expect("a fair definition");

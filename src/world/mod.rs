@@ -60,7 +60,7 @@ pub use trace::Trace;
 pub struct WorldDef<S: Scalar = Fx> {
     /// The length of a step.
     pub time_step: TimeStep,
-    /// Gravity, m/s².
+    /// Gravity, m/s². The default is none.
     pub gravity: Vec2<S>,
     /// The integrator.
     pub integrator: Integrator,

@@ -1,9 +1,10 @@
 //! Every byte of a file changed in every way that breaks things, with its seals as they were and made new; and every length
 //! and count in it a lie. What is refused is refused with an error; what is not goes on like any other.
 
+use allocation_counter::measure;
 use umbra_physics::{
-    BodyDef, Command, Dump, Fx, Inputs, PHYSICS_VERSION, RecordOptions, Recorder, Replay, ReplayError, Snapshot, World,
-    WorldDef, vec2,
+    BodyDef, Command, Dump, Fx, Input, Inputs, PHYSICS_VERSION, RecordOptions, Recorder, Replay, ReplayError, Snapshot,
+    World, WorldDef, vec2,
 };
 use umbra_scene::Scene;
 
@@ -102,6 +103,48 @@ fn every_command() {
         assert!(Command::<Fx>::from_bytes(&whole).is_err(), "{command:?} and more");
     }
     assert!(accepted > 5_000 && refused > 2_000, "{accepted}, {refused}");
+}
+
+#[test]
+fn every_input_of_a_tick() {
+    let mut inputs = Inputs::new();
+    for (place, command) in commands().into_iter().enumerate() {
+        let (player, sequence) = (place as u32 / 3, place as u32 % 3);
+        inputs.insert(Input { player, sequence, command }).expect("each place once");
+    }
+    let mut whole = inputs.to_bytes();
+    assert_eq!(Inputs::from_bytes(&whole).as_ref(), Ok(&inputs));
+    for end in 0..whole.len() {
+        assert!(Inputs::from_bytes(&whole[..end]).is_err(), "cut at {end}");
+    }
+    let (mut accepted, mut refused, places) = (0, 0, 0..whole.len());
+    forge(&mut whole, places, |_, changed| match bounded("forged inputs", changed, Inputs::from_bytes) {
+        Ok(inputs) => {
+            assert_eq!(inputs.to_bytes(), *changed);
+            assert!(inputs.iter().map(|input| (input.player, input.sequence)).is_sorted_by(|a, b| a < b));
+            accepted += 1;
+        }
+        Err(error) => {
+            assert!(error.at <= changed.len() as u64, "{error}");
+            refused += 1;
+        }
+    });
+    assert!(accepted > 5_000 && refused > 2_000, "{accepted}, {refused}");
+    // The shortest inputs take most memory for their bytes.
+    let shortest: Vec<u8> =
+        (0..100_000u32).flat_map(|player| [&player.to_le_bytes()[..], &[0; 4], &[27]].concat()).collect();
+    let whole = [&100_000u32.to_le_bytes()[..], &shortest].concat();
+    let mut read = Inputs::new();
+    let most = measure(|| read = Inputs::from_bytes(&whole).expect("commands that clear forces")).bytes_max;
+    assert_eq!(read.len(), 100_000);
+    assert!(most <= 40 * whole.len() as u64 + (64 << 10), "{most} bytes for {}", whole.len());
+    // Given twice, or out of order.
+    for player in [0, 1] {
+        let mut bytes = [&2u32.to_le_bytes()[..], &shortest[..18]].concat();
+        bytes[4] = 1;
+        bytes[13] = player;
+        assert_eq!(Inputs::from_bytes(&bytes).map(drop).map_err(|error| error.at), Err(13));
+    }
 }
 
 type Chunks = Vec<([u8; 4], Vec<u8>)>;

@@ -97,8 +97,8 @@ impl<I: Clone + Default + PartialEq> Players<I> {
             return Err(Error::TickForgotten { tick, oldest: first_unconfirmed });
         }
         let player = &mut self.players[index];
-        player.end = tick;
-        player.inputs.truncate((tick - self.first).min(player.inputs.len() as u64) as usize);
+        player.end = player.end.min(tick);
+        player.inputs.truncate((player.end.saturating_sub(self.first)).min(player.inputs.len() as u64) as usize);
         player.known = player.known.min(player.inputs.len());
         self.note_new(tick);
         Ok(())

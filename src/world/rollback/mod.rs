@@ -167,8 +167,8 @@ impl<I: Clone + Default + PartialEq, S: Scalar> Rollback<I, S> {
     ///
     /// # Errors
     /// [`Error::ChangedBetweenTicks`] if the world is not as the last call left it: it was changed by a call, stepped, or restored.
-    /// Call [`restart`](Self::restart) to go on from there. [`Error::SteppedInTick`] if the tick function stepped or restored the
-    /// world. Otherwise the world is as it was.
+    /// Then nothing is done. [`Error::SteppedInTick`] if the tick function stepped or restored the world, which is left as it is.
+    /// Call [`restart`](Self::restart) to go on from such a world.
     pub fn advance<'a>(
         &'a mut self,
         world: &'a mut World<S>,
@@ -295,7 +295,7 @@ impl<I: Clone + Default + PartialEq, S: Scalar> Rollback<I, S> {
         row.commands.clear();
         world.journal.take(random, &mut row.commands);
         world.step();
-        report::compare(now, &mut row.events, world.last_report().events(), &mut self.events);
+        report::compare(now, &mut row.events, &mut world.last_report().events(), &mut self.events);
         Ok(())
     }
 }

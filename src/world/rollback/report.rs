@@ -123,7 +123,7 @@ fn key(event: Event) -> (u8, BodyId) {
 pub(super) fn compare(
     tick: u64,
     reported: &mut Vec<Event>,
-    events: impl Iterator<Item = Event>,
+    events: &mut dyn Iterator<Item = Event>,
     list: &mut Vec<TickEvent>,
 ) {
     let before = core::mem::take(reported);
