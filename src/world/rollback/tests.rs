@@ -234,6 +234,19 @@ fn the_confirmed_world_does_not_depend_on_inputs_added_since() {
 }
 
 #[test]
+fn a_restart_may_be_followed_by_waiting() {
+    let mut world = level();
+    let mut rollback = Rollback::<Buttons>::new(&world, [0], 0);
+    rollback.add_input(0, 0, 1).expect("a player");
+    rollback.advance(&mut world, tick).expect("unchanged");
+    world.set_velocity(ship(0), vec2(1, 0)).expect("a velocity");
+    rollback.restart(&world);
+    assert_eq!(rollback.advance(&mut world, tick).expect("restarted").waits_for, Some(0));
+    rollback.add_input(1, 0, 1).expect("a player");
+    assert_eq!(rollback.advance(&mut world, tick).expect("unchanged").waits_for, None);
+}
+
+#[test]
 fn predictions_are_the_last_input_or_what_the_game_says() {
     let predicted = |rollback: Rollback<Buttons>| {
         let (mut world, mut rollback, mut seen) = (level(), rollback, Vec::new());
