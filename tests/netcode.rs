@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use allocation_counter::measure;
 use ggrs::{GgrsError, GgrsRequest, PlayerType, SessionBuilder};
-use umbra_physics::{BodyId, Difference, Dump, Fx, Owner, TickPhase, World};
+use umbra_physics::{BodyId, Difference, Dump, Fx, Owner, TickPhase};
 
 #[path = "../examples/ggrs/adapter.rs"]
 #[allow(dead_code, reason = "the hashes of single frames are for peers")]
@@ -29,32 +29,42 @@ mod session;
 #[allow(dead_code, reason = "whether two agree is for peers")]
 mod wire;
 
-use adapter::{Failure, Rollback};
+use adapter::GgrsWorld;
 use example::example;
-use game::{Controls, Game, Tally, bot};
+use game::{Controls, Game, bot};
 use peers::{Ended, Peer};
 use session::{Match, WINDOW, sync_test};
-use wire::{Hello, Turn};
+use wire::{Hello, MAGIC, Turn, receive, send};
 
 /// A process of a test that is not over by then never will be: the slowest takes 3 s.
 const LIMIT: Duration = Duration::from_secs(120);
 
+/// The events of a match, by their number.
+#[derive(Debug, Default)]
+struct Happened {
+    fired: usize,
+    hits: usize,
+    fell_asleep: usize,
+    woke: usize,
+}
+
 /// A match of two bots without any network, whose buttons act `delay` ticks after they are pressed: the hashes from the first
 /// tick to the last, and all that happened.
-fn straight(seed: u64, ticks: u64, delay: u64) -> (Vec<u64>, Tally) {
+fn straight(seed: u64, ticks: u64, delay: u64) -> (Vec<u64>, Happened) {
     let (game, mut world) = Game::start().expect("a fair game");
-    let mut total = Tally::default();
+    let mut happened = Happened::default();
     let mut hashes = vec![world.state_hash()];
     for tick in 0..ticks {
         let held = |player| tick.checked_sub(delay).map_or(Controls::default(), |tick| bot(seed, player, tick));
-        let tally = game.advance(&mut world, [held(0), held(1)]).expect("nothing is refused");
-        total.fired += tally.fired;
-        total.hits += tally.hits;
-        total.fell_asleep += tally.fell_asleep;
-        total.woke += tally.woke;
+        let tally = game.act(&mut world, [held(0), held(1)]).expect("nothing is refused");
+        let report = world.step();
+        happened.fired += tally.fired;
+        happened.hits += tally.hits;
+        happened.fell_asleep += report.fell_asleep.len();
+        happened.woke += report.woke.len();
         hashes.push(world.state_hash());
     }
-    (hashes, total)
+    (hashes, happened)
 }
 
 /// The lines that begin with this word, as what follows it.
@@ -76,12 +86,11 @@ fn hashes(ended: &Ended) -> Vec<(usize, u64)> {
 fn going_back_seven_frames_before_each_changes_no_bit() {
     const FRAMES: u32 = 1_000;
     let (game, world) = Game::start().expect("a fair game");
-    let rollback = sync_test(world, FRAMES, 3, |world, controls| game.advance(world, controls).map(drop));
-    let rollback = rollback.expect("the frames made again have the hashes they had");
+    let end = sync_test(world, FRAMES, 3, |world, held| _ = game.act(world, held).expect("nothing is refused"));
+    let end = end.expect("the frames made again have the hashes they had");
     let (straight, happened) = straight(3, FRAMES.into(), 0);
-    assert_eq!(Some(&rollback.world().state_hash()), straight.last(), "from a run that never goes back");
-    let work = rollback.work();
-    assert_eq!((work.loads, work.deepest), (FRAMES - WINDOW as u32, WINDOW as u32 - 1));
+    assert_eq!(Some(&end.world.state_hash()), straight.last(), "from a run that never goes back");
+    assert_eq!((end.loads, end.deepest), (FRAMES - WINDOW as u32, WINDOW as u32 - 1));
     // The match had what may go wrong.
     assert!(happened.fired > 50 && happened.hits > 5, "{happened:?}");
     assert!(happened.fell_asleep > 5 && happened.woke > 5, "{happened:?}");
@@ -94,8 +103,8 @@ fn a_game_with_state_beside_the_world_is_found() {
     let forgetful = sync_test(world, 100, 3, |world, controls| {
         // What is counted here is not taken back when the world is.
         steps.set(steps.get() + 1);
-        world.apply_torque(game.ships[0], Fx::from_bits(steps.get() << 20))?;
-        game.advance(world, controls).map(drop)
+        world.apply_torque(game.ships[0], Fx::from_bits(steps.get() << 20)).expect("a small torque");
+        game.act(world, controls).expect("nothing is refused");
     });
     let error = forgetful.err().expect("the hashes differ");
     let error = error.downcast_ref::<GgrsError>();
@@ -103,17 +112,11 @@ fn a_game_with_state_beside_the_world_is_found() {
 }
 
 #[test]
-fn a_game_that_does_not_step_once_is_told_so() {
-    let (game, world) = Game::start().expect("a fair game");
-    let twice = sync_test(world.clone(), 100, 3, |world, controls| {
-        game.advance(world, controls)?;
-        game.advance(world, controls).map(drop)
-    });
+fn a_game_that_steps_by_itself_is_told_so() {
+    let (_, world) = Game::start().expect("a fair game");
+    let twice = sync_test(world, 100, 3, |world, _| _ = world.step());
     let error = twice.err().expect("frames and ticks differ");
-    assert_eq!(error.downcast_ref(), Some(&Failure::OutOfStep { frame: 1, ticks: 2 }));
-    let never = sync_test(world, 100, 3, |_, _| Ok(()));
-    let error = never.err().expect("frames and ticks differ");
-    assert_eq!(error.downcast_ref(), Some(&Failure::OutOfStep { frame: 1, ticks: 0 }));
+    assert_eq!(error.to_string(), "2 ticks at frame 1: `tick` must not step");
 }
 
 #[test]
@@ -123,7 +126,7 @@ fn saving_and_loading_take_nothing_from_the_heap() {
     let session = session.with_max_prediction_window(WINDOW).with_check_distance(WINDOW - 1);
     let session = session.add_player(PlayerType::Local, 0).and_then(|s| s.add_player(PlayerType::Local, 1));
     let mut session = session.and_then(SessionBuilder::start_synctest_session).expect("a fair session");
-    let mut rollback = Rollback::new(world);
+    let mut ours = GgrsWorld::new(world);
     let (mut all_saves, mut loads) = (0, 0);
     for frame in 0..100 {
         (0..2).for_each(|player| session.add_local_input(player, Controls::default()).expect("a player"));
@@ -131,11 +134,7 @@ fn saving_and_loading_take_nothing_from_the_heap() {
         let saves = requests.iter().filter(|r| matches!(r, GgrsRequest::SaveGameState { .. })).count();
         loads += requests.iter().filter(|r| matches!(r, GgrsRequest::LoadGameState { .. })).count();
         all_saves += saves;
-        let step = |world: &mut World, _: &[_]| {
-            world.step();
-            Ok(())
-        };
-        let used = measure(|| rollback.fulfil(requests, step).expect("what was saved can be loaded"));
+        let used = measure(|| ours.fulfil(requests, |_, _| ()).expect("what was saved can be loaded"));
         // By then each of GGRS's places has a snapshot, and room for the report that the rocks fell asleep at tick 30.
         if frame > 50 {
             assert_eq!(used.count_total, 0, "frame {frame}: {used:?}");
@@ -298,26 +297,25 @@ fn peers_of_different_matches_do_not_start() {
 
 #[test]
 fn what_peers_send_comes_back_whole_or_not_at_all() {
-    let hello = Hello { physics_version: 7, seed: 1 << 40, ticks: 600, start: u64::MAX };
-    let turn = Turn { tick: 300, hash: 0x0123_4567_89ab_cdef, controls: 9 };
+    let hello = Hello { magic: MAGIC, physics_version: 7, seed: 1 << 40, ticks: 600, start: u64::MAX };
+    let turn = Turn { tick: 300, hash: 0x0123_4567_89ab_cdef, controls: Controls(9) };
     let (mut greeting, mut word) = (Vec::new(), Vec::new());
-    hello.send(&mut greeting).expect("there is room");
-    turn.send(&mut word).expect("there is room");
-    assert_eq!(Hello::receive(&mut &greeting[..]).ok(), Some(hello));
-    assert_eq!(Turn::receive(&mut &word[..], 300).ok(), Some(turn));
+    send(&mut greeting, &hello).expect("there is room");
+    send(&mut word, &turn).expect("there is room");
+    assert_eq!(receive::<Hello>(&mut &greeting[..]).ok(), Some(hello));
+    assert_eq!(receive::<Turn>(&mut &word[..]).ok(), Some(turn));
     for length in 0..greeting.len() {
-        let cut = Hello::receive(&mut &greeting[..length]).map_err(|error| error.kind());
+        let cut = receive::<Hello>(&mut &greeting[..length]).map_err(|error| error.kind());
         assert_eq!(cut, Err(ErrorKind::UnexpectedEof), "cut at {length}");
     }
-    // One for the other; a turn of another tick; a byte too many; and more than there is, which is not waited for.
+    // One for the other; a byte too many; and more than there is, which is not waited for.
     let invalid = |of: Result<(), std::io::Error>| assert_eq!(of.map_err(|e| e.kind()), Err(ErrorKind::InvalidData));
-    invalid(Hello::receive(&mut &word[..]).map(drop));
-    invalid(Turn::receive(&mut &greeting[..], 300).map(drop));
-    invalid(Turn::receive(&mut &word[..], 301).map(drop));
+    invalid(receive::<Hello>(&mut &word[..]).map(drop));
+    invalid(receive::<Turn>(&mut &greeting[..]).map(drop));
     word[0] += 1;
     word.push(0);
-    invalid(Turn::receive(&mut &word[..], 300).map(drop));
-    invalid(Hello::receive(&mut &[0xff, 0xff][..]).map(drop));
+    invalid(receive::<Turn>(&mut &word[..]).map(drop));
+    invalid(receive::<Hello>(&mut &[0xff, 0xff][..]).map(drop));
 }
 
 #[test]

@@ -53,9 +53,10 @@ fn synctest(options: &Options) -> Result<ExitCode, Box<dyn Error>> {
     let frames = options.get("frames")?.unwrap_or(1_000);
     let (game, world) = Game::start()?;
     let seed = options.get("seed")?.unwrap_or(1);
-    let rollback = session::sync_test(world, frames, seed, |world, controls| game.advance(world, controls).map(drop))?;
-    let (work, hash) = (rollback.work(), rollback.world().state_hash());
-    println!("{frames} frames, {} undone and made again with the same hashes; {hash:016x} at the end", work.undone);
+    // A refused call is refused on every side.
+    let end = session::sync_test(world, frames, seed, |world, held| _ = game.act(world, held))?;
+    let (undone, hash) = (end.undone, end.world.state_hash());
+    println!("{frames} frames, {undone} undone and made again with the same hashes; {hash:016x} at the end");
     Ok(ExitCode::SUCCESS)
 }
 

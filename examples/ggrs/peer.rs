@@ -10,9 +10,9 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use ggrs::{DesyncDetection, Frame, GgrsError, GgrsEvent, P2PSession, PlayerType, SessionBuilder, SessionState};
-use umbra_physics::{Fx, World};
+use umbra_physics::{BodyId, Fx, World};
 
-use crate::adapter::Rollback;
+use crate::adapter::GgrsWorld;
 use crate::game::{Game, bot};
 use crate::options::Options;
 use crate::session::{Match, WINDOW, controls};
@@ -76,7 +76,7 @@ struct Peer {
     orders: Orders,
     session: P2PSession<Match>,
     game: Game,
-    rollback: Rollback,
+    ours: GgrsWorld,
     /// The frame whose hash is printed next.
     next: u32,
     /// Number of frames to skip, so that the other side catches up.
@@ -100,7 +100,7 @@ pub(crate) fn play(options: &Options) -> Result<ExitCode, Box<dyn Error>> {
     let dismissed = when_input_ends();
 
     let (game, world) = Game::start()?;
-    let mut peer = Peer { orders, session, game, rollback: Rollback::new(world), next: CHECK, skip: 0, parted: false };
+    let mut peer = Peer { orders, session, game, ours: GgrsWorld::new(world), next: CHECK, skip: 0, parted: false };
     let deadline = Instant::now() + LIMIT;
     // The other side may still need packets of this one after it is done.
     let mut done = false;
@@ -111,8 +111,8 @@ pub(crate) fn play(options: &Options) -> Result<ExitCode, Box<dyn Error>> {
         peer.frame()?;
         if !done && peer.next > peer.orders.frames {
             done = true;
-            let work = peer.rollback.work();
-            println!("done loads {} undone {} deepest {}", work.loads, work.undone, work.deepest);
+            let GgrsWorld { loads, undone, deepest, .. } = peer.ours;
+            println!("done loads {loads} undone {undone} deepest {deepest}");
         }
         thread::sleep(FRAME);
     }
@@ -144,13 +144,14 @@ impl Peer {
             Err(GgrsError::PredictionThreshold | GgrsError::NotSynchronized) => return self.hear(),
             requests => requests?,
         };
-        let (game, ship, desync) = (self.game, self.game.ships[0], self.orders.desync);
-        self.rollback.fulfil(requests, |world, inputs| {
+        let (game, desync) = (self.game, self.orders.desync);
+        self.ours.fulfil(requests, |world, inputs| {
             // Repeated whenever this frame is recomputed.
             if desync == Some(world.tick()) {
-                aside(world, ship)?;
+                move_by_an_ulp(world, game.ships[0]);
             }
-            game.advance(world, controls(inputs)).map(drop)
+            // A refused call is refused on both sides.
+            let _ = game.act(world, controls(inputs));
         })?;
         self.print_confirmed();
         self.hear()
@@ -161,7 +162,7 @@ impl Peer {
         // The call before this one rolled back with all known inputs, so the saved hash of such a frame is final.
         let confirmed = self.session.confirmed_frame() + 1;
         while self.next <= self.orders.frames && self.next as Frame <= confirmed {
-            let Some(hash) = self.rollback.hash(self.next as Frame) else { break };
+            let Some(hash) = self.ours.hash(self.next as Frame) else { break };
             println!("hash {} {hash:016x}", self.next);
             self.next += CHECK;
         }
@@ -184,9 +185,9 @@ impl Peer {
     }
 }
 
-/// Moves a body to the right by an ulp.
-fn aside(world: &mut World, body: umbra_physics::BodyId) -> Result<(), umbra_physics::Error> {
-    let mut position = world.body(body)?.position();
+/// Moves a body to the right.
+fn move_by_an_ulp(world: &mut World, body: BodyId) {
+    let mut position = world.body(body).expect("a ship stays in the world").position();
     position.x = position.x.saturating_add(Fx::from_bits(1));
-    world.set_position(body, position)
+    world.set_position(body, position).expect("a place beside the ship");
 }

@@ -3,9 +3,9 @@
 use std::net::SocketAddr;
 
 use ggrs::{Config, InputStatus, PlayerType, PredictRepeatLast, SessionBuilder};
-use umbra_physics::{Error, World};
+use umbra_physics::World;
 
-use crate::adapter::{Rollback, Saved};
+use crate::adapter::{GgrsWorld, Saved};
 use crate::game::{Controls, bot};
 
 /// The game as GGRS sees it.
@@ -36,8 +36,8 @@ pub(crate) fn sync_test(
     world: World,
     frames: u32,
     seed: u64,
-    mut advance: impl FnMut(&mut World, [Controls; 2]) -> Result<(), Error>,
-) -> Result<Rollback, Box<dyn std::error::Error>> {
+    mut tick: impl FnMut(&mut World, [Controls; 2]),
+) -> Result<GgrsWorld, Box<dyn std::error::Error>> {
     let mut session = SessionBuilder::<Match>::new()
         .with_num_players(2)?
         .with_max_prediction_window(WINDOW)
@@ -45,13 +45,13 @@ pub(crate) fn sync_test(
         .add_player(PlayerType::Local, 0)?
         .add_player(PlayerType::Local, 1)?
         .start_synctest_session()?;
-    let mut rollback = Rollback::new(world);
+    let mut ours = GgrsWorld::new(world);
     for frame in 0..frames {
         for player in [0, 1] {
             session.add_local_input(player, bot(seed, player, frame.into()))?;
         }
         let requests = session.advance_frame()?;
-        rollback.fulfil(requests, |world, inputs| advance(world, controls(inputs)))?;
+        ours.fulfil(requests, |world, inputs| tick(world, controls(inputs)))?;
     }
-    Ok(rollback)
+    Ok(ours)
 }

@@ -1,5 +1,6 @@
-//! Lockstep without rollback: two processes over TCP. A tick is stepped once both sides' inputs for it have arrived; inputs are
-//! sent a few ticks ahead, to allow for the delay of the network. Each side sends the hash of its state at every tick.
+//! Lockstep: two processes over TCP, with a `Rollback` whose window is 0. A tick is made once both sides' inputs for it have
+//! arrived; inputs are sent a few ticks ahead, to allow for the delay of the network. Each side sends the hash of its state at
+//! every tick.
 //!
 //! ```sh
 //! cargo run --release --example lockstep                  # starts both sides and compares their output
@@ -32,7 +33,7 @@ use std::{env, fs};
 
 use options::Options;
 use peers::Peer;
-use side::{Cheat, Outcome, play};
+use side::{Cheat, play};
 use umbra_physics::Dump;
 
 fn main() -> ExitCode {
@@ -61,10 +62,8 @@ fn run(role: Option<&str>, arguments: impl Iterator<Item = String>) -> Result<Ex
         Some(other) => return Err(format!("unknown role {other}: serve, join, or none for both").into()),
     };
     let (ticks, seed) = (options.get("ticks")?.unwrap_or(600), options.get("seed")?.unwrap_or(1));
-    Ok(match play(player, stream, ticks, seed, options.get::<Cheat>("desync")?)? {
-        Outcome::Agreed => ExitCode::SUCCESS,
-        Outcome::Parted => ExitCode::FAILURE,
-    })
+    let agreed = play(player, stream, ticks, seed, options.get::<Cheat>("desync")?)?;
+    Ok(if agreed { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
 /// Accepts the first connection within a minute, so that no process waits for ever.

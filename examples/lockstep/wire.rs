@@ -2,14 +2,21 @@
 
 use std::io::{self, Read, Write};
 
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
+
+use crate::game::Controls;
+
 /// Length of the longest frame. A longer one is not from a peer, and no memory is allocated for it.
 const LONGEST: usize = 64;
 
-const MAGIC: [u8; 4] = *b"UMLS";
+/// The first bytes of a [`Hello`].
+pub(crate) const MAGIC: [u8; 4] = *b"UMLS";
 
 /// Settings that both peers must agree on before the first tick.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Hello {
+    /// [`MAGIC`]: another program sends something else.
+    pub(crate) magic: [u8; 4],
     /// [`umbra_physics::PHYSICS_VERSION`]: peers of other versions diverge sooner or later.
     pub(crate) physics_version: u32,
     /// The seed of the match.
@@ -21,46 +28,21 @@ pub(crate) struct Hello {
 }
 
 /// Message of a peer at each tick.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Turn {
     /// The tick.
     pub(crate) tick: u64,
     /// The hash of the state before its step.
     pub(crate) hash: u64,
     /// The buttons for a future tick, later by the delay.
-    pub(crate) controls: u8,
-}
-
-fn wrong(what: &str) -> io::Error {
-    io::Error::new(io::ErrorKind::InvalidData, what)
+    pub(crate) controls: Controls,
 }
 
 impl Hello {
-    /// # Errors
-    /// If the other side is gone.
-    pub(crate) fn send(&self, to: &mut impl Write) -> io::Result<()> {
-        let mut bytes = MAGIC.to_vec();
-        bytes.extend(self.physics_version.to_le_bytes());
-        [self.seed, self.ticks, self.start].iter().for_each(|word| bytes.extend(word.to_le_bytes()));
-        send(to, &bytes)
-    }
-
-    /// # Errors
-    /// If the other side is gone, silent, or no peer of this game.
-    pub(crate) fn receive(from: &mut impl Read) -> io::Result<Self> {
-        let mut frame = Frame::receive(from)?;
-        if frame.take()? != MAGIC {
-            return Err(wrong("the other side is no peer of this game"));
-        }
-        let physics_version = u32::from_le_bytes(frame.take()?);
-        let (seed, ticks, start) = (frame.word()?, frame.word()?, frame.word()?);
-        frame.end()?;
-        Ok(Self { physics_version, seed, ticks, start })
-    }
-
     /// First setting that two peers do not agree on, if any.
     pub(crate) fn differs_from(&self, other: &Self) -> Option<&'static str> {
         let differ = [
+            (self.magic != other.magic, "game"),
             (self.physics_version != other.physics_version, "physics version"),
             (self.seed != other.seed, "seed"),
             (self.ticks != other.ticks, "number of ticks"),
@@ -70,67 +52,29 @@ impl Hello {
     }
 }
 
-impl Turn {
-    /// # Errors
-    /// If the other side is gone.
-    pub(crate) fn send(&self, to: &mut impl Write) -> io::Result<()> {
-        let mut bytes = Vec::with_capacity(17);
-        [self.tick, self.hash].iter().for_each(|word| bytes.extend(word.to_le_bytes()));
-        bytes.push(self.controls);
-        send(to, &bytes)
-    }
-
-    /// The turn of this tick.
-    ///
-    /// # Errors
-    /// If the other side is gone or silent, or says something else.
-    pub(crate) fn receive(from: &mut impl Read, tick: u64) -> io::Result<Self> {
-        let mut frame = Frame::receive(from)?;
-        let turn = Self { tick: frame.word()?, hash: frame.word()?, controls: u8::from_le_bytes(frame.take()?) };
-        frame.end()?;
-        if turn.tick == tick { Ok(turn) } else { Err(wrong("a turn is missing")) }
-    }
-}
-
-fn send(to: &mut impl Write, bytes: &[u8]) -> io::Result<()> {
+/// # Errors
+/// If the other side is gone.
+pub(crate) fn send(to: &mut impl Write, message: &impl Serialize) -> io::Result<()> {
+    let bytes = postcard::to_allocvec(message).map_err(io::Error::other)?;
+    let length = u16::try_from(bytes.len()).map_err(io::Error::other)?;
     // In one write: without TCP's delays each write is a packet.
-    let length = u16::try_from(bytes.len()).map_err(|_| wrong("too much for a frame"))?;
-    let mut frame = length.to_le_bytes().to_vec();
-    frame.extend(bytes);
-    to.write_all(&frame)
+    to.write_all(&[&length.to_le_bytes(), &bytes[..]].concat())
 }
 
-/// The bytes of a frame that are not read yet.
-struct Frame(Vec<u8>);
-
-impl Frame {
-    fn receive(from: &mut impl Read) -> io::Result<Self> {
-        let mut length = [0; 2];
-        from.read_exact(&mut length)?;
-        let length = usize::from(u16::from_le_bytes(length));
-        if length > LONGEST {
-            return Err(wrong("a frame that is too long"));
-        }
-        let mut bytes = vec![0; length];
-        from.read_exact(&mut bytes)?;
-        bytes.reverse();
-        Ok(Self(bytes))
+/// # Errors
+/// If the other side is gone or silent, or sends something else.
+pub(crate) fn receive<T: DeserializeOwned>(from: &mut impl Read) -> io::Result<T> {
+    let wrong = |what| io::Error::new(io::ErrorKind::InvalidData, what);
+    let mut length = [0; 2];
+    from.read_exact(&mut length)?;
+    let length = usize::from(u16::from_le_bytes(length));
+    if length > LONGEST {
+        return Err(wrong("the other side sent a frame that is too long"));
     }
-
-    fn take<const N: usize>(&mut self) -> io::Result<[u8; N]> {
-        let mut taken = [0; N];
-        for byte in &mut taken {
-            // The next byte is the last, because the bytes were reversed.
-            *byte = self.0.pop().ok_or(wrong("a frame that is too short"))?;
-        }
-        Ok(taken)
-    }
-
-    fn word(&mut self) -> io::Result<u64> {
-        self.take().map(u64::from_le_bytes)
-    }
-
-    fn end(self) -> io::Result<()> {
-        if self.0.is_empty() { Ok(()) } else { Err(wrong("a frame that is too long")) }
+    let mut bytes = vec![0; length];
+    from.read_exact(&mut bytes)?;
+    match postcard::take_from_bytes(&bytes) {
+        Ok((message, [])) => Ok(message),
+        _ => Err(wrong("the other side sent something that is not the expected message")),
     }
 }

@@ -22,6 +22,7 @@ const SHOT_SPEED: Fx = fx!(30); // m/s, from the ship
 const SHOT_MASS: Fx = fx!(0.125); // kg
 const REACH: Fx = fx!(1.25); // m, from the centre of what a shot hits
 const SHOT_TICKS: u32 = 45;
+const TICK_RATE: i32 = 60; // a second
 const RELOAD_TICKS: u32 = 12;
 
 /// Buttons that a player holds down over a tick. The default is none: GGRS uses it for a player who is gone.
@@ -50,8 +51,6 @@ pub(crate) fn bot(seed: u64, player: usize, tick: u64) -> Controls {
 pub(crate) struct Tally {
     pub(crate) fired: usize,
     pub(crate) hits: usize,
-    pub(crate) fell_asleep: usize,
-    pub(crate) woke: usize,
 }
 
 /// Handles that are fixed for a whole match, the same on every peer.
@@ -88,7 +87,7 @@ impl Game {
     /// None, unless the definitions below are edited to invalid ones.
     pub(crate) fn start() -> Result<(Self, World), Error> {
         let mut world = World::new(WorldDef {
-            time_step: TimeStep::hz(60),
+            time_step: TimeStep::hz(TICK_RATE as u32),
             linear_damping: Damping::kept_per_second(fx!(0.75)),
             angular_damping: Damping::kept_per_second(fx!(0.25)),
             ..WorldDef::default()
@@ -140,18 +139,7 @@ impl Game {
         Ok((Self { ships: [left.0, right.0], engines: [left.1, right.1] }, world))
     }
 
-    /// Moves the match on by a tick.
-    ///
-    /// # Errors
-    /// An error of the world: the same for every peer.
-    pub(crate) fn advance(&self, world: &mut World, controls: [Controls; 2]) -> Result<Tally, Error> {
-        let mut tally = self.act(world, controls)?;
-        let report = world.step();
-        (tally.fell_asleep, tally.woke) = (report.fell_asleep.len(), report.woke.len());
-        Ok(tally)
-    }
-
-    /// Changes that the match makes to its world in a tick before it steps.
+    /// Makes the calls of a tick from the world and the buttons alone; after them the world is stepped.
     ///
     /// # Errors
     /// An error of the world: the same for every peer.
@@ -205,14 +193,14 @@ impl Game {
         Ok(true)
     }
 
-    /// Takes out the shots that hit something or have flown for long enough; the number of hits.
+    /// Takes out the shots that hit something before the next tick or have flown for long enough; the number of hits.
     fn strike(&self, world: &mut World) -> Result<usize, Error> {
         let mut hits = 0;
         let shots: Vec<BodyId> = world.bodies().filter(|b| b.force_groups() == SHOT).map(|b| b.id()).collect();
         for shot in shots {
             let look = world.body(shot)?;
             let (at, velocity, owner) = (look.position(), look.velocity(), look.key() - 100);
-            if let Some(target) = self.target(world, at, owner as usize) {
+            if let Some(target) = self.target(world, at, velocity, owner as usize) {
                 let impulse = velocity.checked_scale(SHOT_MASS).unwrap_or(Vec2::ZERO);
                 world.apply_impulse_at_point(target, impulse, at)?;
                 if self.ships.contains(&target) {
@@ -228,15 +216,28 @@ impl Game {
         Ok(hits)
     }
 
-    /// The first body, by its handle, that a shot of this player's is in reach of.
-    fn target(&self, world: &World, at: Vec2, owner: usize) -> Option<BodyId> {
-        let near = |p: Vec2| {
-            let apart = Vec2::new(p.x.saturating_sub(at.x), p.y.saturating_sub(at.y));
-            apart.checked_length().is_some_and(|distance| distance <= REACH)
-        };
+    /// The first body, by its handle, that a shot of this player's comes in reach of before the next tick.
+    fn target(&self, world: &World, at: Vec2, velocity: Vec2, owner: usize) -> Option<BodyId> {
         let hit = |b: &umbra_physics::BodyRef<'_>| {
-            (b.force_groups() == ROCK || b.id() == self.ships[1 - owner]) && near(b.position())
+            let from = at - b.position();
+            (b.force_groups() == ROCK || b.id() == self.ships[1 - owner])
+                && passes(from, from + (velocity - b.velocity()) / TICK_RATE)
         };
         world.bodies().find(hit).map(|b| b.id())
     }
+}
+
+/// Returns true if a point that moves straight between two places comes in reach of the origin. A distance at the ticks alone
+/// would miss a fast shot.
+fn passes(from: Vec2, to: Vec2) -> bool {
+    let way = to - from;
+    let (along, whole) = (-from.dot(way), way.length_squared());
+    let nearest = if along <= Fx::ZERO {
+        from
+    } else if along >= whole {
+        to
+    } else {
+        from + way * (along / whole)
+    };
+    nearest.length() <= REACH
 }

@@ -5,7 +5,7 @@
 //! | [`numbers`] | fixed point in five minutes: exactness, overflow, angles |
 //! | [`accuracy`] | choosing an integrator, a tick rate, damping and spring stiffness |
 //! | [`determinism`] | causes of desyncs in *your* code, and how to find them |
-//! | [`bodies`] | moving platforms, locks, speed limits, disabling, local points, keys, sprites, energy and momentum |
+//! | [`bodies`] | moving platforms, locks, speed limits, disabling, local points, hits, keys, sprites, energy and momentum |
 //! | [`lockstep`] | peers that exchange only inputs; comparing hashes, and finding the difference |
 //! | [`rollback`] | handling late inputs: going back and recomputing the present |
 //! | [`replays`] | recording, and verifying replays from untrusted players on a server |

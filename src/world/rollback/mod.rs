@@ -234,7 +234,10 @@ impl<I: Clone + Default + PartialEq, S: Scalar> Rollback<I, S> {
             self.players.missing(self.first_unconfirmed())
         };
         self.handed_out = (self.first_unconfirmed() - self.first) as usize;
-        self.rewinds = Some(world.rewinds());
+        // While the first tick waits, the world's journal may still have changes from before.
+        if self.made > 0 || self.rewinds.is_some() {
+            self.rewinds = Some(world.rewinds());
+        }
         Ok(RollbackReport::new(
             redone,
             waits_for,

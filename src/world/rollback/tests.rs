@@ -216,20 +216,36 @@ fn a_player_who_leaves_is_not_waited_for() {
 }
 
 #[test]
-fn the_confirmed_world_is_the_one_of_the_last_report() {
+fn the_confirmed_world_does_not_depend_on_inputs_added_since() {
     let mut world = level();
-    let mut rollback = Rollback::new(&world, [0], 8);
-    for _ in 0..3 {
+    let mut rollback = Rollback::new(&world, [0, 1], 8);
+    for now in 0..4 {
+        rollback.add_input(now, 0, 1).expect("a player");
         rollback.advance(&mut world, tick).expect("unchanged");
     }
-    let start = level().state_hash();
-    // Known, and not made with yet.
+    // Ticks 0 to 2 have all inputs now, but were made with predictions that were wrong.
+    (0..3).for_each(|now| assert_eq!(rollback.add_input(now, 1, 1), Ok(true)));
+    assert_eq!(rollback.confirmed_world(&world).state_hash(), level().state_hash());
+    rollback.advance(&mut world, tick).expect("unchanged");
+    let mut expected = level();
+    for _ in 0..3 {
+        tick(&mut expected, &[(0, 1), (1, 1)]);
+        expected.step();
+    }
+    assert_eq!(rollback.confirmed_world(&world).state_hash(), expected.state_hash());
+}
+
+#[test]
+fn a_restart_may_be_followed_by_waiting() {
+    let mut world = level();
+    let mut rollback = Rollback::<Buttons>::new(&world, [0], 0);
     rollback.add_input(0, 0, 1).expect("a player");
-    assert_eq!(rollback.confirmed_world(&world).state_hash(), start);
-    let report = rollback.advance(&mut world, tick).expect("unchanged");
-    let after = report.confirmed().next().expect("its input is known").after.state_hash();
-    assert_eq!(rollback.confirmed_world(&world).state_hash(), after);
-    assert_ne!(after, start);
+    rollback.advance(&mut world, tick).expect("unchanged");
+    world.set_velocity(ship(0), vec2(1, 0)).expect("a velocity");
+    rollback.restart(&world);
+    assert_eq!(rollback.advance(&mut world, tick).expect("restarted").waits_for, Some(0));
+    rollback.add_input(1, 0, 1).expect("a player");
+    assert_eq!(rollback.advance(&mut world, tick).expect("unchanged").waits_for, None);
 }
 
 #[test]
