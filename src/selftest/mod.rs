@@ -102,8 +102,8 @@ pub fn run() -> Result<Outcome, Failure> {
 /// The combined outcome of scenes in order, as [`run`] returns it for all scenes.
 ///
 /// ```
-/// use umbra_physics::selftest::{Total, scenes};
-/// let one = scenes()[0].run()?;
+/// use umbra_physics::selftest::{Outcome, Total, scenes};
+/// let one: Outcome = scenes()[0].run()?;
 /// let total: Total = [(scenes()[0].name(), one)].into_iter().collect();
 /// assert_eq!(total.outcome().ticks, one.ticks);
 /// # Ok::<(), umbra_physics::selftest::Failure>(())

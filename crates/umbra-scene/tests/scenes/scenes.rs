@@ -422,3 +422,20 @@ fn thousands_of_inputs_to_a_large_world_are_all_tried() {
     let error = Scene::parse(text).expect_err("b0 is not there any more");
     assert!(error.first().message.starts_with("at tick 7"), "{error}");
 }
+
+#[test]
+fn the_example_of_the_document_runs() {
+    let document = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/scene.md");
+    let document = fs::read_to_string(document).expect("the document of the format");
+    let (_, rest) = document.split_once("```json\n").expect("an example");
+    let (example, _) = rest.split_once("```").expect("its end");
+    let scene = Scene::parse(example).unwrap_or_else(|errors| panic!("{errors}"));
+    let mut run = scene.start::<Fx>().expect("a world");
+    for _ in 0..scene.ticks {
+        let report = run.advance().expect("its inputs are accepted");
+        assert!(report.faults.is_empty());
+    }
+    let position = run.world().bodies().nth(1).expect("the box").position();
+    // The rope of 2 m holds it: it stays within what 50 N/m give way under its 9.81 N.
+    assert!(position.distance(vec2(0, 5)) < fx!(4), "{position}");
+}
