@@ -85,8 +85,11 @@ pub(super) fn each<'a>(list: &Node<'a>, most: u64, mut read: impl FnMut(&Object<
         bytes = bytes.saturating_add(rounds.saturating_mul(node.raw().len() as u64));
         if bytes > most.saturating_mul(BYTES_EACH) {
             let most = most.saturating_mul(BYTES_EACH);
-            let reason = format_args!("out of range: written out, this would be more than {most} bytes");
-            return Err(repeat.fault(Flaw::TooMany.of(reason)).ending_list());
+            return Err(repeat
+                .fault(
+                    Flaw::TooMany.of(format_args!("out of range: written out, this would be more than {most} bytes")),
+                )
+                .ending_list());
         }
         let mut n = 0;
         for j in j.0..=j.1 {
