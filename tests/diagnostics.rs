@@ -1,5 +1,5 @@
-//! What the compiler says to a wrong number: one error, which says what to write instead. And what it has to compile: not the
-//! engine, which the library holds.
+//! The messages of the compiler to a wrong number: one error, which says what to write instead. And the size of what it compiles
+//! for a game: not the engine, which the library holds.
 //!
 //! Each case is a program that rustc refuses against the library that this test was built with. The texts of the library are
 //! compared, not those of the compiler, which differ from version to version.
@@ -137,7 +137,7 @@ impl Compiler {
         compiler
     }
 
-    /// What the compiler says to a program, or the file that it makes, optimised.
+    /// Compiles a program, optimised. Returns the object file, or the messages of the compiler.
     fn compile(&self, source: &str) -> Result<PathBuf, String> {
         let file = self.folder.join("program.rs");
         fs::write(&file, source).expect("room for a file");

@@ -296,7 +296,8 @@ fn confirmed_ticks_hold_every_accepted_command_and_make_a_replay_of_the_straight
         }
         // Late, and recorded.
         let mut late = start.clone();
-        let mut recorder = Recorder::new(&late, RecordOptions { hash_every: 3, snapshot_every: 16 });
+        let options = RecordOptions { hash_every: 3, snapshot_every: 16 };
+        let mut recorder = Recorder::new(&late, options);
         let window = 1 + run % 12;
         let mut rollback = Rollback::new(&late, 0..PLAYERS, window).with_prediction(PREDICTIONS[run % 3]);
         let mut confirmed = 0;
@@ -317,6 +318,13 @@ fn confirmed_ticks_hold_every_accepted_command_and_make_a_replay_of_the_straight
                 assert_eq!(tick.after.state_hash(), *hash);
                 let recorded = recorder.record(&tick).expect("the next one");
                 assert!(recorded.is_none_or(|recorded| recorded == *hash));
+                // A tick out of turn is refused.
+                if tick.tick > 0 {
+                    let to_come = Error::TickToCome { tick: tick.tick, present: 0 };
+                    assert_eq!(Recorder::new(&start, options).record(&tick), Err(to_come));
+                }
+                let forgotten = Error::TickForgotten { tick: tick.tick, oldest: tick.tick + 1 };
+                assert_eq!(recorder.record(&tick), Err(forgotten));
                 confirmed += 1;
             }
         }

@@ -131,77 +131,51 @@ macro_rules! between_vectors {
 between_vectors!(Add, add, AddAssign, add_assign);
 between_vectors!(Sub, sub, SubAssign, sub_assign);
 
-/// An operator between a vector and a number, and its assigning form.
+/// An operator between a vector and a number, and its assigning form. The generics of the impl stand first.
 macro_rules! with_a_number {
-    ($operator:ident, $method:ident, $assign:ident, $assign_method:ident) => {
-        impl<T: $operator<Output = T> + Copy> $operator<T> for Vec2<T> {
+    ([$($generics:tt)*] $vector:ty, $number:ty, $operator:ident, $method:ident, $assign:ident, $assign_method:ident) => {
+        impl<$($generics)*> $operator<$number> for $vector {
             type Output = Self;
 
             #[inline]
             #[track_caller]
-            fn $method(self, number: T) -> Self {
+            fn $method(self, number: $number) -> Self {
                 Self { x: self.x.$method(number), y: self.y.$method(number) }
             }
         }
 
-        impl<T: $operator<Output = T> + Copy> $assign<T> for Vec2<T> {
+        impl<$($generics)*> $assign<$number> for $vector {
             #[inline]
             #[track_caller]
-            fn $assign_method(&mut self, number: T) {
+            fn $assign_method(&mut self, number: $number) {
                 *self = self.$method(number);
             }
         }
     };
 }
 
-with_a_number!(Mul, mul, MulAssign, mul_assign);
-with_a_number!(Div, div, DivAssign, div_assign);
+with_a_number!([T: Mul<Output = T> + Copy] Vec2<T>, T, Mul, mul, MulAssign, mul_assign);
+with_a_number!([T: Div<Output = T> + Copy] Vec2<T>, T, Div, div, DivAssign, div_assign);
+with_a_number!([] Vec2, i32, Mul, mul, MulAssign, mul_assign);
+with_a_number!([] Vec2, i32, Div, div, DivAssign, div_assign);
 
-impl Mul<Vec2> for Fx {
-    type Output = Vec2;
-
-    #[inline]
-    #[track_caller]
-    fn mul(self, v: Vec2) -> Vec2 {
-        v * self
-    }
-}
-
-/// An operator between a vector of `Fx` and an integer, and its assigning form.
-macro_rules! with_an_integer {
-    ($operator:ident, $method:ident, $assign:ident, $assign_method:ident) => {
-        impl $operator<i32> for Vec2 {
-            type Output = Self;
+/// A number times a vector.
+macro_rules! number_first {
+    ($number:ty) => {
+        impl Mul<Vec2> for $number {
+            type Output = Vec2;
 
             #[inline]
             #[track_caller]
-            fn $method(self, number: i32) -> Self {
-                Self { x: self.x.$method(number), y: self.y.$method(number) }
-            }
-        }
-
-        impl $assign<i32> for Vec2 {
-            #[inline]
-            #[track_caller]
-            fn $assign_method(&mut self, number: i32) {
-                *self = self.$method(number);
+            fn mul(self, v: Vec2) -> Vec2 {
+                v * self
             }
         }
     };
 }
 
-with_an_integer!(Mul, mul, MulAssign, mul_assign);
-with_an_integer!(Div, div, DivAssign, div_assign);
-
-impl Mul<Vec2> for i32 {
-    type Output = Vec2;
-
-    #[inline]
-    #[track_caller]
-    fn mul(self, v: Vec2) -> Vec2 {
-        v * self
-    }
-}
+number_first!(Fx);
+number_first!(i32);
 
 impl<T: Neg<Output = T>> Neg for Vec2<T> {
     type Output = Self;

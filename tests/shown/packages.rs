@@ -1,4 +1,4 @@
-//! What goes into each package that is published: all that it needs, and nothing else.
+//! The published packages: each has all files that it needs, and no others.
 
 use std::path::Path;
 use std::process::Command;

@@ -205,6 +205,9 @@ fn a_player_who_leaves_is_not_waited_for() {
     let seen: Vec<Vec<u32>> =
         report.confirmed().map(|tick| tick.inputs.iter().map(|(player, _)| *player).collect()).collect();
     assert_eq!(seen, [vec![0, 1], vec![0, 1], vec![0]]);
+    // A player who is gone does not come back by a later end.
+    rollback.remove_player(1, 9).expect("gone already");
+    assert_eq!(rollback.add_input(5, 1, 1), Ok(false));
     assert_eq!(rollback.remove_player(1, 0), Err(Error::TickForgotten { tick: 0, oldest: 3 }));
     assert_eq!(rollback.remove_player(9, 9), Err(Error::NoSuchPlayer { player: 9 }));
     let mut expected = level();
