@@ -65,6 +65,12 @@ pub trait World {
     fn awake(&self) -> Option<usize>;
     /// Number of contact points the solver works on.
     fn contact_points(&self) -> Option<usize>;
+    /// The time that each stage of the solver's passes took in the last step, summed over the
+    /// substeps, us: warm start, solve, relax, and the integration of velocities and
+    /// positions. Empty if the engine does not measure them.
+    fn pass_times(&self) -> Vec<(&'static str, f64)> {
+        Vec::new()
+    }
     /// Names of the ways this engine can be snapshotted.
     fn snapshot_kinds(&self) -> &'static [&'static str] {
         &[]

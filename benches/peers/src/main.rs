@@ -24,10 +24,15 @@ const SCENES: &[(&str, Bench)] = &[
     ("snapshot", bench::snapshot),
     ("accuracy", bench::accuracy),
     ("memory", bench::memory),
+    ("passes", bench::passes),
+    (QUALITY, bench::quality),
 ];
 
+/// The scene that has parts, and that only runs when asked for.
+const QUALITY: &str = "quality";
+
 fn usage() -> ! {
-    eprintln!("peers [--scene A,B] [--engine A,B] [--quick] [--wall] [--table min] [--csv FILE] [--list]");
+    eprintln!("peers [--scene A,B,quality:C] [--engine A,B] [--quick] [--wall] [--table min] [--csv FILE] [--list]");
     std::process::exit(2)
 }
 
@@ -54,6 +59,7 @@ fn main() {
             },
             "--list" => {
                 println!("scenes:  {}", SCENES.iter().map(|s| s.0).collect::<Vec<_>>().join(" "));
+                println!("quality: {}", bench::quality_names().collect::<Vec<_>>().join(" "));
                 println!("engines: {}", all.iter().map(|e| e.id()).collect::<Vec<_>>().join(" "));
                 return;
             }
@@ -65,6 +71,17 @@ fn main() {
             }
             _ => usage(),
         }
+    }
+    let mut parts = Vec::new();
+    for s in scenes.iter_mut().flatten() {
+        if let Some((QUALITY, part)) = s.split_once(':') {
+            parts.push(part.to_string());
+            *s = QUALITY.into();
+        }
+    }
+    if let Some(p) = parts.iter().find(|&p| !bench::quality_names().any(|n| n == p)) {
+        eprintln!("quality has no scene {p}; --list names them");
+        usage();
     }
     let known_scene = |s: &String| SCENES.iter().any(|k| k.0 == s);
     let known_engine = |s: &String| all.iter().any(|k| k.id() == s);
@@ -84,7 +101,7 @@ fn main() {
         println!("#   {}; damping: {}", i.solver, i.damping_law);
     }
     println!(
-        "# all scenes: one thread, dt 1/60 unless the scene says otherwise, friction 0.5, restitution 0, density 1"
+        "# one thread, dt 1/60 unless the scene says otherwise; timed scenes: friction 0.5, restitution 0, density 1"
     );
     let clock = if bench::WALL.load(std::sync::atomic::Ordering::Relaxed) {
         "wall clock"
@@ -95,9 +112,9 @@ fn main() {
     println!("{}", report::CSV_HEAD);
     let t0 = Instant::now();
     let mut rep = Report::default();
-    let opt = Opt { quick };
+    let opt = Opt { quick, parts };
     for (name, f) in SCENES {
-        if scenes.as_ref().is_none_or(|o| o.iter().any(|x| x == name)) {
+        if scenes.as_ref().map_or(*name != QUALITY, |o| o.iter().any(|x| x == name)) {
             let t = Instant::now();
             f(&mut rep, &chosen, &opt);
             eprintln!("[{name}: {:.1} s]", t.elapsed().as_secs_f64());

@@ -15,6 +15,9 @@ pub struct Row {
     pub note: String,
 }
 
+/// Scene, n, metric, unit.
+type Key = (String, usize, String, &'static str);
+
 #[derive(Default)]
 pub struct Report {
     pub rows: Vec<Row>,
@@ -32,7 +35,7 @@ pub fn num(v: f64) -> String {
         "0".into()
     } else if v.fract() == 0.0 && a < 1e9 {
         format!("{v:.0}")
-    } else if a < 1e-3 || a >= 1e9 {
+    } else if !(1e-3..1e9).contains(&a) {
         format!("{v:.3e}")
     } else if a < 10.0 {
         format!("{v:.4}")
@@ -105,9 +108,22 @@ impl Report {
         self.notes.push(format!("{engine} {scene} {n}: {why}"));
     }
 
+    /// The table's entry of an engine in the row of (scene, n, metric, unit).
+    fn cell(&self, engine: &str, k: &Key, min: bool) -> String {
+        let mut rows = self.rows.iter();
+        let Some(r) = rows.find(|r| r.engine == engine && (&r.scene, r.n, &r.metric) == (&k.0, k.1, &k.2)) else {
+            return "-".into();
+        };
+        let value = num(if min { r.min } else { r.value });
+        let cut = if r.note.contains("first ") { "*" } else { "" };
+        let bad = if r.note.contains("INVALID") { "!" } else { "" };
+        format!("{value}{cut}{bad}")
+    }
+
+    /// A table in Markdown: a row for each metric of a scene, a column for each engine.
     pub fn tables(&self, engines: &[&str], min: bool) -> String {
-        let mut out = String::new();
-        let mut keys: Vec<(String, usize, String, &'static str)> = Vec::new();
+        let mut out = String::from("\n");
+        let mut keys: Vec<Key> = Vec::new();
         for r in &self.rows {
             let k = (r.scene.clone(), r.n, r.metric.clone(), r.unit);
             if !keys.contains(&k) {
@@ -122,33 +138,20 @@ impl Report {
                 scenes.push(s);
             }
         }
-        let w = 15;
-        let _ = write!(out, "\n{:<16}{:>7}  {:<26}{:<10}", "scene", "n", "metric", "unit");
-        for e in engines {
-            let _ = write!(out, "{e:>w$}");
-        }
-        out.push('\n');
+        let mut line = |cells: [&str; 4], values: &[String]| {
+            let [scene, n, metric, unit] = cells;
+            let _ = write!(out, "| {scene:<16} | {n:>6} | {metric:<24} | {unit:<8} |");
+            for v in values {
+                let _ = write!(out, " {v:>13} |");
+            }
+            out.push('\n');
+        };
+        line(["scene", "n", "metric", "unit"], &engines.iter().map(|e| e.to_string()).collect::<Vec<_>>());
+        line(["---"; 4], &vec!["---:".to_string(); engines.len()]);
         for (s, n) in scenes {
             for k in keys.iter().filter(|k| k.0 == s && k.1 == n) {
-                let _ = write!(out, "{:<16}{:>7}  {:<26}{:<10}", k.0, k.1, k.2, k.3);
-                for e in engines {
-                    let r =
-                        self.rows.iter().find(|r| r.engine == *e && r.scene == k.0 && r.n == k.1 && r.metric == k.2);
-                    let cell = match r {
-                        None => "-".to_string(),
-                        Some(r) => {
-                            let v = if min { r.min } else { r.value };
-                            format!(
-                                "{}{}{}",
-                                num(v),
-                                if r.note.contains("first ") { "*" } else { "" },
-                                if r.note.contains("INVALID") { "!" } else { "" }
-                            )
-                        }
-                    };
-                    let _ = write!(out, "{cell:>w$}");
-                }
-                out.push('\n');
+                let cells: Vec<_> = engines.iter().map(|e| self.cell(e, k, min)).collect();
+                line([&k.0, &k.1.to_string(), &k.2, k.3], &cells);
             }
         }
         out.push_str(if min { "\nSmallest of the samples." } else { "\nMedians." });

@@ -103,11 +103,11 @@ fn orbit(rep: &mut Report, e: &dyn Engine, opt: &Opt, (tag, sub, pushed): (&str,
     let id = e.id();
     let note = format!("{} substeps", sub.unwrap_or(e.info().default_substeps));
     let m = |s: &str| format!("{s}@{tag}");
-    let (gm, r0, dt) = (100.0, 10.0, 0.01);
+    let (gm, r0, dt) = (100.0, 10.0f64, 0.01);
     let field = Field::Attractor(gm);
     let mut s = Scene { field: Some(field), pushed, ..scene::single("acc_orbit", [0.0, 0.0], dt, sub) };
     s.bodies[0].x = r0;
-    s.bodies[0].vy = (gm / r0 as f64).sqrt();
+    s.bodies[0].vy = (gm / r0).sqrt();
     let period = std::f64::consts::TAU * (r0 * r0 * r0 / gm).sqrt();
     let orbits = if opt.quick { 10.0 } else { 100.0 };
     let steps = (orbits * period / dt).round() as usize;

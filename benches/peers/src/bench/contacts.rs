@@ -1,5 +1,6 @@
 //! Scenes with contacts and joints, run from their start, with the quality of the end state beside the time.
 
+use super::geometry::joint_gap;
 use super::{Engines, Opt, now, secs};
 use crate::engine::World;
 use crate::report::Report;
@@ -101,12 +102,10 @@ fn runs(
         rep.add(id, &s.name, s.n, "step_first20", "us", &r.first20, cut.clone());
         rep.add(id, &s.name, s.n, "step_last100", "us", &r.last100, cut.clone());
         rep.add(id, &s.name, s.n, "step_p99", "us", &r.p99, cut.clone());
-        if let Some(c) = r.contacts {
-            if c > 0 {
-                rep.one(id, &s.name, s.n, "contact_points", "count", c as f64, cut.clone());
-                let per: Vec<f64> = r.last100.iter().map(|t| t * 1e3 / c as f64).collect();
-                rep.add(id, &s.name, s.n, "per_contact_last100", "ns", &per, cut.clone());
-            }
+        if let Some(c) = r.contacts.filter(|&c| c > 0) {
+            rep.one(id, &s.name, s.n, "contact_points", "count", c as f64, cut.clone());
+            let per: Vec<f64> = r.last100.iter().map(|t| t * 1e3 / c as f64).collect();
+            rep.add(id, &s.name, s.n, "per_contact_last100", "ns", &per, cut.clone());
         }
         if !s.joints.is_empty() {
             let per: Vec<f64> = r.mean.iter().map(|t| t * 1e3 / s.joints.len() as f64).collect();
@@ -213,27 +212,12 @@ pub fn rain(rep: &mut Report, engines: Engines, opt: &Opt) {
     }
 }
 
-fn joint_error(s: &Scene, w: &dyn World) -> f64 {
-    s.joints
-        .iter()
-        .map(|j| {
-            let p = |i: usize| {
-                let (b, q) = (&s.bodies[i], w.state(i));
-                let (lx, ly) = (j.x - b.x, j.y - b.y);
-                let (c, sn) = (q.angle.cos(), q.angle.sin());
-                (q.x + c * lx - sn * ly, q.y + sn * lx + c * ly)
-            };
-            let (a, b) = (p(j.a), p(j.b));
-            (a.0 - b.0).hypot(a.1 - b.1)
-        })
-        .fold(0.0, f64::max)
-}
-
 pub fn joints(rep: &mut Report, engines: Engines, opt: &Opt) {
     for s in [scene::chain(400), scene::grid(15)] {
         let repeats = if opt.quick { 1 } else { 3 };
         runs(rep, engines, &s, 300, repeats, if opt.quick { 1.0 } else { 2.5 }, &|s, w| {
-            let gap = joint_error(s, w);
+            let states: Vec<_> = (0..s.bodies.len()).map(|i| w.state(i)).collect();
+            let gap = joint_gap(s, &states);
             Quality {
                 rows: vec![("max_joint_gap", "m", gap), ("max_speed", "m/s", max_speed(s, w))],
                 bad: (!(gap < 1.0)).then_some("the joints came apart"),

@@ -2,13 +2,18 @@
 
 mod accuracy;
 mod contacts;
+mod geometry;
 mod memory;
+mod passes;
+mod quality;
 mod snapshot;
 mod steady;
 
 pub use accuracy::accuracy;
 pub use contacts::{joints, pyramid, rain};
 pub use memory::{mem_child, memory};
+pub use passes::passes;
+pub use quality::{names as quality_names, quality};
 pub use snapshot::snapshot;
 pub use steady::{free, free_static, sleeping};
 
@@ -22,6 +27,8 @@ pub type Engines<'a> = &'a [&'a dyn Engine];
 
 pub struct Opt {
     pub quick: bool,
+    /// The parts of a scene that are wanted; empty: all.
+    pub parts: Vec<String>,
 }
 
 /// Wall clock, for the caps.

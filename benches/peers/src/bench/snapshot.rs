@@ -26,7 +26,8 @@ fn snapshot_of(rep: &mut Report, engines: Engines, opt: &Opt, s: Scene) {
         exact: bool,
     }
     // WORLDS worlds of each engine, all at the same step.
-    let mut piles: Vec<(usize, Vec<Box<dyn World>>, usize)> = Vec::new();
+    type Pile = (usize, Vec<Box<dyn World>>, usize);
+    let mut piles: Vec<Pile> = Vec::new();
     for (i, e) in engines.iter().enumerate() {
         if let Some(why) = e.refuse(&s) {
             rep.skip(e.id(), &s.name, s.n, &why);

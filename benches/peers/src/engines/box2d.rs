@@ -1,7 +1,7 @@
 //! Box2D v3 (C), the copy bundled by boxdd, through its raw C API.
 
 use crate::engine::{Engine, Hash, Info, Snapshot, State, World, locked_version};
-use crate::scene::{Kind, Scene, Shape};
+use crate::scene::{Body, Joint, Kind, Scene, Shape};
 use boxdd_sys::ffi::*;
 use std::collections::HashSet;
 
@@ -39,57 +39,9 @@ impl Engine for Box2d {
             wd.enableSleep = scene.sleep;
             wd.workerCount = 1;
             let world = b2CreateWorld(&wd);
-            let mut ids = Vec::with_capacity(scene.bodies.len());
-            for b in &scene.bodies {
-                let mut bd = b2DefaultBodyDef();
-                bd.type_ = match b.kind {
-                    Kind::Fixed => b2BodyType_b2_staticBody,
-                    Kind::Dynamic => b2BodyType_b2_dynamicBody,
-                };
-                bd.position = v2(b.x, b.y);
-                bd.rotation = b2Rot { c: b.angle.cos() as f32, s: b.angle.sin() as f32 };
-                bd.linearVelocity = v2(b.vx, b.vy);
-                bd.angularVelocity = b.w as f32;
-                bd.linearDamping = b.lin_damp as f32;
-                bd.angularDamping = b.ang_damp as f32;
-                bd.enableSleep = scene.sleep;
-                let id = b2CreateBody(world, &bd);
-                let mut sd = b2DefaultShapeDef();
-                sd.density = 1.0;
-                sd.material.friction = scene.friction as f32;
-                sd.material.restitution = 0.0;
-                match b.shape {
-                    Shape::None { mass, inertia } => {
-                        if b.kind == Kind::Dynamic {
-                            b2Body_SetMassData(
-                                id,
-                                b2MassData {
-                                    mass: mass as f32,
-                                    center: v2(0.0, 0.0),
-                                    rotationalInertia: inertia as f32,
-                                },
-                            );
-                        }
-                    }
-                    Shape::Circle { r } => {
-                        b2CreateCircleShape(id, &sd, &b2Circle { center: v2(0.0, 0.0), radius: r as f32 });
-                    }
-                    Shape::Box { hx, hy } => {
-                        let p = b2MakeBox(hx as f32, hy as f32);
-                        b2CreatePolygonShape(id, &sd, &p);
-                    }
-                }
-                ids.push(id);
-            }
+            let ids: Vec<_> = scene.bodies.iter().map(|b| add_body(world, scene, b)).collect();
             for j in &scene.joints {
-                let (a, b) = (&scene.bodies[j.a], &scene.bodies[j.b]);
-                let mut jd = b2DefaultRevoluteJointDef();
-                jd.base.bodyIdA = ids[j.a];
-                jd.base.bodyIdB = ids[j.b];
-                jd.base.localFrameA.p = v2(j.x - a.x, j.y - a.y);
-                jd.base.localFrameB.p = v2(j.x - b.x, j.y - b.y);
-                jd.base.collideConnected = false;
-                b2CreateRevoluteJoint(world, &jd);
+                add_joint(world, scene, &ids, j);
             }
             Box::new(B2World { world, ids, dt: scene.dt as f32, substeps: scene.substeps.unwrap_or(SUBSTEPS) as i32 })
         }
@@ -98,6 +50,74 @@ impl Engine for Box2d {
 
 fn v2(x: f64, y: f64) -> b2Vec2 {
     b2Vec2 { x: x as f32, y: y as f32 }
+}
+
+unsafe fn add_body(world: b2WorldId, scene: &Scene, b: &Body) -> b2BodyId {
+    unsafe {
+        let mut bd = b2DefaultBodyDef();
+        bd.type_ = match b.kind {
+            Kind::Fixed => b2BodyType_b2_staticBody,
+            Kind::Dynamic => b2BodyType_b2_dynamicBody,
+        };
+        bd.position = v2(b.x, b.y);
+        bd.rotation = b2Rot { c: b.angle.cos() as f32, s: b.angle.sin() as f32 };
+        bd.linearVelocity = v2(b.vx, b.vy);
+        bd.angularVelocity = b.w as f32;
+        bd.linearDamping = b.lin_damp as f32;
+        bd.angularDamping = b.ang_damp as f32;
+        bd.enableSleep = scene.sleep;
+        let id = b2CreateBody(world, &bd);
+        // Box2D mixes as the scenes say: sqrt for friction, max for restitution, the sum of the tangent speeds.
+        let mut sd = b2DefaultShapeDef();
+        sd.density = b.density as f32;
+        sd.material.friction = b.friction as f32;
+        sd.material.restitution = b.restitution as f32;
+        sd.material.tangentSpeed = b.surface_speed as f32;
+        match b.shape {
+            Shape::None { mass, inertia } => {
+                if b.kind == Kind::Dynamic {
+                    let (mass, inertia) = (mass as f32, inertia as f32);
+                    b2Body_SetMassData(id, b2MassData { mass, center: v2(0.0, 0.0), rotationalInertia: inertia });
+                }
+            }
+            Shape::Circle { r } => {
+                b2CreateCircleShape(id, &sd, &b2Circle { center: v2(0.0, 0.0), radius: r as f32 });
+            }
+            Shape::Box { hx, hy } => {
+                let p = b2MakeBox(hx as f32, hy as f32);
+                b2CreatePolygonShape(id, &sd, &p);
+            }
+            Shape::Polygon(corners) => {
+                let points: Vec<_> = corners.as_slice().iter().map(|c| v2(c[0], c[1])).collect();
+                let hull = b2ComputeHull(points.as_ptr(), points.len() as i32);
+                assert_eq!(hull.count as usize, points.len(), "the polygon is not convex, or too small for Box2D");
+                let p = b2MakePolygon(&hull, 0.0);
+                b2CreatePolygonShape(id, &sd, &p);
+            }
+        }
+        id
+    }
+}
+
+unsafe fn add_joint(world: b2WorldId, scene: &Scene, ids: &[b2BodyId], j: &Joint) {
+    let set = |base: &mut b2JointDef| {
+        let [a, b] = j.anchors(&scene.bodies);
+        (base.bodyIdA, base.bodyIdB) = (ids[j.a], ids[j.b]);
+        (base.localFrameA.p, base.localFrameB.p) = (v2(a[0], a[1]), v2(b[0], b[1]));
+        base.collideConnected = false;
+    };
+    unsafe {
+        if j.rod_end.is_some() {
+            let mut jd = b2DefaultDistanceJointDef();
+            set(&mut jd.base);
+            jd.length = j.length() as f32;
+            b2CreateDistanceJoint(world, &jd);
+        } else {
+            let mut jd = b2DefaultRevoluteJointDef();
+            set(&mut jd.base);
+            b2CreateRevoluteJoint(world, &jd);
+        }
+    }
 }
 
 struct B2World {
@@ -177,6 +197,17 @@ impl World for B2World {
             }
         }
         Some(points)
+    }
+    fn pass_times(&self) -> Vec<(&'static str, f64)> {
+        let p = unsafe { b2World_GetProfile(self.world) };
+        let stages = [
+            ("integrateVelocities", p.integrateVelocities),
+            ("warmStart", p.warmStart),
+            ("solveImpulses", p.solveImpulses),
+            ("integratePositions", p.integratePositions),
+            ("relaxImpulses", p.relaxImpulses),
+        ];
+        stages.map(|(name, ms)| (name, f64::from(ms) * 1e3)).into()
     }
     fn snapshot_kinds(&self) -> &'static [&'static str] {
         &["b2World_Snapshot"]

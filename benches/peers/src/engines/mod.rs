@@ -2,6 +2,8 @@
 
 mod box2d;
 mod rapier_f32;
+// The file that both share casts for f32.
+#[allow(clippy::unnecessary_cast)]
 mod rapier_f64;
 mod umbra;
 

@@ -25,6 +25,18 @@ impl Engine for Rapier {
             body_struct_bytes: Some(std::mem::size_of::<RigidBody>()),
         }
     }
+    fn refuse(&self, scene: &Scene) -> Option<String> {
+        let lacks = if scene.bodies.iter().any(|b| b.surface_speed != 0.0) {
+            "surface speeds"
+        } else if scene.bodies.iter().any(|b| b.friction != scene.bodies[0].friction) {
+            "a mean of frictions that is geometric"
+        } else if scene.joints.iter().any(|j| j.rod_end.is_some()) {
+            "rods"
+        } else {
+            return None;
+        };
+        Some(format!("the harness does not map {lacks}"))
+    }
     fn build(&self, scene: &Scene) -> Box<dyn World> {
         let mut w = PhysicsWorld::new();
         w.gravity = vec2(scene.gravity[0], scene.gravity[1]);
@@ -54,18 +66,27 @@ impl Engine for Rapier {
                 Shape::None { .. } => None,
                 Shape::Circle { r } => Some(ColliderBuilder::ball(r as Real)),
                 Shape::Box { hx, hy } => Some(ColliderBuilder::cuboid(hx as Real, hy as Real)),
+                Shape::Polygon(corners) => {
+                    let points = corners.as_slice().iter().map(|c| vec2(c[0], c[1])).collect();
+                    Some(ColliderBuilder::convex_polyline(points).expect("a convex polygon"))
+                }
             };
             if let Some(co) = co {
-                let co = co.density(1.0).friction(scene.friction as Real).restitution(0.0);
+                // Friction mixes by the mean, which is the scenes' rule where all are equal.
+                let co = co
+                    .density(b.density as Real)
+                    .friction(b.friction as Real)
+                    .restitution(b.restitution as Real)
+                    .restitution_combine_rule(CoefficientCombineRule::Max);
                 w.colliders.insert_with_parent(co, h, &mut w.bodies);
             }
             handles.push(h);
         }
         for j in &scene.joints {
-            let (a, b) = (&scene.bodies[j.a], &scene.bodies[j.b]);
+            let [a, b] = j.anchors(&scene.bodies);
             let joint = RevoluteJointBuilder::new()
-                .local_anchor1(vec2(j.x - a.x, j.y - a.y))
-                .local_anchor2(vec2(j.x - b.x, j.y - b.y))
+                .local_anchor1(vec2(a[0], a[1]))
+                .local_anchor2(vec2(b[0], b[1]))
                 .contacts_enabled(false);
             w.impulse_joints.insert(handles[j.a], handles[j.b], joint, true);
         }

@@ -59,16 +59,17 @@ fn time_step(dt: f64) -> TimeStep {
 }
 
 fn body<S: Number>(b: &scene::Body) -> BodyDef<S> {
-    let fair = "a shape within the limits";
-    let (shape, mass) = match b.shape {
-        Shape::None { mass, inertia } => (None, Mass::Explicit { mass: S::number(mass), inertia: S::number(inertia) }),
-        Shape::Circle { r } => {
-            (Some(Form::new(Geometry::Circle { radius: S::number(r) }).expect(fair)), Mass::Density(S::ONE))
+    let geometry = match b.shape {
+        Shape::None { .. } => None,
+        Shape::Circle { r } => Some(Geometry::Circle { radius: S::number(r) }),
+        Shape::Box { hx, hy } => Some(Geometry::Rectangle { width: S::number(2.0 * hx), height: S::number(2.0 * hy) }),
+        Shape::Polygon(corners) => {
+            Some(Geometry::Polygon { corners: corners.as_slice().iter().map(|c| vector(c[0], c[1])).collect() })
         }
-        Shape::Box { hx, hy } => {
-            let geometry = Geometry::Rectangle { width: S::number(2.0 * hx), height: S::number(2.0 * hy) };
-            (Some(Form::new(geometry).expect(fair)), Mass::Density(S::ONE))
-        }
+    };
+    let mass = match b.shape {
+        Shape::None { mass, inertia } => Mass::Explicit { mass: S::number(mass), inertia: S::number(inertia) },
+        _ => Mass::Density(S::number(b.density)),
     };
     let def = match b.kind {
         Kind::Fixed => BodyDef::fixed(),
@@ -79,7 +80,7 @@ fn body<S: Number>(b: &scene::Body) -> BodyDef<S> {
         angle: S::number(b.angle),
         velocity: vector(b.vx, b.vy),
         angular_velocity: S::number(b.w),
-        shape,
+        shape: geometry.map(|g| Form::new(g).expect("a shape within the limits")),
         mass,
         linear_damping: Some(damping(b.lin_damp)),
         angular_damping: Some(damping(b.ang_damp)),

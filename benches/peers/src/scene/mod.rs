@@ -1,0 +1,261 @@
+//! Engine-neutral scene descriptions, in f64. Everything is generated from integer
+//! arithmetic and a fixed LCG, so every engine gets the same numbers.
+
+mod quality;
+mod speed;
+mod twins;
+
+pub use quality::*;
+pub use speed::*;
+pub use twins::{Mirror, mirrored, shuffled};
+
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Kind {
+    Fixed,
+    Dynamic,
+}
+
+/// The corners of a convex polygon, counter-clockwise, relative to the body's position.
+/// The position is the centroid, to 2^-20 m.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Corners {
+    count: usize,
+    at: [[f64; 2]; Corners::MOST],
+}
+
+impl Corners {
+    /// The largest number of corners.
+    const MOST: usize = 8;
+
+    pub fn new(corners: &[[f64; 2]]) -> Self {
+        let mut at = [[0.0; 2]; Self::MOST];
+        at[..corners.len()].copy_from_slice(corners);
+        Corners { count: corners.len(), at }
+    }
+
+    pub fn as_slice(&self) -> &[[f64; 2]] {
+        &self.at[..self.count]
+    }
+}
+
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Shape {
+    /// No collider at all: mass and moment of inertia are given.
+    None {
+        mass: f64,
+        inertia: f64,
+    },
+    Circle {
+        r: f64,
+    },
+    Box {
+        hx: f64,
+        hy: f64,
+    },
+    Polygon(Corners),
+}
+
+impl Shape {
+    /// The corners of a box or of a polygon, counter-clockwise.
+    pub fn corners(&self) -> Option<Corners> {
+        match *self {
+            Shape::Box { hx, hy } => Some(Corners::new(&[[hx, hy], [-hx, hy], [-hx, -hy], [hx, -hy]])),
+            Shape::Polygon(corners) => Some(corners),
+            Shape::None { .. } | Shape::Circle { .. } => None,
+        }
+    }
+}
+
+/// A body with one shape.
+///
+/// Two bodies in contact mix their materials like this: friction sqrt(a b), restitution
+/// max(a, b), surface speed a + b. The sum of the scalars is the difference of the two
+/// surface velocities, since the outward normals of the two bodies are opposite.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Body {
+    pub kind: Kind,
+    pub x: f64,
+    pub y: f64,
+    pub angle: f64,
+    pub vx: f64,
+    pub vy: f64,
+    pub w: f64,
+    /// Coefficients c of dv/dt = -c v.
+    pub lin_damp: f64,
+    pub ang_damp: f64,
+    pub shape: Shape,
+    /// Mass per area, kg/m^2. It has no meaning for `Shape::None`.
+    pub density: f64,
+    pub friction: f64,
+    pub restitution: f64,
+    /// The speed at which the surface runs clockwise around the body, m/s: a floor with a
+    /// positive speed carries what lies on it towards +x. With the normal n from A to B and
+    /// t = (n.y, -n.x), friction drives t·(vB - vA) towards the sum of both speeds.
+    pub surface_speed: f64,
+}
+
+impl Body {
+    pub fn dynamic(x: f64, y: f64, shape: Shape) -> Self {
+        Body {
+            kind: Kind::Dynamic,
+            x,
+            y,
+            angle: 0.0,
+            vx: 0.0,
+            vy: 0.0,
+            w: 0.0,
+            lin_damp: 0.0,
+            ang_damp: 0.0,
+            shape,
+            density: 1.0,
+            friction: 0.5,
+            restitution: 0.0,
+            surface_speed: 0.0,
+        }
+    }
+    pub fn fixed(x: f64, y: f64, shape: Shape) -> Self {
+        Body { kind: Kind::Fixed, ..Body::dynamic(x, y, shape) }
+    }
+    /// Mass and moment of inertia about the position.
+    pub fn mass_inertia(&self) -> (f64, f64) {
+        let (m, i) = match self.shape {
+            Shape::None { mass, inertia } => return (mass, inertia),
+            Shape::Circle { r } => {
+                let m = std::f64::consts::PI * r * r;
+                (m, 0.5 * m * r * r)
+            }
+            Shape::Box { hx, hy } => {
+                let m = 4.0 * hx * hy;
+                (m, m * (hx * hx + hy * hy) / 3.0)
+            }
+            Shape::Polygon(corners) => polygon_moments(corners.as_slice()),
+        };
+        (m * self.density, i * self.density)
+    }
+}
+
+/// The area, and its second moment about the origin.
+fn polygon_moments(c: &[[f64; 2]]) -> (f64, f64) {
+    let (mut area, mut second) = (0.0, 0.0);
+    for (k, a) in c.iter().enumerate() {
+        let b = c[(k + 1) % c.len()];
+        let cross = a[0] * b[1] - a[1] * b[0];
+        let dot = |p: [f64; 2], q: [f64; 2]| p[0] * q[0] + p[1] * q[1];
+        area += cross / 2.0;
+        second += cross * (dot(*a, *a) + dot(*a, b) + dot(b, b)) / 12.0;
+    }
+    (area, second)
+}
+
+/// A force field about the origin, on a body of mass 1.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Field {
+    /// The gravity of a point of this GM.
+    Attractor(f64),
+    /// A spring without length of this stiffness.
+    Spring(f64),
+}
+
+impl Field {
+    /// The force on a body at (x, y).
+    pub fn force(self, x: f64, y: f64) -> (f64, f64) {
+        let k = match self {
+            Field::Attractor(gm) => gm / x.hypot(y).powi(3),
+            Field::Spring(k) => k,
+        };
+        (-k * x, -k * y)
+    }
+}
+
+/// A joint. The joined bodies do not collide with each other.
+#[derive(Clone, Copy, Debug)]
+pub struct Joint {
+    pub a: usize,
+    pub b: usize,
+    /// The world point of the initial configuration that is fixed in `a`.
+    pub x: f64,
+    pub y: f64,
+    /// `None`: a revolute joint at that point. Else a rigid rod, which ends at this world
+    /// point, fixed in `b`, and turns freely at both ends.
+    pub rod_end: Option<[f64; 2]>,
+}
+
+impl Joint {
+    pub fn revolute(a: usize, b: usize, x: f64, y: f64) -> Self {
+        Joint { a, b, x, y, rod_end: None }
+    }
+    /// The points of both bodies, each in the frame of its body.
+    pub fn anchors(&self, bodies: &[Body]) -> [[f64; 2]; 2] {
+        let local = |b: &Body, x: f64, y: f64| {
+            let (s, c) = b.angle.sin_cos();
+            let (dx, dy) = (x - b.x, y - b.y);
+            [c * dx + s * dy, c * dy - s * dx]
+        };
+        let [bx, by] = self.rod_end.unwrap_or([self.x, self.y]);
+        [local(&bodies[self.a], self.x, self.y), local(&bodies[self.b], bx, by)]
+    }
+    /// The distance of the two points that the joint keeps.
+    pub fn length(&self) -> f64 {
+        self.rod_end.map_or(0.0, |[x, y]| (x - self.x).hypot(y - self.y))
+    }
+}
+
+/// A mirror symmetry of a scene, exact in its doubles.
+#[derive(Clone, Debug)]
+pub struct Symmetry {
+    pub mirror: Mirror,
+    /// For each body the one that is its mirror image, or itself.
+    pub partner: Vec<usize>,
+}
+
+#[derive(Clone, Debug)]
+pub struct Scene {
+    pub name: String,
+    pub n: usize,
+    pub gravity: [f64; 2],
+    pub dt: f64,
+    pub sleep: bool,
+    /// True if bodies touch.
+    pub contacts: bool,
+    /// None: the engine's default.
+    pub substeps: Option<u32>,
+    pub bodies: Vec<Body>,
+    pub joints: Vec<Joint>,
+    pub symmetry: Option<Symmetry>,
+    /// A force field that acts on all bodies.
+    pub field: Option<Field>,
+    /// True if the harness pushes the field before each step, instead of the engine evaluating its own.
+    pub pushed: bool,
+}
+
+impl Scene {
+    fn new(name: &str, n: usize) -> Self {
+        Scene {
+            name: name.to_string(),
+            n,
+            gravity: [0.0, -10.0],
+            dt: 1.0 / 60.0,
+            sleep: false,
+            contacts: false,
+            substeps: None,
+            bodies: Vec::new(),
+            joints: Vec::new(),
+            symmetry: None,
+            field: None,
+            pushed: false,
+        }
+    }
+}
+
+/// Deterministic numbers in [-1, 1).
+struct Lcg(u64);
+impl Lcg {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        ((self.0 >> 33) as f64) / ((1u64 << 30) as f64) - 1.0
+    }
+    /// A number in [0, 1).
+    fn unit(&mut self) -> f64 {
+        0.5 * (self.next() + 1.0)
+    }
+}
