@@ -81,6 +81,9 @@ macro_rules! clone_by_field {
 
 mod body;
 mod codec;
+// The narrow phase. Worlds have no colliders yet: until then the benchmarks alone use it, and it is no part of the interface.
+#[doc(hidden)]
+pub mod collide;
 mod compiled;
 mod display;
 mod error;
@@ -100,6 +103,9 @@ pub mod scalar;
 pub mod selftest;
 mod shape;
 mod slots;
+// The contact solver, likewise.
+#[doc(hidden)]
+pub mod solve;
 mod step;
 mod symmetry;
 mod world;

@@ -114,7 +114,7 @@ struct Compiler {
 }
 
 impl Compiler {
-    /// Its files go into a folder of this name.
+    /// The folder of its files has this name.
     fn new(name: &str) -> Self {
         let beside = Path::new(env!("CARGO")).with_file_name(format!("rustc{}", env::consts::EXE_SUFFIX));
         let rustc = env::var_os("RUSTC").map_or(beside, PathBuf::from);

@@ -8,7 +8,7 @@ use std::path::Path;
 use std::{env, fs};
 
 use umbra_physics::PHYSICS_VERSION;
-use umbra_physics::scalar::internals::wide_vectors;
+use umbra_physics::scalar::internals::VectorSet;
 use umbra_physics::selftest::{self, Golden, Outcome, Total, golden, scenes};
 
 fn path(below: &str) -> std::path::PathBuf {
@@ -109,12 +109,13 @@ fn the_corpus_is_large_and_its_names_are_words() {
 #[test]
 fn wide_vectors_change_no_digest() {
     // Whatever other tests do meanwhile: none asks which there are.
-    wide_vectors::allow(true);
-    let with = outcomes();
-    wide_vectors::allow(false);
-    let without = outcomes();
-    wide_vectors::allow(true);
-    assert_eq!(with, without);
+    let run = |set| {
+        VectorSet::allow(set);
+        outcomes()
+    };
+    let without = run(VectorSet::Portable);
+    VectorSet::available().for_each(|set| assert_eq!(run(set), without, "{set:?}"));
+    VectorSet::allow(VectorSet::Avx512);
 }
 
 #[cfg(feature = "parallel")]

@@ -2,7 +2,7 @@
 //! stage by stage, skipping what a scene lacks and not. Which one a body goes depends on its neighbours and on the machine, and
 //! must not show.
 
-use umbra_physics::scalar::internals::wide_vectors;
+use umbra_physics::scalar::internals::VectorSet;
 use umbra_physics::{
     Attachment, BodyDef, BodyId, Damping, End, FieldKind, Fx, Integrator, Mass, Region, SpringConstants, TimeStep,
     Vec2, World, WorldDef, fx, step_all, vec2,
@@ -85,16 +85,16 @@ fn wide_vectors_change_nothing() {
         let (mut wide, ids) = world(def(integrator), |_, _| {});
         let (mut plain, _) = world(def(integrator), |_, _| {});
         for tick in 0..TICKS {
-            wide_vectors::allow(true);
+            VectorSet::allow(VectorSet::Avx512);
             wide.step();
-            wide_vectors::allow(false);
-            assert!(!wide_vectors::are_used());
+            VectorSet::allow(VectorSet::Portable);
+            assert_eq!(VectorSet::used(), VectorSet::Portable);
             plain.step();
             assert!(bits(&wide, &ids) == bits(&plain, &ids), "{integrator:?}: tick {tick}");
             assert_eq!(wide.state_hash(), plain.state_hash());
         }
     }
-    wide_vectors::allow(true);
+    VectorSet::allow(VectorSet::Avx512);
 }
 
 #[test]

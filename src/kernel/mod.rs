@@ -8,6 +8,7 @@ pub(crate) mod div;
 mod edges;
 pub(crate) mod exp_log;
 pub(crate) mod round;
+pub(crate) mod simd;
 pub(crate) mod sqrt;
 mod tables;
 pub(crate) mod trig;

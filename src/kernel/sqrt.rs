@@ -112,6 +112,26 @@ pub(crate) const fn over_root(c: u64, whole: u64, squares: u128) -> u64 {
     quotient as u64 + is_above as u64
 }
 
+/// The unit vector along (x, y) in units of 2^-30, each component within 0.501 of a unit, and the length, rounded to nearest (no
+/// tie is possible). Odd in x and in y.
+///
+/// *Domain* |x|, |y| <= 2^62, not both zero.
+#[inline]
+pub(crate) const fn direction(x: i64, y: i64) -> ([i32; 2], u64) {
+    let (along, across) = (x.unsigned_abs() as u128, y.unsigned_abs() as u128);
+    // At most 2^125: at least two zeros lead.
+    let squares = along * along + across * across;
+    let half_even = squares.leading_zeros() / 2;
+    let (floor, reciprocal) = floor_and_reciprocal(squares << (2 * half_even));
+    // √(squares·2^even) = 2^64·√v with 1/√v = reciprocal·2^-61, so c/√squares = c·reciprocal·2^(even/2 - 125). The product is below
+    // 2^62·2^62.01, and the quotient has 30 bits after the point.
+    let (right, half) = (95 - half_even, 1 << (94 - half_even));
+    let part_x = ((along * reciprocal as u128 + half) >> right) as i32;
+    let part_y = ((across * reciprocal as u128 + half) >> right) as i32;
+    let length = (floor as u128 + (1 << (half_even - 1))) >> half_even;
+    ([if x < 0 { -part_x } else { part_x }, if y < 0 { -part_y } else { part_y }], length as u64)
+}
+
 /// The square root of an I32F32 value, rounded to nearest: √(raw·2^32) (no tie is possible).
 #[inline]
 pub(crate) const fn sqrt_fx(raw: u64) -> u64 {
@@ -197,6 +217,35 @@ mod tests {
             // In thousandths: (root ± 0.501)² around x · 2^64.
             let (root, exact) = (UBig::from(root_fine(x)) * 1000u32, (UBig::from(x) << 64) * 1_000_000u32);
             assert!((&root - 501u32).pow(2) < exact && exact < (&root + 501u32).pow(2), "{x}");
+        }
+    }
+
+    #[test]
+    fn a_direction_is_the_nearest_unit_vector_and_its_length_the_nearest_integer() {
+        let mut state = 3u64;
+        let mut next = || {
+            state = state.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
+            (state ^ state >> 29).wrapping_mul(0xbf58_476d_1ce4_e5b9) as i64
+        };
+        let ends = [0, 1, -1, 2, 3, (1 << 62) - 1, 1 << 62, -1 << 62];
+        let mut vectors: Vec<(i64, i64)> = ends.iter().flat_map(|&x| ends.map(|y| (x, y))).collect();
+        for _ in 0..if cfg!(debug_assertions) { 20_000 } else { 400_000 } {
+            let (cut, other) = (2 + next() as u64 % 62, 2 + next() as u64 % 62);
+            vectors.push((next() >> cut, next() >> other));
+        }
+        for (x, y) in vectors.into_iter().filter(|&v| v != (0, 0)) {
+            let (unit, length) = direction(x, y);
+            assert_eq!(direction(-y, x), ([-unit[1], unit[0]], length), "{x}, {y}");
+            let squares = u128::from(x.unsigned_abs()).pow(2) + u128::from(y.unsigned_abs()).pow(2);
+            assert_eq!(u128::from(length), sqrt_round(squares), "{x}, {y}");
+            for (part, c) in unit.into_iter().zip([x, y]) {
+                assert!(part == 0 || part.signum() == c.signum() as i32);
+                // |q − c·2^30/√squares| < 0.501, in thousandths.
+                let exact = (UBig::from(c.unsigned_abs()) * (1000u64 << 30)).pow(2);
+                let bound = |thousandths: u64| UBig::from(thousandths).pow(2) * squares;
+                let q = 1000 * u64::from(part.unsigned_abs());
+                assert!(exact < bound(q + 501) && (q == 0 || exact > bound(q - 501)), "{x}, {y}");
+            }
         }
     }
 

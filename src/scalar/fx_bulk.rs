@@ -2,16 +2,17 @@
 //!
 //! These loops are most of the cost of a step of free bodies. They give the bits of the one-by-one operations
 //! ([`Accumulator::damped`], [`Motion::drift`], [`Angle::drifted`]), which a test compares them with; where the CPU has wide
-//! vectors, [`simd`] takes over, with the same bits again.
+//! vectors, [`simd`](super::simd) takes over, with the same bits again.
 
 use super::accumulator::FxAccumulator;
 use super::bulk::{Bulk, DampedTurn, KickDriftKick, damped_turn_in_stages, kick_drift_kick_in_stages};
 use super::factor::FxFactor;
 use super::motion::Motion;
 use super::number::{Accumulator, Angle};
-use super::simd;
+use super::simd::{Damp, Drift, Kick, Spread, TurnAll, lanes_for};
 use super::turn::Turn;
 use crate::fx::Fx;
+use crate::kernel::simd::{Job, Portable};
 
 /// Half of the low word.
 const TIE: u64 = 1 << 63;
@@ -148,8 +149,10 @@ fn kick_drift_kick_fused<const KICKS: bool>(
 impl Bulk<Fx> for Fx {
     fn damp_all(values: &mut [FxAccumulator], kept: FxFactor) {
         match kept.parts() {
-            (mantissa, 64) if simd::damp(values, mantissa).is_some() => {}
-            (mantissa, 64) => values.iter_mut().for_each(|v| *v = scaled(*v, mantissa)),
+            (mantissa, 64) => match lanes_for(values.len()) {
+                Some(lanes) => lanes.run(Damp { values, mantissa }),
+                None => values.iter_mut().for_each(|v| *v = scaled(*v, mantissa)),
+            },
             (mantissa, shift @ 65..128) => {
                 let cut = (shift - 64).unsigned_abs();
                 values.iter_mut().for_each(|v| *v = scaled_down(*v, mantissa, cut));
@@ -159,8 +162,9 @@ impl Bulk<Fx> for Fx {
     }
 
     fn kick_all(values: &mut [FxAccumulator], gained: FxAccumulator) {
-        if simd::kick(values, gained).is_none() {
-            values.iter_mut().for_each(|v| *v = v.plus(gained));
+        match lanes_for(values.len()) {
+            Some(lanes) => lanes.run(Kick { values, gained }),
+            None => values.iter_mut().for_each(|v| *v = v.plus(gained)),
         }
     }
 
@@ -172,7 +176,9 @@ impl Bulk<Fx> for Fx {
             for (x, v) in positions.iter_mut().zip(velocities) {
                 *x = x.plus(Fx::from_bits(velocity(v, backwards)).drift(seconds));
             }
-        } else if simd::drift(positions, velocities, mantissa, shift, backwards).is_none() {
+        } else if let Some(lanes) = lanes_for(positions.len()) {
+            lanes.run(Drift { positions, velocities, mantissa, shift, backwards });
+        } else {
             for (x, v) in positions.iter_mut().zip(velocities) {
                 *x = x.plus(FxAccumulator::from_bits(passed(velocity(v, backwards), mantissa, shift)));
             }
@@ -187,7 +193,7 @@ impl Bulk<Fx> for Fx {
         let falls = span.gravity_delta_v != FxAccumulator::default();
         let shift = span.seconds.parts().1.wrapping_sub(64);
         // Wide vectors do better stage by stage: in a shorter loop more of its turns are on their way at once.
-        if !(1..64).contains(&shift) || span.negative || simd::pay(velocities.len()) {
+        if !(1..64).contains(&shift) || span.negative || lanes_for(velocities.len()).is_some() {
             return kick_drift_kick_in_stages(positions, velocities, span);
         }
         let kept = span.kept.parts().0;
@@ -205,7 +211,7 @@ impl Bulk<Fx> for Fx {
 
     fn damped_turn_all(angles: &mut [Turn], velocities: &mut [FxAccumulator], span: &DampedTurn<Fx>) {
         let shift = span.turn.parts().1.wrapping_sub(32);
-        let usual = (1..64).contains(&shift) && !span.negative && !simd::pay(velocities.len());
+        let usual = (1..64).contains(&shift) && !span.negative && lanes_for(velocities.len()).is_none();
         match cut(span.kept) {
             Some(0) if usual => damped_turn_fused(angles, velocities, span, scaled),
             Some(cut) if usual => damped_turn_fused(angles, velocities, span, |v, kept| scaled_down(v, kept, cut)),
@@ -221,7 +227,9 @@ impl Bulk<Fx> for Fx {
             for (angle, v) in angles.iter_mut().zip(velocities) {
                 *angle = angle.drifted(Fx::from_bits(velocity(v, backwards)), factor, false);
             }
-        } else if simd::turn(angles, velocities, mantissa, shift, backwards).is_none() {
+        } else if let Some(lanes) = lanes_for(angles.len()) {
+            lanes.run(TurnAll { angles, velocities, mantissa, shift, backwards });
+        } else {
             for (angle, v) in angles.iter_mut().zip(velocities) {
                 angle.0 = angle.0.wrapping_add(passed(velocity(v, backwards), mantissa, shift) as u64);
             }
@@ -231,7 +239,11 @@ impl Bulk<Fx> for Fx {
     fn are_within(values: &[FxAccumulator], log2: u32) -> bool {
         let limit = 1 << (32 + log2);
         // Below twice the limit, which is a power of two, if all are from −limit to limit.
-        let bits = simd::spread(values, limit).unwrap_or_else(|| simd::loops::spread(values, limit));
+        let spread = Spread { values, limit };
+        let bits = match lanes_for(values.len()) {
+            Some(lanes) => lanes.run(spread),
+            None => spread.run(Portable),
+        };
         bits < 2 * limit
     }
 }

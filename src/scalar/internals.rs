@@ -8,4 +8,4 @@ pub use super::motion::{Motion, Span, Weight};
 pub use super::number::Number;
 pub use super::number::{Arithmetic, Compiled, Sum};
 pub use super::polygon::{AreaMoments, Polygons};
-pub use super::simd::wide_vectors;
+pub use crate::kernel::simd::VectorSet;

@@ -154,7 +154,16 @@ fn texts(folder: &str, extension: &str) -> Vec<(String, String)> {
 
 /// The interface, and all code that is shown.
 fn interface() -> (Vec<Item>, Vec<Block>) {
-    let is_library = |(file, _): &(String, String)| !file.ends_with("/tests.rs");
+    // Modules that the root hides.
+    let root = include_str!("../../src/lib.rs");
+    let hidden: Vec<String> = root
+        .split("#[doc(hidden)]\npub mod ")
+        .skip(1)
+        .map(|rest| format!("src/{}", first_word(rest)))
+        .flat_map(|module| [format!("{module}/"), format!("{module}.rs")])
+        .collect();
+    let is_hidden = |file: &str| hidden.iter().any(|module| file.starts_with(module.as_str()));
+    let is_library = |(file, _): &(String, String)| !file.ends_with("/tests.rs") && !is_hidden(file);
     let libraries = ["src", "crates/umbra-oracles/src", "crates/umbra-scene/src"];
     let sources: Vec<_> = libraries.iter().flat_map(|folder| texts(folder, "rs")).filter(is_library).collect();
     let all = sources.iter().flat_map(|(file, source)| items(file, source)).collect();

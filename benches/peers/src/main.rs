@@ -37,7 +37,7 @@ fn usage() -> ! {
 }
 
 fn main() {
-    let all = engines::all();
+    let mut all = engines::all();
     let mut scenes: Option<Vec<String>> = None;
     let mut only: Option<Vec<String>> = None;
     let mut quick = false;
@@ -48,7 +48,11 @@ fn main() {
     while let Some(a) = args.next() {
         match a.as_str() {
             "--scene" => scenes = Some(list(args.next())),
-            "--engine" => only = Some(list(args.next())),
+            "--engine" => {
+                let ids = list(args.next());
+                all.extend(ids.iter().filter_map(|id| engines::with_options(id)));
+                only = Some(ids);
+            }
             "--csv" => csv = Some(args.next().unwrap_or_else(|| usage())),
             "--quick" => quick = true,
             "--wall" => bench::WALL.store(true, std::sync::atomic::Ordering::Relaxed),

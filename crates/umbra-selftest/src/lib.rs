@@ -9,7 +9,7 @@ use std::fmt;
 use std::time::{Duration, Instant};
 
 use umbra_physics::PHYSICS_VERSION;
-use umbra_physics::scalar::internals::wide_vectors;
+use umbra_physics::scalar::internals::VectorSet;
 use umbra_physics::selftest::{Failure, Golden, Outcome, Scene, Total, golden, scenes};
 
 pub use stream::Stream;
@@ -19,7 +19,7 @@ pub use stream::Stream;
 pub struct Way {
     /// The number of threads; `None` without the feature `parallel`.
     threads: Option<usize>,
-    wide: bool,
+    vectors: VectorSet,
 }
 
 impl fmt::Display for Way {
@@ -29,22 +29,27 @@ impl fmt::Display for Way {
             Some(1) => f.write_str("a pool of 1 thread")?,
             Some(threads) => write!(f, "a pool of {threads} threads")?,
         }
-        f.write_str(if self.wide { ", wide vectors" } else { ", no wide vectors" })
+        match self.vectors {
+            VectorSet::Portable => f.write_str(", no wide vectors"),
+            VectorSet::Avx2 => f.write_str(", AVX2"),
+            VectorSet::Avx512 => f.write_str(", AVX-512"),
+        }
     }
 }
 
 impl Way {
     /// All ways that this build has on this machine.
     pub fn all() -> Vec<Self> {
-        let _own = OwnVectors::allow(true);
-        let wide: &[bool] = if wide_vectors::are_used() { &[true, false] } else { &[false] };
+        // The widest first.
+        let mut sets: Vec<VectorSet> = VectorSet::available().collect();
+        sets.reverse();
         let threads: &[Option<usize>] = if cfg!(feature = "parallel") { &[Some(1), Some(2), Some(8)] } else { &[None] };
-        threads.iter().flat_map(|&threads| wide.iter().map(move |&wide| Self { threads, wide })).collect()
+        threads.iter().flat_map(|&threads| sets.iter().map(move |&vectors| Self { threads, vectors })).collect()
     }
 
     /// Runs something in this way; the error says why there are no threads for it.
     fn with<T: Send>(self, run: impl FnOnce() -> T + Send) -> Result<T, String> {
-        let _own = OwnVectors::allow(self.wide);
+        let _own = OwnVectors::allow(self.vectors);
         #[cfg(feature = "parallel")]
         if let Some(threads) = self.threads {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
@@ -56,19 +61,19 @@ impl Way {
 
 /// Wide vectors as this library needs them; when it is dropped, they are what they were before. The switch is one for the whole
 /// process, which may be a game.
-struct OwnVectors(bool);
+struct OwnVectors(VectorSet);
 
 impl OwnVectors {
-    fn allow(wide: bool) -> Self {
-        let before = wide_vectors::are_used();
-        wide_vectors::allow(wide);
+    fn allow(widest: VectorSet) -> Self {
+        let before = VectorSet::used();
+        VectorSet::allow(widest);
         Self(before)
     }
 }
 
 impl Drop for OwnVectors {
     fn drop(&mut self) {
-        wide_vectors::allow(self.0);
+        VectorSet::allow(self.0);
     }
 }
 

@@ -4,7 +4,7 @@ use std::ffi::OsStr;
 use std::fs;
 use std::process::{Command, Stdio};
 
-use umbra_physics::scalar::internals::wide_vectors;
+use umbra_physics::scalar::internals::VectorSet;
 use umbra_selftest::{Way, check};
 
 fn text(bytes: &[u8]) -> String {
@@ -72,12 +72,12 @@ fn the_small_selftest_prints_the_golden_list() {
 
 #[test]
 fn a_check_leaves_wide_vectors_as_they_were() {
-    let were_used = wide_vectors::are_used();
+    let used = VectorSet::used();
     let ways = Way::all();
     // The last way is without them.
     assert!(check(&ways[ways.len() - 1..], |_| ()).agrees);
-    assert_eq!(wide_vectors::are_used(), were_used);
-    wide_vectors::allow(false);
+    assert_eq!(VectorSet::used(), used);
+    VectorSet::allow(VectorSet::Portable);
     assert_eq!(Way::all(), ways);
-    assert!(!wide_vectors::are_used());
+    assert_eq!(VectorSet::used(), VectorSet::Portable);
 }

@@ -4,7 +4,6 @@ use alloc::vec::Vec;
 use proptest::prelude::*;
 
 use super::super::motion::{Span, Weight};
-use super::super::simd::loops;
 use super::*;
 
 /// Velocities of every size, with the low words where roundings turn.
@@ -42,7 +41,7 @@ proptest! {
         // Factors near 1 as well.
         let kept = factor(!(!mantissa >> close), 64);
         alike(&values, |_, v| Fx::damp_all(v, kept), |_, v| v.shrunk(kept))?;
-        alike(&values, |_, v| loops::damp(v, kept.parts().0), |_, v| v.shrunk(kept))?;
+        alike(&values, |_, v| Damp { values: v, mantissa: kept.parts().0 }.run(Portable), |_, v| v.shrunk(kept))?;
     }
 
     #[test]
@@ -55,7 +54,7 @@ proptest! {
     fn kicking_many_is_kicking_each(values in accumulators(), gained in accumulators()) {
         let gained = gained[0];
         alike(&values, |_, v| Fx::kick_all(v, gained), |_, v| v.plus(gained))?;
-        alike(&values, |_, v| loops::kick(v, gained), |_, v| v.plus(gained))?;
+        alike(&values, |_, v| Kick { values: v, gained }.run(Portable), |_, v| v.plus(gained))?;
     }
 
     #[test]
@@ -79,14 +78,20 @@ proptest! {
         alike(&positions, |at, x| Fx::drift_all(x, of(at, x.len()), seconds, negative), moved)?;
         // The loops for wide vectors take no span of ½ s or more.
         if let shift @ 1.. = shift - 64 {
-            let drift = |at, x: &mut [_]| loops::drift(x, of(at, x.len()), mantissa, shift as u32, backwards);
+            let drift = |at, positions: &mut [_]| {
+                let velocities = of(at, positions.len());
+                Drift { positions, velocities, mantissa, shift: shift as u32, backwards }.run(Portable);
+            };
             alike(&positions, drift, moved)?;
         }
         let angles: Vec<Turn> = angles.into_iter().map(Turn::from_bits).collect();
         let per_turn = Turn::drift_factor(span);
         let (mantissa, shift) = per_turn.parts();
         let turned = |at: usize, angle: Turn| angle.drifted(velocities[at].value(), per_turn, negative);
-        let turn = |at, x: &mut [_]| loops::turn(x, of(at, x.len()), mantissa, shift as u32 - 32, backwards);
+        let turn = |at, angles: &mut [_]| {
+            let velocities = of(at, angles.len());
+            TurnAll { angles, velocities, mantissa, shift: shift as u32 - 32, backwards }.run(Portable);
+        };
         alike(&angles, |at, x| Fx::turn_all(x, of(at, x.len()), per_turn, negative), turned)?;
         alike(&angles, turn, turned)?;
     }

@@ -1,6 +1,7 @@
 //! The peers. A further engine: add its file here and one line in `all`.
 
 mod box2d;
+mod contacts;
 mod rapier_f32;
 // The file that both share casts for f32.
 #[allow(clippy::unnecessary_cast)]
@@ -13,10 +14,16 @@ pub fn all() -> Vec<Box<dyn Engine>> {
     vec![
         Box::new(umbra::Build::<umbra_physics::Fx>::new()),
         Box::new(umbra::Build::portable()),
+        Box::new(contacts::Contacts::new()),
         Box::new(umbra::Build::<f64>::new()),
         Box::new(umbra::Build::<f32>::new()),
         Box::new(rapier_f32::Rapier),
         Box::new(rapier_f64::Rapier),
         Box::new(box2d::Box2d),
     ]
+}
+
+/// An engine with options, by its id.
+pub fn with_options(id: &str) -> Option<Box<dyn Engine>> {
+    Some(Box::new(contacts::Contacts::with_options(id)?))
 }

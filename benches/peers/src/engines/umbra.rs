@@ -5,7 +5,7 @@ use crate::scene::{self, Field, Kind, Scene, Shape};
 use std::cell::RefCell;
 use std::marker::PhantomData;
 use std::rc::Rc;
-use umbra_physics::scalar::internals::wide_vectors;
+use umbra_physics::scalar::internals::VectorSet;
 use umbra_physics::scalar::{Factor, ToF64};
 use umbra_physics::{
     Activity, Attachment, BodyDef, BodyId, BodyKind, Damping, End, FieldKind, Fx, Geometry, Integrator, Mass, Scalar,
@@ -43,7 +43,7 @@ impl Number for f32 {
     }
 }
 
-fn vector<S: Number>(x: f64, y: f64) -> Vec2<S> {
+pub fn vector<S: Number>(x: f64, y: f64) -> Vec2<S> {
     Vec2::new(S::number(x), S::number(y))
 }
 
@@ -52,21 +52,26 @@ fn damping<S: Number>(c: f64) -> Damping<S> {
     Damping::kept_per_second(S::number((-c).exp()))
 }
 
-fn time_step(dt: f64) -> TimeStep {
+pub fn time_step(dt: f64) -> TimeStep {
     let rate = (1.0 / dt).round();
     assert!((rate * dt - 1.0).abs() < 1e-12, "{dt} s is no whole number of steps a second");
     TimeStep::hz(rate as u32)
 }
 
-fn body<S: Number>(b: &scene::Body) -> BodyDef<S> {
+/// The shape of a body; `None` if it has none.
+pub fn shape<S: Number>(b: &scene::Body) -> Option<Form<S>> {
     let geometry = match b.shape {
-        Shape::None { .. } => None,
-        Shape::Circle { r } => Some(Geometry::Circle { radius: S::number(r) }),
-        Shape::Box { hx, hy } => Some(Geometry::Rectangle { width: S::number(2.0 * hx), height: S::number(2.0 * hy) }),
+        Shape::None { .. } => return None,
+        Shape::Circle { r } => Geometry::Circle { radius: S::number(r) },
+        Shape::Box { hx, hy } => Geometry::Rectangle { width: S::number(2.0 * hx), height: S::number(2.0 * hy) },
         Shape::Polygon(corners) => {
-            Some(Geometry::Polygon { corners: corners.as_slice().iter().map(|c| vector(c[0], c[1])).collect() })
+            Geometry::Polygon { corners: corners.as_slice().iter().map(|c| vector(c[0], c[1])).collect() }
         }
     };
+    Some(Form::new(geometry).expect("a shape within the limits"))
+}
+
+fn body<S: Number>(b: &scene::Body) -> BodyDef<S> {
     let mass = match b.shape {
         Shape::None { mass, inertia } => Mass::Explicit { mass: S::number(mass), inertia: S::number(inertia) },
         _ => Mass::Density(S::number(b.density)),
@@ -80,7 +85,7 @@ fn body<S: Number>(b: &scene::Body) -> BodyDef<S> {
         angle: S::number(b.angle),
         velocity: vector(b.vx, b.vy),
         angular_velocity: S::number(b.w),
-        shape: geometry.map(|g| Form::new(g).expect("a shape within the limits")),
+        shape: shape(b),
         mass,
         linear_damping: Some(damping(b.lin_damp)),
         angular_damping: Some(damping(b.ang_damp)),
@@ -104,21 +109,21 @@ fn law<S: Number>(field: Field, body: BodyId) -> FieldKind<S> {
 
 pub struct Build<S> {
     id: &'static str,
-    wide: bool,
+    widest: VectorSet,
     scalar: PhantomData<S>,
 }
 
 impl<S: Number> Build<S> {
     /// With the wide vectors of the CPU, where it has them.
     pub fn new() -> Self {
-        Self { id: S::ID, wide: true, scalar: PhantomData }
+        Self { id: S::ID, widest: VectorSet::Avx512, scalar: PhantomData }
     }
 }
 
 impl Build<Fx> {
     /// The code for every CPU, everywhere.
     pub fn portable() -> Self {
-        Self { id: "umbra-fx-portable", wide: false, scalar: PhantomData }
+        Self { id: "umbra-fx-portable", widest: VectorSet::Portable, scalar: PhantomData }
     }
 }
 
@@ -130,10 +135,7 @@ impl<S: Number> Engine for Build<S> {
         Info {
             version: format!("umbra-physics {}", locked_version("umbra-physics")),
             number: S::FORMAT,
-            build: format!(
-                "feature float; {} wide vectors",
-                if self.wide && wide_vectors::are_used() { "with" } else { "without" }
-            ),
+            build: format!("feature float; vector instructions: {:?}", self.widest.min(VectorSet::used())),
             solver: "defaults: velocity Verlet, no substeps, no collision yet; symplectic Euler where the harness \
                      pushes what depends on the position: a push is constant over its step",
             damping_law: "v *= d^dt with d = exp(-c) as the scalar holds it",
@@ -172,7 +174,7 @@ impl<S: Number> Engine for Build<S> {
                 world.add_field(law(field, id)).expect("a field within the limits");
             }
         }
-        Box::new(Built { world, ids, spare: Rc::default(), wide: self.wide })
+        Box::new(Built { world, ids, spare: Rc::default(), widest: self.widest })
     }
 }
 
@@ -183,7 +185,7 @@ struct Built<S: Number> {
     world: Umbra<S>,
     ids: Vec<BodyId>,
     spare: Spare<S>,
-    wide: bool,
+    widest: VectorSet,
 }
 
 /// A saved world, which gives its memory back.
@@ -202,9 +204,9 @@ const REUSED: usize = 0;
 
 impl<S: Number> World for Built<S> {
     fn step(&mut self) {
-        wide_vectors::allow(self.wide);
+        VectorSet::allow(self.widest);
         self.world.step();
-        wide_vectors::allow(true);
+        VectorSet::allow(VectorSet::Avx512);
     }
     fn body_count(&self) -> usize {
         self.world.body_count()

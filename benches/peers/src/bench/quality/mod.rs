@@ -1,4 +1,4 @@
-//! What stands, rests, slides and bounces, measured alike for all engines.
+//! Quality of what stands, rests, slides and bounces, measured alike for all engines.
 
 mod run;
 

@@ -1,0 +1,215 @@
+//! Bodies and their free flight: the library's velocity Verlet under constant gravity.
+
+use crate::engine::State;
+use crate::scene;
+use umbra_physics::collide::{Pose, radius_bound};
+use umbra_physics::scalar::internals::{Motion as _, Span, Weight};
+use umbra_physics::scalar::{Accumulator as _, Angle as _, ToF64};
+use umbra_physics::solve::{Correction, Flight, Velocity};
+use umbra_physics::{Fx, FxAccumulator, FxFactor, FxWide, Outline, TimeStep, Turn, Vec2};
+
+use crate::engines::umbra::{Number, shape, vector};
+
+/// The factors of a step.
+pub struct Timing {
+    /// The change of velocity by gravity in half a step.
+    half_kick: Vec2<FxAccumulator>,
+    seconds: FxFactor,
+    /// From an angular velocity to the part of a turn that is passed.
+    turn: FxFactor,
+}
+
+impl Timing {
+    pub fn new(time_step: TimeStep, [x, y]: [Fx; 2]) -> Self {
+        let span = |half| Span { ratio: time_step.seconds(), weight: Weight::Whole, half };
+        let kick = |g| Fx::kick(FxWide::from_scalar(g), Fx::seconds(span(true))).expect("gravity within the limits");
+        Self {
+            half_kick: Vec2::new(kick(x), kick(y)),
+            seconds: Fx::seconds(span(false)),
+            turn: Turn::drift_factor(span(false)),
+        }
+    }
+}
+
+pub struct Body {
+    pub is_dynamic: bool,
+    pub position: Vec2<FxAccumulator>,
+    pub angle: Turn,
+    pub velocity: Vec2<FxAccumulator>,
+    pub angular_velocity: FxAccumulator,
+    pub outline: Outline,
+    /// The largest distance of a point of the outline from the centre of mass.
+    pub radius: Fx,
+    /// The distances along x and y from the centre of mass to the sides of a box around the body at any time, in ulps.
+    pub extent: [i64; 2],
+    pub friction: Fx,
+    pub restitution: Fx,
+    pub surface_speed: Fx,
+    /// The centre of mass in the scene's coordinates of the body.
+    shift: Vec2,
+    mass: Fx,
+    inertia: FxFactor,
+    inverse_mass: FxFactor,
+    inverse_inertia: FxFactor,
+}
+
+/// a + b in the components.
+fn sum(a: Vec2<FxAccumulator>, b: Vec2<FxAccumulator>) -> Vec2<FxAccumulator> {
+    Vec2::new(a.x.plus(b.x), a.y.plus(b.y))
+}
+
+impl Body {
+    pub fn new(b: &scene::Body) -> Self {
+        let shape = shape::<Fx>(b).expect("scenes with bodies without shape are refused");
+        let outline = shape.outlines()[0].clone();
+        let is_dynamic = b.kind == scene::Kind::Dynamic;
+        let angle = Turn::from_radians(Fx::number(b.angle));
+        let turned = |v| angle.rotate(v).expect("a shape within the limits");
+        let position = {
+            let (at, shift) = (vector::<Fx>(b.x, b.y), turned(shape.shift()));
+            // From 2^-64 to 2^-96.
+            let place = |at: Fx, shift: FxWide| {
+                FxAccumulator::from_scalar(at).plus(FxAccumulator::from_bits(shift.to_bits() << 32))
+            };
+            Vec2::new(place(at.x, shift.x), place(at.y, shift.y))
+        };
+        let radius = radius_bound(&outline);
+        let extent = if is_dynamic {
+            [radius.to_bits(); 2]
+        } else {
+            // It never turns: the box of its corners, rounded up.
+            let corners = outline.corners().iter().map(|&corner| turned(corner));
+            let widest = |a: [i128; 2], c: Vec2<FxWide>| [a[0].max(c.x.to_bits().abs()), a[1].max(c.y.to_bits().abs())];
+            corners.fold([0; 2], widest).map(|v| (v >> 32) as i64 + 1 + outline.radius().to_bits())
+        };
+        let (mass, inertia) = if is_dynamic {
+            let mass = FxFactor::from_scalar(Fx::number(b.density)).times(shape.measure()).to_scalar();
+            let mass = mass.expect("a mass within the limits");
+            (mass, FxFactor::from_scalar(mass).times(shape.gyration()))
+        } else {
+            (Fx::ZERO, FxFactor::ZERO)
+        };
+        let inverse = |f: FxFactor| if f.is_zero() { f } else { FxFactor::ONE.over(f) };
+        Self {
+            is_dynamic,
+            position,
+            angle,
+            velocity: vector::<Fx>(b.vx, b.vy).map(FxAccumulator::from_scalar),
+            angular_velocity: FxAccumulator::from_scalar(Fx::number(b.w)),
+            outline,
+            radius,
+            extent,
+            friction: Fx::number(b.friction),
+            restitution: Fx::number(b.restitution),
+            surface_speed: Fx::number(b.surface_speed),
+            shift: shape.shift(),
+            mass,
+            inertia,
+            inverse_mass: inverse(FxFactor::from_scalar(mass)),
+            inverse_inertia: inverse(inertia),
+        }
+    }
+
+    pub fn pose(&self) -> Pose {
+        Pose::new(self.position.map(FxAccumulator::value), self.angle)
+    }
+
+    fn public_velocity(&self) -> Velocity {
+        let linear = self.velocity.map(FxAccumulator::value);
+        Velocity { linear, angular: self.angular_velocity.value() }
+    }
+
+    /// Takes the body through its free flight.
+    pub fn fly(&mut self, timing: &Timing) -> Flight {
+        let (position, start) = (self.position.map(FxAccumulator::value), self.public_velocity());
+        let (mut displacement, mut rotation) = (Vec2::default(), FxAccumulator::default());
+        if self.is_dynamic {
+            self.velocity = sum(self.velocity, timing.half_kick);
+            displacement = self.velocity.map(|v| v.value().drift(timing.seconds));
+            rotation = self.angular_velocity.value().drift(timing.seconds);
+            self.position = sum(self.position, displacement);
+            self.angle = self.angle.drifted(self.angular_velocity.value(), timing.turn, false);
+            self.velocity = sum(self.velocity, timing.half_kick);
+        }
+        Flight {
+            position,
+            start,
+            end: self.public_velocity(),
+            displacement: displacement.map(FxAccumulator::value),
+            rotation: rotation.value(),
+            mass: self.mass,
+            inertia: self.inertia,
+            inverse_mass: Vec2::new(self.inverse_mass, self.inverse_mass),
+            inverse_inertia: self.inverse_inertia,
+            radius: self.radius,
+        }
+    }
+
+    /// Adds what contacts changed.
+    pub fn correct(&mut self, by: &Correction) {
+        self.velocity = sum(self.velocity, by.velocity);
+        self.position = sum(self.position, by.displacement);
+        self.angular_velocity = self.angular_velocity.plus(by.angular_velocity);
+        self.angle = self.angle.turned(by.rotation);
+    }
+
+    /// The state of the scene's body, whose position differs from the centre of mass by rounding.
+    pub fn state(&self) -> State {
+        // Between −π and π, so that small angles of both signs are small.
+        let angle = self.angle.to_bits() as i64 as f64 * (std::f64::consts::PI / (1u64 << 63) as f64);
+        let (sin, cos) = angle.sin_cos();
+        let (sx, sy) = (self.shift.x.to_f64(), self.shift.y.to_f64());
+        State {
+            x: self.position.x.to_f64() - (cos * sx - sin * sy),
+            y: self.position.y.to_f64() - (sin * sx + cos * sy),
+            angle,
+            vx: self.velocity.x.to_f64(),
+            vy: self.velocity.y.to_f64(),
+            w: self.angular_velocity.to_f64(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use umbra_physics::{BodyDef, Mass, World, WorldDef};
+
+    #[test]
+    fn the_free_flight_has_the_bits_of_the_world() {
+        let scene_body = scene::Body {
+            vx: 3.25,
+            vy: 7.5,
+            w: -2.0,
+            angle: 0.3,
+            ..scene::Body::dynamic(0.1, -0.7, scene::Shape::Box { hx: 0.3, hy: 0.2 })
+        };
+        let gravity = [0.3, -9.81].map(Fx::number);
+        let mut world = World::new(WorldDef {
+            gravity: Vec2::new(gravity[0], gravity[1]),
+            time_step: TimeStep::hz(60),
+            ..WorldDef::default()
+        })
+        .unwrap();
+        let mut body = Body::new(&scene_body);
+        let def = BodyDef {
+            position: vector(scene_body.x, scene_body.y),
+            angle: Fx::number(scene_body.angle),
+            velocity: vector(scene_body.vx, scene_body.vy),
+            angular_velocity: Fx::number(scene_body.w),
+            shape: shape(&scene_body),
+            mass: Mass::Density(Fx::ONE),
+            ..BodyDef::dynamic()
+        };
+        let id = world.add_body(def).unwrap();
+        let timing = Timing::new(TimeStep::hz(60), gravity);
+        for tick in 0..100 {
+            world.step();
+            body.fly(&timing);
+            let there = world.body(id).unwrap();
+            assert_eq!(there.position_exact(), body.position, "{tick}");
+            assert_eq!(there.velocity_exact(), body.velocity, "{tick}");
+            assert_eq!(there.angle_exact(), body.angle, "{tick}");
+        }
+    }
+}

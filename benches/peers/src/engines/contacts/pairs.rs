@@ -1,0 +1,144 @@
+//! Pairs, their manifolds, and the impulses that they keep from step to step.
+
+use super::bodies::Body;
+use umbra_physics::collide::{Manifold, Pose, collide};
+use umbra_physics::solve::{Contact, Flight, Impulses, Point};
+use umbra_physics::{Fx, fx};
+
+/// Shapes have a manifold from this distance on, and from what they close in the step, m.
+const MARGIN: Fx = fx!(0.02);
+
+/// The record of a contact.
+#[derive(Clone, Copy)]
+struct Record {
+    pair: [u32; 2],
+    count: usize,
+    features: [u32; 2],
+    impulses: Impulses,
+}
+
+#[derive(Default)]
+pub struct Pairs {
+    /// The contacts of the step.
+    pub contacts: Vec<Contact>,
+    /// Beside each contact: what it keeps. Sorted by pair.
+    records: Vec<Record>,
+    /// The records of the step before.
+    before: Vec<Record>,
+}
+
+/// A box around a body during the step, in ulps.
+struct Reach {
+    low: [i64; 2],
+    high: [i64; 2],
+    body: u32,
+    is_dynamic: bool,
+}
+
+/// The length of a vector in ulps, rounded up.
+fn length(x: i64, y: i64) -> i64 {
+    let square = |v: i64| u128::from(v.unsigned_abs()).pow(2);
+    (square(x) + square(y)).isqrt() as i64 + 1
+}
+
+/// The distance that a point of a body moves by its rotation, in ulps, rounded up.
+fn turned(flight: &Flight) -> i64 {
+    let product = i128::from(flight.rotation.to_bits()).abs() * i128::from(flight.radius.to_bits());
+    (product >> 32) as i64 + i64::from(product != 0)
+}
+
+/// The largest distance that two bodies close in the step, in ulps.
+fn closing(a: &Flight, b: &Flight) -> i64 {
+    let way = |a: Fx, b: Fx| b.to_bits() - a.to_bits();
+    let (x, y) = (way(a.displacement.x, b.displacement.x), way(a.displacement.y, b.displacement.y));
+    length(x, y) + turned(a) + turned(b)
+}
+
+/// The geometric mean, rounded to nearest.
+fn mixed_friction(a: Fx, b: Fx) -> Fx {
+    let product = u128::from(a.to_bits().unsigned_abs()) * u128::from(b.to_bits().unsigned_abs());
+    let root = product.isqrt();
+    // The middle between root and root + 1 has the square root² + root + 1/4.
+    Fx::from_bits((root + u128::from(product - root * root > root)) as i64)
+}
+
+impl Pairs {
+    /// Finds the contacts at the start poses, with the impulses of the step before.
+    pub fn collide(&mut self, bodies: &[Body], poses: &[Pose], flights: &[Flight]) {
+        self.contacts.clear();
+        self.records.clear();
+        for pair in candidates(bodies, flights) {
+            let [a, b] = pair.map(|i| i as usize);
+            let margin = Fx::from_bits(MARGIN.to_bits() + closing(&flights[a], &flights[b]));
+            let found = collide(&bodies[a].outline, &poses[a], &bodies[b].outline, &poses[b], margin);
+            if let Some(manifold) = found {
+                let record = self.record(pair, &manifold);
+                self.contacts.push(contact(&record, &manifold, [&bodies[a], &bodies[b]]));
+                self.records.push(record);
+            }
+        }
+    }
+
+    /// The record of a pair: impulses of points with features of the step before, others zero; that of friction if there is such a
+    /// point.
+    fn record(&self, pair: [u32; 2], manifold: &Manifold) -> Record {
+        let features = manifold.points.map(|point| point.feature);
+        let mut impulses = Impulses::default();
+        if let Ok(at) = self.before.binary_search_by_key(&pair, |record| record.pair) {
+            let old = &self.before[at];
+            impulses.exponent = old.impulses.exponent;
+            for k in 0..manifold.count {
+                let same = (0..old.count).find(|&i| old.features[i] == features[k]);
+                if let Some(i) = same {
+                    impulses.values[k] = old.impulses.values[i];
+                    impulses.values[2] = old.impulses.values[2];
+                }
+            }
+        }
+        Record { pair, count: manifold.count, features, impulses }
+    }
+
+    /// Keeps the impulses of the step for the next one.
+    pub fn keep(&mut self) {
+        for (record, contact) in self.records.iter_mut().zip(&self.contacts) {
+            record.impulses = contact.impulses;
+        }
+        std::mem::swap(&mut self.records, &mut self.before);
+    }
+}
+
+fn contact(record: &Record, manifold: &Manifold, [a, b]: [&Body; 2]) -> Contact {
+    Contact {
+        bodies: record.pair,
+        normal: manifold.normal,
+        count: manifold.count,
+        points: manifold.points.map(|p| Point { arms: [p.arm_a, p.arm_b], separation: p.separation }),
+        friction: mixed_friction(a.friction, b.friction),
+        restitution: a.restitution.max(b.restitution),
+        surface_speed: a.surface_speed.saturating_add(b.surface_speed),
+        impulses: record.impulses,
+    }
+}
+
+/// Pairs of bodies, not both fixed, whose boxes overlap: all that may come within the margin. Sorted.
+fn candidates(bodies: &[Body], flights: &[Flight]) -> Vec<[u32; 2]> {
+    let reach = |(i, (body, flight)): (usize, (&Body, &Flight))| {
+        let moved = length(flight.displacement.x.to_bits(), flight.displacement.y.to_bits()) + turned(flight);
+        let more = MARGIN.to_bits() / 2 + 1 + moved;
+        let centre = [flight.position.x.to_bits(), flight.position.y.to_bits()];
+        let side = |sign: i64| [0, 1].map(|k| centre[k] + sign * (body.extent[k] + more));
+        Reach { low: side(-1), high: side(1), body: i as u32, is_dynamic: body.is_dynamic }
+    };
+    let mut boxes: Vec<Reach> = bodies.iter().zip(flights).enumerate().map(reach).collect();
+    boxes.sort_unstable_by_key(|b| b.low[0]);
+    let mut pairs = Vec::new();
+    for (i, a) in boxes.iter().enumerate() {
+        for b in boxes[i + 1..].iter().take_while(|b| b.low[0] <= a.high[0]) {
+            if (a.is_dynamic || b.is_dynamic) && a.low[1] <= b.high[1] && b.low[1] <= a.high[1] {
+                pairs.push([a.body.min(b.body), a.body.max(b.body)]);
+            }
+        }
+    }
+    pairs.sort_unstable();
+    pairs
+}

@@ -1,0 +1,126 @@
+//! The direction of largest separation among the normals of two cores.
+
+use super::cores::{Core, Product};
+use super::frame::Direction;
+use super::place::Placed;
+use crate::kernel::sqrt::direction;
+
+/// The separations of a pair along its normals.
+pub(super) struct Axes<P, const N: usize> {
+    along_a: [P; N],
+    along_b: [P; N],
+    largest: P,
+}
+
+/// Numbers of edges of A and of B, one bit each: at most 64.
+type Edges = [u64; 2];
+
+impl<P: Product, const N: usize> Axes<P, N> {
+    /// `None` if a separation is above `limit`.
+    #[inline(always)]
+    pub(super) fn new(a: &Core<P, N>, b: &Core<P, N>, limit: P) -> Option<Self> {
+        let along_a = a.separations(b);
+        let largest = along_a.iter().fold(P::LEAST, |most, &s| most.max(s));
+        if largest > limit {
+            return None;
+        }
+        let along_b = b.separations(a);
+        let largest = along_b.iter().fold(largest, |most, &s| most.max(s));
+        if largest > limit { None } else { Some(Self { along_a, along_b, largest }) }
+    }
+
+    /// The edges with a separation of at least `least`.
+    #[inline(always)]
+    fn edges(&self, least: P) -> Edges {
+        let edges = |along: &[P; N]| along.iter().enumerate().fold(0, |set, (i, &s)| set | u64::from(s >= least) << i);
+        [edges(&self.along_a), edges(&self.along_b)]
+    }
+
+    /// The direction of largest separation; the mean of those that tie, `None` if they cancel.
+    #[inline(always)]
+    pub(super) fn direction(&self, a: &Core<P, N>, b: &Core<P, N>) -> Option<Direction> {
+        let edges = self.edges(self.largest);
+        let [of_a, of_b] = edges;
+        if of_a.count_ones() + of_b.count_ones() != 1 {
+            return tied(a, b, edges);
+        }
+        let n = if of_a != 0 { normal(a.placed, of_a) } else { normal(b.placed, of_b).map(|part| -part) };
+        Some(Direction { n, is_mean: false })
+    }
+
+    /// Another direction whose separation is within rounding of the largest, that passes a test: the one of largest separation, if no other
+    /// has the same.
+    #[cold]
+    pub(super) fn nearly_as_good(
+        &self,
+        a: &Core<P, N>,
+        b: &Core<P, N>,
+        k: u32,
+        passes: impl Fn(Direction) -> bool,
+    ) -> Option<Direction> {
+        // Corners err by a unit, and normals by 2^-30 of a length.
+        let slack = P::length((8 << k) + (a.extent.max(b.extent) >> 28), k);
+        let mut found: Option<(P, Direction)> = None;
+        let mut is_tie = false;
+        for (edges, core, along, back) in
+            each(self.edges(self.largest - slack), [a.placed, b.placed], [&self.along_a, &self.along_b])
+        {
+            for i in bits(edges) {
+                let n = core.normals[i];
+                let direction = Direction { n: if back { n.map(|part| -part) } else { n }, is_mean: false };
+                if found.is_some_and(|(most, _)| along[i] < most) || !passes(direction) {
+                    continue;
+                }
+                is_tie = found.is_some_and(|(most, d)| along[i] == most && (is_tie || d.n != direction.n));
+                found = Some((along[i], direction));
+            }
+        }
+        found.filter(|_| !is_tie).map(|(_, direction)| direction)
+    }
+}
+
+/// The sets of edges beside their cores and separations, and whether normals lead from B to A.
+fn each<'a, P, const N: usize>(
+    edges: Edges,
+    placed: [&'a Placed<N>; 2],
+    along: [&'a [P; N]; 2],
+) -> [(u64, &'a Placed<N>, &'a [P; N], bool); 2] {
+    [(edges[0], placed[0], along[0], false), (edges[1], placed[1], along[1], true)]
+}
+
+fn bits(mut set: u64) -> impl Iterator<Item = usize> {
+    core::iter::from_fn(move || {
+        let i = set.trailing_zeros() as usize;
+        set &= set.wrapping_sub(1);
+        (i < 64).then_some(i)
+    })
+}
+
+/// The normal of the one edge in a set.
+#[inline(always)]
+fn normal<const N: usize>(placed: &Placed<N>, set: u64) -> [i32; 2] {
+    placed.normals[set.trailing_zeros() as usize & (N - 1)]
+}
+
+/// The direction of the longest of edges that tie, or the mean over all that are as long: a sum, whatever their order.
+#[cold]
+fn tied<P: Product, const N: usize>(a: &Core<P, N>, b: &Core<P, N>, [of_a, of_b]: Edges) -> Option<Direction> {
+    let square = |core: &Core<P, N>, i: usize| P::half_square(core.between(i, i + 1));
+    let of_a = bits(of_a).map(|i| (square(a, i), a.placed.normals[i]));
+    let of_b = bits(of_b).map(|i| (square(b, i), b.placed.normals[i].map(|part| -part)));
+    let (mut longest, mut first, mut sum, mut differ) = (P::LEAST, [0; 2], [0; 2], false);
+    for (square, n) in of_a.chain(of_b) {
+        if square > longest {
+            (longest, first, sum, differ) = (square, n, n.map(i64::from), false);
+        } else if square == longest {
+            // At most 128 normals.
+            sum = [sum[0] + i64::from(n[0]), sum[1] + i64::from(n[1])];
+            differ |= n != first;
+        }
+    }
+    match sum {
+        _ if !differ => Some(Direction { n: first, is_mean: false }),
+        [0, 0] => None,
+        [x, y] => Some(Direction { n: direction(x, y).0, is_mean: true }),
+    }
+}

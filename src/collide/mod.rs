@@ -1,0 +1,155 @@
+//! Narrow phase: where two outlines touch, how deep, and along which direction.
+//!
+//! A [`Manifold`] is a function of integers. Corners are turned into world axes, relative to the centre of their own body, and
+//! rounded once, oddly; offsets of positions are exact. Every choice that follows is by comparison of exact integers, and none
+//! depends on which outline comes first, on which corner of it comes first, on the axes up to quarter turns and mirror images,
+//! or on the distance from the origin: the manifold of a mirrored, turned (by quarters), shifted, swapped or renumbered pair is
+//! the image of the manifold, to the bit.
+//!
+//! How: the *separation* of two convex cores along a direction n from A to B is min n·b − max n·a over their corners. Among the
+//! outward normals of A and the inward ones of B, the direction of largest separation is taken (`axes`). A tie goes to the longer edge,
+//! and between edges of one length to the mean direction. Then both cores have the edge that faces the other, and the points are
+//! the ends of the interval, across n, in which the two edges overlap (`frame`, `points`): neither of the two is the reference.
+//! Cores that are apart with a corner next to a corner have the direction between those.
+//!
+//! **No direction, no manifold.** Where all directions that tie cancel (two discs with one centre, a square in the middle of a
+//! square, a disc on the middle line of a bar) any direction would favour a side, and there is no manifold.
+
+mod axes;
+mod cores;
+mod frame;
+mod place;
+mod points;
+
+pub use place::Pose;
+
+use crate::fx::Fx;
+use crate::math::Vec2;
+use crate::shape::Outline;
+
+use axes::Axes;
+use cores::{Core, Product};
+use frame::{Facing, Frame, Pair};
+use place::Placed;
+use points::{Ends, manifold};
+
+/// The contact of two outlines: one point or two.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Manifold {
+    /// The unit vector from A to B, in units of 2^-30. *Error* 1 unit in each component.
+    pub normal: [i32; 2],
+    /// The number of points, 1 or 2.
+    pub count: usize,
+    /// The points, in the order of their components along the normal turned by a quarter counter-clockwise. That order is reversed in a
+    /// mirror image and when A and B are swapped. A second point that is not there is all zeros.
+    pub points: [ManifoldPoint; 2],
+}
+
+/// A point of a manifold, in the middle between the surfaces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ManifoldPoint {
+    /// From the centre of mass of A to the point, in world axes, m.
+    pub arm_a: Vec2<Fx>,
+    /// From the centre of mass of B to the point, in world axes, m.
+    pub arm_b: Vec2<Fx>,
+    /// The distance between the surfaces along the normal, m; negative where they overlap.
+    pub separation: Fx,
+    /// The corners that meet here, by number, to find the point again in the next step: [`feature`].
+    pub feature: u32,
+}
+
+/// The name of what meets in a point: `a` and `b` are each a corner, as a pair of equal numbers, or an edge, as the corners at
+/// its ends in counter-clockwise order. At either end of two edges that overlap it is a pair of corners; elsewhere a corner of
+/// one core and an edge of the other, or two corners.
+#[must_use]
+pub fn feature(a: [usize; 2], b: [usize; 2]) -> u32 {
+    // A polygon has at most 64 corners: six bits each.
+    (a[0] | a[1] << 6 | b[0] << 12 | b[1] << 18) as u32
+}
+
+/// The largest margin that is told from a larger one: 2^22 m.
+const MARGIN_MAX: i64 = 1 << (22 + 32);
+
+/// The manifold of two outlines at two poses, if they are at most `margin` m apart.
+///
+/// *Domain* positions within 2^31 m. A margin below zero counts as zero, one above 2^22 m as that.
+///
+/// *Error* of a separation: 2 ulp, and 2^-31 of the distance between the corner and the edge's nearer end.
+#[must_use]
+pub fn collide(a: &Outline, pose_a: &Pose, b: &Outline, pose_b: &Pose, margin: Fx) -> Option<Manifold> {
+    // Room for the corners: most shapes are boxes, and setting memory to zero costs.
+    match a.corners().len().max(b.corners().len()) {
+        0..=4 => collide_within::<4>(a, pose_a, b, pose_b, margin),
+        5..=8 => collide_within::<8>(a, pose_a, b, pose_b, margin),
+        _ => collide_within::<64>(a, pose_a, b, pose_b, margin),
+    }
+}
+
+fn collide_within<const N: usize>(
+    a: &Outline,
+    pose_a: &Pose,
+    b: &Outline,
+    pose_b: &Pose,
+    margin: Fx,
+) -> Option<Manifold> {
+    let offset = pose_a.offset_to(pose_b)?;
+    let (a, b) = (Placed::<N>::new(a, pose_a), Placed::<N>::new(b, pose_b));
+    let margin = margin.to_bits().clamp(0, MARGIN_MAX);
+    // Radii are at most 2^12 m: below 2^55 in all.
+    let limit = margin + a.radius + b.radius;
+    if a.is_clear_of(&b, offset, limit) {
+        return None;
+    }
+    let ends = Ends { a: a.view(), b: b.view(), offset, limit };
+    if a.count == 1 && b.count == 1 {
+        return ends.between_corners(0, 0);
+    }
+    // Below 2^49 + 2^55, since the boxes around the cores are at most `limit` apart.
+    let total = a.extent() + b.extent() + offset[0].abs().max(offset[1].abs());
+    let k = (64 - total.leading_zeros()).saturating_sub(30);
+    // A unit of at most 2^-25 of the smaller one's size.
+    let smaller = (a.extent() + a.radius).min(b.extent() + b.radius);
+    if k == 0 || 1 << k <= smaller >> 25 {
+        return collide_cores::<i64, N>(&a, &b, &ends, k);
+    }
+    collide_cores::<i128, N>(&a, &b, &ends, 0)
+}
+
+#[inline(always)]
+fn collide_cores<P: Product, const N: usize>(
+    a: &Placed<N>,
+    b: &Placed<N>,
+    ends: &Ends<'_>,
+    k: u32,
+) -> Option<Manifold> {
+    let pair = Pair { a: Core::<P, N>::new(a, [0; 2], k), b: Core::<P, N>::new(b, ends.offset, k), k };
+    let axes = Axes::new(&pair.a, &pair.b, P::length(ends.limit, k))?;
+    let frame = pair.frame(axes.direction(&pair.a, &pair.b)?);
+    if frame.facing != Facing::Edges {
+        return beside(&pair, &axes, ends, frame);
+    }
+    manifold(&pair, ends, &frame)
+}
+
+/// The manifold of cores that have no edges facing each other along the direction that seems best: it may be that of an edge that is
+/// next to the right one and within rounding of it.
+#[cold]
+fn beside<P: Product, const N: usize>(
+    pair: &Pair<P, N>,
+    axes: &Axes<P, N>,
+    ends: &Ends<'_>,
+    frame: Frame<P>,
+) -> Option<Manifold> {
+    let is_facing = |direction| pair.frame(direction).facing == Facing::Edges;
+    let other = axes.nearly_as_good(&pair.a, &pair.b, pair.k, is_facing);
+    manifold(pair, ends, &other.map_or(frame, |direction| pair.frame(direction)))
+}
+
+/// The largest distance of a point of the outline from the centre of mass of its shape, m, rounded up: corners and radius.
+#[must_use]
+pub fn radius_bound(outline: &Outline) -> Fx {
+    // Corners are within 2^15 m, so that lengths fit. A length is rounded to nearest: one ulp more is an upper bound.
+    let farthest = outline.corners().iter().map(|corner| corner.length()).max().unwrap_or(Fx::ZERO);
+    let up = if farthest == Fx::ZERO { Fx::ZERO } else { Fx::DELTA };
+    farthest + up + outline.radius()
+}

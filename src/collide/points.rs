@@ -1,0 +1,196 @@
+//! The points of a manifold, in ulps.
+
+use super::cores::Product;
+use super::frame::{Facing, Frame, Pair, Span, nearest};
+use super::place::{View, odd_shift};
+use super::{Manifold, ManifoldPoint, feature};
+use crate::fx::Fx;
+use crate::kernel::sqrt::direction;
+use crate::math::Vec2;
+
+/// The corner that a point is at.
+#[derive(Clone, Copy)]
+enum At {
+    A(usize),
+    B(usize),
+    /// One of each, at the same place.
+    Both(usize, usize),
+}
+
+/// Two outlines in ulps, each relative to the centre of its own body.
+pub(super) struct Ends<'a> {
+    pub(super) a: View<'a>,
+    pub(super) b: View<'a>,
+    /// From A's centre to B's.
+    pub(super) offset: [i64; 2],
+    /// The largest separation of cores that counts.
+    pub(super) limit: i64,
+}
+
+/// Between `from` at one end of a span and `to` at its other, at the distances `before` and `after` from these.
+///
+/// Separations are below 2^57 ulps and lengths likewise: products are below 2^114.
+#[inline(always)]
+fn between([from, to]: [i64; 2], before: i64, after: i64) -> i64 {
+    let length = before + after;
+    if length <= 0 {
+        return from.min(to);
+    }
+    let sum = i128::from(from) * i128::from(after) + i128::from(to) * i128::from(before);
+    match i64::try_from(sum) {
+        Ok(sum) => sum.div_euclid(length),
+        Err(_) => sum.div_euclid(i128::from(length)) as i64,
+    }
+}
+
+/// The manifold of a frame.
+#[inline(always)]
+pub(super) fn manifold<P: Product, const N: usize>(
+    pair: &Pair<P, N>,
+    ends: &Ends<'_>,
+    frame: &Frame<P>,
+) -> Option<Manifold> {
+    match frame.facing {
+        Facing::Edges => ends.clipped(frame, pair.k),
+        Facing::Corners(i, j) => ends.between_corners(i, j),
+        Facing::Beside(i, j) => ends.single(frame.n, frame.separation.ulps(pair.k), i, j),
+        Facing::Touching => None,
+    }
+}
+
+impl Ends<'_> {
+    /// Two edges that overlap: a point at either end of the overlap.
+    #[inline(always)]
+    fn clipped<P: Product>(&self, frame: &Frame<P>, k: u32) -> Option<Manifold> {
+        let (a, b) = (&frame.a, &frame.b);
+        let is_point = a.places[0].max(b.places[0]) == a.places[1].min(b.places[1]);
+        let mut manifold = Manifold { normal: frame.n, count: 0, points: [ManifoldPoint::default(); 2] };
+        for end in 0..if is_point { 1 } else { 2 } {
+            let (i, j) = (a.corners[end], b.corners[end]);
+            // The end of the overlap is the inner one of the two ends; a corner is that of an edge at neither end.
+            let ahead = if end == 0 { a.places[0] - b.places[0] } else { b.places[1] - a.places[1] };
+            let at = match (a.is_corner(), b.is_corner()) {
+                (true, false) => At::A(i),
+                (false, true) => At::B(j),
+                _ if ahead == P::ZERO => At::Both(i, j),
+                _ if ahead > P::ZERO => At::A(i),
+                _ => At::B(j),
+            };
+            let separation = self.separation_at(frame, at);
+            if separation <= self.limit {
+                let name = match (a.is_corner(), b.is_corner()) {
+                    (false, true) => feature(a.corners, [j, j]),
+                    (true, false) => feature([i, i], [b.corners[1], b.corners[0]]),
+                    _ => feature([i, i], [j, j]),
+                };
+                manifold.points[manifold.count] = self.point(frame.n, at, separation, name);
+                manifold.count += 1;
+            }
+        }
+        if manifold.count > 0 { Some(manifold) } else { self.deepest(frame, k) }
+    }
+
+    /// The point of cores whose deepest corner is beside the overlap of the edges: at the end where these overlap less.
+    #[cold]
+    fn deepest<P: Product>(&self, frame: &Frame<P>, k: u32) -> Option<Manifold> {
+        let (_, [i, j]) = nearest(&frame.a, &frame.b)?;
+        self.single(frame.n, frame.separation.ulps(k), i, j)
+    }
+
+    /// From a corner of A to a corner of B. Corners are below 2^48, offsets below 2^56.
+    #[inline(always)]
+    fn apart(&self, i: usize, j: usize) -> [i64; 2] {
+        let part = |c: usize| self.b.corners[j][c] + self.offset[c] - self.a.corners[i][c];
+        [part(0), part(1)]
+    }
+
+    /// The distance of two corners along n.
+    #[inline(always)]
+    fn height(&self, n: [i32; 2], i: usize, j: usize) -> i64 {
+        <i128 as Product>::dot(n, self.apart(i, j)).ulps(0)
+    }
+
+    /// The distance of the cores where a corner is.
+    #[inline(always)]
+    fn separation_at<P: Product>(&self, frame: &Frame<P>, at: At) -> i64 {
+        let n = frame.n;
+        let (span, place, separations): (&Span<P>, P, _) = match at {
+            At::Both(i, j) => return self.height(n, i, j),
+            At::A(i) => {
+                let end = usize::from(frame.a.corners[0] != i);
+                (&frame.b, frame.a.places[end], frame.b.corners.map(|j| self.height(n, i, j)))
+            }
+            At::B(j) => {
+                let end = usize::from(frame.b.corners[0] != j);
+                (&frame.a, frame.b.places[end], frame.a.corners.map(|i| self.height(n, i, j)))
+            }
+        };
+        // An edge square to n is flat but for rounding.
+        let [from, to] = separations;
+        if (from - to).abs() <= 4 {
+            return (from + to) >> 1;
+        }
+        between(separations, (place - span.places[0]).whole(), (span.places[1] - place).whole())
+    }
+
+    /// The point at a corner, in the middle between the surfaces, for a separation of the cores.
+    #[inline(always)]
+    fn point(&self, n: [i32; 2], at: At, separation: i64, feature: u32) -> ManifoldPoint {
+        let (radius_a, radius_b) = (self.a.radius, self.b.radius);
+        // Half of 2·distance·n, from units of 2^-30: distances are below 2^58.
+        let step = |n: i32, twice: i64| odd_shift(i128::from(n) * i128::from(twice), 31) as i64;
+        let steps = |twice: i64| [step(n[0], twice), step(n[1], twice)];
+        // Relative to the centre of the corner's own body, and by the exact offset to the other's.
+        let from_a = |i: usize| {
+            let (corner, step) = (self.a.corners[i], steps(separation + radius_a - radius_b));
+            [corner[0] + step[0], corner[1] + step[1]]
+        };
+        let from_b = |j: usize| {
+            let (corner, step) = (self.b.corners[j], steps(separation + radius_b - radius_a));
+            [corner[0] - step[0], corner[1] - step[1]]
+        };
+        let [x, y] = self.offset;
+        let (arm_a, arm_b) = match at {
+            At::A(i) => {
+                let arm = from_a(i);
+                (arm, [arm[0] - x, arm[1] - y])
+            }
+            At::B(j) => {
+                let arm = from_b(j);
+                ([arm[0] + x, arm[1] + y], arm)
+            }
+            At::Both(i, j) => {
+                // The same point but for rounding: the mean, from either side.
+                let (own, other) = (from_a(i), from_b(j));
+                let apart = |c: usize| other[c] + self.offset[c] - own[c];
+                let half = |apart: i64| odd_shift(apart.into(), 1) as i64;
+                let (dx, dy) = (half(apart(0)), half(apart(1)));
+                ([own[0] + dx, own[1] + dy], [other[0] - dx, other[1] - dy])
+            }
+        };
+        let vector = |[x, y]: [i64; 2]| Vec2::new(Fx::from_bits(x), Fx::from_bits(y));
+        let separation = Fx::from_bits(separation - radius_a - radius_b);
+        ManifoldPoint { arm_a: vector(arm_a), arm_b: vector(arm_b), separation, feature }
+    }
+
+    /// The manifold of one point between two corners, along the direction from one to the other. `None` if they are farther
+    /// apart than counts, or coincide.
+    pub(super) fn between_corners(&self, i: usize, j: usize) -> Option<Manifold> {
+        let [x, y] = self.apart(i, j);
+        if (x, y) == (0, 0) {
+            return None;
+        }
+        // Below 2^57.
+        let (normal, distance) = direction(x, y);
+        self.single(normal, distance as i64, i, j)
+    }
+
+    /// The manifold of one point between two corners.
+    fn single(&self, normal: [i32; 2], separation: i64, i: usize, j: usize) -> Option<Manifold> {
+        if separation > self.limit {
+            return None;
+        }
+        let point = self.point(normal, At::Both(i, j), separation, feature([i; 2], [j; 2]));
+        Some(Manifold { normal, count: 1, points: [point, ManifoldPoint::default()] })
+    }
+}

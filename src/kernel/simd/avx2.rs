@@ -1,0 +1,358 @@
+//! Four lanes of 64 bits with AVX2.
+//!
+//! A narrow lane is the lower half of 64 bits, as `vpmuldq` reads it; the upper half is arbitrary. There is no arithmetic shift
+//! of 64 bits: [`Avx2::floored`] shifts a number that is 2^63 larger and takes the difference off again.
+#![allow(unsafe_code, reason = "vector instructions, on a CPU that has them")]
+
+use core::arch::x86_64::*;
+
+use super::{GAIN_BITS, GROUP, Gathered, Job, Lanes, Pairs, Row};
+
+/// The proof that the CPU has AVX2 and BMI2.
+#[derive(Clone, Copy)]
+pub(crate) struct Avx2(());
+
+impl Avx2 {
+    /// Returns a value if the CPU has AVX2, and BMI2 beside it.
+    pub(crate) fn new() -> Option<Self> {
+        extern crate std;
+        (std::is_x86_feature_detected!("avx2") && std::is_x86_feature_detected!("bmi2")).then_some(Self(()))
+    }
+
+    /// Runs a job compiled for these instructions.
+    pub(crate) fn run<J: Job>(self, job: J) -> J::Result {
+        #[target_feature(enable = "avx2,bmi2")]
+        unsafe fn compiled<J: Job>(job: J, lanes: Avx2) -> J::Result {
+            job.run(lanes)
+        }
+
+        // SAFETY: a value of this type exists on a CPU with these instructions only.
+        unsafe { compiled(job, self) }
+    }
+
+    #[inline(always)]
+    fn words(self, value: i64) -> __m256i {
+        unsafe { _mm256_set1_epi64x(value) }
+    }
+
+    /// Four words and four more.
+    #[inline(always)]
+    fn both(self, low: &[i32; 4], high: &[i32; 4]) -> __m256i {
+        unsafe {
+            let low = _mm256_castsi128_si256(_mm_loadu_si128(low.as_ptr().cast()));
+            _mm256_inserti128_si256::<1>(low, _mm_loadu_si128(high.as_ptr().cast()))
+        }
+    }
+
+    /// The lower halves.
+    #[inline(always)]
+    fn packed(self, a: __m256i) -> __m128i {
+        unsafe {
+            let lower = _mm256_setr_epi32(0, 2, 4, 6, 0, 2, 4, 6);
+            _mm256_castsi256_si128(_mm256_permutevar8x32_epi32(a, lower))
+        }
+    }
+
+    /// The lanes of x, y and z as rows (x, y, z, 0).
+    #[inline(always)]
+    fn transposed(self, [x, y, z]: [__m256i; 3]) -> [__m256i; 4] {
+        unsafe {
+            let zero = _mm256_setzero_si256();
+            let (a, b) = (_mm256_unpacklo_epi64(x, y), _mm256_unpackhi_epi64(x, y));
+            let (c, d) = (_mm256_unpacklo_epi64(z, zero), _mm256_unpackhi_epi64(z, zero));
+            [
+                _mm256_permute2x128_si256::<0x20>(a, c),
+                _mm256_permute2x128_si256::<0x20>(b, d),
+                _mm256_permute2x128_si256::<0x31>(a, c),
+                _mm256_permute2x128_si256::<0x31>(b, d),
+            ]
+        }
+    }
+}
+
+impl Lanes for Avx2 {
+    const WIDTH: usize = 4;
+    type Narrow = __m256i;
+    type Wide = __m256i;
+    type Quad = __m128i;
+
+    #[inline(always)]
+    fn pair(self, pairs: &Pairs, at: usize) -> (__m256i, __m256i) {
+        let half: &[[i32; 2]; 4] = (&pairs[at..at + 4]).try_into().expect("half of a group");
+        unsafe {
+            let both = _mm256_loadu_si256(half.as_ptr().cast());
+            (both, _mm256_srli_epi64::<32>(both))
+        }
+    }
+
+    #[inline(always)]
+    fn wide(self, words: &[i64; GROUP], at: usize) -> __m256i {
+        let half: &[i64; 4] = (&words[at..at + 4]).try_into().expect("half of a group");
+        unsafe { _mm256_loadu_si256(half.as_ptr().cast()) }
+    }
+
+    #[inline(always)]
+    fn store(self, words: &mut [i64; GROUP], at: usize, value: __m256i) {
+        let half: &mut [i64; 4] = (&mut words[at..at + 4]).try_into().expect("half of a group");
+        unsafe { _mm256_storeu_si256(half.as_mut_ptr().cast(), value) }
+    }
+
+    #[inline(always)]
+    fn splat(self, value: i32) -> __m256i {
+        unsafe { _mm256_set1_epi64x(i64::from(value)) }
+    }
+
+    #[inline(always)]
+    fn plus(self, a: __m256i, b: __m256i) -> __m256i {
+        unsafe { _mm256_add_epi32(a, b) }
+    }
+
+    #[inline(always)]
+    fn minus(self, a: __m256i, b: __m256i) -> __m256i {
+        unsafe { _mm256_sub_epi32(a, b) }
+    }
+
+    #[inline(always)]
+    fn at_least(self, a: __m256i, b: __m256i) -> __m256i {
+        unsafe { _mm256_max_epi32(a, b) }
+    }
+
+    #[inline(always)]
+    fn at_most(self, a: __m256i, b: __m256i) -> __m256i {
+        unsafe { _mm256_min_epi32(a, b) }
+    }
+
+    #[inline(always)]
+    fn if_positive(self, c: __m256i, a: __m256i, b: __m256i) -> __m256i {
+        unsafe { _mm256_blendv_epi8(b, a, _mm256_cmpgt_epi32(c, _mm256_setzero_si256())) }
+    }
+
+    #[inline(always)]
+    fn none_positive(self, a: __m256i, b: __m256i) -> bool {
+        unsafe {
+            let largest = _mm256_max_epi32(a, b);
+            let positive = _mm256_cmpgt_epi32(largest, _mm256_setzero_si256());
+            _mm256_testz_si256(positive, _mm256_set1_epi64x(0xffff_ffff)) == 1
+        }
+    }
+
+    #[inline(always)]
+    fn times(self, a: __m256i, b: __m256i) -> __m256i {
+        unsafe { _mm256_mul_epi32(a, b) }
+    }
+
+    #[inline(always)]
+    fn add(self, a: __m256i, b: __m256i) -> __m256i {
+        unsafe { _mm256_add_epi64(a, b) }
+    }
+
+    #[inline(always)]
+    fn sub(self, a: __m256i, b: __m256i) -> __m256i {
+        unsafe { _mm256_sub_epi64(a, b) }
+    }
+
+    #[inline(always)]
+    fn low(self, a: __m256i) -> __m256i {
+        a
+    }
+
+    #[inline(always)]
+    fn if_negative(self, c: __m256i, a: __m256i, b: __m256i) -> __m256i {
+        unsafe {
+            let (a, b, c) = (_mm256_castsi256_pd(a), _mm256_castsi256_pd(b), _mm256_castsi256_pd(c));
+            _mm256_castpd_si256(_mm256_blendv_pd(b, a, c))
+        }
+    }
+
+    #[inline(always)]
+    fn positive(self, a: __m256i) -> __m256i {
+        self.if_negative(a, unsafe { _mm256_setzero_si256() }, a)
+    }
+
+    #[inline(always)]
+    fn clamped(self, a: __m256i, limit: __m256i) -> __m256i {
+        unsafe {
+            let least = _mm256_sub_epi64(_mm256_setzero_si256(), limit);
+            let below = _mm256_blendv_epi8(a, limit, _mm256_cmpgt_epi64(a, limit));
+            _mm256_blendv_epi8(below, least, _mm256_cmpgt_epi64(least, a))
+        }
+    }
+
+    #[inline(always)]
+    fn capped(self, a: __m256i) -> __m256i {
+        let most = self.words(i64::from(i32::MAX));
+        unsafe { _mm256_blendv_epi8(a, most, _mm256_cmpgt_epi64(a, most)) }
+    }
+
+    #[inline(always)]
+    fn floored<const BITS: i32>(self, a: __m256i) -> __m256i {
+        unsafe {
+            let shifted = _mm256_srli_epi64::<BITS>(_mm256_xor_si256(a, self.words(i64::MIN)));
+            _mm256_sub_epi64(shifted, self.words(1 << (63 - BITS)))
+        }
+    }
+
+    #[inline(always)]
+    fn floored_by(self, a: __m256i, bits: __m256i) -> __m256i {
+        unsafe {
+            let sign = self.words(i64::MIN);
+            _mm256_sub_epi64(_mm256_srlv_epi64(_mm256_xor_si256(a, sign), bits), _mm256_srlv_epi64(sign, bits))
+        }
+    }
+
+    #[inline(always)]
+    fn rounded(self, a: __m256i) -> __m256i {
+        unsafe { _mm256_srli_epi64::<30>(_mm256_add_epi64(a, self.words(1 << 29))) }
+    }
+
+    #[inline(always)]
+    fn rounded_oddly<const BITS: i32>(self, a: __m256i) -> __m256i {
+        unsafe {
+            let half = _mm256_sub_epi64(self.words((1 << BITS >> 1) ^ i64::MIN), _mm256_srli_epi64::<63>(a));
+            let shifted = _mm256_srli_epi64::<BITS>(_mm256_add_epi64(a, half));
+            _mm256_sub_epi64(shifted, self.words(1 << (63 - BITS)))
+        }
+    }
+
+    #[inline(always)]
+    fn raised_by(self, a: __m256i, bits: __m256i) -> __m256i {
+        unsafe { _mm256_sllv_epi64(a, bits) }
+    }
+
+    #[inline(always)]
+    fn share(self, factor: __m256i, load: __m256i) -> __m256i {
+        unsafe {
+            let low = _mm256_and_si256(load, self.words(0x7fff_ffff));
+            let low = _mm256_srli_epi64::<26>(_mm256_mul_epi32(factor, low));
+            let high = _mm256_slli_epi64::<5>(_mm256_mul_epi32(factor, _mm256_srli_epi64::<31>(load)));
+            _mm256_add_epi64(low, high)
+        }
+    }
+
+    #[inline(always)]
+    fn is_zero(self, a: __m256i) -> bool {
+        unsafe { _mm256_testz_si256(a, a) == 1 }
+    }
+
+    #[inline(always)]
+    fn is_beyond(self, a: __m256i) -> bool {
+        unsafe {
+            let bound = self.words(1 << 30);
+            // Within the bounds both fit in 31 bits.
+            let both = _mm256_or_si256(_mm256_add_epi64(bound, a), _mm256_sub_epi64(bound, a));
+            _mm256_testz_si256(both, self.words(!0x7fff_ffff)) == 0
+        }
+    }
+
+    #[inline(always)]
+    fn are_beyond(self, any: [__m256i; 2], low: [__m256i; 2]) -> bool {
+        unsafe {
+            let bound = self.words(1 << 30);
+            // Within the bounds these fit in 31 bits.
+            let any = _mm256_or_si256(_mm256_add_epi64(any[0], bound), _mm256_add_epi64(any[1], bound));
+            let bound = self.words(1 << 31);
+            // Within them these are not negative.
+            let low = _mm256_or_si256(_mm256_add_epi64(low[0], bound), _mm256_add_epi64(low[1], bound));
+            let low = _mm256_and_si256(low, self.words(i64::MIN));
+            _mm256_testz_si256(_mm256_or_si256(any, low), self.words(!0x7fff_ffff)) == 0
+        }
+    }
+
+    #[inline(always)]
+    fn quad(self, words: &[i32; 4]) -> __m128i {
+        unsafe { _mm_loadu_si128(words.as_ptr().cast()) }
+    }
+
+    #[inline(always)]
+    fn put(self, words: &mut [i32; 4], value: __m128i) {
+        unsafe { _mm_storeu_si128(words.as_mut_ptr().cast(), value) }
+    }
+
+    #[inline(always)]
+    fn quad_plus(self, a: __m128i, b: __m128i) -> __m128i {
+        unsafe { _mm_add_epi32(a, b) }
+    }
+
+    #[inline(always)]
+    fn quad_minus(self, a: __m128i, b: __m128i) -> __m128i {
+        unsafe { _mm_sub_epi32(a, b) }
+    }
+
+    #[inline(always)]
+    fn quad_clamped(self, a: __m128i, limit: i32) -> __m128i {
+        unsafe { _mm_max_epi32(_mm_min_epi32(a, _mm_set1_epi32(limit)), _mm_set1_epi32(-limit)) }
+    }
+
+    #[inline(always)]
+    fn quad_shares(self, a: __m128i, share: i32, b: __m128i, other: i32) -> __m128i {
+        unsafe {
+            let a = _mm256_mul_epi32(_mm256_cvtepi32_epi64(a), self.splat(share));
+            let b = _mm256_mul_epi32(_mm256_cvtepi32_epi64(b), self.splat(other));
+            let sum = _mm256_add_epi64(a, b);
+            let half = _mm256_sub_epi64(self.words(1 << 29), _mm256_srli_epi64::<63>(sum));
+            self.packed(_mm256_srli_epi64::<30>(_mm256_add_epi64(sum, half)))
+        }
+    }
+
+    #[inline(always)]
+    fn quad_joined(self, a: __m128i, b: __m128i) -> __m128i {
+        unsafe { _mm_blend_epi32::<8>(a, b) }
+    }
+
+    #[inline(always)]
+    fn gather(self, rows: &[Row], index: &[u32; GROUP], at: usize) -> Gathered<__m256i> {
+        let index: &[u32; 4] = (&index[at..at + 4]).try_into().expect("half of a group");
+        let [i, j, k, l] = *index;
+        let row = [&rows[i as usize], &rows[j as usize], &rows[k as usize], &rows[l as usize]];
+        unsafe {
+            let a = self.both(&row[0].velocity, &row[2].velocity);
+            let b = self.both(&row[1].velocity, &row[3].velocity);
+            let (linear, angular) = (_mm256_unpacklo_epi64(a, b), _mm256_unpackhi_epi64(a, b));
+            let c = self.both(&row[0].displacement, &row[2].displacement);
+            let d = self.both(&row[1].displacement, &row[3].displacement);
+            let moved = _mm256_unpacklo_epi64(c, d);
+            let (y, dy) = (_mm256_srli_epi64::<32>(linear), _mm256_srli_epi64::<32>(moved));
+            let angle = _mm256_srli_epi64::<32>(angular);
+            Gathered { velocity: [linear, y, angular], displacement: [moved, dy, angle] }
+        }
+    }
+
+    #[inline(always)]
+    fn take_gain(self, row: &mut Row, limit: i32) -> bool {
+        let limit = i64::from(limit);
+        unsafe {
+            let velocity = _mm256_cvtepi32_epi64(_mm_load_si128(row.velocity.as_ptr().cast()));
+            let gain = _mm256_loadu_si256(row.gain.as_ptr().cast());
+            // Rounded oddly, and 2^(63 − GAIN_BITS) larger: its lower half is that of the sum.
+            let half = self.words((1 << GAIN_BITS >> 1) ^ i64::MIN);
+            let half = _mm256_sub_epi64(half, _mm256_srli_epi64::<63>(gain));
+            let gained = _mm256_srli_epi64::<GAIN_BITS>(_mm256_add_epi64(gain, half));
+            let sum = _mm256_add_epi64(velocity, gained);
+            // Within the range these are below twice the limit. The fourth component is the angle, which has no gain.
+            let shifted = _mm256_add_epi64(sum, self.words(limit - (1 << (63 - GAIN_BITS))));
+            let above = _mm256_set_epi64x(0, -2 * limit, -2 * limit, -2 * limit);
+            let is_within = _mm256_testz_si256(shifted, above) == 1;
+            if is_within {
+                _mm_store_si128(row.velocity.as_mut_ptr().cast(), self.packed(sum));
+                _mm256_storeu_si256(row.gain.as_mut_ptr().cast(), _mm256_setzero_si256());
+            }
+            is_within
+        }
+    }
+
+    #[inline(always)]
+    fn add_gains(self, rows: &mut [Row], index: &[u32; GROUP], at: usize, change: [__m256i; 3]) {
+        for (&i, row) in index[at..at + 4].iter().zip(self.transposed(change)) {
+            let gain = rows[i as usize].gain.as_mut_ptr().cast();
+            unsafe { _mm256_storeu_si256(gain, _mm256_add_epi64(_mm256_loadu_si256(gain), row)) }
+        }
+    }
+
+    #[inline(always)]
+    fn subtract_gains(self, rows: &mut [Row], index: &[u32; GROUP], at: usize, change: [__m256i; 3]) {
+        for (&i, row) in index[at..at + 4].iter().zip(self.transposed(change)) {
+            let gain = rows[i as usize].gain.as_mut_ptr().cast();
+            unsafe { _mm256_storeu_si256(gain, _mm256_sub_epi64(_mm256_loadu_si256(gain), row)) }
+        }
+    }
+}

@@ -1,0 +1,329 @@
+//! Eight lanes of 64 bits with AVX-512: a group at once.
+//!
+//! Narrow lanes are as in [`Avx2`](super::Avx2), which also handles single bodies: a CPU with AVX-512 has AVX2.
+#![allow(unsafe_code, reason = "vector instructions, on a CPU that has them")]
+
+/// The part that compilers from 1.89 on know.
+#[rustversion::since(1.89)]
+#[allow(clippy::incompatible_msrv, reason = "older compilers do not see this module")]
+mod lanes {
+    use core::arch::x86_64::*;
+
+    use super::super::{Avx2, GROUP, Gathered, Job, Lanes, Pairs, Row};
+
+    /// The proof that the CPU has AVX-512.
+    #[derive(Clone, Copy)]
+    pub(crate) struct Avx512(Avx2);
+
+    impl Avx512 {
+        /// Returns a value if the CPU has AVX-512.
+        pub(crate) fn new() -> Option<Self> {
+            extern crate std;
+            let has = std::is_x86_feature_detected!("avx512f")
+                && std::is_x86_feature_detected!("avx512dq")
+                && std::is_x86_feature_detected!("avx512vl");
+            Avx2::new().filter(|_| has).map(Self)
+        }
+
+        /// Runs a job compiled for these instructions.
+        pub(crate) fn run<J: Job>(self, job: J) -> J::Result {
+            #[target_feature(enable = "avx512f,avx512dq,avx512vl,bmi2")]
+            unsafe fn compiled<J: Job>(job: J, lanes: Avx512) -> J::Result {
+                job.run(lanes)
+            }
+
+            // SAFETY: a value of this type exists on a CPU with these instructions only.
+            unsafe { compiled(job, self) }
+        }
+
+        #[inline(always)]
+        fn words(self, value: i64) -> __m512i {
+            unsafe { _mm512_set1_epi64(value) }
+        }
+
+        /// Two rows side by side.
+        #[inline(always)]
+        fn both(self, low: &Row, high: &Row) -> __m512i {
+            let (low, high): (*const Row, *const Row) = (low, high);
+            // SAFETY: a row fills a vector of 256 bits and is aligned like one.
+            unsafe {
+                let low = _mm512_castsi256_si512(_mm256_load_si256(low.cast()));
+                _mm512_inserti64x4::<1>(low, _mm256_load_si256(high.cast()))
+            }
+        }
+
+        /// Two rows (x, y, z, 0) from the words of `xy` and `z` that an index names.
+        #[inline(always)]
+        fn rows(self, xy: __m512i, index: __m512i, z: __m512i) -> [__m256i; 2] {
+            unsafe {
+                let rows = _mm512_maskz_permutex2var_epi64(0b0111_0111, xy, index, z);
+                [_mm512_castsi512_si256(rows), _mm512_extracti64x4_epi64::<1>(rows)]
+            }
+        }
+
+        /// The lanes of x, y and z as rows (x, y, z, 0).
+        #[inline(always)]
+        fn transposed(self, [x, y, z]: [__m512i; 3]) -> [__m256i; GROUP] {
+            unsafe {
+                let (even, odd) = (_mm512_unpacklo_epi64(x, y), _mm512_unpackhi_epi64(x, y));
+                let [r0, r2] = self.rows(even, _mm512_setr_epi64(0, 1, 8, 0, 2, 3, 10, 0), z);
+                let [r1, r3] = self.rows(odd, _mm512_setr_epi64(0, 1, 9, 0, 2, 3, 11, 0), z);
+                let [r4, r6] = self.rows(even, _mm512_setr_epi64(4, 5, 12, 0, 6, 7, 14, 0), z);
+                let [r5, r7] = self.rows(odd, _mm512_setr_epi64(4, 5, 13, 0, 6, 7, 15, 0), z);
+                [r0, r1, r2, r3, r4, r5, r6, r7]
+            }
+        }
+    }
+
+    impl Lanes for Avx512 {
+        const WIDTH: usize = GROUP;
+        type Narrow = __m512i;
+        type Wide = __m512i;
+        type Quad = __m128i;
+
+        #[inline(always)]
+        fn pair(self, pairs: &Pairs, _: usize) -> (__m512i, __m512i) {
+            unsafe {
+                let both = _mm512_loadu_si512(pairs.as_ptr().cast());
+                (both, _mm512_srli_epi64::<32>(both))
+            }
+        }
+
+        #[inline(always)]
+        fn wide(self, words: &[i64; GROUP], _: usize) -> __m512i {
+            unsafe { _mm512_loadu_si512(words.as_ptr().cast()) }
+        }
+
+        #[inline(always)]
+        fn store(self, words: &mut [i64; GROUP], _: usize, value: __m512i) {
+            unsafe { _mm512_storeu_si512(words.as_mut_ptr().cast(), value) }
+        }
+
+        #[inline(always)]
+        fn splat(self, value: i32) -> __m512i {
+            self.words(i64::from(value))
+        }
+
+        #[inline(always)]
+        fn plus(self, a: __m512i, b: __m512i) -> __m512i {
+            unsafe { _mm512_add_epi32(a, b) }
+        }
+
+        #[inline(always)]
+        fn minus(self, a: __m512i, b: __m512i) -> __m512i {
+            unsafe { _mm512_sub_epi32(a, b) }
+        }
+
+        #[inline(always)]
+        fn at_least(self, a: __m512i, b: __m512i) -> __m512i {
+            unsafe { _mm512_max_epi32(a, b) }
+        }
+
+        #[inline(always)]
+        fn at_most(self, a: __m512i, b: __m512i) -> __m512i {
+            unsafe { _mm512_min_epi32(a, b) }
+        }
+
+        #[inline(always)]
+        fn if_positive(self, c: __m512i, a: __m512i, b: __m512i) -> __m512i {
+            unsafe { _mm512_mask_blend_epi32(_mm512_cmpgt_epi32_mask(c, _mm512_setzero_si512()), b, a) }
+        }
+
+        #[inline(always)]
+        fn none_positive(self, a: __m512i, b: __m512i) -> bool {
+            unsafe { _mm512_cmpgt_epi32_mask(_mm512_max_epi32(a, b), _mm512_setzero_si512()) & 0x5555 == 0 }
+        }
+
+        #[inline(always)]
+        fn times(self, a: __m512i, b: __m512i) -> __m512i {
+            unsafe { _mm512_mul_epi32(a, b) }
+        }
+
+        #[inline(always)]
+        fn add(self, a: __m512i, b: __m512i) -> __m512i {
+            unsafe { _mm512_add_epi64(a, b) }
+        }
+
+        #[inline(always)]
+        fn sub(self, a: __m512i, b: __m512i) -> __m512i {
+            unsafe { _mm512_sub_epi64(a, b) }
+        }
+
+        #[inline(always)]
+        fn low(self, a: __m512i) -> __m512i {
+            a
+        }
+
+        #[inline(always)]
+        fn if_negative(self, c: __m512i, a: __m512i, b: __m512i) -> __m512i {
+            unsafe { _mm512_mask_blend_epi64(_mm512_movepi64_mask(c), b, a) }
+        }
+
+        #[inline(always)]
+        fn positive(self, a: __m512i) -> __m512i {
+            unsafe { _mm512_max_epi64(a, _mm512_setzero_si512()) }
+        }
+
+        #[inline(always)]
+        fn clamped(self, a: __m512i, limit: __m512i) -> __m512i {
+            unsafe {
+                let least = _mm512_sub_epi64(_mm512_setzero_si512(), limit);
+                _mm512_max_epi64(_mm512_min_epi64(a, limit), least)
+            }
+        }
+
+        #[inline(always)]
+        fn capped(self, a: __m512i) -> __m512i {
+            unsafe { _mm512_min_epi64(a, self.words(i64::from(i32::MAX))) }
+        }
+
+        #[inline(always)]
+        fn floored<const BITS: i32>(self, a: __m512i) -> __m512i {
+            // The same number in all lanes becomes an immediate operand.
+            self.floored_by(a, self.words(i64::from(BITS)))
+        }
+
+        #[inline(always)]
+        fn floored_by(self, a: __m512i, bits: __m512i) -> __m512i {
+            unsafe { _mm512_srav_epi64(a, bits) }
+        }
+
+        #[inline(always)]
+        fn rounded(self, a: __m512i) -> __m512i {
+            unsafe { _mm512_srli_epi64::<30>(_mm512_add_epi64(a, self.words(1 << 29))) }
+        }
+
+        #[inline(always)]
+        fn rounded_oddly<const BITS: i32>(self, a: __m512i) -> __m512i {
+            unsafe {
+                let half = _mm512_sub_epi64(self.words(1 << BITS >> 1), _mm512_srli_epi64::<63>(a));
+                self.floored::<BITS>(_mm512_add_epi64(a, half))
+            }
+        }
+
+        #[inline(always)]
+        fn raised_by(self, a: __m512i, bits: __m512i) -> __m512i {
+            unsafe { _mm512_sllv_epi64(a, bits) }
+        }
+
+        #[inline(always)]
+        fn share(self, factor: __m512i, load: __m512i) -> __m512i {
+            unsafe {
+                let low = _mm512_and_si512(load, self.words(0x7fff_ffff));
+                let low = _mm512_srli_epi64::<26>(_mm512_mul_epi32(factor, low));
+                let high = _mm512_slli_epi64::<5>(_mm512_mul_epi32(factor, _mm512_srli_epi64::<31>(load)));
+                _mm512_add_epi64(low, high)
+            }
+        }
+
+        #[inline(always)]
+        fn is_zero(self, a: __m512i) -> bool {
+            unsafe { _mm512_test_epi64_mask(a, a) == 0 }
+        }
+
+        #[inline(always)]
+        fn is_beyond(self, a: __m512i) -> bool {
+            unsafe {
+                let bound = self.words(1 << 30);
+                // Within the bounds both fit in 31 bits.
+                let both = _mm512_or_si512(_mm512_add_epi64(bound, a), _mm512_sub_epi64(bound, a));
+                _mm512_test_epi64_mask(both, self.words(!0x7fff_ffff)) != 0
+            }
+        }
+
+        #[inline(always)]
+        fn are_beyond(self, any: [__m512i; 2], low: [__m512i; 2]) -> bool {
+            unsafe {
+                let bound = self.words(1 << 30);
+                // Within the bounds these fit in 31 bits.
+                let any = _mm512_or_si512(_mm512_add_epi64(any[0], bound), _mm512_add_epi64(any[1], bound));
+                let low = _mm512_min_epi64(low[0], low[1]);
+                let too_low = _mm512_cmpgt_epi64_mask(self.words(i64::from(i32::MIN)), low);
+                _mm512_test_epi64_mask(any, self.words(!0x7fff_ffff)) | too_low != 0
+            }
+        }
+
+        #[inline(always)]
+        fn quad(self, words: &[i32; 4]) -> __m128i {
+            self.0.quad(words)
+        }
+
+        #[inline(always)]
+        fn put(self, words: &mut [i32; 4], value: __m128i) {
+            self.0.put(words, value);
+        }
+
+        #[inline(always)]
+        fn quad_plus(self, a: __m128i, b: __m128i) -> __m128i {
+            self.0.quad_plus(a, b)
+        }
+
+        #[inline(always)]
+        fn quad_minus(self, a: __m128i, b: __m128i) -> __m128i {
+            self.0.quad_minus(a, b)
+        }
+
+        #[inline(always)]
+        fn quad_clamped(self, a: __m128i, limit: i32) -> __m128i {
+            self.0.quad_clamped(a, limit)
+        }
+
+        #[inline(always)]
+        fn quad_shares(self, a: __m128i, share: i32, b: __m128i, other: i32) -> __m128i {
+            self.0.quad_shares(a, share, b, other)
+        }
+
+        #[inline(always)]
+        fn quad_joined(self, a: __m128i, b: __m128i) -> __m128i {
+            self.0.quad_joined(a, b)
+        }
+
+        #[inline(always)]
+        fn gather(self, rows: &[Row], index: &[u32; GROUP], _: usize) -> Gathered<__m512i> {
+            let [i, j, k, l, m, n, o, p] = *index;
+            let a = self.both(&rows[i as usize], &rows[m as usize]);
+            let b = self.both(&rows[j as usize], &rows[n as usize]);
+            let c = self.both(&rows[k as usize], &rows[o as usize]);
+            let d = self.both(&rows[l as usize], &rows[p as usize]);
+            unsafe {
+                // Words of a row: x and y; angular and angle; displacement x and y; nothing.
+                let (even, other_even) = (_mm512_unpacklo_epi64(a, b), _mm512_unpacklo_epi64(c, d));
+                let (odd, other_odd) = (_mm512_unpackhi_epi64(a, b), _mm512_unpackhi_epi64(c, d));
+                let (first, third) =
+                    (_mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13), _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15));
+                let linear = _mm512_permutex2var_epi64(even, first, other_even);
+                let angular = _mm512_permutex2var_epi64(odd, first, other_odd);
+                let moved = _mm512_permutex2var_epi64(even, third, other_even);
+                let (y, dy) = (_mm512_srli_epi64::<32>(linear), _mm512_srli_epi64::<32>(moved));
+                let angle = _mm512_srli_epi64::<32>(angular);
+                Gathered { velocity: [linear, y, angular], displacement: [moved, dy, angle] }
+            }
+        }
+
+        #[inline(always)]
+        fn take_gain(self, row: &mut Row, limit: i32) -> bool {
+            self.0.take_gain(row, limit)
+        }
+
+        #[inline(always)]
+        fn add_gains(self, rows: &mut [Row], index: &[u32; GROUP], _: usize, change: [__m512i; 3]) {
+            for (&i, row) in index.iter().zip(self.transposed(change)) {
+                let gain = rows[i as usize].gain.as_mut_ptr().cast();
+                unsafe { _mm256_storeu_si256(gain, _mm256_add_epi64(_mm256_loadu_si256(gain), row)) }
+            }
+        }
+
+        #[inline(always)]
+        fn subtract_gains(self, rows: &mut [Row], index: &[u32; GROUP], _: usize, change: [__m512i; 3]) {
+            for (&i, row) in index.iter().zip(self.transposed(change)) {
+                let gain = rows[i as usize].gain.as_mut_ptr().cast();
+                unsafe { _mm256_storeu_si256(gain, _mm256_sub_epi64(_mm256_loadu_si256(gain), row)) }
+            }
+        }
+    }
+}
+
+#[rustversion::before(1.89)]
+pub(crate) use super::absent::Absent as Avx512;
+#[rustversion::since(1.89)]
+pub(crate) use lanes::Avx512;

@@ -1,0 +1,223 @@
+//! One lane at a time, in plain integers: the reference.
+
+use super::{GAIN_BITS, GROUP, Gain, Gathered, Lanes, Pairs, Row};
+
+/// One lane, on every machine.
+#[derive(Clone, Copy)]
+pub(crate) struct Portable;
+
+impl Lanes for Portable {
+    const WIDTH: usize = 1;
+    type Narrow = i32;
+    type Wide = i64;
+    type Quad = [i32; 4];
+
+    #[inline(always)]
+    fn pair(self, pairs: &Pairs, at: usize) -> (i32, i32) {
+        (pairs[at][0], pairs[at][1])
+    }
+
+    #[inline(always)]
+    fn wide(self, words: &[i64; GROUP], at: usize) -> i64 {
+        words[at]
+    }
+
+    #[inline(always)]
+    fn store(self, words: &mut [i64; GROUP], at: usize, value: i64) {
+        words[at] = value;
+    }
+
+    #[inline(always)]
+    fn splat(self, value: i32) -> i32 {
+        value
+    }
+
+    #[inline(always)]
+    fn plus(self, a: i32, b: i32) -> i32 {
+        a + b
+    }
+
+    #[inline(always)]
+    fn minus(self, a: i32, b: i32) -> i32 {
+        a - b
+    }
+
+    #[inline(always)]
+    fn at_least(self, a: i32, b: i32) -> i32 {
+        a.max(b)
+    }
+
+    #[inline(always)]
+    fn at_most(self, a: i32, b: i32) -> i32 {
+        a.min(b)
+    }
+
+    #[inline(always)]
+    fn if_positive(self, c: i32, a: i32, b: i32) -> i32 {
+        if c > 0 { a } else { b }
+    }
+
+    #[inline(always)]
+    fn none_positive(self, a: i32, b: i32) -> bool {
+        a <= 0 && b <= 0
+    }
+
+    #[inline(always)]
+    fn times(self, a: i32, b: i32) -> i64 {
+        i64::from(a) * i64::from(b)
+    }
+
+    #[inline(always)]
+    fn add(self, a: i64, b: i64) -> i64 {
+        a + b
+    }
+
+    #[inline(always)]
+    fn sub(self, a: i64, b: i64) -> i64 {
+        a - b
+    }
+
+    #[inline(always)]
+    fn low(self, a: i64) -> i32 {
+        a as i32
+    }
+
+    #[inline(always)]
+    fn if_negative(self, c: i64, a: i64, b: i64) -> i64 {
+        if c < 0 { a } else { b }
+    }
+
+    #[inline(always)]
+    fn positive(self, a: i64) -> i64 {
+        a.max(0)
+    }
+
+    #[inline(always)]
+    fn clamped(self, a: i64, limit: i64) -> i64 {
+        a.min(limit).max(-limit)
+    }
+
+    #[inline(always)]
+    fn capped(self, a: i64) -> i32 {
+        a.min(i64::from(i32::MAX)) as i32
+    }
+
+    #[inline(always)]
+    fn floored<const BITS: i32>(self, a: i64) -> i64 {
+        a >> BITS
+    }
+
+    #[inline(always)]
+    fn floored_by(self, a: i64, bits: i64) -> i64 {
+        a >> (bits & 63)
+    }
+
+    #[inline(always)]
+    fn rounded(self, a: i64) -> i32 {
+        ((a + (1 << 29)) >> 30) as i32
+    }
+
+    #[inline(always)]
+    fn rounded_oddly<const BITS: i32>(self, a: i64) -> i64 {
+        (a + (1 << BITS >> 1) - i64::from(a < 0)) >> BITS
+    }
+
+    #[inline(always)]
+    fn raised_by(self, a: i64, bits: i64) -> i64 {
+        a << (bits & 63)
+    }
+
+    #[inline(always)]
+    fn share(self, factor: i32, load: i64) -> i64 {
+        let (low, high) = (load & 0x7fff_ffff, load >> 31);
+        ((i64::from(factor) * low) >> 26) + ((i64::from(factor) * high) << 5)
+    }
+
+    #[inline(always)]
+    fn is_zero(self, a: i64) -> bool {
+        a == 0
+    }
+
+    #[inline(always)]
+    fn is_beyond(self, a: i64) -> bool {
+        a.unsigned_abs() >= 1 << 30
+    }
+
+    #[inline(always)]
+    fn are_beyond(self, any: [i64; 2], low: [i64; 2]) -> bool {
+        const BOUND: i64 = 1 << 30;
+        any.iter().any(|&a| !(-BOUND..BOUND).contains(&a)) || low.iter().any(|&a| a < -2 * BOUND)
+    }
+
+    #[inline(always)]
+    fn quad(self, words: &[i32; 4]) -> [i32; 4] {
+        *words
+    }
+
+    #[inline(always)]
+    fn put(self, words: &mut [i32; 4], value: [i32; 4]) {
+        *words = value;
+    }
+
+    #[inline(always)]
+    fn quad_plus(self, a: [i32; 4], b: [i32; 4]) -> [i32; 4] {
+        [a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]]
+    }
+
+    #[inline(always)]
+    fn quad_minus(self, a: [i32; 4], b: [i32; 4]) -> [i32; 4] {
+        [a[0] - b[0], a[1] - b[1], a[2] - b[2], a[3] - b[3]]
+    }
+
+    #[inline(always)]
+    fn quad_clamped(self, a: [i32; 4], limit: i32) -> [i32; 4] {
+        a.map(|a| a.clamp(-limit, limit))
+    }
+
+    #[inline(always)]
+    fn quad_shares(self, a: [i32; 4], share: i32, b: [i32; 4], other: i32) -> [i32; 4] {
+        let mut shares = [0; 4];
+        for (i, result) in shares.iter_mut().enumerate() {
+            *result = self.rounded_oddly::<30>(self.times(a[i], share) + self.times(b[i], other)) as i32;
+        }
+        shares
+    }
+
+    #[inline(always)]
+    fn quad_joined(self, a: [i32; 4], b: [i32; 4]) -> [i32; 4] {
+        [a[0], a[1], a[2], b[3]]
+    }
+
+    #[inline(always)]
+    fn gather(self, rows: &[Row], index: &[u32; GROUP], at: usize) -> Gathered<i32> {
+        let row = &rows[index[at] as usize];
+        let ([vx, vy, spin, angle], [x, y, ..]) = (row.velocity, row.displacement);
+        Gathered { velocity: [vx, vy, spin], displacement: [x, y, angle] }
+    }
+
+    #[inline(always)]
+    fn take_gain(self, row: &mut Row, limit: i32) -> bool {
+        let [vx, vy, spin, angle] = row.velocity;
+        let [gx, gy, turn] = [row.gain[0], row.gain[1], row.gain[2]].map(|g| self.rounded_oddly::<GAIN_BITS>(g));
+        let sums = [i64::from(vx) + gx, i64::from(vy) + gy, i64::from(spin) + turn];
+        let limit = i64::from(limit);
+        let is_within = sums.iter().all(|sum| (-limit..limit).contains(sum));
+        if is_within {
+            row.velocity = [sums[0] as i32, sums[1] as i32, sums[2] as i32, angle];
+            row.gain = Gain::default();
+        }
+        is_within
+    }
+
+    #[inline(always)]
+    fn add_gains(self, rows: &mut [Row], index: &[u32; GROUP], at: usize, change: [i64; 3]) {
+        let gain = &mut rows[index[at] as usize].gain;
+        (0..3).for_each(|i| gain[i] += change[i]);
+    }
+
+    #[inline(always)]
+    fn subtract_gains(self, rows: &mut [Row], index: &[u32; GROUP], at: usize, change: [i64; 3]) {
+        let gain = &mut rows[index[at] as usize].gain;
+        (0..3).for_each(|i| gain[i] -= change[i]);
+    }
+}

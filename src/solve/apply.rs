@@ -1,0 +1,144 @@
+//! Exact impulses, applied once a step.
+//!
+//! A body flies freely from x0 to x1, at velocities v0 to v1, and impulses add h·Q/m to the displacement, with Q the impulses weighted
+//! by the sub-steps that they moved it in. The solver took the free flight for sub-steps of semi-implicit Euler, whose displacement
+//! differs from x1 − x0 by o: for velocity Verlet, by (v1 − v0)·h/2. So a body at rest would rise by as much in each step. The
+//! part of the free flight that impulses cancel therefore counts as in the solver: with the change Δv by impulses,
+//! Δv·(o·Δv) / max(Δv², −(v1 − v0)·Δv) is added where the impulses work against the change v1 − v0. A body without impulses gets
+//! nothing, a body at rest o, one that is hit hard the part of o along Δv.
+//!
+//! The impulse vector of a contact is rounded once to 2^-64 N·s, and both bodies get the same one with opposite signs: the
+//! momentum of what is not fixed changes by the rounding of velocities alone.
+
+use alloc::vec::Vec;
+
+use super::number::shifted;
+use super::unit::Clock;
+use super::{Contact, Correction, Flight, Impulses, Solver};
+use crate::fx::Fx;
+use crate::kernel::wide::mul_shift_64;
+use crate::math::Vec2;
+use crate::scalar::{Accumulator, FxAccumulator, FxFactor};
+
+/// Impulses of a contact are within ±2^46 N·s, or N·m·s: 2^110 units. 2^16 of them fit in a sum.
+const LARGEST: i128 = 1 << 110;
+
+/// Impulses on a body, in 2^-64 N·s and N·m·s: their sum, and their sum weighted with the sub-steps that they moved it in.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Total {
+    impulse: [i128; 3],
+    weighted: [i128; 3],
+}
+
+/// impulse · factor as a change of velocity, in 2^-96.
+fn changed(impulse: i128, factor: FxFactor) -> FxAccumulator {
+    let (mantissa, shift) = factor.parts();
+    // A change beyond that is beyond all limits of a body, and the sum with its velocity still fits.
+    let most = impulse.signum() << 126;
+    let change = mul_shift_64(impulse, mantissa, shift - 32).unwrap_or(most);
+    FxAccumulator::from_bits(change.clamp(-(1 << 126), 1 << 126))
+}
+
+impl Solver {
+    /// Writes impulses and corrections.
+    pub(super) fn apply(
+        &self,
+        clock: &Clock,
+        flights: &[Flight],
+        contacts: &mut [Contact],
+        corrections: &mut Vec<Correction>,
+    ) {
+        let mut totals = alloc::vec![Total::default(); flights.len()];
+        for contact in contacts.iter_mut() {
+            contact.impulses = Impulses::default();
+        }
+        for place in &self.places {
+            let contact = &mut contacts[place.contact as usize];
+            let (group, lane) = (&self.groups[place.group as usize], place.lane as usize);
+            contact.impulses =
+                Impulses { values: [0, 1, 2].map(|k| group.impulses[k][lane]), exponent: place.exponent };
+            let [nx, ny] = group.normal[lane].map(i128::from);
+            for (weighted, sums) in [(false, &group.applied), (true, &group.weighted)] {
+                let [p1, p2, t] = [0, 1, 2].map(|k| i128::from(sums[k][lane]));
+                // From 2^(exponent − 30) to 2^-64 N·s.
+                let bits = -64 + 30 - place.exponent;
+                let limited = |value: i128, bits: i32| shifted_within(value, bits);
+                let impulse = [limited(nx * (p1 + p2) + ny * t, bits), limited(ny * (p1 + p2) - nx * t, bits)];
+                for (side, body) in contact.bodies.into_iter().enumerate() {
+                    let arms = [0, 1, 2].map(|row| i128::from(group.arms[row][lane][side]));
+                    let length = flights[body as usize].length();
+                    let turn = limited(arms[0] * p1 + arms[1] * p2 + arms[2] * t, bits - length);
+                    let total = &mut totals[body as usize];
+                    let sums = if weighted { &mut total.weighted } else { &mut total.impulse };
+                    let sign = if side == 0 { -1 } else { 1 };
+                    for (sum, value) in sums.iter_mut().zip([impulse[0], impulse[1], turn]) {
+                        *sum += sign * value;
+                    }
+                }
+            }
+        }
+        corrections.clear();
+        corrections.extend(flights.iter().zip(&totals).map(|(flight, total)| {
+            let ([x, y, turn], [wx, wy, wt]) = (total.impulse, total.weighted);
+            let moved = |factor: FxFactor| factor.times(clock.substep);
+            let (mass, inertia) = (flight.inverse_mass, flight.inverse_inertia);
+            let velocity = Vec2::new(changed(x, mass.x), changed(y, mass.y));
+            let angular_velocity = changed(turn, inertia);
+            let [ox, oy] = cancelled(
+                [velocity.x.value(), velocity.y.value()],
+                [(flight.start.linear.x, flight.end.linear.x), (flight.start.linear.y, flight.end.linear.y)],
+                [flight.displacement.x, flight.displacement.y],
+                clock,
+            );
+            let ends = (flight.start.angular, flight.end.angular);
+            let [turned] = cancelled([angular_velocity.value()], [ends], [flight.rotation], clock);
+            Correction {
+                velocity,
+                angular_velocity,
+                displacement: Vec2::new(changed(wx, moved(mass.x)).plus(ox), changed(wy, moved(mass.y)).plus(oy)),
+                rotation: changed(wt, moved(inertia)).plus(turned),
+            }
+        }));
+    }
+}
+
+/// The displacement that the free flight lacks or has too much of where impulses cancel it, for a change of velocity by impulses and a
+/// free flight by its velocities at both ends and its displacement.
+fn cancelled<const N: usize>(
+    change: [Fx; N],
+    ends: [(Fx, Fx); N],
+    displacement: [Fx; N],
+    clock: &Clock,
+) -> [FxAccumulator; N] {
+    // In 2^-32 m/s. Changes of 2^20 m/s and more count as that: the quotient below is less then.
+    let bits = change.map(|v| i128::from(v.to_bits()).clamp(-(1 << 52), 1 << 52));
+    let flown = ends.map(|(start, end)| i128::from(end.to_bits()) - i128::from(start.to_bits()));
+    // |v|² and v·w below 2^107: v1 − v0 is below 2^54.
+    let (square, against) = (dot(bits, bits), -dot(flown, bits));
+    if against <= 0 {
+        return [FxAccumulator::default(); N];
+    }
+    let mut offset = [0; N];
+    for i in 0..N {
+        let (start, end) = (i128::from(ends[i].0.to_bits()), i128::from(ends[i].1.to_bits()));
+        offset[i] = clock.euler(start, end) - i128::from(displacement[i].to_bits());
+    }
+    // The quotient |o|/|v| with 40 bits after the point, less where o·v is beyond 2^86.
+    let product = dot(offset, bits);
+    let places = 126_u32.saturating_sub(128 - product.unsigned_abs().leading_zeros()).min(40);
+    let share = (product << places) / square.max(against);
+    // v·share is at most |o|, in 2^-(32 + places) m: below 2^96. From there to 2^-96.
+    bits.map(|v| FxAccumulator::from_bits((v * share) << (64 - places)))
+}
+
+fn dot<const N: usize>(a: [i128; N], b: [i128; N]) -> i128 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// value · 2^-bits within the largest impulse.
+fn shifted_within(value: i128, bits: i32) -> i128 {
+    if bits < 0 && 128 - value.unsigned_abs().leading_zeros() as i32 - bits > 111 {
+        return if value < 0 { -LARGEST } else { LARGEST };
+    }
+    shifted(value, bits).clamp(-LARGEST, LARGEST)
+}

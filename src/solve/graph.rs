@@ -1,0 +1,162 @@
+//! The graph of touching bodies: islands, levels and the order of contacts.
+//!
+//! The level of a body is its distance, in contacts, from the nearest body that cannot be moved. Contacts between bodies of unlike
+//! level form two phases, by the lower level being even or odd; contacts between bodies of the same level form the third. An
+//! island without such a body starts from its heaviest bodies, among these from the nearest to its centre of mass, all that tie.
+//! So the order is a function of the graph and the masses alone.
+
+use alloc::vec::Vec;
+
+/// The number of phases of contacts.
+pub(super) const PHASES: usize = 3;
+
+/// No level yet, or no island.
+const NONE: u32 = u32::MAX;
+
+/// Islands and levels of bodies.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Graph {
+    /// Level by body.
+    level: Vec<u32>,
+    /// Island by body; bodies that cannot be moved have none.
+    island: Vec<u32>,
+    /// The places in `neighbours` at which those of each body begin.
+    first: Vec<u32>,
+    neighbours: Vec<u32>,
+    /// The bodies to look at next.
+    queue: Vec<u32>,
+    pub(super) islands: usize,
+}
+
+impl Graph {
+    /// Builds the graph of `links` between bodies. `start` chooses the bodies at which an island without a fixed body
+    /// begins.
+    pub(super) fn build(
+        &mut self,
+        is_fixed: impl Fn(u32) -> bool,
+        bodies: usize,
+        links: impl Iterator<Item = [u32; 2]> + Clone,
+        mut start: impl FnMut(&[u32], &mut Vec<u32>),
+    ) {
+        self.first.clear();
+        self.first.resize(bodies + 1, 0);
+        for body in links.clone().flatten() {
+            self.first[body as usize + 1] += 1;
+        }
+        for i in 0..bodies {
+            self.first[i + 1] += self.first[i];
+        }
+        self.neighbours.clear();
+        self.neighbours.resize(self.first[bodies] as usize, 0);
+        // Filled from the end of each body's part; the order does not matter.
+        for [a, b] in links {
+            for (from, to) in [(a, b), (b, a)] {
+                let end = &mut self.first[from as usize + 1];
+                *end -= 1;
+                self.neighbours[*end as usize] = to;
+            }
+        }
+        // Each entry is now the beginning of its body's part, one place later.
+        self.first.remove(0);
+        self.first.push(self.neighbours.len() as u32);
+        self.find_islands(&is_fixed, bodies);
+        self.find_levels(&is_fixed, bodies, &mut start);
+    }
+
+    fn neighbours_of(&self, body: u32) -> core::ops::Range<usize> {
+        self.first[body as usize] as usize..self.first[body as usize + 1] as usize
+    }
+
+    fn find_islands(&mut self, is_fixed: &impl Fn(u32) -> bool, bodies: usize) {
+        self.island.clear();
+        self.island.resize(bodies, NONE);
+        self.islands = 0;
+        for seed in 0..bodies as u32 {
+            if self.island[seed as usize] != NONE || is_fixed(seed) || self.neighbours_of(seed).is_empty() {
+                continue;
+            }
+            self.queue.clear();
+            self.queue.push(seed);
+            self.island[seed as usize] = self.islands as u32;
+            while let Some(body) = self.queue.pop() {
+                for i in self.neighbours_of(body) {
+                    let other = self.neighbours[i];
+                    if self.island[other as usize] == NONE && !is_fixed(other) {
+                        self.island[other as usize] = self.islands as u32;
+                        self.queue.push(other);
+                    }
+                }
+            }
+            self.islands += 1;
+        }
+    }
+
+    fn find_levels(
+        &mut self,
+        is_fixed: &impl Fn(u32) -> bool,
+        bodies: usize,
+        start: &mut impl FnMut(&[u32], &mut Vec<u32>),
+    ) {
+        self.level.clear();
+        self.level.resize(bodies, NONE);
+        self.queue.clear();
+        for body in (0..bodies as u32).filter(|&body| is_fixed(body)) {
+            self.level[body as usize] = 0;
+            self.queue.push(body);
+        }
+        self.spread();
+        // Islands that no fixed body belongs to.
+        let mut members: Vec<Vec<u32>> = Vec::new();
+        for body in 0..bodies as u32 {
+            if self.level[body as usize] == NONE && self.island[body as usize] != NONE {
+                let island = self.island[body as usize] as usize;
+                members.resize(members.len().max(island + 1), Vec::new());
+                members[island].push(body);
+            }
+        }
+        for members in members.iter().filter(|members| !members.is_empty()) {
+            self.queue.clear();
+            start(members, &mut self.queue);
+            for &body in &self.queue {
+                self.level[body as usize] = 0;
+            }
+            self.spread();
+        }
+    }
+
+    /// Goes on from the bodies in the queue, level by level.
+    fn spread(&mut self) {
+        let mut next = 0;
+        while let Some(&body) = self.queue.get(next) {
+            next += 1;
+            for i in self.neighbours_of(body) {
+                let other = self.neighbours[i];
+                if self.level[other as usize] == NONE {
+                    self.level[other as usize] = self.level[body as usize] + 1;
+                    self.queue.push(other);
+                }
+            }
+        }
+    }
+
+    /// The phase of a contact.
+    pub(super) fn phase(&self, [a, b]: [u32; 2]) -> usize {
+        let (a, b) = (self.level[a as usize], self.level[b as usize]);
+        if a == b { 2 } else { (a.min(b) & 1) as usize }
+    }
+
+    /// A body of a contact that can be moved.
+    pub(super) fn mover(&self, bodies: [u32; 2]) -> Option<u32> {
+        bodies.into_iter().find(|&body| self.island[body as usize] != NONE)
+    }
+
+    /// The island of a body; `None` if it touches nothing or cannot be moved.
+    pub(super) fn island_of(&self, body: u32) -> Option<u32> {
+        Some(self.island[body as usize]).filter(|&island| island != NONE)
+    }
+
+    /// The bodies that a body touches.
+    pub(super) fn touched_by(&self, body: u32) -> impl Iterator<Item = u32> + '_ {
+        self.neighbours_of(body).map(|i| self.neighbours[i])
+    }
+}

@@ -1,0 +1,164 @@
+//! Motion of bodies through the sub-steps: the velocities of the free flight, which are given, and the corrections to them.
+//!
+//! The free flight of a step enters by its velocities at both ends, v0 and v1. In sub-step k of n the velocity is
+//! w = v0 + (k/n)(v1 − v0), rounded once, oddly, and a body moves at that velocity and the corrections so far. So contacts see
+//! sub-steps of semi-implicit Euler: a body at rest has the same impulses in each of them, and none of its passes undoes
+//! what another one did. The free flight itself may be of any integrator; [`super::apply`] joins the two.
+//!
+//! Velocities saturate at ±[`VELOCITY`], displacements at ±[`DISPLACEMENT`]; velocities that do are counted.
+
+use alloc::vec::Vec;
+
+use crate::kernel::simd::{GAIN_BITS, Job, Lanes, Portable, Row};
+
+/// The largest component of a velocity.
+pub(super) const VELOCITY: i32 = 1 << 27;
+/// The largest component of a displacement.
+pub(super) const DISPLACEMENT: i32 = 1 << 28;
+
+/// Components x, y and angular; the fourth is zero.
+pub(super) type Vector = [i32; 4];
+
+/// The free flight of a body over a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct FlightRow {
+    /// The velocity at the start.
+    pub(super) start: Vector,
+    /// The change of the velocity.
+    pub(super) change: Vector,
+}
+
+/// A body between sub-steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Progress {
+    /// The velocity of the free flight in this sub-step.
+    flight: Vector,
+    /// The correction of the velocity before the contacts of this sub-step.
+    before: Vector,
+}
+
+/// All bodies of the solver.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Rows {
+    pub(super) rows: Vec<Row>,
+    flights: Vec<FlightRow>,
+    progress: Vec<Progress>,
+}
+
+/// a + b within ±limit.
+#[inline(always)]
+fn saturated(a: i64, limit: i32) -> i32 {
+    a.clamp(-i64::from(limit), i64::from(limit)) as i32
+}
+
+impl Rows {
+    pub(super) fn clear(&mut self) {
+        self.rows.clear();
+        self.flights.clear();
+        self.progress.clear();
+    }
+
+    /// Adds a body. Returns its row.
+    pub(super) fn push(&mut self, flight: FlightRow) -> u32 {
+        self.rows.push(Row::default());
+        self.flights.push(flight);
+        self.progress.push(Progress { flight: flight.start, ..Progress::default() });
+        self.rows.len() as u32 - 1
+    }
+
+    /// The free flight of a body.
+    pub(super) fn flight(&self, row: u32) -> &FlightRow {
+        &self.flights[row as usize]
+    }
+
+    /// The displacement of a body since the start.
+    pub(super) fn displacement(&self, row: u32) -> Vector {
+        self.rows[row as usize].displacement
+    }
+
+    /// The velocity of a body.
+    pub(super) fn velocity(&self, row: u32) -> Vector {
+        let [x, y, angular, _] = self.rows[row as usize].velocity;
+        [x, y, angular, 0]
+    }
+
+    /// Applies the gains of bodies. Returns the number of velocities that were cut off.
+    #[inline(always)]
+    pub(super) fn apply_gains<L: Lanes>(&mut self, lanes: L, bodies: &[u32]) -> u64 {
+        let mut cut = 0;
+        for &body in bodies {
+            let row = &mut self.rows[body as usize];
+            if !lanes.take_gain(row, VELOCITY) {
+                cut += apply_large_gain(row);
+            }
+        }
+        cut
+    }
+}
+
+/// Applies a gain that leads to the limits or beyond. Returns the number of components that were cut off.
+#[cold]
+fn apply_large_gain(row: &mut Row) -> u64 {
+    let mut cut = 0;
+    for i in 0..3 {
+        let gained = Portable.rounded_oddly::<GAIN_BITS>(row.gain[i]);
+        let wanted = i64::from(row.velocity[i]) + gained;
+        row.velocity[i] = saturated(wanted, VELOCITY);
+        cut += u64::from(i64::from(row.velocity[i]) != wanted);
+        row.gain[i] = 0;
+    }
+    cut
+}
+
+/// The beginning of sub-step `k` of `n`: the velocity of the free flight there, the corrections so far and, from the second
+/// sub-step on, once more the change that the contacts of the sub-step before made.
+pub(super) struct Begin<'a> {
+    pub(super) rows: &'a mut Rows,
+    pub(super) k: u32,
+    pub(super) n: u32,
+}
+
+impl Job for Begin<'_> {
+    type Result = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, lanes: L) {
+        let share = ((i64::from(self.k) << 30) / i64::from(self.n)) as i32;
+        let Rows { rows, flights, progress, .. } = self.rows;
+        for ((row, flight), progress) in rows.iter_mut().zip(flights).zip(progress) {
+            let (velocity, change) = (lanes.quad(&row.velocity), lanes.quad(&flight.change));
+            let w = lanes.quad_plus(lanes.quad(&flight.start), lanes.quad_shares(change, share, change, 0));
+            let mut wanted = w;
+            if self.k > 1 {
+                // Below 2^29.6: velocities are within 2^27, corrections within 2^28.
+                let correction = lanes.quad_minus(velocity, lanes.quad(&progress.flight));
+                let again = lanes.quad_minus(correction, lanes.quad(&progress.before));
+                wanted = lanes.quad_plus(lanes.quad_plus(w, correction), again);
+                lanes.put(&mut progress.before, correction);
+            }
+            // The fourth component is the angle.
+            lanes.put(&mut row.velocity, lanes.quad_joined(lanes.quad_clamped(wanted, VELOCITY), velocity));
+            lanes.put(&mut progress.flight, w);
+        }
+    }
+}
+
+/// The move of a sub-step, at the velocities that the contacts made.
+pub(super) struct Advance<'a> {
+    pub(super) rows: &'a mut Rows,
+}
+
+impl Job for Advance<'_> {
+    type Result = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, lanes: L) {
+        for row in &mut self.rows.rows {
+            // Without the angle, which is kept beside the velocity.
+            let velocity = lanes.quad_joined(lanes.quad(&row.velocity), lanes.quad(&[0; 4]));
+            let moved = lanes.quad_plus(lanes.quad(&row.displacement), velocity);
+            lanes.put(&mut row.displacement, lanes.quad_clamped(moved, DISPLACEMENT));
+            row.velocity[3] = row.displacement[2];
+        }
+    }
+}

@@ -1,0 +1,75 @@
+//! Numbers of the solver: integers in units that are powers of two.
+
+use crate::fx::Fx;
+use crate::kernel::wide::{magnitude, with_sign};
+use crate::scalar::FxFactor;
+
+/// value · 2^-bits to nearest, ties away from zero; for negative `bits` value · 2^|bits|. *Domain* the result fits.
+#[inline]
+pub(super) const fn shifted(value: i128, bits: i32) -> i128 {
+    match bits {
+        1..127 => with_sign(((magnitude(value) >> (bits - 1)) as i128 + 1) >> 1, value),
+        127.. => 0,
+        _ => value << -bits,
+    }
+}
+
+/// [`shifted`] of a word. *Domain* the result fits.
+#[inline]
+pub(super) const fn shifted_word(value: i64, bits: i32) -> i64 {
+    match bits {
+        1..64 => {
+            let rounded = ((value.unsigned_abs() >> (bits - 1)) + 1) >> 1;
+            if value < 0 { -(rounded as i64) } else { rounded as i64 }
+        }
+        64.. => 0,
+        _ => value << -bits,
+    }
+}
+
+/// a·b / 2^30 to nearest, ties away from zero. *Domain* |a·b| < 2^62.
+#[inline]
+pub(super) const fn times(a: i64, b: i32) -> i64 {
+    let product = a * b as i64;
+    (product + (1 << 29) - (product < 0) as i64) >> 30
+}
+
+/// The value within ±limit. *Domain* limit ≥ 0.
+#[inline]
+pub(super) fn clamped_word(value: i64, limit: i64) -> i32 {
+    value.clamp(-limit, limit) as i32
+}
+
+/// The value within ±limit. *Domain* limit ≥ 0.
+#[inline]
+pub(super) fn clamped(value: i128, limit: i128) -> i32 {
+    value.clamp(-limit, limit) as i32
+}
+
+/// The number of bits of the magnitude: 2^bits is above it.
+#[inline]
+pub(super) const fn bits_of(value: i64) -> i32 {
+    64 - value.unsigned_abs().leading_zeros() as i32
+}
+
+/// ⌈log2⌉ of a length in metres. *Domain* it is positive.
+#[inline]
+pub(super) fn log2_above(length: Fx) -> i32 {
+    bits_of(length.to_bits() - 1) - 32
+}
+
+/// The exponent of a factor: it is below 2^exponent. The smallest number for zero.
+#[inline]
+pub(super) const fn exponent(factor: FxFactor) -> i32 {
+    match factor.parts() {
+        (0, _) => i32::MIN / 2,
+        (_, shift) => 64 - shift,
+    }
+}
+
+/// factor · 2^bits to nearest, ties upwards. *Domain* the result is below 2^63.
+#[inline]
+pub(super) const fn fixed(factor: FxFactor, bits: i32) -> i64 {
+    let (mantissa, shift) = factor.parts();
+    shifted(mantissa as i128, shift - bits) as i64
+}

@@ -1,0 +1,383 @@
+//! The passes over contacts: the loops in which most of the time of a step goes.
+//!
+//! Contacts come in groups of [`GROUP`] lanes. A pass reads the velocities of both bodies of a contact, changes its
+//! impulses and adds the changes of velocity that follow to the *gains* of both bodies; after all groups of a phase the gains are
+//! applied. So no contact of a phase sees another one, and as integers add up to the same sum in any order, neither the
+//! order of contacts nor the number of lanes or threads changes a bit.
+//!
+//! # Ranges
+//! Bounds on the values, in units of the island ([`Unit`](super::unit::Unit)):
+//! - *Velocities* are within ±[`VELOCITY`] = 2^27, displacements within ±[`DISPLACEMENT`] = 2^28 (clamped in [`super::motion`]),
+//!   normals within ±2^30 and arms within ±2^30. The velocity of a row is below (2√2 + 2)·2^27 = 2^29.28: a sum of products
+//!   below 2^59.3. The change of the separation is below (2√2 + 2)·2^28 = 2^30.28; with a separation at the start within
+//!   ±2^29.5 ([`SEPARATION`]) it is below 2^31.
+//! - *Bias*: from −2^26 (the push) to 2^29 ([`SPECULATIVE`]). *Compliance*: at most a quarter of an impulse that counts as at most 2^31:
+//!   2^29. Either one with the velocity of a row is below 2^30.2.
+//! - *Inverse matrix*: entries of 30 bits, so that a sum of two products is below 2^61.4, before the shift.
+//! - *Impulses*: at most 2^44 ([`IMPULSE`](super::contact::IMPULSE)) at the start and below 2^45 in a step: the change of one in
+//!   a pass is within ±2^30, and larger ones are cut off and counted.
+//! - *Gains*: in 2^-24, a factor is at most 2^22 over the share of the body. With changes of both normal impulses and of friction
+//!   a contact gives below 2^53.6 over the share, so that all contacts of a phase together give below 2^53.6. Gains with a
+//!   shift, and those of a warm start with impulses beyond 2^30, are clamped at 2^55 over the share.
+
+use super::contact::Group;
+use super::motion::Rows;
+use crate::kernel::simd::{GROUP, Job, Lanes, Pairs};
+
+/// The largest bias of a contact that is still open: what is farther apart meets nothing in a sub-step.
+pub(super) const SPECULATIVE: i32 = 1 << 29;
+/// Impulses stay below this.
+const IMPULSES: i128 = 1 << 58;
+/// The largest change of an impulse in a pass.
+const CHANGE: i64 = (1 << 30) - 1;
+
+/// The velocities that a pass aims at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Pass {
+    /// Soft contacts push out what overlaps.
+    Solve,
+    /// Rigid contacts and friction; overlaps stay as they are.
+    Relax,
+    /// The impulses of the step before.
+    WarmStart,
+    /// Restitution: the separations of the groups are velocities to aim at.
+    Bounce,
+}
+
+/// The aims of [`normal`], as constants for the compiler.
+const SOLVE: u8 = 0;
+const RELAX: u8 = 1;
+const BOUNCE: u8 = 2;
+
+/// One pass over the groups of a phase. The result is the number of impulses that were cut off.
+pub(super) struct PassOver<'a> {
+    pub(super) pass: Pass,
+    pub(super) groups: &'a mut [Group],
+    pub(super) rows: &'a mut Rows,
+    /// Rows of the bodies of these contacts that can be moved.
+    pub(super) touched: &'a [u32],
+}
+
+impl Job for PassOver<'_> {
+    type Result = u64;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, lanes: L) -> u64 {
+        let mut cut = 0;
+        for group in self.groups {
+            for at in (0..group.count).step_by(L::WIDTH) {
+                match self.pass {
+                    Pass::Solve => cut += normal::<L, SOLVE>(lanes, group, self.rows, at),
+                    Pass::Relax => cut += normal::<L, RELAX>(lanes, group, self.rows, at),
+                    Pass::Bounce => cut += normal::<L, BOUNCE>(lanes, group, self.rows, at),
+                    Pass::WarmStart => warm_start(lanes, group, self.rows, at),
+                }
+            }
+        }
+        cut + self.rows.apply_gains(lanes, self.touched)
+    }
+}
+
+/// The value for what is pressed (none, the first point, the second, both): a point with a positive separation is not.
+#[inline(always)]
+fn choose<L: Lanes>(lanes: L, [one, two]: [L::Narrow; 2], [none, first, second, both]: [L::Narrow; 4]) -> L::Narrow {
+    let two_open = lanes.if_positive(one, none, first);
+    let two_pressed = lanes.if_positive(one, second, both);
+    lanes.if_positive(two, two_open, two_pressed)
+}
+
+/// Elements 11, 12 and 22 of the inverse matrix, and the ratios of element 12 to 11 and to 22.
+type Elements<N> = [N; 5];
+
+/// The matrix with the points softened that are pressed.
+#[inline(always)]
+fn softened<L: Lanes>(lanes: L, group: &Group, at: usize, separation: [L::Narrow; 2]) -> Elements<L::Narrow> {
+    let [one, two] = separation;
+    let ((p12, soft_p12), (p21, soft_p21)) = (lanes.pair(&group.ratio_12, at), lanes.pair(&group.ratio_21, at));
+    let (both_11, both_22) = lanes.pair(&group.inverse[3], at);
+    let (second_12, both_12) = lanes.pair(&group.inverse_12[1], at);
+    if lanes.none_positive(one, two) {
+        return [both_11, both_12, both_22, soft_p12, soft_p21];
+    }
+    let (none_12, first_12) = lanes.pair(&group.inverse_12[0], at);
+    let (none_11, none_22) = lanes.pair(&group.inverse[0], at);
+    let (first_11, first_22) = lanes.pair(&group.inverse[1], at);
+    let (second_11, second_22) = lanes.pair(&group.inverse[2], at);
+    [
+        choose(lanes, separation, [none_11, first_11, second_11, both_11]),
+        choose(lanes, separation, [none_12, first_12, second_12, both_12]),
+        choose(lanes, separation, [none_22, first_22, second_22, both_22]),
+        lanes.if_positive(one, p12, soft_p12),
+        lanes.if_positive(two, p21, soft_p21),
+    ]
+}
+
+/// The matrix without softness.
+#[inline(always)]
+fn rigid<L: Lanes>(lanes: L, group: &Group, at: usize) -> Elements<L::Narrow> {
+    let ((i11, i22), (i12, _)) = (lanes.pair(&group.inverse[0], at), lanes.pair(&group.inverse_12[0], at));
+    let ((p12, _), (p21, _)) = (lanes.pair(&group.ratio_12, at), lanes.pair(&group.ratio_21, at));
+    [i11, i12, i22, p12, p21]
+}
+
+/// The velocity, or the displacement, along a row: its linear part, and that of the arms (a, b) and angles (a, b).
+#[inline(always)]
+fn along_row<L: Lanes>(
+    lanes: L,
+    linear: L::Wide,
+    arms: (L::Narrow, L::Narrow),
+    turns: (L::Narrow, L::Narrow),
+) -> L::Narrow {
+    lanes.rounded(lanes.sub(lanes.add(linear, lanes.times(arms.1, turns.1)), lanes.times(arms.0, turns.0)))
+}
+
+/// a·x + b·y
+#[inline(always)]
+fn dot<L: Lanes>(lanes: L, (a, b): (L::Narrow, L::Narrow), (x, y): (L::Narrow, L::Narrow)) -> L::Wide {
+    lanes.add(lanes.times(a, x), lanes.times(b, y))
+}
+
+/// The velocity that a soft point aims at, with its compliance: to close where it is open, to push out where it is pressed.
+#[inline(always)]
+fn soft_bias<L: Lanes>(
+    lanes: L,
+    separation: L::Narrow,
+    (rate, push): (L::Narrow, L::Narrow),
+    compliance: L::Narrow,
+    impulse: L::Wide,
+) -> L::Narrow {
+    let pushed = lanes.times(rate, lanes.at_least(separation, push));
+    let pressed = lanes.rounded(lanes.add(pushed, lanes.times(compliance, lanes.capped(impulse))));
+    lanes.if_positive(separation, lanes.at_most(separation, lanes.splat(SPECULATIVE)), pressed)
+}
+
+/// The velocity that a rigid point aims at: to close where it is open.
+#[inline(always)]
+fn rigid_bias<L: Lanes>(lanes: L, separation: L::Narrow) -> L::Narrow {
+    lanes.at_most(lanes.at_least(separation, lanes.splat(0)), lanes.splat(SPECULATIVE))
+}
+
+/// The impulse of a point beside one that is open: it solves its row alone.
+#[inline(always)]
+fn alone<L: Lanes>(lanes: L, x: L::Wide, ratio: L::Narrow, other: L::Wide) -> L::Wide {
+    lanes.positive(lanes.add(x, lanes.floored::<28>(lanes.times(ratio, lanes.low(other)))))
+}
+
+/// The changes of angular velocity of both bodies as gains. Factors beyond a quarter, of bodies that turn far more easily than they
+/// move, have a shift.
+#[inline(always)]
+fn turns<L: Lanes>(lanes: L, group: &Group, at: usize, turns: [L::Wide; 2]) -> [L::Wide; 2] {
+    let shift = lanes.wide(&group.angular_shift, at);
+    if lanes.is_zero(shift) {
+        return turns;
+    }
+    let [of_a, of_b] = turns;
+    let limit_a = lanes.floored_by(lanes.wide(&group.gain_limit[0], at), shift);
+    let limit_b = lanes.floored_by(lanes.wide(&group.gain_limit[1], at), shift);
+    // Without a shift a gain is within the limit.
+    [lanes.raised_by(lanes.clamped(of_a, limit_a), shift), lanes.raised_by(lanes.clamped(of_b, limit_b), shift)]
+}
+
+/// Products of factors, in pairs, with an impulse.
+#[inline(always)]
+fn pushed<L: Lanes>(lanes: L, (x, y): (L::Narrow, L::Narrow), impulse: L::Narrow) -> [L::Wide; 2] {
+    [lanes.times(x, impulse), lanes.times(y, impulse)]
+}
+
+/// Both normal rows of contacts as one block; friction after them when they are relaxed.
+#[inline(always)]
+fn normal<L: Lanes, const AIM: u8>(lanes: L, group: &mut Group, rows: &mut Rows, at: usize) -> u64 {
+    let (first, second) = (group.a, group.b);
+    let (a, b) = (lanes.gather(&rows.rows, &first, at), lanes.gather(&rows.rows, &second, at));
+    let n = lanes.pair(&group.normal, at);
+    let v = (lanes.minus(b.velocity[0], a.velocity[0]), lanes.minus(b.velocity[1], a.velocity[1]));
+    let d = (lanes.minus(b.displacement[0], a.displacement[0]), lanes.minus(b.displacement[1], a.displacement[1]));
+    let (closing, moved) = (dot(lanes, n, v), dot(lanes, n, d));
+    let (arms1, arms2) = (lanes.pair(&group.arms[0], at), lanes.pair(&group.arms[1], at));
+    let (turned, turning) = ((a.displacement[2], b.displacement[2]), (a.velocity[2], b.velocity[2]));
+    let (sep1, sep2) = lanes.pair(&group.separation, at);
+    let s1 = lanes.plus(sep1, along_row(lanes, moved, arms1, turned));
+    let s2 = lanes.plus(sep2, along_row(lanes, moved, arms2, turned));
+    let (r1, r2) = (along_row(lanes, closing, arms1, turning), along_row(lanes, closing, arms2, turning));
+    let (l1, l2) = (lanes.wide(&group.impulses[0], at), lanes.wide(&group.impulses[1], at));
+    let ([i11, i12, i22, p12, p21], b1, b2) = if AIM == SOLVE {
+        let (push_out, (c1, c2)) = (lanes.pair(&group.push_out, at), lanes.pair(&group.compliance, at));
+        let (b1, b2) = (soft_bias(lanes, s1, push_out, c1, l1), soft_bias(lanes, s2, push_out, c2, l2));
+        (softened(lanes, group, at, [s1, s2]), b1, b2)
+    } else if AIM == RELAX {
+        (rigid(lanes, group, at), rigid_bias(lanes, s1), rigid_bias(lanes, s2))
+    } else {
+        (rigid(lanes, group, at), sep1, sep2)
+    };
+    let r = (lanes.plus(r1, b1), lanes.plus(r2, b2));
+    // The solution of the linear system; where it pulls at a point, that impulse is zero and the other one solves its row alone.
+    let shift = lanes.wide(&group.inverse_shift, at);
+    let x1 = lanes.sub(l1, lanes.floored_by(dot(lanes, (i11, i12), r), shift));
+    let x2 = lanes.sub(l2, lanes.floored_by(dot(lanes, (i12, i22), r), shift));
+    let mut n1 = lanes.if_negative(x2, alone(lanes, x1, p12, x2), lanes.positive(x1));
+    let mut n2 = lanes.if_negative(x1, alone(lanes, x2, p21, x1), lanes.positive(x2));
+    let (mut d1, mut d2) = (lanes.sub(n1, l1), lanes.sub(n2, l2));
+    let mut cut = 0;
+    if lanes.are_beyond([d1, d2], [x1, x2]) {
+        let [mut m1, mut m2] = [[0; GROUP]; 2];
+        lanes.store(&mut m1, 0, x1);
+        lanes.store(&mut m2, 0, x2);
+        cut = cut_normal(group, at, L::WIDTH, [&mut m1, &mut m2], (p12, p21), lanes);
+        (n1, n2) = (lanes.wide(&m1, 0), lanes.wide(&m2, 0));
+        (d1, d2) = (lanes.sub(n1, l1), lanes.sub(n2, l2));
+    }
+    lanes.store(&mut group.impulses[0], at, n1);
+    lanes.store(&mut group.impulses[1], at, n2);
+    let (d1, d2) = (lanes.low(d1), lanes.low(d2));
+    let sum = lanes.plus(d1, d2);
+    let [mut pax, mut pay] = pushed(lanes, lanes.pair(&group.linear_a[0], at), sum);
+    let [mut pbx, mut pby] = pushed(lanes, lanes.pair(&group.linear_b[0], at), sum);
+    let ((ga1, gb1), (ga2, gb2)) = (lanes.pair(&group.angular[0], at), lanes.pair(&group.angular[1], at));
+    let mut paw = dot(lanes, (ga1, ga2), (d1, d2));
+    let mut pbw = dot(lanes, (gb1, gb2), (d1, d2));
+    if AIM == RELAX {
+        let ((kat, kbt), coupling) = (lanes.pair(&group.arms[2], at), lanes.pair(&group.coupling, at));
+        let ((m, mu), (surface, _)) = (lanes.pair(&group.friction, at), lanes.pair(&group.surface, at));
+        // Along the tangent (ny, −nx), after the normal impulses.
+        let slip = lanes.sub(lanes.times(n.1, v.0), lanes.times(n.0, v.1));
+        let slip = lanes.sub(lanes.add(slip, lanes.times(kbt, turning.1)), lanes.times(kat, turning.0));
+        let slip = lanes.add(slip, dot(lanes, coupling, (d1, d2)));
+        let slip = lanes.minus(lanes.low(lanes.rounded_oddly::<30>(slip)), surface);
+        let before = lanes.wide(&group.impulses[2], at);
+        let wanted = lanes.sub(before, lanes.rounded_oddly::<27>(lanes.times(m, slip)));
+        let mut after = lanes.clamped(wanted, lanes.share(mu, lanes.add(n1, n2)));
+        let mut change = lanes.sub(after, before);
+        if lanes.is_beyond(change) {
+            let mut words = [0; GROUP];
+            lanes.store(&mut words, 0, after);
+            cut += cut_friction(group, at, L::WIDTH, &mut words);
+            after = lanes.wide(&words, 0);
+            change = lanes.sub(after, before);
+        }
+        lanes.store(&mut group.impulses[2], at, after);
+        let change = lanes.low(change);
+        let [x, y] = pushed(lanes, lanes.pair(&group.linear_a[1], at), change);
+        (pax, pay) = (lanes.add(pax, x), lanes.add(pay, y));
+        let [x, y] = pushed(lanes, lanes.pair(&group.linear_b[1], at), change);
+        (pbx, pby) = (lanes.add(pbx, x), lanes.add(pby, y));
+        let (gat, gbt) = lanes.pair(&group.angular[2], at);
+        (paw, pbw) = (lanes.add(paw, lanes.times(gat, change)), lanes.add(pbw, lanes.times(gbt, change)));
+        add_up(lanes, group, at, 0, l1, n1);
+        add_up(lanes, group, at, 1, l2, n2);
+        add_up(lanes, group, at, 2, before, after);
+    }
+    let [paw, pbw] = turns(lanes, group, at, [paw, pbw]);
+    lanes.subtract_gains(&mut rows.rows, &first, at, [pax, pay, paw]);
+    lanes.add_gains(&mut rows.rows, &second, at, [pbx, pby, pbw]);
+    cut
+}
+
+/// Adds an impulse of a sub-step to the sums: at the end of the solve pass and at the end of the relax pass.
+#[inline(always)]
+fn add_up<L: Lanes>(lanes: L, group: &mut Group, at: usize, k: usize, solved: L::Wide, relaxed: L::Wide) {
+    let (applied, weighted) = (lanes.wide(&group.applied[k], at), lanes.wide(&group.weighted[k], at));
+    // Bodies moved at the impulses of the sub-steps before, and at those of this one's solve pass.
+    lanes.store(&mut group.weighted[k], at, lanes.add(weighted, lanes.add(applied, solved)));
+    lanes.store(&mut group.applied[k], at, lanes.add(applied, relaxed));
+}
+
+/// Cuts off what is too large for the loop, for some lanes: `solution` is that of the linear system, and becomes the impulses.
+/// Returns the number of impulses that were cut.
+#[cold]
+#[inline(never)]
+fn cut_normal<L: Lanes>(
+    group: &Group,
+    at: usize,
+    width: usize,
+    solution: [&mut [i64; GROUP]; 2],
+    (p12, p21): (L::Narrow, L::Narrow),
+    lanes: L,
+) -> u64 {
+    let [one, two] = solution;
+    let [mut ratio_12, mut ratio_21] = [[0; GROUP]; 2];
+    let unit = lanes.splat(1);
+    lanes.store(&mut ratio_12, 0, lanes.times(p12, unit));
+    lanes.store(&mut ratio_21, 0, lanes.times(p21, unit));
+    let mut cut = 0;
+    for lane in 0..width {
+        let before = [group.impulses[0][at + lane], group.impulses[1][at + lane]];
+        let x = [one[lane], two[lane]];
+        // Below 2^64: the solution is below 2^62, a ratio at most 4.
+        let alone = |x: i64, p: i64, other: i64| {
+            let wanted = i128::from(x) + ((i128::from(p) * i128::from(other)) >> 28);
+            wanted.clamp(0, IMPULSES) as i64
+        };
+        let wanted = [
+            if x[1] < 0 { alone(x[0], ratio_12[lane], x[1]) } else { x[0].max(0) },
+            if x[0] < 0 { alone(x[1], ratio_21[lane], x[0]) } else { x[1].max(0) },
+        ];
+        for (k, impulse) in [&mut one[lane], &mut two[lane]].into_iter().enumerate() {
+            let change = (wanted[k] - before[k]).clamp(-CHANGE - 1, CHANGE);
+            cut += u64::from(change != wanted[k] - before[k]);
+            *impulse = before[k] + change;
+        }
+    }
+    cut
+}
+
+/// Cuts off changes of friction that are too large, for some lanes. Returns the number of impulses that were cut.
+#[cold]
+#[inline(never)]
+fn cut_friction(group: &Group, at: usize, width: usize, wanted: &mut [i64; GROUP]) -> u64 {
+    let mut cut = 0;
+    for (lane, wanted) in wanted.iter_mut().enumerate().take(width) {
+        let before = group.impulses[2][at + lane];
+        // The same bound on both sides: friction has no direction of its own.
+        let change = (*wanted - before).clamp(-CHANGE, CHANGE);
+        cut += u64::from(change != *wanted - before);
+        *wanted = before + change;
+    }
+    cut
+}
+
+/// Applies the impulses of the step before.
+#[inline(always)]
+fn warm_start<L: Lanes>(lanes: L, group: &mut Group, rows: &mut Rows, at: usize) {
+    let (first, second) = (group.a, group.b);
+    let (l1, l2) = (lanes.wide(&group.impulses[0], at), lanes.wide(&group.impulses[1], at));
+    let (sum, along) = (lanes.add(l1, l2), lanes.wide(&group.impulses[2], at));
+    if lanes.are_beyond([sum, along], [l1, l2]) {
+        return (at..(at + L::WIDTH).min(group.count)).for_each(|lane| warm_start_one(group, rows, lane));
+    }
+    let (sum, along, l1, l2) = (lanes.low(sum), lanes.low(along), lanes.low(l1), lanes.low(l2));
+    let [x, y] = pushed(lanes, lanes.pair(&group.linear_a[0], at), sum);
+    let [tx, ty] = pushed(lanes, lanes.pair(&group.linear_a[1], at), along);
+    let [ux, uy] = pushed(lanes, lanes.pair(&group.linear_b[0], at), sum);
+    let [vx, vy] = pushed(lanes, lanes.pair(&group.linear_b[1], at), along);
+    let ((ga1, gb1), (ga2, gb2)) = (lanes.pair(&group.angular[0], at), lanes.pair(&group.angular[1], at));
+    let (gat, gbt) = lanes.pair(&group.angular[2], at);
+    let of_a = lanes.add(dot(lanes, (ga1, ga2), (l1, l2)), lanes.times(gat, along));
+    let of_b = lanes.add(dot(lanes, (gb1, gb2), (l1, l2)), lanes.times(gbt, along));
+    let [of_a, of_b] = turns(lanes, group, at, [of_a, of_b]);
+    lanes.subtract_gains(&mut rows.rows, &first, at, [lanes.add(x, tx), lanes.add(y, ty), of_a]);
+    lanes.add_gains(&mut rows.rows, &second, at, [lanes.add(ux, vx), lanes.add(uy, vy), of_b]);
+}
+
+/// Applies the impulses of the step before, of one contact, of any size.
+#[cold]
+fn warm_start_one(group: &Group, rows: &mut Rows, lane: usize) {
+    let [l1, l2, lt] = [0, 1, 2].map(|k| i128::from(group.impulses[k][lane]));
+    let times = |fraction: i32, impulse: i128| i128::from(fraction) * impulse;
+    // More than any impulses give that the loop over lanes takes.
+    let limits = group.gain_limit.map(|limit| i128::from(limit[lane]));
+    let linear = |l: &[Pairs; 2], k: usize, limit: i128| {
+        (times(l[0][lane][k], l1 + l2) + times(l[1][lane][k], lt)).clamp(-limit, limit) as i64
+    };
+    let angular = |k: usize| {
+        let limit = limits[k];
+        let [g1, g2, gt] = [0, 1, 2].map(|row| group.angular[row][lane][k]);
+        let (turn, shift) = (times(g1, l1) + times(g2, l2) + times(gt, lt), group.angular_shift[lane]);
+        (turn.clamp(-(limit >> shift), limit >> shift) << shift) as i64
+    };
+    let [of_a, of_b] = [(&group.linear_a, 0), (&group.linear_b, 1)]
+        .map(|(factors, side)| [linear(factors, 0, limits[side]), linear(factors, 1, limits[side]), angular(side)]);
+    for k in 0..3 {
+        rows.rows[group.a[lane] as usize].gain[k] -= of_a[k];
+        rows.rows[group.b[lane] as usize].gain[k] += of_b[k];
+    }
+}

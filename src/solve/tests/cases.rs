@@ -1,0 +1,161 @@
+//! Single cases, each of which went wrong once.
+
+use alloc::vec;
+
+use super::scene::{Image, Scene, body, contact, fixed, fx, signed};
+use crate::kernel::simd::{Job, Portable};
+use crate::math::{Random, Vec2};
+use crate::scalar::FxAccumulator;
+use crate::solve::motion::Begin;
+use crate::solve::pass::Pass;
+use crate::solve::{Contact, Flight, Impulses, Solver};
+
+const TICK: f64 = 1.0 / 60.0;
+
+fn to_f64(value: FxAccumulator) -> f64 {
+    value.to_bits() as f64 / 2f64.powi(96)
+}
+
+/// The change of velocity of a body.
+fn change(scene: &Scene, body: usize) -> [f64; 3] {
+    let of = scene.solve().corrections[body];
+    [of.velocity.x, of.velocity.y, of.angular_velocity].map(to_f64)
+}
+
+#[test]
+fn points_may_come_in_either_order() {
+    let mut random = Random::seeded(1);
+    for case in 0..2000 {
+        let [x1, x2, slide, spin] = [0; 4].map(|_| signed(&mut random));
+        let mut of = contact([0, 1], [0.0, 1.0], &[([x1, 1.0], [x1, -0.5], 0.0), ([x2, 1.0], [x2, -0.5], 0.001)]);
+        of.friction = fx(0.5);
+        let scene = Scene::new(vec![fixed(4.0), body(1.0, 3.0, 1.0).flying([slide, -2.0, spin], TICK)], vec![of]);
+        let other = scene.seen(|flight| *flight, Contact::with_points_swapped);
+        assert_eq!(scene.solve().corrections, other.solve().corrections, "case {case}");
+    }
+}
+
+/// A body that lands on a narrow base to the side of its centre turns over the nearer point, as if that were the only one.
+#[test]
+fn a_narrow_base_pushes_as_one_point_does() {
+    for substeps in [1, 5] {
+        for (speed, half) in [(16.0, 0.1), (16.0, 0.05), (16.0, 0.02), (16.0, 0.01), (4.0, 0.01), (4.0, 0.005)] {
+            let points = [0.5 - half, 0.5 + half].map(|x| ([x, 1.0], [x, -0.5], 0.0));
+            let falling = body(1.0, 3.0, 1.0).flying([0.0, -speed, 0.0], TICK);
+            let mut scene = Scene::new(vec![fixed(4.0), falling], vec![contact([0, 1], [0.0, 1.0], &points)]);
+            scene.options.substeps = substeps;
+            let both = change(&scene, 1);
+            scene.contacts[0].count = 1;
+            let one = change(&scene, 1);
+            // What the diagonal is raised by, 2^-13, of the velocities.
+            let within = speed * 2f64.powi(-12);
+            let differs = (0..3).any(|i| (both[i] - one[i]).abs() > within);
+            assert!(!differs, "{substeps} sub-steps, {speed} m/s, {half} m: {both:?} instead of {one:?}");
+        }
+    }
+}
+
+#[test]
+fn still_bodies_have_no_row_of_their_own() {
+    let scene = Scene::new(
+        vec![fixed(1.0), body(1.0, 2.0, 1.0)],
+        vec![contact([0, 1], [0.0, 1.0], &[([0.0, 1.0], [0.0, -1.0], 0.0)])],
+    );
+    let mut solver = Solver::default();
+    solver.prepare(scene.time_step, &scene.options, &scene.flights, &scene.contacts);
+    assert!(solver.carriers.is_empty());
+}
+
+/// Two heaviest bodies an odd number of 2^-32 m apart: their middle is between two multiples.
+#[test]
+fn heaviest_bodies_tie_at_any_distance() {
+    let along = |a, b| contact([a, b], [1.0, 0.0], &[([1.0, 0.0], [-1.0, 0.0], 0.0)]);
+    let one = 1i64 << 32;
+    for odd in [0, 1] {
+        let at =
+            |bits: i64, flight: Flight| Flight { position: Vec2::new(fx(bits as f64 / one as f64), fx(0.0)), ..flight };
+        let (heavy, light) = (body(2.0, 2.0, 1.0), body(1.0, 2.0, 1.0));
+        let flights = vec![
+            at(0, heavy.flying([1.0, 0.0, 0.0], TICK)),
+            at(2 * one, light),
+            at(2 * one + odd, light),
+            at(4 * one + odd, heavy.flying([-1.0, 0.0, 0.0], TICK)),
+        ];
+        let scene = Scene::new(flights, vec![along(0, 1), along(0, 2), along(1, 3), along(2, 3)]);
+        let solution = scene.solve();
+        let [left, right] = [0, 3].map(|body: usize| solution.corrections[body].velocity.x.to_bits());
+        assert_eq!(left, -right, "a half turn about the middle exchanges the bodies");
+        let mut reversed = scene.clone();
+        reversed.flights.reverse();
+        reversed.contacts.iter_mut().for_each(|contact| contact.bodies = contact.bodies.map(|body| 3 - body));
+        let mut other = reversed.solve().corrections;
+        other.reverse();
+        assert_eq!(solution.corrections, other);
+    }
+}
+
+/// Bodies that overlap by much are pushed out at the same speed, whatever the unit of velocity.
+#[test]
+fn deep_overlaps_are_pushed_at_the_push_speed() {
+    for speed in [0.0, 64.0, 4096.0] {
+        for depth in [0.3, 1.0, 4.0] {
+            let flight = body(1.0, 2.0, 8.0).flying([speed, 0.0, 0.0], TICK);
+            let of = contact([0, 1], [0.0, 1.0], &[([0.0, 1.0], [0.0, -1.0], -depth)]);
+            let solution = Scene::new(vec![flight; 2], vec![of]).solve();
+            let apart = [0, 1].map(|body: usize| to_f64(solution.corrections[body].displacement.y));
+            let push = (apart[1] - apart[0]) / TICK;
+            assert!((push - 3.0).abs() < 0.1, "{speed} m/s, {depth} m: {push} m/s");
+        }
+    }
+}
+
+/// A contact at one point beside the centre of B, with the impulse of the step before in 2^-30 N·s.
+fn warm(bodies: [u32; 2], x: f64, impulse: i64) -> Contact {
+    let of = contact(bodies, [0.0, 1.0], &[([x, 0.0], [x, 0.0], 0.0)]);
+    Contact { impulses: Impulses { values: [impulse, 0, 0], exponent: -30 }, ..of }
+}
+
+/// A body whose inertia is small for its size, and impulses that cancel.
+#[test]
+fn large_impulses_change_no_bit_of_the_lanes_beside_them() {
+    let contacts = vec![
+        warm([0, 1], 1.0, 1 << 26),
+        warm([0, 1], -1.0, 1 << 25),
+        warm([0, 1], -1.0, 1 << 25),
+        warm([0, 2], 1.0, 1 << 60),
+    ];
+    let mut scene = Scene::new(vec![fixed(4.0), body(1.0, 262_144.0, 1.0), body(1.0, 2.0, 1.0)], contacts);
+    scene.options.substeps = 1;
+    let (chosen, portable) = (scene.solve(), scene.solve_portably());
+    scene.contacts.pop();
+    let alone = scene.solve();
+    assert_eq!(chosen, portable);
+    assert_eq!(chosen.corrections[1], alone.corrections[1]);
+}
+
+#[test]
+fn a_large_impulse_turns_the_way_it_points() {
+    for impulse in [18, 26, 27, 28, 30, 34, 50].map(|bits| 1 << bits) {
+        let mut scene = Scene::new(vec![fixed(4.0), body(1.0, 262_144.0, 1.0)], vec![warm([0, 1], 1.0, impulse)]);
+        scene.options.substeps = 1;
+        let mut solver = Solver::default();
+        solver.prepare(scene.time_step, &scene.options, &scene.flights, &scene.contacts);
+        Begin { rows: &mut solver.rows, k: 1, n: 1 }.run(Portable);
+        solver.pass(0, Pass::WarmStart);
+        assert!(solver.rows.velocity(1)[2] > 0, "{impulse}: {:?}", solver.rows.velocity(1));
+    }
+}
+
+/// Both bodies of a contact get its impulse, however light one is.
+#[test]
+fn no_body_is_left_out() {
+    let light = body(1.0 / 65536.0, 2.0, 0.0078125);
+    let heavy = body(16_777_216.0, 2.0, 4.0);
+    let mut below = contact([0, 1], [0.0, 1.0], &[([0.0, 4.0], [0.0, -0.0078125], 0.0)]);
+    below.impulses = Impulses { values: [1 << 44, 0, 0], exponent: 0 };
+    let above = contact([1, 2], [0.0, 1.0], &[([0.0, 0.0078125], [0.0, -4.0], 0.0)]);
+    let flights = vec![heavy.flying([0.0, 1e6, 0.0], TICK), light, heavy.flying([0.0, -1e6, 0.0], TICK)];
+    let solution = Scene::new(flights, vec![below, above]).solve();
+    let is_moved = [0, 1, 2].map(|body: usize| solution.corrections[body].velocity.y.to_bits() != 0);
+    assert_eq!(is_moved, [true; 3], "{solution:?}");
+}

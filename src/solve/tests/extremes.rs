@@ -1,0 +1,132 @@
+//! The ends of the solver's ranges: nothing overflows, and what is cut off is cut off oddly.
+
+use super::made::Ranges;
+use super::scene::{Image, Scene, by_exponent, fixed, fx, signed};
+use crate::math::{Random, TimeStep};
+use crate::solve::{Contact, Flight, Impulses};
+
+/// The same bits in lanes and without, and seen in a mirror, after a quarter turn, with bodies and points swapped.
+fn check(scene: &Scene) -> u64 {
+    let solved = scene.solve();
+    assert_eq!(scene.solve_portably(), solved, "lanes: {scene:?}");
+    let mirrored = scene.seen(Flight::mirrored, Contact::mirrored).solve();
+    let turned = scene.seen(Flight::turned, Contact::turned).solve();
+    let swapped = scene.seen(Flight::swapped, Contact::swapped).solve();
+    let points = scene.seen(Flight::with_points_swapped, Contact::with_points_swapped).solve();
+    for (i, of) in solved.corrections.iter().enumerate() {
+        assert_eq!(mirrored.corrections[i], of.mirrored(), "mirrored: {scene:?}");
+        assert_eq!(turned.corrections[i], of.turned(), "turned: {scene:?}");
+        assert_eq!(swapped.corrections[i], *of, "swapped: {scene:?}");
+        assert_eq!(points.corrections[i], *of, "points: {scene:?}");
+    }
+    for other in [&mirrored, &turned, &swapped, &points] {
+        assert_eq!(other.counts, solved.counts, "{scene:?}");
+    }
+    solved.counts.cut
+}
+
+/// Scenes at a rate and a number of sub-steps.
+fn scene(random: &mut Random, ranges: &Ranges, rate: u32, substeps: u32) -> Scene {
+    let mut scene = ranges.scene(random, 6, 8);
+    scene.options.substeps = substeps;
+    scene.time_step = TimeStep::hz(rate);
+    scene
+}
+
+/// Returns the number of values cut off in all scenes of these ranges.
+fn check_all(seed: u64, ranges: &Ranges) -> u64 {
+    let (mut random, mut cut) = (Random::seeded(seed), 0);
+    for rate in [1, 60, 10_000] {
+        for substeps in 1..=8 {
+            for _ in 0..20 {
+                cut += check(&scene(&mut random, ranges, rate, substeps));
+            }
+        }
+    }
+    cut
+}
+
+#[test]
+fn any_rate_and_any_substeps() {
+    check_all(1, &Ranges { restitution: 1.0, ..Ranges::default() });
+}
+
+#[test]
+fn fast_bodies() {
+    check_all(2, &Ranges { speed: 1_048_576.0, restitution: 1.0, ..Ranges::default() });
+}
+
+#[test]
+fn bodies_of_any_size_and_mass() {
+    check_all(
+        3,
+        &Ranges {
+            mass: [-24.0, 24.0],
+            radius: [-8.0, 13.0],
+            gyration: [1.0, 1e4],
+            restitution: 1.0,
+            ..Ranges::default()
+        },
+    );
+}
+
+#[test]
+fn deep_overlaps_and_far_points() {
+    check_all(4, &Ranges { separation: [-8192.0, 8192.0], radius: [-2.0, 13.0], ..Ranges::default() });
+}
+
+/// Rims at up to 2^30 m/s.
+#[test]
+fn fast_rims() {
+    let mut random = Random::seeded(5);
+    for rate in [1, 60, 10_000] {
+        for substeps in 1..=8 {
+            let mut scene = scene(&mut random, &Ranges { radius: [12.0, 13.0], ..Ranges::default() }, rate, substeps);
+            for flight in scene.flights.iter_mut().filter(|flight| !flight.is_fixed()) {
+                let radius = flight.radius.to_bits() as f64 / 2f64.powi(32);
+                let turn = signed(&mut random) * 2f64.powi(29) / radius;
+                (flight.start.angular, flight.end.angular) = (fx(turn), fx(-turn));
+            }
+            check(&scene);
+        }
+    }
+}
+
+/// Impulses of any size, up to the largest that may be written, on bodies of any mass.
+#[test]
+fn impulses_at_the_cap() {
+    let (mut random, mut cut) = (Random::seeded(6), 0);
+    let ranges = Ranges { mass: [-20.0, 20.0], gyration: [1.0, 1e4], restitution: 1.0, ..Ranges::default() };
+    for _ in 0..400 {
+        let substeps = 1 + random.below(8) as u32;
+        let mut scene = scene(&mut random, &ranges, 60, substeps);
+        for contact in &mut scene.contacts {
+            let exponent = random.integer(-80..=80) as i32;
+            let largest = 2f64.powi(62);
+            let values = [0; 3].map(|_| by_exponent(&mut random, 20.0, 62.0).min(largest) as i64);
+            let [one, mut two, mut along] = values;
+            along *= if random.below(2) == 0 { 1 } else { -1 };
+            two *= i64::from(contact.count == 2);
+            contact.impulses = Impulses { values: [one, two, along], exponent };
+        }
+        cut += check(&scene);
+    }
+    assert!(cut > 0, "some velocities are cut off");
+}
+
+/// A light body between two heavy ones that fly at each other.
+#[test]
+fn light_bodies_between_heavy_ones() {
+    let (mut random, mut cut) = (Random::seeded(7), 0);
+    for _ in 0..400 {
+        let ranges = Ranges { mass: [20.0, 24.0], speed: 1000.0, separation: [-1.0, 0.0], ..Ranges::default() };
+        let light = Ranges { mass: [-20.0, -16.0], ..ranges };
+        let mut flights = [0; 4].map(|_| ranges.flight(&mut random, 1.0 / 60.0)).to_vec();
+        flights[1] = light.flight(&mut random, 1.0 / 60.0);
+        flights[3] = fixed(4.0);
+        let pairs = [[0, 1], [1, 2], [1, 3]];
+        let contacts = pairs.map(|pair| ranges.contact(&mut random, pair, &flights)).to_vec();
+        cut += check(&Scene::new(flights, contacts));
+    }
+    assert!(cut > 0, "changes of impulses are cut off");
+}

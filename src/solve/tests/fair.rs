@@ -1,0 +1,203 @@
+//! Fairness: how a scene is seen, and in what order it is given, changes no bit.
+
+use alloc::vec::Vec;
+use std::thread;
+
+use super::made::Ranges;
+use super::scene::{Image, Scene, Solution};
+use crate::kernel::simd::{Job, Portable};
+use crate::math::Random;
+use crate::solve::motion::{Advance, Begin};
+use crate::solve::pass::{Pass, PassOver};
+use crate::solve::{Contact, Flight, Impulses, PHASES, Solver, SolverCounts};
+
+/// Scenes, with numbers for what is done to them.
+fn scenes(seed: u64, count: u64, most: u64) -> impl Iterator<Item = (Scene, Random)> {
+    let ranges = Ranges { restitution: 1.0, ..Ranges::default() };
+    (0..count).map(move |index| {
+        let mut random = Random::seeded(seed << 32 | index);
+        let bodies = 3 + random.below(most);
+        let contacts = 1 + random.below(2 * bodies);
+        let mut scene = ranges.scene(&mut random, bodies as usize, contacts as usize);
+        scene.options.substeps = 1 + random.below(8) as u32;
+        (scene, random)
+    })
+}
+
+fn is_moved(solution: &Solution) -> bool {
+    solution.corrections.iter().any(|of| *of != Default::default())
+}
+
+#[test]
+fn images_stay_images() {
+    let mut moved = 0;
+    for (scene, _) in scenes(1, 400, 24) {
+        let solved = scene.solve();
+        moved += usize::from(is_moved(&solved));
+        let with_points_swapped = |(of, contact): (&Impulses, &Contact)| {
+            if contact.count == 2 { of.with_points_swapped() } else { *of }
+        };
+        let swapped_points = solved.impulses.iter().zip(&scene.contacts).map(with_points_swapped).collect();
+        let images = [
+            (
+                scene.seen(Flight::mirrored, Contact::mirrored),
+                Solution {
+                    impulses: solved.impulses.iter().map(Image::mirrored).collect(),
+                    corrections: solved.corrections.iter().map(Image::mirrored).collect(),
+                    ..solved
+                },
+            ),
+            (
+                scene.seen(Flight::turned, Contact::turned),
+                Solution { corrections: solved.corrections.iter().map(Image::turned).collect(), ..solved.clone() },
+            ),
+            (scene.seen(Flight::swapped, Contact::swapped), solved.clone()),
+            (
+                scene.seen(Flight::with_points_swapped, Contact::with_points_swapped),
+                Solution { impulses: swapped_points, ..solved.clone() },
+            ),
+        ];
+        for (index, (seen, expected)) in images.iter().enumerate() {
+            assert_eq!(&seen.solve(), expected, "image {index} of {scene:?}");
+        }
+    }
+    assert!(moved > 300, "{moved}");
+}
+
+fn shuffled(random: &mut Random, count: usize) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..count).collect();
+    random.shuffle(&mut order);
+    order
+}
+
+/// The scene with body `bodies[i]` in place i, and contact `contacts[i]` in place i.
+fn reordered(scene: &Scene, bodies: &[usize], contacts: &[usize]) -> Scene {
+    let mut place = alloc::vec![0; bodies.len()];
+    bodies.iter().enumerate().for_each(|(to, &from)| place[from] = to as u32);
+    let moved = |&from: &usize| {
+        let contact = scene.contacts[from];
+        Contact { bodies: contact.bodies.map(|body| place[body as usize]), ..contact }
+    };
+    Scene {
+        flights: bodies.iter().map(|&from| scene.flights[from]).collect(),
+        contacts: contacts.iter().map(moved).collect(),
+        ..*scene
+    }
+}
+
+#[test]
+fn the_order_of_bodies_and_contacts_changes_no_bit() {
+    for (scene, mut random) in scenes(2, 300, 40) {
+        let solved = scene.solve();
+        let bodies = shuffled(&mut random, scene.flights.len());
+        let contacts = shuffled(&mut random, scene.contacts.len());
+        let expected = Solution {
+            impulses: contacts.iter().map(|&from| solved.impulses[from]).collect(),
+            corrections: bodies.iter().map(|&from| solved.corrections[from]).collect(),
+            ..solved
+        };
+        assert_eq!(reordered(&scene, &bodies, &contacts).solve(), expected);
+    }
+}
+
+/// Other islands, between the bodies and contacts of this one, and at fixed bodies that both touch.
+#[test]
+fn bystanders_change_no_bit() {
+    let mut shared = 0;
+    for ((scene, mut random), (mut others, _)) in scenes(3, 300, 20).zip(scenes(4, 300, 40)) {
+        // Faster ones, so that their unit of velocity is another one.
+        let scale = random.below(12) as u32;
+        for flight in &mut others.flights {
+            for velocity in [&mut flight.start, &mut flight.end] {
+                velocity.linear.x = crate::fx::Fx::from_bits(velocity.linear.x.to_bits() << scale);
+            }
+        }
+        let mut both = scene.clone();
+        let fixed = scene.flights.iter().position(Flight::is_fixed);
+        let place: Vec<u32> = (0..others.flights.len())
+            .map(|body| match fixed {
+                Some(fixed) if others.flights[body].is_fixed() => fixed as u32,
+                _ => (scene.flights.len() + body) as u32,
+            })
+            .collect();
+        shared += usize::from(fixed.is_some());
+        both.flights.extend_from_slice(&others.flights);
+        both.contacts.extend(
+            others.contacts.iter().map(|of| Contact { bodies: of.bodies.map(|body| place[body as usize]), ..*of }),
+        );
+        let bodies = shuffled(&mut random, both.flights.len());
+        let contacts = shuffled(&mut random, both.contacts.len());
+        let (alone, solved) = (scene.solve(), reordered(&both, &bodies, &contacts).solve());
+        let of_bodies = bodies.iter().zip(&solved.corrections).filter(|&(&from, _)| from < scene.flights.len());
+        for (&from, correction) in of_bodies {
+            assert_eq!(alone.corrections[from], *correction);
+        }
+        let of_contacts = contacts.iter().zip(&solved.impulses).filter(|&(&from, _)| from < scene.contacts.len());
+        for (&from, impulses) in of_contacts {
+            assert_eq!(alone.impulses[from], *impulses);
+        }
+    }
+    assert!(shared > 100, "{shared}");
+}
+
+/// A pass with the groups of each phase dealt out to threads, each with gains of its own.
+fn pass_in_parts(solver: &mut Solver, pass: Pass, threads: usize) -> u64 {
+    let mut cut = 0;
+    for phase in 0..PHASES {
+        let groups = &mut solver.groups[solver.phases[phase].clone()];
+        let size = groups.len().div_ceil(threads).max(1);
+        let rows = &solver.rows;
+        let parts: Vec<_> = thread::scope(|scope| {
+            let start = |groups| {
+                scope.spawn(move || {
+                    let mut rows = rows.clone();
+                    let cut = PassOver { pass, groups, rows: &mut rows, touched: &[] }.run(Portable);
+                    (cut, rows.rows)
+                })
+            };
+            let handles: Vec<_> = groups.chunks_mut(size).map(start).collect();
+            handles.into_iter().map(|handle| handle.join().expect("no thread panics")).collect()
+        });
+        for (part, theirs) in parts {
+            cut += part;
+            for (row, other) in solver.rows.rows.iter_mut().zip(theirs) {
+                (0..3).for_each(|i| row.gain[i] += other.gain[i]);
+            }
+        }
+        let touched = &solver.touched[phase][..];
+        cut += PassOver { pass, groups: &mut [], rows: &mut solver.rows, touched }.run(Portable);
+    }
+    cut
+}
+
+fn solve_in_parts(scene: &Scene, threads: usize) -> Solution {
+    let (mut solver, mut corrections, mut contacts) = (Solver::default(), Vec::new(), scene.contacts.clone());
+    solver.prepare(scene.time_step, &scene.options, &scene.flights, &contacts);
+    let (mut cut, n) = (0, scene.options.substeps);
+    for k in 1..=n {
+        Begin { rows: &mut solver.rows, k, n }.run(Portable);
+        if k == 1 {
+            cut += pass_in_parts(&mut solver, Pass::WarmStart, threads);
+        }
+        cut += pass_in_parts(&mut solver, Pass::Solve, threads);
+        Advance { rows: &mut solver.rows }.run(Portable);
+        cut += pass_in_parts(&mut solver, Pass::Relax, threads);
+    }
+    cut += solver.finish(scene.time_step, &scene.options, &scene.flights, &mut contacts, &mut corrections);
+    let impulses = contacts.iter().map(|contact| contact.impulses).collect();
+    Solution { impulses, corrections, counts: SolverCounts { cut } }
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_bits() {
+    let mut largest = 0;
+    for (scene, _) in scenes(5, 12, 300) {
+        let solved = scene.solve();
+        assert_eq!(solved, scene.solve_portably());
+        largest = largest.max(scene.contacts.len());
+        for threads in 1..=8 {
+            assert_eq!(solve_in_parts(&scene, threads), solved, "{threads} threads");
+        }
+    }
+    assert!(largest > 200, "groups for each of the threads: {largest} contacts");
+}

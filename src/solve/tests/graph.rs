@@ -1,0 +1,138 @@
+//! The graph beside one by brute force.
+
+use alloc::vec;
+use alloc::vec::Vec;
+
+use super::scene::{body, fx};
+use crate::math::{Random, Vec2};
+use crate::solve::graph::Graph;
+use crate::solve::{Flight, graph_start};
+
+/// Labels of islands by relabelling until nothing changes; the body itself where it is fixed or touches nothing.
+fn labels(fixed: &[bool], links: &[[u32; 2]]) -> Vec<usize> {
+    let mut label: Vec<usize> = (0..fixed.len()).collect();
+    for _ in 0..fixed.len() {
+        for [a, b] in links.iter().map(|link| link.map(|body| body as usize)) {
+            if !fixed[a] && !fixed[b] {
+                let least = label[a].min(label[b]);
+                (label[a], label[b]) = (least, least);
+            }
+        }
+    }
+    label
+}
+
+/// Distances from the sources by Bellman and Ford.
+fn distances(is_source: &[bool], links: &[[u32; 2]]) -> Vec<Option<u32>> {
+    let mut distance: Vec<Option<u32>> = is_source.iter().map(|&source| source.then_some(0)).collect();
+    for _ in 0..is_source.len() {
+        for [a, b] in links.iter().map(|link| link.map(|body| body as usize)) {
+            for (from, to) in [(a, b), (b, a)] {
+                if let Some(next) = distance[from].map(|d| d + 1) {
+                    distance[to] = Some(distance[to].map_or(next, |d| d.min(next)));
+                }
+            }
+        }
+    }
+    distance
+}
+
+/// Every third body of an island, and the first.
+fn some(members: &[u32], queue: &mut Vec<u32>) {
+    let first = members.iter().min().copied().into_iter();
+    let mut chosen: Vec<u32> = members.iter().copied().filter(|body| body % 3 == 0).chain(first).collect();
+    chosen.sort_unstable();
+    chosen.dedup();
+    queue.extend(chosen);
+}
+
+fn check(graph: &Graph, fixed: &[bool], links: &[[u32; 2]]) {
+    let label = labels(fixed, links);
+    let touched = |body: u32| links.iter().filter(move |link| link.contains(&body));
+    let has_island = |body: u32| !fixed[body as usize] && touched(body).next().is_some();
+    let mut sources = fixed.to_vec();
+    let grounded = distances(fixed, links);
+    for island in 0..fixed.len() {
+        let members: Vec<u32> =
+            (0..fixed.len() as u32).filter(|&body| label[body as usize] == island && has_island(body)).collect();
+        if members.iter().all(|&body| grounded[body as usize].is_none()) {
+            let mut chosen = Vec::new();
+            some(&members, &mut chosen);
+            chosen.iter().for_each(|&body| sources[body as usize] = true);
+        }
+    }
+    let level = distances(&sources, links);
+    let bodies = 0..fixed.len() as u32;
+    for a in bodies.clone() {
+        assert_eq!(graph.island_of(a).is_some(), has_island(a));
+        for b in bodies.clone().filter(|&b| has_island(a) && has_island(b)) {
+            assert_eq!(graph.island_of(a) == graph.island_of(b), label[a as usize] == label[b as usize]);
+        }
+        let mut others: Vec<u32> = graph.touched_by(a).collect();
+        let mut expected: Vec<u32> = touched(a).map(|&[x, y]| if x == a { y } else { x }).collect();
+        others.sort_unstable();
+        expected.sort_unstable();
+        assert_eq!(others, expected);
+    }
+    for &link in links {
+        let [a, b] = link.map(|body| level[body as usize].expect("it touches something"));
+        assert_eq!(graph.phase(link), if a == b { 2 } else { (a.min(b) % 2) as usize });
+        assert_eq!(graph.mover(link), link.into_iter().find(|&body| has_island(body)));
+    }
+    let mut found: Vec<usize> = bodies.filter(|&body| has_island(body)).map(|body| label[body as usize]).collect();
+    found.sort_unstable();
+    found.dedup();
+    assert_eq!(graph.islands, found.len());
+}
+
+#[test]
+fn islands_levels_and_phases_are_those_by_brute_force() {
+    let (mut random, mut graph) = (Random::seeded(1), Graph::default());
+    for _ in 0..3000 {
+        let bodies = 2 + random.below(24) as usize;
+        let share = random.below(4);
+        let fixed: Vec<bool> = (0..bodies).map(|_| random.below(8) < share).collect();
+        let mut links = Vec::new();
+        for _ in 0..random.below(2 * bodies as u64) {
+            let link = [0; 2].map(|_| random.below(bodies as u64) as u32);
+            if link[0] != link[1] && !link.iter().all(|&body| fixed[body as usize]) {
+                links.push(link);
+            }
+        }
+        graph.build(|body| fixed[body as usize], bodies, links.iter().copied(), some);
+        check(&graph, &fixed, &links);
+    }
+}
+
+/// Islands start from the heaviest bodies nearest to the centre of mass, all that tie, by exact fractions.
+#[test]
+fn islands_start_from_the_heaviest_and_nearest() {
+    let (mut random, mut ties) = (Random::seeded(2), 0);
+    for _ in 0..3000 {
+        let count = 1 + random.below(8) as usize;
+        let far = i128::from(random.integer(-(1 << 30)..=1 << 30));
+        let mut draw = |most: u64| i128::from(random.below(most));
+        let bodies: Vec<[i128; 3]> = (0..count).map(|_| [1 + draw(3), far + draw(5), draw(5)]).collect();
+        let flights: Vec<Flight> = bodies
+            .iter()
+            .map(|&[mass, x, y]| Flight {
+                position: Vec2::new(fx(x as f64), fx(y as f64)),
+                ..body(mass as f64, 2.0, 1.0)
+            })
+            .collect();
+        let total: i128 = bodies.iter().map(|of| of[0]).sum();
+        let [sx, sy] = [1, 2].map(|i| bodies.iter().map(|of| of[0] * of[i]).sum::<i128>());
+        let distance = |of: &[i128; 3]| (total * of[1] - sx).pow(2) + (total * of[2] - sy).pow(2);
+        let heaviest = bodies.iter().map(|of| of[0]).max();
+        let heavy = |of: &&[i128; 3]| Some(of[0]) == heaviest;
+        let nearest = bodies.iter().filter(heavy).map(distance).min();
+        let expected: Vec<u32> = (0..count as u32)
+            .filter(|&i| heavy(&&bodies[i as usize]) && Some(distance(&bodies[i as usize])) == nearest)
+            .collect();
+        ties += usize::from(expected.len() > 1);
+        let (members, mut queue): (Vec<u32>, _) = ((0..count as u32).collect(), vec![]);
+        graph_start(&flights, &members, &mut queue);
+        assert_eq!(queue, expected, "{bodies:?}");
+    }
+    assert!(ties > 200, "{ties}");
+}

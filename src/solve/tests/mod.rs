@@ -1,0 +1,11 @@
+//! Tests of the solver: twins in wide integers and in doubles, ranges, fairness, conservation and the graph.
+
+mod cases;
+mod conserve;
+mod extremes;
+mod fair;
+mod graph;
+mod made;
+mod paths;
+mod scene;
+mod wide;

@@ -1,0 +1,119 @@
+//! Units of the solver, and the constants of soft contacts.
+//!
+//! Velocities are multiples of 2^unit m/s, one unit for each island. A length is a multiple of the way of one unit of velocity in
+//! a sub-step, so that velocities add to displacements without a product.
+
+use super::{SolverOptions, number::shifted};
+use crate::fx::Fx;
+use crate::kernel::wide::mul_shift_64;
+use crate::math::TimeStep;
+use crate::scalar::FxFactor;
+
+/// log2 of the finest unit of velocity: 2.4e-7 m/s.
+pub(super) const FINEST: i32 = -22;
+
+/// The time of a step and its sub-steps.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Clock {
+    /// Sub-steps a second.
+    rate: FxFactor,
+    /// The length of a sub-step, s.
+    pub(super) substep: FxFactor,
+    pub(super) substeps: u32,
+}
+
+impl Clock {
+    pub(crate) fn new(time_step: TimeStep, substeps: u32) -> Self {
+        let (num, den) = time_step.seconds();
+        let parts = u64::from(den) * u64::from(substeps);
+        Self {
+            rate: FxFactor::from_ratio(parts, u64::from(num)),
+            substep: FxFactor::from_ratio(u64::from(num), parts),
+            substeps,
+        }
+    }
+
+    /// The displacement of sub-steps of semi-implicit Euler from one velocity to another: h·(n·v0 + (v1 − v0)·(n + 1)/2), for
+    /// velocities in 2^-32 m/s, in 2^-32 m. *Domain* velocities below 2^58.
+    pub(super) fn euler(&self, start: i128, end: i128) -> i128 {
+        let n = i128::from(self.substeps);
+        let twice = 2 * n * start + (end - start) * (n + 1);
+        let (mantissa, shift) = self.substep.parts();
+        mul_shift_64(twice, mantissa, shift + 1).unwrap_or(0)
+    }
+
+    /// A length in units of velocity times a sub-step. *Domain* the result is below 2^126.
+    pub(super) fn length(&self, metres: Fx, unit: i32) -> i128 {
+        let (mantissa, shift) = self.rate.parts();
+        mul_shift_64(metres.to_bits().into(), mantissa, shift + 32 + unit).unwrap_or(i128::MAX)
+    }
+}
+
+/// log2 of the unit of velocity of an island whose fastest part moves at `speed`, in 2^-32 m/s.
+///
+/// The displacement of a step is below 2^27 units.
+pub(super) fn unit_for(speed: u128, substeps: u32) -> i32 {
+    let most = speed * u128::from(substeps);
+    (128 - most.leading_zeros() as i32 - 32 - 27).max(FINEST)
+}
+
+/// The largest push-out velocity.
+const PUSH: i128 = 1 << 25;
+
+/// The constants of one kind of contact.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SoftRow {
+    /// The velocity by which a unit of overlap is pushed out, in 2^-30: hω/(2ζ + hω).
+    pub(super) rate: i32,
+    /// Compliance over the effective inverse mass, in 2^-30: 1/(hω(2ζ + hω)).
+    pub(super) compliance: i32,
+}
+
+/// The constants of soft contacts.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Softness {
+    /// Between two bodies that move.
+    pub(super) moving: SoftRow,
+    /// Contacts with a body that cannot be moved: twice as stiff.
+    pub(super) fixed: SoftRow,
+    /// m/s
+    push_speed: Fx,
+}
+
+/// 2π in 2^-30.
+const TAU: i128 = 6_746_518_852;
+
+impl SoftRow {
+    /// *Domain* frequency times sub-step from 2^-10 to 1, damping ratio from 2^-4 to 2^6.
+    fn new(frequency: Fx, damping_ratio: Fx) -> Self {
+        const ONE: i128 = 1 << 30;
+        // hω and 2ζ + hω in 2^-30.
+        let omega = shifted(TAU * i128::from(frequency.to_bits()), 32);
+        let sum = 2 * shifted(damping_ratio.to_bits().into(), 2) + omega;
+        let quotient = |num: i128, den: i128| ((2 * num + den) / (2 * den)).min(i32::MAX.into()) as i32;
+        Self { rate: quotient(omega * ONE, sum), compliance: quotient(ONE * ONE * ONE, omega * sum) }
+    }
+}
+
+impl Softness {
+    pub(crate) fn new(options: &SolverOptions) -> Self {
+        let double = options.frequency.saturating_add(options.frequency);
+        Self {
+            moving: SoftRow::new(options.frequency, options.damping_ratio),
+            fixed: SoftRow::new(double, options.damping_ratio),
+            push_speed: options.push_speed,
+        }
+    }
+
+    /// The overlap from which on the bias is the push speed, and what softness takes of it.
+    pub(super) fn deepest(&self, unit: i32, row: &SoftRow) -> i128 {
+        let speed = shifted(self.push_speed.to_bits().into(), 32 + unit).min(PUSH);
+        let push = speed + shifted(speed * i128::from(row.compliance), 30);
+        (push << 30) / i128::from(row.rate.max(1))
+    }
+}
+
+/// ω·R in 2^-32 m/s for R = 2^length m, rounded up: below 2^66.
+pub(super) fn rim_speed(angular: Fx, length: i32) -> u128 {
+    shifted(i128::from(angular.to_bits().unsigned_abs()), -length).unsigned_abs() + 1
+}
