@@ -34,7 +34,7 @@ pub(crate) use portable::Portable;
 pub(crate) const GROUP: usize = 8;
 
 /// Fraction bits of a [`Gain`].
-pub(crate) const GAIN_BITS: i32 = 24;
+pub(crate) const GAIN_BITS: i32 = 30;
 
 /// Two values for each lane of a group: together they fill 64 bits.
 pub(crate) type Pairs = [[i32; 2]; GROUP];
@@ -57,7 +57,8 @@ pub(crate) struct Gathered<N> {
     pub(crate) displacement: [N; 3],
 }
 
-/// The sum of the velocity changes of a body in a phase (x, y, angular), in 2^-[`GAIN_BITS`]; the fourth word is zero.
+/// The sum of the velocity changes of a body in a phase (x, y, angular), and the rest of those before, in 2^-[`GAIN_BITS`];
+/// the fourth word is zero.
 pub(crate) type Gain = [i64; 4];
 
 /// A set of vector instructions.
@@ -112,7 +113,7 @@ pub(crate) trait Lanes: Copy {
     fn rounded_oddly<const BITS: i32>(self, a: Self::Wide) -> Self::Wide;
     /// a · 2^bits with the shift of each lane. *Domain* the result fits.
     fn raised_by(self, a: Self::Wide, bits: Self::Wide) -> Self::Wide;
-    /// μ·load / 2^26, rounded down twice. *Domain* 0 ≤ load < 2^58, μ ≥ 0.
+    /// μ·load / 2^26 to nearest, ties upwards. *Domain* 0 ≤ load < 2^58, μ ≥ 0.
     fn share(self, factor: Self::Narrow, load: Self::Wide) -> Self::Wide;
     /// Returns true if all lanes are zero.
     fn is_zero(self, a: Self::Wide) -> bool;
@@ -133,9 +134,9 @@ pub(crate) trait Lanes: Copy {
     fn quad_joined(self, a: Self::Quad, b: Self::Quad) -> Self::Quad;
 
     fn gather(self, rows: &[Row], index: &[u32; GROUP], at: usize) -> Gathered<Self::Narrow>;
-    /// Adds the sums of velocity changes to the velocity of a body, each rounded to nearest, ties away from zero, and clears
-    /// them. Returns false, and changes nothing, if a component
-    /// leaves the range of −limit to limit − 1. *Domain* the limit is a power of two, at most 2^30.
+    /// Adds the sums of velocity changes to the velocity of a body, each rounded to nearest, ties away from zero, and keeps
+    /// the rest. Returns false, and changes nothing, if a component leaves the range of −limit to limit − 1. *Domain* the
+    /// limit is a power of two, at most 2^30.
     fn take_gain(self, row: &mut Row, limit: i32) -> bool;
     /// Adds a change of velocity to the sums of bodies, one lane after the other.
     fn add_gains(self, rows: &mut [Row], index: &[u32; GROUP], at: usize, change: [Self::Wide; 3]);

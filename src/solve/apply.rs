@@ -12,6 +12,7 @@
 
 use alloc::vec::Vec;
 
+use super::contact::Group;
 use super::number::shifted;
 use super::unit::Clock;
 use super::{Contact, Correction, Flight, Impulses, Solver};
@@ -39,6 +40,28 @@ fn changed(impulse: i128, factor: FxFactor) -> FxAccumulator {
     FxAccumulator::from_bits(change.clamp(-(1 << 126), 1 << 126))
 }
 
+/// The impulses on both bodies of a contact, for impulses along its three rows in units of 2^exponent N·s.
+pub(super) fn on_bodies(
+    group: &Group,
+    lane: usize,
+    exponent: i32,
+    rows: [i64; 3],
+    lengths: [i32; 2],
+) -> [[i128; 3]; 2] {
+    let [nx, ny] = group.normal[lane].map(i128::from);
+    let [p1, p2, t] = rows.map(i128::from);
+    // From 2^(exponent − 30) to 2^-64 N·s.
+    let bits = -64 + 30 - exponent;
+    let x = shifted_within(nx * (p1 + p2) + ny * t, bits);
+    let y = shifted_within(ny * (p1 + p2) - nx * t, bits);
+    [0, 1].map(|side| {
+        let arms = [0, 1, 2].map(|row| i128::from(group.arms[row][lane][side]));
+        let turn = shifted_within(arms[0] * p1 + arms[1] * p2 + arms[2] * t, bits - lengths[side]);
+        let sign = if side == 0 { -1 } else { 1 };
+        [x, y, turn].map(|value| sign * value)
+    })
+}
+
 impl Solver {
     /// Writes impulses and corrections.
     pub(super) fn apply(
@@ -57,23 +80,13 @@ impl Solver {
             let (group, lane) = (&self.groups[place.group as usize], place.lane as usize);
             contact.impulses =
                 Impulses { values: [0, 1, 2].map(|k| group.impulses[k][lane]), exponent: place.exponent };
-            let [nx, ny] = group.normal[lane].map(i128::from);
+            let lengths = contact.bodies.map(|body| flights[body as usize].length());
             for (weighted, sums) in [(false, &group.applied), (true, &group.weighted)] {
-                let [p1, p2, t] = [0, 1, 2].map(|k| i128::from(sums[k][lane]));
-                // From 2^(exponent − 30) to 2^-64 N·s.
-                let bits = -64 + 30 - place.exponent;
-                let limited = |value: i128, bits: i32| shifted_within(value, bits);
-                let impulse = [limited(nx * (p1 + p2) + ny * t, bits), limited(ny * (p1 + p2) - nx * t, bits)];
-                for (side, body) in contact.bodies.into_iter().enumerate() {
-                    let arms = [0, 1, 2].map(|row| i128::from(group.arms[row][lane][side]));
-                    let length = flights[body as usize].length();
-                    let turn = limited(arms[0] * p1 + arms[1] * p2 + arms[2] * t, bits - length);
+                let on = on_bodies(group, lane, place.exponent, [0, 1, 2].map(|k| sums[k][lane]), lengths);
+                for (body, on) in contact.bodies.into_iter().zip(on) {
                     let total = &mut totals[body as usize];
                     let sums = if weighted { &mut total.weighted } else { &mut total.impulse };
-                    let sign = if side == 0 { -1 } else { 1 };
-                    for (sum, value) in sums.iter_mut().zip([impulse[0], impulse[1], turn]) {
-                        *sum += sign * value;
-                    }
+                    sums.iter_mut().zip(on).for_each(|(sum, value)| *sum += value);
                 }
             }
         }

@@ -11,8 +11,8 @@ use crate::scalar::FxFactor;
 pub(super) const SEPARATION: i128 = 759_250_124;
 /// The largest impulse at the start of a step.
 pub(super) const IMPULSE: i64 = 1 << 44;
-/// The largest gain of a body by all contacts of a phase: more than velocities can change by, 2^28 in 2^-24.
-const GAIN: i64 = 1 << 55;
+/// The largest gain of a body by all contacts of a phase: more than velocities can change by, 2^28 in 2^-30.
+const GAIN: i64 = 1 << 61;
 /// The largest velocity of a surface.
 const SURFACE: i128 = 1 << 27;
 /// Factors of masses have this many bits relative to the largest of a contact.
@@ -380,8 +380,13 @@ impl Group {
         bits: i32,
     ) {
         let (lane, two) = (self.count, contact.points.len() == 2);
-        // Two points close together make the matrix nearly singular.
-        let (k11, k22) = (split.k11 + (split.k11 >> 13), split.k22 + (split.k22 >> 13));
+        // Two points close together make the matrix nearly singular: it gets a larger diagonal.
+        let [k11, k12, k22] = [split.k11, split.k12, split.k22].map(i128::from);
+        let is_narrow = two && k11 * k22 - k12 * k12 < (k11 * k22) >> 6;
+        let (k11, k22) = match is_narrow {
+            true => (split.k11 + (split.k11 >> 13), split.k22 + (split.k22 >> 13)),
+            false => (split.k11, split.k22),
+        };
         let is_fixed = contact.bodies.iter().any(|body| body.inverse_mass.iter().all(|factor| factor.parts().0 == 0));
         let row = if is_fixed { &softness.fixed } else { &softness.moving };
         let k12 = if two { whole.k12.max(0) } else { 0 };

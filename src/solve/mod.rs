@@ -163,7 +163,7 @@ pub struct Contact {
     pub points: [Point; 2],
     /// The coefficient of friction.
     pub friction: Fx,
-    /// The coefficient of restitution.
+    /// The coefficient of restitution, 0 to 1.
     pub restitution: Fx,
     /// The velocity of the surfaces against each other along the tangent, m/s.
     pub surface_speed: Fx,
@@ -236,8 +236,8 @@ impl Solver {
         corrections: &mut Vec<Correction>,
     ) -> SolverCounts {
         self.prepare(time_step, options, flights, contacts);
-        let mut cut = self.run_passes(options.substeps);
-        cut += self.finish(time_step, options, flights, contacts, corrections);
+        let cut = self.run_passes(options.substeps);
+        self.finish(time_step, options, flights, contacts, corrections);
         SolverCounts { cut }
     }
 
@@ -259,8 +259,7 @@ impl Solver {
         }
     }
 
-    /// The last part of [`solve`](Self::solve), after [`run_passes`](Self::run_passes): bouncing, impulses and corrections. Returns
-    /// the number of values that were cut off.
+    /// The last part of [`solve`](Self::solve), after [`run_passes`](Self::run_passes): bouncing, impulses and corrections.
     pub fn finish(
         &mut self,
         time_step: TimeStep,
@@ -268,11 +267,10 @@ impl Solver {
         flights: &[Flight],
         contacts: &mut [Contact],
         corrections: &mut Vec<Correction>,
-    ) -> u64 {
+    ) {
         let clock = Clock::new(time_step, options.substeps);
-        let cut = self.bounce(&clock, options, flights, contacts);
+        self.bounce(&clock, options, flights, contacts);
         self.apply(&clock, flights, contacts, corrections);
-        cut
     }
 
     /// Chooses units and makes the rows of bodies that touch.

@@ -16,9 +16,9 @@
 //! - *Inverse matrix*: entries of 30 bits, so that a sum of two products is below 2^61.4, before the shift.
 //! - *Impulses*: at most 2^44 ([`IMPULSE`](super::contact::IMPULSE)) at the start and below 2^45 in a step: the change of one in
 //!   a pass is within ±2^30, and larger ones are cut off and counted.
-//! - *Gains*: in 2^-24, a factor is at most 2^22 over the share of the body. With changes of both normal impulses and of friction
-//!   a contact gives below 2^53.6 over the share, so that all contacts of a phase together give below 2^53.6. Gains with a
-//!   shift, and those of a warm start with impulses beyond 2^30, are clamped at 2^55 over the share.
+//! - *Gains*: in 2^-30, a factor is at most 2^28 over the share of the body. With changes of both normal impulses and of friction
+//!   a contact gives below 2^59.6 over the share, so that all contacts of a phase together give below 2^59.6. Gains with a
+//!   shift, and those of a warm start with impulses beyond 2^30, are clamped at 2^61 over the share.
 
 use super::contact::Group;
 use super::motion::Rows;
@@ -40,14 +40,11 @@ pub(super) enum Pass {
     Relax,
     /// The impulses of the step before.
     WarmStart,
-    /// Restitution: the separations of the groups are velocities to aim at.
-    Bounce,
 }
 
 /// The aims of [`normal`], as constants for the compiler.
 const SOLVE: u8 = 0;
 const RELAX: u8 = 1;
-const BOUNCE: u8 = 2;
 
 /// One pass over the groups of a phase. The result is the number of impulses that were cut off.
 pub(super) struct PassOver<'a> {
@@ -69,7 +66,6 @@ impl Job for PassOver<'_> {
                 match self.pass {
                     Pass::Solve => cut += normal::<L, SOLVE>(lanes, group, self.rows, at),
                     Pass::Relax => cut += normal::<L, RELAX>(lanes, group, self.rows, at),
-                    Pass::Bounce => cut += normal::<L, BOUNCE>(lanes, group, self.rows, at),
                     Pass::WarmStart => warm_start(lanes, group, self.rows, at),
                 }
             }
@@ -204,10 +200,8 @@ fn normal<L: Lanes, const AIM: u8>(lanes: L, group: &mut Group, rows: &mut Rows,
         let (push_out, (c1, c2)) = (lanes.pair(&group.push_out, at), lanes.pair(&group.compliance, at));
         let (b1, b2) = (soft_bias(lanes, s1, push_out, c1, l1), soft_bias(lanes, s2, push_out, c2, l2));
         (softened(lanes, group, at, [s1, s2]), b1, b2)
-    } else if AIM == RELAX {
-        (rigid(lanes, group, at), rigid_bias(lanes, s1), rigid_bias(lanes, s2))
     } else {
-        (rigid(lanes, group, at), sep1, sep2)
+        (rigid(lanes, group, at), rigid_bias(lanes, s1), rigid_bias(lanes, s2))
     };
     let r = (lanes.plus(r1, b1), lanes.plus(r2, b2));
     // The solution of the linear system; where it pulls at a point, that impulse is zero and the other one solves its row alone.

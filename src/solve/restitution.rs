@@ -1,35 +1,46 @@
-//! Restitution: bodies that met at speed move apart, once a step and all at the same time.
+//! Restitution: what met at speed moves apart, once a step and all at the same time.
 //!
-//! A point bounces if it closed faster than the threshold at the start of the step and has had an impulse since. It aims at −e·v, where v
-//! is the speed at the moment of the impact: v² = v0² + 2·a·s0, with the relative acceleration a of the free flight and the separation s0 at the start.
-//! (With v0 alone each bounce would lose the speed gained in the tick of the impact.)
+//! A point has an impact if it closed faster than the threshold at the start of the step and has had an impulse since. The impact
+//! returns a share of that impulse (Poisson's hypothesis): the passes have found how much of it each body takes where many touch, and
+//! a pair of bodies gets the velocities of Newton's hypothesis. The share is e·v over the velocity that the passes took away, where v is the speed at the
+//! moment of the impact: v² = v0² + 2·a·s0, with the relative acceleration a of the free flight and the separation s0 at
+//! the start. (With v0 alone each bounce would lose the speed gained in the tick of the impact.)
+//!
+//! A point that the last relax pass stopped at a gap s above the surface bounces there: at e²·v² − 2·a·s, as it would pass by on the
+//! way up. If it does not rise as high, or if less than an eighth of its velocity was taken away, the impulse is taken back
+//! instead: the point arrives in the next step.
 //!
 //! Impulses at the same time may add energy. So those of an island are scaled by the largest factor up to 1 for which the kinetic
 //! energy is at most that of the free flight, or that before the bounce if it is larger.
 
 use alloc::vec::Vec;
 
+use super::apply::on_bodies;
 use super::contact::Group;
 use super::motion::Vector;
 use super::number::{bits_of, exponent, fixed, shifted};
-use super::pass::{Pass, PassOver, SPECULATIVE};
-use super::unit::{Clock, Softness};
-use super::{Contact, Flight, PHASES, Solver, SolverOptions};
-use crate::kernel::simd;
+use super::unit::Clock;
+use super::{Contact, Flight, Solver, SolverOptions};
+use crate::fx::Fx;
+use crate::kernel::wide::mul_shift_64;
+use crate::scalar::FxFactor;
 
 /// One, as a factor of impulses.
 const ONE: i64 = 1 << 30;
 /// The largest mass or inertia over R² in 2^-32 kg.
 const HEAVIEST: i64 = 1 << 58;
+/// The largest change of velocity that counts.
+const LARGEST_CHANGE: i128 = 1 << 28;
 
 /// The buffers of restitution.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Bounces {
-    /// Contacts that bounce: their place, and the velocities that both points aim at.
-    hits: Vec<(usize, [i32; 2])>,
-    /// Rows of bodies that bounce, with their body and the velocity before.
-    bodies: Vec<(u32, u32, Vector)>,
-    rows: Vec<u32>,
+    /// Contacts with impacts: their place, and the impulses that both points return.
+    impacts: Vec<(usize, [i64; 2])>,
+    /// The bodies of these contacts.
+    bodies: Vec<u32>,
+    /// Sums of the returned impulses, by body, in 2^-64 N·s and N·m·s.
+    impulses: Vec<Option<[i128; 3]>>,
     /// Energies by island.
     energies: Vec<Energy>,
 }
@@ -37,6 +48,8 @@ pub(super) struct Bounces {
 /// Twice the kinetic energy of the bodies of an island that bounce, as a polynomial of the factor.
 #[derive(Clone, Copy, Debug, Default)]
 struct Energy {
+    /// The number of bodies.
+    bodies: i64,
     /// The energy of the free flight.
     free: i128,
     before: i128,
@@ -47,8 +60,8 @@ struct Energy {
 }
 
 impl Energy {
-    fn add(&mut self, mass: i64, free: i32, before: i32, after: i32) {
-        let [free, before, change] = [free, before, after - before].map(i128::from);
+    fn add(&mut self, mass: i64, free: i32, before: i32, change: i32) {
+        let [free, before, change] = [free, before, change].map(i128::from);
         let mass = i128::from(mass);
         self.free += mass * free * free;
         self.before += mass * before * before;
@@ -90,130 +103,172 @@ fn along_normals(group: &Group, lane: usize, a: Vector, b: Vector) -> [i64; 2] {
     })
 }
 
-impl Solver {
-    /// Bounces what met at speed. Returns the number of values that were cut off.
-    pub(super) fn bounce(
-        &mut self,
-        clock: &Clock,
-        options: &SolverOptions,
-        flights: &[Flight],
-        contacts: &[Contact],
-    ) -> u64 {
-        self.find_hits(clock, options, contacts);
-        if self.bounces.hits.is_empty() {
-            return 0;
+/// An impact at a point, in units of the island.
+struct Impact {
+    /// The impulse that it has had.
+    impulse: i64,
+    /// The relative velocity at the start, negative: the points close.
+    closing: i64,
+    /// Its change by the free flight over the step.
+    change: i64,
+    /// The separation at the start and at the end.
+    separations: [i64; 2],
+    /// Whether only the last relax pass acted on it.
+    is_late: bool,
+}
+
+impl Impact {
+    /// The impulse that is returned, for a step of `substeps`.
+    fn returned(&self, restitution: Fx, substeps: u32) -> i64 {
+        let gained = |separation: i64| 2 * self.change * separation.max(0) / i64::from(substeps);
+        // A relax pass stops what would overlap in the next sub-step, above the surface.
+        let gap = if self.is_late { self.separations[1].max(0) } else { 0 };
+        // Velocities are below 2^29.3 and separations below 2^31: squares of velocities are below 2^61.6.
+        let arrived = (self.closing * self.closing - gained(self.separations[0])).max(0);
+        // The velocity at the end of the free flight, or that of the impact if the flight slows down after it.
+        let free = -(self.closing + self.change);
+        let slows_down = self.change > 0 && !self.is_late;
+        let most = if slows_down { free.max(arrived.unsigned_abs().isqrt() as i64) } else { free };
+        let taken = most - gap;
+        let share = |square: i64| ((i128::from(square) * i128::from(restitution.to_bits())) >> 32) as i64;
+        let left = share(share(arrived)) + gained(gap);
+        if taken <= 0 || taken < most / 8 || (gap > 0 && left <= 0) {
+            return -self.impulse;
         }
-        let (solved, placed) = (self.groups.len(), self.places.len());
-        self.set_bounces(clock, options, flights, contacts);
-        let (groups, rows) = (&mut self.groups[solved..], &mut self.rows);
-        let cut = simd::run(PassOver { pass: Pass::Bounce, groups, rows, touched: &self.bounces.rows });
+        let aim = left.max(0).unsigned_abs().isqrt() as i64;
+        // More than this is asked for only by fields that stop a body within the step. The impulse is below 2^48.
+        let most = 16 * i128::from(self.impulse);
+        (i128::from(self.impulse) * i128::from(aim + gap) / i128::from(taken)).min(most) as i64
+    }
+}
+
+impl Solver {
+    /// Returns a part of the impulses of impacts.
+    pub(super) fn bounce(&mut self, clock: &Clock, options: &SolverOptions, flights: &[Flight], contacts: &[Contact]) {
+        self.find_impacts(clock, options, contacts);
+        if self.bounces.impacts.is_empty() {
+            return;
+        }
+        self.add_returned(flights, contacts);
         self.limit_energy(flights);
-        for (hit, bounced) in (placed..self.places.len()).enumerate() {
-            let (bounced, place) = (self.places[bounced], self.places[self.bounces.hits[hit].0]);
-            let mover = self.graph.mover(contacts[place.contact as usize].bodies);
-            let Some(island) = mover.and_then(|body| self.graph.island_of(body)) else { continue };
-            let factor = self.bounces.energies[island as usize].factor;
-            for k in 0..2 {
-                let after = self.groups[bounced.group as usize].impulses[k][bounced.lane as usize];
-                let group = &mut self.groups[place.group as usize];
-                let change = after - group.impulses[k][place.lane as usize];
-                group.applied[k][place.lane as usize] += change.signum() * ((change.abs() * factor) >> 30);
+        for &(place, returned) in &self.bounces.impacts {
+            let place = &self.places[place];
+            let Some(island) = self.island_of(&contacts[place.contact as usize]) else { continue };
+            let factor = i128::from(self.bounces.energies[island].factor);
+            let (group, lane) = (&mut self.groups[place.group as usize], place.lane as usize);
+            for (k, returned) in returned.into_iter().enumerate().filter(|&(_, returned)| returned != 0) {
+                group.applied[k][lane] += ((i128::from(returned) * factor) >> 30) as i64;
+                // The points part, so that the next step does not start from this impulse.
+                group.impulses[k][lane] = 0;
             }
         }
-        self.groups.truncate(solved);
-        self.places.truncate(placed);
-        cut
     }
 
-    /// Finds the contacts that bounce.
-    fn find_hits(&mut self, clock: &Clock, options: &SolverOptions, contacts: &[Contact]) {
-        self.bounces.hits.clear();
+    fn island_of(&self, contact: &Contact) -> Option<usize> {
+        let mover = self.graph.mover(contact.bodies)?;
+        self.graph.island_of(mover).map(|island| island as usize)
+    }
+
+    /// Finds the points that have met at speed, and the impulses that they return.
+    fn find_impacts(&mut self, clock: &Clock, options: &SolverOptions, contacts: &[Contact]) {
+        self.bounces.impacts.clear();
         for (index, place) in self.places.iter().enumerate() {
             let contact = &contacts[place.contact as usize];
             if contact.restitution.to_bits() <= 0 {
                 continue;
             }
+            let Some(mover) = self.graph.mover(contact.bodies) else { continue };
+            let unit = self.unit_of[mover as usize];
+            let threshold = shifted(options.restitution_speed.to_bits().into(), 32 + unit) as i64;
             let (group, lane) = (&self.groups[place.group as usize], place.lane as usize);
             let [a, b] = [group.a[lane], group.b[lane]];
             let (of_a, of_b) = (self.rows.flight(a), self.rows.flight(b));
             let closing = along_normals(group, lane, of_a.start, of_b.start);
             let change = along_normals(group, lane, of_a.change, of_b.change);
             let moved = along_normals(group, lane, self.rows.displacement(a), self.rows.displacement(b));
-            let Some(mover) = self.graph.mover(contact.bodies) else { continue };
-            let unit = self.unit_of[mover as usize];
-            let threshold = shifted(options.restitution_speed.to_bits().into(), 32 + unit) as i64;
-            let mut hits = false;
-            let aims = [0, 1].map(|k| {
+            let mut returned = [0; 2];
+            for k in (0..contact.count).filter(|&k| closing[k] < -threshold && group.applied[k][lane] > 0) {
                 let separation = i64::from(group.separation[lane][k]);
-                let had_impulse = group.applied[k][lane] > 0 || group.weighted[k][lane] > 0;
-                if k >= contact.count || closing[k] >= -threshold || !had_impulse {
-                    return (separation + moved[k]).clamp(0, SPECULATIVE.into()) as i32;
-                }
-                hits = true;
-                // Below 2^61: velocities are below 2^29.3, the separation below 2^29.5.
-                let gained = 2 * change[k] * separation.max(0) / i64::from(clock.substeps);
-                let speed = (closing[k] * closing[k] - gained).max(0).unsigned_abs().isqrt();
-                let aim = (u128::from(speed) * contact.restitution.to_bits() as u128 + (1 << 31)) >> 32;
-                -(aim.min(SPECULATIVE as u128) as i32)
-            });
-            if hits {
-                self.bounces.hits.push((index, aims));
+                let impact = Impact {
+                    impulse: group.applied[k][lane],
+                    closing: closing[k],
+                    change: change[k],
+                    separations: [separation, separation + moved[k]],
+                    is_late: group.weighted[k][lane] == 0,
+                };
+                returned[k] = impact.returned(contact.restitution, clock.substeps);
+            }
+            if returned != [0; 2] {
+                self.bounces.impacts.push((index, returned));
             }
         }
     }
 
-    /// Makes groups of the contacts that bounce, beyond those of the phases: each moves its share of both bodies.
-    fn set_bounces(&mut self, clock: &Clock, options: &SolverOptions, flights: &[Flight], contacts: &[Contact]) {
-        let softness = Softness::new(options);
-        self.shares.clear();
-        self.shares.resize(flights.len(), 0);
-        self.bounces.bodies.clear();
-        self.bounces.rows.clear();
-        for &(place, _) in &self.bounces.hits {
-            for body in contacts[self.places[place].contact as usize].bodies {
-                let (count, row) = (&mut self.shares[body as usize], self.row_of[body as usize]);
-                *count += 1;
-                if *count == 1 && self.graph.island_of(body).is_some() {
-                    self.bounces.bodies.push((row, body, self.rows.velocity(row)));
-                    self.bounces.rows.push(row);
+    /// Sums up the returned impulses by body.
+    fn add_returned(&mut self, flights: &[Flight], contacts: &[Contact]) {
+        let Bounces { impacts, bodies, impulses, .. } = &mut self.bounces;
+        impulses.clear();
+        impulses.resize(flights.len(), None);
+        bodies.clear();
+        for &(place, [p1, p2]) in impacts.iter() {
+            let place = &self.places[place];
+            let contact = &contacts[place.contact as usize];
+            let group = &self.groups[place.group as usize];
+            let lengths = contact.bodies.map(|body| flights[body as usize].length());
+            let on = on_bodies(group, place.lane as usize, place.exponent, [p1, p2, 0], lengths);
+            for (body, on) in contact.bodies.into_iter().zip(on) {
+                if self.graph.island_of(body).is_none() {
+                    continue;
                 }
+                let sums = impulses[body as usize].get_or_insert_with(|| {
+                    bodies.push(body);
+                    [0; 3]
+                });
+                sums.iter_mut().zip(on).for_each(|(sum, value)| *sum += value);
             }
         }
-        let begin = self.groups.len();
-        for hit in 0..self.bounces.hits.len() {
-            let (place, aims) = self.bounces.hits[hit];
-            let place = self.places[place];
-            let contact = place.contact as usize;
-            self.push(begin, contact, &contacts[contact], (clock, &softness), flights);
-            let before = [0, 1, 2].map(|k| self.groups[place.group as usize].impulses[k][place.lane as usize]);
-            let group = self.groups.last_mut().expect("one was just pushed to");
-            let lane = group.count - 1;
-            group.separation[lane] = aims;
-            (0..3).for_each(|k| group.impulses[k][lane] = before[k]);
-        }
-        debug_assert!(self.phases[PHASES - 1].end == begin, "bounces come after the phases");
     }
 
-    /// Sums up the energies of islands, before and after.
+    /// Sums up the energies of islands, before and after, and finds their factors.
     fn limit_energy(&mut self, flights: &[Flight]) {
-        let Bounces { bodies, energies, .. } = &mut self.bounces;
+        let Bounces { bodies, impulses, energies, .. } = &mut self.bounces;
         energies.clear();
         energies.resize(self.graph.islands, Energy::default());
-        // Below 2^58 · 2^54 a component, and 2^13 bodies of that.
-        let down = (bits_of(bodies.len() as i64) - 13).max(0);
-        for &(row, body, before) in bodies.iter() {
-            let (flight, free, after) = (&flights[body as usize], self.rows.flight(row), self.rows.velocity(row));
-            let Some(island) = self.graph.island_of(body) else { continue };
-            let inertia_bits = 32 - 2 * flight.length();
+        let island_of =
+            |body: u32| self.graph.island_of(body).expect("bodies that can be moved are in islands") as usize;
+        bodies.iter().for_each(|&body| energies[island_of(body)].bodies += 1);
+        for &body in bodies.iter() {
+            let (flight, row) = (&flights[body as usize], self.row_of[body as usize]);
+            let (free, before) = (self.rows.flight(row), self.rows.velocity(row));
+            let energy = &mut energies[island_of(body)];
+            // Below 2^58 · 2^57 a component, and 2^10 bodies of that.
+            let down = (bits_of(energy.bodies) - 10).max(0);
+            let (unit, length) = (self.unit_of[body as usize], flight.length());
+            let inertia_bits = 32 - 2 * length;
             let is_large = exponent(flight.inertia) + inertia_bits > 58;
             let inertia = if is_large { HEAVIEST } else { fixed(flight.inertia, inertia_bits) };
-            let [mass, inertia] = [flight.mass.to_bits().min(HEAVIEST), inertia].map(|m| m >> down);
-            for (k, mass) in [mass, mass, inertia].into_iter().enumerate() {
-                energies[island as usize].add(mass, free.start[k] + free.change[k], before[k], after[k]);
+            let mass = flight.mass.to_bits().min(HEAVIEST);
+            let components = [
+                (mass, flight.inverse_mass.x, unit),
+                (mass, flight.inverse_mass.y, unit),
+                (inertia, flight.inverse_inertia, unit - length),
+            ];
+            let impulses = impulses[body as usize].unwrap_or_default();
+            for (k, (mass, inverse, unit)) in components.into_iter().enumerate() {
+                let change = change_of(impulses[k], inverse, unit);
+                energy.add(mass >> down, free.start[k] + free.change[k], before[k], change);
             }
         }
         for energy in energies {
             energy.factor = energy.largest_factor();
         }
     }
+}
+
+/// The change of velocity by an impulse in 2^-64 N·s, in 2^unit.
+fn change_of(impulse: i128, factor: FxFactor, unit: i32) -> i32 {
+    let (mantissa, shift) = factor.parts();
+    let most = impulse.signum() * LARGEST_CHANGE;
+    let change = mul_shift_64(impulse, mantissa, shift + 64 + unit).unwrap_or(most);
+    change.clamp(-LARGEST_CHANGE, LARGEST_CHANGE) as i32
 }

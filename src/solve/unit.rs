@@ -84,14 +84,14 @@ pub(crate) struct Softness {
 const TAU: i128 = 6_746_518_852;
 
 impl SoftRow {
-    /// *Domain* frequency times sub-step from 2^-10 to 1, damping ratio from 2^-4 to 2^6.
+    /// *Domain* frequency times sub-step up to 1, damping ratio up to 2^6; not negative. Both saturate at compliances of 2 and more.
     fn new(frequency: Fx, damping_ratio: Fx) -> Self {
         const ONE: i128 = 1 << 30;
         // hω and 2ζ + hω in 2^-30.
         let omega = shifted(TAU * i128::from(frequency.to_bits()), 32);
         let sum = 2 * shifted(damping_ratio.to_bits().into(), 2) + omega;
         let quotient = |num: i128, den: i128| ((2 * num + den) / (2 * den)).min(i32::MAX.into()) as i32;
-        Self { rate: quotient(omega * ONE, sum), compliance: quotient(ONE * ONE * ONE, omega * sum) }
+        Self { rate: quotient(omega * ONE, sum), compliance: quotient(ONE * ONE * ONE, (omega * sum).max(1)) }
     }
 }
 

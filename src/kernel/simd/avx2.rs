@@ -223,7 +223,8 @@ impl Lanes for Avx2 {
     fn share(self, factor: __m256i, load: __m256i) -> __m256i {
         unsafe {
             let low = _mm256_and_si256(load, self.words(0x7fff_ffff));
-            let low = _mm256_srli_epi64::<26>(_mm256_mul_epi32(factor, low));
+            let low = _mm256_add_epi64(_mm256_mul_epi32(factor, low), self.words(1 << 25));
+            let low = _mm256_srli_epi64::<26>(low);
             let high = _mm256_slli_epi64::<5>(_mm256_mul_epi32(factor, _mm256_srli_epi64::<31>(load)));
             _mm256_add_epi64(low, high)
         }
@@ -323,10 +324,11 @@ impl Lanes for Avx2 {
         unsafe {
             let velocity = _mm256_cvtepi32_epi64(_mm_load_si128(row.velocity.as_ptr().cast()));
             let gain = _mm256_loadu_si256(row.gain.as_ptr().cast());
+            let half = _mm256_sub_epi64(self.words(1 << GAIN_BITS >> 1), _mm256_srli_epi64::<63>(gain));
+            let raised = _mm256_add_epi64(gain, half);
             // Rounded oddly, and 2^(63 − GAIN_BITS) larger: its lower half is that of the sum.
-            let half = self.words((1 << GAIN_BITS >> 1) ^ i64::MIN);
-            let half = _mm256_sub_epi64(half, _mm256_srli_epi64::<63>(gain));
-            let gained = _mm256_srli_epi64::<GAIN_BITS>(_mm256_add_epi64(gain, half));
+            let gained = _mm256_srli_epi64::<GAIN_BITS>(_mm256_xor_si256(raised, self.words(i64::MIN)));
+            let rest = _mm256_sub_epi64(_mm256_and_si256(raised, self.words((1 << GAIN_BITS) - 1)), half);
             let sum = _mm256_add_epi64(velocity, gained);
             // Within the range these are below twice the limit. The fourth component is the angle, which has no gain.
             let shifted = _mm256_add_epi64(sum, self.words(limit - (1 << (63 - GAIN_BITS))));
@@ -334,7 +336,7 @@ impl Lanes for Avx2 {
             let is_within = _mm256_testz_si256(shifted, above) == 1;
             if is_within {
                 _mm_store_si128(row.velocity.as_mut_ptr().cast(), self.packed(sum));
-                _mm256_storeu_si256(row.gain.as_mut_ptr().cast(), _mm256_setzero_si256());
+                _mm256_storeu_si256(row.gain.as_mut_ptr().cast(), rest);
             }
             is_within
         }

@@ -210,7 +210,8 @@ mod lanes {
         fn share(self, factor: __m512i, load: __m512i) -> __m512i {
             unsafe {
                 let low = _mm512_and_si512(load, self.words(0x7fff_ffff));
-                let low = _mm512_srli_epi64::<26>(_mm512_mul_epi32(factor, low));
+                let low = _mm512_add_epi64(_mm512_mul_epi32(factor, low), self.words(1 << 25));
+                let low = _mm512_srli_epi64::<26>(low);
                 let high = _mm512_slli_epi64::<5>(_mm512_mul_epi32(factor, _mm512_srli_epi64::<31>(load)));
                 _mm512_add_epi64(low, high)
             }

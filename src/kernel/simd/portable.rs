@@ -1,6 +1,6 @@
 //! One lane at a time, in plain integers: the reference.
 
-use super::{GAIN_BITS, GROUP, Gain, Gathered, Lanes, Pairs, Row};
+use super::{GAIN_BITS, GROUP, Gathered, Lanes, Pairs, Row};
 
 /// One lane, on every machine.
 #[derive(Clone, Copy)]
@@ -130,7 +130,7 @@ impl Lanes for Portable {
     #[inline(always)]
     fn share(self, factor: i32, load: i64) -> i64 {
         let (low, high) = (load & 0x7fff_ffff, load >> 31);
-        ((i64::from(factor) * low) >> 26) + ((i64::from(factor) * high) << 5)
+        ((i64::from(factor) * low + (1 << 25)) >> 26) + ((i64::from(factor) * high) << 5)
     }
 
     #[inline(always)]
@@ -198,13 +198,13 @@ impl Lanes for Portable {
     #[inline(always)]
     fn take_gain(self, row: &mut Row, limit: i32) -> bool {
         let [vx, vy, spin, angle] = row.velocity;
-        let [gx, gy, turn] = [row.gain[0], row.gain[1], row.gain[2]].map(|g| self.rounded_oddly::<GAIN_BITS>(g));
-        let sums = [i64::from(vx) + gx, i64::from(vy) + gy, i64::from(spin) + turn];
+        let gained: [i64; 3] = core::array::from_fn(|i| self.rounded_oddly::<GAIN_BITS>(row.gain[i]));
+        let sums = [i64::from(vx) + gained[0], i64::from(vy) + gained[1], i64::from(spin) + gained[2]];
         let limit = i64::from(limit);
         let is_within = sums.iter().all(|sum| (-limit..limit).contains(sum));
         if is_within {
             row.velocity = [sums[0] as i32, sums[1] as i32, sums[2] as i32, angle];
-            row.gain = Gain::default();
+            (0..3).for_each(|i| row.gain[i] -= gained[i] << GAIN_BITS);
         }
         is_within
     }

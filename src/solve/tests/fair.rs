@@ -151,6 +151,7 @@ fn pass_in_parts(solver: &mut Solver, pass: Pass, threads: usize) -> u64 {
             let start = |groups| {
                 scope.spawn(move || {
                     let mut rows = rows.clone();
+                    rows.rows.iter_mut().for_each(|row| row.gain = Default::default());
                     let cut = PassOver { pass, groups, rows: &mut rows, touched: &[] }.run(Portable);
                     (cut, rows.rows)
                 })
@@ -183,7 +184,7 @@ fn solve_in_parts(scene: &Scene, threads: usize) -> Solution {
         Advance { rows: &mut solver.rows }.run(Portable);
         cut += pass_in_parts(&mut solver, Pass::Relax, threads);
     }
-    cut += solver.finish(scene.time_step, &scene.options, &scene.flights, &mut contacts, &mut corrections);
+    solver.finish(scene.time_step, &scene.options, &scene.flights, &mut contacts, &mut corrections);
     let impulses = contacts.iter().map(|contact| contact.impulses).collect();
     Solution { impulses, corrections, counts: SolverCounts { cut } }
 }

@@ -1,5 +1,6 @@
 //! Tests of the solver: twins in wide integers and in doubles, ranges, fairness, conservation and the graph.
 
+mod bounce;
 mod cases;
 mod conserve;
 mod extremes;

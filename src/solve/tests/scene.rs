@@ -112,12 +112,12 @@ impl Scene {
         Solution { impulses: contacts.iter().map(|contact| contact.impulses).collect(), corrections, counts }
     }
 
-    /// The same with one lane at a time; bounces excepted.
+    /// The same with one lane at a time.
     pub(super) fn solve_portably(&self) -> Solution {
         let (mut solver, mut corrections, mut contacts) = (Solver::default(), Vec::new(), self.contacts.clone());
         solver.prepare(self.time_step, &self.options, &self.flights, &contacts);
-        let mut cut = run_portably(&mut solver, self.options.substeps);
-        cut += solver.finish(self.time_step, &self.options, &self.flights, &mut contacts, &mut corrections);
+        let cut = run_portably(&mut solver, self.options.substeps);
+        solver.finish(self.time_step, &self.options, &self.flights, &mut contacts, &mut corrections);
         let impulses = contacts.iter().map(|contact| contact.impulses).collect();
         Solution { impulses, corrections, counts: SolverCounts { cut } }
     }
