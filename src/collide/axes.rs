@@ -2,7 +2,6 @@
 
 use super::cores::{Core, Product};
 use super::frame::Direction;
-use super::place::Placed;
 use crate::kernel::sqrt::direction;
 
 /// The separations of a pair along its normals.
@@ -10,6 +9,8 @@ pub(super) struct Axes<P, const N: usize> {
     along_a: [P; N],
     along_b: [P; N],
     largest: P,
+    /// What counts as within rounding of it.
+    slack: P,
 }
 
 /// Numbers of edges of A and of B, one bit each: at most 64.
@@ -18,21 +19,23 @@ type Edges = [u64; 2];
 impl<P: Product, const N: usize> Axes<P, N> {
     /// `None` if a separation is above `limit`.
     #[inline(always)]
-    pub(super) fn new(a: &Core<P, N>, b: &Core<P, N>, limit: P) -> Option<Self> {
-        let along_a = a.separations(b);
+    pub(super) fn new(a: &Core<P, N>, b: &Core<P, N>, k: u32, limit: P) -> Option<Self> {
+        // Corners err by a unit, and normals by 2^-30 of a length.
+        let slack = P::length((8 << k) + (a.extent.max(b.extent) >> 28), k);
+        let along_a = a.separations(b, slack);
         let largest = along_a.iter().fold(P::LEAST, |most, &s| most.max(s));
         if largest > limit {
             return None;
         }
-        let along_b = b.separations(a);
+        let along_b = b.separations(a, slack);
         let largest = along_b.iter().fold(largest, |most, &s| most.max(s));
-        if largest > limit { None } else { Some(Self { along_a, along_b, largest }) }
+        if largest > limit { None } else { Some(Self { along_a, along_b, largest, slack }) }
     }
 
     /// The edges with a separation of at least `least`.
     #[inline(always)]
     fn edges(&self, least: P) -> Edges {
-        let edges = |along: &[P; N]| along.iter().enumerate().fold(0, |set, (i, &s)| set | u64::from(s >= least) << i);
+        let edges = |along: &[P; N]| (0..N).fold(0, |set, i| set | u64::from(along[i] >= least) << i);
         [edges(&self.along_a), edges(&self.along_b)]
     }
 
@@ -41,10 +44,13 @@ impl<P: Product, const N: usize> Axes<P, N> {
     pub(super) fn direction(&self, a: &Core<P, N>, b: &Core<P, N>) -> Option<Direction> {
         let edges = self.edges(self.largest);
         let [of_a, of_b] = edges;
-        if of_a.count_ones() + of_b.count_ones() != 1 {
-            return tied(a, b, edges);
-        }
-        let n = if of_a != 0 { normal(a.placed, of_a) } else { normal(b.placed, of_b).map(|part| -part) };
+        let first = |set: u64| set.trailing_zeros() as usize & (N - 1);
+        let is_one = |set: u64| set & set.wrapping_sub(1) == 0;
+        let n = match (of_a, of_b) {
+            (_, 0) if is_one(of_a) => a.normals[first(of_a)],
+            (0, _) if is_one(of_b) => b.normals[first(of_b)].map(|part| -part),
+            _ => return tied(a, b, edges),
+        };
         Some(Direction { n, is_mean: false })
     }
 
@@ -55,39 +61,26 @@ impl<P: Product, const N: usize> Axes<P, N> {
         &self,
         a: &Core<P, N>,
         b: &Core<P, N>,
-        k: u32,
         passes: impl Fn(Direction) -> bool,
     ) -> Option<Direction> {
-        // Corners err by a unit, and normals by 2^-30 of a length.
-        let slack = P::length((8 << k) + (a.extent.max(b.extent) >> 28), k);
         let mut found: Option<(P, Direction)> = None;
         let mut is_tie = false;
-        for (edges, core, along, back) in
-            each(self.edges(self.largest - slack), [a.placed, b.placed], [&self.along_a, &self.along_b])
-        {
-            for i in bits(edges) {
-                let n = core.normals[i];
-                let direction = Direction { n: if back { n.map(|part| -part) } else { n }, is_mean: false };
-                if found.is_some_and(|(most, _)| along[i] < most) || !passes(direction) {
-                    continue;
-                }
-                is_tie = found.is_some_and(|(most, d)| along[i] == most && (is_tie || d.n != direction.n));
-                found = Some((along[i], direction));
+        let [of_a, of_b] = self.edges(self.largest - self.slack);
+        let of_a = bits(of_a).map(|i| (self.along_a[i], a.normals[i]));
+        let of_b = bits(of_b).map(|i| (self.along_b[i], b.normals[i].map(|part| -part)));
+        for (separation, n) in of_a.chain(of_b) {
+            let direction = Direction { n, is_mean: false };
+            if found.is_some_and(|(most, _)| separation < most) || !passes(direction) {
+                continue;
             }
+            is_tie = found.is_some_and(|(most, other)| separation == most && (is_tie || other.n != n));
+            found = Some((separation, direction));
         }
         found.filter(|_| !is_tie).map(|(_, direction)| direction)
     }
 }
 
-/// The sets of edges beside their cores and separations, and whether normals lead from B to A.
-fn each<'a, P, const N: usize>(
-    edges: Edges,
-    placed: [&'a Placed<N>; 2],
-    along: [&'a [P; N]; 2],
-) -> [(u64, &'a Placed<N>, &'a [P; N], bool); 2] {
-    [(edges[0], placed[0], along[0], false), (edges[1], placed[1], along[1], true)]
-}
-
+/// Numbers of the edges in a set.
 fn bits(mut set: u64) -> impl Iterator<Item = usize> {
     core::iter::from_fn(move || {
         let i = set.trailing_zeros() as usize;
@@ -96,18 +89,12 @@ fn bits(mut set: u64) -> impl Iterator<Item = usize> {
     })
 }
 
-/// The normal of the one edge in a set.
-#[inline(always)]
-fn normal<const N: usize>(placed: &Placed<N>, set: u64) -> [i32; 2] {
-    placed.normals[set.trailing_zeros() as usize & (N - 1)]
-}
-
 /// The direction of the longest of edges that tie, or the mean over all that are as long: a sum, whatever their order.
 #[cold]
 fn tied<P: Product, const N: usize>(a: &Core<P, N>, b: &Core<P, N>, [of_a, of_b]: Edges) -> Option<Direction> {
     let square = |core: &Core<P, N>, i: usize| P::half_square(core.between(i, i + 1));
-    let of_a = bits(of_a).map(|i| (square(a, i), a.placed.normals[i]));
-    let of_b = bits(of_b).map(|i| (square(b, i), b.placed.normals[i].map(|part| -part)));
+    let of_a = bits(of_a).map(|i| (square(a, i), a.normals[i]));
+    let of_b = bits(of_b).map(|i| (square(b, i), b.normals[i].map(|part| -part)));
     let (mut longest, mut first, mut sum, mut differ) = (P::LEAST, [0; 2], [0; 2], false);
     for (square, n) in of_a.chain(of_b) {
         if square > longest {

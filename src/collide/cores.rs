@@ -6,7 +6,7 @@
 
 use core::ops::{Add, Neg, Sub};
 
-use super::place::Placed;
+use super::place::View;
 
 /// A type of products of coordinates with unit vectors, and its coordinates.
 ///
@@ -42,9 +42,9 @@ impl Product for i64 {
 
     #[inline(always)]
     fn coordinate(ulps: i64, k: u32) -> i32 {
-        // Without a shift there is nothing to round.
-        let (half, odd) = ((1 << k) >> 1, if k == 0 { 0 } else { ulps >> 63 });
-        ((ulps + half + odd) >> k) as i32
+        // Without a shift there is nothing to round, and half of the unit is 0.
+        let half = (1 << k) >> 1;
+        ((ulps + half + (ulps >> 63 & -i64::from(k > 0))) >> k) as i32
     }
 
     #[inline(always)]
@@ -135,64 +135,128 @@ pub(super) fn across(n: [i32; 2]) -> [i32; 2] {
 }
 
 /// A core, with room for `N` corners, a power of two. Places after the last corner repeat the first one.
-pub(super) struct Core<'a, P: Product, const N: usize> {
+pub(super) struct Core<P: Product, const N: usize> {
     pub(super) corners: [[P::Coordinate; 2]; N],
-    pub(super) placed: &'a Placed<N>,
+    pub(super) normals: [[i32; 2]; N],
+    pub(super) count: usize,
+    faces: usize,
+    /// The largest coordinate of a corner relative to the body's centre, ulps.
     pub(super) extent: i64,
 }
 
-impl<'a, P: Product, const N: usize> Core<'a, P, N> {
+impl<P: Product, const N: usize> Core<P, N> {
     #[inline(always)]
-    pub(super) fn new(placed: &'a Placed<N>, shift: [i64; 2], k: u32) -> Self {
+    pub(super) fn new(view: &View<'_>, shift: [i64; 2], k: u32) -> Self {
         let shift = shift.map(|part| P::coordinate(part, k));
         let place = |corner: [i64; 2]| {
             [P::sum(P::coordinate(corner[0], k), shift[0]), P::sum(P::coordinate(corner[1], k), shift[1])]
         };
-        let mut corners = [place(placed.corners[0]); N];
-        for (own, &corner) in corners[..Self::room(placed.count)].iter_mut().zip(&placed.corners).skip(1) {
-            *own = place(corner);
+        let (count, faces, extent) = (view.placed.count, view.faces(), view.placed.extent());
+        if let (Some(from), Some(normals)) = (view.corners.first_chunk::<N>(), view.normals.first_chunk::<N>()) {
+            let mut corners = [[P::coordinate(0, 0); 2]; N];
+            for i in 0..N {
+                corners[i] = place(from[i]);
+            }
+            return Self { corners, normals: *normals, count, faces, extent };
         }
-        Self { corners, placed, extent: placed.extent() }
+        let (mut corners, mut normals) = ([place(view.corners[0]); N], [[0; 2]; N]);
+        for (i, (&corner, &normal)) in view.corners.iter().zip(view.normals).enumerate().take(N) {
+            (corners[i], normals[i]) = (place(corner), normal);
+        }
+        Self { corners, normals, count, faces, extent }
     }
 
     /// The number of places to go through for `count` corners: few are as soon gone through as counted.
     #[inline(always)]
-    fn room(count: usize) -> usize {
+    fn places(count: usize) -> usize {
         if N <= 8 { N } else { count.min(N) }
     }
 
+    /// Components of the corners along a vector, perhaps with that of the first corner again at the end.
     #[inline(always)]
-    pub(super) fn count(&self) -> usize {
-        self.placed.count
+    pub(super) fn heights(&self, n: [i32; 2]) -> impl Iterator<Item = P> {
+        self.corners[..Self::places(self.count)].iter().map(move |&corner| P::dot(n, corner))
     }
 
-    /// The corners, perhaps with the first one again at the end.
-    #[inline(always)]
-    pub(super) fn corners(&self) -> &[[P::Coordinate; 2]] {
-        &self.corners[..Self::room(self.placed.count)]
-    }
-
-    /// The vector between two corners.
+    /// The vector between two corners. The place after the last corner repeats the first; after the last place the first comes as well.
     #[inline(always)]
     pub(super) fn between(&self, from: usize, to: usize) -> [i64; 2] {
         let part = |i: usize| self.corners[to & (N - 1)][i].into() - self.corners[from & (N - 1)][i].into();
         [part(0), part(1)]
     }
 
-    /// Separations of another core along the normals: its least component less the larger one of the edge's two ends.
+    /// The larger component of an edge's two ends along its normal: the core's own largest one, but for rounding.
     #[inline(always)]
-    pub(super) fn separations(&self, other: &Self) -> [P; N] {
+    fn own(&self, i: usize) -> P {
+        let n = self.normals[i];
+        P::dot(n, self.corners[i]).max(P::dot(n, self.corners[(i + 1) & (N - 1)]))
+    }
+
+    /// Separations of another core along the normals: its least component less its own largest one. Of a core with many corners those more
+    /// than `slack` below the largest may be left out, as the least product.
+    #[inline(always)]
+    pub(super) fn separations(&self, other: &Self, slack: P) -> [P; N] {
+        if N > 8 {
+            return self.largest_separations(other, slack);
+        }
+        let opposite = |i: usize| self.normals[i + 2] == self.normals[i].map(|part| -part);
+        if N == 4 && self.faces == 4 && opposite(0) && opposite(1) {
+            return self.separations_of_box(other);
+        }
         let mut separations = [P::LEAST; N];
-        for (i, separation) in separations[..Self::room(self.placed.faces)].iter_mut().enumerate() {
-            if N <= 8 && i >= self.placed.faces {
-                break;
+        for (i, separation) in separations.iter_mut().enumerate() {
+            if i < self.faces {
+                let n = self.normals[i];
+                let least = other.heights(n).fold(P::dot(n, other.corners[0]), |least, height| least.min(height));
+                *separation = least - self.own(i);
             }
-            let n = self.placed.normals[i];
-            // The place after the last corner repeats the first; after the last place the first comes as well.
-            let own = P::dot(n, self.corners[i]).max(P::dot(n, self.corners[(i + 1) & (N - 1)]));
-            let least = |least: P, &corner: &[P::Coordinate; 2]| least.min(P::dot(n, corner));
-            let first = P::dot(n, other.corners[0]);
-            *separation = other.corners()[1..].iter().fold(first, least) - own;
+        }
+        separations
+    }
+
+    /// The separations along four normals that are opposite in pairs: the same ones, of two normals at once.
+    #[inline(always)]
+    fn separations_of_box(&self, other: &Self) -> [P; N] {
+        let mut separations = [P::LEAST; N];
+        for i in 0..2 {
+            let n = self.normals[i];
+            let own: [P; 4] = core::array::from_fn(|j| P::dot(n, self.corners[j]));
+            let (mut least, mut most) = (P::dot(n, other.corners[0]), P::LEAST);
+            for height in other.heights(n) {
+                (least, most) = (least.min(height), most.max(height));
+            }
+            separations[i] = least - own[i].max(own[i + 1]);
+            separations[i + 2] = own[i + 2].min(own[(i + 3) & 3]) - most;
+        }
+        separations
+    }
+
+    /// The separations that are within `slack` of the largest, and perhaps others.
+    ///
+    /// The component of any one corner bounds a separation from above, so that most normals take no second look. Which of them do depends
+    /// on the order of corners; which are within `slack` does not.
+    fn largest_separations(&self, other: &Self, slack: P) -> [P; N] {
+        let mut separations = [P::LEAST; N];
+        let count = self.faces.min(N);
+        for (i, bound) in separations.iter_mut().enumerate().take(count) {
+            *bound = P::dot(self.normals[i], other.corners[0]) - self.own(i);
+        }
+        let (mut largest, mut nearest) = (P::LEAST, 0);
+        let first = (0..count).max_by_key(|&i| separations[i]).unwrap_or(0);
+        for i in core::iter::once(first).filter(|&i| i < count).chain(0..count) {
+            let n = self.normals[i];
+            let own = self.own(i);
+            let bound = separations[i].min(P::dot(n, other.corners[nearest]) - own);
+            if largest > P::LEAST && bound < largest - slack {
+                separations[i] = P::LEAST;
+                continue;
+            }
+            let by_height = other.heights(n).enumerate().map(|(j, height)| (height, j)).min();
+            let (least, corner) = by_height.unwrap_or((P::ZERO, 0));
+            separations[i] = least - own;
+            if separations[i] > largest {
+                (largest, nearest) = (separations[i], corner);
+            }
         }
         separations
     }

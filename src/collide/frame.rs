@@ -7,11 +7,13 @@ use core::cmp::Ordering;
 use super::cores::{Core, Product, across};
 
 /// Two cores, A and B.
-pub(super) struct Pair<'a, P: Product, const N: usize> {
-    pub(super) a: Core<'a, P, N>,
-    pub(super) b: Core<'a, P, N>,
+pub(super) struct Pair<P: Product, const N: usize> {
+    pub(super) a: Core<P, N>,
+    pub(super) b: Core<P, N>,
     /// A unit is 2^k ulps.
     pub(super) k: u32,
+    /// One of them has a radius.
+    pub(super) is_rounded: bool,
 }
 
 /// A direction from A to B.
@@ -71,23 +73,22 @@ struct Support<P> {
 /// corners, 2^-29 of the extent from the normal. Corners between them, on the same line within rounding, belong to it.
 #[inline(always)]
 fn support<P: Product, const N: usize>(core: &Core<P, N>, w: [i32; 2], k: u32) -> Support<P> {
-    let mut height = P::dot(w, core.corners[0]);
-    for &corner in &core.corners()[1..] {
-        height = height.max(P::dot(w, corner));
-    }
+    let height = core.heights(w).fold(P::LEAST, |most, height| most.max(height));
     let least = height - P::length((3 << k) + (core.extent >> 29), k);
-    let near = core.corners().iter().enumerate().fold(0, |set, (i, &corner)| {
-        // A place that repeats the first corner is none.
-        set | u64::from(P::dot(w, corner) >= least && i < core.count()) << i
-    });
-    let first = near.trailing_zeros() as usize;
-    let last = 63 - near.leading_zeros() as usize;
-    let ends = match near.count_ones() {
-        1 => [first, first],
-        // Two neighbours, in their order.
-        2 if first + 1 == last => order(core, w, [first, last]),
-        2 if first == 0 && last + 1 == core.count() => order(core, w, [last, first]),
-        _ => outermost(core, w, near),
+    let near = core.heights(w).enumerate().fold(0, |set, (i, height)| set | u64::from(height >= least) << i);
+    // A place that repeats the first corner is none.
+    let near = near & (u64::MAX >> (64 - core.count));
+    let (first, last) = (near.trailing_zeros() as usize, 63 - near.leading_zeros() as usize);
+    let are_two = near == 1 << first | 1 << last;
+    // Two neighbours, in their order.
+    let ends = if first == last {
+        [first, first]
+    } else if are_two && first + 1 == last {
+        order(core, w, [first, last])
+    } else if are_two && first == 0 && last + 1 == core.count {
+        order(core, w, [last, first])
+    } else {
+        outermost(core, w, near)
     };
     Support { ends, height }
 }
@@ -96,7 +97,7 @@ fn support<P: Product, const N: usize>(core: &Core<P, N>, w: [i32; 2], k: u32) -
 #[inline(always)]
 fn order<P: Product, const N: usize>(core: &Core<P, N>, w: [i32; 2], [start, end]: [usize; 2]) -> [usize; 2] {
     let place = |i: usize| P::dot(across(w), core.corners[i & (N - 1)]);
-    if core.count() > 2 && place(start) < place(end) {
+    if core.count > 2 && place(start) < place(end) {
         return [start, end];
     }
     outermost(core, w, 1 << start | 1 << end)
@@ -108,10 +109,10 @@ fn order<P: Product, const N: usize>(core: &Core<P, N>, w: [i32; 2], [start, end
 fn outermost<P: Product, const N: usize>(core: &Core<P, N>, w: [i32; 2], near: u64) -> [usize; 2] {
     let key = |i: usize| (P::dot(across(w), core.corners[i]), P::dot(w, core.corners[i]));
     let is_near = |i: &usize| near >> i & 1 == 1;
-    let corners = || (0..core.count()).filter(is_near);
+    let corners = || (0..core.count).filter(is_near);
     let least = corners().min_by_key(|&i| (key(i).0, -key(i).1)).unwrap_or(0);
     let most = corners().max_by_key(|&i| key(i)).unwrap_or(0);
-    let (count, is_same) = (core.count(), |i: usize, j: usize| core.corners[i] == core.corners[j]);
+    let (count, is_same) = (core.count, |i: usize, j: usize| core.corners[i] == core.corners[j]);
     let (mut start, mut end) = (least, most);
     for _ in 1..count {
         let before = (start + count - 1) % count;
@@ -126,7 +127,7 @@ fn outermost<P: Product, const N: usize>(core: &Core<P, N>, w: [i32; 2], near: u
 /// itself if both are as near.
 #[inline(always)]
 fn facing_edge<P: Product, const N: usize>(core: &Core<P, N>, support: &Support<P>, w: [i32; 2]) -> [usize; 2] {
-    let ([corner, last], count) = (support.ends, core.count());
+    let ([corner, last], count) = (support.ends, core.count);
     if corner != last || count == 1 {
         return support.ends;
     }
@@ -136,7 +137,7 @@ fn facing_edge<P: Product, const N: usize>(core: &Core<P, N>, support: &Support<
     let middle = if count == 2 {
         core.between(after, corner)
     } else {
-        let (own, last) = (core.placed.normals[corner & (N - 1)], core.placed.normals[before & (N - 1)]);
+        let (own, last) = (core.normals[corner & (N - 1)], core.normals[before & (N - 1)]);
         [i64::from(own[0]) + i64::from(last[0]), i64::from(own[1]) + i64::from(last[1])]
     };
     // Where the middle is counter-clockwise of `w`, the edge before the corner is.
@@ -163,12 +164,7 @@ pub(super) fn nearest<P: Product>(a: &Span<P>, b: &Span<P>) -> Option<(P, [usize
     }
 }
 
-impl<P: Product, const N: usize> Pair<'_, P, N> {
-    #[inline(always)]
-    fn is_rounded(&self) -> bool {
-        self.a.placed.radius + self.b.placed.radius > 0
-    }
-
+impl<P: Product, const N: usize> Pair<P, N> {
     /// The spans between corners that are in counter-clockwise order: along A's boundary places grow, along B's they fall.
     #[inline(always)]
     fn spans(&self, n: [i32; 2], a: [usize; 2], b: [usize; 2]) -> (Span<P>, Span<P>) {
@@ -193,7 +189,7 @@ impl<P: Product, const N: usize> Pair<'_, P, N> {
         };
         // Sharp cores nearer than 2^-11 of their size have no direction between corners that is worth the name.
         let smaller = self.a.extent.min(self.b.extent);
-        let far = if self.is_rounded() { P::ZERO } else { P::length(smaller >> 11, self.k) };
+        let far = if self.is_rounded { P::ZERO } else { P::length(smaller >> 11, self.k) };
         if separation > far {
             let (own, other) = self.spans(n, support_a.ends, support_b.ends);
             if let Some((_, [i, j])) = nearest(&own, &other).filter(|(gap, _)| *gap > P::ZERO) {
@@ -209,7 +205,7 @@ impl<P: Product, const N: usize> Pair<'_, P, N> {
     /// Returns true if spans that overlap in one place have a point there. Sharp corners at one place touch as those beside each other do.
     fn is_point(&self, separation: P, far: P, a: &Span<P>, b: &Span<P>) -> bool {
         match (a.is_corner(), b.is_corner()) {
-            (true, true) => self.is_rounded() || separation < P::ZERO || separation > far,
+            (true, true) => self.is_rounded || separation < P::ZERO || separation > far,
             (is_corner, other) => is_corner || other,
         }
     }
@@ -221,10 +217,10 @@ impl<P: Product, const N: usize> Pair<'_, P, N> {
             return Facing::Touching;
         };
         // Two segments beside each other are apart, on one line even if no normal of theirs says so.
-        if self.a.count() == 2 && self.b.count() == 2 && gap > far {
+        if self.a.count == 2 && self.b.count == 2 && gap > far {
             return Facing::Corners(i, j);
         }
-        let is_contact = self.is_rounded() || separation < P::ZERO || separation > far;
+        let is_contact = self.is_rounded || separation < P::ZERO || separation > far;
         if is_contact { Facing::Beside(i, j) } else { Facing::Touching }
     }
 }

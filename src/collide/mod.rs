@@ -1,7 +1,7 @@
 //! Narrow phase: where two outlines touch, how deep, and along which direction.
 //!
 //! A [`Manifold`] is a function of integers. Corners are turned into world axes, relative to the centre of their own body, and
-//! rounded once, oddly; offsets of positions are exact. Every choice that follows is by comparison of exact integers, and none
+//! rounded to ulps once, oddly; offsets of positions are exact. Every choice that follows is by comparison of exact integers, and none
 //! depends on which outline comes first, on which corner of it comes first, on the axes up to quarter turns and mirror images,
 //! or on the distance from the origin: the manifold of a mirrored, turned (by quarters), shifted, swapped or renumbered pair is
 //! the image of the manifold, to the bit.
@@ -21,16 +21,17 @@ mod frame;
 mod place;
 mod points;
 
-pub use place::Pose;
+pub use place::{Cores, Pose};
 
 use crate::fx::Fx;
+use crate::limits::CORNERS;
 use crate::math::Vec2;
 use crate::shape::Outline;
 
 use axes::Axes;
 use cores::{Core, Product};
 use frame::{Facing, Frame, Pair};
-use place::Placed;
+use place::{Placed, View, room};
 use points::{Ends, manifold};
 
 /// The contact of two outlines: one point or two.
@@ -45,7 +46,8 @@ pub struct Manifold {
     pub points: [ManifoldPoint; 2],
 }
 
-/// A point of a manifold, in the middle between the surfaces.
+/// A point of a manifold, in the middle between the surfaces. The arms differ by the offset of the positions; where a corner of A is
+/// at a corner of B, by an ulp more at most, as half an ulp can favour neither.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ManifoldPoint {
     /// From the centre of mass of A to the point, in world axes, m.
@@ -70,60 +72,79 @@ pub fn feature(a: [usize; 2], b: [usize; 2]) -> u32 {
 /// The largest margin that is told from a larger one: 2^22 m.
 const MARGIN_MAX: i64 = 1 << (22 + 32);
 
-/// The manifold of two outlines at two poses, if they are at most `margin` m apart.
+/// The manifold of two outlines at two poses, if they are at most `margin` m apart. [`Cores`] turns an outline once for all its pairs.
 ///
 /// *Domain* positions within 2^31 m. A margin below zero counts as zero, one above 2^22 m as that.
 ///
-/// *Error* of a separation: 2 ulp, and 2^-31 of the distance between the corner and the edge's nearer end.
+/// *Error* of a separation: 2 ulp, and 2^-30 of the larger core's size. A corner within about 2^-26 of the pair's size of the line
+/// through its neighbours counts as on it, which adds as much.
 #[must_use]
 pub fn collide(a: &Outline, pose_a: &Pose, b: &Outline, pose_b: &Pose, margin: Fx) -> Option<Manifold> {
-    // Room for the corners: most shapes are boxes, and setting memory to zero costs.
+    // Most shapes are boxes, and setting memory to zero costs.
     match a.corners().len().max(b.corners().len()) {
-        0..=4 => collide_within::<4>(a, pose_a, b, pose_b, margin),
-        5..=8 => collide_within::<8>(a, pose_a, b, pose_b, margin),
-        _ => collide_within::<64>(a, pose_a, b, pose_b, margin),
+        0..=4 => collide_once::<4>(a, pose_a, b, pose_b, margin),
+        _ => collide_once::<CORNERS>(a, pose_a, b, pose_b, margin),
     }
 }
 
-fn collide_within<const N: usize>(
+fn collide_once<const N: usize>(
     a: &Outline,
     pose_a: &Pose,
     b: &Outline,
     pose_b: &Pose,
     margin: Fx,
 ) -> Option<Manifold> {
-    let offset = pose_a.offset_to(pose_b)?;
-    let (a, b) = (Placed::<N>::new(a, pose_a), Placed::<N>::new(b, pose_b));
+    let mut places = [([[0; 2]; N], [[0; 2]; N]), ([[0; 2]; N], [[0; 2]; N])];
+    let [(corners_a, normals_a), (corners_b, normals_b)] = &mut places;
+    let (room_a, room_b) = (room(a.corners().len()), room(b.corners().len()));
+    let (corners_a, normals_a) = (&mut corners_a[..room_a], &mut normals_a[..room_a]);
+    let (corners_b, normals_b) = (&mut corners_b[..room_b], &mut normals_b[..room_b]);
+    let placed_a = Placed::new(a, pose_a, corners_a, normals_a);
+    let placed_b = Placed::new(b, pose_b, corners_b, normals_b);
+    let a = View { placed: &placed_a, corners: corners_a, normals: normals_a };
+    let b = View { placed: &placed_b, corners: corners_b, normals: normals_b };
+    collide_placed(a, b, margin)
+}
+
+/// The manifold of two cores in world axes.
+#[inline(always)]
+fn collide_placed(a: View<'_>, b: View<'_>, margin: Fx) -> Option<Manifold> {
+    let offset = a.offset_to(&b)?;
     let margin = margin.to_bits().clamp(0, MARGIN_MAX);
     // Radii are at most 2^12 m: below 2^55 in all.
-    let limit = margin + a.radius + b.radius;
+    let limit = margin + a.placed.radius + b.placed.radius;
     if a.is_clear_of(&b, offset, limit) {
         return None;
     }
-    let ends = Ends { a: a.view(), b: b.view(), offset, limit };
-    if a.count == 1 && b.count == 1 {
-        return ends.between_corners(0, 0);
+    let ends = Ends { a, b, offset, limit };
+    match a.placed.count.max(b.placed.count) {
+        1 => ends.between_corners(0, 0),
+        2..=4 => collide_within::<4>(&ends),
+        5..=8 => collide_within::<8>(&ends),
+        _ => collide_within::<CORNERS>(&ends),
     }
+}
+
+/// The manifold of cores of at most `N` corners.
+fn collide_within<const N: usize>(ends: &Ends<'_>) -> Option<Manifold> {
+    let (a, b, offset) = (ends.a.placed, ends.b.placed, ends.offset);
     // Below 2^49 + 2^55, since the boxes around the cores are at most `limit` apart.
     let total = a.extent() + b.extent() + offset[0].abs().max(offset[1].abs());
     let k = (64 - total.leading_zeros()).saturating_sub(30);
     // A unit of at most 2^-25 of the smaller one's size.
     let smaller = (a.extent() + a.radius).min(b.extent() + b.radius);
     if k == 0 || 1 << k <= smaller >> 25 {
-        return collide_cores::<i64, N>(&a, &b, &ends, k);
+        return collide_cores::<i64, N>(ends, k);
     }
-    collide_cores::<i128, N>(&a, &b, &ends, 0)
+    collide_cores::<i128, N>(ends, 0)
 }
 
 #[inline(always)]
-fn collide_cores<P: Product, const N: usize>(
-    a: &Placed<N>,
-    b: &Placed<N>,
-    ends: &Ends<'_>,
-    k: u32,
-) -> Option<Manifold> {
-    let pair = Pair { a: Core::<P, N>::new(a, [0; 2], k), b: Core::<P, N>::new(b, ends.offset, k), k };
-    let axes = Axes::new(&pair.a, &pair.b, P::length(ends.limit, k))?;
+fn collide_cores<P: Product, const N: usize>(ends: &Ends<'_>, k: u32) -> Option<Manifold> {
+    let (a, b) = (Core::<P, N>::new(&ends.a, [0; 2], k), Core::<P, N>::new(&ends.b, ends.offset, k));
+    let is_rounded = ends.a.placed.radius + ends.b.placed.radius > 0;
+    let pair = Pair { a, b, k, is_rounded };
+    let axes = Axes::new(&pair.a, &pair.b, k, P::length(ends.limit, k))?;
     let frame = pair.frame(axes.direction(&pair.a, &pair.b)?);
     if frame.facing != Facing::Edges {
         return beside(&pair, &axes, ends, frame);
@@ -141,7 +162,7 @@ fn beside<P: Product, const N: usize>(
     frame: Frame<P>,
 ) -> Option<Manifold> {
     let is_facing = |direction| pair.frame(direction).facing == Facing::Edges;
-    let other = axes.nearly_as_good(&pair.a, &pair.b, pair.k, is_facing);
+    let other = axes.nearly_as_good(&pair.a, &pair.b, is_facing);
     manifold(pair, ends, &other.map_or(frame, |direction| pair.frame(direction)))
 }
 

@@ -1,12 +1,15 @@
 //! Outlines in world axes.
 
+use alloc::vec::Vec;
+
+use super::{Manifold, collide_placed};
 use crate::fx::Fx;
 use crate::kernel::trig::sin_cos_turn;
 use crate::math::Vec2;
 use crate::scalar::Turn;
 use crate::shape::Outline;
 
-/// The place of a body: the position of its centre of mass and the direction it is turned to. Made once for all pairs of a body.
+/// The place of a body: the position of its centre of mass and the direction it is turned to. Made once for all outlines of a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pose {
     position: Vec2<Fx>,
@@ -20,33 +23,6 @@ impl Pose {
     pub fn new(position: Vec2<Fx>, angle: Turn) -> Self {
         Self { position, direction: sin_cos_turn(angle.to_bits()) }
     }
-
-    /// From this position to another in ulps, exactly; `None` from 2^24 m on in a component, where nothing touches.
-    pub(super) fn offset_to(&self, other: &Self) -> Option<[i64; 2]> {
-        const FAR: i64 = 1 << (24 + 32);
-        let part = |from: Fx, to: Fx| to.to_bits().checked_sub(from.to_bits()).filter(|d| -FAR < *d && *d < FAR);
-        Some([part(self.position.x, other.position.x)?, part(self.position.y, other.position.y)?])
-    }
-}
-
-/// An outline in world axes, relative to its body's centre of mass, with room for `N` corners, a power of two.
-pub(super) struct Placed<const N: usize> {
-    pub(super) count: usize,
-    pub(super) faces: usize,
-    /// In ulps, each rounded once. Places after the last corner repeat the first one.
-    pub(super) corners: [[i64; 2]; N],
-    /// In units of 2^-30.
-    pub(super) normals: [[i32; 2]; N],
-    low: [i64; 2],
-    high: [i64; 2],
-    pub(super) radius: i64,
-}
-
-/// The corners and the radius.
-#[derive(Clone, Copy)]
-pub(super) struct View<'a> {
-    pub(super) corners: &'a [[i64; 2]],
-    pub(super) radius: i64,
 }
 
 /// `a / 2^s` to nearest, ties away from zero: odd. *Domain* |a| <= 2^126, 0 < s < 127.
@@ -57,7 +33,7 @@ pub(super) const fn odd_shift(a: i128, s: u32) -> i128 {
 
 /// (x, y) turned by the angle with this sine and cosine in units of 2^-62, divided by 2^(s − 62).
 ///
-/// Coordinates are below 2^48 and the results for corners too (a corner is within 2^15 m of the centre); the products are below 2^110.
+/// Coordinates are below 2^47.5 and the results for corners too (a corner is within 2^15 m of the centre); the products are below 2^110.
 #[inline(always)]
 fn turned(v: Vec2<Fx>, (sin, cos): (i64, i64), s: u32) -> [i64; 2] {
     let (x, y) = (i128::from(v.x.to_bits()), i128::from(v.y.to_bits()));
@@ -65,45 +41,129 @@ fn turned(v: Vec2<Fx>, (sin, cos): (i64, i64), s: u32) -> [i64; 2] {
     [odd_shift(x * cos - y * sin, s) as i64, odd_shift(x * sin + y * cos, s) as i64]
 }
 
-impl<const N: usize> Placed<N> {
+/// A core in world axes, without its corners and normals.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Placed {
+    position: Vec2<Fx>,
+    pub(super) count: usize,
+    /// The least box around the corners, relative to the position, in ulps: below 2^48.
+    low: [i64; 2],
+    high: [i64; 2],
+    pub(super) radius: i64,
+}
+
+/// How many places a core of this many corners takes: most shapes are boxes, and few places are as soon gone through as counted.
+pub(super) fn room(count: usize) -> usize {
+    match count {
+        0..=4 => 4,
+        5..=8 => 8,
+        _ => count,
+    }
+}
+
+impl Placed {
+    /// Places an outline. Its corners in ulps, relative to the position, each rounded once, and its normals in units of 2^-30 go to
+    /// these slices of [`room`]; places after the last corner repeat the first one.
     #[inline(always)]
-    pub(super) fn new(outline: &Outline, pose: &Pose) -> Self {
-        let (corners, normals) = (outline.corners(), outline.normals());
-        let first = turned(corners[0], pose.direction, 62);
-        let mut placed = Self {
-            count: corners.len(),
-            faces: normals.len(),
-            corners: [first; N],
-            normals: [[0; 2]; N],
-            low: first,
-            high: first,
-            radius: outline.radius().to_bits(),
-        };
-        for (place, &corner) in placed.corners.iter_mut().zip(corners).skip(1) {
+    pub(super) fn new(outline: &Outline, pose: &Pose, corners: &mut [[i64; 2]], normals: &mut [[i32; 2]]) -> Self {
+        let count = outline.corners().len();
+        let first = turned(outline.corners()[0], pose.direction, 62);
+        let (mut low, mut high) = (first, first);
+        corners[0] = first;
+        for (place, &corner) in corners[1..].iter_mut().zip(&outline.corners()[1..]) {
             let [x, y] = turned(corner, pose.direction, 62);
             *place = [x, y];
-            placed.low = [placed.low[0].min(x), placed.low[1].min(y)];
-            placed.high = [placed.high[0].max(x), placed.high[1].max(y)];
+            (low, high) = ([low[0].min(x), low[1].min(y)], [high[0].max(x), high[1].max(y)]);
         }
+        corners[count..].fill(first);
         // From units of 2^-32 times 2^-62 to units of 2^-30; at most 2^30 + 1.
-        for (place, &normal) in placed.normals.iter_mut().zip(normals) {
+        for (place, &normal) in normals.iter_mut().zip(outline.normals()) {
             *place = turned(normal, pose.direction, 64).map(|part| part as i32);
         }
-        placed
+        Self { position: pose.position, count, low, high, radius: outline.radius().to_bits() }
     }
 
     /// The largest coordinate of a corner, below 2^48.
+    #[inline(always)]
     pub(super) fn extent(&self) -> i64 {
         self.high[0].max(self.high[1]).max(-self.low[0]).max(-self.low[1])
     }
+}
 
-    /// Returns true if the boxes around the cores are more than `limit` apart. All terms are below 2^57.
-    pub(super) fn is_clear_of(&self, other: &Self, offset: [i64; 2], limit: i64) -> bool {
-        let gap = |i: usize| (other.low[i] + offset[i] - self.high[i]).max(self.low[i] - other.high[i] - offset[i]);
-        gap(0) > limit || gap(1) > limit
+/// A core in world axes.
+#[derive(Clone, Copy)]
+pub(super) struct View<'a> {
+    pub(super) placed: &'a Placed,
+    pub(super) corners: &'a [[i64; 2]],
+    pub(super) normals: &'a [[i32; 2]],
+}
+
+impl View<'_> {
+    /// The number of edges that have a normal: a disc has none.
+    #[inline(always)]
+    pub(super) fn faces(&self) -> usize {
+        if self.placed.count == 1 { 0 } else { self.placed.count }
     }
 
-    pub(super) fn view(&self) -> View<'_> {
-        View { corners: &self.corners, radius: self.radius }
+    /// From this position to another in ulps, exactly; `None` from 2^24 m on in a component, where nothing touches.
+    #[inline(always)]
+    pub(super) fn offset_to(&self, other: &Self) -> Option<[i64; 2]> {
+        const FAR: i64 = 1 << (24 + 32);
+        let part = |from: Fx, to: Fx| to.to_bits().checked_sub(from.to_bits()).filter(|d| -FAR < *d && *d < FAR);
+        let (from, to) = (self.placed.position, other.placed.position);
+        Some([part(from.x, to.x)?, part(from.y, to.y)?])
+    }
+
+    /// Returns true if the boxes around the cores are more than `limit` apart. All terms are below 2^57.
+    #[inline(always)]
+    pub(super) fn is_clear_of(&self, other: &Self, offset: [i64; 2], limit: i64) -> bool {
+        let (own, other) = (self.placed, other.placed);
+        let gap = |i: usize| (other.low[i] + offset[i] - own.high[i]).max(own.low[i] - other.high[i] - offset[i]);
+        gap(0) > limit || gap(1) > limit
+    }
+}
+
+/// Outlines in world axes, each turned once for all its pairs.
+#[derive(Clone, Debug, Default)]
+pub struct Cores {
+    corners: Vec<[i64; 2]>,
+    normals: Vec<[i32; 2]>,
+    /// Each with its first place.
+    placed: Vec<(Placed, usize)>,
+}
+
+impl Cores {
+    /// Forgets all outlines and keeps the memory.
+    pub fn clear(&mut self) {
+        self.corners.clear();
+        self.normals.clear();
+        self.placed.clear();
+    }
+
+    /// Adds the outline of a body at a pose, and returns its number: 0, 1, 2 and so on.
+    pub fn push(&mut self, outline: &Outline, pose: &Pose) -> usize {
+        let start = self.corners.len();
+        let end = start + room(outline.corners().len());
+        self.corners.resize(end, [0; 2]);
+        self.normals.resize(end, [0; 2]);
+        let placed = Placed::new(outline, pose, &mut self.corners[start..], &mut self.normals[start..]);
+        self.placed.push((placed, start));
+        self.placed.len() - 1
+    }
+
+    /// The manifold of two of the outlines: see [`collide`](super::collide()).
+    ///
+    /// # Panics
+    /// When one of them is not there.
+    #[must_use]
+    pub fn collide(&self, a: usize, b: usize, margin: Fx) -> Option<Manifold> {
+        collide_placed(self.view(a), self.view(b), margin)
+    }
+
+    #[inline(always)]
+    fn view(&self, i: usize) -> View<'_> {
+        let (placed, start) = &self.placed[i];
+        let places = *start..start + room(placed.count);
+        View { placed, corners: &self.corners[places.clone()], normals: &self.normals[places] }
     }
 }

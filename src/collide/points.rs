@@ -118,11 +118,19 @@ impl Ends<'_> {
             At::Both(i, j) => return self.height(n, i, j),
             At::A(i) => {
                 let end = usize::from(frame.a.corners[0] != i);
-                (&frame.b, frame.a.places[end], frame.b.corners.map(|j| self.height(n, i, j)))
+                (
+                    &frame.b,
+                    frame.a.places[end],
+                    [self.height(n, i, frame.b.corners[0]), self.height(n, i, frame.b.corners[1])],
+                )
             }
             At::B(j) => {
                 let end = usize::from(frame.b.corners[0] != j);
-                (&frame.a, frame.b.places[end], frame.a.corners.map(|i| self.height(n, i, j)))
+                (
+                    &frame.a,
+                    frame.b.places[end],
+                    [self.height(n, frame.a.corners[0], j), self.height(n, frame.a.corners[1], j)],
+                )
             }
         };
         // An edge square to n is flat but for rounding.
@@ -136,7 +144,7 @@ impl Ends<'_> {
     /// The point at a corner, in the middle between the surfaces, for a separation of the cores.
     #[inline(always)]
     fn point(&self, n: [i32; 2], at: At, separation: i64, feature: u32) -> ManifoldPoint {
-        let (radius_a, radius_b) = (self.a.radius, self.b.radius);
+        let (radius_a, radius_b) = (self.a.placed.radius, self.b.placed.radius);
         // Half of 2·distance·n, from units of 2^-30: distances are below 2^58.
         let step = |n: i32, twice: i64| odd_shift(i128::from(n) * i128::from(twice), 31) as i64;
         let steps = |twice: i64| [step(n[0], twice), step(n[1], twice)];

@@ -10,4 +10,4 @@ mod features;
 mod pairs;
 
 /// Random pairs in a test.
-const CASES: usize = if cfg!(debug_assertions) { 2_000 } else { 100_000 };
+const CASES: usize = if cfg!(debug_assertions) { 5_000 } else { 100_000 };
