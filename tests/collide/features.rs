@@ -147,34 +147,57 @@ fn capsules_on_one_line_meet_at_their_ends() {
     }
 }
 
+/// A floor whose upper edge has a corner in the middle, by ulps above the line between its ends: its shape, and its centre.
+fn bent_floor(sticks_out: i64) -> (Recipe, Vec2) {
+    let up = |x: i32, y: Fx| Vec2::new(Fx::from_int(x), y);
+    let corners =
+        vec![up(-2, fx!(-1)), up(2, fx!(-1)), up(2, fx!(0)), up(0, Fx::from_bits(sticks_out)), up(-2, fx!(0))];
+    let floor = Recipe::Polygon(corners);
+    let shift = floor.shape().expect("a floor").shift();
+    (floor, shift)
+}
+
+/// How far above the ends of the floor its surface is.
+fn surface(sticks_out: i64, x: Fx) -> Fx {
+    let from_end = (2i128 << 32) - i128::from(x.to_bits().abs());
+    Fx::from_bits(((i128::from(sticks_out) * from_end) >> 33) as i64)
+}
+
 #[test]
 fn a_corner_that_hardly_is_one_does_not_split_a_floor() {
-    // A floor whose upper edge has a corner in the middle, from an ulp to 60 µm above the line.
     let mut random = SplitMix(63);
-    for _ in 0..CASES {
+    for i in 0..CASES {
+        // To 60 µm.
         let sticks_out = 1 << random.between(0, 18);
-        let up = |x: i32, y: Fx| Vec2::new(Fx::from_int(x), y);
-        let corners =
-            vec![up(-2, fx!(-1)), up(2, fx!(-1)), up(2, fx!(0)), up(0, Fx::from_bits(sticks_out)), up(-2, fx!(0))];
-        let floor = Recipe::Polygon(corners);
-        let shift = floor.shape().expect("a floor").shift();
-        // Flat on the left half.
+        let (floor, shift) = bent_floor(sticks_out);
         let slope = sticks_out as f64 / 2f64.powi(33);
         let tilt = Turn::from_bits((slope / std::f64::consts::TAU * 2f64.powi(64)) as u64);
-        let x = Fx::from_bits(random.between(-5 << 30, -9 << 28));
-        let surface = Fx::from_bits(((x.to_bits() + (2 << 32)) as f64 * slope) as i64);
         let sunk = Fx::from_bits(random.between(-1 << 22, 1 << 22));
+        // A box flat on the left half, or a disc on either.
+        let (recipe, angle, x, count) = if i % 2 == 0 {
+            (square(), tilt, random.between(-5 << 30, -9 << 28), 2)
+        } else {
+            (Recipe::Disc(fx!(0.5)), NONE, random.between(-1 << 31, 1 << 31), 1)
+        };
+        let x = Fx::from_bits(x);
+        // The whole of it turned, so that corners and normals round.
+        let world = Turn::from_bits(random.next());
+        let turned = |v: Vec2| world.rotate(v).and_then(|v| v.try_map(FxWide::to_scalar)).expect("small");
         let case = Case {
-            recipes: [floor, square()],
-            positions: [shift, Vec2::new(x, surface + fx!(0.5) + sunk)],
-            angles: [NONE, tilt],
+            recipes: [floor, recipe],
+            positions: [turned(shift), turned(Vec2::new(x, surface(sticks_out, x) + fx!(0.5) + sunk))],
+            angles: [world, Turn::from_bits(world.to_bits().wrapping_add(angle.to_bits()))],
             margin: fx!(0.02),
         };
-        let m = case.manifold().expect("a contact");
-        assert_eq!(m.count, 2, "{case:?} {m:?}");
-        for point in &m.points {
-            assert!((point.separation - sunk).abs() < Fx::from_bits(64), "{case:?} {m:?}");
+        let m = case.manifold().unwrap_or_else(|| panic!("a contact: {case:?}"));
+        assert_eq!(m.count, count, "{case:?} {m:?}");
+        for point in &m.points[..count] {
+            let error = point.separation - sunk;
+            assert!(error.abs() < Fx::from_bits(64), "{case:?} {m:?}");
         }
+        let (sin, cos) = world.sin_cos();
+        let right = [-sin, cos].map(|part| (part.to_bits() >> 2) as i32);
+        assert!((0..2).all(|i| (m.normal[i] - right[i]).abs() < ONE >> 12), "{case:?} {m:?}");
     }
 }
 
