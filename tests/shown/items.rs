@@ -152,16 +152,16 @@ fn texts(folder: &str, extension: &str) -> Vec<(String, String)> {
     found.iter().map(named).collect()
 }
 
+/// Folders and files of modules that the library hides: no part of the interface.
+fn hidden_modules() -> Vec<String> {
+    let root = include_str!("../../src/lib.rs");
+    let names = root.split("#[doc(hidden)]\npub mod ").skip(1).map(first_word);
+    names.flat_map(|name| [format!("src/{name}/"), format!("src/{name}.rs")]).collect()
+}
+
 /// The interface, and all code that is shown.
 fn interface() -> (Vec<Item>, Vec<Block>) {
-    // Modules that the root hides.
-    let root = include_str!("../../src/lib.rs");
-    let hidden: Vec<String> = root
-        .split("#[doc(hidden)]\npub mod ")
-        .skip(1)
-        .map(|rest| format!("src/{}", first_word(rest)))
-        .flat_map(|module| [format!("{module}/"), format!("{module}.rs")])
-        .collect();
+    let hidden = hidden_modules();
     let is_hidden = |file: &str| hidden.iter().any(|module| file.starts_with(module.as_str()));
     let is_library = |(file, _): &(String, String)| !file.ends_with("/tests.rs") && !is_hidden(file);
     let libraries = ["src", "crates/umbra-oracles/src", "crates/umbra-scene/src"];
@@ -198,6 +198,15 @@ fn all_that_is_public_is_shown() {
     assert!(all.len() > 300 && shown.len() > 100, "{} items, {} blocks", all.len(), shown.len());
     let nowhere: BTreeSet<String> = missing(&all, &shown).collect();
     assert!(nowhere.is_empty(), "shown nowhere: {nowhere:#?}");
+}
+
+#[test]
+fn modules_that_the_library_hides_are_no_interface() {
+    let hidden = hidden_modules();
+    assert!(hidden.contains(&"src/collide/".to_owned()) && hidden.iter().all(|path| path.len() > "src/.rs".len()));
+    let (all, _) = interface();
+    assert!(all.iter().any(|item| item.file.starts_with("src/shape/")));
+    assert!(!all.iter().any(|item| item.file.starts_with("src/collide/")));
 }
 
 #[test]
