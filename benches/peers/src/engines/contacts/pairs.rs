@@ -1,7 +1,7 @@
 //! Pairs, their manifolds, and the impulses that they keep from step to step.
 
 use super::bodies::Body;
-use umbra_physics::collide::{Manifold, Pose, collide};
+use umbra_physics::collide::{Cores, Manifold, Pose};
 use umbra_physics::solve::{Contact, Flight, Impulses, Point};
 use umbra_physics::{Fx, fx};
 
@@ -25,6 +25,8 @@ pub struct Pairs {
     records: Vec<Record>,
     /// The records of the step before.
     before: Vec<Record>,
+    /// The outlines of all bodies in world axes.
+    cores: Cores,
 }
 
 /// A box around a body during the step, in ulps.
@@ -67,11 +69,14 @@ impl Pairs {
     pub fn collide(&mut self, bodies: &[Body], poses: &[Pose], flights: &[Flight]) {
         self.contacts.clear();
         self.records.clear();
+        self.cores.clear();
+        for (body, pose) in bodies.iter().zip(poses) {
+            self.cores.push(&body.outline, pose);
+        }
         for pair in candidates(bodies, flights) {
             let [a, b] = pair.map(|i| i as usize);
             let margin = Fx::from_bits(MARGIN.to_bits() + closing(&flights[a], &flights[b]));
-            let found = collide(&bodies[a].outline, &poses[a], &bodies[b].outline, &poses[b], margin);
-            if let Some(manifold) = found {
+            if let Some(manifold) = self.cores.collide(a, b, margin) {
                 let record = self.record(pair, &manifold);
                 self.contacts.push(contact(&record, &manifold, [&bodies[a], &bodies[b]]));
                 self.records.push(record);
