@@ -1,8 +1,8 @@
 //! Built-in scenes that show that a machine computes the same bits as all others.
 //!
-//! Each scene runs some hundred ticks and returns a digest of the [state hash](crate::World::state_hash) of every tick. Two
-//! builds agree if their digests do, and [`golden`] has the digests that every build must return. A digest shows that a result
-//! changed, not that it was right. So each scene also checks, in integers, that the event it is meant for happened (a body
+//! Each scene runs some hundred ticks and returns a digest of the [state hash](crate::World::state_hash) of every tick; scenes of
+//! contacts, which no world has yet, of the bits of bodies and impulses. Two builds agree if their digests do, and [`golden`] has
+//! the digests that every build must return. A digest shows that a result changed, not that it was right. So each scene also checks, in integers, that the event it is meant for happened (a body
 //! slept, left the allowed range, wrapped), and what the result was: against a closed form, a conserved quantity, its mirror
 //! image, or the same motion computed in another way.
 //!
@@ -18,6 +18,7 @@
 
 mod bodies;
 mod changes;
+mod contacts;
 mod crowds;
 mod envelope;
 mod failure;
@@ -49,7 +50,7 @@ pub struct Scene {
 pub struct Outcome {
     /// The number of ticks whose states are in the digest.
     pub ticks: u64,
-    /// XXH3, 64 bits, over the state hash of every tick; of all scenes, over their names and outcomes in order.
+    /// XXH3, 64 bits, over the state of every tick; of all scenes, over their names and outcomes in order.
     pub digest: u64,
 }
 
@@ -195,6 +196,8 @@ scenes! {
     wide_blocks: crowds::wide_blocks, "300 bodies alike, by every integrator: each as if it were alone";
     mixed_blocks: crowds::mixed_blocks, "400 of all kinds, some in fields: each as if its neighbours were not there";
     nine_thousand: crowds::nine_thousand, "enough for all cores; some leave, some sleep, none disturbs another";
+    contacts_pile: contacts::pile, "boxes, discs and a wedge come to rest between walls: a mirror image of itself";
+    contacts_cluster: contacts::cluster, "bodies meet in free flight: impulses are equal and opposite";
 }
 
 #[cfg(test)]

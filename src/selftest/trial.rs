@@ -36,8 +36,13 @@ impl Trial {
 
     /// Takes down a tick that was made otherwise.
     pub(super) fn take(&mut self, world: &World) {
-        world.state_hash().write(&mut self.digest);
+        world.state_hash().write(self.tick());
+    }
+
+    /// Counts a tick and returns the digest, for its bits.
+    pub(super) fn tick(&mut self) -> &mut StateHasher {
         self.ticks += 1;
+        &mut self.digest
     }
 
     /// Takes down bytes that are to be the same everywhere.
