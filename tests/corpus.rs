@@ -73,7 +73,7 @@ macro_rules! corpora {
     };
 }
 
-corpora!(commands fx_f64 kernels replay scene snapshot threads work);
+corpora!(commands contact_solver fx_f64 kernels replay scene snapshot threads work);
 
 #[test]
 fn corpora_are_small() {
@@ -189,6 +189,11 @@ fn write_seeds() {
         // The sign of the first argument: each of the two.
         bytes[8] = bytes[8] & 0x7f | again << 7;
         write("kernels", &format!("function-{i:02}-{again}"), &bytes);
+    }
+    // Few contacts, and many.
+    for i in 0..32 {
+        let bytes: Vec<u8> = (0..60 + 20 * i).map(|_| random.bits() as u8).collect();
+        write("contact_solver", &format!("random-{i:02}"), &bytes);
     }
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     for file in fs::read_dir(root.join("scenes")).expect("there are scenes") {

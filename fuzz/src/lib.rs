@@ -5,6 +5,8 @@
 
 pub mod author;
 pub mod commands;
+mod contact_scene;
+pub mod contact_solver;
 mod files;
 pub mod fx_f64;
 pub mod kernels;
@@ -22,8 +24,9 @@ mod reference;
 pub type Target = (&'static str, fn(&[u8]));
 
 /// All targets.
-pub const TARGETS: [Target; 8] = [
+pub const TARGETS: [Target; 9] = [
     ("commands", commands::run),
+    ("contact_solver", contact_solver::run),
     ("fx_f64", fx_f64::run),
     ("kernels", kernels::run),
     ("replay", replay::run),

@@ -216,8 +216,8 @@ impl Bodies {
         if let Ok(at) = self.touches.binary_search_by_key(&bodies, |(old, _)| old.bodies) {
             let (old, old_features) = &self.touches[at];
             impulses.exponent = old.impulses.exponent;
-            for k in 0..manifold.count {
-                if let Some(i) = (0..old.count).find(|&i| old_features[i] == features[k]) {
+            for (k, feature) in features.iter().enumerate().take(manifold.count) {
+                if let Some(i) = old_features[..old.count].iter().position(|other| other == feature) {
                     impulses.values[k] = old.impulses.values[i];
                     impulses.values[2] = old.impulses.values[2];
                 }

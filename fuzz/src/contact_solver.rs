@@ -1,0 +1,229 @@
+//! The contact solver: bodies and contacts up to the limits, solved for some steps.
+//!
+//! An input is a list of values: settings of the solver, bodies, contacts. Velocities, separations and impulses of a step are those
+//! that the next one starts with. Contacts keep their arms and normals: the solver promises the same for any geometry.
+
+use std::collections::BTreeSet;
+
+use dashu_int::{IBig, UBig};
+use umbra_physics::scalar::internals::VectorSet;
+use umbra_physics::solve::{Contact, Correction, Flight, Impulses, Point, Velocity};
+use umbra_physics::{Fx, FxAccumulator, FxFactor, Vec2};
+
+use super::contact_scene::{Scene, Solution, Values};
+
+/// The target.
+pub fn run(data: &[u8]) {
+    let mut values = Values { rest: data };
+    let steps = 1 + values.below(4);
+    let mut scene = values.scene();
+    for _ in 0..steps {
+        let solution = scene.solve();
+        check_vectors(&scene, &solution);
+        check_images(&scene, &solution);
+        check_islands(&scene, &solution);
+        check_impulses(&scene, &solution);
+        check_momentum(&scene, &solution);
+        scene.advance(&solution);
+    }
+}
+
+/// The same bits with all sets of vector instructions.
+fn check_vectors(scene: &Scene, solution: &Solution) {
+    for set in VectorSet::available() {
+        VectorSet::allow(set);
+        assert_eq!(scene.solve(), *solution, "{set:?}: {scene:?}");
+    }
+    VectorSet::allow(VectorSet::Avx512);
+}
+
+/// A rotation or a mirror image of a scene, in vectors; `sign` is that of angles.
+#[derive(Clone, Copy)]
+struct Image {
+    vector: fn(Vec2) -> Vec2,
+    accumulators: fn(Vec2<FxAccumulator>) -> Vec2<FxAccumulator>,
+    normal: fn([i32; 2]) -> [i32; 2],
+    factors: fn(Vec2<FxFactor>) -> Vec2<FxFactor>,
+    is_mirrored: bool,
+}
+
+/// The mirror x → −x, and a quarter turn counter-clockwise.
+const IMAGES: [Image; 2] = [
+    Image {
+        vector: |v| Vec2::new(-v.x, v.y),
+        accumulators: |v| Vec2::new(v.x.negated(), v.y),
+        normal: |[x, y]| [-x, y],
+        factors: |v| v,
+        is_mirrored: true,
+    },
+    Image {
+        vector: |v| Vec2::new(-v.y, v.x),
+        accumulators: |v| Vec2::new(v.y.negated(), v.x),
+        normal: |[x, y]| [-y, x],
+        factors: |v| Vec2::new(v.y, v.x),
+        is_mirrored: false,
+    },
+];
+
+impl Image {
+    fn turn(&self, value: Fx) -> Fx {
+        if self.is_mirrored { -value } else { value }
+    }
+
+    fn velocity(&self, of: Velocity) -> Velocity {
+        Velocity { linear: (self.vector)(of.linear), angular: self.turn(of.angular) }
+    }
+
+    fn flight(&self, of: &Flight) -> Flight {
+        Flight {
+            position: (self.vector)(of.position),
+            start: self.velocity(of.start),
+            end: self.velocity(of.end),
+            displacement: (self.vector)(of.displacement),
+            rotation: self.turn(of.rotation),
+            inverse_mass: (self.factors)(of.inverse_mass),
+            ..*of
+        }
+    }
+
+    fn impulses(&self, of: Impulses) -> Impulses {
+        let [one, two, along] = of.values;
+        Impulses { values: [one, two, if self.is_mirrored { -along } else { along }], ..of }
+    }
+
+    fn contact(&self, of: &Contact) -> Contact {
+        Contact {
+            normal: (self.normal)(of.normal),
+            points: of.points.map(|point| Point { arms: point.arms.map(self.vector), ..point }),
+            surface_speed: self.turn(of.surface_speed),
+            impulses: self.impulses(of.impulses),
+            ..*of
+        }
+    }
+
+    fn correction(&self, of: &Correction) -> Correction {
+        let turn = |value: FxAccumulator| if self.is_mirrored { value.negated() } else { value };
+        Correction {
+            velocity: (self.accumulators)(of.velocity),
+            angular_velocity: turn(of.angular_velocity),
+            displacement: (self.accumulators)(of.displacement),
+            rotation: turn(of.rotation),
+        }
+    }
+}
+
+/// A contact with its bodies and its points in the other order.
+fn swapped(of: &Contact, bodies: u32) -> Contact {
+    let mut points = of.points.map(|point| Point { arms: [point.arms[1], point.arms[0]], ..point });
+    let mut impulses = of.impulses;
+    if of.count == 2 {
+        points.swap(0, 1);
+        impulses.values.swap(0, 1);
+    }
+    let [a, b] = of.bodies.map(|body| bodies - 1 - body);
+    Contact { bodies: [b, a], normal: of.normal.map(|part| -part), points, impulses, ..*of }
+}
+
+/// The image of a scene has the image of its solution, and so has a scene in another order.
+fn check_images(scene: &Scene, solution: &Solution) {
+    let flights = scene.flights();
+    for image in IMAGES {
+        let contacts = scene.contacts.iter().map(|contact| image.contact(contact)).collect();
+        let seen: Vec<Flight> = flights.iter().map(|flight| image.flight(flight)).collect();
+        let expected = Solution {
+            impulses: solution.impulses.iter().map(|&impulses| image.impulses(impulses)).collect(),
+            corrections: solution.corrections.iter().map(|by| image.correction(by)).collect(),
+            counts: solution.counts,
+        };
+        assert_eq!(scene.solve_seen(&seen, contacts), expected, "mirrored: {}, {scene:?}", image.is_mirrored);
+    }
+    let contacts = scene.contacts.iter().rev().map(|contact| swapped(contact, flights.len() as u32)).collect();
+    let seen: Vec<Flight> = flights.iter().rev().copied().collect();
+    let mut other = scene.solve_seen(&seen, contacts);
+    other.impulses.reverse();
+    other.corrections.reverse();
+    for (impulses, contact) in other.impulses.iter_mut().zip(&scene.contacts) {
+        if contact.count == 2 {
+            impulses.values.swap(0, 1);
+        }
+    }
+    assert_eq!(other, *solution, "in another order: {scene:?}");
+}
+
+/// The bodies that depend on each other with the first body of the first contact, and bodies at their borders that cannot be moved.
+fn island(scene: &Scene) -> BTreeSet<u32> {
+    let mut island: BTreeSet<u32> = scene.contacts[0].bodies.into();
+    loop {
+        let before = island.len();
+        for [a, b] in scene.contacts.iter().map(|contact| contact.bodies) {
+            for (from, to) in [(a, b), (b, a)] {
+                if island.contains(&from) && !scene.bodies[from as usize].is_fixed() {
+                    island.insert(to);
+                }
+            }
+        }
+        if island.len() == before {
+            return island;
+        }
+    }
+}
+
+/// An island depends on nothing else.
+fn check_islands(scene: &Scene, solution: &Solution) {
+    let island = island(scene);
+    let is_member = |body: &u32| island.contains(body) && !scene.bodies[*body as usize].is_fixed();
+    let is_inside = |contact: &&Contact| contact.bodies.iter().any(is_member);
+    let contacts = scene.contacts.iter().filter(is_inside).copied().collect();
+    let alone = scene.solve_seen(&scene.flights(), contacts);
+    let inside = scene.contacts.iter().zip(&solution.impulses).filter(|(contact, _)| is_inside(contact));
+    assert!(inside.map(|(_, impulses)| impulses).eq(&alone.impulses), "an island alone: {scene:?}");
+    for body in island.iter().filter(|body| is_member(body)) {
+        let body = *body as usize;
+        assert_eq!(alone.corrections[body], solution.corrections[body], "an island alone: {scene:?}");
+    }
+}
+
+/// Contacts push, friction is within its cone, and what touches nothing or cannot be moved keeps its free flight.
+fn check_impulses(scene: &Scene, solution: &Solution) {
+    for (contact, impulses) in scene.contacts.iter().zip(&solution.impulses) {
+        let [one, two, along] = impulses.values;
+        assert!(one >= 0 && two >= 0 && (contact.count == 2 || two == 0), "{impulses:?} of {scene:?}");
+        // Cut off, friction may take steps to come into the cone.
+        if solution.counts.cut == 0 {
+            // The coefficient is rounded to 2^-26, and the share of the load to a unit.
+            let (load, coefficient) = (i128::from(one) + i128::from(two), i128::from(contact.friction.to_bits()));
+            let most = ((load * (coefficient + (1 << 5))) >> 32) + 1;
+            assert!(i128::from(along.unsigned_abs()) <= most, "{impulses:?} of {scene:?}");
+        }
+    }
+    let touched: BTreeSet<u32> = scene.contacts.iter().flat_map(|contact| contact.bodies).collect();
+    for (i, (body, by)) in scene.bodies.iter().zip(&solution.corrections).enumerate() {
+        if body.is_fixed() || !touched.contains(&(i as u32)) {
+            assert_eq!(*by, Correction::default(), "body {i} of {scene:?}");
+        }
+    }
+}
+
+/// Impulses are equal and opposite: where all bodies can be moved along an axis, momentum changes by rounding alone.
+fn check_momentum(scene: &Scene, solution: &Solution) {
+    let island = island(scene);
+    let members = || island.iter().map(|&body| (&scene.bodies[body as usize], &solution.corrections[body as usize]));
+    for axis in [0, 1] {
+        let (mut sum, mut moved, mut masses) = (IBig::ZERO, UBig::ZERO, UBig::ZERO);
+        let mut is_conserved = true;
+        for (body, by) in members() {
+            let inverse = [body.inverse_mass.x, body.inverse_mass.y][axis];
+            let change = [by.velocity.x, by.velocity.y][axis].to_bits();
+            // Changes beyond all velocities of a world are cut off.
+            is_conserved &= !inverse.is_zero() && change.unsigned_abs() < 1 << 126;
+            let mass = UBig::from(body.mass.to_bits() as u64);
+            let part = IBig::from(mass.clone()) * IBig::from(change);
+            moved += UBig::from(change.unsigned_abs()) * &mass;
+            sum += part;
+            masses += mass;
+        }
+        // 1/m is rounded to 2^-63 of it, and Δv to 2^-96 m/s.
+        let bound = (moved >> 62) + masses;
+        assert!(!is_conserved || IBig::from(bound) >= sum.clone().max(-sum), "axis {axis} of {scene:?}");
+    }
+}
