@@ -58,6 +58,7 @@ impl Values<'_> {
                 push_speed: self.size(-20, 20),
                 restitution_speed: self.size(-20, 20),
                 substeps,
+                ..SolverOptions::default()
             },
             _ => SolverOptions { substeps, ..SolverOptions::default() },
         };
@@ -236,7 +237,7 @@ impl Scene {
     /// Solves other flights and contacts by the same settings.
     pub fn solve_seen(&self, flights: &[Flight], mut contacts: Vec<Contact>) -> Solution {
         let (mut solver, mut corrections) = (Solver::default(), Vec::new());
-        let counts = solver.solve(self.time_step, &self.options, flights, &mut contacts, &mut corrections);
+        let counts = solver.solve(self.time_step, &self.options, flights, &mut [], &mut contacts, &mut corrections);
         Solution { impulses: contacts.iter().map(|contact| contact.impulses).collect(), corrections, counts }
     }
 

@@ -170,7 +170,7 @@ impl Bodies {
         let flights: Vec<Flight> = self.bodies.iter_mut().map(|body| body.fly(self.gravity)).collect();
         let (mut contacts, features): (Vec<Contact>, Vec<_>) = self.collide(&flights).into_iter().unzip();
         let (time_step, options) = (TimeStep::hz(RATE as u32), SolverOptions::default());
-        let counts = self.solver.solve(time_step, &options, &flights, &mut contacts, &mut self.corrections);
+        let counts = self.solver.solve(time_step, &options, &flights, &mut [], &mut contacts, &mut self.corrections);
         self.cut += counts.cut;
         self.bodies.iter_mut().zip(&self.corrections).for_each(|(body, by)| body.correct(by));
         let digest = trial.tick();

@@ -7,6 +7,10 @@
 //! Δv·(o·Δv) / max(Δv², −(v1 − v0)·Δv) is added where the impulses work against the change v1 − v0. A body without impulses gets
 //! nothing, a body at rest o, one that is hit hard the part of o along Δv.
 //!
+//! Joints turn with their bodies, so that no such part is right for them: a pendulum whose impulses cancel o along the rod alone
+//! gains 1 % of its energy a second. Bodies with joints end where the sub-steps lead, with all of o, if their island is held by a fixed body,
+//! and else where their free flight does ([`Path`]).
+//!
 //! The impulse vector of a contact is rounded once to 2^-64 N·s, and both bodies get the same one with opposite signs: the
 //! momentum of what is not fixed changes by the rounding of velocities alone.
 
@@ -15,7 +19,7 @@ use alloc::vec::Vec;
 use super::contact::Group;
 use super::number::shifted;
 use super::unit::Clock;
-use super::{Contact, Correction, Flight, Impulses, Solver};
+use super::{Contact, Correction, Flight, Impulses, Joint, Solver};
 use crate::fx::Fx;
 use crate::kernel::wide::mul_shift_64;
 use crate::math::Vec2;
@@ -24,11 +28,34 @@ use crate::scalar::{Accumulator, FxAccumulator, FxFactor};
 /// Impulses of a contact are within ±2^46 N·s, or N·m·s: 2^110 units. 2^16 of them fit in a sum.
 const LARGEST: i128 = 1 << 110;
 
+/// The way of a body in a step, to which the impulses add.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Path {
+    /// A body with contacts alone: its free flight, as far as impulses do not cancel it.
+    Contacts,
+    /// A body with joints in an island that no fixed body holds: its free flight.
+    Flight,
+    /// A body with joints in an island that a fixed body holds: the sub-steps of semi-implicit Euler.
+    Substeps,
+}
+
 /// Impulses on a body, in 2^-64 N·s and N·m·s: their sum, and their sum weighted with the sub-steps that they moved it in.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Total {
     impulse: [i128; 3],
     weighted: [i128; 3],
+}
+
+impl Total {
+    /// Adds an impulse along x and y and of rotation.
+    fn add(&mut self, is_weighted: bool, impulse: [i128; 3]) {
+        let sums = if is_weighted { &mut self.weighted } else { &mut self.impulse };
+        sums.iter_mut().zip(impulse).for_each(|(sum, value)| *sum += value);
+    }
+
+    fn is_zero(&self) -> bool {
+        self.impulse == [0; 3] && self.weighted == [0; 3]
+    }
 }
 
 /// impulse · factor as a change of velocity, in 2^-96.
@@ -68,10 +95,12 @@ impl Solver {
         &self,
         clock: &Clock,
         flights: &[Flight],
+        joints: &mut [Joint],
         contacts: &mut [Contact],
         corrections: &mut Vec<Correction>,
     ) {
         let mut totals = alloc::vec![Total::default(); flights.len()];
+        self.sum_joints(flights, joints, &mut totals);
         for contact in contacts.iter_mut() {
             contact.impulses = Impulses::default();
         }
@@ -84,27 +113,22 @@ impl Solver {
             for (weighted, sums) in [(false, &group.applied), (true, &group.weighted)] {
                 let on = on_bodies(group, lane, place.exponent, [0, 1, 2].map(|k| sums[k][lane]), lengths);
                 for (body, on) in contact.bodies.into_iter().zip(on) {
-                    let total = &mut totals[body as usize];
-                    let sums = if weighted { &mut total.weighted } else { &mut total.impulse };
-                    sums.iter_mut().zip(on).for_each(|(sum, value)| *sum += value);
+                    totals[body as usize].add(weighted, on);
                 }
             }
         }
         corrections.clear();
-        corrections.extend(flights.iter().zip(&totals).map(|(flight, total)| {
+        corrections.extend(flights.iter().zip(&totals).enumerate().map(|(body, (flight, total))| {
             let ([x, y, turn], [wx, wy, wt]) = (total.impulse, total.weighted);
             let moved = |factor: FxFactor| factor.times(clock.substep);
             let (mass, inertia) = (flight.inverse_mass, flight.inverse_inertia);
             let velocity = Vec2::new(changed(x, mass.x), changed(y, mass.y));
             let angular_velocity = changed(turn, inertia);
-            let [ox, oy] = cancelled(
-                [velocity.x.value(), velocity.y.value()],
-                [(flight.start.linear.x, flight.end.linear.x), (flight.start.linear.y, flight.end.linear.y)],
-                [flight.displacement.x, flight.displacement.y],
-                clock,
-            );
-            let ends = (flight.start.angular, flight.end.angular);
-            let [turned] = cancelled([angular_velocity.value()], [ends], [flight.rotation], clock);
+            let [ox, oy, turned] = match self.paths.get(body) {
+                Some(Path::Flight) => [FxAccumulator::default(); 3],
+                Some(Path::Substeps) if !total.is_zero() => flight.offsets(clock).map(offset_in_full),
+                _ => flight.cancelled([velocity.x, velocity.y, angular_velocity], clock),
+            };
             Correction {
                 velocity,
                 angular_velocity,
@@ -113,28 +137,68 @@ impl Solver {
             }
         }));
     }
+
+    /// Writes the impulses of joints and adds their sums.
+    fn sum_joints(&self, flights: &[Flight], joints: &mut [Joint], totals: &mut [Total]) {
+        for joint in joints.iter_mut() {
+            joint.impulses = Impulses::default();
+        }
+        for block in &self.joints.blocks {
+            let joint = &mut joints[block.joint as usize];
+            let [first, second] = block.impulses;
+            joint.impulses = Impulses { values: [first, second, 0], exponent: block.exponent };
+            // From 2^(exponent − 30) to 2^-64 N·s.
+            let bits = -64 + 30 - block.exponent;
+            for (weighted, [x, y, turn_a, turn_b]) in [(false, block.applied), (true, block.weighted)] {
+                let [x, y] = [x, y].map(|value| shifted_within(value, bits));
+                for (sign, (body, turn)) in [-1, 1].into_iter().zip(joint.bodies.into_iter().zip([turn_a, turn_b])) {
+                    let turn = shifted_within(turn, bits - flights[body as usize].length());
+                    totals[body as usize].add(weighted, [x, y, turn].map(|value| sign * value));
+                }
+            }
+        }
+    }
 }
 
-/// The displacement that the free flight lacks or has too much of where impulses cancel it, for a change of velocity by impulses and a
-/// free flight by its velocities at both ends and its displacement.
-fn cancelled<const N: usize>(
-    change: [Fx; N],
-    ends: [(Fx, Fx); N],
-    displacement: [Fx; N],
-    clock: &Clock,
-) -> [FxAccumulator; N] {
+impl Flight {
+    /// The offsets o of semi-implicit Euler from the free flight, in 2^-32 m and rad.
+    pub(super) fn offsets(&self, clock: &Clock) -> [i128; 3] {
+        let Self { start, end, displacement, .. } = self;
+        let of = |start: Fx, end: Fx, way: Fx| {
+            clock.euler(start.to_bits().into(), end.to_bits().into()) - i128::from(way.to_bits())
+        };
+        [
+            of(start.linear.x, end.linear.x, displacement.x),
+            of(start.linear.y, end.linear.y, displacement.y),
+            of(start.angular, end.angular, self.rotation),
+        ]
+    }
+
+    /// The part of the offsets that impulses cancel, for the changes of velocity by them.
+    fn cancelled(&self, change: [FxAccumulator; 3], clock: &Clock) -> [FxAccumulator; 3] {
+        let flown = |start: Fx, end: Fx| i128::from(end.to_bits()) - i128::from(start.to_bits());
+        let (Self { start, end, .. }, [ox, oy, turn]) = (self, self.offsets(clock));
+        let [vx, vy, spin] = change.map(FxAccumulator::value);
+        let flown_by = [flown(start.linear.x, end.linear.x), flown(start.linear.y, end.linear.y)];
+        let [x, y] = cancelled([vx, vy], flown_by, [ox, oy]);
+        let [turn] = cancelled([spin], [flown(start.angular, end.angular)], [turn]);
+        [x, y, turn]
+    }
+}
+
+/// An offset as a displacement; offsets of 2^30 m and more, of bodies beyond all limits, count as that.
+fn offset_in_full(offset: i128) -> FxAccumulator {
+    FxAccumulator::from_bits(offset.clamp(-(1 << 62), 1 << 62) << 64)
+}
+
+/// The part of an offset along a change of velocity by impulses, as far as they cancel the change `flown` of the free flight.
+fn cancelled<const N: usize>(change: [Fx; N], flown: [i128; N], offset: [i128; N]) -> [FxAccumulator; N] {
     // In 2^-32 m/s. Changes of 2^20 m/s and more count as that: the quotient below is less then.
     let bits = change.map(|v| i128::from(v.to_bits()).clamp(-(1 << 52), 1 << 52));
-    let flown = ends.map(|(start, end)| i128::from(end.to_bits()) - i128::from(start.to_bits()));
     // |v|² and v·w below 2^107: v1 − v0 is below 2^54.
     let (square, against) = (dot(bits, bits), -dot(flown, bits));
     if against <= 0 {
         return [FxAccumulator::default(); N];
-    }
-    let mut offset = [0; N];
-    for i in 0..N {
-        let (start, end) = (i128::from(ends[i].0.to_bits()), i128::from(ends[i].1.to_bits()));
-        offset[i] = clock.euler(start, end) - i128::from(displacement[i].to_bits());
     }
     // The quotient |o|/|v| with 40 bits after the point, less where o·v is beyond 2^86.
     let product = dot(offset, bits);

@@ -156,23 +156,27 @@ struct Masses {
     exponent: i32,
 }
 
-/// The matrix of the normal rows.
+/// The matrix of two rows.
 #[derive(Clone, Copy)]
-struct Matrix {
-    k11: i64,
-    k12: i64,
-    k22: i64,
+pub(super) struct Matrix {
+    pub(super) k11: i64,
+    pub(super) k12: i64,
+    pub(super) k22: i64,
+}
+
+/// The exponent above all inverse masses, and inverse inertias times the square of the length; `None` if all are zero.
+pub(super) fn largest_exponent(bodies: &[BodyOf; 2]) -> Option<i32> {
+    let largest = bodies.iter().flat_map(|body| {
+        let angular = exponent(body.inverse_inertia) + 2 * body.length;
+        body.inverse_mass.map(exponent).into_iter().chain([angular])
+    });
+    largest.max().filter(|&exponent| exponent > i32::MIN / 4)
 }
 
 impl Masses {
     fn new(contact: &ContactOf<'_>) -> Option<Self> {
+        let unit = MASS_BITS - largest_exponent(&contact.bodies)?;
         let [a, b] = &contact.bodies;
-        let largest = [a, b].into_iter().flat_map(|body| {
-            let angular = exponent(body.inverse_inertia) + 2 * body.length;
-            body.inverse_mass.map(exponent).into_iter().chain([angular])
-        });
-        let largest = largest.max().filter(|&exponent| exponent > i32::MIN / 4)?;
-        let unit = MASS_BITS - largest;
         let linear = [a, b].map(|body| body.inverse_mass.map(|factor| fixed(factor, unit)));
         let angular = [a, b].map(|body| fixed(body.inverse_inertia, unit + 2 * body.length));
         let [nx, ny] = contact.normal;
@@ -270,14 +274,14 @@ fn ratio(k12: i64, diagonal: i64) -> i32 {
 }
 
 /// Elements 11, 22 and 12 of an inverse, in 2^-exponent.
-struct Inverse {
-    elements: [i64; 3],
-    exponent: i32,
+pub(super) struct Inverse {
+    pub(super) elements: [i64; 3],
+    pub(super) exponent: i32,
 }
 
 impl Inverse {
     /// The inverse of a matrix. *Error* 2^-29 of the largest element. *Domain* elements below 2^60.
-    fn of(k: Matrix) -> Self {
+    pub(super) fn of(k: Matrix) -> Self {
         let determinant = i128::from(k.k11) * i128::from(k.k22) - i128::from(k.k12) * i128::from(k.k12);
         if determinant <= 0 {
             return Self { elements: [0; 3], exponent: 0 };

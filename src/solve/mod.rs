@@ -8,6 +8,7 @@
 //! - `unit`: the unit of velocity of an island, and the constants of soft contacts.
 //! - `motion`: velocities and displacements through the sub-steps.
 //! - `contact`: rows, masses and matrices of contacts.
+//! - `joint`: joints, which are solved before the contacts.
 //! - `pass`: the loops over contacts.
 //! - `restitution`: bouncing, once a step.
 //! - `apply`: exact impulses, applied once.
@@ -15,6 +16,7 @@
 mod apply;
 mod contact;
 mod graph;
+mod joint;
 mod motion;
 mod number;
 mod pass;
@@ -25,8 +27,11 @@ mod unit;
 
 use alloc::vec::Vec;
 
+use self::apply::Path;
 use self::contact::{BodyOf, ContactOf, Group, PointOf};
 use self::graph::{Graph, PHASES};
+use self::joint::{Common, Joints};
+pub use self::joint::{Joint, JointKind};
 use self::motion::{Advance, Begin, FlightRow, Rows};
 use self::number::{log2_above, shifted};
 use self::pass::{Pass, PassOver};
@@ -47,6 +52,10 @@ pub struct SolverOptions {
     pub frequency: Fx,
     /// Damping ratio of soft contacts.
     pub damping_ratio: Fx,
+    /// Frequency of joints over the rate of sub-steps; half of it where a body has several joints in a phase.
+    pub joint_frequency: Fx,
+    /// Damping ratio of joints; four times it where a body has several joints in a phase.
+    pub joint_damping_ratio: Fx,
     /// The largest velocity by which overlaps are pushed out, m/s.
     pub push_speed: Fx,
     /// Bodies bounce where they meet faster than this, m/s.
@@ -59,6 +68,8 @@ impl Default for SolverOptions {
             substeps: 5,
             frequency: fx!(0.15625),
             damping_ratio: fx!(10),
+            joint_frequency: fx!(0.25),
+            joint_damping_ratio: fx!(2),
             push_speed: fx!(3),
             restitution_speed: fx!(1),
         }
@@ -95,7 +106,7 @@ pub struct Flight {
     pub inverse_mass: Vec2<FxFactor>,
     /// 1/I, 1/(kg·m²).
     pub inverse_inertia: FxFactor,
-    /// Largest distance of a point of its colliders from the centre of mass, m; positive.
+    /// Largest distance of a point of its colliders, or of an anchor of its joints, from the centre of mass, m; positive.
     pub radius: Fx,
 }
 
@@ -141,10 +152,10 @@ pub struct Point {
     pub separation: Fx,
 }
 
-/// Impulses of a contact: multiples of 2^exponent N·s, over the last sub-step.
+/// Impulses of a contact or of a joint: multiples of 2^exponent N·s, over the last sub-step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Impulses {
-    /// Along the normal, by point; then along the tangent (n.y, −n.x).
+    /// Along the normal, by point; then along the tangent (n.y, −n.x). For joints see [`Joint::impulses`].
     pub values: [i64; 3],
     /// log2 of their unit.
     pub exponent: i32,
@@ -215,6 +226,9 @@ pub struct Solver {
     phases: [core::ops::Range<usize>; PHASES],
     /// Rows with contacts, by phase.
     touched: [Vec<u32>; PHASES],
+    joints: Joints,
+    /// By body; empty without joints.
+    paths: Vec<Path>,
     shares: Vec<u32>,
     places: Vec<Place>,
     /// Rows of fixed bodies that move: body, unit, row.
@@ -226,37 +240,48 @@ pub struct Solver {
 const STILL: u32 = 0;
 
 impl Solver {
-    /// Solves a step: writes impulses to the contacts and the corrections of bodies to `corrections`, one for each flight.
+    /// Solves a step: writes impulses to joints and contacts and the corrections of bodies to `corrections`, one for each flight.
     pub fn solve(
         &mut self,
         time_step: TimeStep,
         options: &SolverOptions,
         flights: &[Flight],
+        joints: &mut [Joint],
         contacts: &mut [Contact],
         corrections: &mut Vec<Correction>,
     ) -> SolverCounts {
-        self.prepare(time_step, options, flights, contacts);
+        self.prepare(time_step, options, flights, joints, contacts);
         let cut = self.run_passes(options.substeps);
-        self.finish(time_step, options, flights, contacts, corrections);
+        self.finish(time_step, options, flights, joints, contacts, corrections);
         SolverCounts { cut }
     }
 
-    /// The first part of [`solve`](Self::solve): rows and groups.
-    pub fn prepare(&mut self, time_step: TimeStep, options: &SolverOptions, flights: &[Flight], contacts: &[Contact]) {
+    /// The first part of [`solve`](Self::solve): rows, joints and groups.
+    pub fn prepare(
+        &mut self,
+        time_step: TimeStep,
+        options: &SolverOptions,
+        flights: &[Flight],
+        joints: &[Joint],
+        contacts: &[Contact],
+    ) {
         let clock = Clock::new(time_step, options.substeps);
-        let links = contacts.iter().map(|contact| contact.bodies);
+        let links = joints.iter().map(|joint| joint.bodies).chain(contacts.iter().map(|contact| contact.bodies));
         let is_fixed = |body: u32| flights[body as usize].is_fixed();
         self.graph.build(is_fixed, flights.len(), links, |members, queue| {
             graph_start(flights, members, queue);
         });
-        self.set_rows(&clock, flights);
+        self.set_rows(&clock, flights, joints);
         let softness = Softness::new(options);
         self.groups.clear();
         self.places.clear();
         self.carriers.clear();
+        let common = Common { clock: &clock, softness: &softness, flights };
+        self.set_joints(joints, &common);
         for phase in 0..PHASES {
             self.set_phase(phase, &clock, &softness, flights, contacts);
         }
+        self.set_paths(joints, contacts, &common);
     }
 
     /// The last part of [`solve`](Self::solve), after [`run_passes`](Self::run_passes): bouncing, impulses and corrections.
@@ -265,16 +290,17 @@ impl Solver {
         time_step: TimeStep,
         options: &SolverOptions,
         flights: &[Flight],
+        joints: &mut [Joint],
         contacts: &mut [Contact],
         corrections: &mut Vec<Correction>,
     ) {
         let clock = Clock::new(time_step, options.substeps);
         self.bounce(&clock, options, flights, contacts);
-        self.apply(&clock, flights, contacts, corrections);
+        self.apply(&clock, flights, joints, contacts, corrections);
     }
 
     /// Chooses units and makes the rows of bodies that touch.
-    fn set_rows(&mut self, clock: &Clock, flights: &[Flight]) {
+    fn set_rows(&mut self, clock: &Clock, flights: &[Flight], joints: &[Joint]) {
         let mut fastest = alloc::vec![0; self.graph.islands];
         for (body, flight) in flights.iter().enumerate() {
             if let Some(island) = self.graph.island_of(body as u32) {
@@ -283,6 +309,7 @@ impl Solver {
             }
         }
         self.fixed_speeds(flights, &mut fastest);
+        self.joint_speeds(clock, flights, joints, &mut fastest);
         self.rows.clear();
         self.rows.push(FlightRow::default());
         self.row_of.clear();
@@ -324,18 +351,9 @@ impl Solver {
         flights: &[Flight],
         contacts: &[Contact],
     ) {
-        self.shares.clear();
-        self.shares.resize(flights.len(), 0);
-        self.touched[phase].clear();
         let of_phase = |contact: &&Contact| self.graph.phase(contact.bodies) == phase;
-        for body in contacts.iter().filter(of_phase).flat_map(|contact| contact.bodies) {
-            let count = &mut self.shares[body as usize];
-            *count += 1;
-            let row = self.row_of[body as usize];
-            if *count == 1 && row != STILL {
-                self.touched[phase].push(row);
-            }
-        }
+        let links = contacts.iter().filter(of_phase).map(|contact| contact.bodies);
+        count_shares(&mut self.shares, &self.row_of, &mut self.touched[phase], links);
         let begin = self.groups.len();
         for (index, contact) in contacts.iter().enumerate() {
             if self.graph.phase(contact.bodies) == phase {
@@ -408,10 +426,12 @@ impl Solver {
                     cut += self.pass(phase, Pass::WarmStart);
                 }
             }
+            cut += self.joints.solve(&mut self.rows);
             for phase in 0..PHASES {
                 cut += self.pass(phase, Pass::Solve);
             }
             simd::run(Advance { rows: &mut self.rows });
+            cut += self.joints.relax(&mut self.rows);
             for phase in 0..PHASES {
                 cut += self.pass(phase, Pass::Relax);
             }
@@ -423,6 +443,20 @@ impl Solver {
         let groups = &mut self.groups[self.phases[phase].clone()];
         let rows = &mut self.rows;
         simd::run(PassOver { pass, groups, rows, touched: &self.touched[phase] })
+    }
+}
+
+/// Counts the joints or contacts of a phase by body, and lists the rows that they can move.
+fn count_shares(shares: &mut Vec<u32>, row_of: &[u32], touched: &mut Vec<u32>, links: impl Iterator<Item = [u32; 2]>) {
+    shares.clear();
+    shares.resize(row_of.len(), 0);
+    touched.clear();
+    for body in links.flatten() {
+        let (count, row) = (&mut shares[body as usize], row_of[body as usize]);
+        *count += 1;
+        if *count == 1 && row != STILL {
+            touched.push(row);
+        }
     }
 }
 

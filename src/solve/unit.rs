@@ -4,6 +4,7 @@
 //! a sub-step, so that velocities add to displacements without a product.
 
 use super::{SolverOptions, number::shifted};
+use crate::fx;
 use crate::fx::Fx;
 use crate::kernel::wide::mul_shift_64;
 use crate::math::TimeStep;
@@ -19,6 +20,8 @@ pub(crate) struct Clock {
     rate: FxFactor,
     /// The length of a sub-step, s.
     pub(super) substep: FxFactor,
+    /// The turns of an angular velocity of 1 rad/s in a sub-step.
+    pub(super) substep_turns: FxFactor,
     pub(super) substeps: u32,
 }
 
@@ -26,9 +29,11 @@ impl Clock {
     pub(crate) fn new(time_step: TimeStep, substeps: u32) -> Self {
         let (num, den) = time_step.seconds();
         let parts = u64::from(den) * u64::from(substeps);
+        let substep = FxFactor::from_ratio(u64::from(num), parts);
         Self {
             rate: FxFactor::from_ratio(parts, u64::from(num)),
-            substep: FxFactor::from_ratio(u64::from(num), parts),
+            substep,
+            substep_turns: substep.over(FxFactor::PI.times(2.into())),
             substeps,
         }
     }
@@ -44,8 +49,13 @@ impl Clock {
 
     /// A length in units of velocity times a sub-step. *Domain* the result is below 2^126.
     pub(super) fn length(&self, metres: Fx, unit: i32) -> i128 {
+        self.length_of_bits(metres.to_bits().into(), unit)
+    }
+
+    /// [`length`](Self::length) of 2^-32 m.
+    pub(super) fn length_of_bits(&self, bits: i128, unit: i32) -> i128 {
         let (mantissa, shift) = self.rate.parts();
-        mul_shift_64(metres.to_bits().into(), mantissa, shift + 32 + unit).unwrap_or(i128::MAX)
+        mul_shift_64(bits, mantissa, shift + 32 + unit).unwrap_or(if bits < 0 { -i128::MAX } else { i128::MAX })
     }
 }
 
@@ -69,7 +79,7 @@ pub(super) struct SoftRow {
     pub(super) compliance: i32,
 }
 
-/// The constants of soft contacts.
+/// The constants of soft contacts and joints.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Softness {
     /// Between two bodies that move.
@@ -78,6 +88,8 @@ pub(crate) struct Softness {
     pub(super) fixed: SoftRow,
     /// m/s
     push_speed: Fx,
+    /// Joints: where neither body has another joint in the phase, and where one has.
+    pub(super) joint: [SoftRow; 2],
 }
 
 /// 2π in 2^-30.
@@ -102,6 +114,13 @@ impl Softness {
             moving: SoftRow::new(options.frequency, options.damping_ratio),
             fixed: SoftRow::new(double, options.damping_ratio),
             push_speed: options.push_speed,
+            joint: [
+                SoftRow::new(options.joint_frequency, options.joint_damping_ratio),
+                SoftRow::new(
+                    Fx::from_bits(options.joint_frequency.to_bits() >> 1),
+                    options.joint_damping_ratio.saturating_mul(fx!(4)),
+                ),
+            ],
         }
     }
 

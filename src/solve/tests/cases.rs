@@ -62,7 +62,7 @@ fn still_bodies_have_no_row_of_their_own() {
         vec![contact([0, 1], [0.0, 1.0], &[([0.0, 1.0], [0.0, -1.0], 0.0)])],
     );
     let mut solver = Solver::default();
-    solver.prepare(scene.time_step, &scene.options, &scene.flights, &scene.contacts);
+    solver.prepare(scene.time_step, &scene.options, &scene.flights, &[], &scene.contacts);
     assert!(solver.carriers.is_empty());
 }
 
@@ -139,7 +139,7 @@ fn a_large_impulse_turns_the_way_it_points() {
         let mut scene = Scene::new(vec![fixed(4.0), body(1.0, 262_144.0, 1.0)], vec![warm([0, 1], 1.0, impulse)]);
         scene.options.substeps = 1;
         let mut solver = Solver::default();
-        solver.prepare(scene.time_step, &scene.options, &scene.flights, &scene.contacts);
+        solver.prepare(scene.time_step, &scene.options, &scene.flights, &[], &scene.contacts);
         Begin { rows: &mut solver.rows, k: 1, n: 1 }.run(Portable);
         solver.pass(0, Pass::WarmStart);
         assert!(solver.rows.velocity(1)[2] > 0, "{impulse}: {:?}", solver.rows.velocity(1));

@@ -87,7 +87,7 @@ fn a_pile_keeps_its_momentum() {
         let flights: Vec<Flight> = discs.iter().map(Disc::flight).collect();
         let mut scene = Scene::new(flights, contacts(&discs, &before));
         let Scene { time_step, options, flights, contacts } = &mut scene;
-        solver.solve(*time_step, options, flights, contacts, &mut corrections);
+        solver.solve(*time_step, options, flights, &mut [], contacts, &mut corrections);
         for ((disc, by), flight) in discs.iter_mut().zip(&corrections).zip(flights.iter()) {
             let changes = [by.velocity.x, by.velocity.y].map(|v| disc.mass * v.to_bits());
             (0..2).for_each(|i| sum[i] += changes[i]);

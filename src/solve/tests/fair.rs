@@ -173,7 +173,7 @@ fn pass_in_parts(solver: &mut Solver, pass: Pass, threads: usize) -> u64 {
 
 fn solve_in_parts(scene: &Scene, threads: usize) -> Solution {
     let (mut solver, mut corrections, mut contacts) = (Solver::default(), Vec::new(), scene.contacts.clone());
-    solver.prepare(scene.time_step, &scene.options, &scene.flights, &contacts);
+    solver.prepare(scene.time_step, &scene.options, &scene.flights, &[], &contacts);
     let (mut cut, n) = (0, scene.options.substeps);
     for k in 1..=n {
         Begin { rows: &mut solver.rows, k, n }.run(Portable);
@@ -184,7 +184,7 @@ fn solve_in_parts(scene: &Scene, threads: usize) -> Solution {
         Advance { rows: &mut solver.rows }.run(Portable);
         cut += pass_in_parts(&mut solver, Pass::Relax, threads);
     }
-    solver.finish(scene.time_step, &scene.options, &scene.flights, &mut contacts, &mut corrections);
+    solver.finish(scene.time_step, &scene.options, &scene.flights, &mut [], &mut contacts, &mut corrections);
     let impulses = contacts.iter().map(|contact| contact.impulses).collect();
     Solution { impulses, corrections, counts: SolverCounts { cut } }
 }

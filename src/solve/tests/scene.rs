@@ -108,16 +108,17 @@ impl Scene {
 
     pub(super) fn solve(&self) -> Solution {
         let (mut solver, mut corrections, mut contacts) = (Solver::default(), Vec::new(), self.contacts.clone());
-        let counts = solver.solve(self.time_step, &self.options, &self.flights, &mut contacts, &mut corrections);
+        let counts =
+            solver.solve(self.time_step, &self.options, &self.flights, &mut [], &mut contacts, &mut corrections);
         Solution { impulses: contacts.iter().map(|contact| contact.impulses).collect(), corrections, counts }
     }
 
     /// The same with one lane at a time.
     pub(super) fn solve_portably(&self) -> Solution {
         let (mut solver, mut corrections, mut contacts) = (Solver::default(), Vec::new(), self.contacts.clone());
-        solver.prepare(self.time_step, &self.options, &self.flights, &contacts);
+        solver.prepare(self.time_step, &self.options, &self.flights, &[], &contacts);
         let cut = run_portably(&mut solver, self.options.substeps);
-        solver.finish(self.time_step, &self.options, &self.flights, &mut contacts, &mut corrections);
+        solver.finish(self.time_step, &self.options, &self.flights, &mut [], &mut contacts, &mut corrections);
         let impulses = contacts.iter().map(|contact| contact.impulses).collect();
         Solution { impulses, corrections, counts: SolverCounts { cut } }
     }

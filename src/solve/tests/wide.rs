@@ -125,7 +125,7 @@ fn case(random: &mut Random, ranges: &Ranges) -> Case {
     }
     let scene = Scene::new(flights.clone(), [ranges.contact(random, [0, 1], &flights)].into());
     let mut solver = Solver::default();
-    solver.prepare(scene.time_step, &scene.options, &scene.flights, &scene.contacts);
+    solver.prepare(scene.time_step, &scene.options, &scene.flights, &[], &scene.contacts);
     let size = (24.0 * unit(random)).exp2();
     for (index, row) in solver.rows.rows.iter_mut().enumerate().skip(1) {
         assert!(index < 3, "two bodies at most");

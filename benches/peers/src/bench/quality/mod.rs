@@ -64,7 +64,7 @@ const CASES: &[Case] = &[
         keep: &[],
         measure: chain,
     },
-    Case { name: "hang400", scene: || scene::hanging(400, 1.0), seconds: [60.0, 5.0], keep: &[], measure: chain },
+    Case { name: "hang400", scene: || scene::hanging(400, 1.0), seconds: [600.0, 5.0], keep: &[], measure: chain },
     Case {
         name: "net",
         scene: || scene::net(20, false),

@@ -37,8 +37,9 @@ pub struct Body {
     pub angle: Turn,
     pub velocity: Vec2<FxAccumulator>,
     pub angular_velocity: FxAccumulator,
-    pub outline: Outline,
-    /// The largest distance of a point of the outline from the centre of mass.
+    /// `None` for a body without shape.
+    pub outline: Option<Outline>,
+    /// The largest distance of a point of the outline, or of an anchor, from the centre of mass.
     pub radius: Fx,
     /// The distances along x and y from the centre of mass to the sides of a box around the body at any time, in ulps.
     pub extent: [i64; 2],
@@ -60,29 +61,34 @@ fn sum(a: Vec2<FxAccumulator>, b: Vec2<FxAccumulator>) -> Vec2<FxAccumulator> {
 
 impl Body {
     pub fn new(b: &scene::Body) -> Self {
-        let shape = shape::<Fx>(b).expect("scenes with bodies without shape are refused");
-        let outline = shape.outlines()[0].clone();
+        let shape = shape::<Fx>(b);
+        let outline = shape.as_ref().map(|shape| shape.outlines()[0].clone());
+        let shift = shape.as_ref().map_or(Vec2::ZERO, |shape| shape.shift());
         let is_dynamic = b.kind == scene::Kind::Dynamic;
         let angle = Turn::from_radians(Fx::number(b.angle));
         let turned = |v| angle.rotate(v).expect("a shape within the limits");
         let position = {
-            let (at, shift) = (vector::<Fx>(b.x, b.y), turned(shape.shift()));
+            let (at, shift) = (vector::<Fx>(b.x, b.y), turned(shift));
             // From 2^-64 to 2^-96.
             let place = |at: Fx, shift: FxWide| {
                 FxAccumulator::from_scalar(at).plus(FxAccumulator::from_bits(shift.to_bits() << 32))
             };
             Vec2::new(place(at.x, shift.x), place(at.y, shift.y))
         };
-        let radius = radius_bound(&outline);
-        let extent = if is_dynamic {
-            [radius.to_bits(); 2]
-        } else {
+        let (mass, inertia) = b.mass_inertia();
+        let gyration = (inertia / mass).sqrt();
+        let radius = outline.as_ref().map_or(Fx::number(gyration), radius_bound);
+        let extent = if let (Some(outline), false) = (&outline, is_dynamic) {
             // It never turns: the box of its corners, rounded up.
             let corners = outline.corners().iter().map(|&corner| turned(corner));
             let widest = |a: [i128; 2], c: Vec2<FxWide>| [a[0].max(c.x.to_bits().abs()), a[1].max(c.y.to_bits().abs())];
             corners.fold([0; 2], widest).map(|v| (v >> 32) as i64 + 1 + outline.radius().to_bits())
+        } else {
+            [radius.to_bits(); 2]
         };
-        let (mass, inertia) = if is_dynamic {
+        let (mass, inertia) = if let (None, true) = (&shape, is_dynamic) {
+            (Fx::number(mass), FxFactor::from_scalar(Fx::number(inertia)))
+        } else if let (Some(shape), true) = (&shape, is_dynamic) {
             let mass = FxFactor::from_scalar(Fx::number(b.density)).times(shape.measure()).to_scalar();
             let mass = mass.expect("a mass within the limits");
             (mass, FxFactor::from_scalar(mass).times(shape.gyration()))
@@ -102,12 +108,26 @@ impl Body {
             friction: Fx::number(b.friction),
             restitution: Fx::number(b.restitution),
             surface_speed: Fx::number(b.surface_speed),
-            shift: shape.shift(),
+            shift,
             mass,
             inertia,
             inverse_mass: inverse(FxFactor::from_scalar(mass)),
             inverse_inertia: inverse(inertia),
         }
+    }
+
+    /// A point in the scene's coordinates of the body, from the centre of mass. The radius is made to hold it.
+    pub fn anchor(&mut self, [x, y]: [f64; 2]) -> Vec2 {
+        let point = vector::<Fx>(x - self.shift.x.to_f64(), y - self.shift.y.to_f64());
+        let reach = Fx::number(point.x.to_f64().hypot(point.y.to_f64()) + 1e-6);
+        self.radius = self.radius.max(reach);
+        point
+    }
+
+    /// A vector in the frame of the body in world axes.
+    pub fn turned(&self, v: Vec2) -> Vec2 {
+        let turned = self.angle.rotate(v).expect("an anchor within the limits");
+        turned.map(|c| c.to_scalar().expect("an anchor within the limits"))
     }
 
     pub fn pose(&self) -> Pose {

@@ -1,11 +1,13 @@
 //! This engine's contacts before they are part of its world: free flight, narrow phase and solver joined by hand, in integers.
 
 mod bodies;
+mod joints;
 mod pairs;
 
 use crate::engine::{Engine, Hash, Info, State, World, locked_version};
-use crate::scene::{Scene, Shape};
+use crate::scene::Scene;
 use bodies::{Body, Timing};
+use joints::Joints;
 use pairs::Pairs;
 use std::time::Instant;
 use umbra_physics::solve::{Correction, Flight, Solver, SolverOptions};
@@ -37,6 +39,8 @@ impl Contacts {
                 "substeps" => options.substeps = value.parse().ok().filter(|n| (1..=8).contains(n))?,
                 "frequency" => options.frequency = number,
                 "damping" => options.damping_ratio = number,
+                "joint_frequency" => options.joint_frequency = number,
+                "joint_damping" => options.joint_damping_ratio = number,
                 "push" => options.push_speed = number,
                 "restitution" => options.restitution_speed = number,
                 _ => return None,
@@ -57,7 +61,7 @@ impl Engine for Contacts {
             number: "I32F32 fixed point, contacts in 32-bit integers",
             build: "feature float".into(),
             solver: "velocity Verlet, then soft contacts in parity order as a correction; options of the solver by \
-                     umbra-contacts@substeps=N:frequency=F:damping=D:push=P:restitution=R",
+                     umbra-contacts@substeps=N:frequency=F:damping=D:joint_frequency=F:joint_damping=D:push=P:restitution=R",
             damping_law: "none",
             damped: |v0, _, _, _, _| v0,
             default_substeps: self.options.substeps,
@@ -65,16 +69,12 @@ impl Engine for Contacts {
         }
     }
     fn refuse(&self, scene: &Scene) -> Option<String> {
-        let lacks = if !scene.joints.is_empty() {
-            "joints"
-        } else if scene.sleep {
+        let lacks = if scene.sleep {
             "sleep"
         } else if scene.field.is_some() || scene.pushed {
             "forces"
         } else if scene.bodies.iter().any(|b| b.lin_damp != 0.0 || b.ang_damp != 0.0) {
             "damping"
-        } else if scene.bodies.iter().any(|b| matches!(b.shape, Shape::None { .. })) {
-            "bodies without shape"
         } else {
             return None;
         };
@@ -83,11 +83,14 @@ impl Engine for Contacts {
     fn build(&self, scene: &Scene) -> Box<dyn World> {
         let time_step = time_step(scene.dt);
         let options = SolverOptions { substeps: scene.substeps.unwrap_or(self.options.substeps), ..self.options };
+        let mut bodies: Vec<Body> = scene.bodies.iter().map(Body::new).collect();
+        let joints = Joints::new(scene, &mut bodies);
         Box::new(Bed {
             timing: Timing::new(time_step, scene.gravity.map(Fx::number)),
             time_step,
             options,
-            bodies: scene.bodies.iter().map(Body::new).collect(),
+            bodies,
+            joints,
             pairs: Pairs::default(),
             solver: Solver::default(),
             flights: Vec::new(),
@@ -102,6 +105,7 @@ struct Bed {
     time_step: TimeStep,
     options: SolverOptions,
     bodies: Vec<Body>,
+    joints: Joints,
     pairs: Pairs,
     solver: Solver,
     flights: Vec<Flight>,
@@ -114,15 +118,16 @@ impl World for Bed {
     fn step(&mut self) {
         // Pairs and manifolds are those of the start poses.
         let poses: Vec<_> = self.bodies.iter().map(Body::pose).collect();
+        self.joints.place(&self.bodies);
         self.flights.clear();
         self.flights.extend(self.bodies.iter_mut().map(|body| body.fly(&self.timing)));
-        self.pairs.collide(&self.bodies, &poses, &self.flights);
-        let contacts = &mut self.pairs.contacts;
-        self.solver.prepare(self.time_step, &self.options, &self.flights, contacts);
+        self.pairs.collide(&self.bodies, &poses, &self.flights, &self.joints.pairs);
+        let (joints, contacts) = (&mut self.joints.joints, &mut self.pairs.contacts);
+        self.solver.prepare(self.time_step, &self.options, &self.flights, joints, contacts);
         let before = Instant::now();
         self.solver.run_passes(self.options.substeps);
         self.passes_us = before.elapsed().as_secs_f64() * 1e6;
-        self.solver.finish(self.time_step, &self.options, &self.flights, contacts, &mut self.corrections);
+        self.solver.finish(self.time_step, &self.options, &self.flights, joints, contacts, &mut self.corrections);
         for (body, correction) in self.bodies.iter_mut().zip(&self.corrections) {
             body.correct(correction);
         }

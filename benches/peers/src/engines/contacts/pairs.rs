@@ -25,8 +25,10 @@ pub struct Pairs {
     records: Vec<Record>,
     /// The records of the step before.
     before: Vec<Record>,
-    /// The outlines of all bodies in world axes.
+    /// The outlines of all bodies that have one, in world axes.
     cores: Cores,
+    /// The place in `cores` by body; of no meaning for others.
+    core_of: Vec<usize>,
 }
 
 /// A box around a body during the step, in ulps.
@@ -66,17 +68,27 @@ fn mixed_friction(a: Fx, b: Fx) -> Fx {
 
 impl Pairs {
     /// Finds the contacts at the start poses, with the impulses of the step before.
-    pub fn collide(&mut self, bodies: &[Body], poses: &[Pose], flights: &[Flight]) {
+    /// Bodies that are joined do not collide: `joined` is sorted.
+    pub fn collide(&mut self, bodies: &[Body], poses: &[Pose], flights: &[Flight], joined: &[[u32; 2]]) {
         self.contacts.clear();
         self.records.clear();
         self.cores.clear();
+        self.core_of.clear();
+        let mut cores = 0;
         for (body, pose) in bodies.iter().zip(poses) {
-            self.cores.push(&body.outline, pose);
+            self.core_of.push(cores);
+            if let Some(outline) = &body.outline {
+                self.cores.push(outline, pose);
+                cores += 1;
+            }
         }
         for pair in candidates(bodies, flights) {
             let [a, b] = pair.map(|i| i as usize);
+            if [a, b].iter().any(|&i| bodies[i].outline.is_none()) || joined.binary_search(&pair).is_ok() {
+                continue;
+            }
             let margin = Fx::from_bits(MARGIN.to_bits() + closing(&flights[a], &flights[b]));
-            if let Some(manifold) = self.cores.collide(a, b, margin) {
+            if let Some(manifold) = self.cores.collide(self.core_of[a], self.core_of[b], margin) {
                 let record = self.record(pair, &manifold);
                 self.contacts.push(contact(&record, &manifold, [&bodies[a], &bodies[b]]));
                 self.records.push(record);

@@ -1,0 +1,252 @@
+//! Joints: points of two bodies that stay together, or at a distance.
+//!
+//! A joint is one or two rows: a *revolute* joint keeps both components of the offset of its points at zero, a *distance* joint keeps the
+//! length of the offset. Each row has an axis and, for each body, the cross product of its arm with the axis; impulses act along the
+//! axes. Unlike those of contacts, arms turn with the bodies in every sub-step, by the angle since the start of the step: frozen, a rod
+//! that spins on a pin at 10 rad/s would lose 60 % of its energy in a second.
+//!
+//! - *Solve pass*: the rows aim at the velocity that takes a part of the error away ([`SoftRow`]), and at the second-order term of the
+//!   motion: bodies move on straight lines within a sub-step while points turn on circles, so a velocity along the circle would leave it
+//!   by h·ω²·r/2. *Relax pass*: they aim at zero. With both a pendulum keeps its energy.
+//! - *Warm start*: in every sub-step, as arms turn. From the second on the body's velocity already has once more the changes of the sub-step
+//!   before ([`Begin`](super::motion::Begin)), those of joints included; so a joint adds the difference between its impulse at the arms of
+//!   now and what it changed in the sub-step before. A body with joints and contacts gets both right, and one without joints pays nothing.
+//! - *Softness* is that of a spring and damper over the rate of sub-steps, [`SolverOptions`](super::SolverOptions): at rest a gap is
+//!   F·k·h²/(2π·f)² for a force F and the inverse mass k along the row. Where a body has several joints in a phase, each of them moves its
+//!   share, and the passes spread impulses more slowly: half the frequency and four times the damping ratio, or a net swings for ever.
+//! - *Paths*: joints hold points where the bodies really are, so they must know where a body without further impulses ends
+//!   ([`Path`](super::apply::Path)).
+//! - *Sums*: each block adds up its impulses with the arms that they had, exactly; `apply` hands them to the bodies once.
+//!
+//! # Ranges
+//! In units of the island: u for velocities, u·h for lengths, [`Block::exponent`] for impulses.
+//! - Arms over the length of the body are within ±2^30 in each component, so that axes are within 2^30 and cross products within 2^30.5.
+//! - The velocity of a row is below (√2·2^28 + 2·√2·2^27) = 2^29.5, times 2^30; the error is within ±2^30 ([`ERROR`]), times a rate below
+//!   2^30. The second-order terms are at most 0.1·√2·2^27 a body and 0.1·2^29.5 for the rod, the offsets of free flights along the row at
+//!   most (√2·2^29 + 2·√2·2^28) = 2^30.5, times 2^30. The sum is below 2^62.
+//! - Elements of an inverse matrix are below 2^32: a sum of two products is below 2^95, times a share of at most 2^30 below 2^125.
+//! - Impulses are within ±2^50 ([`IMPULSE`]). Those of a sub-step are the one of the solve pass at one axis and the change of the relax
+//!   pass at another: at most three times 2·2^50·2^30.5 = 2^83.1. Times a mass below 2^44 that is below 2^127. Weighted sums over
+//!   8 sub-steps are at most 36 times that: below 2^89.
+//! - Changes of velocity in a sub-step are within ±2^52 in 2^-24 ([`GAIN`]) and 2^61 over the number of joints at the body. A pass adds
+//!   the difference of two of them: gains are within ±2^62.
+//! - Offsets of points are within ±2^60 ([`FAR`]): 2^21 m at 80,000 sub-steps a second.
+
+mod pass;
+mod phases;
+#[cfg(test)]
+mod tests;
+mod turn;
+
+use self::turn::Side;
+use super::contact::{BodyOf, largest_exponent};
+use super::number::{bits_of, clamped, fixed, shifted};
+use super::unit::{Clock, SoftRow, Softness};
+use super::{Flight, Impulses};
+use crate::fx::Fx;
+use crate::kernel::sqrt::direction;
+use crate::math::Vec2;
+use crate::scalar::FxFactor;
+
+pub(super) use self::phases::Joints;
+
+/// Factors of masses have this many bits relative to the largest of a joint.
+const MASS_BITS: i32 = 44;
+/// A unit of impulse changes the velocity of a row by at most 2^-8.
+const FINER: i32 = 8;
+/// The largest error of a row.
+const ERROR: i64 = 1 << 30;
+/// The largest impulse.
+const IMPULSE: i64 = 1 << 50;
+/// The largest change of velocity in a sub-step, in 2^-24.
+const GAIN: i64 = 1 << 52;
+/// The largest component of an offset.
+const FAR: i128 = 1 << 60;
+
+/// The quantity that a joint keeps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum JointKind {
+    /// Both anchors at the same point.
+    Revolute,
+    /// The anchors at a distance.
+    Distance {
+        /// m, up to 2^20; positive.
+        length: Fx,
+    },
+}
+
+/// A joint of two bodies, at the start of the step.
+#[derive(Clone, Copy, Debug)]
+pub struct Joint {
+    /// Indices of flights.
+    pub bodies: [u32; 2],
+    /// The points that it joins: from the centre of mass of the first and of the second body, m. *Domain* they lie within the
+    /// [`radius`](Flight::radius) of their body.
+    pub anchors: [Vec2; 2],
+    /// The quantity that it keeps.
+    pub kind: JointKind,
+    /// The impulses on the second body in the last sub-step of the step before, by which the solver starts; then those of this step. Of a
+    /// revolute joint along x and y; of a distance joint along the line from the first anchor to the second.
+    pub impulses: Impulses,
+}
+
+impl Joint {
+    /// From the first anchor to the second, in 2^-32 m.
+    fn offset(&self, flights: &[Flight]) -> [i128; 2] {
+        let of = |side: usize, at: fn(Vec2) -> Fx| {
+            i128::from(at(flights[self.bodies[side] as usize].position).to_bits())
+                + i128::from(at(self.anchors[side]).to_bits())
+        };
+        [of(1, |v| v.x) - of(0, |v| v.x), of(1, |v| v.y) - of(0, |v| v.y)]
+    }
+
+    /// A speed at which its error is taken away, in 2^-32 m/s: at most half of the error in a sub-step.
+    fn repair_speed(&self, clock: &Clock, flights: &[Flight]) -> u128 {
+        let [x, y] = self.offset(flights).map(|c| c.clamp(-FAR, FAR) as i64);
+        let error = match self.kind {
+            JointKind::Revolute => x.abs().max(y.abs()),
+            JointKind::Distance { length } => length_of(x, y).abs_diff(length.to_bits()) as i64,
+        };
+        clock.length_of_bits(error.into(), -32).unsigned_abs() >> 1
+    }
+}
+
+/// The length of a vector, to nearest. *Domain* of [`direction`]; zero is fine.
+fn length_of(x: i64, y: i64) -> i64 {
+    if (x, y) == (0, 0) { 0 } else { direction(x, y).1 as i64 }
+}
+
+/// A joint as the passes see it.
+#[derive(Clone, Debug)]
+pub(super) struct Block {
+    /// Index of the joint.
+    pub(super) joint: u32,
+    sides: [Side; 2],
+    /// The number of rows.
+    count: usize,
+    /// The length that a distance joint keeps.
+    length: Option<i64>,
+    /// From the first anchor to the second at the start, without both arms.
+    base: [i64; 2],
+    soft: SoftRow,
+    /// The number of sub-steps, and of those that the bodies have moved in.
+    substeps: i32,
+    moves: i32,
+    /// True if a body moves by shares.
+    is_split: bool,
+    /// log2 of the unit of its impulses, N·s.
+    pub(super) exponent: i32,
+    /// The number of bits of the largest mass factor of a row.
+    mass_bits: i32,
+    /// Axes of the rows, in 2^-30.
+    axes: [[i64; 2]; 2],
+    /// Cross products of arms and axes by row and body, in 2^-30 of the bodies' lengths.
+    crosses: [[i64; 2]; 2],
+    /// Errors of the rows.
+    errors: [i64; 2],
+    /// The distance of the anchors.
+    distance: i64,
+    /// Elements 11, 12 and 22 of the inverse matrix of the rows, in 2^-`inverse_shift` of the impulse by 2^-30 of velocity.
+    inverse: [i64; 3],
+    inverse_shift: i32,
+    /// The share of an impulse that is rigid in the solve pass, in 2^-30; the rest of it gives way.
+    rigid: i64,
+    /// Impulses of the sub-step, by row.
+    pub(super) impulses: [i64; 2],
+    /// The impulses applied in the sub-step, in 2^-30: along x and y, and those of rotation of both bodies.
+    change: [i128; 4],
+    /// Sums of the changes of sub-steps.
+    pub(super) applied: [i128; 4],
+    /// Sums over sub-steps of the changes applied up to the move.
+    pub(super) weighted: [i128; 4],
+}
+
+/// The values that all blocks are made from.
+pub(super) struct Common<'a> {
+    pub(super) clock: &'a Clock,
+    pub(super) softness: &'a Softness,
+    pub(super) flights: &'a [Flight],
+}
+
+impl Block {
+    /// Prepares a joint in the unit of its island; `None` if it can move neither body.
+    fn new(index: usize, joint: &Joint, bodies: &[BodyOf; 2], unit: i32, common: &Common<'_>) -> Option<Self> {
+        let Common { clock, softness, flights } = common;
+        let scale = MASS_BITS - largest_exponent(bodies)?;
+        let side = |k: usize| Side::new(&bodies[k], joint.anchors[k], scale, unit, clock);
+        let sides = [side(0), side(1)];
+        let mass_bits = bits_of(sides[0].largest_mass() + sides[1].largest_mass());
+        if mass_bits == 0 {
+            return None;
+        }
+        let offset = joint.offset(flights).map(|c| clock.length_of_bits(c, unit).clamp(-FAR, FAR) as i64);
+        let base = [0, 1].map(|i| offset[i] - sides[1].start[i] + sides[0].start[i]);
+        let (length, count) = match joint.kind {
+            JointKind::Revolute => (None, 2),
+            JointKind::Distance { length } => (Some(clock.length(length, unit).clamp(0, FAR) as i64), 1),
+        };
+        let is_split = sides.iter().any(Side::is_split);
+        let exponent = scale - mass_bits - FINER + unit;
+        let warm = |impulse: i64| {
+            let bits = (exponent - joint.impulses.exponent).max(bits_of(impulse) - 100);
+            shifted(impulse.into(), bits).clamp(-i128::from(IMPULSE), i128::from(IMPULSE)) as i64
+        };
+        let [first, second, _] = joint.impulses.values;
+        let one = 1 << 30;
+        Some(Self {
+            joint: index as u32,
+            sides,
+            count,
+            length,
+            base,
+            soft: softness.joint[usize::from(is_split)],
+            substeps: clock.substeps as i32,
+            moves: 0,
+            is_split,
+            exponent,
+            mass_bits,
+            axes: [[one, 0], [0, one]],
+            crosses: [[0; 2]; 2],
+            errors: [0; 2],
+            distance: 0,
+            inverse: [0; 3],
+            inverse_shift: 0,
+            rigid: 0,
+            impulses: [warm(first), if count == 2 { warm(second) } else { 0 }],
+            change: [0; 4],
+            applied: [0; 4],
+            weighted: [0; 4],
+        })
+    }
+}
+
+impl Side {
+    /// A body at a joint, with masses in 2^-`scale`.
+    fn new(body: &BodyOf, anchor: Vec2, scale: i32, unit: i32, clock: &Clock) -> Self {
+        let [mx, my] = body.inverse_mass.map(|factor| fixed(factor, scale));
+        let angular = fixed(body.inverse_inertia, scale + 2 * body.length);
+        // Within the length of the body: ranges rest on it.
+        let most = 1 << (32 + body.length).clamp(0, 62);
+        let anchor = [anchor.x, anchor.y].map(|c| c.to_bits().clamp(-most, most));
+        let start = anchor.map(|c| clock.length_of_bits(c.into(), unit).clamp(-FAR, FAR) as i64);
+        let unit_start = anchor.map(|c| i64::from(clamped(shifted(c.into(), 2 + body.length), 1 << 30)));
+        let scaled = |factor: FxFactor, bits: i32| {
+            let (mantissa, shift) = factor.parts();
+            (mantissa, shift - bits - unit + body.length)
+        };
+        Self {
+            row: body.row,
+            masses: [mx, my, angular],
+            share: body.share,
+            start,
+            unit_start,
+            arm: start,
+            unit_arm: unit_start,
+            turn: scaled(clock.substep_turns, 64),
+            angle: scaled(clock.substep, 30),
+            shift: [0; 3],
+            made: [0; 3],
+        }
+    }
+}

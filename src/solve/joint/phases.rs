@@ -1,0 +1,143 @@
+//! Joints in phases of their own, before those of contacts.
+
+use alloc::vec::Vec;
+use core::ops::Range;
+
+use super::pass::{ApplyGains, JointPass};
+use super::{Block, Common, Joint};
+use crate::kernel::simd;
+use crate::solve::apply::Path;
+use crate::solve::graph::PHASES;
+use crate::solve::motion::{DISPLACEMENT, Rows};
+use crate::solve::number::clamped;
+use crate::solve::unit::Clock;
+use crate::solve::{Contact, Flight, Solver, count_shares};
+
+/// All joints of the solver.
+#[derive(Clone, Debug, Default)]
+pub(in crate::solve) struct Joints {
+    pub(in crate::solve) blocks: Vec<Block>,
+    /// Ends of the phases in `blocks`.
+    phases: [Range<usize>; PHASES],
+    /// Rows with joints, by phase.
+    touched: [Vec<u32>; PHASES],
+}
+
+impl Joints {
+    #[cfg(test)]
+    pub(in crate::solve) fn capacity(&self) -> usize {
+        self.blocks.capacity() + self.touched.iter().map(Vec::capacity).sum::<usize>()
+    }
+
+    fn pass(&mut self, pass: JointPass, rows: &mut Rows) -> u64 {
+        if self.blocks.is_empty() {
+            return 0;
+        }
+        let mut cut = 0;
+        for phase in 0..PHASES {
+            let blocks = &mut self.blocks[self.phases[phase].clone()];
+            if blocks.is_empty() {
+                continue;
+            }
+            cut += blocks.iter_mut().map(|block| block.run(pass, rows)).sum::<u64>();
+            cut += simd::run(ApplyGains { rows, touched: &self.touched[phase] });
+        }
+        cut
+    }
+
+    /// The passes of a sub-step before the contacts are solved.
+    pub(in crate::solve) fn solve(&mut self, rows: &mut Rows) -> u64 {
+        self.pass(JointPass::WarmStart, rows) + self.pass(JointPass::Solve, rows)
+    }
+
+    /// The pass after the move of a sub-step, before the contacts are relaxed.
+    pub(in crate::solve) fn relax(&mut self, rows: &mut Rows) -> u64 {
+        let cut = self.blocks.iter_mut().map(|block| block.advance(rows)).sum::<u64>();
+        cut + self.pass(JointPass::Relax, rows)
+    }
+}
+
+impl Solver {
+    /// Prepares the joints, phase by phase.
+    pub(in crate::solve) fn set_joints(&mut self, joints: &[Joint], common: &Common<'_>) {
+        self.joints.blocks.clear();
+        if joints.is_empty() {
+            return;
+        }
+        for phase in 0..PHASES {
+            let of_phase = |joint: &&Joint| self.graph.phase(joint.bodies) == phase;
+            let touched = &mut self.joints.touched[phase];
+            let links = joints.iter().filter(of_phase).map(|joint| joint.bodies);
+            count_shares(&mut self.shares, &self.row_of, touched, links);
+            let begin = self.joints.blocks.len();
+            for (index, joint) in joints.iter().enumerate() {
+                if self.graph.phase(joint.bodies) != phase {
+                    continue;
+                }
+                let Some(mover) = self.graph.mover(joint.bodies) else { continue };
+                let unit = self.unit_of[mover as usize];
+                let bodies = joint.bodies.map(|body| self.body(body, unit, common.flights));
+                self.joints.blocks.extend(Block::new(index, joint, &bodies, unit, common));
+            }
+            self.joints.phases[phase] = begin..self.joints.blocks.len();
+        }
+        let rows = &self.rows;
+        // An error that is cut off now is so after the first move, and counted there.
+        self.joints.blocks.iter_mut().for_each(|block| {
+            block.turn(rows);
+        });
+    }
+
+    /// Settles where bodies with joints end the step, and tells the joints, which hold the points of bodies where they really are.
+    pub(in crate::solve) fn set_paths(&mut self, joints: &[Joint], contacts: &[Contact], common: &Common<'_>) {
+        let Common { clock, flights, .. } = common;
+        self.paths.clear();
+        if joints.is_empty() {
+            return;
+        }
+        let mut supported = alloc::vec![false; self.graph.islands];
+        let pressed = contacts.iter().filter(|contact| contact.impulses.values != [0; 3]);
+        for bodies in joints.iter().map(|joint| joint.bodies).chain(pressed.map(|contact| contact.bodies)) {
+            let mover = self.graph.mover(bodies).and_then(|body| self.graph.island_of(body));
+            if let (Some(island), true) = (mover, bodies.iter().any(|&body| flights[body as usize].is_fixed())) {
+                supported[island as usize] = true;
+            }
+        }
+        self.paths.resize(flights.len(), Path::Contacts);
+        for body in joints.iter().flat_map(|joint| joint.bodies) {
+            let island = self.graph.island_of(body);
+            let is_supported = island.is_some_and(|island| supported[island as usize]);
+            self.paths[body as usize] = if is_supported { Path::Substeps } else { Path::Flight };
+        }
+        for block in &mut self.joints.blocks {
+            let bodies = joints[block.joint as usize].bodies;
+            let Some(mover) = self.graph.mover(bodies) else { continue };
+            let unit = self.unit_of[mover as usize];
+            for (side, body) in block.sides.iter_mut().zip(bodies) {
+                let flight = &flights[body as usize];
+                if self.paths[body as usize] == Path::Flight {
+                    let [x, y, turn] = flight.offsets(clock);
+                    let of = |offset, unit| clamped(clock.length_of_bits(offset, unit), DISPLACEMENT.into());
+                    side.shift = [of(x, unit), of(y, unit), of(turn, unit - flight.length())];
+                }
+            }
+        }
+    }
+
+    /// Joints count with the speed that takes their errors away.
+    pub(in crate::solve) fn joint_speeds(
+        &self,
+        clock: &Clock,
+        flights: &[Flight],
+        joints: &[Joint],
+        fastest: &mut [u128],
+    ) {
+        for joint in joints {
+            let mover = self.graph.mover(joint.bodies);
+            if let Some(island) = mover.and_then(|body| self.graph.island_of(body)) {
+                let fastest = &mut fastest[island as usize];
+                *fastest = (*fastest).max(joint.repair_speed(clock, flights));
+            }
+        }
+    }
+}

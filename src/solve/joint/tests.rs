@@ -1,0 +1,7 @@
+//! Joints beside doubles, closed forms and their own mirror images.
+
+mod cases;
+mod exact;
+mod scene;
+mod twin;
+mod world;

@@ -1,0 +1,123 @@
+//! Bodies with joints and contacts, made up at random, for a single step.
+
+use alloc::vec::Vec;
+
+use super::world::{factor, fx, inverse, vec2};
+use crate::math::{Random, TimeStep, Vec2};
+use crate::scalar::FxFactor;
+use crate::solve::{Contact, Correction, Flight, Impulses, Joint, JointKind, Point, Solver, SolverOptions, Velocity};
+
+/// A number from −1 to 1.
+pub(super) fn signed(random: &mut Random) -> f64 {
+    random.bits() as i64 as f64 / 2f64.powi(63)
+}
+
+/// From 0 to below `below`.
+fn index(random: &mut Random, below: usize) -> usize {
+    random.below(below as u64) as usize
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct Scene {
+    pub(super) flights: Vec<Flight>,
+    pub(super) joints: Vec<Joint>,
+    pub(super) contacts: Vec<Contact>,
+    pub(super) options: SolverOptions,
+}
+
+pub(super) const RATE: u32 = 60;
+
+/// A body with accelerations of up to 20 m/s² and 20 rad/s².
+fn flight(random: &mut Random, is_fixed: bool) -> Flight {
+    let h = 1.0 / f64::from(RATE);
+    let mut three = |size: f64| [size * signed(random), size * signed(random), size * signed(random)];
+    let (v, a, at) = (three(3.0), three(20.0), three(2.0));
+    let velocity = |t: f64| Velocity { linear: vec2([v[0] + a[0] * t, v[1] + a[1] * t]), angular: fx(v[2] + a[2] * t) };
+    let way = |i: usize| (v[i] + a[i] * h / 2.0) * h;
+    let mass = 2f64.powf(2.0 * signed(random));
+    let inertia = mass * 0.2 * 2f64.powf(signed(random));
+    let of = |value: f64| if is_fixed { FxFactor::ZERO } else { inverse(value) };
+    Flight {
+        position: vec2([at[0], at[1]]),
+        start: velocity(0.0),
+        end: velocity(h),
+        displacement: vec2([way(0), way(1)]),
+        rotation: fx(way(2)),
+        mass: fx(mass),
+        inertia: factor(inertia),
+        inverse_mass: Vec2::new(of(mass), of(mass)),
+        inverse_inertia: of(inertia),
+        radius: fx(0.75),
+    }
+}
+
+/// The impulses that a step begins with, if `is_warm`.
+fn impulses(random: &mut Random, is_warm: bool) -> Impulses {
+    let mut value = || (signed(random) * 2f64.powi(24)) as i64;
+    if is_warm { Impulses { values: [value(), value(), 0], exponent: -30 } } else { Impulses::default() }
+}
+
+impl Scene {
+    /// Bodies, of which the first `fixed` are fixed and move, with joints whose errors are up to some centimetres.
+    pub(super) fn random(random: &mut Random, [bodies, fixed]: [usize; 2], joints: usize, contacts: usize) -> Self {
+        let flights: Vec<Flight> = (0..bodies).map(|i| flight(random, i < fixed)).collect();
+        let mut scene = Self { flights, joints: Vec::new(), contacts: Vec::new(), options: SolverOptions::default() };
+        scene.options.substeps = 1 + index(random, 8) as u32;
+        for _ in 0..joints {
+            let ends = scene.pair(random);
+            let anchors = [(); 2].map(|()| vec2([0.5 * signed(random), 0.5 * signed(random)]));
+            let is_warm = signed(random) > 0.0;
+            let kind = JointKind::Distance { length: fx(1.0) };
+            let mut joint = Joint { bodies: ends, anchors, kind, impulses: impulses(random, is_warm) };
+            let [x, y] = joint.offset(&scene.flights).map(|c| c as f64 / 2f64.powi(32));
+            if signed(random) > 0.0 {
+                joint.kind = JointKind::Distance { length: fx(x.hypot(y) + 0.02 * signed(random)) };
+                joint.impulses.values[1] = 0;
+            } else {
+                // The second body comes along: of several joints only the last one nearly holds.
+                joint.kind = JointKind::Revolute;
+                let at = &mut scene.flights[ends[1] as usize].position;
+                let near = |c: crate::fx::Fx, d: f64| fx(super::world::double(c) - d);
+                *at = Vec2::new(near(at.x, x + 0.02 * signed(random)), near(at.y, y + 0.02 * signed(random)));
+            }
+            scene.joints.push(joint);
+        }
+        for _ in 0..contacts {
+            let (ends, angle) = (scene.pair(random), 3.0 * signed(random));
+            let normal = [angle.cos(), angle.sin()].map(|c: f64| (c * 2f64.powi(30)).round() as i32);
+            let mut arm = || vec2([0.5 * signed(random), 0.5 * signed(random)]);
+            let points = [[arm(), arm()], [arm(), arm()]].map(|arms| Point { arms, separation: fx(-0.01) });
+            let (friction, zero) = (fx(0.5), fx(0.0));
+            scene.contacts.push(Contact {
+                bodies: ends,
+                normal,
+                count: 1 + index(random, 2),
+                points,
+                friction,
+                restitution: zero,
+                surface_speed: zero,
+                impulses: Impulses { values: [1 << 20, 1 << 19, 0], exponent: -30 },
+            });
+        }
+        scene
+    }
+
+    /// Two bodies that are not both fixed, and not the same.
+    fn pair(&self, random: &mut Random) -> [u32; 2] {
+        loop {
+            let pair = [index(random, self.flights.len()), index(random, self.flights.len())];
+            if pair[0] != pair[1] && pair.iter().any(|&body| !self.flights[body].is_fixed()) {
+                return pair.map(|body| body as u32);
+            }
+        }
+    }
+
+    /// The corrections, the impulses of joints, and the number of values that were cut off.
+    pub(super) fn solve(&self) -> (Vec<Correction>, Vec<Impulses>, u64) {
+        let (mut corrections, mut joints, mut contacts) = (Vec::new(), self.joints.clone(), self.contacts.clone());
+        let (time_step, options) = (TimeStep::hz(RATE), &self.options);
+        let mut solver = Solver::default();
+        let counts = solver.solve(time_step, options, &self.flights, &mut joints, &mut contacts, &mut corrections);
+        (corrections, joints.iter().map(|joint| joint.impulses).collect(), counts.cut)
+    }
+}

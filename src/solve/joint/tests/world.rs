@@ -1,0 +1,247 @@
+//! A small world in doubles around the solver: free flight, joints, boxes on a floor.
+
+use alloc::vec::Vec;
+
+use crate::fx::Fx;
+use crate::math::{TimeStep, Vec2};
+use crate::scalar::{FxAccumulator, FxFactor};
+use crate::solve::{Contact, Correction, Flight, Impulses, Joint, JointKind, Point, Solver, SolverOptions, Velocity};
+
+/// The nearest multiple of 2^-32.
+pub(super) fn fx(value: f64) -> Fx {
+    Fx::from_bits((value * 2f64.powi(32)).round() as i64)
+}
+
+pub(super) fn vec2([x, y]: [f64; 2]) -> Vec2 {
+    Vec2::new(fx(x), fx(y))
+}
+
+pub(super) fn double(value: Fx) -> f64 {
+    value.to_bits() as f64 / 2f64.powi(32)
+}
+
+/// A change as a double.
+pub(super) fn change(value: FxAccumulator) -> f64 {
+    value.to_bits() as f64 / 2f64.powi(96)
+}
+
+pub(super) fn factor(value: f64) -> FxFactor {
+    FxFactor::from_scalar(fx(value))
+}
+
+pub(super) fn inverse(value: f64) -> FxFactor {
+    if value == 0.0 { FxFactor::ZERO } else { FxFactor::ONE.over(factor(value)) }
+}
+
+pub(super) fn rotated(angle: f64, [x, y]: [f64; 2]) -> [f64; 2] {
+    let (sin, cos) = angle.sin_cos();
+    [cos * x - sin * y, sin * x + cos * y]
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Body {
+    pub(super) at: [f64; 2],
+    pub(super) angle: f64,
+    pub(super) velocity: [f64; 2],
+    pub(super) spin: f64,
+    /// kg; zero for a fixed body.
+    pub(super) mass: f64,
+    /// kg·m²
+    pub(super) inertia: f64,
+    pub(super) radius: f64,
+    /// Half the sides of a box that the floor stops; zero for none.
+    pub(super) half: [f64; 2],
+}
+
+impl Body {
+    pub(super) fn fixed() -> Self {
+        Self {
+            at: [0.0; 2],
+            angle: 0.0,
+            velocity: [0.0; 2],
+            spin: 0.0,
+            mass: 0.0,
+            inertia: 0.0,
+            radius: 1.0,
+            half: [0.0; 2],
+        }
+    }
+
+    /// A box of a density of 1 kg/m².
+    pub(super) fn rectangle(at: [f64; 2], [x, y]: [f64; 2]) -> Self {
+        let mass = 4.0 * x * y;
+        let inertia = mass * (x * x + y * y) / 3.0;
+        Self { at, mass, inertia, radius: x.hypot(y), ..Self::fixed() }
+    }
+
+    pub(super) fn point(&self, local: [f64; 2]) -> [f64; 2] {
+        let [x, y] = rotated(self.angle, local);
+        [self.at[0] + x, self.at[1] + y]
+    }
+}
+
+/// Points in the frames of two bodies.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Link {
+    pub(super) bodies: [usize; 2],
+    pub(super) points: [[f64; 2]; 2],
+    /// `None`: a revolute joint.
+    pub(super) length: Option<f64>,
+    pub(super) impulses: Impulses,
+}
+
+#[derive(Clone, Default)]
+pub(super) struct World {
+    pub(super) bodies: Vec<Body>,
+    pub(super) links: Vec<Link>,
+    pub(super) gravity: [f64; 2],
+    pub(super) options: SolverOptions,
+    /// Impulses of boxes on the floor y = 0, by body.
+    floor: Vec<Impulses>,
+    solver: Solver,
+    pub(super) corrections: Vec<Correction>,
+    pub(super) cut: u64,
+}
+
+pub(super) const RATE: u32 = 60;
+
+impl World {
+    pub(super) fn new(bodies: &[Body], gravity: f64) -> Self {
+        let floor = alloc::vec![Impulses::default(); bodies.len()];
+        Self { bodies: bodies.to_vec(), gravity: [0.0, -gravity], floor, ..Self::default() }
+    }
+
+    fn link(&mut self, a: usize, b: usize, ends: [[f64; 2]; 2], length: Option<f64>) {
+        let local = |body: usize, end: [f64; 2]| {
+            let Body { at, angle, .. } = self.bodies[body];
+            rotated(-angle, [end[0] - at[0], end[1] - at[1]])
+        };
+        let points = [local(a, ends[0]), local(b, ends[1])];
+        for (body, point) in [(a, points[0]), (b, points[1])] {
+            let radius = &mut self.bodies[body].radius;
+            *radius = radius.max(point[0].hypot(point[1]));
+        }
+        self.links.push(Link { bodies: [a, b], points, length, impulses: Impulses::default() });
+    }
+
+    /// A revolute joint at a point of the world.
+    pub(super) fn pin(&mut self, a: usize, b: usize, at: [f64; 2]) {
+        self.link(a, b, [at; 2], None);
+    }
+
+    /// A rod between two points of the world.
+    pub(super) fn rod(&mut self, a: usize, b: usize, ends: [[f64; 2]; 2]) {
+        let length = (ends[1][0] - ends[0][0]).hypot(ends[1][1] - ends[0][1]);
+        self.link(a, b, ends, Some(length));
+    }
+
+    /// Velocity Verlet under gravity, from position to position.
+    pub(super) fn flight(&self, body: &Body) -> Flight {
+        let h = 1.0 / f64::from(RATE);
+        let velocity = |v: [f64; 2]| Velocity { linear: vec2(v), angular: fx(body.spin) };
+        let kick = if body.mass == 0.0 { [0.0; 2] } else { self.gravity.map(|g| g * h) };
+        let [vx, vy] = body.velocity;
+        Flight {
+            position: vec2(body.at),
+            start: velocity(body.velocity),
+            end: velocity([vx + kick[0], vy + kick[1]]),
+            displacement: vec2([(vx + kick[0] / 2.0) * h, (vy + kick[1] / 2.0) * h]),
+            rotation: fx(body.spin * h),
+            mass: fx(body.mass),
+            inertia: factor(body.inertia),
+            inverse_mass: Vec2::new(inverse(body.mass), inverse(body.mass)),
+            inverse_inertia: inverse(body.inertia),
+            radius: fx(body.radius),
+        }
+    }
+
+    pub(super) fn joint(&self, link: &Link) -> Joint {
+        let anchor = |k: usize| vec2(rotated(self.bodies[link.bodies[k]].angle, link.points[k]));
+        let kind = link.length.map_or(JointKind::Revolute, |length| JointKind::Distance { length: fx(length) });
+        let bodies = link.bodies.map(|body| body as u32);
+        Joint { bodies, anchors: [anchor(0), anchor(1)], kind, impulses: link.impulses }
+    }
+
+    /// The two lowest corners of a box near the floor, which is body 0.
+    fn contact(&self, index: usize, body: &Body) -> Option<Contact> {
+        let [x, y] = body.half;
+        if x == 0.0 || body.mass == 0.0 {
+            return None;
+        }
+        let mut arms = [[x, y], [-x, y], [-x, -y], [x, -y]].map(|corner| rotated(body.angle, corner));
+        arms.sort_by(|a, b| (a[1], a[0]).partial_cmp(&(b[1], b[0])).expect("numbers"));
+        let mut low = [arms[0], arms[1]];
+        low.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let floor = self.bodies[0].at;
+        let points = low.map(|[rx, ry]| {
+            let [px, py] = [body.at[0] + rx, body.at[1] + ry];
+            Point { arms: [vec2([px - floor[0], -floor[1]]), vec2([rx, ry])], separation: fx(py) }
+        });
+        (points[0].separation < fx(0.1)).then_some(Contact {
+            bodies: [0, index as u32],
+            normal: [0, 1 << 30],
+            count: 2,
+            points,
+            friction: fx(0.6),
+            restitution: fx(0.0),
+            surface_speed: fx(0.0),
+            impulses: self.floor[index],
+        })
+    }
+
+    pub(super) fn step(&mut self) {
+        let flights: Vec<Flight> = self.bodies.iter().map(|body| self.flight(body)).collect();
+        let mut joints: Vec<Joint> = self.links.iter().map(|link| self.joint(link)).collect();
+        let bodies = self.bodies.iter().enumerate();
+        let mut contacts: Vec<Contact> = bodies.filter_map(|(i, body)| self.contact(i, body)).collect();
+        let Self { solver, corrections, options, .. } = self;
+        let time_step = TimeStep::hz(RATE);
+        self.cut += solver.solve(time_step, options, &flights, &mut joints, &mut contacts, corrections).cut;
+        for (link, joint) in self.links.iter_mut().zip(&joints) {
+            link.impulses = joint.impulses;
+        }
+        self.floor.fill(Impulses::default());
+        for contact in &contacts {
+            self.floor[contact.bodies[1] as usize] = contact.impulses;
+        }
+        for ((body, flight), by) in self.bodies.iter_mut().zip(&flights).zip(&self.corrections) {
+            let sum = |a: f64, fixed: Fx, exact: FxAccumulator| a + (double(fixed) + change(exact));
+            body.at = [
+                sum(body.at[0], flight.displacement.x, by.displacement.x),
+                sum(body.at[1], flight.displacement.y, by.displacement.y),
+            ];
+            body.angle = sum(body.angle, flight.rotation, by.rotation);
+            let Vec2 { x, y } = flight.end.linear;
+            body.velocity = [sum(0.0, x, by.velocity.x), sum(0.0, y, by.velocity.y)];
+            body.spin = sum(0.0, flight.end.angular, by.angular_velocity);
+        }
+    }
+
+    pub(super) fn run(&mut self, seconds: f64) {
+        (0..(seconds * f64::from(RATE)).round() as usize).for_each(|_| self.step());
+    }
+
+    /// The capacity of the solver's buffers for joints.
+    pub(super) fn memory_of_joints(&self) -> usize {
+        let Solver { joints, paths, .. } = &self.solver;
+        joints.capacity() + paths.capacity()
+    }
+
+    /// The distance by which joints are off.
+    pub(super) fn worst_gap(&self) -> f64 {
+        let gap = |link: &Link| {
+            let [a, b] = [0, 1].map(|k| self.bodies[link.bodies[k]].point(link.points[k]));
+            ((b[0] - a[0]).hypot(b[1] - a[1]) - link.length.unwrap_or(0.0)).abs()
+        };
+        self.links.iter().map(gap).fold(0.0, f64::max)
+    }
+
+    pub(super) fn energy(&self) -> f64 {
+        let of = |body: &Body| {
+            let [vx, vy] = body.velocity;
+            let height = -(self.gravity[0] * body.at[0] + self.gravity[1] * body.at[1]);
+            body.mass * (0.5 * (vx * vx + vy * vy) + height) + 0.5 * body.inertia * body.spin * body.spin
+        };
+        self.bodies.iter().map(of).sum()
+    }
+}
