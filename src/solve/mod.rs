@@ -10,6 +10,7 @@
 //! - `contact`: rows, masses and matrices of contacts.
 //! - `joint`: joints, which are solved before the contacts.
 //! - `pass`: the loops over contacts.
+//! - `prepare`: units, rows of bodies and groups of contacts.
 //! - `restitution`: bouncing, once a step.
 //! - `apply`: exact impulses, applied once.
 
@@ -20,6 +21,7 @@ mod joint;
 mod motion;
 mod number;
 mod pass;
+mod prepare;
 mod restitution;
 #[cfg(test)]
 mod tests;
@@ -28,18 +30,19 @@ mod unit;
 use alloc::vec::Vec;
 
 use self::apply::Path;
-use self::contact::{BodyOf, ContactOf, Group, PointOf};
+use self::contact::Group;
 use self::graph::{Graph, PHASES};
 use self::joint::{Common, Joints};
 pub use self::joint::{Joint, JointKind};
 use self::motion::{Advance, Begin, FlightRow, Rows};
 use self::number::{log2_above, shifted};
 use self::pass::{Pass, PassOver};
+use self::prepare::graph_start;
 use self::restitution::Bounces;
-use self::unit::{Clock, Softness, rim_speed, unit_for};
+use self::unit::{Clock, Softness, rim_speed};
 use crate::fx;
 use crate::fx::Fx;
-use crate::kernel::simd::{self, GROUP};
+use crate::kernel::simd;
 use crate::math::{TimeStep, Vec2};
 use crate::scalar::{FxAccumulator, FxFactor};
 
@@ -299,123 +302,6 @@ impl Solver {
         self.apply(&clock, flights, joints, contacts, corrections);
     }
 
-    /// Chooses units and makes the rows of bodies that touch.
-    fn set_rows(&mut self, clock: &Clock, flights: &[Flight], joints: &[Joint]) {
-        let mut fastest = alloc::vec![0; self.graph.islands];
-        for (body, flight) in flights.iter().enumerate() {
-            if let Some(island) = self.graph.island_of(body as u32) {
-                let fastest: &mut u128 = &mut fastest[island as usize];
-                *fastest = (*fastest).max(flight.speed());
-            }
-        }
-        self.fixed_speeds(flights, &mut fastest);
-        self.joint_speeds(clock, flights, joints, &mut fastest);
-        self.rows.clear();
-        self.rows.push(FlightRow::default());
-        self.row_of.clear();
-        self.unit_of.clear();
-        for (body, flight) in flights.iter().enumerate() {
-            let (row, unit) = match self.graph.island_of(body as u32) {
-                Some(island) => {
-                    let unit = unit_for(fastest[island as usize], clock.substeps);
-                    (self.rows.push(flight.row(unit)), unit)
-                }
-                None => (STILL, 0),
-            };
-            self.row_of.push(row);
-            self.unit_of.push(unit);
-        }
-    }
-
-    /// Fixed bodies that move count in all islands that they touch.
-    fn fixed_speeds(&self, flights: &[Flight], fastest: &mut [u128]) {
-        for (body, flight) in flights.iter().enumerate() {
-            if !flight.is_fixed() {
-                continue;
-            }
-            let speed = flight.speed();
-            for other in self.graph.touched_by(body as u32) {
-                if let Some(island) = self.graph.island_of(other) {
-                    fastest[island as usize] = fastest[island as usize].max(speed);
-                }
-            }
-        }
-    }
-
-    /// Puts the contacts of a phase into groups.
-    fn set_phase(
-        &mut self,
-        phase: usize,
-        clock: &Clock,
-        softness: &Softness,
-        flights: &[Flight],
-        contacts: &[Contact],
-    ) {
-        let of_phase = |contact: &&Contact| self.graph.phase(contact.bodies) == phase;
-        let links = contacts.iter().filter(of_phase).map(|contact| contact.bodies);
-        count_shares(&mut self.shares, &self.row_of, &mut self.touched[phase], links);
-        let begin = self.groups.len();
-        for (index, contact) in contacts.iter().enumerate() {
-            if self.graph.phase(contact.bodies) == phase {
-                self.push(begin, index, contact, (clock, softness), flights);
-            }
-        }
-        self.phases[phase] = begin..self.groups.len();
-    }
-
-    /// Adds a contact to the groups from `begin` on, with the shares of bodies as they are set.
-    fn push(
-        &mut self,
-        begin: usize,
-        index: usize,
-        contact: &Contact,
-        (clock, softness): (&Clock, &Softness),
-        flights: &[Flight],
-    ) {
-        let Some(mover) = self.graph.mover(contact.bodies) else { return };
-        let unit = self.unit_of[mover as usize];
-        let points = contact.points.map(|point| PointOf { arms: point.arms, separation: point.separation });
-        let of = ContactOf {
-            bodies: contact.bodies.map(|body| self.body(body, unit, flights)),
-            normal: contact.normal,
-            points: &points[..contact.count],
-            friction: contact.friction,
-            surface: contact.surface_speed,
-            impulses: contact.impulses.values,
-            exponent: contact.impulses.exponent,
-            unit,
-        };
-        if self.groups.len() == begin || self.groups.last().is_some_and(|group| group.count == GROUP) {
-            self.groups.push(Group::empty(STILL));
-        }
-        let group = self.groups.len() - 1;
-        let lane = self.groups[group].count;
-        if let Some(exponent) = self.groups[group].push(&of, clock, softness) {
-            self.places.push(Place { contact: index as u32, group: group as u32, lane: lane as u32, exponent });
-        }
-    }
-
-    fn body(&mut self, body: u32, unit: i32, flights: &[Flight]) -> BodyOf {
-        let flight = &flights[body as usize];
-        let mut row = self.row_of[body as usize];
-        if flight.is_fixed() && flight.speed() > 1 {
-            // A row for each unit that it is seen in.
-            let known = self.carriers.iter().find(|&&(b, u, _)| (b, u) == (body, unit)).map(|&(.., row)| row);
-            row = known.unwrap_or_else(|| {
-                let row = self.rows.push(flight.row(unit));
-                self.carriers.push((body, unit, row));
-                row
-            });
-        }
-        BodyOf {
-            row,
-            inverse_mass: [flight.inverse_mass.x, flight.inverse_mass.y],
-            inverse_inertia: flight.inverse_inertia,
-            length: flight.length(),
-            share: self.shares[body as usize].into(),
-        }
-    }
-
     /// Runs all sub-steps. Returns the number of values that were cut off.
     pub fn run_passes(&mut self, substeps: u32) -> u64 {
         let mut cut = 0;
@@ -444,53 +330,4 @@ impl Solver {
         let rows = &mut self.rows;
         simd::run(PassOver { pass, groups, rows, touched: &self.touched[phase] })
     }
-}
-
-/// Counts the joints or contacts of a phase by body, and lists the rows that they can move.
-fn count_shares(shares: &mut Vec<u32>, row_of: &[u32], touched: &mut Vec<u32>, links: impl Iterator<Item = [u32; 2]>) {
-    shares.clear();
-    shares.resize(row_of.len(), 0);
-    touched.clear();
-    for body in links.flatten() {
-        let (count, row) = (&mut shares[body as usize], row_of[body as usize]);
-        *count += 1;
-        if *count == 1 && row != STILL {
-            touched.push(row);
-        }
-    }
-}
-
-/// The bodies at which the levels of an island begin that touches no fixed body: the heaviest ones; among these the nearest to
-/// the island's centre of mass.
-fn graph_start(flights: &[Flight], members: &[u32], queue: &mut Vec<u32>) {
-    let mass = |body: u32| flights[body as usize].mass.to_bits();
-    let total: i128 = members.iter().map(|&body| i128::from(mass(body))).sum();
-    let Some(heaviest) = members.iter().map(|&body| mass(body)).max() else { return };
-    // All masses together have 60 bits.
-    let down = (68 - total.leading_zeros() as i32).max(0);
-    let weight = |body: u32| i128::from(mass(body) >> down);
-    let weights: i128 = members.iter().map(|&body| weight(body)).sum();
-    // Offsets from any member: positions differ by less than 2^31.4 m, 2^63.4 units.
-    let origin = flights[members[0] as usize].position;
-    let offset = |body: u32| {
-        let position = flights[body as usize].position;
-        [(position.x, origin.x), (position.y, origin.y)].map(|(x, o)| i128::from(x.to_bits()) - i128::from(o.to_bits()))
-    };
-    let mut sums = [0; 2];
-    for &body in members {
-        let offset = offset(body);
-        (0..2).for_each(|i| sums[i] += weight(body) * offset[i]);
-    }
-    // From the centre of mass, times the sum of masses: exact, so that ties are ties. Below 2^124.4.
-    let from_centre = |body: u32| {
-        let offset = offset(body);
-        [0, 1].map(|i| (weights * offset[i] - sums[i]).unsigned_abs())
-    };
-    let heavy = || members.iter().copied().filter(|&body| mass(body) == heaviest);
-    let Some(farthest) = heavy().flat_map(from_centre).max() else { return };
-    // Down to 62 bits, so that the squares fit.
-    let down = (66 - farthest.leading_zeros() as i32).max(0);
-    let distance = |body: u32| from_centre(body).map(|d| (d >> down).pow(2)).into_iter().sum::<u128>();
-    let Some(nearest) = heavy().map(distance).min() else { return };
-    queue.extend(heavy().filter(|&body| distance(body) == nearest));
 }

@@ -10,8 +10,9 @@ use crate::solve::apply::Path;
 use crate::solve::graph::PHASES;
 use crate::solve::motion::{DISPLACEMENT, Rows};
 use crate::solve::number::clamped;
+use crate::solve::prepare::count_shares;
 use crate::solve::unit::Clock;
-use crate::solve::{Contact, Flight, Solver, count_shares};
+use crate::solve::{Contact, Flight, Solver};
 
 /// All joints of the solver.
 #[derive(Clone, Debug, Default)]
