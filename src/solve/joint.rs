@@ -28,7 +28,7 @@
 //! - Impulses are within ±2^50 ([`IMPULSE`]). Those of a sub-step are the one of the solve pass at one axis and the change of the relax
 //!   pass at another: at most three times 2·2^50·2^30.5 = 2^83.1. Times a mass below 2^44 that is below 2^127. Weighted sums over
 //!   8 sub-steps are at most 36 times that: below 2^89.
-//! - Changes of velocity in a sub-step are within ±2^52 in 2^-24 ([`GAIN`]) and 2^61 over the number of joints at the body. A pass adds
+//! - Changes of velocity in a sub-step are within ±2^58 in 2^-30 ([`GAIN`]) and 2^61 over the number of joints at the body. A pass adds
 //!   the difference of two of them: gains are within ±2^62.
 //! - Offsets of points are within ±2^60 ([`FAR`]): 2^21 m at 80,000 sub-steps a second.
 
@@ -58,8 +58,8 @@ const FINER: i32 = 8;
 const ERROR: i64 = 1 << 30;
 /// The largest impulse.
 const IMPULSE: i64 = 1 << 50;
-/// The largest change of velocity in a sub-step, in 2^-24.
-const GAIN: i64 = 1 << 52;
+/// The largest change of velocity in a sub-step, in 2^-30.
+const GAIN: i64 = 1 << 58;
 /// The largest component of an offset.
 const FAR: i128 = 1 << 60;
 

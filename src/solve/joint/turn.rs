@@ -42,7 +42,7 @@ pub(super) struct Side {
     pub(super) angle: (u64, i32),
     /// By how much the displacement of the row at the end of the step is larger than that of the body.
     pub(super) shift: [i32; 3],
-    /// The changes of velocity that the joint made in the sub-step, in 2^-24.
+    /// The changes of velocity that the joint made in the sub-step, in 2^-30.
     pub(super) made: [i64; 3],
 }
 
