@@ -27,8 +27,6 @@ pub(crate) struct Group {
     /// The rows of the first and the second body.
     pub(super) a: [u32; GROUP],
     pub(super) b: [u32; GROUP],
-    /// The number of lanes that hold a contact.
-    pub(super) count: usize,
     /// The normal (x, y), in 2^-30.
     pub(super) normal: Pairs,
     /// Arms of both bodies along the two normal rows and the friction row, in 2^-30 of the bodies' lengths.
@@ -68,6 +66,8 @@ pub(crate) struct Group {
     pub(super) applied: [[i64; GROUP]; 3],
     /// Sums over sub-steps of the impulses applied up to the move.
     pub(super) weighted: [[i64; GROUP]; 3],
+    /// The number of lanes that hold a contact. It stands last, so that all vectors are aligned.
+    pub(super) count: usize,
 }
 
 impl Group {
