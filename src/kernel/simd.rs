@@ -76,6 +76,7 @@ pub(crate) trait Lanes: Copy {
     type Quad: Copy;
 
     fn pair(self, pairs: &Pairs, at: usize) -> (Self::Narrow, Self::Narrow);
+    fn put_pair(self, pairs: &mut Pairs, at: usize, values: (Self::Narrow, Self::Narrow));
     fn wide(self, words: &[i64; GROUP], at: usize) -> Self::Wide;
     fn store(self, words: &mut [i64; GROUP], at: usize, value: Self::Wide);
     fn splat(self, value: i32) -> Self::Narrow;

@@ -33,6 +33,8 @@ pub(crate) struct Group {
     pub(super) arms: [Pairs; 3],
     /// Separations of both points at the start.
     pub(super) separation: Pairs,
+    /// Separations where the bodies are: those that the last relax pass found, at the start those at the start.
+    pub(super) separation_now: Pairs,
     /// Changes of velocity (x, y) by an impulse along the normal and along the tangent, in 2^-[`GAIN_BITS`].
     pub(super) linear_a: [Pairs; 2],
     pub(super) linear_b: [Pairs; 2],
@@ -81,6 +83,7 @@ impl Group {
             normal: pairs,
             arms: [pairs; 3],
             separation: pairs,
+            separation_now: pairs,
             linear_a: [pairs; 2],
             linear_b: [pairs; 2],
             angular: [pairs; 3],
@@ -352,6 +355,7 @@ impl Group {
             let length = clock.length(contact.points[k].separation, contact.unit);
             length.clamp(-SEPARATION, SEPARATION) as i32
         });
+        self.separation_now[lane] = self.separation[lane];
         self.set_matrices(contact, (whole.normal, split.normal), softness, bits);
         let friction = Inverse::of(Matrix { k11: split.tangent, k12: 0, k22: 1 << MASS_BITS });
         // In 2^-27 over the unit of impulses.

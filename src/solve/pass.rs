@@ -187,20 +187,23 @@ fn normal<L: Lanes, const AIM: u8>(lanes: L, group: &mut Group, rows: &mut Rows,
     let (a, b) = (lanes.gather(&rows.rows, &first, at), lanes.gather(&rows.rows, &second, at));
     let n = lanes.pair(&group.normal, at);
     let v = (lanes.minus(b.velocity[0], a.velocity[0]), lanes.minus(b.velocity[1], a.velocity[1]));
-    let d = (lanes.minus(b.displacement[0], a.displacement[0]), lanes.minus(b.displacement[1], a.displacement[1]));
-    let (closing, moved) = (dot(lanes, n, v), dot(lanes, n, d));
     let (arms1, arms2) = (lanes.pair(&group.arms[0], at), lanes.pair(&group.arms[1], at));
-    let (turned, turning) = ((a.displacement[2], b.displacement[2]), (a.velocity[2], b.velocity[2]));
-    let (sep1, sep2) = lanes.pair(&group.separation, at);
-    let s1 = lanes.plus(sep1, along_row(lanes, moved, arms1, turned));
-    let s2 = lanes.plus(sep2, along_row(lanes, moved, arms2, turned));
+    let (closing, turning) = (dot(lanes, n, v), (a.velocity[2], b.velocity[2]));
     let (r1, r2) = (along_row(lanes, closing, arms1, turning), along_row(lanes, closing, arms2, turning));
     let (l1, l2) = (lanes.wide(&group.impulses[0], at), lanes.wide(&group.impulses[1], at));
     let ([i11, i12, i22, p12, p21], b1, b2) = if AIM == SOLVE {
+        let (s1, s2) = lanes.pair(&group.separation_now, at);
         let (push_out, (c1, c2)) = (lanes.pair(&group.push_out, at), lanes.pair(&group.compliance, at));
         let (b1, b2) = (soft_bias(lanes, s1, push_out, c1, l1), soft_bias(lanes, s2, push_out, c2, l2));
         (softened(lanes, group, at, [s1, s2]), b1, b2)
     } else {
+        let d = (lanes.minus(b.displacement[0], a.displacement[0]), lanes.minus(b.displacement[1], a.displacement[1]));
+        let (moved, turned) = (dot(lanes, n, d), (a.displacement[2], b.displacement[2]));
+        let (s1, s2) = lanes.pair(&group.separation, at);
+        let s1 = lanes.plus(s1, along_row(lanes, moved, arms1, turned));
+        let s2 = lanes.plus(s2, along_row(lanes, moved, arms2, turned));
+        // Bodies stay where they are up to the next sub-step's solve pass.
+        lanes.put_pair(&mut group.separation_now, at, (s1, s2));
         (rigid(lanes, group, at), rigid_bias(lanes, s1), rigid_bias(lanes, s2))
     };
     let r = (lanes.plus(r1, b1), lanes.plus(r2, b2));

@@ -86,6 +86,15 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
+    fn put_pair(self, pairs: &mut Pairs, at: usize, (a, b): (__m256i, __m256i)) {
+        let half: &mut [[i32; 2]; 4] = (&mut pairs[at..at + 4]).try_into().expect("half of a group");
+        unsafe {
+            let both = _mm256_blend_epi32::<0b1010_1010>(a, _mm256_slli_epi64::<32>(b));
+            _mm256_storeu_si256(half.as_mut_ptr().cast(), both);
+        }
+    }
+
+    #[inline(always)]
     fn wide(self, words: &[i64; GROUP], at: usize) -> __m256i {
         let half: &[i64; 4] = (&words[at..at + 4]).try_into().expect("half of a group");
         unsafe { _mm256_loadu_si256(half.as_ptr().cast()) }

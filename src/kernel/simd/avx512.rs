@@ -90,6 +90,14 @@ mod lanes {
         }
 
         #[inline(always)]
+        fn put_pair(self, pairs: &mut Pairs, _: usize, (a, b): (__m512i, __m512i)) {
+            unsafe {
+                let both = _mm512_mask_blend_epi32(0xaaaa, a, _mm512_slli_epi64::<32>(b));
+                _mm512_storeu_si512(pairs.as_mut_ptr().cast(), both);
+            }
+        }
+
+        #[inline(always)]
         fn wide(self, words: &[i64; GROUP], _: usize) -> __m512i {
             unsafe { _mm512_loadu_si512(words.as_ptr().cast()) }
         }

@@ -18,6 +18,11 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
+    fn put_pair(self, pairs: &mut Pairs, at: usize, (a, b): (i32, i32)) {
+        pairs[at] = [a, b];
+    }
+
+    #[inline(always)]
     fn wide(self, words: &[i64; GROUP], at: usize) -> i64 {
         words[at]
     }

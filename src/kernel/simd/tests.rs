@@ -83,7 +83,8 @@ impl Job for Narrows {
 
     fn run<L: Lanes>(self, lanes: L) -> Results {
         let names = ["plus", "minus", "at_least", "at_most", "if_positive", "none_positive", "times", "low", "splat"];
-        let mut results: Results = names.iter().map(|&name| (name, [0; GROUP])).collect();
+        let names = names.into_iter().chain(["first of a pair", "second of a pair"]);
+        let mut results: Results = names.map(|name| (name, [0; GROUP])).collect();
         let mut is_none_positive = true;
         for at in (0..GROUP).step_by(L::WIDTH) {
             let ((a, _), (b, other)) = (lanes.pair(&self.small[0], at), lanes.pair(&self.small[1], at));
@@ -99,6 +100,11 @@ impl Job for Narrows {
             lanes.store(&mut results[6].1, at, lanes.times(c, d));
             narrow(lanes, &mut results[7].1, at, low);
             narrow(lanes, &mut results[8].1, at, lanes.splat(self.any[0][0][0]));
+            let mut pairs = [[0; 2]; GROUP];
+            lanes.put_pair(&mut pairs, at, (c, f));
+            let (first, second) = lanes.pair(&pairs, at);
+            narrow(lanes, &mut results[9].1, at, first);
+            narrow(lanes, &mut results[10].1, at, second);
         }
         results[5].1[0] = i64::from(is_none_positive);
         results

@@ -30,22 +30,32 @@ fn raised(value: i128) -> i128 {
     value << (PLACES - 30)
 }
 
+/// The change of a separation since the start, in 2^-30.
+fn moved(group: &Group, point: usize, [a, b]: [Row; 2]) -> i128 {
+    let [nx, ny] = group.normal[0].map(i128::from);
+    let [x, y] = [0, 1].map(|i| i128::from(b.displacement[i]) - i128::from(a.displacement[i]));
+    row(nx * x + ny * y, group.arms[point][0], [a.displacement[2], b.displacement[2]])
+}
+
+/// The separation of a point as passes see it.
+fn separation_now(group: &Group, point: usize, rows: [Row; 2]) -> i32 {
+    let moved = (moved(group, point, rows) + (1 << 29)) >> 30;
+    group.separation[0][point] + moved as i32
+}
+
 /// The contact in lane 0 as the twin solves it. Friction follows from `normals` where these are given: the normal impulses of the pass.
 fn twin(group: &Group, [a, b]: [Row; 2], pass: Pass, normals: Option<[i64; 2]>) -> Twin {
     let one = 1i128 << PLACES;
     let [nx, ny] = group.normal[0].map(i128::from);
     let dot = |of: [i32; 2], to: [i32; 2]| nx * i128::from(to[0] - of[0]) + ny * i128::from(to[1] - of[1]);
     let velocities = [a.velocity, b.velocity].map(|v| [v[0], v[1]]);
-    let displacements = [a.displacement, b.displacement].map(|d| [d[0], d[1]]);
-    let (turning, turned) = ([a.velocity[2], b.velocity[2]], [a.displacement[2], b.displacement[2]]);
+    let turning = [a.velocity[2], b.velocity[2]];
     let before = [0, 1, 2].map(|k| i128::from(group.impulses[k][0]) << PLACES);
     let (mut rows, mut is_pressed) = ([0; 2], [false; 2]);
     for k in 0..2 {
-        let moved = row(dot(displacements[0], displacements[1]), group.arms[k][0], turned);
-        let start = i128::from(group.separation[0][k]);
         // The choice is part of what is defined: by the rounded separation.
-        is_pressed[k] = start + ((moved + (1 << 29)) >> 30) <= 0;
-        let separation = (start << PLACES) + raised(moved);
+        is_pressed[k] = separation_now(group, k, [a, b]) <= 0;
+        let separation = (i128::from(group.separation[0][k]) << PLACES) + raised(moved(group, k, [a, b]));
         let most = i128::from(SPECULATIVE) << PLACES;
         let bias = match pass {
             Pass::Solve if is_pressed[k] => {
@@ -147,8 +157,10 @@ fn case(random: &mut Random, ranges: &Ranges) -> Case {
     if scene.contacts[0].count == 1 {
         solver.groups[of].separation[0][1] = solver.groups[of].separation[0][0];
     }
-    let group = solver.groups[of].clone();
+    let group = &mut solver.groups[of];
     let rows = [group.a[0], group.b[0]].map(|row| solver.rows.rows[row as usize]);
+    group.separation_now[0] = [0, 1].map(|k| separation_now(group, k, rows));
+    let group = group.clone();
     Case { solver, group, rows }
 }
 
@@ -217,6 +229,8 @@ fn check(seed: u64, cases: usize, ranges: &Ranges, mut also: impl FnMut(&Case, P
         for pass in [Pass::Solve, Pass::Relax] {
             let mut case = case(&mut random, ranges);
             let (cut, after, rows) = run(&mut case, pass);
+            // Set before a solve pass, and by a relax pass.
+            assert_eq!(after.separation_now[0], [0, 1].map(|k| separation_now(&case.group, k, case.rows)));
             if cut == 0 {
                 whole += 1;
                 check_velocities(&case, &after, &rows);
