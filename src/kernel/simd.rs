@@ -122,6 +122,8 @@ pub(crate) trait Lanes: Copy {
     fn is_beyond(self, a: Self::Wide) -> bool;
     /// Returns true if a lane of `any` is outside of −2^30 to 2^30 − 1, or one of `low` is below −2^31.
     fn are_beyond(self, any: [Self::Wide; 2], low: [Self::Wide; 2]) -> bool;
+    /// Returns true if no lane of `impulses` is negative and all of `changes` are from −2^30 to 2^30 − 1.
+    fn are_pushes(self, impulses: [Self::Wide; 2], changes: [Self::Wide; 2]) -> bool;
 
     fn quad(self, words: &[i32; 4]) -> Self::Quad;
     fn put(self, words: &mut [i32; 4], value: Self::Quad);

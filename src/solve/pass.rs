@@ -82,38 +82,58 @@ fn choose<L: Lanes>(lanes: L, [one, two]: [L::Narrow; 2], [none, first, second, 
     lanes.if_positive(two, two_open, two_pressed)
 }
 
-/// Elements 11, 12 and 22 of the inverse matrix, and the ratios of element 12 to 11 and to 22.
-type Elements<N> = [N; 5];
+/// Elements 11, 12 and 22 of the inverse matrix.
+type Elements<N> = [N; 3];
 
-/// The matrix with the points softened that are pressed.
+/// The matrix with the points softened that are pressed, and the velocities that both points aim at.
 #[inline(always)]
-fn softened<L: Lanes>(lanes: L, group: &Group, at: usize, separation: [L::Narrow; 2]) -> Elements<L::Narrow> {
+fn soft<L: Lanes>(
+    lanes: L,
+    group: &Group,
+    at: usize,
+    separation: [L::Narrow; 2],
+    impulses: [L::Wide; 2],
+) -> (Elements<L::Narrow>, [L::Narrow; 2]) {
+    let (push_out, (c1, c2)) = (lanes.pair(&group.push_out, at), lanes.pair(&group.compliance, at));
     let [one, two] = separation;
-    let ((p12, soft_p12), (p21, soft_p21)) = (lanes.pair(&group.ratio_12, at), lanes.pair(&group.ratio_21, at));
+    let pressed =
+        [pressed_bias(lanes, one, push_out, c1, impulses[0]), pressed_bias(lanes, two, push_out, c2, impulses[1])];
     let (both_11, both_22) = lanes.pair(&group.inverse[3], at);
     let (second_12, both_12) = lanes.pair(&group.inverse_12[1], at);
     if lanes.none_positive(one, two) {
-        return [both_11, both_12, both_22, soft_p12, soft_p21];
+        return ([both_11, both_12, both_22], pressed);
     }
     let (none_12, first_12) = lanes.pair(&group.inverse_12[0], at);
     let (none_11, none_22) = lanes.pair(&group.inverse[0], at);
     let (first_11, first_22) = lanes.pair(&group.inverse[1], at);
     let (second_11, second_22) = lanes.pair(&group.inverse[2], at);
-    [
+    let elements = [
         choose(lanes, separation, [none_11, first_11, second_11, both_11]),
         choose(lanes, separation, [none_12, first_12, second_12, both_12]),
         choose(lanes, separation, [none_22, first_22, second_22, both_22]),
-        lanes.if_positive(one, p12, soft_p12),
-        lanes.if_positive(two, p21, soft_p21),
-    ]
+    ];
+    let bias = |separation, pressed| {
+        lanes.if_positive(separation, lanes.at_most(separation, lanes.splat(SPECULATIVE)), pressed)
+    };
+    (elements, [bias(one, pressed[0]), bias(two, pressed[1])])
 }
 
 /// The matrix without softness.
 #[inline(always)]
 fn rigid<L: Lanes>(lanes: L, group: &Group, at: usize) -> Elements<L::Narrow> {
     let ((i11, i22), (i12, _)) = (lanes.pair(&group.inverse[0], at), lanes.pair(&group.inverse_12[0], at));
-    let ((p12, _), (p21, _)) = (lanes.pair(&group.ratio_12, at), lanes.pair(&group.ratio_21, at));
-    [i11, i12, i22, p12, p21]
+    [i11, i12, i22]
+}
+
+/// Element 12 of the matrix over elements 11 and 22.
+#[inline(always)]
+fn ratios<L: Lanes, const AIM: u8>(lanes: L, group: &Group, at: usize) -> (L::Narrow, L::Narrow) {
+    let ((p12, soft_p12), (p21, soft_p21)) = (lanes.pair(&group.ratio_12, at), lanes.pair(&group.ratio_21, at));
+    if AIM != SOLVE {
+        return (p12, p21);
+    }
+    let (one, two) = lanes.pair(&group.separation_now, at);
+    (lanes.if_positive(one, p12, soft_p12), lanes.if_positive(two, p21, soft_p21))
 }
 
 /// The velocity, or the displacement, along a row: its linear part, and that of the arms (a, b) and angles (a, b).
@@ -133,9 +153,9 @@ fn dot<L: Lanes>(lanes: L, (a, b): (L::Narrow, L::Narrow), (x, y): (L::Narrow, L
     lanes.add(lanes.times(a, x), lanes.times(b, y))
 }
 
-/// The velocity that a soft point aims at, with its compliance: to close where it is open, to push out where it is pressed.
+/// The velocity that a pressed soft point aims at, to push out, with its compliance.
 #[inline(always)]
-fn soft_bias<L: Lanes>(
+fn pressed_bias<L: Lanes>(
     lanes: L,
     separation: L::Narrow,
     (rate, push): (L::Narrow, L::Narrow),
@@ -143,8 +163,7 @@ fn soft_bias<L: Lanes>(
     impulse: L::Wide,
 ) -> L::Narrow {
     let pushed = lanes.times(rate, lanes.at_least(separation, push));
-    let pressed = lanes.rounded(lanes.add(pushed, lanes.times(compliance, lanes.capped(impulse))));
-    lanes.if_positive(separation, lanes.at_most(separation, lanes.splat(SPECULATIVE)), pressed)
+    lanes.rounded(lanes.add(pushed, lanes.times(compliance, lanes.capped(impulse))))
 }
 
 /// The velocity that a rigid point aims at: to close where it is open.
@@ -180,6 +199,29 @@ fn pushed<L: Lanes>(lanes: L, (x, y): (L::Narrow, L::Narrow), impulse: L::Narrow
     [lanes.times(x, impulse), lanes.times(y, impulse)]
 }
 
+/// The impulses of contacts from the solutions of their linear systems: where one pulls at a point, that impulse is zero and the
+/// other one solves its row alone. The last value is the number of impulses that were cut off.
+#[inline(always)]
+fn limited<L: Lanes, const AIM: u8>(
+    lanes: L,
+    group: &Group,
+    at: usize,
+    [x1, x2]: [L::Wide; 2],
+) -> (L::Wide, L::Wide, u64) {
+    let (p12, p21) = ratios::<L, AIM>(lanes, group, at);
+    let (l1, l2) = (lanes.wide(&group.impulses[0], at), lanes.wide(&group.impulses[1], at));
+    let n1 = lanes.if_negative(x2, alone(lanes, x1, p12, x2), lanes.positive(x1));
+    let n2 = lanes.if_negative(x1, alone(lanes, x2, p21, x1), lanes.positive(x2));
+    if !lanes.are_beyond([lanes.sub(n1, l1), lanes.sub(n2, l2)], [x1, x2]) {
+        return (n1, n2, 0);
+    }
+    let [mut m1, mut m2] = [[0; GROUP]; 2];
+    lanes.store(&mut m1, 0, x1);
+    lanes.store(&mut m2, 0, x2);
+    let cut = cut_normal(group, at, L::WIDTH, [&mut m1, &mut m2], (p12, p21), lanes);
+    (lanes.wide(&m1, 0), lanes.wide(&m2, 0), cut)
+}
+
 /// Both normal rows of contacts as one block; friction after them when they are relaxed.
 #[inline(always)]
 fn normal<L: Lanes, const AIM: u8>(lanes: L, group: &mut Group, rows: &mut Rows, at: usize) -> u64 {
@@ -191,11 +233,9 @@ fn normal<L: Lanes, const AIM: u8>(lanes: L, group: &mut Group, rows: &mut Rows,
     let (closing, turning) = (dot(lanes, n, v), (a.velocity[2], b.velocity[2]));
     let (r1, r2) = (along_row(lanes, closing, arms1, turning), along_row(lanes, closing, arms2, turning));
     let (l1, l2) = (lanes.wide(&group.impulses[0], at), lanes.wide(&group.impulses[1], at));
-    let ([i11, i12, i22, p12, p21], b1, b2) = if AIM == SOLVE {
+    let ([i11, i12, i22], [b1, b2]) = if AIM == SOLVE {
         let (s1, s2) = lanes.pair(&group.separation_now, at);
-        let (push_out, (c1, c2)) = (lanes.pair(&group.push_out, at), lanes.pair(&group.compliance, at));
-        let (b1, b2) = (soft_bias(lanes, s1, push_out, c1, l1), soft_bias(lanes, s2, push_out, c2, l2));
-        (softened(lanes, group, at, [s1, s2]), b1, b2)
+        soft(lanes, group, at, [s1, s2], [l1, l2])
     } else {
         let d = (lanes.minus(b.displacement[0], a.displacement[0]), lanes.minus(b.displacement[1], a.displacement[1]));
         let (moved, turned) = (dot(lanes, n, d), (a.displacement[2], b.displacement[2]));
@@ -204,23 +244,18 @@ fn normal<L: Lanes, const AIM: u8>(lanes: L, group: &mut Group, rows: &mut Rows,
         let s2 = lanes.plus(s2, along_row(lanes, moved, arms2, turned));
         // Bodies stay where they are up to the next sub-step's solve pass.
         lanes.put_pair(&mut group.separation_now, at, (s1, s2));
-        (rigid(lanes, group, at), rigid_bias(lanes, s1), rigid_bias(lanes, s2))
+        (rigid(lanes, group, at), [rigid_bias(lanes, s1), rigid_bias(lanes, s2)])
     };
     let r = (lanes.plus(r1, b1), lanes.plus(r2, b2));
-    // The solution of the linear system; where it pulls at a point, that impulse is zero and the other one solves its row alone.
+    // The solution of the linear system: most often both points push.
     let shift = lanes.wide(&group.inverse_shift, at);
     let x1 = lanes.sub(l1, lanes.floored_by(dot(lanes, (i11, i12), r), shift));
     let x2 = lanes.sub(l2, lanes.floored_by(dot(lanes, (i12, i22), r), shift));
-    let mut n1 = lanes.if_negative(x2, alone(lanes, x1, p12, x2), lanes.positive(x1));
-    let mut n2 = lanes.if_negative(x1, alone(lanes, x2, p21, x1), lanes.positive(x2));
+    let (mut n1, mut n2) = (x1, x2);
     let (mut d1, mut d2) = (lanes.sub(n1, l1), lanes.sub(n2, l2));
     let mut cut = 0;
-    if lanes.are_beyond([d1, d2], [x1, x2]) {
-        let [mut m1, mut m2] = [[0; GROUP]; 2];
-        lanes.store(&mut m1, 0, x1);
-        lanes.store(&mut m2, 0, x2);
-        cut = cut_normal(group, at, L::WIDTH, [&mut m1, &mut m2], (p12, p21), lanes);
-        (n1, n2) = (lanes.wide(&m1, 0), lanes.wide(&m2, 0));
+    if !lanes.are_pushes([x1, x2], [d1, d2]) {
+        (n1, n2, cut) = limited::<L, AIM>(lanes, group, at, [x1, x2]);
         (d1, d2) = (lanes.sub(n1, l1), lanes.sub(n2, l2));
     }
     lanes.store(&mut group.impulses[0], at, n1);

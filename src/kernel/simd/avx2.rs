@@ -269,6 +269,17 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
+    fn are_pushes(self, impulses: [__m256i; 2], changes: [__m256i; 2]) -> bool {
+        unsafe {
+            let bound = self.words(1 << 30);
+            // Within the bounds these fit in 31 bits.
+            let changes = _mm256_or_si256(_mm256_add_epi64(changes[0], bound), _mm256_add_epi64(changes[1], bound));
+            let signs = _mm256_and_si256(_mm256_or_si256(impulses[0], impulses[1]), self.words(i64::MIN));
+            _mm256_testz_si256(_mm256_or_si256(changes, signs), self.words(!0x7fff_ffff)) == 1
+        }
+    }
+
+    #[inline(always)]
     fn quad(self, words: &[i32; 4]) -> __m128i {
         unsafe { _mm_loadu_si128(words.as_ptr().cast()) }
     }

@@ -253,6 +253,17 @@ mod lanes {
         }
 
         #[inline(always)]
+        fn are_pushes(self, impulses: [__m512i; 2], changes: [__m512i; 2]) -> bool {
+            unsafe {
+                let bound = self.words(1 << 30);
+                // Within the bounds these fit in 31 bits.
+                let changes = _mm512_or_si512(_mm512_add_epi64(changes[0], bound), _mm512_add_epi64(changes[1], bound));
+                let signs = _mm512_movepi64_mask(_mm512_or_si512(impulses[0], impulses[1]));
+                _mm512_test_epi64_mask(changes, self.words(!0x7fff_ffff)) | signs == 0
+            }
+        }
+
+        #[inline(always)]
         fn quad(self, words: &[i32; 4]) -> __m128i {
             self.0.quad(words)
         }

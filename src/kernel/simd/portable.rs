@@ -155,6 +155,11 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
+    fn are_pushes(self, impulses: [i64; 2], changes: [i64; 2]) -> bool {
+        impulses.iter().all(|&impulse| impulse >= 0) && !self.are_beyond(changes, [0; 2])
+    }
+
+    #[inline(always)]
     fn quad(self, words: &[i32; 4]) -> [i32; 4] {
         *words
     }

@@ -181,6 +181,8 @@ impl Job for Wides {
 struct Bounds {
     any: [[i64; GROUP]; 2],
     low: [[i64; GROUP]; 2],
+    /// Not negative, except near a bound.
+    impulses: [[i64; GROUP]; 2],
     /// Zeros, or one bit among them.
     few: [i64; GROUP],
 }
@@ -193,22 +195,25 @@ impl Bounds {
         let (group, lane) = (random.next() & 3, random.next() & 7);
         groups[group as usize][lane as usize] = BOUNDS[random.next() as usize % 6] + random.number(4);
         let [a, b, c, d] = groups;
+        let mut impulses = [c, d].map(|words| words.map(i64::abs));
+        impulses[group as usize & 1][lane as usize] = BOUNDS[random.next() as usize % 6] + random.number(4);
         let mut few = [0; GROUP];
         few[lane as usize] = (random.next() & 1) << (random.next() & 63);
-        Self { any: [a, b], low: [c, d], few }
+        Self { any: [a, b], low: [c, d], impulses, few }
     }
 }
 
 impl Job for Bounds {
-    type Result = [bool; 3];
+    type Result = [bool; 4];
 
-    fn run<L: Lanes>(self, lanes: L) -> [bool; 3] {
-        let mut is_any = [false; 3];
+    fn run<L: Lanes>(self, lanes: L) -> [bool; 4] {
+        let mut is_any = [false; 4];
         for at in (0..GROUP).step_by(L::WIDTH) {
             let of = |words: [[i64; GROUP]; 2]| words.map(|words| lanes.wide(&words, at));
             is_any[0] |= lanes.is_beyond(lanes.wide(&self.any[0], at));
             is_any[2] |= !lanes.is_zero(lanes.wide(&self.few, at));
             is_any[1] |= lanes.are_beyond(of(self.any), of(self.low));
+            is_any[3] |= !lanes.are_pushes(of(self.impulses), of(self.any));
         }
         is_any
     }
@@ -332,8 +337,8 @@ fn operations_on_wide_lanes_are_the_portable_ones() {
 fn each_lane_beyond_a_bound_is_seen() {
     same(Bounds::new);
     // Both answers occur.
-    let asked: Vec<[bool; 3]> = (0..1000).map(|seed| Bounds::new(&mut Random(seed)).run(Portable)).collect();
-    for k in 0..3 {
+    let asked: Vec<[bool; 4]> = (0..1000).map(|seed| Bounds::new(&mut Random(seed)).run(Portable)).collect();
+    for k in 0..4 {
         assert!(asked.iter().filter(|is| is[k]).count() > 50 && asked.iter().filter(|is| !is[k]).count() > 50);
     }
 }
