@@ -143,8 +143,6 @@ pub(crate) trait Lanes: Copy {
     fn take_gain(self, row: &mut Row, limit: i32) -> bool;
     /// Adds a change of velocity to the sums of bodies, one lane after the other.
     fn add_gains(self, rows: &mut [Row], index: &[u32; GROUP], at: usize, change: [Self::Wide; 3]);
-    /// Subtracts a change of velocity from the sums of bodies, one lane after the other.
-    fn subtract_gains(self, rows: &mut [Row], index: &[u32; GROUP], at: usize, change: [Self::Wide; 3]);
 }
 
 /// A loop over lanes.

@@ -35,7 +35,8 @@ pub(crate) struct Group {
     pub(super) separation: Pairs,
     /// Separations where the bodies are: those that the last relax pass found, at the start those at the start.
     pub(super) separation_now: Pairs,
-    /// Changes of velocity (x, y) by an impulse along the normal and along the tangent, in 2^-[`GAIN_BITS`].
+    /// Changes of velocity (x, y) by an impulse along the normal and along the tangent, in 2^-[`GAIN_BITS`]: the first body is
+    /// pushed the other way.
     pub(super) linear_a: [Pairs; 2],
     pub(super) linear_b: [Pairs; 2],
     /// Changes of angular velocity of both bodies by impulses along the three rows, in 2^(shift − [`GAIN_BITS`]).
@@ -343,10 +344,11 @@ impl Group {
         (0..2).for_each(|side| self.gain_limit[side][lane] = GAIN / shares[side]);
         for (row, angular) in angular.into_iter().enumerate() {
             self.arms[row][lane] = masses.arms[row];
-            self.angular[row][lane] = angular.map(|value| factor(value, bits + 2 - GAIN_BITS + more));
+            let [of_a, of_b] = angular.map(|value| factor(value, bits + 2 - GAIN_BITS + more));
+            self.angular[row][lane] = [-of_a, of_b];
         }
         for (direction, [of_a, of_b]) in linear.into_iter().enumerate() {
-            self.linear_a[direction][lane] = of_a.map(in_gain);
+            self.linear_a[direction][lane] = of_a.map(|value| -in_gain(value));
             self.linear_b[direction][lane] = of_b.map(in_gain);
         }
         self.normal[lane] = contact.normal;

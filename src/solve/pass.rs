@@ -225,8 +225,7 @@ fn limited<L: Lanes, const AIM: u8>(
 /// Both normal rows of contacts as one block; friction after them when they are relaxed.
 #[inline(always)]
 fn normal<L: Lanes, const AIM: u8>(lanes: L, group: &mut Group, rows: &mut Rows, at: usize) -> u64 {
-    let (first, second) = (group.a, group.b);
-    let (a, b) = (lanes.gather(&rows.rows, &first, at), lanes.gather(&rows.rows, &second, at));
+    let (a, b) = (lanes.gather(&rows.rows, &group.a, at), lanes.gather(&rows.rows, &group.b, at));
     let n = lanes.pair(&group.normal, at);
     let v = (lanes.minus(b.velocity[0], a.velocity[0]), lanes.minus(b.velocity[1], a.velocity[1]));
     let (arms1, arms2) = (lanes.pair(&group.arms[0], at), lanes.pair(&group.arms[1], at));
@@ -299,8 +298,8 @@ fn normal<L: Lanes, const AIM: u8>(lanes: L, group: &mut Group, rows: &mut Rows,
         add_up(lanes, group, at, 2, before, after);
     }
     let [paw, pbw] = turns(lanes, group, at, [paw, pbw]);
-    lanes.subtract_gains(&mut rows.rows, &first, at, [pax, pay, paw]);
-    lanes.add_gains(&mut rows.rows, &second, at, [pbx, pby, pbw]);
+    lanes.add_gains(&mut rows.rows, &group.a, at, [pax, pay, paw]);
+    lanes.add_gains(&mut rows.rows, &group.b, at, [pbx, pby, pbw]);
     cut
 }
 
@@ -370,7 +369,6 @@ fn cut_friction(group: &Group, at: usize, width: usize, wanted: &mut [i64; GROUP
 /// Applies the impulses of the step before.
 #[inline(always)]
 fn warm_start<L: Lanes>(lanes: L, group: &mut Group, rows: &mut Rows, at: usize) {
-    let (first, second) = (group.a, group.b);
     let (l1, l2) = (lanes.wide(&group.impulses[0], at), lanes.wide(&group.impulses[1], at));
     let (sum, along) = (lanes.add(l1, l2), lanes.wide(&group.impulses[2], at));
     if lanes.are_beyond([sum, along], [l1, l2]) {
@@ -386,8 +384,8 @@ fn warm_start<L: Lanes>(lanes: L, group: &mut Group, rows: &mut Rows, at: usize)
     let of_a = lanes.add(dot(lanes, (ga1, ga2), (l1, l2)), lanes.times(gat, along));
     let of_b = lanes.add(dot(lanes, (gb1, gb2), (l1, l2)), lanes.times(gbt, along));
     let [of_a, of_b] = turns(lanes, group, at, [of_a, of_b]);
-    lanes.subtract_gains(&mut rows.rows, &first, at, [lanes.add(x, tx), lanes.add(y, ty), of_a]);
-    lanes.add_gains(&mut rows.rows, &second, at, [lanes.add(ux, vx), lanes.add(uy, vy), of_b]);
+    lanes.add_gains(&mut rows.rows, &group.a, at, [lanes.add(x, tx), lanes.add(y, ty), of_a]);
+    lanes.add_gains(&mut rows.rows, &group.b, at, [lanes.add(ux, vx), lanes.add(uy, vy), of_b]);
 }
 
 /// Applies the impulses of the step before, of one contact, of any size.
@@ -409,7 +407,7 @@ fn warm_start_one(group: &Group, rows: &mut Rows, lane: usize) {
     let [of_a, of_b] = [(&group.linear_a, 0), (&group.linear_b, 1)]
         .map(|(factors, side)| [linear(factors, 0, limits[side]), linear(factors, 1, limits[side]), angular(side)]);
     for k in 0..3 {
-        rows.rows[group.a[lane] as usize].gain[k] -= of_a[k];
+        rows.rows[group.a[lane] as usize].gain[k] += of_a[k];
         rows.rows[group.b[lane] as usize].gain[k] += of_b[k];
     }
 }

@@ -332,14 +332,6 @@ mod lanes {
                 unsafe { _mm256_storeu_si256(gain, _mm256_add_epi64(_mm256_loadu_si256(gain), row)) }
             }
         }
-
-        #[inline(always)]
-        fn subtract_gains(self, rows: &mut [Row], index: &[u32; GROUP], _: usize, change: [__m512i; 3]) {
-            for (&i, row) in index.iter().zip(self.transposed(change)) {
-                let gain = rows[i as usize].gain.as_mut_ptr().cast();
-                unsafe { _mm256_storeu_si256(gain, _mm256_sub_epi64(_mm256_loadu_si256(gain), row)) }
-            }
-        }
     }
 }
 

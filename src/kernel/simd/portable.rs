@@ -224,10 +224,4 @@ impl Lanes for Portable {
         let gain = &mut rows[index[at] as usize].gain;
         (0..3).for_each(|i| gain[i] += change[i]);
     }
-
-    #[inline(always)]
-    fn subtract_gains(self, rows: &mut [Row], index: &[u32; GROUP], at: usize, change: [i64; 3]) {
-        let gain = &mut rows[index[at] as usize].gain;
-        (0..3).for_each(|i| gain[i] -= change[i]);
-    }
 }

@@ -287,21 +287,20 @@ impl Bodies {
 }
 
 impl Job for Bodies {
-    type Result = ([[i64; GROUP]; 6], [Vec<Row>; 2]);
+    type Result = ([[i64; GROUP]; 6], Vec<Row>);
 
     fn run<L: Lanes>(self, lanes: L) -> Self::Result {
         let mut gathered = [[0; GROUP]; 6];
-        let (mut more, mut less) = (self.rows.clone(), self.rows.clone());
+        let mut rows = self.rows.clone();
         for at in (0..GROUP).step_by(L::WIDTH) {
             let Gathered { velocity, displacement } = lanes.gather(&self.rows, &self.index, at);
             for (words, value) in gathered.iter_mut().zip(velocity.into_iter().chain(displacement)) {
                 narrow(lanes, words, at, value);
             }
             let change = self.change.map(|words| lanes.wide(&words, at));
-            lanes.add_gains(&mut more, &self.index, at, change);
-            lanes.subtract_gains(&mut less, &self.index, at, change);
+            lanes.add_gains(&mut rows, &self.index, at, change);
         }
-        (gathered, [more, less])
+        (gathered, rows)
     }
 }
 

@@ -97,10 +97,9 @@ fn twin(group: &Group, [a, b]: [Row; 2], pass: Pass, normals: Option<[i64; 2]>) 
 /// The changes of velocity of a body (x, y, angular) by changes of impulses in 2^-places, in 2^-(places + 24).
 fn gains(group: &Group, side: usize, [d1, d2, dt]: [i128; 3]) -> [i128; 3] {
     let linear = if side == 0 { &group.linear_a } else { &group.linear_b };
-    let sign = if side == 0 { -1 } else { 1 };
     let along = |i: usize| i128::from(linear[0][0][i]) * (d1 + d2) + i128::from(linear[1][0][i]) * dt;
     let [g1, g2, gt] = [0, 1, 2].map(|k| i128::from(group.angular[k][0][side]));
-    [along(0), along(1), (g1 * d1 + g2 * d2 + gt * dt) << group.angular_shift[0]].map(|gain| sign * gain)
+    [along(0), along(1), (g1 * d1 + g2 * d2 + gt * dt) << group.angular_shift[0]]
 }
 
 /// The velocity along a row (normals 1 and 2, tangent) by impulses along the rows, as it follows from the factors of the group.
