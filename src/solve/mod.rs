@@ -215,6 +215,15 @@ struct Place {
     exponent: i32,
 }
 
+/// A row of a fixed body that moves, in one of the units that it is seen in.
+#[derive(Clone, Copy, Debug)]
+struct Carrier {
+    unit: i32,
+    row: u32,
+    /// The next one of the same body.
+    next: Option<u32>,
+}
+
 /// The buffers of the solver. It has no state: results do not depend on what it solved before.
 #[derive(Clone, Debug, Default)]
 pub struct Solver {
@@ -234,8 +243,9 @@ pub struct Solver {
     paths: Vec<Path>,
     shares: Vec<u32>,
     places: Vec<Place>,
-    /// Rows of fixed bodies that move: body, unit, row.
-    carriers: Vec<(u32, i32, u32)>,
+    /// Rows of fixed bodies that move, and the first one by body.
+    carriers: Vec<Carrier>,
+    carrier_of: Vec<Option<u32>>,
     bounces: Bounces,
 }
 
@@ -279,6 +289,8 @@ impl Solver {
         self.groups.clear();
         self.places.clear();
         self.carriers.clear();
+        self.carrier_of.clear();
+        self.carrier_of.resize(flights.len(), None);
         let common = Common { clock: &clock, softness: &softness, flights };
         self.set_joints(joints, &common);
         for phase in 0..PHASES {
@@ -300,6 +312,23 @@ impl Solver {
         let clock = Clock::new(time_step, options.substeps);
         self.bounce(&clock, options, flights, contacts);
         self.apply(&clock, flights, joints, contacts, corrections);
+    }
+
+    /// The row of a fixed body that moves: one for each unit that it is seen in.
+    fn carrier(&mut self, body: u32, unit: i32, flight: &Flight) -> u32 {
+        let first = self.carrier_of[body as usize];
+        let mut at = first;
+        while let Some(index) = at {
+            let carrier = &self.carriers[index as usize];
+            if carrier.unit == unit {
+                return carrier.row;
+            }
+            at = carrier.next;
+        }
+        let row = self.rows.push(flight.row(unit));
+        self.carrier_of[body as usize] = Some(self.carriers.len() as u32);
+        self.carriers.push(Carrier { unit, row, next: first });
+        row
     }
 
     /// Runs all sub-steps. Returns the number of values that were cut off.

@@ -110,13 +110,7 @@ impl Solver {
         let flight = &flights[body as usize];
         let mut row = self.row_of[body as usize];
         if flight.is_fixed() && flight.speed() > 1 {
-            // A row for each unit that it is seen in.
-            let known = self.carriers.iter().find(|&&(b, u, _)| (b, u) == (body, unit)).map(|&(.., row)| row);
-            row = known.unwrap_or_else(|| {
-                let row = self.rows.push(flight.row(unit));
-                self.carriers.push((body, unit, row));
-                row
-            });
+            row = self.carrier(body, unit, flight);
         }
         BodyOf {
             row,
