@@ -10,12 +10,14 @@
 //! - `contact`: rows, masses and matrices of contacts.
 //! - `joint`: joints, which are solved before the contacts.
 //! - `pass`: the loops over contacts.
+//! - `cut`: contacts with values that are too large for them.
 //! - `prepare`: units, rows of bodies and groups of contacts.
 //! - `restitution`: bouncing, once a step.
 //! - `apply`: exact impulses, applied once.
 
 mod apply;
 mod contact;
+mod cut;
 mod graph;
 mod joint;
 mod motion;

@@ -21,16 +21,12 @@
 //!   shift, and those of a warm start with impulses beyond 2^30, are clamped at 2^61 over the share.
 
 use super::contact::Group;
+use super::cut::{cut_friction, cut_normal, warm_start_one};
 use super::motion::Rows;
-use crate::kernel::simd::{GROUP, Job, Lanes, Pairs};
+use crate::kernel::simd::{GROUP, Job, Lanes};
 
 /// The largest bias of a contact that is still open: what is farther apart meets nothing in a sub-step.
 pub(super) const SPECULATIVE: i32 = 1 << 29;
-/// Impulses stay below this.
-const IMPULSES: i128 = 1 << 58;
-/// The largest change of an impulse in a pass.
-const CHANGE: i64 = (1 << 30) - 1;
-
 /// The velocities that a pass aims at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Pass {
@@ -312,60 +308,6 @@ fn add_up<L: Lanes>(lanes: L, group: &mut Group, at: usize, k: usize, solved: L:
     lanes.store(&mut group.applied[k], at, lanes.add(applied, relaxed));
 }
 
-/// Cuts off what is too large for the loop, for some lanes: `solution` is that of the linear system, and becomes the impulses.
-/// Returns the number of impulses that were cut.
-#[cold]
-#[inline(never)]
-fn cut_normal<L: Lanes>(
-    group: &Group,
-    at: usize,
-    width: usize,
-    solution: [&mut [i64; GROUP]; 2],
-    (p12, p21): (L::Narrow, L::Narrow),
-    lanes: L,
-) -> u64 {
-    let [one, two] = solution;
-    let [mut ratio_12, mut ratio_21] = [[0; GROUP]; 2];
-    let unit = lanes.splat(1);
-    lanes.store(&mut ratio_12, 0, lanes.times(p12, unit));
-    lanes.store(&mut ratio_21, 0, lanes.times(p21, unit));
-    let mut cut = 0;
-    for lane in 0..width {
-        let before = [group.impulses[0][at + lane], group.impulses[1][at + lane]];
-        let x = [one[lane], two[lane]];
-        // Below 2^64: the solution is below 2^62, a ratio at most 4.
-        let alone = |x: i64, p: i64, other: i64| {
-            let wanted = i128::from(x) + ((i128::from(p) * i128::from(other)) >> 28);
-            wanted.clamp(0, IMPULSES) as i64
-        };
-        let wanted = [
-            if x[1] < 0 { alone(x[0], ratio_12[lane], x[1]) } else { x[0].max(0) },
-            if x[0] < 0 { alone(x[1], ratio_21[lane], x[0]) } else { x[1].max(0) },
-        ];
-        for (k, impulse) in [&mut one[lane], &mut two[lane]].into_iter().enumerate() {
-            let change = (wanted[k] - before[k]).clamp(-CHANGE - 1, CHANGE);
-            cut += u64::from(change != wanted[k] - before[k]);
-            *impulse = before[k] + change;
-        }
-    }
-    cut
-}
-
-/// Cuts off changes of friction that are too large, for some lanes. Returns the number of impulses that were cut.
-#[cold]
-#[inline(never)]
-fn cut_friction(group: &Group, at: usize, width: usize, wanted: &mut [i64; GROUP]) -> u64 {
-    let mut cut = 0;
-    for (lane, wanted) in wanted.iter_mut().enumerate().take(width) {
-        let before = group.impulses[2][at + lane];
-        // The same bound on both sides: friction has no direction of its own.
-        let change = (*wanted - before).clamp(-CHANGE, CHANGE);
-        cut += u64::from(change != *wanted - before);
-        *wanted = before + change;
-    }
-    cut
-}
-
 /// Applies the impulses of the step before.
 #[inline(always)]
 fn warm_start<L: Lanes>(lanes: L, group: &mut Group, rows: &mut Rows, at: usize) {
@@ -386,28 +328,4 @@ fn warm_start<L: Lanes>(lanes: L, group: &mut Group, rows: &mut Rows, at: usize)
     let [of_a, of_b] = turns(lanes, group, at, [of_a, of_b]);
     lanes.add_gains(&mut rows.rows, &group.a, at, [lanes.add(x, tx), lanes.add(y, ty), of_a]);
     lanes.add_gains(&mut rows.rows, &group.b, at, [lanes.add(ux, vx), lanes.add(uy, vy), of_b]);
-}
-
-/// Applies the impulses of the step before, of one contact, of any size.
-#[cold]
-fn warm_start_one(group: &Group, rows: &mut Rows, lane: usize) {
-    let [l1, l2, lt] = [0, 1, 2].map(|k| i128::from(group.impulses[k][lane]));
-    let times = |fraction: i32, impulse: i128| i128::from(fraction) * impulse;
-    // More than any impulses give that the loop over lanes takes.
-    let limits = group.gain_limit.map(|limit| i128::from(limit[lane]));
-    let linear = |l: &[Pairs; 2], k: usize, limit: i128| {
-        (times(l[0][lane][k], l1 + l2) + times(l[1][lane][k], lt)).clamp(-limit, limit) as i64
-    };
-    let angular = |k: usize| {
-        let limit = limits[k];
-        let [g1, g2, gt] = [0, 1, 2].map(|row| group.angular[row][lane][k]);
-        let (turn, shift) = (times(g1, l1) + times(g2, l2) + times(gt, lt), group.angular_shift[lane]);
-        (turn.clamp(-(limit >> shift), limit >> shift) << shift) as i64
-    };
-    let [of_a, of_b] = [(&group.linear_a, 0), (&group.linear_b, 1)]
-        .map(|(factors, side)| [linear(factors, 0, limits[side]), linear(factors, 1, limits[side]), angular(side)]);
-    for k in 0..3 {
-        rows.rows[group.a[lane] as usize].gain[k] += of_a[k];
-        rows.rows[group.b[lane] as usize].gain[k] += of_b[k];
-    }
 }
