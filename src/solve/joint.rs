@@ -26,8 +26,8 @@
 //!   most (√2·2^29 + 2·√2·2^28) = 2^30.5, times 2^30. The sum is below 2^62.
 //! - Elements of an inverse matrix are below 2^32: a sum of two products is below 2^95, times a share of at most 2^30 below 2^125.
 //! - Impulses are within ±2^50 ([`IMPULSE`]). Those of a sub-step are the one of the solve pass at one axis and the change of the relax
-//!   pass at another: at most three times 2·2^50·2^30.5 = 2^83.1. Times a mass below 2^44 that is below 2^127. Weighted sums over
-//!   8 sub-steps are at most 36 times that: below 2^89.
+//!   pass at another, for both rows together at most 3·2^50·2^31 = 2^82.6. Times a mass of at most 2^44 that is below 2^127. Weighted sums
+//!   over 8 sub-steps are at most 36 times that: below 2^88.
 //! - Changes of velocity in a sub-step are within ±2^58 in 2^-30 ([`GAIN`]) and 2^61 over the number of joints at the body. A pass adds
 //!   the difference of two of them: gains are within ±2^62.
 //! - Offsets of points are within ±2^60 ([`FAR`]): 2^21 m at 80,000 sub-steps a second.
@@ -58,7 +58,7 @@ const FINER: i32 = 8;
 const ERROR: i64 = 1 << 30;
 /// The largest impulse.
 const IMPULSE: i64 = 1 << 50;
-/// The largest change of velocity in a sub-step, in 2^-30.
+/// The largest change of velocity in a sub-step, 2^28 in 2^-30.
 const GAIN: i64 = 1 << 58;
 /// The largest component of an offset.
 const FAR: i128 = 1 << 60;
