@@ -18,6 +18,7 @@
 
 mod bodies;
 mod changes;
+mod contact_bodies;
 mod contacts;
 mod crowds;
 mod envelope;
@@ -198,6 +199,7 @@ scenes! {
     nine_thousand: crowds::nine_thousand, "enough for all cores; some leave, some sleep, none disturbs another";
     contacts_pile: contacts::pile, "boxes, discs and a wedge come to rest between walls: a mirror image of itself";
     contacts_cluster: contacts::cluster, "bodies meet in free flight: impulses are equal and opposite";
+    contacts_extremes: contacts::extremes, "1 kg and 2^24, shots, needles, what turns and rises: mirror image, and in any order";
 }
 
 #[cfg(test)]
