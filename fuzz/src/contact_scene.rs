@@ -26,7 +26,8 @@ impl Values<'_> {
     /// From 2^low to below 2^(high + 1). *Domain* −32 ≤ low ≤ high ≤ 30.
     fn size(&mut self, low: i32, high: i32) -> Fx {
         let exponent = low + self.below((high - low + 1) as usize) as i32;
-        let mantissa = 256 + i128::from(self.byte());
+        // One in four is a power of two: such numbers have products that are ties.
+        let mantissa = 256 + Some(self.byte()).filter(|&byte| byte >= 64).map_or(0, i128::from);
         Fx::from_bits(((mantissa << (exponent + 32)) >> 8) as i64)
     }
 
@@ -62,13 +63,13 @@ impl Values<'_> {
             },
             _ => SolverOptions { substeps, ..SolverOptions::default() },
         };
-        let (bodies, contacts) = (2 + self.below(11), 1 + self.below(24));
+        let (bodies, contacts, parts) = (2 + self.below(11), 1 + self.below(24), 1 + self.below(3));
         let mut scene = Scene { time_step, options, bodies: Vec::new(), contacts: Vec::new() };
         for _ in 0..bodies {
             scene.bodies.push(self.body());
         }
         for _ in 0..contacts {
-            scene.contacts.push(self.contact(&scene.bodies));
+            scene.contacts.push(self.contact(&scene.bodies, parts));
         }
         scene
     }
@@ -106,9 +107,11 @@ impl Values<'_> {
         Body { position, velocity, change, mass, inertia, inverse_mass, inverse_inertia, radius }
     }
 
-    fn contact(&mut self, bodies: &[Body]) -> Contact {
+    /// A contact of two bodies whose indices have the same remainder by `parts`, if there are such.
+    fn contact(&mut self, bodies: &[Body], parts: usize) -> Contact {
         let a = self.below(bodies.len());
-        let b = (a + 1 + self.below(bodies.len() - 1)) % bodies.len();
+        let others: Vec<usize> = (a % parts..bodies.len()).step_by(parts).filter(|&b| b != a).collect();
+        let b = others.get(self.below(others.len().max(1))).copied().unwrap_or((a + 1) % bodies.len());
         let kind = self.byte();
         // Quarters of a turn, and what is between.
         let angle = match kind % 4 {
