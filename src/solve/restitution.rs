@@ -123,7 +123,7 @@ impl Impact {
         let gained = |separation: i64| 2 * self.change * separation.max(0) / i64::from(substeps);
         // A relax pass stops what would overlap in the next sub-step, above the surface.
         let gap = if self.is_late { self.separations[1].max(0) } else { 0 };
-        // Velocities are below 2^29.3 and separations below 2^31: squares of velocities are below 2^61.6.
+        // Velocities are below 2^29.3, their changes below 2^30.3, separations below 2^31: products below 2^62.3.
         let arrived = (self.closing * self.closing - gained(self.separations[0])).max(0);
         // The velocity at the end of the free flight, or that of the impact if the flight slows down after it.
         let free = -(self.closing + self.change);
