@@ -161,6 +161,10 @@ impl Solver {
                 // The points part, so that the next step does not start from this impulse.
                 group.impulses[k][lane] = 0;
             }
+            // Friction stays within its cone.
+            let [_, mu] = group.friction[lane].map(i128::from);
+            let limit = ((mu * i128::from(group.impulses[0][lane] + group.impulses[1][lane])) >> 26) as i64;
+            group.impulses[2][lane] = group.impulses[2][lane].clamp(-limit, limit);
         }
     }
 

@@ -96,14 +96,18 @@ pub(crate) struct Softness {
 const TAU: i128 = 6_746_518_852;
 
 impl SoftRow {
-    /// *Domain* frequency times sub-step up to 1, damping ratio up to 2^6; not negative. Both saturate at compliances of 2 and more.
+    /// *Domain* frequency times sub-step up to 1, damping ratio up to 2^6; not negative. The compliance saturates at one half, so that
+    /// its product with elements of the matrix, below 2^34, fits: at a damping ratio of 10, at frequencies below 1/64.
     fn new(frequency: Fx, damping_ratio: Fx) -> Self {
         const ONE: i128 = 1 << 30;
         // hω and 2ζ + hω in 2^-30.
         let omega = shifted(TAU * i128::from(frequency.to_bits()), 32);
         let sum = 2 * shifted(damping_ratio.to_bits().into(), 2) + omega;
-        let quotient = |num: i128, den: i128| ((2 * num + den) / (2 * den)).min(i32::MAX.into()) as i32;
-        Self { rate: quotient(omega * ONE, sum), compliance: quotient(ONE * ONE * ONE, (omega * sum).max(1)) }
+        let quotient = |num: i128, den: i128, most: i128| ((2 * num + den) / (2 * den)).min(most) as i32;
+        Self {
+            rate: quotient(omega * ONE, sum.max(1), i32::MAX.into()),
+            compliance: quotient(ONE * ONE * ONE, (omega * sum).max(1), (ONE >> 1) - 1),
+        }
     }
 }
 
