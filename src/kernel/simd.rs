@@ -3,7 +3,7 @@
 //! A loop is written once, generic over [`Lanes`], as a [`Job`]; [`run`] compiles it for each set of instructions and calls the
 //! widest one that the CPU has. Every implementation computes the same bits: they differ in the number of lanes alone.
 //!
-//! Two kinds of lanes. A *narrow* vector holds 32-bit integers, a *wide* one 64-bit integers. Where both take 64 bits a lane, the
+//! There are two kinds of vectors. A *narrow* vector holds 32-bit integers, a *wide* one 64-bit integers. Where both take 64 bits a lane, the
 //! upper half of a narrow lane is arbitrary: each operation on narrow vectors reads the lower halves only, as the
 //! widening product of the CPU does.
 //!
@@ -49,7 +49,7 @@ pub(crate) struct Row {
     pub(crate) gain: Gain,
 }
 
-/// Rows of two bodies as vectors: the difference is never stored.
+/// Velocities and displacements of one body in each lane.
 #[derive(Clone, Copy)]
 pub(crate) struct Gathered<N> {
     pub(crate) velocity: [N; 3],
@@ -114,7 +114,7 @@ pub(crate) trait Lanes: Copy {
     fn rounded_oddly<const BITS: i32>(self, a: Self::Wide) -> Self::Wide;
     /// a · 2^bits with the shift of each lane. *Domain* the result fits.
     fn raised_by(self, a: Self::Wide, bits: Self::Wide) -> Self::Wide;
-    /// μ·load / 2^26 to nearest, ties upwards. *Domain* 0 ≤ load < 2^58, μ ≥ 0.
+    /// factor·load / 2^26 to nearest, ties upwards. *Domain* 0 ≤ load < 2^58, factor ≥ 0.
     fn share(self, factor: Self::Narrow, load: Self::Wide) -> Self::Wide;
     /// Returns true if all lanes are zero.
     fn is_zero(self, a: Self::Wide) -> bool;

@@ -14,7 +14,7 @@ use crate::solve::{Contact, Correction, Flight, Impulses, Point, Solver, SolverO
 /// Steps a second, a power of two.
 pub(super) const RATE: i64 = 64;
 
-/// Shapes have a manifold from this distance on, and from what they close in the step.
+/// Shapes have a manifold up to this distance, plus the way by which they close in the step.
 const MARGIN: Fx = fx!(0.02);
 
 /// A body. No impulse moves it if its mass is zero.
@@ -32,7 +32,8 @@ fn sum(a: Vec2<FxAccumulator>, b: Vec2<FxAccumulator>) -> Vec2<FxAccumulator> {
     Vec2::new(a.x.plus(b.x), a.y.plus(b.y))
 }
 
-/// The displacement of a step at a velocity, or half of it at twice the velocity: rounded towards zero, which is odd.
+/// A quantity times the length of a step, rounded towards zero, which is odd: a velocity gives a displacement, an acceleration
+/// a change of velocity.
 fn in_a_step(velocity: FxAccumulator) -> FxAccumulator {
     FxAccumulator::from_bits(velocity.to_bits() / i128::from(RATE))
 }
@@ -75,7 +76,7 @@ impl Body {
         }
     }
 
-    /// All that a step changes.
+    /// The quantities that a step changes.
     pub(super) fn bits(&self) -> (Vec2<FxAccumulator>, Vec2<FxAccumulator>, Turn, FxAccumulator) {
         (self.position, self.velocity, self.angle, self.angular_velocity)
     }
@@ -138,7 +139,7 @@ pub(super) struct Bodies {
     pub(super) bodies: Vec<Body>,
     cores: Cores,
     solver: Solver,
-    /// Those of the last step, sorted by bodies.
+    /// The contacts of the last step, sorted by bodies.
     pub(super) touches: Vec<Touch>,
     corrections: Vec<Correction>,
     /// The number of values that the solver cut off in all steps.
@@ -166,7 +167,7 @@ impl Bodies {
         self.bodies.extend([body, image]);
     }
 
-    /// Makes a step and takes down the bits of all bodies and impulses.
+    /// Makes a step and writes the bits of all bodies and impulses to the digest.
     pub(super) fn step(&mut self, trial: &mut Trial) {
         self.step_alone();
         let digest = trial.tick();

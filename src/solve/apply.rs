@@ -186,16 +186,16 @@ impl Flight {
     }
 }
 
-/// An offset as a displacement; offsets of 2^30 m and more, of bodies beyond all limits, count as that.
+/// An offset as a displacement; offsets of 2^29 m and more, of bodies beyond all limits, count as that: with an impulse the sum fits.
 fn offset_in_full(offset: i128) -> FxAccumulator {
-    FxAccumulator::from_bits(offset.clamp(-(1 << 62), 1 << 62) << 64)
+    FxAccumulator::from_bits(offset.clamp(-(1 << 61), 1 << 61) << 64)
 }
 
 /// The part of an offset along a change of velocity by impulses, as far as they cancel the change `flown` of the free flight.
 fn cancelled<const N: usize>(change: [Fx; N], flown: [i128; N], offset: [i128; N]) -> [FxAccumulator; N] {
     // In 2^-32 m/s. Changes of 2^20 m/s and more count as that: the quotient below is less then.
     let bits = change.map(|v| i128::from(v.to_bits()).clamp(-(1 << 52), 1 << 52));
-    // |v|² and v·w below 2^107: v1 − v0 is below 2^54.
+    // |v|² below 2^106, v·w below 2^118: v1 − v0 is below 2^65.
     let (square, against) = (dot(bits, bits), -dot(flown, bits));
     if against <= 0 {
         return [FxAccumulator::default(); N];

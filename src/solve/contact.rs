@@ -11,14 +11,14 @@ use crate::scalar::FxFactor;
 pub(super) const SEPARATION: i128 = 759_250_124;
 /// The largest impulse at the start of a step.
 pub(super) const IMPULSE: i64 = 1 << 44;
-/// The largest gain of a body by all contacts of a phase: more than velocities can change by, 2^28 in 2^-30.
+/// The largest gain of a body by all contacts of a phase: 2^31 units. Velocities change by less than 2^28 of them.
 const GAIN: i64 = 1 << 61;
 /// The largest velocity of a surface.
 const SURFACE: i128 = 1 << 27;
 /// Factors of masses have this many bits relative to the largest of a contact.
 const MASS_BITS: i32 = 31;
-/// 2^-30 units have at most this many bits: a quarter.
-const FACTOR_BITS: i32 = 28;
+/// Factors in 2^-30 have at most this many bits: they are at most a quarter.
+const FACTOR_BITS: i32 = GAIN_BITS - 2;
 
 /// Contacts side by side, one in each lane. Pairs are of two quantities of the same contact.
 #[derive(Clone, Debug, PartialEq)]
@@ -338,18 +338,17 @@ impl Group {
         // unit · 2^-exponent of the masses is 2^-(bits + 2).
         let unit = masses.exponent - bits - 2;
         let in_30 = |value: i64| factor(value, bits - FACTOR_BITS);
-        let in_gain = |value: i64| factor(value, bits + 2 - GAIN_BITS);
         let more = (turning - bits).max(0);
         self.angular_shift[lane] = i64::from(more);
         (0..2).for_each(|side| self.gain_limit[side][lane] = GAIN / shares[side]);
         for (row, angular) in angular.into_iter().enumerate() {
             self.arms[row][lane] = masses.arms[row];
-            let [of_a, of_b] = angular.map(|value| factor(value, bits + 2 - GAIN_BITS + more));
+            let [of_a, of_b] = angular.map(|value| factor(value, bits - FACTOR_BITS + more));
             self.angular[row][lane] = [-of_a, of_b];
         }
         for (direction, [of_a, of_b]) in linear.into_iter().enumerate() {
-            self.linear_a[direction][lane] = of_a.map(|value| -in_gain(value));
-            self.linear_b[direction][lane] = of_b.map(in_gain);
+            self.linear_a[direction][lane] = of_a.map(|value| -in_30(value));
+            self.linear_b[direction][lane] = of_b.map(in_30);
         }
         self.normal[lane] = contact.normal;
         let last = contact.points.len() - 1;
@@ -362,7 +361,7 @@ impl Group {
         let friction = Inverse::of(Matrix { k11: split.tangent, k12: 0, k22: 1 << MASS_BITS });
         // In 2^-27 over the unit of impulses.
         let inverse = factor(friction.elements[0], friction.exponent - bits - 2 - 27);
-        let mu = clamped(shifted(contact.friction.to_bits().into(), 6), i32::MAX.into());
+        let mu = shifted(contact.friction.to_bits().into(), 6).clamp(0, i32::MAX.into()) as i32;
         self.friction[lane] = [inverse, mu];
         let quarter = 1 << FACTOR_BITS;
         self.coupling[lane] = whole.coupling.map(|value| in_30(value).clamp(-quarter, quarter));
@@ -370,10 +369,13 @@ impl Group {
         self.surface[lane] = [clamped(surface, SURFACE), 0];
         let unit = unit + contact.unit;
         for (k, impulse) in contact.impulses.into_iter().enumerate() {
-            // Within 62 bits: shifts of more than that would be cut off anyway.
+            // Within 100 bits: all of these are cut off anyway.
             let bits = unit.saturating_sub(contact.exponent).max(bits_of(impulse) - 100);
             let cap = i128::from(IMPULSE);
-            self.impulses[k][lane] = shifted(impulse.into(), bits).clamp(-cap, cap) as i64;
+            // Friction has either sign, and a second point may be missing.
+            let least = if k == 2 { -cap } else { 0 };
+            let most = if k == 1 && last == 0 { 0 } else { cap };
+            self.impulses[k][lane] = shifted(impulse.into(), bits).clamp(least, most) as i64;
             (self.applied[k][lane], self.weighted[k][lane]) = (0, 0);
         }
         (self.a[lane], self.b[lane]) = (contact.bodies[0].row, contact.bodies[1].row);

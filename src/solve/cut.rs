@@ -4,8 +4,8 @@ use super::contact::Group;
 use super::motion::Rows;
 use crate::kernel::simd::{GROUP, Lanes, Pairs};
 
-/// Impulses stay below this.
-const IMPULSES: i128 = 1 << 58;
+/// Wanted impulses count up to this: far above any that a pass can reach, and their differences fit.
+const WANTED: i128 = 1 << 58;
 /// The largest change of an impulse in a pass.
 const CHANGE: i64 = (1 << 30) - 1;
 
@@ -30,10 +30,10 @@ pub(super) fn cut_normal<L: Lanes>(
     for lane in 0..width {
         let before = [group.impulses[0][at + lane], group.impulses[1][at + lane]];
         let x = [one[lane], two[lane]];
-        // Below 2^64: the solution is below 2^62, a ratio at most 4.
+        // Below 2^64.8: the solution is below 2^62.3, a ratio at most 4.
         let alone = |x: i64, p: i64, other: i64| {
             let wanted = i128::from(x) + ((i128::from(p) * i128::from(other)) >> 28);
-            wanted.clamp(0, IMPULSES) as i64
+            wanted.clamp(0, WANTED) as i64
         };
         let wanted = [
             if x[1] < 0 { alone(x[0], ratio_12[lane], x[1]) } else { x[0].max(0) },
@@ -68,7 +68,7 @@ pub(super) fn cut_friction(group: &Group, at: usize, width: usize, wanted: &mut 
 pub(super) fn warm_start_one(group: &Group, rows: &mut Rows, lane: usize) {
     let [l1, l2, lt] = [0, 1, 2].map(|k| i128::from(group.impulses[k][lane]));
     let times = |fraction: i32, impulse: i128| i128::from(fraction) * impulse;
-    // More than any impulses give that the loop over lanes takes.
+    // Above the gain of any impulses that the loop over lanes accepts.
     let limits = group.gain_limit.map(|limit| i128::from(limit[lane]));
     let linear = |l: &[Pairs; 2], k: usize, limit: i128| {
         (times(l[0][lane][k], l1 + l2) + times(l[1][lane][k], lt)).clamp(-limit, limit) as i64

@@ -189,7 +189,7 @@ impl Block {
         let is_split = sides.iter().any(Side::is_split);
         let exponent = scale - mass_bits - FINER + unit;
         let warm = |impulse: i64| {
-            let bits = (exponent - joint.impulses.exponent).max(bits_of(impulse) - 100);
+            let bits = exponent.saturating_sub(joint.impulses.exponent).max(bits_of(impulse) - 100);
             shifted(impulse.into(), bits).clamp(-i128::from(IMPULSE), i128::from(IMPULSE)) as i64
         };
         let [first, second, _] = joint.impulses.values;

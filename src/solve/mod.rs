@@ -14,6 +14,7 @@
 //! - `prepare`: units, rows of bodies and groups of contacts.
 //! - `restitution`: bouncing, once a step.
 //! - `apply`: exact impulses, applied once.
+//! - `number`: rounding and shifts of integers.
 
 mod apply;
 mod contact;
@@ -160,7 +161,8 @@ pub struct Point {
 /// Impulses of a contact or of a joint: multiples of 2^exponent N·s, over the last sub-step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Impulses {
-    /// Along the normal, by point; then along the tangent (n.y, −n.x). For joints see [`Joint::impulses`].
+    /// Along the normal, by point; then along the tangent (n.y, −n.x). Those along the normal are not negative; the second one is
+    /// zero with one point. For joints see [`Joint::impulses`].
     pub values: [i64; 3],
     /// log2 of their unit.
     pub exponent: i32,
@@ -177,7 +179,7 @@ pub struct Contact {
     pub count: usize,
     /// The points.
     pub points: [Point; 2],
-    /// The coefficient of friction.
+    /// The coefficient of friction; not negative. More than 32 counts as that.
     pub friction: Fx,
     /// The coefficient of restitution, 0 to 1.
     pub restitution: Fx,
@@ -203,7 +205,7 @@ pub struct Correction {
 /// Counts of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SolverCounts {
-    /// Changes of velocity, displacement or impulse that were cut off at the limits of the solver.
+    /// Impulses, velocities and errors of joints that the passes cut off at the limits of the solver.
     pub cut: u64,
 }
 
@@ -236,12 +238,12 @@ pub struct Solver {
     /// log2 of the unit of velocity by body.
     unit_of: Vec<i32>,
     groups: Vec<Group>,
-    /// Ends of the phases in `groups`.
+    /// The part of `groups` of each phase.
     phases: [core::ops::Range<usize>; PHASES],
     /// Rows with contacts, by phase.
     touched: [Vec<u32>; PHASES],
     joints: Joints,
-    /// By body; empty without joints.
+    /// Paths by body; empty without joints.
     paths: Vec<Path>,
     shares: Vec<u32>,
     places: Vec<Place>,

@@ -8,7 +8,8 @@
 //! Changes of velocity are summed in 2^-30 units. Velocities are rounded to units, and what rounding leaves stays in the sum: so a velocity
 //! differs from that of the exact impulses by half a unit, however many passes there are. (Without, structures creep.)
 //!
-//! Velocities saturate at ±[`VELOCITY`], displacements at ±[`DISPLACEMENT`]; velocities that do are counted.
+//! Velocities saturate at ±[`VELOCITY`], displacements at ±[`DISPLACEMENT`]. Velocities cut off when gains are applied are counted; at the
+//! beginning of a sub-step and for displacements the unit ([`super::unit::unit_for`]) leaves room.
 
 use alloc::vec::Vec;
 
@@ -116,7 +117,7 @@ fn apply_large_gain(row: &mut Row) -> u64 {
 }
 
 /// The beginning of sub-step `k` of `n`: the velocity of the free flight there, the corrections so far and, from the second
-/// sub-step on, once more the change that the contacts of the sub-step before made.
+/// sub-step on, once more the change that the joints and contacts of the sub-step before made.
 pub(super) struct Begin<'a> {
     pub(super) rows: &'a mut Rows,
     pub(super) k: u32,
@@ -135,7 +136,7 @@ impl Job for Begin<'_> {
             let w = lanes.quad_plus(lanes.quad(&flight.start), lanes.quad_shares(change, share, change, 0));
             let mut wanted = w;
             if self.k > 1 {
-                // Below 2^29.6: velocities are within 2^27, corrections within 2^28.
+                // Below 2^29.9: velocities are within 2^27, corrections within 2^28, of which three are added.
                 let correction = lanes.quad_minus(velocity, lanes.quad(&progress.flight));
                 let again = lanes.quad_minus(correction, lanes.quad(&progress.before));
                 wanted = lanes.quad_plus(lanes.quad_plus(w, correction), again);

@@ -27,7 +27,7 @@ pub(super) const fn shifted_word(value: i64, bits: i32) -> i64 {
     }
 }
 
-/// a·b / 2^30 to nearest, ties away from zero. *Domain* |a·b| < 2^62.
+/// a·b / 2^30 to nearest, ties away from zero. *Domain* |a·b| < 2^63 − 2^29.
 #[inline]
 pub(super) const fn times(a: i64, b: i32) -> i64 {
     let product = a * b as i64;

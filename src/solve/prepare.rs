@@ -109,6 +109,7 @@ impl Solver {
     pub(super) fn body(&mut self, body: u32, unit: i32, flights: &[Flight]) -> BodyOf {
         let flight = &flights[body as usize];
         let mut row = self.row_of[body as usize];
+        // A body at rest has a speed of 1: angular ones are rounded up.
         if flight.is_fixed() && flight.speed() > 1 {
             row = self.carrier(body, unit, flight);
         }

@@ -18,7 +18,7 @@ use crate::solve::{Contact, Flight, Solver};
 #[derive(Clone, Debug, Default)]
 pub(in crate::solve) struct Joints {
     pub(in crate::solve) blocks: Vec<Block>,
-    /// Ends of the phases in `blocks`.
+    /// The part of `blocks` of each phase.
     phases: [Range<usize>; PHASES],
     /// Rows with joints, by phase.
     touched: [Vec<u32>; PHASES],

@@ -109,6 +109,28 @@ fn deep_overlaps_are_pushed_at_the_push_speed() {
     }
 }
 
+/// A body that a heavier one hits at its rim turns faster than anything did before.
+#[test]
+fn a_hit_at_the_rim_turns_a_body_at_any_speed() {
+    for substeps in 1..=8 {
+        for k in 0..40 {
+            let speed = 1.1f64.powi(k);
+            let hammer = fixed(4.0).flying([0.0, speed, 0.0], TICK);
+            let rod = body(1.0, 3.0, 1.03125).flying([0.0, -speed, 0.0], TICK);
+            let mut scene =
+                Scene::new(vec![hammer, rod], vec![contact([0, 1], [0.0, 1.0], &[([0.0; 2], [1.03125, 0.0], 0.0)])]);
+            scene.options.substeps = substeps;
+            // The points have the same velocity after it: (1 + R²·m/I)·Δv = 2·speed, and R²·m/I is 3.
+            let [_, up, turn] = change(&scene, 1);
+            let [up, turn] = [up / (speed / 2.0), turn * 1.03125 / (1.5 * speed)];
+            assert!(
+                (up - 1.0).abs() < 1e-5 && (turn - 1.0).abs() < 1e-5,
+                "{substeps} sub-steps, {speed} m/s: {up} {turn}"
+            );
+        }
+    }
+}
+
 /// A contact at one point beside the centre of B, with the impulse of the step before in 2^-30 N·s.
 fn warm(bodies: [u32; 2], x: f64, impulse: i64) -> Contact {
     let of = contact(bodies, [0.0, 1.0], &[([x, 0.0], [x, 0.0], 0.0)]);
