@@ -84,9 +84,11 @@ impl Ranges {
     pub(super) fn scene(&self, random: &mut Random, bodies: usize, contacts: usize) -> Scene {
         let mut flights: Vec<Flight> = Vec::new();
         let seconds = 1.0 / 60.0;
-        for _ in 0..bodies {
+        for index in 0..bodies {
             let flight = self.flight(random, seconds);
-            flights.push(match random.below(12) {
+            // One body at least can be moved.
+            let kind = random.below(12) + if index == 0 { 12 } else { 0 };
+            flights.push(match kind {
                 0 => fixed(4.0),
                 // A fixed body that moves.
                 1 => Flight { radius: fx(4.0), ..fixed(4.0).flying([signed(random), signed(random), 0.25], seconds) },

@@ -3,10 +3,12 @@
 mod bounce;
 mod cases;
 mod conserve;
+mod doubles;
 mod extremes;
 mod fair;
 mod graph;
 mod made;
 mod paths;
 mod scene;
+mod twin;
 mod wide;
