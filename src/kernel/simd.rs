@@ -1,7 +1,7 @@
 //! Vectors of lanes for the loops that solve contacts, and the choice among them when the program runs.
 //!
-//! A loop is written once, generic over [`Lanes`], as a [`Job`]; [`run`] compiles it for each set of instructions and calls the
-//! widest one that the CPU has. Every implementation computes the same bits: they differ in the number of lanes alone.
+//! A loop is written once, generic over [`Lanes`], as a [`Job`]; [`run`] compiles it for each set of instructions of the target and
+//! calls the widest one that the CPU has. Every implementation computes the same bits: they differ in the number of lanes alone.
 //!
 //! There are two kinds of vectors. A *narrow* vector holds 32-bit integers, a *wide* one 64-bit integers. Where both take 64 bits a lane, the
 //! upper half of a narrow lane is arbitrary: each operation on narrow vectors reads the lower halves only, as the
@@ -72,8 +72,10 @@ pub(crate) trait Lanes: Copy {
     type Narrow: Copy;
     /// A vector of 64-bit integers.
     type Wide: Copy;
-    /// The components of one body, 32-bit integers.
-    type Quad: Copy;
+    /// The set that handles single bodies.
+    type Quads: Quads;
+
+    fn quads(self) -> Self::Quads;
 
     fn pair(self, pairs: &Pairs, at: usize) -> (Self::Narrow, Self::Narrow);
     fn put_pair(self, pairs: &mut Pairs, at: usize, values: (Self::Narrow, Self::Narrow));
@@ -125,6 +127,16 @@ pub(crate) trait Lanes: Copy {
     /// Returns true if no lane of `impulses` is negative and all of `changes` are from −2^30 to 2^30 − 1.
     fn are_pushes(self, impulses: [Self::Wide; 2], changes: [Self::Wide; 2]) -> bool;
 
+    fn gather(self, rows: &[Row], index: &[u32; GROUP], at: usize) -> Gathered<Self::Narrow>;
+    /// Adds a change of velocity to the sums of bodies, one lane after the other.
+    fn add_gains(self, rows: &mut [Row], index: &[u32; GROUP], at: usize, change: [Self::Wide; 3]);
+}
+
+/// Operations on one body, with the domain that those of [`Lanes`] have.
+pub(crate) trait Quads: Copy {
+    /// The components of a body, 32-bit integers.
+    type Quad: Copy;
+
     fn quad(self, words: &[i32; 4]) -> Self::Quad;
     fn put(self, words: &mut [i32; 4], value: Self::Quad);
     fn quad_plus(self, a: Self::Quad, b: Self::Quad) -> Self::Quad;
@@ -136,13 +148,24 @@ pub(crate) trait Lanes: Copy {
     /// The first three components of `a`, and the last one of `b`.
     fn quad_joined(self, a: Self::Quad, b: Self::Quad) -> Self::Quad;
 
-    fn gather(self, rows: &[Row], index: &[u32; GROUP], at: usize) -> Gathered<Self::Narrow>;
     /// Adds the sums of velocity changes to the velocity of a body, each rounded to nearest, ties away from zero, and keeps
     /// the rest. Returns false, and changes nothing, if a component leaves the range of −limit to limit − 1. *Domain* the
     /// limit is a power of two, at most 2^30.
     fn take_gain(self, row: &mut Row, limit: i32) -> bool;
-    /// Adds a change of velocity to the sums of bodies, one lane after the other.
-    fn add_gains(self, rows: &mut [Row], index: &[u32; GROUP], at: usize, change: [Self::Wide; 3]);
+}
+
+/// The part of a group that a vector holds.
+#[inline(always)]
+#[allow(dead_code, reason = "portable code has parts of one lane")]
+fn part<T, const N: usize>(words: &[T; GROUP], at: usize) -> &[T; N] {
+    words[at..at + N].try_into().expect("a part of a group")
+}
+
+/// The part of a group that a vector is stored in.
+#[inline(always)]
+#[allow(dead_code, reason = "portable code has parts of one lane")]
+fn part_mut<T, const N: usize>(words: &mut [T; GROUP], at: usize) -> &mut [T; N] {
+    (&mut words[at..at + N]).try_into().expect("a part of a group")
 }
 
 /// A loop over lanes.

@@ -13,7 +13,7 @@
 
 use alloc::vec::Vec;
 
-use crate::kernel::simd::{GAIN_BITS, Gain, Job, Lanes, Portable, Row};
+use crate::kernel::simd::{GAIN_BITS, Gain, Job, Lanes, Portable, Quads, Row};
 
 /// The largest component of a velocity.
 pub(super) const VELOCITY: i32 = 1 << 27;
@@ -91,7 +91,7 @@ impl Rows {
     /// Applies the gains of bodies. Returns the number of velocities that were cut off.
     #[inline(always)]
     pub(super) fn apply_gains<L: Lanes>(&mut self, lanes: L, bodies: &[u32]) -> u64 {
-        let mut cut = 0;
+        let (lanes, mut cut) = (lanes.quads(), 0);
         for &body in bodies {
             let row = &mut self.rows[body as usize];
             if !lanes.take_gain(row, VELOCITY) {
@@ -129,6 +129,7 @@ impl Job for Begin<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) {
+        let lanes = lanes.quads();
         let share = ((i64::from(self.k) << 30) / i64::from(self.n)) as i32;
         let Rows { rows, flights, progress, .. } = self.rows;
         for ((row, flight), progress) in rows.iter_mut().zip(flights).zip(progress) {
@@ -162,6 +163,7 @@ impl Job for Advance<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) {
+        let lanes = lanes.quads();
         for row in &mut self.rows.rows {
             // Without the angle, which is kept beside the velocity.
             let velocity = lanes.quad_joined(lanes.quad(&row.velocity), lanes.quad(&[0; 4]));

@@ -6,7 +6,7 @@
 
 use core::arch::x86_64::*;
 
-use super::{GAIN_BITS, GROUP, Gathered, Job, Lanes, Pairs, Row};
+use super::{GAIN_BITS, GROUP, Gathered, Job, Lanes, Pairs, Quads, Row, part, part_mut};
 
 /// The proof that the CPU has AVX2 and BMI2.
 #[derive(Clone, Copy)]
@@ -74,11 +74,16 @@ impl Lanes for Avx2 {
     const WIDTH: usize = 4;
     type Narrow = __m256i;
     type Wide = __m256i;
-    type Quad = __m128i;
+    type Quads = Self;
+
+    #[inline(always)]
+    fn quads(self) -> Self {
+        self
+    }
 
     #[inline(always)]
     fn pair(self, pairs: &Pairs, at: usize) -> (__m256i, __m256i) {
-        let half: &[[i32; 2]; 4] = (&pairs[at..at + 4]).try_into().expect("half of a group");
+        let half: &[[i32; 2]; 4] = part(pairs, at);
         unsafe {
             let both = _mm256_loadu_si256(half.as_ptr().cast());
             (both, _mm256_srli_epi64::<32>(both))
@@ -87,7 +92,7 @@ impl Lanes for Avx2 {
 
     #[inline(always)]
     fn put_pair(self, pairs: &mut Pairs, at: usize, (a, b): (__m256i, __m256i)) {
-        let half: &mut [[i32; 2]; 4] = (&mut pairs[at..at + 4]).try_into().expect("half of a group");
+        let half: &mut [[i32; 2]; 4] = part_mut(pairs, at);
         unsafe {
             let both = _mm256_blend_epi32::<0b1010_1010>(a, _mm256_slli_epi64::<32>(b));
             _mm256_storeu_si256(half.as_mut_ptr().cast(), both);
@@ -96,13 +101,13 @@ impl Lanes for Avx2 {
 
     #[inline(always)]
     fn wide(self, words: &[i64; GROUP], at: usize) -> __m256i {
-        let half: &[i64; 4] = (&words[at..at + 4]).try_into().expect("half of a group");
+        let half: &[i64; 4] = part(words, at);
         unsafe { _mm256_loadu_si256(half.as_ptr().cast()) }
     }
 
     #[inline(always)]
     fn store(self, words: &mut [i64; GROUP], at: usize, value: __m256i) {
-        let half: &mut [i64; 4] = (&mut words[at..at + 4]).try_into().expect("half of a group");
+        let half: &mut [i64; 4] = part_mut(words, at);
         unsafe { _mm256_storeu_si256(half.as_mut_ptr().cast(), value) }
     }
 
@@ -280,6 +285,35 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
+    fn gather(self, rows: &[Row], index: &[u32; GROUP], at: usize) -> Gathered<__m256i> {
+        let [i, j, k, l] = *part(index, at);
+        let row = [&rows[i as usize], &rows[j as usize], &rows[k as usize], &rows[l as usize]];
+        unsafe {
+            let a = self.both(&row[0].velocity, &row[2].velocity);
+            let b = self.both(&row[1].velocity, &row[3].velocity);
+            let (linear, angular) = (_mm256_unpacklo_epi64(a, b), _mm256_unpackhi_epi64(a, b));
+            let c = self.both(&row[0].displacement, &row[2].displacement);
+            let d = self.both(&row[1].displacement, &row[3].displacement);
+            let moved = _mm256_unpacklo_epi64(c, d);
+            let (y, dy) = (_mm256_srli_epi64::<32>(linear), _mm256_srli_epi64::<32>(moved));
+            let angle = _mm256_srli_epi64::<32>(angular);
+            Gathered { velocity: [linear, y, angular], displacement: [moved, dy, angle] }
+        }
+    }
+
+    #[inline(always)]
+    fn add_gains(self, rows: &mut [Row], index: &[u32; GROUP], at: usize, change: [__m256i; 3]) {
+        for (&i, row) in part::<_, 4>(index, at).iter().zip(self.transposed(change)) {
+            let gain = rows[i as usize].gain.as_mut_ptr().cast();
+            unsafe { _mm256_storeu_si256(gain, _mm256_add_epi64(_mm256_loadu_si256(gain), row)) }
+        }
+    }
+}
+
+impl Quads for Avx2 {
+    type Quad = __m128i;
+
+    #[inline(always)]
     fn quad(self, words: &[i32; 4]) -> __m128i {
         unsafe { _mm_loadu_si128(words.as_ptr().cast()) }
     }
@@ -321,24 +355,6 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
-    fn gather(self, rows: &[Row], index: &[u32; GROUP], at: usize) -> Gathered<__m256i> {
-        let index: &[u32; 4] = (&index[at..at + 4]).try_into().expect("half of a group");
-        let [i, j, k, l] = *index;
-        let row = [&rows[i as usize], &rows[j as usize], &rows[k as usize], &rows[l as usize]];
-        unsafe {
-            let a = self.both(&row[0].velocity, &row[2].velocity);
-            let b = self.both(&row[1].velocity, &row[3].velocity);
-            let (linear, angular) = (_mm256_unpacklo_epi64(a, b), _mm256_unpackhi_epi64(a, b));
-            let c = self.both(&row[0].displacement, &row[2].displacement);
-            let d = self.both(&row[1].displacement, &row[3].displacement);
-            let moved = _mm256_unpacklo_epi64(c, d);
-            let (y, dy) = (_mm256_srli_epi64::<32>(linear), _mm256_srli_epi64::<32>(moved));
-            let angle = _mm256_srli_epi64::<32>(angular);
-            Gathered { velocity: [linear, y, angular], displacement: [moved, dy, angle] }
-        }
-    }
-
-    #[inline(always)]
     fn take_gain(self, row: &mut Row, limit: i32) -> bool {
         let limit = i64::from(limit);
         unsafe {
@@ -359,14 +375,6 @@ impl Lanes for Avx2 {
                 _mm256_storeu_si256(row.gain.as_mut_ptr().cast(), rest);
             }
             is_within
-        }
-    }
-
-    #[inline(always)]
-    fn add_gains(self, rows: &mut [Row], index: &[u32; GROUP], at: usize, change: [__m256i; 3]) {
-        for (&i, row) in index[at..at + 4].iter().zip(self.transposed(change)) {
-            let gain = rows[i as usize].gain.as_mut_ptr().cast();
-            unsafe { _mm256_storeu_si256(gain, _mm256_add_epi64(_mm256_loadu_si256(gain), row)) }
         }
     }
 }

@@ -79,7 +79,12 @@ mod lanes {
         const WIDTH: usize = GROUP;
         type Narrow = __m512i;
         type Wide = __m512i;
-        type Quad = __m128i;
+        type Quads = Avx2;
+
+        #[inline(always)]
+        fn quads(self) -> Avx2 {
+            self.0
+        }
 
         #[inline(always)]
         fn pair(self, pairs: &Pairs, _: usize) -> (__m512i, __m512i) {
@@ -264,41 +269,6 @@ mod lanes {
         }
 
         #[inline(always)]
-        fn quad(self, words: &[i32; 4]) -> __m128i {
-            self.0.quad(words)
-        }
-
-        #[inline(always)]
-        fn put(self, words: &mut [i32; 4], value: __m128i) {
-            self.0.put(words, value);
-        }
-
-        #[inline(always)]
-        fn quad_plus(self, a: __m128i, b: __m128i) -> __m128i {
-            self.0.quad_plus(a, b)
-        }
-
-        #[inline(always)]
-        fn quad_minus(self, a: __m128i, b: __m128i) -> __m128i {
-            self.0.quad_minus(a, b)
-        }
-
-        #[inline(always)]
-        fn quad_clamped(self, a: __m128i, limit: i32) -> __m128i {
-            self.0.quad_clamped(a, limit)
-        }
-
-        #[inline(always)]
-        fn quad_shares(self, a: __m128i, share: i32, b: __m128i, other: i32) -> __m128i {
-            self.0.quad_shares(a, share, b, other)
-        }
-
-        #[inline(always)]
-        fn quad_joined(self, a: __m128i, b: __m128i) -> __m128i {
-            self.0.quad_joined(a, b)
-        }
-
-        #[inline(always)]
         fn gather(self, rows: &[Row], index: &[u32; GROUP], _: usize) -> Gathered<__m512i> {
             let [i, j, k, l, m, n, o, p] = *index;
             let a = self.both(&rows[i as usize], &rows[m as usize]);
@@ -318,11 +288,6 @@ mod lanes {
                 let angle = _mm512_srli_epi64::<32>(angular);
                 Gathered { velocity: [linear, y, angular], displacement: [moved, dy, angle] }
             }
-        }
-
-        #[inline(always)]
-        fn take_gain(self, row: &mut Row, limit: i32) -> bool {
-            self.0.take_gain(row, limit)
         }
 
         #[inline(always)]

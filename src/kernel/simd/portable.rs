@@ -1,6 +1,6 @@
 //! One lane at a time, in plain integers: the reference.
 
-use super::{GAIN_BITS, GROUP, Gathered, Lanes, Pairs, Row};
+use super::{GAIN_BITS, GROUP, Gathered, Lanes, Pairs, Quads, Row};
 
 /// One lane, on every machine.
 #[derive(Clone, Copy)]
@@ -10,7 +10,12 @@ impl Lanes for Portable {
     const WIDTH: usize = 1;
     type Narrow = i32;
     type Wide = i64;
-    type Quad = [i32; 4];
+    type Quads = Self;
+
+    #[inline(always)]
+    fn quads(self) -> Self {
+        self
+    }
 
     #[inline(always)]
     fn pair(self, pairs: &Pairs, at: usize) -> (i32, i32) {
@@ -160,6 +165,23 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
+    fn gather(self, rows: &[Row], index: &[u32; GROUP], at: usize) -> Gathered<i32> {
+        let row = &rows[index[at] as usize];
+        let ([vx, vy, spin, angle], [x, y, ..]) = (row.velocity, row.displacement);
+        Gathered { velocity: [vx, vy, spin], displacement: [x, y, angle] }
+    }
+
+    #[inline(always)]
+    fn add_gains(self, rows: &mut [Row], index: &[u32; GROUP], at: usize, change: [i64; 3]) {
+        let gain = &mut rows[index[at] as usize].gain;
+        (0..3).for_each(|i| gain[i] += change[i]);
+    }
+}
+
+impl Quads for Portable {
+    type Quad = [i32; 4];
+
+    #[inline(always)]
     fn quad(self, words: &[i32; 4]) -> [i32; 4] {
         *words
     }
@@ -199,13 +221,6 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
-    fn gather(self, rows: &[Row], index: &[u32; GROUP], at: usize) -> Gathered<i32> {
-        let row = &rows[index[at] as usize];
-        let ([vx, vy, spin, angle], [x, y, ..]) = (row.velocity, row.displacement);
-        Gathered { velocity: [vx, vy, spin], displacement: [x, y, angle] }
-    }
-
-    #[inline(always)]
     fn take_gain(self, row: &mut Row, limit: i32) -> bool {
         let [vx, vy, spin, angle] = row.velocity;
         let gained: [i64; 3] = core::array::from_fn(|i| self.rounded_oddly::<GAIN_BITS>(row.gain[i]));
@@ -217,11 +232,5 @@ impl Lanes for Portable {
             (0..3).for_each(|i| row.gain[i] -= gained[i] << GAIN_BITS);
         }
         is_within
-    }
-
-    #[inline(always)]
-    fn add_gains(self, rows: &mut [Row], index: &[u32; GROUP], at: usize, change: [i64; 3]) {
-        let gain = &mut rows[index[at] as usize].gain;
-        (0..3).for_each(|i| gain[i] += change[i]);
     }
 }

@@ -220,7 +220,7 @@ impl Job for Bounds {
 }
 
 /// Operations on one body.
-struct Quads {
+struct OneBody {
     small: [[i32; 4]; 2],
     any: [[i32; 4]; 2],
     limit: i32,
@@ -228,7 +228,7 @@ struct Quads {
     row: Row,
 }
 
-impl Quads {
+impl OneBody {
     fn new(random: &mut Random, edges: &[i64]) -> Self {
         let any = [0, 1].map(|_| core::array::from_fn(|_| edges[random.next() as usize % edges.len()] as i32));
         let limit = 1 << (random.next() as u32 % 31);
@@ -247,10 +247,11 @@ impl Quads {
     }
 }
 
-impl Job for Quads {
+impl Job for OneBody {
     type Result = ([[i32; 4]; 5], Row, bool);
 
     fn run<L: Lanes>(mut self, lanes: L) -> Self::Result {
+        let lanes = lanes.quads();
         let [a, b, c, d] = [self.small[0], self.small[1], self.any[0], self.any[1]].map(|words| lanes.quad(&words));
         let mut results = [[0; 4]; 5];
         lanes.put(&mut results[0], lanes.quad_plus(a, b));
@@ -345,8 +346,8 @@ fn each_lane_beyond_a_bound_is_seen() {
 #[test]
 fn operations_on_bodies_are_the_portable_ones() {
     let edges = edges(32);
-    same(|random| Quads::new(random, &edges));
-    let taken = (0..1000).filter(|&seed| Quads::new(&mut Random(seed), &edges).run(Portable).2).count();
+    same(|random| OneBody::new(random, &edges));
+    let taken = (0..1000).filter(|&seed| OneBody::new(&mut Random(seed), &edges).run(Portable).2).count();
     assert!((100..900).contains(&taken), "{taken}");
     same(Bodies::new);
 }
