@@ -30,7 +30,13 @@
 //! [replays](guide::replays), [frames](guide::frames) and drawing, [engines](guide::engines), [other languages](guide::languages),
 //! and on [coming from Box2D or Rapier](guide::migration).
 #![no_std]
-#![cfg_attr(not(all(feature = "std", target_arch = "x86_64")), forbid(unsafe_code))]
+#![cfg_attr(
+    not(any(
+        all(feature = "std", target_arch = "x86_64"),
+        all(target_arch = "aarch64", target_feature = "neon", target_endian = "little")
+    )),
+    forbid(unsafe_code)
+)]
 #![deny(unsafe_code)]
 #![warn(missing_docs)]
 

@@ -7,6 +7,15 @@
 //! upper half of a narrow lane is arbitrary: each operation on narrow vectors reads the lower halves only, as the
 //! widening product of the CPU does.
 //!
+//! The unit tests of this module and of `solve` compare the sets that a target has with [`Portable`]; on x86-64
+//! `cargo test` runs them. For NEON, where rustup has added the target, and qemu and the C compiler of the target are installed:
+//!
+//! ```sh
+//! export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER=aarch64-linux-gnu-gcc
+//! export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_RUNNER="qemu-aarch64-static -L /usr/aarch64-linux-gnu"
+//! cargo test --release --lib --target aarch64-unknown-linux-gnu -- kernel::simd solve
+//! ```
+//!
 //! This file and those beneath it are the only ones in the crate that may say `unsafe`: the instructions may be called on a
 //! CPU that has them, which [`run`] makes sure of. A value of a type that implements [`Lanes`] is the proof of that.
 
@@ -16,8 +25,12 @@ mod avx2;
 #[cfg(all(feature = "std", target_arch = "x86_64"))]
 mod avx512;
 mod choice;
+#[cfg(all(target_arch = "aarch64", target_feature = "neon", target_endian = "little"))]
+mod neon;
 mod portable;
 
+#[cfg(not(all(target_arch = "aarch64", target_feature = "neon", target_endian = "little")))]
+pub(crate) use absent::Absent as Neon;
 #[cfg(not(all(feature = "std", target_arch = "x86_64")))]
 pub(crate) use absent::{Absent as Avx2, Absent as Avx512};
 #[cfg(all(feature = "std", target_arch = "x86_64"))]
@@ -28,6 +41,8 @@ pub use choice::VectorSet;
 pub(crate) use choice::run;
 #[cfg(test)]
 pub(crate) use choice::run_with;
+#[cfg(all(target_arch = "aarch64", target_feature = "neon", target_endian = "little"))]
+pub(crate) use neon::Neon;
 pub(crate) use portable::Portable;
 
 /// The number of contacts in a group: the lanes of the widest vector.

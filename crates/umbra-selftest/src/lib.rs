@@ -31,6 +31,7 @@ impl fmt::Display for Way {
         }
         match self.vectors {
             VectorSet::Portable => f.write_str(", no wide vectors"),
+            VectorSet::Neon => f.write_str(", NEON"),
             VectorSet::Avx2 => f.write_str(", AVX2"),
             VectorSet::Avx512 => f.write_str(", AVX-512"),
         }

@@ -2,16 +2,18 @@
 
 use core::sync::atomic::{AtomicU8, Ordering};
 
-use super::{Avx2, Avx512, Job, Portable};
+use super::{Avx2, Avx512, Job, Neon, Portable};
 
 /// A set of vector instructions, from narrow to wide.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum VectorSet {
     /// No vector instructions.
     Portable,
-    /// Four lanes of 64 bits.
+    /// Two lanes of 64 bits, on little-endian `aarch64`.
+    Neon,
+    /// Four lanes of 64 bits, on x86-64.
     Avx2,
-    /// Eight lanes of 64 bits. Only compilers from 1.89 on know them.
+    /// Eight lanes of 64 bits, on x86-64. Only compilers from 1.89 on know them.
     Avx512,
 }
 
@@ -21,11 +23,13 @@ static ALLOWED: AtomicU8 = AtomicU8::new(VectorSet::Avx512 as u8);
 impl VectorSet {
     /// Returns true if the CPU has these instructions and this build can use them.
     ///
-    /// A build for x86-64 with the feature `std` asks the CPU.
+    /// A build for x86-64 with the feature `std` asks the CPU; without it, there is `Portable` alone. On other targets the build
+    /// decides.
     #[must_use]
     pub fn is_available(self) -> bool {
         match self {
             Self::Portable => true,
+            Self::Neon => Neon::new().is_some(),
             Self::Avx2 => Avx2::new().is_some(),
             Self::Avx512 => Avx512::new().is_some(),
         }
@@ -33,7 +37,7 @@ impl VectorSet {
 
     /// Returns the sets that are available, from narrow to wide.
     pub fn available() -> impl Iterator<Item = Self> {
-        [Self::Portable, Self::Avx2, Self::Avx512].into_iter().filter(|set| set.is_available())
+        [Self::Portable, Self::Neon, Self::Avx2, Self::Avx512].into_iter().filter(|set| set.is_available())
     }
 
     /// Allows no wider sets than this one in this process. They change no bit: tests show that with this switch, and benchmarks
@@ -70,9 +74,10 @@ pub(crate) fn run<J: Job>(job: J) -> J::Result {
 
 /// Runs a job with a set of instructions, or without any if the set is not available.
 pub(crate) fn run_with<J: Job>(set: VectorSet, job: J) -> J::Result {
-    match (set, Avx2::new(), Avx512::new()) {
-        (VectorSet::Avx512, _, Some(lanes)) => lanes.run(job),
-        (VectorSet::Avx2, Some(lanes), _) => lanes.run(job),
+    match (set, Neon::new(), Avx2::new(), Avx512::new()) {
+        (VectorSet::Neon, Some(lanes), ..) => lanes.run(job),
+        (VectorSet::Avx2, .., Some(lanes), _) => lanes.run(job),
+        (VectorSet::Avx512, .., Some(lanes)) => lanes.run(job),
         _ => job.run(Portable),
     }
 }
