@@ -33,7 +33,8 @@
 #![cfg_attr(
     not(any(
         all(feature = "std", target_arch = "x86_64"),
-        all(target_arch = "aarch64", target_feature = "neon", target_endian = "little")
+        all(target_arch = "aarch64", target_feature = "neon", target_endian = "little"),
+        all(target_arch = "wasm32", target_feature = "simd128")
     )),
     forbid(unsafe_code)
 )]

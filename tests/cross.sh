@@ -25,7 +25,8 @@ jobs=${CROSS_JOBS:-$(nproc)}
 # Debian has the libraries of these; those of the others are built from its sources.
 prebuilt="i686-unknown-linux-gnu aarch64-unknown-linux-gnu armv7-unknown-linux-gnueabihf s390x-unknown-linux-gnu
   powerpc64le-unknown-linux-gnu"
-from_source="riscv64gc-unknown-linux-gnu mips-unknown-linux-gnu wasm32-wasip1"
+# WebAssembly has vectors where the build says so: a module cannot ask.
+from_source="riscv64gc-unknown-linux-gnu mips-unknown-linux-gnu wasm32-wasip1 wasm32-wasip1/simd128"
 # stable: rustup's; nightly: if it is there; msrv: Debian's.
 x86="x86_64/stable-o3 x86_64/stable-checked x86_64/stable-native x86_64/stable-parallel x86_64/nightly-o3 x86_64/msrv-o3"
 quick="x86_64/stable-o3 x86_64/stable-checked i686-unknown-linux-gnu s390x-unknown-linux-gnu"
@@ -50,7 +51,7 @@ describe() {
     powerpc64le-*) arch=ppc64el gnu=powerpc64le-linux-gnu qemu=ppc64le libc=ppc64el ;;
     riscv64gc-*) gnu=riscv64-linux-gnu qemu=riscv64 libc=riscv64 ;;
     mips-*) gnu=mips-linux-gnu qemu=mips libc=mips ;;
-    wasm32-wasip1) ;;
+    wasm32-wasip1*) ;;
     *) return 1 ;;
   esac
 }
@@ -165,7 +166,7 @@ provide() {
   esac
   describe "$1"
   unpack host "${arch:-src}" || return
-  if [ "$1" = wasm32-wasip1 ]; then
+  if [ "${1%/*}" = wasm32-wasip1 ]; then
     command -v node >/dev/null || install nodejs || return
     install wasi-libc || return
     if [ -z "$(rust_lld)" ]; then
@@ -191,6 +192,7 @@ build() {
       CARGO_PROFILE_RELEASE_OVERFLOW_CHECKS=true) ;;
     *-native) variables+=(RUSTFLAGS=-Ctarget-cpu=native) ;;
     *-parallel) features=parallel ;;
+    */simd128) variables+=(RUSTFLAGS=-Ctarget-feature=+simd128) ;;
   esac
   program=$directory/release/umbra-selftest
   case $1 in
@@ -199,13 +201,14 @@ build() {
     x86_64/*) ;;
     *)
       describe "$1"
+      local triple=${1%/*}
       # One folder for all of them: what runs on the host is built once.
       directory=$outputs/deb185
-      flags+=(--target "$1")
+      flags+=(--target "$triple")
       variables+=("RUSTC=$home/rustc185")
-      name=CARGO_TARGET_$(echo "$1" | tr 'a-z-' 'A-Z_')_LINKER
-      program=$directory/$1/release/umbra-selftest
-      if [ "$1" = wasm32-wasip1 ]; then
+      name=CARGO_TARGET_$(echo "$triple" | tr 'a-z-' 'A-Z_')_LINKER
+      program=$directory/$triple/release/umbra-selftest
+      if [ "$triple" = wasm32-wasip1 ]; then
         variables+=("$name=$(rust_lld)")
         program+=.wasm
         runner=(node --no-warnings tests/wasi.mjs)
@@ -257,7 +260,7 @@ if [ ${#targets[@]} -gt 1 ] && is_bookworm; then
         wanted+=(host "${arch:-src}")
         [ -z "$gnu" ] || packages+=("gcc-${gnu/_/-}" "libc6-dev-$libc-cross")
         [ -z "$gnu" ] || [ "$qemu" = none ] || packages+=(qemu-user-static)
-        [ "$target" != wasm32-wasip1 ] || packages+=(wasi-libc)
+        [ "${target%/*}" != wasm32-wasip1 ] || packages+=(wasi-libc)
         ;;
     esac
   done

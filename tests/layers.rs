@@ -352,7 +352,7 @@ fn the_library_uses_neither_std_nor_the_outside() {
     assert!(manifest.contains("unsafe_code = \"deny\""));
     let mut named = files_with("unsafe_code");
     named.sort();
-    let sets = ["avx2", "avx512", "neon"].map(|set| format!("kernel/simd/{set}.rs"));
+    let sets = ["avx2", "avx512", "neon", "simd128"].map(|set| format!("kernel/simd/{set}.rs"));
     assert_eq!(named.split_last(), Some((&"lib.rs".into(), &sets[..])), "who allows it, and who denies it");
 }
 

@@ -16,6 +16,9 @@
 //! cargo test --release --lib --target aarch64-unknown-linux-gnu -- kernel::simd solve
 //! ```
 //!
+//! For WebAssembly the target is `wasm32-wasip1`, the runner `node --no-warnings tests/wasi.mjs`, and `RUSTFLAGS` are
+//! `-Ctarget-feature=+simd128`. `tests/cross.sh` runs scenes of contacts on both.
+//!
 //! This file and those beneath it are the only ones in the crate that may say `unsafe`: the instructions may be called on a
 //! CPU that has them, which [`run`] makes sure of. A value of a type that implements [`Lanes`] is the proof of that.
 
@@ -28,9 +31,13 @@ mod choice;
 #[cfg(all(target_arch = "aarch64", target_feature = "neon", target_endian = "little"))]
 mod neon;
 mod portable;
+#[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+mod simd128;
 
 #[cfg(not(all(target_arch = "aarch64", target_feature = "neon", target_endian = "little")))]
 pub(crate) use absent::Absent as Neon;
+#[cfg(not(all(target_arch = "wasm32", target_feature = "simd128")))]
+pub(crate) use absent::Absent as Simd128;
 #[cfg(not(all(feature = "std", target_arch = "x86_64")))]
 pub(crate) use absent::{Absent as Avx2, Absent as Avx512};
 #[cfg(all(feature = "std", target_arch = "x86_64"))]
@@ -44,6 +51,8 @@ pub(crate) use choice::run_with;
 #[cfg(all(target_arch = "aarch64", target_feature = "neon", target_endian = "little"))]
 pub(crate) use neon::Neon;
 pub(crate) use portable::Portable;
+#[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+pub(crate) use simd128::Simd128;
 
 /// The number of contacts in a group: the lanes of the widest vector.
 pub(crate) const GROUP: usize = 8;

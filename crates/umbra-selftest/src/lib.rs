@@ -32,6 +32,7 @@ impl fmt::Display for Way {
         match self.vectors {
             VectorSet::Portable => f.write_str(", no wide vectors"),
             VectorSet::Neon => f.write_str(", NEON"),
+            VectorSet::Simd128 => f.write_str(", SIMD128"),
             VectorSet::Avx2 => f.write_str(", AVX2"),
             VectorSet::Avx512 => f.write_str(", AVX-512"),
         }

@@ -2,7 +2,7 @@
 
 use core::sync::atomic::{AtomicU8, Ordering};
 
-use super::{Avx2, Avx512, Job, Neon, Portable};
+use super::{Avx2, Avx512, Job, Neon, Portable, Simd128};
 
 /// A set of vector instructions, from narrow to wide.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -11,6 +11,8 @@ pub enum VectorSet {
     Portable,
     /// Two lanes of 64 bits, on little-endian `aarch64`.
     Neon,
+    /// Two lanes of 64 bits, in builds for `wasm32` with the target feature `simd128`.
+    Simd128,
     /// Four lanes of 64 bits, on x86-64.
     Avx2,
     /// Eight lanes of 64 bits, on x86-64. Only compilers from 1.89 on know them.
@@ -30,6 +32,7 @@ impl VectorSet {
         match self {
             Self::Portable => true,
             Self::Neon => Neon::new().is_some(),
+            Self::Simd128 => Simd128::new().is_some(),
             Self::Avx2 => Avx2::new().is_some(),
             Self::Avx512 => Avx512::new().is_some(),
         }
@@ -37,7 +40,9 @@ impl VectorSet {
 
     /// Returns the sets that are available, from narrow to wide.
     pub fn available() -> impl Iterator<Item = Self> {
-        [Self::Portable, Self::Neon, Self::Avx2, Self::Avx512].into_iter().filter(|set| set.is_available())
+        [Self::Portable, Self::Neon, Self::Simd128, Self::Avx2, Self::Avx512]
+            .into_iter()
+            .filter(|set| set.is_available())
     }
 
     /// Allows no wider sets than this one in this process. They change no bit: tests show that with this switch, and benchmarks
@@ -74,8 +79,9 @@ pub(crate) fn run<J: Job>(job: J) -> J::Result {
 
 /// Runs a job with a set of instructions, or without any if the set is not available.
 pub(crate) fn run_with<J: Job>(set: VectorSet, job: J) -> J::Result {
-    match (set, Neon::new(), Avx2::new(), Avx512::new()) {
+    match (set, Neon::new(), Simd128::new(), Avx2::new(), Avx512::new()) {
         (VectorSet::Neon, Some(lanes), ..) => lanes.run(job),
+        (VectorSet::Simd128, _, Some(lanes), ..) => lanes.run(job),
         (VectorSet::Avx2, .., Some(lanes), _) => lanes.run(job),
         (VectorSet::Avx512, .., Some(lanes)) => lanes.run(job),
         _ => job.run(Portable),
