@@ -16,11 +16,14 @@
 //! square, a disc on the middle line of a bar) any direction would favour a side, and there is no manifold.
 
 mod axes;
+pub mod broad;
 mod cores;
+mod filter;
 mod frame;
 mod place;
 mod points;
 
+pub use filter::Filter;
 pub use place::{Cores, Pose};
 
 use crate::fx::Fx;

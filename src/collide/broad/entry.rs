@@ -1,0 +1,81 @@
+//! The memory of a moving collider: its fat box.
+
+use super::bounds::Bounds;
+use super::tree::{Extent, NONE};
+use crate::collide::filter::Filter;
+
+/// The largest margin around a box, 5 cm in ulps.
+const MARGIN: i64 = (5 << 32) / 100;
+
+/// The number of steps for which a fat box has room, at the motion that a collider has.
+const STEPS_AHEAD: i64 = 4;
+
+/// The memory of a moving collider.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Entry {
+    pub(super) fat: Bounds,
+    /// The lower left corner of the box in the step before; that of now for a new one.
+    pub(super) before: [i64; 2],
+    /// Half the perimeter of the fat box, in units of 8 ulp.
+    half_perimeter: i64,
+    pub(super) filter: Filter,
+    /// The leaf, or [`NONE`] for one that does not move.
+    pub(super) leaf: u32,
+    /// The step in which it was seen last.
+    pub(super) seen: u32,
+    /// True if its candidates are searched anew in this step.
+    pub(super) is_stale: bool,
+}
+
+impl Entry {
+    pub(super) const NONE: Self = Self {
+        fat: Bounds::EMPTY,
+        before: [0; 2],
+        half_perimeter: 0,
+        filter: Filter { category: 0, mask: 0, group: 0 },
+        leaf: NONE,
+        seen: 0,
+        is_stale: false,
+    };
+
+    pub(super) fn extent(&self) -> Extent {
+        Extent::new(self.fat, self.filter)
+    }
+
+    /// Returns true if the fat box holds a box and is not far too large for it: what stopped gives back its room for motion.
+    #[inline(always)]
+    pub(super) fn fits(&self, bounds: &Bounds) -> bool {
+        // Between ±2^62, as both are from 0 to 2^62.
+        let slack = self.half_perimeter - bounds.half_perimeter();
+        self.fat.contains(bounds) && (slack <= MARGIN || slack <= self.most_slack(bounds))
+    }
+
+    /// The most by which half the perimeter of the fat box may be larger, given the motion: about twice what it is larger by at first.
+    fn most_slack(&self, bounds: &Bounds) -> i64 {
+        let [x, y] = self.motion(bounds).map(|d| d.saturating_abs() >> 3);
+        (x + y).saturating_mul(2 * STEPS_AHEAD).saturating_add(MARGIN)
+    }
+
+    /// The motion of the box since the step before.
+    fn motion(&self, bounds: &Bounds) -> [i64; 2] {
+        [0, 1].map(|k| bounds.min[k].saturating_sub(self.before[k]))
+    }
+
+    /// Makes a fat box around a box.
+    pub(super) fn fatten(&mut self, bounds: &Bounds) {
+        let [width, height] = bounds.sides();
+        let size = width.max(height);
+        let margin = (size >> 3).min(MARGIN);
+        let ahead = self.motion(bounds).map(|d| d.saturating_mul(STEPS_AHEAD).clamp(-size, size));
+        // At the ends of the range a fat box is cut off there, where no box reaches beyond.
+        self.fit(Bounds {
+            min: [0, 1].map(|k| bounds.min[k].saturating_sub(margin).saturating_add(ahead[k].min(0))),
+            max: [0, 1].map(|k| bounds.max[k].saturating_add(margin).saturating_add(ahead[k].max(0))),
+        });
+    }
+
+    /// Makes a box the fat one, as it is.
+    pub(super) fn fit(&mut self, bounds: Bounds) {
+        (self.fat, self.half_perimeter) = (bounds, bounds.half_perimeter());
+    }
+}

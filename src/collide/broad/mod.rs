@@ -1,0 +1,359 @@
+//! Broad phase: the pairs of colliders that may touch.
+//!
+//! **Pairs are defined, not found.** Two colliders are a pair if their boxes have a point in common, their filters agree and one of them
+//! moves. Boxes are exact, and the pairs come sorted: they are a function of boxes and filters alone. All the rest here is a cache,
+//! which no snapshot holds, and which may be of any age.
+//!
+//! How: each moving collider has a *fat* box, larger than its own by a margin, which it keeps until it leaves it. Pairs of fat boxes
+//! are *candidates*; they change when somebody leaves a fat box, and only then a tree is searched. In a step in which nobody does, the
+//! cost is that of one comparison for each moving collider and one for each candidate. Static colliders stand in a tree of their own,
+//! built once, which copies of a world share.
+
+mod bounds;
+mod cap;
+mod entry;
+mod statics;
+#[cfg(test)]
+mod tests;
+mod tree;
+
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+
+pub use cap::PairLimits;
+pub use statics::Statics;
+
+use super::filter::Filter;
+use crate::fx::Fx;
+use crate::shape::Aabb;
+
+use bounds::Bounds;
+use entry::Entry;
+use tree::{NONE, Tree};
+
+/// A collider as the broad phase sees it: a box with a filter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Proxy {
+    /// The number of the collider, below 2^32 - 1. Memory grows with the largest one.
+    pub collider: u32,
+    /// The box that holds the collider during the step, and the margin around it. *Domain* `min` is not above `max`.
+    pub bounds: Aabb<Fx>,
+    /// The filter, which says what it may meet.
+    pub filter: Filter,
+}
+
+/// The broad phase of a world, with what it remembers between steps. A new one and one of any history give the same pairs.
+#[derive(Clone, Debug, Default)]
+pub struct BroadPhase {
+    statics: Arc<Statics>,
+    /// The fat boxes.
+    tree: Tree,
+    /// The memory of each moving collider, by number.
+    entries: Vec<Entry>,
+    /// The boxes of moving colliders, and of static ones among the candidates, by number.
+    boxes: Vec<Bounds>,
+    /// The colliders that moved in the last step.
+    movers: Vec<u32>,
+    /// The colliders that left their fat boxes, or are new.
+    stale: Vec<u32>,
+    /// The colliders that moved before this step, and do so no more.
+    gone: Vec<u32>,
+    /// Pairs whose fat boxes overlap, and whose filters agree: the lower number in the upper half.
+    candidates: Vec<u64>,
+    /// Workspace: new candidates.
+    found: Vec<u64>,
+    /// The number of changes of boxes since the tree was built.
+    changes: usize,
+    step: u32,
+    pairs: Vec<[u32; 2]>,
+    above_cap: Vec<u32>,
+    /// Workspace: the number of pairs of each collider.
+    degrees: Vec<u32>,
+    /// Workspace: the number of pairs that need a cap of 0, 1 and so on.
+    needs: Vec<usize>,
+    /// True if the candidates are all there are.
+    is_complete: bool,
+}
+
+/// A pair as a number, sorted like the pair.
+fn key(a: u32, b: u32) -> u64 {
+    u64::from(a.min(b)) << 32 | u64::from(a.max(b))
+}
+
+fn pair(key: u64) -> [u32; 2] {
+    [(key >> 32) as u32, key as u32]
+}
+
+impl BroadPhase {
+    /// Finds the pairs of a step. `movers` are the colliders that move, in any order, each once and none of them among the static ones.
+    ///
+    /// With more than `limits.pairs` pairs, [`above_cap`](Self::above_cap) names the colliders that have too many.
+    ///
+    /// Time and memory are bounded by the numbers of colliders and of pairs, or by the limits if they are lower. Time alone grows also with
+    /// the number of overlapping boxes whose filters disagree: categories and masks end a search early where they keep whole parts of the
+    /// tree apart, groups do not.
+    pub fn update(&mut self, statics: &Arc<Statics>, movers: &[Proxy], limits: &PairLimits) {
+        let are_new = !Arc::ptr_eq(&self.statics, statics);
+        if are_new {
+            self.statics = Arc::clone(statics);
+        }
+        self.place(movers);
+        // With more candidates than this, the pairs are searched without margins.
+        let most = limits.pairs.saturating_mul(2).saturating_add(movers.len());
+        let is_small = if are_new || !self.is_complete || self.stale.len() > movers.len() / 8 {
+            self.search_all(most)
+        } else {
+            self.search_stale(most)
+        };
+        self.above_cap.clear();
+        if !is_small && !self.search_exactly(limits.pairs) {
+            return self.cap(limits);
+        }
+        self.sift();
+        if self.pairs.len() > limits.pairs {
+            self.search_exactly(limits.pairs);
+            self.cap(limits);
+        }
+    }
+
+    /// The pairs of the last [`update`](Self::update), each by the lower and the higher number, sorted. No collider of
+    /// [`above_cap`](Self::above_cap) is in one.
+    #[must_use]
+    pub fn pairs(&self) -> &[[u32; 2]] {
+        &self.pairs
+    }
+
+    /// The moving colliders that had too many pairs, sorted; none if all pairs were within the limit.
+    #[must_use]
+    pub fn above_cap(&self) -> &[u32] {
+        &self.above_cap
+    }
+
+    /// Takes in the boxes of a step: finds who is gone, and who is new or has left its fat box.
+    fn place(&mut self, movers: &[Proxy]) {
+        self.step = self.step.wrapping_add(1);
+        self.stale.clear();
+        self.gone.clear();
+        let mut is_same = movers.len() == self.movers.len();
+        for proxy in movers {
+            let at = proxy.collider as usize;
+            if at >= self.entries.len() {
+                self.grow(at + 1);
+            }
+            let bounds = Bounds::from(proxy.bounds);
+            let (entry, own) = (&mut self.entries[at], &mut self.boxes[at]);
+            let is_new = entry.leaf == NONE;
+            entry.before = if is_new { bounds.min } else { own.min };
+            *own = bounds;
+            entry.seen = self.step;
+            is_same &= !is_new;
+            if is_new || entry.filter != proxy.filter || !entry.fits(&bounds) {
+                entry.filter = proxy.filter;
+                entry.is_stale = true;
+                self.stale.push(proxy.collider);
+            }
+        }
+        if is_same {
+            return;
+        }
+        for &collider in &self.movers {
+            let entry = &mut self.entries[collider as usize];
+            if entry.seen != self.step {
+                self.tree.remove(entry.leaf);
+                (entry.leaf, entry.is_stale) = (NONE, true);
+                self.gone.push(collider);
+            }
+        }
+        self.movers.clear();
+        self.movers.extend(movers.iter().map(|proxy| proxy.collider));
+    }
+
+    /// Lists the pairs among the candidates.
+    fn sift(&mut self) {
+        // Each is written, and then counted or not: which of them are pairs follows no pattern, so that a branch would often go wrong.
+        self.pairs.resize(self.candidates.len(), [0; 2]);
+        let mut count = 0;
+        for &key in &self.candidates {
+            let [a, b] = pair(key);
+            self.pairs[count] = [a, b];
+            count += usize::from(self.boxes[a as usize].overlaps(&self.boxes[b as usize]));
+        }
+        self.pairs.truncate(count);
+    }
+
+    /// Makes room for the colliders below a number.
+    fn grow(&mut self, len: usize) {
+        self.entries.resize(len, Entry::NONE);
+        self.boxes.resize(len, Bounds::EMPTY);
+    }
+
+    /// Gives those that are stale new fat boxes, or all, and puts these into the tree. Builds it again where it has changed much.
+    fn refit(&mut self, all: bool) {
+        let changed = if all { &self.movers } else { &self.stale };
+        for &collider in changed {
+            let entry = &mut self.entries[collider as usize];
+            entry.fatten(&self.boxes[collider as usize]);
+            let extent = entry.extent();
+            match entry.leaf {
+                NONE => entry.leaf = self.tree.push(collider, extent),
+                leaf if all => self.tree.set(leaf, extent),
+                leaf => self.tree.enlarge(leaf, extent),
+            }
+        }
+        self.changes += changed.len();
+        let count = self.movers.len();
+        let is_sparse = self.tree.len() > 4 * count + 64;
+        if is_sparse || self.tree.loose() > 16 + count / 32 || self.changes > 8 * count {
+            self.build();
+        } else if all {
+            self.tree.refit();
+        }
+    }
+
+    /// Builds the tree of fat boxes anew.
+    fn build(&mut self) {
+        self.changes = 0;
+        self.tree.build();
+        for (leaf, collider, _) in self.tree.leaves() {
+            self.entries[collider as usize].leaf = leaf;
+        }
+    }
+
+    /// Takes note that the candidates of the stale ones are found.
+    fn settle(&mut self) {
+        for &collider in self.stale.iter().chain(&self.gone) {
+            self.entries[collider as usize].is_stale = false;
+        }
+    }
+
+    /// Searches the candidates of all. Returns false if there are more than `most`.
+    fn search_all(&mut self, most: usize) -> bool {
+        self.settle();
+        // With new fat boxes for all: most would leave theirs soon, and each of them then costs a search of its own.
+        self.refit(true);
+        self.join(most)
+    }
+
+    /// Lists all candidates, from the boxes in the tree. Returns false, with a part of them, if there are more than `most`.
+    fn join(&mut self, most: usize) -> bool {
+        let mut found = core::mem::take(&mut self.candidates);
+        found.clear();
+        for (leaf, collider, extent) in self.tree.leaves() {
+            let filter = self.entries[collider as usize].filter;
+            // The leaves from there on alone: each two of them once.
+            self.tree.search(leaf as usize + 1, extent, |other| {
+                if filter.agrees(self.entries[other as usize].filter) {
+                    found.push(key(collider, other));
+                }
+                found.len() <= most
+            });
+            if found.len() > most {
+                break;
+            }
+        }
+        let statics = Arc::clone(&self.statics);
+        if !statics.is_empty() {
+            for i in 0..self.movers.len() {
+                if found.len() > most {
+                    break;
+                }
+                self.search_statics(&statics, self.movers[i], most, &mut found);
+            }
+        }
+        self.is_complete = found.len() <= most;
+        if self.is_complete {
+            found.sort_unstable();
+        }
+        self.candidates = found;
+        self.is_complete
+    }
+
+    /// Adds the candidates of a moving collider with static ones.
+    fn search_statics(&mut self, statics: &Statics, collider: u32, most: usize, found: &mut Vec<u64>) {
+        let Entry { filter, .. } = self.entries[collider as usize];
+        let extent = self.entries[collider as usize].extent();
+        statics.search(&extent, |other| {
+            if filter.agrees(other.filter) {
+                let at = other.collider as usize;
+                if at >= self.entries.len() {
+                    self.grow(at + 1);
+                }
+                self.boxes[at] = other.bounds.into();
+                found.push(key(collider, other.collider));
+            }
+            found.len() <= most
+        });
+    }
+
+    /// Searches the candidates of those that are stale. Returns false if there are more than `most`.
+    fn search_stale(&mut self, most: usize) -> bool {
+        if self.stale.is_empty() && self.gone.is_empty() {
+            return true;
+        }
+        self.refit(false);
+        let entries = &self.entries;
+        let is_stale = |collider: u32| entries[collider as usize].is_stale;
+        self.candidates.retain(|&key| !pair(key).map(is_stale).contains(&true));
+        let mut found = core::mem::take(&mut self.found);
+        found.clear();
+        let room = most.saturating_sub(self.candidates.len());
+        let statics = Arc::clone(&self.statics);
+        for i in 0..self.stale.len() {
+            let collider = self.stale[i];
+            let entry = &self.entries[collider as usize];
+            self.tree.search(0, &entry.extent(), |other| {
+                let with = &self.entries[other as usize];
+                // Of two that are stale, the lower one finds the pair.
+                let is_first = !with.is_stale || collider < other;
+                if is_first & (collider != other) && entry.filter.agrees(with.filter) {
+                    found.push(key(collider, other));
+                }
+                found.len() <= room
+            });
+            self.search_statics(&statics, collider, room, &mut found);
+            if found.len() > room {
+                break;
+            }
+        }
+        found.sort_unstable();
+        merge(&mut self.candidates, &found);
+        self.found = found;
+        self.settle();
+        self.is_complete = self.candidates.len() <= most;
+        self.is_complete
+    }
+
+    /// Lists as candidates the pairs themselves. Returns false if there are more than `most`.
+    #[cold]
+    fn search_exactly(&mut self, most: usize) -> bool {
+        for &collider in &self.movers {
+            let entry = &mut self.entries[collider as usize];
+            entry.fit(self.boxes[collider as usize]);
+            self.tree.set(entry.leaf, entry.extent());
+        }
+        self.build();
+        self.join(most)
+    }
+}
+
+#[cfg(test)]
+impl BroadPhase {
+    /// The room of each list.
+    fn capacities(&self) -> [usize; 9] {
+        let Self { tree, entries, boxes, movers, stale, gone, candidates, found, pairs, .. } = self;
+        let colliders = [entries.capacity(), boxes.capacity(), movers.capacity(), stale.capacity(), gone.capacity()];
+        let [a, b, c, d, e] = colliders;
+        [tree.capacity(), a, b, c, d, e, candidates.capacity(), found.capacity(), pairs.capacity()]
+    }
+}
+
+/// Merges a sorted list into another one. No number is in both.
+fn merge(into: &mut Vec<u64>, from: &[u64]) {
+    let (mut left, mut right) = (into.len(), from.len());
+    into.resize(left + right, 0);
+    while right > 0 {
+        let is_old_last = left > 0 && into[left - 1] > from[right - 1];
+        into[left + right - 1] = if is_old_last { into[left - 1] } else { from[right - 1] };
+        if is_old_last { left -= 1 } else { right -= 1 }
+    }
+}

@@ -1,0 +1,6 @@
+//! Tests of the broad phase: all pairs by comparison of each two, after any history.
+
+mod exact;
+mod limits;
+mod scene;
+mod steady;

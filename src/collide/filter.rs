@@ -1,0 +1,49 @@
+//! Filters: which colliders may meet.
+
+/// The kinds of colliders that one may meet. Two colliders meet if each has a category in the other's mask; a group that both are in
+/// decides before that.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Filter {
+    /// The categories that the collider is in, one bit each.
+    pub category: u32,
+    /// The categories that it meets.
+    pub mask: u32,
+    /// The group. Two colliders of one positive group always meet, two of one negative group never. Group 0 is no group.
+    pub group: i32,
+}
+
+impl Default for Filter {
+    /// The first category, which meets all, and no group.
+    fn default() -> Self {
+        Self { category: 1, mask: !0, group: 0 }
+    }
+}
+
+impl Filter {
+    /// Returns true if two colliders with these filters may meet.
+    #[must_use]
+    pub fn agrees(self, other: Self) -> bool {
+        if self.group == other.group && self.group != 0 {
+            return self.group > 0;
+        }
+        self.category & other.mask != 0 && other.category & self.mask != 0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn categories_count_both_ways_and_groups_come_first() {
+        let filter = |category, mask, group| Filter { category, mask, group };
+        assert!(Filter::default().agrees(Filter::default()));
+        let one_way = [filter(1, 2, 0), filter(2, 4, 0)];
+        assert!(!one_way[0].agrees(one_way[1]) && !one_way[1].agrees(one_way[0]));
+        assert!(filter(1, 2, 0).agrees(filter(2, 1, 0)));
+        assert!(filter(1, 2, 5).agrees(filter(2, 4, 5)));
+        assert!(!filter(1, 2, 5).agrees(filter(2, 4, 6)));
+        assert!(!filter(1, !0, -5).agrees(filter(1, !0, -5)));
+        assert!(filter(1, !0, -5).agrees(filter(1, !0, -6)));
+    }
+}
