@@ -1,9 +1,11 @@
 //! Pairs, their manifolds, and the impulses that they keep from step to step.
 
 use super::bodies::Body;
-use umbra_physics::collide::{Cores, Manifold, Pose};
+use std::sync::Arc;
+use umbra_physics::collide::broad::{BroadPhase, PairLimits, Proxy, Statics};
+use umbra_physics::collide::{Cores, Filter, Manifold, Pose};
 use umbra_physics::solve::{Contact, Flight, Impulses, Point};
-use umbra_physics::{Fx, fx};
+use umbra_physics::{Aabb, Fx, Vec2, fx};
 
 /// Shapes have a manifold from this distance on, and from what they close in the step, m.
 const MARGIN: Fx = fx!(0.02);
@@ -29,14 +31,11 @@ pub struct Pairs {
     cores: Cores,
     /// The place in `cores` by body; of no meaning for others.
     core_of: Vec<usize>,
-}
-
-/// A box around a body during the step, in ulps.
-struct Reach {
-    low: [i64; 2],
-    high: [i64; 2],
-    body: u32,
-    is_dynamic: bool,
+    broad: BroadPhase,
+    /// The bodies that do not move, from the first step on.
+    statics: Option<Arc<Statics>>,
+    /// Those that do.
+    movers: Vec<Proxy>,
 }
 
 /// The length of a vector in ulps, rounded up.
@@ -82,9 +81,10 @@ impl Pairs {
                 cores += 1;
             }
         }
-        for pair in candidates(bodies, flights) {
+        self.search(bodies, flights);
+        for &pair in self.broad.pairs() {
             let [a, b] = pair.map(|i| i as usize);
-            if [a, b].iter().any(|&i| bodies[i].outline.is_none()) || joined.binary_search(&pair).is_ok() {
+            if joined.binary_search(&pair).is_ok() {
                 continue;
             }
             let margin = Fx::from_bits(MARGIN.to_bits() + closing(&flights[a], &flights[b]));
@@ -94,6 +94,20 @@ impl Pairs {
                 self.records.push(record);
             }
         }
+    }
+
+    /// Finds the pairs of bodies, not both fixed, whose boxes overlap.
+    fn search(&mut self, bodies: &[Body], flights: &[Flight]) {
+        let proxies = |is_dynamic: bool| {
+            let all = bodies.iter().zip(flights).enumerate();
+            all.filter(move |(_, (body, _))| body.outline.is_some() && body.is_dynamic == is_dynamic)
+                .map(|(i, (body, flight))| proxy(i, body, flight))
+        };
+        let statics = self.statics.get_or_insert_with(|| Arc::new(Statics::new(proxies(false).collect())));
+        self.movers.clear();
+        self.movers.extend(proxies(true));
+        let limits = PairLimits { pairs: usize::MAX, per_collider: usize::MAX };
+        self.broad.update(statics, &self.movers, &limits);
     }
 
     /// The record of a pair: impulses of points with features of the step before, others zero; that of friction if there is such a
@@ -137,25 +151,14 @@ fn contact(record: &Record, manifold: &Manifold, [a, b]: [&Body; 2]) -> Contact 
     }
 }
 
-/// Pairs of bodies, not both fixed, whose boxes overlap: all that may come within the margin. Sorted.
-fn candidates(bodies: &[Body], flights: &[Flight]) -> Vec<[u32; 2]> {
-    let reach = |(i, (body, flight)): (usize, (&Body, &Flight))| {
-        let moved = length(flight.displacement.x.to_bits(), flight.displacement.y.to_bits()) + turned(flight);
-        let more = MARGIN.to_bits() / 2 + 1 + moved;
-        let centre = [flight.position.x.to_bits(), flight.position.y.to_bits()];
-        let side = |sign: i64| [0, 1].map(|k| centre[k] + sign * (body.extent[k] + more));
-        Reach { low: side(-1), high: side(1), body: i as u32, is_dynamic: body.is_dynamic }
+/// The box around a body during the step, with half the margin: those of all that may come within the margin of it overlap it.
+fn proxy(i: usize, body: &Body, flight: &Flight) -> Proxy {
+    let moved = length(flight.displacement.x.to_bits(), flight.displacement.y.to_bits()) + turned(flight);
+    let more = MARGIN.to_bits() / 2 + 1 + moved;
+    let centre = [flight.position.x.to_bits(), flight.position.y.to_bits()];
+    let corner = |sign: i64| {
+        let [x, y] = [0, 1].map(|k| Fx::from_bits(centre[k] + sign * (body.extent[k] + more)));
+        Vec2::new(x, y)
     };
-    let mut boxes: Vec<Reach> = bodies.iter().zip(flights).enumerate().map(reach).collect();
-    boxes.sort_unstable_by_key(|b| b.low[0]);
-    let mut pairs = Vec::new();
-    for (i, a) in boxes.iter().enumerate() {
-        for b in boxes[i + 1..].iter().take_while(|b| b.low[0] <= a.high[0]) {
-            if (a.is_dynamic || b.is_dynamic) && a.low[1] <= b.high[1] && b.low[1] <= a.high[1] {
-                pairs.push([a.body.min(b.body), a.body.max(b.body)]);
-            }
-        }
-    }
-    pairs.sort_unstable();
-    pairs
+    Proxy { collider: i as u32, bounds: Aabb { min: corner(-1), max: corner(1) }, filter: Filter::default() }
 }
