@@ -10,6 +10,7 @@ use bodies::{Body, Timing};
 use joints::Joints;
 use pairs::Pairs;
 use std::time::Instant;
+use umbra_physics::scalar::internals::VectorSet;
 use umbra_physics::solve::{Correction, Flight, Solver, SolverOptions};
 use umbra_physics::{Fx, TimeStep};
 
@@ -18,6 +19,8 @@ use super::umbra::{Number, time_step};
 pub struct Contacts {
     id: &'static str,
     options: SolverOptions,
+    /// The widest vector instructions that it may use.
+    widest: VectorSet,
 }
 
 impl Contacts {
@@ -25,29 +28,32 @@ impl Contacts {
 
     /// With the solver's default options.
     pub fn new() -> Self {
-        Self { id: Self::ID, options: SolverOptions::default() }
+        Self { id: Self::ID, options: SolverOptions::default(), widest: VectorSet::Avx512 }
     }
 
     /// The engine of an id like `umbra-contacts@substeps=6:frequency=0.125`; `None` for another engine or an unknown option.
     pub fn with_options(id: &str) -> Option<Self> {
         let list = id.strip_prefix(Self::ID)?.strip_prefix('@')?;
-        let mut options = SolverOptions::default();
+        let (mut options, mut widest) = (SolverOptions::default(), VectorSet::Avx512);
         for option in list.split(':') {
             let (name, value) = option.split_once('=')?;
-            let number = Fx::parse(value).ok()?;
+            let number = || Fx::parse(value).ok();
             match name {
                 "substeps" => options.substeps = value.parse().ok().filter(|n| (1..=8).contains(n))?,
-                "frequency" => options.frequency = number,
-                "damping" => options.damping_ratio = number,
-                "joint_frequency" => options.joint_frequency = number,
-                "joint_damping" => options.joint_damping_ratio = number,
-                "push" => options.push_speed = number,
-                "restitution" => options.restitution_speed = number,
+                "frequency" => options.frequency = number()?,
+                "damping" => options.damping_ratio = number()?,
+                "joint_frequency" => options.joint_frequency = number()?,
+                "joint_damping" => options.joint_damping_ratio = number()?,
+                "push" => options.push_speed = number()?,
+                "restitution" => options.restitution_speed = number()?,
+                "vectors" => {
+                    widest = VectorSet::available().find(|set| format!("{set:?}").eq_ignore_ascii_case(value))?
+                }
                 _ => return None,
             }
         }
         // Ids live as long as the program, and there are few.
-        Some(Self { id: String::from(id).leak(), options })
+        Some(Self { id: String::from(id).leak(), options, widest })
     }
 }
 
@@ -59,9 +65,9 @@ impl Engine for Contacts {
         Info {
             version: format!("umbra-physics {}", locked_version("umbra-physics")),
             number: "I32F32 fixed point, contacts in 32-bit integers",
-            build: "feature float".into(),
+            build: format!("feature float; vector instructions: {:?}", self.widest.min(VectorSet::used())),
             solver: "velocity Verlet, then soft contacts in parity order as a correction; options of the solver by \
-                     umbra-contacts@substeps=N:frequency=F:damping=D:joint_frequency=F:joint_damping=D:push=P:restitution=R",
+                     umbra-contacts@substeps=N:vectors=SET:frequency=F:damping=D:joint_frequency=F:joint_damping=D:push=P:restitution=R",
             damping_law: "none",
             damped: |v0, _, _, _, _| v0,
             default_substeps: self.options.substeps,
@@ -89,6 +95,7 @@ impl Engine for Contacts {
             timing: Timing::new(time_step, scene.gravity.map(Fx::number)),
             time_step,
             options,
+            widest: self.widest,
             bodies,
             joints,
             pairs: Pairs::default(),
@@ -104,6 +111,7 @@ struct Bed {
     timing: Timing,
     time_step: TimeStep,
     options: SolverOptions,
+    widest: VectorSet,
     bodies: Vec<Body>,
     joints: Joints,
     pairs: Pairs,
@@ -124,9 +132,11 @@ impl World for Bed {
         self.pairs.collide(&self.bodies, &poses, &self.flights, &self.joints.pairs);
         let (joints, contacts) = (&mut self.joints.joints, &mut self.pairs.contacts);
         self.solver.prepare(self.time_step, &self.options, &self.flights, joints, contacts);
+        VectorSet::allow(self.widest);
         let before = Instant::now();
         self.solver.run_passes(self.options.substeps);
         self.passes_us = before.elapsed().as_secs_f64() * 1e6;
+        VectorSet::allow(VectorSet::Avx512);
         self.solver.finish(self.time_step, &self.options, &self.flights, joints, contacts, &mut self.corrections);
         for (body, correction) in self.bodies.iter_mut().zip(&self.corrections) {
             body.correct(correction);
