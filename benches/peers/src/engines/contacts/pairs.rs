@@ -118,8 +118,8 @@ impl Pairs {
         if let Ok(at) = self.before.binary_search_by_key(&pair, |record| record.pair) {
             let old = &self.before[at];
             impulses.exponent = old.impulses.exponent;
-            for k in 0..manifold.count {
-                let same = (0..old.count).find(|&i| old.features[i] == features[k]);
+            for (k, feature) in features.iter().enumerate().take(manifold.count) {
+                let same = (0..old.count).find(|&i| old.features[i] == *feature);
                 if let Some(i) = same {
                     impulses.values[k] = old.impulses.values[i];
                     impulses.values[2] = old.impulses.values[2];
