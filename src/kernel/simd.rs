@@ -167,8 +167,8 @@ pub(crate) trait Quads: Copy {
     fn quad_minus(self, a: Self::Quad, b: Self::Quad) -> Self::Quad;
     /// a within ±limit.
     fn quad_clamped(self, a: Self::Quad, limit: i32) -> Self::Quad;
-    /// (a·share + b·other) / 2^30, each component to nearest, ties away from zero.
-    fn quad_shares(self, a: Self::Quad, share: i32, b: Self::Quad, other: i32) -> Self::Quad;
+    /// a·share / 2^30, each component to nearest, ties away from zero. *Domain* 0 ≤ share ≤ 2^30.
+    fn quad_share(self, a: Self::Quad, share: i32) -> Self::Quad;
     /// The first three components of `a`, and the last one of `b`.
     fn quad_joined(self, a: Self::Quad, b: Self::Quad) -> Self::Quad;
 

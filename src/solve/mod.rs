@@ -45,7 +45,7 @@ use self::restitution::Bounces;
 use self::unit::{Clock, Softness, rim_speed};
 use crate::fx;
 use crate::fx::Fx;
-use crate::kernel::simd;
+use crate::kernel::simd::{self, Job, Lanes};
 use crate::math::{TimeStep, Vec2};
 use crate::scalar::{FxAccumulator, FxFactor};
 
@@ -337,30 +337,45 @@ impl Solver {
 
     /// Runs all sub-steps. Returns the number of values that were cut off.
     pub fn run_passes(&mut self, substeps: u32) -> u64 {
+        simd::run(SubSteps { solver: self, count: substeps })
+    }
+
+    /// A pass over the contacts of all phases.
+    #[inline(always)]
+    fn pass<L: Lanes>(&mut self, pass: Pass, lanes: L) -> u64 {
         let mut cut = 0;
-        for k in 1..=substeps {
-            simd::run(Begin { rows: &mut self.rows, k, n: substeps });
-            if k == 1 {
-                for phase in 0..PHASES {
-                    cut += self.pass(phase, Pass::WarmStart);
-                }
-            }
-            cut += self.joints.solve(&mut self.rows);
-            for phase in 0..PHASES {
-                cut += self.pass(phase, Pass::Solve);
-            }
-            simd::run(Advance { rows: &mut self.rows });
-            cut += self.joints.relax(&mut self.rows);
-            for phase in 0..PHASES {
-                cut += self.pass(phase, Pass::Relax);
-            }
+        for phase in 0..PHASES {
+            let groups = &mut self.groups[self.phases[phase].clone()];
+            cut += PassOver { pass, groups, rows: &mut self.rows, touched: &self.touched[phase] }.run(lanes);
         }
         cut
     }
+}
 
-    fn pass(&mut self, phase: usize, pass: Pass) -> u64 {
-        let groups = &mut self.groups[self.phases[phase].clone()];
-        let rows = &mut self.rows;
-        simd::run(PassOver { pass, groups, rows, touched: &self.touched[phase] })
+/// All sub-steps. The result is the number of values that were cut off.
+struct SubSteps<'a> {
+    solver: &'a mut Solver,
+    count: u32,
+}
+
+impl Job for SubSteps<'_> {
+    type Result = u64;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, lanes: L) -> u64 {
+        let Self { solver, count: n } = self;
+        let mut cut = 0;
+        for k in 1..=n {
+            Begin { rows: &mut solver.rows, k, n }.run(lanes);
+            if k == 1 {
+                cut += solver.pass(Pass::WarmStart, lanes);
+            }
+            cut += solver.joints.solve(&mut solver.rows, lanes);
+            cut += solver.pass(Pass::Solve, lanes);
+            Advance { rows: &mut solver.rows }.run(lanes);
+            cut += solver.joints.relax(&mut solver.rows, lanes);
+            cut += solver.pass(Pass::Relax, lanes);
+        }
+        cut
     }
 }

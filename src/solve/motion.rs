@@ -13,6 +13,7 @@
 
 use alloc::vec::Vec;
 
+use super::number::clamped_word;
 use crate::kernel::simd::{GAIN_BITS, Gain, Job, Lanes, Portable, Quads, Row};
 
 /// The largest component of a velocity.
@@ -49,12 +50,6 @@ pub(super) struct Rows {
     pub(super) rows: Vec<Row>,
     flights: Vec<FlightRow>,
     progress: Vec<Progress>,
-}
-
-/// a + b within ±limit.
-#[inline(always)]
-fn saturated(a: i64, limit: i32) -> i32 {
-    a.clamp(-i64::from(limit), i64::from(limit)) as i32
 }
 
 impl Rows {
@@ -109,7 +104,7 @@ fn apply_large_gain(row: &mut Row) -> u64 {
     for i in 0..3 {
         let gained = Portable.rounded_oddly::<GAIN_BITS>(row.gain[i]);
         let wanted = i64::from(row.velocity[i]) + gained;
-        row.velocity[i] = saturated(wanted, VELOCITY);
+        row.velocity[i] = clamped_word(wanted, VELOCITY.into());
         cut += u64::from(i64::from(row.velocity[i]) != wanted);
         row.gain[i] -= gained << GAIN_BITS;
     }
@@ -131,10 +126,10 @@ impl Job for Begin<'_> {
     fn run<L: Lanes>(self, lanes: L) {
         let lanes = lanes.quads();
         let share = ((i64::from(self.k) << 30) / i64::from(self.n)) as i32;
-        let Rows { rows, flights, progress, .. } = self.rows;
+        let Rows { rows, flights, progress } = self.rows;
         for ((row, flight), progress) in rows.iter_mut().zip(flights).zip(progress) {
             let (velocity, change) = (lanes.quad(&row.velocity), lanes.quad(&flight.change));
-            let w = lanes.quad_plus(lanes.quad(&flight.start), lanes.quad_shares(change, share, change, 0));
+            let w = lanes.quad_plus(lanes.quad(&flight.start), lanes.quad_share(change, share));
             let mut wanted = w;
             if self.k > 1 {
                 // Below 2^29.9: velocities are within 2^27, corrections within 2^28, of which three are added.

@@ -339,13 +339,11 @@ impl Quads for Avx2 {
     }
 
     #[inline(always)]
-    fn quad_shares(self, a: __m128i, share: i32, b: __m128i, other: i32) -> __m128i {
+    fn quad_share(self, a: __m128i, share: i32) -> __m128i {
         unsafe {
-            let a = _mm256_mul_epi32(_mm256_cvtepi32_epi64(a), self.splat(share));
-            let b = _mm256_mul_epi32(_mm256_cvtepi32_epi64(b), self.splat(other));
-            let sum = _mm256_add_epi64(a, b);
-            let half = _mm256_sub_epi64(self.words(1 << 29), _mm256_srli_epi64::<63>(sum));
-            self.packed(_mm256_srli_epi64::<30>(_mm256_add_epi64(sum, half)))
+            let product = _mm256_mul_epi32(_mm256_cvtepi32_epi64(a), self.splat(share));
+            let half = _mm256_sub_epi64(self.words(1 << 29), _mm256_srli_epi64::<63>(product));
+            self.packed(_mm256_srli_epi64::<30>(_mm256_add_epi64(product, half)))
         }
     }
 

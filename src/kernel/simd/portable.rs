@@ -207,12 +207,8 @@ impl Quads for Portable {
     }
 
     #[inline(always)]
-    fn quad_shares(self, a: [i32; 4], share: i32, b: [i32; 4], other: i32) -> [i32; 4] {
-        let mut shares = [0; 4];
-        for (i, result) in shares.iter_mut().enumerate() {
-            *result = self.rounded_oddly::<30>(self.times(a[i], share) + self.times(b[i], other)) as i32;
-        }
-        shares
+    fn quad_share(self, a: [i32; 4], share: i32) -> [i32; 4] {
+        a.map(|a| self.rounded_oddly::<30>(self.times(a, share)) as i32)
     }
 
     #[inline(always)]

@@ -224,7 +224,8 @@ struct OneBody {
     small: [[i32; 4]; 2],
     any: [[i32; 4]; 2],
     limit: i32,
-    shares: [i32; 2],
+    /// From 0 to 2^30.
+    share: i32,
     row: Row,
 }
 
@@ -233,7 +234,7 @@ impl OneBody {
         let any = [0, 1].map(|_| core::array::from_fn(|_| edges[random.next() as usize % edges.len()] as i32));
         let limit = 1 << (random.next() as u32 % 31);
         let small = [0, 1].map(|_| core::array::from_fn(|_| random.number(30) as i32));
-        let shares = [random.number(31) as i32, random.number(30) as i32];
+        let share = (random.number(31) as i32).abs();
         let mut row = Row::default();
         for k in 0..4 {
             row.displacement[k] = random.next() as i32;
@@ -243,7 +244,7 @@ impl OneBody {
             let wanted = if k == 0 || random.next() & 1 == 0 { missing - i64::from(row.velocity[k]) } else { 0 };
             row.gain[k] = if k < 3 { (wanted << GAIN_BITS) + random.number(26) } else { 0 };
         }
-        Self { small, any, limit, shares, row }
+        Self { small, any, limit, share, row }
     }
 }
 
@@ -257,7 +258,7 @@ impl Job for OneBody {
         lanes.put(&mut results[0], lanes.quad_plus(a, b));
         lanes.put(&mut results[1], lanes.quad_minus(a, b));
         lanes.put(&mut results[2], lanes.quad_clamped(c, self.limit));
-        lanes.put(&mut results[3], lanes.quad_shares(a, self.shares[0], b, self.shares[1]));
+        lanes.put(&mut results[3], lanes.quad_share(c, self.share));
         lanes.put(&mut results[4], lanes.quad_joined(c, d));
         let is_within = lanes.take_gain(&mut self.row, self.limit);
         (results, self.row, is_within)

@@ -1,7 +1,7 @@
 //! The passes over joints.
 
 use super::{Block, FINER, GAIN, IMPULSE};
-use crate::kernel::simd::{GAIN_BITS, Job, Lanes};
+use crate::kernel::simd::GAIN_BITS;
 use crate::solve::motion::Rows;
 use crate::solve::number::shifted;
 
@@ -14,21 +14,6 @@ pub(in crate::solve) enum JointPass {
     Solve,
     /// Rigid joints; errors stay as they are.
     Relax,
-}
-
-/// Adds the gains of a phase to the velocities.
-pub(super) struct ApplyGains<'a> {
-    pub(super) rows: &'a mut Rows,
-    pub(super) touched: &'a [u32],
-}
-
-impl Job for ApplyGains<'_> {
-    type Result = u64;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self, lanes: L) -> u64 {
-        self.rows.apply_gains(lanes, self.touched)
-    }
 }
 
 impl Block {

@@ -3,9 +3,9 @@
 use alloc::vec::Vec;
 use core::ops::Range;
 
-use super::pass::{ApplyGains, JointPass};
+use super::pass::JointPass;
 use super::{Block, Common, Joint};
-use crate::kernel::simd;
+use crate::kernel::simd::Lanes;
 use crate::solve::apply::Path;
 use crate::solve::graph::PHASES;
 use crate::solve::motion::{DISPLACEMENT, Rows};
@@ -30,7 +30,8 @@ impl Joints {
         self.blocks.capacity() + self.touched.iter().map(Vec::capacity).sum::<usize>()
     }
 
-    fn pass(&mut self, pass: JointPass, rows: &mut Rows) -> u64 {
+    #[inline(always)]
+    fn pass<L: Lanes>(&mut self, pass: JointPass, rows: &mut Rows, lanes: L) -> u64 {
         if self.blocks.is_empty() {
             return 0;
         }
@@ -41,20 +42,22 @@ impl Joints {
                 continue;
             }
             cut += blocks.iter_mut().map(|block| block.run(pass, rows)).sum::<u64>();
-            cut += simd::run(ApplyGains { rows, touched: &self.touched[phase] });
+            cut += rows.apply_gains(lanes, &self.touched[phase]);
         }
         cut
     }
 
     /// The passes of a sub-step before the contacts are solved.
-    pub(in crate::solve) fn solve(&mut self, rows: &mut Rows) -> u64 {
-        self.pass(JointPass::WarmStart, rows) + self.pass(JointPass::Solve, rows)
+    #[inline(always)]
+    pub(in crate::solve) fn solve<L: Lanes>(&mut self, rows: &mut Rows, lanes: L) -> u64 {
+        self.pass(JointPass::WarmStart, rows, lanes) + self.pass(JointPass::Solve, rows, lanes)
     }
 
     /// The pass after the move of a sub-step, before the contacts are relaxed.
-    pub(in crate::solve) fn relax(&mut self, rows: &mut Rows) -> u64 {
+    #[inline(always)]
+    pub(in crate::solve) fn relax<L: Lanes>(&mut self, rows: &mut Rows, lanes: L) -> u64 {
         let cut = self.blocks.iter_mut().map(|block| block.advance(rows)).sum::<u64>();
-        cut + self.pass(JointPass::Relax, rows)
+        cut + self.pass(JointPass::Relax, rows, lanes)
     }
 }
 

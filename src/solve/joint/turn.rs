@@ -8,6 +8,9 @@ use crate::solve::contact::{Inverse, Matrix};
 use crate::solve::motion::{Rows, Vector};
 use crate::solve::number::shifted;
 
+/// 0.1 rad in 2^-30: the largest turn in a sub-step that the second-order term counts.
+const LARGEST_ANGLE: i64 = 107_374_182;
+
 /// The share of an impulse that is rigid, in 2^-30: k/(k + c·w) for a compliance c, in 2^-30 of the mass factor, where k is that
 /// of the shares of the bodies and w that of the bodies. (With k in place of w shares would make a joint softer.)
 fn rigid_share(compliance: i32, split: i128, whole: i128) -> i64 {
@@ -40,7 +43,7 @@ pub(super) struct Side {
     pub(super) turn: (u64, i32),
     /// The angle of a unit of angular velocity in a sub-step, in 2^-30 rad: mantissa and shift.
     pub(super) angle: (u64, i32),
-    /// By how much the displacement of the row at the end of the step is larger than that of the body.
+    /// The excess of the displacement of the row over that of the body, at the end of the step.
     pub(super) shift: [i32; 3],
     /// The changes of velocity that the joint made in the sub-step, in 2^-30.
     pub(super) made: [i64; 3],
@@ -56,7 +59,7 @@ impl Side {
         self.share > 1 && self.is_movable()
     }
 
-    /// At least as much as the mass factor of any row at the arm.
+    /// A bound, from above, on the mass factor of any row at the arm.
     pub(super) fn largest_mass(&self) -> i64 {
         let [x, y] = self.unit_start.map(i128::from);
         let [mx, my, angular] = self.masses;
@@ -159,12 +162,10 @@ impl Block {
 
     /// The angle that a body turns in a sub-step at an angular velocity, in 2^-30 rad within ±0.1 rad.
     pub(super) fn angle_of(&self, side: usize, velocity: i32) -> i64 {
-        /// 0.1 in 2^-30.
-        const MOST: i128 = 107_374_182;
         let (mantissa, shift) = self.sides[side].angle;
-        let angle = mul_shift_64(velocity.into(), mantissa, shift);
+        let most = i128::from(LARGEST_ANGLE);
         // An angle that does not fit is as large as any.
-        angle.unwrap_or(MOST).clamp(-MOST, MOST) as i64
+        mul_shift_64(velocity.into(), mantissa, shift).unwrap_or(most).clamp(-most, most) as i64
     }
 
     /// The part of the motion of the anchors in a sub-step along a row that the velocities at its end leave out, in 2^-30:
@@ -186,7 +187,6 @@ impl Block {
 
     /// φ²·l/2 for the angle φ that a rod of length l turns in the sub-step, in 2^-30; φ is at most 0.1 rad.
     fn rod_turns(&self, [a, b]: [Vector; 2]) -> i64 {
-        const MOST: i64 = 107_374_182;
         if self.distance == 0 {
             return 0;
         }
@@ -196,7 +196,7 @@ impl Block {
         let (x, y) = (x - wb * of_b[1] + wa * of_a[1], y + wb * of_b[0] - wa * of_a[0]);
         let [ux, uy] = self.axes[0].map(i128::from);
         let across = shifted(ux * i128::from(y) - uy * i128::from(x), 30) as i64;
-        let angle = i128::from((across.abs() / self.distance).min(MOST));
+        let angle = i128::from((across.abs() / self.distance).min(LARGEST_ANGLE));
         shifted(angle * angle * i128::from(self.distance), 31) as i64
     }
 

@@ -163,7 +163,7 @@ fn a_large_impulse_turns_the_way_it_points() {
         let mut solver = Solver::default();
         solver.prepare(scene.time_step, &scene.options, &scene.flights, &[], &scene.contacts);
         Begin { rows: &mut solver.rows, k: 1, n: 1 }.run(Portable);
-        solver.pass(0, Pass::WarmStart);
+        solver.pass(Pass::WarmStart, Portable);
         assert!(solver.rows.velocity(1)[2] > 0, "{impulse}: {:?}", solver.rows.velocity(1));
     }
 }

@@ -6,10 +6,8 @@ use crate::fx::Fx;
 use crate::kernel::simd::{Job, Portable};
 use crate::math::{Random, TimeStep, Vec2};
 use crate::scalar::{FxAccumulator, FxFactor};
-use crate::solve::motion::{Advance, Begin};
-use crate::solve::pass::{Pass, PassOver};
 use crate::solve::{
-    Contact, Correction, Flight, Impulses, PHASES, Point, Solver, SolverCounts, SolverOptions, Velocity,
+    Contact, Correction, Flight, Impulses, Point, Solver, SolverCounts, SolverOptions, SubSteps, Velocity,
 };
 
 /// Bodies and the contacts between them, with what they are solved by.
@@ -117,37 +115,11 @@ impl Scene {
     pub(super) fn solve_portably(&self) -> Solution {
         let (mut solver, mut corrections, mut contacts) = (Solver::default(), Vec::new(), self.contacts.clone());
         solver.prepare(self.time_step, &self.options, &self.flights, &[], &contacts);
-        let cut = run_portably(&mut solver, self.options.substeps);
+        let cut = SubSteps { solver: &mut solver, count: self.options.substeps }.run(Portable);
         solver.finish(self.time_step, &self.options, &self.flights, &mut [], &mut contacts, &mut corrections);
         let impulses = contacts.iter().map(|contact| contact.impulses).collect();
         Solution { impulses, corrections, counts: SolverCounts { cut } }
     }
-}
-
-/// [`Solver::run_passes`] with one lane at a time.
-fn run_portably(solver: &mut Solver, substeps: u32) -> u64 {
-    let mut cut = 0;
-    for k in 1..=substeps {
-        Begin { rows: &mut solver.rows, k, n: substeps }.run(Portable);
-        if k == 1 {
-            cut += pass_portably(solver, Pass::WarmStart);
-        }
-        cut += pass_portably(solver, Pass::Solve);
-        Advance { rows: &mut solver.rows }.run(Portable);
-        cut += pass_portably(solver, Pass::Relax);
-    }
-    cut
-}
-
-fn pass_portably(solver: &mut Solver, pass: Pass) -> u64 {
-    let phases = 0..PHASES;
-    phases
-        .map(|phase| {
-            let groups = &mut solver.groups[solver.phases[phase].clone()];
-            let (rows, touched) = (&mut solver.rows, &solver.touched[phase][..]);
-            PassOver { pass, groups, rows, touched }.run(Portable)
-        })
-        .sum()
 }
 
 /// A scene as another observer sees it, and its solution.
