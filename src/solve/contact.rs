@@ -1,8 +1,9 @@
 //! Preparation of contacts: rows, masses, the inverse matrices and their units.
 
+use super::matrix::{Inverse, Matrix, factor, ratio};
 use super::number::{bits_of, clamped, clamped_word, exponent, fixed, shifted, shifted_word, times};
 use super::unit::{Clock, Softness};
-use crate::fx::Fx;
+use super::{Contact, Point};
 use crate::kernel::simd::{GAIN_BITS, GROUP, Pairs};
 use crate::math::Vec2;
 use crate::scalar::FxFactor;
@@ -121,31 +122,21 @@ pub(super) struct BodyOf {
     pub(super) share: i64,
 }
 
-/// The quantities that a contact is solved from.
+/// A contact with its bodies and its unit.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ContactOf<'a> {
+    pub(super) contact: &'a Contact,
     pub(super) bodies: [BodyOf; 2],
-    /// Unit vector from A to B, in 2^-30.
-    pub(super) normal: [i32; 2],
-    /// Arms of A and B, and the separation, by point: one or two.
-    pub(super) points: &'a [PointOf],
-    pub(super) friction: Fx,
-    /// Along the tangent (ny, −nx), m/s.
-    pub(super) surface: Fx,
-    /// Impulses in N·s over 2^exponent of the unit.
-    pub(super) impulses: [i64; 3],
-    pub(super) exponent: i32,
     /// log2 of the unit of velocity of the island, m/s.
     pub(super) unit: i32,
 }
 
-/// A point of a contact.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct PointOf {
-    /// From the centre of A, and from the centre of B, m.
-    pub(super) arms: [Vec2; 2],
-    /// m
-    pub(super) separation: Fx,
+impl ContactOf<'_> {
+    /// The first and the last point: the same one if there is only one.
+    fn ends(&self) -> [&Point; 2] {
+        let points = &self.contact.points;
+        [&points[0], &points[self.contact.count - 1]]
+    }
 }
 
 /// Inverse masses and inertias of both bodies in a common unit, and their rows.
@@ -160,14 +151,6 @@ struct Masses {
     exponent: i32,
 }
 
-/// The matrix of two rows.
-#[derive(Clone, Copy)]
-pub(super) struct Matrix {
-    pub(super) k11: i64,
-    pub(super) k12: i64,
-    pub(super) k22: i64,
-}
-
 /// The exponent above all inverse masses, and inverse inertias times the square of the length; `None` if all are zero.
 pub(super) fn largest_exponent(bodies: &[BodyOf; 2]) -> Option<i32> {
     let largest = bodies.iter().flat_map(|body| {
@@ -178,18 +161,18 @@ pub(super) fn largest_exponent(bodies: &[BodyOf; 2]) -> Option<i32> {
 }
 
 impl Masses {
-    fn new(contact: &ContactOf<'_>) -> Option<Self> {
-        let unit = MASS_BITS - largest_exponent(&contact.bodies)?;
-        let [a, b] = &contact.bodies;
+    fn new(of: &ContactOf<'_>) -> Option<Self> {
+        let unit = MASS_BITS - largest_exponent(&of.bodies)?;
+        let [a, b] = &of.bodies;
         let linear = [a, b].map(|body| body.inverse_mass.map(|factor| fixed(factor, unit)));
         let angular = [a, b].map(|body| fixed(body.inverse_inertia, unit + 2 * body.length));
-        let [nx, ny] = contact.normal;
-        let (first, last) = (&contact.points[0], &contact.points[contact.points.len() - 1]);
+        let [nx, ny] = of.contact.normal;
+        let [first, last] = of.ends();
         let mut arms = [[0; 2]; 3];
-        for (side, body) in contact.bodies.iter().enumerate() {
+        for (side, body) in of.bodies.iter().enumerate() {
             // From 2^-32 m to 2^-30 of the length.
             let down = 2 + body.length;
-            let arm = |point: &PointOf| {
+            let arm = |point: &Point| {
                 let Vec2 { x, y } = point.arms[side];
                 [x, y].map(|c| i64::from(clamped_word(shifted_word(c.to_bits(), down), 1 << 30)))
             };
@@ -257,141 +240,91 @@ impl Elements {
     }
 }
 
-/// value · 2^-bits, as large as a factor may be.
-fn factor(value: i64, bits: i32) -> i32 {
-    let most = i64::from(i32::MAX);
-    if bits < 0 && bits_of(value) - bits > 31 {
-        return clamped_word(value.signum() * most, most);
-    }
-    clamped_word(shifted_word(value, bits), most)
-}
-
-/// Element 12 over a diagonal one in 2^-28, within ±4.
-fn ratio(k12: i64, diagonal: i64) -> i32 {
-    let bits = (bits_of(diagonal) - 31).max(0);
-    let (k12, diagonal) = (k12 >> bits, diagonal >> bits);
-    if diagonal == 0 {
-        return 0;
-    }
-    // The diagonal is below 2^31, the numerator below 2^33: their quotient in 2^-28 is below 2^30.
-    ((k12.clamp(-4 * diagonal, 4 * diagonal) << 28) / diagonal) as i32
-}
-
-/// Elements 11, 22 and 12 of an inverse, in 2^-exponent.
-pub(super) struct Inverse {
-    pub(super) elements: [i64; 3],
-    pub(super) exponent: i32,
-}
-
-impl Inverse {
-    /// The inverse of a matrix. *Error* 2^-29 of the largest element. *Domain* elements below 2^60.
-    pub(super) fn of(k: Matrix) -> Self {
-        let determinant = i128::from(k.k11) * i128::from(k.k22) - i128::from(k.k12) * i128::from(k.k12);
-        if determinant <= 0 {
-            return Self { elements: [0; 3], exponent: 0 };
-        }
-        // 33 bits of the determinant: its reciprocal has 30 or 31. Numerators have 31.
-        let bits = 128 - determinant.leading_zeros() as i32 - 33;
-        let kept = if bits > 0 { determinant >> bits } else { determinant << -bits };
-        let reciprocal = (1 << 63) / kept as i64 as u64;
-        let down = (bits_of(k.k11.max(k.k22)) - 31).max(0);
-        let element = |value: i64| ((value >> down) * reciprocal as i64) >> 31;
-        Self { elements: [element(k.k22), element(k.k11), -element(k.k12)], exponent: 32 + bits - down }
-    }
-
-    /// log2 above the largest element.
-    fn log2(&self) -> i32 {
-        self.elements.iter().map(|&e| bits_of(e)).max().unwrap_or_default() - self.exponent
-    }
-
-    /// The elements in 2^-shift.
-    fn in_units(&self, shift: i32) -> [i32; 3] {
-        self.elements.map(|e| factor(e, self.exponent - shift))
-    }
-}
-
 impl Group {
     /// Writes a contact into the next lane. Returns log2 of the unit of its impulses, N·s; `None`, and nothing done, if neither
     /// body can be moved along the normal.
-    pub(super) fn push(&mut self, contact: &ContactOf<'_>, clock: &Clock, softness: &Softness) -> Option<i32> {
-        let masses = Masses::new(contact)?;
-        let lane = self.count;
+    pub(super) fn push(&mut self, of: &ContactOf<'_>, clock: &Clock, softness: &Softness) -> Option<i32> {
+        let masses = Masses::new(of)?;
+        let (lane, contact) = (self.count, of.contact);
         let sides = [masses.elements(0), masses.elements(1)];
         let whole = Elements::of(sides, [1, 1]);
-        let split = Elements::of(sides, contact.bodies.map(|body| body.share));
+        let split = Elements::of(sides, of.bodies.map(|body| body.share));
         let Matrix { k11, k22, .. } = whole.normal;
         if k11 <= 0 || k22 <= 0 {
             return None;
         }
         let smallest = [k11, k22, whole.tangent].into_iter().filter(|&k| k > 0).min()?;
-        let [nx, ny] = contact.normal;
-        let linear = [[nx, ny], [ny, -nx]].map(|direction| [0, 1].map(|side| masses.linear_by(side, direction)));
-        let angular = [0, 1, 2].map(|row| [0, 1].map(|side| times(masses.angular[side], masses.arms[row][side])));
-        // A body's factors times its share: all contacts of a phase together change its velocity by no more than one of them alone may.
-        let shares = contact.bodies.map(|body| body.share);
-        let widest = linear.iter().flat_map(|sides| [0, 1].map(|side| sides[side].map(|f| bits_of(f * shares[side]))));
-        let widest = widest.flatten().max().unwrap_or_default();
-        let turning = angular.iter().flat_map(|sides| [0, 1].map(|side| bits_of(sides[side] * shares[side])));
-        let turning = turning.max().unwrap_or_default();
-        // Factors of velocities are at most a quarter, those of angular velocities at most 2^16.
-        let bits = widest.max(bits_of(smallest)).max(turning - 18);
-        // unit · 2^-exponent of the masses is 2^-(bits + 2).
-        let unit = masses.exponent - bits - 2;
-        let in_30 = |value: i64| factor(value, bits - FACTOR_BITS);
-        let more = (turning - bits).max(0);
-        self.angular_shift[lane] = i64::from(more);
-        (0..2).for_each(|side| self.gain_limit[side][lane] = GAIN / shares[side]);
-        for (row, angular) in angular.into_iter().enumerate() {
-            self.arms[row][lane] = masses.arms[row];
-            let [of_a, of_b] = angular.map(|value| factor(value, bits - FACTOR_BITS + more));
-            self.angular[row][lane] = [-of_a, of_b];
-        }
-        for (direction, [of_a, of_b]) in linear.into_iter().enumerate() {
-            self.linear_a[direction][lane] = of_a.map(|value| -in_30(value));
-            self.linear_b[direction][lane] = of_b.map(in_30);
-        }
+        let bits = self.set_factors(&masses, of.bodies.map(|body| body.share), bits_of(smallest));
+        self.arms.iter_mut().zip(masses.arms).for_each(|(arms, row)| arms[lane] = row);
         self.normal[lane] = contact.normal;
-        let last = contact.points.len() - 1;
-        self.separation[lane] = [0, last].map(|k| {
-            let length = clock.length(contact.points[k].separation, contact.unit);
+        self.separation[lane] = of.ends().map(|point| {
+            let length = clock.length(point.separation, of.unit);
             length.clamp(-SEPARATION, SEPARATION) as i32
         });
         self.separation_now[lane] = self.separation[lane];
-        self.set_matrices(contact, (whole.normal, split.normal), softness, bits);
+        self.set_matrices(of, (whole.normal, split.normal), softness, bits);
         let friction = Inverse::of(Matrix { k11: split.tangent, k12: 0, k22: 1 << MASS_BITS });
         // In 2^-27 over the unit of impulses.
         let inverse = factor(friction.elements[0], friction.exponent - bits - 2 - 27);
         let mu = shifted(contact.friction.to_bits().into(), 6).clamp(0, i32::MAX.into()) as i32;
         self.friction[lane] = [inverse, mu];
         let quarter = 1 << FACTOR_BITS;
-        self.coupling[lane] = whole.coupling.map(|value| in_30(value).clamp(-quarter, quarter));
-        let surface = shifted(contact.surface.to_bits().into(), 32 + contact.unit);
+        self.coupling[lane] = whole.coupling.map(|value| factor(value, bits - FACTOR_BITS).clamp(-quarter, quarter));
+        let surface = shifted(contact.surface_speed.to_bits().into(), 32 + of.unit);
         self.surface[lane] = [clamped(surface, SURFACE), 0];
-        let unit = unit + contact.unit;
-        for (k, impulse) in contact.impulses.into_iter().enumerate() {
+        // The unit of masses · 2^-exponent is 2^-(bits + 2).
+        let exponent = masses.exponent - bits - 2 + of.unit;
+        self.set_impulses(contact, exponent);
+        (self.a[lane], self.b[lane]) = (of.bodies[0].row, of.bodies[1].row);
+        self.count += 1;
+        Some(exponent)
+    }
+
+    /// Writes the changes of velocity by impulses, for the shares of both bodies. Returns the number of bits that the largest one has
+    /// before it becomes a quarter; at least `least`.
+    fn set_factors(&mut self, masses: &Masses, shares: [i64; 2], least: i32) -> i32 {
+        let lane = self.count;
+        let [nx, ny] = masses.normal;
+        let linear = [[nx, ny], [ny, -nx]].map(|direction| [0, 1].map(|side| masses.linear_by(side, direction)));
+        let angular = [0, 1, 2].map(|row| [0, 1].map(|side| times(masses.angular[side], masses.arms[row][side])));
+        // A body's factors times its share: all contacts of a phase together change its velocity by no more than one of them alone may.
+        let widest = linear.iter().flat_map(|sides| [0, 1].map(|side| sides[side].map(|f| bits_of(f * shares[side]))));
+        let widest = widest.flatten().max().unwrap_or_default();
+        let turning = angular.iter().flat_map(|sides| [0, 1].map(|side| bits_of(sides[side] * shares[side])));
+        let turning = turning.max().unwrap_or_default();
+        // Factors of velocities are at most a quarter, those of angular velocities at most 2^16.
+        let bits = widest.max(least).max(turning - 18);
+        let more = (turning - bits).max(0);
+        self.angular_shift[lane] = i64::from(more);
+        (0..2).for_each(|side| self.gain_limit[side][lane] = GAIN / shares[side]);
+        for (row, angular) in angular.into_iter().enumerate() {
+            let [of_a, of_b] = angular.map(|value| factor(value, bits - FACTOR_BITS + more));
+            self.angular[row][lane] = [-of_a, of_b];
+        }
+        for (direction, [of_a, of_b]) in linear.into_iter().enumerate() {
+            self.linear_a[direction][lane] = of_a.map(|value| -factor(value, bits - FACTOR_BITS));
+            self.linear_b[direction][lane] = of_b.map(|value| factor(value, bits - FACTOR_BITS));
+        }
+        bits
+    }
+
+    /// Writes the impulses that the step begins with, in 2^exponent N·s.
+    fn set_impulses(&mut self, contact: &Contact, exponent: i32) {
+        let lane = self.count;
+        for (k, impulse) in contact.impulses.values.into_iter().enumerate() {
             // Within 100 bits: all of these are cut off anyway.
-            let bits = unit.saturating_sub(contact.exponent).max(bits_of(impulse) - 100);
+            let bits = exponent.saturating_sub(contact.impulses.exponent).max(bits_of(impulse) - 100);
             let cap = i128::from(IMPULSE);
             // Friction has either sign, and a second point may be missing.
             let least = if k == 2 { -cap } else { 0 };
-            let most = if k == 1 && last == 0 { 0 } else { cap };
+            let most = if k == 1 && contact.count == 1 { 0 } else { cap };
             self.impulses[k][lane] = shifted(impulse.into(), bits).clamp(least, most) as i64;
             (self.applied[k][lane], self.weighted[k][lane]) = (0, 0);
         }
-        (self.a[lane], self.b[lane]) = (contact.bodies[0].row, contact.bodies[1].row);
-        self.count += 1;
-        Some(unit)
     }
-
-    /// The inverse matrices, and what belongs to them.
-    fn set_matrices(
-        &mut self,
-        contact: &ContactOf<'_>,
-        (whole, split): (Matrix, Matrix),
-        softness: &Softness,
-        bits: i32,
-    ) {
-        let (lane, two) = (self.count, contact.points.len() == 2);
+    /// Writes the inverse matrices of the next lane, and what belongs to them, for the matrix and that of the shares of bodies.
+    fn set_matrices(&mut self, of: &ContactOf<'_>, (whole, split): (Matrix, Matrix), softness: &Softness, bits: i32) {
+        let (lane, two) = (self.count, of.contact.count == 2);
         // Two points close together make the matrix nearly singular: it gets a larger diagonal.
         let [k11, k12, k22] = [split.k11, split.k12, split.k22].map(i128::from);
         let is_narrow = two && k11 * k22 - k12 * k12 < (k11 * k22) >> 6;
@@ -399,14 +332,14 @@ impl Group {
             true => (split.k11 + (split.k11 >> 13), split.k22 + (split.k22 >> 13)),
             false => (split.k11, split.k22),
         };
-        let is_fixed = contact.bodies.iter().any(|body| body.inverse_mass.iter().all(|factor| factor.parts().0 == 0));
+        let is_fixed = of.bodies.iter().any(|body| body.inverse_mass.iter().all(|factor| factor.parts().0 == 0));
         let row = if is_fixed { &softness.fixed } else { &softness.moving };
         let k12 = if two { whole.k12.max(0) } else { 0 };
         let soft = |k: i64| times(k + k12, row.compliance);
         let (soft_11, soft_22) = (k11 + soft(whole.k11), k22 + soft(whole.k22));
         self.compliance[lane] =
             [whole.k11, whole.k22].map(|k| factor(soft(k), bits - FACTOR_BITS).min(1 << FACTOR_BITS));
-        self.push_out[lane] = [row.rate, -clamped(softness.deepest(contact.unit, row), SEPARATION)];
+        self.push_out[lane] = [row.rate, -clamped(softness.deepest(of.unit, row), SEPARATION)];
         let matrices = [(k11, k22), (soft_11, k22), (k11, soft_22), (soft_11, soft_22)];
         let inverses = matrices.map(|(k11, k22)| {
             // Of one point the second row does nothing.

@@ -14,6 +14,7 @@
 //! - `prepare`: units, rows of bodies and groups of contacts.
 //! - `restitution`: bouncing, once a step.
 //! - `apply`: exact impulses, applied once.
+//! - `matrix`: inverse matrices.
 //! - `number`: rounding and shifts of integers.
 
 mod apply;
@@ -21,6 +22,7 @@ mod contact;
 mod cut;
 mod graph;
 mod joint;
+mod matrix;
 mod motion;
 mod number;
 mod pass;

@@ -2,7 +2,7 @@
 
 use alloc::vec::Vec;
 
-use super::contact::{BodyOf, ContactOf, Group, PointOf};
+use super::contact::{BodyOf, ContactOf, Group};
 use super::joint::Joint;
 use super::motion::FlightRow;
 use super::unit::{Clock, Softness, unit_for};
@@ -75,7 +75,7 @@ impl Solver {
     }
 
     /// Adds a contact to the groups from `begin` on, with the shares of bodies as they are set.
-    pub(super) fn push(
+    fn push(
         &mut self,
         begin: usize,
         index: usize,
@@ -85,17 +85,7 @@ impl Solver {
     ) {
         let Some(mover) = self.graph.mover(contact.bodies) else { return };
         let unit = self.unit_of[mover as usize];
-        let points = contact.points.map(|point| PointOf { arms: point.arms, separation: point.separation });
-        let of = ContactOf {
-            bodies: contact.bodies.map(|body| self.body(body, unit, flights)),
-            normal: contact.normal,
-            points: &points[..contact.count],
-            friction: contact.friction,
-            surface: contact.surface_speed,
-            impulses: contact.impulses.values,
-            exponent: contact.impulses.exponent,
-            unit,
-        };
+        let of = ContactOf { contact, bodies: contact.bodies.map(|body| self.body(body, unit, flights)), unit };
         if self.groups.len() == begin || self.groups.last().is_some_and(|group| group.count == GROUP) {
             self.groups.push(Group::empty(STILL));
         }

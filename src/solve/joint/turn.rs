@@ -4,7 +4,7 @@ use super::{Block, ERROR};
 use crate::kernel::sqrt::direction;
 use crate::kernel::trig::sin_cos_turn;
 use crate::kernel::wide::mul_shift_64;
-use crate::solve::contact::{Inverse, Matrix};
+use crate::solve::matrix::{Inverse, Matrix};
 use crate::solve::motion::{Rows, Vector};
 use crate::solve::number::shifted;
 
