@@ -6,6 +6,9 @@ use umbra_physics::{
     RecordOptions, Recorder, Replay, ReplayError, Rollback, Shape, SpringConstants, Vec2, World, WorldDef, fx, vec2,
 };
 
+#[path = "memory/solver.rs"]
+mod solver;
+
 fn world(integrator: Integrator) -> World {
     let def = WorldDef {
         gravity: vec2(0, -10),

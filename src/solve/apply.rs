@@ -92,15 +92,16 @@ pub(super) fn on_bodies(
 impl Solver {
     /// Writes impulses and corrections.
     pub(super) fn apply(
-        &self,
+        &mut self,
         clock: &Clock,
         flights: &[Flight],
         joints: &mut [Joint],
         contacts: &mut [Contact],
         corrections: &mut Vec<Correction>,
     ) {
-        let mut totals = alloc::vec![Total::default(); flights.len()];
-        self.sum_joints(flights, joints, &mut totals);
+        self.totals.clear();
+        self.totals.resize(flights.len(), Total::default());
+        self.add_joints(flights, joints);
         for contact in contacts.iter_mut() {
             contact.impulses = Impulses::default();
         }
@@ -113,33 +114,21 @@ impl Solver {
             for (weighted, sums) in [(false, &group.applied), (true, &group.weighted)] {
                 let on = on_bodies(group, lane, place.exponent, [0, 1, 2].map(|k| sums[k][lane]), lengths);
                 for (body, on) in contact.bodies.into_iter().zip(on) {
-                    totals[body as usize].add(weighted, on);
+                    self.totals[body as usize].add(weighted, on);
                 }
             }
         }
         corrections.clear();
-        corrections.extend(flights.iter().zip(&totals).enumerate().map(|(body, (flight, total))| {
-            let ([x, y, turn], [wx, wy, wt]) = (total.impulse, total.weighted);
-            let moved = |factor: FxFactor| factor.times(clock.substep);
-            let (mass, inertia) = (flight.inverse_mass, flight.inverse_inertia);
-            let velocity = Vec2::new(changed(x, mass.x), changed(y, mass.y));
-            let angular_velocity = changed(turn, inertia);
-            let [ox, oy, turned] = match self.paths.get(body) {
-                Some(Path::Flight) => [FxAccumulator::default(); 3],
-                Some(Path::Substeps) if !total.is_zero() => flight.offsets(clock).map(offset_in_full),
-                _ => flight.cancelled([velocity.x, velocity.y, angular_velocity], clock),
-            };
-            Correction {
-                velocity,
-                angular_velocity,
-                displacement: Vec2::new(changed(wx, moved(mass.x)).plus(ox), changed(wy, moved(mass.y)).plus(oy)),
-                rotation: changed(wt, moved(inertia)).plus(turned),
+        corrections.extend(flights.iter().zip(&self.totals).enumerate().map(|(body, (flight, total))| {
+            if total.is_zero() {
+                return Correction::default();
             }
+            flight.correction(total, *self.paths.get(body).unwrap_or(&Path::Contacts), clock)
         }));
     }
 
     /// Writes the impulses of joints and adds their sums.
-    fn sum_joints(&self, flights: &[Flight], joints: &mut [Joint], totals: &mut [Total]) {
+    fn add_joints(&mut self, flights: &[Flight], joints: &mut [Joint]) {
         for joint in joints.iter_mut() {
             joint.impulses = Impulses::default();
         }
@@ -153,7 +142,7 @@ impl Solver {
                 let [x, y] = [x, y].map(|value| shifted_within(value, bits));
                 for (sign, (body, turn)) in [-1, 1].into_iter().zip(joint.bodies.into_iter().zip([turn_a, turn_b])) {
                     let turn = shifted_within(turn, bits - flights[body as usize].length());
-                    totals[body as usize].add(weighted, [x, y, turn].map(|value| sign * value));
+                    self.totals[body as usize].add(weighted, [x, y, turn].map(|value| sign * value));
                 }
             }
         }
@@ -161,6 +150,26 @@ impl Solver {
 }
 
 impl Flight {
+    /// The change of a body by its impulses.
+    fn correction(&self, total: &Total, path: Path, clock: &Clock) -> Correction {
+        let ([x, y, turn], [wx, wy, wt]) = (total.impulse, total.weighted);
+        let (mass, inertia) = (self.inverse_mass, self.inverse_inertia);
+        let moved = |factor: FxFactor| factor.times(clock.substep);
+        let velocity = Vec2::new(changed(x, mass.x), changed(y, mass.y));
+        let angular_velocity = changed(turn, inertia);
+        let [ox, oy, turned] = match path {
+            Path::Flight => [FxAccumulator::default(); 3],
+            Path::Substeps => self.offsets(clock).map(offset_in_full),
+            Path::Contacts => self.cancelled([velocity.x, velocity.y, angular_velocity], clock),
+        };
+        Correction {
+            velocity,
+            angular_velocity,
+            displacement: Vec2::new(changed(wx, moved(mass.x)).plus(ox), changed(wy, moved(mass.y)).plus(oy)),
+            rotation: changed(wt, moved(inertia)).plus(turned),
+        }
+    }
+
     /// The offsets o of semi-implicit Euler from the free flight, in 2^-32 m and rad.
     pub(super) fn offsets(&self, clock: &Clock) -> [i128; 3] {
         let Self { start, end, displacement, .. } = self;

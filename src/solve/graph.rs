@@ -23,9 +23,11 @@ pub(super) struct Graph {
     /// The places in `neighbours` at which those of each body begin.
     first: Vec<u32>,
     neighbours: Vec<u32>,
+    /// Bodies of islands, island by island, and the end of each island's part.
+    members: Vec<u32>,
+    ends: Vec<u32>,
     /// The bodies to look at next.
     queue: Vec<u32>,
-    pub(super) islands: usize,
 }
 
 impl Graph {
@@ -70,24 +72,26 @@ impl Graph {
     fn find_islands(&mut self, is_fixed: &impl Fn(u32) -> bool, bodies: usize) {
         self.island.clear();
         self.island.resize(bodies, NONE);
-        self.islands = 0;
+        self.members.clear();
+        self.ends.clear();
         for seed in 0..bodies as u32 {
             if self.island[seed as usize] != NONE || is_fixed(seed) || self.neighbours_of(seed).is_empty() {
                 continue;
             }
-            self.queue.clear();
-            self.queue.push(seed);
-            self.island[seed as usize] = self.islands as u32;
-            while let Some(body) = self.queue.pop() {
+            let (island, mut next) = (self.ends.len() as u32, self.members.len());
+            self.members.push(seed);
+            self.island[seed as usize] = island;
+            while let Some(&body) = self.members.get(next) {
+                next += 1;
                 for i in self.neighbours_of(body) {
                     let other = self.neighbours[i];
                     if self.island[other as usize] == NONE && !is_fixed(other) {
-                        self.island[other as usize] = self.islands as u32;
-                        self.queue.push(other);
+                        self.island[other as usize] = island;
+                        self.members.push(other);
                     }
                 }
             }
-            self.islands += 1;
+            self.ends.push(next as u32);
         }
     }
 
@@ -105,16 +109,15 @@ impl Graph {
             self.queue.push(body);
         }
         self.spread();
-        // Islands that no fixed body belongs to.
-        let mut members: Vec<Vec<u32>> = Vec::new();
-        for body in 0..bodies as u32 {
-            if self.level[body as usize] == NONE && self.island[body as usize] != NONE {
-                let island = self.island[body as usize] as usize;
-                members.resize(members.len().max(island + 1), Vec::new());
-                members[island].push(body);
+        let mut begin = 0;
+        for island in 0..self.ends.len() {
+            let end = self.ends[island] as usize;
+            let members = &self.members[begin..end];
+            begin = end;
+            // A fixed body gives levels to all bodies of the islands that it touches.
+            if self.level[members[0] as usize] != NONE {
+                continue;
             }
-        }
-        for members in members.iter().filter(|members| !members.is_empty()) {
             self.queue.clear();
             start(members, &mut self.queue);
             for &body in &self.queue {
@@ -153,6 +156,11 @@ impl Graph {
     /// The island of a body; `None` if it touches nothing or cannot be moved.
     pub(super) fn island_of(&self, body: u32) -> Option<u32> {
         Some(self.island[body as usize]).filter(|&island| island != NONE)
+    }
+
+    /// The number of islands.
+    pub(super) fn islands(&self) -> usize {
+        self.ends.len()
     }
 
     /// The bodies that a body touches.

@@ -34,7 +34,7 @@ mod unit;
 
 use alloc::vec::Vec;
 
-use self::apply::Path;
+use self::apply::{Path, Total};
 use self::contact::Group;
 use self::graph::{Graph, PHASES};
 use self::joint::{Common, Joints};
@@ -239,6 +239,8 @@ pub struct Solver {
     row_of: Vec<u32>,
     /// log2 of the unit of velocity by body.
     unit_of: Vec<i32>,
+    /// The largest speed by island, in 2^-32 m/s.
+    fastest: Vec<u128>,
     groups: Vec<Group>,
     /// The part of `groups` of each phase.
     phases: [core::ops::Range<usize>; PHASES],
@@ -253,6 +255,8 @@ pub struct Solver {
     carriers: Vec<Carrier>,
     carrier_of: Vec<Option<u32>>,
     bounces: Bounces,
+    /// Impulses by body.
+    totals: Vec<Total>,
 }
 
 /// The row of bodies that neither move nor can be moved.

@@ -12,15 +12,16 @@ use crate::kernel::simd::GROUP;
 impl Solver {
     /// Chooses units and makes the rows of bodies that touch.
     pub(super) fn set_rows(&mut self, clock: &Clock, flights: &[Flight], joints: &[Joint]) {
-        let mut fastest = alloc::vec![0; self.graph.islands];
+        self.fastest.clear();
+        self.fastest.resize(self.graph.islands(), 0);
         for (body, flight) in flights.iter().enumerate() {
             if let Some(island) = self.graph.island_of(body as u32) {
-                let fastest: &mut u128 = &mut fastest[island as usize];
+                let fastest = &mut self.fastest[island as usize];
                 *fastest = (*fastest).max(flight.speed());
             }
         }
-        self.fixed_speeds(flights, &mut fastest);
-        self.joint_speeds(clock, flights, joints, &mut fastest);
+        self.add_fixed_speeds(flights);
+        self.add_joint_speeds(clock, flights, joints);
         self.rows.clear();
         self.rows.push(FlightRow::default());
         self.row_of.clear();
@@ -28,7 +29,7 @@ impl Solver {
         for (body, flight) in flights.iter().enumerate() {
             let (row, unit) = match self.graph.island_of(body as u32) {
                 Some(island) => {
-                    let unit = unit_for(fastest[island as usize], clock.substeps);
+                    let unit = unit_for(self.fastest[island as usize], clock.substeps);
                     (self.rows.push(flight.row(unit)), unit)
                 }
                 None => (STILL, 0),
@@ -39,7 +40,7 @@ impl Solver {
     }
 
     /// Fixed bodies that move count in all islands that they touch.
-    fn fixed_speeds(&self, flights: &[Flight], fastest: &mut [u128]) {
+    fn add_fixed_speeds(&mut self, flights: &[Flight]) {
         for (body, flight) in flights.iter().enumerate() {
             if !flight.is_fixed() {
                 continue;
@@ -47,7 +48,8 @@ impl Solver {
             let speed = flight.speed();
             for other in self.graph.touched_by(body as u32) {
                 if let Some(island) = self.graph.island_of(other) {
-                    fastest[island as usize] = fastest[island as usize].max(speed);
+                    let fastest = &mut self.fastest[island as usize];
+                    *fastest = (*fastest).max(speed);
                 }
             }
         }

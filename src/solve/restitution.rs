@@ -188,10 +188,14 @@ impl Solver {
             let [a, b] = [group.a[lane], group.b[lane]];
             let (of_a, of_b) = (self.rows.flight(a), self.rows.flight(b));
             let closing = along_normals(group, lane, of_a.start, of_b.start);
+            let is_impact = |k: usize| closing[k] < -threshold && group.applied[k][lane] > 0;
+            if !(0..contact.count).any(is_impact) {
+                continue;
+            }
             let change = along_normals(group, lane, of_a.change, of_b.change);
             let moved = along_normals(group, lane, self.rows.displacement(a), self.rows.displacement(b));
             let mut returned = [0; 2];
-            for k in (0..contact.count).filter(|&k| closing[k] < -threshold && group.applied[k][lane] > 0) {
+            for k in (0..contact.count).filter(|&k| is_impact(k)) {
                 let separation = i64::from(group.separation[lane][k]);
                 let impact = Impact {
                     impulse: group.applied[k][lane],
@@ -237,7 +241,7 @@ impl Solver {
     fn limit_energy(&mut self, flights: &[Flight]) {
         let Bounces { bodies, impulses, energies, .. } = &mut self.bounces;
         energies.clear();
-        energies.resize(self.graph.islands, Energy::default());
+        energies.resize(self.graph.islands(), Energy::default());
         let island_of =
             |body: u32| self.graph.island_of(body).expect("bodies that can be moved are in islands") as usize;
         bodies.iter().for_each(|&body| energies[island_of(body)].bodies += 1);

@@ -22,12 +22,14 @@ pub(in crate::solve) struct Joints {
     phases: [Range<usize>; PHASES],
     /// Rows with joints, by phase.
     touched: [Vec<u32>; PHASES],
+    /// True for islands that a fixed body holds.
+    held: Vec<bool>,
 }
 
 impl Joints {
     #[cfg(test)]
     pub(in crate::solve) fn capacity(&self) -> usize {
-        self.blocks.capacity() + self.touched.iter().map(Vec::capacity).sum::<usize>()
+        self.blocks.capacity() + self.touched.iter().map(Vec::capacity).sum::<usize>() + self.held.capacity()
     }
 
     #[inline(always)]
@@ -99,19 +101,21 @@ impl Solver {
         if joints.is_empty() {
             return;
         }
-        let mut supported = alloc::vec![false; self.graph.islands];
+        let held = &mut self.joints.held;
+        held.clear();
+        held.resize(self.graph.islands(), false);
         let pressed = contacts.iter().filter(|contact| contact.impulses.values != [0; 3]);
         for bodies in joints.iter().map(|joint| joint.bodies).chain(pressed.map(|contact| contact.bodies)) {
             let mover = self.graph.mover(bodies).and_then(|body| self.graph.island_of(body));
             if let (Some(island), true) = (mover, bodies.iter().any(|&body| flights[body as usize].is_fixed())) {
-                supported[island as usize] = true;
+                held[island as usize] = true;
             }
         }
         self.paths.resize(flights.len(), Path::Contacts);
         for body in joints.iter().flat_map(|joint| joint.bodies) {
             let island = self.graph.island_of(body);
-            let is_supported = island.is_some_and(|island| supported[island as usize]);
-            self.paths[body as usize] = if is_supported { Path::Substeps } else { Path::Flight };
+            let is_held = island.is_some_and(|island| held[island as usize]);
+            self.paths[body as usize] = if is_held { Path::Substeps } else { Path::Flight };
         }
         for block in &mut self.joints.blocks {
             let bodies = joints[block.joint as usize].bodies;
@@ -129,17 +133,11 @@ impl Solver {
     }
 
     /// Joints count with the speed that takes their errors away.
-    pub(in crate::solve) fn joint_speeds(
-        &self,
-        clock: &Clock,
-        flights: &[Flight],
-        joints: &[Joint],
-        fastest: &mut [u128],
-    ) {
+    pub(in crate::solve) fn add_joint_speeds(&mut self, clock: &Clock, flights: &[Flight], joints: &[Joint]) {
         for joint in joints {
             let mover = self.graph.mover(joint.bodies);
             if let Some(island) = mover.and_then(|body| self.graph.island_of(body)) {
-                let fastest = &mut fastest[island as usize];
+                let fastest = &mut self.fastest[island as usize];
                 *fastest = (*fastest).max(joint.repair_speed(clock, flights));
             }
         }

@@ -82,7 +82,7 @@ fn check(graph: &Graph, fixed: &[bool], links: &[[u32; 2]]) {
     let mut found: Vec<usize> = bodies.filter(|&body| has_island(body)).map(|body| label[body as usize]).collect();
     found.sort_unstable();
     found.dedup();
-    assert_eq!(graph.islands, found.len());
+    assert_eq!(graph.islands(), found.len());
 }
 
 #[test]
