@@ -31,6 +31,7 @@ use crate::kernel::simd::{GROUP, Job, Lanes};
 
 /// The largest bias of a contact that is still open: what is farther apart meets nothing in a sub-step.
 pub(super) const SPECULATIVE: i32 = 1 << 29;
+
 /// The velocities that a pass aims at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Pass {
@@ -261,45 +262,63 @@ fn normal<L: Lanes, const AIM: u8>(lanes: L, group: &mut Group, rows: &mut Rows,
     lanes.store(&mut group.impulses[1], at, n2);
     let (d1, d2) = (lanes.low(d1), lanes.low(d2));
     let sum = lanes.plus(d1, d2);
-    let [mut pax, mut pay] = pushed(lanes, lanes.pair(&group.linear_a[0], at), sum);
-    let [mut pbx, mut pby] = pushed(lanes, lanes.pair(&group.linear_b[0], at), sum);
+    let [pax, pay] = pushed(lanes, lanes.pair(&group.linear_a[0], at), sum);
+    let [pbx, pby] = pushed(lanes, lanes.pair(&group.linear_b[0], at), sum);
     let ((ga1, gb1), (ga2, gb2)) = (lanes.pair(&group.angular[0], at), lanes.pair(&group.angular[1], at));
-    let mut paw = dot(lanes, (ga1, ga2), (d1, d2));
-    let mut pbw = dot(lanes, (gb1, gb2), (d1, d2));
+    let paw = dot(lanes, (ga1, ga2), (d1, d2));
+    let pbw = dot(lanes, (gb1, gb2), (d1, d2));
+    let mut gains = [[pax, pay, paw], [pbx, pby, pbw]];
     if AIM == RELAX {
-        let ((kat, kbt), coupling) = (lanes.pair(&group.arms[2], at), lanes.pair(&group.coupling, at));
-        let ((m, mu), (surface, _)) = (lanes.pair(&group.friction, at), lanes.pair(&group.surface, at));
-        // Along the tangent (ny, −nx), after the normal impulses.
         let slip = lanes.sub(lanes.times(n.1, v.0), lanes.times(n.0, v.1));
-        let slip = lanes.sub(lanes.add(slip, lanes.times(kbt, turning.1)), lanes.times(kat, turning.0));
-        let slip = lanes.add(slip, dot(lanes, coupling, (d1, d2)));
-        let slip = lanes.minus(lanes.low(lanes.rounded_oddly::<30>(slip)), surface);
-        let before = lanes.wide(&group.impulses[2], at);
-        let wanted = lanes.sub(before, lanes.rounded_oddly::<27>(lanes.times(m, slip)));
-        let mut after = lanes.clamped(wanted, lanes.share(mu, lanes.add(n1, n2)));
-        let mut change = lanes.sub(after, before);
-        if lanes.is_beyond(change) {
-            let mut words = [0; GROUP];
-            lanes.store(&mut words, 0, after);
-            cut += cut_friction(group, at, L::WIDTH, &mut words);
-            after = lanes.wide(&words, 0);
-            change = lanes.sub(after, before);
-        }
-        lanes.store(&mut group.impulses[2], at, after);
-        let change = lanes.low(change);
-        let [x, y] = pushed(lanes, lanes.pair(&group.linear_a[1], at), change);
-        (pax, pay) = (lanes.add(pax, x), lanes.add(pay, y));
-        let [x, y] = pushed(lanes, lanes.pair(&group.linear_b[1], at), change);
-        (pbx, pby) = (lanes.add(pbx, x), lanes.add(pby, y));
-        let (gat, gbt) = lanes.pair(&group.angular[2], at);
-        (paw, pbw) = (lanes.add(paw, lanes.times(gat, change)), lanes.add(pbw, lanes.times(gbt, change)));
+        cut += friction(lanes, group, at, (slip, turning), lanes.add(n1, n2), (d1, d2), &mut gains);
         add_up(lanes, group, at, 0, l1, n1);
         add_up(lanes, group, at, 1, l2, n2);
-        add_up(lanes, group, at, 2, before, after);
     }
+    let [[pax, pay, paw], [pbx, pby, pbw]] = gains;
     let [paw, pbw] = turns(lanes, group, at, [paw, pbw]);
     lanes.add_gains(&mut rows.rows, &group.a, at, [pax, pay, paw]);
     lanes.add_gains(&mut rows.rows, &group.b, at, [pbx, pby, pbw]);
+    cut
+}
+
+/// The friction row of contacts, after both normal rows: adds to the gains (x, y, angular) of both bodies. `slip` is the velocity along
+/// the tangent (ny, −nx) without that of turning, `pressing` the sum of the normal impulses and `changes` their changes in this pass.
+/// Returns the number of impulses that were cut off.
+#[inline(always)]
+fn friction<L: Lanes>(
+    lanes: L,
+    group: &mut Group,
+    at: usize,
+    (slip, turning): (L::Wide, (L::Narrow, L::Narrow)),
+    pressing: L::Wide,
+    changes: (L::Narrow, L::Narrow),
+    gains: &mut [[L::Wide; 3]; 2],
+) -> u64 {
+    let ((kat, kbt), coupling) = (lanes.pair(&group.arms[2], at), lanes.pair(&group.coupling, at));
+    let ((m, mu), (surface, _)) = (lanes.pair(&group.friction, at), lanes.pair(&group.surface, at));
+    let slip = lanes.sub(lanes.add(slip, lanes.times(kbt, turning.1)), lanes.times(kat, turning.0));
+    let slip = lanes.add(slip, dot(lanes, coupling, changes));
+    let slip = lanes.minus(lanes.low(lanes.rounded_oddly::<30>(slip)), surface);
+    let before = lanes.wide(&group.impulses[2], at);
+    let wanted = lanes.sub(before, lanes.rounded_oddly::<27>(lanes.times(m, slip)));
+    let mut after = lanes.clamped(wanted, lanes.share(mu, pressing));
+    let (mut change, mut cut) = (lanes.sub(after, before), 0);
+    if lanes.is_beyond(change) {
+        let mut words = [0; GROUP];
+        lanes.store(&mut words, 0, after);
+        cut = cut_friction(group, at, L::WIDTH, &mut words);
+        after = lanes.wide(&words, 0);
+        change = lanes.sub(after, before);
+    }
+    lanes.store(&mut group.impulses[2], at, after);
+    add_up(lanes, group, at, 2, before, after);
+    let change = lanes.low(change);
+    let (gat, gbt) = lanes.pair(&group.angular[2], at);
+    for (gains, (factors, turn)) in gains.iter_mut().zip([(&group.linear_a[1], gat), (&group.linear_b[1], gbt)]) {
+        let [x, y] = pushed(lanes, lanes.pair(factors, at), change);
+        let [along_x, along_y, angular] = *gains;
+        *gains = [lanes.add(along_x, x), lanes.add(along_y, y), lanes.add(angular, lanes.times(turn, change))];
+    }
     cut
 }
 
