@@ -9,7 +9,7 @@ pub(super) struct Axes<P, const N: usize> {
     along_a: [P; N],
     along_b: [P; N],
     largest: P,
-    /// What counts as within rounding of it.
+    /// The difference from the largest one that may come from rounding.
     slack: P,
 }
 
@@ -17,7 +17,7 @@ pub(super) struct Axes<P, const N: usize> {
 type Edges = [u64; 2];
 
 impl<P: Product, const N: usize> Axes<P, N> {
-    /// `None` if a separation is above `limit`.
+    /// Returns `None` if a separation is above `limit`.
     #[inline(always)]
     pub(super) fn new(a: &Core<P, N>, b: &Core<P, N>, k: u32, limit: P) -> Option<Self> {
         // Corners err by a unit, and normals by 2^-30 of a length.

@@ -26,15 +26,15 @@ pub(super) trait Product: Copy + Ord + Add<Output = Self> + Sub<Output = Self> +
     fn cross(a: [i32; 2], b: [i64; 2]) -> Self;
     /// A length in ulps as a product with a unit vector, or the largest product.
     fn length(ulps: i64, k: u32) -> Self;
-    /// In ulps, to nearest. It is of separations, which are the same in all images of a pair, so that any rounding will do.
+    /// The length in ulps, to nearest. It is of separations, which are the same in all images of a pair, so that any rounding will do.
     fn ulps(self, k: u32) -> i64;
-    /// In the pair's unit, rounded down.
+    /// The length in the pair's unit, rounded down.
     fn whole(self) -> i64;
 }
 
-/// Coordinates are below 2^30 + 2, so that differences are below 2^31.1; unit vectors have components up to 2^30 + 1, and |n·p| <= |n|·|p| is
-/// below 2^30.01·2^30.6, the difference of two such products below 2^61.7. Squares of distances are below 2·2^62.2 = 2^63.2, and half
-/// of them fits. A cross product is of a difference within one core, |a|·|b| < 2^30.01·2^31.6.
+/// Coordinates are below 2^30 + 2, so that differences are below 2^31.1; unit vectors have components up to 2^30 + 1, and
+/// |n·p| <= |n|·|p| is below 2^30.01·2^30.6, the difference of two such products below 2^61.7. Squares of distances are below
+/// 2·2^62.2 = 2^63.2, and half of them fits. A cross product is of a difference within one core, |a|·|b| < 2^30.01·2^31.6.
 impl Product for i64 {
     type Coordinate = i32;
     const ZERO: Self = 0;

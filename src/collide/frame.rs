@@ -39,7 +39,7 @@ impl<P> Span<P> {
     }
 }
 
-/// How the cores face each other.
+/// The parts of two cores that face each other.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Facing {
     /// The edges overlap.
@@ -210,7 +210,7 @@ impl<P: Product, const N: usize> Pair<P, N> {
         }
     }
 
-    /// How cores face each other whose edges do not overlap.
+    /// The parts of cores that face each other if no edges overlap.
     #[cold]
     fn apart(&self, separation: P, far: P, a: &Span<P>, b: &Span<P>) -> Facing {
         let Some((gap, [i, j])) = nearest(a, b) else {

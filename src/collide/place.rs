@@ -52,7 +52,7 @@ pub(super) struct Placed {
     pub(super) radius: i64,
 }
 
-/// How many places a core of this many corners takes: most shapes are boxes, and few places are as soon gone through as counted.
+/// The number of places that a core of this many corners takes: most shapes are boxes, and few places are as soon gone through as counted.
 pub(super) fn room(count: usize) -> usize {
     match count {
         0..=4 => 4,
@@ -105,7 +105,7 @@ impl View<'_> {
         if self.placed.count == 1 { 0 } else { self.placed.count }
     }
 
-    /// From this position to another in ulps, exactly; `None` from 2^24 m on in a component, where nothing touches.
+    /// The offset from this position to another in ulps, exactly; `None` from 2^24 m on in a component, where nothing touches.
     #[inline(always)]
     pub(super) fn offset_to(&self, other: &Self) -> Option<[i64; 2]> {
         const FAR: i64 = 1 << (24 + 32);
@@ -154,7 +154,7 @@ impl Cores {
     /// The manifold of two of the outlines: see [`collide`](super::collide()).
     ///
     /// # Panics
-    /// When one of them is not there.
+    /// Panics if one of them is not there.
     #[must_use]
     pub fn collide(&self, a: usize, b: usize, margin: Fx) -> Option<Manifold> {
         collide_placed(self.view(a), self.view(b), margin)

@@ -21,7 +21,7 @@ enum At {
 pub(super) struct Ends<'a> {
     pub(super) a: View<'a>,
     pub(super) b: View<'a>,
-    /// From A's centre to B's.
+    /// The offset from A's centre to B's.
     pub(super) offset: [i64; 2],
     /// The largest separation of cores that counts.
     pub(super) limit: i64,
@@ -97,7 +97,7 @@ impl Ends<'_> {
         self.single(frame.n, frame.separation.ulps(k), i, j)
     }
 
-    /// From a corner of A to a corner of B. Corners are below 2^48, offsets below 2^56.
+    /// The offset from a corner of A to a corner of B. Corners are below 2^48, offsets below 2^56.
     #[inline(always)]
     fn apart(&self, i: usize, j: usize) -> [i64; 2] {
         let part = |c: usize| self.b.corners[j][c] + self.offset[c] - self.a.corners[i][c];

@@ -3,9 +3,9 @@
 //! A loop is written once, generic over [`Lanes`], as a [`Job`]; [`run`] compiles it for each set of instructions of the target and
 //! calls the widest one that the CPU has. Every implementation computes the same bits: they differ in the number of lanes alone.
 //!
-//! There are two kinds of vectors. A *narrow* vector holds 32-bit integers, a *wide* one 64-bit integers. Where both take 64 bits a lane, the
-//! upper half of a narrow lane is arbitrary: each operation on narrow vectors reads the lower halves only, as the
-//! widening product of the CPU does.
+//! There are two kinds of vectors. A *narrow* vector holds 32-bit integers, a *wide* one 64-bit integers. Where both take 64 bits
+//! a lane, the upper half of a narrow lane is arbitrary: each operation on narrow vectors reads the lower halves only, as the widening
+//! product of the CPU does.
 //!
 //! The unit tests of this module and of `solve` compare the sets that a target has with [`Portable`]; on x86-64
 //! `cargo test` runs them. For NEON, where rustup has added the target, and qemu and the C compiler of the target are installed:

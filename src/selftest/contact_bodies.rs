@@ -56,7 +56,7 @@ impl Body {
         }
     }
 
-    /// The same body at these velocities.
+    /// Gives the body these velocities.
     pub(super) fn moving(mut self, velocity: Vec2, angular_velocity: Fx) -> Self {
         self.velocity = velocity.map(FxAccumulator::from_scalar);
         self.angular_velocity = FxAccumulator::from_scalar(angular_velocity);

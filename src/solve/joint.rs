@@ -8,9 +8,10 @@
 //! - *Solve pass*: the rows aim at the velocity that takes a part of the error away ([`SoftRow`]), and at the second-order term of the
 //!   motion: bodies move on straight lines within a sub-step while points turn on circles, so a velocity along the circle would leave it
 //!   by h·ω²·r/2. *Relax pass*: they aim at zero. With both a pendulum keeps its energy.
-//! - *Warm start*: in every sub-step, as arms turn. From the second on the body's velocity already has once more the changes of the sub-step
-//!   before ([`Begin`](super::motion::Begin)), those of joints included; so a joint adds the difference between its impulse at the arms of
-//!   now and what it changed in the sub-step before. A body with joints and contacts gets both right, and one without joints pays nothing.
+//! - *Warm start*: in every sub-step, as arms turn. From the second on the body's velocity already has once more the changes of the
+//!   sub-step before ([`Begin`](super::motion::Begin)), those of joints included; so a joint adds the difference between its impulse at
+//!   the arms of now and what it changed in the sub-step before. A body with joints and contacts gets both right, and one without joints
+//!   pays nothing.
 //! - *Softness* is that of a spring and damper over the rate of sub-steps, [`SolverOptions`](super::SolverOptions): at rest a gap is
 //!   F·k·h²/(2π·f)² for a force F and the inverse mass k along the row. Where a body has several joints in a phase, each of them moves its
 //!   share, and the passes spread impulses more slowly: half the frequency and four times the damping ratio, or a net swings for ever.
@@ -19,7 +20,7 @@
 //! - *Sums*: each block adds up its impulses with the arms that they had, exactly; `apply` hands them to the bodies once.
 //!
 //! # Ranges
-//! In units of the island: u for velocities, u·h for lengths, [`Block::exponent`] for impulses.
+//! Values are in units of the island: u for velocities, u·h for lengths, [`Block::exponent`] for impulses.
 //! - Arms over the length of the body are within ±2^30 in each component, so that axes are within 2^30 and cross products within 2^30.5.
 //! - The velocity of a row is below (√2·2^28 + 2·√2·2^27) = 2^29.5, times 2^30; the error is within ±2^30 ([`ERROR`]), times a rate below
 //!   2^30. The second-order terms are at most 0.1·√2·2^27 a body and 0.1·2^29.5 for the rod, the offsets of free flights along the row at
@@ -92,7 +93,7 @@ pub struct Joint {
 }
 
 impl Joint {
-    /// From the first anchor to the second, in 2^-32 m.
+    /// The offset from the first anchor to the second, in 2^-32 m.
     fn offset(&self, flights: &[Flight]) -> [i128; 2] {
         let of = |side: usize, at: fn(Vec2) -> Fx| {
             i128::from(at(flights[self.bodies[side] as usize].position).to_bits())
@@ -127,7 +128,7 @@ pub(super) struct Block {
     count: usize,
     /// The length that a distance joint keeps.
     length: Option<i64>,
-    /// From the first anchor to the second at the start, without both arms.
+    /// The offset from the first anchor to the second at the start, without both arms.
     base: [i64; 2],
     soft: SoftRow,
     /// The number of sub-steps, and of those that the bodies have moved in.

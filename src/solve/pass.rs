@@ -7,10 +7,11 @@
 //!
 //! # Ranges
 //! Bounds on the values, in units of the island ([`super::unit`]):
-//! - *Velocities* are within ±[`VELOCITY`](super::motion::VELOCITY) = 2^27, displacements within ±[`DISPLACEMENT`](super::motion::DISPLACEMENT) = 2^28 (clamped in [`super::motion`]),
-//!   normals within ±2^30 and arms within ±2^30. The velocity of a row is below (2√2 + 2)·2^27 = 2^29.28: a sum of products
-//!   below 2^59.3. The change of the separation is below (2√2 + 2)·2^28 = 2^30.28; with a separation at the start within
-//!   ±2^29.5 ([`SEPARATION`](super::contact::SEPARATION)) it is below 2^31.
+//! - *Velocities* are within ±[`VELOCITY`](super::motion::VELOCITY) = 2^27, displacements within
+//!   ±[`DISPLACEMENT`](super::motion::DISPLACEMENT) = 2^28 (clamped in [`super::motion`]), normals within ±2^30 and arms
+//!   within ±2^30. The velocity of a row is below (2√2 + 2)·2^27 = 2^29.28: a sum of products below 2^59.3.
+//!   The change of the separation is below (2√2 + 2)·2^28 = 2^30.28; with a separation at the start within ±2^29.5
+//!   ([`SEPARATION`](super::contact::SEPARATION)) it is below 2^31.
 //! - *Bias*: from −2^26 (the push) to 2^29 ([`SPECULATIVE`]). *Compliance*: at most a quarter of an impulse that counts as at most 2^31:
 //!   2^29. Either one with the velocity of a row is below 2^30.2.
 //! - *Inverse matrix*: entries below 2^30, or below 2^31 where the shift is zero, so that a sum of two products is

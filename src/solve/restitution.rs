@@ -3,8 +3,9 @@
 //! A point has an impact if it closed faster than the threshold at the start of the step and has had an impulse since. The impact
 //! returns a share of that impulse (Poisson's hypothesis): the passes have found how much of it each body takes where many touch, and
 //! a pair of bodies gets the velocities of Newton's hypothesis. The share is e·v over the velocity that the passes took
-//! away, where v is the speed at the moment of the impact: v² = v0² + 2·a·s0, with the relative acceleration a of the free flight, positive
-//! where it closes the gap, and the separation s0 at the start. (With v0 alone each bounce would lose the speed gained in the tick of the impact.)
+//! away, where v is the speed at the moment of the impact: v² = v0² + 2·a·s0, with the relative acceleration a of the free flight,
+//! positive where it closes the gap, and the separation s0 at the start. (With v0 alone each bounce would lose the speed gained in the
+//! tick of the impact.)
 //!
 //! A point that the last relax pass stopped at a gap s above the surface bounces there: at e²·v² − 2·a·s, as it would pass by on the
 //! way up. If it does not rise as high, or if less than an eighth of its velocity was taken away, the impulse is taken back

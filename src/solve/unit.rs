@@ -84,7 +84,7 @@ pub(super) struct SoftRow {
 /// The constants of soft contacts and joints.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Softness {
-    /// Between two bodies that move.
+    /// Contacts of two bodies that move.
     pub(super) moving: SoftRow,
     /// Contacts with a body that cannot be moved: twice as stiff.
     pub(super) fixed: SoftRow,

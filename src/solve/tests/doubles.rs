@@ -1,4 +1,4 @@
-//! Whole steps beside a twin in doubles.
+//! Steps of the solver beside a twin in doubles.
 //!
 //! No formula bounds how far rounding may lead: points that open or close, and bodies split among many contacts, amplify it. So
 //! the twin runs again with roundings of its own, at random and of the size of the solver's; the solver has to be about as

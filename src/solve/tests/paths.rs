@@ -21,7 +21,7 @@ impl Random {
         self.next() as usize % count
     }
 
-    /// From −limit to limit: its ends, or a number of any size.
+    /// A number from −limit to limit: one of the ends, or one of any size.
     fn within(&mut self, limit: i64) -> i64 {
         match self.next() & 15 {
             0 => limit,
@@ -38,7 +38,7 @@ impl Random {
         [self.word(limit), self.word(limit)]
     }
 
-    /// From 0 to limit.
+    /// A number from 0 to limit.
     fn positive(&mut self, limit: i64) -> i32 {
         self.within(limit).abs() as i32
     }

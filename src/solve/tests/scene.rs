@@ -111,7 +111,7 @@ impl Scene {
         Solution { impulses: contacts.iter().map(|contact| contact.impulses).collect(), corrections, counts }
     }
 
-    /// The same with one lane at a time.
+    /// Solves the scene with one lane at a time.
     pub(super) fn solve_portably(&self) -> Solution {
         let (mut solver, mut corrections, mut contacts) = (Solver::default(), Vec::new(), self.contacts.clone());
         solver.prepare(self.time_step, &self.options, &self.flights, &[], &contacts);
@@ -293,12 +293,12 @@ pub(super) fn by_exponent(random: &mut Random, low: f64, high: f64) -> f64 {
     (low + (high - low) * unit(random)).exp2()
 }
 
-/// From 0 to below 1.
+/// A number from 0 to below 1.
 pub(super) fn unit(random: &mut Random) -> f64 {
     (random.bits() >> 11) as f64 / 2f64.powi(53)
 }
 
-/// From −1 to 1.
+/// A number from −1 to 1.
 pub(super) fn signed(random: &mut Random) -> f64 {
     2.0 * unit(random) - 1.0
 }

@@ -194,10 +194,10 @@ fn check_velocities(case: &Case, after: &Group, rows: &[Row; 2]) {
 /// The largest difference of impulses from the twin's, as velocities along the rows.
 ///
 /// Rounding moves the velocity that a point aims at by at most e: 1/2 for the velocity, 1/2 for the separation of an open point;
-/// for the bias of a pressed one 1/2, and its rate, below 1/10, times 1/2 for the separation. The matrix M that is inverted is the contact's matrix K with a larger diagonal, K + D, so that with
-/// w = K·M⁻¹·e the bound |D^-1/2·w| ≤ |D^-1/2·e| holds; D is at least K's diagonal times 2^-13: |w_i| ≤ e·√(1 + K_ii/K_jj). One point
-/// alone is within the same bound, and as the solution is continuous in what is aimed at, so are changes from one to the other.
-/// Impulses are rounded down: once, and once more where a point is alone.
+/// for the bias of a pressed one 1/2, and its rate, below 1/10, times 1/2 for the separation. The matrix M that is inverted is the
+/// contact's matrix K with a larger diagonal, K + D, so that with w = K·M⁻¹·e the bound |D^-1/2·w| ≤ |D^-1/2·e| holds; D is at least
+/// K's diagonal times 2^-13: |w_i| ≤ e·√(1 + K_ii/K_jj). One point alone is within the same bound, and as the solution is continuous in
+/// what is aimed at, so are changes from one to the other. Impulses are rounded down: once, and once more where a point is alone.
 fn check_rows(case: &Case, after: &Group, pass: Pass) {
     let group = &case.group;
     let of = twin(group, case.rows, pass, None);

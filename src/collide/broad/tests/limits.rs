@@ -8,7 +8,7 @@ use super::scene::{KINDS, METRE, NO_LIMITS, all_pairs, filter, found, proxy};
 use crate::collide::broad::{BroadPhase, PairLimits, Proxy, Statics};
 use crate::math::Random;
 
-/// Who is above the cap, and the pairs of the others, from all pairs.
+/// The colliders above the cap, and the pairs of the others, by a look at all pairs.
 fn expected(statics: &[Proxy], movers: &[Proxy], limits: &PairLimits) -> (Vec<u32>, Vec<[u32; 2]>) {
     let pairs = all_pairs(statics, movers);
     if pairs.len() <= limits.pairs {

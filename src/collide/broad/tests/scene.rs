@@ -45,7 +45,7 @@ pub(super) fn found(broad: &mut BroadPhase, statics: &Arc<Statics>, movers: &[Pr
     broad.pairs().to_vec()
 }
 
-/// How the boxes of a scene lie.
+/// The arrangement of the boxes of a scene.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Kind {
     /// A few dense heaps.

@@ -98,7 +98,7 @@ fn a_pendulum_keeps_its_energy_for_a_thousand_seconds() {
     }
 }
 
-/// Without gravity: arms that did not turn within a step would take 60 % of its energy in a second.
+/// There is no gravity: arms that did not turn within a step would take 60 % of its energy in a second.
 #[test]
 fn a_rod_on_a_pin_keeps_spinning() {
     let mut world = pendulum();

@@ -12,7 +12,7 @@ pub(super) fn signed(random: &mut Random) -> f64 {
     random.bits() as i64 as f64 / 2f64.powi(63)
 }
 
-/// From 0 to below `below`.
+/// A number from 0 to below `below`.
 fn index(random: &mut Random, below: usize) -> usize {
     random.below(below as u64) as usize
 }

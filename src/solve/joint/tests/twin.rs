@@ -35,12 +35,12 @@ struct Body {
     mass: f64,
     inertia: f64,
     at: [f64; 2],
-    /// At the start and at the end of the free flight: linear and angular.
+    /// Velocities at the start and at the end of the free flight: linear and angular.
     start: [f64; 3],
     end: [f64; 3],
     /// The displacement without impulses: that of the sub-steps if a fixed body holds its island, else that of the free flight.
     flown: [f64; 3],
-    /// By how much that is more than the displacement of the free flight.
+    /// The excess of that over the displacement of the free flight.
     offset: [f64; 3],
     /// Corrections of the velocity, and of the displacement.
     velocity: [f64; 3],
@@ -58,7 +58,7 @@ struct Joint {
     phase: usize,
     shares: [f64; 2],
     impulses: Vec<f64>,
-    /// Where bodies are now: arms, axes, errors.
+    /// Arms, axes and errors where the bodies are now.
     arms: [[f64; 2]; 2],
     axes: Vec<[f64; 2]>,
     errors: Vec<f64>,
@@ -315,8 +315,9 @@ impl Twin {
     }
 }
 
-/// A velocity is rounded, by half a unit, in up to 72 passes, nine in each of eight sub-steps: together 36 units. Where joints contradict each other by
-/// metres the unit is coarser than 2^-22 m/s, as the speed is that takes such errors away. Masses are at most 4 kg.
+/// A velocity is rounded, by half a unit, in up to 72 passes, nine in each of eight sub-steps: together 36 units. Where joints
+/// contradict each other by metres the unit is coarser than 2^-22 m/s, as the speed is that takes such errors away. Masses are at most
+/// 4 kg.
 #[test]
 fn a_step_of_joints_is_that_of_doubles() {
     const UNITS: f64 = 36.0;

@@ -89,7 +89,7 @@ struct Elements {
 }
 
 impl Elements {
-    /// For one body. `ulp` is the resolution of masses in the solver.
+    /// The elements of one body. `ulp` is the resolution of masses in the solver.
     fn new(rows: &[Sides; 3], side: usize, body: &Body, ulp: f64, rounding: &mut Rounding) -> Self {
         let mut of = |i: usize, j: usize| {
             let sum: f64 = (0..3).map(|c| rows[i][side][c] * body.inverse_mass[c] * rows[j][side][c]).sum();
@@ -140,7 +140,7 @@ fn inverses(diagonal: [f64; 2], across: f64, soft: [f64; 2], two: bool, rounding
 }
 
 impl Normal {
-    /// With the matrix of whole bodies and that of their shares. `ulp` is the resolution of masses.
+    /// The solution for the matrix of whole bodies and that of their shares. `ulp` is the resolution of masses.
     fn new(
         scene: &Scene,
         is_fixed: bool,
