@@ -11,6 +11,10 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use crate::body::{Bodies, BodyDef, BodyKind, Change, FactorTable, Key, Locks, Mass};
+use crate::collider::ColliderDef;
+#[cfg(feature = "float")]
+use crate::contact::FloatContacts;
+use crate::contact::{ContactEngine, FxContacts};
 use crate::error::Error;
 use crate::force::{AppliedForce, ForceField};
 use crate::fx::Fx;
@@ -18,7 +22,7 @@ use crate::math::Vec2;
 use crate::replay::{Difference, HashTree};
 use crate::scalar::Scalar;
 use crate::shape::{Geometry, Part, Shape};
-use crate::slots::{BodyId, FieldId};
+use crate::slots::{BodyId, ColliderId, FieldId};
 use crate::world::{
     ApplyOptions, BodyRef, Command, Created, ForceOrImpulse, InputResult, Inputs, Preview, Trace, World, WorldDef,
 };
@@ -29,22 +33,28 @@ macro_rules! compiled {
         /// Functions of the engine that the library holds compiled. A scalar of a test takes them as they are.
         #[doc(hidden)]
         pub trait Compiled<S: Scalar> {
+            /// The contacts of worlds of this scalar.
+            #[doc(hidden)]
+            type Contacts: ContactEngine<S>;
+
             $(
                 #[doc(hidden)]
                 fn $name($($argument: $type),*) $(-> $result)? $body
             )*
         }
 
-        compiled!(impl Fx: $(fn $name($($argument: $type),*) $(-> $result)? $body)*);
+        compiled!(impl Fx, FxContacts: $(fn $name($($argument: $type),*) $(-> $result)? $body)*);
         #[cfg(feature = "float")]
-        compiled!(impl f32: $(fn $name($($argument: $type),*) $(-> $result)? $body)*);
+        compiled!(impl f32, FloatContacts<f32>: $(fn $name($($argument: $type),*) $(-> $result)? $body)*);
         #[cfg(feature = "float")]
-        compiled!(impl f64: $(fn $name($($argument: $type),*) $(-> $result)? $body)*);
+        compiled!(impl f64, FloatContacts<f64>: $(fn $name($($argument: $type),*) $(-> $result)? $body)*);
     };
-    (impl $scalar:ty: $($functions:item)*) => {
+    (impl $scalar:ty, $contacts:ty: $($functions:item)*) => {
         const _: () = {
             type S = $scalar;
             impl Compiled<S> for S {
+                type Contacts = $contacts;
+
                 $($functions)*
             }
         };
@@ -96,6 +106,18 @@ compiled! {
     fn remove_body(world: &mut World<S>, body: BodyId) -> Result<(), Error> {
         world.remove_body_inner(body)
     }
+    fn add_collider(world: &mut World<S>, body: BodyId, def: ColliderDef<S>) -> Result<ColliderId, Error> {
+        world.add_collider_inner(body, def)
+    }
+
+    fn set_collider(world: &mut World<S>, collider: ColliderId, def: ColliderDef<S>) -> Result<(), Error> {
+        world.set_collider_inner(collider, def)
+    }
+
+    fn remove_collider(world: &mut World<S>, collider: ColliderId) -> Result<(), Error> {
+        world.remove_collider_inner(collider)
+    }
+
     fn set_shape(world: &mut World<S>, body: BodyId, shape: Option<Shape<S>>) -> Result<(), Error> {
         world.set_shape_inner(body, shape)
     }

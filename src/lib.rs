@@ -3,18 +3,15 @@
 //! A [`World`] holds bodies and force fields and steps them tick by tick. Its state is I32F32 fixed point ([`Fx`]), with
 //! finer fractions that carry the remainders of each step, so that lockstep, rollback and replays agree to the bit.
 //!
-//! **Bodies do not collide yet.** They pass through each other, and the only joints are springs.
+//! Bodies collide by their [colliders](ColliderDef); the only joints are springs so far.
 //!
 //! ```
-//! use umbra_physics::{BodyDef, Mass, Shape, TimeStep, World, WorldDef, fx, vec2};
+//! use umbra_physics::{BodyDef, Shape, TimeStep, World, WorldDef, fx, vec2};
 //!
 //! let mut world = World::new(WorldDef { time_step: TimeStep::hz(60), gravity: vec2(0, -10), ..WorldDef::default() })?;
-//! let ball = world.add_body(BodyDef {
-//!     shape: Some(Shape::circle(fx!(0.5))?),
-//!     mass: Mass::Density(fx!(1)),
-//!     position: vec2(0, 10),
-//!     ..BodyDef::dynamic()
-//! })?;
+//! world.add_body(BodyDef::fixed().with_collider(Shape::rectangle(50, 1)?))?;
+//! let ball = BodyDef::dynamic().with_collider(Shape::circle(fx!(0.5))?);
+//! let ball = world.add_body(BodyDef { position: vec2(0, 10), ..ball })?;
 //! for _ in 0..60 {
 //!     world.step();
 //! }
@@ -25,7 +22,7 @@
 //!
 //! Units are m, kg, s and rad. One ulp is 2^-32 of them, and error bounds are given in ulps.
 //!
-//! The [guide] has chapters on [numbers](guide::numbers), [accuracy](guide::accuracy), [bodies](guide::bodies),
+//! The [guide] has chapters on [numbers](guide::numbers), [accuracy](guide::accuracy), [bodies](guide::bodies), [collisions](guide::collisions),
 //! [determinism](guide::determinism) of your own code, [lockstep](guide::lockstep), [rollback](guide::rollback),
 //! [replays](guide::replays), [frames](guide::frames) and drawing, [engines](guide::engines), [other languages](guide::languages),
 //! and on [coming from Box2D or Rapier](guide::migration).
@@ -88,10 +85,12 @@ macro_rules! clone_by_field {
 
 mod body;
 mod codec;
+mod collider;
 // The narrow phase. Worlds have no colliders yet: until then the benchmarks alone use it, and it is no part of the interface.
 #[doc(hidden)]
 pub mod collide;
 mod compiled;
+mod contact;
 mod display;
 mod error;
 mod force;
@@ -119,6 +118,8 @@ mod world;
 
 pub use body::{Activity, BodyDef, BodyKind, Damping, Locks, Mass};
 pub use codec::Malformed;
+pub use collider::{ColliderDef, ContactSettings, Filter, Material};
+pub use contact::{Contact, ContactPoint};
 #[cfg(feature = "float")]
 pub use display::{Blend, BodyClass, DebugDraw, DrawOptions, Interpolation, Pose, Role};
 pub use display::{StepClock, StepsDue, TickFraction};
@@ -136,7 +137,7 @@ pub use replay::{
 };
 pub use scalar::{FxAccumulator, FxFactor, FxWide, Scalar, SpringConstants, Turn};
 pub use shape::{Aabb, Geometry, Outline, Part, Shape};
-pub use slots::{BodyId, FieldId};
+pub use slots::{BodyId, ColliderId, FieldId};
 #[cfg(feature = "timers")]
 pub use step::Timers;
 pub use symmetry::Symmetry;
@@ -160,9 +161,9 @@ pub use world::{
 /// ```
 pub mod prelude {
     pub use crate::{
-        Attachment, BodyDef, BodyId, BodyKind, Command, Damping, End, Error, Event, FieldId, FieldKind, ForceField, Fx,
-        FxFactor, Input, Inputs, Integrator, Locks, Mass, Rollback, Rot, Shape, SpringConstants, TimeStep, Turn, Vec2,
-        World, WorldDef, fx, vec2,
+        Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, Command, ContactSettings, Damping, End, Error,
+        Event, FieldId, FieldKind, Filter, ForceField, Fx, FxFactor, Input, Inputs, Integrator, Locks, Mass, Material,
+        Rollback, Rot, Shape, SpringConstants, TimeStep, Turn, Vec2, World, WorldDef, fx, vec2,
     };
 }
 

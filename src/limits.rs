@@ -36,6 +36,7 @@
 //! assert_eq!((limits::RATE_MIN, limits::RATE_MAX), (1, 10_000));
 //! assert_eq!((limits::CORNERS, limits::PARTS), (64, 256));
 //! assert_eq!((limits::BODIES, limits::FIELDS, limits::BLOB), (1 << 24, 1 << 24, 1 << 24));
+//! assert_eq!((limits::COLLIDERS, limits::FRICTION), (1 << 24, power(5)));
 //! assert_eq!(limits::TICK, 1 << 63);
 //! ```
 
@@ -93,6 +94,10 @@ pub const PARTS: usize = 256;
 pub const BODIES: usize = 1 << 24;
 /// The most force fields a world has, slots whose handles are used up included: handles are 32-bit.
 pub const FIELDS: usize = 1 << 24;
+/// The most colliders a world has, slots whose handles are used up included: handles are 32-bit.
+pub const COLLIDERS: usize = 1 << 24;
+/// The largest coefficient of friction: 32.
+pub const FRICTION: Fx = power(5);
 /// The last tick: 2^63, 29 million years at the fastest rate. A world read from a file at this tick still moves with each step,
 /// but its tick and its elapsed time stay the same.
 pub const TICK: u64 = 1 << 63;

@@ -72,6 +72,12 @@ handle!(
     "force field"
 );
 
+handle!(
+    /// A handle to a collider. It is valid until the collider or its body is removed, and never names another collider afterwards.
+    ColliderId,
+    "collider"
+);
+
 /// A slot. One without an occupant takes as little memory as in a file, however many there are.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Slot {
@@ -137,6 +143,11 @@ impl<H: Handle> Slots<H> {
     /// Returns true if another occupant fits into at most `limit` slots.
     pub(crate) fn has_room(&self, limit: usize) -> bool {
         !self.free.is_empty() || self.slots.len() < limit
+    }
+
+    /// Returns true if `more` occupants fit into at most `limit` slots.
+    pub(crate) fn has_room_for(&self, more: usize, limit: usize) -> bool {
+        more <= self.free.len() || more - self.free.len() <= limit.saturating_sub(self.slots.len())
     }
 
     /// Takes a free slot, if there is one. It has no occupant until [`set_index`](Self::set_index) is called.

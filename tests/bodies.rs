@@ -6,9 +6,9 @@ use std::time::{Duration, Instant};
 #[cfg(feature = "timers")]
 use umbra_physics::Timers;
 use umbra_physics::{
-    Activity, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, Command, Created, Damping, End, Error, FieldId,
-    FieldKind, ForceField, ForceOrImpulse, Frame, Fx, FxFactor, FxWide, Integrator, Locks, Mass, Random, Shape,
-    SpringConstants, TimeStep, Turn, Vec2, World, WorldDef, fx, vec2,
+    Activity, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, Command, ContactSettings,
+    Created, Damping, End, Error, FieldId, FieldKind, ForceField, ForceOrImpulse, Frame, Fx, FxFactor, FxWide,
+    Integrator, Locks, Mass, Random, Shape, SpringConstants, TimeStep, Turn, Vec2, World, WorldDef, fx, vec2,
 };
 
 fn world(def: WorldDef) -> World {
@@ -419,6 +419,7 @@ fn what_is_set_is_what_is_read() {
         velocity: vec2(fx!(1048576), fx!(-0.1)),
         angular_velocity: fx!(0.3),
         shape: Some(Shape::polygon(&corners).unwrap()),
+        colliders: Vec::new(),
         mass: Mass::Density(fx!(3)),
         gravity_scale: fx!(-0.3),
         linear_damping: Some(Damping::kept_per_second(fx!(0.7))),
@@ -513,6 +514,10 @@ fn by_method(world: &mut World, command: &Command) -> Result<Created, Error> {
         Command::Disable(body) => nothing(world.disable(body)),
         Command::Enable(body) => nothing(world.enable(body)),
         Command::MoveTo { body, position, angle } => nothing(world.move_to(body, position, angle)),
+        Command::AddCollider { body, def } => world.add_collider(body, def).map(Created::Collider),
+        Command::SetCollider { collider, def } => nothing(world.set_collider(collider, def)),
+        Command::RemoveCollider(collider) => nothing(world.remove_collider(collider)),
+        Command::SetContactSettings(contacts) => nothing(world.set_contact_settings(contacts)),
         other => panic!("{other:?} has no case here"),
     }
 }
@@ -528,6 +533,8 @@ fn a_command_does_what_the_method_of_its_name_does() {
         .unwrap();
     world.step();
     assert_eq!(world.body(far).unwrap().activity(), Activity::Quarantined);
+    let square = ColliderDef::new(Shape::rectangle(fx!(1), fx!(1)).unwrap());
+    let collider = ColliderId::from_parts(0, 0);
     let options = ApplyOptions::default();
     let apply = |action| Command::Apply { body, action, options };
     let field = ForceField::from(FieldKind::Thrust { at: Attachment::centre(body), force: Vec2::X });
@@ -558,6 +565,13 @@ fn a_command_does_what_the_method_of_its_name_does() {
         Command::SetAngularVelocity { body, velocity: fx!(2) },
         Command::SetMass { body, mass: Mass::Kilograms(fx!(9)) },
         Command::SetShape { body, shape: disc(fx!(3)) },
+        Command::AddCollider { body, def: square.clone() },
+        Command::AddCollider { body: gone, def: square.clone() },
+        Command::SetCollider { collider, def: ColliderDef { density: fx!(3), ..square.clone() } },
+        Command::RemoveCollider(collider),
+        Command::SetCollider { collider, def: square },
+        Command::SetContactSettings(ContactSettings { substeps: 2, ..ContactSettings::default() }),
+        Command::SetContactSettings(ContactSettings { substeps: 0, ..ContactSettings::default() }),
         Command::SetKind { body, kind: BodyKind::Kinematic },
         Command::SetKind { body, kind: BodyKind::Dynamic },
         Command::SetGravityScale { body, scale: fx!(2) },

@@ -6,14 +6,14 @@ use std::sync::Arc;
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 use umbra_physics::limits::{
-    ANGULAR_SPEED, BODIES, CORNERS, FIELDS, GRAVITY, GRAVITY_SCALE, MASS_MAX, MASS_MIN, MU_MAX_LOG2, PARTS, POSITION,
-    RATE_MAX, RATE_MIN, SIZE_MAX, SIZE_MIN, SPEED,
+    ANGULAR_SPEED, BODIES, CORNERS, FIELDS, FRICTION, GRAVITY, GRAVITY_SCALE, MASS_MAX, MASS_MIN, MU_MAX_LOG2, PARTS,
+    POSITION, RATE_MAX, RATE_MIN, SIZE_MAX, SIZE_MIN, SPEED,
 };
 use umbra_physics::{
-    Activity, AppliedForce, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, BodyState, Cause, Command,
-    CustomForce, CustomForceError, Damping, Dependence, End, Error, Fault, FieldId, FieldKind, ForceField,
-    ForceOrImpulse, ForceTorque, Frame, Fx, FxAccumulator, FxFactor, Integrator, Locks, Mass, Part, Quantity, Region,
-    Shape, SpringConstants, TimeStep, Vec2, World, WorldDef, fx, vec2,
+    Activity, AppliedForce, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, BodyState, Cause, ColliderDef,
+    Command, ContactSettings, CustomForce, CustomForceError, Damping, Dependence, End, Error, Fault, FieldId,
+    FieldKind, Filter, ForceField, ForceOrImpulse, ForceTorque, Frame, Fx, FxAccumulator, FxFactor, Integrator, Locks,
+    Mass, Part, Quantity, Region, Shape, SpringConstants, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
 const ULP: Fx = Fx::DELTA;
@@ -293,6 +293,70 @@ fn yoshida4_and_a_damping_of_zero_refuse_each_other_either_way() {
         refused,
     );
     expect(&mut world, &body(|def| def.linear_damping = Some(Damping::kept_per_second(Fx::ZERO))), refused);
+}
+
+#[test]
+fn colliders_and_contacts_have_their_bounds() {
+    let (mut world, [ball, ..], _) = stage();
+    expect(&mut world, &Command::SetMass { body: ball, mass: Mass::Kilograms(Fx::ONE) }, Ok(()));
+    let disc = ColliderDef::new(Shape::circle(fx!(1)).expect("a disc"));
+    let mut is = |expected: Result<(), Error>, change: &dyn Fn(&mut ColliderDef)| {
+        let mut def = disc.clone();
+        change(&mut def);
+        assert_eq!(def.check(), expected);
+        expect(&mut world, &Command::AddCollider { body: ball, def }, expected);
+    };
+    for good in [Fx::ZERO, ULP, FRICTION] {
+        is(Ok(()), &|def| def.material.friction = good);
+    }
+    for bad in [-ULP, FRICTION + ULP, Fx::MAX, Fx::MIN] {
+        is(out_of(Quantity::Friction), &|def| def.material.friction = bad);
+    }
+    is(Ok(()), &|def| def.material.restitution = Fx::ONE);
+    for bad in [-ULP, Fx::ONE + ULP] {
+        is(out_of(Quantity::Restitution), &|def| def.material.restitution = bad);
+    }
+    is(Ok(()), &|def| def.position = vec2(SIZE_MAX, -SIZE_MAX));
+    for bad in [vec2(SIZE_MAX + ULP, 0), vec2(0, -SIZE_MAX - ULP), vec2(Fx::MIN, Fx::MIN)] {
+        is(out_of(Quantity::ColliderPosition), &|def| def.position = bad);
+    }
+    is(Ok(()), &|def| (def.angle, def.density) = (Fx::MIN, Fx::MAX));
+    is(out_of(Quantity::ColliderDensity), &|def| def.density = -ULP);
+    for (category, mask, group) in [(0, 1, 0), (1, 0, 0), (0, 0, -1), (0, u32::MAX, i32::MIN)] {
+        is(out_of(Quantity::Filter), &|def| def.filter = Filter { category, mask, group });
+    }
+    is(Ok(()), &|def| def.filter = Filter { category: 0, mask: 0, group: 1 });
+    let part = Part { shape: disc.shape.clone(), position: Vec2::ZERO, angle: Fx::ZERO, density: Fx::ONE };
+    let compound = Shape::compound(&[part]).expect("a compound");
+    is(Err(Error::CompoundCollider), &|def| def.shape = compound.clone());
+    // A mass that the body cannot have: 4,096 kg/m² of 2^24 m², and none at all.
+    let square = Shape::rectangle(SIZE_MAX, SIZE_MAX).expect("a square");
+    let from = |density| BodyDef::dynamic().with_collider(ColliderDef { density, ..ColliderDef::new(square.clone()) });
+    for density in [fx!(4096), Fx::ZERO] {
+        expect(&mut world, &Command::AddBody(from(density)), out_of(Quantity::Mass));
+    }
+    expect(&mut world, &Command::AddBody(from(Fx::ONE)), Ok(()));
+
+    let limit = fx!(1024);
+    let good = ContactSettings {
+        substeps: 8,
+        push_speed: limit,
+        restitution_speed: limit,
+        max_pairs: 1 << 28,
+        max_pairs_per_collider: 1,
+    };
+    expect(&mut world, &Command::SetContactSettings(good), Ok(()));
+    for (quantity, bad) in [
+        (Quantity::Substeps, ContactSettings { substeps: 0, ..good }),
+        (Quantity::Substeps, ContactSettings { substeps: 9, ..good }),
+        (Quantity::ContactSpeed, ContactSettings { push_speed: limit + ULP, ..good }),
+        (Quantity::ContactSpeed, ContactSettings { restitution_speed: -ULP, ..good }),
+        (Quantity::Pairs, ContactSettings { max_pairs: 0, ..good }),
+        (Quantity::Pairs, ContactSettings { max_pairs_per_collider: (1 << 28) + 1, ..good }),
+    ] {
+        expect(&mut world, &Command::SetContactSettings(bad), out_of(quantity));
+        assert_eq!(World::new(WorldDef { contacts: bad, ..WorldDef::default() }).map(drop), out_of(quantity));
+    }
 }
 
 #[test]
@@ -721,7 +785,7 @@ prop_compose! {
         let angular_velocity = if still || locks.rotation { Fx::ZERO } else { angular_velocity };
         let free = |v: Fx, locked: bool| if locked { Fx::ZERO } else { v };
         let velocity = Vec2::new(free(velocity.x, locks.x), free(velocity.y, locks.y));
-        BodyDef { kind, position, angle, velocity, angular_velocity, shape, mass, gravity_scale, linear_damping,
+        BodyDef { kind, position, angle, velocity, angular_velocity, shape, colliders: Vec::new(), mass, gravity_scale, linear_damping,
             angular_damping, max_speed, max_angular_speed, locks, force_groups, key: 0, user_data: 0 }
     }
 }
@@ -887,7 +951,8 @@ proptest! {
         pushes in prop::collection::vec((handle(), action()), 0..4),
     ) {
         let [linear_damping, angular_damping] = [dampings.0, dampings.1].map(Damping::kept_per_second);
-        let def = WorldDef { time_step, integrator, gravity, linear_damping, angular_damping, sleep_after: Some(2) };
+        let own = WorldDef { sleep_after: Some(2), ..WorldDef::default() };
+        let def = WorldDef { time_step, integrator, gravity, linear_damping, angular_damping, ..own };
         if let Ok(mut world) = World::new(def) {
             world.register_custom_force(Arc::new(Faulty)).unwrap();
             for body in bodies { let _ = world.add_body(body); }
@@ -1002,6 +1067,7 @@ fn the_corners_of_the_envelope_are_stepped_through_without_a_panic() {
                         linear_damping: Damping::kept_per_second(kept),
                         angular_damping: Damping::kept_per_second(kept),
                         sleep_after: Some(1),
+                        ..WorldDef::default()
                     };
                     let mut world = World::new(def).unwrap();
                     let corner = |x, y| BodyDef {

@@ -11,7 +11,7 @@ use umbra_physics::{
 };
 
 /// Every number that was ever given, and to what. Lines are added, none is changed or taken out.
-const GIVEN: [(u16, &str); 128] = [
+const GIVEN: [(u16, &str); 142] = [
     (101, "Error::OutOfRange"),
     (102, "Error::NoSuchBody"),
     (103, "Error::NoSuchField"),
@@ -39,6 +39,8 @@ const GIVEN: [(u16, &str); 128] = [
     (125, "Error::NoSuchPlayer"),
     (126, "Error::ChangedBetweenTicks"),
     (127, "Error::SteppedInTick"),
+    (128, "Error::NoSuchCollider"),
+    (129, "Error::CompoundCollider"),
     (131, "Irreversible::Scalar"),
     (132, "Irreversible::Integrator"),
     (133, "Irreversible::Start"),
@@ -53,6 +55,7 @@ const GIVEN: [(u16, &str); 128] = [
     (142, "Irreversible::Capped"),
     (143, "Irreversible::Moved"),
     (144, "Irreversible::End"),
+    (145, "Irreversible::Contact"),
     (151, "Quantity::Position"),
     (152, "Quantity::Angle"),
     (153, "Quantity::Velocity"),
@@ -78,12 +81,21 @@ const GIVEN: [(u16, &str); 128] = [
     (173, "Quantity::Blob"),
     (174, "Quantity::MaxSpeed"),
     (175, "Quantity::MaxAngularSpeed"),
+    (176, "Quantity::ColliderPosition"),
+    (177, "Quantity::ColliderDensity"),
+    (178, "Quantity::Friction"),
+    (179, "Quantity::Restitution"),
+    (180, "Quantity::Filter"),
+    (181, "Quantity::Substeps"),
+    (182, "Quantity::ContactSpeed"),
+    (183, "Quantity::Pairs"),
     (201, "Cause::Position"),
     (202, "Cause::Velocity"),
     (203, "Cause::AngularVelocity"),
     (204, "Cause::Force"),
     (205, "Cause::Field"),
     (206, "Cause::CustomForce"),
+    (207, "Cause::Pairs"),
     (301, "SnapshotError::Foreign"),
     (302, "SnapshotError::Format"),
     (303, "SnapshotError::PhysicsVersion"),
@@ -105,6 +117,8 @@ const GIVEN: [(u16, &str); 128] = [
     (423, "VerifyError::Bodies"),
     (424, "VerifyError::Fields"),
     (425, "VerifyError::Commands"),
+    (426, "VerifyError::Colliders"),
+    (427, "VerifyError::Pairs"),
     (500, "SceneError"),
     (501, "Flaw::NotJson"),
     (502, "Flaw::WrongKind"),
@@ -293,7 +307,7 @@ fn what_an_error_passes_on_is_its_source() {
     recorder.step(&mut world, &Inputs::new());
     let replay = Replay::from_bytes(&recorder.finish(&world), &[]).expect("a replay");
     let divergence = replay.verify().expect_err("it parts");
-    let most = ReplayLimits { ticks: 1, bodies: 1, fields: 0, commands: 1 };
+    let most = ReplayLimits { ticks: 1, bodies: 1, fields: 0, colliders: u32::MAX, pairs: u32::MAX, commands: 1 };
     let error = replay.verify_within(most).expect_err("it parts");
     assert_eq!((divergence.code(), error.code()), (420, 421));
     assert_eq!((error.to_string(), sourced(&error)), (divergence.to_string(), Some(divergence.to_string())));

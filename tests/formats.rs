@@ -19,11 +19,12 @@ use std::{env, fs};
 use everything::{commands, custom_forces, recording, world};
 use formats::{Content, Layouts, Value};
 use found::{
-    activity, command, damping, field, integrator, kind, locks, mass, number, random, shape, time_step, vector,
+    activity, command, contact_settings, damping, field, integrator, kind, locks, mass, number, random, shape,
+    time_step, vector,
 };
 use umbra_physics::{
-    BodyDef, BodyId, Command, FieldId, ForceField, Fx, Inputs, Mass, PHYSICS_VERSION, RecordOptions, Recorder, Replay,
-    ReplayError, Snapshot, SnapshotError, Turn, World, WorldDef,
+    BodyDef, BodyId, ColliderDef, ColliderId, Command, FieldId, ForceField, Fx, Inputs, Mass, PHYSICS_VERSION,
+    RecordOptions, Recorder, Replay, ReplayError, Snapshot, SnapshotError, Turn, World, WorldDef,
 };
 use xxhash_rust::xxh3::xxh3_64;
 
@@ -120,6 +121,26 @@ fn hash_of(state: &Value) -> u64 {
     }
     hashed.extend(state["free_fields"].bytes());
     hashed.extend(state["fields_by_age"].bytes());
+
+    let slots = state["colliders"].list();
+    hashed.extend((slots.len() as u32).to_le_bytes());
+    for slot in slots {
+        hashed.extend(slot["generation"].bytes());
+        let collider = slot["present"].option();
+        hashed.push(u8::from(collider.is_some()));
+        hashed.extend(collider.into_iter().flat_map(|collider| xxh3_64(collider.bytes()).to_le_bytes()));
+    }
+    hashed.extend(state["free_colliders"].bytes());
+    hashed.extend(state["pushed_at_tick"].bytes());
+    hashed.extend((state["contacts"].list().len() as u32).to_le_bytes());
+    for contact in state["contacts"].list() {
+        let points = ["first_point", "second_point"].map(|point| &contact[point]);
+        hashed.extend(contact["first_collider"].bytes());
+        hashed.extend(contact["second_collider"].bytes());
+        points.iter().for_each(|point| hashed.extend(point["feature"].bytes()));
+        points.iter().for_each(|point| hashed.extend(point["normal_impulse"].bytes()));
+        hashed.extend(contact["tangent_impulse"].bytes());
+    }
     hashed.extend(state["custom_forces"].bytes());
     xxh3_64(&hashed)
 }
@@ -172,6 +193,7 @@ fn compare(state: &Value, world: &World) {
         linear_damping: damping(&settings["linear_damping"]),
         angular_damping: damping(&settings["angular_damping"]),
         sleep_after: settings["sleep_after"].option().map(|ticks| ticks.natural() as u32),
+        contacts: contact_settings(&settings["contacts"]),
     };
     assert_eq!(found, *def);
     assert_eq!(state["tick"].natural(), world.tick());
@@ -230,6 +252,16 @@ fn compare(state: &Value, world: &World) {
         .collect();
     let own: Vec<(FieldId, ForceField)> = world.fields().map(|(id, field)| (id, *field)).collect();
     assert_eq!(found, own);
+    let found: Vec<(ColliderId, BodyId, ColliderDef)> = (0u32..)
+        .zip(state["colliders"].list())
+        .filter_map(|(slot, entry)| {
+            let id = ColliderId::from_parts(slot, entry["generation"].natural() as u32);
+            let present = entry["present"].option()?;
+            Some((id, found::body(&present["body"]), found::collider_def(&present["def"])))
+        })
+        .collect();
+    let own = world.colliders().map(|(id, def)| (id, world.collider_body(id).expect("it has one"), def.clone()));
+    assert_eq!(found, own.collect::<Vec<_>>());
     let given: Vec<(u64, u32)> = custom_forces().iter().map(|force| (force.id(), force.version())).collect();
     let version = |force: &Value| (force["id"].natural(), force["version"].natural() as u32);
     assert_eq!(state["custom_forces"].list().iter().map(version).collect::<Vec<_>>(), given);
@@ -385,7 +417,9 @@ fn the_tables_read_a_snapshot() {
     let target = bodies.iter().find_map(|body| body["kinematic_target"].option()).expect("one is on its way");
     assert!(target["goal"].option().is_some() && target["arrived"].natural() == 1);
     assert!(bodies.iter().any(|body| body["shape"].case() == "AsOf"));
-    assert!(!state["free_slots"].list().is_empty() && !state["free_fields"].list().is_empty());
+    let free = ["free_slots", "free_fields", "free_colliders"];
+    assert!(free.iter().all(|list| !state[list].list().is_empty()));
+    assert!(state["colliders"].list().iter().filter(|slot| slot["present"].option().is_some()).count() > 3);
 }
 
 #[test]
@@ -456,15 +490,16 @@ fn the_tables_read_the_names_in_a_replay() {
     recorder.step(&mut world, &Inputs::new());
     recorder.labels_mut().set_body(body, "ball");
     recorder.labels_mut().set_field(FieldId::from_parts(2, 1), "wind");
+    recorder.labels_mut().set_collider(ColliderId::from_parts(5, 0), "lid");
     let layouts = Layouts::documented();
     let chunks = chunks(&layouts, &recorder.finish(&world));
     let letters: Vec<&str> = chunks.iter().map(|(letters, _)| &letters[..]).collect();
     assert_eq!(letters, ["HEAD", "SNAP", "TICK", "SNAP", "NAME", "DONE"]);
     let labels = layouts.whole("labels", &chunks[4].1);
-    let lists = ["bodies", "fields"].map(|list| labels[list].list());
-    assert_eq!(lists.map(|list| list.len()), [1, 1]);
+    let lists = ["bodies", "fields", "colliders"].map(|list| labels[list].list());
+    assert_eq!(lists.map(|list| list.len()), [1, 1, 1]);
     let name = lists.map(|list| list[0]["name"].bytes()[4..].to_vec());
-    assert_eq!(name, [b"ball".to_vec(), b"wind".to_vec()]);
+    assert_eq!(name, [b"ball".to_vec(), b"wind".to_vec(), b"lid".to_vec()]);
 }
 
 #[test]
@@ -476,9 +511,13 @@ fn the_tables_read_every_command_and_say_how_long_it_is() {
         let found = layouts.whole("command", &bytes);
         assert_eq!(command(&found), own);
         assert!(format!("{own:?}").starts_with(found.case()), "{own:?}");
-        // Shapes and blobs come on top of what the table says.
+        // Shapes, colliders and blobs come on top of what the table says.
         let more = match &own {
-            Command::AddBody(_) => found["def"]["shape"].option().map_or(0, |shape| shape.bytes().len()),
+            Command::AddBody(_) => {
+                let colliders: usize = found["def"]["colliders"].list().iter().map(|own| own.bytes().len()).sum();
+                found["def"]["shape"].option().map_or(0, |shape| shape.bytes().len()) + colliders
+            }
+            Command::AddCollider { .. } | Command::SetCollider { .. } => found["def"]["shape"].bytes().len(),
             Command::SetShape { .. } => found["shape"].option().map_or(0, |shape| shape.bytes().len()),
             Command::SetBlob(blob) => blob.len(),
             _ => 0,

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 mod cycles;
 
 /// Modules on one level do not name each other.
-const LEVELS: [&[&str]; 17] = [
+const LEVELS: [&[&str]; 20] = [
     &["kernel", "slots"],
     &["error"],
     &["fx"],
@@ -19,9 +19,12 @@ const LEVELS: [&[&str]; 17] = [
     &["limits"],
     &["codec"],
     &["shape"],
+    &["collider"],
     &["body"],
     &["collide", "force", "integrate"],
-    &["island", "solve"],
+    &["solve"],
+    &["contact"],
+    &["island"],
     &["step"],
     &["world"],
     &["display", "replay", "symmetry"],
@@ -283,7 +286,10 @@ fn one_file_names_the_crate_fixed() {
 
 /// Files of the float feature, and tests of the solver, which compare it with doubles.
 fn may_have_floats(path: &str) -> bool {
-    FLOATS.contains(&path) || path.starts_with("solve/tests/") || path.starts_with("solve/joint/tests/")
+    FLOATS.contains(&path)
+        || path.starts_with("contact/float/")
+        || path.starts_with("solve/tests/")
+        || path.starts_with("solve/joint/tests/")
 }
 
 #[test]
@@ -375,15 +381,18 @@ fn packages_beside_the_library_depend_on_it_and_name_public_items_alone() {
             let code = code_of(&source);
             // Neither a file of another package as a module of this one, nor an item that is public for a macro's sake. The
             // self-test alone switches SIMD off, to try the code path of other machines.
-            for way_round in ["#[path", "include!", "from_literal", "internals", "collide", "::solve"] {
+            for way_round in ["#[path", "include!", "from_literal", "internals", "::solve"] {
                 let is_switch = package == "umbra-selftest" && way_round == "internals";
                 assert!(is_switch || !code.contains(way_round), "{package}/src/{path}: {way_round}");
             }
+            assert!(words(&code, "collide").next().is_none(), "{package}/src/{path}: the narrow phase");
         }
     }
-    // The traits that `Scalar` is sealed by, `Fx::from_literal`, for `fx!`, and the narrow phase, in `lib.rs`.
-    let is_known =
-        |path: &String| path.starts_with("scalar/") || ["compiled.rs", "fx/text.rs", "lib.rs"].contains(&&**path);
+    // The engines of contacts of each scalar; the traits that `Scalar` is sealed by, `Fx::from_literal`, for `fx!`, and the narrow phase, in `lib.rs`.
+    let is_known = |path: &String| {
+        let is_folder = path.starts_with("scalar/") || path.starts_with("contact/");
+        is_folder || ["compiled.rs", "fx/text.rs", "lib.rs", "selftest/mod.rs"].contains(&&**path)
+    };
     assert!(hidden.iter().all(is_known), "{hidden:?}");
     let folders = fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("crates")).expect("the packages").count();
     assert_eq!(folders, PACKAGES.len());

@@ -147,12 +147,13 @@ impl Watched {
     }
 
     fn execute(&mut self, command: &Command) {
+        let owner = command.collider().and_then(|collider| self.world.collider_body(collider).ok());
         // What the next look is to be compared with is of the time after the step.
         let Ok(made) = self.world.execute(command) else { return };
         let (Command::SetPosition { body, .. } | Command::SetAngle { body, .. } | Command::SetKind { body, .. }) =
             command
         else {
-            return self.touched.extend(named(command, made));
+            return self.touched.extend(owner.or(named(command, made)));
         };
         self.put.insert(*body);
         self.touched.insert(*body);
@@ -213,6 +214,7 @@ fn named(command: &Command, made: Created) -> Option<BodyId> {
             | Command::SetAngularVelocity { body, .. }
             | Command::SetMass { body, .. }
             | Command::SetShape { body, .. }
+            | Command::AddCollider { body, .. }
             | Command::SetGravityScale { body, .. }
             | Command::SetBodyDamping { body, .. }
             | Command::SetForceGroups { body, .. }

@@ -6,6 +6,8 @@ use umbra_physics::{
     RecordOptions, Recorder, Replay, ReplayError, Rollback, Shape, SpringConstants, Vec2, World, WorldDef, fx, vec2,
 };
 
+#[path = "memory/collisions.rs"]
+mod collisions;
 #[path = "memory/solver.rs"]
 mod solver;
 

@@ -25,6 +25,7 @@ fn def(integrator: Integrator) -> WorldDef {
         linear_damping: Damping::kept_per_second(fx!(0.75)),
         angular_damping: Damping::kept_per_second(fx!(0.5)),
         sleep_after: None,
+        ..WorldDef::default()
     }
 }
 

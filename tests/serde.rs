@@ -17,11 +17,12 @@ use serde::de::{DeserializeOwned, Deserializer, Visitor, value::Error as NoValue
 use serde_json::Value;
 use umbra_physics::scalar::FxSum;
 use umbra_physics::{
-    Activity, AppliedForce, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, BodyState, Cause, Command, Created,
-    CustomForceError, Damping, Dependence, Elapsed, End, Error, Fault, FieldId, FieldKind, ForceField, ForceOrImpulse,
-    ForceTorque, Frame, Fx, FxAccumulator, FxFactor, FxWide, Geometry, Input, InputResult, Inputs, Integrator,
-    Irreversible, Locks, Mass, MathError, ParseFxError, Part, Quantity, Random, Region, Rot, Shape, SpringConstants,
-    Stage, StageKind, TimeStep, Turn, Vec2, World, WorldDef, fx, vec2,
+    Activity, AppliedForce, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, BodyState, Cause, ColliderDef,
+    ColliderId, Command, ContactSettings, Created, CustomForceError, Damping, Dependence, Elapsed, End, Error, Fault,
+    FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, ForceTorque, Frame, Fx, FxAccumulator, FxFactor, FxWide,
+    Geometry, Input, InputResult, Inputs, Integrator, Irreversible, Locks, Mass, Material, MathError, ParseFxError,
+    Part, Quantity, Random, Region, Rot, Shape, SpringConstants, Stage, StageKind, TimeStep, Turn, Vec2, World,
+    WorldDef, fx, vec2,
 };
 
 fn through_both<T: Serialize + DeserializeOwned + PartialEq + Debug>(value: &T) {
@@ -118,6 +119,14 @@ fn quantities() -> Vec<Quantity> {
         Blob,
         MaxSpeed,
         MaxAngularSpeed,
+        ColliderPosition,
+        ColliderDensity,
+        Friction,
+        Restitution,
+        Filter,
+        Substeps,
+        ContactSpeed,
+        Pairs,
     ]
 }
 
@@ -151,6 +160,8 @@ fn errors() -> Vec<Error> {
         Error::NoSuchPlayer { player: 3 },
         Error::ChangedBetweenTicks { tick: 4 },
         Error::SteppedInTick { tick: u64::MAX },
+        Error::NoSuchCollider { collider: ColliderId::from_parts(3, u32::MAX) },
+        Error::CompoundCollider,
     ]
 }
 
@@ -217,12 +228,13 @@ fn every_variant_of_every_enum_comes_back() {
         Mass::Density(fx!(0.1)),
         Mass::Kilograms(Fx::MIN),
         Mass::Explicit { mass: Fx::MAX, inertia: Fx::DELTA },
+        Mass::FromColliders,
     ]);
     every_variant(quantities());
     every_variant(errors());
     let (field, code) = (field(1), u32::MAX);
     every_variant(
-        [Cause::Position, Cause::Velocity, Cause::AngularVelocity, Cause::Force]
+        [Cause::Position, Cause::Velocity, Cause::AngularVelocity, Cause::Force, Cause::Pairs]
             .into_iter()
             .chain([Cause::Field { field }, Cause::CustomForce { field, code }]),
     );
@@ -232,7 +244,16 @@ fn every_variant_of_every_enum_comes_back() {
     every_variant([Region::Disc { centre, radius }, Region::Box { min: centre, max: vec2(1, 2) }]);
     every_variant(custom_forces());
     every_variant(Integrator::ALL);
-    every_variant([StageKind::Fields, StageKind::Kick, StageKind::Drift, StageKind::Damp, StageKind::Clear]);
+    every_variant([
+        StageKind::Fields,
+        StageKind::Kick,
+        StageKind::Drift,
+        StageKind::Damp,
+        StageKind::Clear,
+        StageKind::Detect,
+        StageKind::Solve,
+        StageKind::Push,
+    ]);
     every_variant([Frame::World, Frame::Body]);
     let (force, point) = (vec2(fx!(0.1), 0), Some(vec2(fx!(0.1), 0)));
     every_variant([
@@ -256,8 +277,10 @@ fn every_variant_of_every_enum_comes_back() {
         Irreversible::Capped,
         Irreversible::Moved,
         Irreversible::End,
+        Irreversible::Contact,
     ]);
-    every_variant([Created::Nothing, Created::Body(body(1)), Created::ForceField(field)]);
+    let collider = Created::Collider(ColliderId::from_parts(2, 1));
+    every_variant([Created::Nothing, Created::Body(body(1)), Created::ForceField(field), collider]);
     every_variant([ParseFxError::Empty, ParseFxError::InvalidDigit { position: 7 }, ParseFxError::OutOfRange]);
     every_variant([MathError::NotPositive, MathError::Overflow]);
     every_variant(shapes());
@@ -278,6 +301,15 @@ fn every_plain_struct_comes_back() {
     through_both(&attachment());
     custom_forces().into_iter().for_each(|law| through_both(&ForceField { kind: law, force_groups: 5 }));
     bodies().iter().for_each(through_both);
+    let disc = ColliderDef::new(shapes().remove(0));
+    let material = Material { friction: fx!(0.1), restitution: fx!(1) };
+    let filter = Filter { category: u32::MAX, mask: 1 << 31, group: i32::MIN };
+    let other = ColliderDef { material, filter, angle: fx!(-0.1), key: u64::MAX, ..disc.clone() };
+    through_both(&material);
+    through_both(&filter);
+    through_both(&other);
+    through_both(&ContactSettings::<Fx> { substeps: 8, push_speed: fx!(0.1), ..ContactSettings::default() });
+    through_both(&BodyDef::dynamic().with_collider(disc).with_collider(other));
     for integrator in Integrator::ALL {
         integrator.stages().iter().for_each(through_both::<Stage>);
     }

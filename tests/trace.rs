@@ -154,6 +154,13 @@ fn a_stage_writes_what_its_verb_says_alone() {
                     StageKind::Damp | StageKind::Kick => "speeds",
                     StageKind::Drift => "places",
                     StageKind::Clear => "forces",
+                    // Caps of speeds and arrival at targets come between the flight and contacts. There are no colliders here;
+                    // `tests/contacts` has them.
+                    StageKind::Detect => {
+                        before = after.clone();
+                        continue;
+                    }
+                    StageKind::Solve | StageKind::Push => "",
                     other => panic!("{other:?} has no list of what it may write"),
                 };
                 for ((name, old), (_, new)) in parts(&before).iter().zip(&parts(after)) {

@@ -186,7 +186,14 @@ fn replay_verified(count: usize) -> Box<dyn FnOnce()> {
     inputs.replace(0, commands.into_iter().cycle().take(count));
     recorder.step(&mut world, &inputs);
     let bytes = recorder.finish(&world);
-    let limits = ReplayLimits { ticks: 1, bodies: count as u32, fields: 0, commands: count as u64 };
+    let limits = ReplayLimits {
+        ticks: 1,
+        bodies: count as u32,
+        fields: 0,
+        colliders: u32::MAX,
+        pairs: u32::MAX,
+        commands: count as u64,
+    };
     Box::new(move || {
         let replay = Replay::from_bytes(&bytes, &[]).expect("its own bytes");
         replay.verify_within(limits).expect("it is as recorded");

@@ -1,6 +1,5 @@
 /*
  * umbra-physics: deterministic 2D rigid-body physics in fixed point, the same bits on every machine.
- * Bodies do not collide yet.
  *
  * Numbers are integers: an UmbraFx counts multiples of 2^-32 of a metre, kilogram, second or radian, and handles have 64 bits. There
  * is no float in this interface, and no struct is passed by value.
@@ -29,13 +28,16 @@
 
 // The number of this interface: it moves when a function, a struct or a meaning changes so that programs have to be built
 // again. A program compares `UMBRA_API` of its header with `umbra_api` of the library it loads.
-#define UMBRA_API 1
+#define UMBRA_API 2
 
-// No body, no field: a handle that names nothing, in no world.
+// No body, no field, no collider: a handle that names nothing, in no world.
 #define UMBRA_NO_HANDLE 18446744073709551615ull
 
 // In place of a number of ticks: bodies never fall asleep.
 #define UMBRA_NEVER 0
+
+// All categories of colliders.
+#define UMBRA_ALL_CATEGORIES 4294967295
 
 // All groups.
 #define UMBRA_ALL_FORCE_GROUPS 4294967295
@@ -122,7 +124,7 @@ typedef struct UmbraWorldDef {
     UmbraFx angular_kept_per_second;
 } UmbraWorldDef;
 
-// Result of a command: nothing, a body, or a field.
+// Result of a command: nothing, a body, a field, or a collider.
 typedef uint32_t UmbraMadeKind;
 
 // Result of an input.
@@ -133,7 +135,7 @@ typedef struct UmbraOutcome {
     uint32_t sequence;
     // `UMBRA_OK`, or why it was refused: then it changed nothing.
     UmbraStatus status;
-    // Body or field that the input created.
+    // Body, field or collider that the input created.
     UmbraMadeKind made;
     // The handle of what it made, or `UMBRA_NO_HANDLE`.
     uint64_t handle;
@@ -161,7 +163,7 @@ typedef struct UmbraFault {
     uint64_t body;
     // The field whose force did not fit, or `UMBRA_NO_HANDLE`.
     uint64_t field;
-    // 201 to 206.
+    // 201 to 207.
     UmbraStatus cause;
     // 0.
     uint32_t reserved;
@@ -178,7 +180,7 @@ typedef struct UmbraUint128 {
 // How a body moves: one of the three values below.
 typedef uint32_t UmbraBodyKind;
 
-// Source of mass and moment of inertia: one of the three values below.
+// Source of mass and moment of inertia: one of the four values below.
 typedef uint32_t UmbraMassKind;
 
 // Components of a body's velocity that are held at zero: 0, or any of the flags below.
@@ -188,7 +190,7 @@ typedef uint32_t UmbraLocks;
 typedef struct UmbraBodyDef {
     // How the body moves; default `UMBRA_DYNAMIC`.
     UmbraBodyKind kind;
-    // Source of the mass; default `UMBRA_MASS_OF`.
+    // Source of the mass; default `UMBRA_MASS_FROM_COLLIDERS`.
     UmbraMassKind mass_kind;
     // Mass in kg or density, as `mass_kind` says, 2^-16 to 2^24 kg; default 1.
     UmbraFx mass;
@@ -312,6 +314,53 @@ typedef struct UmbraPose {
     UmbraActivity activity;
 } UmbraPose;
 
+// Definition of a collider: a shape at a place of its body. `umbra_collider_def_default` fills it in, without a shape.
+//
+// Two colliders touch if each has a category in the other's mask; two of one positive group always do, two of one negative group
+// never. Where they touch, the friction is the geometric mean of theirs, and the restitution the larger one.
+typedef struct UmbraColliderDef {
+    // Position of the shape's centre of mass relative to that of the body, in the body's axes, m, within ±2^12; default 0.
+    struct UmbraVec2 position;
+    // The angle by which the shape is turned against the body, rad; default 0.
+    UmbraFx angle;
+    // Density, kg/m², kg/m for a segment, from 0, for bodies with `UMBRA_MASS_FROM_COLLIDERS`; default 1.
+    UmbraFx density;
+    // Coefficient of friction, 0 to 32; default 0.6.
+    UmbraFx friction;
+    // Coefficient of restitution, 0 to 1; default 0.
+    UmbraFx restitution;
+    // A name of the caller's, by which worlds built in another order are compared: 0.
+    uint64_t key;
+    // Anything of the caller's: 0.
+    uint64_t user_data;
+    // The categories it is in, as bits; default 1.
+    uint32_t category;
+    // The categories that it meets, as bits; default all.
+    uint32_t mask;
+    // The group; 0 for none.
+    int32_t group;
+    // 0.
+    uint32_t reserved;
+    // Shape; it must not be a compound. The last field, so that the offsets of the others do not depend on the size of pointers.
+    const struct UmbraShape *shape;
+} UmbraColliderDef;
+
+// Settings of contacts; `umbra_contact_settings_default` fills them in.
+typedef struct UmbraContactSettings {
+    // The largest speed with which overlapping bodies are pushed apart, m/s, 0 to 2^10; default 3.
+    UmbraFx push_speed;
+    // The approach speed from which on bodies bounce, m/s, 0 to 2^10; default 1.
+    UmbraFx restitution_speed;
+    // The number of sub-steps in which contacts are solved, 1 to 8; default 5.
+    uint32_t substeps;
+    // The number of pairs of colliders that may be close to each other in a step, 1 to 2^28; default 2^20.
+    uint32_t max_pairs;
+    // The number of pairs of one collider that may be close where there are more than `max_pairs` in all, 1 to 2^28; default 256.
+    uint32_t max_pairs_per_collider;
+    // 0.
+    uint32_t reserved;
+} UmbraContactSettings;
+
 // A kind of force field: one of the five below.
 typedef uint32_t UmbraFieldKind;
 
@@ -390,6 +439,11 @@ typedef struct UmbraReplayLimits {
     uint32_t bodies;
     // The most force fields there may be at any time: `UMBRA_ERROR_VERIFY_FIELDS`.
     uint32_t fields;
+    // The most colliders there may be at any time: `UMBRA_ERROR_VERIFY_COLLIDERS`.
+    uint32_t colliders;
+    // The most pairs of colliders that `max_pairs` of its `UmbraContactSettings` may allow at any time, 2^20 by default:
+    // `UMBRA_ERROR_VERIFY_PAIRS`.
+    uint32_t pairs;
 } UmbraReplayLimits;
 
 // 1 as an `UmbraFx`.
@@ -398,7 +452,7 @@ typedef struct UmbraReplayLimits {
 // The call was carried out.
 #define UMBRA_OK 0
 
-// A value is outside of the range of its kind; `umbra_last_cause` has the number of the kind, 151 to 175.
+// A value is outside of the range of its kind; `umbra_last_cause` has the number of the kind, 151 to 183.
 #define UMBRA_ERROR_OUT_OF_RANGE 101
 
 // The handle names no body: it was removed, or never there.
@@ -434,7 +488,7 @@ typedef struct UmbraReplayLimits {
 // Both ends of a spring are attached to one body.
 #define UMBRA_ERROR_SAME_BODY 112
 
-// The world already has the maximum number of bodies or force fields.
+// The world already has the maximum number of bodies, colliders or force fields.
 #define UMBRA_ERROR_FULL 114
 
 // The elapsed time no longer fits in a ratio of 128-bit integers.
@@ -454,6 +508,12 @@ typedef struct UmbraReplayLimits {
 
 // The call needs a kinematic body.
 #define UMBRA_ERROR_NOT_KINEMATIC 124
+
+// The handle names no collider.
+#define UMBRA_ERROR_NO_SUCH_COLLIDER 128
+
+// The shape of a collider is a compound: give the body a collider for each part.
+#define UMBRA_ERROR_COMPOUND_COLLIDER 129
 
 // The bytes are not a snapshot.
 #define UMBRA_ERROR_SNAPSHOT_FOREIGN 301
@@ -515,6 +575,12 @@ typedef struct UmbraReplayLimits {
 // The replay has more commands than the limit allows.
 #define UMBRA_ERROR_VERIFY_COMMANDS 425
 
+// The replay makes more colliders than the limit allows.
+#define UMBRA_ERROR_VERIFY_COLLIDERS 426
+
+// The replay's contact settings allow more pairs of colliders than the limit.
+#define UMBRA_ERROR_VERIFY_PAIRS 427
+
 // The scene says what cannot be. Scenes have numbers from 500 to 510, and those of what the engine refuses of them;
 // `umbra_last_message` has the line.
 #define UMBRA_ERROR_SCENE 500
@@ -569,6 +635,9 @@ typedef struct UmbraReplayLimits {
 // A force field.
 #define UMBRA_MADE_FIELD 2
 
+// A collider.
+#define UMBRA_MADE_COLLIDER 3
+
 // Nothing.
 #define UMBRA_STATIC 0
 
@@ -593,11 +662,14 @@ typedef struct UmbraReplayLimits {
 // `mass` is a density: kg/m² times the area of the shape, kg/m for a segment.
 #define UMBRA_MASS_DENSITY 0
 
-// `mass` is in kg; the inertia is from the shape, or infinite without one: such a body does not turn.
+// `mass` is in kg; the inertia is from the shape, or from the colliders, or infinite without either: such a body does not turn.
 #define UMBRA_MASS_OF 1
 
 // `mass` in kg and `inertia` in kg·m².
 #define UMBRA_MASS_WITH_INERTIA 2
+
+// The mass and the inertia of the colliders; without any as `UMBRA_MASS_OF` with 1 kg. `mass` is not read.
+#define UMBRA_MASS_FROM_COLLIDERS 3
 
 // In place of a damping of a body's own: that of the world.
 #define UMBRA_AS_WORLD -1
@@ -861,7 +933,7 @@ UmbraStatus umbra_body_def_default(struct UmbraBodyDef *def);
 // Adds a body. Its handle stays good until it is removed, and never names another one afterwards.
 UmbraStatus umbra_world_add_body(struct UmbraWorld *world, const struct UmbraBodyDef *def, uint64_t *body);
 
-// Removes a body and the force fields attached to it, and wakes what they joined it to.
+// Removes a body, its colliders and the force fields attached to it, and wakes what they joined it to.
 UmbraStatus umbra_world_remove_body(struct UmbraWorld *world, uint64_t body);
 
 // Reads a body.
@@ -870,7 +942,7 @@ UmbraStatus umbra_world_body(const struct UmbraWorld *world, uint64_t body, stru
 // The shape of a body, which is the caller's as one that was made; null if it has none.
 UmbraStatus umbra_world_body_shape(const struct UmbraWorld *world, uint64_t body, struct UmbraShape **shape);
 
-// Mass of a body as it was given, to the bit, also while it is not dynamic; an `inertia` that was not given is 0.
+// Mass of a body as it was given, to the bit, also while it is not dynamic; a `mass` or an `inertia` that was not given is 0.
 UmbraStatus umbra_world_body_mass_def(const struct UmbraWorld *world,
                                       uint64_t body,
                                       UmbraMassKind *kind,
@@ -992,6 +1064,46 @@ UmbraStatus umbra_world_wake(struct UmbraWorld *world, uint64_t body);
 
 // Lets a quarantined body take part again.
 UmbraStatus umbra_world_release(struct UmbraWorld *world, uint64_t body);
+
+// Fills in a definition: around the body's centre of mass, touching all others, without a shape.
+UmbraStatus umbra_collider_def_default(struct UmbraColliderDef *def);
+
+// Adds a collider to a body; wakes the body. A body with `UMBRA_MASS_FROM_COLLIDERS` gets their mass.
+UmbraStatus umbra_world_add_collider(struct UmbraWorld *world,
+                                     uint64_t body,
+                                     const struct UmbraColliderDef *def,
+                                     uint64_t *collider);
+
+// Puts another definition in the place of a collider's; wakes its body.
+UmbraStatus umbra_world_set_collider(struct UmbraWorld *world, uint64_t collider, const struct UmbraColliderDef *def);
+
+// Removes a collider; wakes its body.
+UmbraStatus umbra_world_remove_collider(struct UmbraWorld *world, uint64_t collider);
+
+// Reads a collider, with null for its shape: `umbra_world_collider_shape`.
+UmbraStatus umbra_world_collider(const struct UmbraWorld *world, uint64_t collider, struct UmbraColliderDef *def);
+
+// The shape of a collider, which is the caller's as one that was made.
+UmbraStatus umbra_world_collider_shape(const struct UmbraWorld *world, uint64_t collider, struct UmbraShape **shape);
+
+// The body that a collider belongs to.
+UmbraStatus umbra_world_collider_body(const struct UmbraWorld *world, uint64_t collider, uint64_t *body);
+
+// The handles of the colliders of a body, in the order of their slots; a list as `umbra_world_outcomes` gives it.
+UmbraStatus umbra_world_body_colliders(const struct UmbraWorld *world,
+                                       uint64_t body,
+                                       uint64_t *colliders,
+                                       size_t capacity,
+                                       size_t *count);
+
+// Fills in the settings of contacts that suit bodies of 0.1 m to 10 m at 60 steps a second.
+UmbraStatus umbra_contact_settings_default(struct UmbraContactSettings *settings);
+
+// Changes the settings of contacts; wakes all bodies.
+UmbraStatus umbra_world_set_contact_settings(struct UmbraWorld *world, const struct UmbraContactSettings *settings);
+
+// The settings of contacts of a world.
+UmbraStatus umbra_world_contact_settings(const struct UmbraWorld *world, struct UmbraContactSettings *settings);
 
 // Fills in the definition of a field of a kind: all groups, no body, everything else 0.
 UmbraStatus umbra_field_def_default(UmbraFieldKind kind, struct UmbraFieldDef *def);

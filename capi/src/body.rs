@@ -33,15 +33,17 @@ pub const UMBRA_QUARANTINED: UmbraActivity = 2;
 /// The body was taken out of the simulation by a call, until it is enabled.
 pub const UMBRA_DISABLED: UmbraActivity = 3;
 
-/// Source of mass and moment of inertia: one of the three values below.
+/// Source of mass and moment of inertia: one of the four values below.
 pub type UmbraMassKind = u32;
 
 /// `mass` is a density: kg/m² times the area of the shape, kg/m for a segment.
 pub const UMBRA_MASS_DENSITY: UmbraMassKind = 0;
-/// `mass` is in kg; the inertia is from the shape, or infinite without one: such a body does not turn.
+/// `mass` is in kg; the inertia is from the shape, or from the colliders, or infinite without either: such a body does not turn.
 pub const UMBRA_MASS_OF: UmbraMassKind = 1;
 /// `mass` in kg and `inertia` in kg·m².
 pub const UMBRA_MASS_WITH_INERTIA: UmbraMassKind = 2;
+/// The mass and the inertia of the colliders; without any as `UMBRA_MASS_OF` with 1 kg. `mass` is not read.
+pub const UMBRA_MASS_FROM_COLLIDERS: UmbraMassKind = 3;
 
 /// In place of a damping of a body's own: that of the world.
 pub const UMBRA_AS_WORLD: UmbraFx = -1;
@@ -65,7 +67,7 @@ pub const UMBRA_LOCK_ROTATION: UmbraLocks = 4;
 pub struct UmbraBodyDef {
     /// How the body moves; default `UMBRA_DYNAMIC`.
     pub kind: UmbraBodyKind,
-    /// Source of the mass; default `UMBRA_MASS_OF`.
+    /// Source of the mass; default `UMBRA_MASS_FROM_COLLIDERS`.
     pub mass_kind: UmbraMassKind,
     /// Mass in kg or density, as `mass_kind` says, 2^-16 to 2^24 kg; default 1.
     pub mass: UmbraFx,
@@ -224,6 +226,7 @@ fn mass_of(kind: UmbraMassKind, mass: UmbraFx, inertia: UmbraFx) -> Result<Mass>
         UMBRA_MASS_DENSITY => Ok(Mass::Density(mass)),
         UMBRA_MASS_OF => Ok(Mass::Kilograms(mass)),
         UMBRA_MASS_WITH_INERTIA => Ok(Mass::Explicit { mass, inertia }),
+        UMBRA_MASS_FROM_COLLIDERS => Ok(Mass::FromColliders),
         _ => Err(Refusal::bad("no way to give a mass has this number")),
     }
 }
@@ -293,7 +296,7 @@ pub extern "C" fn umbra_body_def_default(def: Option<&mut MaybeUninit<UmbraBodyD
     guard(|| {
         given(def)?.write(UmbraBodyDef {
             kind: UMBRA_DYNAMIC,
-            mass_kind: UMBRA_MASS_OF,
+            mass_kind: UMBRA_MASS_FROM_COLLIDERS,
             mass: UMBRA_ONE,
             inertia: 0,
             position: UmbraVec2::default(),
@@ -333,6 +336,7 @@ pub unsafe extern "C" fn umbra_world_add_body(
             velocity: def.velocity.into(),
             angular_velocity: Fx::from_bits(def.angular_velocity),
             shape: shape.map(|shape| shape.shape.clone()),
+            colliders: Vec::new(),
             mass: mass_of(def.mass_kind, def.mass, def.inertia)?,
             gravity_scale: Fx::from_bits(def.gravity_scale),
             linear_damping: damping_of(def.linear_kept_per_second),
@@ -349,7 +353,7 @@ pub unsafe extern "C" fn umbra_world_add_body(
     })
 }
 
-/// Removes a body and the force fields attached to it, and wakes what they joined it to.
+/// Removes a body, its colliders and the force fields attached to it, and wakes what they joined it to.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_world_remove_body(world: Option<&mut UmbraWorld>, body: u64) -> UmbraStatus {
     change(world, Command::RemoveBody(body_id(body)))
@@ -375,7 +379,7 @@ pub extern "C" fn umbra_world_body_shape(
     look(world, shape, |world| Ok(world.body(body_id(body))?.shape().cloned().and_then(UmbraShape::boxed)))
 }
 
-/// Mass of a body as it was given, to the bit, also while it is not dynamic; an `inertia` that was not given is 0.
+/// Mass of a body as it was given, to the bit, also while it is not dynamic; a `mass` or an `inertia` that was not given is 0.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_world_body_mass_def(
     world: Option<&UmbraWorld>,
@@ -390,6 +394,7 @@ pub extern "C" fn umbra_world_body_mass_def(
             Mass::Density(density) => (UMBRA_MASS_DENSITY, density, Fx::ZERO),
             Mass::Kilograms(mass) => (UMBRA_MASS_OF, mass, Fx::ZERO),
             Mass::Explicit { mass, inertia } => (UMBRA_MASS_WITH_INERTIA, mass, inertia),
+            Mass::FromColliders => (UMBRA_MASS_FROM_COLLIDERS, Fx::ZERO, Fx::ZERO),
         };
         kind.write(given.0);
         mass.write(given.1.to_bits());

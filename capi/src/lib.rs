@@ -27,6 +27,7 @@ mod shape;
 mod world;
 
 mod body;
+mod collider;
 mod field;
 mod force;
 
@@ -40,6 +41,7 @@ mod replay;
 mod totals;
 
 pub use body::*;
+pub use collider::*;
 pub use command::*;
 pub use field::*;
 pub use force::*;
@@ -58,9 +60,9 @@ use std::mem::MaybeUninit;
 
 /// The number of this interface: it moves when a function, a struct or a meaning changes so that programs have to be built
 /// again. A program compares `UMBRA_API` of its header with `umbra_api` of the library it loads.
-pub const UMBRA_API: u32 = 1;
+pub const UMBRA_API: u32 = 2;
 
-/// No body, no field: a handle that names nothing, in no world.
+/// No body, no field, no collider: a handle that names nothing, in no world.
 pub const UMBRA_NO_HANDLE: u64 = 0xFFFF_FFFF_FFFF_FFFF;
 
 /// The number of the interface that the library has.

@@ -79,6 +79,11 @@ pub struct UmbraReplayLimits {
     pub bodies: u32,
     /// The most force fields there may be at any time: `UMBRA_ERROR_VERIFY_FIELDS`.
     pub fields: u32,
+    /// The most colliders there may be at any time: `UMBRA_ERROR_VERIFY_COLLIDERS`.
+    pub colliders: u32,
+    /// The most pairs of colliders that `max_pairs` of its `UmbraContactSettings` may allow at any time, 2^20 by default:
+    /// `UMBRA_ERROR_VERIFY_PAIRS`.
+    pub pairs: u32,
 }
 
 /// Runs a replay again and compares every hash: `UMBRA_OK`, `UMBRA_ERROR_DIVERGENCE`, or why the bytes, which may come from
@@ -92,13 +97,13 @@ pub unsafe extern "C" fn umbra_replay_verify(
     ticks: Option<&mut MaybeUninit<u64>>,
 ) -> UmbraStatus {
     guard(|| {
-        let &UmbraReplayLimits { ticks: most_ticks, commands, bodies: most_bodies, fields } = given(limits)?;
+        let &UmbraReplayLimits { ticks: most_ticks, commands, bodies, fields, colliders, pairs } = given(limits)?;
         // SAFETY: as the caller promises.
         let replay = Replay::from_bytes(unsafe { slice(bytes, length) }?, &[])?;
         if let Some(ticks) = ticks {
             ticks.write(replay.ticks());
         }
-        let most = ReplayLimits { ticks: most_ticks, bodies: most_bodies, fields, commands };
+        let most = ReplayLimits { ticks: most_ticks, bodies, fields, colliders, pairs, commands };
         Ok(replay.verify_within(most)?)
     })
 }

@@ -21,7 +21,7 @@ pub type UmbraStatus = i32;
 
 /// The call was carried out.
 pub const UMBRA_OK: UmbraStatus = 0;
-/// A value is outside of the range of its kind; `umbra_last_cause` has the number of the kind, 151 to 175.
+/// A value is outside of the range of its kind; `umbra_last_cause` has the number of the kind, 151 to 183.
 pub const UMBRA_ERROR_OUT_OF_RANGE: UmbraStatus = 101;
 /// The handle names no body: it was removed, or never there.
 pub const UMBRA_ERROR_NO_SUCH_BODY: UmbraStatus = 102;
@@ -45,7 +45,7 @@ pub const UMBRA_ERROR_NOT_QUARANTINED: UmbraStatus = 110;
 pub const UMBRA_ERROR_DAMPING_HAS_NO_INVERSE: UmbraStatus = 111;
 /// Both ends of a spring are attached to one body.
 pub const UMBRA_ERROR_SAME_BODY: UmbraStatus = 112;
-/// The world already has the maximum number of bodies or force fields.
+/// The world already has the maximum number of bodies, colliders or force fields.
 pub const UMBRA_ERROR_FULL: UmbraStatus = 114;
 /// The elapsed time no longer fits in a ratio of 128-bit integers.
 pub const UMBRA_ERROR_ELAPSED_TIME: UmbraStatus = 115;
@@ -59,6 +59,10 @@ pub const UMBRA_ERROR_DISABLED: UmbraStatus = 122;
 pub const UMBRA_ERROR_NOT_DISABLED: UmbraStatus = 123;
 /// The call needs a kinematic body.
 pub const UMBRA_ERROR_NOT_KINEMATIC: UmbraStatus = 124;
+/// The handle names no collider.
+pub const UMBRA_ERROR_NO_SUCH_COLLIDER: UmbraStatus = 128;
+/// The shape of a collider is a compound: give the body a collider for each part.
+pub const UMBRA_ERROR_COMPOUND_COLLIDER: UmbraStatus = 129;
 /// The bytes are not a snapshot.
 pub const UMBRA_ERROR_SNAPSHOT_FOREIGN: UmbraStatus = 301;
 /// The bytes have another layout.
@@ -99,6 +103,10 @@ pub const UMBRA_ERROR_VERIFY_BODIES: UmbraStatus = 423;
 pub const UMBRA_ERROR_VERIFY_FIELDS: UmbraStatus = 424;
 /// The replay has more commands than the limit allows.
 pub const UMBRA_ERROR_VERIFY_COMMANDS: UmbraStatus = 425;
+/// The replay makes more colliders than the limit allows.
+pub const UMBRA_ERROR_VERIFY_COLLIDERS: UmbraStatus = 426;
+/// The replay's contact settings allow more pairs of colliders than the limit.
+pub const UMBRA_ERROR_VERIFY_PAIRS: UmbraStatus = 427;
 /// The scene says what cannot be. Scenes have numbers from 500 to 510, and those of what the engine refuses of them;
 /// `umbra_last_message` has the line.
 pub const UMBRA_ERROR_SCENE: UmbraStatus = 500;

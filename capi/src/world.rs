@@ -87,13 +87,13 @@ pub struct UmbraFault {
     pub body: u64,
     /// The field whose force did not fit, or `UMBRA_NO_HANDLE`.
     pub field: u64,
-    /// 201 to 206.
+    /// 201 to 207.
     pub cause: UmbraStatus,
     /// 0.
     pub reserved: u32,
 }
 
-/// Result of a command: nothing, a body, or a field.
+/// Result of a command: nothing, a body, a field, or a collider.
 pub type UmbraMadeKind = u32;
 
 /// Nothing new.
@@ -102,6 +102,8 @@ pub const UMBRA_MADE_NOTHING: UmbraMadeKind = 0;
 pub const UMBRA_MADE_BODY: UmbraMadeKind = 1;
 /// A force field.
 pub const UMBRA_MADE_FIELD: UmbraMadeKind = 2;
+/// A collider.
+pub const UMBRA_MADE_COLLIDER: UmbraMadeKind = 3;
 
 /// Result of an input.
 #[repr(C)]
@@ -113,7 +115,7 @@ pub struct UmbraOutcome {
     pub sequence: u32,
     /// `UMBRA_OK`, or why it was refused: then it changed nothing.
     pub status: UmbraStatus,
-    /// Body or field that the input created.
+    /// Body, field or collider that the input created.
     pub made: UmbraMadeKind,
     /// The handle of what it made, or `UMBRA_NO_HANDLE`.
     pub handle: u64,
@@ -354,6 +356,7 @@ pub(crate) fn made(made: Created) -> (UmbraMadeKind, u64) {
     match made {
         Created::Body(body) => (UMBRA_MADE_BODY, word(body.parts())),
         Created::ForceField(field) => (UMBRA_MADE_FIELD, word(field.parts())),
+        Created::Collider(collider) => (UMBRA_MADE_COLLIDER, word(collider.parts())),
         _ => (UMBRA_MADE_NOTHING, UMBRA_NO_HANDLE),
     }
 }
@@ -406,6 +409,7 @@ pub extern "C" fn umbra_world_new(
             linear_damping: Damping::kept_per_second(Fx::from_bits(def.linear_kept_per_second)),
             angular_damping: Damping::kept_per_second(Fx::from_bits(def.angular_kept_per_second)),
             sleep_after: sleep_after(def.sleep_after),
+            ..WorldDef::default()
         };
         place.write(UmbraWorld::boxed(World::new(def)?));
         Ok(())

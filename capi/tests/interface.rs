@@ -7,9 +7,9 @@ use std::path::Path;
 use std::ptr;
 
 use umbra_physics::{
-    ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, Command, Damping, End, FieldId, FieldKind, ForceField,
-    ForceOrImpulse, Frame, Fx, FxFactor, Integrator, Locks, Mass, Random, Region, Shape, Snapshot, SpringConstants,
-    TimeStep, World, WorldDef, fx, vec2,
+    ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, Command, ContactSettings, Damping,
+    End, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, Frame, Fx, FxFactor, Integrator, Locks, Mass,
+    Material, Random, Region, Shape, Snapshot, SpringConstants, TimeStep, World, WorldDef, fx, vec2,
 };
 use umbra_physics_capi::*;
 
@@ -18,7 +18,8 @@ mod support;
 use support::{out, own};
 
 /// More than any replay here asks for.
-const LIMITS: UmbraReplayLimits = UmbraReplayLimits { ticks: 1_000, commands: 1_000, bodies: 100, fields: 100 };
+const LIMITS: UmbraReplayLimits =
+    UmbraReplayLimits { ticks: 1_000, commands: 1_000, bodies: 100, fields: 100, colliders: 100, pairs: 1 << 20 };
 
 /// A list, in two calls.
 fn list<T>(
@@ -159,6 +160,89 @@ fn fields() -> Vec<(UmbraFieldDef, ForceField)> {
     ]
 }
 
+/// A collider of this shape, a capsule, with a value of its own in each field.
+fn collider(shape: &UmbraShape) -> (UmbraColliderDef, ColliderDef) {
+    let def = UmbraColliderDef {
+        position: UmbraVec2 { x: 1, y: 2 },
+        angle: 3,
+        density: 4,
+        friction: 5,
+        restitution: 6,
+        key: 7,
+        user_data: 8,
+        category: 9,
+        mask: 10,
+        group: -11,
+        reserved: 0,
+        shape,
+    };
+    let bits = Fx::from_bits;
+    let expected = ColliderDef {
+        shape: Shape::capsule(fx!(2), fx!(1)).expect("a shape"),
+        position: umbra_physics::Vec2::new(bits(1), bits(2)),
+        angle: bits(3),
+        density: bits(4),
+        material: Material { friction: bits(5), restitution: bits(6) },
+        filter: Filter { category: 9, mask: 10, group: -11 },
+        key: 7,
+        user_data: 8,
+    };
+    (def, expected)
+}
+
+#[test]
+fn colliders_are_read_as_they_were_made() {
+    let mut world = world();
+    let body = add(&mut world, &body_def()).expect("a body");
+    let shape = own(|shape| umbra_shape_capsule(2 * ONE, ONE, shape)).expect("a shape");
+    let empty = out(|def| umbra_collider_def_default(def)).expect("a definition");
+    let plain = UmbraColliderDef { shape: &raw const *shape, ..empty };
+    let add = |world: &mut UmbraWorld, def: &UmbraColliderDef| {
+        // SAFETY: its shape is null or alive.
+        out(|collider| unsafe { umbra_world_add_collider(Some(world), body, Some(def), collider) })
+    };
+    assert_eq!(add(&mut world, &empty), Err(UMBRA_ERROR_NULL_POINTER));
+    assert_eq!(add(&mut world, &UmbraColliderDef { friction: -1, ..plain }), Err(UMBRA_ERROR_OUT_OF_RANGE));
+    assert_eq!(umbra_last_cause(), 178);
+    let made = [add(&mut world, &plain), add(&mut world, &collider(&shape).0)].map(|made| made.expect("a collider"));
+    // SAFETY: the buffers are those of `list`.
+    let listed = list(|buffer, capacity, count| unsafe {
+        umbra_world_body_colliders(Some(&world), body, buffer, capacity, count)
+    });
+    assert_eq!(listed, Ok(made.to_vec()));
+    let read = out(|def| umbra_world_collider(Some(&world), made[1], def)).expect("it is there");
+    assert_eq!((read.position, read.angle, read.density), (UmbraVec2 { x: 1, y: 2 }, 3, 4));
+    assert_eq!((read.friction, read.restitution, read.key, read.user_data), (5, 6, 7, 8));
+    assert_eq!((read.category, read.mask, read.group, read.shape), (9, 10, -11, ptr::null()));
+    assert_eq!(out(|body| umbra_world_collider_body(Some(&world), made[1], body)), Ok(body));
+    // Shapes are the caller's.
+    let again = own(|shape| umbra_world_collider_shape(Some(&world), made[0], shape)).expect("it has one");
+    // SAFETY: its shape is alive.
+    let other = unsafe {
+        umbra_world_set_collider(
+            Some(&mut world),
+            made[1],
+            Some(&UmbraColliderDef { shape: &raw const *again, ..plain }),
+        )
+    };
+    assert_eq!(other, UMBRA_OK);
+    umbra_shape_free(Some(again));
+    let kilograms =
+        |world: &UmbraWorld| out(|state| umbra_world_body(Some(world), body, state)).map(|state| state.mass);
+    let both = kilograms(&world).expect("a mass");
+    assert_eq!(umbra_world_remove_collider(Some(&mut world), made[0]), UMBRA_OK);
+    let one = kilograms(&world).expect("a mass");
+    assert!(both.abs_diff(2 * one) <= 1, "{both} {one}");
+    assert_eq!(umbra_world_remove_collider(Some(&mut world), made[0]), UMBRA_ERROR_NO_SUCH_COLLIDER);
+    let settings = out(|settings| umbra_contact_settings_default(settings)).expect("settings");
+    assert_eq!(out(|settings| umbra_world_contact_settings(Some(&world), settings)), Ok(settings));
+    let stiffer = UmbraContactSettings { substeps: 8, ..settings };
+    assert_eq!(umbra_world_set_contact_settings(Some(&mut world), Some(&stiffer)), UMBRA_OK);
+    assert_eq!(out(|settings| umbra_world_contact_settings(Some(&world), settings)), Ok(stiffer));
+    umbra_shape_free(Some(shape));
+    umbra_world_free(Some(world));
+}
+
 /// A draft shows what a function asks of the library, to the bit.
 #[test]
 fn every_change_is_the_command_of_its_name() {
@@ -188,6 +272,14 @@ fn every_change_is_the_command_of_its_name() {
     let body_frame = ApplyOptions { frame: Frame::Body, wake: true };
     let no_wake = ApplyOptions { frame: Frame::World, wake: false };
     let both = UMBRA_BODY_FRAME | UMBRA_NO_WAKE;
+    let settings = UmbraContactSettings {
+        push_speed: 1,
+        restitution_speed: 2,
+        substeps: 3,
+        max_pairs: 4,
+        max_pairs_per_collider: 5,
+        reserved: 0,
+    };
     changes! {
         umbra_world_remove_body(BODY_WORD) => Command::RemoveBody(body);
         umbra_world_set_position(BODY_WORD, 1, 2) => Command::SetPosition { body, position: pair(1, 2) };
@@ -224,6 +316,16 @@ fn every_change_is_the_command_of_its_name() {
         umbra_world_move_to(BODY_WORD, 1, 2, 3) => Command::MoveTo { body, position: pair(1, 2), angle: bits(3) };
         umbra_world_wake(BODY_WORD) => Command::Wake(body);
         umbra_world_release(BODY_WORD) => Command::Release(body);
+        umbra_world_remove_collider(FIELD_WORD) => Command::RemoveCollider(ColliderId::from_parts(1, 7));
+        umbra_world_set_mass(BODY_WORD, UMBRA_MASS_FROM_COLLIDERS, 7, 8) =>
+            Command::SetMass { body, mass: Mass::FromColliders };
+        umbra_world_set_contact_settings(Some(&settings)) => Command::SetContactSettings(ContactSettings {
+            substeps: 3,
+            push_speed: bits(1),
+            restitution_speed: bits(2),
+            max_pairs: 4,
+            max_pairs_per_collider: 5,
+        });
         umbra_world_remove_field(FIELD_WORD) => Command::RemoveField(FIELD);
         umbra_world_set_time_step(1001, 60_000) => Command::SetTimeStep(TimeStep::ratio(1001, 60_000));
         umbra_world_set_gravity(15, -16) => Command::SetGravity(pair(15, -16));
@@ -301,13 +403,22 @@ fn every_change_is_the_command_of_its_name() {
         user_data: 13,
         force_groups: 14,
         shape: Some(Shape::capsule(fx!(2), fx!(1)).expect("a shape")),
+        colliders: Vec::new(),
     };
     is(&draft, UMBRA_OK, Command::AddBody(full));
+    let (def, expected) = collider(&shape);
+    // SAFETY: its shape is alive.
+    let added = out(|id| unsafe { umbra_world_add_collider(Some(&mut draft), BODY_WORD, Some(&def), id) });
+    assert_eq!(added, Ok(UMBRA_NO_HANDLE));
+    is(&draft, UMBRA_OK, Command::AddCollider { body, def: expected.clone() });
+    // SAFETY: its shape is alive.
+    let status = unsafe { umbra_world_set_collider(Some(&mut draft), FIELD_WORD, Some(&def)) };
+    is(&draft, status, Command::SetCollider { collider: ColliderId::from_parts(1, 7), def: expected });
     assert_eq!(add(&mut draft, &body_def()), Ok(UMBRA_NO_HANDLE));
     is(&draft, UMBRA_OK, Command::AddBody(BodyDef::dynamic()));
 
-    // From AddBody to MoveTo, as `docs/formats.md` numbers them.
-    assert!(seen.iter().copied().eq(0..=32), "{seen:?}");
+    // From AddBody to SetContactSettings, as `docs/formats.md` numbers them.
+    assert!(seen.iter().copied().eq(0..=36), "{seen:?}");
 
     assert_eq!(umbra_world_step(Some(&mut draft)), UMBRA_ERROR_BUSY);
     let place = world();
@@ -427,7 +538,7 @@ fn what_cannot_be_is_refused_and_changes_nothing() {
     let before = state_hash(&world);
     let bad = UMBRA_ERROR_BAD_ARGUMENT;
     assert_eq!(umbra_world_set_kind(Some(&mut world), body, 3), bad);
-    assert_eq!(umbra_world_set_mass(Some(&mut world), body, 3, ONE, 0), bad);
+    assert_eq!(umbra_world_set_mass(Some(&mut world), body, 4, ONE, 0), bad);
     assert_eq!(umbra_world_set_integrator(Some(&mut world), 5), bad);
     assert_eq!(umbra_world_set_locks(Some(&mut world), body, 8), bad);
     assert_eq!(umbra_world_apply_force(Some(&mut world), body, 0, 0, None, 4), bad);
@@ -531,7 +642,7 @@ fn the_rest_of_a_body_is_read() {
         inertia.map(|inertia| unsafe { (kind.assume_init(), mass.assume_init(), inertia) })
     };
     assert_eq!(mass_def(&here, rod), Ok((UMBRA_MASS_DENSITY, 3 * ONE, 0)));
-    assert_eq!(mass_def(&here, lift), Ok((UMBRA_MASS_OF, ONE, 0)));
+    assert_eq!(mass_def(&here, lift), Ok((UMBRA_MASS_FROM_COLLIDERS, 0, 0)));
     assert_eq!(umbra_world_set_mass(Some(&mut here), lift, UMBRA_MASS_WITH_INERTIA, 5 * ONE, 6), UMBRA_OK);
     assert_eq!(mass_def(&here, lift), Ok((UMBRA_MASS_WITH_INERTIA, 5 * ONE, 6)));
     assert_eq!(mass_def(&here, 99), Err(UMBRA_ERROR_NO_SUCH_BODY));
@@ -901,26 +1012,34 @@ fn a_scene_is_recorded_and_verified_as_any_run() {
 #[test]
 fn a_replay_is_verified_within_limits() {
     let mut world = world();
-    add(&mut world, &body_def()).expect("a body");
+    let body = add(&mut world, &body_def()).expect("a body");
     assert_eq!(umbra_world_record(Some(&mut world), 0, 0), UMBRA_OK);
+    let shape = own(|shape| umbra_shape_circle(UMBRA_ONE, shape)).expect("a shape");
+    let empty = out(|def| umbra_collider_def_default(def)).expect("a definition");
+    let def = UmbraColliderDef { shape: &raw const *shape, ..empty };
     let drag = out(|def| umbra_field_def_default(UMBRA_DRAG, def)).expect("a definition");
     for _ in 0..2 {
         add(&mut world, &body_def()).expect("a body");
         out(|field| umbra_world_add_field(Some(&mut world), Some(&drag), field)).expect("a field");
+        // SAFETY: the shape of the definition is there.
+        out(|id| unsafe { umbra_world_add_collider(Some(&mut world), body, Some(&def), id) }).expect("a collider");
         assert_eq!(umbra_world_step(Some(&mut world)), UMBRA_OK);
     }
+    umbra_shape_free(Some(shape));
     let mut bytes = own(|bytes| umbra_world_end_record(Some(&mut world), bytes)).expect("bytes");
     let (at, length) = (umbra_bytes_data(Some(&mut bytes)), umbra_bytes_length(Some(&bytes)));
     let mut ticks = MaybeUninit::new(77);
     // SAFETY: that is where they are.
     let mut verify = |limits| unsafe { umbra_replay_verify(at, length, Some(&limits), Some(&mut ticks)) };
-    let limits = UmbraReplayLimits { ticks: 2, commands: 4, bodies: 3, fields: 2 };
+    let limits = UmbraReplayLimits { ticks: 2, commands: 6, bodies: 3, fields: 2, colliders: 2, pairs: 1 << 20 };
     assert_eq!(verify(limits), UMBRA_OK);
     assert_eq!(verify(UmbraReplayLimits { ticks: 1, ..limits }), UMBRA_ERROR_VERIFY_TICKS);
     assert_eq!(last_message(), "the replay has 2 ticks, more than the limit of 1");
     assert_eq!(verify(UmbraReplayLimits { bodies: 2, ..limits }), UMBRA_ERROR_VERIFY_BODIES);
     assert_eq!(verify(UmbraReplayLimits { fields: 1, ..limits }), UMBRA_ERROR_VERIFY_FIELDS);
-    assert_eq!(verify(UmbraReplayLimits { commands: 3, ..limits }), UMBRA_ERROR_VERIFY_COMMANDS);
+    assert_eq!(verify(UmbraReplayLimits { colliders: 1, ..limits }), UMBRA_ERROR_VERIFY_COLLIDERS);
+    assert_eq!(verify(UmbraReplayLimits { pairs: (1 << 20) - 1, ..limits }), UMBRA_ERROR_VERIFY_PAIRS);
+    assert_eq!(verify(UmbraReplayLimits { commands: 5, ..limits }), UMBRA_ERROR_VERIFY_COMMANDS);
     // SAFETY: initialised above.
     assert_eq!(unsafe { ticks.assume_init() }, 2, "given also if it is more than it may be");
     umbra_bytes_free(Some(bytes));
@@ -964,7 +1083,7 @@ fn the_numbers_of_errors_are_those_of_the_document() {
         assert!(words.len() > 3 && !words.contains(['`', '|', '[']), "{words}");
         count += 1;
     }
-    assert_eq!(count, 48);
+    assert_eq!(count, 52);
 }
 
 /// The struct sizes of C, which the page in `examples/web` relies on too.

@@ -55,6 +55,12 @@ fn null_is_refused_everywhere() {
     // SAFETY: the definition is filled in.
     let b = made(|body| unsafe { umbra_world_add_body(Some(w), Some(&body_def), body) });
     let f = made(|field| umbra_world_add_field(Some(w), Some(&field_def), field));
+    let empty_collider = made(|def| umbra_collider_def_default(def));
+    let disc = made(|shape| umbra_shape_circle(UMBRA_ONE, shape)).expect("a shape");
+    let collider_def = UmbraColliderDef { shape: &raw const *disc, ..empty_collider };
+    // SAFETY: the definition is filled in, and its shape is alive.
+    let c = made(|collider| unsafe { umbra_world_add_collider(Some(w), b, Some(&collider_def), collider) });
+    let settings = made(|settings| umbra_contact_settings_default(settings));
     let (mut one, mut other, mut number) = (MaybeUninit::uninit(), MaybeUninit::uninit(), MaybeUninit::uninit());
     let (point, wide) = (UmbraVec2::default(), UmbraInt128::default());
     let clear = [27u8];
@@ -186,6 +192,28 @@ fn null_is_refused_everywhere() {
         umbra_world_release(None, b);
 
         umbra_field_def_default(UMBRA_DRAG, None);
+        umbra_collider_def_default(None);
+        umbra_contact_settings_default(None);
+        umbra_world_add_collider(None, b, Some(&collider_def), Some(&mut MaybeUninit::uninit()));
+        umbra_world_add_collider(Some(w), b, None, Some(&mut MaybeUninit::uninit()));
+        umbra_world_add_collider(Some(w), b, Some(&empty_collider), Some(&mut MaybeUninit::uninit()));
+        umbra_world_add_collider(Some(w), b, Some(&collider_def), None);
+        umbra_world_set_collider(None, c, Some(&collider_def));
+        umbra_world_set_collider(Some(w), c, None);
+        umbra_world_set_collider(Some(w), c, Some(&empty_collider));
+        umbra_world_remove_collider(None, c);
+        umbra_world_collider(None, c, Some(&mut MaybeUninit::uninit()));
+        umbra_world_collider(Some(w), c, None);
+        umbra_world_collider_shape(None, c, Some(&mut MaybeUninit::uninit()));
+        umbra_world_collider_shape(Some(w), c, None);
+        umbra_world_collider_body(None, c, Some(&mut MaybeUninit::uninit()));
+        umbra_world_collider_body(Some(w), c, None);
+        umbra_world_body_colliders(None, b, null_mut(), 0, None);
+        umbra_world_body_colliders(Some(w), b, null_mut(), 1, None);
+        umbra_world_set_contact_settings(None, Some(&settings));
+        umbra_world_set_contact_settings(Some(w), None);
+        umbra_world_contact_settings(None, Some(&mut MaybeUninit::uninit()));
+        umbra_world_contact_settings(Some(w), None);
         umbra_world_add_field(None, Some(&field_def), Some(&mut MaybeUninit::uninit()));
         umbra_world_add_field(Some(w), None, Some(&mut MaybeUninit::uninit()));
         umbra_world_add_field(Some(w), Some(&field_def), None);

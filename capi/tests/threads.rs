@@ -131,7 +131,14 @@ fn play(seed: u64, shape: Option<&UmbraShape>) -> (Vec<(Vec<UmbraStatus>, u64)>,
 }
 
 fn verified(file: &[u8]) -> Result<u64, UmbraStatus> {
-    let most = UmbraReplayLimits { ticks: 1 << 20, commands: 1 << 20, bodies: 1_000, fields: 1_000 };
+    let most = UmbraReplayLimits {
+        ticks: 1 << 20,
+        commands: 1 << 20,
+        bodies: 1_000,
+        fields: 1_000,
+        colliders: 1_000,
+        pairs: 1 << 20,
+    };
     // SAFETY: the bytes are there.
     out(|ticks| unsafe { umbra_replay_verify(file.as_ptr(), file.len(), Some(&most), ticks) })
 }

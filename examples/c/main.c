@@ -106,6 +106,7 @@ static UmbraWorld *build(uint64_t *ball, uint64_t *rocket)
     DO(umbra_shape_rectangle(4 * UMBRA_ONE, fx("0.25"), &shape));
     DO(umbra_body_def_default(&body));
     body.shape = shape;
+    body.mass_kind = UMBRA_MASS_OF;
     body.mass = 2 * UMBRA_ONE;
     body.angle = fx("0.1");
     body.position.x = 20 * UMBRA_ONE;
@@ -272,6 +273,8 @@ static void saved(void)
     limits.commands = 1000000;
     limits.bodies = 1000;
     limits.fields = 1000;
+    limits.colliders = 1000;
+    limits.pairs = 1 << 20;
     DO(umbra_replay_verify(umbra_bytes_data(replay), umbra_bytes_length(replay), &limits, &ticks));
     check(ticks == 100, "the replay has all ticks");
     printf("replay of %" PRIu64 " ticks, %lu bytes, verified\n", ticks, (unsigned long)umbra_bytes_length(replay));

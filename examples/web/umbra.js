@@ -2,7 +2,7 @@
 
 // Of `capi/include/umbra_physics.h`: no padding, so that places are sums of sizes.
 const POSE = 56, FIELD_DEF = 232, NO_HANDLE = 0xffff_ffff_ffff_ffffn;
-const API = 1, SPRING = 1, BUFFER_TOO_SMALL = 903;
+const API = 2, SPRING = 1, BUFFER_TOO_SMALL = 903;
 const PAGE = 65536;
 
 export const ONE = 1n << 32n;

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use arbitrary::{Arbitrary, Result, Unstructured};
 use umbra_oracles::{Choices, Generator, Taste};
 use umbra_physics::{
-    BodyId, BodyState, Command, Created, CustomForce, CustomForceError, Dependence, FieldId, ForceTorque, Scalar, Vec2,
-    World, WorldDef, fx,
+    BodyId, BodyState, ColliderId, Command, Created, CustomForce, CustomForceError, Dependence, FieldId, ForceTorque,
+    Scalar, Vec2, World, WorldDef, fx,
 };
 
 /// The bytes of an input. After its end all choices are zero.
@@ -43,6 +43,7 @@ pub struct Author<'a> {
     pub taste: Taste,
     bodies: Vec<BodyId>,
     fields: Vec<FieldId>,
+    colliders: Vec<ColliderId>,
 }
 
 /// Values at limits and beyond them, as many as commands of a dozen numbers bear.
@@ -55,7 +56,13 @@ impl<'a> Author<'a> {
     }
 
     pub fn of_taste(data: &'a [u8], taste: Taste) -> Self {
-        Self { input: Bytes(Unstructured::new(data)), taste, bodies: Vec::new(), fields: Vec::new() }
+        Self {
+            input: Bytes(Unstructured::new(data)),
+            taste,
+            bodies: Vec::new(),
+            fields: Vec::new(),
+            colliders: Vec::new(),
+        }
     }
 
     pub fn any<T: Arbitrary<'a>>(&mut self) -> Result<T> {
@@ -63,7 +70,7 @@ impl<'a> Author<'a> {
     }
 
     pub fn generator(&mut self) -> Generator<'_, Bytes<'a>> {
-        Generator::new(&mut self.input, self.taste, &self.bodies, &self.fields)
+        Generator::new(&mut self.input, self.taste, &self.bodies, &self.fields).with_colliders(&self.colliders)
     }
 
     /// A command of any kind.
@@ -76,10 +83,14 @@ impl<'a> Author<'a> {
         self.generator().world()
     }
 
-    /// Takes note of what a command made, for the commands to come.
-    pub fn made(&mut self, made: Created) {
+    /// Takes note of what a command made in a world, for the commands to come.
+    pub fn made<S: Scalar>(&mut self, world: &World<S>, made: Created) {
         match made {
-            Created::Body(body) => self.bodies.push(body),
+            Created::Body(body) => {
+                self.bodies.push(body);
+                self.colliders.extend(world.colliders_of(body).into_iter().flatten());
+            }
+            Created::Collider(collider) => self.colliders.push(collider),
             Created::ForceField(field) => self.fields.push(field),
             _ => {}
         }

@@ -168,7 +168,7 @@ impl Second {
             (_, Counterpart::Nothing) => {}
             _ => self.world = None,
         }
-        done.into_iter().for_each(|made| author.made(made));
+        done.into_iter().for_each(|made| author.made(world, made));
         self.commands += 1;
         if matches!(self.promise, Promise::Restored) && self.commands % 3 == 0 {
             self.world = Some(reread(world));

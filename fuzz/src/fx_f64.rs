@@ -24,8 +24,8 @@ use arbitrary::Result;
 use umbra_oracles::Taste;
 use umbra_physics::scalar::ToF64;
 use umbra_physics::{
-    Attachment, BodyId, BodyKind, BodyRef, Command, CommandMap, Damping, End, FieldKind, ForceField, Fx, FxFactor,
-    Geometry, Integrator, Scalar, Shape, Vec2, World, WorldDef,
+    Attachment, BodyId, BodyKind, BodyRef, Command, CommandMap, ContactSettings, Damping, End, FieldKind, ForceField,
+    Fx, FxFactor, Geometry, Integrator, Scalar, Shape, Vec2, World, WorldDef,
 };
 
 use super::author::{self, Author};
@@ -59,7 +59,7 @@ fn play(data: &[u8]) -> Result<()> {
         let done = world.execute(&command);
         assert_eq!(done, float.execute(&there), "{command:?}");
         if let Ok(made) = done {
-            author.made(made);
+            author.made(&world, made);
         }
         if let Command::SetIntegrator(_) = command {
             error = Error::default();
@@ -84,11 +84,12 @@ fn play(data: &[u8]) -> Result<()> {
 }
 
 fn in_floats(def: WorldDef) -> WorldDef<f64> {
-    let WorldDef { time_step, gravity, integrator, linear_damping, angular_damping, sleep_after } = def;
+    let WorldDef { time_step, gravity, integrator, linear_damping, angular_damping, sleep_after, .. } = def;
     let [linear_damping, angular_damping] =
         [linear_damping, angular_damping].map(|damping| Damping::kept_per_second(f64::from_fx(damping.kept())));
     let gravity = gravity.map(f64::from_fx);
-    WorldDef { time_step, gravity, integrator, linear_damping, angular_damping, sleep_after }
+    let contacts = ContactSettings::default();
+    WorldDef { time_step, gravity, integrator, linear_damping, angular_damping, sleep_after, contacts }
 }
 
 /// Converts commands to `f64`.

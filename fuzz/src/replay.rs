@@ -57,7 +57,14 @@ fn look(bytes: &[u8]) {
     let verified = replay.verify();
     _ = verified.as_ref().map_err(|divergence| divergence.to_string());
     // Within limits the result is the same, or a limit is exceeded.
-    let few = ReplayLimits { ticks: u64::MAX, bodies: 3, fields: 2, commands: u64::MAX };
+    let few = ReplayLimits {
+        ticks: u64::MAX,
+        bodies: 3,
+        fields: 2,
+        colliders: u32::MAX,
+        pairs: u32::MAX,
+        commands: u64::MAX,
+    };
     match (replay.verify_within(few), &verified) {
         (Ok(()), verified) => assert_eq!(verified, &Ok(())),
         (Err(VerifyError::Divergence(found)), Err(divergence)) => {
@@ -154,7 +161,7 @@ fn start(author: &mut Author<'_>, kind: u8) -> Result<World> {
     let mut world = world.expect("the usual definition is fair");
     for _ in 0..author.any::<u8>()? % 8 {
         let command = author.command();
-        world.execute(&command).into_iter().for_each(|made| author.made(made));
+        world.execute(&command).into_iter().for_each(|made| author.made(&world, made));
     }
     Ok(if kind >= LATE { late(&world, kind) } else { world })
 }
@@ -184,13 +191,13 @@ fn recorded(data: &[u8], kind: u8) -> Result<()> {
         if author.any()? {
             let command = author.command();
             let made = recorder.execute(&mut world, &command);
-            made.into_iter().for_each(|made| author.made(made));
+            made.into_iter().for_each(|made| author.made(&world, made));
             calls.push(command);
         }
         let inputs = inputs(&mut author)?;
         recorder.step(&mut world, &inputs);
         let made = recorder.outcomes().iter().filter_map(|outcome| outcome.result.ok());
-        made.for_each(|made| author.made(made));
+        made.for_each(|made| author.made(&world, made));
     }
     let file = recorder.clone().finish(&world);
     // Calls after the last step belong to no tick, and leave no trace.

@@ -32,7 +32,7 @@ fn made(author: &mut Author<'_>) -> Result<World> {
     for _ in 0..author.any::<u8>()? % 24 {
         let command = author.command();
         if let Ok(made) = world.execute(&command) {
-            author.made(made);
+            author.made(&world, made);
         }
         for _ in 0..(author.any::<u8>()? & 0xf).saturating_sub(13) {
             world.step();

@@ -44,7 +44,7 @@ fn play(data: &[u8]) -> Result<()> {
         let def = BodyDef { position, velocity, angular_velocity: number(fx!(1)), ..BodyDef::dynamic() };
         let made = if i % every == 0 { world.add_body(special.clone()) } else { world.add_body(def) };
         if let Ok(body) = made {
-            author.made(Created::Body(body));
+            author.made(&world, Created::Body(body));
         }
         for _ in 0..STEADY {
             let def = BodyDef { position, velocity: vec2(1, 0), force_groups: 0, ..BodyDef::kinematic() };
@@ -61,7 +61,7 @@ fn play(data: &[u8]) -> Result<()> {
         for other in &mut others {
             assert_eq!(POOLS[1].install(|| other.execute(&command)), done);
         }
-        done.into_iter().for_each(|made| author.made(made));
+        done.into_iter().for_each(|made| author.made(&world, made));
         POOLS[0].install(|| _ = world.step());
         POOLS[1].install(|| step_all(&mut others));
         for other in &others {

@@ -121,6 +121,7 @@ impl Busy {
             linear_damping: Damping::kept_per_second(linear),
             angular_damping: Damping::kept_per_second(angular),
             sleep_after: if sleeps % 2 == 0 { None } else { Some(ticks) },
+            ..WorldDef::default()
         };
         let mut world = World::new(def).expect("all within its limits");
 

@@ -12,6 +12,7 @@ use super::mass::{MassTable, inverse_inertia_of};
 use super::motion::{Acceleration, Motion};
 use super::{Activity, BodyDef, BodyKind, Locks, Mass, MassProperties};
 use crate::codec::{self, StateHasher, Write as _};
+use crate::collider::ColliderMass;
 use crate::error::Error;
 use crate::limits;
 use crate::scalar::{Accumulator, Angle, Scalar};
@@ -158,6 +159,12 @@ impl<S: Scalar> Bodies<S> {
         self.set_mass_row(dense, properties);
     }
 
+    /// Sets the mass of the colliders of a body, with the mass properties that follow.
+    pub(crate) fn set_collider_mass(&mut self, dense: usize, mass: ColliderMass<S>, properties: MassProperties<S>) {
+        self.edit(dense, |info| info.set_collider_mass(mass));
+        self.set_mass_row(dense, properties);
+    }
+
     fn set_mass_row(&mut self, dense: usize, properties: MassProperties<S>) {
         let masses = Arc::make_mut(&mut self.masses);
         let new = masses.acquire(properties, identity);
@@ -254,11 +261,11 @@ impl<S: Scalar> Bodies<S> {
     pub(crate) fn insert(
         &mut self,
         mut def: BodyDef<S>,
-        properties: MassProperties<S>,
+        (collider_mass, properties): (ColliderMass<S>, MassProperties<S>),
         factor_table: &mut FactorTable<S>,
     ) -> BodyId {
         let shape = def.shape.take();
-        self.insert_with(&def, shape, properties, factor_table)
+        self.insert_with(&def, shape, (collider_mass, properties), factor_table)
     }
 
     /// Adds a body with this shape. *Domain* the definition was checked, and there is room.
@@ -266,14 +273,14 @@ impl<S: Scalar> Bodies<S> {
         &mut self,
         def: &BodyDef<S>,
         shape: Option<impl Borrow<Shape<S>> + Into<Arc<Shape<S>>>>,
-        properties: MassProperties<S>,
+        masses: (ColliderMass<S>, MassProperties<S>),
         factor_table: &mut FactorTable<S>,
     ) -> BodyId {
         let slot = match self.slots.reuse() {
             Some(slot) => slot,
             None => self.new_slot(0),
         };
-        self.insert_at(slot, def, shape, properties, factor_table);
+        self.insert_at(slot, def, shape, masses, factor_table);
         self.slots.handle(slot)
     }
 
@@ -289,7 +296,7 @@ impl<S: Scalar> Bodies<S> {
         slot: u32,
         def: &BodyDef<S>,
         shape: Option<impl Borrow<Shape<S>> + Into<Arc<Shape<S>>>>,
-        properties: MassProperties<S>,
+        (collider_mass, properties): (ColliderMass<S>, MassProperties<S>),
         factor_table: &mut FactorTable<S>,
     ) {
         let dense = self.len();
@@ -312,7 +319,7 @@ impl<S: Scalar> Bodies<S> {
         push(&mut columns.slot, slot);
         push(&mut columns.activity, Activity::Awake);
         let table = Arc::make_mut(&mut self.table);
-        let info = BodyInfo::new(def, shape.map(|shape| table.shapes.acquire(shape)));
+        let info = BodyInfo::new(def, shape.map(|shape| table.shapes.acquire(shape)), collider_mass);
         table.place(slot as usize, info);
         self.note(dense, Change::ALL);
         self.set_moving(dense, def.kind != BodyKind::Static);

@@ -7,9 +7,10 @@ use core::borrow::Borrow;
 
 use super::columns::{NONE, push};
 use super::factors::Key;
-use super::mass::{inertia_of, mass_of};
+use super::mass::MassSource;
 use super::{BodyDef, BodyKind, Locks, Mass};
 use crate::codec::{StateHasher, Write as _};
+use crate::collider::ColliderMass;
 use crate::scalar::{Factor as _, Scalar};
 use crate::shape::Shape;
 
@@ -22,10 +23,16 @@ pub(crate) struct BodyInfo<S: Scalar> {
     pub(crate) user_data: u64,
     pub(crate) mass: Mass<S>,
     pub(crate) shape: Option<Arc<Shape<S>>>,
+    /// Follows from the colliders. Apart, as bodies without colliders are to take no room for it.
+    collider_mass: Option<Arc<ColliderMass<S>>>,
+}
+
+fn kept<S: Scalar>(mass: ColliderMass<S>) -> Option<Arc<ColliderMass<S>>> {
+    if mass.is_none() { None } else { Some(Arc::new(mass)) }
 }
 
 impl<S: Scalar> BodyInfo<S> {
-    pub(super) fn new(def: &BodyDef<S>, shape: Option<Arc<Shape<S>>>) -> Self {
+    pub(super) fn new(def: &BodyDef<S>, shape: Option<Arc<Shape<S>>>, collider_mass: ColliderMass<S>) -> Self {
         Self {
             kind: def.kind,
             force_groups: def.force_groups,
@@ -33,7 +40,22 @@ impl<S: Scalar> BodyInfo<S> {
             user_data: def.user_data,
             mass: def.mass,
             shape,
+            collider_mass: kept(collider_mass),
         }
+    }
+
+    /// The mass of the colliders.
+    pub(crate) fn collider_mass(&self) -> ColliderMass<S> {
+        self.collider_mass.as_deref().copied().unwrap_or_default()
+    }
+
+    pub(super) fn set_collider_mass(&mut self, mass: ColliderMass<S>) {
+        self.collider_mass = kept(mass);
+    }
+
+    /// The parts that the mass and the inertia may follow from.
+    pub(crate) fn mass_source(&self) -> MassSource<'_, S> {
+        MassSource { shape: self.shape.as_deref(), colliders: self.collider_mass() }
     }
 
     /// Returns true if a field with these groups acts on the body.
@@ -45,15 +67,20 @@ impl<S: Scalar> BodyInfo<S> {
     pub(crate) fn kilograms(&self) -> S {
         // The mass of a dynamic body was checked when it was set.
         match self.kind {
-            BodyKind::Dynamic => mass_of(self.mass, self.shape.as_deref()).unwrap_or(S::ZERO),
+            BodyKind::Dynamic => self.mass_source().kilograms(self.mass).unwrap_or(S::ZERO),
             _ => S::ZERO,
         }
     }
 
     /// The moment of inertia, kg·m²; zero stands for infinite, and is that of every body that is not dynamic.
     pub(crate) fn inertia(&self) -> S::Factor {
+        self.inertia_for(self.kilograms())
+    }
+
+    /// The [`inertia`](Self::inertia) of a body whose mass in kg is at hand.
+    pub(crate) fn inertia_for(&self, kilograms: S) -> S::Factor {
         match self.kind {
-            BodyKind::Dynamic => inertia_of(self.kilograms(), self.mass, self.shape.as_deref()),
+            BodyKind::Dynamic => self.mass_source().inertia(kilograms, self.mass),
             _ => S::Factor::ZERO,
         }
     }

@@ -3,6 +3,7 @@
 use super::rows::{Keyed, SharedRows, mix};
 use super::{BodyInfo, BodyKind, Locks};
 use crate::codec::codec_enum;
+use crate::collider::ColliderMass;
 use crate::error::{Error, Quantity};
 use crate::fx::Fx;
 use crate::limits;
@@ -11,7 +12,7 @@ use crate::scalar::{Factor, Number, Scalar};
 use crate::shape::Shape;
 
 /// Mass and moment of inertia of a dynamic body, as they are given.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
@@ -20,7 +21,8 @@ use crate::shape::Shape;
 pub enum Mass<S = Fx> {
     /// A density in kg/m², times the area of the shape; in kg/m for a segment. The inertia follows from the shape.
     Density(S),
-    /// A mass in kg. The inertia follows from the shape; without a shape it is infinite, and no torque turns the body.
+    /// A mass in kg. The inertia follows from the shape, or without one from the colliders; without either it is infinite, and no torque
+    /// turns the body.
     Kilograms(S),
     /// A mass and a moment of inertia.
     Explicit {
@@ -29,12 +31,17 @@ pub enum Mass<S = Fx> {
         /// The moment of inertia about the centre of mass, kg·m².
         inertia: S,
     },
+    /// The mass of the colliders, by their densities, and their inertia. A body without colliders has 1 kg, and its inertia as with
+    /// [`Kilograms`](Self::Kilograms).
+    #[default]
+    FromColliders,
 }
 
 codec_enum!(Mass<S>, "the number of a way to give a mass", {
     0 => Density(density),
     1 => Kilograms(mass),
     2 => Explicit { mass, inertia },
+    3 => FromColliders,
 });
 
 /// The locks of a body, and its inverse masses with the locks taken into account: a product with them is the effect of a
@@ -78,54 +85,62 @@ impl<S: Scalar> Keyed for MassProperties<S> {
     }
 }
 
-/// The mass in kg of a dynamic body.
-pub(super) fn mass_of<S: Scalar>(mass: Mass<S>, shape: Option<&Shape<S>>) -> Result<S, Error> {
-    let out_of = |quantity| Error::OutOfRange { quantity };
-    match mass {
-        Mass::Density(density) => {
-            if !(density > S::ZERO && density.is_finite()) {
-                return Err(out_of(Quantity::Density));
+/// The parts of a body that its mass and its inertia may follow from.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MassSource<'a, S: Scalar> {
+    pub(crate) shape: Option<&'a Shape<S>>,
+    pub(crate) colliders: ColliderMass<S>,
+}
+
+impl<S: Scalar> MassSource<'_, S> {
+    /// The mass in kg of a dynamic body.
+    pub(super) fn kilograms(&self, mass: Mass<S>) -> Result<S, Error> {
+        let out_of = |quantity| Error::OutOfRange { quantity };
+        match mass {
+            Mass::Density(density) => {
+                if !(density > S::ZERO && density.is_finite()) {
+                    return Err(out_of(Quantity::Density));
+                }
+                let area = self.shape.ok_or(Error::NoShape)?.measure();
+                S::Factor::from_scalar(density).times(area).to_scalar().ok_or(out_of(Quantity::Mass))
             }
-            let area = shape.ok_or(Error::NoShape)?.measure();
-            S::Factor::from_scalar(density).times(area).to_scalar().ok_or(out_of(Quantity::Mass))
+            Mass::Kilograms(mass) | Mass::Explicit { mass, inertia: _ } => Ok(mass),
+            Mass::FromColliders if self.colliders.is_none() => Ok(S::ONE),
+            Mass::FromColliders => self.colliders.mass.to_scalar().ok_or(out_of(Quantity::Mass)),
         }
-        Mass::Kilograms(mass) | Mass::Explicit { mass, inertia: _ } => Ok(mass),
     }
-}
 
-/// The moment of inertia, kg·m², of a body of this mass in kg; zero stands for infinite.
-pub(super) fn inertia_of<S: Scalar>(kilograms: S, mass: Mass<S>, shape: Option<&Shape<S>>) -> S::Factor {
-    match (mass, shape) {
-        (Mass::Explicit { mass: _, inertia }, _) => S::Factor::from_scalar(inertia),
-        (_, Some(shape)) => S::Factor::from_scalar(kilograms).times(shape.gyration()),
-        (_, None) => S::Factor::ZERO,
+    /// The moment of inertia, kg·m², of a body of this mass in kg; zero stands for infinite.
+    pub(super) fn inertia(&self, kilograms: S, mass: Mass<S>) -> S::Factor {
+        let gyration = match (mass, self.shape) {
+            (Mass::Explicit { mass: _, inertia }, _) => return S::Factor::from_scalar(inertia),
+            (Mass::FromColliders, _) if !self.colliders.is_none() => self.colliders.gyration,
+            (_, Some(shape)) => shape.gyration(),
+            (_, None) => self.colliders.gyration,
+        };
+        S::Factor::from_scalar(kilograms).times(gyration)
     }
-}
 
-/// The properties of a body that is defined like this.
-///
-/// # Errors
-/// [`Error::OutOfRange`] naming the quantity; [`Error::NoShape`] for a density without a shape. A body that is not dynamic
-/// may have any mass.
-pub(crate) fn mass_properties<S: Scalar>(
-    kind: BodyKind,
-    mass: Mass<S>,
-    shape: Option<&Shape<S>>,
-    locks: Locks,
-) -> Result<MassProperties<S>, Error> {
-    let zero = S::Factor::ZERO;
-    if kind != BodyKind::Dynamic {
-        return Ok(MassProperties::new(zero, zero, locks));
+    /// The properties of a body that is defined like this.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] naming the quantity; [`Error::NoShape`] for a density without a shape. A body that is not dynamic
+    /// may have any mass.
+    pub(crate) fn properties(&self, kind: BodyKind, mass: Mass<S>, locks: Locks) -> Result<MassProperties<S>, Error> {
+        let zero = S::Factor::ZERO;
+        if kind != BodyKind::Dynamic {
+            return Ok(MassProperties::new(zero, zero, locks));
+        }
+        if matches!(mass, Mass::Explicit { mass: _, inertia } if !(inertia > S::ZERO && inertia.is_finite())) {
+            return Err(Error::OutOfRange { quantity: Quantity::Inertia });
+        }
+        let kilograms = self.kilograms(mass)?;
+        if !(kilograms >= S::from_fx(limits::MASS_MIN) && kilograms <= S::from_fx(limits::MASS_MAX)) {
+            return Err(Error::OutOfRange { quantity: Quantity::Mass });
+        }
+        let inverse_mass = inverse::<S>(S::Factor::from_scalar(kilograms));
+        Ok(MassProperties::new(inverse_mass, inverse::<S>(self.inertia(kilograms, mass)), locks))
     }
-    if matches!(mass, Mass::Explicit { mass: _, inertia } if !(inertia > S::ZERO && inertia.is_finite())) {
-        return Err(Error::OutOfRange { quantity: Quantity::Inertia });
-    }
-    let kilograms = mass_of(mass, shape)?;
-    if !(kilograms >= S::from_fx(limits::MASS_MIN) && kilograms <= S::from_fx(limits::MASS_MAX)) {
-        return Err(Error::OutOfRange { quantity: Quantity::Mass });
-    }
-    let inverse_mass = inverse::<S>(S::Factor::from_scalar(kilograms));
-    Ok(MassProperties::new(inverse_mass, inverse::<S>(inertia_of(kilograms, mass, shape)), locks))
 }
 
 /// 1/I of a body without its locks; zero unless it is dynamic.

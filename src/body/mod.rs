@@ -17,7 +17,10 @@ mod target;
 
 use core::fmt;
 
-use crate::codec::{self, Encoder, Malformed, Read, Reader, Write, codec_enum, codec_struct};
+use alloc::vec::Vec;
+
+use crate::codec::{codec_enum, codec_plain, codec_struct};
+use crate::collider::{ColliderDef, ColliderMass};
 use crate::error::{Error, Quantity};
 use crate::fx::Fx;
 use crate::limits;
@@ -31,7 +34,7 @@ pub use damping::Damping;
 pub(crate) use factors::{BOUNDED_STEPS, FactorTable, Key, SPANS, StepFactors, WorldFactors};
 pub(crate) use info::BodyInfo;
 pub use mass::Mass;
-pub(crate) use mass::{MassProperties, mass_properties};
+pub(crate) use mass::{MassProperties, MassSource};
 pub(crate) use motion::{Acceleration, BLOCK, Block, Motion};
 pub(crate) use order::InOrder;
 pub(crate) use record::{Record, ShapeSource};
@@ -148,20 +151,7 @@ impl Locks {
     }
 }
 
-impl Write for Locks {
-    fn write(&self, out: &mut impl Encoder) {
-        let Self { x, y, rotation } = self;
-        codec::field(out, "x", x);
-        codec::field(out, "y", y);
-        codec::field(out, "rotation", rotation);
-    }
-}
-
-impl Read for Locks {
-    fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {
-        Ok(Self { x: bool::read(reader)?, y: bool::read(reader)?, rotation: bool::read(reader)? })
-    }
-}
+codec_plain!(Locks { x, y, rotation });
 
 /// The definition of a body. Start from [`BodyDef::dynamic`], [`kinematic`](Self::kinematic) or [`fixed`](Self::fixed) and
 /// change what differs.
@@ -198,8 +188,11 @@ pub struct BodyDef<S: Scalar = Fx> {
     pub velocity: Vec2<S>,
     /// The angular velocity, rad/s. Zero for a static body.
     pub angular_velocity: S,
-    /// The shape, which gives the body its inertia and an outline to draw. Bodies do not collide yet.
+    /// A shape that gives the body its inertia and an outline to draw. It touches nothing: give the body `colliders` for that.
     pub shape: Option<Shape<S>>,
+    /// The colliders: the shapes with which the body touches others. [`with_collider`](Self::with_collider) adds one.
+    /// [`World::colliders_of`](crate::World::colliders_of) gives the handles of a new body's colliders in this order.
+    pub colliders: Vec<ColliderDef<S>>,
     /// The mass, used while the body is dynamic.
     pub mass: Mass<S>,
     /// The factor on the world's gravity: 1 for all of it, 0 for none, −1 for the opposite direction.
@@ -231,6 +224,7 @@ codec_struct!(BodyDef {
     velocity,
     angular_velocity,
     shape,
+    colliders,
     mass,
     gravity_scale,
     linear_damping,
@@ -251,7 +245,7 @@ impl<S: Scalar> Default for BodyDef<S> {
 }
 
 impl<S: Scalar> BodyDef<S> {
-    /// A dynamic body of 1 kg, at rest at the origin.
+    /// A dynamic body at rest at the origin, with the mass of its colliders; 1 kg without any.
     #[must_use]
     pub fn dynamic() -> Self {
         Self {
@@ -261,7 +255,8 @@ impl<S: Scalar> BodyDef<S> {
             velocity: Vec2::ZERO,
             angular_velocity: S::ZERO,
             shape: None,
-            mass: Mass::Kilograms(S::ONE),
+            colliders: Vec::new(),
+            mass: Mass::FromColliders,
             gravity_scale: S::ONE,
             linear_damping: None,
             angular_damping: None,
@@ -286,6 +281,26 @@ impl<S: Scalar> BodyDef<S> {
         Self { kind: BodyKind::Static, ..Self::dynamic() }
     }
 
+    /// The definition with another collider.
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, Shape, World, WorldDef, fx, vec2};
+    ///
+    /// let mut world = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() })?;
+    /// world.add_body(BodyDef::fixed().with_collider(Shape::rectangle(fx!(20), fx!(2))?))?;
+    /// let ball = BodyDef { position: vec2(0, 5), ..BodyDef::dynamic().with_collider(Shape::circle(fx!(0.5))?) };
+    /// let ball = world.add_body(ball)?;
+    /// (0..120).for_each(|_| _ = world.step());
+    /// let height = world.body(ball)?.position().y;
+    /// assert!(height > fx!(1.49) && height < fx!(1.51)); // on the ground
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    #[must_use]
+    pub fn with_collider(mut self, collider: impl Into<ColliderDef<S>>) -> Self {
+        self.colliders.push(collider.into());
+        self
+    }
+
     /// Checks the definition as a world does that the body is added to.
     ///
     /// # Errors
@@ -307,17 +322,22 @@ impl<S: Scalar> BodyDef<S> {
         }
         check_unlocked(self.locks, self.velocity)?;
         check_turning(self.locks, self.angular_velocity)?;
-        self.check_properties(self.shape.as_ref())
+        self.colliders.iter().try_for_each(ColliderDef::check)?;
+        self.check_properties(MassSource { shape: self.shape.as_ref(), colliders: self.collider_mass() })
     }
 
-    /// The mass properties of a body with this definition and shape, if its properties other than its motion are valid.
-    fn check_properties(&self, shape: Option<&Shape<S>>) -> Result<MassProperties<S>, Error> {
+    /// The mass properties of a body with this definition and these parts, if its properties other than its motion are valid.
+    fn check_properties(&self, source: MassSource<'_, S>) -> Result<MassProperties<S>, Error> {
         check_gravity_scale(self.gravity_scale)?;
         self.linear_damping.map_or(Ok(()), Damping::check)?;
         self.angular_damping.map_or(Ok(()), Damping::check)?;
         self.max_speed.map_or(Ok(()), check_max_speed)?;
         self.max_angular_speed.map_or(Ok(()), check_max_angular_speed)?;
-        mass_properties(self.kind, self.mass, shape, self.locks)
+        source.properties(self.kind, self.mass, self.locks)
+    }
+
+    fn collider_mass(&self) -> ColliderMass<S> {
+        ColliderMass::of(self.colliders.iter())
     }
 }
 

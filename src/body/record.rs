@@ -5,8 +5,9 @@ use alloc::sync::Arc;
 use super::columns::Bodies;
 use super::factors::FactorTable;
 use super::motion::Acceleration;
-use super::{Activity, BodyDef, BodyKind, Damping, Locks, Mass, MassProperties, within_envelope};
+use super::{Activity, BodyDef, BodyKind, Damping, Locks, Mass, MassProperties, MassSource, within_envelope};
 use crate::codec::{self, Encoder, Malformed, Part, Read, Reader, Write, codec_struct};
+use crate::collider::ColliderMass;
 use crate::error::{Error, Quantity};
 use crate::fx::Fx;
 use crate::limits;
@@ -63,7 +64,7 @@ codec_struct!(Record {
 
 impl<S: Scalar> Record<S> {
     /// Refuses a state that no call and no step leaves a body in.
-    fn check(&self, shape: Option<&Shape<S>>) -> Result<MassProperties<S>, Error> {
+    fn check(&self, source: MassSource<'_, S>) -> Result<MassProperties<S>, Error> {
         // A quarantined body may be in a state within a step. It is checked again before it is released.
         let limits = match self.activity {
             Activity::Quarantined => [limits::TRANSIENT_POSITION, limits::TRANSIENT_SUM, limits::TRANSIENT_SUM],
@@ -85,7 +86,7 @@ impl<S: Scalar> Record<S> {
         if (stopped && self.kind == BodyKind::Static) || (self.activity == Activity::Asleep && !rests) {
             return Err(Error::Inconsistent);
         }
-        self.def().check_properties(shape)
+        self.def().check_properties(source)
     }
 
     /// Refuses a velocity along a locked axis, and a last acceleration that would cause one.
@@ -124,8 +125,8 @@ impl<S: Scalar> Record<S> {
     }
 }
 
-/// The occupant of a slot: a body and its shape, or none.
-type Occupant<S> = Option<(Record<S>, Option<Arc<Shape<S>>>)>;
+/// The occupant of a slot: a body, its shape and the mass of its colliders, or none.
+type Occupant<S> = Option<(Record<S>, Option<Arc<Shape<S>>>, ColliderMass<S>)>;
 
 impl<S: Scalar> Bodies<S> {
     /// The state of the body at this index in the columns.
@@ -174,16 +175,16 @@ impl<S: Scalar> Bodies<S> {
         if self.slots().len() >= limits::BODIES {
             return Err(Error::Full);
         }
-        let Some((record, shape)) = occupant else {
+        let Some((record, shape, colliders)) = occupant else {
             self.new_slot(generation);
             return Ok(None);
         };
-        let properties = record.check(shape.as_deref())?;
+        let properties = record.check(MassSource { shape: shape.as_deref(), colliders })?;
         if record.last_acceleration.is_some() != self.keeps_last() {
             return Err(Error::Inconsistent);
         }
         let slot = self.new_slot(generation);
-        self.insert_at(slot, &record.def(), shape, properties, factor_table);
+        self.insert_at(slot, &record.def(), shape, (colliders, properties), factor_table);
         let dense = self.slots.all()[slot as usize].index_or_none() as usize;
         let dense = self.set_activity(dense, record.activity);
         let motion = &mut self.columns.motion;
@@ -206,7 +207,8 @@ impl<S: Scalar> Bodies<S> {
     ) -> Result<BodyId, Error> {
         let from = other.find(body)?;
         let (def, shape) = (other.record(from, other_factors).def(), other.info(from).shape.clone());
-        let adopted = self.insert_with(&def, shape, *other.mass(from), factor_table);
+        let adopted =
+            self.insert_with(&def, shape, (other.info(from).collider_mass(), *other.mass(from)), factor_table);
         let dense = self.find(adopted)?;
         let dense = self.set_activity(dense, other.activity(from));
         self.make_last_accelerations();

@@ -18,6 +18,24 @@ macro_rules! codec_struct {
     };
 }
 
+/// Does the same for a struct that has no scalar.
+macro_rules! codec_plain {
+    ($type:ident { $($field:ident),* $(,)? }) => {
+        impl $crate::codec::Write for $type {
+            fn write(&self, out: &mut impl $crate::codec::Encoder) {
+                let Self { $($field),* } = self;
+                $($crate::codec::field(out, stringify!($field), $field);)*
+            }
+        }
+
+        impl $crate::codec::Read for $type {
+            fn read(reader: &mut $crate::codec::Reader<'_>) -> Result<Self, $crate::codec::Malformed> {
+                Ok(Self { $($field: $crate::codec::Read::read(reader)?),* })
+            }
+        }
+    };
+}
+
 /// Implements `Write` and `Read` for an enum: a byte for the variant, then its fields. A variant that is not in the list does
 /// not compile. The number of a variant never changes.
 macro_rules! codec_enum {
@@ -65,4 +83,4 @@ macro_rules! codec_enum {
     };
 }
 
-pub(crate) use {codec_enum, codec_struct};
+pub(crate) use {codec_enum, codec_plain, codec_struct};

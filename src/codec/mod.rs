@@ -15,4 +15,4 @@ pub(crate) use decode::{Read, Reader};
 pub(crate) use encode::{Encoder, Part, Write, count, field, list};
 pub(crate) use hash::StateHasher;
 pub(crate) use index::{FieldIndex, FieldValue, Wanted, first_difference};
-pub(crate) use macros::{codec_enum, codec_struct};
+pub(crate) use macros::{codec_enum, codec_plain, codec_struct};

@@ -8,7 +8,7 @@ use super::encode::{Encoder, Part, Write, count, field};
 use crate::fx::Fx;
 use crate::math::{Elapsed, Random, TimeStep, Vec2};
 use crate::scalar::{FxAccumulator, FxFactor, FxSum, FxWide, Number, Turn};
-use crate::slots::{BodyId, FieldId};
+use crate::slots::{BodyId, ColliderId, FieldId};
 
 impl<N: Number> Write for N {
     #[inline]
@@ -35,7 +35,7 @@ macro_rules! codec_integers {
     )* };
 }
 
-codec_integers!(u8 u16 u32 u64 u128);
+codec_integers!(u8 u16 u32 u64 u128 i32 i64);
 
 impl Read for Fx {
     fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {
@@ -147,7 +147,7 @@ macro_rules! codec_handles {
     )* };
 }
 
-codec_handles!(BodyId FieldId);
+codec_handles!(BodyId FieldId ColliderId);
 
 impl Write for TimeStep {
     fn write(&self, out: &mut impl Encoder) {

@@ -18,12 +18,11 @@
 mod axes;
 pub mod broad;
 mod cores;
-mod filter;
 mod frame;
 mod place;
 mod points;
 
-pub use filter::Filter;
+pub use crate::collider::Filter;
 pub use place::{Cores, Pose};
 
 use crate::fx::Fx;

@@ -7,7 +7,7 @@ use crate::fx::Fx;
 use crate::kernel::trig::sin_cos_turn;
 use crate::math::Vec2;
 use crate::scalar::Turn;
-use crate::shape::Outline;
+use crate::shape::{Aabb, Outline};
 
 /// The place of a body: the position of its centre of mass and the direction it is turned to. Made once for all outlines of a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,6 +22,31 @@ impl Pose {
     #[must_use]
     pub fn new(position: Vec2<Fx>, angle: Turn) -> Self {
         Self { position, direction: sin_cos_turn(angle.to_bits()) }
+    }
+
+    /// A box around a box at this pose and all within `radius` of it, at most 2^31 m out: for a rectangle the least one, but for 2 ulp.
+    /// The box of a mirror image is the mirror image.
+    ///
+    /// *Domain* coordinates within 2^15 m, a radius up to 2^12 m.
+    #[must_use]
+    pub fn bounds(&self, of: &Aabb, radius: Fx) -> Aabb {
+        let ends = [(of.min.x, of.max.x), (of.min.y, of.max.y)].map(|(low, high)| (low.to_bits(), high.to_bits()));
+        // Twice the middle and twice half the size, exact: below 2^49, and their products with sine and cosine below 2^112.
+        let ([x, y], [width, height]) = (ends.map(|(low, high)| low + high), ends.map(|(low, high)| high - low));
+        let (sin, cos) = self.direction;
+        let product = |length: i64, by: i64| i128::from(length) * i128::from(by);
+        let middle = [product(x, cos) - product(y, sin), product(x, sin) + product(y, cos)];
+        let (of_sin, of_cos) = (sin.abs(), cos.abs());
+        let reach =
+            [product(width, of_cos) + product(height, of_sin), product(width, of_sin) + product(height, of_cos)];
+        // An ulp for rounding up, and one for the corners, which are rounded to ulps.
+        let up = |twice: i128| (twice >> 63) as i64 + 2 + radius.to_bits();
+        let at = |centre: Fx, by: i64| Fx::from_bits(centre.to_bits().saturating_add(by));
+        let Vec2 { x, y } = self.position;
+        Aabb {
+            min: Vec2::new(at(x, -up(reach[0] - middle[0])), at(y, -up(reach[1] - middle[1]))),
+            max: Vec2::new(at(x, up(reach[0] + middle[0])), at(y, up(reach[1] + middle[1]))),
+        }
     }
 }
 
@@ -61,26 +86,49 @@ pub(super) fn room(count: usize) -> usize {
     }
 }
 
+/// The first two of four vectors whose other two are opposite to them, as those of a box around its centre are.
+#[inline(always)]
+fn halves(vectors: &[Vec2<Fx>]) -> Option<[Vec2<Fx>; 2]> {
+    let [a, b, c, d] = vectors else { return None };
+    let are_opposite = |a: &Vec2<Fx>, b: &Vec2<Fx>| a.x.to_bits() == -b.x.to_bits() && a.y.to_bits() == -b.y.to_bits();
+    (are_opposite(a, c) && are_opposite(b, d)).then_some([*a, *b])
+}
+
 impl Placed {
     /// Places an outline. Its corners in ulps, relative to the position, each rounded once, and its normals in units of 2^-30 go to
     /// these slices of [`room`]; places after the last corner repeat the first one.
     #[inline(always)]
     pub(super) fn new(outline: &Outline, pose: &Pose, corners: &mut [[i64; 2]], normals: &mut [[i32; 2]]) -> Self {
         let count = outline.corners().len();
-        let first = turned(outline.corners()[0], pose.direction, 62);
+        // From units of 2^-32 times 2^-62 to units of 2^-30; at most 2^30 + 1.
+        let turned_normal = |normal: Vec2<Fx>| turned(normal, pose.direction, 64).map(|part| part as i32);
+        let turned_corner = |corner: Vec2<Fx>| turned(corner, pose.direction, 62);
+        let at = |[low, high]: [[i64; 2]; 2]| {
+            let (position, radius) = (pose.position, outline.radius().to_bits());
+            Self { position, count, low, high, radius }
+        };
+        if let (Some([c1, c2]), Some([n1, n2])) = (halves(outline.corners()), halves(outline.normals())) {
+            // Rounding is odd: the other half is the opposite to the bit.
+            let [c1, c2] = [turned_corner(c1), turned_corner(c2)];
+            let [n1, n2] = [turned_normal(n1), turned_normal(n2)];
+            corners.copy_from_slice(&[c1, c2, c1.map(|part| -part), c2.map(|part| -part)]);
+            normals.copy_from_slice(&[n1, n2, n1.map(|part| -part), n2.map(|part| -part)]);
+            let high = [c1[0].abs().max(c2[0].abs()), c1[1].abs().max(c2[1].abs())];
+            return at([high.map(|part| -part), high]);
+        }
+        let first = turned_corner(outline.corners()[0]);
         let (mut low, mut high) = (first, first);
         corners[0] = first;
         for (place, &corner) in corners[1..].iter_mut().zip(&outline.corners()[1..]) {
-            let [x, y] = turned(corner, pose.direction, 62);
+            let [x, y] = turned_corner(corner);
             *place = [x, y];
             (low, high) = ([low[0].min(x), low[1].min(y)], [high[0].max(x), high[1].max(y)]);
         }
         corners[count..].fill(first);
-        // From units of 2^-32 times 2^-62 to units of 2^-30; at most 2^30 + 1.
         for (place, &normal) in normals.iter_mut().zip(outline.normals()) {
-            *place = turned(normal, pose.direction, 64).map(|part| part as i32);
+            *place = turned_normal(normal);
         }
-        Self { position: pose.position, count, low, high, radius: outline.radius().to_bits() }
+        at([low, high])
     }
 
     /// The largest coordinate of a corner, below 2^48.
@@ -149,6 +197,20 @@ impl Cores {
         let placed = Placed::new(outline, pose, &mut self.corners[start..], &mut self.normals[start..]);
         self.placed.push((placed, start));
         self.placed.len() - 1
+    }
+
+    /// The least box around an outline with its radius, at most 2^31 m out.
+    ///
+    /// # Panics
+    /// When the outline is not there.
+    #[must_use]
+    pub fn bounds(&self, i: usize) -> Aabb {
+        let placed = &self.placed[i].0;
+        let at = |centre: Fx, by: i64| Fx::from_bits(centre.to_bits().saturating_add(by));
+        let corner = |ends: [i64; 2], radius: i64| {
+            Vec2::new(at(placed.position.x, ends[0] + radius), at(placed.position.y, ends[1] + radius))
+        };
+        Aabb { min: corner(placed.low, -placed.radius), max: corner(placed.high, placed.radius) }
     }
 
     /// The manifold of two of the outlines: see [`collide`](super::collide()).

@@ -62,7 +62,7 @@ impl BodyClass {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Role {
-    /// The outline of a body, or a point at its position if it has no shape.
+    /// The outline of a body: its shape and its colliders, or a point at its position if it has neither.
     Body(BodyId, BodyClass),
     /// An arrow from the position of a body, along its velocity.
     Velocity(BodyId),
@@ -193,11 +193,7 @@ impl<S: Scalar + ToF64> World<S> {
         }
         if options.bodies {
             for body in self.bodies() {
-                let role = Role::Body(body.id(), BodyClass::new(body.kind(), body.activity()));
-                match body.shape() {
-                    Some(shape) => shape.debug_draw(pose(&body), role, draw),
-                    None => draw.point(pose(&body).position, role),
-                }
+                self.draw_body(&body, pose(&body), draw);
             }
         }
         if let Some(seconds) = options.velocities {
@@ -206,6 +202,24 @@ impl<S: Scalar + ToF64> World<S> {
                 let to = [0, 1].map(|i| from[i] + velocity[i] * seconds);
                 draw.arrow(from, to, Role::Velocity(body.id()));
             }
+        }
+    }
+
+    fn draw_body(&self, body: &BodyRef<'_, S>, pose: Pose, draw: &mut (impl DebugDraw + ?Sized)) {
+        let (at, role) = (Placed::at(pose), Role::Body(body.id(), BodyClass::new(body.kind(), body.activity())));
+        let colliders = self.colliders_of(body.id()).into_iter().flatten().filter_map(|id| self.collider(id).ok());
+        let mut is_point = true;
+        if let Some(shape) = body.shape() {
+            is_point = false;
+            draw_geometry(shape.geometry(), &at, role, draw);
+        }
+        for collider in colliders {
+            is_point = false;
+            let collider_at = at.part(collider.position.to_f64(), collider.angle.to_f64());
+            draw_geometry(collider.shape.geometry(), &collider_at, role, draw);
+        }
+        if is_point {
+            draw.point(pose.position, role);
         }
     }
 

@@ -76,9 +76,19 @@ pub enum Cause {
         /// The code that the custom force returned.
         code: u32,
     },
+    /// A collider of the body has too many pairs, and the world has more than its settings allow.
+    Pairs,
 }
 
-codes!(Cause { Position = 201, Velocity = 202, AngularVelocity = 203, Force = 204, Field = 205, CustomForce = 206 });
+codes!(Cause {
+    Position = 201,
+    Velocity = 202,
+    AngularVelocity = 203,
+    Force = 204,
+    Field = 205,
+    CustomForce = 206,
+    Pairs = 207,
+});
 
 impl core::error::Error for Cause {}
 
@@ -90,6 +100,7 @@ impl fmt::Display for Cause {
             Self::AngularVelocity => f.write_str("angular velocity beyond 2^20 rad/s"),
             Self::Force => f.write_str("sum of forces too large"),
             Self::Field { field } => write!(f, "the force of {field} is too large"),
+            Self::Pairs => f.write_str("its colliders are in too many pairs"),
             Self::CustomForce { field, code } => write!(f, "the custom force of {field} returned error {code}"),
         }
     }

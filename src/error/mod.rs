@@ -5,7 +5,7 @@ mod quantity;
 
 use core::fmt;
 
-use crate::slots::{BodyId, FieldId};
+use crate::slots::{BodyId, ColliderId, FieldId};
 
 /// Gives an error its numbers, one per variant. A number is never changed and never reused. A variant that is not in the list
 /// does not compile. `docs/errors.md` lists all numbers.
@@ -102,7 +102,7 @@ pub enum Error {
         /// The id.
         id: u64,
     },
-    /// The world already has the maximum number of bodies or force fields, 2^24 each.
+    /// The world already has the maximum number of bodies, colliders or force fields, 2^24 each.
     Full,
     /// The elapsed time no longer fits in a ratio of 128-bit integers: too many different time steps or speeds were used.
     ElapsedTime,
@@ -169,6 +169,13 @@ pub enum Error {
         /// The body.
         body: BodyId,
     },
+    /// The handle names no collider: it or its body was removed, or it was never in this world.
+    NoSuchCollider {
+        /// The handle.
+        collider: ColliderId,
+    },
+    /// The shape of a collider is a compound. Give the body a collider for each part.
+    CompoundCollider,
 }
 
 /// Reason why a step cannot be undone.
@@ -228,6 +235,8 @@ pub enum Irreversible {
     Moved,
     /// The world is at the [last tick](crate::limits::TICK), where steps are no longer counted.
     End,
+    /// Colliders pushed each other in the last step or in the one before: the impulses are not known.
+    Contact,
 }
 
 codes!(Irreversible {
@@ -245,6 +254,7 @@ codes!(Irreversible {
     Capped = 142,
     Moved = 143,
     End = 144,
+    Contact = 145,
 });
 
 impl core::error::Error for Irreversible {
@@ -273,6 +283,7 @@ impl fmt::Display for Irreversible {
             Self::Capped => f.write_str("the speed of a body is limited"),
             Self::Moved => f.write_str("a kinematic body was moved to a target, or stopped there"),
             Self::End => f.write_str("the world is at the last tick, 2^63"),
+            Self::Contact => f.write_str("colliders pushed each other in the last two steps"),
         }
     }
 }
@@ -294,7 +305,7 @@ impl fmt::Display for Error {
             Self::SameBody { body } => write!(f, "both ends of the spring are attached to {body}"),
             Self::CustomForce { id } => write!(f, "custom force {id:#x} is not registered, or is registered already"),
             Self::Full => {
-                f.write_str("the world already has the maximum number of bodies or force fields (16,777,216 each)")
+                f.write_str("the world already has the maximum number of bodies, colliders or force fields (16,777,216 each)")
             },
             Self::Inconsistent => f.write_str("the parts of the snapshot contradict each other"),
             Self::ElapsedTime => f.write_str(
@@ -322,6 +333,10 @@ impl fmt::Display for Error {
             Self::Disabled { body } => write!(f, "{body} is disabled: enable it first"),
             Self::NotDisabled { body } => write!(f, "{body} is not disabled"),
             Self::NotKinematic { body } => write!(f, "{body} is not kinematic"),
+            Self::NoSuchCollider { collider } => write!(f, "no such collider: {collider}"),
+            Self::CompoundCollider => {
+                f.write_str("the shape of a collider is a compound: give the body a collider for each part")
+            },
             Self::Locked { quantity: Quantity::AngularVelocity } => f.write_str("the rotation of the body is locked"),
             Self::Locked { .. } => f.write_str("the body is locked along an axis of the velocity"),
         }
@@ -356,6 +371,8 @@ codes!(Error {
     NoSuchPlayer = 125,
     ChangedBetweenTicks = 126,
     SteppedInTick = 127,
+    NoSuchCollider = 128,
+    CompoundCollider = 129,
 });
 
 impl core::error::Error for Error {

@@ -63,6 +63,22 @@ pub enum Quantity {
     MaxSpeed,
     /// The largest angular speed of a body.
     MaxAngularSpeed,
+    /// The position of a collider on its body.
+    ColliderPosition,
+    /// The density of a collider.
+    ColliderDensity,
+    /// A coefficient of friction.
+    Friction,
+    /// A coefficient of restitution.
+    Restitution,
+    /// The filter of a collider.
+    Filter,
+    /// The number of sub-steps of a step.
+    Substeps,
+    /// The speed with which overlaps are pushed apart, or from which on bodies bounce.
+    ContactSpeed,
+    /// The number of pairs of colliders.
+    Pairs,
 }
 
 impl Quantity {
@@ -94,6 +110,14 @@ impl Quantity {
             Self::Blob => "a blob of at most 2^24 bytes",
             Self::MaxSpeed => "a largest speed from 0 to 2^20 m/s",
             Self::MaxAngularSpeed => "a largest angular speed from 0 to 2^20 rad/s",
+            Self::ColliderPosition => "a position of a collider within ±2^12 m of its body's centre of mass",
+            Self::ColliderDensity => "a density of at least zero",
+            Self::Friction => "a coefficient of friction from 0 to 32",
+            Self::Restitution => "a coefficient of restitution from 0 to 1",
+            Self::Filter => "a filter with a category and a mask, or with a positive group",
+            Self::Substeps => "a number of sub-steps from 1 to 8",
+            Self::ContactSpeed => "a speed from 0 to 2^10 m/s",
+            Self::Pairs => "a number of pairs from 1 to 2^28 in all, and to 2^12 of one collider",
         }
     }
 }
@@ -124,6 +148,14 @@ codes!(Quantity {
     Blob = 173,
     MaxSpeed = 174,
     MaxAngularSpeed = 175,
+    ColliderPosition = 176,
+    ColliderDensity = 177,
+    Friction = 178,
+    Restitution = 179,
+    Filter = 180,
+    Substeps = 181,
+    ContactSpeed = 182,
+    Pairs = 183,
 });
 
 impl core::error::Error for Quantity {}

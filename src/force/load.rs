@@ -273,7 +273,7 @@ impl<S: Scalar> Evaluation<'_, S> {
     /// Returns true if a body is a target.
     fn is_target(&self, i: usize) -> bool {
         match self.targets {
-            Targets::Coupled(..) => true,
+            Targets::Coupled(first, end) => (first..end).contains(&i),
             Targets::Only(only) => only.binary_search(&i).is_ok(),
         }
     }

@@ -8,6 +8,7 @@
 //! | [`bodies`] | moving platforms, locks, speed limits, disabling, local points, hits, keys, sprites, energy and momentum |
 //! | [`lockstep`] | peers that exchange only inputs; comparing hashes, and finding the difference |
 //! | [`rollback`] | handling late inputs: going back and recomputing the present |
+//! | [`collisions`] | colliders, materials, filters, contacts, stacks, and what happens in which case |
 //! | [`replays`] | recording, and verifying replays from untrusted players on a server |
 //! | [`frames`] | frame times to ticks, poses between ticks, drawing, events |
 //! | [`engines`] | keeping entities in step with bodies, with `bevy_ecs` as an example |
@@ -21,6 +22,8 @@
 pub mod accuracy {}
 #[doc = include_str!("bodies.md")]
 pub mod bodies {}
+#[doc = include_str!("collisions.md")]
+pub mod collisions {}
 #[doc = include_str!("determinism.md")]
 pub mod determinism {}
 #[doc = include_str!("engines.md")]

@@ -27,7 +27,7 @@ use crate::scalar::{Angle, Factor, Scalar, Span, Weight};
 /// // What executes a step walks this list, and so can a program that shows it.
 /// let verlet = Integrator::VelocityVerlet;
 /// let kinds: Vec<_> = verlet.stages().iter().map(|stage: &Stage| stage.kind.name()).collect();
-/// assert_eq!(kinds, ["damp", "kick", "drift", "fields", "kick", "damp", "clear"]);
+/// assert_eq!(kinds, ["damp", "kick", "drift", "fields", "kick", "damp", "detect", "solve", "push", "clear"]);
 /// assert!(verlet.stages().iter().any(|stage| stage.kind == StageKind::Drift && !stage.mirrored));
 /// assert!(verlet.inverse().is_some() && Integrator::ExplicitEuler.inverse().is_none());
 /// ```
@@ -79,9 +79,16 @@ pub enum StageKind {
     Drift,
     /// Forgets the forces applied over the tick.
     Clear,
+    /// Finds the contacts at the start of the step, which the stages before have flown over. Reads colliders, poses, velocities, and the
+    /// impulses of the step before; writes the impulses that contacts start from, and wakes sleeping bodies that are touched.
+    Detect,
+    /// Solves contacts in sub-steps, then lets them bounce. Reads contacts, masses and velocities; writes impulses.
+    Solve,
+    /// Adds to positions, angles and velocities what the impulses change. Caps speeds of bodies that were pushed.
+    Push,
 }
 
-codec_enum!(StageKind, "the number of a stage kind", { 0 => Fields, 1 => Damp, 2 => Kick, 3 => Drift, 4 => Clear });
+codec_enum!(StageKind, "the number of a stage kind", { 0 => Fields, 1 => Damp, 2 => Kick, 3 => Drift, 4 => Clear, 5 => Detect, 6 => Solve, 7 => Push });
 
 impl StageKind {
     /// Name in traces, hashes and benches.
@@ -93,6 +100,9 @@ impl StageKind {
             Self::Kick => "kick",
             Self::Drift => "drift",
             Self::Clear => "clear",
+            Self::Detect => "detect",
+            Self::Solve => "solve",
+            Self::Push => "push",
         }
     }
 }
@@ -117,6 +127,10 @@ const fn stage(kind: StageKind, span: usize) -> Stage {
 const fn mirrored(kind: StageKind, span: usize) -> Stage {
     Stage { kind, span, mirrored: true }
 }
+
+/// The stages after the free flight, in the list of each integrator.
+pub(crate) const AFTER_FLIGHT: [Stage; 4] =
+    [stage(StageKind::Detect, 0), stage(StageKind::Solve, 0), stage(StageKind::Push, 0), stage(StageKind::Clear, 0)];
 
 impl fmt::Display for Integrator {
     /// Writes the [name](Self::name).
@@ -187,10 +201,11 @@ impl Integrator {
 
     /// The step, in order. Changing a list changes results: see CHANGELOG, "Results changed".
     ///
-    /// Of UMBRA's eleven stages these are the first four; collision and solving, 5 to 11, come after them.
+    /// Of UMBRA's eleven stages, damp to damp are the first four, the free flight; collision and solving, 5 to 10, are detect, solve and
+    /// push.
     #[must_use]
     pub const fn stages(self) -> &'static [Stage] {
-        use StageKind::{Clear, Damp, Drift, Fields, Kick};
+        use StageKind::{Damp, Drift, Fields, Kick};
         const WHOLE: usize = 0;
         const HALF: usize = 1;
         const INNER: usize = 2;
@@ -207,25 +222,37 @@ impl Integrator {
         }
         const OUTER_STEP: [Stage; 6] = verlet::<WHOLE, HALF>();
         const INNER_STEP: [Stage; 6] = verlet::<INNER, INNER_HALF>();
-        const VERLET: [Stage; 7] = {
-            let [a, b, c, d, e, f] = OUTER_STEP;
-            [a, b, c, d, e, f, stage(Clear, WHOLE)]
-        };
-        const YOSHIDA: [Stage; 19] = {
+        const fn whole<const N: usize, const M: usize>(flight: [Stage; N]) -> [Stage; M] {
+            let mut all = [stage(Damp, WHOLE); M];
+            let mut i = 0;
+            while i < M {
+                all[i] = if i < N { flight[i] } else { AFTER_FLIGHT[i - N] };
+                i += 1;
+            }
+            all
+        }
+        const VERLET: [Stage; 10] = whole(OUTER_STEP);
+        const YOSHIDA: [Stage; 22] = {
             let [a, b, c, d, e, f] = OUTER_STEP;
             let [g, h, i, j, k, l] = INNER_STEP;
-            [a, b, c, d, e, f, g, h, i, j, k, l, a, b, c, d, e, f, stage(Clear, WHOLE)]
+            whole([a, b, c, d, e, f, g, h, i, j, k, l, a, b, c, d, e, f])
         };
-        const EXPLICIT: [Stage; 5] =
-            [stage(Fields, WHOLE), stage(Drift, WHOLE), stage(Kick, WHOLE), stage(Damp, WHOLE), stage(Clear, WHOLE)];
-        const IN_TURN: [Stage; 5] =
-            [stage(Fields, WHOLE), stage(Kick, WHOLE), stage(Drift, WHOLE), stage(Damp, WHOLE), stage(Clear, WHOLE)];
+        const EXPLICIT: [Stage; 8] =
+            whole([stage(Fields, WHOLE), stage(Drift, WHOLE), stage(Kick, WHOLE), stage(Damp, WHOLE)]);
+        const IN_TURN: [Stage; 8] =
+            whole([stage(Fields, WHOLE), stage(Kick, WHOLE), stage(Drift, WHOLE), stage(Damp, WHOLE)]);
         match self {
             Self::ExplicitEuler => &EXPLICIT,
             Self::SymplecticEuler | Self::PublishedVerlet => &IN_TURN,
             Self::VelocityVerlet => &VERLET,
             Self::Yoshida4 => &YOSHIDA,
         }
+    }
+
+    /// The stages of the free flight: those before contacts.
+    pub(crate) const fn flight(self) -> &'static [Stage] {
+        let stages = self.stages();
+        stages.split_at(stages.len() - AFTER_FLIGHT.len()).0
     }
 
     /// The stages that undo a step, each over its span the other way in time; `None` for an integrator that has no inverse:
@@ -241,11 +268,8 @@ impl Integrator {
         match self {
             Self::ExplicitEuler | Self::PublishedVerlet => None,
             Self::SymplecticEuler => Some(&IN_TURN),
-            // Read from the end they are the same: only the last stage, clear, has no place in it.
-            Self::VelocityVerlet | Self::Yoshida4 => match self.stages().split_last() {
-                Some((_clear, stages)) => Some(stages),
-                None => None,
-            },
+            // Read from the end the flight is the same. A step with contacts is not undone.
+            Self::VelocityVerlet | Self::Yoshida4 => Some(self.flight()),
         }
     }
 }

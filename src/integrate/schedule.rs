@@ -18,7 +18,7 @@ pub(crate) const fn split_fused(half: usize, whole: usize) -> [Stage; 5] {
     [stage(Damp, half), stage(Kick, half), stage(Drift, whole), stage(Kick, half), stage(Damp, half)]
 }
 
-/// Both lists of a step.
+/// Both lists of the free flight of a step.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Schedule {
     pub(crate) coupled: &'static [Stage],
@@ -42,7 +42,7 @@ impl Integrator {
             Self::PublishedVerlet => &[],
             Self::Yoshida4 => &[OUTER, INNER, OUTER],
         };
-        Schedule { coupled: self.stages(), free }
+        Schedule { coupled: self.flight(), free }
     }
 
     /// The lists that undo a step, each stage over its span the other way in time; `None` as for

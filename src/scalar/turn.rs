@@ -11,7 +11,7 @@ use crate::fx::{Fx, decimal};
 use crate::kernel::div::div_round;
 use crate::kernel::round::shr_round;
 use crate::kernel::trig;
-use crate::kernel::wide::mul_shift;
+use crate::kernel::wide::{mul_shift, mul_shift_64};
 use crate::math::{Random, Vec2};
 
 /// An angle: a multiple of 2^-64 turns. It wraps by itself, and quarter turns and mirror images are exact.
@@ -93,11 +93,11 @@ impl Turn {
     #[must_use]
     pub fn way_to(self, goal: Self) -> FxWide {
         // 2π in units of 2^-61.
-        const TAU: u128 = 0xc90f_daa2_2168_c235;
+        const TAU: u64 = 0xc90f_daa2_2168_c235;
         let way = goal.0.wrapping_sub(self.0) as i64;
         let way = if way == i64::MIN { 0 } else { way };
         // Below 2^63 times 2^64.
-        FxWide::from_bits(mul_shift(way.into(), TAU, 61).unwrap_or(0))
+        FxWide::from_bits(mul_shift_64(way.into(), TAU, 61).unwrap_or(0))
     }
 
     /// The vector turned counter-clockwise by this angle; `None` if a component does not fit in an [`Fx`].

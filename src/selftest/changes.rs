@@ -61,6 +61,7 @@ fn as_it_became() -> Result<(WorldDef, BodyDef, [ForceField; 2]), Error> {
         linear_damping: Damping::kept_per_second(fx!(0.75)),
         angular_damping: Damping::kept_per_second(fx!(0.5)),
         sleep_after: None,
+        ..WorldDef::default()
     };
     let body = BodyDef {
         position: vec2(4, -2),

@@ -54,6 +54,7 @@ pub(super) fn wide_blocks(trial: &mut Trial) -> Played {
             linear_damping: Damping::kept_per_second(fx!(0.75)),
             angular_damping: Damping::kept_per_second(fx!(0.5)),
             sleep_after: None,
+            ..WorldDef::default()
         };
         let mut world = World::new(def)?;
         let mut numbers = Numbers(seed);

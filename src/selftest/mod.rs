@@ -18,6 +18,7 @@
 
 mod bodies;
 mod changes;
+mod collisions;
 mod contact_bodies;
 mod contacts;
 mod crowds;
@@ -33,6 +34,10 @@ mod trial;
 
 pub use failure::{Failure, Problem};
 pub use golden::{Golden, golden};
+
+/// Scalars of tests, which round wrongly, have no contacts.
+#[doc(hidden)]
+pub use crate::contact::NoContacts;
 
 use crate::codec::{self, Encoder as _, StateHasher, Write as _};
 use crate::integrate::Integrator;
@@ -197,6 +202,11 @@ scenes! {
     wide_blocks: crowds::wide_blocks, "300 bodies alike, by every integrator: each as if it were alone";
     mixed_blocks: crowds::mixed_blocks, "400 of all kinds, some in fields: each as if its neighbours were not there";
     nine_thousand: crowds::nine_thousand, "enough for all cores; some leave, some sleep, none disturbs another";
+    piles: collisions::piles, "bodies of all shapes and materials in a pile, beside its mirror image";
+    impacts: collisions::impacts, "bounces and impacts as their closed forms say, by every integrator; misses change no bit";
+    cloud: collisions::cloud, "bodies of all shapes fall together in free flight: momentum stays";
+    changing_colliders: collisions::changing_colliders, "colliders, filters, kinds and settings change in a pile, restored from bytes";
+    touched: collisions::touched, "sleepers are woken by touch, crowds are quarantined: no bit depends on who slept";
     contacts_pile: contacts::pile, "boxes, discs and a wedge come to rest between walls: a mirror image of itself";
     contacts_cluster: contacts::cluster, "bodies meet in free flight: impulses are equal and opposite";
     contacts_extremes: contacts::extremes, "1 kg and 2^24, shots, needles, what turns and rises: mirror image, and in any order";

@@ -24,7 +24,7 @@ pub struct Aabb<S = Fx> {
 
 impl<S: Scalar> Aabb<S> {
     /// The least box around points, grown by `radius` m on each side. *Domain* at least one point, all within 2^15 m.
-    pub(super) fn around(points: &[Vec2<S>], radius: S) -> Self {
+    pub(crate) fn around(points: &[Vec2<S>], radius: S) -> Self {
         let first = Self { min: points[0], max: points[0] };
         let tight = points.iter().fold(first, |bounds, &point| bounds.union(Self { min: point, max: point }));
         let margin = Vec2::new(radius, radius);

@@ -22,7 +22,8 @@ use crate::fx::Fx;
 use crate::math::Vec2;
 use crate::scalar::Scalar;
 
-/// A shape with its centre of mass at the origin, its area, and its moment of inertia per mass. Bodies do not collide yet.
+/// A shape with its centre of mass at the origin, its area, and its moment of inertia per mass. A [`ColliderDef`](crate::ColliderDef) makes
+/// it touch others.
 ///
 /// Cloning one shares its corners or parts.
 ///

@@ -97,6 +97,23 @@ impl<S: Scalar> Outline<S> {
         Aabb::around(self.corners(), self.radius)
     }
 
+    /// The outline turned by an angle in radians and moved. *Domain* as [`placed`](Self::placed).
+    pub(crate) fn at(&self, angle: S, position: Vec2<S>) -> Self {
+        if angle == S::ZERO && position == Vec2::ZERO {
+            return self.clone();
+        }
+        self.placed(S::Angle::from_radians(angle).direction(), position)
+    }
+
+    /// The largest distance of a point from the origin of the coordinates, m, rounded up: corners and radius.
+    pub(crate) fn reach(&self) -> S {
+        let farthest = self.corners().iter().map(|corner| corner.wide_length());
+        let farthest = farthest.fold(S::Factor::ZERO, |most, length| if length > most { length } else { most });
+        // Corners are within 2^15 m, so that lengths fit. A length is rounded to nearest: one ulp more is an upper bound.
+        let farthest = farthest.to_scalar().unwrap_or(S::ZERO);
+        if farthest == S::ZERO { self.radius } else { farthest + S::from_fx(Fx::DELTA) + self.radius }
+    }
+
     /// The outline of two corners or more that stand counter-clockwise; normals follow.
     fn of(corners: Arc<[Vec2<S>]>, radius: S) -> Self {
         let next = corners.iter().cycle().skip(1);

@@ -17,10 +17,11 @@
 use alloc::vec::Vec;
 
 use super::contact::Group;
-use super::number::shifted;
+use super::number::{shifted, shifted_word};
 use super::unit::Clock;
 use super::{Contact, Correction, Flight, Impulses, Joint, Solver};
 use crate::fx::Fx;
+use crate::kernel::simd::{GROUP, Job, Lanes};
 use crate::kernel::wide::mul_shift_64;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, FxAccumulator, FxFactor};
@@ -48,9 +49,10 @@ pub(super) struct Total {
 
 impl Total {
     /// Adds an impulse along x and y and of rotation.
+    #[inline(always)]
     fn add(&mut self, is_weighted: bool, impulse: [i128; 3]) {
-        let sums = if is_weighted { &mut self.weighted } else { &mut self.impulse };
-        sums.iter_mut().zip(impulse).for_each(|(sum, value)| *sum += value);
+        let [x, y, turn] = if is_weighted { &mut self.weighted } else { &mut self.impulse };
+        (*x, *y, *turn) = (*x + impulse[0], *y + impulse[1], *turn + impulse[2]);
     }
 
     fn is_zero(&self) -> bool {
@@ -59,6 +61,7 @@ impl Total {
 }
 
 /// impulse · factor as a change of velocity, in 2^-96.
+#[inline(always)]
 fn changed(impulse: i128, factor: FxFactor) -> FxAccumulator {
     let (mantissa, shift) = factor.parts();
     // A change beyond that is beyond all limits of a body, and the sum with its velocity still fits.
@@ -68,6 +71,7 @@ fn changed(impulse: i128, factor: FxFactor) -> FxAccumulator {
 }
 
 /// The impulses on both bodies of a contact, for impulses along its three rows in units of 2^exponent N·s.
+#[inline(always)]
 pub(super) fn on_bodies(
     group: &Group,
     lane: usize,
@@ -75,60 +79,109 @@ pub(super) fn on_bodies(
     rows: [i64; 3],
     lengths: [i32; 2],
 ) -> [[i128; 3]; 2] {
-    let [nx, ny] = group.normal[lane].map(i128::from);
-    let [p1, p2, t] = rows.map(i128::from);
     // From 2^(exponent − 30) to 2^-64 N·s.
     let bits = -64 + 30 - exponent;
+    let ([p1, p2, t], [[ka1, kb1], [ka2, kb2], [kat, kbt]]) =
+        (rows, [group.arms[0][lane], group.arms[1][lane], group.arms[2][lane]]);
+    let [of_a, of_b] = [bits - lengths[0], bits - lengths[1]];
+    let most = p1.unsigned_abs() | p2.unsigned_abs() | t.unsigned_abs();
+    // Sums of three products below 2^30 · 2^31, within 62.6 bits, that are raised by less than 2^47.
+    if most >> 31 == 0 && bits.min(of_a).min(of_b) > -47 {
+        let (nx, ny) = (i64::from(group.normal[lane][0]), i64::from(group.normal[lane][1]));
+        let (x, y) = (raised(nx * (p1 + p2) + ny * t, bits), raised(ny * (p1 + p2) - nx * t, bits));
+        let turn_a = raised(i64::from(ka1) * p1 + i64::from(ka2) * p2 + i64::from(kat) * t, of_a);
+        let turn_b = raised(i64::from(kb1) * p1 + i64::from(kb2) * p2 + i64::from(kbt) * t, of_b);
+        return [[-x, -y, -turn_a], [x, y, turn_b]];
+    }
+    on_bodies_far(group, lane, bits, rows, lengths)
+}
+
+/// value · 2^-bits to nearest, ties away from zero. *Domain* bits > −47.
+#[inline(always)]
+fn raised(value: i64, bits: i32) -> i128 {
+    if bits > 0 {
+        return shifted_word(value, bits).into();
+    }
+    // By less than 64 bits: without the cases of a shift of 128 bits.
+    let up = bits.unsigned_abs() & 63;
+    let high = (value >> 1) >> (63 - up);
+    i128::from(high) << 64 | i128::from((value as u64) << up)
+}
+
+/// [`on_bodies`] for impulses of any size.
+#[cold]
+#[inline(never)]
+fn on_bodies_far(group: &Group, lane: usize, bits: i32, rows: [i64; 3], lengths: [i32; 2]) -> [[i128; 3]; 2] {
+    let [nx, ny] = group.normal[lane].map(i128::from);
+    let [p1, p2, t] = rows.map(i128::from);
+    let turn = |side: usize| {
+        let [k1, k2, kt] = [0, 1, 2].map(|row| i128::from(group.arms[row][lane][side]));
+        shifted_within(k1 * p1 + k2 * p2 + kt * t, bits - lengths[side])
+    };
     let x = shifted_within(nx * (p1 + p2) + ny * t, bits);
     let y = shifted_within(ny * (p1 + p2) - nx * t, bits);
-    [0, 1].map(|side| {
-        let arms = [0, 1, 2].map(|row| i128::from(group.arms[row][lane][side]));
-        let turn = shifted_within(arms[0] * p1 + arms[1] * p2 + arms[2] * t, bits - lengths[side]);
-        let sign = if side == 0 { -1 } else { 1 };
-        [x, y, turn].map(|value| sign * value)
-    })
+    [[-x, -y, -turn(0)], [x, y, turn(1)]]
+}
+
+/// Exact impulses and corrections of all bodies. No lanes: but instructions for shifts and products that the CPU has beside them.
+pub(super) struct Apply<'a> {
+    pub(super) solver: &'a mut Solver,
+    pub(super) clock: &'a Clock,
+    pub(super) flights: &'a [Flight],
+    pub(super) contacts: &'a mut [Contact],
+    pub(super) corrections: &'a mut Vec<Correction>,
+}
+
+impl Job for Apply<'_> {
+    type Result = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, _: L) {
+        let Self { solver, clock, flights, contacts, corrections } = self;
+        solver.apply(clock, flights, contacts, corrections);
+    }
 }
 
 impl Solver {
-    /// Writes impulses and corrections.
-    pub(super) fn apply(
+    /// Writes impulses and corrections, once the impulses of joints are in the totals.
+    #[inline(always)]
+    fn apply(
         &mut self,
         clock: &Clock,
         flights: &[Flight],
-        joints: &mut [Joint],
         contacts: &mut [Contact],
         corrections: &mut Vec<Correction>,
     ) {
-        self.totals.clear();
-        self.totals.resize(flights.len(), Total::default());
-        self.add_joints(flights, joints);
-        for contact in contacts.iter_mut() {
-            contact.impulses = Impulses::default();
+        if self.places.len() < contacts.len() {
+            contacts.iter_mut().for_each(|contact| contact.impulses = Impulses::default());
         }
         for place in &self.places {
             let contact = &mut contacts[place.contact as usize];
             let (group, lane) = (&self.groups[place.group as usize], place.lane as usize);
-            contact.impulses =
-                Impulses { values: [0, 1, 2].map(|k| group.impulses[k][lane]), exponent: place.exponent };
-            let lengths = contact.bodies.map(|body| flights[body as usize].length());
+            let of = |sums: &[[i64; GROUP]; 3]| [sums[0][lane], sums[1][lane], sums[2][lane]];
+            contact.impulses = Impulses { values: of(&group.impulses), exponent: place.exponent };
+            let [a, b] = [contact.bodies[0] as usize, contact.bodies[1] as usize];
+            let lengths = [self.bodies[a].length, self.bodies[b].length];
             for (weighted, sums) in [(false, &group.applied), (true, &group.weighted)] {
-                let on = on_bodies(group, lane, place.exponent, [0, 1, 2].map(|k| sums[k][lane]), lengths);
-                for (body, on) in contact.bodies.into_iter().zip(on) {
-                    self.totals[body as usize].add(weighted, on);
-                }
+                let [of_a, of_b] = on_bodies(group, lane, place.exponent, of(sums), lengths);
+                self.totals[a].add(weighted, of_a);
+                self.totals[b].add(weighted, of_b);
             }
         }
         corrections.clear();
-        corrections.extend(flights.iter().zip(&self.totals).enumerate().map(|(body, (flight, total))| {
-            if total.is_zero() {
-                return Correction::default();
-            }
-            flight.correction(total, *self.paths.get(body).unwrap_or(&Path::Contacts), clock)
-        }));
+        corrections.reserve(flights.len());
+        // A loop: a closure would not be compiled for the instructions of the job.
+        for (body, (flight, total)) in flights.iter().zip(&self.totals).enumerate() {
+            let path = *self.paths.get(body).unwrap_or(&Path::Contacts);
+            let is_pushed = !total.is_zero();
+            corrections.push(if is_pushed { flight.correction(total, path, clock) } else { Correction::default() });
+        }
     }
 
-    /// Writes the impulses of joints and adds their sums.
-    fn add_joints(&mut self, flights: &[Flight], joints: &mut [Joint]) {
+    /// Writes the impulses of joints and begins the totals with their sums.
+    pub(super) fn add_joints(&mut self, flights: &[Flight], joints: &mut [Joint]) {
+        self.totals.clear();
+        self.totals.resize(flights.len(), Total::default());
         for joint in joints.iter_mut() {
             joint.impulses = Impulses::default();
         }
@@ -151,6 +204,7 @@ impl Solver {
 
 impl Flight {
     /// The change of a body by its impulses.
+    #[inline(always)]
     fn correction(&self, total: &Total, path: Path, clock: &Clock) -> Correction {
         let ([x, y, turn], [wx, wy, wt]) = (total.impulse, total.weighted);
         let (mass, inertia) = (self.inverse_mass, self.inverse_inertia);
@@ -171,6 +225,7 @@ impl Flight {
     }
 
     /// The offsets o of semi-implicit Euler from the free flight, in 2^-32 m and rad.
+    #[inline(always)]
     pub(super) fn offsets(&self, clock: &Clock) -> [i128; 3] {
         let Self { start, end, displacement, .. } = self;
         let of = |start: Fx, end: Fx, way: Fx| {
@@ -184,6 +239,7 @@ impl Flight {
     }
 
     /// The part of the offsets that impulses cancel, for the changes of velocity by them.
+    #[inline(always)]
     fn cancelled(&self, change: [FxAccumulator; 3], clock: &Clock) -> [FxAccumulator; 3] {
         let flown = |start: Fx, end: Fx| i128::from(end.to_bits()) - i128::from(start.to_bits());
         let (Self { start, end, .. }, [ox, oy, turn]) = (self, self.offsets(clock));
@@ -201,24 +257,34 @@ fn offset_in_full(offset: i128) -> FxAccumulator {
 }
 
 /// The part of an offset along a change of velocity by impulses, as far as they cancel the change `flown` of the free flight.
+#[inline(always)]
 fn cancelled<const N: usize>(change: [Fx; N], flown: [i128; N], offset: [i128; N]) -> [FxAccumulator; N] {
     // In 2^-32 m/s. Changes of 2^20 m/s and more count as that: the quotient below is less then.
-    let bits = change.map(|v| i128::from(v.to_bits()).clamp(-(1 << 52), 1 << 52));
+    let bits = change.map(|v| v.to_bits().clamp(-(1 << 52), 1 << 52));
     // |v|² below 2^106, v·w below 2^118: v1 − v0 is below 2^65.
-    let (square, against) = (dot(bits, bits), -dot(flown, bits));
+    let (square, against) = (dot(bits.map(i128::from), bits), -dot(flown, bits));
     if against <= 0 {
         return [FxAccumulator::default(); N];
     }
     // The quotient |o|/|v| with 40 bits after the point, less where o·v is beyond 2^86.
     let product = dot(offset, bits);
+    if product == 0 {
+        return [FxAccumulator::default(); N];
+    }
     let places = 126_u32.saturating_sub(128 - product.unsigned_abs().leading_zeros()).min(40);
     let share = (product << places) / square.max(against);
     // v·share is at most |o|, in 2^-(32 + places) m: below 2^96. From there to 2^-96.
-    bits.map(|v| FxAccumulator::from_bits((v * share) << (64 - places)))
+    bits.map(|v| FxAccumulator::from_bits((i128::from(v) * share) << (64 - places)))
 }
 
-fn dot<const N: usize>(a: [i128; N], b: [i128; N]) -> i128 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+/// a·b. Most often both fit in a word.
+#[inline(always)]
+fn dot<const N: usize>(a: [i128; N], b: [i64; N]) -> i128 {
+    let product = |(a, b): (i128, i64)| match i64::try_from(a) {
+        Ok(a) => i128::from(a) * i128::from(b),
+        Err(_) => a * i128::from(b),
+    };
+    a.into_iter().zip(b).map(product).sum()
 }
 
 /// value · 2^-bits within the largest impulse.

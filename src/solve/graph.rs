@@ -8,14 +8,16 @@
 use alloc::vec::Vec;
 
 /// The number of phases of contacts.
-pub(super) const PHASES: usize = 3;
+pub(crate) const PHASES: usize = 3;
 
 /// No level yet, or no island.
 const NONE: u32 = u32::MAX;
 
 /// Islands and levels of bodies.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Graph {
+pub(crate) struct Graph {
+    /// True for bodies that cannot be moved.
+    is_fixed: Vec<bool>,
     /// Level by body.
     level: Vec<u32>,
     /// Island by body; bodies that cannot be moved have none.
@@ -33,13 +35,15 @@ pub(super) struct Graph {
 impl Graph {
     /// Builds the graph of `links` between bodies. `start` chooses the bodies at which an island without a fixed body
     /// begins.
-    pub(super) fn build(
+    pub(crate) fn build(
         &mut self,
         is_fixed: impl Fn(u32) -> bool,
         bodies: usize,
         links: impl Iterator<Item = [u32; 2]> + Clone,
         mut start: impl FnMut(&[u32], &mut Vec<u32>),
     ) {
+        self.is_fixed.clear();
+        self.is_fixed.extend((0..bodies as u32).map(is_fixed));
         self.first.clear();
         self.first.resize(bodies + 1, 0);
         for body in links.clone().flatten() {
@@ -61,21 +65,22 @@ impl Graph {
         // Each entry is now the beginning of its body's part, one place later.
         self.first.remove(0);
         self.first.push(self.neighbours.len() as u32);
-        self.find_islands(&is_fixed, bodies);
-        self.find_levels(&is_fixed, bodies, &mut start);
+        self.find_islands(bodies);
+        self.find_levels(bodies, &mut start);
     }
 
     fn neighbours_of(&self, body: u32) -> core::ops::Range<usize> {
         self.first[body as usize] as usize..self.first[body as usize + 1] as usize
     }
 
-    fn find_islands(&mut self, is_fixed: &impl Fn(u32) -> bool, bodies: usize) {
+    fn find_islands(&mut self, bodies: usize) {
         self.island.clear();
         self.island.resize(bodies, NONE);
         self.members.clear();
         self.ends.clear();
         for seed in 0..bodies as u32 {
-            if self.island[seed as usize] != NONE || is_fixed(seed) || self.neighbours_of(seed).is_empty() {
+            if self.island[seed as usize] != NONE || self.is_fixed[seed as usize] || self.neighbours_of(seed).is_empty()
+            {
                 continue;
             }
             let (island, mut next) = (self.ends.len() as u32, self.members.len());
@@ -85,7 +90,7 @@ impl Graph {
                 next += 1;
                 for i in self.neighbours_of(body) {
                     let other = self.neighbours[i];
-                    if self.island[other as usize] == NONE && !is_fixed(other) {
+                    if self.island[other as usize] == NONE && !self.is_fixed[other as usize] {
                         self.island[other as usize] = island;
                         self.members.push(other);
                     }
@@ -95,16 +100,11 @@ impl Graph {
         }
     }
 
-    fn find_levels(
-        &mut self,
-        is_fixed: &impl Fn(u32) -> bool,
-        bodies: usize,
-        start: &mut impl FnMut(&[u32], &mut Vec<u32>),
-    ) {
+    fn find_levels(&mut self, bodies: usize, start: &mut impl FnMut(&[u32], &mut Vec<u32>)) {
         self.level.clear();
         self.level.resize(bodies, NONE);
         self.queue.clear();
-        for body in (0..bodies as u32).filter(|&body| is_fixed(body)) {
+        for body in (0..bodies as u32).filter(|&body| self.is_fixed[body as usize]) {
             self.level[body as usize] = 0;
             self.queue.push(body);
         }
@@ -143,28 +143,28 @@ impl Graph {
     }
 
     /// The phase of a contact.
-    pub(super) fn phase(&self, [a, b]: [u32; 2]) -> usize {
+    pub(crate) fn phase(&self, [a, b]: [u32; 2]) -> usize {
         let (a, b) = (self.level[a as usize], self.level[b as usize]);
         if a == b { 2 } else { (a.min(b) & 1) as usize }
     }
 
     /// A body of a contact that can be moved.
-    pub(super) fn mover(&self, bodies: [u32; 2]) -> Option<u32> {
+    pub(crate) fn mover(&self, bodies: [u32; 2]) -> Option<u32> {
         bodies.into_iter().find(|&body| self.island[body as usize] != NONE)
     }
 
     /// The island of a body; `None` if it touches nothing or cannot be moved.
-    pub(super) fn island_of(&self, body: u32) -> Option<u32> {
+    pub(crate) fn island_of(&self, body: u32) -> Option<u32> {
         Some(self.island[body as usize]).filter(|&island| island != NONE)
     }
 
     /// The number of islands.
-    pub(super) fn islands(&self) -> usize {
+    pub(crate) fn islands(&self) -> usize {
         self.ends.len()
     }
 
     /// The bodies that a body touches.
-    pub(super) fn touched_by(&self, body: u32) -> impl Iterator<Item = u32> + '_ {
+    pub(crate) fn touched_by(&self, body: u32) -> impl Iterator<Item = u32> + '_ {
         self.neighbours_of(body).map(|i| self.neighbours[i])
     }
 }

@@ -172,10 +172,16 @@ pub(super) struct Common<'a> {
 
 impl Block {
     /// Prepares a joint in the unit of its island; `None` if it can move neither body.
-    fn new(index: usize, joint: &Joint, bodies: &[BodyOf; 2], unit: i32, common: &Common<'_>) -> Option<Self> {
+    fn new(
+        index: usize,
+        joint: &Joint,
+        (bodies, rows, shares): ([&BodyOf; 2], [u32; 2], [i64; 2]),
+        unit: i32,
+        common: &Common<'_>,
+    ) -> Option<Self> {
         let Common { clock, softness, flights } = common;
         let scale = MASS_BITS - largest_exponent(bodies)?;
-        let side = |k: usize| Side::new(&bodies[k], joint.anchors[k], scale, unit, clock);
+        let side = |k: usize| Side::new(bodies[k], (rows[k], shares[k]), joint.anchors[k], (scale, unit), clock);
         let sides = [side(0), side(1)];
         let mass_bits = bits_of(sides[0].largest_mass() + sides[1].largest_mass());
         if mass_bits == 0 {
@@ -224,7 +230,7 @@ impl Block {
 
 impl Side {
     /// A body at a joint, with masses in 2^-`scale`.
-    fn new(body: &BodyOf, anchor: Vec2, scale: i32, unit: i32, clock: &Clock) -> Self {
+    fn new(body: &BodyOf, (row, share): (u32, i64), anchor: Vec2, (scale, unit): (i32, i32), clock: &Clock) -> Self {
         let [mx, my] = body.inverse_mass.map(|factor| fixed(factor, scale));
         let angular = fixed(body.inverse_inertia, scale + 2 * body.length);
         // Within the length of the body: ranges rest on it.
@@ -237,9 +243,9 @@ impl Side {
             (mantissa, shift - bits - unit + body.length)
         };
         Self {
-            row: body.row,
+            row,
             masses: [mx, my, angular],
-            share: body.share,
+            share,
             start,
             unit_start,
             arm: start,

@@ -1,6 +1,10 @@
 //! Matrices of two rows, and their inverses.
 
+use super::batch::{Batch, FACTOR_BITS, Words};
+use super::contact::Group;
 use super::number::{bits_of, clamped_word, shifted_word};
+use super::vectors::{Shift, larger, long, magnitude, word};
+use crate::kernel::simd::{GROUP, Lanes};
 
 /// The matrix of two rows.
 #[derive(Clone, Copy)]
@@ -11,7 +15,8 @@ pub(super) struct Matrix {
 }
 
 /// value · 2^-bits, as large as a factor may be.
-pub(super) fn factor(value: i64, bits: i32) -> i32 {
+#[inline(always)]
+fn factor(value: i64, bits: i32) -> i32 {
     let most = i64::from(i32::MAX);
     if bits < 0 && bits_of(value) - bits > 31 {
         return clamped_word(value.signum() * most, most);
@@ -36,29 +41,200 @@ pub(super) struct Inverse {
     pub(super) exponent: i32,
 }
 
+/// The reciprocal of a determinant: 30 or 31 bits of it, and the number of bits that the determinant has above 33; zeros if it is
+/// not positive.
+#[inline(always)]
+fn reciprocal(determinant: i128) -> (i64, i32) {
+    if determinant <= 0 {
+        return (0, 0);
+    }
+    let bits = 128 - determinant.leading_zeros() as i32 - 33;
+    let kept = if bits > 0 { determinant >> bits } else { determinant << -bits };
+    (((1 << 63) / kept as i64 as u64) as i64, bits)
+}
+
 impl Inverse {
     /// The inverse of a matrix. *Error* 2^-29 of the largest element. *Domain* elements below 2^60.
     pub(super) fn of(k: Matrix) -> Self {
         let determinant = i128::from(k.k11) * i128::from(k.k22) - i128::from(k.k12) * i128::from(k.k12);
-        if determinant <= 0 {
+        let (reciprocal, bits) = reciprocal(determinant);
+        if reciprocal == 0 {
             return Self { elements: [0; 3], exponent: 0 };
         }
-        // 33 bits of the determinant: its reciprocal has 30 or 31. Numerators have 31.
-        let bits = 128 - determinant.leading_zeros() as i32 - 33;
-        let kept = if bits > 0 { determinant >> bits } else { determinant << -bits };
-        let reciprocal = (1 << 63) / kept as i64 as u64;
         let down = (bits_of(k.k11.max(k.k22)) - 31).max(0);
-        let element = |value: i64| ((value >> down) * reciprocal as i64) >> 31;
+        // The numerators have 31 bits.
+        let element = |value: i64| ((value >> down) * reciprocal) >> 31;
         Self { elements: [element(k.k22), element(k.k11), -element(k.k12)], exponent: 32 + bits - down }
     }
+}
 
-    /// log2 above the largest element.
-    pub(super) fn log2(&self) -> i32 {
-        self.elements.iter().map(|&e| bits_of(e)).max().unwrap_or_default() - self.exponent
+/// The matrices of the contacts of a group.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Matrices {
+    /// Element 11, rigid and soft.
+    first: [Words; 2],
+    /// Element 22 with no point soft, the first, the second, both.
+    second: [Words; 4],
+    /// Reciprocals of the four determinants, less by one: negative if there is none.
+    less: [Words; 4],
+    /// Shifts of the numerators; then those of the inverses.
+    down: [Words; 4],
+    /// Elements 11, 22 and 12 of the inverses, in 2^-exponent, and the largest ones.
+    elements: [[Words; 3]; 4],
+    exponents: [Words; 4],
+    largest: [Words; 4],
+}
+
+impl Matrices {
+    /// Writes the inverse matrices of a group, and what belongs to them.
+    #[inline(always)]
+    pub(super) fn set<L: Lanes>(&mut self, lanes: L, batch: &Batch, group: &mut Group) {
+        self.stiffen(batch);
+        let is_up = batch.bits.iter().any(|&bits| bits < FACTOR_BITS);
+        for at in (0..GROUP).step_by(L::WIDTH) {
+            if is_up {
+                self.soften::<L, true>(lanes, batch, group, at);
+            } else {
+                self.soften::<L, false>(lanes, batch, group, at);
+            }
+        }
+        self.divide(batch, group);
+        for at in (0..GROUP).step_by(L::WIDTH) {
+            self.invert(lanes, batch, at);
+        }
+        let is_up = self.choose_shifts(batch, group);
+        for at in (0..GROUP).step_by(L::WIDTH) {
+            if is_up {
+                self.write::<L, true>(lanes, group, at);
+            } else {
+                self.write::<L, false>(lanes, group, at);
+            }
+        }
     }
 
-    /// The elements in 2^-shift.
-    pub(super) fn in_units(&self, shift: i32) -> [i32; 3] {
-        self.elements.map(|e| factor(e, self.exponent - shift))
+    /// Two points close together make the matrix nearly singular: it gets a larger diagonal.
+    #[inline(always)]
+    fn stiffen(&mut self, batch: &Batch) {
+        for lane in 0..GROUP {
+            let [k11, k12, k22] = [0, 1, 2].map(|i| batch.split[i][lane]);
+            let product = i128::from(k11) * i128::from(k22);
+            let is_narrow = product - i128::from(k12) * i128::from(k12) < product >> 6;
+            let more = if is_narrow { batch.two[lane] } else { 0 };
+            (self.first[0][lane], self.second[0][lane]) = (k11 + ((k11 >> 13) & more), k22 + ((k22 >> 13) & more));
+        }
     }
+
+    /// Adds the softness to the diagonal, and writes it.
+    #[inline(always)]
+    fn soften<L: Lanes, const UP: bool>(&mut self, lanes: L, batch: &Batch, group: &mut Group, at: usize) {
+        let [k11, k12, k22] = &batch.whole;
+        let (k11, k12, k22) = (lanes.wide(k11, at), lanes.wide(k12, at), lanes.wide(k22, at));
+        let two = lanes.wide(&batch.two, at);
+        let k12 = lanes.if_negative(two, lanes.positive(k12), word(lanes, 0));
+        let compliance = lanes.low(lanes.wide(&batch.compliance, at));
+        let one = lanes.rounded_oddly::<30>(long(lanes, compliance, lanes.add(k11, k12)));
+        let other = lanes.rounded_oddly::<30>(long(lanes, compliance, lanes.add(k22, k12)));
+        let bits = lanes.sub(lanes.wide(&batch.bits, at), word(lanes, FACTOR_BITS));
+        let shift = Shift::<L>::new::<UP>(lanes, bits);
+        let pair = (shift.quarter::<UP>(lanes, one), shift.quarter::<UP>(lanes, other));
+        lanes.put_pair(&mut group.compliance, at, pair);
+        let (rigid_11, rigid_22) = (lanes.wide(&self.first[0], at), lanes.wide(&self.second[0], at));
+        let (soft_11, soft_22) = (lanes.add(rigid_11, one), lanes.add(rigid_22, other));
+        lanes.store(&mut self.first[1], at, soft_11);
+        // Of one point the second row does nothing: there the element is that of the first.
+        let pairs = [(rigid_22, rigid_11), (rigid_22, soft_11), (soft_22, rigid_11), (soft_22, soft_11)];
+        for (second, (k22, k11)) in self.second.iter_mut().zip(pairs) {
+            lanes.store(second, at, lanes.if_negative(two, k22, k11));
+        }
+    }
+
+    /// Finds the reciprocals of the determinants, and writes the ratios of elements.
+    #[inline(always)]
+    fn divide(&mut self, batch: &Batch, group: &mut Group) {
+        for lane in 0..GROUP {
+            let k12 = batch.split[1][lane] & batch.two[lane];
+            let square = i128::from(k12) * i128::from(k12);
+            for set in 0..4 {
+                let (k11, k22) = (self.first[set & 1][lane], self.second[set][lane]);
+                let (reciprocal, bits) = reciprocal(i128::from(k11) * i128::from(k22) - square);
+                let down = (bits_of(k11.max(k22)) - 31).max(0);
+                self.less[set][lane] = reciprocal - 1;
+                self.down[set][lane] = down.into();
+                // A matrix that has no inverse gets zeros.
+                self.exponents[set][lane] = if reciprocal > 0 { 32 + bits - down } else { 0 }.into();
+            }
+            group.ratio_12[lane] = [ratio(k12, self.first[0][lane]), ratio(k12, self.first[1][lane])];
+            group.ratio_21[lane] = [ratio(k12, self.second[0][lane]), ratio(k12, self.second[3][lane])];
+        }
+    }
+
+    /// Finds the inverses.
+    #[inline(always)]
+    fn invert<L: Lanes>(&mut self, lanes: L, batch: &Batch, at: usize) {
+        let (two, zero) = (lanes.wide(&batch.two, at), word(lanes, 0));
+        let k12 = lanes.if_negative(two, lanes.wide(&batch.split[1], at), zero);
+        for set in 0..4 {
+            let (k11, k22) = (lanes.wide(&self.first[set & 1], at), lanes.wide(&self.second[set], at));
+            let (less, down) = (lanes.wide(&self.less[set], at), lanes.wide(&self.down[set], at));
+            let of = (less, down);
+            let (e11, e22) = (element(lanes, k22, of), lanes.if_negative(two, element(lanes, k11, of), zero));
+            let e12 = lanes.sub(zero, element(lanes, k12, of));
+            let largest = larger(lanes, larger(lanes, e11, e22), magnitude(lanes, e12));
+            lanes.store(&mut self.largest[set], at, largest);
+            for (words, element) in self.elements[set].iter_mut().zip([e11, e22, e12]) {
+                lanes.store(words, at, element);
+            }
+        }
+    }
+
+    /// Chooses the units of the inverses. Returns true if one of them is shifted up to its unit.
+    #[inline(always)]
+    fn choose_shifts(&mut self, batch: &Batch, group: &mut Group) -> bool {
+        let mut is_up = false;
+        for lane in 0..GROUP {
+            let log2 = |set: usize| i64::from(bits_of(self.largest[set][lane])) - self.exponents[set][lane];
+            let top = log2(0).max(log2(1)).max(log2(2)).max(log2(3));
+            // One over the unit of the impulses, in units of the inverse matrix, is 2^(bits + 2).
+            let unit = batch.bits[lane] + 2;
+            let shift = (30 - top - unit).clamp(0, 62);
+            group.inverse_shift[lane] = shift;
+            for set in 0..4 {
+                // Elements are below 2^32, so that farther shifts make no difference.
+                let down = (self.exponents[set][lane] - shift - unit).clamp(-31, 62);
+                self.down[set][lane] = down;
+                is_up |= down < 0;
+            }
+        }
+        is_up
+    }
+
+    /// Writes the inverses in their units.
+    #[inline(always)]
+    fn write<L: Lanes, const UP: bool>(&self, lanes: L, group: &mut Group, at: usize) {
+        let mut last = [lanes.splat(0); 4];
+        for (set, last) in last.iter_mut().enumerate() {
+            let shift = Shift::<L>::new::<UP>(lanes, lanes.wide(&self.down[set], at));
+            let [e11, e22, e12] = &self.elements[set];
+            let pair = (shift.saturated::<UP>(lanes, e11, at), shift.saturated::<UP>(lanes, e22, at));
+            lanes.put_pair(&mut group.inverse[set], at, pair);
+            *last = shift.saturated::<UP>(lanes, e12, at);
+        }
+        lanes.put_pair(&mut group.inverse_12[0], at, (last[0], last[1]));
+        lanes.put_pair(&mut group.inverse_12[1], at, (last[2], last[3]));
+    }
+}
+
+/// An element of the inverse: an element of the matrix, shifted down, times the reciprocal of the determinant, which is less by one.
+#[inline(always)]
+fn element<L: Lanes>(lanes: L, k: L::Wide, (less, down): (L::Wide, L::Wide)) -> L::Wide {
+    // A numerator below 2^31 times a reciprocal up to 2^31; zero if there is none.
+    let k = lanes.if_negative(less, word(lanes, 0), lanes.floored_by(k, down));
+    lanes.floored::<31>(lanes.add(lanes.times(lanes.low(k), lanes.low(less)), k))
+}
+
+/// The inverse of the friction row in 2^-(27 + bits + 2), for the velocity along the tangent by an impulse along it.
+#[inline(always)]
+pub(super) fn friction(tangent: i64, bits: i64) -> i32 {
+    let of = Inverse::of(Matrix { k11: tangent, k12: 0, k22: 1 << 31 });
+    factor(of.elements[0], of.exponent - bits as i32 - 2 - 27)
 }

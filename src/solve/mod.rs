@@ -7,17 +7,20 @@
 //! - `graph`: islands, levels and phases.
 //! - `unit`: the unit of velocity of an island, and the constants of soft contacts.
 //! - `motion`: velocities and displacements through the sub-steps.
-//! - `contact`: rows, masses and matrices of contacts.
+//! - `contact`: contacts side by side, in groups.
+//! - `batch`: rows and factors of a group.
 //! - `joint`: joints, which are solved before the contacts.
 //! - `pass`: the loops over contacts.
 //! - `cut`: contacts with values that are too large for them.
 //! - `prepare`: units, rows of bodies and groups of contacts.
 //! - `restitution`: bouncing, once a step.
 //! - `apply`: exact impulses, applied once.
-//! - `matrix`: inverse matrices.
+//! - `matrix`: inverse matrices of groups.
 //! - `number`: rounding and shifts of integers.
+//! - `vectors`: the same for lanes.
 
 mod apply;
+mod batch;
 mod contact;
 mod cut;
 mod graph;
@@ -31,20 +34,23 @@ mod restitution;
 #[cfg(test)]
 mod tests;
 mod unit;
+mod vectors;
 
 use alloc::vec::Vec;
 
-use self::apply::{Path, Total};
-use self::contact::Group;
-use self::graph::{Graph, PHASES};
+use self::apply::{Apply, Path, Total};
+use self::batch::Batch;
+use self::contact::{BodyOf, Group};
+pub(crate) use self::graph::{Graph, PHASES};
 use self::joint::{Common, Joints};
 pub use self::joint::{Joint, JointKind};
+use self::matrix::Matrices;
 use self::motion::{Advance, Begin, FlightRow, Rows};
-use self::number::{log2_above, shifted};
+use self::number::{log2_above, shifted_word};
 use self::pass::{Pass, PassOver};
-use self::prepare::graph_start;
+use self::prepare::{Given, SetGroups, graph_start};
 use self::restitution::Bounces;
-use self::unit::{Clock, Softness, rim_speed};
+use self::unit::{Clock, FINEST, Scale, Softness, rim_speed};
 use crate::fx;
 use crate::fx::Fx;
 use crate::kernel::simd::{self, Job, Lanes};
@@ -143,8 +149,8 @@ impl Flight {
     fn row(&self, unit: i32) -> FlightRow {
         let length = self.length();
         let of = |velocity: Velocity| {
-            let [x, y] = [velocity.linear.x, velocity.linear.y].map(|v| shifted(v.to_bits().into(), 32 + unit) as i32);
-            [x, y, shifted(velocity.angular.to_bits().into(), 32 + unit - length) as i32, 0]
+            let [x, y] = [velocity.linear.x, velocity.linear.y].map(|v| shifted_word(v.to_bits(), 32 + unit) as i32);
+            [x, y, shifted_word(velocity.angular.to_bits(), 32 + unit - length) as i32, 0]
         };
         let (start, end) = (of(self.start), of(self.end));
         FlightRow { start, change: [0, 1, 2, 3].map(|i| end[i] - start[i]) }
@@ -239,6 +245,7 @@ pub struct Solver {
     row_of: Vec<u32>,
     /// log2 of the unit of velocity by body.
     unit_of: Vec<i32>,
+    bodies: Vec<BodyOf>,
     /// The largest speed by island, in 2^-32 m/s.
     fastest: Vec<u128>,
     groups: Vec<Group>,
@@ -249,7 +256,13 @@ pub struct Solver {
     joints: Joints,
     /// Paths by body; empty without joints.
     paths: Vec<Path>,
-    shares: Vec<u32>,
+    /// The number of contacts, or of joints, of each phase by body.
+    shares: Vec<[u32; PHASES]>,
+    /// Phase by contact, [`PHASES`] for contacts of bodies that cannot be moved; contacts sorted by phase, without these.
+    phase_of: Vec<u8>,
+    order: Vec<u32>,
+    batch: Batch,
+    matrices: Matrices,
     places: Vec<Place>,
     /// Rows of fixed bodies that move, and the first one by body.
     carriers: Vec<Carrier>,
@@ -296,16 +309,15 @@ impl Solver {
         });
         self.set_rows(&clock, flights, joints);
         let softness = Softness::new(options);
-        self.groups.clear();
         self.places.clear();
         self.carriers.clear();
         self.carrier_of.clear();
         self.carrier_of.resize(flights.len(), None);
         let common = Common { clock: &clock, softness: &softness, flights };
         self.set_joints(joints, &common);
-        for phase in 0..PHASES {
-            self.set_phase(phase, &clock, &softness, flights, contacts);
-        }
+        self.sort_contacts(contacts);
+        let scale = Scale::new(&clock, &softness, FINEST);
+        simd::run(SetGroups { solver: self, given: Given { softness: &softness, flights, contacts, scale } });
         self.set_paths(joints, contacts, &common);
     }
 
@@ -321,7 +333,8 @@ impl Solver {
     ) {
         let clock = Clock::new(time_step, options.substeps);
         self.bounce(&clock, options, flights, contacts);
-        self.apply(&clock, flights, joints, contacts, corrections);
+        self.add_joints(flights, joints);
+        simd::run(Apply { solver: self, clock: &clock, flights, contacts, corrections });
     }
 
     /// The row of a fixed body that moves: one for each unit that it is seen in.

@@ -27,13 +27,6 @@ pub(super) const fn shifted_word(value: i64, bits: i32) -> i64 {
     }
 }
 
-/// a·b / 2^30 to nearest, ties away from zero. *Domain* |a·b| < 2^63 − 2^29.
-#[inline]
-pub(super) const fn times(a: i64, b: i32) -> i64 {
-    let product = a * b as i64;
-    (product + (1 << 29) - (product < 0) as i64) >> 30
-}
-
 /// The value within ±limit. *Domain* limit ≥ 0.
 #[inline]
 pub(super) fn clamped_word(value: i64, limit: i64) -> i32 {

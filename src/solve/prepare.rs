@@ -3,11 +3,12 @@
 use alloc::vec::Vec;
 
 use super::contact::{BodyOf, ContactOf, Group};
+use super::graph::PHASES;
 use super::joint::Joint;
 use super::motion::FlightRow;
-use super::unit::{Clock, Softness, unit_for};
+use super::unit::{Clock, FINEST, Scale, Softness, unit_for};
 use super::{Contact, Flight, Place, STILL, Solver};
-use crate::kernel::simd::GROUP;
+use crate::kernel::simd::{GROUP, Job, Lanes};
 
 impl Solver {
     /// Chooses units and makes the rows of bodies that touch.
@@ -26,6 +27,7 @@ impl Solver {
         self.rows.push(FlightRow::default());
         self.row_of.clear();
         self.unit_of.clear();
+        self.bodies.clear();
         for (body, flight) in flights.iter().enumerate() {
             let (row, unit) = match self.graph.island_of(body as u32) {
                 Some(island) => {
@@ -35,6 +37,7 @@ impl Solver {
                 None => (STILL, 0),
             };
             self.row_of.push(row);
+            self.bodies.push(BodyOf::new(flight, row));
             self.unit_of.push(unit);
         }
     }
@@ -55,81 +58,140 @@ impl Solver {
         }
     }
 
-    /// Puts the contacts of a phase into groups.
-    pub(super) fn set_phase(
-        &mut self,
-        phase: usize,
-        clock: &Clock,
-        softness: &Softness,
-        flights: &[Flight],
-        contacts: &[Contact],
-    ) {
-        let of_phase = |contact: &&Contact| self.graph.phase(contact.bodies) == phase;
-        let links = contacts.iter().filter(of_phase).map(|contact| contact.bodies);
-        count_shares(&mut self.shares, &self.row_of, &mut self.touched[phase], links);
-        let begin = self.groups.len();
-        for (index, contact) in contacts.iter().enumerate() {
-            if self.graph.phase(contact.bodies) == phase {
-                self.push(begin, index, contact, (clock, softness), flights);
+    /// Sorts the contacts by phase, and counts them by body and phase.
+    pub(super) fn sort_contacts(&mut self, contacts: &[Contact]) {
+        let Self { graph, row_of, shares, touched, order, phases, phase_of, .. } = self;
+        clear_shares(shares, touched, row_of.len());
+        phase_of.clear();
+        let mut counts = [0; PHASES];
+        for contact in contacts {
+            let phase = graph.phase(contact.bodies);
+            count_share(shares, touched, row_of, phase, contact.bodies);
+            let can_move = graph.mover(contact.bodies).is_some();
+            counts[phase] += usize::from(can_move);
+            phase_of.push(if can_move { phase as u8 } else { PHASES as u8 });
+        }
+        let mut ends = [0, counts[0], counts[0] + counts[1]];
+        order.clear();
+        order.resize(counts.iter().sum(), 0);
+        for (index, &phase) in phase_of.iter().enumerate() {
+            if let Some(end) = ends.get_mut(usize::from(phase)) {
+                order[*end] = index as u32;
+                *end += 1;
             }
         }
-        self.phases[phase] = begin..self.groups.len();
+        // Here in contacts; `SetGroups` makes groups of them.
+        (0..PHASES).for_each(|phase| phases[phase] = ends[phase] - counts[phase]..ends[phase]);
     }
 
-    /// Adds a contact to the groups from `begin` on, with the shares of bodies as they are set.
-    fn push(
-        &mut self,
-        begin: usize,
-        index: usize,
-        contact: &Contact,
-        (clock, softness): (&Clock, &Softness),
-        flights: &[Flight],
-    ) {
-        let Some(mover) = self.graph.mover(contact.bodies) else { return };
-        let unit = self.unit_of[mover as usize];
-        let of = ContactOf { contact, bodies: contact.bodies.map(|body| self.body(body, unit, flights)), unit };
-        if self.groups.len() == begin || self.groups.last().is_some_and(|group| group.count == GROUP) {
+    /// The row of a body, in the unit of the contact or joint.
+    #[inline(always)]
+    pub(super) fn row(&mut self, body: u32, unit: i32, flights: &[Flight]) -> u32 {
+        let of = &self.bodies[body as usize];
+        if of.is_carrier { self.carrier(body, unit, &flights[body as usize]) } else { of.row }
+    }
+
+    /// Writes a group of contacts.
+    #[inline(always)]
+    fn set_group<L: Lanes>(&mut self, lanes: L, at: usize, indices: &[u32], phase: usize, given: &mut Given<'_>) {
+        if self.groups.len() == at {
             self.groups.push(Group::empty(STILL));
         }
-        let group = self.groups.len() - 1;
-        let lane = self.groups[group].count;
-        if let Some(exponent) = self.groups[group].push(&of, clock, softness) {
-            self.places.push(Place { contact: index as u32, group: group as u32, lane: lane as u32, exponent });
+        let mut exponents = [0; GROUP];
+        for (lane, &index) in indices.iter().enumerate() {
+            let contact = &given.contacts[index as usize];
+            let [a, b] = contact.bodies;
+            let unit = self.graph.mover([a, b]).map_or(FINEST, |mover| self.unit_of[mover as usize]);
+            let rows = [self.row(a, unit, given.flights), self.row(b, unit, given.flights)];
+            let bodies = [&self.bodies[a as usize], &self.bodies[b as usize]];
+            let shares = [self.shares[a as usize][phase], self.shares[b as usize][phase]];
+            let of = ContactOf { contact, bodies, rows, shares };
+            exponents[lane] = unit + self.batch.load(lane, &of);
+            self.batch.compliance[lane] = self.groups[at].load(lane, &of, given.scale(unit)).into();
         }
-    }
-
-    pub(super) fn body(&mut self, body: u32, unit: i32, flights: &[Flight]) -> BodyOf {
-        let flight = &flights[body as usize];
-        let mut row = self.row_of[body as usize];
-        // A body at rest has a speed of 1: angular ones are rounded up.
-        if flight.is_fixed() && flight.speed() > 1 {
-            row = self.carrier(body, unit, flight);
-        }
-        BodyOf {
-            row,
-            inverse_mass: [flight.inverse_mass.x, flight.inverse_mass.y],
-            inverse_inertia: flight.inverse_inertia,
-            length: flight.length(),
-            share: self.shares[body as usize].into(),
+        let (group, batch) = (&mut self.groups[at], &mut self.batch);
+        group.count = indices.len();
+        (group.applied, group.weighted) = ([[0; GROUP]; 3], [[0; GROUP]; 3]);
+        batch.clear(indices.len()..GROUP);
+        batch.fill(lanes, group);
+        self.matrices.set(lanes, batch, group);
+        group.clear(indices.len()..GROUP);
+        for (lane, &index) in indices.iter().enumerate().filter(|&(lane, _)| batch.moves(lane)) {
+            // The unit of masses · 2^-exponent is 2^-(bits + 2).
+            let exponent = exponents[lane] - batch.bits[lane] as i32 - 2;
+            group.set_impulses(lane, &given.contacts[index as usize], exponent);
+            self.places.push(Place { contact: index, group: at as u32, lane: lane as u32, exponent });
         }
     }
 }
 
-/// Counts the joints or contacts of a phase by body, and lists the rows that they can move.
-pub(super) fn count_shares(
-    shares: &mut Vec<u32>,
-    row_of: &[u32],
-    touched: &mut Vec<u32>,
-    links: impl Iterator<Item = [u32; 2]>,
-) {
+/// The values that groups are made from.
+pub(super) struct Given<'a> {
+    pub(super) softness: &'a Softness,
+    pub(super) flights: &'a [Flight],
+    pub(super) contacts: &'a [Contact],
+    /// That of the contact before.
+    pub(super) scale: Scale<'a>,
+}
+
+impl<'a> Given<'a> {
+    #[inline(always)]
+    fn scale(&mut self, unit: i32) -> &Scale<'a> {
+        if self.scale.unit != unit {
+            self.scale = Scale::new(self.scale.clock, self.softness, unit);
+        }
+        &self.scale
+    }
+}
+
+/// Puts the contacts of all phases, which are sorted, into groups.
+pub(super) struct SetGroups<'a> {
+    pub(super) solver: &'a mut Solver,
+    pub(super) given: Given<'a>,
+}
+
+impl Job for SetGroups<'_> {
+    type Result = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, lanes: L) {
+        let Self { solver, mut given } = self;
+        let order = core::mem::take(&mut solver.order);
+        let mut at = 0;
+        for phase in 0..PHASES {
+            let begin = at;
+            for indices in order[solver.phases[phase].clone()].chunks(GROUP) {
+                solver.set_group(lanes, at, indices, phase, &mut given);
+                at += 1;
+            }
+            solver.phases[phase] = begin..at;
+        }
+        solver.groups.truncate(at);
+        solver.order = order;
+    }
+}
+
+/// Makes ready for [`count_share`].
+pub(super) fn clear_shares(shares: &mut Vec<[u32; PHASES]>, touched: &mut [Vec<u32>; PHASES], bodies: usize) {
     shares.clear();
-    shares.resize(row_of.len(), 0);
-    touched.clear();
-    for body in links.flatten() {
-        let (count, row) = (&mut shares[body as usize], row_of[body as usize]);
+    shares.resize(bodies, [0; PHASES]);
+    touched.iter_mut().for_each(Vec::clear);
+}
+
+/// Counts a joint or contact of a phase by body, and lists the rows that it can move.
+#[inline]
+pub(super) fn count_share(
+    shares: &mut [[u32; PHASES]],
+    touched: &mut [Vec<u32>; PHASES],
+    row_of: &[u32],
+    phase: usize,
+    bodies: [u32; 2],
+) {
+    for body in bodies {
+        let (count, row) = (&mut shares[body as usize][phase], row_of[body as usize]);
         *count += 1;
         if *count == 1 && row != STILL {
-            touched.push(row);
+            touched[phase].push(row);
         }
     }
 }

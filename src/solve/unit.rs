@@ -3,7 +3,9 @@
 //! Velocities are multiples of 2^unit m/s, one unit for each island. A length is a multiple of the way of one unit of velocity in
 //! a sub-step, so that velocities add to displacements without a product.
 
-use super::{SolverOptions, number::shifted};
+use super::SolverOptions;
+use super::contact::SEPARATION;
+use super::number::{clamped, shifted};
 use crate::fx;
 use crate::fx::Fx;
 use crate::kernel::wide::mul_shift_64;
@@ -40,11 +42,15 @@ impl Clock {
 
     /// The displacement of sub-steps of semi-implicit Euler from one velocity to another: h·(n·v0 + (v1 − v0)·(n + 1)/2), for
     /// velocities in 2^-32 m/s, in 2^-32 m. *Domain* velocities below 2^58.
+    #[inline(always)]
     pub(super) fn euler(&self, start: i128, end: i128) -> i128 {
         let n = i128::from(self.substeps);
         let twice = 2 * n * start + (end - start) * (n + 1);
         let (mantissa, shift) = self.substep.parts();
-        mul_shift_64(twice, mantissa, shift + 1).unwrap_or(0)
+        match i64::try_from(twice) {
+            Ok(twice) if (64..127).contains(&shift) => multiple(twice, mantissa, shift + 1).into(),
+            _ => mul_shift_64(twice, mantissa, shift + 1).unwrap_or(0),
+        }
     }
 
     /// A length in units of velocity times a sub-step. *Domain* the result is below 2^126.
@@ -52,10 +58,60 @@ impl Clock {
         self.length_of_bits(metres.to_bits().into(), unit)
     }
 
+    /// [`length`](Self::length) within ±limit.
+    #[inline(always)]
+    pub(super) fn length_within(&self, metres: Fx, unit: i32, limit: i64) -> i32 {
+        let (mantissa, shift) = self.rate.parts();
+        match shift + 32 + unit {
+            down @ 64..128 => multiple(metres.to_bits(), mantissa, down).clamp(-limit, limit) as i32,
+            _ => clamped(self.length(metres, unit), limit.into()),
+        }
+    }
+
     /// [`length`](Self::length) of 2^-32 m.
     pub(super) fn length_of_bits(&self, bits: i128, unit: i32) -> i128 {
         let (mantissa, shift) = self.rate.parts();
         mul_shift_64(bits, mantissa, shift + 32 + unit).unwrap_or(if bits < 0 { -i128::MAX } else { i128::MAX })
+    }
+}
+
+/// value · mantissa · 2^-shift to nearest, ties to even: [`mul_shift_64`] of a word. *Domain* 64 ≤ shift < 128.
+#[inline(always)]
+fn multiple(value: i64, mantissa: u64, shift: i32) -> i64 {
+    // Below 2^127: the upper half, and the result, are below 2^63.
+    let product = u128::from(value.unsigned_abs()) * u128::from(mantissa);
+    let floor = (product >> 64) as u64 >> (shift - 64);
+    let rest = (product << (127 - shift)) << 1;
+    let nearest = (floor + u64::from(rest > (1 << 127) - u128::from(floor & 1))) as i64;
+    if value < 0 { -nearest } else { nearest }
+}
+
+/// The unit of velocity of an island, 2^unit m/s, and what depends on it alone.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Scale<'a> {
+    pub(super) clock: &'a Clock,
+    pub(super) unit: i32,
+    /// Contacts of two bodies that move, and those with a body that cannot be moved.
+    pub(super) moving: SoftContact,
+    pub(super) fixed: SoftContact,
+}
+
+/// The softness of a contact in the unit of its island.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SoftContact {
+    /// Velocity at which an overlap is pushed out, in 2^-30 of it, and the deepest overlap that counts, as a separation.
+    pub(super) push_out: [i32; 2],
+    /// [`SoftRow::compliance`]
+    pub(super) compliance: i32,
+}
+
+impl<'a> Scale<'a> {
+    pub(super) fn new(clock: &'a Clock, softness: &Softness, unit: i32) -> Self {
+        let of = |row: &SoftRow| SoftContact {
+            push_out: [row.rate, -clamped(softness.deepest(unit, row), SEPARATION.into())],
+            compliance: row.compliance,
+        };
+        Self { clock, unit, moving: of(&softness.moving), fixed: of(&softness.fixed) }
     }
 }
 

@@ -125,14 +125,14 @@ pub(super) fn run<S: Scalar>(
             StageKind::Damp => timed!(workspace, damp, damp::run(&mut pass, stage, workspace)),
             StageKind::Kick => timed!(workspace, kick, kick::run(&mut pass, stage, workspace)),
             StageKind::Drift => timed!(workspace, drift, drift::run(&mut pass, stage, workspace)),
-            StageKind::Clear => {}
+            StageKind::Clear | StageKind::Detect | StageKind::Solve | StageKind::Push => {}
         }
         // Drag around the whole step ends with the last damp.
-        if workspace.report.drag_outside > 0 && matches!(others, [Stage { kind: StageKind::Clear, .. }]) {
+        if workspace.report.drag_outside > 0 && others.is_empty() {
             timed!(workspace, damp, damp::close_outside(&mut pass, workspace));
         }
         if let Some(probe) = &mut probe {
-            probe(stage, pass.bodies);
+            probe(stage, pass.bodies, None);
         }
         stages = others;
     }

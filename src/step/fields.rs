@@ -155,7 +155,8 @@ pub(super) fn evaluate<S: Scalar>(
     let Workspace { directions, loads, .. } = workspace;
     loads.clear();
     accumulate(pass.scene(), dependence, targets, directions, loads, faults);
-    for (i, load) in loads.rows() {
+    // A spring may push a body that goes through the step by itself: its load there is not of this pass.
+    for (i, load) in loads.rows().iter().filter(|(i, _)| pass.indices.contains(i)) {
         match acceleration(load, pass.bodies.mass(*i)) {
             Some(acceleration) => into.push((*i, acceleration)),
             None => faults.push((*i, Cause::Force)),

@@ -41,9 +41,14 @@ impl<S: Scalar> Workspace<S> {
         let Some(changed) = changed else { return self.drop_cached() };
         // Any change counts: a body that became free stands in a block that was checked without it.
         for i in changed.iter().filter_map(|&(slot, _)| bodies.index_in(slot)) {
-            if let Some(safe_steps) = self.safe_steps.get_mut(i / BLOCK) {
-                *safe_steps = SafeSteps::default();
-            }
+            self.drop_block(i);
+        }
+    }
+
+    /// Drops what is cached of the block with the body at this index.
+    pub(super) fn drop_block(&mut self, i: usize) {
+        if let Some(safe_steps) = self.safe_steps.get_mut(i / BLOCK) {
+            *safe_steps = SafeSteps::default();
         }
     }
 
@@ -186,7 +191,7 @@ impl<S: Scalar> FreePass<'_, S> {
             StageKind::Damp => damp(block, factors, stage.span, turns, faults),
             StageKind::Kick => kick::kick_block(block, factors, stage, &self.constants, faults),
             StageKind::Drift => drift(block, &self.constants.plan.timing[stage.span], turns),
-            StageKind::Fields | StageKind::Clear => {}
+            StageKind::Fields | StageKind::Clear | StageKind::Detect | StageKind::Solve | StageKind::Push => {}
         }
     }
 }

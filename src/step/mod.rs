@@ -6,6 +6,7 @@
 
 mod applied;
 mod bounds;
+mod contacts;
 mod coupled;
 mod damp;
 mod drift;
@@ -19,6 +20,7 @@ mod timers;
 mod workspace;
 
 pub(crate) use bounds::find_out_of_bounds;
+pub(crate) use contacts::Contacts;
 #[cfg(feature = "timers")]
 pub use timers::Timers;
 pub(crate) use workspace::{Report, Workspace};
@@ -28,9 +30,11 @@ use alloc::vec::Vec;
 #[cfg(feature = "parallel")]
 use crate::body::BLOCK;
 use crate::body::{Acceleration, Block, Bodies, FactorTable, KinematicTargets, StepFactors};
+use crate::contact::ContactSet;
 use crate::error::{Cause, Fault};
 use crate::force::{Applied, CustomForces, FieldSet};
-use crate::integrate::{Integrator, Plan, Schedule, Stage};
+use crate::integrate::{AFTER_FLIGHT, Integrator, Plan, Schedule, Stage, StageKind};
+use crate::math::TimeStep;
 use crate::scalar::Scalar;
 use coupled::FieldKinds;
 use free::FreePass;
@@ -43,6 +47,7 @@ pub(crate) struct Step<'a, S: Scalar> {
     pub(crate) applied: &'a mut Applied<S>,
     pub(crate) targets: &'a mut KinematicTargets<S>,
     pub(crate) forces: Forces<'a, S>,
+    pub(crate) contacts: Contacts<'a, S>,
     pub(crate) settings: Settings<'a, S>,
     /// Sees the bodies after each stage; all are coupled then.
     pub(crate) probe: Option<&'a mut Probe<'a, S>>,
@@ -62,13 +67,14 @@ pub(crate) struct Settings<'a, S: Scalar> {
     /// The tick after the step.
     pub(crate) tick: u64,
     pub(crate) integrator: Integrator,
+    pub(crate) time_step: TimeStep,
     pub(crate) plan: &'a Plan<S>,
     pub(crate) factor_table: &'a FactorTable<S>,
     pub(crate) sleep_after: Option<u32>,
 }
 
-/// The function that looks on while a step goes through its stages.
-pub(crate) type Probe<'a, S> = dyn FnMut(&Stage, &Bodies<S>) + 'a;
+/// The function that looks on while a step goes through its stages. Contacts that it is not given are those before the step.
+pub(crate) type Probe<'a, S> = dyn FnMut(&Stage, &Bodies<S>, Option<&ContactSet>) + 'a;
 
 /// Fewer bodies than this take less time on one core.
 #[cfg(feature = "parallel")]
@@ -108,11 +114,20 @@ impl<S: Scalar> Constants<'_, S> {
     }
 }
 
+/// Shows a probe the world after a stage that follows the free flight.
+fn show<S: Scalar>(probe: &mut Option<&mut Probe<'_, S>>, kind: StageKind, bodies: &Bodies<S>, contacts: &ContactSet) {
+    let stage = AFTER_FLIGHT.iter().find(|stage| stage.kind == kind);
+    if let (Some(probe), Some(stage)) = (probe, stage) {
+        probe(stage, bodies, Some(contacts));
+    }
+}
+
 impl<S: Scalar> Step<'_, S> {
     /// Moves the world on by a tick.
     pub(crate) fn step(mut self) {
         let Settings { plan, factor_table, sleep_after, integrator, .. } = self.settings;
         self.workspace.report.clear();
+        timed!(self.workspace, survey, self.survey_contacts());
         // 1. Bodies change sets, free or coupled, if what acts on them changed.
         timed!(self.workspace, survey, self.part());
         // 2. Kinematic bodies get the velocity that leads to their target.
@@ -132,6 +147,9 @@ impl<S: Scalar> Step<'_, S> {
             restores: true,
             any_capped: factor_table.any_capped(),
         };
+        if let Some(contacts) = &mut self.workspace.contacts {
+            timed!(self.workspace, survey, contacts.begin(self.bodies));
+        }
         // 5. The stages of the integrator: damp, kick, drift, fields. Then caps of speeds, the allowed range, ticks at rest.
         self.run_stages(&constants, integrator.schedule(), kinds);
         // 6. Kinematic bodies arrive at their targets, to the bit.
@@ -139,9 +157,16 @@ impl<S: Scalar> Step<'_, S> {
             let Workspace { targets: workspace, found, .. } = &mut *self.workspace;
             targets::finish(self.bodies, self.targets, self.settings.tick, workspace, &mut found.faults);
         }
-        // 7. The applied forces have acted.
+        // 7. Colliders touch: impulses change the free flight of the stages.
+        if !self.are_contacts_idle() {
+            timed!(self.workspace, contacts, self.run_contacts(&constants, integrator.schedule()));
+        } else if self.probe.is_some() {
+            AFTER_FLIGHT.iter().filter(|stage| stage.kind != StageKind::Clear).for_each(|stage| self.show(stage.kind));
+        }
+        // 8. The applied forces have acted.
         self.applied.finish();
-        // 8. Bodies with a fault are quarantined; islands at rest fall asleep.
+        self.show(StageKind::Clear);
+        // 9. Bodies with a fault are quarantined; islands at rest fall asleep.
         timed!(self.workspace, finish, {
             quarantine::find(self.bodies, self.workspace);
             if let Some(ticks) = sleep_after {
@@ -150,6 +175,11 @@ impl<S: Scalar> Step<'_, S> {
             quarantine::take_out(self.bodies, &self.workspace.report);
         });
         self.workspace.applied = applied;
+    }
+
+    /// Shows the probe the world after a stage that follows the free flight.
+    fn show(&mut self, kind: StageKind) {
+        show(&mut self.probe, kind, self.bodies, self.contacts.contacts);
     }
 
     /// Undoes a tick by an [inverse](Integrator::inverse_schedule) schedule. What was applied over it stays applied.
@@ -225,6 +255,14 @@ impl<S: Scalar> Step<'_, S> {
                 coupled::Coupled { bodies: self.bodies, indices, forces, constants: *constants, integrator, kinds };
             coupled::run(pass, schedule.coupled, self.workspace, self.probe.as_deref_mut());
         }
+    }
+
+    /// Takes the bodies at some indices through the stages, as coupled bodies, unseen by the probe.
+    fn run_coupled(&mut self, indices: core::ops::Range<usize>, constants: &Constants<'_, S>, schedule: Schedule) {
+        let Self { forces, settings, .. } = *self;
+        let (integrator, kinds) = (settings.integrator, FieldKinds::of(forces, self.bodies));
+        let pass = coupled::Coupled { bodies: self.bodies, indices, forces, constants: *constants, integrator, kinds };
+        coupled::run(pass, schedule.coupled, self.workspace, None);
     }
 
     fn run_free(&mut self, constants: &Constants<'_, S>, schedule: Schedule) {

@@ -54,6 +54,8 @@ pub struct Timers {
     pub kick: core::time::Duration,
     /// Velocities to positions.
     pub drift: core::time::Duration,
+    /// Pairs, manifolds, impulses.
+    pub contacts: core::time::Duration,
     /// Backups of coupled bodies, and for all bodies quarantine and sleep.
     pub finish: core::time::Duration,
 }

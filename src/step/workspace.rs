@@ -1,8 +1,9 @@
 //! The memory that steps use again, and the report of the last one. None of it is state.
 
+use alloc::boxed::Box;
 use alloc::vec::Vec;
 
-use super::{AppliedAcceleration, coupled, damp, fields, free, kick, targets};
+use super::{AppliedAcceleration, contacts, coupled, damp, fields, free, kick, targets};
 use crate::body::Bodies;
 use crate::error::{Cause, Fault};
 use crate::force::FieldSet;
@@ -20,6 +21,8 @@ pub(crate) struct Workspace<S: Scalar> {
     pub(super) fields: fields::Workspace<S>,
     pub(super) damp: damp::Workspace<S>,
     pub(super) kick: kick::Workspace<S>,
+    /// Made in the first step with a collider.
+    pub(super) contacts: Option<Box<contacts::Workspace<S>>>,
     pub(super) islands: island::Workspace,
     pub(super) found: Found,
     pub(crate) report: Report,
@@ -50,6 +53,8 @@ impl Found {
 pub(crate) struct Report {
     pub(crate) faults: Vec<Fault>,
     pub(crate) fell_asleep: Vec<BodyId>,
+    /// Sleeping bodies that moving ones touched.
+    pub(crate) woke: Vec<BodyId>,
     pub(crate) drag_outside: u32,
 }
 
@@ -57,6 +62,7 @@ impl Report {
     pub(crate) fn clear(&mut self) {
         self.faults.clear();
         self.fell_asleep.clear();
+        self.woke.clear();
         self.drag_outside = 0;
     }
 }
@@ -81,6 +87,14 @@ impl<S: Scalar> Workspace<S> {
     pub(crate) fn drop_cached(&mut self) {
         self.free.drop_cached();
         self.fields.drop_cached();
+        if let Some(contacts) = &mut self.contacts {
+            contacts.drop_cached();
+        }
+    }
+
+    /// Drops the accelerations and directions that are cached of coupled bodies.
+    pub(super) fn drop_cached_fields(&mut self) {
+        self.fields.drop_cached();
     }
 
     /// Does what `clone_from` does, with what is cached: for a copy of the world that `source` belongs to.
@@ -88,6 +102,11 @@ impl<S: Scalar> Workspace<S> {
         self.clone_from(source);
         self.free.clone_cached_from(&source.free);
         self.fields.clone_cached_from(&source.fields);
+        match (&mut self.contacts, &source.contacts) {
+            (_, None) => {}
+            (Some(own), Some(other)) => own.clone_cached_from(other),
+            (own @ None, Some(other)) => own.insert(Box::default()).clone_cached_from(other),
+        }
     }
 }
 
@@ -101,6 +120,7 @@ impl<S: Scalar> Clone for Workspace<S> {
         self.drop_cached();
         self.report.faults.clone_from(&source.report.faults);
         self.report.fell_asleep.clone_from(&source.report.fell_asleep);
+        self.report.woke.clone_from(&source.report.woke);
         self.report.drag_outside = source.report.drag_outside;
     }
 }

@@ -2,12 +2,13 @@
 
 use alloc::sync::Arc;
 
-use super::{FAR, Symmetry};
-use crate::body::mass_properties;
+use super::{FAR, Image, Symmetry};
+use crate::body::MassSource;
+use crate::collider::ColliderMass;
 use crate::fx::Fx;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator as _, FxAccumulator, FxSum, Number as _};
-use crate::world::World;
+use crate::world::{CommandMap as _, World};
 
 impl Symmetry {
     /// The image of a world, with the same handles. What the game keeps in it, its generator, its blob and the bodies' data,
@@ -17,6 +18,7 @@ impl Symmetry {
         let mut image = world.clone();
         image.def.gravity = self.vector(world.def.gravity)?;
         Arc::make_mut(&mut image.factor_table).change_all();
+        self.take_colliders(&mut image, world)?;
         for i in 0..image.bodies.len() {
             self.take(&mut image, i)?;
         }
@@ -37,6 +39,30 @@ impl Symmetry {
         }
         image.bodies.changes_mut().note_all();
         Some(image)
+    }
+
+    /// Makes of colliders and contacts their images. A quarter turn leaves them as they are: the axes of bodies turn along.
+    fn take_colliders(&self, image: &mut World, world: &World) -> Option<()> {
+        if !self.mirrors() || world.colliders.is_empty() {
+            return Some(());
+        }
+        let set = Arc::make_mut(&mut image.colliders);
+        for (id, def) in world.colliders() {
+            set.replace(id, Image(self).collider_def(def.clone()).ok()?).ok()?;
+        }
+        for record in &mut image.contacts.records {
+            let outlines = record.pair.map(|slot| {
+                let here = world.colliders.at(slot)?.def.shape.outlines().first()?;
+                Some((here, image.colliders.at(slot)?.def.shape.outlines().first()?))
+            });
+            let corner = |side: usize, number: usize| {
+                let (here, there) = outlines[side]?;
+                let place = self.local(*here.corners().get(number)?)?;
+                there.corners().iter().position(|corner| *corner == place)
+            };
+            *record = record.mirrored(corner)?;
+        }
+        Some(())
     }
 
     /// Makes of the body at an index in the columns its image.
@@ -69,8 +95,17 @@ impl Symmetry {
         let info = world.bodies.info(i);
         if let Some(shape) = info.shape.as_deref().filter(|_| self.mirrors()) {
             let (kind, mass, shape) = (info.kind, info.mass, self.shape(shape)?);
-            let properties = mass_properties(kind, mass, Some(&shape), self.locks(locks)).ok()?;
+            let source = MassSource { shape: Some(&shape), ..info.mass_source() };
+            let properties = source.properties(kind, mass, self.locks(locks)).ok()?;
             world.bodies.set_shape(i, Some(shape), properties);
+        }
+        let info = world.bodies.info(i);
+        if self.mirrors() && !info.collider_mass().is_none() {
+            let own = world.colliders.of(world.bodies.id(i)).map(|collider| &collider.def);
+            let source = MassSource { colliders: ColliderMass::of(own), ..info.mass_source() };
+            let (colliders, properties) =
+                (source.colliders, source.properties(info.kind, info.mass, self.locks(locks)).ok()?);
+            world.bodies.set_collider_mass(i, colliders, properties);
         }
         Some(())
     }
@@ -84,4 +119,83 @@ fn opposite(sum: FxSum) -> FxSum {
     let carries = carries.wrapping_neg().wrapping_add(u64::from(rest == 1 << 127));
     let rest = rest.wrapping_neg();
     FxSum::from_words([carries, (rest >> 64) as u64, rest as u64])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::body::BodyDef;
+    use crate::collide::{Manifold, Pose, collide};
+    use crate::collider::ColliderDef;
+    use crate::contact::ContactRecord;
+    use crate::fx;
+    use crate::math::{Random, vec2};
+    use crate::shape::Shape;
+    use crate::solve::Impulses;
+    use crate::world::WorldDef;
+
+    /// The manifold of the colliders in slots 0 and 1.
+    fn manifold(world: &World) -> Option<Manifold> {
+        let [a, b] = [0, 1].map(|slot| world.colliders.at(slot).expect("it is there"));
+        let [at, bt] = [a, b].map(|collider| {
+            let body = world.body(collider.body).expect("it is there");
+            Pose::new(body.position(), body.angle_exact())
+        });
+        collide(&a.outline, &at, &b.outline, &bt, Fx::ZERO)
+    }
+
+    fn record(manifold: &Manifold, values: [i64; 3]) -> ContactRecord {
+        let features = manifold.points.map(|point| point.feature);
+        ContactRecord::new([0, 1], features, manifold.count, Impulses { values, exponent: -9 })
+    }
+
+    #[test]
+    fn the_record_of_an_image_has_the_features_of_the_image() {
+        let mut random = Random::seeded(3);
+        let mut met = [0; 3];
+        for run in 0..600 {
+            let mut world = World::new(WorldDef::default()).expect("a world");
+            let mut number = |most: i32| random.number(Fx::from(-most)..=Fx::from(most));
+            for _ in 0..2 {
+                let corners = [(); 5].map(|()| vec2(number(2), number(2)));
+                let shape = match run % 3 {
+                    0 => Shape::polygon(&corners[..3]).or_else(|_| Shape::capsule(fx!(1), fx!(0.5))),
+                    1 => Shape::rectangle(fx!(2), fx!(1)),
+                    _ => Shape::capsule(fx!(2), fx!(0.5)),
+                };
+                // Every other pair is parallel: two points.
+                let angle = if run % 2 == 0 { Fx::ZERO } else { number(3) };
+                let def = ColliderDef {
+                    position: vec2(number(1), number(1)),
+                    angle: number(1),
+                    ..ColliderDef::new(shape.expect("a shape"))
+                };
+                let def = if run % 2 == 0 { ColliderDef::new(def.shape) } else { def };
+                let body = BodyDef { position: vec2(number(1), number(1)), angle, ..BodyDef::dynamic() };
+                world.add_body(body.with_collider(def)).expect("a body");
+            }
+            let Some(here) = manifold(&world) else { continue };
+            let values = if here.count == 2 { [5, 3, -7] } else { [5, 0, -7] };
+            world.contacts.records = [record(&here, values)].to_vec();
+            for symmetry in [Symmetry::MIRROR, Symmetry::FLIP, Symmetry::DIAGONAL, Symmetry::TURN] {
+                let image = symmetry.world(&world).expect("it has an image");
+                let there = manifold(&image).expect("they meet there too");
+                let [a, b, tangent] = values;
+                let values = match (symmetry.mirrors(), there.count) {
+                    (false, _) => values,
+                    (true, 2) => [b, a, -tangent],
+                    (true, _) => [a, b, -tangent],
+                };
+                assert_eq!(image.contacts.records, [record(&there, values)], "run {run}: {}", symmetry.name());
+                met[there.count] += 1;
+                // It goes on from there: what is set in both worlds is the same.
+                assert!(image.colliders().all(|(id, def)| {
+                    Image(&symmetry)
+                        .collider_def(world.collider(id).expect("the same handles").clone())
+                        .is_ok_and(|image| image == *def)
+                }));
+            }
+        }
+        assert!(met[1] > 200 && met[2] > 200, "{met:?}");
+    }
 }

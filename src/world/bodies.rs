@@ -4,6 +4,7 @@ use alloc::sync::Arc;
 
 use super::{Command, World};
 use crate::body::{BodyDef, BodyInfo, BodyKind, Change, Damping, Key, Locks, Mass};
+use crate::collider::ColliderMass;
 use crate::error::Error;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, Angle, Scalar};
@@ -39,16 +40,21 @@ impl<S: Scalar> World<S> {
         S::add_body(self, def)
     }
 
-    pub(crate) fn add_body_inner(&mut self, def: BodyDef<S>) -> Result<BodyId, Error> {
+    pub(crate) fn add_body_inner(&mut self, mut def: BodyDef<S>) -> Result<BodyId, Error> {
         let properties = self.check_new_body(&def)?;
         self.journal.note(|| Command::AddBody(def.clone()));
-        let body = self.bodies.insert(def, properties, Arc::make_mut(&mut self.factor_table));
+        let colliders = core::mem::take(&mut def.colliders);
+        let masses = (ColliderMass::of(colliders.iter()), properties);
+        let body = self.bodies.insert(def, masses, Arc::make_mut(&mut self.factor_table));
+        if !colliders.is_empty() {
+            Arc::make_mut(&mut self.colliders).insert_all(body, colliders);
+        }
         self.change_log.added(body, &self.bodies);
         self.mark_if_still(body);
         Ok(body)
     }
 
-    /// Removes a body and the force fields attached to it, and wakes the bodies at their other ends.
+    /// Removes a body, its colliders and the force fields attached to it, and wakes the bodies at their other ends.
     ///
     /// # Errors
     /// [`Error::NoSuchBody`].
@@ -63,6 +69,7 @@ impl<S: Scalar> World<S> {
         for field in self.fields.attached_by_age(body) {
             self.take_field(field)?;
         }
+        self.take_colliders(body)?;
         let dense = self.bodies.find(body)?;
         self.applied.forget(body);
         self.targets.forget(body);

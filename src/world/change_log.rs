@@ -253,7 +253,11 @@ impl ChangeLog {
 
     /// Logs bodies that stopped moving in a step.
     #[inline]
-    pub(super) fn end(&mut self, faults: &[Fault], fell_asleep: &[BodyId]) {
+    pub(super) fn end(&mut self, faults: &[Fault], fell_asleep: &[BodyId], woke: &[BodyId]) {
+        if !woke.is_empty() {
+            self.reported.woken.extend_from_slice(woke);
+            self.has_entries = true;
+        }
         if !(faults.is_empty() && fell_asleep.is_empty()) {
             self.stop(faults, fell_asleep);
         }

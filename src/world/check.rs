@@ -3,10 +3,11 @@
 
 use super::{World, WorldDef, check_gravity, check_sleep_after};
 use crate::body::{
-    Activity, BodyDef, BodyKind, Damping, Mass, MassProperties, Target, check_angle, check_angular_velocity,
-    check_gravity_scale, check_max_angular_speed, check_max_speed, check_position, check_turning, check_unlocked,
-    check_velocity, mass_properties, within_envelope,
+    Activity, BodyDef, BodyKind, Damping, Mass, MassProperties, MassSource, Target, check_angle,
+    check_angular_velocity, check_gravity_scale, check_max_angular_speed, check_max_speed, check_position,
+    check_turning, check_unlocked, check_velocity, within_envelope,
 };
+use crate::collider::{ColliderDef, ColliderMass};
 use crate::error::{Error, Quantity};
 use crate::force::ForceField;
 use crate::integrate::{Integrator, rate};
@@ -14,7 +15,7 @@ use crate::limits;
 use crate::math::{Elapsed, TimeStep, Vec2};
 use crate::scalar::{Angle, Scalar};
 use crate::shape::Shape;
-use crate::slots::{BodyId, FieldId};
+use crate::slots::{BodyId, ColliderId, FieldId};
 
 // The calls on bodies; forces and impulses are in `forces.rs`.
 impl<S: Scalar> World<S> {
@@ -22,7 +23,44 @@ impl<S: Scalar> World<S> {
         let properties = def.checked()?;
         self.check_own_damping(def.linear_damping, def.angular_damping)?;
         self.bodies.check_room()?;
+        self.colliders.check_room(def.colliders.len())?;
         Ok(properties)
+    }
+
+    /// The mass of the body's colliders with another one, and the properties that follow.
+    pub(super) fn check_new_collider(
+        &self,
+        body: BodyId,
+        def: &ColliderDef<S>,
+    ) -> Result<(ColliderMass<S>, MassProperties<S>), Error> {
+        let dense = self.bodies.find(body)?;
+        def.check()?;
+        self.colliders.check_room(1)?;
+        let own = self.colliders.of(body).map(|collider| &collider.def);
+        self.with_collider_mass(dense, ColliderMass::of(own.chain([def])))
+    }
+
+    /// The body of a collider, the mass of its colliders with this one defined anew or left out, and the properties that follow.
+    pub(super) fn check_next_collider(
+        &self,
+        id: ColliderId,
+        def: Option<&ColliderDef<S>>,
+    ) -> Result<(BodyId, ColliderMass<S>, MassProperties<S>), Error> {
+        let body = self.colliders.get(id)?.body;
+        def.map_or(Ok(()), ColliderDef::check)?;
+        let dense = self.bodies.find(body)?;
+        let own = self.colliders.of(body).filter_map(|own| if own.slot == id.slot { def } else { Some(&own.def) });
+        self.with_collider_mass(dense, ColliderMass::of(own)).map(|(mass, properties)| (body, mass, properties))
+    }
+
+    fn with_collider_mass(
+        &self,
+        dense: usize,
+        colliders: ColliderMass<S>,
+    ) -> Result<(ColliderMass<S>, MassProperties<S>), Error> {
+        let info = self.bodies.info(dense);
+        let source = MassSource { colliders, ..info.mass_source() };
+        source.properties(info.kind, info.mass, self.bodies.mass(dense).locks).map(|properties| (colliders, properties))
     }
 
     pub(super) fn check_body_position(&self, body: BodyId, position: Vec2<S>) -> Result<(), Error> {
@@ -67,19 +105,20 @@ impl<S: Scalar> World<S> {
     pub(super) fn check_body_mass(&self, body: BodyId, mass: Mass<S>) -> Result<MassProperties<S>, Error> {
         let dense = self.bodies.find(body)?;
         let info = self.bodies.info(dense);
-        mass_properties(info.kind, mass, info.shape.as_deref(), self.bodies.mass(dense).locks)
+        info.mass_source().properties(info.kind, mass, self.bodies.mass(dense).locks)
     }
 
     pub(super) fn check_body_shape(&self, body: BodyId, shape: Option<&Shape<S>>) -> Result<MassProperties<S>, Error> {
         let dense = self.bodies.find(body)?;
         let info = self.bodies.info(dense);
-        mass_properties(info.kind, info.mass, shape, self.bodies.mass(dense).locks)
+        let source = MassSource { shape, ..info.mass_source() };
+        source.properties(info.kind, info.mass, self.bodies.mass(dense).locks)
     }
 
     pub(super) fn check_body_kind(&self, body: BodyId, kind: BodyKind) -> Result<MassProperties<S>, Error> {
         let dense = self.check_taking_part(body)?;
         let info = self.bodies.info(dense);
-        mass_properties(kind, info.mass, info.shape.as_deref(), self.bodies.mass(dense).locks)
+        info.mass_source().properties(kind, info.mass, self.bodies.mass(dense).locks)
     }
 
     pub(super) fn check_body_gravity_scale(&self, body: BodyId, scale: S) -> Result<(), Error> {

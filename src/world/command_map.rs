@@ -5,13 +5,14 @@
 
 use super::{ApplyOptions, ForceOrImpulse, Frame};
 use crate::body::{BodyDef, BodyKind, Damping, Locks, Mass};
+use crate::collider::{ColliderDef, ContactSettings, Material};
 use crate::force::{Attachment, End, FieldKind, ForceField, Region};
 use crate::fx::Fx;
 use crate::integrate::Integrator;
 use crate::math::{Random, TimeStep, Vec2};
 use crate::scalar::{Scalar, SpringConstants};
 use crate::shape::Shape;
-use crate::slots::{BodyId, FieldId};
+use crate::slots::{BodyId, ColliderId, FieldId};
 
 use alloc::vec::Vec;
 
@@ -69,6 +70,11 @@ pub trait CommandMap<S: Scalar, T: Scalar = S> {
     /// A handle of a force field.
     fn field(&mut self, field: FieldId) -> Result<FieldId, Self::Error> {
         Ok(field)
+    }
+
+    /// A handle of a collider.
+    fn collider(&mut self, collider: ColliderId) -> Result<ColliderId, Self::Error> {
+        Ok(collider)
     }
 
     /// A velocity, force, impulse or acceleration in the world's axes.
@@ -144,6 +150,7 @@ pub trait CommandMap<S: Scalar, T: Scalar = S> {
                 Mass::Explicit { mass: self.scalar(mass)?, inertia: self.scalar(inertia)? }
             }
             Mass::Density(density) => Mass::Density(self.scalar(density)?),
+            Mass::FromColliders => Mass::FromColliders,
         })
     }
 
@@ -156,6 +163,7 @@ pub trait CommandMap<S: Scalar, T: Scalar = S> {
             velocity: self.vector(def.velocity)?,
             angular_velocity: self.pseudoscalar(def.angular_velocity)?,
             shape: self.optional_shape(def.shape)?,
+            colliders: self.colliders(def.colliders)?,
             mass: self.mass(def.mass)?,
             gravity_scale: self.scalar(def.gravity_scale)?,
             linear_damping: self.optional_damping(def.linear_damping)?,
@@ -166,6 +174,39 @@ pub trait CommandMap<S: Scalar, T: Scalar = S> {
             force_groups: self.force_groups(def.force_groups)?,
             key: def.key,
             user_data: def.user_data,
+        })
+    }
+
+    /// The colliders of the definition of a body.
+    fn colliders(&mut self, defs: Vec<ColliderDef<S>>) -> Result<Vec<ColliderDef<T>>, Self::Error> {
+        defs.into_iter().map(|def| self.collider_def(def)).collect()
+    }
+
+    /// The definition of a collider.
+    fn collider_def(&mut self, def: ColliderDef<S>) -> Result<ColliderDef<T>, Self::Error> {
+        Ok(ColliderDef {
+            shape: self.shape(def.shape)?,
+            position: self.local(def.position)?,
+            angle: self.pseudoscalar(def.angle)?,
+            density: self.scalar(def.density)?,
+            material: Material {
+                friction: self.scalar(def.material.friction)?,
+                restitution: self.scalar(def.material.restitution)?,
+            },
+            filter: def.filter,
+            key: def.key,
+            user_data: def.user_data,
+        })
+    }
+
+    /// The settings of contacts.
+    fn contact_settings(&mut self, settings: ContactSettings<S>) -> Result<ContactSettings<T>, Self::Error> {
+        Ok(ContactSettings {
+            substeps: settings.substeps,
+            push_speed: self.scalar(settings.push_speed)?,
+            restitution_speed: self.scalar(settings.restitution_speed)?,
+            max_pairs: settings.max_pairs,
+            max_pairs_per_collider: settings.max_pairs_per_collider,
         })
     }
 
@@ -255,6 +296,9 @@ pub trait CommandMap<S: Scalar, T: Scalar = S> {
 pub trait CommandSource {
     fn body(&mut self) -> BodyId;
     fn field(&mut self) -> FieldId;
+    fn collider(&mut self) -> ColliderId;
+    fn collider_def(&mut self) -> ColliderDef;
+    fn contact_settings(&mut self) -> ContactSettings;
     fn body_def(&mut self) -> BodyDef;
     fn force_field(&mut self) -> ForceField;
     fn force_or_impulse(&mut self) -> ForceOrImpulse;

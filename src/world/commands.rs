@@ -6,6 +6,7 @@ use super::command_map::{CommandMap, CommandSource};
 use super::{ApplyOptions, ForceOrImpulse, World};
 use crate::body::{BodyDef, BodyKind, Damping, Locks, Mass};
 use crate::codec::codec_enum;
+use crate::collider::{ColliderDef, ContactSettings};
 use crate::error::Error;
 use crate::force::ForceField;
 use crate::fx::Fx;
@@ -13,7 +14,7 @@ use crate::integrate::Integrator;
 use crate::math::{Random, TimeStep, Vec2};
 use crate::scalar::Scalar;
 use crate::shape::Shape;
-use crate::slots::{BodyId, FieldId};
+use crate::slots::{BodyId, ColliderId, FieldId};
 
 /// Makes [`Command`] and all that follows from its variants.
 ///
@@ -109,6 +110,19 @@ macro_rules! commands {
                 None
             }
 
+            /// The collider that it is about: that of `SetCollider` and of `RemoveCollider`.
+            #[must_use]
+            #[allow(unused_variables, reason = "most fields are no handles")]
+            pub const fn collider(&self) -> Option<ColliderId> {
+                match self {
+                    $(Self::$variant $({ $($field),* })? $(($entry))? => {
+                        $($(handle!(collider: $role($field));)*)?
+                        $(handle!(collider: $entry_role($entry));)?
+                    })*
+                }
+                None
+            }
+
             /// The command with each value replaced by its counterpart, by the role that the value has.
             ///
             /// # Errors
@@ -194,6 +208,9 @@ macro_rules! handle {
         return Some(*$id)
     };
     (field: field($id:ident)) => {
+        return Some(*$id)
+    };
+    (collider: collider($id:ident)) => {
         return Some(*$id)
     };
     ($asked:ident: $role:ident($value:ident)) => {};
@@ -328,6 +345,22 @@ commands! { world:
     31 => Enable(body: BodyId as body(body)),
         check world.check_enable(*body),
         execute world.enable(*body);
+    /// Calls [`World::add_collider`].
+    33 => AddCollider { body: BodyId as body(body), def: ColliderDef<S> as collider_def(collider_def) },
+        check world.check_new_collider(*body, def),
+        execute world.add_collider(*body, def.clone());
+    /// Calls [`World::set_collider`].
+    34 => SetCollider { collider: ColliderId as collider(collider), def: ColliderDef<S> as collider_def(collider_def) },
+        check world.check_next_collider(*collider, Some(def)),
+        execute world.set_collider(*collider, def.clone());
+    /// Calls [`World::remove_collider`].
+    35 => RemoveCollider(collider: ColliderId as collider(collider)),
+        check world.check_next_collider(*collider, None),
+        execute world.remove_collider(*collider);
+    /// Calls [`World::set_contact_settings`].
+    36 => SetContactSettings(contacts: ContactSettings<S> as contact_settings(contact_settings)),
+        check contacts.check(),
+        execute world.set_contact_settings(*contacts);
     /// Calls [`World::move_to`].
     32 => MoveTo { body: BodyId as body(body), position: Vec2<S> as point(position), angle: S as angle(angle) },
         check world.check_move(*body, *position, *angle),
@@ -349,6 +382,8 @@ pub enum Created {
     Body(BodyId),
     /// A force field.
     ForceField(FieldId),
+    /// A collider.
+    Collider(ColliderId),
 }
 
 impl From<()> for Created {
@@ -366,6 +401,12 @@ impl From<BodyId> for Created {
 impl From<FieldId> for Created {
     fn from(field: FieldId) -> Self {
         Self::ForceField(field)
+    }
+}
+
+impl From<ColliderId> for Created {
+    fn from(collider: ColliderId) -> Self {
+        Self::Collider(collider)
     }
 }
 

@@ -4,9 +4,11 @@ mod bodies;
 mod body_ref;
 mod change_log;
 mod check;
+mod colliders;
 mod command;
 mod command_map;
 mod commands;
+mod contacts;
 mod events;
 mod fields;
 mod forces;
@@ -28,6 +30,8 @@ use alloc::vec::Vec;
 
 use crate::body::{Bodies, Damping, FactorTable, KinematicTargets, WorldFactors};
 use crate::codec::codec_struct;
+use crate::collider::{ColliderSet, ContactSettings};
+use crate::contact::ContactSet;
 use crate::error::{Error, Fault, Quantity};
 use crate::force::{Applied, AppliedForce, CustomForces, FieldSet};
 use crate::fx::Fx;
@@ -36,7 +40,7 @@ use crate::limits;
 use crate::math::{Elapsed, Random, TimeStep, Vec2};
 use crate::scalar::Scalar;
 use crate::slots::BodyId;
-use crate::step::{Forces, Probe, Settings, Step, Workspace};
+use crate::step::{Contacts, Forces, Probe, Settings, Step, Workspace};
 
 pub use body_ref::BodyRef;
 pub(crate) use change_log::ChangeLog;
@@ -68,6 +72,8 @@ pub struct WorldDef<S: Scalar = Fx> {
     pub angular_damping: Damping<S>,
     /// The number of ticks at rest after which a body falls asleep; `None` for never.
     pub sleep_after: Option<u32>,
+    /// The settings of contacts.
+    pub contacts: ContactSettings<S>,
 }
 
 impl<S: Scalar> Default for WorldDef<S> {
@@ -80,11 +86,12 @@ impl<S: Scalar> Default for WorldDef<S> {
             linear_damping: Damping::NONE,
             angular_damping: Damping::NONE,
             sleep_after: Some(30),
+            contacts: ContactSettings::default(),
         }
     }
 }
 
-codec_struct!(WorldDef { time_step, gravity, integrator, linear_damping, angular_damping, sleep_after });
+codec_struct!(WorldDef { time_step, gravity, integrator, linear_damping, angular_damping, sleep_after, contacts });
 
 impl<S: Scalar> WorldDef<S> {
     /// Checks the definition.
@@ -106,6 +113,7 @@ impl<S: Scalar> WorldDef<S> {
         self.linear_damping.check()?;
         self.angular_damping.check()?;
         check_sleep_after(self.sleep_after)?;
+        self.contacts.check()?;
         let stops = self.linear_damping.stops() || self.angular_damping.stops();
         if self.integrator == Integrator::Yoshida4 && stops {
             return Err(Error::DampingHasNoInverse);
@@ -128,7 +136,7 @@ fn check_sleep_after(ticks: Option<u32>) -> Result<(), Error> {
     Ok(())
 }
 
-/// Bodies and force fields, simulated tick by tick.
+/// Bodies with colliders, and force fields, simulated tick by tick.
 ///
 /// The next step depends on the state and the inputs alone, and no body's bits depend on bodies it does not interact with.
 ///
@@ -162,8 +170,10 @@ pub struct World<S: Scalar = Fx> {
     /// The time at which the present time step began to count, and the tick of it.
     pub(crate) counted: (Elapsed, u64),
     pub(crate) bodies: Bodies<S>,
-    /// Shared with copies of the world until one changes it, as are the custom forces and the factor table.
+    /// Shared with copies of the world until one changes it, as are the colliders, the custom forces and the factor table.
     pub(crate) fields: Arc<FieldSet<S>>,
+    pub(crate) colliders: Arc<ColliderSet<S>>,
+    pub(crate) contacts: ContactSet,
     pub(crate) custom_forces: Arc<CustomForces<S>>,
     pub(crate) applied: Applied<S>,
     pub(crate) targets: KinematicTargets<S>,
@@ -183,6 +193,8 @@ clone_by_field!((clone_world, clone_world_from) World {
     counted,
     bodies,
     fields,
+    colliders,
+    contacts,
     custom_forces,
     applied,
     targets,
@@ -225,7 +237,8 @@ pub struct StepReport<'a, S: Scalar = Fx> {
     pub faults: &'a [Fault],
     /// Bodies that fell asleep, in the order of their handles.
     pub fell_asleep: &'a [BodyId],
-    /// Bodies woken by calls since the previous step, in the order of the calls.
+    /// Bodies woken by calls since the previous step, in the order of the calls; then those that a moving body touched in the step, in
+    /// the order of their handles.
     pub woke: &'a [BodyId],
     /// Bodies removed by calls since the previous step, in the order of the calls, without those that were also added since.
     pub removed: &'a [BodyId],
@@ -281,6 +294,8 @@ impl<S: Scalar> World<S> {
             counted: (Elapsed::ZERO, 0),
             bodies,
             fields: Arc::default(),
+            colliders: Arc::default(),
+            contacts: ContactSet::default(),
             custom_forces: Arc::default(),
             applied: Applied::default(),
             targets: KinematicTargets::default(),
@@ -294,11 +309,17 @@ impl<S: Scalar> World<S> {
         })
     }
 
-    /// Simulates one tick. Bodies do not collide yet.
+    /// Simulates one tick.
     pub fn step(&mut self) -> StepReport<'_, S> {
         S::step(self);
-        self.change_log.end(&self.workspace.report.faults, &self.workspace.report.fell_asleep);
+        self.end_step();
         self.last_report()
+    }
+
+    /// Logs what the step changed.
+    pub(crate) fn end_step(&mut self) {
+        let report = &self.workspace.report;
+        self.change_log.end(&report.faults, &report.fell_asleep, &report.woke);
     }
 
     /// Simulates one tick, with or without a probe.
@@ -330,9 +351,15 @@ impl<S: Scalar> World<S> {
             applied: &mut self.applied,
             targets: &mut self.targets,
             forces: Forces { fields: &self.fields, custom_forces: &self.custom_forces },
+            contacts: Contacts {
+                colliders: &self.colliders,
+                contacts: &mut self.contacts,
+                settings: &self.def.contacts,
+            },
             settings: Settings {
                 tick: self.tick,
                 integrator: self.def.integrator,
+                time_step: self.def.time_step,
                 plan: &self.plan,
                 factor_table: &self.factor_table,
                 sleep_after: self.def.sleep_after,

@@ -97,6 +97,11 @@ impl<S: Scalar> World<S> {
         if self.targets.moved_at == self.tick || self.targets.are_due(&self.bodies) {
             return Err(Irreversible::Moved);
         }
+        // The contacts that the step started from are those of the step before.
+        let contacts = &self.contacts;
+        if contacts.pushed_at != 0 && contacts.pushed_at + 1 >= self.tick || !contacts.records.is_empty() {
+            return Err(Irreversible::Contact);
+        }
         if !self.applied.rows().is_empty() {
             return Err(Irreversible::Pending);
         }

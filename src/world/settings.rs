@@ -33,6 +33,9 @@ impl<S: Scalar> World<S> {
         let (def, now) = self.check_time_step(time_step)?;
         self.journal.note(|| Command::SetTimeStep(time_step));
         self.counted = (now, self.tick);
+        // Impulses are those of a sub-step: forces stay the same.
+        let ((old_num, old_den), (num, den)) = (self.def.time_step.seconds(), def.time_step.seconds());
+        self.contacts.rescale(u64::from(num) * u64::from(old_den), u64::from(den) * u64::from(old_num));
         self.redefine(def);
         Ok(())
     }
@@ -118,7 +121,7 @@ impl<S: Scalar> World<S> {
 
     /// Changes the definition and marks the values derived from it as stale, unless nothing changes. Wakes all bodies, as a
     /// force too small to move a body may be large enough now, also over a longer step.
-    fn redefine(&mut self, def: WorldDef<S>) {
+    pub(super) fn redefine(&mut self, def: WorldDef<S>) {
         S::redefine(self, def);
     }
 

@@ -4,6 +4,7 @@ use alloc::vec::Vec;
 
 use super::World;
 use crate::body::{Activity, Bodies};
+use crate::contact::ContactSet;
 use crate::fx::Fx;
 use crate::integrate::{Stage, StageKind};
 use crate::scalar::Scalar;
@@ -12,8 +13,8 @@ use crate::step::find_out_of_bounds;
 /// The world after each stage of a step. Where two runs diverge, the first stage after which they differ is the cause.
 ///
 /// All these worlds are at the tick before the step. Forces applied over it are dropped after the last stage, `clear`. The
-/// velocities of bodies that are moved to a target are set before the stages, and show after the first. Caps of speeds, arrival
-/// at targets, quarantine and sleep follow the stages, and show in the world that was traced.
+/// velocities of bodies that are moved to a target are set before the stages, and show after the first. Caps of speeds and arrival
+/// at targets follow the free flight, and show after `detect`; quarantine and sleep show in the world that was traced.
 ///
 /// ```
 /// use umbra_physics::{BodyDef, Trace, World, WorldDef, vec2};
@@ -67,9 +68,14 @@ impl<S: Scalar> World<S> {
         self.update();
         let before = self.clone();
         let mut stages = Vec::with_capacity(self.def.integrator.stages().len());
-        let mut probe = |stage: &Stage, bodies: &Bodies<S>| {
+        let mut probe = |stage: &Stage, bodies: &Bodies<S>, contacts: Option<&ContactSet>| {
             let mut world = before.clone();
             world.bodies.clone_from(bodies);
+            if let Some(contacts) = contacts {
+                world.contacts.clone_from(contacts);
+                // The worlds of the stages are at the tick before.
+                world.contacts.pushed_at = world.contacts.pushed_at.min(world.tick);
+            }
             if stage.kind == StageKind::Clear {
                 world.applied.finish();
             }
@@ -77,7 +83,7 @@ impl<S: Scalar> World<S> {
             stages.push((*stage, world));
         };
         self.advance(Some(&mut probe));
-        self.change_log.end(&self.workspace.report.faults, &self.workspace.report.fell_asleep);
+        self.end_step();
         Trace { stages }
     }
 

@@ -8,8 +8,8 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use umbra_oracles::{Oracle, Script};
 use umbra_physics::{
-    Activity, BodyDef, BodyId, Command, CommandMap, Created, Damping, Error, FieldId, FieldKind, ForceField, Fx,
-    FxAccumulator, FxFactor, Shape, Turn, Vec2, World, limits,
+    Activity, BodyDef, BodyId, Command, CommandMap, Created, Damping, Error, FieldId, FieldKind, Filter, ForceField,
+    Fx, FxAccumulator, FxFactor, Shape, Turn, Vec2, World, limits,
 };
 
 use crate::check::{Verdict, check_of, judge, there_is};
@@ -20,6 +20,17 @@ const BYSTANDERS: u32 = 1 << 31;
 
 /// Number of moving bodies from which a step uses all threads: `MANY` in `src/step/mod.rs`, which is held to be no more.
 const THRONG: i32 = 8_200;
+
+/// The command with colliders that meet those of bystanders alone: no generated filter is in the last category.
+fn apart(mut command: Command) -> Command {
+    let filter = Filter { category: 1 << 31, mask: 1 << 31, group: 0 };
+    match &mut command {
+        Command::AddBody(def) => def.colliders.iter_mut().for_each(|collider| collider.filter = filter),
+        Command::AddCollider { def, .. } | Command::SetCollider { def, .. } => def.filter = filter,
+        _ => {}
+    }
+    command
+}
 
 #[derive(Clone, Debug)]
 struct Company {
@@ -149,7 +160,7 @@ impl Company {
         let force_groups = if self.friends { u32::MAX } else { BYSTANDERS };
         let due = self.bystanders.due(tick).into_iter().map(|command| in_groups(command, |_| force_groups));
         let mut due: Vec<Command> =
-            due.filter(|(_, is_of_bodies)| *is_of_bodies).map(|(command, _)| goes_on(command)).collect();
+            due.filter(|(_, is_of_bodies)| *is_of_bodies).map(|(command, _)| apart(goes_on(command))).collect();
         if let Some((number, _)) = self.expelled.filter(|(_, at)| *at == tick) {
             let body = BodyId::from_parts(number, 0);
             due.push(Command::SetPosition { body, position: Vec2::new(limits::POSITION, Fx::ZERO) });
@@ -184,7 +195,7 @@ impl Company {
                     let done = world.execute(&own.command(&command));
                     told += &kind(done);
                     if let Ok(made) = done {
-                        own.made(made);
+                        own.made(&world, made);
                     }
                 }
             }

@@ -10,8 +10,8 @@ use proptest::prelude::*;
 use proptest::strategy::Union;
 use umbra_oracles::{Generator, Script, rename};
 use umbra_physics::{
-    Attachment, BodyDef, BodyId, Command, CommandSource as _, Created, End, FieldId, FieldKind, ForceField, Fx, Random,
-    Vec2, World, WorldDef,
+    Attachment, BodyDef, BodyId, ColliderId, Command, CommandSource as _, Created, End, FieldId, FieldKind, ForceField,
+    Fx, Random, Vec2, World, WorldDef,
 };
 
 /// A run in which a handle's slot is the number of a body or field: of all that were made so far, counted round.
@@ -29,6 +29,7 @@ pub(crate) struct Plan {
 pub(crate) struct Cast {
     pub(crate) bodies: Vec<BodyId>,
     pub(crate) fields: Vec<FieldId>,
+    pub(crate) colliders: Vec<ColliderId>,
 }
 
 impl Cast {
@@ -41,6 +42,11 @@ impl Cast {
     fn field(&self, number: FieldId) -> FieldId {
         let place = number.parts().0 as usize % self.fields.len().max(1);
         self.fields.get(place).copied().unwrap_or(FieldId::from_parts(u32::MAX, 0))
+    }
+
+    fn collider(&self, number: ColliderId) -> ColliderId {
+        let place = number.parts().0 as usize % self.colliders.len().max(1);
+        self.colliders.get(place).copied().unwrap_or(ColliderId::from_parts(u32::MAX, 0))
     }
 
     /// Returns the field, or one whose spring leads to the next body rather than back to its own.
@@ -58,17 +64,21 @@ impl Cast {
 
     /// The command with handles of the world in place of numbers.
     pub(crate) fn command(&self, command: &Command) -> Command {
-        match rename(command, |number| self.body(number), |number| self.field(number)) {
+        match rename(command, |number| self.body(number), |number| self.field(number), |number| self.collider(number)) {
             Command::AddField(field) => Command::AddField(self.between_two(field)),
             Command::SetField { id, field } => Command::SetField { id, field: self.between_two(field) },
             command => command,
         }
     }
 
-    pub(crate) fn made(&mut self, made: Created) {
+    pub(crate) fn made(&mut self, world: &World, made: Created) {
         match made {
-            Created::Body(body) => self.bodies.push(body),
+            Created::Body(body) => {
+                self.bodies.push(body);
+                self.colliders.extend(world.colliders_of(body).into_iter().flatten());
+            }
             Created::ForceField(field) => self.fields.push(field),
+            Created::Collider(collider) => self.colliders.push(collider),
             _ => {}
         }
     }
@@ -77,7 +87,7 @@ impl Cast {
     pub(crate) fn carry_out(&mut self, world: &mut World, command: &Command) -> Command {
         let command = self.command(command);
         if let Ok(made) = world.execute(&command) {
-            self.made(made);
+            self.made(world, made);
         }
         command
     }
@@ -157,12 +167,14 @@ impl Taste {
         self,
         make: impl Fn(&mut Generator<'_, Random>) -> T + 'static,
     ) -> BoxedStrategy<T> {
-        let (bodies, fields): (Vec<BodyId>, Vec<FieldId>) = (
-            (0..12).map(|number| BodyId::from_parts(number, 0)).collect(),
-            (0..8).map(|number| FieldId::from_parts(number, 0)).collect(),
-        );
+        let bodies: Vec<BodyId> = (0..12).map(|number| BodyId::from_parts(number, 0)).collect();
+        let fields: Vec<FieldId> = (0..8).map(|number| FieldId::from_parts(number, 0)).collect();
+        let colliders: Vec<ColliderId> = (0..8).map(|number| ColliderId::from_parts(number, 0)).collect();
         let seeds = any::<u64>().no_shrink();
-        let value = move |seed| make(&mut Generator::new(&mut Random::seeded(seed), self.values(), &bodies, &fields));
+        let value = move |seed| {
+            let mut random = Random::seeded(seed);
+            make(&mut Generator::new(&mut random, self.values(), &bodies, &fields).with_colliders(&colliders))
+        };
         seeds.prop_map(value).boxed()
     }
 

@@ -346,7 +346,7 @@ fn pairs(pulls_alike: bool) -> impl Strategy<Value = Pair> {
     };
     let fields = vec(law.prop_map(ForceField::from), usize::from(!pulls_alike)..3);
     (near.world(), near.body(), mass(), mass(), fields).prop_map(|(world, body, a, b, fields)| {
-        let body = BodyDef { kind: umbra_physics::BodyKind::Dynamic, ..body };
+        let body = BodyDef { kind: umbra_physics::BodyKind::Dynamic, colliders: Vec::new(), ..body };
         Pair { world, body, masses: [a, b], fields }
     })
 }

@@ -4,10 +4,10 @@ use std::sync::Arc;
 use std::{vec, vec::Vec};
 
 use umbra_physics::{
-    ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, BodyState, Command, CustomForce, CustomForceError, Damping,
-    Dependence, End, FieldId, FieldKind, ForceField, ForceOrImpulse, ForceTorque, Frame, Fx, FxFactor, Input, Inputs,
-    Integrator, Locks, Mass, Part, Random, RecordOptions, Recorder, Region, Shape, SpringConstants, TimeStep, World,
-    WorldDef, fx, vec2,
+    ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, BodyState, ColliderDef, ColliderId, Command, ContactSettings,
+    CustomForce, CustomForceError, Damping, Dependence, End, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse,
+    ForceTorque, Frame, Fx, FxFactor, Input, Inputs, Integrator, Locks, Mass, Material, Part, Random, RecordOptions,
+    Recorder, Region, Shape, SpringConstants, TimeStep, World, WorldDef, fx, vec2,
 };
 
 struct Still;
@@ -45,6 +45,22 @@ fn shapes() -> Vec<Shape> {
     ]
 }
 
+/// A collider of every shape there is but a compound, in the middle of its body with the default material, and then not.
+fn colliders() -> Vec<ColliderDef> {
+    let plain = shapes().into_iter().take(5).map(ColliderDef::new);
+    let other = |def: ColliderDef| ColliderDef {
+        position: vec2(fx!(0.5), fx!(-0.25)),
+        angle: fx!(0.3),
+        density: fx!(2),
+        material: Material { friction: fx!(0.1), restitution: fx!(0.5) },
+        filter: Filter { category: 6, mask: !4, group: -3 },
+        key: 8,
+        user_data: u64::MAX,
+        ..def
+    };
+    plain.clone().chain(plain.map(other)).collect()
+}
+
 /// A law of each kind, on the bodies in slots 1 and 2.
 fn fields() -> Vec<ForceField> {
     let at = |slot| Attachment { body: BodyId::from_parts(slot, 0), point: vec2(0, fx!(0.25)) };
@@ -76,10 +92,14 @@ pub(crate) fn commands() -> Vec<Command> {
     ];
     let options = ApplyOptions { frame: Frame::Body, wake: false };
     let mut commands: Vec<Command> = actions.map(|action| Command::Apply { body, action, options }).into();
-    let masses = [Mass::Density(fx!(2)), Mass::Kilograms(fx!(3)), Mass::Explicit { mass: fx!(4), inertia: fx!(5) }];
+    let given = [Mass::Density(fx!(2)), Mass::Kilograms(fx!(3)), Mass::Explicit { mass: fx!(4), inertia: fx!(5) }];
+    let masses = [Mass::FromColliders].into_iter().chain(given);
     commands.extend(masses.map(|mass| Command::SetMass { body, mass }));
     commands.extend(shapes().into_iter().map(|shape| Command::SetShape { body, shape: Some(shape) }));
     commands.extend(fields().into_iter().map(Command::AddField));
+    commands.extend(colliders().into_iter().map(|def| Command::AddCollider { body, def }));
+    let collider = ColliderId::from_parts(0, 0);
+    commands.extend(colliders().into_iter().map(|def| Command::SetCollider { collider, def }));
     let damped = BodyDef {
         linear_damping: Some(Damping::kept_per_second(fx!(0.5))),
         angular_damping: Some(Damping::kept_per_second(fx!(0.25))),
@@ -103,6 +123,7 @@ pub(crate) fn commands() -> Vec<Command> {
         }),
         Command::AddBody(BodyDef { shape: shapes().pop(), kind: BodyKind::Kinematic, ..BodyDef::dynamic() }),
         Command::AddBody(BodyDef::fixed()),
+        Command::AddBody(BodyDef { colliders: colliders(), ..BodyDef::dynamic() }),
         Command::SetPosition { body, position: vec2(1, -2) },
         Command::SetAngle { body, angle: fx!(1) },
         Command::SetVelocity { body, velocity: vec2(1, 2) },
@@ -141,6 +162,8 @@ pub(crate) fn commands() -> Vec<Command> {
         Command::SetMaxSpeeds { body, linear: None, angular: None },
         Command::MoveTo { body: BodyId::from_parts(9, 0), position: vec2(fx!(0.5), 2), angle: fx!(3) },
         Command::SetShape { body: BodyId::from_parts(0, 0), shape: None },
+        Command::SetContactSettings(ContactSettings { substeps: 3, push_speed: fx!(2), ..ContactSettings::default() }),
+        Command::RemoveCollider(ColliderId::from_parts(0, 0)),
         Command::RemoveField(FieldId::from_parts(0, 0)),
         Command::RemoveBody(BodyId::from_parts(3, 0)),
     ]);
@@ -180,6 +203,16 @@ pub(crate) fn world() -> World {
     world.disable(out).expect("it is there");
     let locks = Locks { y: true, rotation: true, ..Locks::NONE };
     world.add_body(BodyDef { locks, ..BodyDef::dynamic() }).expect("a body");
+    // A box on the ground, and colliders on bodies that came without.
+    let square = ColliderDef::new(shapes().remove(1));
+    for (y, def) in [(0, BodyDef::fixed()), (2, BodyDef::dynamic())] {
+        let place = BodyDef { position: vec2(100, y), ..def };
+        world.add_body(place.with_collider(square.clone())).expect("a body");
+    }
+    for def in colliders() {
+        world.add_collider(BodyId::from_parts(1, 0), def).expect("a collider");
+    }
+    world.remove_collider(ColliderId::from_parts(4, 0)).expect("it is there");
     let gone = world.add_body(BodyDef::fixed()).expect("a body");
     world.remove_body(gone).expect("it is there");
     for tick in 0..9 {

@@ -1,9 +1,9 @@
 //! Values read by the tables of `docs/formats.md`, in the form that the library has: by the names of fields and cases.
 
 use umbra_physics::{
-    Activity, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, Command, Damping, End, FieldId, FieldKind,
-    ForceField, ForceOrImpulse, Frame, Fx, FxFactor, Integrator, Locks, Mass, Part, Random, Region, Shape,
-    SpringConstants, TimeStep, Vec2,
+    Activity, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, Command, ContactSettings,
+    Damping, End, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, Frame, Fx, FxFactor, Integrator, Locks, Mass,
+    Material, Part, Random, Region, Shape, SpringConstants, TimeStep, Vec2,
 };
 
 use super::formats::Value;
@@ -75,6 +75,7 @@ pub(crate) fn mass(value: &Value) -> Mass {
     match value.case() {
         "Density" => Mass::Density(number(&value["density"])),
         "Kilograms" => Mass::Kilograms(number(&value["mass"])),
+        "FromColliders" => Mass::FromColliders,
         "Explicit" => Mass::Explicit { mass: number(&value["mass"]), inertia: number(&value["inertia"]) },
         other => panic!("mass {other}"),
     }
@@ -175,6 +176,38 @@ pub(crate) fn options(value: &Value) -> ApplyOptions {
     ApplyOptions { frame, wake: value["wake"].natural() == 1 }
 }
 
+pub(crate) fn collider(value: &Value) -> ColliderId {
+    ColliderId::from_parts(value["slot"].natural() as u32, value["generation"].natural() as u32)
+}
+
+pub(crate) fn collider_def(value: &Value) -> ColliderDef {
+    let (material, filter) = (&value["material"], &value["filter"]);
+    ColliderDef {
+        shape: shape(&value["shape"]),
+        position: vector(&value["position"]),
+        angle: number(&value["angle"]),
+        density: number(&value["density"]),
+        material: Material { friction: number(&material["friction"]), restitution: number(&material["restitution"]) },
+        filter: Filter {
+            category: filter["category"].natural() as u32,
+            mask: filter["mask"].natural() as u32,
+            group: filter["group"].natural() as u32 as i32,
+        },
+        key: value["key"].natural(),
+        user_data: value["user_data"].natural(),
+    }
+}
+
+pub(crate) fn contact_settings(value: &Value) -> ContactSettings {
+    ContactSettings {
+        substeps: value["substeps"].natural() as u32,
+        push_speed: number(&value["push_speed"]),
+        restitution_speed: number(&value["restitution_speed"]),
+        max_pairs: value["max_pairs"].natural() as u32,
+        max_pairs_per_collider: value["max_pairs_per_collider"].natural() as u32,
+    }
+}
+
 pub(crate) fn body_def(value: &Value) -> BodyDef {
     BodyDef {
         kind: kind(&value["kind"]),
@@ -183,6 +216,7 @@ pub(crate) fn body_def(value: &Value) -> BodyDef {
         velocity: vector(&value["velocity"]),
         angular_velocity: number(&value["angular_velocity"]),
         shape: value["shape"].option().map(shape),
+        colliders: value["colliders"].list().iter().map(collider_def).collect(),
         mass: mass(&value["mass"]),
         gravity_scale: number(&value["gravity_scale"]),
         linear_damping: value["linear_damping"].option().map(damping),
@@ -244,6 +278,12 @@ pub(crate) fn command(value: &Value) -> Command {
         "MoveTo" => {
             Command::MoveTo { body: on(), position: vector(&value["position"]), angle: number(&value["angle"]) }
         }
+        "AddCollider" => Command::AddCollider { body: on(), def: collider_def(&value["def"]) },
+        "SetCollider" => {
+            Command::SetCollider { collider: collider(&value["collider"]), def: collider_def(&value["def"]) }
+        }
+        "RemoveCollider" => Command::RemoveCollider(collider(&value["collider"])),
+        "SetContactSettings" => Command::SetContactSettings(contact_settings(&value["contacts"])),
         other => panic!("command {other}"),
     }
 }

@@ -8,6 +8,7 @@ use umbra_physics::scalar::internals::{
     AreaMoments, Arithmetic, Bulk, Compiled, Forces, Motion, Number, Polygons, Span, Sum,
 };
 use umbra_physics::scalar::{Accumulator, Angle, Factor, FxSum, Scalar, Wide};
+use umbra_physics::selftest::NoContacts;
 use umbra_physics::{Fx, FxAccumulator, FxFactor, FxWide, SpringConstants, Turn, Vec2};
 
 type Offset = Vec2<FxWide>;
@@ -291,7 +292,9 @@ impl<const MODE: u8> Motion<Twin<MODE>> for Twin<MODE> {
 
 impl<const MODE: u8> Bulk<Twin<MODE>> for Twin<MODE> {}
 
-impl<const MODE: u8> Compiled<Twin<MODE>> for Twin<MODE> {}
+impl<const MODE: u8> Compiled<Twin<MODE>> for Twin<MODE> {
+    type Contacts = NoContacts;
+}
 
 impl<const MODE: u8> Forces<Twin<MODE>> for Twin<MODE> {
     fn attraction(mu: FxFactor, to_centre: Offset, softening: Self) -> Option<Offset> {

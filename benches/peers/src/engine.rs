@@ -9,7 +9,7 @@ pub struct Info {
     pub version: String,
     pub number: &'static str,
     pub build: String,
-    pub solver: &'static str,
+    pub solver: String,
     /// Velocity left of v0 after `steps` steps of `dt` at damping `c` under the
     /// engine's documented law, evaluated in f64.
     pub damping_law: &'static str,
@@ -19,7 +19,7 @@ pub struct Info {
     pub body_struct_bytes: Option<usize>,
 }
 
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct State {
     pub x: f64,
     pub y: f64,

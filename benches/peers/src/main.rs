@@ -69,6 +69,7 @@ fn main() {
             }
             "--mem-child" => {
                 let (e, s, n) = (args.next(), args.next(), args.next());
+                all.extend(e.as_deref().and_then(engines::with_options));
                 let e = all.iter().find(|x| Some(x.id()) == e.as_deref()).unwrap_or_else(|| usage());
                 bench::mem_child(e.as_ref(), &s.unwrap_or_default(), n.and_then(|n| n.parse().ok()).unwrap_or(1000));
                 return;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde::Serialize;
-use umbra_physics::{Difference, Dump, Owner, Replay, TickPhase, World};
+use umbra_physics::{Difference, Dump, Replay, TickPhase, World};
 
 use crate::failure::Failure;
 use crate::finding::{DifferenceLine, FindingLine};
@@ -144,12 +144,7 @@ fn after(a: &Replay, b: &Replay, finding: &Difference) -> Vec<Difference> {
     };
     let mut all = world(a).differences(&world(b));
     for found in &mut all {
-        let name = |replay: &Replay| match found.owner {
-            Owner::Body(body) => replay.labels().body(body).map(str::to_owned),
-            Owner::ForceField(field) => replay.labels().field(field).map(str::to_owned),
-            _ => None,
-        };
-        found.name = name(a).or_else(|| name(b));
+        found.name = [a, b].into_iter().find_map(|replay| replay.labels().owner(found.owner));
     }
     all
 }

@@ -1,8 +1,8 @@
 //! Bodies that interact with nothing.
 
 use umbra_physics::{
-    Attachment, BodyDef, BodyId, BodyKind, Damping, End, FieldId, FieldKind, Fx, Mass, Random, SpringConstants, Vec2,
-    World, fx, vec2,
+    Attachment, BodyDef, BodyId, BodyKind, ColliderDef, Damping, End, FieldId, FieldKind, Filter, Fx, Mass, Random,
+    Shape, SpringConstants, Vec2, World, fx, vec2,
 };
 
 /// The largest number of those that come and go.
@@ -14,6 +14,12 @@ const THRONG: usize = 8_200;
 
 /// The first of their keys.
 const KEY: u64 = 1 << 63;
+
+/// The category of their colliders, which meet it alone.
+const CATEGORY: u32 = 1 << 31;
+
+/// A number of pairs that they do not use up.
+pub(super) const PAIRS: u32 = 1 << 12;
 
 /// Bystanders in a world.
 pub(super) struct Bystanders {
@@ -67,6 +73,11 @@ impl Bystanders {
         self.springs.len()
     }
 
+    /// The number of colliders in the world that are theirs.
+    pub(super) fn collider_count(&self) -> usize {
+        self.here.len()
+    }
+
     /// The key of the next one.
     fn key(&mut self) -> u64 {
         self.ever += 1;
@@ -87,7 +98,8 @@ impl Bystanders {
     }
 
     /// Adds a bystander, of each kind in turn: one that will sleep, a static one, a heavy one, one that leaves the allowed range in its
-    /// first step, a kinematic one, one that is fast and spins. A spring ties each to the one before, unless neither can move.
+    /// first step, a kinematic one, one that is fast and spins. A spring ties each to the one before, unless neither can move, and
+    /// their colliders overlap.
     fn come(&mut self, world: &mut World) {
         let number = self.ever;
         let position = vec2(50 + number as i32, -3);
@@ -113,7 +125,11 @@ impl Bystanders {
                 }
             }
         };
-        let Ok(body) = world.add_body(def) else { return };
+        let Ok(disc) = Shape::circle(fx!(0.6)) else { return };
+        let filter = Filter { category: CATEGORY, mask: CATEGORY, group: 0 };
+        let Ok(body) = world.add_body(def.with_collider(ColliderDef { filter, ..ColliderDef::new(disc) })) else {
+            return;
+        };
         if let Some(&last) = self.here.last() {
             let spring = SpringConstants { rest: fx!(1), stiffness: fx!(9), damping: fx!(1) };
             let near = Attachment { body, point: Vec2::ZERO };

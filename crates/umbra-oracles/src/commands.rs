@@ -4,8 +4,9 @@ mod values;
 
 use umbra_physics::scalar::Factor;
 use umbra_physics::{
-    Attachment, BodyId, Command, CommandSource as _, Damping, End, FieldId, FieldKind, Fx, FxFactor, Part, Random,
-    Region, Shape, SpringConstants, TimeStep, Vec2, WorldDef, fx, limits,
+    Attachment, BodyId, ColliderDef, ColliderId, Command, CommandSource as _, ContactSettings, Damping, End, FieldId,
+    FieldKind, Filter, Fx, FxFactor, Material, Part, Random, Region, Shape, SpringConstants, TimeStep, Vec2, WorldDef,
+    fx, limits,
 };
 use values::ANGLE;
 
@@ -65,18 +66,20 @@ pub struct Taste {
     pub smooth: bool,
     /// Custom forces have ids below this; 0 for none.
     pub custom_forces: u8,
+    /// The number, of 256 new bodies, that have colliders. No collider touches another where steps can be undone or the taste is smooth.
+    pub colliders: u8,
 }
 
 impl Taste {
     /// Everyday values, each of which a world admits.
-    pub const FAIR: Self = Self { near: 0, wild: 0, reversible: false, smooth: false, custom_forces: 0 };
+    pub const FAIR: Self = Self { near: 0, wild: 0, reversible: false, smooth: false, custom_forces: 0, colliders: 48 };
     /// Values of all kinds, most of which a world admits.
     pub const WILD: Self = Self { near: 12, wild: 16, custom_forces: 3, ..Self::FAIR };
 }
 
 /// Kinds of commands that come more often than others, by their numbers: bodies added (0), forces and impulses (2), fields
-/// added (17), kinematic bodies moved (32).
-const OFTEN: [u8; 10] = [0, 0, 0, 2, 2, 2, 17, 17, 32, 32];
+/// added (17), kinematic bodies moved (32), colliders added (33).
+const OFTEN: [u8; 11] = [0, 0, 0, 2, 2, 2, 17, 17, 32, 32, 33];
 
 /// Makes random commands, bodies and fields of a [`Taste`] from [`Choices`].
 ///
@@ -116,12 +119,28 @@ pub struct Generator<'a, C: ?Sized> {
     taste: Taste,
     bodies: &'a [BodyId],
     fields: &'a [FieldId],
+    colliders: &'a [ColliderId],
 }
 
 impl<'a, C: Choices + ?Sized> Generator<'a, C> {
     /// A generator whose commands name these bodies and fields.
     pub fn new(choices: &'a mut C, taste: Taste, bodies: &'a [BodyId], fields: &'a [FieldId]) -> Self {
-        Self { choices, taste, bodies, fields }
+        Self { choices, taste, bodies, fields, colliders: &[] }
+    }
+
+    /// The generator with these colliders for commands to name.
+    ///
+    /// ```
+    /// use umbra_oracles::{Generator, Taste};
+    /// use umbra_physics::{ColliderId, Command, Random};
+    ///
+    /// let (mut random, known) = (Random::seeded(1), [ColliderId::from_parts(4, 2)]);
+    /// let mut generator = Generator::new(&mut random, Taste::FAIR, &[], &[]).with_colliders(&known);
+    /// assert_eq!(generator.of_kind(35), Some(Command::RemoveCollider(known[0])));
+    /// ```
+    #[must_use]
+    pub fn with_colliders(self, colliders: &'a [ColliderId]) -> Self {
+        Self { colliders, ..self }
     }
 
     /// Makes a command of any kind.
@@ -145,6 +164,7 @@ impl<'a, C: Choices + ?Sized> Generator<'a, C> {
             linear_damping: self.damping(),
             angular_damping: self.damping(),
             sleep_after: self.sleep_after(),
+            contacts: if self.choices.one_in(3) { self.contact_settings() } else { ContactSettings::default() },
         };
         if self.taste.wild > 0 {
             return def;
@@ -218,6 +238,11 @@ impl<'a, C: Choices + ?Sized> Generator<'a, C> {
     /// A shape, if the values drawn make one.
     fn shape(&mut self) -> Option<Shape> {
         let kinds = if self.taste.smooth { 3 } else { 6 };
+        self.shape_of(kinds)
+    }
+
+    /// A shape of one of so many kinds, of which a compound is the sixth, if the values drawn make one.
+    fn shape_of(&mut self, kinds: u64) -> Option<Shape> {
         let shape = match self.choices.choose(kinds) {
             0 => Shape::circle(self.size()),
             1 => Shape::rectangle(self.size(), self.size()),
@@ -246,6 +271,43 @@ impl<'a, C: Choices + ?Sized> Generator<'a, C> {
         let (position, angle) = (self.local(), self.signed(fx!(7), ANGLE));
         let density = self.number([fx!(0.5), fx!(4)], [Fx::DELTA, Fx::MAX]);
         Some(Part { shape: shape.ok()?, position, angle, density })
+    }
+
+    /// The colliders of a new body, if the taste gives it any: one or two.
+    fn colliders(&mut self) -> Vec<ColliderDef> {
+        if self.taste.colliders == 0 || self.choices.draw(8) >= u64::from(self.taste.colliders) {
+            return Vec::new();
+        }
+        let count = 1 + self.choices.choose(2);
+        (0..count).map(|_| self.collider_def()).collect()
+    }
+
+    /// A surface, half of them the usual one.
+    fn material(&mut self) -> Material {
+        if self.choices.one_in(2) {
+            return Material::default();
+        }
+        Material {
+            friction: self.number([Fx::ZERO, fx!(1)], [Fx::ZERO, limits::FRICTION]),
+            restitution: self.number([Fx::ZERO, fx!(1)], [Fx::ZERO, Fx::ONE]),
+        }
+    }
+
+    /// A filter, mostly one that meets all. No collider is in the last category, which is that of bystanders.
+    fn filter(&mut self) -> Filter {
+        if self.taste.reversible || self.taste.smooth {
+            return Filter { group: -1, ..Filter::default() };
+        }
+        let is_wild = self.is_wild();
+        let filter = match self.choices.choose(8) {
+            0 => Filter { category: 1 << self.choices.choose(3), ..Filter::default() },
+            1 => Filter { mask: self.choices.draw(3) as u32, ..Filter::default() },
+            2 => Filter { group: self.choices.choose(5) as i32 - 2, ..Filter::default() },
+            _ => Filter::default(),
+        };
+        let filter = if is_wild { Filter { category: self.choices.draw(4) as u32, ..filter } } else { filter };
+        // One that meets nothing is refused.
+        if !is_wild && filter.mask == 0 { Filter::default() } else { filter }
     }
 
     fn attachment(&mut self) -> Attachment {

@@ -4,6 +4,7 @@
 use std::cell::Cell;
 
 use super::Handles;
+use super::handles::all_made;
 #[cfg(feature = "parallel")]
 use umbra_physics::Integrator;
 use umbra_physics::{Activity, Command, Created, Difference, Error, Owner, Stepper, World};
@@ -190,9 +191,7 @@ pub(super) struct Noting {
 impl Stepper for Noting {
     fn execute(&mut self, world: &mut World, command: &Command) -> Result<Created, Error> {
         let made = world.execute(command)?;
-        if made != Created::Nothing {
-            self.made.push(made);
-        }
+        self.made.extend(all_made(world, made));
         Ok(made)
     }
 
@@ -204,7 +203,7 @@ impl Stepper for Noting {
 /// Does in another run of the same inputs what was done in a first one, and pairs what is made in both.
 pub(super) struct Pairing<'a, D> {
     pub(super) handles: &'a mut Handles,
-    /// The bodies and fields that the first run made in this tick, in order.
+    /// The bodies, fields and colliders that the first run made in this tick, in order.
     pub(super) made: std::vec::IntoIter<Created>,
     /// True if commands name the handles of the first run.
     pub(super) translates: bool,
@@ -215,7 +214,7 @@ impl<D: Stepper> Stepper for Pairing<'_, D> {
     fn execute(&mut self, world: &mut World, command: &Command) -> Result<Created, Error> {
         let renamed = self.translates.then(|| self.handles.command(command));
         let made = self.inner.execute(world, renamed.as_ref().unwrap_or(command))?;
-        if made != Created::Nothing {
+        for made in all_made(world, made) {
             if let Some(first) = self.made.next() {
                 self.handles.pair(first, made);
             }

@@ -44,7 +44,7 @@ pub trait Game: Clone {
     }
 
     /// The groups that bystanders are in, for [`Oracle::Bystanders`](super::Oracle::Bystanders): none, unless it says so. Fields
-    /// act on bystanders in their groups.
+    /// act on bystanders in their groups. Colliders of bystanders are in category 31 and meet that alone: no other may be in it.
     fn bystander_groups(&self) -> u32 {
         0
     }
@@ -126,7 +126,7 @@ pub(super) trait Subject {
     type Input: Clone;
     /// A match that has begun.
     type Match;
-    /// The bodies and fields that inputs make, by the places of the inputs in the list.
+    /// The bodies, fields and colliders that inputs make, by the places of the inputs in the list.
     type Made;
     /// True if inputs are the commands themselves, so that handles in them may be of the same tick.
     const IS_COMMANDS: bool;
@@ -215,7 +215,7 @@ pub(super) struct Commands(pub(super) WorldDef);
 impl Subject for Commands {
     type Input = Command;
     type Match = ();
-    type Made = BTreeMap<usize, Created>;
+    type Made = BTreeMap<usize, Vec<Created>>;
     const IS_COMMANDS: bool = true;
 
     fn begin(&self) -> Option<((), World)> {

@@ -3,28 +3,30 @@
 use std::collections::BTreeMap;
 use std::convert::Infallible;
 
-use umbra_physics::{BodyId, Command, CommandMap, Created, FieldId, Fx, FxFactor, Shape};
+use umbra_physics::{BodyId, ColliderId, Command, CommandMap, Created, FieldId, Fx, FxFactor, Shape, World};
 
-/// A map from the bodies and force fields of one run to those of another.
+/// A map from the bodies, force fields and colliders of one run to those of another.
 ///
 /// A handle says how often its slot was taken before, so that none ever names two bodies, and a body that is gone still has
 /// its counterpart, gone as well.
 ///
 /// ```
 /// use umbra_oracles::Handles;
-/// use umbra_physics::{BodyId, Command, FieldId};
+/// use umbra_physics::{BodyId, ColliderId, Command, FieldId};
 ///
 /// // No body of the one run has a counterpart in the other yet: what they are called there is nobody.
 /// let handles = Handles::default();
 /// let body = BodyId::from_parts(3, 0);
 /// assert_ne!(handles.body(body), body);
 /// assert_ne!(handles.field(FieldId::from_parts(0, 0)), FieldId::from_parts(0, 0));
+/// assert_ne!(handles.collider(ColliderId::from_parts(0, 0)), ColliderId::from_parts(0, 0));
 /// assert_eq!(handles.command(&Command::Wake(body)), Command::Wake(handles.body(body)));
 /// ```
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Handles {
     bodies: BTreeMap<BodyId, BodyId>,
     fields: BTreeMap<FieldId, FieldId>,
+    colliders: BTreeMap<ColliderId, ColliderId>,
 }
 
 /// Slots from here on are never taken: a world has room for 2^24 of each.
@@ -45,10 +47,17 @@ impl Handles {
         self.fields.get(&field).copied().unwrap_or_else(|| nothing(field.parts()))
     }
 
+    /// The counterpart of a collider; of one that has none a handle that names no collider there, ever.
+    #[must_use]
+    pub fn collider(&self, collider: ColliderId) -> ColliderId {
+        let nothing = |(slot, generation)| ColliderId::from_parts(slot | NOBODY, generation);
+        self.colliders.get(&collider).copied().unwrap_or_else(|| nothing(collider.parts()))
+    }
+
     /// The command with these counterparts in place of what it names.
     #[must_use]
     pub fn command(&self, command: &Command) -> Command {
-        rename(command, |body| self.body(body), |field| self.field(field))
+        rename(command, |body| self.body(body), |field| self.field(field), |collider| self.collider(collider))
     }
 
     pub(super) fn knows(&self, body: BodyId) -> bool {
@@ -59,14 +68,27 @@ impl Handles {
         self.fields.contains_key(&field)
     }
 
+    pub(super) fn knows_collider(&self, collider: ColliderId) -> bool {
+        self.colliders.contains_key(&collider)
+    }
+
     /// Notes that what was made in one run is the counterpart of what was made in the other.
     pub(super) fn pair(&mut self, here: Created, there: Created) {
         match (here, there) {
             (Created::Body(here), Created::Body(there)) => _ = self.bodies.insert(here, there),
             (Created::ForceField(here), Created::ForceField(there)) => _ = self.fields.insert(here, there),
+            (Created::Collider(here), Created::Collider(there)) => _ = self.colliders.insert(here, there),
             _ => {}
         }
     }
+}
+
+/// Returns what a command made in a world: a body is followed by the colliders that it was added with, in the order of its definition.
+pub(super) fn all_made(world: &World, made: Created) -> Vec<Created> {
+    let body = if let Created::Body(body) = made { Some(body) } else { None };
+    let colliders = body.and_then(|body| world.colliders_of(body).ok()).into_iter().flatten();
+    let made = if made == Created::Nothing { None } else { Some(made) };
+    made.into_iter().chain(colliders.map(Created::Collider)).collect()
 }
 
 /// Returns the command with other handles in place of those that it names.
@@ -76,21 +98,32 @@ impl Handles {
 /// use umbra_physics::{BodyId, Command};
 ///
 /// let [here, there] = [0, 7].map(|slot| BodyId::from_parts(slot, 0));
-/// assert_eq!(rename(&Command::Wake(here), |_| there, |field| field), Command::Wake(there));
+/// assert_eq!(rename(&Command::Wake(here), |_| there, |field| field, |collider| collider), Command::Wake(there));
 /// ```
 #[must_use]
-pub fn rename(command: &Command, body: impl FnMut(BodyId) -> BodyId, field: impl FnMut(FieldId) -> FieldId) -> Command {
-    let Ok(renamed) = command.clone().map(&mut Rename { body, field });
+pub fn rename(
+    command: &Command,
+    body: impl FnMut(BodyId) -> BodyId,
+    field: impl FnMut(FieldId) -> FieldId,
+    collider: impl FnMut(ColliderId) -> ColliderId,
+) -> Command {
+    let Ok(renamed) = command.clone().map(&mut Rename { body, field, collider });
     renamed
 }
 
 /// Replaces handles.
-struct Rename<B, F> {
+struct Rename<B, F, C> {
     body: B,
     field: F,
+    collider: C,
 }
 
-impl<B: FnMut(BodyId) -> BodyId, F: FnMut(FieldId) -> FieldId> CommandMap<Fx> for Rename<B, F> {
+impl<B, F, C> CommandMap<Fx> for Rename<B, F, C>
+where
+    B: FnMut(BodyId) -> BodyId,
+    F: FnMut(FieldId) -> FieldId,
+    C: FnMut(ColliderId) -> ColliderId,
+{
     type Error = Infallible;
 
     fn scalar(&mut self, value: Fx) -> Result<Fx, Infallible> {
@@ -111,5 +144,9 @@ impl<B: FnMut(BodyId) -> BodyId, F: FnMut(FieldId) -> FieldId> CommandMap<Fx> fo
 
     fn field(&mut self, field: FieldId) -> Result<FieldId, Infallible> {
         Ok((self.field)(field))
+    }
+
+    fn collider(&mut self, collider: ColliderId) -> Result<ColliderId, Infallible> {
+        Ok((self.collider)(collider))
     }
 }

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::Handles;
+use super::handles::all_made;
 use umbra_physics::{Command, Created, Error, RecordOptions, Recorder, Stepper, World, WorldDef};
 
 /// A run: an empty world, what is done to it, and for how long.
@@ -128,14 +129,14 @@ impl Script {
         self.arranged(&self.made(), kept.map(|(index, (tick, _))| (*tick, index)).collect(), self.ticks)
     }
 
-    /// The bodies and fields that the commands make, by the places of the commands in the list.
-    pub(super) fn made(&self) -> BTreeMap<usize, Created> {
+    /// The bodies, fields and colliders that the commands make, by the places of the commands in the list.
+    pub(super) fn made(&self) -> BTreeMap<usize, Vec<Created>> {
         let mut made = BTreeMap::new();
         let mut given: Vec<(u64, usize)> = self.commands.iter().enumerate().map(|(i, (tick, _))| (*tick, i)).collect();
         given.sort_by_key(|(tick, _)| *tick);
         self.walk(&given, self.ticks, |world, index| {
             if let Ok(new) = world.execute(&self.commands[index].1) {
-                made.insert(index, new);
+                made.insert(index, all_made(world, new));
             }
         });
         made
@@ -143,14 +144,19 @@ impl Script {
 
     /// Makes a script of some of the commands, by their places in the list, at other ticks and in another order, with the
     /// handles that they have there. `made` is what [`Self::made`] returns.
-    pub(super) fn arranged(&self, made: &BTreeMap<usize, Created>, mut order: Vec<(u64, usize)>, ticks: u64) -> Self {
+    pub(super) fn arranged(
+        &self,
+        made: &BTreeMap<usize, Vec<Created>>,
+        mut order: Vec<(u64, usize)>,
+        ticks: u64,
+    ) -> Self {
         order.sort_by_key(|(tick, _)| *tick);
         let mut handles = Handles::default();
         let mut commands = Vec::with_capacity(order.len());
         self.walk(&order, ticks, |world, index| {
             let command = handles.command(&self.commands[index].1);
-            if let (Some(&was), Ok(new)) = (made.get(&index), world.execute(&command)) {
-                handles.pair(was, new);
+            if let (Some(was), Ok(new)) = (made.get(&index), world.execute(&command)) {
+                was.iter().zip(all_made(world, new)).for_each(|(was, new)| handles.pair(*was, new));
             }
             commands.push(command);
         });

@@ -5,7 +5,7 @@ use std::convert::Infallible;
 use super::game::{Commands, Course, Game, Played, Subject};
 use super::trial::{Trial, record};
 use super::{Oracle, Script, Verdict, Violation};
-use umbra_physics::{CommandMap, Fx, FxFactor, Locks, Shape};
+use umbra_physics::{ColliderDef, CommandMap, Fx, FxFactor, Locks, Shape};
 
 /// A failing run, shrunk.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -180,6 +180,12 @@ impl CommandMap<Fx> for Simpler {
 
     fn shape(&mut self, shape: Shape) -> Result<Shape, Infallible> {
         Ok(shape)
+    }
+
+    /// Without one of them.
+    fn colliders(&mut self, defs: Vec<ColliderDef>) -> Result<Vec<ColliderDef>, Infallible> {
+        let kept: Vec<ColliderDef> = defs.into_iter().filter(|_| !self.is_it()).collect();
+        kept.into_iter().map(|def| self.collider_def(def)).collect()
     }
 
     fn optional_shape(&mut self, shape: Option<Shape>) -> Result<Option<Shape>, Infallible> {

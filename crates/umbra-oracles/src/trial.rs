@@ -259,6 +259,7 @@ impl<'a, S: Subject> Trial<'a, S> {
         let bodies: Vec<BodyId> = run.world.bodies().map(|body| body.id()).collect();
         bodies.into_iter().for_each(|body| handles.pair(Created::Body(body), Created::Body(body)));
         run.world.fields().for_each(|(field, _)| handles.pair(Created::ForceField(field), Created::ForceField(field)));
+        run.world.colliders().for_each(|(id, _)| handles.pair(Created::Collider(id), Created::Collider(id)));
         let Some(mut bystanders) = enter(&mut other.world) else {
             return inapplicable("the world has no room for bystanders");
         };
@@ -282,6 +283,12 @@ impl<'a, S: Subject> Trial<'a, S> {
             }
             if run.world.fields().any(|(field, _)| !handles.knows_field(field)) {
                 return inapplicable("a field was added past the driver");
+            }
+            if run.world.colliders().any(|(collider, _)| !handles.knows_collider(collider)) {
+                return inapplicable("a collider was added past the driver");
+            }
+            if run.world.def().contacts.max_pairs < super::bystanders::PAIRS {
+                return inapplicable("the world has no room for pairs of bystanders");
             }
             self.clear(tick, self.disturbed(beside, &run.world, &other.world, &bystanders, &handles))?;
             bystanders.pass(&mut other.world);
@@ -312,8 +319,14 @@ impl<'a, S: Subject> Trial<'a, S> {
                 return Some(Seen { beside, difference: field_difference(id, meant, other, there) });
             }
         }
+        for (id, def) in run.colliders() {
+            if other.collider(handles.collider(id)) != Ok(def) {
+                return Some(Seen { beside, difference: None });
+            }
+        }
         let is_same = other.body_count() == run.body_count() + bystanders.count()
             && other.fields().count() == run.fields().count() + bystanders.field_count()
+            && other.collider_count() == run.collider_count() + bystanders.collider_count()
             && (run.def(), run.random(), run.blob()) == (other.def(), other.random(), other.blob());
         (!is_same).then_some(Seen { beside, difference: None })
     }

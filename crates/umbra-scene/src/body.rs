@@ -1,36 +1,45 @@
 //! Reading bodies.
 
 use alloc::string::String;
+use alloc::vec::Vec;
 
+use super::Tables;
+use super::collider::{SceneCollider, collider};
 use super::convert::convert_body;
 use super::error::Refused;
 use super::error::{Flaw, Place};
 use super::node::{Kind, Node, Result};
 use super::object::Object;
 use super::shape::{ShapeDef, shape};
-use umbra_physics::{BodyDef, BodyKind, Damping, Error, Fx, Locks, Mass, Quantity, Scalar, Vec2};
+use umbra_physics::{BodyDef, BodyKind, ColliderId, Damping, Error, Fx, Locks, Mass, Quantity, Scalar, Vec2};
 
 /// A body of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneBody {
     /// The name. No other body of the scene has it.
     pub name: String,
-    /// The definition, without the shape.
+    /// The definition, without the shape and the colliders.
     pub def: BodyDef,
     /// The shape.
     pub shape: Option<ShapeDef>,
+    /// All colliders. Those that inputs add come last.
+    pub colliders: Vec<SceneCollider>,
+    /// The number of colliders that the body is added with.
+    pub starting_colliders: usize,
     /// The place in the text.
     pub place: Place,
 }
 
 impl SceneBody {
-    /// The definition for a scalar, with the shape in it.
+    /// The definition for a scalar, with the shape in it and the colliders that the body is added with.
     ///
     /// # Errors
     /// As the constructors of [`Shape`](umbra_physics::Shape): a polygon may have no area left in a coarser scalar.
     pub fn def<S: Scalar>(&self) -> core::result::Result<BodyDef<S>, Error> {
         let shape = self.shape.as_ref().map(ShapeDef::make).transpose()?;
-        Ok(BodyDef { shape, ..convert_body(&self.def)? })
+        let colliders = self.colliders.iter().take(self.starting_colliders).map(SceneCollider::def);
+        let colliders = colliders.collect::<core::result::Result<_, _>>()?;
+        Ok(BodyDef { shape, colliders, ..convert_body(&self.def)? })
     }
 }
 
@@ -42,7 +51,7 @@ const fn fields_of(error: &Error) -> &'static [&'static str] {
             Quantity::Angle => &["angle"],
             Quantity::Velocity => &["velocity"],
             Quantity::AngularVelocity => &["angular_velocity"],
-            Quantity::Mass => &["mass", "density"],
+            Quantity::Mass => &["mass", "density", "colliders"],
             Quantity::Inertia => &["inertia"],
             Quantity::Density => &["density"],
             Quantity::GravityScale => &["gravity_scale"],
@@ -64,7 +73,9 @@ pub(super) fn blame(object: &Object<'_>, error: Error) -> Refused {
 }
 
 /// Reads a body. It is left to the caller to make its definition, and to refuse what the world would.
-pub(super) fn body(object: &Object<'_>) -> Result<SceneBody> {
+///
+/// The body will have this index.
+pub(super) fn body(object: &Object<'_>, index: usize, tables: &mut Tables) -> Result<SceneBody> {
     let name = object.need("name", Node::string);
     let kind = object.or("kind", BodyKind::Dynamic, kind);
     let (linear_damping, angular_damping) = object.or("damping", (None, None), own_damping);
@@ -76,7 +87,8 @@ pub(super) fn body(object: &Object<'_>) -> Result<SceneBody> {
         velocity: object.or("velocity", Vec2::ZERO, Node::point),
         angular_velocity: object.or("angular_velocity", Fx::ZERO, Node::number),
         shape: None,
-        mass: mass(object).ok().flatten().unwrap_or(Mass::Kilograms(Fx::ONE)),
+        colliders: Vec::new(),
+        mass: mass(object).ok().flatten().unwrap_or_default(),
         gravity_scale: object.or("gravity_scale", Fx::ONE, Node::number),
         linear_damping,
         angular_damping,
@@ -88,18 +100,27 @@ pub(super) fn body(object: &Object<'_>) -> Result<SceneBody> {
         user_data: object.or("user_data", 0, Node::whole),
     };
     let shape = object.get("shape").map(shape).transpose();
+    let mut colliders = Vec::new();
+    object.or("colliders", (), |list| {
+        list.each(|node| {
+            let symbol = ColliderId::from_parts(index as u32, colliders.len() as u32);
+            colliders.push(collider(&node.object()?, symbol, tables)?);
+            Ok(())
+        })
+    });
     object.finish()?;
     if kind == BodyKind::Static && (def.velocity != Vec2::ZERO || def.angular_velocity != Fx::ZERO) {
         return Err(object.at(&["velocity", "angular_velocity"]).fault("a static body has no velocity"));
     }
-    Ok(SceneBody { name: name?, def, shape: shape?, place: object.node.place() })
+    let starting_colliders = colliders.len();
+    Ok(SceneBody { name: name?, def, shape: shape?, colliders, starting_colliders, place: object.node.place() })
 }
 
 pub(super) fn kind(node: &Node<'_>) -> Result<BodyKind> {
     node.choice(&[("static", BodyKind::Static), ("kinematic", BodyKind::Kinematic), ("dynamic", BodyKind::Dynamic)])
 }
 
-/// The mass that is given by `mass` and `inertia`, or `density`.
+/// The mass that is given by `mass` and `inertia`, or `density`. A `mass` may be the text `from_colliders`.
 pub(super) fn mass(object: &Object<'_>) -> Result<Option<Mass>> {
     let (mass, density, inertia) = (object.get("mass"), object.get("density"), object.get("inertia"));
     match (mass, density, inertia) {
@@ -108,6 +129,9 @@ pub(super) fn mass(object: &Object<'_>) -> Result<Option<Mass>> {
         (Some(mass), None, Some(inertia)) => {
             let (mass, inertia) = (mass.number(), inertia.number());
             Ok(Some(Mass::Explicit { mass: mass?, inertia: inertia? }))
+        }
+        (Some(mass), None, None) if mass.kind() == Kind::Text => {
+            mass.choice(&[("from_colliders", Mass::FromColliders)]).map(Some)
         }
         (Some(mass), None, None) => Ok(Some(Mass::Kilograms(mass.number()?))),
         (None, Some(density), None) => Ok(Some(Mass::Density(density.number()?))),
@@ -178,14 +202,20 @@ pub(super) fn locks(node: &Node<'_>) -> Result<Locks> {
 
 /// A list of group numbers from 0 to 31.
 pub(super) fn force_groups(node: &Node<'_>) -> Result<u32> {
-    let mut force_groups = 0;
+    bits(node, "group")
+}
+
+/// A list of numbers from 0 to 31 as bits.
+pub(super) fn bits(node: &Node<'_>, what: &str) -> Result<u32> {
+    let mut bits = 0;
     node.each(|node| {
-        let group: u32 = node.whole()?;
-        if group > 31 {
-            return Err(node.fault(Flaw::OutOfRange.of("out of range: expected a group from 0 to 31")));
+        let bit: u32 = node.whole()?;
+        if bit > 31 {
+            let message = format_args!("out of range: expected a {what} from 0 to 31");
+            return Err(node.fault(Flaw::OutOfRange.of(message)));
         }
-        force_groups |= 1 << group;
+        bits |= 1 << bit;
         Ok(())
     })?;
-    Ok(force_groups)
+    Ok(bits)
 }

@@ -10,14 +10,16 @@ use super::field::{SceneField, factor_text, symbol};
 use super::input::{Input, SceneAction};
 use super::settings::Plot;
 use super::shape::ShapeDef;
-use super::{Scene, SceneBody};
+use super::{Scene, SceneBody, SceneCollider};
 use umbra_physics::{
-    BodyDef, BodyId, Command, Created, Error, FieldId, FieldKind, ForceField, FxFactor, World, WorldDef,
+    BodyDef, BodyId, ColliderDef, ColliderId, Command, Created, Error, FieldId, FieldKind, ForceField, FxFactor, World,
+    WorldDef,
 };
 
 impl Scene {
     /// The scene that is a new world of this definition, and commands that are carried out before the steps from their ticks;
-    /// those of one tick in the order of the list. Its bodies are called `body 1`, `body 2`, …, its force fields `field 1`, ….
+    /// those of one tick in the order of the list. Its bodies are called `body 1`, `body 2`, …, its force fields `field 1`, …,
+    /// its colliders `collider 1`, ….
     ///
     /// The run of the scene has the state of that world at every tick, to the last bit and with the same handles. A command
     /// that the world refuses changes nothing and is left out, so is one at `ticks` or later; but a custom force, which
@@ -59,6 +61,7 @@ impl Scene {
             },
             bodies: BTreeMap::new(),
             fields: BTreeMap::new(),
+            colliders: BTreeMap::new(),
         };
         let mut order: Vec<usize> = (0..commands.len()).filter(|&i| commands[i].0 < ticks).collect();
         order.sort_by_key(|&i| commands[i].0);
@@ -80,6 +83,8 @@ struct Writer {
     /// The indices in the scene of what is in the world.
     bodies: BTreeMap<BodyId, usize>,
     fields: BTreeMap<FieldId, usize>,
+    /// The handles in the scene of the colliders that are in the world or were.
+    colliders: BTreeMap<ColliderId, ColliderId>,
 }
 
 impl Writer {
@@ -95,7 +100,7 @@ impl Writer {
         let is_full = |len: usize| len >= Scene::MOST as usize;
         let action = match (command, made) {
             (Command::AddBody(def), Created::Body(body)) => {
-                if is_full(self.scene.bodies.len()) {
+                if is_full(self.scene.bodies.len()) || is_full(self.colliders.len() + def.colliders.len()) {
                     return Err(ExportError::Many { command: index });
                 }
                 let symbol = self.add_body(def.clone(), body);
@@ -116,6 +121,13 @@ impl Writer {
                 }
                 SceneAction::AddField(symbol)
             }
+            (Command::AddCollider { body, def }, Created::Collider(collider)) => {
+                if is_full(self.colliders.len()) {
+                    return Err(ExportError::Many { command: index });
+                }
+                let Some(&body) = self.bodies.get(body) else { return Ok(()) };
+                SceneAction::AddCollider(self.add_collider(body, def.clone(), collider))
+            }
             (Command::SetShape { body, shape }, _) => {
                 let Ok(body) = self.body(*body) else { return Ok(()) };
                 SceneAction::SetShape { body, shape: shape.as_ref().map(ShapeDef::from) }
@@ -126,8 +138,11 @@ impl Writer {
                 }
                 let known = |field| self.fields.get(&field).map(|&i| FieldId::from_parts(i as u32, 0));
                 let fields = |field| known(field).ok_or(Error::NoSuchField { field });
+                let known = |collider| self.colliders.get(&collider).copied();
+                let colliders = |collider| known(collider).ok_or(Error::NoSuchCollider { collider });
                 // Carried out, so that all it names is there.
-                let Ok(command) = convert_command(command, &|body| self.body(body), &fields) else { return Ok(()) };
+                let converted = convert_command(command, &|body| self.body(body), &fields, &colliders);
+                let Ok(command) = converted else { return Ok(()) };
                 SceneAction::Command(command)
             }
         };
@@ -146,9 +161,26 @@ impl Writer {
         let index = self.scene.bodies.len();
         self.bodies.insert(body, index);
         let shape = def.shape.as_ref().map(ShapeDef::from);
-        let def = BodyDef { shape: None, ..def };
-        self.scene.bodies.push(SceneBody { name: format!("body {}", index + 1), def, shape, place: Place::default() });
+        let (name, place) = (format!("body {}", index + 1), Place::default());
+        let starting_colliders = def.colliders.len();
+        let colliders = Vec::with_capacity(starting_colliders);
+        let own = BodyDef { shape: None, colliders: Vec::new(), ..def.clone() };
+        self.scene.bodies.push(SceneBody { name, def: own, shape, colliders, starting_colliders, place });
+        // In the order of the definition.
+        let handles: Vec<ColliderId> = self.world.colliders_of(body).into_iter().flatten().collect();
+        for (def, handle) in def.colliders.into_iter().zip(handles) {
+            self.add_collider(index, def, handle);
+        }
         index
+    }
+
+    fn add_collider(&mut self, body: usize, def: ColliderDef, collider: ColliderId) -> ColliderId {
+        let name = Some(format!("collider {}", self.colliders.len() + 1));
+        let colliders = &mut self.scene.bodies[body].colliders;
+        let symbol = ColliderId::from_parts(body as u32, colliders.len() as u32);
+        colliders.push(SceneCollider { name, def, place: Place::default() });
+        self.colliders.insert(collider, symbol);
+        symbol
     }
 
     fn add_field(&mut self, command: usize, field: &ForceField, id: FieldId) -> Result<usize, ExportError> {

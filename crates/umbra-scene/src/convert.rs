@@ -1,9 +1,12 @@
 //! Commands of a scene for a world: another scalar, and the world's handles in place of indices.
 
+use alloc::vec::Vec;
+
 use super::field::convert_factor;
 use super::shape::{ShapeDef, vector};
 use umbra_physics::{
-    BodyDef, BodyId, Command, CommandMap, Error, FieldId, ForceField, Fx, FxFactor, Scalar, Shape, Vec2,
+    BodyDef, BodyId, ColliderDef, ColliderId, Command, CommandMap, ContactSettings, Error, FieldId, ForceField, Fx,
+    FxFactor, Scalar, Shape, Vec2,
 };
 
 /// Converts a command.
@@ -11,8 +14,9 @@ pub(super) fn convert_command<S: Scalar>(
     command: &Command,
     bodies: &impl Fn(BodyId) -> Result<BodyId, Error>,
     fields: &impl Fn(FieldId) -> Result<FieldId, Error>,
+    colliders: &impl Fn(ColliderId) -> Result<ColliderId, Error>,
 ) -> Result<Command<S>, Error> {
-    command.clone().map(&mut Convert { bodies, fields })
+    command.clone().map(&mut Convert { bodies, fields, colliders })
 }
 
 /// Converts a force field; the error names the index of a body that is not there.
@@ -20,24 +24,50 @@ pub(super) fn convert_field<S: Scalar>(
     field: &ForceField,
     bodies: &impl Fn(BodyId) -> Result<BodyId, Error>,
 ) -> Result<ForceField<S>, Error> {
-    Convert { bodies, fields: &|field| Err(Error::NoSuchField { field }) }.force_field(*field)
+    Convert { bodies, fields: &no_field, colliders: &no_collider }.force_field(*field)
 }
 
-/// Converts the definition of a body without a shape.
+/// Converts the definition of a body without a shape and without colliders.
 pub(super) fn convert_body<S: Scalar>(def: &BodyDef) -> Result<BodyDef<S>, Error> {
-    let (bodies, fields) = (&|body| Err(Error::NoSuchBody { body }), &|field| Err(Error::NoSuchField { field }));
-    Convert { bodies, fields }.body_def(BodyDef { shape: None, ..def.clone() })
+    let def = BodyDef { shape: None, colliders: Vec::new(), ..def.clone() };
+    Convert { bodies: &no_body, fields: &no_field, colliders: &no_collider }.body_def(def)
 }
 
-struct Convert<'a, B, F> {
+/// Converts the definition of a collider.
+pub(super) fn convert_collider<S: Scalar>(def: &ColliderDef) -> Result<ColliderDef<S>, Error> {
+    Convert { bodies: &no_body, fields: &no_field, colliders: &no_collider }.collider_def(def.clone())
+}
+
+/// Converts the settings of contacts.
+pub(super) fn convert_contacts<S: Scalar>(contacts: &ContactSettings) -> ContactSettings<S> {
+    let ContactSettings { substeps, push_speed, restitution_speed, max_pairs, max_pairs_per_collider } = *contacts;
+    let (push_speed, restitution_speed) = (S::from_fx(push_speed), S::from_fx(restitution_speed));
+    ContactSettings { substeps, push_speed, restitution_speed, max_pairs, max_pairs_per_collider }
+}
+
+const fn no_body(body: BodyId) -> Result<BodyId, Error> {
+    Err(Error::NoSuchBody { body })
+}
+
+const fn no_field(field: FieldId) -> Result<FieldId, Error> {
+    Err(Error::NoSuchField { field })
+}
+
+const fn no_collider(collider: ColliderId) -> Result<ColliderId, Error> {
+    Err(Error::NoSuchCollider { collider })
+}
+
+struct Convert<'a, B, F, C> {
     bodies: &'a B,
     fields: &'a F,
+    colliders: &'a C,
 }
 
-impl<S: Scalar, B, F> CommandMap<Fx, S> for Convert<'_, B, F>
+impl<S: Scalar, B, F, C> CommandMap<Fx, S> for Convert<'_, B, F, C>
 where
     B: Fn(BodyId) -> Result<BodyId, Error>,
     F: Fn(FieldId) -> Result<FieldId, Error>,
+    C: Fn(ColliderId) -> Result<ColliderId, Error>,
 {
     type Error = Error;
 
@@ -63,5 +93,9 @@ where
 
     fn field(&mut self, field: FieldId) -> Result<FieldId, Error> {
         (self.fields)(field)
+    }
+
+    fn collider(&mut self, collider: ColliderId) -> Result<ColliderId, Error> {
+        (self.colliders)(collider)
     }
 }

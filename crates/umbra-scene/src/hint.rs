@@ -8,7 +8,7 @@ const LONGEST: usize = 40;
 const MOST: usize = 4_096;
 
 /// Names that other engines and formats have for a field or a value of ours.
-const SYNONYMS: [(&str, &str); 30] = [
+const SYNONYMS: [(&str, &str); 40] = [
     ("type", "kind"),
     ("fixed", "static"),
     ("id", "name"),
@@ -39,27 +39,35 @@ const SYNONYMS: [(&str, &str); 30] = [
     ("tick", "at"),
     ("x", "position"),
     ("y", "position"),
+    ("fixtures", "colliders"),
+    ("collider", "colliders"),
+    ("bounciness", "restitution"),
+    ("elasticity", "restitution"),
+    ("category_bits", "category"),
+    ("categories", "category"),
+    ("mask_bits", "mask"),
+    ("collision_groups", "mask"),
+    ("group_index", "group"),
+    ("sub_step_count", "substeps"),
 ];
 
-/// Fields that other engines have for collisions.
-const COLLISION: [&str; 12] = [
+/// Fields of colliders, here or in other engines.
+const COLLIDER: [&str; 10] = [
     "friction",
     "restitution",
     "bounciness",
     "elasticity",
-    "sensor",
-    "is_sensor",
-    "collider",
-    "colliders",
     "collision_groups",
     "collision_filter",
+    "category",
     "category_bits",
+    "mask",
     "mask_bits",
 ];
 
-/// Returns whether a field is one that collisions would need.
-pub(super) fn is_of_collision(field: &str) -> bool {
-    COLLISION.iter().any(|name| plain(name) == plain(field))
+/// Returns whether a field belongs to a collider.
+pub(super) fn is_of_collider(field: &str) -> bool {
+    COLLIDER.iter().any(|name| plain(name) == plain(field))
 }
 
 /// The one of our own words that was probably meant: one that means the same elsewhere, or the nearest.
@@ -154,6 +162,6 @@ mod tests {
         assert_eq!(word("bax", &["disc", "box"]), Some("box"));
         assert_eq!(nearest("ball 1", ["ball 3", "ball 2", "bell 1"].into_iter()), Some("ball 3"));
         assert_eq!(nearest(&"x".repeat(1_000_000), ["xxx"].into_iter()), None);
-        assert!(is_of_collision("isSensor") && is_of_collision("friction") && !is_of_collision("mass"));
+        assert!(is_of_collider("maskBits") && is_of_collider("friction") && !is_of_collider("mass"));
     }
 }

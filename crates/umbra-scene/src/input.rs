@@ -3,6 +3,7 @@
 use alloc::vec::Vec;
 
 use super::body::{blame, body, force_groups, kind, locks, mass, max_speeds, own_damping};
+use super::collider::{self, contacts};
 use super::error::{Flaw, Place};
 use super::field::{REFUSED, field, named, symbol};
 use super::node::{Node, Result};
@@ -11,7 +12,7 @@ use super::repeat::check_count;
 use super::settings::{blob, integrator, random, sleep_after, time_step, world_damping};
 use super::shape::{ShapeDef, shape};
 use super::{Scene, Tables};
-use umbra_physics::{ApplyOptions, BodyId, Command, FieldId, ForceOrImpulse, Frame, Fx};
+use umbra_physics::{ApplyOptions, BodyId, ColliderId, Command, FieldId, ForceOrImpulse, Frame, Fx};
 
 /// An input: an action on the world, at one tick or at several.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,7 +29,8 @@ pub struct Input {
     pub place: Place,
 }
 
-/// An action of an input. Handles in it are indices in [`Scene::bodies`] and [`Scene::fields`].
+/// An action of an input. Handles in it are indices in [`Scene::bodies`] and [`Scene::fields`]; the two parts of a collider's are the
+/// index of its body and that in [`SceneBody::colliders`](super::SceneBody::colliders).
 ///
 /// ```
 /// use umbra_physics::Command;
@@ -44,12 +46,14 @@ pub struct Input {
 #[non_exhaustive]
 #[allow(clippy::large_enum_variant, reason = "nearly all are commands")]
 pub enum SceneAction {
-    /// A command of the world's. A body or force field that it adds has no index in the scene.
+    /// A command of the world's. A body, force field or collider that it adds has no index in the scene.
     Command(Command),
     /// The body of this index is added.
     AddBody(usize),
     /// The force field of this index is added.
     AddField(usize),
+    /// A collider is added to its body.
+    AddCollider(ColliderId),
     /// A body gets a shape, or none.
     SetShape {
         /// The body.
@@ -68,7 +72,7 @@ pub(super) fn input(object: &Object<'_>, scene: &mut Scene, tables: &mut Tables)
     let mut push = |node: &Node<'_>, action| actions.push((node.place(), action));
     object.or("add", (), |node| {
         let object = node.object()?;
-        let read = body(&object).and_then(|body| {
+        let read = body(&object, scene.bodies.len(), tables).and_then(|body| {
             let checked = body.def::<Fx>().and_then(|def| def.check());
             checked.map_err(|error| blame(&object, error))?;
             scene.add_body(body, node, tables)
@@ -87,7 +91,24 @@ pub(super) fn input(object: &Object<'_>, scene: &mut Scene, tables: &mut Tables)
     if let Some(node) = object.get("body") {
         // With a name that nothing has the rest is read all the same.
         let target = symbol(named(node, &tables.bodies, "body").unwrap_or(REFUSED));
+        object.or("add_collider", (), |node| {
+            let symbol = scene.add_collider(&node.object()?, target, tables)?;
+            push(node, SceneAction::AddCollider(symbol));
+            Ok(())
+        });
         do_to_body(object, target, &mut push);
+    } else if let Some(node) = object.get("collider") {
+        let target = tables.collider(node).unwrap_or(ColliderId::from_parts(REFUSED as u32, 0));
+        object.or("replace", (), |node| {
+            let def = collider::read(&node.object()?)?.def;
+            push(node, SceneAction::Command(Command::SetCollider { collider: target, def }));
+            Ok(())
+        });
+        object.or("do", (), |node| {
+            node.choice(&[("remove", ())])?;
+            push(node, SceneAction::Command(Command::RemoveCollider(target)));
+            Ok(())
+        });
     } else if let Some(node) = object.get("field") {
         let target = named(node, &tables.fields, "force field").unwrap_or(REFUSED);
         let target = FieldId::from_parts(target as u32, 0);
@@ -112,11 +133,13 @@ pub(super) fn input(object: &Object<'_>, scene: &mut Scene, tables: &mut Tables)
     // Last, so that what is unknown is known to be.
     let (from, to, every) = span(object)?;
     object.finish()?;
-    let is_added =
-        |(_, action): &(Place, SceneAction)| matches!(action, SceneAction::AddBody(_) | SceneAction::AddField(_));
+    let is_added = |(_, action): &(Place, SceneAction)| {
+        matches!(action, SceneAction::AddBody(_) | SceneAction::AddField(_) | SceneAction::AddCollider(_))
+    };
     if actions.iter().any(|action| from != to && is_added(action)) {
-        return Err(object.at(&["add", "add_field"]).fault(
-            Flaw::OutOfRange.of("out of range: a body or field with a name is added once: give `at` with one tick"),
+        return Err(object.at(&["add", "add_field", "add_collider"]).fault(
+            Flaw::OutOfRange
+                .of("out of range: a body, field or collider with a name is added once: give `at` with one tick"),
         ));
     }
     if actions.is_empty() {
@@ -267,6 +290,7 @@ fn set_world(object: &Object<'_>, push: &mut impl FnMut(&Node<'_>, SceneAction))
     set_by(object, "sleep_after", push, |node| sleep_after(node).map(Command::SetSleepAfter));
     set_by(object, "random", push, |node| random(node).map(Command::SetRandom));
     set_by(object, "blob", push, |node| blob(node).map(Command::SetBlob));
+    set_by(object, "contacts", push, |node| contacts(node).map(Command::SetContactSettings));
     object.finish()
 }
 

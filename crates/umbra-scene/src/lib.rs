@@ -33,6 +33,7 @@ extern crate alloc;
 struct Readme;
 
 mod body;
+mod collider;
 mod commands;
 mod convert;
 mod error;
@@ -50,14 +51,15 @@ mod text;
 use alloc::string::String;
 use alloc::vec::Vec;
 
-use umbra_physics::{BodyId, Error, Fx, Scalar, World, WorldDef};
+use umbra_physics::{BodyId, ColliderId, Error, Fx, Scalar, World, WorldDef};
 
 use error::Flaw;
-use field::Names;
+use field::{Names, named};
 use node::{Node, Source, quoted};
 use object::Object;
 
 pub use body::SceneBody;
+pub use collider::SceneCollider;
 pub use error::{ExportError, Place, SceneError, SceneErrors};
 pub use field::SceneField;
 pub use input::{Input, SceneAction};
@@ -127,6 +129,9 @@ pub struct Scene {
 struct Tables {
     bodies: Names,
     fields: Names,
+    colliders: Names,
+    /// All colliders, those without names too: their handles in the scene.
+    collider_symbols: Vec<ColliderId>,
     most: u64,
 }
 
@@ -137,7 +142,7 @@ const NAME: usize = 256;
 const TICKS: u64 = 600;
 
 impl Scene {
-    /// The most bodies of a scene, the most force fields, and the most things that its inputs do: 131,072.
+    /// The most bodies of a scene, the most force fields, the most colliders, and the most things that its inputs do: 131,072.
     pub const MOST: u32 = 1 << 17;
 
     /// Reads a scene from JSON text.
@@ -149,7 +154,7 @@ impl Scene {
         Self::parse_within(text, Self::MOST)
     }
 
-    /// Reads a scene as [`parse`](Self::parse) does, with your own limit on the number of bodies, of force fields and of things that
+    /// Reads a scene as [`parse`](Self::parse) does, with your own limit on the number of bodies, of force fields, of colliders and of things that
     /// inputs do: a short text can ask for many. The text that repetitions would have if they were written out is limited as well, to
     /// 512 bytes for each of the things allowed.
     ///
@@ -198,7 +203,7 @@ impl Scene {
             plot: Plot::default(),
             place: root.place(),
         };
-        let mut tables = Tables { bodies: Names::default(), fields: Names::default(), most: most.into() };
+        let mut tables = Tables::new(most.into());
         scene.read_start(&object, &mut tables)?;
         object.or("inputs", (), |list| {
             repeat::each(list, most.into(), |object| input::input(object, &mut scene, &mut tables))
@@ -215,7 +220,7 @@ impl Scene {
         let mut handles = Vec::new();
         object.or("bodies", (), |list| {
             repeat::each(list, tables.most, |object| {
-                let read = body::body(object).and_then(|read| {
+                let read = body::body(object, self.bodies.len(), tables).and_then(|read| {
                     let def = read.def().map_err(|error| body::blame(object, error))?;
                     let handle = world.add_body(def).map_err(|error| body::blame(object, error))?;
                     self.add_body(read, object.at(&["name"]), tables)?;
@@ -277,6 +282,19 @@ impl Scene {
         Ok(index)
     }
 
+    /// Reads a collider that an input adds to a body.
+    fn add_collider(&mut self, object: &Object<'_>, body: BodyId, tables: &mut Tables) -> node::Result<ColliderId> {
+        let (index, _) = body.parts();
+        let body = self.bodies.get_mut(index as usize);
+        let symbol = ColliderId::from_parts(index, body.as_ref().map_or(0, |body| body.colliders.len() as u32));
+        let read = collider::collider(object, symbol, tables)?;
+        // A body that was refused has its error there.
+        if let Some(body) = body {
+            body.colliders.push(read);
+        }
+        Ok(symbol)
+    }
+
     /// Makes the world as it is at the start.
     ///
     /// # Errors
@@ -303,6 +321,37 @@ impl Scene {
     /// As [`build`](Self::build); also if the steps are too short for a world.
     pub fn start_finer<S: Scalar>(&self, steps: u32) -> Result<SceneRun<'_, S>, SceneError> {
         SceneRun::new(self, steps)
+    }
+}
+
+impl Tables {
+    fn new(most: u64) -> Self {
+        let (bodies, fields, colliders) = Default::default();
+        Self { bodies, fields, colliders, collider_symbols: Vec::new(), most }
+    }
+
+    /// Takes in a collider of a body, by the indices of both, with a name if it has one. The node is that of the collider.
+    fn add_collider(&mut self, object: &Object<'_>, name: Option<&str>, symbol: ColliderId) -> node::Result<()> {
+        let index = self.collider_symbols.len();
+        repeat::check_count(&object.node, index as u64 + 1, self.most)?;
+        if let Some(name) = name {
+            let node = object.at(&["name"]);
+            check_name(name, node)?;
+            if self.colliders.indices.contains_key(name) {
+                return Err(node.fault(
+                    Flaw::Taken.of(format_args!("there is a collider {} already: choose another name", quoted(name))),
+                ));
+            }
+            self.colliders.indices.insert(name.into(), index);
+        }
+        self.collider_symbols.push(symbol);
+        Ok(())
+    }
+
+    /// The handle in the scene of the collider that a text names.
+    fn collider(&self, node: &Node<'_>) -> node::Result<ColliderId> {
+        let index = named(node, &self.colliders, "collider")?;
+        Ok(self.collider_symbols.get(index).copied().unwrap_or(ColliderId::from_parts(u32::MAX, 0)))
     }
 }
 

@@ -131,8 +131,8 @@ impl<'a> Object<'a> {
             self.missing.borrow_mut().retain(|missing| Some(*missing) != meant);
             let unknown = |words: fmt::Arguments<'_>| entry.node.fault(Flaw::Unknown.of(words));
             match meant {
-                _ if hint::is_of_collision(&entry.name) => {
-                    unknown(format_args!("unknown field: there is no collision yet"))
+                _ if hint::is_of_collider(&entry.name) && !asked.contains(&"friction") => {
+                    unknown(format_args!("unknown field: give it to a collider, in the list `colliders` of a body"))
                 }
                 Some(meant) => unknown(format_args!("unknown field: did you mean `{meant}`?")),
                 None => unknown(format_args!("unknown field; there are {}", asked.join(", "))),

@@ -5,7 +5,7 @@ use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
-use super::convert::{convert_command, convert_field};
+use super::convert::{convert_command, convert_contacts, convert_field};
 use super::error::{Coded, Flaw, Found, Place, SceneError, SceneErrors};
 use super::field::symbol;
 use super::input::{Input, SceneAction};
@@ -13,8 +13,8 @@ use super::node::quoted;
 use super::shape::vector;
 use super::{Scene, ShapeDef};
 use umbra_physics::{
-    ApplyOptions, BodyId, Command, Created, Damping, Error, FieldId, ForceOrImpulse, Fx, Labels, Quantity, Scalar,
-    StepReport, Stepper, TimeStep, World, WorldDef, scalar::Wide,
+    ApplyOptions, BodyId, ColliderId, Command, Created, Damping, Error, FieldId, ForceOrImpulse, Fx, Labels, Quantity,
+    Scalar, StepReport, Stepper, TimeStep, World, WorldDef, scalar::Wide,
 };
 
 /// A running scene: its world, and the inputs still to come.
@@ -26,6 +26,8 @@ pub struct SceneRun<'a, S: Scalar = Fx> {
     steps: u32,
     bodies: Vec<Option<BodyId>>,
     fields: Vec<Option<FieldId>>,
+    /// By the index of a body and that of a collider of it.
+    colliders: BTreeMap<(u32, u32), ColliderId>,
     indices: BTreeMap<BodyId, usize>,
     /// The inputs in the order of their first ticks, and how many of them have begun.
     order: Vec<usize>,
@@ -45,6 +47,7 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
             linear_damping: damping(def.linear_damping),
             angular_damping: damping(def.angular_damping),
             sleep_after: def.sleep_after.map(|ticks| ticks.saturating_mul(steps)),
+            contacts: convert_contacts(&def.contacts),
         });
         let world = world.map_err(|error| scene.place.fault(error))?;
         let mut order: Vec<usize> = (0..scene.inputs.len()).collect();
@@ -55,6 +58,7 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
             steps,
             bodies: Vec::new(),
             fields: Vec::new(),
+            colliders: BTreeMap::new(),
             indices: BTreeMap::new(),
             order,
             begun: 0,
@@ -102,7 +106,7 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
         self.index(body).map_or("", |index| &self.scene.bodies[index].name)
     }
 
-    /// The names of the bodies and force fields that the scene has added up to now, for a
+    /// The names of the bodies, force fields and colliders that the scene has added up to now, for a
     /// [`Recorder`](umbra_physics::Recorder::labels_mut): the replay then has them too.
     #[must_use]
     pub fn labels(&self) -> Labels {
@@ -113,6 +117,12 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
         for (field, id) in self.scene.fields.iter().zip(&self.fields) {
             if let (Some(name), Some(id)) = (&field.name, id) {
                 labels.set_field(*id, name);
+            }
+        }
+        for (&(index, own), id) in &self.colliders {
+            let collider = self.scene.bodies[index as usize].colliders.get(own as usize);
+            if let Some(name) = collider.and_then(|collider| collider.name.as_deref()) {
+                labels.set_collider(*id, name);
             }
         }
         labels
@@ -231,8 +241,14 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
             (SceneAction::AddBody(index), Created::Body(body)) => {
                 self.bodies[*index] = Some(body);
                 self.indices.insert(body, *index);
+                // In the order of the definition.
+                let own = (0u32..).zip(self.world.colliders_of(body)?);
+                self.colliders.extend(own.map(|(own, collider)| ((*index as u32, own), collider)));
             }
             (SceneAction::AddField(index), Created::ForceField(field)) => self.fields[*index] = Some(field),
+            (SceneAction::AddCollider(symbol), Created::Collider(collider)) => {
+                self.colliders.insert(symbol.parts(), collider);
+            }
             _ => {}
         }
         Ok(())
@@ -250,13 +266,21 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
                 let field = &self.scene.fields.get(*index).ok_or(unknown)?.field;
                 Command::AddField(convert_field(field, &|body| self.body(body))?)
             }
+            SceneAction::AddCollider(symbol) => {
+                let (index, own) = symbol.parts();
+                let symbol_body = BodyId::from_parts(index, 0);
+                let body = self.scene.bodies.get(index as usize);
+                let collider = body.and_then(|body| body.colliders.get(own as usize));
+                let def = collider.ok_or(Error::NoSuchCollider { collider: *symbol })?.def()?;
+                Command::AddCollider { body: self.body(symbol_body)?, def }
+            }
             SceneAction::SetShape { body, shape } => {
                 let shape = shape.as_ref().map(ShapeDef::make).transpose()?;
                 Command::SetShape { body: self.body(*body)?, shape }
             }
             SceneAction::Command(command) => {
-                let fields = |field| self.field(field);
-                match convert_command(command, &|body| self.body(body), &fields)? {
+                let (fields, colliders) = (|field| self.field(field), |collider| self.collider(collider));
+                match convert_command(command, &|body| self.body(body), &fields, &colliders)? {
                     Command::SetTimeStep(time_step) => Command::SetTimeStep(divided(time_step, self.steps)),
                     Command::SetSleepAfter(ticks) => {
                         Command::SetSleepAfter(ticks.map(|ticks| ticks.saturating_mul(self.steps)))
@@ -278,6 +302,10 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
         known.ok_or(Error::NoSuchField { field: symbol })
     }
 
+    fn collider(&self, symbol: ColliderId) -> Result<ColliderId, Error> {
+        self.colliders.get(&symbol.parts()).copied().ok_or(Error::NoSuchCollider { collider: symbol })
+    }
+
     /// Puts an error of the engine at the place of the input that it refuses.
     fn blame(&self, place: &Place, tick: u64, error: Error) -> SceneError {
         place.fault(Coded(error.code(), format_args!("at tick {tick}: {}", self.explain(error))))
@@ -288,6 +316,7 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
         let (body, what) = match error {
             Error::NoSuchBody { .. } => return "the body does not exist at that tick".to_string(),
             Error::NoSuchField { .. } => return "the force field does not exist at that tick".to_string(),
+            Error::NoSuchCollider { .. } => return "the collider does not exist at that tick".to_string(),
             Error::NotDynamic { body } => (body, "is not dynamic"),
             Error::NotMovable { body } => (body, "is static and has no velocity"),
             Error::Quarantined { body } => (body, "is quarantined"),

@@ -4,6 +4,7 @@ use alloc::string::String;
 use alloc::vec::Vec;
 
 use super::body::own_damping;
+use super::collider::contacts;
 use super::error::Flaw;
 use super::field::{Names, named};
 use super::node::{Kind, Node, Result};
@@ -21,6 +22,7 @@ pub(super) fn world(object: &Object<'_>) -> WorldDef {
         linear_damping,
         angular_damping,
         sleep_after: object.or("sleep_after", standard.sleep_after, sleep_after),
+        contacts: object.or("contacts", standard.contacts, contacts),
     };
     let Err(error) = def.check() else { return def };
     let field = match error {

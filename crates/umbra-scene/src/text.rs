@@ -1,5 +1,6 @@
 //! Writing scenes as text: exact decimals, a line for each body, force field and input; defaults are left out.
 
+mod collider;
 mod json;
 
 use alloc::string::String;
@@ -9,14 +10,15 @@ use super::field::{SceneField, factor_text, symbol};
 use super::input::{Input, SceneAction};
 use super::settings::{Plot, Trails};
 use super::shape::{PartDef, ShapeDef};
-use super::{Scene, SceneBody};
+use super::{Scene, SceneBody, SceneCollider};
+use collider::{collider_text, contacts_text};
 use json::{
-    Fields, dampings, force_groups, hexadecimal, kind_name, linear_angular, lines, list, locked, null, point, ratio,
-    text, ticks,
+    Fields, bits, dampings, hexadecimal, kind_name, linear_angular, lines, list, locked, null, point, ratio, text,
+    ticks,
 };
 use umbra_physics::{
-    Attachment, BodyDef, BodyId, BodyKind, Command, Damping, End, FieldId, FieldKind, ForceField, Frame, Fx, Locks,
-    Mass, Region, Vec2, WorldDef,
+    Attachment, BodyDef, BodyId, BodyKind, ColliderId, Command, Damping, End, FieldId, FieldKind, ForceField, Frame,
+    Fx, Locks, Mass, Region, Vec2, WorldDef,
 };
 
 impl Scene {
@@ -27,7 +29,8 @@ impl Scene {
     /// say what the format does not have: then `parse` refuses the text, and says where.
     #[must_use]
     pub fn to_json(&self) -> String {
-        let WorldDef { time_step, gravity, integrator, linear_damping, angular_damping, sleep_after } = self.world;
+        let WorldDef { time_step, gravity, integrator, linear_damping, angular_damping, sleep_after, contacts } =
+            self.world;
         let standard: WorldDef = WorldDef::default();
         let damping = dampings(Some(linear_damping), Some(angular_damping));
         let bodies = self.bodies.iter().take(self.starting_bodies).map(SceneBody::text);
@@ -42,6 +45,7 @@ impl Scene {
         object.put("integrator", text(integrator.name()));
         object.unless((linear_damping, angular_damping) == (Damping::NONE, Damping::NONE), "damping", damping);
         object.unless(sleep_after == standard.sleep_after, "sleep_after", ticks(sleep_after));
+        object.unless(contacts == standard.contacts, "contacts", contacts_text(&contacts));
         object.unless(self.starting_bodies == 0, "bodies", lines(bodies));
         object.unless(self.starting_fields == 0, "fields", lines(fields));
         object.unless(self.inputs.is_empty(), "inputs", lines(inputs));
@@ -57,6 +61,15 @@ impl Scene {
     fn field_name(&self, field: FieldId) -> String {
         let name = self.fields.get(field.parts().0 as usize).and_then(|field| field.name.as_deref());
         name.map_or_else(null, text)
+    }
+
+    fn collider(&self, symbol: ColliderId) -> Option<&SceneCollider> {
+        let (body, own) = symbol.parts();
+        self.bodies.get(body as usize)?.colliders.get(own as usize)
+    }
+
+    fn collider_name(&self, symbol: ColliderId) -> String {
+        self.collider(symbol).and_then(|collider| collider.name.as_deref()).map_or_else(null, text)
     }
 
     fn attachment(&self, at: &Attachment) -> String {
@@ -135,7 +148,7 @@ impl Scene {
             _ => "unknown",
         };
         object.put(name, law.line());
-        object.unless(field.force_groups == u32::MAX, "force_groups", force_groups(field.force_groups));
+        object.unless(field.force_groups == u32::MAX, "force_groups", bits(field.force_groups));
         object.line()
     }
 
@@ -156,6 +169,10 @@ impl Scene {
             SceneAction::AddField(index) => {
                 let field = self.fields.get(*index);
                 object.put("add_field", field.map_or_else(String::new, |field| self.scene_field(field)));
+            }
+            SceneAction::AddCollider(symbol) => {
+                object.put("body", self.body_name(BodyId::from_parts(symbol.parts().0, 0)));
+                object.put("add_collider", self.collider(*symbol).map_or_else(String::new, SceneCollider::text));
             }
             SceneAction::SetShape { body, shape } => self.set_shape(&mut object, *body, shape.as_ref()),
         }
@@ -182,7 +199,8 @@ impl Scene {
             // A scene has actions of its own for these. A body that a command adds has no name, without which none is read.
             Command::AddBody(ref def) => {
                 let shape = def.shape.as_ref().map(ShapeDef::from);
-                object.put("add", body_text(Fields::default(), def, shape.as_ref()));
+                let colliders = def.colliders.iter().map(|def| collider_text(Fields::default(), def));
+                object.put("add", body_text(Fields::default(), def, shape.as_ref(), colliders));
             }
             Command::AddField(ref field) => object.put("add_field", self.field(Fields::default(), field)),
             Command::SetShape { body, ref shape } => {
@@ -227,8 +245,8 @@ impl Scene {
                 self.set_body(object, body, "max_speeds", linear_angular(linear, angular));
             }
             Command::SetLocks { body, locks } => self.set_body(object, body, "locks", locked(locks)),
-            Command::SetForceGroups { body, force_groups: bits } => {
-                self.set_body(object, body, "force_groups", force_groups(bits))
+            Command::SetForceGroups { body, force_groups } => {
+                self.set_body(object, body, "force_groups", bits(force_groups))
             }
             Command::SetKey { body, key } => self.set_body(object, body, "key", key),
             Command::SetUserData { body, user_data } => self.set_body(object, body, "user_data", user_data),
@@ -249,6 +267,19 @@ impl Scene {
             }
             Command::SetSleepAfter(after) => set(object, "sleep_after", ticks(after)),
             Command::SetRandom(random) => set(object, "random", list(random.state())),
+            Command::AddCollider { body, ref def } => {
+                object.put("body", self.body_name(body));
+                object.put("add_collider", collider_text(Fields::default(), def));
+            }
+            Command::SetCollider { collider, ref def } => {
+                object.put("collider", self.collider_name(collider));
+                object.put("replace", collider_text(Fields::default(), def));
+            }
+            Command::RemoveCollider(collider) => {
+                object.put("collider", self.collider_name(collider));
+                object.put("do", text("remove"));
+            }
+            Command::SetContactSettings(contacts) => set(object, "contacts", contacts_text(&contacts)),
             Command::SetBlob(ref bytes) => set(object, "blob", hexadecimal(bytes)),
             // All there are stand above: `tests/layers.rs` compares the lists.
             _ => {}
@@ -276,11 +307,17 @@ impl Scene {
 
 impl SceneBody {
     fn text(&self) -> String {
-        body_text(Fields::of_name(&self.name), &self.def, self.shape.as_ref())
+        let colliders = self.colliders.iter().take(self.starting_colliders).map(SceneCollider::text);
+        body_text(Fields::of_name(&self.name), &self.def, self.shape.as_ref(), colliders)
     }
 }
 
-fn body_text(mut object: Fields, def: &BodyDef, shape: Option<&ShapeDef>) -> String {
+fn body_text(
+    mut object: Fields,
+    def: &BodyDef,
+    shape: Option<&ShapeDef>,
+    colliders: impl ExactSizeIterator<Item = String>,
+) -> String {
     object.unless(def.kind == BodyKind::Dynamic, "kind", text(kind_name(def.kind)));
     object.unless(def.position == Vec2::ZERO, "position", point(def.position));
     object.unless(def.angle == Fx::ZERO, "angle", def.angle);
@@ -289,7 +326,8 @@ fn body_text(mut object: Fields, def: &BodyDef, shape: Option<&ShapeDef>) -> Str
     if let Some(shape) = shape {
         object.put("shape", shape.text());
     }
-    if def.mass != Mass::Kilograms(Fx::ONE) {
+    object.unless(colliders.len() == 0, "colliders", list(colliders));
+    if def.mass != Mass::default() {
         object.mass(def.mass);
     }
     object.unless(def.gravity_scale == Fx::ONE, "gravity_scale", def.gravity_scale);
@@ -298,7 +336,7 @@ fn body_text(mut object: Fields, def: &BodyDef, shape: Option<&ShapeDef>) -> Str
     let most = (def.max_speed, def.max_angular_speed);
     object.unless(most == (None, None), "max_speeds", linear_angular(most.0, most.1));
     object.unless(def.locks == Locks::NONE, "locks", locked(def.locks));
-    object.unless(def.force_groups == 1, "force_groups", force_groups(def.force_groups));
+    object.unless(def.force_groups == 1, "force_groups", bits(def.force_groups));
     object.unless(def.key == 0, "key", def.key);
     object.unless(def.user_data == 0, "user_data", def.user_data);
     object.line()

@@ -2,7 +2,7 @@
 
 use super::bounds::Bounds;
 use super::tree::{Extent, NONE};
-use crate::collide::filter::Filter;
+use crate::collider::Filter;
 
 /// The largest margin around a box, 5 cm in ulps.
 const MARGIN: i64 = (5 << 32) / 100;

@@ -23,7 +23,7 @@ use alloc::vec::Vec;
 pub use cap::PairLimits;
 pub use statics::Statics;
 
-use super::filter::Filter;
+use crate::collider::Filter;
 use crate::fx::Fx;
 use crate::shape::Aabb;
 
@@ -97,6 +97,9 @@ impl BroadPhase {
         if are_new {
             self.statics = Arc::clone(statics);
         }
+        self.stale.clear();
+        self.gone.clear();
+        self.reserve(movers);
         self.place(movers);
         // With more candidates than this, the pairs are searched without margins.
         let most = limits.pairs.saturating_mul(2).saturating_add(movers.len());
@@ -123,23 +126,48 @@ impl BroadPhase {
         &self.pairs
     }
 
+    /// The pairs, to be gone through while something else changes; [`return_pairs`](Self::return_pairs) gives the list back.
+    pub(crate) fn take_pairs(&mut self) -> Vec<[u32; 2]> {
+        core::mem::take(&mut self.pairs)
+    }
+
+    pub(crate) fn return_pairs(&mut self, pairs: Vec<[u32; 2]>) {
+        self.pairs = pairs;
+    }
+
     /// The moving colliders that had too many pairs, sorted; none if all pairs were within the limit.
     #[must_use]
     pub fn above_cap(&self) -> &[u32] {
         &self.above_cap
     }
 
+    /// Makes room for what the lists may come to hold. Fat boxes depend on the steps before, and the lists that follow from them too: with
+    /// this room, a step of which a copy has been taken, and that is taken again, takes nothing from the heap.
+    fn reserve(&mut self, movers: &[Proxy]) {
+        if movers.is_empty() {
+            return;
+        }
+        let most = movers.iter().map(|proxy| proxy.collider as usize + 1).max().unwrap_or(0).max(self.statics.end());
+        if most > self.entries.len() {
+            self.grow(most);
+        }
+        self.stale.reserve(movers.len());
+        self.gone.reserve(self.movers.len());
+        // Twice as many candidates as there were.
+        let room = (2 * self.candidates.len()).max(64);
+        self.candidates.reserve(room - self.candidates.len());
+        self.found.clear();
+        self.found.reserve(self.candidates.capacity());
+        self.pairs.clear();
+        self.pairs.reserve(self.candidates.capacity());
+    }
+
     /// Takes in the boxes of a step: finds who is gone, and who is new or has left its fat box.
     fn place(&mut self, movers: &[Proxy]) {
         self.step = self.step.wrapping_add(1);
-        self.stale.clear();
-        self.gone.clear();
         let mut is_same = movers.len() == self.movers.len();
         for proxy in movers {
             let at = proxy.collider as usize;
-            if at >= self.entries.len() {
-                self.grow(at + 1);
-            }
             let bounds = Bounds::from(proxy.bounds);
             let (entry, own) = (&mut self.entries[at], &mut self.boxes[at]);
             let is_new = entry.leaf == NONE;
@@ -189,6 +217,10 @@ impl BroadPhase {
 
     /// Gives those that are stale new fat boxes, or all, and puts these into the tree. Builds it again where it has changed much.
     fn refit(&mut self, all: bool) {
+        let count = self.movers.len();
+        // The tree stays below `sparse` nodes, and then each mover may add one.
+        let sparse = 4 * count + 64;
+        self.tree.reserve(count, sparse + count);
         let changed = if all { &self.movers } else { &self.stale };
         for &collider in changed {
             let entry = &mut self.entries[collider as usize];
@@ -201,9 +233,7 @@ impl BroadPhase {
             }
         }
         self.changes += changed.len();
-        let count = self.movers.len();
-        let is_sparse = self.tree.len() > 4 * count + 64;
-        if is_sparse || self.tree.loose() > 16 + count / 32 || self.changes > 8 * count {
+        if self.tree.len() > sparse || self.tree.loose() > 16 + count / 32 || self.changes > 8 * count {
             self.build();
         } else if all {
             self.tree.refit();
@@ -274,11 +304,7 @@ impl BroadPhase {
         let extent = self.entries[collider as usize].extent();
         statics.search(&extent, |other| {
             if filter.agrees(other.filter) {
-                let at = other.collider as usize;
-                if at >= self.entries.len() {
-                    self.grow(at + 1);
-                }
-                self.boxes[at] = other.bounds.into();
+                self.boxes[other.collider as usize] = other.bounds.into();
                 found.push(key(collider, other.collider));
             }
             found.len() <= most

@@ -11,6 +11,7 @@ use super::tree::{Extent, Tree};
 pub struct Statics {
     proxies: Vec<Proxy>,
     tree: Tree,
+    end: usize,
 }
 
 impl Statics {
@@ -23,7 +24,8 @@ impl Statics {
         }
         tree.build();
         tree.drop_workspace();
-        Self { proxies, tree }
+        let end = proxies.iter().map(|proxy| proxy.collider as usize + 1).max().unwrap_or(0);
+        Self { proxies, tree, end }
     }
 
     /// Number of static colliders.
@@ -36,6 +38,11 @@ impl Statics {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.proxies.is_empty()
+    }
+
+    /// The number above those of all colliders.
+    pub(super) fn end(&self) -> usize {
+        self.end
     }
 
     /// Calls `found` with each collider that may meet a box, until it returns false.

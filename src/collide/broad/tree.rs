@@ -6,10 +6,13 @@
 use alloc::vec::Vec;
 
 use super::bounds::Bounds;
-use crate::collide::filter::Filter;
+use crate::collider::Filter;
 
 /// Marks the absence of an item, a leaf or a parent.
 pub(super) const NONE: u32 = u32::MAX;
+
+/// The number of parts that wait while a tree is built: one for each halving of 2^32 leaves, and one.
+const MOST_PARTS: usize = 33;
 
 /// A box with the categories and masks of all that is in it.
 #[derive(Clone, Copy, Debug)]
@@ -113,6 +116,21 @@ impl Tree {
         self.nodes.len() - self.built
     }
 
+    /// Makes room for a tree of this many leaves with as many nodes, so that when it is built takes nothing from the heap.
+    pub(super) fn reserve(&mut self, leaves: usize, nodes: usize) {
+        if self.places.capacity() >= leaves {
+            return;
+        }
+        self.nodes.reserve(nodes.saturating_sub(self.nodes.len()));
+        self.parents.reserve(nodes.saturating_sub(self.parents.len()));
+        // The workspace holds nothing between two builds that is needed.
+        self.leaves.clear();
+        self.places.clear();
+        self.leaves.reserve(leaves);
+        self.places.reserve(leaves);
+        self.parts.reserve(MOST_PARTS);
+    }
+
     /// Adds a leaf behind the tree. Returns where it is.
     pub(super) fn push(&mut self, item: u32, extent: Extent) -> u32 {
         let leaf = self.nodes.len() as u32;
@@ -178,7 +196,7 @@ impl Tree {
         self.refit();
     }
 
-    /// Builds the node of a part, and leaves its halves to be done. Halves are equal within one leaf: at most 33 parts wait.
+    /// Builds the node of a part, and leaves its halves to be done. Halves are equal within one leaf: at most [`MOST_PARTS`] wait.
     fn build_part(&mut self, Part { start, end, node }: Part) {
         let places = &mut self.places[start..end];
         // A tree of m leaves has 2m - 1 nodes.

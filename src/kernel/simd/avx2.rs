@@ -8,20 +8,24 @@ use core::arch::x86_64::*;
 
 use super::{GAIN_BITS, GROUP, Gathered, Job, Lanes, Pairs, Quads, Row, part, part_mut};
 
-/// The proof that the CPU has AVX2 and BMI2.
+/// The proof that the CPU has AVX2, and the shifts and counts of bits that came with it.
 #[derive(Clone, Copy)]
 pub(crate) struct Avx2(());
 
 impl Avx2 {
-    /// Returns a value if the CPU has AVX2, and BMI2 beside it.
+    /// Returns a value if the CPU has AVX2, and BMI1, BMI2 and LZCNT beside it.
     pub(crate) fn new() -> Option<Self> {
         extern crate std;
-        (std::is_x86_feature_detected!("avx2") && std::is_x86_feature_detected!("bmi2")).then_some(Self(()))
+        let has = std::is_x86_feature_detected!("avx2")
+            && std::is_x86_feature_detected!("bmi1")
+            && std::is_x86_feature_detected!("bmi2")
+            && std::is_x86_feature_detected!("lzcnt");
+        has.then_some(Self(()))
     }
 
     /// Runs a job compiled for these instructions.
     pub(crate) fn run<J: Job>(self, job: J) -> J::Result {
-        #[target_feature(enable = "avx2,bmi2")]
+        #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt")]
         unsafe fn compiled<J: Job>(job: J, lanes: Avx2) -> J::Result {
             job.run(lanes)
         }

@@ -27,7 +27,7 @@ mod lanes {
 
         /// Runs a job compiled for these instructions.
         pub(crate) fn run<J: Job>(self, job: J) -> J::Result {
-            #[target_feature(enable = "avx512f,avx512dq,avx512vl,bmi2")]
+            #[target_feature(enable = "avx512f,avx512dq,avx512vl,bmi1,bmi2,lzcnt")]
             unsafe fn compiled<J: Job>(job: J, lanes: Avx512) -> J::Result {
                 job.run(lanes)
             }

@@ -105,9 +105,9 @@ pub struct Difference {
     pub phase: TickPhase,
     /// The part of the world that the values belong to.
     pub owner: Owner,
-    /// The name that the body or force field has in the [`Labels`](crate::Labels) of a replay.
+    /// The name that the owner has in the [`Labels`](crate::Labels) of a replay.
     pub name: Option<String>,
-    /// The key of the body, where it is known; else 0.
+    /// The key of the body or collider, where it is known; else 0.
     pub key: u64,
     /// The name of the value there, as `position.x`; empty if more was changed than can be told apart.
     pub field: String,

@@ -7,7 +7,7 @@ use super::difference::{Difference, TickPhase, name_of};
 use crate::codec::{self, FieldIndex, FieldValue, Part};
 use crate::replay::snapshot::{Owner, State};
 use crate::scalar::Scalar;
-use crate::slots::{BodyId, FieldId};
+use crate::slots::{BodyId, ColliderId, FieldId};
 use crate::world::{BodyRef, World};
 
 impl<S: Scalar> World<S> {
@@ -84,6 +84,11 @@ impl<S: Scalar> World<S> {
         Difference { key, ..difference(self.tick(), owner, path, left, right) }
     }
 
+    /// The handle of the collider in a slot.
+    fn collider_in(&self, slot: u32) -> ColliderId {
+        ColliderId::from_parts(slot, self.colliders.generation(slot).unwrap_or_default())
+    }
+
     /// The owner of the value at a path, and the rest of the path.
     pub(in crate::replay) fn owner_of<'p>(&self, path: &'p [Part]) -> (Owner, &'p [Part]) {
         match *path {
@@ -94,6 +99,12 @@ impl<S: Scalar> World<S> {
             [Part::Name("fields"), Part::Entry(slot), ..] => {
                 let generation = self.fields.generation(slot).unwrap_or_default();
                 (Owner::ForceField(FieldId::from_parts(slot, generation)), &path[2..])
+            }
+            [Part::Name("colliders"), Part::Entry(slot), ..] => (Owner::Collider(self.collider_in(slot)), &path[2..]),
+            [Part::Name("contacts"), Part::Entry(index), ..] => {
+                let pair = self.contacts.records.get(index as usize).map_or([0; 2], |record| record.pair);
+                let [first, second] = pair.map(|slot| self.collider_in(slot));
+                (Owner::Contact(first, second), &path[2..])
             }
             _ => (Owner::World, path),
         }

@@ -103,6 +103,16 @@ impl Dump {
         self.phases.iter().map(|(phase, world)| (*phase, &**world))
     }
 
+    /// The dump with a change of the world after one of the phases.
+    #[cfg(test)]
+    pub(in crate::replay) fn with_world(&self, phase: usize, change: impl FnOnce(&mut World)) -> Self {
+        let mut changed = self.clone();
+        let mut world = (*changed.phases[phase].1).clone();
+        change(&mut world);
+        changed.phases[phase].1 = Arc::new(world);
+        changed
+    }
+
     /// The tick of the world before.
     #[must_use]
     pub fn tick(&self) -> u64 {

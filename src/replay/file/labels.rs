@@ -1,17 +1,18 @@
-//! Names of bodies and force fields, for people who read a replay.
+//! Names of bodies, force fields and colliders, for people who read a replay.
 
 use alloc::collections::BTreeMap;
+use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
 use crate::codec::{self, Encoder, Malformed, Part, Read, Reader, Write};
 use crate::replay::diff::Difference;
 use crate::replay::snapshot::Owner;
-use crate::slots::{BodyId, FieldId};
+use crate::slots::{BodyId, ColliderId, FieldId};
 use crate::world::World;
 
-/// Names of the bodies and force fields of a recorded run. They are kept in the replay for people to read and change no result: neither
-/// the motion nor a hash depends on them. Differences of replays, `umbra diff`, `umbra verify` and `umbra view` use them.
+/// Names of the bodies, force fields and colliders of a recorded run. They are kept in the replay for people to read and change no
+/// result: neither the motion nor a hash depends on them. Differences of replays, `umbra diff`, `umbra verify` and `umbra view` use them.
 ///
 /// A name has 1 to 256 bytes and no control characters. Two bodies may have the same one.
 ///
@@ -33,6 +34,7 @@ use crate::world::World;
 pub struct Labels {
     bodies: BTreeMap<BodyId, String>,
     fields: BTreeMap<FieldId, String>,
+    colliders: BTreeMap<ColliderId, String>,
 }
 
 /// The fewest bytes of an entry: a handle, the length of a name, and a letter.
@@ -45,7 +47,7 @@ impl Labels {
     /// Makes a list without names.
     #[must_use]
     pub const fn new() -> Self {
-        Self { bodies: BTreeMap::new(), fields: BTreeMap::new() }
+        Self { bodies: BTreeMap::new(), fields: BTreeMap::new(), colliders: BTreeMap::new() }
     }
 
     /// Gives a body a name, in place of one that it had. Control characters are left out, and a name that would be longer than
@@ -72,6 +74,11 @@ impl Labels {
         set(&mut self.fields, field, name);
     }
 
+    /// Gives a collider a name, as [`set_body`](Self::set_body) does for a body.
+    pub fn set_collider(&mut self, collider: ColliderId, name: &str) {
+        set(&mut self.colliders, collider, name);
+    }
+
     /// The name of a body.
     #[must_use]
     pub fn body(&self, body: BodyId) -> Option<&str> {
@@ -84,21 +91,57 @@ impl Labels {
         self.fields.get(&field).map(String::as_str)
     }
 
+    /// The name of a collider.
+    #[must_use]
+    pub fn collider(&self, collider: ColliderId) -> Option<&str> {
+        self.colliders.get(&collider).map(String::as_str)
+    }
+
+    /// The name of the owner of a value. A contact has the names of its two colliders if one of them has a name: `lid and
+    /// collider 3`. The world has none.
+    ///
+    /// ```
+    /// use umbra_physics::{ColliderId, Labels, Owner};
+    ///
+    /// let (mut labels, [lid, floor]) = (Labels::new(), [0, 3].map(|slot| ColliderId::from_parts(slot, 0)));
+    /// labels.set_collider(lid, "lid");
+    /// assert_eq!(labels.owner(Owner::Collider(lid)).as_deref(), Some("lid"));
+    /// assert_eq!(labels.owner(Owner::Contact(lid, floor)).as_deref(), Some("lid and collider 3"));
+    /// assert_eq!(labels.owner(Owner::Collider(floor)), None);
+    /// ```
+    #[must_use]
+    pub fn owner(&self, owner: Owner) -> Option<String> {
+        let name = match owner {
+            Owner::World => None,
+            Owner::Body(body) => self.body(body),
+            Owner::ForceField(field) => self.field(field),
+            Owner::Collider(collider) => self.collider(collider),
+            Owner::Contact(first, second) => {
+                let [a, b] = [first, second].map(|collider| self.collider(collider));
+                a.or(b)?;
+                let named =
+                    |name: Option<&str>, collider: ColliderId| name.map_or(collider.to_string(), str::to_string);
+                return Some(format!("{} and {}", named(a, first), named(b, second)));
+            }
+        };
+        name.map(str::to_string)
+    }
+
     /// Says whether nothing has a name.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.bodies.is_empty() && self.fields.is_empty()
+        self.bodies.is_empty() && self.fields.is_empty() && self.colliders.is_empty()
     }
 
-    /// Adds to a difference the name of the body or force field that it is of, and the key that the body has in this world.
+    /// Adds to a difference the name of its owner, and the key that the owner has in this world.
     pub(super) fn name(&self, difference: Difference, world: &World) -> Difference {
-        let (name, key) = match difference.owner {
-            Owner::Body(body) => (self.body(body), world.body(body).map_or(0, |body| body.key())),
-            Owner::ForceField(field) => (self.field(field), 0),
-            Owner::World => (None, 0),
+        let key = match difference.owner {
+            Owner::Body(body) => world.body(body).map_or(0, |body| body.key()),
+            Owner::Collider(collider) => world.collider(collider).map_or(0, |collider| collider.key),
+            Owner::World | Owner::ForceField(_) | Owner::Contact(..) => 0,
         };
         let key = if difference.key == 0 { key } else { difference.key };
-        Difference { name: difference.name.or_else(|| name.map(ToString::to_string)), key, ..difference }
+        Difference { name: difference.name.or_else(|| self.owner(difference.owner)), key, ..difference }
     }
 }
 
@@ -121,6 +164,7 @@ impl Write for Labels {
     fn write(&self, out: &mut impl Encoder) {
         write_names(out, "bodies", &self.bodies);
         write_names(out, "fields", &self.fields);
+        write_names(out, "colliders", &self.colliders);
     }
 }
 
@@ -142,7 +186,7 @@ fn write_names<H: Write>(out: &mut impl Encoder, part: &'static str, names: &BTr
 impl Read for Labels {
     fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {
         let malformed = reader.malformed("one name at least");
-        let labels = Self { bodies: read_names(reader)?, fields: read_names(reader)? };
+        let labels = Self { bodies: read_names(reader)?, fields: read_names(reader)?, colliders: read_names(reader)? };
         // Without names there is no chunk: each file has one form.
         if labels.is_empty() { Err(malformed) } else { Ok(labels) }
     }

@@ -26,7 +26,7 @@ impl Replay {
         Ok(())
     }
 
-    /// Verifies an untrusted replay within limits on its ticks and commands, and on the bodies and force fields at any time: a
+    /// Verifies an untrusted replay within limits on its ticks and commands, and on the bodies, colliders and force fields at any time: a
     /// short file can add many, and step them for long. The limits hold for the search of a divergence too.
     ///
     /// The time is at most that of `ticks` steps of `bodies` bodies in `fields` fields, of a pass over such a world, its blob
@@ -47,7 +47,14 @@ impl Replay {
     ///     recorder.step(&mut world, &Inputs::new());
     /// }
     /// let replay = Replay::from_bytes(&recorder.finish(&world), &[])?;
-    /// let most = ReplayLimits { ticks: 60 * 60 * 30, bodies: 1_000, fields: 200, commands: 100_000 };
+    /// let most = ReplayLimits {
+    ///     ticks: 60 * 60 * 30,
+    ///     bodies: 1_000,
+    ///     fields: 200,
+    ///     colliders: 1_000,
+    ///     pairs: 1 << 20,
+    ///     commands: 100_000,
+    /// };
     /// assert_eq!(replay.verify_within(most), Ok(()));
     /// let error = replay.verify_within(ReplayLimits { bodies: 60, ..most }).unwrap_err();
     /// assert_eq!(error, VerifyError::Bodies { tick: 60, most: 60 });

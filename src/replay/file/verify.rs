@@ -47,13 +47,25 @@ pub struct ReplayLimits {
     pub bodies: u32,
     /// The most force fields at any time.
     pub fields: u32,
+    /// The most colliders at any time.
+    pub colliders: u32,
+    /// The most pairs of colliders in a step that the run's [`ContactSettings::max_pairs`](crate::ContactSettings::max_pairs) may allow
+    /// at any time. The default of worlds is 2^20.
+    pub pairs: u32,
     /// The most commands in all ticks together, calls and inputs.
     pub commands: u64,
 }
 
 impl ReplayLimits {
     /// No limits: more than any replay can have.
-    pub(super) const NONE: Self = Self { ticks: u64::MAX, bodies: u32::MAX, fields: u32::MAX, commands: u64::MAX };
+    pub(super) const NONE: Self = Self {
+        ticks: u64::MAX,
+        bodies: u32::MAX,
+        fields: u32::MAX,
+        colliders: u32::MAX,
+        pairs: u32::MAX,
+        commands: u64::MAX,
+    };
 
     pub(super) fn check_ticks(&self, found: u64) -> Result<(), VerifyError> {
         if found > self.ticks { Err(VerifyError::Ticks { found, most: self.ticks }) } else { Ok(()) }
@@ -66,6 +78,12 @@ impl ReplayLimits {
         }
         if world.fields.len() > self.fields as usize {
             return Err(VerifyError::Fields { tick, most: self.fields });
+        }
+        if world.colliders.len() > self.colliders as usize {
+            return Err(VerifyError::Colliders { tick, most: self.colliders });
+        }
+        if world.def.contacts.max_pairs > self.pairs {
+            return Err(VerifyError::Pairs { tick, most: self.pairs });
         }
         Ok(())
     }
@@ -105,6 +123,20 @@ pub enum VerifyError {
         /// The limit.
         most: u64,
     },
+    /// The run has more colliders than the limit.
+    Colliders {
+        /// The tick in which the limit is exceeded.
+        tick: u64,
+        /// The limit.
+        most: u32,
+    },
+    /// The run's settings allow more pairs of colliders than the limit.
+    Pairs {
+        /// The tick in which the limit is exceeded.
+        tick: u64,
+        /// The limit.
+        most: u32,
+    },
 }
 
 impl fmt::Display for VerifyError {
@@ -114,6 +146,10 @@ impl fmt::Display for VerifyError {
             Self::Ticks { found, most } => write!(f, "the replay has {found} ticks, more than the limit of {most}"),
             Self::Bodies { tick, most } => write!(f, "more than {most} bodies at tick {tick}"),
             Self::Fields { tick, most } => write!(f, "more than {most} force fields at tick {tick}"),
+            Self::Colliders { tick, most } => write!(f, "more than {most} colliders at tick {tick}"),
+            Self::Pairs { tick, most } => {
+                write!(f, "settings that allow more than {most} pairs of colliders at tick {tick}")
+            }
             Self::Commands { tick, most } => write!(f, "more than {most} commands up to tick {tick}"),
         }
     }
@@ -125,6 +161,8 @@ codes!(VerifyError {
     Bodies = 423,
     Fields = 424,
     Commands = 425,
+    Colliders = 426,
+    Pairs = 427,
 });
 
 impl core::error::Error for VerifyError {

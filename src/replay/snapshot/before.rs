@@ -13,6 +13,8 @@ use super::read::read_state;
 use super::write::{SavedSlot, StateView};
 use crate::body::Activity;
 use crate::codec::{Reader, Write as _};
+use crate::collider::ColliderSet;
+use crate::contact::ContactSet;
 use crate::force::FieldSet;
 use crate::fx::Fx;
 use crate::math::Elapsed;
@@ -32,6 +34,8 @@ pub(in crate::replay) struct BeforeCalls {
     free: Option<Vec<u32>>,
     /// The force fields, if calls may have changed any.
     fields: Option<Arc<FieldSet<Fx>>>,
+    /// The colliders and their contacts, if calls may have changed any.
+    colliders: Option<(Arc<ColliderSet<Fx>>, ContactSet)>,
     woken: Vec<BodyId>,
 }
 
@@ -45,6 +49,7 @@ impl BeforeCalls {
             replaced: BTreeMap::new(),
             free: None,
             fields: None,
+            colliders: None,
             woken: world.change_log.woken(),
         };
         restless.iter().for_each(|body| before.keep_slot(world, body.slot));
@@ -72,6 +77,7 @@ impl BeforeCalls {
         }
         match command {
             Command::AddBody(_) => {
+                self.keep_colliders(world);
                 world.bodies.free().last().into_iter().for_each(|&slot| self.keep_slot(world, slot));
                 self.keep_free(world);
             }
@@ -79,7 +85,15 @@ impl BeforeCalls {
                 // The fields that are attached to the body go with it.
                 self.keep_free(world);
                 self.keep_fields(world);
+                self.keep_colliders(world);
             }
+            Command::AddCollider { .. } => self.keep_colliders(world),
+            Command::SetCollider { collider, .. } | Command::RemoveCollider(collider) => {
+                let body = world.collider_body(*collider);
+                body.into_iter().for_each(|body| self.keep_slot(world, body.slot));
+                self.keep_colliders(world);
+            }
+            Command::SetTimeStep(_) | Command::SetContactSettings(_) => self.keep_colliders(world),
             Command::AddField(_) | Command::SetField { .. } | Command::RemoveField(_) => self.keep_fields(world),
             // These two set a value of every body to zero: the ticks at rest, the last acceleration.
             Command::SetSleepAfter(_) | Command::SetIntegrator(_) => {
@@ -106,6 +120,10 @@ impl BeforeCalls {
         self.fields.get_or_insert_with(|| world.fields.clone());
     }
 
+    fn keep_colliders(&mut self, world: &World) {
+        self.colliders.get_or_insert_with(|| (world.colliders.clone(), world.contacts.clone()));
+    }
+
     /// Keeps the bodies that a call woke, after the first `count` that calls woke in this tick. Waking changes whether a body
     /// sleeps and nothing else: the ticks at rest of a sleeping body are zero, but for restless sleepers, which are kept.
     fn keep_woken(&mut self, world: &World, count: usize) {
@@ -130,6 +148,8 @@ impl BeforeCalls {
             replaced: Some(&self.replaced),
             free: self.free.as_deref().unwrap_or(now.free),
             fields: self.fields.as_deref().unwrap_or(now.fields),
+            colliders: self.colliders.as_ref().map_or(now.colliders, |(colliders, _)| colliders),
+            contacts: self.colliders.as_ref().map_or(now.contacts, |(_, contacts)| contacts),
             woken: self.woken.clone(),
             ..now
         };

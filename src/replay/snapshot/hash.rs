@@ -3,13 +3,14 @@
 use alloc::vec::Vec;
 
 use crate::codec::{self, StateHasher, Write as _};
+use crate::contact::ContactRecord;
 use crate::force::FieldKind;
 use crate::scalar::Scalar;
 use crate::slots::BodyId;
 use crate::world::{BodyRef, World};
 
 /// The physics version: it is increased whenever the results of a step or of a hash change.
-pub const PHYSICS_VERSION: u32 = 7;
+pub const PHYSICS_VERSION: u32 = 8;
 
 impl<S: Scalar> World<S> {
     /// A hash of the whole state that the future depends on, handles included: for peers that made the same calls. Equal
@@ -33,6 +34,8 @@ impl<S: Scalar> World<S> {
         self.applied.write(&mut sink);
         self.targets.write(&mut sink);
         self.fields.write(&mut sink);
+        self.colliders.write(&mut sink);
+        self.contacts.write(&mut sink);
         codec::count(&mut sink, self.custom_forces.len());
         self.hash_custom_forces(&mut sink);
         sink.finish()
@@ -88,7 +91,27 @@ impl<S: Scalar> World<S> {
             sink.all(&digests, u64::to_le_bytes);
         }
         self.hash_custom_forces(&mut sink);
+        self.hash_contacts(&mut sink);
         sink.finish()
+    }
+
+    /// Hashes the contacts by the keys of the colliders, without their number.
+    fn hash_contacts(&self, sink: &mut StateHasher) {
+        self.contacts.pushed_at.write(sink);
+        let key = |slot: u32| self.colliders.at(slot).map_or(0, |collider| collider.def.key);
+        let one = |record: &ContactRecord| {
+            let keys = record.pair.map(key);
+            // Whichever slot is the lower one: the contact is hashed from the collider with the lower key.
+            let seen = if keys[0] <= keys[1] { *record } else { record.swapped() };
+            let mut own = StateHasher::new();
+            seen.write_impulses(&mut own);
+            (keys[0].min(keys[1]), keys[0].max(keys[1]), own.finish())
+        };
+        let mut contacts: Vec<(u64, u64, u64)> = self.contacts.records.iter().map(one).collect();
+        contacts.sort_unstable();
+        for (first, second, digest) in contacts {
+            [first, second, digest].iter().for_each(|word| word.write(sink));
+        }
     }
 
     /// Hashes the registered custom forces, without their number.
@@ -109,6 +132,11 @@ impl<S: Scalar> World<S> {
         force.write(&mut sink);
         torque.write(&mut sink);
         self.targets.of(self.bodies.id(dense)).copied().write(&mut sink);
+        let own =
+            self.colliders.of(self.bodies.id(dense)).map(|collider| (collider.def.key, collider.physics_digest()));
+        let mut own: Vec<(u64, u64)> = own.collect();
+        own.sort_unstable();
+        sink.all(&own, |(_, digest)| digest.to_le_bytes());
         (self.bodies.info(dense).key, sink.finish())
     }
 }

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use crate::slots::{BodyId, FieldId};
+use crate::slots::{BodyId, ColliderId, FieldId};
 use crate::world::Command;
 
 /// The part of a world that a value belongs to.
@@ -16,6 +16,10 @@ pub enum Owner {
     Body(BodyId),
     /// A force field.
     ForceField(FieldId),
+    /// A collider.
+    Collider(ColliderId),
+    /// A contact of two colliders.
+    Contact(ColliderId, ColliderId),
 }
 
 impl fmt::Display for Owner {
@@ -24,14 +28,17 @@ impl fmt::Display for Owner {
             Self::World => f.write_str("the world"),
             Self::Body(body) => body.fmt(f),
             Self::ForceField(field) => field.fmt(f),
+            Self::Collider(collider) => collider.fmt(f),
+            Self::Contact(first, second) => write!(f, "the contact of {first} and {second}"),
         }
     }
 }
 
 impl Owner {
-    /// The body or field that a command names, or else the world.
+    /// The body, field or collider that a command names, or else the world.
     pub(in crate::replay) fn of_command(command: &Command) -> Self {
-        let field = command.field().map_or(Self::World, Self::ForceField);
+        let collider = command.collider().map_or(Self::World, Self::Collider);
+        let field = command.field().map_or(collider, Self::ForceField);
         command.body().map_or(field, Self::Body)
     }
 }

@@ -12,13 +12,15 @@ use crate::body::{
     Activity, Bodies, BodyKind, Damping, FactorTable, KinematicTarget, Record, ShapeSource, check_position,
 };
 use crate::codec::{Malformed, Read, Reader, StateHasher};
+use crate::collider::{ColliderDef, ColliderMass, ColliderSet};
+use crate::contact::{ContactRecord, ContactSet};
 use crate::error::Error;
 use crate::force::{CustomForce, CustomForces, FieldSet, ForceField};
 use crate::fx::Fx;
 use crate::integrate::Integrator;
 use crate::limits;
 use crate::math::{Elapsed, Random};
-use crate::slots::{BodyId, FieldId};
+use crate::slots::{BodyId, ColliderId, FieldId};
 use crate::world::{ChangeLog, World, WorldDef};
 
 /// Reads a snapshot; bytes after it are left to the caller.
@@ -87,8 +89,13 @@ pub(super) fn read_state(
     world.random = Random::read(reader)?;
     world.set_blob(&Vec::read(reader)?)?;
     world.custom_forces = Arc::new(read_custom_forces(reader, custom_forces)?);
+    world.colliders = Arc::new(read_colliders(reader)?);
     read_bodies(reader, &mut world)?;
+    for collider in world.colliders.list() {
+        world.bodies.find(collider.body)?;
+    }
     world.fields = Arc::new(read_fields(reader, &world)?);
+    world.contacts = read_contacts(reader, &world)?;
     let woken = read_woken(reader)?;
     woken.iter().try_for_each(|&body| world.bodies.find(body).map(drop))?;
     world.change_log.set_woken(woken);
@@ -108,6 +115,50 @@ fn read_fields(reader: &mut Reader<'_>, world: &World) -> Result<FieldSet<Fx>, S
     fields.set_free(read_list(reader, 4, u32::read)?)?;
     fields.set_ages(&read_list(reader, 4, u32::read)?)?;
     Ok(fields)
+}
+
+/// The fewest bytes of a slot for a body: a generation and whether there is one.
+const LEAST_SLOT: usize = 5;
+
+/// Reads the colliders. The body of each is not looked for yet.
+fn read_colliders(reader: &mut Reader<'_>) -> Result<ColliderSet<Fx>, SnapshotError> {
+    let mut colliders = ColliderSet::default();
+    for slot in 0..reader.count(5)? {
+        let generation = u32::read(reader)?;
+        let owner = Owner::Collider(ColliderId::from_parts(slot as u32, generation));
+        let invalid = |error| SnapshotError::Invalid { owner, error };
+        let collider = if bool::read(reader)? {
+            let (body, def) = (BodyId::read(reader)?, ColliderDef::read(reader)?);
+            // Slots of bodies come after: there is no room made for more than the bytes that are left can have.
+            if body.slot as usize >= reader.rest() / LEAST_SLOT {
+                return Err(invalid(Error::NoSuchBody { body }));
+            }
+            def.check().map_err(invalid)?;
+            Some((body, def))
+        } else {
+            None
+        };
+        colliders.rebuild(generation, collider).map_err(invalid)?;
+    }
+    colliders.set_free(read_list(reader, 4, u32::read)?)?;
+    Ok(colliders)
+}
+
+/// Reads the contacts of a world that has its colliders.
+fn read_contacts(reader: &mut Reader<'_>, world: &World) -> Result<ContactSet, SnapshotError> {
+    let pushed_at = u64::read(reader)?;
+    let malformed = reader.malformed("contacts of colliders of two bodies, sorted, each once");
+    let records: Vec<ContactRecord> = read_list(reader, 40, ContactRecord::read)?;
+    let body = |slot: u32| world.colliders.at(slot).map(|collider| collider.body);
+    let is_pair = |[a, b]: [u32; 2]| body(a).is_some() && body(b).is_some() && body(a) != body(b);
+    let are_pairs = records.iter().all(|record| is_pair(record.pair));
+    if !are_pairs || !records.is_sorted_by(|a, b| a.pair < b.pair) {
+        return Err(malformed.into());
+    }
+    if pushed_at > world.tick {
+        return Err(Error::Inconsistent.into());
+    }
+    Ok(ContactSet { records, pushed_at })
 }
 
 /// Reads the bodies that calls woke, in the order of the calls.
@@ -167,7 +218,7 @@ fn read_body(
     factor_table: &mut FactorTable<Fx>,
     sources: &mut Sources<Fx>,
 ) -> Result<(), SnapshotError> {
-    let World { def, bodies, applied, targets, .. } = world;
+    let World { def, bodies, colliders, applied, targets, .. } = world;
     let (slot, generation) = body.parts();
     let invalid = |error| SnapshotError::Invalid { owner: Owner::Body(body), error };
     let record = Record::read(reader)?;
@@ -179,7 +230,8 @@ fn read_body(
         ShapeSource::AsOf(first) => Some(bodies.shape_in(*first).ok_or(malformed)?.clone()),
     };
     check_among(&record, def).map_err(invalid)?;
-    let dense = bodies.rebuild(generation, Some((record, shape)), factor_table).map_err(invalid)?;
+    let collider_mass = ColliderMass::of(colliders.of(body).filter(|own| own.body == body).map(|own| &own.def));
+    let dense = bodies.rebuild(generation, Some((record, shape, collider_mass)), factor_table).map_err(invalid)?;
     if !dense.is_some_and(|dense| sources.name(slot, &bodies.info(dense).shape) == source) {
         return Err(malformed.into());
     }

@@ -8,6 +8,8 @@ use core::fmt::Display;
 use super::hash::PHYSICS_VERSION;
 use crate::body::{KinematicTarget, Record, ShapeSource};
 use crate::codec::{self, Encoder, Malformed, Part, Read, Reader, StateHasher, Write};
+use crate::collider::ColliderSet;
+use crate::contact::ContactSet;
 use crate::force::FieldSet;
 use crate::fx::Fx;
 use crate::math::{Elapsed, Vec2};
@@ -19,7 +21,7 @@ use crate::world::{World, WorldDef};
 /// The first bytes of a snapshot.
 pub(super) const MAGIC: [u8; 8] = *b"UMBRASNP";
 /// The number of the format, in the four bytes after the magic. It is increased whenever the layout changes.
-pub(super) const FORMAT: u32 = 3;
+pub(super) const FORMAT: u32 = 4;
 
 /// A world as the bytes of a snapshot.
 pub(in crate::replay) struct Saved<'a, S: Scalar>(pub(in crate::replay) &'a World<S>);
@@ -131,6 +133,8 @@ pub(super) struct StateView<'a, S: Scalar> {
     pub(super) replaced: Option<&'a BTreeMap<u32, SavedSlot<S>>>,
     pub(super) free: &'a [u32],
     pub(super) fields: &'a FieldSet<S>,
+    pub(super) colliders: &'a ColliderSet<S>,
+    pub(super) contacts: &'a ContactSet,
     pub(super) woken: Vec<BodyId>,
 }
 
@@ -144,6 +148,8 @@ impl<'a, S: Scalar> StateView<'a, S> {
             replaced: None,
             free: world.bodies.free(),
             fields: &world.fields,
+            colliders: &world.colliders,
+            contacts: &world.contacts,
             woken: world.change_log.woken(),
         }
     }
@@ -156,6 +162,20 @@ impl<'a, S: Scalar> StateView<'a, S> {
                 Some(saved) => saved.write(slot, &mut sources, out),
                 None => {
                     SavedSlot::of(self.world, slot).into_iter().for_each(|saved| saved.write(slot, &mut sources, out))
+                }
+            });
+        }
+    }
+
+    fn write_colliders(&self, out: &mut impl Encoder) {
+        codec::count(out, self.colliders.slots().len());
+        for (slot, (generation, collider)) in (0..).zip(self.colliders.slots()) {
+            entry(out, slot, |out| {
+                codec::field(out, "generation", &generation);
+                codec::field(out, "present", &collider.is_some());
+                if let Some(collider) = collider {
+                    codec::field(out, "body", &collider.body);
+                    collider.def.write(out);
                 }
             });
         }
@@ -194,11 +214,15 @@ impl<S: Scalar> Write for StateView<'_, S> {
         codec::field(out, "random", &world.random);
         codec::field(out, "blob", &world.blob);
         part(out, "custom_forces", |out| self.write_custom_forces(out));
+        part(out, "colliders", |out| self.write_colliders(out));
+        part(out, "free_colliders", |out| codec::list(out, self.colliders.free().iter()));
         part(out, "bodies", |out| self.write_bodies(out));
         part(out, "free_slots", |out| codec::list(out, self.free.iter()));
         part(out, "fields", |out| self.write_fields(out));
         part(out, "free_fields", |out| codec::list(out, self.fields.free().iter()));
         part(out, "fields_by_age", |out| codec::list(out, self.fields.ages().iter()));
+        codec::field(out, "pushed_at_tick", &self.contacts.pushed_at);
+        part(out, "contacts", |out| codec::list(out, self.contacts.records.iter()));
         part(out, "woken", |out| codec::list(out, self.woken.iter()));
     }
 }

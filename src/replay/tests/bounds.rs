@@ -6,6 +6,7 @@ use alloc::vec::Vec;
 use super::encodings::replaced;
 use super::{custom_forces, everything};
 use crate::body::{BodyDef, FactorTable};
+use crate::collider::ColliderSet;
 use crate::error::{Error, Irreversible, Quantity};
 use crate::force::{FieldKind, FieldSet, ForceField};
 use crate::fx::{Fx, fx};
@@ -81,7 +82,14 @@ fn lives_on(start: &World, ticks: u64) {
         assert!(replay.to_bytes() == file && (replay.end(), replay.ticks()) == (world.tick(), ticks));
         assert_eq!(replay.verify(), Ok(()), "{hash_every}, {snapshot_every}");
         assert_eq!(replay.first_difference(&replay), None);
-        let most = ReplayLimits { ticks, bodies: u32::MAX, fields: u32::MAX, commands: u64::MAX };
+        let most = ReplayLimits {
+            ticks,
+            bodies: u32::MAX,
+            fields: u32::MAX,
+            colliders: u32::MAX,
+            pairs: u32::MAX,
+            commands: u64::MAX,
+        };
         assert_eq!(replay.verify_within(most), Ok(()));
         let less = ReplayLimits { ticks: ticks - 1, ..most };
         assert_eq!(replay.verify_within(less), Err(VerifyError::Ticks { found: ticks, most: ticks - 1 }));
@@ -190,6 +198,17 @@ fn a_world_with_as_many_slots_as_can_be_is_full() {
         assert_eq!(fields.check_room(), Ok(()));
         assert_eq!(fields.rebuild(u32::MAX, None), Ok(()));
     }
+    let mut colliders = ColliderSet::<Fx>::default();
+    for _ in 0..limits::COLLIDERS {
+        assert_eq!(colliders.check_room(1), Ok(()));
+        assert_eq!(colliders.rebuild(u32::MAX, None), Ok(()));
+    }
+    assert_eq!((colliders.check_room(1), colliders.check_room(0)), (Err(Error::Full), Ok(())));
+    assert_eq!(colliders.rebuild(u32::MAX, None), Err(Error::Full));
+    assert_eq!(
+        (colliders.set_free(vec![3]), colliders.check_room(1), colliders.check_room(2)),
+        (Ok(()), Ok(()), Err(Error::Full))
+    );
     assert_eq!((bodies.check_room(), fields.check_room()), (Err(Error::Full), Err(Error::Full)));
     assert_eq!(bodies.rebuild(u32::MAX, None, &mut factor_table), Err(Error::Full));
     assert_eq!(fields.rebuild(u32::MAX, None), Err(Error::Full));

@@ -238,7 +238,7 @@ fn a_dump_has_the_phases_of_its_tick_and_no_others() {
     world.execute(&to_yoshida).expect("it is fair");
     world.step();
     let dump = Dump::of_tick(&before, &[to_yoshida], &Inputs::new(), &world).to_bytes();
-    assert_eq!(Dump::from_bytes(&dump, &[]).expect("it is whole").phases().len(), 3 + 19 + 1);
+    assert_eq!(Dump::from_bytes(&dump, &[]).expect("it is whole").phases().len(), 3 + 22 + 1);
     let mut reader = Reader::new(&dump[12..]);
     let mut parts = Vec::new();
     while let Some(chunk) = read_chunk(&mut reader) {

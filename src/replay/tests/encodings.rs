@@ -114,7 +114,7 @@ fn custom_forces_are_listed_by_their_ids() {
     assert_eq!(Snapshot::from_bytes(&whole, &given).expect("its own bytes").to_bytes(), whole);
     let entry = |id: u64| [&id.to_le_bytes()[..], &1u32.to_le_bytes()].concat();
     let first = entry(3);
-    let at = whole.windows(12).position(|bytes| bytes == first).expect("it is there");
+    let at = whole.windows(12).rposition(|bytes| bytes == first).expect("it is there");
     for ids in [[7, 3, 1 << 40], [3, 1 << 40, 7], [3, 3, 7], [3, 7, 7], [1 << 40, 7, 3]] {
         let mut bytes = whole.clone();
         bytes[at..at + 36].copy_from_slice(&ids.map(entry).concat());

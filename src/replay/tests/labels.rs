@@ -1,15 +1,19 @@
 //! Names in replays: kept, changed in no way unnoticed, and of no effect on the run.
 
+use alloc::format;
 use alloc::string::ToString as _;
 use alloc::vec::Vec;
 
 use super::{chunks, file, values};
 use crate::body::BodyDef;
 use crate::codec::Malformed;
+use crate::collider::{ColliderDef, Material};
+use crate::fx::{Fx, fx};
 use crate::math::vec2;
 use crate::replay::file::{Chunk, DONE, NAMES, Tag};
-use crate::replay::{Labels, RecordOptions, Recorder, Replay, ReplayError};
-use crate::slots::{BodyId, FieldId};
+use crate::replay::{Labels, Owner, RecordOptions, Recorder, Replay, ReplayError};
+use crate::shape::Shape;
+use crate::slots::{BodyId, ColliderId, FieldId};
 use crate::world::{Command, Inputs, World, WorldDef};
 
 /// A recording of two bodies that move at these velocities after the tenth tick, each with a name if there are two.
@@ -75,6 +79,37 @@ fn a_difference_has_the_name_of_its_body_in_either_replay() {
 }
 
 #[test]
+fn a_difference_has_the_names_of_its_colliders() {
+    // A disc that falls on a floor of this friction; the collider of each has a name where it is not empty.
+    let recorded = |friction: Fx, names: [&str; 2]| {
+        let mut world = World::new(WorldDef { gravity: vec2(1, -10), ..WorldDef::default() }).expect("a world");
+        let disc = ColliderDef::from(Shape::circle(1).expect("a shape"));
+        let floor = ColliderDef { key: 5, ..Shape::rectangle(9, 2).expect("a shape").into() };
+        world.add_body(BodyDef { position: vec2(0, 2), ..BodyDef::dynamic() }.with_collider(disc)).expect("a body");
+        world.add_body(BodyDef::fixed().with_collider(floor.clone())).expect("a body");
+        let colliders = [0, 1].map(|slot| ColliderId::from_parts(slot, 0));
+        let def = ColliderDef { material: Material { friction, ..floor.material }, ..floor };
+        let mut recorder = Recorder::new(&world, RecordOptions::default());
+        recorder.execute(&mut world, &Command::SetCollider { collider: colliders[1], def }).expect("it is there");
+        for _ in 0..20 {
+            recorder.step(&mut world, &Inputs::new());
+        }
+        for (collider, name) in colliders.into_iter().zip(names) {
+            recorder.labels_mut().set_collider(collider, name);
+        }
+        (Replay::from_bytes(&recorder.finish(&world), &[]).expect("it is whole"), world)
+    };
+    let ((named, world), (plain, other)) = (recorded(fx!(0.5), ["", "ice"]), recorded(fx!(0), ["", ""]));
+    let found = plain.first_difference(&named).expect("they differ");
+    let text = "collider 1 \"ice\" (key 5), call 1, def.material.friction: 0 and 0.5";
+    assert_eq!(format!("{found:#}"), text);
+    let mut contacts = world.differences(&other).into_iter().filter(|found| matches!(found.owner, Owner::Contact(..)));
+    let contact = contacts.next().expect("one touches").owner;
+    assert_eq!(named.labels().owner(contact).as_deref(), Some("collider 0 and ice"));
+    assert_eq!(plain.labels().owner(contact), None);
+}
+
+#[test]
 fn a_changed_name_is_named_with_both() {
     let whole = recorded(1, &["left", "right"]);
     let (chunk, start) = chunks(&whole).into_iter().find(|(chunk, _)| chunk.tag == NAMES).expect("names");
@@ -89,16 +124,15 @@ fn a_changed_name_is_named_with_both() {
             seen += 1;
         }
     }
-    // Two lists with their numbers, and two entries of a handle, a length and a name.
-    assert_eq!(seen, 8 * (4 + 4 + 2 * (8 + 4) + "leftright".len()));
+    // Three lists with their numbers, and two entries of a handle, a length and a name.
+    assert_eq!(seen, 8 * (4 + 4 + 4 + 2 * (8 + 4) + "leftright".len()));
 }
 
 #[test]
 fn names_have_one_encoding() {
     let entry =
         |slot: u32, name: &[u8]| [&slot.to_le_bytes()[..], &[0; 4], &(name.len() as u32).to_le_bytes(), name].concat();
-    let names =
-        |bodies: &[Vec<u8>]| [&(bodies.len() as u32).to_le_bytes()[..], &bodies.concat(), &0u32.to_le_bytes()].concat();
+    let names = |bodies: &[Vec<u8>]| [&(bodies.len() as u32).to_le_bytes()[..], &bodies.concat(), &[0; 8]].concat();
     assert_eq!(expected(&names(&[])), "one name at least");
     for order in [[1, 0], [1, 1]] {
         let bodies = order.map(|slot| entry(slot, b"a"));

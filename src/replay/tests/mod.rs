@@ -12,6 +12,7 @@ use crate::codec::{FieldIndex, Read as _, Reader, StateHasher};
 
 mod before_calls;
 mod bounds;
+mod contacts;
 mod dumps;
 mod encodings;
 mod forgeries;

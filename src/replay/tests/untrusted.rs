@@ -7,14 +7,16 @@ use alloc::vec::Vec;
 use super::{chunks, custom_forces, recording, reseal, values};
 use crate::body::{Activity, BodyDef, BodyKind};
 use crate::codec::Reader;
+use crate::collider::ContactSettings;
 use crate::error::Error;
 use crate::force::{FieldKind, ForceField};
-use crate::fx::Fx;
+use crate::fx::{Fx, fx};
 use crate::math::{TimeStep, vec2};
 use crate::replay::file::{Chunk, Damage, SNAPSHOT, TICKS, read_chunk, write_chunk};
 use crate::replay::{
     Owner, RecordOptions, Recorder, Replay, ReplayError, ReplayLimits, Snapshot, SnapshotError, VerifyError,
 };
+use crate::shape::Shape;
 use crate::slots::BodyId;
 use crate::world::{Command, Input, Inputs, World, WorldDef};
 
@@ -117,7 +119,7 @@ fn a_divergence_is_named_within_the_limits_and_no_further() {
         kind: FieldKind::Drag { linear: Fx::ZERO, quadratic: Fx::ZERO, wind: vec2(0, 0) },
         force_groups: 1,
     };
-    let most = ReplayLimits { ticks: 4, bodies: 10, fields: 10, commands: 100 };
+    let most = ReplayLimits { ticks: 4, bodies: 10, fields: 10, colliders: u32::MAX, pairs: u32::MAX, commands: 100 };
     for (many, by_a_player) in [
         (vec![Command::AddBody(BodyDef::dynamic()); 10], false),
         (vec![Command::AddBody(BodyDef::dynamic()); 10], true),
@@ -137,7 +139,7 @@ fn a_divergence_is_named_within_the_limits_and_no_further() {
 
 #[test]
 fn what_is_more_than_it_may_be_is_refused_before_it_is_stepped() {
-    let most = ReplayLimits { ticks: 3, bodies: 5, fields: 0, commands: 100 };
+    let most = ReplayLimits { ticks: 3, bodies: 5, fields: 0, colliders: u32::MAX, pairs: u32::MAX, commands: 100 };
     let mut world = World::new(WorldDef::default()).expect("a world");
     (0..2).for_each(|_| _ = world.add_body(BodyDef::dynamic()).expect("a body"));
     let mut recorder = Recorder::new(&world, RecordOptions::default());
@@ -162,6 +164,29 @@ fn what_is_more_than_it_may_be_is_refused_before_it_is_stepped() {
     assert_eq!(replay.verify_within(ReplayLimits { commands: 5, ..most }), Ok(()));
     assert_eq!(refused(ReplayLimits { commands: 4, ..most }), VerifyError::Commands { tick: 3, most: 4 });
     assert_eq!(refused(ReplayLimits { commands: 0, ..most }), VerifyError::Commands { tick: 0, most: 0 });
+    // Colliders that bodies bring along, and settings for more pairs.
+    assert_eq!(
+        refused(ReplayLimits { pairs: (1 << 20) - 1, ..most }),
+        VerifyError::Pairs { tick: 0, most: (1 << 20) - 1 }
+    );
+    let tick = world.tick();
+    let disc = Shape::circle(fx!(1)).expect("a disc");
+    let two = BodyDef::dynamic().with_collider(disc.clone()).with_collider(disc);
+    let more = ContactSettings { max_pairs: 1 << 21, ..ContactSettings::default() };
+    for (command, error) in [
+        (Command::AddBody(two), VerifyError::Colliders { tick, most: 1 }),
+        (Command::SetContactSettings(more), VerifyError::Pairs { tick, most: 1 << 20 }),
+    ] {
+        let mut recorder = Recorder::new(&world, RecordOptions::default());
+        let mut after = world.clone();
+        let mut inputs = Inputs::new();
+        inputs.replace(0, [command]);
+        (0..2).for_each(|_| _ = recorder.step(&mut after, &inputs));
+        let bytes = recorder.finish(&after);
+        let replay = Replay::from_bytes(&bytes, &[]).expect("its own bytes");
+        let limits = ReplayLimits { ticks: 9, bodies: 99, fields: 9, colliders: 1, pairs: 1 << 20, commands: 99 };
+        assert_eq!(replay.verify_within(limits), Err(error));
+    }
 }
 
 /// A snapshot with values changed, its hash and seal made right again.

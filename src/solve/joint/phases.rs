@@ -10,7 +10,7 @@ use crate::solve::apply::Path;
 use crate::solve::graph::PHASES;
 use crate::solve::motion::{DISPLACEMENT, Rows};
 use crate::solve::number::clamped;
-use crate::solve::prepare::count_shares;
+use crate::solve::prepare::{clear_shares, count_share};
 use crate::solve::unit::Clock;
 use crate::solve::{Contact, Flight, Solver};
 
@@ -66,15 +66,17 @@ impl Joints {
 impl Solver {
     /// Prepares the joints, phase by phase.
     pub(in crate::solve) fn set_joints(&mut self, joints: &[Joint], common: &Common<'_>) {
+        let flights = common.flights;
         self.joints.blocks.clear();
         if joints.is_empty() {
             return;
         }
+        clear_shares(&mut self.shares, &mut self.joints.touched, flights.len());
+        for bodies in joints.iter().map(|joint| joint.bodies) {
+            let phase = self.graph.phase(bodies);
+            count_share(&mut self.shares, &mut self.joints.touched, &self.row_of, phase, bodies);
+        }
         for phase in 0..PHASES {
-            let of_phase = |joint: &&Joint| self.graph.phase(joint.bodies) == phase;
-            let touched = &mut self.joints.touched[phase];
-            let links = joints.iter().filter(of_phase).map(|joint| joint.bodies);
-            count_shares(&mut self.shares, &self.row_of, touched, links);
             let begin = self.joints.blocks.len();
             for (index, joint) in joints.iter().enumerate() {
                 if self.graph.phase(joint.bodies) != phase {
@@ -82,8 +84,10 @@ impl Solver {
                 }
                 let Some(mover) = self.graph.mover(joint.bodies) else { continue };
                 let unit = self.unit_of[mover as usize];
-                let bodies = joint.bodies.map(|body| self.body(body, unit, common.flights));
-                self.joints.blocks.extend(Block::new(index, joint, &bodies, unit, common));
+                let rows = joint.bodies.map(|body| self.row(body, unit, flights));
+                let bodies = joint.bodies.map(|body| &self.bodies[body as usize]);
+                let shares = joint.bodies.map(|body| self.shares[body as usize][phase].into());
+                self.joints.blocks.extend(Block::new(index, joint, (bodies, rows, shares), unit, common));
             }
             self.joints.phases[phase] = begin..self.joints.blocks.len();
         }

@@ -86,8 +86,8 @@ fn fill(random: &mut Random, group: &mut Group, lane: usize, bodies: usize, size
         group.arms[row][lane] = random.pair(1 << 30);
         group.angular[row][lane] = factors.map(|limit| random.word(limit));
     }
-    group.separation[lane] = [0, 1].map(|_| random.within(SEPARATION as i64).max(-1 << 28) as i32);
-    group.separation_now[lane] = [0, 1].map(|_| random.within(SEPARATION as i64).max(-1 << 28) as i32);
+    group.separation[lane] = [0, 1].map(|_| random.within(SEPARATION).max(-1 << 28) as i32);
+    group.separation_now[lane] = [0, 1].map(|_| random.within(SEPARATION).max(-1 << 28) as i32);
     for k in 0..2 {
         group.linear_a[k][lane] = random.pair(factors[0]);
         group.linear_b[k][lane] = random.pair(factors[1]);

@@ -1,10 +1,9 @@
 //! Saving a world, going back to it, and the steps of a rollback.
 
-use super::{Engines, Opt, heap_bytes, now, secs};
+use super::{Engines, Opt, heap_bytes, now};
 use crate::engine::World;
 use crate::report::Report;
 use crate::scene::{self, Scene};
-use std::time::Instant;
 
 pub fn snapshot(rep: &mut Report, engines: Engines, opt: &Opt) {
     for (name, scene) in [("snapshot_free", scene::free(1_000)), ("snapshot", scene::rain(1_000))] {
@@ -34,9 +33,9 @@ fn snapshot_of(rep: &mut Report, engines: Engines, opt: &Opt, s: Scene) {
             continue;
         }
         let mut ws: Vec<Box<dyn World>> = (0..WORLDS).map(|_| e.build(&s)).collect();
-        let t = Instant::now();
+        let t = now();
         let mut done = 0;
-        while done < 300 && (secs(t) < 5.0 || done < 1) {
+        while done < 300 && (now() - t < 5.0 || done < 1) {
             for w in &mut ws {
                 w.step();
             }

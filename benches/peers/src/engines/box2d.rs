@@ -25,7 +25,7 @@ impl Engine for Box2d {
                 "C, -O2 -ffp-contract=off, then CFLAGS={:?}; SSE2 SIMD of 4 lanes, 1 worker",
                 option_env!("CFLAGS").unwrap_or("")
             ),
-            solver: "defaults: soft step, 4 substeps, contacts 30 Hz, contact recycling, continuous on",
+            solver: "defaults: soft step, 4 substeps, contacts 30 Hz, contact recycling, continuous on".into(),
             damping_law: "v *= 1/(1+c*h), every substep h",
             damped: |v0, c, dt, steps, sub| v0 * (1.0 / (1.0 + c * dt / sub as f64)).powi((steps * sub) as i32),
             default_substeps: SUBSTEPS,

@@ -18,7 +18,8 @@ impl Engine for Rapier {
             number: NUMBER,
             build: "enhanced-determinism, serde-serialize; default SIMD of 4 lanes (wide), target baseline".into(),
             solver: "defaults: 4 substeps (num_solver_iterations) x 1 PGS + 1 stabilization, soft contacts 30 Hz, \
-                     block solver, contact recycling, speculative CCD (max_ccd_substeps 1)",
+                     block solver, contact recycling, speculative CCD (max_ccd_substeps 1)"
+                .into(),
             damping_law: "v *= 1/(1+c*dt), once per step",
             damped: |v0, c, dt, steps, _| v0 * (1.0 / (1.0 + c * dt)).powi(steps as i32),
             default_substeps: 4,

@@ -3,20 +3,21 @@
 use crate::engine::{Engine, Info, Snapshot, State, World, locked_version};
 use crate::scene::{self, Field, Kind, Scene, Shape};
 use std::cell::RefCell;
-use std::marker::PhantomData;
 use std::rc::Rc;
 use umbra_physics::scalar::internals::VectorSet;
 use umbra_physics::scalar::{Factor, ToF64};
 use umbra_physics::{
-    Activity, Attachment, BodyDef, BodyId, BodyKind, Damping, End, FieldKind, Fx, Geometry, Integrator, Mass, Scalar,
-    Shape as Form, SpringConstants, TimeStep, Vec2, World as Umbra, WorldDef,
+    Activity, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ContactSettings, Damping, End, FieldKind, Fx,
+    Geometry, Integrator, Mass, Material, Scalar, Shape as Form, SpringConstants, TimeStep, Turn, Vec2, World as Umbra,
+    WorldDef,
 };
 
 /// The scalars, and how the scenes' doubles become them.
-pub trait Number: Scalar<Angle: ToF64> + ToF64 {
+pub trait Number: Scalar<Accumulator: ToF64> + ToF64 {
     const ID: &'static str;
     const FORMAT: &'static str;
     fn number(value: f64) -> Self;
+    fn radians(angle: Self::Angle) -> f64;
 }
 
 impl Number for Fx {
@@ -24,6 +25,10 @@ impl Number for Fx {
     const FORMAT: &'static str = "I32F32 fixed point";
     fn number(value: f64) -> Self {
         Fx::from_f64_for_tools(value).expect("scenes stay within the range of Fx")
+    }
+    /// Between −π and π, so that small angles of both signs are small.
+    fn radians(angle: Turn) -> f64 {
+        angle.to_bits() as i64 as f64 * (std::f64::consts::PI / (1u64 << 63) as f64)
     }
 }
 
@@ -33,6 +38,9 @@ impl Number for f64 {
     fn number(value: f64) -> Self {
         value
     }
+    fn radians(angle: Self::Angle) -> f64 {
+        angle.to_f64()
+    }
 }
 
 impl Number for f32 {
@@ -40,6 +48,9 @@ impl Number for f32 {
     const FORMAT: &'static str = "f32";
     fn number(value: f64) -> Self {
         value as f32
+    }
+    fn radians(angle: Self::Angle) -> f64 {
+        angle.to_f64()
     }
 }
 
@@ -71,26 +82,39 @@ pub fn shape<S: Number>(b: &scene::Body) -> Option<Form<S>> {
     Some(Form::new(geometry).expect("a shape within the limits"))
 }
 
-fn body<S: Number>(b: &scene::Body) -> BodyDef<S> {
-    let mass = match b.shape {
-        Shape::None { mass, inertia } => Mass::Explicit { mass: S::number(mass), inertia: S::number(inertia) },
-        _ => Mass::Density(S::number(b.density)),
-    };
+/// A body of the scene, and where its position in the scene lies in its axes, from the centre of mass, m.
+fn body<S: Number>(b: &scene::Body) -> (BodyDef<S>, [f64; 2]) {
     let def = match b.kind {
         Kind::Fixed => BodyDef::fixed(),
         Kind::Dynamic => BodyDef::dynamic(),
     };
-    BodyDef {
-        position: vector(b.x, b.y),
+    let (mut mass, mut origin) = (def.mass, [0.0; 2]);
+    let mut colliders = Vec::new();
+    if let Shape::None { mass: kilograms, inertia } = b.shape {
+        mass = Mass::Explicit { mass: S::number(kilograms), inertia: S::number(inertia) };
+    } else if let Some(shape) = shape::<S>(b) {
+        origin = [shape.shift().x, shape.shift().y].map(|c| -c.to_f64());
+        let material = Material { friction: S::number(b.friction), restitution: S::number(b.restitution) };
+        colliders.push(ColliderDef { density: S::number(b.density), material, ..ColliderDef::new(shape) });
+    }
+    let (dx, dy) = turned(origin, b.angle);
+    let def = BodyDef {
+        position: vector(b.x - dx, b.y - dy),
         angle: S::number(b.angle),
         velocity: vector(b.vx, b.vy),
         angular_velocity: S::number(b.w),
-        shape: shape(b),
+        colliders,
         mass,
         linear_damping: Some(damping(b.lin_damp)),
         angular_damping: Some(damping(b.ang_damp)),
         ..def
-    }
+    };
+    (def, origin)
+}
+
+fn turned([x, y]: [f64; 2], angle: f64) -> (f64, f64) {
+    let (sin, cos) = angle.sin_cos();
+    (cos * x - sin * y, sin * x + cos * y)
 }
 
 fn law<S: Number>(field: Field, body: BodyId) -> FieldKind<S> {
@@ -107,23 +131,40 @@ fn law<S: Number>(field: Field, body: BodyId) -> FieldKind<S> {
     }
 }
 
-pub struct Build<S> {
+/// The widest vector instructions of a name like `avx2`, if this CPU has them.
+pub fn vectors(name: &str) -> Option<VectorSet> {
+    VectorSet::available().find(|set| format!("{set:?}").eq_ignore_ascii_case(name))
+}
+
+pub struct Build<S: Scalar> {
     id: &'static str,
+    /// The widest vector instructions that it may use.
     widest: VectorSet,
-    scalar: PhantomData<S>,
+    contacts: ContactSettings<S>,
 }
 
 impl<S: Number> Build<S> {
-    /// With the wide vectors of the CPU, where it has them.
+    /// With the wide vectors of the CPU, where it has them, and the default settings.
     pub fn new() -> Self {
-        Self { id: S::ID, widest: VectorSet::Avx512, scalar: PhantomData }
+        Self { id: S::ID, widest: VectorSet::Avx512, contacts: ContactSettings::default() }
     }
 }
 
 impl Build<Fx> {
-    /// The code for every CPU, everywhere.
-    pub fn portable() -> Self {
-        Self { id: "umbra-fx-portable", widest: VectorSet::Portable, scalar: PhantomData }
+    /// The engine of an id like `umbra-fx@substeps=6:vectors=avx2`; `None` for another engine or an unknown option.
+    pub fn with_options(id: &str) -> Option<Self> {
+        let list = id.strip_prefix(Fx::ID)?.strip_prefix('@')?;
+        let mut build = Self::new();
+        for option in list.split(':') {
+            match option.split_once('=')? {
+                ("substeps", value) => build.contacts.substeps = value.parse().ok()?,
+                ("vectors", value) => build.widest = vectors(value)?,
+                _ => return None,
+            }
+        }
+        build.contacts.check().ok()?;
+        // Ids live as long as the program, and there are few.
+        Some(Self { id: String::from(id).leak(), ..build })
     }
 }
 
@@ -136,8 +177,12 @@ impl<S: Number> Engine for Build<S> {
             version: format!("umbra-physics {}", locked_version("umbra-physics")),
             number: S::FORMAT,
             build: format!("feature float; vector instructions: {:?}", self.widest.min(VectorSet::used())),
-            solver: "defaults: velocity Verlet, no substeps, no collision yet; symplectic Euler where the harness \
-                     pushes what depends on the position: a push is constant over its step",
+            solver: format!(
+                "velocity Verlet; where bodies touch {} substeps of soft contacts; symplectic Euler where the harness \
+                 pushes what depends on the position: a push is constant over its step; options of the fixed-point \
+                 build: umbra-fx@substeps=N:vectors=SET",
+                self.contacts.substeps
+            ),
             damping_law: "v *= d^dt with d = exp(-c) as the scalar holds it",
             damped: |v0, c, dt, steps, _| v0 * damping::<S>(c).kept().to_f64().powf(dt * f64::from(steps)),
             default_substeps: 1,
@@ -145,8 +190,8 @@ impl<S: Number> Engine for Build<S> {
         }
     }
     fn refuse(&self, scene: &Scene) -> Option<String> {
-        let lacks = if scene.contacts {
-            "collision"
+        let lacks = if scene.bodies.iter().any(|b| b.surface_speed != 0.0) {
+            "surface speeds"
         } else if !scene.joints.is_empty() {
             "joints"
         } else {
@@ -164,17 +209,23 @@ impl<S: Number> Engine for Build<S> {
             gravity: vector(scene.gravity[0], scene.gravity[1]),
             integrator,
             sleep_after: if scene.sleep { WorldDef::<S>::default().sleep_after } else { None },
+            contacts: ContactSettings { substeps: scene.substeps.unwrap_or(self.contacts.substeps), ..self.contacts },
             ..WorldDef::default()
         };
         let mut world = Umbra::<S>::with_scalar(def).expect("a definition within the limits");
-        let add = |b| world.add_body(body(b)).expect("a body within the limits");
-        let ids: Vec<_> = scene.bodies.iter().map(add).collect();
+        let mut ids = Vec::with_capacity(scene.bodies.len());
+        let mut origins = Vec::with_capacity(scene.bodies.len());
+        for b in &scene.bodies {
+            let (def, origin) = body(b);
+            ids.push(world.add_body(def).expect("a body within the limits"));
+            origins.push(origin);
+        }
         if let (Some(field), false) = (scene.field, scene.pushed) {
             for &id in &ids {
                 world.add_field(law(field, id)).expect("a field within the limits");
             }
         }
-        Box::new(Built { world, ids, spare: Rc::default(), widest: self.widest })
+        Box::new(Built { world, ids, origins, spare: Rc::default(), widest: self.widest })
     }
 }
 
@@ -184,6 +235,8 @@ type Spare<S> = Rc<RefCell<Vec<Umbra<S>>>>;
 struct Built<S: Number> {
     world: Umbra<S>,
     ids: Vec<BodyId>,
+    /// Where the position of each body in the scene lies in its axes, from the centre of mass.
+    origins: Vec<[f64; 2]>,
     spare: Spare<S>,
     widest: VectorSet,
 }
@@ -213,14 +266,16 @@ impl<S: Number> World for Built<S> {
     }
     fn state(&self, i: usize) -> State {
         let body = self.world.body(self.ids[i]).expect("no body is removed");
-        let (position, velocity) = (body.position(), body.velocity());
+        let (position, velocity) = (body.position_exact(), body.velocity_exact());
+        let angle = S::radians(body.angle_exact());
+        let (dx, dy) = turned(self.origins[i], angle);
         State {
-            x: position.x.to_f64(),
-            y: position.y.to_f64(),
-            angle: body.angle_exact().to_f64(),
+            x: position.x.to_f64() + dx,
+            y: position.y.to_f64() + dy,
+            angle,
             vx: velocity.x.to_f64(),
             vy: velocity.y.to_f64(),
-            w: body.angular_velocity().to_f64(),
+            w: body.angular_velocity_exact().to_f64(),
         }
     }
     fn hash(&self) -> u64 {
@@ -234,7 +289,7 @@ impl<S: Number> World for Built<S> {
         Some(awake.count())
     }
     fn contact_points(&self) -> Option<usize> {
-        None
+        Some(self.world.contacts().map(|contact| contact.points().len()).sum())
     }
     fn snapshot_kinds(&self) -> &'static [&'static str] {
         &["clone_from into a world there is", "clone"]

@@ -10,7 +10,7 @@ mod words;
 use std::path::PathBuf;
 
 use clap::Args;
-use umbra_physics::{BodyId, FieldId, Fx, Replay};
+use umbra_physics::{BodyId, ColliderId, FieldId, Fx, Replay};
 use umbra_scene::Scene;
 
 use crate::failure::Failure;
@@ -84,6 +84,7 @@ fn of_replay(replay: &Replay, options: &Options) -> Recording {
     let names = Names {
         body: |body: BodyId| labels.body(body).map_or_else(|| body.to_string(), str::to_owned),
         field: |field: FieldId| labels.field(field).map_or_else(|| field.to_string(), str::to_owned),
+        collider: |collider: ColliderId| labels.collider(collider).map_or_else(|| collider.to_string(), str::to_owned),
     };
     // The page calls bodies without a name by their handles.
     let name = |body: BodyId| labels.body(body).unwrap_or_default().to_owned();

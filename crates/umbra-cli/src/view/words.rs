@@ -1,21 +1,24 @@
 //! Commands in words.
 
 use umbra_physics::{
-    BodyId, BodyKind, Command, Damping, FieldId, FieldKind, ForceField, ForceOrImpulse, Frame, Fx, Locks, Mass, Vec2,
+    BodyId, BodyKind, ColliderId, Command, Damping, FieldId, FieldKind, ForceField, ForceOrImpulse, Frame, Fx, Locks,
+    Mass, Vec2,
 };
 use umbra_scene::{Scene, SceneAction};
 
-/// The names of bodies and force fields.
-pub(crate) struct Names<B, F> {
+/// The names of bodies, force fields and colliders.
+pub(crate) struct Names<B, F, C> {
     pub(crate) body: B,
     pub(crate) field: F,
+    pub(crate) collider: C,
 }
 
 /// A command in words.
-pub(crate) fn command<B, F>(command: &Command<Fx>, names: &Names<B, F>) -> String
+pub(crate) fn command<B, F, C>(command: &Command<Fx>, names: &Names<B, F, C>) -> String
 where
     B: Fn(BodyId) -> String,
     F: Fn(FieldId) -> String,
+    C: Fn(ColliderId) -> String,
 {
     let of = |body: &BodyId| (names.body)(*body);
     match command {
@@ -72,6 +75,12 @@ where
         Command::SetSleepAfter(None) => "no sleep".to_owned(),
         Command::SetRandom(_) => "another state of the generator".to_owned(),
         Command::SetBlob(bytes) => format!("a blob of {} bytes", bytes.len()),
+        Command::AddCollider { body, def } => format!("add a collider to {} at {} m", of(body), vector(def.position)),
+        Command::SetCollider { collider, .. } => {
+            format!("another definition for {}", (names.collider)(*collider))
+        }
+        Command::RemoveCollider(collider) => format!("remove {}", (names.collider)(*collider)),
+        Command::SetContactSettings(contacts) => format!("contacts: {} sub-steps", contacts.substeps),
         // One that this version does not know; its name at least.
         other => format!("{other:?}").chars().take_while(char::is_ascii_alphanumeric).collect(),
     }
@@ -85,8 +94,14 @@ pub(super) fn action(scene: &Scene, action: &SceneAction) -> String {
         let name = scene.fields.get(id.parts().0 as usize).and_then(|field| field.name.clone());
         name.unwrap_or_else(|| id.to_string())
     };
+    let collider_name = |id: ColliderId| {
+        let (index, own) = id.parts();
+        let colliders = scene.bodies.get(index as usize).map(|body| &body.colliders);
+        colliders.and_then(|colliders| colliders.get(own as usize)?.name.clone())
+    };
+    let collider = |id: ColliderId| collider_name(id).unwrap_or_else(|| "a collider".to_owned());
     match action {
-        SceneAction::Command(what) => command(what, &Names { body, field }),
+        SceneAction::Command(what) => command(what, &Names { body, field, collider }),
         SceneAction::AddBody(index) => format!("add {}", body(BodyId::from_parts(*index as u32, 0))),
         SceneAction::AddField(index) => {
             let added = &scene.fields[*index];
@@ -94,6 +109,9 @@ pub(super) fn action(scene: &Scene, action: &SceneAction) -> String {
                 .name
                 .as_ref()
                 .map_or_else(|| format!("add {}", field_words(&added.field)), |name| format!("add {name}"))
+        }
+        SceneAction::AddCollider(symbol) => {
+            format!("add {} to {}", collider(*symbol), body(BodyId::from_parts(symbol.parts().0, 0)))
         }
         SceneAction::SetShape { body: id, shape: Some(_) } => format!("another shape for {}", body(*id)),
         SceneAction::SetShape { body: id, shape: None } => format!("no shape for {}", body(*id)),
@@ -140,6 +158,7 @@ fn weight(mass: Mass) -> String {
         Mass::Density(density) => format!("{} kg/m²", short(density)),
         Mass::Kilograms(mass) => format!("{} kg", short(mass)),
         Mass::Explicit { mass, inertia } => format!("{} kg, {} kg·m²", short(mass), short(inertia)),
+        Mass::FromColliders => "that of its colliders".to_owned(),
     }
 }
 

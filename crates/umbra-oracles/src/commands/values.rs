@@ -1,8 +1,9 @@
 //! The values of random commands, by the roles that they have in commands.
 
 use umbra_physics::{
-    ApplyOptions, BodyDef, BodyId, BodyKind, CommandSource, Damping, FieldId, ForceField, ForceOrImpulse, Frame, Fx,
-    Integrator, Locks, Mass, Random, Shape, TimeStep, Vec2, WorldDef, fx, limits,
+    ApplyOptions, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, CommandSource, ContactSettings, Damping, FieldId,
+    ForceField, ForceOrImpulse, Frame, Fx, Integrator, Locks, Mass, Random, Shape, TimeStep, Vec2, WorldDef, fx,
+    limits,
 };
 
 use super::{Choices, Generator};
@@ -26,6 +27,49 @@ impl<C: Choices + ?Sized> CommandSource for Generator<'_, C> {
         self.fields[self.choices.choose(self.fields.len() as u64) as usize]
     }
 
+    fn collider(&mut self) -> ColliderId {
+        if self.colliders.is_empty() || self.is_wild() {
+            return ColliderId::from_parts(self.choices.choose(8) as u32, self.choices.choose(3) as u32);
+        }
+        self.colliders[self.choices.choose(self.colliders.len() as u64) as usize]
+    }
+
+    /// The definition of a collider, half of them in the middle of the body.
+    fn collider_def(&mut self) -> ColliderDef {
+        let kinds = match (self.taste.smooth, self.is_wild()) {
+            (true, _) => 3,
+            (false, is_wild) => 5 + u64::from(is_wild),
+        };
+        let shape = self.shape_of(kinds);
+        let is_central = self.choices.one_in(2);
+        let (position, angle) =
+            if is_central { (Vec2::ZERO, Fx::ZERO) } else { (self.local(), self.signed(fx!(7), ANGLE)) };
+        let key = self.choices.choose(16);
+        let position_of = |shape| ColliderDef { position, angle, key, user_data: key, ..ColliderDef::new(shape) };
+        let collider = shape.or_else(|| Shape::circle(fx!(0.5)).ok()).map(position_of);
+        ColliderDef {
+            density: self.number([fx!(0.5), fx!(4)], [Fx::ZERO, Fx::MAX]),
+            material: self.material(),
+            filter: self.filter(),
+            ..collider.unwrap_or_else(|| unreachable!("half a metre is a radius"))
+        }
+    }
+
+    fn contact_settings(&mut self) -> ContactSettings {
+        let standard: ContactSettings = ContactSettings::default();
+        let speed = [Fx::ZERO, fx!(1024)];
+        // Few pairs are too few for some.
+        let is_short = self.is_wild();
+        let count = |of: u64, all: u32| if is_short { 1 + of as u32 } else { all };
+        ContactSettings {
+            substeps: if self.choices.one_in(2) { standard.substeps } else { 1 + self.choices.choose(8) as u32 },
+            push_speed: self.number([fx!(1), fx!(4)], speed),
+            restitution_speed: self.number([fx!(0.5), fx!(2)], speed),
+            max_pairs: count(self.choices.choose(32), standard.max_pairs),
+            max_pairs_per_collider: count(self.choices.choose(8), standard.max_pairs_per_collider),
+        }
+    }
+
     /// The definition of a body. A third of them rest, to fall asleep.
     fn body_def(&mut self) -> BodyDef {
         let (kind, locks) = (self.kind(), self.locks());
@@ -41,6 +85,7 @@ impl<C: Choices + ?Sized> CommandSource for Generator<'_, C> {
             mass => mass,
         };
         let key = self.choices.choose(16);
+        let colliders = self.colliders();
         BodyDef {
             kind,
             position: self.position(),
@@ -48,6 +93,7 @@ impl<C: Choices + ?Sized> CommandSource for Generator<'_, C> {
             velocity: Vec2::new(free(velocity.x, locks.x), free(velocity.y, locks.y)),
             angular_velocity: free(angular_velocity, locks.rotation),
             shape,
+            colliders,
             mass,
             gravity_scale: if is_resting { Fx::ZERO } else { self.gravity_scale() },
             linear_damping: self.body_damping(),
@@ -102,7 +148,8 @@ impl<C: Choices + ?Sized> CommandSource for Generator<'_, C> {
         let mut kilograms = || self.number(usual, [limits::MASS_MIN, limits::MASS_MAX]);
         let mass = kilograms();
         match self.choices.choose(8) {
-            0..3 => Mass::Kilograms(Fx::ONE),
+            0 => Mass::FromColliders,
+            1..3 => Mass::Kilograms(Fx::ONE),
             3..5 => Mass::Kilograms(mass),
             5..7 => Mass::Explicit { mass, inertia: self.number(usual, [Fx::DELTA, Fx::MAX]) },
             _ if self.taste.smooth => Mass::Kilograms(mass),

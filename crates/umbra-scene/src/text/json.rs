@@ -50,6 +50,7 @@ impl Fields {
                 self.put("mass", mass);
                 self.put("inertia", inertia);
             }
+            Mass::FromColliders => self.put("mass", text("from_colliders")),
         }
     }
 
@@ -127,7 +128,8 @@ pub(super) fn locked(locks: Locks) -> String {
     list(locks.names().map(text))
 }
 
-pub(super) fn force_groups(bits: u32) -> String {
+/// The numbers of the bits that are set.
+pub(super) fn bits(bits: u32) -> String {
     list((0..u32::BITS).filter(|group| bits >> group & 1 == 1))
 }
 

@@ -36,7 +36,7 @@ fn all_errors_of_a_text_are_reported_by_line() {
         "5: bodies[0].shape.circle.raduis: unknown field: did you mean `radius`? [E503]",
         "6: bodies[1].nmae: unknown field: did you mean `name`? [E503]",
         "6: bodies[1].type: unknown field: did you mean `kind`? [E503]",
-        "6: bodies[1].friction: unknown field: there is no collision yet [E503]",
+        "6: bodies[1].friction: unknown field: give it to a collider, in the list `colliders` of a body [E503]",
         "7: bodies[2].kind: expected one of static, kinematic, dynamic, found \"dynmic\": did you mean `dynamic`? [E502]",
         "7: bodies[2].shape.box: unknown field: did you mean `rectangle`? [E503]",
         "8: bodies[3].max_speeds.liner: unknown field: did you mean `linear`? [E503]",
@@ -63,6 +63,62 @@ fn a_name_that_nothing_has_is_told_the_nearest_one() {
         "3: inputs[1].body: there is no body \"x\" [E507]",
     ];
     assert_eq!(lines(text), expected);
+}
+
+#[test]
+fn every_mistake_in_a_collider_is_told_at_its_field() {
+    let text = r#"{"contacts": {"substeps": 9, "push_speed": -1, "restitution_speed": 2000, "max_pair": 3},
+"bodies": [{"name": "a", "colliders": [
+  {"name": "hull", "friction": 0.5},
+  {"shape": {"compound": [{"shape": {"circle": {"radius": 1}}}]}},
+  {"shape": {"circle": {"radius": 1}}, "position": [5000, 0]},
+  {"shape": {"circle": {"radius": 1}}, "density": -1},
+  {"shape": {"circle": {"radius": 1}}, "friction": 33},
+  {"shape": {"circle": {"radius": 1}}, "restitution": 1.5},
+  {"shape": {"circle": {"radius": 1}}, "mask": []},
+  {"shape": {"circle": {"radius": 1}}, "category": [32]},
+  {"shape": {"circle": {"radius": 1}}, "bounciness": 1},
+  {"shape": {"circle": {"radius": 1}}, "group": 0.5}]},
+ {"name": "b", "colliders": [{"name": "c", "shape": {"circle": {"radius": 1}}},
+  {"name": "c", "shape": {"circle": {"radius": 1}}}]},
+ {"name": "d", "colliders": [{"shape": {"circle": {"radius": 1}}, "density": 0}]}],
+"inputs": [
+  {"at": 1, "collider": "hul", "do": "remove"},
+  {"from": 1, "to": 2, "body": "b", "add_collider": {"shape": {"circle": {"radius": 1}}}},
+  {"at": 1, "body": "b", "add_collider": {"shape": {"circle": {"radius": 0}}}},
+  {"at": 1, "set": {"contacts": {"substeps": 0}}}]}"#;
+    let expected = [
+        "1: contacts.substeps: out of range: expected a number of sub-steps from 1 to 8 [E101]",
+        "1: contacts.push_speed: out of range: expected a speed from 0 to 2^10 m/s [E101]",
+        "1: contacts.restitution_speed: out of range: expected a speed from 0 to 2^10 m/s [E101]",
+        "1: contacts.max_pair: unknown field: did you mean `max_pairs`? [E503]",
+        "3: bodies[0].colliders[0]: the field `shape` is missing [E505]",
+        "4: bodies[0].colliders[1].shape: the shape of a collider is a compound: give the body a collider for each part [E129]",
+        "5: bodies[0].colliders[2].position: out of range: expected a position of a collider within ±2^12 m of its body's centre of mass [E101]",
+        "6: bodies[0].colliders[3].density: out of range: expected a density of at least zero [E101]",
+        "7: bodies[0].colliders[4].friction: out of range: expected a coefficient of friction from 0 to 32 [E101]",
+        "8: bodies[0].colliders[5].restitution: out of range: expected a coefficient of restitution from 0 to 1 [E101]",
+        "9: bodies[0].colliders[6].mask: out of range: expected a filter with a category and a mask, or with a positive group [E101]",
+        "10: bodies[0].colliders[7].category[0]: out of range: expected a category from 0 to 31 [E508]",
+        "11: bodies[0].colliders[8].bounciness: unknown field: did you mean `restitution`? [E503]",
+        "12: bodies[0].colliders[9].group: out of range: expected a whole number that fits in 32 bits [E508]",
+    ];
+    let found = lines(text);
+    assert_eq!(found[..expected.len()], expected, "{found:#?}");
+    let rest = [
+        "14: bodies[1].colliders[1].name: there is a collider \"c\" already: choose another name [E506]",
+        "15: bodies[2].colliders: out of range: expected a mass from 2^-16 to 2^24 kg [E101]",
+    ];
+    assert_eq!(found[expected.len()..expected.len() + 2], rest, "{found:#?}");
+    assert!(
+        found[expected.len() + 2].starts_with("17: inputs[0].collider: there is no collider \"hul\": did you mean")
+    );
+    assert!(
+        found[expected.len() + 3].starts_with("18: inputs[1].add_collider: out of range: a body, field or collider")
+    );
+    assert!(found[expected.len() + 4].starts_with("19: inputs[2].add_collider.shape.circle.radius: out of range"));
+    assert!(found[expected.len() + 5].starts_with("20: inputs[3].set.contacts.substeps: out of range"));
+    assert_eq!(found.len(), expected.len() + 6);
 }
 
 #[test]

@@ -134,11 +134,16 @@ fn in_doubles_nearly_no_node_of_the_net_is_still_an_image() {
 pub(crate) const RICH: &str = r#"{
   "title": "All of it", "about": "…", "ticks": 20, "time_step": {"num": 1, "den": 120}, "gravity": [0, -9.81],
   "integrator": "velocity_verlet", "damping": {"linear": {"kept_per_second": 0.9}, "angular": {"kept_per_second": 0.5}}, "sleep_after": null,
+  "contacts": {"substeps": 4, "push_speed": 2, "restitution_speed": 0.5, "max_pairs": 1000, "max_pairs_per_collider": 20},
   "bodies": [
     {"name": "s", "kind": "static", "shape": {"segment": [[-5, 0], [5, 0]]}, "position": [0, -3]},
-    {"name": "k", "kind": "kinematic", "velocity": [1, 0], "angular_velocity": 2, "shape": {"capsule": {"length": 1, "radius": 0.5}}},
+    {"name": "k", "kind": "kinematic", "velocity": [1, 0], "angular_velocity": 2, "shape": {"capsule": {"length": 1, "radius": 0.5}},
+     "colliders": [{"name": "hull", "shape": {"polygon": [[0, 0], [1, 0], [0, 1]]}, "position": [1, 0.1], "angle": 0.5, "density": 2,
+       "friction": 0.3, "restitution": 0.5, "category": [1, 31], "mask": [0, 2, 4], "group": -2147483648, "key": 3, "user_data": 18446744073709551615},
+      {"shape": {"segment": [[-1, 0], [1, 0]]}}]},
     {"repeat": {"i": 2, "j": [-1, 1]}, "name": "r-{i}-{j}-{n}", "position": [{"start": 0.1, "i": 0.1, "j": 1e-3}, {"random": [-1, 1], "seed": 7}],
-     "velocity": {"length": 3, "angle": {"j": 0.5}}, "mass": 2, "inertia": 0.5, "key": {"i": 5}, "user_data": 9, "force_groups": [0, 31]},
+     "velocity": {"length": 3, "angle": {"j": 0.5}}, "mass": 2, "inertia": 0.5, "key": {"i": 5}, "user_data": 9, "force_groups": [0, 31],
+     "colliders": [{"name": "disc-{n}", "shape": {"circle": {"radius": 0.5}}, "key": {"start": 2, "i": 1, "j": 1}, "mask": [30]}]},
     {"name": "c", "angle": 1, "gravity_scale": -1, "damping": {"linear": {"kept_per_second": 0.1}}, "density": 3, "shape": {"compound": [
       {"shape": {"polygon": [[0, 0], [1, 0], [0, 1]]}, "position": [1, 0], "angle": 0.5, "density": 2},
       {"shape": {"rectangle": {"width": 1, "height": 2}}}, {"shape": {"circle": {"radius": 0.25}}, "position": [0, 1]}]}}
@@ -163,6 +168,11 @@ pub(crate) const RICH: &str = r#"{
     {"at": 9, "body": "new-0", "do": "remove"},
     {"at": 9, "body": "new-1", "do": "wake"},
     {"at": 10, "set": {"time_step": "1/60", "gravity": [0, 1], "integrator": "yoshida4", "damping": {"linear": {"kept_per_second": 0.5}}, "sleep_after": 9}},
+    {"at": 9, "body": "k", "add_collider": {"name": "fin", "shape": {"rectangle": {"width": 1, "height": 0.1}}}},
+    {"at": 10, "collider": "fin", "replace": {"shape": {"rectangle": {"width": 2, "height": 0.1}}, "friction": 0}},
+    {"at": 10, "collider": "disc-2", "do": "remove", "replace": {"shape": {"circle": {"radius": 1}}}},
+    {"at": 10, "set": {"contacts": {"substeps": 8}}},
+    {"at": 11, "body": "new-1", "set": {"mass": "from_colliders"}},
     {"at": 10, "do": "clear_forces", "set": {"random": [1, 2, 3, 18446744073709551615], "blob": "00fFa9"}},
     {"at": 10, "set": {"random": 7}},
     {"at": 11, "body": "c", "set": {"kind": "dynamic", "mass": 3, "position": [0, 0], "angle": 0, "velocity": [0, 0], "angular_velocity": 0,
@@ -197,6 +207,14 @@ fn the_rich_scene_is_one() {
     let (run, _) = run::<Fx>(&scene, 20);
     assert_eq!(run.world().body_count(), 10, "two were added, one was removed");
     assert_eq!(run.world().fields().count(), 8);
+    // Two and a fin on the one, six discs of which one was removed.
+    assert_eq!(run.world().collider_count(), 8);
+    let (world, labels) = (run.world(), run.labels());
+    let colliders = world.bodies().flat_map(|body| world.colliders_of(body.id()).expect("it is there"));
+    let mut names: Vec<&str> = colliders.filter_map(|collider| labels.collider(collider)).collect();
+    names.sort_unstable();
+    assert_eq!(names, ["disc-0", "disc-1", "disc-3", "disc-4", "disc-5", "fin", "hull"], "one has no name");
+    assert_eq!(run.world().def().contacts.substeps, 8);
     assert_eq!((run.world().random(), run.world().blob()), (&Random::seeded(7), &[0, 255, 169][..]));
     // 10 steps of 1/120 s and 10 of 1/60.
     let time = run.world().elapsed();

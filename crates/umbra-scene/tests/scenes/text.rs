@@ -25,6 +25,8 @@ fn placeless(mut scene: Scene) -> Scene {
     scene.bodies.iter_mut().for_each(|body| body.place = Place::default());
     scene.fields.iter_mut().for_each(|field| field.place = Place::default());
     scene.inputs.iter_mut().for_each(|input| input.place = Place::default());
+    let colliders = scene.bodies.iter_mut().flat_map(|body| &mut body.colliders);
+    colliders.for_each(|collider| collider.place = Place::default());
     scene
 }
 
@@ -148,6 +150,7 @@ fn stage() -> Vec<(u64, Command)> {
     commands.extend([BodyDef::dynamic(), BodyDef::kinematic()].map(Command::AddBody));
     commands.push(Command::AddField(drag.into()));
     commands.extend((0..3).map(|slot| Command::SetShape { body: body(slot), shape: Some(disc.clone()) }));
+    commands.push(Command::AddCollider { body: body(0), def: disc.into() });
     commands.push(Command::SetPosition { body: body(7), position: Vec2::new(limits::POSITION, Fx::ZERO) });
     commands.push(Command::SetVelocity { body: body(7), velocity: vec2(9, 0) });
     commands.into_iter().map(|command| (0, command)).collect()

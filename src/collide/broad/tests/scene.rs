@@ -4,7 +4,7 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use crate::collide::broad::{BroadPhase, PairLimits, Proxy, Statics};
-use crate::collide::filter::Filter;
+use crate::collider::Filter;
 use crate::fx::Fx;
 use crate::math::{Random, Vec2};
 use crate::shape::Aabb;

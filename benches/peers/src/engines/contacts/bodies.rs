@@ -41,8 +41,6 @@ pub struct Body {
     pub outline: Option<Outline>,
     /// The largest distance of a point of the outline, or of an anchor, from the centre of mass.
     pub radius: Fx,
-    /// The distances along x and y from the centre of mass to the sides of a box around the body at any time, in ulps.
-    pub extent: [i64; 2],
     pub friction: Fx,
     pub restitution: Fx,
     pub surface_speed: Fx,
@@ -78,14 +76,6 @@ impl Body {
         let (mass, inertia) = b.mass_inertia();
         let gyration = (inertia / mass).sqrt();
         let radius = outline.as_ref().map_or(Fx::number(gyration), radius_bound);
-        let extent = if let (Some(outline), false) = (&outline, is_dynamic) {
-            // It never turns: the box of its corners, rounded up.
-            let corners = outline.corners().iter().map(|&corner| turned(corner));
-            let widest = |a: [i128; 2], c: Vec2<FxWide>| [a[0].max(c.x.to_bits().abs()), a[1].max(c.y.to_bits().abs())];
-            corners.fold([0; 2], widest).map(|v| (v >> 32) as i64 + 1 + outline.radius().to_bits())
-        } else {
-            [radius.to_bits(); 2]
-        };
         let (mass, inertia) = if let (None, true) = (&shape, is_dynamic) {
             (Fx::number(mass), FxFactor::from_scalar(Fx::number(inertia)))
         } else if let (Some(shape), true) = (&shape, is_dynamic) {
@@ -104,7 +94,6 @@ impl Body {
             angular_velocity: FxAccumulator::from_scalar(Fx::number(b.w)),
             outline,
             radius,
-            extent,
             friction: Fx::number(b.friction),
             restitution: Fx::number(b.restitution),
             surface_speed: Fx::number(b.surface_speed),
@@ -175,8 +164,7 @@ impl Body {
 
     /// The state of the scene's body, whose position differs from the centre of mass by rounding.
     pub fn state(&self) -> State {
-        // Between −π and π, so that small angles of both signs are small.
-        let angle = self.angle.to_bits() as i64 as f64 * (std::f64::consts::PI / (1u64 << 63) as f64);
+        let angle = Fx::radians(self.angle);
         let (sin, cos) = angle.sin_cos();
         let (sx, sy) = (self.shift.x.to_f64(), self.shift.y.to_f64());
         State {

@@ -14,7 +14,7 @@ use umbra_physics::scalar::internals::VectorSet;
 use umbra_physics::solve::{Correction, Flight, Solver, SolverOptions};
 use umbra_physics::{Fx, TimeStep};
 
-use super::umbra::{Number, time_step};
+use super::umbra::{Number, time_step, vectors};
 
 pub struct Contacts {
     id: &'static str,
@@ -46,9 +46,7 @@ impl Contacts {
                 "joint_damping" => options.joint_damping_ratio = number()?,
                 "push" => options.push_speed = number()?,
                 "restitution" => options.restitution_speed = number()?,
-                "vectors" => {
-                    widest = VectorSet::available().find(|set| format!("{set:?}").eq_ignore_ascii_case(value))?
-                }
+                "vectors" => widest = vectors(value)?,
                 _ => return None,
             }
         }
@@ -67,7 +65,8 @@ impl Engine for Contacts {
             number: "I32F32 fixed point, contacts in 32-bit integers",
             build: format!("feature float; vector instructions: {:?}", self.widest.min(VectorSet::used())),
             solver: "velocity Verlet, then soft contacts in parity order as a correction; options of the solver by \
-                     umbra-contacts@substeps=N:vectors=SET:frequency=F:damping=D:joint_frequency=F:joint_damping=D:push=P:restitution=R",
+                     umbra-contacts@substeps=N:vectors=SET:frequency=F:damping=D:joint_frequency=F:joint_damping=D:push=P:restitution=R"
+                .into(),
             damping_law: "none",
             damped: |v0, _, _, _, _| v0,
             default_substeps: self.options.substeps,

@@ -98,10 +98,11 @@ impl Pairs {
 
     /// Finds the pairs of bodies, not both fixed, whose boxes overlap.
     fn search(&mut self, bodies: &[Body], flights: &[Flight]) {
+        let (cores, core_of) = (&self.cores, &self.core_of);
         let proxies = |is_dynamic: bool| {
             let all = bodies.iter().zip(flights).enumerate();
             all.filter(move |(_, (body, _))| body.outline.is_some() && body.is_dynamic == is_dynamic)
-                .map(|(i, (body, flight))| proxy(i, body, flight))
+                .map(|(i, (_, flight))| proxy(i, cores.bounds(core_of[i]), flight))
         };
         let statics = self.statics.get_or_insert_with(|| Arc::new(Statics::new(proxies(false).collect())));
         self.movers.clear();
@@ -151,14 +152,11 @@ fn contact(record: &Record, manifold: &Manifold, [a, b]: [&Body; 2]) -> Contact 
     }
 }
 
-/// The box around a body during the step, with half the margin: those of all that may come within the margin of it overlap it.
-fn proxy(i: usize, body: &Body, flight: &Flight) -> Proxy {
-    let moved = length(flight.displacement.x.to_bits(), flight.displacement.y.to_bits()) + turned(flight);
-    let more = MARGIN.to_bits() / 2 + 1 + moved;
-    let centre = [flight.position.x.to_bits(), flight.position.y.to_bits()];
-    let corner = |sign: i64| {
-        let [x, y] = [0, 1].map(|k| Fx::from_bits(centre[k] + sign * (body.extent[k] + more)));
-        Vec2::new(x, y)
-    };
-    Proxy { collider: i as u32, bounds: Aabb { min: corner(-1), max: corner(1) }, filter: Filter::default() }
+/// The box around a body over the step, with half the margin: those of all that may come within the margin of it overlap it.
+fn proxy(i: usize, at_start: Aabb, flight: &Flight) -> Proxy {
+    let way = length(flight.displacement.x.to_bits(), flight.displacement.y.to_bits());
+    let more = MARGIN.to_bits() / 2 + 1 + way + turned(flight);
+    let grown = |v: Vec2, by: i64| v.map(|c| Fx::from_bits(c.to_bits() + by));
+    let bounds = Aabb { min: grown(at_start.min, -more), max: grown(at_start.max, more) };
+    Proxy { collider: i as u32, bounds, filter: Filter::default() }
 }

@@ -2,7 +2,19 @@
 
 /// The kinds of colliders that one may meet. Two colliders meet if each has a category in the other's mask; a group that both are in
 /// decides before that.
+///
+/// ```
+/// use umbra_physics::Filter;
+///
+/// const WALL: u32 = 1;
+/// const PLAYER: u32 = 2;
+/// const GHOST: u32 = 4;
+/// let player = Filter { category: PLAYER, ..Filter::default() };
+/// let ghost = Filter { category: GHOST, mask: WALL, ..Filter::default() }; // walks through players
+/// assert!(ghost.agrees(Filter::default()) && player.agrees(player) && !ghost.agrees(player));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Filter {
     /// The categories that the collider is in, one bit each.
     pub category: u32,
@@ -27,6 +39,11 @@ impl Filter {
             return self.group > 0;
         }
         self.category & other.mask != 0 && other.category & self.mask != 0
+    }
+
+    /// Returns true if the filter agrees with no other: it has no category or no mask, and no positive group.
+    pub(super) fn meets_nothing(self) -> bool {
+        (self.category == 0 || self.mask == 0) && self.group <= 0
     }
 }
 

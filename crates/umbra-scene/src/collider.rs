@@ -1,0 +1,135 @@
+//! Reading colliders and the settings of contacts.
+
+use alloc::string::String;
+
+use super::Tables;
+use super::body::bits;
+use super::convert::convert_collider;
+use super::error::{Place, Refused};
+use super::node::{Node, Result};
+use super::object::Object;
+use super::shape::{ShapeDef, shape};
+use umbra_physics::{
+    ColliderDef, ColliderId, ContactSettings, Error, Filter, Fx, Material, Quantity, Scalar, Shape, Vec2,
+};
+
+/// A collider of a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneCollider {
+    /// The name, if inputs are to change the collider. No other collider of the scene has it.
+    pub name: Option<String>,
+    /// The definition.
+    pub def: ColliderDef,
+    /// The place in the text.
+    pub place: Place,
+}
+
+impl SceneCollider {
+    /// The definition for a scalar.
+    ///
+    /// # Errors
+    /// As the constructors of [`Shape`]: a polygon may have no area left in a coarser scalar.
+    ///
+    /// ```
+    /// use umbra_physics::{ColliderDef, Material, fx};
+    /// use umbra_scene::{Scene, SceneCollider};
+    ///
+    /// let text = r#"{"bodies": [{"name": "a", "colliders": [
+    ///     {"name": "hull", "shape": {"circle": {"radius": 0.5}}, "friction": 0.1}]}]}"#;
+    /// let scene = Scene::parse(text)?;
+    /// let hull: &SceneCollider = &scene.bodies[0].colliders[0];
+    /// let def: ColliderDef<f64> = hull.def()?;
+    /// assert_eq!((hull.def.material.friction, def.material.friction), (fx!(0.1), fx!(0.1).to_f64()));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn def<S: Scalar>(&self) -> core::result::Result<ColliderDef<S>, Error> {
+        convert_collider(&self.def)
+    }
+}
+
+/// Reads a collider of a body, and takes it in under its name.
+pub(super) fn collider(object: &Object<'_>, symbol: ColliderId, tables: &mut Tables) -> Result<SceneCollider> {
+    let read = read(object).and_then(|read| {
+        tables.add_collider(object, read.name.as_deref(), symbol)?;
+        Ok(read)
+    });
+    read.inspect_err(|_| tables.colliders.note_refused(object, false))
+}
+
+/// Reads a collider.
+pub(super) fn read(object: &Object<'_>) -> Result<SceneCollider> {
+    let name = object.or("name", None, |node| node.string().map(Some));
+    let shape = object.need("shape", shape).and_then(|def: ShapeDef| {
+        let made: Shape = def.make().map_err(|error| object.at(&["shape"]).fault(error))?;
+        Ok(made)
+    });
+    let (material, filter) = (Material::default(), Filter::default());
+    let (position, angle) =
+        (object.or("position", Vec2::ZERO, Node::point), object.or("angle", Fx::ZERO, Node::number));
+    let density = object.or("density", Fx::ONE, Node::number);
+    let material = Material {
+        friction: object.or("friction", material.friction, Node::number),
+        restitution: object.or("restitution", material.restitution, Node::number),
+    };
+    let categories = |node: &Node<'_>| bits(node, "category");
+    let filter = Filter {
+        category: object.or("category", filter.category, categories),
+        mask: object.or("mask", filter.mask, categories),
+        group: object.or("group", filter.group, Node::whole),
+    };
+    let (key, user_data) = (object.or("key", 0, Node::whole), object.or("user_data", 0, Node::whole));
+    object.finish()?;
+    let def = ColliderDef { shape: shape?, position, angle, density, material, filter, key, user_data };
+    def.check().map_err(|error| blame(object, error))?;
+    Ok(SceneCollider { name, def, place: object.node.place() })
+}
+
+/// Puts an error of the engine's at the field of the collider that it is about.
+fn blame(object: &Object<'_>, error: Error) -> Refused {
+    let fields: &[&str] = match error {
+        Error::CompoundCollider => &["shape"],
+        Error::OutOfRange { quantity } => match quantity {
+            Quantity::ColliderPosition => &["position"],
+            Quantity::Angle => &["angle"],
+            Quantity::ColliderDensity => &["density"],
+            Quantity::Friction => &["friction"],
+            Quantity::Restitution => &["restitution"],
+            Quantity::Filter => &["mask", "category"],
+            _ => &[],
+        },
+        _ => &[],
+    };
+    object.at(fields).fault(error)
+}
+
+/// Reads the settings of contacts. Each that is out of range is refused at its place.
+pub(super) fn contacts(node: &Node<'_>) -> Result<ContactSettings> {
+    let object = node.object()?;
+    let mut settings: ContactSettings = ContactSettings::default();
+    number(&object, "substeps", &mut settings, Node::whole, |settings| &mut settings.substeps);
+    number(&object, "push_speed", &mut settings, Node::number, |settings| &mut settings.push_speed);
+    number(&object, "restitution_speed", &mut settings, Node::number, |settings| &mut settings.restitution_speed);
+    number(&object, "max_pairs", &mut settings, Node::whole, |settings| &mut settings.max_pairs);
+    number(&object, "max_pairs_per_collider", &mut settings, Node::whole, |settings| {
+        &mut settings.max_pairs_per_collider
+    });
+    object.finish()?;
+    Ok(settings)
+}
+
+/// Reads one of the settings, if it is there.
+fn number<'a, T>(
+    object: &Object<'a>,
+    name: &'static str,
+    settings: &mut ContactSettings,
+    read: fn(&Node<'a>) -> Result<T>,
+    place: fn(&mut ContactSettings) -> &mut T,
+) {
+    object.or(name, (), |node| {
+        let mut next = *settings;
+        *place(&mut next) = read(node)?;
+        next.check().map_err(|error| node.fault(error))?;
+        *settings = next;
+        Ok(())
+    });
+}

@@ -1,0 +1,42 @@
+//! Writing colliders and the settings of contacts.
+
+use alloc::string::String;
+
+use super::json::{Fields, bits, point};
+use super::{SceneCollider, ShapeDef};
+use umbra_physics::{ColliderDef, ContactSettings, Filter, Fx, Material, Vec2};
+
+impl SceneCollider {
+    pub(super) fn text(&self) -> String {
+        collider_text(self.name.as_deref().map_or_else(Fields::default, Fields::of_name), &self.def)
+    }
+}
+
+pub(super) fn collider_text(mut object: Fields, def: &ColliderDef) -> String {
+    let (material, filter): (Material, Filter) = Default::default();
+    object.put("shape", ShapeDef::from(&def.shape).text());
+    object.unless(def.position == Vec2::ZERO, "position", point(def.position));
+    object.unless(def.angle == Fx::ZERO, "angle", def.angle);
+    object.unless(def.density == Fx::ONE, "density", def.density);
+    object.unless(def.material.friction == material.friction, "friction", def.material.friction);
+    object.unless(def.material.restitution == material.restitution, "restitution", def.material.restitution);
+    object.unless(def.filter.category == filter.category, "category", bits(def.filter.category));
+    object.unless(def.filter.mask == filter.mask, "mask", bits(def.filter.mask));
+    object.unless(def.filter.group == filter.group, "group", def.filter.group);
+    object.unless(def.key == 0, "key", def.key);
+    object.unless(def.user_data == 0, "user_data", def.user_data);
+    object.line()
+}
+
+pub(super) fn contacts_text(contacts: &ContactSettings) -> String {
+    let standard: ContactSettings = ContactSettings::default();
+    let ContactSettings { substeps, push_speed, restitution_speed, max_pairs, max_pairs_per_collider: most } =
+        *contacts;
+    let mut object = Fields::default();
+    object.unless(substeps == standard.substeps, "substeps", substeps);
+    object.unless(push_speed == standard.push_speed, "push_speed", push_speed);
+    object.unless(restitution_speed == standard.restitution_speed, "restitution_speed", restitution_speed);
+    object.unless(max_pairs == standard.max_pairs, "max_pairs", max_pairs);
+    object.unless(most == standard.max_pairs_per_collider, "max_pairs_per_collider", most);
+    object.line()
+}

@@ -1,0 +1,245 @@
+//! The colliders of a world and their handles.
+
+use alloc::vec::Vec;
+
+use super::ColliderDef;
+use crate::codec::{self, StateHasher, Write as _};
+use crate::error::Error;
+use crate::limits;
+use crate::scalar::Scalar;
+use crate::shape::{Aabb, Outline};
+use crate::slots::{BodyId, ColliderId, NONE, Slots, push};
+
+/// The colliders. Copies of a world share them until one is changed.
+///
+/// The time to add, replace, find or remove a collider does not depend on the number of others, except those of its body.
+#[derive(Debug, Default)]
+pub(crate) struct ColliderSet<S: Scalar> {
+    /// The index of each collider in the list.
+    slots: Slots<ColliderId>,
+    /// The colliders in no order.
+    list: Vec<Collider<S>>,
+    /// The first collider of each body by its slot, or [`NONE`]; long enough for the bodies that have had one.
+    first: Vec<u32>,
+    /// A hash of all changes so far: caches of a step compare it. Copies of a world have the same.
+    revision: u64,
+}
+
+/// A collider, with values that follow from its definition.
+#[derive(Clone, Debug)]
+pub(crate) struct Collider<S: Scalar> {
+    pub(crate) slot: u32,
+    pub(crate) body: BodyId,
+    /// The slots of the neighbours in the list of the body's colliders, or [`NONE`].
+    previous: u32,
+    next: u32,
+    pub(crate) def: ColliderDef<S>,
+    /// The outline in the axes of the body, relative to its centre of mass.
+    pub(crate) outline: Outline<S>,
+    /// The least box around the corners of the outline.
+    pub(crate) corners: Aabb<S>,
+    /// The largest distance of a point of the outline from the body's centre of mass, m, rounded up.
+    pub(crate) radius: S,
+    /// A hash of the body and the definition: no step changes them.
+    digest: u64,
+}
+
+clone_by_field!(ColliderSet { slots, list, first, revision });
+
+impl<S: Scalar> ColliderSet<S> {
+    pub(crate) fn len(&self) -> usize {
+        self.list.len()
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.list.is_empty()
+    }
+
+    pub(crate) fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    /// Notes a change of the collider in a slot.
+    fn note(&mut self, slot: u32) {
+        let mut sink = StateHasher::new();
+        self.revision.write(&mut sink);
+        slot.write(&mut sink);
+        self.at(slot).map(|collider| collider.digest).write(&mut sink);
+        self.revision = sink.finish();
+    }
+
+    /// Refuses `more` other colliders where the limit is reached.
+    pub(crate) fn check_room(&self, more: usize) -> Result<(), Error> {
+        if self.slots.has_room_for(more, limits::COLLIDERS) { Ok(()) } else { Err(Error::Full) }
+    }
+
+    /// Adds a collider. *Domain* it was checked, and there is room.
+    pub(crate) fn insert(&mut self, body: BodyId, def: ColliderDef<S>) -> ColliderId {
+        let slot = self.slots.reuse().unwrap_or_else(|| self.slots.open(0));
+        self.place(slot, body, def);
+        self.slots.handle(slot)
+    }
+
+    /// Adds the colliders of a new body: their slots ascend in the order of the list. *Domain* as [`insert`](Self::insert).
+    pub(crate) fn insert_all(&mut self, body: BodyId, defs: Vec<ColliderDef<S>>) {
+        let mut slots: Vec<u32> =
+            defs.iter().map(|_| self.slots.reuse().unwrap_or_else(|| self.slots.open(0))).collect();
+        slots.sort_unstable();
+        slots.into_iter().zip(defs).for_each(|(slot, def)| self.place(slot, body, def));
+    }
+
+    /// Puts a collider into a slot without one, as the last of its body.
+    fn place(&mut self, slot: u32, body: BodyId, def: ColliderDef<S>) {
+        self.slots.set_index(slot, self.list.len() as u32);
+        let at = body.slot as usize;
+        if self.first.len() <= at {
+            self.first.resize(at + 1, NONE);
+        }
+        let next = core::mem::replace(&mut self.first[at], slot);
+        if let Some(next) = self.at_mut(next) {
+            next.previous = slot;
+        }
+        push(&mut self.list, Collider::new(slot, body, def, [NONE, next]));
+        self.note(slot);
+    }
+
+    /// The index in the list of the collider in a slot, if there is one.
+    fn index_in(&self, slot: u32) -> Option<usize> {
+        self.slots.all().get(slot as usize)?.index()
+    }
+
+    /// The collider in a slot, if there is one.
+    pub(crate) fn at(&self, slot: u32) -> Option<&Collider<S>> {
+        self.index_in(slot).map(|index| &self.list[index])
+    }
+
+    fn at_mut(&mut self, slot: u32) -> Option<&mut Collider<S>> {
+        self.index_in(slot).map(|index| &mut self.list[index])
+    }
+
+    fn find(&self, id: ColliderId) -> Result<usize, Error> {
+        self.slots.find(id).ok_or(Error::NoSuchCollider { collider: id })
+    }
+
+    pub(crate) fn get(&self, id: ColliderId) -> Result<&Collider<S>, Error> {
+        self.find(id).map(|index| &self.list[index])
+    }
+
+    pub(crate) fn id(&self, slot: u32) -> ColliderId {
+        self.slots.handle(slot)
+    }
+
+    /// Replaces the definition of a collider.
+    pub(crate) fn replace(&mut self, id: ColliderId, def: ColliderDef<S>) -> Result<(), Error> {
+        let index = self.find(id)?;
+        let Collider { slot, body, previous, next, .. } = self.list[index];
+        self.list[index] = Collider::new(slot, body, def, [previous, next]);
+        self.note(slot);
+        Ok(())
+    }
+
+    pub(crate) fn remove(&mut self, id: ColliderId) -> Result<(), Error> {
+        let index = self.find(id)?;
+        let Collider { body, previous, next, .. } = self.list.swap_remove(index);
+        if let Some(moved) = self.list.get(index) {
+            self.slots.set_index(moved.slot, index as u32);
+        }
+        self.slots.release(id.slot);
+        match self.at_mut(previous) {
+            Some(previous) => previous.next = next,
+            None => self.first[body.slot as usize] = next,
+        }
+        if let Some(next) = self.at_mut(next) {
+            next.previous = previous;
+        }
+        self.note(id.slot);
+        Ok(())
+    }
+
+    /// The colliders of a body of the world, in no order.
+    pub(crate) fn of(&self, body: BodyId) -> impl Iterator<Item = &Collider<S>> + Clone {
+        self.of_slot(body.slot)
+    }
+
+    /// The colliders of the body in a slot, in no order.
+    pub(crate) fn of_slot(&self, body: u32) -> impl Iterator<Item = &Collider<S>> + Clone {
+        let mut slot = self.first.get(body as usize).copied().unwrap_or(NONE);
+        core::iter::from_fn(move || {
+            let collider = self.at(slot)?;
+            slot = collider.next;
+            Some(collider)
+        })
+    }
+
+    /// All colliders, in no order.
+    pub(crate) fn list(&self) -> &[Collider<S>] {
+        &self.list
+    }
+
+    /// The colliders by slot.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &Collider<S>> {
+        self.slots.all().iter().filter_map(|slot| slot.index().map(|index| &self.list[index]))
+    }
+
+    /// All slots: how often each was taken before, and its collider.
+    pub(crate) fn slots(&self) -> impl ExactSizeIterator<Item = (u32, Option<&Collider<S>>)> {
+        self.slots.all().iter().map(|slot| (slot.generation, slot.index().map(|index| &self.list[index])))
+    }
+
+    /// Generation of a slot; `None` beyond the last slot.
+    pub(crate) fn generation(&self, slot: u32) -> Option<u32> {
+        self.slots.generation(slot)
+    }
+
+    /// The slots to take again, the next one last.
+    pub(crate) fn free(&self) -> &[u32] {
+        self.slots.free()
+    }
+
+    /// Adds a slot from a snapshot. *Domain* the collider was checked.
+    pub(crate) fn rebuild(&mut self, generation: u32, collider: Option<(BodyId, ColliderDef<S>)>) -> Result<(), Error> {
+        if self.slots.len() >= limits::COLLIDERS {
+            return Err(Error::Full);
+        }
+        let slot = self.slots.open(generation);
+        if let Some((body, def)) = collider {
+            self.place(slot, body, def);
+        }
+        Ok(())
+    }
+
+    /// Sets which slots to take again.
+    ///
+    /// # Errors
+    /// [`Error::Inconsistent`] if one has a collider or is listed twice.
+    pub(crate) fn set_free(&mut self, free: Vec<u32>) -> Result<(), Error> {
+        if self.slots.set_free(free) { Ok(()) } else { Err(Error::Inconsistent) }
+    }
+
+    /// Adds all colliders to a hash, and the state of their slots.
+    pub(crate) fn write(&self, sink: &mut StateHasher) {
+        codec::count(sink, self.slots.len());
+        for (generation, collider) in self.slots() {
+            generation.write(sink);
+            collider.map(|collider| collider.digest).write(sink);
+        }
+        codec::count(sink, self.slots.free().len());
+        sink.all(self.slots.free(), u32::to_le_bytes);
+    }
+}
+
+impl<S: Scalar> Collider<S> {
+    fn new(slot: u32, body: BodyId, def: ColliderDef<S>, [previous, next]: [u32; 2]) -> Self {
+        let outline = def.shape.outlines()[0].at(def.angle, def.position);
+        let (corners, radius) = (Aabb::around(outline.corners(), S::ZERO), outline.reach());
+        let mut sink = StateHasher::new();
+        body.write(&mut sink);
+        def.write(&mut sink);
+        Self { slot, body, previous, next, def, outline, corners, radius, digest: sink.finish() }
+    }
+
+    /// A hash of the definition without the handle of the body.
+    pub(crate) fn physics_digest(&self) -> u64 {
+        StateHasher::of(&self.def)
+    }
+}

@@ -1,0 +1,73 @@
+//! The settings of contacts of a world.
+
+use crate::codec::codec_struct;
+use crate::error::{Error, Quantity};
+use crate::fx;
+use crate::fx::Fx;
+use crate::scalar::Scalar;
+
+/// Settings of contacts. The defaults suit bodies of 0.1 m to 10 m at 60 steps a second.
+///
+/// ```
+/// use umbra_physics::{ContactSettings, Error, Quantity, World, WorldDef, fx};
+///
+/// let contacts = ContactSettings { substeps: 8, ..ContactSettings::default() }; // stiffer stacks, for 1.5 times the time
+/// let def = WorldDef { contacts, ..WorldDef::default() };
+/// assert_eq!(def.contacts.restitution_speed, fx!(1));
+///
+/// let mut world = World::new(def)?;
+/// let no_bounce_below = ContactSettings { restitution_speed: fx!(2), ..contacts };
+/// assert_eq!(no_bounce_below.check(), Ok(()));
+/// world.set_contact_settings(no_bounce_below)?;
+/// let none = ContactSettings { substeps: 0, ..contacts };
+/// assert_eq!(world.set_contact_settings(none), Err(Error::OutOfRange { quantity: Quantity::Substeps }));
+/// # Ok::<(), umbra_physics::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct ContactSettings<S = Fx> {
+    /// The number of sub-steps in which contacts are solved, 1 to 8. More make stacks stiffer.
+    pub substeps: u32,
+    /// The largest speed with which overlapping bodies are pushed apart, m/s, up to 2^10.
+    pub push_speed: S,
+    /// The approach speed from which on bodies bounce, m/s, up to 2^10.
+    pub restitution_speed: S,
+    /// The number of pairs of colliders that may be close to each other in a step, 1 to 2^28. With more, the bodies of the colliders
+    /// with the most pairs are quarantined.
+    pub max_pairs: u32,
+    /// The number of pairs of one collider of a moving body that may be close, where there are more than `max_pairs` in all; 1 to
+    /// 2^12. The bodies of colliders with more are quarantined. If there are still too many pairs, the number is lowered until the
+    /// rest fits.
+    pub max_pairs_per_collider: u32,
+}
+
+codec_struct!(ContactSettings { substeps, push_speed, restitution_speed, max_pairs, max_pairs_per_collider });
+
+impl<S: Scalar> Default for ContactSettings<S> {
+    /// 5 sub-steps, overlaps pushed apart with up to 3 m/s, bounces from 1 m/s on, 2^20 pairs and 256 of one collider.
+    fn default() -> Self {
+        Self {
+            substeps: 5,
+            push_speed: S::from_fx(fx!(3)),
+            restitution_speed: S::ONE,
+            max_pairs: 1 << 20,
+            max_pairs_per_collider: 256,
+        }
+    }
+}
+
+impl<S: Scalar> ContactSettings<S> {
+    /// Checks the settings as a world does that is made with them.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] naming the quantity.
+    pub fn check(&self) -> Result<(), Error> {
+        let check = |ok: bool, quantity| if ok { Ok(()) } else { Err(Error::OutOfRange { quantity }) };
+        let is_speed = |speed: S| speed >= S::ZERO && speed <= S::from_fx(fx!(1024));
+        let are_counts =
+            (1..=1 << 28).contains(&self.max_pairs) && (1..=1 << 12).contains(&self.max_pairs_per_collider);
+        check((1..=8).contains(&self.substeps), Quantity::Substeps)?;
+        check(is_speed(self.push_speed) && is_speed(self.restitution_speed), Quantity::ContactSpeed)?;
+        check(are_counts, Quantity::Pairs)
+    }
+}

@@ -1,0 +1,156 @@
+//! Contacts in plain floats, to compare with: the same pairs and the algorithm of fixed point, without its units, roundings and limits.
+//!
+//! - `number`: what contacts ask of a float.
+//! - `body`: bodies through the sub-steps.
+//! - `cores`, `frame`, `points`: the narrow phase.
+//! - `solver`, `rows`, `bounce`: the solver.
+
+mod body;
+mod bounce;
+mod cores;
+mod frame;
+mod number;
+mod points;
+mod rows;
+mod solver;
+#[cfg(test)]
+mod tests;
+
+use alloc::vec::Vec;
+
+use self::body::Flight;
+use self::cores::{Cores, Pose};
+use self::number::{Float, Pair, length, minus, plus};
+use self::points::{Manifold, ManifoldPoint, collide};
+use self::rows::Contact;
+use self::solver::{Clock, Solver};
+use super::engine::Engine;
+use super::numerics::{MARGIN, Numerics, OVERLAP, Touching};
+use super::{Correction, Placed, Scene, Start, TouchPoint};
+use crate::collider::{Collider, Material};
+use crate::fx::Fx;
+use crate::math::Vec2;
+use crate::shape::{Aabb, Outline};
+use crate::solve::Impulses;
+
+/// The contacts of a world in floats.
+#[allow(unreachable_pub, reason = "an associated type of a public trait")]
+#[doc(hidden)]
+pub type FloatContacts<F> = Engine<F, Floats<F>>;
+
+/// Outlines, contacts and the solver.
+#[derive(Debug, Default)]
+#[doc(hidden)]
+pub struct Floats<F: Float> {
+    cores: Cores<F>,
+    contacts: Vec<Contact<F>>,
+    solver: Solver<F>,
+}
+
+/// Impulses in N·s as multiples of a power of two of which the largest has 62 bits. What is not finite counts as zero.
+fn impulses_of<F: Float>(values: [F; 3]) -> Impulses {
+    let values = values.map(|value| if value.is_finite() { value.to_f64() } else { 0.0 });
+    let largest = values.into_iter().fold(0.0, |most: f64, value| most.max(libm::fabs(value)));
+    if largest == 0.0 {
+        return Impulses::default();
+    }
+    let (_, above) = libm::frexp(largest);
+    // Records keep exponents of eight bits.
+    let exponent = (above - 62).clamp(-128, 60);
+    let most = (1u64 << 62) as f64;
+    let units = |value: f64| libm::rint(libm::scalbn(value, -exponent).clamp(-most, most)) as i64;
+    Impulses { values: values.map(units), exponent }
+}
+
+/// Impulses in N·s.
+fn newton_seconds<F: Float>(impulses: Impulses) -> [F; 3] {
+    impulses.values.map(|value| F::of(libm::scalbn(value as f64, impulses.exponent)))
+}
+
+impl<F: Float> Touching for Manifold<F> {
+    fn features(&self) -> ([u32; 2], usize) {
+        (self.points.map(|point| point.feature), self.count)
+    }
+
+    fn is_pressed(&self) -> bool {
+        self.points[..self.count].iter().any(|point| point.separation < -F::from_fx(OVERLAP))
+    }
+}
+
+impl<F: Float> Numerics<F> for Floats<F> {
+    type Pose = Pose<F>;
+    type Flight = Flight<F>;
+    type Manifold = Manifold<F>;
+
+    fn pose(position: Vec2<F>, angle: F) -> Pose<F> {
+        Pose::new(position, angle)
+    }
+
+    fn moving(scene: &Scene<'_, F>, start: &Start<F>) -> Flight<F> {
+        Flight::moving(scene, start)
+    }
+
+    fn still(position: Vec2<F>) -> Flight<F> {
+        Flight::still(position)
+    }
+
+    fn clear(&mut self) {
+        self.cores.clear();
+        self.contacts.clear();
+    }
+
+    fn place(&mut self, outline: &Outline<F>, pose: &Pose<F>) -> usize {
+        self.cores.push(outline, pose)
+    }
+
+    fn swept(collider: &Collider<F>, pose: &Pose<F>, flight: &Flight<F>) -> Aabb<Fx> {
+        let [x, y, _] = flight.displacement;
+        let way = length([x, y]) + flight.turned(collider.radius);
+        pose.bounds(&collider.outline, F::from_fx(MARGIN) * F::of(0.5) + way)
+    }
+
+    fn bounds_of(outline: &Outline<F>, pose: &Pose<F>) -> Aabb<Fx> {
+        pose.bounds(outline, F::from_fx(MARGIN) * F::of(0.5))
+    }
+
+    fn collide(&self, cores: [usize; 2], [a, b]: [&Flight<F>; 2], radii: [F; 2]) -> Option<Manifold<F>> {
+        let ways = [a, b].map(|flight| [flight.displacement[0], flight.displacement[1]]);
+        let closing = length(minus(ways[1], ways[0])) + a.turned(radii[0]) + b.turned(radii[1]);
+        collide(self.cores.core(cores[0]), self.cores.core(cores[1]), F::from_fx(MARGIN) + closing)
+    }
+
+    fn push(&mut self, bodies: [u32; 2], manifold: &Manifold<F>, [a, b]: [&Material<F>; 2], start: Impulses) {
+        self.contacts.push(Contact {
+            bodies,
+            manifold: *manifold,
+            friction: if a.friction == b.friction { a.friction } else { (a.friction * b.friction).root() },
+            restitution: a.restitution.or_more(b.restitution),
+            impulses: newton_seconds(start),
+        });
+    }
+
+    fn solve(&mut self, scene: &Scene<'_, F>, flights: &[Flight<F>], corrections: &mut Vec<Correction<F>>) {
+        let clock = Clock::new(scene.time_step, scene.settings.substeps);
+        self.solver.solve(clock, scene.settings, flights, &mut self.contacts);
+        let moving = self.solver.bodies.iter().zip(flights).take(scene.starts.len());
+        corrections.extend(moving.map(|(body, flight)| body.correction(flight, clock.substep, clock.substeps)));
+    }
+
+    fn contacts(&self) -> impl Iterator<Item = ([u32; 2], Impulses)> + '_ {
+        self.contacts.iter().map(|contact| (contact.bodies, impulses_of(contact.impulses)))
+    }
+
+    fn touch(a: Placed<'_, F>, b: Placed<'_, F>) -> Option<(Vec2<F>, [TouchPoint<F>; 2], usize)> {
+        let mut cores = Cores::default();
+        let [a, b] = [a, b].map(|(outline, (position, angle))| cores.push(outline, &Pose::new(position, angle)));
+        let (a, b) = (cores.core(a), cores.core(b));
+        let manifold = collide(a, b, F::from_fx(MARGIN))?;
+        let vector = |[x, y]: Pair<F>| Vec2::new(x, y);
+        let point = |point: ManifoldPoint<F>| TouchPoint {
+            position: vector(plus(a.position, point.arms[0])),
+            separation: point.separation,
+            feature: point.feature,
+        };
+        Some((vector(manifold.normal), manifold.points.map(point), manifold.count))
+    }
+}

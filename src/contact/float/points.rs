@@ -1,0 +1,147 @@
+//! The points of a manifold.
+
+use super::cores::Core;
+use super::frame::{Both, Facing, Frame, Span};
+use super::number::{Float, Pair, dot, length, minus, plus, times};
+use crate::collide::feature;
+
+/// The contact of two outlines: one point or two.
+#[derive(Clone, Copy, Debug)]
+#[doc(hidden)]
+pub struct Manifold<F> {
+    /// The unit vector from A to B.
+    pub(super) normal: Pair<F>,
+    pub(super) count: usize,
+    pub(super) points: [ManifoldPoint<F>; 2],
+}
+
+/// A point of a manifold, in the middle between the surfaces.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct ManifoldPoint<F> {
+    /// From the centres of mass of A and B to the point, in world axes, m.
+    pub(super) arms: [Pair<F>; 2],
+    /// The distance between the surfaces along the normal, m; negative where they overlap.
+    pub(super) separation: F,
+    /// The corners that meet here.
+    pub(super) feature: u32,
+}
+
+/// The corner that a point is at.
+#[derive(Clone, Copy)]
+enum At {
+    A(usize),
+    B(usize),
+    /// One of each, at the same place.
+    Both(usize, usize),
+}
+
+/// The manifold of two outlines, if they are at most `margin` apart.
+pub(super) fn collide<F: Float>(a: Core<'_, F>, b: Core<'_, F>, margin: F) -> Option<Manifold<F>> {
+    let both = Both::new(a, b, margin)?;
+    if a.corners.len() == 1 && b.corners.len() == 1 {
+        return both.between_corners(0, 0);
+    }
+    let frame = both.frame()?;
+    match frame.facing {
+        Facing::Edges => both.clipped(&frame),
+        Facing::Corners(i, j) => both.between_corners(i, j),
+        Facing::Beside(i, j) => both.single(frame.n, frame.separation, i, j),
+        Facing::Touching => None,
+    }
+}
+
+impl<F: Float> Both<'_, F> {
+    /// Two edges that overlap: a point at either end of the overlap.
+    fn clipped(&self, frame: &Frame<F>) -> Option<Manifold<F>> {
+        let (a, b) = (&frame.a, &frame.b);
+        let overlap = a.places[1].or_less(b.places[1]) - a.places[0].or_more(b.places[0]);
+        let mut manifold = Manifold { normal: frame.n, count: 0, points: Default::default() };
+        for end in 0..if overlap <= self.slack { 1 } else { 2 } {
+            let (i, j) = (a.corners[end], b.corners[end]);
+            // The end of the overlap is the inner one of the two ends; a corner is that of an edge at neither end.
+            let ahead = if end == 0 { a.places[0] - b.places[0] } else { b.places[1] - a.places[1] };
+            let at = match (a.is_corner(), b.is_corner()) {
+                (true, false) => At::A(i),
+                (false, true) => At::B(j),
+                _ if ahead.size() <= self.slack => At::Both(i, j),
+                _ if ahead > F::of(0.0) => At::A(i),
+                _ => At::B(j),
+            };
+            let separation = self.separation_at(frame, at);
+            if separation <= self.limit {
+                let name = match (a.is_corner(), b.is_corner()) {
+                    (false, true) => feature(a.corners, [j, j]),
+                    (true, false) => feature([i, i], [b.corners[1], b.corners[0]]),
+                    _ => feature([i, i], [j, j]),
+                };
+                manifold.points[manifold.count] = self.point(frame.n, at, separation, name);
+                manifold.count += 1;
+            }
+        }
+        if manifold.count > 0 {
+            return Some(manifold);
+        }
+        // The deepest corner is beside the overlap of the edges: at the end where these overlap less.
+        let (_, [i, j]) = self.nearest(a, b)?;
+        self.single(frame.n, frame.separation, i, j)
+    }
+
+    /// The offset from a corner of A to a corner of B.
+    fn between(&self, i: usize, j: usize) -> Pair<F> {
+        minus(plus(self.b.corners[j], self.offset), self.a.corners[i])
+    }
+
+    /// The distance of the cores where a corner is.
+    fn separation_at(&self, frame: &Frame<F>, at: At) -> F {
+        let height = |i: usize, j: usize| dot(frame.n, self.between(i, j));
+        let (span, place, [from, to]): (&Span<F>, F, _) = match at {
+            At::Both(i, j) => return height(i, j),
+            At::A(i) => {
+                let end = usize::from(frame.a.corners[0] != i);
+                (&frame.b, frame.a.places[end], frame.b.corners.map(|j| height(i, j)))
+            }
+            At::B(j) => {
+                let end = usize::from(frame.b.corners[0] != j);
+                (&frame.a, frame.b.places[end], frame.a.corners.map(|i| height(i, j)))
+            }
+        };
+        let (before, after) = (place - span.places[0], span.places[1] - place);
+        if before + after <= F::of(0.0) { from.or_less(to) } else { (from * after + to * before) / (before + after) }
+    }
+
+    /// The point at a corner, in the middle between the surfaces, for a separation of the cores.
+    fn point(&self, n: Pair<F>, at: At, separation: F, feature: u32) -> ManifoldPoint<F> {
+        let (of_a, of_b) = (self.a.radius, self.b.radius);
+        let half = |a: Pair<F>, b: Pair<F>| times(plus(a, b), F::of(0.5));
+        let from_a = |i: usize| plus(self.a.corners[i], times(n, (separation + of_a - of_b) * F::of(0.5)));
+        let from_b = |j: usize| minus(self.b.corners[j], times(n, (separation + of_b - of_a) * F::of(0.5)));
+        let (arm_a, arm_b) = match at {
+            At::A(i) => (from_a(i), minus(from_a(i), self.offset)),
+            At::B(j) => (plus(from_b(j), self.offset), from_b(j)),
+            At::Both(i, j) => {
+                (half(from_a(i), plus(from_b(j), self.offset)), half(minus(from_a(i), self.offset), from_b(j)))
+            }
+        };
+        ManifoldPoint { arms: [arm_a, arm_b], separation: separation - of_a - of_b, feature }
+    }
+
+    /// The manifold of one point between two corners, along the direction from one to the other. `None` if they are farther
+    /// apart than counts, or coincide.
+    fn between_corners(&self, i: usize, j: usize) -> Option<Manifold<F>> {
+        let way = self.between(i, j);
+        let distance = length(way);
+        if distance == F::of(0.0) {
+            return None;
+        }
+        self.single(times(way, F::of(1.0) / distance), distance, i, j)
+    }
+
+    /// The manifold of one point between two corners.
+    fn single(&self, normal: Pair<F>, separation: F, i: usize, j: usize) -> Option<Manifold<F>> {
+        if separation > self.limit {
+            return None;
+        }
+        let point = self.point(normal, At::Both(i, j), separation, feature([i; 2], [j; 2]));
+        Some(Manifold { normal, count: 1, points: [point, ManifoldPoint::default()] })
+    }
+}

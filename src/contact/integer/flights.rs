@@ -1,0 +1,81 @@
+//! The free flight of the bodies of a step, as the solver takes it.
+
+use crate::contact::{Scene, Start};
+use crate::fx::Fx;
+use crate::math::{TimeStep, Vec2};
+use crate::scalar::{Accumulator as _, FxAccumulator, FxFactor, Turn};
+use crate::solve::{Flight, Velocity};
+
+/// 2π in ulps.
+const TURN: i128 = 26_986_075_409;
+
+/// The angle turned in a step, rad: the way between two angles, and as many whole turns as the velocities say.
+fn turned(from: Turn, to: Turn, velocities: [Fx; 2], time_step: TimeStep) -> Fx {
+    let way = i128::from(from.way_to(to).to_scalar().unwrap_or(Fx::ZERO).to_bits());
+    let (num, den) = time_step.seconds();
+    // Velocities are below 2^21 rad/s, a step takes at most a second: below 2^54 · 2^32.
+    let sum = i128::from(velocities[0].to_bits()) + i128::from(velocities[1].to_bits());
+    let product = sum * i128::from(num);
+    // A way and a mean velocity of at most a radian: no turn is between them.
+    if way.unsigned_abs() <= 1 << 32 && product.unsigned_abs() <= u128::from(den) << 33 {
+        return Fx::from_bits(way as i64);
+    }
+    let about = product / (2 * i128::from(den));
+    let rest = about - way;
+    let turns = (rest.abs() + TURN / 2) / TURN * rest.signum();
+    Fx::from_bits((way + turns * TURN) as i64)
+}
+
+/// Adds the mass and the inertia, which only bodies with contacts need.
+pub(super) fn weigh(scene: &Scene<'_, Fx>, start: &Start<Fx>, flight: &mut Flight) {
+    let info = scene.bodies.info(start.dense);
+    flight.mass = info.kilograms();
+    flight.inertia = info.inertia_for(flight.mass);
+}
+
+/// The flight of a moving body, without its mass and its inertia.
+pub(super) fn moving(scene: &Scene<'_, Fx>, start: &Start<Fx>) -> Flight {
+    let (bodies, dense) = (scene.bodies, start.dense);
+    let motion = &bodies.columns.motion;
+    let mass = bodies.mass(dense);
+    let slot = bodies.id(dense).slot;
+    let way = |from: FxAccumulator, to: FxAccumulator| to.plus(from.negated()).value();
+    let end = motion.position.get(dense);
+    let velocity = |linear: Vec2<FxAccumulator>, angular: FxAccumulator| Velocity {
+        linear: linear.map(FxAccumulator::value),
+        angular: angular.value(),
+    };
+    let (from, to) = (
+        velocity(start.velocity, start.angular_velocity),
+        velocity(motion.velocity.get(dense), motion.angular_velocity[dense]),
+    );
+    let radius = scene.colliders.of_slot(slot).map(|collider| collider.radius).max().unwrap_or(Fx::ONE);
+    Flight {
+        position: start.position.map(FxAccumulator::value),
+        start: from,
+        end: to,
+        displacement: Vec2::new(way(start.position.x, end.x), way(start.position.y, end.y)),
+        rotation: turned(start.angle, motion.angle[dense], [from.angular, to.angular], scene.time_step),
+        mass: Fx::ZERO,
+        inertia: FxFactor::ZERO,
+        inverse_mass: mass.axis_inverse_mass,
+        inverse_inertia: mass.inverse_inertia,
+        radius,
+    }
+}
+
+/// The flight of a body that stands still.
+pub(super) fn still(position: Vec2) -> Flight {
+    Flight {
+        position,
+        start: Velocity::default(),
+        end: Velocity::default(),
+        displacement: Vec2::ZERO,
+        rotation: Fx::ZERO,
+        mass: Fx::ZERO,
+        inertia: FxFactor::ZERO,
+        inverse_mass: Vec2::new(FxFactor::ZERO, FxFactor::ZERO),
+        inverse_inertia: FxFactor::ZERO,
+        radius: Fx::ONE,
+    }
+}

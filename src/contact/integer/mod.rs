@@ -1,0 +1,146 @@
+//! The computations of contacts in fixed point: the free flight as the solver takes it, the narrow phase, and the solver.
+
+mod flights;
+mod pairs;
+
+use alloc::vec::Vec;
+
+use super::engine::Engine;
+use super::numerics::{MARGIN, Numerics, OVERLAP, Touching};
+use super::{Correction, Placed, Scene, Start, TouchPoint};
+use crate::collide::{self, Cores, Manifold, ManifoldPoint, Pose};
+use crate::collider::{Collider, ContactSettings, Material};
+use crate::fx::Fx;
+use crate::math::Vec2;
+use crate::scalar::{FxAccumulator, Turn};
+use crate::shape::{Aabb, Outline};
+use crate::solve::{self, Contact, Flight, Impulses, Solver, SolverOptions};
+
+use pairs::{closing, mixed_friction};
+
+/// The contacts of a world in [`Fx`].
+#[allow(unreachable_pub, reason = "an associated type of a public trait")]
+#[doc(hidden)]
+pub type FxContacts = Engine<Fx, Fixed>;
+
+/// Outlines in world axes, contacts and the solver.
+#[derive(Debug, Default)]
+#[doc(hidden)]
+pub struct Fixed {
+    cores: Cores,
+    contacts: Vec<Contact>,
+    solver: Solver,
+    corrections: Vec<solve::Correction>,
+}
+
+impl From<&ContactSettings> for SolverOptions {
+    fn from(settings: &ContactSettings) -> Self {
+        Self {
+            substeps: settings.substeps,
+            push_speed: settings.push_speed,
+            restitution_speed: settings.restitution_speed,
+            ..Self::default()
+        }
+    }
+}
+
+impl Touching for Manifold {
+    #[inline]
+    fn features(&self) -> ([u32; 2], usize) {
+        (self.points.map(|point| point.feature), self.count)
+    }
+
+    fn is_pressed(&self) -> bool {
+        self.points.iter().any(|point| point.separation < -OVERLAP)
+    }
+}
+
+impl Numerics<Fx> for Fixed {
+    type Pose = Pose;
+    type Flight = Flight;
+    type Manifold = Manifold;
+
+    fn pose(position: Vec2<FxAccumulator>, angle: Turn) -> Pose {
+        Pose::new(position.map(FxAccumulator::value), angle)
+    }
+
+    fn moving(scene: &Scene<'_, Fx>, start: &Start<Fx>) -> Flight {
+        flights::moving(scene, start)
+    }
+
+    fn complete(scene: &Scene<'_, Fx>, start: &Start<Fx>, flight: &mut Flight) {
+        if flight.mass == Fx::ZERO {
+            flights::weigh(scene, start, flight);
+        }
+    }
+
+    fn still(position: Vec2<FxAccumulator>) -> Flight {
+        flights::still(position.map(FxAccumulator::value))
+    }
+
+    fn clear(&mut self) {
+        self.cores.clear();
+        self.contacts.clear();
+    }
+
+    fn place(&mut self, outline: &Outline, pose: &Pose) -> usize {
+        self.cores.push(outline, pose)
+    }
+
+    fn swept(collider: &Collider<Fx>, pose: &Pose, flight: &Flight) -> Aabb {
+        pairs::swept(pose.bounds(&collider.corners, collider.outline.radius()), flight, collider.radius, MARGIN)
+    }
+
+    fn bounds_of(outline: &Outline, pose: &Pose) -> Aabb {
+        pairs::bounds_of(outline, pose, MARGIN)
+    }
+
+    fn collide(&self, cores: [usize; 2], flights: [&Flight; 2], radii: [Fx; 2]) -> Option<Manifold> {
+        let margin = MARGIN.to_bits() + closing(flights, radii);
+        self.cores.collide(cores[0], cores[1], Fx::from_bits(margin))
+    }
+
+    fn push(&mut self, bodies: [u32; 2], manifold: &Manifold, [a, b]: [&Material; 2], start: Impulses) {
+        self.contacts.push(Contact {
+            bodies,
+            normal: manifold.normal,
+            count: manifold.count,
+            points: manifold.points.map(|p| solve::Point { arms: [p.arm_a, p.arm_b], separation: p.separation }),
+            friction: mixed_friction(a.friction, b.friction),
+            restitution: a.restitution.max(b.restitution),
+            surface_speed: Fx::ZERO,
+            impulses: start,
+        });
+    }
+
+    fn solve(&mut self, scene: &Scene<'_, Fx>, flights: &[Flight], corrections: &mut Vec<Correction<Fx>>) {
+        let options = SolverOptions::from(scene.settings);
+        self.solver.solve(scene.time_step, &options, flights, &mut [], &mut self.contacts, &mut self.corrections);
+        corrections.extend(self.corrections.iter().take(scene.starts.len()).map(|from| Correction {
+            is_pushed: *from != solve::Correction::default(),
+            velocity: from.velocity,
+            angular_velocity: from.angular_velocity,
+            displacement: from.displacement,
+            rotation: from.rotation,
+        }));
+    }
+
+    fn contacts(&self) -> impl Iterator<Item = ([u32; 2], Impulses)> + '_ {
+        self.contacts.iter().map(|contact| (contact.bodies, contact.impulses))
+    }
+
+    fn touch(a: Placed<'_, Fx>, b: Placed<'_, Fx>) -> Option<(Vec2<Fx>, [TouchPoint<Fx>; 2], usize)> {
+        let pose = |(_, (position, angle)): &Placed<'_, Fx>| Pose::new(position.map(FxAccumulator::value), *angle);
+        let manifold = collide::collide(a.0, &pose(&a), b.0, &pose(&b), MARGIN)?;
+        let from = a.1.0.map(FxAccumulator::value);
+        let point = |point: ManifoldPoint| TouchPoint {
+            // Positions are within 2^31 m, arms within 2^15 m.
+            position: Vec2::new(from.x.saturating_add(point.arm_a.x), from.y.saturating_add(point.arm_a.y)),
+            separation: point.separation,
+            feature: point.feature,
+        };
+        // From 2^-30 to 2^-32.
+        let normal = manifold.normal.map(|part| Fx::from_bits(i64::from(part) << 2));
+        Some((Vec2::new(normal[0], normal[1]), manifold.points.map(point), manifold.count))
+    }
+}

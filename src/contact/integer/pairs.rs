@@ -1,0 +1,61 @@
+//! Boxes over a step, the distance that two bodies close in it, and mixed materials.
+
+use crate::collide::{Cores, Pose};
+use crate::fx::Fx;
+use crate::math::Vec2;
+use crate::shape::{Aabb, Outline};
+use crate::solve::Flight;
+
+/// The length of a vector in ulps, rounded up. *Domain* components below 2^62.
+fn length(x: i64, y: i64) -> i64 {
+    let square = |v: i64| u128::from(v.unsigned_abs()).pow(2);
+    (square(x) + square(y)).isqrt() as i64 + 1
+}
+
+/// The distance that a point of a collider moves by the rotation of its body, in ulps, rounded up: at most twice its radius.
+fn turned(flight: &Flight, radius: Fx) -> i64 {
+    let radius = i128::from(radius.to_bits());
+    let product = i128::from(flight.rotation.to_bits()).abs() * radius;
+    // Radii are below 2^15 m.
+    ((product >> 32) + i128::from(product != 0)).min(2 * radius) as i64
+}
+
+/// The largest distance that two colliders close in the step, in ulps. Displacements are below 2^29 m.
+pub(super) fn closing([a, b]: [&Flight; 2], radii: [Fx; 2]) -> i64 {
+    let way = |a: Fx, b: Fx| b.to_bits() - a.to_bits();
+    let (x, y) = (way(a.displacement.x, b.displacement.x), way(a.displacement.y, b.displacement.y));
+    length(x, y) + turned(a, radii[0]) + turned(b, radii[1])
+}
+
+/// A box grown on all sides by the way of its collider over the step, and by half the margin: the boxes of two colliders overlap if they are
+/// within the margin and what they [close](closing) of each other.
+pub(super) fn swept(bounds: Aabb, flight: &Flight, radius: Fx, margin: Fx) -> Aabb {
+    let [x, y] = [flight.displacement.x, flight.displacement.y].map(|way| way.to_bits().abs());
+    // a + b/2 is at least the length of (a, b) for a ≥ b, and at most an eighth more.
+    let way = x.max(y) + x.min(y) / 2 + 1;
+    let more = margin.to_bits() / 2 + 1 + way + turned(flight, radius);
+    grown(bounds, more)
+}
+
+fn grown(Aabb { min, max }: Aabb, by: i64) -> Aabb {
+    let moved = |v: Vec2, by: i64| v.map(|c| Fx::from_bits(c.to_bits().saturating_add(by)));
+    Aabb { min: moved(min, -by), max: moved(max, by) }
+}
+
+/// The box of a static collider, grown by half the margin.
+pub(super) fn bounds_of(outline: &Outline, pose: &Pose, margin: Fx) -> Aabb {
+    let mut cores = Cores::default();
+    let core = cores.push(outline, pose);
+    grown(cores.bounds(core), margin.to_bits() / 2 + 1)
+}
+
+/// The geometric mean of two coefficients, rounded to nearest.
+pub(super) fn mixed_friction(a: Fx, b: Fx) -> Fx {
+    if a == b {
+        return a;
+    }
+    let product = u128::from(a.to_bits().unsigned_abs()) * u128::from(b.to_bits().unsigned_abs());
+    let root = product.isqrt();
+    // The middle between root and root + 1 has the square root² + root + 1/4.
+    Fx::from_bits((root + u128::from(product - root * root > root)) as i64)
+}

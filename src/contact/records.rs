@@ -1,0 +1,194 @@
+//! The state of contacts: the impulses that the next step starts from.
+
+use alloc::vec::Vec;
+
+use crate::codec::{self, Encoder, Malformed, Part, Read, Reader, StateHasher, Write};
+use crate::slots::ColliderId;
+use crate::solve::Impulses;
+
+/// A contact that carried an impulse at the end of a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct ContactRecord {
+    /// The slots of the two colliders, the lower one first.
+    pub(crate) pair: [u32; 2],
+    /// In the lower 24 bits of each the [feature](crate::collide::feature) of a point; above them log2 of the unit of the impulses, N·s, and
+    /// the number of points.
+    packed: [u32; 2],
+    /// Multiples of the unit: along the normal, by point; then along the tangent.
+    pub(crate) impulses: [i64; 3],
+}
+
+// The state is copied with every snapshot.
+const _: () = assert!(size_of::<ContactRecord>() == 40);
+
+const FEATURE: u32 = (1 << 24) - 1;
+
+impl ContactRecord {
+    /// *Domain* features are below 2^24, the exponent is from −128 to 127, the count is 1 or 2.
+    pub(crate) fn new(pair: [u32; 2], features: [u32; 2], count: usize, impulses: Impulses) -> Self {
+        let exponent = u32::from(impulses.exponent.clamp(-128, 127) as i8 as u8);
+        let packed = [features[0] & FEATURE | exponent << 24, features[1] & FEATURE | (count as u32) << 24];
+        Self { pair, packed, impulses: impulses.values }
+    }
+
+    pub(crate) fn features(&self) -> [u32; 2] {
+        self.packed.map(|word| word & FEATURE)
+    }
+
+    pub(crate) fn count(&self) -> usize {
+        (self.packed[1] >> 24) as usize
+    }
+
+    /// log2 of the unit of the impulses, N·s.
+    pub(crate) fn exponent(&self) -> i32 {
+        i32::from((self.packed[0] >> 24) as u8 as i8)
+    }
+
+    /// The impulses that a contact with these features starts from: zero for points that the record does not have. Friction is kept
+    /// if a point is.
+    pub(crate) fn start(&self, features: [u32; 2], count: usize) -> Impulses {
+        let own = self.features();
+        let mut start = Impulses { exponent: self.exponent(), ..Impulses::default() };
+        for (k, feature) in features.iter().enumerate().take(count) {
+            if let Some(i) = (0..self.count()).find(|&i| own[i] == *feature) {
+                start.values[k] = self.impulses[i];
+                start.values[2] = self.impulses[2];
+            }
+        }
+        start
+    }
+
+    /// The record with the two colliders swapped: points come in the opposite order along the tangent, which keeps its impulse.
+    pub(crate) fn swapped(&self) -> Self {
+        let [first, second] = self.features().map(|feature| feature >> 12 | (feature & 0xFFF) << 12);
+        let [a, b, tangent] = self.impulses;
+        let (features, values) =
+            if self.count() == 2 { ([second, first], [b, a, tangent]) } else { ([first, 0], [a, b, tangent]) };
+        let impulses = Impulses { values, exponent: self.exponent() };
+        Self::new([self.pair[1], self.pair[0]], features, self.count(), impulses)
+    }
+
+    /// The record in a mirror image, for the same colliders: points come in the opposite order, and the impulse along the tangent has the
+    /// opposite sign. `corner` gives the number that a corner of the first (0) or second (1) collider has in the image; `None` if that does
+    /// for one.
+    pub(crate) fn mirrored(&self, corner: impl Fn(usize, usize) -> Option<usize>) -> Option<Self> {
+        let part = |feature: u32, shift: u32| (feature >> shift) as usize & 0x3F;
+        let image = |feature: u32| {
+            let ends =
+                |side, shift| Some([corner(side, part(feature, shift + 6))?, corner(side, part(feature, shift))?]);
+            // The image of an edge goes from its end to its beginning: both are counter-clockwise.
+            Some(crate::collide::feature(ends(0, 0)?, ends(1, 12)?))
+        };
+        let ([first, second], [a, b, tangent]) = (self.features(), self.impulses);
+        let (features, values) = match self.count() {
+            2 => ([image(second)?, image(first)?], [b, a, -tangent]),
+            _ => ([image(first)?, 0], [a, b, -tangent]),
+        };
+        Some(Self::new(self.pair, features, self.count(), Impulses { values, exponent: self.exponent() }))
+    }
+
+    /// Adds all but the handles to a hash.
+    pub(crate) fn write_impulses(&self, sink: &mut StateHasher) {
+        sink.bytes(&self.to_bytes()[8..]);
+    }
+
+    fn to_bytes(self) -> [u8; 40] {
+        let mut bytes = [0; 40];
+        let words = self.pair.iter().chain(&self.packed).map(|word| word.to_le_bytes());
+        words.zip(bytes.chunks_exact_mut(4)).for_each(|(word, place)| place.copy_from_slice(&word));
+        let words = self.impulses.map(i64::to_le_bytes);
+        bytes[16..].copy_from_slice(words.as_flattened());
+        bytes
+    }
+
+    /// Returns true if no step leaves such a record.
+    fn is_malformed(&self) -> bool {
+        let [first, second, tangent] = self.impulses;
+        let is_one = self.count() == 1;
+        self.pair[0] >= self.pair[1]
+            || !(1..=2).contains(&self.count())
+            || is_one && (second != 0 || self.features()[1] != 0)
+            || first < 0
+            || second < 0
+            || self.impulses.iter().any(|impulse| impulse.unsigned_abs() > 1 << 62)
+            || (first, second, tangent) == (0, 0, 0)
+    }
+}
+
+impl Write for ContactRecord {
+    fn write(&self, out: &mut impl Encoder) {
+        codec::field(out, "first_collider", &self.pair[0]);
+        codec::field(out, "second_collider", &self.pair[1]);
+        out.enter(Part::Name("points"));
+        for (k, word) in self.packed.iter().enumerate() {
+            out.enter(Part::Entry(k as u32));
+            codec::field(out, "feature", word);
+            codec::field(out, "normal_impulse", &self.impulses[k]);
+            out.leave();
+        }
+        out.leave();
+        codec::field(out, "tangent_impulse", &self.impulses[2]);
+    }
+}
+
+impl Read for ContactRecord {
+    fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {
+        let malformed = reader.malformed("a contact with impulses");
+        let pair = [u32::read(reader)?, u32::read(reader)?];
+        let (mut packed, mut impulses) = ([0; 2], [0; 3]);
+        for k in 0..2 {
+            (packed[k], impulses[k]) = (u32::read(reader)?, i64::read(reader)?);
+        }
+        impulses[2] = i64::read(reader)?;
+        let record = Self { pair, packed, impulses };
+        if record.is_malformed() { Err(malformed) } else { Ok(record) }
+    }
+}
+
+/// The contacts of a world that carried an impulse at the end of the last step, sorted by pair.
+#[derive(Debug, Default)]
+pub(crate) struct ContactSet {
+    pub(crate) records: Vec<ContactRecord>,
+    /// The tick of the last step with an impulse; 0 if there was none.
+    pub(crate) pushed_at: u64,
+}
+
+impl Clone for ContactSet {
+    fn clone(&self) -> Self {
+        Self { records: self.records.clone(), pushed_at: self.pushed_at }
+    }
+
+    fn clone_from(&mut self, source: &Self) {
+        self.records.clone_from(&source.records);
+        self.pushed_at = source.pushed_at;
+    }
+}
+
+impl ContactSet {
+    /// Adds all contacts to a hash.
+    pub(crate) fn write(&self, sink: &mut StateHasher) {
+        self.pushed_at.write(sink);
+        codec::count(sink, self.records.len());
+        sink.all(&self.records, |record| record.to_bytes());
+    }
+
+    /// Drops the records of a collider.
+    pub(crate) fn forget(&mut self, collider: ColliderId) {
+        self.records.retain(|record| !record.pair.contains(&collider.slot));
+    }
+
+    /// Scales all impulses by the ratio of the length of two sub-steps, num/den: the forces stay the same. Rounded to nearest, halves away
+    /// from zero; an impulse beyond 2^62 units becomes that.
+    pub(crate) fn rescale(&mut self, num: u64, den: u64) {
+        let scaled = |impulse: i64| {
+            // Below 2^62 · 2^64: it fits.
+            let product = i128::from(impulse) * i128::from(num);
+            let half = i128::from(den / 2);
+            let rounded = (product.abs() + half) / i128::from(den);
+            let size = rounded.min(1 << 62) as i64;
+            if impulse < 0 { -size } else { size }
+        };
+        self.records.iter_mut().for_each(|record| record.impulses = record.impulses.map(scaled));
+        self.records.retain(|record| record.impulses != [0; 3]);
+    }
+}

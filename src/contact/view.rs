@@ -1,0 +1,106 @@
+//! Contacts as the interface shows them.
+
+use crate::fx::Fx;
+use crate::math::Vec2;
+use crate::scalar::Scalar;
+use crate::slots::{BodyId, ColliderId};
+
+use super::{ContactRecord, TouchPoint};
+
+/// Two colliders that pushed each other at the end of the last step, at the present poses of their bodies.
+///
+/// ```
+/// use umbra_physics::{BodyDef, Contact, Shape, World, WorldDef, fx, vec2};
+///
+/// let mut world = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() })?;
+/// let ground = world.add_body(BodyDef::fixed().with_collider(Shape::rectangle(fx!(20), fx!(2))?))?;
+/// let crate_ = BodyDef { position: vec2(0, fx!(1.5)), ..BodyDef::dynamic().with_collider(Shape::rectangle(fx!(1), fx!(1))?) };
+/// let crate_ = world.add_body(crate_)?;
+/// (0..60).for_each(|_| _ = world.step());
+/// let contact: Contact = world.contacts().next().unwrap();
+/// assert_eq!((contact.bodies, contact.normal), ([ground, crate_], vec2(0, 1)));
+/// assert_eq!(contact.points().len(), 2); // two corners of the crate
+/// // The impulses hold a kilogram against gravity for a sub-step of 1/300 s.
+/// let total = contact.points().iter().fold(fx!(0), |sum, point| sum + point.normal_impulse);
+/// assert!((total - fx!(0.0333)).abs() < fx!(0.0001));
+/// # Ok::<(), umbra_physics::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Contact<S: Scalar = Fx> {
+    /// The colliders.
+    pub colliders: [ColliderId; 2],
+    /// Their bodies.
+    pub bodies: [BodyId; 2],
+    /// The unit vector from the first collider to the second one. *Error* 2^-29 in each component.
+    pub normal: Vec2<S>,
+    /// The impulse along the tangent (n.y, −n.x) over the last sub-step, N·s: by friction, on the second body.
+    pub tangent_impulse: S,
+    points: [ContactPoint<S>; 2],
+    count: usize,
+}
+
+/// A point of a [`Contact`].
+///
+/// ```
+/// # use umbra_physics::{ContactPoint, Fx};
+/// fn is_overlapping(point: &ContactPoint) -> bool {
+///     point.separation < Fx::ZERO
+/// }
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct ContactPoint<S: Scalar = Fx> {
+    /// The position, m, in the middle between the two surfaces.
+    pub position: Vec2<S>,
+    /// The distance between the surfaces along the normal, m; negative where they overlap.
+    pub separation: S,
+    /// The impulse along the normal over the last sub-step, N·s, on the second body. Zero for a point that was not there in the step.
+    pub normal_impulse: S,
+}
+
+impl<S: Scalar> Contact<S> {
+    /// The points: one or two.
+    #[must_use]
+    pub fn points(&self) -> &[ContactPoint<S>] {
+        &self.points[..self.count]
+    }
+
+    /// The contact of a record, with the points of a manifold.
+    pub(crate) fn new(
+        record: &ContactRecord,
+        (colliders, bodies): ([ColliderId; 2], [BodyId; 2]),
+        (normal, points): (Vec2<S>, &[TouchPoint<S>]),
+    ) -> Self {
+        let mut contact = Self {
+            colliders,
+            bodies,
+            normal,
+            tangent_impulse: newton_seconds(record.impulses[2], record.exponent()),
+            points: Default::default(),
+            count: points.len(),
+        };
+        let features = record.features();
+        for (place, point) in contact.points.iter_mut().zip(points) {
+            let known = (0..record.count()).find(|&k| features[k] == point.feature);
+            let impulse = known.map_or(S::ZERO, |k| newton_seconds(record.impulses[k], record.exponent()));
+            *place = ContactPoint { position: point.position, separation: point.separation, normal_impulse: impulse };
+        }
+        contact
+    }
+}
+
+/// An impulse in units of 2^exponent N·s, rounded to nearest, halves away from zero; the largest number if it does not fit.
+fn newton_seconds<S: Scalar>(impulse: i64, exponent: i32) -> S {
+    let size = u128::from(impulse.unsigned_abs());
+    // To units of 2^-32: below 2^63 · 2^64 where it fits at all.
+    let bits = match exponent + 32 {
+        up @ 0.. if size.leading_zeros() > up as u32 => size << up,
+        0.. if size > 0 => u128::MAX,
+        0.. => 0,
+        down @ -127.. => (size + (1 << (-down - 1))) >> -down,
+        _ => 0,
+    };
+    let bits = i64::try_from(bits).unwrap_or(i64::MAX);
+    S::from_fx(Fx::from_bits(if impulse < 0 { -bits } else { bits }))
+}

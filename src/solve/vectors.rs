@@ -1,0 +1,133 @@
+//! Operations on vectors that are made of those of [`Lanes`].
+
+use super::batch::ONE;
+use crate::kernel::simd::{GROUP, Lanes};
+
+/// A number in all lanes.
+#[inline(always)]
+pub(super) fn word<L: Lanes>(lanes: L, value: i64) -> L::Wide {
+    lanes.wide(&[value; GROUP], 0)
+}
+
+/// |a|
+#[inline(always)]
+pub(super) fn magnitude<L: Lanes>(lanes: L, a: L::Wide) -> L::Wide {
+    lanes.if_negative(a, lanes.sub(word(lanes, 0), a), a)
+}
+
+/// The larger one. *Domain* the difference fits.
+#[inline(always)]
+pub(super) fn larger<L: Lanes>(lanes: L, a: L::Wide, b: L::Wide) -> L::Wide {
+    lanes.if_negative(lanes.sub(a, b), b, a)
+}
+
+/// The largest magnitude.
+#[inline(always)]
+pub(super) fn largest<L: Lanes, const N: usize>(lanes: L, values: [L::Wide; N]) -> L::Wide {
+    let mut most = word(lanes, 0);
+    for value in values {
+        most = larger(lanes, most, magnitude(lanes, value));
+    }
+    most
+}
+
+/// a·b / 2^30 to nearest, ties away from zero. *Domain* of [`exact`].
+#[inline(always)]
+pub(super) fn product<L: Lanes, const WIDE: bool>(lanes: L, a: L::Wide, b: L::Narrow) -> L::Wide {
+    lanes.rounded_oddly::<30>(exact::<L, WIDE>(lanes, a, b))
+}
+
+/// a·b, exact. *Domain* `a` fits in 32 bits; if `WIDE`, |a| ≤ 2^31.
+#[inline(always)]
+pub(super) fn exact<L: Lanes, const WIDE: bool>(lanes: L, a: L::Wide, b: L::Narrow) -> L::Wide {
+    if !WIDE {
+        return lanes.times(lanes.low(a), b);
+    }
+    // 1 for 2^31, which then becomes 2^31 − 1; −1 for negative numbers.
+    let more = lanes.floored::<31>(a);
+    lanes.add(lanes.times(lanes.low(lanes.sub(a, more)), b), lanes.times(lanes.low(more), b))
+}
+
+/// a·b, exact. *Domain* |b| < 2^62, and the product fits.
+#[inline(always)]
+pub(super) fn long<L: Lanes>(lanes: L, a: L::Narrow, b: L::Wide) -> L::Wide {
+    let bits = word(lanes, 31);
+    let high = lanes.floored::<31>(b);
+    let low = lanes.sub(b, lanes.raised_by(high, bits));
+    lanes.add(lanes.times(a, lanes.low(low)), lanes.raised_by(lanes.times(a, lanes.low(high)), bits))
+}
+
+/// The cross product of an arm and a direction, both in 2^-30, within ±1.
+#[inline(always)]
+pub(super) fn across<L: Lanes>(
+    lanes: L,
+    (x, y): (L::Narrow, L::Narrow),
+    (ux, uy): (L::Narrow, L::Narrow),
+) -> L::Narrow {
+    let cross = lanes.sub(lanes.times(x, uy), lanes.times(y, ux));
+    lanes.low(lanes.clamped(lanes.rounded_oddly::<30>(cross), word(lanes, ONE)))
+}
+
+/// A shift by the bits of each lane, down where they are positive and up where they are negative.
+pub(super) struct Shift<L: Lanes> {
+    up: L::Wide,
+    down: L::Wide,
+    /// One half of the unit, and as much less by one; zero without a shift.
+    half: L::Wide,
+    less: L::Wide,
+}
+
+impl<L: Lanes> Shift<L> {
+    /// *Domain* −32 < bits < 63; not negative without `UP`.
+    #[inline(always)]
+    pub(super) fn new<const UP: bool>(lanes: L, bits: L::Wide) -> Self {
+        let (up, down) =
+            if UP { (lanes.positive(lanes.sub(word(lanes, 0), bits)), lanes.positive(bits)) } else { (bits, bits) };
+        let half = lanes.floored::<1>(lanes.raised_by(word(lanes, 1), down));
+        Self { up, down, half, less: lanes.positive(lanes.sub(half, word(lanes, 1))) }
+    }
+
+    /// value · 2^-bits to nearest, ties away from zero. *Domain* the result, and the sum of the value and one half of its unit, fit.
+    #[inline(always)]
+    pub(super) fn rounded<const UP: bool>(&self, lanes: L, value: L::Wide) -> L::Wide {
+        let value = if UP { lanes.raised_by(value, self.up) } else { value };
+        lanes.floored_by(lanes.add(value, lanes.if_negative(value, self.less, self.half)), self.down)
+    }
+
+    /// [`rounded`](Self::rounded) words that fit in 32 bits then.
+    #[inline(always)]
+    pub(super) fn words<const UP: bool>(&self, lanes: L, words: &[i64; GROUP], at: usize) -> L::Narrow {
+        lanes.low(self.rounded::<UP>(lanes, lanes.wide(words, at)))
+    }
+
+    /// [`rounded`](Self::rounded) words within ±[`ONE`].
+    #[inline(always)]
+    pub(super) fn arm<const UP: bool>(&self, lanes: L, words: &[i64; GROUP], at: usize) -> L::Wide {
+        lanes.clamped(self.rounded::<UP>(lanes, lanes.wide(words, at)), word(lanes, ONE))
+    }
+
+    /// [`factor`](Self::factor) of words.
+    #[inline(always)]
+    pub(super) fn saturated<const UP: bool>(&self, lanes: L, words: &[i64; GROUP], at: usize) -> L::Narrow {
+        lanes.low(self.factor::<UP>(lanes, lanes.wide(words, at)))
+    }
+
+    /// [`factor`](Self::factor) within a quarter.
+    #[inline(always)]
+    pub(super) fn quarter<const UP: bool>(&self, lanes: L, value: L::Wide) -> L::Narrow {
+        lanes.low(lanes.clamped(self.factor::<UP>(lanes, value), word(lanes, ONE >> 2)))
+    }
+
+    /// value · 2^-bits to nearest, ties away from zero, as large as a factor may be.
+    #[inline(always)]
+    fn factor<const UP: bool>(&self, lanes: L, value: L::Wide) -> L::Wide {
+        let cut = if UP {
+            // What is shifted up beyond 2^31 saturates.
+            let is_up = lanes.sub(word(lanes, 0), self.up);
+            lanes.if_negative(is_up, lanes.clamped(value, word(lanes, 1 << 31)), value)
+        } else {
+            value
+        };
+        lanes.clamped(self.rounded::<UP>(lanes, cut), word(lanes, i32::MAX.into()))
+    }
+}

@@ -1,0 +1,145 @@
+//! Adding, removing, changing and reading colliders.
+
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+
+use super::{Command, World, WorldDef};
+use crate::body::Change;
+use crate::collider::{ColliderDef, ContactSettings};
+use crate::error::Error;
+use crate::scalar::Scalar;
+use crate::slots::{BodyId, ColliderId};
+
+impl<S: Scalar> World<S> {
+    /// Adds a collider to a body; wakes the body. Its mass changes if it is
+    /// [`Mass::FromColliders`](crate::Mass::FromColliders); the centre of mass stays where it is.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchBody`]; as [`ColliderDef::check`]; [`Error::OutOfRange`] for a mass that the body cannot have;
+    /// [`Error::Full`].
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, ColliderDef, Shape, World, WorldDef, fx, vec2};
+    ///
+    /// let mut world = World::new(WorldDef::default())?;
+    /// let body = world.add_body(BodyDef::dynamic())?;
+    /// let disc = ColliderDef { density: fx!(2), ..ColliderDef::new(Shape::circle(fx!(1))?) };
+    /// let collider = world.add_collider(body, disc)?;
+    /// assert_eq!(world.collider(collider)?.density, fx!(2));
+    /// assert_eq!((world.collider_body(collider)?, world.collider_count()), (body, 1));
+    /// assert_eq!(world.colliders_of(body)?.collect::<Vec<_>>(), [collider]);
+    ///
+    /// let square = Shape::rectangle(fx!(1), fx!(1))?;
+    /// world.set_collider(collider, square)?; // a shape alone, with the default material
+    /// assert_eq!(world.body(body)?.mass(), Some(fx!(1)));
+    /// world.remove_collider(collider)?;
+    /// assert!(world.collider(collider).is_err() && world.colliders().next().is_none());
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    pub fn add_collider(&mut self, body: BodyId, def: impl Into<ColliderDef<S>>) -> Result<ColliderId, Error> {
+        S::add_collider(self, body, def.into())
+    }
+
+    pub(crate) fn add_collider_inner(&mut self, body: BodyId, def: ColliderDef<S>) -> Result<ColliderId, Error> {
+        let (mass, properties) = self.check_new_collider(body, &def)?;
+        let dense = self.touch(body, Change::ALL)?;
+        self.journal.note(|| Command::AddCollider { body, def: def.clone() });
+        self.bodies.set_collider_mass(dense, mass, properties);
+        Ok(Arc::make_mut(&mut self.colliders).insert(body, def))
+    }
+
+    /// Replaces the definition of a collider; wakes its body. Contacts of the collider start without impulses.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchCollider`], and as [`add_collider`](Self::add_collider).
+    pub fn set_collider(&mut self, collider: ColliderId, def: impl Into<ColliderDef<S>>) -> Result<(), Error> {
+        S::set_collider(self, collider, def.into())
+    }
+
+    pub(crate) fn set_collider_inner(&mut self, collider: ColliderId, def: ColliderDef<S>) -> Result<(), Error> {
+        let (body, mass, properties) = self.check_next_collider(collider, Some(&def))?;
+        let dense = self.touch(body, Change::ALL)?;
+        self.journal.note(|| Command::SetCollider { collider, def: def.clone() });
+        self.bodies.set_collider_mass(dense, mass, properties);
+        self.contacts.forget(collider);
+        Arc::make_mut(&mut self.colliders).replace(collider, def)
+    }
+
+    /// Removes a collider; wakes its body and those that it touches.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchCollider`]; [`Error::OutOfRange`] if the body's other colliders have a mass that it cannot have.
+    pub fn remove_collider(&mut self, collider: ColliderId) -> Result<(), Error> {
+        S::remove_collider(self, collider)
+    }
+
+    pub(crate) fn remove_collider_inner(&mut self, collider: ColliderId) -> Result<(), Error> {
+        let (body, mass, properties) = self.check_next_collider(collider, None)?;
+        let dense = self.touch(body, Change::ALL)?;
+        self.journal.note(|| Command::RemoveCollider(collider));
+        self.bodies.set_collider_mass(dense, mass, properties);
+        self.contacts.forget(collider);
+        Arc::make_mut(&mut self.colliders).remove(collider)
+    }
+
+    /// Removes the colliders of a body that is removed, in the order of their slots: the slot that is freed last is taken first.
+    pub(super) fn take_colliders(&mut self, body: BodyId) -> Result<(), Error> {
+        let own: Vec<ColliderId> = self.colliders_of(body)?.collect();
+        for collider in own {
+            self.contacts.forget(collider);
+            Arc::make_mut(&mut self.colliders).remove(collider)?;
+        }
+        Ok(())
+    }
+
+    /// Sets the settings of contacts; wakes all bodies.
+    ///
+    /// # Errors
+    /// As [`ContactSettings::check`].
+    pub fn set_contact_settings(&mut self, contacts: ContactSettings<S>) -> Result<(), Error> {
+        contacts.check()?;
+        self.journal.note(|| Command::SetContactSettings(contacts));
+        // Impulses are those of a sub-step.
+        self.contacts.rescale(self.def.contacts.substeps.into(), contacts.substeps.into());
+        self.redefine(WorldDef { contacts, ..self.def });
+        Ok(())
+    }
+
+    /// The definition of a collider.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchCollider`].
+    pub fn collider(&self, collider: ColliderId) -> Result<&ColliderDef<S>, Error> {
+        self.colliders.get(collider).map(|collider| &collider.def)
+    }
+
+    /// The body that a collider belongs to.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchCollider`].
+    pub fn collider_body(&self, collider: ColliderId) -> Result<BodyId, Error> {
+        self.colliders.get(collider).map(|collider| collider.body)
+    }
+
+    /// The colliders in the order of their slots.
+    pub fn colliders(&self) -> impl Iterator<Item = (ColliderId, &ColliderDef<S>)> {
+        self.colliders.iter().map(|collider| (self.colliders.id(collider.slot), &collider.def))
+    }
+
+    /// The colliders of a body, in the order of their slots.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchBody`].
+    pub fn colliders_of(&self, body: BodyId) -> Result<impl Iterator<Item = ColliderId> + use<'_, S>, Error> {
+        self.bodies.find(body)?;
+        let mut slots: Vec<u32> = self.colliders.of(body).map(|collider| collider.slot).collect();
+        slots.sort_unstable();
+        Ok(slots.into_iter().map(|slot| self.colliders.id(slot)))
+    }
+
+    /// The number of colliders.
+    #[must_use]
+    pub fn collider_count(&self) -> usize {
+        self.colliders.len()
+    }
+}

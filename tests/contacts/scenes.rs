@@ -1,0 +1,47 @@
+//! Scenes of the tests.
+
+use umbra_physics::{
+    BodyDef, BodyId, ColliderDef, Error, Fx, Material, Shape, TimeStep, Vec2, World, WorldDef, fx, vec2,
+};
+
+/// A world with gravity, 60 steps a second, in which nobody falls asleep.
+pub(crate) fn def() -> WorldDef {
+    WorldDef { gravity: vec2(0, -10), time_step: TimeStep::hz(60), sleep_after: None, ..WorldDef::default() }
+}
+
+/// The ground: its top is at height 0.
+pub(crate) fn ground() -> Result<BodyDef, Error> {
+    let shape = Shape::rectangle(fx!(100), fx!(2))?;
+    Ok(BodyDef { position: vec2(0, -1), key: 1 << 40, ..BodyDef::fixed().with_collider(shape) })
+}
+
+/// A square of a metre.
+pub(crate) fn square(position: Vec2, key: u64) -> Result<BodyDef, Error> {
+    let collider = ColliderDef { key, ..ColliderDef::new(Shape::rectangle(fx!(1), fx!(1))?) };
+    Ok(BodyDef { position, key, ..BodyDef::dynamic().with_collider(collider) })
+}
+
+/// A pyramid of squares, `rows` at its base.
+pub(crate) fn pyramid(rows: i32) -> Result<Vec<BodyDef>, Error> {
+    let mut bodies = vec![ground()?];
+    for row in 0..rows {
+        for i in 0..rows - row {
+            let x = Fx::from_ratio((2 * i - (rows - row - 1)).into(), 2);
+            let position = Vec2::new(x, Fx::from_ratio((2 * row + 1).into(), 2));
+            bodies.push(square(position, (row * 1_000 + i) as u64)?);
+        }
+    }
+    Ok(bodies)
+}
+
+/// A world with these bodies, and their handles.
+pub(crate) fn world(def: WorldDef, bodies: impl IntoIterator<Item = BodyDef>) -> Result<(World, Vec<BodyId>), Error> {
+    let mut world = World::new(def)?;
+    let ids = bodies.into_iter().map(|def| world.add_body(def)).collect::<Result<_, _>>()?;
+    Ok((world, ids))
+}
+
+/// A material.
+pub(crate) fn material(friction: Fx, restitution: Fx) -> Material {
+    Material { friction, restitution }
+}

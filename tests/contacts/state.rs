@@ -1,0 +1,169 @@
+//! The state of contacts: snapshots, changes between steps, faults.
+
+use super::scenes::{def, ground, material, pyramid, square, world};
+use umbra_physics::{
+    BodyDef, Cause, ColliderDef, ContactSettings, Error, Irreversible, Quantity, Shape, Snapshot, TimeStep, Vec2,
+    WorldDef, fx, vec2,
+};
+
+#[test]
+fn a_restored_pile_goes_on_with_the_same_bits() {
+    let (mut world, _) = world(def(), pyramid(8).expect("a pyramid")).expect("a scene");
+    world.set_velocity(world.bodies().last().expect("a body").id(), vec2(5, 3)).expect("a velocity");
+    let mut fresh = world.clone();
+    for step in 0..200 {
+        world.step();
+        // From bytes, in each step: nothing is cached.
+        fresh.step();
+        let bytes = fresh.snapshot().to_bytes();
+        fresh = Snapshot::from_bytes(&bytes, &[]).expect("its own bytes").into_world();
+        assert_eq!(fresh.state_hash(), world.state_hash(), "{step}");
+        assert!(fresh.contacts().eq(world.contacts()));
+    }
+    assert!(world.contacts().count() > 30);
+}
+
+#[test]
+fn a_step_with_impulses_cannot_be_undone_and_one_in_flight_can() {
+    let ball =
+        BodyDef { position: vec2(0, 3), ..BodyDef::dynamic().with_collider(Shape::circle(fx!(0.5)).expect("a disc")) };
+    let mut ground = ground().expect("a ground");
+    ground.colliders[0].material = material(fx!(0.6), fx!(0.9));
+    let (mut world, _) = world(def(), [ground, ball]).expect("a scene");
+    let (mut undone, mut refused) = (0, 0);
+    for _ in 0..120 {
+        let before = world.state_hash();
+        world.step();
+        let mut back = world.clone();
+        match back.step_back(&[]) {
+            Ok(()) => {
+                assert_eq!(back.state_hash(), before);
+                undone += 1;
+            }
+            Err(error) => {
+                assert_eq!(error, Error::NotReversible { why: Irreversible::Contact });
+                refused += 1;
+            }
+        }
+    }
+    assert!(undone > 90 && refused > 1, "{undone} {refused}");
+}
+
+#[test]
+fn more_pairs_than_allowed_are_a_fault_and_the_rest_goes_on() {
+    let contacts = ContactSettings { max_pairs: 60, max_pairs_per_collider: 8, ..ContactSettings::default() };
+    let crowd = (0..40).map(|i| square(vec2(50, 50), i).expect("a square"));
+    let mut bodies: Vec<BodyDef> = vec![ground().expect("a ground"), square(vec2(0, fx!(0.5)), 99).expect("a square")];
+    bodies.extend(crowd);
+    let (mut world, ids) = world(WorldDef { contacts, ..def() }, bodies).expect("a scene");
+    let report = world.step();
+    assert_eq!(report.faults.len(), 40);
+    assert!(report.faults.iter().all(|fault| fault.cause == Cause::Pairs));
+    (0..60).for_each(|_| assert!(world.step().faults.is_empty()));
+    assert!((world.body(ids[1]).expect("it").position().y - fx!(0.5)).abs() < fx!(0.001));
+    assert_eq!(world.body(ids[5]).expect("it").position(), vec2(50, 50));
+}
+
+#[test]
+fn a_thousand_bodies_in_one_point_are_pushed_apart_at_a_bounded_speed() {
+    let bodies = (0..1_000).map(|i| BodyDef {
+        position: Vec2::new(umbra_physics::Fx::from_bits(i % 31), umbra_physics::Fx::from_bits(i / 31)),
+        ..square(vec2(0, 0), i as u64).expect("a square")
+    });
+    let (mut world, _) = world(WorldDef { gravity: vec2(0, 0), ..def() }, bodies).expect("a scene");
+    let mut fastest = fx!(0);
+    for _ in 0..20 {
+        assert!(world.step().faults.is_empty());
+        fastest = world.bodies().map(|body| body.velocity().length()).fold(fastest, umbra_physics::Fx::max);
+    }
+    assert!(fastest < fx!(200), "{fastest}");
+}
+
+#[test]
+fn colliders_and_bodies_that_go_leave_no_impulses() {
+    let stack: Vec<BodyDef> = [ground().expect("a ground")]
+        .into_iter()
+        .chain((0..3).map(|row| square(Vec2::new(fx!(0), fx!(0.5) + row.into()), row as u64).expect("a square")))
+        .collect();
+    let (mut world, ids) = world(def(), stack).expect("a scene");
+    (0..60).for_each(|_| _ = world.step());
+    assert_eq!(world.contacts().count(), 3);
+    let middle = world.colliders_of(ids[2]).expect("it").next().expect("a collider");
+    world.set_collider(middle, Shape::circle(fx!(0.5)).expect("a disc")).expect("a collider");
+    assert_eq!(world.contacts().count(), 1);
+    world.step();
+    assert_eq!(world.contacts().count(), 3);
+    world.remove_body(ids[3]).expect("it");
+    assert_eq!(world.contacts().count(), 2);
+    assert_eq!(world.collider_count(), 3);
+    world.remove_collider(middle).expect("it");
+    assert_eq!(world.contacts().count(), 1);
+    // A new collider in the slot of the old one starts without impulses.
+    let added = world.add_collider(ids[2], Shape::rectangle(fx!(1), fx!(1)).expect("a square")).expect("it");
+    assert_eq!((added.parts().0, world.contacts_of(ids[2]).expect("it").count()), (middle.parts().0, 0));
+    (0..60).for_each(|_| _ = world.step());
+    assert!((world.body(ids[2]).expect("it").position().y - fx!(1.5)).abs() < fx!(0.01));
+}
+
+#[test]
+fn a_change_of_the_time_step_keeps_forces() {
+    let stack = (0..10).map(|row| square(Vec2::new(fx!(0), fx!(0.5) + row.into()), row as u64).expect("a square"));
+    let (mut world, ids) = world(def(), [ground().expect("a ground")].into_iter().chain(stack)).expect("a scene");
+    (0..300).for_each(|_| _ = world.step());
+    // The impulse that carries all ten squares of 1 kg for a sub-step.
+    let carries = |world: &umbra_physics::World, hz: i64| {
+        let ground = world.contacts_of(ids[0]).expect("it").next().expect("a contact");
+        let impulse = ground.points().iter().fold(fx!(0), |sum, point| sum + point.normal_impulse);
+        let weight = umbra_physics::Fx::from_ratio(100, 5 * hz);
+        (impulse - weight).abs() < weight * fx!(0.001)
+    };
+    let mut hz = 60;
+    assert!(carries(&world, hz));
+    for next in [240, 60, 30, 1_000, 60] {
+        world.set_time_step(TimeStep::hz(next)).expect("a time step");
+        hz = next.into();
+        assert!(carries(&world, hz), "{hz}");
+    }
+    // A sub-step of half the length.
+    world.set_contact_settings(ContactSettings { substeps: 8, ..ContactSettings::default() }).expect("settings");
+    assert!(carries(&world, hz * 8 / 5));
+    (0..60).for_each(|_| _ = world.step());
+    assert!(carries(&world, hz * 8 / 5));
+}
+
+#[test]
+fn what_cannot_be_is_refused_and_the_world_unchanged() {
+    let (mut world, ids) = world(def(), [ground().expect("a ground")]).expect("a scene");
+    let collider = world.colliders().next().expect("a collider").0;
+    let good = ColliderDef::new(Shape::circle(fx!(1)).expect("a disc"));
+    let of = |quantity| Error::OutOfRange { quantity };
+    let part = umbra_physics::Part { shape: good.shape.clone(), position: vec2(0, 0), angle: fx!(0), density: fx!(1) };
+    let compound = Shape::compound(&[part]).expect("a compound");
+    let bad = [
+        (ColliderDef { material: material(fx!(-1), fx!(0)), ..good.clone() }, of(Quantity::Friction)),
+        (ColliderDef { material: material(fx!(33), fx!(0)), ..good.clone() }, of(Quantity::Friction)),
+        (ColliderDef { material: material(fx!(1), fx!(1.5)), ..good.clone() }, of(Quantity::Restitution)),
+        (ColliderDef { density: fx!(-1), ..good.clone() }, of(Quantity::ColliderDensity)),
+        (ColliderDef { position: vec2(5_000, 0), ..good.clone() }, of(Quantity::ColliderPosition)),
+        (
+            ColliderDef { filter: umbra_physics::Filter { category: 0, ..Default::default() }, ..good.clone() },
+            of(Quantity::Filter),
+        ),
+        (ColliderDef { shape: compound, ..good.clone() }, Error::CompoundCollider),
+    ];
+    let before = world.state_hash();
+    for (def, error) in bad {
+        assert_eq!(world.add_collider(ids[0], def.clone()), Err(error));
+        assert_eq!(world.set_collider(collider, def.clone()), Err(error));
+        assert_eq!(world.add_body(BodyDef { colliders: vec![good.clone(), def], ..BodyDef::dynamic() }), Err(error));
+    }
+    let nobody = umbra_physics::BodyId::from_parts(9, 0);
+    assert_eq!(world.add_collider(nobody, good), Err(Error::NoSuchBody { body: nobody }));
+    for (substeps, max_pairs, quantity) in
+        [(0, 9, Quantity::Substeps), (9, 9, Quantity::Substeps), (5, 0, Quantity::Pairs)]
+    {
+        let contacts = ContactSettings { substeps, max_pairs, ..ContactSettings::default() };
+        assert_eq!(world.set_contact_settings(contacts), Err(of(quantity)));
+    }
+    assert_eq!(world.state_hash(), before);
+}

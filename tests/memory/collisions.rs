@@ -1,0 +1,37 @@
+//! The heap that steps of worlds with collisions take.
+
+use allocation_counter::measure;
+use umbra_physics::{BodyDef, Shape, World, WorldDef, fx, vec2};
+
+/// A heap of boxes and discs that falls to the ground.
+fn heap() -> World {
+    let mut world = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() }).expect("a world");
+    let ground = BodyDef::fixed().with_collider(Shape::rectangle(100, 2).expect("a ground"));
+    world.add_body(BodyDef { position: vec2(0, -1), ..ground }).expect("a body");
+    for i in 0..120 {
+        let shape = if i % 2 == 0 { Shape::rectangle(fx!(0.5), fx!(0.5)) } else { Shape::circle(fx!(0.25)) };
+        let body = BodyDef::dynamic().with_collider(shape.expect("a shape"));
+        let position = vec2(fx!(0.3) * (i % 11) - fx!(1.5), fx!(0.5) + fx!(0.125) * i);
+        world.add_body(BodyDef { position, velocity: vec2(0, -3), ..body }).expect("a body");
+    }
+    world
+}
+
+#[test]
+fn a_step_takes_nothing_from_the_heap_once_there_were_as_many_contacts() {
+    let mut world = heap();
+    let start = world.snapshot();
+    let mut most = 0;
+    for _ in 0..240 {
+        world.step();
+        most = most.max(world.contacts().count());
+    }
+    assert!(most > 150, "{most}");
+    world.restore(&start);
+    // The first step after a restore builds the tree of static colliders.
+    world.step();
+    for step in 1..240 {
+        let taken = measure(|| _ = world.step());
+        assert_eq!(taken.count_total, 0, "step {step} of {most} contacts");
+    }
+}
