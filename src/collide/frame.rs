@@ -39,6 +39,13 @@ impl<P> Span<P> {
     }
 }
 
+impl<P: Product> Span<P> {
+    fn in_order(self) -> Self {
+        let ([i, j], [from, to]) = (self.corners, self.places);
+        if from <= to { self } else { Self { corners: [j, i], places: [to, from] } }
+    }
+}
+
 /// The parts of two cores that face each other.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Facing {
@@ -55,8 +62,6 @@ pub(super) enum Facing {
 /// Two cores along a direction.
 pub(super) struct Frame<P> {
     pub(super) n: [i32; 2],
-    /// The separation of the cores along n.
-    pub(super) separation: P,
     pub(super) a: Span<P>,
     pub(super) b: Span<P>,
     pub(super) facing: Facing,
@@ -187,19 +192,35 @@ impl<P: Product, const N: usize> Pair<P, N> {
         } else {
             self.spans(n, facing_edge(&self.a, &support_a, n), facing_edge(&self.b, &support_b, back))
         };
-        // Sharp cores nearer than 2^-11 of their size have no direction between corners that is worth the name.
-        let smaller = self.a.extent.min(self.b.extent);
-        let far = if self.is_rounded { P::ZERO } else { P::length(smaller >> 11, self.k) };
+        let far = self.far();
         if separation > far {
             let (own, other) = self.spans(n, support_a.ends, support_b.ends);
             if let Some((_, [i, j])) = nearest(&own, &other).filter(|(gap, _)| *gap > P::ZERO) {
-                return Frame { n, separation, a, b, facing: Facing::Corners(i, j) };
+                return Frame { n, a, b, facing: Facing::Corners(i, j) };
             }
         }
         let (low, high) = (a.places[0].max(b.places[0]), a.places[1].min(b.places[1]));
         let is_facing = low < high || (low == high && self.is_point(separation, far, &a, &b));
         let facing = if is_facing { Facing::Edges } else { self.apart(separation, far, &a, &b) };
-        Frame { n, separation, a, b, facing }
+        Frame { n, a, b, facing }
+    }
+
+    /// Sharp cores nearer than 2^-11 of their size have no direction between corners that is worth the name.
+    #[inline(always)]
+    fn far(&self) -> P {
+        let smaller = self.a.extent.min(self.b.extent);
+        if self.is_rounded { P::ZERO } else { P::length(smaller >> 11, self.k) }
+    }
+
+    /// The corners next to each other of segments and points that are apart on one line, where the normals of either side tie.
+    #[cold]
+    pub(super) fn ends_on_one_line(&self) -> Option<[usize; 2]> {
+        if self.a.count.max(self.b.count) > 2 {
+            return None;
+        }
+        let n = if self.a.count == 2 { self.a.normals[0] } else { self.b.normals[0] };
+        let (a, b) = self.spans(n, [0, self.a.count - 1], [0, self.b.count - 1]);
+        nearest(&a.in_order(), &b.in_order()).filter(|(gap, _)| *gap > self.far()).map(|(_, corners)| corners)
     }
 
     /// Returns true if spans that overlap in one place have a point there. Sharp corners at one place touch as those beside each other do.
@@ -216,8 +237,8 @@ impl<P: Product, const N: usize> Pair<P, N> {
         let Some((gap, [i, j])) = nearest(a, b) else {
             return Facing::Touching;
         };
-        // Two segments beside each other are apart, on one line even if no normal of theirs says so.
-        if self.a.count == 2 && self.b.count == 2 && gap > far {
+        // Segments and points beside each other are apart, on one line even if no normal says so.
+        if self.a.count.max(self.b.count) <= 2 && gap > far {
             return Facing::Corners(i, j);
         }
         let is_contact = self.is_rounded || separation < P::ZERO || separation > far;

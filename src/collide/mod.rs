@@ -13,7 +13,8 @@
 //! Cores that are apart with a corner next to a corner have the direction between those.
 //!
 //! **No direction, no manifold.** Where all directions that tie cancel (two discs with one centre, a square in the middle of a
-//! square, a disc on the middle line of a bar) any direction would favour a side, and there is no manifold.
+//! square, a disc on the middle line of a bar) any direction would favour a side, and there is no manifold. Segments and points on one line
+//! that are apart have the direction between their ends: their normals say nothing.
 
 mod axes;
 pub mod broad;
@@ -39,7 +40,8 @@ use points::{Ends, manifold};
 /// The contact of two outlines: one point or two.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Manifold {
-    /// The unit vector from A to B, in units of 2^-30. *Error* 1 unit in each component.
+    /// The unit vector from A to B, in units of 2^-30. *Error* 1 unit in each component; between two corners 1.5 ulp over their
+    /// distance more, as corners are rounded to ulps; of a mean over normals 1 unit for each, over the length of their sum.
     pub normal: [i32; 2],
     /// The number of points, 1 or 2.
     pub count: usize,
@@ -78,8 +80,11 @@ const MARGIN_MAX: i64 = 1 << (22 + 32);
 ///
 /// *Domain* positions within 2^31 m. A margin below zero counts as zero, one above 2^22 m as that.
 ///
-/// *Error* of a separation: 2 ulp, and 2^-30 of the larger core's size. A corner within about 2^-26 of the pair's size of the line
-/// through its neighbours counts as on it, which adds as much.
+/// *Error* of a separation: 3 ulp, and 2^-30 of the larger core's size (the largest distance of two of its corners) and of the distance of
+/// the cores; in a single point between two corners, 2^-30 of both cores' sizes. An edge whose ends are within 4 ulp of one height counts as
+/// level, which adds half of the difference; at the far end of another edge at an angle to the normal its slope times 2^-28 of the pair's size
+/// is added. Directions whose separations differ by less than about 2^-26 of the pair's size may count as tied. A corner within as much of the
+/// line through its neighbours counts as on it, which adds as much.
 #[must_use]
 pub fn collide(a: &Outline, pose_a: &Pose, b: &Outline, pose_b: &Pose, margin: Fx) -> Option<Manifold> {
     // Most shapes are boxes, and setting memory to zero costs.
@@ -147,11 +152,15 @@ fn collide_cores<P: Product, const N: usize>(ends: &Ends<'_>, k: u32) -> Option<
     let is_rounded = ends.a.placed.radius + ends.b.placed.radius > 0;
     let pair = Pair { a, b, k, is_rounded };
     let axes = Axes::new(&pair.a, &pair.b, k, P::length(ends.limit, k))?;
-    let frame = pair.frame(axes.direction(&pair.a, &pair.b)?);
+    let Some(direction) = axes.direction(&pair.a, &pair.b) else {
+        let [i, j] = pair.ends_on_one_line()?;
+        return ends.between_corners(i, j);
+    };
+    let frame = pair.frame(direction);
     if frame.facing != Facing::Edges {
         return beside(&pair, &axes, ends, frame);
     }
-    manifold(&pair, ends, &frame)
+    manifold(ends, &frame)
 }
 
 /// The manifold of cores that have no edges facing each other along the direction that seems best: it may be that of an edge that is
@@ -165,7 +174,7 @@ fn beside<P: Product, const N: usize>(
 ) -> Option<Manifold> {
     let is_facing = |direction| pair.frame(direction).facing == Facing::Edges;
     let other = axes.nearly_as_good(&pair.a, &pair.b, is_facing);
-    manifold(pair, ends, &other.map_or(frame, |direction| pair.frame(direction)))
+    manifold(ends, &other.map_or(frame, |direction| pair.frame(direction)))
 }
 
 /// The largest distance of a point of the outline from the centre of mass of its shape, m, rounded up: corners and radius.

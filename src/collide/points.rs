@@ -1,7 +1,7 @@
 //! The points of a manifold, in ulps.
 
 use super::cores::Product;
-use super::frame::{Facing, Frame, Pair, Span, nearest};
+use super::frame::{Facing, Frame, Span, nearest};
 use super::place::{View, odd_shift};
 use super::{Manifold, ManifoldPoint, feature};
 use crate::fx::Fx;
@@ -45,15 +45,11 @@ fn between([from, to]: [i64; 2], before: i64, after: i64) -> i64 {
 
 /// The manifold of a frame.
 #[inline(always)]
-pub(super) fn manifold<P: Product, const N: usize>(
-    pair: &Pair<P, N>,
-    ends: &Ends<'_>,
-    frame: &Frame<P>,
-) -> Option<Manifold> {
+pub(super) fn manifold<P: Product>(ends: &Ends<'_>, frame: &Frame<P>) -> Option<Manifold> {
     match frame.facing {
-        Facing::Edges => ends.clipped(frame, pair.k),
+        Facing::Edges => ends.clipped(frame),
         Facing::Corners(i, j) => ends.between_corners(i, j),
-        Facing::Beside(i, j) => ends.single(frame.n, frame.separation.ulps(pair.k), i, j),
+        Facing::Beside(i, j) => ends.single(frame.n, ends.separation(frame.n), i, j),
         Facing::Touching => None,
     }
 }
@@ -61,7 +57,7 @@ pub(super) fn manifold<P: Product, const N: usize>(
 impl Ends<'_> {
     /// Two edges that overlap: a point at either end of the overlap.
     #[inline(always)]
-    fn clipped<P: Product>(&self, frame: &Frame<P>, k: u32) -> Option<Manifold> {
+    fn clipped<P: Product>(&self, frame: &Frame<P>) -> Option<Manifold> {
         let (a, b) = (&frame.a, &frame.b);
         let is_point = a.places[0].max(b.places[0]) == a.places[1].min(b.places[1]);
         let mut manifold = Manifold { normal: frame.n, count: 0, points: [ManifoldPoint::default(); 2] };
@@ -87,14 +83,14 @@ impl Ends<'_> {
                 manifold.count += 1;
             }
         }
-        if manifold.count > 0 { Some(manifold) } else { self.deepest(frame, k) }
+        if manifold.count > 0 { Some(manifold) } else { self.deepest(frame) }
     }
 
     /// The point of cores whose deepest corner is beside the overlap of the edges: at the end where these overlap less.
     #[cold]
-    fn deepest<P: Product>(&self, frame: &Frame<P>, k: u32) -> Option<Manifold> {
+    fn deepest<P: Product>(&self, frame: &Frame<P>) -> Option<Manifold> {
         let (_, [i, j]) = nearest(&frame.a, &frame.b)?;
-        self.single(frame.n, frame.separation.ulps(k), i, j)
+        self.single(frame.n, self.separation(frame.n), i, j)
     }
 
     /// The offset from a corner of A to a corner of B. Corners are below 2^48, offsets below 2^56.
@@ -108,6 +104,15 @@ impl Ends<'_> {
     #[inline(always)]
     fn height(&self, n: [i32; 2], i: usize, j: usize) -> i64 {
         <i128 as Product>::dot(n, self.apart(i, j)).ulps(0)
+    }
+
+    /// The separation of the cores along n: the frame has it in units of choices, this is in ulps.
+    #[cold]
+    fn separation(&self, n: [i32; 2]) -> i64 {
+        let height = |&corner: &[i64; 2]| <i128 as Product>::dot(n, corner);
+        let most = self.a.corners.iter().map(height).fold(i128::LEAST, Ord::max);
+        let least = self.b.corners.iter().map(height).fold(i128::MAX, Ord::min);
+        (least + <i128 as Product>::dot(n, self.offset) - most).ulps(0)
     }
 
     /// The distance of the cores where a corner is.

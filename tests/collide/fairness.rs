@@ -53,7 +53,7 @@ fn images(random: &mut SplitMix, case: &Case) -> Vec<Image> {
     add(quarter, Vec2::perp, same, false, false);
     let shift = Vec2::new(Fx::from_bits(random.between(-999, 999)), Fx::from_bits(random.between(-1 << 40, 1 << 40)));
     add(Case { positions: case.positions.map(|p| p + shift), ..case.clone() }, same, same, false, false);
-    let by = [1, random.between(1, 64) as usize];
+    let by = [0; 2].map(|_| random.between(1, 128) as usize);
     let renumbered = Case { recipes: [0, 1].map(|i| case.recipes[i].renumbered(by[i])), ..case.clone() };
     add(renumbered, same, same, false, false);
     images.push(Image {

@@ -147,6 +147,21 @@ fn capsules_on_one_line_meet_at_their_ends() {
     }
 }
 
+#[test]
+fn sharp_segments_on_one_line_meet_at_their_ends() {
+    let segment = Recipe::Segment([vec2(fx!(-1), fx!(0)), vec2(fx!(1), fx!(0))]);
+    for quarter in 0..4 {
+        let angle = Turn::from_bits(quarter << 62);
+        for (other, length) in [(segment.clone(), fx!(1)), (Recipe::Disc(fx!(0.5)), fx!(0.5))] {
+            let along = vec2(fx!(1.01) + length, fx!(0));
+            let offset = angle.rotate(along).and_then(|v| v.try_map(FxWide::to_scalar)).expect("small");
+            let m = manifold([segment.clone(), other], offset, [angle; 2]).expect("a contact");
+            assert_eq!((m.count, features(&m)), (1, vec![feature([1, 1], [0, 0])]));
+            assert_eq!(m.points[0].separation, fx!(1.01) - fx!(1));
+        }
+    }
+}
+
 /// A floor whose upper edge has a corner in the middle, by ulps above the line between its ends: its shape, and its centre.
 fn bent_floor(sticks_out: i64) -> (Recipe, Vec2) {
     let up = |x: i32, y: Fx| Vec2::new(Fx::from_int(x), y);

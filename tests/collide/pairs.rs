@@ -38,14 +38,17 @@ impl Recipe {
         }
     }
 
-    /// The same shape with another first corner.
+    /// The same shape with another first corner, and for odd numbers with the other winding.
     pub(crate) fn renumbered(&self, by: usize) -> Self {
         match self {
             Self::Segment([a, b]) => Self::Segment([*b, *a]),
             Self::Polygon(corners) => {
                 let mut corners = corners.clone();
                 let count = corners.len();
-                corners.rotate_left(by % count);
+                corners.rotate_left(by / 2 % count);
+                if by % 2 == 1 {
+                    corners.reverse();
+                }
                 Self::Polygon(corners)
             }
             _ => self.clone(),
@@ -176,5 +179,86 @@ pub(crate) fn tied_case(random: &mut SplitMix) -> Case {
     let offset = if random.between(0, 2) == 0 { offset } else { turned };
     let origin = Vec2::new(bits(random, -1 << 62, 1 << 62), bits(random, -1 << 62, 1 << 62));
     let margin = [Fx::ZERO, fx!(0.02), f(unit)][random.between(0, 3) as usize];
+    Case { recipes, positions: [origin, origin + offset], angles, margin }
+}
+
+/// A pair with an edge on an edge, or nearly: parallel but for some units of the angle, apart or sunk by little.
+pub(crate) fn resting_case(random: &mut SplitMix, exponents: [u32; 2]) -> Case {
+    let mut half = [[0i64; 2]; 2];
+    let recipes = [0, 1].map(|i| {
+        let e = exponents[i];
+        let even = |random: &mut SplitMix, e: u32| random.between(1 << (e - 2), 1 << (e - 1));
+        let (x, y) = (even(random, e), even(random, e));
+        let f = |half: i64| Fx::from_bits(2 * half);
+        let (recipe, reach) = match random.between(0, 5) {
+            0 => (Recipe::Capsule(f(x), Fx::from_bits(y)), [x + y, y]),
+            1 => (Recipe::Segment([-x, x].map(|x| Vec2::new(Fx::from_bits(x), Fx::ZERO))), [x, 0]),
+            2 => (Recipe::Disc(Fx::from_bits(x)), [x, x]),
+            3 => {
+                let corners = [[-x, 0], [x / 3, -y], [x, 0], [-x / 3, y]];
+                let corners = corners.map(|[x, y]| Vec2::new(Fx::from_bits(x), Fx::from_bits(y)));
+                (Recipe::Polygon(corners.into()), [x, y])
+            }
+            _ => (Recipe::Rectangle(f(x), f(y)), [x, y]),
+        };
+        half[i] = reach;
+        recipe
+    });
+    let small = |random: &mut SplitMix, e: u32| random.of_bits(e);
+    let turn = random.next();
+    let quarter = random.between(0, 4) as u64;
+    // Turned by a quarter, the other extent is upwards.
+    let [side, up] = if quarter & 1 == 1 { [half[1][1], half[1][0]] } else { half[1] };
+    let x = random.between(-half[0][0] - side, half[0][0] + side + 1);
+    let x = if random.between(0, 4) == 0 { (half[0][0] - side) * random.between(-1, 2) } else { x };
+    let y = half[0][1] + up + small(random, exponents[0].min(exponents[1]) - 4);
+    let tilt = [0, small(random, 20), small(random, 50)][random.between(0, 3) as usize] as u64;
+    let angles = [turn, turn.wrapping_add(quarter << 62).wrapping_add(tilt)].map(Turn::from_bits);
+    let offset = Vec2::new(Fx::from_bits(x), Fx::from_bits(y));
+    let offset = angles[0].rotate(offset).and_then(|v| v.try_map(umbra_physics::FxWide::to_scalar)).expect("small");
+    let origin = Vec2::new(bits(random, -1 << 60, 1 << 60), bits(random, -1 << 60, 1 << 60));
+    let margin = [Fx::ZERO, fx!(0.02)][random.between(0, 2) as usize];
+    Case { recipes, positions: [origin, origin + offset], angles, margin }
+}
+
+/// A shape with edges along the axes and the diagonals, whose corners are multiples of two steps.
+fn lattice_recipe(random: &mut SplitMix, step: i64) -> Recipe {
+    let size = |random: &mut SplitMix, most| 2 * random.between(1, most) * step;
+    let (x, y, cut) = (size(random, 16), size(random, 16), size(random, 6));
+    let f = Fx::from_bits;
+    let polygon = |corners: &[[i64; 2]]| Recipe::Polygon(corners.iter().map(|&[x, y]| Vec2::new(f(x), f(y))).collect());
+    let far = x + cut;
+    let octagon = [[-x, -far], [x, -far], [far, -x], [far, x], [x, far], [-x, far], [-far, x], [-far, -x]];
+    match random.between(0, 11) {
+        0 | 1 => Recipe::Rectangle(f(2 * x), f(2 * y)),
+        2 => Recipe::Rectangle(f(2 * x), f(2 * x)),
+        3 => Recipe::Disc(f(x)),
+        4 => Recipe::Capsule(f(2 * x), f(cut)),
+        5 => Recipe::Segment([-x, x].map(|x| Vec2::new(f(x), Fx::ZERO))),
+        6 => Recipe::Segment([-x, x].map(|x| Vec2::new(f(x), f(x)))),
+        7 => polygon(&[[-x, 0], [0, -x], [x, 0], [0, x]]),
+        8 => polygon(&[[-x - y, -y], [x - y, -y], [x + y, y], [y - x, y]]),
+        9 => polygon(&[[-x - y, 0], [-x, -y], [x, -y], [x + y, 0], [x, y], [-x, y]]),
+        _ => polygon(&octagon),
+    }
+}
+
+/// A pair of such shapes, turned by quarters, an even number of steps apart: no number of it is rounded but the normals of diagonals.
+pub(crate) fn lattice_case(random: &mut SplitMix) -> Case {
+    let step = 1i64 << random.between(24, 36);
+    let first = lattice_recipe(random, step);
+    let second = if random.between(0, 3) == 0 { first.clone() } else { lattice_recipe(random, step) };
+    let recipes = [first, second];
+    let far = recipes.iter().map(|r| reach(&r.shape().expect("a shape"))).sum::<i64>() / (2 * step);
+    let mut part = || 2 * step * random.between(-far, far + 1);
+    let (x, y) = (part(), part());
+    let (x, y) = [(x, y), (x, x), (x, 0), (0, y)][random.between(0, 4) as usize];
+    let origin = Vec2::new(bits(random, -1 << 60, 1 << 60), bits(random, -1 << 60, 1 << 60));
+    let offset = Vec2::new(Fx::from_bits(x), Fx::from_bits(y));
+    let angles = [0; 2].map(|_| Turn::from_bits((random.next() & 3) << 62));
+    // Along diagonals a separation that is exactly the margin may round to either side of it.
+    let is_straight = |r: &Recipe| matches!(r, Recipe::Rectangle(..) | Recipe::Capsule(..) | Recipe::Disc(_));
+    let more = if recipes.iter().all(is_straight) { 0 } else { random.between(step / 4, step / 2) };
+    let margin = Fx::from_bits(random.between(0, 3) * step + more);
     Case { recipes, positions: [origin, origin + offset], angles, margin }
 }

@@ -30,6 +30,13 @@ impl<F> Span<F> {
     }
 }
 
+impl<F: Float> Span<F> {
+    fn in_order(self) -> Self {
+        let ([i, j], [from, to]) = (self.corners, self.places);
+        if from <= to { self } else { Self { corners: [j, i], places: [to, from] } }
+    }
+}
+
 /// The parts of two cores that face each other.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Facing {
@@ -136,7 +143,10 @@ impl<'a, F: Float> Both<'a, F> {
         if largest > self.limit {
             return None;
         }
-        let frame = self.along(self.direction(largest)?);
+        let Some(direction) = self.direction(largest) else {
+            return self.on_one_line();
+        };
+        let frame = self.along(direction);
         if frame.facing == Facing::Edges {
             return Some(frame);
         }
@@ -161,6 +171,19 @@ impl<'a, F: Float> Both<'a, F> {
         let size = length(sum);
         (size > F::of(SLACK) * F::EPSILON * count)
             .then(|| Direction { n: times(sum, F::of(1.0) / size), is_mean: true })
+    }
+
+    /// Segments and points that are apart on one line, where the normals of either side tie: their ends next to each other.
+    fn on_one_line(&self) -> Option<Frame<F>> {
+        let [count_a, count_b] = [self.a.corners.len(), self.b.corners.len()];
+        if count_a.max(count_b) > 2 {
+            return None;
+        }
+        let n = *self.a.normals.first().or(self.b.normals.first())?;
+        let (a, b) = self.spans(n, [0, count_a - 1], [0, count_b - 1]);
+        let (a, b) = (a.in_order(), b.in_order());
+        let (_, [i, j]) = self.nearest(&a, &b).filter(|(gap, _)| *gap > self.far())?;
+        Some(Frame { n, separation: F::of(0.0), a, b, facing: Facing::Corners(i, j) })
     }
 
     /// The spans between corners that are in counter-clockwise order: along A's boundary places grow, along B's they fall.
@@ -226,8 +249,8 @@ impl<'a, F: Float> Both<'a, F> {
         let Some((gap, [i, j])) = self.nearest(a, b) else {
             return Facing::Touching;
         };
-        // Two segments beside each other are apart, on one line even if no normal of theirs says so.
-        if self.a.corners.len() == 2 && self.b.corners.len() == 2 && gap > far {
+        // Segments and points beside each other are apart, on one line even if no normal says so.
+        if self.a.corners.len().max(self.b.corners.len()) <= 2 && gap > far {
             return Facing::Corners(i, j);
         }
         if self.is_contact(separation, far) { Facing::Beside(i, j) } else { Facing::Touching }
