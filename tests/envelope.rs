@@ -343,16 +343,20 @@ fn colliders_and_contacts_have_their_bounds() {
         push_speed: limit,
         restitution_speed: limit,
         max_pairs: 1 << 28,
-        max_pairs_per_collider: 1,
+        max_pairs_per_collider: 1 << 12,
     };
     expect(&mut world, &Command::SetContactSettings(good), Ok(()));
+    let least = ContactSettings { substeps: 1, max_pairs: 1, max_pairs_per_collider: 1, ..good };
+    expect(&mut world, &Command::SetContactSettings(least), Ok(()));
     for (quantity, bad) in [
         (Quantity::Substeps, ContactSettings { substeps: 0, ..good }),
         (Quantity::Substeps, ContactSettings { substeps: 9, ..good }),
         (Quantity::ContactSpeed, ContactSettings { push_speed: limit + ULP, ..good }),
         (Quantity::ContactSpeed, ContactSettings { restitution_speed: -ULP, ..good }),
         (Quantity::Pairs, ContactSettings { max_pairs: 0, ..good }),
-        (Quantity::Pairs, ContactSettings { max_pairs_per_collider: (1 << 28) + 1, ..good }),
+        (Quantity::Pairs, ContactSettings { max_pairs: (1 << 28) + 1, ..good }),
+        (Quantity::Pairs, ContactSettings { max_pairs_per_collider: 0, ..good }),
+        (Quantity::Pairs, ContactSettings { max_pairs_per_collider: (1 << 12) + 1, ..good }),
     ] {
         expect(&mut world, &Command::SetContactSettings(bad), out_of(quantity));
         assert_eq!(World::new(WorldDef { contacts: bad, ..WorldDef::default() }).map(drop), out_of(quantity));
@@ -1142,6 +1146,8 @@ mod floats {
         let body = world.add_body(BodyDef { shape: shape.clone(), ..BodyDef::dynamic() }).unwrap();
         let rail = world.add_body(BodyDef::kinematic()).unwrap();
         let id = world.add_field(FieldKind::Drag { linear: 1.0, quadratic: 0.0, wind: Vec2::ZERO }).unwrap();
+        let part = ColliderDef::new(Shape::new(Geometry::Circle { radius: 1.0 }).unwrap());
+        let collider = world.add_collider(body, part.clone()).unwrap();
         for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             for v in [Vec2::new(bad, 0.0), Vec2::new(0.0, bad)] {
                 let at = Attachment { body, point: v };
@@ -1151,6 +1157,12 @@ mod floats {
                 let origin = End::World(Vec2::ZERO);
                 let disc = Region::Disc { centre: Vec2::ZERO, radius: 1.0 };
                 let own = |action| Command::Apply { body, action, options: ApplyOptions::default() };
+                let made_of = |change: fn(&mut ColliderDef<f64>, Vec2<f64>)| {
+                    let mut def = part.clone();
+                    change(&mut def, v);
+                    def
+                };
+                let settings = ContactSettings::default();
                 let add = |change: fn(&mut BodyDef<f64>, Vec2<f64>)| {
                     let mut def = BodyDef { shape: shape.clone(), ..BodyDef::dynamic() };
                     change(&mut def, v);
@@ -1210,6 +1222,13 @@ mod floats {
                     set(FieldKind::Zone { region: Region::Box { min: v, max: Vec2::X }, acceleration: Vec2::X }),
                     set(FieldKind::Zone { region: Region::Box { min: Vec2::ZERO, max: v }, acceleration: Vec2::X }),
                     set(FieldKind::Zone { region: disc, acceleration: v }),
+                    Command::AddCollider { body, def: made_of(|def, v| def.position = v) },
+                    Command::AddCollider { body, def: made_of(|def, v| def.angle = v.x + v.y) },
+                    Command::AddCollider { body, def: made_of(|def, v| def.density = v.x + v.y) },
+                    Command::SetCollider { collider, def: made_of(|def, v| def.material.friction = v.x + v.y) },
+                    Command::SetCollider { collider, def: made_of(|def, v| def.material.restitution = v.x + v.y) },
+                    Command::SetContactSettings(ContactSettings { push_speed: bad, ..settings }),
+                    Command::SetContactSettings(ContactSettings { restitution_speed: bad, ..settings }),
                 ] {
                     let before = world.state_hash();
                     let refused = world.execute(&command);

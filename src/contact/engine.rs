@@ -175,9 +175,15 @@ impl<S: Scalar, N: Numerics<S>> ContactEngine<S> for Engine<S, N> {
         };
         self.broad.update(&statics, &self.movers, &limits);
         let crowded = self.broad.above_cap().iter().filter_map(|&slot| scene.colliders.at(slot));
-        let crowded = crowded.filter_map(|collider| scene.bodies.find(collider.body).ok());
-        out.crowded.extend(crowded.filter(|&dense| dense < scene.bodies.moving()));
-        if !out.crowded.is_empty() {
+        for collider in crowded {
+            match scene.bodies.find(collider.body) {
+                Ok(dense) if dense < scene.bodies.moving() => out.crowded.push(dense),
+                // One that sleeps is at fault as if it were awake.
+                Ok(_) => out.touched.push(collider.body),
+                Err(_) => {}
+            }
+        }
+        if !out.crowded.is_empty() || !out.touched.is_empty() {
             return;
         }
         let pairs = self.broad.take_pairs();

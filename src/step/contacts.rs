@@ -138,10 +138,11 @@ impl<S: Scalar> Step<'_, S> {
                 self.show(StageKind::Push);
                 break;
             }
-            if detected.crowded.is_empty() {
-                self.wake_touched(&mut own, constants, schedule);
-            } else {
+            // Those who wake may be crowded: then they are found once more.
+            if detected.touched.is_empty() {
                 self.refuse_crowded(&mut own);
+            } else {
+                self.wake_touched(&mut own, constants, schedule);
             }
         }
         self.workspace.contacts = Some(own);

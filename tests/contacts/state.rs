@@ -2,8 +2,8 @@
 
 use super::scenes::{def, ground, material, pyramid, square, world};
 use umbra_physics::{
-    BodyDef, Cause, ColliderDef, ContactSettings, Error, Irreversible, Quantity, Shape, Snapshot, TimeStep, Vec2,
-    WorldDef, fx, vec2,
+    Activity, BodyDef, BodyId, Cause, ColliderDef, ColliderId, ContactSettings, Error, FxAccumulator, Irreversible,
+    Quantity, Shape, Snapshot, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
 #[test]
@@ -62,6 +62,32 @@ fn more_pairs_than_allowed_are_a_fault_and_the_rest_goes_on() {
     (0..60).for_each(|_| assert!(world.step().faults.is_empty()));
     assert!((world.body(ids[1]).expect("it").position().y - fx!(0.5)).abs() < fx!(0.001));
     assert_eq!(world.body(ids[5]).expect("it").position(), vec2(50, 50));
+}
+
+#[test]
+fn sleepers_with_too_many_pairs_are_at_fault_as_if_they_were_awake() {
+    // Discs near each other that exchange no impulses, and fall asleep.
+    let disc = |i: i32| BodyDef {
+        position: Vec2::new(umbra_physics::Fx::from_ratio((i % 6).into(), 1) * fx!(1.01), fx!(1.01) * (i / 6)),
+        key: i as u64,
+        ..BodyDef::dynamic().with_collider(Shape::circle(fx!(0.5)).expect("a disc"))
+    };
+    let run = |sleep_after| {
+        let def = WorldDef { gravity: vec2(0, 0), sleep_after, ..def() };
+        let (mut world, _) = world(def, (0..36).map(disc)).expect("a scene");
+        (0..10).for_each(|_| assert!(world.step().faults.is_empty()));
+        let asleep = world.bodies().filter(|body| body.activity() == umbra_physics::Activity::Asleep).count();
+        let contacts = ContactSettings { max_pairs: 30, max_pairs_per_collider: 4, ..ContactSettings::default() };
+        world.set_contact_settings(contacts).expect("settings");
+        let faults: Vec<_> = world.step().faults.iter().map(|fault| (fault.body, fault.cause)).collect();
+        let bits: Vec<_> = world.bodies().map(|body| (body.position_exact(), body.velocity_exact())).collect();
+        (asleep, faults, bits)
+    };
+    let (asleep, faults, bits) = run(Some(2));
+    let (awake, others, same) = run(None);
+    assert_eq!((asleep, awake), (36, 0));
+    assert!(!faults.is_empty() && faults.len() < 36, "{}", faults.len());
+    assert_eq!((faults, bits), (others, same));
 }
 
 #[test]
@@ -131,10 +157,71 @@ fn a_change_of_the_time_step_keeps_forces() {
     assert!(carries(&world, hz * 8 / 5));
 }
 
+/// All quantities of each body that a step changes.
+fn bits(world: &World, ids: &[BodyId]) -> Vec<([i128; 5], u64)> {
+    let of = |&id: &BodyId| {
+        let body = world.body(id).expect("it is there");
+        let (x, v) = (body.position_exact(), body.velocity_exact());
+        ([x.x, x.y, v.x, v.y, body.angular_velocity_exact()].map(FxAccumulator::to_bits), body.angle_exact().to_bits())
+    };
+    ids.iter().map(of).collect()
+}
+
+#[test]
+fn bodies_with_too_many_pairs_stay_as_they_were_and_change_no_bit_of_the_others() {
+    let contacts = ContactSettings { max_pairs: 60, max_pairs_per_collider: 8, ..ContactSettings::default() };
+    let def = WorldDef { contacts, ..def() };
+    let own = || pyramid(3).expect("a pyramid");
+    let moving = |i: i32| BodyDef { velocity: vec2(i, -i), ..square(vec2(50, 50), i as u64).expect("a square") };
+    let crowd: Vec<BodyDef> = (0..40).map(moving).collect();
+    let (mut alone, _) = world(def, own()).expect("a scene");
+    let (mut crowded, ids) = world(def, own().into_iter().chain(crowd)).expect("a scene");
+    let (others, crowd) = ids.split_at(7);
+    let before = bits(&crowded, crowd);
+    for step in 0..100 {
+        alone.step();
+        let report = crowded.step();
+        assert_eq!(report.faults.len(), if step == 0 { 40 } else { 0 });
+        assert!(report.faults.iter().zip(crowd).all(|(fault, id)| fault.cause == Cause::Pairs && fault.body == *id));
+        assert_eq!(bits(&crowded, crowd), before);
+        assert_eq!(bits(&crowded, others), bits(&alone, others));
+    }
+    for id in crowd {
+        assert_eq!(crowded.body(*id).expect("it").activity(), Activity::Quarantined);
+    }
+    assert_eq!(crowded.contacts().count(), alone.contacts().count());
+}
+
+#[test]
+fn sleeping_bodies_with_too_many_pairs_are_at_fault_as_if_awake() {
+    let contacts = ContactSettings { max_pairs: 16, max_pairs_per_collider: 4, ..ContactSettings::default() };
+    let at = |position: Vec2, velocity: Vec2, key| BodyDef {
+        position,
+        velocity,
+        ..BodyDef { key, ..BodyDef::dynamic().with_collider(Shape::circle(fx!(0.5)).expect("a disc")) }
+    };
+    // One disc alone, and eight that come to it from all sides in the same step, so that it alone has too many pairs at first.
+    let corners = [(0, 1), (0, -1), (1, 0), (-1, 0), (1, 1), (1, -1), (-1, 1), (-1, -1)];
+    let mut bodies = vec![at(vec2(0, 0), vec2(0, 0), 0)];
+    bodies.extend((1..).zip(corners).map(|(key, (x, y))| at(vec2(x, y) * fx!(6), vec2(-x, -y) * fx!(3), key)));
+    bodies.extend(
+        (0..20).map(|key| at(vec2(0, 0), vec2(0, 0), 9 + key)).map(|def| BodyDef { position: vec2(90, 0), ..def }),
+    );
+    let still = WorldDef { gravity: vec2(0, 0), contacts, ..def() };
+    let (mut awake, ids) = world(still, bodies.clone()).expect("a scene");
+    let (mut sleeping, _) = world(WorldDef { sleep_after: Some(5), ..still }, bodies).expect("a scene");
+    for step in 0..200 {
+        let faults = awake.step().faults.to_vec();
+        assert_eq!(sleeping.step().faults, faults, "{step}");
+        assert_eq!(bits(&sleeping, &ids), bits(&awake, &ids), "{step}");
+    }
+}
+
 #[test]
 fn what_cannot_be_is_refused_and_the_world_unchanged() {
-    let (mut world, ids) = world(def(), [ground().expect("a ground")]).expect("a scene");
-    let collider = world.colliders().next().expect("a collider").0;
+    let (mut world, ids) = world(def(), pyramid(3).expect("a pyramid")).expect("a scene");
+    (0..30).for_each(|_| _ = world.step());
+    let collider = world.colliders_of(ids[3]).expect("it").next().expect("a collider");
     let good = ColliderDef::new(Shape::circle(fx!(1)).expect("a disc"));
     let of = |quantity| Error::OutOfRange { quantity };
     let part = umbra_physics::Part { shape: good.shape.clone(), position: vec2(0, 0), angle: fx!(0), density: fx!(1) };
@@ -143,6 +230,11 @@ fn what_cannot_be_is_refused_and_the_world_unchanged() {
         (ColliderDef { material: material(fx!(-1), fx!(0)), ..good.clone() }, of(Quantity::Friction)),
         (ColliderDef { material: material(fx!(33), fx!(0)), ..good.clone() }, of(Quantity::Friction)),
         (ColliderDef { material: material(fx!(1), fx!(1.5)), ..good.clone() }, of(Quantity::Restitution)),
+        (ColliderDef { material: material(fx!(1), fx!(-0.5)), ..good.clone() }, of(Quantity::Restitution)),
+        (
+            ColliderDef { filter: umbra_physics::Filter { mask: 0, ..Default::default() }, ..good.clone() },
+            of(Quantity::Filter),
+        ),
         (ColliderDef { density: fx!(-1), ..good.clone() }, of(Quantity::ColliderDensity)),
         (ColliderDef { position: vec2(5_000, 0), ..good.clone() }, of(Quantity::ColliderPosition)),
         (
@@ -151,19 +243,62 @@ fn what_cannot_be_is_refused_and_the_world_unchanged() {
         ),
         (ColliderDef { shape: compound, ..good.clone() }, Error::CompoundCollider),
     ];
-    let before = world.state_hash();
+    let (before, contacts) = (world.state_hash(), (world.collider_count(), world.contacts().count()));
     for (def, error) in bad {
-        assert_eq!(world.add_collider(ids[0], def.clone()), Err(error));
+        assert_eq!(world.add_collider(ids[3], def.clone()), Err(error));
+        assert_eq!(world.state_hash(), before, "{error}");
         assert_eq!(world.set_collider(collider, def.clone()), Err(error));
+        assert_eq!(world.state_hash(), before, "{error}");
         assert_eq!(world.add_body(BodyDef { colliders: vec![good.clone(), def], ..BodyDef::dynamic() }), Err(error));
+        assert_eq!(world.state_hash(), before, "{error}");
     }
     let nobody = umbra_physics::BodyId::from_parts(9, 0);
-    assert_eq!(world.add_collider(nobody, good), Err(Error::NoSuchBody { body: nobody }));
+    assert_eq!(world.add_collider(nobody, good.clone()), Err(Error::NoSuchBody { body: nobody }));
+    let none = umbra_physics::ColliderId::from_parts(collider.parts().0, collider.parts().1 + 1);
+    assert_eq!(world.set_collider(none, good), Err(Error::NoSuchCollider { collider: none }));
+    assert_eq!(world.remove_collider(none), Err(Error::NoSuchCollider { collider: none }));
+    let slow = ContactSettings { push_speed: fx!(-1), ..ContactSettings::default() };
+    assert_eq!(world.set_contact_settings(slow), Err(of(Quantity::ContactSpeed)));
     for (substeps, max_pairs, quantity) in
         [(0, 9, Quantity::Substeps), (9, 9, Quantity::Substeps), (5, 0, Quantity::Pairs)]
     {
-        let contacts = ContactSettings { substeps, max_pairs, ..ContactSettings::default() };
-        assert_eq!(world.set_contact_settings(contacts), Err(of(quantity)));
+        let settings = ContactSettings { substeps, max_pairs, ..ContactSettings::default() };
+        assert_eq!(world.set_contact_settings(settings), Err(of(quantity)));
     }
     assert_eq!(world.state_hash(), before);
+    assert_eq!((world.collider_count(), world.contacts().count()), contacts);
+}
+
+#[test]
+fn colliders_that_are_gone_are_refused_and_the_world_unchanged() {
+    let (mut world, ids) = world(def(), pyramid(3).expect("a pyramid")).expect("a scene");
+    (0..30).for_each(|_| _ = world.step());
+    let [body, other] = [ids[6], ids[5]];
+    let own = world.colliders_of(body).expect("it").next().expect("a collider");
+    let lost = world.colliders_of(other).expect("it").next().expect("a collider");
+    let disc = || ColliderDef::new(Shape::circle(fx!(0.5)).expect("a disc"));
+    world.remove_body(body).expect("it is there");
+    world.remove_collider(lost).expect("it is there");
+    let check = |world: &mut World| {
+        let before = world.state_hash();
+        assert_eq!(world.add_collider(body, disc()), Err(Error::NoSuchBody { body }));
+        assert_eq!(world.colliders_of(body).err(), Some(Error::NoSuchBody { body }));
+        for collider in [own, lost, ColliderId::from_parts(99, 0), ColliderId::from_parts(u32::MAX, u32::MAX)] {
+            let gone = Error::NoSuchCollider { collider };
+            assert_eq!(world.collider(collider).err(), Some(gone));
+            assert_eq!(world.collider_body(collider), Err(gone));
+            assert_eq!(world.set_collider(collider, disc()), Err(gone));
+            assert_eq!(world.remove_collider(collider), Err(gone));
+        }
+        assert_eq!(world.state_hash(), before);
+    };
+    check(&mut world);
+    // Their slots are taken again.
+    let made = [ids[1], ids[2]].map(|body| world.add_collider(body, disc()).expect("it is there"));
+    let slots = |colliders: [ColliderId; 2]| colliders.map(|collider| collider.parts().0);
+    assert_eq!(slots(made), slots([lost, own]));
+    world.add_body(BodyDef::dynamic()).expect("a body");
+    check(&mut world);
+    world.step();
+    check(&mut world);
 }

@@ -105,6 +105,7 @@ impl Labels {
     ///
     /// let (mut labels, [lid, floor]) = (Labels::new(), [0, 3].map(|slot| ColliderId::from_parts(slot, 0)));
     /// labels.set_collider(lid, "lid");
+    /// assert_eq!(labels.collider(lid), Some("lid"));
     /// assert_eq!(labels.owner(Owner::Collider(lid)).as_deref(), Some("lid"));
     /// assert_eq!(labels.owner(Owner::Contact(lid, floor)).as_deref(), Some("lid and collider 3"));
     /// assert_eq!(labels.owner(Owner::Collider(floor)), None);
