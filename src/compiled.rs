@@ -177,6 +177,9 @@ compiled! {
     fn new_shape(geometry: Geometry<S>, shift: Vec2<S>, measure: <S as Scalar>::Factor, gyration: <S as Scalar>::Factor) -> Shape<S> {
         Shape::of_inner(geometry, shift, measure, gyration)
     }
+    fn rounded_polygon(corners: &[Vec2<S>], radius: S) -> Result<Shape<S>, Error> {
+        Shape::rounded_polygon_inner(corners, radius)
+    }
     fn polygon(corners: &[Vec2<S>]) -> Result<Shape<S>, Error> {
         Shape::polygon_inner(corners)
     }

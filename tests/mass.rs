@@ -170,6 +170,118 @@ fn a_polygon_has_the_moments_of_its_triangles() {
     println!("{made} polygons, the centroid within {shifted:.3} ulps");
 }
 
+/// The angle between the ways from `a` to `b` and from there to `c`, to 2^-100: halved until its tangent is small.
+fn turning([a, b, c]: [&[Real; 2]; 3]) -> Real {
+    let (x1, y1, x2, y2) = (&b[0] - &a[0], &b[1] - &a[1], &c[0] - &b[0], &c[1] - &b[1]);
+    let (mut sine, mut cosine) = (&x1 * &y2 - &y1 * &x2, &x1 * &x2 + &y1 * &y2);
+    for _ in 0..8 {
+        let length = (&sine * &sine + &cosine * &cosine).sqrt();
+        (sine, cosine) = (&sine / &length, &cosine / &length + real(1));
+    }
+    let tangent = &sine / &cosine;
+    let square = &tangent * &tangent;
+    // Below 2^-6: 12 terms reach beyond 2^-140.
+    let series = (0..12).rev().fold(real(0), |sum, k| ratio(1, 2 * k + 1) - &square * sum);
+    tangent * series * real(256)
+}
+
+/// Area, centroid and second moment about it per area: of the polygon, of a strip along each edge and of a sector at each corner.
+fn rounded(corners: &[Vec2], radius: Fx) -> (Real, [Real; 2], Real) {
+    let r = exact(radius);
+    let points: Vec<[Real; 2]> = corners.iter().map(|c| [exact(c.x), exact(c.y)]).collect();
+    let count = points.len();
+    let normal = |i: usize| {
+        let (a, b) = (&points[i % count], &points[(i + 1) % count]);
+        let (x, y) = (&b[0] - &a[0], &b[1] - &a[1]);
+        let length = (&x * &x + &y * &y).sqrt();
+        ([&y / &length, -&x / &length], length)
+    };
+    // Areas, centroids, and second moments about these per area.
+    let mut parts = vec![polygon(corners)];
+    for i in 0..count {
+        let (a, b) = (&points[i], &points[(i + 1) % count]);
+        let (n, length) = normal(i);
+        let centre = [0, 1].map(|k| (&a[k] + &b[k] + &n[k] * &r) / real(2));
+        parts.push((&length * &r, centre, (&length * &length + &r * &r) / real(12)));
+        let ([mx, my], _) = normal(i + count - 1);
+        let turn = turning([&points[(i + count - 1) % count], a, b]);
+        let (sum, difference) = ([&mx + &n[0], &my + &n[1]], [&n[0] - &mx, &n[1] - &my]);
+        let [long, chord] = [sum, difference.clone()].map(|[x, y]| (&x * &x + &y * &y).sqrt());
+        // 4r·sin(θ/2)/3θ along the middle direction, which is square to the chord.
+        let out = real(2) * &r * &chord / (real(3) * &turn);
+        let middle = [(&mx + &n[0]) / &long, (&my + &n[1]) / &long];
+        let centre = [0, 1].map(|k| &a[k] + &middle[k] * &out);
+        parts.push((&turn * &r * &r / real(2), centre, &r * &r / real(2) - &out * &out));
+    }
+    let area = parts.iter().fold(real(0), |sum, part| sum + &part.0);
+    let centre = [0, 1].map(|k| parts.iter().fold(real(0), |sum, part| sum + &part.0 * &part.1[k]) / &area);
+    let moment = parts.iter().fold(real(0), |sum, (area, at, own)| {
+        let [x, y] = [&at[0] - &centre[0], &at[1] - &centre[1]];
+        sum + area * (own + &x * &x + &y * &y)
+    });
+    (area.clone(), centre, moment / area)
+}
+
+#[test]
+fn a_rounded_polygon_has_the_moments_of_its_strips_and_sectors() {
+    let mut random = SplitMix(8);
+    let (mut made, mut shifted, mut area_off, mut inertia_off) = (0, 0.0f64, f64::NEG_INFINITY, f64::NEG_INFINITY);
+    for _ in 0..CASES / 10 {
+        let (corners, radius) = (random_polygon(&mut random, 9), size(&mut random));
+        let Ok(shape) = Shape::rounded_polygon(&corners, radius) else { continue };
+        made += 1;
+        let (area, centroid, gyration) = rounded(&corners, radius);
+        for (shift, right) in [shape.shift().x, shape.shift().y].into_iter().zip(&centroid) {
+            shifted = shifted.max(to_f64(&((exact(shift) - right) << 32)).abs());
+        }
+        area_off = area_off.max(bits_off(&factor(shape.measure()), &area));
+        // Beside two square ulps, 2^-63 m².
+        let off = to_f64(&(factor(shape.gyration()) - &gyration)).abs() - 2f64.powi(-63);
+        inertia_off = inertia_off.max((off.max(0.0) / to_f64(&gyration)).log2());
+    }
+    assert!(made > CASES / 20, "{made} were convex");
+    println!("{made} rounded: centre within {shifted:.3} ulps, area 2^{area_off:.1}, inertia 2^{inertia_off:.1}");
+    assert!(shifted <= 1.1 && area_off <= AREA && inertia_off <= GYRATION);
+}
+
+#[test]
+fn a_rounded_polygon_does_not_depend_on_its_first_corner_or_winding_or_image() {
+    let mut random = SplitMix(9);
+    let mut made = 0;
+    for _ in 0..CASES / 20 {
+        let (mut corners, radius) = (random_polygon(&mut random, 9), size(&mut random));
+        let Ok(shape) = Shape::rounded_polygon(&corners, radius) else { continue };
+        made += 1;
+        let of = |shape: &Shape| (shape.measure(), shape.gyration());
+        for _ in 0..2 {
+            for _ in 0..corners.len() {
+                corners.rotate_left(1);
+                let other = Shape::rounded_polygon(&corners, radius).expect("as convex as before");
+                assert_eq!((other.shift(), of(&other)), (shape.shift(), of(&shape)), "{corners:?}");
+            }
+            corners.reverse();
+        }
+        let images: [fn(Vec2) -> Vec2; 2] = [|c| Vec2::new(-c.x, c.y), |c| Vec2::new(-c.y, c.x)];
+        for image in images {
+            let turned: Vec<Vec2> = corners.iter().map(|&c| image(c)).collect();
+            let other = Shape::rounded_polygon(&turned, radius).expect("as convex as before");
+            assert_eq!((other.shift(), of(&other)), (image(shape.shift()), of(&shape)), "{corners:?}");
+        }
+    }
+    assert!(made > CASES / 40, "{made} were convex");
+}
+
+#[test]
+fn a_rounded_polygon_needs_a_radius_and_a_polygon() {
+    let square = [vec2(-1, -1), vec2(1, -1), vec2(1, 1), vec2(-1, 1)];
+    let size = umbra_physics::Error::OutOfRange { quantity: umbra_physics::Quantity::Size };
+    for radius in [fx!(0), fx!(-1), fx!(4097)] {
+        assert_eq!(Shape::rounded_polygon(&square, radius), Err(size));
+    }
+    assert!(Shape::rounded_polygon(&square[..2], fx!(1)).is_err());
+    assert!(Shape::rounded_polygon(&[square[0], square[2], square[1], square[3]], fx!(1)).is_err());
+}
+
 /// The corners of a polygon's geometry, from the least on.
 fn from_the_least(shape: &Shape) -> Vec<(i64, i64)> {
     let Geometry::Polygon { corners } = shape.geometry() else { panic!("it is a polygon") };

@@ -190,6 +190,7 @@ fn shapes() -> Vec<Shape> {
         Shape::polygon(&corners).expect("convex"),
         Shape::polygon(&[corners[2], corners[1], corners[0]]).expect("convex"),
         Shape::segment(corners[0], corners[1]).expect("fair"),
+        Shape::rounded_polygon(&corners, fx!(0.3)).expect("fair"),
     ];
     let parts: Vec<Part> = shapes.iter().zip(0..).map(|(shape, x)| part(shape.clone(), x)).collect();
     shapes.push(Shape::compound(&parts).expect("fair"));
@@ -582,7 +583,8 @@ fn the_geometry_of_a_shape_can_be_written() {
     // About the centre of mass, as it is used.
     let Geometry::Polygon { corners: used } = shapes()[3].geometry().clone() else { panic!("a polygon") };
     assert_eq!(corners[3]["polygon"]["corners"][0]["x"], used[0].x.to_string());
-    assert_eq!(corners[6]["compound"]["parts"].as_array().map(Vec::len), Some(6));
+    assert_eq!(corners[6]["rounded_polygon"]["radius"], fx!(0.3).to_string());
+    assert_eq!(corners[7]["compound"]["parts"].as_array().map(Vec::len), Some(7));
 }
 
 #[cfg(feature = "float")]

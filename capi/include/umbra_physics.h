@@ -355,7 +355,7 @@ typedef struct UmbraContactSettings {
     uint32_t substeps;
     // The number of pairs of colliders that may be close to each other in a step, 1 to 2^28; default 2^20.
     uint32_t max_pairs;
-    // The number of pairs of one collider that may be close where there are more than `max_pairs` in all, 1 to 2^28; default 256.
+    // The number of pairs of one collider that may be close where there are more than `max_pairs` in all, 1 to 2^12; default 256.
     uint32_t max_pairs_per_collider;
     // 0.
     uint32_t reserved;
@@ -799,6 +799,13 @@ UmbraStatus umbra_shape_segment(const struct UmbraVec2 *a, const struct UmbraVec
 
 // A convex polygon of 3 to 64 corners, in either order, m. It is re-centred at its centre of mass.
 UmbraStatus umbra_shape_polygon(const struct UmbraVec2 *corners, size_t count, struct UmbraShape **shape);
+
+// A convex polygon of 3 to 64 corners, in either order, and all points within the radius of it, m. It is re-centred at its centre of
+// mass.
+UmbraStatus umbra_shape_rounded_polygon(const struct UmbraVec2 *corners,
+                                        size_t count,
+                                        UmbraFx radius,
+                                        struct UmbraShape **shape);
 
 // 1 to 256 shapes as one. It is re-centred at its centre of mass.
 UmbraStatus umbra_shape_compound(const struct UmbraPart *parts, size_t count, struct UmbraShape **shape);

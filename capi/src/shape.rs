@@ -97,6 +97,23 @@ pub unsafe extern "C" fn umbra_shape_polygon(
     })
 }
 
+/// A convex polygon of 3 to 64 corners, in either order, and all points within the radius of it, m. It is re-centred at its centre of
+/// mass.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn umbra_shape_rounded_polygon(
+    corners: *const UmbraVec2,
+    count: usize,
+    radius: UmbraFx,
+    shape: Option<&mut MaybeUninit<Option<Box<UmbraShape>>>>,
+) -> UmbraStatus {
+    make(shape, || {
+        // SAFETY: as the caller promises.
+        let corners = unsafe { slice(corners, count) }?;
+        let corners: Vec<Vec2> = corners.iter().map(|&corner| corner.into()).collect();
+        Ok(Shape::rounded_polygon(&corners, Fx::from_bits(radius))?)
+    })
+}
+
 /// 1 to 256 shapes as one. It is re-centred at its centre of mass.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn umbra_shape_compound(

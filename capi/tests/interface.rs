@@ -719,6 +719,10 @@ fn shapes_are_those_of_the_library() {
                 Shape::polygon(&[vec2(0, 0), vec2(3, 0), vec2(0, 3)]),
             ),
             (
+                own(|shape| umbra_shape_rounded_polygon(corners.as_ptr(), 3, 1 << 31, shape)),
+                Shape::rounded_polygon(&[vec2(0, 0), vec2(3, 0), vec2(0, 3)], fx!(0.5)),
+            ),
+            (
                 own(|shape| umbra_shape_compound(parts.as_ptr(), 2, shape)),
                 Shape::compound(&[like_part(0, fx!(1)), like_part(3, fx!(2))]),
             ),

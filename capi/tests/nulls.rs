@@ -90,6 +90,8 @@ fn null_is_refused_everywhere() {
         umbra_shape_segment(Some(&point), Some(&point), None);
         umbra_shape_polygon(null(), 3, Some(&mut place));
         umbra_shape_polygon(&raw const point, 1, None);
+        umbra_shape_rounded_polygon(null(), 3, 1 << 31, Some(&mut place));
+        umbra_shape_rounded_polygon(&raw const point, 1, 1 << 31, None);
         umbra_shape_compound(null(), 1, Some(&mut place));
         umbra_shape_compound(&raw const part, 1, Some(&mut place));
         umbra_shape_compound(&raw const part, 1, None);

@@ -290,6 +290,24 @@ impl<S: Scalar + ToF64> Shape<S> {
     }
 }
 
+/// The points of the rim of a rounded polygon: five to each corner, in equal parts of its arc.
+fn rounded(corners: &[[f64; 2]], radius: f64) -> impl Iterator<Item = [f64; 2]> {
+    let count = corners.len();
+    let normal = move |i: usize| {
+        let ([ax, ay], [bx, by]) = (corners[i % count], corners[(i + 1) % count]);
+        libm::atan2(ax - bx, by - ay)
+    };
+    (0..count).flat_map(move |i| {
+        let (from, [x, y]) = (normal(i + count - 1), corners[i]);
+        let turn = normal(i) - from;
+        let turn = if turn < 0.0 { turn + core::f64::consts::TAU } else { turn };
+        (0..5).map(move |k| {
+            let angle = from + turn * f64::from(k) / 4.0;
+            [x + radius * libm::cos(angle), y + radius * libm::sin(angle)]
+        })
+    })
+}
+
 fn draw_geometry<S: Scalar + ToF64>(
     geometry: &Geometry<S>,
     at: &Placed,
@@ -313,6 +331,11 @@ fn draw_geometry<S: Scalar + ToF64>(
         Geometry::Polygon { corners } => {
             let corners: Vec<[f64; 2]> = corners.iter().map(place).collect();
             draw.polygon(&corners, role);
+        }
+        Geometry::RoundedPolygon { corners, radius } => {
+            let corners: Vec<[f64; 2]> = corners.iter().map(|corner| corner.to_f64()).collect();
+            let rim: Vec<[f64; 2]> = rounded(&corners, radius.to_f64()).map(|point| at.point(point)).collect();
+            draw.polygon(&rim, role);
         }
         Geometry::Segment { ends } => draw.segment([place(&ends[0]), place(&ends[1])], role),
         Geometry::Compound { parts } => {

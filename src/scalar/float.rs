@@ -16,7 +16,7 @@ use crate::fx::Fx;
 use crate::math::Vec2;
 
 macro_rules! float_scalar {
-    ($float:ident, $name:literal, $pow:ident, $exp:ident, $expm1:ident, $sqrt:ident, $sin:ident, $cos:ident, $fabs:ident) => {
+    ($float:ident, $name:literal, $pow:ident, $exp:ident, $expm1:ident, $sqrt:ident, $sin:ident, $cos:ident, $fabs:ident, $atan2:ident) => {
         impl Number for $float {
             const WORDS: usize = 1;
 
@@ -314,9 +314,14 @@ macro_rules! float_scalar {
                 let sum: Self = weights.iter().zip(values).map(|(w, v)| w * v).sum();
                 (total > 0.0).then(|| sum / total)
             }
+            fn turning(a: Vec2<Self>, b: Vec2<Self>, c: Vec2<Self>) -> Self {
+                let (first, second) = (b - a, c - b);
+                let (sine, cosine) = (first.x * second.y - first.y * second.x, first.x * second.x + first.y * second.y);
+                libm::$atan2(libm::$fabs(sine), cosine) / core::$float::consts::TAU
+            }
         }
     };
 }
 
-float_scalar!(f64, "f64", pow, exp, expm1, sqrt, sin, cos, fabs);
-float_scalar!(f32, "f32", powf, expf, expm1f, sqrtf, sinf, cosf, fabsf);
+float_scalar!(f64, "f64", pow, exp, expm1, sqrt, sin, cos, fabs, atan2);
+float_scalar!(f32, "f32", powf, expf, expm1f, sqrtf, sinf, cosf, fabsf, atan2f);

@@ -7,6 +7,7 @@ use super::factor::FxFactor;
 use super::number::Scalar;
 use crate::fx::Fx;
 use crate::kernel::div::div_round;
+use crate::kernel::trig::atan2_turn;
 use crate::kernel::wide::{div_256, mul_128};
 use crate::math::Vec2;
 
@@ -33,6 +34,9 @@ pub trait Polygons<S: Scalar>: Sized {
     fn orientation(a: Vec2<S>, b: Vec2<S>, c: Vec2<S>) -> Ordering;
     /// The mean of `values`, each with its weight; `None` if all weights are zero.
     fn weighted_mean(weights: &[S::Factor], values: &[S]) -> Option<S>;
+    /// The angle between the ways from `a` to `b` and from there to `c`, as a part of a full turn: at most a half. It is the same for all
+    /// mirror images, and for `c`, `b`, `a`. *Error* 2^-62 turns.
+    fn turning(a: Vec2<S>, b: Vec2<S>, c: Vec2<S>) -> S::Factor;
 }
 
 impl Polygons<Fx> for Fx {
@@ -57,6 +61,16 @@ impl Polygons<Fx> for Fx {
             total += weight;
         }
         Some(Self::from_bits(div_round(sum, total) as i64))
+    }
+
+    fn turning(a: Vec2, b: Vec2, c: Vec2) -> FxFactor {
+        let minus = |p: Self, q: Self| i128::from(p.to_bits()) - i128::from(q.to_bits());
+        let (x1, y1, x2, y2) = (minus(b.x, a.x), minus(b.y, a.y), minus(c.x, b.x), minus(c.y, b.y));
+        // Shapes are within 2^13 m, so each product is below 2^92, and the sums below 2^93. 62 bits of the larger one are kept.
+        let (sine, cosine) = ((x1 * y2 - y1 * x2).abs(), x1 * x2 + y1 * y2);
+        let down = (66 - sine.max(cosine.abs()).leading_zeros() as i32).max(0);
+        let turn = atan2_turn((sine >> down) as i64, (cosine.signum() * (cosine.abs() >> down)) as i64);
+        FxFactor::from_ratio(turn >> 1, 1 << 63)
     }
 }
 

@@ -11,6 +11,7 @@ use crate::error::{Error, Quantity};
 use crate::fx::IntoFx;
 use crate::limits::{CORNERS, PARTS, SIZE_MAX, SIZE_MIN};
 use crate::math::Vec2;
+use crate::scalar::internals::AreaMoments;
 use crate::scalar::{Factor, Scalar};
 
 /// Refuses a size outside the limits.
@@ -102,6 +103,7 @@ impl<S: Scalar> Shape<S> {
                 mass::capsule(length, radius)
             }
             Geometry::Polygon { corners } => return Self::polygon(&corners),
+            Geometry::RoundedPolygon { corners, radius } => return Self::rounded_polygon(&corners, radius),
             Geometry::Segment { ends: [a, b] } => return Self::segment(a, b),
             Geometry::Compound { parts } => return Self::compound(&parts),
         };
@@ -138,23 +140,50 @@ impl<S: Scalar> Shape<S> {
         S::polygon(corners)
     }
 
+    /// A convex polygon, with these corners in either order, and all points within `radius` m of it; re-centred at its centre of mass.
+    ///
+    /// Neither the first corner nor the winding changes a bit.
+    ///
+    /// # Errors
+    /// As [`polygon`](Self::polygon) for the corners; [`Error::OutOfRange`] with [`Quantity::Size`] for the radius, which is not zero.
+    ///
+    /// ```
+    /// use umbra_physics::{Shape, fx, vec2};
+    /// // A box of 3 m by 3 m whose corners have a radius of 0.5 m.
+    /// let core = [vec2(-1, -1), vec2(1, -1), vec2(1, 1), vec2(-1, 1)];
+    /// let shape = Shape::rounded_polygon(&core, fx!(0.5))?;
+    /// assert_eq!(format!("{:.4}", shape.measure()), "8.7854"); // 9 m² less what the corners lack
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    pub fn rounded_polygon(corners: &[Vec2<S>], radius: S) -> Result<Self, Error> {
+        S::rounded_polygon(corners, radius)
+    }
+
     pub(crate) fn polygon_inner(corners: &[Vec2<S>]) -> Result<Self, Error> {
-        if !(3..=CORNERS).contains(&corners.len()) {
-            return Err(Error::OutOfRange { quantity: Quantity::Count });
-        }
-        corners.iter().try_for_each(|&corner| check_point(corner))?;
-        let winding = check_convex(corners)?;
-        // Convex with three corners or more: its area is not zero.
-        let given = S::polygon_moments(corners).ok_or(Error::NotConvex { corner: 0 })?;
-        let shift = given.centroid;
-        let mut centred: Vec<Vec2<S>> = corners.iter().map(|&c| c - shift).collect();
-        if winding == Ordering::Less {
-            centred.reverse();
-        }
+        let corners = checked_corners(corners)?;
+        let shift = moments(&corners)?.centroid;
+        let centred: Vec<Vec2<S>> = corners.iter().map(|&c| c - shift).collect();
         check_extent(&centred)?;
-        let moments = S::polygon_moments(&centred).ok_or(Error::NotConvex { corner: 0 })?;
+        let moments = moments(&centred)?;
         let gyration = moments.second.over(moments.area);
         Ok(Self::of(Geometry::Polygon { corners: centred.into() }, shift, moments.area, gyration))
+    }
+
+    pub(crate) fn rounded_polygon_inner(corners: &[Vec2<S>], radius: S) -> Result<Self, Error> {
+        let corners = checked_corners(corners)?;
+        check_size(radius)?;
+        let core = moments(&corners)?;
+        let mut weights = mass::rounded_weights(&corners, radius);
+        weights.push(core.area);
+        let mean = |pick: fn(&Vec2<S>) -> S| {
+            let values: Vec<S> = corners.iter().chain([&core.centroid]).map(pick).collect();
+            S::weighted_mean(&weights, &values).unwrap_or(S::ZERO)
+        };
+        let shift = Vec2::new(mean(|c| c.x), mean(|c| c.y));
+        let centred: Vec<Vec2<S>> = corners.iter().map(|&c| c - shift).collect();
+        check_extent(&centred)?;
+        let (measure, gyration) = mass::rounded_polygon(&centred, radius, moments(&centred)?.area);
+        Ok(Self::of(Geometry::RoundedPolygon { corners: centred.into(), radius }, shift, measure, gyration))
     }
 
     /// Several shapes as one, re-centred at their common centre of mass.
@@ -191,6 +220,25 @@ impl<S: Scalar> Shape<S> {
         let (measure, gyration) = mass::compound(&parts, &weights);
         Ok(Self::of(Geometry::Compound { parts }, shift, measure, gyration))
     }
+}
+
+/// The corners of a convex polygon, counter-clockwise.
+fn checked_corners<S: Scalar>(corners: &[Vec2<S>]) -> Result<Vec<Vec2<S>>, Error> {
+    if !(3..=CORNERS).contains(&corners.len()) {
+        return Err(Error::OutOfRange { quantity: Quantity::Count });
+    }
+    corners.iter().try_for_each(|&corner| check_point(corner))?;
+    let winding = check_convex(corners)?;
+    let mut corners = corners.to_vec();
+    if winding == Ordering::Less {
+        corners.reverse();
+    }
+    Ok(corners)
+}
+
+/// Area, centroid and second moment. *Domain* convex with three corners or more: then the area is not zero.
+fn moments<S: Scalar>(corners: &[Vec2<S>]) -> Result<AreaMoments<S>, Error> {
+    S::polygon_moments(corners).ok_or(Error::NotConvex { corner: 0 })
 }
 
 /// The way the corners turn, the same at each of them, and once around in all.

@@ -20,6 +20,7 @@ const CAPSULE: u8 = 2;
 const POLYGON: u8 = 3;
 const SEGMENT: u8 = 4;
 const COMPOUND: u8 = 5;
+const ROUNDED_POLYGON: u8 = 6;
 
 impl<S: Scalar> Write for Shape<S> {
     fn write(&self, out: &mut impl Encoder) {
@@ -40,6 +41,12 @@ impl<S: Scalar> Write for Shape<S> {
             }
             Geometry::Polygon { corners } => {
                 out.leaf(&[POLYGON], &"polygon");
+                let corners: Vec<Vec2<S>> = corners.iter().map(|&corner| corner + self.shift).collect();
+                codec::list(out, corners.iter());
+            }
+            Geometry::RoundedPolygon { corners, radius } => {
+                out.leaf(&[ROUNDED_POLYGON], &"rounded polygon");
+                codec::field(out, "radius", radius);
                 let corners: Vec<Vec2<S>> = corners.iter().map(|&corner| corner + self.shift).collect();
                 codec::list(out, corners.iter());
             }
@@ -80,7 +87,11 @@ fn read(reader: &mut Reader<'_>, may_be_compound: bool) -> Result<Shape<Fx>, Mal
         CIRCLE => Shape::circle(Fx::read(reader)?),
         RECTANGLE => Shape::rectangle(Fx::read(reader)?, Fx::read(reader)?),
         CAPSULE => Shape::capsule(Fx::read(reader)?, Fx::read(reader)?),
-        POLYGON => read_polygon(reader)?,
+        POLYGON => read_polygon(reader, None)?,
+        ROUNDED_POLYGON => {
+            let radius = Fx::read(reader)?;
+            read_polygon(reader, Some(radius))?
+        }
         SEGMENT => Shape::segment(Vec2::read(reader)?, Vec2::read(reader)?),
         // Parts are no compounds, so that reading goes no deeper.
         COMPOUND if may_be_compound => Shape::compound(&many(reader, PARTS, 41, |reader| {
@@ -96,14 +107,19 @@ fn read(reader: &mut Reader<'_>, may_be_compound: bool) -> Result<Shape<Fx>, Mal
     made.map_err(|_: Error| malformed)
 }
 
-/// Reads a polygon. Refuses corners in clockwise order.
-fn read_polygon(reader: &mut Reader<'_>) -> Result<Result<Shape<Fx>, Error>, Malformed> {
+/// Reads a polygon, rounded with a radius. Refuses corners in clockwise order.
+fn read_polygon(reader: &mut Reader<'_>, radius: Option<Fx>) -> Result<Result<Shape<Fx>, Error>, Malformed> {
     let malformed = reader.malformed("the corners of a polygon, counter-clockwise");
     let corners = many(reader, CORNERS, 16, Vec2::read)?;
-    let made = Shape::polygon(&corners);
+    let made = match radius {
+        Some(radius) => Shape::rounded_polygon(&corners, radius),
+        None => Shape::polygon(&corners),
+    };
     let is_reversed = |shape: &Shape<Fx>| match &shape.geometry {
         // No two corners are the same: reversed, the last one comes first.
-        Geometry::Polygon { corners: kept } => kept[0] + shape.shift != corners[0],
+        Geometry::Polygon { corners: kept } | Geometry::RoundedPolygon { corners: kept, .. } => {
+            kept[0] + shape.shift != corners[0]
+        }
         _ => false,
     };
     if made.as_ref().is_ok_and(is_reversed) { Err(malformed) } else { Ok(made) }

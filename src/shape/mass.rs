@@ -1,9 +1,13 @@
 //! Area and moment of inertia per mass, by shape. All terms are positive but one of an ulp, so nothing cancels: the error
 //! is a few 2^-64, relative.
 //!
-//! *Source* uniform density; the half disc's centroid is 4r/3π from its diameter; compounds by the parallel-axis theorem.
+//! *Source* uniform density; the half disc's centroid is 4r/3π from its diameter; compounds by the parallel-axis theorem; rounded
+//! polygons as the polygon, a strip along each edge and a sector at each corner.
+
+use alloc::vec::Vec;
 
 use super::Part;
+use crate::math::Vec2;
 use crate::scalar::{Factor, Scalar};
 
 fn ratio<S: Scalar>(num: u64, den: u64) -> S::Factor {
@@ -45,6 +49,65 @@ pub(super) fn capsule<S: Scalar>(length: S, radius: S) -> (S::Factor, S::Factor)
 /// l and l²/12.
 pub(super) fn segment<S: Scalar>(length: S::Factor) -> (S::Factor, S::Factor) {
     (length, length.times(length).over(ratio::<S>(12, 1)))
+}
+
+/// The sum of terms, whatever their order.
+fn sum<S: Scalar>(mut terms: Vec<S::Factor>) -> S::Factor {
+    terms.sort_unstable_by(|a, b| a.partial_cmp(b).unwrap_or(core::cmp::Ordering::Equal));
+    terms.into_iter().fold(S::Factor::ZERO, |sum, term| sum.plus(term))
+}
+
+/// By corner the corner itself, the one before and the one after.
+fn neighbours<S: Scalar>(corners: &[Vec2<S>]) -> impl Iterator<Item = [Vec2<S>; 3]> {
+    let count = corners.len();
+    (0..count).map(move |i| [corners[(i + count - 1) % count], corners[i], corners[(i + 1) % count]])
+}
+
+/// The mass of the rim of a rounded polygon as weights of its corners, which have the same centre of mass.
+///
+/// The strip along an edge of length L, L·r, counts half at either end, and the sector at a corner, πr² times its part of a turn, there. What
+/// strips and sectors lie outside of these points cancels all around: Σ L·n = 0, and the first moments of sectors are r³/3 times
+/// differences of normals.
+pub(super) fn rounded_weights<S: Scalar>(corners: &[Vec2<S>], radius: S) -> Vec<S::Factor> {
+    let (disc, _) = circle(radius);
+    let half = S::Factor::from_scalar(radius).times(ratio::<S>(1, 2));
+    let weight = |[before, at, after]: [Vec2<S>; 3]| {
+        let lengths = (at - before).wide_length().plus((after - at).wide_length());
+        lengths.times(half).plus(S::turning(before, at, after).times(disc))
+    };
+    neighbours(corners).map(weight).collect()
+}
+
+/// A + r·P + πr², and the moment of inertia over that, about the origin: *domain* that is the centre of mass but for an ulp along each axis,
+/// and within the polygon.
+///
+/// The moments about the origin: of the polygon ΣA·(a² + b² + c²)/12 over the triangles with the origin, a and b from there to the
+/// corners and c = a + b; of strips r·ΣL·(L²/12 + m²) + 2r²·A + r³·P/3, with m from there to the middle of the edge; of sectors
+/// r²·π·Σt·v² + 2r³·P/3 + π·r⁴/2, with t the part of a turn and v from there to the corner. No term is negative.
+pub(super) fn rounded_polygon<S: Scalar>(corners: &[Vec2<S>], radius: S, area: S::Factor) -> (S::Factor, S::Factor) {
+    let r = S::Factor::from_scalar(radius);
+    let (disc, disc_gyration) = circle(radius);
+    let squared = |v: Vec2<S>| v.wide_length().times(v.wide_length());
+    let edges = || neighbours(corners).map(|[_, at, after]| (at, after, (after - at).wide_length()));
+    let perimeter = sum::<S>(edges().map(|(_, _, length)| length).collect());
+    let triangle = |(a, b, _)| {
+        let area = S::polygon_moments(&[Vec2::ZERO, a, b]).map_or(S::Factor::ZERO, |moments| moments.area);
+        // Sums of two in either order are the same.
+        area.times(squared(a).plus(squared(b)).plus(squared(a + b))).over(ratio::<S>(12, 1))
+    };
+    let within = sum::<S>(edges().map(triangle).collect());
+    let along = |(a, b, length): (Vec2<S>, Vec2<S>, S::Factor)| {
+        let middle = squared(a + b).over(ratio::<S>(4, 1));
+        length.times(length.times(length).over(ratio::<S>(12, 1)).plus(middle))
+    };
+    let strips = sum::<S>(edges().map(along).collect());
+    let sector = |[before, at, after]: [Vec2<S>; 3]| S::turning(before, at, after).times(squared(at));
+    let sectors = sum::<S>(neighbours(corners).map(sector).collect());
+    let rest = area.times(ratio::<S>(2, 1)).plus(r.times(perimeter));
+    let moment =
+        within.plus(r.times(strips)).plus(r.times(r).times(rest)).plus(disc.times(sectors.plus(disc_gyration)));
+    let measure = area.plus(r.times(perimeter)).plus(disc);
+    (measure, moment.over(measure))
 }
 
 /// Σ w and Σ w·(k² + d²) / Σ w, d from the common centre to the part's: they are given from a point within an ulp of it.

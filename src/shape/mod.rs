@@ -93,6 +93,14 @@ pub enum Geometry<S: Scalar = Fx> {
         #[cfg_attr(feature = "serde", serde(serialize_with = "serial::all"))]
         corners: Arc<[Vec2<S>]>,
     },
+    /// A convex polygon with a radius around it.
+    RoundedPolygon {
+        /// The corners of the polygon, counter-clockwise, m.
+        #[cfg_attr(feature = "serde", serde(serialize_with = "serial::all"))]
+        corners: Arc<[Vec2<S>]>,
+        /// The radius around the polygon, m.
+        radius: S,
+    },
     /// A thin rod.
     Segment {
         /// The ends, m.
@@ -140,7 +148,8 @@ impl<S: Scalar> Shape<S> {
         self.outlines().iter().fold(first, |bounds, outline| bounds.union(outline.bounds()))
     }
 
-    /// The position of the centre of mass in the coordinates that were given, m; each component is rounded to nearest.
+    /// The position of the centre of mass in the coordinates that were given, m; each component is rounded to nearest. *Error* ½ ulp; of a
+    /// rounded polygon 1.1 ulp.
     #[must_use]
     pub fn shift(&self) -> Vec2<S> {
         self.shift
@@ -161,13 +170,17 @@ impl<S: Scalar> Shape<S> {
     pub(crate) fn is_copy_of(&self, other: &Self) -> bool {
         let shares_list = match (&self.geometry, &other.geometry) {
             (Geometry::Polygon { corners: own }, Geometry::Polygon { corners: others }) => Arc::ptr_eq(own, others),
+            (
+                Geometry::RoundedPolygon { corners: own, radius },
+                Geometry::RoundedPolygon { corners: others, radius: other },
+            ) => Arc::ptr_eq(own, others) && radius == other,
             (Geometry::Compound { parts: own }, Geometry::Compound { parts: others }) => Arc::ptr_eq(own, others),
             _ => false,
         };
         shares_list && self.shift == other.shift
     }
 
-    /// The moment of inertia about the centre of mass per mass, m². *Error* 2^-58 relative.
+    /// The moment of inertia about the centre of mass per mass, m². *Error* 2^-58 relative; of a rounded polygon 2 square ulps more.
     #[must_use]
     pub fn gyration(&self) -> S::Factor {
         self.gyration

@@ -1,5 +1,5 @@
 //! Outlines: each shape as convex cores with a radius around them, made once, when the shape is made.
-//! A disc is a point with a radius, a capsule a line with one, a rectangle a polygon.
+//! A disc is a point with a radius, a capsule a line with one, a rectangle a polygon, a rounded polygon one with a radius.
 
 use alloc::sync::Arc;
 use alloc::vec::Vec;
@@ -169,6 +169,7 @@ pub(super) fn outlines<S: Scalar>(geometry: &Geometry<S>) -> Outlines<S> {
             Outline::of(Arc::new([Vec2::new(-x, S::ZERO), Vec2::new(x, S::ZERO)]), *radius)
         }
         Geometry::Polygon { corners } => Outline::of(Arc::clone(corners), S::ZERO),
+        Geometry::RoundedPolygon { corners, radius } => Outline::of(Arc::clone(corners), *radius),
         Geometry::Segment { ends } => Outline::of(Arc::new(*ends), S::ZERO),
         Geometry::Compound { parts } => {
             return Outlines::Parts(parts.iter().flat_map(of_part).collect::<Vec<_>>().into());

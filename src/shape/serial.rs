@@ -28,6 +28,7 @@ enum Spec<S, P> {
     Rectangle { width: S, height: S },
     Capsule { length: S, radius: S },
     Polygon { corners: Vec<Vec2<S>> },
+    RoundedPolygon { corners: Vec<Vec2<S>>, radius: S },
     Segment { ends: [Vec2<S>; 2] },
     Compound { parts: Vec<P> },
 }
@@ -65,6 +66,9 @@ fn spec<S: Scalar, P>(shape: &Shape<S>, part: impl Fn(&Part<S>) -> Option<P>) ->
         Geometry::Rectangle { width, height } => Spec::Rectangle { width, height },
         Geometry::Capsule { length, radius } => Spec::Capsule { length, radius },
         Geometry::Polygon { ref corners } => Spec::Polygon { corners: corners.iter().map(|&c| given(c)).collect() },
+        Geometry::RoundedPolygon { ref corners, radius } => {
+            Spec::RoundedPolygon { corners: corners.iter().map(|&c| given(c)).collect(), radius }
+        }
         Geometry::Segment { ends } => Spec::Segment { ends: ends.map(given) },
         Geometry::Compound { ref parts } => {
             let placed = |p: &Part<S>| part(&Part { position: given(p.position), ..p.clone() });
@@ -79,6 +83,7 @@ fn shape<S: Scalar, P>(spec: Spec<S, P>, part: impl Fn(P) -> Result<Part<S>, Err
         Spec::Rectangle { width, height } => Shape::new(Geometry::Rectangle { width, height }),
         Spec::Capsule { length, radius } => Shape::new(Geometry::Capsule { length, radius }),
         Spec::Polygon { corners } => Shape::polygon(&corners),
+        Spec::RoundedPolygon { corners, radius } => Shape::rounded_polygon(&corners, radius),
         Spec::Segment { ends: [a, b] } => Shape::segment(a, b),
         Spec::Compound { parts } => {
             let parts: Vec<Part<S>> = parts.into_iter().map(part).collect::<Result<_, _>>()?;

@@ -210,6 +210,10 @@ impl Symmetry {
                 let corners: Vec<Vec2> = corners.iter().map(|&corner| given(corner)).collect::<Option<_>>()?;
                 Shape::polygon(&corners).ok()
             }
+            Geometry::RoundedPolygon { corners, radius } => {
+                let corners: Vec<Vec2> = corners.iter().map(|&corner| given(corner)).collect::<Option<_>>()?;
+                Shape::rounded_polygon(&corners, *radius).ok()
+            }
             Geometry::Segment { ends: [a, b] } => Shape::segment(given(*a)?, given(*b)?).ok(),
             Geometry::Compound { parts } => {
                 let part = |part: &Part| {

@@ -33,6 +33,22 @@ fn a_platform_carries_riders_and_arrives_to_the_bit() {
 }
 
 #[test]
+fn rounded_boxes_stand_on_each_other() {
+    let core = |half: Fx| [(-1, -1), (1, -1), (1, 1), (-1, 1)].map(|(x, y)| vec2(half * x, half * y));
+    let rounded = |half, radius| Shape::rounded_polygon(&core(half), radius).expect("a box");
+    // A metre wide in all, of it 0.4 m flat on each side of the middle.
+    let placed =
+        |x: Fx, y: Fx, shape: Shape| BodyDef { position: vec2(x, y), ..BodyDef::dynamic().with_collider(shape) };
+    let stack = (0..5).map(|row| placed(fx!(0), fx!(0.5) + row.into(), rounded(fx!(0.4), fx!(0.1))));
+    let (mut stacked, ids) = world(def(), [ground().expect("it")].into_iter().chain(stack)).expect("a scene");
+    (0..600).for_each(|_| _ = stacked.step());
+    for (row, id) in (0i32..).zip(&ids[1..]) {
+        let off = at(&stacked, *id) - vec2(fx!(0), fx!(0.5) + row.into());
+        assert!(off.x == fx!(0) && off.y.abs() < fx!(0.02), "{row}: {off}");
+    }
+}
+
+#[test]
 fn a_plate_pushes_a_row_and_a_turning_bar_throws() {
     let plate = BodyDef { position: vec2(-5, fx!(0.75)), velocity: vec2(2, 0), ..BodyDef::kinematic() }
         .with_collider(Shape::rectangle(fx!(0.5), fx!(1.5)).expect("it"));

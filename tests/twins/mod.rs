@@ -328,4 +328,8 @@ impl<const MODE: u8> Polygons<Twin<MODE>> for Twin<MODE> {
         let values: Vec<Fx> = values.iter().map(|v| v.0).collect();
         Fx::weighted_mean(weights, &values).map(Self)
     }
+    fn turning(a: Vec2<Self>, b: Vec2<Self>, c: Vec2<Self>) -> FxFactor {
+        let [a, b, c] = [a, b, c].map(|corner| corner.map(|c| c.0));
+        Fx::turning(a, b, c)
+    }
 }

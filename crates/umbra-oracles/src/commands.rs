@@ -61,8 +61,8 @@ pub struct Taste {
     pub wild: u8,
     /// True if every step can be undone: no damping, no drag, no impulse, no largest speed.
     pub reversible: bool,
-    /// True if another scalar makes the same decisions: no zones, no shapes that only a fine scalar finds valid, no sleep, no
-    /// damping that stops a body at once.
+    /// True if another scalar makes the same decisions: no zones, no shapes that only a fine scalar finds valid, no masses that
+    /// a scalar rounds, no sleep, no damping that stops a body at once.
     pub smooth: bool,
     /// Custom forces have ids below this; 0 for none.
     pub custom_forces: u8,
@@ -251,7 +251,11 @@ impl<'a, C: Choices + ?Sized> Generator<'a, C> {
             4 => {
                 let count = 3 + self.choices.choose(3);
                 let corners: Vec<Vec2> = (0..count).map(|_| self.vector(fx!(3), limits::SIZE_MAX)).collect();
-                Shape::polygon(&corners)
+                if self.choices.choose(4) == 3 {
+                    Shape::rounded_polygon(&corners, self.size())
+                } else {
+                    Shape::polygon(&corners)
+                }
             }
             _ => {
                 let count = 1 + self.choices.choose(3);

@@ -19,6 +19,7 @@ pub enum ShapeDef {
     Rectangle { width: Fx, height: Fx },
     Capsule { length: Fx, radius: Fx },
     Polygon { corners: Vec<Vec2> },
+    RoundedPolygon { corners: Vec<Vec2>, radius: Fx },
     Segment { ends: [Vec2; 2] },
     Compound { parts: Vec<PartDef> },
 }
@@ -70,6 +71,10 @@ impl ShapeDef {
                 let corners: Vec<_> = corners.iter().map(|&corner| vector(corner)).collect();
                 Shape::polygon(&corners)
             }
+            Self::RoundedPolygon { corners, radius } => {
+                let corners: Vec<_> = corners.iter().map(|&corner| vector(corner)).collect();
+                Shape::rounded_polygon(&corners, scalar(radius))
+            }
             Self::Segment { ends: [a, b] } => Shape::segment(vector(*a), vector(*b)),
             Self::Compound { parts } => {
                 let part = |part: &PartDef| {
@@ -98,6 +103,9 @@ impl From<&Shape> for ShapeDef {
             &Geometry::Rectangle { width, height } => Self::Rectangle { width, height },
             &Geometry::Capsule { length, radius } => Self::Capsule { length, radius },
             Geometry::Polygon { corners } => Self::Polygon { corners: corners.iter().map(|&c| given(c)).collect() },
+            Geometry::RoundedPolygon { corners, radius } => {
+                Self::RoundedPolygon { corners: corners.iter().map(|&c| given(c)).collect(), radius: *radius }
+            }
             &Geometry::Segment { ends } => Self::Segment { ends: ends.map(given) },
             Geometry::Compound { parts } => {
                 let part = |part: &Part| {
@@ -138,14 +146,21 @@ pub(super) fn shape(node: &Node<'_>) -> Result<ShapeDef> {
 
 fn read(node: &Node<'_>, part_of_one: bool) -> Result<ShapeDef> {
     let object = node.object()?;
-    let (name, inner) = object.one_of(&["circle", "rectangle", "capsule", "polygon", "segment", "compound"])?;
+    let names = ["circle", "rectangle", "capsule", "polygon", "rounded_polygon", "segment", "compound"];
+    let (name, inner) = object.one_of(&names)?;
     object.finish()?;
     if part_of_one && name == "compound" {
         // Refused before it is looked into: the depth of a file is no depth of calls.
         return Err(inner.fault("a part cannot be a compound itself"));
     }
     let def = match name {
-        "polygon" => return polygon(inner),
+        "polygon" => ShapeDef::Polygon { corners: corners(inner)? },
+        "rounded_polygon" => {
+            let object = inner.object()?;
+            let (corners, radius) = (object.need("corners", corners), object.need("radius", size));
+            object.finish()?;
+            ShapeDef::RoundedPolygon { corners: corners?, radius: radius? }
+        }
         "segment" => {
             let [a, b] = inner.tuple()?.map(|end: Node<'_>| end.point());
             ShapeDef::Segment { ends: [a?, b?] }
@@ -177,14 +192,15 @@ fn read(node: &Node<'_>, part_of_one: bool) -> Result<ShapeDef> {
     Ok(def)
 }
 
-fn polygon(node: &Node<'_>) -> Result<ShapeDef> {
+/// The corners of a convex polygon.
+fn corners(node: &Node<'_>) -> Result<Vec<Vec2>> {
     let nodes = node.list(CORNERS, Error::OutOfRange { quantity: Quantity::Count })?;
     let corners: Vec<_> = nodes.iter().map(Node::point).collect();
     let corners = corners.into_iter().collect::<Result<Vec<_>>>()?;
     match Shape::polygon(&corners) {
         Err(Error::NotConvex { corner }) => Err(nodes[corner].fault(Error::NotConvex { corner })),
         Err(error) => Err(node.fault(error)),
-        Ok(_) => Ok(ShapeDef::Polygon { corners }),
+        Ok(_) => Ok(corners),
     }
 }
 

@@ -361,6 +361,11 @@ impl ShapeDef {
                 ("capsule", inner.line())
             }
             Self::Polygon { corners } => ("polygon", list(corners.iter().copied().map(point))),
+            Self::RoundedPolygon { corners, radius } => {
+                inner.put("corners", list(corners.iter().copied().map(point)));
+                inner.put("radius", radius);
+                ("rounded_polygon", inner.line())
+            }
             Self::Segment { ends } => ("segment", list(ends.map(point))),
             Self::Compound { parts } => ("compound", list(parts.iter().map(PartDef::text))),
         };

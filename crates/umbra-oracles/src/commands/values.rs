@@ -148,7 +148,7 @@ impl<C: Choices + ?Sized> CommandSource for Generator<'_, C> {
         let mut kilograms = || self.number(usual, [limits::MASS_MIN, limits::MASS_MAX]);
         let mass = kilograms();
         match self.choices.choose(8) {
-            0 => Mass::FromColliders,
+            0 if !self.taste.smooth => Mass::FromColliders,
             1..3 => Mass::Kilograms(Fx::ONE),
             3..5 => Mass::Kilograms(mass),
             5..7 => Mass::Explicit { mass, inertia: self.number(usual, [Fx::DELTA, Fx::MAX]) },
