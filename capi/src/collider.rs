@@ -58,7 +58,7 @@ pub struct UmbraContactSettings {
     pub substeps: u32,
     /// The number of pairs of colliders that may be close to each other in a step, 1 to 2^28; default 2^20.
     pub max_pairs: u32,
-    /// The number of pairs of one collider that may be close where there are more than `max_pairs` in all, 1 to 2^28; default 256.
+    /// The number of pairs of one collider that may be close where there are more than `max_pairs` in all, 1 to 2^12; default 256.
     pub max_pairs_per_collider: u32,
     /// 0.
     pub reserved: u32,

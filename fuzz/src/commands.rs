@@ -1,24 +1,26 @@
 //! Any commands on any world, held to one promise an input: a second run that has to go the same way.
 //!
-//! The first byte of an input says which promise, the second which values, then come the world's definition and commands with
-//! the steps after each. After the last command the world goes on for a while.
+//! The first byte of an input says which promise, the second which values and whether bodies lie in a [pile](super::pile) at the start. Then
+//! come the world's definition, the pile, and commands with the steps after each. After the last command the world goes on for a while.
 
 use arbitrary::Result;
 use umbra_oracles::Taste;
 use umbra_physics::scalar::{Accumulator, Angle};
 use umbra_physics::{
-    Activity, AppliedForce, BodyRef, Command, FieldKind, ForceField, Fx, Snapshot, StepReport, Symmetry, Vec2, World,
-    WorldDef,
+    Activity, AppliedForce, BodyRef, ColliderDef, Command, FieldKind, Filter, ForceField, Fx, Snapshot, StepReport,
+    Symmetry, Vec2, World, WorldDef,
 };
 
 use super::author::{self, Author, WILD};
+use super::pile::pile;
 
 /// The target.
 pub fn run(data: &[u8]) {
     if let [promise, taste, rest @ ..] = data {
+        let is_piled = taste / 4 % 4 != 0;
         let taste =
             [Taste { custom_forces: 3, ..Taste::FAIR }, Taste { wild: 0, ..WILD }, WILD, WILD][usize::from(taste % 4)];
-        _ = play(*promise, Author::of_taste(rest, taste));
+        _ = play(*promise, Author::of_taste(rest, taste), is_piled);
     }
 }
 
@@ -29,13 +31,16 @@ const FEWEST: usize = 24;
 /// Runs are compared after each so many steps: what parts them does not go away.
 const EVERY: usize = 4;
 
-fn play(promise: u8, mut author: Author<'_>) -> Result<()> {
+fn play(promise: u8, mut author: Author<'_>, is_piled: bool) -> Result<()> {
     let promise = Promise::new(promise, &mut author)?;
     let def = author.world();
     let mut world = author::world(def).unwrap_or_else(|| {
         assert!(def.check().is_err(), "{def:?}");
         author::world(WorldDef::default()).expect("the usual definition is fair")
     });
+    if is_piled {
+        pile(&mut author, &mut world)?;
+    }
     let Some(mut second) = Second::new(promise, &world) else { return Ok(()) };
     let mut steps = 0;
     'commands: for _ in 0..COMMANDS {
@@ -282,15 +287,23 @@ fn there_and_back(world: &mut World, before: u64, after: u64, applied: &[Applied
     assert_eq!(world.state_hash(), after, "there, back and there again");
 }
 
-/// The last body by itself.
+/// The last body by itself, beside the world in which nothing touches: a preview has no colliders.
 fn preview(world: &mut World) {
-    let alone = world.bodies().last().map(|body| (body.id(), world.preview(body.id()).expect("it is there")));
-    world.step();
-    if let Some((id, mut ahead)) = alone {
+    // One that sleeps on another one stays where it is in a preview, and falls where nothing touches.
+    let is_asleep = |body: BodyRef<'_>| body.activity() == Activity::Asleep;
+    if let Some(id) = world.bodies().last().map(|body| body.id()).filter(|_| !world.bodies().any(is_asleep)) {
+        let (mut free, mut ahead) = (world.clone(), world.preview(id).expect("it is there"));
+        for (collider, _) in world.colliders() {
+            let def = world.collider(collider).expect("it is there").clone();
+            let filter = Filter { group: -1, ..Filter::default() };
+            free.set_collider(collider, ColliderDef { filter, ..def }).expect("it is as it was");
+        }
+        free.step();
         ahead.step();
-        let (here, there) = (world.body(id).expect("it is there"), ahead.body().expect("it is there"));
+        let (here, there) = (free.body(id).expect("it is there"), ahead.body().expect("it is there"));
         assert_eq!(Motion::of(&here), Motion::of(&there), "a body by itself");
     }
+    world.step();
 }
 
 /// The quantities of a body that a step changes.

@@ -36,6 +36,9 @@ pub fn put_tick(bytes: &mut [u8], tick: u64) {
 /// The smallest first byte of an input for a world at one of the last ticks.
 pub const LATE: u8 = 224;
 
+/// The bit of the first byte of an input for a world with a pile.
+pub const PILED: u8 = 32;
+
 /// A copy of a world at one of the last ticks.
 pub fn late(world: &World, before: u8) -> World {
     let mut bytes = world.snapshot().to_bytes();
@@ -149,10 +152,15 @@ pub fn disturb(bytes: &mut Vec<u8>, input: &mut Unstructured<'_>) -> Result<()> 
 const TIMES: u64 = 16;
 pub const ANY: u64 = 1 << 16;
 
-/// Reads a file, and asserts that it takes no more memory than is promised.
+/// Reads a file or a command, and asserts that it takes no more memory than is promised.
 pub fn measured<T>(bytes: &[u8], read: impl FnOnce() -> T) -> T {
+    measured_within(TIMES, bytes, read)
+}
+
+/// Reads something, and asserts that it takes no more than so many bytes of memory a byte.
+pub fn measured_within<T>(times: u64, bytes: &[u8], read: impl FnOnce() -> T) -> T {
     let (value, took) = taken(read);
-    let most = TIMES * bytes.len() as u64 + ANY;
+    let most = times * bytes.len() as u64 + ANY;
     assert!(took <= most, "{took} of {most} bytes taken to read {}", bytes.len());
     value
 }

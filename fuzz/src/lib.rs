@@ -10,6 +10,7 @@ pub mod contact_solver;
 mod files;
 pub mod fx_f64;
 pub mod kernels;
+mod pile;
 pub mod replay;
 pub mod scene;
 pub mod snapshot;

@@ -10,7 +10,10 @@ use umbra_physics::{
 };
 
 use super::author::{self, Author};
-use super::files::{Chunk, LATE, OPENING, chunks, disturb, late, measured, seal_snapshot, sealed, use_up};
+use super::files::{
+    Chunk, LATE, OPENING, PILED, chunks, disturb, late, measured, measured_within, seal_snapshot, sealed, use_up,
+};
+use super::pile::pile;
 
 /// The target.
 pub fn run(data: &[u8]) {
@@ -100,7 +103,8 @@ fn look_at_dump(bytes: &[u8]) {
 }
 
 fn look_at_command(bytes: &[u8]) {
-    if let Ok(inputs) = measured(bytes, || Inputs::from_bytes(bytes)) {
+    // As `Inputs::from_bytes` promises.
+    if let Ok(inputs) = measured_within(40, bytes, || Inputs::from_bytes(bytes)) {
         assert_eq!(inputs.to_bytes(), bytes, "what is read is written alike");
     }
     let Ok(command) = measured(bytes, || Command::from_bytes(bytes)) else { return };
@@ -159,6 +163,9 @@ fn from_chunks(data: &[u8]) -> Result<()> {
 fn start(author: &mut Author<'_>, kind: u8) -> Result<World> {
     let world = author::world(author.world()).or_else(|| author::world(WorldDef::default()));
     let mut world = world.expect("the usual definition is fair");
+    if kind & PILED != 0 {
+        pile(author, &mut world)?;
+    }
     for _ in 0..author.any::<u8>()? % 8 {
         let command = author.command();
         world.execute(&command).into_iter().for_each(|made| author.made(&world, made));

@@ -7,7 +7,8 @@ use arbitrary::{Result, Unstructured};
 use umbra_physics::{Snapshot, World, WorldDef};
 
 use super::author::{self, Author};
-use super::files::{LATE, disturb, head, late, measured, seal_snapshot, use_up};
+use super::files::{LATE, PILED, disturb, head, late, measured, seal_snapshot, use_up};
+use super::pile::pile;
 
 /// The target.
 pub fn run(data: &[u8]) {
@@ -25,10 +26,14 @@ pub fn run(data: &[u8]) {
     }
 }
 
-/// A world of a few bodies and fields.
-fn made(author: &mut Author<'_>) -> Result<World> {
+/// A world of a few bodies and fields, or of a pile.
+fn made(author: &mut Author<'_>, kind: u8) -> Result<World> {
     let world = author::world(author.world()).or_else(|| author::world(WorldDef::default()));
     let mut world = world.expect("the usual definition is fair");
+    if kind & PILED != 0 {
+        pile(author, &mut world)?;
+        world.step();
+    }
     for _ in 0..author.any::<u8>()? % 24 {
         let command = author.command();
         if let Ok(made) = world.execute(&command) {
@@ -43,7 +48,7 @@ fn made(author: &mut Author<'_>) -> Result<World> {
 
 fn forged(data: &[u8], kind: u8) -> Result<Vec<u8>> {
     let mut author = Author::new(data);
-    let world = made(&mut author)?;
+    let world = made(&mut author, kind)?;
     let mut bytes = if kind >= LATE { late(&world, kind) } else { world }.snapshot().to_bytes();
     assert!(Snapshot::from_bytes(&bytes, &author::custom_forces()).is_ok(), "its own bytes");
     look(&bytes);
