@@ -1,6 +1,7 @@
 //! Hashes of a world's state over a canonical sequence of little-endian bytes, the same on every machine.
 
 use alloc::vec::Vec;
+use core::cmp::Ordering;
 
 use crate::codec::{self, StateHasher, Write as _};
 use crate::contact::ContactRecord;
@@ -101,11 +102,19 @@ impl<S: Scalar> World<S> {
         let key = |slot: u32| self.colliders.at(slot).map_or(0, |collider| collider.def.key);
         let one = |record: &ContactRecord| {
             let keys = record.pair.map(key);
-            // Whichever slot is the lower one: the contact is hashed from the collider with the lower key.
-            let seen = if keys[0] <= keys[1] { *record } else { record.swapped() };
-            let mut own = StateHasher::new();
-            seen.write_impulses(&mut own);
-            (keys[0].min(keys[1]), keys[0].max(keys[1]), own.finish())
+            let digest = |record: ContactRecord| {
+                let mut own = StateHasher::new();
+                record.write_impulses(&mut own);
+                own.finish()
+            };
+            // Whichever slot is the lower one: the contact is hashed from the collider with the lower key; of equal keys, from the side
+            // with the lower digest.
+            let digest = match keys[0].cmp(&keys[1]) {
+                Ordering::Less => digest(*record),
+                Ordering::Greater => digest(record.swapped()),
+                Ordering::Equal => digest(*record).min(digest(record.swapped())),
+            };
+            (keys[0].min(keys[1]), keys[0].max(keys[1]), digest)
         };
         let mut contacts: Vec<(u64, u64, u64)> = self.contacts.records.iter().map(one).collect();
         contacts.sort_unstable();
