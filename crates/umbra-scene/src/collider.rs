@@ -35,11 +35,11 @@ impl SceneCollider {
     /// use umbra_scene::{Scene, SceneCollider};
     ///
     /// let text = r#"{"bodies": [{"name": "a", "colliders": [
-    ///     {"name": "hull", "shape": {"circle": {"radius": 0.5}}, "friction": 0.1}]}]}"#;
+    ///     {"name": "hull", "shape": {"circle": {"radius": 0.5}}, "friction": 0.5}]}]}"#;
     /// let scene = Scene::parse(text)?;
     /// let hull: &SceneCollider = &scene.bodies[0].colliders[0];
     /// let def: ColliderDef<f64> = hull.def()?;
-    /// assert_eq!((hull.def.material.friction, def.material.friction), (fx!(0.1), fx!(0.1).to_f64()));
+    /// assert_eq!((hull.def.material.friction, def.material.friction), (fx!(0.5), 0.5));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn def<S: Scalar>(&self) -> core::result::Result<ColliderDef<S>, Error> {
