@@ -411,6 +411,29 @@ fn quarter(_: &umbra_physics::BodyRef<'_>) -> Pose {
     Pose { position: [10.0, 20.0], angle: PI / 2.0 }
 }
 
+/// The rim of a rounded polygon: five points around each corner, all at the radius from the polygon.
+#[test]
+fn a_rounded_polygon_is_drawn_with_round_corners() {
+    let mut world = world();
+    let corners = [vec2(-2, -1), vec2(2, -1), vec2(2, 1), vec2(-2, 1)];
+    let shape = Shape::rounded_polygon(&corners, fx!(0.5)).expect("a fair shape");
+    add(&mut world, BodyDef { shape: Some(shape), ..BodyDef::dynamic() });
+    let marks = drawn(&world, quarter, &DrawOptions::default());
+    let [(_, Mark::Polygon(rim))] = &marks[..] else { panic!("{marks:?}") };
+    assert_eq!(rim.len(), 4 * 5);
+    for [x, y] in rim {
+        // Turned by a quarter, the polygon is 2 m wide and 4 m high.
+        let outside = [(x - 10.0).abs() - 1.0, (y - 20.0).abs() - 2.0].map(|part| part.max(0.0));
+        assert!((outside[0].hypot(outside[1]) - 0.5).abs() < 1e-5, "{x}, {y}");
+    }
+    // The straight parts of its sides.
+    for end in
+        [[11.5, 22.0], [11.5, 18.0], [8.5, 22.0], [8.5, 18.0], [11.0, 22.5], [9.0, 22.5], [11.0, 17.5], [9.0, 17.5]]
+    {
+        assert!(rim.contains(&end), "{end:?} in {rim:?}");
+    }
+}
+
 #[test]
 fn each_shape_is_drawn_where_its_pose_is() {
     let shapes: [(Result<Shape, _>, Vec<Mark>); 6] = [

@@ -65,7 +65,7 @@ fn add(author: &mut Author<'_>, world: &mut World, def: BodyDef) {
     world.execute(&Command::AddBody(def)).into_iter().for_each(|made| author.made(world, made));
 }
 
-/// What the pile lies on: nothing, a box, a box with walls, or a plate that moves up.
+/// The bodies under a pile: none, a box, a box with walls, or a plate that moves up.
 fn floors(kind: u8, unit: Fx) -> Result<Vec<BodyDef>, Error> {
     let slab = |x: Fx, y: Fx, width: Fx, height: Fx| {
         let shape = Shape::rectangle(width * unit, height * unit)?;

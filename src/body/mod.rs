@@ -310,8 +310,8 @@ impl<S: Scalar> BodyDef<S> {
         self.checked().map(drop)
     }
 
-    /// The mass properties of a body with this definition, if the definition is valid.
-    pub(crate) fn checked(&self) -> Result<MassProperties<S>, Error> {
+    /// The mass of the body's colliders and its mass properties, if the definition is valid.
+    pub(crate) fn checked(&self) -> Result<(ColliderMass<S>, MassProperties<S>), Error> {
         check_position(self.position)?;
         check_angle(self.angle)?;
         check_velocity(self.velocity)?;
@@ -323,7 +323,9 @@ impl<S: Scalar> BodyDef<S> {
         check_unlocked(self.locks, self.velocity)?;
         check_turning(self.locks, self.angular_velocity)?;
         self.colliders.iter().try_for_each(ColliderDef::check)?;
-        self.check_properties(MassSource { shape: self.shape.as_ref(), colliders: self.collider_mass() })
+        let colliders = ColliderMass::of(self.colliders.iter());
+        let properties = self.check_properties(MassSource { shape: self.shape.as_ref(), colliders })?;
+        Ok((colliders, properties))
     }
 
     /// The mass properties of a body with this definition and these parts, if its properties other than its motion are valid.
@@ -334,10 +336,6 @@ impl<S: Scalar> BodyDef<S> {
         self.max_speed.map_or(Ok(()), check_max_speed)?;
         self.max_angular_speed.map_or(Ok(()), check_max_angular_speed)?;
         source.properties(self.kind, self.mass, self.locks)
-    }
-
-    fn collider_mass(&self) -> ColliderMass<S> {
-        ColliderMass::of(self.colliders.iter())
     }
 }
 

@@ -5,6 +5,7 @@
 use core::cmp::Ordering;
 
 use super::cores::{Core, Product, across};
+use super::span::{Facing, Span};
 
 /// Two cores, A and B.
 pub(super) struct Pair<P: Product, const N: usize> {
@@ -23,40 +24,6 @@ pub(super) struct Direction {
     pub(super) n: [i32; 2],
     /// The mean of normals that tie.
     pub(super) is_mean: bool,
-}
-
-/// An edge, or a corner as an edge of no length, in order of place.
-#[derive(Clone, Copy)]
-pub(super) struct Span<P> {
-    pub(super) corners: [usize; 2],
-    pub(super) places: [P; 2],
-}
-
-impl<P> Span<P> {
-    #[inline(always)]
-    pub(super) fn is_corner(&self) -> bool {
-        self.corners[0] == self.corners[1]
-    }
-}
-
-impl<P: Product> Span<P> {
-    fn in_order(self) -> Self {
-        let ([i, j], [from, to]) = (self.corners, self.places);
-        if from <= to { self } else { Self { corners: [j, i], places: [to, from] } }
-    }
-}
-
-/// The parts of two cores that face each other.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Facing {
-    /// The edges overlap.
-    Edges,
-    /// These corners, of A and of B, are nearest, and the cores are apart.
-    Corners(usize, usize),
-    /// The edges lie beside each other, the cores overlap: the corners next to each other.
-    Beside(usize, usize),
-    /// Sharp corners touch, or nearly: nothing rests on a point that is no wider than that.
-    Touching,
 }
 
 /// Two cores along a direction.

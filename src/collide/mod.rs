@@ -22,6 +22,7 @@ mod cores;
 mod frame;
 mod place;
 mod points;
+pub(crate) mod span;
 
 pub use crate::collider::Filter;
 pub use place::{Cores, Pose};
@@ -33,9 +34,10 @@ use crate::shape::Outline;
 
 use axes::Axes;
 use cores::{Core, Product};
-use frame::{Facing, Frame, Pair};
+use frame::{Frame, Pair};
 use place::{Placed, View, room};
 use points::{Ends, manifold};
+use span::Facing;
 
 /// The contact of two outlines: one point or two.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -180,8 +182,5 @@ fn beside<P: Product, const N: usize>(
 /// The largest distance of a point of the outline from the centre of mass of its shape, m, rounded up: corners and radius.
 #[must_use]
 pub fn radius_bound(outline: &Outline) -> Fx {
-    // Corners are within 2^15 m, so that lengths fit. A length is rounded to nearest: one ulp more is an upper bound.
-    let farthest = outline.corners().iter().map(|corner| corner.length()).max().unwrap_or(Fx::ZERO);
-    let up = if farthest == Fx::ZERO { Fx::ZERO } else { Fx::DELTA };
-    farthest + up + outline.radius()
+    outline.reach()
 }

@@ -199,20 +199,6 @@ impl Cores {
         self.placed.len() - 1
     }
 
-    /// The least box around an outline with its radius, at most 2^31 m out.
-    ///
-    /// # Panics
-    /// When the outline is not there.
-    #[must_use]
-    pub fn bounds(&self, i: usize) -> Aabb {
-        let placed = &self.placed[i].0;
-        let at = |centre: Fx, by: i64| Fx::from_bits(centre.to_bits().saturating_add(by));
-        let corner = |ends: [i64; 2], radius: i64| {
-            Vec2::new(at(placed.position.x, ends[0] + radius), at(placed.position.y, ends[1] + radius))
-        };
-        Aabb { min: corner(placed.low, -placed.radius), max: corner(placed.high, placed.radius) }
-    }
-
     /// The manifold of two of the outlines: see [`collide`](super::collide()).
     ///
     /// # Panics

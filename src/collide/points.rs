@@ -1,21 +1,13 @@
 //! The points of a manifold, in ulps.
 
 use super::cores::Product;
-use super::frame::{Facing, Frame, Span, nearest};
+use super::frame::{Frame, nearest};
 use super::place::{View, odd_shift};
+use super::span::{At, Facing, Span, end_of_overlap};
 use super::{Manifold, ManifoldPoint, feature};
 use crate::fx::Fx;
 use crate::kernel::sqrt::direction;
 use crate::math::Vec2;
-
-/// The corner that a point is at.
-#[derive(Clone, Copy)]
-enum At {
-    A(usize),
-    B(usize),
-    /// One of each, at the same place.
-    Both(usize, usize),
-}
 
 /// Two outlines in ulps, each relative to the centre of its own body.
 pub(super) struct Ends<'a> {
@@ -62,23 +54,10 @@ impl Ends<'_> {
         let is_point = a.places[0].max(b.places[0]) == a.places[1].min(b.places[1]);
         let mut manifold = Manifold { normal: frame.n, count: 0, points: [ManifoldPoint::default(); 2] };
         for end in 0..if is_point { 1 } else { 2 } {
-            let (i, j) = (a.corners[end], b.corners[end]);
-            // The end of the overlap is the inner one of the two ends; a corner is that of an edge at neither end.
-            let ahead = if end == 0 { a.places[0] - b.places[0] } else { b.places[1] - a.places[1] };
-            let at = match (a.is_corner(), b.is_corner()) {
-                (true, false) => At::A(i),
-                (false, true) => At::B(j),
-                _ if ahead == P::ZERO => At::Both(i, j),
-                _ if ahead > P::ZERO => At::A(i),
-                _ => At::B(j),
-            };
+            let ahead = if end == 0 { a.places[0].cmp(&b.places[0]) } else { b.places[1].cmp(&a.places[1]) };
+            let (at, name) = end_of_overlap(a, b, end, ahead);
             let separation = self.separation_at(frame, at);
             if separation <= self.limit {
-                let name = match (a.is_corner(), b.is_corner()) {
-                    (false, true) => feature(a.corners, [j, j]),
-                    (true, false) => feature([i, i], [b.corners[1], b.corners[0]]),
-                    _ => feature([i, i], [j, j]),
-                };
                 manifold.points[manifold.count] = self.point(frame.n, at, separation, name);
                 manifold.count += 1;
             }

@@ -78,7 +78,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         self.static_places = places.clone().map(|(collider, pose)| (collider.slot, pose)).collect();
         let proxy = |(collider, pose): (&Collider<S>, N::Pose)| Proxy {
             collider: collider.slot,
-            bounds: N::bounds_of(&collider.outline, &pose),
+            bounds: N::resting(collider, &pose),
             filter: collider.def.filter,
         };
         let statics = Arc::new(Statics::new(places.map(proxy).collect()));

@@ -4,10 +4,14 @@
 //! - `view`: contacts as the interface shows them.
 //! - `engine`: pairs, manifolds and records of any scalar; `numerics` names the computations that depend on the scalar.
 //! - `flights`: the bodies of a step.
-//! - `fixed`: the computations in [`Fx`](crate::Fx).
+//! - `integer`: the computations in [`Fx`](crate::Fx).
 //! - `float`: the same in floats.
 
-#![allow(private_interfaces, reason = "the trait is public only because `Scalar` is; nothing outside can call it")]
+#![allow(
+    private_interfaces,
+    unreachable_pub,
+    reason = "the trait is public only because `Scalar` is; nothing outside can call it"
+)]
 
 mod engine;
 mod flights;
@@ -30,9 +34,7 @@ use crate::shape::Outline;
 use crate::slots::BodyId;
 
 #[cfg(feature = "float")]
-#[allow(unreachable_pub, reason = "an associated type of a public trait")]
 pub use float::FloatContacts;
-#[allow(unreachable_pub, reason = "an associated type of a public trait")]
 pub use integer::FxContacts;
 pub(crate) use records::{ContactRecord, ContactSet};
 pub use view::{Contact, ContactPoint};

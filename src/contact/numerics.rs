@@ -52,8 +52,8 @@ pub trait Numerics<S: Scalar>: Debug + Default + Send + Sync {
     /// A box around a collider over the step, grown by half the margin: the boxes of all that may come within the margin of each
     /// other overlap.
     fn swept(collider: &Collider<S>, pose: &Self::Pose, flight: &Self::Flight) -> Aabb<Fx>;
-    /// The box of a static outline, grown by half the margin.
-    fn bounds_of(outline: &Outline<S>, pose: &Self::Pose) -> Aabb<Fx>;
+    /// The box around a static collider, grown by half the margin.
+    fn resting(collider: &Collider<S>, pose: &Self::Pose) -> Aabb<Fx>;
     /// The manifold of two outlines that come within the margin of each other in the step.
     fn collide(&self, cores: [usize; 2], flights: [&Self::Flight; 2], radii: [S; 2]) -> Option<Self::Manifold>;
 

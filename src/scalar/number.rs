@@ -4,6 +4,8 @@
 //! which tests put in scalars that round wrongly and watch them fail). Items that are `#[doc(hidden)]` are public because
 //! Rust wants a public trait to have public items; they are no part of the interface and change without notice.
 
+use alloc::vec::Vec;
+use core::cmp::Ordering;
 use core::fmt::{Debug, Display};
 use core::ops::{Add, Neg, Sub};
 
@@ -116,6 +118,12 @@ pub trait Factor<S: Scalar>: PartialOrd + Number {
     #[doc(hidden)]
     fn is_zero(self) -> bool {
         self == Self::ZERO
+    }
+    /// The sum of terms, made in ascending order: it does not depend on theirs.
+    #[doc(hidden)]
+    fn sum(mut terms: Vec<Self>) -> Self {
+        terms.sort_unstable_by(|a, b| a.partial_cmp(b).unwrap_or(Ordering::Equal));
+        terms.into_iter().fold(Self::ZERO, Self::plus)
     }
 }
 

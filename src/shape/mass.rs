@@ -51,12 +51,6 @@ pub(super) fn segment<S: Scalar>(length: S::Factor) -> (S::Factor, S::Factor) {
     (length, length.times(length).over(ratio::<S>(12, 1)))
 }
 
-/// The sum of terms, whatever their order.
-fn sum<S: Scalar>(mut terms: Vec<S::Factor>) -> S::Factor {
-    terms.sort_unstable_by(|a, b| a.partial_cmp(b).unwrap_or(core::cmp::Ordering::Equal));
-    terms.into_iter().fold(S::Factor::ZERO, |sum, term| sum.plus(term))
-}
-
 /// By corner the corner itself, the one before and the one after.
 fn neighbours<S: Scalar>(corners: &[Vec2<S>]) -> impl Iterator<Item = [Vec2<S>; 3]> {
     let count = corners.len();
@@ -89,20 +83,20 @@ pub(super) fn rounded_polygon<S: Scalar>(corners: &[Vec2<S>], radius: S, area: S
     let (disc, disc_gyration) = circle(radius);
     let squared = |v: Vec2<S>| v.wide_length().times(v.wide_length());
     let edges = || neighbours(corners).map(|[_, at, after]| (at, after, (after - at).wide_length()));
-    let perimeter = sum::<S>(edges().map(|(_, _, length)| length).collect());
+    let perimeter = S::Factor::sum(edges().map(|(_, _, length)| length).collect());
     let triangle = |(a, b, _)| {
         let area = S::polygon_moments(&[Vec2::ZERO, a, b]).map_or(S::Factor::ZERO, |moments| moments.area);
         // Sums of two in either order are the same.
         area.times(squared(a).plus(squared(b)).plus(squared(a + b))).over(ratio::<S>(12, 1))
     };
-    let within = sum::<S>(edges().map(triangle).collect());
+    let within = S::Factor::sum(edges().map(triangle).collect());
     let along = |(a, b, length): (Vec2<S>, Vec2<S>, S::Factor)| {
         let middle = squared(a + b).over(ratio::<S>(4, 1));
         length.times(length.times(length).over(ratio::<S>(12, 1)).plus(middle))
     };
-    let strips = sum::<S>(edges().map(along).collect());
+    let strips = S::Factor::sum(edges().map(along).collect());
     let sector = |[before, at, after]: [Vec2<S>; 3]| S::turning(before, at, after).times(squared(at));
-    let sectors = sum::<S>(neighbours(corners).map(sector).collect());
+    let sectors = S::Factor::sum(neighbours(corners).map(sector).collect());
     let rest = area.times(ratio::<S>(2, 1)).plus(r.times(perimeter));
     let moment =
         within.plus(r.times(strips)).plus(r.times(r).times(rest)).plus(disc.times(sectors.plus(disc_gyration)));

@@ -93,14 +93,6 @@ pub enum Geometry<S: Scalar = Fx> {
         #[cfg_attr(feature = "serde", serde(serialize_with = "serial::all"))]
         corners: Arc<[Vec2<S>]>,
     },
-    /// A convex polygon with a radius around it.
-    RoundedPolygon {
-        /// The corners of the polygon, counter-clockwise, m.
-        #[cfg_attr(feature = "serde", serde(serialize_with = "serial::all"))]
-        corners: Arc<[Vec2<S>]>,
-        /// The radius around the polygon, m.
-        radius: S,
-    },
     /// A thin rod.
     Segment {
         /// The ends, m.
@@ -111,6 +103,14 @@ pub enum Geometry<S: Scalar = Fx> {
         /// The parts, placed relative to the centre of mass of the compound.
         #[cfg_attr(feature = "serde", serde(serialize_with = "serial::all"))]
         parts: Arc<[Part<S>]>,
+    },
+    /// A convex polygon with a radius around it.
+    RoundedPolygon {
+        /// The corners of the polygon, counter-clockwise, m.
+        #[cfg_attr(feature = "serde", serde(serialize_with = "serial::all"))]
+        corners: Arc<[Vec2<S>]>,
+        /// The radius around the polygon, m.
+        radius: S,
     },
 }
 

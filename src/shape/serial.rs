@@ -28,9 +28,10 @@ enum Spec<S, P> {
     Rectangle { width: S, height: S },
     Capsule { length: S, radius: S },
     Polygon { corners: Vec<Vec2<S>> },
-    RoundedPolygon { corners: Vec<Vec2<S>>, radius: S },
     Segment { ends: [Vec2<S>; 2] },
     Compound { parts: Vec<P> },
+    // Added later: formats that number the kinds read older data.
+    RoundedPolygon { corners: Vec<Vec2<S>>, radius: S },
 }
 
 /// A part of a compound. Its shape has no parts, so that what is read is not nested without end.

@@ -130,7 +130,7 @@ pub(super) struct Given<'a> {
     pub(super) softness: &'a Softness,
     pub(super) flights: &'a [Flight],
     pub(super) contacts: &'a [Contact],
-    /// That of the contact before.
+    /// The scale of the contact before.
     pub(super) scale: Scale<'a>,
 }
 

@@ -4,7 +4,6 @@ use alloc::sync::Arc;
 
 use super::{Command, World};
 use crate::body::{BodyDef, BodyInfo, BodyKind, Change, Damping, Key, Locks, Mass};
-use crate::collider::ColliderMass;
 use crate::error::Error;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, Angle, Scalar};
@@ -41,10 +40,9 @@ impl<S: Scalar> World<S> {
     }
 
     pub(crate) fn add_body_inner(&mut self, mut def: BodyDef<S>) -> Result<BodyId, Error> {
-        let properties = self.check_new_body(&def)?;
+        let masses = self.check_new_body(&def)?;
         self.journal.note(|| Command::AddBody(def.clone()));
         let colliders = core::mem::take(&mut def.colliders);
-        let masses = (ColliderMass::of(colliders.iter()), properties);
         let body = self.bodies.insert(def, masses, Arc::make_mut(&mut self.factor_table));
         if !colliders.is_empty() {
             Arc::make_mut(&mut self.colliders).insert_all(body, colliders);

@@ -19,12 +19,12 @@ use crate::slots::{BodyId, ColliderId, FieldId};
 
 // The calls on bodies; forces and impulses are in `forces.rs`.
 impl<S: Scalar> World<S> {
-    pub(super) fn check_new_body(&self, def: &BodyDef<S>) -> Result<MassProperties<S>, Error> {
-        let properties = def.checked()?;
+    pub(super) fn check_new_body(&self, def: &BodyDef<S>) -> Result<(ColliderMass<S>, MassProperties<S>), Error> {
+        let masses = def.checked()?;
         self.check_own_damping(def.linear_damping, def.angular_damping)?;
         self.bodies.check_room()?;
         self.colliders.check_room(def.colliders.len())?;
-        Ok(properties)
+        Ok(masses)
     }
 
     /// The mass of the body's colliders with another one, and the properties that follow.

@@ -99,8 +99,6 @@ impl<S: Scalar> World<S> {
     pub fn set_contact_settings(&mut self, contacts: ContactSettings<S>) -> Result<(), Error> {
         contacts.check()?;
         self.journal.note(|| Command::SetContactSettings(contacts));
-        // Impulses are those of a sub-step.
-        self.contacts.rescale(self.def.contacts.substeps.into(), contacts.substeps.into());
         self.redefine(WorldDef { contacts, ..self.def });
         Ok(())
     }

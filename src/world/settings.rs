@@ -33,9 +33,6 @@ impl<S: Scalar> World<S> {
         let (def, now) = self.check_time_step(time_step)?;
         self.journal.note(|| Command::SetTimeStep(time_step));
         self.counted = (now, self.tick);
-        // Impulses are those of a sub-step: forces stay the same.
-        let ((old_num, old_den), (num, den)) = (self.def.time_step.seconds(), def.time_step.seconds());
-        self.contacts.rescale(u64::from(num) * u64::from(old_den), u64::from(den) * u64::from(old_num));
         self.redefine(def);
         Ok(())
     }
@@ -127,9 +124,22 @@ impl<S: Scalar> World<S> {
 
     pub(crate) fn redefine_inner(&mut self, def: WorldDef<S>) {
         if def != self.def {
+            self.rescale_contacts(&def);
             self.def = def;
             Arc::make_mut(&mut self.factor_table).change_all();
         }
         self.wake_all();
+    }
+
+    /// Scales the impulses of contacts, which are those of a sub-step, to the length that sub-steps get: forces stay the same.
+    fn rescale_contacts(&mut self, def: &WorldDef<S>) {
+        let ((num, den), (old_num, old_den)) = (def.time_step.seconds(), self.def.time_step.seconds());
+        if (num, den) != (old_num, old_den) {
+            self.contacts.rescale(u64::from(num) * u64::from(old_den), u64::from(den) * u64::from(old_num));
+        }
+        let (substeps, old_substeps) = (def.contacts.substeps, self.def.contacts.substeps);
+        if substeps != old_substeps {
+            self.contacts.rescale(old_substeps.into(), substeps.into());
+        }
     }
 }

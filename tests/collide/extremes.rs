@@ -5,7 +5,7 @@ use crate::fairness;
 use crate::pairs::{Case, KINDS, Recipe, random_case, reach};
 use crate::random::SplitMix;
 use umbra_physics::collide::{Pose, collide, radius_bound};
-use umbra_physics::{Fx, Part, Shape, Turn, Vec2, fx, limits, vec2};
+use umbra_physics::{Aabb, Fx, Part, Shape, Turn, Vec2, fx, limits, vec2};
 
 fn bits(random: &mut SplitMix, most: u32) -> Fx {
     Fx::from_bits(random.of_bits(most))
@@ -97,5 +97,43 @@ fn the_bound_on_the_radius_is_less_than_two_ulps_above_it() {
         let square = |v: &Vec2| i128::from(v.x.to_bits()).pow(2) + i128::from(v.y.to_bits()).pow(2);
         let farthest = outline.corners().iter().map(square).max().expect("a corner");
         assert!(core * core >= farthest && (core - 2).max(0).pow(2) <= farthest, "{kind}");
+    }
+}
+
+/// The box of a turned box against its corners in floats, and against the boxes of mirror images to the bit.
+#[test]
+fn the_box_of_a_pose_is_the_least_one_around_its_corners() {
+    let mut random = SplitMix(54);
+    for _ in 0..CASES {
+        let exponent = random.between(20, 47) as u32;
+        let [x, y] = [0, 1].map(|_| {
+            let ends = [0, 1].map(|_| bits(&mut random, exponent));
+            [ends[0].min(ends[1]), ends[0].max(ends[1])]
+        });
+        let of = Aabb { min: Vec2::new(x[0], y[0]), max: Vec2::new(x[1], y[1]) };
+        let radius = Fx::from_bits(bits(&mut random, 44).to_bits().abs());
+        let (position, angle) = (Vec2::new(bits(&mut random, 52), bits(&mut random, 52)), random.next());
+        let bounds = Pose::new(position, Turn::from_bits(angle)).bounds(&of, radius);
+
+        // Ulps, to 2^-53 of 2^53.
+        let ulps = |value: Fx| value.to_bits() as f64;
+        let (sin, cos) = (angle as f64 / 2.0_f64.powi(64) * std::f64::consts::TAU).sin_cos();
+        let corners = [(x[0], y[0]), (x[1], y[0]), (x[1], y[1]), (x[0], y[1])].map(|(x, y)| (ulps(x), ulps(y)));
+        let along = |part: &dyn Fn((f64, f64)) -> f64, centre: Fx, [low, high]: [Fx; 2]| {
+            let parts = corners.map(part);
+            let most = parts.iter().copied().fold(f64::MIN, f64::max) + ulps(radius);
+            let least = parts.iter().copied().fold(f64::MAX, f64::min) - ulps(radius);
+            let over = [ulps(high) - ulps(centre) - most, least - (ulps(low) - ulps(centre))];
+            assert!(over.iter().all(|over| (0.9..3.1).contains(over)), "{over:?} at {angle:#x} of {of:?}");
+        };
+        along(&|(x, y)| x * cos - y * sin, position.x, [bounds.min.x, bounds.max.x]);
+        along(&|(x, y)| x * sin + y * cos, position.y, [bounds.min.y, bounds.max.y]);
+
+        // Mirrored at the y axis.
+        let of = Aabb { min: Vec2::new(-of.max.x, of.min.y), max: Vec2::new(-of.min.x, of.max.y) };
+        let position = Vec2::new(-position.x, position.y);
+        let image = Pose::new(position, Turn::from_bits(angle.wrapping_neg())).bounds(&of, radius);
+        assert_eq!((image.min.x, image.max.x), (-bounds.max.x, -bounds.min.x));
+        assert_eq!((image.min.y, image.max.y), (bounds.min.y, bounds.max.y));
     }
 }

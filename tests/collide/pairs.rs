@@ -38,7 +38,7 @@ impl Recipe {
         }
     }
 
-    /// The same shape with another first corner, and for odd numbers with the other winding.
+    /// Returns the same shape with another first corner, and for odd numbers with the other winding.
     pub(crate) fn renumbered(&self, by: usize) -> Self {
         match self {
             Self::Segment([a, b]) => Self::Segment([*b, *a]),

@@ -211,8 +211,7 @@ pub(super) fn bits(node: &Node<'_>, what: &str) -> Result<u32> {
     node.each(|node| {
         let bit: u32 = node.whole()?;
         if bit > 31 {
-            let message = format_args!("out of range: expected a {what} from 0 to 31");
-            return Err(node.fault(Flaw::OutOfRange.of(message)));
+            return Err(node.fault(Flaw::OutOfRange.of(format_args!("out of range: expected a {what} from 0 to 31"))));
         }
         bits |= 1 << bit;
         Ok(())

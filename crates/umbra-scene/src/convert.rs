@@ -39,10 +39,8 @@ pub(super) fn convert_collider<S: Scalar>(def: &ColliderDef) -> Result<ColliderD
 }
 
 /// Converts the settings of contacts.
-pub(super) fn convert_contacts<S: Scalar>(contacts: &ContactSettings) -> ContactSettings<S> {
-    let ContactSettings { substeps, push_speed, restitution_speed, max_pairs, max_pairs_per_collider } = *contacts;
-    let (push_speed, restitution_speed) = (S::from_fx(push_speed), S::from_fx(restitution_speed));
-    ContactSettings { substeps, push_speed, restitution_speed, max_pairs, max_pairs_per_collider }
+pub(super) fn convert_contacts<S: Scalar>(contacts: &ContactSettings) -> Result<ContactSettings<S>, Error> {
+    Convert { bodies: &no_body, fields: &no_field, colliders: &no_collider }.contact_settings(*contacts)
 }
 
 const fn no_body(body: BodyId) -> Result<BodyId, Error> {

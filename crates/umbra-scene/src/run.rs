@@ -47,7 +47,7 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
             linear_damping: damping(def.linear_damping),
             angular_damping: damping(def.angular_damping),
             sleep_after: def.sleep_after.map(|ticks| ticks.saturating_mul(steps)),
-            contacts: convert_contacts(&def.contacts),
+            contacts: convert_contacts(&def.contacts).map_err(|error| scene.place.fault(error))?,
         });
         let world = world.map_err(|error| scene.place.fault(error))?;
         let mut order: Vec<usize> = (0..scene.inputs.len()).collect();

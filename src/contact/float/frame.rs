@@ -5,6 +5,7 @@
 
 use super::cores::Core;
 use super::number::{Float, Pair, cross, dot, length, minus, plus, times};
+use crate::collide::span::{Facing, Span};
 
 /// Differences of this many times the rounding of a length are none.
 const SLACK: f64 = 16.0;
@@ -15,39 +16,6 @@ struct Direction<F> {
     n: Pair<F>,
     /// The mean of normals that tie.
     is_mean: bool,
-}
-
-/// An edge, or a corner as an edge of no length, in order of place.
-#[derive(Clone, Copy)]
-pub(super) struct Span<F> {
-    pub(super) corners: [usize; 2],
-    pub(super) places: [F; 2],
-}
-
-impl<F> Span<F> {
-    pub(super) fn is_corner(&self) -> bool {
-        self.corners[0] == self.corners[1]
-    }
-}
-
-impl<F: Float> Span<F> {
-    fn in_order(self) -> Self {
-        let ([i, j], [from, to]) = (self.corners, self.places);
-        if from <= to { self } else { Self { corners: [j, i], places: [to, from] } }
-    }
-}
-
-/// The parts of two cores that face each other.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Facing {
-    /// The edges overlap.
-    Edges,
-    /// These corners, of A and of B, are nearest, and the cores are apart.
-    Corners(usize, usize),
-    /// The edges lie beside each other, the cores overlap: the corners next to each other.
-    Beside(usize, usize),
-    /// Sharp corners touch, or nearly: nothing rests on a point that is no wider than that.
-    Touching,
 }
 
 /// Two cores along a direction.

@@ -34,7 +34,6 @@ use crate::shape::{Aabb, Outline};
 use crate::solve::Impulses;
 
 /// The contacts of a world in floats.
-#[allow(unreachable_pub, reason = "an associated type of a public trait")]
 #[doc(hidden)]
 pub type FloatContacts<F> = Engine<F, Floats<F>>;
 
@@ -109,8 +108,8 @@ impl<F: Float> Numerics<F> for Floats<F> {
         pose.bounds(&collider.outline, F::from_fx(MARGIN) * F::of(0.5) + way)
     }
 
-    fn bounds_of(outline: &Outline<F>, pose: &Pose<F>) -> Aabb<Fx> {
-        pose.bounds(outline, F::from_fx(MARGIN) * F::of(0.5))
+    fn resting(collider: &Collider<F>, pose: &Pose<F>) -> Aabb<Fx> {
+        pose.bounds(&collider.outline, F::from_fx(MARGIN) * F::of(0.5))
     }
 
     fn collide(&self, cores: [usize; 2], [a, b]: [&Flight<F>; 2], radii: [F; 2]) -> Option<Manifold<F>> {

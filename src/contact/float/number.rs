@@ -1,4 +1,4 @@
-//! What contacts ask of a float.
+//! The operations of floats that contacts need.
 
 use core::ops::{AddAssign, Div, Mul};
 

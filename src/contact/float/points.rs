@@ -1,9 +1,12 @@
 //! The points of a manifold.
 
+use core::cmp::Ordering;
+
 use super::cores::Core;
-use super::frame::{Both, Facing, Frame, Span};
+use super::frame::{Both, Frame};
 use super::number::{Float, Pair, dot, length, minus, plus, times};
 use crate::collide::feature;
+use crate::collide::span::{At, Facing, Span, end_of_overlap};
 
 /// The contact of two outlines: one point or two.
 #[derive(Clone, Copy, Debug)]
@@ -24,15 +27,6 @@ pub(super) struct ManifoldPoint<F> {
     pub(super) separation: F,
     /// The corners that meet here.
     pub(super) feature: u32,
-}
-
-/// The corner that a point is at.
-#[derive(Clone, Copy)]
-enum At {
-    A(usize),
-    B(usize),
-    /// One of each, at the same place.
-    Both(usize, usize),
 }
 
 /// The manifold of two outlines, if they are at most `margin` apart.
@@ -57,23 +51,15 @@ impl<F: Float> Both<'_, F> {
         let overlap = a.places[1].or_less(b.places[1]) - a.places[0].or_more(b.places[0]);
         let mut manifold = Manifold { normal: frame.n, count: 0, points: Default::default() };
         for end in 0..if overlap <= self.slack { 1 } else { 2 } {
-            let (i, j) = (a.corners[end], b.corners[end]);
-            // The end of the overlap is the inner one of the two ends; a corner is that of an edge at neither end.
             let ahead = if end == 0 { a.places[0] - b.places[0] } else { b.places[1] - a.places[1] };
-            let at = match (a.is_corner(), b.is_corner()) {
-                (true, false) => At::A(i),
-                (false, true) => At::B(j),
-                _ if ahead.size() <= self.slack => At::Both(i, j),
-                _ if ahead > F::of(0.0) => At::A(i),
-                _ => At::B(j),
+            let ahead = match ahead {
+                ahead if ahead.size() <= self.slack => Ordering::Equal,
+                ahead if ahead > F::of(0.0) => Ordering::Greater,
+                _ => Ordering::Less,
             };
+            let (at, name) = end_of_overlap(a, b, end, ahead);
             let separation = self.separation_at(frame, at);
             if separation <= self.limit {
-                let name = match (a.is_corner(), b.is_corner()) {
-                    (false, true) => feature(a.corners, [j, j]),
-                    (true, false) => feature([i, i], [b.corners[1], b.corners[0]]),
-                    _ => feature([i, i], [j, j]),
-                };
                 manifold.points[manifold.count] = self.point(frame.n, at, separation, name);
                 manifold.count += 1;
             }

@@ -79,3 +79,26 @@ pub(super) fn still(position: Vec2) -> Flight {
         radius: Fx::ONE,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scalar::Angle as _;
+
+    /// A constant rotation has the angle that its velocity says, over any number of turns: within half an ulp for each, as 2π is in ulps.
+    #[test]
+    fn whole_turns_follow_the_velocities() {
+        for (num, den) in [(1, 60), (1, 1), (1, 1000), (7, 240)] {
+            // From 10^-8 to 2^21 rad/s.
+            let speeds = core::iter::successors(Some(43_i64), |&speed| Some(speed + speed / 4));
+            for speed in speeds.take_while(|&speed| speed < 1 << 53).flat_map(|speed| [speed, -speed]) {
+                let expected = i128::from(speed) * num / den;
+                let from = Turn::from_radians(crate::fx!(2.5));
+                let to = from.turned(FxAccumulator::from_scalar(Fx::from_bits(expected as i64)));
+                let way = turned(from, to, [Fx::from_bits(speed); 2], TimeStep::ratio(num as u32, den as u32));
+                let error = (i128::from(way.to_bits()) - expected).abs();
+                assert!(error <= 2 + expected.abs() / TURN, "{speed} for {num}/{den} s: {way}");
+            }
+        }
+    }
+}

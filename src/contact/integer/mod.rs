@@ -16,10 +16,9 @@ use crate::scalar::{FxAccumulator, Turn};
 use crate::shape::{Aabb, Outline};
 use crate::solve::{self, Contact, Flight, Impulses, Solver, SolverOptions};
 
-use pairs::{closing, mixed_friction};
+use pairs::{closing, grown, mixed_friction, way};
 
 /// The contacts of a world in [`Fx`].
-#[allow(unreachable_pub, reason = "an associated type of a public trait")]
 #[doc(hidden)]
 pub type FxContacts = Engine<Fx, Fixed>;
 
@@ -88,11 +87,11 @@ impl Numerics<Fx> for Fixed {
     }
 
     fn swept(collider: &Collider<Fx>, pose: &Pose, flight: &Flight) -> Aabb {
-        pairs::swept(pose.bounds(&collider.corners, collider.outline.radius()), flight, collider.radius, MARGIN)
+        grown(collider, pose, way(flight, collider.radius))
     }
 
-    fn bounds_of(outline: &Outline, pose: &Pose) -> Aabb {
-        pairs::bounds_of(outline, pose, MARGIN)
+    fn resting(collider: &Collider<Fx>, pose: &Pose) -> Aabb {
+        grown(collider, pose, 0)
     }
 
     fn collide(&self, cores: [usize; 2], flights: [&Flight; 2], radii: [Fx; 2]) -> Option<Manifold> {

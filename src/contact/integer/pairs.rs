@@ -1,9 +1,11 @@
 //! Boxes over a step, the distance that two bodies close in it, and mixed materials.
 
-use crate::collide::{Cores, Pose};
+use crate::collide::Pose;
+use crate::collider::Collider;
+use crate::contact::numerics::MARGIN;
 use crate::fx::Fx;
 use crate::math::Vec2;
-use crate::shape::{Aabb, Outline};
+use crate::shape::Aabb;
 use crate::solve::Flight;
 
 /// The length of a vector in ulps, rounded up. *Domain* components below 2^62.
@@ -27,26 +29,21 @@ pub(super) fn closing([a, b]: [&Flight; 2], radii: [Fx; 2]) -> i64 {
     length(x, y) + turned(a, radii[0]) + turned(b, radii[1])
 }
 
-/// A box grown on all sides by the way of its collider over the step, and by half the margin: the boxes of two colliders overlap if they are
-/// within the margin and what they [close](closing) of each other.
-pub(super) fn swept(bounds: Aabb, flight: &Flight, radius: Fx, margin: Fx) -> Aabb {
+/// The largest distance that a point of a collider moves in the step, in ulps: for two colliders together at least what they
+/// [close](closing).
+pub(super) fn way(flight: &Flight, radius: Fx) -> i64 {
     let [x, y] = [flight.displacement.x, flight.displacement.y].map(|way| way.to_bits().abs());
     // a + b/2 is at least the length of (a, b) for a ≥ b, and at most an eighth more.
-    let way = x.max(y) + x.min(y) / 2 + 1;
-    let more = margin.to_bits() / 2 + 1 + way + turned(flight, radius);
-    grown(bounds, more)
+    x.max(y) + x.min(y) / 2 + 1 + turned(flight, radius)
 }
 
-fn grown(Aabb { min, max }: Aabb, by: i64) -> Aabb {
+/// The box around a collider at a pose, grown on all sides by a distance in ulps and by half the margin: the boxes of two colliders overlap
+/// that are within the margin and their distances of each other.
+pub(super) fn grown(collider: &Collider<Fx>, pose: &Pose, by: i64) -> Aabb {
+    let Aabb { min, max } = pose.bounds(&collider.corners, collider.outline.radius());
+    let by = by + MARGIN.to_bits() / 2 + 1;
     let moved = |v: Vec2, by: i64| v.map(|c| Fx::from_bits(c.to_bits().saturating_add(by)));
     Aabb { min: moved(min, -by), max: moved(max, by) }
-}
-
-/// The box of a static collider, grown by half the margin.
-pub(super) fn bounds_of(outline: &Outline, pose: &Pose, margin: Fx) -> Aabb {
-    let mut cores = Cores::default();
-    let core = cores.push(outline, pose);
-    grown(cores.bounds(core), margin.to_bits() / 2 + 1)
 }
 
 /// The geometric mean of two coefficients, rounded to nearest.

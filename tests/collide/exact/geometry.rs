@@ -31,7 +31,7 @@ pub(crate) struct Pair {
     pub(crate) unit: f64,
     /// Choices by a difference of lengths below this may go either way, ulps. 0: exact choices.
     pub(crate) choice: f64,
-    /// The same of directions, as an angle.
+    /// Choices by an angle between directions below this may go either way.
     pub(crate) angle: f64,
 }
 

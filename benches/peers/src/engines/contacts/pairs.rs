@@ -5,7 +5,7 @@ use std::sync::Arc;
 use umbra_physics::collide::broad::{BroadPhase, PairLimits, Proxy, Statics};
 use umbra_physics::collide::{Cores, Filter, Manifold, Pose};
 use umbra_physics::solve::{Contact, Flight, Impulses, Point};
-use umbra_physics::{Aabb, Fx, Vec2, fx};
+use umbra_physics::{Aabb, Fx, Outline, Vec2, fx, vec2};
 
 /// Shapes have a manifold from this distance on, and from what they close in the step, m.
 const MARGIN: Fx = fx!(0.02);
@@ -65,6 +65,15 @@ fn mixed_friction(a: Fx, b: Fx) -> Fx {
     Fx::from_bits((root + u128::from(product - root * root > root)) as i64)
 }
 
+/// The least box around the corners of an outline.
+fn corner_box(outline: &Outline) -> Aabb {
+    let first = outline.corners()[0];
+    outline.corners().iter().fold(Aabb { min: first, max: first }, |Aabb { min, max }, corner| Aabb {
+        min: vec2(min.x.min(corner.x), min.y.min(corner.y)),
+        max: vec2(max.x.max(corner.x), max.y.max(corner.y)),
+    })
+}
+
 impl Pairs {
     /// Finds the contacts at the start poses, with the impulses of the step before.
     /// Bodies that are joined do not collide: `joined` is sorted.
@@ -81,7 +90,7 @@ impl Pairs {
                 cores += 1;
             }
         }
-        self.search(bodies, flights);
+        self.search(bodies, poses, flights);
         for &pair in self.broad.pairs() {
             let [a, b] = pair.map(|i| i as usize);
             if joined.binary_search(&pair).is_ok() {
@@ -97,12 +106,13 @@ impl Pairs {
     }
 
     /// Finds the pairs of bodies, not both fixed, whose boxes overlap.
-    fn search(&mut self, bodies: &[Body], flights: &[Flight]) {
-        let (cores, core_of) = (&self.cores, &self.core_of);
+    fn search(&mut self, bodies: &[Body], poses: &[Pose], flights: &[Flight]) {
         let proxies = |is_dynamic: bool| {
-            let all = bodies.iter().zip(flights).enumerate();
-            all.filter(move |(_, (body, _))| body.outline.is_some() && body.is_dynamic == is_dynamic)
-                .map(|(i, (_, flight))| proxy(i, cores.bounds(core_of[i]), flight))
+            let all = bodies.iter().zip(poses).zip(flights).enumerate();
+            all.filter(move |(_, ((body, _), _))| body.is_dynamic == is_dynamic).filter_map(|(i, ((body, pose), flight))| {
+                let outline = body.outline.as_ref()?;
+                Some(proxy(i, pose.bounds(&corner_box(outline), outline.radius()), flight))
+            })
         };
         let statics = self.statics.get_or_insert_with(|| Arc::new(Statics::new(proxies(false).collect())));
         self.movers.clear();
