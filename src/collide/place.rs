@@ -21,7 +21,15 @@ impl Pose {
     /// The pose at this position in m and angle.
     #[must_use]
     pub fn new(position: Vec2<Fx>, angle: Turn) -> Self {
-        Self { position, direction: sin_cos_turn(angle.to_bits()) }
+        Self {
+            position,
+            direction: if angle == Turn::default() { (0, 1 << 62) } else { sin_cos_turn(angle.to_bits()) },
+        }
+    }
+
+    /// The position of the centre of mass, m.
+    pub(crate) fn position(&self) -> Vec2<Fx> {
+        self.position
     }
 
     /// A box around a box at this pose and all within `radius` of it, at most 2^31 m out: for a rectangle the least one, but for 2 ulp.
@@ -30,6 +38,17 @@ impl Pose {
     /// *Domain* coordinates within 2^15 m, a radius up to 2^12 m.
     #[must_use]
     pub fn bounds(&self, of: &Aabb, radius: Fx) -> Aabb {
+        let at = |centre: Fx, by: i64| Fx::from_bits(centre.to_bits().saturating_add(by));
+        let Vec2 { x, y } = self.position;
+        if *of == (Aabb { min: Vec2::ZERO, max: Vec2::ZERO }) {
+            // A disc around the centre, as below.
+            let up = 2 + radius.to_bits();
+            return Aabb { min: Vec2::new(at(x, -up), at(y, -up)), max: Vec2::new(at(x, up), at(y, up)) };
+        }
+        self.bounds_of_corners(of, radius)
+    }
+
+    fn bounds_of_corners(&self, of: &Aabb, radius: Fx) -> Aabb {
         let ends = [(of.min.x, of.max.x), (of.min.y, of.max.y)].map(|(low, high)| (low.to_bits(), high.to_bits()));
         // Twice the middle and twice half the size, exact: below 2^49, and their products with sine and cosine below 2^112.
         let ([x, y], [width, height]) = (ends.map(|(low, high)| low + high), ends.map(|(low, high)| high - low));

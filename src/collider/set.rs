@@ -6,6 +6,7 @@ use super::ColliderDef;
 use crate::codec::{self, StateHasher, Write as _};
 use crate::error::Error;
 use crate::limits;
+use crate::math::Vec2;
 use crate::scalar::Scalar;
 use crate::shape::{Aabb, Outline};
 use crate::slots::{BodyId, ColliderId, NONE, Slots, push};
@@ -236,6 +237,11 @@ impl<S: Scalar> Collider<S> {
         body.write(&mut sink);
         def.write(&mut sink);
         Self { slot, body, previous, next, def, outline, corners, radius, digest: sink.finish() }
+    }
+
+    /// Returns true for a disc around the centre of mass of its body.
+    pub(crate) fn is_central_disc(&self) -> bool {
+        self.corners == (Aabb { min: Vec2::ZERO, max: Vec2::ZERO })
     }
 
     /// A hash of the definition without the handle of the body.

@@ -26,6 +26,8 @@ pub(super) struct Place<P> {
     pub(super) slot: u32,
     pub(super) pose: P,
     pub(super) kind: FlightOf,
+    /// False if the flight lacks what only contacts need.
+    is_complete: bool,
 }
 
 /// The flights of a step: those of moving bodies in the order of the starts, those of sleeping bodies, and those of static bodies as they
@@ -66,10 +68,14 @@ impl<F, P> Flights<F, P> {
 
     fn push_moving<S: Scalar, N: Numerics<S, Flight = F, Pose = P>>(&mut self, scene: &Scene<'_, S>, start: &Start<S>) {
         let (bodies, dense) = (scene.bodies, start.dense);
-        self.flights.push(N::moving(scene, start));
+        let slot = bodies.id(dense).slot;
+        // Discs around the centre look alike at all angles.
+        let shows_angle = scene.colliders.of_slot(slot).any(|collider| !collider.is_central_disc());
+        let pose = N::pose(start.position, if shows_angle { start.angle } else { S::Angle::default() });
+        self.flights.push(N::moving(scene, start, &pose));
         let is_dynamic = bodies.info(dense).kind == BodyKind::Dynamic;
         let kind = if is_dynamic { FlightOf::Dynamic } else { FlightOf::Kinematic };
-        self.place(bodies.id(dense).slot, N::pose(start.position, start.angle), kind);
+        self.place(Place { slot, pose, kind, is_complete: false });
     }
 
     fn push_still<S: Scalar, N: Numerics<S, Flight = F, Pose = P>>(
@@ -83,13 +89,13 @@ impl<F, P> Flights<F, P> {
         self.flights.push(N::still(position));
         let is_asleep = scene.bodies.activity(dense) == Activity::Asleep;
         let kind = if is_asleep { FlightOf::Asleep } else { FlightOf::Static };
-        self.place(slot, N::pose(position, motion.angle[dense]), kind)
+        self.place(Place { slot, pose: N::pose(position, motion.angle[dense]), kind, is_complete: true })
     }
 
-    fn place(&mut self, slot: u32, pose: P, kind: FlightOf) -> u32 {
+    fn place(&mut self, place: Place<P>) -> u32 {
         let flight = self.places.len() as u32;
-        self.places.push(Place { slot, pose, kind });
-        self.of.set(slot, flight);
+        self.of.set(place.slot, flight);
+        self.places.push(place);
         flight
     }
 
@@ -100,8 +106,9 @@ impl<F, P> Flights<F, P> {
         flight: u32,
     ) {
         let at = flight as usize;
-        if let (FlightOf::Dynamic, Some(start)) = (self.places[at].kind, scene.starts.get(at)) {
+        if let (false, Some(start)) = (self.places[at].is_complete, scene.starts.get(at)) {
             N::complete(scene, start, &mut self.flights[at]);
+            self.places[at].is_complete = true;
         }
     }
 

@@ -38,9 +38,9 @@ pub trait Numerics<S: Scalar>: Debug + Default + Send + Sync {
 
     /// The place of a body at a position and an angle.
     fn pose(position: Vec2<S::Accumulator>, angle: S::Angle) -> Self::Pose;
-    /// The flight of a moving body.
-    fn moving(scene: &Scene<'_, S>, start: &Start<S>) -> Self::Flight;
-    /// Adds to the flight of a dynamic body what it needs with contacts alone.
+    /// The flight of a moving body from a pose.
+    fn moving(scene: &Scene<'_, S>, start: &Start<S>, pose: &Self::Pose) -> Self::Flight;
+    /// Adds to the flight of a moving body what it needs with contacts alone.
     fn complete(_scene: &Scene<'_, S>, _start: &Start<S>, _flight: &mut Self::Flight) {}
     /// The flight of a body that stands still.
     fn still(position: Vec2<S::Accumulator>) -> Self::Flight;

@@ -85,7 +85,7 @@ impl<F: Float> Numerics<F> for Floats<F> {
         Pose::new(position, angle)
     }
 
-    fn moving(scene: &Scene<'_, F>, start: &Start<F>) -> Flight<F> {
+    fn moving(scene: &Scene<'_, F>, start: &Start<F>, _pose: &Pose<F>) -> Flight<F> {
         Flight::moving(scene, start)
     }
 

@@ -63,14 +63,12 @@ impl Numerics<Fx> for Fixed {
         Pose::new(position.map(FxAccumulator::value), angle)
     }
 
-    fn moving(scene: &Scene<'_, Fx>, start: &Start<Fx>) -> Flight {
-        flights::moving(scene, start)
+    fn moving(scene: &Scene<'_, Fx>, start: &Start<Fx>, pose: &Pose) -> Flight {
+        flights::moving(scene, start, pose)
     }
 
     fn complete(scene: &Scene<'_, Fx>, start: &Start<Fx>, flight: &mut Flight) {
-        if flight.mass == Fx::ZERO {
-            flights::weigh(scene, start, flight);
-        }
+        flights::complete(scene, start, flight);
     }
 
     fn still(position: Vec2<FxAccumulator>) -> Flight {
