@@ -186,6 +186,10 @@ compiled! {
     fn compound(parts: &[Part<S>]) -> Result<Shape<S>, Error> {
         Shape::compound_inner(parts)
     }
+
+    fn chain(points: &[Vec2<S>], closed: bool) -> Result<Shape<S>, Error> {
+        Shape::chain_inner(points, closed)
+    }
     fn state_hash(world: &World<S>) -> u64 {
         world.state_hash_inner()
     }

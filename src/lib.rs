@@ -86,7 +86,7 @@ macro_rules! clone_by_field {
 mod body;
 mod codec;
 mod collider;
-// The narrow phase. Worlds have no colliders yet: until then the benchmarks alone use it, and it is no part of the interface.
+// The broad and the narrow phase. Public for the benchmarks alone, and no part of the interface.
 #[doc(hidden)]
 pub mod collide;
 mod compiled;
@@ -118,7 +118,7 @@ mod world;
 
 pub use body::{Activity, BodyDef, BodyKind, Damping, Locks, Mass};
 pub use codec::Malformed;
-pub use collider::{ColliderDef, ContactSettings, Filter, Material};
+pub use collider::{ColliderDef, ContactSettings, Filter, Material, MixRule};
 pub use contact::{Contact, ContactPoint};
 #[cfg(feature = "float")]
 pub use display::{Blend, BodyClass, DebugDraw, DrawOptions, Interpolation, Pose, Role};

@@ -34,9 +34,9 @@
 //! assert_eq!((limits::SIZE_MIN, limits::SIZE_MAX), (fx!(0.0078125), power(12)));
 //! assert_eq!((limits::GRAVITY, limits::GRAVITY_SCALE, limits::MU_MAX_LOG2), (power(16), power(4), 64));
 //! assert_eq!((limits::RATE_MIN, limits::RATE_MAX), (1, 10_000));
-//! assert_eq!((limits::CORNERS, limits::PARTS), (64, 256));
+//! assert_eq!((limits::CORNERS, limits::PARTS, limits::CHAIN), (64, 256, 1 << 16));
 //! assert_eq!((limits::BODIES, limits::FIELDS, limits::BLOB), (1 << 24, 1 << 24, 1 << 24));
-//! assert_eq!((limits::COLLIDERS, limits::FRICTION), (1 << 24, power(5)));
+//! assert_eq!((limits::COLLIDERS, limits::FRICTION, limits::SURFACE_SPEED), (1 << 24, power(5), power(10)));
 //! assert_eq!(limits::TICK, 1 << 63);
 //! ```
 
@@ -90,14 +90,19 @@ pub const RATE_MAX: u32 = 10_000;
 pub const CORNERS: usize = 64;
 /// The most parts a compound has.
 pub const PARTS: usize = 256;
+/// The most points a chain has.
+pub const CHAIN: usize = 1 << 16;
 /// The most bodies a world has, slots whose handles are used up included: handles are 32-bit.
 pub const BODIES: usize = 1 << 24;
 /// The most force fields a world has, slots whose handles are used up included: handles are 32-bit.
 pub const FIELDS: usize = 1 << 24;
-/// The most colliders a world has, slots whose handles are used up included: handles are 32-bit.
+/// The most colliders a world has, slots whose handles are used up included, and the most outlines that they have beyond the first one
+/// of each.
 pub const COLLIDERS: usize = 1 << 24;
 /// The largest coefficient of friction: 32.
 pub const FRICTION: Fx = power(5);
+/// The largest speed of a surface, m/s: 1,024.
+pub const SURFACE_SPEED: Fx = power(10);
 /// The last tick: 2^63, 29 million years at the fastest rate. A world read from a file at this tick still moves with each step,
 /// but its tick and its elapsed time stay the same.
 pub const TICK: u64 = 1 << 63;

@@ -546,6 +546,116 @@ fn fields_come_as_they_were_added_then_bodies_and_then_velocities_by_slot() {
     assert_eq!(count(DrawOptions::default()), 7 + 6);
 }
 
+/// A crate of 1 m and 1 kg on a floor whose top is at y = 1, after a second in which it has slid to the right.
+fn crate_on_floor() -> (World, [umbra_physics::ColliderId; 2], BodyId) {
+    let mut world = World::new(WorldDef { gravity: vec2(0, -10), sleep_after: None, ..WorldDef::default() })
+        .expect("a fair definition");
+    let square = |size: i32| Shape::rectangle(size, if size > 1 { 2 } else { 1 }).expect("a fair shape");
+    let floor = add(&mut world, BodyDef::fixed().with_collider(square(40)));
+    let crate_ = BodyDef::dynamic().with_collider(square(1));
+    let crate_ = add(&mut world, BodyDef { position: vec2(0, fx!(1.5)), velocity: vec2(8, 0), ..crate_ });
+    (0..60).for_each(|_| assert!(world.step().faults.is_empty()));
+    let collider = |body| world.colliders_of(body).expect("it is there").next().expect("one");
+    let colliders = [collider(floor), collider(crate_)];
+    (world, colliders, crate_)
+}
+
+/// An arrow of the drawing by its start and its direction.
+fn arrows(marks: &[(Role, Mark)], of: Role) -> Vec<([f64; 2], [f64; 2])> {
+    let of_role = marks.iter().filter(|(role, _)| *role == of);
+    of_role
+        .map(|(_, mark)| match mark {
+            Mark::Arrow(from, to) => (*from, [to[0] - from[0], to[1] - from[1]]),
+            other => panic!("{other:?}"),
+        })
+        .collect()
+}
+
+#[test]
+fn contacts_are_drawn_for_those_who_ask() {
+    let (world, colliders, crate_) = crate_on_floor();
+    let at = now(&world, crate_);
+    let nothing = DrawOptions { bodies: false, fields: false, ..DrawOptions::default() };
+    assert_eq!(drawn(&world, Pose::of, &nothing), []);
+    assert_eq!(drawn(&world, Pose::of, &DrawOptions::default()).len(), 2, "two bodies alone");
+
+    let points = drawn(&world, Pose::of, &DrawOptions { contacts: true, ..nothing });
+    let corners = [at.position[0] - 0.5, at.position[0] + 0.5];
+    assert_eq!(points.len(), 2);
+    for (role, mark) in &points {
+        let Mark::Point([x, y]) = mark else { panic!("{mark:?}") };
+        assert_eq!(*role, Role::Contact(colliders));
+        assert!(corners.iter().any(|corner| (corner - x).abs() < 0.01) && (y - 1.0).abs() < 0.01, "{x}, {y}");
+    }
+
+    let normals = drawn(&world, Pose::of, &DrawOptions { contact_normals: Some(0.25), ..nothing });
+    assert_eq!(normals.len(), 2);
+    for (_, [dx, dy]) in arrows(&normals, Role::ContactNormal(colliders)) {
+        assert!(dx.abs() < 1e-3 && (dy - 0.25).abs() < 1e-6, "{dx}, {dy}");
+    }
+
+    // 10 N for 1/300 s, times 30 m for each N·s; friction of 0.6 of it against the motion.
+    let impulses = drawn(&world, Pose::of, &DrawOptions { contact_impulses: Some(30.0), ..nothing });
+    let along = arrows(&impulses, Role::ContactImpulse(colliders));
+    let total: f64 = along.iter().map(|(_, [_, dy])| dy).sum();
+    assert!(along.len() == 2 && (total - 1.0).abs() < 1e-3, "{along:?}");
+    let friction = arrows(&impulses, Role::FrictionImpulse(colliders));
+    let &[(from, [dx, dy])] = &friction[..] else { panic!("{friction:?}") };
+    assert!((from[0] - at.position[0]).abs() < 0.01 && (from[1] - 1.0).abs() < 0.01, "{from:?}");
+    assert!((dx + 0.6).abs() < 1e-3 && dy.abs() < 1e-3, "{dx}, {dy}");
+    assert_eq!(impulses.len(), 3);
+
+    // All of it in one: the bodies first, as without.
+    let all = DrawOptions {
+        contacts: true,
+        contact_normals: Some(0.25),
+        contact_impulses: Some(30.0),
+        ..DrawOptions::default()
+    };
+    let all = drawn(&world, Pose::of, &all);
+    assert_eq!(all.len(), 2 + 2 + 2 + 3);
+    assert_eq!(all[..2], drawn(&world, Pose::of, &DrawOptions::default()));
+}
+
+#[test]
+fn contacts_are_drawn_where_the_poses_carry_them() {
+    let (world, colliders, crate_) = crate_on_floor();
+    let options = DrawOptions { bodies: false, contacts: true, ..DrawOptions::default() };
+    let still = drawn(&world, Pose::of, &options);
+    // The crate is drawn 2 m farther to the right: its contacts in the middle between the two bodies.
+    let shifted = |body: &umbra_physics::BodyRef<'_>| {
+        let pose = Pose::of(body);
+        if body.id() == crate_ { Pose { position: [pose.position[0] + 2.0, pose.position[1]], ..pose } } else { pose }
+    };
+    let moved = drawn(&world, shifted, &options);
+    assert_eq!((still.len(), moved.len()), (2, 2));
+    for ((role, a), (_, b)) in still.iter().zip(&moved) {
+        let (Mark::Point(a), Mark::Point(b)) = (a, b) else { panic!("{a:?}, {b:?}") };
+        assert_eq!(*role, Role::Contact(colliders));
+        assert!(near(b[0] - a[0], 1.0) && near(b[1], a[1]), "{a:?}, {b:?}");
+    }
+    // The world was only read.
+    assert_eq!(world.state_hash(), crate_on_floor().0.state_hash());
+}
+
+#[test]
+fn colliders_are_drawn_at_their_places_beside_the_shape() {
+    let mut world = world();
+    let disc = || Shape::circle(fx!(0.5)).expect("a fair shape");
+    let outer = umbra_physics::ColliderDef {
+        position: vec2(2, 0),
+        angle: Fx::FRAC_PI_2,
+        ..umbra_physics::ColliderDef::new(Shape::capsule(2, fx!(0.25)).expect("a fair shape"))
+    };
+    let def = BodyDef { shape: Some(disc()), ..BodyDef::dynamic().with_collider(disc()).with_collider(outer) };
+    let body = add(&mut world, def);
+    let role = Role::Body(body, BodyClass::Dynamic);
+    let circle = Mark::Circle([10.0, 20.0], 0.5, Some([10.0, 20.5]));
+    let capsule = Mark::Capsule([[11.0, 22.0], [9.0, 22.0]], 0.25);
+    let expected = [(role, circle.clone()), (role, circle), (role, capsule)];
+    assert_eq!(drawn(&world, quarter, &DrawOptions::default()), expected);
+}
+
 #[test]
 fn what_is_round_is_a_polygon_to_those_who_have_no_discs() {
     let draw = |shape: Result<Shape, _>| {

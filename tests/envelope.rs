@@ -6,8 +6,8 @@ use std::sync::Arc;
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 use umbra_physics::limits::{
-    ANGULAR_SPEED, BODIES, CORNERS, FIELDS, FRICTION, GRAVITY, GRAVITY_SCALE, MASS_MAX, MASS_MIN, MU_MAX_LOG2, PARTS,
-    POSITION, RATE_MAX, RATE_MIN, SIZE_MAX, SIZE_MIN, SPEED,
+    ANGULAR_SPEED, BODIES, CHAIN, CORNERS, FIELDS, FRICTION, GRAVITY, GRAVITY_SCALE, MASS_MAX, MASS_MIN, MU_MAX_LOG2,
+    PARTS, POSITION, RATE_MAX, RATE_MIN, SIZE_MAX, SIZE_MIN, SPEED, SURFACE_SPEED,
 };
 use umbra_physics::{
     Activity, AppliedForce, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, BodyState, Cause, ColliderDef,
@@ -316,6 +316,12 @@ fn colliders_and_contacts_have_their_bounds() {
     for bad in [-ULP, Fx::ONE + ULP] {
         is(out_of(Quantity::Restitution), &|def| def.material.restitution = bad);
     }
+    for good in [SURFACE_SPEED, -SURFACE_SPEED] {
+        is(Ok(()), &|def| def.material.surface_speed = good);
+    }
+    for bad in [SURFACE_SPEED + ULP, -SURFACE_SPEED - ULP, Fx::MIN] {
+        is(out_of(Quantity::SurfaceSpeed), &|def| def.material.surface_speed = bad);
+    }
     is(Ok(()), &|def| def.position = vec2(SIZE_MAX, -SIZE_MAX));
     for bad in [vec2(SIZE_MAX + ULP, 0), vec2(0, -SIZE_MAX - ULP), vec2(Fx::MIN, Fx::MIN)] {
         is(out_of(Quantity::ColliderPosition), &|def| def.position = bad);
@@ -328,7 +334,7 @@ fn colliders_and_contacts_have_their_bounds() {
     is(Ok(()), &|def| def.filter = Filter { category: 0, mask: 0, group: 1 });
     let part = Part { shape: disc.shape.clone(), position: Vec2::ZERO, angle: Fx::ZERO, density: Fx::ONE };
     let compound = Shape::compound(&[part]).expect("a compound");
-    is(Err(Error::CompoundCollider), &|def| def.shape = compound.clone());
+    is(Ok(()), &|def| def.shape = compound.clone());
     // A mass that the body cannot have: 4,096 kg/m² of 2^24 m², and none at all.
     let square = Shape::rectangle(SIZE_MAX, SIZE_MAX).expect("a square");
     let from = |density| BodyDef::dynamic().with_collider(ColliderDef { density, ..ColliderDef::new(square.clone()) });
@@ -405,6 +411,9 @@ fn sizes_of_shapes_have_their_bounds() {
     let line = [Vec2::ZERO, Vec2::X, vec2(2, 0)];
     assert_eq!(size(Shape::polygon(&line)), Err(Error::NotConvex { corner: 0 }));
     let part = Part { shape: Shape::circle(fx!(1)).unwrap(), position: vec2(SIZE_MAX, 0), angle: fx!(0), density: ULP };
+    let line = |count: usize| (0..count).map(|x| vec2(Fx::from_ratio(x as i64, 16), 0)).collect::<Vec<_>>();
+    assert_eq!(size(Shape::chain(&line(CHAIN), false)), Ok(()));
+    assert_eq!(size(Shape::chain(&line(CHAIN + 1), false)), out_of(Quantity::Count));
     assert_eq!(size(Shape::compound(&vec![part.clone(); PARTS])), Ok(()));
     assert_eq!(size(Shape::compound(&vec![part.clone(); PARTS + 1])), out_of(Quantity::Count));
     assert_eq!(size(Shape::compound(&[])), out_of(Quantity::Count));

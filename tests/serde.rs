@@ -20,9 +20,9 @@ use umbra_physics::{
     Activity, AppliedForce, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, BodyState, Cause, ColliderDef,
     ColliderId, Command, ContactSettings, Created, CustomForceError, Damping, Dependence, Elapsed, End, Error, Fault,
     FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, ForceTorque, Frame, Fx, FxAccumulator, FxFactor, FxWide,
-    Geometry, Input, InputResult, Inputs, Integrator, Irreversible, Locks, Mass, Material, MathError, ParseFxError,
-    Part, Quantity, Random, Region, Rot, Shape, SpringConstants, Stage, StageKind, TimeStep, Turn, Vec2, World,
-    WorldDef, fx, vec2,
+    Geometry, Input, InputResult, Inputs, Integrator, Irreversible, Locks, Mass, Material, MathError, MixRule,
+    ParseFxError, Part, Quantity, Random, Region, Rot, Shape, SpringConstants, Stage, StageKind, TimeStep, Turn, Vec2,
+    World, WorldDef, fx, vec2,
 };
 
 fn through_both<T: Serialize + DeserializeOwned + PartialEq + Debug>(value: &T) {
@@ -127,6 +127,7 @@ fn quantities() -> Vec<Quantity> {
         Substeps,
         ContactSpeed,
         Pairs,
+        SurfaceSpeed,
     ]
 }
 
@@ -161,7 +162,8 @@ fn errors() -> Vec<Error> {
         Error::ChangedBetweenTicks { tick: 4 },
         Error::SteppedInTick { tick: u64::MAX },
         Error::NoSuchCollider { collider: ColliderId::from_parts(3, u32::MAX) },
-        Error::CompoundCollider,
+        Error::DynamicChain,
+        Error::ChainCrosses { segments: [0, 65_535] },
     ]
 }
 
@@ -194,6 +196,7 @@ fn shapes() -> Vec<Shape> {
     ];
     let parts: Vec<Part> = shapes.iter().zip(0..).map(|(shape, x)| part(shape.clone(), x)).collect();
     shapes.push(Shape::compound(&parts).expect("fair"));
+    shapes.extend([false, true].map(|closed| Shape::chain(&corners, closed).expect("it does not cross itself")));
     shapes
 }
 
@@ -303,7 +306,13 @@ fn every_plain_struct_comes_back() {
     custom_forces().into_iter().for_each(|law| through_both(&ForceField { kind: law, force_groups: 5 }));
     bodies().iter().for_each(through_both);
     let disc = ColliderDef::new(shapes().remove(0));
-    let material = Material { friction: fx!(0.1), restitution: fx!(1) };
+    let material = Material {
+        friction: fx!(0.1),
+        restitution: fx!(1),
+        surface_speed: fx!(-0.3),
+        friction_rule: MixRule::Product,
+        restitution_rule: MixRule::GeometricMean,
+    };
     let filter = Filter { category: u32::MAX, mask: 1 << 31, group: i32::MIN };
     let other = ColliderDef { material, filter, angle: fx!(-0.1), key: u64::MAX, ..disc.clone() };
     through_both(&material);

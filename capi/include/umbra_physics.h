@@ -314,10 +314,13 @@ typedef struct UmbraPose {
     UmbraActivity activity;
 } UmbraPose;
 
+// Rule by which the coefficients of two colliders that touch become one. Of two different ones the later one counts.
+typedef uint32_t UmbraMixRule;
+
 // Definition of a collider: a shape at a place of its body. `umbra_collider_def_default` fills it in, without a shape.
 //
 // Two colliders touch if each has a category in the other's mask; two of one positive group always do, two of one negative group
-// never. Where they touch, the friction is the geometric mean of theirs, and the restitution the larger one.
+// never.
 typedef struct UmbraColliderDef {
     // Position of the shape's centre of mass relative to that of the body, in the body's axes, m, within ±2^12; default 0.
     struct UmbraVec2 position;
@@ -329,6 +332,8 @@ typedef struct UmbraColliderDef {
     UmbraFx friction;
     // Coefficient of restitution, 0 to 1; default 0.
     UmbraFx restitution;
+    // Speed of the surface around the shape, counter-clockwise, m/s, within ±2^10: a conveyor belt; default 0.
+    UmbraFx surface_speed;
     // A name of the caller's, by which worlds built in another order are compared: 0.
     uint64_t key;
     // Anything of the caller's: 0.
@@ -339,9 +344,13 @@ typedef struct UmbraColliderDef {
     uint32_t mask;
     // The group; 0 for none.
     int32_t group;
+    // Rule that mixes the coefficients of friction of two colliders; default `UMBRA_MIX_STANDARD`.
+    UmbraMixRule friction_rule;
+    // Rule that mixes the coefficients of restitution; default `UMBRA_MIX_STANDARD`.
+    UmbraMixRule restitution_rule;
     // 0.
     uint32_t reserved;
-    // Shape; it must not be a compound. The last field, so that the offsets of the others do not depend on the size of pointers.
+    // Shape. The last field, so that the offsets of the others do not depend on the size of pointers.
     const struct UmbraShape *shape;
 } UmbraColliderDef;
 
@@ -353,13 +362,41 @@ typedef struct UmbraContactSettings {
     UmbraFx restitution_speed;
     // The number of sub-steps in which contacts are solved, 1 to 8; default 5.
     uint32_t substeps;
-    // The number of pairs of colliders that may be close to each other in a step, 1 to 2^28; default 2^20.
+    // The number of pairs of outlines that may be close to each other in a step (a compound has one for each part), 1 to 2^28; default 2^20.
     uint32_t max_pairs;
-    // The number of pairs of one collider that may be close where there are more than `max_pairs` in all, 1 to 2^12; default 256.
+    // The number of pairs of one outline that may be close where there are more than `max_pairs` in all, 1 to 2^12; default 256.
     uint32_t max_pairs_per_collider;
     // 0.
     uint32_t reserved;
 } UmbraContactSettings;
+
+// A point of a contact.
+typedef struct UmbraContactPoint {
+    // Position, m, in the middle between the two surfaces.
+    struct UmbraVec2 position;
+    // Distance between the surfaces along the normal, m; negative where they overlap.
+    UmbraFx separation;
+    // Impulse along the normal over the last sub-step, N·s, on the second body; 0 for a point that was not there in the step.
+    UmbraFx normal_impulse;
+} UmbraContactPoint;
+
+// Two colliders that pushed each other at the end of the last step, at the present poses of their bodies.
+typedef struct UmbraContact {
+    // The colliders.
+    uint64_t colliders[2];
+    // Their bodies.
+    uint64_t bodies[2];
+    // Unit vector from the first collider to the second one; each component within 2^-29.
+    struct UmbraVec2 normal;
+    // Impulse of friction over the last sub-step along (normal.y, -normal.x), N·s, on the second body.
+    UmbraFx tangent_impulse;
+    // The points; zeros for a second one that is not there.
+    struct UmbraContactPoint points[2];
+    // Number of points, 1 or 2.
+    uint32_t point_count;
+    // 0.
+    uint32_t reserved;
+} UmbraContact;
 
 // A kind of force field: one of the five below.
 typedef uint32_t UmbraFieldKind;
@@ -488,7 +525,7 @@ typedef struct UmbraReplayLimits {
 // Both ends of a spring are attached to one body.
 #define UMBRA_ERROR_SAME_BODY 112
 
-// The world already has the maximum number of bodies, colliders or force fields.
+// The world already has the maximum number of bodies, colliders, outlines of colliders or force fields.
 #define UMBRA_ERROR_FULL 114
 
 // The elapsed time no longer fits in a ratio of 128-bit integers.
@@ -512,8 +549,11 @@ typedef struct UmbraReplayLimits {
 // The handle names no collider.
 #define UMBRA_ERROR_NO_SUCH_COLLIDER 128
 
-// The shape of a collider is a compound: give the body a collider for each part.
-#define UMBRA_ERROR_COMPOUND_COLLIDER 129
+// A chain cannot be on a dynamic body.
+#define UMBRA_ERROR_DYNAMIC_CHAIN 129
+
+// Two segments of the chain cross or touch.
+#define UMBRA_ERROR_CHAIN_CROSSES 130
 
 // The bytes are not a snapshot.
 #define UMBRA_ERROR_SNAPSHOT_FOREIGN 301
@@ -686,6 +726,24 @@ typedef struct UmbraReplayLimits {
 // The angular velocity.
 #define UMBRA_LOCK_ROTATION 4
 
+// The geometric mean for friction, the larger one for restitution.
+#define UMBRA_MIX_STANDARD 0
+
+// The geometric mean.
+#define UMBRA_MIX_GEOMETRIC_MEAN 1
+
+// The mean.
+#define UMBRA_MIX_MEAN 2
+
+// The smaller one.
+#define UMBRA_MIX_MINIMUM 3
+
+// The product; of friction at most 32.
+#define UMBRA_MIX_PRODUCT 4
+
+// The larger one.
+#define UMBRA_MIX_MAXIMUM 5
+
 // Acceleration mu·d / (d² + softening²)^(3/2) towards a point, the same for every mass. Reads `other`, `other_point`, `mu`,
 // `softening`.
 #define UMBRA_ATTRACTOR 0
@@ -809,6 +867,13 @@ UmbraStatus umbra_shape_rounded_polygon(const struct UmbraVec2 *corners,
 
 // 1 to 256 shapes as one. It is re-centred at its centre of mass.
 UmbraStatus umbra_shape_compound(const struct UmbraPart *parts, size_t count, struct UmbraShape **shape);
+
+// A chain of segments through 2 to 65,536 points, and back to the first one if `closed` is not 0: a surface for static and kinematic
+// bodies that touches what is on its right on the way through the points, m. It is not re-centred.
+UmbraStatus umbra_shape_chain(const struct UmbraVec2 *points,
+                              size_t count,
+                              uint32_t closed,
+                              struct UmbraShape **shape);
 
 // Frees a shape. Null is let be.
 void umbra_shape_free(struct UmbraShape *shape);
@@ -1111,6 +1176,13 @@ UmbraStatus umbra_world_set_contact_settings(struct UmbraWorld *world, const str
 
 // The settings of contacts of a world.
 UmbraStatus umbra_world_contact_settings(const struct UmbraWorld *world, struct UmbraContactSettings *settings);
+
+// The contacts that carried an impulse at the end of the last step, by the slots of their colliders; a list as
+// `umbra_world_outcomes` gives it. Each call computes their points.
+UmbraStatus umbra_world_contacts(const struct UmbraWorld *world,
+                                 struct UmbraContact *contacts,
+                                 size_t capacity,
+                                 size_t *count);
 
 // Fills in the definition of a field of a kind: all groups, no body, everything else 0.
 UmbraStatus umbra_field_def_default(UmbraFieldKind kind, struct UmbraFieldDef *def);

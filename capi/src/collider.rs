@@ -2,21 +2,48 @@
 
 use std::mem::MaybeUninit;
 
-use umbra_physics::{ColliderDef, ColliderId, Command, ContactSettings, Filter, Fx, Material};
+use umbra_physics::{ColliderDef, ColliderId, Command, ContactSettings, Filter, Fx, Material, MixRule};
 
 use crate::memory::{fill, given};
 use crate::number::{UMBRA_ONE, UmbraFx, UmbraVec2};
 use crate::shape::UmbraShape;
-use crate::status::{Result, UmbraStatus, guard};
+use crate::status::{Refusal, Result, UmbraStatus, guard};
 use crate::world::{UmbraWorld, body_id, change, change_by, look, made, word};
 
 /// All categories of colliders.
 pub const UMBRA_ALL_CATEGORIES: u32 = 0xFFFF_FFFF;
 
+/// Rule by which the coefficients of two colliders that touch become one. Of two different ones the later one counts.
+pub type UmbraMixRule = u32;
+
+/// The geometric mean for friction, the larger one for restitution.
+pub const UMBRA_MIX_STANDARD: UmbraMixRule = 0;
+/// The geometric mean.
+pub const UMBRA_MIX_GEOMETRIC_MEAN: UmbraMixRule = 1;
+/// The mean.
+pub const UMBRA_MIX_MEAN: UmbraMixRule = 2;
+/// The smaller one.
+pub const UMBRA_MIX_MINIMUM: UmbraMixRule = 3;
+/// The product; of friction at most 32.
+pub const UMBRA_MIX_PRODUCT: UmbraMixRule = 4;
+/// The larger one.
+pub const UMBRA_MIX_MAXIMUM: UmbraMixRule = 5;
+
+const MIX_RULES: [MixRule; 6] =
+    [MixRule::Standard, MixRule::GeometricMean, MixRule::Mean, MixRule::Minimum, MixRule::Product, MixRule::Maximum];
+
+fn rule(number: UmbraMixRule) -> Result<MixRule> {
+    MIX_RULES.get(number as usize).copied().ok_or_else(|| Refusal::bad("no mix rule has this number"))
+}
+
+fn number(rule: MixRule) -> UmbraMixRule {
+    MIX_RULES.iter().position(|&own| own == rule).map_or(UMBRA_MIX_STANDARD, |number| number as u32)
+}
+
 /// Definition of a collider: a shape at a place of its body. `umbra_collider_def_default` fills it in, without a shape.
 ///
 /// Two colliders touch if each has a category in the other's mask; two of one positive group always do, two of one negative group
-/// never. Where they touch, the friction is the geometric mean of theirs, and the restitution the larger one.
+/// never.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct UmbraColliderDef {
@@ -30,6 +57,8 @@ pub struct UmbraColliderDef {
     pub friction: UmbraFx,
     /// Coefficient of restitution, 0 to 1; default 0.
     pub restitution: UmbraFx,
+    /// Speed of the surface around the shape, counter-clockwise, m/s, within ±2^10: a conveyor belt; default 0.
+    pub surface_speed: UmbraFx,
     /// A name of the caller's, by which worlds built in another order are compared: 0.
     pub key: u64,
     /// Anything of the caller's: 0.
@@ -40,9 +69,13 @@ pub struct UmbraColliderDef {
     pub mask: u32,
     /// The group; 0 for none.
     pub group: i32,
+    /// Rule that mixes the coefficients of friction of two colliders; default `UMBRA_MIX_STANDARD`.
+    pub friction_rule: UmbraMixRule,
+    /// Rule that mixes the coefficients of restitution; default `UMBRA_MIX_STANDARD`.
+    pub restitution_rule: UmbraMixRule,
     /// 0.
     pub reserved: u32,
-    /// Shape; it must not be a compound. The last field, so that the offsets of the others do not depend on the size of pointers.
+    /// Shape. The last field, so that the offsets of the others do not depend on the size of pointers.
     pub shape: *const UmbraShape,
 }
 
@@ -56,9 +89,9 @@ pub struct UmbraContactSettings {
     pub restitution_speed: UmbraFx,
     /// The number of sub-steps in which contacts are solved, 1 to 8; default 5.
     pub substeps: u32,
-    /// The number of pairs of colliders that may be close to each other in a step, 1 to 2^28; default 2^20.
+    /// The number of pairs of outlines that may be close to each other in a step (a compound has one for each part), 1 to 2^28; default 2^20.
     pub max_pairs: u32,
-    /// The number of pairs of one collider that may be close where there are more than `max_pairs` in all, 1 to 2^12; default 256.
+    /// The number of pairs of one outline that may be close where there are more than `max_pairs` in all, 1 to 2^12; default 256.
     pub max_pairs_per_collider: u32,
     /// 0.
     pub reserved: u32,
@@ -76,11 +109,14 @@ fn values(def: &ColliderDef) -> UmbraColliderDef {
         density: def.density.to_bits(),
         friction: def.material.friction.to_bits(),
         restitution: def.material.restitution.to_bits(),
+        surface_speed: def.material.surface_speed.to_bits(),
         key: def.key,
         user_data: def.user_data,
         category: def.filter.category,
         mask: def.filter.mask,
         group: def.filter.group,
+        friction_rule: number(def.material.friction_rule),
+        restitution_rule: number(def.material.restitution_rule),
         reserved: 0,
         shape: std::ptr::null(),
     }
@@ -98,7 +134,13 @@ impl UmbraColliderDef {
             position: self.position.into(),
             angle: Fx::from_bits(self.angle),
             density: Fx::from_bits(self.density),
-            material: Material { friction: Fx::from_bits(self.friction), restitution: Fx::from_bits(self.restitution) },
+            material: Material {
+                friction: Fx::from_bits(self.friction),
+                restitution: Fx::from_bits(self.restitution),
+                surface_speed: Fx::from_bits(self.surface_speed),
+                friction_rule: rule(self.friction_rule)?,
+                restitution_rule: rule(self.restitution_rule)?,
+            },
             filter: Filter { category, mask, group },
             key: self.key,
             user_data: self.user_data,
@@ -125,11 +167,14 @@ pub extern "C" fn umbra_collider_def_default(def: Option<&mut MaybeUninit<UmbraC
             density: UMBRA_ONE,
             friction: Fx::to_bits(material.friction),
             restitution: Fx::to_bits(material.restitution),
+            surface_speed: 0,
             key: 0,
             user_data: 0,
             category: filter.category,
             mask: filter.mask,
             group: filter.group,
+            friction_rule: UMBRA_MIX_STANDARD,
+            restitution_rule: UMBRA_MIX_STANDARD,
             reserved: 0,
             shape: std::ptr::null(),
         });

@@ -28,6 +28,7 @@ mod world;
 
 mod body;
 mod collider;
+mod contact;
 mod field;
 mod force;
 
@@ -43,6 +44,7 @@ mod totals;
 pub use body::*;
 pub use collider::*;
 pub use command::*;
+pub use contact::*;
 pub use field::*;
 pub use force::*;
 pub use memory::*;

@@ -134,6 +134,23 @@ pub unsafe extern "C" fn umbra_shape_compound(
     })
 }
 
+/// A chain of segments through 2 to 65,536 points, and back to the first one if `closed` is not 0: a surface for static and kinematic
+/// bodies that touches what is on its right on the way through the points, m. It is not re-centred.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn umbra_shape_chain(
+    points: *const UmbraVec2,
+    count: usize,
+    closed: u32,
+    shape: Option<&mut MaybeUninit<Option<Box<UmbraShape>>>>,
+) -> UmbraStatus {
+    make(shape, || {
+        // SAFETY: as the caller promises.
+        let points = unsafe { slice(points, count) }?;
+        let points: Vec<Vec2> = points.iter().map(|&point| point.into()).collect();
+        Ok(Shape::chain(&points, closed != 0)?)
+    })
+}
+
 /// Frees a shape. Null is let be.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_shape_free(shape: Option<Box<UmbraShape>>) {

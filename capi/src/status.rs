@@ -45,7 +45,7 @@ pub const UMBRA_ERROR_NOT_QUARANTINED: UmbraStatus = 110;
 pub const UMBRA_ERROR_DAMPING_HAS_NO_INVERSE: UmbraStatus = 111;
 /// Both ends of a spring are attached to one body.
 pub const UMBRA_ERROR_SAME_BODY: UmbraStatus = 112;
-/// The world already has the maximum number of bodies, colliders or force fields.
+/// The world already has the maximum number of bodies, colliders, outlines of colliders or force fields.
 pub const UMBRA_ERROR_FULL: UmbraStatus = 114;
 /// The elapsed time no longer fits in a ratio of 128-bit integers.
 pub const UMBRA_ERROR_ELAPSED_TIME: UmbraStatus = 115;
@@ -61,8 +61,10 @@ pub const UMBRA_ERROR_NOT_DISABLED: UmbraStatus = 123;
 pub const UMBRA_ERROR_NOT_KINEMATIC: UmbraStatus = 124;
 /// The handle names no collider.
 pub const UMBRA_ERROR_NO_SUCH_COLLIDER: UmbraStatus = 128;
-/// The shape of a collider is a compound: give the body a collider for each part.
-pub const UMBRA_ERROR_COMPOUND_COLLIDER: UmbraStatus = 129;
+/// A chain cannot be on a dynamic body.
+pub const UMBRA_ERROR_DYNAMIC_CHAIN: UmbraStatus = 129;
+/// Two segments of the chain cross or touch.
+pub const UMBRA_ERROR_CHAIN_CROSSES: UmbraStatus = 130;
 /// The bytes are not a snapshot.
 pub const UMBRA_ERROR_SNAPSHOT_FOREIGN: UmbraStatus = 301;
 /// The bytes have another layout.

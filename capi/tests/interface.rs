@@ -9,7 +9,7 @@ use std::ptr;
 use umbra_physics::{
     ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, Command, ContactSettings, Damping,
     End, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, Frame, Fx, FxFactor, Integrator, Locks, Mass,
-    Material, Random, Region, Shape, Snapshot, SpringConstants, TimeStep, World, WorldDef, fx, vec2,
+    Material, MixRule, Random, Region, Shape, Snapshot, SpringConstants, TimeStep, World, WorldDef, fx, vec2,
 };
 use umbra_physics_capi::*;
 
@@ -168,11 +168,14 @@ fn collider(shape: &UmbraShape) -> (UmbraColliderDef, ColliderDef) {
         density: 4,
         friction: 5,
         restitution: 6,
+        surface_speed: 12,
         key: 7,
         user_data: 8,
         category: 9,
         mask: 10,
         group: -11,
+        friction_rule: UMBRA_MIX_MEAN,
+        restitution_rule: UMBRA_MIX_PRODUCT,
         reserved: 0,
         shape,
     };
@@ -182,7 +185,13 @@ fn collider(shape: &UmbraShape) -> (UmbraColliderDef, ColliderDef) {
         position: umbra_physics::Vec2::new(bits(1), bits(2)),
         angle: bits(3),
         density: bits(4),
-        material: Material { friction: bits(5), restitution: bits(6) },
+        material: Material {
+            friction: bits(5),
+            restitution: bits(6),
+            surface_speed: bits(12),
+            friction_rule: MixRule::Mean,
+            restitution_rule: MixRule::Product,
+        },
         filter: Filter { category: 9, mask: 10, group: -11 },
         key: 7,
         user_data: 8,
@@ -241,6 +250,54 @@ fn colliders_are_read_as_they_were_made() {
     assert_eq!(out(|settings| umbra_world_contact_settings(Some(&world), settings)), Ok(stiffer));
     umbra_shape_free(Some(shape));
     umbra_world_free(Some(world));
+}
+
+#[test]
+fn contacts_are_those_of_the_library() {
+    let text = r#"{"gravity": [0, -10], "bodies": [
+        {"name": "floor", "kind": "static", "colliders": [{"shape": {"rectangle": {"width": 20, "height": 2}}}]},
+        {"name": "crate", "position": [0, 1.5], "velocity": [3, 0], "colliders": [{"shape": {"rectangle": {"width": 1, "height": 1}}}]},
+        {"name": "ball", "position": [4, 1.5], "colliders": [{"shape": {"circle": {"radius": 0.5}}}]}]}"#;
+    // SAFETY: the text is of that length.
+    let mut here =
+        own(|world| unsafe { umbra_world_from_scene(text.as_ptr().cast(), text.len(), 100, world) }).expect("a world");
+    let scene = umbra_scene::Scene::parse(text).expect("a scene");
+    let mut there = scene.start::<Fx>().expect("it starts").into_world();
+    let contacts = |world: &UmbraWorld| {
+        // SAFETY: the buffers are those of `list`.
+        list(|buffer, capacity, count| unsafe { umbra_world_contacts(Some(world), buffer, capacity, count) })
+    };
+    assert_eq!(contacts(&here), Ok(Vec::new()));
+    for _ in 0..20 {
+        assert_eq!(umbra_world_step(Some(&mut here)), UMBRA_OK);
+        there.step();
+    }
+    let found = contacts(&here).expect("a list");
+    let expected: Vec<_> = there.contacts().collect();
+    assert_eq!((found.len(), expected.len()), (2, 2));
+    let word = |(slot, generation): (u32, u32)| u64::from(generation) << 32 | u64::from(slot);
+    let vector = |vector: umbra_physics::Vec2| UmbraVec2 { x: vector.x.to_bits(), y: vector.y.to_bits() };
+    for (found, expected) in found.iter().zip(&expected) {
+        assert_eq!(found.colliders, expected.colliders.map(|collider| word(collider.parts())));
+        assert_eq!(found.bodies, expected.bodies.map(|body| word(body.parts())));
+        assert_eq!(
+            (found.normal, found.tangent_impulse),
+            (vector(expected.normal), expected.tangent_impulse.to_bits())
+        );
+        assert_eq!((found.point_count as usize, found.reserved), (expected.points().len(), 0));
+        for (i, point) in found.points.iter().enumerate() {
+            let expected = expected.points().get(i).map(|point| UmbraContactPoint {
+                position: vector(point.position),
+                separation: point.separation.to_bits(),
+                normal_impulse: point.normal_impulse.to_bits(),
+            });
+            assert_eq!(*point, expected.unwrap_or_default());
+        }
+    }
+    // The crate slides on two corners, the ball lies on one point.
+    assert_eq!((found[0].point_count, found[1].point_count), (2, 1));
+    assert!(found[0].tangent_impulse < 0 && found[0].points.iter().all(|point| point.normal_impulse > 0));
+    umbra_world_free(Some(here));
 }
 
 /// A draft shows what a function asks of the library, to the bit.
@@ -723,6 +780,10 @@ fn shapes_are_those_of_the_library() {
                 Shape::rounded_polygon(&[vec2(0, 0), vec2(3, 0), vec2(0, 3)], fx!(0.5)),
             ),
             (
+                own(|shape| umbra_shape_chain(corners.as_ptr(), 3, 1, shape)),
+                Shape::chain(&[vec2(0, 0), vec2(3, 0), vec2(0, 3)], true),
+            ),
+            (
                 own(|shape| umbra_shape_compound(parts.as_ptr(), 2, shape)),
                 Shape::compound(&[like_part(0, fx!(1)), like_part(3, fx!(2))]),
             ),
@@ -1096,6 +1157,6 @@ fn structs_lie_as_they_are_known() {
     assert_eq!((size_of::<UmbraWorldDef>(), size_of::<UmbraPose>()), (48, 56));
     assert_eq!((size_of::<UmbraBodyDef>(), std::mem::offset_of!(UmbraBodyDef, shape)), (144, 136));
     assert_eq!((size_of::<UmbraBodyState>(), size_of::<UmbraFieldDef>()), (248, 232));
-    assert_eq!(size_of::<UmbraGoal>(), 32);
+    assert_eq!((size_of::<UmbraGoal>(), size_of::<UmbraContactPoint>(), size_of::<UmbraContact>()), (32, 32, 128));
     assert_eq!(std::mem::offset_of!(UmbraFieldDef, max), 216);
 }

@@ -92,6 +92,8 @@ fn null_is_refused_everywhere() {
         umbra_shape_polygon(&raw const point, 1, None);
         umbra_shape_rounded_polygon(null(), 3, 1 << 31, Some(&mut place));
         umbra_shape_rounded_polygon(&raw const point, 1, 1 << 31, None);
+        umbra_shape_chain(null(), 3, 0, Some(&mut place));
+        umbra_shape_chain(&raw const point, 1, 0, None);
         umbra_shape_compound(null(), 1, Some(&mut place));
         umbra_shape_compound(&raw const part, 1, Some(&mut place));
         umbra_shape_compound(&raw const part, 1, None);
@@ -212,6 +214,8 @@ fn null_is_refused_everywhere() {
         umbra_world_collider_body(Some(w), c, None);
         umbra_world_body_colliders(None, b, null_mut(), 0, None);
         umbra_world_body_colliders(Some(w), b, null_mut(), 1, None);
+        umbra_world_contacts(None, null_mut(), 0, None);
+        umbra_world_contacts(Some(w), null_mut(), 1, None);
         umbra_world_set_contact_settings(None, Some(&settings));
         umbra_world_set_contact_settings(Some(w), None);
         umbra_world_contact_settings(None, Some(&mut MaybeUninit::uninit()));

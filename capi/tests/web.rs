@@ -201,6 +201,26 @@ fn two_worlds_in_a_browser_are_those_of_the_machine() {
     assert_eq!((&now[1], &now[2], &now[3]), (&json!(240), &json!(false), &json!(200 / EVERY + 1)));
     keep_picture(&mut browser, "light.png");
 
+    // The stack stands until it is clicked: within 3 m of the click all is pushed, in both worlds alike.
+    browser.evaluate(&held.replace("keydown", "keyup"));
+    browser.evaluate("demo.begin()");
+    let boxes =
+        "demo.match.worlds[1].poses().filter(({ look }) => look === 7).map(({ drawX, drawY }) => [drawX, drawY])";
+    browser.evaluate(&format!("globalThis.stack = {boxes}"));
+    let moved = format!("{boxes}.map(([x, y], i) => Math.hypot(x - stack[i][0], y - stack[i][1]))");
+    browser.evaluate("demo.advance(120)");
+    assert_eq!(browser.evaluate(&format!("[stack.length, {moved}.every(way => way < 0.01)]")), json!([15, true]));
+    let shares = browser.evaluate(
+        "(() => { const { clientWidth: w, clientHeight: h } = document.querySelector('#a'), scale = Math.min(w / 25, h / 24.5);
+            return [0.5 + 6.5 * scale / w, 0.5 + (2.25 + 7.5) * scale / h]; })()",
+    );
+    browser.click_at("#a", [0, 1].map(|i| shares[i].as_f64().expect("a number")));
+    browser.evaluate("demo.advance(240)");
+    let fell = browser.evaluate(&format!("{moved}.filter(way => way > 1).length"));
+    assert!(fell.as_u64() >= Some(8), "{fell} of 15 boxes");
+    assert_eq!(browser.evaluate("[demo.match.alike, demo.match.isScripted]"), json!([360, false]));
+    keep_picture(&mut browser, "knocked-over.png");
+
     // An ulp: named at the first tick after it, with both values; A goes on as it was.
     open(&mut browser, port, "");
     browser.evaluate("demo.advance(100)");

@@ -1,12 +1,12 @@
-//! A game small enough to read: two ships in the pull of a star, each with a ball on a spring, among rocks that sleep until
-//! something hits them.
+//! A game small enough to read: two ships in the pull of a planet on which crates pile up, each with a ball on a spring, among rocks
+//! that sleep until something hits them. All of them collide.
 //!
 //! All of its state is in the world, the game's own numbers as user data of bodies. So a copy of the world is a copy of
 //! the game, and the hash of the world finds whatever differs between two peers.
 
 use umbra_physics::{
-    ApplyOptions, Attachment, BodyDef, BodyId, Damping, End, Error, FieldId, FieldKind, ForceField, ForceOrImpulse, Fx,
-    Mass, Shape, SpringConstants, TimeStep, Vec2, World, WorldDef, fx, vec2,
+    ApplyOptions, Attachment, BodyDef, BodyId, BodyRef, ColliderDef, Damping, End, Error, FieldId, FieldKind, Filter,
+    ForceField, ForceOrImpulse, Fx, Mass, Shape, SpringConstants, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
 use crate::random::SplitMix;
@@ -15,12 +15,12 @@ use crate::random::SplitMix;
 const SHIP: u32 = 1;
 const ROCK: u32 = 2;
 const SHOT: u32 = 4;
+const CRATE: u32 = 8;
 
 const PUSH: Fx = fx!(40); // N
 const TURN: Fx = fx!(6); // N·m
 const SHOT_SPEED: Fx = fx!(30); // m/s, from the ship
 const SHOT_MASS: Fx = fx!(0.125); // kg
-const REACH: Fx = fx!(1.25); // m, from the centre of what a shot hits
 const SHOT_TICKS: u32 = 45;
 const TICK_RATE: i32 = 60; // a second
 const RELOAD_TICKS: u32 = 12;
@@ -60,6 +60,11 @@ pub(crate) struct Game {
     engines: [FieldId; 2],
 }
 
+/// A collider of a player's, which touches nothing else of that player.
+fn of_player(player: usize, shape: Shape) -> ColliderDef {
+    ColliderDef { filter: Filter { group: -1 - player as i32, ..Filter::default() }, ..ColliderDef::new(shape) }
+}
+
 /// A spring with a damper between the centres of two bodies.
 fn spring(near: BodyId, far: BodyId, rest: Fx) -> FieldKind {
     let spring = SpringConstants { rest, stiffness: fx!(30), damping: fx!(0.5) };
@@ -92,50 +97,57 @@ impl Game {
             angular_damping: Damping::kept_per_second(fx!(0.25)),
             ..WorldDef::default()
         })?;
-        let star = FieldKind::Attractor { centre: End::World(Vec2::ZERO), mu: 400.into(), softening: fx!(2) };
-        world.add_field(ForceField { kind: star, force_groups: SHIP | SHOT })?;
-        let ship = BodyDef {
-            shape: Some(Shape::rectangle(fx!(1.5), fx!(1))?),
-            mass: Mass::Kilograms(fx!(2)),
-            force_groups: SHIP,
-            ..BodyDef::dynamic()
-        };
-        // Opposite each other, in orbit around the star.
-        let mut add_ship = |key: u64, side: i32, angle: Fx| -> Result<_, Error> {
-            let def =
-                BodyDef { position: vec2(-12 * side, 0), velocity: vec2(0, 5 * side), angle, key, ..ship.clone() };
-            let (position, velocity) = (def.position, def.velocity);
-            let ship = world.add_body(def)?;
-            let ball = BodyDef {
-                shape: Some(Shape::circle(fx!(0.5))?),
-                mass: Mass::Kilograms(fx!(0.5)),
-                position: position - vec2(2 * side, 0),
-                velocity,
+        let pull = FieldKind::Attractor { centre: End::World(Vec2::ZERO), mu: 400.into(), softening: fx!(2) };
+        world.add_field(ForceField { kind: pull, force_groups: SHIP | SHOT | CRATE })?;
+        // Opposite each other, in orbit around the planet.
+        let mut add_ship = |player: usize, side: i32, angle: Fx| -> Result<_, Error> {
+            let hull = of_player(player, Shape::rectangle(fx!(1.5), fx!(1))?);
+            let ship = BodyDef {
+                mass: Mass::Kilograms(fx!(2)),
+                position: vec2(-12 * side, 0),
+                velocity: vec2(0, 5 * side),
+                angle,
                 force_groups: SHIP,
-                key: key + 2,
-                ..BodyDef::dynamic()
+                key: player as u64,
+                ..BodyDef::dynamic().with_collider(hull)
             };
-            let ball = world.add_body(ball)?;
+            let ball = BodyDef {
+                mass: Mass::Kilograms(fx!(0.5)),
+                position: ship.position - vec2(2 * side, 0),
+                angle: Fx::ZERO,
+                key: player as u64 + 2,
+                colliders: vec![of_player(player, Shape::circle(fx!(0.5))?)],
+                ..ship.clone()
+            };
+            let (ship, ball) = (world.add_body(ship)?, world.add_body(ball)?);
             world.add_field(spring(ship, ball, fx!(2)))?;
             Ok((ship, world.add_field(engine(ship, false))?))
         };
         let (left, right) = (add_ship(0, 1, Fx::ZERO)?, add_ship(1, -1, fx!(3.1415926535))?);
         let rock = BodyDef {
-            shape: Some(Shape::circle(fx!(1))?),
             mass: Mass::Kilograms(fx!(4)),
             // Soon at rest again, and asleep.
             linear_damping: Some(Damping::kept_per_second(fx!(0.0001))),
             angular_damping: Some(Damping::kept_per_second(fx!(0.0001))),
             force_groups: ROCK,
-            ..BodyDef::dynamic()
+            ..BodyDef::dynamic().with_collider(Shape::circle(fx!(1))?)
         };
         for (key, (x, y)) in (10..).zip([(0, 7), (6, 4), (6, -4), (0, -7), (-6, -4), (-6, 4)]) {
             world.add_body(BodyDef { position: vec2(x, y), key, ..rock.clone() })?;
         }
         // Bodies that are joined sleep and wake together.
-        let bound = [(20, 1), (21, -1)].map(|(key, x)| BodyDef { position: vec2(x, 18), key, ..rock.clone() });
+        let bound = [(20, -2), (21, 2)].map(|(key, x)| BodyDef { position: vec2(x, 18), key, ..rock.clone() });
         let [a, b] = bound.map(|def| world.add_body(def));
-        world.add_field(spring(a?, b?, fx!(2)))?;
+        world.add_field(spring(a?, b?, fx!(4)))?;
+        let planet = BodyDef { key: 30, ..BodyDef::fixed().with_collider(Shape::circle(fx!(1.5))?) };
+        world.add_body(planet)?;
+        let crate_ = BodyDef {
+            force_groups: CRATE,
+            ..BodyDef::dynamic().with_collider(Shape::rectangle(fx!(0.75), fx!(0.75))?)
+        };
+        for (key, (x, y)) in (31..).zip([(3, 1), (1, 3), (-1, 3), (-3, 1), (-3, -1), (-1, -3), (1, -3), (3, -1)]) {
+            world.add_body(BodyDef { position: vec2(x, y), key, ..crate_.clone() })?;
+        }
         Ok((Self { ships: [left.0, right.0], engines: [left.1, right.1] }, world))
     }
 
@@ -176,7 +188,6 @@ impl Game {
         }
         let ahead = |length: Fx| look.rotation().checked_rotate(vec2(length, 0)).unwrap_or(Vec2::ZERO);
         let shot = BodyDef {
-            shape: Some(Shape::circle(fx!(0.125))?),
             mass: Mass::Kilograms(SHOT_MASS),
             position: look.position() + ahead(fx!(1)),
             velocity: look.velocity() + ahead(SHOT_SPEED),
@@ -184,7 +195,7 @@ impl Game {
             force_groups: SHOT,
             key: 100 + player as u64,
             user_data: u64::from(now + SHOT_TICKS),
-            ..BodyDef::dynamic()
+            ..BodyDef::dynamic().with_collider(of_player(player, Shape::circle(fx!(0.125))?))
         };
         world.add_body(shot)?;
         let recoil = ForceOrImpulse::Impulse { impulse: vec2(-(SHOT_SPEED * SHOT_MASS), 0), point: None };
@@ -193,51 +204,22 @@ impl Game {
         Ok(true)
     }
 
-    /// Takes out the shots that hit something before the next tick or have flown for long enough; the number of hits.
+    /// Takes out the shots that hit something in the last tick or have flown for long enough; the number of hits.
     fn strike(&self, world: &mut World) -> Result<usize, Error> {
         let mut hits = 0;
-        let shots: Vec<BodyId> = world.bodies().filter(|b| b.force_groups() == SHOT).map(|b| b.id()).collect();
+        let is_shot = |body: &BodyRef<'_>| body.force_groups() == SHOT;
+        let shots: Vec<BodyId> = world.bodies().filter(is_shot).map(|shot| shot.id()).collect();
         for shot in shots {
-            let look = world.body(shot)?;
-            let (at, velocity, owner) = (look.position(), look.velocity(), look.key() - 100);
-            if let Some(target) = self.target(world, at, velocity, owner as usize) {
-                let impulse = velocity.checked_scale(SHOT_MASS).unwrap_or(Vec2::ZERO);
-                world.apply_impulse_at_point(target, impulse, at)?;
-                if self.ships.contains(&target) {
-                    let (ready, hits) = ready_and_hits(world.body(target)?.user_data());
-                    world.set_user_data(target, ship_data(ready, hits + 1))?;
-                }
-                world.remove_body(shot)?;
-                hits += 1;
-            } else if world.body(shot)?.user_data() <= world.tick() {
+            let targets: Vec<BodyId> = world.contacts_of(shot)?.flat_map(|contact| contact.bodies).collect();
+            for ship in self.ships.into_iter().filter(|ship| targets.contains(ship)) {
+                let (ready, hits) = ready_and_hits(world.body(ship)?.user_data());
+                world.set_user_data(ship, ship_data(ready, hits + 1))?;
+            }
+            if !targets.is_empty() || world.body(shot)?.user_data() <= world.tick() {
                 world.remove_body(shot)?;
             }
+            hits += usize::from(!targets.is_empty());
         }
         Ok(hits)
     }
-
-    /// The first body, by its handle, that a shot of this player's comes in reach of before the next tick.
-    fn target(&self, world: &World, at: Vec2, velocity: Vec2, owner: usize) -> Option<BodyId> {
-        let hit = |b: &umbra_physics::BodyRef<'_>| {
-            let from = at - b.position();
-            (b.force_groups() == ROCK || b.id() == self.ships[1 - owner])
-                && passes(from, from + (velocity - b.velocity()) / TICK_RATE)
-        };
-        world.bodies().find(hit).map(|b| b.id())
-    }
-}
-
-/// Returns true if a point that moves straight between two places comes in reach of the origin. A distance at the ticks alone
-/// would miss a fast shot.
-fn passes(from: Vec2, to: Vec2) -> bool {
-    let way = to - from;
-    let (along, whole) = (-from.dot(way), way.length_squared());
-    let nearest = if along <= Fx::ZERO {
-        from
-    } else if along >= whole {
-        to
-    } else {
-        from + way * (along / whole)
-    };
-    nearest.length() <= REACH
 }

@@ -79,10 +79,10 @@ export class Match {
     const reach = 3n << 32n;
     return this.worlds[0].poses().flatMap(({ body, x: bodyX, y: bodyY, look }) => {
       const [dx, dy] = [bodyX - x, bodyY - y];
-      if (dx * dx + dy * dy > reach * reach || ![1, 4, 5, 6].includes(look)) return [];
-      // Heavy ones take more.
-      const strength = { 1: 10n, 4: 1n, 5: 100n, 6: 1n }[look];
-      return [this.draft.impulse(body, dx / strength, dy / strength)];
+      if (dx * dx + dy * dy > reach * reach || ![1, 4, 5, 6, 7].includes(look)) return [];
+      // Heavy ones take more, and boxes are to fly.
+      const share = { 1: 30n, 4: 3n, 5: 300n, 6: 3n, 7: 1n }[look];
+      return [this.draft.impulse(body, 3n * dx / share, 3n * dy / share)];
     });
   }
 

@@ -5,6 +5,8 @@ import { Match } from "./match.js";
 
 const RATE = 60, MOST_TICKS_A_FRAME = 6, TRAIL = 70;
 const VIEW = { left: -12.5, right: 12.5, bottom: -10, top: 14.5 };
+// The boxes of the stack, and the top of the floor, m.
+const BOX = 0.9, FLOOR = -9;
 const get = id => document.getElementById(id);
 const canvases = ["a", "b"].map(get), line = get("line");
 const hex = hash => hash.toString(16).padStart(16, "0");
@@ -142,7 +144,7 @@ function tellDifference(parted) {
 let colours = {};
 function readColours() {
   const style = getComputedStyle(document.documentElement);
-  const names = ["ink", "soft", "faint", "paper", "panel", "thread", "node", "star", "planet", "dust", "ship", "agree", "parted", "native"];
+  const names = ["ink", "soft", "faint", "paper", "panel", "thread", "node", "star", "planet", "dust", "ship", "box", "agree", "parted", "native"];
   colours = Object.fromEntries(names.map(name => [name, style.getPropertyValue(`--${name}`).trim()]));
 }
 
@@ -205,6 +207,20 @@ function drawWorld(side, share) {
     c.arc(x, y, Math.max(radius * scale, 1), 0, 2 * Math.PI);
     c.fill();
   };
+  const outline = (corners, at, angle, colour) => {
+    c.save();
+    c.translate(...at);
+    c.rotate(-angle);
+    c.beginPath();
+    corners.forEach(([x, y]) => c.lineTo(x * scale, -y * scale));
+    c.closePath();
+    c.fillStyle = colour;
+    c.strokeStyle = colours.paper;
+    c.lineWidth = 1.5;
+    c.fill();
+    c.stroke();
+    c.restore();
+  };
   for (const { at, angle, look } of places.values()) {
     if (look === 1) disc(at, 0.09, colours.node);
     if (look === 2) disc(at, 0.14, colours.ink);
@@ -216,19 +232,12 @@ function drawWorld(side, share) {
         disc(at, radius, colours.star);
       }
     }
-    if (look === 6) {
-      c.save();
-      c.translate(...at);
-      c.rotate(-angle);
-      c.beginPath();
-      [[-0.4, 0.45], [0.4, 0.45], [0, -0.65]].forEach(([x, y]) => c.lineTo(x * scale * 1.15, y * scale * 1.15));
-      c.closePath();
-      c.fillStyle = colours.ship;
-      c.strokeStyle = colours.paper;
-      c.lineWidth = 1.5;
-      c.fill();
-      c.stroke();
-      c.restore();
+    if (look === 6) outline([[-0.4, -0.45], [0.4, -0.45], [0, 0.65]], at, angle, colours.ship);
+    if (look === 7) outline([[-1, -1], [1, -1], [1, 1], [-1, 1]].map(([x, y]) => [x * BOX / 2, y * BOX / 2]), at, angle, colours.box);
+    if (look === 8) {
+      const [left, top] = to(VIEW.left, FLOOR), [right, bottom] = to(VIEW.right, VIEW.bottom);
+      c.fillStyle = colours.faint;
+      c.fillRect(left, top, right - left, bottom - top);
     }
   }
 }

@@ -2,8 +2,8 @@
 
 use arbitrary::Result;
 use umbra_physics::{
-    BodyDef, BodyKind, ColliderDef, Command, CommandSource as _, Error, Filter, Fx, Locks, Mass, Material, Shape, Vec2,
-    World, fx, vec2,
+    BodyDef, BodyKind, ColliderDef, Command, CommandSource as _, Error, Filter, Fx, Locks, Mass, Material, MixRule,
+    Part, Shape, Vec2, World, fx, vec2,
 };
 
 use super::author::Author;
@@ -65,13 +65,13 @@ fn add(author: &mut Author<'_>, world: &mut World, def: BodyDef) {
     world.execute(&Command::AddBody(def)).into_iter().for_each(|made| author.made(world, made));
 }
 
-/// The bodies under a pile: none, a box, a box with walls, or a plate that moves up.
+/// The bodies under a pile: none, a box, a box with walls, a chain, or a plate that moves up.
 fn floors(kind: u8, unit: Fx) -> Result<Vec<BodyDef>, Error> {
     let slab = |x: Fx, y: Fx, width: Fx, height: Fx| {
         let shape = Shape::rectangle(width * unit, height * unit)?;
         Ok(BodyDef { position: Vec2::new(x, y) * unit, ..BodyDef::fixed().with_collider(shape) })
     };
-    Ok(match kind % 4 {
+    Ok(match kind % 5 {
         0 => Vec::new(),
         1 => vec![slab(fx!(2.5), fx!(-0.5), fx!(16), fx!(2))?],
         2 => vec![
@@ -79,6 +79,13 @@ fn floors(kind: u8, unit: Fx) -> Result<Vec<BodyDef>, Error> {
             slab(fx!(-1.5), fx!(3), fx!(2), fx!(9))?,
             slab(fx!(6.5), fx!(3), fx!(2), fx!(9))?,
         ],
+        3 => {
+            // A chain of short segments with hills, between walls.
+            let hill =
+                |i: i32| vec2(fx!(8) - Fx::from_ratio(i.into(), 4), Fx::from_ratio(i64::from(i * i % 5), 16)) * unit;
+            let points: Vec<Vec2> = (0..50).map(hill).collect();
+            vec![BodyDef::fixed().with_collider(Shape::chain(&points, false)?)]
+        }
         _ => {
             let plate = slab(fx!(2.5), fx!(0.25), fx!(16), fx!(0.25))?;
             vec![BodyDef { velocity: vec2(0, 1) * unit, ..BodyDef { kind: BodyKind::Kinematic, ..plate } }]
@@ -86,7 +93,7 @@ fn floors(kind: u8, unit: Fx) -> Result<Vec<BodyDef>, Error> {
     })
 }
 
-/// One to three colliders of a body.
+/// One to three colliders of a body, or a compound of as many parts.
 fn colliders(kind: u8, look: u8, unit: Fx) -> Vec<ColliderDef> {
     let size = unit * [fx!(1), fx!(0.5), fx!(2), fx!(1)][usize::from(kind >> 6)];
     let half = size / 2;
@@ -107,6 +114,9 @@ fn colliders(kind: u8, look: u8, unit: Fx) -> Vec<ColliderDef> {
     let material = Material {
         friction: parts[usize::from(look & 3)],
         restitution: parts[usize::from(look >> 2 & 3)].min(Fx::ONE),
+        surface_speed: if look >> 4 == 12 { fx!(1) } else { Fx::ZERO },
+        friction_rule: MixRule::ALL[usize::from(kind) % 6],
+        restitution_rule: MixRule::ALL[usize::from(look) % 6],
     };
     let filter = match look >> 4 {
         13 => Filter { category: 2, mask: 1, ..Filter::default() },
@@ -114,6 +124,12 @@ fn colliders(kind: u8, look: u8, unit: Fx) -> Vec<ColliderDef> {
         _ => Filter::default(),
     };
     let places = [Vec2::ZERO, Vec2::new(size, Fx::ZERO), Vec2::new(Fx::ZERO, size)];
-    let def = |position| ColliderDef { position, material, filter, ..ColliderDef::new(shape.clone()) };
-    places.into_iter().take(1 + usize::from(kind >> 3 & 3) % 3).map(def).collect()
+    let places = places.into_iter().take(1 + usize::from(kind >> 3 & 3) % 3);
+    let def = |shape, position| ColliderDef { position, material, filter, ..ColliderDef::new(shape) };
+    if kind >> 5 & 1 == 1 {
+        let part = |position| Part { shape: shape.clone(), position, angle: Fx::ZERO, density: Fx::ONE };
+        let compound = Shape::compound(&places.map(part).collect::<Vec<_>>());
+        return compound.into_iter().map(|shape| def(shape, Vec2::ZERO)).collect();
+    }
+    places.map(|position| def(shape.clone(), position)).collect()
 }

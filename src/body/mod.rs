@@ -322,7 +322,10 @@ impl<S: Scalar> BodyDef<S> {
         }
         check_unlocked(self.locks, self.velocity)?;
         check_turning(self.locks, self.angular_velocity)?;
-        self.colliders.iter().try_for_each(ColliderDef::check)?;
+        for collider in &self.colliders {
+            collider.check()?;
+            collider.check_on(self.kind == BodyKind::Dynamic)?;
+        }
         let colliders = ColliderMass::of(self.colliders.iter());
         let properties = self.check_properties(MassSource { shape: self.shape.as_ref(), colliders })?;
         Ok((colliders, properties))

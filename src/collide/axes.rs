@@ -32,6 +32,31 @@ impl<P: Product, const N: usize> Axes<P, N> {
         if largest > limit { None } else { Some(Self { along_a, along_b, largest, slack }) }
     }
 
+    /// The separations of a segment of a chain, A: along its first normal, and along normals of B that pass a test as directions from A to B.
+    pub(super) fn of_link(
+        a: &Core<P, N>,
+        b: &Core<P, N>,
+        k: u32,
+        limit: P,
+        has: impl Fn([i32; 2]) -> bool,
+    ) -> Option<Self> {
+        let slack = P::length((8 << k) + (a.extent.max(b.extent) >> 28), k);
+        let (mut along_a, mut along_b) = ([P::LEAST; N], [P::LEAST; N]);
+        along_a[0] = a.separation(0, b);
+        for (i, along) in along_b.iter_mut().enumerate().take(b.faces()) {
+            if has(b.normals[i].map(|part| -part)) {
+                *along = b.separation(i, a);
+            }
+        }
+        let largest = along_b.iter().fold(along_a[0], |most, &s| most.max(s));
+        if largest > limit { None } else { Some(Self { along_a, along_b, largest, slack }) }
+    }
+
+    /// Returns true if all separations are less than this one, by more than rounding.
+    pub(super) fn is_less(&self, than: P) -> bool {
+        self.largest + self.slack < than
+    }
+
     /// The edges with a separation of at least `least`.
     #[inline(always)]
     fn edges(&self, least: P) -> Edges {

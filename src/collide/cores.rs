@@ -192,6 +192,16 @@ impl<P: Product, const N: usize> Core<P, N> {
         P::dot(n, self.corners[i]).max(P::dot(n, self.corners[(i + 1) & (N - 1)]))
     }
 
+    pub(super) fn faces(&self) -> usize {
+        self.faces.min(N)
+    }
+
+    /// The separation of another core along a normal.
+    pub(super) fn separation(&self, i: usize, other: &Self) -> P {
+        let n = self.normals[i];
+        other.heights(n).fold(P::dot(n, other.corners[0]), |least, height| least.min(height)) - self.own(i)
+    }
+
     /// Separations of another core along the normals: its least component less its own largest one. Of a core with many corners those more
     /// than `slack` below the largest may be left out, as the least product.
     #[inline(always)]

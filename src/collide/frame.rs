@@ -147,6 +147,13 @@ impl<P: Product, const N: usize> Pair<P, N> {
         (span(&self.a, a), span(&self.b, [b[1], b[0]]))
     }
 
+    /// The separation of the cores along a direction.
+    pub(super) fn separation(&self, n: [i32; 2]) -> P {
+        let back = n.map(|part| -part);
+        let farthest = |core: &Core<P, N>, w| core.heights(w).fold(P::LEAST, |most, height| most.max(height));
+        -farthest(&self.b, back) - farthest(&self.a, n)
+    }
+
     /// The cores along a direction.
     #[inline(always)]
     pub(super) fn frame(&self, Direction { n, is_mean }: Direction) -> Frame<P> {
@@ -170,6 +177,17 @@ impl<P: Product, const N: usize> Pair<P, N> {
         let is_facing = low < high || (low == high && self.is_point(separation, far, &a, &b));
         let facing = if is_facing { Facing::Edges } else { self.apart(separation, far, &a, &b) };
         Frame { n, a, b, facing }
+    }
+
+    /// The cores along a direction in which a segment of a chain, A, pushes. What is over the segment counts before a corner beside it that
+    /// is nearer: that one is over a neighbour.
+    pub(super) fn frame_of_link(&self, direction: Direction) -> Frame<P> {
+        let frame = self.frame(direction);
+        let (a, b) = (&frame.a, &frame.b);
+        if matches!(frame.facing, Facing::Corners(..)) && a.places[0].max(b.places[0]) < a.places[1].min(b.places[1]) {
+            return Frame { facing: Facing::Edges, ..frame };
+        }
+        frame
     }
 
     /// Sharp cores nearer than 2^-11 of their size have no direction between corners that is worth the name.

@@ -12,6 +12,8 @@
 //! the ends of the interval, across n, in which the two edges overlap (`frame`, `points`): neither of the two is the reference.
 //! Cores that are apart with a corner next to a corner have the direction between those.
 //!
+//! Segments of chains touch on one side, and along fewer directions (`link`).
+//!
 //! **No direction, no manifold.** Where all directions that tie cancel (two discs with one centre, a square in the middle of a
 //! square, a disc on the middle line of a bar) any direction would favour a side, and there is no manifold. Segments and points on one line
 //! that are apart have the direction between their ends: their normals say nothing.
@@ -20,6 +22,7 @@ mod axes;
 pub mod broad;
 mod cores;
 mod frame;
+mod link;
 mod place;
 mod points;
 pub(crate) mod span;
@@ -89,6 +92,11 @@ const MARGIN_MAX: i64 = 1 << (22 + 32);
 /// line through its neighbours counts as on it, which adds as much.
 #[must_use]
 pub fn collide(a: &Outline, pose_a: &Pose, b: &Outline, pose_b: &Pose, margin: Fx) -> Option<Manifold> {
+    if a.neighbours().is_some() || b.neighbours().is_some() {
+        let mut cores = Cores::default();
+        let (a, b) = (cores.push(a, pose_a), cores.push(b, pose_b));
+        return cores.collide(a, b, margin);
+    }
     // Most shapes are boxes, and setting memory to zero costs.
     match a.corners().len().max(b.corners().len()) {
         0..=4 => collide_once::<4>(a, pose_a, b, pose_b, margin),
@@ -136,16 +144,23 @@ fn collide_placed(a: View<'_>, b: View<'_>, margin: Fx) -> Option<Manifold> {
 
 /// The manifold of cores of at most `N` corners.
 fn collide_within<const N: usize>(ends: &Ends<'_>) -> Option<Manifold> {
+    let (k, is_fine) = unit(ends);
+    if is_fine {
+        return collide_cores::<i64, N>(ends, k);
+    }
+    collide_cores::<i128, N>(ends, 0)
+}
+
+/// log2 of the unit in ulps in which the cores have 30 bits, and whether it is fine enough for the smaller one.
+#[inline(always)]
+fn unit(ends: &Ends<'_>) -> (u32, bool) {
     let (a, b, offset) = (ends.a.placed, ends.b.placed, ends.offset);
     // Below 2^49 + 2^55, since the boxes around the cores are at most `limit` apart.
     let total = a.extent() + b.extent() + offset[0].abs().max(offset[1].abs());
     let k = (64 - total.leading_zeros()).saturating_sub(30);
     // A unit of at most 2^-25 of the smaller one's size.
     let smaller = (a.extent() + a.radius).min(b.extent() + b.radius);
-    if k == 0 || 1 << k <= smaller >> 25 {
-        return collide_cores::<i64, N>(ends, k);
-    }
-    collide_cores::<i128, N>(ends, 0)
+    (k, k == 0 || 1 << k <= smaller >> 25)
 }
 
 #[inline(always)]

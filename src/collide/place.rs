@@ -2,7 +2,8 @@
 
 use alloc::vec::Vec;
 
-use super::{Manifold, collide_placed};
+use super::link::{Link, collide_link, swapped};
+use super::{MARGIN_MAX, Manifold, collide_placed};
 use crate::fx::Fx;
 use crate::kernel::trig::sin_cos_turn;
 use crate::math::Vec2;
@@ -85,6 +86,12 @@ fn turned(v: Vec2<Fx>, (sin, cos): (i64, i64), s: u32) -> [i64; 2] {
     [odd_shift(x * cos - y * sin, s) as i64, odd_shift(x * sin + y * cos, s) as i64]
 }
 
+/// A unit normal in world axes, from units of 2^-32 to units of 2^-30; at most 2^30 + 1.
+#[inline(always)]
+fn turned_normal(normal: Vec2<Fx>, pose: &Pose) -> [i32; 2] {
+    turned(normal, pose.direction, 64).map(|part| part as i32)
+}
+
 /// A core in world axes, without its corners and normals.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Placed {
@@ -119,8 +126,7 @@ impl Placed {
     #[inline(always)]
     pub(super) fn new(outline: &Outline, pose: &Pose, corners: &mut [[i64; 2]], normals: &mut [[i32; 2]]) -> Self {
         let count = outline.corners().len();
-        // From units of 2^-32 times 2^-62 to units of 2^-30; at most 2^30 + 1.
-        let turned_normal = |normal: Vec2<Fx>| turned(normal, pose.direction, 64).map(|part| part as i32);
+        let turned_normal = |normal: Vec2<Fx>| turned_normal(normal, pose);
         let turned_corner = |corner: Vec2<Fx>| turned(corner, pose.direction, 62);
         let at = |[low, high]: [[i64; 2]; 2]| {
             let (position, radius) = (pose.position, outline.radius().to_bits());
@@ -197,6 +203,8 @@ pub struct Cores {
     normals: Vec<[i32; 2]>,
     /// Each with its first place.
     placed: Vec<(Placed, usize)>,
+    /// Segments of chains, by number.
+    links: Vec<(usize, Link)>,
 }
 
 impl Cores {
@@ -205,6 +213,7 @@ impl Cores {
         self.corners.clear();
         self.normals.clear();
         self.placed.clear();
+        self.links.clear();
     }
 
     /// Adds the outline of a body at a pose, and returns its number: 0, 1, 2 and so on.
@@ -214,6 +223,11 @@ impl Cores {
         self.corners.resize(end, [0; 2]);
         self.normals.resize(end, [0; 2]);
         let placed = Placed::new(outline, pose, &mut self.corners[start..], &mut self.normals[start..]);
+        if let Some(neighbours) = outline.neighbours() {
+            let turned = |normal| turned_normal(normal, pose);
+            let link = Link::new(self.normals[start], neighbours.map(|neighbour| neighbour.map(turned)));
+            self.links.push((self.placed.len(), link));
+        }
         self.placed.push((placed, start));
         self.placed.len() - 1
     }
@@ -224,7 +238,23 @@ impl Cores {
     /// Panics if one of them is not there.
     #[must_use]
     pub fn collide(&self, a: usize, b: usize, margin: Fx) -> Option<Manifold> {
-        collide_placed(self.view(a), self.view(b), margin)
+        if self.links.is_empty() {
+            return collide_placed(self.view(a), self.view(b), margin);
+        }
+        self.collide_links(a, b, margin)
+    }
+
+    #[cold]
+    fn collide_links(&self, a: usize, b: usize, margin: Fx) -> Option<Manifold> {
+        let link = |i: usize| self.links.binary_search_by_key(&i, |(own, _)| *own).ok().map(|at| &self.links[at].1);
+        let most = margin.to_bits().clamp(0, MARGIN_MAX);
+        match (link(a), link(b)) {
+            (None, None) => collide_placed(self.view(a), self.view(b), margin),
+            (Some(link), None) => collide_link(self.view(a), link, self.view(b), most),
+            (None, Some(link)) => collide_link(self.view(b), link, self.view(a), most).map(swapped),
+            // Neither of their bodies is dynamic.
+            (Some(_), Some(_)) => None,
+        }
     }
 
     #[inline(always)]

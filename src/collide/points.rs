@@ -50,6 +50,17 @@ impl Ends<'_> {
     /// Two edges that overlap: a point at either end of the overlap.
     #[inline(always)]
     fn clipped<P: Product>(&self, frame: &Frame<P>) -> Option<Manifold> {
+        self.overlap::<P, true>(frame, |_| false)
+    }
+
+    /// The points of two edges that overlap, where the cores are near enough and that are not left out. Without any, the deepest point if
+    /// that counts.
+    #[inline(always)]
+    pub(super) fn overlap<P: Product, const DEEPEST: bool>(
+        &self,
+        frame: &Frame<P>,
+        is_left_out: impl Fn(At) -> bool,
+    ) -> Option<Manifold> {
         let (a, b) = (&frame.a, &frame.b);
         let is_point = a.places[0].max(b.places[0]) == a.places[1].min(b.places[1]);
         let mut manifold = Manifold { normal: frame.n, count: 0, points: [ManifoldPoint::default(); 2] };
@@ -57,12 +68,15 @@ impl Ends<'_> {
             let ahead = if end == 0 { a.places[0].cmp(&b.places[0]) } else { b.places[1].cmp(&a.places[1]) };
             let (at, name) = end_of_overlap(a, b, end, ahead);
             let separation = self.separation_at(frame, at);
-            if separation <= self.limit {
+            if separation <= self.limit && !is_left_out(at) {
                 manifold.points[manifold.count] = self.point(frame.n, at, separation, name);
                 manifold.count += 1;
             }
         }
-        if manifold.count > 0 { Some(manifold) } else { self.deepest(frame) }
+        if manifold.count > 0 {
+            return Some(manifold);
+        }
+        if DEEPEST { self.deepest(frame) } else { None }
     }
 
     /// The point of cores whose deepest corner is beside the overlap of the edges: at the end where these overlap less.

@@ -3,6 +3,7 @@
 
 mod filter;
 mod mass;
+mod material;
 mod set;
 mod settings;
 
@@ -15,55 +16,13 @@ use crate::fx::Fx;
 use crate::limits;
 use crate::math::Vec2;
 use crate::scalar::Scalar;
-use crate::shape::{Geometry, Shape};
+use crate::shape::Shape;
 
 pub use filter::Filter;
 pub(crate) use mass::ColliderMass;
-pub(crate) use set::{Collider, ColliderSet};
+pub use material::{Material, MixRule};
+pub(crate) use set::{BodyOutline, Collider, ColliderSet, OutlineId, more_outlines};
 pub use settings::ContactSettings;
-
-/// The surface of a collider. Where two colliders touch, the friction is the geometric mean of theirs, and the restitution the
-/// larger one.
-///
-/// ```
-/// use umbra_physics::{Material, fx};
-///
-/// let ice = Material { friction: fx!(0.02), ..Material::default() };
-/// let rubber: Material = Material { friction: fx!(1), restitution: fx!(0.8) };
-/// assert!(ice.friction < Material::default().friction && rubber.restitution > fx!(0));
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
-pub struct Material<S = Fx> {
-    /// The coefficient of friction μ, 0 to [`limits::FRICTION`]: a contact that is pressed with the force N holds against a force of
-    /// up to μ·N along the surface.
-    pub friction: S,
-    /// The coefficient of restitution, 0 to 1: the share of the approach speed at which bodies part after an impact. 0 for no bounce.
-    pub restitution: S,
-}
-
-codec_struct!(Material { friction, restitution });
-
-impl<S: Scalar> Default for Material<S> {
-    /// Friction 0.6, like wood on wood, and no restitution.
-    fn default() -> Self {
-        Self { friction: S::from_fx(crate::fx!(0.6)), restitution: S::ZERO }
-    }
-}
-
-impl<S: Scalar> Material<S> {
-    /// Refuses a coefficient out of range.
-    fn check(&self) -> Result<(), Error> {
-        let within = |value: S, most: Fx| value >= S::ZERO && value <= S::from_fx(most);
-        if !within(self.friction, limits::FRICTION) {
-            return Err(Error::OutOfRange { quantity: Quantity::Friction });
-        }
-        if !within(self.restitution, Fx::ONE) {
-            return Err(Error::OutOfRange { quantity: Quantity::Restitution });
-        }
-        Ok(())
-    }
-}
 
 /// The definition of a collider: a shape at a place of its body. Start from [`ColliderDef::new`] and change what differs.
 ///
@@ -90,17 +49,20 @@ impl<S: Scalar> Material<S> {
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct ColliderDef<S: Scalar = Fx> {
-    /// The shape, which is convex: no compound. Give a body several colliders instead.
+    /// The shape. Each part of a compound and each segment of a chain touches others with its own outline; all of them have the material
+    /// and the filter of the collider. A chain is for bodies that are not dynamic.
     pub shape: Shape<S>,
-    /// The position of the shape's centre of mass relative to that of the body, in the body's axes, m.
+    /// The position of the shape's centre of mass (of a chain, of the origin of its points) relative to the centre of mass of the body, in
+    /// the body's axes, m.
     pub position: Vec2<S>,
     /// The angle by which the shape is turned against the body, rad.
     pub angle: S,
     /// The density, kg/m² (kg/m for a segment): used by bodies whose mass is [`Mass::FromColliders`](crate::Mass::FromColliders), and
     /// relative to the densities of the body's other colliders by [`Mass::Kilograms`](crate::Mass::Kilograms). 0 for a collider that
-    /// adds no mass.
+    /// adds no mass; a chain never does.
     pub density: S,
-    /// The surface.
+    /// The surface. Where two colliders touch, the friction is the geometric mean of theirs and the restitution the larger one, unless a
+    /// [rule](MixRule) says something else.
     pub material: Material<S>,
     /// The filter: which colliders this one touches.
     pub filter: Filter,
@@ -133,8 +95,8 @@ impl<S: Scalar> ColliderDef<S> {
     /// Checks the definition as a world does that it is added to.
     ///
     /// # Errors
-    /// [`Error::CompoundCollider`]; [`Error::OutOfRange`] naming the quantity: position, angle, density, friction, restitution, or a
-    /// filter that has no category or no mask and no group.
+    /// [`Error::OutOfRange`] naming the quantity: position, angle, density, friction, restitution, surface speed, or a filter that has no
+    /// category or no mask and no group.
     ///
     /// ```
     /// use umbra_physics::{ColliderDef, Error, Material, Quantity, Shape, fx};
@@ -147,14 +109,18 @@ impl<S: Scalar> ColliderDef<S> {
     /// ```
     pub fn check(&self) -> Result<(), Error> {
         let check = |ok: bool, quantity| if ok { Ok(()) } else { Err(Error::OutOfRange { quantity }) };
-        if matches!(self.shape.geometry(), Geometry::Compound { .. }) {
-            return Err(Error::CompoundCollider);
-        }
         check(self.position.is_within(S::from_fx(limits::SIZE_MAX)), Quantity::ColliderPosition)?;
         check(self.angle.is_finite(), Quantity::Angle)?;
         check(self.density >= S::ZERO && self.density.is_finite(), Quantity::ColliderDensity)?;
         self.material.check()?;
         check(!self.filter.meets_nothing(), Quantity::Filter)
+    }
+}
+
+impl<S: Scalar> ColliderDef<S> {
+    /// Refuses a chain on a dynamic body.
+    pub(crate) fn check_on(&self, is_dynamic: bool) -> Result<(), Error> {
+        if is_dynamic && self.shape.is_chain() { Err(Error::DynamicChain) } else { Ok(()) }
     }
 }
 
@@ -165,7 +131,7 @@ impl<S: Scalar> Write for Vec<ColliderDef<S>> {
 }
 
 /// The fewest bytes of a definition: that of a disc.
-const LEAST_BYTES: usize = 85;
+const LEAST_BYTES: usize = 95;
 
 impl Read for Vec<ColliderDef> {
     fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {

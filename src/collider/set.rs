@@ -1,6 +1,8 @@
 //! The colliders of a world and their handles.
 
+use alloc::sync::Arc;
 use alloc::vec::Vec;
+use core::ops::Deref;
 
 use super::ColliderDef;
 use crate::codec::{self, StateHasher, Write as _};
@@ -24,6 +26,8 @@ pub(crate) struct ColliderSet<S: Scalar> {
     first: Vec<u32>,
     /// A hash of all changes so far: caches of a step compare it. Copies of a world have the same.
     revision: u64,
+    /// The number of outlines beyond the first one of each collider.
+    more_outlines: usize,
 }
 
 /// A collider, with values that follow from its definition.
@@ -35,17 +39,59 @@ pub(crate) struct Collider<S: Scalar> {
     previous: u32,
     next: u32,
     pub(crate) def: ColliderDef<S>,
-    /// The outline in the axes of the body, relative to its centre of mass.
-    pub(crate) outline: Outline<S>,
-    /// The least box around the corners of the outline.
-    pub(crate) corners: Aabb<S>,
-    /// The largest distance of a point of the outline from the body's centre of mass, m, rounded up.
+    first: BodyOutline<S>,
+    /// The outlines of a compound's other parts. Those of a chain's other segments are made from the first one.
+    others: Option<Arc<[BodyOutline<S>]>>,
+    count: u32,
+    /// The largest distance of a point of the collider from the body's centre of mass, m, rounded up.
     pub(crate) radius: S,
     /// A hash of the body and the definition: no step changes them.
     digest: u64,
 }
 
-clone_by_field!(ColliderSet { slots, list, first, revision });
+/// An outline of a collider in the axes of its body, relative to the body's centre of mass.
+#[derive(Clone, Debug)]
+pub(crate) struct BodyOutline<S: Scalar> {
+    pub(crate) outline: Outline<S>,
+    /// The least box around the corners of the outline.
+    pub(crate) corners: Aabb<S>,
+    /// The largest distance of a point of the outline from the body's centre of mass, m, rounded up.
+    pub(crate) radius: S,
+}
+
+/// An outline of a collider, kept or made.
+pub(crate) enum OutlineRef<'a, S: Scalar> {
+    Kept(&'a BodyOutline<S>),
+    Made(BodyOutline<S>),
+}
+
+impl<S: Scalar> Deref for OutlineRef<'_, S> {
+    type Target = BodyOutline<S>;
+
+    #[inline(always)]
+    fn deref(&self) -> &BodyOutline<S> {
+        match self {
+            Self::Kept(outline) => outline,
+            Self::Made(outline) => outline,
+        }
+    }
+}
+
+impl<S: Scalar> BodyOutline<S> {
+    fn new(outline: Outline<S>) -> Self {
+        let (corners, radius) = (Aabb::around(outline.corners(), S::ZERO), outline.reach());
+        Self { outline, corners, radius }
+    }
+}
+
+/// An outline of a collider by name: the collider's slot, and the number of the outline among the shape's.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct OutlineId {
+    pub(crate) slot: u32,
+    pub(crate) part: u32,
+}
+
+clone_by_field!(ColliderSet { slots, list, first, revision, more_outlines });
 
 impl<S: Scalar> ColliderSet<S> {
     pub(crate) fn len(&self) -> usize {
@@ -69,9 +115,16 @@ impl<S: Scalar> ColliderSet<S> {
         self.revision = sink.finish();
     }
 
-    /// Refuses `more` other colliders where the limit is reached.
-    pub(crate) fn check_room(&self, more: usize) -> Result<(), Error> {
-        if self.slots.has_room_for(more, limits::COLLIDERS) { Ok(()) } else { Err(Error::Full) }
+    /// The number of outlines beyond the first one of each collider.
+    pub(crate) fn more_outlines(&self) -> usize {
+        self.more_outlines
+    }
+
+    /// Refuses colliders where a limit is reached: so many more, with so many outlines beyond the first one of each.
+    pub(crate) fn check_room(&self, more: usize, more_outlines: usize) -> Result<(), Error> {
+        let has_room = self.slots.has_room_for(more, limits::COLLIDERS)
+            && self.more_outlines.saturating_add(more_outlines) <= limits::COLLIDERS;
+        if has_room { Ok(()) } else { Err(Error::Full) }
     }
 
     /// Adds a collider. *Domain* it was checked, and there is room.
@@ -100,6 +153,7 @@ impl<S: Scalar> ColliderSet<S> {
         if let Some(next) = self.at_mut(next) {
             next.previous = slot;
         }
+        self.more_outlines += more_outlines(&def);
         push(&mut self.list, Collider::new(slot, body, def, [NONE, next]));
         self.note(slot);
     }
@@ -133,7 +187,8 @@ impl<S: Scalar> ColliderSet<S> {
     /// Replaces the definition of a collider.
     pub(crate) fn replace(&mut self, id: ColliderId, def: ColliderDef<S>) -> Result<(), Error> {
         let index = self.find(id)?;
-        let Collider { slot, body, previous, next, .. } = self.list[index];
+        let Collider { slot, body, previous, next, def: ref before, .. } = self.list[index];
+        self.more_outlines = self.more_outlines - more_outlines(before) + more_outlines(&def);
         self.list[index] = Collider::new(slot, body, def, [previous, next]);
         self.note(slot);
         Ok(())
@@ -141,7 +196,8 @@ impl<S: Scalar> ColliderSet<S> {
 
     pub(crate) fn remove(&mut self, id: ColliderId) -> Result<(), Error> {
         let index = self.find(id)?;
-        let Collider { body, previous, next, .. } = self.list.swap_remove(index);
+        let Collider { body, previous, next, def, .. } = self.list.swap_remove(index);
+        self.more_outlines -= more_outlines(&def);
         if let Some(moved) = self.list.get(index) {
             self.slots.set_index(moved.slot, index as u32);
         }
@@ -199,9 +255,7 @@ impl<S: Scalar> ColliderSet<S> {
 
     /// Adds a slot from a snapshot. *Domain* the collider was checked.
     pub(crate) fn rebuild(&mut self, generation: u32, collider: Option<(BodyId, ColliderDef<S>)>) -> Result<(), Error> {
-        if self.slots.len() >= limits::COLLIDERS {
-            return Err(Error::Full);
-        }
+        self.check_room(1, collider.as_ref().map_or(0, |(_, def)| more_outlines(def)))?;
         let slot = self.slots.open(generation);
         if let Some((body, def)) = collider {
             self.place(slot, body, def);
@@ -229,19 +283,52 @@ impl<S: Scalar> ColliderSet<S> {
     }
 }
 
+/// The number of a collider's outlines beyond the first one.
+pub(crate) fn more_outlines<S: Scalar>(def: &ColliderDef<S>) -> usize {
+    def.shape.outlines().len() - 1
+}
+
 impl<S: Scalar> Collider<S> {
     fn new(slot: u32, body: BodyId, def: ColliderDef<S>, [previous, next]: [u32; 2]) -> Self {
-        let outline = def.shape.outlines()[0].at(def.angle, def.position);
-        let (corners, radius) = (Aabb::around(outline.corners(), S::ZERO), outline.reach());
+        let mut outlines = def.shape.outlines_at(def.angle, def.position).map(BodyOutline::new);
+        let count = outlines.len() as u32;
+        let first = outlines.next().unwrap_or_else(|| BodyOutline::new(def.shape.outlines()[0].clone()));
+        let larger = |most: S, radius: S| if radius > most { radius } else { most };
+        let (others, radius) = if count == 1 || def.shape.is_chain() {
+            // The segments of a chain share their points.
+            (None, outlines.map(|other| other.radius).fold(first.radius, larger))
+        } else {
+            let others: Arc<[BodyOutline<S>]> = outlines.collect();
+            let radius = others.iter().map(|other| other.radius).fold(first.radius, larger);
+            (Some(others), radius)
+        };
         let mut sink = StateHasher::new();
         body.write(&mut sink);
         def.write(&mut sink);
-        Self { slot, body, previous, next, def, outline, corners, radius, digest: sink.finish() }
+        Self { slot, body, previous, next, def, first, others, count, radius, digest: sink.finish() }
+    }
+
+    /// An outline by its number among the shape's: 0 unless the shape is a compound or a chain. *Domain* it is there.
+    #[inline(always)]
+    pub(crate) fn outline(&self, part: u32) -> OutlineRef<'_, S> {
+        if part == 0 {
+            return OutlineRef::Kept(&self.first);
+        }
+        match &self.others {
+            Some(others) => OutlineRef::Kept(&others[part as usize - 1]),
+            None => OutlineRef::Made(BodyOutline::new(self.first.outline.segment(part as usize))),
+        }
+    }
+
+    /// The number of outlines.
+    #[inline(always)]
+    pub(crate) fn outline_count(&self) -> u32 {
+        self.count
     }
 
     /// Returns true for a disc around the centre of mass of its body.
     pub(crate) fn is_central_disc(&self) -> bool {
-        self.corners == (Aabb { min: Vec2::ZERO, max: Vec2::ZERO })
+        self.others.is_none() && self.first.corners == (Aabb { min: Vec2::ZERO, max: Vec2::ZERO })
     }
 
     /// A hash of the definition without the handle of the body.

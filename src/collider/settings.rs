@@ -32,11 +32,11 @@ pub struct ContactSettings<S = Fx> {
     pub push_speed: S,
     /// The approach speed from which on bodies bounce, m/s, up to 2^10.
     pub restitution_speed: S,
-    /// The number of pairs of colliders that may be close to each other in a step, 1 to 2^28. With more, the bodies of the colliders
-    /// with the most pairs are quarantined.
+    /// The number of pairs of outlines that may be close to each other in a step, 1 to 2^28: a collider has one outline, that of a compound
+    /// one for each part, and those of one body are no pair. With more, the bodies of the outlines with the most pairs are quarantined.
     pub max_pairs: u32,
-    /// The number of pairs of one collider of a moving body that may be close, where there are more than `max_pairs` in all; 1 to
-    /// 2^12. The bodies of colliders with more are quarantined. If there are still too many pairs, the number is lowered until the
+    /// The number of pairs of one outline of a moving body that may be close, where there are more than `max_pairs` in all; 1 to
+    /// 2^12. The bodies of outlines with more are quarantined. If there are still too many pairs, the number is lowered until the
     /// rest fits.
     pub max_pairs_per_collider: u32,
 }
@@ -44,7 +44,7 @@ pub struct ContactSettings<S = Fx> {
 codec_struct!(ContactSettings { substeps, push_speed, restitution_speed, max_pairs, max_pairs_per_collider });
 
 impl<S: Scalar> Default for ContactSettings<S> {
-    /// 5 sub-steps, overlaps pushed apart with up to 3 m/s, bounces from 1 m/s on, 2^20 pairs and 256 of one collider.
+    /// 5 sub-steps, overlaps pushed apart with up to 3 m/s, bounces from 1 m/s on, 2^20 pairs and 256 of one outline.
     fn default() -> Self {
         Self {
             substeps: 5,

@@ -4,15 +4,18 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use super::flights::{FlightOf, Flights};
+use super::numbers::Numbers;
 use super::numerics::{Numerics, Touching as _};
+use super::seams::{Chains, Features, is_moved, take_over};
 use super::stamped::Stamped;
 use super::{ContactEngine, ContactRecord, ContactSet, Correction, Detected, Placed, Scene, TouchPoint};
 use crate::body::{Activity, BodyKind};
 use crate::collide::broad::{BroadPhase, PairLimits, Proxy, Statics};
-use crate::collider::Collider;
+use crate::collider::{BodyOutline, Collider, OutlineId};
 use crate::math::Vec2;
 use crate::scalar::Scalar;
 use crate::slots::NONE;
+use crate::solve::Impulses;
 
 /// The contacts of a world.
 #[derive(Debug)]
@@ -20,7 +23,10 @@ use crate::slots::NONE;
 pub struct Engine<S: Scalar, N: Numerics<S>> {
     numerics: N,
     flights: Flights<N::Flight, N::Pose>,
-    /// The outline of each collider in world axes, by its slot.
+    /// The outlines as the broad phase knows them.
+    numbers: Numbers,
+    chains: Chains,
+    /// Each outline in world axes, by its number.
     core_of: Stamped,
     broad: BroadPhase,
     statics: Option<Arc<Statics>>,
@@ -29,8 +35,8 @@ pub struct Engine<S: Scalar, N: Numerics<S>> {
     /// The revision of the colliders that `statics` was built from.
     statics_revision: u64,
     movers: Vec<Proxy>,
-    /// By number of the contact: its colliders, features and the number of its points.
-    found: Vec<([u32; 2], [u32; 2], usize)>,
+    /// By number of the contact: its outlines, features and the number of its points.
+    found: Vec<([OutlineId; 2], [u32; 2], usize)>,
 }
 
 impl<S: Scalar, N: Numerics<S>> Default for Engine<S, N> {
@@ -38,6 +44,8 @@ impl<S: Scalar, N: Numerics<S>> Default for Engine<S, N> {
         Self {
             numerics: N::default(),
             flights: Flights::default(),
+            numbers: Numbers::default(),
+            chains: Chains::default(),
             core_of: Stamped::default(),
             broad: BroadPhase::default(),
             statics: None,
@@ -76,12 +84,17 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
             }
         }
         self.static_places = places.clone().map(|(collider, pose)| (collider.slot, pose)).collect();
-        let proxy = |(collider, pose): (&Collider<S>, N::Pose)| Proxy {
-            collider: collider.slot,
-            bounds: N::resting(collider, &pose),
-            filter: collider.def.filter,
-        };
-        let statics = Arc::new(Statics::new(places.map(proxy).collect()));
+        let numbers = &self.numbers;
+        let proxies = places.flat_map(|(collider, pose)| {
+            let first = numbers.first(collider.slot);
+            (0..collider.outline_count()).map(move |part| Proxy {
+                collider: first + part,
+                body: collider.body.slot,
+                bounds: N::resting(&collider.outline(part), &pose),
+                filter: collider.def.filter,
+            })
+        });
+        let statics = Arc::new(Statics::new(proxies.collect()));
         self.statics = Some(Arc::clone(&statics));
         self.statics_revision = scene.colliders.revision();
         statics
@@ -93,58 +106,101 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         for flight in 0..self.flights.len() as u32 {
             let body = self.flights.body(flight);
             for collider in scene.colliders.of_slot(body.slot) {
-                let bounds = N::swept(collider, &body.pose, self.flights.flight(flight));
-                self.movers.push(Proxy { collider: collider.slot, bounds, filter: collider.def.filter });
+                let first = self.numbers.first(collider.slot);
+                for part in 0..collider.outline_count() {
+                    let bounds = N::swept(&collider.outline(part), &body.pose, self.flights.flight(flight));
+                    let filter = collider.def.filter;
+                    self.movers.push(Proxy { collider: first + part, body: body.slot, bounds, filter });
+                }
             }
         }
     }
 
-    /// The outline of a collider in world axes, placed when it is first asked for.
-    fn core(&mut self, scene: &Scene<'_, S>, collider: u32, flight: u32) -> usize {
-        match self.core_of.get(collider) {
+    /// An outline in world axes, placed when it is first asked for.
+    #[inline]
+    fn core(&mut self, number: u32, outline: &BodyOutline<S>, flight: u32) -> usize {
+        match self.core_of.get(number) {
             NONE => {
-                let outline = scene.colliders.at(collider).map(|collider| &collider.outline);
-                // A pair names colliders that are there.
-                let pose = &self.flights.body(flight).pose;
-                let core = outline.map_or(0, |outline| self.numerics.place(outline, pose));
-                self.core_of.set(collider, core as u32);
+                let core = self.numerics.place(&outline.outline, &self.flights.body(flight).pose);
+                self.core_of.set(number, core as u32);
                 core
             }
             core => core as usize,
         }
     }
 
+    /// Adds to the impulses that a contact with a segment of a chain starts from those that its points had with other segments. The chain
+    /// is at this side of the pair.
+    #[cold]
+    fn start_over_seams(
+        &mut self,
+        scene: &Scene<'_, S>,
+        (side, numbers, pair): (usize, [u32; 2], [OutlineId; 2]),
+        contacts: &ContactSet,
+        features: Features,
+        start: &mut Impulses,
+    ) {
+        let (own, other) = (pair[side], 1 - side);
+        for i in self.chains.of(scene.colliders, contacts, own.slot, pair[other]) {
+            let record = &contacts.records[self.chains.record(i)];
+            let before = record.pair();
+            if before[side] == own || !is_moved(features, record, other) {
+                continue;
+            }
+            let mut near = numbers;
+            near[side] = self.numbers.first(own.slot) + before[side].part;
+            let found = self.manifold(scene, near, before).map(|manifold| manifold.features());
+            take_over(start, features, record, found, other);
+        }
+    }
+
+    /// The manifold of two outlines.
+    fn manifold(&mut self, scene: &Scene<'_, S>, numbers: [u32; 2], pair: [OutlineId; 2]) -> Option<N::Manifold> {
+        let [a, b] = pair.map(|outline| scene.colliders.at(outline.slot));
+        let colliders = [a?, b?];
+        let ends = colliders.map(|collider| self.flights.of::<S, N>(scene, collider.body.slot));
+        let outlines = [0, 1].map(|side| colliders[side].outline(pair[side].part));
+        let cores = [0, 1].map(|side| self.core(numbers[side], &outlines[side], ends[side]));
+        let flights = ends.map(|flight| self.flights.flight(flight));
+        self.numerics.collide(cores, flights, [outlines[0].radius, outlines[1].radius])
+    }
+
     /// Finds the manifold of a pair, if it has one.
     fn collide(
         &mut self,
         scene: &Scene<'_, S>,
-        pair: [u32; 2],
+        numbers: [u32; 2],
         contacts: &ContactSet,
         next: &mut usize,
         out: &mut Detected,
     ) {
-        let [Some(a), Some(b)] = pair.map(|slot| scene.colliders.at(slot)) else { return };
-        if a.body == b.body {
-            return;
-        }
+        let pair = numbers.map(|number| self.numbers.outline(number));
+        let [Some(a), Some(b)] = pair.map(|outline| scene.colliders.at(outline.slot)) else { return };
         let ends = [a, b].map(|collider| self.flights.of::<S, N>(scene, collider.body.slot));
         let kinds = ends.map(|flight| self.flights.body(flight).kind);
         if !kinds.contains(&FlightOf::Dynamic) && !kinds.contains(&FlightOf::Asleep) {
             return;
         }
         // The records are sorted by pair, as the pairs are.
-        while contacts.records.get(*next).is_some_and(|record| record.pair < pair) {
+        let is_simple = self.numbers.is_simple();
+        let is_before =
+            |record: &ContactRecord| if is_simple { record.slots() < numbers } else { record.pair() < pair };
+        while contacts.records.get(*next).is_some_and(is_before) {
             *next += 1;
         }
-        let record = contacts.records.get(*next).filter(|record| record.pair == pair);
+        let is_own =
+            |record: &&ContactRecord| if is_simple { record.slots() == numbers } else { record.pair() == pair };
+        let record = contacts.records.get(*next).filter(is_own);
         let moves = |kind: FlightOf| matches!(kind, FlightOf::Dynamic | FlightOf::Kinematic);
         let is_asleep = !kinds.into_iter().any(moves);
         if is_asleep && (kinds == [FlightOf::Asleep; 2] || !scene.may_have_moved_statics) {
             return;
         }
-        let cores = [self.core(scene, pair[0], ends[0]), self.core(scene, pair[1], ends[1])];
+        let outlines = [a.outline(pair[0].part), b.outline(pair[1].part)];
+        let cores = [self.core(numbers[0], &outlines[0], ends[0]), self.core(numbers[1], &outlines[1], ends[1])];
         let flights = ends.map(|flight| self.flights.flight(flight));
-        let Some(manifold) = self.numerics.collide(cores, flights, [a.radius, b.radius]) else { return };
+        let radii = [outlines[0].radius, outlines[1].radius];
+        let Some(manifold) = self.numerics.collide(cores, flights, radii) else { return };
         if kinds.contains(&FlightOf::Asleep) {
             // A body that overlaps a static one so far is pushed, and does not fall asleep: a call has placed one of the two.
             if !is_asleep || manifold.is_pressed() {
@@ -154,7 +210,10 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
             return;
         }
         let (features, count) = manifold.features();
-        let start = record.map_or_else(Default::default, |record| record.start(features, count));
+        let mut start = record.map_or_else(Default::default, |record| record.start(features, count));
+        if let Some(side) = [a, b].iter().position(|collider| collider.def.shape.is_chain()) {
+            self.start_over_seams(scene, (side, numbers, pair), contacts, (features, count), &mut start);
+        }
         ends.into_iter().for_each(|flight| self.flights.complete::<S, N>(scene, flight));
         self.numerics.push(ends, &manifold, [&a.def.material, &b.def.material], start);
         self.found.push((pair, features, count));
@@ -166,6 +225,8 @@ impl<S: Scalar, N: Numerics<S>> ContactEngine<S> for Engine<S, N> {
         self.numerics.clear();
         self.found.clear();
         self.core_of.clear();
+        self.numbers.update(scene.colliders);
+        self.chains.clear();
         self.flights.begin::<S, N>(scene);
         let statics = self.update_statics(scene);
         self.place_movers(scene);
@@ -174,7 +235,8 @@ impl<S: Scalar, N: Numerics<S>> ContactEngine<S> for Engine<S, N> {
             per_collider: scene.settings.max_pairs_per_collider as usize,
         };
         self.broad.update(&statics, &self.movers, &limits);
-        let crowded = self.broad.above_cap().iter().filter_map(|&slot| scene.colliders.at(slot));
+        let crowded = self.broad.above_cap().iter().map(|&number| self.numbers.outline(number));
+        let crowded = crowded.filter_map(|outline| scene.colliders.at(outline.slot));
         for collider in crowded {
             match scene.bodies.find(collider.body) {
                 Ok(dense) if dense < scene.bodies.moving() => out.crowded.push(dense),

@@ -3,6 +3,8 @@
 //! - `records`: the state, impulses that the next step starts from.
 //! - `view`: contacts as the interface shows them.
 //! - `engine`: pairs, manifolds and records of any scalar; `numerics` names the computations that depend on the scalar.
+//! - `numbers`: outlines as numbers, for the broad phase.
+//! - `seams`: impulses of points that go from one segment of a chain to the next.
 //! - `flights`: the bodies of a step.
 //! - `integer`: the computations in [`Fx`](crate::Fx).
 //! - `float`: the same in floats.
@@ -18,8 +20,10 @@ mod flights;
 #[cfg(feature = "float")]
 mod float;
 mod integer;
+mod numbers;
 mod numerics;
 mod records;
+mod seams;
 mod stamped;
 mod view;
 

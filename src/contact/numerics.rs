@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 use core::fmt::Debug;
 
 use super::{Correction, Placed, Scene, Start, TouchPoint};
-use crate::collider::{Collider, Material};
+use crate::collider::{BodyOutline, Material};
 use crate::fx::Fx;
 use crate::math::Vec2;
 use crate::scalar::Scalar;
@@ -49,11 +49,11 @@ pub trait Numerics<S: Scalar>: Debug + Default + Send + Sync {
     fn clear(&mut self);
     /// Adds the outline of a body at a pose, and returns its number: 0, 1, 2 and so on.
     fn place(&mut self, outline: &Outline<S>, pose: &Self::Pose) -> usize;
-    /// A box around a collider over the step, grown by half the margin: the boxes of all that may come within the margin of each
+    /// A box around an outline over the step, grown by half the margin: the boxes of all that may come within the margin of each
     /// other overlap.
-    fn swept(collider: &Collider<S>, pose: &Self::Pose, flight: &Self::Flight) -> Aabb<Fx>;
-    /// The box around a static collider, grown by half the margin.
-    fn resting(collider: &Collider<S>, pose: &Self::Pose) -> Aabb<Fx>;
+    fn swept(outline: &BodyOutline<S>, pose: &Self::Pose, flight: &Self::Flight) -> Aabb<Fx>;
+    /// The box around an outline of a static body, grown by half the margin.
+    fn resting(outline: &BodyOutline<S>, pose: &Self::Pose) -> Aabb<Fx>;
     /// The manifold of two outlines that come within the margin of each other in the step.
     fn collide(&self, cores: [usize; 2], flights: [&Self::Flight; 2], radii: [S; 2]) -> Option<Self::Manifold>;
 

@@ -3,16 +3,18 @@
 use alloc::vec::Vec;
 
 use crate::codec::{self, Encoder, Malformed, Part, Read, Reader, StateHasher, Write};
+use crate::collider::OutlineId;
+use crate::limits::{CHAIN, COLLIDERS, PARTS};
 use crate::slots::ColliderId;
 use crate::solve::Impulses;
 
 /// A contact that carried an impulse at the end of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct ContactRecord {
-    /// The slots of the two colliders, the lower one first.
-    pub(crate) pair: [u32; 2],
+    /// The slots of the two colliders, the lower one first, in the lower 24 bits; above them the lower 8 bits of the outline's number.
+    pair: [u32; 2],
     /// In the lower 24 bits of each the [feature](crate::collide::feature) of a point; above them log2 of the unit of the impulses, N·s, and
-    /// the number of points.
+    /// the number of points with the [`LONG`] bits.
     packed: [u32; 2],
     /// Multiples of the unit: along the normal, by point; then along the tangent.
     pub(crate) impulses: [i64; 3],
@@ -23,20 +25,70 @@ const _: () = assert!(size_of::<ContactRecord>() == 40);
 
 const FEATURE: u32 = (1 << 24) - 1;
 
+/// The part of a word that holds a slot below [`COLLIDERS`].
+const SLOT: u32 = COLLIDERS as u32 - 1;
+const _: () = assert!(COLLIDERS == 1 << 24 && PARTS <= 1 << 8 && CHAIN <= 1 << 16);
+
+/// Beside the number of points, for each collider: its outline's number is above 255, so that it is a segment of a chain. Its corners
+/// are 0 and 1, and take one bit of the six that they have in the feature of the first point. In the others are
+/// the upper 8 bits of the number: five in the first corner's, three in the second one's.
+const LONG: [u32; 2] = [4 << 24, 8 << 24];
+/// These bits, of the first collider.
+const HIGH: u32 = 0x380 | 0x3E;
+
 impl ContactRecord {
     /// *Domain* features are below 2^24, the exponent is from −128 to 127, the count is 1 or 2.
-    pub(crate) fn new(pair: [u32; 2], features: [u32; 2], count: usize, impulses: Impulses) -> Self {
+    pub(crate) fn new(pair: [OutlineId; 2], features: [u32; 2], count: usize, impulses: Impulses) -> Self {
+        let [high_a, high_b] = pair.map(|outline| outline.part >> 8);
+        let pair = pair.map(|OutlineId { slot, part }| slot | part << 24);
         let exponent = u32::from(impulses.exponent.clamp(-128, 127) as i8 as u8);
-        let packed = [features[0] & FEATURE | exponent << 24, features[1] & FEATURE | (count as u32) << 24];
+        let mut packed = [features[0] & FEATURE | exponent << 24, features[1] & FEATURE | (count as u32) << 24];
+        for (side, high) in [high_a, high_b].into_iter().enumerate().filter(|(_, high)| *high > 0) {
+            packed[0] |= ((high & 31) << 1 | (high >> 5) << 7) << (12 * side);
+            packed[1] |= LONG[side];
+        }
         Self { pair, packed, impulses: impulses.values }
     }
 
+    /// The upper bits of the number of an outline.
+    #[cold]
+    fn high(&self, side: usize) -> u32 {
+        let bits = self.packed[0] >> (12 * side);
+        (bits >> 1 & 31) | (bits >> 7 & 7) << 5
+    }
+
+    fn is_long(&self, side: usize) -> bool {
+        self.packed[1] & LONG[side] != 0
+    }
+
+    /// The outlines of the two colliders: records are sorted by them.
+    #[inline(always)]
+    pub(crate) fn pair(&self) -> [OutlineId; 2] {
+        let mut pair = self.pair.map(|word| OutlineId { slot: word & SLOT, part: word >> 24 });
+        if self.packed[1] >= LONG[0] {
+            for (side, outline) in pair.iter_mut().enumerate().filter(|(side, _)| self.is_long(*side)) {
+                outline.part |= self.high(side) << 8;
+            }
+        }
+        pair
+    }
+
+    /// The slots of the two colliders, where each has one outline.
+    #[inline(always)]
+    pub(crate) fn slots(&self) -> [u32; 2] {
+        self.pair
+    }
+
     pub(crate) fn features(&self) -> [u32; 2] {
-        self.packed.map(|word| word & FEATURE)
+        let mut features = self.packed.map(|word| word & FEATURE);
+        for side in (0..2).filter(|&side| self.is_long(side)) {
+            features[0] &= !(HIGH << (12 * side));
+        }
+        features
     }
 
     pub(crate) fn count(&self) -> usize {
-        (self.packed[1] >> 24) as usize
+        (self.packed[1] >> 24 & 3) as usize
     }
 
     /// log2 of the unit of the impulses, N·s.
@@ -65,13 +117,18 @@ impl ContactRecord {
         let (features, values) =
             if self.count() == 2 { ([second, first], [b, a, tangent]) } else { ([first, 0], [a, b, tangent]) };
         let impulses = Impulses { values, exponent: self.exponent() };
-        Self::new([self.pair[1], self.pair[0]], features, self.count(), impulses)
+        let [a, b] = self.pair();
+        Self::new([b, a], features, self.count(), impulses)
     }
 
-    /// The record in a mirror image, for the same colliders: points come in the opposite order, and the impulse along the tangent has the
+    /// The record in a mirror image, for these outlines: points come in the opposite order, and the impulse along the tangent has the
     /// opposite sign. `corner` gives the number that a corner of the first (0) or second (1) collider has in the image; `None` if that does
     /// for one.
-    pub(crate) fn mirrored(&self, corner: impl Fn(usize, usize) -> Option<usize>) -> Option<Self> {
+    pub(crate) fn mirrored(
+        &self,
+        pair: [OutlineId; 2],
+        corner: impl Fn(usize, usize) -> Option<usize>,
+    ) -> Option<Self> {
         let part = |feature: u32, shift: u32| (feature >> shift) as usize & 0x3F;
         let image = |feature: u32| {
             let ends =
@@ -84,12 +141,16 @@ impl ContactRecord {
             2 => ([image(second)?, image(first)?], [b, a, -tangent]),
             _ => ([image(first)?, 0], [a, b, -tangent]),
         };
-        Some(Self::new(self.pair, features, self.count(), Impulses { values, exponent: self.exponent() }))
+        Some(Self::new(pair, features, self.count(), Impulses { values, exponent: self.exponent() }))
     }
 
     /// Adds all but the handles to a hash.
     pub(crate) fn write_impulses(&self, sink: &mut StateHasher) {
         sink.bytes(&self.to_bytes()[8..]);
+        let parts = self.pair().map(|outline| outline.part);
+        if parts != [0; 2] {
+            parts.iter().for_each(|part| part.write(sink));
+        }
     }
 
     fn to_bytes(self) -> [u8; 40] {
@@ -105,8 +166,10 @@ impl ContactRecord {
     fn is_malformed(&self) -> bool {
         let [first, second, tangent] = self.impulses;
         let is_one = self.count() == 1;
-        self.pair[0] >= self.pair[1]
+        self.pair[0] & SLOT >= self.pair[1] & SLOT
             || !(1..=2).contains(&self.count())
+            || self.packed[1] >> 28 != 0
+            || (0..2).any(|side| self.is_long(side) && self.high(side) == 0)
             || is_one && (second != 0 || self.features()[1] != 0)
             || first < 0
             || second < 0
@@ -174,7 +237,7 @@ impl ContactSet {
 
     /// Drops the records of a collider.
     pub(crate) fn forget(&mut self, collider: ColliderId) {
-        self.records.retain(|record| !record.pair.contains(&collider.slot));
+        self.records.retain(|record| record.pair().iter().all(|outline| outline.slot != collider.slot));
     }
 
     /// Scales all impulses by the ratio of the length of two sub-steps, num/den: the forces stay the same. Rounded to nearest, halves away

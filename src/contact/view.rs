@@ -7,7 +7,7 @@ use crate::slots::{BodyId, ColliderId};
 
 use super::{ContactRecord, TouchPoint};
 
-/// Two colliders that pushed each other at the end of the last step, at the present poses of their bodies.
+/// Two colliders that pushed each other at the end of the last step, at the present poses of their bodies; of compounds, two of their parts.
 ///
 /// ```
 /// use umbra_physics::{BodyDef, Contact, Shape, World, WorldDef, fx, vec2};
@@ -32,6 +32,9 @@ pub struct Contact<S: Scalar = Fx> {
     pub colliders: [ColliderId; 2],
     /// Their bodies.
     pub bodies: [BodyId; 2],
+    /// The numbers of the outlines that touch, among those of each shape: of a compound the number of the part, of a chain that of the
+    /// segment, of all others 0.
+    pub parts: [u32; 2],
     /// The unit vector from the first collider to the second one. *Error* 2^-29 in each component.
     pub normal: Vec2<S>,
     /// The impulse along the tangent (n.y, −n.x) over the last sub-step, N·s: by friction, on the second body.
@@ -70,11 +73,13 @@ impl<S: Scalar> Contact<S> {
     pub(crate) fn new(
         record: &ContactRecord,
         (colliders, bodies): ([ColliderId; 2], [BodyId; 2]),
+        parts: [u32; 2],
         (normal, points): (Vec2<S>, &[TouchPoint<S>]),
     ) -> Self {
         let mut contact = Self {
             colliders,
             bodies,
+            parts,
             normal,
             tangent_impulse: newton_seconds(record.impulses[2], record.exponent()),
             points: Default::default(),

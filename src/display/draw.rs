@@ -1,15 +1,13 @@
-//! Drawing a world: outlines, force fields and velocities, to whatever can draw.
+//! Drawing a world: outlines, force fields, velocities and contacts, to whatever can draw.
 
-use alloc::vec::Vec;
-use core::f64::consts::PI;
-
+use super::outline::{draw_geometry, round};
 use super::pose::{Placed, Pose};
 use crate::body::{Activity, BodyKind};
+use crate::contact::Contact;
 use crate::force::{Attachment, End, FieldKind, ForceField, Region};
 use crate::math::Vec2;
 use crate::scalar::{Scalar, ToF64};
-use crate::shape::{Geometry, Shape};
-use crate::slots::{BodyId, FieldId};
+use crate::slots::{BodyId, ColliderId, FieldId};
 use crate::world::{BodyRef, World};
 
 /// Class of a body for drawing: kind and activity in one, to choose a colour by.
@@ -74,6 +72,14 @@ pub enum Role {
     Thrust(FieldId),
     /// The region of a zone, and an arrow of 1 m from its middle along its acceleration.
     Zone(FieldId),
+    /// A point of the contact of these two colliders.
+    Contact([ColliderId; 2]),
+    /// An arrow from a point of their contact along its normal, from the first collider to the second one.
+    ContactNormal([ColliderId; 2]),
+    /// An arrow along the impulse that acts on the second collider at a point of their contact, along the normal.
+    ContactImpulse([ColliderId; 2]),
+    /// An arrow along the impulse of friction that acts on the second collider, from the middle of the points of their contact.
+    FrictionImpulse([ColliderId; 2]),
 }
 
 /// A renderer for [`World::debug_draw`]. Points and lengths are in m, in the world's axes. Each call says what is drawn by a
@@ -140,22 +146,6 @@ pub trait DebugDraw {
     }
 }
 
-/// The outline of a capsule; of a disc if its ends are one point.
-fn round([a, b]: [[f64; 2]; 2], radius: f64) -> Vec<[f64; 2]> {
-    /// Segments of a half disc.
-    const PARTS: u32 = 24;
-    let along = libm::atan2(b[1] - a[1], b[0] - a[0]);
-    let arc = |centre: [f64; 2], from: f64, points: u32| {
-        (0..points).map(move |i| {
-            let angle = from + PI * f64::from(i) / f64::from(PARTS);
-            [centre[0] + radius * libm::cos(angle), centre[1] + radius * libm::sin(angle)]
-        })
-    };
-    // Where the half discs of one disc meet they have one corner, not two.
-    let points = if a == b { PARTS } else { PARTS + 1 };
-    arc(b, along - PI / 2.0, points).chain(arc(a, along + PI / 2.0, points)).collect()
-}
-
 /// Selection of the parts of a world to draw.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DrawOptions {
@@ -165,12 +155,35 @@ pub struct DrawOptions {
     pub fields: bool,
     /// Velocities, as the distance that each body moves in this many seconds.
     pub velocities: Option<f64>,
+    /// The points of [contacts](World::contacts).
+    pub contacts: bool,
+    /// The normals of contacts, as arrows of this many m.
+    pub contact_normals: Option<f64>,
+    /// The impulses of contacts, as arrows of this many m for each N·s of the last sub-step: along the normal at each point, and
+    /// friction. Impulses of zero are left out.
+    ///
+    /// A body of m kg at rest has impulses of m·g·h/n in all, with the time step h and n sub-steps: 1/30 N·s for 1 kg at 60
+    /// steps a second with the default of 5.
+    pub contact_impulses: Option<f64>,
 }
 
 impl Default for DrawOptions {
     /// Bodies and fields.
     fn default() -> Self {
-        Self { bodies: true, fields: true, velocities: None }
+        Self {
+            bodies: true,
+            fields: true,
+            velocities: None,
+            contacts: false,
+            contact_normals: None,
+            contact_impulses: None,
+        }
+    }
+}
+
+impl DrawOptions {
+    fn has_contacts(&self) -> bool {
+        self.contacts || self.contact_normals.is_some() || self.contact_impulses.is_some()
     }
 }
 
@@ -179,7 +192,41 @@ impl<S: Scalar + ToF64> World<S> {
     /// [`Interpolation`](super::Interpolation).
     ///
     /// First the fields in the order in which they were added, then the bodies in the order of their slots, then the
-    /// velocities in that order. The state of the world is only read.
+    /// velocities in that order, then the contacts by the slots of their colliders. The state of the world is only read.
+    ///
+    /// Contacts are computed here, and only if an option asks for them. Their points go with the poses: each is drawn in the
+    /// middle of where its two bodies carry it. The directions of their arrows are those of the tick.
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, DebugDraw, DrawOptions, Pose, Role, Shape, World, WorldDef, fx, vec2};
+    ///
+    /// /// The lengths of impulses, m.
+    /// #[derive(Default)]
+    /// struct Impulses(Vec<f64>);
+    ///
+    /// impl DebugDraw for Impulses {
+    ///     fn polygon(&mut self, _corners: &[[f64; 2]], _role: Role) {}
+    ///     fn point(&mut self, _at: [f64; 2], _role: Role) {}
+    ///     fn segment(&mut self, _ends: [[f64; 2]; 2], _role: Role) {}
+    ///     fn arrow(&mut self, from: [f64; 2], to: [f64; 2], role: Role) {
+    ///         if let Role::ContactImpulse(_colliders) = role {
+    ///             self.0.push((to[0] - from[0]).hypot(to[1] - from[1]));
+    ///         }
+    ///     }
+    /// }
+    ///
+    /// let mut world = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() })?;
+    /// world.add_body(BodyDef::fixed().with_collider(Shape::rectangle(20, 2)?))?;
+    /// let crate_ = BodyDef::dynamic().with_collider(Shape::rectangle(1, 1)?); // 1 kg
+    /// world.add_body(BodyDef { position: vec2(0, fx!(1.5)), ..crate_ })?;
+    /// (0..60).for_each(|_| _ = world.step());
+    /// // 30 m for each N·s: the weight of a kilogram for 1/300 s is an arrow of a metre, here in two halves.
+    /// let options = DrawOptions { contact_impulses: Some(30.0), ..DrawOptions::default() };
+    /// let mut impulses = Impulses::default();
+    /// world.debug_draw(Pose::of, &options, &mut impulses);
+    /// assert!(impulses.0.len() == 2 && impulses.0.iter().all(|length| (length - 0.5).abs() < 0.01));
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
     pub fn debug_draw(
         &self,
         pose: impl Fn(&BodyRef<'_, S>) -> Pose,
@@ -202,6 +249,52 @@ impl<S: Scalar + ToF64> World<S> {
                 let to = [0, 1].map(|i| from[i] + velocity[i] * seconds);
                 draw.arrow(from, to, Role::Velocity(body.id()));
             }
+        }
+        if options.has_contacts() {
+            for contact in self.contacts() {
+                self.draw_contact(&contact, &pose, options, draw);
+            }
+        }
+    }
+
+    fn draw_contact(
+        &self,
+        contact: &Contact<S>,
+        pose: &impl Fn(&BodyRef<'_, S>) -> Pose,
+        options: &DrawOptions,
+        draw: &mut (impl DebugDraw + ?Sized),
+    ) {
+        let [Ok(a), Ok(b)] = contact.bodies.map(|body| self.body(body)) else { return };
+        let carried = [(a, Placed::at(pose(&a))), (b, Placed::at(pose(&b)))];
+        let shown = |at: Vec2<S>| {
+            let points = carried
+                .each_ref()
+                .map(|(body, placed)| body.local_point(at).map_or(at.to_f64(), |local| placed.point(local.to_f64())));
+            middle(points[0], points[1])
+        };
+        let ([x, y], colliders) = (contact.normal.to_f64(), contact.colliders);
+        let mut arrow = |from: [f64; 2], along: [f64; 2], length: f64, role| {
+            if length != 0.0 {
+                draw.arrow(from, [from[0] + along[0] * length, from[1] + along[1] * length], role);
+            }
+        };
+        let (mut first, mut last) = (None, [0.0; 2]);
+        for point in contact.points() {
+            last = shown(point.position);
+            first.get_or_insert(last);
+            if let Some(length) = options.contact_normals {
+                arrow(last, [x, y], length, Role::ContactNormal(colliders));
+            }
+            if let Some(scale) = options.contact_impulses {
+                arrow(last, [x, y], point.normal_impulse.to_f64() * scale, Role::ContactImpulse(colliders));
+            }
+        }
+        if let (Some(scale), Some(first)) = (options.contact_impulses, first) {
+            let length = contact.tangent_impulse.to_f64() * scale;
+            arrow(middle(first, last), [y, -x], length, Role::FrictionImpulse(colliders));
+        }
+        if options.contacts {
+            contact.points().iter().for_each(|point| draw.point(shown(point.position), Role::Contact(colliders)));
         }
     }
 
@@ -278,71 +371,11 @@ impl<S: Scalar + ToF64> World<S> {
     }
 }
 
+fn middle(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [0, 1].map(|i| a[i] + (b[i] - a[i]) / 2.0)
+}
+
 fn unit([x, y]: [f64; 2]) -> Option<[f64; 2]> {
     let length = libm::hypot(x, y);
     (length > 0.0).then(|| [x / length, y / length])
-}
-
-impl<S: Scalar + ToF64> Shape<S> {
-    /// Draws the shape with its centre of mass at a pose: the parts of a compound one after the other.
-    pub fn debug_draw(&self, pose: Pose, role: Role, draw: &mut (impl DebugDraw + ?Sized)) {
-        draw_geometry(self.geometry(), &Placed::at(pose), role, draw);
-    }
-}
-
-/// The points of the rim of a rounded polygon: five to each corner, in equal parts of its arc.
-fn rounded(corners: &[[f64; 2]], radius: f64) -> impl Iterator<Item = [f64; 2]> {
-    let count = corners.len();
-    let normal = move |i: usize| {
-        let ([ax, ay], [bx, by]) = (corners[i % count], corners[(i + 1) % count]);
-        libm::atan2(ax - bx, by - ay)
-    };
-    (0..count).flat_map(move |i| {
-        let (from, [x, y]) = (normal(i + count - 1), corners[i]);
-        let turn = normal(i) - from;
-        let turn = if turn < 0.0 { turn + core::f64::consts::TAU } else { turn };
-        (0..5).map(move |k| {
-            let angle = from + turn * f64::from(k) / 4.0;
-            [x + radius * libm::cos(angle), y + radius * libm::sin(angle)]
-        })
-    })
-}
-
-fn draw_geometry<S: Scalar + ToF64>(
-    geometry: &Geometry<S>,
-    at: &Placed,
-    role: Role,
-    draw: &mut (impl DebugDraw + ?Sized),
-) {
-    let place = |v: &Vec2<S>| at.point(v.to_f64());
-    match geometry {
-        Geometry::Circle { radius } => {
-            let radius = radius.to_f64();
-            draw.circle(at.pose.position, radius, Some(at.point([radius, 0.0])), role);
-        }
-        Geometry::Rectangle { width, height } => {
-            let (w, h) = (width.to_f64() / 2.0, height.to_f64() / 2.0);
-            draw.polygon(&[[-w, -h], [w, -h], [w, h], [-w, h]].map(|corner| at.point(corner)), role);
-        }
-        Geometry::Capsule { length, radius } => {
-            let half = length.to_f64() / 2.0;
-            draw.capsule([[-half, 0.0], [half, 0.0]].map(|end| at.point(end)), radius.to_f64(), role);
-        }
-        Geometry::Polygon { corners } => {
-            let corners: Vec<[f64; 2]> = corners.iter().map(place).collect();
-            draw.polygon(&corners, role);
-        }
-        Geometry::RoundedPolygon { corners, radius } => {
-            let corners: Vec<[f64; 2]> = corners.iter().map(|corner| corner.to_f64()).collect();
-            let rim: Vec<[f64; 2]> = rounded(&corners, radius.to_f64()).map(|point| at.point(point)).collect();
-            draw.polygon(&rim, role);
-        }
-        Geometry::Segment { ends } => draw.segment([place(&ends[0]), place(&ends[1])], role),
-        Geometry::Compound { parts } => {
-            for part in parts.iter() {
-                let part_at = at.part(part.position.to_f64(), part.angle.to_f64());
-                draw_geometry(part.shape.geometry(), &part_at, role, draw);
-            }
-        }
-    }
 }

@@ -6,6 +6,8 @@ mod draw;
 #[cfg(feature = "float")]
 mod interpolation;
 #[cfg(feature = "float")]
+mod outline;
+#[cfg(feature = "float")]
 mod pose;
 mod step_clock;
 

@@ -102,7 +102,7 @@ pub enum Error {
         /// The id.
         id: u64,
     },
-    /// The world already has the maximum number of bodies, colliders or force fields, 2^24 each.
+    /// The world already has the maximum number of bodies, colliders, outlines of colliders or force fields, 2^24 each.
     Full,
     /// The elapsed time no longer fits in a ratio of 128-bit integers: too many different time steps or speeds were used.
     ElapsedTime,
@@ -174,8 +174,13 @@ pub enum Error {
         /// The handle.
         collider: ColliderId,
     },
-    /// The shape of a collider is a compound. Give the body a collider for each part.
-    CompoundCollider,
+    /// A chain is a surface of static and kinematic bodies. The body is dynamic, or would become so.
+    DynamicChain,
+    /// Two segments of a chain cross or touch each other.
+    ChainCrosses {
+        /// The segments, each by the number of the point that it begins at.
+        segments: [usize; 2],
+    },
 }
 
 /// Reason why a step cannot be undone.
@@ -305,7 +310,7 @@ impl fmt::Display for Error {
             Self::SameBody { body } => write!(f, "both ends of the spring are attached to {body}"),
             Self::CustomForce { id } => write!(f, "custom force {id:#x} is not registered, or is registered already"),
             Self::Full => {
-                f.write_str("the world already has the maximum number of bodies, colliders or force fields (16,777,216 each)")
+                f.write_str("the world already has the maximum number of bodies, colliders, outlines of colliders or force fields (16,777,216 each)")
             },
             Self::Inconsistent => f.write_str("the parts of the snapshot contradict each other"),
             Self::ElapsedTime => f.write_str(
@@ -334,8 +339,11 @@ impl fmt::Display for Error {
             Self::NotDisabled { body } => write!(f, "{body} is not disabled"),
             Self::NotKinematic { body } => write!(f, "{body} is not kinematic"),
             Self::NoSuchCollider { collider } => write!(f, "no such collider: {collider}"),
-            Self::CompoundCollider => {
-                f.write_str("the shape of a collider is a compound: give the body a collider for each part")
+            Self::DynamicChain => {
+                f.write_str("a chain cannot be on a dynamic body: make the body static or kinematic, or give it another shape")
+            },
+            Self::ChainCrosses { segments: [a, b] } => {
+                write!(f, "segments {a} and {b} of the chain cross or touch: a chain may not meet itself")
             },
             Self::Locked { quantity: Quantity::AngularVelocity } => f.write_str("the rotation of the body is locked"),
             Self::Locked { .. } => f.write_str("the body is locked along an axis of the velocity"),
@@ -372,7 +380,8 @@ codes!(Error {
     ChangedBetweenTicks = 126,
     SteppedInTick = 127,
     NoSuchCollider = 128,
-    CompoundCollider = 129,
+    DynamicChain = 129,
+    ChainCrosses = 130,
 });
 
 impl core::error::Error for Error {

@@ -79,6 +79,8 @@ pub enum Quantity {
     ContactSpeed,
     /// The number of pairs of colliders.
     Pairs,
+    /// The speed of the surface of a collider.
+    SurfaceSpeed,
 }
 
 impl Quantity {
@@ -118,6 +120,7 @@ impl Quantity {
             Self::Substeps => "a number of sub-steps from 1 to 8",
             Self::ContactSpeed => "a speed from 0 to 2^10 m/s",
             Self::Pairs => "a number of pairs from 1 to 2^28 in all, and to 2^12 of one collider",
+            Self::SurfaceSpeed => "a surface speed within ±2^10 m/s",
         }
     }
 }
@@ -156,6 +159,7 @@ codes!(Quantity {
     Substeps = 181,
     ContactSpeed = 182,
     Pairs = 183,
+    SurfaceSpeed = 184,
 });
 
 impl core::error::Error for Quantity {}

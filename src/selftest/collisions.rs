@@ -2,16 +2,16 @@
 
 use alloc::vec::Vec;
 
-use super::trial::{Numbers, Played, Trial, add_all, happened, near, near_fx, refused, same};
+use super::trial::{Numbers, Played, Trial, add_all, happened, near, near_fx, refused, same, same_body};
 use crate::body::{BodyDef, BodyKind, Mass};
-use crate::collider::{ColliderDef, ContactSettings, Filter, Material};
+use crate::collider::{ColliderDef, ContactSettings, Filter, Material, MixRule};
 use crate::error::{Cause, Error, Quantity};
 use crate::fx::{Fx, fx};
 use crate::integrate::Integrator;
 use crate::math::{TimeStep, Vec2, vec2};
 use crate::replay::Snapshot;
 use crate::scalar::FxWide;
-use crate::shape::Shape;
+use crate::shape::{Geometry, Part, Shape};
 use crate::slots::BodyId;
 use crate::symmetry::Symmetry;
 use crate::world::{World, WorldDef};
@@ -40,8 +40,8 @@ fn shape(number: u64) -> Result<Shape, Error> {
 fn falling(count: u64) -> Result<Vec<BodyDef>, Error> {
     let mut numbers = Numbers(17);
     let one = |i: u64| -> Result<BodyDef, Error> {
-        let material =
-            Material { friction: Fx::from_ratio((i % 4) as i64, 2), restitution: Fx::from_ratio((i % 3) as i64, 4) };
+        let (friction, restitution) = (Fx::from_ratio((i % 4) as i64, 2), Fx::from_ratio((i % 3) as i64, 4));
+        let material = Material { friction, restitution, ..Material::default() };
         let collider = ColliderDef { material, key: i, density: fx!(2), ..ColliderDef::new(shape(i)?) };
         Ok(BodyDef {
             position: vec2(numbers.fx(2), fx!(1) + fx!(0.5) * Fx::from(i as i32)),
@@ -74,10 +74,134 @@ pub(super) fn piles(trial: &mut Trial) -> Played {
     happened("nobody is deep in the ground", lowest.is_some_and(|y| y > fx!(-0.015625)))
 }
 
+/// Crosses, angles and dumbbells, by number.
+fn compound(number: u64) -> Result<Shape, Error> {
+    let part = |shape: Shape, position: Vec2, angle: Fx, density: Fx| Part { shape, position, angle, density };
+    let (bar, disc) = (Shape::rectangle(fx!(1), fx!(0.25))?, Shape::circle(fx!(0.25))?);
+    let at = |x: Fx, y: Fx| Vec2::new(x, y);
+    let parts = match number % 3 {
+        0 => {
+            let upright = Shape::rectangle(fx!(0.25), fx!(1))?;
+            [part(bar, at(fx!(0), fx!(0)), fx!(0), fx!(1)), part(upright, at(fx!(0), fx!(0)), fx!(0), fx!(1))].to_vec()
+        }
+        1 => {
+            let other = part(bar.clone(), at(fx!(0.375), fx!(0.5)), fx!(1.25), fx!(3));
+            [part(bar, at(fx!(0), fx!(0)), fx!(0), fx!(1)), other].to_vec()
+        }
+        _ => {
+            let ends = [fx!(-0.5), fx!(0.5)].map(|x| part(disc.clone(), at(x, fx!(0)), fx!(0), fx!(1)));
+            [part(bar, at(fx!(0), fx!(0)), fx!(0), fx!(1))].into_iter().chain(ends).collect()
+        }
+    };
+    Shape::compound(&parts)
+}
+
+/// A pile of compounds, its mirror image, and a twin whose bodies have a collider for each part.
+pub(super) fn compounds(trial: &mut Trial) -> Played {
+    let (mut world, mut twin) = (World::new(def())?, World::new(def())?);
+    add_all(&mut world, [ground()?])?;
+    add_all(&mut twin, [ground()?])?;
+    let mass = Mass::Explicit { mass: fx!(2), inertia: fx!(0.5) };
+    let (mut here, mut there) = (Vec::new(), Vec::new());
+    for (i, body) in (0..).zip(falling(30)?) {
+        let shape = compound(i)?;
+        let Geometry::Compound { parts } = shape.geometry() else { return Err(Error::Inconsistent.into()) };
+        let of = |part: &Part| ColliderDef {
+            position: part.position,
+            angle: part.angle,
+            ..ColliderDef { shape: part.shape.clone(), ..body.colliders[0].clone() }
+        };
+        let colliders = parts.iter().map(of).collect();
+        let body = BodyDef { mass, ..body };
+        there.push(twin.add_body(BodyDef { colliders, ..body.clone() })?);
+        let collider = ColliderDef { shape: shape.clone(), ..body.colliders[0].clone() };
+        here.push(world.add_body(BodyDef { colliders: [collider].to_vec(), ..body })?);
+    }
+    let mirror = |world: &World| Symmetry::MIRROR.world(world).ok_or(Error::Inconsistent);
+    let mut image = mirror(&world)?;
+    let (mut most, mut parts) = (0, 0);
+    for _ in 0..240 {
+        trial.step(&mut world);
+        twin.step();
+        image.step();
+        same("a pile of compounds and its mirror image", &mirror(&world)?.state_hash(), &image.state_hash())?;
+        for (&own, &other) in here.iter().zip(&there) {
+            same_body("a compound and colliders in its place", (&world, own), (&twin, other))?;
+        }
+        most = most.max(world.contacts().count());
+        parts = parts.max(world.contacts().filter(|contact| contact.parts != [0, 0]).count());
+    }
+    happened("most touch something, with several parts", most > 40 && parts > 20)
+}
+
+/// The points of hills from right to left, between walls.
+fn hills() -> Vec<Vec2> {
+    let mut numbers = Numbers(31);
+    let at = |x: Fx, y: Fx| Vec2::new(x, y);
+    let ends = [at(fx!(26), fx!(20)), at(fx!(-26), fx!(20))];
+    let points = (0..400).map(|i| at(fx!(25) - Fx::from_ratio(i, 8), numbers.fx(1) / 4));
+    [ends[0]].into_iter().chain(points).chain([ends[1]]).collect()
+}
+
+/// A ball that rolls over the seams of a chain, beside one on a single segment; a crowd on hills, and its mirror image; a body in a
+/// closed chain that nothing leaves.
+pub(super) fn chains(trial: &mut Trial) -> Played {
+    let (mut world, mut twin) = (World::new(def())?, World::new(def())?);
+    let flat: Vec<Vec2> = (0..=800).map(|i| Vec2::new(fx!(100) - Fx::from_ratio(i, 4), Fx::ZERO)).collect();
+    world.add_body(BodyDef::fixed().with_collider(Shape::chain(&flat, false)?))?;
+    twin.add_body(BodyDef::fixed().with_collider(Shape::chain(&[flat[0], flat[800]], false)?))?;
+    let ball = BodyDef::dynamic().with_collider(Shape::circle(fx!(0.5))?);
+    let ball = BodyDef { position: Vec2::new(fx!(-95), fx!(0.5)), velocity: vec2(24, 1), ..ball };
+    let (own, other) = (world.add_body(ball.clone())?, twin.add_body(ball)?);
+    let mut last = 0;
+    let mut seams = 0;
+    for _ in 0..400 {
+        trial.step(&mut world);
+        twin.step();
+        same_body("a ball on a chain and on one segment", (&world, own), (&twin, other))?;
+        if let Some(contact) = world.contacts().next() {
+            seams += u32::from(contact.parts[0] != last);
+            last = contact.parts[0];
+        }
+    }
+    happened("the ball goes over seams", seams > 300)?;
+    let mut world = World::new(def())?;
+    world.add_body(BodyDef::fixed().with_collider(Shape::chain(&hills(), false)?))?;
+    let room = [vec2(-40, 9), vec2(-32, 9), vec2(-32, 1), vec2(-40, 1)];
+    world.add_body(BodyDef::fixed().with_collider(Shape::chain(&room, true)?))?;
+    let disc = ColliderDef {
+        material: Material { restitution: Fx::ONE, ..Material::default() },
+        ..ColliderDef::new(Shape::circle(fx!(0.5))?)
+    };
+    let within = BodyDef { position: vec2(-36, 5), velocity: vec2(5, 3), ..BodyDef::dynamic().with_collider(disc) };
+    let within = world.add_body(within)?;
+    let crowd = add_all(
+        &mut world,
+        (0..)
+            .zip(falling(30)?)
+            .map(|(i, body)| BodyDef { position: Vec2::new(body.position.x * 5, fx!(2) + Fx::from(i % 6)), ..body }),
+    )?;
+    let mirror = |world: &World| Symmetry::MIRROR.world(world).ok_or(Error::Inconsistent);
+    let mut image = mirror(&world)?;
+    let mut long = 0;
+    for _ in 0..240 {
+        trial.step(&mut world);
+        image.step();
+        same("a crowd on hills and its mirror image", &mirror(&world)?.state_hash(), &image.state_hash())?;
+        long += world.contacts().filter(|contact| contact.parts[0] > 255).count();
+    }
+    happened("bodies touch segments above 255", long > 100)?;
+    for id in crowd {
+        happened("nobody falls through", world.body(id)?.position().y > fx!(-0.5))?;
+    }
+    let place = world.body(within)?.position() - vec2(-36, 5);
+    happened("what is in a room stays in it", place.x.abs() < fx!(3.6) && place.y.abs() < fx!(3.6))
+}
+
 /// The height of bounces, and speeds after impacts, against their closed forms; what touches nothing flies as if alone.
 pub(super) fn impacts(trial: &mut Trial) -> Played {
     let disc = |restitution: Fx| -> Result<ColliderDef, Error> {
-        let material = Material { friction: Fx::ZERO, restitution };
+        let material = Material { friction: Fx::ZERO, restitution, ..Material::default() };
         Ok(ColliderDef { material, ..ColliderDef::new(Shape::circle(fx!(0.5))?) })
     };
     for integrator in Integrator::ALL {
@@ -232,4 +356,47 @@ pub(super) fn touched(trial: &mut Trial) -> Played {
     }
     happened("sleepers wake", woken >= 6)?;
     happened("a crowd is quarantined", crowded == 20)
+}
+
+/// Boxes on belts, with friction by each rule, speed up by μ·g; a belt and its mirror image run alike.
+pub(super) fn belts(trial: &mut Trial) -> Played {
+    // √(μ1·μ2), their mean, the smaller one, their product and the larger one of 0.25 and 1.
+    let rules = [(MixRule::Standard, fx!(0.5)), (MixRule::GeometricMean, fx!(0.5)), (MixRule::Mean, fx!(0.625))];
+    let rules = rules.into_iter().chain([
+        (MixRule::Minimum, fx!(0.25)),
+        (MixRule::Product, fx!(0.25)),
+        (MixRule::Maximum, fx!(1)),
+    ]);
+    for (rule, friction) in rules {
+        let surface = |friction, surface_speed| Material {
+            friction,
+            surface_speed,
+            friction_rule: rule,
+            restitution_rule: rule,
+            ..Material::default()
+        };
+        let belt = |speed: Fx| -> Result<(World, BodyId), Error> {
+            let mut ground = ground()?;
+            ground.colliders[0].material = surface(fx!(0.25), -speed);
+            let mut world = World::new(def())?;
+            world.add_body(ground)?;
+            let shape = ColliderDef {
+                material: surface(fx!(1), Fx::ZERO),
+                ..ColliderDef::new(Shape::rectangle(fx!(2), fx!(1))?)
+            };
+            let id =
+                world.add_body(BodyDef { position: vec2(0, fx!(0.5)), ..BodyDef::dynamic().with_collider(shape) })?;
+            Ok((world, id))
+        };
+        let ((mut right, id), (mut left, _)) = (belt(fx!(64))?, belt(fx!(-64))?);
+        for _ in 0..60 {
+            trial.step(&mut right);
+            left.step();
+        }
+        let [here, there] = [right.body(id)?, left.body(id)?];
+        same("a belt and its mirror image", &here.position_exact().x, &there.position_exact().x.negated())?;
+        // 1 s, within 2^-8 m/s: the first step finds no pressure yet.
+        near_fx("the speed of a box on a belt", here.velocity().x, friction * fx!(9.8125), 1 << 24)?;
+    }
+    Ok(())
 }

@@ -1,10 +1,10 @@
 //! Built-in scenes that show that a machine computes the same bits as all others.
 //!
 //! Each scene runs some hundred ticks and returns a digest of the [state hash](crate::World::state_hash) of every tick; scenes of
-//! contacts, which no world has yet, of the bits of bodies and impulses. Two builds agree if their digests do, and [`golden`] has
-//! the digests that every build must return. A digest shows that a result changed, not that it was right. So each scene also checks, in integers, that the event it is meant for happened (a body
-//! slept, left the allowed range, wrapped), and what the result was: against a closed form, a conserved quantity, its mirror
-//! image, or the same motion computed in another way.
+//! the narrow phase and of the solver without a world, of the bits of bodies and impulses. Two builds agree if their digests do, and
+//! [`golden`] has the digests that every build must return. A digest shows that a result changed, not that it was right. So each scene
+//! also checks, in integers, that the event it is meant for happened (a body slept, left the allowed range, wrapped), and what the result
+//! was: against a closed form, a conserved quantity, its mirror image, or the same motion computed in another way.
 //!
 //! ```
 //! use umbra_physics::selftest;
@@ -207,6 +207,9 @@ scenes! {
     cloud: collisions::cloud, "bodies of all shapes fall together in free flight: momentum stays";
     changing_colliders: collisions::changing_colliders, "colliders, filters, kinds and settings change in a pile, restored from bytes";
     touched: collisions::touched, "sleepers are woken by touch, crowds are quarantined: no bit depends on who slept";
+    belts: collisions::belts, "boxes on moving surfaces, with friction by every rule: the closed form, and a mirror image";
+    compounds: collisions::compounds, "compounds in a pile: as bodies with a collider for each part, and a mirror image";
+    chains: collisions::chains, "a ball over seams as over one segment; a crowd on hills of 400 segments, its mirror image, and a cave";
     contacts_pile: contacts::pile, "boxes, discs and a wedge come to rest between walls: a mirror image of itself";
     contacts_cluster: contacts::cluster, "bodies meet in free flight: impulses are equal and opposite";
     contacts_extremes: contacts::extremes, "1 kg and 2^24, shots, needles, what turns and rises: mirror image, and in any order";

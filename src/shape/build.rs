@@ -4,12 +4,13 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::cmp::Ordering;
 
+use super::crossing::crossing;
 use super::outline::outlines;
 use super::{Geometry, Part, Shape, mass};
 use crate::codec::StateHasher;
 use crate::error::{Error, Quantity};
 use crate::fx::IntoFx;
-use crate::limits::{CORNERS, PARTS, SIZE_MAX, SIZE_MIN};
+use crate::limits::{CHAIN, CORNERS, PARTS, SIZE_MAX, SIZE_MIN};
 use crate::math::Vec2;
 use crate::scalar::internals::AreaMoments;
 use crate::scalar::{Factor, Scalar};
@@ -80,7 +81,7 @@ impl<S: Scalar> Shape<S> {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] with [`Quantity::Size`] for a disc, a rectangle or a capsule, and as [`segment`](Self::segment),
-    /// [`polygon`](Self::polygon) and [`compound`](Self::compound).
+    /// [`polygon`](Self::polygon), [`compound`](Self::compound) and [`chain`](Self::chain).
     ///
     /// ```
     /// use umbra_physics::{Geometry, Shape, fx};
@@ -106,6 +107,7 @@ impl<S: Scalar> Shape<S> {
             Geometry::RoundedPolygon { corners, radius } => return Self::rounded_polygon(&corners, radius),
             Geometry::Segment { ends: [a, b] } => return Self::segment(a, b),
             Geometry::Compound { parts } => return Self::compound(&parts),
+            Geometry::Chain { points, closed } => return Self::chain(&points, closed),
         };
         Ok(Self::of(geometry, Vec2::ZERO, measure, gyration))
     }
@@ -127,6 +129,57 @@ impl<S: Scalar> Shape<S> {
         }
         let (measure, gyration) = mass::segment::<S>(length);
         Ok(Self::of(Geometry::Segment { ends }, shift, measure, gyration))
+    }
+
+    /// A chain of segments through these points, and from the last one back to the first if it is closed: a surface for static and
+    /// kinematic bodies. It has no mass, and is not re-centred: its points are relative to where the collider is.
+    ///
+    /// Each segment touches what is on its *right* on the way through the points, and lets through what comes from its left: what has
+    /// the middle of its corners more than 2 cm behind a segment is not pushed by it. So a ground goes from right to left, an island
+    /// has its points counter-clockwise, the wall of a room clockwise. (This is the convention of Box2D.) Where segments join, bodies
+    /// slide and roll over the seam without a bump: no segment pushes in a direction that is its neighbours'.
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, Error, Shape, World, WorldDef, fx, vec2};
+    ///
+    /// let ground = Shape::chain(&[vec2(20, 3), vec2(9, 0), vec2(-9, 0), vec2(-20, 3)], false)?;
+    /// let mut world = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() })?;
+    /// world.add_body(BodyDef::fixed().with_collider(ground.clone()))?;
+    /// let ball = BodyDef::dynamic().with_collider(Shape::circle(fx!(0.5))?);
+    /// let ball = world.add_body(BodyDef { position: vec2(0, 2), ..ball })?;
+    /// (0..120).for_each(|_| _ = world.step());
+    /// assert_eq!(format!("{:.2}", world.body(ball)?.position()), "(0.00, 0.50)");
+    /// // It is a surface, not a body that moves.
+    /// assert_eq!(world.add_body(BodyDef::dynamic().with_collider(ground)), Err(Error::DynamicChain));
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] with [`Quantity::Count`] for fewer than 2 points (3 of a closed chain) or more than
+    /// [`limits::CHAIN`](crate::limits::CHAIN), with [`Quantity::Size`] for a coordinate out of range or two points, one after the
+    /// other, less than 2^-7 m apart; [`Error::ChainCrosses`] if it crosses or touches itself.
+    ///
+    /// *Cost* n·log n.
+    pub fn chain(points: &[Vec2<S>], closed: bool) -> Result<Self, Error> {
+        S::chain(points, closed)
+    }
+
+    pub(crate) fn chain_inner(points: &[Vec2<S>], closed: bool) -> Result<Self, Error> {
+        if !(2 + usize::from(closed)..=CHAIN).contains(&points.len()) {
+            return Err(Error::OutOfRange { quantity: Quantity::Count });
+        }
+        points.iter().try_for_each(|&point| check_point(point))?;
+        let least = S::Factor::from_scalar(S::from_fx(SIZE_MIN));
+        let last = points.last().zip(points.first()).filter(|_| closed);
+        let mut segments = points.windows(2).map(|ends| (&ends[0], &ends[1])).chain(last);
+        if segments.any(|(a, b)| (*b - *a).wide_length() < least) {
+            return Err(Error::OutOfRange { quantity: Quantity::Size });
+        }
+        if let Some(segments) = crossing(points, closed) {
+            return Err(Error::ChainCrosses { segments });
+        }
+        let geometry = Geometry::Chain { points: points.into(), closed };
+        Ok(Self::of(geometry, Vec2::ZERO, S::Factor::ZERO, S::Factor::ZERO))
     }
 
     /// A convex polygon with these corners in either order; re-centred at its centroid.
@@ -189,14 +242,15 @@ impl<S: Scalar> Shape<S> {
     /// Several shapes as one, re-centred at their common centre of mass.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] with [`Quantity::Count`] for no parts, too many, or a compound among them; with
+    /// [`Error::OutOfRange`] with [`Quantity::Count`] for no parts, too many, or a compound or a chain among them; with
     /// [`Quantity::Density`] or [`Quantity::Size`] for a part's.
     pub fn compound(parts: &[Part<S>]) -> Result<Self, Error> {
         S::compound(parts)
     }
 
     pub(crate) fn compound_inner(parts: &[Part<S>]) -> Result<Self, Error> {
-        let nested = parts.iter().any(|p| matches!(p.shape.geometry, Geometry::Compound { .. }));
+        let is_nested = |p: &Part<S>| matches!(p.shape.geometry, Geometry::Compound { .. } | Geometry::Chain { .. });
+        let nested = parts.iter().any(is_nested);
         if parts.is_empty() || parts.len() > PARTS || nested {
             return Err(Error::OutOfRange { quantity: Quantity::Count });
         }

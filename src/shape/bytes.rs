@@ -10,7 +10,7 @@ use super::{Geometry, Part, Shape};
 use crate::codec::{self, Encoder, Malformed, Read, Reader, Write};
 use crate::error::Error;
 use crate::fx::Fx;
-use crate::limits::{CORNERS, PARTS};
+use crate::limits::{self, CORNERS, PARTS};
 use crate::math::Vec2;
 use crate::scalar::Scalar;
 
@@ -21,6 +21,7 @@ const POLYGON: u8 = 3;
 const SEGMENT: u8 = 4;
 const COMPOUND: u8 = 5;
 const ROUNDED_POLYGON: u8 = 6;
+const CHAIN: u8 = 7;
 
 impl<S: Scalar> Write for Shape<S> {
     fn write(&self, out: &mut impl Encoder) {
@@ -61,6 +62,11 @@ impl<S: Scalar> Write for Shape<S> {
                 let parts: Vec<Part<S>> = given.collect();
                 codec::list(out, parts.iter());
             }
+            Geometry::Chain { points, closed } => {
+                out.leaf(&[CHAIN], &"chain");
+                codec::field(out, "closed", closed);
+                codec::list(out, points.iter());
+            }
         }
     }
 }
@@ -93,7 +99,7 @@ fn read(reader: &mut Reader<'_>, may_be_compound: bool) -> Result<Shape<Fx>, Mal
             read_polygon(reader, Some(radius))?
         }
         SEGMENT => Shape::segment(Vec2::read(reader)?, Vec2::read(reader)?),
-        // Parts are no compounds, so that reading goes no deeper.
+        // Parts are no compounds and no chains, so that reading goes no deeper.
         COMPOUND if may_be_compound => Shape::compound(&many(reader, PARTS, 41, |reader| {
             Ok(Part {
                 shape: read(reader, false)?,
@@ -102,6 +108,10 @@ fn read(reader: &mut Reader<'_>, may_be_compound: bool) -> Result<Shape<Fx>, Mal
                 density: Fx::read(reader)?,
             })
         })?),
+        CHAIN if may_be_compound => {
+            let closed = bool::read(reader)?;
+            Shape::chain(&many(reader, limits::CHAIN, 16, Vec2::read)?, closed)
+        }
         _ => return Err(malformed),
     };
     made.map_err(|_: Error| malformed)

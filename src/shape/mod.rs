@@ -6,12 +6,14 @@
 mod aabb;
 mod build;
 mod bytes;
+mod crossing;
 mod mass;
 mod outline;
 #[cfg(feature = "serde")]
 mod serial;
 
 pub use aabb::Aabb;
+pub(crate) use outline::Neighbour;
 pub use outline::Outline;
 
 use alloc::sync::Arc;
@@ -52,7 +54,7 @@ use crate::scalar::Scalar;
 /// assert_eq!(rod.measure().to_scalar(), Some(fx!(5)));
 /// # Ok::<(), umbra_physics::Error>(())
 /// ```
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Shape<S: Scalar = Fx> {
     geometry: Geometry<S>,
     shift: Vec2<S>,
@@ -61,6 +63,13 @@ pub struct Shape<S: Scalar = Fx> {
     outlines: Outlines<S>,
     /// A hash of the bytes. A world keeps equal shapes once, and finds them by it.
     digest: u64,
+}
+
+impl<S: Scalar> PartialEq for Shape<S> {
+    /// All else follows from the geometry and where it was given.
+    fn eq(&self, other: &Self) -> bool {
+        self.digest == other.digest && self.shift == other.shift && self.geometry == other.geometry
+    }
 }
 
 /// The geometry of a shape, in coordinates relative to its centre of mass.
@@ -112,6 +121,14 @@ pub enum Geometry<S: Scalar = Fx> {
         /// The radius around the polygon, m.
         radius: S,
     },
+    /// A chain of segments, each of which touches what is on its right: see [`Shape::chain`].
+    Chain {
+        /// The points, m.
+        #[cfg_attr(feature = "serde", serde(serialize_with = "serial::all"))]
+        points: Arc<[Vec2<S>]>,
+        /// True if a segment joins the last point to the first one.
+        closed: bool,
+    },
 }
 
 /// A part of a compound.
@@ -135,10 +152,20 @@ impl<S: Scalar> Shape<S> {
         &self.geometry
     }
 
-    /// The convex outlines that it consists of: one for each part of a compound in their order, else one.
+    /// The convex outlines that it consists of: one for each part of a compound or segment of a chain in their order, else one.
     #[must_use]
     pub fn outlines(&self) -> &[Outline<S>] {
         self.outlines.as_slice()
+    }
+
+    /// The outlines turned by an angle in radians, and then moved. *Domain* the angle is finite, positions are within 2^13 m.
+    pub(crate) fn outlines_at(&self, angle: S, position: Vec2<S>) -> impl ExactSizeIterator<Item = Outline<S>> + '_ {
+        self.outlines.at(angle, position)
+    }
+
+    /// Returns true for a chain, which only static and kinematic bodies have.
+    pub(crate) fn is_chain(&self) -> bool {
+        matches!(self.geometry, Geometry::Chain { .. })
     }
 
     /// The least box around the shape, relative to its centre of mass, as long as the shape is not turned.
@@ -175,6 +202,9 @@ impl<S: Scalar> Shape<S> {
                 Geometry::RoundedPolygon { corners: others, radius: other },
             ) => Arc::ptr_eq(own, others) && radius == other,
             (Geometry::Compound { parts: own }, Geometry::Compound { parts: others }) => Arc::ptr_eq(own, others),
+            (Geometry::Chain { points: own, closed }, Geometry::Chain { points: others, closed: other }) => {
+                Arc::ptr_eq(own, others) && closed == other
+            }
             _ => false,
         };
         shares_list && self.shift == other.shift

@@ -3,6 +3,8 @@
 
 use alloc::sync::Arc;
 use alloc::vec::Vec;
+use core::cmp::Ordering;
+use core::fmt;
 
 use super::{Aabb, Geometry, Part};
 use crate::fx::Fx;
@@ -35,20 +37,60 @@ pub struct Outline<S: Scalar = Fx> {
 }
 
 #[derive(Clone, Debug, PartialEq)]
-enum Core<S> {
+enum Core<S: Scalar> {
     /// The centre of a disc: nothing on the heap.
     Point(Vec2<S>),
     Sides {
         corners: Arc<[Vec2<S>]>,
         normals: Arc<[Vec2<S>]>,
     },
+    /// A segment of a chain, by its number.
+    Link(Arc<Links<S>>, usize),
+}
+
+/// The segments of a chain.
+#[derive(PartialEq)]
+struct Links<S> {
+    /// The points; of a closed chain the first one is at the end again.
+    points: Vec<Vec2<S>>,
+    /// The outward normal of each segment, and its opposite.
+    normals: Vec<[Vec2<S>; 2]>,
+    is_closed: bool,
+}
+
+impl<S> fmt::Debug for Links<S> {
+    /// The number of points: each outline of a chain shows it.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Links").field("points", &self.points.len()).finish_non_exhaustive()
+    }
+}
+
+/// The segment of a chain beside another one.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Neighbour<T> {
+    /// There is none: the chain ends.
+    None,
+    /// The chain goes on straight, or turns to the side on which it touches others: the neighbour's outward normal.
+    Inner(T),
+    /// The chain turns to the other side: the neighbour's outward normal.
+    Outer(T),
+}
+
+impl<T> Neighbour<T> {
+    pub(crate) fn map<U>(self, image: impl FnOnce(T) -> U) -> Neighbour<U> {
+        match self {
+            Self::None => Neighbour::None,
+            Self::Inner(normal) => Neighbour::Inner(image(normal)),
+            Self::Outer(normal) => Neighbour::Outer(image(normal)),
+        }
+    }
 }
 
 /// The outlines of a shape.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Outlines<S: Scalar> {
     One(Outline<S>),
-    /// Outlines of a compound's parts.
+    /// Outlines of a compound's parts, or of a chain's segments.
     Parts(Arc<[Outline<S>]>),
 }
 
@@ -59,6 +101,72 @@ impl<S: Scalar> Outlines<S> {
             Self::Parts(outlines) => outlines,
         }
     }
+
+    /// The outlines turned and moved: see [`Shape::outlines_at`](super::Shape::outlines_at).
+    pub(super) fn at(&self, angle: S, position: Vec2<S>) -> impl ExactSizeIterator<Item = Outline<S>> + '_ {
+        let all = self.as_slice();
+        // The segments of a chain share their points.
+        let links = match &all[0].core {
+            Core::Link(links, _) if angle == S::ZERO && position == Vec2::ZERO => Some(Arc::clone(links)),
+            Core::Link(links, _) => {
+                let direction = S::Angle::from_radians(angle).direction();
+                Some(Arc::new(links.placed(direction, position)))
+            }
+            _ => None,
+        };
+        let of_chain = move |(number, outline): (usize, &Outline<S>)| match &links {
+            Some(links) => Outline { core: Core::Link(Arc::clone(links), number), radius: S::ZERO },
+            None => outline.at(angle, position),
+        };
+        all.iter().enumerate().map(of_chain)
+    }
+}
+
+impl<S: Scalar> Links<S> {
+    fn new(points: &[Vec2<S>], is_closed: bool) -> Self {
+        let mut own = Vec::with_capacity(points.len() + usize::from(is_closed));
+        own.extend_from_slice(points);
+        own.extend(points.first().filter(|_| is_closed));
+        let normals = own.windows(2).map(|ends| normal(ends[0], ends[1])).map(|normal| [normal, -normal]).collect();
+        Self { points: own, normals, is_closed }
+    }
+
+    fn placed(&self, direction: <S::Angle as Angle<S>>::Direction, position: Vec2<S>) -> Self {
+        let turned = |v: &Vec2<S>| turned::<S>(direction, *v);
+        Self {
+            points: self.points.iter().map(|point| turned(point) + position).collect(),
+            normals: self.normals.iter().map(|normals| [turned(&normals[0]), turned(&normals[1])]).collect(),
+            is_closed: self.is_closed,
+        }
+    }
+
+    /// The segments before and after one.
+    fn neighbours(&self, number: usize) -> [Neighbour<Vec2<S>>; 2] {
+        let count = self.normals.len();
+        let beside = |first: usize, second: usize, other: usize| {
+            let (corner, normal) = (self.points[first + 1], self.normals[other][0]);
+            match S::orientation(self.points[first], corner, self.points[second + 1]) {
+                Ordering::Greater => Neighbour::Outer(normal),
+                _ => Neighbour::Inner(normal),
+            }
+        };
+        let before = match number {
+            0 if self.is_closed => beside(count - 1, 0, count - 1),
+            0 => Neighbour::None,
+            _ => beside(number - 1, number, number - 1),
+        };
+        let after = match number + 1 {
+            next if next < count => beside(number, next, next),
+            _ if self.is_closed => beside(count - 1, 0, 0),
+            _ => Neighbour::None,
+        };
+        [before, after]
+    }
+}
+
+/// A vector turned. Nothing in the domain is too large for it.
+fn turned<S: Scalar>(direction: <S::Angle as Angle<S>>::Direction, v: Vec2<S>) -> Vec2<S> {
+    S::Angle::turn(direction, v).and_then(|turned| turned.try_map(Wide::to_scalar)).unwrap_or(v)
 }
 
 impl<S: Scalar> Outline<S> {
@@ -72,6 +180,7 @@ impl<S: Scalar> Outline<S> {
         match &self.core {
             Core::Point(centre) => core::slice::from_ref(centre),
             Core::Sides { corners, .. } => corners,
+            Core::Link(links, number) => &links.points[*number..*number + 2],
         }
     }
 
@@ -82,6 +191,23 @@ impl<S: Scalar> Outline<S> {
         match &self.core {
             Core::Point(_) => &[],
             Core::Sides { normals, .. } => normals,
+            Core::Link(links, number) => &links.normals[*number],
+        }
+    }
+
+    /// Another segment of the same chain, of a segment of a chain; else the outline itself.
+    pub(crate) fn segment(&self, number: usize) -> Self {
+        match &self.core {
+            Core::Link(links, _) => Self { core: Core::Link(Arc::clone(links), number), radius: self.radius },
+            _ => self.clone(),
+        }
+    }
+
+    /// The segments before and after it, of a segment of a chain; `None` of all other outlines.
+    pub(crate) fn neighbours(&self) -> Option<[Neighbour<Vec2<S>>; 2]> {
+        match &self.core {
+            Core::Link(links, number) => Some(links.neighbours(*number)),
+            _ => None,
         }
     }
 
@@ -124,15 +250,15 @@ impl<S: Scalar> Outline<S> {
     /// The outline where a part of a compound has it. *Domain* the part was checked: corners are within √2·2^13 m of its
     /// centre of mass, and that is within 2^13 m of the origin, so that sums stay below 2^15 m.
     fn placed(&self, direction: <S::Angle as Angle<S>>::Direction, position: Vec2<S>) -> Self {
-        let turned = |v: &Vec2<S>| S::Angle::turn(direction, *v)?.try_map(Wide::to_scalar);
-        // Nothing in the domain is too large to be turned.
-        let place = |corner: &Vec2<S>| turned(corner).unwrap_or(*corner) + position;
+        let turned = |v: &Vec2<S>| turned::<S>(direction, *v);
+        let place = |corner: &Vec2<S>| turned(corner) + position;
         let core = match &self.core {
             Core::Point(centre) => Core::Point(place(centre)),
             Core::Sides { corners, normals } => Core::Sides {
                 corners: corners.iter().map(place).collect(),
-                normals: normals.iter().map(|normal| turned(normal).unwrap_or(*normal)).collect(),
+                normals: normals.iter().map(turned).collect(),
             },
+            Core::Link(links, number) => Core::Link(Arc::new(links.placed(direction, position)), *number),
         };
         Self { core, radius: self.radius }
     }
@@ -155,7 +281,7 @@ fn half<S: Scalar>(size: S) -> S {
     S::Factor::from_scalar(size).times(S::Factor::from_ratio(1, 2)).to_scalar().unwrap_or(size)
 }
 
-/// The outlines of a geometry: one for each part of a compound in their order, else one.
+/// The outlines of a geometry: one for each part of a compound or segment of a chain in their order, else one.
 pub(super) fn outlines<S: Scalar>(geometry: &Geometry<S>) -> Outlines<S> {
     Outlines::One(match geometry {
         Geometry::Circle { radius } => Outline { core: Core::Point(Vec2::ZERO), radius: *radius },
@@ -173,6 +299,11 @@ pub(super) fn outlines<S: Scalar>(geometry: &Geometry<S>) -> Outlines<S> {
         Geometry::Segment { ends } => Outline::of(Arc::new(*ends), S::ZERO),
         Geometry::Compound { parts } => {
             return Outlines::Parts(parts.iter().flat_map(of_part).collect::<Vec<_>>().into());
+        }
+        Geometry::Chain { points, closed } => {
+            let links = Arc::new(Links::new(points, *closed));
+            let of = |number| Outline { core: Core::Link(Arc::clone(&links), number), radius: S::ZERO };
+            return Outlines::Parts((0..links.normals.len()).map(of).collect());
         }
     })
 }

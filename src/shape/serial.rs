@@ -32,6 +32,7 @@ enum Spec<S, P> {
     Compound { parts: Vec<P> },
     // Added later: formats that number the kinds read older data.
     RoundedPolygon { corners: Vec<Vec2<S>>, radius: S },
+    Chain { points: Vec<Vec2<S>>, closed: bool },
 }
 
 /// A part of a compound. Its shape has no parts, so that what is read is not nested without end.
@@ -75,6 +76,7 @@ fn spec<S: Scalar, P>(shape: &Shape<S>, part: impl Fn(&Part<S>) -> Option<P>) ->
             let placed = |p: &Part<S>| part(&Part { position: given(p.position), ..p.clone() });
             Spec::Compound { parts: parts.iter().filter_map(placed).collect() }
         }
+        Geometry::Chain { ref points, closed } => Spec::Chain { points: points.to_vec(), closed },
     }
 }
 
@@ -90,6 +92,7 @@ fn shape<S: Scalar, P>(spec: Spec<S, P>, part: impl Fn(P) -> Result<Part<S>, Err
             let parts: Vec<Part<S>> = parts.into_iter().map(part).collect::<Result<_, _>>()?;
             Shape::compound(&parts)
         }
+        Spec::Chain { points, closed } => Shape::chain(&points, closed),
     }
 }
 

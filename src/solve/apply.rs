@@ -288,7 +288,7 @@ fn dot<const N: usize>(a: [i128; N], b: [i64; N]) -> i128 {
 }
 
 /// value · 2^-bits within the largest impulse.
-fn shifted_within(value: i128, bits: i32) -> i128 {
+pub(super) fn shifted_within(value: i128, bits: i32) -> i128 {
     if bits < 0 && 128 - value.unsigned_abs().leading_zeros() as i32 - bits > 111 {
         return if value < 0 { -LARGEST } else { LARGEST };
     }

@@ -3,7 +3,7 @@
 use core::ops::Range;
 
 use super::batch::Batch;
-use super::number::{bits_of, clamped_word, exponent, shifted_word};
+use super::number::{bits_of, clamped_word, shifted_word};
 use super::unit::Scale;
 use super::{Contact, Flight, STILL};
 use crate::kernel::simd::{GROUP, Pairs};
@@ -112,7 +112,7 @@ pub(super) struct BodyOf {
     pub(super) row: u32,
     /// log2 of the length in metres by which arms are divided and angular velocities multiplied.
     pub(super) length: i32,
-    /// The exponent above its inverse masses, and its inverse inertia times the square of the length.
+    /// [`Flight::inverse_exponent`]
     exponent: i32,
     /// True if its centre cannot be moved.
     is_held: bool,
@@ -125,13 +125,12 @@ pub(super) struct BodyOf {
 }
 
 impl BodyOf {
-    pub(super) fn new(flight: &Flight, row: u32) -> Self {
+    pub(super) fn new(flight: &Flight, exponent: i32, row: u32) -> Self {
         let (length, inverse_mass) = (flight.length(), [flight.inverse_mass.x, flight.inverse_mass.y]);
-        let [x, y] = inverse_mass.map(exponent);
         Self {
             row,
             length,
-            exponent: x.max(y).max(exponent(flight.inverse_inertia) + 2 * length),
+            exponent,
             is_held: inverse_mass.iter().all(|factor| factor.is_zero()),
             // A body at rest has a speed of 1: angular ones are rounded up.
             is_carrier: row == STILL && flight.is_fixed() && flight.speed() > 1,

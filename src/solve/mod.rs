@@ -46,9 +46,9 @@ use self::joint::{Common, Joints};
 pub use self::joint::{Joint, JointKind};
 use self::matrix::Matrices;
 use self::motion::{Advance, Begin, FlightRow, Rows};
-use self::number::{log2_above, shifted_word};
+use self::number::{exponent, log2_above, shifted_word};
 use self::pass::{Pass, PassOver};
-use self::prepare::{Given, SetGroups, graph_start};
+use self::prepare::{Given, Load, SetGroups, graph_start};
 use self::restitution::Bounces;
 use self::unit::{Clock, FINEST, Scale, Softness, rim_speed};
 use crate::fx;
@@ -128,6 +128,12 @@ impl Flight {
     fn is_fixed(&self) -> bool {
         let zero = |factor: FxFactor| factor.parts().0 == 0;
         zero(self.inverse_mass.x) && zero(self.inverse_mass.y) && zero(self.inverse_inertia)
+    }
+
+    /// The exponent above its inverse masses, and its inverse inertia times the square of the length.
+    fn inverse_exponent(&self) -> i32 {
+        let [x, y] = [self.inverse_mass.x, self.inverse_mass.y].map(exponent);
+        x.max(y).max(exponent(self.inverse_inertia) + 2 * self.length())
     }
 
     /// log2 of the length of the body in the solver.
@@ -248,6 +254,8 @@ pub struct Solver {
     bodies: Vec<BodyOf>,
     /// The largest speed by island, in 2^-32 m/s.
     fastest: Vec<u128>,
+    /// By body.
+    loads: Vec<Load>,
     groups: Vec<Group>,
     /// The part of `groups` of each phase.
     phases: [core::ops::Range<usize>; PHASES],
@@ -307,7 +315,7 @@ impl Solver {
         self.graph.build(is_fixed, flights.len(), links, |members, queue| {
             graph_start(flights, members, queue);
         });
-        self.set_rows(&clock, flights, joints);
+        self.set_rows(&clock, flights, joints, contacts);
         let softness = Softness::new(options);
         self.places.clear();
         self.carriers.clear();

@@ -7,12 +7,23 @@ use super::graph::PHASES;
 use super::joint::Joint;
 use super::motion::FlightRow;
 use super::unit::{Clock, FINEST, Scale, Softness, unit_for};
-use super::{Contact, Flight, Place, STILL, Solver};
+use super::{Contact, Flight, Impulses, Place, STILL, Solver};
+use crate::fx::Fx;
 use crate::kernel::simd::{GROUP, Job, Lanes};
+
+/// The velocity that the impulses at the start give to a body.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Load {
+    /// [`Flight::inverse_exponent`]
+    exponent: i32,
+    /// In 2^-32 m/s.
+    speed: u128,
+}
 
 impl Solver {
     /// Chooses units and makes the rows of bodies that touch.
-    pub(super) fn set_rows(&mut self, clock: &Clock, flights: &[Flight], joints: &[Joint]) {
+    pub(super) fn set_rows(&mut self, clock: &Clock, flights: &[Flight], joints: &[Joint], contacts: &[Contact]) {
+        self.loads.clear();
         self.fastest.clear();
         self.fastest.resize(self.graph.islands(), 0);
         for (body, flight) in flights.iter().enumerate() {
@@ -20,9 +31,12 @@ impl Solver {
                 let fastest = &mut self.fastest[island as usize];
                 *fastest = (*fastest).max(flight.speed());
             }
+            self.loads.push(Load { exponent: flight.inverse_exponent(), speed: 0 });
         }
         self.add_fixed_speeds(flights);
         self.add_joint_speeds(clock, flights, joints);
+        self.add_surface_speeds(contacts);
+        self.add_loads(clock, contacts);
         self.rows.clear();
         self.rows.push(FlightRow::default());
         self.row_of.clear();
@@ -37,7 +51,7 @@ impl Solver {
                 None => (STILL, 0),
             };
             self.row_of.push(row);
-            self.bodies.push(BodyOf::new(flight, row));
+            self.bodies.push(BodyOf::new(flight, self.loads[body].exponent, row));
             self.unit_of.push(unit);
         }
     }
@@ -54,6 +68,42 @@ impl Solver {
                     let fastest = &mut self.fastest[island as usize];
                     *fastest = (*fastest).max(speed);
                 }
+            }
+        }
+    }
+
+    /// Impulses that the step starts from count as the velocities that each of them gives to a body, all of the body together: those on a
+    /// light body under a heavy one are large and cancel, but one after the other.
+    fn add_loads(&mut self, clock: &Clock, contacts: &[Contact]) {
+        // The largest speed that a unit is chosen for, as that of a flight: below 2^66.
+        const FASTEST: u128 = 1 << 66;
+        for contact in contacts {
+            let Impulses { values: [one, two, along], exponent: unit } = contact.impulses;
+            // Each is at most 2^62.
+            let sum = one.unsigned_abs() + two.unsigned_abs() + along.unsigned_abs();
+            for body in contact.bodies {
+                let of = &mut self.loads[body as usize];
+                // From 2^unit N·s to 2^-32 m/s; far below zero for a body that cannot be moved.
+                let up = of.exponent + unit + 32;
+                let load = if up > 0 { u128::from(sum) << up.min(63) } else { (sum >> (-up).min(63)).into() };
+                // As many as there may be contacts of 2^70 fit.
+                of.speed += load.min(FASTEST << 4);
+            }
+        }
+        for (body, load) in self.loads.iter().enumerate() {
+            if let Some(island) = self.graph.island_of(body as u32) {
+                let fastest = &mut self.fastest[island as usize];
+                *fastest = (*fastest).max((load.speed / u128::from(clock.substeps.max(4))).min(FASTEST));
+            }
+        }
+    }
+
+    /// Bodies may take up the speed of a surface.
+    fn add_surface_speeds(&mut self, contacts: &[Contact]) {
+        for contact in contacts.iter().filter(|contact| contact.surface_speed != Fx::ZERO) {
+            if let Some(island) = self.graph.mover(contact.bodies).and_then(|body| self.graph.island_of(body)) {
+                let fastest = &mut self.fastest[island as usize];
+                *fastest = (*fastest).max(contact.surface_speed.to_bits().unsigned_abs().into());
             }
         }
     }

@@ -12,11 +12,12 @@
 //! instead: the point arrives in the next step.
 //!
 //! Impulses at the same time may add energy. So those of an island are scaled by the largest factor up to 1 for which the kinetic
-//! energy is at most that of the free flight, or that before the bounce if it is larger.
+//! energy is at most that of the free flight, or that before the bounce if it is larger, and the work of kinematic bodies: a paddle
+//! gives its own speed and the rebound.
 
 use alloc::vec::Vec;
 
-use super::apply::on_bodies;
+use super::apply::{on_bodies, shifted_within};
 use super::contact::Group;
 use super::motion::Vector;
 use super::number::{bits_of, exponent, fixed, shifted};
@@ -49,8 +50,8 @@ pub(super) struct Bounces {
 /// Twice the kinetic energy of the bodies of an island that bounce, as a polynomial of the factor.
 #[derive(Clone, Copy, Debug, Default)]
 struct Energy {
-    /// The number of bodies.
-    bodies: i64,
+    /// The number of bodies and impacts.
+    terms: i64,
     /// The energy of the free flight.
     free: i128,
     before: i128,
@@ -61,6 +62,12 @@ struct Energy {
 }
 
 impl Energy {
+    /// The bits that masses and works are shifted down by. Components are below 2^58 · 2^57 and works below 2^111, as are 2^10 bodies and
+    /// impacts of that.
+    fn down(&self) -> i32 {
+        (bits_of(self.terms) - 10).max(0)
+    }
+
     fn add(&mut self, mass: i64, free: i32, before: i32, change: i32) {
         let [free, before, change] = [free, before, change].map(i128::from);
         let mass = i128::from(mass);
@@ -68,6 +75,12 @@ impl Energy {
         self.before += mass * before * before;
         self.linear += 2 * mass * before * change;
         self.square += mass * change * change;
+    }
+
+    /// Adds twice the work of a fixed body by the impulses before, and by those that are returned.
+    fn add_work(&mut self, [before, returned]: [i128; 2]) {
+        self.free -= 2 * before;
+        self.linear += 2 * returned;
     }
 
     /// The largest factor up to 1, in 2^-30, that adds no energy.
@@ -151,7 +164,7 @@ impl Solver {
             return;
         }
         self.add_returned(flights, contacts);
-        self.limit_energy(flights);
+        self.limit_energy(flights, contacts);
         for &(place, returned) in &self.bounces.impacts {
             let place = &self.places[place];
             let Some(island) = self.island_of(&contacts[place.contact as usize]) else { continue };
@@ -239,19 +252,22 @@ impl Solver {
     }
 
     /// Sums up the energies of islands, before and after, and finds their factors.
-    fn limit_energy(&mut self, flights: &[Flight]) {
-        let Bounces { bodies, impulses, energies, .. } = &mut self.bounces;
+    fn limit_energy(&mut self, flights: &[Flight], contacts: &[Contact]) {
+        let Bounces { impacts, bodies, impulses, energies } = &mut self.bounces;
         energies.clear();
         energies.resize(self.graph.islands(), Energy::default());
         let island_of =
             |body: u32| self.graph.island_of(body).expect("bodies that can be moved are in islands") as usize;
-        bodies.iter().for_each(|&body| energies[island_of(body)].bodies += 1);
+        bodies.iter().for_each(|&body| energies[island_of(body)].terms += 1);
+        let movers = impacts
+            .iter()
+            .filter_map(|&(place, _)| self.graph.mover(contacts[self.places[place].contact as usize].bodies));
+        movers.for_each(|mover| energies[island_of(mover)].terms += 1);
         for &body in bodies.iter() {
             let (flight, row) = (&flights[body as usize], self.row_of[body as usize]);
             let (free, before) = (self.rows.flight(row), self.rows.velocity(row));
             let energy = &mut energies[island_of(body)];
-            // Below 2^58 · 2^57 a component, and 2^10 bodies of that.
-            let down = (bits_of(energy.bodies) - 10).max(0);
+            let down = energy.down();
             let (unit, length) = (self.unit_of[body as usize], flight.length());
             let inertia_bits = 32 - 2 * length;
             let is_large = exponent(flight.inertia) + inertia_bits > 58;
@@ -266,6 +282,28 @@ impl Solver {
             for (k, (mass, inverse, unit)) in components.into_iter().enumerate() {
                 let change = change_of(impulses[k], inverse, unit);
                 energy.add(mass >> down, free.start[k] + free.change[k], before[k], change);
+            }
+        }
+        for &(place, returned) in impacts.iter() {
+            let place = &self.places[place];
+            let contact = &contacts[place.contact as usize];
+            let Some(mover) = self.graph.mover(contact.bodies) else { continue };
+            let energy = &mut energies[island_of(mover)];
+            let (group, lane) = (&self.groups[place.group as usize], place.lane as usize);
+            let rows = [group.a[lane], group.b[lane]];
+            let [a, b] = [0, 1].map(|side| {
+                let is_fixed = self.graph.island_of(contact.bodies[side]).is_none();
+                if is_fixed { self.rows.flight(rows[side]).start } else { Vector::default() }
+            });
+            let carried = along_normals(group, lane, a, b);
+            // From 2^exponent N·s to 2^(unit − 32) kg·m/s.
+            let bits = self.unit_of[mover as usize] - 32 - place.exponent;
+            for k in (0..contact.count).filter(|&k| carried[k] != 0) {
+                // Impulses are below 2^62, velocities below 2^30.
+                let work =
+                    |impulse: i64| shifted_within(i128::from(impulse) * i128::from(carried[k]), bits) >> energy.down();
+                let works = [work(group.applied[k][lane]), work(returned[k])];
+                energy.add_work(works);
             }
         }
         for energy in energies {

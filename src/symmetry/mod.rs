@@ -223,6 +223,11 @@ impl Symmetry {
                 let parts: Vec<Part> = parts.iter().map(part).collect::<Option<_>>()?;
                 Shape::compound(&parts).ok()
             }
+            // The other way through the points: the same side is the outer one.
+            Geometry::Chain { points, closed } => {
+                let points: Vec<Vec2> = points.iter().rev().map(|&point| self.local(point)).collect::<Option<_>>()?;
+                Shape::chain(&points, *closed).ok()
+            }
         }
     }
 

@@ -4,10 +4,12 @@ use alloc::sync::Arc;
 
 use super::{FAR, Image, Symmetry};
 use crate::body::MassSource;
-use crate::collider::ColliderMass;
+use crate::collider::{ColliderMass, OutlineId};
+use crate::contact::ContactRecord;
 use crate::fx::Fx;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator as _, FxAccumulator, FxSum, Number as _};
+use crate::shape::{Geometry, Outline, Shape};
 use crate::world::{CommandMap as _, World};
 
 impl Symmetry {
@@ -51,17 +53,25 @@ impl Symmetry {
             set.replace(id, Image(self).collider_def(def.clone()).ok()?).ok()?;
         }
         for record in &mut image.contacts.records {
-            let outlines = record.pair.map(|slot| {
-                let here = world.colliders.at(slot)?.def.shape.outlines().first()?;
-                Some((here, image.colliders.at(slot)?.def.shape.outlines().first()?))
+            let pair = record.pair();
+            let images = pair.map(|OutlineId { slot, part }| {
+                let shape = world.colliders.at(slot).map(|collider| &collider.def.shape);
+                OutlineId { slot, part: shape.map_or(part, |shape| image_of_part(shape, part)) }
+            });
+            let outlines = [0, 1].map(|side| {
+                let here = own_outline(&world.colliders.at(pair[side].slot)?.def.shape, pair[side].part)?;
+                let there = &image.colliders.at(images[side].slot)?.def.shape;
+                Some((here, own_outline(there, images[side].part)?))
             });
             let corner = |side: usize, number: usize| {
                 let (here, there) = outlines[side]?;
                 let place = self.local(*here.corners().get(number)?)?;
                 there.corners().iter().position(|corner| *corner == place)
             };
-            *record = record.mirrored(corner)?;
+            *record = record.mirrored(images, corner)?;
         }
+        // The segments of a chain are in the opposite order.
+        image.contacts.records.sort_unstable_by_key(ContactRecord::pair);
         Some(())
     }
 
@@ -111,6 +121,26 @@ impl Symmetry {
     }
 }
 
+/// An outline in the axes of the shape that it is of: of a compound the part's.
+fn own_outline(shape: &Shape, part: u32) -> Option<&Outline> {
+    match shape.geometry() {
+        Geometry::Compound { parts } => parts.get(part as usize)?.shape.outlines().first(),
+        _ => shape.outlines().get(part as usize),
+    }
+}
+
+/// The number that an outline has in a mirror image of its shape: a chain goes through its points in the opposite order.
+fn image_of_part(shape: &Shape, part: u32) -> u32 {
+    match shape.geometry() {
+        Geometry::Chain { points, .. } => {
+            // The segment that closes a chain stays the last one.
+            let joins = points.len() as u32 - 1;
+            if part < joins { joins - 1 - part } else { part }
+        }
+        _ => part,
+    }
+}
+
 /// The sum on the other side of zero.
 fn opposite(sum: FxSum) -> FxSum {
     let [carries, high, low] = sum.to_words();
@@ -127,10 +157,8 @@ mod tests {
     use crate::body::BodyDef;
     use crate::collide::{Manifold, Pose, collide};
     use crate::collider::ColliderDef;
-    use crate::contact::ContactRecord;
     use crate::fx;
     use crate::math::{Random, vec2};
-    use crate::shape::Shape;
     use crate::solve::Impulses;
     use crate::world::WorldDef;
 
@@ -141,12 +169,13 @@ mod tests {
             let body = world.body(collider.body).expect("it is there");
             Pose::new(body.position(), body.angle_exact())
         });
-        collide(&a.outline, &at, &b.outline, &bt, Fx::ZERO)
+        collide(&a.outline(0).outline, &at, &b.outline(0).outline, &bt, Fx::ZERO)
     }
 
     fn record(manifold: &Manifold, values: [i64; 3]) -> ContactRecord {
         let features = manifold.points.map(|point| point.feature);
-        ContactRecord::new([0, 1], features, manifold.count, Impulses { values, exponent: -9 })
+        let pair = [0, 1].map(|slot| OutlineId { slot, part: 0 });
+        ContactRecord::new(pair, features, manifold.count, Impulses { values, exponent: -9 })
     }
 
     #[test]

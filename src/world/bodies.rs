@@ -214,8 +214,8 @@ impl<S: Scalar> World<S> {
     /// Sets the kind of a body. A body that becomes static stops. Forces applied to it since the last step are dropped.
     ///
     /// # Errors
-    /// [`Error::NoSuchBody`]; [`Error::Quarantined`]; [`Error::Disabled`]; [`Error::NoShape`] or [`Error::OutOfRange`] if
-    /// it becomes dynamic without a mass it can have.
+    /// [`Error::NoSuchBody`]; [`Error::Quarantined`]; [`Error::Disabled`]; if it becomes dynamic, [`Error::NoShape`] or [`Error::OutOfRange`]
+    /// without a mass it can have, [`Error::DynamicChain`] with a chain among its colliders.
     pub fn set_kind(&mut self, body: BodyId, kind: BodyKind) -> Result<(), Error> {
         S::set_kind(self, body, kind)
     }

@@ -36,7 +36,7 @@ use crate::slots::BodyId;
 ///     ("0".into(), "0".into())
 /// );
 ///
-/// assert_eq!((look.kind(), look.activity()), (BodyKind::Dynamic, Activity::Awake));
+/// assert_eq!((look.kind(), look.activity(), look.key()), (BodyKind::Dynamic, Activity::Awake, 0));
 /// assert_eq!(format!("a {} body, {}", look.kind(), look.activity()), "a dynamic body, awake");
 /// assert!(format!("{look:?}").contains("inertia: Some(4)"));
 /// assert_eq!((look.mass(), look.inverse_mass().to_scalar()), (Some(fx!(4)), Some(fx!(0.25))));

@@ -7,7 +7,7 @@ use crate::body::{
     check_angular_velocity, check_gravity_scale, check_max_angular_speed, check_max_speed, check_position,
     check_turning, check_unlocked, check_velocity, within_envelope,
 };
-use crate::collider::{ColliderDef, ColliderMass};
+use crate::collider::{ColliderDef, ColliderMass, more_outlines};
 use crate::error::{Error, Quantity};
 use crate::force::ForceField;
 use crate::integrate::{Integrator, rate};
@@ -23,7 +23,7 @@ impl<S: Scalar> World<S> {
         let masses = def.checked()?;
         self.check_own_damping(def.linear_damping, def.angular_damping)?;
         self.bodies.check_room()?;
-        self.colliders.check_room(def.colliders.len())?;
+        self.colliders.check_room(def.colliders.len(), def.colliders.iter().map(more_outlines).sum())?;
         Ok(masses)
     }
 
@@ -35,7 +35,8 @@ impl<S: Scalar> World<S> {
     ) -> Result<(ColliderMass<S>, MassProperties<S>), Error> {
         let dense = self.bodies.find(body)?;
         def.check()?;
-        self.colliders.check_room(1)?;
+        def.check_on(self.bodies.info(dense).kind == BodyKind::Dynamic)?;
+        self.colliders.check_room(1, more_outlines(def))?;
         let own = self.colliders.of(body).map(|collider| &collider.def);
         self.with_collider_mass(dense, ColliderMass::of(own.chain([def])))
     }
@@ -47,8 +48,12 @@ impl<S: Scalar> World<S> {
         def: Option<&ColliderDef<S>>,
     ) -> Result<(BodyId, ColliderMass<S>, MassProperties<S>), Error> {
         let body = self.colliders.get(id)?.body;
-        def.map_or(Ok(()), ColliderDef::check)?;
         let dense = self.bodies.find(body)?;
+        if let Some(def) = def {
+            def.check()?;
+            def.check_on(self.bodies.info(dense).kind == BodyKind::Dynamic)?;
+            self.colliders.check_room(0, more_outlines(def))?;
+        }
         let own = self.colliders.of(body).filter_map(|own| if own.slot == id.slot { def } else { Some(&own.def) });
         self.with_collider_mass(dense, ColliderMass::of(own)).map(|(mass, properties)| (body, mass, properties))
     }
@@ -118,6 +123,7 @@ impl<S: Scalar> World<S> {
     pub(super) fn check_body_kind(&self, body: BodyId, kind: BodyKind) -> Result<MassProperties<S>, Error> {
         let dense = self.check_taking_part(body)?;
         let info = self.bodies.info(dense);
+        self.colliders.of(body).try_for_each(|own| own.def.check_on(kind == BodyKind::Dynamic))?;
         info.mass_source().properties(kind, info.mass, self.bodies.mass(dense).locks)
     }
 

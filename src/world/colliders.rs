@@ -15,8 +15,8 @@ impl<S: Scalar> World<S> {
     /// [`Mass::FromColliders`](crate::Mass::FromColliders); the centre of mass stays where it is.
     ///
     /// # Errors
-    /// [`Error::NoSuchBody`]; as [`ColliderDef::check`]; [`Error::OutOfRange`] for a mass that the body cannot have;
-    /// [`Error::Full`].
+    /// [`Error::NoSuchBody`]; as [`ColliderDef::check`]; [`Error::DynamicChain`] for a chain on a dynamic body;
+    /// [`Error::OutOfRange`] for a mass that the body cannot have; [`Error::Full`].
     ///
     /// ```
     /// use umbra_physics::{BodyDef, ColliderDef, Shape, World, WorldDef, fx, vec2};

@@ -192,6 +192,9 @@ pub trait CommandMap<S: Scalar, T: Scalar = S> {
             material: Material {
                 friction: self.scalar(def.material.friction)?,
                 restitution: self.scalar(def.material.restitution)?,
+                surface_speed: self.pseudoscalar(def.material.surface_speed)?,
+                friction_rule: def.material.friction_rule,
+                restitution_rule: def.material.restitution_rule,
             },
             filter: def.filter,
             key: def.key,

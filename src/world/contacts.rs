@@ -1,14 +1,18 @@
 //! Contacts as calls read them.
 
 use super::World;
+use crate::collider::Collider;
 use crate::contact::{Contact, ContactEngine as _, ContactRecord};
 use crate::error::Error;
 use crate::scalar::Scalar;
+use crate::shape::Geometry;
 use crate::slots::BodyId;
 
 impl<S: Scalar> World<S> {
     /// The contacts that carried an impulse at the end of the last step, at the present poses: those whose colliders are no longer
     /// near each other are left out. Sorted by the slots of the colliders.
+    ///
+    /// A body that has gone over seams of a chain in the step is shown on the segment that it is on now, up to 16 from the one that it was on.
     ///
     /// They are a function of the state: a restored world has the same.
     pub fn contacts(&self) -> impl Iterator<Item = Contact<S>> {
@@ -36,17 +40,53 @@ impl<S: Scalar> World<S> {
     pub fn contacts_of(&self, body: BodyId) -> Result<impl Iterator<Item = Contact<S>> + use<'_, S>, Error> {
         self.bodies.find(body)?;
         let is_of = move |slot| self.colliders.at(slot).is_some_and(|collider| collider.body == body);
-        let own = self.contacts.records.iter().filter(move |record| record.pair.into_iter().any(is_of));
+        let own =
+            self.contacts.records.iter().filter(move |record| record.pair().iter().any(|outline| is_of(outline.slot)));
         Ok(own.filter_map(|record| self.contact(record)))
     }
 
     fn contact(&self, record: &ContactRecord) -> Option<Contact<S>> {
-        let [a, b] = record.pair.map(|slot| self.colliders.at(slot));
+        let pair = record.pair();
+        let [a, b] = pair.map(|outline| self.colliders.at(outline.slot));
         let (a, b) = (a?, b?);
         let motion = &self.bodies.columns.motion;
         let pose = |body| self.bodies.find(body).ok().map(|dense| (motion.position.get(dense), motion.angle[dense]));
-        let (normal, points, count) = S::Contacts::touch((&a.outline, pose(a.body)?), (&b.outline, pose(b.body)?))?;
-        let handles = (record.pair.map(|slot| self.colliders.id(slot)), [a.body, b.body]);
-        Some(Contact::new(record, handles, (normal, &points[..count])))
+        let poses = [pose(a.body)?, pose(b.body)?];
+        let touch = |parts: [u32; 2]| {
+            let (own, other) = (a.outline(parts[0]), b.outline(parts[1]));
+            let found = S::Contacts::touch((&own.outline, poses[0]), (&other.outline, poses[1]))?;
+            Some((parts, found))
+        };
+        let parts = pair.map(|outline| outline.part);
+        let side = [a, b].iter().position(|collider| collider.def.shape.is_chain());
+        let near = || side.and_then(|side| nearest_segment([a, b][side], side, parts, touch));
+        let (parts, (normal, points, count)) = touch(parts).or_else(near)?;
+        let handles = (pair.map(|outline| self.colliders.id(outline.slot)), [a.body, b.body]);
+        Some(Contact::new(record, handles, parts, (normal, &points[..count])))
     }
+}
+
+/// The number of segments to each side of one that a contact is looked for on.
+const SEGMENTS: u32 = 16;
+
+/// The contact with the segment of a chain that is next to one in the chain: a body may have gone over seams in the step.
+fn nearest_segment<S: Scalar, T>(
+    chain: &Collider<S>,
+    side: usize,
+    parts: [u32; 2],
+    touch: impl Fn([u32; 2]) -> Option<([u32; 2], T)>,
+) -> Option<([u32; 2], T)> {
+    let count = chain.def.shape.outlines().len() as u32;
+    let is_closed = matches!(chain.def.shape.geometry(), Geometry::Chain { closed: true, .. });
+    let at = |part: Option<u32>| {
+        let part = part.filter(|part| is_closed || *part < count)?;
+        let mut parts = parts;
+        parts[side] = part % count;
+        touch(parts)
+    };
+    let own = parts[side];
+    (1..=SEGMENTS.min(count)).find_map(|way| {
+        let before = if own < way && is_closed { Some(own + count - way) } else { own.checked_sub(way) };
+        at(Some(own + way)).or_else(|| at(before))
+    })
 }

@@ -22,7 +22,7 @@ fn rectangle<S: Scalar>(width: Fx, height: Fx, surface: [Fx; 2]) -> ColliderDef<
 }
 
 fn collider<S: Scalar>(geometry: Geometry<S>, [friction, restitution]: [Fx; 2]) -> ColliderDef<S> {
-    let material = Material { friction: of(friction), restitution: of(restitution) };
+    let material = Material { friction: of(friction), restitution: of(restitution), ..Material::default() };
     ColliderDef { material, ..ColliderDef::new(Shape::new(geometry).expect("a shape")) }
 }
 

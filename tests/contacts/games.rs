@@ -144,6 +144,52 @@ fn teleports_and_changes_of_kind_keep_worlds_whole() {
     }
 }
 
+/// A disc at 5 m/s along the floor and 5 m/s towards it, with μ = 0.1: it slides through the impact. (At 1/3 of its slip it would roll.)
+#[test]
+fn friction_at_a_bounce_is_that_of_the_approach() {
+    for restitution in [fx!(0), fx!(0.5), fx!(1)] {
+        let surface = material(fx!(0.1), restitution);
+        let floor = ColliderDef { material: surface, ..ColliderDef::new(Shape::rectangle(100, 2).expect("it")) };
+        let disc = ColliderDef { material: surface, ..ColliderDef::new(Shape::circle(fx!(0.5)).expect("it")) };
+        let floor = BodyDef { position: vec2(0, -1), ..BodyDef::fixed().with_collider(floor) };
+        let disc =
+            BodyDef { position: vec2(0, fx!(2.5)), velocity: vec2(5, -5), ..BodyDef::dynamic().with_collider(disc) };
+        let still = WorldDef { gravity: vec2(0, 0), ..def() };
+        let (mut world, ids) = world(still, [floor, disc]).expect("a scene");
+        (0..60).for_each(|_| _ = world.step());
+        let off = world.body(ids[1]).expect("a disc").velocity() - vec2(fx!(4.5), fx!(5) * restitution);
+        assert!(off.length() < fx!(0.0001), "{restitution}: {off}");
+    }
+}
+
+/// Two bodies with one centre are the same scene when turned by half a turn: no direction parts them. A micrometre does.
+#[test]
+fn bodies_with_one_centre_stay_until_a_micrometre_parts_them() {
+    let still = WorldDef { gravity: vec2(0, 0), ..def() };
+    let rod = || Shape::capsule(1, fx!(0.1)).expect("a rod");
+    for (shape, angle) in [
+        (Shape::circle(fx!(0.5)).expect("a disc"), fx!(0)),
+        (Shape::rectangle(1, 1).expect("a square"), fx!(0)),
+        (Shape::rectangle(1, 1).expect("a square"), fx!(0.3)),
+        (rod(), fx!(0.7)),
+    ] {
+        for off in [fx!(0), fx!(0.000001)] {
+            let placed = |x, angle| {
+                let body = BodyDef::dynamic().with_collider(shape.clone());
+                BodyDef { position: vec2(x, 0), angle, ..body }
+            };
+            let (mut world, ids) = world(still, [placed(fx!(0), fx!(0)), placed(off, angle)]).expect("a scene");
+            (0..600).for_each(|_| _ = world.step());
+            let apart = (at(&world, ids[0]) - at(&world, ids[1])).length();
+            if off == Fx::ZERO {
+                assert_eq!(apart, Fx::ZERO, "{shape:?}");
+            } else {
+                assert!(apart > fx!(0.19), "{shape:?} at {angle}: {apart}");
+            }
+        }
+    }
+}
+
 /// A game with a pile, over a rollback and a recording.
 #[test]
 fn a_pile_rolls_back_and_plays_from_a_file() {

@@ -43,5 +43,5 @@ pub(crate) fn world(def: WorldDef, bodies: impl IntoIterator<Item = BodyDef>) ->
 
 /// A material.
 pub(crate) fn material(friction: Fx, restitution: Fx) -> Material {
-    Material { friction, restitution }
+    Material { friction, restitution, ..Material::default() }
 }

@@ -224,8 +224,6 @@ fn what_cannot_be_is_refused_and_the_world_unchanged() {
     let collider = world.colliders_of(ids[3]).expect("it").next().expect("a collider");
     let good = ColliderDef::new(Shape::circle(fx!(1)).expect("a disc"));
     let of = |quantity| Error::OutOfRange { quantity };
-    let part = umbra_physics::Part { shape: good.shape.clone(), position: vec2(0, 0), angle: fx!(0), density: fx!(1) };
-    let compound = Shape::compound(&[part]).expect("a compound");
     let bad = [
         (ColliderDef { material: material(fx!(-1), fx!(0)), ..good.clone() }, of(Quantity::Friction)),
         (ColliderDef { material: material(fx!(33), fx!(0)), ..good.clone() }, of(Quantity::Friction)),
@@ -241,7 +239,6 @@ fn what_cannot_be_is_refused_and_the_world_unchanged() {
             ColliderDef { filter: umbra_physics::Filter { category: 0, ..Default::default() }, ..good.clone() },
             of(Quantity::Filter),
         ),
-        (ColliderDef { shape: compound, ..good.clone() }, Error::CompoundCollider),
     ];
     let (before, contacts) = (world.state_hash(), (world.collider_count(), world.contacts().count()));
     for (def, error) in bad {

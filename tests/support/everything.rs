@@ -6,8 +6,8 @@ use std::{vec, vec::Vec};
 use umbra_physics::{
     ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, BodyState, ColliderDef, ColliderId, Command, ContactSettings,
     CustomForce, CustomForceError, Damping, Dependence, End, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse,
-    ForceTorque, Frame, Fx, FxFactor, Input, Inputs, Integrator, Locks, Mass, Material, Part, Random, RecordOptions,
-    Recorder, Region, Shape, SpringConstants, TimeStep, World, WorldDef, fx, vec2,
+    ForceTorque, Frame, Fx, FxFactor, Input, Inputs, Integrator, Locks, Mass, Material, MixRule, Part, Random,
+    RecordOptions, Recorder, Region, Shape, SpringConstants, TimeStep, World, WorldDef, fx, vec2,
 };
 
 struct Still;
@@ -45,14 +45,26 @@ fn shapes() -> Vec<Shape> {
     ]
 }
 
-/// A collider of every shape there is but a compound, in the middle of its body with the default material, and then not.
+/// An open chain, and a closed one.
+fn chains() -> Vec<Shape> {
+    let points = [vec2(2, 0), vec2(0, 0), vec2(-2, fx!(0.5))];
+    [false, true].map(|closed| Shape::chain(&points, closed).expect("a chain")).into()
+}
+
+/// A collider of every shape that a dynamic body may have, in the middle of its body with the default material, and then not.
 fn colliders() -> Vec<ColliderDef> {
-    let plain = shapes().into_iter().take(5).map(ColliderDef::new);
+    let plain = shapes().into_iter().map(ColliderDef::new);
     let other = |def: ColliderDef| ColliderDef {
         position: vec2(fx!(0.5), fx!(-0.25)),
         angle: fx!(0.3),
         density: fx!(2),
-        material: Material { friction: fx!(0.1), restitution: fx!(0.5) },
+        material: Material {
+            friction: fx!(0.1),
+            restitution: fx!(0.5),
+            surface_speed: fx!(-3),
+            friction_rule: MixRule::Minimum,
+            restitution_rule: MixRule::Maximum,
+        },
         filter: Filter { category: 6, mask: !4, group: -3 },
         key: 8,
         user_data: u64::MAX,
@@ -123,6 +135,8 @@ pub(crate) fn commands() -> Vec<Command> {
         }),
         Command::AddBody(BodyDef { shape: shapes().pop(), kind: BodyKind::Kinematic, ..BodyDef::dynamic() }),
         Command::AddBody(BodyDef::fixed()),
+        Command::AddBody(BodyDef::fixed().with_collider(chains().remove(0))),
+        Command::AddBody(BodyDef::kinematic().with_collider(chains().remove(1))),
         Command::AddBody(BodyDef { colliders: colliders(), ..BodyDef::dynamic() }),
         Command::SetPosition { body, position: vec2(1, -2) },
         Command::SetAngle { body, angle: fx!(1) },
@@ -208,6 +222,9 @@ pub(crate) fn world() -> World {
     for (y, def) in [(0, BodyDef::fixed()), (2, BodyDef::dynamic())] {
         let place = BodyDef { position: vec2(100, y), ..def };
         world.add_body(place.with_collider(square.clone())).expect("a body");
+    }
+    for shape in chains() {
+        world.add_body(BodyDef { position: vec2(50, 0), ..BodyDef::fixed().with_collider(shape) }).expect("a body");
     }
     for def in colliders() {
         world.add_collider(BodyId::from_parts(1, 0), def).expect("a collider");

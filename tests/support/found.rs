@@ -3,7 +3,7 @@
 use umbra_physics::{
     Activity, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, Command, ContactSettings,
     Damping, End, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, Frame, Fx, FxFactor, Integrator, Locks, Mass,
-    Material, Part, Random, Region, Shape, SpringConstants, TimeStep, Vec2,
+    Material, MixRule, Part, Random, Region, Shape, SpringConstants, TimeStep, Vec2,
 };
 
 use super::formats::Value;
@@ -52,6 +52,18 @@ pub(crate) fn locks(value: &Value) -> Locks {
     Locks { x: is("x"), y: is("y"), rotation: is("rotation") }
 }
 
+fn mix_rule(value: &Value) -> MixRule {
+    match value.case() {
+        "Standard" => MixRule::Standard,
+        "GeometricMean" => MixRule::GeometricMean,
+        "Mean" => MixRule::Mean,
+        "Minimum" => MixRule::Minimum,
+        "Product" => MixRule::Product,
+        "Maximum" => MixRule::Maximum,
+        other => panic!("mix rule {other}"),
+    }
+}
+
 pub(crate) fn integrator(value: &Value) -> Integrator {
     match value.case() {
         "ExplicitEuler" => Integrator::ExplicitEuler,
@@ -94,6 +106,14 @@ pub(crate) fn shape(value: &Value) -> Shape {
         "Capsule" => Shape::capsule(number(&value["length"]), number(&value["radius"])),
         "Polygon" => Shape::polygon(&value["corners"].list().iter().map(vector).collect::<Vec<_>>()),
         "Segment" => Shape::segment(vector(&value["a"]), vector(&value["b"])),
+        "RoundedPolygon" => {
+            let corners: Vec<_> = value["corners"].list().iter().map(vector).collect();
+            Shape::rounded_polygon(&corners, number(&value["radius"]))
+        }
+        "Chain" => {
+            let points: Vec<_> = value["points"].list().iter().map(vector).collect();
+            Shape::chain(&points, value["closed"].natural() == 1)
+        }
         "Compound" => Shape::compound(&value["parts"].list().iter().map(part).collect::<Vec<_>>()),
         other => panic!("shape {other}"),
     };
@@ -187,7 +207,13 @@ pub(crate) fn collider_def(value: &Value) -> ColliderDef {
         position: vector(&value["position"]),
         angle: number(&value["angle"]),
         density: number(&value["density"]),
-        material: Material { friction: number(&material["friction"]), restitution: number(&material["restitution"]) },
+        material: Material {
+            friction: number(&material["friction"]),
+            restitution: number(&material["restitution"]),
+            surface_speed: number(&material["surface_speed"]),
+            friction_rule: mix_rule(&material["friction_rule"]),
+            restitution_rule: mix_rule(&material["restitution_rule"]),
+        },
         filter: Filter {
             category: filter["category"].natural() as u32,
             mask: filter["mask"].natural() as u32,

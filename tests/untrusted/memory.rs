@@ -3,8 +3,8 @@
 
 use allocation_counter::measure;
 use umbra_physics::{
-    BodyDef, BodyId, ColliderId, Command, Dump, FieldId, FieldKind, ForceField, Fx, Input, Inputs, Integrator, Part,
-    RecordOptions, Recorder, Replay, Shape, Snapshot, World, WorldDef, fx, vec2,
+    BodyDef, BodyId, ColliderDef, ColliderId, Command, Dump, FieldId, FieldKind, ForceField, Fx, Input, Inputs,
+    Integrator, Part, RecordOptions, Recorder, Replay, Shape, Snapshot, World, WorldDef, fx, vec2,
 };
 use umbra_scene::{Scene, SceneErrors};
 
@@ -98,6 +98,24 @@ fn worlds_of_what_takes_little_in_a_file() {
         compounds.add_body(BodyDef { shape, ..BodyDef::dynamic() }).expect("a body");
     }
     held("compounds", &compounds);
+    let mut colliders = world();
+    for i in 0..200 {
+        let shape = Shape::compound(&parts(256, Fx::from_bits(i))).expect("a shape");
+        colliders.add_body(BodyDef::dynamic().with_collider(shape)).expect("a body");
+    }
+    held("compounds as colliders", &colliders);
+    // Where they are given, and elsewhere; to and fro, so that the look for crossings has all segments at once.
+    for x in [0, 1] {
+        let mut chains = world();
+        for _ in 0..4 {
+            let far = |k: i32| vec2(if k % 2 == 0 { -4000 } else { 4000 }, Fx::from_ratio(k.into(), 32));
+            let points: Vec<_> = (0..1 << 14).map(far).collect();
+            let shape = Shape::chain(&points, false).expect("a chain");
+            let collider = ColliderDef { position: vec2(x, 0), ..ColliderDef::new(shape) };
+            chains.add_body(BodyDef::fixed().with_collider(collider)).expect("a body");
+        }
+        held("chains", &chains);
+    }
     let mut blob = world();
     blob.set_blob(&vec![1; umbra_physics::limits::BLOB]).expect("it is allowed");
     held("a blob", &blob);

@@ -12,7 +12,7 @@ use crate::csv::Table;
 use crate::failure::Failure;
 use crate::load;
 use crate::output::{Destination, Destinations};
-use crate::picture::Recorder;
+use crate::picture::{ContactMark, ContactOptions, Recorder};
 use crate::progress::progress;
 use crate::record::Recording;
 use crate::summary::{FaultLine, Summary, Totals};
@@ -40,6 +40,12 @@ pub(crate) struct Options {
     /// Draws the ways of the bodies.
     #[arg(long, value_name = "FILE.svg")]
     plot: Option<PathBuf>,
+    /// Draws contacts at the end of the run as well; several kinds are parted by commas.
+    #[arg(long, value_enum, value_name = "KINDS", value_delimiter = ',', requires = "plot")]
+    contacts: Vec<ContactMark>,
+    /// Length of an impulse in the picture, m for each N·s [default: a tenth of the picture for the largest].
+    #[arg(long, value_name = "M", requires = "contacts", value_parser = positive)]
+    impulse_scale: Option<f64>,
     /// Records the run as a replay, for `verify`, `diff` and `view`. The time it takes counts as that of the steps.
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
@@ -67,6 +73,11 @@ enum Numbers {
 fn integrator(name: &str) -> Result<Integrator, String> {
     Integrator::from_name(name)
         .ok_or_else(|| format!("expected one of {}", Integrator::ALL.map(Integrator::name).join(", ")))
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0);
+    number.ok_or_else(|| "expected a number above 0".to_owned())
 }
 
 /// The destinations of the outputs of a run.
@@ -150,7 +161,10 @@ where
     let at_fault = Failure::scene(&options.scene);
     let ticks = options.ticks.unwrap_or(scene.ticks);
     let mut table = outputs.csv.as_ref().map(|to| Table::create(to, options.every)).transpose()?;
-    let mut recorder = outputs.plot.as_ref().map(|_| Recorder::new(scene, ticks));
+    let mut recorder = outputs.plot.as_ref().map(|_| {
+        let contacts = ContactOptions { marks: options.contacts.clone(), impulse_scale: options.impulse_scale };
+        Recorder::new(scene, ticks, contacts)
+    });
     let before = Totals::of(run.world());
     let (mut faults, mut body_steps, mut stepping) = (Vec::new(), 0u64, Duration::ZERO);
     let progress = progress(ticks, "tick");

@@ -5,8 +5,8 @@ mod values;
 use umbra_physics::scalar::Factor;
 use umbra_physics::{
     Attachment, BodyId, ColliderDef, ColliderId, Command, CommandSource as _, ContactSettings, Damping, End, FieldId,
-    FieldKind, Filter, Fx, FxFactor, Material, Part, Random, Region, Shape, SpringConstants, TimeStep, Vec2, WorldDef,
-    fx, limits,
+    FieldKind, Filter, Fx, FxFactor, Material, MixRule, Part, Random, Region, Shape, SpringConstants, TimeStep, Vec2,
+    WorldDef, fx, limits,
 };
 use values::ANGLE;
 
@@ -235,14 +235,9 @@ impl<'a, C: Choices + ?Sized> Generator<'a, C> {
         self.vector(fx!(2), limits::SIZE_MAX)
     }
 
-    /// A shape, if the values drawn make one.
+    /// A shape, if the values drawn make one. A dynamic body has no chain: of a wild taste alone there are some.
     fn shape(&mut self) -> Option<Shape> {
-        let kinds = if self.taste.smooth { 3 } else { 6 };
-        self.shape_of(kinds)
-    }
-
-    /// A shape of one of so many kinds, of which a compound is the sixth, if the values drawn make one.
-    fn shape_of(&mut self, kinds: u64) -> Option<Shape> {
+        let kinds = if self.taste.smooth { 3 } else { 6 + u64::from(self.is_wild()) };
         let shape = match self.choices.choose(kinds) {
             0 => Shape::circle(self.size()),
             1 => Shape::rectangle(self.size(), self.size()),
@@ -256,6 +251,11 @@ impl<'a, C: Choices + ?Sized> Generator<'a, C> {
                 } else {
                     Shape::polygon(&corners)
                 }
+            }
+            6 => {
+                let count = 2 + self.choices.choose(4);
+                let points: Vec<Vec2> = (0..count).map(|_| self.local()).collect();
+                Shape::chain(&points, self.choices.one_in(2))
             }
             _ => {
                 let count = 1 + self.choices.choose(3);
@@ -294,6 +294,9 @@ impl<'a, C: Choices + ?Sized> Generator<'a, C> {
         Material {
             friction: self.number([Fx::ZERO, fx!(1)], [Fx::ZERO, limits::FRICTION]),
             restitution: self.number([Fx::ZERO, fx!(1)], [Fx::ZERO, Fx::ONE]),
+            surface_speed: if self.choices.one_in(2) { Fx::ZERO } else { self.signed(fx!(3), limits::SURFACE_SPEED) },
+            friction_rule: MixRule::ALL[self.choices.choose(6) as usize],
+            restitution_rule: MixRule::ALL[self.choices.choose(6) as usize],
         }
     }
 

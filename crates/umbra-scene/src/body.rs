@@ -209,8 +209,8 @@ pub(super) fn force_groups(node: &Node<'_>) -> Result<u32> {
 pub(super) fn bits(node: &Node<'_>, what: &str) -> Result<u32> {
     let mut bits = 0;
     node.each(|node| {
-        let bit: u32 = node.whole()?;
-        if bit > 31 {
+        let bit: i64 = node.whole()?;
+        if !(0..32).contains(&bit) {
             return Err(node.fault(Flaw::OutOfRange.of(format_args!("out of range: expected a {what} from 0 to 31"))));
         }
         bits |= 1 << bit;

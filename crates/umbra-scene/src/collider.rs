@@ -10,7 +10,7 @@ use super::node::{Node, Result};
 use super::object::Object;
 use super::shape::{ShapeDef, shape};
 use umbra_physics::{
-    ColliderDef, ColliderId, ContactSettings, Error, Filter, Fx, Material, Quantity, Scalar, Shape, Vec2,
+    ColliderDef, ColliderId, ContactSettings, Error, Filter, Fx, Material, MixRule, Quantity, Scalar, Shape, Vec2,
 };
 
 /// A collider of a scene.
@@ -70,6 +70,9 @@ pub(super) fn read(object: &Object<'_>) -> Result<SceneCollider> {
     let material = Material {
         friction: object.or("friction", material.friction, Node::number),
         restitution: object.or("restitution", material.restitution, Node::number),
+        surface_speed: object.or("surface_speed", material.surface_speed, Node::number),
+        friction_rule: object.or("friction_rule", material.friction_rule, rule),
+        restitution_rule: object.or("restitution_rule", material.restitution_rule, rule),
     };
     let categories = |node: &Node<'_>| bits(node, "category");
     let filter = Filter {
@@ -84,16 +87,20 @@ pub(super) fn read(object: &Object<'_>) -> Result<SceneCollider> {
     Ok(SceneCollider { name, def, place: object.node.place() })
 }
 
+fn rule(node: &Node<'_>) -> Result<MixRule> {
+    node.choice(&MixRule::ALL.map(|rule| (rule.name(), rule)))
+}
+
 /// Puts an error of the engine's at the field of the collider that it is about.
 fn blame(object: &Object<'_>, error: Error) -> Refused {
     let fields: &[&str] = match error {
-        Error::CompoundCollider => &["shape"],
         Error::OutOfRange { quantity } => match quantity {
             Quantity::ColliderPosition => &["position"],
             Quantity::Angle => &["angle"],
             Quantity::ColliderDensity => &["density"],
             Quantity::Friction => &["friction"],
             Quantity::Restitution => &["restitution"],
+            Quantity::SurfaceSpeed => &["surface_speed"],
             Quantity::Filter => &["mask", "category"],
             _ => &[],
         },

@@ -8,7 +8,7 @@ const LONGEST: usize = 40;
 const MOST: usize = 4_096;
 
 /// Names that other engines and formats have for a field or a value of ours.
-const SYNONYMS: [(&str, &str); 40] = [
+const SYNONYMS: [(&str, &str); 43] = [
     ("type", "kind"),
     ("fixed", "static"),
     ("id", "name"),
@@ -43,6 +43,9 @@ const SYNONYMS: [(&str, &str); 40] = [
     ("collider", "colliders"),
     ("bounciness", "restitution"),
     ("elasticity", "restitution"),
+    ("tangent_speed", "surface_speed"),
+    ("friction_combine_rule", "friction_rule"),
+    ("restitution_combine_rule", "restitution_rule"),
     ("category_bits", "category"),
     ("categories", "category"),
     ("mask_bits", "mask"),
@@ -52,11 +55,14 @@ const SYNONYMS: [(&str, &str); 40] = [
 ];
 
 /// Fields of colliders, here or in other engines.
-const COLLIDER: [&str; 10] = [
+const COLLIDER: [&str; 13] = [
     "friction",
     "restitution",
     "bounciness",
     "elasticity",
+    "surface_speed",
+    "friction_rule",
+    "restitution_rule",
     "collision_groups",
     "collision_filter",
     "category",

@@ -7,7 +7,7 @@ use super::node::{Kind, Node, Result};
 use super::object::Object;
 use umbra_physics::{
     Error, Fx, Geometry, Part, Quantity, Scalar, Shape, Vec2,
-    limits::{CORNERS, PARTS, SIZE_MAX, SIZE_MIN},
+    limits::{CHAIN, CORNERS, PARTS, SIZE_MAX, SIZE_MIN},
 };
 
 /// A shape in the coordinates of the file, to be made for any scalar. Sizes in m.
@@ -22,6 +22,7 @@ pub enum ShapeDef {
     RoundedPolygon { corners: Vec<Vec2>, radius: Fx },
     Segment { ends: [Vec2; 2] },
     Compound { parts: Vec<PartDef> },
+    Chain { points: Vec<Vec2>, closed: bool },
 }
 
 /// A part of a compound.
@@ -89,6 +90,10 @@ impl ShapeDef {
                 let parts: core::result::Result<Vec<_>, Error> = parts.iter().map(part).collect();
                 Shape::compound(&parts?)
             }
+            Self::Chain { points, closed } => {
+                let points: Vec<_> = points.iter().map(|&point| vector(point)).collect();
+                Shape::chain(&points, *closed)
+            }
         }
     }
 }
@@ -114,6 +119,7 @@ impl From<&Shape> for ShapeDef {
                 };
                 Self::Compound { parts: parts.iter().map(part).collect() }
             }
+            Geometry::Chain { points, closed } => Self::Chain { points: points.to_vec(), closed: *closed },
             // All there are stand above: `tests/layers.rs` compares the lists.
             other => unreachable!("a scene has no words for {other:?}"),
         }
@@ -146,12 +152,15 @@ pub(super) fn shape(node: &Node<'_>) -> Result<ShapeDef> {
 
 fn read(node: &Node<'_>, part_of_one: bool) -> Result<ShapeDef> {
     let object = node.object()?;
-    let names = ["circle", "rectangle", "capsule", "polygon", "rounded_polygon", "segment", "compound"];
+    let names = ["circle", "rectangle", "capsule", "polygon", "rounded_polygon", "segment", "compound", "chain"];
     let (name, inner) = object.one_of(&names)?;
     object.finish()?;
     if part_of_one && name == "compound" {
         // Refused before it is looked into: the depth of a file is no depth of calls.
         return Err(inner.fault("a part cannot be a compound itself"));
+    }
+    if part_of_one && name == "chain" {
+        return Err(inner.fault("a part cannot be a chain"));
     }
     let def = match name {
         "polygon" => ShapeDef::Polygon { corners: corners(inner)? },
@@ -169,6 +178,12 @@ fn read(node: &Node<'_>, part_of_one: bool) -> Result<ShapeDef> {
             let parts = inner.list(PARTS, Error::OutOfRange { quantity: Quantity::Count })?;
             let parts: Vec<_> = parts.iter().map(part).collect();
             ShapeDef::Compound { parts: parts.into_iter().collect::<Result<_>>()? }
+        }
+        "chain" => {
+            let object = inner.object()?;
+            let (points, closed) = (object.need("points", points), object.or("closed", false, Node::boolean));
+            object.finish()?;
+            ShapeDef::Chain { points: points?, closed }
         }
         _ => {
             let object = inner.object()?;
@@ -202,6 +217,12 @@ fn corners(node: &Node<'_>) -> Result<Vec<Vec2>> {
         Err(error) => Err(node.fault(error)),
         Ok(_) => Ok(corners),
     }
+}
+
+/// The points of a chain.
+fn points(node: &Node<'_>) -> Result<Vec<Vec2>> {
+    let nodes = node.list(CHAIN, Error::OutOfRange { quantity: Quantity::Count })?;
+    nodes.iter().map(Node::point).collect()
 }
 
 fn part(node: &Node<'_>) -> Result<PartDef> {

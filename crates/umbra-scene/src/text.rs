@@ -368,6 +368,11 @@ impl ShapeDef {
             }
             Self::Segment { ends } => ("segment", list(ends.map(point))),
             Self::Compound { parts } => ("compound", list(parts.iter().map(PartDef::text))),
+            Self::Chain { points, closed } => {
+                inner.put("points", list(points.iter().copied().map(point)));
+                inner.unless(!closed, "closed", closed);
+                ("chain", inner.line())
+            }
         };
         Fields::of(name, inner)
     }

@@ -89,7 +89,7 @@ impl BroadPhase {
         let extent = entry.extent();
         let mut goes_on = true;
         self.tree.search(0, &extent, |other| {
-            if other != collider && entry.filter.agrees(self.entries[other as usize].filter) {
+            if entry.may_meet(&self.entries[other as usize]) {
                 goes_on = found(other, true);
             }
             goes_on

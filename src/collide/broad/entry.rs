@@ -1,5 +1,6 @@
 //! The memory of a moving collider: its fat box.
 
+use super::Proxy;
 use super::bounds::Bounds;
 use super::tree::{Extent, NONE};
 use crate::collider::Filter;
@@ -19,6 +20,7 @@ pub(super) struct Entry {
     /// Half the perimeter of the fat box, in units of 8 ulp.
     half_perimeter: i64,
     pub(super) filter: Filter,
+    pub(super) body: u32,
     /// The leaf, or [`NONE`] for one that does not move.
     pub(super) leaf: u32,
     /// The step in which it was seen last.
@@ -33,6 +35,7 @@ impl Entry {
         before: [0; 2],
         half_perimeter: 0,
         filter: Filter { category: 0, mask: 0, group: 0 },
+        body: NONE,
         leaf: NONE,
         seen: 0,
         is_stale: false,
@@ -40,6 +43,18 @@ impl Entry {
 
     pub(super) fn extent(&self) -> Extent {
         Extent::new(self.fat, self.filter)
+    }
+
+    /// Returns true if a proxy has another filter or another body.
+    #[inline(always)]
+    pub(super) fn is_other(&self, proxy: &Proxy) -> bool {
+        self.filter != proxy.filter || self.body != proxy.body
+    }
+
+    /// Returns true if two colliders are of two bodies and their filters agree.
+    #[inline(always)]
+    pub(super) fn may_meet(&self, other: &Self) -> bool {
+        self.body != other.body && self.filter.agrees(other.filter)
     }
 
     /// Returns true if the fat box holds a box and is not far too large for it: what stopped gives back its room for motion.

@@ -1,7 +1,7 @@
 //! Broad phase: the pairs of colliders that may touch.
 //!
-//! **Pairs are defined, not found.** Two colliders are a pair if their boxes have a point in common, their filters agree and one of them
-//! moves. Boxes are exact, and the pairs come sorted: they are a function of boxes and filters alone. All the rest here is a cache,
+//! **Pairs are defined, not found.** Two colliders of two bodies are a pair if their boxes have a point in common, their filters agree and one
+//! of them moves. Each outline is a collider of its own here, as the parts of a compound are. Boxes are exact, and the pairs come sorted: they are a function of boxes and filters alone. All the rest here is a cache,
 //! which no snapshot holds, and which may be of any age.
 //!
 //! How: each moving collider has a *fat* box, larger than its own by a margin, which it keeps until it leaves it. Pairs of fat boxes
@@ -36,6 +36,8 @@ use tree::{NONE, Tree};
 pub struct Proxy {
     /// The number of the collider, below 2^32 - 1. Memory grows with the largest one.
     pub collider: u32,
+    /// The number of its body: colliders of one body are no pair. Those of a static body are all static.
+    pub body: u32,
     /// The box that holds the collider during the step, and the margin around it. *Domain* `min` is not above `max`.
     pub bounds: Aabb<Fx>,
     /// The filter, which says what it may meet.
@@ -175,8 +177,8 @@ impl BroadPhase {
             *own = bounds;
             entry.seen = self.step;
             is_same &= !is_new;
-            if is_new || entry.filter != proxy.filter || !entry.fits(&bounds) {
-                entry.filter = proxy.filter;
+            if is_new || entry.is_other(proxy) || !entry.fits(&bounds) {
+                (entry.filter, entry.body) = (proxy.filter, proxy.body);
                 entry.is_stale = true;
                 self.stale.push(proxy.collider);
             }
@@ -269,10 +271,10 @@ impl BroadPhase {
         let mut found = core::mem::take(&mut self.candidates);
         found.clear();
         for (leaf, collider, extent) in self.tree.leaves() {
-            let filter = self.entries[collider as usize].filter;
+            let entry = &self.entries[collider as usize];
             // The leaves from there on alone: each two of them once.
             self.tree.search(leaf as usize + 1, extent, |other| {
-                if filter.agrees(self.entries[other as usize].filter) {
+                if entry.may_meet(&self.entries[other as usize]) {
                     found.push(key(collider, other));
                 }
                 found.len() <= most
@@ -331,7 +333,7 @@ impl BroadPhase {
                 let with = &self.entries[other as usize];
                 // Of two that are stale, the lower one finds the pair.
                 let is_first = !with.is_stale || collider < other;
-                if is_first & (collider != other) && entry.filter.agrees(with.filter) {
+                if is_first && entry.may_meet(with) {
                     found.push(key(collider, other));
                 }
                 found.len() <= room

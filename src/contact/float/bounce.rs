@@ -37,6 +37,12 @@ impl<F: Float> Energy<F> {
         self.square += mass * change * change;
     }
 
+    /// Adds twice the work that a fixed body does by the impulses before and by those that are returned, at its velocity along the row.
+    fn add_work(&mut self, velocity: F, before: F, returned: F) {
+        self.room += F::of(-2.0) * before * velocity;
+        self.linear += F::of(2.0) * returned * velocity;
+    }
+
     /// The largest factor up to 1 that adds no energy.
     fn largest_factor(&self) -> F {
         let Self { room, linear, square } = *self;
@@ -156,6 +162,18 @@ impl<F: Float> Bounces<F> {
         }
         self.energies.clear();
         self.energies.resize(graph.islands(), Energy::default());
+        for &(phase, at, returned) in &self.impacts {
+            let row = &phases[phase][at];
+            let Some(island) = graph.mover(row.bodies).and_then(|body| graph.island_of(body)) else { continue };
+            let carried = row.bodies.map(|body| match graph.island_of(body) {
+                Some(_) => [F::of(0.0); 3],
+                None => bodies[body as usize].start,
+            });
+            for (k, returned) in returned.into_iter().enumerate() {
+                let velocity = row.along(k, carried);
+                self.energies[island as usize].add_work(velocity, row.applied[k], returned);
+            }
+        }
         for (i, (body, impulses)) in bodies.iter().zip(&self.impulses).enumerate() {
             let (Some(impulses), Some(island)) = (impulses, graph.island_of(i as u32)) else { continue };
             let energy = &mut self.energies[island as usize];

@@ -3,6 +3,7 @@
 use alloc::vec::Vec;
 use core::ops::Range;
 
+use super::link::Link;
 use super::number::{Float, Pair, dot, minus};
 use crate::fx::Fx;
 use crate::math::Vec2;
@@ -65,6 +66,8 @@ pub(super) struct Cores<F> {
     /// Of the edges from each corner to the next one; zeros for discs.
     normals: Vec<Pair<F>>,
     placed: Vec<Placed<F>>,
+    /// Segments of chains, by number.
+    links: Vec<(usize, Link<F>)>,
 }
 
 /// An outline in world axes, relative to the position of its body.
@@ -77,6 +80,8 @@ pub(super) struct Core<'a, F> {
     low: Pair<F>,
     high: Pair<F>,
     pub(super) radius: F,
+    /// Of a segment of a chain.
+    pub(super) link: Option<&'a Link<F>>,
 }
 
 impl<F: Float> Cores<F> {
@@ -84,6 +89,7 @@ impl<F: Float> Cores<F> {
         self.corners.clear();
         self.normals.clear();
         self.placed.clear();
+        self.links.clear();
     }
 
     /// Adds the outline of a body at a pose, and returns its number.
@@ -98,6 +104,10 @@ impl<F: Float> Cores<F> {
             low = [low[0].or_less(corner[0]), low[1].or_less(corner[1])];
             high = [high[0].or_more(corner[0]), high[1].or_more(corner[1])];
         }
+        if let Some(neighbours) = outline.neighbours() {
+            let neighbours = neighbours.map(|neighbour| neighbour.map(|normal| pose.turned(normal)));
+            self.links.push((self.placed.len(), Link::new(self.normals[begin], neighbours)));
+        }
         self.placed.push(Placed { position: pose.position, corners, low, high, radius: outline.radius() });
         self.placed.len() - 1
     }
@@ -105,7 +115,16 @@ impl<F: Float> Cores<F> {
     pub(super) fn core(&self, i: usize) -> Core<'_, F> {
         let Placed { position, ref corners, low, high, radius } = self.placed[i];
         let faces = if corners.len() == 1 { corners.start..corners.start } else { corners.clone() };
-        Core { position, corners: &self.corners[corners.clone()], normals: &self.normals[faces], low, high, radius }
+        let link = self.links.binary_search_by_key(&i, |(own, _)| *own).ok().map(|at| &self.links[at].1);
+        Core {
+            position,
+            link,
+            corners: &self.corners[corners.clone()],
+            normals: &self.normals[faces],
+            low,
+            high,
+            radius,
+        }
     }
 }
 

@@ -9,6 +9,7 @@ mod body;
 mod bounce;
 mod cores;
 mod frame;
+mod link;
 mod number;
 mod points;
 mod rows;
@@ -27,8 +28,9 @@ use self::solver::{Clock, Solver};
 use super::engine::Engine;
 use super::numerics::{MARGIN, Numerics, OVERLAP, Touching};
 use super::{Correction, Placed, Scene, Start, TouchPoint};
-use crate::collider::{Collider, Material};
+use crate::collider::{BodyOutline, Material, MixRule};
 use crate::fx::Fx;
+use crate::limits;
 use crate::math::Vec2;
 use crate::shape::{Aabb, Outline};
 use crate::solve::Impulses;
@@ -59,6 +61,18 @@ fn impulses_of<F: Float>(values: [F; 3]) -> Impulses {
     let most = (1u64 << 62) as f64;
     let units = |value: f64| libm::rint(libm::scalbn(value, -exponent).clamp(-most, most)) as i64;
     Impulses { values: values.map(units), exponent }
+}
+
+/// Two coefficients as one.
+fn mixed<F: Float>(rule: MixRule, a: F, b: F) -> F {
+    match rule {
+        MixRule::Minimum => a.or_less(b),
+        MixRule::Maximum => a.or_more(b),
+        MixRule::Mean => (a + b) * F::of(0.5),
+        MixRule::Product => a * b,
+        MixRule::GeometricMean | MixRule::Standard if a == b => a,
+        MixRule::GeometricMean | MixRule::Standard => (a * b).root(),
+    }
 }
 
 /// Impulses in N·s.
@@ -102,14 +116,14 @@ impl<F: Float> Numerics<F> for Floats<F> {
         self.cores.push(outline, pose)
     }
 
-    fn swept(collider: &Collider<F>, pose: &Pose<F>, flight: &Flight<F>) -> Aabb<Fx> {
+    fn swept(outline: &BodyOutline<F>, pose: &Pose<F>, flight: &Flight<F>) -> Aabb<Fx> {
         let [x, y, _] = flight.displacement;
-        let way = length([x, y]) + flight.turned(collider.radius);
-        pose.bounds(&collider.outline, F::from_fx(MARGIN) * F::of(0.5) + way)
+        let way = length([x, y]) + flight.turned(outline.radius);
+        pose.bounds(&outline.outline, F::from_fx(MARGIN) * F::of(0.5) + way)
     }
 
-    fn resting(collider: &Collider<F>, pose: &Pose<F>) -> Aabb<Fx> {
-        pose.bounds(&collider.outline, F::from_fx(MARGIN) * F::of(0.5))
+    fn resting(outline: &BodyOutline<F>, pose: &Pose<F>) -> Aabb<Fx> {
+        pose.bounds(&outline.outline, F::from_fx(MARGIN) * F::of(0.5))
     }
 
     fn collide(&self, cores: [usize; 2], [a, b]: [&Flight<F>; 2], radii: [F; 2]) -> Option<Manifold<F>> {
@@ -119,11 +133,13 @@ impl<F: Float> Numerics<F> for Floats<F> {
     }
 
     fn push(&mut self, bodies: [u32; 2], manifold: &Manifold<F>, [a, b]: [&Material<F>; 2], start: Impulses) {
+        let [friction, restitution] = a.rules(b);
         self.contacts.push(Contact {
             bodies,
             manifold: *manifold,
-            friction: if a.friction == b.friction { a.friction } else { (a.friction * b.friction).root() },
-            restitution: a.restitution.or_more(b.restitution),
+            friction: mixed(friction, a.friction, b.friction).or_less(F::from_fx(limits::FRICTION)),
+            restitution: mixed(restitution, a.restitution, b.restitution),
+            surface_speed: a.surface_speed_against(b),
             impulses: newton_seconds(start),
         });
     }

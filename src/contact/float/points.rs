@@ -31,6 +31,17 @@ pub(super) struct ManifoldPoint<F> {
 
 /// The manifold of two outlines, if they are at most `margin` apart.
 pub(super) fn collide<F: Float>(a: Core<'_, F>, b: Core<'_, F>, margin: F) -> Option<Manifold<F>> {
+    match (a.link, b.link) {
+        (None, Some(_)) => return collide(b, a, margin).map(swapped),
+        // Neither of their bodies is dynamic.
+        (Some(_), Some(_)) => return None,
+        _ => {}
+    }
+    collide_in_order(a, b, margin)
+}
+
+/// The manifold of two outlines, of which the second one is no segment of a chain.
+fn collide_in_order<F: Float>(a: Core<'_, F>, b: Core<'_, F>, margin: F) -> Option<Manifold<F>> {
     let both = Both::new(a, b, margin)?;
     if a.corners.len() == 1 && b.corners.len() == 1 {
         return both.between_corners(0, 0);
@@ -38,10 +49,27 @@ pub(super) fn collide<F: Float>(a: Core<'_, F>, b: Core<'_, F>, margin: F) -> Op
     let frame = both.frame()?;
     match frame.facing {
         Facing::Edges => both.clipped(&frame),
-        Facing::Corners(i, j) => both.between_corners(i, j),
+        Facing::Corners(i, j) => {
+            let found = both.between_corners(i, j)?;
+            a.link.is_none_or(|link| link.has(found.normal)).then_some(found)
+        }
+        Facing::Beside(..) if a.link.is_some() => None,
         Facing::Beside(i, j) => both.single(frame.n, frame.separation, i, j),
         Facing::Touching => None,
     }
+}
+
+/// The manifold with the two outlines swapped.
+fn swapped<F: Float>(of: Manifold<F>) -> Manifold<F> {
+    let mut points = of.points.map(|point| ManifoldPoint {
+        arms: [point.arms[1], point.arms[0]],
+        feature: point.feature >> 12 | (point.feature & 0xFFF) << 12,
+        ..point
+    });
+    if of.count == 2 {
+        points.reverse();
+    }
+    Manifold { normal: of.normal.map(|part| -part), count: of.count, points }
 }
 
 impl<F: Float> Both<'_, F> {
@@ -59,13 +87,17 @@ impl<F: Float> Both<'_, F> {
             };
             let (at, name) = end_of_overlap(a, b, end, ahead);
             let separation = self.separation_at(frame, at);
-            if separation <= self.limit {
+            let is_seam = self.a.link.is_some_and(|link| link.is_seam(at));
+            if separation <= self.limit && !is_seam {
                 manifold.points[manifold.count] = self.point(frame.n, at, separation, name);
                 manifold.count += 1;
             }
         }
         if manifold.count > 0 {
             return Some(manifold);
+        }
+        if self.a.link.is_some() {
+            return None;
         }
         // The deepest corner is beside the overlap of the edges: at the end where these overlap less.
         let (_, [i, j]) = self.nearest(a, b)?;

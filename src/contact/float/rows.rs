@@ -19,6 +19,7 @@ pub(super) struct Contact<F> {
     pub(super) manifold: Manifold<F>,
     pub(super) friction: F,
     pub(super) restitution: F,
+    pub(super) surface_speed: F,
     /// The impulses of the last step, N·s: along the normal by point, and along the tangent; then those of this step.
     pub(super) impulses: Vector<F>,
 }
@@ -93,6 +94,7 @@ pub(super) struct Rows<F> {
     slip_inverse: F,
     coupling: Pair<F>,
     pub(super) friction: F,
+    surface_speed: F,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -107,7 +109,13 @@ fn rows<F: Float>(manifold: &Manifold<F>, ends: [&ManifoldPoint<F>; 2]) -> [Side
     let [nx, ny] = manifold.normal;
     let row = |[x, y]: Pair<F>, [ux, uy]: Pair<F>| [ux, uy, x * uy - y * ux];
     let normals = ends.map(|point| point.arms.map(|arm| row(arm, [nx, ny])));
-    let middle = [0, 1].map(|side| times(plus(ends[0].arms[side], ends[1].arms[side]), F::of(0.5)));
+    // On the surface of each body: an open gap closes within the step.
+    let [one, two] = ends.map(|point| point.separation.or_more(F::of(0.0)));
+    let gap = (one + two) * F::of(0.25);
+    let middle = [0, 1].map(|side| {
+        let middle = times(plus(ends[0].arms[side], ends[1].arms[side]), F::of(0.5));
+        plus(middle, times([nx, ny], if side == 0 { -gap } else { gap }))
+    });
     [normals[0], normals[1], middle.map(|arm| row(arm, [ny, -nx]))]
 }
 
@@ -163,6 +171,7 @@ impl<F: Float> Rows<F> {
             slip_inverse: if split.tangent > zero { F::of(1.0) / split.tangent } else { zero },
             coupling: whole.coupling,
             friction: contact.friction,
+            surface_speed: contact.surface_speed,
         })
     }
 
@@ -204,7 +213,7 @@ impl<F: Float> Rows<F> {
         if is_solve {
             return [n1, n2, l[2]];
         }
-        let slip = self.along(2, velocities) + dot(self.coupling, [n1 - l[0], n2 - l[1]]);
+        let slip = self.along(2, velocities) + dot(self.coupling, [n1 - l[0], n2 - l[1]]) - self.surface_speed;
         let wanted = l[2] - slip * self.slip_inverse;
         [n1, n2, wanted.within(self.friction * (n1 + n2))]
     }

@@ -9,7 +9,7 @@ use crate::contact::{ContactEngine, FxContacts};
 use crate::fx::Fx;
 use crate::math::{Random, Vec2};
 use crate::scalar::{FxAccumulator, ToF64 as _, Turn};
-use crate::shape::{Geometry, Shape};
+use crate::shape::{Geometry, Outline, Shape};
 
 fn within(random: &mut Random, from: f64, to: f64) -> f64 {
     from + (to - from) * random.below(1 << 24) as f64 / f64::from(1 << 24)
@@ -53,35 +53,74 @@ fn place(random: &mut Random, reach: f64) -> Place {
     ((at, turn), (Vec2::new(x.1, y.1), turn.to_f64()))
 }
 
+/// What differs between manifolds in both scalars.
+#[derive(Default)]
+struct Differences {
+    touching: u32,
+    /// Manifolds with other points, or of other directions that tie.
+    other: u32,
+    /// The largest difference of a position or a separation, m.
+    off: f64,
+}
+
+impl Differences {
+    /// Compares the manifolds of two outlines.
+    fn add(&mut self, a: (&Outline<Fx>, &Outline<f64>), at: Place, b: (&Outline<Fx>, &Outline<f64>), there: Place) {
+        let fixed = FxContacts::touch((a.0, at.0), (b.0, there.0));
+        let float = FloatContacts::touch((a.1, at.1), (b.1, there.1));
+        let (Some((n, p, count)), Some((m, q, other))) = (fixed, float) else {
+            self.other += u32::from(fixed.is_some() != float.is_some());
+            return;
+        };
+        self.touching += 1;
+        let apart = (n.x.to_f64() - m.x).abs().max((n.y.to_f64() - m.y).abs());
+        if count != other || apart > 1e-6 || (0..count).any(|k| p[k].feature != q[k].feature) {
+            self.other += 1;
+            return;
+        }
+        for (p, q) in p.iter().zip(&q).take(count) {
+            let way = [p.position.x.to_f64() - q.position.x, p.position.y.to_f64() - q.position.y];
+            let off = [way[0], way[1], p.separation.to_f64() - q.separation].map(f64::abs);
+            self.off = off.into_iter().fold(self.off, f64::max);
+        }
+    }
+}
+
 #[test]
 fn manifolds_are_those_of_integers() {
     let mut random = Random::seeded(1);
     let cases = if cfg!(debug_assertions) { 20_000 } else { 500_000 };
-    let (mut touching, mut different, mut off) = (0, 0, 0f64);
+    let mut found = Differences::default();
     for _ in 0..cases {
         let [a, b] = [0, 1].map(|_| shape(&mut random));
         let [at, there] = [0, 1].map(|_| place(&mut random, 1.0));
-        let fixed = FxContacts::touch((&a.0.outlines()[0], at.0), (&b.0.outlines()[0], there.0));
-        let float = FloatContacts::touch((&a.1.outlines()[0], at.1), (&b.1.outlines()[0], there.1));
-        let (Some((n, p, count)), Some((m, q, other))) = (fixed, float) else {
-            different += u32::from(fixed.is_some() != float.is_some());
-            continue;
-        };
-        touching += 1;
-        let apart = (n.x.to_f64() - m.x).abs().max((n.y.to_f64() - m.y).abs());
-        // Another one of directions that tie.
-        if count != other || apart > 1e-6 || (0..count).any(|k| p[k].feature != q[k].feature) {
-            different += 1;
-            continue;
-        }
-        for (p, q) in p.iter().zip(&q).take(count) {
-            let way = [p.position.x.to_f64() - q.position.x, p.position.y.to_f64() - q.position.y];
-            off = [way[0], way[1], p.separation.to_f64() - q.separation].map(f64::abs).into_iter().fold(off, f64::max);
+        found.add((&a.0.outlines()[0], &a.1.outlines()[0]), at, (&b.0.outlines()[0], &b.1.outlines()[0]), there);
+    }
+    let Differences { touching, other, off } = found;
+    assert!(touching > cases / 4, "{touching}");
+    assert!(other < touching / 1000, "{other} of {touching} differ");
+    // Directions differ by 2^-30. Where two edges are nearly parallel, the end of their overlap moves by a few hundred times as much.
+    assert!(off < 2.5e-7, "{off:e}");
+}
+
+#[test]
+fn manifolds_with_chains_are_those_of_integers() {
+    let mut random = Random::seeded(4);
+    let cases = if cfg!(debug_assertions) { 2_000 } else { 50_000 };
+    let mut found = Differences::default();
+    for _ in 0..cases {
+        let points: Vec<_> = (0..8).map(|x| [both(4.0 - f64::from(x)), both(within(&mut random, -0.5, 0.5))]).collect();
+        let fixed: Vec<_> = points.iter().map(|[x, y]| Vec2::new(x.0, y.0)).collect();
+        let floats: Vec<_> = points.iter().map(|[x, y]| Vec2::new(x.1, y.1)).collect();
+        let chains = (Shape::chain(&fixed, false).expect("a chain"), Shape::chain(&floats, false).expect("a chain"));
+        let (b, [at, there]) = (shape(&mut random), [0.1, 2.0].map(|reach| place(&mut random, reach)));
+        for (fixed, float) in chains.0.outlines().iter().zip(chains.1.outlines()) {
+            found.add((fixed, float), at, (&b.0.outlines()[0], &b.1.outlines()[0]), there);
         }
     }
+    let Differences { touching, other, off } = found;
     assert!(touching > cases / 4, "{touching}");
-    assert!(different < touching / 1000, "{different} of {touching} differ");
-    // Directions differ by 2^-30. Where two edges are nearly parallel, the end of their overlap moves by a few hundred times as much.
+    assert!(other < touching / 1000, "{other} of {touching} differ");
     assert!(off < 2.5e-7, "{off:e}");
 }
 

@@ -9,14 +9,15 @@ use super::engine::Engine;
 use super::numerics::{MARGIN, Numerics, OVERLAP, Touching};
 use super::{Correction, Placed, Scene, Start, TouchPoint};
 use crate::collide::{self, Cores, Manifold, ManifoldPoint, Pose};
-use crate::collider::{Collider, ContactSettings, Material};
+use crate::collider::{BodyOutline, ContactSettings, Material};
 use crate::fx::Fx;
+use crate::kernel::round::shr_round;
 use crate::math::Vec2;
 use crate::scalar::{FxAccumulator, Turn};
 use crate::shape::{Aabb, Outline};
 use crate::solve::{self, Contact, Flight, Impulses, Solver, SolverOptions};
 
-use pairs::{closing, grown, mixed_friction, way};
+use pairs::{closing, grown, mixed, way};
 
 /// The contacts of a world in [`Fx`].
 #[doc(hidden)]
@@ -30,6 +31,18 @@ pub struct Fixed {
     contacts: Vec<Contact>,
     solver: Solver,
     corrections: Vec<solve::Correction>,
+}
+
+/// A point with arms to the surface of each body: an open gap closes within the step.
+fn on_surfaces(normal: [i32; 2], point: &ManifoldPoint) -> solve::Point {
+    let gap = i128::from(point.separation.to_bits());
+    let (mut arms, separation) = ([point.arm_a, point.arm_b], point.separation);
+    if gap > 0 {
+        // Half of the gap along the normal, from units of 2^-30, to nearest, ties to even. A gap is below 2^57.
+        let [x, y] = normal.map(|n| Fx::from_bits(shr_round(i128::from(n) * gap, 31) as i64));
+        arms = [arms[0] - Vec2::new(x, y), arms[1] + Vec2::new(x, y)];
+    }
+    solve::Point { arms, separation }
 }
 
 impl From<&ContactSettings> for SolverOptions {
@@ -84,12 +97,12 @@ impl Numerics<Fx> for Fixed {
         self.cores.push(outline, pose)
     }
 
-    fn swept(collider: &Collider<Fx>, pose: &Pose, flight: &Flight) -> Aabb {
-        grown(collider, pose, way(flight, collider.radius))
+    fn swept(outline: &BodyOutline<Fx>, pose: &Pose, flight: &Flight) -> Aabb {
+        grown(outline, pose, way(flight, outline.radius))
     }
 
-    fn resting(collider: &Collider<Fx>, pose: &Pose) -> Aabb {
-        grown(collider, pose, 0)
+    fn resting(outline: &BodyOutline<Fx>, pose: &Pose) -> Aabb {
+        grown(outline, pose, 0)
     }
 
     fn collide(&self, cores: [usize; 2], flights: [&Flight; 2], radii: [Fx; 2]) -> Option<Manifold> {
@@ -98,14 +111,15 @@ impl Numerics<Fx> for Fixed {
     }
 
     fn push(&mut self, bodies: [u32; 2], manifold: &Manifold, [a, b]: [&Material; 2], start: Impulses) {
+        let [friction, restitution] = a.rules(b);
         self.contacts.push(Contact {
             bodies,
             normal: manifold.normal,
             count: manifold.count,
-            points: manifold.points.map(|p| solve::Point { arms: [p.arm_a, p.arm_b], separation: p.separation }),
-            friction: mixed_friction(a.friction, b.friction),
-            restitution: a.restitution.max(b.restitution),
-            surface_speed: Fx::ZERO,
+            points: manifold.points.map(|point| on_surfaces(manifold.normal, &point)),
+            friction: mixed(friction, a.friction, b.friction),
+            restitution: mixed(restitution, a.restitution, b.restitution),
+            surface_speed: a.surface_speed_against(b),
             impulses: start,
         });
     }

@@ -1,9 +1,10 @@
 //! Boxes over a step, the distance that two bodies close in it, and mixed materials.
 
 use crate::collide::Pose;
-use crate::collider::Collider;
+use crate::collider::{BodyOutline, MixRule};
 use crate::contact::numerics::MARGIN;
 use crate::fx::Fx;
+use crate::limits;
 use crate::math::Vec2;
 use crate::shape::Aabb;
 use crate::solve::Flight;
@@ -14,7 +15,7 @@ fn length(x: i64, y: i64) -> i64 {
     (square(x) + square(y)).isqrt() as i64 + 1
 }
 
-/// The distance that a point of a collider moves by the rotation of its body, in ulps, rounded up: at most twice its radius.
+/// The distance that a point of an outline moves by the rotation of its body, in ulps, rounded up: at most twice its radius.
 fn turned(flight: &Flight, radius: Fx) -> i64 {
     let radius = i128::from(radius.to_bits());
     let product = i128::from(flight.rotation.to_bits()).abs() * radius;
@@ -22,14 +23,14 @@ fn turned(flight: &Flight, radius: Fx) -> i64 {
     ((product >> 32) + i128::from(product != 0)).min(2 * radius) as i64
 }
 
-/// The largest distance that two colliders close in the step, in ulps. Displacements are below 2^29 m.
+/// The largest distance that two outlines close in the step, in ulps. Displacements are below 2^29 m.
 pub(super) fn closing([a, b]: [&Flight; 2], radii: [Fx; 2]) -> i64 {
     let way = |a: Fx, b: Fx| b.to_bits() - a.to_bits();
     let (x, y) = (way(a.displacement.x, b.displacement.x), way(a.displacement.y, b.displacement.y));
     length(x, y) + turned(a, radii[0]) + turned(b, radii[1])
 }
 
-/// The largest distance that a point of a collider moves in the step, in ulps: for two colliders together at least what they
+/// The largest distance that a point of an outline moves in the step, in ulps: for two together at least what they
 /// [close](closing).
 pub(super) fn way(flight: &Flight, radius: Fx) -> i64 {
     let [x, y] = [flight.displacement.x, flight.displacement.y].map(|way| way.to_bits().abs());
@@ -37,17 +38,30 @@ pub(super) fn way(flight: &Flight, radius: Fx) -> i64 {
     x.max(y) + x.min(y) / 2 + 1 + turned(flight, radius)
 }
 
-/// The box around a collider at a pose, grown on all sides by a distance in ulps and by half the margin: the boxes of two colliders overlap
+/// The box around an outline at a pose, grown on all sides by a distance in ulps and by half the margin: the boxes of two outlines overlap
 /// that are within the margin and their distances of each other.
-pub(super) fn grown(collider: &Collider<Fx>, pose: &Pose, by: i64) -> Aabb {
-    let Aabb { min, max } = pose.bounds(&collider.corners, collider.outline.radius());
+pub(super) fn grown(of: &BodyOutline<Fx>, pose: &Pose, by: i64) -> Aabb {
+    let Aabb { min, max } = pose.bounds(&of.corners, of.outline.radius());
     let by = by + MARGIN.to_bits() / 2 + 1;
     let moved = |v: Vec2, by: i64| v.map(|c| Fx::from_bits(c.to_bits().saturating_add(by)));
     Aabb { min: moved(min, -by), max: moved(max, by) }
 }
 
+/// Two coefficients as one. *Domain* from 0 to 32.
+pub(super) fn mixed(rule: MixRule, a: Fx, b: Fx) -> Fx {
+    let bits = [a, b].map(|coefficient| u128::from(coefficient.to_bits().unsigned_abs()));
+    match rule {
+        MixRule::Minimum => a.min(b),
+        MixRule::Maximum => a.max(b),
+        MixRule::Mean => Fx::from_bits(((bits[0] + bits[1] + 1) >> 1) as i64),
+        // Below 2^74.
+        MixRule::Product => Fx::from_bits(((bits[0] * bits[1] + (1 << 31)) >> 32) as i64).min(limits::FRICTION),
+        MixRule::GeometricMean | MixRule::Standard => geometric_mean(a, b),
+    }
+}
+
 /// The geometric mean of two coefficients, rounded to nearest.
-pub(super) fn mixed_friction(a: Fx, b: Fx) -> Fx {
+fn geometric_mean(a: Fx, b: Fx) -> Fx {
     if a == b {
         return a;
     }

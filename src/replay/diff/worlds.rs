@@ -102,8 +102,8 @@ impl<S: Scalar> World<S> {
             }
             [Part::Name("colliders"), Part::Entry(slot), ..] => (Owner::Collider(self.collider_in(slot)), &path[2..]),
             [Part::Name("contacts"), Part::Entry(index), ..] => {
-                let pair = self.contacts.records.get(index as usize).map_or([0; 2], |record| record.pair);
-                let [first, second] = pair.map(|slot| self.collider_in(slot));
+                let pair = self.contacts.records.get(index as usize).map(|record| record.pair()).unwrap_or_default();
+                let [first, second] = pair.map(|outline| self.collider_in(outline.slot));
                 (Owner::Contact(first, second), &path[2..])
             }
             _ => (Owner::World, path),

@@ -101,7 +101,7 @@ impl<S: Scalar> World<S> {
         self.contacts.pushed_at.write(sink);
         let key = |slot: u32| self.colliders.at(slot).map_or(0, |collider| collider.def.key);
         let one = |record: &ContactRecord| {
-            let keys = record.pair.map(key);
+            let keys = record.pair().map(|outline| key(outline.slot));
             let digest = |record: ContactRecord| {
                 let mut own = StateHasher::new();
                 record.write_impulses(&mut own);

@@ -12,7 +12,7 @@ use crate::body::{
     Activity, Bodies, BodyKind, Damping, FactorTable, KinematicTarget, Record, ShapeSource, check_position,
 };
 use crate::codec::{Malformed, Read, Reader, StateHasher};
-use crate::collider::{ColliderDef, ColliderMass, ColliderSet};
+use crate::collider::{ColliderDef, ColliderMass, ColliderSet, OutlineId};
 use crate::contact::{ContactRecord, ContactSet};
 use crate::error::Error;
 use crate::force::{CustomForce, CustomForces, FieldSet, ForceField};
@@ -147,12 +147,15 @@ fn read_colliders(reader: &mut Reader<'_>) -> Result<ColliderSet<Fx>, SnapshotEr
 /// Reads the contacts of a world that has its colliders.
 fn read_contacts(reader: &mut Reader<'_>, world: &World) -> Result<ContactSet, SnapshotError> {
     let pushed_at = u64::read(reader)?;
-    let malformed = reader.malformed("contacts of colliders of two bodies, sorted, each once");
+    let malformed = reader.malformed("contacts of outlines of colliders of two bodies, sorted, each once");
     let records: Vec<ContactRecord> = read_list(reader, 40, ContactRecord::read)?;
-    let body = |slot: u32| world.colliders.at(slot).map(|collider| collider.body);
-    let is_pair = |[a, b]: [u32; 2]| body(a).is_some() && body(b).is_some() && body(a) != body(b);
-    let are_pairs = records.iter().all(|record| is_pair(record.pair));
-    if !are_pairs || !records.is_sorted_by(|a, b| a.pair < b.pair) {
+    let body = |outline: OutlineId| {
+        let collider = world.colliders.at(outline.slot)?;
+        ((outline.part as usize) < collider.def.shape.outlines().len()).then_some(collider.body)
+    };
+    let is_pair = |[a, b]: [OutlineId; 2]| body(a).is_some() && body(b).is_some() && body(a) != body(b);
+    let are_pairs = records.iter().all(|record| is_pair(record.pair()));
+    if !are_pairs || !records.is_sorted_by(|a, b| a.pair() < b.pair()) {
         return Err(malformed.into());
     }
     if pushed_at > world.tick {
@@ -230,7 +233,10 @@ fn read_body(
         ShapeSource::AsOf(first) => Some(bodies.shape_in(*first).ok_or(malformed)?.clone()),
     };
     check_among(&record, def).map_err(invalid)?;
-    let collider_mass = ColliderMass::of(colliders.of(body).filter(|own| own.body == body).map(|own| &own.def));
+    let own = colliders.of(body).filter(|own| own.body == body).map(|own| &own.def);
+    let is_dynamic = record.kind == BodyKind::Dynamic;
+    own.clone().try_for_each(|def| def.check_on(is_dynamic)).map_err(invalid)?;
+    let collider_mass = ColliderMass::of(own);
     let dense = bodies.rebuild(generation, Some((record, shape, collider_mass)), factor_table).map_err(invalid)?;
     if !dense.is_some_and(|dense| sources.name(slot, &bodies.info(dense).shape) == source) {
         return Err(malformed.into());

@@ -200,15 +200,18 @@ fn a_world_with_as_many_slots_as_can_be_is_full() {
     }
     let mut colliders = ColliderSet::<Fx>::default();
     for _ in 0..limits::COLLIDERS {
-        assert_eq!(colliders.check_room(1), Ok(()));
+        assert_eq!(colliders.check_room(1, 0), Ok(()));
         assert_eq!(colliders.rebuild(u32::MAX, None), Ok(()));
     }
-    assert_eq!((colliders.check_room(1), colliders.check_room(0)), (Err(Error::Full), Ok(())));
+    assert_eq!((colliders.check_room(1, 0), colliders.check_room(0, 0)), (Err(Error::Full), Ok(())));
     assert_eq!(colliders.rebuild(u32::MAX, None), Err(Error::Full));
     assert_eq!(
-        (colliders.set_free(vec![3]), colliders.check_room(1), colliders.check_room(2)),
+        (colliders.set_free(vec![3]), colliders.check_room(1, 0), colliders.check_room(2, 0)),
         (Ok(()), Ok(()), Err(Error::Full))
     );
+    // As many outlines beyond the first ones as there may be colliders.
+    let room = [limits::COLLIDERS, limits::COLLIDERS + 1].map(|more| colliders.check_room(1, more));
+    assert_eq!(room, [Ok(()), Err(Error::Full)]);
     assert_eq!((bodies.check_room(), fields.check_room()), (Err(Error::Full), Err(Error::Full)));
     assert_eq!(bodies.rebuild(u32::MAX, None, &mut factor_table), Err(Error::Full));
     assert_eq!(fields.rebuild(u32::MAX, None), Err(Error::Full));

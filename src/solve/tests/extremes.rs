@@ -129,5 +129,5 @@ fn light_bodies_between_heavy_ones() {
         let contacts = pairs.map(|pair| ranges.contact(&mut random, pair, &flights)).to_vec();
         cut += check(&Scene::new(flights, contacts));
     }
-    assert!(cut > 0, "changes of impulses are cut off");
+    assert_eq!(cut, 0, "the unit leaves room for the impulses at the start, and nothing is cut off");
 }

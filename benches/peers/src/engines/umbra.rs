@@ -94,7 +94,7 @@ fn body<S: Number>(b: &scene::Body) -> (BodyDef<S>, [f64; 2]) {
         mass = Mass::Explicit { mass: S::number(kilograms), inertia: S::number(inertia) };
     } else if let Some(shape) = shape::<S>(b) {
         origin = [shape.shift().x, shape.shift().y].map(|c| -c.to_f64());
-        let material = Material { friction: S::number(b.friction), restitution: S::number(b.restitution) };
+        let material = Material { friction: S::number(b.friction), restitution: S::number(b.restitution), ..Material::default() };
         colliders.push(ColliderDef { density: S::number(b.density), material, ..ColliderDef::new(shape) });
     }
     let (dx, dy) = turned(origin, b.angle);

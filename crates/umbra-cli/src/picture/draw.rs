@@ -30,6 +30,8 @@ const COLOURS: [RGBColor; 10] = [
 ];
 const INK: RGBColor = RGBColor(50, 50, 50);
 const FAINT: RGBColor = RGBColor(236, 236, 236);
+/// The colour of contacts: dark red, which no body has that moves.
+const IMPULSE: RGBColor = RGBColor(165, 15, 21);
 /// The line style of disabled bodies, which are outlines alone.
 const ABSENT: RGBColor = RGBColor(150, 150, 150);
 /// Ways that have names beside the picture.
@@ -73,7 +75,7 @@ pub(super) fn draw(picture: &Picture<'_>) -> Result<String, String> {
             root.draw(&Text::new(text.to_owned(), (x * FINE, y * FINE), style)).map_err(fault)
         };
         label(picture.title, LEFT, 22, 19, INK)?;
-        label(&picture.caption, LEFT, 45, 12, RGBColor(110, 110, 110))?;
+        label(&caption(picture, &layout), LEFT, 45, 12, RGBColor(110, 110, 110))?;
         if legend {
             for (line, way) in picture.ways.iter().enumerate() {
                 let (x, y) = (LEFT + layout.width + 16, ABOVE + 10 + 20 * line as i32);
@@ -139,7 +141,50 @@ fn draw_plane(
         let mark = Cross::new(centre, 5 * FINE, INK.stroke_width(width(1.5)));
         plane.draw_series([mark]).map_err(fault)?;
     }
+    draw_contacts(picture, layout, &mut plane)
+}
+
+/// The caption, with what the length of an impulse stands for.
+fn caption(picture: &Picture<'_>, layout: &Layout) -> String {
+    let contacts = &picture.contacts;
+    if contacts.impulses.is_empty() {
+        return picture.caption.clone();
+    }
+    format!("{}, impulses {:.3} m per N·s", picture.caption, contacts.scale(layout.longest_impulse()))
+}
+
+/// Points over normals over impulses.
+fn draw_contacts(picture: &Picture<'_>, layout: &Layout, plane: &mut Plane<'_, '_>) -> Drawn {
+    let contacts = &picture.contacts;
+    let crowd = contacts.points.len().max(contacts.normals.len()) > 600;
+    let scale = contacts.scale(layout.longest_impulse());
+    for &[from, along] in &contacts.impulses {
+        draw_arrow(plane, layout, [from, (along.0 * scale, along.1 * scale)], IMPULSE.stroke_width(width(1.3)))?;
+    }
+    let length = if crowd { 6.0 } else { 11.0 } / layout.scale();
+    for &[from, along] in &contacts.normals {
+        let to = (from.0 + along.0 * length, from.1 + along.1 * length);
+        draw_line(plane, layout, &[from, to], INK.stroke_width(width(1.0)))?;
+    }
+    for &point in contacts.points.iter().filter(|&&point| layout.holds(point)) {
+        let dot = Circle::new(point, width(if crowd { 0.9 } else { 1.8 }), IMPULSE.filled());
+        plane.draw_series([dot]).map_err(fault)?;
+    }
     Ok(())
+}
+
+/// An arrow from a point along a vector, m.
+fn draw_arrow(plane: &mut Plane<'_, '_>, layout: &Layout, [from, along]: [Point; 2], style: ShapeStyle) -> Drawn {
+    let to = (from.0 + along.0, from.1 + along.1);
+    draw_line(plane, layout, &[from, to], style)?;
+    let length = along.0.hypot(along.1);
+    let head = (6.0 / layout.scale()).min(0.4 * length);
+    if head * layout.scale() < 1.0 {
+        return Ok(());
+    }
+    let (ux, uy) = (along.0 / length * head, along.1 / length * head);
+    let side = |s: f64| (to.0 - ux - s * uy, to.1 - uy + s * ux);
+    draw_line(plane, layout, &[side(0.5), to, side(-0.5)], style)
 }
 
 /// A coordinate at an axis, without zeros at its end.
@@ -178,8 +223,8 @@ fn draw_ways(picture: &Picture<'_>, layout: &Layout, plane: &mut Plane<'_, '_>) 
         11..=60 => (1.1, 0.7),
         _ => (0.7, 0.3),
     };
-    // A tenth of a pixel, or more until the picture is small enough.
-    let mut tolerance = 0.1 / layout.scale();
+    // A tenth of a pixel, for the faint lines of a crowd a third, or more until the picture is small enough.
+    let mut tolerance = if crowd <= 60 { 0.1 } else { 0.3 } / layout.scale();
     let lines = loop {
         let lines: Vec<Vec<Point>> = picture.ways.iter().map(|way| simplify(way.points, tolerance)).collect();
         if tolerance * layout.scale() > 1.0 || lines.iter().map(Vec::len).sum::<usize>() <= POINTS {

@@ -44,6 +44,11 @@ impl Layout {
         f64::from(self.width) / (self.most.0 - self.least.0)
     }
 
+    /// The length of the longest arrow of an impulse, m, where the caller gives no scale.
+    pub(super) fn longest_impulse(&self) -> f64 {
+        f64::from(self.width.max(self.height)) / 10.0 / self.scale()
+    }
+
     pub(super) fn window(&self) -> Window {
         [self.least, self.most]
     }

@@ -1,6 +1,7 @@
 //! Pictures of a run: the ways of the bodies, and their outlines at its end.
 
 mod clip;
+mod contacts;
 mod draw;
 mod layout;
 mod outline;
@@ -12,6 +13,8 @@ use umbra_physics::scalar::ToF64;
 use umbra_physics::{BodyClass, BodyKind, Scalar, World};
 use umbra_scene::{Scene, SceneRun, Trails};
 
+use contacts::Contacts;
+pub(crate) use contacts::{ContactMark, ContactOptions};
 use outline::{Outline, Scenery, place};
 
 /// A point of a picture, m.
@@ -25,6 +28,7 @@ const WAYS: usize = 600;
 /// The contents of a picture, gathered while the run goes on.
 pub(crate) struct Recorder<'a> {
     scene: &'a Scene,
+    contacts: ContactOptions,
     chosen: Vec<bool>,
     stride: u64,
     exposed_each: u64,
@@ -36,7 +40,7 @@ pub(crate) struct Recorder<'a> {
 }
 
 impl<'a> Recorder<'a> {
-    pub(crate) fn new(scene: &'a Scene, ticks: u64) -> Self {
+    pub(crate) fn new(scene: &'a Scene, ticks: u64, contacts: ContactOptions) -> Self {
         let count = scene.bodies.len();
         let mut chosen = vec![false; count];
         match &scene.plot.trails {
@@ -51,6 +55,7 @@ impl<'a> Recorder<'a> {
         let exposures = u64::from(scene.plot.exposures);
         Self {
             scene,
+            contacts,
             chosen,
             stride: (drawn.saturating_mul(ticks) / POINTS).max(1),
             exposed_each: if exposures == 0 { u64::MAX } else { (ticks / (exposures + 1)).max(1) },
@@ -107,6 +112,7 @@ impl<'a> Recorder<'a> {
             start: &self.start,
             exposures: &self.exposures,
             scenery: Scenery::of(world),
+            contacts: Contacts::of(world, &self.contacts),
         };
         draw::draw(&picture)
     }
@@ -137,6 +143,7 @@ struct Picture<'a> {
     start: &'a [Outline],
     exposures: &'a [Outline],
     scenery: Scenery,
+    contacts: Contacts,
 }
 
 fn caption<S: Scalar>(world: &World<S>) -> String {

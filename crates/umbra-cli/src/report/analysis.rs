@@ -19,6 +19,20 @@ pub(crate) fn order(a: &[Measured], b: &[Measured]) -> Option<Order> {
     })
 }
 
+/// The slope over all rates at which both scalars err alike, by least squares. Where in a step bodies meet is chance: between two rates
+/// the error of an impact may fall by anything.
+pub(crate) fn trend(a: &[Measured], b: &[Measured]) -> Option<Order> {
+    let alike = |(a, b): (&Measured, &Measured)| Some((a.rate, same(a.error?, b.error?)?.ln()));
+    let points: Vec<(u32, f64)> = a.iter().zip(b).filter_map(alike).collect();
+    let (&(from_rate, _), &(to_rate, _)) = (points.first()?, points.last()?);
+    let count = points.len() as f64;
+    let log = |rate: u32| f64::from(rate).ln();
+    let middle = points.iter().map(|&(rate, _)| log(rate)).sum::<f64>() / count;
+    let along = points.iter().map(|&(rate, error)| (log(rate) - middle) * error).sum::<f64>();
+    let square = points.iter().map(|&(rate, _)| (log(rate) - middle).powi(2)).sum::<f64>();
+    (from_rate < to_rate).then(|| Order { slope: -along / square, from_rate, to_rate })
+}
+
 fn same(a: f64, b: f64) -> Option<f64> {
     (a > 0.0 && (a - b).abs() < SAME * a).then_some(a)
 }
@@ -41,12 +55,13 @@ impl Results {
         Integrator::ALL.into_iter().filter_map(ratio).collect()
     }
 
-    /// The first rate at which an integrator errs more than twice as much in f32 as in f64.
-    pub(crate) fn end_of_f32(&self, integrator: Integrator) -> Option<u32> {
-        let (single, double) = (self.line(integrator, "f32")?, self.line(integrator, "f64")?);
-        let worse = single.runs.iter().zip(&double.runs).find(|(single, double)| {
-            matches!((single.error, double.error), (Some(single), Some(double)) if single > 2.0 * double)
-        });
+    /// The first rate at which an integrator errs more than twice as much in a scalar as in f64.
+    pub(crate) fn end_of(&self, scalar: &str, integrator: Integrator) -> Option<u32> {
+        let (own, double) = (self.line(integrator, scalar)?, self.line(integrator, "f64")?);
+        let worse =
+            own.runs.iter().zip(&double.runs).find(
+                |(own, double)| matches!((own.error, double.error), (Some(own), Some(double)) if own > 2.0 * double),
+            );
         worse.map(|(run, _)| run.rate)
     }
 
@@ -86,12 +101,24 @@ mod tests {
     }
 
     #[test]
+    fn the_trend_is_taken_over_all_rates_where_scalars_agree() {
+        // Rates 10 to 160, the last without agreement: a slope of 1 with an error up and one down beside it.
+        let (fine, coarse) = (runs(&[1.0, 1.0, 0.125, 0.125, 0.01]), runs(&[1.0, 1.0, 0.126, 0.125, 0.02]));
+        let order = trend(&fine, &coarse).expect("four rates");
+        assert_eq!((order.from_rate, order.to_rate), (10, 80));
+        // Σ x·y / Σ x² for x = -1.5, -0.5, 0.5, 1.5 octaves and y = 0, 0, -3, -3.
+        assert!((order.slope - 6.0 / 5.0).abs() < 1e-12, "{}", order.slope);
+        assert_eq!(trend(&fine, &runs(&[1.0, 5.0, 5.0, 5.0, 5.0])), None);
+    }
+
+    #[test]
     fn a_run_that_is_right_by_chance_is_not_the_cheapest() {
         let line = |integrator, errors: &[f64]| Line { integrator, scalar: "fx", order: None, runs: runs(errors) };
         let results = Results {
             name: "",
             title: "",
             about: "",
+            has_contacts: false,
             unit: "m",
             seconds: 1,
             reference_error: 0.0,

@@ -78,7 +78,7 @@ fn winners(problems: &[Results], need: f64) -> String {
     format!("{} of {} problems", parts.join(", "), problems.len())
 }
 
-fn link(results: &Results) -> String {
+pub(super) fn link(results: &Results) -> String {
     format!("<a href=\"#{}\">{}</a>", results.name, results.title)
 }
 
@@ -107,7 +107,7 @@ fn where_scalars_stop(problems: &[Results]) -> String {
     head.push("velocity Verlet in f32<br>errs twice as much as in f64 from".to_owned());
     head.push("Yoshida4 from".to_owned());
     let end = |results: &Results, integrator| {
-        results.end_of_f32(integrator).map_or("–".to_owned(), |rate| format!("{rate}/s"))
+        results.end_of("f32", integrator).map_or("–".to_owned(), |rate| format!("{rate}/s"))
     };
     let row = |results: &Results| {
         let least = |scalar| {

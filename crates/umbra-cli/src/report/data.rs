@@ -15,7 +15,9 @@ pub(crate) struct Report {
     pub(crate) machine: Machine,
     /// Steps a second that were tried.
     pub(crate) rates: Vec<u32>,
+    /// Problems without contacts, and those with.
     pub(crate) problems: Vec<Results>,
+    pub(crate) contacts: Vec<Results>,
     pub(crate) parting: Option<Parting>,
 }
 
@@ -44,6 +46,8 @@ pub(crate) struct Results {
     pub(crate) title: &'static str,
     #[serde(skip)]
     pub(crate) about: &'static str,
+    #[serde(skip)]
+    pub(crate) has_contacts: bool,
     pub(crate) unit: &'static str,
     /// The time at which the errors are read, s.
     pub(crate) seconds: u32,

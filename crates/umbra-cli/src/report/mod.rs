@@ -2,6 +2,7 @@
 
 mod analysis;
 mod conclude;
+mod contacts;
 mod data;
 mod measure;
 mod page;
@@ -111,12 +112,15 @@ pub(crate) fn report(options: &Options) -> Result<(), Failure> {
         all.iter_mut().for_each(|experiment| experiment.time(&progress));
     }
     progress.finish_and_clear();
+    let (contacts, problems) =
+        all.into_iter().map(|experiment| experiment.results).partition(|results| results.has_contacts);
     let report = Report {
         version: env!("CARGO_PKG_VERSION"),
         command: options.command(),
         machine: Machine::this(),
         rates: effort.rates.to_vec(),
-        problems: all.into_iter().map(|experiment| experiment.results).collect(),
+        problems,
+        contacts,
         parting,
     };
     outputs.page.write(&page::page(&report))?;
@@ -156,6 +160,7 @@ impl Experiment {
             name: problem.name,
             title: problem.title,
             about: problem.about,
+            has_contacts: problem.has_contacts(),
             unit: problem.unit(),
             seconds: problem.seconds,
             reference_error: truth.error,
@@ -192,9 +197,10 @@ impl Experiment {
     fn find_orders(&mut self) {
         for lines in self.results.lines.chunks_mut(SCALARS.len()) {
             let [fixed, double, single] = lines else { continue };
-            fixed.order = analysis::order(&fixed.runs, &double.runs);
+            let order = if self.results.has_contacts { analysis::trend } else { analysis::order };
+            fixed.order = order(&fixed.runs, &double.runs);
             double.order = fixed.order;
-            single.order = analysis::order(&single.runs, &double.runs);
+            single.order = order(&single.runs, &double.runs);
         }
     }
 

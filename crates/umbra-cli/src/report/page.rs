@@ -6,6 +6,7 @@ use umbra_physics::Integrator;
 
 use super::SCALARS;
 use super::conclude::conclusions;
+use super::contacts;
 use super::data::{Machine, Measured, Report, Results};
 use super::parting::{Pair, Parting};
 use crate::chart::{self, Axis, Chart, Line, Look, Scale, escaped, power_of_ten, sample};
@@ -28,14 +29,17 @@ pub(super) fn page(report: &Report) -> String {
     if let Some(parting) = &report.parting {
         page += &parted(parting);
     }
-    page += &conclusions(report);
+    page += &contacts::section(report);
+    if !report.problems.is_empty() {
+        page += &conclusions(report);
+    }
     page + "</main></body></html>\n"
 }
 
 /// The diagram of one problem by itself.
 pub(super) fn diagram(report: &Report) -> String {
     let named = report.problems.iter().find(|results| results.name == "kepler-0.6");
-    let Some(results) = named.or(report.problems.first()) else { return String::new() };
+    let Some(results) = named.or(report.problems.first()).or(report.contacts.first()) else { return String::new() };
     let integrators = Integrator::ALL.iter().enumerate().map(|(colour, integrator)| {
         let look = Look { colour, stroke: 0, marks: false };
         (look, integrator.name())
@@ -137,7 +141,7 @@ pub(super) fn table(head: &[String], rows: impl Iterator<Item = Vec<String>>) ->
     format!("<div class=\"scroll\"><table><tr>{}</tr>\n{body}</table></div>\n", row(head, "th"))
 }
 
-fn section(results: &Results) -> String {
+pub(super) fn section(results: &Results) -> String {
     let charts = with_charts(results, |time, step| format!("{}{}", time.inline(), step.inline()));
     format!(
         "<section id=\"{}\"><h2>{}</h2>\n<p>{}</p>\n<p>{}</p>\n<div class=\"charts runs\">{charts}</div>\n<details><summary>Tables</summary>\n{}</details></section>\n",
@@ -180,7 +184,8 @@ fn seen(results: &Results) -> String {
     };
     let orders: Vec<String> = Integrator::ALL.iter().filter_map(order).collect();
     if !orders.is_empty() {
-        let _ = write!(words, "Slopes at the finest steps where fx and f64 agree: {}. ", orders.join(", "));
+        let steps = if results.has_contacts { "over all steps" } else { "at the finest steps" };
+        let _ = write!(words, "Slopes {steps} where fx and f64 agree: {}. ", orders.join(", "));
     }
     let least = |scalar: &str| Some(format!("{} {} in {scalar}", rounded(results.least(scalar)?), results.unit));
     let least: Vec<String> = SCALARS.into_iter().filter_map(least).collect();

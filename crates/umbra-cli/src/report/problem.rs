@@ -32,7 +32,7 @@ pub(crate) struct Truth {
     pub(crate) error: f64,
 }
 
-pub(crate) const PROBLEMS: [Problem; 9] = [
+pub(crate) const PROBLEMS: [Problem; 13] = [
     Problem {
         name: "fall-with-drag",
         title: "Fall with drag and wind",
@@ -131,12 +131,69 @@ pub(crate) const PROBLEMS: [Problem; 9] = [
             "fields": [{"spring": {"from": "bob", "to": [0, 0], "rest": 2, "stiffness": 10000}}]}"#,
         known: Known::Steps(100),
     },
+    Problem {
+        name: "bouncing-ball",
+        title: "Bouncing ball",
+        about: "A ball falls 2 m and bounces with e = 3/4: four impacts in three seconds. A bounce happens once a step, and what is \
+                left of that step is not flown: the line is a saw, as it is chance when in a step the ball arrives.",
+        seconds: 3,
+        scene: r#"{"gravity": [0, -10], "sleep_after": null, "bodies": [
+                {"name": "ball", "position": [0, 2.5],
+                    "colliders": [{"shape": {"circle": {"radius": 0.5}}, "restitution": 0.75}]},
+                {"name": "floor", "kind": "static", "position": [0, -1],
+                    "colliders": [{"shape": {"rectangle": {"width": 16, "height": 2}}}]}]}"#,
+        known: Known::Formula(Closed::Disc),
+    },
+    Problem {
+        name: "sliding-block",
+        title: "Block that slides and stops",
+        about: "A flat block slides down a slope of 3 in 4 from 2.03 m/s. With μ = 7/8 friction takes 1 m/s² more than the slope \
+                gives: it stops after 2.03 seconds and stays. Friction beyond what the slope gives moves the block as semi-implicit \
+                Euler does in the sub-steps of the solver.",
+        seconds: 3,
+        scene: r#"{"gravity": [0, -10], "sleep_after": null, "bodies": [
+                {"name": "block", "velocity": [-1.625, -1.21875], "colliders": [{"friction": 0.875, "shape":
+                    {"polygon": [[0.40625, 0.5], [-0.59375, -0.25], [-0.40625, -0.5], [0.59375, 0.25]]}}]},
+                {"name": "slope", "kind": "static", "position": [0.84375, -1.125], "colliders": [{"friction": 0.875, "shape":
+                    {"polygon": [[31.25, 25], [-32.75, -23], [-31.25, -25], [32.75, 23]]}}]}]}"#,
+        known: Known::Formula(Closed::Slide),
+    },
+    Problem {
+        name: "rolling-disc",
+        title: "Disc that rolls down a slope",
+        about: "A disc rolls from rest down a slope of 3 in 4 without slipping, at 2/3 of a slide without friction. Here friction \
+                is below its limit and nothing starts or stops: with velocity Verlet and Yoshida's rule the order is 2.",
+        seconds: 2,
+        scene: r#"{"gravity": [0, -10], "sleep_after": null, "bodies": [
+                {"name": "disc", "colliders": [{"friction": 0.5, "shape": {"circle": {"radius": 0.625}}}]},
+                {"name": "slope", "kind": "static", "position": [1.125, -1.5], "colliders": [{"friction": 0.5, "shape":
+                    {"polygon": [[31.25, 25], [-32.75, -23], [-31.25, -25], [32.75, 23]]}}]}]}"#,
+        known: Known::Formula(Closed::Disc),
+    },
+    Problem {
+        name: "landing-disc",
+        title: "Spinning disc that lands",
+        about: "A disc with a spin of 48 rad/s falls 1 m, slides on the floor with μ = 1/4 and rolls in the end. The impact is where it \
+                errs: friction acts at the middle of the gap that is left at the start of the step, farther from the centre than the rim.",
+        seconds: 3,
+        scene: r#"{"gravity": [0, -10], "sleep_after": null, "bodies": [
+                {"name": "disc", "position": [0, 1.375], "angular_velocity": -48,
+                    "colliders": [{"friction": 0.25, "shape": {"circle": {"radius": 0.375}}}]},
+                {"name": "floor", "kind": "static", "position": [0, -1],
+                    "colliders": [{"friction": 0.25, "shape": {"rectangle": {"width": 64, "height": 2}}}]}]}"#,
+        known: Known::Formula(Closed::Disc),
+    },
 ];
 
 impl Problem {
     /// The scene, to be started with any scalar, integrator and time step.
     pub(crate) fn scene(&self) -> Result<Scene, SceneErrors> {
         Scene::parse(self.scene)
+    }
+
+    /// Returns true if its bodies touch each other.
+    pub(crate) fn has_contacts(&self) -> bool {
+        matches!(self.known, Known::Formula(Closed::Slide | Closed::Disc))
     }
 
     /// The torque that is applied at each tick, N·m.

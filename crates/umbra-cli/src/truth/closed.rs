@@ -1,8 +1,8 @@
-//! Motions with a formula, for a world with one body.
+//! Motions with a formula, for a world with one body that moves.
 
 use umbra_physics::{FieldKind, Fx, World};
 
-use super::{Exact, Real, real, to_f64};
+use super::{Exact, Real, plane, real, to_f64};
 
 /// A closed formula.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,6 +15,10 @@ pub(crate) enum Closed {
     Kepler,
     /// A constant torque, N·m; the angle, rad.
     Spin(Fx),
+    /// A block that slides along a plane until friction stops it.
+    Slide,
+    /// A disc that falls to a plane, bounces or slides, and rolls.
+    Disc,
 }
 
 /// Computes where the body is after so many seconds, with so many bits; `None` if the formula does not apply to the world.
@@ -42,6 +46,8 @@ pub(crate) fn closed(formula: Closed, world: &World, seconds: u32, bits: usize) 
             let turned = (wide(body.angular_velocity().exact()) + ((gained * &time) >> 1)) * &time;
             vec![wide(body.angle_exact().exact()) + turned]
         }
+        (Closed::Slide, None) => plane::slide(world, &time, bits)?,
+        (Closed::Disc, None) => plane::disc(world, &time, bits)?,
         _ => return None,
     })
 }

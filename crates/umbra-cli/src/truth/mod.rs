@@ -2,6 +2,7 @@
 
 mod closed;
 mod equations;
+mod plane;
 
 use std::sync::LazyLock;
 

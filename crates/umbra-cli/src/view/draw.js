@@ -7,7 +7,7 @@ let colours = {};
 function readColours() {
   const style = getComputedStyle(document.documentElement);
   colours = {};
-  for (const name of ["ink", "soft", "faint", "grid", "paper", "field", ...LOOKS]) {
+  for (const name of ["ink", "soft", "faint", "grid", "paper", "field", "contact", ...LOOKS]) {
     colours[name] = style.getPropertyValue(`--${name}`).trim();
   }
 }
@@ -79,8 +79,8 @@ function drawGrid() {
   }
 }
 
-// How long a metre is and, where velocities are drawn, a metre a second.
-function drawScales(hasArrows) {
+// How long a metre is and, for the kinds of arrows that are drawn, what one of them stands for.
+function drawScales(...arrows) {
   const each = rounded(36 / camera.scale), length = each * camera.scale, right = size.width - 14;
   let bottom = size.height - 18;
   const path = new Path2D();
@@ -98,10 +98,10 @@ function drawScales(hasArrows) {
   pen.font = "12px system-ui, sans-serif";
   pen.textAlign = "right";
   label(`${Number(each.toPrecision(3))} m`);
-  if (hasArrows) {
+  for (const [value, unit] of arrows.filter(shown => shown)) {
     bottom -= 36;
     arrow(path, right - FAST, bottom, FAST, 0);
-    label(`${Number(fastSpeed.toPrecision(3))} m/s`);
+    label(`${Number(value.toPrecision(3))} ${unit}`);
   }
   pen.strokeStyle = colours.soft;
   pen.lineWidth = 1.5;

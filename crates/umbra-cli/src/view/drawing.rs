@@ -6,7 +6,7 @@
 use serde_json::{Value, json};
 use umbra_physics::scalar::ToF64;
 use umbra_physics::{
-    Attachment, BodyClass, BodyId, DebugDraw, End, FieldKind, ForceField, Fx, Pose, Region, Role, Shape,
+    Attachment, BodyClass, BodyId, ColliderDef, DebugDraw, End, FieldKind, ForceField, Fx, Pose, Region, Role, Shape,
 };
 
 /// The drawing of a shape about its centre of mass, for the page to turn and move: discs with the point of their rim that is
@@ -35,10 +35,19 @@ impl DebugDraw for Primitives {
     }
 }
 
-pub(super) fn shape(body: BodyId, shape: &Shape) -> Value {
-    let mut primitives = Primitives::default();
-    shape.debug_draw(Pose::ORIGIN, Role::Body(body, BodyClass::Dynamic), &mut primitives);
-    Value::Array(primitives.0)
+/// The shape of a body and those of its colliders; None for a body that has neither.
+pub(super) fn outline(body: BodyId, shape: Option<&Shape>, colliders: &[ColliderDef]) -> Option<Value> {
+    let (mut primitives, role) = (Primitives::default(), Role::Body(body, BodyClass::Dynamic));
+    let parts = colliders.iter().map(|collider| {
+        let pose = Pose { position: collider.position.to_f64(), angle: collider.angle.to_f64() };
+        (&collider.shape, pose)
+    });
+    let mut has_shape = false;
+    for (shape, pose) in shape.map(|shape| (shape, Pose::ORIGIN)).into_iter().chain(parts) {
+        has_shape = true;
+        shape.debug_draw(pose, role, &mut primitives);
+    }
+    has_shape.then_some(Value::Array(primitives.0))
 }
 
 /// A force field with a place; None for those that are everywhere or that are custom forces. `life` has the number

@@ -1,5 +1,6 @@
 //! `umbra view`: a run as one page that plays it, and needs nothing else.
 
+mod contacts;
 mod drawing;
 mod events;
 mod page;
@@ -11,7 +12,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use umbra_physics::{BodyId, ColliderId, FieldId, Fx, Replay};
-use umbra_scene::Scene;
+use umbra_scene::{Scene, Trails};
 
 use crate::failure::Failure;
 use crate::load::{self, Run};
@@ -32,6 +33,9 @@ pub(crate) struct Options {
     /// Number of steps [default: what the scene says; all of a replay].
     #[arg(long, value_name = "N")]
     ticks: Option<u64>,
+    /// Records contacts as well, for the page to show: points, normals and impulses. Long runs of large piles are thinned more.
+    #[arg(long)]
+    contacts: bool,
 }
 
 pub(crate) fn view(options: &Options) -> Result<(), Failure> {
@@ -41,11 +45,12 @@ pub(crate) fn view(options: &Options) -> Result<(), Failure> {
         Run::Scene(scene) => {
             let recording = of_scene(&scene, options)?;
             let title = if scene.title.is_empty() { file } else { scene.title };
-            write(recording, &Heading { title, about: scene.about, view: scene.plot.view }, &out)
+            let trails = scene.plot.trails != Trails::None;
+            write(recording, &Heading { title, about: scene.about, view: scene.plot.view, trails }, &out)
         }
         Run::Replay(replay) => {
             let recording = of_replay(&replay, options);
-            write(recording, &Heading { title: file, about: String::new(), view: None }, &out)
+            write(recording, &Heading { title: file, about: String::new(), view: None, trails: true }, &out)
         }
     }
 }
@@ -55,7 +60,7 @@ fn of_scene(scene: &Scene, options: &Options) -> Result<Recording, Failure> {
     let at_fault = Failure::scene(&options.run);
     let mut run = scene.start::<Fx>().map_err(&at_fault)?;
     let ticks = options.ticks.unwrap_or(scene.ticks);
-    let mut recording = Recording::new(Budget::default());
+    let mut recording = Recording::new(Budget::default()).with_contacts(options.contacts);
     let progress = progress(ticks, "tick");
     recording.see(run.world(), None, |body: BodyId| run.name(body).to_owned());
     for tick in 0..ticks {
@@ -88,7 +93,7 @@ fn of_replay(replay: &Replay, options: &Options) -> Recording {
     };
     // The page calls bodies without a name by their handles.
     let name = |body: BodyId| labels.body(body).unwrap_or_default().to_owned();
-    let mut recording = Recording::new(Budget::default());
+    let mut recording = Recording::new(Budget::default()).with_contacts(options.contacts);
     let progress = progress(ticks, "tick");
     recording.see(playback.world(), None, name);
     for made in 0..ticks {

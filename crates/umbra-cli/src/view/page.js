@@ -36,9 +36,10 @@ function draw() {
   if ($("trails").checked) drawTrails(frame, tick, selected);
   const counts = drawBodies(frame, tick);
   if ($("arrows").checked) drawArrows(frame);
+  if (hasContacts) drawContacts(frame, CONTACTS.map(isOn));
   if (hovered && hovered !== selected && hovered.isThere(frame)) drawNamed(hovered, frame, false);
   if (selected?.isThere(frame)) drawNamed(selected, frame, true);
-  drawScales($("arrows").checked);
+  drawScales($("arrows").checked && [fastSpeed, "m/s"], isOn("impulses") && [largeImpulse, "N·s"]);
   say(tick, counts);
 }
 
@@ -217,7 +218,7 @@ $("end").addEventListener("click", () => step(Infinity));
 $("more").addEventListener("click", listMore);
 $("kinds").addEventListener("change", filter);
 $("who").addEventListener("change", () => select(bodies[$("who").value] ?? null));
-for (const id of ["follow", "arrows", "trails"]) $(id).addEventListener("change", redraw);
+for (const id of ["follow", "arrows", "trails", ...CONTACTS]) $(id).addEventListener("change", redraw);
 scrub.addEventListener("input", () => {
   play(false);
   show(Number(scrub.value));
@@ -233,6 +234,9 @@ const KEYS = {
   v: () => $("arrows").click(),
   t: () => $("trails").click(),
   c: () => $("follow").click(),
+  k: () => $("points")?.click(),
+  n: () => $("normals")?.click(),
+  i: () => $("impulses")?.click(),
   "+": () => zoom(1.25, size.width / 2, size.height / 2),
   "-": () => zoom(0.8, size.width / 2, size.height / 2),
   Escape: () => select(null),
@@ -291,7 +295,7 @@ function start() {
   $("thinned").hidden = run.thinned === null;
   scrub.max = lastFrame;
   $("list").style.setProperty("--digits", String(run.last).length);
-  $("trails").checked = bodies.length <= 200;
+  $("trails").checked = run.trails && bodies.length <= 200;
   $("who").append(option("", "none selected"), ...bodies.map(body => option(body.index, body.label)));
   const kinds = Object.keys(WORDS).filter(what => events.some(event => event.what === what));
   const count = what => events.filter(event => event.what === what).length;

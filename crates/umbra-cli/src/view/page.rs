@@ -13,15 +13,18 @@ pub(crate) struct Heading {
     pub(crate) about: String,
     /// The part of the plane to show at first, m; all there is without it.
     pub(crate) view: Option<[Vec2; 2]>,
+    /// Whether to show trails at first, unless there are too many.
+    pub(crate) trails: bool,
 }
 
 const BODY: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
-/// The program of the page: five files, which share their names.
-const PROGRAM: [&str; 5] = [
+/// The program of the page: six files, which share their names.
+const PROGRAM: [&str; 6] = [
     include_str!("data.js"),
     include_str!("camera.js"),
     include_str!("draw.js"),
+    include_str!("contacts.js"),
     include_str!("events.js"),
     include_str!("page.js"),
 ];
@@ -76,14 +79,23 @@ fn ordinal(n: u64) -> String {
 }
 
 /// The data that the program of the page reads: a value for what there is once, and bytes for each tick. The bytes are the hashes of the frames
-/// and then the tracks.
+/// then the tracks, and then the contacts of each frame.
 fn contents(recording: Recording, heading: &Heading, thinned: Option<String>) -> (Value, Vec<u8>) {
     let mut bytes: Vec<u8> = recording.hashes.iter().flat_map(|hash| hash.to_le_bytes()).collect();
     let frames = recording.hashes.len();
     let shapes: Vec<Value> = recording.shapes.into_iter().map(|(_, drawn)| drawn).collect();
     let bodies: Vec<Value> = recording.lives.into_iter().map(|life| body(life, &mut bytes)).collect();
+    let contacts = recording.contacts.map(|frames| {
+        let mut offsets = vec![bytes.len()];
+        for frame in frames {
+            bytes.extend(frame);
+            offsets.push(bytes.len());
+        }
+        offsets
+    });
     let run = json!({
         "view": heading.view.map(|corners| corners.map(Vec2::to_f64)),
+        "trails": heading.trails,
         "thinned": thinned,
         "made": format!("umbra-physics {}, physics version {PHYSICS_VERSION}", env!("CARGO_PKG_VERSION")),
         "integrator": recording.integrator,
@@ -95,6 +107,7 @@ fn contents(recording: Recording, heading: &Heading, thinned: Option<String>) ->
         "shapes": shapes,
         "bodies": bodies,
         "fields": recording.fields.iter().filter_map(field).collect::<Vec<_>>(),
+        "contacts": contacts,
         "events": recording.events.told.iter().map(event).collect::<Vec<_>>(),
     });
     (run, bytes)

@@ -2,11 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use umbra_physics::{Activity, BodyId, BodyKind, BodyRef, FieldId, ForceField, Fx, Shape, TimeStep, World};
+use umbra_physics::{
+    Activity, BodyId, BodyKind, BodyRef, ColliderDef, FieldId, ForceField, Fx, Shape, TimeStep, World,
+};
 
-use super::drawing;
 use super::events::{Events, What};
 use super::track::{Sample, Track};
+use super::{contacts, drawing};
 
 /// The limits of a page.
 #[derive(Clone, Copy, Debug)]
@@ -48,9 +50,18 @@ pub(crate) struct Recording {
     pub(super) fields: Vec<Placed>,
     fields_there: BTreeMap<FieldId, (ForceField<Fx>, usize)>,
     /// Each with what it is drawn as.
-    pub(super) shapes: Vec<(Shape<Fx>, serde_json::Value)>,
+    pub(super) shapes: Vec<(Outline, serde_json::Value)>,
     shape_numbers: BTreeMap<String, usize>,
     pub(super) events: Events,
+    /// The contacts of each frame as bytes; None if they are not recorded.
+    pub(super) contacts: Option<Vec<Vec<u8>>>,
+}
+
+/// The shapes that a body is drawn as: its own, and those of its colliders at their places.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Outline {
+    shape: Option<Shape<Fx>>,
+    colliders: Vec<ColliderDef<Fx>>,
 }
 
 /// Ticks with the same time step.
@@ -113,7 +124,13 @@ impl Recording {
             shapes: Vec::new(),
             shape_numbers: BTreeMap::new(),
             events: Events::default(),
+            contacts: None,
         }
+    }
+
+    /// Records contacts as well.
+    pub(crate) fn with_contacts(self, has_contacts: bool) -> Self {
+        Self { contacts: has_contacts.then(Vec::new), ..self }
     }
 
     /// Takes in the world at its start, and then after each step. `name` is asked once for each body. A recorded hash that
@@ -126,7 +143,7 @@ impl Recording {
         let is_frame = (tick - self.start) % self.stride == 0;
         self.see_clock(world);
         for body in world.bodies() {
-            let life = self.see_body(&body, tick, &name);
+            let life = self.see_body(world, &body, tick, &name);
             if is_frame {
                 self.sample(life, &body);
             }
@@ -149,6 +166,7 @@ impl Recording {
         self.last = tick;
         if is_frame {
             self.hashes.push(hash);
+            self.see_contacts(world);
             while self.is_too_much() {
                 self.thin();
             }
@@ -171,6 +189,14 @@ impl Recording {
             }
         }
         self.hashes.push(world.state_hash());
+        self.see_contacts(world);
+    }
+
+    fn see_contacts(&mut self, world: &World<Fx>) {
+        if let Some(frames) = &mut self.contacts {
+            let life = |body| known_life(&self.alive, &self.lives, body);
+            frames.push(contacts::frame(world, life));
+        }
     }
 
     fn see_clock(&mut self, world: &World<Fx>) {
@@ -193,7 +219,13 @@ impl Recording {
     }
 
     /// The life of a body that is there.
-    fn see_body(&mut self, body: &BodyRef<'_>, tick: u64, name: &impl Fn(BodyId) -> String) -> usize {
+    fn see_body(
+        &mut self,
+        world: &World<Fx>,
+        body: &BodyRef<'_>,
+        tick: u64,
+        name: &impl Fn(BodyId) -> String,
+    ) -> usize {
         let id = body.id();
         let slot = id.parts().0 as usize;
         if self.alive.len() <= slot {
@@ -214,7 +246,7 @@ impl Recording {
             self.lives.len() - 1
         });
         self.lives[life].to = tick;
-        let shape = self.shape_number(life, body);
+        let shape = self.shape_number(life, world, body);
         let look = Look { kind: body.kind(), activity: body.activity(), shape, key: body.key(), mass: body.mass() };
         let before = self.lives[life].looks.last().map(|(_, look)| *look);
         if before != Some(look) {
@@ -235,15 +267,21 @@ impl Recording {
         life
     }
 
-    fn shape_number(&mut self, life: usize, body: &BodyRef<'_>) -> Option<usize> {
-        let shape = body.shape()?;
+    fn shape_number(&mut self, life: usize, world: &World<Fx>, body: &BodyRef<'_>) -> Option<usize> {
+        let colliders = || {
+            let own = world.colliders_of(body.id()).into_iter().flatten();
+            own.filter_map(|collider| world.collider(collider).ok())
+        };
         let before = self.lives[life].looks.last().and_then(|(_, look)| look.shape);
-        if before.is_some_and(|before| self.shapes[before].0 == *shape) {
+        let is_same =
+            |outline: &Outline| outline.shape.as_ref() == body.shape() && outline.colliders.iter().eq(colliders());
+        if before.is_some_and(|before| is_same(&self.shapes[before].0)) {
             return before;
         }
-        let drawn = drawing::shape(body.id(), shape);
+        let outline = Outline { shape: body.shape().cloned(), colliders: colliders().cloned().collect() };
+        let drawn = drawing::outline(body.id(), outline.shape.as_ref(), &outline.colliders)?;
         let number = *self.shape_numbers.entry(drawn.to_string()).or_insert_with(|| {
-            self.shapes.push((shape.clone(), drawn));
+            self.shapes.push((outline, drawn));
             self.shapes.len() - 1
         });
         Some(number)
@@ -270,10 +308,7 @@ impl Recording {
             let known = there.remove(&id).filter(|(known, _)| known == field);
             let number = known.map_or_else(
                 || {
-                    let drawing = drawing::field(field, |body| {
-                        let life = self.alive.get(body.parts().0 as usize).copied().flatten()?;
-                        (self.lives[life].id == body).then_some(life)
-                    });
+                    let drawing = drawing::field(field, |body| known_life(&self.alive, &self.lives, body));
                     self.fields.push(Placed { from: tick, to: tick, drawing });
                     self.fields.len() - 1
                 },
@@ -288,7 +323,8 @@ impl Recording {
         if self.hashes.len() as u64 <= FEWEST {
             return false;
         }
-        let (mut bytes, mut samples) = (8 * self.hashes.len(), 0);
+        let contacts: usize = self.contacts.iter().flatten().map(Vec::len).sum();
+        let (mut bytes, mut samples) = (8 * self.hashes.len() + contacts, 0);
         // What the text takes, about.
         let mut text = 16_000 + 100 * (self.events.told.len() + self.fields.len()) + 300 * self.shapes.len();
         for life in &self.lives {
@@ -303,6 +339,9 @@ impl Recording {
     fn thin(&mut self) {
         self.stride *= 2;
         self.hashes = self.hashes.iter().copied().step_by(2).collect();
+        if let Some(frames) = &mut self.contacts {
+            *frames = std::mem::take(frames).into_iter().step_by(2).collect();
+        }
         for life in &mut self.lives {
             let odd = (life.first % 2) as usize;
             let mut track = Track::default();
@@ -311,6 +350,12 @@ impl Recording {
             life.first = life.first.div_ceil(2);
         }
     }
+}
+
+/// The number under which the page knows a body that is there.
+fn known_life(alive: &[Option<usize>], lives: &[Life], body: BodyId) -> Option<usize> {
+    let life = alive.get(body.parts().0 as usize).copied().flatten()?;
+    (lives[life].id == body).then_some(life)
 }
 
 #[cfg(test)]

@@ -212,6 +212,29 @@ fn numbers_out_of_range_are_refused_at_their_field() {
 }
 
 #[test]
+fn mistakes_in_colliders_are_refused_with_file_line_and_field() {
+    let disc = "\"shape\": {\"circle\": {\"radius\": 1}}";
+    let cases = [
+        ("\n\"friction\": 33", 4, ".friction", "out of range: expected a coefficient of friction from 0 to 32"),
+        ("\"restitution\": -1", 3, ".restitution", "out of range: expected a coefficient of restitution from 0 to 1"),
+        ("\n\n\"mask\": [32]", 5, ".mask[0]", "out of range: expected a category from 0 to 31"),
+        ("\"category\": [-1]", 3, ".category[0]", "out of range: expected a category from 0 to 31"),
+        ("\"groop\": 1", 3, ".groop", "unknown field: did you mean `group`?"),
+        ("\"density\": -1", 3, ".density", "out of range: expected a density of at least zero"),
+    ];
+    for (fields, line, field, what) in cases {
+        let scene = with_body(&format!("\"colliders\": [{{{disc}, {fields}}}]"));
+        assert_eq!(
+            refused("collider.json", scene),
+            format!(":{line}: bodies[0].colliders[0]{field}: {what}"),
+            "{fields}"
+        );
+    }
+    let shapeless = refused("shapeless.json", with_body("\"colliders\": [{\"friction\": 0.5}]"));
+    assert_eq!(shapeless, ":3: bodies[0].colliders[0]: the field `shape` is missing");
+}
+
+#[test]
 fn a_number_of_forty_digits_is_rounded_once() {
     // 2^-33 is a tie and goes to 0; a digit in the fortieth place more makes it an ulp.
     for (digits, ulps) in
@@ -389,6 +412,51 @@ fn a_picture_has_disabled_bodies_as_grey_outlines_whatever_they_did_before() {
         |svg: &str| ["<polygon", "stroke=\"#969696\"", "stroke=\"#787878\""].map(|mark| svg.matches(mark).count());
     assert_eq!(marks(&svg("")), [2, 0, 2]);
     assert_eq!(marks(&svg(r#"{"at": 5, "body": "b", "do": "disable"}"#)), [1, 1, 1]);
+}
+
+#[test]
+fn contacts_are_drawn_if_asked_for() {
+    let scene = r#"{"ticks": 60, "gravity": [0, -10], "bodies": [
+        {"name": "floor", "kind": "static", "colliders": [{"shape": {"rectangle": {"width": 4, "height": 1}}}]},
+        {"name": "crate", "position": [0, 1], "colliders": [{"shape": {"rectangle": {"width": 1, "height": 1}}}]}]}"#;
+    let (scene, picture) = (Scratch::new("crate.json", scene), Scratch::new("crate.svg", ""));
+    let svg = |options: &[&str]| {
+        let output = umbra(&[&["run", scene.path(), "--plot", picture.path()], options].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        fs::read_to_string(&picture.0).expect("the picture is there")
+    };
+    // Dots at two corners of the crate; two arrows of a line and a head each; two areas of the colliders.
+    let marks = |svg: &str| {
+        let of =
+            |element: &str| svg.split('<').filter(|tag| tag.starts_with(element) && tag.contains("#A50F15")).count();
+        [of("circle"), of("polyline"), svg.matches("<polygon").count()]
+    };
+    assert_eq!(marks(&svg(&[])), [0, 0, 2]);
+    let lines = |svg: &str| svg.matches("<polyline").count();
+    let bare = lines(&svg(&[]));
+    let points = svg(&["--contacts", "points"]);
+    assert_eq!((marks(&points), lines(&points)), ([2, 0, 2], bare));
+    let normals = svg(&["--contacts", "normals"]);
+    assert_eq!((marks(&normals), lines(&normals)), ([0, 0, 2], bare + 2));
+    let all = svg(&["--contacts", "points,normals,impulses", "--impulse-scale", "30"]);
+    assert_eq!((marks(&all), lines(&all)), ([2, 4, 2], bare + 2 + 4));
+    assert!(all.contains("impulses 30.000 m per N·s"), "{all}");
+    // By itself the longest is a tenth of the picture, here of 4 m and its margins: half of 1/30 N·s.
+    let caption = svg(&["--contacts", "impulses"]);
+    let (_, scale) = caption.split_once("impulses ").expect("the scale");
+    let scale: f64 = scale.split(' ').next().and_then(|scale| scale.parse().ok()).expect("a number");
+    assert!((scale / 60.0 - 0.448).abs() < 0.001, "{scale}");
+    // What cannot be meant.
+    for (options, said) in [
+        (&["--contacts", "points"][..], "--plot"),
+        (&["--plot", picture.path(), "--contacts", "forces"], "points, normals, impulses"),
+        (&["--plot", picture.path(), "--impulse-scale", "1"], "--contacts"),
+        (&["--plot", picture.path(), "--contacts", "impulses", "--impulse-scale", "0"], "expected a number above 0"),
+    ] {
+        let output = umbra(&[&["run", scene.path()], options].concat());
+        assert_eq!(output.status.code(), Some(2), "{options:?}");
+        assert!(text(&output.stderr).contains(said), "{options:?}: {}", text(&output.stderr));
+    }
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 mod cli;
 mod compare;
+mod contacts;
 mod outputs;
 mod replays;
 mod report;

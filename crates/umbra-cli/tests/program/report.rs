@@ -20,6 +20,8 @@ const PROBLEMS: [&str; 9] = [
     "figure-eight",
     "stiff-pendulum",
 ];
+/// Problems in which bodies touch.
+const CONTACTS: [&str; 4] = ["bouncing-ball", "sliding-block", "rolling-disc", "landing-disc"];
 const SCALARS: [&str; 3] = ["fx", "f64", "f32"];
 const RATES: [u64; 4] = [10, 60, 240, 1000];
 
@@ -34,14 +36,14 @@ fn taken(file: &Path) -> String {
     text
 }
 
-struct Report {
+pub(crate) struct Report {
     page: String,
     diagram: String,
-    data: Value,
+    pub(crate) data: Value,
 }
 
 /// A quick run of everything.
-static REPORT: LazyLock<Report> = LazyLock::new(|| {
+pub(crate) static REPORT: LazyLock<Report> = LazyLock::new(|| {
     let (page, data, diagram) = (scratch("report.html"), scratch("report.json"), scratch("report.svg"));
     let path = |path: &Path| path.to_str().expect("UTF-8").to_owned();
     let output =
@@ -52,30 +54,32 @@ static REPORT: LazyLock<Report> = LazyLock::new(|| {
     Report { page: taken(&page), diagram: taken(&diagram), data }
 });
 
-fn list(value: &Value) -> &[Value] {
+pub(crate) fn list(value: &Value) -> &[Value] {
     value.as_array().expect("a list")
 }
 
 fn problem<'a>(data: &'a Value, name: &str) -> &'a Value {
-    list(&data["problems"]).iter().find(|problem| problem["name"] == name).unwrap_or_else(|| panic!("no {name}"))
+    let mut problems = list(&data["problems"]).iter().chain(list(&data["contacts"]));
+    problems.find(|problem| problem["name"] == name).unwrap_or_else(|| panic!("no {name}"))
 }
 
-fn line<'a>(data: &'a Value, name: &str, integrator: Integrator, scalar: &str) -> &'a Value {
+pub(crate) fn line<'a>(data: &'a Value, name: &str, integrator: Integrator, scalar: &str) -> &'a Value {
     let mut lines = list(&problem(data, name)["lines"]).iter();
     let line = lines.find(|line| line["integrator"] == integrator.name() && line["scalar"] == scalar);
     line.unwrap_or_else(|| panic!("no {} in {scalar} for {name}", integrator.name()))
 }
 
 /// Errors by rate.
-fn errors(name: &str, integrator: Integrator, scalar: &str) -> Vec<f64> {
+pub(crate) fn errors(name: &str, integrator: Integrator, scalar: &str) -> Vec<f64> {
     let line = line(&REPORT.data, name, integrator, scalar);
     list(&line["runs"]).iter().map(|run| run["error"].as_f64().expect("it stayed in the envelope")).collect()
 }
 
 fn has_everything(data: &Value) {
-    let names: Vec<&Value> = list(&data["problems"]).iter().map(|problem| &problem["name"]).collect();
-    assert_eq!(names, PROBLEMS);
-    for name in PROBLEMS {
+    let names = |of: &str| list(&data[of]).iter().map(|problem| &problem["name"]).collect::<Vec<_>>();
+    assert_eq!(names("problems"), PROBLEMS);
+    assert_eq!(names("contacts"), CONTACTS);
+    for name in PROBLEMS.into_iter().chain(CONTACTS) {
         for (integrator, scalar) in Integrator::ALL.into_iter().flat_map(|i| SCALARS.map(|scalar| (i, scalar))) {
             let line = line(data, name, integrator, scalar);
             let rates: Vec<&Value> = list(&line["runs"]).iter().map(|run| &run["rate"]).collect();
@@ -84,6 +88,12 @@ fn has_everything(data: &Value) {
             assert!(costs.into_iter().all(|cost| cost > Some(0.0)), "{name}");
         }
     }
+}
+
+/// The report in the repository.
+pub(crate) fn committed() -> Value {
+    let text = fs::read_to_string(root().join("docs/report/report.json")).expect("it is there");
+    serde_json::from_str(&text).expect("JSON")
 }
 
 #[test]
@@ -100,7 +110,7 @@ fn every_problem_is_run_with_every_integrator_in_every_scalar() {
 
 #[test]
 fn references_are_good_to_1e_15() {
-    for name in PROBLEMS {
+    for name in PROBLEMS.into_iter().chain(CONTACTS) {
         let error = problem(&REPORT.data, name)["reference_error"].as_f64();
         assert!(error.is_some_and(|error| error < 1e-15), "{name}: {error:?}");
     }
@@ -189,14 +199,21 @@ fn the_page_needs_nothing_else() {
         assert!(!page.contains(outside), "{outside}");
     }
     assert_eq!(page.matches("url(").count(), page.matches("url(#m").count(), "only its own marks");
-    for name in PROBLEMS {
+    let all = PROBLEMS.len() + CONTACTS.len();
+    for name in PROBLEMS.into_iter().chain(CONTACTS) {
         assert!(page.contains(&format!("<section id=\"{name}\">")), "{name}");
     }
-    // Two charts for each problem, of 15 lines each, and one of 7; two tables each, one of them, and three to close.
-    assert_eq!(page.matches("<svg class=\"chart\"").count(), 2 * PROBLEMS.len() + 1);
-    assert_eq!(page.matches("<title>").count(), 1 + 30 * PROBLEMS.len() + 7);
-    assert_eq!(page.matches("<table>").count(), 2 * PROBLEMS.len() + 1 + 3);
-    for text in ["id=\"parting\"", "id=\"conclude\"", "umbra report", "Velocity Verlet at 1000 steps a second"] {
+    // Two charts for each problem, of 15 lines each, and one of 7; two tables each, one of that, one of contacts, and three to close.
+    assert_eq!(page.matches("<svg class=\"chart\"").count(), 2 * all + 1);
+    assert_eq!(page.matches("<title>").count(), 1 + 30 * all + 7);
+    assert_eq!(page.matches("<table>").count(), 2 * all + 1 + 1 + 3);
+    for text in [
+        "id=\"parting\"",
+        "id=\"contacts\"",
+        "id=\"conclude\"",
+        "umbra report",
+        "Velocity Verlet at 1000 steps a second",
+    ] {
         assert!(page.contains(text), "{text}");
     }
     assert!(["NaN", ">inf", ",inf", " inf"].iter().all(|odd| !page.contains(odd)), "every number is one");
@@ -220,6 +237,7 @@ fn problems_can_be_chosen() {
         "--problem",
         "spin",
         "damped-fall",
+        "rolling-disc",
         "--out",
         page.to_str().expect("UTF-8"),
         "--json",
@@ -227,10 +245,11 @@ fn problems_can_be_chosen() {
     ]);
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     let data: Value = serde_json::from_str(&taken(&data)).expect("JSON");
-    let names: Vec<&Value> = list(&data["problems"]).iter().map(|problem| &problem["name"]).collect();
-    assert_eq!(names, ["spin", "damped-fall"]);
+    let names = |of: &str| list(&data[of]).iter().map(|problem| &problem["name"]).collect::<Vec<_>>();
+    assert_eq!(names("problems"), ["spin", "damped-fall"]);
+    assert_eq!(names("contacts"), ["rolling-disc"]);
     let command = data["command"].as_str().expect("text");
-    assert!(command.ends_with("--quick --problem spin --problem damped-fall"), "{command}");
+    assert!(command.ends_with("--quick --problem spin --problem damped-fall --problem rolling-disc"), "{command}");
     assert!(!taken(&page).contains("id=\"oscillator\""));
 }
 
@@ -251,9 +270,9 @@ fn bad_usage_is_status_two() {
 #[test]
 fn the_results_in_the_repository_are_whole() {
     let folder = root().join("docs/report");
-    let read = |name: &str| fs::read_to_string(folder.join(name)).expect("it is there");
-    let (page, data) = (read("report.html"), read("report.json"));
-    assert!(page.len() < 300_000 && data.len() < 300_000);
-    has_everything(&serde_json::from_str(&data).expect("JSON"));
-    assert!(PROBLEMS.iter().all(|name| page.contains(&format!("<section id=\"{name}\">"))));
+    let page = fs::read_to_string(folder.join("report.html")).expect("it is there");
+    let size = |name: &str| fs::metadata(folder.join(name)).expect("it is there").len();
+    assert!(size("report.html") < 300_000 && size("report.json") < 300_000);
+    has_everything(&committed());
+    assert!(PROBLEMS.iter().chain(&CONTACTS).all(|name| page.contains(&format!("<section id=\"{name}\">"))));
 }

@@ -24,12 +24,16 @@ struct Page(PathBuf);
 impl Page {
     /// The page of a scene, with what was printed.
     fn of(scene: &str, ticks: Option<u64>) -> (Self, String) {
+        Self::with(scene, ticks, &[])
+    }
+
+    fn with(scene: &str, ticks: Option<u64>, options: &[&str]) -> (Self, String) {
         let name = Path::new(scene).file_stem().expect("a name").to_string_lossy().into_owned();
         let test = std::thread::current().name().unwrap_or("test").to_owned();
         let page =
             Self(Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{}-{test}-{name}.html", std::process::id())));
         let ticks = ticks.map(|ticks| ticks.to_string());
-        let mut arguments = vec!["view", scene, "--out", page.path()];
+        let mut arguments = [&["view", scene, "--out", page.path()], options].concat();
         if let Some(ticks) = &ticks {
             arguments.extend(["--ticks", ticks]);
         }
@@ -348,6 +352,88 @@ fn the_picture_pans_zooms_and_follows() {
         browser.hover("#canvas", middle);
         assert!(picture(&mut browser) != before, "{toggle}");
     }
+    browser.assert_clean();
+}
+
+/// A crate of 1 m on a floor, seen at ten times its size.
+const CRATE: &str = r#"{"ticks": 90, "gravity": [0, -10], "sleep_after": null, "bodies": [
+    {"name": "floor", "kind": "static", "colliders": [{"shape": {"rectangle": {"width": 8, "height": 1}}}]},
+    {"name": "crate", "position": [0, 1], "colliders": [{"shape": {"rectangle": {"width": 1, "height": 1}}}]}],
+    "plot": {"view": [[-5, -2], [5, 4]], "trails": "none"}}"#;
+
+#[test]
+fn colliders_are_drawn_and_found_by_the_mouse() {
+    let scene = Page::scene("colliders", CRATE);
+    let (page, _) = Page::of(scene.path(), None);
+    let text = page.text();
+    assert!(
+        text.contains(r#""shapes":[[["p",[[-4.0,-0.5],[4.0,-0.5],[4.0,0.5],[-4.0,0.5]]]],[["p",[[-0.5,-0.5],"#),
+        "{text}"
+    );
+    let Some(mut browser) = Browser::start() else { return };
+    browser.open(&page.0, "tick=60");
+    assert_eq!(browser.evaluate("document.querySelectorAll('#tools label').length"), 3, "no contacts were recorded");
+    // The middle of the picture is at (0, 1): in the crate, and 0.9 m lower in the floor.
+    browser.hover("#canvas", [0.5, 0.5]);
+    assert_eq!(browser.text("#body dd[data-name=name]"), "crate");
+    let share = browser.evaluate(
+        "(() => { const { clientWidth: w, clientHeight: h } = document.querySelector('#canvas');
+            return 0.5 + 0.9 * Math.min((w - 48) / 10, (h - 112) / 6) / h; })()",
+    );
+    browser.hover("#canvas", [0.5, share.as_f64().expect("a number")]);
+    assert_eq!(browser.text("#body dd[data-name=name]"), "floor");
+    browser.assert_clean();
+}
+
+#[test]
+fn contacts_are_recorded_and_shown_on_request() {
+    let scene = Page::scene("contacts", CRATE);
+    let (page, _) = Page::with(scene.path(), None, &["--contacts"]);
+    let Some(mut browser) = Browser::start() else { return };
+    browser.look([1280, 800], "light");
+    browser.open(&page.0, "tick=60");
+    browser.hover("h1", [0.5, 0.5]);
+    // The box around all that has the colour of contacts, in m.
+    let red = "(() => {
+        const canvas = document.querySelector('#canvas'), ratio = canvas.width / canvas.clientWidth;
+        const copy = document.createElement('canvas');
+        [copy.width, copy.height] = [canvas.width, canvas.height];
+        const pen = copy.getContext('2d', { willReadFrequently: true });
+        pen.drawImage(canvas, 0, 0);
+        const { data } = pen.getImageData(0, 0, canvas.width, canvas.height);
+        const scale = Math.min((canvas.clientWidth - 48) / 10, (canvas.clientHeight - 112) / 6);
+        let [left, bottom, right, top] = [Infinity, Infinity, -Infinity, -Infinity];
+        for (let i = 0; i < data.length; i += 4) {
+            if (data[i] < data[i + 1] + 30 || data[i] < data[i + 2] + 30) continue;
+            const x = (i / 4 % canvas.width / ratio - canvas.clientWidth / 2) / scale;
+            const y = 1 - (Math.floor(i / 4 / canvas.width) / ratio - canvas.clientHeight / 2) / scale;
+            [left, bottom, right, top] = [Math.min(left, x), Math.min(bottom, y), Math.max(right, x), Math.max(top, y)];
+        }
+        return [left, bottom, right, top].map(value => Number.isFinite(value) ? Math.round(value * 100) / 100 : null);
+    })()";
+    let box_ = |browser: &mut Browser| -> [Option<f64>; 4] {
+        let value = browser.evaluate(red);
+        std::array::from_fn(|i| value[i].as_f64())
+    };
+    // Points alone at first: at both lower corners of the crate.
+    let [Some(left), Some(bottom), Some(right), Some(top)] = box_(&mut browser) else { panic!("no points") };
+    assert!((left + 0.5).abs() < 0.1 && (right - 0.5).abs() < 0.1, "{left} {right}");
+    assert!((bottom - 0.5).abs() < 0.1 && (top - 0.5).abs() < 0.1, "{bottom} {top}");
+    browser.click("#points");
+    assert_eq!(box_(&mut browser), [None; 4]);
+    assert_eq!(browser.evaluate("document.querySelector('#trails').checked"), false, "as the scene says");
+    // The key does the same as the box. Arrows go up from the corners.
+    browser.press("i", 73, false);
+    let [_, Some(bottom), _, Some(top)] = box_(&mut browser) else { panic!("no impulses") };
+    assert!((bottom - 0.5).abs() < 0.2 && top > 0.9, "{bottom} {top}");
+    let picture = |browser: &mut Browser| browser.evaluate("document.querySelector('#canvas').toDataURL()");
+    let before = picture(&mut browser);
+    browser.press("n", 78, false);
+    assert!(picture(&mut browser) != before, "normals");
+    browser.press("i", 73, false);
+    browser.press("k", 75, false);
+    browser.click("#home");
+    assert_eq!(box_(&mut browser), [None; 4], "nothing has touched before the first step");
     browser.assert_clean();
 }
 

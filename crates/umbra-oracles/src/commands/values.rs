@@ -36,11 +36,7 @@ impl<C: Choices + ?Sized> CommandSource for Generator<'_, C> {
 
     /// The definition of a collider, half of them in the middle of the body.
     fn collider_def(&mut self) -> ColliderDef {
-        let kinds = match (self.taste.smooth, self.is_wild()) {
-            (true, _) => 3,
-            (false, is_wild) => 5 + u64::from(is_wild),
-        };
-        let shape = self.shape_of(kinds);
+        let shape = self.shape();
         let is_central = self.choices.one_in(2);
         let (position, angle) =
             if is_central { (Vec2::ZERO, Fx::ZERO) } else { (self.local(), self.signed(fx!(7), ANGLE)) };

@@ -2,9 +2,9 @@
 
 use alloc::string::String;
 
-use super::json::{Fields, bits, point};
+use super::json::{Fields, bits, point, text};
 use super::{SceneCollider, ShapeDef};
-use umbra_physics::{ColliderDef, ContactSettings, Filter, Fx, Material, Vec2};
+use umbra_physics::{ColliderDef, ContactSettings, Filter, Fx, Material, MixRule, Vec2};
 
 impl SceneCollider {
     pub(super) fn text(&self) -> String {
@@ -20,6 +20,11 @@ pub(super) fn collider_text(mut object: Fields, def: &ColliderDef) -> String {
     object.unless(def.density == Fx::ONE, "density", def.density);
     object.unless(def.material.friction == material.friction, "friction", def.material.friction);
     object.unless(def.material.restitution == material.restitution, "restitution", def.material.restitution);
+    object.unless(def.material.surface_speed == material.surface_speed, "surface_speed", def.material.surface_speed);
+    let rules = [("friction_rule", def.material.friction_rule), ("restitution_rule", def.material.restitution_rule)];
+    for (name, rule) in rules {
+        object.unless(rule == MixRule::Standard, name, text(rule.name()));
+    }
     object.unless(def.filter.category == filter.category, "category", bits(def.filter.category));
     object.unless(def.filter.mask == filter.mask, "mask", bits(def.filter.mask));
     object.unless(def.filter.group == filter.group, "group", def.filter.group);

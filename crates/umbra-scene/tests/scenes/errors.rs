@@ -70,7 +70,7 @@ fn every_mistake_in_a_collider_is_told_at_its_field() {
     let text = r#"{"contacts": {"substeps": 9, "push_speed": -1, "restitution_speed": 2000, "max_pair": 3},
 "bodies": [{"name": "a", "colliders": [
   {"name": "hull", "friction": 0.5},
-  {"shape": {"compound": [{"shape": {"circle": {"radius": 1}}}]}},
+  {"shape": {"compound": [{"shape": {"circle": {"radius": 1}}}]}, "friction": -1},
   {"shape": {"circle": {"radius": 1}}, "position": [5000, 0]},
   {"shape": {"circle": {"radius": 1}}, "density": -1},
   {"shape": {"circle": {"radius": 1}}, "friction": 33},
@@ -93,7 +93,7 @@ fn every_mistake_in_a_collider_is_told_at_its_field() {
         "1: contacts.restitution_speed: out of range: expected a speed from 0 to 2^10 m/s [E101]",
         "1: contacts.max_pair: unknown field: did you mean `max_pairs`? [E503]",
         "3: bodies[0].colliders[0]: the field `shape` is missing [E505]",
-        "4: bodies[0].colliders[1].shape: the shape of a collider is a compound: give the body a collider for each part [E129]",
+        "4: bodies[0].colliders[1].friction: out of range: expected a coefficient of friction from 0 to 32 [E101]",
         "5: bodies[0].colliders[2].position: out of range: expected a position of a collider within ±2^12 m of its body's centre of mass [E101]",
         "6: bodies[0].colliders[3].density: out of range: expected a density of at least zero [E101]",
         "7: bodies[0].colliders[4].friction: out of range: expected a coefficient of friction from 0 to 32 [E101]",
@@ -119,6 +119,99 @@ fn every_mistake_in_a_collider_is_told_at_its_field() {
     assert!(found[expected.len() + 4].starts_with("19: inputs[2].add_collider.shape.circle.radius: out of range"));
     assert!(found[expected.len() + 5].starts_with("20: inputs[3].set.contacts.substeps: out of range"));
     assert_eq!(found.len(), expected.len() + 6);
+}
+
+#[test]
+fn every_mistake_in_a_surface_is_told_at_its_field() {
+    let text = r#"{"bodies": [{"name": "a", "colliders": [
+  {"shape": {"circle": {"radius": 1}}, "surface_speed": 1025},
+  {"shape": {"circle": {"radius": 1}}, "tangent_speed": 1},
+  {"shape": {"circle": {"radius": 1}}, "friction_rule": "average"}]}]}"#;
+    let expected = [
+        "2: bodies[0].colliders[0].surface_speed: out of range: expected a surface speed within ±2^10 m/s [E101]",
+        "3: bodies[0].colliders[1].tangent_speed: unknown field: did you mean `surface_speed`? [E503]",
+        "4: bodies[0].colliders[2].friction_rule: expected one of standard, geometric_mean, mean, minimum, product, maximum, found \"average\" [E502]",
+    ];
+    assert_eq!(lines(text), expected);
+}
+
+#[test]
+fn mistakes_in_shapes_materials_and_filters_are_told_at_their_fields() {
+    let disc = r#""shape": {"circle": {"radius": 1}}"#;
+    let text = format!(
+        r#"{{"bodies": [{{"name": "a", "colliders": [
+  {{"shape": {{"circle": {{"radius": "big"}}}}}},
+  {{"shape": {{"polygon": [[0, 0], [2, 0], [1, 0.5], [0, 2]]}}}},
+  {{"shape": {{"rounded_polygon": {{"corners": [[0, 0], [1, 0], [0, 1]], "radius": -1}}}}}},
+  {{"shape": {{"segment": [[0, 0], [0, 0]]}}}},
+  {{"shape": {{"ball": {{"radius": 1}}}}}},
+  {{{disc}, "friction": "rough"}},
+  {{{disc}, "friction": -0.5}},
+  {{{disc}, "restitution": [0.5]}},
+  {{{disc}, "category": 3}},
+  {{{disc}, "category": []}},
+  {{{disc}, "mask": [-1]}},
+  {{{disc}, "group": 2147483648}},
+  {{{disc}, "angle": "left"}},
+  {{{disc}, "name": 7}}]}},
+ {{"name": "b", "colliders": {{"shape": 1}}}}]}}"#
+    );
+    let expected = [
+        "2: bodies[0].colliders[0].shape.circle.radius: expected a number, found a text [E502]",
+        "3: bodies[0].colliders[1].shape.polygon[2]: the polygon is not convex at corner 2 [E105]",
+        "4: bodies[0].colliders[2].shape.rounded_polygon.radius: out of range: expected a size from 2^-7 to 2^12 m [E101]",
+        "5: bodies[0].colliders[3].shape.segment: out of range: expected a size from 2^-7 to 2^12 m [E101]",
+        "6: bodies[0].colliders[4].shape.ball: unknown field: did you mean `circle`? [E503]",
+        "7: bodies[0].colliders[5].friction: expected a number, found a text [E502]",
+        "8: bodies[0].colliders[6].friction: out of range: expected a coefficient of friction from 0 to 32 [E101]",
+        "9: bodies[0].colliders[7].restitution: expected a number, found a list [E502]",
+        "10: bodies[0].colliders[8].category: expected a list, found a number [E502]",
+        "11: bodies[0].colliders[9].category: out of range: expected a filter with a category and a mask, or with a positive group [E101]",
+        "12: bodies[0].colliders[10].mask[0]: out of range: expected a category from 0 to 31 [E508]",
+        "13: bodies[0].colliders[11].group: out of range: expected a whole number that fits in 32 bits [E508]",
+        "14: bodies[0].colliders[12].angle: expected a number, found a text [E502]",
+        "15: bodies[0].colliders[13].name: expected a text, found a number [E502]",
+        "16: bodies[1].colliders: expected a list, found an object [E502]",
+    ];
+    let found = lines(&text);
+    assert_eq!(found, expected, "{found:#?}");
+}
+
+#[test]
+fn mistakes_in_inputs_for_colliders_are_told_at_their_fields() {
+    let disc = r#""shape": {"circle": {"radius": 1}}"#;
+    let text = format!(
+        r#"{{"bodies": [{{"name": "a", "colliders": [{{"name": "hull", {disc}}}]}}], "inputs": [
+  {{"at": 1, "body": "b", "add_collider": {{{disc}}}}},
+  {{"at": 1, "body": "a", "add_collider": {{"name": "hull", {disc}}}}},
+  {{"at": 1, "body": "a", "add_collider": {{{disc}, "friction": 99}}}},
+  {{"at": 1, "collider": "hull", "replace": {{{disc}, "restitution": 2}}}},
+  {{"at": 1, "collider": "hull", "replace": {{"frction": 1}}}},
+  {{"at": 1, "collider": "hull", "do": "jump"}},
+  {{"at": 1, "collider": 3, "do": "remove"}}]}}"#
+    );
+    let expected = [
+        "2: inputs[0].body: there is no body \"b\" [E507]",
+        "3: inputs[1].add_collider.name: there is a collider \"hull\" already: choose another name [E506]",
+        "4: inputs[2].add_collider.friction: out of range: expected a coefficient of friction from 0 to 32 [E101]",
+        "5: inputs[3].replace.restitution: out of range: expected a coefficient of restitution from 0 to 1 [E101]",
+        "6: inputs[4].replace.frction: unknown field: did you mean `friction`? [E503]",
+        "6: inputs[4].replace: the field `shape` is missing [E505]",
+        "7: inputs[5].do: expected one of remove, found \"jump\" [E502]",
+        "8: inputs[6].collider: expected a text, found a number [E502]",
+    ];
+    let found = lines(&text);
+    assert_eq!(found, expected, "{found:#?}");
+}
+
+#[test]
+fn inputs_to_a_collider_that_is_gone_are_reported() {
+    let text = r#"{"bodies": [{"name": "a", "mass": 1, "colliders": [{"name": "hull", "shape": {"circle": {"radius": 1}}}]}], "inputs": [
+  {"at": 1, "collider": "hull", "do": "remove"},
+  {"at": 2, "collider": "hull", "do": "remove"}]}"#;
+    let expected = ["3: inputs[1].do: at tick 2: the collider does not exist at that tick [E128]"];
+    let found = lines(text);
+    assert_eq!(found, expected, "{found:#?}");
 }
 
 #[test]

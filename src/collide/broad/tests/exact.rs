@@ -43,7 +43,12 @@ impl Scene {
 
     fn make(&mut self) -> Proxy {
         let collider = self.free.pop().expect("a number");
-        Proxy { collider, bounds: self.kind.bounds(&mut self.random), filter: filter(&mut self.random) }
+        Proxy {
+            collider,
+            body: collider % 60,
+            bounds: self.kind.bounds(&mut self.random),
+            filter: filter(&mut self.random),
+        }
     }
 
     fn index(&mut self) -> usize {
@@ -55,8 +60,9 @@ impl Scene {
         // Numbers change hands between those that move and those that do not.
         self.random.shuffle(&mut self.free);
         for _ in 0..self.random.below(20) {
+            // On a body that does not move.
             let proxy = self.make();
-            self.fixed.push(proxy);
+            self.fixed.push(Proxy { body: 60 + proxy.body, ..proxy });
         }
         self.statics = Arc::new(Statics::new(self.fixed.clone()));
     }

@@ -37,7 +37,9 @@ fn colliders_above_the_cap_are_those_of_the_definition_after_any_history() {
         for round in 0..60 {
             let mut make = |collider| {
                 let filter = if round % 2 == 0 { filter(&mut random) } else { Default::default() };
-                Proxy { collider, bounds: kind.bounds(&mut random), filter }
+                // Static colliders are on other bodies than those that move.
+                let body = if collider < 10 { collider } else { 10 + collider % 30 };
+                Proxy { collider, body, bounds: kind.bounds(&mut random), filter }
             };
             let fixed: Vec<Proxy> = (0..10).map(&mut make).collect();
             let movers: Vec<Proxy> = (10..60).map(&mut make).collect();

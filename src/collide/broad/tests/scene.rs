@@ -21,7 +21,7 @@ pub(super) fn bounds(min: [i64; 2], max: [i64; 2]) -> Aabb<Fx> {
 }
 
 pub(super) fn proxy(collider: u32, min: [i64; 2], max: [i64; 2]) -> Proxy {
-    Proxy { collider, bounds: bounds(min, max), filter: Filter::default() }
+    Proxy { collider, body: collider, bounds: bounds(min, max), filter: Filter::default() }
 }
 
 /// The pairs by their definition.
@@ -29,7 +29,7 @@ pub(super) fn all_pairs(statics: &[Proxy], movers: &[Proxy]) -> Vec<[u32; 2]> {
     let mut pairs = Vec::new();
     for (i, a) in movers.iter().enumerate() {
         for b in movers[i + 1..].iter().chain(statics) {
-            if a.bounds.overlaps(b.bounds) && a.filter.agrees(b.filter) {
+            if a.body != b.body && a.bounds.overlaps(b.bounds) && a.filter.agrees(b.filter) {
                 pairs.push([a.collider.min(b.collider), a.collider.max(b.collider)]);
             }
         }

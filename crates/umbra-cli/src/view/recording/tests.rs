@@ -149,3 +149,84 @@ fn bodies_at_rest_and_fields_have_their_ticks() {
     let fields: Vec<_> = recording.fields.iter().map(|field| (field.from, field.to)).collect();
     assert_eq!(fields, [(0, 12), (13, 15)]);
 }
+
+/// The contacts of a frame again: the body, the number of points, and the sum of their impulses along the normal.
+fn decoded(mut bytes: &[u8]) -> Vec<(u32, usize, f32)> {
+    let word = |bytes: &mut &[u8]| {
+        let (first, rest) = bytes.split_first_chunk::<4>().expect("a word");
+        *bytes = rest;
+        *first
+    };
+    let mut contacts = Vec::new();
+    while !bytes.is_empty() {
+        let head = u32::from_le_bytes(word(&mut bytes));
+        let (angle, friction) = (f32::from_le_bytes(word(&mut bytes)), f32::from_le_bytes(word(&mut bytes)));
+        assert!((angle - std::f32::consts::FRAC_PI_2).abs() < 1e-3 && friction.abs() < 1e-3, "{angle} {friction}");
+        let points = (head & 1) as usize + 1;
+        let impulses = (0..points).map(|_| {
+            let [x, y, impulse] = [(); 3].map(|()| f32::from_le_bytes(word(&mut bytes)));
+            assert!((x.abs() - 0.5).abs() < 0.01 && (y + 0.5).abs() < 0.01, "{x} {y}");
+            impulse
+        });
+        let total = impulses.sum();
+        contacts.push((head >> 1, points, total));
+    }
+    contacts
+}
+
+#[test]
+fn contacts_are_kept_for_each_frame_if_they_are_asked_for() {
+    for samples in [30, 10_000] {
+        let mut world = world();
+        let rectangle = |width: i32, height: i32| Shape::rectangle(width, height).expect("a fair shape");
+        let floor = BodyDef::fixed().with_collider(rectangle(20, 2));
+        world.add_body(BodyDef { position: vec2(0, -1), ..floor }).expect("there is room");
+        let crate_ = BodyDef::dynamic().with_collider(rectangle(1, 1));
+        world.add_body(BodyDef { position: vec2(0, fx!(0.5)), ..crate_ }).expect("there is room");
+        let budget = Budget { samples, ..Budget::default() };
+        let (mut with, mut without) = (Recording::new(budget).with_contacts(true), Recording::new(budget));
+        for tick in 0..=101 {
+            with.see(&world, None, unnamed);
+            without.see(&world, None, unnamed);
+            if tick < 101 {
+                world.step();
+            }
+        }
+        with.finish(&world);
+        without.finish(&world);
+        assert_eq!((without.contacts.is_none(), &with.hashes), (true, &without.hashes));
+        let frames = with.contacts.expect("they were asked for");
+        assert_eq!((frames.len(), with.stride > 1), (with.hashes.len(), samples < 100));
+        assert_eq!(decoded(&frames[0]), [], "before the first step");
+        for (frame, bytes) in frames.iter().enumerate().skip(10usize.div_ceil(with.stride as usize)) {
+            let contacts = decoded(bytes);
+            let [(1, 2, total)] = contacts[..] else { panic!("frame {frame}: {contacts:?}") };
+            assert!((total - 1.0 / 30.0).abs() < 2e-4, "frame {frame}: {total}");
+        }
+    }
+}
+
+#[test]
+fn a_body_is_drawn_anew_when_its_colliders_change() {
+    let mut world = world();
+    let disc = |radius: i32| Shape::circle(radius).expect("a fair shape");
+    let body = world.add_body(BodyDef::dynamic().with_collider(disc(1))).expect("there is room");
+    world.add_body(BodyDef::dynamic()).expect("there is room");
+    let mut recording = Recording::new(Budget::default());
+    for tick in 0..12 {
+        recording.see(&world, None, unnamed);
+        let collider = world.colliders_of(body).expect("it is there").next();
+        match tick {
+            3 => _ = world.add_collider(body, ColliderDef::new(disc(2))).expect("there is room"),
+            6 => world.remove_collider(collider.expect("one")).expect("it is there"),
+            9 => world.set_collider(collider.expect("one"), ColliderDef::new(disc(1))).expect("it is there"),
+            _ => {}
+        }
+    }
+    let drawn: Vec<_> = recording.lives[0].looks.iter().map(|(_, look)| look.shape).collect();
+    assert_eq!((drawn, recording.lives[1].looks[0].1.shape), (vec![Some(0), Some(1), Some(2), Some(0)], None));
+    let circle = |radius: f64| serde_json::json!(["c", [0.0, 0.0], radius, [radius, 0.0]]);
+    let shapes: Vec<_> = recording.shapes.into_iter().map(|(_, drawn)| drawn).collect();
+    let expected = [vec![circle(1.0)], vec![circle(1.0), circle(2.0)], vec![circle(2.0)]];
+    assert_eq!(shapes, expected.map(serde_json::Value::Array));
+}

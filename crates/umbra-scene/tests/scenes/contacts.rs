@@ -1,0 +1,302 @@
+//! The scenes of bodies that touch: each shows what it says.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use umbra_physics::scalar::ToF64;
+use umbra_physics::{BodyRef, Fx, Scalar, fx};
+use umbra_scene::{Scene, SceneRun};
+
+use super::scenes::{scenes, short};
+
+/// The scenes of bodies that touch.
+const NAMES: [&str; 10] =
+    ["arch", "billiards", "cards", "cradle", "dominoes", "hopper", "pile", "pyramid", "slope", "tower"];
+
+fn scene(name: &str) -> Scene {
+    scenes().remove(name).unwrap_or_else(|| panic!("there is no scene {name}"))
+}
+
+/// Makes steps up to a tick.
+fn advance<S: Scalar>(run: &mut SceneRun<'_, S>, tick: u64) {
+    while run.world().tick() < tick {
+        let report = run.advance().expect("its inputs are accepted");
+        assert!(report.faults.is_empty(), "{:?}", report.faults);
+    }
+}
+
+fn start(scene: &Scene) -> SceneRun<'_, Fx> {
+    scene.start::<Fx>().expect("it starts")
+}
+
+fn body<'a>(run: &'a SceneRun<'_, Fx>, name: &str) -> BodyRef<'a> {
+    let found = run.world().bodies().find(|body| run.name(body.id()) == name);
+    found.unwrap_or_else(|| panic!("there is no body {name}"))
+}
+
+/// Positions by name, m, of the bodies that are not static.
+fn places(run: &SceneRun<'_, Fx>) -> BTreeMap<String, [f64; 2]> {
+    let moving = run.world().bodies().filter(|body| body.kind() != umbra_physics::BodyKind::Static);
+    moving.map(|body| (run.name(body.id()).to_owned(), body.position().to_f64())).collect()
+}
+
+/// The farthest that a body moved between two looks, m.
+fn largest_shift(before: &BTreeMap<String, [f64; 2]>, after: &BTreeMap<String, [f64; 2]>) -> f64 {
+    assert_eq!(before.len(), after.len());
+    before.iter().map(|(name, [x, y])| (after[name][0] - x).hypot(after[name][1] - y)).fold(0.0, f64::max)
+}
+
+/// The largest angle of a body from its upright position, rad.
+fn tilt(body: &BodyRef<'_>) -> f64 {
+    let angle = body.angle().to_f64();
+    angle.min(std::f64::consts::TAU - angle)
+}
+
+/// The number of bodies whose mirror image is not there. `axis` is the component that changes its sign: 0 for x, 1 for y.
+fn without_image<S: Scalar>(run: &SceneRun<'_, S>, axis: usize) -> usize {
+    let state = |body: &BodyRef<'_, S>| {
+        let (at, v) = (body.position(), body.velocity());
+        [at.x, at.y, v.x, v.y, body.angular_velocity()]
+    };
+    let moving = run.world().bodies().filter(|body| body.kind() != umbra_physics::BodyKind::Static);
+    // A number and its opposite as texts: floats have no order, and −0 is 0.
+    let text = |[a, b, c, d, e]: [S; 5]| format!("{a:?} {b:?} {c:?} {d:?} {e:?}");
+    let plain = |value: S| if value == S::ZERO { S::ZERO } else { value };
+    let states: Vec<[S; 5]> = moving.map(|body| state(&body).map(plain)).collect();
+    let known: BTreeSet<String> = states.iter().copied().map(text).collect();
+    let image = |mut state: [S; 5]| {
+        for i in [axis, 2 + axis, 4] {
+            state[i] = plain(S::ZERO - state[i]);
+        }
+        state
+    };
+    states.into_iter().map(image).filter(|&image| !known.contains(&text(image))).count()
+}
+
+#[test]
+fn the_scenes_of_bodies_that_touch_are_those_that_are_tested_here() {
+    let touching = scenes().into_iter().filter(|(_, scene)| scene.bodies.iter().any(|body| !body.colliders.is_empty()));
+    assert_eq!(touching.map(|(name, _)| name).collect::<Vec<_>>(), NAMES);
+}
+
+/// Contacts multiply the difference between two number types, so that piles agree for a while only.
+#[test]
+fn fixed_point_and_doubles_agree_for_half_a_second() {
+    for name in NAMES {
+        let scene = scene(name);
+        let (mut fixed, mut float) = (start(&scene), scene.start::<f64>().expect("it starts"));
+        advance(&mut fixed, 30);
+        advance(&mut float, 30);
+        let pairs = fixed.world().bodies().zip(float.world().bodies());
+        let far = pairs.map(|(a, b)| {
+            let ([ax, ay], [bx, by]) = (a.position().to_f64(), b.position().to_f64());
+            (ax - bx).hypot(ay - by)
+        });
+        let worst = far.fold(0.0, f64::max);
+        assert!(worst < 5e-4, "{name}: {worst:e} m");
+    }
+}
+
+#[test]
+fn the_pyramid_stands_and_its_ball_balances_on_the_middle_column() {
+    let scene = scene("pyramid");
+    let mut run = start(&scene);
+    let before = places(&run);
+    for tick in [60, 120, 300] {
+        advance(&mut run, tick);
+        assert_eq!(without_image(&run, 0), 0, "tick {tick}");
+    }
+    assert_eq!(before.len(), 120);
+    let shift = largest_shift(&before, &places(&run));
+    assert!(shift < 0.1, "{shift} m");
+    let standing = places(&run);
+    advance(&mut run, scene.ticks);
+    assert_eq!(without_image(&run, 0), 0, "after the ball");
+    let fallen = places(&run);
+    let scattered = standing.iter().filter(|(name, [x, y])| (fallen[*name][0] - x).hypot(fallen[*name][1] - y) > 1.0);
+    assert!(scattered.count() > 60);
+    assert!(fallen.values().all(|[_, y]| *y > 0.0), "all are on the floor or above it");
+    let ball = body(&run, "ball");
+    assert_eq!((ball.position().x, ball.angle()), (fx!(0), fx!(0)));
+    assert!(ball.position().y > fx!(10) && ball.velocity().length() < fx!(0.05), "{ball:?}");
+}
+
+#[test]
+fn of_the_towers_two_stand_and_one_falls() {
+    let scene = scene("tower");
+    let mut run = start(&scene);
+    let before = places(&run);
+    // At the start the top block is beyond the lowest one, in both.
+    let over = |name: &str| before[&format!("{name}-4")][0] - before[&format!("{name}-0")][0];
+    assert!(over("leaning") > 4.0 && over("falling") > over("leaning"), "{} {}", over("leaning"), over("falling"));
+    advance(&mut run, scene.ticks);
+    for k in 0..15 {
+        let box_ = body(&run, &format!("straight-{k}"));
+        assert_eq!((box_.position().x, box_.angle(), box_.velocity().x), (fx!(-8), fx!(0), fx!(0)), "{k}");
+    }
+    let after = places(&run);
+    let shift = |name: &str| {
+        let of = |places: &BTreeMap<String, [f64; 2]>| {
+            places.iter().filter(|(known, _)| known.starts_with(name)).map(|(k, v)| (k.clone(), *v)).collect()
+        };
+        largest_shift(&of(&before), &of(&after))
+    };
+    assert!(shift("straight") < 0.1, "{} m", shift("straight"));
+    assert!(shift("leaning") < 0.1, "{} m", shift("leaning"));
+    assert!(after["falling-4"][1] < 2.5, "{:?}", after["falling-4"]);
+}
+
+#[test]
+fn the_house_of_cards_stands_until_a_card_is_struck() {
+    let scene = scene("cards");
+    let mut run = start(&scene);
+    let before = places(&run);
+    advance(&mut run, 600);
+    assert_eq!(without_image(&run, 0), 0);
+    let shift = largest_shift(&before, &places(&run));
+    assert!(shift < 0.1, "{shift} m");
+    advance(&mut run, scene.ticks);
+    let top = |places: &BTreeMap<String, [f64; 2]>| places.values().map(|[_, y]| *y).fold(0.0, f64::max);
+    let (was, is) = (top(&before), top(&places(&run)));
+    assert!(was > 5.0 && is < was / 4.0, "from {was} m to {is} m");
+}
+
+#[test]
+fn the_dominoes_fall_one_after_the_other() {
+    let scene = scene("dominoes");
+    let mut run = start(&scene);
+    advance(&mut run, 30);
+    assert!(run.world().bodies().all(|body| tilt(&body) < 1e-6), "they stand before the push");
+    let mut fell = Vec::new();
+    while fell.len() < 40 && run.world().tick() < scene.ticks {
+        let tick = run.world().tick();
+        advance(&mut run, tick + 1);
+        let next = body(&run, &format!("domino-{}", fell.len()));
+        if tilt(&next) > 0.2 {
+            fell.push(run.world().tick());
+        }
+    }
+    assert_eq!(fell.len(), 40, "{fell:?}");
+    // The wave runs at one speed: a domino each 0.19 s, to a tick.
+    for pair in fell[10..].windows(2) {
+        assert!((11..=12).contains(&(pair[1] - pair[0])), "{fell:?}");
+    }
+    advance(&mut run, scene.ticks);
+    for k in 0..40 {
+        let domino = body(&run, &format!("domino-{k}"));
+        assert!(tilt(&domino) > 1.2, "{k}: {} rad", tilt(&domino));
+    }
+}
+
+#[test]
+fn the_arch_stands_until_a_stone_is_taken_out() {
+    let scene = scene("arch");
+    let mut run = start(&scene);
+    let before = places(&run);
+    advance(&mut run, 300);
+    assert_eq!((before.len(), without_image(&run, 0)), (15, 0));
+    let shift = largest_shift(&before, &places(&run));
+    assert!(shift < 0.02, "{shift} m");
+    advance(&mut run, scene.ticks);
+    let keystone = body(&run, "keystone").position();
+    assert!(keystone.y < fx!(1), "{keystone}");
+}
+
+#[test]
+fn on_the_slope_two_boxes_hold_and_two_slide() {
+    let scene = scene("slope");
+    let mut run = start(&scene);
+    let before = places(&run);
+    advance(&mut run, scene.ticks);
+    let after = places(&run);
+    let moved = |name: &str| {
+        let ([ax, ay], [bx, by]) = (before[name], after[name]);
+        (bx - ax).hypot(by - ay)
+    };
+    for name in ["rough", "holds"] {
+        assert!(moved(name) < 1e-3, "{name}: {} m", moved(name));
+    }
+    // The acceleration is g·(sin − μ·cos), here on a slope of 1 in 2; from 1 s on, when the boxes have settled.
+    let mut early = start(&scene);
+    advance(&mut early, 60);
+    let seconds = (scene.ticks - 60) as f64 / 60.0;
+    for (name, mu) in [("slides", 0.495), ("smooth", 0.4)] {
+        let speed = |run: &SceneRun<'_, Fx>| body(run, name).velocity().length().to_f64();
+        let (measured, law) = ((speed(&run) - speed(&early)) / seconds, 9.81 * (1.0 - 2.0 * mu) / 5f64.sqrt());
+        assert!((measured / law - 1.0).abs() < 1e-3, "{name}: {measured} m/s², by the law {law} m/s²");
+    }
+}
+
+#[test]
+fn the_billiard_break_stays_symmetric_to_the_bit() {
+    let scene = scene("billiards");
+    let mut run = start(&scene);
+    let before = places(&run);
+    for tick in 1..=scene.ticks {
+        advance(&mut run, tick);
+        assert_eq!(without_image(&run, 1), 0, "tick {tick}");
+    }
+    let after = places(&run);
+    let far = before.iter().filter(|(name, [x, y])| (after[*name][0] - x).hypot(after[*name][1] - y) > 1.0);
+    assert!(far.count() >= 15);
+}
+
+#[test]
+fn the_cradle_passes_the_swing_on() {
+    let scene = scene("cradle");
+    let mut run = start(&scene);
+    let before = places(&run);
+    let height = before["disc-0"][1];
+    let mut tops = BTreeMap::<String, f64>::new();
+    // The first swing to the right: until the last disc is back.
+    for tick in 1..=1_400 {
+        advance(&mut run, tick);
+        for (name, [x, y]) in places(&run) {
+            if tick > 520 {
+                let top = tops.entry(name.clone()).or_default();
+                *top = top.max(y);
+                if name != "disc-0" && name != "disc-4" {
+                    assert!((x - before[&name][0]).abs() < 0.1, "tick {tick}: {name} at {x}");
+                }
+            }
+        }
+    }
+    assert!(tops["disc-4"] > 0.98 * height && tops["disc-4"] <= height, "{} of {height} m", tops["disc-4"]);
+    assert!(["disc-0", "disc-1", "disc-2", "disc-3"].iter().all(|name| tops[*name] < 0.01), "{tops:?}");
+}
+
+#[test]
+fn the_hopper_runs_and_stays_symmetric_to_the_bit() {
+    let scene = scene("hopper");
+    let mut run = start(&scene);
+    assert_eq!(places(&run).len(), 2_000);
+    advance(&mut run, short(&scene).min(60));
+    assert_eq!(without_image(&run, 0), 0);
+    if cfg!(debug_assertions) {
+        return;
+    }
+    let mut before = 0;
+    for tick in (150..=scene.ticks).step_by(150) {
+        advance(&mut run, tick);
+        assert_eq!(without_image(&run, 0), 0, "tick {tick}");
+        let through = places(&run).values().filter(|[_, y]| *y < 10.0).count();
+        assert!(through > before, "tick {tick}: {through} after {before}");
+        before = through;
+    }
+    let inside = places(&run).values().filter(|[x, y]| x.abs() < 21.0 && *y > 0.0).count();
+    assert!(before > 600 && inside == 2_000, "{before} went through, {inside} are within the walls");
+}
+
+#[test]
+fn the_pile_is_symmetric_to_the_bit_and_in_doubles_is_not() {
+    let scene = scene("pile");
+    let mut run = start(&scene);
+    for tick in (10..=scene.ticks).step_by(10) {
+        advance(&mut run, tick);
+        assert_eq!(without_image(&run, 0), 0, "tick {tick}");
+    }
+    let within = places(&run).values().filter(|[x, y]| x.abs() < 12.0 && *y > 0.0 && *y < 10.0).count();
+    assert_eq!(within, 140);
+    let mut float = scene.start::<f64>().expect("it starts");
+    advance(&mut float, 60);
+    assert!(without_image(&float, 0) > 20, "{} of 140", without_image(&float, 0));
+}

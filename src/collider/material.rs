@@ -1,0 +1,151 @@
+//! Surfaces, and how two of them that touch become one.
+
+use crate::codec::{codec_enum, codec_struct};
+use crate::error::{Error, Quantity};
+use crate::fx::Fx;
+use crate::limits;
+use crate::scalar::Scalar;
+
+/// The rule by which the coefficients of two surfaces that touch become one.
+///
+/// Where the two surfaces have different rules, the later one of this list counts.
+///
+/// ```
+/// use umbra_physics::{Material, MixRule, fx};
+///
+/// // Ice is slippery whatever stands on it.
+/// let ice: Material = Material { friction: fx!(0.02), friction_rule: MixRule::Minimum, ..Material::default() };
+/// assert_eq!(ice.friction_rule.max(Material::<f64>::default().friction_rule), MixRule::Minimum);
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[non_exhaustive]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
+pub enum MixRule {
+    /// The geometric mean for friction, the larger one for restitution.
+    #[default]
+    Standard,
+    /// The geometric mean √(a·b), rounded to nearest.
+    GeometricMean,
+    /// The mean (a + b)/2, rounded to nearest, halves up.
+    Mean,
+    /// The smaller one.
+    Minimum,
+    /// The product a·b, rounded to nearest, halves up; of friction at most [`limits::FRICTION`].
+    Product,
+    /// The larger one.
+    Maximum,
+}
+
+codec_enum!(MixRule, "the number of a mix rule", {
+    0 => Standard,
+    1 => GeometricMean,
+    2 => Mean,
+    3 => Minimum,
+    4 => Product,
+    5 => Maximum,
+});
+
+impl MixRule {
+    /// All rules, in their order.
+    pub const ALL: [Self; 6] =
+        [Self::Standard, Self::GeometricMean, Self::Mean, Self::Minimum, Self::Product, Self::Maximum];
+
+    /// Name in scenes.
+    ///
+    /// ```
+    /// use umbra_physics::MixRule;
+    ///
+    /// let names = MixRule::ALL.map(MixRule::name);
+    /// assert_eq!(names, ["standard", "geometric_mean", "mean", "minimum", "product", "maximum"]);
+    /// ```
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Standard => "standard",
+            Self::GeometricMean => "geometric_mean",
+            Self::Mean => "mean",
+            Self::Minimum => "minimum",
+            Self::Product => "product",
+            Self::Maximum => "maximum",
+        }
+    }
+}
+
+/// The surface of a collider.
+///
+/// ```
+/// use umbra_physics::{Material, MixRule, fx};
+///
+/// let ice = Material { friction: fx!(0.02), ..Material::default() };
+/// let rubber: Material = Material { friction: fx!(1), restitution: fx!(0.8), ..Material::default() };
+/// assert!(ice.friction < Material::default().friction && rubber.restitution > fx!(0));
+///
+/// // A conveyor belt: the top of the box moves to the right, its surface clockwise.
+/// let belt = Material { surface_speed: fx!(-2), friction_rule: MixRule::Maximum, ..rubber };
+/// assert_eq!(belt.friction, rubber.friction);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct Material<S = Fx> {
+    /// The coefficient of friction μ, 0 to [`limits::FRICTION`]: a contact that is pressed with the force N holds against a force of
+    /// up to μ·N along the surface.
+    pub friction: S,
+    /// The coefficient of restitution, 0 to 1: the share of the approach speed at which bodies part after an impact. 0 for no bounce.
+    pub restitution: S,
+    /// The speed at which the surface moves around the shape, counter-clockwise, within ±2^10 m/s: a conveyor belt. It pulls by friction,
+    /// and moves no body by itself. The top of a belt moves to the left if the speed is positive.
+    pub surface_speed: S,
+    /// The rule that mixes coefficients of friction.
+    pub friction_rule: MixRule,
+    /// The rule that mixes coefficients of restitution.
+    pub restitution_rule: MixRule,
+}
+
+codec_struct!(Material { friction, restitution, surface_speed, friction_rule, restitution_rule });
+
+impl<S: Scalar> Default for Material<S> {
+    /// Friction 0.6, like wood on wood, no restitution, and a surface that stands still on its body.
+    fn default() -> Self {
+        Self {
+            friction: S::from_fx(crate::fx!(0.6)),
+            restitution: S::ZERO,
+            surface_speed: S::ZERO,
+            friction_rule: MixRule::Standard,
+            restitution_rule: MixRule::Standard,
+        }
+    }
+}
+
+impl<S: Scalar> Material<S> {
+    /// Refuses a coefficient or a speed out of range.
+    pub(super) fn check(&self) -> Result<(), Error> {
+        let within = |value: S, [least, most]: [Fx; 2], quantity| {
+            let is_within = value >= S::from_fx(least) && value <= S::from_fx(most);
+            if is_within { Ok(()) } else { Err(Error::OutOfRange { quantity }) }
+        };
+        within(self.friction, [Fx::ZERO, limits::FRICTION], Quantity::Friction)?;
+        within(self.restitution, [Fx::ZERO, Fx::ONE], Quantity::Restitution)?;
+        within(self.surface_speed, [-limits::SURFACE_SPEED, limits::SURFACE_SPEED], Quantity::SurfaceSpeed)
+    }
+
+    /// The rules for friction and restitution with another surface, which are not [`MixRule::Standard`].
+    pub(crate) fn rules(&self, other: &Self) -> [MixRule; 2] {
+        let [friction, restitution] =
+            [self.friction_rule.max(other.friction_rule), self.restitution_rule.max(other.restitution_rule)];
+        [
+            friction.max(MixRule::GeometricMean),
+            if restitution == MixRule::Standard { MixRule::Maximum } else { restitution },
+        ]
+    }
+
+    /// The velocity that a second body takes up against this one's along the tangent (n.y, −n.x) of a contact with the normal n from this
+    /// surface to the other, m/s: within 2^11.
+    pub(crate) fn surface_speed_against(&self, other: &Self) -> S {
+        // Counter-clockwise is against the tangent on this surface, and along it on the other.
+        -(self.surface_speed + other.surface_speed)
+    }
+}

@@ -1,0 +1,177 @@
+//! Impulses of points that go over a seam: from one segment of a chain to the next.
+//!
+//! A corner of a body, or the middle of a ball, that was on a segment in the step before and is on the next one now is the same point: it
+//! starts from the impulse that it had there. What rolls over a chain is held as over one long segment.
+
+use alloc::vec::Vec;
+use core::ops::Range;
+
+use super::{ContactRecord, ContactSet};
+use crate::collider::{ColliderSet, OutlineId};
+use crate::scalar::Scalar;
+use crate::solve::Impulses;
+
+/// The features of a manifold, and the number of its points.
+pub(super) type Features = ([u32; 2], usize);
+
+/// The records of contacts with chains, by chain and by what is on it.
+#[derive(Debug, Default)]
+pub(super) struct Chains {
+    /// The slot of the chain, the outline on it, and the index of the record.
+    records: Vec<(u32, OutlineId, u32)>,
+    /// True if the records of this step are listed.
+    is_listed: bool,
+}
+
+impl Chains {
+    pub(super) fn clear(&mut self) {
+        self.records.clear();
+        self.is_listed = false;
+    }
+
+    /// Which records there are of an outline on a chain. They are listed when they are first asked for.
+    pub(super) fn of<S: Scalar>(
+        &mut self,
+        colliders: &ColliderSet<S>,
+        contacts: &ContactSet,
+        chain: u32,
+        on: OutlineId,
+    ) -> Range<usize> {
+        if !self.is_listed {
+            self.is_listed = true;
+            let is_chain = |slot: u32| colliders.at(slot).is_some_and(|collider| collider.def.shape.is_chain());
+            for (i, record) in (0..).zip(&contacts.records) {
+                let pair = record.pair();
+                if let Some(side) = pair.iter().position(|outline| is_chain(outline.slot)) {
+                    self.records.push((pair[side].slot, pair[1 - side], i));
+                }
+            }
+            self.records.sort_unstable();
+        }
+        let key = |&(chain, on, _): &(u32, OutlineId, u32)| (chain, on);
+        let from = self.records.partition_point(|record| key(record) < (chain, on));
+        let count = self.records[from..].partition_point(|record| key(record) == (chain, on));
+        from..from + count
+    }
+
+    /// The index of a record.
+    pub(super) fn record(&self, i: usize) -> usize {
+        self.records[i].2 as usize
+    }
+}
+
+/// Returns true if a corner in a manifold, of the collider on one side, has an impulse in a record.
+pub(super) fn is_moved((features, count): Features, record: &ContactRecord, other: usize) -> bool {
+    let corners = |features: [u32; 2], count| features.into_iter().take(count).filter_map(move |f| corner(f, other));
+    let mut own = corners(features, count);
+    own.any(|own| corners(record.features(), record.count()).any(|before| before == own))
+}
+
+/// The corner in a point, of one of the two colliders; `None` for an edge.
+fn corner(feature: u32, side: usize) -> Option<u32> {
+    let half = half(feature, side);
+    (half & 63 == half >> 6).then_some(half)
+}
+
+/// What meets in a point, of one of the two colliders.
+fn half(feature: u32, side: usize) -> u32 {
+    feature >> (12 * side) & 0xFFF
+}
+
+/// Adds to the impulses that a contact with a segment starts from those that its points had with another segment.
+///
+/// `record` is that of the other segment, `there` are the features of its manifold now, `other` is the side of the body that is on the
+/// chain, whose corners go from one segment to the next.
+pub(super) fn take_over(
+    start: &mut Impulses,
+    (features, count): Features,
+    record: &ContactRecord,
+    there: Option<Features>,
+    other: usize,
+) {
+    let there = there.map_or(Default::default(), |(features, count)| (features, count));
+    let kept = &there.0[..there.1];
+    let before = record.features();
+    let mut has_moved = false;
+    for (k, &feature) in before.iter().enumerate().take(record.count()) {
+        let Some(corner) = corner(feature, other) else { continue };
+        let is_corner = |&feature: &u32| half(feature, other) == corner;
+        if kept.iter().any(is_corner) {
+            continue;
+        }
+        if let Some(own) = features[..count].iter().position(is_corner) {
+            add(start, own, record.impulses[k], record.exponent());
+            has_moved = true;
+        }
+    }
+    // Friction goes along with the last of the points.
+    if has_moved && !before[..record.count()].iter().any(|feature| kept.contains(feature)) {
+        add(start, 2, record.impulses[2], record.exponent());
+    }
+}
+
+/// Adds an impulse in units of 2^exponent N·s, in the larger one of the two units.
+fn add(to: &mut Impulses, k: usize, impulse: i64, exponent: i32) {
+    if to.values == [0; 3] {
+        to.exponent = exponent;
+    }
+    let up = exponent - to.exponent;
+    if up > 0 {
+        to.values = to.values.map(|value| divided(value, up));
+        to.exponent = exponent;
+    }
+    const MOST: i64 = 1 << 62;
+    to.values[k] = to.values[k].saturating_add(divided(impulse, (-up).max(0))).clamp(-MOST, MOST);
+}
+
+/// `value / 2^by` to nearest, halves away from zero. *Domain* `by` is not negative.
+fn divided(value: i64, by: i32) -> i64 {
+    if by == 0 || by > 63 {
+        return if by == 0 { value } else { 0 };
+    }
+    let size = (u128::from(value.unsigned_abs()) + (1 << (by - 1))) >> by;
+    // At most 2^62 in size: as small as it was.
+    if value < 0 { -(size as i64) } else { size as i64 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::collide::feature;
+    use crate::collider::OutlineId;
+
+    fn record(features: [u32; 2], count: usize, values: [i64; 3]) -> ContactRecord {
+        let pair = [OutlineId { slot: 1, part: 70 }, OutlineId { slot: 2, part: 0 }];
+        ContactRecord::new(pair, features, count, Impulses { values, exponent: -20 })
+    }
+
+    #[test]
+    fn a_ball_takes_its_impulse_along_and_a_box_that_of_the_corner_that_goes_over() {
+        // A ball: what is left of a segment goes to the next one.
+        let ball = feature([0, 1], [0, 0]);
+        let mut start = Impulses::default();
+        take_over(&mut start, ([ball, 0], 1), &record([ball, 0], 1, [9, 0, -4]), None, 1);
+        assert_eq!(start, Impulses { values: [9, 0, -4], exponent: -20 });
+        // One that is there still keeps it.
+        let mut start = Impulses::default();
+        take_over(&mut start, ([ball, 0], 1), &record([ball, 0], 1, [9, 0, -4]), Some(([ball, 0], 1)), 1);
+        assert_eq!(start, Impulses::default());
+        // A box: corner 1 goes over, and corner 0 stays.
+        let [first, second] = [0, 1].map(|corner| feature([0, 1], [corner; 2]));
+        let end = feature([1, 1], [0, 1]);
+        let before = record([first, second], 2, [5, 7, 3]);
+        let mut start = Impulses::default();
+        take_over(&mut start, ([end, second], 2), &before, Some(([first, end], 2)), 1);
+        assert_eq!(start, Impulses { values: [0, 7, 0], exponent: -20 });
+    }
+
+    #[test]
+    fn sums_are_in_the_larger_unit_and_odd() {
+        let mut sum = Impulses { values: [5, 0, -5], exponent: -3 };
+        add(&mut sum, 2, -1, -2);
+        assert_eq!(sum, Impulses { values: [3, 0, -4], exponent: -2 });
+        add(&mut sum, 0, 1 << 62, -2);
+        assert_eq!(sum.values, [1 << 62, 0, -4]);
+        assert_eq!([divided(-7, 1), divided(7, 1), divided(i64::MAX, 63), divided(9, 99)], [-4, 4, 1, 0]);
+    }
+}
