@@ -214,13 +214,13 @@ fn the_rich_scene_is_one() {
     let (run, _) = run::<Fx>(&scene, 20);
     assert_eq!(run.world().body_count(), 10, "two were added, one was removed");
     assert_eq!(run.world().fields().count(), 8);
-    // Three and a fin on the one, six discs of which one was removed.
-    assert_eq!(run.world().collider_count(), 9);
+    // Five and a fin on the one, six discs of which one was removed.
+    assert_eq!(run.world().collider_count(), 11);
     let (world, labels) = (run.world(), run.labels());
     let colliders = world.bodies().flat_map(|body| world.colliders_of(body.id()).expect("it is there"));
     let mut names: Vec<&str> = colliders.filter_map(|collider| labels.collider(collider)).collect();
     names.sort_unstable();
-    assert_eq!(names, ["disc-0", "disc-1", "disc-3", "disc-4", "disc-5", "fin", "hull"], "two have no name");
+    assert_eq!(names, ["disc-0", "disc-1", "disc-3", "disc-4", "disc-5", "fin", "hull"], "four have no name");
     assert_eq!(run.world().def().contacts.substeps, 8);
     assert_eq!((run.world().random(), run.world().blob()), (&Random::seeded(7), &[0, 255, 169][..]));
     // 10 steps of 1/120 s and 10 of 1/60.
