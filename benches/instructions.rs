@@ -85,6 +85,9 @@ fn steps<S: Scalar>(mut scene: Scene<S>) -> Scene<S> {
 #[bench::free_1k_zone(scenes::zone(1_000, 1))]
 #[bench::free_1m(scenes::free(1_000_000))]
 #[bench::free_1k_beside_100k_static(scenes::beside_static(1_000, 100_000))]
+#[bench::tiles_1k(scenes::over_tiles(100, 1_000))]
+#[bench::tiles_100k(scenes::over_tiles(100, 100_000))]
+#[bench::tiles_1k_twice_as_many_balls(scenes::over_tiles(200, 1_000))]
 #[bench::asleep_10k(scenes::beside_sleepers(0, 10_000))]
 #[bench::at_rest_10k(scenes::at_rest(10_000))]
 #[bench::plain_1k(scenes::plain(1_000))]
@@ -104,6 +107,8 @@ fn fx(scene: Scene<Fx>) -> Scene<Fx> {
 #[library_benchmark(config = stepping(&INSTRUCTIONS))]
 #[bench::plain_1k(touched(warm(scenes::plain(1_000))))]
 #[bench::pushed_before_1k(touched(scenes::pushed_before(1_000)))]
+#[bench::edited_1k(scenes::edited_tiles(100, 1_000))]
+#[bench::edited_100k(scenes::edited_tiles(100, 100_000))]
 fn after(mut scene: Scene<Fx>) -> Scene<Fx> {
     one_step(&mut scene.world);
     scene

@@ -22,10 +22,10 @@
 //!
 //! Units are m, kg, s and rad. One ulp is 2^-32 of them, and error bounds are given in ulps.
 //!
-//! The [guide] has chapters on [numbers](guide::numbers), [accuracy](guide::accuracy), [bodies](guide::bodies), [collisions](guide::collisions),
-//! [determinism](guide::determinism) of your own code, [lockstep](guide::lockstep), [rollback](guide::rollback),
-//! [replays](guide::replays), [frames](guide::frames) and drawing, [engines](guide::engines), [other languages](guide::languages),
-//! and on [coming from Box2D or Rapier](guide::migration).
+//! The [guide] has chapters on [numbers](guide::numbers), [accuracy](guide::accuracy), [bodies](guide::bodies),
+//! [collisions](guide::collisions), [queries](guide::queries), [determinism](guide::determinism) of your own code,
+//! [lockstep](guide::lockstep), [rollback](guide::rollback), [replays](guide::replays), [frames](guide::frames) and drawing,
+//! [engines](guide::engines), [other languages](guide::languages), and on [coming from Box2D or Rapier](guide::migration).
 #![no_std]
 #![cfg_attr(
     not(any(
@@ -103,6 +103,7 @@ mod island;
 mod kernel;
 pub mod limits;
 mod math;
+mod query;
 mod replay;
 pub mod scalar;
 #[cfg(feature = "selftest")]
@@ -118,8 +119,8 @@ mod world;
 
 pub use body::{Activity, BodyDef, BodyKind, Damping, Locks, Mass};
 pub use codec::Malformed;
-pub use collider::{ColliderDef, ContactSettings, Filter, Material, MixRule};
-pub use contact::{Contact, ContactPoint};
+pub use collider::{ColliderDef, ContactSettings, Filter, Material, MaterialPair, MixRule, OneWay};
+pub use contact::{Contact, ContactPoint, Exclusion};
 #[cfg(feature = "float")]
 pub use display::{Blend, BodyClass, DebugDraw, DrawOptions, Interpolation, Pose, Role};
 pub use display::{StepClock, StepsDue, TickFraction};
@@ -131,6 +132,7 @@ pub use force::{
 pub use fx::{Fx, IntoFx, MathError, ParseFxError};
 pub use integrate::{Integrator, Stage, StageKind};
 pub use math::{Elapsed, Random, Rot, TimeStep, Vec2, vec2};
+pub use query::ShapeHit;
 pub use replay::{
     Difference, Divergence, Dump, HashTree, Labels, Owner, PHYSICS_VERSION, Playback, RecordOptions, Recorder, Replay,
     ReplayError, ReplayLimits, Snapshot, SnapshotError, TickPhase, VerifyError,
@@ -142,9 +144,9 @@ pub use slots::{BodyId, ColliderId, FieldId};
 pub use step::Timers;
 pub use symmetry::Symmetry;
 pub use world::{
-    ApplyOptions, BodyIter, BodyRef, Command, CommandMap, CommandSource, ConfirmedTick, Created, Event, EventStatus,
-    ForceOrImpulse, Frame, Input, InputResult, Inputs, InputsIter, Preview, Rollback, RollbackReport, StepReport,
-    Stepper, TickEvent, Trace, World, WorldDef, step_all,
+    ApplyOptions, BodyIter, BodyRef, CastHit, ClosestPoint, Command, CommandMap, CommandSource, ConfirmedTick, Created,
+    Event, EventStatus, ForceOrImpulse, Frame, Input, InputResult, Inputs, InputsIter, Preview, Queries, QueryFilter,
+    Rollback, RollbackReport, StepReport, Stepper, TickEvent, Trace, World, WorldDef, step_all,
 };
 
 /// The names that most programs need: `use umbra_physics::prelude::*`.

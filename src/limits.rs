@@ -37,7 +37,8 @@
 //! assert_eq!((limits::CORNERS, limits::PARTS, limits::CHAIN), (64, 256, 1 << 16));
 //! assert_eq!((limits::BODIES, limits::FIELDS, limits::BLOB), (1 << 24, 1 << 24, 1 << 24));
 //! assert_eq!((limits::COLLIDERS, limits::FRICTION, limits::SURFACE_SPEED), (1 << 24, power(5), power(10)));
-//! assert_eq!(limits::TICK, 1 << 63);
+//! assert_eq!((limits::EXCLUDED_PAIRS, limits::MATERIAL_PAIRS, limits::TICK), (1 << 16, 1 << 12, 1 << 63));
+//! assert_eq!(limits::QUERY, power(20));
 //! ```
 
 use crate::error::Error;
@@ -99,10 +100,16 @@ pub const FIELDS: usize = 1 << 24;
 /// The most colliders a world has, slots whose handles are used up included, and the most outlines that they have beyond the first one
 /// of each.
 pub const COLLIDERS: usize = 1 << 24;
+/// The most pairs of bodies that are excluded from contacts: 65,536.
+pub const EXCLUDED_PAIRS: usize = 1 << 16;
+/// The most pairs of materials of a world that have coefficients of their own.
+pub const MATERIAL_PAIRS: usize = 1 << 12;
 /// The largest coefficient of friction: 32.
 pub const FRICTION: Fx = power(5);
 /// The largest speed of a surface, m/s: 1,024.
 pub const SURFACE_SPEED: Fx = power(10);
+/// The farthest that a query looks: the largest component of a translation, and the largest distance of a closest point, 2^20 m.
+pub const QUERY: Fx = power(20);
 /// The last tick: 2^63, 29 million years at the fastest rate. A world read from a file at this tick still moves with each step,
 /// but its tick and its elapsed time stay the same.
 pub const TICK: u64 = 1 << 63;

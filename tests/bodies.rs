@@ -7,8 +7,9 @@ use std::time::{Duration, Instant};
 use umbra_physics::Timers;
 use umbra_physics::{
     Activity, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, Command, ContactSettings,
-    Created, Damping, End, Error, FieldId, FieldKind, ForceField, ForceOrImpulse, Frame, Fx, FxFactor, FxWide,
-    Integrator, Locks, Mass, Random, Shape, SpringConstants, TimeStep, Turn, Vec2, World, WorldDef, fx, vec2,
+    Created, Damping, End, Error, Exclusion, FieldId, FieldKind, ForceField, ForceOrImpulse, Frame, Fx, FxFactor,
+    FxWide, Integrator, Locks, Mass, MaterialPair, Random, Shape, SpringConstants, TimeStep, Turn, Vec2, World,
+    WorldDef, fx, vec2,
 };
 
 fn world(def: WorldDef) -> World {
@@ -302,7 +303,7 @@ fn every_setter_wakes_and_a_sleeper_is_woken_through_its_springs() {
     }
     assert_eq!(world.moving_count(), 0);
     type Set = fn(&mut World, BodyId) -> Result<(), Error>;
-    let sets: [Set; 14] = [
+    let sets: [Set; 16] = [
         |w, b| w.set_position(b, Vec2::ZERO),
         |w, b| w.set_angle(b, Fx::ZERO),
         |w, b| w.set_velocity(b, Vec2::ZERO),
@@ -312,6 +313,8 @@ fn every_setter_wakes_and_a_sleeper_is_woken_through_its_springs() {
         |w, b| w.set_kind(b, BodyKind::Dynamic),
         |w, b| w.set_gravity_scale(b, fx!(1)),
         |w, b| w.set_body_damping(b, None, None),
+        |w, b| w.set_dominance(b, 1),
+        |w, b| w.set_bullet(b, true),
         |w, b| w.set_force_groups(b, 1),
         |w, b| w.set_key(b, 0),
         |w, b| w.set_user_data(b, 0),
@@ -321,7 +324,7 @@ fn every_setter_wakes_and_a_sleeper_is_woken_through_its_springs() {
     for (i, set) in sets.iter().enumerate() {
         let mut world = world.clone();
         set(&mut world, chain[0]).unwrap();
-        for &body in &chain[if i == 13 { 1 } else { 0 }..] {
+        for &body in &chain[if i == 15 { 1 } else { 0 }..] {
             assert_eq!(world.body(body).unwrap().activity(), Activity::Awake, "setter {i}, {body}");
         }
         assert_eq!(world.body(lone).unwrap().activity(), Activity::Asleep, "setter {i}");
@@ -427,6 +430,8 @@ fn what_is_set_is_what_is_read() {
         max_speed: Some(fx!(0.1)),
         max_angular_speed: None,
         locks: Locks::NONE,
+        bullet: true,
+        dominance: -8,
         force_groups: 6,
         key: 5,
         user_data: u64::MAX,
@@ -440,7 +445,7 @@ fn what_is_set_is_what_is_read() {
     assert_eq!((body.mass(), body.gravity_scale()), (Some(fx!(6)), def.gravity_scale));
     assert_eq!((body.linear_damping(), body.angular_damping()), (def.linear_damping, None));
     assert_eq!((body.max_speed(), body.max_angular_speed()), (def.max_speed, None));
-    assert_eq!((body.force_groups(), body.key(), body.user_data()), (6, 5, u64::MAX));
+    assert_eq!((body.dominance(), body.force_groups(), body.key(), body.user_data()), (-8, 6, 5, u64::MAX));
     assert_eq!(body.shape(), def.shape.as_ref());
     assert_eq!(body.position_exact().x.to_bits(), i128::from(fx!(-3.7).to_bits()) << 64);
     assert_eq!(world.bodies().count(), 1);
@@ -491,6 +496,10 @@ fn by_method(world: &mut World, command: &Command) -> Result<Created, Error> {
         Command::SetKind { body, kind } => nothing(world.set_kind(body, kind)),
         Command::SetGravityScale { body, scale } => nothing(world.set_gravity_scale(body, scale)),
         Command::SetBodyDamping { body, linear, angular } => nothing(world.set_body_damping(body, linear, angular)),
+        Command::SetDominance { body, dominance } => nothing(world.set_dominance(body, dominance)),
+        Command::SetBullet { body, bullet } => nothing(world.set_bullet(body, bullet)),
+        Command::ExcludePair { a, b, exclusion } => nothing(world.exclude_pair(a, b, exclusion)),
+        Command::AllowPair { a, b } => nothing(world.allow_pair(a, b)),
         Command::SetForceGroups { body, force_groups } => nothing(world.set_force_groups(body, force_groups)),
         Command::SetKey { body, key } => nothing(world.set_key(body, key)),
         Command::SetUserData { body, user_data } => nothing(world.set_user_data(body, user_data)),
@@ -518,6 +527,7 @@ fn by_method(world: &mut World, command: &Command) -> Result<Created, Error> {
         Command::SetCollider { collider, def } => nothing(world.set_collider(collider, def)),
         Command::RemoveCollider(collider) => nothing(world.remove_collider(collider)),
         Command::SetContactSettings(contacts) => nothing(world.set_contact_settings(contacts)),
+        Command::SetMaterialPair { first, second, pair } => nothing(world.set_material_pair(first, second, pair)),
         other => panic!("{other:?} has no case here"),
     }
 }
@@ -572,6 +582,9 @@ fn a_command_does_what_the_method_of_its_name_does() {
         Command::SetCollider { collider, def: square },
         Command::SetContactSettings(ContactSettings { substeps: 2, ..ContactSettings::default() }),
         Command::SetContactSettings(ContactSettings { substeps: 0, ..ContactSettings::default() }),
+        Command::SetMaterialPair { first: 2, second: 1, pair: Some(MaterialPair::default()) },
+        Command::SetMaterialPair { first: 0, second: 1, pair: Some(MaterialPair::default()) },
+        Command::SetMaterialPair { first: 1, second: 2, pair: None },
         Command::SetKind { body, kind: BodyKind::Kinematic },
         Command::SetKind { body, kind: BodyKind::Dynamic },
         Command::SetGravityScale { body, scale: fx!(2) },
@@ -580,6 +593,11 @@ fn a_command_does_what_the_method_of_its_name_does() {
             linear: Some(Damping::kept_per_second(fx!(0.5))),
             angular: Some(Damping::kept_per_second(fx!(0.25))),
         },
+        Command::SetDominance { body, dominance: 3 },
+        Command::SetBullet { body, bullet: true },
+        Command::ExcludePair { a: body, b: far, exclusion: Exclusion::Always },
+        Command::ExcludePair { a: body, b: gone, exclusion: Exclusion::UntilApart },
+        Command::AllowPair { a: far, b: body },
         Command::SetForceGroups { body, force_groups: 3 },
         Command::SetKey { body, key: 4 },
         Command::SetUserData { body, user_data: 5 },

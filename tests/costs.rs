@@ -116,6 +116,19 @@ fn static_bodies_cost_nothing() {
 
 #[test]
 #[cfg_attr(debug_assertions, ignore = "counts optimised code: in release builds")]
+fn static_tiles_out_of_reach_cost_nothing() {
+    let Some(counts) = counts() else { return };
+    let (few, many) = (counts.instructions("fx/tiles_1k"), counts.instructions("fx/tiles_100k"));
+    assert!((many - few).abs() * 100 <= few, "{many} over 100,000 tiles, {few} over 1,000");
+    let control = counts.instructions("fx/tiles_1k_twice_as_many_balls");
+    assert!(control * 100 >= few * 180, "{control} for 200 balls, {few} for 100");
+    // After an edit: less than two instructions for each tile that is not edited.
+    let (few, many) = (counts.instructions("after/edited_1k"), counts.instructions("after/edited_100k"));
+    assert!(many - few < 200_000, "{many} after an edit of 100,000 tiles, {few} of 1,000");
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "counts optimised code: in release builds")]
 fn sleeping_bodies_cost_nothing() {
     let Some(counts) = counts() else { return };
     let asleep = counts.instructions("fx/asleep_10k") / STEPS;

@@ -6,14 +6,16 @@ use std::sync::Arc;
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 use umbra_physics::limits::{
-    ANGULAR_SPEED, BODIES, CHAIN, CORNERS, FIELDS, FRICTION, GRAVITY, GRAVITY_SCALE, MASS_MAX, MASS_MIN, MU_MAX_LOG2,
-    PARTS, POSITION, RATE_MAX, RATE_MIN, SIZE_MAX, SIZE_MIN, SPEED, SURFACE_SPEED,
+    ANGULAR_SPEED, BODIES, CHAIN, CORNERS, EXCLUDED_PAIRS, FIELDS, FRICTION, GRAVITY, GRAVITY_SCALE, MASS_MAX,
+    MASS_MIN, MATERIAL_PAIRS, MU_MAX_LOG2, PARTS, POSITION, QUERY, RATE_MAX, RATE_MIN, SIZE_MAX, SIZE_MIN, SPEED,
+    SURFACE_SPEED,
 };
 use umbra_physics::{
     Activity, AppliedForce, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, BodyState, Cause, ColliderDef,
-    Command, ContactSettings, CustomForce, CustomForceError, Damping, Dependence, End, Error, Fault, FieldId,
-    FieldKind, Filter, ForceField, ForceOrImpulse, ForceTorque, Frame, Fx, FxAccumulator, FxFactor, Integrator, Locks,
-    Mass, Part, Quantity, Region, Shape, SpringConstants, TimeStep, Vec2, World, WorldDef, fx, vec2,
+    Command, ContactSettings, CustomForce, CustomForceError, Damping, Dependence, End, Error, Exclusion, Fault,
+    FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, ForceTorque, Frame, Fx, FxAccumulator, FxFactor,
+    Integrator, Locks, Mass, MaterialPair, Part, Quantity, QueryFilter, Region, Shape, SpringConstants, TimeStep, Vec2,
+    World, WorldDef, fx, vec2,
 };
 
 const ULP: Fx = Fx::DELTA;
@@ -316,6 +318,12 @@ fn colliders_and_contacts_have_their_bounds() {
     for bad in [-ULP, Fx::ONE + ULP] {
         is(out_of(Quantity::Restitution), &|def| def.material.restitution = bad);
     }
+    for good in [Fx::ZERO, Fx::ONE] {
+        is(Ok(()), &|def| def.material.rolling_resistance = good);
+    }
+    for bad in [-ULP, Fx::ONE + ULP] {
+        is(out_of(Quantity::RollingResistance), &|def| def.material.rolling_resistance = bad);
+    }
     for good in [SURFACE_SPEED, -SURFACE_SPEED] {
         is(Ok(()), &|def| def.material.surface_speed = good);
     }
@@ -348,6 +356,7 @@ fn colliders_and_contacts_have_their_bounds() {
         substeps: 8,
         push_speed: limit,
         restitution_speed: limit,
+        sleep_speed: limit,
         max_pairs: 1 << 28,
         max_pairs_per_collider: 1 << 12,
     };
@@ -359,6 +368,7 @@ fn colliders_and_contacts_have_their_bounds() {
         (Quantity::Substeps, ContactSettings { substeps: 9, ..good }),
         (Quantity::ContactSpeed, ContactSettings { push_speed: limit + ULP, ..good }),
         (Quantity::ContactSpeed, ContactSettings { restitution_speed: -ULP, ..good }),
+        (Quantity::ContactSpeed, ContactSettings { sleep_speed: limit + ULP, ..good }),
         (Quantity::Pairs, ContactSettings { max_pairs: 0, ..good }),
         (Quantity::Pairs, ContactSettings { max_pairs: (1 << 28) + 1, ..good }),
         (Quantity::Pairs, ContactSettings { max_pairs_per_collider: 0, ..good }),
@@ -798,8 +808,8 @@ prop_compose! {
         let angular_velocity = if still || locks.rotation { Fx::ZERO } else { angular_velocity };
         let free = |v: Fx, locked: bool| if locked { Fx::ZERO } else { v };
         let velocity = Vec2::new(free(velocity.x, locks.x), free(velocity.y, locks.y));
-        BodyDef { kind, position, angle, velocity, angular_velocity, shape, colliders: Vec::new(), mass, gravity_scale, linear_damping,
-            angular_damping, max_speed, max_angular_speed, locks, force_groups, key: 0, user_data: 0 }
+        BodyDef { bullet: false, kind, position, angle, velocity, angular_velocity, shape, colliders: Vec::new(), mass, gravity_scale, linear_damping,
+            angular_damping, max_speed, max_angular_speed, locks, dominance: 0, force_groups, key: 0, user_data: 0 }
     }
 }
 
@@ -1385,4 +1395,48 @@ fn a_body_that_only_falls_is_caught_at_the_same_step_as_one_that_is_watched() {
         }
         assert_eq!(world.body(body).expect("it is there").activity(), Activity::Quarantined);
     }
+}
+
+#[test]
+fn queries_look_as_far_as_the_limit_and_no_farther() {
+    let mut world = world();
+    world.add_body(BodyDef::fixed().with_collider(Shape::circle(1).expect("a disc"))).expect("a disc");
+    let (queries, all) = (world.queries(), QueryFilter::default());
+    let ray = |from: Fx, by: Fx| queries.cast_ray(vec2(from, 0), vec2(by, 0), &all).map(|hit| hit.map(|hit| hit.point));
+    for sign in [1, -1] {
+        assert_eq!(ray((-QUERY - Fx::ONE) * sign, QUERY * sign), Ok(Some(vec2(-sign, 0))), "at the end of the ray");
+        assert_eq!(ray((-QUERY - Fx::ONE - ULP) * sign, QUERY * sign), Ok(None), "beyond it");
+        assert_eq!(ray(Fx::ZERO, (QUERY + ULP) * sign), out_of(Quantity::Query));
+    }
+    let near = |from: Fx, most: Fx| queries.closest_point(vec2(from, 0), most, &all).map(|near| near.is_some());
+    assert_eq!((near(QUERY + Fx::ONE, QUERY), near(QUERY + Fx::ONE + ULP, QUERY)), (Ok(true), Ok(false)));
+    assert_eq!((near(Fx::ZERO, QUERY + ULP), near(Fx::ZERO, -ULP)), (out_of(Quantity::Query), out_of(Quantity::Query)));
+}
+
+#[test]
+fn pairs_of_materials_and_of_bodies_are_limited() {
+    let mut world = World::new(WorldDef::default()).expect("a world");
+    let pairs = (1..).flat_map(|a: u32| (1..=a).map(move |b| (a, b)));
+    let set = |world: &mut World, (a, b): (u32, u32)| world.set_material_pair(a, b, Some(MaterialPair::default()));
+    for pair in pairs.clone().take(MATERIAL_PAIRS) {
+        set(&mut world, pair).expect("there is room");
+    }
+    let beyond = pairs.clone().nth(MATERIAL_PAIRS).expect("one more");
+    assert_eq!(set(&mut world, beyond), Err(Error::Full));
+    set(&mut world, (1, 1)).expect("it is there");
+    world.set_material_pair(1, 1, None).expect("it is there");
+    set(&mut world, beyond).expect("there is room again");
+
+    let bodies: Vec<BodyId> = (0..400).map(|_| world.add_body(BodyDef::dynamic()).expect("a body")).collect();
+    let pairs = (1..bodies.len()).flat_map(|a| (0..a).map(move |b| (a, b)));
+    let exclude =
+        |world: &mut World, (a, b): (usize, usize)| world.exclude_pair(bodies[a], bodies[b], Exclusion::Always);
+    for pair in pairs.clone().take(EXCLUDED_PAIRS) {
+        exclude(&mut world, pair).expect("there is room");
+    }
+    let beyond = pairs.clone().nth(EXCLUDED_PAIRS).expect("one more");
+    assert_eq!(exclude(&mut world, beyond), Err(Error::Full));
+    exclude(&mut world, (1, 0)).expect("it is there");
+    world.allow_pair(bodies[0], bodies[1]).expect("it is there");
+    exclude(&mut world, beyond).expect("there is room again");
 }

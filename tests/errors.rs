@@ -11,7 +11,7 @@ use umbra_physics::{
 };
 
 /// Every number that was ever given, and to what. Lines are added, none is changed or taken out.
-const GIVEN: [(u16, &str); 144] = [
+const GIVEN: [(u16, &str); 149] = [
     (101, "Error::OutOfRange"),
     (102, "Error::NoSuchBody"),
     (103, "Error::NoSuchField"),
@@ -91,6 +91,11 @@ const GIVEN: [(u16, &str); 144] = [
     (182, "Quantity::ContactSpeed"),
     (183, "Quantity::Pairs"),
     (184, "Quantity::SurfaceSpeed"),
+    (185, "Quantity::OneWayDirection"),
+    (186, "Quantity::OneWayTolerance"),
+    (187, "Quantity::RollingResistance"),
+    (188, "Quantity::MaterialId"),
+    (189, "Quantity::Query"),
     (201, "Cause::Position"),
     (202, "Cause::Velocity"),
     (203, "Cause::AngularVelocity"),

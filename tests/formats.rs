@@ -65,6 +65,7 @@ fn hash_of(state: &Value) -> u64 {
     for body in &bodies {
         let names = [
             "kind",
+            "bullet",
             "force_groups",
             "key",
             "user_data",
@@ -75,6 +76,7 @@ fn hash_of(state: &Value) -> u64 {
             "max_speed",
             "max_angular_speed",
             "locks",
+            "dominance",
         ];
         let mut info: Vec<u8> = names.iter().flat_map(|name| body[name].bytes()).copied().collect();
         match shape_of(slots, body) {
@@ -131,6 +133,7 @@ fn hash_of(state: &Value) -> u64 {
         hashed.extend(collider.into_iter().flat_map(|collider| xxh3_64(collider.bytes()).to_le_bytes()));
     }
     hashed.extend(state["free_colliders"].bytes());
+    hashed.extend(state["material_pairs"].bytes());
     hashed.extend(state["pushed_at_tick"].bytes());
     hashed.extend((state["contacts"].list().len() as u32).to_le_bytes());
     for contact in state["contacts"].list() {
@@ -141,6 +144,8 @@ fn hash_of(state: &Value) -> u64 {
         points.iter().for_each(|point| hashed.extend(point["normal_impulse"].bytes()));
         hashed.extend(contact["tangent_impulse"].bytes());
     }
+    hashed.extend(state["one_way_pairs"].bytes());
+    hashed.extend(state["excluded_pairs"].bytes());
     hashed.extend(state["custom_forces"].bytes());
     xxh3_64(&hashed)
 }
@@ -228,6 +233,7 @@ fn compare(state: &Value, world: &World) {
         let goal = found["kinematic_target"].option().and_then(|target| target["goal"].option());
         let goal = goal.map(|goal| (vector(&goal["position"]), Turn::from_bits(goal["angle"].natural())));
         assert_eq!(goal, own.goal(), "{id}");
+        assert_eq!(found["dominance"].natural() as u32 as i32, own.dominance(), "{id}");
         assert_eq!(found["force_groups"].natural(), u64::from(own.force_groups()), "{id}");
         assert_eq!(found["key"].natural(), own.key(), "{id}");
         assert_eq!(found["user_data"].natural(), own.user_data(), "{id}");

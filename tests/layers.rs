@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 mod cycles;
 
 /// Modules on one level do not name each other.
-const LEVELS: [&[&str]; 20] = [
+const LEVELS: [&[&str]; 21] = [
     &["kernel", "slots"],
     &["error"],
     &["fx"],
@@ -19,6 +19,7 @@ const LEVELS: [&[&str]; 20] = [
     &["limits"],
     &["codec"],
     &["shape"],
+    &["query"],
     &["collider"],
     &["body"],
     &["collide", "force", "integrate"],

@@ -153,6 +153,9 @@ impl Watched {
         let (Command::SetPosition { body, .. } | Command::SetAngle { body, .. } | Command::SetKind { body, .. }) =
             command
         else {
+            if let Command::ExcludePair { a, b, .. } | Command::AllowPair { a, b } = command {
+                self.touched.extend([*a, *b]);
+            }
             return self.touched.extend(owner.or(named(command, made)));
         };
         self.put.insert(*body);
@@ -218,6 +221,8 @@ fn named(command: &Command, made: Created) -> Option<BodyId> {
             | Command::SetGravityScale { body, .. }
             | Command::SetBodyDamping { body, .. }
             | Command::SetForceGroups { body, .. }
+            | Command::SetDominance { body, .. }
+            | Command::SetBullet { body, .. }
             | Command::SetLocks { body, .. }
             | Command::SetMaxSpeeds { body, .. }
             | Command::Disable(body)

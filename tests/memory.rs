@@ -68,7 +68,7 @@ fn a_free_body_with_a_disc_takes_as_much_of_the_heap_as_documented() {
         ..own_disc(i)
     };
     let same_disc = |_| own_disc(0);
-    let kinds: [(i64, &dyn Fn(i32) -> BodyDef); 3] = [(256, &same_disc), (544, &own_disc), (1_200, &nothing_shared)];
+    let kinds: [(i64, &dyn Fn(i32) -> BodyDef); 3] = [(256, &same_disc), (576, &own_disc), (1_200, &nothing_shared)];
     // Just above a size the columns grew to, where most room is to spare.
     for (integrator, count) in Integrator::ALL.into_iter().flat_map(|i| [(i, 10_000), (i, 100_000)]) {
         for (most, def) in kinds {

@@ -242,7 +242,7 @@ fn play_late(author: &mut Author, played: &Match, window: usize, predict: Predic
 fn late_inputs_lead_to_the_states_that_inputs_in_time_lead_to() {
     let mut author = Author { random: SplitMix(3), unfair: 60 };
     let mut counts = Counts::default();
-    for run in 0..90 {
+    for run in 0..120 {
         let integrator = Integrator::ALL[run % Integrator::ALL.len()];
         let played = Match::play(&mut author, integrator, [1, 10][run / 5 % 2], 50);
         counts.add(&played);

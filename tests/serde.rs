@@ -128,6 +128,11 @@ fn quantities() -> Vec<Quantity> {
         ContactSpeed,
         Pairs,
         SurfaceSpeed,
+        OneWayDirection,
+        OneWayTolerance,
+        Query,
+        RollingResistance,
+        MaterialId,
     ]
 }
 
@@ -206,6 +211,7 @@ fn bodies() -> Vec<BodyDef> {
         angle: fx!(-0.1),
         linear_damping: Some(Damping::kept_per_second(fx!(0.1))),
         angular_damping: None,
+        dominance: i32::MIN,
         force_groups: u32::MAX,
         key: u64::MAX,
         user_data: 1 << 63,
@@ -309,9 +315,11 @@ fn every_plain_struct_comes_back() {
     let material = Material {
         friction: fx!(0.1),
         restitution: fx!(1),
+        rolling_resistance: fx!(0.7),
         surface_speed: fx!(-0.3),
         friction_rule: MixRule::Product,
         restitution_rule: MixRule::GeometricMean,
+        id: u32::MAX,
     };
     let filter = Filter { category: u32::MAX, mask: 1 << 31, group: i32::MIN };
     let other = ColliderDef { material, filter, angle: fx!(-0.1), key: u64::MAX, ..disc.clone() };

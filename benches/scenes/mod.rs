@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use umbra_physics::scalar::Factor;
 use umbra_physics::{
-    Attachment, BodyDef, BodyId, BodyState, CustomForce, CustomForceError, Damping, Dependence, End, FieldKind,
-    ForceField, ForceTorque, Fx, Region, Scalar, SpringConstants, Vec2, World, WorldDef, fx,
+    Attachment, BodyDef, BodyId, BodyState, ColliderDef, CustomForce, CustomForceError, Damping, Dependence, End,
+    FieldKind, ForceField, ForceTorque, Fx, Region, Scalar, Shape, SpringConstants, Vec2, World, WorldDef, fx,
 };
 
 #[path = "../../tests/support/inputs.rs"]
@@ -129,6 +129,42 @@ pub(crate) fn kinematic<S: Scalar>(count: usize) -> Scene<S> {
 pub(crate) fn beside_static<S: Scalar>(count: usize, fixed: usize) -> Scene<S> {
     let fixed = resting(fixed).map(|BodyDef { position, .. }| BodyDef { position, ..BodyDef::fixed() });
     scene(rough(), fixed.chain(tumbling(count)))
+}
+
+/// Balls that roll over a floor of tiles on one body; more tiles are below, out of reach.
+pub(crate) fn over_tiles(count: usize, tiles: usize) -> Scene<Fx> {
+    let width = 4 * count.max(1);
+    let shape = Shape::rectangle(1, 1).expect("a tile");
+    let tile = |i: usize| {
+        let depth = if i < width { 0 } else { 10 + i / width };
+        let position = vector(Fx::from((i % width) as i32), Fx::from(-(depth as i32)));
+        ColliderDef { position, ..ColliderDef::new(shape.clone()) }
+    };
+    let map = BodyDef { colliders: (0..tiles.max(width)).map(tile).collect(), ..BodyDef::fixed() };
+    let disc = Shape::circle(fx!(0.5)).expect("a disc");
+    let ball = move |i: usize| BodyDef {
+        position: vector(Fx::from(4 * i as i32), fx!(1)),
+        velocity: vector(fx!(1), Fx::ZERO),
+        ..BodyDef::dynamic().with_collider(disc.clone())
+    };
+    scene(
+        WorldDef { gravity: vector(Fx::ZERO, fx!(-9.81)), ..calm() },
+        std::iter::once(map).chain((0..count).map(ball)),
+    )
+}
+
+/// Like [`over_tiles`], after a step and the removal of a tile that is out of reach.
+pub(crate) fn edited_tiles(count: usize, tiles: usize) -> Scene<Fx> {
+    let mut scene = over_tiles(count, tiles);
+    (0..2).for_each(|_| scene.advance());
+    let mut colliders: Vec<_> = scene
+        .world
+        .bodies()
+        .flat_map(|body| scene.world.colliders_of(body.id()).expect("it").collect::<Vec<_>>())
+        .collect();
+    colliders.sort_unstable();
+    scene.world.remove_collider(colliders[tiles - 1]).expect("a tile");
+    scene
 }
 
 /// Bodies at rest which are awake.

@@ -223,6 +223,12 @@ typedef struct UmbraBodyDef {
     uint32_t force_groups;
     // Components of the velocity that are held at zero; default none.
     UmbraLocks locks;
+    // Where two dynamic bodies touch, the one with the higher number is not moved by it; default 0.
+    int32_t dominance;
+    // 1 for a bullet, which never crosses dynamic bodies either; default 0.
+    uint32_t is_bullet;
+    // 0.
+    uint32_t reserved;
     // Shape, or null for none. The last field, so that the offsets of the others do not depend on the size of pointers.
     const struct UmbraShape *shape;
 } UmbraBodyDef;
@@ -282,6 +288,12 @@ typedef struct UmbraBodyState {
     uint32_t force_groups;
     // Components of the velocity that are held at zero.
     UmbraLocks locks;
+    // Where two dynamic bodies touch, the one with the higher number is not moved by it.
+    int32_t dominance;
+    // 1 for a bullet, else 0.
+    uint32_t is_bullet;
+    // 0.
+    uint32_t reserved;
 } UmbraBodyState;
 
 // Kinematic target: the pose to which the next step moves a body.
@@ -332,6 +344,8 @@ typedef struct UmbraColliderDef {
     UmbraFx friction;
     // Coefficient of restitution, 0 to 1; default 0.
     UmbraFx restitution;
+    // Coefficient of rolling resistance, 0 to 1; default 0. Two colliders have the larger one.
+    UmbraFx rolling_resistance;
     // Speed of the surface around the shape, counter-clockwise, m/s, within ±2^10: a conveyor belt; default 0.
     UmbraFx surface_speed;
     // A name of the caller's, by which worlds built in another order are compared: 0.
@@ -348,8 +362,8 @@ typedef struct UmbraColliderDef {
     UmbraMixRule friction_rule;
     // Rule that mixes the coefficients of restitution; default `UMBRA_MIX_STANDARD`.
     UmbraMixRule restitution_rule;
-    // 0.
-    uint32_t reserved;
+    // Number of the material, for coefficients of two materials together; default 0, for none.
+    uint32_t material_id;
     // Shape. The last field, so that the offsets of the others do not depend on the size of pointers.
     const struct UmbraShape *shape;
 } UmbraColliderDef;
@@ -369,6 +383,16 @@ typedef struct UmbraContactSettings {
     // 0.
     uint32_t reserved;
 } UmbraContactSettings;
+
+// Coefficients of the contacts of two materials, in place of those that follow from both.
+typedef struct UmbraMaterialPair {
+    // Coefficient of friction, 0 to 32.
+    UmbraFx friction;
+    // Coefficient of restitution, 0 to 1.
+    UmbraFx restitution;
+    // Coefficient of rolling resistance, 0 to 1.
+    UmbraFx rolling_resistance;
+} UmbraMaterialPair;
 
 // A point of a contact.
 typedef struct UmbraContactPoint {
@@ -390,6 +414,8 @@ typedef struct UmbraContact {
     struct UmbraVec2 normal;
     // Impulse of friction over the last sub-step along (normal.y, -normal.x), N·s, on the second body.
     UmbraFx tangent_impulse;
+    // Angular impulse of rolling resistance over the last sub-step, N·m·s, on the second body; 0 with two points.
+    UmbraFx rolling_impulse;
     // The points; zeros for a second one that is not there.
     struct UmbraContactPoint points[2];
     // Number of points, 1 or 2.
@@ -1107,6 +1133,12 @@ UmbraStatus umbra_world_set_body_kept_per_second(struct UmbraWorld *world,
                                                  UmbraFx linear,
                                                  UmbraFx angular);
 
+// Changes the dominance of a body.
+UmbraStatus umbra_world_set_dominance(struct UmbraWorld *world, uint64_t body, int32_t dominance);
+
+// Makes a body a bullet, which never crosses dynamic bodies either (1), or one no more (0).
+UmbraStatus umbra_world_set_bullet(struct UmbraWorld *world, uint64_t body, uint32_t is_bullet);
+
 // Changes the groups a body is in.
 UmbraStatus umbra_world_set_force_groups(struct UmbraWorld *world, uint64_t body, uint32_t force_groups);
 
@@ -1173,6 +1205,15 @@ UmbraStatus umbra_contact_settings_default(struct UmbraContactSettings *settings
 
 // Changes the settings of contacts; wakes all bodies.
 UmbraStatus umbra_world_set_contact_settings(struct UmbraWorld *world, const struct UmbraContactSettings *settings);
+
+// Gives coefficients to the contacts of two materials, by their `material_id`, in either order.
+UmbraStatus umbra_world_set_material_pair(struct UmbraWorld *world,
+                                          uint32_t first,
+                                          uint32_t second,
+                                          const struct UmbraMaterialPair *pair);
+
+// Takes back what `umbra_world_set_material_pair` gave to two materials, if anything.
+UmbraStatus umbra_world_remove_material_pair(struct UmbraWorld *world, uint32_t first, uint32_t second);
 
 // The settings of contacts of a world.
 UmbraStatus umbra_world_contact_settings(const struct UmbraWorld *world, struct UmbraContactSettings *settings);

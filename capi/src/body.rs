@@ -100,6 +100,12 @@ pub struct UmbraBodyDef {
     pub force_groups: u32,
     /// Components of the velocity that are held at zero; default none.
     pub locks: UmbraLocks,
+    /// Where two dynamic bodies touch, the one with the higher number is not moved by it; default 0.
+    pub dominance: i32,
+    /// 1 for a bullet, which never crosses dynamic bodies either; default 0.
+    pub is_bullet: u32,
+    /// 0.
+    pub reserved: u32,
     /// Shape, or null for none. The last field, so that the offsets of the others do not depend on the size of pointers.
     pub shape: *const UmbraShape,
 }
@@ -158,6 +164,12 @@ pub struct UmbraBodyState {
     pub force_groups: u32,
     /// Components of the velocity that are held at zero.
     pub locks: UmbraLocks,
+    /// Where two dynamic bodies touch, the one with the higher number is not moved by it.
+    pub dominance: i32,
+    /// 1 for a bullet, else 0.
+    pub is_bullet: u32,
+    /// 0.
+    pub reserved: u32,
 }
 
 /// Kinematic target: the pose to which the next step moves a body.
@@ -287,6 +299,9 @@ fn state_of(body: BodyRef<'_>) -> UmbraBodyState {
         activity: activity_of(body.activity()),
         force_groups: body.force_groups(),
         locks: flags_of(body.locks()),
+        dominance: body.dominance(),
+        is_bullet: body.is_bullet().into(),
+        reserved: 0,
     }
 }
 
@@ -312,6 +327,9 @@ pub extern "C" fn umbra_body_def_default(def: Option<&mut MaybeUninit<UmbraBodyD
             user_data: 0,
             force_groups: 1,
             locks: 0,
+            dominance: 0,
+            is_bullet: 0,
+            reserved: 0,
             shape: std::ptr::null(),
         });
         Ok(())
@@ -344,6 +362,8 @@ pub unsafe extern "C" fn umbra_world_add_body(
             max_speed: limit_of(def.max_speed),
             max_angular_speed: limit_of(def.max_angular_speed),
             locks: locks_of(def.locks)?,
+            dominance: def.dominance,
+            bullet: def.is_bullet != 0,
             force_groups: def.force_groups,
             key: def.key,
             user_data: def.user_data,
@@ -671,6 +691,18 @@ pub extern "C" fn umbra_world_set_body_kept_per_second(
 ) -> UmbraStatus {
     let (linear, angular) = (damping_of(linear), damping_of(angular));
     change(world, Command::SetBodyDamping { body: body_id(body), linear, angular })
+}
+
+/// Changes the dominance of a body.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_set_dominance(world: Option<&mut UmbraWorld>, body: u64, dominance: i32) -> UmbraStatus {
+    change(world, Command::SetDominance { body: body_id(body), dominance })
+}
+
+/// Makes a body a bullet, which never crosses dynamic bodies either (1), or one no more (0).
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_set_bullet(world: Option<&mut UmbraWorld>, body: u64, is_bullet: u32) -> UmbraStatus {
+    change(world, Command::SetBullet { body: body_id(body), bullet: is_bullet != 0 })
 }
 
 /// Changes the groups a body is in.

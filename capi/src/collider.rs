@@ -2,7 +2,9 @@
 
 use std::mem::MaybeUninit;
 
-use umbra_physics::{ColliderDef, ColliderId, Command, ContactSettings, Filter, Fx, Material, MixRule};
+use umbra_physics::{
+    ColliderDef, ColliderId, Command, ContactSettings, Exclusion, Filter, Fx, Material, MaterialPair, MixRule, OneWay,
+};
 
 use crate::memory::{fill, given};
 use crate::number::{UMBRA_ONE, UmbraFx, UmbraVec2};
@@ -40,6 +42,26 @@ fn number(rule: MixRule) -> UmbraMixRule {
     MIX_RULES.iter().position(|&own| own == rule).map_or(UMBRA_MIX_STANDARD, |number| number as u32)
 }
 
+/// For how long two bodies do not touch each other.
+pub type UmbraExclusion = u32;
+
+/// Until a call allows the pair again.
+pub const UMBRA_EXCLUDE_ALWAYS: UmbraExclusion = 0;
+/// Until the first step in which they are too far apart to touch.
+pub const UMBRA_EXCLUDE_UNTIL_APART: UmbraExclusion = 1;
+
+/// Two bodies that do not touch each other.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct UmbraExcludedPair {
+    /// The bodies, that in the lower slot first.
+    pub bodies: [u64; 2],
+    /// For how long.
+    pub exclusion: UmbraExclusion,
+    /// 0.
+    pub reserved: u32,
+}
+
 /// Definition of a collider: a shape at a place of its body. `umbra_collider_def_default` fills it in, without a shape.
 ///
 /// Two colliders touch if each has a category in the other's mask; two of one positive group always do, two of one negative group
@@ -57,8 +79,14 @@ pub struct UmbraColliderDef {
     pub friction: UmbraFx,
     /// Coefficient of restitution, 0 to 1; default 0.
     pub restitution: UmbraFx,
+    /// Coefficient of rolling resistance, 0 to 1; default 0. Two colliders have the larger one.
+    pub rolling_resistance: UmbraFx,
     /// Speed of the surface around the shape, counter-clockwise, m/s, within ±2^10: a conveyor belt; default 0.
     pub surface_speed: UmbraFx,
+    /// The direction out of the surface that holds, in the collider's axes, if `one_way` is 1: not zero; default (0, 1).
+    pub one_way_direction: UmbraVec2,
+    /// The largest angle between that direction and the normal of a contact that holds, 0 to π/2 rad; default π/4.
+    pub one_way_tolerance: UmbraFx,
     /// A name of the caller's, by which worlds built in another order are compared: 0.
     pub key: u64,
     /// Anything of the caller's: 0.
@@ -73,10 +101,24 @@ pub struct UmbraColliderDef {
     pub friction_rule: UmbraMixRule,
     /// Rule that mixes the coefficients of restitution; default `UMBRA_MIX_STANDARD`.
     pub restitution_rule: UmbraMixRule,
-    /// 0.
-    pub reserved: u32,
+    /// 1 for a collider that holds others from one side alone and lets them pass from the others, 0 for one that holds them all; default 0.
+    pub one_way: u32,
+    /// Number of the material, for coefficients of two materials together; default 0, for none.
+    pub material_id: u32,
     /// Shape. The last field, so that the offsets of the others do not depend on the size of pointers.
     pub shape: *const UmbraShape,
+}
+
+/// Coefficients of the contacts of two materials, in place of those that follow from both.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct UmbraMaterialPair {
+    /// Coefficient of friction, 0 to 32.
+    pub friction: UmbraFx,
+    /// Coefficient of restitution, 0 to 1.
+    pub restitution: UmbraFx,
+    /// Coefficient of rolling resistance, 0 to 1.
+    pub rolling_resistance: UmbraFx,
 }
 
 /// Settings of contacts; `umbra_contact_settings_default` fills them in.
@@ -87,6 +129,8 @@ pub struct UmbraContactSettings {
     pub push_speed: UmbraFx,
     /// The approach speed from which on bodies bounce, m/s, 0 to 2^10; default 1.
     pub restitution_speed: UmbraFx,
+    /// The speed below which a body that contacts push counts as at rest, m/s, 0 to 2^10; default 0.05.
+    pub sleep_speed: UmbraFx,
     /// The number of sub-steps in which contacts are solved, 1 to 8; default 5.
     pub substeps: u32,
     /// The number of pairs of outlines that may be close to each other in a step (a compound has one for each part), 1 to 2^28; default 2^20.
@@ -109,7 +153,10 @@ fn values(def: &ColliderDef) -> UmbraColliderDef {
         density: def.density.to_bits(),
         friction: def.material.friction.to_bits(),
         restitution: def.material.restitution.to_bits(),
+        rolling_resistance: def.material.rolling_resistance.to_bits(),
         surface_speed: def.material.surface_speed.to_bits(),
+        one_way_direction: def.one_way.unwrap_or_default().direction.into(),
+        one_way_tolerance: def.one_way.unwrap_or_default().tolerance.to_bits(),
         key: def.key,
         user_data: def.user_data,
         category: def.filter.category,
@@ -117,7 +164,8 @@ fn values(def: &ColliderDef) -> UmbraColliderDef {
         group: def.filter.group,
         friction_rule: number(def.material.friction_rule),
         restitution_rule: number(def.material.restitution_rule),
-        reserved: 0,
+        one_way: def.one_way.is_some().into(),
+        material_id: def.material.id,
         shape: std::ptr::null(),
     }
 }
@@ -137,11 +185,21 @@ impl UmbraColliderDef {
             material: Material {
                 friction: Fx::from_bits(self.friction),
                 restitution: Fx::from_bits(self.restitution),
+                rolling_resistance: Fx::from_bits(self.rolling_resistance),
                 surface_speed: Fx::from_bits(self.surface_speed),
                 friction_rule: rule(self.friction_rule)?,
                 restitution_rule: rule(self.restitution_rule)?,
+                id: self.material_id,
             },
             filter: Filter { category, mask, group },
+            one_way: match self.one_way {
+                0 => None,
+                1 => Some(OneWay {
+                    direction: self.one_way_direction.into(),
+                    tolerance: Fx::from_bits(self.one_way_tolerance),
+                }),
+                _ => return Err(Refusal::bad("one_way is neither 0 nor 1")),
+            },
             key: self.key,
             user_data: self.user_data,
         })
@@ -150,9 +208,11 @@ impl UmbraColliderDef {
 
 impl From<&ContactSettings> for UmbraContactSettings {
     fn from(settings: &ContactSettings) -> Self {
-        let ContactSettings { substeps, push_speed, restitution_speed, max_pairs, max_pairs_per_collider } = *settings;
-        let (push_speed, restitution_speed) = (push_speed.to_bits(), restitution_speed.to_bits());
-        Self { push_speed, restitution_speed, substeps, max_pairs, max_pairs_per_collider, reserved: 0 }
+        let ContactSettings { substeps, push_speed, restitution_speed, sleep_speed, max_pairs, max_pairs_per_collider } =
+            *settings;
+        let [push_speed, restitution_speed, sleep_speed] =
+            [push_speed, restitution_speed, sleep_speed].map(Fx::to_bits);
+        Self { push_speed, restitution_speed, sleep_speed, substeps, max_pairs, max_pairs_per_collider, reserved: 0 }
     }
 }
 
@@ -160,14 +220,17 @@ impl From<&ContactSettings> for UmbraContactSettings {
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_collider_def_default(def: Option<&mut MaybeUninit<UmbraColliderDef>>) -> UmbraStatus {
     guard(|| {
-        let (material, filter) = (Material::default(), Filter::default());
+        let (material, filter, one_way): (Material, Filter, OneWay) = Default::default();
         given(def)?.write(UmbraColliderDef {
             position: UmbraVec2::default(),
             angle: 0,
             density: UMBRA_ONE,
             friction: Fx::to_bits(material.friction),
             restitution: Fx::to_bits(material.restitution),
+            rolling_resistance: 0,
             surface_speed: 0,
+            one_way_direction: one_way.direction.into(),
+            one_way_tolerance: one_way.tolerance.to_bits(),
             key: 0,
             user_data: 0,
             category: filter.category,
@@ -175,7 +238,8 @@ pub extern "C" fn umbra_collider_def_default(def: Option<&mut MaybeUninit<UmbraC
             group: filter.group,
             friction_rule: UMBRA_MIX_STANDARD,
             restitution_rule: UMBRA_MIX_STANDARD,
-            reserved: 0,
+            one_way: 0,
+            material_id: 0,
             shape: std::ptr::null(),
         });
         Ok(())
@@ -290,10 +354,40 @@ pub extern "C" fn umbra_world_set_contact_settings(
             substeps: settings.substeps,
             push_speed: Fx::from_bits(settings.push_speed),
             restitution_speed: Fx::from_bits(settings.restitution_speed),
+            sleep_speed: Fx::from_bits(settings.sleep_speed),
             max_pairs: settings.max_pairs,
             max_pairs_per_collider: settings.max_pairs_per_collider,
         }))
     })
+}
+
+/// Gives coefficients to the contacts of two materials, by their `material_id`, in either order.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_set_material_pair(
+    world: Option<&mut UmbraWorld>,
+    first: u32,
+    second: u32,
+    pair: Option<&UmbraMaterialPair>,
+) -> UmbraStatus {
+    change_by(world, || {
+        let pair = *given(pair)?;
+        let pair = MaterialPair {
+            friction: Fx::from_bits(pair.friction),
+            restitution: Fx::from_bits(pair.restitution),
+            rolling_resistance: Fx::from_bits(pair.rolling_resistance),
+        };
+        Ok(Command::SetMaterialPair { first, second, pair: Some(pair) })
+    })
+}
+
+/// Takes back what `umbra_world_set_material_pair` gave to two materials, if anything.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_remove_material_pair(
+    world: Option<&mut UmbraWorld>,
+    first: u32,
+    second: u32,
+) -> UmbraStatus {
+    change(world, Command::SetMaterialPair { first, second, pair: None })
 }
 
 /// The settings of contacts of a world.
@@ -303,4 +397,48 @@ pub extern "C" fn umbra_world_contact_settings(
     settings: Option<&mut MaybeUninit<UmbraContactSettings>>,
 ) -> UmbraStatus {
     look(world, settings, |world| Ok((&world.def().contacts).into()))
+}
+
+/// Excludes two bodies from contacts with each other, or gives a pair that is excluded another exclusion; wakes both.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_exclude_pair(
+    world: Option<&mut UmbraWorld>,
+    a: u64,
+    b: u64,
+    exclusion: UmbraExclusion,
+) -> UmbraStatus {
+    change_by(world, || {
+        let exclusion = match exclusion {
+            UMBRA_EXCLUDE_ALWAYS => Exclusion::Always,
+            UMBRA_EXCLUDE_UNTIL_APART => Exclusion::UntilApart,
+            _ => return Err(Refusal::bad("no exclusion has this number")),
+        };
+        Ok(Command::ExcludePair { a: body_id(a), b: body_id(b), exclusion })
+    })
+}
+
+/// Allows contacts between two bodies again; wakes both.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_allow_pair(world: Option<&mut UmbraWorld>, a: u64, b: u64) -> UmbraStatus {
+    change(world, Command::AllowPair { a: body_id(a), b: body_id(b) })
+}
+
+/// The pairs of bodies that are excluded from contacts, by their slots; a list as `umbra_world_outcomes` gives it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn umbra_world_excluded_pairs(
+    world: Option<&UmbraWorld>,
+    pairs: *mut UmbraExcludedPair,
+    capacity: usize,
+    count: Option<&mut MaybeUninit<usize>>,
+) -> UmbraStatus {
+    guard(|| {
+        let all = given(world)?.world().excluded_pairs().map(|(bodies, exclusion)| UmbraExcludedPair {
+            bodies: bodies.map(|body| word(body.parts())),
+            exclusion: if exclusion == Exclusion::Always { UMBRA_EXCLUDE_ALWAYS } else { UMBRA_EXCLUDE_UNTIL_APART },
+            reserved: 0,
+        });
+        let all: Vec<UmbraExcludedPair> = all.collect();
+        // SAFETY: as the caller promises.
+        unsafe { fill(all.into_iter(), pairs, capacity, count) }
+    })
 }

@@ -33,6 +33,8 @@ pub struct UmbraContact {
     pub normal: UmbraVec2,
     /// Impulse of friction over the last sub-step along (normal.y, -normal.x), N·s, on the second body.
     pub tangent_impulse: UmbraFx,
+    /// Angular impulse of rolling resistance over the last sub-step, N·m·s, on the second body; 0 with two points.
+    pub rolling_impulse: UmbraFx,
     /// The points; zeros for a second one that is not there.
     pub points: [UmbraContactPoint; 2],
     /// Number of points, 1 or 2.
@@ -59,6 +61,7 @@ impl From<&Contact> for UmbraContact {
             bodies: contact.bodies.map(|body| word(body.parts())),
             normal: contact.normal.into(),
             tangent_impulse: contact.tangent_impulse.to_bits(),
+            rolling_impulse: contact.rolling_impulse.to_bits(),
             points: [0, 1].map(|i| points.get(i).map(UmbraContactPoint::from).unwrap_or_default()),
             point_count: points.len() as u32,
             reserved: 0,

@@ -43,9 +43,9 @@ pub const UMBRA_ERROR_QUARANTINED: UmbraStatus = 109;
 pub const UMBRA_ERROR_NOT_QUARANTINED: UmbraStatus = 110;
 /// Yoshida4 needs damping that keeps more than 0 of a velocity a second.
 pub const UMBRA_ERROR_DAMPING_HAS_NO_INVERSE: UmbraStatus = 111;
-/// Both ends of a spring are attached to one body.
+/// One body is named twice, where two different ones are needed.
 pub const UMBRA_ERROR_SAME_BODY: UmbraStatus = 112;
-/// The world already has the maximum number of bodies, colliders, outlines of colliders or force fields.
+/// The world already has the maximum number of bodies, colliders, outlines of colliders, force fields or excluded pairs.
 pub const UMBRA_ERROR_FULL: UmbraStatus = 114;
 /// The elapsed time no longer fits in a ratio of 128-bit integers.
 pub const UMBRA_ERROR_ELAPSED_TIME: UmbraStatus = 115;

@@ -9,7 +9,8 @@ use std::ptr;
 use umbra_physics::{
     ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, Command, ContactSettings, Damping,
     End, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, Frame, Fx, FxFactor, Integrator, Locks, Mass,
-    Material, MixRule, Random, Region, Shape, Snapshot, SpringConstants, TimeStep, World, WorldDef, fx, vec2,
+    Material, MaterialPair, MixRule, Random, Region, Shape, Snapshot, SpringConstants, TimeStep, World, WorldDef, fx,
+    vec2,
 };
 use umbra_physics_capi::*;
 
@@ -168,6 +169,7 @@ fn collider(shape: &UmbraShape) -> (UmbraColliderDef, ColliderDef) {
         density: 4,
         friction: 5,
         restitution: 6,
+        rolling_resistance: 13,
         surface_speed: 12,
         key: 7,
         user_data: 8,
@@ -176,7 +178,7 @@ fn collider(shape: &UmbraShape) -> (UmbraColliderDef, ColliderDef) {
         group: -11,
         friction_rule: UMBRA_MIX_MEAN,
         restitution_rule: UMBRA_MIX_PRODUCT,
-        reserved: 0,
+        material_id: 14,
         shape,
     };
     let bits = Fx::from_bits;
@@ -188,9 +190,11 @@ fn collider(shape: &UmbraShape) -> (UmbraColliderDef, ColliderDef) {
         material: Material {
             friction: bits(5),
             restitution: bits(6),
+            rolling_resistance: bits(13),
             surface_speed: bits(12),
             friction_rule: MixRule::Mean,
             restitution_rule: MixRule::Product,
+            id: 14,
         },
         filter: Filter { category: 9, mask: 10, group: -11 },
         key: 7,
@@ -281,8 +285,8 @@ fn contacts_are_those_of_the_library() {
         assert_eq!(found.colliders, expected.colliders.map(|collider| word(collider.parts())));
         assert_eq!(found.bodies, expected.bodies.map(|body| word(body.parts())));
         assert_eq!(
-            (found.normal, found.tangent_impulse),
-            (vector(expected.normal), expected.tangent_impulse.to_bits())
+            (found.normal, found.tangent_impulse, found.rolling_impulse),
+            (vector(expected.normal), expected.tangent_impulse.to_bits(), expected.rolling_impulse.to_bits())
         );
         assert_eq!((found.point_count as usize, found.reserved), (expected.points().len(), 0));
         for (i, point) in found.points.iter().enumerate() {
@@ -329,9 +333,11 @@ fn every_change_is_the_command_of_its_name() {
     let body_frame = ApplyOptions { frame: Frame::Body, wake: true };
     let no_wake = ApplyOptions { frame: Frame::World, wake: false };
     let both = UMBRA_BODY_FRAME | UMBRA_NO_WAKE;
+    let coefficients = UmbraMaterialPair { friction: 1, restitution: 2, rolling_resistance: 3 };
     let settings = UmbraContactSettings {
         push_speed: 1,
         restitution_speed: 2,
+        sleep_speed: 6,
         substeps: 3,
         max_pairs: 4,
         max_pairs_per_collider: 5,
@@ -357,6 +363,8 @@ fn every_change_is_the_command_of_its_name() {
             Command::SetBodyDamping { body, linear: Some(damping(10)), angular: None };
         umbra_world_set_body_kept_per_second(BODY_WORD, UMBRA_AS_WORLD, 11) =>
             Command::SetBodyDamping { body, linear: None, angular: Some(damping(11)) };
+        umbra_world_set_dominance(BODY_WORD, -12) => Command::SetDominance { body, dominance: -12 };
+        umbra_world_set_bullet(BODY_WORD, 1) => Command::SetBullet { body, bullet: true };
         umbra_world_set_force_groups(BODY_WORD, 12) => Command::SetForceGroups { body, force_groups: 12 };
         umbra_world_set_key(BODY_WORD, u64::MAX) => Command::SetKey { body, key: u64::MAX };
         umbra_world_set_user_data(BODY_WORD, 14) => Command::SetUserData { body, user_data: 14 };
@@ -380,9 +388,16 @@ fn every_change_is_the_command_of_its_name() {
             substeps: 3,
             push_speed: bits(1),
             restitution_speed: bits(2),
+            sleep_speed: bits(6),
             max_pairs: 4,
             max_pairs_per_collider: 5,
         });
+        umbra_world_set_material_pair(6, 7, Some(&coefficients)) => Command::SetMaterialPair {
+            first: 6,
+            second: 7,
+            pair: Some(MaterialPair { friction: bits(1), restitution: bits(2), rolling_resistance: bits(3) }),
+        };
+        umbra_world_remove_material_pair(6, 7) => Command::SetMaterialPair { first: 6, second: 7, pair: None };
         umbra_world_remove_field(FIELD_WORD) => Command::RemoveField(FIELD);
         umbra_world_set_time_step(1001, 60_000) => Command::SetTimeStep(TimeStep::ratio(1001, 60_000));
         umbra_world_set_gravity(15, -16) => Command::SetGravity(pair(15, -16));
@@ -440,6 +455,9 @@ fn every_change_is_the_command_of_its_name() {
         user_data: 13,
         force_groups: 14,
         locks: UMBRA_LOCK_Y,
+        dominance: -17,
+        is_bullet: 1,
+        reserved: 0,
         shape: &raw const *shape,
     };
     assert_eq!(add(&mut draft, &def), Ok(UMBRA_NO_HANDLE));
@@ -456,8 +474,10 @@ fn every_change_is_the_command_of_its_name() {
         max_speed: Some(bits(15)),
         max_angular_speed: Some(bits(16)),
         locks: Locks { x: false, y: true, rotation: false },
+        bullet: true,
         key: 12,
         user_data: 13,
+        dominance: -17,
         force_groups: 14,
         shape: Some(Shape::capsule(fx!(2), fx!(1)).expect("a shape")),
         colliders: Vec::new(),
@@ -474,8 +494,8 @@ fn every_change_is_the_command_of_its_name() {
     assert_eq!(add(&mut draft, &body_def()), Ok(UMBRA_NO_HANDLE));
     is(&draft, UMBRA_OK, Command::AddBody(BodyDef::dynamic()));
 
-    // From AddBody to SetContactSettings, as `docs/formats.md` numbers them.
-    assert!(seen.iter().copied().eq(0..=36), "{seen:?}");
+    // From AddBody to the last one, as `docs/formats.md` numbers them.
+    assert!(seen.iter().copied().eq(0..Command::KINDS), "{seen:?}");
 
     assert_eq!(umbra_world_step(Some(&mut draft)), UMBRA_ERROR_BUSY);
     let place = world();
@@ -1155,8 +1175,8 @@ fn the_numbers_of_errors_are_those_of_the_document() {
 #[test]
 fn structs_lie_as_they_are_known() {
     assert_eq!((size_of::<UmbraWorldDef>(), size_of::<UmbraPose>()), (48, 56));
-    assert_eq!((size_of::<UmbraBodyDef>(), std::mem::offset_of!(UmbraBodyDef, shape)), (144, 136));
-    assert_eq!((size_of::<UmbraBodyState>(), size_of::<UmbraFieldDef>()), (248, 232));
-    assert_eq!((size_of::<UmbraGoal>(), size_of::<UmbraContactPoint>(), size_of::<UmbraContact>()), (32, 32, 128));
+    assert_eq!((size_of::<UmbraBodyDef>(), std::mem::offset_of!(UmbraBodyDef, shape)), (152, 144));
+    assert_eq!((size_of::<UmbraBodyState>(), size_of::<UmbraFieldDef>()), (256, 232));
+    assert_eq!((size_of::<UmbraGoal>(), size_of::<UmbraContactPoint>(), size_of::<UmbraContact>()), (32, 32, 136));
     assert_eq!(std::mem::offset_of!(UmbraFieldDef, max), 216);
 }

@@ -60,6 +60,7 @@ fn null_is_refused_everywhere() {
     let collider_def = UmbraColliderDef { shape: &raw const *disc, ..empty_collider };
     // SAFETY: the definition is filled in, and its shape is alive.
     let c = made(|collider| unsafe { umbra_world_add_collider(Some(w), b, Some(&collider_def), collider) });
+    let pair = UmbraMaterialPair { friction: 0, restitution: 0, rolling_resistance: 0 };
     let settings = made(|settings| umbra_contact_settings_default(settings));
     let (mut one, mut other, mut number) = (MaybeUninit::uninit(), MaybeUninit::uninit(), MaybeUninit::uninit());
     let (point, wide) = (UmbraVec2::default(), UmbraInt128::default());
@@ -184,6 +185,8 @@ fn null_is_refused_everywhere() {
         umbra_world_set_kind(None, b, UMBRA_STATIC);
         umbra_world_set_gravity_scale(None, b, 0);
         umbra_world_set_body_kept_per_second(None, b, 0, 0);
+        umbra_world_set_dominance(None, b, 0);
+        umbra_world_set_bullet(None, b, 0);
         umbra_world_set_force_groups(None, b, 0);
         umbra_world_set_key(None, b, 0);
         umbra_world_set_user_data(None, b, 0);
@@ -218,6 +221,9 @@ fn null_is_refused_everywhere() {
         umbra_world_contacts(Some(w), null_mut(), 1, None);
         umbra_world_set_contact_settings(None, Some(&settings));
         umbra_world_set_contact_settings(Some(w), None);
+        umbra_world_set_material_pair(None, 1, 2, Some(&pair));
+        umbra_world_set_material_pair(Some(w), 1, 2, None);
+        umbra_world_remove_material_pair(None, 1, 2);
         umbra_world_contact_settings(None, Some(&mut MaybeUninit::uninit()));
         umbra_world_contact_settings(Some(w), None);
         umbra_world_add_field(None, Some(&field_def), Some(&mut MaybeUninit::uninit()));

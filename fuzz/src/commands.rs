@@ -7,12 +7,13 @@ use arbitrary::Result;
 use umbra_oracles::Taste;
 use umbra_physics::scalar::{Accumulator, Angle};
 use umbra_physics::{
-    Activity, AppliedForce, BodyRef, ColliderDef, Command, FieldKind, Filter, ForceField, Fx, Snapshot, StepReport,
-    Symmetry, Vec2, World, WorldDef,
+    Activity, AppliedForce, BodyRef, ColliderDef, Command, ContactSettings, FieldKind, Filter, ForceField, Fx,
+    Snapshot, StepReport, Symmetry, Vec2, World, WorldDef,
 };
 
 use super::author::{self, Author, WILD};
 use super::pile::pile;
+use super::tally;
 
 /// The target.
 pub fn run(data: &[u8]) {
@@ -28,8 +29,8 @@ pub fn run(data: &[u8]) {
 const COMMANDS: usize = 32;
 const STEPS: usize = 48;
 const FEWEST: usize = 24;
-/// Runs are compared after each so many steps: what parts them does not go away.
-const EVERY: usize = 4;
+/// Runs are compared after each so many steps: a comparison costs as much as several steps.
+const EVERY: usize = 8;
 
 fn play(promise: u8, mut author: Author<'_>, is_piled: bool) -> Result<()> {
     let promise = Promise::new(promise, &mut author)?;
@@ -40,6 +41,11 @@ fn play(promise: u8, mut author: Author<'_>, is_piled: bool) -> Result<()> {
     });
     if is_piled {
         pile(&mut author, &mut world)?;
+    }
+    if matches!(promise, Promise::Sleepless) {
+        // Then bodies sleep only where a step would change nothing.
+        let contacts = ContactSettings { sleep_speed: Fx::ZERO, ..world.def().contacts };
+        world.set_contact_settings(contacts).expect("no speed is a fair one");
     }
     let Some(mut second) = Second::new(promise, &world) else { return Ok(()) };
     let mut steps = 0;
@@ -109,6 +115,7 @@ impl Promise {
     /// Asserts that the second run is as promised; false where the promise says nothing about it any more.
     fn is_kept(self, world: &World, second: &World) -> bool {
         match self {
+            Self::Sleepless if world.def().contacts.sleep_speed > Fx::ZERO => return false,
             Self::Sleepless => assert_moved_alike(world, second),
             Self::Image(symmetry) => return is_image(&symmetry, world, second),
             _ => assert_eq!(second.state_hash(), world.state_hash(), "read from bytes"),
@@ -208,6 +215,7 @@ impl Second {
         let is_compared = number % EVERY == EVERY - 1;
         if let Some(second) = &mut self.world {
             world.step();
+            tally::count(world);
             second.step();
             if is_compared && !self.promise.is_kept(world, second) {
                 self.world = None;
@@ -231,6 +239,7 @@ impl Second {
             }
             _ => _ = world.step(),
         }
+        tally::count(world);
     }
 
     /// Asserts what costs too much to ask of each step: worlds of one hash have no differences.

@@ -149,6 +149,8 @@ impl Values<'_> {
             points,
             friction: if kind >= 192 { Fx::ZERO } else { self.size(-16, 6) },
             restitution: self.signed(-8, 0).max(Fx::ZERO),
+            rolling_resistance: if self.below(4) == 0 { self.signed(-8, 0).max(Fx::ZERO) } else { Fx::ZERO },
+            rolling_radius: if count == 1 { self.size(-7, 12) } else { Fx::ZERO },
             surface_speed: if self.below(4) == 0 { self.signed(-20, 20) } else { Fx::ZERO },
             impulses,
         }
@@ -220,6 +222,7 @@ impl Body {
             inverse_mass: self.inverse_mass,
             inverse_inertia: self.inverse_inertia,
             radius: self.radius,
+            leader: None,
         }
     }
 

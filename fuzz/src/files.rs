@@ -5,6 +5,7 @@ use umbra_physics::{PHYSICS_VERSION, Random, Snapshot, SnapshotError, World, Wor
 use xxhash_rust::xxh3::xxh3_64;
 
 use super::author;
+use super::tally;
 
 /// The number of bytes of a snapshot before its state: magic, format, physics version.
 pub const HEAD: usize = 16;
@@ -29,7 +30,7 @@ pub fn seal_snapshot(bytes: &mut [u8]) {
 pub fn put_tick(bytes: &mut [u8], tick: u64) {
     // It comes after the settings, which end with an option and the settings of contacts.
     let sleep_after = HEAD + 41;
-    let at = sleep_after + if bytes[sleep_after] == 1 { 5 } else { 1 } + 28;
+    let at = sleep_after + if bytes[sleep_after] == 1 { 5 } else { 1 } + 36;
     bytes[at..at + 8].copy_from_slice(&tick.to_le_bytes());
 }
 
@@ -188,6 +189,7 @@ pub fn use_up(mut world: World, seed: u64) {
     let mut copy = world.clone();
     for tick in 0..3 {
         let applied = world.step().applied.to_vec();
+        tally::count(&world);
         copy.step_traced();
         assert_eq!(copy.state_hash(), world.state_hash(), "a step looked into");
         let mut back = world.clone();

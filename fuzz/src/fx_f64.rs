@@ -29,6 +29,7 @@ use umbra_physics::{
 };
 
 use super::author::{self, Author};
+use super::tally;
 
 /// The most commands of an input, and ticks between two of them.
 const COMMANDS: usize = 32;
@@ -68,6 +69,7 @@ fn play(data: &[u8]) -> Result<()> {
         for _ in 0..ticks {
             let before = Snapshot::of(&float);
             let is_safe = world.step().faults.is_empty() & float.step().faults.is_empty();
+            tally::count(&world);
             let (outside, there) = (world.last_report().drag_outside, float.last_report().drag_outside);
             let slopes = Slopes::over(&before, &float).filter(|_| is_safe && outside == there);
             let Some(slopes) = slopes else { return Ok(()) };

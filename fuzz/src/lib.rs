@@ -14,6 +14,7 @@ mod pile;
 pub mod replay;
 pub mod scene;
 pub mod snapshot;
+pub mod tally;
 pub mod threads;
 pub mod work;
 

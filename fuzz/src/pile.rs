@@ -3,19 +3,19 @@
 use arbitrary::Result;
 use umbra_physics::{
     BodyDef, BodyKind, ColliderDef, Command, CommandSource as _, Error, Filter, Fx, Locks, Mass, Material, MixRule,
-    Part, Shape, Vec2, World, fx, vec2,
+    Part, Shape, TimeStep, Vec2, World, fx, vec2,
 };
 
 use super::author::Author;
 
 /// Bodies in a row of the pile.
-const ROW: i32 = 6;
+const ROW: i32 = 5;
 /// The least and the most bodies, without the floor.
-const BODIES: [u8; 2] = [8, 40];
+const BODIES: [u8; 2] = [8, 20];
 
 /// Units of length, speed and mass of the whole pile, most often everyday ones.
 const UNITS: [Fx; 8] = [fx!(1), fx!(1), fx!(1), fx!(1), fx!(1), fx!(0.0625), fx!(16), fx!(512)];
-const SPEEDS: [Fx; 8] = [fx!(0), fx!(1), fx!(1), fx!(1), fx!(8), fx!(8), fx!(256), fx!(65536)];
+const SPEEDS: [Fx; 8] = [fx!(0), fx!(0.125), fx!(1), fx!(1), fx!(1), fx!(8), fx!(256), fx!(65536)];
 const MASSES: [[Fx; 4]; 4] = [
     [fx!(1); 4],
     [fx!(1), fx!(3), fx!(1), fx!(3)],
@@ -31,7 +31,14 @@ pub fn pile(author: &mut Author<'_>, world: &mut World) -> Result<()> {
     let speed = SPEEDS[usize::from(units / 8 % 8)];
     let masses = MASSES[usize::from(units / 64)];
     let corner = if place % 4 == 0 { author.generator().position() } else { Vec2::ZERO };
-    let gap = [fx!(1), fx!(0.9375), fx!(1.0625), fx!(0.5)][usize::from(place / 4 % 4)];
+    let gap = [fx!(0.9375), fx!(0.9375), fx!(1.0625), fx!(0.75)][usize::from(place / 4 % 4)];
+    // A pile under everyday gravity and at an everyday rate stays one; a quarter of them has what the world came with.
+    if place / 16 % 4 != 3 {
+        let gravity = vec2(0, [0, -10, -10, -30][usize::from(place >> 6)]) * unit;
+        for command in [Command::SetGravity(gravity), Command::SetTimeStep(TimeStep::hz(60))] {
+            _ = world.execute(&command);
+        }
+    }
     for def in floors(floor, unit).unwrap_or_default() {
         add(author, world, BodyDef { position: corner.checked_add(def.position).unwrap_or(corner), ..def });
     }
@@ -114,9 +121,11 @@ fn colliders(kind: u8, look: u8, unit: Fx) -> Vec<ColliderDef> {
     let material = Material {
         friction: parts[usize::from(look & 3)],
         restitution: parts[usize::from(look >> 2 & 3)].min(Fx::ONE),
+        rolling_resistance: if look >> 4 == 11 { fx!(0.125) } else { Fx::ZERO },
         surface_speed: if look >> 4 == 12 { fx!(1) } else { Fx::ZERO },
         friction_rule: MixRule::ALL[usize::from(kind) % 6],
         restitution_rule: MixRule::ALL[usize::from(look) % 6],
+        id: u32::from(kind) % 3,
     };
     let filter = match look >> 4 {
         13 => Filter { category: 2, mask: 1, ..Filter::default() },

@@ -14,6 +14,7 @@ use super::files::{
     Chunk, LATE, OPENING, PILED, chunks, disturb, late, measured, measured_within, seal_snapshot, sealed, use_up,
 };
 use super::pile::pile;
+use super::tally;
 
 /// The target.
 pub fn run(data: &[u8]) {
@@ -203,6 +204,7 @@ fn recorded(data: &[u8], kind: u8) -> Result<()> {
         }
         let inputs = inputs(&mut author)?;
         recorder.step(&mut world, &inputs);
+        tally::count(&world);
         let made = recorder.outcomes().iter().filter_map(|outcome| outcome.result.ok());
         made.for_each(|made| author.made(&world, made));
     }
@@ -260,6 +262,7 @@ fn dumped(data: &[u8], kind: u8) -> Result<()> {
     calls.iter().for_each(|call| _ = after.execute(call));
     after.carry_out(&inputs);
     after.step();
+    tally::count(&after);
     let dump = Dump::of_tick(&before, &calls, &inputs, &after);
     let file = dump.to_bytes();
     let read = Dump::from_bytes(&file, &author::custom_forces()).expect("it is whole");

@@ -4,6 +4,7 @@ use umbra_physics::{Fx, RecordOptions, Recorder, Replay, Scalar};
 use umbra_scene::{Scene, SceneError, SceneErrors};
 
 use super::files::{ANY, taken};
+use super::tally;
 
 /// Largest number of things of a kind; a repetition makes that many in a few bytes.
 const MOST: u32 = 64;
@@ -56,6 +57,7 @@ fn play<S: Scalar>(scene: &Scene, text: &str, steps: u32) {
         let mut run = scene.start_finer::<S>(steps)?;
         for _ in 0..TICKS.min(scene.ticks) {
             run.advance()?;
+            tally::count(run.world());
         }
         Ok(run.world().state_hash())
     });

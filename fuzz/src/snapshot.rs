@@ -9,6 +9,7 @@ use umbra_physics::{Snapshot, World, WorldDef};
 use super::author::{self, Author};
 use super::files::{LATE, PILED, disturb, head, late, measured, seal_snapshot, use_up};
 use super::pile::pile;
+use super::tally;
 
 /// The target.
 pub fn run(data: &[u8]) {
@@ -67,6 +68,7 @@ fn look(bytes: &[u8]) {
     world.restore(&snapshot);
     assert_eq!(world.state_hash(), snapshot.world().state_hash());
     world.step();
+    tally::count(&world);
     let mut other = snapshot.into_world();
     other.step();
     assert_eq!(world.state_hash(), other.state_hash(), "two that were read alike");

@@ -10,6 +10,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use umbra_physics::{BodyDef, CommandSource as _, Created, Fx, Integrator, Random, Vec2, WorldDef, fx, step_all, vec2};
 
 use super::author::{self, Author};
+use super::tally;
 
 /// The target.
 pub fn run(data: &[u8]) {
@@ -63,6 +64,7 @@ fn play(data: &[u8]) -> Result<()> {
         }
         done.into_iter().for_each(|made| author.made(&world, made));
         POOLS[0].install(|| _ = world.step());
+        tally::count(&world);
         POOLS[1].install(|| step_all(&mut others));
         for other in &others {
             assert_eq!(other.state_hash(), world.state_hash(), "on two threads");

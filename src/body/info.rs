@@ -18,7 +18,9 @@ use crate::shape::Shape;
 #[derive(Clone, Debug)]
 pub(crate) struct BodyInfo<S: Scalar> {
     pub(crate) kind: BodyKind,
+    pub(crate) dominance: i32,
     pub(crate) force_groups: u32,
+    pub(crate) is_bullet: bool,
     pub(crate) key: u64,
     pub(crate) user_data: u64,
     pub(crate) mass: Mass<S>,
@@ -35,7 +37,9 @@ impl<S: Scalar> BodyInfo<S> {
     pub(super) fn new(def: &BodyDef<S>, shape: Option<Arc<Shape<S>>>, collider_mass: ColliderMass<S>) -> Self {
         Self {
             kind: def.kind,
+            dominance: def.dominance,
             force_groups: def.force_groups,
+            is_bullet: def.bullet,
             key: def.key,
             user_data: def.user_data,
             mass: def.mass,
@@ -89,6 +93,7 @@ impl<S: Scalar> BodyInfo<S> {
     pub(super) fn digest(&self, (key, locks): (&Key<S>, Locks)) -> u64 {
         let mut sink = StateHasher::new();
         self.kind.write(&mut sink);
+        self.is_bullet.write(&mut sink);
         self.force_groups.write(&mut sink);
         self.key.write(&mut sink);
         self.user_data.write(&mut sink);
@@ -99,6 +104,7 @@ impl<S: Scalar> BodyInfo<S> {
         key.most[0].write(&mut sink);
         key.most[1].write(&mut sink);
         locks.write(&mut sink);
+        self.dominance.write(&mut sink);
         self.shape.as_deref().map(Shape::digest).write(&mut sink);
         sink.finish().max(NOT_MADE + 1)
     }

@@ -65,7 +65,7 @@ pub enum Activity {
     /// The body takes part.
     #[default]
     Awake,
-    /// The body is at rest, and steps skip it until something wakes it.
+    /// The body rests, and steps skip it until something wakes it.
     Asleep,
     /// The body left the allowed range, or a step failed for it. It is back in its state before that step and excluded from
     /// the simulation until it is released.
@@ -207,6 +207,13 @@ pub struct BodyDef<S: Scalar = Fx> {
     pub max_angular_speed: Option<S>,
     /// The axes along which the body cannot move.
     pub locks: Locks,
+    /// The dominance: where two dynamic bodies touch, the one with the higher number pushes the other as if it were kinematic, and gets
+    /// no impulse from it. 0 for most; any whole number. Static and kinematic bodies are above all.
+    pub dominance: i32,
+    /// True for a *bullet*: a body whose colliders never cross those of dynamic bodies either, at any speed. Colliders of all bodies never
+    /// cross those of static and kinematic ones. A bullet costs time in ticks in which it, or what it meets, moves more than a quarter of
+    /// its width.
+    pub bullet: bool,
     /// The groups of the body: a force field with one of these bits acts on it.
     pub force_groups: u32,
     /// A name of your choice for the body. Worlds that were built in different orders are compared by it.
@@ -232,6 +239,8 @@ codec_struct!(BodyDef {
     max_speed,
     max_angular_speed,
     locks,
+    dominance,
+    bullet,
     force_groups,
     key,
     user_data,
@@ -263,6 +272,8 @@ impl<S: Scalar> BodyDef<S> {
             max_speed: None,
             max_angular_speed: None,
             locks: Locks::NONE,
+            dominance: 0,
+            bullet: false,
             force_groups: 1,
             key: 0,
             user_data: 0,

@@ -1,7 +1,9 @@
 //! The direction of largest separation among the normals of two cores.
 
-use super::cores::{Core, Product};
+use super::cores::{Core, Product, across};
 use super::frame::Direction;
+use super::seam;
+use super::surface::{Link, Surface};
 use crate::kernel::sqrt::direction;
 
 /// The separations of a pair along its normals.
@@ -13,6 +15,23 @@ pub(super) struct Axes<P, const N: usize> {
     slack: P,
 }
 
+/// Returns true if a core reaches over the part of an edge that is on the surface.
+fn is_over<P: Product, const N: usize>(link: &Link<[i32; 2]>, core: &Core<P, N>, k: u32) -> bool {
+    let Some(part) = link.part else { return true };
+    let place = |p: [P::Coordinate; 2]| P::dot(across(link.normal), p);
+    let [low, high] = part.map(|end| place(end.map(|part| P::coordinate(part, k))));
+    let places = || core.corners.iter().map(|&corner| place(corner));
+    let slop = P::length(seam::REACH + (4 << k), k);
+    let (least, most) = places().fold((place(core.corners[0]), P::LEAST), |(a, b), p| (a.min(p), b.max(p)));
+    least <= high + slop && low <= most + slop
+}
+
+/// The difference of two separations that may come from rounding: corners err by a unit, and normals by 2^-30 of a length.
+#[inline(always)]
+fn slack<P: Product, const N: usize>(a: &Core<P, N>, b: &Core<P, N>, k: u32) -> P {
+    P::length((8 << k) + (a.extent.max(b.extent) >> 28), k)
+}
+
 /// Numbers of edges of A and of B, one bit each: at most 64.
 type Edges = [u64; 2];
 
@@ -20,8 +39,7 @@ impl<P: Product, const N: usize> Axes<P, N> {
     /// Returns `None` if a separation is above `limit`.
     #[inline(always)]
     pub(super) fn new(a: &Core<P, N>, b: &Core<P, N>, k: u32, limit: P) -> Option<Self> {
-        // Corners err by a unit, and normals by 2^-30 of a length.
-        let slack = P::length((8 << k) + (a.extent.max(b.extent) >> 28), k);
+        let slack = slack(a, b, k);
         let along_a = a.separations(b, slack);
         let largest = along_a.iter().fold(P::LEAST, |most, &s| most.max(s));
         if largest > limit {
@@ -32,24 +50,35 @@ impl<P: Product, const N: usize> Axes<P, N> {
         if largest > limit { None } else { Some(Self { along_a, along_b, largest, slack }) }
     }
 
-    /// The separations of a segment of a chain, A: along its first normal, and along normals of B that pass a test as directions from A to B.
-    pub(super) fn of_link(
+    /// The separations of a surface, A: along the normals of its edges, and along those of B that A pushes in as directions from A to B.
+    pub(super) fn of_surface(
         a: &Core<P, N>,
         b: &Core<P, N>,
         k: u32,
         limit: P,
-        has: impl Fn([i32; 2]) -> bool,
+        surface: Surface<'_, [i32; 2]>,
     ) -> Option<Self> {
-        let slack = P::length((8 << k) + (a.extent.max(b.extent) >> 28), k);
+        let slack = slack(a, b, k);
         let (mut along_a, mut along_b) = ([P::LEAST; N], [P::LEAST; N]);
-        along_a[0] = a.separation(0, b);
+        // A core beyond an edge that is covered is at the neighbour's.
+        let reach = P::length(seam::REACH + (4 << k), k);
+        let is_covered = |i: &usize| surface.links.iter().all(|link| link.corners[0] != *i);
+        let mut covered = (0..a.faces()).filter(is_covered);
+        if !surface.is_one_sided && covered.any(|i| a.separation(i, b) > reach) {
+            return None;
+        }
+        for link in surface.links.iter().filter(|link| is_over(link, b, k)) {
+            let edge = link.corners[0] & (N - 1);
+            along_a[edge] = a.separation(edge, b);
+        }
         for (i, along) in along_b.iter_mut().enumerate().take(b.faces()) {
-            if has(b.normals[i].map(|part| -part)) {
+            let n = b.normals[i].map(|part| -part);
+            if surface.links.iter().any(|link| link.has(n) && is_over(link, b, k)) {
                 *along = b.separation(i, a);
             }
         }
-        let largest = along_b.iter().fold(along_a[0], |most, &s| most.max(s));
-        if largest > limit { None } else { Some(Self { along_a, along_b, largest, slack }) }
+        let largest = along_a.iter().chain(&along_b).fold(P::LEAST, |most, &s| most.max(s));
+        if largest > limit || largest == P::LEAST { None } else { Some(Self { along_a, along_b, largest, slack }) }
     }
 
     /// Returns true if all separations are less than this one, by more than rounding.

@@ -197,6 +197,7 @@ impl<P: Product, const N: usize> Core<P, N> {
     }
 
     /// The separation of another core along a normal.
+    #[inline(always)]
     pub(super) fn separation(&self, i: usize, other: &Self) -> P {
         let n = self.normals[i];
         other.heights(n).fold(P::dot(n, other.corners[0]), |least, height| least.min(height)) - self.own(i)
@@ -216,9 +217,7 @@ impl<P: Product, const N: usize> Core<P, N> {
         let mut separations = [P::LEAST; N];
         for (i, separation) in separations.iter_mut().enumerate() {
             if i < self.faces {
-                let n = self.normals[i];
-                let least = other.heights(n).fold(P::dot(n, other.corners[0]), |least, height| least.min(height));
-                *separation = least - self.own(i);
+                *separation = self.separation(i, other);
             }
         }
         separations

@@ -179,12 +179,14 @@ impl<P: Product, const N: usize> Pair<P, N> {
         Frame { n, a, b, facing }
     }
 
-    /// The cores along a direction in which a segment of a chain, A, pushes. What is over the segment counts before a corner beside it that
-    /// is nearer: that one is over a neighbour.
-    pub(super) fn frame_of_link(&self, direction: Direction) -> Frame<P> {
+    /// The cores along a direction in which a surface, A, pushes. The part of B that is over the edge counts before a corner beside it that
+    /// is nearer, since that one is over a neighbour; `is_own` tells the corners without one.
+    pub(super) fn frame_of_surface(&self, direction: Direction, is_own: impl Fn(usize) -> bool) -> Frame<P> {
         let frame = self.frame(direction);
         let (a, b) = (&frame.a, &frame.b);
-        if matches!(frame.facing, Facing::Corners(..)) && a.places[0].max(b.places[0]) < a.places[1].min(b.places[1]) {
+        if matches!(frame.facing, Facing::Corners(i, _) if !is_own(i))
+            && a.places[0].max(b.places[0]) < a.places[1].min(b.places[1])
+        {
             return Frame { facing: Facing::Edges, ..frame };
         }
         frame

@@ -25,7 +25,10 @@ mod frame;
 mod link;
 mod place;
 mod points;
+pub(crate) mod seam;
 pub(crate) mod span;
+pub(crate) mod surface;
+pub(crate) mod sweep;
 
 pub use crate::collider::Filter;
 pub use place::{Cores, Pose};
@@ -76,6 +79,11 @@ pub struct ManifoldPoint {
 pub fn feature(a: [usize; 2], b: [usize; 2]) -> u32 {
     // A polygon has at most 64 corners: six bits each.
     (a[0] | a[1] << 6 | b[0] << 12 | b[1] << 18) as u32
+}
+
+/// The name of a point with the two cores swapped.
+pub(crate) fn swapped_feature(feature: u32) -> u32 {
+    feature >> 12 | (feature & 0xFFF) << 12
 }
 
 /// The largest margin that is told from a larger one: 2^22 m.

@@ -2,9 +2,12 @@
 
 use alloc::vec::Vec;
 
-use super::link::{Link, collide_link, swapped};
-use super::{MARGIN_MAX, Manifold, collide_placed};
+use super::link::{collide_surface, swapped};
+use super::seam::Face;
+use super::surface::{Link, Surface};
+use super::{Manifold, collide_placed};
 use crate::fx::Fx;
+pub(super) use crate::kernel::round::odd_shift;
 use crate::kernel::trig::sin_cos_turn;
 use crate::math::Vec2;
 use crate::scalar::Turn;
@@ -31,6 +34,25 @@ impl Pose {
     /// The position of the centre of mass, m.
     pub(crate) fn position(&self) -> Vec2<Fx> {
         self.position
+    }
+
+    /// A unit vector in the axes of the body, from units of 2^-32 to world axes in units of 2^-30; at most 2^30 + 1.
+    pub(crate) fn turned(&self, v: Vec2<Fx>) -> [i32; 2] {
+        turned_normal(v, self)
+    }
+
+    /// The corners of an outline at this pose, relative to the position of another pose near it, ulps.
+    pub(crate) fn corners_from<'a>(
+        &self,
+        outline: &'a Outline,
+        from: &Self,
+    ) -> impl Iterator<Item = [i64; 2]> + use<'a> {
+        let (direction, own, from) = (self.direction, self.position, from.position);
+        let offset = [own.x.to_bits().wrapping_sub(from.x.to_bits()), own.y.to_bits().wrapping_sub(from.y.to_bits())];
+        outline.corners().iter().map(move |&corner| {
+            let [x, y] = turned(corner, direction, 62);
+            [x.wrapping_add(offset[0]), y.wrapping_add(offset[1])]
+        })
     }
 
     /// A box around a box at this pose and all within `radius` of it, at most 2^31 m out: for a rectangle the least one, but for 2 ulp.
@@ -68,12 +90,6 @@ impl Pose {
             max: Vec2::new(at(x, up(reach[0] + middle[0])), at(y, up(reach[1] + middle[1]))),
         }
     }
-}
-
-/// `a / 2^s` to nearest, ties away from zero: odd. *Domain* |a| <= 2^126, 0 < s < 127.
-#[inline(always)]
-pub(super) const fn odd_shift(a: i128, s: u32) -> i128 {
-    (a + ((1 << (s - 1)) + (a >> 127))) >> s
 }
 
 /// (x, y) turned by the angle with this sine and cosine in units of 2^-62, divided by 2^(s − 62).
@@ -203,8 +219,9 @@ pub struct Cores {
     normals: Vec<[i32; 2]>,
     /// Each with its first place.
     placed: Vec<(Placed, usize)>,
-    /// Segments of chains, by number.
-    links: Vec<(usize, Link)>,
+    /// Segments of chains and polygons among others, by number: true for a segment, and the last of its links.
+    surfaces: Vec<(usize, bool, usize)>,
+    links: Vec<Link<[i32; 2]>>,
 }
 
 impl Cores {
@@ -213,6 +230,7 @@ impl Cores {
         self.corners.clear();
         self.normals.clear();
         self.placed.clear();
+        self.surfaces.clear();
         self.links.clear();
     }
 
@@ -225,11 +243,24 @@ impl Cores {
         let placed = Placed::new(outline, pose, &mut self.corners[start..], &mut self.normals[start..]);
         if let Some(neighbours) = outline.neighbours() {
             let turned = |normal| turned_normal(normal, pose);
-            let link = Link::new(self.normals[start], neighbours.map(|neighbour| neighbour.map(turned)));
-            self.links.push((self.placed.len(), link));
+            let neighbours = neighbours.map(|neighbour| neighbour.map(turned));
+            self.links.push(Link::new([0, 1], self.normals[start], neighbours, None));
+            self.surfaces.push((self.placed.len(), true, self.links.len()));
         }
         self.placed.push((placed, start));
         self.placed.len() - 1
+    }
+
+    /// Names the edges of the outline that was added last that are on the surface among other polygons.
+    pub(crate) fn set_faces(&mut self, faces: &[Face]) {
+        let Some((placed, start)) = self.placed.last() else { return };
+        let (count, normals) = (placed.count, &self.normals[*start..]);
+        let link = |face: &Face| {
+            let corners = [face.edge, (face.edge + 1) % count];
+            Link::new(corners, normals[face.edge], face.ends, face.part)
+        };
+        self.links.extend(faces.iter().map(link));
+        self.surfaces.push((self.placed.len() - 1, false, self.links.len()));
     }
 
     /// The manifold of two of the outlines: see [`collide`](super::collide()).
@@ -238,20 +269,25 @@ impl Cores {
     /// Panics if one of them is not there.
     #[must_use]
     pub fn collide(&self, a: usize, b: usize, margin: Fx) -> Option<Manifold> {
-        if self.links.is_empty() {
+        if self.surfaces.is_empty() {
             return collide_placed(self.view(a), self.view(b), margin);
         }
-        self.collide_links(a, b, margin)
+        self.collide_surfaces(a, b, margin)
+    }
+
+    fn surface(&self, i: usize) -> Option<Surface<'_, [i32; 2]>> {
+        let at = self.surfaces.binary_search_by_key(&i, |(own, ..)| *own).ok()?;
+        let from = if at == 0 { 0 } else { self.surfaces[at - 1].2 };
+        let (_, is_one_sided, to) = self.surfaces[at];
+        Some(Surface { links: &self.links[from..to], is_one_sided })
     }
 
     #[cold]
-    fn collide_links(&self, a: usize, b: usize, margin: Fx) -> Option<Manifold> {
-        let link = |i: usize| self.links.binary_search_by_key(&i, |(own, _)| *own).ok().map(|at| &self.links[at].1);
-        let most = margin.to_bits().clamp(0, MARGIN_MAX);
-        match (link(a), link(b)) {
+    fn collide_surfaces(&self, a: usize, b: usize, margin: Fx) -> Option<Manifold> {
+        match (self.surface(a), self.surface(b)) {
             (None, None) => collide_placed(self.view(a), self.view(b), margin),
-            (Some(link), None) => collide_link(self.view(a), link, self.view(b), most),
-            (None, Some(link)) => collide_link(self.view(b), link, self.view(a), most).map(swapped),
+            (Some(surface), None) => collide_surface(self.view(a), surface, self.view(b), margin),
+            (None, Some(surface)) => collide_surface(self.view(b), surface, self.view(a), margin).map(swapped),
             // Neither of their bodies is dynamic.
             (Some(_), Some(_)) => None,
         }

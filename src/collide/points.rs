@@ -50,17 +50,12 @@ impl Ends<'_> {
     /// Two edges that overlap: a point at either end of the overlap.
     #[inline(always)]
     fn clipped<P: Product>(&self, frame: &Frame<P>) -> Option<Manifold> {
-        self.overlap::<P, true>(frame, |_| false)
+        self.overlap(frame, |_| false).or_else(|| self.deepest(frame, |_| true))
     }
 
-    /// The points of two edges that overlap, where the cores are near enough and that are not left out. Without any, the deepest point if
-    /// that counts.
+    /// The points of two edges that overlap, where the cores are near enough and that are not left out.
     #[inline(always)]
-    pub(super) fn overlap<P: Product, const DEEPEST: bool>(
-        &self,
-        frame: &Frame<P>,
-        is_left_out: impl Fn(At) -> bool,
-    ) -> Option<Manifold> {
+    pub(super) fn overlap<P: Product>(&self, frame: &Frame<P>, is_left_out: impl Fn(At) -> bool) -> Option<Manifold> {
         let (a, b) = (&frame.a, &frame.b);
         let is_point = a.places[0].max(b.places[0]) == a.places[1].min(b.places[1]);
         let mut manifold = Manifold { normal: frame.n, count: 0, points: [ManifoldPoint::default(); 2] };
@@ -73,16 +68,14 @@ impl Ends<'_> {
                 manifold.count += 1;
             }
         }
-        if manifold.count > 0 {
-            return Some(manifold);
-        }
-        if DEEPEST { self.deepest(frame) } else { None }
+        (manifold.count > 0).then_some(manifold)
     }
 
-    /// The point of cores whose deepest corner is beside the overlap of the edges: at the end where these overlap less.
+    /// The point of cores whose deepest corner is beside the overlap of the edges: at the end where these overlap less, if the corner of A
+    /// that is there counts.
     #[cold]
-    fn deepest<P: Product>(&self, frame: &Frame<P>) -> Option<Manifold> {
-        let (_, [i, j]) = nearest(&frame.a, &frame.b)?;
+    pub(super) fn deepest<P: Product>(&self, frame: &Frame<P>, counts: impl Fn(usize) -> bool) -> Option<Manifold> {
+        let (_, [i, j]) = nearest(&frame.a, &frame.b).filter(|(_, [i, _])| counts(*i))?;
         self.single(frame.n, self.separation(frame.n), i, j)
     }
 
@@ -101,7 +94,7 @@ impl Ends<'_> {
 
     /// The separation of the cores along n: the frame has it in units of choices, this is in ulps.
     #[cold]
-    fn separation(&self, n: [i32; 2]) -> i64 {
+    pub(super) fn separation(&self, n: [i32; 2]) -> i64 {
         let height = |&corner: &[i64; 2]| <i128 as Product>::dot(n, corner);
         let most = self.a.corners.iter().map(height).fold(i128::LEAST, Ord::max);
         let least = self.b.corners.iter().map(height).fold(i128::MAX, Ord::min);
@@ -192,7 +185,7 @@ impl Ends<'_> {
     }
 
     /// The manifold of one point between two corners.
-    fn single(&self, normal: [i32; 2], separation: i64, i: usize, j: usize) -> Option<Manifold> {
+    pub(super) fn single(&self, normal: [i32; 2], separation: i64, i: usize, j: usize) -> Option<Manifold> {
         if separation > self.limit {
             return None;
         }

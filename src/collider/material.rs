@@ -84,6 +84,10 @@ impl MixRule {
 /// let rubber: Material = Material { friction: fx!(1), restitution: fx!(0.8), ..Material::default() };
 /// assert!(ice.friction < Material::default().friction && rubber.restitution > fx!(0));
 ///
+/// // A ball on grass loses two thirds of 0.05·g in each second.
+/// let grass: Material = Material { rolling_resistance: fx!(0.05), ..Material::default() };
+/// assert!(grass.rolling_resistance > ice.rolling_resistance);
+///
 /// // A conveyor belt: the top of the box moves to the right, its surface clockwise.
 /// let belt = Material { surface_speed: fx!(-2), friction_rule: MixRule::Maximum, ..rubber };
 /// assert_eq!(belt.friction, rubber.friction);
@@ -96,6 +100,10 @@ pub struct Material<S = Fx> {
     pub friction: S,
     /// The coefficient of restitution, 0 to 1: the share of the approach speed at which bodies part after an impact. 0 for no bounce.
     pub restitution: S,
+    /// The coefficient of rolling resistance c, 0 to 1: a contact with one point that is pressed with the force N holds against a torque of
+    /// up to c·R·N that rolls the bodies on each other. R is the radius with which a disc, the end of a capsule or a rounded corner touches;
+    /// where both surfaces are round, the smaller one. Two surfaces have the larger coefficient. Contacts with two points do not roll.
+    pub rolling_resistance: S,
     /// The speed at which the surface moves around the shape, counter-clockwise, within ±2^10 m/s: a conveyor belt. It pulls by friction,
     /// and moves no body by itself. The top of a belt moves to the left if the speed is positive.
     pub surface_speed: S,
@@ -103,19 +111,77 @@ pub struct Material<S = Fx> {
     pub friction_rule: MixRule,
     /// The rule that mixes coefficients of restitution.
     pub restitution_rule: MixRule,
+    /// The number of the material, by which [`World::set_material_pair`](crate::World::set_material_pair) gives coefficients to two
+    /// materials together. 0 for a material without a number.
+    pub id: u32,
 }
 
-codec_struct!(Material { friction, restitution, surface_speed, friction_rule, restitution_rule });
+codec_struct!(Material {
+    friction,
+    restitution,
+    rolling_resistance,
+    surface_speed,
+    friction_rule,
+    restitution_rule,
+    id
+});
+
+/// The coefficients of a contact of two materials, in place of those that follow from both: see
+/// [`World::set_material_pair`](crate::World::set_material_pair).
+///
+/// ```
+/// use umbra_physics::{MaterialPair, fx};
+///
+/// // Skates on ice, whatever either of them is on other surfaces.
+/// let skates_on_ice: MaterialPair = MaterialPair { friction: fx!(0.01), ..MaterialPair::default() };
+/// assert_eq!(skates_on_ice.restitution, fx!(0));
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct MaterialPair<S = Fx> {
+    /// The coefficient of friction, 0 to [`limits::FRICTION`].
+    pub friction: S,
+    /// The coefficient of restitution, 0 to 1.
+    pub restitution: S,
+    /// The coefficient of rolling resistance, 0 to 1.
+    pub rolling_resistance: S,
+}
+
+codec_struct!(MaterialPair { friction, restitution, rolling_resistance });
+
+impl<S: Scalar> Default for MaterialPair<S> {
+    /// The coefficients of [`Material::default`].
+    fn default() -> Self {
+        let Material { friction, restitution, rolling_resistance, .. } = Material::default();
+        Self { friction, restitution, rolling_resistance }
+    }
+}
+
+impl<S: Scalar> MaterialPair<S> {
+    /// Refuses a coefficient out of range.
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        within(self.friction, [Fx::ZERO, limits::FRICTION], Quantity::Friction)?;
+        within(self.restitution, [Fx::ZERO, Fx::ONE], Quantity::Restitution)?;
+        within(self.rolling_resistance, [Fx::ZERO, Fx::ONE], Quantity::RollingResistance)
+    }
+}
+
+fn within<S: Scalar>(value: S, [least, most]: [Fx; 2], quantity: Quantity) -> Result<(), Error> {
+    let is_within = value >= S::from_fx(least) && value <= S::from_fx(most);
+    if is_within { Ok(()) } else { Err(Error::OutOfRange { quantity }) }
+}
 
 impl<S: Scalar> Default for Material<S> {
-    /// Friction 0.6, like wood on wood, no restitution, and a surface that stands still on its body.
+    /// Friction 0.6, like wood on wood, no restitution, no rolling resistance, and a surface that stands still on its body.
     fn default() -> Self {
         Self {
             friction: S::from_fx(crate::fx!(0.6)),
             restitution: S::ZERO,
+            rolling_resistance: S::ZERO,
             surface_speed: S::ZERO,
             friction_rule: MixRule::Standard,
             restitution_rule: MixRule::Standard,
+            id: 0,
         }
     }
 }
@@ -123,12 +189,8 @@ impl<S: Scalar> Default for Material<S> {
 impl<S: Scalar> Material<S> {
     /// Refuses a coefficient or a speed out of range.
     pub(super) fn check(&self) -> Result<(), Error> {
-        let within = |value: S, [least, most]: [Fx; 2], quantity| {
-            let is_within = value >= S::from_fx(least) && value <= S::from_fx(most);
-            if is_within { Ok(()) } else { Err(Error::OutOfRange { quantity }) }
-        };
-        within(self.friction, [Fx::ZERO, limits::FRICTION], Quantity::Friction)?;
-        within(self.restitution, [Fx::ZERO, Fx::ONE], Quantity::Restitution)?;
+        let Self { friction, restitution, rolling_resistance, .. } = *self;
+        MaterialPair { friction, restitution, rolling_resistance }.check()?;
         within(self.surface_speed, [-limits::SURFACE_SPEED, limits::SURFACE_SPEED], Quantity::SurfaceSpeed)
     }
 

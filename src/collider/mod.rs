@@ -1,9 +1,12 @@
 //! Colliders: shapes on bodies that touch other colliders. Their definitions, the mass that bodies have from them, and the set of
 //! a world's colliders.
 
+mod chunks;
 mod filter;
 mod mass;
 mod material;
+mod one_way;
+mod pairs;
 mod set;
 mod settings;
 
@@ -20,7 +23,10 @@ use crate::shape::Shape;
 
 pub use filter::Filter;
 pub(crate) use mass::ColliderMass;
-pub use material::{Material, MixRule};
+pub use material::{Material, MaterialPair, MixRule};
+pub use one_way::OneWay;
+pub(crate) use one_way::Side;
+pub(crate) use pairs::PairEntry;
 pub(crate) use set::{BodyOutline, Collider, ColliderSet, OutlineId, more_outlines};
 pub use settings::ContactSettings;
 
@@ -66,13 +72,15 @@ pub struct ColliderDef<S: Scalar = Fx> {
     pub material: Material<S>,
     /// The filter: which colliders this one touches.
     pub filter: Filter,
+    /// The side from which alone the collider holds others, for a platform; `None` to hold on all sides.
+    pub one_way: Option<OneWay<S>>,
     /// A name of your choice for the collider. Worlds that were built in different orders are compared by it.
     pub key: u64,
     /// Data of your choice. The engine does not read it.
     pub user_data: u64,
 }
 
-codec_struct!(ColliderDef { shape, position, angle, density, material, filter, key, user_data });
+codec_struct!(ColliderDef { shape, position, angle, density, material, filter, one_way, key, user_data });
 codec_plain!(Filter { category, mask, group });
 
 impl<S: Scalar> ColliderDef<S> {
@@ -87,6 +95,7 @@ impl<S: Scalar> ColliderDef<S> {
             density: S::ONE,
             material: Material::default(),
             filter: Filter::default(),
+            one_way: None,
             key: 0,
             user_data: 0,
         }
@@ -95,8 +104,8 @@ impl<S: Scalar> ColliderDef<S> {
     /// Checks the definition as a world does that it is added to.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] naming the quantity: position, angle, density, friction, restitution, surface speed, or a filter that has no
-    /// category or no mask and no group.
+    /// [`Error::OutOfRange`] naming the quantity: position, angle, density, friction, restitution, rolling resistance, surface speed, the
+    /// direction or the tolerance of a one-way collider, or a filter that has no category or no mask and no group.
     ///
     /// ```
     /// use umbra_physics::{ColliderDef, Error, Material, Quantity, Shape, fx};
@@ -113,6 +122,7 @@ impl<S: Scalar> ColliderDef<S> {
         check(self.angle.is_finite(), Quantity::Angle)?;
         check(self.density >= S::ZERO && self.density.is_finite(), Quantity::ColliderDensity)?;
         self.material.check()?;
+        self.one_way.map_or(Ok(()), |one_way| one_way.check())?;
         check(!self.filter.meets_nothing(), Quantity::Filter)
     }
 }
@@ -131,7 +141,7 @@ impl<S: Scalar> Write for Vec<ColliderDef<S>> {
 }
 
 /// The fewest bytes of a definition: that of a disc.
-const LEAST_BYTES: usize = 95;
+const LEAST_BYTES: usize = 108;
 
 impl Read for Vec<ColliderDef> {
     fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {

@@ -4,7 +4,9 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::ops::Deref;
 
-use super::ColliderDef;
+use super::chunks::Chunks;
+use super::pairs::MaterialPairs;
+use super::{ColliderDef, Side};
 use crate::codec::{self, StateHasher, Write as _};
 use crate::error::Error;
 use crate::limits;
@@ -21,14 +23,23 @@ pub(crate) struct ColliderSet<S: Scalar> {
     /// The index of each collider in the list.
     slots: Slots<ColliderId>,
     /// The colliders in no order.
-    list: Vec<Collider<S>>,
+    list: Chunks<Collider<S>>,
     /// The first collider of each body by its slot, or [`NONE`]; long enough for the bodies that have had one.
     first: Vec<u32>,
     /// A hash of all changes so far: caches of a step compare it. Copies of a world have the same.
     revision: u64,
+    /// The last changes: the revision after each, and the slot.
+    changes: Vec<(u64, u32)>,
     /// The number of outlines beyond the first one of each collider.
     more_outlines: usize,
+    /// The number of one-way colliders.
+    one_way: usize,
+    /// The coefficients of pairs of materials.
+    pub(super) pairs: MaterialPairs<S>,
 }
+
+/// The number of changes that are remembered: caches that are older are made anew.
+const CHANGES: usize = 64;
 
 /// A collider, with values that follow from its definition.
 #[derive(Clone, Debug)]
@@ -45,8 +56,14 @@ pub(crate) struct Collider<S: Scalar> {
     count: u32,
     /// The largest distance of a point of the collider from the body's centre of mass, m, rounded up.
     pub(crate) radius: S,
+    /// The side from which it holds others, if it is a one-way collider.
+    pub(crate) side: Option<Side<S>>,
+    /// The least width of an outline, m.
+    pub(crate) width: S,
     /// A hash of the body and the definition: no step changes them.
     digest: u64,
+    /// A hash of the definition without the handle of the body.
+    pub(crate) physics_digest: u64,
 }
 
 /// An outline of a collider in the axes of its body, relative to the body's centre of mass.
@@ -57,6 +74,8 @@ pub(crate) struct BodyOutline<S: Scalar> {
     pub(crate) corners: Aabb<S>,
     /// The largest distance of a point of the outline from the body's centre of mass, m, rounded up.
     pub(crate) radius: S,
+    /// The least distance of two parallel lines that the outline is between, m.
+    pub(crate) width: S,
 }
 
 /// An outline of a collider, kept or made.
@@ -80,7 +99,8 @@ impl<S: Scalar> Deref for OutlineRef<'_, S> {
 impl<S: Scalar> BodyOutline<S> {
     fn new(outline: Outline<S>) -> Self {
         let (corners, radius) = (Aabb::around(outline.corners(), S::ZERO), outline.reach());
-        Self { outline, corners, radius }
+        let width = outline.width();
+        Self { outline, corners, radius, width }
     }
 }
 
@@ -91,7 +111,7 @@ pub(crate) struct OutlineId {
     pub(crate) part: u32,
 }
 
-clone_by_field!(ColliderSet { slots, list, first, revision, more_outlines });
+clone_by_field!(ColliderSet { slots, list, first, revision, changes, more_outlines, one_way, pairs });
 
 impl<S: Scalar> ColliderSet<S> {
     pub(crate) fn len(&self) -> usize {
@@ -99,7 +119,7 @@ impl<S: Scalar> ColliderSet<S> {
     }
 
     pub(crate) fn is_empty(&self) -> bool {
-        self.list.is_empty()
+        self.list.len() == 0
     }
 
     pub(crate) fn revision(&self) -> u64 {
@@ -113,11 +133,32 @@ impl<S: Scalar> ColliderSet<S> {
         slot.write(&mut sink);
         self.at(slot).map(|collider| collider.digest).write(&mut sink);
         self.revision = sink.finish();
+        if self.changes.len() == CHANGES {
+            self.changes.drain(..CHANGES / 2);
+        }
+        push(&mut self.changes, (self.revision, slot));
+    }
+
+    /// The slots whose colliders were added, changed or removed since a revision, perhaps more than once; `None` if that was too many changes
+    /// ago.
+    pub(crate) fn changed_since(&self, revision: u64) -> Option<impl Iterator<Item = u32> + '_> {
+        let from = match self.changes.iter().rposition(|(after, _)| *after == revision) {
+            Some(last) => last + 1,
+            None if revision == self.revision => self.changes.len(),
+            None => return None,
+        };
+        Some(self.changes[from..].iter().map(|(_, slot)| *slot))
     }
 
     /// The number of outlines beyond the first one of each collider.
     pub(crate) fn more_outlines(&self) -> usize {
         self.more_outlines
+    }
+
+    /// Returns true if there is a one-way collider.
+    #[inline(always)]
+    pub(crate) fn any_one_way(&self) -> bool {
+        self.one_way > 0
     }
 
     /// Refuses colliders where a limit is reached: so many more, with so many outlines beyond the first one of each.
@@ -154,7 +195,8 @@ impl<S: Scalar> ColliderSet<S> {
             next.previous = slot;
         }
         self.more_outlines += more_outlines(&def);
-        push(&mut self.list, Collider::new(slot, body, def, [NONE, next]));
+        self.one_way += usize::from(def.one_way.is_some());
+        self.list.push(Collider::new(slot, body, def, [NONE, next]));
         self.note(slot);
     }
 
@@ -169,7 +211,7 @@ impl<S: Scalar> ColliderSet<S> {
     }
 
     fn at_mut(&mut self, slot: u32) -> Option<&mut Collider<S>> {
-        self.index_in(slot).map(|index| &mut self.list[index])
+        self.index_in(slot).and_then(|index| self.list.get_mut(index))
     }
 
     fn find(&self, id: ColliderId) -> Result<usize, Error> {
@@ -187,17 +229,23 @@ impl<S: Scalar> ColliderSet<S> {
     /// Replaces the definition of a collider.
     pub(crate) fn replace(&mut self, id: ColliderId, def: ColliderDef<S>) -> Result<(), Error> {
         let index = self.find(id)?;
-        let Collider { slot, body, previous, next, def: ref before, .. } = self.list[index];
-        self.more_outlines = self.more_outlines - more_outlines(before) + more_outlines(&def);
-        self.list[index] = Collider::new(slot, body, def, [previous, next]);
-        self.note(slot);
+        if let Some(collider) = self.list.get_mut(index) {
+            let Collider { slot, body, previous, next, def: ref before, .. } = *collider;
+            self.more_outlines = self.more_outlines - more_outlines(before) + more_outlines(&def);
+            self.one_way = self.one_way - usize::from(before.one_way.is_some()) + usize::from(def.one_way.is_some());
+            *collider = Collider::new(slot, body, def, [previous, next]);
+            self.note(slot);
+        }
         Ok(())
     }
 
     pub(crate) fn remove(&mut self, id: ColliderId) -> Result<(), Error> {
         let index = self.find(id)?;
-        let Collider { body, previous, next, def, .. } = self.list.swap_remove(index);
+        let Some(Collider { body, previous, next, def, .. }) = self.list.swap_remove(index) else {
+            return Err(Error::NoSuchCollider { collider: id });
+        };
         self.more_outlines -= more_outlines(&def);
+        self.one_way -= usize::from(def.one_way.is_some());
         if let Some(moved) = self.list.get(index) {
             self.slots.set_index(moved.slot, index as u32);
         }
@@ -229,8 +277,8 @@ impl<S: Scalar> ColliderSet<S> {
     }
 
     /// All colliders, in no order.
-    pub(crate) fn list(&self) -> &[Collider<S>] {
-        &self.list
+    pub(crate) fn list(&self) -> impl Iterator<Item = &Collider<S>> + Clone {
+        self.list.iter()
     }
 
     /// The colliders by slot.
@@ -280,6 +328,7 @@ impl<S: Scalar> ColliderSet<S> {
         }
         codec::count(sink, self.slots.free().len());
         sink.all(self.slots.free(), u32::to_le_bytes);
+        self.write_material_pairs(sink);
     }
 }
 
@@ -294,18 +343,22 @@ impl<S: Scalar> Collider<S> {
         let count = outlines.len() as u32;
         let first = outlines.next().unwrap_or_else(|| BodyOutline::new(def.shape.outlines()[0].clone()));
         let larger = |most: S, radius: S| if radius > most { radius } else { most };
-        let (others, radius) = if count == 1 || def.shape.is_chain() {
-            // The segments of a chain share their points.
-            (None, outlines.map(|other| other.radius).fold(first.radius, larger))
+        let less = |least: S, width: S| if width < least { width } else { least };
+        let (others, radius, width) = if count == 1 || def.shape.is_chain() {
+            // The segments of a chain share their points, and have no width.
+            (None, outlines.map(|other| other.radius).fold(first.radius, larger), first.width)
         } else {
             let others: Arc<[BodyOutline<S>]> = outlines.collect();
             let radius = others.iter().map(|other| other.radius).fold(first.radius, larger);
-            (Some(others), radius)
+            let width = others.iter().map(|other| other.width).fold(first.width, less);
+            (Some(others), radius, width)
         };
         let mut sink = StateHasher::new();
         body.write(&mut sink);
         def.write(&mut sink);
-        Self { slot, body, previous, next, def, first, others, count, radius, digest: sink.finish() }
+        let side = def.one_way.map(|one_way| one_way.side(def.angle));
+        let (digest, physics_digest) = (sink.finish(), StateHasher::of(&def));
+        Self { slot, body, previous, next, def, first, others, count, radius, width, side, digest, physics_digest }
     }
 
     /// An outline by its number among the shape's: 0 unless the shape is a compound or a chain. *Domain* it is there.
@@ -326,13 +379,10 @@ impl<S: Scalar> Collider<S> {
         self.count
     }
 
-    /// Returns true for a disc around the centre of mass of its body.
+    /// Returns true for a disc around the centre of mass of its body that looks alike at all angles.
     pub(crate) fn is_central_disc(&self) -> bool {
-        self.others.is_none() && self.first.corners == (Aabb { min: Vec2::ZERO, max: Vec2::ZERO })
-    }
-
-    /// A hash of the definition without the handle of the body.
-    pub(crate) fn physics_digest(&self) -> u64 {
-        StateHasher::of(&self.def)
+        self.others.is_none()
+            && self.side.is_none()
+            && self.first.corners == (Aabb { min: Vec2::ZERO, max: Vec2::ZERO })
     }
 }

@@ -3,15 +3,19 @@
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
+use super::excluded::ExcludedPair;
 use super::flights::{FlightOf, Flights};
 use super::numbers::Numbers;
-use super::numerics::{Numerics, Touching as _};
-use super::seams::{Chains, Features, is_moved, take_over};
+use super::numerics::{Numerics, Surface, Touching as _};
+use super::passes::{Near, PassRecord};
+use super::seams::{Chains, Features, is_moved, rolling_radius, take_over};
 use super::stamped::Stamped;
-use super::{ContactEngine, ContactRecord, ContactSet, Correction, Detected, Placed, Scene, TouchPoint};
+use super::sweep;
+use super::tiles::Tiles;
+use super::{ContactEngine, ContactRecord, ContactSet, Correction, Detected, Placed, Scene, Stop, TouchPoint};
 use crate::body::{Activity, BodyKind};
 use crate::collide::broad::{BroadPhase, PairLimits, Proxy, Statics};
-use crate::collider::{BodyOutline, Collider, OutlineId};
+use crate::collider::{BodyOutline, Collider, ColliderSet, OutlineId};
 use crate::math::Vec2;
 use crate::scalar::Scalar;
 use crate::slots::NONE;
@@ -21,22 +25,30 @@ use crate::solve::Impulses;
 #[derive(Debug)]
 #[doc(hidden)]
 pub struct Engine<S: Scalar, N: Numerics<S>> {
-    numerics: N,
-    flights: Flights<N::Flight, N::Pose>,
+    pub(super) numerics: N,
+    pub(super) flights: Flights<N::Flight, N::Pose>,
     /// The outlines as the broad phase knows them.
-    numbers: Numbers,
+    pub(super) numbers: Numbers,
     chains: Chains,
+    tiles: Tiles,
     /// Each outline in world axes, by its number.
     core_of: Stamped,
     broad: BroadPhase,
-    statics: Option<Arc<Statics>>,
-    /// The colliders in `statics` and the poses of their bodies.
-    static_places: Vec<(u32, N::Pose)>,
+    pub(super) statics: Option<Arc<Statics>>,
     /// The revision of the colliders that `statics` was built from.
     statics_revision: u64,
+    /// Workspace: the static colliders where they are looked through.
+    standing: Vec<Proxy>,
     movers: Vec<Proxy>,
     /// By number of the contact: its outlines, features and the number of its points.
     found: Vec<([OutlineId; 2], [u32; 2], usize)>,
+    /// The answers of one-way colliders in this step.
+    pub(super) passes: Vec<PassRecord>,
+    pub(super) near: Vec<Near<S>>,
+    /// The pairs of bodies that stay excluded after this step, and the bodies of all pairs.
+    pub(super) excluded: Vec<ExcludedPair>,
+    pub(super) is_excluded: Stamped,
+    pub(super) sweep: sweep::Workspace,
 }
 
 impl<S: Scalar, N: Numerics<S>> Default for Engine<S, N> {
@@ -46,58 +58,94 @@ impl<S: Scalar, N: Numerics<S>> Default for Engine<S, N> {
             flights: Flights::default(),
             numbers: Numbers::default(),
             chains: Chains::default(),
+            tiles: Tiles::default(),
             core_of: Stamped::default(),
             broad: BroadPhase::default(),
             statics: None,
-            static_places: Vec::new(),
             statics_revision: 0,
+            standing: Vec::new(),
             movers: Vec::new(),
             found: Vec::new(),
+            passes: Vec::new(),
+            near: Vec::new(),
+            excluded: Vec::new(),
+            is_excluded: Stamped::default(),
+            sweep: sweep::Workspace::default(),
         }
     }
 }
 
 impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
-    /// Builds the tree of the colliders that stand still, unless it is there.
-    fn update_statics(&mut self, scene: &Scene<'_, S>) -> Arc<Statics> {
-        let is_current = self.statics_revision == scene.colliders.revision();
-        if let (true, false, Some(statics)) = (is_current, scene.may_have_moved_statics, &self.statics) {
-            return Arc::clone(statics);
+    /// Follows the changes of colliders that stand still. `are_renumbered` says that outlines may have other numbers than before.
+    fn update_statics(&mut self, scene: &Scene<'_, S>, are_renumbered: bool) -> Arc<Statics> {
+        let is_current = self.statics_revision == scene.colliders.revision() && !are_renumbered;
+        match (&self.statics, scene.changed) {
+            (Some(statics), Some([])) if is_current => return Arc::clone(statics),
+            _ => {}
         }
-        let bodies = scene.bodies;
-        let motion = &bodies.columns.motion;
-        let places = scene.colliders.list().iter().filter_map(|collider| {
-            let dense = bodies.find(collider.body).ok()?;
-            let is_static = bodies.info(dense).kind == BodyKind::Static;
-            let takes_part = bodies.activity(dense) == Activity::Awake;
-            let pose = || N::pose(motion.position.get(dense), motion.angle[dense]);
-            (is_static && takes_part).then(|| (collider, pose()))
-        });
-        let is_same = |(collider, pose): &(&Collider<S>, N::Pose), (slot, there): &(u32, N::Pose)| {
-            collider.slot == *slot && pose == there
-        };
-        if let (true, Some(statics)) = (is_current, &self.statics) {
-            let mut own = self.static_places.iter();
-            let mut places = places.clone();
-            if places.all(|place| own.next().is_some_and(|own| is_same(&place, own))) && own.next().is_none() {
-                return Arc::clone(statics);
+        let changed = scene.colliders.changed_since(self.statics_revision).zip(scene.changed);
+        let next = match (&self.statics, changed) {
+            (Some(statics), Some((slots, bodies))) if !are_renumbered => {
+                let of_bodies = bodies.iter().flat_map(|&body| scene.colliders.of_slot(body));
+                let slots = slots.chain(of_bodies.map(|collider| collider.slot));
+                let changes: Vec<_> = slots.flat_map(|slot| self.changes(scene, statics, slot)).collect();
+                if !changes.is_empty() {
+                    self.tiles.clear();
+                }
+                statics.changed(&changes)
             }
-        }
-        self.static_places = places.clone().map(|(collider, pose)| (collider.slot, pose)).collect();
-        let numbers = &self.numbers;
-        let proxies = places.flat_map(|(collider, pose)| {
-            let first = numbers.first(collider.slot);
+            (statics, _) => {
+                self.tiles.clear();
+                let mut proxies = core::mem::take(&mut self.standing);
+                proxies.clear();
+                proxies.extend(scene.colliders.list().flat_map(|it| self.proxies(scene, it)));
+                let is_same = statics.as_ref().is_some_and(|statics| statics.are(&proxies));
+                let next = (!is_same).then(|| Statics::new(proxies.clone()));
+                self.standing = proxies;
+                next
+            }
+        };
+        self.statics_revision = scene.colliders.revision();
+        let statics = match (next, &self.statics) {
+            (Some(next), _) => Arc::new(next),
+            (None, Some(statics)) => Arc::clone(statics),
+            (None, None) => Arc::default(),
+        };
+        self.statics = Some(Arc::clone(&statics));
+        statics
+    }
+
+    /// The boxes of a collider, if it stands still.
+    fn proxies<'a>(
+        &self,
+        scene: &Scene<'a, S>,
+        collider: &'a Collider<S>,
+    ) -> impl Iterator<Item = Proxy> + use<'a, S, N> {
+        let bodies = scene.bodies;
+        let first = self.numbers.first(collider.slot);
+        let is_static =
+            |dense: &usize| bodies.info(*dense).kind == BodyKind::Static && bodies.activity(*dense) == Activity::Awake;
+        let dense = bodies.find(collider.body).ok().filter(is_static);
+        let motion = &bodies.columns.motion;
+        let pose = dense.map(|dense| N::pose(motion.position.get(dense), motion.angle[dense]));
+        pose.into_iter().flat_map(move |pose| {
             (0..collider.outline_count()).map(move |part| Proxy {
                 collider: first + part,
                 body: collider.body.slot,
                 bounds: N::resting(&collider.outline(part), &pose),
                 filter: collider.def.filter,
             })
-        });
-        let statics = Arc::new(Statics::new(proxies.collect()));
-        self.statics = Some(Arc::clone(&statics));
-        self.statics_revision = scene.colliders.revision();
-        statics
+        })
+    }
+
+    /// What stands at the numbers of a slot now, if a collider that stands still does or did.
+    fn changes(&self, scene: &Scene<'_, S>, statics: &Statics, slot: u32) -> Vec<(u32, Option<Proxy>)> {
+        let numbers = self.numbers.of(slot);
+        let proxies: Vec<Proxy> = scene.colliders.at(slot).into_iter().flat_map(|it| self.proxies(scene, it)).collect();
+        match proxies.is_empty() {
+            true => numbers.filter(|&number| statics.has(number)).map(|number| (number, None)).collect(),
+            false => proxies.into_iter().map(|proxy| (proxy.collider, Some(proxy))).collect(),
+        }
     }
 
     /// Lists the boxes of moving and of sleeping colliders over the step.
@@ -118,19 +166,32 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
 
     /// An outline in world axes, placed when it is first asked for.
     #[inline]
-    fn core(&mut self, number: u32, outline: &BodyOutline<S>, flight: u32) -> usize {
+    pub(super) fn core(
+        &mut self,
+        scene: &Scene<'_, S>,
+        (number, collider): (u32, &Collider<S>),
+        outline: &BodyOutline<S>,
+        flight: u32,
+    ) -> usize {
         match self.core_of.get(number) {
             NONE => {
-                let core = self.numerics.place(&outline.outline, &self.flights.body(flight).pose);
+                let body = self.flights.body(flight);
+                let core = self.numerics.place(&outline.outline, &body.pose);
                 self.core_of.set(number, core as u32);
+                if let (FlightOf::Static, Some(statics)) = (body.kind, &self.statics) {
+                    let (own, place) = ((number, collider), (outline, &body.pose));
+                    if let Some(faces) = self.tiles.find::<S, N>(scene, statics, &self.numbers, own, place) {
+                        self.numerics.set_faces(faces);
+                    }
+                }
                 core
             }
             core => core as usize,
         }
     }
 
-    /// Adds to the impulses that a contact with a segment of a chain starts from those that its points had with other segments. The chain
-    /// is at this side of the pair.
+    /// Adds to the impulses that a contact with a segment of a chain, or with a static polygon among others, starts from those that its points
+    /// had with other segments or polygons. The surface is at this side of the pair.
     #[cold]
     fn start_over_seams(
         &mut self,
@@ -141,28 +202,53 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         start: &mut Impulses,
     ) {
         let (own, other) = (pair[side], 1 - side);
-        for i in self.chains.of(scene.colliders, contacts, own.slot, pair[other]) {
+        let is_tile = self.tiles.surface(numbers[side]).is_some();
+        for i in self.chains.of(scene, contacts, if is_tile { NONE } else { own.slot }, pair[other]) {
             let record = &contacts.records[self.chains.record(i)];
             let before = record.pair();
             if before[side] == own || !is_moved(features, record, other) {
                 continue;
             }
             let mut near = numbers;
-            near[side] = self.numbers.first(own.slot) + before[side].part;
-            let found = self.manifold(scene, near, before).map(|manifold| manifold.features());
-            take_over(start, features, record, found, other);
+            near[side] = self.numbers.first(before[side].slot) + before[side].part;
+            let found = self.manifold_of(scene, near, before);
+            if is_tile && !self.tiles.are_joined([numbers[side], near[side]], side, features, record) {
+                continue;
+            }
+            take_over(start, features, record, found.map(|manifold| manifold.features()), other);
         }
     }
 
     /// The manifold of two outlines.
-    fn manifold(&mut self, scene: &Scene<'_, S>, numbers: [u32; 2], pair: [OutlineId; 2]) -> Option<N::Manifold> {
+    pub(super) fn manifold_of(
+        &mut self,
+        scene: &Scene<'_, S>,
+        numbers: [u32; 2],
+        pair: [OutlineId; 2],
+    ) -> Option<N::Manifold> {
         let [a, b] = pair.map(|outline| scene.colliders.at(outline.slot));
         let colliders = [a?, b?];
         let ends = colliders.map(|collider| self.flights.of::<S, N>(scene, collider.body.slot));
-        let outlines = [0, 1].map(|side| colliders[side].outline(pair[side].part));
-        let cores = [0, 1].map(|side| self.core(numbers[side], &outlines[side], ends[side]));
+        self.manifold(scene, numbers, pair.map(|outline| outline.part), colliders, ends)
+    }
+
+    /// The manifold of two outlines of these colliders, with these flights.
+    #[inline(always)]
+    fn manifold(
+        &mut self,
+        scene: &Scene<'_, S>,
+        numbers: [u32; 2],
+        parts: [u32; 2],
+        colliders: [&Collider<S>; 2],
+        ends: [u32; 2],
+    ) -> Option<N::Manifold> {
+        let [a, b] = [0, 1].map(|side| colliders[side].outline(parts[side]));
+        let cores = [
+            self.core(scene, (numbers[0], colliders[0]), &a, ends[0]),
+            self.core(scene, (numbers[1], colliders[1]), &b, ends[1]),
+        ];
         let flights = ends.map(|flight| self.flights.flight(flight));
-        self.numerics.collide(cores, flights, [outlines[0].radius, outlines[1].radius])
+        self.numerics.collide(cores, flights, [a.radius, b.radius])
     }
 
     /// Finds the manifold of a pair, if it has one.
@@ -196,14 +282,12 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         if is_asleep && (kinds == [FlightOf::Asleep; 2] || !scene.may_have_moved_statics) {
             return;
         }
-        let outlines = [a.outline(pair[0].part), b.outline(pair[1].part)];
-        let cores = [self.core(numbers[0], &outlines[0], ends[0]), self.core(numbers[1], &outlines[1], ends[1])];
-        let flights = ends.map(|flight| self.flights.flight(flight));
-        let radii = [outlines[0].radius, outlines[1].radius];
-        let Some(manifold) = self.numerics.collide(cores, flights, radii) else { return };
+        let parts = pair.map(|outline| outline.part);
+        let Some(manifold) = self.manifold(scene, numbers, parts, [a, b], ends) else { return };
         if kinds.contains(&FlightOf::Asleep) {
-            // A body that overlaps a static one so far is pushed, and does not fall asleep: a call has placed one of the two.
-            if !is_asleep || manifold.is_pressed() {
+            // A body that overlaps a static one so far is pushed, and wakes: a call has placed one of the two. One that fell asleep on it
+            // sleeps on.
+            if !is_asleep || manifold.is_pressed() && !contacts.are_asleep_on_each_other(pair) {
                 let asleep = [a, b].into_iter().zip(kinds).filter(|(_, kind)| *kind == FlightOf::Asleep);
                 out.touched.extend(asleep.map(|(collider, _)| collider.body));
             }
@@ -211,11 +295,23 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         }
         let (features, count) = manifold.features();
         let mut start = record.map_or_else(Default::default, |record| record.start(features, count));
-        if let Some(side) = [a, b].iter().position(|collider| collider.def.shape.is_chain()) {
+        let is_seamed = |side: usize| [a, b][side].def.shape.is_chain() || self.tiles.surface(numbers[side]).is_some();
+        if let Some(side) = (0..2).find(|&side| is_seamed(side)) {
             self.start_over_seams(scene, (side, numbers, pair), contacts, (features, count), &mut start);
         }
         ends.into_iter().for_each(|flight| self.flights.complete::<S, N>(scene, flight));
-        self.numerics.push(ends, &manifold, [&a.def.material, &b.def.material], start);
+        let ends = self.flights.by_dominance::<S, N>(ends);
+        let materials = [&a.def.material, &b.def.material];
+        let own = || scene.colliders.material_pair(materials.map(|material| material.id)).copied();
+        let given = if scene.colliders.material_pairs().is_empty() { None } else { own() };
+        let coefficients = given.unwrap_or_else(|| N::mixed(materials));
+        let radius = if count == 1 && coefficients.rolling_resistance > S::ZERO {
+            rolling_radius(features[0], [0, 1].map(|side| [a, b][side].outline(parts[side]).outline.radius()))
+        } else {
+            S::ZERO
+        };
+        let speed = materials[0].surface_speed_against(materials[1]);
+        self.numerics.push(ends, &manifold, &Surface { coefficients, radius, speed }, start);
         self.found.push((pair, features, count));
     }
 }
@@ -225,10 +321,10 @@ impl<S: Scalar, N: Numerics<S>> ContactEngine<S> for Engine<S, N> {
         self.numerics.clear();
         self.found.clear();
         self.core_of.clear();
-        self.numbers.update(scene.colliders);
+        let are_renumbered = self.numbers.update(scene.colliders);
         self.chains.clear();
         self.flights.begin::<S, N>(scene);
-        let statics = self.update_statics(scene);
+        let statics = self.update_statics(scene, are_renumbered);
         self.place_movers(scene);
         let limits = PairLimits {
             pairs: scene.settings.max_pairs as usize,
@@ -248,7 +344,9 @@ impl<S: Scalar, N: Numerics<S>> ContactEngine<S> for Engine<S, N> {
         if !out.crowded.is_empty() || !out.touched.is_empty() {
             return;
         }
-        let pairs = self.broad.take_pairs();
+        let mut pairs = self.broad.take_pairs();
+        self.leave_out_excluded(scene, contacts, &mut pairs);
+        self.leave_out_passing(scene, contacts, &mut pairs);
         let mut next = 0;
         for &pair in &pairs {
             self.collide(scene, pair, contacts, &mut next, out);
@@ -256,13 +354,25 @@ impl<S: Scalar, N: Numerics<S>> ContactEngine<S> for Engine<S, N> {
         self.broad.return_pairs(pairs);
     }
 
-    fn list(&self, records: &mut Vec<ContactRecord>) {
+    fn list(&self, contacts: &mut ContactSet) {
+        contacts.records.clear();
         let found = self.numerics.contacts().zip(&self.found);
         let pressed = found.filter(|((_, impulses), _)| impulses.values != [0; 3]);
-        records.extend(
+        contacts.records.extend(
             pressed
                 .map(|((_, impulses), &(pair, features, count))| ContactRecord::new(pair, features, count, impulses)),
         );
+        contacts.passes.clone_from(&self.passes);
+        contacts.excluded.clone_from(&self.excluded);
+    }
+
+    fn touching(&self, colliders: &ColliderSet<S>, mut found: impl FnMut([u32; 2], bool)) {
+        for (pair, ..) in &self.found {
+            if let [Some(a), Some(b)] = pair.map(|outline| colliders.at(outline.slot)) {
+                let is_driven = a.def.material.surface_speed_against(&b.def.material) != S::ZERO;
+                found([a.body.slot, b.body.slot], is_driven);
+            }
+        }
     }
 
     fn solve(&mut self, scene: &Scene<'_, S>, corrections: &mut Vec<Correction<S>>) {
@@ -274,7 +384,8 @@ impl<S: Scalar, N: Numerics<S>> ContactEngine<S> for Engine<S, N> {
         // Moving bodies have the first flights.
         for (bodies, _) in self.numerics.contacts().filter(|(_, impulses)| impulses.values != [0; 3]) {
             for body in bodies {
-                if let Some(correction) = corrections.get_mut(body as usize) {
+                // A body that pushes others is not at rest, even if they do not move it.
+                if let Some(correction) = corrections.get_mut(self.flights.leader(body) as usize) {
                     correction.is_pushed = true;
                 }
             }
@@ -284,13 +395,40 @@ impl<S: Scalar, N: Numerics<S>> ContactEngine<S> for Engine<S, N> {
         }
     }
 
+    fn sweep(
+        &mut self,
+        scene: &Scene<'_, S>,
+        corrections: &[Correction<S>],
+        is_faulty: &dyn Fn(usize) -> bool,
+        stops: &mut Vec<Stop<S>>,
+    ) {
+        self.sweep_paths(scene, corrections, is_faulty, stops);
+    }
+
     fn touch(a: Placed<'_, S>, b: Placed<'_, S>) -> Option<(Vec2<S>, [TouchPoint<S>; 2], usize)> {
         N::touch(a, b)
     }
 
+    fn statics(&self, colliders: &ColliderSet<S>) -> Option<&Arc<Statics>> {
+        let is_current = self.statics_revision == colliders.revision() && self.numbers.is_of(colliders);
+        self.statics.as_ref().filter(|_| is_current)
+    }
+
+    fn outline(&self, number: u32) -> OutlineId {
+        self.numbers.outline(number)
+    }
+
+    #[cfg(feature = "selftest")]
+    fn set_discrete(&mut self, is_discrete: bool) {
+        self.numerics.set_discrete(is_discrete);
+    }
+
     fn clone_cached_from(&mut self, source: &Self) {
+        let is_same = |own: &Arc<Statics>| source.statics.as_ref().is_some_and(|other| Arc::ptr_eq(own, other));
+        if !self.statics.as_ref().is_some_and(is_same) {
+            self.tiles.clear();
+        }
         self.statics.clone_from(&source.statics);
-        self.static_places.clone_from(&source.static_places);
         self.statics_revision = source.statics_revision;
     }
 }

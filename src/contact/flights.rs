@@ -26,6 +26,12 @@ pub(super) struct Place<P> {
     pub(super) slot: u32,
     pub(super) pose: P,
     pub(super) kind: FlightOf,
+    /// Contacts of two dynamic bodies do not move the one with the higher number.
+    pub(super) dominance: i32,
+    /// The largest distance of a point of its colliders from the centre of mass, ulps; 0 for discs around it, which look alike at all angles.
+    pub(super) reach: i64,
+    /// The least width of its colliders, ulps.
+    pub(super) width: i64,
     /// False if the flight lacks what only contacts need.
     is_complete: bool,
 }
@@ -39,11 +45,13 @@ pub(super) struct Flights<F, P> {
     places: Vec<Place<P>>,
     /// By the slot of the body.
     of: Stamped,
+    /// By flight its follower, and by follower its leader, or [`NONE`]; empty without any.
+    followers: Vec<u32>,
 }
 
 impl<F, P> Default for Flights<F, P> {
     fn default() -> Self {
-        Self { flights: Vec::new(), places: Vec::new(), of: Stamped::default() }
+        Self { flights: Vec::new(), places: Vec::new(), of: Stamped::default(), followers: Vec::new() }
     }
 }
 
@@ -53,6 +61,7 @@ impl<F, P> Flights<F, P> {
         self.flights.clear();
         self.places.clear();
         self.of.clear();
+        self.followers.clear();
         for start in scene.starts {
             self.push_moving::<S, N>(scene, start);
         }
@@ -69,13 +78,19 @@ impl<F, P> Flights<F, P> {
     fn push_moving<S: Scalar, N: Numerics<S, Flight = F, Pose = P>>(&mut self, scene: &Scene<'_, S>, start: &Start<S>) {
         let (bodies, dense) = (scene.bodies, start.dense);
         let slot = bodies.id(dense).slot;
-        // Discs around the centre look alike at all angles.
-        let shows_angle = scene.colliders.of_slot(slot).any(|collider| !collider.is_central_disc());
+        let (mut shows_angle, mut reach, mut width) = (false, 0, i64::MAX);
+        for collider in scene.colliders.of_slot(slot) {
+            // Discs around the centre look alike at all angles.
+            if !collider.is_central_disc() {
+                (shows_angle, reach) = (true, N::ulps(collider.radius).max(reach));
+            }
+            width = N::ulps(collider.width).min(width);
+        }
         let pose = N::pose(start.position, if shows_angle { start.angle } else { S::Angle::default() });
         self.flights.push(N::moving(scene, start, &pose));
-        let is_dynamic = bodies.info(dense).kind == BodyKind::Dynamic;
-        let kind = if is_dynamic { FlightOf::Dynamic } else { FlightOf::Kinematic };
-        self.place(Place { slot, pose, kind, is_complete: false });
+        let info = bodies.info(dense);
+        let kind = if info.kind == BodyKind::Dynamic { FlightOf::Dynamic } else { FlightOf::Kinematic };
+        self.place(Place { slot, pose, kind, dominance: info.dominance, reach, width, is_complete: false });
     }
 
     fn push_still<S: Scalar, N: Numerics<S, Flight = F, Pose = P>>(
@@ -89,7 +104,8 @@ impl<F, P> Flights<F, P> {
         self.flights.push(N::still(position));
         let is_asleep = scene.bodies.activity(dense) == Activity::Asleep;
         let kind = if is_asleep { FlightOf::Asleep } else { FlightOf::Static };
-        self.place(Place { slot, pose: N::pose(position, motion.angle[dense]), kind, is_complete: true })
+        let pose = N::pose(position, motion.angle[dense]);
+        self.place(Place { slot, pose, kind, dominance: 0, reach: 0, width: 0, is_complete: true })
     }
 
     fn place(&mut self, place: Place<P>) -> u32 {
@@ -112,6 +128,48 @@ impl<F, P> Flights<F, P> {
         }
     }
 
+    /// The flights of a contact, which are complete: of two dynamic bodies that of unlike dominance a follower of the higher one.
+    pub(super) fn by_dominance<S: Scalar, N: Numerics<S, Flight = F, Pose = P>>(&mut self, ends: [u32; 2]) -> [u32; 2]
+    where
+        P: Copy,
+    {
+        let [a, b] = ends.map(|flight| &self.places[flight as usize]);
+        let dynamic = FlightOf::Dynamic;
+        if a.dominance == b.dominance || a.kind != dynamic || b.kind != dynamic {
+            return ends;
+        }
+        let side = usize::from(a.dominance < b.dominance);
+        let mut ends = ends;
+        ends[side] = self.follower::<S, N>(ends[side]);
+        ends
+    }
+
+    #[cold]
+    fn follower<S: Scalar, N: Numerics<S, Flight = F, Pose = P>>(&mut self, leader: u32) -> u32
+    where
+        P: Copy,
+    {
+        self.followers.resize(self.flights.len() + 1, NONE);
+        if self.followers[leader as usize] != NONE {
+            return self.followers[leader as usize];
+        }
+        let follower = self.flights.len() as u32;
+        self.followers[leader as usize] = follower;
+        self.followers[follower as usize] = leader;
+        self.flights.push(N::follower(&self.flights[leader as usize], leader));
+        self.places.push(Place { kind: FlightOf::Kinematic, ..self.places[leader as usize] });
+        follower
+    }
+
+    /// The leader of a follower, or the flight itself.
+    pub(super) fn leader(&self, flight: u32) -> u32 {
+        // Leaders have lower numbers than their followers.
+        match self.followers.get(flight as usize) {
+            Some(&other) if other < flight => other,
+            _ => flight,
+        }
+    }
+
     /// The flight of a body.
     pub(super) fn of<S: Scalar, N: Numerics<S, Flight = F, Pose = P>>(
         &mut self,
@@ -123,6 +181,11 @@ impl<F, P> Flights<F, P> {
             NONE => scene.bodies.index_in(slot).map_or(0, |dense| self.push_still::<S, N>(scene, slot, dense)),
             flight => flight,
         }
+    }
+
+    /// Returns true if the body in a slot has a flight.
+    pub(super) fn has(&self, slot: u32) -> bool {
+        self.of.get(slot) != NONE
     }
 
     pub(super) fn len(&self) -> usize {

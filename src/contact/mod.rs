@@ -1,11 +1,15 @@
 //! Contacts of the bodies of a world: from the free flight of a step to impulses.
 //!
-//! - `records`: the state, impulses that the next step starts from.
+//! - `records`: a contact of the state, with the impulses that the next step starts from; `set` has all of a world, `asleep` those of
+//!   sleeping bodies.
 //! - `view`: contacts as the interface shows them.
 //! - `engine`: pairs, manifolds and records of any scalar; `numerics` names the computations that depend on the scalar.
 //! - `numbers`: outlines as numbers, for the broad phase.
 //! - `seams`: impulses of points that go from one segment of a chain to the next.
+//! - `passes`: one-way colliders; `excluded`: pairs of bodies that do not touch.
+//! - `tiles`: static polygons beside each other, as one surface.
 //! - `flights`: the bodies of a step.
+//! - `sweep`: the paths of fast bodies.
 //! - `integer`: the computations in [`Fx`](crate::Fx).
 //! - `float`: the same in floats.
 
@@ -15,33 +19,51 @@
     reason = "the trait is public only because `Scalar` is; nothing outside can call it"
 )]
 
+mod asleep;
 mod engine;
+mod excluded;
 mod flights;
 #[cfg(feature = "float")]
 mod float;
 mod integer;
 mod numbers;
 mod numerics;
+mod passes;
 mod records;
 mod seams;
+mod set;
 mod stamped;
+mod sweep;
+mod tiles;
 mod view;
 
+use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::fmt::Debug;
 
-use crate::body::Bodies;
-use crate::collider::{ColliderSet, ContactSettings};
+use crate::body::{Activity, Bodies};
+use crate::collide::broad::Statics;
+use crate::collider::{ColliderSet, ContactSettings, OutlineId};
 use crate::math::{TimeStep, Vec2};
 use crate::scalar::Scalar;
 use crate::shape::Outline;
 use crate::slots::BodyId;
 
+pub use excluded::Exclusion;
+pub(crate) use excluded::{ExcludedPair, sorted};
 #[cfg(feature = "float")]
 pub use float::FloatContacts;
 pub use integer::FxContacts;
-pub(crate) use records::{ContactRecord, ContactSet};
+pub(crate) use passes::PassRecord;
+pub(crate) use records::ContactRecord;
+pub(crate) use set::ContactSet;
 pub use view::{Contact, ContactPoint};
+
+/// Returns true if the body of the collider in a slot is asleep.
+pub(crate) fn is_asleep<S: Scalar>(bodies: &Bodies<S>, colliders: &ColliderSet<S>, slot: u32) -> bool {
+    let dense = colliders.at(slot).and_then(|collider| bodies.find(collider.body).ok());
+    dense.is_some_and(|dense| bodies.activity(dense) == Activity::Asleep)
+}
 
 /// The motion of a body at the start of a step.
 #[derive(Clone, Copy, Debug)]
@@ -52,6 +74,7 @@ pub(crate) struct Start<S: Scalar> {
     pub(crate) velocity: Vec2<S::Accumulator>,
     pub(crate) angle: S::Angle,
     pub(crate) angular_velocity: S::Accumulator,
+    pub(crate) ticks_at_rest: u32,
 }
 
 impl<S: Scalar> Start<S> {
@@ -63,6 +86,7 @@ impl<S: Scalar> Start<S> {
             velocity: motion.velocity.get(dense),
             angle: motion.angle[dense],
             angular_velocity: motion.angular_velocity[dense],
+            ticks_at_rest: motion.ticks_at_rest[dense],
         }
     }
 
@@ -92,6 +116,15 @@ pub(crate) struct Correction<S: Scalar> {
     pub(crate) rotation: S::Accumulator,
 }
 
+/// The pose in which the path of a body ends before the end of the tick.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stop<S: Scalar> {
+    /// The index of the body in the columns.
+    pub(crate) dense: usize,
+    pub(crate) position: Vec2<S::Accumulator>,
+    pub(crate) angle: S::Angle,
+}
+
 /// The parts of a world that contacts depend on.
 #[derive(Clone, Copy)]
 pub(crate) struct Scene<'a, S: Scalar> {
@@ -102,6 +135,9 @@ pub(crate) struct Scene<'a, S: Scalar> {
     pub(crate) starts: &'a [Start<S>],
     /// True if a static body or its colliders may have changed since the last step.
     pub(crate) may_have_moved_statics: bool,
+    /// The slots of the bodies that calls have changed since the contacts were last found, but for changes of motion alone; `None` if it may
+    /// be any body.
+    pub(crate) changed: Option<&'a [u32]>,
     pub(crate) settings: &'a ContactSettings<S>,
     pub(crate) time_step: TimeStep,
 }
@@ -115,15 +151,42 @@ pub trait ContactEngine<S: Scalar>: Debug + Default + Send + Sync {
     /// either, the contacts are of no use.
     fn detect(&mut self, scene: &Scene<'_, S>, contacts: &ContactSet, found: &mut Detected);
 
-    /// Lists the contacts with impulses: before [`solve`](Self::solve) with those that they start from.
-    fn list(&self, records: &mut Vec<ContactRecord>);
+    /// Lists the contacts with impulses: before [`solve`](Self::solve) with those that they start from. Lists also the answers of one-way
+    /// colliders and the pairs of bodies that stay excluded.
+    fn list(&self, contacts: &mut ContactSet);
+
+    /// Calls `found` with the slots of the two bodies of each contact that was found, and true if a surface of one of them moves.
+    fn touching(&self, colliders: &ColliderSet<S>, found: impl FnMut([u32; 2], bool));
 
     /// Solves the contacts that were found, and writes the change of each body of `scene.starts` to `corrections`; none if there was no
     /// impulse.
     fn solve(&mut self, scene: &Scene<'_, S>, corrections: &mut Vec<Correction<S>>);
 
+    /// Finds bodies whose paths end early, lest they cross something: `scene` holds the bodies as impulses left them, by these corrections.
+    /// Those at fault are left out.
+    fn sweep(
+        &mut self,
+        scene: &Scene<'_, S>,
+        corrections: &[Correction<S>],
+        is_faulty: &dyn Fn(usize) -> bool,
+        stops: &mut Vec<Stop<S>>,
+    );
+
     /// The manifold of two outlines that are near each other: the normal from the first to the second one, the points and their number.
     fn touch(a: Placed<'_, S>, b: Placed<'_, S>) -> Option<(Vec2<S>, [TouchPoint<S>; 2], usize)>;
+
+    /// The static colliders as they were found last, if they belong to these colliders.
+    fn statics(&self, _colliders: &ColliderSet<S>) -> Option<&Arc<Statics>> {
+        None
+    }
+
+    /// An outline by its number in [`statics`](Self::statics).
+    fn outline(&self, number: u32) -> OutlineId {
+        OutlineId { slot: number, part: 0 }
+    }
+    /// Finds contacts ahead of time or not, for tests.
+    #[cfg(feature = "selftest")]
+    fn set_discrete(&mut self, _is_discrete: bool) {}
 
     /// Takes over what is cached of another one, whose world this one's is a copy of.
     fn clone_cached_from(&mut self, source: &Self);
@@ -151,10 +214,16 @@ pub struct NoContacts;
 impl<S: Scalar> ContactEngine<S> for NoContacts {
     fn detect(&mut self, _: &Scene<'_, S>, _: &ContactSet, _: &mut Detected) {}
 
-    fn list(&self, _: &mut Vec<ContactRecord>) {}
+    fn list(&self, _: &mut ContactSet) {}
+
+    fn touching(&self, _: &ColliderSet<S>, _: impl FnMut([u32; 2], bool)) {}
 
     fn solve(&mut self, _: &Scene<'_, S>, corrections: &mut Vec<Correction<S>>) {
         corrections.clear();
+    }
+
+    fn sweep(&mut self, _: &Scene<'_, S>, _: &[Correction<S>], _: &dyn Fn(usize) -> bool, stops: &mut Vec<Stop<S>>) {
+        stops.clear();
     }
 
     fn touch(_: Placed<'_, S>, _: Placed<'_, S>) -> Option<(Vec2<S>, [TouchPoint<S>; 2], usize)> {

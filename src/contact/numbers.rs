@@ -1,8 +1,9 @@
 //! Numbers of outlines, by which the broad phase knows them.
 
 use alloc::vec::Vec;
+use core::ops::Range;
 
-use crate::collider::{ColliderSet, OutlineId};
+use crate::collider::{Collider, ColliderSet, OutlineId};
 use crate::scalar::Scalar;
 
 /// A number for each outline of a world: sorted by number they are sorted by collider and part.
@@ -17,25 +18,48 @@ pub(super) struct Numbers {
     revision: u64,
 }
 
+/// The numbers that a slot takes: one without a collider takes one, so that numbers stay when a collider of one outline comes or goes.
+fn count<S: Scalar>(collider: Option<&Collider<S>>) -> u32 {
+    collider.map_or(1, Collider::outline_count)
+}
+
 impl Numbers {
-    /// Numbers the outlines anew where colliders have changed.
-    pub(super) fn update<S: Scalar>(&mut self, colliders: &ColliderSet<S>) {
+    /// Numbers the outlines anew where colliders have changed. Returns true if outlines may have other numbers than before.
+    pub(super) fn update<S: Scalar>(&mut self, colliders: &ColliderSet<S>) -> bool {
         let is_simple = colliders.more_outlines() == 0;
         if is_simple && self.first.is_empty() || !is_simple && self.revision == colliders.revision() {
-            return;
+            return false;
         }
-        self.first.clear();
-        self.outlines.clear();
+        let are_kept = !is_simple && !self.first.is_empty() && self.are_kept(colliders);
         self.revision = colliders.revision();
-        if is_simple {
-            return;
+        if !are_kept {
+            self.first.clear();
+            self.outlines.clear();
         }
-        for (_, collider) in colliders.slots() {
+        if is_simple {
+            return true;
+        }
+        for (slot, (_, collider)) in (0..).zip(colliders.slots()).skip(self.first.len()) {
             // Below 2^24 slots and 2^24 outlines beyond the first ones.
             self.first.push(self.outlines.len() as u32);
-            let Some(collider) = collider else { continue };
-            self.outlines.extend((0..collider.outline_count()).map(|part| OutlineId { slot: collider.slot, part }));
+            self.outlines.extend((0..count(collider)).map(|part| OutlineId { slot, part }));
         }
+        !are_kept
+    }
+
+    /// Returns true if no collider that changed has another number of outlines than the one before it in its slot.
+    fn are_kept<S: Scalar>(&self, colliders: &ColliderSet<S>) -> bool {
+        let is_kept = |slot: u32| {
+            let first = self.first.get(slot as usize);
+            // New slots follow.
+            first.is_none_or(|first| self.end(slot as usize) - first == count(colliders.at(slot)))
+        };
+        colliders.changed_since(self.revision).is_some_and(|mut changed| changed.all(is_kept))
+    }
+
+    /// Returns true if these colliders are numbered: a copy of a world numbers them when it steps.
+    pub(super) fn is_of<S: Scalar>(&self, colliders: &ColliderSet<S>) -> bool {
+        if colliders.more_outlines() == 0 { self.outlines.is_empty() } else { self.revision == colliders.revision() }
     }
 
     /// Returns true if slots are the numbers.
@@ -48,6 +72,17 @@ impl Numbers {
     #[inline(always)]
     pub(super) fn first(&self, slot: u32) -> u32 {
         self.first.get(slot as usize).copied().unwrap_or(slot)
+    }
+
+    /// The numbers of a slot.
+    pub(super) fn of(&self, slot: u32) -> Range<u32> {
+        let end = if self.is_simple() { slot + 1 } else { self.end(slot as usize) };
+        self.first(slot)..end
+    }
+
+    /// The number behind those of a slot.
+    fn end(&self, slot: usize) -> u32 {
+        self.first.get(slot + 1).copied().unwrap_or(self.outlines.len() as u32)
     }
 
     #[inline(always)]

@@ -4,10 +4,12 @@ use alloc::vec::Vec;
 use core::fmt::Debug;
 
 use super::{Correction, Placed, Scene, Start, TouchPoint};
-use crate::collider::{BodyOutline, Material};
+use crate::collide::seam::Face;
+use crate::collide::sweep::Leg;
+use crate::collider::{BodyOutline, Material, MaterialPair};
 use crate::fx::Fx;
 use crate::math::Vec2;
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, Turn};
 use crate::shape::{Aabb, Outline};
 use crate::solve::Impulses;
 
@@ -24,6 +26,17 @@ pub trait Touching {
     fn features(&self) -> ([u32; 2], usize);
     /// Returns true if two outlines overlap by more than [`OVERLAP`].
     fn is_pressed(&self) -> bool;
+}
+
+/// Two surfaces that touch.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug)]
+pub struct Surface<S> {
+    pub(super) coefficients: MaterialPair<S>,
+    /// The radius at which one rolls on the other, m; zero if neither is round there.
+    pub(super) radius: S,
+    /// The velocity of the second one against the first one along the tangent, m/s.
+    pub(super) speed: S,
 }
 
 /// Flights, outlines in world axes, manifolds and the solver of one scalar.
@@ -44,11 +57,17 @@ pub trait Numerics<S: Scalar>: Debug + Default + Send + Sync {
     fn complete(_scene: &Scene<'_, S>, _start: &Start<S>, _flight: &mut Self::Flight) {}
     /// The flight of a body that stands still.
     fn still(position: Vec2<S::Accumulator>) -> Self::Flight;
+    /// The flight of a body that moves as this one does, and that no contact moves.
+    fn follower(flight: &Self::Flight, leader: u32) -> Self::Flight;
 
     /// Forgets all outlines and contacts, and keeps the memory.
     fn clear(&mut self);
     /// Adds the outline of a body at a pose, and returns its number: 0, 1, 2 and so on.
     fn place(&mut self, outline: &Outline<S>, pose: &Self::Pose) -> usize;
+    /// Names the edges of the outline that was placed last that are on the surface among other polygons.
+    fn set_faces(&mut self, faces: &[Face]);
+    /// The corners of an outline of a body at a pose, relative to the position of another one near it, ulps.
+    fn corners(outline: &BodyOutline<S>, pose: &Self::Pose, from: &Self::Pose) -> impl Iterator<Item = [i64; 2]>;
     /// A box around an outline over the step, grown by half the margin: the boxes of all that may come within the margin of each
     /// other overlap.
     fn swept(outline: &BodyOutline<S>, pose: &Self::Pose, flight: &Self::Flight) -> Aabb<Fx>;
@@ -57,12 +76,43 @@ pub trait Numerics<S: Scalar>: Debug + Default + Send + Sync {
     /// The manifold of two outlines that come within the margin of each other in the step.
     fn collide(&self, cores: [usize; 2], flights: [&Self::Flight; 2], radii: [S; 2]) -> Option<Self::Manifold>;
 
+    /// The cosine of the angle between the normal and a unit vector in the axes of a body at this pose.
+    fn along(manifold: &Self::Manifold, pose: &Self::Pose, direction: Vec2<S>) -> S;
+    /// The least separation of a point, m.
+    fn least_separation(manifold: &Self::Manifold) -> S;
+
+    /// The coefficients of two materials together, by their rules.
+    fn mixed(materials: [&Material<S>; 2]) -> MaterialPair<S>;
     /// Adds the contact of two flights, with the impulses that it starts from.
-    fn push(&mut self, flights: [u32; 2], manifold: &Self::Manifold, materials: [&Material<S>; 2], start: Impulses);
+    fn push(&mut self, flights: [u32; 2], manifold: &Self::Manifold, surface: &Surface<S>, start: Impulses);
     /// Solves the contacts that were added, and writes the changes of the first flights, one for each of `scene.starts`.
     fn solve(&mut self, scene: &Scene<'_, S>, flights: &[Self::Flight], corrections: &mut Vec<Correction<S>>);
     /// The flights of the contacts in their order, and their impulses.
     fn contacts(&self) -> impl Iterator<Item = ([u32; 2], Impulses)> + '_;
+
+    /// Finds contacts ahead of time or not, for tests.
+    #[cfg(feature = "selftest")]
+    fn set_discrete(&mut self, _is_discrete: bool) {}
+    /// A value in multiples of 2^-32, rounded.
+    fn ulps(value: S) -> i64;
+    /// The value of this multiple of 2^-32.
+    fn from_ulps(ulps: i64) -> S::Accumulator;
+    /// The angle of a turn.
+    fn from_turn(turn: Turn) -> S::Angle;
+    /// A bound of the distance, in ulps, by which a point within `reach` of a body's centre moved from one position to the other, with what
+    /// impulses added to the rotation of the free flight.
+    fn moved(positions: [Vec2<S::Accumulator>; 2], flight: (&Self::Flight, Option<S::Accumulator>), reach: i64) -> i64;
+    /// The path of a body from the start to a pose, with what impulses added to the rotation of the free flight.
+    fn leg(
+        start: &Start<S>,
+        end: (Vec2<S::Accumulator>, S::Angle),
+        flight: &Self::Flight,
+        rotation: Option<S::Accumulator>,
+    ) -> Leg;
+    /// The path of a body that stands still.
+    fn still_leg(position: Vec2<S::Accumulator>, angle: S::Angle) -> Leg;
+    /// The part of the way from one coordinate to another, in units of 2^-62 of it.
+    fn between(from: S::Accumulator, to: S::Accumulator, part: u64) -> S::Accumulator;
 
     /// The manifold of two outlines that are near each other: the normal from the first to the second one, the points and their number.
     fn touch(a: Placed<'_, S>, b: Placed<'_, S>) -> Option<(Vec2<S>, [TouchPoint<S>; 2], usize)>;

@@ -1,11 +1,9 @@
 //! The state of contacts: the impulses that the next step starts from.
 
-use alloc::vec::Vec;
-
 use crate::codec::{self, Encoder, Malformed, Part, Read, Reader, StateHasher, Write};
+use crate::collide;
 use crate::collider::OutlineId;
 use crate::limits::{CHAIN, COLLIDERS, PARTS};
-use crate::slots::ColliderId;
 use crate::solve::Impulses;
 
 /// A contact that carried an impulse at the end of a step.
@@ -16,7 +14,8 @@ pub(crate) struct ContactRecord {
     /// In the lower 24 bits of each the [feature](crate::collide::feature) of a point; above them log2 of the unit of the impulses, N·s, and
     /// the number of points with the [`LONG`] bits.
     packed: [u32; 2],
-    /// Multiples of the unit: along the normal, by point; then along the tangent.
+    /// Multiples of the unit: along the normal, by point; then along the tangent. With one point the second one is that of rolling
+    /// resistance.
     pub(crate) impulses: [i64; 3],
 }
 
@@ -97,7 +96,7 @@ impl ContactRecord {
     }
 
     /// The impulses that a contact with these features starts from: zero for points that the record does not have. Friction is kept
-    /// if a point is.
+    /// if a point is, rolling resistance if both have this one point.
     pub(crate) fn start(&self, features: [u32; 2], count: usize) -> Impulses {
         let own = self.features();
         let mut start = Impulses { exponent: self.exponent(), ..Impulses::default() };
@@ -105,24 +104,28 @@ impl ContactRecord {
             if let Some(i) = (0..self.count()).find(|&i| own[i] == *feature) {
                 start.values[k] = self.impulses[i];
                 start.values[2] = self.impulses[2];
+                if (count, self.count()) == (1, 1) {
+                    start.values[1] = self.impulses[1];
+                }
             }
         }
         start
     }
 
-    /// The record with the two colliders swapped: points come in the opposite order along the tangent, which keeps its impulse.
+    /// The record with the two colliders swapped: points come in the opposite order along the tangent, which keeps its impulse. That of
+    /// rolling resistance is on the second body, and has the opposite sign.
     pub(crate) fn swapped(&self) -> Self {
-        let [first, second] = self.features().map(|feature| feature >> 12 | (feature & 0xFFF) << 12);
+        let [first, second] = self.features().map(collide::swapped_feature);
         let [a, b, tangent] = self.impulses;
         let (features, values) =
-            if self.count() == 2 { ([second, first], [b, a, tangent]) } else { ([first, 0], [a, b, tangent]) };
+            if self.count() == 2 { ([second, first], [b, a, tangent]) } else { ([first, 0], [a, -b, tangent]) };
         let impulses = Impulses { values, exponent: self.exponent() };
         let [a, b] = self.pair();
         Self::new([b, a], features, self.count(), impulses)
     }
 
-    /// The record in a mirror image, for these outlines: points come in the opposite order, and the impulse along the tangent has the
-    /// opposite sign. `corner` gives the number that a corner of the first (0) or second (1) collider has in the image; `None` if that does
+    /// The record in a mirror image, for these outlines: points come in the opposite order, and the impulses along the tangent and of
+    /// rolling resistance have the opposite sign. `corner` gives the number that a corner of the first (0) or second (1) collider has in the image; `None` if that does
     /// for one.
     pub(crate) fn mirrored(
         &self,
@@ -134,12 +137,12 @@ impl ContactRecord {
             let ends =
                 |side, shift| Some([corner(side, part(feature, shift + 6))?, corner(side, part(feature, shift))?]);
             // The image of an edge goes from its end to its beginning: both are counter-clockwise.
-            Some(crate::collide::feature(ends(0, 0)?, ends(1, 12)?))
+            Some(collide::feature(ends(0, 0)?, ends(1, 12)?))
         };
         let ([first, second], [a, b, tangent]) = (self.features(), self.impulses);
         let (features, values) = match self.count() {
             2 => ([image(second)?, image(first)?], [b, a, -tangent]),
-            _ => ([image(first)?, 0], [a, b, -tangent]),
+            _ => ([image(first)?, 0], [a, -b, -tangent]),
         };
         Some(Self::new(pair, features, self.count(), Impulses { values, exponent: self.exponent() }))
     }
@@ -153,7 +156,7 @@ impl ContactRecord {
         }
     }
 
-    fn to_bytes(self) -> [u8; 40] {
+    pub(super) fn to_bytes(self) -> [u8; 40] {
         let mut bytes = [0; 40];
         let words = self.pair.iter().chain(&self.packed).map(|word| word.to_le_bytes());
         words.zip(bytes.chunks_exact_mut(4)).for_each(|(word, place)| place.copy_from_slice(&word));
@@ -170,9 +173,10 @@ impl ContactRecord {
             || !(1..=2).contains(&self.count())
             || self.packed[1] >> 28 != 0
             || (0..2).any(|side| self.is_long(side) && self.high(side) == 0)
-            || is_one && (second != 0 || self.features()[1] != 0)
+            // Rolling resistance is at most the normal impulse.
+            || is_one && (second.unsigned_abs() > first.unsigned_abs() || self.features()[1] != 0)
             || first < 0
-            || second < 0
+            || !is_one && second < 0
             || self.impulses.iter().any(|impulse| impulse.unsigned_abs() > 1 << 62)
             || (first, second, tangent) == (0, 0, 0)
     }
@@ -205,53 +209,5 @@ impl Read for ContactRecord {
         impulses[2] = i64::read(reader)?;
         let record = Self { pair, packed, impulses };
         if record.is_malformed() { Err(malformed) } else { Ok(record) }
-    }
-}
-
-/// The contacts of a world that carried an impulse at the end of the last step, sorted by pair.
-#[derive(Debug, Default)]
-pub(crate) struct ContactSet {
-    pub(crate) records: Vec<ContactRecord>,
-    /// The tick of the last step with an impulse; 0 if there was none.
-    pub(crate) pushed_at: u64,
-}
-
-impl Clone for ContactSet {
-    fn clone(&self) -> Self {
-        Self { records: self.records.clone(), pushed_at: self.pushed_at }
-    }
-
-    fn clone_from(&mut self, source: &Self) {
-        self.records.clone_from(&source.records);
-        self.pushed_at = source.pushed_at;
-    }
-}
-
-impl ContactSet {
-    /// Adds all contacts to a hash.
-    pub(crate) fn write(&self, sink: &mut StateHasher) {
-        self.pushed_at.write(sink);
-        codec::count(sink, self.records.len());
-        sink.all(&self.records, |record| record.to_bytes());
-    }
-
-    /// Drops the records of a collider.
-    pub(crate) fn forget(&mut self, collider: ColliderId) {
-        self.records.retain(|record| record.pair().iter().all(|outline| outline.slot != collider.slot));
-    }
-
-    /// Scales all impulses by the ratio of the length of two sub-steps, num/den: the forces stay the same. Rounded to nearest, halves away
-    /// from zero; an impulse beyond 2^62 units becomes that.
-    pub(crate) fn rescale(&mut self, num: u64, den: u64) {
-        let scaled = |impulse: i64| {
-            // Below 2^62 · 2^64: it fits.
-            let product = i128::from(impulse) * i128::from(num);
-            let half = i128::from(den / 2);
-            let rounded = (product.abs() + half) / i128::from(den);
-            let size = rounded.min(1 << 62) as i64;
-            if impulse < 0 { -size } else { size }
-        };
-        self.records.iter_mut().for_each(|record| record.impulses = record.impulses.map(scaled));
-        self.records.retain(|record| record.impulses != [0; 3]);
     }
 }

@@ -6,18 +6,20 @@
 use alloc::vec::Vec;
 use core::ops::Range;
 
-use super::{ContactRecord, ContactSet};
-use crate::collider::{ColliderSet, OutlineId};
+use super::{ContactRecord, ContactSet, Scene};
+use crate::body::BodyKind;
+use crate::collider::OutlineId;
 use crate::scalar::Scalar;
+use crate::slots::NONE;
 use crate::solve::Impulses;
 
 /// The features of a manifold, and the number of its points.
 pub(super) type Features = ([u32; 2], usize);
 
-/// The records of contacts with chains, by chain and by what is on it.
+/// The records of contacts with chains and with static colliders, by chain and by the outline on it.
 #[derive(Debug, Default)]
 pub(super) struct Chains {
-    /// The slot of the chain, the outline on it, and the index of the record.
+    /// The slot of the chain, or [`NONE`] for a static collider of another shape; the outline on it, and the index of the record.
     records: Vec<(u32, OutlineId, u32)>,
     /// True if the records of this step are listed.
     is_listed: bool,
@@ -29,21 +31,27 @@ impl Chains {
         self.is_listed = false;
     }
 
-    /// Which records there are of an outline on a chain. They are listed when they are first asked for.
+    /// The records of an outline on a chain. They are listed when they are first asked for.
     pub(super) fn of<S: Scalar>(
         &mut self,
-        colliders: &ColliderSet<S>,
+        scene: &Scene<'_, S>,
         contacts: &ContactSet,
         chain: u32,
         on: OutlineId,
     ) -> Range<usize> {
         if !self.is_listed {
             self.is_listed = true;
-            let is_chain = |slot: u32| colliders.at(slot).is_some_and(|collider| collider.def.shape.is_chain());
+            let is_static =
+                |body| scene.bodies.find(body).is_ok_and(|at| scene.bodies.info(at).kind == BodyKind::Static);
+            let surface = |slot: u32| {
+                let collider = scene.colliders.at(slot)?;
+                let is_chain = collider.def.shape.is_chain();
+                (is_chain || is_static(collider.body)).then_some(if is_chain { slot } else { NONE })
+            };
             for (i, record) in (0..).zip(&contacts.records) {
                 let pair = record.pair();
-                if let Some(side) = pair.iter().position(|outline| is_chain(outline.slot)) {
-                    self.records.push((pair[side].slot, pair[1 - side], i));
+                if let Some((side, of)) = (0..2).find_map(|side| Some((side, surface(pair[side].slot)?))) {
+                    self.records.push((of, pair[1 - side], i));
                 }
             }
             self.records.sort_unstable();
@@ -73,7 +81,24 @@ fn corner(feature: u32, side: usize) -> Option<u32> {
     (half & 63 == half >> 6).then_some(half)
 }
 
-/// What meets in a point, of one of the two colliders.
+/// The radius with which a point of two outlines with these radii rolls: that of the one that touches with an arc, of two arcs the
+/// smaller one. Zero if neither does.
+pub(super) fn rolling_radius<S: Scalar>(feature: u32, radii: [S; 2]) -> S {
+    // An edge is flat, whatever the radius of its ends.
+    let arc = |side: usize| Some(radii[side]).filter(|radius| corner(feature, side).is_some() && *radius > S::ZERO);
+    match (arc(0), arc(1)) {
+        (Some(a), Some(b)) => {
+            if a < b {
+                a
+            } else {
+                b
+            }
+        }
+        (one, other) => one.or(other).unwrap_or(S::ZERO),
+    }
+}
+
+/// The name of the corner or edge that meets in a point, of one of the two colliders.
 fn half(feature: u32, side: usize) -> u32 {
     feature >> (12 * side) & 0xFFF
 }
@@ -104,9 +129,12 @@ pub(super) fn take_over(
             has_moved = true;
         }
     }
-    // Friction goes along with the last of the points.
+    // Friction goes along with the last of the points, and so does rolling resistance.
     if has_moved && !before[..record.count()].iter().any(|feature| kept.contains(feature)) {
         add(start, 2, record.impulses[2], record.exponent());
+        if (record.count(), count) == (1, 1) {
+            add(start, 1, record.impulses[1], record.exponent());
+        }
     }
 }
 
@@ -150,8 +178,8 @@ mod tests {
         // A ball: what is left of a segment goes to the next one.
         let ball = feature([0, 1], [0, 0]);
         let mut start = Impulses::default();
-        take_over(&mut start, ([ball, 0], 1), &record([ball, 0], 1, [9, 0, -4]), None, 1);
-        assert_eq!(start, Impulses { values: [9, 0, -4], exponent: -20 });
+        take_over(&mut start, ([ball, 0], 1), &record([ball, 0], 1, [9, -2, -4]), None, 1);
+        assert_eq!(start, Impulses { values: [9, -2, -4], exponent: -20 });
         // One that is there still keeps it.
         let mut start = Impulses::default();
         take_over(&mut start, ([ball, 0], 1), &record([ball, 0], 1, [9, 0, -4]), Some(([ball, 0], 1)), 1);
@@ -163,6 +191,19 @@ mod tests {
         let mut start = Impulses::default();
         take_over(&mut start, ([end, second], 2), &before, Some(([first, end], 2)), 1);
         assert_eq!(start, Impulses { values: [0, 7, 0], exponent: -20 });
+    }
+
+    #[test]
+    fn what_touches_with_an_arc_rolls() {
+        let of = |feature, radii: [i32; 2]| rolling_radius(feature, radii.map(crate::fx::Fx::from)).to_bits() >> 32;
+        // A disc on an edge, on a corner, and two discs.
+        assert_eq!(of(feature([0, 1], [0, 0]), [0, 3]), 3);
+        assert_eq!(of(feature([2, 2], [0, 0]), [0, 3]), 3);
+        assert_eq!(of(feature([0, 0], [0, 0]), [2, 3]), 2);
+        // An edge of a rounded box is flat; its corner on an edge rolls.
+        assert_eq!(of(feature([0, 1], [0, 0]), [1, 3]), 3);
+        assert_eq!(of(feature([1, 1], [2, 3]), [1, 9]), 1);
+        assert_eq!(of(feature([1, 1], [2, 3]), [0, 0]), 0);
     }
 
     #[test]

@@ -2,9 +2,10 @@
 
 use crate::fx::Fx;
 use crate::math::Vec2;
-use crate::scalar::Scalar;
+use crate::scalar::{Factor as _, Scalar};
 use crate::slots::{BodyId, ColliderId};
 
+use super::seams::rolling_radius;
 use super::{ContactRecord, TouchPoint};
 
 /// Two colliders that pushed each other at the end of the last step, at the present poses of their bodies; of compounds, two of their parts.
@@ -39,6 +40,8 @@ pub struct Contact<S: Scalar = Fx> {
     pub normal: Vec2<S>,
     /// The impulse along the tangent (n.y, −n.x) over the last sub-step, N·s: by friction, on the second body.
     pub tangent_impulse: S,
+    /// The angular impulse of rolling resistance over the last sub-step, N·m·s, on the second body; 0 with two points.
+    pub rolling_impulse: S,
     points: [ContactPoint<S>; 2],
     count: usize,
 }
@@ -74,18 +77,21 @@ impl<S: Scalar> Contact<S> {
         record: &ContactRecord,
         (colliders, bodies): ([ColliderId; 2], [BodyId; 2]),
         parts: [u32; 2],
+        radii: [S; 2],
         (normal, points): (Vec2<S>, &[TouchPoint<S>]),
     ) -> Self {
+        let features = record.features();
+        let is_rolling = record.count() == 1;
         let mut contact = Self {
             colliders,
             bodies,
             parts,
             normal,
             tangent_impulse: newton_seconds(record.impulses[2], record.exponent()),
+            rolling_impulse: if is_rolling { at_lever(record, rolling_radius(features[0], radii)) } else { S::ZERO },
             points: Default::default(),
             count: points.len(),
         };
-        let features = record.features();
         for (place, point) in contact.points.iter_mut().zip(points) {
             let known = (0..record.count()).find(|&k| features[k] == point.feature);
             let impulse = known.map_or(S::ZERO, |k| newton_seconds(record.impulses[k], record.exponent()));
@@ -93,6 +99,14 @@ impl<S: Scalar> Contact<S> {
         }
         contact
     }
+}
+
+/// The angular impulse of rolling resistance at a radius, N·m·s; the largest number if it does not fit.
+fn at_lever<S: Scalar>(record: &ContactRecord, radius: S) -> S {
+    let impulse = record.impulses[1];
+    let size = S::Factor::from_scalar(newton_seconds::<S>(impulse.abs(), record.exponent()));
+    let turn = size.times(S::Factor::from_scalar(radius)).to_scalar().unwrap_or(S::from_fx(Fx::MAX));
+    if impulse < 0 { -turn } else { turn }
 }
 
 /// An impulse in units of 2^exponent N·s, rounded to nearest, halves away from zero; the largest number if it does not fit.

@@ -92,7 +92,7 @@ pub enum Error {
     },
     /// `Yoshida4` runs its middle sub-step backwards, which is impossible with a damping that leaves nothing of a velocity.
     DampingHasNoInverse,
-    /// Both ends of a spring are attached to the same body.
+    /// One body is named twice, where two are needed: at both ends of a spring, in a pair to exclude.
     SameBody {
         /// The body.
         body: BodyId,
@@ -102,7 +102,8 @@ pub enum Error {
         /// The id.
         id: u64,
     },
-    /// The world already has the maximum number of bodies, colliders, outlines of colliders or force fields, 2^24 each.
+    /// The world already has the maximum number of bodies, colliders, outlines of colliders or force fields, 2^24 each, of excluded
+    /// pairs, 2^16, or of pairs of materials, 2^12.
     Full,
     /// The elapsed time no longer fits in a ratio of 128-bit integers: too many different time steps or speeds were used.
     ElapsedTime,
@@ -240,7 +241,8 @@ pub enum Irreversible {
     Moved,
     /// The world is at the [last tick](crate::limits::TICK), where steps are no longer counted.
     End,
-    /// Colliders pushed each other in the last step or in the one before: the impulses are not known.
+    /// Colliders pushed each other in the last step or in the one before, or a body was near a one-way collider, or an exclusion ended:
+    /// the state of contacts before is not known.
     Contact,
 }
 
@@ -307,10 +309,10 @@ impl fmt::Display for Error {
             Self::Quarantined { body } => write!(f, "{body} is quarantined: release it first"),
             Self::NotQuarantined { body } => write!(f, "{body} is not quarantined"),
             Self::DampingHasNoInverse => f.write_str("Yoshida4 needs damping that keeps more than 0 of a velocity a second"),
-            Self::SameBody { body } => write!(f, "both ends of the spring are attached to {body}"),
+            Self::SameBody { body } => write!(f, "{body} is named twice: two different bodies are needed"),
             Self::CustomForce { id } => write!(f, "custom force {id:#x} is not registered, or is registered already"),
             Self::Full => {
-                f.write_str("the world already has the maximum number of bodies, colliders, outlines of colliders or force fields (16,777,216 each)")
+                f.write_str("the world already has the maximum number of bodies, colliders, outlines of colliders or force fields (16,777,216 each), or of excluded pairs (65,536)")
             },
             Self::Inconsistent => f.write_str("the parts of the snapshot contradict each other"),
             Self::ElapsedTime => f.write_str(

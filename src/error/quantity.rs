@@ -81,6 +81,16 @@ pub enum Quantity {
     Pairs,
     /// The speed of the surface of a collider.
     SurfaceSpeed,
+    /// The direction of a one-way collider.
+    OneWayDirection,
+    /// The tolerance of a one-way collider.
+    OneWayTolerance,
+    /// A coefficient of rolling resistance.
+    RollingResistance,
+    /// The number of a material.
+    MaterialId,
+    /// The translation or the distance of a query.
+    Query,
 }
 
 impl Quantity {
@@ -121,6 +131,11 @@ impl Quantity {
             Self::ContactSpeed => "a speed from 0 to 2^10 m/s",
             Self::Pairs => "a number of pairs from 1 to 2^28 in all, and to 2^12 of one collider",
             Self::SurfaceSpeed => "a surface speed within ±2^10 m/s",
+            Self::OneWayDirection => "a direction within ±2^10 a component, the longer one at least 2^-10",
+            Self::OneWayTolerance => "a tolerance from 0 to π/2 rad",
+            Self::RollingResistance => "a coefficient of rolling resistance from 0 to 1",
+            Self::MaterialId => "a number of a material from 1: 0 is no material",
+            Self::Query => "a translation of a query within ±2^20 m a component, or a distance from 0 to 2^20 m",
         }
     }
 }
@@ -160,6 +175,11 @@ codes!(Quantity {
     ContactSpeed = 182,
     Pairs = 183,
     SurfaceSpeed = 184,
+    OneWayDirection = 185,
+    OneWayTolerance = 186,
+    RollingResistance = 187,
+    MaterialId = 188,
+    Query = 189,
 });
 
 impl core::error::Error for Quantity {}

@@ -9,6 +9,7 @@
 //! | [`lockstep`] | peers that exchange only inputs; comparing hashes, and finding the difference |
 //! | [`rollback`] | handling late inputs: going back and recomputing the present |
 //! | [`collisions`] | colliders, materials, filters, contacts, stacks, and what happens in which case |
+//! | [`queries`] | rays, shape casts, overlaps, closest points, and in which order they are found |
 //! | [`replays`] | recording, and verifying replays from untrusted players on a server |
 //! | [`frames`] | frame times to ticks, poses between ticks, drawing, events |
 //! | [`engines`] | keeping entities in step with bodies, with `bevy_ecs` as an example |
@@ -38,6 +39,8 @@ pub mod lockstep {}
 pub mod migration {}
 #[doc = include_str!("numbers.md")]
 pub mod numbers {}
+#[doc = include_str!("queries.md")]
+pub mod queries {}
 #[doc = include_str!("replays.md")]
 pub mod replays {}
 #[doc = include_str!("rollback.md")]

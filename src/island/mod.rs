@@ -1,11 +1,13 @@
-//! Islands: the bodies that springs join, over any number of springs. An island falls asleep and wakes as a whole.
+//! Islands: the bodies that springs and contacts join, over any number of them. An island falls asleep and wakes as a whole.
 //!
-//! Static bodies and those that take no part join nothing. No step keeps islands: each query searches from the bodies that it
-//! is asked for, breadth first, and looks at nothing else.
+//! Static bodies and those that take no part join nothing; a kinematic body joins nothing by contacts. No step keeps islands: each query
+//! searches from the bodies that it is asked for, breadth first, and looks at nothing else.
 
 use alloc::vec::Vec;
 
-use crate::body::{Activity, Bodies, Sparse};
+use crate::body::{Activity, Bodies, BodyKind, Sparse};
+use crate::collider::ColliderSet;
+use crate::contact::ContactSet;
 use crate::force::{FieldKind, FieldSet, ForceField};
 use crate::scalar::Scalar;
 use crate::slots::BodyId;
@@ -17,6 +19,51 @@ pub(crate) struct Workspace {
     visited: Sparse<(usize, usize)>,
     /// The bodies of the island that is searched; those from `next` on have neighbours to look at.
     members: Vec<usize>,
+}
+
+/// The contacts of a step, by the bodies of each.
+#[derive(Debug, Default)]
+pub(crate) struct Touching {
+    /// The slots of a dynamic body and of one that is not static and touches it, sorted; two dynamic bodies stand in both orders.
+    pairs: Vec<[u32; 2]>,
+    /// The slots of bodies that lie on a surface that moves around its body, sorted.
+    driven: Vec<u32>,
+}
+
+impl Touching {
+    pub(crate) fn clear(&mut self) {
+        self.pairs.clear();
+        self.driven.clear();
+    }
+
+    /// Adds a contact of a dynamic body.
+    pub(crate) fn push(&mut self, body: u32, other: u32) {
+        self.pairs.push([body, other]);
+    }
+
+    /// Adds a body on a surface that moves.
+    pub(crate) fn push_driven(&mut self, body: u32) {
+        self.driven.push(body);
+    }
+
+    pub(crate) fn sort(&mut self) {
+        self.pairs.sort_unstable();
+        self.driven.sort_unstable();
+    }
+
+    /// The slots of the bodies that a dynamic body touches.
+    fn of(&self, body: u32) -> impl Iterator<Item = u32> {
+        let from = self.pairs.partition_point(|pair| pair[0] < body);
+        self.pairs[from..].iter().take_while(move |pair| pair[0] == body).map(|pair| pair[1])
+    }
+
+    fn is_driven(&self, body: u32) -> bool {
+        self.driven.binary_search(&body).is_ok()
+    }
+
+    fn is_of(&self, body: u32) -> bool {
+        self.of(body).next().is_some() || self.is_driven(body)
+    }
 }
 
 /// Returns true if a body tries to fall asleep after this many steps at rest. The last body of an island that comes to rest tries first;
@@ -32,45 +79,60 @@ pub(crate) fn find_sleepers<S: Scalar>(
     bodies: &Bodies<S>,
     fields: &FieldSet<S>,
     ticks: u32,
-    candidates: &[usize],
+    (candidates, touching): (&[usize], &Touching),
     workspace: &mut Workspace,
     fell_asleep: &mut Vec<BodyId>,
 ) {
     let rest = &bodies.columns.motion.ticks_at_rest;
     // Something may have moved a candidate since it was found.
     for &candidate in candidates.iter().filter(|&&i| is_candidate(rest[i], ticks)) {
-        if candidate < bodies.free_count() {
+        if candidate < bodies.free_count() && !touching.is_of(bodies.id(candidate).slot) {
             fell_asleep.push(bodies.id(candidate));
-        } else if workspace.visited.get(candidate).is_none() && rests(bodies, fields, ticks, candidate, workspace) {
+        } else if workspace.visited.get(candidate).is_none()
+            && rests(bodies, (fields, touching), ticks, candidate, workspace)
+        {
             fell_asleep.extend(workspace.members.iter().map(|&i| bodies.id(i)));
         }
     }
     workspace.visited.clear();
     fell_asleep.sort_unstable();
+    fell_asleep.dedup();
 }
 
 /// Returns true if the island of a body is at rest; then the workspace has its members. The search ends where one is not at rest.
 fn rests<S: Scalar>(
     bodies: &Bodies<S>,
-    fields: &FieldSet<S>,
+    (fields, touching): (&FieldSet<S>, &Touching),
     ticks: u32,
     candidate: usize,
     workspace: &mut Workspace,
 ) -> bool {
     let Workspace { visited, members } = workspace;
+    let rest = &bodies.columns.motion.ticks_at_rest;
     members.clear();
     members.push(candidate);
     visited.get_or_insert(candidate, || (candidate, candidate));
     let mut next = 0;
     while let Some(&member) = members.get(next) {
         next += 1;
-        for joined in neighbours(fields, bodies.id(member)) {
-            let Some(i) = bodies.find(joined).ok().filter(|&i| i < bodies.moving()) else { continue };
+        let own = bodies.id(member);
+        if touching.is_driven(own.slot) {
+            return false;
+        }
+        let by_springs = joined_by_springs(fields, own).filter_map(|joined| bodies.find(joined).ok());
+        let by_contacts = || touching.of(own.slot).filter_map(|slot| bodies.index_in(slot));
+        let is_moved = |i: &usize| bodies.info(*i).kind == BodyKind::Kinematic;
+        // A kinematic body joins nothing, and keeps what lies on it awake while it moves.
+        if by_contacts().any(|i| is_moved(&i) && rest[i] == 0) {
+            return false;
+        }
+        let by_contacts = by_contacts().filter(|i| !is_moved(i));
+        for i in by_springs.chain(by_contacts).filter(|&i| i < bodies.moving()) {
             match visited.get(i) {
                 Some(&(_, from)) if from == candidate => {}
                 // It was visited in a search that ended: in an island that is at rest all bodies were.
                 Some(_) => return false,
-                None if bodies.columns.motion.ticks_at_rest[i] < ticks => return false,
+                None if rest[i] < ticks => return false,
                 None => {
                     visited.get_or_insert(i, || (i, candidate));
                     members.push(i);
@@ -81,10 +143,27 @@ fn rests<S: Scalar>(
     true
 }
 
+/// The force fields, colliders and contacts of a world, which join its bodies.
+#[derive(Clone, Copy)]
+pub(crate) struct Joins<'a, S: Scalar> {
+    pub(crate) fields: &'a FieldSet<S>,
+    pub(crate) colliders: &'a ColliderSet<S>,
+    pub(crate) contacts: &'a ContactSet,
+}
+
+impl<'a, S: Scalar> Joins<'a, S> {
+    /// The bodies that contacts join to a body, where one of the two is asleep.
+    pub(crate) fn by_contacts(self, body: BodyId) -> impl Iterator<Item = BodyId> + use<'a, S> {
+        let touching = self.colliders.of(body).flat_map(move |collider| self.contacts.asleep_on(collider.slot));
+        touching.filter_map(move |slot| self.colliders.at(slot).map(|collider| collider.body))
+    }
+}
+
 /// Wakes these bodies and the islands that they are in. Adds those that slept to `woken`, in the order in which they are found.
+/// [`ContactSet::wake`] is due if there are any.
 pub(crate) fn wake<S: Scalar>(
     bodies: &mut Bodies<S>,
-    fields: &FieldSet<S>,
+    joins: Joins<'_, S>,
     reached: impl IntoIterator<Item = BodyId>,
     woken: &mut Vec<BodyId>,
 ) {
@@ -100,13 +179,13 @@ pub(crate) fn wake<S: Scalar>(
     reached.into_iter().for_each(|body| wake_one(body, woken));
     // An island sleeps as a whole: around a body that was awake nobody sleeps.
     while let Some(&body) = woken.get(next) {
-        neighbours(fields, body).for_each(|joined| wake_one(joined, woken));
+        joined_by_springs(joins.fields, body).chain(joins.by_contacts(body)).for_each(|joined| wake_one(joined, woken));
         next += 1;
     }
 }
 
 /// The bodies at the ends of the springs of a body, itself among them.
-fn neighbours<S: Scalar>(fields: &FieldSet<S>, body: BodyId) -> impl Iterator<Item = BodyId> + use<'_, S> {
+fn joined_by_springs<S: Scalar>(fields: &FieldSet<S>, body: BodyId) -> impl Iterator<Item = BodyId> + use<'_, S> {
     let is_spring = |field: &ForceField<S>| matches!(field.kind, FieldKind::Spring { .. });
     fields.attached_to(body).filter(move |(_, field)| is_spring(field)).flat_map(|(_, field)| field.bodies())
 }

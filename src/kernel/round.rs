@@ -37,6 +37,12 @@ pub(crate) const fn shr_round_short(a: u128, s: u32) -> u128 {
     floor + (2 * rest + (floor as u64 & 1) > 1 << s) as u128
 }
 
+/// `a / 2^s` to nearest, ties away from zero: odd. *Domain* |a| <= 2^126, 0 < s < 127.
+#[inline(always)]
+pub(crate) const fn odd_shift(a: i128, s: u32) -> i128 {
+    (a + ((1 << (s - 1)) + (a >> 127))) >> s
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -174,6 +174,10 @@ macro_rules! float_scalar {
             fn from_fx(value: Fx) -> Self {
                 value.to_f64() as $float
             }
+            fn to_fx(self) -> Fx {
+                // A cast saturates.
+                Fx::from_bits(libm::rint(f64::from(self) * 4_294_967_296.0) as i64)
+            }
             fn to_bits(self) -> i64 {
                 <$float>::to_bits(self) as i64
             }

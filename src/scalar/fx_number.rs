@@ -33,6 +33,11 @@ impl Scalar for Fx {
     }
 
     #[inline]
+    fn to_fx(self) -> Fx {
+        self
+    }
+
+    #[inline]
     fn to_bits(self) -> i64 {
         Self::to_bits(self)
     }

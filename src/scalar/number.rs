@@ -242,6 +242,9 @@ pub trait Scalar:
 
     /// Converts an `Fx`: exactly, or to the nearest float.
     fn from_fx(value: Fx) -> Self;
+    /// The nearest `Fx`, or the nearest end of its range; 0 of a NaN. Odd within the range.
+    #[doc(hidden)]
+    fn to_fx(self) -> Fx;
     /// The bits.
     fn to_bits(self) -> i64;
     /// Returns false for the infinities and NaNs of a float; an `Fx` is always finite.

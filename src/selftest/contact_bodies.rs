@@ -117,6 +117,7 @@ impl Body {
             inverse_mass: Vec2::new(inverse(mass), inverse(mass)),
             inverse_inertia: inverse(inertia),
             radius: radius_bound(&self.shape.outlines()[0]),
+            leader: None,
         }
     }
 
@@ -241,6 +242,8 @@ impl Bodies {
             points: manifold.points.map(|p| Point { arms: [p.arm_a, p.arm_b], separation: p.separation }),
             friction: self.friction,
             restitution: self.restitution,
+            rolling_resistance: Fx::ZERO,
+            rolling_radius: Fx::ZERO,
             surface_speed: Fx::ZERO,
             impulses,
         };

@@ -215,6 +215,15 @@ scenes! {
     contacts_extremes: contacts::extremes, "1 kg and 2^24, shots, needles, what turns and rises: mirror image, and in any order";
 }
 
+impl<S: crate::scalar::Scalar> crate::world::World<S> {
+    /// Does without continuous collision in this copy of the world, for the twins of tests: without the ends of the paths of fast bodies,
+    /// and without contacts that are found ahead of time.
+    #[doc(hidden)]
+    pub fn do_without_continuous_collision(&mut self, ends: bool, speculation: bool) {
+        self.workspace.do_without(ends, speculation);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use alloc::string::ToString as _;

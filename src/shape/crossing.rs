@@ -1,4 +1,4 @@
-//! Whether a chain crosses or touches itself: exact, in a time in proportion to n·log n.
+//! A test that a chain does not cross or touch itself: exact, in a time in proportion to n·log n.
 //!
 //! A line sweeps over the points from left to right, and keeps the segments that it is on in their order from below. Two
 //! segments that meet are neighbours in this order before the sweep is beyond their first common point, so that only

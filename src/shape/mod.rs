@@ -13,8 +13,8 @@ mod outline;
 mod serial;
 
 pub use aabb::Aabb;
-pub(crate) use outline::Neighbour;
 pub use outline::Outline;
+pub(crate) use outline::{Neighbour, turned_unit};
 
 use alloc::sync::Arc;
 

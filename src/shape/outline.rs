@@ -65,15 +65,19 @@ impl<S> fmt::Debug for Links<S> {
     }
 }
 
-/// The segment of a chain beside another one.
-#[derive(Clone, Copy, Debug)]
+/// The surface beside a segment of a chain, or beside an edge of a polygon among others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Neighbour<T> {
-    /// There is none: the chain ends.
+    /// No segment: the chain ends.
     None,
     /// The chain goes on straight, or turns to the side on which it touches others: the neighbour's outward normal.
     Inner(T),
     /// The chain turns to the other side: the neighbour's outward normal.
     Outer(T),
+    /// The next edge of the same polygon: its outward normal.
+    Own(T),
+    /// Another polygon covers the end of the edge.
+    Covered,
 }
 
 impl<T> Neighbour<T> {
@@ -82,6 +86,8 @@ impl<T> Neighbour<T> {
             Self::None => Neighbour::None,
             Self::Inner(normal) => Neighbour::Inner(image(normal)),
             Self::Outer(normal) => Neighbour::Outer(image(normal)),
+            Self::Own(normal) => Neighbour::Own(image(normal)),
+            Self::Covered => Neighbour::Covered,
         }
     }
 }
@@ -240,6 +246,24 @@ impl<S: Scalar> Outline<S> {
         if farthest == S::ZERO { self.radius } else { farthest + S::from_fx(Fx::DELTA) + self.radius }
     }
 
+    /// The least distance of two parallel lines that the outline is between, m. *Error* 2 ulp.
+    pub(crate) fn width(&self) -> S {
+        let corners = self.corners();
+        // From either end of an edge, as a normal is rounded: a mirror image has the ends in the opposite order.
+        let ends = corners.iter().zip(corners.iter().cycle().skip(1));
+        let depths = ends.zip(self.normals()).map(|((start, end), &normal)| {
+            let behind = |(corner, other): (&Vec2<S>, &Vec2<S>)| {
+                let [x, y] = [normal.x.product(corner.x - other.x), normal.y.product(corner.y - other.y)];
+                x.plus(y).and_then(Wide::to_scalar).unwrap_or(S::ZERO)
+            };
+            let all = corners.iter().flat_map(|other| [(start, other), (end, other)]);
+            all.map(behind).fold(S::ZERO, |most, depth| if depth > most { depth } else { most })
+        });
+        // A segment is behind neither of its sides, a disc has none.
+        let least = depths.reduce(|least, depth| if depth < least { depth } else { least }).unwrap_or(S::ZERO);
+        least + self.radius + self.radius
+    }
+
     /// The outline of two corners or more that stand counter-clockwise; normals follow.
     fn of(corners: Arc<[Vec2<S>]>, radius: S) -> Self {
         let next = corners.iter().cycle().skip(1);
@@ -274,6 +298,13 @@ fn normal<S: Scalar>(a: Vec2<S>, b: Vec2<S>) -> Vec2<S> {
         if component < S::ZERO { -size } else { size }
     };
     Vec2::new(part(edge.y), part(-edge.x))
+}
+
+/// The unit vector along a vector, turned by an angle. *Error* as that of a normal.
+pub(crate) fn turned_unit<S: Scalar>(v: Vec2<S>, angle: S) -> Vec2<S> {
+    // The outward normal of the edge from the origin to what is a quarter turn further.
+    let unit = normal(Vec2::ZERO, v.perp());
+    if angle == S::ZERO { unit } else { turned::<S>(S::Angle::from_radians(angle).direction(), unit) }
 }
 
 /// Half of a size, rounded to nearest, ties to even.

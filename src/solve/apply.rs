@@ -50,7 +50,7 @@ pub(super) struct Total {
 impl Total {
     /// Adds an impulse along x and y and of rotation.
     #[inline(always)]
-    fn add(&mut self, is_weighted: bool, impulse: [i128; 3]) {
+    pub(super) fn add(&mut self, is_weighted: bool, impulse: [i128; 3]) {
         let [x, y, turn] = if is_weighted { &mut self.weighted } else { &mut self.impulse };
         (*x, *y, *turn) = (*x + impulse[0], *y + impulse[1], *turn + impulse[2]);
     }
@@ -168,6 +168,7 @@ impl Solver {
                 self.totals[b].add(weighted, of_b);
             }
         }
+        self.rolls.apply(&self.groups, contacts, &mut self.totals);
         corrections.clear();
         corrections.reserve(flights.len());
         // A loop: a closure would not be compiled for the instructions of the job.

@@ -5,7 +5,7 @@ use core::ops::Range;
 use super::batch::Batch;
 use super::number::{bits_of, clamped_word, shifted_word};
 use super::unit::Scale;
-use super::{Contact, Flight, STILL};
+use super::{Contact, Flight, Impulses, STILL};
 use crate::kernel::simd::{GROUP, Pairs};
 use crate::scalar::FxFactor;
 
@@ -133,7 +133,7 @@ impl BodyOf {
             exponent,
             is_held: inverse_mass.iter().all(|factor| factor.is_zero()),
             // A body at rest has a speed of 1: angular ones are rounded up.
-            is_carrier: row == STILL && flight.is_fixed() && flight.speed() > 1,
+            is_carrier: row == STILL && flight.is_fixed() && (flight.speed() > 1 || flight.leader.is_some()),
             inverse_mass,
             inverse_inertia: flight.inverse_inertia,
         }
@@ -235,23 +235,25 @@ impl Group {
     /// Writes the impulses that the step begins with, in 2^exponent N·s.
     #[inline(always)]
     pub(super) fn set_impulses(&mut self, lane: usize, contact: &Contact, exponent: i32) {
-        let of = &contact.impulses;
-        let down = exponent.saturating_sub(of.exponent);
-        let within = |impulse: i64, least: i64, most: i64| {
-            let up = down.saturating_neg();
-            let scaled = match up {
-                ..=0 => shifted_word(impulse, down),
-                // Beyond the limits, however far it is shifted.
-                _ if up.saturating_add(bits_of(impulse)) > bits_of(IMPULSE) => impulse.signum() * IMPULSE,
-                _ => impulse << up,
-            };
-            scaled.clamp(least, most)
-        };
-        let [one, two, along] = of.values;
-        self.impulses[0][lane] = within(one, 0, IMPULSE);
+        let of = |k: usize| scaled_impulse(&contact.impulses, k, exponent);
+        self.impulses[0][lane] = of(0).max(0);
         // A second point may be missing.
-        self.impulses[1][lane] = within(two, 0, if contact.count == 1 { 0 } else { IMPULSE });
+        self.impulses[1][lane] = if contact.count == 1 { 0 } else { of(1).max(0) };
         // Friction has either sign.
-        self.impulses[2][lane] = within(along, -IMPULSE, IMPULSE);
+        self.impulses[2][lane] = of(2);
     }
+}
+
+/// An impulse that the step begins with, in 2^exponent N·s, within ±[`IMPULSE`].
+#[inline(always)]
+pub(super) fn scaled_impulse(of: &Impulses, k: usize, exponent: i32) -> i64 {
+    let (impulse, down) = (of.values[k], exponent.saturating_sub(of.exponent));
+    let up = down.saturating_neg();
+    let scaled = match up {
+        ..=0 => shifted_word(impulse, down),
+        // Beyond the limits, however far it is shifted.
+        _ if up.saturating_add(bits_of(impulse)) > bits_of(IMPULSE) => impulse.signum() * IMPULSE,
+        _ => impulse << up,
+    };
+    scaled.clamp(-IMPULSE, IMPULSE)
 }

@@ -7,7 +7,7 @@ use crate::kernel::simd::{GROUP, Lanes, Pairs};
 /// Wanted impulses count up to this: far above any that a pass can reach, and their differences fit.
 const WANTED: i128 = 1 << 58;
 /// The largest change of an impulse in a pass.
-const CHANGE: i64 = (1 << 30) - 1;
+pub(super) const CHANGE: i64 = (1 << 30) - 1;
 
 /// Cuts off what is too large for the loop, for some lanes: `solution` is that of the linear system, and becomes the impulses.
 /// Returns the number of impulses that were cut.

@@ -5,6 +5,7 @@
 //! poses; it returns the exact impulses of contacts and the corrections of bodies that follow from them.
 //!
 //! - `graph`: islands, levels and phases.
+//! - `follow`: bodies that contacts are not to move.
 //! - `unit`: the unit of velocity of an island, and the constants of soft contacts.
 //! - `motion`: velocities and displacements through the sub-steps.
 //! - `contact`: contacts side by side, in groups.
@@ -13,6 +14,7 @@
 //! - `pass`: the loops over contacts.
 //! - `cut`: contacts with values that are too large for them.
 //! - `prepare`: units, rows of bodies and groups of contacts.
+//! - `rolling`: rolling resistance, after the friction of a phase.
 //! - `restitution`: bouncing, once a step.
 //! - `apply`: exact impulses, applied once.
 //! - `matrix`: inverse matrices of groups.
@@ -23,6 +25,7 @@ mod apply;
 mod batch;
 mod contact;
 mod cut;
+mod follow;
 mod graph;
 mod joint;
 mod matrix;
@@ -31,6 +34,7 @@ mod number;
 mod pass;
 mod prepare;
 mod restitution;
+mod rolling;
 #[cfg(test)]
 mod tests;
 mod unit;
@@ -41,6 +45,7 @@ use alloc::vec::Vec;
 use self::apply::{Apply, Path, Total};
 use self::batch::Batch;
 use self::contact::{BodyOf, Group};
+use self::follow::{Follower, follow};
 pub(crate) use self::graph::{Graph, PHASES};
 use self::joint::{Common, Joints};
 pub use self::joint::{Joint, JointKind};
@@ -50,6 +55,7 @@ use self::number::{exponent, log2_above, shifted_word};
 use self::pass::{Pass, PassOver};
 use self::prepare::{Given, Load, SetGroups, graph_start};
 use self::restitution::Bounces;
+use self::rolling::Rolls;
 use self::unit::{Clock, FINEST, Scale, Softness, rim_speed};
 use crate::fx;
 use crate::fx::Fx;
@@ -122,6 +128,8 @@ pub struct Flight {
     pub inverse_inertia: FxFactor,
     /// Largest distance of a point of its colliders, or of an anchor of its joints, from the centre of mass, m; positive.
     pub radius: Fx,
+    /// The index of the flight that this one follows: it is fixed, and moves as that body does through the sub-steps.
+    pub leader: Option<u32>,
 }
 
 impl Flight {
@@ -175,8 +183,9 @@ pub struct Point {
 /// Impulses of a contact or of a joint: multiples of 2^exponent N·s, over the last sub-step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Impulses {
-    /// Along the normal, by point; then along the tangent (n.y, −n.x). Those along the normal are not negative; the second one is
-    /// zero with one point. For joints see [`Joint::impulses`].
+    /// Along the normal, by point; then along the tangent (n.y, −n.x). Those along the normal are not negative. With one point
+    /// the second one is that of rolling resistance, which turns the second body counter-clockwise: at the lever
+    /// [`Contact::rolling_radius`]. For joints see [`Joint::impulses`].
     pub values: [i64; 3],
     /// log2 of their unit.
     pub exponent: i32,
@@ -197,6 +206,11 @@ pub struct Contact {
     pub friction: Fx,
     /// The coefficient of restitution, 0 to 1.
     pub restitution: Fx,
+    /// The coefficient of rolling resistance c, 0 to 1: with one point the contact holds against a torque of up to c·R·N, with
+    /// the normal force N and the radius R.
+    pub rolling_resistance: Fx,
+    /// The radius R, m, up to 2^12; not negative.
+    pub rolling_radius: Fx,
     /// The velocity of the surfaces against each other along the tangent, m/s.
     pub surface_speed: Fx,
     /// The impulses of the last step, by which the solver starts; then those of this step.
@@ -224,7 +238,7 @@ pub struct SolverCounts {
 }
 
 /// The place of a contact in the groups.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Place {
     contact: u32,
     group: u32,
@@ -275,6 +289,10 @@ pub struct Solver {
     /// Rows of fixed bodies that move, and the first one by body.
     carriers: Vec<Carrier>,
     carrier_of: Vec<Option<u32>>,
+    followers: Vec<Follower>,
+    rolls: Rolls,
+    /// True if a contact resists rolling.
+    has_rolls: bool,
     bounces: Bounces,
     /// Impulses by body.
     totals: Vec<Total>,
@@ -326,6 +344,8 @@ impl Solver {
         self.sort_contacts(contacts);
         let scale = Scale::new(&clock, &softness, FINEST);
         simd::run(SetGroups { solver: self, given: Given { softness: &softness, flights, contacts, scale } });
+        self.set_followers(flights);
+        self.set_rolls(flights, contacts);
         self.set_paths(joints, contacts, &common);
     }
 
@@ -374,6 +394,8 @@ impl Solver {
         for phase in 0..PHASES {
             let groups = &mut self.groups[self.phases[phase].clone()];
             cut += PassOver { pass, groups, rows: &mut self.rows, touched: &self.touched[phase] }.run(lanes);
+            cut += self.rolls.run(phase, pass, &self.groups, &mut self.rows, lanes);
+            follow(&self.followers, &mut self.rows);
         }
         cut
     }
@@ -394,13 +416,16 @@ impl Job for SubSteps<'_> {
         let mut cut = 0;
         for k in 1..=n {
             Begin { rows: &mut solver.rows, k, n }.run(lanes);
+            follow(&solver.followers, &mut solver.rows);
             if k == 1 {
                 cut += solver.pass(Pass::WarmStart, lanes);
             }
             cut += solver.joints.solve(&mut solver.rows, lanes);
+            follow(&solver.followers, &mut solver.rows);
             cut += solver.pass(Pass::Solve, lanes);
             Advance { rows: &mut solver.rows }.run(lanes);
             cut += solver.joints.relax(&mut solver.rows, lanes);
+            follow(&solver.followers, &mut solver.rows);
             cut += solver.pass(Pass::Relax, lanes);
         }
         cut

@@ -6,6 +6,8 @@ use super::contact::{BodyOf, ContactOf, Group};
 use super::graph::PHASES;
 use super::joint::Joint;
 use super::motion::FlightRow;
+use super::number::log2_above;
+use super::rolling::resists;
 use super::unit::{Clock, FINEST, Scale, Softness, unit_for};
 use super::{Contact, Flight, Impulses, Place, STILL, Solver};
 use crate::fx::Fx;
@@ -36,7 +38,8 @@ impl Solver {
         self.add_fixed_speeds(flights);
         self.add_joint_speeds(clock, flights, joints);
         self.add_surface_speeds(contacts);
-        self.add_loads(clock, contacts);
+        self.add_loads(clock, flights, contacts);
+        self.add_leader_speeds(flights);
         self.rows.clear();
         self.rows.push(FlightRow::default());
         self.row_of.clear();
@@ -74,7 +77,7 @@ impl Solver {
 
     /// Impulses that the step starts from count as the velocities that each of them gives to a body, all of the body together: those on a
     /// light body under a heavy one are large and cancel, but one after the other.
-    fn add_loads(&mut self, clock: &Clock, contacts: &[Contact]) {
+    fn add_loads(&mut self, clock: &Clock, flights: &[Flight], contacts: &[Contact]) {
         // The largest speed that a unit is chosen for, as that of a flight: below 2^66.
         const FASTEST: u128 = 1 << 66;
         for contact in contacts {
@@ -82,9 +85,15 @@ impl Solver {
             // Each is at most 2^62.
             let sum = one.unsigned_abs() + two.unsigned_abs() + along.unsigned_abs();
             for body in contact.bodies {
+                // An impulse at a lever beyond the body's length turns it as much more.
+                let lever = if resists(contact) {
+                    (log2_above(contact.rolling_radius) - flights[body as usize].length()).max(0)
+                } else {
+                    0
+                };
                 let of = &mut self.loads[body as usize];
                 // From 2^unit N·s to 2^-32 m/s; far below zero for a body that cannot be moved.
-                let up = of.exponent + unit + 32;
+                let up = of.exponent + unit + 32 + lever;
                 let load = if up > 0 { u128::from(sum) << up.min(63) } else { (sum >> (-up).min(63)).into() };
                 // As many as there may be contacts of 2^70 fit.
                 of.speed += load.min(FASTEST << 4);
@@ -110,12 +119,14 @@ impl Solver {
 
     /// Sorts the contacts by phase, and counts them by body and phase.
     pub(super) fn sort_contacts(&mut self, contacts: &[Contact]) {
-        let Self { graph, row_of, shares, touched, order, phases, phase_of, .. } = self;
+        let Self { graph, row_of, shares, touched, order, phases, phase_of, has_rolls, .. } = self;
         clear_shares(shares, touched, row_of.len());
         phase_of.clear();
         let mut counts = [0; PHASES];
+        *has_rolls = false;
         for contact in contacts {
             let phase = graph.phase(contact.bodies);
+            *has_rolls |= contact.rolling_resistance != Fx::ZERO;
             count_share(shares, touched, row_of, phase, contact.bodies);
             let can_move = graph.mover(contact.bodies).is_some();
             counts[phase] += usize::from(can_move);

@@ -7,18 +7,20 @@
 //! A body without impulses keeps the bits of its free flight. One with impulses is not at rest: the solver holds it to within half a unit
 //! of its velocities, and not to the bit.
 
+use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::ops::Range;
 
 use super::{Constants, Step, bounds, show};
-use crate::body::{Bodies, Change};
-use crate::collider::{ColliderSet, ContactSettings};
-use crate::contact::{ContactEngine as _, ContactSet, Correction, Detected, Scene, Start};
+use crate::body::{Bodies, BodyKind, Change};
+use crate::collide::broad::Statics;
+use crate::collider::{Collider, ColliderSet, ContactSettings};
+use crate::contact::{ContactEngine as _, ContactSet, Correction, Detected, Scene, Start, Stop, is_asleep};
 use crate::error::Cause;
 use crate::integrate::{BlockFactors, Schedule, StageKind, cap};
-use crate::island;
+use crate::island::{self, Joins, Touching, is_candidate};
 use crate::math::Vec2;
-use crate::scalar::{Accumulator as _, Angle as _, Scalar};
+use crate::scalar::{Accumulator as _, Angle as _, Scalar, Wide as _};
 
 /// The colliders and the contacts of a world.
 pub(crate) struct Contacts<'a, S: Scalar> {
@@ -26,6 +28,9 @@ pub(crate) struct Contacts<'a, S: Scalar> {
     pub(crate) contacts: &'a mut ContactSet,
     pub(crate) settings: &'a ContactSettings<S>,
 }
+
+/// The number of changed bodies that are remembered from one look at the static colliders to the next.
+const MOST_CHANGED: usize = 4096;
 
 /// Memory that contacts use again.
 #[derive(Debug, Default)]
@@ -36,12 +41,40 @@ pub(super) struct Workspace<S: Scalar> {
     /// The slots of the moving bodies with colliders.
     slots: Vec<u32>,
     may_have_moved_statics: bool,
+    /// The slots of bodies that changed since contacts were last found, but for their motion alone, if these are all.
+    changed: Vec<u32>,
+    are_all_changed: bool,
+    /// True if the engine holds the contacts of this step.
+    is_detected: bool,
     starts: Vec<Start<S>>,
     corrections: Vec<Correction<S>>,
     detected: Detected,
+    stops: Vec<Stop<S>>,
+    /// No path ends early.
+    #[cfg(feature = "selftest")]
+    is_blind: bool,
+}
+
+/// Returns true if a change of a body is one of the motion of a moving body alone.
+fn is_motion<S: Scalar>(bodies: &Bodies<S>, &(slot, change): &(u32, Change)) -> bool {
+    !change.is_any_of(Change::FORCES) && bodies.index_in(slot).is_some_and(|dense| dense < bodies.moving())
 }
 
 impl<S: Scalar> Workspace<S> {
+    /// The engine with the static colliders of the last step, if they stand where they did then.
+    pub(super) fn current_statics(
+        &self,
+        bodies: &Bodies<S>,
+        colliders: &ColliderSet<S>,
+    ) -> Option<(&Arc<Statics>, &S::Contacts)> {
+        let are_motions = || bodies.changes().bodies().is_some_and(|all| all.iter().all(|one| is_motion(bodies, one)));
+        let is_current = self.are_all_changed
+            && self.changed.is_empty()
+            && self.revision == Some(colliders.revision())
+            && are_motions();
+        self.engine.statics(colliders).filter(|_| is_current).map(|statics| (statics, &self.engine))
+    }
+
     /// Forgets which bodies there are. The tree of static colliders stays: it is compared before it is used.
     pub(super) fn drop_cached(&mut self) {
         self.revision = None;
@@ -49,18 +82,30 @@ impl<S: Scalar> Workspace<S> {
 
     pub(super) fn clone_cached_from(&mut self, source: &Self) {
         self.revision = source.revision;
+        self.changed.clone_from(&source.changed);
+        self.are_all_changed = source.are_all_changed;
         self.slots.clone_from(&source.slots);
         self.engine.clone_cached_from(&source.engine);
+    }
+
+    /// Does without continuous collision, for tests: without the ends of paths, and without contacts that are found ahead of time.
+    #[cfg(feature = "selftest")]
+    pub(super) fn do_without(&mut self, ends: bool, speculation: bool) {
+        self.is_blind = ends;
+        self.engine.set_discrete(speculation);
     }
 
     /// Lists the moving bodies with colliders, if calls or the last step may have changed which those are.
     pub(super) fn survey(&mut self, bodies: &Bodies<S>, colliders: &ColliderSet<S>) {
         // What only changes motion changes no static body.
-        let is_motion = |&(slot, change): &(u32, Change)| {
-            !change.is_any_of(Change::FORCES) && bodies.index_in(slot).is_some_and(|dense| dense < bodies.moving())
-        };
-        let are_motions = bodies.changes().bodies().is_some_and(|changed| changed.iter().all(is_motion));
-        self.may_have_moved_statics = self.revision.is_none() || !are_motions;
+        let listed = bodies.changes().bodies().filter(|_| self.revision.is_some());
+        let are_motions = listed.is_some_and(|changed| changed.iter().all(|change| is_motion(bodies, change)));
+        self.may_have_moved_statics = !are_motions;
+        // A world that nothing moves in for long has its colliders looked through instead.
+        self.are_all_changed &= listed.is_some() && self.changed.len() <= MOST_CHANGED;
+        if let (true, Some(changed)) = (self.are_all_changed, listed) {
+            self.changed.extend(changed.iter().filter(|change| !is_motion(bodies, change)).map(|(slot, _)| *slot));
+        }
         if self.revision == Some(colliders.revision()) && !self.may_have_moved_statics {
             return;
         }
@@ -74,16 +119,38 @@ impl<S: Scalar> Workspace<S> {
 
     /// Keeps the motion of moving bodies with colliders before their free flight.
     pub(super) fn begin(&mut self, bodies: &Bodies<S>) {
+        self.is_detected = false;
         self.starts.clear();
         let indices = self.slots.iter().filter_map(|&slot| bodies.index_in(slot));
         self.starts.extend(indices.map(|dense| Start::of(bodies, dense)));
+    }
+
+    /// Lists which bodies touched each other in the step.
+    pub(super) fn list_touching(&self, bodies: &Bodies<S>, contacts: &Contacts<'_, S>, touching: &mut Touching) {
+        if !self.is_detected {
+            return;
+        }
+        let is_dynamic =
+            |slot: u32| bodies.index_in(slot).is_some_and(|dense| bodies.info(dense).kind == BodyKind::Dynamic);
+        self.engine.touching(contacts.colliders, |pair, is_driven| {
+            for [body, other] in [pair, [pair[1], pair[0]]] {
+                if is_dynamic(body) {
+                    touching.push(body, other);
+                    if is_driven {
+                        touching.push_driven(body);
+                    }
+                }
+            }
+        });
+        touching.sort();
     }
 
     /// Returns true if nothing can touch anything.
     pub(super) fn is_idle(&self, bodies: &Bodies<S>, colliders: &ColliderSet<S>, contacts: &ContactSet) -> bool {
         // A static body may have been put into a sleeping one.
         let may_wake = || bodies.any_asleep() && !colliders.is_empty();
-        self.starts.is_empty() && contacts.records.is_empty() && !may_wake()
+        let is_kept = || contacts.records.is_empty() && contacts.passes.is_empty() && !contacts.any_until_apart();
+        self.starts.is_empty() && is_kept() && !(self.may_have_moved_statics && may_wake())
     }
 }
 
@@ -91,7 +158,7 @@ impl<S: Scalar> Step<'_, S> {
     /// Lists the moving bodies with colliders.
     pub(super) fn survey_contacts(&mut self) {
         let Self { bodies, contacts, workspace, .. } = self;
-        if workspace.contacts.is_some() || !contacts.colliders.is_empty() {
+        if workspace.contacts.is_some() || !contacts.colliders.is_empty() || contacts.contacts.any_until_apart() {
             workspace.contacts.get_or_insert_default().survey(bodies, contacts.colliders);
         }
     }
@@ -106,35 +173,40 @@ impl<S: Scalar> Step<'_, S> {
     pub(super) fn run_contacts(&mut self, constants: &Constants<'_, S>, schedule: Schedule) {
         let Some(mut own) = self.workspace.contacts.take() else { return };
         self.leave_out_faulty(&mut own);
+        own.is_detected = true;
         let stale = own.may_have_moved_statics;
         loop {
             own.detected.touched.clear();
             own.detected.crowded.clear();
-            let Workspace { engine, detected, corrections, starts, .. } = &mut *own;
+            let Workspace { engine, detected, corrections, starts, changed, are_all_changed, .. } = &mut *own;
             let starts: &[Start<S>] = starts;
             let scene = Scene {
                 bodies: self.bodies,
                 colliders: self.contacts.colliders,
                 starts,
                 may_have_moved_statics: stale,
+                changed: are_all_changed.then_some(&**changed),
                 settings: self.contacts.settings,
                 time_step: self.settings.time_step,
             };
             engine.detect(&scene, self.contacts.contacts, detected);
             if detected.touched.is_empty() && detected.crowded.is_empty() {
+                let contacts = &mut *self.contacts.contacts;
+                let (was_near, excluded) = (!contacts.passes.is_empty(), contacts.excluded.len());
                 if self.probe.is_some() {
-                    self.contacts.contacts.records.clear();
-                    engine.list(&mut self.contacts.contacts.records);
+                    engine.list(contacts);
                     show(&mut self.probe, StageKind::Detect, self.bodies, self.contacts.contacts);
                 }
                 engine.solve(&scene, corrections);
-                self.contacts.contacts.records.clear();
-                engine.list(&mut self.contacts.contacts.records);
-                if !own.corrections.is_empty() {
-                    self.contacts.contacts.pushed_at = self.settings.tick;
+                let contacts = &mut *self.contacts.contacts;
+                engine.list(contacts);
+                let is_near = was_near || !contacts.passes.is_empty() || contacts.excluded.len() < excluded;
+                if is_near || !own.corrections.is_empty() {
+                    contacts.pushed_at = self.settings.tick;
                 }
                 self.show(StageKind::Solve);
                 self.correct(&own, constants);
+                self.end_paths(&mut own);
                 self.show(StageKind::Push);
                 break;
             }
@@ -145,6 +217,8 @@ impl<S: Scalar> Step<'_, S> {
                 self.wake_touched(&mut own, constants, schedule);
             }
         }
+        own.changed.clear();
+        own.are_all_changed = true;
         self.workspace.contacts = Some(own);
     }
 
@@ -167,8 +241,11 @@ impl<S: Scalar> Step<'_, S> {
         let first = self.bodies.moving();
         let touched = own.detected.touched.iter().copied();
         let woke = &mut self.workspace.report.woke;
-        island::wake(self.bodies, self.forces.fields, touched, woke);
+        let Contacts { colliders, contacts, .. } = &mut self.contacts;
+        let joins = Joins { fields: self.forces.fields, colliders, contacts };
+        island::wake(self.bodies, joins, touched, woke);
         woke.sort_unstable();
+        contacts.wake(|slot| is_asleep(self.bodies, colliders, slot));
         let indices = first..self.bodies.moving();
         let colliders = self.contacts.colliders;
         let with_colliders = |dense: &usize| colliders.of_slot(self.bodies.columns.slot[*dense]).next().is_some();
@@ -196,21 +273,29 @@ impl<S: Scalar> Step<'_, S> {
         self.workspace.drop_cached_fields();
     }
 
+    /// Puts the contacts of bodies that fell asleep aside.
+    pub(super) fn put_contacts_to_sleep(&mut self) {
+        let Contacts { colliders, contacts, .. } = &mut self.contacts;
+        if !(self.workspace.report.fell_asleep.is_empty() || contacts.records.is_empty()) {
+            contacts.fall_asleep(|slot| is_asleep(self.bodies, colliders, slot));
+        }
+    }
+
     /// Adds what impulses change. A body that leaves the allowed range is taken back to the start.
     fn correct(&mut self, own: &Workspace<S>, constants: &Constants<'_, S>) {
-        let bodies = &mut *self.bodies;
+        let (colliders, settings) = (self.contacts.colliders, self.contacts.settings);
         for (start, by) in own.starts.iter().zip(&own.corrections) {
             if !by.is_pushed {
                 continue;
             }
             let i = start.dense;
+            let bodies = &mut *self.bodies;
             let motion = &mut bodies.columns.motion;
             let sum = |a: Vec2<S::Accumulator>, b: Vec2<S::Accumulator>| Vec2::new(a.x.plus(b.x), a.y.plus(b.y));
             motion.position.set(i, sum(motion.position.get(i), by.displacement));
             motion.velocity.set(i, sum(motion.velocity.get(i), by.velocity));
             motion.angular_velocity[i] = motion.angular_velocity[i].plus(by.angular_velocity);
             motion.angle[i] = motion.angle[i].turned(by.rotation);
-            motion.ticks_at_rest[i] = 0;
             let mut block = bodies.block(i..i + 1);
             if constants.any_capped {
                 cap(&mut block, BlockFactors::Each(constants.rows));
@@ -219,12 +304,72 @@ impl<S: Scalar> Step<'_, S> {
             bounds::find_out_of_bounds(&block, &mut self.workspace.found.faults);
             if self.workspace.found.faults.len() > first {
                 start.restore(bodies);
+            } else if bodies.info(i).kind == BodyKind::Dynamic {
+                // Impulses change it in each step: it counts as at rest while it is slow and nothing else is applied to it.
+                let is_left_alone = constants.applied.binary_search_by_key(&i, |(i, _)| *i).is_err();
+                let rests = constants.sleep_after.is_some()
+                    && is_left_alone
+                    && is_slow(bodies, colliders, settings.sleep_speed, i);
+                let ticks_at_rest = &mut bodies.columns.motion.ticks_at_rest[i];
+                *ticks_at_rest = if rests { start.ticks_at_rest.saturating_add(1) } else { 0 };
+                if constants.sleep_after.is_some_and(|ticks| is_candidate(*ticks_at_rest, ticks)) {
+                    self.workspace.found.candidates.push(i);
+                }
             }
-            if i < bodies.free_count() {
-                self.workspace.free.drop_block(i);
-            } else {
-                bodies.note(i, Change::POSE.or(Change::VELOCITY));
-            }
+            self.note_pushed(i);
         }
     }
+
+    /// Takes note that contacts changed the free flight of a body.
+    fn note_pushed(&mut self, dense: usize) {
+        if dense < self.bodies.free_count() {
+            self.workspace.free.drop_block(dense);
+        } else {
+            self.bodies.note(dense, Change::POSE.or(Change::VELOCITY));
+        }
+    }
+
+    /// Ends the paths of fast bodies where they would cross something. Their velocities stay: the next step solves the contact.
+    fn end_paths(&mut self, own: &mut Workspace<S>) {
+        #[cfg(feature = "selftest")]
+        if own.is_blind {
+            return;
+        }
+        let Workspace { engine, corrections, starts, stops, .. } = own;
+        let scene = Scene {
+            bodies: self.bodies,
+            colliders: self.contacts.colliders,
+            starts,
+            may_have_moved_statics: false,
+            changed: Some(&[]),
+            settings: self.contacts.settings,
+            time_step: self.settings.time_step,
+        };
+        let faults = &self.workspace.found.faults;
+        engine.sweep(&scene, corrections, &|dense| faults.iter().any(|(i, _)| *i == dense), stops);
+        if !stops.is_empty() {
+            self.contacts.contacts.pushed_at = self.settings.tick;
+        }
+        for stop in stops {
+            let motion = &mut self.bodies.columns.motion;
+            motion.position.set(stop.dense, stop.position);
+            motion.angle[stop.dense] = stop.angle;
+            motion.ticks_at_rest[stop.dense] = 0;
+            self.note_pushed(stop.dense);
+        }
+    }
+}
+
+/// Returns true if no point of a body's colliders is faster than this.
+fn is_slow<S: Scalar>(bodies: &Bodies<S>, colliders: &ColliderSet<S>, speed: S, i: usize) -> bool {
+    let size = |value: S| if value < S::ZERO { -value } else { value };
+    let motion = &bodies.columns.motion;
+    let [x, y] = [motion.velocity.x[i], motion.velocity.y[i]].map(|v| size(v.value()));
+    let larger = |most: S, collider: &Collider<S>| if collider.radius > most { collider.radius } else { most };
+    let radius = colliders.of_slot(bodies.columns.slot[i]).fold(S::ZERO, larger);
+    // The speed that the turning leaves to the body.
+    let left = size(motion.angular_velocity[i].value()).times(radius).map(|rim| speed - rim);
+    let square = |v: S| v.product(v);
+    // Below 2^10 m/s, no sum is too large.
+    left.is_some_and(|left| x <= left && y <= left && square(x).plus(square(y)).is_some_and(|sum| sum <= square(left)))
 }

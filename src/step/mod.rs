@@ -170,9 +170,10 @@ impl<S: Scalar> Step<'_, S> {
         timed!(self.workspace, finish, {
             quarantine::find(self.bodies, self.workspace);
             if let Some(ticks) = sleep_after {
-                sleep::find(self.bodies, self.forces.fields, ticks, kinds, self.workspace);
+                sleep::find(self.bodies, self.forces.fields, &self.contacts, (ticks, kinds), self.workspace);
             }
             quarantine::take_out(self.bodies, &self.workspace.report);
+            self.put_contacts_to_sleep();
         });
         self.workspace.applied = applied;
     }

@@ -1,31 +1,54 @@
-//! Sleep: islands that the next step would leave as they are, and that were so for a number of steps.
+//! Sleep: islands of bodies that have been at rest for a number of steps.
 //!
-//! Reads: ticks at rest, springs, attractors that moving bodies carry. Writes: the report, ticks at rest.
+//! Reads: ticks at rest, springs, contacts, attractors that moving bodies carry. Writes: the report, ticks at rest, velocities, contacts.
 //!
-//! Skipping such a body changes nothing: its public velocities are zero, the step changed nothing below them either, no force
-//! was applied, and no body that might still move acts on it.
+//! A body without contacts is at rest if the next step would leave it as it is: its public velocities are zero, the step changed nothing
+//! below them either, no force was applied, and no body that might still move acts on it. Skipping it changes nothing. One that contacts
+//! push is at rest while it is slow; when it falls asleep, it stops.
 
-use super::Workspace;
 use super::coupled::{FieldKinds, may_move};
+use super::{Contacts, Workspace};
 use crate::body::Bodies;
 use crate::force::{End, FieldKind, FieldSet};
 use crate::island;
-use crate::scalar::Scalar;
+use crate::math::Vec2;
+use crate::scalar::{Accumulator as _, Scalar};
+use crate::slots::BodyId;
 
 /// Reports the bodies that fall asleep, in the order of the handles.
 pub(super) fn find<S: Scalar>(
     bodies: &mut Bodies<S>,
     fields: &FieldSet<S>,
-    ticks: u32,
-    kinds: FieldKinds,
+    contacts: &Contacts<'_, S>,
+    (ticks, kinds): (u32, FieldKinds),
     workspace: &mut Workspace<S>,
 ) {
     if kinds.moving_attractors {
         keep_awake_around_moving_attractors(bodies, fields);
     }
-    let Workspace { found, islands, report, .. } = workspace;
-    if !found.candidates.is_empty() {
-        island::find_sleepers(bodies, fields, ticks, &found.candidates, islands, &mut report.fell_asleep);
+    let Workspace { found, islands, touching, contacts: own_contacts, report, .. } = workspace;
+    if found.candidates.is_empty() {
+        return;
+    }
+    touching.clear();
+    if let Some(own) = own_contacts {
+        own.list_touching(bodies, contacts, touching);
+    }
+    let candidates = (&found.candidates[..], &*touching);
+    island::find_sleepers(bodies, fields, ticks, candidates, islands, &mut report.fell_asleep);
+    for &body in &report.fell_asleep {
+        stop(bodies, body);
+    }
+}
+
+/// Stops a body that falls asleep while it is slow.
+fn stop<S: Scalar>(bodies: &mut Bodies<S>, body: BodyId) {
+    let Ok(i) = bodies.find(body) else { return };
+    let motion = &mut bodies.columns.motion;
+    let [x, y] = [motion.velocity.x[i], motion.velocity.y[i]];
+    if ![x, y, motion.angular_velocity[i]].iter().all(|velocity| velocity.is_still()) {
+        motion.velocity.set(i, Vec2::new(S::Accumulator::default(), S::Accumulator::default()));
+        motion.angular_velocity[i] = S::Accumulator::default();
     }
 }
 

@@ -1,10 +1,13 @@
 //! The memory that steps use again, and the report of the last one. None of it is state.
 
 use alloc::boxed::Box;
+use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use super::{AppliedAcceleration, contacts, coupled, damp, fields, free, kick, targets};
 use crate::body::Bodies;
+use crate::collide::broad::Statics;
+use crate::collider::ColliderSet;
 use crate::error::{Cause, Fault};
 use crate::force::FieldSet;
 use crate::island;
@@ -24,6 +27,7 @@ pub(crate) struct Workspace<S: Scalar> {
     /// Made in the first step with a collider.
     pub(super) contacts: Option<Box<contacts::Workspace<S>>>,
     pub(super) islands: island::Workspace,
+    pub(super) touching: island::Touching,
     pub(super) found: Found,
     pub(crate) report: Report,
     #[cfg(feature = "timers")]
@@ -68,6 +72,11 @@ impl Report {
 }
 
 impl<S: Scalar> Workspace<S> {
+    #[cfg(feature = "selftest")]
+    pub(crate) fn do_without(&mut self, ends: bool, speculation: bool) {
+        self.contacts.get_or_insert_default().do_without(ends, speculation);
+    }
+
     /// Makes it ready for a step: drops what is cached of bodies that changed since the last one, and forgets the changes.
     pub(super) fn begin(&mut self, bodies: &mut Bodies<S>, fields: &FieldSet<S>) {
         self.found.faults.clear();
@@ -81,6 +90,15 @@ impl<S: Scalar> Workspace<S> {
         {
             self.timers.steps += 1;
         }
+    }
+
+    /// The static colliders of the last step and the engine that numbers them, if they stand where they did then.
+    pub(crate) fn statics(
+        &self,
+        bodies: &Bodies<S>,
+        colliders: &ColliderSet<S>,
+    ) -> Option<(&Arc<Statics>, &S::Contacts)> {
+        self.contacts.as_ref()?.current_statics(bodies, colliders)
     }
 
     /// Drops all that is cached: it belongs to other bodies. A step that finds nothing cached has the same bits.

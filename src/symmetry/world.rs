@@ -4,8 +4,8 @@ use alloc::sync::Arc;
 
 use super::{FAR, Image, Symmetry};
 use crate::body::MassSource;
-use crate::collider::{ColliderMass, OutlineId};
-use crate::contact::ContactRecord;
+use crate::collider::{ColliderMass, ColliderSet, OutlineId};
+use crate::contact::{ContactRecord, PassRecord};
 use crate::fx::Fx;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator as _, FxAccumulator, FxSum, Number as _};
@@ -52,27 +52,46 @@ impl Symmetry {
         for (id, def) in world.colliders() {
             set.replace(id, Image(self).collider_def(def.clone()).ok()?).ok()?;
         }
-        for record in &mut image.contacts.records {
-            let pair = record.pair();
-            let images = pair.map(|OutlineId { slot, part }| {
-                let shape = world.colliders.at(slot).map(|collider| &collider.def.shape);
-                OutlineId { slot, part: shape.map_or(part, |shape| image_of_part(shape, part)) }
-            });
-            let outlines = [0, 1].map(|side| {
-                let here = own_outline(&world.colliders.at(pair[side].slot)?.def.shape, pair[side].part)?;
-                let there = &image.colliders.at(images[side].slot)?.def.shape;
-                Some((here, own_outline(there, images[side].part)?))
-            });
-            let corner = |side: usize, number: usize| {
-                let (here, there) = outlines[side]?;
-                let place = self.local(*here.corners().get(number)?)?;
-                there.corners().iter().position(|corner| *corner == place)
-            };
-            *record = record.mirrored(images, corner)?;
+        let mut are_all_images = true;
+        let colliders = &image.colliders;
+        image.contacts.change_all(|record| {
+            let found = self.contact(record, &world.colliders, colliders);
+            are_all_images &= found.is_some();
+            *record = found.unwrap_or(*record);
+            true
+        });
+        for record in &mut image.contacts.passes {
+            let (OutlineId { slot, part }, body) = record.place();
+            let part = world.colliders.at(slot).map_or(part, |own| image_of_part(&own.def.shape, part));
+            *record = PassRecord::new((OutlineId { slot, part }, body), record.passes);
         }
-        // The segments of a chain are in the opposite order.
-        image.contacts.records.sort_unstable_by_key(ContactRecord::pair);
-        Some(())
+        image.contacts.passes.sort_unstable_by_key(PassRecord::place);
+        are_all_images.then_some(())
+    }
+
+    /// The image of a contact. The segments of a chain are in the opposite order.
+    fn contact(
+        &self,
+        record: &ContactRecord,
+        here: &ColliderSet<Fx>,
+        there: &ColliderSet<Fx>,
+    ) -> Option<ContactRecord> {
+        let pair = record.pair();
+        let images = pair.map(|OutlineId { slot, part }| {
+            let shape = here.at(slot).map(|collider| &collider.def.shape);
+            OutlineId { slot, part: shape.map_or(part, |shape| image_of_part(shape, part)) }
+        });
+        let outlines = [0, 1].map(|side| {
+            let own = own_outline(&here.at(pair[side].slot)?.def.shape, pair[side].part)?;
+            let image = &there.at(images[side].slot)?.def.shape;
+            Some((own, own_outline(image, images[side].part)?))
+        });
+        let corner = |side: usize, number: usize| {
+            let (own, image) = outlines[side]?;
+            let place = self.local(*own.corners().get(number)?)?;
+            image.corners().iter().position(|corner| *corner == place)
+        };
+        record.mirrored(images, corner)
     }
 
     /// Makes of the body at an index in the columns its image.

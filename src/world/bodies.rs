@@ -68,6 +68,7 @@ impl<S: Scalar> World<S> {
             self.take_field(field)?;
         }
         self.take_colliders(body)?;
+        self.contacts.forget_body(body);
         let dense = self.bodies.find(body)?;
         self.applied.forget(body);
         self.targets.forget(body);
@@ -319,6 +320,50 @@ impl<S: Scalar> World<S> {
         self.journal.note(|| Command::SetLocks { body, locks });
         self.targets.recall(body);
         self.bodies.set_locks(dense, Arc::make_mut(&mut self.factor_table), locks);
+        Ok(())
+    }
+
+    /// Sets the [dominance](crate::BodyDef::dominance) of a body; wakes the body.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchBody`].
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, World, WorldDef};
+    ///
+    /// let mut world = World::new(WorldDef::default())?;
+    /// let boss = world.add_body(BodyDef { dominance: 5, ..BodyDef::dynamic() })?;
+    /// world.set_dominance(boss, -1)?;
+    /// assert_eq!(world.body(boss)?.dominance(), -1);
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    pub fn set_dominance(&mut self, body: BodyId, dominance: i32) -> Result<(), Error> {
+        self.edit(body, |info| info.dominance = dominance)?;
+        self.journal.note(|| Command::SetDominance { body, dominance });
+        Ok(())
+    }
+
+    /// Makes a body a [bullet](BodyDef::bullet), or one no more; wakes the body.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchBody`].
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, Shape, World, WorldDef, fx, vec2};
+    ///
+    /// let mut world = World::new(WorldDef::default())?;
+    /// let plate = BodyDef::dynamic().with_collider(Shape::rectangle(fx!(0.01), 2)?);
+    /// let plate = world.add_body(plate)?;
+    /// let shot = BodyDef { position: vec2(-3, 0), velocity: vec2(1000, 0), ..BodyDef::dynamic() };
+    /// let shot = world.add_body(shot.with_collider(Shape::circle(fx!(0.02))?))?;
+    /// world.set_bullet(shot, true)?;
+    /// world.step();
+    /// assert!(world.body(shot)?.position().x < world.body(plate)?.position().x);
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    pub fn set_bullet(&mut self, body: BodyId, bullet: bool) -> Result<(), Error> {
+        self.edit(body, |info| info.is_bullet = bullet)?;
+        self.journal.note(|| Command::SetBullet { body, bullet });
         Ok(())
     }
 

@@ -335,6 +335,38 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
         self.world.bodies.mass(self.dense).locks
     }
 
+    /// The dominance: contacts of two dynamic bodies do not move the one with the higher number.
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, World, WorldDef};
+    ///
+    /// let mut world = World::new(WorldDef::default())?;
+    /// let body = world.add_body(BodyDef { dominance: 2, ..BodyDef::dynamic() })?;
+    /// let body = world.body(body)?;
+    /// assert_eq!(body.dominance(), 2);
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    #[must_use]
+    pub fn dominance(&self) -> i32 {
+        self.info().dominance
+    }
+
+    /// Returns true for a [bullet](crate::BodyDef::bullet).
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, World, WorldDef};
+    ///
+    /// let mut world = World::new(WorldDef::default())?;
+    /// let body = world.add_body(BodyDef { bullet: true, ..BodyDef::dynamic() })?;
+    /// let body = world.body(body)?;
+    /// assert!(body.is_bullet());
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    #[must_use]
+    pub fn is_bullet(&self) -> bool {
+        self.info().is_bullet
+    }
+
     /// The groups of the body, one a bit.
     #[must_use]
     pub fn force_groups(&self) -> u32 {

@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 
 use super::{Command, World, WorldDef};
 use crate::body::Change;
-use crate::collider::{ColliderDef, ContactSettings};
+use crate::collider::{ColliderDef, ContactSettings, MaterialPair};
 use crate::error::Error;
 use crate::scalar::Scalar;
 use crate::slots::{BodyId, ColliderId};
@@ -101,6 +101,47 @@ impl<S: Scalar> World<S> {
         self.journal.note(|| Command::SetContactSettings(contacts));
         self.redefine(WorldDef { contacts, ..self.def });
         Ok(())
+    }
+
+    /// Gives coefficients to the contacts of two materials, in either order, in place of those that follow from both; with `None` takes
+    /// them back; wakes all bodies. A collider's material has the number [`Material::id`](crate::Material::id). Both numbers may be the
+    /// same. The next step uses them.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] naming the quantity: a number that is 0, friction, restitution, rolling resistance. [`Error::Full`] beyond
+    /// [`limits::MATERIAL_PAIRS`](crate::limits::MATERIAL_PAIRS).
+    ///
+    /// ```
+    /// use umbra_physics::{Error, MaterialPair, Quantity, World, WorldDef, fx};
+    ///
+    /// let [ice, skates] = [1, 2];
+    /// let mut world = World::new(WorldDef::default())?;
+    /// let slippery = MaterialPair { friction: fx!(0.01), ..MaterialPair::default() };
+    /// world.set_material_pair(ice, skates, Some(slippery))?;
+    /// assert_eq!(world.material_pair(skates, ice), Some(&slippery));
+    /// let numberless = world.set_material_pair(ice, 0, Some(slippery));
+    /// assert_eq!(numberless, Err(Error::OutOfRange { quantity: Quantity::MaterialId }));
+    /// world.set_material_pair(skates, ice, None)?;
+    /// assert_eq!(world.material_pairs().count(), 0);
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    pub fn set_material_pair(&mut self, first: u32, second: u32, pair: Option<MaterialPair<S>>) -> Result<(), Error> {
+        self.colliders.check_material_pair([first, second], pair.as_ref())?;
+        self.journal.note(|| Command::SetMaterialPair { first, second, pair });
+        self.wake_all();
+        Arc::make_mut(&mut self.colliders).set_material_pair([first, second], pair);
+        Ok(())
+    }
+
+    /// The coefficients that were given to the contacts of two materials, in either order.
+    #[must_use]
+    pub fn material_pair(&self, first: u32, second: u32) -> Option<&MaterialPair<S>> {
+        self.colliders.material_pair([first, second])
+    }
+
+    /// The pairs of materials with coefficients of their own, sorted by both numbers, the lower one first.
+    pub fn material_pairs(&self) -> impl Iterator<Item = ([u32; 2], &MaterialPair<S>)> {
+        self.colliders.material_pairs().iter().map(|entry| (entry.ids, &entry.pair))
     }
 
     /// The definition of a collider.

@@ -5,7 +5,8 @@
 
 use super::{ApplyOptions, ForceOrImpulse, Frame};
 use crate::body::{BodyDef, BodyKind, Damping, Locks, Mass};
-use crate::collider::{ColliderDef, ContactSettings, Material};
+use crate::collider::{ColliderDef, ContactSettings, Material, MaterialPair, OneWay};
+use crate::contact::Exclusion;
 use crate::force::{Attachment, End, FieldKind, ForceField, Region};
 use crate::fx::Fx;
 use crate::integrate::Integrator;
@@ -171,6 +172,8 @@ pub trait CommandMap<S: Scalar, T: Scalar = S> {
             max_speed: self.optional_scalar(def.max_speed)?,
             max_angular_speed: self.optional_scalar(def.max_angular_speed)?,
             locks: self.locks(def.locks)?,
+            dominance: def.dominance,
+            bullet: def.bullet,
             force_groups: self.force_groups(def.force_groups)?,
             key: def.key,
             user_data: def.user_data,
@@ -192,11 +195,19 @@ pub trait CommandMap<S: Scalar, T: Scalar = S> {
             material: Material {
                 friction: self.scalar(def.material.friction)?,
                 restitution: self.scalar(def.material.restitution)?,
+                rolling_resistance: self.scalar(def.material.rolling_resistance)?,
                 surface_speed: self.pseudoscalar(def.material.surface_speed)?,
                 friction_rule: def.material.friction_rule,
                 restitution_rule: def.material.restitution_rule,
+                id: def.material.id,
             },
             filter: def.filter,
+            one_way: match def.one_way {
+                Some(OneWay { direction, tolerance }) => {
+                    Some(OneWay { direction: self.local(direction)?, tolerance: self.scalar(tolerance)? })
+                }
+                None => None,
+            },
             key: def.key,
             user_data: def.user_data,
         })
@@ -208,9 +219,23 @@ pub trait CommandMap<S: Scalar, T: Scalar = S> {
             substeps: settings.substeps,
             push_speed: self.scalar(settings.push_speed)?,
             restitution_speed: self.scalar(settings.restitution_speed)?,
+            sleep_speed: self.scalar(settings.sleep_speed)?,
             max_pairs: settings.max_pairs,
             max_pairs_per_collider: settings.max_pairs_per_collider,
         })
+    }
+
+    /// The coefficients of two materials together, which may be absent.
+    fn optional_material_pair(
+        &mut self,
+        pair: Option<MaterialPair<S>>,
+    ) -> Result<Option<MaterialPair<T>>, Self::Error> {
+        let Some(pair) = pair else { return Ok(None) };
+        Ok(Some(MaterialPair {
+            friction: self.scalar(pair.friction)?,
+            restitution: self.scalar(pair.restitution)?,
+            rolling_resistance: self.scalar(pair.rolling_resistance)?,
+        }))
     }
 
     /// A point of a body that a field is attached to.
@@ -302,6 +327,9 @@ pub trait CommandSource {
     fn collider(&mut self) -> ColliderId;
     fn collider_def(&mut self) -> ColliderDef;
     fn contact_settings(&mut self) -> ContactSettings;
+    fn exclusion(&mut self) -> Exclusion;
+    fn material(&mut self) -> u32;
+    fn optional_material_pair(&mut self) -> Option<MaterialPair>;
     fn body_def(&mut self) -> BodyDef;
     fn force_field(&mut self) -> ForceField;
     fn force_or_impulse(&mut self) -> ForceOrImpulse;
@@ -317,6 +345,8 @@ pub trait CommandSource {
     fn body_damping(&mut self) -> Option<Damping>;
     fn max_speed(&mut self) -> Option<Fx>;
     fn max_angular_speed(&mut self) -> Option<Fx>;
+    fn dominance(&mut self) -> i32;
+    fn bullet(&mut self) -> bool;
     fn force_groups(&mut self) -> u32;
     fn key(&mut self) -> u64;
     fn user_data(&mut self) -> u64;

@@ -6,7 +6,8 @@ use super::command_map::{CommandMap, CommandSource};
 use super::{ApplyOptions, ForceOrImpulse, World};
 use crate::body::{BodyDef, BodyKind, Damping, Locks, Mass};
 use crate::codec::codec_enum;
-use crate::collider::{ColliderDef, ContactSettings};
+use crate::collider::{ColliderDef, ContactSettings, MaterialPair};
+use crate::contact::Exclusion;
 use crate::error::Error;
 use crate::force::ForceField;
 use crate::fx::Fx;
@@ -84,9 +85,9 @@ macro_rules! commands {
                 }
             }
 
-            /// The body that it is about: `None` for a command about a field or about the whole world, and for `AddBody`.
+            /// The body that it is about, the first one of two: `None` for a command about a field or about the whole world, and for `AddBody`.
             #[must_use]
-            #[allow(unused_variables, reason = "most fields are no handles")]
+            #[allow(unused_variables, unreachable_code, reason = "most fields are no handles, and the first one counts")]
             pub const fn body(&self) -> Option<BodyId> {
                 match self {
                     $(Self::$variant $({ $($field),* })? $(($entry))? => {
@@ -361,6 +362,26 @@ commands! { world:
     36 => SetContactSettings(contacts: ContactSettings<S> as contact_settings(contact_settings)),
         check contacts.check(),
         execute world.set_contact_settings(*contacts);
+    /// Calls [`World::exclude_pair`].
+    37 => ExcludePair { a: BodyId as body(body), b: BodyId as body(body), exclusion: Exclusion as plain(exclusion) },
+        check world.check_excluded(*a, *b),
+        execute world.exclude_pair(*a, *b, *exclusion);
+    /// Calls [`World::allow_pair`].
+    38 => AllowPair { a: BodyId as body(body), b: BodyId as body(body) },
+        check world.check_two(*a, *b),
+        execute world.allow_pair(*a, *b);
+    /// Calls [`World::set_material_pair`].
+    39 => SetMaterialPair { first: u32 as plain(material), second: u32 as plain(material), pair: Option<MaterialPair<S>> as optional_material_pair(optional_material_pair) },
+        check world.colliders.check_material_pair([*first, *second], pair.as_ref()),
+        execute world.set_material_pair(*first, *second, *pair);
+    /// Calls [`World::set_dominance`].
+    40 => SetDominance { body: BodyId as body(body), dominance: i32 as plain(dominance) },
+        check world.bodies.find(*body),
+        execute world.set_dominance(*body, *dominance);
+    /// Calls [`World::set_bullet`].
+    41 => SetBullet { body: BodyId as body(body), bullet: bool as plain(bullet) },
+        check world.bodies.find(*body),
+        execute world.set_bullet(*body, *bullet);
     /// Calls [`World::move_to`].
     32 => MoveTo { body: BodyId as body(body), position: Vec2<S> as point(position), angle: S as angle(angle) },
         check world.check_move(*body, *position, *angle),

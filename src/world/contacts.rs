@@ -16,7 +16,7 @@ impl<S: Scalar> World<S> {
     ///
     /// They are a function of the state: a restored world has the same.
     pub fn contacts(&self) -> impl Iterator<Item = Contact<S>> {
-        self.contacts.records.iter().filter_map(|record| self.contact(record))
+        self.contacts.iter().filter_map(|record| self.contact(record))
     }
 
     /// The [contacts](Self::contacts) of a body. The call looks at all contacts of the world.
@@ -40,8 +40,7 @@ impl<S: Scalar> World<S> {
     pub fn contacts_of(&self, body: BodyId) -> Result<impl Iterator<Item = Contact<S>> + use<'_, S>, Error> {
         self.bodies.find(body)?;
         let is_of = move |slot| self.colliders.at(slot).is_some_and(|collider| collider.body == body);
-        let own =
-            self.contacts.records.iter().filter(move |record| record.pair().iter().any(|outline| is_of(outline.slot)));
+        let own = self.contacts.iter().filter(move |record| record.pair().iter().any(|outline| is_of(outline.slot)));
         Ok(own.filter_map(|record| self.contact(record)))
     }
 
@@ -62,7 +61,8 @@ impl<S: Scalar> World<S> {
         let near = || side.and_then(|side| nearest_segment([a, b][side], side, parts, touch));
         let (parts, (normal, points, count)) = touch(parts).or_else(near)?;
         let handles = (pair.map(|outline| self.colliders.id(outline.slot)), [a.body, b.body]);
-        Some(Contact::new(record, handles, parts, (normal, &points[..count])))
+        let radii = [a.outline(parts[0]).outline.radius(), b.outline(parts[1]).outline.radius()];
+        Some(Contact::new(record, handles, parts, radii, (normal, &points[..count])))
     }
 }
 

@@ -10,12 +10,14 @@ mod command_map;
 mod commands;
 mod contacts;
 mod events;
+mod excluded;
 mod fields;
 mod forces;
 mod game;
 mod inputs;
 mod journal;
 mod preview;
+mod queries;
 mod query;
 mod reverse;
 mod rollback;
@@ -51,6 +53,7 @@ pub use forces::{ApplyOptions, ForceOrImpulse, Frame};
 pub use inputs::{Input, InputResult, Inputs, InputsIter};
 pub(crate) use journal::Journal;
 pub use preview::Preview;
+pub use queries::{CastHit, ClosestPoint, Queries, QueryFilter};
 pub use query::BodyIter;
 pub use rollback::{ConfirmedTick, EventStatus, Rollback, RollbackReport, TickEvent};
 pub use stepper::Stepper;
@@ -70,7 +73,8 @@ pub struct WorldDef<S: Scalar = Fx> {
     pub linear_damping: Damping<S>,
     /// The damping of angular velocities, for bodies without their own.
     pub angular_damping: Damping<S>,
-    /// The number of ticks at rest after which a body falls asleep; `None` for never.
+    /// The number of ticks at rest after which a body falls asleep; `None` for never. A body that contacts push counts as at rest while it is
+    /// slower than [`ContactSettings::sleep_speed`].
     pub sleep_after: Option<u32>,
     /// The settings of contacts.
     pub contacts: ContactSettings<S>,

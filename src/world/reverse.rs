@@ -99,7 +99,7 @@ impl<S: Scalar> World<S> {
         }
         // The contacts that the step started from are those of the step before.
         let contacts = &self.contacts;
-        if contacts.pushed_at != 0 && contacts.pushed_at + 1 >= self.tick || !contacts.records.is_empty() {
+        if contacts.pushed_at != 0 && contacts.pushed_at + 1 >= self.tick || !contacts.is_empty() {
             return Err(Irreversible::Contact);
         }
         if !self.applied.rows().is_empty() {

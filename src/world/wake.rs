@@ -4,14 +4,15 @@ use alloc::vec::Vec;
 
 use super::{Command, World};
 use crate::body::{Activity, BodyKind, Change};
+use crate::contact::is_asleep;
 use crate::error::Error;
 use crate::force::FieldKind;
-use crate::island;
+use crate::island::{self, Joins};
 use crate::scalar::Scalar;
 use crate::slots::BodyId;
 
 impl<S: Scalar> World<S> {
-    /// Wakes a body, and those that springs join it to.
+    /// Wakes a body, and those that springs and contacts join it to.
     ///
     /// # Errors
     /// [`Error::NoSuchBody`]; [`Error::Quarantined`]; [`Error::Disabled`].
@@ -129,6 +130,8 @@ impl<S: Scalar> World<S> {
             return;
         }
         let mut reached = Vec::from([body]);
+        let Self { fields, colliders, contacts, .. } = self;
+        reached.extend(Joins { fields, colliders, contacts }.by_contacts(body));
         let mut force_groups = 0;
         for (_, field) in self.fields.attached_to(body) {
             if matches!(field.kind, FieldKind::Attractor { .. }) {
@@ -146,11 +149,11 @@ impl<S: Scalar> World<S> {
     /// groups: then none of these is left that does, until the next step.
     pub(super) fn wake_reached(&mut self, bodies: &[BodyId], force_groups: u32) {
         let mut woken = Vec::new();
-        island::wake(&mut self.bodies, &self.fields, bodies.iter().copied(), &mut woken);
+        self.wake_islands(bodies.iter().copied(), &mut woken);
         if self.bodies.any_asleep_in(force_groups) {
             let feel = self.bodies.asleep().filter(|&i| self.bodies.info(i).feels(force_groups));
             let feel: Vec<BodyId> = feel.map(|i| self.bodies.id(i)).collect();
-            island::wake(&mut self.bodies, &self.fields, feel, &mut woken);
+            self.wake_islands(feel, &mut woken);
         }
         self.report_woken(woken);
     }
@@ -160,8 +163,18 @@ impl<S: Scalar> World<S> {
         if self.bodies.any_asleep() {
             let asleep: Vec<BodyId> = self.bodies.asleep().map(|i| self.bodies.id(i)).collect();
             let mut woken = Vec::with_capacity(asleep.len());
-            island::wake(&mut self.bodies, &self.fields, asleep, &mut woken);
+            self.wake_islands(asleep, &mut woken);
             self.report_woken(woken);
+        }
+    }
+
+    /// Wakes bodies and the islands that they are in. Adds those that slept to `woken`.
+    fn wake_islands(&mut self, reached: impl IntoIterator<Item = BodyId>, woken: &mut Vec<BodyId>) {
+        let Self { bodies, fields, colliders, contacts, .. } = self;
+        let before = woken.len();
+        island::wake(bodies, Joins { fields, colliders, contacts }, reached, woken);
+        if woken.len() > before {
+            contacts.wake(|slot| is_asleep(bodies, colliders, slot));
         }
     }
 

@@ -1,7 +1,10 @@
 //! Bodies that collide: symmetric scenes, order of insertion, closed forms.
 
+mod cases;
 mod chains;
 mod compounds;
+mod dominance;
+mod excluded;
 mod extremes;
 mod fair;
 #[cfg(feature = "float")]
@@ -10,6 +13,11 @@ mod forms;
 mod games;
 mod materials;
 mod momentum;
+mod one_way;
+mod pairs;
+mod queries;
+mod rolling;
 mod scenes;
 mod sleep;
 mod state;
+mod tiles;

@@ -1,7 +1,9 @@
 //! Sleeping bodies that are touched, and bystanders.
 
 use super::scenes::{def, square, world};
-use umbra_physics::{Activity, BodyDef, ColliderDef, Shape, Vec2, World, WorldDef, fx, vec2};
+use umbra_physics::{
+    Activity, BodyDef, BodyId, ColliderDef, Fx, Material, Shape, Snapshot, Vec2, World, WorldDef, fx, vec2,
+};
 
 fn disc(position: Vec2, velocity: Vec2) -> BodyDef {
     let shape = Shape::circle(fx!(0.5)).expect("a disc");
@@ -90,4 +92,133 @@ fn filters_and_bodies_of_one_kind_pass_each_other() {
     let x: Vec<_> = ids.iter().map(|&id| world.body(id).expect("it").position().x).collect();
     assert_eq!(x, [fx!(0); 4]);
     assert_eq!(world.contacts().count(), 0);
+}
+
+/// A stack of squares on the ground of [`scenes`](super::scenes) at x, from the lowest one.
+fn stack(x: i32, count: i32) -> impl Iterator<Item = BodyDef> {
+    let at = move |i: i32| Vec2::new(Fx::from(x), fx!(0.5) + Fx::from(i));
+    (0..count).map(move |i| square(at(i), (100 * x + i) as u64).expect("a square"))
+}
+
+/// The ground and two stacks of squares 20 m apart, stepped until all sleep.
+fn asleep() -> (World, Vec<BodyId>) {
+    let ground = super::scenes::ground().expect("a ground");
+    let bodies = [ground].into_iter().chain(stack(0, 5)).chain(stack(20, 3));
+    let def = WorldDef { sleep_after: Some(30), ..def() };
+    let (mut world, ids) = world(def, bodies.collect::<Vec<_>>()).expect("a scene");
+    for _ in 0..300 {
+        let slept = world.step().fell_asleep.to_vec();
+        // An island as a whole.
+        assert!(slept.is_empty() || slept == ids[1..6] || slept == ids[6..] || slept == ids[1..], "{slept:?}");
+    }
+    assert_eq!(world.moving_count(), 0);
+    (world, ids)
+}
+
+fn are_asleep(world: &World, ids: &[BodyId]) -> bool {
+    ids.iter().all(|&id| world.body(id).expect("it").activity() == Activity::Asleep)
+}
+
+#[test]
+fn stacks_stop_and_fall_asleep_with_their_contacts() {
+    let (mut world, ids) = asleep();
+    let before = motion(&world);
+    assert!(before.iter().all(|[_, _, x, y, turn]| [x, y, turn] == [&0; 3]));
+    let contacts: Vec<_> = world.contacts().collect();
+    assert_eq!(contacts.len(), 8);
+    let weight = |contact: &umbra_physics::Contact| {
+        contact.points().iter().fold(Fx::ZERO, |sum, point| sum + point.normal_impulse)
+    };
+    // The lowest one carries five kilograms for a sub-step.
+    let lowest = contacts.iter().find(|contact| contact.bodies == [ids[0], ids[1]]).expect("the ground is touched");
+    assert!((weight(lowest) - fx!(0.16667)).abs() < fx!(0.0001), "{}", weight(lowest));
+    (0..100).for_each(|_| _ = world.step());
+    assert_eq!((motion(&world), world.contacts().count()), (before, 8));
+    // A world restored from bytes goes on alike, also where the stack is woken.
+    let saved = world.snapshot().to_bytes();
+    let mut twin = Snapshot::from_bytes(&saved, &[]).expect("its own bytes").into_world();
+    for world in [&mut world, &mut twin] {
+        world.apply_impulse(ids[5], vec2(fx!(0.3), 0)).expect("it is there");
+    }
+    for _ in 0..200 {
+        assert_eq!(world.state_hash(), twin.state_hash());
+        assert_eq!(world.step().woke, twin.step().woke);
+    }
+}
+
+#[test]
+fn a_stack_wakes_as_a_whole_and_another_sleeps_on() {
+    let push = |world: &mut World, ids: &[BodyId]| world.apply_impulse(ids[3], vec2(0, fx!(0.1)));
+    let remove = |world: &mut World, ids: &[BodyId]| world.remove_body(ids[1]).map(drop);
+    let lift = |world: &mut World, ids: &[BodyId]| world.set_position(ids[1], vec2(-5, 5));
+    let change = |world: &mut World, ids: &[BodyId]| {
+        let collider = world.colliders_of(ids[2])?.next().expect("a collider");
+        let material = Material { friction: fx!(0.1), ..Material::default() };
+        let def = ColliderDef { material, ..world.collider(collider)?.clone() };
+        world.set_collider(collider, def)
+    };
+    type Call<'a> = &'a dyn Fn(&mut World, &[BodyId]) -> Result<(), umbra_physics::Error>;
+    for (call, removed) in [(&push as Call<'_>, 0), (&remove, 1), (&lift, 0), (&change, 0)] {
+        let (mut world, ids) = asleep();
+        call(&mut world, &ids).expect("a call");
+        let woke = world.step().woke.to_vec();
+        assert_eq!(woke[..], ids[1 + removed..6]);
+        assert!(are_asleep(&world, &ids[6..]));
+    }
+    // A ball on the top of one.
+    let (mut world, ids) = asleep();
+    let ball = disc(vec2(0, 6), vec2(0, -2));
+    world.add_body(ball).expect("a ball");
+    let woke = core::iter::repeat_with(|| world.step().woke.to_vec()).take(60).find(|woke| !woke.is_empty());
+    assert_eq!(woke.as_deref(), Some(&ids[1..6]));
+    assert!(are_asleep(&world, &ids[6..]));
+    // The ground is lowered: all fall.
+    let (mut world, ids) = asleep();
+    world.set_position(ids[0], vec2(0, -3)).expect("the ground");
+    assert_eq!(world.step().woke, &ids[1..]);
+    (0..20).for_each(|_| _ = world.step());
+    assert!(ids[1..].iter().all(|&id| world.body(id).expect("it").velocity().y < fx!(-2)));
+    // A wall is put up elsewhere: nobody wakes.
+    let (mut world, ids) = asleep();
+    let wall = BodyDef::fixed().with_collider(Shape::rectangle(fx!(1), fx!(1)).expect("a wall"));
+    world.add_body(BodyDef { position: vec2(-20, 1), ..wall }).expect("a wall");
+    assert!(world.step().woke.is_empty());
+    assert!(are_asleep(&world, &ids[1..]));
+}
+
+#[test]
+fn what_moves_under_a_body_keeps_it_awake() {
+    let def = WorldDef { sleep_after: Some(10), ..def() };
+    let plank = || ColliderDef::new(Shape::rectangle(fx!(20), fx!(1)).expect("a plank"));
+    let belt = |surface_speed| {
+        let material = Material { surface_speed, ..Material::default() };
+        BodyDef::fixed().with_collider(ColliderDef { material, ..plank() })
+    };
+    let platform = |velocity| BodyDef { velocity, ..BodyDef::kinematic().with_collider(plank()) };
+    let floors = [
+        (belt(fx!(0.02)), false),
+        (platform(vec2(fx!(0.03), 0)), false),
+        (belt(fx!(0)), true),
+        (platform(vec2(0, 0)), true),
+    ];
+    for (floor, sleeps) in floors {
+        let on_top = square(vec2(0, 1), 1).expect("a square");
+        let (mut world, ids) = world(def, [floor, on_top]).expect("a scene");
+        (0..300).for_each(|_| _ = world.step());
+        assert_eq!(are_asleep(&world, &ids[1..]), sleeps, "{:?} {:?}", world.body(ids[1]), world.body(ids[0]));
+    }
+}
+
+#[test]
+fn what_is_pushed_in_each_tick_does_not_sleep_and_without_a_speed_nothing_pressed_does() {
+    let (mut world, ids) = asleep();
+    for _ in 0..100 {
+        world.apply_force(ids[5], vec2(fx!(0.5), 0)).expect("a body");
+        world.step();
+    }
+    assert!(!are_asleep(&world, &ids[1..2]));
+    let contacts = umbra_physics::ContactSettings { sleep_speed: Fx::ZERO, ..world.def().contacts };
+    world.set_contact_settings(contacts).expect("settings");
+    (0..300).for_each(|_| _ = world.step());
+    assert!(!are_asleep(&world, &ids[1..2]));
 }

@@ -22,6 +22,7 @@ fn flight(position: Vec2, linear: Vec2, is_fixed: bool) -> Flight {
         inverse_mass: Vec2 { x: inverse_mass, y: inverse_mass },
         inverse_inertia: inverse(FxFactor::from_ratio(6, 1)),
         radius: fx!(0.75),
+        leader: None,
     }
 }
 
@@ -36,6 +37,8 @@ fn contact(bodies: [u32; 2], axis: Vec2) -> Contact {
         points: [point(across), point(-across)],
         friction: fx!(0.5),
         restitution: fx!(0.5),
+        rolling_resistance: fx!(0),
+        rolling_radius: fx!(0),
         surface_speed: fx!(0),
         impulses: Impulses::default(),
     }

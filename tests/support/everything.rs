@@ -5,9 +5,10 @@ use std::{vec, vec::Vec};
 
 use umbra_physics::{
     ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, BodyState, ColliderDef, ColliderId, Command, ContactSettings,
-    CustomForce, CustomForceError, Damping, Dependence, End, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse,
-    ForceTorque, Frame, Fx, FxFactor, Input, Inputs, Integrator, Locks, Mass, Material, MixRule, Part, Random,
-    RecordOptions, Recorder, Region, Shape, SpringConstants, TimeStep, World, WorldDef, fx, vec2,
+    CustomForce, CustomForceError, Damping, Dependence, End, Exclusion, FieldId, FieldKind, Filter, ForceField,
+    ForceOrImpulse, ForceTorque, Frame, Fx, FxFactor, Input, Inputs, Integrator, Locks, Mass, Material, MaterialPair,
+    MixRule, OneWay, Part, Random, RecordOptions, Recorder, Region, Shape, SpringConstants, TimeStep, World, WorldDef,
+    fx, vec2,
 };
 
 struct Still;
@@ -61,11 +62,14 @@ fn colliders() -> Vec<ColliderDef> {
         material: Material {
             friction: fx!(0.1),
             restitution: fx!(0.5),
+            rolling_resistance: fx!(0.25),
             surface_speed: fx!(-3),
             friction_rule: MixRule::Minimum,
             restitution_rule: MixRule::Maximum,
+            id: 7,
         },
         filter: Filter { category: 6, mask: !4, group: -3 },
+        one_way: Some(OneWay { direction: vec2(fx!(0.5), -2), tolerance: fx!(1.25) }),
         key: 8,
         user_data: u64::MAX,
         ..def
@@ -128,6 +132,8 @@ pub(crate) fn commands() -> Vec<Command> {
             gravity_scale: fx!(2),
             max_speed: Some(fx!(9)),
             max_angular_speed: Some(fx!(0.75)),
+            dominance: -3,
+            bullet: true,
             force_groups: 6,
             key: 7,
             user_data: u64::MAX,
@@ -150,6 +156,8 @@ pub(crate) fn commands() -> Vec<Command> {
             angular: Some(Damping::kept_per_second(fx!(0.75))),
         },
         Command::SetBodyDamping { body, linear: None, angular: None },
+        Command::SetDominance { body, dominance: -4 },
+        Command::SetBullet { body, bullet: true },
         Command::SetForceGroups { body, force_groups: 3 },
         Command::SetKey { body, key: 1 << 40 },
         Command::SetUserData { body, user_data: 6 },
@@ -177,6 +185,12 @@ pub(crate) fn commands() -> Vec<Command> {
         Command::MoveTo { body: BodyId::from_parts(9, 0), position: vec2(fx!(0.5), 2), angle: fx!(3) },
         Command::SetShape { body: BodyId::from_parts(0, 0), shape: None },
         Command::SetContactSettings(ContactSettings { substeps: 3, push_speed: fx!(2), ..ContactSettings::default() }),
+        Command::ExcludePair { a: BodyId::from_parts(0, 0), b: body, exclusion: Exclusion::Always },
+        Command::ExcludePair { a: body, b: BodyId::from_parts(0, 0), exclusion: Exclusion::UntilApart },
+        Command::AllowPair { a: body, b: BodyId::from_parts(0, 0) },
+        Command::SetMaterialPair { first: 9, second: 7, pair: Some(MaterialPair::default()) },
+        Command::SetMaterialPair { first: 8, second: 8, pair: Some(MaterialPair::default()) },
+        Command::SetMaterialPair { first: 8, second: 8, pair: None },
         Command::RemoveCollider(ColliderId::from_parts(0, 0)),
         Command::RemoveField(FieldId::from_parts(0, 0)),
         Command::RemoveBody(BodyId::from_parts(3, 0)),

@@ -2,8 +2,8 @@
 
 use umbra_physics::{
     Activity, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, Command, ContactSettings,
-    Damping, End, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, Frame, Fx, FxFactor, Integrator, Locks, Mass,
-    Material, MixRule, Part, Random, Region, Shape, SpringConstants, TimeStep, Vec2,
+    Damping, End, Exclusion, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, Frame, Fx, FxFactor, Integrator,
+    Locks, Mass, Material, MaterialPair, MixRule, OneWay, Part, Random, Region, Shape, SpringConstants, TimeStep, Vec2,
 };
 
 use super::formats::Value;
@@ -210,17 +210,39 @@ pub(crate) fn collider_def(value: &Value) -> ColliderDef {
         material: Material {
             friction: number(&material["friction"]),
             restitution: number(&material["restitution"]),
+            rolling_resistance: number(&material["rolling_resistance"]),
             surface_speed: number(&material["surface_speed"]),
             friction_rule: mix_rule(&material["friction_rule"]),
             restitution_rule: mix_rule(&material["restitution_rule"]),
+            id: material["id"].natural() as u32,
         },
         filter: Filter {
             category: filter["category"].natural() as u32,
             mask: filter["mask"].natural() as u32,
             group: filter["group"].natural() as u32 as i32,
         },
+        one_way: value["one_way"].option().map(|one_way| OneWay {
+            direction: vector(&one_way["direction"]),
+            tolerance: number(&one_way["tolerance"]),
+        }),
         key: value["key"].natural(),
         user_data: value["user_data"].natural(),
+    }
+}
+
+fn exclusion(value: &Value) -> Exclusion {
+    match value.case() {
+        "Always" => Exclusion::Always,
+        "UntilApart" => Exclusion::UntilApart,
+        other => panic!("exclusion {other}"),
+    }
+}
+
+pub(crate) fn material_pair(value: &Value) -> MaterialPair {
+    MaterialPair {
+        friction: number(&value["friction"]),
+        restitution: number(&value["restitution"]),
+        rolling_resistance: number(&value["rolling_resistance"]),
     }
 }
 
@@ -229,6 +251,7 @@ pub(crate) fn contact_settings(value: &Value) -> ContactSettings {
         substeps: value["substeps"].natural() as u32,
         push_speed: number(&value["push_speed"]),
         restitution_speed: number(&value["restitution_speed"]),
+        sleep_speed: number(&value["sleep_speed"]),
         max_pairs: value["max_pairs"].natural() as u32,
         max_pairs_per_collider: value["max_pairs_per_collider"].natural() as u32,
     }
@@ -250,6 +273,8 @@ pub(crate) fn body_def(value: &Value) -> BodyDef {
         max_speed: value["max_speed"].option().map(number),
         max_angular_speed: value["max_angular_speed"].option().map(number),
         locks: locks(&value["locks"]),
+        dominance: value["dominance"].natural() as u32 as i32,
+        bullet: value["bullet"].natural() == 1,
         force_groups: value["force_groups"].natural() as u32,
         key: value["key"].natural(),
         user_data: value["user_data"].natural(),
@@ -275,6 +300,8 @@ pub(crate) fn command(value: &Value) -> Command {
             linear: value["linear"].option().map(damping),
             angular: value["angular"].option().map(damping),
         },
+        "SetDominance" => Command::SetDominance { body: on(), dominance: value["dominance"].natural() as u32 as i32 },
+        "SetBullet" => Command::SetBullet { body: on(), bullet: value["bullet"].natural() == 1 },
         "SetForceGroups" => {
             Command::SetForceGroups { body: on(), force_groups: value["force_groups"].natural() as u32 }
         }
@@ -310,6 +337,17 @@ pub(crate) fn command(value: &Value) -> Command {
         }
         "RemoveCollider" => Command::RemoveCollider(collider(&value["collider"])),
         "SetContactSettings" => Command::SetContactSettings(contact_settings(&value["contacts"])),
+        "ExcludePair" => Command::ExcludePair {
+            a: body(&value["a"]),
+            b: body(&value["b"]),
+            exclusion: exclusion(&value["exclusion"]),
+        },
+        "AllowPair" => Command::AllowPair { a: body(&value["a"]), b: body(&value["b"]) },
+        "SetMaterialPair" => Command::SetMaterialPair {
+            first: value["first"].natural() as u32,
+            second: value["second"].natural() as u32,
+            pair: value["pair"].option().map(material_pair),
+        },
         other => panic!("command {other}"),
     }
 }

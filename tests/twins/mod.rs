@@ -237,6 +237,9 @@ impl<const MODE: u8> Scalar for Twin<MODE> {
     fn from_fx(value: Fx) -> Self {
         Self(value)
     }
+    fn to_fx(self) -> Fx {
+        self.0
+    }
     fn to_bits(self) -> i64 {
         self.0.to_bits()
     }

@@ -5,8 +5,8 @@ mod values;
 use umbra_physics::scalar::Factor;
 use umbra_physics::{
     Attachment, BodyId, ColliderDef, ColliderId, Command, CommandSource as _, ContactSettings, Damping, End, FieldId,
-    FieldKind, Filter, Fx, FxFactor, Material, MixRule, Part, Random, Region, Shape, SpringConstants, TimeStep, Vec2,
-    WorldDef, fx, limits,
+    FieldKind, Filter, Fx, FxFactor, Material, MixRule, OneWay, Part, Random, Region, Shape, SpringConstants, TimeStep,
+    Vec2, WorldDef, fx, limits,
 };
 use values::ANGLE;
 
@@ -294,10 +294,25 @@ impl<'a, C: Choices + ?Sized> Generator<'a, C> {
         Material {
             friction: self.number([Fx::ZERO, fx!(1)], [Fx::ZERO, limits::FRICTION]),
             restitution: self.number([Fx::ZERO, fx!(1)], [Fx::ZERO, Fx::ONE]),
+            rolling_resistance: if self.choices.one_in(2) {
+                Fx::ZERO
+            } else {
+                self.number([Fx::ZERO, fx!(0.1)], [Fx::ZERO, Fx::ONE])
+            },
             surface_speed: if self.choices.one_in(2) { Fx::ZERO } else { self.signed(fx!(3), limits::SURFACE_SPEED) },
             friction_rule: MixRule::ALL[self.choices.choose(6) as usize],
             restitution_rule: MixRule::ALL[self.choices.choose(6) as usize],
+            id: self.choices.choose(4) as u32,
         }
+    }
+
+    /// The side from which a collider holds, of one in eight.
+    fn one_way(&mut self) -> Option<OneWay> {
+        if !self.choices.one_in(8) {
+            return None;
+        }
+        let direction = self.vector(fx!(4), Fx::from(1 << 12));
+        Some(OneWay { direction, tolerance: self.number([Fx::ZERO, fx!(1.5)], [Fx::ZERO, Fx::FRAC_PI_2]) })
     }
 
     /// A filter, mostly one that meets all. No collider is in the last category, which is that of bystanders.

@@ -95,6 +95,8 @@ pub(super) fn body(object: &Object<'_>, index: usize, tables: &mut Tables) -> Re
         max_speed,
         max_angular_speed,
         locks: object.or("locks", Locks::NONE, locks),
+        dominance: object.or("dominance", 0, Node::whole),
+        bullet: object.or("bullet", false, Node::boolean),
         force_groups: object.or("force_groups", 1, force_groups),
         key: object.or("key", 0, Node::whole),
         user_data: object.or("user_data", 0, Node::whole),

@@ -55,6 +55,7 @@ impl Scene {
                 starting_bodies: 0,
                 fields: Vec::new(),
                 starting_fields: 0,
+                material_pairs: Vec::new(),
                 inputs: Vec::new(),
                 plot: Plot::default(),
                 place: Place::default(),

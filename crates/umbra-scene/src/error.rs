@@ -219,7 +219,7 @@ impl core::error::Error for SceneErrors {}
 /// The mark of a value that was refused; the error is among those [`Found`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Refused {
-    /// Whether the rest of the list that it is in is left unread.
+    /// True if the reader skips the rest of the list that the value is in.
     pub(super) ends_list: bool,
 }
 

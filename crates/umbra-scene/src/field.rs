@@ -29,7 +29,7 @@ pub struct SceneField {
 #[derive(Default)]
 pub(super) struct Names {
     pub(super) indices: BTreeMap<String, usize>,
-    /// Whether there are more names, of what was refused. Then it is not known that nothing has a name.
+    /// True if there are more names, of entries that were refused: then a name that is not listed may exist all the same.
     pub(super) has_more: bool,
 }
 

@@ -8,7 +8,7 @@ const LONGEST: usize = 40;
 const MOST: usize = 4_096;
 
 /// Names that other engines and formats have for a field or a value of ours.
-const SYNONYMS: [(&str, &str); 43] = [
+const SYNONYMS: [(&str, &str); 45] = [
     ("type", "kind"),
     ("fixed", "static"),
     ("id", "name"),
@@ -44,6 +44,8 @@ const SYNONYMS: [(&str, &str); 43] = [
     ("bounciness", "restitution"),
     ("elasticity", "restitution"),
     ("tangent_speed", "surface_speed"),
+    ("rolling_friction", "rolling_resistance"),
+    ("user_material_id", "material_id"),
     ("friction_combine_rule", "friction_rule"),
     ("restitution_combine_rule", "restitution_rule"),
     ("category_bits", "category"),
@@ -55,12 +57,15 @@ const SYNONYMS: [(&str, &str); 43] = [
 ];
 
 /// Fields of colliders, here or in other engines.
-const COLLIDER: [&str; 13] = [
+const COLLIDER: [&str; 16] = [
+    "one_way",
     "friction",
     "restitution",
     "bounciness",
     "elasticity",
+    "rolling_resistance",
     "surface_speed",
+    "material_id",
     "friction_rule",
     "restitution_rule",
     "collision_groups",

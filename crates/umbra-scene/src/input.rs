@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 
 use super::body::{blame, body, force_groups, kind, locks, mass, max_speeds, own_damping};
-use super::collider::{self, contacts};
+use super::collider::{self, contacts, material_pair};
 use super::error::{Flaw, Place};
 use super::field::{REFUSED, field, named, symbol};
 use super::node::{Node, Result};
@@ -12,7 +12,7 @@ use super::repeat::check_count;
 use super::settings::{blob, integrator, random, sleep_after, time_step, world_damping};
 use super::shape::{ShapeDef, shape};
 use super::{Scene, Tables};
-use umbra_physics::{ApplyOptions, BodyId, ColliderId, Command, FieldId, ForceOrImpulse, Frame, Fx};
+use umbra_physics::{ApplyOptions, BodyId, ColliderId, Command, Exclusion, FieldId, ForceOrImpulse, Frame, Fx};
 
 /// An input: an action on the world, at one tick or at several.
 #[derive(Clone, Debug, PartialEq)]
@@ -96,7 +96,7 @@ pub(super) fn input(object: &Object<'_>, scene: &mut Scene, tables: &mut Tables)
             push(node, SceneAction::AddCollider(symbol));
             Ok(())
         });
-        do_to_body(object, target, &mut push);
+        do_to_body(object, target, tables, &mut push);
     } else if let Some(node) = object.get("collider") {
         let target = tables.collider(node).unwrap_or(ColliderId::from_parts(REFUSED as u32, 0));
         object.or("replace", (), |node| {
@@ -152,7 +152,7 @@ pub(super) fn input(object: &Object<'_>, scene: &mut Scene, tables: &mut Tables)
 }
 
 /// Reads what is done to a body.
-fn do_to_body(object: &Object<'_>, target: BodyId, push: &mut impl FnMut(&Node<'_>, SceneAction)) {
+fn do_to_body(object: &Object<'_>, target: BodyId, tables: &Tables, push: &mut impl FnMut(&Node<'_>, SceneAction)) {
     // What is refused is with the errors.
     _ = read_forces(object, target, push);
     object.or("move_to", (), |node| {
@@ -163,6 +163,7 @@ fn do_to_body(object: &Object<'_>, target: BodyId, push: &mut impl FnMut(&Node<'
         Ok(())
     });
     object.or("set", (), |set| set_body(&set.object()?, target, push));
+    exclude(object, target, tables, push);
     object.or("do", (), |node| {
         let command = match node.choice(&[("remove", 0), ("release", 1), ("wake", 2), ("disable", 3), ("enable", 4)])? {
             0 => Command::RemoveBody(target),
@@ -174,6 +175,27 @@ fn do_to_body(object: &Object<'_>, target: BodyId, push: &mut impl FnMut(&Node<'
         push(node, SceneAction::Command(command));
         Ok(())
     });
+}
+
+/// Excludes a body from contacts with another one, or allows them again.
+fn exclude(object: &Object<'_>, a: BodyId, tables: &Tables, push: &mut impl FnMut(&Node<'_>, SceneAction)) {
+    let names = ["exclude", "exclude_until_apart", "allow"];
+    for (name, exclusion) in names.into_iter().zip([Some(Exclusion::Always), Some(Exclusion::UntilApart), None]) {
+        object.or(name, (), |node| {
+            let b = symbol(named(node, &tables.bodies, "body")?);
+            if a == b {
+                return Err(node.fault(Flaw::OutOfRange.of("out of range: expected the name of another body")));
+            }
+            push(
+                node,
+                SceneAction::Command(match exclusion {
+                    Some(exclusion) => Command::ExcludePair { a, b, exclusion },
+                    None => Command::AllowPair { a, b },
+                }),
+            );
+            Ok(())
+        });
+    }
 }
 
 /// `at` one tick, or `from` one `to` another, `every` so many.
@@ -266,6 +288,8 @@ fn set_body(object: &Object<'_>, body: BodyId, push: &mut impl FnMut(&Node<'_>, 
         Ok(Command::SetMaxSpeeds { body, linear, angular })
     });
     set_by(object, "locks", push, |node| Ok(Command::SetLocks { body, locks: locks(node)? }));
+    set_by(object, "dominance", push, |node| Ok(Command::SetDominance { body, dominance: node.whole()? }));
+    set_by(object, "bullet", push, |node| Ok(Command::SetBullet { body, bullet: node.boolean()? }));
     set_by(object, "force_groups", push, |node| {
         Ok(Command::SetForceGroups { body, force_groups: force_groups(node)? })
     });
@@ -290,6 +314,10 @@ fn set_world(object: &Object<'_>, push: &mut impl FnMut(&Node<'_>, SceneAction))
     set_by(object, "sleep_after", push, |node| sleep_after(node).map(Command::SetSleepAfter));
     set_by(object, "random", push, |node| random(node).map(Command::SetRandom));
     set_by(object, "blob", push, |node| blob(node).map(Command::SetBlob));
+    set_by(object, "material_pair", push, |node| {
+        let ([first, second], pair) = material_pair(&node.object()?, true)?;
+        Ok(Command::SetMaterialPair { first, second, pair })
+    });
     set_by(object, "contacts", push, |node| contacts(node).map(Command::SetContactSettings));
     object.finish()
 }

@@ -48,10 +48,11 @@ mod settings;
 mod shape;
 mod text;
 
+use alloc::collections::BTreeSet;
 use alloc::string::String;
 use alloc::vec::Vec;
 
-use umbra_physics::{BodyId, ColliderId, Error, Fx, Scalar, World, WorldDef};
+use umbra_physics::{BodyId, ColliderId, Error, Fx, Scalar, World, WorldDef, limits};
 
 use error::Flaw;
 use field::{Names, named};
@@ -59,7 +60,7 @@ use node::{Node, Source, quoted};
 use object::Object;
 
 pub use body::SceneBody;
-pub use collider::SceneCollider;
+pub use collider::{SceneCollider, SceneMaterialPair};
 pub use error::{ExportError, Place, SceneError, SceneErrors};
 pub use field::SceneField;
 pub use input::{Input, SceneAction};
@@ -117,6 +118,8 @@ pub struct Scene {
     pub fields: Vec<SceneField>,
     /// The number of force fields that are there from the start.
     pub starting_fields: usize,
+    /// The coefficients of pairs of materials at the start.
+    pub material_pairs: Vec<SceneMaterialPair>,
     /// The inputs, in the order of the file. Inputs of the same tick are carried out in this order.
     pub inputs: Vec<Input>,
     /// Settings for drawing it.
@@ -199,6 +202,7 @@ impl Scene {
             starting_bodies: 0,
             fields: Vec::new(),
             starting_fields: 0,
+            material_pairs: Vec::new(),
             inputs: Vec::new(),
             plot: Plot::default(),
             place: root.place(),
@@ -208,6 +212,7 @@ impl Scene {
         object.or("inputs", (), |list| {
             repeat::each(list, most.into(), |object| input::input(object, &mut scene, &mut tables))
         });
+        object.or("material_pairs", (), |list| scene.read_material_pairs(list, tables.most));
         scene.plot = object.or("plot", Plot::default(), |node| settings::plot(node, &tables.bodies));
         object.finish()?;
         Ok(scene)
@@ -249,6 +254,33 @@ impl Scene {
         });
         self.starting_fields = self.fields.len();
         Ok(())
+    }
+
+    /// The coefficients of pairs of materials, which colliders of the scene have.
+    fn read_material_pairs(&mut self, list: &Node<'_>, most: u64) -> node::Result<()> {
+        let colliders = self.bodies.iter().flat_map(|body| &body.colliders);
+        let known: BTreeSet<u32> = colliders.map(|collider| collider.def.material.id).collect();
+        repeat::each(list, most, |object| {
+            let place = object.node.place();
+            let (materials, pair) = collider::material_pair(object, false)?;
+            let unknown = |id: &u32| !known.contains(id);
+            if let Some(id) = materials.into_iter().find(unknown) {
+                let message = format_args!("no collider has the material {id}: expected a `material_id` of one");
+                return Err(object.at(&["materials"]).fault(Flaw::NoSuchName.of(message)));
+            }
+            let is_twin = |other: &SceneMaterialPair| {
+                other.materials == materials || other.materials == [materials[1], materials[0]]
+            };
+            if self.material_pairs.iter().any(is_twin) {
+                let message = "there is an entry for these two materials already";
+                return Err(object.at(&["materials"]).fault(Flaw::Taken.of(message)));
+            }
+            if self.material_pairs.len() >= limits::MATERIAL_PAIRS {
+                return Err(object.node.fault(Error::Full));
+            }
+            self.material_pairs.extend(pair.map(|pair| SceneMaterialPair { materials, pair, place }));
+            Ok(())
+        })
     }
 
     fn add_body(&mut self, body: SceneBody, node: &Node<'_>, tables: &mut Tables) -> node::Result<usize> {

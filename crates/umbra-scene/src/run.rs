@@ -11,7 +11,7 @@ use super::field::symbol;
 use super::input::{Input, SceneAction};
 use super::node::quoted;
 use super::shape::vector;
-use super::{Scene, ShapeDef};
+use super::{Scene, SceneMaterialPair, ShapeDef};
 use umbra_physics::{
     ApplyOptions, BodyId, ColliderId, Command, Created, Damping, Error, FieldId, ForceOrImpulse, Fx, Labels, Quantity,
     Scalar, StepReport, Stepper, TimeStep, World, WorldDef, scalar::Wide,
@@ -70,6 +70,10 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
             return Err(scene
                 .place
                 .fault(Flaw::OutOfRange.of("out of range: the start has more bodies or force fields than the scene")));
+        }
+        for SceneMaterialPair { materials: [first, second], pair, place } in &scene.material_pairs {
+            let command = Command::SetMaterialPair { first: *first, second: *second, pair: Some(*pair) };
+            run.carry_out(&SceneAction::Command(command), &mut ()).map_err(|error| place.fault(error))?;
         }
         for index in 0..scene.starting_bodies {
             run.carry_out(&SceneAction::AddBody(index), &mut ())
@@ -324,7 +328,7 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
             Error::Disabled { body } => (body, "is disabled"),
             Error::NotDisabled { body } => (body, "is not disabled"),
             Error::NotKinematic { body } => (body, "is not kinematic"),
-            Error::SameBody { body } => (body, "is at both ends"),
+            Error::SameBody { body } => (body, "is named twice, where two bodies are needed"),
             other => return other.to_string(),
         };
         format!("{} {what}", quoted(self.name(body)))

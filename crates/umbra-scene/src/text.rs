@@ -11,14 +11,14 @@ use super::input::{Input, SceneAction};
 use super::settings::{Plot, Trails};
 use super::shape::{PartDef, ShapeDef};
 use super::{Scene, SceneBody, SceneCollider};
-use collider::{collider_text, contacts_text};
+use collider::{collider_text, contacts_text, material_pair_text};
 use json::{
     Fields, bits, dampings, hexadecimal, kind_name, linear_angular, lines, list, locked, null, point, ratio, text,
     ticks,
 };
 use umbra_physics::{
-    Attachment, BodyDef, BodyId, BodyKind, ColliderId, Command, Damping, End, FieldId, FieldKind, ForceField, Frame,
-    Fx, Locks, Mass, Region, Vec2, WorldDef,
+    Attachment, BodyDef, BodyId, BodyKind, ColliderId, Command, Damping, End, Exclusion, FieldId, FieldKind,
+    ForceField, Frame, Fx, Locks, Mass, Region, Vec2, WorldDef,
 };
 
 impl Scene {
@@ -46,6 +46,8 @@ impl Scene {
         object.unless((linear_damping, angular_damping) == (Damping::NONE, Damping::NONE), "damping", damping);
         object.unless(sleep_after == standard.sleep_after, "sleep_after", ticks(sleep_after));
         object.unless(contacts == standard.contacts, "contacts", contacts_text(&contacts));
+        let pairs = self.material_pairs.iter().map(|of| material_pair_text(of.materials, Some(&of.pair)));
+        object.unless(self.material_pairs.is_empty(), "material_pairs", lines(pairs));
         object.unless(self.starting_bodies == 0, "bodies", lines(bodies));
         object.unless(self.starting_fields == 0, "fields", lines(fields));
         object.unless(self.inputs.is_empty(), "inputs", lines(inputs));
@@ -245,6 +247,8 @@ impl Scene {
                 self.set_body(object, body, "max_speeds", linear_angular(linear, angular));
             }
             Command::SetLocks { body, locks } => self.set_body(object, body, "locks", locked(locks)),
+            Command::SetDominance { body, dominance } => self.set_body(object, body, "dominance", dominance),
+            Command::SetBullet { body, bullet } => self.set_body(object, body, "bullet", bullet),
             Command::SetForceGroups { body, force_groups } => {
                 self.set_body(object, body, "force_groups", bits(force_groups))
             }
@@ -278,6 +282,18 @@ impl Scene {
             Command::RemoveCollider(collider) => {
                 object.put("collider", self.collider_name(collider));
                 object.put("do", text("remove"));
+            }
+            Command::ExcludePair { a, b, exclusion } => {
+                let word = if exclusion == Exclusion::UntilApart { "exclude_until_apart" } else { "exclude" };
+                object.put("body", self.body_name(a));
+                object.put(word, self.body_name(b));
+            }
+            Command::AllowPair { a, b } => {
+                object.put("body", self.body_name(a));
+                object.put("allow", self.body_name(b));
+            }
+            Command::SetMaterialPair { first, second, ref pair } => {
+                set(object, "material_pair", material_pair_text([first, second], pair.as_ref()));
             }
             Command::SetContactSettings(contacts) => set(object, "contacts", contacts_text(&contacts)),
             Command::SetBlob(ref bytes) => set(object, "blob", hexadecimal(bytes)),
@@ -336,6 +352,8 @@ fn body_text(
     let most = (def.max_speed, def.max_angular_speed);
     object.unless(most == (None, None), "max_speeds", linear_angular(most.0, most.1));
     object.unless(def.locks == Locks::NONE, "locks", locked(def.locks));
+    object.unless(def.dominance == 0, "dominance", def.dominance);
+    object.unless(!def.bullet, "bullet", def.bullet);
     object.unless(def.force_groups == 1, "force_groups", bits(def.force_groups));
     object.unless(def.key == 0, "key", def.key);
     object.unless(def.user_data == 0, "user_data", def.user_data);

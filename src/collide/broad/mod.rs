@@ -12,6 +12,7 @@
 mod bounds;
 mod cap;
 mod entry;
+mod path;
 mod statics;
 #[cfg(test)]
 mod tests;
@@ -21,6 +22,7 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 pub use cap::PairLimits;
+pub use path::Path;
 pub use statics::Statics;
 
 use crate::collider::Filter;

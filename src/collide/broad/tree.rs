@@ -5,6 +5,7 @@
 
 use alloc::vec::Vec;
 
+use super::Path;
 use super::bounds::Bounds;
 use crate::collider::Filter;
 
@@ -229,6 +230,42 @@ impl Tree {
             }
             at += 1;
         }
+    }
+
+    /// Calls `found` with the item of each leaf that meets a path, until it returns false. `found` may shorten the path.
+    pub(super) fn search_path(&self, path: &mut Path, filter: Filter, found: &mut impl FnMut(u32, &mut Path) -> bool) {
+        let Extent { category, mask, .. } = Extent::new(Bounds::EMPTY, filter);
+        let mut at = 0;
+        while at < self.nodes.len() && self.search_part(at, path, [category, mask], found) {
+            at = self.nodes[at].skip as usize;
+        }
+    }
+
+    /// [`search_path`](Self::search_path) in a part of the tree, the half that is nearer to the start first.
+    fn search_part(
+        &self,
+        at: usize,
+        path: &mut Path,
+        filter: [u32; 2],
+        found: &mut impl FnMut(u32, &mut Path) -> bool,
+    ) -> bool {
+        let Node { extent, skip, item } = &self.nodes[at];
+        let agrees = (extent.category & filter[1] != 0) & (filter[0] & extent.mask != 0);
+        if !agrees || !path.meets(&extent.bounds) {
+            return true;
+        }
+        if *item != NONE {
+            return found(*item, path);
+        }
+        if *skip as usize == at + 1 {
+            // A leaf that was removed.
+            return true;
+        }
+        let left = at + 1;
+        let right = self.nodes[left].skip as usize;
+        let is_left_first = path.is_before(&self.nodes[left].extent.bounds, &self.nodes[right].extent.bounds);
+        let halves = if is_left_first { [left, right] } else { [right, left] };
+        halves.into_iter().all(|half| self.search_part(half, path, filter, found))
     }
 
     /// The leaves, each with its place, its item and its box.

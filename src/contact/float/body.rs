@@ -20,6 +20,8 @@ pub struct Flight<F> {
     pub(super) mass: Vector<F>,
     /// 1/kg and 1/(kg·m²).
     pub(super) inverse: Vector<F>,
+    /// The flight that this one follows through the sub-steps.
+    pub(super) leader: Option<u32>,
 }
 
 /// The angle turned in a step, rad: the way between two angles, and as many whole turns as the velocities say.
@@ -60,6 +62,7 @@ impl<F: Float> Flight<F> {
             displacement: vector(way, rotation),
             mass: [kilograms, kilograms, info.inertia_for(kilograms)],
             inverse: vector(mass.axis_inverse_mass, mass.inverse_inertia),
+            leader: None,
         }
     }
 
@@ -73,6 +76,7 @@ impl<F: Float> Flight<F> {
             displacement: zero,
             mass: zero,
             inverse: zero,
+            leader: None,
         }
     }
 

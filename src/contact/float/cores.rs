@@ -3,8 +3,10 @@
 use alloc::vec::Vec;
 use core::ops::Range;
 
-use super::link::Link;
-use super::number::{Float, Pair, dot, minus};
+use super::link::link_of;
+use super::number::{Float, Pair, dot, minus, plus};
+use crate::collide::seam::Face;
+use crate::collide::surface::{Link, Surface};
 use crate::fx::Fx;
 use crate::math::Vec2;
 use crate::shape::{Aabb, Outline};
@@ -23,9 +25,21 @@ impl<F: Float> Pose<F> {
         Self { position: [position.x, position.y], direction: angle.direction() }
     }
 
-    fn turned(&self, v: Vec2<F>) -> Pair<F> {
+    pub(super) fn turned(&self, v: Vec2<F>) -> Pair<F> {
         let [sin, cos] = self.direction;
         [v.x * cos - v.y * sin, v.x * sin + v.y * cos]
+    }
+
+    /// The corners of an outline at this pose, relative to another pose's position, ulps.
+    pub(super) fn corners<'a>(
+        &self,
+        outline: &'a Outline<F>,
+        from: &Self,
+    ) -> impl Iterator<Item = [i64; 2]> + use<'a, F> {
+        let (pose, offset) = (*self, minus(self.position, from.position));
+        // A cast from a float saturates; it rounds towards zero.
+        let ulps = |metres: F| (metres.to_f64() * ULPS) as i64;
+        outline.corners().iter().map(move |&corner| plus(pose.turned(corner), offset).map(ulps))
     }
 
     /// The box around an outline at this pose, grown by `more` and rounded outwards.
@@ -61,18 +75,19 @@ struct Placed<F> {
 
 /// Outlines in world axes, each turned once for all its pairs.
 #[derive(Debug, Default)]
-pub(super) struct Cores<F> {
+pub(super) struct Cores<F: Float> {
     corners: Vec<Pair<F>>,
     /// Of the edges from each corner to the next one; zeros for discs.
     normals: Vec<Pair<F>>,
     placed: Vec<Placed<F>>,
-    /// Segments of chains, by number.
-    links: Vec<(usize, Link<F>)>,
+    /// Segments of chains and polygons among others, by number: true for a segment, and the last of its links.
+    surfaces: Vec<(usize, bool, usize)>,
+    links: Vec<Link<Pair<F>>>,
 }
 
 /// An outline in world axes, relative to the position of its body.
 #[derive(Clone, Copy)]
-pub(super) struct Core<'a, F> {
+pub(super) struct Core<'a, F: Float> {
     pub(super) position: Pair<F>,
     pub(super) corners: &'a [Pair<F>],
     /// Empty for a disc.
@@ -80,8 +95,8 @@ pub(super) struct Core<'a, F> {
     low: Pair<F>,
     high: Pair<F>,
     pub(super) radius: F,
-    /// Of a segment of a chain.
-    pub(super) link: Option<&'a Link<F>>,
+    /// Of a segment of a chain, and of a polygon among others.
+    pub(super) surface: Option<Surface<'a, Pair<F>>>,
 }
 
 impl<F: Float> Cores<F> {
@@ -89,6 +104,7 @@ impl<F: Float> Cores<F> {
         self.corners.clear();
         self.normals.clear();
         self.placed.clear();
+        self.surfaces.clear();
         self.links.clear();
     }
 
@@ -106,19 +122,35 @@ impl<F: Float> Cores<F> {
         }
         if let Some(neighbours) = outline.neighbours() {
             let neighbours = neighbours.map(|neighbour| neighbour.map(|normal| pose.turned(normal)));
-            self.links.push((self.placed.len(), Link::new(self.normals[begin], neighbours)));
+            self.links.push(Link::new([0, 1], self.normals[begin], neighbours, None));
+            self.surfaces.push((self.placed.len(), true, self.links.len()));
         }
         self.placed.push(Placed { position: pose.position, corners, low, high, radius: outline.radius() });
         self.placed.len() - 1
     }
 
+    /// Names the edges of the outline that was added last that are on the surface among other polygons.
+    pub(super) fn set_faces(&mut self, faces: &[Face]) {
+        let Some(last) = self.placed.last() else { return };
+        let normals = &self.normals[last.corners.clone()];
+        self.links.extend(faces.iter().map(|face| link_of(face, normals)));
+        self.surfaces.push((self.placed.len() - 1, false, self.links.len()));
+    }
+
+    fn surface(&self, i: usize) -> Option<Surface<'_, Pair<F>>> {
+        let at = self.surfaces.binary_search_by_key(&i, |(own, ..)| *own).ok()?;
+        let from = if at == 0 { 0 } else { self.surfaces[at - 1].2 };
+        let (_, is_one_sided, to) = self.surfaces[at];
+        Some(Surface { links: &self.links[from..to], is_one_sided })
+    }
+
     pub(super) fn core(&self, i: usize) -> Core<'_, F> {
         let Placed { position, ref corners, low, high, radius } = self.placed[i];
         let faces = if corners.len() == 1 { corners.start..corners.start } else { corners.clone() };
-        let link = self.links.binary_search_by_key(&i, |(own, _)| *own).ok().map(|at| &self.links[at].1);
+        let surface = self.surface(i);
         Core {
             position,
-            link,
+            surface,
             corners: &self.corners[corners.clone()],
             normals: &self.normals[faces],
             low,

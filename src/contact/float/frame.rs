@@ -4,7 +4,7 @@
 //! Heights are components along the direction n from A to B, places components along n turned by a quarter.
 
 use super::cores::Core;
-use super::link::Link;
+use super::link::is_over as is_over_part;
 use super::number::{Float, Pair, cross, dot, length, minus, plus, times};
 use crate::collide::span::{Facing, Span};
 
@@ -31,7 +31,7 @@ pub(super) struct Frame<F> {
 
 /// Two cores near each other.
 #[derive(Clone, Copy)]
-pub(super) struct Both<'a, F> {
+pub(super) struct Both<'a, F: Float> {
     pub(super) a: Core<'a, F>,
     pub(super) b: Core<'a, F>,
     /// The offset from A's position to B's.
@@ -85,8 +85,7 @@ impl<'a, F: Float> Both<'a, F> {
     pub(super) fn new(a: Core<'a, F>, b: Core<'a, F>, margin: F) -> Option<Self> {
         let offset = minus(b.position, a.position);
         let limit = margin + a.radius + b.radius;
-        let is_before = |link: &Link<F>| link.is_before(&a, &b, offset);
-        if a.is_clear_of(&b, offset, limit) || a.link.is_some_and(is_before) {
+        if a.is_clear_of(&b, offset, limit) || a.surface.is_some_and(|surface| surface.is_passed(&a, &b, offset)) {
             return None;
         }
         let size = a.extent() + b.extent() + offset[0].size().or_more(offset[1].size());
@@ -96,16 +95,24 @@ impl<'a, F: Float> Both<'a, F> {
     /// The separations along the outward normals of A and the inward ones of B, with the normal and the edge's length.
     fn axes(&self) -> impl Iterator<Item = (F, Pair<F>, F)> + '_ {
         let back = self.offset.map(|part| -part);
-        // A segment of a chain touches along its first normal, and along few of the other's.
-        let count = if self.a.link.is_some() { 1 } else { self.a.normals.len() };
-        let of_a = (0..count).map(move |i| {
+        // A surface touches along the normals of its edges, and along few of the other's.
+        let is_on = |i: &usize| {
+            let links = self.a.surface.iter().flat_map(|surface| surface.links);
+            let mut own = links.filter(|link| link.corners[0] == *i);
+            self.a.surface.is_none() || own.any(|link| is_over_part(link, &self.b, self.offset))
+        };
+        let of_a = (0..self.a.normals.len()).filter(is_on).map(move |i| {
             (self.a.separation(i, &self.b, self.offset), self.a.normals[i], length(self.a.between(i, self.a.next(i))))
         });
         let of_b = (0..self.b.normals.len()).map(move |i| {
             let n = self.b.normals[i].map(|part| -part);
             (self.b.separation(i, &self.a, back), n, length(self.b.between(i, self.b.next(i))))
         });
-        of_a.chain(of_b.filter(move |(_, n, _)| self.a.link.is_none_or(|link| link.has(*n))))
+        of_a.chain(of_b.filter(move |(_, n, _)| {
+            self.a.surface.is_none_or(|surface| {
+                surface.links.iter().any(|link| link.has(*n) && is_over_part(link, &self.b, self.offset))
+            })
+        }))
     }
 
     /// The frame of the two cores: that of the direction of largest separation. `None` if they are farther apart than counts, or if the
@@ -115,8 +122,8 @@ impl<'a, F: Float> Both<'a, F> {
         if largest > self.limit {
             return None;
         }
-        let claimed = self.a.link.into_iter().flat_map(|link| link.outer).flatten();
-        if claimed.map(|n| self.along(Direction { n, is_mean: false }).separation).any(|s| s > largest + self.slack) {
+        let is_claimed = |n| self.along(Direction { n, is_mean: false }).separation > largest + self.slack;
+        if self.a.surface.is_some_and(|surface| surface.outer().any(is_claimed)) {
             return None;
         }
         let Some(direction) = self.direction(largest) else {
@@ -184,10 +191,10 @@ impl<'a, F: Float> Both<'a, F> {
         let far = self.far();
         if separation > far {
             let (own, other) = self.spans(n, support_a.ends, support_b.ends);
-            // What is over a segment of a chain counts before a corner beside it that is nearer: that one is over a neighbour.
+            // The part of B that is over an edge counts before a corner beside it that is nearer, since that one is over a neighbour.
             let is_over = || a.places[0].or_more(b.places[0]) + self.slack < a.places[1].or_less(b.places[1]);
-            let is_beside = !(self.a.link.is_some() && is_over());
-            let near = self.nearest(&own, &other).filter(|(gap, _)| *gap > self.slack && is_beside);
+            let is_of_other = |i| self.a.surface.is_some_and(|surface| !surface.is_own(i)) && is_over();
+            let near = self.nearest(&own, &other).filter(|(gap, [i, _])| *gap > self.slack && !is_of_other(*i));
             if let Some((_, [i, j])) = near {
                 return Frame { n, separation, a, b, facing: Facing::Corners(i, j) };
             }

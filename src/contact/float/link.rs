@@ -1,68 +1,72 @@
-//! Segments of chains: the rules of [`collide`](crate::collide) in floats.
+//! Segments of chains and polygons among others: the rules of [`collide`](crate::collide) in floats.
 
 use super::cores::Core;
 use super::number::{Float, Pair, cross, dot, minus, plus, times};
-use crate::collide::span::At;
-use crate::shape::Neighbour;
+use crate::collide::seam::{Face, REACH};
+use crate::collide::surface::{Link, Normal, Surface};
+use crate::fx::Fx;
 
-/// What has its middle farther behind a segment is not pushed, m.
+/// A body whose middle is farther behind a segment than this is not pushed by it, m.
 const BEHIND: f64 = 0.02;
 
 /// The sine of the angle by which a direction may be off.
 const SLACK: f64 = 1.0 / 1_048_576.0;
 
-/// The directions in which a segment of a chain pushes, in world axes.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Link<F> {
-    normal: Pair<F>,
-    /// At either corner the directions from one to another, counter-clockwise.
-    cones: [[Pair<F>; 2]; 2],
-    /// The normals of neighbours at outward corners.
-    pub(super) outer: [Option<Pair<F>>; 2],
-    /// The chain goes on straight at this corner.
-    is_straight: [bool; 2],
+impl<F: Float> Normal for Pair<F> {
+    /// In m.
+    type Point = Self;
+
+    fn opposite(self) -> Self {
+        self.map(|part| -part)
+    }
+
+    fn across(self) -> Self {
+        [-self[1], self[0]]
+    }
+
+    fn is_between(self, [from, to]: [Self; 2]) -> bool {
+        let slack = F::of(SLACK).or_more(F::of(16.0) * F::EPSILON);
+        cross(from, self) >= -slack && cross(self, to) >= -slack && dot(self, plus(from, to)) > F::of(0.0)
+    }
 }
 
-/// Returns true for a direction between two others, counter-clockwise, less than half a turn apart.
-fn is_between<F: Float>([from, to]: [Pair<F>; 2], n: Pair<F>) -> bool {
-    let slack = F::of(SLACK).or_more(F::of(16.0) * F::EPSILON);
-    cross(from, n) >= -slack && cross(n, to) >= -slack && dot(n, plus(from, to)) > F::of(0.0)
-}
-
-impl<F: Float> Link<F> {
-    pub(super) fn new(normal: Pair<F>, [before, after]: [Neighbour<Pair<F>>; 2]) -> Self {
-        let along = [-normal[1], normal[0]];
-        let is_straight = [before, after].map(|neighbour| match neighbour {
-            Neighbour::Inner(other) | Neighbour::Outer(other) => is_between([normal; 2], other),
-            Neighbour::None => false,
-        });
-        let outer = [0, 1].map(|end| match [before, after][end] {
-            Neighbour::Outer(other) if !is_straight[end] => Some(other),
-            _ => None,
-        });
-        let reach = |end: usize, neighbour, far| match neighbour {
-            Neighbour::None => far,
-            _ => outer[end].unwrap_or(normal),
-        };
-        let (first, last) = (reach(0, before, along.map(|part| -part)), reach(1, after, along));
-        Self { normal, cones: [[first, normal], [normal, last]], outer, is_straight }
-    }
-
-    /// Returns true if the segment may push in a direction.
-    pub(super) fn has(&self, n: Pair<F>) -> bool {
-        self.cones.iter().any(|&cone| is_between(cone, n))
-    }
-
-    /// Returns true for a point where an edge of the other core lies over a corner at which the chain goes on straight.
-    pub(super) fn is_seam(&self, at: At) -> bool {
-        matches!(at, At::A(corner) if self.is_straight[corner & 1])
-    }
-
-    /// Returns true if the mean of a core's corners is behind the segment.
-    pub(super) fn is_before(&self, own: &Core<'_, F>, other: &Core<'_, F>, offset: Pair<F>) -> bool {
+impl<F: Float> Surface<'_, Pair<F>> {
+    /// Returns true if a core is where the surface does not push: with its middle behind a segment of a chain or outside of a polygon whose
+    /// edges others cover, or beyond an edge that is covered.
+    pub(super) fn is_passed(&self, own: &Core<'_, F>, other: &Core<'_, F>, offset: Pair<F>) -> bool {
         let zero = (F::of(0.0), [F::of(0.0); 2]);
         let (count, sum) = other.corners.iter().fold(zero, |(n, sum), corner| (n + F::of(1.0), plus(sum, *corner)));
-        let mean = plus(times(sum, F::of(1.0) / count), minus(offset, own.corners[0]));
-        dot(self.normal, mean) < -F::of(BEHIND)
+        let mean = plus(times(sum, F::of(1.0) / count), offset);
+        let mut heights = own.normals.iter().zip(own.corners).map(|(&n, &corner)| dot(n, minus(mean, corner)));
+        match self.is_one_sided {
+            true => heights.next().is_some_and(|height| height < -F::of(BEHIND)),
+            false if self.links.is_empty() => heights.any(|height| height >= F::of(0.0)),
+            // A core beyond an edge that is covered is at the neighbour's.
+            false => {
+                let reach = F::from_fx(Fx::from_bits(REACH));
+                let is_covered = |i: &usize| self.links.iter().all(|link| link.corners[0] != *i);
+                let mut covered = (0..own.normals.len()).filter(is_covered);
+                covered.any(|i| own.separation(i, other, offset) > reach)
+            }
+        }
     }
+}
+
+/// Returns true if a core reaches over the part of an edge that is on the surface.
+pub(super) fn is_over<F: Float>(link: &Link<Pair<F>>, core: &Core<'_, F>, offset: Pair<F>) -> bool {
+    let Some(part) = link.part else { return true };
+    let place = |p: Pair<F>| dot([-link.normal[1], link.normal[0]], p);
+    let [low, high] = part.map(place);
+    let places = || core.corners.iter().map(|&corner| place(plus(corner, offset)));
+    let slop = F::from_fx(Fx::from_bits(REACH));
+    places().any(|place| place <= high + slop) && places().any(|place| low <= place + slop)
+}
+
+/// The link of an edge on the surface of a polygon among others.
+pub(super) fn link_of<F: Float>(face: &Face, normals: &[Pair<F>]) -> Link<Pair<F>> {
+    let unit = |n: [i32; 2]| n.map(|part| F::of(f64::from(part) / f64::from(1 << 30)));
+    let metres = |end: [i64; 2]| end.map(|part| F::from_fx(Fx::from_bits(part)));
+    let corners = [face.edge, (face.edge + 1) % normals.len()];
+    let ends = face.ends.map(|neighbour| neighbour.map(unit));
+    Link::new(corners, normals[face.edge], ends, face.part.map(|part| part.map(metres)))
 }

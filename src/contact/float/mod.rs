@@ -3,7 +3,7 @@
 //! - `number`: what contacts ask of a float.
 //! - `body`: bodies through the sub-steps.
 //! - `cores`, `frame`, `points`: the narrow phase.
-//! - `solver`, `rows`, `bounce`: the solver.
+//! - `solver`, `rows`, `rolling`, `bounce`: the solver.
 
 mod body;
 mod bounce;
@@ -12,6 +12,7 @@ mod frame;
 mod link;
 mod number;
 mod points;
+mod rolling;
 mod rows;
 mod solver;
 #[cfg(test)]
@@ -26,12 +27,15 @@ use self::points::{Manifold, ManifoldPoint, collide};
 use self::rows::Contact;
 use self::solver::{Clock, Solver};
 use super::engine::Engine;
-use super::numerics::{MARGIN, Numerics, OVERLAP, Touching};
+use super::numerics::{MARGIN, Numerics, OVERLAP, Surface, Touching};
 use super::{Correction, Placed, Scene, Start, TouchPoint};
-use crate::collider::{BodyOutline, Material, MixRule};
+use crate::collide::seam::Face;
+use crate::collide::sweep::{END, Leg};
+use crate::collider::{BodyOutline, Material, MaterialPair, MixRule};
 use crate::fx::Fx;
 use crate::limits;
 use crate::math::Vec2;
+use crate::scalar::{ToF64 as _, Turn};
 use crate::shape::{Aabb, Outline};
 use crate::solve::Impulses;
 
@@ -61,6 +65,16 @@ fn impulses_of<F: Float>(values: [F; 3]) -> Impulses {
     let most = (1u64 << 62) as f64;
     let units = |value: f64| libm::rint(libm::scalbn(value, -exponent).clamp(-most, most)) as i64;
     Impulses { values: values.map(units), exponent }
+}
+
+/// Ulps of a metre, and units of 2^-64 turns of a turn.
+const ULPS: f64 = 4_294_967_296.0;
+const TURNS: f64 = ULPS * ULPS;
+
+/// An angle as a fraction of a turn.
+fn turn<F: Float>(angle: F) -> Turn {
+    let turns = angle.to_f64() / core::f64::consts::TAU;
+    Turn::from_bits(((turns - libm::floor(turns)) * TURNS) as u64)
 }
 
 /// Two coefficients as one.
@@ -107,6 +121,10 @@ impl<F: Float> Numerics<F> for Floats<F> {
         Flight::still(position)
     }
 
+    fn follower(flight: &Flight<F>, leader: u32) -> Flight<F> {
+        Flight { inverse: [F::of(0.0); 3], leader: Some(leader), ..*flight }
+    }
+
     fn clear(&mut self) {
         self.cores.clear();
         self.contacts.clear();
@@ -114,6 +132,14 @@ impl<F: Float> Numerics<F> for Floats<F> {
 
     fn place(&mut self, outline: &Outline<F>, pose: &Pose<F>) -> usize {
         self.cores.push(outline, pose)
+    }
+
+    fn set_faces(&mut self, faces: &[Face]) {
+        self.cores.set_faces(faces);
+    }
+
+    fn corners(outline: &BodyOutline<F>, pose: &Pose<F>, from: &Pose<F>) -> impl Iterator<Item = [i64; 2]> {
+        pose.corners(&outline.outline, from)
     }
 
     fn swept(outline: &BodyOutline<F>, pose: &Pose<F>, flight: &Flight<F>) -> Aabb<Fx> {
@@ -132,14 +158,35 @@ impl<F: Float> Numerics<F> for Floats<F> {
         collide(self.cores.core(cores[0]), self.cores.core(cores[1]), F::from_fx(MARGIN) + closing)
     }
 
-    fn push(&mut self, bodies: [u32; 2], manifold: &Manifold<F>, [a, b]: [&Material<F>; 2], start: Impulses) {
+    fn along(manifold: &Manifold<F>, pose: &Pose<F>, direction: Vec2<F>) -> F {
+        let ([x, y], [u, v]) = (manifold.normal, pose.turned(direction));
+        x * u + y * v
+    }
+
+    fn least_separation(manifold: &Manifold<F>) -> F {
+        let [first, second] = manifold.points.map(|point| point.separation);
+        if manifold.count == 2 { first.or_less(second) } else { first }
+    }
+
+    fn mixed([a, b]: [&Material<F>; 2]) -> MaterialPair<F> {
         let [friction, restitution] = a.rules(b);
+        MaterialPair {
+            friction: mixed(friction, a.friction, b.friction).or_less(F::from_fx(limits::FRICTION)),
+            restitution: mixed(restitution, a.restitution, b.restitution),
+            rolling_resistance: a.rolling_resistance.or_more(b.rolling_resistance),
+        }
+    }
+
+    fn push(&mut self, bodies: [u32; 2], manifold: &Manifold<F>, surface: &Surface<F>, start: Impulses) {
+        let MaterialPair { friction, restitution, rolling_resistance } = surface.coefficients;
         self.contacts.push(Contact {
             bodies,
             manifold: *manifold,
-            friction: mixed(friction, a.friction, b.friction).or_less(F::from_fx(limits::FRICTION)),
-            restitution: mixed(restitution, a.restitution, b.restitution),
-            surface_speed: a.surface_speed_against(b),
+            friction,
+            restitution,
+            rolling_resistance,
+            rolling_radius: surface.radius,
+            surface_speed: surface.speed,
             impulses: newton_seconds(start),
         });
     }
@@ -153,6 +200,45 @@ impl<F: Float> Numerics<F> for Floats<F> {
 
     fn contacts(&self) -> impl Iterator<Item = ([u32; 2], Impulses)> + '_ {
         self.contacts.iter().map(|contact| (contact.bodies, impulses_of(contact.impulses)))
+    }
+
+    fn ulps(value: F) -> i64 {
+        // A cast from a float saturates.
+        libm::rint(value.to_f64() * ULPS) as i64
+    }
+
+    fn from_ulps(ulps: i64) -> F {
+        F::of(ulps as f64 / ULPS)
+    }
+
+    fn from_turn(turn: Turn) -> F {
+        F::of(turn.to_f64())
+    }
+
+    fn moved(positions: [Vec2<F>; 2], (flight, rotation): (&Flight<F>, Option<F>), reach: i64) -> i64 {
+        let [from, to] = positions;
+        let turned = flight.displacement[2] + rotation.unwrap_or(F::of(0.0));
+        let straight = length([to.x - from.x, to.y - from.y]).to_f64() * ULPS;
+        let reach = reach as f64;
+        (straight + (turned.size().to_f64() * reach).min(2.0 * reach)) as i64
+    }
+
+    fn leg(start: &Start<F>, (position, angle): (Vec2<F>, F), flight: &Flight<F>, rotation: Option<F>) -> Leg {
+        let ends = [start.position, position].map(|at| [Self::ulps(at.x), Self::ulps(at.y)]);
+        let way = [0, 1].map(|k| i128::from(ends[1][k]) - i128::from(ends[0][k]));
+        let [from, to] = [start.angle, angle].map(turn);
+        let shortest = i128::from(to.to_bits().wrapping_sub(from.to_bits()) as i64);
+        let about = (flight.displacement[2] + rotation.unwrap_or(F::of(0.0))).to_f64() / core::f64::consts::TAU;
+        let turns = libm::rint(about - shortest as f64 / TURNS) as i128;
+        Leg::new(ends[0], way, from, shortest + (turns << 64))
+    }
+
+    fn still_leg(position: Vec2<F>, angle: F) -> Leg {
+        Leg::new([Self::ulps(position.x), Self::ulps(position.y)], [0; 2], turn(angle), 0)
+    }
+
+    fn between(from: F, to: F, part: u64) -> F {
+        from + (to - from) * F::of(part as f64 / END as f64)
     }
 
     fn touch(a: Placed<'_, F>, b: Placed<'_, F>) -> Option<(Vec2<F>, [TouchPoint<F>; 2], usize)> {

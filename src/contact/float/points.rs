@@ -5,8 +5,8 @@ use core::cmp::Ordering;
 use super::cores::Core;
 use super::frame::{Both, Frame};
 use super::number::{Float, Pair, dot, length, minus, plus, times};
-use crate::collide::feature;
 use crate::collide::span::{At, Facing, Span, end_of_overlap};
+use crate::collide::{feature, swapped_feature};
 
 /// The contact of two outlines: one point or two.
 #[derive(Clone, Copy, Debug)]
@@ -31,7 +31,7 @@ pub(super) struct ManifoldPoint<F> {
 
 /// The manifold of two outlines, if they are at most `margin` apart.
 pub(super) fn collide<F: Float>(a: Core<'_, F>, b: Core<'_, F>, margin: F) -> Option<Manifold<F>> {
-    match (a.link, b.link) {
+    match (a.surface, b.surface) {
         (None, Some(_)) => return collide(b, a, margin).map(swapped),
         // Neither of their bodies is dynamic.
         (Some(_), Some(_)) => return None,
@@ -40,20 +40,24 @@ pub(super) fn collide<F: Float>(a: Core<'_, F>, b: Core<'_, F>, margin: F) -> Op
     collide_in_order(a, b, margin)
 }
 
-/// The manifold of two outlines, of which the second one is no segment of a chain.
+/// The manifold of two outlines, of which the second one has no surface.
 fn collide_in_order<F: Float>(a: Core<'_, F>, b: Core<'_, F>, margin: F) -> Option<Manifold<F>> {
-    let both = Both::new(a, b, margin)?;
+    let mut both = Both::new(a, b, margin)?;
+    // A body in the middle of polygons that cover each other's edges is pushed by the nearest edge.
+    both.a.surface = a.surface.filter(|surface| !surface.links.is_empty());
+    let surface = both.a.surface;
     if a.corners.len() == 1 && b.corners.len() == 1 {
         return both.between_corners(0, 0);
     }
     let frame = both.frame()?;
     match frame.facing {
+        Facing::Edges if surface.is_some_and(|surface| !surface.has_edge(frame.a.corners)) => None,
         Facing::Edges => both.clipped(&frame),
         Facing::Corners(i, j) => {
             let found = both.between_corners(i, j)?;
-            a.link.is_none_or(|link| link.has(found.normal)).then_some(found)
+            surface.is_none_or(|surface| surface.has(found.normal)).then_some(found)
         }
-        Facing::Beside(..) if a.link.is_some() => None,
+        Facing::Beside(i, _) if surface.is_some_and(|surface| !surface.is_own(i)) => None,
         Facing::Beside(i, j) => both.single(frame.n, frame.separation, i, j),
         Facing::Touching => None,
     }
@@ -63,7 +67,7 @@ fn collide_in_order<F: Float>(a: Core<'_, F>, b: Core<'_, F>, margin: F) -> Opti
 fn swapped<F: Float>(of: Manifold<F>) -> Manifold<F> {
     let mut points = of.points.map(|point| ManifoldPoint {
         arms: [point.arms[1], point.arms[0]],
-        feature: point.feature >> 12 | (point.feature & 0xFFF) << 12,
+        feature: swapped_feature(point.feature),
         ..point
     });
     if of.count == 2 {
@@ -87,7 +91,7 @@ impl<F: Float> Both<'_, F> {
             };
             let (at, name) = end_of_overlap(a, b, end, ahead);
             let separation = self.separation_at(frame, at);
-            let is_seam = self.a.link.is_some_and(|link| link.is_seam(at));
+            let is_seam = self.a.surface.is_some_and(|surface| surface.is_seam(at));
             if separation <= self.limit && !is_seam {
                 manifold.points[manifold.count] = self.point(frame.n, at, separation, name);
                 manifold.count += 1;
@@ -96,11 +100,9 @@ impl<F: Float> Both<'_, F> {
         if manifold.count > 0 {
             return Some(manifold);
         }
-        if self.a.link.is_some() {
-            return None;
-        }
         // The deepest corner is beside the overlap of the edges: at the end where these overlap less.
-        let (_, [i, j]) = self.nearest(a, b)?;
+        let counts = |i| self.a.surface.is_none_or(|surface| surface.is_own(i));
+        let (_, [i, j]) = self.nearest(a, b).filter(|(_, [i, _])| counts(*i))?;
         self.single(frame.n, frame.separation, i, j)
     }
 

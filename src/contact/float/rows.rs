@@ -19,8 +19,12 @@ pub(super) struct Contact<F> {
     pub(super) manifold: Manifold<F>,
     pub(super) friction: F,
     pub(super) restitution: F,
+    /// The coefficient, and the radius, m.
+    pub(super) rolling_resistance: F,
+    pub(super) rolling_radius: F,
     pub(super) surface_speed: F,
-    /// The impulses of the last step, N·s: along the normal by point, and along the tangent; then those of this step.
+    /// The impulses of the last step, N·s: along the normal by point, and along the tangent; then those of this step. With one point the
+    /// second one is that of rolling resistance.
     pub(super) impulses: Vector<F>,
 }
 
@@ -161,7 +165,7 @@ impl<F: Float> Rows<F> {
             is_double,
             rows,
             separation: ends.map(|point| point.separation),
-            impulses: contact.impulses,
+            impulses: if is_double { contact.impulses } else { [contact.impulses[0], zero, contact.impulses[2]] },
             applied: [zero; 3],
             weighted: [zero; 3],
             inverse,

@@ -5,6 +5,7 @@ use alloc::vec::Vec;
 use super::body::{Body, Flight, seconds};
 use super::bounce::{Bounces, Passed};
 use super::number::{Float, Pair, dot, minus, plus, times};
+use super::rolling::Roll;
 use super::rows::{Contact, Pass, Rows, Softness};
 use crate::collider::ContactSettings;
 use crate::math::TimeStep;
@@ -16,10 +17,13 @@ pub(super) struct Solver<F> {
     pub(super) graph: Graph,
     pub(super) bodies: Vec<Body<F>>,
     phases: [Vec<Rows<F>>; PHASES],
+    rolls: [Vec<Roll<F>>; PHASES],
     /// The bodies with contacts, and the number of these, by phase.
     touched: [Vec<u32>; PHASES],
     shares: Vec<u32>,
     pub(super) bounces: Bounces<F>,
+    /// Bodies with their leaders.
+    followers: Vec<[u32; 2]>,
 }
 
 /// A step and its sub-steps.
@@ -49,11 +53,13 @@ impl<F: Float> Solver<F> {
         let n = clock.substeps;
         for k in 1..=n {
             self.bodies.iter_mut().for_each(|body| body.begin(k, n));
+            self.follow();
             if k == 1 {
                 self.pass(clock.substep, Pass::WarmStart);
             }
             self.pass(clock.substep, Pass::Solve);
             self.bodies.iter_mut().for_each(|body| body.advance(clock.substep));
+            self.follow();
             self.pass(clock.substep, Pass::Relax);
         }
         let passed = Passed { flights, bodies: &self.bodies, contacts };
@@ -68,6 +74,8 @@ impl<F: Float> Solver<F> {
         self.graph.build(is_fixed, flights.len(), links, |members, queue| graph_start(flights, members, queue));
         self.bodies.clear();
         self.bodies.extend(flights.iter().map(Body::new));
+        self.followers.clear();
+        self.followers.extend((0..).zip(flights).filter_map(|(body, flight)| Some([body, flight.leader?])));
         let softness = [false, true].map(|is_fixed| Softness::new(is_fixed, settings.push_speed));
         for phase in 0..PHASES {
             let own = || contacts.iter().enumerate().filter(|(_, contact)| self.graph.phase(contact.bodies) == phase);
@@ -87,20 +95,35 @@ impl<F: Float> Solver<F> {
                 let shares = contact.bodies.map(|body| F::of(self.shares[body as usize].into()));
                 Rows::new((number as u32, contact), bodies, shares, &softness)
             }));
+            Roll::list(&mut self.rolls[phase], rows, contacts, &self.bodies);
         }
     }
 
     /// A pass over the contacts of all phases. Those of a phase do not see each other.
     fn pass(&mut self, substep: F, pass: Pass) {
-        for (rows, touched) in self.phases.iter_mut().zip(&self.touched) {
+        for ((rows, touched), rolls) in self.phases.iter_mut().zip(&self.touched).zip(&mut self.rolls) {
             rows.iter_mut().for_each(|row| row.run(&mut self.bodies, substep, pass));
             touched.iter().for_each(|&body| self.bodies[body as usize].take_gain());
+            Roll::run(rolls, rows, &mut self.bodies, pass);
+            follow(&self.followers, &mut self.bodies);
         }
+    }
+
+    /// Sets followers to the motion of their leaders.
+    fn follow(&mut self) {
+        follow(&self.followers, &mut self.bodies);
     }
 
     /// Writes the impulses of contacts and adds the sums of bodies.
     fn apply(&mut self, contacts: &mut [Contact<F>]) {
         contacts.iter_mut().for_each(|contact| contact.impulses = [F::of(0.0); 3]);
+        self.add_rows(contacts);
+        for (rolls, rows) in self.rolls.iter().zip(&self.phases) {
+            Roll::apply(rolls, rows, contacts, &mut self.bodies);
+        }
+    }
+
+    fn add_rows(&mut self, contacts: &mut [Contact<F>]) {
         for row in self.phases.iter().flatten() {
             contacts[row.contact as usize].impulses = row.impulses;
             let on = [row.on_bodies(row.applied), row.on_bodies(row.weighted)];
@@ -110,6 +133,14 @@ impl<F: Float> Solver<F> {
                 (0..3).for_each(|c| body.weighted[c] += on[1][side][c]);
             }
         }
+    }
+}
+
+fn follow<F: Float>(followers: &[[u32; 2]], bodies: &mut [Body<F>]) {
+    for &[body, leader] in followers {
+        let Body { velocity, displacement, .. } = bodies[leader as usize];
+        let body = &mut bodies[body as usize];
+        (body.velocity, body.displacement) = (velocity, displacement);
     }
 }
 

@@ -53,7 +53,7 @@ fn place(random: &mut Random, reach: f64) -> Place {
     ((at, turn), (Vec2::new(x.1, y.1), turn.to_f64()))
 }
 
-/// What differs between manifolds in both scalars.
+/// The differences between manifolds in both scalars.
 #[derive(Default)]
 struct Differences {
     touching: u32,

@@ -75,6 +75,7 @@ pub(super) fn still(position: Vec2) -> Flight {
         inverse_mass: Vec2::new(FxFactor::ZERO, FxFactor::ZERO),
         inverse_inertia: FxFactor::ZERO,
         radius: Fx::ONE,
+        leader: None,
     }
 }
 

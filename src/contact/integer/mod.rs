@@ -2,18 +2,21 @@
 
 mod flights;
 mod pairs;
+mod paths;
 
 use alloc::vec::Vec;
 
 use super::engine::Engine;
-use super::numerics::{MARGIN, Numerics, OVERLAP, Touching};
+use super::numerics::{MARGIN, Numerics, OVERLAP, Surface, Touching};
 use super::{Correction, Placed, Scene, Start, TouchPoint};
+use crate::collide::seam::Face;
+use crate::collide::sweep::Leg;
 use crate::collide::{self, Cores, Manifold, ManifoldPoint, Pose};
-use crate::collider::{BodyOutline, ContactSettings, Material};
+use crate::collider::{BodyOutline, ContactSettings, Material, MaterialPair};
 use crate::fx::Fx;
 use crate::kernel::round::shr_round;
 use crate::math::Vec2;
-use crate::scalar::{FxAccumulator, Turn};
+use crate::scalar::{FxAccumulator, FxFactor, Turn};
 use crate::shape::{Aabb, Outline};
 use crate::solve::{self, Contact, Flight, Impulses, Solver, SolverOptions};
 
@@ -31,6 +34,9 @@ pub struct Fixed {
     contacts: Vec<Contact>,
     solver: Solver,
     corrections: Vec<solve::Correction>,
+    /// No contact is found ahead of time.
+    #[cfg(feature = "selftest")]
+    is_discrete: bool,
 }
 
 /// A point with arms to the surface of each body: an open gap closes within the step.
@@ -88,6 +94,12 @@ impl Numerics<Fx> for Fixed {
         flights::still(position.map(FxAccumulator::value))
     }
 
+    fn follower(flight: &Flight, leader: u32) -> Flight {
+        let fixed = FxFactor::default();
+        let inverse_mass = Vec2::new(fixed, fixed);
+        Flight { inverse_mass, inverse_inertia: fixed, leader: Some(leader), ..*flight }
+    }
+
     fn clear(&mut self) {
         self.cores.clear();
         self.contacts.clear();
@@ -95,6 +107,14 @@ impl Numerics<Fx> for Fixed {
 
     fn place(&mut self, outline: &Outline, pose: &Pose) -> usize {
         self.cores.push(outline, pose)
+    }
+
+    fn set_faces(&mut self, faces: &[Face]) {
+        self.cores.set_faces(faces);
+    }
+
+    fn corners(outline: &BodyOutline<Fx>, pose: &Pose, from: &Pose) -> impl Iterator<Item = [i64; 2]> {
+        pose.corners_from(&outline.outline, from)
     }
 
     fn swept(outline: &BodyOutline<Fx>, pose: &Pose, flight: &Flight) -> Aabb {
@@ -107,19 +127,43 @@ impl Numerics<Fx> for Fixed {
 
     fn collide(&self, cores: [usize; 2], flights: [&Flight; 2], radii: [Fx; 2]) -> Option<Manifold> {
         let margin = MARGIN.to_bits() + closing(flights, radii);
+        #[cfg(feature = "selftest")]
+        let margin = if self.is_discrete { MARGIN.to_bits() } else { margin };
         self.cores.collide(cores[0], cores[1], Fx::from_bits(margin))
     }
 
-    fn push(&mut self, bodies: [u32; 2], manifold: &Manifold, [a, b]: [&Material; 2], start: Impulses) {
+    fn along(manifold: &Manifold, pose: &Pose, direction: Vec2<Fx>) -> Fx {
+        let ([x, y], [u, v]) = (manifold.normal, pose.turned(direction));
+        // In units of 2^-60, at most 2^61: a mirror image has the same.
+        Fx::from_bits((i64::from(x) * i64::from(u) + i64::from(y) * i64::from(v)) >> 28)
+    }
+
+    fn least_separation(manifold: &Manifold) -> Fx {
+        let [first, second] = manifold.points.map(|point| point.separation);
+        if manifold.count == 2 { first.min(second) } else { first }
+    }
+
+    fn mixed([a, b]: [&Material; 2]) -> MaterialPair {
         let [friction, restitution] = a.rules(b);
+        MaterialPair {
+            friction: mixed(friction, a.friction, b.friction),
+            restitution: mixed(restitution, a.restitution, b.restitution),
+            rolling_resistance: a.rolling_resistance.max(b.rolling_resistance),
+        }
+    }
+
+    fn push(&mut self, bodies: [u32; 2], manifold: &Manifold, surface: &Surface<Fx>, start: Impulses) {
+        let MaterialPair { friction, restitution, rolling_resistance } = surface.coefficients;
         self.contacts.push(Contact {
             bodies,
             normal: manifold.normal,
             count: manifold.count,
             points: manifold.points.map(|point| on_surfaces(manifold.normal, &point)),
-            friction: mixed(friction, a.friction, b.friction),
-            restitution: mixed(restitution, a.restitution, b.restitution),
-            surface_speed: a.surface_speed_against(b),
+            friction,
+            restitution,
+            rolling_resistance,
+            rolling_radius: surface.radius,
+            surface_speed: surface.speed,
             impulses: start,
         });
     }
@@ -138,6 +182,48 @@ impl Numerics<Fx> for Fixed {
 
     fn contacts(&self) -> impl Iterator<Item = ([u32; 2], Impulses)> + '_ {
         self.contacts.iter().map(|contact| (contact.bodies, contact.impulses))
+    }
+
+    #[cfg(feature = "selftest")]
+    fn set_discrete(&mut self, is_discrete: bool) {
+        self.is_discrete = is_discrete;
+    }
+
+    fn ulps(value: Fx) -> i64 {
+        value.to_bits()
+    }
+
+    fn from_ulps(ulps: i64) -> FxAccumulator {
+        FxAccumulator::from_scalar(Fx::from_bits(ulps))
+    }
+
+    fn from_turn(turn: Turn) -> Turn {
+        turn
+    }
+
+    fn moved(
+        positions: [Vec2<FxAccumulator>; 2],
+        (flight, rotation): (&Flight, Option<FxAccumulator>),
+        reach: i64,
+    ) -> i64 {
+        paths::moved(positions, (flight, rotation), reach)
+    }
+
+    fn leg(
+        start: &Start<Fx>,
+        end: (Vec2<FxAccumulator>, Turn),
+        flight: &Flight,
+        rotation: Option<FxAccumulator>,
+    ) -> Leg {
+        paths::leg(start, end, flight, rotation)
+    }
+
+    fn still_leg(position: Vec2<FxAccumulator>, angle: Turn) -> Leg {
+        Leg::new(paths::ulps(position), [0; 2], angle, 0)
+    }
+
+    fn between(from: FxAccumulator, to: FxAccumulator, part: u64) -> FxAccumulator {
+        paths::between(from, to, part)
     }
 
     fn touch(a: Placed<'_, Fx>, b: Placed<'_, Fx>) -> Option<(Vec2<Fx>, [TouchPoint<Fx>; 2], usize)> {

@@ -102,9 +102,17 @@ impl<S: Scalar> World<S> {
             }
             [Part::Name("colliders"), Part::Entry(slot), ..] => (Owner::Collider(self.collider_in(slot)), &path[2..]),
             [Part::Name("contacts"), Part::Entry(index), ..] => {
-                let pair = self.contacts.records.get(index as usize).map(|record| record.pair()).unwrap_or_default();
+                let pair = self.contacts.iter().nth(index as usize).map(|record| record.pair()).unwrap_or_default();
                 let [first, second] = pair.map(|outline| self.collider_in(outline.slot));
                 (Owner::Contact(first, second), &path[2..])
+            }
+            [Part::Name("one_way_pairs"), Part::Entry(index), ..] => {
+                let slot = self.contacts.passes.get(index as usize).map_or(0, |record| record.collider);
+                (Owner::Collider(self.collider_in(slot)), path)
+            }
+            [Part::Name("excluded_pairs"), Part::Entry(index), ..] => {
+                let slot = self.contacts.excluded.get(index as usize).map_or(0, |pair| pair.bodies[0]);
+                (Owner::Body(BodyId::from_parts(slot, self.bodies.generation(slot).unwrap_or_default())), path)
             }
             _ => (Owner::World, path),
         }

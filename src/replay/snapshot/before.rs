@@ -93,7 +93,13 @@ impl BeforeCalls {
                 body.into_iter().for_each(|body| self.keep_slot(world, body.slot));
                 self.keep_colliders(world);
             }
-            Command::SetTimeStep(_) | Command::SetContactSettings(_) => self.keep_colliders(world),
+            Command::SetTimeStep(_) | Command::SetContactSettings(_) | Command::SetMaterialPair { .. } => {
+                self.keep_colliders(world);
+            }
+            Command::ExcludePair { b, .. } | Command::AllowPair { b, .. } => {
+                self.keep_slot(world, b.slot);
+                self.keep_colliders(world);
+            }
             Command::AddField(_) | Command::SetField { .. } | Command::RemoveField(_) => self.keep_fields(world),
             // These two set a value of every body to zero: the ticks at rest, the last acceleration.
             Command::SetSleepAfter(_) | Command::SetIntegrator(_) => {

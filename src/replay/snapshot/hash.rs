@@ -92,6 +92,7 @@ impl<S: Scalar> World<S> {
             sink.all(&digests, u64::to_le_bytes);
         }
         self.hash_custom_forces(&mut sink);
+        self.colliders.write_material_pairs(&mut sink);
         self.hash_contacts(&mut sink);
         sink.finish()
     }
@@ -116,10 +117,30 @@ impl<S: Scalar> World<S> {
             };
             (keys[0].min(keys[1]), keys[0].max(keys[1]), digest)
         };
-        let mut contacts: Vec<(u64, u64, u64)> = self.contacts.records.iter().map(one).collect();
+        let mut contacts: Vec<(u64, u64, u64)> = self.contacts.iter().map(one).collect();
         contacts.sort_unstable();
         for (first, second, digest) in contacts {
             [first, second, digest].iter().for_each(|word| word.write(sink));
+        }
+        self.hash_pairs(sink);
+    }
+
+    /// Hashes the answers of one-way colliders and the excluded pairs by the keys of colliders and bodies.
+    fn hash_pairs(&self, sink: &mut StateHasher) {
+        let of_body = |slot: u32| self.bodies.index_in(slot).map_or(0, |dense| self.bodies.info(dense).key);
+        let of_collider = |slot: u32| self.colliders.at(slot).map_or(0, |collider| collider.def.key);
+        let one_way = self.contacts.passes.iter().map(|record| {
+            let (outline, body) = record.place();
+            (of_collider(outline.slot), of_body(body), u64::from(outline.part) << 1 | u64::from(record.passes))
+        });
+        let excluded = self.contacts.excluded.iter().map(|pair| {
+            let [a, b] = pair.bodies.map(of_body);
+            (a.min(b), a.max(b), pair.exclusion as u64)
+        });
+        for mut pairs in [one_way.collect::<Vec<_>>(), excluded.collect()] {
+            pairs.sort_unstable();
+            codec::count(sink, pairs.len());
+            pairs.iter().for_each(|&(a, b, state)| [a, b, state].iter().for_each(|word| word.write(sink)));
         }
     }
 
@@ -141,8 +162,7 @@ impl<S: Scalar> World<S> {
         force.write(&mut sink);
         torque.write(&mut sink);
         self.targets.of(self.bodies.id(dense)).copied().write(&mut sink);
-        let own =
-            self.colliders.of(self.bodies.id(dense)).map(|collider| (collider.def.key, collider.physics_digest()));
+        let own = self.colliders.of(self.bodies.id(dense)).map(|collider| (collider.def.key, collider.physics_digest));
         let mut own: Vec<(u64, u64)> = own.collect();
         own.sort_unstable();
         sink.all(&own, |(_, digest)| digest.to_le_bytes());

@@ -12,8 +12,8 @@ use crate::body::{
     Activity, Bodies, BodyKind, Damping, FactorTable, KinematicTarget, Record, ShapeSource, check_position,
 };
 use crate::codec::{Malformed, Read, Reader, StateHasher};
-use crate::collider::{ColliderDef, ColliderMass, ColliderSet, OutlineId};
-use crate::contact::{ContactRecord, ContactSet};
+use crate::collider::{ColliderDef, ColliderMass, ColliderSet, OutlineId, PairEntry};
+use crate::contact::{ContactRecord, ContactSet, ExcludedPair, PassRecord, is_asleep};
 use crate::error::Error;
 use crate::force::{CustomForce, CustomForces, FieldSet, ForceField};
 use crate::fx::Fx;
@@ -141,6 +141,15 @@ fn read_colliders(reader: &mut Reader<'_>) -> Result<ColliderSet<Fx>, SnapshotEr
         colliders.rebuild(generation, collider).map_err(invalid)?;
     }
     colliders.set_free(read_list(reader, 4, u32::read)?)?;
+    let malformed = reader.malformed("pairs of materials, sorted, each once with the lower number first");
+    let pairs = read_list(reader, 32, PairEntry::read)?;
+    if !pairs.is_sorted_by(|a, b| a.ids < b.ids) || pairs.iter().any(|entry| entry.ids[0] > entry.ids[1]) {
+        return Err(malformed.into());
+    }
+    for PairEntry { ids, pair } in pairs {
+        colliders.check_material_pair(ids, Some(&pair))?;
+        colliders.set_material_pair(ids, Some(pair));
+    }
     Ok(colliders)
 }
 
@@ -161,7 +170,27 @@ fn read_contacts(reader: &mut Reader<'_>, world: &World) -> Result<ContactSet, S
     if pushed_at > world.tick {
         return Err(Error::Inconsistent.into());
     }
-    Ok(ContactSet { records, pushed_at })
+    let malformed = reader.malformed("outlines of one-way colliders and bodies without them, sorted, each once");
+    let passes: Vec<PassRecord> = read_list(reader, 11, PassRecord::read)?;
+    let is_there = |slot| world.bodies.index_in(slot).is_some();
+    let is_one_way = |record: &PassRecord| {
+        let (outline, other) = record.place();
+        let side = world.colliders.at(outline.slot).is_some_and(|collider| collider.side.is_some());
+        side && is_there(other) && body(outline).is_some_and(|own| own.slot != other)
+    };
+    if !passes.iter().all(is_one_way) || !passes.is_sorted_by(|a, b| a.place() < b.place()) {
+        return Err(malformed.into());
+    }
+    let malformed = reader.malformed("pairs of two bodies, at most 65,536, sorted, each once");
+    let excluded: Vec<ExcludedPair> = read_list(reader, 9, ExcludedPair::read)?;
+    let are_two = |pair: &ExcludedPair| pair.bodies[0] < pair.bodies[1] && pair.bodies.into_iter().all(is_there);
+    let fits = excluded.len() <= limits::EXCLUDED_PAIRS;
+    if !fits || !excluded.iter().all(are_two) || !excluded.is_sorted_by(|a, b| a.bodies < b.bodies) {
+        return Err(malformed.into());
+    }
+    let mut contacts = ContactSet::new(records, |slot| is_asleep(&world.bodies, &world.colliders, slot));
+    (contacts.passes, contacts.excluded, contacts.pushed_at) = (passes, excluded, pushed_at);
+    Ok(contacts)
 }
 
 /// Reads the bodies that calls woke, in the order of the calls.

@@ -216,13 +216,16 @@ impl<S: Scalar> Write for StateView<'_, S> {
         part(out, "custom_forces", |out| self.write_custom_forces(out));
         part(out, "colliders", |out| self.write_colliders(out));
         part(out, "free_colliders", |out| codec::list(out, self.colliders.free().iter()));
+        part(out, "material_pairs", |out| codec::list(out, self.colliders.material_pairs().iter()));
         part(out, "bodies", |out| self.write_bodies(out));
         part(out, "free_slots", |out| codec::list(out, self.free.iter()));
         part(out, "fields", |out| self.write_fields(out));
         part(out, "free_fields", |out| codec::list(out, self.fields.free().iter()));
         part(out, "fields_by_age", |out| codec::list(out, self.fields.ages().iter()));
         codec::field(out, "pushed_at_tick", &self.contacts.pushed_at);
-        part(out, "contacts", |out| codec::list(out, self.contacts.records.iter()));
+        part(out, "contacts", |out| codec::list(out, self.contacts.all().iter()));
+        part(out, "one_way_pairs", |out| codec::list(out, self.contacts.passes.iter()));
+        part(out, "excluded_pairs", |out| codec::list(out, self.contacts.excluded.iter()));
         part(out, "woken", |out| codec::list(out, self.woken.iter()));
     }
 }

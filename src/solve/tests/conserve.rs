@@ -63,6 +63,8 @@ fn contacts(discs: &[Disc], before: &[(u32, u32, Impulses)]) -> Vec<Contact> {
                 ],
                 friction: fx(0.5),
                 restitution: fx(0.5),
+                rolling_resistance: fx(0.0),
+                rolling_radius: fx(0.0),
                 surface_speed: fx(0.0),
                 impulses: known.unwrap_or_default(),
             });

@@ -3,6 +3,8 @@
 use alloc::vec::Vec;
 
 use super::scene::{Scene, body, by_exponent, contact, fixed, fx, signed, unit};
+use super::twin::real;
+use crate::fx::Fx;
 use crate::math::{Random, TimeStep};
 use crate::solve::{Contact, Flight, Impulses};
 
@@ -68,6 +70,10 @@ impl Ranges {
         let mut of = contact(bodies, [angle.cos(), angle.sin()], &points[..count]);
         of.friction = fx(if random.below(3) == 0 { 0.0 } else { unit(random) });
         of.restitution = fx(self.restitution * unit(random));
+        if count == 1 && random.below(2) == 0 {
+            of.rolling_resistance = fx(unit(random));
+            of.rolling_radius = fx(radii[0].min(radii[1]) * (0.01 + unit(random)));
+        }
         if random.below(4) == 0 {
             of.surface_speed = fx(signed(random));
         }
@@ -76,6 +82,9 @@ impl Ranges {
             let values = [one, two, along].map(|value| (value * self.impulse * 2f64.powi(24)) as i64);
             of.impulses =
                 Impulses { values: [values[0], if count == 2 { values[1] } else { 0 }, values[2]], exponent: -24 };
+            if of.rolling_resistance > Fx::ZERO {
+                of.impulses.values[1] = (real(of.rolling_resistance) * signed(random) * values[0] as f64) as i64;
+            }
         }
         of
     }

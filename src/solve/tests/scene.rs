@@ -60,6 +60,7 @@ pub(super) fn body(mass: f64, gyration: f64, radius: f64) -> Flight {
         inverse_mass: Vec2::new(inverse, inverse),
         inverse_inertia: FxFactor::ONE.over(inertia),
         radius: fx(radius),
+        leader: None,
     }
 }
 
@@ -94,6 +95,8 @@ pub(super) fn contact(bodies: [u32; 2], normal: [f64; 2], points: &[([f64; 2], [
         points: of,
         friction: fx(0.0),
         restitution: fx(0.0),
+        rolling_resistance: fx(0.0),
+        rolling_radius: fx(0.0),
         surface_speed: fx(0.0),
         impulses: Impulses::default(),
     }
@@ -227,7 +230,10 @@ impl Image for Contact {
     fn mirrored(&self) -> Self {
         let [x, y] = self.normal;
         let points = self.points.map(|point| Point { arms: point.arms.map(mirrored), ..point });
-        let (surface_speed, impulses) = (negated(self.surface_speed), self.impulses.mirrored());
+        let (surface_speed, mut impulses) = (negated(self.surface_speed), self.impulses.mirrored());
+        if self.count == 1 {
+            impulses.values[1] = -impulses.values[1];
+        }
         Self { normal: [-x, y], points, surface_speed, impulses, ..*self }
     }
 
@@ -240,7 +246,11 @@ impl Image for Contact {
     fn swapped(&self) -> Self {
         let [a, b] = self.bodies;
         let points = self.points.map(|point| Point { arms: [point.arms[1], point.arms[0]], ..point });
-        Self { bodies: [b, a], normal: self.normal.map(|n| -n), points, ..*self }
+        let mut impulses = self.impulses;
+        if self.count == 1 {
+            impulses.values[1] = -impulses.values[1];
+        }
+        Self { bodies: [b, a], normal: self.normal.map(|n| -n), points, impulses, ..*self }
     }
 
     fn with_points_swapped(&self) -> Self {

@@ -20,7 +20,7 @@ use crate::solve::{Flight, PHASES, Solver, Velocity};
 /// Components x, y and angular.
 pub(super) type Vector = [f64; 3];
 
-fn real(value: Fx) -> f64 {
+pub(super) fn real(value: Fx) -> f64 {
     value.to_bits() as f64 / 2f64.powi(32)
 }
 
@@ -210,6 +210,43 @@ impl Twin {
             body.velocity = velocity;
             body.round(0.5, rounding);
         }
+        if pass != Pass::Solve {
+            self.roll(phase, pass);
+        }
+    }
+
+    /// The rows of rolling resistance of a phase, which see what its friction left.
+    fn roll(&mut self, phase: usize, pass: Pass) {
+        let Self { bodies, phases, rounding, .. } = self;
+        let mut after: Vec<f64> = bodies.iter().map(|body| body.velocity[2]).collect();
+        let count = |body: usize| phases[phase].iter().filter(|of| of.rolls() && of.bodies.contains(&body)).count();
+        let shares: Vec<f64> = (0..bodies.len()).map(|body| count(body) as f64).collect();
+        for of in phases[phase].iter_mut().filter(|of| of.rolls()) {
+            let before = of.roll.impulse;
+            let mut change = before;
+            if pass == Pass::Relax {
+                let [a, b] = of.bodies;
+                let radius = of.roll.radius;
+                let easy = |body: usize| shares[body] * radius * radius * bodies[body].inverse_mass[2];
+                let velocity = radius * (bodies[b].seen[2] - bodies[a].seen[2]);
+                let limit = of.roll.resistance * of.impulses[0];
+                // The reciprocal has 30 bits, and its terms are rounded to 2^-30 of a unit.
+                let wanted = velocity / (easy(a) + easy(b));
+                let wanted =
+                    before - wanted * (1.0 + rounding.within(2f64.powi(-26))) + rounding.within(of.units.impulse);
+                of.roll.impulse = wanted.clamp(-limit, limit);
+                of.roll.weighted += of.roll.applied + before;
+                of.roll.applied += of.roll.impulse;
+                change = of.roll.impulse - before;
+            }
+            for (body, turn) in of.bodies.into_iter().zip(of.turns(change)) {
+                after[body] += turn * bodies[body].inverse_mass[2];
+            }
+        }
+        for (body, velocity) in bodies.iter_mut().zip(after) {
+            body.velocity[2] = velocity;
+            body.round(0.5, rounding);
+        }
     }
 
     /// Velocities and displacements by the step, of all bodies, in units of the solver.
@@ -228,6 +265,11 @@ impl Twin {
         for of in self.phases.iter().flatten() {
             of.push(&of.rows, of.applied, |body, sum| (0..3).for_each(|i| bodies[body].applied[i] += sum[i]));
             of.push(&of.rows, of.weighted, |body, sum| (0..3).for_each(|i| bodies[body].weighted[i] += sum[i]));
+            let (applied, weighted) = (of.turns(of.roll.applied), of.turns(of.roll.weighted));
+            for (side, body) in of.bodies.into_iter().enumerate() {
+                bodies[body].applied[2] += applied[side];
+                bodies[body].weighted[2] += weighted[side];
+            }
         }
         (0..self.bodies.len()).map(|body| self.in_units(body, self.bodies[body].correction(self.h))).collect()
     }

@@ -197,7 +197,7 @@ impl Pair {
         }
     }
 
-    /// Whether cores with no edges that overlap touch: sharp corners do so where they overlap, or are apart.
+    /// Returns true where cores without overlapping edges touch: sharp corners touch if they overlap or are apart.
     fn is_contact(&self, separation: f64) -> Vec<bool> {
         let mut answers = Vec::new();
         for is_far in self.is_above(separation - self.far) {

@@ -11,9 +11,9 @@ use crate::chart::escaped;
 pub(crate) struct Heading {
     pub(crate) title: String,
     pub(crate) about: String,
-    /// The part of the plane to show at first, m; all there is without it.
+    /// The part of the plane to show at first, m; `None` for all bodies.
     pub(crate) view: Option<[Vec2; 2]>,
-    /// Whether to show trails at first, unless there are too many.
+    /// True to show trails at first, unless there are too many.
     pub(crate) trails: bool,
 }
 

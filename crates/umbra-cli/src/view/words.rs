@@ -1,8 +1,8 @@
 //! Commands in words.
 
 use umbra_physics::{
-    BodyId, BodyKind, ColliderId, Command, Damping, FieldId, FieldKind, ForceField, ForceOrImpulse, Frame, Fx, Locks,
-    Mass, Vec2,
+    BodyId, BodyKind, ColliderId, Command, Damping, Exclusion, FieldId, FieldKind, ForceField, ForceOrImpulse, Frame,
+    Fx, Locks, Mass, Vec2,
 };
 use umbra_scene::{Scene, SceneAction};
 
@@ -49,6 +49,9 @@ where
             format!("largest speeds of {}: {}, {}", of(body), most(*linear, "m/s"), most(*angular, "rad/s"))
         }
         Command::SetLocks { body, locks } => format!("locks of {}: {}", of(body), locked(*locks)),
+        Command::SetDominance { body, dominance } => format!("dominance of {}: {dominance}", of(body)),
+        Command::SetBullet { body, bullet: true } => format!("make {} a bullet", of(body)),
+        Command::SetBullet { body, bullet: false } => format!("make {} no bullet", of(body)),
         Command::SetForceGroups { body, force_groups } => format!("force groups of {}: {force_groups:#x}", of(body)),
         Command::SetKey { body, key } => format!("key of {}: {key}", of(body)),
         Command::SetUserData { body, user_data } => format!("user data of {}: {user_data}", of(body)),
@@ -80,7 +83,18 @@ where
             format!("another definition for {}", (names.collider)(*collider))
         }
         Command::RemoveCollider(collider) => format!("remove {}", (names.collider)(*collider)),
+        Command::ExcludePair { a, b, exclusion } => {
+            let until = if *exclusion == Exclusion::UntilApart { " until they are apart" } else { "" };
+            format!("no contacts of {} and {}{until}", of(a), of(b))
+        }
+        Command::AllowPair { a, b } => format!("contacts of {} and {} again", of(a), of(b)),
         Command::SetContactSettings(contacts) => format!("contacts: {} sub-steps", contacts.substeps),
+        Command::SetMaterialPair { first, second, pair: Some(pair) } => {
+            format!("materials {first} and {second}: friction {}", pair.friction)
+        }
+        Command::SetMaterialPair { first, second, pair: None } => {
+            format!("materials {first} and {second}: no coefficients of their own")
+        }
         // One that this version does not know; its name at least.
         other => format!("{other:?}").chars().take_while(char::is_ascii_alphanumeric).collect(),
     }

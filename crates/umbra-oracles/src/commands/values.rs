@@ -1,9 +1,9 @@
 //! The values of random commands, by the roles that they have in commands.
 
 use umbra_physics::{
-    ApplyOptions, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, CommandSource, ContactSettings, Damping, FieldId,
-    ForceField, ForceOrImpulse, Frame, Fx, Integrator, Locks, Mass, Random, Shape, TimeStep, Vec2, WorldDef, fx,
-    limits,
+    ApplyOptions, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, CommandSource, ContactSettings, Damping,
+    Exclusion, FieldId, ForceField, ForceOrImpulse, Frame, Fx, Integrator, Locks, Mass, MaterialPair, Random, Shape,
+    TimeStep, Vec2, WorldDef, fx, limits,
 };
 
 use super::{Choices, Generator};
@@ -47,8 +47,26 @@ impl<C: Choices + ?Sized> CommandSource for Generator<'_, C> {
             density: self.number([fx!(0.5), fx!(4)], [Fx::ZERO, Fx::MAX]),
             material: self.material(),
             filter: self.filter(),
+            one_way: self.one_way(),
             ..collider.unwrap_or_else(|| unreachable!("half a metre is a radius"))
         }
+    }
+
+    /// The number of a material: 0 is none.
+    fn material(&mut self) -> u32 {
+        let few = self.choices.choose(4) as u32;
+        if self.is_wild() { few } else { few.max(1) }
+    }
+
+    fn optional_material_pair(&mut self) -> Option<MaterialPair> {
+        let is_taken_back = self.choices.one_in(4);
+        let usual = [Fx::ZERO, fx!(1)];
+        let pair = MaterialPair {
+            friction: self.number(usual, [Fx::ZERO, limits::FRICTION]),
+            restitution: self.number(usual, usual),
+            rolling_resistance: self.number(usual, usual),
+        };
+        (!is_taken_back).then_some(pair)
     }
 
     fn contact_settings(&mut self) -> ContactSettings {
@@ -61,9 +79,14 @@ impl<C: Choices + ?Sized> CommandSource for Generator<'_, C> {
             substeps: if self.choices.one_in(2) { standard.substeps } else { 1 + self.choices.choose(8) as u32 },
             push_speed: self.number([fx!(1), fx!(4)], speed),
             restitution_speed: self.number([fx!(0.5), fx!(2)], speed),
+            sleep_speed: self.number([fx!(0), fx!(1)], speed),
             max_pairs: count(self.choices.choose(32), standard.max_pairs),
             max_pairs_per_collider: count(self.choices.choose(8), standard.max_pairs_per_collider),
         }
+    }
+
+    fn exclusion(&mut self) -> Exclusion {
+        if self.choices.one_in(2) { Exclusion::Always } else { Exclusion::UntilApart }
     }
 
     /// The definition of a body. A third of them rest, to fall asleep.
@@ -97,6 +120,8 @@ impl<C: Choices + ?Sized> CommandSource for Generator<'_, C> {
             max_speed: self.max_speed(),
             max_angular_speed: self.max_angular_speed(),
             locks,
+            dominance: self.dominance(),
+            bullet: self.bullet(),
             force_groups: self.force_groups(),
             key,
             user_data: key,
@@ -184,6 +209,15 @@ impl<C: Choices + ?Sized> CommandSource for Generator<'_, C> {
     fn max_angular_speed(&mut self) -> Option<Fx> {
         let is_capped = !self.taste.reversible && self.choices.one_in(7);
         if is_capped { Some(self.not_negative(fx!(4), limits::ANGULAR_SPEED)) } else { None }
+    }
+
+    /// Mostly that of all others.
+    fn dominance(&mut self) -> i32 {
+        if self.choices.one_in(4) { self.choices.choose(5) as i32 - 2 } else { 0 }
+    }
+
+    fn bullet(&mut self) -> bool {
+        self.choices.one_in(4)
     }
 
     fn force_groups(&mut self) -> u32 {

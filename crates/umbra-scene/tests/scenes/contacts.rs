@@ -9,8 +9,21 @@ use umbra_scene::{Scene, SceneRun};
 use super::scenes::{scenes, short};
 
 /// The scenes of bodies that touch.
-const NAMES: [&str; 10] =
-    ["arch", "billiards", "cards", "cradle", "dominoes", "hopper", "pile", "pyramid", "slope", "tower"];
+const NAMES: [&str; 13] = [
+    "arch",
+    "belts",
+    "billiards",
+    "cards",
+    "cradle",
+    "dominoes",
+    "hopper",
+    "marble-run",
+    "pile",
+    "platforms",
+    "pyramid",
+    "slope",
+    "tower",
+];
 
 fn scene(name: &str) -> Scene {
     scenes().remove(name).unwrap_or_else(|| panic!("there is no scene {name}"))
@@ -299,4 +312,77 @@ fn the_pile_is_symmetric_to_the_bit_and_in_doubles_is_not() {
     let mut float = scene.start::<f64>().expect("it starts");
     advance(&mut float, 60);
     assert!(without_image(&float, 0) > 20, "{} of 140", without_image(&float, 0));
+}
+
+/// Each ball lands on the highest platform that its bottom gets above, by its speed; two drop by one of them.
+#[test]
+fn balls_land_on_the_platforms_that_they_get_above() {
+    let scene = scene("platforms");
+    let mut run = start(&scene);
+    let tops = [0.0, 2.125, 4.125, 6.125];
+    let level = |i: usize| {
+        let speed = 6.0 + 0.55 * i as f64;
+        tops.iter().rposition(|&top| speed * speed / (2.0 * 9.81) > top).unwrap_or(0)
+    };
+    assert_eq!([0, 1, 6, 11].map(level), [0, 1, 2, 3]);
+    advance(&mut run, 299);
+    let rests = |run: &SceneRun<'_, Fx>, i: usize, level: usize| {
+        let [x, y] = body(run, &format!("ball-{i}")).position().to_f64();
+        assert!((x - (i as f64 - 5.5)).abs() < 1e-6 && (y - tops[level] - 0.3).abs() < 0.005, "{i}: {x} {y}");
+    };
+    (0..12).for_each(|i| rests(&run, i, level(i)));
+    advance(&mut run, 480);
+    (0..12).for_each(|i| rests(&run, i, level(i).min(if i < 10 { 3 } else { 2 })));
+}
+
+/// Rough boxes ride up, go over to the next belts and come back; smooth ones slide down.
+#[test]
+fn belts_hand_boxes_over_and_smooth_boxes_slide_down() {
+    let scene = scene("belts");
+    let mut run = start(&scene);
+    advance(&mut run, 60);
+    let along = |run: &SceneRun<'_, Fx>, name: &str| {
+        let [x, y] = body(run, name).velocity().to_f64();
+        x * 0.3_f64.cos() + y * 0.3_f64.sin()
+    };
+    assert!((along(&run, "rough-2") - 2.0).abs() < 0.01);
+    // −g·(sin 0.3 − 0.2·cos 0.3) for the whole second.
+    let slides = -9.81 * (0.3_f64.sin() - 0.2 * 0.3_f64.cos());
+    assert!((along(&run, "smooth-1") - slides).abs() < 0.01, "{}", along(&run, "smooth-1"));
+    let mut farthest = [0.0_f64; 4];
+    for tick in 61..=1500 {
+        advance(&mut run, tick);
+        for (i, most) in farthest.iter_mut().enumerate() {
+            *most = most.max(body(&run, &format!("rough-{}", i + 1)).position().x.to_f64());
+        }
+    }
+    for (i, most) in farthest.into_iter().enumerate() {
+        let end = body(&run, &format!("rough-{}", i + 1)).position().x.to_f64();
+        assert!(most > 14.0 && end < 3.0, "rough-{}: {most} {end}", i + 1);
+    }
+    assert!(["smooth-1", "smooth-2"].iter().all(|name| body(&run, name).position().x < fx!(-6)));
+}
+
+/// All marbles end up in the basket, and those that start higher land farther away.
+#[test]
+fn marbles_fly_from_the_track_into_the_basket() {
+    let scene = scene("marble-run");
+    let mut run = start(&scene);
+    let mut landings = BTreeMap::new();
+    for tick in 1..=scene.ticks {
+        advance(&mut run, tick);
+        for (name, [x, y]) in places(&run) {
+            // No bump on the way: a marble is 0.2 m from the track, which is steeper above.
+            let surface = 2.0 + 8.0 * (1.0 - x / 18.0).powi(2);
+            assert!(x > 19.7 || y - surface < 0.32, "{name} at {x}, {y}");
+            if y < -2.7 {
+                landings.entry(name).or_insert(x);
+            }
+        }
+    }
+    let landings: Vec<f64> = landings.into_values().collect();
+    assert!(landings.len() == 8 && landings[0] > landings[7] + 1.0, "{landings:?}");
+    for (name, [x, y]) in places(&run) {
+        assert!(25.0 < x && x < 36.0 && -3.0 < y && y < 0.0, "{name} at {x}, {y}");
+    }
 }

@@ -67,7 +67,7 @@ fn a_name_that_nothing_has_is_told_the_nearest_one() {
 
 #[test]
 fn every_mistake_in_a_collider_is_told_at_its_field() {
-    let text = r#"{"contacts": {"substeps": 9, "push_speed": -1, "restitution_speed": 2000, "max_pair": 3},
+    let text = r#"{"contacts": {"substeps": 9, "sleep_speed": -1, "restitution_speed": 2000, "max_pair": 3},
 "bodies": [{"name": "a", "colliders": [
   {"name": "hull", "friction": 0.5},
   {"shape": {"compound": [{"shape": {"circle": {"radius": 1}}}]}, "friction": -1},
@@ -89,8 +89,8 @@ fn every_mistake_in_a_collider_is_told_at_its_field() {
   {"at": 1, "set": {"contacts": {"substeps": 0}}}]}"#;
     let expected = [
         "1: contacts.substeps: out of range: expected a number of sub-steps from 1 to 8 [E101]",
-        "1: contacts.push_speed: out of range: expected a speed from 0 to 2^10 m/s [E101]",
         "1: contacts.restitution_speed: out of range: expected a speed from 0 to 2^10 m/s [E101]",
+        "1: contacts.sleep_speed: out of range: expected a speed from 0 to 2^10 m/s [E101]",
         "1: contacts.max_pair: unknown field: did you mean `max_pairs`? [E503]",
         "3: bodies[0].colliders[0]: the field `shape` is missing [E505]",
         "4: bodies[0].colliders[1].friction: out of range: expected a coefficient of friction from 0 to 32 [E101]",
@@ -126,11 +126,17 @@ fn every_mistake_in_a_surface_is_told_at_its_field() {
     let text = r#"{"bodies": [{"name": "a", "colliders": [
   {"shape": {"circle": {"radius": 1}}, "surface_speed": 1025},
   {"shape": {"circle": {"radius": 1}}, "tangent_speed": 1},
-  {"shape": {"circle": {"radius": 1}}, "friction_rule": "average"}]}]}"#;
+  {"shape": {"circle": {"radius": 1}}, "friction_rule": "average"},
+  {"shape": {"circle": {"radius": 1}}, "rolling_resistance": 1.5},
+  {"shape": {"circle": {"radius": 1}}, "rolling_friction": 0.5},
+  {"shape": {"circle": {"radius": 1}}, "material_id": -1}]}]}"#;
     let expected = [
         "2: bodies[0].colliders[0].surface_speed: out of range: expected a surface speed within ±2^10 m/s [E101]",
         "3: bodies[0].colliders[1].tangent_speed: unknown field: did you mean `surface_speed`? [E503]",
         "4: bodies[0].colliders[2].friction_rule: expected one of standard, geometric_mean, mean, minimum, product, maximum, found \"average\" [E502]",
+        "5: bodies[0].colliders[3].rolling_resistance: out of range: expected a coefficient of rolling resistance from 0 to 1 [E101]",
+        "6: bodies[0].colliders[4].rolling_friction: unknown field: did you mean `rolling_resistance`? [E503]",
+        "7: bodies[0].colliders[5].material_id: out of range: expected a whole number that fits in 32 bits [E508]",
     ];
     assert_eq!(lines(text), expected);
 }
@@ -267,4 +273,33 @@ fn vectors_may_be_objects() {
     let field = |at: &str| scene(at).map(|scene| scene.fields[0].field);
     assert_eq!(field(r#"{"x": 1, "y": 2}"#), field("[1, 2]"));
     assert!(scene("7").is_err_and(|errors| errors.first().message.contains("the name of a body")));
+}
+
+#[test]
+fn every_mistake_in_a_pair_of_materials_is_told_at_its_field() {
+    let text = r#"{"bodies": [{"name": "a", "colliders": [
+  {"shape": {"circle": {"radius": 1}}, "material_id": 1}, {"shape": {"circle": {"radius": 1}}, "material_id": 2}]}],
+"material_pairs": [
+  {"materials": [1, 3]},
+  {"materials": [0, 1]},
+  {"materials": [1, 2], "friction": 33},
+  {"materials": [1, 2], "restitution": 1.5},
+  {"materials": [1, 2], "rolling_resistance": -1},
+  {"materials": [1, 2], "remove": true},
+  {"materials": [1, 2]},
+  {"materials": [2, 1]},
+  {"friction": 1}],
+"inputs": [{"at": 1, "set": {"material_pair": {"materials": [1, 0]}}}]}"#;
+    let expected = [
+        "4: material_pairs[0].materials: no collider has the material 3: expected a `material_id` of one [E507]",
+        "5: material_pairs[1].materials[0]: out of range: expected a number of a material from 1: 0 is no material [E101]",
+        "6: material_pairs[2].friction: out of range: expected a coefficient of friction from 0 to 32 [E101]",
+        "7: material_pairs[3].restitution: out of range: expected a coefficient of restitution from 0 to 1 [E101]",
+        "8: material_pairs[4].rolling_resistance: out of range: expected a coefficient of rolling resistance from 0 to 1 [E101]",
+        "9: material_pairs[5].remove: unknown field; there are repeat, materials, friction, restitution, rolling_resistance [E503]",
+        "11: material_pairs[7].materials: there is an entry for these two materials already [E506]",
+        "12: material_pairs[8]: the field `materials` is missing [E505]",
+        "13: inputs[0].set.material_pair.materials[1]: out of range: expected a number of a material from 1: 0 is no material [E101]",
+    ];
+    assert_eq!(lines(text), expected);
 }

@@ -25,6 +25,7 @@ fn placeless(mut scene: Scene) -> Scene {
     scene.bodies.iter_mut().for_each(|body| body.place = Place::default());
     scene.fields.iter_mut().for_each(|field| field.place = Place::default());
     scene.inputs.iter_mut().for_each(|input| input.place = Place::default());
+    scene.material_pairs.iter_mut().for_each(|pair| pair.place = Place::default());
     let colliders = scene.bodies.iter_mut().flat_map(|body| &mut body.colliders);
     colliders.for_each(|collider| collider.place = Place::default());
     scene

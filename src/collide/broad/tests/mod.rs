@@ -3,4 +3,5 @@
 mod exact;
 mod limits;
 mod scene;
+mod statics;
 mod steady;

@@ -48,6 +48,7 @@ fn flight(random: &mut Random, is_fixed: bool) -> Flight {
         inverse_mass: Vec2::new(of(mass), of(mass)),
         inverse_inertia: of(inertia),
         radius: fx(0.75),
+        leader: None,
     }
 }
 
@@ -95,6 +96,8 @@ impl Scene {
                 points,
                 friction,
                 restitution: zero,
+                rolling_resistance: zero,
+                rolling_radius: zero,
                 surface_speed: zero,
                 impulses: Impulses { values: [1 << 20, 1 << 19, 0], exponent: -30 },
             });

@@ -152,6 +152,7 @@ impl World {
             inverse_mass: Vec2::new(inverse(body.mass), inverse(body.mass)),
             inverse_inertia: inverse(body.inertia),
             radius: fx(body.radius),
+            leader: None,
         }
     }
 
@@ -184,6 +185,8 @@ impl World {
             points,
             friction: fx(0.6),
             restitution: fx(0.0),
+            rolling_resistance: fx(0.0),
+            rolling_radius: fx(0.0),
             surface_speed: fx(0.0),
             impulses: self.floor[index],
         })

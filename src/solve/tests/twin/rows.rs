@@ -41,8 +41,8 @@ impl Units {
 
 /// A contact.
 pub(super) struct Rows {
-    bodies: [usize; 2],
-    units: Units,
+    pub(super) bodies: [usize; 2],
+    pub(super) units: Units,
     two: bool,
     /// Both normals and the tangent.
     pub(super) rows: [Sides; 3],
@@ -58,6 +58,17 @@ pub(super) struct Rows {
     coupling: [f64; 2],
     friction: f64,
     surface: f64,
+    pub(super) roll: Roll,
+}
+
+/// Rolling resistance of a contact with one point.
+pub(super) struct Roll {
+    /// Zero for a contact without it.
+    pub(super) resistance: f64,
+    pub(super) radius: f64,
+    pub(super) impulse: f64,
+    pub(super) applied: f64,
+    pub(super) weighted: f64,
 }
 
 /// The rows of a contact, with arms rounded.
@@ -191,6 +202,7 @@ impl Rows {
         let gains = [0, 1, 2].map(|k| [0, 1].map(|side| [0, 1, 2].map(|c| gain(k, side, c))));
         let is_fixed = of.iter().any(|body| body.inverse_mass[..2] == [0.0; 2]);
         let (last, given) = (contact.count - 1, contact.impulses);
+        let impulses = given.values.map(|value| value as f64 * 2f64.powi(given.exponent));
         Self {
             bodies: pair,
             units,
@@ -198,7 +210,7 @@ impl Rows {
             rows,
             gains,
             separation: [0, last].map(|k| real(contact.points[k].separation)),
-            impulses: given.values.map(|value| value as f64 * 2f64.powi(given.exponent)),
+            impulses: if two { impulses } else { [impulses[0], 0.0, impulses[2]] },
             applied: [0.0; 3],
             weighted: [0.0; 3],
             normal: Normal::new(scene, is_fixed, (&whole, &split), (two, ulp, &units), rounding),
@@ -207,7 +219,23 @@ impl Rows {
             coupling: whole.coupling.map(|k| k.clamp(-one / 4.0, one / 4.0) + rounding.within(half)),
             friction: rounding.of(real(contact.friction), 2f64.powi(-27)).max(0.0),
             surface: real(contact.surface_speed),
+            roll: Roll {
+                resistance: if two { 0.0 } else { real(contact.rolling_resistance) },
+                radius: real(contact.rolling_radius),
+                impulse: if two { 0.0 } else { impulses[1] },
+                applied: 0.0,
+                weighted: 0.0,
+            },
         }
+    }
+
+    pub(super) fn rolls(&self) -> bool {
+        self.roll.resistance > 0.0
+    }
+
+    /// The angular impulses on both bodies by one of rolling resistance.
+    pub(super) fn turns(&self, impulse: f64) -> [f64; 2] {
+        [-self.roll.radius * impulse, self.roll.radius * impulse]
     }
 
     fn along(&self, row: usize, of: [Vector; 2]) -> f64 {

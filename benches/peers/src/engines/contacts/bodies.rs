@@ -151,6 +151,7 @@ impl Body {
             inverse_mass: Vec2::new(self.inverse_mass, self.inverse_mass),
             inverse_inertia: self.inverse_inertia,
             radius: self.radius,
+            leader: None,
         }
     }
 

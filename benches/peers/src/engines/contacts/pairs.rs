@@ -34,7 +34,7 @@ pub struct Pairs {
     broad: BroadPhase,
     /// The bodies that do not move, from the first step on.
     statics: Option<Arc<Statics>>,
-    /// Those that do.
+    /// The bodies that move.
     movers: Vec<Proxy>,
 }
 
@@ -157,6 +157,8 @@ fn contact(record: &Record, manifold: &Manifold, [a, b]: [&Body; 2]) -> Contact 
         points: manifold.points.map(|p| Point { arms: [p.arm_a, p.arm_b], separation: p.separation }),
         friction: mixed_friction(a.friction, b.friction),
         restitution: a.restitution.max(b.restitution),
+        rolling_resistance: Fx::ZERO,
+        rolling_radius: Fx::ZERO,
         surface_speed: a.surface_speed.saturating_add(b.surface_speed),
         impulses: record.impulses,
     }

@@ -1,0 +1,44 @@
+//! Ticks of an input and the contacts in them: how much of the solver it reaches.
+
+use std::cell::Cell;
+
+use umbra_physics::{Scalar, World};
+
+/// The steps of an input, and the touching manifolds after each of them.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Tally {
+    pub ticks: u64,
+    /// The sum over all ticks.
+    pub contacts: u64,
+    /// The most after a tick.
+    pub most: u64,
+}
+
+thread_local! {
+    /// `None` where nobody asks: then counting costs nothing.
+    static TALLY: Cell<Option<Tally>> = const { Cell::new(None) };
+}
+
+impl Tally {
+    /// Runs an input of a target, and counts.
+    #[must_use]
+    pub fn of(run: fn(&[u8]), input: &[u8]) -> Self {
+        TALLY.set(Some(Self::default()));
+        run(input);
+        TALLY.take().unwrap_or_default()
+    }
+
+    /// The mean number of touching manifolds in a tick.
+    #[must_use]
+    pub fn mean(&self) -> u64 {
+        self.contacts / self.ticks.max(1)
+    }
+}
+
+/// Counts a step of the first run of an input. What a second run repeats is not counted.
+pub fn count<S: Scalar>(world: &World<S>) {
+    if let Some(Tally { ticks, contacts, most }) = TALLY.get() {
+        let here = world.contacts().count() as u64;
+        TALLY.set(Some(Tally { ticks: ticks + 1, contacts: contacts + here, most: most.max(here) }));
+    }
+}

@@ -1,0 +1,404 @@
+//! Time of impact: the moment of a tick at which two outlines on given paths meet.
+//!
+//! *Conservative advancement.* At a moment, any direction n along which the outlines are apart (or overlap by less than is allowed) bounds
+//! from below the time for which they stay so: along n, the distance shrinks by the displacement, by what corners approach at their
+//! present speeds, and by at most φ²·r/2 more for a rotation by φ of corners within r of the centre; nor does a corner ever
+//! reach farther than r. The longest of those times over several directions is passed in one step, and so on until the end of the tick or until
+//! no direction says more. So the outlines do not meet before the moment that is found, whatever the directions: a direction that
+//! is not the best one costs steps, and a path that takes more than [`STEPS`] of them ends early.
+//!
+//! All directions that tie are tried and the longest time is taken, so that neither the order of corners nor a mirror image changes the moment.
+
+mod form;
+mod path;
+
+use crate::kernel::sqrt::direction;
+
+pub(crate) use form::Form;
+use form::Seen;
+pub(crate) use path::{END, Leg, Path};
+
+/// The most steps along a path.
+pub(crate) const STEPS: u32 = 96;
+
+/// What rounding may add to a distance, ulps: corners, centres and their angles, and the parts that a bound is the sum of.
+const ROUNDING: i64 = 16;
+
+/// 2π in 2^-32, rounded up.
+const TAU: u128 = 26_986_075_410;
+
+/// Two outlines on their paths.
+pub(crate) struct Sweep<'a> {
+    pub(crate) forms: [&'a Form; 2],
+    pub(crate) paths: [&'a Path; 2],
+    /// True if both give way; else the first one does.
+    pub(crate) is_mutual: bool,
+}
+
+/// Two outlines at a moment.
+struct Moment {
+    seen: [Seen; 2],
+    legs: [Leg; 2],
+    /// From the centre of the first to that of the second.
+    offset: [i128; 2],
+    radius: i64,
+}
+
+/// The distance along a direction, ulps.
+#[derive(Clone, Copy)]
+struct Gap {
+    n: [i32; 2],
+    /// The largest component of a corner of the first one, and the least of the second one, relative to their centres.
+    most: i64,
+    least: i64,
+    /// The distance of the surfaces, rounded down.
+    distance: i128,
+}
+
+/// n·p in units of p, rounded down. *Domain* |p| < 2^66.
+fn along(n: [i32; 2], p: [i128; 2]) -> i128 {
+    (i128::from(n[0]) * p[0] + i128::from(n[1]) * p[1]) >> 30
+}
+
+/// n·p in units of 2^-30 of p's.
+fn height(n: [i32; 2], p: [i64; 2]) -> i128 {
+    i128::from(n[0]) * i128::from(p[0]) + i128::from(n[1]) * i128::from(p[1])
+}
+
+/// The unit vector along a vector of any size, 2^-30.
+fn unit([x, y]: [i128; 2]) -> Option<[i32; 2]> {
+    if (x, y) == (0, 0) {
+        return None;
+    }
+    let bits = 128 - (x.unsigned_abs() | y.unsigned_abs()).leading_zeros();
+    // The magnitudes are cut off, so that it is odd.
+    let cut = |v: i128| {
+        let size = (v.unsigned_abs() >> bits.saturating_sub(62)) as i64;
+        if v < 0 { -size } else { size }
+    };
+    Some(direction(cut(x), cut(y)).0)
+}
+
+impl Moment {
+    fn gap(&self, n: [i32; 2]) -> Gap {
+        let most = self.seen[0].corners().iter().map(|&corner| height(n, corner)).max().unwrap_or(0);
+        let least = self.seen[1].corners().iter().map(|&corner| height(n, corner)).min().unwrap_or(0);
+        // Rounded to what is farther out.
+        let (most, least) = (-((-most) >> 30) as i64, (least >> 30) as i64);
+        let between = along(n, self.offset) + i128::from(least) - i128::from(most);
+        Gap { n, most, least, distance: between - i128::from(self.radius) }
+    }
+
+    /// The directions that may separate best: of all edges, and between the corners that are nearest to each other.
+    fn each_direction(&self, mut visit: impl FnMut([i32; 2])) {
+        self.seen[0].normals().iter().for_each(|&n| visit(n));
+        self.seen[1].normals().iter().for_each(|&n| visit(n.map(|part| -part)));
+        let between = |a: [i64; 2], b: [i64; 2]| [0, 1].map(|k| self.offset[k] + i128::from(b[k]) - i128::from(a[k]));
+        // Offsets are below 2^64, squares below 2^129: halves of the components are squared.
+        let square = |d: [i128; 2]| d.iter().map(|part| (part >> 1).unsigned_abs().pow(2)).sum::<u128>();
+        let [a, b] = [0, 1].map(|side: usize| self.seen[side].corners());
+        let pairs = || a.iter().flat_map(|&a| b.iter().map(move |&b| between(a, b)));
+        // Odd differences would be halved to either side: magnitudes are the same in all images.
+        let square = |d: [i128; 2]| square(d.map(|part| part.abs()));
+        let least = pairs().map(square).min().unwrap_or(0);
+        pairs().filter(|&d| square(d) == least).filter_map(unit).for_each(visit);
+    }
+
+    /// The largest distance along a direction that is allowed.
+    fn widest(&self, is_allowed: impl Fn([i32; 2]) -> bool) -> Option<i128> {
+        let mut widest = None;
+        self.each_direction(|n| {
+            if is_allowed(n) {
+                widest = widest.max(Some(self.gap(n).distance));
+            }
+        });
+        widest
+    }
+
+    /// A bound of the distance by which a body's rotation moves a corner in a tick, ulps.
+    fn turn_speed(&self, side: usize) -> i128 {
+        let turns = self.legs[side].spin.unsigned_abs();
+        if turns == 0 {
+            return 0;
+        }
+        // Below 2^50 in units of 2^-32 turns, 2^85 in 2^-64 rad; corners are below 2^49.
+        let radians = ((((turns >> 32) + 1) * TAU) >> 32) + 1;
+        (((radians * self.seen[side].reach.unsigned_abs() as u128) >> 32) + 2) as i128
+    }
+
+    /// The angle that a body turns in a part of the tick, in 2^-44 rad, rounded up by at most 8; `None` above half a turn.
+    fn angle(&self, side: usize, time: u64) -> Option<i64> {
+        let (turns, time) = (self.legs[side].spin.unsigned_abs(), u128::from(time));
+        // Whole turns below 2^18, and the rest.
+        let turned = (((turns >> 64) * time) << 2) + (((turns & u128::from(u64::MAX)) * time) >> 62);
+        // From 2^-64 turns to 2^-44 rad: below 2^43 · 2^35.
+        (turned < 1 << 63).then(|| (((((turned >> 20) + 1) * TAU) >> 32) + 1) as i64)
+    }
+
+    /// The time for which the distance along a direction surely stays above −depth, at most `room`.
+    fn time(&self, gap: &Gap, depth: i64, room: u64, guess: u64) -> u64 {
+        let free = gap.distance + i128::from(depth - ROUNDING - (self.radius >> 26));
+        if free <= 0 {
+            return 0;
+        }
+        let [a, b] = &self.legs;
+        // Rounded up.
+        let closing = -along(gap.n, [0, 1].map(|k| b.way[k] - a.way[k]));
+        let bounds = [0, 1].map(|side| {
+            // By how much the farthest corner may reach farther out; a unit vector is off by 2^-29.
+            let reach = self.seen[side].reach;
+            let reach = reach + (reach >> 28) + 2;
+            let more = if side == 0 { reach - gap.most } else { reach + gap.least };
+            (self.turn_speed(side), i128::from(more.max(0)))
+        });
+        let time = bounded(free, closing, bounds).min(room);
+        if time == room || bounds.iter().all(|(speed, most)| *speed == 0 || *most == 0) {
+            return time;
+        }
+        let stays = |time: u64| self.stays_apart(gap, free, closing, time);
+        if stays(room) {
+            return room;
+        }
+        let mut next = room.min(guess) >> 1;
+        while next > time && next > SHORTEST {
+            if stays(next) {
+                let more = next + (next >> 1);
+                return if more < room && stays(more) { more } else { next };
+            }
+            next >>= 1;
+        }
+        time
+    }
+
+    /// Returns true if a distance along a direction stays below `free` for some time, as far as the speeds of corners and the bound of
+    /// their acceleration say. What they say is convex in the time, and zero at first: it holds all the time if it does at its end.
+    fn stays_apart(&self, gap: &Gap, free: i128, closing: i128, time: u64) -> bool {
+        let (Some(turn_a), Some(turn_b)) = (self.angle(0, time), self.angle(1, time)) else { return false };
+        let farther = |side: usize, turn: i64| {
+            let (seen, leg) = (&self.seen[side], &self.legs[side]);
+            if leg.spin == 0 {
+                return 0;
+            }
+            let [x, y] = if side == 0 { gap.n } else { gap.n.map(|part| -part) };
+            let (turn, size) = (if leg.spin < 0 { -i128::from(turn) } else { turn.into() }, i128::from(turn));
+            // Along n, and along n the corner turned by a quarter. Corners are below 2^49.5 ulps, angles below 2^46: below 2^126.
+            let at = |&corner: &[i64; 2]| height([x, y], corner) + ((height([y, -x], corner) * turn) >> 44);
+            let most = seen.corners().iter().map(at).max().unwrap_or(0);
+            let own = if side == 0 { gap.most } else { -gap.least };
+            // Rounded up: the product above, the angle, and half of its square.
+            let rounding = i128::from(2 + (seen.reach >> 40));
+            let square = ((size * size) >> 44) + 1;
+            (most >> 30) - i128::from(own) + rounding + ((square * i128::from(seen.reach + 2)) >> 45) + 1
+        };
+        // Below 2^66 · 2^58, rounded up.
+        let part = i128::from(if closing > 0 { (time >> 4) + 1 } else { time >> 4 });
+        let closed = ((closing * part) >> 58) + 1;
+        farther(0, turn_a) + farther(1, turn_b) + closed < free
+    }
+}
+
+/// The shortest step: 2^-40 of a tick.
+const SHORTEST: u64 = END >> 40;
+
+/// The time for which `closing·t + Σ min(speed·t, most)` stays below `free`, rounded down.
+fn bounded(free: i128, closing: i128, bounds: [(i128, i128); 2]) -> u64 {
+    // distance / speed. Both are cut to 64 bits, the speed rounded up.
+    let time = |distance: i128, speed: i128| {
+        if speed <= 0 || distance >= speed {
+            return END;
+        }
+        let right = (128 - speed.leading_zeros()).saturating_sub(64);
+        (((distance.max(0).unsigned_abs() >> right) << 62) / ((speed.unsigned_abs() >> right) + 1)) as u64
+    };
+    // A rotation is at its bound from some time on.
+    let [first, second] = bounds.map(|(speed, most)| {
+        let most = if speed == 0 { 0 } else { most };
+        (time(most, speed.max(1)), speed, most)
+    });
+    let (first, second) = if first.0 <= second.0 { (first, second) } else { (second, first) };
+    // The sum is concave: where it stops growing below `free`, it stays there. Each line is an upper bound of it.
+    let both = time(free, closing + first.1 + second.1);
+    if both <= first.0 {
+        return both;
+    }
+    let one = time(free - first.2, closing + second.1);
+    if one <= second.0 {
+        return one.max(first.0);
+    }
+    time(free - first.2 - second.2, closing).max(second.0)
+}
+
+/// The depths that a path may reach, ulps.
+#[derive(Clone, Copy, Debug)]
+struct Depths {
+    /// The overlap in which a path ends.
+    small: i64,
+    /// The overlap in which a tick may end.
+    deep: i64,
+    /// The deepest overlap at the start of a path that counts as a touch.
+    touch: i64,
+}
+
+/// The largest overlap in which a path ends: 5 mm.
+const SMALL: i64 = (5 << 32) / 1000;
+
+impl Depths {
+    /// For what is as wide as this: an eighth of it, so that most of it never crosses.
+    fn new(width: i64) -> Self {
+        let eighth = width >> 3;
+        let small = eighth.min(SMALL);
+        if small == 0 {
+            // A line may overlap another one at its ends alone.
+            return Self { small, deep: 1 << 22, touch: -APART };
+        }
+        Self { small, deep: eighth, touch: width >> 2 }
+    }
+}
+
+/// Lines nearer than this touch, ulps: 6e-8 m.
+const APART: i64 = 1 << 8;
+
+/// The distance that a path leaves between lines: 15 µm, or half of what there was.
+const LEFT: i64 = 1 << 16;
+
+/// Width of a segment where it meets something on one side alone, or something thick: 4 cm.
+const OF_LINES: i64 = (4 << 32) / 100;
+
+impl Sweep<'_> {
+    fn at(&self, at: u64) -> (Moment, u64) {
+        let [(a, until_a), (b, until_b)] = self.paths.map(|path| path.leg(at));
+        let seen = [Seen::new(self.forms[0], a, at), Seen::new(self.forms[1], b, at)];
+        let offset = [0, 1].map(|k| i128::from(seen[1].centre[k]) - i128::from(seen[0].centre[k]));
+        let radius = self.forms[0].radius + self.forms[1].radius;
+        (Moment { seen, legs: [*a, *b], offset, radius }, until_a.min(until_b))
+    }
+
+    /// The width that an overlap is compared with: that of the outline that gives way, or the lesser one.
+    fn width(&self) -> i64 {
+        let [a, b] = self.forms;
+        match (a.width, b.width) {
+            (0, 0) if a.is_link || b.is_link => OF_LINES,
+            (0, width) => width.min(OF_LINES),
+            (width, 0) if self.is_mutual => width.min(OF_LINES),
+            (a, b) if self.is_mutual => a.min(b),
+            (width, _) => width,
+        }
+    }
+
+    /// Returns true if a direction counts. A segment touches a chain on the chain's outer side, and has no other side to be told by.
+    fn is_allowed(&self, moment: &Moment, n: [i32; 2]) -> bool {
+        let [a, b] = self.forms;
+        let front = match (a.is_link, b.is_link) {
+            (true, _) if b.width == 0 => moment.seen[0].normals()[0],
+            (_, true) if a.width == 0 => moment.seen[1].normals()[0].map(|part| -part),
+            _ => return true,
+        };
+        height(n, front.map(i64::from)) >= 0
+    }
+
+    /// Returns true if an outline is behind a segment of a chain, by more than it may overlap it.
+    fn is_behind(&self, moment: &Moment) -> bool {
+        [0, 1].into_iter().filter(|&side| self.forms[side].is_link).any(|side| {
+            let (own, other) = (&moment.seen[side], &moment.seen[1 - side]);
+            let sign = if side == 0 { 1 } else { -1 };
+            let corners = other.corners();
+            let count = corners.len() as i128;
+            let sum = [0, 1].map(|k| {
+                let all: i128 = corners.iter().map(|corner| i128::from(corner[k])).sum();
+                all + (sign * moment.offset[k] - i128::from(own.corners()[0][k])) * count
+            });
+            along(own.normals()[0], sum) < -i128::from(self.width() >> 3) * count
+        })
+    }
+
+    /// The distance at a moment, negative where they overlap.
+    pub(crate) fn distance(&self, at: u64) -> i128 {
+        let (moment, _) = self.at(at);
+        moment.widest(|n| self.is_allowed(&moment, n)).unwrap_or(-(1 << 80))
+    }
+
+    /// The first moment from another one on at which they may come to overlap by a depth; `None` if they stay less deep to the end.
+    fn reach(&self, depth: i64, from: u64) -> Option<u64> {
+        // From here on the rest of the way counts as gone.
+        let near = i128::from((depth.abs() >> 2).max(ROUNDING));
+        let (mut at, mut guess) = (from, END);
+        for _ in 0..STEPS {
+            let (moment, until) = self.at(at);
+            let room = until - at;
+            let longest = self.longest(&moment, depth, room, guess);
+            if longest < room {
+                let widest = moment.widest(|n| self.is_allowed(&moment, n)).unwrap_or(0);
+                if longest <= SHORTEST || widest + i128::from(depth) <= near {
+                    return Some(at);
+                }
+            }
+            at += longest;
+            if at == END {
+                return None;
+            }
+            guess = longest.saturating_mul(16).min(END);
+        }
+        Some(at)
+    }
+
+    /// The longest step that a direction proves safe, of those that separate best and those across the way.
+    fn longest(&self, moment: &Moment, depth: i64, room: u64, guess: u64) -> u64 {
+        let time = |n: [i32; 2]| match self.is_allowed(moment, n) {
+            true => moment.time(&moment.gap(n), depth, room, guess),
+            false => 0,
+        };
+        let [a, b] = &moment.legs;
+        let across = unit([0, 1].map(|k| b.way[k] - a.way[k])).map(|[x, y]| [[-y, x], [y, -x]]);
+        let mut longest = across.into_iter().flatten().map(time).max().unwrap_or(0);
+        if longest == room {
+            return room;
+        }
+        let widest = moment.widest(|n| self.is_allowed(moment, n));
+        moment.each_direction(|n| {
+            if longest < room && self.is_allowed(moment, n) && Some(moment.gap(n).distance) == widest {
+                longest = longest.max(time(n));
+            }
+        });
+        longest
+    }
+
+    /// Returns true if they are on the same side of each other at two moments, as far as the directions that separate best tell.
+    fn are_sides_alike(&self, first: u64, second: u64) -> bool {
+        let moments = [self.at(first).0, self.at(second).0];
+        let widest = [0, 1].map(|i: usize| moments[i].widest(|n| self.is_allowed(&moments[i], n)));
+        let is_best = |i: usize, n| self.is_allowed(&moments[i], n) && Some(moments[i].gap(n).distance) == widest[i];
+        let mut are_alike = false;
+        moments[0].each_direction(|n| {
+            if is_best(0, n) {
+                moments[1].each_direction(|m| are_alike |= is_best(1, m) && height(n, m.map(i64::from)) > 0);
+            }
+        });
+        are_alike
+    }
+
+    /// The moment from `from` on at which the paths end where one of the two would else cross the other one; `None` if they need not.
+    ///
+    /// At that moment they overlap by 5 mm at most, and by less than an eighth of the width. A path goes on that overlaps more, up
+    /// to that eighth, if it still does at the end of the tick: then there is a contact, which the next step solves. What overlaps deeper
+    /// at `from`, or is behind a segment of a chain, is not looked at.
+    pub(crate) fn impact(&self, from: u64) -> Option<u64> {
+        let depths = Depths::new(self.width());
+        let before = self.distance(from);
+        if before < -i128::from(depths.touch) || self.is_behind(&self.at(from).0) {
+            return None;
+        }
+        // What overlaps already may do so as deep as a tick may end, and then hardly deeper.
+        let depth = if depths.small == 0 {
+            -((before >> 1).min(i128::from(LEFT)) as i64)
+        } else if before < -i128::from(depths.small >> 1) {
+            depths.deep.max((depths.small >> 2) - before as i64)
+        } else {
+            depths.small
+        };
+        let hit = self.reach(depth, from)?;
+        let is_contact = self.distance(END) < 0
+            && self.reach(depths.deep.max(depth), from).is_none()
+            && self.are_sides_alike(hit, END);
+        if is_contact || self.is_behind(&self.at(hit).0) { None } else { Some(hit) }
+    }
+}

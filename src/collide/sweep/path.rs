@@ -1,0 +1,185 @@
+//! The path of a body over a tick: pieces of constant velocity.
+
+use crate::kernel::trig::sin_cos_turn;
+use crate::scalar::Turn;
+
+/// The end of a tick. Moments are in units of 2^-62 of a tick.
+pub(crate) const END: u64 = 1 << 62;
+
+/// `whole · part / 2^62`, to nearest, halves away from zero. *Domain* |whole| < 2^64.5: products are below 2^126.5.
+fn part_of(whole: i128, part: u64) -> i128 {
+    let size = (whole.unsigned_abs() * u128::from(part) + (1 << 61)) >> 62;
+    if whole < 0 { -(size as i128) } else { size as i128 }
+}
+
+/// A motion at constant velocities from a moment on: that of a body around its centre of mass, or that of a body that another one
+/// carries along, around the other one's centre.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Leg {
+    pub(super) from: u64,
+    /// The centre of the rotation at `from`, ulps.
+    centre: [i64; 2],
+    /// Its displacement in a tick, ulps: below 2^64.
+    pub(super) way: [i128; 2],
+    angle: Turn,
+    /// The rotation in a tick, 2^-64 turns: below 2^82.
+    pub(super) spin: i128,
+    /// The centre of mass at `from`, relative to the centre of the rotation, ulps.
+    arm: [i64; 2],
+}
+
+impl Leg {
+    /// The motion over a tick from a pose. *Domain* centres within 2^31 m, a rotation below 2^18 turns.
+    pub(crate) fn new(centre: [i64; 2], way: [i128; 2], angle: Turn, spin: i128) -> Self {
+        Self { from: 0, centre, way, angle, spin, arm: [0; 2] }
+    }
+
+    /// The centre of the rotation at a moment.
+    pub(super) fn centre(&self, at: u64) -> [i64; 2] {
+        let passed = at - self.from;
+        [0, 1].map(|k| self.centre[k].saturating_add(part_of(self.way[k], passed) as i64))
+    }
+
+    /// The rotation up to a moment, without whole turns.
+    fn turned(&self, at: u64) -> u64 {
+        let (passed, size) = (at - self.from, self.spin.unsigned_abs());
+        // Turns times a moment in units of 2^-62 turns, below 2^80; the rest is below 2^64.
+        let whole = ((size >> 64) * u128::from(passed)) << 2;
+        let rest = part_of((size & u128::from(u64::MAX)) as i128, passed) as u128;
+        let turned = (whole + rest) as u64;
+        if self.spin < 0 { turned.wrapping_neg() } else { turned }
+    }
+
+    pub(super) fn angle(&self, at: u64) -> Turn {
+        Turn::from_bits(self.angle.to_bits().wrapping_add(self.turned(at)))
+    }
+
+    /// The centre of mass at a moment, relative to the centre of the rotation.
+    pub(super) fn arm(&self, at: u64) -> [i64; 2] {
+        if self.arm == [0; 2] {
+            return self.arm;
+        }
+        super::form::turned(self.arm, sin_cos_turn(self.turned(at)))
+    }
+
+    /// The centre of mass and the angle at a moment.
+    pub(crate) fn pose(&self, at: u64) -> ([i64; 2], Turn) {
+        let (centre, arm) = (self.centre(at), self.arm(at));
+        ([0, 1].map(|k| centre[k].saturating_add(arm[k])), self.angle(at))
+    }
+
+    /// The body at rest from a moment on, where it is then.
+    fn still(&self, from: u64) -> Self {
+        let (centre, angle) = self.pose(from);
+        Self { from, centre, way: [0; 2], angle, spin: 0, arm: [0; 2] }
+    }
+
+    /// The body carried along by another one from a moment on.
+    fn carried(&self, by: &Self, from: u64) -> Self {
+        let ((at, angle), centre) = (self.pose(from), by.centre(from));
+        let arm = [0, 1].map(|k| at[k].saturating_sub(centre[k]));
+        Self { from, centre, angle, arm, ..*by }
+    }
+
+    pub(super) fn moves(&self) -> bool {
+        self.way != [0; 2] || self.spin != 0
+    }
+}
+
+/// The most pieces of a path: its own, at rest, carried along, at rest.
+const LEGS: usize = 4;
+
+/// The path of a body over a tick.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Path {
+    legs: [Leg; LEGS],
+    count: usize,
+}
+
+impl Path {
+    pub(crate) fn new(leg: Leg) -> Self {
+        Self { legs: [leg; LEGS], count: 1 }
+    }
+
+    fn legs(&self) -> &[Leg] {
+        &self.legs[..self.count]
+    }
+
+    /// The piece at a moment, and the moment at which it ends.
+    pub(super) fn leg(&self, at: u64) -> (&Leg, u64) {
+        let next = self.legs().iter().position(|leg| leg.from > at).unwrap_or(self.count);
+        let until = if next < self.count { self.legs[next].from } else { END };
+        (&self.legs[next.saturating_sub(1)], until)
+    }
+
+    /// The last piece.
+    pub(crate) fn last(&self) -> &Leg {
+        &self.legs[self.count - 1]
+    }
+
+    /// The number of pieces.
+    pub(crate) fn len(&self) -> usize {
+        self.count
+    }
+
+    pub(crate) fn moves(&self) -> bool {
+        self.legs().iter().any(Leg::moves)
+    }
+
+    /// Cuts the path off at a moment and goes on with a piece. Without room for it, the path stays.
+    fn go_on(&mut self, at: u64, with: Leg) {
+        while self.count > 1 && self.last().from >= at {
+            self.count -= 1;
+        }
+        if self.count < LEGS {
+            self.legs[self.count] = with;
+            self.count += 1;
+        }
+    }
+
+    /// Stops the body at a moment.
+    pub(crate) fn stop(&mut self, at: u64) {
+        let leg = *self.leg(at).0;
+        if leg.moves() {
+            self.go_on(at, leg.still(at));
+        } else {
+            self.count = self.legs().iter().take_while(|leg| leg.from <= at).count();
+        }
+    }
+
+    /// The moment at which the body stops on its own path, if that is all that happens to it.
+    pub(crate) fn stopped_at(&self) -> Option<u64> {
+        match self.legs() {
+            [_, still] if !still.moves() => Some(still.from),
+            _ => None,
+        }
+    }
+
+    pub(crate) fn differs(&self, other: &Self) -> bool {
+        self.legs() != other.legs()
+    }
+
+    /// The piece in which another body carries this one along from a moment on.
+    pub(crate) fn carried(&self, by: &Self, at: u64) -> Leg {
+        self.leg(at).0.carried(by.leg(at).0, at)
+    }
+
+    /// Goes on from a moment as that piece says.
+    pub(crate) fn carry(&mut self, at: u64, leg: Leg) {
+        self.go_on(at, leg);
+    }
+
+    /// A box of the centres of the rotation and the arms over the tick: low and high ends.
+    pub(crate) fn ends(&self) -> ([i64; 2], [i64; 2]) {
+        let (mut low, mut high) = ([i64::MAX; 2], [i64::MIN; 2]);
+        for (i, leg) in self.legs().iter().enumerate() {
+            let until = self.legs().get(i + 1).map_or(END, |next| next.from);
+            let arm = leg.arm[0].saturating_abs().saturating_add(leg.arm[1].saturating_abs());
+            for centre in [leg.centre, leg.centre(until)] {
+                low = [0, 1].map(|k| low[k].min(centre[k].saturating_sub(arm)));
+                high = [0, 1].map(|k| high[k].max(centre[k].saturating_add(arm)));
+            }
+        }
+        (low, high)
+    }
+}

@@ -1,0 +1,74 @@
+//! Contacts of sleeping bodies: kept beside those of awake ones, so that no step looks at them.
+
+use alloc::vec::Vec;
+
+use super::ContactRecord;
+use crate::collider::OutlineId;
+
+/// The contacts with a sleeping body. They carry the impulses that the bodies start from when they wake, and say who wakes with whom.
+#[derive(Debug, Default)]
+pub(crate) struct AsleepContacts {
+    /// Sorted by pair.
+    records: Vec<ContactRecord>,
+    /// The pairs, the second outline of each first, sorted.
+    by_second: Vec<[OutlineId; 2]>,
+}
+
+impl Clone for AsleepContacts {
+    fn clone(&self) -> Self {
+        Self { records: self.records.clone(), by_second: self.by_second.clone() }
+    }
+
+    fn clone_from(&mut self, source: &Self) {
+        self.records.clone_from(&source.records);
+        self.by_second.clone_from(&source.by_second);
+    }
+}
+
+impl AsleepContacts {
+    pub(super) fn records(&self) -> &[ContactRecord] {
+        &self.records
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.records.is_empty()
+    }
+
+    /// Adds records of which none is there.
+    pub(super) fn extend(&mut self, more: impl Iterator<Item = ContactRecord>) {
+        self.records.extend(more);
+        self.sort();
+    }
+
+    /// Keeps the records for which `keeps` returns true, with the changes that it makes.
+    pub(super) fn retain(&mut self, keeps: impl FnMut(&mut ContactRecord) -> bool) {
+        self.records.retain_mut(keeps);
+        self.sort();
+    }
+
+    fn sort(&mut self) {
+        self.records.sort_unstable_by_key(ContactRecord::pair);
+        self.by_second.clear();
+        self.by_second.extend(self.records.iter().map(|record| swapped(record.pair())));
+        self.by_second.sort_unstable();
+    }
+
+    /// Returns true if there is a record of a pair.
+    pub(super) fn contains(&self, pair: [OutlineId; 2]) -> bool {
+        self.records.binary_search_by_key(&pair, ContactRecord::pair).is_ok()
+    }
+
+    /// The slots of the colliders that have a contact with the one in a slot, once for each contact.
+    pub(super) fn touching(&self, slot: u32) -> impl Iterator<Item = u32> {
+        let from = self.records.partition_point(|record| record.pair()[0].slot < slot);
+        let as_first =
+            self.records[from..].iter().map(ContactRecord::pair).take_while(move |pair| pair[0].slot == slot);
+        let from = self.by_second.partition_point(|pair| pair[0].slot < slot);
+        let as_second = self.by_second[from..].iter().copied().take_while(move |pair| pair[0].slot == slot);
+        as_first.chain(as_second).map(|pair| pair[1].slot)
+    }
+}
+
+fn swapped([a, b]: [OutlineId; 2]) -> [OutlineId; 2] {
+    [b, a]
+}

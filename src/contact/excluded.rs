@@ -1,0 +1,180 @@
+//! Pairs of bodies that do not touch each other.
+
+use alloc::vec::Vec;
+
+use super::engine::Engine;
+use super::numerics::Numerics;
+use super::{ContactSet, Scene};
+use crate::body::{Activity, BodyKind};
+use crate::codec::{self, Encoder, Malformed, Read, Reader, Write, codec_enum};
+use crate::collider::OutlineId;
+use crate::fx::Fx;
+use crate::math::Vec2;
+use crate::scalar::{Accumulator as _, Scalar};
+use crate::slots::{BodyId, NONE};
+
+/// For how long two bodies do not touch each other.
+///
+/// ```
+/// use umbra_physics::{BodyDef, Exclusion, Shape, World, WorldDef, fx, vec2};
+///
+/// let mut world = World::new(WorldDef::default())?;
+/// let disc = |radius| Ok::<_, umbra_physics::Error>(BodyDef::dynamic().with_collider(Shape::circle(radius)?));
+/// let thrower = world.add_body(disc(fx!(0.5))?)?;
+/// let grenade = world.add_body(BodyDef { velocity: vec2(6, 0), ..disc(fx!(0.1))? })?;
+/// world.exclude_pair(thrower, grenade, Exclusion::UntilApart)?;
+/// (0..30).for_each(|_| _ = world.step());
+/// assert_eq!(world.body(grenade)?.position(), vec2(3, 0)); // out of the thrower without a push
+/// assert_eq!(world.excluded_pairs().count(), 0); // from now on they touch
+/// # Ok::<(), umbra_physics::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[non_exhaustive]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
+pub enum Exclusion {
+    /// Until a call allows the pair again.
+    Always,
+    /// Until the first step in which they are too far apart to touch.
+    UntilApart,
+}
+
+codec_enum!(Exclusion, "the number of an exclusion", {
+    0 => Always,
+    1 => UntilApart,
+});
+
+/// Two bodies that do not touch each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct ExcludedPair {
+    /// The slots of the bodies, the lower one first.
+    pub(crate) bodies: [u32; 2],
+    pub(crate) exclusion: Exclusion,
+}
+
+// The state is copied with every snapshot.
+const _: () = assert!(size_of::<ExcludedPair>() == 12);
+
+impl Write for ExcludedPair {
+    fn write(&self, out: &mut impl Encoder) {
+        codec::field(out, "first_body", &self.bodies[0]);
+        codec::field(out, "second_body", &self.bodies[1]);
+        codec::field(out, "exclusion", &self.exclusion);
+    }
+}
+
+impl Read for ExcludedPair {
+    fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {
+        let bodies = [u32::read(reader)?, u32::read(reader)?];
+        Ok(Self { bodies, exclusion: Exclusion::read(reader)? })
+    }
+}
+
+/// The slots of two bodies, the lower one first.
+pub(crate) fn sorted(a: BodyId, b: BodyId) -> [u32; 2] {
+    [a.slot.min(b.slot), a.slot.max(b.slot)]
+}
+
+impl ContactSet {
+    /// The place in the sorted list of a pair of bodies, or the one where it belongs.
+    pub(crate) fn find_excluded(&self, bodies: [u32; 2]) -> Result<usize, usize> {
+        self.excluded.binary_search_by_key(&bodies, |pair| pair.bodies)
+    }
+
+    /// Returns true if there is a pair that a step may allow again.
+    pub(crate) fn any_until_apart(&self) -> bool {
+        self.excluded.iter().any(|pair| pair.exclusion == Exclusion::UntilApart)
+    }
+}
+
+impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
+    /// Returns true if two bodies are an excluded pair in this step.
+    pub(super) fn are_excluded(&self, [a, b]: [BodyId; 2]) -> bool {
+        !self.excluded.is_empty() && self.excluded.binary_search_by_key(&sorted(a, b), |pair| pair.bodies).is_ok()
+    }
+
+    /// Leaves out the pairs of bodies that are excluded, and lists those bodies that stay so.
+    pub(super) fn leave_out_excluded(
+        &mut self,
+        scene: &Scene<'_, S>,
+        contacts: &ContactSet,
+        pairs: &mut Vec<[u32; 2]>,
+    ) {
+        self.excluded.clear();
+        if contacts.excluded.is_empty() {
+            return;
+        }
+        self.is_excluded.clear();
+        for slot in contacts.excluded.iter().flat_map(|pair| pair.bodies) {
+            self.is_excluded.set(slot, 0);
+        }
+        let mut near = Vec::new();
+        near.resize(contacts.excluded.len(), false);
+        pairs.retain(|&numbers| {
+            let pair = numbers.map(|number| self.numbers.outline(number));
+            let [Some(a), Some(b)] = pair.map(|outline| scene.colliders.at(outline.slot)) else { return false };
+            if [a, b].iter().any(|collider| self.is_excluded.get(collider.body.slot) == NONE) {
+                return true;
+            }
+            let Ok(index) = contacts.find_excluded(sorted(a.body, b.body)) else { return true };
+            let ends = contacts.excluded[index].exclusion == Exclusion::UntilApart;
+            if ends && !near[index] {
+                near[index] = self.is_near(scene, numbers, pair);
+            }
+            false
+        });
+        for (pair, is_near) in contacts.excluded.iter().zip(near) {
+            let is_over = || !is_near && pair.bodies.iter().all(|&slot| self.takes_part(scene, slot));
+            if pair.exclusion == Exclusion::Always || !is_over() {
+                self.excluded.push(*pair);
+            }
+        }
+    }
+
+    /// Returns true if a body was looked for among those that may touch.
+    fn takes_part(&self, scene: &Scene<'_, S>, slot: u32) -> bool {
+        let Some(dense) = scene.bodies.index_in(slot) else { return true };
+        let is_still = match scene.bodies.activity(dense) {
+            Activity::Asleep => true,
+            Activity::Awake => scene.bodies.info(dense).kind == BodyKind::Static,
+            Activity::Disabled | Activity::Quarantined => return false,
+        };
+        // A body at fault has no flight.
+        is_still || self.flights.has(slot) || scene.colliders.of_slot(slot).next().is_none()
+    }
+
+    /// Returns true if two outlines have a manifold. They have none where all directions out of each other tie, which those that
+    /// are there after a little shift tell from outlines that are apart. A mirror image has the image of the shifts.
+    fn is_near(&mut self, scene: &Scene<'_, S>, numbers: [u32; 2], pair: [OutlineId; 2]) -> bool {
+        /// 2^-10 m
+        const SHIFT: Fx = Fx::from_bits(1 << 22);
+        if self.manifold_of(scene, numbers, pair).is_some() {
+            return true;
+        }
+        let [Some(a), Some(b)] = pair.map(|outline| scene.colliders.at(outline.slot)) else { return false };
+        let colliders = [a, b];
+        let ends = colliders.map(|collider| self.flights.of::<S, N>(scene, collider.body.slot));
+        let (position, angle) = match scene.starts.get(ends[0] as usize) {
+            Some(start) => (start.position, start.angle),
+            None => {
+                let Some(dense) = scene.bodies.index_in(a.body.slot) else { return false };
+                let motion = &scene.bodies.columns.motion;
+                (motion.position.get(dense), motion.angle[dense])
+            }
+        };
+        let outlines = [0, 1].map(|side| colliders[side].outline(pair[side].part));
+        let other = self.core(scene, (numbers[1], b), &outlines[1], ends[1]);
+        let by = S::from_fx(SHIFT);
+        let shifts = [(by, S::ZERO), (-by, S::ZERO), (S::ZERO, by), (S::ZERO, -by)];
+        shifts.into_iter().any(|(x, y)| {
+            let moved = |c: S::Accumulator, by: S| c.plus(S::Accumulator::from_scalar(by));
+            let pose = N::pose(Vec2::new(moved(position.x, x), moved(position.y, y)), angle);
+            let core = self.numerics.place(&outlines[0].outline, &pose);
+            let flights = ends.map(|flight| self.flights.flight(flight));
+            self.numerics.collide([core, other], flights, [outlines[0].radius, outlines[1].radius]).is_some()
+        })
+    }
+}

@@ -1,0 +1,212 @@
+//! One-way colliders: which bodies they hold, and which pass.
+//!
+//! The answer for an outline and a body follows from the answer of the step before and from their nearest manifold. It is a least value
+//! and a conjunction over manifolds: no order enters.
+
+use alloc::vec::Vec;
+
+use super::engine::Engine;
+use super::flights::FlightOf;
+use super::numerics::{MARGIN, Numerics};
+use super::{ContactSet, Scene};
+use crate::body::{Activity, BodyKind};
+use crate::codec::{self, Encoder, Malformed, Read, Reader, Write};
+use crate::collider::OutlineId;
+use crate::scalar::Scalar;
+use crate::slots::BodyId;
+
+/// The answer of a one-way collider for a body near it. *Domain* the part is below 2^16.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct PassRecord {
+    /// The slot of the collider.
+    pub(crate) collider: u32,
+    /// The slot of the body.
+    pub(crate) body: u32,
+    part: u16,
+    /// True if the body passes, false if it is held.
+    pub(crate) passes: bool,
+}
+
+// The state is copied with every snapshot.
+const _: () = assert!(size_of::<PassRecord>() == 12 && crate::limits::CHAIN <= 1 << 16);
+
+/// An outline of a one-way collider, and the slot of a body.
+type Place = (OutlineId, u32);
+
+impl PassRecord {
+    pub(crate) fn new((outline, body): Place, passes: bool) -> Self {
+        Self { collider: outline.slot, body, part: outline.part as u16, passes }
+    }
+
+    /// The records of a world are sorted by this.
+    pub(crate) fn place(&self) -> Place {
+        (OutlineId { slot: self.collider, part: self.part.into() }, self.body)
+    }
+}
+
+impl Write for PassRecord {
+    fn write(&self, out: &mut impl Encoder) {
+        codec::field(out, "collider", &self.collider);
+        codec::field(out, "part", &self.part);
+        codec::field(out, "body", &self.body);
+        codec::field(out, "passes", &self.passes);
+    }
+}
+
+impl Read for PassRecord {
+    fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {
+        let (collider, part, body) = (u32::read(reader)?, u16::read(reader)?, u32::read(reader)?);
+        Ok(Self { collider, body, part, passes: bool::read(reader)? })
+    }
+}
+
+/// A manifold of a one-way outline and a body.
+#[derive(Debug)]
+pub(super) struct Near<S> {
+    place: Place,
+    /// The least separation, m.
+    separation: S,
+    /// True if the normal is within the tolerance.
+    is_facing: bool,
+}
+
+/// Returns true if a body passes whose nearest manifold has this separation, and faces the side that holds or does not. `before` is the
+/// answer of the step before. The same question once more has the same answer.
+fn passes<S: Scalar>(before: Option<bool>, separation: S, is_facing: bool) -> bool {
+    let margin = S::from_fx(MARGIN);
+    match before {
+        Some(true) => separation <= S::ZERO || !is_facing,
+        Some(false) => separation > margin && !is_facing,
+        None => separation < -margin || !is_facing,
+    }
+}
+
+impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
+    /// Leaves out the pairs of one-way colliders and of bodies that pass, and lists the answers of all one-way colliders.
+    pub(super) fn leave_out_passing(&mut self, scene: &Scene<'_, S>, contacts: &ContactSet, pairs: &mut Vec<[u32; 2]>) {
+        self.passes.clear();
+        if !scene.colliders.any_one_way() {
+            return;
+        }
+        let mut near = core::mem::take(&mut self.near);
+        near.clear();
+        for &numbers in pairs.iter() {
+            self.look_at(scene, numbers, &mut near);
+        }
+        near.sort_unstable_by_key(|near| near.place);
+        for group in near.chunk_by(|a, b| a.place == b.place) {
+            let least = |least: S, near: &Near<S>| if near.separation < least { near.separation } else { least };
+            let separation = group.iter().fold(group[0].separation, least);
+            let mut nearest = group.iter().filter(|near| near.separation == separation);
+            let is_facing = nearest.all(|near| near.is_facing);
+            let place = group[0].place;
+            self.passes.push(PassRecord::new(place, passes(contacts.passes_at(place), separation, is_facing)));
+        }
+        self.near = near;
+        let still = contacts.passes.iter().filter(|record| is_still(scene, record));
+        self.passes.extend(still);
+        self.passes.sort_unstable_by_key(PassRecord::place);
+        pairs.retain(|&numbers| {
+            let [a, b] = numbers.map(|number| self.numbers.outline(number));
+            let body = |outline: OutlineId| scene.colliders.at(outline.slot).map(|collider| collider.body.slot);
+            let passes = |outline, other| {
+                let place = body(other).map(|body| (outline, body));
+                place.and_then(|place| answer(&self.passes, place)) == Some(true)
+            };
+            !passes(a, b) && !passes(b, a)
+        });
+    }
+
+    /// Returns true if an outline of a one-way collider holds the body in a slot in this step.
+    pub(super) fn is_held(&self, outline: OutlineId, body: u32) -> bool {
+        answer(&self.passes, (outline, body)) == Some(false)
+    }
+
+    /// Adds the manifold of a pair, once for each of its colliders that is one-way.
+    fn look_at(&mut self, scene: &Scene<'_, S>, numbers: [u32; 2], near: &mut Vec<Near<S>>) {
+        let pair = numbers.map(|number| self.numbers.outline(number));
+        let [Some(a), Some(b)] = pair.map(|outline| scene.colliders.at(outline.slot)) else { return };
+        let colliders = [a, b];
+        if colliders.iter().all(|collider| collider.side.is_none()) {
+            return;
+        }
+        let ends = colliders.map(|collider| self.flights.of::<S, N>(scene, collider.body.slot));
+        let kinds = ends.map(|flight| self.flights.body(flight).kind);
+        let moves = |kind: FlightOf| matches!(kind, FlightOf::Dynamic | FlightOf::Kinematic);
+        let sleeps = kinds.contains(&FlightOf::Asleep);
+        if !sleeps && !kinds.contains(&FlightOf::Dynamic) {
+            return;
+        }
+        // These keep their records.
+        let are_both = kinds == [FlightOf::Asleep; 2];
+        if !kinds.into_iter().any(moves) && (are_both || !scene.may_have_moved_statics) {
+            return;
+        }
+        let Some(manifold) = self.manifold_of(scene, numbers, pair) else { return };
+        for side in 0..2 {
+            if let Some(holds) = colliders[side].side {
+                let along = N::along(&manifold, &self.flights.body(ends[side]).pose, holds.direction);
+                near.push(Near {
+                    place: (pair[side], colliders[1 - side].body.slot),
+                    separation: N::least_separation(&manifold),
+                    is_facing: if side == 0 { along >= holds.cosine } else { -along >= holds.cosine },
+                });
+            }
+        }
+    }
+}
+
+/// The answer in a sorted list.
+fn answer(passes: &[PassRecord], place: Place) -> Option<bool> {
+    let found = passes.binary_search_by_key(&place, PassRecord::place);
+    found.ok().map(|index| passes[index].passes)
+}
+
+/// Returns true if neither of two bodies has moved since a record was written: both sleep, or one does and the other is static.
+fn is_still<S: Scalar>(scene: &Scene<'_, S>, record: &PassRecord) -> bool {
+    let platform = scene.colliders.at(record.collider).map(|collider| collider.body.slot);
+    let state = |body: Option<u32>| {
+        let dense = scene.bodies.index_in(body?)?;
+        Some((scene.bodies.activity(dense), scene.bodies.info(dense).kind))
+    };
+    let [Some(a), Some(b)] = [state(platform), state(Some(record.body))] else { return false };
+    let sleeps = |(activity, _)| activity == Activity::Asleep;
+    let is_static = |(activity, kind)| activity == Activity::Awake && kind == BodyKind::Static;
+    let one_sleeps = sleeps(a) && is_static(b) || is_static(a) && sleeps(b);
+    sleeps(a) && sleeps(b) || one_sleeps && !scene.may_have_moved_statics
+}
+
+impl ContactSet {
+    /// The answer for an outline of a one-way collider and a body, if they were near each other in the last step.
+    fn passes_at(&self, place: Place) -> Option<bool> {
+        answer(&self.passes, place)
+    }
+
+    /// Drops what is kept of a body that is removed.
+    pub(crate) fn forget_body(&mut self, body: BodyId) {
+        self.passes.retain(|record| record.body != body.slot);
+        self.excluded.retain(|pair| !pair.bodies.contains(&body.slot));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fx::fx;
+
+    #[test]
+    fn a_question_asked_again_has_the_same_answer() {
+        for before in [None, Some(true), Some(false)] {
+            for separation in [-1, 0, 1].into_iter().flat_map(|k| [fx!(0.5), MARGIN, fx!(0.001)].map(|by| by * k)) {
+                for is_facing in [false, true] {
+                    let first = passes(before, separation, is_facing);
+                    assert_eq!(
+                        passes(Some(first), separation, is_facing),
+                        first,
+                        "{before:?} {separation} {is_facing}"
+                    );
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,421 @@
+//! Continuous collision: the paths of fast bodies end where they would cross something.
+//!
+//! A body is *fast* if it moved more than a quarter of its least width in the tick, after impulses; nothing is done for others. Fast bodies
+//! are swept against static and kinematic ones, fast kinematic bodies against all, and bullets against all.
+//! In the first round each pair is looked at on the paths that impulses left. A body of which a pair finds a time of impact
+//! stops at the least of its times: so does each of two dynamic bodies that meet. A kinematic body does not give way: it carries a
+//! body along that it meets. Pairs of bodies whose paths changed are looked at again, in up to [`ROUNDS`] rounds; dynamic bodies
+//! that still meet others then stay where they were at the start.
+//!
+//! The least of times depends on no order. Where two kinematic bodies meet a body at the same moment and would carry it
+//! to two places, it stops: it is squeezed, as is one that is carried into something.
+
+use alloc::vec::Vec;
+
+use super::engine::Engine;
+use super::flights::{FlightOf, Place};
+use super::numerics::Numerics;
+use super::{Correction, Scene, Stop};
+use crate::body::Locks;
+use crate::collide::broad::{Proxy, Statics};
+use crate::collide::sweep::{END, Form, Leg, Path, Sweep};
+use crate::collider::{Collider, OutlineId};
+use crate::fx::Fx;
+use crate::math::Vec2;
+use crate::scalar::Scalar;
+use crate::shape::Aabb;
+use crate::slots::NONE;
+
+/// The rounds in which paths end at times of impact.
+const ROUNDS: u32 = 4;
+
+/// The least motion that counts, ulps: 2^-12 m.
+const LEAST: i64 = 1 << 20;
+
+/// Boxes are grown by this, ulps: more than what rounding may take.
+const GROWTH: i64 = 1 << 14;
+
+/// Memory of continuous collision. None of it lasts beyond a step.
+#[derive(Debug, Default)]
+pub(super) struct Workspace {
+    /// The flights of fast bodies, ascending.
+    fast: Vec<u32>,
+    /// By flight, where it is among the courses; [`NONE`] if it has none.
+    of: Vec<u32>,
+    courses: Vec<Course>,
+    /// The outlines of each pair by number, the lower one first.
+    pairs: Vec<[u32; 2]>,
+    hits: Vec<Hit>,
+}
+
+/// A body and its path.
+#[derive(Clone, Copy, Debug)]
+struct Course {
+    flight: u32,
+    path: Path,
+    /// The moment from which on the last round changed the path; `None` if it did not.
+    changed: Option<u64>,
+    /// The flight that carries it, or [`NONE`].
+    carrier: u32,
+}
+
+/// The outlines of a pair, and the flights and the bodies that they belong to.
+type Ends<P> = ([OutlineId; 2], [(u32, Place<P>); 2]);
+
+/// A body that meets something.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Hit {
+    course: u32,
+    at: u64,
+    /// The course of what it meets.
+    by: u32,
+    /// Both give way.
+    is_mutual: bool,
+}
+
+impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
+    /// Finds the bodies whose paths end before the end of the tick, and their poses then.
+    pub(super) fn sweep_paths(
+        &mut self,
+        scene: &Scene<'_, S>,
+        corrections: &[Correction<S>],
+        is_faulty: &dyn Fn(usize) -> bool,
+        stops: &mut Vec<Stop<S>>,
+    ) {
+        stops.clear();
+        self.find_fast(scene, corrections, is_faulty);
+        if self.sweep.fast.is_empty() {
+            return;
+        }
+        let paths = Paths { scene, corrections };
+        self.find_pairs(&paths, is_faulty);
+        self.run_rounds(&paths);
+        for course in &self.sweep.courses {
+            if course.path.len() > 1 {
+                stops.push(paths.stop::<N>(course));
+            }
+        }
+        stops.sort_unstable_by_key(|stop| stop.dense);
+    }
+
+    /// Lists the bodies that moved far.
+    fn find_fast(&mut self, scene: &Scene<'_, S>, corrections: &[Correction<S>], is_faulty: &dyn Fn(usize) -> bool) {
+        self.sweep.fast.clear();
+        let motion = &scene.bodies.columns.motion;
+        for (i, start) in scene.starts.iter().enumerate() {
+            let place = self.flights.body(i as u32);
+            let rotation = corrections.get(i).map(|by| by.rotation);
+            let moved = N::moved(
+                [start.position, motion.position.get(start.dense)],
+                (self.flights.flight(i as u32), rotation),
+                place.reach,
+            );
+            if moved > (place.width >> 2).max(LEAST) && !is_faulty(start.dense) {
+                self.sweep.fast.push(i as u32);
+            }
+        }
+    }
+
+    /// Lists the pairs that are looked at. A body at fault is back at its start, and nothing moves it.
+    fn find_pairs(&mut self, paths: &Paths<'_, S>, is_faulty: &dyn Fn(usize) -> bool) {
+        let scene = paths.scene;
+        self.sweep.of.clear();
+        self.sweep.courses.clear();
+        self.sweep.pairs.clear();
+        let statics = self.statics.clone().unwrap_or_default();
+        let moving = self.moving(paths);
+        for i in 0..self.sweep.fast.len() {
+            let flight = self.sweep.fast[i];
+            let place = *self.flights.body(flight);
+            let path = paths.path::<N>(&place, self.flights.flight(flight), flight);
+            for collider in scene.colliders.of_slot(place.slot) {
+                let first = self.numbers.first(collider.slot);
+                for part in 0..collider.outline_count() {
+                    let bounds = around(&path, N::ulps(collider.outline(part).radius));
+                    let (number, filter) = (first + part, collider.def.filter);
+                    let mut found = core::mem::take(&mut self.sweep.pairs);
+                    let mut visit = |other: u32| {
+                        let pair = [number.min(other), number.max(other)];
+                        if self.may_meet(scene, pair) {
+                            found.push(pair);
+                        }
+                        true
+                    };
+                    if place.kind == FlightOf::Dynamic {
+                        statics.search_box(bounds, filter, &mut visit);
+                    }
+                    if let Some(moving) = &moving {
+                        moving.search_box(bounds, filter, &mut visit);
+                    }
+                    self.sweep.pairs = found;
+                }
+            }
+        }
+        let mut pairs = core::mem::take(&mut self.sweep.pairs);
+        pairs.sort_unstable();
+        pairs.dedup();
+        let takes_part = |flight: u32| scene.starts.get(flight as usize).is_none_or(|start| !is_faulty(start.dense));
+        pairs.retain(|&pair| {
+            let ends = self.ends(paths, pair).map(|(_, ends)| ends);
+            ends.is_some_and(|[a, b]| takes_part(a.0) && takes_part(b.0) && is_swept([&a.1, &b.1], paths))
+        });
+        self.sweep.pairs = pairs;
+    }
+
+    /// Returns true if two outlines may touch: neither their filters, nor an excluded pair, nor a one-way collider lets them pass each other. A
+    /// one-way collider without an answer in this step had no manifold with the body, and lets it pass.
+    fn may_meet(&self, scene: &Scene<'_, S>, pair: [u32; 2]) -> bool {
+        let outlines = pair.map(|number| self.numbers.outline(number));
+        let [Some(a), Some(b)] = outlines.map(|outline| scene.colliders.at(outline.slot)) else { return false };
+        a.body != b.body
+            && a.def.filter.agrees(b.def.filter)
+            && !self.are_excluded([a.body, b.body])
+            && [(outlines[0], a, b), (outlines[1], b, a)]
+                .into_iter()
+                .all(|(outline, own, other)| own.side.is_none() || self.is_held(outline, other.body.slot))
+    }
+
+    /// The boxes of what moves and may be in the way of fast bodies, if there is any.
+    fn moving(&self, paths: &Paths<'_, S>) -> Option<Statics> {
+        let place = |flight: u32| self.flights.body(flight);
+        let is_bullet = |flight: u32| paths.is_bullet(place(flight).slot);
+        let kind = |flight: u32| place(flight).kind;
+        let wants_all = self.sweep.fast.iter().any(|&flight| kind(flight) == FlightOf::Kinematic || is_bullet(flight));
+        let has_dynamic = self.sweep.fast.iter().any(|&flight| kind(flight) == FlightOf::Dynamic);
+        let mut proxies = Vec::new();
+        for flight in 0..self.flights.len() as u32 {
+            let is_wanted = match kind(flight) {
+                FlightOf::Static => false,
+                FlightOf::Kinematic => has_dynamic,
+                FlightOf::Dynamic | FlightOf::Asleep => wants_all || is_bullet(flight),
+            };
+            if !is_wanted {
+                continue;
+            }
+            let path = paths.path::<N>(place(flight), self.flights.flight(flight), flight);
+            for collider in paths.scene.colliders.of_slot(place(flight).slot) {
+                let first = self.numbers.first(collider.slot);
+                proxies.extend((0..collider.outline_count()).map(|part| Proxy {
+                    collider: first + part,
+                    body: collider.body.slot,
+                    bounds: around(&path, N::ulps(collider.outline(part).radius)),
+                    filter: collider.def.filter,
+                }));
+            }
+        }
+        (!proxies.is_empty()).then(|| Statics::new(proxies))
+    }
+
+    /// The outlines and the bodies of a pair.
+    fn ends(&mut self, paths: &Paths<'_, S>, pair: [u32; 2]) -> Option<Ends<N::Pose>> {
+        let outlines = pair.map(|number| self.numbers.outline(number));
+        let [a, b] = outlines.map(|outline| paths.scene.colliders.at(outline.slot));
+        let flights = [a?, b?].map(|collider| self.flights.of::<S, N>(paths.scene, collider.body.slot));
+        Some((outlines, flights.map(|flight| (flight, *self.flights.body(flight)))))
+    }
+
+    /// The course of a body, made when it is first asked for.
+    fn course(&mut self, paths: &Paths<'_, S>, flight: u32) -> usize {
+        let at = flight as usize;
+        if self.sweep.of.len() <= at {
+            self.sweep.of.resize(at + 1, NONE);
+        }
+        if self.sweep.of[at] == NONE {
+            self.sweep.of[at] = self.sweep.courses.len() as u32;
+            let path = paths.path::<N>(self.flights.body(flight), self.flights.flight(flight), flight);
+            self.sweep.courses.push(Course { flight, path, changed: Some(0), carrier: NONE });
+        }
+        self.sweep.of[at] as usize
+    }
+
+    /// Ends paths at times of impact.
+    fn run_rounds(&mut self, paths: &Paths<'_, S>) {
+        let pairs = core::mem::take(&mut self.sweep.pairs);
+        for round in 0.. {
+            self.sweep.hits.clear();
+            for &pair in &pairs {
+                self.find_impact(paths, pair);
+            }
+            self.sweep.courses.iter_mut().for_each(|course| course.changed = None);
+            if !self.end_paths(paths, round >= ROUNDS) {
+                break;
+            }
+        }
+        self.sweep.pairs = pairs;
+    }
+
+    /// Finds the time of impact of a pair, if the path of one of the two is new.
+    fn find_impact(&mut self, paths: &Paths<'_, S>, pair: [u32; 2]) {
+        let Some((mut outlines, [mut a, mut b])) = self.ends(paths, pair) else { return };
+        // The one that gives way comes first.
+        if a.1.kind != FlightOf::Dynamic {
+            (outlines, a, b) = ([outlines[1], outlines[0]], b, a);
+        }
+        let [own, other] = [self.course(paths, a.0), self.course(paths, b.0)];
+        let courses = [self.sweep.courses[own], self.sweep.courses[other]];
+        let Some(from) = courses.iter().filter_map(|course| course.changed).min() else { return };
+        let is_carried = courses[0].carrier == b.0 || courses[1].carrier == a.0;
+        if is_carried || !courses.iter().any(|course| course.path.moves()) {
+            return;
+        }
+        let colliders = outlines.map(|outline| paths.scene.colliders.at(outline.slot));
+        let [Some(first), Some(second)] = colliders else { return };
+        let forms = [form::<S, N>(first, outlines[0].part), form::<S, N>(second, outlines[1].part)];
+        let is_dynamic = |kind| matches!(kind, FlightOf::Dynamic | FlightOf::Asleep);
+        let sweep = Sweep {
+            forms: [&forms[0], &forms[1]],
+            paths: [&courses[0].path, &courses[1].path],
+            is_mutual: is_dynamic(b.1.kind),
+        };
+        let Some(at) = sweep.impact(from) else { return };
+        let (own, other) = (own as u32, other as u32);
+        let is_mutual = b.1.kind == FlightOf::Dynamic;
+        self.sweep.hits.push(Hit { course: own, at, by: other, is_mutual });
+        if is_mutual {
+            self.sweep.hits.push(Hit { course: other, at, by: own, is_mutual });
+        }
+    }
+
+    /// Ends the paths that meet something, or, after the last round, does so at the start. Returns true if a path changed.
+    fn end_paths(&mut self, paths: &Paths<'_, S>, is_last: bool) -> bool {
+        let mut hits = core::mem::take(&mut self.sweep.hits);
+        hits.sort_unstable();
+        let mut has_changed = false;
+        for own in hits.chunk_by(|a, b| a.course == b.course) {
+            let at = if is_last && own.iter().any(|hit| hit.is_mutual) { 0 } else { own[0].at };
+            let mut course = self.sweep.courses[own[0].course as usize];
+            let leg = match is_last {
+                true => None,
+                false => self.carried(paths, &course, own.iter().take_while(|hit| hit.at == at)),
+            };
+            let before = course.path;
+            match leg {
+                Some((carrier, leg)) => {
+                    course.path.carry(at, leg);
+                    course.carrier = carrier;
+                }
+                None => {
+                    course.path.stop(at);
+                    course.carrier = NONE;
+                }
+            }
+            if course.path.differs(&before) {
+                course.changed = Some(at);
+                has_changed = true;
+                self.sweep.courses[own[0].course as usize] = course;
+            }
+        }
+        self.sweep.hits = hits;
+        has_changed
+    }
+
+    /// How kinematic bodies carry a body along that they meet, and one of them; `None` if none does, or if they disagree.
+    fn carried<'a>(
+        &self,
+        paths: &Paths<'_, S>,
+        course: &Course,
+        hits: impl Iterator<Item = &'a Hit>,
+    ) -> Option<(u32, Leg)> {
+        let place = self.flights.body(course.flight);
+        if course.carrier != NONE || paths.is_locked(place.slot) {
+            return None;
+        }
+        let mut found: Option<(u32, Leg)> = None;
+        for hit in hits {
+            let by = &self.sweep.courses[hit.by as usize];
+            if self.flights.body(by.flight).kind != FlightOf::Kinematic || !by.path.moves() {
+                continue;
+            }
+            let leg = course.path.carried(&by.path, hit.at);
+            match found {
+                Some((_, other)) if other.pose(END) != leg.pose(END) => return None,
+                Some(_) => {}
+                None => found = Some((by.flight, leg)),
+            }
+        }
+        found
+    }
+}
+
+/// Returns true if the paths of two bodies are looked at where one of them is fast.
+fn is_swept<S: Scalar, P>([a, b]: [&Place<P>; 2], paths: &Paths<'_, S>) -> bool {
+    match (a.kind, b.kind) {
+        (FlightOf::Dynamic, FlightOf::Static | FlightOf::Kinematic)
+        | (FlightOf::Static | FlightOf::Kinematic, FlightOf::Dynamic) => true,
+        (FlightOf::Dynamic, FlightOf::Dynamic | FlightOf::Asleep) | (FlightOf::Asleep, FlightOf::Dynamic) => {
+            paths.is_bullet(a.slot) || paths.is_bullet(b.slot)
+        }
+        _ => false,
+    }
+}
+
+/// The paths of bodies after impulses.
+struct Paths<'a, S: Scalar> {
+    scene: &'a Scene<'a, S>,
+    corrections: &'a [Correction<S>],
+}
+
+impl<S: Scalar> Paths<'_, S> {
+    fn path<N: Numerics<S>>(&self, place: &Place<N::Pose>, of: &N::Flight, flight: u32) -> Path {
+        let motion = &self.scene.bodies.columns.motion;
+        let Some(start) = self.scene.starts.get(flight as usize) else {
+            let dense = self.scene.bodies.index_in(place.slot).unwrap_or(0);
+            return Path::new(N::still_leg(motion.position.get(dense), motion.angle[dense]));
+        };
+        let rotation = self.corrections.get(flight as usize).map(|by| by.rotation);
+        let end = (motion.position.get(start.dense), motion.angle[start.dense]);
+        Path::new(N::leg(start, end, of, rotation))
+    }
+
+    /// The pose at the end of a path that ended early.
+    fn stop<N: Numerics<S>>(&self, course: &Course) -> Stop<S> {
+        let start = &self.scene.starts[course.flight as usize];
+        let (position, angle) = match course.path.stopped_at() {
+            Some(at) => {
+                let end = self.scene.bodies.columns.motion.position.get(start.dense);
+                let (_, angle) = course.path.last().pose(END);
+                (
+                    [0, 1].map(|k| {
+                        let [from, to] = [start.position, end].map(|v| if k == 0 { v.x } else { v.y });
+                        N::between(from, to, at)
+                    }),
+                    angle,
+                )
+            }
+            None => {
+                let (at, angle) = course.path.last().pose(END);
+                (at.map(N::from_ulps), angle)
+            }
+        };
+        Stop { dense: start.dense, position: Vec2::new(position[0], position[1]), angle: N::from_turn(angle) }
+    }
+
+    fn is_bullet(&self, slot: u32) -> bool {
+        let bodies = self.scene.bodies;
+        bodies.index_in(slot).is_some_and(|dense| bodies.info(dense).is_bullet)
+    }
+
+    fn is_locked(&self, slot: u32) -> bool {
+        let bodies = self.scene.bodies;
+        bodies.index_in(slot).is_some_and(|dense| bodies.mass(dense).locks != Locks::NONE)
+    }
+}
+
+/// The box around an outline of this reach on a path.
+fn around(path: &Path, reach: i64) -> Aabb<Fx> {
+    let (low, high) = path.ends();
+    let by = reach.saturating_add(GROWTH);
+    let at = |ends: [i64; 2], by: i64| {
+        let [x, y] = ends.map(|end| Fx::from_bits(end.saturating_add(by)));
+        Vec2::new(x, y)
+    };
+    Aabb { min: at(low, -by), max: at(high, by) }
+}
+
+/// An outline for the time of impact.
+fn form<S: Scalar, N: Numerics<S>>(collider: &Collider<S>, part: u32) -> Form {
+    let of = collider.outline(part);
+    let ulps = |v: &Vec2<S>| [N::ulps(v.x), N::ulps(v.y)];
+    let (corners, normals) = (of.outline.corners().iter().map(ulps), of.outline.normals().iter().map(ulps));
+    Form::new(corners, normals, N::ulps(of.outline.radius()), N::ulps(of.width), collider.def.shape.is_chain())
+}

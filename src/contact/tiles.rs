@@ -1,0 +1,134 @@
+//! Static polygons beside each other: the surface of their union, found for each of them when a body first comes near.
+//!
+//! A surface is a function of the static colliders alone. What is found is kept until one of them changes; a collider that nobody meets costs
+//! nothing.
+//!
+//! Two polygons are neighbours if their filters are the same, and their `one_way`: whatever meets one of them meets the other too.
+
+use alloc::vec::Vec;
+use core::ops::Range;
+
+use super::numbers::Numbers;
+use super::numerics::Numerics;
+use super::seams::Features;
+use super::stamped::Stamped;
+use super::{ContactRecord, Scene};
+use crate::collide::broad::{Proxy, Statics};
+use crate::collide::seam::{Face, Polygons};
+use crate::collider::{BodyOutline, Collider};
+use crate::scalar::Scalar;
+use crate::slots::NONE;
+
+/// The surfaces of static polygons.
+#[derive(Debug, Default)]
+pub(super) struct Tiles {
+    /// By number of the outline: the number of its surface, or [`ALONE`].
+    of: Stamped,
+    surfaces: Vec<Range<usize>>,
+    faces: Vec<Face>,
+    /// Workspace: a polygon and the ones near it.
+    polygons: Polygons,
+}
+
+/// Marks a polygon without neighbours.
+const ALONE: u32 = NONE - 1;
+
+/// Returns true for the outline of a sharp polygon.
+fn is_polygon<S: Scalar>(outline: &BodyOutline<S>) -> bool {
+    outline.outline.corners().len() > 2 && outline.outline.radius() == S::ZERO
+}
+
+impl Tiles {
+    /// Forgets all surfaces, as a static collider has changed.
+    pub(super) fn clear(&mut self) {
+        self.of.clear();
+        self.surfaces.clear();
+        self.faces.clear();
+    }
+
+    /// The edges of a static outline that are on the surface of its union with others; `None` if it stands alone.
+    pub(super) fn find<S: Scalar, N: Numerics<S>>(
+        &mut self,
+        scene: &Scene<'_, S>,
+        statics: &Statics,
+        numbers: &Numbers,
+        (number, collider): (u32, &Collider<S>),
+        (outline, pose): (&BodyOutline<S>, &N::Pose),
+    ) -> Option<&[Face]> {
+        if !is_polygon(outline) {
+            return None;
+        }
+        if self.of.get(number) == NONE {
+            self.polygons.clear();
+            self.polygons.push(N::corners(outline, pose, pose));
+            statics.near(N::resting(outline, pose), |proxy: &Proxy| {
+                if proxy.collider != number && proxy.filter == collider.def.filter {
+                    self.push::<S, N>(scene, numbers, (proxy, collider), pose);
+                }
+            });
+            let from = self.faces.len();
+            let surface = if self.polygons.len() > 1 && self.polygons.faces(&mut self.faces) {
+                self.surfaces.push(from..self.faces.len());
+                self.surfaces.len() as u32 - 1
+            } else {
+                ALONE
+            };
+            self.of.set(number, surface);
+        }
+        self.surface(number)
+    }
+
+    /// Adds the polygon of a static collider that holds from the same sides as another one, in coordinates relative to that one's body.
+    fn push<S: Scalar, N: Numerics<S>>(
+        &mut self,
+        scene: &Scene<'_, S>,
+        numbers: &Numbers,
+        (of, beside): (&Proxy, &Collider<S>),
+        from: &N::Pose,
+    ) {
+        let id = numbers.outline(of.collider);
+        let (Some(collider), Some(dense)) = (scene.colliders.at(id.slot), scene.bodies.index_in(of.body)) else {
+            return;
+        };
+        let outline = collider.outline(id.part);
+        if is_polygon::<S>(&outline) && collider.def.one_way == beside.def.one_way {
+            let motion = &scene.bodies.columns.motion;
+            let pose = N::pose(motion.position.get(dense), motion.angle[dense]);
+            self.polygons.push(N::corners(&outline, &pose, from));
+        }
+    }
+
+    /// The surface of an outline, if it was found and the outline does not stand alone.
+    pub(super) fn surface(&self, number: u32) -> Option<&[Face]> {
+        let surface = self.surfaces.get(self.of.get(number) as usize)?;
+        Some(&self.faces[surface.clone()])
+    }
+
+    /// Returns true if points on two surfaces are on faces that turn by less than 60° from one to the other: a body may have gone from one
+    /// to the other in a step.
+    pub(super) fn are_joined(
+        &self,
+        numbers: [u32; 2],
+        side: usize,
+        (features, count): Features,
+        before: &ContactRecord,
+    ) -> bool {
+        let normals = |number: u32, feature: u32| {
+            let [first, second] = [feature >> (12 * side) & 63, feature >> (12 * side + 6) & 63];
+            let faces = self.surface(number).unwrap_or_default().iter();
+            // An edge by its first corner; at a corner all that are there. The last edge ends at corner 0.
+            faces.filter(move |face| {
+                let [from, to] = [face.edge, (face.edge + 1) % face.corners].map(|corner| corner as u32);
+                if first == second { from == first || to == first } else { from == first }
+            })
+        };
+        let is_near = |a: &Face, b: &Face| {
+            let dot = |k: usize| i64::from(a.normal[k]) * i64::from(b.normal[k]);
+            // Unit vectors in units of 2^-30.
+            dot(0) + dot(1) > 1 << 59
+        };
+        let own = || features.into_iter().take(count).flat_map(|name| normals(numbers[0], name));
+        let mut there = before.features().into_iter().take(before.count()).flat_map(|name| normals(numbers[1], name));
+        there.any(|face| own().any(|own| is_near(own, face)))
+    }
+}

@@ -1,0 +1,295 @@
+//! Rational references.
+
+use alloc::vec::Vec;
+use core::cmp::Ordering;
+
+use dashu_int::IBig;
+
+use super::cases::{CASES, case};
+use crate::math::Random;
+use crate::query::ray::{FRACTION, FULL, first_hit};
+use crate::query::{Core, Point, RayEnd, Sum, at, contains, distance, nearest, point};
+
+type Vector = [IBig; 2];
+
+/// num / den, den > 0.
+#[derive(Clone, Debug)]
+struct Ratio(IBig, IBig);
+
+impl Ratio {
+    fn new(num: IBig, den: IBig) -> Self {
+        if den < IBig::ZERO { Self(-num, -den) } else { Self(num, den) }
+    }
+
+    fn cmp(&self, other: &Self) -> Ordering {
+        (&self.0 * &other.1).cmp(&(&other.0 * &self.1))
+    }
+}
+
+fn int(x: impl Into<IBig>) -> IBig {
+    x.into()
+}
+
+fn squared(x: impl Into<IBig>) -> IBig {
+    let x: IBig = x.into();
+    &x * &x
+}
+
+fn big(v: Point) -> Vector {
+    v.map(IBig::from)
+}
+
+fn minus(a: &Vector, b: &Vector) -> Vector {
+    [&a[0] - &b[0], &a[1] - &b[1]]
+}
+
+fn cross(a: &Vector, b: &Vector) -> IBig {
+    &a[0] * &b[1] - &a[1] * &b[0]
+}
+
+fn dot(a: &Vector, b: &Vector) -> IBig {
+    &a[0] * &b[0] + &a[1] * &b[1]
+}
+
+/// The square of the distance of a point from a segment.
+fn square_from_segment(p: &Vector, a: &Vector, b: &Vector) -> Ratio {
+    let (e, w) = (minus(b, a), minus(p, a));
+    let (way, whole) = (dot(&w, &e), dot(&e, &e));
+    if way <= IBig::ZERO {
+        Ratio(dot(&w, &w), IBig::ONE)
+    } else if way >= whole {
+        let w = minus(p, b);
+        Ratio(dot(&w, &w), IBig::ONE)
+    } else {
+        Ratio(squared(cross(&w, &e)), whole)
+    }
+}
+
+fn edges(corners: &[Vector]) -> impl Iterator<Item = (&Vector, &Vector)> {
+    corners.iter().zip(corners.iter().cycle().skip(1))
+}
+
+/// The square of the distance of a point from a core.
+fn square_from(p: &Vector, corners: &[Vector]) -> Ratio {
+    let is_left = |(a, b): (&Vector, &Vector)| cross(&minus(b, a), &minus(p, a)) >= IBig::ZERO;
+    if corners.len() > 2 && edges(corners).all(is_left) {
+        return Ratio(IBig::ZERO, IBig::ONE);
+    }
+    edges(corners).map(|(a, b)| square_from_segment(p, a, b)).min_by(Ratio::cmp).expect("a corner")
+}
+
+/// Where a ray from the origin enters a core without a radius, from 0 to 1, by clipping.
+fn entry(corners: &[Vector], ray: &Vector) -> Option<Ratio> {
+    let zero = Ratio(IBig::ZERO, IBig::ONE);
+    let (mut first, mut last) = (zero.clone(), Ratio(IBig::ONE, IBig::ONE));
+    // t·n·ray <= n·a for all of these half planes.
+    let mut planes: Vec<(IBig, IBig)> = Vec::new();
+    for (a, b) in edges(corners) {
+        let e = minus(b, a);
+        planes.push((cross(ray, &e), cross(a, &e)));
+        if corners.len() == 2 {
+            // Not beyond the end.
+            planes.push((dot(ray, &e), dot(b, &e)));
+        }
+    }
+    if let [only] = corners {
+        for sign in [1, -1] {
+            planes.push((cross(ray, only) * int(sign), IBig::ZERO));
+            planes.extend((0..2).map(|k| (&ray[k] * int(sign), &only[k] * int(sign))));
+        }
+    }
+    for (along, most) in planes {
+        let bound = || Ratio::new(most.clone(), along.clone());
+        match along.cmp(&IBig::ZERO) {
+            Ordering::Equal if most < IBig::ZERO => return None,
+            Ordering::Equal => {}
+            Ordering::Less => first = if bound().cmp(&first).is_gt() { bound() } else { first },
+            Ordering::Greater => last = if bound().cmp(&last).is_lt() { bound() } else { last },
+        }
+    }
+    first.cmp(&last).is_le().then_some(first)
+}
+
+fn corners_of(core: &Core) -> Vec<Vector> {
+    core.corners().iter().copied().map(big).collect()
+}
+
+#[test]
+fn containment_and_the_nearest_point_are_those_of_the_definition() {
+    let (mut random, mut inside, mut border) = (Random::seeded(1), 0, 0);
+    for i in 0..CASES {
+        let case = case(&mut random);
+        let (core, corners) = (&case.core, corners_of(&case.core));
+        let square = square_from(&big([0; 2]), &corners);
+        let order = square.cmp(&Ratio(squared(core.radius), IBig::ONE));
+        assert_eq!(contains(core), order.is_le(), "{i}: {core:?}");
+        inside += u32::from(order.is_lt());
+        border += u32::from(order.is_eq());
+        let near = nearest(core.corners());
+        let away = distance(core, near);
+        let (surface, towards) = point(core, near, away);
+        if order.is_le() {
+            assert_eq!((away, surface), (0, [0; 2]), "{i}: {core:?}");
+            continue;
+        }
+        // Within 0.51 units of 2^-16 ulp.
+        let from_core = int(away + ((core.radius as u128) << 16)) * int(100);
+        let exact = Ratio((square.0 << 32) * int(10_000), square.1);
+        for (by, wanted) in [(-51, Ordering::Less), (51, Ordering::Greater)] {
+            let bound: IBig = &from_core + IBig::from(by);
+            assert!(
+                bound < IBig::ZERO || Ratio(squared(bound.clone()), IBig::ONE).cmp(&exact) == wanted,
+                "{i}: {core:?}"
+            );
+        }
+        // Twice the point: within √½ and a little of the surface, and as far from the origin as is said.
+        let p = big(surface);
+        let near_surface = square_from(&p, &corners);
+        let most = Ratio(squared(int(core.radius) * int(4) + int(3)), IBig::from(16));
+        assert!(near_surface.cmp(&most).is_le(), "{i}: {core:?} {surface:?}");
+        let whole = dot(&p, &p) << 32;
+        let (least, most) = ((away as i128) - 49_152, away as i128 + 49_152);
+        assert!(whole >= squared(least.max(0)) && whole <= squared(most), "{i}: {core:?} {surface:?}");
+        assert!(cross(&big(towards), &p).is_zero() || core.corners().len() > 1 || core.radius > 0);
+    }
+    assert!(inside > CASES / 50 && border > CASES / 200, "{inside}, {border}");
+}
+
+#[test]
+fn rays_enter_sharp_cores_where_clipping_says_to_the_last_bit() {
+    let (mut random, mut hits, mut corners_hit, mut ends) = (Random::seeded(2), 0, 0, 0);
+    for i in 0..2 * CASES {
+        let mut case = case(&mut random);
+        case.core.radius = 0;
+        let expected = entry(&corners_of(&case.core), &big(case.ray)).map(|t| (t.0 << FRACTION as usize) / t.1);
+        let actual = first_hit(&case.core, case.ray);
+        assert_eq!(actual.map(|end| end.fraction.into()), expected, "{i}: {case:?}");
+        hits += u32::from(actual.is_some_and(|end| end.fraction > 0));
+        ends += u32::from(actual.is_some_and(|end| end.fraction == FULL));
+        corners_hit +=
+            u32::from(actual.is_some_and(|end| matches!(end.feature, crate::query::ray::Feature::Corner(_))));
+    }
+    assert!(hits > CASES / 10 && ends > CASES / 200 && corners_hit > CASES / 20, "{hits}, {ends}, {corners_hit}");
+}
+
+/// The point at a fraction of a ray, and corners, in units of 2^-62 ulp.
+fn scaled(ray: Point, fraction: &IBig, corners: &[Vector]) -> (Vector, Vec<Vector>) {
+    let up = |v: &Vector| [&v[0] << FRACTION as usize, &v[1] << FRACTION as usize];
+    (big(ray).map(|part| part * fraction), corners.iter().map(up).collect())
+}
+
+/// Compares the distance between a core and the point at a fraction of a ray with the radius and 2^-20 ulp times `more`.
+fn compare(core: &Core, ray: Point, fraction: &IBig, more: i64) -> Ordering {
+    let (p, corners) = scaled(ray, fraction, &corners_of(core));
+    let reach = (int(core.radius) << 62) + (int(more) << 42);
+    if reach < IBig::ZERO {
+        return Ordering::Greater;
+    }
+    square_from(&p, &corners).cmp(&Ratio(squared(reach), IBig::ONE))
+}
+
+/// The least distance of a core from a ray, compared with the radius and 2^-20 ulp times `more`.
+fn compare_least(core: &Core, ray: Point, more: i64) -> Ordering {
+    let corners = corners_of(core);
+    let (start, end) = (big([0; 2]), big(ray));
+    if entry(&corners, &end).is_some() {
+        return Ordering::Less;
+    }
+    let ends = [&start, &end].map(|p| square_from(p, &corners));
+    let own = corners.iter().map(|corner| square_from_segment(corner, &start, &end));
+    let Ratio(num, den) = own.chain(ends).min_by(Ratio::cmp).expect("a corner");
+    let reach = (int(core.radius) << 20) + int(more);
+    if reach < IBig::ZERO {
+        return Ordering::Greater;
+    }
+    Ratio(num << 40, den).cmp(&Ratio(squared(reach), IBig::ONE))
+}
+
+#[test]
+fn rays_enter_rounded_shapes_within_a_fraction_of_an_ulp_of_the_surface() {
+    let (mut random, mut hits, mut misses) = (Random::seeded(3), 0, 0);
+    for i in 0..2 * CASES {
+        let case = case(&mut random);
+        let (core, ray) = (&case.core, case.ray);
+        if core.radius == 0 {
+            continue;
+        }
+        // 2^-14 ulp less of a radius, and half as much as the ray goes on in a unit of its fraction.
+        let slack = 64 + ((ray[0].abs().max(ray[1].abs()) as i128) >> 41) as i64;
+        match first_hit(core, ray) {
+            None => {
+                misses += 1;
+                assert!(compare_least(core, ray, -64).is_gt(), "{i}: {case:?}");
+            }
+            Some(RayEnd { fraction: 0, .. }) if contains(core) => {}
+            Some(end) => {
+                hits += 1;
+                let fraction = IBig::from(end.fraction);
+                // At the end it is at the surface, neither deeper nor before it.
+                assert!(compare(core, ray, &fraction, -slack).is_ge(), "{i}: {case:?} too late");
+                assert!(compare(core, ray, &fraction, slack).is_le(), "{i}: {case:?} too early");
+                // It comes from outside: the distance, which is convex along the ray, is no less before.
+                let before = fraction.clone() * int(9) / int(10);
+                assert!(compare(core, ray, &before, -64).is_ge(), "{i}: {case:?}");
+            }
+        }
+    }
+    assert!(hits > CASES / 10 && misses > CASES / 4, "{hits}, {misses}");
+}
+
+#[test]
+fn a_sum_has_the_hull_of_all_differences() {
+    let mut random = Random::seeded(4);
+    for i in 0..CASES / 4 {
+        let case = case(&mut random);
+        let (a, b) = (&case.core, &case.other);
+        let sum = Sum::new(a, b);
+        let all: Vec<Point> =
+            b.corners().iter().flat_map(|q| a.corners().iter().map(|p| [q[0] - p[0], q[1] - p[1]])).collect();
+        let hull = Core::of(&all, a.radius + b.radius);
+        let mut own = sum.core.corners().to_vec();
+        let first = own.iter().position(|corner| *corner == hull.corners()[0]).expect("a corner of the hull");
+        own.rotate_left(first);
+        assert_eq!((own.as_slice(), sum.core.radius), (hull.corners(), hull.radius), "{i}: {case:?}");
+        for (corner, [j, k]) in sum.core.corners().iter().zip(&sum.pairs) {
+            assert_eq!(*corner, [0, 1].map(|axis| b.corners()[*k][axis] - a.corners()[*j][axis]));
+        }
+    }
+}
+
+#[test]
+fn shapes_that_are_cast_touch_where_they_are_said_to() {
+    let (mut random, mut hits) = (Random::seeded(5), 0);
+    for i in 0..CASES {
+        let case = case(&mut random);
+        let (a, b) = (&case.core, &case.other);
+        let sum = Sum::new(a, b);
+        // Towards a corner of the sum, and on, or anywhere.
+        let aim = sum.core.corners()[(random.bits() % sum.core.corners().len() as u64) as usize];
+        let aimed = aim.map(|part| (2 * part).clamp(-(1 << 52), 1 << 52));
+        let ray = if random.bits() % 4 == 0 { case.ray } else { aimed };
+        let Some(end) = first_hit(&sum.core, ray) else { continue };
+        let normal = crate::query::normal(&sum.core, ray, end);
+        let touch = sum.touch_point([a, b], ray, end, normal);
+        if end.feature == crate::query::ray::Feature::Inside {
+            assert_eq!((touch, normal), ([0; 2], Default::default()));
+            continue;
+        }
+        hits += 1;
+        // The point is on the surface of B, and of A at the place where it is then, within 4 ulps and the error of the normal.
+        let p = big(touch);
+        let moved: Vec<Vector> = {
+            let way = at(ray, end.fraction);
+            a.corners().iter().map(|corner| big([corner[0] + way[0], corner[1] + way[1]])).collect()
+        };
+        let slack = 4 + ((a.radius + b.radius) >> 31);
+        for (corners, radius) in [(corners_of(b), b.radius), (moved, a.radius)] {
+            let square = square_from(&p, &corners);
+            let most = squared(radius + slack);
+            assert!(square.cmp(&Ratio(most, IBig::ONE)).is_le(), "{i}: {case:?} {touch:?}");
+            let least = squared((radius - slack).max(0));
+            assert!(square.cmp(&Ratio(least, IBig::ONE)).is_ge(), "{i}: {case:?} {touch:?}");
+        }
+    }
+    assert!(hits > CASES / 10, "{hits}");
+}

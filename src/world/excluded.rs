@@ -1,0 +1,91 @@
+//! Pairs of bodies that do not touch each other, as calls change and read them.
+
+use super::{Command, World};
+use crate::body::Change;
+use crate::contact::{ExcludedPair, Exclusion, sorted};
+use crate::error::Error;
+use crate::limits;
+use crate::scalar::Scalar;
+use crate::slots::BodyId;
+
+impl<S: Scalar> World<S> {
+    /// Excludes two bodies from contacts with each other, whatever colliders they have; wakes both. The impulses of contacts between them
+    /// are dropped. A pair that is excluded already gets the new exclusion.
+    ///
+    /// [`Exclusion::UntilApart`] is for bodies that overlap: a grenade and its thrower, a character that drops through a platform. A step
+    /// allows the pair again when no outlines of theirs are within 2 cm and the distance that they close in the step; bodies that are disabled
+    /// or quarantined stay excluded meanwhile.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchBody`]; [`Error::SameBody`]; [`Error::Full`] with [`limits::EXCLUDED_PAIRS`].
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, Exclusion, Shape, World, WorldDef, fx, vec2};
+    ///
+    /// let mut world = World::new(WorldDef::default())?;
+    /// let ball = BodyDef::dynamic().with_collider(Shape::circle(fx!(0.5))?);
+    /// let ghost = world.add_body(BodyDef { velocity: vec2(6, 0), ..ball.clone() })?;
+    /// let other = world.add_body(BodyDef { position: vec2(3, 0), ..ball })?;
+    /// world.exclude_pair(ghost, other, Exclusion::Always)?;
+    /// (0..60).for_each(|_| _ = world.step());
+    /// assert_eq!((world.body(ghost)?.position(), world.body(other)?.position()), (vec2(6, 0), vec2(3, 0)));
+    /// assert!(world.excluded_pairs().eq([([ghost, other], Exclusion::Always)]));
+    /// world.allow_pair(ghost, other)?;
+    /// assert_eq!(world.excluded_pairs().count(), 0);
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    pub fn exclude_pair(&mut self, a: BodyId, b: BodyId, exclusion: Exclusion) -> Result<(), Error> {
+        let place = self.check_excluded(a, b)?;
+        self.touch(a, Change::VELOCITY)?;
+        self.touch(b, Change::VELOCITY)?;
+        self.journal.note(|| Command::ExcludePair { a, b, exclusion });
+        let pair = ExcludedPair { bodies: sorted(a, b), exclusion };
+        let contacts = &mut self.contacts;
+        match place {
+            Ok(index) => contacts.excluded[index] = pair,
+            Err(index) => contacts.excluded.insert(index, pair),
+        }
+        let colliders = &self.colliders;
+        contacts.records.retain(|record| {
+            let bodies = record.pair().map(|outline| colliders.at(outline.slot).map(|collider| collider.body));
+            let [Some(first), Some(second)] = bodies else { return false };
+            sorted(first, second) != pair.bodies
+        });
+        Ok(())
+    }
+
+    /// Allows contacts between two bodies again; wakes both. Nothing but that if they were not excluded.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchBody`]; [`Error::SameBody`].
+    pub fn allow_pair(&mut self, a: BodyId, b: BodyId) -> Result<(), Error> {
+        self.check_two(a, b)?;
+        self.touch(a, Change::VELOCITY)?;
+        self.touch(b, Change::VELOCITY)?;
+        self.journal.note(|| Command::AllowPair { a, b });
+        if let Ok(index) = self.contacts.find_excluded(sorted(a, b)) {
+            self.contacts.excluded.remove(index);
+        }
+        Ok(())
+    }
+
+    /// The pairs of bodies that are excluded from contacts, sorted by their slots.
+    pub fn excluded_pairs(&self) -> impl Iterator<Item = ([BodyId; 2], Exclusion)> {
+        let id = |slot| BodyId::from_parts(slot, self.bodies.generation(slot).unwrap_or_default());
+        self.contacts.excluded.iter().map(move |pair| (pair.bodies.map(id), pair.exclusion))
+    }
+
+    pub(super) fn check_two(&self, a: BodyId, b: BodyId) -> Result<(), Error> {
+        self.bodies.find(a)?;
+        self.bodies.find(b)?;
+        if a == b { Err(Error::SameBody { body: a }) } else { Ok(()) }
+    }
+
+    /// The place in the list of a pair that is excluded already, or the one where it belongs.
+    pub(super) fn check_excluded(&self, a: BodyId, b: BodyId) -> Result<Result<usize, usize>, Error> {
+        self.check_two(a, b)?;
+        let place = self.contacts.find_excluded(sorted(a, b));
+        let is_full = self.contacts.excluded.len() >= limits::EXCLUDED_PAIRS;
+        if is_full && place.is_err() { Err(Error::Full) } else { Ok(place) }
+    }
+}

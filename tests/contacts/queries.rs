@@ -1,0 +1,396 @@
+//! Queries on worlds: against each collider in a world of its own, in restored, copied and shuffled worlds, mirrored, and between changes.
+
+use umbra_physics::{
+    Aabb, BodyDef, BodyId, BodyKind, CastHit, ClosestPoint, ColliderDef, ColliderId, Error, Filter, Fx, Part, Quantity,
+    Queries, QueryFilter, Random, Shape, Snapshot, Symmetry, Vec2, World, WorldDef, fx, limits, vec2,
+};
+
+const ALL: QueryFilter<'_> = QueryFilter { filter: None, without_bodies: &[], without_colliders: &[], predicate: None };
+
+/// A multiple of ½ m or any number up to `most` m either way.
+fn length(random: &mut Random, most: i64) -> Fx {
+    if random.below(2) == 0 {
+        Fx::from_bits(random.integer(-2 * most..=2 * most) << 31)
+    } else {
+        random.number(-Fx::from(most as i32)..=Fx::from(most as i32))
+    }
+}
+
+fn point(random: &mut Random, most: i64) -> Vec2 {
+    Vec2::new(length(random, most), length(random, most))
+}
+
+fn angle(random: &mut Random) -> Fx {
+    if random.below(2) == 0 { fx!(0) } else { random.number(fx!(-4)..=fx!(4)) }
+}
+
+/// A shape of any kind but a chain.
+fn shape(random: &mut Random) -> Shape {
+    let size = |random: &mut Random| length(random, 2).abs() + fx!(0.25);
+    let corners = [vec2(0, 0), vec2(3, fx!(0.5)), vec2(2, 2), vec2(0, 1)];
+    match random.below(7) {
+        0 => Shape::circle(size(random)),
+        1 => Shape::capsule(size(random), size(random)),
+        2 => Shape::polygon(&corners),
+        3 => Shape::rounded_polygon(&corners[..3], size(random)),
+        4 => Shape::segment(vec2(0, 0), Vec2::new(size(random), size(random))),
+        5 => {
+            let part = |shape: Shape, x: i32, angle: Fx| Part { shape, position: vec2(x, 0), angle, density: fx!(1) };
+            let wheel = Shape::circle(fx!(0.5)).expect("a disc");
+            let bar = Shape::rectangle(2, fx!(0.5)).expect("a bar");
+            Shape::compound(&[part(wheel.clone(), -1, fx!(0)), part(bar, 0, fx!(0.5)), part(wheel, 1, fx!(0))])
+        }
+        _ => Shape::rectangle(size(random), size(random)),
+    }
+    .expect("a shape")
+}
+
+/// Bodies of all kinds with one collider or two; keys tell all colliders apart.
+fn scene(random: &mut Random, count: u64) -> Vec<BodyDef> {
+    let mut key = 0;
+    let mut collider = |random: &mut Random, shape: Shape| {
+        key += 1;
+        ColliderDef {
+            key: key * 7919 % 1009,
+            position: if random.below(2) == 0 { vec2(0, 0) } else { point(random, 1) },
+            angle: angle(random),
+            filter: Filter { category: 1 << random.below(3), ..Filter::default() },
+            ..ColliderDef::new(shape)
+        }
+    };
+    let mut body = |random: &mut Random| {
+        let kind =
+            [BodyKind::Static, BodyKind::Static, BodyKind::Kinematic, BodyKind::Dynamic][random.below(4) as usize];
+        let own = if kind == BodyKind::Static && random.below(4) == 0 {
+            let points = [vec2(4, 1), vec2(1, 0), vec2(-1, 0), vec2(-4, 2)];
+            Shape::chain(&points, random.below(2) == 0).expect("a chain")
+        } else {
+            shape(random)
+        };
+        let mut colliders = vec![collider(random, own)];
+        if random.below(3) == 0 {
+            let more = shape(random);
+            colliders.push(collider(random, more));
+        }
+        BodyDef { kind, position: point(random, 12), angle: angle(random), colliders, ..BodyDef::dynamic() }
+    };
+    (0..count).map(|_| body(random)).collect()
+}
+
+fn build(bodies: &[BodyDef]) -> World {
+    let mut world = World::new(WorldDef::default()).expect("a world");
+    for body in bodies {
+        world.add_body(body.clone()).expect("a body");
+    }
+    world
+}
+
+/// All that a query says of a collider, by its key.
+#[derive(Clone, Debug, PartialEq)]
+enum Said {
+    Cast(u64, Fx, Vec2, Vec2, u32),
+    Near(u64, Fx, Vec2, u32),
+    Overlaps(u64),
+}
+
+fn key(world: &World, collider: ColliderId) -> u64 {
+    world.collider(collider).expect("a collider").key
+}
+
+fn casts(world: &World, hits: &[CastHit]) -> Vec<Said> {
+    hits.iter()
+        .inspect(|hit| assert_eq!(world.collider_body(hit.collider), Ok(hit.body)))
+        .map(|hit| Said::Cast(key(world, hit.collider), hit.fraction, hit.point, hit.normal, hit.part))
+        .collect()
+}
+
+fn nears(world: &World, all: &[ClosestPoint]) -> Vec<Said> {
+    all.iter().map(|near| Said::Near(key(world, near.collider), near.distance, near.point, near.part)).collect()
+}
+
+fn overlaps(world: &World, all: &[ColliderId]) -> Vec<Said> {
+    all.iter().map(|&id| Said::Overlaps(key(world, id))).collect()
+}
+
+/// A query of any kind.
+#[derive(Clone, Debug)]
+enum Query {
+    Ray(Vec2, Vec2),
+    Cast(Shape, Vec2, Fx, Vec2),
+    Near(Vec2, Fx),
+    Overlap(Shape, Vec2, Fx),
+    Box(Aabb),
+    Point(Vec2),
+}
+
+fn query(random: &mut Random) -> Query {
+    let from = point(random, 15);
+    let translation = match random.below(3) {
+        0 => vec2(length(random, 20), 0),
+        _ => point(random, 20),
+    };
+    match random.below(8) {
+        0..3 => Query::Ray(from, translation),
+        3 => Query::Cast(shape(random), from, angle(random), translation),
+        4 => Query::Near(from, length(random, 8).abs()),
+        5 => Query::Overlap(shape(random), from, angle(random)),
+        6 => Query::Box(Aabb { min: from.min(from + translation), max: from.max(from + translation) }),
+        _ => Query::Point(from),
+    }
+}
+
+/// The answer to a query, sorted, once it is found that calls for the first ones agree with it.
+fn ask(world: &World, queries: &Queries<'_>, query: &Query, filter: &QueryFilter<'_>) -> Vec<Said> {
+    match query {
+        Query::Ray(from, translation) => {
+            let all = queries.cast_ray_all(*from, *translation, filter).expect("in range");
+            assert_eq!(queries.cast_ray(*from, *translation, filter), Ok(all.first().copied()));
+            assert_eq!(queries.cast_ray_any(*from, *translation, filter), Ok(!all.is_empty()));
+            let ties = queries.cast_ray_ties(*from, *translation, filter).expect("in range");
+            assert!(all.starts_with(&ties) && ties.is_empty() == all.is_empty());
+            assert!(ties.is_sorted_by_key(|hit| key(world, hit.collider)));
+            assert!(all.is_sorted_by_key(|hit| hit.fraction));
+            casts(world, &all)
+        }
+        Query::Cast(shape, from, angle, translation) => {
+            let pose = (*from, *angle);
+            let all = queries.cast_shape_all(shape, pose, *translation, filter).expect("in range");
+            assert_eq!(queries.cast_shape(shape, pose, *translation, filter), Ok(all.first().copied()));
+            let ties = queries.cast_shape_ties(shape, pose, *translation, filter).expect("in range");
+            assert!(all.starts_with(&ties) && ties.is_empty() == all.is_empty());
+            assert!(all.is_sorted_by_key(|hit| hit.fraction));
+            casts(world, &all)
+        }
+        Query::Near(from, most) => {
+            let all = queries.closest_points(*from, *most, filter).expect("in range");
+            assert_eq!(queries.closest_point(*from, *most, filter), Ok(all.first().copied()));
+            assert!(all.is_sorted_by_key(|near| near.distance));
+            nears(world, &all)
+        }
+        Query::Overlap(shape, from, angle) => {
+            overlaps(world, &queries.overlap_shape(shape, (*from, *angle), filter).expect("in range"))
+        }
+        Query::Box(bounds) => overlaps(world, &queries.overlap_box(*bounds, filter).expect("in range")),
+        Query::Point(from) => overlaps(world, &queries.overlap_point(*from, filter).expect("in range")),
+    }
+}
+
+fn name(said: &Said) -> u64 {
+    match said {
+        Said::Cast(key, ..) | Said::Near(key, ..) | Said::Overlaps(key) => *key,
+    }
+}
+
+#[test]
+fn a_world_finds_what_worlds_with_one_collider_each_find() {
+    let mut random = Random::seeded(1);
+    let mut found = [0; 2];
+    for round in 0..60 {
+        let bodies = scene(&mut random, 40);
+        let world = build(&bodies);
+        let single = |body: &BodyDef| -> Vec<World> {
+            let one = |collider: &ColliderDef| build(&[BodyDef { colliders: vec![collider.clone()], ..body.clone() }]);
+            body.colliders.iter().map(one).collect()
+        };
+        let singles: Vec<World> = bodies.iter().flat_map(single).collect();
+        let queries = world.queries();
+        for _ in 0..60 {
+            let query = query(&mut random);
+            let filter = match random.below(3) {
+                0 => QueryFilter { filter: Some(Filter { mask: 3, ..Filter::default() }), ..ALL },
+                _ => ALL,
+            };
+            let mut actual = ask(&world, &queries, &query, &filter);
+            let mut expected: Vec<Said> =
+                singles.iter().flat_map(|single| ask(single, &single.queries(), &query, &filter)).collect();
+            found[usize::from(expected.len() > 1)] += 1;
+            actual.sort_by_key(name);
+            expected.sort_by_key(name);
+            assert_eq!(actual, expected, "{round}: {query:?}");
+        }
+    }
+    assert!(found[1] > 1000, "{found:?}");
+}
+
+#[test]
+fn restored_copied_and_shuffled_worlds_give_the_same_answers() {
+    let mut random = Random::seeded(2);
+    for _ in 0..20 {
+        let mut bodies = scene(&mut random, 50);
+        let mut world = build(&bodies);
+        random.shuffle(&mut bodies);
+        let mut shuffled = build(&bodies);
+        for steps in [0, 1, 3] {
+            for _ in 0..steps {
+                world.step();
+                shuffled.step();
+            }
+            let restored = Snapshot::from_bytes(&world.snapshot().to_bytes(), &[]).expect("its own bytes").into_world();
+            let mut copy = World::new(WorldDef::default()).expect("a world");
+            copy.clone_from(&world);
+            let [own, back, copied, other] = [&world, &restored, &copy, &shuffled].map(World::queries);
+            for _ in 0..40 {
+                let query = query(&mut random);
+                let expected = ask(&world, &own, &query, &ALL);
+                assert_eq!(ask(&restored, &back, &query, &ALL), expected, "restored: {query:?}");
+                assert_eq!(ask(&copy, &copied, &query, &ALL), expected, "copied: {query:?}");
+                assert_eq!(ask(&shuffled, &other, &query, &ALL), expected, "shuffled: {query:?}");
+            }
+        }
+    }
+}
+
+/// The mirror image of an answer at the line x = 0; without the part, as the segments of a mirrored chain run the other way.
+fn image(said: Said, is_mirrored: bool) -> Said {
+    let image = |v: Vec2| if is_mirrored { Vec2::new(-v.x, v.y) } else { v };
+    match said {
+        Said::Cast(key, fraction, point, normal, _) => Said::Cast(key, fraction, image(point), image(normal), 0),
+        Said::Near(key, distance, point, _) => Said::Near(key, distance, image(point), 0),
+        Said::Overlaps(key) => Said::Overlaps(key),
+    }
+}
+
+#[test]
+fn a_mirrored_world_has_the_mirrored_answers() {
+    let mut random = Random::seeded(3);
+    let mut count = 0;
+    for _ in 0..20 {
+        let world = build(&scene(&mut random, 50));
+        let mirrored = Symmetry::MIRROR.world(&world).expect("a mirror image");
+        let [own, other] = [&world, &mirrored].map(World::queries);
+        let across = |v: Vec2| Vec2::new(-v.x, v.y);
+        for _ in 0..60 {
+            let (from, translation) = (point(&mut random, 15), point(&mut random, 20));
+            let near = length(&mut random, 8).abs();
+            let queries = [
+                [Query::Ray(from, translation), Query::Ray(across(from), across(translation))],
+                [Query::Near(from, near), Query::Near(across(from), near)],
+                [Query::Point(from), Query::Point(across(from))],
+            ];
+            for [query, mirror] in queries {
+                let answer = ask(&world, &own, &query, &ALL);
+                let expected: Vec<Said> = answer.into_iter().map(|said| image(said, true)).collect();
+                let actual: Vec<Said> =
+                    ask(&mirrored, &other, &mirror, &ALL).into_iter().map(|said| image(said, false)).collect();
+                assert_eq!(actual, expected, "{query:?}");
+                count += expected.len();
+            }
+        }
+    }
+    assert!(count > 1000, "{count}");
+}
+
+#[test]
+fn answers_follow_every_change_between_steps() {
+    let mut random = Random::seeded(4);
+    let mut world = build(&scene(&mut random, 30));
+    for round in 0..400 {
+        let bodies: Vec<BodyId> = world.bodies().map(|body| body.id()).collect();
+        let body = bodies[random.below(bodies.len() as u64) as usize];
+        let colliders: Vec<ColliderId> = world.colliders().map(|(id, _)| id).collect();
+        // Calls that are refused change nothing.
+        _ = match random.below(12) {
+            0 | 1 => world.set_position(body, point(&mut random, 12)),
+            2 => world.set_angle(body, angle(&mut random)),
+            3 => world.disable(body),
+            4 => world.enable(body),
+            5 => world.set_kind(body, [BodyKind::Static, BodyKind::Dynamic][random.below(2) as usize]),
+            6 => world.add_collider(body, shape(&mut random)).map(|_| ()),
+            7 if colliders.len() > 20 => {
+                world.remove_collider(colliders[random.below(colliders.len() as u64) as usize])
+            }
+            8 => world.add_body(scene(&mut random, 1).remove(0)).map(|_| ()),
+            9 if bodies.len() > 20 => world.remove_body(body).map(|_| ()),
+            _ => Ok(()),
+        };
+        if random.below(3) == 0 {
+            world.step();
+        }
+        let fresh = Snapshot::from_bytes(&world.snapshot().to_bytes(), &[]).expect("its own bytes").into_world();
+        let [own, other] = [&world, &fresh].map(World::queries);
+        for _ in 0..6 {
+            let query = query(&mut random);
+            assert_eq!(ask(&world, &own, &query, &ALL), ask(&fresh, &other, &query, &ALL), "{round}: {query:?}");
+        }
+    }
+}
+
+fn three_discs() -> (World, [BodyId; 3]) {
+    let disc = |x: i32| BodyDef {
+        position: vec2(x, 0),
+        ..BodyDef::dynamic().with_collider(Shape::circle(1).expect("a disc"))
+    };
+    let mut world = World::new(WorldDef::default()).expect("a world");
+    let ids = [3, 6, 9].map(|x| world.add_body(disc(x)).expect("a disc"));
+    (world, ids)
+}
+
+fn bodies_on_ray(world: &World, filter: &QueryFilter<'_>) -> Vec<BodyId> {
+    let hits = world.queries().cast_ray_all(vec2(0, 0), vec2(20, 0), filter).expect("in range");
+    hits.iter().map(|hit| hit.body).collect()
+}
+
+#[test]
+fn sleeping_bodies_are_found_and_disabled_ones_are_not() {
+    let (mut world, [first, second, third]) = three_discs();
+    (0..60).for_each(|_| _ = world.step());
+    assert_eq!((world.moving_count(), bodies_on_ray(&world, &ALL)), (0, vec![first, second, third]));
+    world.disable(second).expect("a body");
+    assert_eq!(bodies_on_ray(&world, &ALL), [first, third]);
+    world.enable(second).expect("a body");
+    assert_eq!(bodies_on_ray(&world, &ALL), [first, second, third]);
+}
+
+#[test]
+fn a_predicate_is_asked_in_the_order_of_the_results_and_no_further_than_needed() {
+    let (world, [first, second, third]) = three_discs();
+    let asked = core::cell::RefCell::new(Vec::new());
+    let is_third = |id, _: &ColliderDef| {
+        let body = world.collider_body(id).expect("a collider");
+        asked.borrow_mut().push(body);
+        body != first
+    };
+    let filter = QueryFilter { predicate: Some(&is_third), ..ALL };
+    let hit = world.queries().cast_ray(vec2(0, 0), vec2(20, 0), &filter).expect("in range").expect("a hit");
+    assert_eq!((hit.body, asked.take()), (second, vec![first, second]));
+    assert_eq!(world.queries().cast_ray_any(vec2(0, 0), vec2(20, 0), &filter), Ok(true));
+    assert_eq!(asked.take(), [first, second]);
+    assert_eq!((bodies_on_ray(&world, &filter), asked.take()), (vec![second, third], vec![first, second, third]));
+    let without = QueryFilter { without_bodies: &[second], ..filter };
+    assert_eq!((bodies_on_ray(&world, &without), asked.take()), (vec![third], vec![first, third]));
+}
+
+#[test]
+fn arguments_out_of_range_are_refused() {
+    let (world, _) = three_discs();
+    let queries = world.queries();
+    let out = |quantity| Some(Error::OutOfRange { quantity });
+    let most = limits::QUERY;
+    let ray = |from: Vec2, translation: Vec2| queries.cast_ray(from, translation, &ALL).err();
+    assert_eq!(ray(vec2(0, 0), Vec2::new(most, -most)), None);
+    assert_eq!(ray(vec2(0, 0), Vec2::new(most + Fx::DELTA, fx!(0))), out(Quantity::Query));
+    assert_eq!(ray(Vec2::new(limits::POSITION, fx!(0)), vec2(0, 0)), None);
+    assert_eq!(ray(Vec2::new(limits::POSITION + Fx::DELTA, fx!(0)), vec2(0, 0)), out(Quantity::Position));
+    assert_eq!(queries.closest_point(vec2(0, 0), most, &ALL).map(|near| near.is_some()), Ok(true));
+    assert_eq!(queries.closest_point(vec2(0, 0), most + Fx::DELTA, &ALL).err(), out(Quantity::Query));
+    assert_eq!(queries.closest_point(vec2(0, 0), -Fx::DELTA, &ALL).err(), out(Quantity::Query));
+    let backwards = Aabb { min: vec2(1, 0), max: vec2(0, 1) };
+    assert_eq!(queries.overlap_box(backwards, &ALL).err(), out(Quantity::Query));
+    let chain = Shape::chain(&[vec2(1, 0), vec2(0, 0)], false).expect("a chain");
+    assert_eq!(queries.overlap_shape(&chain, (vec2(0, 0), fx!(0)), &ALL), Err(Error::DynamicChain));
+    assert_eq!(queries.cast_shape(&chain, (vec2(0, 0), fx!(0)), vec2(1, 0), &ALL), Err(Error::DynamicChain));
+    // At the ends of the range of positions.
+    let mut world = World::new(WorldDef::default()).expect("a world");
+    let disc = BodyDef::fixed().with_collider(Shape::circle(limits::SIZE_MAX).expect("a disc"));
+    for x in [-limits::POSITION, limits::POSITION] {
+        world.add_body(BodyDef { position: vec2(x, 0), ..disc.clone() }).expect("a disc");
+    }
+    for sign in [1, -1] {
+        let end = limits::POSITION * sign;
+        let from = vec2(end - most * sign, 0);
+        let hit = world.queries().cast_ray(from, vec2(most * sign, 0), &ALL).expect("in range").expect("a hit");
+        assert_eq!((hit.point, hit.normal), (vec2(end - limits::SIZE_MAX * sign, 0), vec2(-sign, 0)));
+        let near = world.queries().closest_point(from, most, &ALL).expect("in range").expect("a disc");
+        assert_eq!((near.point, near.distance), (hit.point, most - limits::SIZE_MAX));
+    }
+}
