@@ -348,6 +348,10 @@ typedef struct UmbraColliderDef {
     UmbraFx rolling_resistance;
     // Speed of the surface around the shape, counter-clockwise, m/s, within ±2^10: a conveyor belt; default 0.
     UmbraFx surface_speed;
+    // The direction out of the surface that holds, in the collider's axes, if `one_way` is 1: not zero; default (0, 1).
+    struct UmbraVec2 one_way_direction;
+    // The largest angle between that direction and the normal of a contact that holds, 0 to π/2 rad; default π/4.
+    UmbraFx one_way_tolerance;
     // A name of the caller's, by which worlds built in another order are compared: 0.
     uint64_t key;
     // Anything of the caller's: 0.
@@ -362,8 +366,12 @@ typedef struct UmbraColliderDef {
     UmbraMixRule friction_rule;
     // Rule that mixes the coefficients of restitution; default `UMBRA_MIX_STANDARD`.
     UmbraMixRule restitution_rule;
+    // 1 for a collider that holds others from one side alone and lets them pass from the others, 0 for one that holds them all; default 0.
+    uint32_t one_way;
     // Number of the material, for coefficients of two materials together; default 0, for none.
     uint32_t material_id;
+    // 0.
+    uint32_t reserved;
     // Shape. The last field, so that the offsets of the others do not depend on the size of pointers.
     const struct UmbraShape *shape;
 } UmbraColliderDef;
@@ -374,6 +382,8 @@ typedef struct UmbraContactSettings {
     UmbraFx push_speed;
     // The approach speed from which on bodies bounce, m/s, 0 to 2^10; default 1.
     UmbraFx restitution_speed;
+    // The speed below which a body that contacts push counts as at rest, m/s, 0 to 2^10; default 0.05.
+    UmbraFx sleep_speed;
     // The number of sub-steps in which contacts are solved, 1 to 8; default 5.
     uint32_t substeps;
     // The number of pairs of outlines that may be close to each other in a step (a compound has one for each part), 1 to 2^28; default 2^20.
@@ -393,6 +403,19 @@ typedef struct UmbraMaterialPair {
     // Coefficient of rolling resistance, 0 to 1.
     UmbraFx rolling_resistance;
 } UmbraMaterialPair;
+
+// For how long two bodies do not touch each other.
+typedef uint32_t UmbraExclusion;
+
+// Two bodies that do not touch each other.
+typedef struct UmbraExcludedPair {
+    // The bodies, that in the lower slot first.
+    uint64_t bodies[2];
+    // For how long.
+    UmbraExclusion exclusion;
+    // 0.
+    uint32_t reserved;
+} UmbraExcludedPair;
 
 // A point of a contact.
 typedef struct UmbraContactPoint {
@@ -548,10 +571,10 @@ typedef struct UmbraReplayLimits {
 // Yoshida4 needs damping that keeps more than 0 of a velocity a second.
 #define UMBRA_ERROR_DAMPING_HAS_NO_INVERSE 111
 
-// Both ends of a spring are attached to one body.
+// One body is named twice, where two different ones are needed.
 #define UMBRA_ERROR_SAME_BODY 112
 
-// The world already has the maximum number of bodies, colliders, outlines of colliders or force fields.
+// The world already has the maximum number of bodies, colliders, outlines of colliders, force fields or excluded pairs.
 #define UMBRA_ERROR_FULL 114
 
 // The elapsed time no longer fits in a ratio of 128-bit integers.
@@ -769,6 +792,12 @@ typedef struct UmbraReplayLimits {
 
 // The larger one.
 #define UMBRA_MIX_MAXIMUM 5
+
+// Until a call allows the pair again.
+#define UMBRA_EXCLUDE_ALWAYS 0
+
+// Until the first step in which they are too far apart to touch.
+#define UMBRA_EXCLUDE_UNTIL_APART 1
 
 // Acceleration mu·d / (d² + softening²)^(3/2) towards a point, the same for every mass. Reads `other`, `other_point`, `mu`,
 // `softening`.
@@ -1217,6 +1246,18 @@ UmbraStatus umbra_world_remove_material_pair(struct UmbraWorld *world, uint32_t 
 
 // The settings of contacts of a world.
 UmbraStatus umbra_world_contact_settings(const struct UmbraWorld *world, struct UmbraContactSettings *settings);
+
+// Excludes two bodies from contacts with each other, or gives a pair that is excluded another exclusion; wakes both.
+UmbraStatus umbra_world_exclude_pair(struct UmbraWorld *world, uint64_t a, uint64_t b, UmbraExclusion exclusion);
+
+// Allows contacts between two bodies again; wakes both.
+UmbraStatus umbra_world_allow_pair(struct UmbraWorld *world, uint64_t a, uint64_t b);
+
+// The pairs of bodies that are excluded from contacts, by their slots; a list as `umbra_world_outcomes` gives it.
+UmbraStatus umbra_world_excluded_pairs(const struct UmbraWorld *world,
+                                       struct UmbraExcludedPair *pairs,
+                                       size_t capacity,
+                                       size_t *count);
 
 // The contacts that carried an impulse at the end of the last step, by the slots of their colliders; a list as
 // `umbra_world_outcomes` gives it. Each call computes their points.

@@ -105,6 +105,8 @@ pub struct UmbraColliderDef {
     pub one_way: u32,
     /// Number of the material, for coefficients of two materials together; default 0, for none.
     pub material_id: u32,
+    /// 0.
+    pub reserved: u32,
     /// Shape. The last field, so that the offsets of the others do not depend on the size of pointers.
     pub shape: *const UmbraShape,
 }
@@ -166,6 +168,7 @@ fn values(def: &ColliderDef) -> UmbraColliderDef {
         restitution_rule: number(def.material.restitution_rule),
         one_way: def.one_way.is_some().into(),
         material_id: def.material.id,
+        reserved: 0,
         shape: std::ptr::null(),
     }
 }
@@ -240,6 +243,7 @@ pub extern "C" fn umbra_collider_def_default(def: Option<&mut MaybeUninit<UmbraC
             restitution_rule: UMBRA_MIX_STANDARD,
             one_way: 0,
             material_id: 0,
+            reserved: 0,
             shape: std::ptr::null(),
         });
         Ok(())

@@ -8,9 +8,9 @@ use std::ptr;
 
 use umbra_physics::{
     ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, Command, ContactSettings, Damping,
-    End, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, Frame, Fx, FxFactor, Integrator, Locks, Mass,
-    Material, MaterialPair, MixRule, Random, Region, Shape, Snapshot, SpringConstants, TimeStep, World, WorldDef, fx,
-    vec2,
+    End, Exclusion, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, Frame, Fx, FxFactor, Integrator, Locks,
+    Mass, Material, MaterialPair, MixRule, OneWay, Random, Region, Shape, Snapshot, SpringConstants, TimeStep, World,
+    WorldDef, fx, vec2,
 };
 use umbra_physics_capi::*;
 
@@ -179,6 +179,10 @@ fn collider(shape: &UmbraShape) -> (UmbraColliderDef, ColliderDef) {
         friction_rule: UMBRA_MIX_MEAN,
         restitution_rule: UMBRA_MIX_PRODUCT,
         material_id: 14,
+        one_way_direction: UmbraVec2 { x: ONE, y: -ONE },
+        one_way_tolerance: 15,
+        one_way: 1,
+        reserved: 0,
         shape,
     };
     let bits = Fx::from_bits;
@@ -197,6 +201,7 @@ fn collider(shape: &UmbraShape) -> (UmbraColliderDef, ColliderDef) {
             id: 14,
         },
         filter: Filter { category: 9, mask: 10, group: -11 },
+        one_way: Some(OneWay { direction: vec2(1, -1), tolerance: bits(15) }),
         key: 7,
         user_data: 8,
     };
@@ -304,6 +309,21 @@ fn contacts_are_those_of_the_library() {
     umbra_world_free(Some(here));
 }
 
+#[test]
+fn excluded_pairs_are_listed() {
+    let mut here = world();
+    let [a, b] = [0, 1].map(|_| add(&mut here, &body_def()).expect("a body"));
+    assert_eq!(umbra_world_exclude_pair(Some(&mut here), b, a, UMBRA_EXCLUDE_UNTIL_APART), UMBRA_OK);
+    // SAFETY: `list` gives a buffer of that length.
+    let pairs =
+        list(|buffer, capacity, count| unsafe { umbra_world_excluded_pairs(Some(&here), buffer, capacity, count) });
+    let pairs = pairs.expect("a list");
+    assert_eq!(pairs.len(), 1);
+    assert_eq!((pairs[0].bodies, pairs[0].exclusion), ([a, b], UMBRA_EXCLUDE_UNTIL_APART));
+    assert_eq!(umbra_world_exclude_pair(Some(&mut here), a, b, 9), UMBRA_ERROR_BAD_ARGUMENT);
+    umbra_world_free(Some(here));
+}
+
 /// A draft shows what a function asks of the library, to the bit.
 #[test]
 fn every_change_is_the_command_of_its_name() {
@@ -363,6 +383,17 @@ fn every_change_is_the_command_of_its_name() {
             Command::SetBodyDamping { body, linear: Some(damping(10)), angular: None };
         umbra_world_set_body_kept_per_second(BODY_WORD, UMBRA_AS_WORLD, 11) =>
             Command::SetBodyDamping { body, linear: None, angular: Some(damping(11)) };
+        umbra_world_exclude_pair(BODY_WORD, 3, UMBRA_EXCLUDE_UNTIL_APART) => Command::ExcludePair {
+            a: body,
+            b: BodyId::from_parts(3, 0),
+            exclusion: Exclusion::UntilApart,
+        };
+        umbra_world_exclude_pair(3, BODY_WORD, UMBRA_EXCLUDE_ALWAYS) => Command::ExcludePair {
+            a: BodyId::from_parts(3, 0),
+            b: body,
+            exclusion: Exclusion::Always,
+        };
+        umbra_world_allow_pair(BODY_WORD, 3) => Command::AllowPair { a: body, b: BodyId::from_parts(3, 0) };
         umbra_world_set_dominance(BODY_WORD, -12) => Command::SetDominance { body, dominance: -12 };
         umbra_world_set_bullet(BODY_WORD, 1) => Command::SetBullet { body, bullet: true };
         umbra_world_set_force_groups(BODY_WORD, 12) => Command::SetForceGroups { body, force_groups: 12 };
@@ -1175,8 +1206,8 @@ fn the_numbers_of_errors_are_those_of_the_document() {
 #[test]
 fn structs_lie_as_they_are_known() {
     assert_eq!((size_of::<UmbraWorldDef>(), size_of::<UmbraPose>()), (48, 56));
-    assert_eq!((size_of::<UmbraBodyDef>(), std::mem::offset_of!(UmbraBodyDef, shape)), (152, 144));
-    assert_eq!((size_of::<UmbraBodyState>(), size_of::<UmbraFieldDef>()), (256, 232));
+    assert_eq!((size_of::<UmbraBodyDef>(), std::mem::offset_of!(UmbraBodyDef, shape)), (160, 152));
+    assert_eq!((size_of::<UmbraBodyState>(), size_of::<UmbraFieldDef>()), (264, 232));
     assert_eq!((size_of::<UmbraGoal>(), size_of::<UmbraContactPoint>(), size_of::<UmbraContact>()), (32, 32, 136));
     assert_eq!(std::mem::offset_of!(UmbraFieldDef, max), 216);
 }

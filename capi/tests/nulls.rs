@@ -224,6 +224,10 @@ fn null_is_refused_everywhere() {
         umbra_world_set_material_pair(None, 1, 2, Some(&pair));
         umbra_world_set_material_pair(Some(w), 1, 2, None);
         umbra_world_remove_material_pair(None, 1, 2);
+        umbra_world_exclude_pair(None, b, b, UMBRA_EXCLUDE_ALWAYS);
+        umbra_world_allow_pair(None, b, b);
+        umbra_world_excluded_pairs(None, null_mut(), 0, None);
+        umbra_world_excluded_pairs(Some(w), null_mut(), 1, None);
         umbra_world_contact_settings(None, Some(&mut MaybeUninit::uninit()));
         umbra_world_contact_settings(Some(w), None);
         umbra_world_add_field(None, Some(&field_def), Some(&mut MaybeUninit::uninit()));

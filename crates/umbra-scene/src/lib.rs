@@ -265,8 +265,10 @@ impl Scene {
             let (materials, pair) = collider::material_pair(object, false)?;
             let unknown = |id: &u32| !known.contains(id);
             if let Some(id) = materials.into_iter().find(unknown) {
-                let message = format_args!("no collider has the material {id}: expected a `material_id` of one");
-                return Err(object.at(&["materials"]).fault(Flaw::NoSuchName.of(message)));
+                return Err(object.at(&["materials"]).fault(
+                    Flaw::NoSuchName
+                        .of(format_args!("no collider has the material {id}: expected a `material_id` of one")),
+                ));
             }
             let is_twin = |other: &SceneMaterialPair| {
                 other.materials == materials || other.materials == [materials[1], materials[0]]
