@@ -48,6 +48,8 @@ pub struct Engine<S: Scalar, N: Numerics<S>> {
     /// The pairs of bodies that stay excluded after this step, and the bodies of all pairs.
     pub(super) excluded: Vec<ExcludedPair>,
     pub(super) is_excluded: Stamped,
+    /// Workspace: by excluded pair, true if its bodies are near each other.
+    pub(super) near_excluded: Vec<bool>,
     pub(super) sweep: sweep::Workspace,
 }
 
@@ -70,6 +72,7 @@ impl<S: Scalar, N: Numerics<S>> Default for Engine<S, N> {
             near: Vec::new(),
             excluded: Vec::new(),
             is_excluded: Stamped::default(),
+            near_excluded: Vec::new(),
             sweep: sweep::Workspace::default(),
         }
     }

@@ -111,7 +111,8 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         for slot in contacts.excluded.iter().flat_map(|pair| pair.bodies) {
             self.is_excluded.set(slot, 0);
         }
-        let mut near = Vec::new();
+        let mut near = core::mem::take(&mut self.near_excluded);
+        near.clear();
         near.resize(contacts.excluded.len(), false);
         pairs.retain(|&numbers| {
             let pair = numbers.map(|number| self.numbers.outline(number));
@@ -126,12 +127,13 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
             }
             false
         });
-        for (pair, is_near) in contacts.excluded.iter().zip(near) {
+        for (pair, &is_near) in contacts.excluded.iter().zip(&near) {
             let is_over = || !is_near && pair.bodies.iter().all(|&slot| self.takes_part(scene, slot));
             if pair.exclusion == Exclusion::Always || !is_over() {
                 self.excluded.push(*pair);
             }
         }
+        self.near_excluded = near;
     }
 
     /// Returns true if a body was looked for among those that may touch.

@@ -46,6 +46,8 @@ pub(super) struct Workspace {
     /// The outlines of each pair by number, the lower one first.
     pairs: Vec<[u32; 2]>,
     hits: Vec<Hit>,
+    /// The boxes of what moves.
+    movers: Vec<Proxy>,
 }
 
 /// A body and its path.
@@ -57,6 +59,14 @@ struct Course {
     changed: Option<u64>,
     /// The flight that carries it, or [`NONE`].
     carrier: u32,
+}
+
+/// The number of moving boxes up to which no tree of them is built.
+const FEW: usize = 64;
+
+/// Returns true if two boxes have a point in common.
+fn overlap(a: &Aabb<Fx>, b: &Aabb<Fx>) -> bool {
+    a.min.x <= b.max.x && b.min.x <= a.max.x && a.min.y <= b.max.y && b.min.y <= a.max.y
 }
 
 /// The outlines of a pair, and the flights and the bodies that they belong to.
@@ -123,7 +133,10 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         self.sweep.courses.clear();
         self.sweep.pairs.clear();
         let statics = self.statics.clone().unwrap_or_default();
-        let moving = self.moving(paths);
+        self.list_movers(paths);
+        let movers = core::mem::take(&mut self.sweep.movers);
+        // Of few, each is looked at: that takes nothing from the heap.
+        let tree = (movers.len() > FEW).then(|| Statics::new(movers.clone()));
         for i in 0..self.sweep.fast.len() {
             let flight = self.sweep.fast[i];
             let place = *self.flights.body(flight);
@@ -144,13 +157,18 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
                     if place.kind == FlightOf::Dynamic {
                         statics.search_box(bounds, filter, &mut visit);
                     }
-                    if let Some(moving) = &moving {
-                        moving.search_box(bounds, filter, &mut visit);
+                    match &tree {
+                        Some(tree) => tree.search_box(bounds, filter, &mut visit),
+                        None => {
+                            let near = movers.iter().filter(|proxy| overlap(&proxy.bounds, &bounds));
+                            near.for_each(|proxy| _ = visit(proxy.collider));
+                        }
                     }
                     self.sweep.pairs = found;
                 }
             }
         }
+        self.sweep.movers = movers;
         let mut pairs = core::mem::take(&mut self.sweep.pairs);
         pairs.sort_unstable();
         pairs.dedup();
@@ -175,14 +193,15 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
                 .all(|(outline, own, other)| own.side.is_none() || self.is_held(outline, other.body.slot))
     }
 
-    /// The boxes of what moves and may be in the way of fast bodies, if there is any.
-    fn moving(&self, paths: &Paths<'_, S>) -> Option<Statics> {
+    /// Lists the boxes of what moves and may be in the way of fast bodies.
+    fn list_movers(&mut self, paths: &Paths<'_, S>) {
         let place = |flight: u32| self.flights.body(flight);
         let is_bullet = |flight: u32| paths.is_bullet(place(flight).slot);
         let kind = |flight: u32| place(flight).kind;
         let wants_all = self.sweep.fast.iter().any(|&flight| kind(flight) == FlightOf::Kinematic || is_bullet(flight));
         let has_dynamic = self.sweep.fast.iter().any(|&flight| kind(flight) == FlightOf::Dynamic);
-        let mut proxies = Vec::new();
+        let mut proxies = core::mem::take(&mut self.sweep.movers);
+        proxies.clear();
         for flight in 0..self.flights.len() as u32 {
             let is_wanted = match kind(flight) {
                 FlightOf::Static => false,
@@ -203,7 +222,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
                 }));
             }
         }
-        (!proxies.is_empty()).then(|| Statics::new(proxies))
+        self.sweep.movers = proxies;
     }
 
     /// The outlines and the bodies of a pair.
