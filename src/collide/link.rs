@@ -53,13 +53,14 @@ impl Normal for [i32; 2] {
     }
 }
 
-/// The sum over the corners of a core of their heights over the line through an edge, in units of 2^-30 ulp.
-fn height(normal: [i32; 2], own: [i64; 2], other: &View<'_>, offset: [i64; 2]) -> i128 {
+/// Twice the sum over the corners of a core of their heights over the line through an edge, in units of 2^-30 ulp: over the middle of
+/// its ends, as a mirror image has them in the opposite order.
+fn height(normal: [i32; 2], ends: [[i64; 2]; 2], other: &View<'_>, offset: [i64; 2]) -> i128 {
     let count = other.placed.count;
-    // At most 64 corners within 2^48, offsets below 2^56: below 2^63.
+    // At most 64 corners within 2^48. Offsets are below 2^56, and of cores whose boxes are near each other below 2^55: below 2^63.
     let sum = |part: usize| {
         let all: i64 = other.corners.iter().take(count).map(|corner| corner[part]).sum();
-        all + (offset[part] - own[part]) * count as i64
+        2 * all + (2 * offset[part] - ends[0][part] - ends[1][part]) * count as i64
     };
     <i128 as Product>::dot(normal, [sum(0), sum(1)])
 }
@@ -77,8 +78,10 @@ pub(super) fn collide_surface(
     if a.is_clear_of(&b, offset, limit) {
         return None;
     }
-    let heights = || (0..a.placed.count).map(|i| height(a.normals[i], a.corners[i], &b, offset));
-    if surface.is_one_sided && heights().next() < Some(-(i128::from(BEHIND * b.placed.count as i64) << 30)) {
+    let ends = |i: usize| [a.corners[i], a.corners[(i + 1) % a.placed.count]];
+    let heights = || (0..a.placed.count).map(|i| height(a.normals[i], ends(i), &b, offset));
+    let behind = 2 * i128::from(BEHIND * b.placed.count as i64);
+    if surface.is_one_sided && heights().next() < Some(-(behind << 30)) {
         return None;
     }
     if surface.links.is_empty() {

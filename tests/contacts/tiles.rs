@@ -151,6 +151,29 @@ fn boxes_and_capsules_slide_over_tiles_without_a_bump() {
     }
 }
 
+#[test]
+fn tiles_that_were_added_before_and_after_a_body_are_alike() {
+    // Pairs name the collider first that was added first.
+    let tiles: Vec<BodyDef> = (0..40).map(|x| block(Fx::from(x), fx!(-0.5), 100 + x as u64)).collect();
+    let rolling = BodyDef { velocity: vec2(6, 0), angular_velocity: fx!(-12), ..ball(vec2(0, fx!(0.5)), fx!(0.5), 1) };
+    let sliding = BodyDef { velocity: vec2(6, 0), ..square(vec2(3, fx!(0.5)), 2).expect("a square") };
+    let run = |after: usize| {
+        let (first, last) = tiles.split_at(after);
+        let bodies = first.iter().chain([&rolling, &sliding]).chain(last).cloned();
+        let (mut world, _) = world(def(), bodies).expect("a scene");
+        let hash = |_| {
+            world.step();
+            world.physics_hash()
+        };
+        (0..240).map(hash).collect::<Vec<u64>>()
+    };
+    let expected = run(0);
+    for after in [1, 7, 12, 20, 40] {
+        let found = run(after);
+        assert_eq!(found.iter().zip(&expected).position(|(a, b)| a != b), None, "after {after} tiles");
+    }
+}
+
 /// A static square of a metre with its centre at a point.
 fn block(x: Fx, y: Fx, key: u64) -> BodyDef {
     let collider = ColliderDef { key, ..ColliderDef::new(tile(fx!(1), fx!(1))) };
