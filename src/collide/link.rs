@@ -13,7 +13,7 @@
 //!
 //! All of it is by comparison of integers that a mirror image, with the points in the opposite order, has too.
 
-use super::axes::Axes;
+use super::axes::{Axes, reaches};
 use super::cores::{Core, Product, across};
 use super::frame::{Direction, Frame, Pair};
 use super::place::View;
@@ -118,8 +118,11 @@ fn of_cores<P: Product, const N: usize>(ends: &Ends<'_>, surface: Surface<'_, [i
         found.or_else(|| ends.deepest(frame, |corner| surface.is_own(corner)))
     };
     match frame.facing {
-        Facing::Edges => surface.has_edge(frame.a.corners).then(|| overlap(&frame)).flatten(),
-        Facing::Corners(i, j) => ends.between_corners(i, j).filter(|found| surface.has(found.normal)),
+        Facing::Edges => {
+            let is_there = surface.has_edge(frame.a.corners, |link, end| reaches(link, end, &pair.b, k));
+            is_there.then(|| overlap(&frame)).flatten()
+        }
+        Facing::Corners(i, j) => ends.between_corners(i, j).filter(|found| surface.has_at(i, found.normal)),
         // The edges do not overlap: the corner that is beside this edge is over a neighbour.
         Facing::Beside(..) | Facing::Touching => {
             let is_facing = |direction: Direction| pair.frame(direction).facing == Facing::Edges;
