@@ -235,7 +235,7 @@ mod tests {
         // Nothing has no unit.
         assert_eq!(sum([5, 0, 0], &[term(0, 0, 9)]), Impulses { values: [5, 0, 0], exponent: -3 });
         assert_eq!(sum([0; 3], &[term(1, 3, -8)]), Impulses { values: [0, 3, 0], exponent: -8 });
-        // One that went through the units between would be rounded in each: 5/4 to 3/2, and that to 2.
+        // Through the unit between, 5 would be rounded to 3 and then to 2.
         let of =
             |sign: i64| [term(0, 5 * sign, -4), term(0, 7 * sign, -2), term(1, 1 << 61, -3), term(1, sign << 62, -2)];
         let expected = |sign: i64, sum: i64| Impulses { values: [8 * sign, sum, 0], exponent: -2 };
