@@ -3,7 +3,7 @@
 use super::cores::{Core, Product, across};
 use super::frame::Direction;
 use super::seam;
-use super::surface::{Link, Surface};
+use super::surface::{Link, Surface, is_reached};
 use crate::kernel::sqrt::direction;
 
 /// The separations of a pair along its normals.
@@ -15,15 +15,20 @@ pub(super) struct Axes<P, const N: usize> {
     slack: P,
 }
 
-/// Returns true if a core reaches over the part of an edge that is on the surface.
-fn is_over<P: Product, const N: usize>(link: &Link<[i32; 2]>, core: &Core<P, N>, k: u32) -> bool {
+/// Returns true if a core reaches over the part of an edge that is on the surface, or beyond an end of it.
+pub(super) fn reaches<P: Product, const N: usize>(
+    link: &Link<[i32; 2]>,
+    end: Option<usize>,
+    core: &Core<P, N>,
+    k: u32,
+) -> bool {
     let Some(part) = link.part else { return true };
     let place = |p: [P::Coordinate; 2]| P::dot(across(link.normal), p);
     let [low, high] = part.map(|end| place(end.map(|part| P::coordinate(part, k))));
     let places = || core.corners.iter().map(|&corner| place(corner));
     let slop = P::length(seam::REACH + (4 << k), k);
     let (least, most) = places().fold((place(core.corners[0]), P::LEAST), |(a, b), p| (a.min(p), b.max(p)));
-    least <= high + slop && low <= most + slop
+    is_reached([least, most + slop], [low, high + slop], end)
 }
 
 /// The difference of two separations that may come from rounding: corners err by a unit, and normals by 2^-30 of a length.
@@ -67,13 +72,13 @@ impl<P: Product, const N: usize> Axes<P, N> {
         if !surface.is_one_sided && covered.any(|i| a.separation(i, b) > reach) {
             return None;
         }
-        for link in surface.links.iter().filter(|link| is_over(link, b, k)) {
+        for link in surface.links.iter().filter(|link| reaches(link, None, b, k)) {
             let edge = link.corners[0] & (N - 1);
             along_a[edge] = a.separation(edge, b);
         }
         for (i, along) in along_b.iter_mut().enumerate().take(b.faces()) {
             let n = b.normals[i].map(|part| -part);
-            if surface.links.iter().any(|link| link.has(n) && is_over(link, b, k)) {
+            if surface.has(n, |link, end| reaches(link, end, b, k)) {
                 *along = b.separation(i, a);
             }
         }

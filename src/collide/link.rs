@@ -13,7 +13,7 @@
 //!
 //! All of it is by comparison of integers that a mirror image, with the points in the opposite order, has too.
 
-use super::axes::Axes;
+use super::axes::{Axes, reaches};
 use super::cores::{Core, Product, across};
 use super::frame::{Direction, Frame, Pair};
 use super::place::View;
@@ -53,13 +53,14 @@ impl Normal for [i32; 2] {
     }
 }
 
-/// The sum over the corners of a core of their heights over the line through an edge, in units of 2^-30 ulp.
-fn height(normal: [i32; 2], own: [i64; 2], other: &View<'_>, offset: [i64; 2]) -> i128 {
+/// Twice the sum over the corners of a core of their heights over the line through an edge, in units of 2^-30 ulp: over the middle of
+/// its ends, as a mirror image has them in the opposite order.
+fn height(normal: [i32; 2], ends: [[i64; 2]; 2], other: &View<'_>, offset: [i64; 2]) -> i128 {
     let count = other.placed.count;
-    // At most 64 corners within 2^48, offsets below 2^56: below 2^63.
+    // At most 64 corners within 2^48. Offsets are below 2^56, and of cores whose boxes are near each other below 2^55: below 2^63.
     let sum = |part: usize| {
         let all: i64 = other.corners.iter().take(count).map(|corner| corner[part]).sum();
-        all + (offset[part] - own[part]) * count as i64
+        2 * all + (2 * offset[part] - ends[0][part] - ends[1][part]) * count as i64
     };
     <i128 as Product>::dot(normal, [sum(0), sum(1)])
 }
@@ -77,8 +78,10 @@ pub(super) fn collide_surface(
     if a.is_clear_of(&b, offset, limit) {
         return None;
     }
-    let heights = || (0..a.placed.count).map(|i| height(a.normals[i], a.corners[i], &b, offset));
-    if surface.is_one_sided && heights().next() < Some(-(i128::from(BEHIND * b.placed.count as i64) << 30)) {
+    let ends = |i: usize| [a.corners[i], a.corners[(i + 1) % a.placed.count]];
+    let heights = || (0..a.placed.count).map(|i| height(a.normals[i], ends(i), &b, offset));
+    let behind = 2 * i128::from(BEHIND * b.placed.count as i64);
+    if surface.is_one_sided && heights().next() < Some(-(behind << 30)) {
         return None;
     }
     if surface.links.is_empty() {
@@ -115,8 +118,11 @@ fn of_cores<P: Product, const N: usize>(ends: &Ends<'_>, surface: Surface<'_, [i
         found.or_else(|| ends.deepest(frame, |corner| surface.is_own(corner)))
     };
     match frame.facing {
-        Facing::Edges => surface.has_edge(frame.a.corners).then(|| overlap(&frame)).flatten(),
-        Facing::Corners(i, j) => ends.between_corners(i, j).filter(|found| surface.has(found.normal)),
+        Facing::Edges => {
+            let is_there = surface.has_edge(frame.a.corners, |link, end| reaches(link, end, &pair.b, k));
+            is_there.then(|| overlap(&frame)).flatten()
+        }
+        Facing::Corners(i, j) => ends.between_corners(i, j).filter(|found| surface.has_at(i, found.normal)),
         // The edges do not overlap: the corner that is beside this edge is over a neighbour.
         Facing::Beside(..) | Facing::Touching => {
             let is_facing = |direction: Direction| pair.frame(direction).facing == Facing::Edges;

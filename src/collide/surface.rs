@@ -31,6 +31,8 @@ pub(crate) struct Link<V: Normal> {
     is_straight: [bool; 2],
     /// The surface goes on along the same polygon at this corner.
     is_own: [bool; 2],
+    /// Another polygon covers the edge at this corner.
+    is_covered: [bool; 2],
     /// The ends of the part of the edge that is on the surface, if that is not all of it.
     pub(crate) part: Option<[V::Point; 2]>,
 }
@@ -58,15 +60,11 @@ impl<V: Normal> Link<V> {
         };
         let cones = [[reach(0, before, along.opposite()), normal], [normal, reach(1, after, along)]];
         let is_own = [before, after].map(|neighbour| matches!(neighbour, Neighbour::Own(_)));
-        Self { corners, normal, cones, outer, is_straight, is_own, part }
+        let is_covered = [before, after].map(|neighbour| matches!(neighbour, Neighbour::Covered));
+        Self { corners, normal, cones, outer, is_straight, is_own, is_covered, part }
     }
 
-    /// Returns true if the edge may push in a direction.
-    pub(crate) fn has(&self, n: V) -> bool {
-        self.cones.iter().any(|&cone| n.is_between(cone))
-    }
-
-    fn has_at(&self, corner: usize, at_end: [bool; 2]) -> bool {
+    fn is_at(&self, corner: usize, at_end: [bool; 2]) -> bool {
         (0..2).any(|end| self.corners[end] == corner && at_end[end])
     }
 }
@@ -80,9 +78,24 @@ pub(crate) struct Surface<'a, V: Normal> {
 }
 
 impl<V: Normal> Surface<'_, V> {
-    /// Returns true if the surface may push in a direction.
-    pub(crate) fn has(&self, n: V) -> bool {
-        self.links.iter().any(|link| link.has(n))
+    /// Returns true if the surface may push in a direction, a normal of the other core.
+    ///
+    /// `reaches` says of an edge if the other core is over the part of it that is on the surface, or, where an end is given, beyond that end.
+    /// At a corner of one polygon both edges have to be near in that way: the other core may be beside one of them where that is covered.
+    pub(crate) fn has(&self, n: V, reaches: impl Fn(&Link<V>, Option<usize>) -> bool) -> bool {
+        let is_at_end = |link: &Link<V>, end: usize| {
+            let mut beside = self.links.iter().filter(|other| other.corners[1 - end] == link.corners[end]);
+            n.is_between(link.cones[end]) && (!link.is_own[end] || beside.all(|other| reaches(other, Some(1 - end))))
+        };
+        self.links.iter().any(|link| (0..2).any(|end| is_at_end(link, end)) && reaches(link, None))
+    }
+
+    /// Returns true if the surface may push in a direction at a corner.
+    pub(crate) fn has_at(&self, corner: usize, n: V) -> bool {
+        let is_at_end = |link: &Link<V>, end: usize| {
+            link.corners[end] == corner && !link.is_covered[end] && n.is_between(link.cones[end])
+        };
+        self.links.iter().any(|link| (0..2).any(|end| is_at_end(link, end)))
     }
 
     /// The normals of neighbours at outward corners.
@@ -92,16 +105,23 @@ impl<V: Normal> Surface<'_, V> {
 
     /// Returns true for a point where an edge of the other core lies over a corner at which the surface goes on straight.
     pub(crate) fn is_seam(&self, at: At) -> bool {
-        matches!(at, At::A(corner) if self.links.iter().any(|link| link.has_at(corner, link.is_straight)))
+        matches!(at, At::A(corner) if self.links.iter().any(|link| link.is_at(corner, link.is_straight)))
     }
 
     /// Returns true for a corner at which the surface goes on along the same polygon.
     pub(crate) fn is_own(&self, corner: usize) -> bool {
-        self.links.iter().any(|link| link.has_at(corner, link.is_own))
+        self.links.iter().any(|link| link.is_at(corner, link.is_own))
     }
 
-    /// Returns true for a corner, or for an edge between two, that is on the surface.
-    pub(crate) fn has_edge(&self, corners: [usize; 2]) -> bool {
-        self.is_one_sided || corners[0] == corners[1] || self.links.iter().any(|link| link.corners == corners)
+    /// Returns true for a corner, or for an edge between two, that is on the surface where the other core is: see [`has`](Self::has).
+    pub(crate) fn has_edge(&self, corners: [usize; 2], reaches: impl Fn(&Link<V>, Option<usize>) -> bool) -> bool {
+        let is_there = |link: &Link<V>| link.corners == corners && reaches(link, None);
+        self.is_one_sided || corners[0] == corners[1] || self.links.iter().any(is_there)
     }
+}
+
+/// Returns true if places that a core has along an edge, from `least` to `most`, reach the part from `low` to `high` of it, or, where an
+/// end of the edge is given, what is beyond that part in its direction.
+pub(crate) fn is_reached<T: PartialOrd>([least, most]: [T; 2], [low, high]: [T; 2], end: Option<usize>) -> bool {
+    (end == Some(1) || least <= high) && (end == Some(0) || low <= most)
 }

@@ -8,7 +8,7 @@ use super::flights::{FlightOf, Flights};
 use super::numbers::Numbers;
 use super::numerics::{Numerics, Surface, Touching as _};
 use super::passes::{Near, PassRecord};
-use super::seams::{Chains, Features, is_moved, rolling_radius, take_over};
+use super::seams::{self, Chains, Features, is_moved, rolling_radius, take_over};
 use super::stamped::Stamped;
 use super::sweep;
 use super::tiles::Tiles;
@@ -206,20 +206,26 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
     ) {
         let (own, other) = (pair[side], 1 - side);
         let is_tile = self.tiles.surface(numbers[side]).is_some();
+        let mut terms = core::mem::take(&mut self.chains.terms);
+        terms.clear();
         for i in self.chains.of(scene, contacts, if is_tile { NONE } else { own.slot }, pair[other]) {
-            let record = &contacts.records[self.chains.record(i)];
+            let record = contacts.records[self.chains.record(i)];
+            // A body may be the first one of its pair with one tile, and the second one of that with the next.
+            let record = if record.pair()[other] == pair[other] { record } else { record.swapped() };
             let before = record.pair();
-            if before[side] == own || !is_moved(features, record, other) {
+            if before[side] == own || !is_moved(features, &record, other) {
                 continue;
             }
             let mut near = numbers;
             near[side] = self.numbers.first(before[side].slot) + before[side].part;
             let found = self.manifold_of(scene, near, before);
-            if is_tile && !self.tiles.are_joined([numbers[side], near[side]], side, features, record) {
+            if is_tile && !self.tiles.are_joined([numbers[side], near[side]], side, features, &record) {
                 continue;
             }
-            take_over(start, features, record, found.map(|manifold| manifold.features()), other);
+            take_over(&mut terms, features, &record, found.map(|manifold| manifold.features()), other);
         }
+        seams::add(start, &terms);
+        self.chains.terms = terms;
     }
 
     /// The manifold of two outlines.

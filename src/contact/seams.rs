@@ -23,6 +23,8 @@ pub(super) struct Chains {
     records: Vec<(u32, OutlineId, u32)>,
     /// True if the records of this step are listed.
     is_listed: bool,
+    /// What the present contact takes over.
+    pub(super) terms: Vec<Term>,
 }
 
 impl Chains {
@@ -103,12 +105,20 @@ fn half(feature: u32, side: usize) -> u32 {
     feature >> (12 * side) & 0xFFF
 }
 
-/// Adds to the impulses that a contact with a segment starts from those that its points had with another segment.
+/// An impulse along a row, in units of 2^exponent N·s.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Term {
+    row: usize,
+    impulse: i64,
+    exponent: i32,
+}
+
+/// Lists the impulses that a contact with a segment takes over from points that were on another segment.
 ///
 /// `record` is that of the other segment, `there` are the features of its manifold now, `other` is the side of the body that is on the
 /// chain, whose corners go from one segment to the next.
 pub(super) fn take_over(
-    start: &mut Impulses,
+    terms: &mut Vec<Term>,
     (features, count): Features,
     record: &ContactRecord,
     there: Option<Features>,
@@ -117,6 +127,8 @@ pub(super) fn take_over(
     let there = there.map_or(Default::default(), |(features, count)| (features, count));
     let kept = &there.0[..there.1];
     let before = record.features();
+    let mut take =
+        |row: usize, from: usize| terms.push(Term { row, impulse: record.impulses[from], exponent: record.exponent() });
     let mut has_moved = false;
     for (k, &feature) in before.iter().enumerate().take(record.count()) {
         let Some(corner) = corner(feature, other) else { continue };
@@ -125,31 +137,31 @@ pub(super) fn take_over(
             continue;
         }
         if let Some(own) = features[..count].iter().position(is_corner) {
-            add(start, own, record.impulses[k], record.exponent());
+            take(own, k);
             has_moved = true;
         }
     }
     // Friction goes along with the last of the points, and so does rolling resistance.
     if has_moved && !before[..record.count()].iter().any(|feature| kept.contains(feature)) {
-        add(start, 2, record.impulses[2], record.exponent());
+        take(2, 2);
         if (record.count(), count) == (1, 1) {
-            add(start, 1, record.impulses[1], record.exponent());
+            take(1, 1);
         }
     }
 }
 
-/// Adds an impulse in units of 2^exponent N·s, in the larger one of the two units.
-fn add(to: &mut Impulses, k: usize, impulse: i64, exponent: i32) {
-    if to.values == [0; 3] {
-        to.exponent = exponent;
-    }
-    let up = exponent - to.exponent;
-    if up > 0 {
-        to.values = to.values.map(|value| divided(value, up));
-        to.exponent = exponent;
-    }
-    const MOST: i64 = 1 << 62;
-    to.values[k] = to.values[k].saturating_add(divided(impulse, (-up).max(0))).clamp(-MOST, MOST);
+/// Adds terms to the impulses that a contact starts from, all in the largest of their units.
+///
+/// Records have an order that a mirror image turns round: each term is rounded once, and what is left are sums of integers.
+pub(super) fn add(to: &mut Impulses, terms: &[Term]) {
+    let own = [0, 1, 2].map(|row| Term { row, impulse: to.values[row], exponent: to.exponent });
+    let all = || own.iter().chain(terms).filter(|term| term.impulse != 0);
+    let Some(exponent) = all().map(|term| term.exponent).max() else { return };
+    // Terms are at most 2^62, and there are fewer than 2^32 records.
+    let mut sums = [0_i128; 3];
+    all().for_each(|term| sums[term.row] += i128::from(divided(term.impulse, exponent - term.exponent)));
+    const MOST: i128 = 1 << 62;
+    *to = Impulses { values: sums.map(|sum| sum.clamp(-MOST, MOST) as i64), exponent };
 }
 
 /// `value / 2^by` to nearest, halves away from zero. *Domain* `by` is not negative.
@@ -175,21 +187,24 @@ mod tests {
 
     #[test]
     fn a_ball_takes_its_impulse_along_and_a_box_that_of_the_corner_that_goes_over() {
+        let taken = |features, record: &ContactRecord, there| {
+            let (mut terms, mut start) = (Vec::new(), Impulses::default());
+            take_over(&mut terms, features, record, there, 1);
+            add(&mut start, &terms);
+            start
+        };
         // A ball: what is left of a segment goes to the next one.
         let ball = feature([0, 1], [0, 0]);
-        let mut start = Impulses::default();
-        take_over(&mut start, ([ball, 0], 1), &record([ball, 0], 1, [9, -2, -4]), None, 1);
+        let start = taken(([ball, 0], 1), &record([ball, 0], 1, [9, -2, -4]), None);
         assert_eq!(start, Impulses { values: [9, -2, -4], exponent: -20 });
         // One that is there still keeps it.
-        let mut start = Impulses::default();
-        take_over(&mut start, ([ball, 0], 1), &record([ball, 0], 1, [9, 0, -4]), Some(([ball, 0], 1)), 1);
+        let start = taken(([ball, 0], 1), &record([ball, 0], 1, [9, 0, -4]), Some(([ball, 0], 1)));
         assert_eq!(start, Impulses::default());
         // A box: corner 1 goes over, and corner 0 stays.
         let [first, second] = [0, 1].map(|corner| feature([0, 1], [corner; 2]));
         let end = feature([1, 1], [0, 1]);
         let before = record([first, second], 2, [5, 7, 3]);
-        let mut start = Impulses::default();
-        take_over(&mut start, ([end, second], 2), &before, Some(([first, end], 2)), 1);
+        let start = taken(([end, second], 2), &before, Some(([first, end], 2)));
         assert_eq!(start, Impulses { values: [0, 7, 0], exponent: -20 });
     }
 
@@ -207,12 +222,31 @@ mod tests {
     }
 
     #[test]
-    fn sums_are_in_the_larger_unit_and_odd() {
-        let mut sum = Impulses { values: [5, 0, -5], exponent: -3 };
-        add(&mut sum, 2, -1, -2);
-        assert_eq!(sum, Impulses { values: [3, 0, -4], exponent: -2 });
-        add(&mut sum, 0, 1 << 62, -2);
-        assert_eq!(sum.values, [1 << 62, 0, -4]);
+    fn sums_are_in_the_largest_unit_and_depend_on_no_order() {
+        let term = |row, impulse, exponent| Term { row, impulse, exponent };
+        let sum = |start: [i64; 3], terms: &[Term]| {
+            let mut sum = Impulses { values: start, exponent: -3 };
+            add(&mut sum, terms);
+            sum
+        };
+        let coarser = term(2, -1, -2);
+        assert_eq!(sum([5, 0, -5], &[coarser]), Impulses { values: [3, 0, -4], exponent: -2 });
+        assert_eq!(sum([5, 0, -5], &[coarser, term(0, 1 << 62, -2)]).values, [1 << 62, 0, -4]);
+        // Nothing has no unit.
+        assert_eq!(sum([5, 0, 0], &[term(0, 0, 9)]), Impulses { values: [5, 0, 0], exponent: -3 });
+        assert_eq!(sum([0; 3], &[term(1, 3, -8)]), Impulses { values: [0, 3, 0], exponent: -8 });
+        // Through the unit between, 5 would be rounded to 3 and then to 2.
+        let of =
+            |sign: i64| [term(0, 5 * sign, -4), term(0, 7 * sign, -2), term(1, 1 << 61, -3), term(1, sign << 62, -2)];
+        let expected = |sign: i64, sum: i64| Impulses { values: [8 * sign, sum, 0], exponent: -2 };
+        for (sign, last) in [(1, 1 << 62), (-1, (1 << 60) - (1 << 62))] {
+            let mut terms = of(sign);
+            for i in 0..24 {
+                // All orders.
+                terms.swap(i % 3, i % 3 + 1);
+                assert_eq!(sum([0; 3], &terms), expected(sign, last), "{terms:?}");
+            }
+        }
         assert_eq!([divided(-7, 1), divided(7, 1), divided(i64::MAX, 63), divided(9, 99)], [-4, 4, 1, 0]);
     }
 }

@@ -1,7 +1,7 @@
 //! Fairness: mirror images, order of insertion.
 
-use super::scenes::{def, ground, pyramid, square, world};
-use umbra_physics::{BodyDef, Fx, Symmetry, Vec2, fx, vec2};
+use super::scenes::{def, ground, material, pyramid, square, world};
+use umbra_physics::{BodyDef, BodyKind, ColliderDef, Fx, Locks, MixRule, Shape, Symmetry, Vec2, WorldDef, fx, vec2};
 
 /// The body at the mirror image of each body's place.
 fn partners(bodies: &[BodyDef]) -> Vec<usize> {
@@ -77,5 +77,57 @@ fn a_mirrored_world_stays_the_mirror_image() {
         there.step();
         let image = Symmetry::MIRROR.world(&here).expect("an image");
         assert_eq!(image.first_difference(&there), None);
+    }
+}
+
+/// Bodies over a chain with hills, which are pushed down so hard that contacts with its segments have impulses in several units: where
+/// one goes over seams, it takes them over in an order that the image turns round.
+#[test]
+fn impulses_of_several_units_that_go_over_a_seam_keep_their_image() {
+    let hill = |i: i32| Vec2::new(fx!(8) - Fx::from_ratio(i.into(), 4), Fx::from_ratio(i64::from(i * i % 5), 16));
+    let chain = Shape::chain(&(0..50).map(hill).collect::<Vec<_>>(), false).expect("a chain");
+    let disc = || ColliderDef::new(Shape::circle(fx!(0.5)).expect("a disc"));
+    let of = |friction, restitution, friction_rule, restitution_rule| umbra_physics::Material {
+        friction_rule,
+        restitution_rule,
+        ..material(friction, restitution)
+    };
+    let (standard, product) = (MixRule::Standard, MixRule::Product);
+    let bouncing = ColliderDef { material: of(fx!(1), fx!(1), standard, product), ..disc() };
+    let smooth = ColliderDef { material: of(fx!(0), fx!(0), MixRule::GeometricMean, standard), ..disc() };
+    let turning = ColliderDef { material: of(fx!(0), fx!(1), standard, MixRule::Mean), ..disc() };
+    let half = |x| ColliderDef {
+        position: Vec2::new(x, fx!(0)),
+        material: of(fx!(0), fx!(0), MixRule::Mean, standard),
+        ..ColliderDef::new(Shape::rectangle(fx!(0.5), fx!(0.5)).expect("a box"))
+    };
+    let body =
+        |x: Fx, y: Fx, key, colliders| BodyDef { position: Vec2::new(x, y), key, colliders, ..BodyDef::dynamic() };
+    let bodies = [
+        BodyDef::fixed().with_collider(chain),
+        BodyDef { locks: Locks { rotation: true, ..Locks::NONE }, ..body(fx!(1.5625), fx!(0.8125), 4, vec![bouncing]) },
+        body(fx!(2.375), fx!(0.75), 3, vec![smooth]),
+        BodyDef { angle: fx!(0.125), ..body(fx!(3.1875), fx!(0.875), 4, vec![half(fx!(0)), half(fx!(0.5))]) },
+        BodyDef {
+            kind: BodyKind::Kinematic,
+            angle: fx!(0.125),
+            angular_velocity: fx!(3),
+            ..body(fx!(0.9375), fx!(1.5625), 9, vec![turning])
+        },
+    ];
+    for symmetry in [Symmetry::FLIP, Symmetry::MIRROR, Symmetry::DIAGONAL, Symmetry::TURN] {
+        let still = WorldDef { gravity: vec2(0, 0), ..def() };
+        let (mut here, _) = world(still, bodies.clone()).expect("a scene");
+        let mut there = symmetry.world(&here).expect("an image");
+        for step in 0..24 {
+            if step == 2 {
+                here.set_gravity(vec2(0, -65_536)).expect("strong, and within the limit");
+                there = symmetry.world(&here).expect("an image");
+            }
+            here.step();
+            there.step();
+            let image = symmetry.world(&here).expect("an image");
+            assert_eq!(image.first_difference(&there), None, "{symmetry:?} after {step} steps");
+        }
     }
 }

@@ -55,7 +55,7 @@ struct Gap {
     distance: i128,
 }
 
-/// n·p in units of p, rounded down. *Domain* |p| < 2^66.
+/// n·p in units of p, rounded down. *Domain* |p| < 2^72: products are below 2^103.
 fn along(n: [i32; 2], p: [i128; 2]) -> i128 {
     (i128::from(n[0]) * p[0] + i128::from(n[1]) * p[1]) >> 30
 }
@@ -303,11 +303,13 @@ impl Sweep<'_> {
             let sign = if side == 0 { 1 } else { -1 };
             let corners = other.corners();
             let count = corners.len() as i128;
+            // Twice the heights over the middle of the segment: in a mirror image its ends change places. Below 2^72.
+            let [from, to] = [own.corners()[0], own.corners()[1]];
             let sum = [0, 1].map(|k| {
                 let all: i128 = corners.iter().map(|corner| i128::from(corner[k])).sum();
-                all + (sign * moment.offset[k] - i128::from(own.corners()[0][k])) * count
+                2 * all + (2 * sign * moment.offset[k] - i128::from(from[k]) - i128::from(to[k])) * count
             });
-            along(own.normals()[0], sum) < -i128::from(self.width() >> 3) * count
+            along(own.normals()[0], sum) < -2 * i128::from(self.width() >> 3) * count
         })
     }
 

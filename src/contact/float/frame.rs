@@ -4,7 +4,7 @@
 //! Heights are components along the direction n from A to B, places components along n turned by a quarter.
 
 use super::cores::Core;
-use super::link::is_over as is_over_part;
+use super::link::reaches;
 use super::number::{Float, Pair, cross, dot, length, minus, plus, times};
 use crate::collide::span::{Facing, Span};
 
@@ -99,7 +99,7 @@ impl<'a, F: Float> Both<'a, F> {
         let is_on = |i: &usize| {
             let links = self.a.surface.iter().flat_map(|surface| surface.links);
             let mut own = links.filter(|link| link.corners[0] == *i);
-            self.a.surface.is_none() || own.any(|link| is_over_part(link, &self.b, self.offset))
+            self.a.surface.is_none() || own.any(|link| reaches(link, None, &self.b, self.offset))
         };
         let of_a = (0..self.a.normals.len()).filter(is_on).map(move |i| {
             (self.a.separation(i, &self.b, self.offset), self.a.normals[i], length(self.a.between(i, self.a.next(i))))
@@ -109,9 +109,7 @@ impl<'a, F: Float> Both<'a, F> {
             (self.b.separation(i, &self.a, back), n, length(self.b.between(i, self.b.next(i))))
         });
         of_a.chain(of_b.filter(move |(_, n, _)| {
-            self.a.surface.is_none_or(|surface| {
-                surface.links.iter().any(|link| link.has(*n) && is_over_part(link, &self.b, self.offset))
-            })
+            self.a.surface.is_none_or(|surface| surface.has(*n, |link, end| reaches(link, end, &self.b, self.offset)))
         }))
     }
 

@@ -3,7 +3,7 @@
 use super::cores::Core;
 use super::number::{Float, Pair, cross, dot, minus, plus, times};
 use crate::collide::seam::{Face, REACH};
-use crate::collide::surface::{Link, Normal, Surface};
+use crate::collide::surface::{Link, Normal, Surface, is_reached};
 use crate::fx::Fx;
 
 /// A body whose middle is farther behind a segment than this is not pushed by it, m.
@@ -52,14 +52,15 @@ impl<F: Float> Surface<'_, Pair<F>> {
     }
 }
 
-/// Returns true if a core reaches over the part of an edge that is on the surface.
-pub(super) fn is_over<F: Float>(link: &Link<Pair<F>>, core: &Core<'_, F>, offset: Pair<F>) -> bool {
+/// Returns true if a core reaches over the part of an edge that is on the surface, or beyond an end of it.
+pub(super) fn reaches<F: Float>(link: &Link<Pair<F>>, end: Option<usize>, core: &Core<'_, F>, offset: Pair<F>) -> bool {
     let Some(part) = link.part else { return true };
     let place = |p: Pair<F>| dot([-link.normal[1], link.normal[0]], p);
     let [low, high] = part.map(place);
     let places = || core.corners.iter().map(|&corner| place(plus(corner, offset)));
     let slop = F::from_fx(Fx::from_bits(REACH));
-    places().any(|place| place <= high + slop) && places().any(|place| low <= place + slop)
+    let (Some(least), Some(most)) = (places().reduce(F::or_less), places().reduce(F::or_more)) else { return false };
+    is_reached([least, most + slop], [low, high + slop], end)
 }
 
 /// The link of an edge on the surface of a polygon among others.

@@ -4,6 +4,7 @@ use core::cmp::Ordering;
 
 use super::cores::Core;
 use super::frame::{Both, Frame};
+use super::link::reaches;
 use super::number::{Float, Pair, dot, length, minus, plus, times};
 use crate::collide::span::{At, Facing, Span, end_of_overlap};
 use crate::collide::{feature, swapped_feature};
@@ -51,11 +52,14 @@ fn collide_in_order<F: Float>(a: Core<'_, F>, b: Core<'_, F>, margin: F) -> Opti
     }
     let frame = both.frame()?;
     match frame.facing {
-        Facing::Edges if surface.is_some_and(|surface| !surface.has_edge(frame.a.corners)) => None,
-        Facing::Edges => both.clipped(&frame),
+        Facing::Edges => {
+            let reaches = |link: &_, end| reaches(link, end, &both.b, both.offset);
+            let is_there = surface.is_none_or(|surface| surface.has_edge(frame.a.corners, reaches));
+            is_there.then(|| both.clipped(&frame)).flatten()
+        }
         Facing::Corners(i, j) => {
             let found = both.between_corners(i, j)?;
-            surface.is_none_or(|surface| surface.has(found.normal)).then_some(found)
+            surface.is_none_or(|surface| surface.has_at(i, found.normal)).then_some(found)
         }
         Facing::Beside(i, _) if surface.is_some_and(|surface| !surface.is_own(i)) => None,
         Facing::Beside(i, j) => both.single(frame.n, frame.separation, i, j),
