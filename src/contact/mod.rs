@@ -33,6 +33,7 @@ mod records;
 mod seams;
 mod set;
 mod stamped;
+mod still;
 mod sweep;
 mod tiles;
 mod view;

@@ -173,7 +173,9 @@ fn is_still<S: Scalar>(scene: &Scene<'_, S>, record: &PassRecord) -> bool {
     let sleeps = |(activity, _)| activity == Activity::Asleep;
     let is_static = |(activity, kind)| activity == Activity::Awake && kind == BodyKind::Static;
     let one_sleeps = sleeps(a) && is_static(b) || is_static(a) && sleeps(b);
-    sleeps(a) && sleeps(b) || one_sleeps && !scene.may_have_moved_statics
+    let has_changed = |slot: u32| scene.changed.is_none_or(|changed| changed.contains(&slot));
+    let may_differ = || scene.may_have_moved_statics && platform.into_iter().chain([record.body]).any(has_changed);
+    sleeps(a) && sleeps(b) || one_sleeps && !may_differ()
 }
 
 impl ContactSet {

@@ -132,7 +132,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         self.sweep.of.clear();
         self.sweep.courses.clear();
         self.sweep.pairs.clear();
-        let statics = self.statics.clone().unwrap_or_default();
+        let still = self.still.clone().unwrap_or_default();
         self.list_movers(paths);
         let movers = core::mem::take(&mut self.sweep.movers);
         // Of few, each is looked at: that takes nothing from the heap.
@@ -155,7 +155,8 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
                         true
                     };
                     if place.kind == FlightOf::Dynamic {
-                        statics.search_box(bounds, filter, &mut visit);
+                        still.statics.search_box(bounds, filter, &mut visit);
+                        still.sleepers.search_box(bounds, filter, &mut visit);
                     }
                     match &tree {
                         Some(tree) => tree.search_box(bounds, filter, &mut visit),
@@ -204,9 +205,10 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         proxies.clear();
         for flight in 0..self.flights.len() as u32 {
             let is_wanted = match kind(flight) {
-                FlightOf::Static => false,
+                // These stand in trees.
+                FlightOf::Static | FlightOf::Asleep => false,
                 FlightOf::Kinematic => has_dynamic,
-                FlightOf::Dynamic | FlightOf::Asleep => wants_all || is_bullet(flight),
+                FlightOf::Dynamic => wants_all || is_bullet(flight),
             };
             if !is_wanted {
                 continue;

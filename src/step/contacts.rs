@@ -106,6 +106,10 @@ impl<S: Scalar> Workspace<S> {
         if let (true, Some(changed)) = (self.are_all_changed, listed) {
             self.changed.extend(changed.iter().filter(|change| !is_motion(bodies, change)).map(|(slot, _)| *slot));
         }
+        match self.revision.and_then(|revision| colliders.changed_since(revision)) {
+            Some(slots) => self.changed.extend(slots.filter_map(|slot| Some(colliders.at(slot)?.body.slot))),
+            None => self.are_all_changed = false,
+        }
         if self.revision == Some(colliders.revision()) && !self.may_have_moved_statics {
             return;
         }
@@ -245,6 +249,7 @@ impl<S: Scalar> Step<'_, S> {
         let joins = Joins { fields: self.forces.fields, colliders, contacts };
         island::wake(self.bodies, joins, touched, woke);
         woke.sort_unstable();
+        own.changed.extend(woke.iter().map(|body| body.slot));
         contacts.wake(|slot| is_asleep(self.bodies, colliders, slot));
         let indices = first..self.bodies.moving();
         let colliders = self.contacts.colliders;

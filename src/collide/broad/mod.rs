@@ -7,7 +7,7 @@
 //! How: each moving collider has a *fat* box, larger than its own by a margin, which it keeps until it leaves it. Pairs of fat boxes
 //! are *candidates*; they change when somebody leaves a fat box, and only then a tree is searched. In a step in which nobody does, the
 //! cost is that of one comparison for each moving collider and one for each candidate. Static colliders stand in a tree of their own,
-//! built once, which copies of a world share.
+//! and those of sleeping bodies in another one. Copies of a world share both, and a step does not look at who stands far away.
 
 mod bounds;
 mod cap;
@@ -49,12 +49,13 @@ pub struct Proxy {
 /// The broad phase of a world, with what it remembers between steps. A new one and one of any history give the same pairs.
 #[derive(Clone, Debug, Default)]
 pub struct BroadPhase {
-    statics: Arc<Statics>,
+    /// The static colliders, and those of sleeping bodies.
+    still: [Arc<Statics>; 2],
     /// The fat boxes.
     tree: Tree,
     /// The memory of each moving collider, by number.
     entries: Vec<Entry>,
-    /// The boxes of moving colliders, and of static ones among the candidates, by number.
+    /// The boxes of moving colliders, and of others among the candidates, by number.
     boxes: Vec<Bounds>,
     /// The colliders that moved in the last step.
     movers: Vec<u32>,
@@ -89,17 +90,21 @@ fn pair(key: u64) -> [u32; 2] {
 }
 
 impl BroadPhase {
-    /// Finds the pairs of a step. `movers` are the colliders that move, in any order, each once and none of them among the static ones.
+    /// Finds the pairs of a step. `still` are the static colliders, and those of sleeping bodies, which are treated alike; `movers` those
+    /// that move, in any order. Each collider is in one of the three, once.
     ///
     /// With more than `limits.pairs` pairs, [`above_cap`](Self::above_cap) names the colliders that have too many.
     ///
     /// Time and memory are bounded by the numbers of colliders and of pairs, or by the limits if they are lower. Time alone grows also with
     /// the number of overlapping boxes whose filters disagree: categories and masks end a search early where they keep whole parts of the
     /// tree apart, groups do not.
-    pub fn update(&mut self, statics: &Arc<Statics>, movers: &[Proxy], limits: &PairLimits) {
-        let are_new = !Arc::ptr_eq(&self.statics, statics);
-        if are_new {
-            self.statics = Arc::clone(statics);
+    pub fn update(&mut self, still: [&Arc<Statics>; 2], movers: &[Proxy], limits: &PairLimits) {
+        let mut are_new = false;
+        for (own, tree) in self.still.iter_mut().zip(still) {
+            if !Arc::ptr_eq(own, tree) {
+                *own = Arc::clone(tree);
+                are_new = true;
+            }
         }
         self.stale.clear();
         self.gone.clear();
@@ -151,7 +156,8 @@ impl BroadPhase {
         if movers.is_empty() {
             return;
         }
-        let most = movers.iter().map(|proxy| proxy.collider as usize + 1).max().unwrap_or(0).max(self.statics.end());
+        let most = movers.iter().map(|proxy| proxy.collider as usize + 1).max().unwrap_or(0);
+        let most = self.still.iter().map(|tree| tree.end()).fold(most, usize::max);
         if most > self.entries.len() {
             self.grow(most);
         }
@@ -285,13 +291,13 @@ impl BroadPhase {
                 break;
             }
         }
-        let statics = Arc::clone(&self.statics);
-        if !statics.is_empty() {
+        let still = self.still.clone();
+        for tree in still.iter().filter(|tree| !tree.is_empty()) {
             for i in 0..self.movers.len() {
                 if found.len() > most {
                     break;
                 }
-                self.search_statics(&statics, self.movers[i], most, &mut found);
+                self.search_still(tree, self.movers[i], most, &mut found);
             }
         }
         self.is_complete = found.len() <= most;
@@ -302,11 +308,11 @@ impl BroadPhase {
         self.is_complete
     }
 
-    /// Adds the candidates of a moving collider with static ones.
-    fn search_statics(&mut self, statics: &Statics, collider: u32, most: usize, found: &mut Vec<u64>) {
+    /// Adds the candidates of a moving collider with those that stand still.
+    fn search_still(&mut self, still: &Statics, collider: u32, most: usize, found: &mut Vec<u64>) {
         let Entry { filter, .. } = self.entries[collider as usize];
         let extent = self.entries[collider as usize].extent();
-        statics.search(&extent, |other| {
+        still.search(&extent, |other| {
             if filter.agrees(other.filter) {
                 self.boxes[other.collider as usize] = other.bounds.into();
                 found.push(key(collider, other.collider));
@@ -327,7 +333,7 @@ impl BroadPhase {
         let mut found = core::mem::take(&mut self.found);
         found.clear();
         let room = most.saturating_sub(self.candidates.len());
-        let statics = Arc::clone(&self.statics);
+        let still = self.still.clone();
         for i in 0..self.stale.len() {
             let collider = self.stale[i];
             let entry = &self.entries[collider as usize];
@@ -340,7 +346,9 @@ impl BroadPhase {
                 }
                 found.len() <= room
             });
-            self.search_statics(&statics, collider, room, &mut found);
+            for tree in &still {
+                self.search_still(tree, collider, room, &mut found);
+            }
             if found.len() > room {
                 break;
             }

@@ -1,4 +1,4 @@
-//! Colliders that do not move.
+//! Colliders that stand still.
 
 use alloc::sync::Arc;
 use alloc::vec::Vec;
@@ -21,7 +21,7 @@ pub struct Statics {
     base: Arc<Part>,
     /// The numbers of colliders in the tree that are there no more, or changed, sorted.
     gone: Vec<u32>,
-    /// Those that are new or changed.
+    /// The colliders that are new, and those that changed.
     added: Part,
 }
 
@@ -92,8 +92,8 @@ impl Statics {
         if gone.len() + added.len() <= CHANGES {
             return Some(Self { base: Arc::clone(&self.base), gone, added: Part::new(added) });
         }
-        let stays = |proxy: &&Proxy| gone.binary_search(&proxy.collider).is_err();
-        Some(Self::new(self.base.proxies.iter().filter(stays).chain(&added).copied().collect()))
+        let next = Self { base: Arc::clone(&self.base), gone, added: Part { proxies: added, tree: Tree::default() } };
+        Some(Self::new(next.iter().copied().collect()))
     }
 
     /// Returns true if these are the colliders, in any order.
@@ -106,8 +106,14 @@ impl Statics {
         self.find(collider).is_some()
     }
 
+    /// All colliders, in no order.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &Proxy> {
+        let stays = |proxy: &&Proxy| self.gone.binary_search(&proxy.collider).is_err();
+        self.base.proxies.iter().filter(stays).chain(&self.added.proxies)
+    }
+
     /// The collider with a number.
-    fn find(&self, collider: u32) -> Option<&Proxy> {
+    pub(crate) fn find(&self, collider: u32) -> Option<&Proxy> {
         let from = |part: &'_ Part| part.find(collider).ok();
         if let Some(i) = from(&self.added) {
             return self.added.proxies.get(i);

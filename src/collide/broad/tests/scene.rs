@@ -40,7 +40,7 @@ pub(super) fn all_pairs(statics: &[Proxy], movers: &[Proxy]) -> Vec<[u32; 2]> {
 
 /// The pairs that a broad phase finds.
 pub(super) fn found(broad: &mut BroadPhase, statics: &Arc<Statics>, movers: &[Proxy]) -> Vec<[u32; 2]> {
-    broad.update(statics, movers, &NO_LIMITS);
+    broad.update([statics, &Arc::default()], movers, &NO_LIMITS);
     assert!(broad.above_cap().is_empty());
     broad.pairs().to_vec()
 }

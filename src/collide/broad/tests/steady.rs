@@ -64,11 +64,11 @@ fn a_copy_shares_the_static_tree() {
 #[test]
 fn without_colliders_there_is_nothing() {
     let mut broad = BroadPhase::default();
-    broad.update(&Arc::default(), &[], &NO_LIMITS);
+    broad.update([&Arc::default(); 2], &[], &NO_LIMITS);
     assert!(broad.pairs().is_empty());
     assert_eq!(broad.capacities(), [0; 9]);
     let statics = Arc::new(Statics::new(square(1000, [0; 2])));
-    broad.update(&statics, &[], &NO_LIMITS);
+    broad.update([&statics, &Arc::default()], &[], &NO_LIMITS);
     assert!(broad.pairs().is_empty());
     assert_eq!(broad.capacities(), [0; 9]);
 }

@@ -118,7 +118,7 @@ impl Pairs {
         self.movers.clear();
         self.movers.extend(proxies(true));
         let limits = PairLimits { pairs: usize::MAX, per_collider: usize::MAX };
-        self.broad.update(statics, &self.movers, &limits);
+        self.broad.update([statics, &Arc::default()], &self.movers, &limits);
     }
 
     /// The record of a pair: impulses of points with features of the step before, others zero; that of friction if there is such a
