@@ -31,16 +31,14 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
     pub(super) fn update_still(&mut self, scene: &Scene<'_, S>, are_renumbered: bool) -> Still {
         let is_current = self.statics_revision == scene.colliders.revision() && !are_renumbered;
         match (&self.still, scene.changed) {
-            (Some(still), Some([])) if is_current => return still.clone(),
+            (Some(still), Some(changed)) if is_current && changed.is_empty() => return still.clone(),
             _ => {}
         }
-        let changed = scene.colliders.changed_since(self.statics_revision).zip(scene.changed);
-        let next = match (&self.still, changed) {
-            (Some(still), Some((slots, bodies))) if !are_renumbered => {
-                let of_bodies = bodies.iter().flat_map(|&body| scene.colliders.of_slot(body));
-                let slots: Vec<u32> = slots.chain(of_bodies.map(|collider| collider.slot)).collect();
+        let next = match (&self.still, scene.changed) {
+            (Some(still), Some(changed)) if !are_renumbered => {
                 let changes = |tree: &Statics, state| -> Vec<_> {
-                    slots.iter().flat_map(|&slot| self.changes(scene, tree, slot, state)).collect()
+                    let slots = changed.all(scene.colliders);
+                    slots.flat_map(|slot| self.changes(scene, tree, slot, state)).collect()
                 };
                 let [statics, sleepers] =
                     [changes(&still.statics, State::Static), changes(&still.sleepers, State::Asleep)];
@@ -148,9 +146,8 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         };
         match scene.changed {
             None => sleepers.iter().for_each(pair_sleeper),
-            Some(bodies) => {
-                let colliders = bodies.iter().flat_map(|&body| scene.colliders.of_slot(body));
-                for number in colliders.flat_map(|collider| self.numbers.of(collider.slot)) {
+            Some(changed) => {
+                for number in changed.all(scene.colliders).flat_map(|slot| self.numbers.of(slot)) {
                     if let Some(sleeper) = sleepers.find(number) {
                         pair_sleeper(sleeper);
                     } else if let Some(own) = statics.find(number) {
