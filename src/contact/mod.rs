@@ -196,7 +196,7 @@ pub trait ContactEngine<S: Scalar>: Debug + Default + Send + Sync {
     fn solve(&mut self, scene: &Scene<'_, S>, corrections: &mut Vec<Correction<S>>);
 
     /// Finds bodies whose paths end early, lest they cross something: `scene` holds the bodies as impulses left them, by these corrections.
-    /// Those at fault are left out.
+    /// Bodies at fault are left out.
     fn sweep(
         &mut self,
         scene: &Scene<'_, S>,

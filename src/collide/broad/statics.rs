@@ -12,10 +12,11 @@ use crate::shape::Aabb;
 /// The number of changes that stand beside a tree before it is built anew.
 const CHANGES: usize = 512;
 
-/// The static colliders of a world: a tree, and the few changes since it was built. It never changes: copies of a world share it, and a
-/// world in which a static collider is added, changed or removed makes another one, which shares the tree.
+/// Colliders that stand still, those of static bodies or those of sleeping ones: a tree, and the few changes since it was built. It never
+/// changes: copies of a world share it, and a world in which such a collider is added, changed or removed makes another one, which shares
+/// the tree.
 ///
-/// What a search finds depends on the colliders alone, and not on when the tree was built.
+/// A search finds the same colliders whenever the tree was built.
 #[derive(Clone, Debug, Default)]
 pub struct Statics {
     base: Arc<Part>,
@@ -122,7 +123,7 @@ impl Statics {
         from(&self.base).filter(|_| !is_gone).and_then(|i| self.base.proxies.get(i))
     }
 
-    /// Number of static colliders.
+    /// Number of colliders.
     #[must_use]
     pub fn len(&self) -> usize {
         self.base.proxies.len() - self.gone.len() + self.added.proxies.len()
