@@ -10,7 +10,7 @@ use super::numerics::{Numerics, Surface, Touching as _};
 use super::passes::{Near, PassRecord};
 use super::seams::{Chains, Features, is_moved, rolling_radius, take_over};
 use super::stamped::Stamped;
-use super::still::Still;
+use super::still::{self, Still};
 use super::sweep;
 use super::tiles::Tiles;
 use super::{ContactEngine, ContactRecord, ContactSet, Correction, Detected, Placed, Scene, Stop, TouchPoint};
@@ -33,13 +33,12 @@ pub struct Engine<S: Scalar, N: Numerics<S>> {
     pub(super) tiles: Tiles,
     /// Each outline in world axes, by its number.
     core_of: Stamped,
-    broad: BroadPhase,
+    pub(super) broad: BroadPhase,
     pub(super) still: Option<Still>,
     /// The revision of the colliders that `still` was built from.
     pub(super) statics_revision: u64,
-    /// Workspace: the colliders that stand still where they are looked through.
-    pub(super) standing: Vec<Proxy>,
-    movers: Vec<Proxy>,
+    pub(super) following: still::Workspace,
+    pub(super) movers: Vec<Proxy>,
     /// By number of the contact: its outlines, features and the number of its points.
     found: Vec<([OutlineId; 2], [u32; 2], usize)>,
     /// The answers of one-way colliders in this step.
@@ -65,7 +64,7 @@ impl<S: Scalar, N: Numerics<S>> Default for Engine<S, N> {
             broad: BroadPhase::default(),
             still: None,
             statics_revision: 0,
-            standing: Vec::new(),
+            following: still::Workspace::default(),
             movers: Vec::new(),
             found: Vec::new(),
             passes: Vec::new(),
@@ -255,21 +254,28 @@ impl<S: Scalar, N: Numerics<S>> ContactEngine<S> for Engine<S, N> {
         let are_renumbered = self.numbers.update(scene.colliders);
         self.chains.clear();
         self.flights.begin::<S, N>(scene);
-        let still = self.update_still(scene, are_renumbered);
+        self.update_still(scene, are_renumbered);
         self.place_movers(scene);
         let limits = PairLimits {
             pairs: scene.settings.max_pairs as usize,
             per_collider: scene.settings.max_pairs_per_collider as usize,
         };
-        self.broad.update([&still.statics, &still.sleepers], &self.movers, &limits);
+        self.pair_moving(&limits);
         let crowded = self.broad.above_cap().iter().map(|&number| self.numbers.outline(number));
         let crowded = crowded.filter_map(|outline| scene.colliders.at(outline.slot));
-        out.crowded.extend(crowded.filter_map(|collider| scene.bodies.find(collider.body).ok()));
-        if !out.crowded.is_empty() {
+        for collider in crowded {
+            match scene.bodies.find(collider.body) {
+                Ok(dense) if dense < scene.bodies.moving() => out.crowded.push(dense),
+                // One that sleeps is at fault as if it were awake.
+                Ok(_) => out.touched.push(collider.body),
+                Err(_) => {}
+            }
+        }
+        if !out.crowded.is_empty() || !out.touched.is_empty() {
             return;
         }
         let mut pairs = self.broad.take_pairs();
-        self.pair_still(scene, &still, (limits.per_collider, &mut pairs), out);
+        self.pair_still(scene, &mut pairs);
         self.leave_out_excluded(scene, contacts, &mut pairs);
         self.leave_out_passing(scene, contacts, &mut pairs);
         let mut next = 0;
@@ -354,7 +360,10 @@ impl<S: Scalar, N: Numerics<S>> ContactEngine<S> for Engine<S, N> {
         if !self.still.as_ref().is_some_and(is_same) {
             self.tiles.clear();
         }
-        self.still.clone_from(&source.still);
+        match (&mut self.still, &source.still) {
+            (own, None) => *own = None,
+            (own, Some(source)) => own.get_or_insert_default().copy_from(source),
+        }
         self.statics_revision = source.statics_revision;
     }
 }

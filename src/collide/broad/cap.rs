@@ -1,8 +1,6 @@
 //! Limits on the number of pairs, and the rule by which colliders are left out.
 
-use alloc::sync::Arc;
-
-use super::{BroadPhase, Statics, key, pair};
+use super::{BroadPhase, Standing, Statics, key, pair};
 
 /// Limits on the number of pairs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -12,7 +10,7 @@ pub struct PairLimits {
     /// The number of pairs of one moving collider, where there are more than `pairs`: colliders with more are left out. If there are
     /// still more pairs than `pairs`, this cap is lowered to the largest one at which the pairs of the others are no more than that.
     ///
-    /// Static colliders and those of sleeping bodies have no cap: a floor may bear any number of boxes.
+    /// Static colliders have no cap: a floor may bear any number of boxes.
     pub per_collider: usize,
 }
 
@@ -29,15 +27,14 @@ impl BroadPhase {
     /// *Domain* the tree holds the boxes as they are, without margins. No collider's pairs are counted beyond the cap, so that time grows
     /// with the number of colliders times the cap.
     #[cold]
-    pub(super) fn cap(&mut self, limits: &PairLimits) {
-        let still = self.still.clone();
-        let colliders = still.iter().map(|tree| tree.len()).fold(self.movers.len(), usize::saturating_add);
+    pub(super) fn cap(&mut self, still: &Standing<'_>, limits: &PairLimits) {
+        let colliders = still.trees().map(Statics::len).fold(self.movers.len(), usize::saturating_add);
         let most = limits.per_collider.min(colliders) as u32;
         self.degrees.clear();
         self.degrees.resize(self.entries.len(), 0);
         for i in 0..self.movers.len() {
             let mut degree = 0;
-            self.neighbours(&still, self.movers[i], |_, _| {
+            self.neighbours(still, self.movers[i], |_, _| {
                 degree += 1;
                 degree <= most
             });
@@ -47,7 +44,7 @@ impl BroadPhase {
         let mut needs = core::mem::take(&mut self.needs);
         needs.clear();
         needs.resize(most as usize + 1, 0);
-        self.pairs_within(&still, most, |_, need| needs[need as usize] += 1);
+        self.pairs_within(still, most, |_, need| needs[need as usize] += 1);
         let mut total = 0;
         let fitting = needs.iter().take_while(|&&pairs| {
             total += pairs;
@@ -58,7 +55,7 @@ impl BroadPhase {
         self.needs = needs;
         let mut pairs = core::mem::take(&mut self.pairs);
         pairs.clear();
-        self.pairs_within(&still, cap, |key, _| pairs.push(pair(key)));
+        self.pairs_within(still, cap, |key, _| pairs.push(pair(key)));
         pairs.sort_unstable();
         self.pairs = pairs;
         let is_above = |&collider: &u32| self.degrees[collider as usize] > cap;
@@ -67,7 +64,7 @@ impl BroadPhase {
     }
 
     /// Calls `each` with every pair of colliders that have at most `cap` pairs, and with the larger number of pairs of the two.
-    fn pairs_within(&self, still: &[Arc<Statics>; 2], cap: u32, mut each: impl FnMut(u64, u32)) {
+    fn pairs_within(&self, still: &Standing<'_>, cap: u32, mut each: impl FnMut(u64, u32)) {
         for &collider in &self.movers {
             let own = self.degrees[collider as usize];
             if own > cap {
@@ -85,7 +82,7 @@ impl BroadPhase {
     }
 
     /// Calls `found` with each collider that makes a pair with this one, and with whether it moves, until it returns false.
-    fn neighbours(&self, still: &[Arc<Statics>; 2], collider: u32, mut found: impl FnMut(u32, bool) -> bool) {
+    fn neighbours(&self, still: &Standing<'_>, collider: u32, mut found: impl FnMut(u32, bool) -> bool) {
         let entry = &self.entries[collider as usize];
         let extent = entry.extent();
         let mut goes_on = true;
@@ -95,7 +92,7 @@ impl BroadPhase {
             }
             goes_on
         });
-        for tree in still {
+        for tree in still.trees() {
             if goes_on {
                 tree.search(&extent, |other| {
                     goes_on = !entry.filter.agrees(other.filter) || found(other.collider, false);

@@ -46,11 +46,35 @@ pub struct Proxy {
     pub filter: Filter,
 }
 
+/// The colliders that stand still in a step.
+#[derive(Clone, Copy, Debug)]
+pub struct Standing<'a> {
+    /// Those of static bodies.
+    pub statics: &'a Arc<Statics>,
+    /// Those of sleeping bodies, which are treated alike.
+    pub sleepers: Option<&'a Statics>,
+    /// A number that changes whenever the sleeping ones do.
+    pub version: u64,
+}
+
+impl<'a> Standing<'a> {
+    /// Those of static bodies alone.
+    #[must_use]
+    pub fn of(statics: &'a Arc<Statics>) -> Self {
+        Self { statics, sleepers: None, version: 0 }
+    }
+
+    fn trees(&self) -> impl Iterator<Item = &'a Statics> + use<'a> {
+        [&**self.statics].into_iter().chain(self.sleepers)
+    }
+}
+
 /// The broad phase of a world, with what it remembers between steps. A new one and one of any history give the same pairs.
 #[derive(Clone, Debug, Default)]
 pub struct BroadPhase {
-    /// The static colliders, and those of sleeping bodies.
-    still: [Arc<Statics>; 2],
+    statics: Arc<Statics>,
+    /// The version of the sleeping colliders.
+    version: u64,
     /// The fat boxes.
     tree: Tree,
     /// The memory of each moving collider, by number.
@@ -90,41 +114,38 @@ fn pair(key: u64) -> [u32; 2] {
 }
 
 impl BroadPhase {
-    /// Finds the pairs of a step. `still` are the static colliders, and those of sleeping bodies, which are treated alike; `movers` those
-    /// that move, in any order. Each collider is in one of the three, once.
+    /// Finds the pairs of a step. `movers` are the colliders that move, in any order, each once and none of them among those that stand still.
     ///
     /// With more than `limits.pairs` pairs, [`above_cap`](Self::above_cap) names the colliders that have too many.
     ///
     /// Time and memory are bounded by the numbers of colliders and of pairs, or by the limits if they are lower. Time alone grows also with
     /// the number of overlapping boxes whose filters disagree: categories and masks end a search early where they keep whole parts of the
     /// tree apart, groups do not.
-    pub fn update(&mut self, still: [&Arc<Statics>; 2], movers: &[Proxy], limits: &PairLimits) {
-        let mut are_new = false;
-        for (own, tree) in self.still.iter_mut().zip(still) {
-            if !Arc::ptr_eq(own, tree) {
-                *own = Arc::clone(tree);
-                are_new = true;
-            }
+    pub fn update(&mut self, still: &Standing<'_>, movers: &[Proxy], limits: &PairLimits) {
+        let are_new = !Arc::ptr_eq(&self.statics, still.statics) || self.version != still.version;
+        if are_new {
+            self.statics = Arc::clone(still.statics);
+            self.version = still.version;
         }
         self.stale.clear();
         self.gone.clear();
-        self.reserve(movers);
+        self.reserve(still, movers);
         self.place(movers);
         // With more candidates than this, the pairs are searched without margins.
         let most = limits.pairs.saturating_mul(2).saturating_add(movers.len());
         let is_small = if are_new || !self.is_complete || self.stale.len() > movers.len() / 8 {
-            self.search_all(most)
+            self.search_all(still, most)
         } else {
-            self.search_stale(most)
+            self.search_stale(still, most)
         };
         self.above_cap.clear();
-        if !is_small && !self.search_exactly(limits.pairs) {
-            return self.cap(limits);
+        if !is_small && !self.search_exactly(still, limits.pairs) {
+            return self.cap(still, limits);
         }
         self.sift();
         if self.pairs.len() > limits.pairs {
-            self.search_exactly(limits.pairs);
-            self.cap(limits);
+            self.search_exactly(still, limits.pairs);
+            self.cap(still, limits);
         }
     }
 
@@ -152,12 +173,12 @@ impl BroadPhase {
 
     /// Makes room for what the lists may come to hold. Fat boxes depend on the steps before, and the lists that follow from them too: with
     /// this room, a step of which a copy has been taken, and that is taken again, takes nothing from the heap.
-    fn reserve(&mut self, movers: &[Proxy]) {
+    fn reserve(&mut self, still: &Standing<'_>, movers: &[Proxy]) {
         if movers.is_empty() {
             return;
         }
         let most = movers.iter().map(|proxy| proxy.collider as usize + 1).max().unwrap_or(0);
-        let most = self.still.iter().map(|tree| tree.end()).fold(most, usize::max);
+        let most = still.trees().map(Statics::end).fold(most, usize::max);
         if most > self.entries.len() {
             self.grow(most);
         }
@@ -267,15 +288,15 @@ impl BroadPhase {
     }
 
     /// Searches the candidates of all. Returns false if there are more than `most`.
-    fn search_all(&mut self, most: usize) -> bool {
+    fn search_all(&mut self, still: &Standing<'_>, most: usize) -> bool {
         self.settle();
         // With new fat boxes for all: most would leave theirs soon, and each of them then costs a search of its own.
         self.refit(true);
-        self.join(most)
+        self.join(still, most)
     }
 
     /// Lists all candidates, from the boxes in the tree. Returns false, with a part of them, if there are more than `most`.
-    fn join(&mut self, most: usize) -> bool {
+    fn join(&mut self, still: &Standing<'_>, most: usize) -> bool {
         let mut found = core::mem::take(&mut self.candidates);
         found.clear();
         for (leaf, collider, extent) in self.tree.leaves() {
@@ -291,8 +312,7 @@ impl BroadPhase {
                 break;
             }
         }
-        let still = self.still.clone();
-        for tree in still.iter().filter(|tree| !tree.is_empty()) {
+        for tree in still.trees().filter(|tree| !tree.is_empty()) {
             for i in 0..self.movers.len() {
                 if found.len() > most {
                     break;
@@ -322,7 +342,7 @@ impl BroadPhase {
     }
 
     /// Searches the candidates of those that are stale. Returns false if there are more than `most`.
-    fn search_stale(&mut self, most: usize) -> bool {
+    fn search_stale(&mut self, still: &Standing<'_>, most: usize) -> bool {
         if self.stale.is_empty() && self.gone.is_empty() {
             return true;
         }
@@ -333,7 +353,6 @@ impl BroadPhase {
         let mut found = core::mem::take(&mut self.found);
         found.clear();
         let room = most.saturating_sub(self.candidates.len());
-        let still = self.still.clone();
         for i in 0..self.stale.len() {
             let collider = self.stale[i];
             let entry = &self.entries[collider as usize];
@@ -346,7 +365,7 @@ impl BroadPhase {
                 }
                 found.len() <= room
             });
-            for tree in &still {
+            for tree in still.trees() {
                 self.search_still(tree, collider, room, &mut found);
             }
             if found.len() > room {
@@ -363,14 +382,14 @@ impl BroadPhase {
 
     /// Lists as candidates the pairs themselves. Returns false if there are more than `most`.
     #[cold]
-    fn search_exactly(&mut self, most: usize) -> bool {
+    fn search_exactly(&mut self, still: &Standing<'_>, most: usize) -> bool {
         for &collider in &self.movers {
             let entry = &mut self.entries[collider as usize];
             entry.fit(self.boxes[collider as usize]);
             self.tree.set(entry.leaf, entry.extent());
         }
         self.build();
-        self.join(most)
+        self.join(still, most)
     }
 }
 
