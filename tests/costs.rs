@@ -140,6 +140,23 @@ fn sleeping_bodies_cost_nothing() {
 
 #[test]
 #[cfg_attr(debug_assertions, ignore = "counts optimised code: in release builds")]
+fn piles_that_sleep_cost_nothing() {
+    let Some(counts) = counts() else { return };
+    let asleep = counts.instructions("fx/towers_asleep_10k") / STEPS;
+    assert!(asleep < 1_000, "{asleep} a step");
+    // Nor do they where somebody is awake.
+    let one = |count| counts.instructions(&format!("fx/one_beside_towers_asleep_{count}")) / STEPS;
+    let (few, many) = (one("1k"), one("10k"));
+    assert!((many - few).abs() <= 500, "{few} beside 1,000, {many} beside 10,000 a step");
+    let control = counts.instructions("fx/two_beside_towers_asleep_1k") / STEPS;
+    assert!(control >= few + 500, "{control} with two that fall, {few} with one");
+    // A tower that wakes costs that tower. The tree keeps a list of those that left it.
+    let (few, many) = (counts.instructions("after/tower_woken_1k"), counts.instructions("after/tower_woken_10k"));
+    assert!(many - few <= few / 10, "{few} among 1,000, {many} among 10,000");
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "counts optimised code: in release builds")]
 fn forces_not_applied_cost_nothing() {
     let Some(counts) = counts() else { return };
     // No inverse mass is multiplied by where none is: kinematic bodies have no mass, and cost the same.

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use umbra_physics::scalar::Factor;
 use umbra_physics::{
-    Attachment, BodyDef, BodyId, BodyState, ColliderDef, CustomForce, CustomForceError, Damping, Dependence, End,
-    FieldKind, ForceField, ForceTorque, Fx, Region, Scalar, Shape, SpringConstants, Vec2, World, WorldDef, fx,
+    Activity, Attachment, BodyDef, BodyId, BodyState, ColliderDef, CustomForce, CustomForceError, Damping, Dependence,
+    End, FieldKind, ForceField, ForceTorque, Fx, Region, Scalar, Shape, SpringConstants, Vec2, World, WorldDef, fx,
 };
 
 #[path = "../../tests/support/inputs.rs"]
@@ -181,6 +181,35 @@ pub(crate) fn beside_sleepers<S: Scalar>(count: usize, sleepers: usize) -> Scene
     scene.world.step();
     scene.world.step();
     assert_eq!(scene.world.moving_count(), count, "they are not asleep");
+    scene
+}
+
+/// Towers of five boxes, each on a floor of its own, that sleep; and boxes that fall far above them.
+pub(crate) fn towers_asleep(falling: usize, boxes: usize) -> Scene<Fx> {
+    let shape = Shape::rectangle(1, 1).expect("a box");
+    let box_at =
+        |x: i32, y: Fx| BodyDef { position: vector(Fx::from(x), y), ..BodyDef::dynamic().with_collider(shape.clone()) };
+    let tower = |i: usize| 3 * (i / 5) as i32;
+    let asleep = (0..boxes).map(|i| box_at(tower(i), fx!(0.5) + Fx::from((i % 5) as i32)));
+    let floor = Shape::rectangle(2, 1).expect("a floor");
+    let floors = (0..boxes).step_by(5).map(|i| BodyDef {
+        position: vector(Fx::from(tower(i)), fx!(-0.5)),
+        ..BodyDef::fixed().with_collider(floor.clone())
+    });
+    let above = (0..falling).map(|i| box_at(3 * i as i32, fx!(1000)));
+    let def = WorldDef { gravity: vector(Fx::ZERO, fx!(-9.81)), sleep_after: Some(4), ..calm() };
+    let mut scene = scene(def, floors.chain(asleep).chain(above));
+    (0..8).for_each(|_| scene.advance());
+    assert_eq!(scene.world.moving_count(), falling, "they are not asleep");
+    scene
+}
+
+/// Like [`towers_asleep`] with one box that falls, after a call that wakes a tower.
+pub(crate) fn tower_woken(boxes: usize) -> Scene<Fx> {
+    let mut scene = towers_asleep(1, boxes);
+    let asleep = |body: &umbra_physics::BodyRef<'_, Fx>| body.activity() == Activity::Asleep;
+    let sleeper = scene.world.bodies().find(asleep).expect("one that sleeps").id();
+    scene.world.wake(sleeper).expect("it is there");
     scene
 }
 

@@ -14,8 +14,10 @@ impl Change {
     /// Anything that decides which fields act on it and how: kind, groups, mass, locks, activity, the fields attached to it,
     /// or data that a custom force may read.
     pub(crate) const FORCES: Self = Self(1 << 2);
+    /// The colliders of a static body: neither its pose nor what acts on it.
+    pub(crate) const COLLIDERS: Self = Self(1 << 3);
     /// All changes.
-    pub(crate) const ALL: Self = Self(0b111);
+    pub(crate) const ALL: Self = Self(0b1111);
 
     /// Returns true if any of these quantities changed.
     pub(crate) fn is_any_of(self, others: Self) -> bool {

@@ -10,10 +10,10 @@ use super::numerics::{Numerics, Surface, Touching as _};
 use super::passes::{Near, PassRecord};
 use super::seams::{self, Chains, Features, is_moved, rolling_radius, take_over};
 use super::stamped::Stamped;
+use super::still::{self, Still};
 use super::sweep;
 use super::tiles::Tiles;
 use super::{ContactEngine, ContactRecord, ContactSet, Correction, Detected, Placed, Scene, Stop, TouchPoint};
-use crate::body::{Activity, BodyKind};
 use crate::collide::broad::{BroadPhase, PairLimits, Proxy, Statics};
 use crate::collider::{BodyOutline, Collider, ColliderSet, OutlineId};
 use crate::math::Vec2;
@@ -30,16 +30,15 @@ pub struct Engine<S: Scalar, N: Numerics<S>> {
     /// The outlines as the broad phase knows them.
     pub(super) numbers: Numbers,
     chains: Chains,
-    tiles: Tiles,
+    pub(super) tiles: Tiles,
     /// Each outline in world axes, by its number.
     core_of: Stamped,
-    broad: BroadPhase,
-    pub(super) statics: Option<Arc<Statics>>,
-    /// The revision of the colliders that `statics` was built from.
-    statics_revision: u64,
-    /// Workspace: the static colliders where they are looked through.
-    standing: Vec<Proxy>,
-    movers: Vec<Proxy>,
+    pub(super) broad: BroadPhase,
+    pub(super) still: Option<Still>,
+    /// The revision of the colliders that `still` was built from.
+    pub(super) statics_revision: u64,
+    pub(super) following: still::Workspace,
+    pub(super) movers: Vec<Proxy>,
     /// By number of the contact: its outlines, features and the number of its points.
     found: Vec<([OutlineId; 2], [u32; 2], usize)>,
     /// The answers of one-way colliders in this step.
@@ -63,9 +62,9 @@ impl<S: Scalar, N: Numerics<S>> Default for Engine<S, N> {
             tiles: Tiles::default(),
             core_of: Stamped::default(),
             broad: BroadPhase::default(),
-            statics: None,
+            still: None,
             statics_revision: 0,
-            standing: Vec::new(),
+            following: still::Workspace::default(),
             movers: Vec::new(),
             found: Vec::new(),
             passes: Vec::new(),
@@ -79,79 +78,7 @@ impl<S: Scalar, N: Numerics<S>> Default for Engine<S, N> {
 }
 
 impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
-    /// Follows the changes of colliders that stand still. `are_renumbered` says that outlines may have other numbers than before.
-    fn update_statics(&mut self, scene: &Scene<'_, S>, are_renumbered: bool) -> Arc<Statics> {
-        let is_current = self.statics_revision == scene.colliders.revision() && !are_renumbered;
-        match (&self.statics, scene.changed) {
-            (Some(statics), Some([])) if is_current => return Arc::clone(statics),
-            _ => {}
-        }
-        let changed = scene.colliders.changed_since(self.statics_revision).zip(scene.changed);
-        let next = match (&self.statics, changed) {
-            (Some(statics), Some((slots, bodies))) if !are_renumbered => {
-                let of_bodies = bodies.iter().flat_map(|&body| scene.colliders.of_slot(body));
-                let slots = slots.chain(of_bodies.map(|collider| collider.slot));
-                let changes: Vec<_> = slots.flat_map(|slot| self.changes(scene, statics, slot)).collect();
-                if !changes.is_empty() {
-                    self.tiles.clear();
-                }
-                statics.changed(&changes)
-            }
-            (statics, _) => {
-                self.tiles.clear();
-                let mut proxies = core::mem::take(&mut self.standing);
-                proxies.clear();
-                proxies.extend(scene.colliders.list().flat_map(|it| self.proxies(scene, it)));
-                let is_same = statics.as_ref().is_some_and(|statics| statics.are(&proxies));
-                let next = (!is_same).then(|| Statics::new(proxies.clone()));
-                self.standing = proxies;
-                next
-            }
-        };
-        self.statics_revision = scene.colliders.revision();
-        let statics = match (next, &self.statics) {
-            (Some(next), _) => Arc::new(next),
-            (None, Some(statics)) => Arc::clone(statics),
-            (None, None) => Arc::default(),
-        };
-        self.statics = Some(Arc::clone(&statics));
-        statics
-    }
-
-    /// The boxes of a collider, if it stands still.
-    fn proxies<'a>(
-        &self,
-        scene: &Scene<'a, S>,
-        collider: &'a Collider<S>,
-    ) -> impl Iterator<Item = Proxy> + use<'a, S, N> {
-        let bodies = scene.bodies;
-        let first = self.numbers.first(collider.slot);
-        let is_static =
-            |dense: &usize| bodies.info(*dense).kind == BodyKind::Static && bodies.activity(*dense) == Activity::Awake;
-        let dense = bodies.find(collider.body).ok().filter(is_static);
-        let motion = &bodies.columns.motion;
-        let pose = dense.map(|dense| N::pose(motion.position.get(dense), motion.angle[dense]));
-        pose.into_iter().flat_map(move |pose| {
-            (0..collider.outline_count()).map(move |part| Proxy {
-                collider: first + part,
-                body: collider.body.slot,
-                bounds: N::resting(&collider.outline(part), &pose),
-                filter: collider.def.filter,
-            })
-        })
-    }
-
-    /// What stands at the numbers of a slot now, if a collider that stands still does or did.
-    fn changes(&self, scene: &Scene<'_, S>, statics: &Statics, slot: u32) -> Vec<(u32, Option<Proxy>)> {
-        let numbers = self.numbers.of(slot);
-        let proxies: Vec<Proxy> = scene.colliders.at(slot).into_iter().flat_map(|it| self.proxies(scene, it)).collect();
-        match proxies.is_empty() {
-            true => numbers.filter(|&number| statics.has(number)).map(|number| (number, None)).collect(),
-            false => proxies.into_iter().map(|proxy| (proxy.collider, Some(proxy))).collect(),
-        }
-    }
-
-    /// Lists the boxes of moving and of sleeping colliders over the step.
+    /// Lists the boxes of moving colliders over the step.
     fn place_movers(&mut self, scene: &Scene<'_, S>) {
         self.movers.clear();
         for flight in 0..self.flights.len() as u32 {
@@ -181,7 +108,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
                 let body = self.flights.body(flight);
                 let core = self.numerics.place(&outline.outline, &body.pose);
                 self.core_of.set(number, core as u32);
-                if let (FlightOf::Static, Some(statics)) = (body.kind, &self.statics) {
+                if let (FlightOf::Static, Some(Still { statics, .. })) = (body.kind, &self.still) {
                     let (own, place) = ((number, collider), (outline, &body.pose));
                     if let Some(faces) = self.tiles.find::<S, N>(scene, statics, &self.numbers, own, place) {
                         self.numerics.set_faces(faces);
@@ -333,13 +260,13 @@ impl<S: Scalar, N: Numerics<S>> ContactEngine<S> for Engine<S, N> {
         let are_renumbered = self.numbers.update(scene.colliders);
         self.chains.clear();
         self.flights.begin::<S, N>(scene);
-        let statics = self.update_statics(scene, are_renumbered);
+        self.update_still(scene, are_renumbered);
         self.place_movers(scene);
         let limits = PairLimits {
             pairs: scene.settings.max_pairs as usize,
             per_collider: scene.settings.max_pairs_per_collider as usize,
         };
-        self.broad.update(&statics, &self.movers, &limits);
+        self.pair_moving(&limits);
         let crowded = self.broad.above_cap().iter().map(|&number| self.numbers.outline(number));
         let crowded = crowded.filter_map(|outline| scene.colliders.at(outline.slot));
         for collider in crowded {
@@ -354,6 +281,7 @@ impl<S: Scalar, N: Numerics<S>> ContactEngine<S> for Engine<S, N> {
             return;
         }
         let mut pairs = self.broad.take_pairs();
+        self.pair_still(scene, &mut pairs);
         self.leave_out_excluded(scene, contacts, &mut pairs);
         self.leave_out_passing(scene, contacts, &mut pairs);
         let mut next = 0;
@@ -420,7 +348,7 @@ impl<S: Scalar, N: Numerics<S>> ContactEngine<S> for Engine<S, N> {
 
     fn statics(&self, colliders: &ColliderSet<S>) -> Option<&Arc<Statics>> {
         let is_current = self.statics_revision == colliders.revision() && self.numbers.is_of(colliders);
-        self.statics.as_ref().filter(|_| is_current)
+        self.still.as_ref().filter(|_| is_current).map(|still| &still.statics)
     }
 
     fn outline(&self, number: u32) -> OutlineId {
@@ -433,11 +361,15 @@ impl<S: Scalar, N: Numerics<S>> ContactEngine<S> for Engine<S, N> {
     }
 
     fn clone_cached_from(&mut self, source: &Self) {
-        let is_same = |own: &Arc<Statics>| source.statics.as_ref().is_some_and(|other| Arc::ptr_eq(own, other));
-        if !self.statics.as_ref().is_some_and(is_same) {
+        let is_same =
+            |own: &Still| source.still.as_ref().is_some_and(|other| Arc::ptr_eq(&own.statics, &other.statics));
+        if !self.still.as_ref().is_some_and(is_same) {
             self.tiles.clear();
         }
-        self.statics.clone_from(&source.statics);
+        match (&mut self.still, &source.still) {
+            (own, None) => *own = None,
+            (own, Some(source)) => own.get_or_insert_default().copy_from(source),
+        }
         self.statics_revision = source.statics_revision;
     }
 }

@@ -7,7 +7,7 @@ use super::numerics::Numerics;
 use super::{ContactSet, Scene};
 use crate::body::{Activity, BodyKind};
 use crate::codec::{self, Encoder, Malformed, Read, Reader, Write, codec_enum};
-use crate::collider::OutlineId;
+use crate::collider::{Collider, OutlineId};
 use crate::fx::Fx;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator as _, Scalar};
@@ -128,7 +128,10 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
             false
         });
         for (pair, &is_near) in contacts.excluded.iter().zip(&near) {
-            let is_over = || !is_near && pair.bodies.iter().all(|&slot| self.takes_part(scene, slot));
+            let mut is_over = || {
+                let is_apart = !is_near && pair.bodies.iter().all(|&slot| self.takes_part(scene, slot));
+                is_apart && !self.are_near_at_rest(scene, pair.bodies)
+            };
             if pair.exclusion == Exclusion::Always || !is_over() {
                 self.excluded.push(*pair);
             }
@@ -146,6 +149,33 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         };
         // A body at fault has no flight.
         is_still || self.flights.has(slot) || scene.colliders.of_slot(slot).next().is_none()
+    }
+
+    /// Returns true if two bodies that stand still, one of them asleep, are near each other: no list of pairs has them.
+    fn are_near_at_rest(&mut self, scene: &Scene<'_, S>, bodies: [u32; 2]) -> bool {
+        let state = |slot: u32| scene.bodies.index_in(slot).map(|dense| (dense, scene.bodies.activity(dense)));
+        let moves = |(dense, _): (usize, Activity)| dense < scene.bodies.moving();
+        let states = bodies.map(state);
+        let sleeps = |(_, activity): (usize, Activity)| activity == Activity::Asleep;
+        if states.iter().flatten().any(|&state| moves(state)) || !states.iter().flatten().any(|&state| sleeps(state)) {
+            return false;
+        }
+        let [a, b] = bodies.map(|body| scene.colliders.of_slot(body));
+        let outlines = |collider: &Collider<S>| {
+            let slot = collider.slot;
+            (0..collider.outline_count()).map(move |part| OutlineId { slot, part })
+        };
+        a.flat_map(|a| b.clone().map(move |b| (a, b))).filter(|(a, b)| a.def.filter.agrees(b.def.filter)).any(
+            |(a, b)| {
+                outlines(a).any(|first| {
+                    outlines(b).any(|second| {
+                        let pair = [first.min(second), first.max(second)];
+                        let numbers = pair.map(|outline| self.numbers.first(outline.slot) + outline.part);
+                        self.is_near(scene, numbers, pair)
+                    })
+                })
+            },
+        )
     }
 
     /// Returns true if two outlines have a manifold. They have none where all directions out of each other tie, which those that

@@ -36,8 +36,7 @@ pub(super) struct Place<P> {
     is_complete: bool,
 }
 
-/// The flights of a step: those of moving bodies in the order of the starts, those of sleeping bodies, and those of static bodies as they
-/// are met.
+/// The flights of a step: those of moving bodies in the order of the starts, then those of bodies that stand still, as they are met.
 #[derive(Debug)]
 pub(super) struct Flights<F, P> {
     flights: Vec<F>,
@@ -56,7 +55,7 @@ impl<F, P> Default for Flights<F, P> {
 }
 
 impl<F, P> Flights<F, P> {
-    /// Lists the bodies that move and those that sleep.
+    /// Lists the bodies that move.
     pub(super) fn begin<S: Scalar, N: Numerics<S, Flight = F, Pose = P>>(&mut self, scene: &Scene<'_, S>) {
         self.flights.clear();
         self.places.clear();
@@ -64,14 +63,6 @@ impl<F, P> Flights<F, P> {
         self.followers.clear();
         for start in scene.starts {
             self.push_moving::<S, N>(scene, start);
-        }
-        if scene.bodies.any_asleep() {
-            for dense in scene.bodies.asleep() {
-                let slot = scene.bodies.id(dense).slot;
-                if scene.colliders.of_slot(slot).next().is_some() {
-                    self.push_still::<S, N>(scene, slot, dense);
-                }
-            }
         }
     }
 

@@ -33,6 +33,7 @@ mod records;
 mod seams;
 mod set;
 mod stamped;
+mod still;
 mod sweep;
 mod tiles;
 mod view;
@@ -125,6 +126,39 @@ pub(crate) struct Stop<S: Scalar> {
     pub(crate) angle: S::Angle,
 }
 
+/// Changes of bodies and colliders; any may be there more than once.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Changed {
+    /// The slots of the bodies that fell asleep, woke, or that calls changed, but for changes of motion alone.
+    pub(crate) bodies: Vec<u32>,
+    /// The slots of colliders.
+    pub(crate) colliders: Vec<u32>,
+}
+
+impl Changed {
+    /// Nothing changed.
+    pub(crate) const NONE: &Self = &Self { bodies: Vec::new(), colliders: Vec::new() };
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.bodies.is_empty() && self.colliders.is_empty()
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.bodies.len() + self.colliders.len()
+    }
+
+    pub(crate) fn clear(&mut self) {
+        self.bodies.clear();
+        self.colliders.clear();
+    }
+
+    /// The slots of the colliders of which the pose, the activity or the definition may have changed.
+    fn all<S: Scalar>(&self, colliders: &ColliderSet<S>) -> impl Iterator<Item = u32> {
+        let of_bodies = self.bodies.iter().flat_map(|&body| colliders.of_slot(body));
+        of_bodies.map(|collider| collider.slot).chain(self.colliders.iter().copied())
+    }
+}
+
 /// The parts of a world that contacts depend on.
 #[derive(Clone, Copy)]
 pub(crate) struct Scene<'a, S: Scalar> {
@@ -135,9 +169,8 @@ pub(crate) struct Scene<'a, S: Scalar> {
     pub(crate) starts: &'a [Start<S>],
     /// True if a static body or its colliders may have changed since the last step.
     pub(crate) may_have_moved_statics: bool,
-    /// The slots of the bodies that calls have changed since the contacts were last found, but for changes of motion alone; `None` if it may
-    /// be any body.
-    pub(crate) changed: Option<&'a [u32]>,
+    /// The changes since the contacts were last found; `None` if anything may have changed.
+    pub(crate) changed: Option<&'a Changed>,
     pub(crate) settings: &'a ContactSettings<S>,
     pub(crate) time_step: TimeStep,
 }
@@ -163,7 +196,7 @@ pub trait ContactEngine<S: Scalar>: Debug + Default + Send + Sync {
     fn solve(&mut self, scene: &Scene<'_, S>, corrections: &mut Vec<Correction<S>>);
 
     /// Finds bodies whose paths end early, lest they cross something: `scene` holds the bodies as impulses left them, by these corrections.
-    /// Those at fault are left out.
+    /// Bodies at fault are left out.
     fn sweep(
         &mut self,
         scene: &Scene<'_, S>,

@@ -8,7 +8,7 @@ use alloc::vec::Vec;
 use super::engine::Engine;
 use super::flights::FlightOf;
 use super::numerics::{MARGIN, Numerics};
-use super::{ContactSet, Scene};
+use super::{Changed, ContactSet, Scene};
 use crate::body::{Activity, BodyKind};
 use crate::codec::{self, Encoder, Malformed, Read, Reader, Write};
 use crate::collider::OutlineId;
@@ -173,7 +173,14 @@ fn is_still<S: Scalar>(scene: &Scene<'_, S>, record: &PassRecord) -> bool {
     let sleeps = |(activity, _)| activity == Activity::Asleep;
     let is_static = |(activity, kind)| activity == Activity::Awake && kind == BodyKind::Static;
     let one_sleeps = sleeps(a) && is_static(b) || is_static(a) && sleeps(b);
-    sleeps(a) && sleeps(b) || one_sleeps && !scene.may_have_moved_statics
+    let may_differ = || {
+        let has_changed = |changed: &Changed| {
+            let of = |bodies: &[u32]| platform.into_iter().chain([record.body]).any(|body| bodies.contains(&body));
+            of(&changed.bodies) || changed.colliders.contains(&record.collider)
+        };
+        scene.may_have_moved_statics && scene.changed.is_none_or(has_changed)
+    };
+    sleeps(a) && sleeps(b) || one_sleeps && !may_differ()
 }
 
 impl ContactSet {

@@ -15,7 +15,7 @@ use super::{Constants, Step, bounds, show};
 use crate::body::{Bodies, BodyKind, Change};
 use crate::collide::broad::Statics;
 use crate::collider::{Collider, ColliderSet, ContactSettings};
-use crate::contact::{ContactEngine as _, ContactSet, Correction, Detected, Scene, Start, Stop, is_asleep};
+use crate::contact::{Changed, ContactEngine as _, ContactSet, Correction, Detected, Scene, Start, Stop, is_asleep};
 use crate::error::Cause;
 use crate::integrate::{BlockFactors, Schedule, StageKind, cap};
 use crate::island::{self, Joins, Touching, is_candidate};
@@ -29,7 +29,7 @@ pub(crate) struct Contacts<'a, S: Scalar> {
     pub(crate) settings: &'a ContactSettings<S>,
 }
 
-/// The number of changed bodies that are remembered from one look at the static colliders to the next.
+/// The number of changes that are remembered from one look at the static colliders to the next.
 const MOST_CHANGED: usize = 4096;
 
 /// Memory that contacts use again.
@@ -41,8 +41,8 @@ pub(super) struct Workspace<S: Scalar> {
     /// The slots of the moving bodies with colliders.
     slots: Vec<u32>,
     may_have_moved_statics: bool,
-    /// The slots of bodies that changed since contacts were last found, but for their motion alone, if these are all.
-    changed: Vec<u32>,
+    /// The changes since contacts were last found, if these are all.
+    changed: Changed,
     are_all_changed: bool,
     /// True if the engine holds the contacts of this step.
     is_detected: bool,
@@ -58,6 +58,11 @@ pub(super) struct Workspace<S: Scalar> {
 /// Returns true if a change of a body is one of the motion of a moving body alone.
 fn is_motion<S: Scalar>(bodies: &Bodies<S>, &(slot, change): &(u32, Change)) -> bool {
     !change.is_any_of(Change::FORCES) && bodies.index_in(slot).is_some_and(|dense| dense < bodies.moving())
+}
+
+/// Returns true if more than the colliders of a body changed.
+fn is_of_body(&(_, change): &(u32, Change)) -> bool {
+    change.is_any_of(Change::VELOCITY.or(Change::POSE).or(Change::FORCES))
 }
 
 impl<S: Scalar> Workspace<S> {
@@ -104,7 +109,12 @@ impl<S: Scalar> Workspace<S> {
         // A world that nothing moves in for long has its colliders looked through instead.
         self.are_all_changed &= listed.is_some() && self.changed.len() <= MOST_CHANGED;
         if let (true, Some(changed)) = (self.are_all_changed, listed) {
-            self.changed.extend(changed.iter().filter(|change| !is_motion(bodies, change)).map(|(slot, _)| *slot));
+            let changed = changed.iter().filter(|one| !is_motion(bodies, one) && is_of_body(one));
+            self.changed.bodies.extend(changed.map(|(slot, _)| *slot));
+        }
+        match self.revision.and_then(|revision| colliders.changed_since(revision)) {
+            Some(slots) => self.changed.colliders.extend(slots),
+            None => self.are_all_changed = false,
         }
         if self.revision == Some(colliders.revision()) && !self.may_have_moved_statics {
             return;
@@ -185,7 +195,7 @@ impl<S: Scalar> Step<'_, S> {
                 colliders: self.contacts.colliders,
                 starts,
                 may_have_moved_statics: stale,
-                changed: are_all_changed.then_some(&**changed),
+                changed: are_all_changed.then_some(&*changed),
                 settings: self.contacts.settings,
                 time_step: self.settings.time_step,
             };
@@ -245,6 +255,7 @@ impl<S: Scalar> Step<'_, S> {
         let joins = Joins { fields: self.forces.fields, colliders, contacts };
         island::wake(self.bodies, joins, touched, woke);
         woke.sort_unstable();
+        own.changed.bodies.extend(woke.iter().map(|body| body.slot));
         contacts.wake(|slot| is_asleep(self.bodies, colliders, slot));
         let indices = first..self.bodies.moving();
         let colliders = self.contacts.colliders;
@@ -341,7 +352,7 @@ impl<S: Scalar> Step<'_, S> {
             colliders: self.contacts.colliders,
             starts,
             may_have_moved_statics: false,
-            changed: Some(&[]),
+            changed: Some(Changed::NONE),
             settings: self.contacts.settings,
             time_step: self.settings.time_step,
         };

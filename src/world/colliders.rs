@@ -4,7 +4,7 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use super::{Command, World, WorldDef};
-use crate::body::Change;
+use crate::body::{BodyKind, Change};
 use crate::collider::{ColliderDef, ContactSettings, MaterialPair};
 use crate::error::Error;
 use crate::scalar::Scalar;
@@ -42,7 +42,7 @@ impl<S: Scalar> World<S> {
 
     pub(crate) fn add_collider_inner(&mut self, body: BodyId, def: ColliderDef<S>) -> Result<ColliderId, Error> {
         let (mass, properties) = self.check_new_collider(body, &def)?;
-        let dense = self.touch(body, Change::ALL)?;
+        let dense = self.touch(body, self.change_of_colliders(body))?;
         self.journal.note(|| Command::AddCollider { body, def: def.clone() });
         self.bodies.set_collider_mass(dense, mass, properties);
         Ok(Arc::make_mut(&mut self.colliders).insert(body, def))
@@ -58,7 +58,7 @@ impl<S: Scalar> World<S> {
 
     pub(crate) fn set_collider_inner(&mut self, collider: ColliderId, def: ColliderDef<S>) -> Result<(), Error> {
         let (body, mass, properties) = self.check_next_collider(collider, Some(&def))?;
-        let dense = self.touch(body, Change::ALL)?;
+        let dense = self.touch(body, self.change_of_colliders(body))?;
         self.journal.note(|| Command::SetCollider { collider, def: def.clone() });
         self.bodies.set_collider_mass(dense, mass, properties);
         self.contacts.forget(collider);
@@ -75,11 +75,17 @@ impl<S: Scalar> World<S> {
 
     pub(crate) fn remove_collider_inner(&mut self, collider: ColliderId) -> Result<(), Error> {
         let (body, mass, properties) = self.check_next_collider(collider, None)?;
-        let dense = self.touch(body, Change::ALL)?;
+        let dense = self.touch(body, self.change_of_colliders(body))?;
         self.journal.note(|| Command::RemoveCollider(collider));
         self.bodies.set_collider_mass(dense, mass, properties);
         self.contacts.forget(collider);
         Arc::make_mut(&mut self.colliders).remove(collider)
+    }
+
+    /// A change of the colliders of a body: that of a static one has no mass.
+    fn change_of_colliders(&self, body: BodyId) -> Change {
+        let kind = self.bodies.find(body).map(|dense| self.bodies.info(dense).kind);
+        if kind == Ok(BodyKind::Static) { Change::COLLIDERS } else { Change::ALL }
     }
 
     /// Removes the colliders of a body that is removed, in the order of their slots: the slot that is freed last is taken first.

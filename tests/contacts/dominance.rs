@@ -57,7 +57,7 @@ fn what_is_hit_by_others_has_the_bits_of_a_world_without_them() {
     assert_ne!(bits(&world, id), bits(&alone, same));
 }
 
-/// What a dominant body in free flight does to others is what a kinematic body of the same motion does.
+/// A dominant body in free flight moves others as a kinematic body of the same motion does.
 #[test]
 fn others_meet_it_as_a_kinematic_body() {
     let space = WorldDef { gravity: vec2(0, 0), ..def() };

@@ -240,7 +240,7 @@ fn a_heap_comes_to_rest_sooner() {
     assert!(left(fx!(0.3)) < left(fx!(0)));
 }
 
-/// What stands on a slope goes on to when the time step changes: the impulse is scaled with it.
+/// A disc that stands on a slope goes on standing when the time step changes: the impulse is scaled with it.
 #[test]
 fn a_change_of_the_time_step_moves_nothing() {
     let (sin, cos) = fx!(0.15).sin_cos();

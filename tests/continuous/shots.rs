@@ -128,7 +128,7 @@ fn missile(random: &mut Random, of: Missile) -> Shape {
     .expect("a shape")
 }
 
-/// What a twin does without.
+/// The part of continuous collision that a twin lacks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Without {
     Nothing,

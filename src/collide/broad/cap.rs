@@ -1,8 +1,6 @@
 //! Limits on the number of pairs, and the rule by which colliders are left out.
 
-use alloc::sync::Arc;
-
-use super::{BroadPhase, Statics, key, pair};
+use super::{BroadPhase, Standing, Statics, key, pair};
 
 /// Limits on the number of pairs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,14 +27,14 @@ impl BroadPhase {
     /// *Domain* the tree holds the boxes as they are, without margins. No collider's pairs are counted beyond the cap, so that time grows
     /// with the number of colliders times the cap.
     #[cold]
-    pub(super) fn cap(&mut self, limits: &PairLimits) {
-        let statics = Arc::clone(&self.statics);
-        let most = limits.per_collider.min(self.movers.len() + statics.len()) as u32;
+    pub(super) fn cap(&mut self, still: &Standing<'_>, limits: &PairLimits) {
+        let colliders = still.trees().map(Statics::len).fold(self.movers.len(), usize::saturating_add);
+        let most = limits.per_collider.min(colliders) as u32;
         self.degrees.clear();
         self.degrees.resize(self.entries.len(), 0);
         for i in 0..self.movers.len() {
             let mut degree = 0;
-            self.neighbours(&statics, self.movers[i], |_, _| {
+            self.neighbours(still, self.movers[i], |_, _| {
                 degree += 1;
                 degree <= most
             });
@@ -46,7 +44,7 @@ impl BroadPhase {
         let mut needs = core::mem::take(&mut self.needs);
         needs.clear();
         needs.resize(most as usize + 1, 0);
-        self.pairs_within(&statics, most, |_, need| needs[need as usize] += 1);
+        self.pairs_within(still, most, |_, need| needs[need as usize] += 1);
         let mut total = 0;
         let fitting = needs.iter().take_while(|&&pairs| {
             total += pairs;
@@ -57,7 +55,7 @@ impl BroadPhase {
         self.needs = needs;
         let mut pairs = core::mem::take(&mut self.pairs);
         pairs.clear();
-        self.pairs_within(&statics, cap, |key, _| pairs.push(pair(key)));
+        self.pairs_within(still, cap, |key, _| pairs.push(pair(key)));
         pairs.sort_unstable();
         self.pairs = pairs;
         let is_above = |&collider: &u32| self.degrees[collider as usize] > cap;
@@ -66,13 +64,13 @@ impl BroadPhase {
     }
 
     /// Calls `each` with every pair of colliders that have at most `cap` pairs, and with the larger number of pairs of the two.
-    fn pairs_within(&self, statics: &Statics, cap: u32, mut each: impl FnMut(u64, u32)) {
+    fn pairs_within(&self, still: &Standing<'_>, cap: u32, mut each: impl FnMut(u64, u32)) {
         for &collider in &self.movers {
             let own = self.degrees[collider as usize];
             if own > cap {
                 continue;
             }
-            self.neighbours(statics, collider, |other, moves| {
+            self.neighbours(still, collider, |other, moves| {
                 let need = if moves { own.max(self.degrees[other as usize]) } else { own };
                 // Two that move find each other.
                 if need <= cap && (!moves || collider < other) {
@@ -84,7 +82,7 @@ impl BroadPhase {
     }
 
     /// Calls `found` with each collider that makes a pair with this one, and with whether it moves, until it returns false.
-    fn neighbours(&self, statics: &Statics, collider: u32, mut found: impl FnMut(u32, bool) -> bool) {
+    fn neighbours(&self, still: &Standing<'_>, collider: u32, mut found: impl FnMut(u32, bool) -> bool) {
         let entry = &self.entries[collider as usize];
         let extent = entry.extent();
         let mut goes_on = true;
@@ -94,8 +92,13 @@ impl BroadPhase {
             }
             goes_on
         });
-        if goes_on {
-            statics.search(&extent, |other| !entry.filter.agrees(other.filter) || found(other.collider, false));
+        for tree in still.trees() {
+            if goes_on {
+                tree.search(&extent, |other| {
+                    goes_on = !entry.filter.agrees(other.filter) || found(other.collider, false);
+                    goes_on
+                });
+            }
         }
     }
 }

@@ -7,7 +7,7 @@
 //! How: each moving collider has a *fat* box, larger than its own by a margin, which it keeps until it leaves it. Pairs of fat boxes
 //! are *candidates*; they change when somebody leaves a fat box, and only then a tree is searched. In a step in which nobody does, the
 //! cost is that of one comparison for each moving collider and one for each candidate. Static colliders stand in a tree of their own,
-//! built once, which copies of a world share.
+//! and those of sleeping bodies in another one. Copies of a world share both, and a step does not look at who stands far away.
 
 mod bounds;
 mod cap;
@@ -46,15 +46,40 @@ pub struct Proxy {
     pub filter: Filter,
 }
 
+/// The colliders that stand still in a step.
+#[derive(Clone, Copy, Debug)]
+pub struct Standing<'a> {
+    /// Those of static bodies.
+    pub statics: &'a Arc<Statics>,
+    /// Those of sleeping bodies, which are treated alike.
+    pub sleepers: Option<&'a Statics>,
+    /// A number that changes whenever the sleeping ones do.
+    pub version: u64,
+}
+
+impl<'a> Standing<'a> {
+    /// Those of static bodies alone.
+    #[must_use]
+    pub fn of(statics: &'a Arc<Statics>) -> Self {
+        Self { statics, sleepers: None, version: 0 }
+    }
+
+    fn trees(&self) -> impl Iterator<Item = &'a Statics> + use<'a> {
+        [&**self.statics].into_iter().chain(self.sleepers)
+    }
+}
+
 /// The broad phase of a world, with what it remembers between steps. A new one and one of any history give the same pairs.
 #[derive(Clone, Debug, Default)]
 pub struct BroadPhase {
     statics: Arc<Statics>,
+    /// The version of the sleeping colliders.
+    version: u64,
     /// The fat boxes.
     tree: Tree,
     /// The memory of each moving collider, by number.
     entries: Vec<Entry>,
-    /// The boxes of moving colliders, and of static ones among the candidates, by number.
+    /// The boxes of moving colliders, and of others among the candidates, by number.
     boxes: Vec<Bounds>,
     /// The colliders that moved in the last step.
     movers: Vec<u32>,
@@ -89,37 +114,38 @@ fn pair(key: u64) -> [u32; 2] {
 }
 
 impl BroadPhase {
-    /// Finds the pairs of a step. `movers` are the colliders that move, in any order, each once and none of them among the static ones.
+    /// Finds the pairs of a step. `movers` are the colliders that move, in any order, each once and none of them among those that stand still.
     ///
     /// With more than `limits.pairs` pairs, [`above_cap`](Self::above_cap) names the colliders that have too many.
     ///
     /// Time and memory are bounded by the numbers of colliders and of pairs, or by the limits if they are lower. Time alone grows also with
     /// the number of overlapping boxes whose filters disagree: categories and masks end a search early where they keep whole parts of the
     /// tree apart, groups do not.
-    pub fn update(&mut self, statics: &Arc<Statics>, movers: &[Proxy], limits: &PairLimits) {
-        let are_new = !Arc::ptr_eq(&self.statics, statics);
+    pub fn update(&mut self, still: &Standing<'_>, movers: &[Proxy], limits: &PairLimits) {
+        let are_new = !Arc::ptr_eq(&self.statics, still.statics) || self.version != still.version;
         if are_new {
-            self.statics = Arc::clone(statics);
+            self.statics = Arc::clone(still.statics);
+            self.version = still.version;
         }
         self.stale.clear();
         self.gone.clear();
-        self.reserve(movers);
+        self.reserve(still, movers);
         self.place(movers);
         // With more candidates than this, the pairs are searched without margins.
         let most = limits.pairs.saturating_mul(2).saturating_add(movers.len());
         let is_small = if are_new || !self.is_complete || self.stale.len() > movers.len() / 8 {
-            self.search_all(most)
+            self.search_all(still, most)
         } else {
-            self.search_stale(most)
+            self.search_stale(still, most)
         };
         self.above_cap.clear();
-        if !is_small && !self.search_exactly(limits.pairs) {
-            return self.cap(limits);
+        if !is_small && !self.search_exactly(still, limits.pairs) {
+            return self.cap(still, limits);
         }
         self.sift();
         if self.pairs.len() > limits.pairs {
-            self.search_exactly(limits.pairs);
-            self.cap(limits);
+            self.search_exactly(still, limits.pairs);
+            self.cap(still, limits);
         }
     }
 
@@ -147,11 +173,12 @@ impl BroadPhase {
 
     /// Makes room for what the lists may come to hold. Fat boxes depend on the steps before, and the lists that follow from them too: with
     /// this room, a step of which a copy has been taken, and that is taken again, takes nothing from the heap.
-    fn reserve(&mut self, movers: &[Proxy]) {
+    fn reserve(&mut self, still: &Standing<'_>, movers: &[Proxy]) {
         if movers.is_empty() {
             return;
         }
-        let most = movers.iter().map(|proxy| proxy.collider as usize + 1).max().unwrap_or(0).max(self.statics.end());
+        let most = movers.iter().map(|proxy| proxy.collider as usize + 1).max().unwrap_or(0);
+        let most = still.trees().map(Statics::end).fold(most, usize::max);
         if most > self.entries.len() {
             self.grow(most);
         }
@@ -261,15 +288,15 @@ impl BroadPhase {
     }
 
     /// Searches the candidates of all. Returns false if there are more than `most`.
-    fn search_all(&mut self, most: usize) -> bool {
+    fn search_all(&mut self, still: &Standing<'_>, most: usize) -> bool {
         self.settle();
         // With new fat boxes for all: most would leave theirs soon, and each of them then costs a search of its own.
         self.refit(true);
-        self.join(most)
+        self.join(still, most)
     }
 
     /// Lists all candidates, from the boxes in the tree. Returns false, with a part of them, if there are more than `most`.
-    fn join(&mut self, most: usize) -> bool {
+    fn join(&mut self, still: &Standing<'_>, most: usize) -> bool {
         let mut found = core::mem::take(&mut self.candidates);
         found.clear();
         for (leaf, collider, extent) in self.tree.leaves() {
@@ -285,13 +312,12 @@ impl BroadPhase {
                 break;
             }
         }
-        let statics = Arc::clone(&self.statics);
-        if !statics.is_empty() {
+        for tree in still.trees().filter(|tree| !tree.is_empty()) {
             for i in 0..self.movers.len() {
                 if found.len() > most {
                     break;
                 }
-                self.search_statics(&statics, self.movers[i], most, &mut found);
+                self.search_still(tree, self.movers[i], most, &mut found);
             }
         }
         self.is_complete = found.len() <= most;
@@ -302,11 +328,11 @@ impl BroadPhase {
         self.is_complete
     }
 
-    /// Adds the candidates of a moving collider with static ones.
-    fn search_statics(&mut self, statics: &Statics, collider: u32, most: usize, found: &mut Vec<u64>) {
+    /// Adds the candidates of a moving collider with those that stand still.
+    fn search_still(&mut self, still: &Statics, collider: u32, most: usize, found: &mut Vec<u64>) {
         let Entry { filter, .. } = self.entries[collider as usize];
         let extent = self.entries[collider as usize].extent();
-        statics.search(&extent, |other| {
+        still.search(&extent, |other| {
             if filter.agrees(other.filter) {
                 self.boxes[other.collider as usize] = other.bounds.into();
                 found.push(key(collider, other.collider));
@@ -316,7 +342,7 @@ impl BroadPhase {
     }
 
     /// Searches the candidates of those that are stale. Returns false if there are more than `most`.
-    fn search_stale(&mut self, most: usize) -> bool {
+    fn search_stale(&mut self, still: &Standing<'_>, most: usize) -> bool {
         if self.stale.is_empty() && self.gone.is_empty() {
             return true;
         }
@@ -327,7 +353,6 @@ impl BroadPhase {
         let mut found = core::mem::take(&mut self.found);
         found.clear();
         let room = most.saturating_sub(self.candidates.len());
-        let statics = Arc::clone(&self.statics);
         for i in 0..self.stale.len() {
             let collider = self.stale[i];
             let entry = &self.entries[collider as usize];
@@ -340,7 +365,9 @@ impl BroadPhase {
                 }
                 found.len() <= room
             });
-            self.search_statics(&statics, collider, room, &mut found);
+            for tree in still.trees() {
+                self.search_still(tree, collider, room, &mut found);
+            }
             if found.len() > room {
                 break;
             }
@@ -355,14 +382,14 @@ impl BroadPhase {
 
     /// Lists as candidates the pairs themselves. Returns false if there are more than `most`.
     #[cold]
-    fn search_exactly(&mut self, most: usize) -> bool {
+    fn search_exactly(&mut self, still: &Standing<'_>, most: usize) -> bool {
         for &collider in &self.movers {
             let entry = &mut self.entries[collider as usize];
             entry.fit(self.boxes[collider as usize]);
             self.tree.set(entry.leaf, entry.extent());
         }
         self.build();
-        self.join(most)
+        self.join(still, most)
     }
 }
 

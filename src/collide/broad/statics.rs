@@ -1,4 +1,4 @@
-//! Colliders that do not move.
+//! Colliders that stand still.
 
 use alloc::sync::Arc;
 use alloc::vec::Vec;
@@ -12,37 +12,65 @@ use crate::shape::Aabb;
 /// The number of changes that stand beside a tree before it is built anew.
 const CHANGES: usize = 512;
 
-/// The static colliders of a world: a tree, and the few changes since it was built. It never changes: copies of a world share it, and a
-/// world in which a static collider is added, changed or removed makes another one, which shares the tree.
+/// Colliders that stand still, those of static bodies or those of sleeping ones: a tree, which copies of a world share, and the few changes since
+/// it was built.
 ///
-/// What a search finds depends on the colliders alone, and not on when the tree was built.
-#[derive(Clone, Debug, Default)]
+/// A search finds the same colliders whenever the tree was built.
+#[derive(Debug, Default)]
 pub struct Statics {
     base: Arc<Part>,
     /// The numbers of colliders in the tree that are there no more, or changed, sorted.
     gone: Vec<u32>,
-    /// Those that are new or changed.
+    /// The colliders that are new, and those that changed.
     added: Part,
 }
 
+impl Clone for Statics {
+    fn clone(&self) -> Self {
+        Self { base: Arc::clone(&self.base), gone: self.gone.clone(), added: self.added.clone() }
+    }
+
+    fn clone_from(&mut self, source: &Self) {
+        self.base.clone_from(&source.base);
+        self.gone.clone_from(&source.gone);
+        self.added.clone_from(&source.added);
+    }
+}
+
 /// Colliders in a tree.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 struct Part {
     /// Sorted by number.
     proxies: Vec<Proxy>,
     tree: Tree,
 }
 
+impl Clone for Part {
+    fn clone(&self) -> Self {
+        Self { proxies: self.proxies.clone(), tree: self.tree.clone() }
+    }
+
+    fn clone_from(&mut self, source: &Self) {
+        self.proxies.clone_from(&source.proxies);
+        self.tree.clone_from(&source.tree);
+    }
+}
+
 impl Part {
-    fn new(mut proxies: Vec<Proxy>) -> Self {
-        proxies.sort_unstable_by_key(|proxy| proxy.collider);
-        let mut tree = Tree::default();
-        for (i, proxy) in proxies.iter().enumerate() {
-            tree.push(i as u32, Extent::new(proxy.bounds.into(), proxy.filter));
+    fn new(proxies: Vec<Proxy>) -> Self {
+        let mut part = Self { proxies, tree: Tree::default() };
+        part.build();
+        part.tree.drop_workspace();
+        part
+    }
+
+    fn build(&mut self) {
+        self.proxies.sort_unstable_by_key(|proxy| proxy.collider);
+        self.tree.clear();
+        for (i, proxy) in self.proxies.iter().enumerate() {
+            self.tree.push(i as u32, Extent::new(proxy.bounds.into(), proxy.filter));
         }
-        tree.build();
-        tree.drop_workspace();
-        Self { proxies, tree }
+        self.tree.build();
     }
 
     fn find(&self, collider: u32) -> Result<usize, usize> {
@@ -62,38 +90,67 @@ impl Statics {
         Self { base: Arc::new(Part::new(proxies)), gone: Vec::new(), added: Part::default() }
     }
 
-    /// The colliders after changes: of each number what stands there now. `None` if nothing changes.
-    #[must_use]
-    pub(crate) fn changed(&self, changes: &[(u32, Option<Proxy>)]) -> Option<Self> {
-        if changes.is_empty() {
-            return None;
+    /// Replaces all colliders. A few take nothing from the heap where there were as many before.
+    pub(crate) fn refill(&mut self, proxies: &[Proxy]) {
+        self.gone.clear();
+        self.added.proxies.clear();
+        if proxies.len() <= CHANGES {
+            if !self.base.proxies.is_empty() {
+                self.base = Arc::default();
+            }
+            self.added.proxies.extend_from_slice(proxies);
+        } else {
+            let base = Arc::make_mut(&mut self.base);
+            base.proxies.clear();
+            base.proxies.extend_from_slice(proxies);
+            base.build();
         }
-        let (mut gone, mut added) = (self.gone.clone(), self.added.proxies.clone());
+        self.added.build();
+    }
+
+    /// Changes colliders: each number with what stands there now; a number that is there twice has the same change twice. Returns false if
+    /// that is what stood there before. Takes nothing from the heap where there were as many changes before, until the tree is built anew.
+    pub(crate) fn change(&mut self, changes: &[(u32, Option<Proxy>)]) -> bool {
         let mut differs = false;
-        for &(collider, ref now) in changes {
-            // A number that is there twice has the same change twice.
-            if self.find(collider) == now.as_ref() {
+        for (collider, now) in changes {
+            if self.find(*collider) == now.as_ref() {
                 continue;
             }
             differs = true;
-            if let Ok(i) = added.binary_search_by_key(&collider, |proxy| proxy.collider) {
-                added.remove(i);
+            let added = &mut self.added.proxies;
+            let place = added.binary_search_by_key(collider, |proxy| proxy.collider);
+            match (place, now) {
+                (Ok(i), Some(now)) => added[i] = *now,
+                (Ok(i), None) => _ = added.remove(i),
+                (Err(i), Some(now)) => added.insert(i, *now),
+                (Err(_), None) => {}
             }
-            if let (Ok(_), Err(i)) = (self.base.find(collider), gone.binary_search(&collider)) {
-                gone.insert(i, collider);
-            }
-            if let (Some(now), Err(i)) = (now, added.binary_search_by_key(&collider, |proxy| proxy.collider)) {
-                added.insert(i, *now);
+            if let (Ok(_), Err(i)) = (self.base.find(*collider), self.gone.binary_search(collider)) {
+                self.gone.insert(i, *collider);
             }
         }
-        if !differs {
+        if differs && self.gone.len() + self.added.proxies.len() > CHANGES {
+            *self = Self::new(self.iter().copied().collect());
+        } else if differs {
+            self.added.build();
+        }
+        differs
+    }
+
+    /// The colliders after changes, as [`change`](Self::change) makes them. `None` if nothing changes.
+    #[must_use]
+    pub(crate) fn changed(&self, changes: &[(u32, Option<Proxy>)]) -> Option<Self> {
+        if changes.iter().all(|(collider, now)| self.find(*collider) == now.as_ref()) {
             return None;
         }
-        if gone.len() + added.len() <= CHANGES {
-            return Some(Self { base: Arc::clone(&self.base), gone, added: Part::new(added) });
-        }
-        let stays = |proxy: &&Proxy| gone.binary_search(&proxy.collider).is_err();
-        Some(Self::new(self.base.proxies.iter().filter(stays).chain(&added).copied().collect()))
+        let mut next = self.clone();
+        next.change(changes);
+        Some(next)
+    }
+
+    /// Returns true if these are those of a copy, with the same changes since.
+    pub(crate) fn are_those_of(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.base, &other.base) && self.gone == other.gone && self.added.proxies == other.added.proxies
     }
 
     /// Returns true if these are the colliders, in any order.
@@ -106,8 +163,14 @@ impl Statics {
         self.find(collider).is_some()
     }
 
+    /// All colliders, in no order.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &Proxy> {
+        let stays = |proxy: &&Proxy| self.gone.binary_search(&proxy.collider).is_err();
+        self.base.proxies.iter().filter(stays).chain(&self.added.proxies)
+    }
+
     /// The collider with a number.
-    fn find(&self, collider: u32) -> Option<&Proxy> {
+    pub(crate) fn find(&self, collider: u32) -> Option<&Proxy> {
         let from = |part: &'_ Part| part.find(collider).ok();
         if let Some(i) = from(&self.added) {
             return self.added.proxies.get(i);
@@ -116,7 +179,7 @@ impl Statics {
         from(&self.base).filter(|_| !is_gone).and_then(|i| self.base.proxies.get(i))
     }
 
-    /// Number of static colliders.
+    /// Number of colliders.
     #[must_use]
     pub fn len(&self) -> usize {
         self.base.proxies.len() - self.gone.len() + self.added.proxies.len()
@@ -139,6 +202,14 @@ impl Statics {
         self.search(&Extent::new(bounds.into(), all), |proxy| {
             found(proxy);
             true
+        });
+    }
+
+    /// Calls `found` with each collider that makes a pair with another one, until it returns false.
+    pub(crate) fn meeting(&self, own: &Proxy, mut found: impl FnMut(&Proxy) -> bool) {
+        self.search(&Extent::new(own.bounds.into(), own.filter), |other| {
+            let is_pair = own.body != other.body && own.filter.agrees(other.filter);
+            !is_pair || found(other)
         });
     }
 

@@ -75,7 +75,7 @@ struct Part {
     node: usize,
 }
 
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub(super) struct Tree {
     nodes: Vec<Node>,
     /// The node above each node, [`NONE`] for the first and for leaves behind the tree.
@@ -86,6 +86,18 @@ pub(super) struct Tree {
     leaves: Vec<Node>,
     places: Vec<Place>,
     parts: Vec<Part>,
+}
+
+impl Clone for Tree {
+    fn clone(&self) -> Self {
+        Self { nodes: self.nodes.clone(), parents: self.parents.clone(), built: self.built, ..Self::default() }
+    }
+
+    fn clone_from(&mut self, source: &Self) {
+        self.nodes.clone_from(&source.nodes);
+        self.parents.clone_from(&source.parents);
+        self.built = source.built;
+    }
 }
 
 impl Tree {

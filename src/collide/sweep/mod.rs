@@ -21,7 +21,7 @@ pub(crate) use path::{END, Leg, Path};
 /// The most steps along a path.
 pub(crate) const STEPS: u32 = 96;
 
-/// What rounding may add to a distance, ulps: corners, centres and their angles, and the parts that a bound is the sum of.
+/// The most that rounding adds to a distance, ulps: that of corners, of centres and their angles, and of the parts of a bound.
 const ROUNDING: i64 = 16;
 
 /// 2π in 2^-32, rounded up.

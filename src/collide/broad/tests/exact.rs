@@ -4,7 +4,7 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use super::scene::{KINDS, Kind, METRE, NO_LIMITS, all_pairs, bounds, filter, found};
-use crate::collide::broad::{BroadPhase, Proxy, Statics};
+use crate::collide::broad::{BroadPhase, Proxy, Standing, Statics};
 use crate::fx::Fx;
 use crate::math::Random;
 use crate::shape::Aabb;
@@ -231,9 +231,9 @@ fn boxes_that_share_a_point_are_a_pair_and_those_an_ulp_apart_are_not() {
         (METRE, METRE + 1, false),
     ] {
         let mut broad = BroadPhase::default();
-        broad.update(&Arc::default(), &[at(7, 0, 0), at(3, x, y)], &NO_LIMITS);
+        broad.update(&Standing::of(&Arc::default()), &[at(7, 0, 0), at(3, x, y)], &NO_LIMITS);
         assert_eq!(broad.pairs(), if is_pair { &[[3, 7]][..] } else { &[] });
-        broad.update(&Arc::new(Statics::new([at(3, x, y)].to_vec())), &[at(7, 0, 0)], &NO_LIMITS);
+        broad.update(&Standing::of(&Arc::new(Statics::new([at(3, x, y)].to_vec()))), &[at(7, 0, 0)], &NO_LIMITS);
         assert_eq!(broad.pairs(), if is_pair { &[[3, 7]][..] } else { &[] });
     }
 }

@@ -5,7 +5,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 
 use super::scene::{KINDS, METRE, NO_LIMITS, all_pairs, filter, found, proxy};
-use crate::collide::broad::{BroadPhase, PairLimits, Proxy, Statics};
+use crate::collide::broad::{BroadPhase, PairLimits, Proxy, Standing, Statics};
 use crate::math::Random;
 
 /// The colliders above the cap, and the pairs of the others, by a look at all pairs.
@@ -50,10 +50,10 @@ fn colliders_above_the_cap_are_those_of_the_definition_after_any_history() {
                 let limits = PairLimits { pairs, per_collider: random.below(20) as usize };
                 let (above, rest) = expected(&fixed, &movers, &limits);
                 capped += usize::from(!above.is_empty());
-                broad.update(&statics, &movers, &limits);
+                broad.update(&Standing::of(&statics), &movers, &limits);
                 assert_eq!((broad.above_cap(), broad.pairs()), (&above[..], &rest[..]), "{kind:?} {limits:?}");
                 let mut fresh = BroadPhase::default();
-                fresh.update(&statics, &movers, &limits);
+                fresh.update(&Standing::of(&statics), &movers, &limits);
                 assert_eq!((fresh.above_cap(), fresh.pairs()), (&above[..], &rest[..]), "{kind:?} {limits:?}");
             }
             // What the limits left out is found again without them.
@@ -74,7 +74,7 @@ fn ten_thousand_in_one_place_stay_within_the_limits() {
     let limits = PairLimits { pairs: 20_000, per_collider: 100 };
     let mut broad = BroadPhase::default();
     for _ in 0..3 {
-        broad.update(&Arc::default(), &movers, &limits);
+        broad.update(&Standing::of(&Arc::default()), &movers, &limits);
         assert_eq!(broad.above_cap(), (0..10_000).collect::<Vec<_>>());
         let bystanders: Vec<_> = (5_000..5_050).map(|i| [2 * i, 2 * i + 1]).collect();
         assert_eq!(broad.pairs(), bystanders);
@@ -88,10 +88,18 @@ fn a_floor_is_never_above_the_cap() {
     let movers: Vec<Proxy> =
         (1..=500).map(|i| proxy(i, [i64::from(i) * 3 * METRE, 0], [(i64::from(i) * 3 + 1) * METRE, METRE])).collect();
     let mut broad = BroadPhase::default();
-    broad.update(&Arc::new(Statics::new(vec![floor])), &movers, &PairLimits { pairs: 499, per_collider: 9 });
+    broad.update(
+        &Standing::of(&Arc::new(Statics::new(vec![floor]))),
+        &movers,
+        &PairLimits { pairs: 499, per_collider: 9 },
+    );
     // Each box has one pair, so that no cap above zero leaves few enough.
     assert_eq!((broad.above_cap().len(), broad.pairs().len()), (500, 0));
-    broad.update(&Arc::new(Statics::new(vec![floor])), &movers, &PairLimits { pairs: 500, per_collider: 0 });
+    broad.update(
+        &Standing::of(&Arc::new(Statics::new(vec![floor]))),
+        &movers,
+        &PairLimits { pairs: 500, per_collider: 0 },
+    );
     assert_eq!((broad.above_cap().len(), broad.pairs().len()), (0, 500));
     assert_eq!(found(&mut broad, &Arc::new(Statics::new(vec![floor])), &movers), all_pairs(&[floor], &movers));
     assert_eq!(NO_LIMITS.pairs, usize::MAX);

@@ -3,7 +3,7 @@
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
-use crate::collide::broad::{BroadPhase, PairLimits, Proxy, Statics};
+use crate::collide::broad::{BroadPhase, PairLimits, Proxy, Standing, Statics};
 use crate::collider::Filter;
 use crate::fx::Fx;
 use crate::math::{Random, Vec2};
@@ -40,7 +40,7 @@ pub(super) fn all_pairs(statics: &[Proxy], movers: &[Proxy]) -> Vec<[u32; 2]> {
 
 /// The pairs that a broad phase finds.
 pub(super) fn found(broad: &mut BroadPhase, statics: &Arc<Statics>, movers: &[Proxy]) -> Vec<[u32; 2]> {
-    broad.update(statics, movers, &NO_LIMITS);
+    broad.update(&Standing::of(statics), movers, &NO_LIMITS);
     assert!(broad.above_cap().is_empty());
     broad.pairs().to_vec()
 }

@@ -4,7 +4,7 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use super::scene::{METRE, NO_LIMITS, all_pairs, found, proxy};
-use crate::collide::broad::{BroadPhase, Proxy, Statics};
+use crate::collide::broad::{BroadPhase, Proxy, Standing, Statics};
 use crate::math::Random;
 
 /// Boxes in a square, shifted by this.
@@ -64,11 +64,11 @@ fn a_copy_shares_the_static_tree() {
 #[test]
 fn without_colliders_there_is_nothing() {
     let mut broad = BroadPhase::default();
-    broad.update(&Arc::default(), &[], &NO_LIMITS);
+    broad.update(&Standing::of(&Arc::default()), &[], &NO_LIMITS);
     assert!(broad.pairs().is_empty());
     assert_eq!(broad.capacities(), [0; 9]);
     let statics = Arc::new(Statics::new(square(1000, [0; 2])));
-    broad.update(&statics, &[], &NO_LIMITS);
+    broad.update(&Standing::of(&statics), &[], &NO_LIMITS);
     assert!(broad.pairs().is_empty());
     assert_eq!(broad.capacities(), [0; 9]);
 }

@@ -10,13 +10,14 @@
 //! The least of times depends on no order. Where two kinematic bodies meet a body at the same moment and would carry it
 //! to two places, it stops: it is squeezed, as is one that is carried into something.
 
+mod paths;
+
 use alloc::vec::Vec;
 
 use super::engine::Engine;
 use super::flights::{FlightOf, Place};
 use super::numerics::Numerics;
 use super::{Correction, Scene, Stop};
-use crate::body::Locks;
 use crate::collide::broad::{Proxy, Statics};
 use crate::collide::sweep::{END, Form, Leg, Path, Sweep};
 use crate::collider::{Collider, OutlineId};
@@ -26,14 +27,13 @@ use crate::scalar::Scalar;
 use crate::shape::Aabb;
 use crate::slots::NONE;
 
+use paths::{Paths, around};
+
 /// The rounds in which paths end at times of impact.
 const ROUNDS: u32 = 4;
 
 /// The least motion that counts, ulps: 2^-12 m.
 const LEAST: i64 = 1 << 20;
-
-/// Boxes are grown by this, ulps: more than what rounding may take.
-const GROWTH: i64 = 1 << 14;
 
 /// Memory of continuous collision. None of it lasts beyond a step.
 #[derive(Debug, Default)]
@@ -46,8 +46,9 @@ pub(super) struct Workspace {
     /// The outlines of each pair by number, the lower one first.
     pairs: Vec<[u32; 2]>,
     hits: Vec<Hit>,
-    /// The boxes of what moves.
+    /// The boxes of what moves, and a tree of them where they are many.
     movers: Vec<Proxy>,
+    tree: Option<Statics>,
 }
 
 /// A body and its path.
@@ -61,7 +62,7 @@ struct Course {
     carrier: u32,
 }
 
-/// The number of moving boxes up to which no tree of them is built.
+/// The number of moving boxes up to which each is looked at, without a tree.
 const FEW: usize = 64;
 
 /// Returns true if two boxes have a point in common.
@@ -132,11 +133,15 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         self.sweep.of.clear();
         self.sweep.courses.clear();
         self.sweep.pairs.clear();
-        let statics = self.statics.clone().unwrap_or_default();
+        let still = self.still.take().unwrap_or_default();
         self.list_movers(paths);
         let movers = core::mem::take(&mut self.sweep.movers);
-        // Of few, each is looked at: that takes nothing from the heap.
-        let tree = (movers.len() > FEW).then(|| Statics::new(movers.clone()));
+        let mut memory = self.sweep.tree.take();
+        let tree = (movers.len() > FEW).then(|| {
+            let tree = memory.get_or_insert_default();
+            tree.refill(&movers);
+            &*tree
+        });
         for i in 0..self.sweep.fast.len() {
             let flight = self.sweep.fast[i];
             let place = *self.flights.body(flight);
@@ -155,9 +160,10 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
                         true
                     };
                     if place.kind == FlightOf::Dynamic {
-                        statics.search_box(bounds, filter, &mut visit);
+                        still.statics.search_box(bounds, filter, &mut visit);
+                        still.sleepers.search_box(bounds, filter, &mut visit);
                     }
-                    match &tree {
+                    match tree {
                         Some(tree) => tree.search_box(bounds, filter, &mut visit),
                         None => {
                             let near = movers.iter().filter(|proxy| overlap(&proxy.bounds, &bounds));
@@ -169,6 +175,8 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
             }
         }
         self.sweep.movers = movers;
+        self.sweep.tree = memory;
+        self.still = Some(still);
         let mut pairs = core::mem::take(&mut self.sweep.pairs);
         pairs.sort_unstable();
         pairs.dedup();
@@ -204,9 +212,10 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         proxies.clear();
         for flight in 0..self.flights.len() as u32 {
             let is_wanted = match kind(flight) {
-                FlightOf::Static => false,
+                // These stand in trees.
+                FlightOf::Static | FlightOf::Asleep => false,
                 FlightOf::Kinematic => has_dynamic,
-                FlightOf::Dynamic | FlightOf::Asleep => wants_all || is_bullet(flight),
+                FlightOf::Dynamic => wants_all || is_bullet(flight),
             };
             if !is_wanted {
                 continue;
@@ -366,69 +375,6 @@ fn is_swept<S: Scalar, P>([a, b]: [&Place<P>; 2], paths: &Paths<'_, S>) -> bool 
         }
         _ => false,
     }
-}
-
-/// The paths of bodies after impulses.
-struct Paths<'a, S: Scalar> {
-    scene: &'a Scene<'a, S>,
-    corrections: &'a [Correction<S>],
-}
-
-impl<S: Scalar> Paths<'_, S> {
-    fn path<N: Numerics<S>>(&self, place: &Place<N::Pose>, of: &N::Flight, flight: u32) -> Path {
-        let motion = &self.scene.bodies.columns.motion;
-        let Some(start) = self.scene.starts.get(flight as usize) else {
-            let dense = self.scene.bodies.index_in(place.slot).unwrap_or(0);
-            return Path::new(N::still_leg(motion.position.get(dense), motion.angle[dense]));
-        };
-        let rotation = self.corrections.get(flight as usize).map(|by| by.rotation);
-        let end = (motion.position.get(start.dense), motion.angle[start.dense]);
-        Path::new(N::leg(start, end, of, rotation))
-    }
-
-    /// The pose at the end of a path that ended early.
-    fn stop<N: Numerics<S>>(&self, course: &Course) -> Stop<S> {
-        let start = &self.scene.starts[course.flight as usize];
-        let (position, angle) = match course.path.stopped_at() {
-            Some(at) => {
-                let end = self.scene.bodies.columns.motion.position.get(start.dense);
-                let (_, angle) = course.path.last().pose(END);
-                (
-                    [0, 1].map(|k| {
-                        let [from, to] = [start.position, end].map(|v| if k == 0 { v.x } else { v.y });
-                        N::between(from, to, at)
-                    }),
-                    angle,
-                )
-            }
-            None => {
-                let (at, angle) = course.path.last().pose(END);
-                (at.map(N::from_ulps), angle)
-            }
-        };
-        Stop { dense: start.dense, position: Vec2::new(position[0], position[1]), angle: N::from_turn(angle) }
-    }
-
-    fn is_bullet(&self, slot: u32) -> bool {
-        let bodies = self.scene.bodies;
-        bodies.index_in(slot).is_some_and(|dense| bodies.info(dense).is_bullet)
-    }
-
-    fn is_locked(&self, slot: u32) -> bool {
-        let bodies = self.scene.bodies;
-        bodies.index_in(slot).is_some_and(|dense| bodies.mass(dense).locks != Locks::NONE)
-    }
-}
-
-/// The box around an outline of this reach on a path.
-fn around(path: &Path, reach: i64) -> Aabb<Fx> {
-    let (low, high) = path.ends();
-    let by = reach.saturating_add(GROWTH);
-    let at = |ends: [i64; 2], by: i64| {
-        let [x, y] = ends.map(|end| Fx::from_bits(end.saturating_add(by)));
-        Vec2::new(x, y)
-    };
-    Aabb { min: at(low, -by), max: at(high, by) }
 }
 
 /// An outline for the time of impact.

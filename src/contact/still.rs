@@ -1,0 +1,279 @@
+//! Colliders that stand still: those of static bodies, and those of sleeping ones. They stand in trees that a step only changes where a
+//! call, or the last step, has changed a body, and which copies of a world share.
+
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+
+use super::engine::Engine;
+use super::numerics::Numerics;
+use super::{Changed, Scene};
+use crate::body::{Activity, BodyKind};
+use crate::collide::broad::{PairLimits, Proxy, Standing, Statics};
+use crate::collider::Collider;
+use crate::scalar::Scalar;
+
+/// The trees of a world.
+#[derive(Debug, Default)]
+pub(super) struct Still {
+    pub(super) statics: Arc<Statics>,
+    pub(super) sleepers: Statics,
+    /// The number of changes of the sleeping ones, by this world or by one that it became a copy of.
+    version: u64,
+    /// The number of pairs of which one sleeps and the other stands still; `usize::MAX` if there were more than a world may have.
+    pairs: usize,
+}
+
+/// Memory that following changes uses again.
+#[derive(Debug, Default)]
+pub(super) struct Workspace {
+    /// All colliders of a kind.
+    proxies: Vec<Proxy>,
+    /// By number, the static and the sleeping ones that came, left or changed.
+    changes: [Vec<(u32, Option<Proxy>)>; 2],
+    /// The numbers of these, sorted.
+    numbers: Vec<u32>,
+}
+
+impl Still {
+    /// Becomes a copy.
+    pub(super) fn copy_from(&mut self, source: &Self) {
+        self.statics.clone_from(&source.statics);
+        if !self.sleepers.are_those_of(&source.sleepers) {
+            self.sleepers.clone_from(&source.sleepers);
+            self.version += 1;
+        }
+        self.pairs = source.pairs;
+    }
+
+    fn standing(&self) -> Standing<'_> {
+        Standing { statics: &self.statics, sleepers: Some(&self.sleepers), version: self.version }
+    }
+
+    /// Calls `found` with what makes a pair with a collider of these, and true if that sleeps, until it returns false.
+    fn partners(&self, own: &Proxy, sleeps: bool, mut found: impl FnMut(&Proxy, bool) -> bool) {
+        let mut goes_on = true;
+        self.sleepers.meeting(own, |other| {
+            goes_on = found(other, true);
+            goes_on
+        });
+        if goes_on && sleeps {
+            self.statics.meeting(own, |other| found(other, false));
+        }
+    }
+
+    /// Counts all pairs, up to one more than `most`.
+    fn count_all(&self, most: usize) -> usize {
+        let mut count = 0;
+        for own in self.sleepers.iter() {
+            self.partners(own, true, |other, sleeps| {
+                // Two that sleep find each other.
+                count += usize::from(!sleeps || own.collider < other.collider);
+                count <= most
+            });
+            if count > most {
+                break;
+            }
+        }
+        count
+    }
+
+    /// Counts the pairs with a collider of these numbers, which are sorted, up to one more than `most`.
+    fn count_of(&self, numbers: &[u32], most: usize) -> usize {
+        let mut count = 0;
+        for &number in numbers {
+            let sleeper = self.sleepers.find(number);
+            let Some(own) = sleeper.or_else(|| self.statics.find(number)) else { continue };
+            self.partners(own, sleeper.is_some(), |other, _| {
+                let is_found = other.collider < number && numbers.binary_search(&other.collider).is_ok();
+                count += usize::from(!is_found);
+                count <= most
+            });
+            if count > most {
+                break;
+            }
+        }
+        count
+    }
+}
+
+/// The state of bodies that stand still.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum State {
+    Static,
+    Asleep,
+}
+
+/// A number of pairs, or `usize::MAX` above the most that there may be.
+fn within(pairs: usize, most: usize) -> usize {
+    if pairs > most { usize::MAX } else { pairs }
+}
+
+impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
+    /// Follows the changes of colliders that stand still. `are_renumbered` says that outlines may have other numbers than before.
+    pub(super) fn update_still(&mut self, scene: &Scene<'_, S>, are_renumbered: bool) {
+        let is_current = self.statics_revision == scene.colliders.revision() && !are_renumbered;
+        if is_current && self.still.is_some() && scene.changed.is_some_and(Changed::is_empty) {
+            return;
+        }
+        self.statics_revision = scene.colliders.revision();
+        let most = scene.settings.max_pairs as usize;
+        let mut own = core::mem::take(&mut self.following);
+        let before = self.still.take();
+        let (is_known, mut still) = (before.is_some(), before.unwrap_or_default());
+        match scene.changed {
+            Some(changed) if is_known && !are_renumbered => self.follow(scene, changed, (&mut still, &mut own), most),
+            _ => {
+                self.tiles.clear();
+                self.list(scene, State::Static, &mut own.proxies);
+                if !still.statics.are(&own.proxies) {
+                    still.statics = Arc::new(Statics::new(own.proxies.clone()));
+                }
+                self.list(scene, State::Asleep, &mut own.proxies);
+                if !still.sleepers.are(&own.proxies) {
+                    still.sleepers.refill(&own.proxies);
+                    still.version += 1;
+                }
+                still.pairs = within(still.count_all(most), most);
+            }
+        }
+        self.following = own;
+        self.still = Some(still);
+    }
+
+    /// Lists all colliders that stand still in this way.
+    fn list(&self, scene: &Scene<'_, S>, state: State, proxies: &mut Vec<Proxy>) {
+        proxies.clear();
+        if state == State::Static || scene.bodies.any_asleep() {
+            proxies.extend(scene.colliders.list().flat_map(|collider| self.proxies(scene, collider, state)));
+        }
+    }
+
+    /// Makes the changes of bodies and colliders.
+    fn follow(
+        &mut self,
+        scene: &Scene<'_, S>,
+        changed: &Changed,
+        (still, own): (&mut Still, &mut Workspace),
+        most: usize,
+    ) {
+        let Workspace { changes: [statics, sleepers], numbers, .. } = own;
+        for (state, tree, changes) in
+            [(State::Static, &*still.statics, &mut *statics), (State::Asleep, &still.sleepers, &mut *sleepers)]
+        {
+            changes.clear();
+            changed.all(scene.colliders).for_each(|slot| self.list_changes(scene, tree, (slot, state), changes));
+        }
+        if !statics.is_empty() {
+            self.tiles.clear();
+        }
+        numbers.clear();
+        numbers.extend(statics.iter().chain(&*sleepers).map(|(number, _)| *number));
+        numbers.sort_unstable();
+        numbers.dedup();
+        let left = still.count_of(numbers, still.pairs);
+        let next = still.statics.changed(statics);
+        if still.sleepers.change(sleepers) {
+            still.version += 1;
+        }
+        if let Some(next) = next {
+            still.statics = Arc::new(next);
+        }
+        let count = match still.pairs {
+            usize::MAX => still.count_all(most),
+            pairs => pairs.saturating_sub(left).saturating_add(still.count_of(numbers, most)),
+        };
+        still.pairs = within(count, most);
+    }
+
+    /// The boxes of a collider, if its body stands still in this way.
+    fn proxies<'a>(
+        &self,
+        scene: &Scene<'a, S>,
+        collider: &'a Collider<S>,
+        state: State,
+    ) -> impl Iterator<Item = Proxy> + use<'a, S, N> {
+        let bodies = scene.bodies;
+        let first = self.numbers.first(collider.slot);
+        let is_still = |dense: &usize| match (bodies.activity(*dense), state) {
+            (Activity::Awake, State::Static) => bodies.info(*dense).kind == BodyKind::Static,
+            (Activity::Asleep, State::Asleep) => true,
+            _ => false,
+        };
+        let dense = bodies.find(collider.body).ok().filter(is_still);
+        let motion = &bodies.columns.motion;
+        dense.into_iter().flat_map(move |dense| {
+            let position = motion.position.get(dense);
+            let pose = N::pose(position, motion.angle[dense]);
+            (0..collider.outline_count()).map(move |part| Proxy {
+                collider: first + part,
+                body: collider.body.slot,
+                bounds: match state {
+                    State::Static => N::resting(&collider.outline(part), &pose),
+                    // As it would have where it were awake and did not move.
+                    State::Asleep => N::swept(&collider.outline(part), &pose, &N::still(position)),
+                },
+                filter: collider.def.filter,
+            })
+        })
+    }
+
+    /// Adds the changes of a tree by the collider in a slot: it came, it left, or it is another one.
+    fn list_changes(
+        &self,
+        scene: &Scene<'_, S>,
+        tree: &Statics,
+        (slot, state): (u32, State),
+        changes: &mut Vec<(u32, Option<Proxy>)>,
+    ) {
+        let before = changes.len();
+        let proxies = scene.colliders.at(slot).into_iter().flat_map(|it| self.proxies(scene, it, state));
+        changes.extend(proxies.map(|proxy| (proxy.collider, Some(proxy))));
+        if changes.len() == before {
+            let left = self.numbers.of(slot).filter(|&number| tree.has(number));
+            changes.extend(left.map(|number| (number, None)));
+        }
+    }
+
+    /// Finds the pairs of the step: those of moving colliders. With too many pairs, those of sleeping ones counted, it takes these for moving
+    /// ones: whether a body sleeps makes no difference to who has too many.
+    pub(super) fn pair_moving(&mut self, limits: &PairLimits) {
+        let Some(still) = &self.still else { return };
+        self.broad.update(&still.standing(), &self.movers, limits);
+        let are_above = self.broad.pairs().len().saturating_add(still.pairs) > limits.pairs;
+        if !still.sleepers.is_empty() && (are_above || !self.broad.above_cap().is_empty()) {
+            self.movers.extend(still.sleepers.iter());
+            // No version has this number.
+            let standing = Standing { version: u64::MAX, ..Standing::of(&still.statics) };
+            self.broad.update(&standing, &self.movers, limits);
+        }
+    }
+
+    /// Adds the pairs of a sleeping and a static collider of which a call may have moved one.
+    pub(super) fn pair_still(&self, scene: &Scene<'_, S>, pairs: &mut Vec<[u32; 2]>) {
+        let Some(Still { statics, sleepers, .. }) = &self.still else { return };
+        if !scene.may_have_moved_statics || sleepers.is_empty() || statics.is_empty() {
+            return;
+        }
+        let before = pairs.len();
+        let mut add = |a: &Proxy, b: &Proxy| {
+            pairs.push([a.collider.min(b.collider), a.collider.max(b.collider)]);
+            true
+        };
+        match scene.changed {
+            None => sleepers.iter().for_each(|own| statics.meeting(own, |other| add(own, other))),
+            Some(changed) => {
+                for number in changed.all(scene.colliders).flat_map(|slot| self.numbers.of(slot)) {
+                    if let Some(own) = sleepers.find(number) {
+                        statics.meeting(own, |other| add(own, other));
+                    } else if let Some(own) = statics.find(number) {
+                        sleepers.meeting(own, |other| add(own, other));
+                    }
+                }
+            }
+        }
+        if pairs.len() > before {
+            pairs.sort_unstable();
+            pairs.dedup();
+        }
+    }
+}
