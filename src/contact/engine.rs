@@ -17,7 +17,8 @@ use crate::body::{Activity, BodyKind};
 use crate::collide::broad::{BroadPhase, PairLimits, Proxy, Statics};
 use crate::collider::{BodyOutline, Collider, ColliderSet, OutlineId};
 use crate::math::Vec2;
-use crate::scalar::Scalar;
+use crate::query::place_digest;
+use crate::scalar::{Accumulator as _, Scalar};
 use crate::slots::NONE;
 use crate::solve::Impulses;
 
@@ -130,13 +131,17 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
             |dense: &usize| bodies.info(*dense).kind == BodyKind::Static && bodies.activity(*dense) == Activity::Awake;
         let dense = bodies.find(collider.body).ok().filter(is_static);
         let motion = &bodies.columns.motion;
-        let pose = dense.map(|dense| N::pose(motion.position.get(dense), motion.angle[dense]));
-        pose.into_iter().flat_map(move |pose| {
+        let pose = dense.map(|dense| {
+            let (position, angle) = (motion.position.get(dense), motion.angle[dense]);
+            (N::pose(position, angle), place_digest(collider.digest, position.map(|part| part.value()), angle))
+        });
+        pose.into_iter().flat_map(move |(pose, digest)| {
             (0..collider.outline_count()).map(move |part| Proxy {
                 collider: first + part,
                 body: collider.body.slot,
                 bounds: N::resting(&collider.outline(part), &pose),
                 filter: collider.def.filter,
+                digest,
             })
         })
     }
@@ -161,7 +166,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
                 for part in 0..collider.outline_count() {
                     let bounds = N::swept(&collider.outline(part), &body.pose, self.flights.flight(flight));
                     let filter = collider.def.filter;
-                    self.movers.push(Proxy { collider: first + part, body: body.slot, bounds, filter });
+                    self.movers.push(Proxy { collider: first + part, body: body.slot, bounds, filter, digest: 0 });
                 }
             }
         }

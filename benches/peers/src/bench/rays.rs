@@ -19,7 +19,7 @@ pub fn rays(rep: &mut Report, engines: Engines, opt: &Opt) {
     // Engines follow new colliders when they step.
     worlds.iter_mut().for_each(|(_, w)| (0..2).for_each(|_| w.step()));
     for length in [10.0, 50.0, 200.0] {
-        let list = scene::ray_list(s.n, RAYS, length);
+        let list = scene::ray_list(&s, RAYS, length);
         let mut runs: Vec<(Vec<f64>, Vec<f64>)> = vec![(vec![0.0; RAYS], Vec::new()); worlds.len()];
         for _ in 0..if opt.quick { 3 } else { 9 } {
             for ((_, w), (fractions, samples)) in worlds.iter_mut().zip(&mut runs) {

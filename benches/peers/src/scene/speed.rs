@@ -1,5 +1,7 @@
 //! Scenes whose steps are timed.
 
+use std::collections::HashMap;
+
 use super::{Body, Corners, Joint, Lcg, Ray, Scene, Shape};
 
 fn disc(r: f64) -> Shape {
@@ -92,16 +94,25 @@ pub fn rays(n: usize) -> Scene {
     s
 }
 
-/// Rays of a length in all directions, from points of the square of [`rays`].
-pub fn ray_list(n: usize, count: usize, length: f64) -> Vec<Ray> {
-    let side = (n as f64).sqrt() * RAYS_SPACING;
+/// Rays of a length in all directions, from points of the square of [`rays`] that are in no body: not all engines count those.
+pub fn ray_list(s: &Scene, count: usize, length: f64) -> Vec<Ray> {
+    let side = (s.n as f64).sqrt() * RAYS_SPACING;
+    // Bodies reach 1.42 m at most: those near a point are in the cells around its own.
+    let cell = |x: f64, y: f64| ((x / 1.5).floor() as i64, (y / 1.5).floor() as i64);
+    let mut bodies: HashMap<_, Vec<[f64; 2]>> = HashMap::new();
+    s.bodies.iter().for_each(|b| bodies.entry(cell(b.x, b.y)).or_default().push([b.x, b.y]));
+    let is_free = |[x, y]: [f64; 2]| {
+        let (i, j) = cell(x, y);
+        let mut near = (0..9).filter_map(|k| bodies.get(&(i + k / 3 - 1, j + k % 3 - 1))).flatten();
+        near.all(|b| (b[0] - x).hypot(b[1] - y) > 1.42)
+    };
     let mut g = Lcg(6);
     let mut ray = || {
         let from = [side * g.unit(), side * g.unit()];
         let (sin, cos) = (std::f64::consts::PI * g.next()).sin_cos();
         Ray { from, by: [length * cos, length * sin] }
     };
-    (0..count).map(|_| ray()).collect()
+    std::iter::repeat_with(&mut ray).filter(|ray| is_free(ray.from)).take(count).collect()
 }
 
 /// Boxes, each resting alone on one of many static floors, that fall asleep.
