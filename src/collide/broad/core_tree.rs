@@ -1,7 +1,7 @@
 //! Cores at their places, in a tree for queries.
 //!
-//! A node holds the boxes of its two halves, so that a search reads a line of the cache for both; cores stand in the order of the
-//! tree. Boxes are in a coarse unit and too large by up to two units: what a search finds may not meet the path, but nothing that meets it
+//! A node holds the boxes of its two halves, so that a search reads one line of the cache for both; leaves stand in the order of the
+//! tree, with their corners. Searches of large worlds wait for memory more than they compute. Boxes are in a coarse unit and too large by up to two units: what a search finds may not meet the path, but nothing that meets it
 //! is left out.
 
 use alloc::sync::Arc;
@@ -41,17 +41,24 @@ impl Node {
         Self { low: [[i32::MAX; 2]; 2], high: [[i32::MIN; 2]; 2], category: [0; 2], mask: [0; 2], child: [NONE; 2] };
 }
 
+/// Two lines of the cache, which are read at once.
 #[derive(Clone, Copy, Debug)]
+#[repr(align(128))]
 struct Leaf {
-    number: u32,
-    filter: Filter,
-    /// The place of its corners among all, and their number: 0 for one that has no place here.
-    start: u32,
-    count: u32,
-    is_link: bool,
+    /// The corners in ulps, where there are no more.
+    few: [Point; FEW],
     /// ulps
     radius: i64,
+    number: u32,
+    filter: Filter,
+    /// The number of corners: 0 for one that has no place here. More than `few` stand among those of the tree, from `start` on.
+    count: u32,
+    start: u32,
+    is_link: bool,
 }
+
+/// Most shapes are boxes.
+const FEW: usize = 4;
 
 /// An outline that a search found.
 #[derive(Clone, Copy, Debug)]
@@ -79,7 +86,7 @@ pub(crate) struct CoreAt {
 pub(crate) struct CoreTree {
     nodes: Vec<Node>,
     leaves: Vec<Leaf>,
-    /// In the order of the leaves.
+    /// The corners of leaves with many.
     corners: Vec<Point>,
     /// The lower left corner of all boxes, ulps.
     pub(super) base: Point,
@@ -122,16 +129,24 @@ impl CoreTree {
 
     /// Adds a leaf. Returns its number.
     fn push(&mut self, (number, filter, place): (u32, Filter, Option<CoreAt>)) -> u32 {
-        let start = self.corners.len();
-        let (is_link, radius) = match &place {
-            Some(CoreAt { core, position: [x, y], is_link }) => {
-                self.corners.extend(core.corners().iter().map(|corner| [corner[0] + x, corner[1] + y]));
-                (*is_link, core.radius)
-            }
-            None => (false, 0),
+        let mut leaf = Leaf {
+            few: [[0; 2]; FEW],
+            radius: 0,
+            number,
+            filter,
+            count: 0,
+            start: self.corners.len() as u32,
+            is_link: false,
         };
-        let count = (self.corners.len() - start) as u32;
-        self.leaves.push(Leaf { number, filter, start: start as u32, count, is_link, radius });
+        if let Some(CoreAt { core, position: [x, y], is_link }) = place {
+            (leaf.radius, leaf.is_link, leaf.count) = (core.radius, is_link, core.corners().len() as u32);
+            let corners = core.corners().iter().map(|corner| [corner[0] + x, corner[1] + y]);
+            match leaf.few.get_mut(..leaf.count as usize) {
+                Some(few) => few.iter_mut().zip(corners).for_each(|(place, corner)| *place = corner),
+                None => self.corners.extend(corners),
+            }
+        }
+        self.leaves.push(leaf);
         self.leaves.len() as u32 - 1
     }
 
@@ -189,10 +204,11 @@ impl CoreTree {
         }
     }
 
-    fn placed(&self, leaf: &Leaf) -> PlacedCore<'_> {
-        let Leaf { number, start, count, is_link, radius, .. } = *leaf;
-        let corners = &self.corners[start as usize..(start + count) as usize];
-        PlacedCore { number, is_link, radius, corners }
+    #[inline(always)]
+    fn placed<'a>(&'a self, leaf: &'a Leaf) -> PlacedCore<'a> {
+        let (start, count) = (leaf.start as usize, leaf.count as usize);
+        let corners = leaf.few.get(..count).unwrap_or_else(|| &self.corners[start..start + count]);
+        PlacedCore { number: leaf.number, is_link: leaf.is_link, radius: leaf.radius, corners }
     }
 }
 

@@ -141,20 +141,23 @@ impl<S: Scalar> Queries<'_, S> {
         if filter.predicate.is_some() {
             return self.all(cast, filter, 1).pop();
         }
-        let (mut least, line): (Option<(Rank, _)>, _) = (None, cast.line());
+        let (mut least, line): (Option<(Found<'_, S>, Met)>, _) = (None, cast.line());
         self.on_path(&mut cast.path(), filter, |found, path| {
             let Some(met) = cast.meet(&found, line.as_ref()) else { return true };
-            let fraction = u128::from(met.1.fraction);
-            // Only what ties has to be looked up.
-            if least.is_none_or(|((first, ..), _)| fraction <= first) {
-                if let Some(rank) = found.rank(fraction).filter(|rank| least.is_none_or(|(least, _)| *rank < least)) {
-                    path.shorten(met.1.fraction);
-                    least = Some((rank, (found, met)));
-                }
+            let fraction = met.1.fraction;
+            // Keys and handles are looked up only where fractions tie.
+            let is_first = match &least {
+                Some((other, (_, end))) if end.fraction == fraction => found.rank(0) < other.rank(0),
+                Some((_, (_, end))) => fraction < end.fraction,
+                None => true,
+            };
+            if is_first {
+                path.shorten(fraction);
+                least = Some((found, met));
             }
             true
         });
-        let (_, (found, met)) = least?;
+        let (found, met) = least?;
         cast.hit(&found, met)
     }
 

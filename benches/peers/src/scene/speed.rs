@@ -91,6 +91,8 @@ pub fn rays(n: usize) -> Scene {
         b.angle = std::f64::consts::PI * g.next();
         s.bodies.push(b);
     }
+    // One that moves, far from all rays: engines that look for contacts keep what they know of the others.
+    s.bodies.push(Body::dynamic(-1000.0, 0.0, Shape::Circle { r: 0.5 }));
     s
 }
 
