@@ -70,7 +70,9 @@ impl Line {
         // Corners in reach are below 2^54: products are below 2^106, that with a radius below 2^99.
         let (mut least, mut most) = (i128::MAX, i128::MIN);
         for corner in corners {
-            let (Some(x), Some(y)) = (corner[0].checked_sub(from[0]), corner[1].checked_sub(from[1])) else { return false };
+            let (Some(x), Some(y)) = (corner[0].checked_sub(from[0]), corner[1].checked_sub(from[1])) else {
+                return false;
+            };
             let side = cross(ray, [x, y]);
             (least, most) = (least.min(side), most.max(side));
         }

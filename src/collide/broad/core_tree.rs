@@ -110,7 +110,8 @@ impl CoreTree {
         while let Some((at, node, side)) = waiting.pop() {
             let Some((extent, item)) = tree.node(at) else { continue };
             let from = |corner: Point, k: usize| corner[k].wrapping_sub(own.base[k]).cast_unsigned() >> own.unit;
-            let [low, high] = [extent.bounds.min, extent.bounds.max].map(|corner| [0, 1].map(|k| from(corner, k) as i32));
+            let [low, high] =
+                [extent.bounds.min, extent.bounds.max].map(|corner| [0, 1].map(|k| from(corner, k) as i32));
             let child = match tree.halves(at) {
                 Some([left, right]) => {
                     let child = own.nodes.len();
@@ -215,9 +216,8 @@ impl CoreTree {
 impl Node {
     #[inline(always)]
     fn is_met(&self, side: usize, walk: &Walk, bits: Option<[u32; 2]>) -> bool {
-        let may_agree = |[category, mask]: [u32; 2]| {
-            (self.category[side] & mask != 0) & (category & self.mask[side] != 0)
-        };
+        let may_agree =
+            |[category, mask]: [u32; 2]| (self.category[side] & mask != 0) & (category & self.mask[side] != 0);
         bits.is_none_or(may_agree) && walk.meets(self.low[side], self.high[side])
     }
 }

@@ -3,9 +3,9 @@
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
-use super::tree::{Extent, Tree};
 use super::Proxy;
 use super::core_tree::{Cached, CoreAt, CoreTree};
+use super::tree::{Extent, Tree};
 use crate::collider::Filter;
 use crate::fx::Fx;
 use crate::shape::Aabb;

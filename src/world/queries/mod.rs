@@ -224,7 +224,12 @@ impl<S: Scalar> Queries<'_, S> {
     }
 
     /// Calls `found` with the outlines whose boxes meet a box, until it returns false.
-    fn in_box<'q>(&'q self, [min, max]: [Point; 2], filter: &QueryFilter<'_, S>, mut found: impl FnMut(Found<'q, S>) -> bool) {
+    fn in_box<'q>(
+        &'q self,
+        [min, max]: [Point; 2],
+        filter: &QueryFilter<'_, S>,
+        mut found: impl FnMut(Found<'q, S>) -> bool,
+    ) {
         self.on_path(&mut Path::new(min, max, [0; 2]), filter, |outline, _| found(outline));
     }
 
