@@ -89,20 +89,20 @@ impl<S: Scalar> World<S> {
             trees: Default::default(),
             outlines: Vec::new(),
         };
-        if let Some((statics, engine)) = self.workspace.statics(&self.bodies, &self.colliders) {
-            (queries.statics, queries.engine) = (Arc::clone(statics), Some(engine));
-        } else if self.bodies.len() > 0 {
-            queries.statics = Arc::new(queries.list(self.colliders.list(), |kind| kind == BodyKind::Static));
-        }
-        let [base, changed] = queries.statics.cores(|number| self.place(queries.outline(number, true)));
+        let [base, changed] = match self.workspace.statics(&self.bodies, &self.colliders) {
+            Some((statics, engine)) => {
+                (queries.statics, queries.engine) = (Arc::clone(statics), Some(engine));
+                statics.cores(|number| self.place(engine.outline(number)))
+            }
+            None => queries.trees_of(self.colliders.list(), |kind| kind == BodyKind::Static),
+        };
         let is_mover = |kind: BodyKind| kind != BodyKind::Static;
-        let movers = if self.bodies.any_asleep() {
-            queries.list(self.colliders.list(), is_mover)
+        let [movers, _] = if self.bodies.any_asleep() {
+            queries.trees_of(self.colliders.list(), is_mover)
         } else {
             let moving = &self.bodies.columns.slot[..self.bodies.moving()];
-            queries.list(moving.iter().flat_map(|&slot| self.colliders.of_slot(slot)), is_mover)
+            queries.trees_of(moving.iter().flat_map(|&slot| self.colliders.of_slot(slot)), is_mover)
         };
-        let [movers, _] = movers.cores(|number| self.place(queries.outline(number, false)));
         queries.trees = [base, changed, movers];
         queries
     }
@@ -190,28 +190,31 @@ impl<S: Scalar> Queries<'_, S> {
         matches!(bodies.activity(dense), Activity::Awake | Activity::Asleep).then(|| bodies.info(dense).kind)
     }
 
-    /// The boxes of those of these colliders whose bodies are of some kinds. Their outlines are numbered from the end of `outlines` on.
-    fn list<'c>(
+    /// The trees of those of these colliders whose bodies are of some kinds. Their outlines are numbered from the end of `outlines` on.
+    fn trees_of<'c>(
         &mut self,
         colliders: impl Iterator<Item = &'c Collider<S>>,
         is_wanted: impl Fn(BodyKind) -> bool,
-    ) -> Statics {
-        let mut proxies = Vec::new();
+    ) -> [Arc<CoreTree>; 2] {
+        let first = self.outlines.len();
+        let (mut proxies, mut places) = (Vec::new(), Vec::new());
         for collider in colliders {
             if !self.kind(collider.body).is_some_and(&is_wanted) {
                 continue;
             }
             for part in 0..collider.outline_count() {
                 let outline = OutlineId { slot: collider.slot, part };
-                let Some(CoreAt { core, position, .. }) = self.world.place(outline) else { continue };
-                let [min, max] = core.bounds().map(|corner| crate::query::in_scalar::<Fx>(beside(position, corner)));
+                let Some(place) = self.world.place(outline) else { continue };
+                let corners = place.core.bounds().map(|corner| beside(place.position, corner));
+                let [min, max] = corners.map(crate::query::in_scalar::<Fx>);
                 let (number, filter) = (self.outlines.len() as u32, collider.def.filter);
                 self.outlines.push(outline);
+                places.push(Some(place));
                 let bounds = Aabb { min, max };
                 proxies.push(Proxy { collider: number, body: collider.body.slot, bounds, filter, digest: 0 });
             }
         }
-        Statics::new(proxies)
+        Statics::new(proxies).cores(|number| places[number as usize - first].take())
     }
 
     /// The outline of a number that a tree gave.
