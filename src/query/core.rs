@@ -34,7 +34,7 @@ impl<S: Scalar> Placement<S> {
 
 /// A hash of a collider, by its digest, at a place of its body: where two are alike, queries find the same.
 pub(crate) fn place_digest<S: Scalar>(collider: u64, position: Vec2<S>, angle: S::Angle) -> u64 {
-    let [x, y] = ulps(position).map(i64::cast_unsigned);
+    let [x, y] = ulps(position).map(|part| part as u64);
     // The golden ratio; both halves of the product depend on all bits.
     let fold = |hash: u64, word: u64| {
         let product = u128::from(hash ^ word) * 0x9E37_79B9_7F4A_7C15;
@@ -88,8 +88,10 @@ impl Core {
     pub(crate) fn at(corners: &[Point], radius: i64, from: Point) -> Option<Self> {
         let first = *corners.first()?;
         // Other corners are within 2^17 m of the first one, so that their differences fit.
-        let part = |k: usize| first[k].checked_sub(from[k]).filter(|d| -FAR < *d && *d < FAR);
-        (part(0)?, part(1)?);
+        let is_near = |k: usize| first[k].checked_sub(from[k]).is_some_and(|d| -FAR < d && d < FAR);
+        if !is_near(0) || !is_near(1) {
+            return None;
+        }
         let mut core = Self { radius, ..Self::default() };
         corners.iter().for_each(|&corner| core.push(from_to(from, corner)));
         Some(core)

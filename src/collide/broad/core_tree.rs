@@ -98,7 +98,7 @@ impl CoreTree {
     /// The tree of cores with the halves of another tree; `leaf` gives the number, the filter and the core of each item.
     pub(super) fn new(tree: &Tree, mut leaf: impl FnMut(u32) -> (u32, Filter, Option<CoreAt>)) -> Self {
         let Some((all, _)) = tree.node(0) else { return Self::default() };
-        let sides = [0, 1].map(|k| all.bounds.max[k].wrapping_sub(all.bounds.min[k]).cast_unsigned());
+        let sides = [0, 1].map(|k| all.bounds.max[k].wrapping_sub(all.bounds.min[k]) as u64);
         let bits = u64::BITS - sides[0].max(sides[1]).leading_zeros();
         let mut own = Self { base: all.bounds.min, unit: bits.saturating_sub(30).max(LEAST_UNIT), ..Self::default() };
         own.nodes.push(Node::EMPTY);
@@ -109,7 +109,7 @@ impl CoreTree {
         };
         while let Some((at, node, side)) = waiting.pop() {
             let Some((extent, item)) = tree.node(at) else { continue };
-            let from = |corner: Point, k: usize| corner[k].wrapping_sub(own.base[k]).cast_unsigned() >> own.unit;
+            let from = |corner: Point, k: usize| corner[k].wrapping_sub(own.base[k]) as u64 >> own.unit;
             let [low, high] =
                 [extent.bounds.min, extent.bounds.max].map(|corner| [0, 1].map(|k| from(corner, k) as i32));
             let child = match tree.halves(at) {
