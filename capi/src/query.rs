@@ -19,8 +19,7 @@ use crate::world::{UmbraWorld, body_id, word};
 
 /// A condition of the caller's on a collider, with its `user_data`: 0 to leave it out. It is called in the order of the results, and must not
 /// call functions that change the world.
-pub type UmbraPredicate =
-    Option<unsafe extern "C" fn(context: *mut c_void, collider: u64, user_data: u64) -> u32>;
+pub type UmbraPredicate = Option<unsafe extern "C" fn(context: *mut c_void, collider: u64, user_data: u64) -> u32>;
 
 /// The colliders that a query finds; `umbra_query_filter_default` fills it in with all. Null in its place means all, too.
 #[repr(C)]
@@ -149,10 +148,7 @@ unsafe fn query<T>(
     let Some(own) = filter else { return ask(&world.queries(), &QueryFilter::default()) };
     // SAFETY: as the caller promises.
     let (bodies, colliders) = unsafe {
-        (
-            slice(own.without_bodies, own.without_body_count)?,
-            slice(own.without_colliders, own.without_collider_count)?,
-        )
+        (slice(own.without_bodies, own.without_body_count)?, slice(own.without_colliders, own.without_collider_count)?)
     };
     let bodies: Vec<BodyId> = bodies.iter().map(|&body| body_id(body)).collect();
     let colliders: Vec<ColliderId> = colliders.iter().map(|&collider| collider_id(collider)).collect();
@@ -164,10 +160,12 @@ unsafe fn query<T>(
     });
     let UmbraQueryFilter { category, mask, group, .. } = *own;
     let finds_all = (category, mask, group) == (UMBRA_ALL_CATEGORIES, UMBRA_ALL_CATEGORIES, 0);
-    let mut filter = QueryFilter::default();
-    filter.filter = (!finds_all).then_some(Filter { category, mask, group });
-    (filter.without_bodies, filter.without_colliders) = (&bodies, &colliders);
-    filter.predicate = called.as_ref().map(|called| called as _);
+    let filter = QueryFilter {
+        filter: (!finds_all).then_some(Filter { category, mask, group }),
+        without_bodies: &bodies,
+        without_colliders: &colliders,
+        predicate: called.as_ref().map(|called| called as _),
+    };
     ask(&world.queries(), &filter)
 }
 

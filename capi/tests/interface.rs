@@ -364,9 +364,7 @@ fn queries_are_those_of_the_library() {
     let asking = UmbraQueryFilter { predicate: Some(is_other), context: (&raw mut calls).cast(), ..every };
     let mut hits = [UmbraCastHit::default(); 2];
     // SAFETY: there are two of each, and the condition gets its number.
-    let status = unsafe {
-        umbra_world_cast_rays(w, [ray, away].as_ptr(), hits.as_mut_ptr(), 2, Some(&asking))
-    };
+    let status = unsafe { umbra_world_cast_rays(w, [ray, away].as_ptr(), hits.as_mut_ptr(), 2, Some(&asking)) };
     assert_eq!((status, calls), (UMBRA_OK, 2));
     let expected = UmbraCastHit {
         collider: made[1].1,

@@ -50,7 +50,8 @@ pub fn rays(rep: &mut Report, engines: Engines, opt: &Opt) {
             }
             rep.add(id(at), &s.name, s.n, &format!("rays_{length}m"), "M/s", samples, note);
             if let Some((_, reference)) = answers {
-                rep.one(id(at), &s.name, s.n, &format!("rays_{length}m_over_{REFERENCE}"), "1", best(samples) / reference, "");
+                let metric = format!("rays_{length}m_over_{REFERENCE}");
+                rep.one(id(at), &s.name, s.n, &metric, "1", best(samples) / reference, "");
             }
         }
     }
