@@ -74,7 +74,7 @@ macro_rules! corpora {
     };
 }
 
-corpora!(commands contact_solver fx_f64 kernels replay scene snapshot threads work);
+corpora!(commands contact_solver fx_f64 kernels queries replay scene snapshot threads work);
 
 #[test]
 fn corpora_are_small() {
@@ -242,6 +242,11 @@ fn write_seeds() {
     for i in 0..32 {
         let bytes: Vec<u8> = (0..60 + 20 * i).map(|_| random.bits() as u8).collect();
         write("contact_solver", &format!("random-{i:02}"), &bytes);
+    }
+    // Bodies that rays meet: many, and queries to the end.
+    for i in 0..32 {
+        let bytes: Vec<u8> = (0..900 + 36 * i).map(|_| random.bits() as u8).collect();
+        write("queries", &format!("random-{i:02}"), &bytes);
     }
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     for file in fs::read_dir(root.join("scenes")).expect("there are scenes") {

@@ -143,7 +143,7 @@ pub struct UmbraContactSettings {
     pub reserved: u32,
 }
 
-const fn collider_id(word: u64) -> ColliderId {
+pub(crate) const fn collider_id(word: u64) -> ColliderId {
     ColliderId::from_parts(word as u32, (word >> 32) as u32)
 }
 

@@ -7,7 +7,7 @@ use umbra_physics::{Contact, ContactPoint};
 use crate::memory::{fill, given};
 use crate::number::{UmbraFx, UmbraVec2};
 use crate::status::{UmbraStatus, guard};
-use crate::world::{UmbraWorld, word};
+use crate::world::{UmbraWorld, body_id, word};
 
 /// A point of a contact.
 #[repr(C)]
@@ -67,6 +67,23 @@ impl From<&Contact> for UmbraContact {
             reserved: 0,
         }
     }
+}
+
+/// The contacts of one body among those of `umbra_world_contacts`; a list as `umbra_world_outcomes` gives it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn umbra_world_body_contacts(
+    world: Option<&UmbraWorld>,
+    body: u64,
+    contacts: *mut UmbraContact,
+    capacity: usize,
+    count: Option<&mut MaybeUninit<usize>>,
+) -> UmbraStatus {
+    guard(|| {
+        let own = given(world)?.world().contacts_of(body_id(body))?;
+        let own: Vec<UmbraContact> = own.map(|contact| (&contact).into()).collect();
+        // SAFETY: as the caller promises.
+        unsafe { fill(own.into_iter(), contacts, capacity, count) }
+    })
 }
 
 /// The contacts that carried an impulse at the end of the last step, by the slots of their colliders; a list as

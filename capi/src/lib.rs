@@ -31,6 +31,7 @@ mod collider;
 mod contact;
 mod field;
 mod force;
+mod query;
 
 mod command;
 mod settings;
@@ -49,6 +50,7 @@ pub use field::*;
 pub use force::*;
 pub use memory::*;
 pub use number::*;
+pub use query::*;
 pub use replay::*;
 pub use settings::*;
 pub use shape::*;

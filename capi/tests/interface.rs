@@ -303,10 +303,122 @@ fn contacts_are_those_of_the_library() {
             assert_eq!(*point, expected.unwrap_or_default());
         }
     }
+    let of_floor = list(|buffer, capacity, count| {
+        // SAFETY: the buffers are those of `list`.
+        unsafe { umbra_world_body_contacts(Some(&here), found[1].bodies[1], buffer, capacity, count) }
+    });
+    assert_eq!(of_floor, Ok(vec![found[1]]));
     // The crate slides on two corners, the ball lies on one point.
     assert_eq!((found[0].point_count, found[1].point_count), (2, 1));
     assert!(found[0].tangent_impulse < 0 && found[0].points.iter().all(|point| point.normal_impulse > 0));
     umbra_world_free(Some(here));
+}
+
+/// Leaves out the collider with this `user_data`, and counts the calls.
+unsafe extern "C" fn is_other(context: *mut std::ffi::c_void, _: u64, user_data: u64) -> u32 {
+    // SAFETY: the test below gives a number.
+    let calls = unsafe { &mut *context.cast::<u32>() };
+    *calls += 1;
+    u32::from(user_data != 7)
+}
+
+#[test]
+fn queries_are_those_of_the_library() {
+    let mut world = world();
+    let disc = own(|shape| umbra_shape_circle(UMBRA_ONE, shape)).expect("a disc");
+    let plain = out(|def| umbra_collider_def_default(def)).expect("a definition");
+    let mut made = Vec::new();
+    for (x, category, user_data) in [(3, 1, 7), (6, 2, 0), (9, 4, 0)] {
+        let place = UmbraVec2 { x: x * UMBRA_ONE, y: 0 };
+        let body = add(&mut world, &UmbraBodyDef { position: place, ..body_def() }).expect("a body");
+        let def = UmbraColliderDef { category, user_data, shape: &raw const *disc, ..plain };
+        // SAFETY: the shape is alive.
+        let collider = out(|id| unsafe { umbra_world_add_collider(Some(&mut world), body, Some(&def), id) });
+        made.push((body, collider.expect("a collider")));
+    }
+    let w = Some(&*world);
+    let ray = UmbraRay { origin: UmbraVec2::default(), translation: UmbraVec2 { x: 16 * UMBRA_ONE, y: 0 } };
+    let away = UmbraRay { translation: UmbraVec2 { x: -UMBRA_ONE, y: 0 }, ..ray };
+    let point = |x: i64| UmbraVec2 { x: x * UMBRA_ONE, y: 0 };
+    let all = |filter: Option<&UmbraQueryFilter>, ties: u32| {
+        // SAFETY: the buffers are those of `list`, the lists of the filter are alive.
+        list(|hits, room, count| unsafe { umbra_world_cast_ray_all(w, Some(&ray), ties, filter, hits, room, count) })
+            .map(|hits: Vec<UmbraCastHit>| hits.iter().map(|hit| hit.collider).collect::<Vec<_>>())
+    };
+    let colliders: Vec<u64> = made.iter().map(|made| made.1).collect();
+    assert_eq!((all(None, 0), all(None, 1)), (Ok(colliders.clone()), Ok(colliders[..1].to_vec())));
+    assert_eq!(all(None, 2), Err(UMBRA_ERROR_BAD_ARGUMENT));
+    // Each part of a filter.
+    let every = out(|filter| umbra_query_filter_default(filter)).expect("a filter");
+    assert_eq!(all(Some(&every), 0), Ok(colliders.clone()));
+    assert_eq!(all(Some(&UmbraQueryFilter { mask: 5, ..every }), 0), Ok(vec![colliders[0], colliders[2]]));
+    let without = UmbraQueryFilter {
+        without_bodies: &raw const made[0].0,
+        without_body_count: 1,
+        without_colliders: &raw const colliders[1],
+        without_collider_count: 1,
+        ..every
+    };
+    assert_eq!(all(Some(&without), 0), Ok(vec![colliders[2]]));
+    let mut calls = 0_u32;
+    let asking = UmbraQueryFilter { predicate: Some(is_other), context: (&raw mut calls).cast(), ..every };
+    let mut hits = [UmbraCastHit::default(); 2];
+    // SAFETY: there are two of each, and the condition gets its number.
+    let status = unsafe { umbra_world_cast_rays(w, [ray, away].as_ptr(), hits.as_mut_ptr(), 2, Some(&asking)) };
+    assert_eq!((status, calls), (UMBRA_OK, 2));
+    let expected = UmbraCastHit {
+        collider: made[1].1,
+        body: made[1].0,
+        fraction: UMBRA_ONE / 16 * 5,
+        point: point(5),
+        normal: point(-1),
+        part: 0,
+        is_hit: 1,
+    };
+    assert_eq!(hits, [expected, UmbraCastHit::default()]);
+    // SAFETY: no filter.
+    let any = |ray| out(|is_hit| unsafe { umbra_world_cast_ray_any(w, Some(ray), None, is_hit) });
+    assert_eq!((any(&ray), any(&away)), (Ok(1), Ok(0)));
+    let far = UmbraRay { translation: UmbraVec2 { x: i64::MAX, y: 0 }, ..ray };
+    assert_eq!(any(&far), Err(UMBRA_ERROR_OUT_OF_RANGE));
+    // SAFETY: the buffers are those of `list`.
+    let cast = list(|hits, room, count| unsafe {
+        let sixteen = 16 * UMBRA_ONE;
+        umbra_world_cast_shape(w, Some(&disc), 0, 0, 0, sixteen, 0, 0, None, hits, room, count)
+    });
+    let cast: Vec<UmbraCastHit> = cast.expect("hits");
+    assert_eq!((cast.len(), cast[0].fraction, cast[0].point), (3, UMBRA_ONE / 16, point(2)));
+    // SAFETY: the buffers are those of `list`.
+    let near_disc = list(|found, room, count| unsafe {
+        umbra_world_overlap_shape(w, Some(&disc), 8 * UMBRA_ONE, 0, 0, None, found, room, count)
+    });
+    assert_eq!(near_disc, Ok(vec![colliders[1], colliders[2]]));
+    // SAFETY: the buffers are those of `list`.
+    let in_box = list(|found, room, count| unsafe {
+        umbra_world_overlap_box(w, 0, -UMBRA_ONE, 2 * UMBRA_ONE, UMBRA_ONE, None, found, room, count)
+    });
+    assert_eq!(in_box, Ok(vec![colliders[0]]));
+    // SAFETY: no filter.
+    let closest = |most: i64| out(|near| unsafe { umbra_world_closest_point(w, 0, 0, most * UMBRA_ONE, None, near) });
+    let near = closest(4).expect("an answer");
+    assert_eq!((near.collider, near.body, near.distance, near.point), (made[0].1, made[0].0, 2 * UMBRA_ONE, point(2)));
+    assert_eq!((near.is_found, closest(1)), (1, Ok(UmbraClosestPoint::default())));
+    // SAFETY: the buffers are those of `list`.
+    let near = list(|near, room, count| unsafe {
+        umbra_world_closest_points(w, 0, 0, 5 * UMBRA_ONE, None, near, room, count)
+    });
+    let near: Vec<UmbraClosestPoint> = near.expect("points");
+    assert_eq!(near.iter().map(|near| near.collider).collect::<Vec<_>>(), colliders[..2]);
+    // A shape alone.
+    let inside = |x: i64| out(|inside| umbra_shape_contains(Some(&disc), x, 0, inside));
+    assert_eq!((inside(UMBRA_ONE), inside(UMBRA_ONE + 1)), (Ok(1), Ok(0)));
+    let near = out(|near| umbra_shape_closest_point(Some(&disc), 3 * UMBRA_ONE, 0, near)).expect("a point");
+    assert_eq!((near.distance, near.point, near.is_found), (2 * UMBRA_ONE, point(1), 1));
+    let back = UmbraRay { origin: point(4), translation: point(-4) };
+    let hit = out(|hit| umbra_shape_cast_ray(Some(&disc), Some(&back), hit)).expect("a hit");
+    assert_eq!((hit.fraction, hit.point, hit.normal, hit.is_hit), (UMBRA_ONE / 4 * 3, point(1), point(1), 1));
+    umbra_shape_free(Some(disc));
+    umbra_world_free(Some(world));
 }
 
 #[test]

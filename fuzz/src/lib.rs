@@ -11,6 +11,7 @@ mod files;
 pub mod fx_f64;
 pub mod kernels;
 mod pile;
+pub mod queries;
 pub mod replay;
 pub mod scene;
 pub mod snapshot;
@@ -26,11 +27,12 @@ mod reference;
 pub type Target = (&'static str, fn(&[u8]));
 
 /// All targets.
-pub const TARGETS: [Target; 9] = [
+pub const TARGETS: [Target; 10] = [
     ("commands", commands::run),
     ("contact_solver", contact_solver::run),
     ("fx_f64", fx_f64::run),
     ("kernels", kernels::run),
+    ("queries", queries::run),
     ("replay", replay::run),
     ("scene", scene::run),
     ("snapshot", snapshot::run),

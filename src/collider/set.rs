@@ -61,7 +61,7 @@ pub(crate) struct Collider<S: Scalar> {
     /// The least width of an outline, m.
     pub(crate) width: S,
     /// A hash of the body and the definition: no step changes them.
-    digest: u64,
+    pub(crate) digest: u64,
     /// A hash of the definition without the handle of the body.
     pub(crate) physics_digest: u64,
 }

@@ -88,7 +88,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
                 for part in 0..collider.outline_count() {
                     let bounds = N::swept(&collider.outline(part), &body.pose, self.flights.flight(flight));
                     let filter = collider.def.filter;
-                    self.movers.push(Proxy { collider: first + part, body: body.slot, bounds, filter });
+                    self.movers.push(Proxy { collider: first + part, body: body.slot, bounds, filter, digest: 0 });
                 }
             }
         }

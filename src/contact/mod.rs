@@ -127,12 +127,23 @@ pub(crate) struct Stop<S: Scalar> {
 }
 
 /// Changes of bodies and colliders; any may be there more than once.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub(crate) struct Changed {
     /// The slots of the bodies that fell asleep, woke, or that calls changed, but for changes of motion alone.
     pub(crate) bodies: Vec<u32>,
     /// The slots of colliders.
     pub(crate) colliders: Vec<u32>,
+}
+
+impl Clone for Changed {
+    fn clone(&self) -> Self {
+        Self { bodies: self.bodies.clone(), colliders: self.colliders.clone() }
+    }
+
+    fn clone_from(&mut self, source: &Self) {
+        self.bodies.clone_from(&source.bodies);
+        self.colliders.clone_from(&source.colliders);
+    }
 }
 
 impl Changed {

@@ -10,7 +10,8 @@ use super::{Changed, Scene};
 use crate::body::{Activity, BodyKind};
 use crate::collide::broad::{PairLimits, Proxy, Standing, Statics};
 use crate::collider::Collider;
-use crate::scalar::Scalar;
+use crate::query::place_digest;
+use crate::scalar::{Accumulator as _, Scalar};
 
 /// The trees of a world.
 #[derive(Debug, Default)]
@@ -204,6 +205,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         dense.into_iter().flat_map(move |dense| {
             let position = motion.position.get(dense);
             let pose = N::pose(position, motion.angle[dense]);
+            let digest = place_digest(collider.digest, position.map(|part| part.value()), motion.angle[dense]);
             (0..collider.outline_count()).map(move |part| Proxy {
                 collider: first + part,
                 body: collider.body.slot,
@@ -213,6 +215,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
                     State::Asleep => N::swept(&collider.outline(part), &pose, &N::still(position)),
                 },
                 filter: collider.def.filter,
+                digest,
             })
         })
     }

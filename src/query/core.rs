@@ -32,6 +32,17 @@ impl<S: Scalar> Placement<S> {
     }
 }
 
+/// A hash of a collider, by its digest, at a place of its body: where two are alike, queries find the same.
+pub(crate) fn place_digest<S: Scalar>(collider: u64, position: Vec2<S>, angle: S::Angle) -> u64 {
+    let [x, y] = ulps(position).map(|part| part as u64);
+    // The golden ratio; both halves of the product depend on all bits.
+    let fold = |hash: u64, word: u64| {
+        let product = u128::from(hash ^ word) * 0x9E37_79B9_7F4A_7C15;
+        product as u64 ^ (product >> 64) as u64
+    };
+    [x, y, angle.to_bits()].into_iter().fold(collider, |hash, word| fold(hash.rotate_left(23), word))
+}
+
 /// A vector in ulps: that of a float to nearest, and the nearest end of the range if it is beyond.
 #[inline(always)]
 pub(super) fn ulps<S: Scalar>(v: Vec2<S>) -> Point {
@@ -69,6 +80,20 @@ impl Core {
             core.push([x + offset[0], y + offset[1]]);
         }
         core.make_convex();
+        Some(core)
+    }
+
+    /// The core with these convex corners, in ulps, seen from a point; `None` if it is out of reach.
+    #[inline]
+    pub(crate) fn at(corners: &[Point], radius: i64, from: Point) -> Option<Self> {
+        let first = *corners.first()?;
+        // Other corners are within 2^17 m of the first one, so that their differences fit.
+        let is_near = |k: usize| first[k].checked_sub(from[k]).is_some_and(|d| -FAR < d && d < FAR);
+        if !is_near(0) || !is_near(1) {
+            return None;
+        }
+        let mut core = Self { radius, ..Self::default() };
+        corners.iter().for_each(|&corner| core.push(from_to(from, corner)));
         Some(core)
     }
 

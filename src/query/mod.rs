@@ -26,9 +26,9 @@ mod tests;
 
 pub(crate) use crate::kernel::round::odd_shift;
 
-pub(crate) use self::core::{Core, Placement};
+pub(crate) use self::core::{Core, Placement, place_digest};
 pub(crate) use near::{contains, distance, nearest, point};
-pub(crate) use ray::{RayEnd, at, beyond_seam, normal, normal_at_seam, ray_hit};
+pub(crate) use ray::{Line, RayEnd, at, beyond_seam, normal, normal_at_seam, ray_hit};
 pub use shape::ShapeHit;
 pub(crate) use shape::{beside, checked_point, checked_translation, in_metres, in_parts, in_scalar};
 pub(crate) use sum::{Sum, cast_hit};

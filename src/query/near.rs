@@ -61,6 +61,13 @@ pub(crate) fn nearest(corners: &[Point]) -> Near {
 /// Returns true if the origin is in a shape or on its surface. Exact.
 pub(crate) fn contains(core: &Core) -> bool {
     let corners = core.corners();
+    // Mostly it is not even in the box.
+    let is_beside = |k: usize| {
+        corners.iter().all(|corner| corner[k] > core.radius) || corners.iter().all(|corner| corner[k] < -core.radius)
+    };
+    if is_beside(0) || is_beside(1) {
+        return false;
+    }
     let square = u128::from(core.radius.unsigned_abs()).pow(2);
     match nearest(corners) {
         Near::Inside => true,

@@ -47,6 +47,40 @@ pub(crate) struct RayEnd {
     pub(crate) feature: Feature,
 }
 
+/// The line of a ray, to tell soon what is beside it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Line {
+    from: Point,
+    ray: Point,
+    /// The length of the ray in ulps, rounded up.
+    length: i128,
+}
+
+impl Line {
+    pub(crate) fn new(from: Point, ray: Point) -> Self {
+        // Below 2^53.
+        let length = (dot(ray, ray) as u128).isqrt() as i128 + 1;
+        Self { from, ray, length }
+    }
+
+    /// Returns true if no point of a shape is on the line; false where it is out of reach. Exact of a core without a radius.
+    #[inline]
+    pub(crate) fn misses(&self, corners: &[Point], radius: i64) -> bool {
+        let Self { from, ray, length } = *self;
+        // Corners in reach are below 2^54: products are below 2^106, that with a radius below 2^99.
+        let (mut least, mut most) = (i128::MAX, i128::MIN);
+        for corner in corners {
+            let (Some(x), Some(y)) = (corner[0].checked_sub(from[0]), corner[1].checked_sub(from[1])) else {
+                return false;
+            };
+            let side = cross(ray, [x, y]);
+            (least, most) = (least.min(side), most.max(side));
+        }
+        let reach = i128::from(radius) * length;
+        least > reach || most < -reach
+    }
+}
+
 /// The first point of the ray from the origin along `ray` that is in a shape.
 pub(crate) fn first_hit(core: &Core, ray: Point) -> Option<RayEnd> {
     if contains(core) {

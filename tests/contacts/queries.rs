@@ -394,3 +394,49 @@ fn arguments_out_of_range_are_refused() {
         assert_eq!((near.point, near.distance), (hit.point, most - limits::SIZE_MAX));
     }
 }
+
+/// A row of static tiles and a ball far above them, after a step: steps keep the tree of what stands.
+fn tiles() -> (World, Vec<ColliderId>) {
+    let mut world = World::new(WorldDef::default()).expect("a world");
+    let tile = BodyDef::fixed().with_collider(Shape::rectangle(2, 2).expect("a tile"));
+    for x in 0..8 {
+        world.add_body(BodyDef { position: vec2(4 * x, 0), ..tile.clone() }).expect("a tile");
+    }
+    let ball = BodyDef::dynamic().with_collider(Shape::circle(1).expect("a ball"));
+    world.add_body(BodyDef { position: vec2(0, 100), ..ball }).expect("a ball");
+    world.step();
+    let ids = world.colliders().map(|(id, _)| id).take(8).collect();
+    (world, ids)
+}
+
+/// Where a ray from above beside the middle of the first tile ends.
+fn height(world: &World) -> Option<Fx> {
+    let from = Vec2::new(fx!(0.75), fx!(9));
+    world.queries().cast_ray(from, vec2(0, -10), &ALL).expect("in range").map(|hit| hit.point.y)
+}
+
+#[test]
+fn another_shape_of_the_same_box_is_the_one_that_is_hit() {
+    let (mut world, ids) = tiles();
+    assert_eq!(height(&world), Some(fx!(1)));
+    world.set_collider(ids[0], Shape::circle(1).expect("a disc")).expect("a collider");
+    world.step();
+    assert!(height(&world).is_some_and(|y| y < fx!(0.67) && y > fx!(0.66)));
+    world.set_collider(ids[0], Shape::rectangle(2, 2).expect("a tile")).expect("a collider");
+    world.step();
+    assert_eq!(height(&world), Some(fx!(1)));
+}
+
+#[test]
+fn copies_that_share_a_tree_find_what_the_others_have_lost() {
+    let (mut world, ids) = tiles();
+    let mut copy = World::new(WorldDef::default()).expect("a world");
+    copy.clone_from(&world);
+    world.remove_collider(ids[0]).expect("a collider");
+    world.step();
+    // The first query makes the tree that both share.
+    assert_eq!(height(&world), None);
+    copy.step();
+    assert_eq!(height(&copy), Some(fx!(1)));
+    assert_eq!(height(&world), None);
+}

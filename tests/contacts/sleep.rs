@@ -228,7 +228,7 @@ fn what_is_pushed_in_each_tick_does_not_sleep_and_without_a_speed_nothing_presse
 fn boxes_on_a_floor_fall_asleep_after_thirty_steps_at_rest() {
     // As soon as those of Box2D and Rapier: the first step finds the contacts.
     let ground = super::scenes::ground().expect("a ground");
-    let boxes = (0..20).map(|i| square(Vec2::new(Fx::from(3 * i), fx!(0.5)), i as u64).expect("a square"));
+    let boxes = (0..10).map(|i| square(Vec2::new(Fx::from(3 * i), fx!(0.5)), i as u64).expect("a square"));
     let def = WorldDef { sleep_after: Some(30), ..def() };
     let (mut world, _) = world(def, [ground].into_iter().chain(boxes)).expect("a scene");
     let steps = (1..=100).find(|_| {

@@ -1,7 +1,7 @@
 //! Traits that a peer implements to be measured. A further engine is one file in
 //! `engines/` that implements these two traits, plus one line in `engines/mod.rs`.
 
-use crate::scene::Scene;
+use crate::scene::{Ray, Scene};
 use std::any::Any;
 
 /// A static description, printed at the head of every run.
@@ -70,6 +70,11 @@ pub trait World {
     /// positions. Empty if the engine does not measure them.
     fn pass_times(&self) -> Vec<(&'static str, f64)> {
         Vec::new()
+    }
+    /// Finds the first collider on each ray, and writes the fraction of the ray at which it is hit, 2 where nothing is. Returns false if
+    /// the engine casts no rays.
+    fn cast_rays(&mut self, _rays: &[Ray], _fractions: &mut [f64]) -> bool {
+        false
     }
     /// Names of the ways this engine can be snapshotted.
     fn snapshot_kinds(&self) -> &'static [&'static str] {

@@ -25,6 +25,7 @@ const SCENES: &[(&str, Bench)] = &[
     ("accuracy", bench::accuracy),
     ("memory", bench::memory),
     ("passes", bench::passes),
+    ("rays", bench::rays),
     (QUALITY, bench::quality),
 ];
 

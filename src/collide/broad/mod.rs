@@ -11,6 +11,7 @@
 
 mod bounds;
 mod cap;
+mod core_tree;
 mod entry;
 mod path;
 mod statics;
@@ -22,6 +23,7 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 pub use cap::PairLimits;
+pub(crate) use core_tree::{CoreAt, CoreTree, PlacedCore};
 pub use path::Path;
 pub use statics::Statics;
 
@@ -44,6 +46,8 @@ pub struct Proxy {
     pub bounds: Aabb<Fx>,
     /// The filter, which says what it may meet.
     pub filter: Filter,
+    /// A hash of its outline and its place: a static collider whose digest changes has changed. One that moves needs none.
+    pub digest: u64,
 }
 
 /// The colliders that stand still in a step.

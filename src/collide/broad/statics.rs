@@ -3,8 +3,9 @@
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
+use super::Proxy;
+use super::core_tree::{Cached, CoreAt, CoreTree};
 use super::tree::{Extent, Tree};
-use super::{Path, Proxy};
 use crate::collider::Filter;
 use crate::fx::Fx;
 use crate::shape::Aabb;
@@ -43,22 +44,25 @@ struct Part {
     /// Sorted by number.
     proxies: Vec<Proxy>,
     tree: Tree,
+    /// The cores of the colliders, for queries.
+    cores: Cached,
 }
 
 impl Clone for Part {
     fn clone(&self) -> Self {
-        Self { proxies: self.proxies.clone(), tree: self.tree.clone() }
+        Self { proxies: self.proxies.clone(), tree: self.tree.clone(), cores: Cached::default() }
     }
 
     fn clone_from(&mut self, source: &Self) {
         self.proxies.clone_from(&source.proxies);
         self.tree.clone_from(&source.tree);
+        self.cores = Cached::default();
     }
 }
 
 impl Part {
     fn new(proxies: Vec<Proxy>) -> Self {
-        let mut part = Self { proxies, tree: Tree::default() };
+        let mut part = Self { proxies, ..Self::default() };
         part.build();
         part.tree.drop_workspace();
         part
@@ -71,6 +75,7 @@ impl Part {
             self.tree.push(i as u32, Extent::new(proxy.bounds.into(), proxy.filter));
         }
         self.tree.build();
+        self.cores = Cached::default();
     }
 
     fn find(&self, collider: u32) -> Result<usize, usize> {
@@ -219,19 +224,25 @@ impl Statics {
         self.search(&Extent::new(bounds.into(), filter), |proxy| found(proxy.collider));
     }
 
-    /// Calls `found` with the number of each collider whose box meets a path and whose filter agrees with a filter, and perhaps with
-    /// others: those at the start of the path first, but for some. `found` may shorten the path, and ends the search with false.
-    pub fn search_path(&self, path: &mut Path, filter: Filter, mut found: impl FnMut(u32, &mut Path) -> bool) {
-        let mut goes_on = true;
-        self.base.tree.search_path(path, filter, &mut |item, path| {
-            let collider = self.base.proxies[item as usize].collider;
-            goes_on = self.gone.binary_search(&collider).is_ok() || found(collider, path);
-            goes_on
-        });
-        if goes_on {
-            let all = &self.added.proxies;
-            self.added.tree.search_path(path, filter, &mut |item, path| found(all[item as usize].collider, path));
-        }
+    /// The cores of all outlines, in two trees, which are kept for later queries; `place` gives the core of a number. Copies of a world share
+    /// the first one, also after changes, so that it may have [numbers that are gone](Self::is_gone).
+    pub(crate) fn cores(&self, mut place: impl FnMut(u32) -> Option<CoreAt>) -> [Arc<CoreTree>; 2] {
+        [&*self.base, &self.added].map(|part| {
+            part.cores.get(|| {
+                CoreTree::new(&part.tree, |item| {
+                    let proxy = &part.proxies[item as usize];
+                    // One that is gone here may stand elsewhere: it is found without a place.
+                    let is_here = core::ptr::eq(part, &self.added) || !self.is_gone(proxy.collider);
+                    (proxy.collider, proxy.filter, if is_here { place(proxy.collider) } else { None })
+                })
+            })
+        })
+    }
+
+    /// Returns true for a number in the first tree of [`cores`](Self::cores) that stands there no more.
+    #[inline]
+    pub(crate) fn is_gone(&self, number: u32) -> bool {
+        !self.gone.is_empty() && self.gone.binary_search(&number).is_ok()
     }
 
     /// Calls `found` with each collider that may meet a box, until it returns false.
@@ -240,7 +251,7 @@ impl Statics {
         let mut goes_on = true;
         self.base.tree.search(0, extent, |item| {
             let proxy = &self.base.proxies[item as usize];
-            goes_on = !self.gone.is_empty() && self.gone.binary_search(&proxy.collider).is_ok() || found(proxy);
+            goes_on = self.is_gone(proxy.collider) || found(proxy);
             goes_on
         });
         if goes_on && !self.added.proxies.is_empty() {

@@ -5,7 +5,6 @@
 
 use alloc::vec::Vec;
 
-use super::Path;
 use super::bounds::Bounds;
 use crate::collider::Filter;
 
@@ -14,6 +13,11 @@ pub(super) const NONE: u32 = u32::MAX;
 
 /// The number of parts that wait while a tree is built: one for each halving of 2^32 leaves, and one.
 const MOST_PARTS: usize = 33;
+
+/// The category and the mask by which trees know a filter: colliders of a positive group may meet whatever their masks say.
+pub(super) fn filter_bits(filter: Filter) -> [u32; 2] {
+    if filter.group > 0 { [!0; 2] } else { [filter.category, filter.mask] }
+}
 
 /// A box with the categories and masks of all that is in it.
 #[derive(Clone, Copy, Debug)]
@@ -28,9 +32,13 @@ impl Extent {
     const NOTHING: Self = Self { bounds: Bounds::EMPTY, category: 0, mask: 0 };
 
     pub(super) fn new(bounds: Bounds, filter: Filter) -> Self {
-        // Colliders of a positive group may meet whatever their masks say.
-        let [category, mask] = if filter.group > 0 { [!0; 2] } else { [filter.category, filter.mask] };
+        let [category, mask] = filter_bits(filter);
         Self { bounds, category, mask }
+    }
+
+    /// The categories and masks.
+    pub(super) fn filter_bits(&self) -> [u32; 2] {
+        [self.category, self.mask]
     }
 
     /// Returns false if no collider in one can have a pair with one in the other.
@@ -244,40 +252,15 @@ impl Tree {
         }
     }
 
-    /// Calls `found` with the item of each leaf that meets a path, until it returns false. `found` may shorten the path.
-    pub(super) fn search_path(&self, path: &mut Path, filter: Filter, found: &mut impl FnMut(u32, &mut Path) -> bool) {
-        let Extent { category, mask, .. } = Extent::new(Bounds::EMPTY, filter);
-        let mut at = 0;
-        while at < self.nodes.len() && self.search_part(at, path, [category, mask], found) {
-            at = self.nodes[at].skip as usize;
-        }
+    /// The box and the item of a node.
+    pub(super) fn node(&self, at: usize) -> Option<(&Extent, u32)> {
+        self.nodes.get(at).map(|node| (&node.extent, node.item))
     }
 
-    /// [`search_path`](Self::search_path) in a part of the tree, the half that is nearer to the start first.
-    fn search_part(
-        &self,
-        at: usize,
-        path: &mut Path,
-        filter: [u32; 2],
-        found: &mut impl FnMut(u32, &mut Path) -> bool,
-    ) -> bool {
-        let Node { extent, skip, item } = &self.nodes[at];
-        let agrees = (extent.category & filter[1] != 0) & (filter[0] & extent.mask != 0);
-        if !agrees || !path.meets(&extent.bounds) {
-            return true;
-        }
-        if *item != NONE {
-            return found(*item, path);
-        }
-        if *skip as usize == at + 1 {
-            // A leaf that was removed.
-            return true;
-        }
-        let left = at + 1;
-        let right = self.nodes[left].skip as usize;
-        let is_left_first = path.is_before(&self.nodes[left].extent.bounds, &self.nodes[right].extent.bounds);
-        let halves = if is_left_first { [left, right] } else { [right, left] };
-        halves.into_iter().all(|half| self.search_part(half, path, filter, found))
+    /// The two halves below a node of the tree as it was built; `None` for a leaf.
+    pub(super) fn halves(&self, at: usize) -> Option<[usize; 2]> {
+        let is_inner = self.nodes[at].skip as usize > at + 1;
+        is_inner.then(|| [at + 1, self.nodes[at + 1].skip as usize])
     }
 
     /// The leaves, each with its place, its item and its box.

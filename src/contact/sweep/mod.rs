@@ -228,6 +228,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
                     body: collider.body.slot,
                     bounds: around(&path, N::ulps(collider.outline(part).radius)),
                     filter: collider.def.filter,
+                    digest: 0,
                 }));
             }
         }

@@ -2,13 +2,14 @@
 
 use alloc::vec::Vec;
 
-use super::{Queries, QueryFilter, Rank, Target, sort_by_rank};
+use super::{Found, Queries, QueryFilter, Rank, Target, sort_by_rank};
 use crate::collide::broad::Path;
+use crate::collider::OutlineId;
 use crate::error::{Error, Quantity};
 use crate::fx::Fx;
 use crate::math::Vec2;
 use crate::query::{
-    Core, Placement, Point, RayEnd, Sum, at, beside, beyond_seam, cast_hit, checked_point, checked_translation,
+    Core, Line, Placement, Point, RayEnd, Sum, at, beside, beyond_seam, cast_hit, checked_point, checked_translation,
     in_parts, in_scalar, normal, normal_at_seam, ray_hit,
 };
 use crate::scalar::{Angle as _, Scalar};
@@ -73,11 +74,18 @@ impl Cast {
         Path::new(min, max, self.translation)
     }
 
-    /// The first point on the way to a target.
+    /// The line of a ray.
+    fn line(&self) -> Option<Line> {
+        self.shape.is_none().then(|| Line::new(self.from, self.translation))
+    }
+
+    /// The first point on the way to a collider.
     #[inline]
-    fn meet<S: Scalar>(&self, target: &Target<'_, S>) -> Option<Met> {
-        let core = target.core(self.from)?;
-        let is_link = target.collider.def.shape.is_chain();
+    fn meet<S: Scalar>(&self, found: &Found<'_, S>, line: Option<&Line>) -> Option<Met> {
+        if line.is_some_and(|line| found.is_beside(line)) {
+            return None;
+        }
+        let (core, is_link) = found.core(self.from)?;
         match &self.shape {
             None => ray_hit(&core, is_link, self.translation).map(|end| (0, end)),
             Some(parts) => {
@@ -89,30 +97,31 @@ impl Cast {
         }
     }
 
-    /// The result for a target that is met.
-    fn hit<S: Scalar>(&self, target: &Target<'_, S>, (own, end): Met) -> Option<CastHit<S>> {
-        let core = target.core(self.from)?;
-        let ray = self.translation;
+    /// The result for a collider that is met.
+    fn hit<S: Scalar>(&self, found: &Found<'_, S>, (own, end): Met) -> Option<CastHit<S>> {
+        let Target { collider, id, part } = found.target()?;
+        let (ray, (target, _)) = (self.translation, found.core(self.from)?);
         let (offset, normal) = match &self.shape {
             None => {
-                let beyond = beyond_seam(&target.collider.def.shape, target.part, end);
-                let beyond = beyond.and_then(|part| Target { part, ..*target }.core(self.from));
-                (at(ray, end.fraction), normal_at_seam(&core, beyond, ray, end))
+                let beyond = beyond_seam(&collider.def.shape, part, end);
+                let core = |part| found.world.core(OutlineId { slot: id.slot, part }, self.from);
+                let beyond = beyond.and_then(core).map(|(core, _)| core);
+                (at(ray, end.fraction), normal_at_seam(&target, beyond, ray, end))
             }
             Some(parts) => {
-                let part = &parts[own as usize];
-                let sum = Sum::new(part, &core);
+                let moving = &parts[own as usize];
+                let sum = Sum::new(moving, &target);
                 let normal = normal(&sum.core, ray, end);
-                (sum.touch_point([part, &core], ray, end, normal), normal)
+                (sum.touch_point([moving, &target], ray, end, normal), normal)
             }
         };
         Some(CastHit {
-            collider: target.id,
-            body: target.collider.body,
+            collider: id,
+            body: collider.body,
             fraction: in_parts(end.fraction),
             point: in_scalar(beside(self.from, offset)),
             normal: normal.map(S::from_fx),
-            part: target.part,
+            part,
         })
     }
 }
@@ -132,18 +141,24 @@ impl<S: Scalar> Queries<'_, S> {
         if filter.predicate.is_some() {
             return self.all(cast, filter, 1).pop();
         }
-        let mut least: Option<(Rank, Met)> = None;
-        self.on_path(&mut cast.path(), filter, |target, path| {
-            let Some(met) = cast.meet(target) else { return true };
-            let rank = (met.1.fraction.into(), target.collider.def.key, target.id, target.part);
-            if least.is_none_or(|(least, _)| rank < least) {
-                path.shorten(met.1.fraction);
-                least = Some((rank, met));
+        let (mut least, line): (Option<(Found<'_, S>, Met)>, _) = (None, cast.line());
+        self.on_path(&mut cast.path(), filter, |found, path| {
+            let Some(met) = cast.meet(&found, line.as_ref()) else { return true };
+            let fraction = met.1.fraction;
+            // Keys and handles are looked up only where fractions tie.
+            let is_first = match &least {
+                Some((other, (_, end))) if end.fraction == fraction => found.rank(0) < other.rank(0),
+                Some((_, (_, end))) => fraction < end.fraction,
+                None => true,
+            };
+            if is_first {
+                path.shorten(fraction);
+                least = Some((found, met));
             }
             true
         });
-        let ((_, _, id, part), met) = least?;
-        cast.hit(&self.target_of(id, part)?, met)
+        let (found, met) = least?;
+        cast.hit(&found, met)
     }
 
     /// The first so many hits in their order.
@@ -158,16 +173,16 @@ impl<S: Scalar> Queries<'_, S> {
 
     /// All hits in their order, or those that tie for the first place.
     fn ranked(&self, cast: &Cast, filter: &QueryFilter<'_, S>, are_first: bool) -> Vec<(Rank, CastHit<S>)> {
-        let (mut found, mut least) = (Vec::new(), u64::MAX);
-        self.on_path(&mut cast.path(), filter, |target, path| {
-            let Some(met) = cast.meet(target) else { return true };
-            let rank = (met.1.fraction.into(), target.collider.def.key, target.id, target.part);
-            if are_first && met.1.fraction < least {
-                least = met.1.fraction;
+        let (mut found, mut least, line) = (Vec::new(), u64::MAX, cast.line());
+        self.on_path(&mut cast.path(), filter, |outline, path| {
+            let Some(met) = cast.meet(&outline, line.as_ref()) else { return true };
+            let fraction = met.1.fraction;
+            if are_first && fraction < least {
+                least = fraction;
                 path.shorten(least);
             }
-            if !are_first || met.1.fraction == least {
-                found.extend(cast.hit(target, met).map(|hit| (rank, hit)));
+            if !are_first || fraction == least {
+                found.extend(outline.rank(fraction.into()).map(|rank| (rank, (outline, met))));
             }
             true
         });
@@ -175,7 +190,8 @@ impl<S: Scalar> Queries<'_, S> {
             found.retain(|((fraction, ..), _)| *fraction == u128::from(least));
         }
         sort_by_rank(&mut found);
-        found
+        let hit = |(rank, (outline, met)): (Rank, (Found<'_, S>, Met))| Some((rank, cast.hit(&outline, met)?));
+        found.into_iter().filter_map(hit).collect()
     }
 
     /// The hits that tie for the first place.
@@ -269,9 +285,9 @@ impl<S: Scalar> Queries<'_, S> {
         if filter.predicate.is_some() {
             return Ok(self.first(&cast, filter).is_some());
         }
-        let mut is_met = false;
-        self.on_path(&mut cast.path(), filter, |target, _| {
-            is_met = cast.meet(target).is_some();
+        let (mut is_met, line) = (false, cast.line());
+        self.on_path(&mut cast.path(), filter, |found, _| {
+            is_met = cast.meet(&found, line.as_ref()).is_some();
             !is_met
         });
         Ok(is_met)

@@ -1,9 +1,9 @@
-//! Which colliders a query finds.
+//! Filters: the colliders that a query finds.
 
 use core::fmt;
 
-use super::ALL;
-use crate::collider::{Collider, ColliderDef, Filter};
+use super::Target;
+use crate::collider::{ColliderDef, Filter};
 use crate::fx::Fx;
 use crate::scalar::Scalar;
 use crate::slots::{BodyId, ColliderId};
@@ -66,17 +66,10 @@ impl<S: Scalar> fmt::Debug for QueryFilter<'_, S> {
 }
 
 impl<S: Scalar> QueryFilter<'_, S> {
-    /// The filter for boxes that hold colliders.
-    pub(super) fn meeting(&self) -> Filter {
-        self.filter.unwrap_or(ALL)
-    }
-
-    /// Returns true if all but the predicate lets a collider through.
+    /// Returns true if a collider is named as one to leave out, or its body is.
     #[inline]
-    pub(super) fn lets_through(&self, id: ColliderId, collider: &Collider<S>) -> bool {
-        self.filter.is_none_or(|filter| filter.agrees(collider.def.filter))
-            && !self.without_bodies.contains(&collider.body)
-            && !self.without_colliders.contains(&id)
+    pub(super) fn leaves_out(&self, target: &Target<'_, S>) -> bool {
+        self.without_bodies.contains(&target.collider.body) || self.without_colliders.contains(&target.id)
     }
 
     /// Returns true if the predicate lets a collider through.

@@ -9,11 +9,11 @@ use alloc::vec::Vec;
 
 use super::World;
 use crate::body::{Activity, BodyKind};
-use crate::collide::broad::{Path, Proxy, Statics};
-use crate::collider::{Collider, Filter, OutlineId};
+use crate::collide::broad::{CoreAt, CoreTree, Path, PlacedCore, Proxy, Statics};
+use crate::collider::{Collider, OutlineId};
 use crate::contact::ContactEngine as _;
 use crate::fx::Fx;
-use crate::query::{Core, Placement, Point, beside};
+use crate::query::{Core, Line, Placement, Point, beside};
 use crate::scalar::{Accumulator as _, Scalar};
 use crate::shape::Aabb;
 use crate::slots::{BodyId, ColliderId};
@@ -65,72 +65,124 @@ pub struct Queries<'a, S: Scalar = Fx> {
     statics: Arc<Statics>,
     /// The engine of contacts that numbered the outlines in `statics`; without one they are in `outlines`.
     engine: Option<&'a S::Contacts>,
-    movers: Statics,
-    /// The outlines by their numbers in `movers`.
+    /// The outlines of `statics` as they were when their tree was built, those that changed since, and those that may move.
+    trees: [Arc<CoreTree>; 3],
+    /// The outlines by the numbers that they have here.
     outlines: Vec<OutlineId>,
 }
 
 impl<S: Scalar> World<S> {
     /// The colliders of the world, ready for [queries](Queries).
     ///
-    /// *Cost* The static colliders stand in a tree that steps make and keep, so that they cost nothing here, unless a static body or a
-    /// collider has changed since the last step, or the world was just made, cloned or restored: then their tree is built here, which
-    /// takes about 0.5 µs for each, and more for compounds and chains. A tree of the colliders of all other bodies is always built, at
-    /// the same price; while a body is asleep, this looks at all colliders. A query then takes time in proportion to what it meets and to the logarithm of the number of colliders.
+    /// *Cost* The static colliders stand in a tree that is made by the first call and kept, also for copies of the world, so that they cost
+    /// nothing in later calls. Changes of static bodies and colliders stand beside the tree until there are 512. If a static body or
+    /// a collider has changed since the last step, or the world was just made, cloned or restored, or without the feature `std`, their tree
+    /// is made for this call alone, which takes about 0.5 µs for each. A tree of the colliders of all other bodies is always
+    /// made, at the same price; while a body is asleep, this looks at all colliders. A query then takes time in proportion to what it meets
+    /// and to the logarithm of the number of colliders.
     #[must_use]
     pub fn queries(&self) -> Queries<'_, S> {
         let mut queries = Queries {
             world: self,
             statics: Arc::default(),
             engine: None,
-            movers: Statics::default(),
+            trees: Default::default(),
             outlines: Vec::new(),
         };
-        if let Some((statics, engine)) = self.workspace.statics(&self.bodies, &self.colliders) {
-            (queries.statics, queries.engine) = (Arc::clone(statics), Some(engine));
-        } else if self.bodies.len() > 0 {
-            queries.statics = Arc::new(queries.tree(self.colliders.list(), |kind| kind == BodyKind::Static));
-        }
+        let [base, changed] = match self.workspace.statics(&self.bodies, &self.colliders) {
+            Some((statics, engine)) => {
+                (queries.statics, queries.engine) = (Arc::clone(statics), Some(engine));
+                statics.cores(|number| self.place(engine.outline(number)))
+            }
+            None => queries.trees_of(self.colliders.list(), |kind| kind == BodyKind::Static),
+        };
         let is_mover = |kind: BodyKind| kind != BodyKind::Static;
-        queries.movers = if self.bodies.any_asleep() {
-            queries.tree(self.colliders.list(), is_mover)
+        let [movers, _] = if self.bodies.any_asleep() {
+            queries.trees_of(self.colliders.list(), is_mover)
         } else {
             let moving = &self.bodies.columns.slot[..self.bodies.moving()];
-            queries.tree(moving.iter().flat_map(|&slot| self.colliders.of_slot(slot)), is_mover)
+            queries.trees_of(moving.iter().flat_map(|&slot| self.colliders.of_slot(slot)), is_mover)
         };
+        queries.trees = [base, changed, movers];
         queries
     }
 }
 
-/// A collider, an outline of it, and where it is.
-struct Target<'a, S: Scalar> {
-    collider: &'a Collider<S>,
-    id: ColliderId,
-    part: u32,
-    placement: Placement<S>,
-}
-
-impl<S: Scalar> Target<'_, S> {
-    /// The core of the outline as seen from a point, if it is in reach.
-    #[inline]
-    fn core(&self, from: Point) -> Option<Core> {
-        Core::new(&self.collider.outline(self.part).outline, &self.placement, from)
-    }
-}
-
-/// What a result is sorted by: the fraction or the distance, the key, the handle, the part.
-type Rank = (u128, u64, ColliderId, u32);
-
-impl<S: Scalar> Queries<'_, S> {
+impl<S: Scalar> World<S> {
     /// The place of a body.
     #[inline]
     fn placement(&self, body: BodyId) -> Option<Placement<S>> {
-        let bodies = &self.world.bodies;
+        let bodies = &self.bodies;
         let dense = bodies.find(body).ok()?;
         let motion = &bodies.columns.motion;
         Some(Placement::new(motion.position.get(dense).map(|part| part.value()), motion.angle[dense]))
     }
 
+    /// The core of an outline, relative to the position of its body.
+    fn place(&self, outline: OutlineId) -> Option<CoreAt> {
+        let collider = self.colliders.at(outline.slot)?;
+        let placement = self.placement(collider.body)?;
+        // It sees itself in reach.
+        let core = Core::new(&collider.outline(outline.part).outline, &placement, placement.position())?;
+        Some(CoreAt { core, position: placement.position(), is_link: collider.def.shape.is_chain() })
+    }
+
+    /// The core of an outline as seen from a point, if it is in reach, and whether it is a segment of a chain.
+    fn core(&self, outline: OutlineId, from: Point) -> Option<(Core, bool)> {
+        let CoreAt { core, position: [x, y], is_link } = self.place(outline)?;
+        let corners: Vec<Point> = core.corners().iter().map(|corner| [corner[0] + x, corner[1] + y]).collect();
+        Some((Core::at(&corners, core.radius, from)?, is_link))
+    }
+}
+
+/// An outline that a search found: its collider is looked up only where it is needed.
+#[derive(Clone, Copy)]
+struct Found<'a, S: Scalar> {
+    world: &'a World<S>,
+    outline: OutlineId,
+    placed: Option<PlacedCore<'a>>,
+}
+
+/// A collider and an outline of it.
+struct Target<'a, S: Scalar> {
+    collider: &'a Collider<S>,
+    id: ColliderId,
+    part: u32,
+}
+
+impl<'a, S: Scalar> Found<'a, S> {
+    /// The core of the outline as seen from a point, if it is in reach, and whether it is a segment of a chain.
+    #[inline]
+    fn core(&self, from: Point) -> Option<(Core, bool)> {
+        match self.placed {
+            Some(placed) => Some((Core::at(placed.corners, placed.radius, from)?, placed.is_link)),
+            None => self.world.core(self.outline, from),
+        }
+    }
+
+    /// Returns true if it is beside a line.
+    #[inline]
+    fn is_beside(&self, line: &Line) -> bool {
+        self.placed.is_some_and(|placed| line.misses(placed.corners, placed.radius))
+    }
+
+    /// The rank of a result.
+    fn rank(&self, first: u128) -> Option<Rank> {
+        let target = self.target()?;
+        Some((first, target.collider.def.key, target.id, target.part))
+    }
+
+    fn target(&self) -> Option<Target<'a, S>> {
+        let OutlineId { slot, part } = self.outline;
+        let colliders = &self.world.colliders;
+        Some(Target { collider: colliders.at(slot)?, id: colliders.id(slot), part })
+    }
+}
+
+/// The order of results: the fraction or the distance, the key, the handle, the part.
+type Rank = (u128, u64, ColliderId, u32);
+
+impl<S: Scalar> Queries<'_, S> {
     /// The kind of a body that takes part.
     fn kind(&self, body: BodyId) -> Option<BodyKind> {
         let bodies = &self.world.bodies;
@@ -138,93 +190,76 @@ impl<S: Scalar> Queries<'_, S> {
         matches!(bodies.activity(dense), Activity::Awake | Activity::Asleep).then(|| bodies.info(dense).kind)
     }
 
-    /// The tree of those of these colliders whose bodies are of some kinds. Their outlines are numbered from the end of `outlines` on.
-    fn tree<'c>(
+    /// The trees of those of these colliders whose bodies are of some kinds. Their outlines are numbered from the end of `outlines` on.
+    fn trees_of<'c>(
         &mut self,
         colliders: impl Iterator<Item = &'c Collider<S>>,
         is_wanted: impl Fn(BodyKind) -> bool,
-    ) -> Statics {
-        let mut proxies = Vec::new();
+    ) -> [Arc<CoreTree>; 2] {
+        let first = self.outlines.len();
+        let (mut proxies, mut places) = (Vec::new(), Vec::new());
         for collider in colliders {
             if !self.kind(collider.body).is_some_and(&is_wanted) {
                 continue;
             }
-            let Some(placement) = self.placement(collider.body) else { continue };
             for part in 0..collider.outline_count() {
-                // It sees itself in reach.
-                let Some(core) = Core::new(&collider.outline(part).outline, &placement, placement.position()) else {
-                    continue;
-                };
-                let [min, max] =
-                    core.bounds().map(|corner| crate::query::in_scalar::<Fx>(beside(placement.position(), corner)));
-                let number = self.outlines.len() as u32;
-                self.outlines.push(OutlineId { slot: collider.slot, part });
-                let filter = collider.def.filter;
-                proxies.push(Proxy { collider: number, body: collider.body.slot, bounds: Aabb { min, max }, filter });
+                let outline = OutlineId { slot: collider.slot, part };
+                let Some(place) = self.world.place(outline) else { continue };
+                let corners = place.core.bounds().map(|corner| beside(place.position, corner));
+                let [min, max] = corners.map(crate::query::in_scalar::<Fx>);
+                let (number, filter) = (self.outlines.len() as u32, collider.def.filter);
+                self.outlines.push(outline);
+                places.push(Some(place));
+                let bounds = Aabb { min, max };
+                proxies.push(Proxy { collider: number, body: collider.body.slot, bounds, filter, digest: 0 });
             }
         }
-        Statics::new(proxies)
+        Statics::new(proxies).cores(|number| places[number as usize - first].take())
     }
 
-    /// The outline of a number that a tree gave, if a filter lets it through: its body takes part, as none other is in a tree.
+    /// The outline of a number that a tree gave.
     #[inline]
-    fn target(&self, number: u32, is_static: bool, filter: &QueryFilter<'_, S>) -> Option<Target<'_, S>> {
-        let outline = match self.engine {
+    fn outline(&self, number: u32, is_static: bool) -> OutlineId {
+        match self.engine {
             Some(engine) if is_static => engine.outline(number),
             _ => self.outlines[number as usize],
-        };
-        let collider = self.world.colliders.at(outline.slot)?;
-        let id = self.world.colliders.id(outline.slot);
-        if !filter.lets_through(id, collider) {
-            return None;
         }
-        let placement = self.placement(collider.body)?;
-        Some(Target { collider, id, part: outline.part, placement })
     }
 
-    /// An outline of a collider.
-    fn target_of(&self, id: ColliderId, part: u32) -> Option<Target<'_, S>> {
-        let collider = self.world.colliders.get(id).ok()?;
-        Some(Target { collider, id, part, placement: self.placement(collider.body)? })
-    }
-
-    /// Calls `found` with the targets whose boxes meet a box, until it returns false.
-    fn in_box(
-        &self,
+    /// Calls `found` with the outlines whose boxes meet a box, until it returns false.
+    fn in_box<'q>(
+        &'q self,
         [min, max]: [Point; 2],
         filter: &QueryFilter<'_, S>,
-        mut found: impl FnMut(&Target<'_, S>) -> bool,
+        mut found: impl FnMut(Found<'q, S>) -> bool,
     ) {
-        let [min, max] = [min, max].map(crate::query::in_scalar::<Fx>);
-        let mut goes_on = true;
-        for (tree, is_static) in [(&*self.statics, true), (&self.movers, false)] {
-            if !goes_on {
-                return;
-            }
-            tree.search_box(Aabb { min, max }, filter.meeting(), |number| {
-                goes_on = self.target(number, is_static, filter).is_none_or(|target| found(&target));
-                goes_on
-            });
-        }
+        self.on_path(&mut Path::new(min, max, [0; 2]), filter, |outline, _| found(outline));
     }
 
-    /// Calls `found` with the targets whose boxes meet a path, until it returns false. It may shorten the path.
+    /// Calls `found` with the outlines that a filter lets through and whose boxes may meet a path, until it returns false. It may shorten the
+    /// path. All bodies in the trees take part.
     #[inline]
-    fn on_path(
-        &self,
+    fn on_path<'q>(
+        &'q self,
         path: &mut Path,
         filter: &QueryFilter<'_, S>,
-        mut found: impl FnMut(&Target<'_, S>, &mut Path) -> bool,
+        mut found: impl FnMut(Found<'q, S>, &mut Path) -> bool,
     ) {
-        let mut goes_on = true;
-        for (tree, is_static) in [(&*self.statics, true), (&self.movers, false)] {
+        let names_some = !filter.without_bodies.is_empty() || !filter.without_colliders.is_empty();
+        for (which, tree) in self.trees.iter().enumerate() {
+            let goes_on = tree.search(path, filter.filter, |placed, path| {
+                if which == 0 && self.statics.is_gone(placed.number) {
+                    return true;
+                }
+                let outline = self.outline(placed.number, which < 2);
+                let placed = (!placed.corners.is_empty()).then_some(placed);
+                let outline = Found { world: self.world, outline, placed };
+                let is_left_out = names_some && outline.target().is_none_or(|target| filter.leaves_out(&target));
+                is_left_out || found(outline, path)
+            });
             if !goes_on {
                 return;
             }
-            tree.search_path(path, filter.meeting(), |number, path| {
-                goes_on = self.target(number, is_static, filter).is_none_or(|target| found(&target, path));
-                goes_on
-            });
         }
     }
 }
@@ -235,6 +270,3 @@ fn sort_by_rank<T>(found: &mut Vec<(Rank, T)>) {
     found.dedup_by_key(|((_, _, id, _), _)| *id);
     found.sort_unstable_by_key(|(rank, _)| *rank);
 }
-
-/// All categories, for queries without a filter.
-const ALL: Filter = Filter { category: !0, mask: !0, group: 0 };

@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 
 use super::cast::checked_shape;
-use super::{Queries, QueryFilter, Target, sort_by_rank};
+use super::{Found, Queries, QueryFilter, sort_by_rank};
 use crate::error::{Error, Quantity};
 use crate::fx::Fx;
 use crate::limits;
@@ -109,9 +109,9 @@ impl<S: Scalar> Queries<'_, S> {
     fn overlap(&self, from: Point, parts: &[Core], filter: &QueryFilter<'_, S>) -> Vec<ColliderId> {
         let mut found = Vec::new();
         for part in parts {
-            self.in_box(part.bounds().map(|corner| beside(from, corner)), filter, |target| {
-                if target.core(from).is_some_and(|core| contains(&Sum::new(part, &core).core)) {
-                    found.push(((0, target.collider.def.key, target.id, target.part), ()));
+            self.in_box(part.bounds().map(|corner| beside(from, corner)), filter, |outline| {
+                if outline.core(from).is_some_and(|(core, _)| contains(&Sum::new(part, &core).core)) {
+                    found.extend(outline.rank(0).map(|rank| (rank, ())));
                 }
                 true
             });
@@ -176,8 +176,8 @@ impl<S: Scalar> Queries<'_, S> {
     /// The first so many colliders within a distance in ulps.
     fn within(&self, from: Point, reach: i64, filter: &QueryFilter<'_, S>, most: usize) -> Vec<ClosestPoint<S>> {
         let mut found = Vec::new();
-        self.in_box([from.map(|part| part - reach), from.map(|part| part + reach)], filter, |target| {
-            found.extend(closest(from, reach, target));
+        self.in_box([from.map(|part| part - reach), from.map(|part| part + reach)], filter, |outline| {
+            found.extend(closest(from, reach, &outline));
             true
         });
         sort_by_rank(&mut found);
@@ -193,15 +193,16 @@ fn checked_reach<S: Scalar>(point: Vec2<S>, most: S) -> Result<(Point, i64), Err
     Ok((checked_point(point)?, most.to_fx().to_bits()))
 }
 
-/// The nearest point of a target, if it is within a distance in ulps.
-fn closest<S: Scalar>(from: Point, reach: i64, target: &Target<'_, S>) -> Option<(super::Rank, ClosestPoint<S>)> {
-    let core = target.core(from)?;
+/// The nearest point of an outline, if it is within a distance in ulps.
+fn closest<S: Scalar>(from: Point, reach: i64, outline: &Found<'_, S>) -> Option<(super::Rank, ClosestPoint<S>)> {
+    let (core, _) = outline.core(from)?;
     let near = nearest(core.corners());
     let away = distance(&core, near);
     if away > (reach as u128) << 16 {
         return None;
     }
     let (offset, _) = surface_point(&core, near, away);
+    let target = outline.target()?;
     let rank = (away, target.collider.def.key, target.id, target.part);
     let near = ClosestPoint {
         collider: target.id,

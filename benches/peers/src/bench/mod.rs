@@ -6,6 +6,7 @@ mod geometry;
 mod memory;
 mod passes;
 mod quality;
+mod rays;
 mod snapshot;
 mod steady;
 
@@ -14,6 +15,7 @@ pub use contacts::{joints, pyramid, rain};
 pub use memory::{mem_child, memory};
 pub use passes::passes;
 pub use quality::{names as quality_names, quality};
+pub use rays::rays;
 pub use snapshot::snapshot;
 pub use steady::{free, free_static, sleeping};
 

@@ -1,7 +1,7 @@
 //! Box2D v3 (C), the copy bundled by boxdd, through its raw C API.
 
 use crate::engine::{Engine, Hash, Info, Snapshot, State, World, locked_version};
-use crate::scene::{Body, Joint, Kind, Scene, Shape};
+use crate::scene::{Body, Joint, Kind, Ray, Scene, Shape};
 use boxdd_sys::ffi::*;
 use std::collections::HashSet;
 
@@ -40,6 +40,8 @@ impl Engine for Box2d {
             wd.workerCount = 1;
             let world = b2CreateWorld(&wd);
             let ids: Vec<_> = scene.bodies.iter().map(|b| add_body(world, scene, b)).collect();
+            // A better tree than that of insertions one by one.
+            b2World_RebuildStaticTree(world);
             for j in &scene.joints {
                 add_joint(world, scene, &ids, j);
             }
@@ -208,6 +210,14 @@ impl World for B2World {
             ("relaxImpulses", p.relaxImpulses),
         ];
         stages.map(|(name, ms)| (name, f64::from(ms) * 1e3)).into()
+    }
+    fn cast_rays(&mut self, rays: &[Ray], fractions: &mut [f64]) -> bool {
+        for (ray, fraction) in rays.iter().zip(fractions) {
+            let (from, by) = (v2(ray.from[0], ray.from[1]), v2(ray.by[0], ray.by[1]));
+            let hit = unsafe { b2World_CastRayClosest(self.world, from, by, b2DefaultQueryFilter()) };
+            *fraction = if hit.hit { f64::from(hit.fraction) } else { 2.0 };
+        }
+        true
     }
     fn snapshot_kinds(&self) -> &'static [&'static str] {
         &["b2World_Snapshot"]

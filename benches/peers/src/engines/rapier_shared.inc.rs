@@ -1,7 +1,7 @@
 // Included by rapier_f32.rs and rapier_f64.rs: the two crates have the same API.
 
 use crate::engine::{Engine, Hash, Info, Snapshot, State, World, locked_version};
-use crate::scene::{Kind, Scene, Shape};
+use crate::scene::{self, Kind, Scene, Shape};
 use rapier::math::{Real, Vector};
 use rapier::parry::mass_properties::MassProperties;
 use rapier::prelude::*;
@@ -178,6 +178,16 @@ impl World for RapierWorld {
                 .map(|m| m.data.solver_contacts.len())
                 .sum(),
         )
+    }
+    fn cast_rays(&mut self, rays: &[scene::Ray], fractions: &mut [f64]) -> bool {
+        // One for all rays: making it costs something.
+        let queries = self.w.query_pipeline_with_filter(QueryFilter::default());
+        for (ray, fraction) in rays.iter().zip(fractions) {
+            let ray = Ray::new(vec2(ray.from[0], ray.from[1]), vec2(ray.by[0], ray.by[1]));
+            let hit = queries.cast_ray_and_get_normal(&ray, 1.0, true);
+            *fraction = hit.map_or(2.0, |(_, hit)| hit.time_of_impact as f64);
+        }
+        true
     }
     fn snapshot_kinds(&self) -> &'static [&'static str] {
         &["clone", "bincode"]

@@ -8,7 +8,7 @@ use umbra_physics::scalar::internals::VectorSet;
 use umbra_physics::scalar::{Factor, ToF64};
 use umbra_physics::{
     Activity, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ContactSettings, Damping, End, FieldKind, Fx,
-    Geometry, Integrator, Mass, Material, Scalar, Shape as Form, SpringConstants, TimeStep, Turn, Vec2, World as Umbra,
+    Geometry, Integrator, Mass, Material, QueryFilter, Scalar, Shape as Form, SpringConstants, TimeStep, Turn, Vec2, World as Umbra,
     WorldDef,
 };
 
@@ -290,6 +290,15 @@ impl<S: Number> World for Built<S> {
     }
     fn contact_points(&self) -> Option<usize> {
         Some(self.world.contacts().map(|contact| contact.points().len()).sum())
+    }
+    fn cast_rays(&mut self, rays: &[scene::Ray], fractions: &mut [f64]) -> bool {
+        let (queries, all) = (self.world.queries(), QueryFilter::default());
+        for (ray, fraction) in rays.iter().zip(fractions) {
+            let (from, by) = (vector(ray.from[0], ray.from[1]), vector(ray.by[0], ray.by[1]));
+            let hit = queries.cast_ray(from, by, &all).expect("rays within the limits");
+            *fraction = hit.map_or(2.0, |hit| hit.fraction.to_f64());
+        }
+        true
     }
     fn snapshot_kinds(&self) -> &'static [&'static str] {
         &["clone_from into a world there is", "clone"]

@@ -247,6 +247,13 @@ impl Scene {
     }
 }
 
+/// A ray: where it starts, and from there to its end, m.
+#[derive(Clone, Copy, Debug)]
+pub struct Ray {
+    pub from: [f64; 2],
+    pub by: [f64; 2],
+}
+
 /// Deterministic numbers in [-1, 1).
 struct Lcg(u64);
 impl Lcg {

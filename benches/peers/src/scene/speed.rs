@@ -1,6 +1,8 @@
 //! Scenes whose steps are timed.
 
-use super::{Body, Joint, Lcg, Scene, Shape};
+use std::collections::HashMap;
+
+use super::{Body, Corners, Joint, Lcg, Ray, Scene, Shape};
 
 fn disc(r: f64) -> Shape {
     let m = std::f64::consts::PI * r * r;
@@ -60,6 +62,59 @@ pub fn free_static(n: usize, colliders: bool) -> Scene {
         s.bodies.push(b);
     }
     s
+}
+
+/// The width of the square of [`rays`] for one body, m: a long ray then goes 30 m on average before it hits.
+const RAYS_SPACING: f64 = 6.0;
+
+/// `n` fixed boxes, discs, triangles and pentagons, 1 m to 2 m in size, at all angles in a square.
+pub fn rays(n: usize) -> Scene {
+    let mut s = Scene::new("rays", n);
+    s.gravity = [0.0, 0.0];
+    let regular = |corners: usize, r: f64| {
+        let corner = |i: usize| {
+            let (sin, cos) = (std::f64::consts::TAU * i as f64 / corners as f64).sin_cos();
+            [r * cos, r * sin]
+        };
+        Shape::Polygon(Corners::new(&(0..corners).map(corner).collect::<Vec<_>>()))
+    };
+    let side = (n as f64).sqrt() * RAYS_SPACING;
+    let mut g = Lcg(5);
+    for i in 0..n {
+        let size = 0.5 + 0.5 * g.unit();
+        let shape = match i % 4 {
+            0 | 1 => Shape::Box { hx: size, hy: 0.5 + 0.5 * g.unit() },
+            2 => Shape::Circle { r: size },
+            _ => regular(3 + i / 4 % 2 * 2, size),
+        };
+        let mut b = Body::fixed(side * g.unit(), side * g.unit(), shape);
+        b.angle = std::f64::consts::PI * g.next();
+        s.bodies.push(b);
+    }
+    // One that moves, far from all rays: engines that look for contacts keep what they know of the others.
+    s.bodies.push(Body::dynamic(-1000.0, 0.0, Shape::Circle { r: 0.5 }));
+    s
+}
+
+/// Rays of a length in all directions, from points of the square of [`rays`] that are in no body: not all engines count those.
+pub fn ray_list(s: &Scene, count: usize, length: f64) -> Vec<Ray> {
+    let side = (s.n as f64).sqrt() * RAYS_SPACING;
+    // Bodies reach 1.42 m at most: those near a point are in the cells around its own.
+    let cell = |x: f64, y: f64| ((x / 1.5).floor() as i64, (y / 1.5).floor() as i64);
+    let mut bodies: HashMap<_, Vec<[f64; 2]>> = HashMap::new();
+    s.bodies.iter().for_each(|b| bodies.entry(cell(b.x, b.y)).or_default().push([b.x, b.y]));
+    let is_free = |[x, y]: [f64; 2]| {
+        let (i, j) = cell(x, y);
+        let mut near = (0..9).filter_map(|k| bodies.get(&(i + k / 3 - 1, j + k % 3 - 1))).flatten();
+        near.all(|b| (b[0] - x).hypot(b[1] - y) > 1.42)
+    };
+    let mut g = Lcg(6);
+    let mut ray = || {
+        let from = [side * g.unit(), side * g.unit()];
+        let (sin, cos) = (std::f64::consts::PI * g.next()).sin_cos();
+        Ray { from, by: [length * cos, length * sin] }
+    };
+    std::iter::repeat_with(&mut ray).filter(|ray| is_free(ray.from)).take(count).collect()
 }
 
 /// Boxes, each resting alone on one of many static floors, that fall asleep.

@@ -48,6 +48,7 @@ impl Scene {
             body: collider % 60,
             bounds: self.kind.bounds(&mut self.random),
             filter: filter(&mut self.random),
+            digest: 0,
         }
     }
 

@@ -39,7 +39,7 @@ fn colliders_above_the_cap_are_those_of_the_definition_after_any_history() {
                 let filter = if round % 2 == 0 { filter(&mut random) } else { Default::default() };
                 // Static colliders are on other bodies than those that move.
                 let body = if collider < 10 { collider } else { 10 + collider % 30 };
-                Proxy { collider, body, bounds: kind.bounds(&mut random), filter }
+                Proxy { collider, body, bounds: kind.bounds(&mut random), filter, digest: 0 }
             };
             let fixed: Vec<Proxy> = (0..10).map(&mut make).collect();
             let movers: Vec<Proxy> = (10..60).map(&mut make).collect();

@@ -21,7 +21,7 @@ pub(super) fn bounds(min: [i64; 2], max: [i64; 2]) -> Aabb<Fx> {
 }
 
 pub(super) fn proxy(collider: u32, min: [i64; 2], max: [i64; 2]) -> Proxy {
-    Proxy { collider, body: collider, bounds: bounds(min, max), filter: Filter::default() }
+    Proxy { collider, body: collider, bounds: bounds(min, max), filter: Filter::default(), digest: 0 }
 }
 
 /// The pairs by their definition.

@@ -1,0 +1,227 @@
+//! Queries find what looking at each collider finds.
+//!
+//! An input is bodies and queries. Every query is asked of a world with all bodies, of worlds with one of them each, of the shapes
+//! themselves where a body is not turned, of a restored world, and of the mirror image.
+
+use arbitrary::{Arbitrary, Result, Unstructured};
+use umbra_physics::{
+    Aabb, BodyDef, BodyKind, ColliderDef, ColliderId, Filter, Fx, Part, Queries, QueryFilter, Shape, Snapshot,
+    Symmetry, Vec2, World, WorldDef, fx, vec2,
+};
+
+use super::tally;
+
+/// The target.
+pub fn run(data: &[u8]) {
+    _ = play(&mut Unstructured::new(data));
+}
+
+/// The most bodies and queries of an input.
+const BODIES: usize = 24;
+const QUERIES: usize = 32;
+
+/// A number within so many metres: a multiple of ½ m, where ties and grazes are, or any.
+fn number(input: &mut Unstructured<'_>, most: i32) -> Result<Fx> {
+    if bool::arbitrary(input)? {
+        return Ok(
+            Fx::from_bits(i64::from(i16::arbitrary(input)?).rem_euclid(4 * i64::from(most) + 1) << 31) - Fx::from(most)
+        );
+    }
+    let whole = i64::from(most) << 33;
+    Ok(Fx::from_bits(i64::arbitrary(input)?.rem_euclid(whole + 1)) - Fx::from(most))
+}
+
+fn vector(input: &mut Unstructured<'_>, most: i32) -> Result<Vec2> {
+    Ok(Vec2::new(number(input, most)?, number(input, most)?))
+}
+
+/// No turn, or any.
+fn angle(input: &mut Unstructured<'_>) -> Result<Fx> {
+    if bool::arbitrary(input)? { Ok(fx!(0)) } else { number(input, 4) }
+}
+
+/// A shape of any kind; no chain for one that moves.
+fn shape(input: &mut Unstructured<'_>, moves: bool) -> Result<Shape> {
+    let size = number(input, 2)?.abs() + fx!(0.125);
+    let other = number(input, 2)?.abs() + fx!(0.125);
+    let corners = [vec2(0, 0), Vec2::new(size * 2, fx!(0.5)), Vec2::new(size, other + fx!(1)), vec2(0, 1)];
+    let made = match u8::arbitrary(input)? % if moves { 7 } else { 9 } {
+        0 => Shape::circle(size),
+        1 => Shape::capsule(size, other),
+        2 => Shape::polygon(&corners),
+        3 => Shape::rounded_polygon(&corners[..3], other),
+        4 => Shape::segment(vec2(0, 0), Vec2::new(size, other)),
+        5 => {
+            let wheel = Shape::circle(other).expect("a radius within the limits");
+            let part =
+                |x: Fx| Part { shape: wheel.clone(), position: Vec2::new(x, fx!(0)), angle: fx!(0), density: fx!(1) };
+            Shape::compound(&[part(-size), part(size)])
+        }
+        6 => Shape::rectangle(size, other),
+        7 => Shape::chain(&[Vec2::new(size, other), vec2(0, 0), vec2(-1, 0), Vec2::new(-size - fx!(1), other)], false),
+        _ => Shape::chain(&[vec2(-2, 0), vec2(0, 2), Vec2::new(size + fx!(1), fx!(0)), vec2(0, -2)], true),
+    };
+    Ok(made.unwrap_or_else(|_| Shape::circle(1).expect("a disc")))
+}
+
+fn body(input: &mut Unstructured<'_>, key: u64) -> Result<BodyDef> {
+    let kind = [BodyKind::Static, BodyKind::Static, BodyKind::Kinematic, BodyKind::Dynamic]
+        [usize::from(u8::arbitrary(input)? % 4)];
+    let filter = Filter { category: 1 << (u8::arbitrary(input)? % 3), ..Filter::default() };
+    let collider = ColliderDef { key, filter, ..ColliderDef::new(shape(input, kind == BodyKind::Dynamic)?) };
+    let (position, angle) = (vector(input, 12)?, angle(input)?);
+    Ok(BodyDef { kind, position, angle, colliders: vec![collider], ..BodyDef::dynamic() })
+}
+
+enum Query {
+    Ray(Vec2, Vec2),
+    Cast(Shape, (Vec2, Fx), Vec2),
+    Overlap(Shape, (Vec2, Fx)),
+    Box(Aabb),
+    Point(Vec2),
+    Near(Vec2, Fx),
+}
+
+impl Query {
+    fn of(input: &mut Unstructured<'_>) -> Result<Self> {
+        let (kind, from, by) = (u8::arbitrary(input)? % 8, vector(input, 16)?, vector(input, 24)?);
+        Ok(match kind {
+            0..3 => Self::Ray(from, by),
+            3 => Self::Cast(shape(input, true)?, (from, angle(input)?), by),
+            4 => Self::Overlap(shape(input, true)?, (from, angle(input)?)),
+            5 => Self::Box(Aabb { min: from.min(from + by), max: from.max(from + by) }),
+            6 => Self::Point(from),
+            _ => Self::Near(from, by.x.abs()),
+        })
+    }
+
+    /// The mirror image at the line x = 0, of a query whose own image is a query of the same kind.
+    fn image(&self) -> Option<Self> {
+        let across = |v: Vec2| Vec2::new(-v.x, v.y);
+        match *self {
+            Self::Ray(from, by) => Some(Self::Ray(across(from), across(by))),
+            Self::Point(from) => Some(Self::Point(across(from))),
+            Self::Near(from, most) => Some(Self::Near(across(from), most)),
+            Self::Box(Aabb { min, max }) => {
+                Some(Self::Box(Aabb { min: Vec2::new(-max.x, min.y), max: Vec2::new(-min.x, max.y) }))
+            }
+            Self::Cast(..) | Self::Overlap(..) => None,
+        }
+    }
+}
+
+/// A result: the key, the fraction or the distance, the point, the normal, the part.
+type Row = (u64, Fx, Vec2, Vec2, u32);
+
+/// The answer to a query, once the calls for the first results agree with it.
+fn ask(world: &World, queries: &Queries<'_>, query: &Query, filter: &QueryFilter<'_>) -> Vec<Row> {
+    let key = |collider: ColliderId| world.collider(collider).expect("a collider that was found").key;
+    let only = |collider: ColliderId| (key(collider), fx!(0), vec2(0, 0), vec2(0, 0), 0);
+    let casts = |all: Vec<umbra_physics::CastHit>, ties: Vec<umbra_physics::CastHit>, first| {
+        assert_eq!(first, all.first().copied(), "the first of all");
+        assert!(all.starts_with(&ties) && ties.is_empty() == all.is_empty(), "ties come first");
+        assert!(ties.is_sorted_by_key(|hit| key(hit.collider)), "ties are sorted by key");
+        assert!(all.is_sorted_by_key(|hit| hit.fraction), "hits are sorted");
+        all.into_iter().map(|hit| (key(hit.collider), hit.fraction, hit.point, hit.normal, hit.part)).collect()
+    };
+    let fair = "a query within the limits";
+    match query {
+        Query::Ray(from, by) => {
+            let all = queries.cast_ray_all(*from, *by, filter).expect(fair);
+            assert_eq!(queries.cast_ray_any(*from, *by, filter), Ok(!all.is_empty()));
+            let ties = queries.cast_ray_ties(*from, *by, filter).expect(fair);
+            casts(all, ties, queries.cast_ray(*from, *by, filter).expect(fair))
+        }
+        Query::Cast(shape, pose, by) => {
+            let all = queries.cast_shape_all(shape, *pose, *by, filter).expect(fair);
+            let ties = queries.cast_shape_ties(shape, *pose, *by, filter).expect(fair);
+            casts(all, ties, queries.cast_shape(shape, *pose, *by, filter).expect(fair))
+        }
+        Query::Overlap(shape, pose) => {
+            queries.overlap_shape(shape, *pose, filter).expect(fair).into_iter().map(only).collect()
+        }
+        Query::Box(bounds) => queries.overlap_box(*bounds, filter).expect(fair).into_iter().map(only).collect(),
+        Query::Point(from) => queries.overlap_point(*from, filter).expect(fair).into_iter().map(only).collect(),
+        Query::Near(from, most) => {
+            let all = queries.closest_points(*from, *most, filter).expect(fair);
+            assert_eq!(queries.closest_point(*from, *most, filter), Ok(all.first().copied()));
+            assert!(all.is_sorted_by_key(|near| near.distance), "points are sorted");
+            all.iter().map(|near| (key(near.collider), near.distance, near.point, vec2(0, 0), near.part)).collect()
+        }
+    }
+}
+
+/// What the shape of a body that is not turned says by itself, where there is such a call.
+fn of_shape(body: &BodyDef, query: &Query) -> Option<Option<Row>> {
+    let ColliderDef { shape, key, .. } = &body.colliders[0];
+    let at = body.position;
+    if body.angle != fx!(0) {
+        return None;
+    }
+    let fair = "a query within the limits";
+    match query {
+        Query::Ray(from, by) => {
+            let hit = shape.cast_ray(*from - at, *by).expect(fair);
+            Some(hit.map(|hit| (*key, hit.fraction, hit.point + at, hit.normal, hit.part)))
+        }
+        Query::Point(from) => Some(shape.contains(*from - at).then_some((*key, fx!(0), vec2(0, 0), vec2(0, 0), 0))),
+        Query::Near(from, most) => {
+            let away = shape.distance(*from - at).expect(fair);
+            let point = shape.closest_point(*from - at).expect(fair) + at;
+            // Of parts at one distance each call may name another; rounding may be to the limit.
+            (away != *most && shape.outlines().len() == 1)
+                .then(|| (away < *most).then_some((*key, away, point, vec2(0, 0), 0)))
+        }
+        _ => None,
+    }
+}
+
+fn play(input: &mut Unstructured<'_>) -> Result<()> {
+    let count = usize::from(u8::arbitrary(input)?) % BODIES + 1;
+    let mut bodies = (0..count as u64).map(|i| body(input, i * 5 % 31)).collect::<Result<Vec<_>>>()?;
+    let mut world = World::new(WorldDef::default()).expect("a world");
+    bodies.retain(|def| world.add_body(def.clone()).is_ok());
+    let single = |def: &BodyDef| {
+        let mut world = World::new(WorldDef::default()).expect("a world");
+        world.add_body(def.clone()).map(|_| world).expect("a body that was added before")
+    };
+    let singles: Vec<World> = bodies.iter().map(single).collect();
+    let steps = u8::arbitrary(input)? % 3;
+    let mut stepped = world.clone();
+    for _ in 0..steps {
+        stepped.step();
+        tally::count(&stepped);
+    }
+    let restored = Snapshot::from_bytes(&stepped.snapshot().to_bytes(), &[]).expect("its own bytes").into_world();
+    let mirrored = Symmetry::MIRROR.world(&world);
+    let (own, after, back) = (world.queries(), stepped.queries(), restored.queries());
+    let mut asked = 0;
+    while !input.is_empty() && asked < QUERIES {
+        asked += 1;
+        let query = Query::of(input)?;
+        let mask = if bool::arbitrary(input)? { 3 } else { !0 };
+        let filter = QueryFilter { filter: Some(Filter { mask, ..Filter::default() }), ..QueryFilter::default() };
+        let found = ask(&world, &own, &query, &filter);
+        let mut by_key = found.clone();
+        by_key.sort_by_key(|row| row.0);
+        let each = |(world, def): (&World, &BodyDef)| {
+            let rows = ask(world, &world.queries(), &query, &filter);
+            if let (Some(row), true) = (of_shape(def, &query), def.colliders[0].filter.category & mask != 0) {
+                assert_eq!(rows.first(), row.as_ref(), "the shape by itself");
+            }
+            rows
+        };
+        let mut expected: Vec<Row> = singles.iter().zip(&bodies).flat_map(each).collect();
+        expected.sort_by_key(|row| row.0);
+        assert_eq!(by_key, expected, "each by itself");
+        assert_eq!(ask(&stepped, &after, &query, &filter), ask(&restored, &back, &query, &filter), "restored");
+        let Some((mirrored, image)) = mirrored.as_ref().zip(query.image()) else { continue };
+        let there = ask(mirrored, &mirrored.queries(), &image, &filter);
+        let across = |v: Vec2| if matches!(query, Query::Ray(..) | Query::Near(..)) { Vec2::new(-v.x, v.y) } else { v };
+        // Segments of a chain run the other way there.
+        let there: Vec<Row> = there.into_iter().map(|row| (row.0, row.1, across(row.2), across(row.3), 0)).collect();
+        let here: Vec<Row> = found.into_iter().map(|row| (row.0, row.1, row.2, row.3, 0)).collect();
+        assert_eq!(there, here, "mirrored");
+    }
+    Ok(())
+}
