@@ -133,6 +133,11 @@ fn quantities() -> Vec<Quantity> {
         Query,
         RollingResistance,
         MaterialId,
+        CharacterSkin,
+        CharacterUp,
+        CharacterSlope,
+        CharacterStep,
+        CharacterTranslation,
     ]
 }
 

@@ -53,6 +53,7 @@ pub use forces::{ApplyOptions, ForceOrImpulse, Frame};
 pub use inputs::{Input, InputResult, Inputs, InputsIter};
 pub(crate) use journal::Journal;
 pub use preview::Preview;
+pub(crate) use queries::Neighbour;
 pub use queries::{CastHit, ClosestPoint, Queries, QueryFilter};
 pub use query::BodyIter;
 pub use rollback::{ConfirmedTick, EventStatus, Rollback, RollbackReport, TickEvent};

@@ -2,6 +2,7 @@
 
 mod cases;
 mod chains;
+mod character;
 mod compounds;
 mod dominance;
 mod excluded;
