@@ -147,8 +147,8 @@ pub use step::Timers;
 pub use symmetry::Symmetry;
 pub use world::{
     ApplyOptions, BodyIter, BodyRef, CastHit, ClosestPoint, Command, CommandMap, CommandSource, ConfirmedTick, Created,
-    Event, EventStatus, ForceOrImpulse, Frame, Input, InputResult, Inputs, InputsIter, Preview, Queries, QueryFilter,
-    Rollback, RollbackReport, StepReport, Stepper, TickEvent, Trace, World, WorldDef, step_all,
+    Event, EventStatus, Explosion, ForceOrImpulse, Frame, Input, InputResult, Inputs, InputsIter, Preview, Queries,
+    QueryFilter, Rollback, RollbackReport, StepReport, Stepper, TickEvent, Trace, World, WorldDef, step_all,
 };
 
 /// The names that most programs need: `use umbra_physics::prelude::*`.

@@ -138,6 +138,8 @@ fn quantities() -> Vec<Quantity> {
         CharacterSlope,
         CharacterStep,
         CharacterTranslation,
+        ExplosionRadius,
+        ExplosionImpulse,
     ]
 }
 

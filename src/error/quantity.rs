@@ -101,6 +101,10 @@ pub enum Quantity {
     CharacterStep,
     /// The translation of a character.
     CharacterTranslation,
+    /// The radius or the falloff of an explosion.
+    ExplosionRadius,
+    /// The impulse of an explosion on a metre of width.
+    ExplosionImpulse,
 }
 
 impl Quantity {
@@ -151,6 +155,8 @@ impl Quantity {
             Self::CharacterSlope => "an angle of a slope from 0 to π/2 rad",
             Self::CharacterStep => "a height, a width or a distance of a character's steps from 0 to 2^4 m",
             Self::CharacterTranslation => "a translation of a character within ±2^8 m a component",
+            Self::ExplosionRadius => "a radius or a falloff of an explosion from 0 to 2^12 m",
+            Self::ExplosionImpulse => "an impulse of an explosion within ±2^16 N·s/m",
         }
     }
 }
@@ -200,6 +206,8 @@ codes!(Quantity {
     CharacterSlope = 192,
     CharacterStep = 193,
     CharacterTranslation = 194,
+    ExplosionRadius = 195,
+    ExplosionImpulse = 196,
 });
 
 impl core::error::Error for Quantity {}

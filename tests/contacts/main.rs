@@ -6,6 +6,7 @@ mod character;
 mod compounds;
 mod dominance;
 mod excluded;
+mod explosions;
 mod extremes;
 mod fair;
 #[cfg(feature = "float")]
