@@ -22,7 +22,7 @@ const DEEP: i64 = 6;
 /// An obstacle that the point is near to.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Plane {
-    /// Its number in the list of obstacles.
+    /// The number of the obstacle in the list.
     pub(super) index: usize,
     /// The direction out of it, of any length; below 2^54.
     pub(super) direction: Point,
@@ -30,7 +30,7 @@ pub(super) struct Plane {
     pub(super) unit: Point,
     /// The cosine of the angle between it and up, in units of 2^-32.
     pub(super) cosine: i64,
-    /// How far the point is within the skin, ulps.
+    /// The depth of the point in the skin, ulps.
     pub(super) depth: i64,
     pub(super) feature: Feature,
     /// The point is within the obstacle itself, not in its skin alone.
@@ -44,7 +44,7 @@ impl Plane {
     }
 }
 
-/// What the point meets at a place.
+/// The planes at a place, and the obstacles that are passed there.
 #[derive(Debug, Default)]
 pub(super) struct Contacts {
     pub(super) planes: Vec<Plane>,
@@ -79,7 +79,7 @@ pub(super) fn unit(direction: Point) -> Point {
     [unit.x.to_bits(), unit.y.to_bits()]
 }
 
-/// The distance of the origin from the line of an edge of a core without a radius, ulps, rounded down and up.
+/// The distance of the origin from the line of an edge of a core without a radius, ulps, rounded up.
 fn depth_of(core: &Core, i: usize) -> i64 {
     (distance(core, Near::Edge(i)) >> 16) as i64 + 1
 }

@@ -27,7 +27,7 @@ pub struct Ground<S = Fx> {
 pub struct CharacterHit<S = Fx> {
     /// The collider.
     pub collider: ColliderId,
-    /// Its body.
+    /// The body of the collider.
     pub body: BodyId,
     /// The number of the part of a compound or of the segment of a chain; 0 of all others.
     pub part: u32,

@@ -10,7 +10,7 @@ use crate::slots::BodyId;
 /// A way is cut by this many obstacles at most; what is left of it then is dropped.
 const ROUNDS: usize = 16;
 
-/// So many places below an edge are looked at for ground.
+/// The number of places below an edge that are searched for ground.
 const EDGES: usize = 4;
 
 /// The point is pushed out of skins this often, and by this many ulps in all at most, 1 m.
