@@ -23,7 +23,7 @@
 //! Units are m, kg, s and rad. One ulp is 2^-32 of them, and error bounds are given in ulps.
 //!
 //! The [guide] has chapters on [numbers](guide::numbers), [accuracy](guide::accuracy), [bodies](guide::bodies),
-//! [collisions](guide::collisions), [queries](guide::queries), [determinism](guide::determinism) of your own code,
+//! [collisions](guide::collisions), [queries](guide::queries), [characters](guide::character), [determinism](guide::determinism) of your own code,
 //! [lockstep](guide::lockstep), [rollback](guide::rollback), [replays](guide::replays), [frames](guide::frames) and drawing,
 //! [engines](guide::engines), [other languages](guide::languages), and on [coming from Box2D or Rapier](guide::migration).
 #![no_std]
@@ -84,6 +84,7 @@ macro_rules! clone_by_field {
 }
 
 mod body;
+mod character;
 mod codec;
 mod collider;
 // The broad and the narrow phase. Public for the benchmarks alone, and no part of the interface.
@@ -118,6 +119,7 @@ mod symmetry;
 mod world;
 
 pub use body::{Activity, BodyDef, BodyKind, Damping, Locks, Mass};
+pub use character::{Character, CharacterHit, Ground, Movement};
 pub use codec::Malformed;
 pub use collider::{ColliderDef, ContactSettings, Filter, Material, MaterialPair, MixRule, OneWay};
 pub use contact::{Contact, ContactPoint, Exclusion};
@@ -145,8 +147,8 @@ pub use step::Timers;
 pub use symmetry::Symmetry;
 pub use world::{
     ApplyOptions, BodyIter, BodyRef, CastHit, ClosestPoint, Command, CommandMap, CommandSource, ConfirmedTick, Created,
-    Event, EventStatus, ForceOrImpulse, Frame, Input, InputResult, Inputs, InputsIter, Preview, Queries, QueryFilter,
-    Rollback, RollbackReport, StepReport, Stepper, TickEvent, Trace, World, WorldDef, step_all,
+    Event, EventStatus, Explosion, ForceOrImpulse, Frame, Input, InputResult, Inputs, InputsIter, Preview, Queries,
+    QueryFilter, Rollback, RollbackReport, StepReport, Stepper, TickEvent, Trace, World, WorldDef, step_all,
 };
 
 /// The names that most programs need: `use umbra_physics::prelude::*`.

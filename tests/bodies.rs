@@ -7,9 +7,9 @@ use std::time::{Duration, Instant};
 use umbra_physics::Timers;
 use umbra_physics::{
     Activity, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, Command, ContactSettings,
-    Created, Damping, End, Error, Exclusion, FieldId, FieldKind, ForceField, ForceOrImpulse, Frame, Fx, FxFactor,
-    FxWide, Integrator, Locks, Mass, MaterialPair, Random, Shape, SpringConstants, TimeStep, Turn, Vec2, World,
-    WorldDef, fx, vec2,
+    Created, Damping, End, Error, Exclusion, Explosion, FieldId, FieldKind, ForceField, ForceOrImpulse, Frame, Fx,
+    FxFactor, FxWide, Integrator, Locks, Mass, MaterialPair, Random, Shape, SpringConstants, TimeStep, Turn, Vec2,
+    World, WorldDef, fx, vec2,
 };
 
 fn world(def: WorldDef) -> World {
@@ -497,6 +497,7 @@ fn by_method(world: &mut World, command: &Command) -> Result<Created, Error> {
         Command::SetGravityScale { body, scale } => nothing(world.set_gravity_scale(body, scale)),
         Command::SetBodyDamping { body, linear, angular } => nothing(world.set_body_damping(body, linear, angular)),
         Command::SetDominance { body, dominance } => nothing(world.set_dominance(body, dominance)),
+        Command::Explode(explosion) => nothing(world.explode(&explosion)),
         Command::SetBullet { body, bullet } => nothing(world.set_bullet(body, bullet)),
         Command::ExcludePair { a, b, exclusion } => nothing(world.exclude_pair(a, b, exclusion)),
         Command::AllowPair { a, b } => nothing(world.allow_pair(a, b)),
@@ -595,6 +596,7 @@ fn a_command_does_what_the_method_of_its_name_does() {
         },
         Command::SetDominance { body, dominance: 3 },
         Command::SetBullet { body, bullet: true },
+        Command::Explode(Explosion { radius: fx!(3), ..Explosion::new(vec2(1, 0), fx!(2)) }),
         Command::ExcludePair { a: body, b: far, exclusion: Exclusion::Always },
         Command::ExcludePair { a: body, b: gone, exclusion: Exclusion::UntilApart },
         Command::AllowPair { a: far, b: body },

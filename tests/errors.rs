@@ -11,7 +11,7 @@ use umbra_physics::{
 };
 
 /// Every number that was ever given, and to what. Lines are added, none is changed or taken out.
-const GIVEN: [(u16, &str); 149] = [
+const GIVEN: [(u16, &str); 156] = [
     (101, "Error::OutOfRange"),
     (102, "Error::NoSuchBody"),
     (103, "Error::NoSuchField"),
@@ -96,6 +96,13 @@ const GIVEN: [(u16, &str); 149] = [
     (187, "Quantity::RollingResistance"),
     (188, "Quantity::MaterialId"),
     (189, "Quantity::Query"),
+    (190, "Quantity::CharacterSkin"),
+    (191, "Quantity::CharacterUp"),
+    (192, "Quantity::CharacterSlope"),
+    (193, "Quantity::CharacterStep"),
+    (194, "Quantity::CharacterTranslation"),
+    (195, "Quantity::ExplosionRadius"),
+    (196, "Quantity::ExplosionImpulse"),
     (201, "Cause::Position"),
     (202, "Cause::Velocity"),
     (203, "Cause::AngularVelocity"),

@@ -54,6 +54,22 @@ fn springs_print_their_energy_and_come_back() {
 }
 
 #[test]
+fn platformer_is_the_same_for_both_peers() {
+    let said = run("platformer", &[]);
+    assert_eq!(said.matches("all 1200 hashes are the same").count(), 2, "{said}");
+    let number = |before: &str, after: &str| -> u32 {
+        let (rest, _) = said.split_once(after).expect("the words after it");
+        rest.rsplit_once(before).expect("the words before it").1.parse().expect("a number")
+    };
+    // They run and jump, and are often predicted wrongly.
+    assert!(
+        number("\n", " ticks of a player on the ground") > 800 && number("ground, ", " in the air") > 200,
+        "{said}"
+    );
+    assert!(number("peer 0: ", " ticks made again") > 500, "{said}");
+}
+
+#[test]
 fn thrusters_land() {
     let said = run("thrusters", &[]);
     let bars = said.lines().filter(|line| line.contains('#')).count();

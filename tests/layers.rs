@@ -28,7 +28,7 @@ const LEVELS: [&[&str]; 21] = [
     &["island"],
     &["step"],
     &["world"],
-    &["display", "replay", "symmetry"],
+    &["character", "display", "replay", "symmetry"],
     &["compiled"],
     &["selftest"],
     &["guide"],

@@ -133,6 +133,13 @@ fn quantities() -> Vec<Quantity> {
         Query,
         RollingResistance,
         MaterialId,
+        CharacterSkin,
+        CharacterUp,
+        CharacterSlope,
+        CharacterStep,
+        CharacterTranslation,
+        ExplosionRadius,
+        ExplosionImpulse,
     ]
 }
 

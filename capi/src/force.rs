@@ -1,7 +1,8 @@
 //! Forces and impulses of the caller's.
 
-use umbra_physics::{ApplyOptions, Command, ForceOrImpulse, Frame, Fx};
+use umbra_physics::{ApplyOptions, Command, Explosion, ForceOrImpulse, Frame, Fx};
 
+use crate::memory::given;
 use crate::number::{UmbraFx, UmbraVec2, vector};
 use crate::status::{Refusal, Result, UmbraStatus};
 use crate::world::{UmbraWorld, body_id, change, change_by};
@@ -80,4 +81,40 @@ pub extern "C" fn umbra_world_apply_angular_impulse(
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_world_clear_forces(world: Option<&mut UmbraWorld>) -> UmbraStatus {
     change(world, Command::ClearForces)
+}
+
+/// An explosion: an impulse, away from a point, on each collider of a dynamic body around it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct UmbraExplosion {
+    /// The centre, m.
+    pub position: UmbraVec2,
+    /// The distance up to which it has its whole strength, m, 0 to 2^12.
+    pub radius: UmbraFx,
+    /// The distance from there over which the strength falls to nothing, m, 0 to 2^12.
+    pub falloff: UmbraFx,
+    /// The impulse on each metre of width that a collider turns to the centre, N·s/m, within ±2^16; below 0 it pulls.
+    pub impulse: UmbraFx,
+    /// The categories of the colliders that it acts on.
+    pub mask: u32,
+    /// 0.
+    pub reserved: u32,
+}
+
+/// Sets off an explosion. It wakes whom it hits.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_explode(
+    world: Option<&mut UmbraWorld>,
+    explosion: Option<&UmbraExplosion>,
+) -> UmbraStatus {
+    change_by(world, || {
+        let explosion = given(explosion)?;
+        Ok(Command::Explode(Explosion {
+            position: explosion.position.into(),
+            radius: Fx::from_bits(explosion.radius),
+            falloff: Fx::from_bits(explosion.falloff),
+            impulse: Fx::from_bits(explosion.impulse),
+            mask: explosion.mask,
+        }))
+    })
 }

@@ -8,7 +8,7 @@ use std::ptr;
 
 use umbra_physics::{
     ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, Command, ContactSettings, Damping,
-    End, Exclusion, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, Frame, Fx, FxFactor, Integrator, Locks,
+    End, Exclusion, Explosion, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, Frame, Fx, FxFactor, Integrator, Locks,
     Mass, Material, MaterialPair, MixRule, OneWay, Random, Region, Shape, Snapshot, SpringConstants, TimeStep, World,
     WorldDef, fx, vec2,
 };
@@ -507,6 +507,14 @@ fn every_change_is_the_command_of_its_name() {
         };
         umbra_world_allow_pair(BODY_WORD, 3) => Command::AllowPair { a: body, b: BodyId::from_parts(3, 0) };
         umbra_world_set_dominance(BODY_WORD, -12) => Command::SetDominance { body, dominance: -12 };
+        umbra_world_explode(Some(&UmbraExplosion {
+            position: UmbraVec2 { x: UMBRA_ONE, y: 2 * UMBRA_ONE },
+            radius: 3 * UMBRA_ONE,
+            falloff: 4 * UMBRA_ONE,
+            impulse: 5 * UMBRA_ONE,
+            mask: 6,
+            reserved: 0,
+        })) => Command::Explode(Explosion { position: vec2(1, 2), radius: fx!(3), falloff: fx!(4), impulse: fx!(5), mask: 6 });
         umbra_world_set_bullet(BODY_WORD, 1) => Command::SetBullet { body, bullet: true };
         umbra_world_set_force_groups(BODY_WORD, 12) => Command::SetForceGroups { body, force_groups: 12 };
         umbra_world_set_key(BODY_WORD, u64::MAX) => Command::SetKey { body, key: u64::MAX };

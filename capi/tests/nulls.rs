@@ -187,6 +187,7 @@ fn null_is_refused_everywhere() {
         umbra_world_set_body_kept_per_second(None, b, 0, 0);
         umbra_world_set_dominance(None, b, 0);
         umbra_world_set_bullet(None, b, 0);
+        umbra_world_explode(None, None);
         umbra_world_set_force_groups(None, b, 0);
         umbra_world_set_key(None, b, 0);
         umbra_world_set_user_data(None, b, 0);

@@ -91,6 +91,20 @@ pub enum Quantity {
     MaterialId,
     /// The translation or the distance of a query.
     Query,
+    /// The skin of a character.
+    CharacterSkin,
+    /// The direction that is up for a character.
+    CharacterUp,
+    /// The angle of a slope that a character climbs or stands on.
+    CharacterSlope,
+    /// The height or the width of steps, or the distance of snapping to the ground, of a character.
+    CharacterStep,
+    /// The translation of a character.
+    CharacterTranslation,
+    /// The radius or the falloff of an explosion.
+    ExplosionRadius,
+    /// The impulse of an explosion on a metre of width.
+    ExplosionImpulse,
 }
 
 impl Quantity {
@@ -136,6 +150,13 @@ impl Quantity {
             Self::RollingResistance => "a coefficient of rolling resistance from 0 to 1",
             Self::MaterialId => "a number of a material from 1: 0 is no material",
             Self::Query => "a translation of a query within ±2^20 m a component, or a distance from 0 to 2^20 m",
+            Self::CharacterSkin => "a skin of a character from 2^-12 to 1 m",
+            Self::CharacterUp => "an up direction within ±2^10 a component, the longer one at least 2^-10",
+            Self::CharacterSlope => "an angle of a slope from 0 to π/2 rad",
+            Self::CharacterStep => "a height, a width or a distance of a character's steps from 0 to 2^4 m",
+            Self::CharacterTranslation => "a translation of a character within ±2^8 m a component",
+            Self::ExplosionRadius => "a radius or a falloff of an explosion from 0 to 2^12 m",
+            Self::ExplosionImpulse => "an impulse of an explosion within ±2^16 N·s/m",
         }
     }
 }
@@ -180,6 +201,13 @@ codes!(Quantity {
     RollingResistance = 187,
     MaterialId = 188,
     Query = 189,
+    CharacterSkin = 190,
+    CharacterUp = 191,
+    CharacterSlope = 192,
+    CharacterStep = 193,
+    CharacterTranslation = 194,
+    ExplosionRadius = 195,
+    ExplosionImpulse = 196,
 });
 
 impl core::error::Error for Quantity {}

@@ -10,6 +10,7 @@
 //! | [`rollback`] | handling late inputs: going back and recomputing the present |
 //! | [`collisions`] | colliders, materials, filters, contacts, stacks, and what happens in which case |
 //! | [`queries`] | rays, shape casts, overlaps, closest points, and in which order they are found |
+//! | [`character`] | characters that walk, climb, ride and push |
 //! | [`replays`] | recording, and verifying replays from untrusted players on a server |
 //! | [`frames`] | frame times to ticks, poses between ticks, drawing, events |
 //! | [`engines`] | keeping entities in step with bodies, with `bevy_ecs` as an example |
@@ -23,6 +24,8 @@
 pub mod accuracy {}
 #[doc = include_str!("bodies.md")]
 pub mod bodies {}
+#[doc = include_str!("character.md")]
+pub mod character {}
 #[doc = include_str!("collisions.md")]
 pub mod collisions {}
 #[doc = include_str!("determinism.md")]

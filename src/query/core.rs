@@ -163,6 +163,13 @@ impl Core {
         hull.into_iter().for_each(|corner| self.push(corner));
     }
 
+    /// The core as seen from another point, with another radius. *Domain* its corners stay below 2^54.
+    pub(crate) fn seen_from(&self, [x, y]: Point, radius: i64) -> Self {
+        let mut core = Self { radius, ..Self::default() };
+        self.corners().iter().for_each(|corner| core.push([corner[0] - x, corner[1] - y]));
+        core
+    }
+
     /// The least box around the core and its radius, relative to the point from which it is seen: below 2^54.
     pub(crate) fn bounds(&self) -> [Point; 2] {
         let corners = self.corners();

@@ -27,8 +27,8 @@ mod tests;
 pub(crate) use crate::kernel::round::odd_shift;
 
 pub(crate) use self::core::{Core, Placement, place_digest};
-pub(crate) use near::{contains, distance, nearest, point};
-pub(crate) use ray::{Line, RayEnd, at, beyond_seam, normal, normal_at_seam, ray_hit};
+pub(crate) use near::{Near, contains, distance, nearest, point};
+pub(crate) use ray::{FULL, Feature, Line, RayEnd, at, beyond_seam, first_hit, normal, normal_at_seam, ray_hit};
 pub use shape::ShapeHit;
 pub(crate) use shape::{beside, checked_point, checked_translation, in_metres, in_parts, in_scalar};
 pub(crate) use sum::{Sum, cast_hit};
@@ -38,30 +38,30 @@ pub(crate) type Point = [i64; 2];
 
 /// a × b. *Domain* the products of the components are below 2^125.
 #[inline(always)]
-const fn cross(a: Point, b: Point) -> i128 {
+pub(crate) const fn cross(a: Point, b: Point) -> i128 {
     a[0] as i128 * b[1] as i128 - a[1] as i128 * b[0] as i128
 }
 
 /// a · b. *Domain* as [`cross`].
 #[inline(always)]
-const fn dot(a: Point, b: Point) -> i128 {
+pub(crate) const fn dot(a: Point, b: Point) -> i128 {
     a[0] as i128 * b[0] as i128 + a[1] as i128 * b[1] as i128
 }
 
 /// b − a. *Domain* it fits.
 #[inline(always)]
-const fn from_to(a: Point, b: Point) -> Point {
+pub(crate) const fn from_to(a: Point, b: Point) -> Point {
     [b[0] - a[0], b[1] - a[1]]
 }
 
 /// The edge from a corner to the next one. *Domain* there are two corners or more.
 #[inline(always)]
-fn edge(corners: &[Point], i: usize) -> Point {
+pub(crate) fn edge(corners: &[Point], i: usize) -> Point {
     from_to(corners[i], corners[if i + 1 < corners.len() { i + 1 } else { 0 }])
 }
 
 /// The outward normal of a counter-clockwise edge, as long as the edge.
 #[inline(always)]
-const fn outward([x, y]: Point) -> Point {
+pub(crate) const fn outward([x, y]: Point) -> Point {
     [y, -x]
 }

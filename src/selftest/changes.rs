@@ -13,7 +13,7 @@ use crate::math::{TimeStep, Vec2, vec2};
 use crate::scalar::{FxFactor, SpringConstants};
 use crate::shape::Shape;
 use crate::slots::{BodyId, FieldId};
-use crate::world::{ApplyOptions, Command, Created, ForceOrImpulse, World, WorldDef};
+use crate::world::{ApplyOptions, Command, Created, Explosion, ForceOrImpulse, World, WorldDef};
 
 pub(super) fn recycling(trial: &mut Trial) -> Played {
     let def = WorldDef {
@@ -138,6 +138,7 @@ pub(super) fn setters(trial: &mut Trial) -> Played {
         Command::SetGravityScale { body, scale: like.gravity_scale },
         Command::SetBodyDamping { body, linear: like.linear_damping, angular: like.angular_damping },
         Command::SetBullet { body, bullet: like.bullet },
+        Command::Explode(Explosion { falloff: fx!(40), ..Explosion::new(like.position, fx!(0.5)) }),
         Command::SetForceGroups { body, force_groups: like.force_groups },
         Command::SetKey { body, key: like.key },
         Command::SetUserData { body, user_data: like.user_data },

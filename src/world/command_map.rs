@@ -3,7 +3,7 @@
 //! Both know a value by its role: a position turns with the world, an angular velocity changes its sign in a mirror. The rows
 //! of the table in `commands.rs` name the role of each field.
 
-use super::{ApplyOptions, ForceOrImpulse, Frame};
+use super::{ApplyOptions, Explosion, ForceOrImpulse, Frame};
 use crate::body::{BodyDef, BodyKind, Damping, Locks, Mass};
 use crate::collider::{ColliderDef, ContactSettings, Material, MaterialPair, OneWay};
 use crate::contact::Exclusion;
@@ -316,6 +316,18 @@ pub trait CommandMap<S: Scalar, T: Scalar = S> {
             ForceOrImpulse::AngularImpulse(impulse) => ForceOrImpulse::AngularImpulse(self.pseudoscalar(impulse)?),
         })
     }
+
+    /// An explosion.
+    fn explosion(&mut self, explosion: Explosion<S>) -> Result<Explosion<T>, Self::Error> {
+        let Explosion { position, radius, falloff, impulse, mask } = explosion;
+        Ok(Explosion {
+            position: self.point(position)?,
+            radius: self.scalar(radius)?,
+            falloff: self.scalar(falloff)?,
+            impulse: self.scalar(impulse)?,
+            mask,
+        })
+    }
 }
 
 /// A source of values for [`Command::fill`](super::Command::fill): a method for each kind of value in a command. The ranges are
@@ -334,6 +346,7 @@ pub trait CommandSource {
     fn force_field(&mut self) -> ForceField;
     fn force_or_impulse(&mut self) -> ForceOrImpulse;
     fn apply_options(&mut self) -> ApplyOptions;
+    fn explosion(&mut self) -> Explosion;
     fn position(&mut self) -> Vec2;
     fn angle(&mut self) -> Fx;
     fn velocity(&mut self) -> Vec2;

@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 
 use super::command_map::{CommandMap, CommandSource};
-use super::{ApplyOptions, ForceOrImpulse, World};
+use super::{ApplyOptions, Explosion, ForceOrImpulse, World};
 use crate::body::{BodyDef, BodyKind, Damping, Locks, Mass};
 use crate::codec::codec_enum;
 use crate::collider::{ColliderDef, ContactSettings, MaterialPair};
@@ -382,6 +382,10 @@ commands! { world:
     41 => SetBullet { body: BodyId as body(body), bullet: bool as plain(bullet) },
         check world.bodies.find(*body),
         execute world.set_bullet(*body, *bullet);
+    /// Calls [`World::explode`].
+    42 => Explode(explosion: Explosion<S> as explosion(explosion)),
+        check world.blast(explosion),
+        execute world.explode(explosion);
     /// Calls [`World::move_to`].
     32 => MoveTo { body: BodyId as body(body), position: Vec2<S> as point(position), angle: S as angle(angle) },
         check world.check_move(*body, *position, *angle),

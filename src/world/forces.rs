@@ -265,7 +265,7 @@ impl<S: Scalar> World<S> {
     }
 
     /// A force or impulse in the world's frame, and its moment about the centre of mass.
-    fn lever(
+    pub(super) fn lever(
         &self,
         dense: usize,
         vector: Vec2<S>,
@@ -301,7 +301,7 @@ impl<S: Scalar> World<S> {
     }
 
     /// The velocities of a body after an impulse, if they stay within the envelope.
-    fn strike(&self, dense: usize, impulse: Vec2<S::Wide>, angular: S::Wide) -> Result<Effect<S>, Error> {
+    pub(super) fn strike(&self, dense: usize, impulse: Vec2<S::Wide>, angular: S::Wide) -> Result<Effect<S>, Error> {
         let columns = &self.bodies.columns;
         let mass = self.bodies.mass(dense);
         let (along_x, along_y) = (mass.axis_inverse_mass.x, mass.axis_inverse_mass.y);

@@ -11,6 +11,7 @@ mod commands;
 mod contacts;
 mod events;
 mod excluded;
+mod explosion;
 mod fields;
 mod forces;
 mod game;
@@ -49,10 +50,12 @@ pub(crate) use change_log::ChangeLog;
 pub use command_map::{CommandMap, CommandSource};
 pub use commands::{Command, Created};
 pub use events::Event;
+pub use explosion::Explosion;
 pub use forces::{ApplyOptions, ForceOrImpulse, Frame};
 pub use inputs::{Input, InputResult, Inputs, InputsIter};
 pub(crate) use journal::Journal;
 pub use preview::Preview;
+pub(crate) use queries::Neighbour;
 pub use queries::{CastHit, ClosestPoint, Queries, QueryFilter};
 pub use query::BodyIter;
 pub use rollback::{ConfirmedTick, EventStatus, Rollback, RollbackReport, TickEvent};
@@ -154,6 +157,7 @@ fn check_sleep_after(ticks: Option<u32>) -> Result<(), Error> {
 /// |---|---|
 /// | `add_body`, `set_shape` | the corners and parts of the shape |
 /// | `set_blob` | its bytes |
+/// | [`explode`](Self::explode) | the colliders |
 /// | `remove_body` | the fields attached to the body |
 /// | a call that wakes | the bodies it wakes and the fields attached to them |
 /// | `set_kind`, `disable`, `enable`, and any change of a static or kinematic body, once between two steps | the fields attached to the body |

@@ -2,9 +2,11 @@
 
 mod cases;
 mod chains;
+mod character;
 mod compounds;
 mod dominance;
 mod excluded;
+mod explosions;
 mod extremes;
 mod fair;
 #[cfg(feature = "float")]

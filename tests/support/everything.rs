@@ -5,10 +5,10 @@ use std::{vec, vec::Vec};
 
 use umbra_physics::{
     ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, BodyState, ColliderDef, ColliderId, Command, ContactSettings,
-    CustomForce, CustomForceError, Damping, Dependence, End, Exclusion, FieldId, FieldKind, Filter, ForceField,
-    ForceOrImpulse, ForceTorque, Frame, Fx, FxFactor, Input, Inputs, Integrator, Locks, Mass, Material, MaterialPair,
-    MixRule, OneWay, Part, Random, RecordOptions, Recorder, Region, Shape, SpringConstants, TimeStep, World, WorldDef,
-    fx, vec2,
+    CustomForce, CustomForceError, Damping, Dependence, End, Exclusion, Explosion, FieldId, FieldKind, Filter,
+    ForceField, ForceOrImpulse, ForceTorque, Frame, Fx, FxFactor, Input, Inputs, Integrator, Locks, Mass, Material,
+    MaterialPair, MixRule, OneWay, Part, Random, RecordOptions, Recorder, Region, Shape, SpringConstants, TimeStep,
+    World, WorldDef, fx, vec2,
 };
 
 struct Still;
@@ -158,6 +158,7 @@ pub(crate) fn commands() -> Vec<Command> {
         Command::SetBodyDamping { body, linear: None, angular: None },
         Command::SetDominance { body, dominance: -4 },
         Command::SetBullet { body, bullet: true },
+        Command::Explode(Explosion { falloff: fx!(30), mask: 5, ..Explosion::new(vec2(1, 2), fx!(0.25)) }),
         Command::SetForceGroups { body, force_groups: 3 },
         Command::SetKey { body, key: 1 << 40 },
         Command::SetUserData { body, user_data: 6 },

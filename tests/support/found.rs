@@ -2,8 +2,9 @@
 
 use umbra_physics::{
     Activity, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, Command, ContactSettings,
-    Damping, End, Exclusion, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, Frame, Fx, FxFactor, Integrator,
-    Locks, Mass, Material, MaterialPair, MixRule, OneWay, Part, Random, Region, Shape, SpringConstants, TimeStep, Vec2,
+    Damping, End, Exclusion, Explosion, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, Frame, Fx, FxFactor,
+    Integrator, Locks, Mass, Material, MaterialPair, MixRule, OneWay, Part, Random, Region, Shape, SpringConstants,
+    TimeStep, Vec2,
 };
 
 use super::formats::Value;
@@ -319,6 +320,13 @@ pub(crate) fn command(value: &Value) -> Command {
         "SetSleepAfter" => Command::SetSleepAfter(value["ticks"].option().map(|ticks| ticks.natural() as u32)),
         "SetRandom" => Command::SetRandom(random(&value["random"])),
         "SetBlob" => Command::SetBlob(value["bytes"].raw().to_vec()),
+        "Explode" => Command::Explode(Explosion {
+            position: vector(&value["explosion"]["position"]),
+            radius: number(&value["explosion"]["radius"]),
+            falloff: number(&value["explosion"]["falloff"]),
+            impulse: number(&value["explosion"]["impulse"]),
+            mask: value["explosion"]["mask"].natural() as u32,
+        }),
         "ClearForces" => Command::ClearForces,
         "SetLocks" => Command::SetLocks { body: on(), locks: locks(&value["locks"]) },
         "SetMaxSpeeds" => Command::SetMaxSpeeds {

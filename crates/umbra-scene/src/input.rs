@@ -2,7 +2,7 @@
 
 use alloc::vec::Vec;
 
-use super::body::{blame, body, force_groups, kind, locks, mass, max_speeds, own_damping};
+use super::body::{bits, blame, body, force_groups, kind, locks, mass, max_speeds, own_damping};
 use super::collider::{self, contacts, material_pair};
 use super::error::{Flaw, Place};
 use super::field::{REFUSED, field, named, symbol};
@@ -12,7 +12,10 @@ use super::repeat::check_count;
 use super::settings::{blob, integrator, random, sleep_after, time_step, world_damping};
 use super::shape::{ShapeDef, shape};
 use super::{Scene, Tables};
-use umbra_physics::{ApplyOptions, BodyId, ColliderId, Command, Exclusion, FieldId, ForceOrImpulse, Frame, Fx};
+use umbra_physics::{
+    ApplyOptions, BodyId, ColliderId, Command, Error, Exclusion, Explosion, FieldId, ForceOrImpulse, Frame, Fx,
+    Quantity, Vec2,
+};
 
 /// An input: an action on the world, at one tick or at several.
 #[derive(Clone, Debug, PartialEq)]
@@ -129,6 +132,7 @@ pub(super) fn input(object: &Object<'_>, scene: &mut Scene, tables: &mut Tables)
             push(node, SceneAction::Command(Command::ClearForces));
             Ok(())
         });
+        set_by(object, "explode", &mut push, |node| Ok(Command::Explode(explosion(&node.object()?)?)));
     }
     // Last, so that what is unknown is known to be.
     let (from, to, every) = span(object)?;
@@ -196,6 +200,32 @@ fn exclude(object: &Object<'_>, a: BodyId, tables: &Tables, push: &mut impl FnMu
             Ok(())
         });
     }
+}
+
+/// An explosion.
+fn explosion(object: &Object<'_>) -> Result<Explosion> {
+    let standard = Explosion::new(Vec2::ZERO, Fx::ZERO);
+    let position = object.need("position", Node::point);
+    let impulse = object.need("impulse", Node::number);
+    let radius = object.or("radius", standard.radius, Node::number);
+    let falloff = object.or("falloff", standard.falloff, Node::number);
+    let mask = object.or("mask", standard.mask, |node| bits(node, "category"));
+    object.finish()?;
+    let explosion = Explosion { position: position?, radius, falloff, impulse: impulse?, mask };
+    explosion.check().map_err(|error| {
+        let fields: &[&str] = match error {
+            Error::OutOfRange { quantity: Quantity::ExplosionImpulse } => &["impulse"],
+            Error::OutOfRange { quantity: Quantity::ExplosionRadius }
+                if Explosion { falloff: Fx::ZERO, ..explosion }.check().is_ok() =>
+            {
+                &["falloff"]
+            }
+            Error::OutOfRange { quantity: Quantity::ExplosionRadius } => &["radius"],
+            _ => &["position"],
+        };
+        object.at(fields).fault(error)
+    })?;
+    Ok(explosion)
 }
 
 /// `at` one tick, or `from` one `to` another, `every` so many.

@@ -17,7 +17,7 @@ use json::{
     ticks,
 };
 use umbra_physics::{
-    Attachment, BodyDef, BodyId, BodyKind, ColliderId, Command, Damping, End, Exclusion, FieldId, FieldKind,
+    Attachment, BodyDef, BodyId, BodyKind, ColliderId, Command, Damping, End, Exclusion, Explosion, FieldId, FieldKind,
     ForceField, Frame, Fx, Locks, Mass, Region, Vec2, WorldDef,
 };
 
@@ -263,6 +263,16 @@ impl Scene {
                 object.put("do", text("remove"));
             }
             Command::ClearForces => object.put("do", text("clear_forces")),
+            Command::Explode(explosion) => {
+                let standard = Explosion::new(explosion.position, explosion.impulse);
+                let mut given = Fields::default();
+                given.put("position", point(explosion.position));
+                given.unless(explosion.radius == standard.radius, "radius", explosion.radius);
+                given.unless(explosion.falloff == standard.falloff, "falloff", explosion.falloff);
+                given.put("impulse", explosion.impulse);
+                given.unless(explosion.mask == standard.mask, "mask", bits(explosion.mask));
+                object.put("explode", given.line());
+            }
             Command::SetTimeStep(time_step) => set(object, "time_step", ratio(time_step)),
             Command::SetGravity(gravity) => set(object, "gravity", point(gravity)),
             Command::SetIntegrator(integrator) => set(object, "integrator", text(integrator.name())),

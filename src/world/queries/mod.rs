@@ -1,5 +1,6 @@
 //! Queries: which colliders a ray, a shape or a point meets.
 
+mod around;
 mod cast;
 mod filter;
 mod overlap;
@@ -18,6 +19,7 @@ use crate::scalar::{Accumulator as _, Scalar};
 use crate::shape::Aabb;
 use crate::slots::{BodyId, ColliderId};
 
+pub(crate) use around::Neighbour;
 pub use cast::CastHit;
 pub use filter::QueryFilter;
 pub use overlap::ClosestPoint;

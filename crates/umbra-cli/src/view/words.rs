@@ -65,6 +65,9 @@ where
         Command::AddField(field) => format!("add {}", field_words(field)),
         Command::SetField { id, field } => format!("in place of {}: {}", (names.field)(*id), field_words(field)),
         Command::RemoveField(field) => format!("remove {}", (names.field)(*field)),
+        Command::Explode(explosion) => {
+            format!("an explosion at {} m: {} N·s/m", vector(explosion.position), short(explosion.impulse))
+        }
         Command::SetTimeStep(step) => {
             let (num, den) = step.seconds();
             format!("time step: {num}/{den} s")

@@ -2,8 +2,8 @@
 
 use umbra_physics::{
     ApplyOptions, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, CommandSource, ContactSettings, Damping,
-    Exclusion, FieldId, ForceField, ForceOrImpulse, Frame, Fx, Integrator, Locks, Mass, MaterialPair, Random, Shape,
-    TimeStep, Vec2, WorldDef, fx, limits,
+    Exclusion, Explosion, FieldId, ForceField, ForceOrImpulse, Frame, Fx, Integrator, Locks, Mass, MaterialPair,
+    Random, Shape, TimeStep, Vec2, WorldDef, fx, limits,
 };
 
 use super::{Choices, Generator};
@@ -146,6 +146,16 @@ impl<C: Choices + ?Sized> CommandSource for Generator<'_, C> {
     fn apply_options(&mut self) -> ApplyOptions {
         let frame = if self.choices.one_in(3) { Frame::Body } else { Frame::World };
         ApplyOptions { frame, wake: !self.choices.one_in(4) }
+    }
+
+    fn explosion(&mut self) -> Explosion {
+        Explosion {
+            position: self.vector(fx!(20), limits::POSITION),
+            radius: self.number([fx!(0), fx!(8)], [Fx::DELTA, fx!(5000)]),
+            falloff: self.number([fx!(0), fx!(20)], [Fx::DELTA, fx!(5000)]),
+            impulse: self.signed(fx!(8), fx!(70000)),
+            mask: if self.choices.one_in(3) { self.choices.choose(8) as u32 } else { !0 },
+        }
     }
 
     fn position(&mut self) -> Vec2 {

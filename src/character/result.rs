@@ -1,0 +1,86 @@
+//! Results of a movement.
+
+use alloc::vec::Vec;
+
+use crate::fx::Fx;
+use crate::math::Vec2;
+use crate::slots::{BodyId, ColliderId};
+
+/// The ground that a character stands on.
+///
+/// A game gives it back at the next call, so that the character rides: where the body has moved and turned since, the character moves along with
+/// the point of the body at its centre.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct Ground<S = Fx> {
+    /// The body.
+    pub body: BodyId,
+    /// The centre of the character in the axes of the body, m.
+    pub local: Vec2<S>,
+    /// The point of the world where [`local`](Self::local) was, m.
+    pub point: Vec2<S>,
+}
+
+/// A collider that a character moved against.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub struct CharacterHit<S = Fx> {
+    /// The collider.
+    pub collider: ColliderId,
+    /// The body of the collider.
+    pub body: BodyId,
+    /// The number of the part of a compound or of the segment of a chain; 0 of all others.
+    pub part: u32,
+    /// The point where they meet, m, within the skin of the surface of the collider; in the middle of what touches where two edges do.
+    pub point: Vec2<S>,
+    /// The unit normal of the collider there. *Error* 1 ulp in each component.
+    pub normal: Vec2<S>,
+}
+
+/// The result of a movement: [`Character::translate`](crate::Character::translate).
+///
+/// ```
+/// use umbra_physics::{BodyDef, Character, CharacterHit, Ground, Movement, QueryFilter, Shape, World, WorldDef, fx, vec2};
+///
+/// let mut world = World::new(WorldDef::default())?;
+/// let floor = BodyDef::fixed().with_collider(Shape::rectangle(20, 2)?);
+/// world.add_body(floor)?;
+/// // A platform that moves to the right with 3 m/s, whose surface is at y = 2.
+/// let lift = BodyDef { position: vec2(0, fx!(1.5)), velocity: vec2(3, 0), ..BodyDef::kinematic() };
+/// let lift = world.add_body(lift.with_collider(Shape::rectangle(4, 1)?))?;
+/// let (hero, all) = (Character::new(Shape::rectangle(1, 1)?), QueryFilter::default());
+///
+/// let landed: Movement = hero.translate(&world.queries(), vec2(0, 3), None, vec2(0, -1), &all)?;
+/// let ground: Ground = landed.ground.unwrap();
+/// assert_eq!((ground.body, landed.ground_velocity, landed.ground_normal), (lift, vec2(3, 0), vec2(0, 1)));
+/// assert_eq!(landed.ground_collider, world.colliders_of(lift)?.next());
+/// assert!(!landed.is_overlapping);
+/// let hit: &CharacterHit = &landed.hits[0];
+/// assert_eq!((hit.body, hit.part, hit.point, hit.normal), (lift, 0, vec2(0, 2), vec2(0, 1)));
+/// assert_eq!(landed.desired, vec2(0, -1));
+/// // It rides along for a second, at the same height.
+/// (0..60).for_each(|_| _ = world.step());
+/// let ridden = hero.translate(&world.queries(), landed.position, landed.ground, vec2(0, 0), &all)?;
+/// assert_eq!(ridden.position, landed.position + vec2(3, 0));
+/// # Ok::<(), umbra_physics::Error>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Movement<S = Fx> {
+    /// The new position of the centre of mass of the shape, m.
+    pub position: Vec2<S>,
+    /// The ground that it stands on now; `None` in the air and on slopes that are too steep.
+    pub ground: Option<Ground<S>>,
+    /// The collider of the ground: of several that are as level the first by key, then by handle.
+    pub ground_collider: Option<ColliderId>,
+    /// The unit normal of the ground, towards the character; zero in the air. *Error* 1 ulp in each component.
+    pub ground_normal: Vec2<S>,
+    /// The velocity of the ground at the centre of the character, m/s, for one who jumps off; zero in the air.
+    pub ground_velocity: Vec2<S>,
+    /// The colliders that it moved against, in the order in which it met them, those that it met at once by key, then by handle.
+    pub hits: Vec<CharacterHit<S>>,
+    /// True if it overlaps a collider that it could not get out of: it is being crushed, or was put there.
+    pub is_overlapping: bool,
+    /// The translation that was asked for, m.
+    pub desired: Vec2<S>,
+}

@@ -1,0 +1,215 @@
+//! Explosions: impulses on all colliders around a point.
+
+use alloc::vec::Vec;
+
+use super::forces::Effect;
+use super::{Command, Frame, World};
+use crate::body::{Activity, BodyKind, Change};
+use crate::codec::codec_struct;
+use crate::collider::Collider;
+use crate::error::{Error, Quantity};
+use crate::fx::Fx;
+use crate::kernel::wide::div_256;
+use crate::limits;
+use crate::math::Vec2;
+use crate::query::{
+    Core, Placement, Point, beside, checked_point, distance, dot, in_scalar, nearest, odd_shift, point,
+};
+use crate::scalar::{Accumulator as _, Scalar, Wide as _};
+use crate::slots::BodyId;
+
+/// An explosion: an impulse, away from a point, on each collider of a dynamic body around it.
+///
+/// A collider whose nearest point is d away gets the impulse p·w·f at that point, in the direction from the centre to it. w is the width that it
+/// turns to the centre, m: the length of its shadow at right angles to that direction. f is 1 up to the radius, falls evenly to 0
+/// over the falloff, and is 0 beyond. Each part of a compound counts by itself. A collider that has the centre in it gets its impulse at
+/// the centre, in the direction of the centre of mass of its body, and none where the two are the same.
+///
+/// ```
+/// use umbra_physics::{BodyDef, Explosion, Mass, Shape, World, WorldDef, fx, vec2};
+///
+/// let mut world = World::new(WorldDef::default())?;
+/// let def = BodyDef { mass: Mass::Kilograms(fx!(2)), ..BodyDef::dynamic().with_collider(Shape::rectangle(1, 3)?) };
+/// let near = world.add_body(BodyDef { position: vec2(2, 0), ..def.clone() })?;
+/// let far = world.add_body(BodyDef { position: vec2(-5, 0), ..def })?;
+///
+/// // 4 N·s a metre up to 2 m, and less up to 7 m. The sides that face it are 3 m wide.
+/// let blast = Explosion { radius: fx!(2), falloff: fx!(5), ..Explosion::new(vec2(0, 0), fx!(4)) };
+/// world.explode(&blast)?;
+/// assert_eq!(world.body(near)?.velocity(), vec2(6, 0));
+/// assert_eq!(world.body(far)?.velocity(), vec2(-3, 0)); // 4.5 m away: a half of it
+/// # Ok::<(), umbra_physics::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct Explosion<S = Fx> {
+    /// The centre, m.
+    pub position: Vec2<S>,
+    /// The distance up to which it has its whole strength, m, 0 to 2^12.
+    pub radius: S,
+    /// The distance from there over which the strength falls to nothing, m, 0 to 2^12.
+    pub falloff: S,
+    /// The impulse on each metre of width, N·s/m, within ±2^16; below 0 it pulls.
+    pub impulse: S,
+    /// The [categories](crate::Filter::category) of the colliders that it acts on.
+    pub mask: u32,
+}
+
+codec_struct!(Explosion { position, radius, falloff, impulse, mask });
+
+/// The largest radius and falloff, m.
+const RADIUS: Fx = Fx::from_bits(1 << 44);
+/// The largest impulse on a metre, N·s/m.
+const IMPULSE: Fx = Fx::from_bits(1 << 48);
+
+impl<S: Scalar> Explosion<S> {
+    /// An explosion at a point of 1 m radius and 1 m falloff, for all categories.
+    ///
+    /// ```
+    /// use umbra_physics::{Error, Explosion, Fx, Quantity, fx, vec2};
+    ///
+    /// let blast = Explosion::new(vec2(3, 4), fx!(10));
+    /// assert_eq!((blast.position, blast.radius, blast.falloff, blast.mask), (vec2(3, 4), fx!(1), fx!(1), !0));
+    /// let far = Explosion { radius: fx!(5000), ..blast };
+    /// assert_eq!((blast.check(), far.check()), (Ok(()), Err(Error::OutOfRange { quantity: Quantity::ExplosionRadius })));
+    /// ```
+    #[must_use]
+    pub fn new(position: Vec2<S>, impulse: S) -> Self {
+        Self { position, radius: S::ONE, falloff: S::ONE, impulse, mask: !0 }
+    }
+
+    /// Checks the values as a world does.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] naming the quantity.
+    pub fn check(&self) -> Result<(), Error> {
+        let within = |value: S, least: Fx, most: Fx, quantity| {
+            let is_within = value >= S::from_fx(least) && value <= S::from_fx(most);
+            if is_within { Ok(()) } else { Err(Error::OutOfRange { quantity }) }
+        };
+        checked_point(self.position)?;
+        within(self.radius, Fx::ZERO, RADIUS, Quantity::ExplosionRadius)?;
+        within(self.falloff, Fx::ZERO, RADIUS, Quantity::ExplosionRadius)?;
+        within(self.impulse, -IMPULSE, IMPULSE, Quantity::ExplosionImpulse)
+    }
+
+    /// The share of its strength that is left at a distance in units of 2^-48 m, in units of 2^-32, rounded down.
+    fn strength(&self, away: u128) -> i64 {
+        let parts = |length: S| u128::from(length.to_fx().to_bits().unsigned_abs()) << 16;
+        let (radius, falloff) = (parts(self.radius), parts(self.falloff));
+        match (radius + falloff).checked_sub(away) {
+            None => 0,
+            Some(_) if away <= radius => 1 << 32,
+            // Below 2^60, so that the quotient is below 2^32.
+            Some(left) => div_256(0, left << 32, falloff).0 as i64,
+        }
+    }
+
+    /// The impulse on an outline, and the point where it acts, both in ulps of their units. `towards` is the centre of mass of its body.
+    ///
+    /// *Error* of a component of the impulse 2^-32 of it and 2 ulps.
+    fn impulse_on(&self, core: &Core, from: Point, towards: Point) -> Option<(Point, Point)> {
+        let near = nearest(core.corners());
+        let away = distance(core, near);
+        let strength = self.strength(away);
+        if strength == 0 {
+            return None;
+        }
+        let (at, back) = point(core, near, away);
+        let out = if away == 0 { towards } else { back.map(|part| -part) };
+        let direction = Vec2::new(Fx::from_bits(out[0]), Fx::from_bits(out[1])).normalize()?;
+        let direction = [direction.x.to_bits(), direction.y.to_bits()];
+        // Corners are below 2^15 m from the centre of mass.
+        let across = [-direction[1], direction[0]];
+        let shadow = |corner: &Point| odd_shift(dot([corner[0] - at[0], corner[1] - at[1]], across), 32);
+        let (low, high) = core
+            .corners()
+            .iter()
+            .map(shadow)
+            .fold((i128::MAX, i128::MIN), |(low, high), part| (low.min(part), high.max(part)));
+        let width = high - low + 2 * i128::from(core.radius);
+        // An outline is at most 2^14 m wide: below 2^48·2^46, then 2^62·2^32. So an impulse is below 2^30 N·s, and fits.
+        let size = odd_shift(i128::from(self.impulse.to_fx().to_bits()) * width, 32);
+        let size = odd_shift(size * i128::from(strength), 32);
+        let impulse = direction.map(|part| odd_shift(i128::from(part) * size, 32));
+        let [x, y] = impulse.map(i64::try_from);
+        Some(([x.ok()?, y.ok()?], beside(from, at)))
+    }
+}
+
+impl<S: Scalar> World<S> {
+    /// Sets off an explosion: an impulse on each collider of a dynamic body around it, all from the state before. It wakes whom it hits.
+    /// Bodies without colliders are not hit, nor are disabled and quarantined ones.
+    ///
+    /// *Error* of an impulse 2^-30 of it and 4 ulps in each component. *Cost* each collider of a dynamic body is looked at.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] naming the quantity: also [`Quantity::Velocity`] or [`Quantity::AngularVelocity`] if a body would leave the envelope.
+    /// Then none is hit.
+    pub fn explode(&mut self, explosion: &Explosion<S>) -> Result<(), Error> {
+        let effects = self.blast(explosion)?;
+        self.journal.note(|| Command::Explode(*explosion));
+        for (body, effect) in effects {
+            let Effect::Strike { velocity, angular_velocity } = effect else { continue };
+            let dense = self.touch(body, Change::VELOCITY)?;
+            let motion = &mut self.bodies.columns.motion;
+            motion.velocity.set(dense, velocity);
+            motion.angular_velocity[dense] = angular_velocity;
+        }
+        Ok(())
+    }
+
+    /// The bodies that an explosion hits, by their handles, and their velocities after it.
+    pub(super) fn blast(&self, explosion: &Explosion<S>) -> Result<Vec<(BodyId, Effect<S>)>, Error> {
+        explosion.check()?;
+        let mut bodies: Vec<BodyId> = Vec::new();
+        let is_hit = |collider: &&Collider<S>| collider.def.filter.category & explosion.mask != 0;
+        bodies.extend(self.colliders.list().filter(is_hit).map(|collider| collider.body));
+        bodies.sort_unstable();
+        bodies.dedup();
+        let mut effects = Vec::new();
+        for body in bodies {
+            let dense = self.bodies.find(body)?;
+            let takes_part = matches!(self.bodies.activity(dense), Activity::Awake | Activity::Asleep);
+            if !takes_part || self.bodies.info(dense).kind != BodyKind::Dynamic {
+                continue;
+            }
+            if let Some(effect) = self.blast_on(explosion, body, dense)? {
+                effects.push((body, effect));
+            }
+        }
+        Ok(effects)
+    }
+
+    /// The velocities of a body after an explosion, if it is hit.
+    fn blast_on(&self, explosion: &Explosion<S>, body: BodyId, dense: usize) -> Result<Option<Effect<S>>, Error> {
+        let from = checked_point(explosion.position)?;
+        let motion = &self.bodies.columns.motion;
+        let position = motion.position.get(dense).map(|part| part.value());
+        let placement = Placement::<S>::new(position, motion.angle[dense]);
+        // Positions are below 2^62 ulps, so that the difference fits.
+        let towards = [placement.position()[0] - from[0], placement.position()[1] - from[1]];
+        let mut sum: Option<(Vec2<S::Wide>, S::Wide)> = None;
+        for collider in self.colliders.of_slot(body.slot) {
+            if collider.def.filter.category & explosion.mask == 0 {
+                continue;
+            }
+            for part in 0..collider.outline_count() {
+                let core = Core::new(&collider.outline(part).outline, &placement, from);
+                let hit = core.and_then(|core| explosion.impulse_on(&core, from, towards));
+                let Some((impulse, at)) = hit else { continue };
+                let out = Error::OutOfRange { quantity: Quantity::Impulse };
+                let (impulse, at) = (in_scalar::<S>(impulse), in_scalar::<S>(at));
+                let (impulse, moment) = self.lever(dense, impulse, Some(at), Frame::World, Quantity::Impulse)?;
+                // Sums of fixed point are exact: their order makes no difference.
+                let (whole, turn) = sum.unwrap_or_default();
+                let whole = whole.x.plus(impulse.x).zip(whole.y.plus(impulse.y)).ok_or(out)?;
+                sum = Some((Vec2::new(whole.0, whole.1), turn.plus(moment).ok_or(out)?));
+            }
+        }
+        sum.map(|(impulse, moment)| self.strike(dense, impulse, moment)).transpose()
+    }
+}
+
+const _: () =
+    assert!(limits::QUERY.to_bits() > 2 * RADIUS.to_bits(), "what is out of reach is out of reach of any explosion");

@@ -1,0 +1,84 @@
+//! The colliders around a shape, as obstacles of its centre.
+
+use alloc::vec::Vec;
+
+use super::cast::checked_shape;
+use super::{Queries, QueryFilter};
+use crate::body::BodyKind;
+use crate::collider::Side;
+use crate::error::Error;
+use crate::fx::Fx;
+use crate::math::Vec2;
+use crate::query::{Core, Point, Sum, beside, from_to};
+use crate::scalar::{Angle as _, Scalar, Wide as _};
+use crate::shape::Shape;
+use crate::slots::{BodyId, ColliderId};
+use crate::world::World;
+
+/// A part of a collider and one of a shape. The centre of the shape is a point that meets the sum of the two.
+#[derive(Debug)]
+pub(crate) struct Neighbour {
+    pub(crate) collider: ColliderId,
+    pub(crate) body: BodyId,
+    pub(crate) part: u32,
+    /// The sum, and the cores of the shape and of the collider, as seen from the start.
+    pub(crate) sum: Sum,
+    pub(crate) cores: [Core; 2],
+    /// The way from the first to the second end of a segment of a chain.
+    pub(crate) link: Option<Point>,
+    /// The side from which a one-way collider holds, in the axes of the world.
+    pub(crate) side: Option<Side<Fx>>,
+    pub(crate) is_dynamic: bool,
+}
+
+impl<'a, S: Scalar> Queries<'a, S> {
+    /// The world of the queries.
+    pub(crate) fn world(&self) -> &'a World<S> {
+        self.world
+    }
+
+    /// The parts of colliders that come within `reach` ulps of a shape at a position, along an axis, sorted by key, handle and part.
+    pub(crate) fn around(
+        &self,
+        shape: &Shape<S>,
+        position: Vec2<S>,
+        reach: i64,
+        filter: &QueryFilter<'_, S>,
+    ) -> Result<(Point, Vec<Neighbour>), Error> {
+        let (from, parts) = checked_shape(shape, (position, S::ZERO))?;
+        let mut found = Vec::new();
+        for (own, part) in (0_u32..).zip(&parts) {
+            let [min, max] = part.bounds().map(|corner| beside(from, corner));
+            let bounds = [min.map(|part| part - reach), max.map(|part| part + reach)];
+            self.in_box(bounds, filter, |outline| {
+                if let (Some((core, is_link)), Some(target)) = (outline.core(from), outline.target()) {
+                    let def = &target.collider.def;
+                    let link = match core.corners() {
+                        &[a, b] if is_link => Some(from_to(a, b)),
+                        _ => None,
+                    };
+                    let side = target.collider.side.and_then(|side| {
+                        let angle = self.world.body(target.collider.body).ok()?.angle_exact();
+                        let turned = angle.rotate(side.direction)?.try_map(|part| Some(part.to_scalar()?.to_fx()))?;
+                        Some(Side { direction: turned, cosine: side.cosine.to_fx() })
+                    });
+                    let neighbour = Neighbour {
+                        collider: target.id,
+                        body: target.collider.body,
+                        part: target.part,
+                        sum: Sum::new(part, &core),
+                        cores: [part.clone(), core],
+                        link,
+                        side,
+                        is_dynamic: self.kind(target.collider.body) == Some(BodyKind::Dynamic),
+                    };
+                    found.push(((def.key, target.id, target.part, own), neighbour));
+                }
+                true
+            });
+        }
+        found.sort_unstable_by_key(|&(rank, _)| rank);
+        let found = found.into_iter().map(|(_, neighbour)| neighbour);
+        Ok((from, found.filter(|neighbour| self.accepts(neighbour.collider, filter)).collect()))
+    }
+}
