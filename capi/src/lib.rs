@@ -29,6 +29,7 @@ mod world;
 mod body;
 mod collider;
 mod contact;
+mod event;
 mod field;
 mod force;
 
@@ -45,6 +46,7 @@ pub use body::*;
 pub use collider::*;
 pub use command::*;
 pub use contact::*;
+pub use event::*;
 pub use field::*;
 pub use force::*;
 pub use memory::*;

@@ -3,15 +3,17 @@
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
+use super::events::{ColliderPair, ContactHit, has_events};
 use super::excluded::ExcludedPair;
 use super::flights::{FlightOf, Flights};
 use super::numbers::Numbers;
-use super::numerics::{Numerics, Surface, Touching as _};
+use super::numerics::{Approach, Numerics, Surface, Touching as _};
 use super::passes::{Near, PassRecord};
 use super::seams::{Chains, Features, is_moved, rolling_radius, take_over};
 use super::stamped::Stamped;
 use super::sweep;
 use super::tiles::Tiles;
+use super::view::newton_seconds;
 use super::{ContactEngine, ContactRecord, ContactSet, Correction, Detected, Placed, Scene, Stop, TouchPoint};
 use crate::body::{Activity, BodyKind};
 use crate::collide::broad::{BroadPhase, PairLimits, Proxy, Statics};
@@ -42,6 +44,10 @@ pub struct Engine<S: Scalar, N: Numerics<S>> {
     movers: Vec<Proxy>,
     /// By number of the contact: its outlines, features and the number of its points.
     found: Vec<([OutlineId; 2], [u32; 2], usize)>,
+    /// The impulses along the normals over the step, by the number of the contact; empty where no collider has events.
+    totals: Vec<Impulses>,
+    /// The contacts that may be hits, with their numbers.
+    approaches: Vec<(u32, Approach<S>)>,
     /// The answers of one-way colliders in this step.
     pub(super) passes: Vec<PassRecord>,
     pub(super) near: Vec<Near<S>>,
@@ -68,6 +74,8 @@ impl<S: Scalar, N: Numerics<S>> Default for Engine<S, N> {
             standing: Vec::new(),
             movers: Vec::new(),
             found: Vec::new(),
+            totals: Vec::new(),
+            approaches: Vec::new(),
             passes: Vec::new(),
             near: Vec::new(),
             excluded: Vec::new(),
@@ -128,7 +136,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         let first = self.numbers.first(collider.slot);
         let is_static =
             |dense: &usize| bodies.info(*dense).kind == BodyKind::Static && bodies.activity(*dense) == Activity::Awake;
-        let dense = bodies.find(collider.body).ok().filter(is_static);
+        let dense = bodies.find(collider.body).ok().filter(|_| !collider.def.sensor).filter(is_static);
         let motion = &bodies.columns.motion;
         let pose = dense.map(|dense| N::pose(motion.position.get(dense), motion.angle[dense]));
         pose.into_iter().flat_map(move |pose| {
@@ -156,7 +164,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         self.movers.clear();
         for flight in 0..self.flights.len() as u32 {
             let body = self.flights.body(flight);
-            for collider in scene.colliders.of_slot(body.slot) {
+            for collider in scene.colliders.solid_of_slot(body.slot) {
                 let first = self.numbers.first(collider.slot);
                 for part in 0..collider.outline_count() {
                     let bounds = N::swept(&collider.outline(part), &body.pose, self.flights.flight(flight));
@@ -209,7 +217,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         for i in self.chains.of(scene, contacts, if is_tile { NONE } else { own.slot }, pair[other]) {
             let record = &contacts.records[self.chains.record(i)];
             let before = record.pair();
-            if before[side] == own || !is_moved(features, record, other) {
+            if before[side] == own || record.is_slack() || !is_moved(features, record, other) {
                 continue;
             }
             let mut near = numbers;
@@ -315,6 +323,11 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         };
         let speed = materials[0].surface_speed_against(materials[1]);
         self.numerics.push(ends, &manifold, &Surface { coefficients, radius, speed }, start);
+        if a.def.hit_events || b.def.hit_events {
+            let flights = ends.map(|flight| self.flights.flight(flight));
+            let approach = N::approach(&manifold, flights, scene.time_step);
+            self.approaches.push((self.found.len() as u32, approach));
+        }
         self.found.push((pair, features, count));
     }
 }
@@ -323,6 +336,8 @@ impl<S: Scalar, N: Numerics<S>> ContactEngine<S> for Engine<S, N> {
     fn detect(&mut self, scene: &Scene<'_, S>, contacts: &ContactSet, out: &mut Detected) {
         self.numerics.clear();
         self.found.clear();
+        self.totals.clear();
+        self.approaches.clear();
         self.core_of.clear();
         let are_renumbered = self.numbers.update(scene.colliders);
         self.chains.clear();
@@ -357,16 +372,55 @@ impl<S: Scalar, N: Numerics<S>> ContactEngine<S> for Engine<S, N> {
         self.broad.return_pairs(pairs);
     }
 
-    fn list(&self, contacts: &mut ContactSet) {
+    fn list(&self, colliders: &ColliderSet<S>, contacts: &mut ContactSet) {
         contacts.records.clear();
         let found = self.numerics.contacts().zip(&self.found);
-        let pressed = found.filter(|((_, impulses), _)| impulses.values != [0; 3]);
-        contacts.records.extend(
-            pressed
-                .map(|((_, impulses), &(pair, features, count))| ContactRecord::new(pair, features, count, impulses)),
-        );
+        let record = |((_, impulses), (pair, features, count)): ((_, Impulses), &(_, _, _))| {
+            ContactRecord::new(*pair, *features, *count, impulses)
+        };
+        if self.totals.is_empty() || !colliders.any_contact_events() {
+            contacts.records.extend(found.filter(|((_, impulses), _)| impulses.values != [0; 3]).map(record));
+        } else {
+            let touched =
+                |&(((_, impulses), (pair, ..)), total): &(((_, Impulses), &([OutlineId; 2], _, _)), &Impulses)| {
+                    let own = pair.map(|outline| colliders.at(outline.slot));
+                    let is_reported = matches!(own, [Some(a), Some(b)] if has_events([a, b]));
+                    impulses.values != [0; 3] || is_reported && total.values != [0; 3]
+                };
+            contacts.records.extend(found.zip(&self.totals).filter(touched).map(|(found, _)| record(found)));
+        }
         contacts.passes.clone_from(&self.passes);
         contacts.excluded.clone_from(&self.excluded);
+    }
+
+    fn hits(&self, scene: &Scene<'_, S>, hits: &mut Vec<ContactHit<S>>) {
+        for (number, approach) in &self.approaches {
+            let number = *number as usize;
+            let (Some((outlines, ..)), Some(total)) = (self.found.get(number), self.totals.get(number)) else {
+                continue;
+            };
+            let slots = outlines.map(|outline| outline.slot);
+            let Some(pair) = ColliderPair::of_contact(scene.bodies, scene.colliders, slots) else { continue };
+            let is_swapped = pair.colliders[0].slot != slots[0];
+            let Some((approach_speed, point)) = approach.fastest::<N>(total, usize::from(is_swapped)) else { continue };
+            if approach_speed < scene.settings.hit_speed {
+                continue;
+            }
+            let (mut parts, mut normal) = (outlines.map(|outline| outline.part), approach.normal);
+            if is_swapped {
+                parts.reverse();
+                normal = normal.map(|part| -part);
+            }
+            hits.push(ContactHit {
+                pair,
+                parts,
+                approach_speed,
+                normal,
+                point,
+                normal_impulse: newton_seconds(total.values[0].saturating_add(total.values[1]), total.exponent),
+            });
+        }
+        hits.sort_unstable_by_key(|hit| (hit.pair.rank(), hit.parts));
     }
 
     fn touching(&self, colliders: &ColliderSet<S>, mut found: impl FnMut([u32; 2], bool)) {
@@ -384,6 +438,12 @@ impl<S: Scalar, N: Numerics<S>> ContactEngine<S> for Engine<S, N> {
             return;
         }
         self.numerics.solve(scene, self.flights.all(), corrections);
+        if scene.colliders.any_contact_events() || !self.approaches.is_empty() {
+            self.totals.resize(self.found.len(), Impulses::default());
+            for (number, total) in self.numerics.totals() {
+                self.totals[number] = total;
+            }
+        }
         // Moving bodies have the first flights.
         for (bodies, _) in self.numerics.contacts().filter(|(_, impulses)| impulses.values != [0; 3]) {
             for body in bodies {

@@ -4,6 +4,7 @@ mod cases;
 mod chains;
 mod compounds;
 mod dominance;
+mod events;
 mod excluded;
 mod extremes;
 mod fair;
