@@ -19,6 +19,7 @@ mod pairs;
 mod queries;
 mod rolling;
 mod scenes;
+mod sensors;
 mod sleep;
 mod state;
 mod tiles;
