@@ -148,8 +148,7 @@ pub unsafe extern "C" fn umbra_world_sensor_overlaps(
     count: Option<&mut MaybeUninit<usize>>,
 ) -> UmbraStatus {
     guard(|| {
-        let all: Vec<UmbraColliderPair> =
-            given(world)?.world().sensor_overlaps().map(|pair| (&pair).into()).collect();
+        let all: Vec<UmbraColliderPair> = given(world)?.world().sensor_overlaps().map(|pair| (&pair).into()).collect();
         // SAFETY: as the caller promises.
         unsafe { fill(all.into_iter(), pairs, capacity, count) }
     })
