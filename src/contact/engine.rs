@@ -325,7 +325,8 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         self.numerics.push(ends, &manifold, &Surface { coefficients, radius, speed }, start);
         if a.def.hit_events || b.def.hit_events {
             let flights = ends.map(|flight| self.flights.flight(flight));
-            let approach = N::approach(&manifold, flights, scene.time_step);
+            let mut approach = N::approach(&manifold, flights, scene.time_step);
+            approach.leave_out_pressed(&start);
             self.approaches.push((self.found.len() as u32, approach));
         }
         self.found.push((pair, features, count));

@@ -152,7 +152,8 @@ pub struct ContactHit<S = Fx> {
     /// The position at which the surfaces met, m: in the middle between two points that hit at the same speed. *Error* half of the way by
     /// which the surfaces slide past each other in the step.
     pub point: Vec2<S>,
-    /// The impulse along the normal over the step, N·s, restitution included.
+    /// The impulse along the normal over the step, N·s, restitution included. A body without restitution that arrives in the last fifth of a
+    /// step gets the rest in the next one.
     pub normal_impulse: S,
 }
 

@@ -522,6 +522,25 @@ fn only_what_closes_fast_enough_is_a_hit() {
 }
 
 #[test]
+fn an_impact_is_one_hit_at_any_part_of_a_step() {
+    for i in 0..60 {
+        for (speed, restitution) in [(12_i32, fx!(0)), (100, fx!(0)), (100, fx!(0.5)), (12, fx!(1))] {
+            let away = fx!(1.3) + Fx::from_ratio((i * speed).into(), 60 * 60);
+            let mut bodies = [disc(Vec2::ZERO, 1), eventful(disc(vec2(away, 0), 2))];
+            bodies[0].kind = BodyKind::Static;
+            bodies[1].velocity = vec2(-Fx::from(speed), 0);
+            bodies[1].colliders[0].material = material(fx!(0), restitution);
+            let (mut world, _) = world(WorldDef { gravity: Vec2::ZERO, ..def() }, bodies).expect("a scene");
+            let mut hits = Vec::new();
+            (0..10).for_each(|_| hits.extend(world.step().hits.iter().copied()));
+            let speeds: Vec<Fx> = hits.iter().map(|hit| hit.approach_speed).collect();
+            assert_eq!(speeds, [Fx::from(speed)], "{i} {restitution}");
+            assert!((hits[0].point - vec2(fx!(0.5), 0)).length() < fx!(0.02), "{}", hits[0].point);
+        }
+    }
+}
+
+#[test]
 fn a_game_tells_new_events_from_those_it_has_shown() {
     #[derive(Clone, Copy, Debug, Default, PartialEq)]
     struct Push(bool);
