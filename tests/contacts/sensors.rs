@@ -6,7 +6,7 @@ use super::events::{Observer, Pair, crowd, quiet, shake};
 use super::scenes::{def, ground, square, world};
 use umbra_physics::{
     Activity, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, Filter, Fx, QueryFilter, Random, Shape, Snapshot,
-    Symmetry, Vec2, World, WorldDef, fx, vec2,
+    SnapshotError, Symmetry, Vec2, World, WorldDef, fx, vec2,
 };
 
 fn sensor(shape: Shape, key: u64) -> ColliderDef {
@@ -297,4 +297,24 @@ fn a_sensor_over_sleeping_bodies_wakes_nobody_and_queries_do_not_see_it() {
     assert_eq!((observer.counts, observer.inside.len()), ([0, 0, 0, 1, 2], 1));
     let at = world.body(drone).expect("a body").position() + vec2(0, fx!(0.9));
     assert!(world.queries().overlap_point(at, &QueryFilter::default()).expect("a point").is_empty());
+}
+
+#[test]
+fn forged_overlaps_are_refused() {
+    let (world, ..) = goal();
+    let bytes = world.snapshot().to_bytes();
+    // At the end: one overlap of 8 bytes after its count, no pair that ended, no body that woke, the hash, the seal.
+    let overlap = bytes.len() - 16 - 2 * 4 - 8;
+    assert_eq!(bytes[overlap - 4..overlap + 8], [1, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0]);
+    for (at, value) in [
+        (overlap, 1),     // no sensor
+        (overlap, 9),     // a collider that is not there
+        (overlap + 4, 0), // the sensor itself
+        (overlap + 4, 9),
+    ] {
+        let mut forged = bytes.clone();
+        forged[at] = value;
+        let error = Snapshot::from_bytes(&forged, &[]).expect_err("no world has this");
+        assert!(matches!(error, SnapshotError::Malformed(_)), "{at}: {error}");
+    }
 }
